@@ -35,7 +35,7 @@ class Laboratory {
   }
 
  private:
-  experiments::Simulation simulation_{bench::lacet4_track()};
+  experiments::Simulation simulation_{fixture::lacet4_track()};
   estimation::Registry registry_;
   experiments::Trial trial_;
   experiments::Trace trace_;

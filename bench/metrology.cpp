@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
   app.add_option("--algorithm", algorithm);
   CLI11_PARSE(app, argc, argv);
 
-  experiments::Simulation simulation{bench::lacet4_track()};
+  experiments::Simulation simulation{fixture::lacet4_track()};
   simulation.way_m = way_m;
   simulation.odometry_hz = rate_hz;
   simulation.turns = !algorithm.starts_with("arc");

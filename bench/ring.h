@@ -8,7 +8,7 @@
 #include "cosiva/base/math.h"
 #include "cosiva/zone/circuit/circuit.h"
 
-namespace cosiva::bench {
+namespace cosiva::fixture {
 
 /// A closed ring of mixed sections: four times straight, clothoid in, arc, clothoid out, each corner turning a quarter.
 /// The four sides are equal, so the ring closes by symmetry; Circuit::make checks that it does.
@@ -44,4 +44,4 @@ inline zone::Circuit mixed_ring() {
   return *std::move(circuit);
 }
 
-}  // namespace cosiva::bench
+}  // namespace cosiva::fixture

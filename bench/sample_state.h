@@ -7,7 +7,7 @@
 #include "cosiva/wire/messages/messages.h"
 #include "cosiva/wire/messages/topics.h"
 
-namespace cosiva::bench {
+namespace cosiva::fixture {
 
 /// A state as a vehicle on the way sends it: about 1 kB of JSON. `number` makes messages differ as they do in a run.
 inline wire::State sample_state(const wire::VehicleId& id, std::uint32_t number, SimTime at, const Pose2& X_MB,
@@ -32,4 +32,4 @@ inline wire::State sample_state(const wire::VehicleId& id, std::uint32_t number,
   return state;
 }
 
-}  // namespace cosiva::bench
+}  // namespace cosiva::fixture

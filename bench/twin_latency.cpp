@@ -221,7 +221,7 @@ class Publisher {
   [[nodiscard]] wire::State state_of(std::size_t vehicle, std::uint32_t number) const {
     const aiv::AivMotion& motion = motions_[vehicle];
     wire::State state =
-        bench::sample_state(ids_[vehicle], number, clock_.now(), motion.pose(zone_.circuit), zone_.name);
+        fixture::sample_state(ids_[vehicle], number, clock_.now(), motion.pose(zone_.circuit), zone_.name);
     state.order_id = "round-" + ids_[vehicle].serial_number;
     state.order_update_id = 1;
     std::size_t waypoint = zone_.waypoint_behind(motion.place(zone_.circuit));

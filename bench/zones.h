@@ -10,7 +10,7 @@
 #include "cosiva/base/test_places.h"
 #include "cosiva/zone/rtm/rtm.h"
 
-namespace cosiva::bench {
+namespace cosiva::fixture {
 
 /// The article's circuit, once round its ring.
 inline std::shared_ptr<const estimation::Track> lacet4_track() {
@@ -26,4 +26,4 @@ inline std::shared_ptr<const estimation::Track> lacet4_track() {
   return std::make_shared<const estimation::Track>(*estimation::Track::of_ring(circuit));
 }
 
-}  // namespace cosiva::bench
+}  // namespace cosiva::fixture

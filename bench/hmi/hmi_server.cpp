@@ -153,9 +153,9 @@ std::string snapshot_json(const Fleet& fleet, SimTime now) {
   return json.take();
 }
 
-class Bench {
+class Fixture {
  public:
-  Bench(const Options& options, zone::Rtm rtm)
+  Fixture(const Options& options, zone::Rtm rtm)
       : rtm_{std::move(rtm)},
         scale_{options.scale > 0.0 ? options.scale : natural_scale(options.vehicles)},
         fleet_{rtm_.zone(), options.vehicles, scale_} {
@@ -218,7 +218,7 @@ class Bench {
     if (request.path == "/api/v1/run") return app::json_response(run_json());
     if (request.path == "/api/v1/zones") return app::json_response(R"({"zones":[]})");
     if (request.path == "/api/v1/traces") return app::json_response(R"({"next":1,"oldest":1,"traces":[]})");
-    return adapters::http_error(409, "bench.not_now", "this is a benchmark's server: there is nothing but a picture");
+    return adapters::http_error(409, "benchmark.not_now", "this is a benchmark's server: there is nothing but a picture");
   }
 
   adapters::EventLoop loop_;
@@ -248,6 +248,6 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "hmi_server: %s\n", to_string(rtm.error()).c_str());
     return 2;
   }
-  Bench bench{options, std::move(*rtm)};
-  return bench.run(options);
+  Fixture fixture{options, std::move(*rtm)};
+  return fixture.run(options);
 }

@@ -13,7 +13,7 @@
 #include <thread>
 
 #include "cosiva/adapters/files.h"
-#include "cosiva/adapters/test_bench.h"
+#include "cosiva/adapters/test_fixture.h"
 
 namespace cosiva::adapters {
 namespace {
@@ -24,7 +24,7 @@ using ::testing::HasSubstr;
 using testing::Scratch;
 using testing::timeout;
 
-struct Bench {
+struct Fixture {
   EventLoop loop;
   std::optional<ChildExit> exit;
   std::vector<std::string> lines;
@@ -63,55 +63,55 @@ class Lifeline {
 };
 
 TEST(Child, tells_how_it_ended) {
-  Bench bench;
-  const auto child = bench.shell("exit 7");
-  ASSERT_TRUE(bench.until([&] { return bench.exit.has_value(); }));
-  EXPECT_EQ(bench.exit->status, 7);
+  Fixture fixture;
+  const auto child = fixture.shell("exit 7");
+  ASSERT_TRUE(fixture.until([&] { return fixture.exit.has_value(); }));
+  EXPECT_EQ(fixture.exit->status, 7);
   EXPECT_FALSE(child->running());
-  EXPECT_EQ(to_string(*bench.exit), "exit 7");
+  EXPECT_EQ(to_string(*fixture.exit), "exit 7");
 }
 
 TEST(Child, killed_from_outside_names_the_signal) {
-  Bench bench;
-  const auto child = bench.shell("exec sleep 600");
+  Fixture fixture;
+  const auto child = fixture.shell("exec sleep 600");
   child->signal(SIGKILL);
-  ASSERT_TRUE(bench.until([&] { return bench.exit.has_value(); }));
-  EXPECT_EQ(bench.exit->signal, SIGKILL);
-  EXPECT_EQ(to_string(*bench.exit), "killed (signal 9)");
+  ASSERT_TRUE(fixture.until([&] { return fixture.exit.has_value(); }));
+  EXPECT_EQ(fixture.exit->signal, SIGKILL);
+  EXPECT_EQ(to_string(*fixture.exit), "killed (signal 9)");
 }
 
 TEST(Child, gives_its_lines_and_logs_its_errors) {
   Scratch scratch;
-  Bench bench;
-  const auto child = bench.shell("echo one; echo trouble >&2; echo two", scratch / "child.log");
-  ASSERT_TRUE(bench.until([&] { return bench.exit.has_value() && bench.lines.size() == 2; }));
-  EXPECT_THAT(bench.lines, ElementsAre("one", "two"));
+  Fixture fixture;
+  const auto child = fixture.shell("echo one; echo trouble >&2; echo two", scratch / "child.log");
+  ASSERT_TRUE(fixture.until([&] { return fixture.exit.has_value() && fixture.lines.size() == 2; }));
+  EXPECT_THAT(fixture.lines, ElementsAre("one", "two"));
   EXPECT_EQ(read_file(scratch / "child.log").value(), "trouble\n");
 }
 
 TEST(Child, ends_politely_when_it_can) {
-  Bench bench;
-  const auto child = bench.shell("trap 'echo bye; exit 0' TERM; echo up; while :; do sleep 0.05; done");
-  ASSERT_TRUE(bench.until([&] { return bench.lines.size() == 1; }));
+  Fixture fixture;
+  const auto child = fixture.shell("trap 'echo bye; exit 0' TERM; echo up; while :; do sleep 0.05; done");
+  ASSERT_TRUE(fixture.until([&] { return fixture.lines.size() == 1; }));
   child->end(timeout);
-  ASSERT_TRUE(bench.until([&] { return bench.exit.has_value() && bench.lines.size() == 2; }));
-  EXPECT_TRUE(bench.exit->clean());
-  EXPECT_EQ(bench.lines.back(), "bye");
+  ASSERT_TRUE(fixture.until([&] { return fixture.exit.has_value() && fixture.lines.size() == 2; }));
+  EXPECT_TRUE(fixture.exit->clean());
+  EXPECT_EQ(fixture.lines.back(), "bye");
 }
 
 TEST(Child, that_will_not_listen_is_killed_after_its_grace) {
-  Bench bench;
-  const auto child = bench.shell("trap '' TERM; echo up; while :; do sleep 0.05; done");
-  ASSERT_TRUE(bench.until([&] { return bench.lines.size() == 1; }));
+  Fixture fixture;
+  const auto child = fixture.shell("trap '' TERM; echo up; while :; do sleep 0.05; done");
+  ASSERT_TRUE(fixture.until([&] { return fixture.lines.size() == 1; }));
   child->end(100ms);
-  ASSERT_TRUE(bench.until([&] { return bench.exit.has_value(); }));
-  EXPECT_EQ(bench.exit->signal, SIGKILL);
+  ASSERT_TRUE(fixture.until([&] { return fixture.exit.has_value(); }));
+  EXPECT_EQ(fixture.exit->signal, SIGKILL);
 }
 
 TEST(Child, goes_with_its_owner) {
-  Bench bench;
-  auto child = bench.shell("echo up; exec sleep 600");
-  ASSERT_TRUE(bench.until([&] { return bench.lines.size() == 1; }));
+  Fixture fixture;
+  auto child = fixture.shell("echo up; exec sleep 600");
+  ASSERT_TRUE(fixture.until([&] { return fixture.lines.size() == 1; }));
   const pid_t pid = child->pid();
   child.reset();
   EXPECT_EQ(::kill(pid, 0), -1);
@@ -120,25 +120,25 @@ TEST(Child, goes_with_its_owner) {
 TEST(Child, takes_with_it_what_it_started_itself) {
   Scratch scratch;
   const Lifeline lifeline{scratch / "lifeline"};
-  Bench bench;
-  auto child = bench.shell(lifeline.taken() + "sleep 600 & echo up; exec 9>&-; wait");
-  ASSERT_TRUE(bench.until([&] { return bench.lines.size() == 1; }));
+  Fixture fixture;
+  auto child = fixture.shell(lifeline.taken() + "sleep 600 & echo up; exec 9>&-; wait");
+  ASSERT_TRUE(fixture.until([&] { return fixture.lines.size() == 1; }));
   ASSERT_TRUE(lifeline.held());
   child.reset();
-  EXPECT_TRUE(bench.until([&] { return !lifeline.held(); }));
+  EXPECT_TRUE(fixture.until([&] { return !lifeline.held(); }));
 }
 
 TEST(Child, that_is_let_go_of_while_it_talks_is_heard_no_more) {
   for (int round = 0; round < 20; ++round) {
-    Bench bench;
-    auto child = bench.shell("while :; do echo on and on; done");
-    ASSERT_TRUE(bench.until([&] { return bench.lines.size() > 10; }));
+    Fixture fixture;
+    auto child = fixture.shell("while :; do echo on and on; done");
+    ASSERT_TRUE(fixture.until([&] { return fixture.lines.size() > 10; }));
     // What it said by now waits to be read, and a read of it has begun.
     std::this_thread::sleep_for(std::chrono::milliseconds{2});
-    const std::size_t heard = bench.lines.size();
+    const std::size_t heard = fixture.lines.size();
     child.reset();
-    bench.loop.run_until([] { return false; }, std::chrono::milliseconds{5});
-    EXPECT_EQ(bench.lines.size(), heard);
+    fixture.loop.run_until([] { return false; }, std::chrono::milliseconds{5});
+    EXPECT_EQ(fixture.lines.size(), heard);
   }
 }
 
@@ -154,19 +154,19 @@ TEST(Child, that_cannot_be_run_is_an_error_naming_it) {
 }
 
 TEST(Child, inherits_none_of_our_descriptors) {
-  Bench bench;
+  Fixture fixture;
   const int own = ::socket(AF_INET, SOCK_STREAM, 0);  // without close-on-exec, as Asio opens them
   ASSERT_GE(own, 3);
-  const auto child = bench.shell("ls /proc/self/fd | wc -l");
-  ASSERT_TRUE(bench.until([&] { return bench.lines.size() == 1; }));
+  const auto child = fixture.shell("ls /proc/self/fd | wc -l");
+  ASSERT_TRUE(fixture.until([&] { return fixture.lines.size() == 1; }));
   ::close(own);
-  EXPECT_LE(std::stoi(bench.lines.front()), 4);  // 0, 1, 2 and the directory ls reads
+  EXPECT_LE(std::stoi(fixture.lines.front()), 4);  // 0, 1, 2 and the directory ls reads
 }
 
 TEST(Child, hears_no_ctrl_c_meant_for_us) {
-  Bench bench;
-  const auto child = bench.shell("echo up; exec sleep 600");
-  ASSERT_TRUE(bench.until([&] { return bench.lines.size() == 1; }));
+  Fixture fixture;
+  const auto child = fixture.shell("echo up; exec sleep 600");
+  ASSERT_TRUE(fixture.until([&] { return fixture.lines.size() == 1; }));
   EXPECT_NE(::getpgid(child->pid()), ::getpgrp());
 }
 
@@ -176,9 +176,9 @@ TEST(Child, dies_with_a_parent_that_was_killed) {
   // The middle process starts a child and is then killed without a chance to tidy up.
   const pid_t middle = ::fork();
   if (middle == 0) {
-    Bench bench;
-    const auto child = bench.shell(lifeline.taken() + "echo up; exec sleep 600");
-    if (!bench.until([&] { return bench.lines.size() == 1 && lifeline.held(); })) ::_exit(1);
+    Fixture fixture;
+    const auto child = fixture.shell(lifeline.taken() + "echo up; exec sleep 600");
+    if (!fixture.until([&] { return fixture.lines.size() == 1 && lifeline.held(); })) ::_exit(1);
     ::raise(SIGKILL);
   }
   ASSERT_GT(middle, 0);

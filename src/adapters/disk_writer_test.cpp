@@ -5,7 +5,7 @@
 #include <future>
 #include <vector>
 
-#include "cosiva/adapters/test_bench.h"
+#include "cosiva/adapters/test_fixture.h"
 
 namespace cosiva::adapters {
 namespace {

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "cosiva/adapters/http_server.h"
-#include "cosiva/adapters/test_bench.h"
+#include "cosiva/adapters/test_fixture.h"
 
 namespace cosiva::adapters {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "cosiva/adapters/test_bench.h"
+#include "cosiva/adapters/test_fixture.h"
 
 namespace cosiva::adapters::http_rules {
 namespace {

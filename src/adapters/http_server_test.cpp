@@ -12,7 +12,7 @@
 #include <boost/beast/websocket.hpp>
 #include <optional>
 
-#include "cosiva/adapters/test_bench.h"
+#include "cosiva/adapters/test_fixture.h"
 
 namespace cosiva::adapters {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "cosiva/adapters/broker.h"
 #include "cosiva/adapters/state_file.h"
-#include "cosiva/adapters/test_bench.h"
+#include "cosiva/adapters/test_fixture.h"
 #include "cosiva/adapters/unix_ports.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/journal/replay.h"

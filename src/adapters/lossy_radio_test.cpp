@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "cosiva/adapters/test_bench.h"
+#include "cosiva/adapters/test_fixture.h"
 #include "cosiva/wire/messages/topics.h"
 
 namespace cosiva::adapters {

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "cosiva/adapters/broker.h"
-#include "cosiva/adapters/test_bench.h"
+#include "cosiva/adapters/test_fixture.h"
 
 namespace cosiva::adapters {
 namespace {

@@ -8,7 +8,7 @@
 #include <map>
 
 #include "cosiva/adapters/ports.h"
-#include "cosiva/adapters/test_bench.h"
+#include "cosiva/adapters/test_fixture.h"
 #include "cosiva/adapters/unix_ports.h"
 
 namespace cosiva::adapters {

@@ -3,8 +3,8 @@
 #include <filesystem>
 
 #include "cosiva/adapters/files.h"
-#include "cosiva/adapters/test_bench.h"
-#include "cosiva/app/command_line_bench.h"
+#include "cosiva/adapters/test_fixture.h"
+#include "cosiva/app/command_line_fixture.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/test_places.h"
 #include "cosiva/wire/runtime/core.h"
@@ -13,9 +13,9 @@ namespace cosiva::app {
 namespace {
 
 using adapters::testing::Scratch;
-using bench::cosiva;
-using bench::Said;
-using bench::zones;
+using fixture::cosiva;
+using fixture::Said;
+using fixture::zones;
 using ::testing::HasSubstr;
 
 const std::string scenarios = source_dir() + "/scenarios/";

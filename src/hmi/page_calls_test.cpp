@@ -8,18 +8,18 @@
 #include <map>
 
 #include "cosiva/adapters/files.h"
-#include "cosiva/adapters/test_bench.h"
+#include "cosiva/adapters/test_fixture.h"
 #include "cosiva/base/test_places.h"
 #include "cosiva/hmi/http_responses.h"
 #include "cosiva/hmi/openapi.h"
-#include "cosiva/hmi/page_bench.h"
+#include "cosiva/hmi/page_fixture.h"
 
 namespace cosiva::app {
 namespace {
 
 using adapters::HttpResponse;
 using adapters::testing::Scratch;
-using bench::PageBench;
+using fixture::PageFixture;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -32,18 +32,18 @@ std::string allow_of(const HttpResponse& response) {
 }
 
 TEST(PageCalls, that_do_not_exist_or_are_asked_wrongly_say_what_there_is) {
-  PageBench page;
+  PageFixture page;
   EXPECT_EQ(page.ask("GET", "/api/v1/nothing").status, 404U);
   EXPECT_EQ(page.ask("GET", "/api%2Fv1/zone").status, 404U);
   EXPECT_EQ(page.ask("GET", "/api/v1/virtual-objects/a/b").status, 404U);
   const HttpResponse wrong = page.ask("PATCH", "/api/v1/virtual-objects");
   EXPECT_EQ(wrong.status, 405U);
   EXPECT_EQ(allow_of(wrong), "POST, DELETE");
-  EXPECT_THAT(PageBench::sentence(wrong), HasSubstr("POST, DELETE"));
+  EXPECT_THAT(PageFixture::sentence(wrong), HasSubstr("POST, DELETE"));
 }
 
 TEST(PageCalls, respond_with_what_is) {
-  PageBench page;
+  PageFixture page;
   for (const char* what : {"zone", "snapshot", "bijection", "run", "zones", "traces", "traces?after=3&limit=5"}) {
     const HttpResponse response = page.ask("GET", std::string("/api/v1/") + what);
     EXPECT_EQ(response.status, 200U) << what;
@@ -58,7 +58,7 @@ TEST(PageCalls, respond_with_what_is) {
 }
 
 TEST(PageCalls, need_whole_numbers_of_traces) {
-  PageBench page;
+  PageFixture page;
   EXPECT_EQ(page.ask("GET", "/api/v1/traces?after=-1").status, 400U);
   EXPECT_EQ(page.ask("GET", "/api/v1/traces?limit=many").status, 400U);
   EXPECT_EQ(page.ask("GET", "/api/v1/traces/first").status, 400U);
@@ -68,7 +68,7 @@ TEST(PageCalls, need_whole_numbers_of_traces) {
 }
 
 TEST(PageCalls, give_one_of_the_traces_whole) {
-  PageBench page;
+  PageFixture page;
   const auto list = JsonValue::parse(page.ask("GET", "/api/v1/traces?after=0&limit=1").body);
   const auto n = static_cast<int>(*list->find("traces")->array()->front().number("n"));
   const HttpResponse response = page.ask("GET", "/api/v1/traces/" + std::to_string(n));
@@ -79,58 +79,58 @@ TEST(PageCalls, give_one_of_the_traces_whole) {
 }
 
 TEST(PageCalls, pass_commands_on_with_an_id_of_their_own) {
-  PageBench page;
+  PageFixture page;
   const HttpResponse one =
       page.ask("POST", "/api/v1/commands", R"({"command":"stop","vehicle":"CoSiVA/AIV1","id":"mine"})");
   EXPECT_EQ(one.status, 202U);
-  EXPECT_EQ(PageBench::said(one, "id"), "c1");
+  EXPECT_EQ(PageFixture::said(one, "id"), "c1");
   EXPECT_THAT(page.commands, ElementsAre(R"({"id":"c1","command":"stop","vehicle":"CoSiVA/AIV1"})"));
   EXPECT_EQ(page.server.command_entry("c1").text("vehicle"), "CoSiVA/AIV1");
   page.server.command("slow", "CoSiVA/AIV2");  // somebody else's takes the next
-  EXPECT_EQ(PageBench::said(page.ask("POST", "/api/v1/commands", R"({"command":"stop","vehicle":"*"})"), "id"), "c3");
+  EXPECT_EQ(PageFixture::said(page.ask("POST", "/api/v1/commands", R"({"command":"stop","vehicle":"*"})"), "id"), "c3");
 }
 
 TEST(PageCalls, give_a_command_to_several_if_all_are_known) {
-  PageBench page;
+  PageFixture page;
   const std::string both = R"({"command":"slow","vehicles":["CoSiVA/AIV1","CoSiVA/AIV2"]})";
-  EXPECT_EQ(PageBench::said(page.ask("POST", "/api/v1/commands", both), "id"), "c1");
+  EXPECT_EQ(PageFixture::said(page.ask("POST", "/api/v1/commands", both), "id"), "c1");
   EXPECT_THAT(page.commands, ElementsAre(R"({"id":"c1","command":"slow","vehicles":["CoSiVA/AIV1","CoSiVA/AIV2"]})"));
   EXPECT_EQ(page.server.command_entry("c1.AIV2").text("vehicle"), "CoSiVA/AIV2");
   page.commands.clear();
   const HttpResponse half =
       page.ask("POST", "/api/v1/commands", R"({"command":"slow","vehicles":["CoSiVA/AIV1","CoSiVA/AIV9"]})");
   EXPECT_EQ(half.status, 400U);
-  EXPECT_THAT(PageBench::sentence(half), HasSubstr("CoSiVA/AIV9"));
+  EXPECT_THAT(PageFixture::sentence(half), HasSubstr("CoSiVA/AIV9"));
   EXPECT_THAT(page.commands, IsEmpty());
 }
 
 TEST(PageCalls, refuse_a_command_to_one_that_is_away_as_not_now) {
-  PageBench page;
+  PageFixture page;
   page.server.kill(*page.server.vehicles[0]);
   page.server.run_for(std::chrono::seconds{2});
   const HttpResponse response = page.ask("POST", "/api/v1/commands", R"({"command":"stop","vehicle":"CoSiVA/AIV1"})");
   EXPECT_EQ(response.status, 409U);
-  EXPECT_THAT(PageBench::sentence(response), Not(IsEmpty()));
+  EXPECT_THAT(PageFixture::sentence(response), Not(IsEmpty()));
 }
 
 TEST(PageCalls, refuse_bodies_that_are_no_object) {
-  PageBench page;
+  PageFixture page;
   for (const char* bad : {"", "nonsense", "[]", "5", "{", "null", "{}{}"}) {
     for (const auto& [method, path] : std::map<std::string, std::string>{{"POST", "commands"}, {"PUT", "clock"}}) {
       const HttpResponse response = page.ask(method, "/api/v1/" + path, bad);
       EXPECT_EQ(response.status, 400U) << bad;
-      EXPECT_THAT(PageBench::sentence(response), HasSubstr("JSON object")) << bad;
+      EXPECT_THAT(PageFixture::sentence(response), HasSubstr("JSON object")) << bad;
     }
   }
   EXPECT_THAT(page.commands, IsEmpty());
 }
 
 TEST(PageCalls, add_move_and_remove_a_person) {
-  PageBench page;
+  PageFixture page;
   const HttpResponse added = page.ask("POST", "/api/v1/virtual-objects", R"({"kind":"person","id":"mine","x":0.4,"y":0.5})");
   EXPECT_EQ(added.status, 201U) << added.body;
-  EXPECT_EQ(PageBench::said(added, "id"), "P1");
-  EXPECT_EQ(PageBench::said(page.ask("POST", "/api/v1/virtual-objects", R"({"kind":"person","x":0.4,"y":0.6})"), "id"), "P2");
+  EXPECT_EQ(PageFixture::said(added, "id"), "P1");
+  EXPECT_EQ(PageFixture::said(page.ask("POST", "/api/v1/virtual-objects", R"({"kind":"person","x":0.4,"y":0.6})"), "id"), "P2");
   EXPECT_EQ(page.ask("PATCH", "/api/v1/virtual-objects/P1", R"({"x":0.5,"y":0.5})").status, 200U);
   EXPECT_EQ(page.ask("PATCH", "/api/v1/virtual-objects/P1", R"({"x":"left"})").status, 400U);
   EXPECT_EQ(page.ask("PATCH", "/api/v1/virtual-objects/P9", R"({"x":0.5,"y":0.5})").status, 404U);
@@ -141,22 +141,22 @@ TEST(PageCalls, add_move_and_remove_a_person) {
 }
 
 TEST(PageCalls, know_a_virtual_aiv_by_both_its_names) {
-  PageBench page;
+  PageFixture page;
   const HttpResponse added = page.ask("POST", "/api/v1/virtual-objects", R"({"kind":"aiv"})");
   ASSERT_EQ(added.status, 201U) << added.body;
-  EXPECT_EQ(PageBench::said(added, "id"), "V1");
+  EXPECT_EQ(PageFixture::said(added, "id"), "V1");
   EXPECT_EQ(page.ask("DELETE", "/api/v1/virtual-objects/CoSiVA.virtual%2FV1").body, R"({"removed":1})");
   EXPECT_EQ(page.ask("DELETE", "/api/v1/virtual-objects/V1").status, 404U);
 }
 
 TEST(PageCalls, put_obstacles_into_an_emulated_world_only) {
-  PageBench page;
+  PageFixture page;
   EXPECT_EQ(page.ask("POST", "/api/v1/plant/obstacles", R"({"x":0.4,"y":0.1})").status, 409U);
   EXPECT_EQ(page.ask("DELETE", "/api/v1/plant/obstacles/box1").status, 409U);
   page.calls->know_plant({"box1"});
   const HttpResponse added = page.ask("POST", "/api/v1/plant/obstacles", R"({"x":0.4,"y":0.1})");
   ASSERT_EQ(added.status, 201U) << added.body;
-  EXPECT_EQ(PageBench::said(added, "id"), "box2");
+  EXPECT_EQ(PageFixture::said(added, "id"), "box2");
   EXPECT_EQ(page.commands.back(), R"({"command":"plant","plant":{"addObstacle":{"id":"box2","x":0.4,"y":0.1}}})");
   page.calls->know_plant({"box1"});  // said before it knew
   EXPECT_EQ(page.ask("DELETE", "/api/v1/plant/obstacles/box2").body, R"({"removed":1})");
@@ -166,7 +166,7 @@ TEST(PageCalls, put_obstacles_into_an_emulated_world_only) {
 }
 
 TEST(PageCalls, edit_undo_and_redo_the_zone) {
-  PageBench page;
+  PageFixture page;
   EXPECT_EQ(page.ask("POST", "/api/v1/zone/undo").status, 409U);
   const std::string before = page.ask("GET", "/api/v1/zone/file").body;
   const HttpResponse edited =
@@ -189,7 +189,7 @@ TEST(PageCalls, edit_undo_and_redo_the_zone) {
 }
 
 TEST(PageCalls, give_the_zones_file_as_a_download) {
-  PageBench page;
+  PageFixture page;
   const HttpResponse file = page.ask("GET", "/api/v1/zone/file");
   EXPECT_EQ(file.content_type, "text/plain; charset=utf-8");
   EXPECT_THAT(file.headers, ElementsAre(std::pair<std::string, std::string>{"Content-Disposition",
@@ -199,20 +199,20 @@ TEST(PageCalls, give_the_zones_file_as_a_download) {
 
 TEST(PageCalls, save_the_zone_into_its_own_file_or_say_which_could_not_be_written) {
   Scratch scratch;
-  PageBench page;
+  PageFixture page;
   page.zone_file = scratch.write("mine.toml", "old");
   const HttpResponse saved = page.ask("POST", "/api/v1/zone/save");
   EXPECT_EQ(saved.status, 200U) << saved.body;
-  EXPECT_EQ(PageBench::said(saved, "file"), page.zone_file);
+  EXPECT_EQ(PageFixture::said(saved, "file"), page.zone_file);
   EXPECT_EQ(*adapters::read_file(page.zone_file), page.ask("GET", "/api/v1/zone/file").body);
   EXPECT_EQ(page.commands.back(), R"({"command":"saved"})");
 
-  PageBench other;
+  PageFixture other;
   other.zone_file = scratch / "nowhere/mine.toml";
   const HttpResponse failed = other.ask("POST", "/api/v1/zone/save");
   EXPECT_EQ(failed.status, 500U);
-  EXPECT_THAT(PageBench::sentence(failed), HasSubstr(other.zone_file));
-  PageBench full;
+  EXPECT_THAT(PageFixture::sentence(failed), HasSubstr(other.zone_file));
+  PageFixture full;
   full.zone_file = "/dev/full/mine.toml";
   EXPECT_EQ(full.ask("POST", "/api/v1/zone/save").status, 500U);
 }
@@ -220,9 +220,9 @@ TEST(PageCalls, save_the_zone_into_its_own_file_or_say_which_could_not_be_writte
 TEST(PageCalls, save_a_ready_zone_into_the_users_folder_and_list_it) {
   Scratch scratch;
   ::setenv("XDG_DATA_HOME", (scratch / "data").c_str(), 1);
-  PageBench page;
+  PageFixture page;
   const HttpResponse saved = page.ask("POST", "/api/v1/zone/save");
-  EXPECT_EQ(PageBench::said(saved, "file"), scratch / "data/cosiva/zones/lacet4.toml") << saved.body;
+  EXPECT_EQ(PageFixture::said(saved, "file"), scratch / "data/cosiva/zones/lacet4.toml") << saved.body;
   const std::string mine =
       scratch.write("data/cosiva/zones/mine.toml", "# My control area: with a pit\nname = \"mine\"\n");
   const auto zones = JsonValue::parse(page.ask("GET", "/api/v1/zones").body);
@@ -240,12 +240,12 @@ TEST(PageCalls, save_a_ready_zone_into_the_users_folder_and_list_it) {
   ::setenv("XDG_DATA_HOME", (scratch / "file").c_str(), 1);
   const HttpResponse failed = page.ask("POST", "/api/v1/zone/save");
   EXPECT_EQ(failed.status, 500U);
-  EXPECT_THAT(PageBench::sentence(failed), HasSubstr(scratch / "file"));
+  EXPECT_THAT(PageFixture::sentence(failed), HasSubstr(scratch / "file"));
   ::unsetenv("XDG_DATA_HOME");
 }
 
 TEST(PageCalls, change_the_clock_of_virtual_time_and_never_the_walls) {
-  PageBench page;
+  PageFixture page;
   EXPECT_EQ(page.ask("PUT", "/api/v1/clock", R"({"speed":4})").status, 200U);
   EXPECT_EQ(page.clock.speed, 4.0);
   EXPECT_TRUE(page.clock.running);
@@ -263,12 +263,12 @@ TEST(PageCalls, change_the_clock_of_virtual_time_and_never_the_walls) {
   page.clock = {false, true, 1.0};
   const HttpResponse wall = page.ask("PUT", "/api/v1/clock", R"({"speed":4})");
   EXPECT_EQ(wall.status, 409U);
-  EXPECT_THAT(PageBench::sentence(wall), HasSubstr("--virtual-time"));
+  EXPECT_THAT(PageFixture::sentence(wall), HasSubstr("--virtual-time"));
   EXPECT_EQ(page.ask("POST", "/api/v1/clock/step", R"({"ms":100})").status, 409U);
 }
 
 TEST(PageCalls, pass_missions_and_closed_sections_on) {
-  PageBench page;
+  PageFixture page;
   EXPECT_EQ(page.ask("POST", "/api/v1/commands", R"({"command":"close","section":"east"})").status, 202U);
   EXPECT_EQ(page.ask("POST", "/api/v1/commands", R"({"command":"circulate","vehicle":"*"})").status, 202U);
   EXPECT_THAT(page.commands, ElementsAre(R"({"id":"c1","command":"close","section":"east"})", HasSubstr("circulate")));
@@ -277,15 +277,15 @@ TEST(PageCalls, pass_missions_and_closed_sections_on) {
                           R"({"command":"circulate","vehicle":"CoSiVA/AIV1","loop":"nowhere"})"}) {
     const HttpResponse response = page.ask("POST", "/api/v1/commands", bad);
     EXPECT_GE(response.status, 400U) << bad;
-    EXPECT_THAT(PageBench::sentence(response), Not(IsEmpty())) << bad;
+    EXPECT_THAT(PageFixture::sentence(response), Not(IsEmpty())) << bad;
   }
 }
 
 TEST(PageCalls, switch_to_a_ready_zone_by_its_name) {
-  PageBench page;
+  PageFixture page;
   const HttpResponse response = page.ask("POST", "/api/v1/zone/switch", R"({"name":"indus8"})");
   ASSERT_EQ(response.status, 200U) << response.body;
-  EXPECT_EQ(PageBench::said(response, "name"), "indus8");
+  EXPECT_EQ(PageFixture::said(response, "name"), "indus8");
   EXPECT_EQ(page.server.server->zone()->name, "indus8");
   const auto zones = JsonValue::parse(page.ask("GET", "/api/v1/zones").body);
   for (const JsonValue& one : *zones->find("zones")->array())
@@ -293,7 +293,7 @@ TEST(PageCalls, switch_to_a_ready_zone_by_its_name) {
 }
 
 TEST(PageCalls, read_no_file_of_this_machine_for_who_asks_for_a_zone) {
-  PageBench page;
+  PageFixture page;
   for (const char* name : {"zones/lacet4.toml", "/etc/passwd", "../lacet4", "lacet4.toml", ""})
     EXPECT_EQ(page.ask("POST", "/api/v1/zone/switch", R"({"name":")" + std::string(name) + R"("})").status, 400U)
         << name;
@@ -308,7 +308,7 @@ std::string switch_body(const std::string& file, const std::string& text) {
 }
 
 TEST(PageCalls, switch_to_a_zone_that_is_sent_whole) {
-  PageBench page;
+  PageFixture page;
   const std::string text = adapters::read_file(source_dir() + "/zones/indus8.toml").value();
   const HttpResponse response = page.ask("POST", "/api/v1/zone/switch", switch_body("mine.toml", text));
   EXPECT_EQ(response.status, 200U) << response.body;
@@ -318,11 +318,11 @@ TEST(PageCalls, switch_to_a_zone_that_is_sent_whole) {
 }
 
 TEST(PageCalls, keep_the_zone_when_another_cannot_be_used_and_say_why) {
-  PageBench page;
+  PageFixture page;
   const auto revision = page.server.server->zone_revision();
   const HttpResponse response = page.ask("POST", "/api/v1/zone/switch", switch_body("mine.toml", "name = 3\n"));
   EXPECT_EQ(response.status, 422U);
-  EXPECT_THAT(PageBench::sentence(response), HasSubstr("mine.toml:1"));
+  EXPECT_THAT(PageFixture::sentence(response), HasSubstr("mine.toml:1"));
   EXPECT_EQ(page.server.server->zone()->name, "lacet4");
   EXPECT_EQ(page.server.server->zone_revision(), revision);
   const auto snapshot = JsonValue::parse(page.server.server->snapshot_json());
@@ -335,19 +335,19 @@ TEST(PageCalls, keep_the_zone_when_another_cannot_be_used_and_say_why) {
 TEST(PageCalls, save_into_the_run_s_file_only_while_it_is_that_zone) {
   Scratch scratch;
   ::setenv("XDG_DATA_HOME", (scratch / "data").c_str(), 1);
-  PageBench page;
+  PageFixture page;
   const std::string lacet4 = adapters::read_file(source_dir() + "/zones/lacet4.toml").value();
   page.zone_file = scratch.write("mine.toml", lacet4);
   ASSERT_EQ(page.ask("POST", "/api/v1/zone/switch", R"({"name":"indus8"})").status, 200U);
-  EXPECT_EQ(PageBench::said(page.ask("POST", "/api/v1/zone/save"), "file"), scratch / "data/cosiva/zones/indus8.toml");
+  EXPECT_EQ(PageFixture::said(page.ask("POST", "/api/v1/zone/save"), "file"), scratch / "data/cosiva/zones/indus8.toml");
   EXPECT_EQ(adapters::read_file(page.zone_file).value(), lacet4);
   ::unsetenv("XDG_DATA_HOME");
   ASSERT_EQ(page.ask("POST", "/api/v1/zone/switch", switch_body("mine.toml", lacet4)).status, 200U);
-  EXPECT_EQ(PageBench::said(page.ask("POST", "/api/v1/zone/save"), "file"), page.zone_file);
+  EXPECT_EQ(PageFixture::said(page.ask("POST", "/api/v1/zone/save"), "file"), page.zone_file);
 }
 
 TEST(PageCalls, suggest_where_the_beacons_could_lie) {
-  PageBench page;
+  PageFixture page;
   const HttpResponse response = page.ask("GET", "/api/v1/zone/beacons/suggestion");
   ASSERT_EQ(response.status, 200U) << response.body;
   const auto suggestion = JsonValue::parse(response.body);
@@ -375,17 +375,17 @@ TEST(OpenApi, describes_every_call_and_no_other) {
   for (const auto& route : PageCalls::routes())
     there.insert(std::string(route.method) + " " + std::string(route.pattern));
   EXPECT_EQ(described, there);
-  PageBench page;
+  PageFixture page;
   EXPECT_EQ(page.ask("GET", "/api").body, openapi_json());
   EXPECT_EQ(page.ask("GET", "/api/").body, openapi_json());
 }
 
 TEST(PageCalls, tell_a_battery_test_that_its_battery_is_in_when_it_asked_for_one) {
-  PageBench page;
+  PageFixture page;
   const std::string in = R"({"vehicle":"CoSiVA/AIV1","battery":"red","charge":99.5})";
   const HttpResponse unasked = page.ask("POST", "/api/v1/battery/ready", in);
   EXPECT_EQ(unasked.status, 409U);
-  EXPECT_THAT(PageBench::sentence(unasked), HasSubstr("CoSiVA/AIV1"));
+  EXPECT_THAT(PageFixture::sentence(unasked), HasSubstr("CoSiVA/AIV1"));
   page.server.feed(wire::InputKind::message, "cosiva/v1/battery/change/CoSiVA/AIV1",
                    R"({"battery":"red","run":1,"reason":""})", true);
   const std::size_t before = page.server.published.size();
@@ -397,7 +397,7 @@ TEST(PageCalls, tell_a_battery_test_that_its_battery_is_in_when_it_asked_for_one
 }
 
 TEST(PageCalls, draw_a_battery_s_curve_of_who_tells_of_its_battery) {
-  PageBench page;
+  PageFixture page;
   EXPECT_EQ(page.ask("GET", "/api/v1/battery/curves/CoSiVA%2FAIV9").status, 404U);
   page.server.feed(wire::InputKind::message, "cosiva/v1/boards/CoSiVA/AIV1",
                    R"({"headerId":1,"timestamp":"2026-01-01T00:00:00.000Z","boards":[],)"
@@ -408,10 +408,10 @@ TEST(PageCalls, draw_a_battery_s_curve_of_who_tells_of_its_battery) {
 }
 
 TEST(PageCalls, show_the_camera_s_image_as_it_came_and_say_where_there_is_none) {
-  PageBench page;
+  PageFixture page;
   const HttpResponse none = page.ask("GET", "/api/v1/gvs/preview");
   EXPECT_EQ(none.status, 404U);
-  EXPECT_THAT(PageBench::sentence(none), HasSubstr("cosiva up --gvs"));
+  EXPECT_THAT(PageFixture::sentence(none), HasSubstr("cosiva up --gvs"));
   const auto image = std::make_shared<const std::string>("P5\n# {}\n1 1\n255\n\x80");
   int looks = 0;
   PageHost host = page.host();
@@ -425,7 +425,7 @@ TEST(PageCalls, show_the_camera_s_image_as_it_came_and_say_where_there_is_none) 
 }
 
 /// A page on which everything that an example needs is there.
-struct PreparedPage : PageBench {
+struct PreparedPage : PageFixture {
   PreparedPage() {
     ask("POST", "/api/v1/virtual-objects", R"({"kind":"person","x":0.4,"y":0.5})");
     calls->know_plant({});
@@ -464,7 +464,7 @@ TEST(OpenApi, examples_are_accepted_and_those_to_be_refused_are_refused) {
             EXPECT_LT(response.status, 300U) << upper << " " << target << " " << json.text() << ": " << response.body;
           } else {
             EXPECT_EQ(response.status, 400U) << upper << " " << target << " " << json.text() << ": " << response.body;
-            EXPECT_THAT(PageBench::sentence(response), Not(IsEmpty()));
+            EXPECT_THAT(PageFixture::sentence(response), Not(IsEmpty()));
           }
         }
       }

@@ -9,9 +9,9 @@
 #include <cstring>
 #include <map>
 
-#include "cosiva/adapters/test_bench.h"
+#include "cosiva/adapters/test_fixture.h"
 #include "cosiva/base/json_value.h"
-#include "cosiva/hmi/page_bench.h"
+#include "cosiva/hmi/page_fixture.h"
 
 namespace cosiva::app {
 namespace {
@@ -119,10 +119,10 @@ class LiveClient {
 class Page : public ::testing::Test {
  protected:
   Page() {
-    auto opened = ServerPage::open(loop, bench.host(), 0, {}, false);
+    auto opened = ServerPage::open(loop, fixture.host(), 0, {}, false);
     EXPECT_TRUE(opened);
     page = std::move(*opened);
-    bench.server.each_step = [this] { page->changed(); };
+    fixture.server.each_step = [this] { page->changed(); };
   }
 
   /// One request; the answer until the server closes.
@@ -140,7 +140,7 @@ class Page : public ::testing::Test {
   static std::string body_of(const std::string& response) { return response.substr(response.find("\r\n\r\n") + 4); }
 
   adapters::EventLoop loop;
-  bench::PageBench bench;
+  fixture::PageFixture fixture;
   std::unique_ptr<ServerPage> page;
   std::vector<std::unique_ptr<LiveClient>> clients;
 };
@@ -203,7 +203,7 @@ TEST_F(Page, sends_a_snapshot_when_a_command_comes_to_something) {
         timeout);
   };
   EXPECT_TRUE(shows("issued"));
-  bench.server.run_for(2s);
+  fixture.server.run_for(2s);
   EXPECT_TRUE(shows("materialised"));
 }
 
@@ -236,8 +236,8 @@ TEST_F(Page, newcomer_after_a_time_alone_sees_what_is_now) {
     ASSERT_TRUE(loop.run_until([&] { return gone.count("key") == 1; }, timeout));
   }
   loop.run_for(100ms);  // the server sees that it is gone
-  bench.server.run_for(5s);
-  const auto now = JsonValue::parse(bench.server.server->snapshot_json())->number("time_ms");
+  fixture.server.run_for(5s);
+  const auto now = JsonValue::parse(fixture.server.server->snapshot_json())->number("time_ms");
   LiveClient client{page->port()};
   ASSERT_TRUE(loop.run_until([&] { return client.count("snapshot") >= 1; }, timeout));
   const auto shown = JsonValue::parse(client.frames()[2].bytes);

@@ -22,7 +22,7 @@ using test::order;
 using test::square;
 using ::testing::ElementsAre;
 
-struct GraphBench {
+struct GraphFixture {
   const zone::TrafficZone& zone;
   Agent agent{zone};
   LineWorld world;
@@ -34,12 +34,12 @@ struct GraphBench {
   int turns{0};
   int tick{0};
 
-  GraphBench(const zone::TrafficZone& z, std::string_view section, double s_m, double estimated_ahead_m = 0.0)
+  GraphFixture(const zone::TrafficZone& z, std::string_view section, double s_m, double estimated_ahead_m = 0.0)
       : zone{z}, world{z.circuit, at(z, section, s_m)} {
     agent.estimator().place_at(at(z, section, s_m + estimated_ahead_m));
     step();
   }
-  GraphBench& take(const wire::Order& text) {
+  GraphFixture& take(const wire::Order& text) {
     const auto verdict = agent.take_order(text);
     EXPECT_TRUE(verdict) << verdict.error().message;
     return *this;
@@ -78,48 +78,48 @@ struct GraphBench {
 
 TEST(AgentAtAFork, takes_the_way_of_its_order_whichever_it_is) {
   for (const auto& [node, over] : {std::pair{"ro", "r_over"}, std::pair{"lo", "l_over"}}) {
-    GraphBench bench{diamond(), "trunk", 1.0};
-    bench.take(order("O-1").through({"T1", "F", node}));
-    bench.run(12.0);
-    EXPECT_THAT(bench.traversed, ElementsAre("F", node));
-    EXPECT_EQ(bench.zone.circuit.part(bench.agent.position().place().section).name.substr(0, 1),
+    GraphFixture fixture{diamond(), "trunk", 1.0};
+    fixture.take(order("O-1").through({"T1", "F", node}));
+    fixture.run(12.0);
+    EXPECT_THAT(fixture.traversed, ElementsAre("F", node));
+    EXPECT_EQ(fixture.zone.circuit.part(fixture.agent.position().place().section).name.substr(0, 1),
               std::string(over).substr(0, 1));
-    EXPECT_NEAR(distance(bench.world.pose(), bench.zone.circuit.pose_at(at(bench.zone, over, 0.0))), 0.0, 0.015);
-    EXPECT_LT(bench.pose_error_m, 0.005);
+    EXPECT_NEAR(distance(fixture.world.pose(), fixture.zone.circuit.pose_at(at(fixture.zone, over, 0.0))), 0.0, 0.015);
+    EXPECT_LT(fixture.pose_error_m, 0.005);
   }
 }
 
 TEST(AgentAtAFork, says_the_branch_only_when_its_base_leads_over_it) {
-  GraphBench bench{diamond(), "trunk", 1.0};
-  EXPECT_EQ(bench.drive.branch, wire::no_branch);
-  bench.take(order("O-1").through({"T1", "F"}).then({"ro"}));
-  bench.run(8.0);
-  EXPECT_EQ(bench.drive.branch, wire::no_branch);
-  EXPECT_EQ(bench.section(), "trunk");
-  EXPECT_NEAR(bench.world.place().s_m, 2.0, 0.015);
-  EXPECT_TRUE(bench.agent.motion().stopped());
-  bench.take(order("O-1", 1).from_sequence(2).through({"F", "ro"}));
-  bench.step();
-  EXPECT_EQ(bench.drive.branch, 1);
-  bench.run(6.0);
-  EXPECT_LT(distance(bench.world.pose(), bench.zone.circuit.pose_at(at(bench.zone, "r_over", 0.0))), 0.015);
+  GraphFixture fixture{diamond(), "trunk", 1.0};
+  EXPECT_EQ(fixture.drive.branch, wire::no_branch);
+  fixture.take(order("O-1").through({"T1", "F"}).then({"ro"}));
+  fixture.run(8.0);
+  EXPECT_EQ(fixture.drive.branch, wire::no_branch);
+  EXPECT_EQ(fixture.section(), "trunk");
+  EXPECT_NEAR(fixture.world.place().s_m, 2.0, 0.015);
+  EXPECT_TRUE(fixture.agent.motion().stopped());
+  fixture.take(order("O-1", 1).from_sequence(2).through({"F", "ro"}));
+  fixture.step();
+  EXPECT_EQ(fixture.drive.branch, 1);
+  fixture.run(6.0);
+  EXPECT_LT(distance(fixture.world.pose(), fixture.zone.circuit.pose_at(at(fixture.zone, "r_over", 0.0))), 0.015);
 }
 
 TEST(AgentAtAFork, keeps_its_branch_until_its_body_is_over_it_too) {
   // It believes 6 cm more than is true: at the fork it is not there yet.
-  GraphBench bench{diamond(), "trunk", 1.0, 0.06};
-  bench.take(order("O-1").through({"T1", "F", "ro", "rd"}));
-  bench.run(15.0);
-  EXPECT_EQ(bench.section().substr(0, 1), "r");
+  GraphFixture fixture{diamond(), "trunk", 1.0, 0.06};
+  fixture.take(order("O-1").through({"T1", "F", "ro", "rd"}));
+  fixture.run(15.0);
+  EXPECT_EQ(fixture.section().substr(0, 1), "r");
 }
 
 TEST(AgentAtAFork, finds_that_it_is_there_when_its_wheels_stop) {
   // It believes 4 cm less than is true: PILS stops at the fork, and the base ends there.
-  GraphBench bench{diamond(), "trunk", 1.0, -0.04};
-  bench.take(order("O-1").through({"T1", "F"}));
-  bench.run(10.0);
-  EXPECT_THAT(bench.traversed, ElementsAre("F"));
-  EXPECT_LT(distance(bench.agent.position().pose(), bench.world.pose()), 0.002);
+  GraphFixture fixture{diamond(), "trunk", 1.0, -0.04};
+  fixture.take(order("O-1").through({"T1", "F"}));
+  fixture.run(10.0);
+  EXPECT_THAT(fixture.traversed, ElementsAre("F"));
+  EXPECT_LT(distance(fixture.agent.position().pose(), fixture.world.pose()), 0.002);
 }
 
 TEST(AgentAtAFork, believes_a_little_more_than_it_has_driven_and_still_takes_an_order_along_the_other_way) {
@@ -149,11 +149,11 @@ TEST(AgentOnTwoSections, of_the_same_line_takes_an_order_along_either) {
 
 TEST(AgentAtTheEnd, of_a_way_without_any_fork_finds_that_it_is_there_when_its_wheels_stop) {
   const zone::TrafficZone zone = test::graph("line", {{"only", {}, 2.0, 0.0, {}}}, {{"O", {0, 0.0}}, {"X", {0, 2.0}}});
-  GraphBench bench{zone, "only", 1.0, -0.06};
-  bench.take(order("O-1").through({"O", "X"}));
-  bench.run(10.0);
-  EXPECT_THAT(bench.traversed, ElementsAre("X"));
-  EXPECT_NEAR(bench.agent.position().place().s_m, 2.0, 0.015);
+  GraphFixture fixture{zone, "only", 1.0, -0.06};
+  fixture.take(order("O-1").through({"O", "X"}));
+  fixture.run(10.0);
+  EXPECT_THAT(fixture.traversed, ElementsAre("X"));
+  EXPECT_NEAR(fixture.agent.position().place().s_m, 2.0, 0.015);
 }
 
 TEST(AgentOnARing, says_the_first_branch_and_carries_no_course) {
@@ -175,107 +175,107 @@ wire::Order round() {
 }
 
 TEST(AgentAtABend, goes_round_a_square) {
-  GraphBench bench{square(), "south", 0.0};
-  bench.take(round());
-  bench.run(60.0);
-  EXPECT_EQ(bench.turns, 3) << "the base ends before the fourth";
-  EXPECT_THAT(bench.traversed, ElementsAre("B", "C", "D", "A"));
-  EXPECT_LT(bench.pose_error_m, 0.005);
-  EXPECT_LT(bench.heading_error_rad(), 0.01);
-  EXPECT_LT(distance(bench.world.pose(), Pose2{0.0, 0.0, 0.0}), 0.015);
-  EXPECT_LE(bench.bend_speed_mps, bend_creep_mps + 0.005);
+  GraphFixture fixture{square(), "south", 0.0};
+  fixture.take(round());
+  fixture.run(60.0);
+  EXPECT_EQ(fixture.turns, 3) << "the base ends before the fourth";
+  EXPECT_THAT(fixture.traversed, ElementsAre("B", "C", "D", "A"));
+  EXPECT_LT(fixture.pose_error_m, 0.005);
+  EXPECT_LT(fixture.heading_error_rad(), 0.01);
+  EXPECT_LT(distance(fixture.world.pose(), Pose2{0.0, 0.0, 0.0}), 0.015);
+  EXPECT_LE(fixture.bend_speed_mps, bend_creep_mps + 0.005);
 }
 
 TEST(AgentAtABend, is_driving_while_it_turns_and_knows_how_far_it_has_turned) {
-  GraphBench bench{square(), "south", 0.5};
+  GraphFixture fixture{square(), "south", 0.5};
   auto text = order("O-1").through({"A", "B", "C"});
   text.edge(0).edge_id = "south";
-  bench.take(text);
-  ASSERT_TRUE(bench.run_until([&] { return bench.world.manoeuvring(); }, 10.0));
+  fixture.take(text);
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.world.manoeuvring(); }, 10.0));
   double turned_rad = 0.0;
-  while (bench.world.manoeuvring()) {
-    EXPECT_FALSE(bench.agent.motion().stopped());
-    EXPECT_EQ(bench.agent.motion().speed_mps(), 0.0);
-    EXPECT_LT(bench.heading_error_rad(), 0.002);
-    turned_rad = std::max(turned_rad, bench.agent.turn_rate_radps());
-    bench.step();
+  while (fixture.world.manoeuvring()) {
+    EXPECT_FALSE(fixture.agent.motion().stopped());
+    EXPECT_EQ(fixture.agent.motion().speed_mps(), 0.0);
+    EXPECT_LT(fixture.heading_error_rad(), 0.002);
+    turned_rad = std::max(turned_rad, fixture.agent.turn_rate_radps());
+    fixture.step();
   }
   EXPECT_NEAR(turned_rad, 1.5, 0.1);
-  EXPECT_EQ(bench.agent.position().place(), at(square(), "east", 0.0)) << "a turn's end is a sure place";
+  EXPECT_EQ(fixture.agent.position().place(), at(square(), "east", 0.0)) << "a turn's end is a sure place";
 }
 
 TEST(AgentAtABend, goes_straight_on_where_its_order_does) {
-  GraphBench bench{square(), "south", 0.5};
+  GraphFixture fixture{square(), "south", 0.5};
   auto text = order("O-1").through({"A", "B", "S"});
   text.edge(0).edge_id = "south";
   text.edge(1).edge_id = "spur";
-  bench.take(text);
-  bench.run(15.0);
-  EXPECT_EQ(bench.turns, 0);
-  EXPECT_EQ(bench.section(), "spur");
+  fixture.take(text);
+  fixture.run(15.0);
+  EXPECT_EQ(fixture.turns, 0);
+  EXPECT_EQ(fixture.section(), "spur");
 }
 
 TEST(AgentAtABend, is_put_right_by_it) {
   for (const double estimated_ahead_m : {-0.08, 0.08}) {
-    GraphBench bench{square(), "south", 0.5, estimated_ahead_m};
+    GraphFixture fixture{square(), "south", 0.5, estimated_ahead_m};
     auto text = order("O-1").through({"A", "B", "C"});
     text.edge(0).edge_id = "south";
-    bench.take(text);
-    ASSERT_TRUE(bench.run_until([&] { return bench.turns == 1 && bench.section() == "east"; }, 20.0));
-    bench.run(1.0);
-    EXPECT_LT(distance(bench.agent.position().pose(), bench.world.pose()), 0.01) << estimated_ahead_m;
-    bench.run(20.0);
-    EXPECT_THAT(bench.traversed, ElementsAre("B", "C"));
+    fixture.take(text);
+    ASSERT_TRUE(fixture.run_until([&] { return fixture.turns == 1 && fixture.section() == "east"; }, 20.0));
+    fixture.run(1.0);
+    EXPECT_LT(distance(fixture.agent.position().pose(), fixture.world.pose()), 0.01) << estimated_ahead_m;
+    fixture.run(20.0);
+    EXPECT_THAT(fixture.traversed, ElementsAre("B", "C"));
   }
 }
 
 TEST(AgentAtABend, that_is_paused_in_it_goes_on_turning_later) {
-  GraphBench bench{square(), "south", 0.8};
-  bench.take(round());
-  ASSERT_TRUE(bench.run_until([&] { return bench.world.pose().heading_rad > 0.5; }, 10.0));
-  bench.agent.hold(Hold::paused, true);
-  bench.run(2.0);
-  EXPECT_TRUE(bench.agent.motion().stopped());
-  EXPECT_TRUE(bench.world.manoeuvring());
-  EXPECT_LT(bench.heading_error_rad(), 0.002);
-  bench.agent.hold(Hold::paused, false);
-  ASSERT_TRUE(bench.run_until([&] { return !bench.world.manoeuvring(); }, 5.0));
-  EXPECT_EQ(bench.section(), "east");
+  GraphFixture fixture{square(), "south", 0.8};
+  fixture.take(round());
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.world.pose().heading_rad > 0.5; }, 10.0));
+  fixture.agent.hold(Hold::paused, true);
+  fixture.run(2.0);
+  EXPECT_TRUE(fixture.agent.motion().stopped());
+  EXPECT_TRUE(fixture.world.manoeuvring());
+  EXPECT_LT(fixture.heading_error_rad(), 0.002);
+  fixture.agent.hold(Hold::paused, false);
+  ASSERT_TRUE(fixture.run_until([&] { return !fixture.world.manoeuvring(); }, 5.0));
+  EXPECT_EQ(fixture.section(), "east");
 }
 
 TEST(AgentAtABend, that_loses_its_order_in_it_takes_another_from_there) {
-  GraphBench bench{square(), "south", 0.8};
-  bench.take(round());
-  ASSERT_TRUE(bench.run_until([&] { return bench.world.pose().heading_rad > 0.5; }, 10.0));
-  ASSERT_TRUE(bench.agent.progress().begin_cancel());
-  bench.run(1.0);
-  EXPECT_FALSE(bench.agent.progress().cancelling());
-  EXPECT_FALSE(bench.agent.order().active());
-  bench.traversed.clear();
-  bench.take(order("O-2").through({"B", "C"}));
-  bench.run(15.0);
-  EXPECT_THAT(bench.traversed, ElementsAre("C"));
+  GraphFixture fixture{square(), "south", 0.8};
+  fixture.take(round());
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.world.pose().heading_rad > 0.5; }, 10.0));
+  ASSERT_TRUE(fixture.agent.progress().begin_cancel());
+  fixture.run(1.0);
+  EXPECT_FALSE(fixture.agent.progress().cancelling());
+  EXPECT_FALSE(fixture.agent.order().active());
+  fixture.traversed.clear();
+  fixture.take(order("O-2").through({"B", "C"}));
+  fixture.run(15.0);
+  EXPECT_THAT(fixture.traversed, ElementsAre("C"));
 }
 
 TEST(AgentAtABend, does_not_sweep_over_what_stands_beside_it) {
-  GraphBench bench{square(), "south", 0.5};
+  GraphFixture fixture{square(), "south", 0.5};
   auto text = order("O-1").through({"A", "B", "C"});
   text.edge(0).edge_id = "south";
-  bench.take(text);
-  bench.obstacles = {{1.135, -0.02}};  // beyond the corner, not in the way round it
-  bench.run(10.0);
-  EXPECT_EQ(bench.turns, 0);
-  EXPECT_TRUE(bench.agent.decision().blocked);
-  bench.obstacles.clear();
-  bench.run(15.0);
-  EXPECT_EQ(bench.turns, 1);
+  fixture.take(text);
+  fixture.obstacles = {{1.135, -0.02}};  // beyond the corner, not in the way round it
+  fixture.run(10.0);
+  EXPECT_EQ(fixture.turns, 0);
+  EXPECT_TRUE(fixture.agent.decision().blocked);
+  fixture.obstacles.clear();
+  fixture.run(15.0);
+  EXPECT_EQ(fixture.turns, 1);
 }
 
 // --- beside the line ------------------------------------------------------------------------------------------------
 
 /// On the diamond's floor, at a pose 0.14 m beside the trunk and across it.
-struct BesideBench : GraphBench {
-  BesideBench() : GraphBench{diamond(), "trunk", 0.0} {
+struct BesideFixture : GraphFixture {
+  BesideFixture() : GraphFixture{diamond(), "trunk", 0.0} {
     const auto aslant = test::graph("aslant", {{"way", {0.5, 0.14, 1.0}, 1.0, 0.0, {}}}, {});
     world = LineWorld{aslant.circuit, {0, 0.0}};
     world.stand_on(diamond().circuit);
@@ -284,108 +284,108 @@ struct BesideBench : GraphBench {
 };
 
 TEST(AgentBesideTheLine, goes_to_it_when_it_has_base_and_not_before) {
-  BesideBench bench;
-  ASSERT_TRUE(bench.agent.position().beside());
-  bench.run(1.0);
-  EXPECT_FALSE(bench.drive.seek);
-  EXPECT_FALSE(bench.agent.holds().has(Hold::line_lost)) << "it is beside the line, and knows it";
-  bench.take(order("O-1").through({"T", "T1", "F", "ro"}));
-  bench.step();
-  EXPECT_TRUE(bench.drive.seek);
-  EXPECT_LE(bench.drive.speed_mmps, 150) << "slowly";
-  bench.run(25.0);
-  EXPECT_TRUE(bench.world.on_line());
-  EXPECT_FALSE(bench.drive.seek);
-  EXPECT_LT(bench.pose_error_m, 0.01);
-  EXPECT_THAT(bench.traversed, ElementsAre("T1", "F", "ro"));
+  BesideFixture fixture;
+  ASSERT_TRUE(fixture.agent.position().beside());
+  fixture.run(1.0);
+  EXPECT_FALSE(fixture.drive.seek);
+  EXPECT_FALSE(fixture.agent.holds().has(Hold::line_lost)) << "it is beside the line, and knows it";
+  fixture.take(order("O-1").through({"T", "T1", "F", "ro"}));
+  fixture.step();
+  EXPECT_TRUE(fixture.drive.seek);
+  EXPECT_LE(fixture.drive.speed_mmps, 150) << "slowly";
+  fixture.run(25.0);
+  EXPECT_TRUE(fixture.world.on_line());
+  EXPECT_FALSE(fixture.drive.seek);
+  EXPECT_LT(fixture.pose_error_m, 0.01);
+  EXPECT_THAT(fixture.traversed, ElementsAre("T1", "F", "ro"));
 }
 
 TEST(AgentBesideTheLine, waits_for_whatever_stands_between) {
-  BesideBench bench;
-  bench.obstacles = {{0.559, 0.233}};  // 0.11 m before its middle: a corner comes by as it turns
-  bench.run(0.5);
-  bench.take(order("O-1").through({"T", "T1"}));
-  bench.run(3.0);
-  EXPECT_FALSE(bench.world.manoeuvring());
-  EXPECT_TRUE(bench.agent.decision().blocked);
-  bench.obstacles.clear();
-  bench.run(15.0);
-  EXPECT_THAT(bench.traversed, ElementsAre("T1"));
+  BesideFixture fixture;
+  fixture.obstacles = {{0.559, 0.233}};  // 0.11 m before its middle: a corner comes by as it turns
+  fixture.run(0.5);
+  fixture.take(order("O-1").through({"T", "T1"}));
+  fixture.run(3.0);
+  EXPECT_FALSE(fixture.world.manoeuvring());
+  EXPECT_TRUE(fixture.agent.decision().blocked);
+  fixture.obstacles.clear();
+  fixture.run(15.0);
+  EXPECT_THAT(fixture.traversed, ElementsAre("T1"));
 }
 
 TEST(AgentBesideTheLine, looks_only_at_what_its_body_would_touch) {
-  BesideBench bench;
-  bench.obstacles = {{0.567, 0.245}};  // 0.125 m before its middle, where no corner comes
-  bench.take(order("O-1").through({"T", "T1"}));
-  bench.run(15.0);
-  EXPECT_THAT(bench.traversed, ElementsAre("T1"));
+  BesideFixture fixture;
+  fixture.obstacles = {{0.567, 0.245}};  // 0.125 m before its middle, where no corner comes
+  fixture.take(order("O-1").through({"T", "T1"}));
+  fixture.run(15.0);
+  EXPECT_THAT(fixture.traversed, ElementsAre("T1"));
 }
 
 TEST(AgentBesideTheLine, stops_half_way_for_what_it_sees_only_then) {
-  BesideBench bench;
-  bench.obstacles = {{0.5, -0.05}};  // across the line, which lies behind it at first
-  bench.take(order("O-1").through({"T", "T1"}));
-  bench.run(6.0);
-  EXPECT_TRUE(bench.world.manoeuvring());
-  EXPECT_TRUE(bench.agent.decision().blocked);
-  const Pose2 stands = bench.world.pose();
+  BesideFixture fixture;
+  fixture.obstacles = {{0.5, -0.05}};  // across the line, which lies behind it at first
+  fixture.take(order("O-1").through({"T", "T1"}));
+  fixture.run(6.0);
+  EXPECT_TRUE(fixture.world.manoeuvring());
+  EXPECT_TRUE(fixture.agent.decision().blocked);
+  const Pose2 stands = fixture.world.pose();
   EXPECT_GT(stands.y_m - 0.1, -0.05);
-  bench.run(2.0);
-  EXPECT_EQ(bench.world.pose(), stands);
-  bench.obstacles.clear();
-  bench.run(15.0);
-  EXPECT_THAT(bench.traversed, ElementsAre("T1"));
+  fixture.run(2.0);
+  EXPECT_EQ(fixture.world.pose(), stands);
+  fixture.obstacles.clear();
+  fixture.run(15.0);
+  EXPECT_THAT(fixture.traversed, ElementsAre("T1"));
 }
 
 TEST(AgentBesideTheLine, joins_it_where_it_is_told_to_without_an_order) {
-  BesideBench bench;
-  bench.step();
-  ASSERT_TRUE(bench.agent.join_line({0.7, 0.0, 0.0}));
-  EXPECT_TRUE(bench.agent.joining());
-  ASSERT_TRUE(bench.run_until([&] { return bench.world.on_line(); }, 10.0));
-  bench.run(0.5);
-  EXPECT_FALSE(bench.agent.joining());
-  EXPECT_NEAR(bench.world.place().s_m, 0.7, 0.002);
-  EXPECT_LT(bench.pose_error_m, 0.01);
-  EXPECT_EQ(bench.drive.speed_mmps, 0) << "and waits there";
-  bench.take(order("O-1").through({"T", "T1"}));
-  bench.run(10.0);
-  EXPECT_THAT(bench.traversed, ElementsAre("T1"));
+  BesideFixture fixture;
+  fixture.step();
+  ASSERT_TRUE(fixture.agent.join_line({0.7, 0.0, 0.0}));
+  EXPECT_TRUE(fixture.agent.joining());
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.world.on_line(); }, 10.0));
+  fixture.run(0.5);
+  EXPECT_FALSE(fixture.agent.joining());
+  EXPECT_NEAR(fixture.world.place().s_m, 0.7, 0.002);
+  EXPECT_LT(fixture.pose_error_m, 0.01);
+  EXPECT_EQ(fixture.drive.speed_mmps, 0) << "and waits there";
+  fixture.take(order("O-1").through({"T", "T1"}));
+  fixture.run(10.0);
+  EXPECT_THAT(fixture.traversed, ElementsAre("T1"));
 }
 
 TEST(AgentBesideTheLine, joins_no_line_that_is_not_where_it_is_told) {
-  BesideBench bench;
+  BesideFixture fixture;
   const auto code = [&](const Pose2& X_MG) {
-    const auto joins = bench.agent.join_line(X_MG);
+    const auto joins = fixture.agent.join_line(X_MG);
     return joins ? std::string("none") : joins.error().code;
   };
-  bench.step();
+  fixture.step();
   EXPECT_EQ(code({0.7, 0.05, 0.0}), "join.no_line");
   EXPECT_EQ(code({0.7, 0.0, 2.0}), "join.no_line") << "the line leads another way there";
   EXPECT_EQ(code({0.5, -0.6, 0.0}), "join.too_far");
   EXPECT_EQ(code({std::nan(""), 0.0, 0.0}), "join.too_far");
-  EXPECT_FALSE(bench.agent.joining());
+  EXPECT_FALSE(fixture.agent.joining());
   EXPECT_EQ(code({0.6, 0.0, 0.0}), "none");
-  ASSERT_TRUE(bench.run_until([&] { return bench.world.manoeuvring(); }, 2.0));
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.world.manoeuvring(); }, 2.0));
   EXPECT_EQ(code({0.7, 0.0, 0.0}), "join.busy");
-  bench.run(10.0);
-  EXPECT_NEAR(bench.world.place().s_m, 0.6, 0.002);
+  fixture.run(10.0);
+  EXPECT_NEAR(fixture.world.place().s_m, 0.6, 0.002);
   EXPECT_EQ(code({0.7, 0.0, 0.0}), "join.on_line");
 }
 
 TEST(AgentBesideTheLine, stands_where_a_manoeuvre_left_it_that_was_given_up) {
-  BesideBench bench;
-  bench.take(order("O-1").through({"T", "T1"}));
-  ASSERT_TRUE(bench.run_until([&] { return bench.world.pose().heading_rad < 0.5; }, 5.0));
-  const Pose2 there = bench.world.pose();
-  wire::Odometry given_up = bench.world.odometry();
+  BesideFixture fixture;
+  fixture.take(order("O-1").through({"T", "T1"}));
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.world.pose().heading_rad < 0.5; }, 5.0));
+  const Pose2 there = fixture.world.pose();
+  wire::Odometry given_up = fixture.world.odometry();
   given_up.manoeuvre.reset();
   given_up.line_lost = true;
-  bench.agent.on_odometry(given_up);
-  EXPECT_TRUE(bench.agent.position().beside());
-  EXPECT_LT(distance(bench.agent.position().pose(), there), 0.002);
-  EXPECT_NEAR(bench.agent.position().pose().heading_rad, there.heading_rad, 0.002);
-  EXPECT_TRUE(bench.agent.order().active()) << "its way still comes by here";
+  fixture.agent.on_odometry(given_up);
+  EXPECT_TRUE(fixture.agent.position().beside());
+  EXPECT_LT(distance(fixture.agent.position().pose(), there), 0.002);
+  EXPECT_NEAR(fixture.agent.position().pose().heading_rad, there.heading_rad, 0.002);
+  EXPECT_TRUE(fixture.agent.order().active()) << "its way still comes by here";
 }
 
 TEST(AgentBesideTheLine, that_is_too_far_away_says_how_far_and_takes_no_order) {

@@ -22,7 +22,7 @@ using test::ranges_to;
 using ::testing::ElementsAre;
 
 /// An agent on wheels that obey its commands as the line-following board does, with exact odometry at 50 Hz.
-struct AgentBench {
+struct AgentFixture {
   Agent agent{lacet4()};
   AivMotion ground_truth;
   double speed_mps{0.0};
@@ -33,12 +33,12 @@ struct AgentBench {
   std::vector<std::string> traversed;
   int tick{0};
 
-  AgentBench(std::string_view section, double s_m) : ground_truth{lacet4().circuit, at(lacet4(), section, s_m)} {
+  AgentFixture(std::string_view section, double s_m) : ground_truth{lacet4().circuit, at(lacet4(), section, s_m)} {
     agent.estimator().place_at(ground_truth.place(lacet4().circuit));
     step();
   }
 
-  AgentBench& take(const wire::Order& text) {
+  AgentFixture& take(const wire::Order& text) {
     const auto verdict = agent.take_order(text);
     EXPECT_TRUE(verdict) << verdict.error().message;
     return *this;
@@ -103,69 +103,69 @@ TEST(Agent, tells_its_chooser_what_it_drives_by_and_nothing_after_it_had_to_stan
 }
 
 TEST(Agent, stays_without_an_order) {
-  AgentBench bench{"loop_se", 0.0};
-  bench.run(3.0);
-  EXPECT_EQ(bench.travelled_m, 0.0);
-  EXPECT_TRUE(bench.agent.motion().stopped());
-  EXPECT_EQ(bench.agent.status(), Status::stopped);
+  AgentFixture fixture{"loop_se", 0.0};
+  fixture.run(3.0);
+  EXPECT_EQ(fixture.travelled_m, 0.0);
+  EXPECT_TRUE(fixture.agent.motion().stopped());
+  EXPECT_EQ(fixture.agent.status(), Status::stopped);
 }
 
 TEST(Agent, follows_its_order_and_stops_on_the_last_node_of_its_base) {
-  AgentBench bench{"loop_se", 0.0};
-  bench.take(to_565().then({"loop_se@848"}));
-  bench.run(8.0);
-  EXPECT_THAT(bench.traversed, ElementsAre("loop_se@283", "loop_se@565"));
-  EXPECT_TRUE(bench.agent.motion().stopped());
-  EXPECT_NEAR(bench.s_m(), 2.0 * edge_m, 0.01);
-  EXPECT_NEAR(bench.highest_speed_mps, lacet4().profiles.medium.speed_mps, 1e-9);
-  EXPECT_LE(bench.hardest_braking_mps2, lacet4().profiles.medium.braking_mps2 + 0.03) << "a smooth stop";
+  AgentFixture fixture{"loop_se", 0.0};
+  fixture.take(to_565().then({"loop_se@848"}));
+  fixture.run(8.0);
+  EXPECT_THAT(fixture.traversed, ElementsAre("loop_se@283", "loop_se@565"));
+  EXPECT_TRUE(fixture.agent.motion().stopped());
+  EXPECT_NEAR(fixture.s_m(), 2.0 * edge_m, 0.01);
+  EXPECT_NEAR(fixture.highest_speed_mps, lacet4().profiles.medium.speed_mps, 1e-9);
+  EXPECT_LE(fixture.hardest_braking_mps2, lacet4().profiles.medium.braking_mps2 + 0.03) << "a smooth stop";
 }
 
 TEST(Agent, goes_on_without_stopping_when_its_base_is_extended_in_time) {
-  AgentBench bench{"loop_se", 0.0};
-  bench.take(to_565().then({"loop_se@848"}));
-  ASSERT_TRUE(bench.run_until([&] { return bench.agent.decision().wants_base; }, 5.0));
-  bench.take(order("O-1", 1).from_sequence(4).through({"loop_se@565", "loop_se@848", "loop_se@1131"}));
+  AgentFixture fixture{"loop_se", 0.0};
+  fixture.take(to_565().then({"loop_se@848"}));
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.agent.decision().wants_base; }, 5.0));
+  fixture.take(order("O-1", 1).from_sequence(4).through({"loop_se@565", "loop_se@848", "loop_se@1131"}));
   double slowest_mps = 1.0;
-  ASSERT_TRUE(bench.run_until(
+  ASSERT_TRUE(fixture.run_until(
       [&] {
-        slowest_mps = std::min(slowest_mps, bench.speed_mps);
-        return bench.traversed.size() == 3;
+        slowest_mps = std::min(slowest_mps, fixture.speed_mps);
+        return fixture.traversed.size() == 3;
       },
       5.0));
   EXPECT_GT(slowest_mps, 0.25);
 }
 
 TEST(Agent, asks_for_base_only_when_more_is_announced) {
-  AgentBench bench{"loop_se", 0.0};
-  bench.take(to_565());
-  bench.run(8.0);
-  EXPECT_FALSE(bench.agent.decision().wants_base);
+  AgentFixture fixture{"loop_se", 0.0};
+  fixture.take(to_565());
+  fixture.run(8.0);
+  EXPECT_FALSE(fixture.agent.decision().wants_base);
 }
 
 TEST(Agent, stands_while_anything_holds_it_and_goes_on_by_itself) {
   for (const Hold reason : {Hold::paused, Hold::broker_lost, Hold::server_lost, Hold::board_lost, Hold::board_faulty}) {
-    AgentBench bench{"loop_se", 0.0};
-    bench.take(order("O-1").through({"loop_se@0", "loop_se@565", "loop_se@1131", "loop_se@1696"}));
-    bench.run(1.0);
-    EXPECT_GT(bench.speed_mps, 0.2);
-    bench.agent.hold(reason, true);
-    bench.run(1.0);
-    EXPECT_EQ(bench.speed_mps, 0.0) << to_string(reason);
-    EXPECT_TRUE(bench.agent.order().active());
-    bench.agent.hold(reason, false);
-    bench.run(1.0);
-    EXPECT_GT(bench.speed_mps, 0.2) << to_string(reason);
+    AgentFixture fixture{"loop_se", 0.0};
+    fixture.take(order("O-1").through({"loop_se@0", "loop_se@565", "loop_se@1131", "loop_se@1696"}));
+    fixture.run(1.0);
+    EXPECT_GT(fixture.speed_mps, 0.2);
+    fixture.agent.hold(reason, true);
+    fixture.run(1.0);
+    EXPECT_EQ(fixture.speed_mps, 0.0) << to_string(reason);
+    EXPECT_TRUE(fixture.agent.order().active());
+    fixture.agent.hold(reason, false);
+    fixture.run(1.0);
+    EXPECT_GT(fixture.speed_mps, 0.2) << to_string(reason);
   }
 }
 
 TEST(Agent, stands_when_it_loses_the_line) {
-  AgentBench bench{"loop_se", 0.0};
-  bench.take(to_565());
+  AgentFixture fixture{"loop_se", 0.0};
+  fixture.take(to_565());
   wire::Odometry lost;
   lost.line_lost = true;
-  bench.agent.on_odometry(lost);
-  EXPECT_EQ(bench.agent.decide().speed_mmps, 0);
+  fixture.agent.on_odometry(lost);
+  EXPECT_EQ(fixture.agent.decide().speed_mmps, 0);
 }
 
 TEST(Agent, that_knows_no_place_does_not_drive_and_takes_no_order) {
@@ -175,88 +175,88 @@ TEST(Agent, that_knows_no_place_does_not_drive_and_takes_no_order) {
 }
 
 TEST(Agent, stops_before_an_obstacle_and_goes_on_when_it_is_gone) {
-  AgentBench bench{"loop_se", 0.0};
-  bench.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
-  bench.run(1.0);
-  bench.obstacles = {position(lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.9)))};
-  bench.run(4.0);
-  EXPECT_EQ(bench.speed_mps, 0.0);
-  EXPECT_TRUE(bench.agent.decision().blocked);
-  EXPECT_NEAR(0.9 - bench.s_m() - 0.1, stand_off_m, 0.03);
-  EXPECT_LE(bench.hardest_braking_mps2, lacet4().profiles.fast.braking_mps2 + 0.03);
-  bench.obstacles.clear();
-  bench.run(4.0);
-  EXPECT_FALSE(bench.agent.decision().blocked);
-  EXPECT_NEAR(bench.s_m(), 4.0 * edge_m, 0.01);
+  AgentFixture fixture{"loop_se", 0.0};
+  fixture.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
+  fixture.run(1.0);
+  fixture.obstacles = {position(lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.9)))};
+  fixture.run(4.0);
+  EXPECT_EQ(fixture.speed_mps, 0.0);
+  EXPECT_TRUE(fixture.agent.decision().blocked);
+  EXPECT_NEAR(0.9 - fixture.s_m() - 0.1, stand_off_m, 0.03);
+  EXPECT_LE(fixture.hardest_braking_mps2, lacet4().profiles.fast.braking_mps2 + 0.03);
+  fixture.obstacles.clear();
+  fixture.run(4.0);
+  EXPECT_FALSE(fixture.agent.decision().blocked);
+  EXPECT_NEAR(fixture.s_m(), 4.0 * edge_m, 0.01);
 }
 
 TEST(Agent, does_not_touch_an_obstacle_that_appears_half_a_metre_ahead_at_full_speed) {
-  AgentBench bench{"loop_se", 0.0};
-  bench.agent.instructions().imposed = Profile::fast;
-  bench.take(order("O-1").through({"loop_se@0", "loop_se@1979"}));
-  bench.run(1.6);
-  EXPECT_NEAR(bench.speed_mps, 0.5, 0.01);
-  const double obstacle_s_m = bench.s_m() + 0.1 + 0.5;
-  bench.obstacles = {position(lacet4().circuit.pose_at(at(lacet4(), "loop_se", obstacle_s_m)))};
-  bench.run(4.0);
-  EXPECT_EQ(bench.speed_mps, 0.0);
-  EXPECT_GT(obstacle_s_m - bench.s_m() - 0.1, 0.08);
+  AgentFixture fixture{"loop_se", 0.0};
+  fixture.agent.instructions().imposed = Profile::fast;
+  fixture.take(order("O-1").through({"loop_se@0", "loop_se@1979"}));
+  fixture.run(1.6);
+  EXPECT_NEAR(fixture.speed_mps, 0.5, 0.01);
+  const double obstacle_s_m = fixture.s_m() + 0.1 + 0.5;
+  fixture.obstacles = {position(lacet4().circuit.pose_at(at(lacet4(), "loop_se", obstacle_s_m)))};
+  fixture.run(4.0);
+  EXPECT_EQ(fixture.speed_mps, 0.0);
+  EXPECT_GT(obstacle_s_m - fixture.s_m() - 0.1, 0.08);
 }
 
 // --- what is only virtual -----------------------------------------------------------------------------------------
 
 TEST(Agent, stops_before_what_it_feels_as_before_an_obstacle_and_goes_on_when_it_is_gone) {
-  AgentBench bench{"loop_se", 0.0};
-  bench.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
-  bench.run(1.0);
-  const auto perceive = [&] { bench.agent.perceive(0.9 - bench.s_m() - 0.1); };
+  AgentFixture fixture{"loop_se", 0.0};
+  fixture.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
+  fixture.run(1.0);
+  const auto perceive = [&] { fixture.agent.perceive(0.9 - fixture.s_m() - 0.1); };
   for (int i = 0; i < 200; ++i) {
     perceive();
-    bench.step();
+    fixture.step();
   }
-  EXPECT_EQ(bench.speed_mps, 0.0);
-  EXPECT_TRUE(bench.agent.decision().blocked);
-  EXPECT_TRUE(bench.agent.decision().braking_for_virtual);
-  EXPECT_NEAR(0.9 - bench.s_m() - 0.1, stand_off_m, 0.02);
-  EXPECT_LE(bench.hardest_braking_mps2, lacet4().profiles.medium.braking_mps2 + 0.03) << "it was told in time";
-  bench.agent.perceive(std::numeric_limits<double>::infinity());
-  bench.run(4.0);
-  EXPECT_FALSE(bench.agent.decision().blocked);
-  EXPECT_FALSE(bench.agent.decision().braking_for_virtual);
-  EXPECT_NEAR(bench.s_m(), 4.0 * edge_m, 0.01);
+  EXPECT_EQ(fixture.speed_mps, 0.0);
+  EXPECT_TRUE(fixture.agent.decision().blocked);
+  EXPECT_TRUE(fixture.agent.decision().braking_for_virtual);
+  EXPECT_NEAR(0.9 - fixture.s_m() - 0.1, stand_off_m, 0.02);
+  EXPECT_LE(fixture.hardest_braking_mps2, lacet4().profiles.medium.braking_mps2 + 0.03) << "it was told in time";
+  fixture.agent.perceive(std::numeric_limits<double>::infinity());
+  fixture.run(4.0);
+  EXPECT_FALSE(fixture.agent.decision().blocked);
+  EXPECT_FALSE(fixture.agent.decision().braking_for_virtual);
+  EXPECT_NEAR(fixture.s_m(), 4.0 * edge_m, 0.01);
 }
 
 TEST(Agent, brakes_for_the_nearer_of_what_it_sees_and_feels) {
-  AgentBench bench{"loop_se", 0.0};
-  bench.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
-  bench.obstacles = {position(lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.6)))};
+  AgentFixture fixture{"loop_se", 0.0};
+  fixture.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
+  fixture.obstacles = {position(lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.6)))};
   for (int i = 0; i < 250; ++i) {
-    bench.agent.perceive(0.9 - bench.s_m() - 0.1);
-    bench.step();
-    EXPECT_FALSE(bench.agent.decision().braking_for_virtual && bench.tick > 10) << bench.tick;
+    fixture.agent.perceive(0.9 - fixture.s_m() - 0.1);
+    fixture.step();
+    EXPECT_FALSE(fixture.agent.decision().braking_for_virtual && fixture.tick > 10) << fixture.tick;
   }
-  EXPECT_NEAR(0.6 - bench.s_m() - 0.1, stand_off_m, 0.03) << "the obstacle";
-  bench.obstacles.clear();
+  EXPECT_NEAR(0.6 - fixture.s_m() - 0.1, stand_off_m, 0.03) << "the obstacle";
+  fixture.obstacles.clear();
   for (int i = 0; i < 250; ++i) {
-    bench.agent.perceive(0.9 - bench.s_m() - 0.1);
-    bench.step();
+    fixture.agent.perceive(0.9 - fixture.s_m() - 0.1);
+    fixture.step();
   }
-  EXPECT_NEAR(0.9 - bench.s_m() - 0.1, stand_off_m, 0.02) << "the virtual one";
-  EXPECT_TRUE(bench.agent.decision().braking_for_virtual);
+  EXPECT_NEAR(0.9 - fixture.s_m() - 0.1, stand_off_m, 0.02) << "the virtual one";
+  EXPECT_TRUE(fixture.agent.decision().braking_for_virtual);
 }
 
 TEST(Agent, does_not_brake_for_what_it_feels_beyond_its_base_or_while_something_else_holds_it) {
-  AgentBench bench{"loop_se", 0.0};
-  bench.take(to_565());
+  AgentFixture fixture{"loop_se", 0.0};
+  fixture.take(to_565());
   for (int i = 0; i < 400; ++i) {
-    bench.agent.perceive(1.1 - bench.s_m() - 0.1);
-    bench.step();
-    EXPECT_FALSE(bench.agent.decision().braking_for_virtual) << bench.s_m();
+    fixture.agent.perceive(1.1 - fixture.s_m() - 0.1);
+    fixture.step();
+    EXPECT_FALSE(fixture.agent.decision().braking_for_virtual) << fixture.s_m();
   }
-  EXPECT_NEAR(bench.s_m(), 2.0 * edge_m, 0.01);
-  EXPECT_FALSE(bench.agent.decision().blocked);
+  EXPECT_NEAR(fixture.s_m(), 2.0 * edge_m, 0.01);
+  EXPECT_FALSE(fixture.agent.decision().blocked);
 
-  AgentBench paused{"loop_se", 0.0};
+  AgentFixture paused{"loop_se", 0.0};
   paused.take(to_565());
   paused.agent.hold(Hold::paused, true);
   paused.agent.perceive(0.0);
@@ -269,110 +269,110 @@ TEST(Agent, does_not_brake_for_what_it_feels_beyond_its_base_or_while_something_
 }
 
 TEST(Agent, does_not_stutter_behind_what_moves_back_and_forth_by_a_few_centimetres) {
-  AgentBench bench{"loop_se", 0.0};
-  bench.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
+  AgentFixture fixture{"loop_se", 0.0};
+  fixture.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
   int starts = 0;
   bool stood = true;
   for (int i = 0; i < 1000; ++i) {
     const double sway_m = (i / 10) % 2 == 0 ? 0.015 : -0.015;
-    bench.agent.perceive(0.9 - bench.s_m() - 0.1 + sway_m);
-    bench.step();
-    starts += stood && bench.speed_mps > 0.0 ? 1 : 0;
-    stood = bench.speed_mps == 0.0;
+    fixture.agent.perceive(0.9 - fixture.s_m() - 0.1 + sway_m);
+    fixture.step();
+    starts += stood && fixture.speed_mps > 0.0 ? 1 : 0;
+    stood = fixture.speed_mps == 0.0;
   }
-  EXPECT_EQ(bench.speed_mps, 0.0);
+  EXPECT_EQ(fixture.speed_mps, 0.0);
   EXPECT_LE(starts, 2);
 }
 
 TEST(Agent, drives_at_the_imposed_profile_and_no_faster_than_the_limit) {
-  AgentBench bench{"loop_se", 0.0};
-  bench.take(order("O-1").through({"loop_se@0", "loop_se@2545"}));
-  bench.agent.instructions().imposed = Profile::slow;
-  bench.run(2.0);
-  EXPECT_NEAR(bench.speed_mps, 0.15, 1e-9);
-  EXPECT_EQ(bench.agent.status(), Status::slow_speed);
-  bench.agent.instructions().imposed = Profile::fast;
-  bench.run(1.5);
-  EXPECT_NEAR(bench.speed_mps, 0.5, 1e-9);
-  EXPECT_EQ(bench.agent.status(), Status::fast_speed);
-  bench.agent.instructions().speed_mps_max = 0.22;
-  bench.run(1.0);
-  EXPECT_NEAR(bench.speed_mps, 0.22, 1e-9);
+  AgentFixture fixture{"loop_se", 0.0};
+  fixture.take(order("O-1").through({"loop_se@0", "loop_se@2545"}));
+  fixture.agent.instructions().imposed = Profile::slow;
+  fixture.run(2.0);
+  EXPECT_NEAR(fixture.speed_mps, 0.15, 1e-9);
+  EXPECT_EQ(fixture.agent.status(), Status::slow_speed);
+  fixture.agent.instructions().imposed = Profile::fast;
+  fixture.run(1.5);
+  EXPECT_NEAR(fixture.speed_mps, 0.5, 1e-9);
+  EXPECT_EQ(fixture.agent.status(), Status::fast_speed);
+  fixture.agent.instructions().speed_mps_max = 0.22;
+  fixture.run(1.0);
+  EXPECT_NEAR(fixture.speed_mps, 0.22, 1e-9);
 }
 
 TEST(Agent, stays_within_its_base_when_a_weaker_profile_is_imposed_at_speed) {
-  AgentBench bench{"loop_se", 0.0};
-  bench.agent.instructions().imposed = Profile::fast;
-  bench.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
-  ASSERT_TRUE(bench.run_until([&] { return bench.agent.order().distance_to_base_end_m() < 0.20; }, 5.0));
-  bench.agent.instructions().imposed = Profile::slow;
-  bench.run(3.0);
-  EXPECT_LT(bench.s_m(), 4.0 * edge_m + 0.01);
-  EXPECT_GT(bench.s_m(), 4.0 * edge_m - 0.01);
+  AgentFixture fixture{"loop_se", 0.0};
+  fixture.agent.instructions().imposed = Profile::fast;
+  fixture.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.agent.order().distance_to_base_end_m() < 0.20; }, 5.0));
+  fixture.agent.instructions().imposed = Profile::slow;
+  fixture.run(3.0);
+  EXPECT_LT(fixture.s_m(), 4.0 * edge_m + 0.01);
+  EXPECT_GT(fixture.s_m(), 4.0 * edge_m - 0.01);
 }
 
 TEST(Agent, waits_at_the_stop_line_until_the_base_leads_through_the_crossing) {
-  AgentBench bench{"east", 0.1};
+  AgentFixture fixture{"east", 0.1};
   auto into = order("O-1").through({"east@0", "east@190", "middle"}).then({"east@1120"});
   into.node(2).position = wire::NodePosition{0.0, -0.15, {}, {}, {}, ""};
-  bench.take(into);
-  bench.run(5.0);
-  EXPECT_TRUE(bench.agent.motion().stopped());
-  EXPECT_LT(bench.s_m(), 0.40);
-  EXPECT_GT(bench.s_m(), 0.37);
-  bench.take(order("O-1", 1).from_sequence(4).through({"middle", "east@1120"}));
-  bench.run(6.0);
-  EXPECT_NEAR(bench.s_m(), 1.12, 0.01);
+  fixture.take(into);
+  fixture.run(5.0);
+  EXPECT_TRUE(fixture.agent.motion().stopped());
+  EXPECT_LT(fixture.s_m(), 0.40);
+  EXPECT_GT(fixture.s_m(), 0.37);
+  fixture.take(order("O-1", 1).from_sequence(4).through({"middle", "east@1120"}));
+  fixture.run(6.0);
+  EXPECT_NEAR(fixture.s_m(), 1.12, 0.01);
 }
 
 TEST(Agent, cancelling_brakes_and_drops_the_order_when_it_stands) {
-  AgentBench bench{"loop_se", 0.0};
-  bench.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
-  bench.run(1.5);
-  EXPECT_TRUE(bench.agent.progress().begin_cancel());
-  EXPECT_TRUE(bench.agent.progress().cancelling());
-  EXPECT_TRUE(bench.agent.order().active());
-  EXPECT_EQ(bench.agent.take_order(order("O-2").through({"loop_se@283"})).error().code, "orderUpdateError");
-  bench.run(1.0);
-  EXPECT_FALSE(bench.agent.progress().cancelling());
-  EXPECT_FALSE(bench.agent.order().active());
-  EXPECT_FALSE(bench.agent.progress().begin_cancel()) << "there is nothing to cancel any more";
+  AgentFixture fixture{"loop_se", 0.0};
+  fixture.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
+  fixture.run(1.5);
+  EXPECT_TRUE(fixture.agent.progress().begin_cancel());
+  EXPECT_TRUE(fixture.agent.progress().cancelling());
+  EXPECT_TRUE(fixture.agent.order().active());
+  EXPECT_EQ(fixture.agent.take_order(order("O-2").through({"loop_se@283"})).error().code, "orderUpdateError");
+  fixture.run(1.0);
+  EXPECT_FALSE(fixture.agent.progress().cancelling());
+  EXPECT_FALSE(fixture.agent.order().active());
+  EXPECT_FALSE(fixture.agent.progress().begin_cancel()) << "there is nothing to cancel any more";
 }
 
 TEST(Agent, tag_corrections_move_the_order_along) {
-  AgentBench bench{"east", 1.30};
-  bench.take(order("O-1").through({"east@1310", "loop_se@0", "loop_se@283"}));
-  const double before_m = bench.agent.order().distance_to_base_end_m();
-  const auto fix = bench.agent.on_tag({0, 1, 0});
+  AgentFixture fixture{"east", 1.30};
+  fixture.take(order("O-1").through({"east@1310", "loop_se@0", "loop_se@283"}));
+  const double before_m = fixture.agent.order().distance_to_base_end_m();
+  const auto fix = fixture.agent.on_tag({0, 1, 0});
   ASSERT_EQ(fix.kind, PositionEstimator::FixKind::corrected);
-  EXPECT_NEAR(bench.agent.order().distance_to_base_end_m(), before_m - fix.correction_m, 1e-12);
+  EXPECT_NEAR(fixture.agent.order().distance_to_base_end_m(), before_m - fix.correction_m, 1e-12);
 }
 
 TEST(Agent, drops_an_order_that_a_tag_shows_it_is_not_on) {
-  AgentBench bench{"east", 0.10};
-  bench.take(order("O-1").through({"east@0", "east@190", "east@380"}));
-  bench.agent.on_tag({0, 7, 0});
-  EXPECT_TRUE(bench.agent.progress().take_lost());
-  EXPECT_FALSE(bench.agent.progress().take_lost());
-  EXPECT_FALSE(bench.agent.order().active());
-  EXPECT_EQ(bench.agent.position().place().section, 4U);
+  AgentFixture fixture{"east", 0.10};
+  fixture.take(order("O-1").through({"east@0", "east@190", "east@380"}));
+  fixture.agent.on_tag({0, 7, 0});
+  EXPECT_TRUE(fixture.agent.progress().take_lost());
+  EXPECT_FALSE(fixture.agent.progress().take_lost());
+  EXPECT_FALSE(fixture.agent.order().active());
+  EXPECT_EQ(fixture.agent.position().place().section, 4U);
 }
 
 TEST(Agent, takes_a_position_only_when_it_stands_without_an_order_and_it_lies_on_the_circuit) {
-  AgentBench bench{"east", 0.10};
-  EXPECT_EQ(bench.agent.initialise_position({5.0, 5.0, 0.0}, "").error().code, "position.off_circuit");
-  EXPECT_TRUE(bench.agent.initialise_position({-0.5, -0.14, 0.05}, "dock"));
-  EXPECT_NEAR(bench.agent.position().place().s_m, 0.25, 1e-9);
-  EXPECT_EQ(bench.agent.order().last_node_id(), "dock");
-  bench.take(order("O-1").through({"east@190", "east@380"}));
-  EXPECT_EQ(bench.agent.initialise_position({-0.5, -0.14, 0.0}, "").error().code, "position.busy");
+  AgentFixture fixture{"east", 0.10};
+  EXPECT_EQ(fixture.agent.initialise_position({5.0, 5.0, 0.0}, "").error().code, "position.off_circuit");
+  EXPECT_TRUE(fixture.agent.initialise_position({-0.5, -0.14, 0.05}, "dock"));
+  EXPECT_NEAR(fixture.agent.position().place().s_m, 0.25, 1e-9);
+  EXPECT_EQ(fixture.agent.order().last_node_id(), "dock");
+  fixture.take(order("O-1").through({"east@190", "east@380"}));
+  EXPECT_EQ(fixture.agent.initialise_position({-0.5, -0.14, 0.0}, "").error().code, "position.busy");
 }
 
 TEST(Agent, turns_as_the_circuit_does) {
-  AgentBench bench{"loop_se", 0.0};
-  bench.take(to_565());
-  bench.run(1.0);
-  EXPECT_NEAR(bench.agent.turn_rate_radps(), -bench.agent.motion().speed_mps() / 0.6, 1e-9);
+  AgentFixture fixture{"loop_se", 0.0};
+  fixture.take(to_565());
+  fixture.run(1.0);
+  EXPECT_NEAR(fixture.agent.turn_rate_radps(), -fixture.agent.motion().speed_mps() / 0.6, 1e-9);
 }
 
 }  // namespace

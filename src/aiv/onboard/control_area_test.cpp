@@ -2,14 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cosiva/aiv/onboard/onboard_bench.h"
+#include "cosiva/aiv/onboard/onboard_fixture.h"
 #include "cosiva/wire/own/control_areas.h"
 
 namespace cosiva::aiv {
 namespace {
 
 using test::lacet4_configuration;
-using test::OnboardBench;
+using test::OnboardFixture;
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -18,8 +18,8 @@ using ::testing::Not;
 
 const std::string owner_topic = "cosiva/v1/owner/CoSiVA/AIV1";
 
-struct ControlAreaFixture : OnboardBench {
-  using OnboardBench::OnboardBench;
+struct ControlAreaFixture : OnboardFixture {
+  using OnboardFixture::OnboardFixture;
 
   void owner(const std::string& area) {
     hear(owner_topic, wire::to_json({area, 1, now, std::nullopt, std::nullopt}), true);
@@ -40,115 +40,115 @@ struct ControlAreaFixture : OnboardBench {
 };
 
 TEST(ControlArea, listens_to_the_server_whose_it_is_and_takes_its_zone_where_it_stands) {
-  ControlAreaFixture bench;
-  bench.run(0.5);
-  EXPECT_EQ(bench.map_id(), "lacet4");
-  const Pose2 before = *bench.core->estimated_pose();
-  bench.owner("north");
-  EXPECT_THAT(bench.listens,
+  ControlAreaFixture fixture;
+  fixture.run(0.5);
+  EXPECT_EQ(fixture.map_id(), "lacet4");
+  const Pose2 before = *fixture.core->estimated_pose();
+  fixture.owner("north");
+  EXPECT_THAT(fixture.listens,
               AllOf(Contains("cosiva/v1/area/north/zone/+"), Contains("cosiva/v1/area/north/server/heartbeat"),
                     Contains("cosiva/v1/area/north/server/connection")));
-  bench.zone_of("north");
-  bench.run(0.5);
-  EXPECT_EQ(bench.map_id(), "north");
-  EXPECT_LT(distance(before, *bench.core->estimated_pose()), 0.001) << "all control areas share a frame";
-  EXPECT_THAT(bench.error_types(), IsEmpty());
-  bench.order(test::order("N-1").through({"loop_se@0", "loop_se@283", "loop_se@565"}));
-  bench.run(1.5);
-  EXPECT_GT(bench.speed_mps, 0.1);
+  fixture.zone_of("north");
+  fixture.run(0.5);
+  EXPECT_EQ(fixture.map_id(), "north");
+  EXPECT_LT(distance(before, *fixture.core->estimated_pose()), 0.001) << "all control areas share a frame";
+  EXPECT_THAT(fixture.error_types(), IsEmpty());
+  fixture.order(test::order("N-1").through({"loop_se@0", "loop_se@283", "loop_se@565"}));
+  fixture.run(1.5);
+  EXPECT_GT(fixture.speed_mps, 0.1);
 }
 
 TEST(ControlArea, takes_no_zone_but_its_own_server_s) {
-  ControlAreaFixture bench;
-  bench.run(0.5);
-  bench.zone_of("north");
-  bench.run(0.5);
-  EXPECT_EQ(bench.map_id(), "lacet4") << "it is nobody's";
-  bench.owner("south");
-  bench.zone_of("north");
+  ControlAreaFixture fixture;
+  fixture.run(0.5);
+  fixture.zone_of("north");
+  fixture.run(0.5);
+  EXPECT_EQ(fixture.map_id(), "lacet4") << "it is nobody's";
+  fixture.owner("south");
+  fixture.zone_of("north");
   zone::ZoneConfiguration plain = lacet4_configuration();
   plain.text.replace(plain.text.find("name = \"lacet4\""), 15, "name = \"plain\"");
-  bench.hear("cosiva/v1/zone/toml", zone::to_payload(plain), true);
-  bench.run(0.5);
-  EXPECT_EQ(bench.map_id(), "lacet4");
+  fixture.hear("cosiva/v1/zone/toml", zone::to_payload(plain), true);
+  fixture.run(0.5);
+  EXPECT_EQ(fixture.map_id(), "lacet4");
 }
 
 TEST(ControlArea, changes_from_one_server_to_the_other_and_heeds_the_new_one_s_heartbeat_only) {
-  ControlAreaFixture bench;
-  bench.run(0.5);
-  bench.owner("north");
-  bench.zone_of("north");
-  bench.beat_of("north", 0.5);
-  bench.owner("south");
-  bench.zone_of("south");
-  bench.run(1.0);
-  EXPECT_EQ(bench.map_id(), "south");
-  EXPECT_THAT(bench.error_types(), Not(Contains("serverLost"))) << "the old one's silence is nothing to it";
-  EXPECT_THAT(bench.listens, Not(Contains(HasSubstr("north"))));
-  bench.beat_of("south", 0.5);
-  bench.beat_of("north", 1.0);
-  EXPECT_THAT(bench.error_types(), Contains("serverLost")) << "its own has fallen silent, whatever the other says";
-  bench.hear("cosiva/v1/area/north/server/connection", R"({"connectionState":"OFFLINE"})");
-  bench.run(0.2);
-  EXPECT_THAT(bench.error_types(), Contains("serverLost"));
-  bench.hear("cosiva/v1/area/south/server/connection", R"({"connectionState":"OFFLINE"})");
-  bench.run(0.2);
-  EXPECT_THAT(bench.error_types(), Not(Contains("serverLost"))) << "it said goodbye";
+  ControlAreaFixture fixture;
+  fixture.run(0.5);
+  fixture.owner("north");
+  fixture.zone_of("north");
+  fixture.beat_of("north", 0.5);
+  fixture.owner("south");
+  fixture.zone_of("south");
+  fixture.run(1.0);
+  EXPECT_EQ(fixture.map_id(), "south");
+  EXPECT_THAT(fixture.error_types(), Not(Contains("serverLost"))) << "the old one's silence is nothing to it";
+  EXPECT_THAT(fixture.listens, Not(Contains(HasSubstr("north"))));
+  fixture.beat_of("south", 0.5);
+  fixture.beat_of("north", 1.0);
+  EXPECT_THAT(fixture.error_types(), Contains("serverLost")) << "its own has fallen silent, whatever the other says";
+  fixture.hear("cosiva/v1/area/north/server/connection", R"({"connectionState":"OFFLINE"})");
+  fixture.run(0.2);
+  EXPECT_THAT(fixture.error_types(), Contains("serverLost"));
+  fixture.hear("cosiva/v1/area/south/server/connection", R"({"connectionState":"OFFLINE"})");
+  fixture.run(0.2);
+  EXPECT_THAT(fixture.error_types(), Not(Contains("serverLost"))) << "it said goodbye";
 }
 
 TEST(ControlArea, brakes_on_the_old_zone_before_it_takes_the_new_server_s) {
-  ControlAreaFixture bench;
-  bench.run(0.5);
-  bench.order(test::order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@565", "loop_se@848", "loop_se@1131"}));
-  bench.run(1.5);
-  ASSERT_GT(bench.speed_mps, 0.2);
-  bench.owner("north");
-  bench.zone_of("north");
-  bench.run(0.1);
-  EXPECT_EQ(bench.map_id(), "lacet4");
-  ASSERT_TRUE(bench.run_until([&] { return bench.map_id() == "north"; }, 3.0));
-  EXPECT_EQ(bench.speed_mps, 0.0);
-  EXPECT_THAT(bench.state().order_id, testing::AnyOf("", "O-1"));
-  EXPECT_THAT(bench.state().node_states, IsEmpty()) << "what the old server ordered is over";
+  ControlAreaFixture fixture;
+  fixture.run(0.5);
+  fixture.order(test::order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@565", "loop_se@848", "loop_se@1131"}));
+  fixture.run(1.5);
+  ASSERT_GT(fixture.speed_mps, 0.2);
+  fixture.owner("north");
+  fixture.zone_of("north");
+  fixture.run(0.1);
+  EXPECT_EQ(fixture.map_id(), "lacet4");
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.map_id() == "north"; }, 3.0));
+  EXPECT_EQ(fixture.speed_mps, 0.0);
+  EXPECT_THAT(fixture.state().order_id, testing::AnyOf("", "O-1"));
+  EXPECT_THAT(fixture.state().node_states, IsEmpty()) << "what the old server ordered is over";
 }
 
 TEST(ControlArea, stays_where_it_is_when_its_owner_cannot_be_read_and_says_so) {
-  ControlAreaFixture bench;
-  bench.run(0.5);
-  bench.owner("north");
-  bench.hear(owner_topic, R"({"area":"so uth"})", true);
-  bench.zone_of("north");
-  bench.run(0.5);
-  EXPECT_EQ(bench.map_id(), "north");
+  ControlAreaFixture fixture;
+  fixture.run(0.5);
+  fixture.owner("north");
+  fixture.hear(owner_topic, R"({"area":"so uth"})", true);
+  fixture.zone_of("north");
+  fixture.run(0.5);
+  EXPECT_EQ(fixture.map_id(), "north");
   EXPECT_TRUE(std::ranges::any_of(
-      bench.logs, [](const wire::Log& line) { return line.text.find("whose this vehicle is") != std::string::npos; }));
+      fixture.logs, [](const wire::Log& line) { return line.text.find("whose this vehicle is") != std::string::npos; }));
 }
 
 TEST(ControlArea, is_nobody_s_again_when_its_owner_is_taken_off_the_broker) {
-  ControlAreaFixture bench;
-  bench.run(0.5);
-  bench.owner("north");
-  bench.zone_of("north");
-  bench.beat_of("north", 0.5);
-  bench.hear(owner_topic, "", true);
-  bench.run(1.0);
-  EXPECT_EQ(bench.map_id(), "north") << "it stays on the map it has";
-  EXPECT_THAT(bench.error_types(), Not(Contains("serverLost")));
-  EXPECT_THAT(bench.listens, Not(Contains(HasSubstr("area"))));
+  ControlAreaFixture fixture;
+  fixture.run(0.5);
+  fixture.owner("north");
+  fixture.zone_of("north");
+  fixture.beat_of("north", 0.5);
+  fixture.hear(owner_topic, "", true);
+  fixture.run(1.0);
+  EXPECT_EQ(fixture.map_id(), "north") << "it stays on the map it has";
+  EXPECT_THAT(fixture.error_types(), Not(Contains("serverLost")));
+  EXPECT_THAT(fixture.listens, Not(Contains(HasSubstr("area"))));
 }
 
 TEST(ControlArea, knows_its_place_again_after_a_crash_before_it_reports_one_of_another_zone) {
-  ControlAreaFixture bench;
-  bench.run(0.5);
-  bench.owner("north");
-  bench.zone_of("north");
-  bench.run(0.3);
-  bench.order(test::order("N-1").through({"loop_se@0", "loop_se@283", "loop_se@565", "loop_se@848"}));
-  bench.run(4.0);
-  const Pose2 stood = bench.world.pose();
+  ControlAreaFixture fixture;
+  fixture.run(0.5);
+  fixture.owner("north");
+  fixture.zone_of("north");
+  fixture.run(0.3);
+  fixture.order(test::order("N-1").through({"loop_se@0", "loop_se@283", "loop_se@565", "loop_se@848"}));
+  fixture.run(4.0);
+  const Pose2 stood = fixture.world.pose();
   ASSERT_GT(distance(stood, test::lacet4().circuit.pose_at(test::at(test::lacet4(), "loop_se", 0.0))), 0.3);
 
-  ControlAreaFixture::Setup setup = bench.reborn();
+  ControlAreaFixture::Setup setup = fixture.reborn();
   setup.zone_told = false;
   ControlAreaFixture again{setup};
   // As the broker hands them out: in the order of its subscriptions.
@@ -164,14 +164,14 @@ TEST(ControlArea, knows_its_place_again_after_a_crash_before_it_reports_one_of_a
 }
 
 TEST(ControlArea, keeps_hearing_its_neighbours_while_it_changes_servers) {
-  ControlAreaFixture bench;
-  bench.run(0.5);
-  ASSERT_THAT(bench.listens, Contains(HasSubstr("v2x")));
-  bench.owner("north");
-  EXPECT_THAT(bench.listens, AllOf(Contains(HasSubstr("v2x")), Contains("cosiva/v1/area/north/zone/+")));
-  bench.zone_of("north");
-  bench.run(0.5);
-  EXPECT_THAT(bench.listens, AllOf(Contains(HasSubstr("v2x")), Contains("cosiva/v1/area/north/zone/+")))
+  ControlAreaFixture fixture;
+  fixture.run(0.5);
+  ASSERT_THAT(fixture.listens, Contains(HasSubstr("v2x")));
+  fixture.owner("north");
+  EXPECT_THAT(fixture.listens, AllOf(Contains(HasSubstr("v2x")), Contains("cosiva/v1/area/north/zone/+")));
+  fixture.zone_of("north");
+  fixture.run(0.5);
+  EXPECT_THAT(fixture.listens, AllOf(Contains(HasSubstr("v2x")), Contains("cosiva/v1/area/north/zone/+")))
       << "nor is its server forgotten when it listens around on the new map";
 }
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "cosiva/aiv/decision/envelope.h"
-#include "cosiva/aiv/onboard/onboard_bench.h"
+#include "cosiva/aiv/onboard/onboard_fixture.h"
 
 namespace cosiva::aiv {
 namespace {
@@ -11,7 +11,7 @@ namespace {
 using std::chrono::milliseconds;
 using test::at;
 using test::lacet4;
-using test::OnboardBench;
+using test::OnboardFixture;
 using test::order;
 using ::testing::AllOf;
 using ::testing::Contains;
@@ -25,7 +25,7 @@ constexpr double radius_m = 0.06;
 constexpr double front_m = 0.10;
 
 /// On its way along the loop in the south-east, at medium speed, with a server that beats.
-struct Driving : OnboardBench {
+struct Driving : OnboardFixture {
   Driving() {
     server_beats = true;
     run(0.5);
@@ -64,100 +64,100 @@ struct Driving : OnboardBench {
 // --- Ahead and Felt -----------------------------------------------------------------------------------------------
 
 TEST(Perception, the_first_virtual_obstacles_are_acknowledged_even_when_empty) {
-  Driving bench;
-  bench.receive_virtual_obstacles({});
-  ASSERT_THAT(bench.felts, SizeIs(1));
-  EXPECT_EQ(bench.felts[0], (wire::VirtualObstaclesAck{1, bench.now, false, "", std::nullopt}));
+  Driving fixture;
+  fixture.receive_virtual_obstacles({});
+  ASSERT_THAT(fixture.felts, SizeIs(1));
+  EXPECT_EQ(fixture.felts[0], (wire::VirtualObstaclesAck{1, fixture.now, false, "", std::nullopt}));
   for (int i = 0; i < 30; ++i) {
-    bench.receive_virtual_obstacles({});
-    bench.run(0.1);
+    fixture.receive_virtual_obstacles({});
+    fixture.run(0.1);
   }
-  EXPECT_THAT(bench.felts, SizeIs(3)) << "nothing changed: once a second, since one may be lost";
+  EXPECT_THAT(fixture.felts, SizeIs(3)) << "nothing changed: once a second, since one may be lost";
 }
 
 TEST(Perception, a_body_on_the_way_is_decided_on_at_once) {
-  Driving bench;
-  bench.receive_virtual_obstacles({});
-  const int drives = bench.drives;
-  bench.receive_virtual_obstacles({Driving::person(bench.s_m() + 0.4)});
-  EXPECT_EQ(bench.drives, drives + 1) << "its motors were told before anything else happened";
-  ASSERT_THAT(bench.felts, SizeIs(2));
-  EXPECT_EQ(bench.felts[1].virtual_obstacles_header_id, 2U);
-  EXPECT_EQ(bench.felts[1].decided, bench.now);
-  EXPECT_TRUE(bench.felts[1].braking);
-  EXPECT_EQ(bench.felts[1].body, "P1");
-  ASSERT_TRUE(bench.felts[1].distance_m);
-  EXPECT_NEAR(*bench.felts[1].distance_m, 0.4 - radius_m - front_m, 0.03);
+  Driving fixture;
+  fixture.receive_virtual_obstacles({});
+  const int drives = fixture.drives;
+  fixture.receive_virtual_obstacles({Driving::person(fixture.s_m() + 0.4)});
+  EXPECT_EQ(fixture.drives, drives + 1) << "its motors were told before anything else happened";
+  ASSERT_THAT(fixture.felts, SizeIs(2));
+  EXPECT_EQ(fixture.felts[1].virtual_obstacles_header_id, 2U);
+  EXPECT_EQ(fixture.felts[1].decided, fixture.now);
+  EXPECT_TRUE(fixture.felts[1].braking);
+  EXPECT_EQ(fixture.felts[1].body, "P1");
+  ASSERT_TRUE(fixture.felts[1].distance_m);
+  EXPECT_NEAR(*fixture.felts[1].distance_m, 0.4 - radius_m - front_m, 0.03);
 }
 
 TEST(Perception, it_stops_before_a_person_and_goes_on_when_the_person_is_gone) {
-  Driving bench;
-  const double person_s_m = bench.s_m() + 0.5;
-  bench.run_with({Driving::person(person_s_m)}, 3.0);
-  EXPECT_EQ(bench.speed_mps, 0.0);
-  EXPECT_NEAR(person_s_m - bench.s_m() - radius_m - front_m, stand_off_m, 0.03);
-  EXPECT_TRUE(bench.state().field_violation);
-  EXPECT_FALSE(bench.state().driving);
-  EXPECT_THAT(bench.state().errors, IsEmpty()) << "an obstacle is no fault";
-  bench.receive_virtual_obstacles({});
-  EXPECT_FALSE(bench.felts.back().braking);
-  EXPECT_EQ(bench.felts.back().body, "");
-  bench.run(1.0);
-  EXPECT_GT(bench.speed_mps, 0.39);
-  EXPECT_FALSE(bench.state().field_violation);
+  Driving fixture;
+  const double person_s_m = fixture.s_m() + 0.5;
+  fixture.run_with({Driving::person(person_s_m)}, 3.0);
+  EXPECT_EQ(fixture.speed_mps, 0.0);
+  EXPECT_NEAR(person_s_m - fixture.s_m() - radius_m - front_m, stand_off_m, 0.03);
+  EXPECT_TRUE(fixture.state().field_violation);
+  EXPECT_FALSE(fixture.state().driving);
+  EXPECT_THAT(fixture.state().errors, IsEmpty()) << "an obstacle is no fault";
+  fixture.receive_virtual_obstacles({});
+  EXPECT_FALSE(fixture.felts.back().braking);
+  EXPECT_EQ(fixture.felts.back().body, "");
+  fixture.run(1.0);
+  EXPECT_GT(fixture.speed_mps, 0.39);
+  EXPECT_FALSE(fixture.state().field_violation);
 }
 
 TEST(Perception, a_body_far_ahead_is_felt_without_braking_until_it_comes_near) {
-  Driving bench;
-  const std::vector<wire::Body> bodies{Driving::person(bench.s_m() + 1.2)};
-  bench.receive_virtual_obstacles(bodies);
-  ASSERT_THAT(bench.felts, SizeIs(1));
-  EXPECT_FALSE(bench.felts[0].braking);
-  bench.run_with(bodies, 4.0);
+  Driving fixture;
+  const std::vector<wire::Body> bodies{Driving::person(fixture.s_m() + 1.2)};
+  fixture.receive_virtual_obstacles(bodies);
+  ASSERT_THAT(fixture.felts, SizeIs(1));
+  EXPECT_FALSE(fixture.felts[0].braking);
+  fixture.run_with(bodies, 4.0);
   int changes = 0;
-  for (std::size_t i = 1; i < bench.felts.size(); ++i) changes += bench.felts[i].braking != bench.felts[i - 1].braking;
+  for (std::size_t i = 1; i < fixture.felts.size(); ++i) changes += fixture.felts[i].braking != fixture.felts[i - 1].braking;
   EXPECT_EQ(changes, 1);
-  EXPECT_TRUE(bench.felts.back().braking);
-  EXPECT_EQ(bench.felts.back().body, "P1");
-  EXPECT_EQ(bench.speed_mps, 0.0);
+  EXPECT_TRUE(fixture.felts.back().braking);
+  EXPECT_EQ(fixture.felts.back().body, "P1");
+  EXPECT_EQ(fixture.speed_mps, 0.0);
 }
 
 TEST(Perception, who_comes_or_goes_is_answered_though_it_does_not_brake) {
-  Driving bench;
-  const wire::Body far = Driving::person(bench.s_m() + 1.2);
-  bench.receive_virtual_obstacles({});
-  bench.receive_virtual_obstacles({far});
-  bench.receive_virtual_obstacles({far});
-  ASSERT_THAT(bench.felts, SizeIs(2));
-  bench.receive_virtual_obstacles({Driving::person(bench.s_m() + 1.25, "P2"), far});
-  bench.receive_virtual_obstacles({far, Driving::person(bench.s_m() + 1.25, "P2")});
-  ASSERT_THAT(bench.felts, SizeIs(3)) << "their order is no news";
-  bench.receive_virtual_obstacles({});
-  ASSERT_THAT(bench.felts, SizeIs(4));
-  EXPECT_EQ(bench.felts.back().virtual_obstacles_header_id, 6U);
+  Driving fixture;
+  const wire::Body far = Driving::person(fixture.s_m() + 1.2);
+  fixture.receive_virtual_obstacles({});
+  fixture.receive_virtual_obstacles({far});
+  fixture.receive_virtual_obstacles({far});
+  ASSERT_THAT(fixture.felts, SizeIs(2));
+  fixture.receive_virtual_obstacles({Driving::person(fixture.s_m() + 1.25, "P2"), far});
+  fixture.receive_virtual_obstacles({far, Driving::person(fixture.s_m() + 1.25, "P2")});
+  ASSERT_THAT(fixture.felts, SizeIs(3)) << "their order is no news";
+  fixture.receive_virtual_obstacles({});
+  ASSERT_THAT(fixture.felts, SizeIs(4));
+  EXPECT_EQ(fixture.felts.back().virtual_obstacles_header_id, 6U);
 }
 
 TEST(Perception, is_told_again_when_the_broker_is_back) {
-  Driving bench;
-  bench.receive_virtual_obstacles({});
-  bench.link(false);
-  bench.link(true);
-  bench.receive_virtual_obstacles({});
-  EXPECT_THAT(bench.felts, SizeIs(2));
+  Driving fixture;
+  fixture.receive_virtual_obstacles({});
+  fixture.link(false);
+  fixture.link(true);
+  fixture.receive_virtual_obstacles({});
+  EXPECT_THAT(fixture.felts, SizeIs(2));
 }
 
 TEST(Perception, another_body_that_comes_before_the_first_is_answered) {
-  Driving bench;
-  const double there_m = bench.s_m() + 0.6;
-  bench.run_with({Driving::person(there_m)}, 3.0);
-  bench.receive_virtual_obstacles({Driving::person(there_m), Driving::person(there_m - 0.1, "P2")});
-  EXPECT_EQ(bench.felts.back().body, "P2");
-  EXPECT_EQ(bench.felts.back().virtual_obstacles_header_id, bench.aheads);
+  Driving fixture;
+  const double there_m = fixture.s_m() + 0.6;
+  fixture.run_with({Driving::person(there_m)}, 3.0);
+  fixture.receive_virtual_obstacles({Driving::person(there_m), Driving::person(there_m - 0.1, "P2")});
+  EXPECT_EQ(fixture.felts.back().body, "P2");
+  EXPECT_EQ(fixture.felts.back().virtual_obstacles_header_id, fixture.aheads);
 }
 
 TEST(Perception, a_person_who_walks_across_makes_it_stop_once_and_go_once) {
-  Driving bench;
-  const Pose2 X_MP = lacet4().circuit.pose_at(at(lacet4(), "loop_se", bench.s_m() + 0.8));
+  Driving fixture;
+  const Pose2 X_MP = lacet4().circuit.pose_at(at(lacet4(), "loop_se", fixture.s_m() + 0.8));
   int stops = 0;
   bool stood = false;
   for (int i = 0; i < 500; ++i) {  // from 0.4 m right of the way to 0.8 m left of it, at 0.24 m/s
@@ -166,108 +166,108 @@ TEST(Perception, a_person_who_walks_across_makes_it_stop_once_and_go_once) {
       const Point2 ahead = X_MP * Point2{0.0, 1.0};
       const double vx = 0.24 * (ahead.x_m - X_MP.x_m);
       const double vy = 0.24 * (ahead.y_m - X_MP.y_m);
-      bench.receive_virtual_obstacles({{"P1", "person", p.x_m, p.y_m, 0.0, 0.0, radius_m, vx, vy}});
+      fixture.receive_virtual_obstacles({{"P1", "person", p.x_m, p.y_m, 0.0, 0.0, radius_m, vx, vy}});
     }
-    bench.step();
-    stops += !stood && bench.speed_mps == 0.0 ? 1 : 0;
-    stood = bench.speed_mps == 0.0;
+    fixture.step();
+    stops += !stood && fixture.speed_mps == 0.0 ? 1 : 0;
+    stood = fixture.speed_mps == 0.0;
   }
   EXPECT_EQ(stops, 1);
-  EXPECT_GT(bench.speed_mps, 0.0);
-  EXPECT_THAT(bench.felts, Contains(Field(&wire::VirtualObstaclesAck::braking, true)));
-  EXPECT_FALSE(bench.felts.back().braking);
+  EXPECT_GT(fixture.speed_mps, 0.0);
+  EXPECT_THAT(fixture.felts, Contains(Field(&wire::VirtualObstaclesAck::braking, true)));
+  EXPECT_FALSE(fixture.felts.back().braking);
 }
 
 TEST(Perception, is_forgotten_after_a_second_without_news_and_that_is_told) {
-  Driving bench;
-  bench.run_with({Driving::person(bench.s_m() + 0.5)}, 3.0);
-  bench.run(0.8);
-  EXPECT_EQ(bench.speed_mps, 0.0);
-  bench.run(1.0);
-  EXPECT_GT(bench.speed_mps, 0.0);
-  EXPECT_FALSE(bench.felts.back().braking);
-  const std::size_t before = bench.felts.size();
-  bench.receive_virtual_obstacles({});
-  EXPECT_THAT(bench.felts, SizeIs(before + 1)) << "the first one of a new beginning is answered";
+  Driving fixture;
+  fixture.run_with({Driving::person(fixture.s_m() + 0.5)}, 3.0);
+  fixture.run(0.8);
+  EXPECT_EQ(fixture.speed_mps, 0.0);
+  fixture.run(1.0);
+  EXPECT_GT(fixture.speed_mps, 0.0);
+  EXPECT_FALSE(fixture.felts.back().braking);
+  const std::size_t before = fixture.felts.size();
+  fixture.receive_virtual_obstacles({});
+  EXPECT_THAT(fixture.felts, SizeIs(before + 1)) << "the first one of a new beginning is answered";
 }
 
 TEST(Perception, is_forgotten_when_the_server_leaves) {
-  Driving bench;
-  bench.run_with({Driving::person(bench.s_m() + 0.5)}, 3.0);
-  EXPECT_EQ(bench.speed_mps, 0.0);
-  bench.server_beats = false;
-  bench.hear(wire::server_connection_topic, R"({"connectionState":"OFFLINE","timestamp":"2026-01-01T00:00:00Z"})");
-  bench.run(0.5);
-  EXPECT_GT(bench.speed_mps, 0.0);
+  Driving fixture;
+  fixture.run_with({Driving::person(fixture.s_m() + 0.5)}, 3.0);
+  EXPECT_EQ(fixture.speed_mps, 0.0);
+  fixture.server_beats = false;
+  fixture.hear(wire::server_connection_topic, R"({"connectionState":"OFFLINE","timestamp":"2026-01-01T00:00:00Z"})");
+  fixture.run(0.5);
+  EXPECT_GT(fixture.speed_mps, 0.0);
 }
 
 TEST(Perception, outlasts_a_server_that_died_and_came_back) {
-  Driving bench;
-  bench.run_with({Driving::person(bench.s_m() + 0.5)}, 3.0);
-  bench.server_beats = false;
-  bench.run(5.0);
-  EXPECT_EQ(bench.speed_mps, 0.0);
-  bench.server_beats = true;
-  bench.run(0.9);
-  EXPECT_EQ(bench.speed_mps, 0.0) << "the new one had no time yet to say what stands there";
-  bench.aheads = 0;
-  bench.receive_virtual_obstacles({Driving::person(bench.s_m() + 0.3)});
-  EXPECT_EQ(bench.felts.back().virtual_obstacles_header_id, 1U) << "a new server hears that this vehicle feels";
+  Driving fixture;
+  fixture.run_with({Driving::person(fixture.s_m() + 0.5)}, 3.0);
+  fixture.server_beats = false;
+  fixture.run(5.0);
+  EXPECT_EQ(fixture.speed_mps, 0.0);
+  fixture.server_beats = true;
+  fixture.run(0.9);
+  EXPECT_EQ(fixture.speed_mps, 0.0) << "the new one had no time yet to say what stands there";
+  fixture.aheads = 0;
+  fixture.receive_virtual_obstacles({Driving::person(fixture.s_m() + 0.3)});
+  EXPECT_EQ(fixture.felts.back().virtual_obstacles_header_id, 1U) << "a new server hears that this vehicle feels";
 }
 
 TEST(Perception, malformed_virtual_obstacles_are_refused_with_one_line_per_kind_and_change_nothing) {
-  Driving bench;
+  Driving fixture;
   const std::string topic = wire::own_topic(wire::virtual_obstacles_topic_prefix, me);
-  const std::vector<wire::Body> bodies{Driving::person(bench.s_m() + 0.5)};
-  bench.run_with(bodies, 3.0);
-  const std::string good = to_json(wire::VirtualObstacles{99, bench.now, "lacet4", {}});
+  const std::vector<wire::Body> bodies{Driving::person(fixture.s_m() + 0.5)};
+  fixture.run_with(bodies, 3.0);
+  const std::string good = to_json(wire::VirtualObstacles{99, fixture.now, "lacet4", {}});
   for (int i = 0; i < 5; ++i) {
     for (const std::string& text :
          {std::string(), std::string("{"), good.substr(0, good.size() - 1), std::string(R"({"headerId":1})"),
-          std::string(40000, ' ') + good, to_json(wire::VirtualObstacles{99, bench.now, "elsewhere", {}})})
-      bench.hear(topic, text);
-    bench.receive_virtual_obstacles(bodies);
-    bench.run(0.1);
+          std::string(40000, ' ') + good, to_json(wire::VirtualObstacles{99, fixture.now, "elsewhere", {}})})
+      fixture.hear(topic, text);
+    fixture.receive_virtual_obstacles(bodies);
+    fixture.run(0.1);
   }
-  EXPECT_EQ(bench.speed_mps, 0.0);
-  for (auto perceived = bench.felts.rbegin(); perceived != bench.felts.rend() && perceived->virtual_obstacles_header_id > 30; ++perceived)
+  EXPECT_EQ(fixture.speed_mps, 0.0);
+  for (auto perceived = fixture.felts.rbegin(); perceived != fixture.felts.rend() && perceived->virtual_obstacles_header_id > 30; ++perceived)
     EXPECT_EQ(perceived->body, "P1");
-  const auto warnings = bench.warnings();
+  const auto warnings = fixture.warnings();
   EXPECT_THAT(warnings, SizeIs(3)) << "not JSON, a field, another map";
   for (const std::string& text : warnings) EXPECT_THAT(text, HasSubstr("ahead not used"));
 }
 
 TEST(Perception, complains_of_at_most_sixteen_kinds_of_fault) {
-  Driving bench;
+  Driving fixture;
   for (int i = 0; i < 32; ++i) {
-    wire::VirtualObstacles ahead{1, bench.now, "lacet4", std::vector<wire::Body>(32, Driving::person(0.5))};
+    wire::VirtualObstacles ahead{1, fixture.now, "lacet4", std::vector<wire::Body>(32, Driving::person(0.5))};
     ahead.bodies[static_cast<std::size_t>(i)].radius_m = -1.0;
-    bench.hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, me), to_json(ahead));
+    fixture.hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, me), to_json(ahead));
   }
-  EXPECT_THAT(bench.warnings(), SizeIs(16));
+  EXPECT_THAT(fixture.warnings(), SizeIs(16));
 }
 
 TEST(Perception, hears_neither_what_is_retained_nor_what_is_for_another) {
-  Driving bench;
-  const std::string text = to_json(wire::VirtualObstacles{1, bench.now, "lacet4", {Driving::person(bench.s_m() + 0.4)}});
-  bench.hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, me), text, true);
-  bench.hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, {"CoSiVA", "AIV2"}), text);
-  bench.run(0.2);
-  EXPECT_THAT(bench.felts, IsEmpty());
-  EXPECT_GT(bench.speed_mps, 0.39);
+  Driving fixture;
+  const std::string text = to_json(wire::VirtualObstacles{1, fixture.now, "lacet4", {Driving::person(fixture.s_m() + 0.4)}});
+  fixture.hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, me), text, true);
+  fixture.hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, {"CoSiVA", "AIV2"}), text);
+  fixture.run(0.2);
+  EXPECT_THAT(fixture.felts, IsEmpty());
+  EXPECT_GT(fixture.speed_mps, 0.39);
 }
 
 TEST(Perception, before_there_is_a_zone_or_a_place_harms_nothing) {
-  OnboardBench::Setup setup;
+  OnboardFixture::Setup setup;
   setup.zone_told = false;
-  OnboardBench no_zone{setup};
+  OnboardFixture no_zone{setup};
   const std::string text = to_json(wire::VirtualObstacles{1, no_zone.now, "lacet4", {Driving::person(0.4)}});
   no_zone.hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, me), text);
   no_zone.run(0.2);
   EXPECT_THAT(no_zone.felts, IsEmpty());
   setup.zone_told = true;
   setup.start.reset();
-  OnboardBench no_place{setup};
+  OnboardFixture no_place{setup};
   no_place.hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, me), text);
   no_place.run(0.2);
   ASSERT_THAT(no_place.felts, SizeIs(1));
@@ -277,54 +277,54 @@ TEST(Perception, before_there_is_a_zone_or_a_place_harms_nothing) {
 // --- Seen -----------------------------------------------------------------------------------------------------------
 
 TEST(Seeing, tells_where_the_obstacle_in_its_way_stands) {
-  Driving bench;
-  const Point2 p = Driving::on_loop(bench.s_m() + 0.7);
-  bench.obstacles = {p};
-  bench.run(3.0);
-  EXPECT_EQ(bench.speed_mps, 0.0);
-  ASSERT_FALSE(bench.sightings.empty());
-  const wire::DetectedObstacleReport& detected = bench.sightings.back();
+  Driving fixture;
+  const Point2 p = Driving::on_loop(fixture.s_m() + 0.7);
+  fixture.obstacles = {p};
+  fixture.run(3.0);
+  EXPECT_EQ(fixture.speed_mps, 0.0);
+  ASSERT_FALSE(fixture.sightings.empty());
+  const wire::DetectedObstacleReport& detected = fixture.sightings.back();
   ASSERT_TRUE(detected.virtual_object);
   EXPECT_EQ(detected.map_id, "lacet4");
   EXPECT_LT(distance({detected.virtual_object->x_m, detected.virtual_object->y_m}, p), 0.04);
   EXPECT_NEAR(detected.virtual_object->distance_m, stand_off_m, 0.04);
   EXPECT_EQ(detected.clear_m, detected.virtual_object->distance_m);
-  const std::size_t before = bench.sightings.size();
-  bench.run(2.0);
-  EXPECT_GE(bench.sightings.size() - before, 15U) << "it stands and goes on telling";
+  const std::size_t before = fixture.sightings.size();
+  fixture.run(2.0);
+  EXPECT_GE(fixture.sightings.size() - before, 15U) << "it stands and goes on telling";
 }
 
 TEST(Seeing, tells_three_times_that_it_went_and_nothing_while_there_is_nothing) {
-  Driving bench;
-  EXPECT_THAT(bench.sightings, IsEmpty());
-  bench.obstacles = {Driving::on_loop(bench.s_m() + 0.7)};
-  bench.run(1.0);
-  bench.obstacles.clear();
-  bench.run(2.0);
-  ASSERT_GE(bench.sightings.size(), 3U);
+  Driving fixture;
+  EXPECT_THAT(fixture.sightings, IsEmpty());
+  fixture.obstacles = {Driving::on_loop(fixture.s_m() + 0.7)};
+  fixture.run(1.0);
+  fixture.obstacles.clear();
+  fixture.run(2.0);
+  ASSERT_GE(fixture.sightings.size(), 3U);
   int without = 0;
-  for (const wire::DetectedObstacleReport& detected : bench.sightings) without += detected.virtual_object ? 0 : 1;
+  for (const wire::DetectedObstacleReport& detected : fixture.sightings) without += detected.virtual_object ? 0 : 1;
   EXPECT_EQ(without, 3);
-  EXPECT_NEAR(bench.sightings.back().clear_m, 1.2, 1e-9);
+  EXPECT_NEAR(fixture.sightings.back().clear_m, 1.2, 1e-9);
 }
 
 TEST(Seeing, does_not_tell_of_the_neighbouring_lane) {
-  Driving bench;
-  const Pose2 X_MP = lacet4().circuit.pose_at(at(lacet4(), "loop_se", bench.s_m() + 0.6));
-  bench.obstacles = {X_MP * Point2{0.0, 0.3}, X_MP * Point2{0.0, -0.3}};
-  bench.run(0.5);
-  EXPECT_THAT(bench.sightings, IsEmpty());
+  Driving fixture;
+  const Pose2 X_MP = lacet4().circuit.pose_at(at(lacet4(), "loop_se", fixture.s_m() + 0.6));
+  fixture.obstacles = {X_MP * Point2{0.0, 0.3}, X_MP * Point2{0.0, -0.3}};
+  fixture.run(0.5);
+  EXPECT_THAT(fixture.sightings, IsEmpty());
 }
 
 // --- boards
 // -----------------------------------------------------------------------------------------------------------
 
 TEST(BoardsReport, comes_twice_a_second_with_every_board) {
-  OnboardBench bench;
-  bench.run(3.0);
-  EXPECT_GE(bench.boards_reports.size(), 6U);
-  EXPECT_LE(bench.boards_reports.size(), 7U);
-  const wire::BoardsReport& report = bench.boards_reports.back();
+  OnboardFixture fixture;
+  fixture.run(3.0);
+  EXPECT_GE(fixture.boards_reports.size(), 6U);
+  EXPECT_LE(fixture.boards_reports.size(), 7U);
+  const wire::BoardsReport& report = fixture.boards_reports.back();
   ASSERT_THAT(report.boards, SizeIs(4));
   for (const auto& line : report.boards) {
     EXPECT_EQ(line.health, "ok") << to_string(line.board);
@@ -337,20 +337,20 @@ TEST(BoardsReport, comes_twice_a_second_with_every_board) {
   EXPECT_EQ(report.power->voltage_mv, 7400);
   ASSERT_TRUE(report.ranges);
   EXPECT_THAT(report.ranges->range_mm, SizeIs(13));
-  EXPECT_EQ(report.header_id + 1, bench.boards_reports.size());
+  EXPECT_EQ(report.header_id + 1, fixture.boards_reports.size());
 }
 
 TEST(BoardsReport, counts_damage_on_both_sides_and_names_who_is_lost_or_faulty) {
-  OnboardBench bench;
-  bench.run(1.0);
-  bench.feed(wire::InputKind::bytes, wire::port_name(1, wire::Board::PILS), std::string("\x01garbage\x00", 9));
-  bench.say(wire::Board::PILS, wire::Heartbeat{4711, 3, 2, 0});
-  bench.silence(wire::Board::PRAV);
-  bench.self_test[wire::Board::DOBS] = 7;
+  OnboardFixture fixture;
+  fixture.run(1.0);
+  fixture.feed(wire::InputKind::bytes, wire::port_name(1, wire::Board::PILS), std::string("\x01garbage\x00", 9));
+  fixture.say(wire::Board::PILS, wire::Heartbeat{4711, 3, 2, 0});
+  fixture.silence(wire::Board::PRAV);
+  fixture.self_test[wire::Board::DOBS] = 7;
   // Its next beat would tell of no damage: what it says last counts.
-  bench.silence(wire::Board::PILS);
-  bench.run(1.0);
-  const auto& lines = bench.boards_reports.back().boards;
+  fixture.silence(wire::Board::PILS);
+  fixture.run(1.0);
+  const auto& lines = fixture.boards_reports.back().boards;
   EXPECT_EQ(lines[0].frames_bad, 4U);
   EXPECT_GE(lines[0].frames_missed, 2U);
   EXPECT_EQ(lines[0].uptime_ms, 4711U);
@@ -362,15 +362,15 @@ TEST(BoardsReport, counts_damage_on_both_sides_and_names_who_is_lost_or_faulty) 
 }
 
 TEST(BoardsReport, goes_on_without_a_zone_and_stops_without_a_broker) {
-  OnboardBench::Setup setup;
+  OnboardFixture::Setup setup;
   setup.zone_told = false;
-  OnboardBench bench{setup};
-  bench.run(1.0);
-  EXPECT_FALSE(bench.boards_reports.empty());
-  bench.link(false);
-  const std::size_t before = bench.boards_reports.size();
-  bench.run(2.0);
-  EXPECT_EQ(bench.boards_reports.size(), before);
+  OnboardFixture fixture{setup};
+  fixture.run(1.0);
+  EXPECT_FALSE(fixture.boards_reports.empty());
+  fixture.link(false);
+  const std::size_t before = fixture.boards_reports.size();
+  fixture.run(2.0);
+  EXPECT_EQ(fixture.boards_reports.size(), before);
 }
 
 // --- edits of the zone
@@ -384,40 +384,40 @@ std::string edited(std::string_view from, std::string_view to) {
 }
 
 TEST(ZoneEdit, a_tag_that_was_moved_rectifies_at_its_new_place_while_it_drives) {
-  Driving bench;
+  Driving fixture;
   // Tag 2 stands 1.4137 m along the loop; from now on it is said to stand 0.05 m earlier.
-  bench.hear("cosiva/v1/zone/toml", edited("s_m = 1.4137", "s_m = 1.3637"), true);
-  EXPECT_THAT(bench.warnings(), IsEmpty());
-  EXPECT_GT(bench.speed_mps, 0.39) << "nothing stops for that";
-  bench.run_until([&] { return bench.s_m() >= 1.3637; }, 5.0);
-  bench.say(wire::Board::PRAV, wire::TagRead{0, 2, 0});
-  const auto estimated = bench.core->estimated_pose();
+  fixture.hear("cosiva/v1/zone/toml", edited("s_m = 1.4137", "s_m = 1.3637"), true);
+  EXPECT_THAT(fixture.warnings(), IsEmpty());
+  EXPECT_GT(fixture.speed_mps, 0.39) << "nothing stops for that";
+  fixture.run_until([&] { return fixture.s_m() >= 1.3637; }, 5.0);
+  fixture.say(wire::Board::PRAV, wire::TagRead{0, 2, 0});
+  const auto estimated = fixture.core->estimated_pose();
   ASSERT_TRUE(estimated);
   // Read at the field's rim, 20 mm before the tag, and 20 ms ago.
   const double expected_m = 1.3637 - 0.020 + 0.4 * 0.020;
   EXPECT_LT(distance(position(*estimated), Driving::on_loop(expected_m)), 0.006);
-  bench.run(0.2);
-  EXPECT_EQ(bench.state().order_id, "O-1");
-  EXPECT_GT(bench.speed_mps, 0.39);
+  fixture.run(0.2);
+  EXPECT_EQ(fixture.state().order_id, "O-1");
+  EXPECT_GT(fixture.speed_mps, 0.39);
 }
 
 TEST(ZoneEdit, another_beacon_pitch_is_in_force_at_once) {
   // Northwards at x = 0.15 the way meets beacons of the old grid at y = 0.15 + 0.30 n; of the new one at 0.15 + 0.25 n.
   const auto corrected = [](bool edit) {
-    OnboardBench::Setup setup;
+    OnboardFixture::Setup setup;
     setup.start = OnboardOptions::Start{"north", 0.50};
     setup.ground_truth = at(lacet4(), "north", 0.50);
-    OnboardBench bench{setup};
-    bench.run(0.3);
-    if (edit) bench.hear("cosiva/v1/zone/toml", edited("pitch_m = 0.30", "pitch_m = 0.25"), true);
+    OnboardFixture fixture{setup};
+    fixture.run(0.3);
+    if (edit) fixture.hear("cosiva/v1/zone/toml", edited("pitch_m = 0.30", "pitch_m = 0.25"), true);
     auto rtm =
         zone::Rtm::initialise({"toml", "", edited("pitch_m = 0.30", edit ? "pitch_m = 0.25" : "pitch_m = 0.30")});
     const Point2 here = position(lacet4().circuit.pose_at(at(lacet4(), "north", 0.55)));
     const auto beacon = rtm->zone().beacons->nearest(here);
-    bench.say(wire::Board::PRAV, wire::TagRead{0, beacon->number, 0});
+    fixture.say(wire::Board::PRAV, wire::TagRead{0, beacon->number, 0});
     // The rim of the field, 20 mm before the beacon.
     const double rim_m = rtm->zone().circuit.locate(beacon->position, pi / 2).place.s_m - 0.020;
-    return distance(position(*bench.core->estimated_pose()),
+    return distance(position(*fixture.core->estimated_pose()),
                     position(lacet4().circuit.pose_at(at(lacet4(), "north", rim_m))));
   };
   EXPECT_LT(corrected(false), 0.005);
@@ -425,16 +425,16 @@ TEST(ZoneEdit, another_beacon_pitch_is_in_force_at_once) {
 }
 
 TEST(ZoneEdit, one_that_is_no_zone_is_refused_and_nothing_stops_for_it) {
-  Driving bench;
-  bench.hear("cosiva/v1/zone/toml", "this is no zone", true);
-  bench.hear("cosiva/v1/zone/toml", "", true);
-  const auto warnings = bench.warnings();
+  Driving fixture;
+  fixture.hear("cosiva/v1/zone/toml", "this is no zone", true);
+  fixture.hear("cosiva/v1/zone/toml", "", true);
+  const auto warnings = fixture.warnings();
   ASSERT_THAT(warnings, SizeIs(1)) << "a cleared topic says nothing";
   EXPECT_THAT(warnings[0], HasSubstr("not used"));
-  bench.run(0.3);
-  EXPECT_GT(bench.speed_mps, 0.39);
-  bench.hear("cosiva/v1/zone/toml", test::lacet4_configuration().text, true);
-  EXPECT_THAT(bench.warnings(), SizeIs(1)) << "its own zone again is no news";
+  fixture.run(0.3);
+  EXPECT_GT(fixture.speed_mps, 0.39);
+  fixture.hear("cosiva/v1/zone/toml", test::lacet4_configuration().text, true);
+  EXPECT_THAT(fixture.warnings(), SizeIs(1)) << "its own zone again is no news";
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "cosiva/aiv/onboard/instant_actions.h"
-#include "cosiva/aiv/onboard/onboard_bench.h"
+#include "cosiva/aiv/onboard/onboard_fixture.h"
 #include "cosiva/aiv/onboard/supervision.h"
 #include "cosiva/aiv/onboard/warnings.h"
 
@@ -13,7 +13,7 @@ namespace {
 using std::chrono::milliseconds;
 using test::at;
 using test::lacet4;
-using test::OnboardBench;
+using test::OnboardFixture;
 using test::order;
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -25,7 +25,7 @@ using wire::ActionStatus;
 constexpr double medium_mps = 0.4;  // of lacet4's medium profile
 
 /// On its way along the loop in the south-east, at medium speed.
-struct Driving : OnboardBench {
+struct Driving : OnboardFixture {
   Driving() {
     run(0.5);
     order(test::order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@2545"}));
@@ -37,125 +37,125 @@ struct Driving : OnboardBench {
 // --- instant actions ----------------------------------------------------------------------------------------------
 
 TEST(InstantActions, pause_and_resume) {
-  Driving bench;
-  bench.act("startPause", "p1");
-  EXPECT_EQ(bench.action("p1")->status, ActionStatus::running);
-  EXPECT_TRUE(bench.state().paused);
-  bench.run(1.0);
-  EXPECT_EQ(bench.speed_mps, 0.0);
-  EXPECT_EQ(bench.action("p1")->status, ActionStatus::finished);
-  EXPECT_FALSE(bench.state().driving);
-  bench.act("startPause", "p2");
-  bench.run(0.1);
-  EXPECT_EQ(bench.action("p2")->status, ActionStatus::finished) << "pausing twice is no fault";
-  bench.act("stopPause", "r1");
-  bench.run(1.0);
-  EXPECT_EQ(bench.action("r1")->status, ActionStatus::finished);
-  EXPECT_FALSE(bench.state().paused);
-  EXPECT_NEAR(bench.speed_mps, medium_mps, 0.01);
+  Driving fixture;
+  fixture.act("startPause", "p1");
+  EXPECT_EQ(fixture.action("p1")->status, ActionStatus::running);
+  EXPECT_TRUE(fixture.state().paused);
+  fixture.run(1.0);
+  EXPECT_EQ(fixture.speed_mps, 0.0);
+  EXPECT_EQ(fixture.action("p1")->status, ActionStatus::finished);
+  EXPECT_FALSE(fixture.state().driving);
+  fixture.act("startPause", "p2");
+  fixture.run(0.1);
+  EXPECT_EQ(fixture.action("p2")->status, ActionStatus::finished) << "pausing twice is no fault";
+  fixture.act("stopPause", "r1");
+  fixture.run(1.0);
+  EXPECT_EQ(fixture.action("r1")->status, ActionStatus::finished);
+  EXPECT_FALSE(fixture.state().paused);
+  EXPECT_NEAR(fixture.speed_mps, medium_mps, 0.01);
 }
 
 TEST(InstantActions, a_pause_tells_the_motors_before_anything_else_happens) {
-  Driving bench;
-  const int drives = bench.drives;
-  ASSERT_GT(bench.last_drive().speed_mmps, 0);
-  bench.act("startPause", "p");
-  EXPECT_EQ(bench.drives, drives + 1);
-  EXPECT_EQ(bench.last_drive().speed_mmps, 0);
+  Driving fixture;
+  const int drives = fixture.drives;
+  ASSERT_GT(fixture.last_drive().speed_mmps, 0);
+  fixture.act("startPause", "p");
+  EXPECT_EQ(fixture.drives, drives + 1);
+  EXPECT_EQ(fixture.last_drive().speed_mmps, 0);
 }
 
 TEST(InstantActions, a_resume_overtakes_a_pause_that_did_not_stand_yet) {
-  Driving bench;
-  bench.act("startPause", "p");
-  bench.act("stopPause", "r");
-  bench.run(0.1);
-  EXPECT_EQ(bench.action("p")->status, ActionStatus::failed);
-  EXPECT_EQ(bench.action("r")->status, ActionStatus::finished);
+  Driving fixture;
+  fixture.act("startPause", "p");
+  fixture.act("stopPause", "r");
+  fixture.run(0.1);
+  EXPECT_EQ(fixture.action("p")->status, ActionStatus::failed);
+  EXPECT_EQ(fixture.action("r")->status, ActionStatus::finished);
 }
 
 TEST(InstantActions, cancelOrder_finishes_when_the_vehicle_stands) {
-  Driving bench;
-  bench.act("cancelOrder", "c");
-  bench.run(0.1);
-  EXPECT_EQ(bench.action("c")->status, ActionStatus::running);
-  EXPECT_THAT(bench.state().node_states, Not(IsEmpty()));
-  bench.run(1.0);
-  EXPECT_EQ(bench.speed_mps, 0.0);
-  EXPECT_EQ(bench.action("c")->status, ActionStatus::finished);
-  EXPECT_THAT(bench.state().node_states, IsEmpty());
-  EXPECT_THAT(bench.state().edge_states, IsEmpty());
-  EXPECT_EQ(bench.state().order_id, "O-1") << "ids stay";
-  bench.order(test::order("O-2").through({"loop_se@283", "loop_se@565"}));
-  bench.run(0.1);
-  EXPECT_EQ(bench.state().order_id, "O-2");
+  Driving fixture;
+  fixture.act("cancelOrder", "c");
+  fixture.run(0.1);
+  EXPECT_EQ(fixture.action("c")->status, ActionStatus::running);
+  EXPECT_THAT(fixture.state().node_states, Not(IsEmpty()));
+  fixture.run(1.0);
+  EXPECT_EQ(fixture.speed_mps, 0.0);
+  EXPECT_EQ(fixture.action("c")->status, ActionStatus::finished);
+  EXPECT_THAT(fixture.state().node_states, IsEmpty());
+  EXPECT_THAT(fixture.state().edge_states, IsEmpty());
+  EXPECT_EQ(fixture.state().order_id, "O-1") << "ids stay";
+  fixture.order(test::order("O-2").through({"loop_se@283", "loop_se@565"}));
+  fixture.run(0.1);
+  EXPECT_EQ(fixture.state().order_id, "O-2");
 }
 
 TEST(InstantActions, cancelOrder_without_an_order_fails) {
-  OnboardBench bench;
-  bench.run(0.5);
-  bench.act("cancelOrder", "c");
-  bench.run(0.1);
-  EXPECT_EQ(bench.action("c")->status, ActionStatus::failed);
-  EXPECT_THAT(bench.error_types(), ElementsAre("noOrderToCancel"));
+  OnboardFixture fixture;
+  fixture.run(0.5);
+  fixture.act("cancelOrder", "c");
+  fixture.run(0.1);
+  EXPECT_EQ(fixture.action("c")->status, ActionStatus::failed);
+  EXPECT_THAT(fixture.error_types(), ElementsAre("noOrderToCancel"));
 }
 
 TEST(InstantActions, set_a_speed_limit_and_lift_it) {
-  Driving bench;
-  bench.act("setSpeedLimit", "s1", {{"profile", std::string("slow")}});
-  bench.run(1.0);
-  EXPECT_NEAR(bench.speed_mps, 0.15, 1e-6);
-  EXPECT_EQ(bench.action("s1")->status, ActionStatus::finished);
-  EXPECT_EQ(bench.action("s1")->result_description, "slow");
-  bench.act("setSpeedLimit", "s2", {{"maxSpeed", 0.1}});
-  bench.run(1.0);
-  EXPECT_NEAR(bench.speed_mps, 0.1, 1e-6);
-  bench.act("setSpeedLimit", "s3", {{"profile", std::string("normal")}});
-  bench.run(1.5);
-  EXPECT_NEAR(bench.speed_mps, medium_mps, 1e-6);
-  EXPECT_EQ(bench.action("s3")->result_description, "normal");
+  Driving fixture;
+  fixture.act("setSpeedLimit", "s1", {{"profile", std::string("slow")}});
+  fixture.run(1.0);
+  EXPECT_NEAR(fixture.speed_mps, 0.15, 1e-6);
+  EXPECT_EQ(fixture.action("s1")->status, ActionStatus::finished);
+  EXPECT_EQ(fixture.action("s1")->result_description, "slow");
+  fixture.act("setSpeedLimit", "s2", {{"maxSpeed", 0.1}});
+  fixture.run(1.0);
+  EXPECT_NEAR(fixture.speed_mps, 0.1, 1e-6);
+  fixture.act("setSpeedLimit", "s3", {{"profile", std::string("normal")}});
+  fixture.run(1.5);
+  EXPECT_NEAR(fixture.speed_mps, medium_mps, 1e-6);
+  EXPECT_EQ(fixture.action("s3")->result_description, "normal");
 }
 
 TEST(InstantActions, that_make_no_sense_fail_with_a_reason) {
-  OnboardBench bench;
-  bench.run(0.5);
-  bench.act("setSpeedLimit", "a", {{"profile", std::string("warp")}});
-  bench.act("setSpeedLimit", "b", {{"profile", std::string("stop")}});
-  bench.act("setSpeedLimit", "c", {{"maxSpeed", -1.0}});
-  bench.act("setSpeedLimit", "d");
-  bench.act("pick", "e");
-  bench.run(0.1);
+  OnboardFixture fixture;
+  fixture.run(0.5);
+  fixture.act("setSpeedLimit", "a", {{"profile", std::string("warp")}});
+  fixture.act("setSpeedLimit", "b", {{"profile", std::string("stop")}});
+  fixture.act("setSpeedLimit", "c", {{"maxSpeed", -1.0}});
+  fixture.act("setSpeedLimit", "d");
+  fixture.act("pick", "e");
+  fixture.run(0.1);
   for (const char* id : {"a", "b", "c", "d", "e"}) {
-    ASSERT_TRUE(bench.action(id)) << id;
-    EXPECT_EQ(bench.action(id)->status, ActionStatus::failed) << id;
-    EXPECT_FALSE(bench.action(id)->result_description.empty()) << id;
+    ASSERT_TRUE(fixture.action(id)) << id;
+    EXPECT_EQ(fixture.action(id)->status, ActionStatus::failed) << id;
+    EXPECT_FALSE(fixture.action(id)->result_description.empty()) << id;
   }
-  EXPECT_THAT(bench.error_types(), Contains("instantActionError"));
+  EXPECT_THAT(fixture.error_types(), Contains("instantActionError"));
 }
 
 TEST(InstantActions, that_come_again_are_not_done_again) {
-  Driving bench;
-  bench.act("startPause", "p");
-  bench.run(0.5);
-  bench.act("stopPause", "r");
-  bench.run(0.1);
-  bench.act("startPause", "p");
-  bench.run(1.0);
-  EXPECT_FALSE(bench.state().paused);
-  EXPECT_NEAR(bench.speed_mps, medium_mps, 0.01);
+  Driving fixture;
+  fixture.act("startPause", "p");
+  fixture.run(0.5);
+  fixture.act("stopPause", "r");
+  fixture.run(0.1);
+  fixture.act("startPause", "p");
+  fixture.run(1.0);
+  EXPECT_FALSE(fixture.state().paused);
+  EXPECT_NEAR(fixture.speed_mps, medium_mps, 0.01);
 }
 
 TEST(InstantActions, are_forgotten_at_a_new_order_but_for_the_speed_limit_in_force) {
-  OnboardBench bench;
-  bench.run(0.5);
-  bench.act("setSpeedLimit", "s1", {{"profile", std::string("fast")}});
-  bench.act("setSpeedLimit", "s2", {{"profile", std::string("slow")}});
-  bench.act("stateRequest", "q");
-  bench.run(0.1);
-  EXPECT_THAT(bench.state().action_states, SizeIs(3));
-  bench.order(test::order("O-1").through({"loop_se@0", "loop_se@283"}));
-  bench.run(0.1);
-  ASSERT_THAT(bench.state().action_states, SizeIs(1));
-  EXPECT_EQ(bench.state().action_states[0].action_id, "s2");
+  OnboardFixture fixture;
+  fixture.run(0.5);
+  fixture.act("setSpeedLimit", "s1", {{"profile", std::string("fast")}});
+  fixture.act("setSpeedLimit", "s2", {{"profile", std::string("slow")}});
+  fixture.act("stateRequest", "q");
+  fixture.run(0.1);
+  EXPECT_THAT(fixture.state().action_states, SizeIs(3));
+  fixture.order(test::order("O-1").through({"loop_se@0", "loop_se@283"}));
+  fixture.run(0.1);
+  ASSERT_THAT(fixture.state().action_states, SizeIs(1));
+  EXPECT_EQ(fixture.state().action_states[0].action_id, "s2");
 }
 
 TEST(InstantActions, states_are_bounded_and_what_runs_is_kept) {
@@ -185,134 +185,134 @@ TEST(Warnings, do_not_pile_up) {
 // --- obstacles ----------------------------------------------------------------------------------------------------
 
 TEST(Obstacle, in_the_way_stops_the_vehicle_and_shows_in_its_state_until_it_is_gone) {
-  Driving bench;
-  bench.obstacles = {position(lacet4().circuit.pose_at(at(lacet4(), "loop_se", 1.0)))};
-  bench.run(5.0);
-  EXPECT_EQ(bench.speed_mps, 0.0);
-  EXPECT_LT(bench.ground_truth.place(lacet4().circuit).s_m, 0.8);
-  EXPECT_TRUE(bench.state().field_violation);
-  bench.obstacles.clear();
-  bench.run(1.5);
-  EXPECT_FALSE(bench.state().field_violation);
-  EXPECT_GT(bench.speed_mps, 0.25);
+  Driving fixture;
+  fixture.obstacles = {position(lacet4().circuit.pose_at(at(lacet4(), "loop_se", 1.0)))};
+  fixture.run(5.0);
+  EXPECT_EQ(fixture.speed_mps, 0.0);
+  EXPECT_LT(fixture.ground_truth.place(lacet4().circuit).s_m, 0.8);
+  EXPECT_TRUE(fixture.state().field_violation);
+  fixture.obstacles.clear();
+  fixture.run(1.5);
+  EXPECT_FALSE(fixture.state().field_violation);
+  EXPECT_GT(fixture.speed_mps, 0.25);
 }
 
 // --- silence ------------------------------------------------------------------------------------------------------
 
 TEST(Silence, of_the_broker_stops_the_vehicle_after_half_a_second) {
-  Driving bench;
-  bench.link(false);
-  bench.run(0.45);
-  EXPECT_GT(bench.speed_mps, 0.25);
-  bench.run(0.6);
-  EXPECT_EQ(bench.speed_mps, 0.0);
-  bench.link(true);
-  bench.run(1.0);
-  EXPECT_GT(bench.speed_mps, 0.25) << "it goes on by itself";
+  Driving fixture;
+  fixture.link(false);
+  fixture.run(0.45);
+  EXPECT_GT(fixture.speed_mps, 0.25);
+  fixture.run(0.6);
+  EXPECT_EQ(fixture.speed_mps, 0.0);
+  fixture.link(true);
+  fixture.run(1.0);
+  EXPECT_GT(fixture.speed_mps, 0.25) << "it goes on by itself";
 }
 
 TEST(Silence, of_a_server_once_heard_stops_the_vehicle_until_it_is_back) {
-  Driving bench;
-  bench.server_beats = true;
-  bench.run(0.5);
-  bench.server_beats = false;
-  bench.run(0.4);
-  EXPECT_GT(bench.speed_mps, 0.25);
-  bench.run(0.8);
-  EXPECT_EQ(bench.speed_mps, 0.0);
-  EXPECT_THAT(bench.error_types(), Contains("serverLost"));
-  bench.server_beats = true;
-  bench.run(1.0);
-  EXPECT_GT(bench.speed_mps, 0.25);
-  EXPECT_THAT(bench.error_types(), IsEmpty());
+  Driving fixture;
+  fixture.server_beats = true;
+  fixture.run(0.5);
+  fixture.server_beats = false;
+  fixture.run(0.4);
+  EXPECT_GT(fixture.speed_mps, 0.25);
+  fixture.run(0.8);
+  EXPECT_EQ(fixture.speed_mps, 0.0);
+  EXPECT_THAT(fixture.error_types(), Contains("serverLost"));
+  fixture.server_beats = true;
+  fixture.run(1.0);
+  EXPECT_GT(fixture.speed_mps, 0.25);
+  EXPECT_THAT(fixture.error_types(), IsEmpty());
 }
 
 TEST(Silence, of_a_server_that_said_goodbye_or_never_spoke_is_nothing) {
-  Driving bench;
-  bench.hear(wire::server_heartbeat_topic, "{}", true);  // a retained one is not a beat
-  bench.run(0.7);
-  EXPECT_GT(bench.speed_mps, 0.25);
-  bench.server_beats = true;
-  bench.run(0.5);
-  bench.server_beats = false;
-  bench.hear(wire::server_connection_topic, R"({"connectionState":"OFFLINE"})", true);
-  bench.run(1.0);
-  EXPECT_GT(bench.speed_mps, 0.25);
+  Driving fixture;
+  fixture.hear(wire::server_heartbeat_topic, "{}", true);  // a retained one is not a beat
+  fixture.run(0.7);
+  EXPECT_GT(fixture.speed_mps, 0.25);
+  fixture.server_beats = true;
+  fixture.run(0.5);
+  fixture.server_beats = false;
+  fixture.hear(wire::server_connection_topic, R"({"connectionState":"OFFLINE"})", true);
+  fixture.run(1.0);
+  EXPECT_GT(fixture.speed_mps, 0.25);
 }
 
 TEST(Silence, of_a_server_whose_connection_broke_still_counts) {
-  Driving bench;
-  bench.server_beats = true;
-  bench.run(0.5);
-  bench.server_beats = false;
-  bench.hear(wire::server_connection_topic, R"({"connectionState":"CONNECTIONBROKEN"})", true);
-  bench.run(1.2);
-  EXPECT_EQ(bench.speed_mps, 0.0);
+  Driving fixture;
+  fixture.server_beats = true;
+  fixture.run(0.5);
+  fixture.server_beats = false;
+  fixture.hear(wire::server_connection_topic, R"({"connectionState":"CONNECTIONBROKEN"})", true);
+  fixture.run(1.2);
+  EXPECT_EQ(fixture.speed_mps, 0.0);
 }
 
 TEST(Silence, of_any_board_stops_the_vehicle_until_it_is_back) {
   for (const wire::Board board : wire::all_boards) {
-    Driving bench;
-    bench.silence(board);
-    bench.run(1.5);
-    EXPECT_EQ(bench.speed_mps, 0.0) << to_string(board);
-    EXPECT_FALSE(bench.state().driving) << to_string(board);
-    EXPECT_THAT(bench.error_types(), ElementsAre("boardLost")) << to_string(board);
-    EXPECT_THAT(bench.state().information.back().references,
+    Driving fixture;
+    fixture.silence(board);
+    fixture.run(1.5);
+    EXPECT_EQ(fixture.speed_mps, 0.0) << to_string(board);
+    EXPECT_FALSE(fixture.state().driving) << to_string(board);
+    EXPECT_THAT(fixture.error_types(), ElementsAre("boardLost")) << to_string(board);
+    EXPECT_THAT(fixture.state().information.back().references,
                 Contains(wire::Reference{std::string(to_string(board)), "lost"}));
-    bench.plug(board);
-    bench.run(1.5);
-    EXPECT_GT(bench.speed_mps, 0.25) << to_string(board);
-    EXPECT_THAT(bench.error_types(), IsEmpty()) << to_string(board);
+    fixture.plug(board);
+    fixture.run(1.5);
+    EXPECT_GT(fixture.speed_mps, 0.25) << to_string(board);
+    EXPECT_THAT(fixture.error_types(), IsEmpty()) << to_string(board);
   }
 }
 
 TEST(Silence, of_a_cable_pulled_out_counts_at_once) {
-  Driving bench;
-  bench.silence(wire::Board::DOBS);
-  bench.feed(wire::InputKind::port, "1/DOBS", "down");
-  bench.run(0.05);
-  EXPECT_THAT(bench.error_types(), ElementsAre("boardLost"));
+  Driving fixture;
+  fixture.silence(wire::Board::DOBS);
+  fixture.feed(wire::InputKind::port, "1/DOBS", "down");
+  fixture.run(0.05);
+  EXPECT_THAT(fixture.error_types(), ElementsAre("boardLost"));
 }
 
 TEST(Fault, of_wheels_or_eyes_stops_the_vehicle_but_not_of_the_power_gauge) {
-  Driving bench;
-  bench.self_test[wire::Board::RALI] = 3;
-  bench.run(0.5);
-  EXPECT_GT(bench.speed_mps, 0.25);
-  EXPECT_THAT(bench.error_types(), ElementsAre("boardFaulty"));
-  bench.self_test[wire::Board::DOBS] = 1;
-  bench.run(1.0);
-  EXPECT_EQ(bench.speed_mps, 0.0);
-  EXPECT_THAT(bench.state().information.back().references, Contains(wire::Reference{"DOBS", "faulty"}));
+  Driving fixture;
+  fixture.self_test[wire::Board::RALI] = 3;
+  fixture.run(0.5);
+  EXPECT_GT(fixture.speed_mps, 0.25);
+  EXPECT_THAT(fixture.error_types(), ElementsAre("boardFaulty"));
+  fixture.self_test[wire::Board::DOBS] = 1;
+  fixture.run(1.0);
+  EXPECT_EQ(fixture.speed_mps, 0.0);
+  EXPECT_THAT(fixture.state().information.back().references, Contains(wire::Reference{"DOBS", "faulty"}));
 }
 
 TEST(Boards, that_did_not_say_who_they_are_are_asked) {
-  OnboardBench bench{{.boards_up = false}};
-  bench.feed(wire::InputKind::port, "1/PILS", "up");
-  bench.run(0.25);
-  EXPECT_GE(bench.requests, 2);
-  bench.plug(wire::Board::PILS);
-  const int requests = bench.requests;
-  bench.run(0.5);
-  EXPECT_EQ(bench.requests, requests);
+  OnboardFixture fixture{{.boards_up = false}};
+  fixture.feed(wire::InputKind::port, "1/PILS", "up");
+  fixture.run(0.25);
+  EXPECT_GE(fixture.requests, 2);
+  fixture.plug(wire::Board::PILS);
+  const int requests = fixture.requests;
+  fixture.run(0.5);
+  EXPECT_EQ(fixture.requests, requests);
 }
 
 TEST(Boards, are_driven_at_least_every_100_ms) {
-  OnboardBench bench;
-  const int before = bench.drives;
-  bench.run(1.0);
-  EXPECT_GE(bench.drives - before, 49);
+  OnboardFixture fixture;
+  const int before = fixture.drives;
+  fixture.run(1.0);
+  EXPECT_GE(fixture.drives - before, 49);
 }
 
 TEST(Boards, that_restart_let_the_vehicle_keep_its_place) {
-  Driving bench;
-  bench.act("startPause", "p");
-  bench.run(1.0);
-  const auto before = *bench.core->estimated_pose();
-  bench.say(wire::Board::PILS, wire::Hello{wire::Board::PILS, 1, 0, 1234});
-  bench.say(wire::Board::PILS, wire::Odometry{});
-  EXPECT_EQ(*bench.core->estimated_pose(), before);
+  Driving fixture;
+  fixture.act("startPause", "p");
+  fixture.run(1.0);
+  const auto before = *fixture.core->estimated_pose();
+  fixture.say(wire::Board::PILS, wire::Hello{wire::Board::PILS, 1, 0, 1234});
+  fixture.say(wire::Board::PILS, wire::Odometry{});
+  EXPECT_EQ(*fixture.core->estimated_pose(), before);
 }
 
 // --- supervision alone --------------------------------------------------------------------------------------------

@@ -2,14 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cosiva/aiv/onboard/onboard_bench.h"
+#include "cosiva/aiv/onboard/onboard_fixture.h"
 
 namespace cosiva::aiv {
 namespace {
 
 using test::at;
 using test::lacet4;
-using test::OnboardBench;
+using test::OnboardFixture;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -17,8 +17,8 @@ using ::testing::SizeIs;
 
 const wire::VehicleId me{"CoSiVA", "AIV1"};
 
-struct Talking : OnboardBench {
-  explicit Talking(const Setup& setup = {}) : OnboardBench{setup} { run(1.0); }
+struct Talking : OnboardFixture {
+  explicit Talking(const Setup& setup = {}) : OnboardFixture{setup} { run(1.0); }
 
   wire::Intent from(const std::string& serial, zone::Place place) {
     wire::Intent intent;
@@ -53,112 +53,112 @@ struct Talking : OnboardBench {
 };
 
 TEST(OnboardV2x, listens_to_the_cells_around_it_as_soon_as_it_knows_where_it_is) {
-  const Talking bench;
-  EXPECT_EQ(bench.listens, wire::v2x_filters("lacet4", wire::cell_of(position(bench.world.pose()))));
-  OnboardBench lost{{.start = std::nullopt}};
+  const Talking fixture;
+  EXPECT_EQ(fixture.listens, wire::v2x_filters("lacet4", wire::cell_of(position(fixture.world.pose()))));
+  OnboardFixture lost{{.start = std::nullopt}};
   lost.run(3.0);
   EXPECT_THAT(lost.listens, IsEmpty());
   EXPECT_THAT(lost.intents, IsEmpty());
 }
 
 TEST(OnboardV2x, says_nothing_and_hears_nobody_when_it_is_switched_off) {
-  Talking bench{{.v2x = false}};
-  bench.run_in_company(3.0);
-  bench.hear("cosiva/v1/v2x/lacet4/0_0/CoSiVA/AIV2", "no JSON");
-  bench.run(1.0);
-  EXPECT_THAT(bench.listens, IsEmpty());
-  EXPECT_THAT(bench.intents, IsEmpty());
-  EXPECT_EQ(bench.warnings(), Talking{}.warnings()) << "it did not even read it";
+  Talking fixture{{.v2x = false}};
+  fixture.run_in_company(3.0);
+  fixture.hear("cosiva/v1/v2x/lacet4/0_0/CoSiVA/AIV2", "no JSON");
+  fixture.run(1.0);
+  EXPECT_THAT(fixture.listens, IsEmpty());
+  EXPECT_THAT(fixture.intents, IsEmpty());
+  EXPECT_EQ(fixture.warnings(), Talking{}.warnings()) << "it did not even read it";
 }
 
 TEST(OnboardV2x, speaks_once_a_second_alone_and_more_often_in_company) {
-  Talking bench;
-  const std::size_t before = bench.intents.size();
-  bench.run(5.0);
-  EXPECT_EQ(bench.intents.size() - before, 5U);
-  EXPECT_EQ(bench.said_in_company(4.0), 8U) << "it stands";
-  bench.server_beats = true;
-  bench.order(test::order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@2545"}));
-  const std::size_t moving = bench.said_in_company(3.0);
+  Talking fixture;
+  const std::size_t before = fixture.intents.size();
+  fixture.run(5.0);
+  EXPECT_EQ(fixture.intents.size() - before, 5U);
+  EXPECT_EQ(fixture.said_in_company(4.0), 8U) << "it stands";
+  fixture.server_beats = true;
+  fixture.order(test::order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@2545"}));
+  const std::size_t moving = fixture.said_in_company(3.0);
   EXPECT_GE(moving, 15U);
   EXPECT_LE(moving, 20U);
-  EXPECT_THAT(bench.undecodable, IsEmpty());
+  EXPECT_THAT(fixture.undecodable, IsEmpty());
 }
 
 TEST(OnboardV2x, responds_to_a_newcomer_at_once) {
-  Talking bench;
-  bench.run(0.2);
-  const std::size_t before = bench.intents.size();
-  bench.hear_intent(bench.from("AIV2", at(lacet4(), "loop_se", 0.5)));
-  bench.run(0.12);
-  EXPECT_EQ(bench.intents.size(), before + 1);
+  Talking fixture;
+  fixture.run(0.2);
+  const std::size_t before = fixture.intents.size();
+  fixture.hear_intent(fixture.from("AIV2", at(lacet4(), "loop_se", 0.5)));
+  fixture.run(0.12);
+  EXPECT_EQ(fixture.intents.size(), before + 1);
 }
 
 TEST(OnboardV2x, says_who_and_where_it_is_and_counts_its_messages) {
-  Talking bench;
-  bench.run(3.0);
-  ASSERT_GE(bench.intents.size(), 3U);
-  const wire::Intent& last = bench.intents.back();
+  Talking fixture;
+  fixture.run(3.0);
+  ASSERT_GE(fixture.intents.size(), 3U);
+  const wire::Intent& last = fixture.intents.back();
   EXPECT_EQ(last.vehicle, me);
   EXPECT_EQ(last.place->section, "loop_se");
-  EXPECT_EQ(last.header_id, bench.intents.size() - 1);
-  EXPECT_TRUE(std::ranges::any_of(bench.published, [&](const wire::Publish& publish) {
-    return publish.topic == wire::v2x_topic("lacet4", wire::cell_of(position(bench.world.pose())), me) &&
+  EXPECT_EQ(last.header_id, fixture.intents.size() - 1);
+  EXPECT_TRUE(std::ranges::any_of(fixture.published, [&](const wire::Publish& publish) {
+    return publish.topic == wire::v2x_topic("lacet4", wire::cell_of(position(fixture.world.pose())), me) &&
            publish.qos == 0 && !publish.retained;
   }));
 }
 
 TEST(OnboardV2x, tells_at_once_when_it_begins_to_brake) {
-  Talking bench;
-  bench.server_beats = true;
-  bench.order(test::order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@2545"}));
-  bench.run_in_company(2.0);
-  EXPECT_FALSE(bench.intents.back().braking);
-  bench.act("startPause", "P");
-  EXPECT_TRUE(bench.run_until([&] { return bench.intents.back().braking; }, 0.2));
+  Talking fixture;
+  fixture.server_beats = true;
+  fixture.order(test::order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@2545"}));
+  fixture.run_in_company(2.0);
+  EXPECT_FALSE(fixture.intents.back().braking);
+  fixture.act("startPause", "P");
+  EXPECT_TRUE(fixture.run_until([&] { return fixture.intents.back().braking; }, 0.2));
 }
 
 TEST(OnboardV2x, counts_lies_and_logs_each_kind_once) {
-  Talking bench;
-  const std::size_t before = bench.warnings();
+  Talking fixture;
+  const std::size_t before = fixture.warnings();
   for (int i = 0; i < 100; ++i) {
-    wire::Intent fast = bench.from("AIV2", at(lacet4(), "loop_se", 0.5));
+    wire::Intent fast = fixture.from("AIV2", at(lacet4(), "loop_se", 0.5));
     fast.speed_mps = 50.0;
-    bench.hear_intent(fast);
-    wire::Intent double_ganger = bench.from("AIV1", at(lacet4(), "loop_se", 0.5));
-    bench.hear("cosiva/v1/v2x/lacet4/0_-1/CoSiVA/AIV7", to_json(double_ganger));
-    bench.hear("cosiva/v1/v2x/lacet4/0_-1/CoSiVA/AIV7", "{\"headerId\":NaN}");
-    bench.hear("cosiva/v1/v2x/nonsense", "{}");
-    bench.run(0.02);
+    fixture.hear_intent(fast);
+    wire::Intent double_ganger = fixture.from("AIV1", at(lacet4(), "loop_se", 0.5));
+    fixture.hear("cosiva/v1/v2x/lacet4/0_-1/CoSiVA/AIV7", to_json(double_ganger));
+    fixture.hear("cosiva/v1/v2x/lacet4/0_-1/CoSiVA/AIV7", "{\"headerId\":NaN}");
+    fixture.hear("cosiva/v1/v2x/nonsense", "{}");
+    fixture.run(0.02);
   }
-  EXPECT_EQ(bench.warnings(), before + 3);
-  EXPECT_TRUE(std::ranges::any_of(bench.logs, [](const wire::Log& line) {
+  EXPECT_EQ(fixture.warnings(), before + 3);
+  EXPECT_TRUE(std::ranges::any_of(fixture.logs, [](const wire::Log& line) {
     return line.text.find("no vehicle can be there") != std::string::npos;
   }));
 }
 
 TEST(OnboardV2x, is_not_disturbed_by_its_own_messages_or_retained_ones) {
-  Talking bench;
-  const std::size_t before = bench.warnings();
-  bench.hear_intent(bench.from("AIV1", at(lacet4(), "loop_se", 0.0)));
-  bench.hear_intent(bench.from("AIV2", at(lacet4(), "loop_se", 0.5)), true);
-  const std::size_t said = bench.intents.size();
-  bench.run(5.0);
-  EXPECT_EQ(bench.warnings(), before);
-  EXPECT_EQ(bench.intents.size(), said + 5) << "as if alone";
+  Talking fixture;
+  const std::size_t before = fixture.warnings();
+  fixture.hear_intent(fixture.from("AIV1", at(lacet4(), "loop_se", 0.0)));
+  fixture.hear_intent(fixture.from("AIV2", at(lacet4(), "loop_se", 0.5)), true);
+  const std::size_t said = fixture.intents.size();
+  fixture.run(5.0);
+  EXPECT_EQ(fixture.warnings(), before);
+  EXPECT_EQ(fixture.intents.size(), said + 5) << "as if alone";
 }
 
 TEST(OnboardV2x, speaks_in_another_cell_when_it_has_come_there) {
-  Talking bench;
-  bench.server_beats = true;
-  const auto first = bench.listens;
+  Talking fixture;
+  fixture.server_beats = true;
+  const auto first = fixture.listens;
   // The south-eastern loop leads from y < 0 to the northward straight, over the border at y = 0.
-  bench.order(test::order("O-1").through({"loop_se@0", "loop_se@2545", "north@0", "north@380", "north@1120"}));
-  EXPECT_TRUE(bench.run_until([&] { return bench.listens != first; }, 30.0));
-  EXPECT_EQ(bench.listens, wire::v2x_filters("lacet4", {0, 0}));
-  bench.run(1.1);
-  EXPECT_TRUE(bench.published.back().topic.starts_with("cosiva/v1/v2x/lacet4/0_0/") ||
-              std::ranges::any_of(bench.published, [](const wire::Publish& publish) {
+  fixture.order(test::order("O-1").through({"loop_se@0", "loop_se@2545", "north@0", "north@380", "north@1120"}));
+  EXPECT_TRUE(fixture.run_until([&] { return fixture.listens != first; }, 30.0));
+  EXPECT_EQ(fixture.listens, wire::v2x_filters("lacet4", {0, 0}));
+  fixture.run(1.1);
+  EXPECT_TRUE(fixture.published.back().topic.starts_with("cosiva/v1/v2x/lacet4/0_0/") ||
+              std::ranges::any_of(fixture.published, [](const wire::Publish& publish) {
                 return publish.topic == "cosiva/v1/v2x/lacet4/0_0/CoSiVA/AIV1";
               }));
 }

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cosiva/aiv/onboard/onboard_bench.h"
+#include "cosiva/aiv/onboard/onboard_fixture.h"
 #include "cosiva/aiv/onboard/persisted_position.h"
 
 namespace cosiva::aiv {
@@ -11,7 +11,7 @@ namespace {
 using test::at;
 using test::lacet4;
 using test::lacet4_configuration;
-using test::OnboardBench;
+using test::OnboardFixture;
 using test::order;
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -34,8 +34,8 @@ zone::ZoneConfiguration track_at(const Pose2& start, const std::string& name) {
   return {"toml", "track.toml", text.str()};
 }
 
-struct SwitchBench : OnboardBench {
-  using OnboardBench::OnboardBench;
+struct SwitchFixture : OnboardFixture {
+  using OnboardFixture::OnboardFixture;
   std::vector<std::shared_ptr<const zone::TrafficZone>> floors;
 
   void announce(const zone::ZoneConfiguration& zone) {
@@ -75,18 +75,18 @@ zone::ZoneConfiguration track_near_loop(const std::string& name = "track") {
 const std::string first = "out@0";
 
 TEST(ZoneSwitch, brakes_on_the_old_zone_and_stands_on_the_new_one_where_it_stood) {
-  SwitchBench bench;
-  bench.set_off();
-  bench.announce(track_near_loop());
-  bench.run(0.1);
-  EXPECT_EQ(bench.state().maps.front().map_id, "lacet4");
-  ASSERT_EQ(bench.state().maps.size(), 2U);
-  EXPECT_FALSE(bench.state().maps.back().enabled);
-  ASSERT_TRUE(bench.run_until([&] { return bench.speed_mps == 0.0; }, 2.0));
-  const Pose2 stands = bench.world.pose();
-  bench.change_floor(track_near_loop());
-  bench.run(0.3);
-  const wire::State& state = bench.state();
+  SwitchFixture fixture;
+  fixture.set_off();
+  fixture.announce(track_near_loop());
+  fixture.run(0.1);
+  EXPECT_EQ(fixture.state().maps.front().map_id, "lacet4");
+  ASSERT_EQ(fixture.state().maps.size(), 2U);
+  EXPECT_FALSE(fixture.state().maps.back().enabled);
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.speed_mps == 0.0; }, 2.0));
+  const Pose2 stands = fixture.world.pose();
+  fixture.change_floor(track_near_loop());
+  fixture.run(0.3);
+  const wire::State& state = fixture.state();
   ASSERT_EQ(state.maps.size(), 1U);
   EXPECT_EQ(state.maps.front().map_id, "track");
   EXPECT_TRUE(state.maps.front().enabled);
@@ -97,163 +97,163 @@ TEST(ZoneSwitch, brakes_on_the_old_zone_and_stands_on_the_new_one_where_it_stood
   EXPECT_NEAR(state.position->pose.heading_rad, stands.heading_rad, 0.01);
   EXPECT_THAT(state.node_states, IsEmpty());
   EXPECT_EQ(state.order_id, "O-1") << "kept until there is a new one";
-  EXPECT_THAT(bench.error_types(), Not(Contains("lineLost")));
-  EXPECT_EQ(bench.visualizations.back().position->map_id, "track");
-  EXPECT_THAT(bench.undecodable, IsEmpty());
+  EXPECT_THAT(fixture.error_types(), Not(Contains("lineLost")));
+  EXPECT_EQ(fixture.visualizations.back().position->map_id, "track");
+  EXPECT_THAT(fixture.undecodable, IsEmpty());
 }
 
 TEST(ZoneSwitch, is_followed_by_a_drive_to_the_new_line_and_along_it) {
-  SwitchBench bench;
-  bench.set_off();
-  bench.switch_to(track_near_loop());
-  ASSERT_FALSE(bench.world.on_line());
+  SwitchFixture fixture;
+  fixture.set_off();
+  fixture.switch_to(track_near_loop());
+  ASSERT_FALSE(fixture.world.on_line());
   auto text = test::order("O-2").through({first, "out@300", "out@600", "out@900"});
   text.node(0).position = wire::NodePosition{
-      bench.floor().circuit.pose_at({0, 0.0}).x_m, bench.floor().circuit.pose_at({0, 0.0}).y_m, {}, 1.0, {}, "track"};
-  bench.order(text);
-  bench.run(20.0);
-  EXPECT_TRUE(bench.world.on_line());
-  EXPECT_EQ(bench.state().last_node_id, "out@900");
-  EXPECT_NEAR(bench.world.place().s_m, 0.9, 0.015);
-  EXPECT_LT(bench.pose_error_m(), 0.01);
+      fixture.floor().circuit.pose_at({0, 0.0}).x_m, fixture.floor().circuit.pose_at({0, 0.0}).y_m, {}, 1.0, {}, "track"};
+  fixture.order(text);
+  fixture.run(20.0);
+  EXPECT_TRUE(fixture.world.on_line());
+  EXPECT_EQ(fixture.state().last_node_id, "out@900");
+  EXPECT_NEAR(fixture.world.place().s_m, 0.9, 0.015);
+  EXPECT_LT(fixture.pose_error_m(), 0.01);
 }
 
 TEST(ZoneSwitch, drops_what_comes_late_for_the_old_zone) {
-  SwitchBench bench;
-  bench.set_off();
-  bench.switch_to(track_near_loop());
+  SwitchFixture fixture;
+  fixture.set_off();
+  fixture.switch_to(track_near_loop());
   auto late = test::order("O-1", 1).from_sequence(8).through({"loop_se@1131", "loop_se@1414"});
-  bench.order(late);
-  bench.run(0.2);
-  EXPECT_THAT(bench.state().node_states, IsEmpty());
-  EXPECT_THAT(bench.error_types(), Contains("orderUpdateError"));
+  fixture.order(late);
+  fixture.run(0.2);
+  EXPECT_THAT(fixture.state().node_states, IsEmpty());
+  EXPECT_THAT(fixture.error_types(), Contains("orderUpdateError"));
 }
 
 TEST(ZoneSwitch, takes_no_order_until_it_is_done) {
-  SwitchBench bench;
-  bench.set_off();
-  bench.announce(track_near_loop());
-  bench.order(test::order("O-1", 1).from_sequence(8).through({"loop_se@1131", "loop_se@1414"}));
-  bench.run(0.1);
-  EXPECT_THAT(bench.error_types(), Contains("noRouteError"));
+  SwitchFixture fixture;
+  fixture.set_off();
+  fixture.announce(track_near_loop());
+  fixture.order(test::order("O-1", 1).from_sequence(8).through({"loop_se@1131", "loop_se@1414"}));
+  fixture.run(0.1);
+  EXPECT_THAT(fixture.error_types(), Contains("noRouteError"));
 }
 
 TEST(ZoneSwitch, keeps_pause_and_speed_limit) {
-  SwitchBench bench;
-  bench.set_off();
-  bench.act("startPause", "p");
-  bench.act("setSpeedLimit", "s", {{"profile", std::string("slow")}});
-  bench.run(1.0);
-  bench.switch_to(track_near_loop());
-  EXPECT_TRUE(bench.state().paused);
-  EXPECT_EQ(bench.state().position->map_id, "track");
-  EXPECT_EQ(bench.action("p")->status, wire::ActionStatus::finished);
-  EXPECT_EQ(persisted_position_from_json(bench.persisted)->imposed, Profile::slow);
-  EXPECT_TRUE(persisted_position_from_json(bench.persisted)->paused);
+  SwitchFixture fixture;
+  fixture.set_off();
+  fixture.act("startPause", "p");
+  fixture.act("setSpeedLimit", "s", {{"profile", std::string("slow")}});
+  fixture.run(1.0);
+  fixture.switch_to(track_near_loop());
+  EXPECT_TRUE(fixture.state().paused);
+  EXPECT_EQ(fixture.state().position->map_id, "track");
+  EXPECT_EQ(fixture.action("p")->status, wire::ActionStatus::finished);
+  EXPECT_EQ(persisted_position_from_json(fixture.persisted)->imposed, Profile::slow);
+  EXPECT_TRUE(persisted_position_from_json(fixture.persisted)->paused);
 }
 
 TEST(ZoneSwitch, to_a_broken_configuration_is_none) {
-  SwitchBench bench;
-  bench.set_off();
-  bench.announce({"toml", "x", "name = 7"});
-  bench.run(0.5);
-  EXPECT_GT(bench.speed_mps, 0.2) << "nothing stops for that";
-  EXPECT_THAT(bench.error_types(), Contains("zoneError"));
-  bench.announce({"nonsense", "x", "name = 7"});
-  bench.run(0.5);
-  EXPECT_THAT(bench.error_types(), Contains("zoneError"));
-  EXPECT_EQ(bench.state().position->map_id, "lacet4");
-  bench.announce(lacet4_configuration());
-  bench.run(0.5);
-  EXPECT_THAT(bench.error_types(), Not(Contains("zoneError"))) << "the last one is good";
+  SwitchFixture fixture;
+  fixture.set_off();
+  fixture.announce({"toml", "x", "name = 7"});
+  fixture.run(0.5);
+  EXPECT_GT(fixture.speed_mps, 0.2) << "nothing stops for that";
+  EXPECT_THAT(fixture.error_types(), Contains("zoneError"));
+  fixture.announce({"nonsense", "x", "name = 7"});
+  fixture.run(0.5);
+  EXPECT_THAT(fixture.error_types(), Contains("zoneError"));
+  EXPECT_EQ(fixture.state().position->map_id, "lacet4");
+  fixture.announce(lacet4_configuration());
+  fixture.run(0.5);
+  EXPECT_THAT(fixture.error_types(), Not(Contains("zoneError"))) << "the last one is good";
 }
 
 TEST(ZoneSwitch, ignores_a_cleared_topic) {
-  SwitchBench bench;
-  bench.set_off();
-  bench.hear(std::string(wire::zone_topic_prefix) + "other", "", true);
-  bench.run(0.3);
-  EXPECT_THAT(bench.error_types(), IsEmpty());
-  EXPECT_GT(bench.speed_mps, 0.2);
+  SwitchFixture fixture;
+  fixture.set_off();
+  fixture.hear(std::string(wire::zone_topic_prefix) + "other", "", true);
+  fixture.run(0.3);
+  EXPECT_THAT(fixture.error_types(), IsEmpty());
+  EXPECT_GT(fixture.speed_mps, 0.2);
 }
 
 TEST(ZoneSwitch, back_before_it_stood_is_none_and_it_drives_on) {
-  SwitchBench bench;
-  bench.set_off();
-  bench.announce(track_near_loop());
-  bench.run(0.1);
-  bench.announce(lacet4_configuration());
-  bench.run(1.0);
-  EXPECT_GT(bench.speed_mps, 0.2);
-  EXPECT_EQ(bench.state().maps.size(), 1U);
-  EXPECT_FALSE(bench.state().node_states.empty());
+  SwitchFixture fixture;
+  fixture.set_off();
+  fixture.announce(track_near_loop());
+  fixture.run(0.1);
+  fixture.announce(lacet4_configuration());
+  fixture.run(1.0);
+  EXPECT_GT(fixture.speed_mps, 0.2);
+  EXPECT_EQ(fixture.state().maps.size(), 1U);
+  EXPECT_FALSE(fixture.state().node_states.empty());
 }
 
 TEST(ZoneSwitch, twice_quickly_ends_on_the_last) {
-  SwitchBench bench;
-  bench.set_off();
-  bench.announce(track_near_loop("one"));
-  bench.run(0.06);
-  bench.announce(track_near_loop("two"));
-  bench.announce({"toml", "x", "name = 7"});
-  bench.run(1.0);
-  EXPECT_EQ(bench.state().position->map_id, "two");
+  SwitchFixture fixture;
+  fixture.set_off();
+  fixture.announce(track_near_loop("one"));
+  fixture.run(0.06);
+  fixture.announce(track_near_loop("two"));
+  fixture.announce({"toml", "x", "name = 7"});
+  fixture.run(1.0);
+  EXPECT_EQ(fixture.state().position->map_id, "two");
 }
 
 TEST(ZoneSwitch, back_and_forth_ends_where_it_began) {
-  SwitchBench bench;
-  bench.set_off();
-  bench.switch_to(track_near_loop());
-  bench.switch_to(lacet4_configuration());
-  EXPECT_EQ(bench.state().position->map_id, "lacet4");
-  EXPECT_LT(bench.pose_error_m(), 0.005);
+  SwitchFixture fixture;
+  fixture.set_off();
+  fixture.switch_to(track_near_loop());
+  fixture.switch_to(lacet4_configuration());
+  EXPECT_EQ(fixture.state().position->map_id, "lacet4");
+  EXPECT_LT(fixture.pose_error_m(), 0.005);
   auto text = test::order("O-3").through({"loop_se@565", "loop_se@848", "loop_se@1131"});
   text.node(0).position = wire::NodePosition{0.0, 0.0, {}, 0.5, {}, "lacet4"};
   const Pose2 node = lacet4().circuit.pose_at(at(lacet4(), "loop_se", 2.0 * edge_m));
   text.node(0).position->x_m = node.x_m;
   text.node(0).position->y_m = node.y_m;
-  bench.order(text);
-  bench.run(12.0);
-  EXPECT_EQ(bench.state().last_node_id, "loop_se@1131");
-  EXPECT_LT(bench.pose_error_m(), 0.01);
+  fixture.order(text);
+  fixture.run(12.0);
+  EXPECT_EQ(fixture.state().last_node_id, "loop_se@1131");
+  EXPECT_LT(fixture.pose_error_m(), 0.01);
 }
 
 TEST(ZoneSwitch, of_the_same_name_with_other_ways_is_one) {
-  SwitchBench bench;
-  bench.set_off();
-  const std::string version = bench.state().maps.front().map_version;
-  bench.switch_to(track_near_loop("lacet4"));
-  EXPECT_EQ(bench.state().maps.front().map_id, "lacet4");
-  EXPECT_NE(bench.state().maps.front().map_version, version);
-  EXPECT_THAT(bench.state().node_states, IsEmpty());
+  SwitchFixture fixture;
+  fixture.set_off();
+  const std::string version = fixture.state().maps.front().map_version;
+  fixture.switch_to(track_near_loop("lacet4"));
+  EXPECT_EQ(fixture.state().maps.front().map_id, "lacet4");
+  EXPECT_NE(fixture.state().maps.front().map_version, version);
+  EXPECT_THAT(fixture.state().node_states, IsEmpty());
 }
 
 TEST(ZoneSwitch, to_one_that_is_far_away_parks_it_until_another_comes) {
-  SwitchBench bench;
-  bench.set_off();
+  SwitchFixture fixture;
+  fixture.set_off();
   const Pose2 stands = lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.5));
-  bench.switch_to(track_at(stands * Pose2{0.0, 3.0, 0.0}, "far"));
-  EXPECT_EQ(bench.state().position->map_id, "far");
-  EXPECT_TRUE(bench.state().position->position_initialized);
-  EXPECT_LT(bench.pose_error_m(), 0.005);
-  EXPECT_THAT(bench.error_types(), Contains("offCircuit"));
-  bench.order(test::order("O-2").through({first, "out@300"}));
-  bench.run(0.2);
-  EXPECT_THAT(bench.error_types(), Contains("noRouteError"));
-  EXPECT_EQ(bench.speed_mps, 0.0);
-  bench.switch_to(track_near_loop());
-  EXPECT_THAT(bench.error_types(), Not(Contains("offCircuit")));
+  fixture.switch_to(track_at(stands * Pose2{0.0, 3.0, 0.0}, "far"));
+  EXPECT_EQ(fixture.state().position->map_id, "far");
+  EXPECT_TRUE(fixture.state().position->position_initialized);
+  EXPECT_LT(fixture.pose_error_m(), 0.005);
+  EXPECT_THAT(fixture.error_types(), Contains("offCircuit"));
+  fixture.order(test::order("O-2").through({first, "out@300"}));
+  fixture.run(0.2);
+  EXPECT_THAT(fixture.error_types(), Contains("noRouteError"));
+  EXPECT_EQ(fixture.speed_mps, 0.0);
+  fixture.switch_to(track_near_loop());
+  EXPECT_THAT(fixture.error_types(), Not(Contains("offCircuit")));
 }
 
 TEST(ZoneSwitch, is_remembered_over_a_crash_beside_the_line) {
-  SwitchBench bench;
-  bench.set_off();
-  bench.switch_to(track_near_loop());
-  auto setup = bench.reborn();
+  SwitchFixture fixture;
+  fixture.set_off();
+  fixture.switch_to(track_near_loop());
+  auto setup = fixture.reborn();
   setup.zone = track_near_loop();
   setup.start = std::nullopt;
-  SwitchBench after{setup};
-  after.world = bench.world;
+  SwitchFixture after{setup};
+  after.world = fixture.world;
   after.run(0.5);
   EXPECT_EQ(after.state().position->map_id, "track");
   EXPECT_LT(after.pose_error_m(), 0.005);
@@ -261,11 +261,11 @@ TEST(ZoneSwitch, is_remembered_over_a_crash_beside_the_line) {
 }
 
 TEST(ZoneSwitch, is_restored_by_a_program_that_was_started_with_the_old_zone) {
-  SwitchBench bench;
-  bench.set_off();
-  bench.switch_to(track_near_loop());
-  SwitchBench after{bench.reborn()};
-  after.world = bench.world;
+  SwitchFixture fixture;
+  fixture.set_off();
+  fixture.switch_to(track_near_loop());
+  SwitchFixture after{fixture.reborn()};
+  after.world = fixture.world;
   after.run(0.1);
   after.announce(track_near_loop());
   after.run(0.5);
@@ -274,21 +274,21 @@ TEST(ZoneSwitch, is_restored_by_a_program_that_was_started_with_the_old_zone) {
 }
 
 TEST(ZoneSwitch, is_remembered_in_the_middle_of_the_way_to_the_line) {
-  SwitchBench bench;
-  bench.set_off();
-  bench.switch_to(track_near_loop());
+  SwitchFixture fixture;
+  fixture.set_off();
+  fixture.switch_to(track_near_loop());
   auto text = test::order("O-2").through({first, "out@300", "out@600"});
   text.node(0).position = wire::NodePosition{
-      bench.floor().circuit.pose_at({0, 0.0}).x_m, bench.floor().circuit.pose_at({0, 0.0}).y_m, {}, 1.0, {}, "track"};
-  bench.order(text);
-  ASSERT_TRUE(bench.run_until([&] { return bench.world.manoeuvring(); }, 3.0));
-  bench.run(0.6);
-  auto setup = bench.reborn();
+      fixture.floor().circuit.pose_at({0, 0.0}).x_m, fixture.floor().circuit.pose_at({0, 0.0}).y_m, {}, 1.0, {}, "track"};
+  fixture.order(text);
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.world.manoeuvring(); }, 3.0));
+  fixture.run(0.6);
+  auto setup = fixture.reborn();
   setup.zone = track_near_loop();
   setup.start = std::nullopt;
-  SwitchBench after{setup};
-  after.world = bench.world;
-  after.floors = bench.floors;
+  SwitchFixture after{setup};
+  after.world = fixture.world;
+  after.floors = fixture.floors;
   after.run(0.5);
   EXPECT_LT(after.pose_error_m(), 0.01);
   after.order(text);
@@ -299,71 +299,71 @@ TEST(ZoneSwitch, is_remembered_in_the_middle_of_the_way_to_the_line) {
 
 // Two that a switch left side by side: one of them gets out of the other's way as it would have before.
 TEST(ZoneSwitch, that_leaves_a_line_under_it_lets_it_back_up_along_it) {
-  SwitchBench bench;
-  bench.run(0.5);
-  bench.switch_to(track_at(bench.world.pose() * Pose2{-0.8, 0.0, 0.0}, "track"));
-  const Pose2 stands = bench.world.pose();
-  bench.act("backUp", "b1", {{"distance", 0.25}});
-  bench.run(6.0);
-  EXPECT_EQ(bench.action("b1")->status, wire::ActionStatus::finished);
-  EXPECT_LT(distance(bench.world.pose(), stands * Pose2{-0.25, 0.0, 0.0}), 0.01);
-  EXPECT_LT(bench.pose_error_m(), 0.01);
+  SwitchFixture fixture;
+  fixture.run(0.5);
+  fixture.switch_to(track_at(fixture.world.pose() * Pose2{-0.8, 0.0, 0.0}, "track"));
+  const Pose2 stands = fixture.world.pose();
+  fixture.act("backUp", "b1", {{"distance", 0.25}});
+  fixture.run(6.0);
+  EXPECT_EQ(fixture.action("b1")->status, wire::ActionStatus::finished);
+  EXPECT_LT(distance(fixture.world.pose(), stands * Pose2{-0.25, 0.0, 0.0}), 0.01);
+  EXPECT_LT(fixture.pose_error_m(), 0.01);
 }
 
 TEST(ZoneSwitch, that_leaves_no_line_under_it_lets_it_back_up_nowhere) {
-  SwitchBench bench;
-  bench.run(0.5);
-  bench.switch_to(track_at(bench.world.pose() * Pose2{-0.8, 0.01, 0.0}, "track"));
-  bench.act("backUp", "beside", {{"distance", 0.25}});
-  bench.run(0.2);
-  EXPECT_EQ(bench.action("beside")->status, wire::ActionStatus::failed);
-  bench.switch_to(track_at(bench.world.pose() * Pose2{-0.8, 0.0, 0.6}, "askew"));
-  bench.act("backUp", "askew", {{"distance", 0.25}});
-  bench.run(0.2);
-  EXPECT_EQ(bench.action("askew")->status, wire::ActionStatus::failed);
-  EXPECT_EQ(bench.speed_mps, 0.0);
+  SwitchFixture fixture;
+  fixture.run(0.5);
+  fixture.switch_to(track_at(fixture.world.pose() * Pose2{-0.8, 0.01, 0.0}, "track"));
+  fixture.act("backUp", "beside", {{"distance", 0.25}});
+  fixture.run(0.2);
+  EXPECT_EQ(fixture.action("beside")->status, wire::ActionStatus::failed);
+  fixture.switch_to(track_at(fixture.world.pose() * Pose2{-0.8, 0.0, 0.6}, "askew"));
+  fixture.act("backUp", "askew", {{"distance", 0.25}});
+  fixture.run(0.2);
+  EXPECT_EQ(fixture.action("askew")->status, wire::ActionStatus::failed);
+  EXPECT_EQ(fixture.speed_mps, 0.0);
 }
 
 TEST(ZoneSwitch, is_followed_by_a_joinLine_that_takes_it_onto_the_line_without_an_order) {
-  SwitchBench bench;
-  bench.set_off();
-  bench.switch_to(track_near_loop());
+  SwitchFixture fixture;
+  fixture.set_off();
+  fixture.switch_to(track_near_loop());
   const auto join = [&](const char* id, const Pose2& X_MG) {
-    bench.act("joinLine", id, {{"x", X_MG.x_m}, {"y", X_MG.y_m}, {"theta", X_MG.heading_rad}});
-    bench.run(0.3);
-    return bench.action(id)->status;
+    fixture.act("joinLine", id, {{"x", X_MG.x_m}, {"y", X_MG.y_m}, {"theta", X_MG.heading_rad}});
+    fixture.run(0.3);
+    return fixture.action(id)->status;
   };
   EXPECT_EQ(join("far", {9.0, 9.0, 0.0}), wire::ActionStatus::failed);
-  bench.act("joinLine", "nowhere", {{"x", 1.0}, {"y", std::string("north")}});
-  bench.run(0.3);
-  EXPECT_EQ(bench.action("nowhere")->status, wire::ActionStatus::failed);
-  EXPECT_EQ(join("there", bench.floor().circuit.pose_at({0, 0.5})), wire::ActionStatus::running);
-  EXPECT_EQ(join("elsewhere", bench.floor().circuit.pose_at({0, 0.2})), wire::ActionStatus::failed)
+  fixture.act("joinLine", "nowhere", {{"x", 1.0}, {"y", std::string("north")}});
+  fixture.run(0.3);
+  EXPECT_EQ(fixture.action("nowhere")->status, wire::ActionStatus::failed);
+  EXPECT_EQ(join("there", fixture.floor().circuit.pose_at({0, 0.5})), wire::ActionStatus::running);
+  EXPECT_EQ(join("elsewhere", fixture.floor().circuit.pose_at({0, 0.2})), wire::ActionStatus::failed)
       << "it is on its way";
-  bench.run(8.0);
-  EXPECT_EQ(bench.action("there")->status, wire::ActionStatus::finished);
-  ASSERT_TRUE(bench.world.on_line());
-  EXPECT_NEAR(bench.world.place().s_m, 0.5, 0.01);
-  EXPECT_EQ(join("again", bench.floor().circuit.pose_at({0, 0.7})), wire::ActionStatus::failed) << "it is on the line";
+  fixture.run(8.0);
+  EXPECT_EQ(fixture.action("there")->status, wire::ActionStatus::finished);
+  ASSERT_TRUE(fixture.world.on_line());
+  EXPECT_NEAR(fixture.world.place().s_m, 0.5, 0.01);
+  EXPECT_EQ(join("again", fixture.floor().circuit.pose_at({0, 0.7})), wire::ActionStatus::failed) << "it is on the line";
 }
 
 TEST(ZoneSwitch, responds_to_enableMap_and_downloadMap) {
-  SwitchBench bench;
-  bench.run(0.5);
+  SwitchFixture fixture;
+  fixture.run(0.5);
   const auto ask = [&](std::string type, const std::string& id, const std::string& map) {
-    bench.act(std::move(type), id, {{"mapId", map}, {"mapVersion", std::string{}}});
-    bench.run(0.1);
-    return bench.action(id)->status;
+    fixture.act(std::move(type), id, {{"mapId", map}, {"mapVersion", std::string{}}});
+    fixture.run(0.1);
+    return fixture.action(id)->status;
   };
   EXPECT_EQ(ask("enableMap", "a", "lacet4"), wire::ActionStatus::finished);
   EXPECT_EQ(ask("enableMap", "b", "attic"), wire::ActionStatus::failed);
   EXPECT_EQ(ask("downloadMap", "c", "attic"), wire::ActionStatus::failed);
   EXPECT_EQ(ask("downloadMap", "d", "lacet4"), wire::ActionStatus::finished);
-  bench.set_off();
-  bench.announce(track_near_loop());
+  fixture.set_off();
+  fixture.announce(track_near_loop());
   EXPECT_EQ(ask("enableMap", "e", "track"), wire::ActionStatus::running);
-  bench.run(1.0);
-  EXPECT_EQ(bench.action("e")->status, wire::ActionStatus::finished);
+  fixture.run(1.0);
+  EXPECT_EQ(fixture.action("e")->status, wire::ActionStatus::finished);
 }
 
 TEST(PersistedPosition, keeps_a_pose_beside_the_line_and_a_manoeuvre) {

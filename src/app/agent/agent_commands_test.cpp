@@ -5,17 +5,17 @@
 #include <string>
 
 #include "cosiva/adapters/files.h"
-#include "cosiva/adapters/test_bench.h"
+#include "cosiva/adapters/test_fixture.h"
 #include "cosiva/aiv/decision/agent_rules.h"
-#include "cosiva/app/command_line_bench.h"
+#include "cosiva/app/command_line_fixture.h"
 #include "cosiva/base/json_value.h"
 
 namespace cosiva::app {
 namespace {
 
 using adapters::testing::Scratch;
-using bench::cosiva;
-using bench::Said;
+using fixture::cosiva;
+using fixture::Said;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "cosiva/adapters/files.h"
-#include "cosiva/adapters/test_bench.h"
-#include "cosiva/app/command_line_bench.h"
+#include "cosiva/adapters/test_fixture.h"
+#include "cosiva/app/command_line_fixture.h"
 #include "cosiva/app/gvs/images.h"
 #include "cosiva/app/resources/reference_budget.h"
 #include "cosiva/base/json_value.h"
@@ -20,8 +20,8 @@ namespace cosiva::app {
 namespace {
 
 using adapters::testing::Scratch;
-using bench::cosiva;
-using bench::Said;
+using fixture::cosiva;
+using fixture::Said;
 using ::testing::HasSubstr;
 
 const std::string data = source_dir() + "/src/physical/vision/testdata/";

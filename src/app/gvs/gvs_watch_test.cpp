@@ -8,8 +8,8 @@
 
 #include "cosiva/adapters/event_loop.h"
 #include "cosiva/adapters/files.h"
-#include "cosiva/adapters/test_bench.h"
-#include "cosiva/app/command_line_bench.h"
+#include "cosiva/adapters/test_fixture.h"
+#include "cosiva/app/command_line_fixture.h"
 #include "cosiva/app/gvs/camera_pipeline.h"
 #include "cosiva/app/gvs/gvs_scene.h"
 #include "cosiva/app/gvs/preview_feed.h"
@@ -23,14 +23,14 @@ namespace {
 
 using namespace std::chrono_literals;
 using adapters::testing::Scratch;
-using bench::cosiva;
+using fixture::cosiva;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
 constexpr double degree_rad = pi / 180.0;
 
-zone::Rtm lacet4() { return std::move(open_zone(bench::zones + "lacet4.toml").value()); }
+zone::Rtm lacet4() { return std::move(open_zone(fixture::zones + "lacet4.toml").value()); }
 
 /// Four vehicles that drive and turn over lacet4, as a plant says it.
 GroundTruth ground_truth_at(SimTime at) {
@@ -175,7 +175,7 @@ TEST(GvsCamera, shows_a_small_image_whose_comment_says_who_is_where_on_it) {
 }
 
 TEST(GvsCamera, a_zone_too_large_for_the_image_is_seen_in_its_centre_with_tags_that_can_be_read) {
-  const auto rtm = open_zone(bench::zones + "plant1000.toml");
+  const auto rtm = open_zone(fixture::zones + "plant1000.toml");
   ASSERT_TRUE(rtm);
   const auto camera = EmulatedCamera::over(rtm->zone());
   ASSERT_TRUE(camera);

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "cosiva/adapters/test_bench.h"
+#include "cosiva/adapters/test_fixture.h"
 #include "cosiva/base/test_places.h"
 
 namespace cosiva::app {

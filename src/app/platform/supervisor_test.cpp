@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "cosiva/adapters/files.h"
-#include "cosiva/adapters/test_bench.h"
+#include "cosiva/adapters/test_fixture.h"
 #include "cosiva/base/json_value.h"
 
 namespace cosiva::app {

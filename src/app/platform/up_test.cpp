@@ -8,7 +8,7 @@
 #include "cosiva/adapters/broker.h"
 #include "cosiva/adapters/child_process.h"
 #include "cosiva/adapters/files.h"
-#include "cosiva/adapters/test_bench.h"
+#include "cosiva/adapters/test_fixture.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/test_places.h"
 

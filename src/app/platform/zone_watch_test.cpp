@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "cosiva/adapters/files.h"
-#include "cosiva/adapters/test_bench.h"
+#include "cosiva/adapters/test_fixture.h"
 #include "cosiva/app/resources/zone_files.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/zone/rtm/rtm.h"

@@ -5,8 +5,8 @@
 
 #include "cosiva/adapters/append_file.h"
 #include "cosiva/adapters/files.h"
-#include "cosiva/adapters/test_bench.h"
-#include "cosiva/app/command_line_bench.h"
+#include "cosiva/adapters/test_fixture.h"
+#include "cosiva/app/command_line_fixture.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/test_places.h"
 
@@ -14,8 +14,8 @@ namespace cosiva::app {
 namespace {
 
 using adapters::testing::Scratch;
-using bench::cosiva;
-using bench::Said;
+using fixture::cosiva;
+using fixture::Said;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -92,7 +92,7 @@ TEST(Campaign, names_what_is_in_its_way) {
 
 TEST(Campaign, takes_a_zone_s_file_from_beside_its_plan) {
   const Scratch scratch;
-  const auto zone = adapters::read_file(bench::zones + "lacet4.toml");
+  const auto zone = adapters::read_file(fixture::zones + "lacet4.toml");
   ASSERT_TRUE(zone);
   scratch.write("mine.toml", *zone);
   const std::string plan = scratch.write("plan.toml", "zone = \"mine.toml\"\n" + small);

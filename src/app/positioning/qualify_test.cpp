@@ -6,8 +6,8 @@
 #include <string>
 
 #include "cosiva/adapters/files.h"
-#include "cosiva/adapters/test_bench.h"
-#include "cosiva/app/command_line_bench.h"
+#include "cosiva/adapters/test_fixture.h"
+#include "cosiva/app/command_line_fixture.h"
 #include "cosiva/app/positioning/external_algorithm.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/test_places.h"
@@ -16,8 +16,8 @@ namespace cosiva::app {
 namespace {
 
 using adapters::testing::Scratch;
-using bench::cosiva;
-using bench::Said;
+using fixture::cosiva;
+using fixture::Said;
 using ::testing::HasSubstr;
 using ::testing::Not;
 

@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "cosiva/adapters/files.h"
-#include "cosiva/adapters/test_bench.h"
+#include "cosiva/adapters/test_fixture.h"
 
 namespace cosiva::app {
 namespace {

@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "cosiva/adapters/files.h"
-#include "cosiva/adapters/test_bench.h"
+#include "cosiva/adapters/test_fixture.h"
 #include "cosiva/app/resources/run_directory.h"
 #include "cosiva/app/resources/zone_files.h"
 

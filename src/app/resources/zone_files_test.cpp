@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "cosiva/adapters/files.h"
-#include "cosiva/adapters/test_bench.h"
+#include "cosiva/adapters/test_fixture.h"
 
 namespace cosiva::app {
 namespace {

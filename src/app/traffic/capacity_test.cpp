@@ -3,13 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cosiva/app/command_line_bench.h"
+#include "cosiva/app/command_line_fixture.h"
 #include "cosiva/base/json_value.h"
 
 namespace cosiva::app {
 namespace {
 
-using bench::cosiva;
+using fixture::cosiva;
 using ::testing::HasSubstr;
 
 StepMetrics of(std::uint64_t vehicles, double p99_ms) { return {vehicles, 100, 0.5 * p99_ms, p99_ms, 200.0}; }

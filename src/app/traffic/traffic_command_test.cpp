@@ -4,15 +4,15 @@
 #include <filesystem>
 
 #include "cosiva/adapters/files.h"
-#include "cosiva/adapters/test_bench.h"
-#include "cosiva/app/command_line_bench.h"
+#include "cosiva/adapters/test_fixture.h"
+#include "cosiva/app/command_line_fixture.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/test_places.h"
 
 namespace cosiva::app {
 namespace {
 
-using bench::cosiva;
+using fixture::cosiva;
 using ::testing::HasSubstr;
 
 TEST(TrafficCommand, carries_jobs_on_a_ready_zone_and_says_what_came_of_it) {

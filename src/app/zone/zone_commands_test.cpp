@@ -3,8 +3,8 @@
 #include <filesystem>
 
 #include "cosiva/adapters/files.h"
-#include "cosiva/adapters/test_bench.h"
-#include "cosiva/app/command_line_bench.h"
+#include "cosiva/adapters/test_fixture.h"
+#include "cosiva/app/command_line_fixture.h"
 #include "cosiva/app/remote/zone_switch.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/drawing/png/svg_to_png.h"
@@ -14,9 +14,9 @@ namespace cosiva::app {
 namespace {
 
 using adapters::testing::Scratch;
-using bench::cosiva;
-using bench::Said;
-using bench::zones;
+using fixture::cosiva;
+using fixture::Said;
+using fixture::zones;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;

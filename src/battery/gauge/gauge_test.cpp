@@ -19,13 +19,13 @@ namespace {
 std::shared_ptr<const CellTable> table_of(const char* name) { return std::make_shared<CellTable>(*shipped_type(name)); }
 
 /// A battery with its monitor and its gauge: truth on the one side, belief on the other.
-struct Bench {
+struct Fixture {
   std::shared_ptr<const CellTable> table = table_of("lipo850");
   Pack pack;
   Monitor monitor;
   Gauge gauge;
 
-  Bench(std::uint64_t seed, GaugeMethod method, double estimated = 1.0, double estimated_sd = 0.005)
+  Fixture(std::uint64_t seed, GaugeMethod method, double estimated = 1.0, double estimated_sd = 0.005)
       : pack{table, {2, 1, 2.2 / 0.85}, {"B", seed, true, 0.0}},
         monitor{MonitorErrors{}, Random{seed, "monitor"}},
         gauge{table, {method, {2, 1, 2.2 / 0.85}, {}, 0.01}, estimated, estimated_sd} {}
@@ -59,9 +59,9 @@ TEST(Monitor, errs_by_what_its_errors_say_and_speaks_in_its_steps) {
 TEST(Gauge, counting_knows_how_far_it_may_be_off) {
   double z_sq = 0.0;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
-    Bench bench{seed, GaugeMethod::counter};
-    bench.run(5.0, 7200.0, 10.0);
-    const double z = bench.error() / bench.gauge.reading().charge_sd;
+    Fixture fixture{seed, GaugeMethod::counter};
+    fixture.run(5.0, 7200.0, 10.0);
+    const double z = fixture.error() / fixture.gauge.reading().charge_sd;
     z_sq += z * z;
     ASSERT_LT(std::fabs(z), 5.0);
   }
@@ -70,13 +70,13 @@ TEST(Gauge, counting_knows_how_far_it_may_be_off) {
 }
 
 TEST(Gauge, that_counts_keeps_a_wrong_start_for_ever) {
-  Bench bench{1, GaugeMethod::counter, 0.8, 0.2};
-  bench.run(5.0, 3600.0);
-  EXPECT_NEAR(bench.error(), -0.2, 0.03);
-  EXPECT_TRUE(bench.gauge.reading().needs_full_charge);
-  bench.gauge.full();
-  EXPECT_EQ(bench.gauge.reading().charge, 1.0);
-  EXPECT_FALSE(bench.gauge.reading().needs_full_charge);
+  Fixture fixture{1, GaugeMethod::counter, 0.8, 0.2};
+  fixture.run(5.0, 3600.0);
+  EXPECT_NEAR(fixture.error(), -0.2, 0.03);
+  EXPECT_TRUE(fixture.gauge.reading().needs_full_charge);
+  fixture.gauge.full();
+  EXPECT_EQ(fixture.gauge.reading().charge, 1.0);
+  EXPECT_FALSE(fixture.gauge.reading().needs_full_charge);
 }
 
 TEST(Gauge, after_a_rest_is_right_again_the_longer_the_better) {
@@ -84,11 +84,11 @@ TEST(Gauge, after_a_rest_is_right_again_the_longer_the_better) {
     double sum_sq = 0.0;
     double sd = 0.0;
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
-      Bench bench{seed, GaugeMethod::rest, 0.8, 0.2};
-      bench.run(5.0, 3600.0);
-      bench.run(0.0, rest_s);
-      sum_sq += bench.error() * bench.error();
-      sd = bench.gauge.reading().charge_sd;
+      Fixture fixture{seed, GaugeMethod::rest, 0.8, 0.2};
+      fixture.run(5.0, 3600.0);
+      fixture.run(0.0, rest_s);
+      sum_sq += fixture.error() * fixture.error();
+      sd = fixture.gauge.reading().charge_sd;
     }
     EXPECT_LT(std::sqrt(sum_sq / 20.0), 2.5 * sd) << rest_s;
     return std::sqrt(sum_sq / 20.0);
@@ -99,9 +99,9 @@ TEST(Gauge, after_a_rest_is_right_again_the_longer_the_better) {
 }
 
 TEST(Gauge, is_not_surer_for_having_rested_twice_as_often_within_one_rest) {
-  Bench fine{1, GaugeMethod::rest};
-  Bench coarse{1, GaugeMethod::rest};
-  for (Bench* bench : {&fine, &coarse}) bench->run(5.0, 3600.0);
+  Fixture fine{1, GaugeMethod::rest};
+  Fixture coarse{1, GaugeMethod::rest};
+  for (Fixture* fixture : {&fine, &coarse}) fixture->run(5.0, 3600.0);
   fine.run(0.0, 600.0, 0.1);
   coarse.run(0.0, 600.0, 10.0);
   EXPECT_NEAR(fine.gauge.reading().charge_sd, coarse.gauge.reading().charge_sd, 3e-4);
@@ -109,12 +109,12 @@ TEST(Gauge, is_not_surer_for_having_rested_twice_as_often_within_one_rest) {
 
 TEST(Gauge, that_filters_finds_out_of_a_wrong_start_under_load) {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
-    Bench bench{seed, GaugeMethod::kalman, 0.8, 0.2};
-    bench.run(5.0, 1800.0);
-    EXPECT_LT(std::fabs(bench.error()), 0.06) << seed;
-    bench.run(5.0, 5400.0);
-    EXPECT_LT(std::fabs(bench.error()), 0.04) << seed;
-    EXPECT_LT(std::fabs(bench.error()), 4.0 * bench.gauge.reading().charge_sd) << seed;
+    Fixture fixture{seed, GaugeMethod::kalman, 0.8, 0.2};
+    fixture.run(5.0, 1800.0);
+    EXPECT_LT(std::fabs(fixture.error()), 0.06) << seed;
+    fixture.run(5.0, 5400.0);
+    EXPECT_LT(std::fabs(fixture.error()), 0.04) << seed;
+    EXPECT_LT(std::fabs(fixture.error()), 4.0 * fixture.gauge.reading().charge_sd) << seed;
   }
 }
 
@@ -177,15 +177,15 @@ TEST(Gauge, on_a_measured_discharge_filters_no_right_start_away) {
 }
 
 TEST(Gauge, goes_on_from_its_saved_state_to_the_same_bits) {
-  Bench bench{3, GaugeMethod::kalman};
-  bench.run(5.0, 100.0);
-  Gauge again{bench.table, {GaugeMethod::kalman, {2, 1, 2.2 / 0.85}, {}, 0.01}};
-  ASSERT_TRUE(again.restore(bench.gauge.state_json()));
+  Fixture fixture{3, GaugeMethod::kalman};
+  fixture.run(5.0, 100.0);
+  Gauge again{fixture.table, {GaugeMethod::kalman, {2, 1, 2.2 / 0.85}, {}, 0.01}};
+  ASSERT_TRUE(again.restore(fixture.gauge.state_json()));
   for (int i = 0; i < 100; ++i) {
     again.see({7.9, 0.7, 25.0}, 1.0);
-    bench.gauge.see({7.9, 0.7, 25.0}, 1.0);
+    fixture.gauge.see({7.9, 0.7, 25.0}, 1.0);
   }
-  EXPECT_EQ(again.state_json(), bench.gauge.state_json());
+  EXPECT_EQ(again.state_json(), fixture.gauge.state_json());
   for (const char* bad : {"", "{}", "[1,2]", R"([1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,"x"])"})
     EXPECT_FALSE(again.restore(bad)) << bad;
 }

@@ -17,12 +17,12 @@ using Kind = ProcedureCommand::Kind;
 constexpr SimTime t0 = virtual_epoch;
 
 /// Vehicles whose charge falls as it is told, sampled ten times a second.
-struct Bench {
+struct Fixture {
   Procedure procedure;
   SimTime now{t0};
   std::vector<ProcedureCommand> heard;
 
-  explicit Bench(ProcedureOptions options) : procedure{options} { hear(procedure.start(now)); }
+  explicit Fixture(ProcedureOptions options) : procedure{options} { hear(procedure.start(now)); }
 
   void hear(const ProcedureCommands& commands) { heard.insert(heard.end(), commands.begin(), commands.end()); }
   void ready(std::size_t vehicle, const std::string& id, double charge = 1.0, double celsius = 22.0) {
@@ -45,19 +45,19 @@ struct Bench {
 };
 
 TEST(Sampled, is_the_article_s_exchange_from_change_to_floor) {
-  Bench bench{{.vehicles = 1, .floor = 0.2}};
-  EXPECT_EQ(bench.count(Kind::change_battery), 1U);
-  EXPECT_EQ(bench.last_message(), "run 1: put battery 1, full, into AIV1");
-  bench.ready(0, "B7");
-  EXPECT_EQ(bench.count(Kind::run), 1U);
+  Fixture fixture{{.vehicles = 1, .floor = 0.2}};
+  EXPECT_EQ(fixture.count(Kind::change_battery), 1U);
+  EXPECT_EQ(fixture.last_message(), "run 1: put battery 1, full, into AIV1");
+  fixture.ready(0, "B7");
+  EXPECT_EQ(fixture.count(Kind::run), 1U);
   // One percent a second: 20 % is crossed after 80 s exactly, between two samples.
-  for (int i = 1; !bench.procedure.done() && i < 2000; ++i) {
-    bench.now = t0 + i * 300ms;
-    bench.sample(0, 1.0 - 0.003 * i, 0.15 * i);
+  for (int i = 1; !fixture.procedure.done() && i < 2000; ++i) {
+    fixture.now = t0 + i * 300ms;
+    fixture.sample(0, 1.0 - 0.003 * i, 0.15 * i);
   }
-  ASSERT_TRUE(bench.procedure.done());
-  EXPECT_EQ(bench.count(Kind::stop), 1U);
-  const BatteryRun& run = bench.procedure.records().front();
+  ASSERT_TRUE(fixture.procedure.done());
+  EXPECT_EQ(fixture.count(Kind::stop), 1U);
+  const BatteryRun& run = fixture.procedure.records().front();
   EXPECT_EQ(run.stop, StopCause::floor);
   EXPECT_NEAR(run.autonomy_s, 80.0, 1e-6);
   EXPECT_NEAR(run.charge_ah, 2.0 * 79.7 / 3600.0, 1e-6);  // counted from the first sample
@@ -71,60 +71,60 @@ TEST(Sampled, is_the_article_s_exchange_from_change_to_floor) {
 }
 
 TEST(Sampled, s_curve_goes_forth_in_time_up_to_the_crossing) {
-  Bench bench{{.vehicles = 1, .floor = 0.2, .curve_every = 300ms}};
-  bench.ready(0, "B7");
-  for (int i = 1; !bench.procedure.done() && i < 2000; ++i) {
-    bench.now = t0 + i * 300ms;
-    bench.sample(0, 1.0 - 0.003 * i, 0.15 * i);
+  Fixture fixture{{.vehicles = 1, .floor = 0.2, .curve_every = 300ms}};
+  fixture.ready(0, "B7");
+  for (int i = 1; !fixture.procedure.done() && i < 2000; ++i) {
+    fixture.now = t0 + i * 300ms;
+    fixture.sample(0, 1.0 - 0.003 * i, 0.15 * i);
   }
-  const std::vector<BatterySample>& curve = bench.procedure.records().front().curve;
+  const std::vector<BatterySample>& curve = fixture.procedure.records().front().curve;
   ASSERT_GT(curve.size(), 260U);
   for (std::size_t i = 1; i < curve.size(); ++i) ASSERT_LT(curve[i - 1].at, curve[i].at) << i;
   EXPECT_EQ(curve.back().at, t0 + 80s);
 }
 
 TEST(Sampled, takes_no_sag_for_the_end) {
-  Bench bench{{.vehicles = 1, .floor = 0.2}};
-  bench.ready(0, "B7");
+  Fixture fixture{{.vehicles = 1, .floor = 0.2}};
+  fixture.ready(0, "B7");
   const auto run = [&](int from_s, int to_s, double charge) {
     for (int i = 10 * from_s + 1; i <= 10 * to_s; ++i) {
-      bench.now = t0 + i * 100ms;
-      bench.sample(0, charge);
+      fixture.now = t0 + i * 100ms;
+      fixture.sample(0, charge);
     }
   };
   run(0, 10, 0.25);
   run(10, 12, 0.19);  // two seconds below
   run(12, 20, 0.21);
-  EXPECT_FALSE(bench.procedure.done());
+  EXPECT_FALSE(fixture.procedure.done());
   run(20, 24, 0.19);
-  ASSERT_TRUE(bench.procedure.done());
-  EXPECT_NEAR(bench.procedure.records().front().autonomy_s, 20.05, 0.051);
+  ASSERT_TRUE(fixture.procedure.done());
+  EXPECT_NEAR(fixture.procedure.records().front().autonomy_s, 20.05, 0.051);
 }
 
 TEST(Sampled, refuses_a_battery_that_is_not_full_or_too_cold_or_hot) {
-  Bench bench{{.vehicles = 1, .temperature_min_c = 15.0, .temperature_max_c = 30.0}};
-  bench.ready(0, "B7", 0.8);
-  EXPECT_THAT(bench.last_message(), HasSubstr("AIV1 may not run: it is not full: 80 %"));
-  bench.ready(0, "B7", 1.0, 8.0);
-  EXPECT_THAT(bench.last_message(), HasSubstr("out of the band: 8 °C"));
-  bench.ready(0, "B7", 1.0, 45.0);
-  EXPECT_EQ(bench.count(Kind::run), 0U);
-  EXPECT_EQ(bench.count(Kind::change_battery), 4U);  // asked again each time
-  bench.ready(0, "B7");
-  EXPECT_EQ(bench.count(Kind::run), 1U);
-  bench.ready(0, "B8");  // while it runs: nothing
-  EXPECT_EQ(bench.count(Kind::run), 1U);
+  Fixture fixture{{.vehicles = 1, .temperature_min_c = 15.0, .temperature_max_c = 30.0}};
+  fixture.ready(0, "B7", 0.8);
+  EXPECT_THAT(fixture.last_message(), HasSubstr("AIV1 may not run: it is not full: 80 %"));
+  fixture.ready(0, "B7", 1.0, 8.0);
+  EXPECT_THAT(fixture.last_message(), HasSubstr("out of the band: 8 °C"));
+  fixture.ready(0, "B7", 1.0, 45.0);
+  EXPECT_EQ(fixture.count(Kind::run), 0U);
+  EXPECT_EQ(fixture.count(Kind::change_battery), 4U);  // asked again each time
+  fixture.ready(0, "B7");
+  EXPECT_EQ(fixture.count(Kind::run), 1U);
+  fixture.ready(0, "B8");  // while it runs: nothing
+  EXPECT_EQ(fixture.count(Kind::run), 1U);
 }
 
 TEST(Sampled, names_why_it_stopped) {
   for (const StopCause cause : {StopCause::cut_off, StopCause::fault, StopCause::operator_stop}) {
-    Bench bench{{.vehicles = 1}};
-    bench.ready(0, "B7");
-    bench.now = t0 + 10s;
-    bench.sample(0, 0.9);
-    bench.hear(bench.procedure.on_stop(t0 + 12s, 0, cause));
-    ASSERT_TRUE(bench.procedure.done());
-    const BatteryRun& run = bench.procedure.records().front();
+    Fixture fixture{{.vehicles = 1}};
+    fixture.ready(0, "B7");
+    fixture.now = t0 + 10s;
+    fixture.sample(0, 0.9);
+    fixture.hear(fixture.procedure.on_stop(t0 + 12s, 0, cause));
+    ASSERT_TRUE(fixture.procedure.done());
+    const BatteryRun& run = fixture.procedure.records().front();
     EXPECT_EQ(run.stop, cause);
     EXPECT_EQ(run.autonomy_s, 12.0);
     EXPECT_EQ(run.ended(), cause == StopCause::cut_off);
@@ -134,106 +134,106 @@ TEST(Sampled, names_why_it_stopped) {
 }
 
 TEST(Sampled, counts_a_lost_vehicle_until_it_was_last_heard) {
-  Bench bench{{.vehicles = 1}};
-  bench.ready(0, "B7");
-  bench.now = t0 + 100s;
-  bench.sample(0, 0.9);
-  bench.hear(bench.procedure.tick(t0 + 129s));
-  EXPECT_FALSE(bench.procedure.done());
-  bench.hear(bench.procedure.tick(t0 + 131s));
-  ASSERT_TRUE(bench.procedure.done());
-  EXPECT_EQ(bench.procedure.records().front().stop, StopCause::lost);
-  EXPECT_EQ(bench.procedure.records().front().autonomy_s, 100.0);
+  Fixture fixture{{.vehicles = 1}};
+  fixture.ready(0, "B7");
+  fixture.now = t0 + 100s;
+  fixture.sample(0, 0.9);
+  fixture.hear(fixture.procedure.tick(t0 + 129s));
+  EXPECT_FALSE(fixture.procedure.done());
+  fixture.hear(fixture.procedure.tick(t0 + 131s));
+  ASSERT_TRUE(fixture.procedure.done());
+  EXPECT_EQ(fixture.procedure.records().front().stop, StopCause::lost);
+  EXPECT_EQ(fixture.procedure.records().front().autonomy_s, 100.0);
 }
 
 TEST(Sampled, takes_the_battery_for_the_cause_where_it_was_below_the_floor_already) {
-  Bench bench{{.vehicles = 1}};
-  bench.ready(0, "B7");
-  bench.now = t0 + 100s;
-  bench.sample(0, 0.21);
-  bench.now = t0 + 101s;
-  bench.sample(0, 0.19);
-  bench.hear(bench.procedure.on_stop(t0 + 102s, 0, StopCause::fault));
-  EXPECT_EQ(bench.procedure.records().front().stop, StopCause::floor);
-  EXPECT_NEAR(bench.procedure.records().front().autonomy_s, 100.5, 1e-6);
+  Fixture fixture{{.vehicles = 1}};
+  fixture.ready(0, "B7");
+  fixture.now = t0 + 100s;
+  fixture.sample(0, 0.21);
+  fixture.now = t0 + 101s;
+  fixture.sample(0, 0.19);
+  fixture.hear(fixture.procedure.on_stop(t0 + 102s, 0, StopCause::fault));
+  EXPECT_EQ(fixture.procedure.records().front().stop, StopCause::floor);
+  EXPECT_NEAR(fixture.procedure.records().front().autonomy_s, 100.5, 1e-6);
 }
 
 TEST(Sampled, books_pauses_apart) {
-  Bench bench{{.vehicles = 1, .pause_every = 10s, .pause_for = 5s}};
-  bench.ready(0, "B7");
+  Fixture fixture{{.vehicles = 1, .pause_every = 10s, .pause_for = 5s}};
+  fixture.ready(0, "B7");
   bool paused = false;
   double charge = 1.0;
-  for (int i = 1; !bench.procedure.done() && i < 5000; ++i) {
-    bench.now = t0 + i * 100ms;
+  for (int i = 1; !fixture.procedure.done() && i < 5000; ++i) {
+    fixture.now = t0 + i * 100ms;
     if (!paused) charge -= 0.002;
-    const std::size_t before = bench.heard.size();
-    bench.sample(0, charge);
-    for (std::size_t k = before; k < bench.heard.size(); ++k) {
-      if (bench.heard[k].kind == Kind::pause) paused = true;
-      if (bench.heard[k].kind == Kind::resume) paused = false;
+    const std::size_t before = fixture.heard.size();
+    fixture.sample(0, charge);
+    for (std::size_t k = before; k < fixture.heard.size(); ++k) {
+      if (fixture.heard[k].kind == Kind::pause) paused = true;
+      if (fixture.heard[k].kind == Kind::resume) paused = false;
     }
   }
-  ASSERT_TRUE(bench.procedure.done());
-  const BatteryRun& run = bench.procedure.records().front();
+  ASSERT_TRUE(fixture.procedure.done());
+  const BatteryRun& run = fixture.procedure.records().front();
   EXPECT_NEAR(run.autonomy_s, 40.0, 0.7);  // 0.8 at 0.02 a second, pauses taken out
   EXPECT_NEAR(run.paused_s, 15.0, 0.1);
 }
 
 TEST(Sampled, ignores_samples_that_come_late_or_twice) {
-  Bench bench{{.vehicles = 1}};
-  bench.ready(0, "B7");
-  bench.now = t0 + 10s;
-  bench.sample(0, 0.9);
-  bench.now = t0 + 5s;
-  bench.sample(0, 0.1);
-  bench.now = t0 + 10s;
-  bench.sample(0, 0.1);
-  bench.now = t0 + 20s;
-  bench.sample(0, 0.8);
-  EXPECT_FALSE(bench.procedure.done());
+  Fixture fixture{{.vehicles = 1}};
+  fixture.ready(0, "B7");
+  fixture.now = t0 + 10s;
+  fixture.sample(0, 0.9);
+  fixture.now = t0 + 5s;
+  fixture.sample(0, 0.1);
+  fixture.now = t0 + 10s;
+  fixture.sample(0, 0.1);
+  fixture.now = t0 + 20s;
+  fixture.sample(0, 0.8);
+  EXPECT_FALSE(fixture.procedure.done());
 }
 
 TEST(Fleet, runs_when_the_last_is_ready_and_is_done_when_the_last_has_stopped) {
-  Bench bench{{.vehicles = 3}};
-  bench.ready(0, "A");
-  bench.ready(2, "C");
-  EXPECT_EQ(bench.count(Kind::run), 0U);
-  bench.now = t0 + 60s;
-  bench.ready(1, "B");
-  EXPECT_EQ(bench.count(Kind::run), 3U);
+  Fixture fixture{{.vehicles = 3}};
+  fixture.ready(0, "A");
+  fixture.ready(2, "C");
+  EXPECT_EQ(fixture.count(Kind::run), 0U);
+  fixture.now = t0 + 60s;
+  fixture.ready(1, "B");
+  EXPECT_EQ(fixture.count(Kind::run), 3U);
   for (std::size_t v = 0; v < 3; ++v) {
-    EXPECT_FALSE(bench.procedure.done());
-    bench.hear(bench.procedure.on_stop(t0 + 60s + 10s * static_cast<int>(v + 1), v, StopCause::cut_off));
+    EXPECT_FALSE(fixture.procedure.done());
+    fixture.hear(fixture.procedure.on_stop(t0 + 60s + 10s * static_cast<int>(v + 1), v, StopCause::cut_off));
   }
-  EXPECT_TRUE(bench.procedure.done());
-  EXPECT_NEAR(bench.procedure.records()[2].autonomy_s, 30.0, 1e-9);
+  EXPECT_TRUE(fixture.procedure.done());
+  EXPECT_NEAR(fixture.procedure.records()[2].autonomy_s, 30.0, 1e-9);
 }
 
 TEST(Fleet, swaps_batteries_by_a_latin_square_and_refuses_one_in_another_s_place) {
-  Bench bench{{.vehicles = 2, .runs = 2, .swap = true}};
-  bench.ready(0, "A");
-  bench.ready(1, "B");
-  for (std::size_t v = 0; v < 2; ++v) bench.hear(bench.procedure.on_stop(t0 + 10s, v, StopCause::cut_off));
-  EXPECT_EQ(bench.procedure.run(), 1U);
-  EXPECT_EQ(bench.procedure.battery_of(1, 0), 1U);
-  bench.ready(0, "A");
-  EXPECT_THAT(bench.last_message(), HasSubstr("'A' is battery 1, asked for was 2"));
-  bench.ready(0, "X");
-  EXPECT_THAT(bench.last_message(), HasSubstr("battery 2 was 'B', this is 'X'"));
-  bench.ready(0, "B");
-  bench.ready(1, "A");
-  EXPECT_EQ(bench.count(Kind::run), 4U);
+  Fixture fixture{{.vehicles = 2, .runs = 2, .swap = true}};
+  fixture.ready(0, "A");
+  fixture.ready(1, "B");
+  for (std::size_t v = 0; v < 2; ++v) fixture.hear(fixture.procedure.on_stop(t0 + 10s, v, StopCause::cut_off));
+  EXPECT_EQ(fixture.procedure.run(), 1U);
+  EXPECT_EQ(fixture.procedure.battery_of(1, 0), 1U);
+  fixture.ready(0, "A");
+  EXPECT_THAT(fixture.last_message(), HasSubstr("'A' is battery 1, asked for was 2"));
+  fixture.ready(0, "X");
+  EXPECT_THAT(fixture.last_message(), HasSubstr("battery 2 was 'B', this is 'X'"));
+  fixture.ready(0, "B");
+  fixture.ready(1, "A");
+  EXPECT_EQ(fixture.count(Kind::run), 4U);
 }
 
 TEST(Procedure, tells_how_far_it_is_and_when_it_ends) {
-  Bench bench{{.vehicles = 2, .floor = 0.2}};
-  EXPECT_FALSE(bench.procedure.progress(bench.now).expected_end);
-  bench.ready(0, "A");
-  bench.ready(1, "B");
-  bench.now = t0 + 100s;
-  bench.sample(0, 0.8);
-  bench.sample(1, 0.6);
-  const auto progress = bench.procedure.progress(bench.now);
+  Fixture fixture{{.vehicles = 2, .floor = 0.2}};
+  EXPECT_FALSE(fixture.procedure.progress(fixture.now).expected_end);
+  fixture.ready(0, "A");
+  fixture.ready(1, "B");
+  fixture.now = t0 + 100s;
+  fixture.sample(0, 0.8);
+  fixture.sample(1, 0.6);
+  const auto progress = fixture.procedure.progress(fixture.now);
   EXPECT_NEAR(progress.ratio, (0.25 + 0.5) / 2.0, 1e-9);
   ASSERT_TRUE(progress.expected_end);
   EXPECT_NEAR(to_seconds(*progress.expected_end - t0), 400.0, 1e-6);
@@ -243,24 +243,24 @@ TEST(Procedure, goes_on_from_its_saved_state_after_every_sample_as_if_nothing_ha
   const ProcedureOptions options{
       .vehicles = 2, .runs = 2, .swap = true, .floor = 0.5, .pause_every = 20s, .pause_for = 3s};
   const auto play = [&](bool crashes) {
-    Bench bench{options};
+    Fixture fixture{options};
     for (int run = 0; run < 2; ++run) {
-      bench.ready(0, run == 0 ? "A" : "B");
-      bench.ready(1, run == 0 ? "B" : "A");
-      for (int i = 1; i < 800 && bench.procedure.run() == static_cast<std::size_t>(run); ++i) {
-        bench.now += 100ms;
+      fixture.ready(0, run == 0 ? "A" : "B");
+      fixture.ready(1, run == 0 ? "B" : "A");
+      for (int i = 1; i < 800 && fixture.procedure.run() == static_cast<std::size_t>(run); ++i) {
+        fixture.now += 100ms;
         for (std::size_t v = 0; v < 2; ++v) {
           if (crashes) {
             Procedure again{options};
-            EXPECT_TRUE(again.restore(bench.procedure.state_json()));
-            bench.procedure = again;
+            EXPECT_TRUE(again.restore(fixture.procedure.state_json()));
+            fixture.procedure = again;
           }
-          bench.sample(v, 1.0 - 0.001 * i - 0.0002 * i * static_cast<double>(v), 0.05 * i);
+          fixture.sample(v, 1.0 - 0.001 * i - 0.0002 * i * static_cast<double>(v), 0.05 * i);
         }
       }
     }
-    EXPECT_TRUE(bench.procedure.done());
-    return bench.procedure.state_json();
+    EXPECT_TRUE(fixture.procedure.done());
+    return fixture.procedure.state_json();
   };
   EXPECT_EQ(play(true), play(false));
 }
@@ -287,29 +287,29 @@ TEST(Fleet, makes_no_further_run_when_its_records_say_enough_but_ends_none_amid)
     ++requested;
     return records.size() >= 4;
   };
-  Bench bench{options};
+  Fixture fixture{options};
   const auto run_once = [&] {
-    for (std::size_t v = 0; v < 2; ++v) bench.ready(v, "B" + std::to_string(v + 1));
-    const SimTime began = bench.now;
-    const std::size_t run = bench.procedure.run();
-    for (int i = 1; bench.procedure.run() == run && i < 2000; ++i) {
-      bench.now = began + i * 300ms;
+    for (std::size_t v = 0; v < 2; ++v) fixture.ready(v, "B" + std::to_string(v + 1));
+    const SimTime began = fixture.now;
+    const std::size_t run = fixture.procedure.run();
+    for (int i = 1; fixture.procedure.run() == run && i < 2000; ++i) {
+      fixture.now = began + i * 300ms;
       for (std::size_t v = 0; v < 2; ++v)
-        if (bench.procedure.running(v)) bench.sample(v, 1.0 - (0.003 + 0.001 * static_cast<double>(v)) * i);
+        if (fixture.procedure.running(v)) fixture.sample(v, 1.0 - (0.003 + 0.001 * static_cast<double>(v)) * i);
     }
   };
   run_once();
   EXPECT_EQ(requested, 1U);  // when both had ended, not when the first had
-  EXPECT_FALSE(bench.procedure.done());
+  EXPECT_FALSE(fixture.procedure.done());
   run_once();
-  ASSERT_TRUE(bench.procedure.done());
-  EXPECT_EQ(bench.procedure.records().size(), 4U);
-  EXPECT_EQ(bench.last_message(), "the test ends after run 2 of 5: the mean is known as well as was wanted");
-  EXPECT_EQ(bench.procedure.present_run(), 1U);
-  EXPECT_EQ(bench.procedure.slot(bench.now, 0).stop, StopCause::floor);
+  ASSERT_TRUE(fixture.procedure.done());
+  EXPECT_EQ(fixture.procedure.records().size(), 4U);
+  EXPECT_EQ(fixture.last_message(), "the test ends after run 2 of 5: the mean is known as well as was wanted");
+  EXPECT_EQ(fixture.procedure.present_run(), 1U);
+  EXPECT_EQ(fixture.procedure.slot(fixture.now, 0).stop, StopCause::floor);
   // What was saved then is a test that is over.
   Procedure again{options};
-  ASSERT_TRUE(again.restore(bench.procedure.state_json()));
+  ASSERT_TRUE(again.restore(fixture.procedure.state_json()));
   EXPECT_TRUE(again.done());
   EXPECT_EQ(again.present_run(), 1U);
 }
@@ -317,18 +317,18 @@ TEST(Fleet, makes_no_further_run_when_its_records_say_enough_but_ends_none_amid)
 TEST(Fleet, whose_records_never_say_enough_makes_all_its_runs) {
   ProcedureOptions options{.vehicles = 1, .runs = 2};
   options.enough = [](const std::vector<BatteryRun>&) { return false; };
-  Bench bench{options};
+  Fixture fixture{options};
   for (int run = 0; run < 2; ++run) {
-    ASSERT_FALSE(bench.procedure.done());
-    bench.ready(0, "B1");
-    const SimTime began = bench.now;
-    for (int i = 1; bench.procedure.running(0) && i < 2000; ++i) {
-      bench.now = began + i * 300ms;
-      bench.sample(0, 1.0 - 0.003 * i);
+    ASSERT_FALSE(fixture.procedure.done());
+    fixture.ready(0, "B1");
+    const SimTime began = fixture.now;
+    for (int i = 1; fixture.procedure.running(0) && i < 2000; ++i) {
+      fixture.now = began + i * 300ms;
+      fixture.sample(0, 1.0 - 0.003 * i);
     }
   }
-  EXPECT_TRUE(bench.procedure.done());
-  EXPECT_EQ(bench.procedure.records().size(), 2U);
+  EXPECT_TRUE(fixture.procedure.done());
+  EXPECT_EQ(fixture.procedure.records().size(), 2U);
 }
 
 }  // namespace

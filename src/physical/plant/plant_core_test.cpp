@@ -9,7 +9,7 @@
 #include "cosiva/base/json_writer.h"
 #include "cosiva/battery/type.h"
 #include "cosiva/battery/type_json.h"
-#include "cosiva/physical/plant/plant_bench.h"
+#include "cosiva/physical/plant/plant_fixture.h"
 #include "cosiva/physical/plant/plant_options.h"
 #include "cosiva/physical/plant/test_zones.h"
 #include "cosiva/wire/messages/topics.h"
@@ -29,98 +29,98 @@ using ::testing::SizeIs;
 constexpr wire::Drive fast{500, 800, 1000, 0};
 
 TEST(Plant, moves_a_vehicle_by_the_drive_frames_it_hears) {
-  PlantBench bench{straight(20.0)};
-  bench.drive(1, fast);
-  bench.run_for(10s);
+  PlantFixture fixture{straight(20.0)};
+  fixture.drive(1, fast);
+  fixture.run_for(10s);
   // v·t less half the ramp (v²/2a) and the motor's lag (v·τ).
   const double expected_m = 0.5 * 10.0 - 0.5 * 0.5 / (2.0 * 0.8) - 0.5 * 0.05;
-  EXPECT_NEAR(bench.ground_truth(1).distance_m, expected_m, 0.01);
-  EXPECT_NEAR(bench.ground_truth(1).X_MB.x_m, 0.5 + expected_m, 0.01);
-  EXPECT_TRUE(bench.ground_truth(1).powered);
+  EXPECT_NEAR(fixture.ground_truth(1).distance_m, expected_m, 0.01);
+  EXPECT_NEAR(fixture.ground_truth(1).X_MB.x_m, 0.5 + expected_m, 0.01);
+  EXPECT_TRUE(fixture.ground_truth(1).powered);
   // Without noise the odometer tells it, as of its last report.
-  const auto odometry = bench.heard<wire::Odometry>(1);
+  const auto odometry = fixture.heard<wire::Odometry>(1);
   EXPECT_THAT(odometry, SizeIs(AllOf(Ge(499U), Le(501U))));
-  EXPECT_NEAR(static_cast<double>(odometry.back().distance_um) * 1e-6, bench.ground_truth(1).distance_m, 0.5 * 0.021);
+  EXPECT_NEAR(static_cast<double>(odometry.back().distance_um) * 1e-6, fixture.ground_truth(1).distance_m, 0.5 * 0.021);
   EXPECT_EQ(odometry.back().speed_mmps, 500);
 }
 
 TEST(Plant, lets_nobody_drive_blind_while_it_is_held_up) {
-  PlantBench bench{straight(20.0)};
-  bench.drive(1, fast);
-  bench.run_for(3s);
-  const double before_m = bench.ground_truth(1).distance_m;
-  bench.hold_up_for(250ms);
-  EXPECT_NEAR(bench.ground_truth(1).distance_m, before_m + 0.5 * 0.05, 1e-6);
-  EXPECT_TRUE(bench.logged.empty());
+  PlantFixture fixture{straight(20.0)};
+  fixture.drive(1, fast);
+  fixture.run_for(3s);
+  const double before_m = fixture.ground_truth(1).distance_m;
+  fixture.hold_up_for(250ms);
+  EXPECT_NEAR(fixture.ground_truth(1).distance_m, before_m + 0.5 * 0.05, 1e-6);
+  EXPECT_TRUE(fixture.logged.empty());
   // What was told meanwhile is heard before it drives on.
-  bench.drive(1, wire::Drive{0, 800, 1000, 0});
-  bench.run_for(2s);
-  EXPECT_LT(bench.ground_truth(1).distance_m, before_m + 0.5 * 0.05 + 0.5 * 0.5 / (2.0 * 0.8) + 0.5 * 0.1);
-  EXPECT_EQ(bench.ground_truth(1).speed_mps, 0.0);
+  fixture.drive(1, wire::Drive{0, 800, 1000, 0});
+  fixture.run_for(2s);
+  EXPECT_LT(fixture.ground_truth(1).distance_m, before_m + 0.5 * 0.05 + 0.5 * 0.5 / (2.0 * 0.8) + 0.5 * 0.1);
+  EXPECT_EQ(fixture.ground_truth(1).speed_mps, 0.0);
 }
 
 TEST(Plant, stays_where_it_is_without_a_command) {
-  PlantBench bench{straight(20.0)};
-  bench.run_for(5s);
-  EXPECT_EQ(bench.ground_truth(1).distance_m, 0.0);
-  EXPECT_FALSE(bench.ground_truth(1).powered);
+  PlantFixture fixture{straight(20.0)};
+  fixture.run_for(5s);
+  EXPECT_EQ(fixture.ground_truth(1).distance_m, 0.0);
+  EXPECT_FALSE(fixture.ground_truth(1).powered);
 }
 
 TEST(Plant, stops_by_itself_300_ms_after_the_last_command) {
-  PlantBench bench{straight(20.0)};
-  bench.drive(1, fast);
-  bench.run_for(3s);
-  bench.fall_silent(1);
-  const double before_m = bench.ground_truth(1).distance_m;
-  bench.run_for(200ms);
-  EXPECT_NEAR(bench.ground_truth(1).speed_mps, 0.5, 1e-3);  // not yet: the last command is 250 ms old
-  bench.run_for(3s);
-  EXPECT_EQ(bench.ground_truth(1).speed_mps, 0.0);
-  EXPECT_FALSE(bench.ground_truth(1).powered);
+  PlantFixture fixture{straight(20.0)};
+  fixture.drive(1, fast);
+  fixture.run_for(3s);
+  fixture.fall_silent(1);
+  const double before_m = fixture.ground_truth(1).distance_m;
+  fixture.run_for(200ms);
+  EXPECT_NEAR(fixture.ground_truth(1).speed_mps, 0.5, 1e-3);  // not yet: the last command is 250 ms old
+  fixture.run_for(3s);
+  EXPECT_EQ(fixture.ground_truth(1).speed_mps, 0.0);
+  EXPECT_FALSE(fixture.ground_truth(1).powered);
   // The last command is 40 ms old at first; then braking at 1 m/s², behind the motor's lag.
-  const double way_m = bench.ground_truth(1).distance_m - before_m;
+  const double way_m = fixture.ground_truth(1).distance_m - before_m;
   EXPECT_NEAR(way_m, 0.5 * 0.26 + 0.5 * 0.5 / 2.0 + 0.5 * 0.05, 0.5 * 0.021);
 }
 
 TEST(Plant, takes_no_command_from_damaged_frames) {
-  PlantBench bench{straight(20.0)};
+  PlantFixture fixture{straight(20.0)};
   for (int i = 0; i < 200; ++i) {
     std::string bytes = wire::module_link::encode(fast, static_cast<std::uint8_t>(i));
     bytes[5] = static_cast<char>(bytes[5] ^ 0x10);
-    bench.feed(wire::InputKind::bytes, "1/PILS", bytes);
-    bench.run_for(10ms);
+    fixture.feed(wire::InputKind::bytes, "1/PILS", bytes);
+    fixture.run_for(10ms);
   }
-  EXPECT_EQ(bench.ground_truth(1).distance_m, 0.0);
-  EXPECT_EQ(bench.heard<wire::Heartbeat>(1).back().frames_bad, 0);  // RALI's own heartbeat: it heard nothing bad
-  EXPECT_THAT(bench.heard<wire::Heartbeat>(1), Contains(testing::Field(&wire::Heartbeat::frames_bad, Ge(150))));
+  EXPECT_EQ(fixture.ground_truth(1).distance_m, 0.0);
+  EXPECT_EQ(fixture.heard<wire::Heartbeat>(1).back().frames_bad, 0);  // RALI's own heartbeat: it heard nothing bad
+  EXPECT_THAT(fixture.heard<wire::Heartbeat>(1), Contains(testing::Field(&wire::Heartbeat::frames_bad, Ge(150))));
 }
 
 TEST(Plant, keeps_every_vehicle_on_its_line_over_a_lap) {
-  PlantBench bench{lacet4(), 4, PlantNoise{}};
+  PlantFixture fixture{lacet4(), 4, PlantNoise{}};
   const auto rtm = zone::Rtm::initialise(lacet4());
   ASSERT_TRUE(rtm);
-  for (std::uint32_t i = 1; i <= 4; ++i) bench.drive(i, fast);
+  for (std::uint32_t i = 1; i <= 4; ++i) fixture.drive(i, fast);
   for (int i = 0; i < 370; ++i) {
-    bench.run_for(100ms);
+    fixture.run_for(100ms);
     for (std::uint32_t v = 1; v <= 4; ++v) {
-      const Pose2 pose = bench.ground_truth(v).X_MB;
+      const Pose2 pose = fixture.ground_truth(v).X_MB;
       ASSERT_LT(rtm->zone().circuit.locate(position(pose), pose.heading_rad).distance_m, 0.003);
     }
   }
-  for (const auto& odometry : bench.heard<wire::Odometry>(1)) ASSERT_FALSE(odometry.line_lost);
-  EXPECT_EQ(bench.ground_truth(1).laps, 1U);
-  const auto odometry = bench.heard<wire::Odometry>(2).back();
-  const double off = static_cast<double>(odometry.distance_um) * 1e-6 / bench.ground_truth(2).distance_m - 1.0;
+  for (const auto& odometry : fixture.heard<wire::Odometry>(1)) ASSERT_FALSE(odometry.line_lost);
+  EXPECT_EQ(fixture.ground_truth(1).laps, 1U);
+  const auto odometry = fixture.heard<wire::Odometry>(2).back();
+  const double off = static_cast<double>(odometry.distance_um) * 1e-6 / fixture.ground_truth(2).distance_m - 1.0;
   EXPECT_NE(off, 0.0);
   EXPECT_LT(std::fabs(off), 4.0 * (0.005 + 0.003 / std::sqrt(18.0)) + 0.01);
 }
 
 TEST(Plant, reads_the_twelve_tags_of_the_clover_and_the_beacons_it_passes) {
-  PlantBench bench{lacet4_with_beacons_every(0.07)};
-  bench.drive(1, fast);
-  bench.run_for(36s);  // one lap and a bit
+  PlantFixture fixture{lacet4_with_beacons_every(0.07)};
+  fixture.drive(1, fast);
+  fixture.run_for(36s);  // one lap and a bit
   std::map<std::uint32_t, int> read;
-  for (const auto& tag : bench.heard<wire::TagRead>(1)) {
+  for (const auto& tag : fixture.heard<wire::TagRead>(1)) {
     ++read[tag.number];
     EXPECT_LE(tag.age_ms, 10);
   }
@@ -129,12 +129,12 @@ TEST(Plant, reads_the_twelve_tags_of_the_clover_and_the_beacons_it_passes) {
 }
 
 TEST(Plant, reads_a_tag_where_its_field_begins_and_as_late_as_its_reader_is) {
-  PlantBench bench{straight(8.0, "0.5", "[[tag]]\nnumber = 7\nsection = \"line\"\ns_m = 4.0\n")};
-  bench.drive(1, fast);
-  for (int i = 0; i < 2000 && bench.heard<wire::TagRead>(1).empty(); ++i) bench.run_for(10ms);
-  ASSERT_THAT(bench.heard<wire::TagRead>(1), SizeIs(1));
-  const double sent_at_m = bench.ground_truth(1).X_MB.x_m;
-  const double read_at_m = sent_at_m - 0.5 * 1e-3 * bench.heard<wire::TagRead>(1)[0].age_ms;
+  PlantFixture fixture{straight(8.0, "0.5", "[[tag]]\nnumber = 7\nsection = \"line\"\ns_m = 4.0\n")};
+  fixture.drive(1, fast);
+  for (int i = 0; i < 2000 && fixture.heard<wire::TagRead>(1).empty(); ++i) fixture.run_for(10ms);
+  ASSERT_THAT(fixture.heard<wire::TagRead>(1), SizeIs(1));
+  const double sent_at_m = fixture.ground_truth(1).X_MB.x_m;
+  const double read_at_m = sent_at_m - 0.5 * 1e-3 * fixture.heard<wire::TagRead>(1)[0].age_ms;
   EXPECT_GE(read_at_m, 4.0 - 0.02 + 0.5 * 0.008 - 0.001);
   EXPECT_LE(read_at_m, 4.0 - 0.02 + 0.5 * 0.030 + 0.001);  // latency, and up to one tick before the field is noticed
 }
@@ -142,9 +142,9 @@ TEST(Plant, reads_a_tag_where_its_field_begins_and_as_late_as_its_reader_is) {
 TEST(Plant, ranges_the_vehicle_ahead_and_not_the_one_behind) {
   PlantNoise noise = silent();
   noise.range_sd_m = 0.005;
-  PlantBench bench{straight(8.0, "2.0 3.0"), 2, noise};
-  bench.run_for(6s);
-  const auto behind = bench.heard<wire::Ranges>(1);
+  PlantFixture fixture{straight(8.0, "2.0 3.0"), 2, noise};
+  fixture.run_for(6s);
+  const auto behind = fixture.heard<wire::Ranges>(1);
   ASSERT_THAT(behind, SizeIs(AllOf(Ge(99U), Le(101U))));
   double sum = 0.0;
   for (const auto& ranges : behind) {
@@ -152,31 +152,31 @@ TEST(Plant, ranges_the_vehicle_ahead_and_not_the_one_behind) {
     sum += ranges.range_mm[6];
   }
   EXPECT_NEAR(sum / static_cast<double>(behind.size()), 800.0, 3.0 * 5.0 / 10.0);
-  for (const auto& ranges : bench.heard<wire::Ranges>(2)) EXPECT_THAT(ranges.range_mm, testing::Each(wire::no_echo));
+  for (const auto& ranges : fixture.heard<wire::Ranges>(2)) EXPECT_THAT(ranges.range_mm, testing::Each(wire::no_echo));
 }
 
 TEST(Plant, puts_obstacles_where_it_is_told_and_takes_them_away) {
-  PlantBench bench{straight(8.0)};
-  bench.feed(wire::InputKind::message, std::string(wire::plant_command_topic),
+  PlantFixture fixture{straight(8.0)};
+  fixture.feed(wire::InputKind::message, std::string(wire::plant_command_topic),
              R"({"addObstacle":{"id":"box","x":1.6,"y":0.0,"radius":0.1}})");
-  bench.run_for(200ms);
-  EXPECT_EQ(bench.heard<wire::Ranges>(1).back().range_mm[6], 900);
-  bench.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":1.4,"y":0.0,"radius":0.1}})");
-  bench.run_for(200ms);
-  EXPECT_EQ(bench.heard<wire::Ranges>(1).back().range_mm[6], 700);  // the same box, moved
-  bench.feed(wire::InputKind::command, "test", R"({"removeObstacle":"box"})");
-  bench.run_for(200ms);
-  EXPECT_EQ(bench.heard<wire::Ranges>(1).back().range_mm[6], wire::no_echo);
-  EXPECT_THAT(bench.logged, IsEmpty());
+  fixture.run_for(200ms);
+  EXPECT_EQ(fixture.heard<wire::Ranges>(1).back().range_mm[6], 900);
+  fixture.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":1.4,"y":0.0,"radius":0.1}})");
+  fixture.run_for(200ms);
+  EXPECT_EQ(fixture.heard<wire::Ranges>(1).back().range_mm[6], 700);  // the same box, moved
+  fixture.feed(wire::InputKind::command, "test", R"({"removeObstacle":"box"})");
+  fixture.run_for(200ms);
+  EXPECT_EQ(fixture.heard<wire::Ranges>(1).back().range_mm[6], wire::no_echo);
+  EXPECT_THAT(fixture.logged, IsEmpty());
 }
 
 TEST(Plant, refuses_bad_commands_with_a_sentence) {
-  PlantBench bench{straight(8.0)};
+  PlantFixture fixture{straight(8.0)};
   const auto refusal = [&](const std::string& command) {
-    bench.logged.clear();
-    bench.feed(wire::InputKind::command, "test", command);
-    EXPECT_THAT(bench.logged, ElementsAre(HasSubstr("plant command refused"))) << command;
-    return bench.logged.empty() ? "" : bench.logged.front();
+    fixture.logged.clear();
+    fixture.feed(wire::InputKind::command, "test", command);
+    EXPECT_THAT(fixture.logged, ElementsAre(HasSubstr("plant command refused"))) << command;
+    return fixture.logged.empty() ? "" : fixture.logged.front();
   };
   const auto obstacle = [](const std::string& id, const std::string& x, const std::string& y,
                            const std::string& radius) {
@@ -193,35 +193,35 @@ TEST(Plant, refuses_bad_commands_with_a_sentence) {
   EXPECT_THAT(refusal(obstacle("\"a\"", "1e300", "0", "0.1")), HasSubstr("off the world"));
   EXPECT_THAT(refusal(obstacle("\"a\"", "4", "1.1", "0.1")), HasSubstr("to (9.09, 1.09) m; choose one inside"));
   EXPECT_THAT(refusal(R"({"removeObstacle":"nobody"})"), HasSubstr("none at all"));
-  bench.logged.clear();
-  bench.feed(wire::InputKind::command, "test", obstacle("\"box\"", "4", "1.0", "2"));
-  EXPECT_THAT(bench.logged, IsEmpty());
+  fixture.logged.clear();
+  fixture.feed(wire::InputKind::command, "test", obstacle("\"box\"", "4", "1.0", "2"));
+  EXPECT_THAT(fixture.logged, IsEmpty());
   EXPECT_THAT(refusal(R"({"removeObstacle":"bux"})"), HasSubstr("there is box"));
 }
 
 TEST(Plant, puts_no_obstacle_on_a_vehicle) {
-  PlantBench bench{straight(8.0, "0.5 5.0"), 2};
-  bench.run_for(100ms);
+  PlantFixture fixture{straight(8.0, "0.5 5.0"), 2};
+  fixture.run_for(100ms);
   // The front stands at 5.1 m: 1 cm before it is too near for a box of 2 cm, 3 cm is not.
-  bench.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":5.11,"y":0,"radius":0.02}})");
-  EXPECT_THAT(bench.logged, ElementsAre(AllOf(HasSubstr("box: AIV2 is in this place"), HasSubstr("beside it"))));
-  bench.logged.clear();
-  bench.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":5.13,"y":0,"radius":0.02}})");
-  EXPECT_THAT(bench.logged, IsEmpty());
+  fixture.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":5.11,"y":0,"radius":0.02}})");
+  EXPECT_THAT(fixture.logged, ElementsAre(AllOf(HasSubstr("box: AIV2 is in this place"), HasSubstr("beside it"))));
+  fixture.logged.clear();
+  fixture.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":5.13,"y":0,"radius":0.02}})");
+  EXPECT_THAT(fixture.logged, IsEmpty());
   // Nor is it moved onto one; it stays where it was.
-  bench.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":0.5,"y":0,"radius":0.02}})");
-  EXPECT_THAT(bench.logged, ElementsAre(HasSubstr("AIV1 is in this place")));
-  bench.run_for(200ms);
-  EXPECT_THAT(bench.core().collisions(), IsEmpty());
-  EXPECT_EQ(bench.heard<wire::Ranges>(2).back().range_mm[6], 10);
+  fixture.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":0.5,"y":0,"radius":0.02}})");
+  EXPECT_THAT(fixture.logged, ElementsAre(HasSubstr("AIV1 is in this place")));
+  fixture.run_for(200ms);
+  EXPECT_THAT(fixture.core().collisions(), IsEmpty());
+  EXPECT_EQ(fixture.heard<wire::Ranges>(2).back().range_mm[6], 10);
 }
 
 TEST(Plant, books_a_collision_once_per_contact) {
-  PlantBench bench{straight(8.0, "0.5 2.0"), 2};
-  bench.drive(1, fast);
-  bench.run_for(4s);
-  ASSERT_THAT(bench.core().collisions(), SizeIs(1));
-  const Collision& hit = bench.core().collisions().front();
+  PlantFixture fixture{straight(8.0, "0.5 2.0"), 2};
+  fixture.drive(1, fast);
+  fixture.run_for(4s);
+  ASSERT_THAT(fixture.core().collisions(), SizeIs(1));
+  const Collision& hit = fixture.core().collisions().front();
   EXPECT_EQ(hit.a, "AIV1");
   EXPECT_EQ(hit.b, "AIV2");
   // Bumper to bumper after 1.3 m.
@@ -229,56 +229,56 @@ TEST(Plant, books_a_collision_once_per_contact) {
 }
 
 TEST(Plant, books_a_collision_with_an_obstacle_by_its_name) {
-  PlantBench bench{straight(8.0)};
-  bench.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":1.5,"y":0.1,"radius":0.1}})");
-  bench.drive(1, fast);
-  bench.run_for(4s);
-  ASSERT_THAT(bench.core().collisions(), SizeIs(1));
-  EXPECT_EQ(bench.core().collisions().front().a, "AIV1");
-  EXPECT_EQ(bench.core().collisions().front().b, "box");
+  PlantFixture fixture{straight(8.0)};
+  fixture.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":1.5,"y":0.1,"radius":0.1}})");
+  fixture.drive(1, fast);
+  fixture.run_for(4s);
+  ASSERT_THAT(fixture.core().collisions(), SizeIs(1));
+  EXPECT_EQ(fixture.core().collisions().front().a, "AIV1");
+  EXPECT_EQ(fixture.core().collisions().front().b, "box");
 }
 
 TEST(Plant, gives_each_vehicle_what_its_own_ports_say) {
-  PlantBench bench{straight(20.0, "0.5 5.0"), 2};
-  bench.drive(2, fast);
-  bench.run_for(2s);
-  EXPECT_EQ(bench.ground_truth(1).distance_m, 0.0);
-  EXPECT_GT(bench.ground_truth(2).distance_m, 0.5);
-  bench.feed(wire::InputKind::bytes, "2/PRAV", wire::module_link::encode(wire::Display{"hello"}, 0));
-  EXPECT_EQ(bench.ground_truth(1).display, "");
-  EXPECT_EQ(bench.ground_truth(2).display, "hello");
+  PlantFixture fixture{straight(20.0, "0.5 5.0"), 2};
+  fixture.drive(2, fast);
+  fixture.run_for(2s);
+  EXPECT_EQ(fixture.ground_truth(1).distance_m, 0.0);
+  EXPECT_GT(fixture.ground_truth(2).distance_m, 0.5);
+  fixture.feed(wire::InputKind::bytes, "2/PRAV", wire::module_link::encode(wire::Display{"hello"}, 0));
+  EXPECT_EQ(fixture.ground_truth(1).display, "");
+  EXPECT_EQ(fixture.ground_truth(2).display, "hello");
 }
 
 TEST(Plant, warns_of_ports_that_no_vehicle_has) {
-  PlantBench bench{straight(20.0)};
+  PlantFixture fixture{straight(20.0)};
   for (const char* port : {"0/PILS", "2/PILS", "1/PULS", "PILS", "1", "1/", "-1/PILS", "99999999999/PILS", ""}) {
-    bench.logged.clear();
-    bench.feed(wire::InputKind::port, port, "up");
-    bench.feed(wire::InputKind::bytes, port, "x");
-    EXPECT_THAT(bench.logged, SizeIs(2)) << port;
+    fixture.logged.clear();
+    fixture.feed(wire::InputKind::port, port, "up");
+    fixture.feed(wire::InputKind::bytes, port, "x");
+    EXPECT_THAT(fixture.logged, SizeIs(2)) << port;
   }
 }
 
 TEST(Plant, says_hello_on_every_port_and_keeps_odometer_and_session_over_a_crash_on_board) {
-  PlantBench bench{straight(20.0)};
-  bench.drive(1, fast);
-  bench.run_for(2s);
-  const auto first = bench.heard<wire::Hello>(1);
+  PlantFixture fixture{straight(20.0)};
+  fixture.drive(1, fast);
+  fixture.run_for(2s);
+  const auto first = fixture.heard<wire::Hello>(1);
   ASSERT_THAT(first, SizeIs(4));
-  const auto before_um = bench.heard<wire::Odometry>(1).back().distance_um;
-  bench.forget();
-  for (const auto& port : bench.core().ports()) bench.feed(wire::InputKind::port, port, "down");
-  bench.run_for(1s);
-  EXPECT_THAT(bench.heard<wire::Odometry>(1), IsEmpty());
-  for (const auto& port : bench.core().ports()) bench.feed(wire::InputKind::port, port, "up");
-  bench.run_for(1s);
-  EXPECT_EQ(bench.heard<wire::Hello>(1), first);
-  EXPECT_GT(bench.heard<wire::Odometry>(1).front().distance_um, before_um);
+  const auto before_um = fixture.heard<wire::Odometry>(1).back().distance_um;
+  fixture.forget();
+  for (const auto& port : fixture.core().ports()) fixture.feed(wire::InputKind::port, port, "down");
+  fixture.run_for(1s);
+  EXPECT_THAT(fixture.heard<wire::Odometry>(1), IsEmpty());
+  for (const auto& port : fixture.core().ports()) fixture.feed(wire::InputKind::port, port, "up");
+  fixture.run_for(1s);
+  EXPECT_EQ(fixture.heard<wire::Hello>(1), first);
+  EXPECT_GT(fixture.heard<wire::Odometry>(1).front().distance_um, before_um);
 }
 
 TEST(Plant, that_starts_later_has_other_sessions) {
-  PlantBench bench{straight(20.0)};
-  bench.run_for(20ms);
+  PlantFixture fixture{straight(20.0)};
+  fixture.run_for(20ms);
   auto later = PlantCore::make({straight(20.0), 1, 1, silent(), true, true});
   ASSERT_TRUE(later);
   wire::Effects effects;
@@ -287,77 +287,77 @@ TEST(Plant, that_starts_later_has_other_sessions) {
   std::vector<wire::BoardMessage> heard;
   for (const auto& effect : effects) wire::module_link::Decoder{}.feed(std::get<wire::SendBytes>(effect).bytes, heard);
   ASSERT_FALSE(heard.empty());
-  EXPECT_NE(std::get<wire::Hello>(heard.front()).session, bench.heard<wire::Hello>(1).front().session);
+  EXPECT_NE(std::get<wire::Hello>(heard.front()).session, fixture.heard<wire::Hello>(1).front().session);
 }
 
 TEST(Plant, drains_its_battery_by_its_work) {
-  PlantBench bench{lacet4(), 2};
-  bench.drive(1, fast);
-  bench.run_for(60s);
-  const double idle = 1.0 - bench.ground_truth(2).charge;
-  const double driving = 1.0 - bench.ground_truth(1).charge;
+  PlantFixture fixture{lacet4(), 2};
+  fixture.drive(1, fast);
+  fixture.run_for(60s);
+  const double idle = 1.0 - fixture.ground_truth(2).charge;
+  const double driving = 1.0 - fixture.ground_truth(1).charge;
   // 2.2 Ah at about 8.2 V hold 65 kJ at the top of the charge: 3 W for 60 s take 0.277 % of it.
   EXPECT_NEAR(idle, 180.0 / (2.2 * 3600.0 * 8.15), 2e-4);
-  const double work_j = (0.6 * bench.ground_truth(1).distance_m + 0.5 * 1.2 * 0.25) / 0.6;
+  const double work_j = (0.6 * fixture.ground_truth(1).distance_m + 0.5 * 1.2 * 0.25) / 0.6;
   EXPECT_NEAR((driving - idle) / idle, work_j / 180.0, 0.02);
-  EXPECT_NEAR(bench.heard<wire::Power>(1).back().charge_permille, 1000.0 * bench.ground_truth(1).charge, 2.0);
-  EXPECT_NEAR(bench.heard<wire::Power>(1).back().voltage_mv, 8150.0, 100.0);
+  EXPECT_NEAR(fixture.heard<wire::Power>(1).back().charge_permille, 1000.0 * fixture.ground_truth(1).charge, 2.0);
+  EXPECT_NEAR(fixture.heard<wire::Power>(1).back().voltage_mv, 8150.0, 100.0);
 }
 
 // `cosiva battery fleet --live` sends the whole type along.
 TEST(Plant, takes_every_shipped_battery_type_over_the_broker) {
-  PlantBench bench{straight(8.0)};
-  bench.feed(wire::InputKind::link, "", "up");
+  PlantFixture fixture{straight(8.0)};
+  fixture.feed(wire::InputKind::link, "", "up");
   for (const std::string& name : battery::shipped_types()) {
     JsonWriter json;
     json.begin_object().key("changeBattery").begin_object().field("vehicle", 1).field("id", "B-" + name);
     json.field("type", battery::to_json(*battery::shipped_type(name))).end_object().end_object();
-    bench.published.clear();
-    bench.feed(wire::InputKind::message, std::string(wire::plant_command_topic), json.take());
-    ASSERT_FALSE(bench.published.empty()) << name;
-    EXPECT_EQ(bench.published.back().topic, "cosiva/v1/battery/ready/CoSiVA/AIV1") << name;
-    EXPECT_NE(bench.published.back().payload.find("B-" + name), std::string::npos) << name;
+    fixture.published.clear();
+    fixture.feed(wire::InputKind::message, std::string(wire::plant_command_topic), json.take());
+    ASSERT_FALSE(fixture.published.empty()) << name;
+    EXPECT_EQ(fixture.published.back().topic, "cosiva/v1/battery/ready/CoSiVA/AIV1") << name;
+    EXPECT_NE(fixture.published.back().payload.find("B-" + name), std::string::npos) << name;
   }
 }
 
 TEST(Plant, publishes_the_ground_truth_ten_times_a_second) {
-  PlantBench bench{straight(8.0, "0.5 5.0"), 2};
-  bench.feed(wire::InputKind::link, "", "up");
-  bench.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":7.5,"y":0.25,"radius":0.1}})");
-  bench.run_for(500ms);  // the zone goes first
-  bench.published.clear();
-  bench.drive(1, fast);
-  bench.run_for(2s);
-  ASSERT_THAT(bench.published, SizeIs(AllOf(Ge(19U), Le(21U))));
-  EXPECT_EQ(bench.published.back().topic, "cosiva/v1/plant/ground_truth");
-  EXPECT_FALSE(bench.published.back().retained);
-  const auto json = JsonValue::parse(bench.published.back().payload);
+  PlantFixture fixture{straight(8.0, "0.5 5.0"), 2};
+  fixture.feed(wire::InputKind::link, "", "up");
+  fixture.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":7.5,"y":0.25,"radius":0.1}})");
+  fixture.run_for(500ms);  // the zone goes first
+  fixture.published.clear();
+  fixture.drive(1, fast);
+  fixture.run_for(2s);
+  ASSERT_THAT(fixture.published, SizeIs(AllOf(Ge(19U), Le(21U))));
+  EXPECT_EQ(fixture.published.back().topic, "cosiva/v1/plant/ground_truth");
+  EXPECT_FALSE(fixture.published.back().retained);
+  const auto json = JsonValue::parse(fixture.published.back().payload);
   ASSERT_TRUE(json);
   EXPECT_TRUE(json->text("timestamp"));
   ASSERT_THAT(*json->find("vehicles")->array(), SizeIs(2));
   const auto& first = (*json->find("vehicles")->array())[0];
   EXPECT_EQ(first.number("number"), 1.0);
-  EXPECT_NEAR(first.number("x").value(), bench.ground_truth(1).X_MB.x_m, 0.05);
+  EXPECT_NEAR(first.number("x").value(), fixture.ground_truth(1).X_MB.x_m, 0.05);
   EXPECT_NEAR(first.number("speed").value(), 0.5, 1e-3);
   EXPECT_EQ(first.number("heading"), 0.0);
   EXPECT_EQ((*json->find("obstacles")->array())[0].text("id"), "box");
   EXPECT_EQ(json->number("collisions"), 0.0);
-  bench.feed(wire::InputKind::link, "", "down");
-  bench.published.clear();
-  bench.run_for(1s);
-  EXPECT_THAT(bench.published, IsEmpty());
+  fixture.feed(wire::InputKind::link, "", "down");
+  fixture.published.clear();
+  fixture.run_for(1s);
+  EXPECT_THAT(fixture.published, IsEmpty());
 }
 
 TEST(Plant, sums_up_what_happened) {
-  PlantBench bench{straight(8.0, "0.5 2.0"), 2};
-  bench.drive(1, fast);
-  bench.run_for(4s);
-  bench.fall_silent(1);
-  bench.run_for(10s);
-  const auto json = JsonValue::parse(bench.core().summary_json());
+  PlantFixture fixture{straight(8.0, "0.5 2.0"), 2};
+  fixture.drive(1, fast);
+  fixture.run_for(4s);
+  fixture.fall_silent(1);
+  fixture.run_for(10s);
+  const auto json = JsonValue::parse(fixture.core().summary_json());
   ASSERT_TRUE(json);
   ASSERT_THAT(*json->find("vehicles")->array(), SizeIs(2));
-  EXPECT_NEAR((*json->find("vehicles")->array())[0].number("distance").value(), bench.ground_truth(1).distance_m, 1e-12);
+  EXPECT_NEAR((*json->find("vehicles")->array())[0].number("distance").value(), fixture.ground_truth(1).distance_m, 1e-12);
   ASSERT_THAT(*json->find("collisions")->array(), SizeIs(1));
   EXPECT_EQ((*json->find("collisions")->array())[0].text("b"), "AIV2");
   EXPECT_EQ(json->number("laps"), 0.0);  // no ring
@@ -367,32 +367,32 @@ TEST(Plant, sums_up_what_happened) {
 }
 
 TEST(Plant, stands_still_over_a_gap_in_its_ticks) {
-  PlantBench bench{straight(20.0)};
-  bench.drive(1, fast);
-  bench.run_for(2s);
-  const double before_m = bench.ground_truth(1).distance_m;
+  PlantFixture fixture{straight(20.0)};
+  fixture.drive(1, fast);
+  fixture.run_for(2s);
+  const double before_m = fixture.ground_truth(1).distance_m;
   wire::Effects effects;
-  bench.core().handle({bench.now() + 1h, wire::InputKind::tick, "", ""}, effects);
-  EXPECT_EQ(bench.ground_truth(1).distance_m, before_m);
+  fixture.core().handle({fixture.now() + 1h, wire::InputKind::tick, "", ""}, effects);
+  EXPECT_EQ(fixture.ground_truth(1).distance_m, before_m);
   ASSERT_FALSE(effects.empty());
   EXPECT_TRUE(std::holds_alternative<wire::Log>(effects.front()));
 }
 
 TEST(Plant, gives_equal_runs_equal_digests_and_other_seeds_others) {
   const auto run = [](std::uint64_t seed) {
-    PlantBench bench{lacet4(), 4, PlantNoise{}, seed};
-    bench.feed(wire::InputKind::link, "", "up");
-    for (std::uint32_t i = 1; i <= 4; ++i) bench.drive(i, fast);
-    bench.run_for(20s);
-    return bench.digest();
+    PlantFixture fixture{lacet4(), 4, PlantNoise{}, seed};
+    fixture.feed(wire::InputKind::link, "", "up");
+    for (std::uint32_t i = 1; i <= 4; ++i) fixture.drive(i, fast);
+    fixture.run_for(20s);
+    return fixture.digest();
   };
   EXPECT_EQ(run(1), run(1));
   EXPECT_NE(run(1), run(2));
 }
 
 TEST(Plant, moves_no_other_vehicle_s_noise_by_a_change_in_one) {
-  PlantBench two{straight(20.0, "0.5 8.0"), 2, PlantNoise{}};
-  PlantBench one{straight(20.0, "0.5 8.0"), 2, PlantNoise{}};
+  PlantFixture two{straight(20.0, "0.5 8.0"), 2, PlantNoise{}};
+  PlantFixture one{straight(20.0, "0.5 8.0"), 2, PlantNoise{}};
   two.drive(1, fast);
   two.drive(2, fast);
   one.drive(2, fast);

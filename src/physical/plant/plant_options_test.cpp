@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cosiva/physical/plant/plant_bench.h"
+#include "cosiva/physical/plant/plant_fixture.h"
 #include "cosiva/physical/plant/plant_options.h"
 #include "cosiva/physical/plant/test_zones.h"
 

@@ -6,7 +6,7 @@
 
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
-#include "cosiva/physical/plant/plant_bench.h"
+#include "cosiva/physical/plant/plant_fixture.h"
 #include "cosiva/physical/plant/plant_options.h"
 #include "cosiva/physical/plant/test_zones.h"
 #include "cosiva/wire/messages/topics.h"
@@ -27,14 +27,14 @@ constexpr wire::Drive fast{500, 800, 1000, 0};
 constexpr wire::Drive still{0, 800, 1000, 0};
 constexpr wire::Drive seek{300, 500, 800, 0, true};
 
-std::vector<wire::Publish> zones(const PlantBench& bench) {
+std::vector<wire::Publish> zones(const PlantFixture& fixture) {
   std::vector<wire::Publish> found;
-  for (const auto& message : bench.published)
+  for (const auto& message : fixture.published)
     if (message.topic.starts_with(wire::zone_topic_prefix)) found.push_back(message);
   return found;
 }
-void send_zone(PlantBench& bench, const std::string& text, const std::string& format = "toml") {
-  bench.feed(wire::InputKind::message, std::string(wire::zone_topic_prefix) + format, text);
+void send_zone(PlantFixture& fixture, const std::string& text, const std::string& format = "toml") {
+  fixture.feed(wire::InputKind::message, std::string(wire::zone_topic_prefix) + format, text);
 }
 zone::ZoneConfiguration with(const zone::ZoneConfiguration& zone, const zone::ZoneEdit& edit) {
   auto after = zone::edited(zone, edit);
@@ -43,96 +43,96 @@ zone::ZoneConfiguration with(const zone::ZoneConfiguration& zone, const zone::Zo
 }
 
 TEST(Plant, hands_over_its_zone_retained_when_the_broker_is_there) {
-  PlantBench bench{lacet4()};
-  bench.run_for(1s);
-  EXPECT_THAT(bench.published, IsEmpty());
-  bench.feed(wire::InputKind::link, "", "up");
-  bench.run_for(290ms);
-  EXPECT_THAT(zones(bench), IsEmpty());  // it listens first for what the broker keeps
-  bench.run_for(10ms);
-  EXPECT_THAT(zones(bench), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", lacet4().text, 1, true}));
-  bench.run_for(5s);
-  EXPECT_THAT(zones(bench), SizeIs(1));
+  PlantFixture fixture{lacet4()};
+  fixture.run_for(1s);
+  EXPECT_THAT(fixture.published, IsEmpty());
+  fixture.feed(wire::InputKind::link, "", "up");
+  fixture.run_for(290ms);
+  EXPECT_THAT(zones(fixture), IsEmpty());  // it listens first for what the broker keeps
+  fixture.run_for(10ms);
+  EXPECT_THAT(zones(fixture), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", lacet4().text, 1, true}));
+  fixture.run_for(5s);
+  EXPECT_THAT(zones(fixture), SizeIs(1));
 }
 
 TEST(Plant, listens_anew_whenever_its_link_comes_up) {
-  PlantBench bench{lacet4()};
-  bench.feed(wire::InputKind::link, "", "up");
-  bench.run_for(200ms);
-  bench.feed(wire::InputKind::link, "", "down");
-  bench.run_for(1s);
-  EXPECT_THAT(zones(bench), IsEmpty());
+  PlantFixture fixture{lacet4()};
+  fixture.feed(wire::InputKind::link, "", "up");
+  fixture.run_for(200ms);
+  fixture.feed(wire::InputKind::link, "", "down");
+  fixture.run_for(1s);
+  EXPECT_THAT(zones(fixture), IsEmpty());
   for (std::size_t times = 1; times <= 2; ++times) {
-    bench.feed(wire::InputKind::link, "", "up");
-    bench.run_for(300ms);
-    EXPECT_THAT(zones(bench), SizeIs(times));
+    fixture.feed(wire::InputKind::link, "", "up");
+    fixture.run_for(300ms);
+    EXPECT_THAT(zones(fixture), SizeIs(times));
   }
 }
 
 TEST(Plant, does_not_hand_over_what_the_broker_has) {
-  PlantBench bench{lacet4()};
-  bench.feed(wire::InputKind::link, "", "up");
-  send_zone(bench, lacet4().text);
-  bench.run_for(1s);
-  EXPECT_THAT(zones(bench), IsEmpty());
-  EXPECT_THAT(bench.logged, IsEmpty());
+  PlantFixture fixture{lacet4()};
+  fixture.feed(wire::InputKind::link, "", "up");
+  send_zone(fixture, lacet4().text);
+  fixture.run_for(1s);
+  EXPECT_THAT(zones(fixture), IsEmpty());
+  EXPECT_THAT(fixture.logged, IsEmpty());
 }
 
 TEST(Plant, that_starts_again_takes_the_edits_that_the_broker_kept) {
-  PlantBench bench{lacet4()};
+  PlantFixture fixture{lacet4()};
   const auto edited = with(lacet4(), {{{1, {0, 0.4}}}, {2}, 0.2, {{"CoSiVA/AIV1", 3}}});
-  bench.feed(wire::InputKind::link, "", "up");
-  bench.run_for(50ms);
-  send_zone(bench, edited.text);
-  bench.run_for(1s);
-  EXPECT_THAT(zones(bench), IsEmpty());
-  EXPECT_EQ(bench.core().options().zone.text, edited.text);
-  EXPECT_THAT(bench.logged, ElementsAre(HasSubstr("11 tags")));
+  fixture.feed(wire::InputKind::link, "", "up");
+  fixture.run_for(50ms);
+  send_zone(fixture, edited.text);
+  fixture.run_for(1s);
+  EXPECT_THAT(zones(fixture), IsEmpty());
+  EXPECT_EQ(fixture.core().options().zone.text, edited.text);
+  EXPECT_THAT(fixture.logged, ElementsAre(HasSubstr("11 tags")));
   // A broker that forgot everything is told the edited one.
-  bench.feed(wire::InputKind::link, "", "down");
-  bench.feed(wire::InputKind::link, "", "up");
-  bench.run_for(1s);
-  EXPECT_THAT(zones(bench), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", edited.text, 1, true}));
+  fixture.feed(wire::InputKind::link, "", "down");
+  fixture.feed(wire::InputKind::link, "", "up");
+  fixture.run_for(1s);
+  EXPECT_THAT(zones(fixture), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", edited.text, 1, true}));
 }
 
 TEST(Plant, lets_its_readers_find_tags_where_they_are_moved_to_while_driving) {
   const auto zone = straight(20.0, "0.5",
                              "[[tag]]\nnumber = 1\nsection = \"line\"\ns_m = 5.0\n"
                              "[[tag]]\nnumber = 2\nsection = \"line\"\ns_m = 6.0\n");
-  PlantBench bench{zone};
-  bench.feed(wire::InputKind::link, "", "up");
-  bench.drive(1, fast);
-  bench.run_for(2s);
-  send_zone(bench, with(zone, {{{1, {0, 3.0}}, {3, {0, 4.0}}}, {2}, {}, {}}).text);
+  PlantFixture fixture{zone};
+  fixture.feed(wire::InputKind::link, "", "up");
+  fixture.drive(1, fast);
+  fixture.run_for(2s);
+  send_zone(fixture, with(zone, {{{1, {0, 3.0}}, {3, {0, 4.0}}}, {2}, {}, {}}).text);
   std::map<std::uint32_t, double> read_at;
   for (int i = 0; i < 1500; ++i) {
-    bench.forget();
-    bench.run_for(10ms);
-    for (const auto& tag : bench.heard<wire::TagRead>(1))
-      read_at[tag.number] = bench.ground_truth(1).X_MB.x_m - 0.5 * 1e-3 * tag.age_ms;
+    fixture.forget();
+    fixture.run_for(10ms);
+    for (const auto& tag : fixture.heard<wire::TagRead>(1))
+      read_at[tag.number] = fixture.ground_truth(1).X_MB.x_m - 0.5 * 1e-3 * tag.age_ms;
   }
   ASSERT_THAT(read_at, SizeIs(2));
   // Where the antenna's field of 2 cm begins, and up to 30 ms of reader and tick later.
   EXPECT_THAT(read_at[1], AllOf(Ge(2.98), Le(2.998)));
   EXPECT_THAT(read_at[3], AllOf(Ge(3.98), Le(3.998)));
-  EXPECT_NEAR(bench.ground_truth(1).speed_mps, 0.5, 1e-6);  // it never stopped for it
+  EXPECT_NEAR(fixture.ground_truth(1).speed_mps, 0.5, 1e-6);  // it never stopped for it
 }
 
 TEST(Plant, keeps_its_zone_when_another_or_none_is_sent) {
-  PlantBench bench{lacet4()};
-  bench.feed(wire::InputKind::link, "", "up");
-  send_zone(bench, straight(8.0).text);
-  EXPECT_THAT(bench.logged, ElementsAre(AllOf(HasSubstr("'test'"), HasSubstr("'lacet4'"))));
-  bench.logged.clear();
-  send_zone(bench, "name = ");
-  send_zone(bench, "<zone/>", "xml");
-  EXPECT_THAT(bench.logged, ElementsAre(HasSubstr("cannot be read"), HasSubstr("cannot be read")));
-  bench.logged.clear();
-  send_zone(bench, "");  // cleared, not sent
-  EXPECT_THAT(bench.logged, IsEmpty());
-  bench.run_for(1s);
-  EXPECT_THAT(zones(bench), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", lacet4().text, 1, true}));
-  EXPECT_EQ(bench.core().options().zone.text, lacet4().text);
+  PlantFixture fixture{lacet4()};
+  fixture.feed(wire::InputKind::link, "", "up");
+  send_zone(fixture, straight(8.0).text);
+  EXPECT_THAT(fixture.logged, ElementsAre(AllOf(HasSubstr("'test'"), HasSubstr("'lacet4'"))));
+  fixture.logged.clear();
+  send_zone(fixture, "name = ");
+  send_zone(fixture, "<zone/>", "xml");
+  EXPECT_THAT(fixture.logged, ElementsAre(HasSubstr("cannot be read"), HasSubstr("cannot be read")));
+  fixture.logged.clear();
+  send_zone(fixture, "");  // cleared, not sent
+  EXPECT_THAT(fixture.logged, IsEmpty());
+  fixture.run_for(1s);
+  EXPECT_THAT(zones(fixture), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", lacet4().text, 1, true}));
+  EXPECT_EQ(fixture.core().options().zone.text, lacet4().text);
 }
 
 // --- another zone altogether
@@ -154,107 +154,107 @@ std::string switch_command(const zone::ZoneConfiguration& zone) {
   json.end_object();
   return json.take();
 }
-PlantBench running(zone::ZoneConfiguration zone, std::uint32_t vehicles = 1) {
-  PlantBench bench{std::move(zone), vehicles};
-  bench.feed(wire::InputKind::link, "", "up");
-  bench.run_for(400ms);
-  bench.published.clear();
-  return bench;
+PlantFixture running(zone::ZoneConfiguration zone, std::uint32_t vehicles = 1) {
+  PlantFixture fixture{std::move(zone), vehicles};
+  fixture.feed(wire::InputKind::link, "", "up");
+  fixture.run_for(400ms);
+  fixture.published.clear();
+  return fixture;
 }
 
 TEST(PlantSwitch, lets_a_vehicle_go_on_along_its_old_line_until_it_stands) {
-  PlantBench bench = running(straight(20.0));
-  bench.drive(1, fast);
-  bench.run_for(2s);
-  send_zone(bench, straight_from(-5.0, 0.1, 20.0).text);
-  EXPECT_THAT(bench.logged, ElementsAre(AllOf(HasSubstr("'test'"), HasSubstr("'next'"))));
-  bench.run_for(2s);
-  EXPECT_EQ(bench.ground_truth(1).X_MB.y_m, 0.0);
-  EXPECT_NEAR(bench.ground_truth(1).speed_mps, 0.5, 1e-6);
-  EXPECT_FALSE(bench.heard<wire::Odometry>(1).back().line_lost);
+  PlantFixture fixture = running(straight(20.0));
+  fixture.drive(1, fast);
+  fixture.run_for(2s);
+  send_zone(fixture, straight_from(-5.0, 0.1, 20.0).text);
+  EXPECT_THAT(fixture.logged, ElementsAre(AllOf(HasSubstr("'test'"), HasSubstr("'next'"))));
+  fixture.run_for(2s);
+  EXPECT_EQ(fixture.ground_truth(1).X_MB.y_m, 0.0);
+  EXPECT_NEAR(fixture.ground_truth(1).speed_mps, 0.5, 1e-6);
+  EXPECT_FALSE(fixture.heard<wire::Odometry>(1).back().line_lost);
 
-  bench.drive(1, still);
-  bench.run_for(2s);
-  const Pose2 stands = bench.ground_truth(1).X_MB;
+  fixture.drive(1, still);
+  fixture.run_for(2s);
+  const Pose2 stands = fixture.ground_truth(1).X_MB;
   EXPECT_EQ(stands.y_m, 0.0) << "its pose is what it was";
-  EXPECT_TRUE(bench.heard<wire::Odometry>(1).back().line_lost);
-  bench.drive(1, fast);
-  bench.run_for(1s);
-  EXPECT_EQ(bench.ground_truth(1).X_MB, stands) << "it has no line to follow and was not told to seek one";
+  EXPECT_TRUE(fixture.heard<wire::Odometry>(1).back().line_lost);
+  fixture.drive(1, fast);
+  fixture.run_for(1s);
+  EXPECT_EQ(fixture.ground_truth(1).X_MB, stands) << "it has no line to follow and was not told to seek one";
 }
 
 TEST(PlantSwitch, brings_a_vehicle_that_seeks_onto_the_new_line_and_lets_it_read_what_lies_there) {
-  PlantBench bench = running(straight(20.0, "5.0", "[[tag]]\nnumber = 1\nsection = \"line\"\ns_m = 6.0\n"));
-  send_zone(bench, straight_from(-5.0, 0.1, 20.0, "[[tag]]\nnumber = 2\nsection = \"line\"\ns_m = 11.0\n").text);
-  bench.run_for(100ms);
-  const auto before = bench.heard<wire::Odometry>(1).back();
-  bench.forget();
-  bench.drive(1, seek);
-  bench.run_for(1s);
-  const auto during = bench.heard<wire::Odometry>(1).back();
+  PlantFixture fixture = running(straight(20.0, "5.0", "[[tag]]\nnumber = 1\nsection = \"line\"\ns_m = 6.0\n"));
+  send_zone(fixture, straight_from(-5.0, 0.1, 20.0, "[[tag]]\nnumber = 2\nsection = \"line\"\ns_m = 11.0\n").text);
+  fixture.run_for(100ms);
+  const auto before = fixture.heard<wire::Odometry>(1).back();
+  fixture.forget();
+  fixture.drive(1, seek);
+  fixture.run_for(1s);
+  const auto during = fixture.heard<wire::Odometry>(1).back();
   ASSERT_TRUE(during.manoeuvre);
   EXPECT_EQ(during.speed_mmps, 0);
   EXPECT_EQ(during.distance_um, before.distance_um);
   EXPECT_GT(during.manoeuvre->turned_mrad, 500);
-  bench.run_for(4s);
+  fixture.run_for(4s);
   wire::Manoeuvre last;
-  for (const auto& odometry : bench.heard<wire::Odometry>(1)) last = odometry.manoeuvre.value_or(last);
+  for (const auto& odometry : fixture.heard<wire::Odometry>(1)) last = odometry.manoeuvre.value_or(last);
   EXPECT_NEAR(last.x_mm, 0, 1);
   EXPECT_NEAR(last.y_mm, 100, 2);
   EXPECT_NEAR(last.turned_mrad, 0, 15) << "told 20 ms before it ended, perhaps";
-  EXPECT_FALSE(bench.heard<wire::Odometry>(1).back().line_lost);
-  bench.run_for(4s);
-  EXPECT_NEAR(bench.ground_truth(1).X_MB.y_m, 0.1, 1e-3);
-  ASSERT_GT(bench.ground_truth(1).X_MB.x_m, 6.1);
-  const auto tags = bench.heard<wire::TagRead>(1);
+  EXPECT_FALSE(fixture.heard<wire::Odometry>(1).back().line_lost);
+  fixture.run_for(4s);
+  EXPECT_NEAR(fixture.ground_truth(1).X_MB.y_m, 0.1, 1e-3);
+  ASSERT_GT(fixture.ground_truth(1).X_MB.x_m, 6.1);
+  const auto tags = fixture.heard<wire::TagRead>(1);
   ASSERT_THAT(tags, SizeIs(1));
   EXPECT_EQ(tags[0].number, 2U);
 }
 
 TEST(PlantSwitch, is_refused_with_the_reason_when_the_zone_cannot_be_read) {
-  PlantBench bench = running(straight(20.0));
-  bench.drive(1, fast);
-  send_zone(bench, "name = ");
-  send_zone(bench, "<zone/>", "xml");
-  EXPECT_THAT(bench.logged, ElementsAre(HasSubstr("cannot be read"), HasSubstr("cannot be read")));
-  send_zone(bench, "");
-  EXPECT_THAT(bench.logged, SizeIs(2));
-  bench.run_for(2s);
-  EXPECT_NEAR(bench.ground_truth(1).speed_mps, 0.5, 1e-6);
-  EXPECT_EQ(bench.core().options().zone.text, straight(20.0).text);
+  PlantFixture fixture = running(straight(20.0));
+  fixture.drive(1, fast);
+  send_zone(fixture, "name = ");
+  send_zone(fixture, "<zone/>", "xml");
+  EXPECT_THAT(fixture.logged, ElementsAre(HasSubstr("cannot be read"), HasSubstr("cannot be read")));
+  send_zone(fixture, "");
+  EXPECT_THAT(fixture.logged, SizeIs(2));
+  fixture.run_for(2s);
+  EXPECT_NEAR(fixture.ground_truth(1).speed_mps, 0.5, 1e-6);
+  EXPECT_EQ(fixture.core().options().zone.text, straight(20.0).text);
 }
 
 TEST(PlantSwitch, by_hand_is_published_and_its_echo_is_nothing_new) {
-  PlantBench bench = running(straight(20.0));
+  PlantFixture fixture = running(straight(20.0));
   const auto next = straight_from(-5.0, 0.1, 20.0);
-  bench.feed(wire::InputKind::command, "test", switch_command(next));
-  EXPECT_THAT(zones(bench), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", next.text, 1, true}));
-  EXPECT_EQ(bench.core().options().zone.text, next.text);
-  bench.logged.clear();
-  send_zone(bench, next.text);
-  bench.run_for(1s);
-  EXPECT_THAT(bench.logged, IsEmpty());
-  EXPECT_THAT(zones(bench), SizeIs(1));
-  EXPECT_TRUE(bench.heard<wire::Odometry>(1).back().line_lost);
+  fixture.feed(wire::InputKind::command, "test", switch_command(next));
+  EXPECT_THAT(zones(fixture), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", next.text, 1, true}));
+  EXPECT_EQ(fixture.core().options().zone.text, next.text);
+  fixture.logged.clear();
+  send_zone(fixture, next.text);
+  fixture.run_for(1s);
+  EXPECT_THAT(fixture.logged, IsEmpty());
+  EXPECT_THAT(zones(fixture), SizeIs(1));
+  EXPECT_TRUE(fixture.heard<wire::Odometry>(1).back().line_lost);
 }
 
 TEST(PlantSwitch, by_hand_of_what_is_no_zone_is_refused_and_nothing_published) {
-  PlantBench bench = running(straight(20.0));
-  bench.feed(wire::InputKind::command, "test", switch_command({"toml", "bad.toml", "name = 7"}));
-  bench.feed(wire::InputKind::command, "test", R"({"switch":7})");
-  EXPECT_THAT(bench.logged, ElementsAre(AllOf(HasSubstr("refused"), HasSubstr("bad.toml")), HasSubstr("refused")));
-  EXPECT_THAT(zones(bench), IsEmpty());
-  EXPECT_EQ(bench.core().options().zone.text, straight(20.0).text);
+  PlantFixture fixture = running(straight(20.0));
+  fixture.feed(wire::InputKind::command, "test", switch_command({"toml", "bad.toml", "name = 7"}));
+  fixture.feed(wire::InputKind::command, "test", R"({"switch":7})");
+  EXPECT_THAT(fixture.logged, ElementsAre(AllOf(HasSubstr("refused"), HasSubstr("bad.toml")), HasSubstr("refused")));
+  EXPECT_THAT(zones(fixture), IsEmpty());
+  EXPECT_EQ(fixture.core().options().zone.text, straight(20.0).text);
 }
 
 TEST(PlantSwitch, by_hand_without_a_broker_is_handed_over_when_there_is_one) {
-  PlantBench bench{straight(20.0)};
+  PlantFixture fixture{straight(20.0)};
   const auto next = straight_from(-5.0, 0.1, 20.0);
-  bench.feed(wire::InputKind::command, "test", switch_command(next));
-  bench.published.clear();
-  bench.feed(wire::InputKind::link, "", "up");
-  bench.run_for(1s);
-  EXPECT_THAT(zones(bench), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", next.text, 1, true}));
+  fixture.feed(wire::InputKind::command, "test", switch_command(next));
+  fixture.published.clear();
+  fixture.feed(wire::InputKind::link, "", "up");
+  fixture.run_for(1s);
+  EXPECT_THAT(zones(fixture), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", next.text, 1, true}));
 }
 
 /// A line 20 m eastward from (-5, 0.1), as a layout in another format.
@@ -272,150 +272,150 @@ zone::ZoneConfiguration layout() {
 }
 
 TEST(PlantSwitch, by_hand_to_another_format_clears_what_the_broker_kept_in_the_old_one) {
-  PlantBench bench = running(straight(20.0, "5.0"));
-  bench.feed(wire::InputKind::command, "test", switch_command(layout()));
-  EXPECT_THAT(bench.logged, ElementsAre(HasSubstr("switched")));
-  EXPECT_THAT(zones(bench), ElementsAre(wire::Publish{"cosiva/v1/zone/lif", zone::to_payload(layout()), 1, true},
+  PlantFixture fixture = running(straight(20.0, "5.0"));
+  fixture.feed(wire::InputKind::command, "test", switch_command(layout()));
+  EXPECT_THAT(fixture.logged, ElementsAre(HasSubstr("switched")));
+  EXPECT_THAT(zones(fixture), ElementsAre(wire::Publish{"cosiva/v1/zone/lif", zone::to_payload(layout()), 1, true},
                                         wire::Publish{"cosiva/v1/zone/toml", "", 1, true}));
-  bench.drive(1, seek);
-  bench.run_for(8s);
-  EXPECT_NEAR(bench.ground_truth(1).X_MB.y_m, 0.1, 1e-3);
-  EXPECT_EQ(bench.core().options().zone, layout());
+  fixture.drive(1, seek);
+  fixture.run_for(8s);
+  EXPECT_NEAR(fixture.ground_truth(1).X_MB.y_m, 0.1, 1e-3);
+  EXPECT_EQ(fixture.core().options().zone, layout());
 }
 
 TEST(PlantSwitch, takes_a_layout_with_its_sidecar_from_the_broker) {
-  PlantBench bench = running(straight(20.0, "5.0"));
-  send_zone(bench, zone::to_payload(layout()), "lif");
-  bench.run_for(100ms);
-  EXPECT_TRUE(bench.heard<wire::Odometry>(1).back().line_lost);
-  EXPECT_EQ(bench.core().options().zone.sidecar, layout().sidecar);
-  EXPECT_THAT(zones(bench), IsEmpty()) << "who publishes it clears the old one";
+  PlantFixture fixture = running(straight(20.0, "5.0"));
+  send_zone(fixture, zone::to_payload(layout()), "lif");
+  fixture.run_for(100ms);
+  EXPECT_TRUE(fixture.heard<wire::Odometry>(1).back().line_lost);
+  EXPECT_EQ(fixture.core().options().zone.sidecar, layout().sidecar);
+  EXPECT_THAT(zones(fixture), IsEmpty()) << "who publishes it clears the old one";
 }
 
 TEST(PlantSwitch, a_plant_that_starts_clears_another_format_s_zone_that_it_overrides) {
-  PlantBench bench{straight(20.0, "5.0")};
-  bench.feed(wire::InputKind::link, "", "up");
-  send_zone(bench, zone::to_payload(layout()), "lif");
-  send_zone(bench, straight(20.0, "5.0").text);  // the broker has ours, too
-  bench.run_for(1s);
-  EXPECT_THAT(zones(bench), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", straight(20.0, "5.0").text, 1, true},
+  PlantFixture fixture{straight(20.0, "5.0")};
+  fixture.feed(wire::InputKind::link, "", "up");
+  send_zone(fixture, zone::to_payload(layout()), "lif");
+  send_zone(fixture, straight(20.0, "5.0").text);  // the broker has ours, too
+  fixture.run_for(1s);
+  EXPECT_THAT(zones(fixture), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", straight(20.0, "5.0").text, 1, true},
                                         wire::Publish{"cosiva/v1/zone/lif", "", 1, true}));
 }
 
 TEST(PlantSwitch, there_and_back_leaves_the_vehicle_on_its_line) {
-  PlantBench bench = running(straight(20.0, "5.0"));
-  send_zone(bench, straight_from(-5.0, 0.1, 20.0).text);
-  bench.run_for(100ms);
-  EXPECT_TRUE(bench.heard<wire::Odometry>(1).back().line_lost);
-  send_zone(bench, straight(20.0, "5.0").text);
-  bench.run_for(100ms);
-  EXPECT_FALSE(bench.heard<wire::Odometry>(1).back().line_lost);
-  bench.drive(1, fast);
-  bench.run_for(2s);
-  EXPECT_GT(bench.ground_truth(1).X_MB.x_m, 5.4);
-  EXPECT_EQ(bench.ground_truth(1).X_MB.y_m, 0.0);
+  PlantFixture fixture = running(straight(20.0, "5.0"));
+  send_zone(fixture, straight_from(-5.0, 0.1, 20.0).text);
+  fixture.run_for(100ms);
+  EXPECT_TRUE(fixture.heard<wire::Odometry>(1).back().line_lost);
+  send_zone(fixture, straight(20.0, "5.0").text);
+  fixture.run_for(100ms);
+  EXPECT_FALSE(fixture.heard<wire::Odometry>(1).back().line_lost);
+  fixture.drive(1, fast);
+  fixture.run_for(2s);
+  EXPECT_GT(fixture.ground_truth(1).X_MB.x_m, 5.4);
+  EXPECT_EQ(fixture.ground_truth(1).X_MB.y_m, 0.0);
 }
 
 TEST(PlantSwitch, passes_over_a_zone_that_came_and_went_while_the_vehicle_moved) {
-  PlantBench bench = running(straight(20.0));
-  bench.drive(1, fast);
-  bench.run_for(1s);
-  send_zone(bench, straight_from(-5.0, 0.1, 20.0).text);
-  bench.run_for(500ms);
-  send_zone(bench, straight_from(-5.0, -0.1, 20.0).text);
-  bench.run_for(500ms);
-  bench.drive(1, still);
-  bench.run_for(2s);
-  bench.drive(1, seek);
-  bench.run_for(5s);
-  EXPECT_NEAR(bench.ground_truth(1).X_MB.y_m, -0.1, 1e-3);
+  PlantFixture fixture = running(straight(20.0));
+  fixture.drive(1, fast);
+  fixture.run_for(1s);
+  send_zone(fixture, straight_from(-5.0, 0.1, 20.0).text);
+  fixture.run_for(500ms);
+  send_zone(fixture, straight_from(-5.0, -0.1, 20.0).text);
+  fixture.run_for(500ms);
+  fixture.drive(1, still);
+  fixture.run_for(2s);
+  fixture.drive(1, seek);
+  fixture.run_for(5s);
+  EXPECT_NEAR(fixture.ground_truth(1).X_MB.y_m, -0.1, 1e-3);
 }
 
 TEST(PlantSwitch, refuses_no_zone_for_having_too_many_vehicles_and_keeps_obstacles_and_batteries) {
-  PlantBench bench = running(straight(20.0, "0.5 2.0 4.0"), 3);
-  bench.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":15,"y":0.5,"radius":0.1}})");
-  bench.run_for(10s);
-  const double charge = bench.ground_truth(3).charge;
-  send_zone(bench, straight_from(0.0, 0.1, 1.0).text);
-  bench.run_for(500ms);
-  EXPECT_NEAR(bench.ground_truth(3).X_MB.x_m, 4.0, 1e-12);
-  EXPECT_LE(bench.ground_truth(3).charge, charge);
-  EXPECT_GT(bench.ground_truth(3).charge, charge - 1e-3);
-  bench.logged.clear();
-  bench.feed(wire::InputKind::command, "test", R"({"removeObstacle":"box"})");
-  EXPECT_THAT(bench.logged, IsEmpty()) << "it stood there still";
-  bench.drive(1, seek);
-  bench.drive(3, seek);
-  bench.run_for(4s);
-  EXPECT_NEAR(bench.ground_truth(1).X_MB.y_m, 0.1, 1e-3);
-  EXPECT_EQ(bench.ground_truth(3).X_MB.y_m, 0.0) << "no way is near it";
+  PlantFixture fixture = running(straight(20.0, "0.5 2.0 4.0"), 3);
+  fixture.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":15,"y":0.5,"radius":0.1}})");
+  fixture.run_for(10s);
+  const double charge = fixture.ground_truth(3).charge;
+  send_zone(fixture, straight_from(0.0, 0.1, 1.0).text);
+  fixture.run_for(500ms);
+  EXPECT_NEAR(fixture.ground_truth(3).X_MB.x_m, 4.0, 1e-12);
+  EXPECT_LE(fixture.ground_truth(3).charge, charge);
+  EXPECT_GT(fixture.ground_truth(3).charge, charge - 1e-3);
+  fixture.logged.clear();
+  fixture.feed(wire::InputKind::command, "test", R"({"removeObstacle":"box"})");
+  EXPECT_THAT(fixture.logged, IsEmpty()) << "it stood there still";
+  fixture.drive(1, seek);
+  fixture.drive(3, seek);
+  fixture.run_for(4s);
+  EXPECT_NEAR(fixture.ground_truth(1).X_MB.y_m, 0.1, 1e-3);
+  EXPECT_EQ(fixture.ground_truth(3).X_MB.y_m, 0.0) << "no way is near it";
 }
 
 TEST(PlantSwitch, watches_for_collisions_while_a_vehicle_goes_to_its_line) {
   // Bodies are 0.20 m by 0.12 m: side by side, 0.25 m apart, both may stand, but one that turns and drives across the
   // other's place touches it.
-  PlantBench bench = running(straight(20.0, "5.0 5.5"), 2);
-  send_zone(bench, straight_from(-5.0, 0.25, 20.0).text);
-  bench.drive(1, seek);
-  bench.run_for(10s);
-  EXPECT_THAT(bench.core().collisions(), IsEmpty());
-  bench.drive(1, still);
-  bench.run_for(2s);
+  PlantFixture fixture = running(straight(20.0, "5.0 5.5"), 2);
+  send_zone(fixture, straight_from(-5.0, 0.25, 20.0).text);
+  fixture.drive(1, seek);
+  fixture.run_for(10s);
+  EXPECT_THAT(fixture.core().collisions(), IsEmpty());
+  fixture.drive(1, still);
+  fixture.run_for(2s);
   // Now the second's way to the line leads through where a box stands.
-  const double x_m = bench.ground_truth(2).X_MB.x_m;
-  bench.feed(wire::InputKind::command, "test",
+  const double x_m = fixture.ground_truth(2).X_MB.x_m;
+  fixture.feed(wire::InputKind::command, "test",
              R"({"addObstacle":{"id":"box","x":)" + std::to_string(x_m) + R"(,"y":0.25,"radius":0.05}})");
-  bench.drive(2, seek);
-  bench.run_for(5s);
-  ASSERT_THAT(bench.core().collisions(), SizeIs(1));
-  EXPECT_EQ(bench.core().collisions()[0].a, "AIV2");
-  EXPECT_EQ(bench.core().collisions()[0].b, "box");
+  fixture.drive(2, seek);
+  fixture.run_for(5s);
+  ASSERT_THAT(fixture.core().collisions(), SizeIs(1));
+  EXPECT_EQ(fixture.core().collisions()[0].a, "AIV2");
+  EXPECT_EQ(fixture.core().collisions()[0].b, "box");
 }
 
 TEST(PlantSwitch, keeps_the_laps_of_the_zone_before) {
-  PlantBench bench = running(lacet4());
-  bench.drive(1, fast);
-  bench.run_for(75s);  // two laps of 17.3 m, and a little
-  ASSERT_EQ(bench.ground_truth(1).laps, 2U);
-  send_zone(bench, straight_from(-5.0, 0.1, 20.0).text);
-  bench.drive(1, still);
-  bench.run_for(2s);
-  EXPECT_EQ(bench.ground_truth(1).laps, 2U);
-  send_zone(bench, lacet4().text);
-  bench.run_for(100ms);
-  EXPECT_EQ(bench.ground_truth(1).laps, 2U) << "a lap begins anew on a floor";
-  bench.drive(1, fast);
-  bench.run_for(36s);
-  EXPECT_EQ(bench.ground_truth(1).laps, 3U);
+  PlantFixture fixture = running(lacet4());
+  fixture.drive(1, fast);
+  fixture.run_for(75s);  // two laps of 17.3 m, and a little
+  ASSERT_EQ(fixture.ground_truth(1).laps, 2U);
+  send_zone(fixture, straight_from(-5.0, 0.1, 20.0).text);
+  fixture.drive(1, still);
+  fixture.run_for(2s);
+  EXPECT_EQ(fixture.ground_truth(1).laps, 2U);
+  send_zone(fixture, lacet4().text);
+  fixture.run_for(100ms);
+  EXPECT_EQ(fixture.ground_truth(1).laps, 2U) << "a lap begins anew on a floor";
+  fixture.drive(1, fast);
+  fixture.run_for(36s);
+  EXPECT_EQ(fixture.ground_truth(1).laps, 3U);
 }
 
 TEST(PlantSwitch, does_not_take_over_what_the_broker_kept_and_says_so) {
-  PlantBench bench{straight(20.0, "5.0")};
-  bench.feed(wire::InputKind::link, "", "up");
-  send_zone(bench, straight_from(-5.0, 0.1, 20.0).text);
-  EXPECT_THAT(bench.logged, ElementsAre(AllOf(HasSubstr("the broker keeps zone 'next'"), HasSubstr("keeps its own"),
+  PlantFixture fixture{straight(20.0, "5.0")};
+  fixture.feed(wire::InputKind::link, "", "up");
+  send_zone(fixture, straight_from(-5.0, 0.1, 20.0).text);
+  EXPECT_THAT(fixture.logged, ElementsAre(AllOf(HasSubstr("the broker keeps zone 'next'"), HasSubstr("keeps its own"),
                                               HasSubstr("hands it over"))));
-  bench.run_for(1s);
-  EXPECT_THAT(zones(bench), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", straight(20.0, "5.0").text, 1, true}));
-  EXPECT_FALSE(bench.heard<wire::Odometry>(1).back().line_lost);
+  fixture.run_for(1s);
+  EXPECT_THAT(zones(fixture), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", straight(20.0, "5.0").text, 1, true}));
+  EXPECT_FALSE(fixture.heard<wire::Odometry>(1).back().line_lost);
   // Sent once more, now that it runs, it is a switch.
-  send_zone(bench, straight_from(-5.0, 0.1, 20.0).text);
-  bench.run_for(100ms);
-  EXPECT_TRUE(bench.heard<wire::Odometry>(1).back().line_lost);
+  send_zone(fixture, straight_from(-5.0, 0.1, 20.0).text);
+  fixture.run_for(100ms);
+  EXPECT_TRUE(fixture.heard<wire::Odometry>(1).back().line_lost);
 }
 
 TEST(PlantSwitch, makes_the_same_run_twice) {
   const auto run = [] {
-    PlantBench bench{lacet4(), 4, PlantNoise{}, 5};
-    bench.feed(wire::InputKind::link, "", "up");
-    for (std::uint32_t i = 1; i <= 4; ++i) bench.drive(i, fast);
-    bench.run_for(5s);
-    send_zone(bench, straight_from(-5.0, 0.0, 20.0).text);
-    for (std::uint32_t i = 1; i <= 4; ++i) bench.drive(i, still);
-    bench.run_for(2s);
-    for (std::uint32_t i = 1; i <= 4; ++i) bench.drive(i, seek);
-    bench.run_for(5s);
-    return bench.digest();
+    PlantFixture fixture{lacet4(), 4, PlantNoise{}, 5};
+    fixture.feed(wire::InputKind::link, "", "up");
+    for (std::uint32_t i = 1; i <= 4; ++i) fixture.drive(i, fast);
+    fixture.run_for(5s);
+    send_zone(fixture, straight_from(-5.0, 0.0, 20.0).text);
+    for (std::uint32_t i = 1; i <= 4; ++i) fixture.drive(i, still);
+    fixture.run_for(2s);
+    for (std::uint32_t i = 1; i <= 4; ++i) fixture.drive(i, seek);
+    fixture.run_for(5s);
+    return fixture.digest();
   };
   EXPECT_EQ(run(), run());
 }

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "cosiva/aiv/testing/test_zone.h"
-#include "cosiva/virtual/vehicle/virtual_bench.h"
+#include "cosiva/virtual/vehicle/virtual_fixture.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -13,162 +13,162 @@ using aiv::test::at;
 using aiv::test::lacet4;
 using ::testing::IsEmpty;
 
-struct Lacet4Bench : test::VirtualBench {
-  Lacet4Bench(std::string_view section, double s_m)
-      : VirtualBench{aiv::test::lacet4_configuration(), lacet4(), at(lacet4(), section, s_m)} {}
+struct Lacet4Fixture : test::VirtualFixture {
+  Lacet4Fixture(std::string_view section, double s_m)
+      : VirtualFixture{aiv::test::lacet4_configuration(), lacet4(), at(lacet4(), section, s_m)} {}
 };
 
 const std::vector<std::string> to_1131{"loop_se@0", "loop_se@283", "loop_se@565", "loop_se@848", "loop_se@1131"};
 
 TEST(VirtualAiv, announces_itself_as_a_vehicle_of_its_own_manufacturer) {
-  Lacet4Bench bench{"loop_se", 0.0};
-  bench.run(0.2);
-  EXPECT_EQ(bench.aiv.id(), (wire::VehicleId{"CoSiVA.virtual", "V1"}));
-  ASSERT_EQ(bench.connections.size(), 1U);
-  EXPECT_EQ(bench.connections[0].state, wire::ConnectionState::online);
-  EXPECT_FALSE(bench.factsheets.empty());
-  ASSERT_FALSE(bench.states.empty());
-  ASSERT_TRUE(bench.state().position);
-  EXPECT_LT(distance(bench.state().position->pose, lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.0))), 1e-6);
+  Lacet4Fixture fixture{"loop_se", 0.0};
+  fixture.run(0.2);
+  EXPECT_EQ(fixture.aiv.id(), (wire::VehicleId{"CoSiVA.virtual", "V1"}));
+  ASSERT_EQ(fixture.connections.size(), 1U);
+  EXPECT_EQ(fixture.connections[0].state, wire::ConnectionState::online);
+  EXPECT_FALSE(fixture.factsheets.empty());
+  ASSERT_FALSE(fixture.states.empty());
+  ASSERT_TRUE(fixture.state().position);
+  EXPECT_LT(distance(fixture.state().position->pose, lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.0))), 1e-6);
   // Somebody who looks at it as it comes is not alarmed.
-  EXPECT_THAT(bench.states.front().errors, IsEmpty());
-  EXPECT_EQ(bench.states.front().battery.charge_percent, 100.0);
-  EXPECT_THAT(bench.strange, IsEmpty());
+  EXPECT_THAT(fixture.states.front().errors, IsEmpty());
+  EXPECT_EQ(fixture.states.front().battery.charge_percent, 100.0);
+  EXPECT_THAT(fixture.strange, IsEmpty());
 }
 
 TEST(VirtualAiv, stands_while_nobody_tells_it_to_drive) {
-  Lacet4Bench bench{"loop_se", 0.3};
-  bench.run(3.0);
-  EXPECT_EQ(bench.aiv.place().s_m, 0.3);
-  EXPECT_EQ(bench.aiv.speed_mps(), 0.0);
+  Lacet4Fixture fixture{"loop_se", 0.3};
+  fixture.run(3.0);
+  EXPECT_EQ(fixture.aiv.place().s_m, 0.3);
+  EXPECT_EQ(fixture.aiv.speed_mps(), 0.0);
 }
 
 TEST(VirtualAiv, drives_its_order_and_reports_the_nodes) {
-  Lacet4Bench bench{"loop_se", 0.0};
-  bench.run(0.2);
-  bench.order(to_1131);
+  Lacet4Fixture fixture{"loop_se", 0.0};
+  fixture.run(0.2);
+  fixture.order(to_1131);
   double fastest_mps = 0.0;
   for (int i = 0; i < 500; ++i) {
-    const double before_mps = bench.aiv.speed_mps();
-    bench.step();
-    const double change_mps2 = (bench.aiv.speed_mps() - before_mps) / 0.02;
+    const double before_mps = fixture.aiv.speed_mps();
+    fixture.step();
+    const double change_mps2 = (fixture.aiv.speed_mps() - before_mps) / 0.02;
     EXPECT_LE(change_mps2, lacet4().profiles.medium.acceleration_mps2 + 1e-6);
-    fastest_mps = std::max(fastest_mps, bench.aiv.speed_mps());
+    fastest_mps = std::max(fastest_mps, fixture.aiv.speed_mps());
   }
   EXPECT_NEAR(fastest_mps, lacet4().profiles.medium.speed_mps, 1e-6);
-  EXPECT_EQ(bench.aiv.speed_mps(), 0.0);
-  EXPECT_NEAR(bench.aiv.place().s_m, 1.131, 0.01);
-  EXPECT_EQ(bench.state().last_node_id, "loop_se@1131");
-  EXPECT_THAT(bench.state().node_states, IsEmpty());
-  EXPECT_THAT(bench.strange, IsEmpty());
+  EXPECT_EQ(fixture.aiv.speed_mps(), 0.0);
+  EXPECT_NEAR(fixture.aiv.place().s_m, 1.131, 0.01);
+  EXPECT_EQ(fixture.state().last_node_id, "loop_se@1131");
+  EXPECT_THAT(fixture.state().node_states, IsEmpty());
+  EXPECT_THAT(fixture.strange, IsEmpty());
 }
 
 TEST(VirtualAiv, reads_the_tags_it_passes_and_knows_where_it_is) {
-  Lacet4Bench bench{"east", 1.12};
-  bench.run(0.2);
-  bench.order({"east@1120", "east@1310", "loop_se@0", "loop_se@283", "loop_se@565"});
-  ASSERT_TRUE(bench.run_until([&] { return bench.state().last_node_id == "loop_se@565"; }, 8.0));
-  bench.run(1.0);
-  ASSERT_FALSE(bench.state().information.empty());
-  EXPECT_EQ(bench.state().information[0].type, "lastTag");
-  EXPECT_EQ(bench.state().information[0].references[0].value, "1");
-  EXPECT_LT(bench.estimate_error_m(), 0.002);
+  Lacet4Fixture fixture{"east", 1.12};
+  fixture.run(0.2);
+  fixture.order({"east@1120", "east@1310", "loop_se@0", "loop_se@283", "loop_se@565"});
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.state().last_node_id == "loop_se@565"; }, 8.0));
+  fixture.run(1.0);
+  ASSERT_FALSE(fixture.state().information.empty());
+  EXPECT_EQ(fixture.state().information[0].type, "lastTag");
+  EXPECT_EQ(fixture.state().information[0].references[0].value, "1");
+  EXPECT_LT(fixture.estimate_error_m(), 0.002);
 }
 
 TEST(VirtualAiv, believes_what_is_true_all_round_the_circuit) {
-  Lacet4Bench bench{"loop_se", 0.0};
-  bench.run(0.2);
-  bench.order({"loop_se@0", "loop_se@2545"});
+  Lacet4Fixture fixture{"loop_se", 0.0};
+  fixture.run(0.2);
+  fixture.order({"loop_se@0", "loop_se@2545"});
   double worst_m = 0.0;
   for (int i = 0; i < 400; ++i) {
-    bench.step();
+    fixture.step();
     // A position is up to a period of visualization old.
-    if (bench.aiv.speed_mps() == 0.0) worst_m = std::max(worst_m, bench.estimate_error_m());
+    if (fixture.aiv.speed_mps() == 0.0) worst_m = std::max(worst_m, fixture.estimate_error_m());
   }
   EXPECT_LT(worst_m, 0.003);
 }
 
 TEST(VirtualAiv, stops_within_half_a_second_when_its_host_beats_no_more) {
-  Lacet4Bench bench{"loop_se", 0.0};
-  bench.run(0.5);
-  bench.order({"loop_se@0", "loop_se@2545"});
-  bench.run(1.5);
-  EXPECT_GT(bench.aiv.speed_mps(), 0.2);
-  bench.server_beats = false;
-  bench.run(1.5);
-  EXPECT_EQ(bench.aiv.speed_mps(), 0.0);
-  bench.server_beats = true;
-  bench.run(1.5);
-  EXPECT_GT(bench.aiv.speed_mps(), 0.2);
+  Lacet4Fixture fixture{"loop_se", 0.0};
+  fixture.run(0.5);
+  fixture.order({"loop_se@0", "loop_se@2545"});
+  fixture.run(1.5);
+  EXPECT_GT(fixture.aiv.speed_mps(), 0.2);
+  fixture.server_beats = false;
+  fixture.run(1.5);
+  EXPECT_EQ(fixture.aiv.speed_mps(), 0.0);
+  fixture.server_beats = true;
+  fixture.run(1.5);
+  EXPECT_GT(fixture.aiv.speed_mps(), 0.2);
 }
 
 TEST(VirtualAiv, does_not_leap_when_its_host_slept) {
-  Lacet4Bench bench{"loop_se", 0.0};
-  bench.run(0.5);
-  bench.order(to_1131);
-  bench.run(1.5);
-  const double before_m = bench.aiv.place().s_m;
-  bench.now += std::chrono::seconds{10};
-  bench.step();
-  EXPECT_LT(bench.aiv.place().s_m - before_m, 0.05);
+  Lacet4Fixture fixture{"loop_se", 0.0};
+  fixture.run(0.5);
+  fixture.order(to_1131);
+  fixture.run(1.5);
+  const double before_m = fixture.aiv.place().s_m;
+  fixture.now += std::chrono::seconds{10};
+  fixture.step();
+  EXPECT_LT(fixture.aiv.place().s_m - before_m, 0.05);
 }
 
 TEST(VirtualAiv, obeys_pause_and_speed_like_any_vehicle) {
-  Lacet4Bench bench{"loop_se", 0.0};
-  bench.run(0.5);
-  bench.order({"loop_se@0", "loop_se@2545"});
-  bench.run(1.5);
+  Lacet4Fixture fixture{"loop_se", 0.0};
+  fixture.run(0.5);
+  fixture.order({"loop_se@0", "loop_se@2545"});
+  fixture.run(1.5);
   const auto act = [&](std::string type, std::string id, std::vector<wire::Parameter> parameters) {
     wire::InstantActions message;
-    message.header = {1, bench.now, "2.1.0", bench.aiv.id().manufacturer, bench.aiv.id().serial_number};
+    message.header = {1, fixture.now, "2.1.0", fixture.aiv.id().manufacturer, fixture.aiv.id().serial_number};
     message.actions.push_back({std::move(type), std::move(id), "", wire::BlockingType::hard, std::move(parameters)});
-    bench.hear(wire::vda_topic(bench.aiv.id(), "instantActions"), wire::vda5050::encode(message));
+    fixture.hear(wire::vda_topic(fixture.aiv.id(), "instantActions"), wire::vda5050::encode(message));
   };
   act("startPause", "a1", {});
-  bench.run(1.0);
-  EXPECT_EQ(bench.aiv.speed_mps(), 0.0);
-  EXPECT_TRUE(bench.state().paused);
+  fixture.run(1.0);
+  EXPECT_EQ(fixture.aiv.speed_mps(), 0.0);
+  EXPECT_TRUE(fixture.state().paused);
   act("setSpeedLimit", "a2", {{"profile", std::string("slow")}});
   act("stopPause", "a3", {});
-  bench.run(1.5);
-  EXPECT_NEAR(bench.aiv.speed_mps(), lacet4().profiles.slow.speed_mps, 1e-6);
+  fixture.run(1.5);
+  EXPECT_NEAR(fixture.aiv.speed_mps(), lacet4().profiles.slow.speed_mps, 1e-6);
 }
 
 TEST(VirtualAiv, stops_before_what_its_server_says_stands_ahead_and_goes_on) {
-  Lacet4Bench bench{"loop_se", 0.0};
-  bench.run(0.2);
-  bench.order({"loop_se@0", "loop_se@2545"});
-  bench.run(1.0);
+  Lacet4Fixture fixture{"loop_se", 0.0};
+  fixture.run(0.2);
+  fixture.order({"loop_se@0", "loop_se@2545"});
+  fixture.run(1.0);
   const Point2 p = position(lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.9)));
   const wire::Body person{"P1", "person", p.x_m, p.y_m, 0.0, 0.0, 0.06, 0.0, 0.0};
   for (int i = 0; i < 40; ++i) {
-    bench.ahead({person});
-    bench.run(0.1);
+    fixture.ahead({person});
+    fixture.run(0.1);
   }
-  EXPECT_EQ(bench.aiv.speed_mps(), 0.0);
-  EXPECT_NEAR(0.9 - 0.06 - 0.1 - bench.aiv.place().s_m, 0.12, 0.02) << "the stand-off of any vehicle";
-  ASSERT_FALSE(bench.felts.empty());
-  EXPECT_TRUE(bench.felts.back().braking);
-  EXPECT_EQ(bench.felts.back().body, "P1");
-  EXPECT_TRUE(bench.state().field_violation);
-  bench.ahead({});
-  bench.run(1.0);
-  EXPECT_GT(bench.aiv.speed_mps(), 0.2);
-  EXPECT_THAT(bench.strange, IsEmpty());
+  EXPECT_EQ(fixture.aiv.speed_mps(), 0.0);
+  EXPECT_NEAR(0.9 - 0.06 - 0.1 - fixture.aiv.place().s_m, 0.12, 0.02) << "the stand-off of any vehicle";
+  ASSERT_FALSE(fixture.felts.empty());
+  EXPECT_TRUE(fixture.felts.back().braking);
+  EXPECT_EQ(fixture.felts.back().body, "P1");
+  EXPECT_TRUE(fixture.state().field_violation);
+  fixture.ahead({});
+  fixture.run(1.0);
+  EXPECT_GT(fixture.aiv.speed_mps(), 0.2);
+  EXPECT_THAT(fixture.strange, IsEmpty());
 }
 
 TEST(VirtualAiv, tells_of_healthy_boards_that_see_nothing) {
-  Lacet4Bench bench{"loop_se", 0.0};
-  bench.run(2.0);
-  ASSERT_FALSE(bench.reports.empty());
-  for (const auto& line : bench.reports.back().boards) {
+  Lacet4Fixture fixture{"loop_se", 0.0};
+  fixture.run(2.0);
+  ASSERT_FALSE(fixture.reports.empty());
+  for (const auto& line : fixture.reports.back().boards) {
     EXPECT_EQ(line.health, "ok");
     EXPECT_NE(line.firmware_hash, 0U);
     EXPECT_EQ(line.frames_bad + line.frames_missed, 0U);
     EXPECT_GT(line.frames, 4U);
   }
-  for (const std::uint16_t range_mm : bench.reports.back().ranges->range_mm) EXPECT_EQ(range_mm, wire::no_echo);
-  EXPECT_EQ(bench.reports.back().power->charge_permille, 1000);
+  for (const std::uint16_t range_mm : fixture.reports.back().ranges->range_mm) EXPECT_EQ(range_mm, wire::no_echo);
+  EXPECT_EQ(fixture.reports.back().power->charge_permille, 1000);
 }
 
 // --- edits of the zone
@@ -183,18 +183,18 @@ zone::ZoneConfiguration edited(std::string_view from, std::string_view to) {
 }
 
 TEST(VirtualAiv, reads_a_tag_that_was_moved_at_its_new_place_and_drives_on) {
-  Lacet4Bench bench{"loop_se", 1.0};
-  bench.run(0.2);
-  bench.order({"loop_se@848", "loop_se@2545"});
-  bench.run(0.5);
-  bench.zone(edited("s_m = 1.4137", "s_m = 1.9000"));
-  ASSERT_TRUE(bench.run_until([&] { return bench.aiv.place().s_m > 1.6; }, 5.0));
-  EXPECT_GT(bench.aiv.speed_mps(), 0.2);
-  for (const auto& information : bench.state().information) EXPECT_NE(information.type, "lastTag");
-  bench.run(3.0);
-  EXPECT_EQ(bench.state().information[0].type, "lastTag");
-  EXPECT_EQ(bench.state().information[0].references[0].value, "2");
-  EXPECT_LT(bench.estimate_error_m(), 0.003);
+  Lacet4Fixture fixture{"loop_se", 1.0};
+  fixture.run(0.2);
+  fixture.order({"loop_se@848", "loop_se@2545"});
+  fixture.run(0.5);
+  fixture.zone(edited("s_m = 1.4137", "s_m = 1.9000"));
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.aiv.place().s_m > 1.6; }, 5.0));
+  EXPECT_GT(fixture.aiv.speed_mps(), 0.2);
+  for (const auto& information : fixture.state().information) EXPECT_NE(information.type, "lastTag");
+  fixture.run(3.0);
+  EXPECT_EQ(fixture.state().information[0].type, "lastTag");
+  EXPECT_EQ(fixture.state().information[0].references[0].value, "2");
+  EXPECT_LT(fixture.estimate_error_m(), 0.003);
 }
 
 /// The same ways, `up_m` further north, under another name.
@@ -206,48 +206,48 @@ zone::ZoneConfiguration shifted(double up_m) {
 }
 
 TEST(VirtualAiv, drives_on_when_a_zone_comes_that_cannot_be_read) {
-  Lacet4Bench bench{"loop_se", 0.0};
-  bench.run(0.2);
-  bench.order({"loop_se@0", "loop_se@2545"});
-  bench.run(1.0);
-  bench.zone(edited("radius_m = 0.6", "radius_m = 0.61"));  // the ways do not join
-  bench.run(1.5);
-  EXPECT_GT(bench.aiv.speed_mps(), 0.2);
+  Lacet4Fixture fixture{"loop_se", 0.0};
+  fixture.run(0.2);
+  fixture.order({"loop_se@0", "loop_se@2545"});
+  fixture.run(1.0);
+  fixture.zone(edited("radius_m = 0.6", "radius_m = 0.61"));  // the ways do not join
+  fixture.run(1.5);
+  EXPECT_GT(fixture.aiv.speed_mps(), 0.2);
 }
 
 TEST(VirtualAiv, comes_to_rest_when_its_ways_become_others_and_stands_beside_the_new_line) {
-  Lacet4Bench bench{"loop_se", 0.0};
-  bench.run(0.2);
-  bench.order({"loop_se@0", "loop_se@2545"});
-  bench.run(1.5);
-  const Pose2 before = bench.aiv.X_MB();
-  bench.zone(shifted(0.1));
-  bench.run(2.5);
-  EXPECT_EQ(bench.aiv.speed_mps(), 0.0);
-  const Pose2 stands = bench.aiv.X_MB();
+  Lacet4Fixture fixture{"loop_se", 0.0};
+  fixture.run(0.2);
+  fixture.order({"loop_se@0", "loop_se@2545"});
+  fixture.run(1.5);
+  const Pose2 before = fixture.aiv.X_MB();
+  fixture.zone(shifted(0.1));
+  fixture.run(2.5);
+  EXPECT_EQ(fixture.aiv.speed_mps(), 0.0);
+  const Pose2 stands = fixture.aiv.X_MB();
   EXPECT_LT(distance(before, stands), 0.3);
   EXPECT_LT(lacet4().circuit.locate(position(stands)).distance_m, 1e-9) << "where it came to rest on its old line";
-  EXPECT_LT(bench.estimate_error_m(), 0.005);
-  EXPECT_EQ(bench.state().position->map_id, "moved");
-  EXPECT_THAT(bench.state().node_states, IsEmpty()) << "that order was of the old map";
-  bench.run(2.0);
-  EXPECT_EQ(bench.aiv.X_MB(), stands);
+  EXPECT_LT(fixture.estimate_error_m(), 0.005);
+  EXPECT_EQ(fixture.state().position->map_id, "moved");
+  EXPECT_THAT(fixture.state().node_states, IsEmpty()) << "that order was of the old map";
+  fixture.run(2.0);
+  EXPECT_EQ(fixture.aiv.X_MB(), stands);
 }
 
 TEST(VirtualAiv, seeks_the_new_line_and_follows_it_when_it_is_sent_off_again) {
-  Lacet4Bench bench{"loop_se", 0.0};
-  bench.run(0.2);
-  bench.order({"loop_se@0", "loop_se@2545"});
-  bench.run(1.0);
-  bench.zone(shifted(0.05));
-  bench.run(2.5);
-  bench.order({bench.waypoint_behind(), "loop_se@2545"}, "O-2");
-  ASSERT_TRUE(bench.run_until([&] { return bench.aiv.speed_mps() > 0.3; }, 15.0));
-  const Point2 p = position(bench.aiv.X_MB());
+  Lacet4Fixture fixture{"loop_se", 0.0};
+  fixture.run(0.2);
+  fixture.order({"loop_se@0", "loop_se@2545"});
+  fixture.run(1.0);
+  fixture.zone(shifted(0.05));
+  fixture.run(2.5);
+  fixture.order({fixture.waypoint_behind(), "loop_se@2545"}, "O-2");
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.aiv.speed_mps() > 0.3; }, 15.0));
+  const Point2 p = position(fixture.aiv.X_MB());
   EXPECT_LT(lacet4().circuit.locate({p.x_m, p.y_m - 0.05}).distance_m, 1e-6);
-  bench.run(0.5);
-  EXPECT_LT(bench.estimate_error_m(), 0.05) << "a position is up to a period of visualization old";
-  EXPECT_THAT(bench.strange, IsEmpty());
+  fixture.run(0.5);
+  EXPECT_LT(fixture.estimate_error_m(), 0.05) << "a position is up to a period of visualization old";
+  EXPECT_THAT(fixture.strange, IsEmpty());
 }
 
 /// Nodes a (0.5, -0.2), b (1.5, -0.2) and c (1.5, 0.8), with an edge from each to the next: at b one turns on the spot.
@@ -276,61 +276,61 @@ zone::ZoneConfiguration corner() {
 }
 
 TEST(VirtualAiv, drives_a_layout_that_it_was_switched_to_and_turns_on_the_spot_at_its_nodes) {
-  Lacet4Bench bench{"loop_se", 0.0};
-  bench.run(0.2);
-  bench.zone(corner());
-  bench.run(1.0);
-  bench.order({"a", "b", "c"});
+  Lacet4Fixture fixture{"loop_se", 0.0};
+  fixture.run(0.2);
+  fixture.zone(corner());
+  fixture.run(1.0);
+  fixture.order({"a", "b", "c"});
   double slowest_at_b_mps = 1.0;
-  ASSERT_TRUE(bench.run_until(
+  ASSERT_TRUE(fixture.run_until(
       [&] {
-        if (distance(position(bench.aiv.X_MB()), {1.5, -0.2}) < 1e-9)
-          slowest_at_b_mps = std::min(slowest_at_b_mps, bench.aiv.speed_mps());
-        return bench.state().last_node_id == "c";
+        if (distance(position(fixture.aiv.X_MB()), {1.5, -0.2}) < 1e-9)
+          slowest_at_b_mps = std::min(slowest_at_b_mps, fixture.aiv.speed_mps());
+        return fixture.state().last_node_id == "c";
       },
       40.0))
-      << bench.aiv.X_MB().x_m << ' ' << bench.aiv.X_MB().y_m;
-  bench.run(1.5);
+      << fixture.aiv.X_MB().x_m << ' ' << fixture.aiv.X_MB().y_m;
+  fixture.run(1.5);
   EXPECT_EQ(slowest_at_b_mps, 0.0);
-  EXPECT_NEAR(bench.aiv.X_MB().x_m, 1.5, 1e-6);
-  EXPECT_NEAR(bench.aiv.X_MB().y_m, 0.8, 0.02);
-  EXPECT_NEAR(bench.aiv.X_MB().heading_rad, 0.5 * pi, 1e-6);
-  EXPECT_LT(bench.estimate_error_m(), 0.01);
-  EXPECT_THAT(bench.state().errors, IsEmpty());
-  EXPECT_THAT(bench.strange, IsEmpty());
+  EXPECT_NEAR(fixture.aiv.X_MB().x_m, 1.5, 1e-6);
+  EXPECT_NEAR(fixture.aiv.X_MB().y_m, 0.8, 0.02);
+  EXPECT_NEAR(fixture.aiv.X_MB().heading_rad, 0.5 * pi, 1e-6);
+  EXPECT_LT(fixture.estimate_error_m(), 0.01);
+  EXPECT_THAT(fixture.state().errors, IsEmpty());
+  EXPECT_THAT(fixture.strange, IsEmpty());
 }
 
 TEST(VirtualAiv, runs_the_same_way_every_time) {
   const auto run = [] {
-    Lacet4Bench bench{"east", 1.12};
-    bench.run(0.2);
-    bench.order({"east@1120", "east@1310", "loop_se@0", "loop_se@283"});
-    bench.run(5.0);
-    return bench.digest();
+    Lacet4Fixture fixture{"east", 1.12};
+    fixture.run(0.2);
+    fixture.order({"east@1120", "east@1310", "loop_se@0", "loop_se@283"});
+    fixture.run(5.0);
+    return fixture.digest();
   };
   const std::string digest = run();
   EXPECT_EQ(digest, run());
-  Lacet4Bench other{"east", 1.12};
+  Lacet4Fixture other{"east", 1.12};
   other.run(5.2);
   EXPECT_NE(digest, other.digest());
 }
 
 TEST(VirtualAiv, says_goodbye_when_it_is_taken_away) {
-  Lacet4Bench bench{"loop_se", 0.0};
-  bench.run(0.5);
-  bench.farewell();
-  EXPECT_EQ(bench.connections.back().state, wire::ConnectionState::offline);
-  EXPECT_THAT(bench.strange, IsEmpty());
+  Lacet4Fixture fixture{"loop_se", 0.0};
+  fixture.run(0.5);
+  fixture.farewell();
+  EXPECT_EQ(fixture.connections.back().state, wire::ConnectionState::offline);
+  EXPECT_THAT(fixture.strange, IsEmpty());
 }
 
 TEST(VirtualAiv, publishes_nothing_while_its_host_has_no_broker) {
-  Lacet4Bench bench{"loop_se", 0.0};
-  bench.run(0.5);
+  Lacet4Fixture fixture{"loop_se", 0.0};
+  fixture.run(0.5);
   wire::Effects effects;
-  bench.aiv.link(bench.now, false, effects);
-  const std::size_t before = bench.states.size();
-  bench.run(3.0);
-  EXPECT_EQ(bench.states.size(), before);
+  fixture.aiv.link(fixture.now, false, effects);
+  const std::size_t before = fixture.states.size();
+  fixture.run(3.0);
+  EXPECT_EQ(fixture.states.size(), before);
 }
 
 }  // namespace

@@ -17,8 +17,8 @@ using testing::IsSupersetOf;
 using testing::SizeIs;
 
 /// A network, its clients, and what each of them received, in order.
-struct Bench {
-  explicit Bench(NetworkFaults faults = {}, std::uint64_t seed = 1) : network{seed, faults} {}
+struct Fixture {
+  explicit Fixture(NetworkFaults faults = {}, std::uint64_t seed = 1) : network{seed, faults} {}
 
   Network::ClientId join(std::vector<std::string> filters, std::optional<Will> will = std::nullopt) {
     return network.connect(now, std::move(filters), std::move(will));
@@ -50,200 +50,200 @@ std::vector<std::string> numbers(int count) {
 }
 
 TEST(Network, delivers_to_whom_it_matches_within_its_delays) {
-  Bench bench;
-  const auto server = bench.join({"uagv/+/+/+/state"});
-  const auto vehicle = bench.join({"uagv/v2/m/1/order"});
-  bench.say(vehicle, "uagv/v2/m/1/state", "s");
-  ASSERT_TRUE(bench.network.next_due());
-  EXPECT_GE(*bench.network.next_due(), SimTime{1ms});
-  EXPECT_LE(*bench.network.next_due(), SimTime{3ms});
-  bench.pass(3ms);
-  EXPECT_THAT(bench.heard_by(server), ElementsAre("s"));
-  EXPECT_THAT(bench.heard_by(vehicle), IsEmpty());
-  EXPECT_FALSE(bench.network.next_due());
+  Fixture fixture;
+  const auto server = fixture.join({"uagv/+/+/+/state"});
+  const auto vehicle = fixture.join({"uagv/v2/m/1/order"});
+  fixture.say(vehicle, "uagv/v2/m/1/state", "s");
+  ASSERT_TRUE(fixture.network.next_due());
+  EXPECT_GE(*fixture.network.next_due(), SimTime{1ms});
+  EXPECT_LE(*fixture.network.next_due(), SimTime{3ms});
+  fixture.pass(3ms);
+  EXPECT_THAT(fixture.heard_by(server), ElementsAre("s"));
+  EXPECT_THAT(fixture.heard_by(vehicle), IsEmpty());
+  EXPECT_FALSE(fixture.network.next_due());
 }
 
 TEST(Network, hands_out_nothing_before_its_time) {
-  Bench bench{{.delay_min = 5ms, .delay_max = 5ms}};
-  const auto client = bench.join({"#"});
-  bench.say(client, "t", "x");
-  bench.pass(4ms);
-  EXPECT_THAT(bench.deliveries, IsEmpty());
-  bench.pass(1ms);
-  EXPECT_THAT(bench.deliveries, SizeIs(1));
-  EXPECT_EQ(bench.deliveries[0].at, SimTime{5ms});
-  EXPECT_EQ(bench.deliveries[0].topic, "t");
+  Fixture fixture{{.delay_min = 5ms, .delay_max = 5ms}};
+  const auto client = fixture.join({"#"});
+  fixture.say(client, "t", "x");
+  fixture.pass(4ms);
+  EXPECT_THAT(fixture.deliveries, IsEmpty());
+  fixture.pass(1ms);
+  EXPECT_THAT(fixture.deliveries, SizeIs(1));
+  EXPECT_EQ(fixture.deliveries[0].at, SimTime{5ms});
+  EXPECT_EQ(fixture.deliveries[0].topic, "t");
 }
 
 TEST(Network, delivers_once_where_filters_overlap_and_to_the_sender_too) {
-  Bench bench;
-  const auto client = bench.join({"a/#", "a/b", "+/b"});
-  bench.say(client, "a/b", "x");
-  bench.pass(1s);
-  EXPECT_THAT(bench.heard_by(client), ElementsAre("x"));
+  Fixture fixture;
+  const auto client = fixture.join({"a/#", "a/b", "+/b"});
+  fixture.say(client, "a/b", "x");
+  fixture.pass(1s);
+  EXPECT_THAT(fixture.heard_by(client), ElementsAre("x"));
 }
 
 TEST(Network, keeps_the_order_of_one_clients_messages) {
-  Bench bench{{.delay_min = 0ms, .delay_max = 20ms}};
-  const auto client = bench.join({"#"});
+  Fixture fixture{{.delay_min = 0ms, .delay_max = 20ms}};
+  const auto client = fixture.join({"#"});
   for (const std::string& text : numbers(100)) {
-    bench.say(client, "t/" + text, text, std::stoi(text) % 2);
-    bench.pass(1ms);
+    fixture.say(client, "t/" + text, text, std::stoi(text) % 2);
+    fixture.pass(1ms);
   }
-  bench.pass(1s);
-  EXPECT_EQ(bench.heard_by(client), numbers(100));
+  fixture.pass(1s);
+  EXPECT_EQ(fixture.heard_by(client), numbers(100));
 }
 
 TEST(RetainedMessage, is_sent_to_who_subscribes_later_and_marked) {
-  Bench bench;
-  const auto vehicle = bench.join({});
-  bench.say(vehicle, "m/1/connection", "ONLINE", 1, true);
-  bench.say(vehicle, "m/1/connection", "ONLINE again", 1, true);
-  bench.say(vehicle, "m/1/state", "not retained");
-  const auto early = bench.join({"other"});
-  const auto late = bench.join({"m/#"});
-  bench.pass(1s);
-  EXPECT_THAT(bench.heard_by(late), ElementsAre("retained ONLINE again"));
-  EXPECT_THAT(bench.heard_by(early), IsEmpty());
+  Fixture fixture;
+  const auto vehicle = fixture.join({});
+  fixture.say(vehicle, "m/1/connection", "ONLINE", 1, true);
+  fixture.say(vehicle, "m/1/connection", "ONLINE again", 1, true);
+  fixture.say(vehicle, "m/1/state", "not retained");
+  const auto early = fixture.join({"other"});
+  const auto late = fixture.join({"m/#"});
+  fixture.pass(1s);
+  EXPECT_THAT(fixture.heard_by(late), ElementsAre("retained ONLINE again"));
+  EXPECT_THAT(fixture.heard_by(early), IsEmpty());
 }
 
 TEST(RetainedMessage, is_live_for_who_already_listens) {
-  Bench bench;
-  const auto client = bench.join({"#"});
-  bench.say(client, "t", "x", 1, true);
-  bench.pass(1s);
-  EXPECT_THAT(bench.heard_by(client), ElementsAre("x"));
+  Fixture fixture;
+  const auto client = fixture.join({"#"});
+  fixture.say(client, "t", "x", 1, true);
+  fixture.pass(1s);
+  EXPECT_THAT(fixture.heard_by(client), ElementsAre("x"));
 }
 
 TEST(RetainedMessage, is_deleted_by_an_empty_one) {
-  Bench bench;
-  const auto vehicle = bench.join({});
-  bench.say(vehicle, "t", "x", 1, true);
-  bench.say(vehicle, "t", "", 1, true);
-  const auto late = bench.join({"t"});
-  bench.pass(1s);
-  EXPECT_THAT(bench.heard_by(late), IsEmpty());
+  Fixture fixture;
+  const auto vehicle = fixture.join({});
+  fixture.say(vehicle, "t", "x", 1, true);
+  fixture.say(vehicle, "t", "", 1, true);
+  const auto late = fixture.join({"t"});
+  fixture.pass(1s);
+  EXPECT_THAT(fixture.heard_by(late), IsEmpty());
 }
 
 const Will broken{{"m/1/connection", "CONNECTIONBROKEN", 1, true}};
 
 TEST(Will, is_published_when_the_connection_breaks) {
-  Bench bench;
-  const auto server = bench.join({"m/#"});
-  const auto vehicle = bench.join({}, broken);
-  bench.network.break_connection(bench.now, vehicle);
-  bench.network.break_connection(bench.now, vehicle);
-  bench.pass(1s);
-  EXPECT_THAT(bench.heard_by(server), ElementsAre("CONNECTIONBROKEN"));
-  const auto late = bench.join({"m/#"});
-  bench.pass(1s);
-  EXPECT_THAT(bench.heard_by(late), ElementsAre("retained CONNECTIONBROKEN")) << "a will can be retained";
+  Fixture fixture;
+  const auto server = fixture.join({"m/#"});
+  const auto vehicle = fixture.join({}, broken);
+  fixture.network.break_connection(fixture.now, vehicle);
+  fixture.network.break_connection(fixture.now, vehicle);
+  fixture.pass(1s);
+  EXPECT_THAT(fixture.heard_by(server), ElementsAre("CONNECTIONBROKEN"));
+  const auto late = fixture.join({"m/#"});
+  fixture.pass(1s);
+  EXPECT_THAT(fixture.heard_by(late), ElementsAre("retained CONNECTIONBROKEN")) << "a will can be retained";
 }
 
 TEST(Will, is_forgotten_at_a_clean_end) {
-  Bench bench;
-  const auto server = bench.join({"m/#"});
-  const auto vehicle = bench.join({}, broken);
-  bench.network.disconnect(bench.now, vehicle);
-  bench.network.break_connection(bench.now, vehicle);
-  bench.pass(1s);
-  EXPECT_THAT(bench.heard_by(server), IsEmpty());
+  Fixture fixture;
+  const auto server = fixture.join({"m/#"});
+  const auto vehicle = fixture.join({}, broken);
+  fixture.network.disconnect(fixture.now, vehicle);
+  fixture.network.break_connection(fixture.now, vehicle);
+  fixture.pass(1s);
+  EXPECT_THAT(fixture.heard_by(server), IsEmpty());
 }
 
 TEST(DeadClient, neither_hears_nor_is_heard) {
-  Bench bench;
-  const auto server = bench.join({"#"});
-  const auto vehicle = bench.join({"#"});
-  bench.say(server, "t", "on its way when the radio went");
-  bench.network.break_connection(bench.now, vehicle);
-  bench.say(vehicle, "t", "from the grave");
-  bench.say(server, "t", "to the grave");
-  bench.pass(1s);
-  EXPECT_THAT(bench.heard_by(vehicle), IsEmpty());
-  EXPECT_THAT(bench.heard_by(server), ElementsAre("on its way when the radio went", "to the grave"));
+  Fixture fixture;
+  const auto server = fixture.join({"#"});
+  const auto vehicle = fixture.join({"#"});
+  fixture.say(server, "t", "on its way when the radio went");
+  fixture.network.break_connection(fixture.now, vehicle);
+  fixture.say(vehicle, "t", "from the grave");
+  fixture.say(server, "t", "to the grave");
+  fixture.pass(1s);
+  EXPECT_THAT(fixture.heard_by(vehicle), IsEmpty());
+  EXPECT_THAT(fixture.heard_by(server), ElementsAre("on its way when the radio went", "to the grave"));
 }
 
 TEST(Newcomer, hears_topics_that_were_routed_before_it_came) {
-  Bench bench;
-  const auto first = bench.join({"t"});
-  bench.say(first, "t", "1");
-  const auto second = bench.join({"t"});
-  bench.say(first, "t", "2");
-  bench.network.disconnect(bench.now, second);
-  bench.say(first, "t", "3");
-  bench.pass(1s);
-  EXPECT_THAT(bench.heard_by(first), ElementsAre("1", "2", "3"));
+  Fixture fixture;
+  const auto first = fixture.join({"t"});
+  fixture.say(first, "t", "1");
+  const auto second = fixture.join({"t"});
+  fixture.say(first, "t", "2");
+  fixture.network.disconnect(fixture.now, second);
+  fixture.say(first, "t", "3");
+  fixture.pass(1s);
+  EXPECT_THAT(fixture.heard_by(first), ElementsAre("1", "2", "3"));
 }
 
 TEST(Qos0, loses_doubles_and_reorders_as_often_as_asked) {
   constexpr int messages = 20'000;
-  Bench bench{{.loss = 0.02, .duplication = 0.05, .reordering = 0.1}};
-  const auto client = bench.join({"t"});
+  Fixture fixture{{.loss = 0.02, .duplication = 0.05, .reordering = 0.1}};
+  const auto client = fixture.join({"t"});
   for (int i = 0; i < messages; ++i) {
-    bench.say(client, "t", std::to_string(i));
-    bench.pass(10ms);
+    fixture.say(client, "t", std::to_string(i));
+    fixture.pass(10ms);
   }
-  bench.pass(1s);
-  const auto& counters = bench.network.counters();
+  fixture.pass(1s);
+  const auto& counters = fixture.network.counters();
   EXPECT_EQ(counters.published, std::uint64_t{messages});
   EXPECT_EQ(counters.delivered, messages - counters.lost + counters.duplicated);
   // Four standard deviations of a binomial draw.
   EXPECT_NEAR(static_cast<double>(counters.lost), 400.0, 80.0);
   EXPECT_NEAR(static_cast<double>(counters.duplicated), 980.0, 122.0);
   EXPECT_NEAR(static_cast<double>(counters.reordered), 1960.0, 168.0);
-  const auto heard = bench.heard_by(client);
+  const auto heard = fixture.heard_by(client);
   const bool sorted = std::ranges::is_sorted(heard, {}, [](const std::string& text) { return std::stoi(text); });
   EXPECT_FALSE(sorted);
 }
 
 TEST(Qos1, arrives_at_least_once_and_in_order_through_any_faults) {
   EXPECT_TRUE(rc::check([](std::uint64_t seed) {
-    Bench bench{{.loss = 0.5, .duplication = 0.3, .reordering = 0.5}, seed};
-    const auto client = bench.join({"t"});
+    Fixture fixture{{.loss = 0.5, .duplication = 0.3, .reordering = 0.5}, seed};
+    const auto client = fixture.join({"t"});
     for (const std::string& text : numbers(30)) {
-      bench.say(client, "t", text, 1);
-      bench.pass(20ms);
+      fixture.say(client, "t", text, 1);
+      fixture.pass(20ms);
     }
-    bench.pass(600s);
-    auto heard = bench.heard_by(client);
+    fixture.pass(600s);
+    auto heard = fixture.heard_by(client);
     heard.erase(std::unique(heard.begin(), heard.end()), heard.end());
     RC_ASSERT(heard == numbers(30));
   }));
 }
 
 TEST(Qos1, pays_a_loss_with_the_time_of_a_retry_and_goes_through_in_the_end) {
-  Bench bench{{.loss = 1.0, .retry = 200ms}};
-  const auto client = bench.join({"t"});
-  bench.say(client, "t", "lost", 0);
-  bench.say(client, "t", "stubborn", 1);
-  ASSERT_TRUE(bench.network.next_due());
-  EXPECT_GE(*bench.network.next_due(), SimTime{200ms});
-  bench.pass(600s);
-  EXPECT_THAT(bench.heard_by(client), ElementsAre("stubborn"));
+  Fixture fixture{{.loss = 1.0, .retry = 200ms}};
+  const auto client = fixture.join({"t"});
+  fixture.say(client, "t", "lost", 0);
+  fixture.say(client, "t", "stubborn", 1);
+  ASSERT_TRUE(fixture.network.next_due());
+  EXPECT_GE(*fixture.network.next_due(), SimTime{200ms});
+  fixture.pass(600s);
+  EXPECT_THAT(fixture.heard_by(client), ElementsAre("stubborn"));
 }
 
 TEST(Qos1, being_tried_again_does_not_hold_up_what_needs_no_answer) {
   // A seed-free way to see it: every QoS 1 delivery is retried, no QoS 0 one is lost in the half that gets through.
-  Bench bench{{.loss = 0.5, .retry = 10s}};
-  const auto client = bench.join({"#"});
-  for (int i = 0; i < 20; ++i) bench.say(client, "slow", "q1", 1);
-  for (int i = 0; i < 20; ++i) bench.say(client, "quick", "q0", 0);
-  bench.pass(1s);
-  EXPECT_THAT(bench.heard_by(client), IsSupersetOf({"q0"}));
+  Fixture fixture{{.loss = 0.5, .retry = 10s}};
+  const auto client = fixture.join({"#"});
+  for (int i = 0; i < 20; ++i) fixture.say(client, "slow", "q1", 1);
+  for (int i = 0; i < 20; ++i) fixture.say(client, "quick", "q0", 0);
+  fixture.pass(1s);
+  EXPECT_THAT(fixture.heard_by(client), IsSupersetOf({"q0"}));
 }
 
 TEST(Network, is_the_same_for_the_same_seed_and_another_for_another) {
   const auto history = [](std::uint64_t seed) {
-    Bench bench{{.loss = 0.1, .duplication = 0.1, .reordering = 0.1}, seed};
-    const auto a = bench.join({"#"});
-    const auto b = bench.join({"+/x"});
+    Fixture fixture{{.loss = 0.1, .duplication = 0.1, .reordering = 0.1}, seed};
+    const auto a = fixture.join({"#"});
+    const auto b = fixture.join({"+/x"});
     for (int i = 0; i < 200; ++i) {
-      bench.say(i % 3 == 0 ? a : b, "t/x", std::to_string(i), i % 2);
-      bench.pass(2ms);
+      fixture.say(i % 3 == 0 ? a : b, "t/x", std::to_string(i), i % 2);
+      fixture.pass(2ms);
     }
-    bench.pass(60s);
+    fixture.pass(60s);
     std::string text;
-    for (const auto& d : bench.deliveries)
+    for (const auto& d : fixture.deliveries)
       text += std::to_string(d.to) + " " + std::to_string(d.at.time_since_epoch().count()) + " " + d.payload + "\n";
     return text;
   };
@@ -254,143 +254,143 @@ TEST(Network, is_the_same_for_the_same_seed_and_another_for_another) {
 // --- one client's radio ---------------------------------------------------------------------------------------------
 
 TEST(NetworkRadio, loses_its_share_of_one_client_s_messages_both_ways_and_nobody_else_s) {
-  Bench bench;
-  const auto near = bench.join({"to/near"});
-  const auto far = bench.join({"to/far"});
-  const auto other = bench.join({"from/#"});
-  bench.network.set_loss(far, 0.5);
+  Fixture fixture;
+  const auto near = fixture.join({"to/near"});
+  const auto far = fixture.join({"to/far"});
+  const auto other = fixture.join({"from/#"});
+  fixture.network.set_loss(far, 0.5);
   for (int i = 0; i < 1000; ++i) {
-    bench.say(other, "to/near", "x");
-    bench.say(other, "to/far", "x");
-    bench.say(near, "from/near", "near");
-    bench.say(far, "from/far", "far");
-    bench.pass(10ms);
+    fixture.say(other, "to/near", "x");
+    fixture.say(other, "to/far", "x");
+    fixture.say(near, "from/near", "near");
+    fixture.say(far, "from/far", "far");
+    fixture.pass(10ms);
   }
-  EXPECT_THAT(bench.heard_by(near), SizeIs(1000));
+  EXPECT_THAT(fixture.heard_by(near), SizeIs(1000));
   // 1000 tosses of a coin: 500 ± 16; five of those are beyond any seed.
-  EXPECT_NEAR(static_cast<double>(bench.heard_by(far).size()), 500.0, 80.0);
-  const auto heard = bench.heard_by(other);
+  EXPECT_NEAR(static_cast<double>(fixture.heard_by(far).size()), 500.0, 80.0);
+  const auto heard = fixture.heard_by(other);
   EXPECT_EQ(std::ranges::count(heard, "near"), 1000);
   EXPECT_NEAR(static_cast<double>(std::ranges::count(heard, "far")), 500.0, 80.0);
 }
 
 TEST(NetworkRadio, brings_QoS_1_late_but_whole_and_in_order) {
-  Bench bench;
-  const auto far = bench.join({"to/far"});
-  const auto other = bench.join({"from/far"});
-  bench.network.set_loss(far, 0.5);
+  Fixture fixture;
+  const auto far = fixture.join({"to/far"});
+  const auto other = fixture.join({"from/far"});
+  fixture.network.set_loss(far, 0.5);
   for (int i = 0; i < 200; ++i) {
-    bench.say(other, "to/far", std::to_string(i), 1);
-    bench.say(far, "from/far", std::to_string(i), 1);
-    bench.pass(1ms);
+    fixture.say(other, "to/far", std::to_string(i), 1);
+    fixture.say(far, "from/far", std::to_string(i), 1);
+    fixture.pass(1ms);
   }
-  EXPECT_LT(bench.heard_by(other).size(), 200U);
-  for (int i = 0; i < 1000; ++i) bench.pass(200ms);
-  EXPECT_EQ(bench.heard_by(far), numbers(200));
-  EXPECT_EQ(bench.heard_by(other), numbers(200));
-  EXPECT_FALSE(bench.network.next_due());
+  EXPECT_LT(fixture.heard_by(other).size(), 200U);
+  for (int i = 0; i < 1000; ++i) fixture.pass(200ms);
+  EXPECT_EQ(fixture.heard_by(far), numbers(200));
+  EXPECT_EQ(fixture.heard_by(other), numbers(200));
+  EXPECT_FALSE(fixture.network.next_due());
 }
 
 TEST(NetworkRadio, holds_up_only_its_own_client_s_QoS_1) {
-  Bench bench;
-  const auto far = bench.join({});
-  const auto near = bench.join({});
-  const auto server = bench.join({"#"});
-  bench.network.set_loss(far, 1.0);
-  bench.say(far, "t", "far", 1);
-  bench.pass(10ms);
-  bench.say(near, "t", "near", 1);
-  bench.pass(3ms);
-  EXPECT_THAT(bench.heard_by(server), ElementsAre("near"));
+  Fixture fixture;
+  const auto far = fixture.join({});
+  const auto near = fixture.join({});
+  const auto server = fixture.join({"#"});
+  fixture.network.set_loss(far, 1.0);
+  fixture.say(far, "t", "far", 1);
+  fixture.pass(10ms);
+  fixture.say(near, "t", "near", 1);
+  fixture.pass(3ms);
+  EXPECT_THAT(fixture.heard_by(server), ElementsAre("near"));
 }
 
 TEST(NetworkRadio, what_was_still_on_its_way_to_the_broker_dies_with_its_client) {
-  Bench bench;
-  const auto far = bench.join({}, Will{{"t", "will", 1, false}});
-  const auto server = bench.join({"#"});
-  bench.network.set_loss(far, 1.0);
-  bench.say(far, "t", "late", 1);
-  bench.network.break_connection(bench.now, far);
-  bench.pass(100s);
-  EXPECT_THAT(bench.heard_by(server), ElementsAre("will"));
+  Fixture fixture;
+  const auto far = fixture.join({}, Will{{"t", "will", 1, false}});
+  const auto server = fixture.join({"#"});
+  fixture.network.set_loss(far, 1.0);
+  fixture.say(far, "t", "late", 1);
+  fixture.network.break_connection(fixture.now, far);
+  fixture.pass(100s);
+  EXPECT_THAT(fixture.heard_by(server), ElementsAre("will"));
 }
 
 TEST(NetworkRadio, that_is_good_again_delivers_everything_and_draws_nothing_from_the_common_chance) {
   const auto run = [](bool lossy) {
-    Bench bench{{.loss = 0.3}, 5};
-    const auto client = bench.join({"t"});
-    bench.network.set_loss(client, lossy ? 0.5 : 0.0);
-    bench.say(client, "other", "nobody listens");
-    bench.network.set_loss(client, 0.0);
+    Fixture fixture{{.loss = 0.3}, 5};
+    const auto client = fixture.join({"t"});
+    fixture.network.set_loss(client, lossy ? 0.5 : 0.0);
+    fixture.say(client, "other", "nobody listens");
+    fixture.network.set_loss(client, 0.0);
     for (const auto& n : numbers(50)) {
-      bench.say(client, "t", n);
-      bench.pass(5ms);
+      fixture.say(client, "t", n);
+      fixture.pass(5ms);
     }
-    return bench.heard_by(client);
+    return fixture.heard_by(client);
   };
   EXPECT_EQ(run(true), run(false));
 }
 
 TEST(Network, listens_to_other_topics_while_connected_and_no_more_to_those_before) {
-  Bench bench;
-  const auto vehicle = bench.join({"own"});
-  const auto other = bench.join({});
+  Fixture fixture;
+  const auto vehicle = fixture.join({"own"});
+  const auto other = fixture.join({});
   const auto said_everywhere = [&](const std::string& text) {
-    for (const char* topic : {"own", "talk/1/x", "talk/2/x"}) bench.say(other, topic, std::string(topic) + " " + text);
-    bench.pass(5ms);
+    for (const char* topic : {"own", "talk/1/x", "talk/2/x"}) fixture.say(other, topic, std::string(topic) + " " + text);
+    fixture.pass(5ms);
   };
   said_everywhere("a");
-  bench.network.listen(bench.now, vehicle, {"talk/1/+", "talk/2/+"});
+  fixture.network.listen(fixture.now, vehicle, {"talk/1/+", "talk/2/+"});
   said_everywhere("b");
-  bench.network.listen(bench.now, vehicle, {"talk/2/+"});
+  fixture.network.listen(fixture.now, vehicle, {"talk/2/+"});
   said_everywhere("c");
-  bench.network.listen(bench.now, vehicle, {});
+  fixture.network.listen(fixture.now, vehicle, {});
   said_everywhere("d");
-  EXPECT_THAT(bench.heard_by(vehicle), ::testing::UnorderedElementsAre("own a", "own b", "talk/1/x b", "talk/2/x b",
+  EXPECT_THAT(fixture.heard_by(vehicle), ::testing::UnorderedElementsAre("own a", "own b", "talk/1/x b", "talk/2/x b",
                                                                        "own c", "talk/2/x c", "own d"));
 }
 
 TEST(Network, gives_what_was_retained_to_who_begins_to_listen_and_only_once) {
-  Bench bench;
-  const auto vehicle = bench.join({});
-  const auto other = bench.join({});
-  bench.say(other, "talk/1", "kept", 0, true);
-  bench.pass(5ms);
-  bench.network.listen(bench.now, vehicle, {"talk/1"});
-  bench.network.listen(bench.now, vehicle, {"talk/1", "talk/2"});
-  bench.pass(5ms);
-  EXPECT_THAT(bench.heard_by(vehicle), ElementsAre("retained kept"));
+  Fixture fixture;
+  const auto vehicle = fixture.join({});
+  const auto other = fixture.join({});
+  fixture.say(other, "talk/1", "kept", 0, true);
+  fixture.pass(5ms);
+  fixture.network.listen(fixture.now, vehicle, {"talk/1"});
+  fixture.network.listen(fixture.now, vehicle, {"talk/1", "talk/2"});
+  fixture.pass(5ms);
+  EXPECT_THAT(fixture.heard_by(vehicle), ElementsAre("retained kept"));
 }
 
 TEST(Network, loses_what_goes_aside_alone_where_that_is_asked_for) {
   NetworkFaults faults;
   faults.aside_prefix = "talk/";
   faults.aside_loss = 1.0;
-  Bench bench{faults};
-  const auto vehicle = bench.join({"#"});
-  const auto other = bench.join({});
-  bench.say(other, "talk/1", "lost");
-  bench.say(other, "order", "kept");
-  bench.pass(5ms);
-  EXPECT_THAT(bench.heard_by(vehicle), ElementsAre("kept"));
-  EXPECT_EQ(bench.network.counters().lost, 1U);
+  Fixture fixture{faults};
+  const auto vehicle = fixture.join({"#"});
+  const auto other = fixture.join({});
+  fixture.say(other, "talk/1", "lost");
+  fixture.say(other, "order", "kept");
+  fixture.pass(5ms);
+  EXPECT_THAT(fixture.heard_by(vehicle), ElementsAre("kept"));
+  EXPECT_EQ(fixture.network.counters().lost, 1U);
 }
 
 TEST(Network, carries_the_rest_as_if_nothing_went_aside) {
   const auto orders_heard = [](int talk) {
     NetworkFaults faults{.loss = 0.2, .duplication = 0.1, .reordering = 0.1};
     faults.aside_prefix = "talk/";
-    Bench bench{faults};
-    const auto vehicle = bench.join({"#"});
-    const auto other = bench.join({});
+    Fixture fixture{faults};
+    const auto vehicle = fixture.join({"#"});
+    const auto other = fixture.join({});
     for (int i = 0; i < 200; ++i) {
-      for (int k = 0; k < talk; ++k) bench.say(other, "talk/1", "t");
-      bench.say(other, "order", std::to_string(i));
-      bench.pass(2ms);
+      for (int k = 0; k < talk; ++k) fixture.say(other, "talk/1", "t");
+      fixture.say(other, "order", std::to_string(i));
+      fixture.pass(2ms);
     }
-    bench.pass(100ms);
+    fixture.pass(100ms);
     std::vector<std::pair<std::string, SimTime>> heard;
-    for (const auto& delivery : bench.deliveries) {
+    for (const auto& delivery : fixture.deliveries) {
       if (delivery.to == vehicle && delivery.topic == "order") heard.emplace_back(delivery.payload, delivery.at);
     }
     return heard;

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "cosiva/zone/lif/json_fault.h"
-#include "cosiva/zone/lif/lif_bench.h"
+#include "cosiva/zone/lif/lif_fixture.h"
 
 namespace cosiva::zone::lif {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "cosiva/base/json_value.h"
 #include "cosiva/zone/edit/edit.h"
-#include "cosiva/zone/lif/lif_bench.h"
+#include "cosiva/zone/lif/lif_fixture.h"
 #include "cosiva/zone/toml/toml_factory.h"
 
 namespace cosiva::zone::lif {

@@ -29,9 +29,9 @@ using ::testing::SizeIs;
 wire::VehicleId aiv(int number) { return {"CoSiVA", "AIV" + std::to_string(number)}; }
 
 /// The whole platform in virtual time, and a live test on its bus.
-class Bench {
+class Fixture {
  public:
-  explicit Bench(LiveRunsOptions options, double loss = 0.0) : loss_{loss}, runs_{named(std::move(options))} {
+  explicit Fixture(LiveRunsOptions options, double loss = 0.0) : loss_{loss}, runs_{named(std::move(options))} {
     WorldOptions world;
     world.zone = zone::testing::configuration_file("lacet4.toml");
     world.aivs = 2;
@@ -106,12 +106,12 @@ Result<Qualification> evaluated(const std::vector<std::string>& names,
 
 TEST(LiveRuns, give_what_the_vehicles_say_of_themselves_beside_where_they_were) {
   const std::vector<std::string> names{"dead_reckoning", "reset_rule", "arc_kalman", "ekf", "particles"};
-  Bench bench{options_of({aiv(1), aiv(2)}, 3, 12.0, names)};
-  bench.run(seconds{200});
-  EXPECT_THAT(bench.runs().losses(), IsEmpty()) << bench.operator_messages;
-  EXPECT_EQ(bench.runs().map_id(), "lacet4");
-  EXPECT_EQ(bench.runs().without_ground_truth(), 0U);
-  const auto runs = bench.runs().take_runs();
+  Fixture fixture{options_of({aiv(1), aiv(2)}, 3, 12.0, names)};
+  fixture.run(seconds{200});
+  EXPECT_THAT(fixture.runs().losses(), IsEmpty()) << fixture.operator_messages;
+  EXPECT_EQ(fixture.runs().map_id(), "lacet4");
+  EXPECT_EQ(fixture.runs().without_ground_truth(), 0U);
+  const auto runs = fixture.runs().take_runs();
   ASSERT_THAT(runs, SizeIs(3));
   for (const auto& run : runs) {
     EXPECT_NEAR(run->trial.moments.back().travelled_m, 12.0, 0.05);
@@ -131,11 +131,11 @@ TEST(LiveRuns, give_what_the_vehicles_say_of_themselves_beside_where_they_were) 
 
 TEST(LiveRuns, have_on_board_bit_for_bit_what_the_same_algorithm_says_of_the_same_inputs_elsewhere) {
   const std::vector<std::string> names{"dead_reckoning", "arc_kalman_scale", "ukf", "particles", "ufir"};
-  Bench bench{options_of({aiv(1)}, 1, 6.0, names), 0.2};
-  bench.run(seconds{200});
-  EXPECT_GT(bench.runs().repeated(), 10U) << "every fifth message is lost";
-  const auto runs = bench.runs().take_runs();
-  ASSERT_THAT(runs, SizeIs(1)) << bench.operator_messages;
+  Fixture fixture{options_of({aiv(1)}, 1, 6.0, names), 0.2};
+  fixture.run(seconds{200});
+  EXPECT_GT(fixture.runs().repeated(), 10U) << "every fifth message is lost";
+  const auto runs = fixture.runs().take_runs();
+  ASSERT_THAT(runs, SizeIs(1)) << fixture.operator_messages;
   const Trial& trial = runs[0]->trial;
   EXPECT_GT(std::ranges::count_if(trial.events,
                                   [](const Event& e) { return std::holds_alternative<estimation::Reading>(e); }),
@@ -153,79 +153,79 @@ TEST(LiveRuns, have_on_board_bit_for_bit_what_the_same_algorithm_says_of_the_sam
 }
 
 TEST(LiveRuns, are_driven_anew_by_a_vehicle_that_begins_anew_and_left_to_others_by_one_that_is_lost) {
-  Bench bench{options_of({aiv(1), aiv(2)}, 2, 6.0, {"arc_kalman"})};
-  bench.run(seconds{5});
-  bench.world().kill_aiv(1);
-  bench.world().start_aiv(1);
-  bench.run(seconds{4});
-  EXPECT_THAT(bench.operator_messages, HasSubstr("CoSiVA/AIV1 drives run 1 anew"));
-  bench.world().kill_aiv(1);
-  bench.run(seconds{8});
-  ASSERT_THAT(bench.runs().losses(), SizeIs(1));
-  EXPECT_THAT(bench.runs().losses()[0], HasSubstr("CoSiVA/AIV1: it has not answered"));
+  Fixture fixture{options_of({aiv(1), aiv(2)}, 2, 6.0, {"arc_kalman"})};
+  fixture.run(seconds{5});
+  fixture.world().kill_aiv(1);
+  fixture.world().start_aiv(1);
+  fixture.run(seconds{4});
+  EXPECT_THAT(fixture.operator_messages, HasSubstr("CoSiVA/AIV1 drives run 1 anew"));
+  fixture.world().kill_aiv(1);
+  fixture.run(seconds{8});
+  ASSERT_THAT(fixture.runs().losses(), SizeIs(1));
+  EXPECT_THAT(fixture.runs().losses()[0], HasSubstr("CoSiVA/AIV1: it has not answered"));
   // It comes back, and does not stand in the other's way; its run is the other's by now.
-  bench.world().start_aiv(1);
-  bench.run(seconds{200});
-  const auto runs = bench.runs().take_runs();
-  ASSERT_THAT(runs, SizeIs(2)) << bench.operator_messages;
+  fixture.world().start_aiv(1);
+  fixture.run(seconds{200});
+  const auto runs = fixture.runs().take_runs();
+  ASSERT_THAT(runs, SizeIs(2)) << fixture.operator_messages;
   for (const auto& run : runs) EXPECT_EQ(to_string(run->vehicle), "CoSiVA/AIV2");
 }
 
 TEST(LiveRuns, end_with_the_vehicle_s_own_words_where_nobody_can_drive_them) {
-  Bench bench{options_of({aiv(1)}, 2, 5.0, {"arc_kalman", "magic"})};
-  bench.run(seconds{30});
-  EXPECT_TRUE(bench.runs().done());
-  ASSERT_THAT(bench.runs().losses(), SizeIs(1));
-  EXPECT_THAT(bench.runs().losses()[0], AllOf(HasSubstr("magic"), HasSubstr("there are dead_reckoning")));
-  EXPECT_THAT(bench.runs().take_runs(), IsEmpty());
+  Fixture fixture{options_of({aiv(1)}, 2, 5.0, {"arc_kalman", "magic"})};
+  fixture.run(seconds{30});
+  EXPECT_TRUE(fixture.runs().done());
+  ASSERT_THAT(fixture.runs().losses(), SizeIs(1));
+  EXPECT_THAT(fixture.runs().losses()[0], AllOf(HasSubstr("magic"), HasSubstr("there are dead_reckoning")));
+  EXPECT_THAT(fixture.runs().take_runs(), IsEmpty());
 }
 
 TEST(LiveRuns, need_somebody_who_says_where_the_vehicles_are) {
-  Bench bench{options_of({aiv(1)}, 1, 5.0, {"arc_kalman"})};
-  bench.deaf = [](std::string_view topic) { return topic == wire::ground_truth_topic; };
-  bench.run(seconds{30});
-  ASSERT_THAT(bench.runs().losses(), SizeIs(1));
-  EXPECT_THAT(bench.runs().losses()[0], HasSubstr("nobody has said on cosiva/v1/plant/ground_truth"));
+  Fixture fixture{options_of({aiv(1)}, 1, 5.0, {"arc_kalman"})};
+  fixture.deaf = [](std::string_view topic) { return topic == wire::ground_truth_topic; };
+  fixture.run(seconds{30});
+  ASSERT_THAT(fixture.runs().losses(), SizeIs(1));
+  EXPECT_THAT(fixture.runs().losses()[0], HasSubstr("nobody has said on cosiva/v1/plant/ground_truth"));
 }
 
 TEST(LiveRuns, take_what_a_camera_over_the_zone_saw_for_the_ground_truth) {
   LiveRunsOptions options = options_of({aiv(1)}, 1, 3.0, {"arc_kalman"});
   options.ground_truth_topic = "area/detections";
-  Bench bench{std::move(options)};
+  Fixture fixture{std::move(options)};
   // As GVS tells it: by name, and each vehicle with the time of its own rows.
-  bench.world().tap([&](SimTime at, const std::string&, const wire::Publish& message) {
-    if (message.topic != wire::ground_truth_topic) return bench.runs().on_message(at, message.topic, message.payload);
-    const Pose2 ground_truth = bench.world().plant().vehicles()[0].X_MB;
+  fixture.world().tap([&](SimTime at, const std::string&, const wire::Publish& message) {
+    if (message.topic != wire::ground_truth_topic) return fixture.runs().on_message(at, message.topic, message.payload);
+    const Pose2 ground_truth = fixture.world().plant().vehicles()[0].X_MB;
     JsonWriter json;
     json.begin_object().field("timestamp", "2000-01-01T00:00:00Z").key("detections").begin_array().begin_object();
     json.field("vehicle", "CoSiVA/AIV1").field("at", to_iso8601(at)).field("x", ground_truth.x_m).field("y", ground_truth.y_m);
     json.field("heading", ground_truth.heading_rad).end_object().end_array().end_object();
-    bench.runs().on_message(at, "area/detections", json.take());
+    fixture.runs().on_message(at, "area/detections", json.take());
   });
-  bench.run(seconds{30});
-  const auto runs = bench.runs().take_runs();
-  ASSERT_THAT(runs, SizeIs(1)) << bench.operator_messages;
+  fixture.run(seconds{30});
+  const auto runs = fixture.runs().take_runs();
+  ASSERT_THAT(runs, SizeIs(1)) << fixture.operator_messages;
   EXPECT_LT(evaluated({"arc_kalman"}, runs)->algorithms[0].rmse_m.value, 0.006);
 }
 
 TEST(LiveRuns, of_a_fleet_of_one_unknown_vehicle_end) {
-  Bench bench{options_of({{"Other", "X9"}}, 1, 5.0, {"arc_kalman"})};
-  bench.run(seconds{30});
-  ASSERT_THAT(bench.runs().losses(), SizeIs(1));
-  EXPECT_THAT(bench.runs().losses()[0], HasSubstr("Other/X9: it has not answered for 3 s"));
+  Fixture fixture{options_of({{"Other", "X9"}}, 1, 5.0, {"arc_kalman"})};
+  fixture.run(seconds{30});
+  ASSERT_THAT(fixture.runs().losses(), SizeIs(1));
+  EXPECT_THAT(fixture.runs().losses()[0], HasSubstr("Other/X9: it has not answered for 3 s"));
 }
 
 TEST(LiveRuns, that_are_given_up_keep_what_is_complete) {
-  Bench bench{options_of({aiv(1)}, 5, 3.0, {"arc_kalman"})};
-  bench.run(seconds{12});
-  const auto progress = bench.runs().progress(bench.world().now());
+  Fixture fixture{options_of({aiv(1)}, 5, 3.0, {"arc_kalman"})};
+  fixture.run(seconds{12});
+  const auto progress = fixture.runs().progress(fixture.world().now());
   EXPECT_GT(progress.complete, 0U);
   EXPECT_LT(progress.complete, 5U);
   ASSERT_TRUE(progress.left_s);
   EXPECT_NEAR(*progress.left_s, 12.0 * (1.0 - progress.ratio) / progress.ratio, 1.0);
-  bench.runs().give_up();
-  EXPECT_TRUE(bench.runs().done());
-  EXPECT_THAT(bench.runs().take_runs(), SizeIs(progress.complete));
+  fixture.runs().give_up();
+  EXPECT_TRUE(fixture.runs().done());
+  EXPECT_THAT(fixture.runs().take_runs(), SizeIs(progress.complete));
 }
 
 TEST(TruePose, between_two_fixes_goes_round_the_bend_and_is_none_outside_of_them) {

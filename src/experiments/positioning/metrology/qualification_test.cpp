@@ -23,13 +23,13 @@ Candidate candidate(const std::string& name) {
           [name](const estimation::Setting& setting) { return registry.make(name, setting); }};
 }
 
-struct Bench {
+struct Fixture {
   Simulation simulation{testing::oval()};
   QualificationOptions options;
   std::size_t runs{12};
   Trial trial;
 
-  Bench() {
+  Fixture() {
     simulation.way_m = 40.0;
     simulation.odometry_hz = 17.3;
   }
@@ -78,8 +78,8 @@ class Dying final : public estimation::Algorithm {
 };
 
 TEST(Qualification, gives_each_figure_with_its_interval_and_the_limit_beside_it) {
-  Bench bench;
-  const Qualification q = bench.of({candidate("arc_kalman"), candidate("reset_rule")});
+  Fixture fixture;
+  const Qualification q = fixture.of({candidate("arc_kalman"), candidate("reset_rule")});
   const Qualified& kalman = q.algorithms[0];
   EXPECT_EQ(kalman.runs.size(), 12U);
   ASSERT_TRUE(kalman.rmse_m.interval);
@@ -107,8 +107,8 @@ TEST(Qualification, gives_each_figure_with_its_interval_and_the_limit_beside_it)
 }
 
 TEST(Qualification, shows_the_difference_that_there_is_and_ranks) {
-  Bench bench;
-  const Qualification q = bench.of({candidate("reset_rule"), candidate("arc_kalman"), candidate("arc_smoother")});
+  Fixture fixture;
+  const Qualification q = fixture.of({candidate("reset_rule"), candidate("arc_kalman"), candidate("arc_smoother")});
   ASSERT_EQ(q.comparisons.size(), 3U);
   for (const Comparison& comparison : q.comparisons) {
     EXPECT_EQ(comparison.verdict, Verdict::different);
@@ -122,38 +122,38 @@ TEST(Qualification, shows_the_difference_that_there_is_and_ranks) {
 }
 
 TEST(Qualification, calls_what_the_reference_could_be_wrong_by_unresolved) {
-  Bench bench;
-  bench.options.reference = {{{"floor fit", 0.012, "a file"}, {"time stamp", 0.016, "a file"}}};
-  const Qualification q = bench.of({candidate("reset_rule"), candidate("arc_kalman")});
+  Fixture fixture;
+  fixture.options.reference = {{{"floor fit", 0.012, "a file"}, {"time stamp", 0.016, "a file"}}};
+  const Qualification q = fixture.of({candidate("reset_rule"), candidate("arc_kalman")});
   EXPECT_EQ(q.comparisons[0].verdict, Verdict::unresolved);
-  EXPECT_NEAR(bench.options.reference.total_m(), 0.02, 1e-15);
+  EXPECT_NEAR(fixture.options.reference.total_m(), 0.02, 1e-15);
   // The same difference, and a reference that resolves it.
-  bench.options.reference = {{{"floor fit", 0.0005, "a file"}}};
-  EXPECT_EQ(bench.of({candidate("reset_rule"), candidate("arc_kalman")}).comparisons[0].verdict, Verdict::different);
+  fixture.options.reference = {{{"floor fit", 0.0005, "a file"}}};
+  EXPECT_EQ(fixture.of({candidate("reset_rule"), candidate("arc_kalman")}).comparisons[0].verdict, Verdict::different);
 }
 
 TEST(Qualification, shows_no_difference_with_five_runs_whatever_they_say) {
-  Bench bench;
-  bench.runs = 5;
-  const Qualification q = bench.of({candidate("reset_rule"), candidate("arc_kalman")});
+  Fixture fixture;
+  fixture.runs = 5;
+  const Qualification q = fixture.of({candidate("reset_rule"), candidate("arc_kalman")});
   EXPECT_EQ(q.comparisons[0].verdict, Verdict::not_shown_different);
   EXPECT_NEAR(q.comparisons[0].p, 2.0 / 32.0, 1e-12);
   EXPECT_GE(*q.comparisons[0].runs_to_decide, 6U);
 }
 
 TEST(Qualification, flags_what_is_better_than_anything_can_be) {
-  Bench bench;
+  Fixture fixture;
   const Candidate cheat{"cheat", "", false,
                         [&](const estimation::Setting&) -> Result<std::unique_ptr<estimation::Algorithm>> {
-                          return std::make_unique<Cheat>(bench.trial);
+                          return std::make_unique<Cheat>(fixture.trial);
                         }};
-  const Qualification q = bench.of({cheat, candidate("arc_kalman")});
+  const Qualification q = fixture.of({cheat, candidate("arc_kalman")});
   EXPECT_TRUE(q.algorithms[0].leak);
   EXPECT_FALSE(q.algorithms[1].leak);
 }
 
 TEST(Qualification, keeps_the_others_results_when_one_fails) {
-  Bench bench;
+  Fixture fixture;
   const Candidate dying{"dying", "", false,
                         [](const estimation::Setting&) -> Result<std::unique_ptr<estimation::Algorithm>> {
                           return std::make_unique<Dying>();
@@ -162,7 +162,7 @@ TEST(Qualification, keeps_the_others_results_when_one_fails) {
                          [](const estimation::Setting&) -> Result<std::unique_ptr<estimation::Algorithm>> {
                            return fail("algorithm.start", "no");
                          }};
-  const Qualification q = bench.of({dying, candidate("arc_kalman"), unborn, candidate("reset_rule")});
+  const Qualification q = fixture.of({dying, candidate("arc_kalman"), unborn, candidate("reset_rule")});
   EXPECT_EQ(q.algorithms[0].failed->code, "algorithm.silent");
   EXPECT_NE(q.algorithms[0].failed->message.find("in run 1"), std::string::npos);
   EXPECT_EQ(q.algorithms[2].failed->code, "algorithm.start");
@@ -173,12 +173,12 @@ TEST(Qualification, keeps_the_others_results_when_one_fails) {
 }
 
 TEST(QualificationStatistics, is_the_same_to_the_bit_for_the_same_seeds) {
-  Bench bench;
-  bench.runs = 3;
-  const Digest one = bench.of({candidate("ekf"), candidate("smoother"), candidate("particles")}).digest;
-  EXPECT_EQ(bench.of({candidate("ekf"), candidate("smoother"), candidate("particles")}).digest, one);
-  bench.simulation.sensors.mark_along_sigma_m = 0.011;
-  EXPECT_NE(bench.of({candidate("ekf"), candidate("smoother"), candidate("particles")}).digest, one);
+  Fixture fixture;
+  fixture.runs = 3;
+  const Digest one = fixture.of({candidate("ekf"), candidate("smoother"), candidate("particles")}).digest;
+  EXPECT_EQ(fixture.of({candidate("ekf"), candidate("smoother"), candidate("particles")}).digest, one);
+  fixture.simulation.sensors.mark_along_sigma_m = 0.011;
+  EXPECT_NE(fixture.of({candidate("ekf"), candidate("smoother"), candidate("particles")}).digest, one);
 }
 
 /// The last part first, as a machine may that has many threads.
@@ -268,21 +268,21 @@ TEST(Qualification, names_the_first_run_in_which_one_failed_whoever_came_to_it_f
 }
 
 TEST(Qualification, is_the_same_to_the_bit_on_every_machine_and_at_every_optimisation_level) {
-  Bench bench;
-  bench.runs = 2;
-  bench.simulation.way_m = 10.0;
+  Fixture fixture;
+  fixture.runs = 2;
+  fixture.simulation.way_m = 10.0;
   std::vector<Candidate> all;
   const estimation::Registry registry;
   for (const estimation::Registered& one : registry.all()) all.push_back(candidate(one.name));
-  EXPECT_EQ(bench.of(all).digest.hex(), "a98515c403e614ca");
+  EXPECT_EQ(fixture.of(all).digest.hex(), "a98515c403e614ca");
 }
 
 TEST(Qualification, aligned_takes_away_what_is_common_to_a_run_and_gives_no_limit) {
-  Bench bench;
-  bench.runs = 6;
-  const Qualified plain = bench.of({candidate("arc_kalman")}).algorithms[0];
-  bench.options.alignment = Alignment::se2;
-  const Qualification q = bench.of({candidate("arc_kalman"), candidate("dead_reckoning")});
+  Fixture fixture;
+  fixture.runs = 6;
+  const Qualified plain = fixture.of({candidate("arc_kalman")}).algorithms[0];
+  fixture.options.alignment = Alignment::se2;
+  const Qualification q = fixture.of({candidate("arc_kalman"), candidate("dead_reckoning")});
   const Qualified& aligned = q.algorithms[0];
   EXPECT_TRUE(plain.alignments.empty());
   ASSERT_EQ(aligned.alignments.size(), 6U);
@@ -304,31 +304,31 @@ TEST(Qualification, aligned_takes_away_what_is_common_to_a_run_and_gives_no_limi
 }
 
 TEST(Qualification, aligned_at_the_origin_begins_without_an_error_and_needs_a_heading) {
-  Bench bench;
-  bench.runs = 1;
-  bench.options.alignment = Alignment::origin;
-  const Qualification q = bench.of({candidate("dead_reckoning")});
+  Fixture fixture;
+  fixture.runs = 1;
+  fixture.options.alignment = Alignment::origin;
+  const Qualification q = fixture.of({candidate("dead_reckoning")});
   EXPECT_LT(distance(q.algorithms[0].path[0], q.ground_truth[0]), 1e-12);
   const auto source = [&](std::size_t index, Trial& room) -> Result<const Trial*> {
-    simulate(bench.simulation, index + 1, room);
+    simulate(fixture.simulation, index + 1, room);
     room.heading_known = false;
     return &room;
   };
-  const auto headless = qualify({candidate("dead_reckoning")}, 1, source, bench.options);
+  const auto headless = qualify({candidate("dead_reckoning")}, 1, source, fixture.options);
   ASSERT_TRUE(headless);
   EXPECT_EQ(headless->algorithms[0].failed->code, "align.heading");
 }
 
 TEST(Qualification, counts_passes_in_a_row_and_the_tolerance_that_would_have_done) {
-  Bench bench;
-  bench.options.tolerance_m = 1.0;
-  const Passes all = bench.of({candidate("arc_kalman")}).algorithms[0].passes;
+  Fixture fixture;
+  fixture.options.tolerance_m = 1.0;
+  const Passes all = fixture.of({candidate("arc_kalman")}).algorithms[0].passes;
   EXPECT_EQ(all.passed, 12U);
   EXPECT_EQ(all.in_a_row, 12U);
   EXPECT_EQ(all.needed, 59U);
   EXPECT_NEAR(all.reliability_shown, std::pow(0.05, 1.0 / 12.0), 1e-12);
-  bench.options.tolerance_m = 1e-4;
-  EXPECT_EQ(bench.of({candidate("arc_kalman")}).algorithms[0].passes.passed, 0U);
+  fixture.options.tolerance_m = 1e-4;
+  EXPECT_EQ(fixture.of({candidate("arc_kalman")}).algorithms[0].passes.passed, 0U);
   EXPECT_GT(all.tolerance_passed_m, 0.01);
 }
 

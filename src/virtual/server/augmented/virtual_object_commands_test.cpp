@@ -2,12 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cosiva/virtual/server/testing/server_bench.h"
+#include "cosiva/virtual/server/testing/server_fixture.h"
 
 namespace cosiva::virtual_side {
 namespace {
 
-using namespace bench;
+using namespace fixture;
 using testing::AnyOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -22,53 +22,53 @@ std::vector<std::string> ids(const JsonValue& list) {
   for (const JsonValue& one : *list.array()) found.push_back(*one.text("id"));
   return found;
 }
-JsonValue virtual_object(const ServerBench& bench, const std::string& id) {
-  const JsonValue all = bench.snapshot();
+JsonValue virtual_object(const ServerFixture& fixture, const std::string& id) {
+  const JsonValue all = fixture.snapshot();
   for (const JsonValue& one : *all.find("virtualObjects")->array())
     if (one.text("id") == id) return one;
   return {};
 }
-std::vector<std::string> virtual_objects(const ServerBench& bench) { return ids(*bench.snapshot().find("virtualObjects")); }
-std::vector<std::string> aivs(const ServerBench& bench) { return ids(*bench.snapshot().find("aivs")); }
+std::vector<std::string> virtual_objects(const ServerFixture& fixture) { return ids(*fixture.snapshot().find("virtualObjects")); }
+std::vector<std::string> aivs(const ServerFixture& fixture) { return ids(*fixture.snapshot().find("aivs")); }
 
 TEST(VirtualObjects, stand_where_they_were_put_with_names_of_their_kind) {
-  ServerBench bench;
-  EXPECT_EQ(bench.server->next_virtual_object_id("person"), "P1");
-  bench.ask(person(R"("x":0.5,"y":0.1)"));
-  bench.ask(R"({"command":"add","virtualObject":{"kind":"obstacle","id":"box","x":1.5,"y":0.2,"radius":0.3}})");
-  EXPECT_THAT(virtual_objects(bench), ElementsAre("P1", "box"));
-  EXPECT_EQ(bench.server->next_virtual_object_id("person"), "P2");
-  EXPECT_EQ(bench.server->next_virtual_object_id("obstacle"), "O1");
-  EXPECT_EQ(bench.server->next_virtual_object_id("aiv"), "V1");
-  const JsonValue p = virtual_object(bench, "P1");
+  ServerFixture fixture;
+  EXPECT_EQ(fixture.server->next_virtual_object_id("person"), "P1");
+  fixture.ask(person(R"("x":0.5,"y":0.1)"));
+  fixture.ask(R"({"command":"add","virtualObject":{"kind":"obstacle","id":"box","x":1.5,"y":0.2,"radius":0.3}})");
+  EXPECT_THAT(virtual_objects(fixture), ElementsAre("P1", "box"));
+  EXPECT_EQ(fixture.server->next_virtual_object_id("person"), "P2");
+  EXPECT_EQ(fixture.server->next_virtual_object_id("obstacle"), "O1");
+  EXPECT_EQ(fixture.server->next_virtual_object_id("aiv"), "V1");
+  const JsonValue p = virtual_object(fixture, "P1");
   EXPECT_EQ(*p.number("x"), 0.5);
   EXPECT_EQ(*p.number("radius"), 0.06) << "half of the zone's vehicle width";
   EXPECT_EQ(*p.number("handle"), 32768.0);
   EXPECT_EQ(p.find("path"), nullptr);
-  EXPECT_EQ(*virtual_object(bench, "box").number("radius"), 0.3);
-  EXPECT_EQ(virtual_object(bench, "box").text("kind"), "obstacle");
+  EXPECT_EQ(*virtual_object(fixture, "box").number("radius"), 0.3);
+  EXPECT_EQ(virtual_object(fixture, "box").text("kind"), "obstacle");
 }
 
 TEST(VirtualObjects, walk_their_path_move_and_go) {
-  ServerBench bench;
-  bench.ask(person(R"("path":[[0,0.1],[1,0.1]],"speed":0.5,"repeat":"back and forth")"));
-  bench.run_for(3s);
-  EXPECT_NEAR(*virtual_object(bench, "P1").number("x"), 0.5, 1e-9);
-  EXPECT_EQ(virtual_object(bench, "P1").text("repeat"), "back and forth");
-  EXPECT_THAT(*virtual_object(bench, "P1").find("path")->array(), SizeIs(2));
-  bench.ask(R"({"command":"move","virtualObject":{"id":"P1","x":1.5,"y":0.1}})");
-  EXPECT_EQ(*virtual_object(bench, "P1").number("x"), 1.5);
-  EXPECT_EQ(*virtual_object(bench, "P1").number("speed"), 0.0);
-  bench.ask(R"({"command":"move","virtualObject":{"id":"P1","path":[[1.5,0.1],[0,0.1]]}})");
-  bench.run_for(1s);
-  EXPECT_LT(*virtual_object(bench, "P1").number("x"), 1.5) << "at the zone's slow speed, since none was said";
-  bench.ask(R"({"command":"remove","id":"P1"})");
-  EXPECT_THAT(virtual_objects(bench), IsEmpty());
+  ServerFixture fixture;
+  fixture.ask(person(R"("path":[[0,0.1],[1,0.1]],"speed":0.5,"repeat":"back and forth")"));
+  fixture.run_for(3s);
+  EXPECT_NEAR(*virtual_object(fixture, "P1").number("x"), 0.5, 1e-9);
+  EXPECT_EQ(virtual_object(fixture, "P1").text("repeat"), "back and forth");
+  EXPECT_THAT(*virtual_object(fixture, "P1").find("path")->array(), SizeIs(2));
+  fixture.ask(R"({"command":"move","virtualObject":{"id":"P1","x":1.5,"y":0.1}})");
+  EXPECT_EQ(*virtual_object(fixture, "P1").number("x"), 1.5);
+  EXPECT_EQ(*virtual_object(fixture, "P1").number("speed"), 0.0);
+  fixture.ask(R"({"command":"move","virtualObject":{"id":"P1","path":[[1.5,0.1],[0,0.1]]}})");
+  fixture.run_for(1s);
+  EXPECT_LT(*virtual_object(fixture, "P1").number("x"), 1.5) << "at the zone's slow speed, since none was said";
+  fixture.ask(R"({"command":"remove","id":"P1"})");
+  EXPECT_THAT(virtual_objects(fixture), IsEmpty());
 }
 
 TEST(VirtualObjects, that_cannot_be_are_refused_with_a_sentence_and_change_nothing) {
-  ServerBench bench;
-  bench.ask(person(R"("id":"P1","x":0.5,"y":0.1)"));
+  ServerFixture fixture;
+  fixture.ask(person(R"("id":"P1","x":0.5,"y":0.1)"));
   const std::vector<std::pair<std::string, std::string>> wrong{
       {person(R"("x":50,"y":0)"), "off the zone"},
       {person(R"("path":[[0,0],[0,99]])"), "path[1]"},
@@ -95,13 +95,13 @@ TEST(VirtualObjects, that_cannot_be_are_refused_with_a_sentence_and_change_nothi
       {R"({"command":"remove","id":"P9"})", "there are P1"},
       {R"({"command":"remove"})", "which thing"}};
   for (const auto& [json, phrase] : wrong) {
-    EXPECT_THAT(bench.refusal(json), HasSubstr(phrase)) << json;
-    bench.logs.clear();
-    bench.ask(json);
-    EXPECT_TRUE(bench.logged("refused")) << json;
+    EXPECT_THAT(fixture.refusal(json), HasSubstr(phrase)) << json;
+    fixture.logs.clear();
+    fixture.ask(json);
+    EXPECT_TRUE(fixture.logged("refused")) << json;
   }
-  EXPECT_THAT(virtual_objects(bench), ElementsAre("P1"));
-  EXPECT_EQ(*bench.bijection().find("commands")->number("issued"), 0.0) << "they are no commands to vehicles";
+  EXPECT_THAT(virtual_objects(fixture), ElementsAre("P1"));
+  EXPECT_EQ(*fixture.bijection().find("commands")->number("issued"), 0.0) << "they are no commands to vehicles";
 }
 
 TEST(VirtualObjects, need_a_zone) {
@@ -112,110 +112,110 @@ TEST(VirtualObjects, need_a_zone) {
 }
 
 TEST(VirtualObjects, are_at_most_64_and_all_go_at_once) {
-  ServerBench bench;
-  for (int i = 0; i < 64; ++i) bench.ask(person(R"("x":0.5,"y":0.1)"));
-  EXPECT_THAT(bench.refusal(person(R"("x":0.5,"y":0.1)")), HasSubstr("remove one"));
-  EXPECT_THAT(bench.refusal(virtual_aiv("")), HasSubstr("remove one"));
-  bench.ask(R"({"command":"remove","id":"*"})");
-  EXPECT_THAT(virtual_objects(bench), IsEmpty());
+  ServerFixture fixture;
+  for (int i = 0; i < 64; ++i) fixture.ask(person(R"("x":0.5,"y":0.1)"));
+  EXPECT_THAT(fixture.refusal(person(R"("x":0.5,"y":0.1)")), HasSubstr("remove one"));
+  EXPECT_THAT(fixture.refusal(virtual_aiv("")), HasSubstr("remove one"));
+  fixture.ask(R"({"command":"remove","id":"*"})");
+  EXPECT_THAT(virtual_objects(fixture), IsEmpty());
 }
 
 TEST(VirtualAivs, drive_round_as_every_other_and_are_counted_apart) {
-  ServerBench bench;
-  BenchVehicle& real = bench.add("AIV1", {0, 0.5});
-  bench.run_for(1s);
-  bench.ask(virtual_aiv(R"(,"section":"north","s":1.0)"));
-  bench.run_for(4s);
-  const JsonValue first = bench.aiv("CoSiVA.virtual/V1");
+  ServerFixture fixture;
+  FixtureVehicle& real = fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(1s);
+  fixture.ask(virtual_aiv(R"(,"section":"north","s":1.0)"));
+  fixture.run_for(4s);
+  const JsonValue first = fixture.aiv("CoSiVA.virtual/V1");
   EXPECT_EQ(first.flag("augmented"), true);
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").flag("augmented"), false);
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").flag("augmented"), false);
   EXPECT_EQ(first.text("connection"), "ONLINE");
   EXPECT_FALSE(first.text("orderId")->empty());
-  bench.run_for(6s);
-  const JsonValue then = bench.aiv("CoSiVA.virtual/V1");
+  fixture.run_for(6s);
+  const JsonValue then = fixture.aiv("CoSiVA.virtual/V1");
   EXPECT_NE(*then.number("x"), *first.number("x"));
   EXPECT_GT(*then.number("speed"), 0.1);
   EXPECT_GT(real.driven_m, 2.0);
-  const JsonValue metrics = bench.bijection();
+  const JsonValue metrics = fixture.bijection();
   EXPECT_EQ(*metrics.number("physical"), 1.0);
   EXPECT_EQ(*metrics.number("virtual"), 1.0);
   EXPECT_EQ(*metrics.number("matched"), 1.0);
   EXPECT_EQ(*metrics.number("augmented"), 1.0);
   EXPECT_EQ(*metrics.find("events")->find("by_kind")->number("arrival"), 1.0);
-  EXPECT_FALSE(bench.published_on("uagv/v2/CoSiVA.virtual/V1/order").empty()) << "any fleet tool sees it";
+  EXPECT_FALSE(fixture.published_on("uagv/v2/CoSiVA.virtual/V1/order").empty()) << "any fleet tool sees it";
 }
 
 TEST(VirtualAivs, obey_commands_which_the_bijection_does_not_count) {
-  ServerBench bench;
-  bench.ask(virtual_aiv(R"(,"section":"south","s":1.0)"));
-  bench.run_for(4s);
-  bench.command("stop", "CoSiVA.virtual/V1", "c1");
-  bench.run_for(2s);
-  EXPECT_EQ(bench.command_entry("c1").text("state"), "materialised");
-  EXPECT_EQ(bench.aiv("CoSiVA.virtual/V1").text("status"), "stopped");
-  EXPECT_EQ(*bench.bijection().find("commands")->number("issued"), 0.0);
+  ServerFixture fixture;
+  fixture.ask(virtual_aiv(R"(,"section":"south","s":1.0)"));
+  fixture.run_for(4s);
+  fixture.command("stop", "CoSiVA.virtual/V1", "c1");
+  fixture.run_for(2s);
+  EXPECT_EQ(fixture.command_entry("c1").text("state"), "materialised");
+  EXPECT_EQ(fixture.aiv("CoSiVA.virtual/V1").text("status"), "stopped");
+  EXPECT_EQ(*fixture.bijection().find("commands")->number("issued"), 0.0);
 }
 
 TEST(VirtualAivs, taken_away_leave_the_table_and_the_way_and_may_come_back) {
-  ServerBench bench;
-  BenchVehicle& real = bench.add("AIV1", {0, 0.2});
-  bench.run_for(1s);
-  bench.command("stop", "CoSiVA/AIV1");
-  bench.run_for(1s);
-  bench.ask(virtual_aiv(R"(,"section":"east","s":0.4)"));
-  bench.run_for(200ms);
-  bench.command("stop", "CoSiVA.virtual/V1");
-  bench.run_for(1s);
-  bench.command("restart", "CoSiVA/AIV1");
-  bench.run_for(10s);
+  ServerFixture fixture;
+  FixtureVehicle& real = fixture.add("AIV1", {0, 0.2});
+  fixture.run_for(1s);
+  fixture.command("stop", "CoSiVA/AIV1");
+  fixture.run_for(1s);
+  fixture.ask(virtual_aiv(R"(,"section":"east","s":0.4)"));
+  fixture.run_for(200ms);
+  fixture.command("stop", "CoSiVA.virtual/V1");
+  fixture.run_for(1s);
+  fixture.command("restart", "CoSiVA/AIV1");
+  fixture.run_for(10s);
   EXPECT_LT(real.pose().x_m, 2.2) << "it keeps behind";
   EXPECT_FALSE(real.paused) << "its base ends before the virtual one";
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("waitsFor"), "CoSiVA.virtual/V1");
-  bench.command("restart", "CoSiVA.virtual/V1");
-  bench.run_for(600ms);
-  bench.command("stop", "CoSiVA.virtual/V1", "c9");
-  ASSERT_EQ(bench.command_entry("c9").text("state"), "accepted") << "it still rolls";
-  bench.ask(R"({"command":"remove","id":"V1"})");
-  EXPECT_THAT(aivs(bench), ElementsAre("CoSiVA/AIV1"));
-  EXPECT_EQ(bench.command_entry("c9").text("state"), "failed");
-  const auto goodbyes = bench.published_on("uagv/v2/CoSiVA.virtual/V1/connection");
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").text("waitsFor"), "CoSiVA.virtual/V1");
+  fixture.command("restart", "CoSiVA.virtual/V1");
+  fixture.run_for(600ms);
+  fixture.command("stop", "CoSiVA.virtual/V1", "c9");
+  ASSERT_EQ(fixture.command_entry("c9").text("state"), "accepted") << "it still rolls";
+  fixture.ask(R"({"command":"remove","id":"V1"})");
+  EXPECT_THAT(aivs(fixture), ElementsAre("CoSiVA/AIV1"));
+  EXPECT_EQ(fixture.command_entry("c9").text("state"), "failed");
+  const auto goodbyes = fixture.published_on("uagv/v2/CoSiVA.virtual/V1/connection");
   EXPECT_THAT(goodbyes.back().payload, HasSubstr("OFFLINE"));
   EXPECT_TRUE(goodbyes.back().retained);
   const double before_m = real.driven_m;
-  bench.run_for(3s);
+  fixture.run_for(3s);
   EXPECT_GT(real.driven_m, before_m + 0.5);
-  EXPECT_THAT(bench.refusal(R"({"command":"stop","vehicle":"CoSiVA.virtual/V1"})"), HasSubstr("no vehicle"));
-  bench.ask(virtual_aiv(R"(,"id":"V1","section":"north","s":0.5)"));
-  bench.run_for(500ms);
-  EXPECT_THAT(aivs(bench), ElementsAre("CoSiVA/AIV1", "CoSiVA.virtual/V1"));
-  EXPECT_EQ(bench.aiv("CoSiVA.virtual/V1").text("section"), "north");
+  EXPECT_THAT(fixture.refusal(R"({"command":"stop","vehicle":"CoSiVA.virtual/V1"})"), HasSubstr("no vehicle"));
+  fixture.ask(virtual_aiv(R"(,"id":"V1","section":"north","s":0.5)"));
+  fixture.run_for(500ms);
+  EXPECT_THAT(aivs(fixture), ElementsAre("CoSiVA/AIV1", "CoSiVA.virtual/V1"));
+  EXPECT_EQ(fixture.aiv("CoSiVA.virtual/V1").text("section"), "north");
 }
 
 TEST(VirtualAivs, go_where_there_is_most_room_when_no_place_is_said) {
-  ServerBench bench;
-  bench.add("AIV1", {0, 1.0}).blocked = true;  // in the middle of the south side
-  bench.run_for(1s);
-  bench.ask(virtual_aiv(""));
-  bench.run_for(200ms);
+  ServerFixture fixture;
+  fixture.add("AIV1", {0, 1.0}).blocked = true;  // in the middle of the south side
+  fixture.run_for(1s);
+  fixture.ask(virtual_aiv(""));
+  fixture.run_for(200ms);
   // By the crow's fly the ends of the oval are 1.62 m away, the other side 1.0 m.
-  EXPECT_THAT(*bench.aiv("CoSiVA.virtual/V1").text("section"), AnyOf("east", "west"));
+  EXPECT_THAT(*fixture.aiv("CoSiVA.virtual/V1").text("section"), AnyOf("east", "west"));
 }
 
 TEST(VirtualAivs, are_refused_where_no_vehicle_may_be) {
-  ServerBench bench;
-  bench.add("AIV1", {0, 1.0}).blocked = true;
-  bench.run_for(1s);
-  EXPECT_THAT(bench.refusal(virtual_aiv(R"(,"x":1.0,"y":0.45)")), HasSubstr("from the nearest way"));
-  EXPECT_THAT(bench.refusal(virtual_aiv(R"(,"x":1.2,"y":0.0)")), HasSubstr("CoSiVA/AIV1 stands 0.20 m"));
-  EXPECT_THAT(bench.refusal(virtual_aiv(R"(,"x":1.0)")), HasSubstr("two numbers"));
-  EXPECT_THAT(bench.refusal(virtual_aiv(R"(,"section":"attic")")), HasSubstr("it has south, east, north, west"));
-  EXPECT_THAT(bench.refusal(virtual_aiv(R"(,"section":"south","s":2.5)")), HasSubstr("2.00 m"));
-  EXPECT_EQ(bench.refusal(virtual_aiv(R"(,"x":1.5,"y":0.2)")), "");
-  bench.ask(virtual_aiv(R"(,"x":1.5,"y":0.2)"));
-  EXPECT_THAT(bench.refusal(virtual_aiv(R"(,"id":"V1")")), HasSubstr("already"));
-  EXPECT_THAT(bench.refusal(virtual_aiv(R"(,"x":1.6,"y":0.0)")), HasSubstr("CoSiVA.virtual/V1"));
-  EXPECT_THAT(bench.refusal(R"({"command":"move","virtualObject":{"id":"V1","x":1,"y":0}})"), HasSubstr("drives by itself"));
-  ServerBench clover{zone_file("lacet4.toml")};
+  ServerFixture fixture;
+  fixture.add("AIV1", {0, 1.0}).blocked = true;
+  fixture.run_for(1s);
+  EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"x":1.0,"y":0.45)")), HasSubstr("from the nearest way"));
+  EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"x":1.2,"y":0.0)")), HasSubstr("CoSiVA/AIV1 stands 0.20 m"));
+  EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"x":1.0)")), HasSubstr("two numbers"));
+  EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"section":"attic")")), HasSubstr("it has south, east, north, west"));
+  EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"section":"south","s":2.5)")), HasSubstr("2.00 m"));
+  EXPECT_EQ(fixture.refusal(virtual_aiv(R"(,"x":1.5,"y":0.2)")), "");
+  fixture.ask(virtual_aiv(R"(,"x":1.5,"y":0.2)"));
+  EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"id":"V1")")), HasSubstr("already"));
+  EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"x":1.6,"y":0.0)")), HasSubstr("CoSiVA.virtual/V1"));
+  EXPECT_THAT(fixture.refusal(R"({"command":"move","virtualObject":{"id":"V1","x":1,"y":0}})"), HasSubstr("drives by itself"));
+  ServerFixture clover{zone_file("lacet4.toml")};
   const zone::Crossing& crossing = clover.zone->crossings.front();
   EXPECT_THAT(clover.refusal(virtual_aiv(",\"x\":" + std::to_string(crossing.centre.x_m) +
                                          ",\"y\":" + std::to_string(crossing.centre.y_m))),
@@ -223,18 +223,18 @@ TEST(VirtualAivs, are_refused_where_no_vehicle_may_be) {
 }
 
 TEST(VirtualAivs, go_on_from_where_they_stand_when_the_ways_change) {
-  ServerBench bench;
-  bench.ask(virtual_aiv(R"(,"section":"west","s":1.0)"));
-  bench.ask(virtual_aiv(R"(,"section":"south","s":1.0)"));
-  bench.run_for(3s);
+  ServerFixture fixture;
+  fixture.ask(virtual_aiv(R"(,"section":"west","s":1.0)"));
+  fixture.ask(virtual_aiv(R"(,"section":"south","s":1.0)"));
+  fixture.run_for(3s);
   std::string shorter = oval().text;
   for (int i = 0; i < 2; ++i) shorter.replace(shorter.find("length_m = 2.0"), 14, "length_m = 1.0");
-  bench.feed(wire::InputKind::message, "cosiva/v1/zone/toml", shorter);
-  ASSERT_EQ(bench.server->zone_revision(), 2U);
-  bench.run_for(10s);
-  EXPECT_THAT(aivs(bench), ElementsAre("CoSiVA.virtual/V1", "CoSiVA.virtual/V2"));
-  EXPECT_GT(*bench.aiv("CoSiVA.virtual/V1").number("speed"), 0.05);
-  const JsonValue parked = bench.aiv("CoSiVA.virtual/V2");
+  fixture.feed(wire::InputKind::message, "cosiva/v1/zone/toml", shorter);
+  ASSERT_EQ(fixture.server->zone_revision(), 2U);
+  fixture.run_for(10s);
+  EXPECT_THAT(aivs(fixture), ElementsAre("CoSiVA.virtual/V1", "CoSiVA.virtual/V2"));
+  EXPECT_GT(*fixture.aiv("CoSiVA.virtual/V1").number("speed"), 0.05);
+  const JsonValue parked = fixture.aiv("CoSiVA.virtual/V2");
   EXPECT_THAT(parked.text("parked").value_or(""), HasSubstr("from the nearest way")) << "its way ended where it was";
   EXPECT_EQ(*parked.number("speed"), 0.0);
   EXPECT_EQ(*parked.number("y"), 0.0);
@@ -242,18 +242,18 @@ TEST(VirtualAivs, go_on_from_where_they_stand_when_the_ways_change) {
 
 TEST(VirtualAivs, make_the_same_run_from_the_same_inputs) {
   const auto run = [] {
-    ServerBench bench{zone_file("lacet4.toml")};
-    bench.add("AIV1", {0, 0.1});
-    bench.run_for(1s);
-    bench.ask(virtual_aiv(""));
-    bench.ask(person(R"("path":[[0,0],[0.5,0.5],[-0.5,0.2]],"speed":0.3,"repeat":"loop")"));
-    bench.run_for(10s);
-    bench.ask(R"({"command":"edit","edit":{"addTags":[{"number":77,"x":0,"y":0.1}]}})");
-    bench.run_for(5s);
+    ServerFixture fixture{zone_file("lacet4.toml")};
+    fixture.add("AIV1", {0, 0.1});
+    fixture.run_for(1s);
+    fixture.ask(virtual_aiv(""));
+    fixture.ask(person(R"("path":[[0,0],[0.5,0.5],[-0.5,0.2]],"speed":0.3,"repeat":"loop")"));
+    fixture.run_for(10s);
+    fixture.ask(R"({"command":"edit","edit":{"addTags":[{"number":77,"x":0,"y":0.1}]}})");
+    fixture.run_for(5s);
     Digest digest;
-    bench.server->fold(digest);
-    for (const wire::Publish& message : bench.published) digest.add(std::string_view{message.payload});
-    digest.add(std::string_view{bench.memory});
+    fixture.server->fold(digest);
+    for (const wire::Publish& message : fixture.published) digest.add(std::string_view{message.payload});
+    digest.add(std::string_view{fixture.memory});
     return digest.hex();
   };
   EXPECT_EQ(run(), run());
@@ -262,18 +262,18 @@ TEST(VirtualAivs, make_the_same_run_from_the_same_inputs) {
 TEST(VirtualAivs, speak_under_the_server_s_own_interface) {
   ServerOptions options;
   options.interface_name = "plant7";
-  ServerBench bench{oval(), options};
-  bench.ask(virtual_aiv(R"(,"section":"south","s":1.0)"));
-  bench.run_for(3s);
-  EXPECT_FALSE(bench.published_on("plant7/v2/CoSiVA.virtual/V1/state").empty());
-  EXPECT_GT(*bench.aiv("CoSiVA.virtual/V1").number("speed"), 0.0);
+  ServerFixture fixture{oval(), options};
+  fixture.ask(virtual_aiv(R"(,"section":"south","s":1.0)"));
+  fixture.run_for(3s);
+  EXPECT_FALSE(fixture.published_on("plant7/v2/CoSiVA.virtual/V1/state").empty());
+  EXPECT_GT(*fixture.aiv("CoSiVA.virtual/V1").number("speed"), 0.0);
 }
 
 TEST(VirtualAivs, say_goodbye_with_the_server) {
-  ServerBench bench;
-  bench.ask(virtual_aiv(R"(,"section":"south","s":1.0)"));
+  ServerFixture fixture;
+  fixture.ask(virtual_aiv(R"(,"section":"south","s":1.0)"));
   wire::Effects effects;
-  bench.server->farewell(bench.now, effects);
+  fixture.server->farewell(fixture.now, effects);
   std::vector<std::string> topics;
   for (const wire::Effect& effect : effects)
     if (const auto* message = std::get_if<wire::Publish>(&effect)) topics.push_back(message->topic);
@@ -281,82 +281,82 @@ TEST(VirtualAivs, say_goodbye_with_the_server) {
 }
 
 TEST(VirtualAivs, of_a_forgotten_life_are_not_shown_and_said_to_be_gone) {
-  ServerBench bench;
-  wire::Connection ghost{{3, bench.now, "2.1.0", "CoSiVA.virtual", "V7"}, wire::ConnectionState::online};
-  bench.feed(wire::InputKind::message, "uagv/v2/CoSiVA.virtual/V7/connection", vda::encode(ghost), true);
-  bench.run_for(3s);
-  EXPECT_THAT(aivs(bench), IsEmpty());
-  const auto said = bench.published_on("uagv/v2/CoSiVA.virtual/V7/connection");
+  ServerFixture fixture;
+  wire::Connection ghost{{3, fixture.now, "2.1.0", "CoSiVA.virtual", "V7"}, wire::ConnectionState::online};
+  fixture.feed(wire::InputKind::message, "uagv/v2/CoSiVA.virtual/V7/connection", vda::encode(ghost), true);
+  fixture.run_for(3s);
+  EXPECT_THAT(aivs(fixture), IsEmpty());
+  const auto said = fixture.published_on("uagv/v2/CoSiVA.virtual/V7/connection");
   ASSERT_THAT(said, SizeIs(1));
   EXPECT_THAT(said[0].payload, HasSubstr("OFFLINE"));
   EXPECT_TRUE(said[0].retained);
 }
 
 TEST(VirtualAivs, put_between_a_vehicle_and_its_crossing_drive_on_before_it) {
-  ServerBench bench{zone_file("lacet4.toml")};
-  BenchVehicle& real = bench.add("AIV1", {7, 1.5});
+  ServerFixture fixture{zone_file("lacet4.toml")};
+  FixtureVehicle& real = fixture.add("AIV1", {7, 1.5});
   // Until its base leads through the crossings of the next straight.
-  for (int i = 0; i < 2000 && real.book->distance_to_base_end_m() < 1.0; ++i) bench.run_for(20ms);
+  for (int i = 0; i < 2000 && real.book->distance_to_base_end_m() < 1.0; ++i) fixture.run_for(20ms);
   real.blocked = true;  // it feels the virtual one before it
-  bench.run_for(100ms);
-  const zone::Place ahead = bench.zone->circuit.advance(real.place(), 0.45);
-  bench.ask(virtual_aiv(",\"section\":\"" + bench.zone->circuit.part(ahead.section).name +
+  fixture.run_for(100ms);
+  const zone::Place ahead = fixture.zone->circuit.advance(real.place(), 0.45);
+  fixture.ask(virtual_aiv(",\"section\":\"" + fixture.zone->circuit.part(ahead.section).name +
                         "\",\"s\":" + std::to_string(ahead.s_m)));
-  if (!bench.logged("command refused")) {
-    bench.run_for(8s);
+  if (!fixture.logged("command refused")) {
+    fixture.run_for(8s);
     EXPECT_GT(
-        distance(Pose2{*bench.aiv("CoSiVA.virtual/V1").number("x"), *bench.aiv("CoSiVA.virtual/V1").number("y"), 0},
+        distance(Pose2{*fixture.aiv("CoSiVA.virtual/V1").number("x"), *fixture.aiv("CoSiVA.virtual/V1").number("y"), 0},
                  real.pose()),
         0.8);
   }
 }
 
 TEST(Commands, to_several_vehicles_have_an_entry_each) {
-  ServerBench bench;
-  bench.add("AIV1", {0, 0.5});
-  bench.add("AIV2", {2, 0.5});
-  bench.add("AIV3", {2, 1.5});
-  bench.run_for(2s);
-  bench.ask(R"({"command":"stop","id":"c1","vehicles":["CoSiVA/AIV1","CoSiVA/AIV3","CoSiVA/AIV1"]})");
-  bench.run_for(1s);
-  EXPECT_EQ(bench.command_entry("c1.AIV1").text("state"), "materialised");
-  EXPECT_EQ(bench.command_entry("c1.AIV3").text("state"), "materialised");
-  EXPECT_TRUE(bench.command_entry("c1.AIV2").is_null());
-  EXPECT_EQ(*bench.bijection().find("commands")->number("issued"), 2.0);
-  EXPECT_THAT(bench.refusal(R"({"command":"stop","vehicles":["CoSiVA/AIV1","CoSiVA/AIV9"]})"),
+  ServerFixture fixture;
+  fixture.add("AIV1", {0, 0.5});
+  fixture.add("AIV2", {2, 0.5});
+  fixture.add("AIV3", {2, 1.5});
+  fixture.run_for(2s);
+  fixture.ask(R"({"command":"stop","id":"c1","vehicles":["CoSiVA/AIV1","CoSiVA/AIV3","CoSiVA/AIV1"]})");
+  fixture.run_for(1s);
+  EXPECT_EQ(fixture.command_entry("c1.AIV1").text("state"), "materialised");
+  EXPECT_EQ(fixture.command_entry("c1.AIV3").text("state"), "materialised");
+  EXPECT_TRUE(fixture.command_entry("c1.AIV2").is_null());
+  EXPECT_EQ(*fixture.bijection().find("commands")->number("issued"), 2.0);
+  EXPECT_THAT(fixture.refusal(R"({"command":"stop","vehicles":["CoSiVA/AIV1","CoSiVA/AIV9"]})"),
               HasSubstr("'CoSiVA/AIV9'"));
-  EXPECT_THAT(bench.refusal(R"({"command":"stop","vehicles":[]})"), HasSubstr("at least one"));
-  EXPECT_THAT(bench.refusal(R"({"command":"stop","vehicles":[7]})"), HasSubstr("no vehicle ''"));
+  EXPECT_THAT(fixture.refusal(R"({"command":"stop","vehicles":[]})"), HasSubstr("at least one"));
+  EXPECT_THAT(fixture.refusal(R"({"command":"stop","vehicles":[7]})"), HasSubstr("no vehicle ''"));
 }
 
 TEST(WorldCommands, pass_on_to_the_emulated_world_what_it_understands) {
-  ServerBench bench;
-  bench.add("AIV1", {0, 0.5});
-  bench.ask(R"({"command":"plant","plant":{"addObstacle":{"id":"box1","x":0.5,"y":0.2}}})");
-  bench.ask(R"({"command":"plant","plant":{"removeObstacle":"box1"}})");
-  const auto plant = bench.published_on(wire::plant_command_topic);
+  ServerFixture fixture;
+  fixture.add("AIV1", {0, 0.5});
+  fixture.ask(R"({"command":"plant","plant":{"addObstacle":{"id":"box1","x":0.5,"y":0.2}}})");
+  fixture.ask(R"({"command":"plant","plant":{"removeObstacle":"box1"}})");
+  const auto plant = fixture.published_on(wire::plant_command_topic);
   ASSERT_THAT(plant, SizeIs(2));
   EXPECT_EQ(plant[0].payload, R"({"addObstacle":{"id":"box1","x":0.5,"y":0.2,"radius":0.06}})");
   EXPECT_EQ(plant[1].payload, R"({"removeObstacle":"box1"})");
-  bench.ask(R"({"command":"radio","vehicle":"CoSiVA/AIV1","loss":0.3})");
-  const auto radio = bench.published_on(wire::plant_radio_topic);
+  fixture.ask(R"({"command":"radio","vehicle":"CoSiVA/AIV1","loss":0.3})");
+  const auto radio = fixture.published_on(wire::plant_radio_topic);
   ASSERT_THAT(radio, SizeIs(1));
   EXPECT_EQ(wire::radio_from_json(radio[0].payload)->loss, 0.3);
 }
 
 TEST(WorldCommands, that_make_no_sense_are_refused) {
-  ServerBench bench;
-  EXPECT_THAT(bench.refusal(R"({"command":"plant"})"), HasSubstr("say what"));
-  EXPECT_THAT(bench.refusal(R"({"command":"plant","plant":{}})"), HasSubstr("say what"));
-  EXPECT_THAT(bench.refusal(R"({"command":"plant","plant":{"addObstacle":{"x":0,"y":0}}})"), HasSubstr("name"));
-  EXPECT_THAT(bench.refusal(R"({"command":"plant","plant":{"addObstacle":{"id":"a","x":90,"y":0}}})"),
+  ServerFixture fixture;
+  EXPECT_THAT(fixture.refusal(R"({"command":"plant"})"), HasSubstr("say what"));
+  EXPECT_THAT(fixture.refusal(R"({"command":"plant","plant":{}})"), HasSubstr("say what"));
+  EXPECT_THAT(fixture.refusal(R"({"command":"plant","plant":{"addObstacle":{"x":0,"y":0}}})"), HasSubstr("name"));
+  EXPECT_THAT(fixture.refusal(R"({"command":"plant","plant":{"addObstacle":{"id":"a","x":90,"y":0}}})"),
               HasSubstr("off the zone"));
-  EXPECT_THAT(bench.refusal(R"({"command":"plant","plant":{"addObstacle":{"id":"a","x":0,"y":0,"radius":9}}})"),
+  EXPECT_THAT(fixture.refusal(R"({"command":"plant","plant":{"addObstacle":{"id":"a","x":0,"y":0,"radius":9}}})"),
               HasSubstr("0.02 m to 1 m"));
-  EXPECT_THAT(bench.refusal(R"({"command":"plant","plant":{"removeObstacle":7}})"), HasSubstr("name"));
-  EXPECT_THAT(bench.refusal(R"({"command":"radio","vehicle":"CoSiVA/AIV9","loss":0.3})"), HasSubstr("no vehicle"));
-  EXPECT_THAT(bench.refusal(R"({"command":"radio","vehicle":"*","loss":3})"), HasSubstr("from 0 to 1"));
-  EXPECT_THAT(bench.refusal(R"({"command":"radio","vehicle":"*"})"), HasSubstr("from 0 to 1"));
+  EXPECT_THAT(fixture.refusal(R"({"command":"plant","plant":{"removeObstacle":7}})"), HasSubstr("name"));
+  EXPECT_THAT(fixture.refusal(R"({"command":"radio","vehicle":"CoSiVA/AIV9","loss":0.3})"), HasSubstr("no vehicle"));
+  EXPECT_THAT(fixture.refusal(R"({"command":"radio","vehicle":"*","loss":3})"), HasSubstr("from 0 to 1"));
+  EXPECT_THAT(fixture.refusal(R"({"command":"radio","vehicle":"*"})"), HasSubstr("from 0 to 1"));
 }
 
 }  // namespace

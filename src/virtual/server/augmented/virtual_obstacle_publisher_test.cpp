@@ -3,12 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cosiva/virtual/server/testing/server_bench.h"
+#include "cosiva/virtual/server/testing/server_fixture.h"
 
 namespace cosiva::virtual_side {
 namespace {
 
-using namespace bench;
+using namespace fixture;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -21,29 +21,29 @@ class VirtualObstaclesFixture : public testing::Test {
  protected:
   VirtualObstaclesFixture() {
     aiv.blocked = true;
-    bench.run_for(1s);
-    bench.published.clear();
+    fixture.run_for(1s);
+    fixture.published.clear();
   }
   void add_person(double x, double y, const std::string& id = "P1") {
-    bench.ask(R"({"command":"add","virtualObject":{"kind":"person","id":")" + id + R"(","x":)" + std::to_string(x) +
+    fixture.ask(R"({"command":"add","virtualObject":{"kind":"person","id":")" + id + R"(","x":)" + std::to_string(x) +
               ",\"y\":" + std::to_string(y) + "}}");
   }
-  void remove(const std::string& id) { bench.ask(R"({"command":"remove","id":")" + id + "\"}"); }
+  void remove(const std::string& id) { fixture.ask(R"({"command":"remove","id":")" + id + "\"}"); }
   [[nodiscard]] std::vector<wire::VirtualObstacles> aheads(const std::string& name = "CoSiVA/AIV1") const {
     std::vector<wire::VirtualObstacles> all;
-    for (const wire::Publish& message : bench.published_on("cosiva/v1/virtual_obstacles/" + name))
+    for (const wire::Publish& message : fixture.published_on("cosiva/v1/virtual_obstacles/" + name))
       all.push_back(*wire::virtual_obstacles_from_json(message.payload));
     return all;
   }
   void response(std::uint32_t header_id, const std::string& brakes_for = "") {
-    wire::VirtualObstaclesAck perceived{header_id, bench.now, !brakes_for.empty(), brakes_for, std::nullopt};
+    wire::VirtualObstaclesAck perceived{header_id, fixture.now, !brakes_for.empty(), brakes_for, std::nullopt};
     if (perceived.braking) perceived.distance_m = 0.3;
-    bench.feed(wire::InputKind::message, "cosiva/v1/virtual_obstacles_ack/CoSiVA/AIV1", wire::to_json(perceived));
+    fixture.feed(wire::InputKind::message, "cosiva/v1/virtual_obstacles_ack/CoSiVA/AIV1", wire::to_json(perceived));
   }
   [[nodiscard]] JsonValue effect(const std::string& name) const {
-    return *bench.bijection().find("effects")->find(name);
+    return *fixture.bijection().find("effects")->find(name);
   }
-  [[nodiscard]] std::vector<std::string> requested_of(const BenchVehicle& vehicle) const {
+  [[nodiscard]] std::vector<std::string> requested_of(const FixtureVehicle& vehicle) const {
     std::vector<std::string> types;
     for (const wire::InstantActions& message : vehicle.actions)
       for (const wire::Action& action : message.actions)
@@ -51,8 +51,8 @@ class VirtualObstaclesFixture : public testing::Test {
     return types;
   }
 
-  ServerBench bench;
-  BenchVehicle& aiv{bench.add("AIV1", {0, 0.5})};
+  ServerFixture fixture;
+  FixtureVehicle& aiv{fixture.add("AIV1", {0, 0.5})};
 };
 
 TEST_F(VirtualObstaclesFixture, tells_of_a_body_in_the_same_call_in_which_it_came) {
@@ -60,23 +60,23 @@ TEST_F(VirtualObstaclesFixture, tells_of_a_body_in_the_same_call_in_which_it_cam
   const auto told = aheads();
   ASSERT_THAT(told, SizeIs(1));
   EXPECT_EQ(told[0].map_id, "oval");
-  EXPECT_EQ(told[0].timestamp, bench.now);
+  EXPECT_EQ(told[0].timestamp, fixture.now);
   ASSERT_THAT(told[0].bodies, SizeIs(1));
   EXPECT_EQ(told[0].bodies[0].id, "P1");
   EXPECT_EQ(told[0].bodies[0].kind, "person");
   EXPECT_EQ(told[0].bodies[0].radius_m, 0.06);
-  EXPECT_EQ(bench.published_on("cosiva/v1/virtual_obstacles/CoSiVA/AIV1")[0].qos, 0);
-  EXPECT_FALSE(bench.published_on("cosiva/v1/virtual_obstacles/CoSiVA/AIV1")[0].retained);
+  EXPECT_EQ(fixture.published_on("cosiva/v1/virtual_obstacles/CoSiVA/AIV1")[0].qos, 0);
+  EXPECT_FALSE(fixture.published_on("cosiva/v1/virtual_obstacles/CoSiVA/AIV1")[0].retained);
 }
 
 TEST_F(VirtualObstaclesFixture, repeats_it_every_100_ms_and_says_five_times_that_it_is_gone) {
   add_person(1.2, 0.0);
-  bench.run_for(1s);
+  fixture.run_for(1s);
   EXPECT_THAT(aheads(), SizeIs(11)) << "at once and ten times more";
-  bench.published.clear();
+  fixture.published.clear();
   remove("P1");
   ASSERT_THAT(aheads(), SizeIs(1)) << "at once";
-  bench.run_for(2s);
+  fixture.run_for(2s);
   const auto told = aheads();
   EXPECT_THAT(told, SizeIs(5));
   for (const wire::VirtualObstacles& ahead : told) EXPECT_THAT(ahead.bodies, IsEmpty());
@@ -84,9 +84,9 @@ TEST_F(VirtualObstaclesFixture, repeats_it_every_100_ms_and_says_five_times_that
 
 TEST_F(VirtualObstaclesFixture, tells_at_once_when_a_body_leaps_and_carries_its_motion) {
   add_person(1.2, 0.0);
-  bench.run_for(50ms);
-  bench.published.clear();
-  bench.ask(R"({"command":"move","virtualObject":{"id":"P1","path":[[1.4,0.0],[1.4,1.0]],"speed":0.5}})");
+  fixture.run_for(50ms);
+  fixture.published.clear();
+  fixture.ask(R"({"command":"move","virtualObject":{"id":"P1","path":[[1.4,0.0],[1.4,1.0]],"speed":0.5}})");
   const auto told = aheads();
   ASSERT_THAT(told, SizeIs(1));
   EXPECT_NEAR(told[0].bodies[0].vy_mps, 0.5, 1e-9);
@@ -95,7 +95,7 @@ TEST_F(VirtualObstaclesFixture, tells_at_once_when_a_body_leaps_and_carries_its_
 
 TEST_F(VirtualObstaclesFixture, counts_its_headers_up_by_one) {
   add_person(1.2, 0.0);
-  bench.run_for(500ms);
+  fixture.run_for(500ms);
   const auto told = aheads();
   for (std::size_t i = 1; i < told.size(); ++i) EXPECT_EQ(told[i].header_id, told[i - 1].header_id + 1);
 }
@@ -113,39 +113,39 @@ TEST_F(VirtualObstaclesFixture, does_not_tell_of_what_is_far_or_wholly_behind) {
 }
 
 TEST_F(VirtualObstaclesFixture, tells_when_a_walker_comes_into_reach) {
-  bench.ask(R"({"command":"add","virtualObject":{"kind":"person","path":[[-0.4,0.8],[-0.4,0.0],[2.4,0.0]],"speed":1.0}})");
+  fixture.ask(R"({"command":"add","virtualObject":{"kind":"person","path":[[-0.4,0.8],[-0.4,0.0],[2.4,0.0]],"speed":1.0}})");
   EXPECT_THAT(aheads(), IsEmpty()) << "behind it";
-  bench.run_for(3s);
+  fixture.run_for(3s);
   ASSERT_FALSE(aheads().empty());
   EXPECT_EQ(aheads().front().bodies[0].id, "P1");
 }
 
 TEST_F(VirtualObstaclesFixture, is_still_while_nothing_virtual_is_there) {
-  bench.run_for(5s);
+  fixture.run_for(5s);
   EXPECT_THAT(aheads(), IsEmpty());
 }
 
 TEST_F(VirtualObstaclesFixture, tells_nobody_who_is_not_there) {
-  bench.kill(aiv);
+  fixture.kill(aiv);
   add_person(1.2, 0.0);
-  bench.run_for(1s);
+  fixture.run_for(1s);
   EXPECT_THAT(aheads(), IsEmpty());
   aiv.alive = true;
-  bench.connection(aiv, wire::ConnectionState::online);
-  bench.run_for(1500ms);
+  fixture.connection(aiv, wire::ConnectionState::online);
+  fixture.run_for(1500ms);
   EXPECT_THAT(aheads(), Not(IsEmpty())) << "and at once when it is back and knows where it is";
 }
 
 TEST_F(VirtualObstaclesFixture, measures_from_the_command_to_the_decision) {
   add_person(1.0, 0.0);
   const std::uint32_t id = aheads().back().header_id;
-  bench.now += 12ms;
+  fixture.now += 12ms;
   response(id, "P1");
   EXPECT_EQ(*effect("perceived_ms").number("count"), 1.0);
   EXPECT_NEAR(*effect("perceived_ms").number("max"), 12.0, 1.0) << "times on the wire are whole milliseconds";
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("brakingFor"), "P1");
-  const JsonValue snapshot = bench.snapshot();
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").text("brakingFor"), "P1");
+  const JsonValue snapshot = fixture.snapshot();
   const JsonValue& person = snapshot.find("virtualObjects")->array()->front();
   EXPECT_EQ(person.find("perceivedBy")->array()->front().text()[0], "CoSiVA/AIV1");
 }
@@ -162,13 +162,13 @@ TEST_F(VirtualObstaclesFixture, counts_each_change_once_and_braking_once_per_bod
   response(aheads().back().header_id);
   EXPECT_EQ(*effect("perceived_ms").number("count"), 2.0) << "its going is a change, too";
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
-  EXPECT_TRUE(bench.aiv("CoSiVA/AIV1").find("brakingFor")->is_null());
+  EXPECT_TRUE(fixture.aiv("CoSiVA/AIV1").find("brakingFor")->is_null());
 }
 
 TEST_F(VirtualObstaclesFixture, takes_the_answer_to_the_next_message_when_the_first_was_lost) {
   add_person(1.0, 0.0);
   const std::uint32_t id = aheads().back().header_id;
-  bench.run_for(100ms);
+  fixture.run_for(100ms);
   response(id + 1, "P1");
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
   EXPECT_NEAR(*effect("brakes_ms").number("max"), 100.0, 1.0);
@@ -177,17 +177,17 @@ TEST_F(VirtualObstaclesFixture, takes_the_answer_to_the_next_message_when_the_fi
 TEST_F(VirtualObstaclesFixture, measures_how_old_the_news_was_where_a_vehicle_brakes_only_as_it_comes_nearer) {
   add_person(1.9, 0.0);
   response(aheads().back().header_id);
-  bench.run_for(2s);
-  bench.now += 30ms;
+  fixture.run_for(2s);
+  fixture.now += 30ms;
   const wire::VirtualObstacles news = aheads().back();
   for (int i = 0; i < 3; ++i) response(news.header_id, "P1");  // it goes on braking
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
-  EXPECT_NEAR(*effect("brakes_ms").number("max"), to_seconds(bench.now - news.timestamp) * 1e3, 1.0);
+  EXPECT_NEAR(*effect("brakes_ms").number("max"), to_seconds(fixture.now - news.timestamp) * 1e3, 1.0);
   EXPECT_GE(*effect("brakes_ms").number("max"), 29.0);
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("brakingFor"), "P1");
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").text("brakingFor"), "P1");
   // What was sent so long ago that nobody remembers when is not judged.
   response(news.header_id);
-  bench.run_for(3s);
+  fixture.run_for(3s);
   response(news.header_id, "P1");
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
 }
@@ -197,20 +197,20 @@ TEST_F(VirtualObstaclesFixture, ignores_answers_to_what_it_never_said) {
   response(aheads().back().header_id + 1, "P1");
   response(4'000'000'000U, "P1");
   EXPECT_EQ(*effect("perceived_ms").number("count"), 0.0);
-  EXPECT_TRUE(bench.aiv("CoSiVA/AIV1").find("brakingFor")->is_null());
+  EXPECT_TRUE(fixture.aiv("CoSiVA/AIV1").find("brakingFor")->is_null());
 }
 
 TEST_F(VirtualObstaclesFixture, tells_a_virtual_aiv_of_physical_vehicles_and_the_others_of_it) {
-  bench.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"south","s":1.4}})");
-  bench.run_for(200ms);
+  fixture.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"south","s":1.4}})");
+  fixture.run_for(200ms);
   const auto told = aheads();
   ASSERT_FALSE(told.empty());
   EXPECT_EQ(told.front().bodies[0].id, "CoSiVA.virtual/V1");
   EXPECT_EQ(told.front().bodies[0].kind, "aiv");
   EXPECT_NEAR(told.front().bodies[0].length_m, 0.08, 1e-12) << "0.20 m long, 0.12 m wide";
   EXPECT_NEAR(told.front().bodies[0].radius_m, 0.06, 1e-12);
-  EXPECT_THAT(bench.published_on("cosiva/v1/virtual_obstacles/CoSiVA.virtual/V1"), IsEmpty()) << "it is told within the server";
-  const JsonValue traces = *JsonValue::parse(bench.server->traces_json(1, 2000));
+  EXPECT_THAT(fixture.published_on("cosiva/v1/virtual_obstacles/CoSiVA.virtual/V1"), IsEmpty()) << "it is told within the server";
+  const JsonValue traces = *JsonValue::parse(fixture.server->traces_json(1, 2000));
   bool traced = false;
   for (const JsonValue& trace : *traces.find("traces")->array())
     traced = traced || (trace.text("kind") == "ahead" && trace.text("to") == "CoSiVA.virtual/V1");
@@ -218,20 +218,20 @@ TEST_F(VirtualObstaclesFixture, tells_a_virtual_aiv_of_physical_vehicles_and_the
 }
 
 TEST_F(VirtualObstaclesFixture, stops_a_virtual_aiv_before_a_person_and_a_physical_vehicle) {
-  bench.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"west","s":1.0}})");
-  bench.run_for(20s);
-  const JsonValue v1 = bench.aiv("CoSiVA.virtual/V1");
+  fixture.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"west","s":1.0}})");
+  fixture.run_for(20s);
+  const JsonValue v1 = fixture.aiv("CoSiVA.virtual/V1");
   EXPECT_EQ(*v1.number("speed"), 0.0) << "AIV1 stands on its way";
   EXPECT_LT(*v1.number("x"), 0.3);
   add_person(1.5, 1.0, "P1");  // on the north side, before a second one
-  bench.ask(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V2","section":"east","s":1.0}})");
-  bench.run_for(10s);
-  EXPECT_EQ(*bench.aiv("CoSiVA.virtual/V2").number("speed"), 0.0);
-  EXPECT_GT(*bench.aiv("CoSiVA.virtual/V2").number("x"), 1.5);
-  EXPECT_EQ(bench.aiv("CoSiVA.virtual/V2").text("brakingFor"), "P1");
+  fixture.ask(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V2","section":"east","s":1.0}})");
+  fixture.run_for(10s);
+  EXPECT_EQ(*fixture.aiv("CoSiVA.virtual/V2").number("speed"), 0.0);
+  EXPECT_GT(*fixture.aiv("CoSiVA.virtual/V2").number("x"), 1.5);
+  EXPECT_EQ(fixture.aiv("CoSiVA.virtual/V2").text("brakingFor"), "P1");
   remove("P1");
-  bench.run_for(5s);
-  EXPECT_LT(*bench.aiv("CoSiVA.virtual/V2").number("x"), 1.5);
+  fixture.run_for(5s);
+  EXPECT_LT(*fixture.aiv("CoSiVA.virtual/V2").number("x"), 1.5);
 }
 
 /// A vehicle of a third party, that never answers.
@@ -241,82 +241,82 @@ class DeafVehicle : public VirtualObstaclesFixture {
 };
 
 TEST_F(DeafVehicle, is_paused_before_a_body_in_its_way_and_let_go_when_it_is_gone) {
-  bench.run_for(1s);
+  fixture.run_for(1s);
   ASSERT_GT(aiv.speed_mps, 0.0);
   const double x = aiv.pose().x_m;
   add_person(x + 0.75, 0.0);
-  bench.run_for(2s);
+  fixture.run_for(2s);
   EXPECT_EQ(aiv.speed_mps, 0.0);
   EXPECT_TRUE(aiv.paused);
   EXPECT_LT(aiv.pose().x_m + 0.1, x + 0.75 - 0.06) << "it stands before it";
-  EXPECT_TRUE(bench.logged("paused for P1"));
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("brakingFor"), "P1");
+  EXPECT_TRUE(fixture.logged("paused for P1"));
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").text("brakingFor"), "P1");
   remove("P1");
-  bench.run_for(2s);
+  fixture.run_for(2s);
   EXPECT_FALSE(aiv.paused);
   EXPECT_GT(aiv.speed_mps, 0.0);
 }
 
 TEST_F(DeafVehicle, is_not_paused_for_a_body_beside_its_way) {
-  bench.run_for(1s);
+  fixture.run_for(1s);
   add_person(aiv.pose().x_m + 0.5, 0.2);
-  bench.run_for(3s);
+  fixture.run_for(3s);
   EXPECT_THAT(requested_of(aiv), Not(Contains("startPause")));
 }
 
 TEST_F(DeafVehicle, that_an_operator_stopped_is_not_let_go_by_us) {
-  bench.run_for(1s);
-  bench.command("stop", "CoSiVA/AIV1");
-  bench.run_for(1s);
+  fixture.run_for(1s);
+  fixture.command("stop", "CoSiVA/AIV1");
+  fixture.run_for(1s);
   add_person(aiv.pose().x_m + 0.5, 0.0);
-  bench.run_for(2s);
+  fixture.run_for(2s);
   remove("P1");
-  bench.run_for(3s);
+  fixture.run_for(3s);
   EXPECT_TRUE(aiv.paused);
   EXPECT_THAT(requested_of(aiv), Not(Contains("stopPause")));
 }
 
 TEST_F(DeafVehicle, that_an_operator_stops_while_we_hold_it_stays_stopped) {
-  bench.run_for(1s);
+  fixture.run_for(1s);
   add_person(aiv.pose().x_m + 0.6, 0.0);
-  bench.run_for(2s);
+  fixture.run_for(2s);
   ASSERT_TRUE(aiv.paused);
-  bench.command("stop", "CoSiVA/AIV1");
-  bench.run_for(1s);
+  fixture.command("stop", "CoSiVA/AIV1");
+  fixture.run_for(1s);
   remove("P1");
-  bench.run_for(3s);
+  fixture.run_for(3s);
   EXPECT_TRUE(aiv.paused);
 }
 
 TEST_F(DeafVehicle, that_answers_after_all_is_let_go_and_trusted) {
-  bench.run_for(1s);
+  fixture.run_for(1s);
   add_person(aiv.pose().x_m + 0.6, 0.0);
-  bench.run_for(1s);
+  fixture.run_for(1s);
   ASSERT_TRUE(aiv.paused);
   response(aheads().back().header_id, "P1");
-  bench.run_for(1s);
+  fixture.run_for(1s);
   EXPECT_FALSE(aiv.paused);
 }
 
 TEST_F(DeafVehicle, that_tells_of_its_boards_runs_our_program_and_is_left_to_feel_by_itself) {
-  wire::BoardsReport report{1, bench.now, {{wire::Board::PILS, "ok", 0, 0, 0, 0, 0, 0}}, {}, {}};
-  bench.feed(wire::InputKind::message, "cosiva/v1/boards/CoSiVA/AIV1", wire::to_json(report));
-  bench.run_for(1s);
+  wire::BoardsReport report{1, fixture.now, {{wire::Board::PILS, "ok", 0, 0, 0, 0, 0, 0}}, {}, {}};
+  fixture.feed(wire::InputKind::message, "cosiva/v1/boards/CoSiVA/AIV1", wire::to_json(report));
+  fixture.run_for(1s);
   add_person(aiv.pose().x_m + 0.6, 0.0);
-  bench.run_for(2s);
+  fixture.run_for(2s);
   EXPECT_FALSE(aiv.paused);
 }
 
 TEST_F(DeafVehicle, that_we_paused_is_let_go_by_the_next_life_of_the_server) {
-  bench.run_for(1s);
+  fixture.run_for(1s);
   add_person(aiv.pose().x_m + 0.6, 0.0);
-  bench.run_for(3s);
+  fixture.run_for(3s);
   ASSERT_TRUE(aiv.paused);
-  bench.restart_server(true);
-  bench.run_for(4s);
+  fixture.restart_server(true);
+  fixture.run_for(4s);
   EXPECT_TRUE(aiv.paused) << "the person is remembered, and still there";
   remove("P1");
-  bench.run_for(2s);
+  fixture.run_for(2s);
   EXPECT_FALSE(aiv.paused);
 }
 

@@ -3,145 +3,145 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cosiva/virtual/server/testing/server_bench.h"
+#include "cosiva/virtual/server/testing/server_fixture.h"
 
 namespace cosiva::virtual_side {
 namespace {
 
-using namespace bench;
+using namespace fixture;
 using testing::HasSubstr;
 
-class CommandBench : public testing::Test {
+class CommandFixture : public testing::Test {
  protected:
-  CommandBench() { bench.run_for(5s); }
+  CommandFixture() { fixture.run_for(5s); }
   [[nodiscard]] std::string state_of(const std::string& id) const {
-    return bench.command_entry(id).text("state").value_or("?");
+    return fixture.command_entry(id).text("state").value_or("?");
   }
   [[nodiscard]] std::string reason_of(const std::string& id) const {
-    return bench.command_entry(id).text("reason").value_or("?");
+    return fixture.command_entry(id).text("reason").value_or("?");
   }
   [[nodiscard]] std::string error_of(const std::string& json) const {
-    const auto checked = bench.server->check_command(json);
+    const auto checked = fixture.server->check_command(json);
     return checked ? "" : to_string(checked.error());
   }
   void list_actions(const std::vector<std::string>& types) {
     wire::Factsheet sheet;
-    sheet.header = aiv.header(bench.now, 0);
+    sheet.header = aiv.header(fixture.now, 0);
     for (const std::string& type : types) sheet.actions.push_back({type, "", true, false, false, {}});
-    bench.tell(aiv, "factsheet", vda::encode(sheet), true);
+    fixture.tell(aiv, "factsheet", vda::encode(sheet), true);
   }
 
-  ServerBench bench;
-  BenchVehicle& aiv{bench.add("AIV1", {0, 0.5})};
+  ServerFixture fixture;
+  FixtureVehicle& aiv{fixture.add("AIV1", {0, 0.5})};
 };
 
-TEST_F(CommandBench, stop_is_issued_accepted_and_materialised_when_the_vehicle_stands) {
+TEST_F(CommandFixture, stop_is_issued_accepted_and_materialised_when_the_vehicle_stands) {
   ASSERT_GT(aiv.speed_mps, 0.0);
-  bench.command("stop", "CoSiVA/AIV1", "c1");
+  fixture.command("stop", "CoSiVA/AIV1", "c1");
   EXPECT_EQ(state_of("c1"), "issued");
-  bench.run_for(1s);
+  fixture.run_for(1s);
   EXPECT_EQ(state_of("c1"), "materialised");
   EXPECT_EQ(aiv.speed_mps, 0.0);
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("status"), "stopped");
-  const JsonValue entry = bench.command_entry("c1");
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").text("status"), "stopped");
+  const JsonValue entry = fixture.command_entry("c1");
   EXPECT_LE(*entry.number("accepted_ms"), *entry.number("materialised_ms"));
   EXPECT_LE(*entry.number("materialised_ms"), 1000.0);
 }
 
-TEST_F(CommandBench, restart_lets_it_go_on_and_lifts_a_limit) {
-  bench.command("slow", "CoSiVA/AIV1", "c1");
-  bench.run_for(1s);
+TEST_F(CommandFixture, restart_lets_it_go_on_and_lifts_a_limit) {
+  fixture.command("slow", "CoSiVA/AIV1", "c1");
+  fixture.run_for(1s);
   EXPECT_EQ(state_of("c1"), "materialised");
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("status"), "slow speed");
-  bench.command("stop", "CoSiVA/AIV1", "c2");
-  bench.run_for(1s);
-  bench.command("restart", "CoSiVA/AIV1", "c3");
-  bench.run_for(2s);
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").text("status"), "slow speed");
+  fixture.command("stop", "CoSiVA/AIV1", "c2");
+  fixture.run_for(1s);
+  fixture.command("restart", "CoSiVA/AIV1", "c3");
+  fixture.run_for(2s);
   EXPECT_EQ(state_of("c3"), "materialised");
   EXPECT_EQ(aiv.profile, "normal");
   EXPECT_GT(aiv.speed_mps, 0.25);
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("status"), "Normal");
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").text("status"), "Normal");
 }
 
-TEST_F(CommandBench, limit_holds_one_vehicle_under_a_speed_of_its_own_until_restart_lifts_it) {
-  bench.run_for(2s);
-  bench.ask(R"({"command":"limit","speed":0.12,"vehicle":"CoSiVA/AIV1","id":"c1"})");
-  EXPECT_TRUE(bench.aiv("CoSiVA/AIV1").find("speedLimit")->is_null()) << "asked for is not done";
-  bench.run_for(2s);
+TEST_F(CommandFixture, limit_holds_one_vehicle_under_a_speed_of_its_own_until_restart_lifts_it) {
+  fixture.run_for(2s);
+  fixture.ask(R"({"command":"limit","speed":0.12,"vehicle":"CoSiVA/AIV1","id":"c1"})");
+  EXPECT_TRUE(fixture.aiv("CoSiVA/AIV1").find("speedLimit")->is_null()) << "asked for is not done";
+  fixture.run_for(2s);
   EXPECT_EQ(state_of("c1"), "materialised");
   EXPECT_NEAR(aiv.speed_mps, 0.12, 1e-9);
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").number("speedLimit"), 0.12);
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").number("speedLimit"), 0.12);
   const wire::Action& told = aiv.actions.back().actions.front();
   EXPECT_EQ(told.action_type, "setSpeedLimit");
   EXPECT_EQ(told.number("maxSpeed"), 0.12);
-  bench.command("restart", "CoSiVA/AIV1", "c2");
-  bench.run_for(2s);
+  fixture.command("restart", "CoSiVA/AIV1", "c2");
+  fixture.run_for(2s);
   EXPECT_EQ(state_of("c2"), "materialised");
   EXPECT_GT(aiv.speed_mps, 0.25);
-  EXPECT_TRUE(bench.aiv("CoSiVA/AIV1").find("speedLimit")->is_null());
+  EXPECT_TRUE(fixture.aiv("CoSiVA/AIV1").find("speedLimit")->is_null());
 }
 
-TEST_F(CommandBench, limit_needs_a_speed_that_makes_sense) {
+TEST_F(CommandFixture, limit_needs_a_speed_that_makes_sense) {
   for (const char* speed : {"", R"("speed":0,)", R"("speed":-0.1,)", R"("speed":5.1,)", R"("speed":"fast",)"})
-    EXPECT_THAT(bench.refusal(R"({"command":"limit",)" + std::string(speed) + R"("vehicle":"CoSiVA/AIV1"})"),
+    EXPECT_THAT(fixture.refusal(R"({"command":"limit",)" + std::string(speed) + R"("vehicle":"CoSiVA/AIV1"})"),
                 HasSubstr("say how fast"))
         << speed;
 }
 
-TEST_F(CommandBench, the_imposed_speed_is_known_again_after_a_restart_of_the_server) {
-  bench.command("fast", "CoSiVA/AIV1");
-  bench.run_for(2s);
-  bench.restart_server();
-  bench.run_for(3s);
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("status"), "fast speed");
+TEST_F(CommandFixture, the_imposed_speed_is_known_again_after_a_restart_of_the_server) {
+  fixture.command("fast", "CoSiVA/AIV1");
+  fixture.run_for(2s);
+  fixture.restart_server();
+  fixture.run_for(3s);
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").text("status"), "fast speed");
 }
 
-TEST_F(CommandBench, cancel_ends_the_order_and_none_follows_until_restart) {
-  bench.command("cancel", "CoSiVA/AIV1", "c1");
-  bench.run_for(10s);
+TEST_F(CommandFixture, cancel_ends_the_order_and_none_follows_until_restart) {
+  fixture.command("cancel", "CoSiVA/AIV1", "c1");
+  fixture.run_for(10s);
   EXPECT_EQ(state_of("c1"), "materialised");
   EXPECT_FALSE(aiv.book->active());
   EXPECT_EQ(aiv.speed_mps, 0.0);
-  bench.command("restart", "CoSiVA/AIV1", "c2");
-  bench.run_for(3s);
+  fixture.command("restart", "CoSiVA/AIV1", "c2");
+  fixture.run_for(3s);
   EXPECT_EQ(state_of("c2"), "materialised");
   EXPECT_GT(aiv.speed_mps, 0.0);
 }
 
-TEST_F(CommandBench, all_means_every_vehicle_with_an_entry_each) {
-  bench.add("AIV2", {2, 0.5});
-  bench.run_for(2s);
-  bench.command("stop", "*", "c9");
-  bench.run_for(1s);
+TEST_F(CommandFixture, all_means_every_vehicle_with_an_entry_each) {
+  fixture.add("AIV2", {2, 0.5});
+  fixture.run_for(2s);
+  fixture.command("stop", "*", "c9");
+  fixture.run_for(1s);
   EXPECT_EQ(state_of("c9.AIV1"), "materialised");
   EXPECT_EQ(state_of("c9.AIV2"), "materialised");
-  EXPECT_EQ(*bench.bijection().find("commands")->number("materialised"), 2.0);
+  EXPECT_EQ(*fixture.bijection().find("commands")->number("materialised"), 2.0);
 }
 
-TEST_F(CommandBench, an_action_that_is_not_answered_is_repeated_with_the_same_id_and_fails_after_five_seconds) {
+TEST_F(CommandFixture, an_action_that_is_not_answered_is_repeated_with_the_same_id_and_fails_after_five_seconds) {
   aiv.deaf_to = {"startPause"};
   const std::size_t before = aiv.actions.size();
-  bench.command("stop", "CoSiVA/AIV1", "c1");
-  bench.run_for(4900ms);
+  fixture.command("stop", "CoSiVA/AIV1", "c1");
+  fixture.run_for(4900ms);
   EXPECT_EQ(state_of("c1"), "issued");
   const std::size_t sent = aiv.actions.size() - before;
   EXPECT_GE(sent, 14U) << "every 300 ms";
   for (std::size_t i = before; i < aiv.actions.size(); ++i)
     EXPECT_EQ(aiv.actions[i].actions[0].action_id, aiv.actions[before].actions[0].action_id);
-  bench.run_for(200ms);
+  fixture.run_for(200ms);
   EXPECT_EQ(state_of("c1"), "failed");
   EXPECT_THAT(reason_of("c1"), HasSubstr("within 5 s"));
-  bench.run_for(2s);
+  fixture.run_for(2s);
   EXPECT_EQ(aiv.actions.size() - before, sent) << "and no more";
 }
 
-TEST_F(CommandBench, every_message_of_actions_to_a_vehicle_counts_also_one_sent_again) {
+TEST_F(CommandFixture, every_message_of_actions_to_a_vehicle_counts_also_one_sent_again) {
   aiv.deaf_to = {"startPause"};
-  bench.command("stop", "CoSiVA/AIV1", "c1");
-  bench.run_for(2s);
-  bench.command("slow", "CoSiVA/AIV1", "c2");
-  bench.run_for(1s);
-  const auto published = bench.published_on(aiv.topic("instantActions"));
+  fixture.command("stop", "CoSiVA/AIV1", "c1");
+  fixture.run_for(2s);
+  fixture.command("slow", "CoSiVA/AIV1", "c2");
+  fixture.run_for(1s);
+  const auto published = fixture.published_on(aiv.topic("instantActions"));
   std::vector<std::string> pauses;
   for (std::size_t i = 0; i < published.size(); ++i) {
     const wire::InstantActions message = *vda::decode_instant_actions(published[i].payload);
@@ -152,61 +152,61 @@ TEST_F(CommandBench, every_message_of_actions_to_a_vehicle_counts_also_one_sent_
   for (const std::string& id : pauses) EXPECT_EQ(id, pauses.front());
 }
 
-TEST_F(CommandBench, a_lost_action_is_repaired_by_repeating_it) {
-  bench.loss = 1.0;
-  bench.command("stop", "CoSiVA/AIV1", "c1");
-  bench.loss = 0.0;
-  bench.run_for(2s);
+TEST_F(CommandFixture, a_lost_action_is_repaired_by_repeating_it) {
+  fixture.loss = 1.0;
+  fixture.command("stop", "CoSiVA/AIV1", "c1");
+  fixture.loss = 0.0;
+  fixture.run_for(2s);
   EXPECT_EQ(state_of("c1"), "materialised");
 }
 
-TEST_F(CommandBench, a_refused_action_fails_with_the_vehicle_s_reason) {
+TEST_F(CommandFixture, a_refused_action_fails_with_the_vehicle_s_reason) {
   aiv.refuses = {"setSpeedLimit"};
-  bench.command("slow", "CoSiVA/AIV1", "c1");
-  bench.run_for(1s);
+  fixture.command("slow", "CoSiVA/AIV1", "c1");
+  fixture.run_for(1s);
   EXPECT_EQ(state_of("c1"), "failed");
   EXPECT_THAT(reason_of("c1"), HasSubstr("not supported"));
 }
 
-TEST_F(CommandBench, a_refusal_counts_for_nothing_when_the_effect_is_there) {
+TEST_F(CommandFixture, a_refusal_counts_for_nothing_when_the_effect_is_there) {
   // Some vehicles answer a second pause with FAILED, although they stand paused.
   aiv.paused = true;
   aiv.refuses = {"startPause"};
-  bench.run_for(1s);
-  bench.command("stop", "CoSiVA/AIV1", "c1");
-  bench.run_for(1s);
+  fixture.run_for(1s);
+  fixture.command("stop", "CoSiVA/AIV1", "c1");
+  fixture.run_for(1s);
   EXPECT_EQ(state_of("c1"), "materialised");
 }
 
-TEST_F(CommandBench, accepted_without_effect_fails_and_says_so) {
+TEST_F(CommandFixture, accepted_without_effect_fails_and_says_so) {
   aiv.fakes = {"startPause"};
-  bench.command("stop", "CoSiVA/AIV1", "c1");
-  bench.run_for(4s);
+  fixture.command("stop", "CoSiVA/AIV1", "c1");
+  fixture.run_for(4s);
   EXPECT_EQ(state_of("c1"), "accepted");
-  bench.run_for(2s);
+  fixture.run_for(2s);
   EXPECT_EQ(state_of("c1"), "failed");
   EXPECT_THAT(reason_of("c1"), HasSubstr("effect was not seen"));
 }
 
-TEST_F(CommandBench, a_speed_that_the_factsheet_does_not_list_is_refused_at_once) {
+TEST_F(CommandFixture, a_speed_that_the_factsheet_does_not_list_is_refused_at_once) {
   list_actions({"startPause", "stopPause", "cancelOrder"});
   EXPECT_THAT(error_of(R"({"command":"slow","vehicle":"CoSiVA/AIV1"})"), HasSubstr("does not support setSpeedLimit"));
   EXPECT_EQ(error_of(R"({"command":"stop","vehicle":"CoSiVA/AIV1"})"), "");
-  bench.command("slow", "CoSiVA/AIV1", "c1");
+  fixture.command("slow", "CoSiVA/AIV1", "c1");
   EXPECT_EQ(state_of("c1"), "failed");
   list_actions({"setSpeedLimit"});
   EXPECT_EQ(error_of(R"({"command":"slow","vehicle":"CoSiVA/AIV1"})"), "");
 }
 
-TEST_F(CommandBench, an_absent_vehicle_is_refused_with_what_to_do) {
-  bench.kill(aiv);
+TEST_F(CommandFixture, an_absent_vehicle_is_refused_with_what_to_do) {
+  fixture.kill(aiv);
   EXPECT_THAT(error_of(R"({"command":"stop","vehicle":"CoSiVA/AIV1"})"), HasSubstr("switch it on"));
-  bench.command("stop", "CoSiVA/AIV1", "c1");
+  fixture.command("stop", "CoSiVA/AIV1", "c1");
   EXPECT_EQ(state_of("c1"), "failed");
-  EXPECT_TRUE(bench.logged("c1"));
+  EXPECT_TRUE(fixture.logged("c1"));
 }
 
-TEST_F(CommandBench, nonsense_is_refused_with_a_sentence) {
+TEST_F(CommandFixture, nonsense_is_refused_with_a_sentence) {
   EXPECT_THAT(error_of("no json"), HasSubstr("JSON object"));
   EXPECT_THAT(error_of("[1]"), HasSubstr("JSON object"));
   EXPECT_THAT(error_of(R"({"vehicle":"*"})"), HasSubstr("which command"));
@@ -214,29 +214,29 @@ TEST_F(CommandBench, nonsense_is_refused_with_a_sentence) {
   EXPECT_THAT(error_of(R"({"command":"explode","vehicle":"*"})"), HasSubstr("stop, slow, medium, fast"));
   EXPECT_THAT(error_of(R"({"command":"stop","vehicle":"CoSiVA/AIV9"})"), HasSubstr("no vehicle"));
   EXPECT_EQ(error_of(R"({"command":"stop","vehicle":"*"})"), "");
-  bench.feed(wire::InputKind::command, "test", "no json");
-  bench.feed(wire::InputKind::command, "test", std::string(100'000, 'x'));
-  EXPECT_EQ(*bench.bijection().find("commands")->number("failed"), 2.0);
+  fixture.feed(wire::InputKind::command, "test", "no json");
+  fixture.feed(wire::InputKind::command, "test", std::string(100'000, 'x'));
+  EXPECT_EQ(*fixture.bijection().find("commands")->number("failed"), 2.0);
 }
 
-TEST_F(CommandBench, a_newer_command_overtakes_one_that_it_contradicts) {
+TEST_F(CommandFixture, a_newer_command_overtakes_one_that_it_contradicts) {
   aiv.deaf_to = {"startPause"};
-  bench.command("stop", "CoSiVA/AIV1", "c1");
-  bench.run_for(1s);
-  bench.command("restart", "CoSiVA/AIV1", "c2");
+  fixture.command("stop", "CoSiVA/AIV1", "c1");
+  fixture.run_for(1s);
+  fixture.command("restart", "CoSiVA/AIV1", "c2");
   EXPECT_EQ(state_of("c1"), "failed");
   EXPECT_THAT(reason_of("c1"), HasSubstr("overtaken by c2"));
   aiv.deaf_to = {};
-  bench.run_for(2s);
+  fixture.run_for(2s);
   EXPECT_EQ(state_of("c2"), "materialised");
   EXPECT_GT(aiv.speed_mps, 0.0) << "the lost stop is not sent any more";
 }
 
-TEST_F(CommandBench, a_paused_vehicle_gets_no_crossing_and_no_longer_base) {
-  bench.command("stop", "CoSiVA/AIV1");
-  bench.run_for(1s);
+TEST_F(CommandFixture, a_paused_vehicle_gets_no_crossing_and_no_longer_base) {
+  fixture.command("stop", "CoSiVA/AIV1");
+  fixture.run_for(1s);
   const std::size_t orders = aiv.orders.size();
-  bench.run_for(5s);
+  fixture.run_for(5s);
   EXPECT_EQ(aiv.orders.size(), orders);
 }
 

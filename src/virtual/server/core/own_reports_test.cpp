@@ -2,12 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cosiva/virtual/server/testing/server_bench.h"
+#include "cosiva/virtual/server/testing/server_fixture.h"
 
 namespace cosiva::virtual_side {
 namespace {
 
-using namespace bench;
+using namespace fixture;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
@@ -16,20 +16,20 @@ class DetectionFixture : public testing::Test {
  protected:
   DetectionFixture() {
     aiv.blocked = true;
-    bench.run_for(1s);
+    fixture.run_for(1s);
   }
-  void see(const BenchVehicle& vehicle, std::optional<wire::DetectedObstacleReport::Obstacle> virtual_object, double clear_m = 0.8) {
-    wire::DetectedObstacleReport detected{0, bench.now - 20ms, "oval", virtual_object, clear_m};
+  void see(const FixtureVehicle& vehicle, std::optional<wire::DetectedObstacleReport::Obstacle> virtual_object, double clear_m = 0.8) {
+    wire::DetectedObstacleReport detected{0, fixture.now - 20ms, "oval", virtual_object, clear_m};
     say(vehicle, wire::to_json(detected));
   }
-  void say(const BenchVehicle& vehicle, std::string payload, bool retained = false) {
-    bench.feed(wire::InputKind::message, "cosiva/v1/detected_obstacle/" + wire::to_string(vehicle.id), std::move(payload), retained);
+  void say(const FixtureVehicle& vehicle, std::string payload, bool retained = false) {
+    fixture.feed(wire::InputKind::message, "cosiva/v1/detected_obstacle/" + wire::to_string(vehicle.id), std::move(payload), retained);
   }
-  [[nodiscard]] JsonValue::Array obstacles() const { return *bench.snapshot().find("obstacles")->array(); }
-  [[nodiscard]] JsonValue shown() const { return *bench.bijection().find("effects")->find("shown_ms"); }
+  [[nodiscard]] JsonValue::Array obstacles() const { return *fixture.snapshot().find("obstacles")->array(); }
+  [[nodiscard]] JsonValue shown() const { return *fixture.bijection().find("effects")->find("shown_ms"); }
 
-  ServerBench bench;
-  BenchVehicle& aiv{bench.add("AIV1", {0, 0.5})};
+  ServerFixture fixture;
+  FixtureVehicle& aiv{fixture.add("AIV1", {0, 0.5})};
 };
 
 TEST_F(DetectionFixture, an_obstacle_appears_with_its_witness_and_the_time_it_took) {
@@ -49,8 +49,8 @@ TEST_F(DetectionFixture, an_obstacle_appears_with_its_witness_and_the_time_it_to
 }
 
 TEST_F(DetectionFixture, another_vehicle_is_no_obstacle) {
-  bench.add("AIV2", {0, 1.2}).blocked = true;
-  bench.run_for(1s);
+  fixture.add("AIV2", {0, 1.2}).blocked = true;
+  fixture.run_for(1s);
   see(aiv, wire::DetectedObstacleReport::Obstacle{1.1, 0.02, 0.05, 0.5});  // its tail
   EXPECT_THAT(obstacles(), IsEmpty());
   see(aiv, wire::DetectedObstacleReport::Obstacle{0.96, 0.0, 0.05, 0.36});  // 0.14 m before its tail: of a radius of 5 cm, known to 10 cm
@@ -60,18 +60,18 @@ TEST_F(DetectionFixture, another_vehicle_is_no_obstacle) {
 }
 
 TEST_F(DetectionFixture, another_vehicle_is_no_obstacle_where_it_was_when_it_was_seen) {
-  BenchVehicle& other = bench.add("AIV2", {0, 0.9});
+  FixtureVehicle& other = fixture.add("AIV2", {0, 0.9});
   other.cruise_mps = 0.5;
-  bench.run_for(1s);
-  const auto at_then = bench.now;
+  fixture.run_for(1s);
+  const auto at_then = fixture.now;
   const double tail_then_m = other.pose().x_m - 0.10;
   // Word of it comes half a second late, over a bad radio: by then it has driven on by more than two places err.
-  bench.run_for(500ms);
+  fixture.run_for(500ms);
   ASSERT_GT(other.pose().x_m - 0.10 - tail_then_m, 0.22);
   const wire::DetectedObstacleReport::Obstacle virtual_object{tail_then_m, 0.0, 0.05, 0.3};
   say(aiv, wire::to_json(wire::DetectedObstacleReport{0, at_then, "oval", virtual_object, 0.3}));
   EXPECT_THAT(obstacles(), IsEmpty());
-  say(aiv, wire::to_json(wire::DetectedObstacleReport{1, bench.now, "oval", virtual_object, 0.3}));
+  say(aiv, wire::to_json(wire::DetectedObstacleReport{1, fixture.now, "oval", virtual_object, 0.3}));
   EXPECT_THAT(obstacles(), SizeIs(1)) << "what is seen now where it was then is something else";
 }
 
@@ -79,9 +79,9 @@ TEST_F(DetectionFixture, it_vanishes_when_who_saw_it_sees_its_place_free) {
   see(aiv, wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4});
   see(aiv, std::nullopt, 0.2);
   EXPECT_THAT(obstacles(), SizeIs(1)) << "it lies beyond what is clear";
-  BenchVehicle& other = bench.add("AIV2", {0, 0.1});
+  FixtureVehicle& other = fixture.add("AIV2", {0, 0.1});
   other.blocked = true;
-  bench.run_for(1s);
+  fixture.run_for(1s);
   see(other, std::nullopt, 1.0);
   EXPECT_THAT(obstacles(), SizeIs(1)) << "who never saw it may not see it now";
   see(aiv, std::nullopt, 0.8);
@@ -91,72 +91,72 @@ TEST_F(DetectionFixture, it_vanishes_when_who_saw_it_sees_its_place_free) {
 TEST_F(DetectionFixture, it_vanishes_when_somebody_drives_over_its_place) {
   see(aiv, wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4});
   aiv.blocked = false;
-  bench.run_for(1s);
+  fixture.run_for(1s);
   EXPECT_THAT(obstacles(), SizeIs(1));
-  bench.run_for(2s);
+  fixture.run_for(2s);
   EXPECT_THAT(obstacles(), IsEmpty());
 }
 
 TEST_F(DetectionFixture, virtual_aivs_feel_what_a_physical_one_saw_and_do_not_make_it_vanish) {
   see(aiv, wire::DetectedObstacleReport::Obstacle{1.5, 1.0, 0.05, 0.6});  // on the other side; as if it saw that far
-  bench.ask(R"({"command":"add","obstacle":{"kind":"aiv","section":"east","s":1.2}})");
-  bench.run_for(6s);
+  fixture.ask(R"({"command":"add","obstacle":{"kind":"aiv","section":"east","s":1.2}})");
+  fixture.run_for(6s);
   EXPECT_THAT(obstacles(), SizeIs(1));
-  EXPECT_EQ(*bench.aiv("CoSiVA.virtual/V1").number("speed"), 0.0);
-  EXPECT_GT(*bench.aiv("CoSiVA.virtual/V1").number("x"), 1.6);
+  EXPECT_EQ(*fixture.aiv("CoSiVA.virtual/V1").number("speed"), 0.0);
+  EXPECT_GT(*fixture.aiv("CoSiVA.virtual/V1").number("x"), 1.6);
 }
 
 TEST_F(DetectionFixture, of_another_map_late_or_broken_ones_count_for_nothing) {
-  wire::DetectedObstacleReport elsewhere{0, bench.now, "moon", wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4}, 0.4};
+  wire::DetectedObstacleReport elsewhere{0, fixture.now, "moon", wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4}, 0.4};
   say(aiv, wire::to_json(elsewhere));
   EXPECT_THAT(obstacles(), IsEmpty());
-  wire::DetectedObstacleReport late{0, bench.now - 1s, "oval", wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4}, 0.4};
+  wire::DetectedObstacleReport late{0, fixture.now - 1s, "oval", wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4}, 0.4};
   say(aiv, wire::to_json(late));
   EXPECT_THAT(obstacles(), IsEmpty());
-  bench.logs.clear();
+  fixture.logs.clear();
   say(aiv, "{}");
   say(aiv, "rubbish");
   say(aiv, std::string(20'000, ' '));
-  EXPECT_THAT(bench.logs, SizeIs(1)) << "said once; the rest is counted";
-  wire::DetectedObstacleReport retained{0, bench.now, "oval", wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4}, 0.4};
+  EXPECT_THAT(fixture.logs, SizeIs(1)) << "said once; the rest is counted";
+  wire::DetectedObstacleReport retained{0, fixture.now, "oval", wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4}, 0.4};
   say(aiv, wire::to_json(retained), true);
   EXPECT_THAT(obstacles(), IsEmpty());
-  const JsonValue summary = *JsonValue::parse(bench.server->summary_json());
+  const JsonValue summary = *JsonValue::parse(fixture.server->summary_json());
   EXPECT_EQ(*summary.find("aivs")->array()->front().number("refused"), 4.0);
   EXPECT_EQ(*summary.find("aivs")->array()->front().number("outdated"), 2.0);
 }
 
 TEST_F(DetectionFixture, from_a_vehicle_that_nobody_knows_is_ignored) {
-  bench.feed(wire::InputKind::message, "cosiva/v1/detected_obstacle/Nobody/X1",
-             wire::to_json(wire::DetectedObstacleReport{0, bench.now, "oval", wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4}, 0.4}));
+  fixture.feed(wire::InputKind::message, "cosiva/v1/detected_obstacle/Nobody/X1",
+             wire::to_json(wire::DetectedObstacleReport{0, fixture.now, "oval", wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4}, 0.4}));
   EXPECT_THAT(obstacles(), IsEmpty());
-  EXPECT_THAT(*bench.snapshot().find("aivs")->array(), SizeIs(1));
+  EXPECT_THAT(*fixture.snapshot().find("aivs")->array(), SizeIs(1));
 }
 
 TEST_F(DetectionFixture, obstacles_do_not_outlive_their_zone) {
   see(aiv, wire::DetectedObstacleReport::Obstacle{1.2, 0.0, 0.05, 0.6});
   std::string other = oval().text;
   other.replace(other.find("length_m = 2.0"), 14, "length_m = 2.0 ");
-  bench.feed(wire::InputKind::message, "cosiva/v1/zone/toml", other);
+  fixture.feed(wire::InputKind::message, "cosiva/v1/zone/toml", other);
   EXPECT_THAT(obstacles(), SizeIs(1)) << "the same ways, written otherwise";
   other.replace(other.find("\"oval\""), 6, "\"oval two\"");
-  bench.feed(wire::InputKind::message, "cosiva/v1/zone/toml", other);
-  bench.run_for(100ms);
+  fixture.feed(wire::InputKind::message, "cosiva/v1/zone/toml", other);
+  fixture.run_for(100ms);
 }
 
 TEST_F(DetectionFixture, boards_power_and_ranges_stand_in_the_snapshot_and_are_traced_when_health_changes) {
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").find("boards"), nullptr) << "left out where the vehicle does not tell";
-  wire::BoardsReport report{1, bench.now, {{wire::Board::PILS, "ok", 0x1a2b3cU, 1200, 61'000, 1, 2, 0}}, {}, {}};
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").find("boards"), nullptr) << "left out where the vehicle does not tell";
+  wire::BoardsReport report{1, fixture.now, {{wire::Board::PILS, "ok", 0x1a2b3cU, 1200, 61'000, 1, 2, 0}}, {}, {}};
   report.power = wire::Power{12'100, 400, 240, 870};
   report.ranges = wire::Ranges{0, -50, 10, {400, wire::no_echo}};
   const auto say_boards = [&] {
-    bench.feed(wire::InputKind::message, "cosiva/v1/boards/CoSiVA/AIV1", wire::to_json(report));
-    bench.now += 500ms;
+    fixture.feed(wire::InputKind::message, "cosiva/v1/boards/CoSiVA/AIV1", wire::to_json(report));
+    fixture.now += 500ms;
     ++report.header_id;
-    report.timestamp = bench.now;
+    report.timestamp = fixture.now;
   };
   say_boards();
-  const JsonValue shown = bench.aiv("CoSiVA/AIV1");
+  const JsonValue shown = fixture.aiv("CoSiVA/AIV1");
   const JsonValue& board = shown.find("boards")->array()->front();
   EXPECT_EQ(board.text("board"), "PILS");
   EXPECT_EQ(board.text("health"), "ok");
@@ -172,7 +172,7 @@ TEST_F(DetectionFixture, boards_power_and_ranges_stand_in_the_snapshot_and_are_t
   say_boards();
   report.boards[0].health = "lost";
   say_boards();
-  const JsonValue traces = *JsonValue::parse(bench.server->traces_json(1, 2000));
+  const JsonValue traces = *JsonValue::parse(fixture.server->traces_json(1, 2000));
   std::vector<std::string> said;
   for (const JsonValue& trace : *traces.find("traces")->array())
     if (trace.text("kind") == "boards") said.push_back(*trace.text("content"));
@@ -182,9 +182,9 @@ TEST_F(DetectionFixture, boards_power_and_ranges_stand_in_the_snapshot_and_are_t
 TEST_F(DetectionFixture, it_vanishes_when_anybody_looks_through_its_place) {
   see(aiv, wire::DetectedObstacleReport::Obstacle{1.2, 0.0, 0.05, 0.6});
   const auto look = [&](std::uint16_t mm) {
-    wire::BoardsReport report{1, bench.now, {}, {}, wire::Ranges{0, -84, 14, std::vector<std::uint16_t>(13, mm)}};
-    bench.feed(wire::InputKind::message, "cosiva/v1/boards/CoSiVA/AIV1", wire::to_json(report));
-    bench.now += 500ms;
+    wire::BoardsReport report{1, fixture.now, {}, {}, wire::Ranges{0, -84, 14, std::vector<std::uint16_t>(13, mm)}};
+    fixture.feed(wire::InputKind::message, "cosiva/v1/boards/CoSiVA/AIV1", wire::to_json(report));
+    fixture.now += 500ms;
   };
   for (int i = 0; i < 3; ++i) look(550);  // from its front, at 0.6, to the near side of the thing
   EXPECT_THAT(obstacles(), SizeIs(1));
@@ -194,8 +194,8 @@ TEST_F(DetectionFixture, it_vanishes_when_anybody_looks_through_its_place) {
 
 TEST_F(DetectionFixture, the_reserved_way_reaches_from_the_twin_to_the_end_of_the_base) {
   aiv.blocked = false;
-  bench.run_for(3s);
-  const JsonValue shown = bench.aiv("CoSiVA/AIV1");
+  fixture.run_for(3s);
+  const JsonValue shown = fixture.aiv("CoSiVA/AIV1");
   const JsonValue::Array& way = *shown.find("reserved")->array();
   ASSERT_GE(way.size(), 5U);
   EXPECT_NEAR(*(*way.front().array())[0].number(), *shown.number("x"), 1e-4);

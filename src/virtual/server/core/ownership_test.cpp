@@ -9,12 +9,12 @@
 
 #include "cosiva/base/json_value.h"
 #include "cosiva/virtual/server/core/server_core.h"
-#include "cosiva/virtual/server/testing/vehicle_bench.h"
+#include "cosiva/virtual/server/testing/vehicle_fixture.h"
 
 namespace cosiva::virtual_side {
 namespace {
 
-using namespace bench;
+using namespace fixture;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -43,7 +43,7 @@ class ControlAreasFixture {
   };
   std::map<std::string, Server> servers;
   std::map<std::string, zone::ZoneConfiguration> zone_of{{"a", area_file("area_a")}, {"b", area_file("area_b")}};
-  std::vector<std::unique_ptr<BenchVehicle>> vehicles;
+  std::vector<std::unique_ptr<FixtureVehicle>> vehicles;
   std::map<std::string, wire::Publish> kept;  ///< by the broker
   bool loses_owners{false};                   ///< the broker does
   std::vector<wire::Owner> owners;            ///< of AIV1
@@ -70,17 +70,17 @@ class ControlAreasFixture {
     servers[area].core.reset();
     publish(will);
   }
-  BenchVehicle& add(const std::string& serial, const Pose2& X_MB, const std::string& manufacturer = "CoSiVA") {
+  FixtureVehicle& add(const std::string& serial, const Pose2& X_MB, const std::string& manufacturer = "CoSiVA") {
     vehicles.push_back(
-        std::make_unique<BenchVehicle>(floor_, wire::VehicleId{manufacturer, serial}, zone::Place{0, 0.0}));
-    BenchVehicle& vehicle = *vehicles.back();
+        std::make_unique<FixtureVehicle>(floor_, wire::VehicleId{manufacturer, serial}, zone::Place{0, 0.0}));
+    FixtureVehicle& vehicle = *vehicles.back();
     vehicle.put(X_MB);
     vehicle.takes_zones = false;
     publish(
         {vehicle.topic("connection"), vda::encode(vehicle.connection(now, wire::ConnectionState::online)), 1, true});
     return vehicle;
   }
-  BenchVehicle& in_a() { return add("AIV1", {0.3, 0.29289322, 0.0}); }
+  FixtureVehicle& in_a() { return add("AIV1", {0.3, 0.29289322, 0.0}); }
 
   void publish(wire::Publish message) {
     queue_.push_back(std::move(message));
@@ -212,275 +212,275 @@ class ControlAreasFixture {
 };
 
 TEST(ControlAreas, claim_a_vehicle_that_is_nobody_s_where_it_stands_and_only_there) {
-  ControlAreasFixture bench;
-  bench.in_a();
-  bench.run_for(900ms);
-  EXPECT_THAT(bench.owners, IsEmpty()) << "whose it is may yet be heard";
-  bench.run_for(600ms);
-  ASSERT_THAT(bench.halls_said(), ElementsAre("a"));
-  EXPECT_EQ(bench.owners[0].sequence, 1U);
-  EXPECT_NEAR(bench.owners[0].pose->x_m, 0.3, 1e-9);
-  EXPECT_TRUE(bench.kept.contains("cosiva/v1/owner/" + aiv1));
-  EXPECT_THAT(bench.table("a"), ElementsAre(aiv1));
-  bench.run_for(5s);
-  EXPECT_THAT(bench.table("b"), IsEmpty());
-  EXPECT_GT(bench.sent("a"), 0U);
-  EXPECT_EQ(bench.sent("b"), 0U) << "not its own";
-  EXPECT_EQ(bench.owners.size(), 1U) << "said once";
+  ControlAreasFixture fixture;
+  fixture.in_a();
+  fixture.run_for(900ms);
+  EXPECT_THAT(fixture.owners, IsEmpty()) << "whose it is may yet be heard";
+  fixture.run_for(600ms);
+  ASSERT_THAT(fixture.halls_said(), ElementsAre("a"));
+  EXPECT_EQ(fixture.owners[0].sequence, 1U);
+  EXPECT_NEAR(fixture.owners[0].pose->x_m, 0.3, 1e-9);
+  EXPECT_TRUE(fixture.kept.contains("cosiva/v1/owner/" + aiv1));
+  EXPECT_THAT(fixture.table("a"), ElementsAre(aiv1));
+  fixture.run_for(5s);
+  EXPECT_THAT(fixture.table("b"), IsEmpty());
+  EXPECT_GT(fixture.sent("a"), 0U);
+  EXPECT_EQ(fixture.sent("b"), 0U) << "not its own";
+  EXPECT_EQ(fixture.owners.size(), 1U) << "said once";
 }
 
 TEST(ControlAreas, claim_nobody_who_stands_on_none_of_their_ways) {
-  ControlAreasFixture bench;
-  bench.add("AIV1", {1.6, 5.0, 0.0});
-  bench.run_for(5s);
-  EXPECT_THAT(bench.owners, IsEmpty());
-  EXPECT_THAT(bench.table("a"), IsEmpty());
+  ControlAreasFixture fixture;
+  fixture.add("AIV1", {1.6, 5.0, 0.0});
+  fixture.run_for(5s);
+  EXPECT_THAT(fixture.owners, IsEmpty());
+  EXPECT_THAT(fixture.table("a"), IsEmpty());
 }
 
 TEST(ControlAreas, leave_a_vehicle_alone_whose_owner_is_heard_late) {
-  ControlAreasFixture bench{{"a"}};
-  bench.in_a();
-  bench.run_for(800ms);
-  bench.say_owner("b");
-  bench.run_for(5s);
-  EXPECT_THAT(bench.halls_said(), ElementsAre("b")) << "its server is away, and it is its all the same";
-  EXPECT_THAT(bench.table("a"), IsEmpty());
-  EXPECT_EQ(bench.sent("a"), 0U);
+  ControlAreasFixture fixture{{"a"}};
+  fixture.in_a();
+  fixture.run_for(800ms);
+  fixture.say_owner("b");
+  fixture.run_for(5s);
+  EXPECT_THAT(fixture.halls_said(), ElementsAre("b")) << "its server is away, and it is its all the same";
+  EXPECT_THAT(fixture.table("a"), IsEmpty());
+  EXPECT_EQ(fixture.sent("a"), 0U);
 }
 
 TEST(ControlAreas, agree_on_the_last_message_where_two_claim_at_once) {
-  ControlAreasFixture bench;
-  bench.add("AIV1", {1.6, 0.0, 0.0});  // in the gate
-  bench.run_for(2s);
-  ASSERT_THAT(bench.halls_said(), ElementsAre("a", "b")) << "neither has heard the other before it spoke";
-  EXPECT_THAT(bench.table("a"), IsEmpty());
-  EXPECT_THAT(bench.table("b"), ElementsAre(aiv1));
-  const std::size_t by_a = bench.sent("a");
-  bench.run_for(5s);
-  EXPECT_EQ(bench.sent("a"), by_a);
-  EXPECT_THAT(bench.halls_said(), SizeIs(2)) << "and leave it at that";
+  ControlAreasFixture fixture;
+  fixture.add("AIV1", {1.6, 0.0, 0.0});  // in the gate
+  fixture.run_for(2s);
+  ASSERT_THAT(fixture.halls_said(), ElementsAre("a", "b")) << "neither has heard the other before it spoke";
+  EXPECT_THAT(fixture.table("a"), IsEmpty());
+  EXPECT_THAT(fixture.table("b"), ElementsAre(aiv1));
+  const std::size_t by_a = fixture.sent("a");
+  fixture.run_for(5s);
+  EXPECT_EQ(fixture.sent("a"), by_a);
+  EXPECT_THAT(fixture.halls_said(), SizeIs(2)) << "and leave it at that";
 }
 
 TEST(ControlAreas, hand_a_vehicle_over_where_they_meet_and_it_is_in_exactly_one_table_throughout) {
-  ControlAreasFixture bench;
-  BenchVehicle& aiv = bench.in_a();
-  bench.run_for(2s);
-  EXPECT_EQ(bench.refusal_to_go("a", "b/rack_b"), "");
-  bench.go("a", "b/rack_b");
-  EXPECT_EQ(bench.mission("a"), "b/rack_b, driving");
+  ControlAreasFixture fixture;
+  FixtureVehicle& aiv = fixture.in_a();
+  fixture.run_for(2s);
+  EXPECT_EQ(fixture.refusal_to_go("a", "b/rack_b"), "");
+  fixture.go("a", "b/rack_b");
+  EXPECT_EQ(fixture.mission("a"), "b/rack_b, driving");
   int neither = 0;
   int both = 0;
-  bench.each_step = [&] {
-    const std::size_t tables = bench.table("a").size() + bench.table("b").size();
+  fixture.each_step = [&] {
+    const std::size_t tables = fixture.table("a").size() + fixture.table("b").size();
     neither += tables == 0 ? 1 : 0;
     both += tables == 2 ? 1 : 0;
   };
-  ASSERT_TRUE(bench.run_until([&] { return !bench.table("b").empty(); }, 60s));
-  EXPECT_EQ(bench.halls_said().at(1), "b");
-  ASSERT_TRUE(bench.owners[1].mission);
-  EXPECT_EQ(bench.owners[1].mission->name, "rack_b");
-  EXPECT_EQ(bench.owners[1].sequence, 2U);
-  EXPECT_NEAR(bench.owners[1].pose->y_m, 0.0, 0.02) << "in the gate";
+  ASSERT_TRUE(fixture.run_until([&] { return !fixture.table("b").empty(); }, 60s));
+  EXPECT_EQ(fixture.halls_said().at(1), "b");
+  ASSERT_TRUE(fixture.owners[1].mission);
+  EXPECT_EQ(fixture.owners[1].mission->name, "rack_b");
+  EXPECT_EQ(fixture.owners[1].sequence, 2U);
+  EXPECT_NEAR(fixture.owners[1].pose->y_m, 0.0, 0.02) << "in the gate";
   EXPECT_EQ(aiv.speed_mps, 0.0);
-  const std::size_t by_a = bench.sent("a");
-  const auto left = *JsonValue::parse(bench.servers["a"].core->snapshot_json());
+  const std::size_t by_a = fixture.sent("a");
+  const auto left = *JsonValue::parse(fixture.servers["a"].core->snapshot_json());
   for (const JsonValue& crossing : *left.find("crossings")->array())
     EXPECT_FALSE(crossing.text("heldBy")) << *crossing.text("name");
-  ASSERT_TRUE(bench.run_until([&] { return bench.mission("b") == "rack_b, arrived"; }, 40s)) << bench.mission("b");
-  EXPECT_EQ(bench.sent("a"), by_a) << "the old server is silent";
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.mission("b") == "rack_b, arrived"; }, 40s)) << fixture.mission("b");
+  EXPECT_EQ(fixture.sent("a"), by_a) << "the old server is silent";
   EXPECT_EQ(neither, 0);
   EXPECT_EQ(both, 0);
   EXPECT_THAT(aiv.refusals, IsEmpty());
-  EXPECT_FALSE(bench.owners.back().mission) << "said once: whoever starts again must not begin it again";
+  EXPECT_FALSE(fixture.owners.back().mission) << "said once: whoever starts again must not begin it again";
 
-  bench.go("b", "a/rack_a");
-  ASSERT_TRUE(bench.run_until([&] { return bench.mission("a") == "rack_a, arrived"; }, 60s)) << bench.mission("a");
+  fixture.go("b", "a/rack_a");
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.mission("a") == "rack_a, arrived"; }, 60s)) << fixture.mission("a");
   EXPECT_EQ(neither, 0);
   EXPECT_EQ(both, 0);
 }
 
 TEST(ControlAreas, have_the_twin_as_soon_as_the_message_is_heard_and_send_nothing_after_it_is_said) {
-  ControlAreasFixture bench;
-  BenchVehicle& aiv = bench.in_a();
-  bench.run_for(2s);
-  bench.go("a", "b/rack_b");
-  bench.servers["a"].deaf_to_owners = true;
-  bench.servers["b"].deaf_to_owners = true;
-  ASSERT_TRUE(bench.run_until([&] { return bench.owners.size() == 2; }, 60s));
-  const std::size_t by_a = bench.sent("a");
-  EXPECT_THAT(bench.table("a"), IsEmpty()) << "the other may have heard it already: never in two tables";
-  bench.ask("a", R"({"command":"stop","vehicle":"*"})");
-  bench.ask("a", R"({"command":"circulate","vehicle":"*"})");
-  bench.run_for(1s);
-  EXPECT_EQ(bench.sent("a"), by_a) << "whatever it is asked";
+  ControlAreasFixture fixture;
+  FixtureVehicle& aiv = fixture.in_a();
+  fixture.run_for(2s);
+  fixture.go("a", "b/rack_b");
+  fixture.servers["a"].deaf_to_owners = true;
+  fixture.servers["b"].deaf_to_owners = true;
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.owners.size() == 2; }, 60s));
+  const std::size_t by_a = fixture.sent("a");
+  EXPECT_THAT(fixture.table("a"), IsEmpty()) << "the other may have heard it already: never in two tables";
+  fixture.ask("a", R"({"command":"stop","vehicle":"*"})");
+  fixture.ask("a", R"({"command":"circulate","vehicle":"*"})");
+  fixture.run_for(1s);
+  EXPECT_EQ(fixture.sent("a"), by_a) << "whatever it is asked";
   EXPECT_FALSE(aiv.paused);
-  EXPECT_THAT(bench.table("a"), ElementsAre(aiv1)) << "nothing has come of it in a second: it is still a's";
-  EXPECT_EQ(bench.sent("b"), 0U);
+  EXPECT_THAT(fixture.table("a"), ElementsAre(aiv1)) << "nothing has come of it in a second: it is still a's";
+  EXPECT_EQ(fixture.sent("b"), 0U);
 
-  bench.hear_again("b");
-  const JsonValue twin = bench.aiv("b");
+  fixture.hear_again("b");
+  const JsonValue twin = fixture.aiv("b");
   ASSERT_TRUE(twin.text("id")) << "before it has reported";
   EXPECT_NEAR(*twin.number("x"), aiv.pose().x_m, 0.01);
   EXPECT_NEAR(*twin.number("y"), aiv.pose().y_m, 0.01);
   EXPECT_EQ(twin.text("section"), "gate");
-  EXPECT_EQ(bench.mission("b"), "rack_b, driving");
-  bench.hear_again("a");
-  EXPECT_THAT(bench.table("a"), IsEmpty());
-  ASSERT_TRUE(bench.run_until([&] { return bench.mission("b") == "rack_b, arrived"; }, 40s));
-  EXPECT_EQ(bench.sent("a"), by_a);
+  EXPECT_EQ(fixture.mission("b"), "rack_b, driving");
+  fixture.hear_again("a");
+  EXPECT_THAT(fixture.table("a"), IsEmpty());
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.mission("b") == "rack_b, arrived"; }, 40s));
+  EXPECT_EQ(fixture.sent("a"), by_a);
 }
 
 TEST(ControlAreas, say_a_handover_again_that_did_not_come_back) {
-  ControlAreasFixture bench;
-  bench.in_a();
-  bench.run_for(2s);
-  bench.go("a", "b/rack_b");
-  bench.loses_owners = true;
-  bench.run_for(60s);
-  EXPECT_THAT(bench.table("a"), ElementsAre(aiv1)) << "nobody has heard of it";
-  EXPECT_THAT(bench.table("b"), IsEmpty());
-  bench.loses_owners = false;
-  bench.run_for(3s);
-  EXPECT_THAT(bench.table("a"), IsEmpty());
-  EXPECT_THAT(bench.table("b"), ElementsAre(aiv1));
+  ControlAreasFixture fixture;
+  fixture.in_a();
+  fixture.run_for(2s);
+  fixture.go("a", "b/rack_b");
+  fixture.loses_owners = true;
+  fixture.run_for(60s);
+  EXPECT_THAT(fixture.table("a"), ElementsAre(aiv1)) << "nobody has heard of it";
+  EXPECT_THAT(fixture.table("b"), IsEmpty());
+  fixture.loses_owners = false;
+  fixture.run_for(3s);
+  EXPECT_THAT(fixture.table("a"), IsEmpty());
+  EXPECT_THAT(fixture.table("b"), ElementsAre(aiv1));
 }
 
 TEST(ControlAreas, keep_the_vehicles_of_a_server_that_dies_until_it_is_back) {
-  ControlAreasFixture bench;
-  BenchVehicle& aiv = bench.in_a();
-  bench.run_for(3s);
-  bench.kill("a");
-  bench.run_for(5s);
-  EXPECT_THAT(bench.table("b"), IsEmpty());
-  EXPECT_THAT(bench.halls_said(), ElementsAre("a"));
-  bench.start("a");
-  bench.run_for(400ms);
-  EXPECT_THAT(bench.table("a"), ElementsAre(aiv1));
-  EXPECT_NEAR(*bench.aiv("a").number("x"), aiv.pose().x_m, 0.1) << "where it is, not where it was claimed";
+  ControlAreasFixture fixture;
+  FixtureVehicle& aiv = fixture.in_a();
+  fixture.run_for(3s);
+  fixture.kill("a");
+  fixture.run_for(5s);
+  EXPECT_THAT(fixture.table("b"), IsEmpty());
+  EXPECT_THAT(fixture.halls_said(), ElementsAre("a"));
+  fixture.start("a");
+  fixture.run_for(400ms);
+  EXPECT_THAT(fixture.table("a"), ElementsAre(aiv1));
+  EXPECT_NEAR(*fixture.aiv("a").number("x"), aiv.pose().x_m, 0.1) << "where it is, not where it was claimed";
   const double driven_m = aiv.driven_m;
-  bench.run_for(5s);
+  fixture.run_for(5s);
   EXPECT_GT(aiv.driven_m, driven_m + 0.5);
-  EXPECT_THAT(bench.halls_said(), ElementsAre("a")) << "there was nothing to claim";
+  EXPECT_THAT(fixture.halls_said(), ElementsAre("a")) << "there was nothing to claim";
 }
 
 TEST(ControlAreas, know_the_way_to_another_hall_again_after_a_crash) {
-  ControlAreasFixture bench;
-  bench.in_a();
-  bench.run_for(2s);
-  bench.go("a", "b/rack_b");
-  bench.run_for(500ms);
-  bench.kill("a");
-  bench.start("a", true);
-  ASSERT_TRUE(bench.run_until([&] { return bench.mission("b") == "rack_b, arrived"; }, 60s)) << bench.mission("a");
+  ControlAreasFixture fixture;
+  fixture.in_a();
+  fixture.run_for(2s);
+  fixture.go("a", "b/rack_b");
+  fixture.run_for(500ms);
+  fixture.kill("a");
+  fixture.start("a", true);
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.mission("b") == "rack_b, arrived"; }, 60s)) << fixture.mission("a");
 }
 
 TEST(ControlAreas, wait_where_they_meet_for_a_server_that_has_died) {
-  ControlAreasFixture bench;
-  bench.in_a();
-  bench.run_for(2s);
-  bench.go("a", "b/rack_b");
-  bench.kill("b");
-  bench.run_for(60s);
-  EXPECT_EQ(bench.mission("a"), "b/rack_b, driving");
-  EXPECT_THAT(*bench.aiv("a").find("mission")->text("why"), HasSubstr("waits at gate"));
-  bench.start("b");
-  ASSERT_TRUE(bench.run_until([&] { return bench.mission("b") == "rack_b, arrived"; }, 40s));
+  ControlAreasFixture fixture;
+  fixture.in_a();
+  fixture.run_for(2s);
+  fixture.go("a", "b/rack_b");
+  fixture.kill("b");
+  fixture.run_for(60s);
+  EXPECT_EQ(fixture.mission("a"), "b/rack_b, driving");
+  EXPECT_THAT(*fixture.aiv("a").find("mission")->text("why"), HasSubstr("waits at gate"));
+  fixture.start("b");
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.mission("b") == "rack_b, arrived"; }, 40s));
 }
 
 TEST(ControlAreas, say_again_whose_a_vehicle_is_when_the_broker_has_forgotten) {
-  ControlAreasFixture bench;
-  bench.in_a();
-  bench.run_for(3s);
+  ControlAreasFixture fixture;
+  fixture.in_a();
+  fixture.run_for(3s);
   for (const std::string area : {"a", "b"}) {
     wire::Effects effects;
-    bench.servers[area].core->handle({bench.now, wire::InputKind::link, "", "down", false}, effects);
+    fixture.servers[area].core->handle({fixture.now, wire::InputKind::link, "", "down", false}, effects);
   }
-  bench.kept.clear();
-  bench.link("a");
-  bench.link("b");
-  bench.run_for(5s);
-  EXPECT_THAT(bench.halls_said(), ElementsAre("a", "a"));
-  EXPECT_EQ(bench.owners.back().sequence, 2U);
-  EXPECT_THAT(bench.table("a"), ElementsAre(aiv1));
-  EXPECT_THAT(bench.table("b"), IsEmpty());
+  fixture.kept.clear();
+  fixture.link("a");
+  fixture.link("b");
+  fixture.run_for(5s);
+  EXPECT_THAT(fixture.halls_said(), ElementsAre("a", "a"));
+  EXPECT_EQ(fixture.owners.back().sequence, 2U);
+  EXPECT_THAT(fixture.table("a"), ElementsAre(aiv1));
+  EXPECT_THAT(fixture.table("b"), IsEmpty());
 }
 
 TEST(ControlAreas, let_a_vehicle_go_that_is_made_nobody_s_and_claim_it_again) {
-  ControlAreasFixture bench;
-  bench.in_a();
-  bench.run_for(2s);
-  bench.publish({"cosiva/v1/owner/" + aiv1, "", 1, true});
-  EXPECT_THAT(bench.table("a"), IsEmpty());
-  bench.run_for(3s);
-  EXPECT_THAT(bench.table("a"), ElementsAre(aiv1));
+  ControlAreasFixture fixture;
+  fixture.in_a();
+  fixture.run_for(2s);
+  fixture.publish({"cosiva/v1/owner/" + aiv1, "", 1, true});
+  EXPECT_THAT(fixture.table("a"), IsEmpty());
+  fixture.run_for(3s);
+  EXPECT_THAT(fixture.table("a"), ElementsAre(aiv1));
 }
 
 TEST(ControlAreas, leave_everything_as_it_is_where_an_owner_cannot_be_read) {
-  ControlAreasFixture bench;
-  bench.in_a();
-  bench.run_for(2s);
-  for (auto& [area, server] : bench.servers) {
+  ControlAreasFixture fixture;
+  fixture.in_a();
+  fixture.run_for(2s);
+  for (auto& [area, server] : fixture.servers) {
     wire::Effects effects;
-    server.core->handle({bench.now, wire::InputKind::message, "cosiva/v1/owner/" + aiv1, R"({"area":7})", false},
+    server.core->handle({fixture.now, wire::InputKind::message, "cosiva/v1/owner/" + aiv1, R"({"area":7})", false},
                         effects);
   }
-  EXPECT_THAT(bench.table("a"), ElementsAre(aiv1));
-  EXPECT_THAT(bench.table("b"), IsEmpty());
+  EXPECT_THAT(fixture.table("a"), ElementsAre(aiv1));
+  EXPECT_THAT(fixture.table("b"), IsEmpty());
 }
 
 TEST(ControlAreas, refuse_to_send_a_vehicle_where_no_way_leads_and_say_why) {
-  ControlAreasFixture bench;
-  bench.in_a();
-  bench.run_for(2s);
-  EXPECT_THAT(bench.refusal_to_go("a", "c/rack"), HasSubstr("no control area 'c' has been heard of; there are b"));
-  EXPECT_THAT(bench.refusal_to_go("a", "b/rack"), HasSubstr("no station or waypoint 'rack'"));
-  EXPECT_THAT(bench.refusal_to_go("a", "b/"), HasSubstr("no station or waypoint ''"));
-  EXPECT_THAT(bench.refusal_to_go("a", "/rack"), HasSubstr("no control area ''"));
-  EXPECT_EQ(bench.refusal_to_go("a", "a/rack_a"), "");
-  EXPECT_THAT(bench.refusal_to_go("a", "a/rack_b"), HasSubstr("in this control area"));
-  EXPECT_THAT(bench.refusal_to_go("b", "b/rack_b"), HasSubstr("no vehicle 'CoSiVA/AIV1'"))
+  ControlAreasFixture fixture;
+  fixture.in_a();
+  fixture.run_for(2s);
+  EXPECT_THAT(fixture.refusal_to_go("a", "c/rack"), HasSubstr("no control area 'c' has been heard of; there are b"));
+  EXPECT_THAT(fixture.refusal_to_go("a", "b/rack"), HasSubstr("no station or waypoint 'rack'"));
+  EXPECT_THAT(fixture.refusal_to_go("a", "b/"), HasSubstr("no station or waypoint ''"));
+  EXPECT_THAT(fixture.refusal_to_go("a", "/rack"), HasSubstr("no control area ''"));
+  EXPECT_EQ(fixture.refusal_to_go("a", "a/rack_a"), "");
+  EXPECT_THAT(fixture.refusal_to_go("a", "a/rack_b"), HasSubstr("in this control area"));
+  EXPECT_THAT(fixture.refusal_to_go("b", "b/rack_b"), HasSubstr("no vehicle 'CoSiVA/AIV1'"))
       << "it is not this control area's";
-  EXPECT_THAT(bench.refusal("a", R"({"command":"add","virtualObject":{"kind":"aiv","section":"a_far","s":1.0}})"),
+  EXPECT_THAT(fixture.refusal("a", R"({"command":"add","virtualObject":{"kind":"aiv","section":"a_far","s":1.0}})"),
               HasSubstr("virtual AIV"));
-  EXPECT_EQ(bench.refusal("a", R"({"command":"add","virtualObject":{"kind":"person","x":1.0,"y":1.0}})"), "");
-  bench.kill("b");
-  EXPECT_THAT(bench.refusal_to_go("a", "b/rack_b"), HasSubstr("silent"));
+  EXPECT_EQ(fixture.refusal("a", R"({"command":"add","virtualObject":{"kind":"person","x":1.0,"y":1.0}})"), "");
+  fixture.kill("b");
+  EXPECT_THAT(fixture.refusal_to_go("a", "b/rack_b"), HasSubstr("silent"));
 }
 
 TEST(ControlAreas, refuse_to_send_a_vehicle_to_an_area_that_they_do_not_meet) {
-  ControlAreasFixture bench{{}};
-  std::string far = bench.zone_of["b"].text;
+  ControlAreasFixture fixture{{}};
+  std::string far = fixture.zone_of["b"].text;
   for (std::size_t at = far.find("y = "); at != std::string::npos; at = far.find("y = ", at + 1)) {
     const std::size_t end = far.find(',', at);
     far.replace(at, end - at, "y = " + std::to_string(std::stod(far.substr(at + 4)) - 3.0));
   }
-  bench.zone_of["b"].text = far;
-  bench.start("a");
-  bench.start("b");
-  bench.in_a();
-  bench.run_for(2s);
-  EXPECT_THAT(bench.refusal_to_go("a", "b/rack_b"),
+  fixture.zone_of["b"].text = far;
+  fixture.start("a");
+  fixture.start("b");
+  fixture.in_a();
+  fixture.run_for(2s);
+  EXPECT_THAT(fixture.refusal_to_go("a", "b/rack_b"),
               HasSubstr("no station of this control area lies on a way of control area 'b'"));
 }
 
 TEST(ControlAreas, drive_a_third_party_vehicle_over_as_well) {
-  ControlAreasFixture bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0.3, 0.29289322, 0.0}, "CoSiVA");
-  BenchVehicle& other = bench.add("R7", {2.0, -1.49289322, pi}, "Robots");
+  ControlAreasFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0.3, 0.29289322, 0.0}, "CoSiVA");
+  FixtureVehicle& other = fixture.add("R7", {2.0, -1.49289322, pi}, "Robots");
   for (const std::string name : {"area_a", "area_b"})
     other.downloads.push_back(zone::Rtm::initialise(area_file(name))->shared_zone());
   // Said once, while it is nobody's: whoever owns it later must know it all the same.
   wire::Factsheet factsheet;
-  factsheet.header = other.header(bench.now, 0);
+  factsheet.header = other.header(fixture.now, 0);
   for (const char* action : {"downloadMap", "enableMap", "initPosition", "cancelOrder"})
     factsheet.actions.push_back({action, "", true, false, false, {}});
-  bench.publish({other.topic("factsheet"), vda::encode(factsheet), 0, true});
-  bench.run_for(3s);
-  EXPECT_THAT(bench.table("b"), ElementsAre("Robots/R7"));
-  bench.ask("b", R"({"command":"go","vehicle":"Robots/R7","to":"a/rack_a"})");
-  ASSERT_TRUE(bench.run_until([&] { return bench.table("a").size() == 2; }, 90s));
-  EXPECT_THAT(bench.table("a"), UnorderedElementsAre(aiv1, "Robots/R7"));
-  ASSERT_TRUE(bench.run_until([&] { return other.map_id == "area_a" && other.speed_mps > 0.0; }, 20s));
+  fixture.publish({other.topic("factsheet"), vda::encode(factsheet), 0, true});
+  fixture.run_for(3s);
+  EXPECT_THAT(fixture.table("b"), ElementsAre("Robots/R7"));
+  fixture.ask("b", R"({"command":"go","vehicle":"Robots/R7","to":"a/rack_a"})");
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.table("a").size() == 2; }, 90s));
+  EXPECT_THAT(fixture.table("a"), UnorderedElementsAre(aiv1, "Robots/R7"));
+  ASSERT_TRUE(fixture.run_until([&] { return other.map_id == "area_a" && other.speed_mps > 0.0; }, 20s));
   EXPECT_THAT(other.refusals, IsEmpty());
   EXPECT_THAT(aiv.refusals, IsEmpty());
 }

@@ -2,12 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cosiva/virtual/server/testing/server_bench.h"
+#include "cosiva/virtual/server/testing/server_fixture.h"
 
 namespace cosiva::virtual_side {
 namespace {
 
-using namespace bench;
+using namespace fixture;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
@@ -15,17 +15,17 @@ using testing::SizeIs;
 const std::string edit = R"({"command":"edit","edit":{"addTags":[{"number":5,"section":"south","s":1.0}]}})";
 
 TEST(PersistedState, brings_back_virtual_objects_virtual_aivs_and_edits) {
-  ServerBench bench;
-  bench.ask(
+  ServerFixture fixture;
+  fixture.ask(
       R"({"command":"add","virtualObject":{"kind":"person","path":[[0,1.2],[2,1.2]],"speed":0.2,"repeat":"loop","radius":0.1}})");
-  bench.ask(R"({"command":"add","virtualObject":{"kind":"obstacle","id":"box","x":1.0,"y":0.5}})");
-  bench.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"north","s":0.3}})");
-  bench.ask(edit);
-  bench.run_for(5s);
-  const JsonValue before = bench.snapshot();
-  const JsonValue aiv = bench.aiv("CoSiVA.virtual/V1");
-  bench.restart_server(true);
-  const JsonValue after = bench.snapshot();
+  fixture.ask(R"({"command":"add","virtualObject":{"kind":"obstacle","id":"box","x":1.0,"y":0.5}})");
+  fixture.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"north","s":0.3}})");
+  fixture.ask(edit);
+  fixture.run_for(5s);
+  const JsonValue before = fixture.snapshot();
+  const JsonValue aiv = fixture.aiv("CoSiVA.virtual/V1");
+  fixture.restart_server(true);
+  const JsonValue after = fixture.snapshot();
   ASSERT_THAT(*after.find("virtualObjects")->array(), SizeIs(2));
   for (std::size_t i = 0; i < 2; ++i) {
     const JsonValue& was = (*before.find("virtualObjects")->array())[i];
@@ -36,50 +36,50 @@ TEST(PersistedState, brings_back_virtual_objects_virtual_aivs_and_edits) {
   }
   EXPECT_EQ(*after.find("zoneEdits")->number("undo"), 1.0) << "back to the file";
   EXPECT_EQ(after.find("zoneEdits")->flag("unsaved"), true);
-  EXPECT_THAT(bench.server->zone_configuration()->text, HasSubstr("5"));
-  bench.run_for(1s);
-  const JsonValue again = bench.aiv("CoSiVA.virtual/V1");
+  EXPECT_THAT(fixture.server->zone_configuration()->text, HasSubstr("5"));
+  fixture.run_for(1s);
+  const JsonValue again = fixture.aiv("CoSiVA.virtual/V1");
   ASSERT_FALSE(again.is_null());
   const double moved_m = norm(*again.number("x") - *aiv.number("x"), *again.number("y") - *aiv.number("y"));
   EXPECT_LT(moved_m, 1.0) << "near where it was at most a second before";
-  bench.run_for(4s);
-  EXPECT_GT(*bench.aiv("CoSiVA.virtual/V1").number("speed"), 0.1) << "and it drives";
+  fixture.run_for(4s);
+  EXPECT_GT(*fixture.aiv("CoSiVA.virtual/V1").number("speed"), 0.1) << "and it drives";
 }
 
 TEST(PersistedState, is_written_when_something_changes_and_not_otherwise) {
-  ServerBench bench;
-  bench.run_for(5s);
-  EXPECT_EQ(bench.memory, "") << "nothing to remember";
-  bench.ask(R"({"command":"add","virtualObject":{"kind":"obstacle","x":1.0,"y":0.5}})");
-  const std::string with = bench.memory;
+  ServerFixture fixture;
+  fixture.run_for(5s);
+  EXPECT_EQ(fixture.memory, "") << "nothing to remember";
+  fixture.ask(R"({"command":"add","virtualObject":{"kind":"obstacle","x":1.0,"y":0.5}})");
+  const std::string with = fixture.memory;
   EXPECT_THAT(with, HasSubstr("O1"));
-  bench.ask(R"({"command":"remove","id":"O1"})");
-  EXPECT_THAT(bench.memory, testing::Not(HasSubstr("O1")));
+  fixture.ask(R"({"command":"remove","id":"O1"})");
+  EXPECT_THAT(fixture.memory, testing::Not(HasSubstr("O1")));
 }
 
 TEST(PersistedState, of_a_virtual_aiv_is_renewed_each_second) {
-  ServerBench bench;
-  bench.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"south","s":0.3}})");
-  bench.run_for(5s);
-  const std::string then = bench.memory;
-  bench.run_for(900ms);
-  const std::string soon = bench.memory;
-  bench.run_for(1200ms);
-  EXPECT_NE(bench.memory, then);
-  EXPECT_NE(bench.memory, soon);
+  ServerFixture fixture;
+  fixture.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"south","s":0.3}})");
+  fixture.run_for(5s);
+  const std::string then = fixture.memory;
+  fixture.run_for(900ms);
+  const std::string soon = fixture.memory;
+  fixture.run_for(1200ms);
+  EXPECT_NE(fixture.memory, then);
+  EXPECT_NE(fixture.memory, soon);
 }
 
 TEST(PersistedState, survives_being_killed_twice_before_the_zone_and_the_vehicles_are_there) {
-  ServerBench bench;
-  bench.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"north","s":0.3}})");
-  bench.run_for(1s);
-  bench.restart_server(true);
-  bench.run_for(100ms);  // not settled yet
-  bench.ask(R"({"command":"add","virtualObject":{"kind":"obstacle","x":1.0,"y":0.5}})");
-  EXPECT_THAT(bench.memory, HasSubstr("V1"));
-  bench.restart_server(true);
-  bench.run_for(3s);
-  EXPECT_FALSE(bench.aiv("CoSiVA.virtual/V1").is_null());
+  ServerFixture fixture;
+  fixture.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"north","s":0.3}})");
+  fixture.run_for(1s);
+  fixture.restart_server(true);
+  fixture.run_for(100ms);  // not settled yet
+  fixture.ask(R"({"command":"add","virtualObject":{"kind":"obstacle","x":1.0,"y":0.5}})");
+  EXPECT_THAT(fixture.memory, HasSubstr("V1"));
+  fixture.restart_server(true);
+  fixture.run_for(3s);
+  EXPECT_FALSE(fixture.aiv("CoSiVA.virtual/V1").is_null());
 }
 
 TEST(PersistedState, that_is_broken_is_said_and_left_out) {
@@ -90,46 +90,46 @@ TEST(PersistedState, that_is_broken_is_said_and_left_out) {
                     R"("repeat":"once","since":"1","started":"1","path":[[0,0]]}],"aivs":[{"id":"a b","section":"x",)"
                     R"("s":0},{"id":"V1","section":"nowhere"}],"paused":[7],"zone":{"base":"0"}})"),
         std::string(R"({"version":1,"zone":{"base":{"format":"toml","text":"name = "},"made":"x"}})")}) {
-    ServerBench bench;
-    bench.memory = broken;
-    bench.restart_server(true);
-    bench.run_for(3s);
-    EXPECT_THAT(*bench.snapshot().find("virtualObjects")->array(), IsEmpty()) << broken;
-    EXPECT_THAT(*bench.snapshot().find("aivs")->array(), IsEmpty()) << broken;
-    EXPECT_EQ(bench.server->zone_revision(), 1U) << broken;
-    EXPECT_FALSE(bench.logs.empty());
-    bench.ask(R"({"command":"add","virtualObject":{"kind":"obstacle","x":1.0,"y":0.5}})");
-    EXPECT_THAT(*bench.snapshot().find("virtualObjects")->array(), SizeIs(1)) << "it works on: " << broken;
+    ServerFixture fixture;
+    fixture.memory = broken;
+    fixture.restart_server(true);
+    fixture.run_for(3s);
+    EXPECT_THAT(*fixture.snapshot().find("virtualObjects")->array(), IsEmpty()) << broken;
+    EXPECT_THAT(*fixture.snapshot().find("aivs")->array(), IsEmpty()) << broken;
+    EXPECT_EQ(fixture.server->zone_revision(), 1U) << broken;
+    EXPECT_FALSE(fixture.logs.empty());
+    fixture.ask(R"({"command":"add","virtualObject":{"kind":"obstacle","x":1.0,"y":0.5}})");
+    EXPECT_THAT(*fixture.snapshot().find("virtualObjects")->array(), SizeIs(1)) << "it works on: " << broken;
   }
 }
 
 TEST(PersistedState, of_edits_waits_for_the_zone_of_the_physical_side) {
-  ServerBench bench;
-  bench.ask(edit);
-  const std::string edited = bench.server->zone_configuration()->text;
+  ServerFixture fixture;
+  fixture.ask(edit);
+  const std::string edited = fixture.server->zone_configuration()->text;
   ServerCore server{ServerOptions{}};
   wire::Effects effects;
-  server.handle({bench.now, wire::InputKind::restore, "", bench.memory, false}, effects);
+  server.handle({fixture.now, wire::InputKind::restore, "", fixture.memory, false}, effects);
   EXPECT_FALSE(server.zone_configuration().has_value());
-  server.handle({bench.now, wire::InputKind::link, "", "up", false}, effects);
-  server.handle({bench.now, wire::InputKind::message, "cosiva/v1/zone/toml", oval().text, true}, effects);
+  server.handle({fixture.now, wire::InputKind::link, "", "up", false}, effects);
+  server.handle({fixture.now, wire::InputKind::message, "cosiva/v1/zone/toml", oval().text, true}, effects);
   ASSERT_TRUE(server.zone_configuration().has_value());
   EXPECT_EQ(server.zone_configuration()->text, edited);
 }
 
 TEST(PersistedState, of_edits_knows_them_in_the_zone_that_the_broker_kept) {
-  ServerBench bench;
-  const std::string original = bench.server->zone_configuration()->text;
-  bench.ask(edit);
-  const zone::ZoneConfiguration edited = *bench.server->zone_configuration();
+  ServerFixture fixture;
+  const std::string original = fixture.server->zone_configuration()->text;
+  fixture.ask(edit);
+  const zone::ZoneConfiguration edited = *fixture.server->zone_configuration();
   for (const bool saved : {false, true}) {
-    if (saved) bench.ask(R"({"command":"saved"})");
+    if (saved) fixture.ask(R"({"command":"saved"})");
     ServerCore server{ServerOptions{}};
     wire::Effects effects;
     const auto feed = [&](wire::InputKind kind, const char* source, const std::string& payload) {
-      server.handle({bench.now, kind, source, payload, kind == wire::InputKind::message}, effects);
+      server.handle({fixture.now, kind, source, payload, kind == wire::InputKind::message}, effects);
     };
-    feed(wire::InputKind::restore, "", bench.memory);
+    feed(wire::InputKind::restore, "", fixture.memory);
     feed(wire::InputKind::link, "", "up");
     feed(wire::InputKind::message, "cosiva/v1/zone/toml", edited.text);
     const JsonValue snapshot = *JsonValue::parse(server.snapshot_json());
@@ -143,23 +143,23 @@ TEST(PersistedState, of_edits_knows_them_in_the_zone_that_the_broker_kept) {
 }
 
 TEST(PersistedState, of_edits_is_left_out_on_another_zone) {
-  ServerBench bench;
-  bench.ask(edit);
-  ServerBench other{zone_file("lacet4.toml")};
-  other.memory = bench.memory;
+  ServerFixture fixture;
+  fixture.ask(edit);
+  ServerFixture other{zone_file("lacet4.toml")};
+  other.memory = fixture.memory;
   other.restart_server(true);
   EXPECT_EQ(other.server->zone_revision(), 1U);
   EXPECT_TRUE(other.logged("edits"));
 }
 
 TEST(PersistedState, puts_a_virtual_aiv_beside_its_place_when_somebody_stands_there_by_now) {
-  ServerBench bench;
-  bench.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"south","s":1.0}})");
-  bench.run_for(100ms);
-  bench.add("AIV1", {0, 1.05}).blocked = true;
-  bench.restart_server(true);
-  bench.run_for(3s);
-  const JsonValue aiv = bench.aiv("CoSiVA.virtual/V1");
+  ServerFixture fixture;
+  fixture.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"south","s":1.0}})");
+  fixture.run_for(100ms);
+  fixture.add("AIV1", {0, 1.05}).blocked = true;
+  fixture.restart_server(true);
+  fixture.run_for(3s);
+  const JsonValue aiv = fixture.aiv("CoSiVA.virtual/V1");
   ASSERT_FALSE(aiv.is_null());
   const double away_m = norm(*aiv.number("x") - 1.05, *aiv.number("y"));
   EXPECT_GE(away_m, 0.25);

@@ -3,49 +3,49 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cosiva/virtual/server/testing/server_bench.h"
+#include "cosiva/virtual/server/testing/server_fixture.h"
 
 namespace cosiva::virtual_side {
 namespace {
 
-using namespace bench;
+using namespace fixture;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-std::vector<std::string> kinds(const ServerBench& bench, const std::string& from) {
+std::vector<std::string> kinds(const ServerFixture& fixture, const std::string& from) {
   std::vector<std::string> found;
-  const JsonValue traces = *JsonValue::parse(bench.server->traces_json(1, 1000));
+  const JsonValue traces = *JsonValue::parse(fixture.server->traces_json(1, 1000));
   for (const JsonValue& trace : *traces.find("traces")->array())
     if (from.empty() || trace.text("from") == from) found.push_back(*trace.text("to") + "." + *trace.text("kind"));
   return found;
 }
 
 TEST(ServerCore, says_online_heartbeats_and_the_zone_when_its_link_comes_up) {
-  ServerBench bench;
-  const auto connection = bench.published_on(wire::server_connection_topic);
+  ServerFixture fixture;
+  const auto connection = fixture.published_on(wire::server_connection_topic);
   ASSERT_THAT(connection, SizeIs(1));
   EXPECT_TRUE(connection[0].retained);
   EXPECT_EQ(connection[0].qos, 1);
   EXPECT_EQ(JsonValue::parse(connection[0].payload)->text("connectionState"), "ONLINE");
-  const auto zone = bench.published_on("cosiva/v1/zone/toml");
+  const auto zone = fixture.published_on("cosiva/v1/zone/toml");
   ASSERT_THAT(zone, SizeIs(1));
   EXPECT_TRUE(zone[0].retained);
   EXPECT_EQ(zone[0].payload, oval().text) << "byte for byte";
-  bench.run_for(1s);
-  EXPECT_THAT(bench.published_on(wire::server_heartbeat_topic), SizeIs(11))
+  fixture.run_for(1s);
+  EXPECT_THAT(fixture.published_on(wire::server_heartbeat_topic), SizeIs(11))
       << "at the first tick and at 100, 200 … 1000 ms";
 }
 
 TEST(ServerCore, leaves_a_will_and_says_goodbye) {
-  ServerBench bench;
-  const auto will = bench.server->will();
+  ServerFixture fixture;
+  const auto will = fixture.server->will();
   ASSERT_TRUE(will.has_value());
   EXPECT_EQ(JsonValue::parse(will->message.payload)->text("connectionState"), "CONNECTIONBROKEN");
   EXPECT_TRUE(will->message.retained);
   wire::Effects effects;
-  bench.server->farewell(bench.now, effects);
+  fixture.server->farewell(fixture.now, effects);
   ASSERT_THAT(effects, SizeIs(1));
   EXPECT_EQ(JsonValue::parse(std::get<wire::Publish>(effects[0]).payload)->text("connectionState"), "OFFLINE");
 }
@@ -62,14 +62,14 @@ TEST(ServerCore, subscribes_to_what_vehicles_say_under_its_interface_and_to_zone
 }
 
 TEST(ServerCore, builds_the_zone_in_the_article_s_order_and_shows_each_step) {
-  ServerBench bench;
-  const auto steps = kinds(bench, "");
+  ServerFixture fixture;
+  const auto steps = kinds(fixture, "");
   EXPECT_THAT(
       std::vector(steps.begin(), steps.begin() + 8),
       ElementsAre("Simulator.zoneConfiguration", "RTM.initialise", "RTM.circuitFactory", "Simulator.circuitFactory",
                   "CircuitFactory.circuit", "Simulator.circuit", "Circuit.draw", "Simulator.draw"));
-  EXPECT_EQ(bench.server->zone_revision(), 1U);
-  EXPECT_EQ(JsonValue::parse(bench.server->zone_json())->text("name"), "oval");
+  EXPECT_EQ(fixture.server->zone_revision(), 1U);
+  EXPECT_EQ(JsonValue::parse(fixture.server->zone_json())->text("name"), "oval");
 }
 
 TEST(ServerCore, takes_the_zone_from_the_physical_side_and_does_not_build_the_same_twice) {
@@ -84,61 +84,61 @@ TEST(ServerCore, takes_the_zone_from_the_physical_side_and_does_not_build_the_sa
 }
 
 TEST(ServerCore, keeps_its_zone_when_a_bad_one_arrives) {
-  ServerBench bench;
-  bench.feed(wire::InputKind::message, "cosiva/v1/zone/toml", "name = ");
-  bench.feed(wire::InputKind::message, "cosiva/v1/zone/clay", "tablets");
-  bench.feed(wire::InputKind::message, "cosiva/v1/zone/toml", "");
-  EXPECT_EQ(bench.server->zone_revision(), 1U);
-  EXPECT_TRUE(bench.logged("zone configuration refused"));
+  ServerFixture fixture;
+  fixture.feed(wire::InputKind::message, "cosiva/v1/zone/toml", "name = ");
+  fixture.feed(wire::InputKind::message, "cosiva/v1/zone/clay", "tablets");
+  fixture.feed(wire::InputKind::message, "cosiva/v1/zone/toml", "");
+  EXPECT_EQ(fixture.server->zone_revision(), 1U);
+  EXPECT_TRUE(fixture.logged("zone configuration refused"));
 }
 
 TEST(ServerCore, changes_the_zone_while_vehicles_drive_and_goes_on_on_the_new_one) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  bench.run_for(5s);
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(5s);
   std::string longer = oval().text;
   longer.replace(longer.find("\"oval\""), 6, "\"oval two\"");
-  bench.feed(wire::InputKind::message, "cosiva/v1/zone/toml", longer);
-  EXPECT_EQ(bench.server->zone_revision(), 2U);
-  bench.run_for(10s);
+  fixture.feed(wire::InputKind::message, "cosiva/v1/zone/toml", longer);
+  EXPECT_EQ(fixture.server->zone_revision(), 2U);
+  fixture.run_for(10s);
   ASSERT_FALSE(aiv.orders.empty());
   EXPECT_EQ(aiv.orders.back().nodes.front().position->map_id, "oval two");
-  EXPECT_EQ(*bench.bijection().number("matched"), 1.0);
+  EXPECT_EQ(*fixture.bijection().number("matched"), 1.0);
 }
 
 TEST(ServerCore, registers_a_vehicle_at_its_first_message_and_shows_its_twin_at_its_first_place) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV7", {0, 0.5});
-  EXPECT_EQ(*bench.bijection().number("virtual"), 0.0);
-  EXPECT_THAT(*bench.snapshot().find("aivs")->array(), IsEmpty());
-  bench.tell(aiv, "state", vda::encode(aiv.state(bench.now)));
-  const JsonValue shown = bench.aiv("CoSiVA/AIV7");
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV7", {0, 0.5});
+  EXPECT_EQ(*fixture.bijection().number("virtual"), 0.0);
+  EXPECT_THAT(*fixture.snapshot().find("aivs")->array(), IsEmpty());
+  fixture.tell(aiv, "state", vda::encode(aiv.state(fixture.now)));
+  const JsonValue shown = fixture.aiv("CoSiVA/AIV7");
   EXPECT_EQ(*shown.number("number"), 7.0);
   EXPECT_NEAR(*shown.number("x"), 0.5, 1e-9);
   EXPECT_EQ(shown.text("section"), "south");
   EXPECT_NEAR(*shown.number("s"), 0.5, 1e-6);
-  EXPECT_EQ(*bench.bijection().number("matched"), 1.0);
-  EXPECT_EQ(*bench.bijection().find("events")->find("by_kind")->number("arrival"), 1.0);
-  EXPECT_THAT(kinds(bench, "AIV_Server"), testing::Contains("Simulator.appear"));
+  EXPECT_EQ(*fixture.bijection().number("matched"), 1.0);
+  EXPECT_EQ(*fixture.bijection().find("events")->find("by_kind")->number("arrival"), 1.0);
+  EXPECT_THAT(kinds(fixture, "AIV_Server"), testing::Contains("Simulator.appear"));
 }
 
 TEST(ServerCore, gives_marks_by_serial_number_and_no_mark_twice) {
-  ServerBench bench;
+  ServerFixture fixture;
   for (const auto& [make, serial] : {std::pair{"CoSiVA", "AIV3"}, {"Acme", "truck-3"}, {"Acme", "nameless"}}) {
-    BenchVehicle& aiv = bench.add(serial, {0, 0.5}, make);
-    bench.tell(aiv, "state", vda::encode(aiv.state(bench.now)));
+    FixtureVehicle& aiv = fixture.add(serial, {0, 0.5}, make);
+    fixture.tell(aiv, "state", vda::encode(aiv.state(fixture.now)));
   }
-  EXPECT_EQ(*bench.aiv("CoSiVA/AIV3").number("number"), 3.0);
-  EXPECT_EQ(*bench.aiv("Acme/truck-3").number("number"), 1.0);
-  EXPECT_EQ(*bench.aiv("Acme/nameless").number("number"), 2.0);
+  EXPECT_EQ(*fixture.aiv("CoSiVA/AIV3").number("number"), 3.0);
+  EXPECT_EQ(*fixture.aiv("Acme/truck-3").number("number"), 1.0);
+  EXPECT_EQ(*fixture.aiv("Acme/nameless").number("number"), 2.0);
 }
 
 TEST(ServerCore, names_a_vehicle_that_does_not_know_its_place_as_an_orphan) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   aiv.position_known = false;
-  bench.run_for(2s);
-  const JsonValue metrics = bench.bijection();
+  fixture.run_for(2s);
+  const JsonValue metrics = fixture.bijection();
   EXPECT_EQ(*metrics.number("physical"), 1.0);
   EXPECT_EQ(*metrics.number("virtual"), 0.0);
   ASSERT_THAT(*metrics.find("orphans")->array(), SizeIs(1));
@@ -148,39 +148,39 @@ TEST(ServerCore, names_a_vehicle_that_does_not_know_its_place_as_an_orphan) {
 }
 
 TEST(ServerCore, tells_how_late_its_machine_woke_it) {
-  ServerBench bench;
-  bench.run_for(2s);
-  EXPECT_EQ(bench.bijection().find("late_ms")->number("max"), 0.0) << "its cycle is the bench's step";
-  bench.now += 480ms;
-  bench.run_for(2s);
-  EXPECT_NEAR(*bench.bijection().find("late_ms")->number("max"), 480.0, 1e-6);
+  ServerFixture fixture;
+  fixture.run_for(2s);
+  EXPECT_EQ(fixture.bijection().find("late_ms")->number("max"), 0.0) << "its cycle is the bench's step";
+  fixture.now += 480ms;
+  fixture.run_for(2s);
+  EXPECT_NEAR(*fixture.bijection().find("late_ms")->number("max"), 480.0, 1e-6);
 }
 
 TEST(ServerCore, shows_a_broken_connection_at_once_and_keeps_the_twin) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  bench.run_for(5s);
-  bench.kill(aiv);
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("connection"), "CONNECTIONBROKEN");
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").flag("lost"), true);
-  bench.run_for(10s);
-  EXPECT_EQ(*bench.bijection().number("matched"), 1.0);
-  EXPECT_GT(*bench.aiv("CoSiVA/AIV1").number("age_ms"), 9000.0);
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(5s);
+  fixture.kill(aiv);
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").text("connection"), "CONNECTIONBROKEN");
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").flag("lost"), true);
+  fixture.run_for(10s);
+  EXPECT_EQ(*fixture.bijection().number("matched"), 1.0);
+  EXPECT_GT(*fixture.aiv("CoSiVA/AIV1").number("age_ms"), 9000.0);
 }
 
 TEST(ServerCore, marks_a_silent_vehicle_as_lost_after_a_second_and_stops_its_twin) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  bench.run_for(5s);
-  const double x0 = *bench.aiv("CoSiVA/AIV1").number("x");
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(5s);
+  const double x0 = *fixture.aiv("CoSiVA/AIV1").number("x");
   aiv.alive = false;
-  bench.run_for(900ms);
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").flag("lost"), false);
-  bench.run_for(300ms);
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").flag("lost"), true);
-  const JsonValue then = bench.aiv("CoSiVA/AIV1");
-  bench.run_for(5s);
-  EXPECT_EQ(*bench.aiv("CoSiVA/AIV1").number("x"), *then.number("x"));
+  fixture.run_for(900ms);
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").flag("lost"), false);
+  fixture.run_for(300ms);
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").flag("lost"), true);
+  const JsonValue then = fixture.aiv("CoSiVA/AIV1");
+  fixture.run_for(5s);
+  EXPECT_EQ(*fixture.aiv("CoSiVA/AIV1").number("x"), *then.number("x"));
   EXPECT_LE(std::fabs(*then.number("x") - x0), 0.3 * 1.0 + 0.05) << "anticipated for a second at most";
   EXPECT_EQ(then.find("contract")->flag("age"), false);
 }
@@ -188,27 +188,27 @@ TEST(ServerCore, marks_a_silent_vehicle_as_lost_after_a_second_and_stops_its_twi
 /// A vehicle of a third party that only says its state, and how much of its time it is shown as lost.
 class SlowReporter {
  public:
-  SlowReporter() : vehicle_{bench_.add("agv-7", {0, 0.5}, "Acme")} {
+  SlowReporter() : vehicle_{fixture_.add("agv-7", {0, 0.5}, "Acme")} {
     vehicle_.alive = false;  // the bench does not report for it
-    bench_.each_step = [this] {
-      if (const auto lost = bench_.aiv("Acme/agv-7").flag("lost")) ++(*lost ? steps_lost_ : steps_live_);
+    fixture_.each_step = [this] {
+      if (const auto lost = fixture_.aiv("Acme/agv-7").flag("lost")) ++(*lost ? steps_lost_ : steps_live_);
     };
   }
   void report_for(SimDuration duration, double period_s, double jitter_s = 0.0) {
-    for (const SimTime end = bench_.now + duration; bench_.now < end;) {
-      bench_.tell(vehicle_, "state", vda::encode(vehicle_.state(bench_.now)));
-      be_silent_for(from_seconds(period_s + bench_.random.uniform(-jitter_s, jitter_s)));
+    for (const SimTime end = fixture_.now + duration; fixture_.now < end;) {
+      fixture_.tell(vehicle_, "state", vda::encode(vehicle_.state(fixture_.now)));
+      be_silent_for(from_seconds(period_s + fixture_.random.uniform(-jitter_s, jitter_s)));
     }
   }
-  void be_silent_for(SimDuration duration) { bench_.run_for(duration); }
+  void be_silent_for(SimDuration duration) { fixture_.run_for(duration); }
   [[nodiscard]] double lost_ratio() const {
     return static_cast<double>(steps_lost_) / static_cast<double>(steps_lost_ + steps_live_);
   }
-  [[nodiscard]] bool lost() const { return *bench_.aiv("Acme/agv-7").flag("lost"); }
+  [[nodiscard]] bool lost() const { return *fixture_.aiv("Acme/agv-7").flag("lost"); }
 
  private:
-  ServerBench bench_;
-  BenchVehicle& vehicle_;
+  ServerFixture fixture_;
+  FixtureVehicle& vehicle_;
   std::uint64_t steps_lost_{0};
   std::uint64_t steps_live_{0};
 };
@@ -235,69 +235,69 @@ TEST(ServerCore, shows_a_slow_vehicle_as_lost_after_three_of_its_usual_gaps) {
 }
 
 TEST(ServerCore, believes_a_vehicle_that_goes_on_reporting_after_a_stale_will) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  bench.run_for(3s);
-  bench.connection(aiv, wire::ConnectionState::connection_broken);
-  bench.run_for(3s);
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("connection"), "ONLINE");
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(3s);
+  fixture.connection(aiv, wire::ConnectionState::connection_broken);
+  fixture.run_for(3s);
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").text("connection"), "ONLINE");
 }
 
 TEST(ServerCore, does_not_move_a_twin_back_for_a_late_report) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  bench.run_for(3s);
-  const auto late = vda::encode(aiv.visualization(bench.now - 200ms));
-  const auto late_state = vda::encode(aiv.state(bench.now - 1500ms));
-  bench.run_for(2s);
-  const JsonValue before = bench.aiv("CoSiVA/AIV1");
-  bench.tell(aiv, "visualization", late);
-  bench.tell(aiv, "state", late_state);
-  EXPECT_EQ(*bench.aiv("CoSiVA/AIV1").number("x"), *before.number("x"));
-  EXPECT_EQ(*bench.aiv("CoSiVA/AIV1").number("orderUpdateId"), *before.number("orderUpdateId"));
-  EXPECT_THAT(bench.server->summary_json(), HasSubstr("\"outdated\":2"));
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(3s);
+  const auto late = vda::encode(aiv.visualization(fixture.now - 200ms));
+  const auto late_state = vda::encode(aiv.state(fixture.now - 1500ms));
+  fixture.run_for(2s);
+  const JsonValue before = fixture.aiv("CoSiVA/AIV1");
+  fixture.tell(aiv, "visualization", late);
+  fixture.tell(aiv, "state", late_state);
+  EXPECT_EQ(*fixture.aiv("CoSiVA/AIV1").number("x"), *before.number("x"));
+  EXPECT_EQ(*fixture.aiv("CoSiVA/AIV1").number("orderUpdateId"), *before.number("orderUpdateId"));
+  EXPECT_THAT(fixture.server->summary_json(), HasSubstr("\"outdated\":2"));
 }
 
 TEST(ServerCore, ignores_a_retained_state) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  bench.tell(aiv, "state", vda::encode(aiv.state(bench.now)), true);
-  EXPECT_THAT(*bench.snapshot().find("aivs")->array(), IsEmpty());
-  EXPECT_TRUE(bench.logged("retained state"));
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  fixture.tell(aiv, "state", vda::encode(aiv.state(fixture.now)), true);
+  EXPECT_THAT(*fixture.snapshot().find("aivs")->array(), IsEmpty());
+  EXPECT_TRUE(fixture.logged("retained state"));
 }
 
 TEST(ServerCore, ignores_a_message_that_carries_another_s_name_and_says_so_once) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  wire::State forged = aiv.state(bench.now);
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  wire::State forged = aiv.state(fixture.now);
   forged.header.serial_number = "AIV2";
-  for (int i = 0; i < 5; ++i) bench.tell(aiv, "state", vda::encode(forged));
-  EXPECT_THAT(*bench.snapshot().find("aivs")->array(), IsEmpty());
-  EXPECT_EQ(std::ranges::count_if(bench.logs, [](const auto& l) { return l.find("AIV2") != std::string::npos; }), 1);
+  for (int i = 0; i < 5; ++i) fixture.tell(aiv, "state", vda::encode(forged));
+  EXPECT_THAT(*fixture.snapshot().find("aivs")->array(), IsEmpty());
+  EXPECT_EQ(std::ranges::count_if(fixture.logs, [](const auto& l) { return l.find("AIV2") != std::string::npos; }), 1);
 }
 
 TEST(ServerCore, counts_the_messages_that_never_came_and_lets_header_ids_wrap) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   std::uint32_t id = 0xFFFFFFFEU;
   for (const std::uint32_t step : {0U, 1U, 1U, 3U}) {  // …fe, …ff, 0, 3: two lost
     id += step;
-    wire::State state = aiv.state(bench.now);
+    wire::State state = aiv.state(fixture.now);
     state.header.header_id = id;
-    bench.now += 20ms;
-    state.header.timestamp = bench.now;
-    bench.tell(aiv, "state", vda::encode(state));
+    fixture.now += 20ms;
+    state.header.timestamp = fixture.now;
+    fixture.tell(aiv, "state", vda::encode(state));
   }
-  EXPECT_THAT(bench.server->summary_json(), HasSubstr("\"missed\":2"));
+  EXPECT_THAT(fixture.server->summary_json(), HasSubstr("\"missed\":2"));
 }
 
 TEST(ServerCore, anticipates_by_arrival_when_a_vehicle_s_clock_is_wrong) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   aiv.clock_ahead = -100s;
-  bench.run_for(10s);
-  EXPECT_TRUE(bench.logged("clock"));
-  const JsonValue shown = bench.aiv("CoSiVA/AIV1");
+  fixture.run_for(10s);
+  EXPECT_TRUE(fixture.logged("clock"));
+  const JsonValue shown = fixture.aiv("CoSiVA/AIV1");
   EXPECT_LT(*shown.number("age_ms"), 150.0);
   const Pose2 ground_truth = aiv.pose();
   EXPECT_LT(distance({*shown.number("x"), *shown.number("y")}, position(ground_truth)), 0.03);
@@ -307,9 +307,9 @@ TEST(ServerCore, anticipates_by_arrival_when_a_vehicle_s_clock_is_wrong) {
 }
 
 TEST(ServerCore, survives_garbage_on_every_topic_and_serves_the_others) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  bench.run_for(2s);
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(2s);
   const std::vector<std::string> garbage{"",
                                          "{",
                                          "null",
@@ -321,68 +321,68 @@ TEST(ServerCore, survives_garbage_on_every_topic_and_serves_the_others) {
                                          R"({"manufacturer":1,"serialNumber":[]})"};
   for (const std::string& payload : garbage)
     for (const char* topic : {"state", "visualization", "connection", "factsheet"}) {
-      bench.tell(aiv, topic, payload);
-      bench.feed(wire::InputKind::message, std::string("uagv/v2/Acme/x1/") + topic, payload);
+      fixture.tell(aiv, topic, payload);
+      fixture.feed(wire::InputKind::message, std::string("uagv/v2/Acme/x1/") + topic, payload);
     }
   for (const char* topic : {"", "/", "uagv", "uagv/v2//x/state", "uagv/v3/Acme/new/state", "uagv/v2/Ac me/x/state",
                             "uagv/v2/Acme/x/order", "uagv/v2/Acme/x/y/state", "cosiva/v1/zone/", "other/v2/a/b/state"})
-    bench.feed(wire::InputKind::message, topic, "{}");
-  bench.run_for(2s);
+    fixture.feed(wire::InputKind::message, topic, "{}");
+  fixture.run_for(2s);
   EXPECT_GT(aiv.speed_mps, 0.0);
-  EXPECT_EQ(*bench.bijection().number("matched"), 1.0);
-  EXPECT_TRUE(bench.logged("v3"));
+  EXPECT_EQ(*fixture.bijection().number("matched"), 1.0);
+  EXPECT_TRUE(fixture.logged("v3"));
 }
 
 TEST(ServerCore, refuses_places_and_versions_that_cannot_be) {
-  ServerBench bench;
-  BenchVehicle& far = bench.add("AIV1", {0, 0.5});
-  wire::State state = far.state(bench.now);
+  ServerFixture fixture;
+  FixtureVehicle& far = fixture.add("AIV1", {0, 0.5});
+  wire::State state = far.state(fixture.now);
   state.position->pose.x_m = 1e6;
-  bench.tell(far, "state", vda::encode(state));
-  EXPECT_TRUE(bench.logged("100 km"));
-  BenchVehicle& newer = bench.add("AIV2", {0, 0.5});
+  fixture.tell(far, "state", vda::encode(state));
+  EXPECT_TRUE(fixture.logged("100 km"));
+  FixtureVehicle& newer = fixture.add("AIV2", {0, 0.5});
   newer.version = "3.0.0";
-  bench.tell(newer, "state", vda::encode(newer.state(bench.now)));
-  EXPECT_TRUE(bench.logged("3.0.0"));
-  EXPECT_THAT(*bench.snapshot().find("aivs")->array(), IsEmpty());
+  fixture.tell(newer, "state", vda::encode(newer.state(fixture.now)));
+  EXPECT_TRUE(fixture.logged("3.0.0"));
+  EXPECT_THAT(*fixture.snapshot().find("aivs")->array(), IsEmpty());
 }
 
 TEST(ServerCore, takes_no_more_vehicles_than_it_can_hold) {
-  ServerBench bench;
+  ServerFixture fixture;
   for (int i = 0; i < 1000; ++i)
-    bench.feed(
+    fixture.feed(
         wire::InputKind::message, "uagv/v2/Flood/n" + std::to_string(i) + "/connection",
         R"({"headerId":0,"timestamp":"2023-07-11T00:00:00.000Z","version":"2.1.0","manufacturer":"Flood","serialNumber":"n)" +
             std::to_string(i) + R"(","connectionState":"ONLINE"})");
-  EXPECT_TRUE(bench.logged("256 vehicles"));
-  EXPECT_LT(bench.logs.size(), 300U);
+  EXPECT_TRUE(fixture.logged("256 vehicles"));
+  EXPECT_LT(fixture.logs.size(), 300U);
 }
 
 TEST(ServerCore, shows_events_of_the_physical_side_with_their_latency) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  bench.run_for(3s);
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(3s);
   aiv.information = {{"lastTag", "", {{"tag", "12"}, {"distance_m", "0.25"}}}};
   aiv.charge = 88.9;
   aiv.blocked = true;
   aiv.state_due = true;
-  bench.run_for(1s);
-  const JsonValue metrics = bench.bijection();
+  fixture.run_for(1s);
+  const JsonValue metrics = fixture.bijection();
   const JsonValue& kinds = *metrics.find("events")->find("by_kind");
   EXPECT_EQ(*kinds.number("tag"), 1.0);
   EXPECT_EQ(*kinds.number("obstacle"), 1.0);
   EXPECT_EQ(*kinds.number("stop"), 1.0);
   EXPECT_EQ(*kinds.number("battery"), 1.0);
   EXPECT_NEAR(*metrics.find("events")->find("latency_ms")->number("p50"), 4.0, 0.5);
-  EXPECT_EQ(*bench.aiv("CoSiVA/AIV1").number("lastTag"), 12.0);
-  EXPECT_EQ(*bench.aiv("CoSiVA/AIV1").number("sinceTag_m"), 0.25);
+  EXPECT_EQ(*fixture.aiv("CoSiVA/AIV1").number("lastTag"), 12.0);
+  EXPECT_EQ(*fixture.aiv("CoSiVA/AIV1").number("sinceTag_m"), 0.25);
 }
 
 TEST(ServerCore, holds_the_bijection_of_a_driving_vehicle) {
-  ServerBench bench;
-  bench.add("AIV1", {0, 0.5});
-  bench.run_for(60s);
-  const JsonValue metrics = bench.bijection();
+  ServerFixture fixture;
+  fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(60s);
+  const JsonValue metrics = fixture.bijection();
   EXPECT_EQ(*metrics.number("matched_ratio"), 1.0);
   EXPECT_GT(*metrics.number("held_ratio"), 0.99);
   // At constant speed on the line the prediction is exact; only starts differ.
@@ -392,9 +392,9 @@ TEST(ServerCore, holds_the_bijection_of_a_driving_vehicle) {
 }
 
 TEST(ServerCore, asks_once_for_a_factsheet_it_was_not_given) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  bench.run_for(10s);
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(10s);
   EXPECT_EQ(
       std::ranges::count_if(aiv.actions, [](const auto& m) { return m.actions[0].action_type == "factsheetRequest"; }),
       1);
@@ -403,37 +403,37 @@ TEST(ServerCore, asks_once_for_a_factsheet_it_was_not_given) {
 TEST(ServerCore, numbers_its_traces_for_ever_and_keeps_the_last) {
   ServerOptions options;
   options.traces_max = 50;
-  ServerBench bench{oval(), options};
-  bench.add("AIV1", {0, 0.5});
-  bench.run_for(20s);
-  const JsonValue all = *JsonValue::parse(bench.server->traces_json(0, 1000));
+  ServerFixture fixture{oval(), options};
+  fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(20s);
+  const JsonValue all = *JsonValue::parse(fixture.server->traces_json(0, 1000));
   EXPECT_THAT(*all.find("traces")->array(), SizeIs(50));
   const double next = *all.number("next");
   EXPECT_EQ(*all.find("traces")->array()->back().number("n"), next - 1);
-  const JsonValue none = *JsonValue::parse(bench.server->traces_json(static_cast<std::uint64_t>(next), 10));
+  const JsonValue none = *JsonValue::parse(fixture.server->traces_json(static_cast<std::uint64_t>(next), 10));
   EXPECT_THAT(*none.find("traces")->array(), IsEmpty());
-  const JsonValue one = *JsonValue::parse(bench.server->traces_json(static_cast<std::uint64_t>(next) - 5, 2));
+  const JsonValue one = *JsonValue::parse(fixture.server->traces_json(static_cast<std::uint64_t>(next) - 5, 2));
   EXPECT_THAT(*one.find("traces")->array(), SizeIs(2));
 }
 
 /// Those of this kind, and the whole of each.
-std::vector<JsonValue> traced(const ServerBench& bench, std::string_view kind, std::string_view from) {
+std::vector<JsonValue> traced(const ServerFixture& fixture, std::string_view kind, std::string_view from) {
   std::vector<JsonValue> found;
-  const JsonValue all = *JsonValue::parse(bench.server->traces_json(0, 100'000));
+  const JsonValue all = *JsonValue::parse(fixture.server->traces_json(0, 100'000));
   for (const JsonValue& trace : *all.find("traces")->array()) {
     if (trace.text("kind") != kind || trace.text("from") != from) continue;
-    const auto whole = bench.server->trace_json(static_cast<std::uint64_t>(*trace.number("n")));
+    const auto whole = fixture.server->trace_json(static_cast<std::uint64_t>(*trace.number("n")));
     found.push_back(*JsonValue::parse(*whole));
   }
   return found;
 }
 
 TEST(ServerCore, traces_a_message_that_it_refused_with_its_text_and_the_reason) {
-  ServerBench bench;
-  BenchVehicle& one = bench.add("AIV1", {0, 0.5});
+  ServerFixture fixture;
+  FixtureVehicle& one = fixture.add("AIV1", {0, 0.5});
   const std::string broken = R"({"headerId":"seven"})";
-  bench.tell(one, "factsheet", broken);
-  const auto traces = traced(bench, "factsheet", "CoSiVA/AIV1");
+  fixture.tell(one, "factsheet", broken);
+  const auto traces = traced(fixture, "factsheet", "CoSiVA/AIV1");
   ASSERT_THAT(traces, SizeIs(1));
   EXPECT_EQ(traces[0].text("raw"), broken);
   EXPECT_THAT(*traces[0].text("content"), testing::StartsWith("refused: "));
@@ -441,11 +441,11 @@ TEST(ServerCore, traces_a_message_that_it_refused_with_its_text_and_the_reason) 
 }
 
 TEST(ServerCore, traces_what_the_sections_answer_where_a_twin_comes_to_a_new_one) {
-  ServerBench bench;
-  bench.add("AIV1", {0, 1.5});
-  bench.run_for(5s);  // at 0.3 m/s to beyond the end of the first, 2 m long, and on the half circle of 1.57 m
-  const auto requested = traced(bench, "nextAIVposition", "Simulator");
-  const auto acknowledged = traced(bench, "position", "Circuit");
+  ServerFixture fixture;
+  fixture.add("AIV1", {0, 1.5});
+  fixture.run_for(5s);  // at 0.3 m/s to beyond the end of the first, 2 m long, and on the half circle of 1.57 m
+  const auto requested = traced(fixture, "nextAIVposition", "Simulator");
+  const auto acknowledged = traced(fixture, "position", "Circuit");
   ASSERT_THAT(requested, SizeIs(1));
   ASSERT_THAT(acknowledged, SizeIs(1));
   EXPECT_THAT(*requested[0].text("content"), testing::StartsWith("CoSiVA/AIV1 leaves south 1.9"));
@@ -454,16 +454,16 @@ TEST(ServerCore, traces_what_the_sections_answer_where_a_twin_comes_to_a_new_one
 
 TEST(ServerCore, does_the_same_for_the_same_inputs) {
   const auto run = [] {
-    ServerBench bench{zone_file("lacet4.toml")};
-    bench.loss = 0.05;
+    ServerFixture fixture{zone_file("lacet4.toml")};
+    fixture.loss = 0.05;
     for (int i = 1; i <= 4; ++i)
-      bench.add("AIV" + std::to_string(i), bench.zone->start_places(4)[static_cast<std::size_t>(i - 1)]);
-    bench.run_for(20s);
-    bench.command("stop", "*");
-    bench.run_for(5s);
+      fixture.add("AIV" + std::to_string(i), fixture.zone->start_places(4)[static_cast<std::size_t>(i - 1)]);
+    fixture.run_for(20s);
+    fixture.command("stop", "*");
+    fixture.run_for(5s);
     Digest digest;
-    bench.server->fold(digest);
-    for (const auto& message : bench.published) digest.add(std::string_view{message.payload});
+    fixture.server->fold(digest);
+    for (const auto& message : fixture.published) digest.add(std::string_view{message.payload});
     return digest;
   };
   EXPECT_EQ(run(), run());

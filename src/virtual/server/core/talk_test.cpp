@@ -2,27 +2,27 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cosiva/virtual/server/testing/server_bench.h"
+#include "cosiva/virtual/server/testing/server_fixture.h"
 #include "cosiva/wire/own/v2x.h"
 
 namespace cosiva::virtual_side {
 namespace {
 
-using namespace bench;
+using namespace fixture;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-class TalkBench : public testing::Test {
+class TalkFixture : public testing::Test {
  protected:
-  TalkBench() {
-    for (BenchVehicle* vehicle : {&first, &second}) vehicle->blocked = true;
-    bench.run_for(1s);
+  TalkFixture() {
+    for (FixtureVehicle* vehicle : {&first, &second}) vehicle->blocked = true;
+    fixture.run_for(1s);
   }
-  wire::Intent intent_of(const BenchVehicle& vehicle) {
+  wire::Intent intent_of(const FixtureVehicle& vehicle) {
     wire::Intent intent;
     intent.header_id = ++said;
-    intent.timestamp = bench.now;
+    intent.timestamp = fixture.now;
     intent.map_id = "oval";
     intent.vehicle = vehicle.id;
     intent.pose = vehicle.pose();
@@ -30,24 +30,24 @@ class TalkBench : public testing::Test {
     return intent;
   }
   void say(const wire::Intent& intent, bool retained = false) {
-    bench.feed(wire::InputKind::message, wire::v2x_topic("oval", wire::cell_of(position(intent.pose)), intent.vehicle),
+    fixture.feed(wire::InputKind::message, wire::v2x_topic("oval", wire::cell_of(position(intent.pose)), intent.vehicle),
                to_json(intent), retained);
   }
   [[nodiscard]] JsonValue::Array traces() const {
     JsonValue::Array found;
-    const JsonValue all = *JsonValue::parse(bench.server->traces_json(0, 1'000'000));
+    const JsonValue all = *JsonValue::parse(fixture.server->traces_json(0, 1'000'000));
     for (const JsonValue& trace : *all.find("traces")->array())
       if (trace.text("kind") == "V2X") found.push_back(trace);
     return found;
   }
 
-  ServerBench bench;
-  BenchVehicle& first{bench.add("AIV1", {0, 0.5})};
-  BenchVehicle& second{bench.add("AIV2", {0, 1.2})};
+  ServerFixture fixture;
+  FixtureVehicle& first{fixture.add("AIV1", {0, 0.5})};
+  FixtureVehicle& second{fixture.add("AIV2", {0, 1.2})};
   std::uint32_t said{0};
 };
 
-TEST_F(TalkBench, is_shown_from_one_vehicle_to_the_nearest_that_hears_it) {
+TEST_F(TalkFixture, is_shown_from_one_vehicle_to_the_nearest_that_hears_it) {
   wire::Intent intent = intent_of(first);
   intent.crossings = {{"X1", 0.31, 0.71, 0.9, 1.9, false}};
   say(intent);
@@ -58,41 +58,41 @@ TEST_F(TalkBench, is_shown_from_one_vehicle_to_the_nearest_that_hears_it) {
   EXPECT_EQ(trace.text("content"), "0.400 m/s; X1 in 0.900 s, not yet its own");
 }
 
-TEST_F(TalkBench, is_shown_once_a_second_from_each) {
+TEST_F(TalkFixture, is_shown_once_a_second_from_each) {
   for (int i = 0; i < 15; ++i) {
     say(intent_of(first));
     say(intent_of(second));
-    bench.run_for(200ms);
+    fixture.run_for(200ms);
   }
   EXPECT_THAT(traces(), SizeIs(6));
 }
 
-TEST_F(TalkBench, of_strangers_liars_and_the_broker_s_memory_is_not_shown) {
+TEST_F(TalkFixture, of_strangers_liars_and_the_broker_s_memory_is_not_shown) {
   wire::Intent stranger = intent_of(first);
   stranger.vehicle.serial_number = "NOBODY";
   say(stranger);
   say(intent_of(first), true);
-  bench.feed(wire::InputKind::message, "cosiva/v1/v2x/oval/0_0/CoSiVA/AIV1", "{\"headerId\":NaN}");
-  bench.feed(wire::InputKind::message, "cosiva/v1/v2x/oval/0_0/CoSiVA/AIV2", to_json(intent_of(first)));
-  bench.feed(wire::InputKind::message, "cosiva/v1/v2x/nonsense", "{}");
+  fixture.feed(wire::InputKind::message, "cosiva/v1/v2x/oval/0_0/CoSiVA/AIV1", "{\"headerId\":NaN}");
+  fixture.feed(wire::InputKind::message, "cosiva/v1/v2x/oval/0_0/CoSiVA/AIV2", to_json(intent_of(first)));
+  fixture.feed(wire::InputKind::message, "cosiva/v1/v2x/nonsense", "{}");
   EXPECT_THAT(traces(), IsEmpty());
-  EXPECT_EQ(bench.snapshot().find("aivs")->array()->size(), 2U) << "talk registers nobody";
+  EXPECT_EQ(fixture.snapshot().find("aivs")->array()->size(), 2U) << "talk registers nobody";
 }
 
-TEST_F(TalkBench, virtual_AIVs_speak_to_the_broker_and_hear_who_is_near) {
-  bench.ask(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V1"}})");
+TEST_F(TalkFixture, virtual_AIVs_speak_to_the_broker_and_hear_who_is_near) {
+  fixture.ask(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V1"}})");
   const auto said_by_v1 = [&] {
-    return std::ranges::count_if(bench.published, [](const wire::Publish& publish) {
+    return std::ranges::count_if(fixture.published, [](const wire::Publish& publish) {
       const auto topic = wire::parse_v2x_topic(publish.topic);
       return topic && topic->vehicle.serial_number == "V1";
     });
   };
-  bench.run_for(3s);
+  fixture.run_for(3s);
   const auto alone = said_by_v1();
   EXPECT_GE(alone, 2);
   for (int i = 0; i < 15; ++i) {
     say(intent_of(first));
-    bench.run_for(200ms);
+    fixture.run_for(200ms);
   }
   EXPECT_GE(said_by_v1() - alone, 2 * alone) << "in company it speaks more often: it has heard somebody";
 }

@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "cosiva/base/json_writer.h"
-#include "cosiva/virtual/server/testing/server_bench.h"
+#include "cosiva/virtual/server/testing/server_fixture.h"
 
 namespace cosiva::virtual_side {
 namespace {
 
-using namespace bench;
+using namespace fixture;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -21,7 +21,7 @@ std::string switch_to(const zone::ZoneConfiguration& configuration) {
   json.end_object();
   return json.take();
 }
-JsonValue zone_of(const ServerBench& bench) { return *bench.snapshot().find("zone"); }
+JsonValue zone_of(const ServerFixture& fixture) { return *fixture.snapshot().find("zone"); }
 zone::ZoneConfiguration moved_oval(const std::string& name, const std::string& y) {
   zone::ZoneConfiguration configuration = oval();
   configuration.origin = name;
@@ -31,75 +31,75 @@ zone::ZoneConfiguration moved_oval(const std::string& name, const std::string& y
 }
 
 TEST(Switch, puts_vehicles_on_the_new_ways_where_they_stand_and_loses_no_twin) {
-  ServerBench bench;
-  BenchVehicle& one = bench.add("AIV1", {0, 0.5});
-  BenchVehicle& two = bench.add("AIV2", {2, 0.5});
-  bench.run_for(3s);
+  ServerFixture fixture;
+  FixtureVehicle& one = fixture.add("AIV1", {0, 0.5});
+  FixtureVehicle& two = fixture.add("AIV2", {2, 0.5});
+  fixture.run_for(3s);
   std::size_t fewest = 2;
   int touches = 0;
-  bench.each_step = [&] {
-    fewest = std::min(fewest, bench.snapshot().find("aivs")->array()->size());
-    touches += bench.touches();
+  fixture.each_step = [&] {
+    fewest = std::min(fewest, fixture.snapshot().find("aivs")->array()->size());
+    touches += fixture.touches();
   };
-  bench.ask(switch_to(moved_oval("yard", "0.1")));
-  EXPECT_EQ(zone_of(bench).text("name"), "yard");
-  bench.run_for(8s);
+  fixture.ask(switch_to(moved_oval("yard", "0.1")));
+  EXPECT_EQ(zone_of(fixture).text("name"), "yard");
+  fixture.run_for(8s);
   EXPECT_EQ(fewest, 2U);
   EXPECT_EQ(touches, 0);
-  for (const BenchVehicle* aiv : {&one, &two}) {
+  for (const FixtureVehicle* aiv : {&one, &two}) {
     EXPECT_EQ(aiv->map_id, "yard");
     EXPECT_FALSE(aiv->off_line.has_value());
     EXPECT_THAT(aiv->refusals, IsEmpty());
     EXPECT_EQ(aiv->orders.back().nodes.front().position->map_id, "yard");
     EXPECT_GT(aiv->speed_mps, 0.0);
   }
-  const JsonValue zone = zone_of(bench);
+  const JsonValue zone = zone_of(fixture);
   const JsonValue* switched = zone.find("switched");
   EXPECT_EQ(switched->text("from"), "oval");
   EXPECT_EQ(*switched->number("anchored"), 2.0);
   EXPECT_THAT(*switched->find("parked")->array(), IsEmpty());
   EXPECT_LT(*switched->number("first_moving_ms"), 1000.0);
   EXPECT_TRUE(zone.find("refused")->is_null());
-  EXPECT_EQ(*bench.bijection().number("matched_ratio"), 1.0);
-  const auto published = bench.published_on("cosiva/v1/zone/toml");
+  EXPECT_EQ(*fixture.bijection().number("matched_ratio"), 1.0);
+  const auto published = fixture.published_on("cosiva/v1/zone/toml");
   ASSERT_FALSE(published.empty());
   EXPECT_TRUE(published.back().retained);
   EXPECT_EQ(published.back().payload, moved_oval("yard", "0.1").text);
 }
 
 TEST(Switch, parks_and_names_who_stands_too_far_from_every_new_way) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  bench.run_for(1s);
-  bench.ask(switch_to(moved_oval("far", "-3.0")));
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(1s);
+  fixture.ask(switch_to(moved_oval("far", "-3.0")));
   const std::size_t orders = aiv.orders.size();
-  bench.run_for(5s);
+  fixture.run_for(5s);
   EXPECT_EQ(aiv.orders.size(), orders);
-  EXPECT_THAT(bench.aiv("CoSiVA/AIV1").text("parked").value_or(""), HasSubstr("from the nearest way of 'far'"));
-  const JsonValue zone = zone_of(bench);
+  EXPECT_THAT(fixture.aiv("CoSiVA/AIV1").text("parked").value_or(""), HasSubstr("from the nearest way of 'far'"));
+  const JsonValue zone = zone_of(fixture);
   ASSERT_THAT(*zone.find("switched")->find("parked")->array(), SizeIs(1));
   EXPECT_TRUE(zone.find("switched")->find("first_moving_ms")->is_null());
-  EXPECT_TRUE(bench.logged("parked: it stands"));
+  EXPECT_TRUE(fixture.logged("parked: it stands"));
   aiv.put({1.0, -2.9, 0.4});
-  bench.run_for(5s);
-  EXPECT_TRUE(bench.aiv("CoSiVA/AIV1").find("parked")->is_null());
+  fixture.run_for(5s);
+  EXPECT_TRUE(fixture.aiv("CoSiVA/AIV1").find("parked")->is_null());
   EXPECT_GT(aiv.driven_m, 0.2) << "somebody put it near a way";
 }
 
 TEST(Switch, sends_one_onto_the_line_elsewhere_where_somebody_stands_in_the_way_of_the_nearest_place) {
-  ServerBench bench;
-  BenchVehicle& one = bench.add("AIV1", {0, 0.5});
-  BenchVehicle& two = bench.add("AIV2", {2, 0.5});
-  bench.run_for(1s);
+  ServerFixture fixture;
+  FixtureVehicle& one = fixture.add("AIV1", {0, 0.5});
+  FixtureVehicle& two = fixture.add("AIV2", {2, 0.5});
+  fixture.run_for(1s);
   two.paused = true;
-  bench.run_for(1s);
-  bench.ask(switch_to(moved_oval("yard", "0.1")));
+  fixture.run_for(1s);
+  fixture.ask(switch_to(moved_oval("yard", "0.1")));
   // The new line is at y = 0.1; on it the one would turn into the other, which stands beside it on its other side.
   one.put({1.0, 0.0, 0.0});
   two.put({1.0, 0.255, 0.0});
   int touches = 0;
-  bench.each_step = [&] { touches += bench.touches(); };
-  bench.run_for(12s);
+  fixture.each_step = [&] { touches += fixture.touches(); };
+  fixture.run_for(12s);
   EXPECT_EQ(touches, 0);
   const auto told = std::ranges::find_if(one.actions, [](const wire::InstantActions& message) {
     return message.actions.front().action_type == "joinLine";
@@ -112,105 +112,105 @@ TEST(Switch, sends_one_onto_the_line_elsewhere_where_somebody_stands_in_the_way_
 }
 
 TEST(Switch, to_a_zone_that_cannot_be_built_leaves_the_old_one_running_and_says_why) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  bench.run_for(2s);
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(2s);
   zone::ZoneConfiguration broken = oval();
   broken.origin = "broken.zone";
   broken.text.resize(broken.text.size() / 2);
-  EXPECT_NE(bench.refusal(switch_to(broken)), "");
-  bench.ask(switch_to(broken));
-  EXPECT_EQ(zone_of(bench).text("name"), "oval");
-  EXPECT_EQ(zone_of(bench).find("refused")->text("origin"), "broken.zone");
-  EXPECT_NE(zone_of(bench).find("refused")->text("why").value_or(""), "");
+  EXPECT_NE(fixture.refusal(switch_to(broken)), "");
+  fixture.ask(switch_to(broken));
+  EXPECT_EQ(zone_of(fixture).text("name"), "oval");
+  EXPECT_EQ(zone_of(fixture).find("refused")->text("origin"), "broken.zone");
+  EXPECT_NE(zone_of(fixture).find("refused")->text("why").value_or(""), "");
   const double driven_m = aiv.driven_m;
-  bench.run_for(5s);
+  fixture.run_for(5s);
   EXPECT_GT(aiv.driven_m, driven_m + 1.0);
-  EXPECT_THAT(bench.refusal(switch_to(oval())), HasSubstr("in force already"));
-  EXPECT_NE(bench.refusal(R"({"command":"switch"})"), "");
-  bench.ask(switch_to(moved_oval("good", "0.05")));
-  EXPECT_TRUE(zone_of(bench).find("refused")->is_null());
+  EXPECT_THAT(fixture.refusal(switch_to(oval())), HasSubstr("in force already"));
+  EXPECT_NE(fixture.refusal(R"({"command":"switch"})"), "");
+  fixture.ask(switch_to(moved_oval("good", "0.05")));
+  EXPECT_TRUE(zone_of(fixture).find("refused")->is_null());
 }
 
 TEST(Switch, twice_in_one_tick_ends_on_the_second) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  bench.run_for(2s);
-  bench.ask(switch_to(moved_oval("first", "0.05")));
-  bench.ask(switch_to(moved_oval("second", "0.1")));
-  bench.run_for(6s);
-  EXPECT_EQ(zone_of(bench).text("name"), "second");
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(2s);
+  fixture.ask(switch_to(moved_oval("first", "0.05")));
+  fixture.ask(switch_to(moved_oval("second", "0.1")));
+  fixture.run_for(6s);
+  EXPECT_EQ(zone_of(fixture).text("name"), "second");
   EXPECT_EQ(aiv.map_id, "second");
   EXPECT_EQ(aiv.orders.back().nodes.front().position->map_id, "second");
   EXPECT_GT(aiv.speed_mps, 0.0);
 }
 
 TEST(Switch, in_a_crossing_and_back_again_collides_with_nobody) {
-  ServerBench bench{zone_file("lacet4.toml")};
+  ServerFixture fixture{zone_file("lacet4.toml")};
   int number = 0;
-  for (const zone::Place place : bench.zone->start_places(6)) bench.add("AIV" + std::to_string(++number), place);
+  for (const zone::Place place : fixture.zone->start_places(6)) fixture.add("AIV" + std::to_string(++number), place);
   int touches = 0;
-  bench.each_step = [&] { touches += bench.touches(); };
+  fixture.each_step = [&] { touches += fixture.touches(); };
   zone::ZoneConfiguration other = zone_file("lacet4.toml");
   const std::size_t name = other.text.find("name = ");
   other.text.replace(name, other.text.find('\n', name) - name, "name = \"other\"");
   for (int i = 0; i < 6; ++i) {
-    bench.run_for(7s);
-    bench.ask(switch_to(i % 2 == 0 ? other : zone_file("lacet4.toml")));
+    fixture.run_for(7s);
+    fixture.ask(switch_to(i % 2 == 0 ? other : zone_file("lacet4.toml")));
   }
   std::vector<double> driven;
-  for (const auto& aiv : bench.vehicles) driven.push_back(aiv->driven_m);
-  bench.run_for(60s);
+  for (const auto& aiv : fixture.vehicles) driven.push_back(aiv->driven_m);
+  fixture.run_for(60s);
   EXPECT_EQ(touches, 0);
-  for (std::size_t i = 0; i < bench.vehicles.size(); ++i) {
-    EXPECT_GT(bench.vehicles[i]->driven_m, driven[i] + 3.0) << i;
-    EXPECT_THAT(bench.vehicles[i]->refusals, IsEmpty());
+  for (std::size_t i = 0; i < fixture.vehicles.size(); ++i) {
+    EXPECT_GT(fixture.vehicles[i]->driven_m, driven[i] + 3.0) << i;
+    EXPECT_THAT(fixture.vehicles[i]->refusals, IsEmpty());
   }
 }
 
 TEST(Switch, waits_for_who_still_moves_on_the_old_map_but_not_for_ever) {
-  ServerBench bench;
-  BenchVehicle& good = bench.add("AIV1", {0, 0.5});
-  BenchVehicle& deaf = bench.add("AIV2", {2, 0.5});
+  ServerFixture fixture;
+  FixtureVehicle& good = fixture.add("AIV1", {0, 0.5});
+  FixtureVehicle& deaf = fixture.add("AIV2", {2, 0.5});
   deaf.takes_zones = false;
   deaf.deaf_to = {"cancelOrder"};
-  bench.run_for(2s);
+  fixture.run_for(2s);
   deaf.cruise_mps = 0.01;  // creeps on for minutes
-  bench.ask(switch_to(moved_oval("yard", "0.05")));
-  bench.run_for(500ms);
+  fixture.ask(switch_to(moved_oval("yard", "0.05")));
+  fixture.run_for(500ms);
   const std::size_t orders = good.orders.size();
-  bench.run_for(5s);
+  fixture.run_for(5s);
   EXPECT_EQ(good.orders.size(), orders) << "one still moves";
-  bench.run_for(8s);
+  fixture.run_for(8s);
   EXPECT_GT(good.orders.size(), orders);
-  EXPECT_THAT(bench.aiv("CoSiVA/AIV2").text("parked").value_or(""), HasSubstr("is on map 'oval'"));
+  EXPECT_THAT(fixture.aiv("CoSiVA/AIV2").text("parked").value_or(""), HasSubstr("is on map 'oval'"));
 }
 
 TEST(Switch, loses_no_command_on_its_way) {
-  ServerBench bench;
-  bench.add("AIV1", {0, 0.5});
-  bench.run_for(2s);
-  bench.command("slow", "CoSiVA/AIV1", "c9");
-  bench.ask(switch_to(moved_oval("yard", "0.05")));
-  bench.run_for(4s);
-  EXPECT_EQ(bench.command_entry("c9").text("state"), "materialised");
+  ServerFixture fixture;
+  fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(2s);
+  fixture.command("slow", "CoSiVA/AIV1", "c9");
+  fixture.ask(switch_to(moved_oval("yard", "0.05")));
+  fixture.run_for(4s);
+  EXPECT_EQ(fixture.command_entry("c9").text("state"), "materialised");
 }
 
 TEST(Switch, leads_a_vehicle_of_another_make_to_the_map_as_the_standard_says) {
   ServerOptions options;
   options.map_download_link = "http://example.test/zone";
-  ServerBench bench{oval(), options};
-  BenchVehicle& agv = bench.add("agv-7", {0, 0.5}, "Acme");
+  ServerFixture fixture{oval(), options};
+  FixtureVehicle& agv = fixture.add("agv-7", {0, 0.5}, "Acme");
   agv.maps = {{"oval", "1", "", true}};
   wire::Factsheet factsheet;
-  factsheet.header = agv.header(bench.now, 0);
+  factsheet.header = agv.header(fixture.now, 0);
   for (const char* action : {"downloadMap", "enableMap", "initPosition", "cancelOrder"})
     factsheet.actions.push_back({action, "", true, false, false, {}});
-  bench.tell(agv, "factsheet", vda::encode(factsheet));
-  bench.run_for(2s);
+  fixture.tell(agv, "factsheet", vda::encode(factsheet));
+  fixture.run_for(2s);
   agv.downloads.push_back(zone::Rtm::initialise(moved_oval("yard", "0.02"))->shared_zone());
-  bench.ask(switch_to(moved_oval("yard", "0.02")));
-  bench.run_for(15s);
+  fixture.ask(switch_to(moved_oval("yard", "0.02")));
+  fixture.run_for(15s);
   std::vector<std::string> requested;
   for (const wire::InstantActions& message : agv.actions) requested.push_back(message.actions.front().action_type);
   EXPECT_THAT(requested, testing::IsSupersetOf({"cancelOrder", "downloadMap", "enableMap", "initPosition"}));
@@ -218,35 +218,35 @@ TEST(Switch, leads_a_vehicle_of_another_make_to_the_map_as_the_standard_says) {
 }
 
 TEST(Switch, gives_no_orders_to_a_foreign_vehicle_on_another_map) {
-  ServerBench bench;
-  BenchVehicle& agv = bench.add("agv-7", {0, 0.5}, "Acme");
+  ServerFixture fixture;
+  FixtureVehicle& agv = fixture.add("agv-7", {0, 0.5}, "Acme");
   agv.map_id = "floor 1";
-  bench.run_for(5s);
+  fixture.run_for(5s);
   EXPECT_THAT(agv.orders, IsEmpty());
-  EXPECT_THAT(bench.aiv("Acme/agv-7").text("parked").value_or(""), HasSubstr("is on map 'floor 1'"));
-  EXPECT_EQ(bench.aiv("Acme/agv-7").text("map"), "floor 1");
+  EXPECT_THAT(fixture.aiv("Acme/agv-7").text("parked").value_or(""), HasSubstr("is on map 'floor 1'"));
+  EXPECT_EQ(fixture.aiv("Acme/agv-7").text("map"), "floor 1");
 }
 
 TEST(Switch, begins_undo_anew_and_its_own_echo_is_no_news) {
-  ServerBench bench;
-  bench.ask(R"({"command":"edit","edit":{"addTags":[{"number":5,"section":"south","s":1.0}]}})");
-  bench.ask(switch_to(moved_oval("yard", "0.1")));
-  EXPECT_EQ(zone_of(bench).text("name"), "yard");
-  EXPECT_EQ(*bench.snapshot().find("zoneEdits")->number("undo"), 0.0);
-  EXPECT_EQ(bench.snapshot().find("zoneEdits")->flag("unsaved"), false);
+  ServerFixture fixture;
+  fixture.ask(R"({"command":"edit","edit":{"addTags":[{"number":5,"section":"south","s":1.0}]}})");
+  fixture.ask(switch_to(moved_oval("yard", "0.1")));
+  EXPECT_EQ(zone_of(fixture).text("name"), "yard");
+  EXPECT_EQ(*fixture.snapshot().find("zoneEdits")->number("undo"), 0.0);
+  EXPECT_EQ(fixture.snapshot().find("zoneEdits")->flag("unsaved"), false);
 }
 
 TEST(Switch, outlives_the_server_that_is_given_the_first_zone_again) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  bench.run_for(1s);
-  bench.ask(switch_to(moved_oval("yard", "0.1")));
-  bench.ask(R"({"command":"edit","edit":{"addTags":[{"number":5,"section":"south","s":1.0}]}})");
-  bench.run_for(5s);
-  bench.restart_server(true);
-  EXPECT_EQ(zone_of(bench).text("name"), "yard");
-  EXPECT_EQ(*bench.snapshot().find("zoneEdits")->number("undo"), 1.0);
-  bench.run_for(5s);
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(1s);
+  fixture.ask(switch_to(moved_oval("yard", "0.1")));
+  fixture.ask(R"({"command":"edit","edit":{"addTags":[{"number":5,"section":"south","s":1.0}]}})");
+  fixture.run_for(5s);
+  fixture.restart_server(true);
+  EXPECT_EQ(zone_of(fixture).text("name"), "yard");
+  EXPECT_EQ(*fixture.snapshot().find("zoneEdits")->number("undo"), 1.0);
+  fixture.run_for(5s);
   EXPECT_EQ(aiv.map_id, "yard");
   EXPECT_GT(aiv.speed_mps, 0.0);
   EXPECT_THAT(aiv.refusals, IsEmpty());
@@ -254,41 +254,41 @@ TEST(Switch, outlives_the_server_that_is_given_the_first_zone_again) {
 
 TEST(RetainedZones, of_two_formats_the_one_in_force_is_no_news_whichever_comes_first) {
   for (const bool in_force_first : {true, false}) {
-    ServerBench bench;
-    bench.run_for(1s);
-    bench.feed(wire::InputKind::link, "", "down");
-    bench.feed(wire::InputKind::link, "", "up");
+    ServerFixture fixture;
+    fixture.run_for(1s);
+    fixture.feed(wire::InputKind::link, "", "down");
+    fixture.feed(wire::InputKind::link, "", "up");
     const auto retained = [&](const zone::ZoneConfiguration& zone) {
-      bench.feed(wire::InputKind::message, "cosiva/v1/zone/" + zone.format, zone::to_payload(zone), true);
+      fixture.feed(wire::InputKind::message, "cosiva/v1/zone/" + zone.format, zone::to_payload(zone), true);
     };
     if (in_force_first) retained(oval());
     retained(moved_oval("stale", "0.2"));
     if (!in_force_first) retained(oval());
-    bench.run_for(1s);
-    EXPECT_EQ(zone_of(bench).text("name"), "oval");
-    EXPECT_TRUE(bench.logged("keeps another zone"));
+    fixture.run_for(1s);
+    EXPECT_EQ(zone_of(fixture).text("name"), "oval");
+    EXPECT_TRUE(fixture.logged("keeps another zone"));
   }
 }
 
 TEST(RetainedZones, of_which_none_is_in_force_are_taken_the_last_one_wins) {
-  ServerBench bench;
-  bench.run_for(1s);
-  bench.feed(wire::InputKind::link, "", "down");
-  bench.feed(wire::InputKind::link, "", "up");
+  ServerFixture fixture;
+  fixture.run_for(1s);
+  fixture.feed(wire::InputKind::link, "", "down");
+  fixture.feed(wire::InputKind::link, "", "up");
   for (const char* name : {"a", "b"})
-    bench.feed(wire::InputKind::message, "cosiva/v1/zone/toml", moved_oval(name, "0.1").text, true);
-  bench.run_for(1s);
-  EXPECT_EQ(zone_of(bench).text("name"), "b");
+    fixture.feed(wire::InputKind::message, "cosiva/v1/zone/toml", moved_oval(name, "0.1").text, true);
+  fixture.run_for(1s);
+  EXPECT_EQ(zone_of(fixture).text("name"), "b");
 }
 
 TEST(Switch, takes_a_virtual_vehicle_along) {
-  ServerBench bench;
-  bench.ask(R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv","section":"south","s":0.5}})");
-  bench.run_for(4s);
-  ASSERT_GT(*bench.aiv("CoSiVA.virtual/V1").number("speed"), 0.0);
-  bench.ask(switch_to(moved_oval("yard", "0.1")));
-  bench.run_for(10s);
-  const JsonValue aiv = bench.aiv("CoSiVA.virtual/V1");
+  ServerFixture fixture;
+  fixture.ask(R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv","section":"south","s":0.5}})");
+  fixture.run_for(4s);
+  ASSERT_GT(*fixture.aiv("CoSiVA.virtual/V1").number("speed"), 0.0);
+  fixture.ask(switch_to(moved_oval("yard", "0.1")));
+  fixture.run_for(10s);
+  const JsonValue aiv = fixture.aiv("CoSiVA.virtual/V1");
   EXPECT_EQ(aiv.text("map"), "yard");
   EXPECT_TRUE(aiv.find("parked")->is_null());
   EXPECT_GT(*aiv.number("speed"), 0.0);

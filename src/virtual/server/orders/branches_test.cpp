@@ -7,12 +7,12 @@
 
 #include "cosiva/base/test_places.h"
 #include "cosiva/virtual/server/right_of_way/traffic.h"
-#include "cosiva/virtual/server/testing/server_bench.h"
+#include "cosiva/virtual/server/testing/server_fixture.h"
 
 namespace cosiva::virtual_side {
 namespace {
 
-using namespace bench;
+using namespace fixture;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::IsEmpty;
@@ -91,41 +91,41 @@ TEST_F(Fork, looks_as_far_as_a_base_is_to_reach) {
 }
 
 TEST(Roaming, takes_each_branch_in_turn) {
-  ServerBench bench{fork()};
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.1});
+  ServerFixture fixture{fork()};
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.1});
   std::vector<zone::SectionId> taken;
-  bench.each_step = [&] {
+  fixture.each_step = [&] {
     const zone::SectionId here = aiv.place().section;
     if ((here == 1 || here == 5) && (taken.empty() || taken.back() != here)) taken.push_back(here);
     if (here == 2 && !taken.empty() && taken.back() != 2) taken.push_back(2);
   };
-  bench.run_for(130s);
+  fixture.run_for(130s);
   std::erase(taken, 2U);
   ASSERT_GE(taken.size(), 4U);
   for (std::size_t i = 1; i < taken.size(); ++i) EXPECT_NE(taken[i], taken[i - 1]) << i;
   EXPECT_THAT(aiv.refusals, IsEmpty());
-  EXPECT_THAT(bench.bijection().number("matched"), testing::Optional(1.0));
+  EXPECT_THAT(fixture.bijection().number("matched"), testing::Optional(1.0));
 }
 
 TEST(Roaming, of_six_over_fork_and_merge_touches_nobody_and_goes_on_after_restarts) {
-  ServerBench bench{fork()};
+  ServerFixture fixture{fork()};
   int number = 0;
-  for (const zone::Place place : bench.zone->start_places(6)) bench.add("AIV" + std::to_string(++number), place);
+  for (const zone::Place place : fixture.zone->start_places(6)) fixture.add("AIV" + std::to_string(++number), place);
   ASSERT_EQ(number, 6);
-  bench.loss = 0.02;
+  fixture.loss = 0.02;
   int touches = 0;
-  bench.each_step = [&] { touches += bench.touches(); };
+  fixture.each_step = [&] { touches += fixture.touches(); };
   for (int i = 0; i < 4; ++i) {
-    bench.run_for(20s);
-    bench.restart_server();
+    fixture.run_for(20s);
+    fixture.restart_server();
   }
   std::vector<double> driven;
-  for (const auto& aiv : bench.vehicles) driven.push_back(aiv->driven_m);
-  bench.run_for(40s);
+  for (const auto& aiv : fixture.vehicles) driven.push_back(aiv->driven_m);
+  fixture.run_for(40s);
   EXPECT_EQ(touches, 0);
-  for (std::size_t i = 0; i < bench.vehicles.size(); ++i) {
-    EXPECT_THAT(bench.vehicles[i]->refusals, IsEmpty());
-    EXPECT_GT(bench.vehicles[i]->driven_m, driven[i] + 3.0) << i;
+  for (std::size_t i = 0; i < fixture.vehicles.size(); ++i) {
+    EXPECT_THAT(fixture.vehicles[i]->refusals, IsEmpty());
+    EXPECT_GT(fixture.vehicles[i]->driven_m, driven[i] + 3.0) << i;
   }
 }
 
@@ -134,19 +134,19 @@ TEST(Missions, sent_back_from_where_it_arrived_it_is_where_its_order_leads_befor
   std::ifstream file{source_dir() + "/src/zone/lif/testdata/10.11-multiple-edges-with-load-restrictions.lif.json"};
   std::stringstream text;
   text << file.rdbuf();
-  ServerBench bench{{"lif", "lanes", text.str()}};
-  BenchVehicle& aiv = bench.add("AIV1", {*bench.zone->circuit.find("N2-N1"), 8.0});
-  bench.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"N1"})");
-  bench.run_for(1s);
-  bench.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"N1"})");
-  bench.run_for(10s);
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").find("mission")->text("state"), "arrived");
-  bench.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"N2"})");
+  ServerFixture fixture{{"lif", "lanes", text.str()}};
+  FixtureVehicle& aiv = fixture.add("AIV1", {*fixture.zone->circuit.find("N2-N1"), 8.0});
+  fixture.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"N1"})");
+  fixture.run_for(1s);
+  fixture.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"N1"})");
+  fixture.run_for(10s);
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").find("mission")->text("state"), "arrived");
+  fixture.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"N2"})");
   aiv.blocked = true;
-  bench.run_for(3s);
+  fixture.run_for(3s);
   aiv.blocked = false;
-  bench.run_for(45s);
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").find("mission")->text("state"), "arrived");
+  fixture.run_for(45s);
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").find("mission")->text("state"), "arrived");
   EXPECT_EQ(aiv.zone().circuit.part(aiv.place().section).name, "N1-N2");
   EXPECT_THAT(aiv.refusals, IsEmpty());
   for (const wire::InstantActions& message : aiv.actions)
@@ -154,19 +154,19 @@ TEST(Missions, sent_back_from_where_it_arrived_it_is_where_its_order_leads_befor
 }
 
 TEST(Twins, follow_the_branch_that_their_vehicle_takes) {
-  ServerBench bench{fork()};
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.1});
-  bench.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"dock"})");
-  bench.run_for(300ms);
-  bench.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"dock"})");
+  ServerFixture fixture{fork()};
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.1});
+  fixture.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"dock"})");
+  fixture.run_for(300ms);
+  fixture.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"dock"})");
   double worst_m = 0.0;
-  bench.each_step = [&] {
-    const JsonValue shown = bench.aiv("CoSiVA/AIV1");
+  fixture.each_step = [&] {
+    const JsonValue shown = fixture.aiv("CoSiVA/AIV1");
     if (shown.find("x") == nullptr) return;
     worst_m = std::max(worst_m, distance(Point2{*shown.number("x"), *shown.number("y")}, position(aiv.pose())));
   };
-  bench.run_for(12s);
-  EXPECT_EQ(bench.zone->circuit.part(aiv.place().section).name, "bypass3");
+  fixture.run_for(12s);
+  EXPECT_EQ(fixture.zone->circuit.part(aiv.place().section).name, "bypass3");
   EXPECT_LT(worst_m, 0.05);
 }
 

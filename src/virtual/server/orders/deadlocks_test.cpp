@@ -3,13 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cosiva/virtual/server/testing/server_bench.h"
+#include "cosiva/virtual/server/testing/server_fixture.h"
 #include "cosiva/zone/check/deadlock.h"
 
 namespace cosiva::virtual_side {
 namespace {
 
-using namespace bench;
+using namespace fixture;
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -24,8 +24,8 @@ struct Shown {
   JsonValue::Array list;
 };
 
-Shown shown(const ServerBench& bench) {
-  const JsonValue snapshot = bench.snapshot();
+Shown shown(const ServerFixture& fixture) {
+  const JsonValue snapshot = fixture.snapshot();
   const JsonValue& deadlocks = *snapshot.find("deadlocks");
   return {*deadlocks.number("rings"), *deadlocks.number("detected"), *deadlocks.number("resolved"),
           *deadlocks.number("open"), *deadlocks.find("list")->array()};
@@ -37,9 +37,9 @@ std::vector<std::string> members(const JsonValue& deadlock) {
   return names;
 }
 
-std::size_t backed_up(const ServerBench& bench, const BenchVehicle& vehicle) {
+std::size_t backed_up(const ServerFixture& fixture, const FixtureVehicle& vehicle) {
   std::size_t count = 0;
-  for (const wire::Publish& message : bench.published_on(vehicle.topic("instantActions")))
+  for (const wire::Publish& message : fixture.published_on(vehicle.topic("instantActions")))
     count += message.payload.find("\"backUp\"") == std::string::npos ? 0U : 1U;
   return count;
 }
@@ -51,13 +51,13 @@ class FourWay : public testing::Test {
   /// @param maker  of the last two
   explicit FourWay(const std::string& maker) {
     for (const zone::SectionId straight : {0U, 2U, 4U, 6U})
-      bench.add("AIV" + std::to_string(straight / 2 + 1), {straight, 0.6}, straight < 4 ? "CoSiVA" : maker);
+      fixture.add("AIV" + std::to_string(straight / 2 + 1), {straight, 0.6}, straight < 4 ? "CoSiVA" : maker);
   }
   /// Until all four have been told what they wait for.
   void run_until_closed() {
     for (int i = 0; i < 200; ++i) {
-      bench.run_for(20ms);
-      const JsonValue snapshot = bench.snapshot();
+      fixture.run_for(20ms);
+      const JsonValue snapshot = fixture.snapshot();
       const auto& aivs = *snapshot.find("aivs")->array();
       if (std::ranges::all_of(aivs, [](const JsonValue& aiv) { return aiv.text("waitsFor").has_value(); }) &&
           aivs.size() == 4)
@@ -66,12 +66,12 @@ class FourWay : public testing::Test {
     FAIL() << "they do not wait for each other";
   }
 
-  ServerBench bench{zone_file("lacet4.toml")};
+  ServerFixture fixture{zone_file("lacet4.toml")};
 };
 
 TEST_F(FourWay, is_detected_in_the_very_tick_and_names_all_four) {
   run_until_closed();
-  const Shown now = shown(bench);
+  const Shown now = shown(fixture);
   EXPECT_EQ(now.rings, 1.0);
   EXPECT_EQ(now.detected, 0.0) << "it may come undone by itself";
   ASSERT_THAT(now.list, SizeIs(1));
@@ -84,10 +84,10 @@ TEST_F(FourWay, is_detected_in_the_very_tick_and_names_all_four) {
 
 TEST_F(FourWay, is_resolved_and_everybody_drives_on) {
   int touches = 0;
-  bench.each_step = [&] { touches += bench.touches(); };
-  bench.run_for(60s);
+  fixture.each_step = [&] { touches += fixture.touches(); };
+  fixture.run_for(60s);
   EXPECT_EQ(touches, 0);
-  const Shown now = shown(bench);
+  const Shown now = shown(fixture);
   EXPECT_EQ(now.detected, 1.0);
   EXPECT_EQ(now.resolved, 1.0);
   EXPECT_EQ(now.open, 0.0);
@@ -95,56 +95,56 @@ TEST_F(FourWay, is_resolved_and_everybody_drives_on) {
   EXPECT_EQ(now.list[0].text("state"), "resolved");
   EXPECT_THAT(*now.list[0].text("how"), HasSubstr("AIV4 backs up "));
   EXPECT_TRUE(now.list[0].number("ended_ms").has_value());
-  for (const auto& vehicle : bench.vehicles) {
+  for (const auto& vehicle : fixture.vehicles) {
     EXPECT_GT(vehicle->driven_m, 5.0) << vehicle->id.serial_number;
     EXPECT_THAT(vehicle->refusals, IsEmpty());
   }
-  EXPECT_TRUE(bench.logged("deadlock 1: CoSiVA/AIV1 waits for"));
-  EXPECT_TRUE(bench.logged("deadlock 1 is resolved"));
+  EXPECT_TRUE(fixture.logged("deadlock 1: CoSiVA/AIV1 waits for"));
+  EXPECT_TRUE(fixture.logged("deadlock 1 is resolved"));
 }
 
 TEST_F(FourWay, lets_the_one_with_the_lowest_priority_give_way) {
-  bench.ask(R"({"command":"edit","edit":{"priorities":{"CoSiVA/AIV1":5,"CoSiVA/AIV3":5,"CoSiVA/AIV4":5}}})");
-  bench.run_for(20s);
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").number("priority"), 5.0);
-  ASSERT_THAT(shown(bench).list, SizeIs(1));
-  EXPECT_THAT(*shown(bench).list[0].text("how"), HasSubstr("AIV2 backs up "));
+  fixture.ask(R"({"command":"edit","edit":{"priorities":{"CoSiVA/AIV1":5,"CoSiVA/AIV3":5,"CoSiVA/AIV4":5}}})");
+  fixture.run_for(20s);
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").number("priority"), 5.0);
+  ASSERT_THAT(shown(fixture).list, SizeIs(1));
+  EXPECT_THAT(*shown(fixture).list[0].text("how"), HasSubstr("AIV2 backs up "));
 }
 
 TEST_F(FourWay, is_tried_with_the_next_when_one_does_not_do_it) {
-  bench.vehicles[3]->refuses.insert("backUp");
-  bench.run_for(60s);
-  EXPECT_GT(backed_up(bench, *bench.vehicles[3]), 0U);
-  EXPECT_EQ(shown(bench).resolved, 1.0);
-  EXPECT_THAT(*shown(bench).list[0].text("how"), HasSubstr("AIV3 backs up "));
-  for (const auto& vehicle : bench.vehicles) EXPECT_GT(vehicle->driven_m, 5.0) << vehicle->id.serial_number;
+  fixture.vehicles[3]->refuses.insert("backUp");
+  fixture.run_for(60s);
+  EXPECT_GT(backed_up(fixture, *fixture.vehicles[3]), 0U);
+  EXPECT_EQ(shown(fixture).resolved, 1.0);
+  EXPECT_THAT(*shown(fixture).list[0].text("how"), HasSubstr("AIV3 backs up "));
+  for (const auto& vehicle : fixture.vehicles) EXPECT_GT(vehicle->driven_m, 5.0) << vehicle->id.serial_number;
 }
 
 TEST_F(FourWay, that_nobody_can_resolve_is_told_loudly_and_tried_again) {
-  for (const auto& vehicle : bench.vehicles) vehicle->refuses.insert("backUp");
-  bench.run_for(90s);
-  ASSERT_THAT(shown(bench).list, SizeIs(1));
-  EXPECT_EQ(shown(bench).open, 1.0);
-  EXPECT_TRUE(bench.logged("deadlock 1 is unresolved"));
+  for (const auto& vehicle : fixture.vehicles) vehicle->refuses.insert("backUp");
+  fixture.run_for(90s);
+  ASSERT_THAT(shown(fixture).list, SizeIs(1));
+  EXPECT_EQ(shown(fixture).open, 1.0);
+  EXPECT_TRUE(fixture.logged("deadlock 1 is unresolved"));
   // Somebody sees to it.
-  for (const auto& vehicle : bench.vehicles) vehicle->refuses.clear();
-  bench.run_for(90s);
-  EXPECT_EQ(shown(bench).resolved, 1.0);
-  for (const auto& vehicle : bench.vehicles) EXPECT_GT(vehicle->driven_m, 5.0) << vehicle->id.serial_number;
+  for (const auto& vehicle : fixture.vehicles) vehicle->refuses.clear();
+  fixture.run_for(90s);
+  EXPECT_EQ(shown(fixture).resolved, 1.0);
+  for (const auto& vehicle : fixture.vehicles) EXPECT_GT(vehicle->driven_m, 5.0) << vehicle->id.serial_number;
 }
 
 TEST_F(FourWay, that_comes_undone_by_itself_is_no_deadlock) {
   run_until_closed();
-  bench.run_for(1s);
+  fixture.run_for(1s);
   // Somebody carries one of them away.
-  bench.vehicles[2]->motion = {bench.zone->circuit, {5, 0.5}};
-  bench.vehicles[2]->state_due = true;
-  bench.run_for(30s);
-  const Shown now = shown(bench);
+  fixture.vehicles[2]->motion = {fixture.zone->circuit, {5, 0.5}};
+  fixture.vehicles[2]->state_due = true;
+  fixture.run_for(30s);
+  const Shown now = shown(fixture);
   EXPECT_GE(now.rings, 1.0);
   EXPECT_EQ(now.detected, 0.0);
   EXPECT_THAT(now.list, IsEmpty());
-  for (const auto& vehicle : bench.vehicles) EXPECT_EQ(backed_up(bench, *vehicle), 0U);
+  for (const auto& vehicle : fixture.vehicles) EXPECT_EQ(backed_up(fixture, *vehicle), 0U);
 }
 
 /// The last two are of a third party, and cannot back up.
@@ -154,11 +154,11 @@ class FourWayWithForeigners : public FourWay {
 };
 
 TEST_F(FourWayWithForeigners, is_resolved_by_a_cosiva_vehicle) {
-  bench.run_for(60s);
-  EXPECT_EQ(shown(bench).resolved, 1.0);
-  EXPECT_THAT(*shown(bench).list[0].text("how"), HasSubstr("CoSiVA/AIV2 backs up "));
-  EXPECT_EQ(backed_up(bench, *bench.vehicles[2]) + backed_up(bench, *bench.vehicles[3]), 0U);
-  for (const auto& vehicle : bench.vehicles) EXPECT_GT(vehicle->driven_m, 5.0) << vehicle->id.serial_number;
+  fixture.run_for(60s);
+  EXPECT_EQ(shown(fixture).resolved, 1.0);
+  EXPECT_THAT(*shown(fixture).list[0].text("how"), HasSubstr("CoSiVA/AIV2 backs up "));
+  EXPECT_EQ(backed_up(fixture, *fixture.vehicles[2]) + backed_up(fixture, *fixture.vehicles[3]), 0U);
+  for (const auto& vehicle : fixture.vehicles) EXPECT_GT(vehicle->driven_m, 5.0) << vehicle->id.serial_number;
 }
 
 // It may not have been in the crossing, but its nose is in the way of whoever is: well into it, or so little beyond its
@@ -166,17 +166,17 @@ TEST_F(FourWayWithForeigners, is_resolved_by_a_cosiva_vehicle) {
 class Overshot : public ::testing::TestWithParam<double> {};
 
 TEST_P(Overshot, vehicle_goes_first_when_the_one_that_its_nose_stops_gives_the_crossing_back) {
-  ServerBench bench{zone_file("lacet4.toml")};
+  ServerFixture fixture{zone_file("lacet4.toml")};
   double stop_m = 0.0;
-  for (const zone::Waypoint& waypoint : bench.zone->waypoints)
+  for (const zone::Waypoint& waypoint : fixture.zone->waypoints)
     if (waypoint.place.section == 0 && waypoint.place.s_m < 0.5) stop_m = waypoint.place.s_m;
-  BenchVehicle& nose = bench.add("AIV1", {0, stop_m + GetParam()});
+  FixtureVehicle& nose = fixture.add("AIV1", {0, stop_m + GetParam()});
   nose.paused = true;
   // Across the first crossing of the other's straight, which is the second of its own.
-  BenchVehicle& other = bench.add("AIV2", {6, 0.2});
+  FixtureVehicle& other = fixture.add("AIV2", {6, 0.2});
   int touches = 0;
-  bench.each_step = [&] {
-    touches += bench.touches();
+  fixture.each_step = [&] {
+    touches += fixture.touches();
     // Its eyes; the other's look the other way.
     const bool near = std::fabs(other.place().s_m - 0.9) < 0.32 && other.place().section == 6 &&
                       nose.place().section == 0 && nose.place().s_m < 1.0;
@@ -187,10 +187,10 @@ TEST_P(Overshot, vehicle_goes_first_when_the_one_that_its_nose_stops_gives_the_c
       nose.state_due = true;
     }
   };
-  bench.run_for(40s);
+  fixture.run_for(40s);
   EXPECT_EQ(touches, 0);
-  ASSERT_THAT(shown(bench).list, SizeIs(1));
-  const JsonValue deadlock = shown(bench).list[0];
+  ASSERT_THAT(shown(fixture).list, SizeIs(1));
+  const JsonValue deadlock = shown(fixture).list[0];
   EXPECT_THAT(*deadlock.text("reason"),
               AllOf(HasSubstr("CoSiVA/AIV1 waits for X"), HasSubstr("which CoSiVA/AIV2 holds"),
                     HasSubstr("CoSiVA/AIV2 sees CoSiVA/AIV1 in its way")));
@@ -203,18 +203,18 @@ TEST_P(Overshot, vehicle_goes_first_when_the_one_that_its_nose_stops_gives_the_c
 INSTANTIATE_TEST_SUITE_P(Metres, Overshot, ::testing::Values(0.035, 0.005));
 
 TEST(SilentVehicle, that_stands_with_way_before_it_is_given_a_new_order) {
-  ServerBench bench;
-  BenchVehicle& is_cosiva = bench.add("AIV1", {0, 0.5});
-  BenchVehicle& foreign = bench.add("AGV1", {2, 0.5}, "Acme");
-  bench.run_for(5s);
-  for (BenchVehicle* vehicle : {&is_cosiva, &foreign}) vehicle->hangs_on = vehicle->book->order_id();
+  ServerFixture fixture;
+  FixtureVehicle& is_cosiva = fixture.add("AIV1", {0, 0.5});
+  FixtureVehicle& foreign = fixture.add("AGV1", {2, 0.5}, "Acme");
+  fixture.run_for(5s);
+  for (FixtureVehicle* vehicle : {&is_cosiva, &foreign}) vehicle->hangs_on = vehicle->book->order_id();
   const double before_m = is_cosiva.driven_m;
-  bench.run_for(10s);
+  fixture.run_for(10s);
   EXPECT_EQ(is_cosiva.driven_m, before_m);
-  bench.run_for(10s);
+  fixture.run_for(10s);
   EXPECT_GT(is_cosiva.driven_m, before_m + 0.5);
-  EXPECT_TRUE(bench.logged("CoSiVA/AIV1: stands with way before it and says no reason"));
-  EXPECT_FALSE(bench.logged("Acme/AGV1: stands with way before it")) << "it may have reasons of its own";
+  EXPECT_TRUE(fixture.logged("CoSiVA/AIV1: stands with way before it and says no reason"));
+  EXPECT_FALSE(fixture.logged("Acme/AGV1: stands with way before it")) << "it may have reasons of its own";
 }
 
 /// Places of vehicles that stand one behind the other at waypoints, as many as there is room for.
@@ -243,66 +243,66 @@ std::vector<zone::Place> packed(const zone::TrafficZone& zone, const std::vector
 TEST(FullRing, is_named_when_nobody_can_resolve_it_and_moves_with_one_vehicle_less) {
   const std::vector<zone::SectionId> round{0, 1, 2, 3};
   for (const bool full : {true, false}) {
-    ServerBench bench;
-    auto places = packed(*bench.zone, round);
+    ServerFixture fixture;
+    auto places = packed(*fixture.zone, round);
     // What cosiva zone check says that there is room for.
-    ASSERT_EQ(places.size(), zone::vehicles_going_round(*bench.zone, round) + 1);
+    ASSERT_EQ(places.size(), zone::vehicles_going_round(*fixture.zone, round) + 1);
     if (!full) places.pop_back();
-    for (std::size_t i = 0; i < places.size(); ++i) bench.add("AIV" + std::to_string(i + 1), places[i]);
-    bench.run_for(60s);
-    const Shown now = shown(bench);
+    for (std::size_t i = 0; i < places.size(); ++i) fixture.add("AIV" + std::to_string(i + 1), places[i]);
+    fixture.run_for(60s);
+    const Shown now = shown(fixture);
     EXPECT_EQ(now.open, full ? 1.0 : 0.0);
     if (full) {
       EXPECT_THAT(members(now.list[0]), SizeIs(places.size()));
     }
-    EXPECT_EQ(bench.logged("deadlock 1 is unresolved"), full);
-    for (const auto& vehicle : bench.vehicles) EXPECT_EQ(vehicle->driven_m > 0.5, !full) << vehicle->id.serial_number;
+    EXPECT_EQ(fixture.logged("deadlock 1 is unresolved"), full);
+    for (const auto& vehicle : fixture.vehicles) EXPECT_EQ(vehicle->driven_m > 0.5, !full) << vehicle->id.serial_number;
   }
 }
 
 TEST(FullRing, opens_where_one_can_go_another_way) {
-  ServerBench bench{
+  ServerFixture fixture{
       fork("[[loop]]\nname = \"round\"\nsections = [\"entry\", \"south\", \"east\", \"north\", \"west\"]\n")};
   const std::vector<zone::SectionId> round{0, 1, 2, 3, 4};
-  const auto places = packed(*bench.zone, round);
-  for (std::size_t i = 0; i < places.size(); ++i) bench.add("AIV" + std::to_string(i + 1), places[i]);
+  const auto places = packed(*fixture.zone, round);
+  for (std::size_t i = 0; i < places.size(); ++i) fixture.add("AIV" + std::to_string(i + 1), places[i]);
   int touches = 0;
-  bench.each_step = [&] { touches += bench.touches(); };
-  bench.run_for(90s);
+  fixture.each_step = [&] { touches += fixture.touches(); };
+  fixture.run_for(90s);
   EXPECT_EQ(touches, 0);
-  const Shown now = shown(bench);
+  const Shown now = shown(fixture);
   EXPECT_GE(now.detected, 1.0);
   EXPECT_EQ(now.open, 0.0);
-  EXPECT_TRUE(bench.logged("goes another way"));
-  for (const auto& vehicle : bench.vehicles) EXPECT_GT(vehicle->driven_m, 0.5) << vehicle->id.serial_number;
+  EXPECT_TRUE(fixture.logged("goes another way"));
+  for (const auto& vehicle : fixture.vehicles) EXPECT_GT(vehicle->driven_m, 0.5) << vehicle->id.serial_number;
 }
 
 /// The north-western loop of the clover is full: each of those in it stands at a waypoint, and the next one is too near
 /// to the one ahead. Who waits at its end needs the crossing where the first of them all stands, without room to leave
 /// it: the one before it stopped short of its room.
 TEST(FullLoop, that_ends_in_a_crossing_opens_when_the_one_beyond_it_moves_up) {
-  ServerBench bench{zone_file("lacet4.toml")};
+  ServerFixture fixture{zone_file("lacet4.toml")};
   constexpr zone::SectionId west = 4;
   constexpr zone::SectionId loop = 5;
   constexpr zone::SectionId south = 6;
-  const auto at = [&](const std::string& id) { return bench.zone->find_waypoint(id)->place; };
-  BenchVehicle& in_crossing = bench.add("AIV1", {west, 0.99});
-  bench.add("AIV2", at("west@1310"));
+  const auto at = [&](const std::string& id) { return fixture.zone->find_waypoint(id)->place; };
+  FixtureVehicle& in_crossing = fixture.add("AIV1", {west, 0.99});
+  fixture.add("AIV2", at("west@1310"));
   int number = 3;
   for (const char* id : {"loop_nw@283", "loop_nw@848", "loop_nw@1414", "loop_nw@1979", "loop_nw@2262"})
-    bench.add("AIV" + std::to_string(number++), at(id));
-  bench.add("AIV8", {south, 0.0});
-  BenchVehicle& at_end = bench.add("AIV9", at("south@380"));
-  ASSERT_EQ(bench.zone->circuit.next(loop).front(), south);
+    fixture.add("AIV" + std::to_string(number++), at(id));
+  fixture.add("AIV8", {south, 0.0});
+  FixtureVehicle& at_end = fixture.add("AIV9", at("south@380"));
+  ASSERT_EQ(fixture.zone->circuit.next(loop).front(), south);
   int touches = 0;
-  bench.each_step = [&] { touches += bench.touches(); };
-  bench.run_for(60s);
+  fixture.each_step = [&] { touches += fixture.touches(); };
+  fixture.run_for(60s);
   EXPECT_EQ(touches, 0);
-  ASSERT_GE(shown(bench).list.size(), 1U);
-  EXPECT_THAT(*shown(bench).list[0].text("reason"), HasSubstr("CoSiVA/AIV9 waits for X4, which CoSiVA/AIV1 holds"));
-  EXPECT_EQ(shown(bench).list[0].text("how"),
+  ASSERT_GE(shown(fixture).list.size(), 1U);
+  EXPECT_THAT(*shown(fixture).list[0].text("reason"), HasSubstr("CoSiVA/AIV9 waits for X4, which CoSiVA/AIV1 holds"));
+  EXPECT_EQ(shown(fixture).list[0].text("how"),
             "CoSiVA/AIV2 moves up to the one ahead and lets the one behind it out of a crossing");
-  EXPECT_EQ(shown(bench).open, 0.0);
+  EXPECT_EQ(shown(fixture).open, 0.0);
   EXPECT_GT(in_crossing.driven_m, 3.0);
   EXPECT_GT(at_end.driven_m, 3.0);
 }
@@ -311,34 +311,34 @@ TEST(FullLoop, that_ends_in_a_crossing_opens_when_the_one_beyond_it_moves_up) {
 class SideBySide : public testing::Test {
  protected:
   void place(double ahead_m, double beside_m, double turned_rad) {
-    bench.add("AIV1", {0, 0.8});
-    BenchVehicle& beside = bench.add("AIV2", {0, 0.8 + ahead_m});
-    const Pose2 X_ML = bench.zone->circuit.pose_at({0, 0.8 + ahead_m});
+    fixture.add("AIV1", {0, 0.8});
+    FixtureVehicle& beside = fixture.add("AIV2", {0, 0.8 + ahead_m});
+    const Pose2 X_ML = fixture.zone->circuit.pose_at({0, 0.8 + ahead_m});
     beside.put(X_ML * Pose2{0.0, beside_m, turned_rad});
   }
-  ServerBench bench;
+  ServerFixture fixture;
 };
 
 TEST_F(SideBySide, is_resolved_by_the_one_on_the_line_which_backs_up) {
   // Its tail would sweep over the other's nose on its way to any place near.
   place(0.15, 0.17, 0.3);
   int touches = 0;
-  bench.each_step = [&] { touches += bench.touches(); };
-  bench.run_for(60s);
+  fixture.each_step = [&] { touches += fixture.touches(); };
+  fixture.run_for(60s);
   EXPECT_EQ(touches, 0);
-  const Shown now = shown(bench);
+  const Shown now = shown(fixture);
   EXPECT_EQ(now.open, 0.0);
   EXPECT_EQ(now.detected, now.resolved);
-  for (const auto& vehicle : bench.vehicles) EXPECT_GT(vehicle->driven_m, 3.0) << vehicle->id.serial_number;
+  for (const auto& vehicle : fixture.vehicles) EXPECT_GT(vehicle->driven_m, 3.0) << vehicle->id.serial_number;
 }
 
 TEST_F(SideBySide, a_few_millimetres_apart_is_backed_out_of_as_well) {
   place(0.15, 0.150, 0.3);
-  bench.run_for(60s);
-  EXPECT_EQ(shown(bench).open, 0.0);
+  fixture.run_for(60s);
+  EXPECT_EQ(shown(fixture).open, 0.0);
   // One that stopped at once, having somebody so near, would be told to back up no further.
-  EXPECT_EQ(backed_up(bench, *bench.vehicles[0]), 1U);
-  for (const auto& vehicle : bench.vehicles) EXPECT_GT(vehicle->driven_m, 3.0) << vehicle->id.serial_number;
+  EXPECT_EQ(backed_up(fixture, *fixture.vehicles[0]), 1U);
+  for (const auto& vehicle : fixture.vehicles) EXPECT_GT(vehicle->driven_m, 3.0) << vehicle->id.serial_number;
 }
 
 }  // namespace

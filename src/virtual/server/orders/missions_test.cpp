@@ -3,12 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cosiva/virtual/server/testing/server_bench.h"
+#include "cosiva/virtual/server/testing/server_fixture.h"
 
 namespace cosiva::virtual_side {
 namespace {
 
-using namespace bench;
+using namespace fixture;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
@@ -19,30 +19,30 @@ std::string go(const std::string& to, const std::string& vehicle = "CoSiVA/AIV1"
 std::string on_section(const std::string& verb, const std::string& section) {
   return R"({"command":")" + verb + R"(","section":")" + section + "\"}";
 }
-std::string state_of(const ServerBench& bench, const std::string& name = "CoSiVA/AIV1") {
-  const JsonValue aiv = bench.aiv(name);
+std::string state_of(const ServerFixture& fixture, const std::string& name = "CoSiVA/AIV1") {
+  const JsonValue aiv = fixture.aiv(name);
   return aiv.find("mission")->text("state").value_or("?");
 }
-std::string section_of(const ServerBench& bench, const BenchVehicle& aiv) {
-  return bench.zone->circuit.part(aiv.place().section).name;
+std::string section_of(const ServerFixture& fixture, const FixtureVehicle& aiv) {
+  return fixture.zone->circuit.part(aiv.place().section).name;
 }
 
 TEST(Missions, bring_a_vehicle_to_a_station_and_it_stands_there_until_told_otherwise) {
-  ServerBench bench{fork()};
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.1});
-  bench.run_for(300ms);
-  bench.ask(go("dock"));
-  bench.run_for(20s);
-  EXPECT_EQ(section_of(bench, aiv), "bypass3");
+  ServerFixture fixture{fork()};
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.1});
+  fixture.run_for(300ms);
+  fixture.ask(go("dock"));
+  fixture.run_for(20s);
+  EXPECT_EQ(section_of(fixture, aiv), "bypass3");
   EXPECT_NEAR(aiv.place().s_m, 0.5, 0.02);
-  EXPECT_EQ(state_of(bench), "arrived");
+  EXPECT_EQ(state_of(fixture), "arrived");
   ASSERT_FALSE(aiv.orders.empty());
   EXPECT_TRUE(aiv.orders.back().nodes.back().released) << "no horizon beyond the goal";
   const double driven_m = aiv.driven_m;
-  bench.run_for(10s);
+  fixture.run_for(10s);
   EXPECT_EQ(aiv.driven_m, driven_m);
-  bench.ask(R"({"command":"circulate","vehicle":"*"})");
-  bench.run_for(10s);
+  fixture.ask(R"({"command":"circulate","vehicle":"*"})");
+  fixture.run_for(10s);
   EXPECT_GT(aiv.driven_m, driven_m + 2.0);
   EXPECT_THAT(aiv.refusals, IsEmpty());
 }
@@ -50,61 +50,61 @@ TEST(Missions, bring_a_vehicle_to_a_station_and_it_stands_there_until_told_other
 /// One that is to go to the dock, which is 0.5 m along bypass3.
 struct RollsPast : ::testing::Test {
   void go_and_roll_on(double past_m) {
-    bench.run_for(300ms);
-    bench.ask(go("dock"));
-    bench.run_for(300ms);
+    fixture.run_for(300ms);
+    fixture.ask(go("dock"));
+    fixture.run_for(300ms);
     aiv.rolls_on_m = past_m;
-    for (int i = 0; i < 1000 && aiv.rolls_on_m > 0.0; ++i) bench.run_for(20ms);
-    EXPECT_EQ(section_of(bench, aiv), "bypass3");
+    for (int i = 0; i < 1000 && aiv.rolls_on_m > 0.0; ++i) fixture.run_for(20ms);
+    EXPECT_EQ(section_of(fixture, aiv), "bypass3");
     EXPECT_NEAR(aiv.place().s_m, 0.5 + past_m, 0.02);
   }
-  ServerBench bench{fork()};
-  BenchVehicle& aiv{bench.add("AIV1", {0, 0.1})};
+  ServerFixture fixture{fork()};
+  FixtureVehicle& aiv{fixture.add("AIV1", {0, 0.1})};
 };
 
 TEST_F(RollsPast, and_comes_to_its_goal_again) {
   go_and_roll_on(0.15);
-  EXPECT_EQ(state_of(bench), "driving");
-  bench.run_for(60s);
+  EXPECT_EQ(state_of(fixture), "driving");
+  fixture.run_for(60s);
   EXPECT_GT(aiv.driven_m, 10.0) << "once round, as there is no way back";
-  EXPECT_EQ(state_of(bench), "arrived");
+  EXPECT_EQ(state_of(fixture), "arrived");
   EXPECT_NEAR(aiv.place().s_m, 0.5, 0.02);
   EXPECT_THAT(aiv.refusals, IsEmpty());
 }
 
 TEST_F(RollsPast, and_has_arrived_where_that_is_no_more_than_its_order_allows) {
   go_and_roll_on(0.09);
-  EXPECT_EQ(state_of(bench), "driving") << "it has not come to stand yet";
-  bench.run_for(1s);
-  EXPECT_EQ(state_of(bench), "arrived");
+  EXPECT_EQ(state_of(fixture), "driving") << "it has not come to stand yet";
+  fixture.run_for(1s);
+  EXPECT_EQ(state_of(fixture), "arrived");
   EXPECT_EQ(aiv.orders.back().nodes.back().position->allowed_deviation_xy_m, 0.1);
 }
 
 TEST(Missions, take_a_waypoint_for_a_goal_too) {
-  ServerBench bench{fork()};
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.1});
-  bench.run_for(300ms);
-  const zone::Waypoint& goal = bench.zone->waypoints[bench.zone->waypoint_behind({3, 2.0})];
-  bench.ask(go(goal.id));
-  bench.run_for(40s);
+  ServerFixture fixture{fork()};
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.1});
+  fixture.run_for(300ms);
+  const zone::Waypoint& goal = fixture.zone->waypoints[fixture.zone->waypoint_behind({3, 2.0})];
+  fixture.ask(go(goal.id));
+  fixture.run_for(40s);
   EXPECT_EQ(aiv.place().section, goal.place.section);
   EXPECT_NEAR(aiv.place().s_m, goal.place.s_m, 0.02);
-  EXPECT_EQ(state_of(bench), "arrived");
+  EXPECT_EQ(state_of(fixture), "arrived");
 }
 
 TEST(Missions, are_refused_with_a_sentence_that_names_what_is_like_it) {
-  ServerBench bench{fork()};
-  bench.add("AIV1", {0, 0.1});
-  bench.run_for(300ms);
-  EXPECT_THAT(bench.refusal(go("duck")), HasSubstr("dock"));
-  EXPECT_THAT(bench.refusal(go("")), HasSubstr("say where to"));
-  EXPECT_THAT(bench.refusal(go("dock", "CoSiVA/AIV9")), HasSubstr("no vehicle 'CoSiVA/AIV9'"));
-  EXPECT_THAT(bench.refusal(R"({"command":"go","to":"dock"})"), HasSubstr("say which vehicle"));
-  EXPECT_THAT(bench.refusal(R"({"command":"circulate","vehicle":"*","loop":"outer"})"), HasSubstr("no loops"));
-  EXPECT_THAT(bench.refusal(on_section("close", "soth")), HasSubstr("south"));
-  EXPECT_THAT(bench.refusal(on_section("open", "south")), HasSubstr("open already"));
-  EXPECT_THAT(bench.refusal(R"({"command":"close"})"), HasSubstr("which section"));
-  EXPECT_EQ(bench.refusal(go("gate")), "");
+  ServerFixture fixture{fork()};
+  fixture.add("AIV1", {0, 0.1});
+  fixture.run_for(300ms);
+  EXPECT_THAT(fixture.refusal(go("duck")), HasSubstr("dock"));
+  EXPECT_THAT(fixture.refusal(go("")), HasSubstr("say where to"));
+  EXPECT_THAT(fixture.refusal(go("dock", "CoSiVA/AIV9")), HasSubstr("no vehicle 'CoSiVA/AIV9'"));
+  EXPECT_THAT(fixture.refusal(R"({"command":"go","to":"dock"})"), HasSubstr("say which vehicle"));
+  EXPECT_THAT(fixture.refusal(R"({"command":"circulate","vehicle":"*","loop":"outer"})"), HasSubstr("no loops"));
+  EXPECT_THAT(fixture.refusal(on_section("close", "soth")), HasSubstr("south"));
+  EXPECT_THAT(fixture.refusal(on_section("open", "south")), HasSubstr("open already"));
+  EXPECT_THAT(fixture.refusal(R"({"command":"close"})"), HasSubstr("which section"));
+  EXPECT_EQ(fixture.refusal(go("gate")), "");
   ServerCore nowhere{ServerOptions{}};
   EXPECT_THAT(nowhere.check_command(go("dock")).error().message, HasSubstr("no zone yet"));
 }
@@ -115,108 +115,108 @@ TEST(Missions, go_round_the_zone_s_first_loop_by_default_and_a_named_one_when_to
       "\"bypass5\","
       " \"east\", \"north\", \"west\"]\n"
       "[[loop]]\nname = \"short\"\nsections = [\"entry\", \"south\", \"east\", \"north\", \"west\"]\n";
-  ServerBench bench{fork(loops)};
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.1});
+  ServerFixture fixture{fork(loops)};
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.1});
   std::set<std::string> detected;
-  bench.each_step = [&] { detected.insert(section_of(bench, aiv)); };
-  bench.run_for(70s);
+  fixture.each_step = [&] { detected.insert(section_of(fixture, aiv)); };
+  fixture.run_for(70s);
   EXPECT_TRUE(detected.contains("bypass3"));
   EXPECT_FALSE(detected.contains("south"));
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").find("mission")->text("loop"), "long");
-  bench.ask(R"({"command":"circulate","vehicle":"CoSiVA/AIV1","loop":"short"})");
-  bench.run_for(45s);
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").find("mission")->text("loop"), "long");
+  fixture.ask(R"({"command":"circulate","vehicle":"CoSiVA/AIV1","loop":"short"})");
+  fixture.run_for(45s);
   detected.clear();
-  bench.run_for(70s);
+  fixture.run_for(70s);
   EXPECT_TRUE(detected.contains("south"));
   EXPECT_FALSE(detected.contains("bypass3"));
   EXPECT_THAT(aiv.refusals, IsEmpty());
 }
 
 TEST(ClosedSections, are_avoided_by_everyone_at_once_and_taken_again_when_open) {
-  ServerBench bench{fork()};
-  BenchVehicle& aiv = bench.add("AIV1", {3, 0.1});
-  bench.run_for(1s);
-  bench.ask(on_section("close", "south"));
-  bench.ask(on_section("close", "bypass1"));
-  EXPECT_THAT(*bench.snapshot().find("zone")->find("closed")->array(), SizeIs(2));
-  bench.run_for(60s);
-  EXPECT_EQ(section_of(bench, aiv), "entry") << "it stands at the end of what is open";
-  EXPECT_EQ(state_of(bench), "no way");
-  EXPECT_THAT(bench.aiv("CoSiVA/AIV1").find("mission")->text("why").value_or(""), HasSubstr("closed"));
-  bench.ask(on_section("open", "bypass1"));
-  bench.run_for(5s);
-  EXPECT_THAT(section_of(bench, aiv), HasSubstr("bypass"));
+  ServerFixture fixture{fork()};
+  FixtureVehicle& aiv = fixture.add("AIV1", {3, 0.1});
+  fixture.run_for(1s);
+  fixture.ask(on_section("close", "south"));
+  fixture.ask(on_section("close", "bypass1"));
+  EXPECT_THAT(*fixture.snapshot().find("zone")->find("closed")->array(), SizeIs(2));
+  fixture.run_for(60s);
+  EXPECT_EQ(section_of(fixture, aiv), "entry") << "it stands at the end of what is open";
+  EXPECT_EQ(state_of(fixture), "no way");
+  EXPECT_THAT(fixture.aiv("CoSiVA/AIV1").find("mission")->text("why").value_or(""), HasSubstr("closed"));
+  fixture.ask(on_section("open", "bypass1"));
+  fixture.run_for(5s);
+  EXPECT_THAT(section_of(fixture, aiv), HasSubstr("bypass"));
   std::set<std::string> detected;
-  bench.each_step = [&] { detected.insert(section_of(bench, aiv)); };
-  bench.run_for(70s);
+  fixture.each_step = [&] { detected.insert(section_of(fixture, aiv)); };
+  fixture.run_for(70s);
   EXPECT_FALSE(detected.contains("south"));
   EXPECT_THAT(aiv.refusals, IsEmpty());
 }
 
 TEST(ClosedSections, are_left_by_who_stands_on_one_and_not_entered_by_a_base_already_released) {
-  ServerBench bench{fork()};
-  BenchVehicle& inside = bench.add("AIV1", {1, 1.2});
-  BenchVehicle& before = bench.add("AIV2", {0, 0.3});
+  ServerFixture fixture{fork()};
+  FixtureVehicle& inside = fixture.add("AIV1", {1, 1.2});
+  FixtureVehicle& before = fixture.add("AIV2", {0, 0.3});
   // Both up to where the fork lies in the second one's base.
-  bench.run_for(300ms);
-  bench.ask(R"({"command":"go","vehicle":"CoSiVA/AIV2","to":"gate"})");
-  for (int i = 0; i < 100 && before.book->targets().empty(); ++i) bench.run_for(20ms);
-  bench.run_for(1s);
-  bench.ask(on_section("close", "south"));
+  fixture.run_for(300ms);
+  fixture.ask(R"({"command":"go","vehicle":"CoSiVA/AIV2","to":"gate"})");
+  for (int i = 0; i < 100 && before.book->targets().empty(); ++i) fixture.run_for(20ms);
+  fixture.run_for(1s);
+  fixture.ask(on_section("close", "south"));
   std::set<std::string> detected;
-  const bool was_before = section_of(bench, before) == "entry";
-  bench.each_step = [&] { detected.insert(section_of(bench, before)); };
-  bench.run_for(60s);
-  EXPECT_NE(section_of(bench, inside), "south");
+  const bool was_before = section_of(fixture, before) == "entry";
+  fixture.each_step = [&] { detected.insert(section_of(fixture, before)); };
+  fixture.run_for(60s);
+  EXPECT_NE(section_of(fixture, inside), "south");
   EXPECT_TRUE(was_before);
   EXPECT_FALSE(detected.contains("south"));
   EXPECT_TRUE(detected.contains("bypass3"));
-  EXPECT_EQ(state_of(bench, "CoSiVA/AIV2"), "arrived");
+  EXPECT_EQ(state_of(fixture, "CoSiVA/AIV2"), "arrived");
 }
 
 TEST(ClosedSections, of_the_configuration_are_the_first) {
-  ServerBench bench{fork("[closed]\nsections = [\"bypass3\"]\n")};
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.1});
-  bench.run_for(300ms);
-  bench.ask(go("dock"));
-  bench.run_for(20s);
-  EXPECT_EQ(state_of(bench), "no way");
-  EXPECT_THAT(bench.aiv("CoSiVA/AIV1").find("mission")->text("why").value_or(""), HasSubstr("bypass3"));
-  EXPECT_NE(section_of(bench, aiv), "bypass3");
+  ServerFixture fixture{fork("[closed]\nsections = [\"bypass3\"]\n")};
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.1});
+  fixture.run_for(300ms);
+  fixture.ask(go("dock"));
+  fixture.run_for(20s);
+  EXPECT_EQ(state_of(fixture), "no way");
+  EXPECT_THAT(fixture.aiv("CoSiVA/AIV1").find("mission")->text("why").value_or(""), HasSubstr("bypass3"));
+  EXPECT_NE(section_of(fixture, aiv), "bypass3");
 }
 
 TEST(Missions, wait_before_a_goal_where_another_stands_and_say_who) {
-  ServerBench bench{fork()};
-  bench.add("AIV1", {0, 0.8});
-  BenchVehicle& second = bench.add("AIV2", {0, 0.1});
-  bench.run_for(300ms);
-  bench.ask(go("gate"));
-  bench.run_for(25s);
-  ASSERT_EQ(state_of(bench), "arrived");
-  bench.ask(go("gate", "CoSiVA/AIV2"));
-  bench.run_for(40s);
-  EXPECT_EQ(state_of(bench, "CoSiVA/AIV2"), "driving");
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV2").find("mission")->text("why"), "CoSiVA/AIV1 stands at gate");
-  EXPECT_EQ(bench.touches(), 0);
-  bench.ask(R"({"command":"circulate","vehicle":"CoSiVA/AIV1"})");
-  bench.run_for(15s);
-  EXPECT_EQ(state_of(bench, "CoSiVA/AIV2"), "arrived");
+  ServerFixture fixture{fork()};
+  fixture.add("AIV1", {0, 0.8});
+  FixtureVehicle& second = fixture.add("AIV2", {0, 0.1});
+  fixture.run_for(300ms);
+  fixture.ask(go("gate"));
+  fixture.run_for(25s);
+  ASSERT_EQ(state_of(fixture), "arrived");
+  fixture.ask(go("gate", "CoSiVA/AIV2"));
+  fixture.run_for(40s);
+  EXPECT_EQ(state_of(fixture, "CoSiVA/AIV2"), "driving");
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV2").find("mission")->text("why"), "CoSiVA/AIV1 stands at gate");
+  EXPECT_EQ(fixture.touches(), 0);
+  fixture.ask(R"({"command":"circulate","vehicle":"CoSiVA/AIV1"})");
+  fixture.run_for(15s);
+  EXPECT_EQ(state_of(fixture, "CoSiVA/AIV2"), "arrived");
   EXPECT_THAT(second.refusals, IsEmpty());
 }
 
 TEST(Missions, and_closed_sections_outlive_the_server) {
-  ServerBench bench{fork()};
-  BenchVehicle& aiv = bench.add("AIV1", {3, 0.1});
-  bench.run_for(500ms);
-  bench.ask(go("dock"));
-  bench.ask(on_section("close", "south"));
-  bench.run_for(3s);
-  bench.restart_server(true);
-  EXPECT_THAT(*bench.snapshot().find("zone")->find("closed")->array(), SizeIs(1));
-  bench.run_for(45s);
-  EXPECT_EQ(section_of(bench, aiv), "bypass3");
-  EXPECT_EQ(state_of(bench), "arrived");
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").find("mission")->text("to"), "dock");
+  ServerFixture fixture{fork()};
+  FixtureVehicle& aiv = fixture.add("AIV1", {3, 0.1});
+  fixture.run_for(500ms);
+  fixture.ask(go("dock"));
+  fixture.ask(on_section("close", "south"));
+  fixture.run_for(3s);
+  fixture.restart_server(true);
+  EXPECT_THAT(*fixture.snapshot().find("zone")->find("closed")->array(), SizeIs(1));
+  fixture.run_for(45s);
+  EXPECT_EQ(section_of(fixture, aiv), "bypass3");
+  EXPECT_EQ(state_of(fixture), "arrived");
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").find("mission")->text("to"), "dock");
   EXPECT_THAT(aiv.refusals, IsEmpty());
 }
 

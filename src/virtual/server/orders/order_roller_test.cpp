@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/testing/server_bench.h"
+#include "cosiva/virtual/server/testing/server_fixture.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 namespace cosiva::virtual_side {
 namespace {
 
-using namespace bench;
+using namespace fixture;
 using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
@@ -19,9 +19,9 @@ wire::Order content_of(wire::Order order, const wire::Header& header) {
   return order;
 }
 
-std::vector<wire::Order> orders_to(const ServerBench& bench, const BenchVehicle& aiv) {
+std::vector<wire::Order> orders_to(const ServerFixture& fixture, const FixtureVehicle& aiv) {
   std::vector<wire::Order> orders;
-  for (const wire::Publish& message : bench.published_on(aiv.topic("order")))
+  for (const wire::Publish& message : fixture.published_on(aiv.topic("order")))
     orders.push_back(*vda::decode_order(message.payload));
   return orders;
 }
@@ -74,9 +74,9 @@ void expect_stitched(const std::vector<wire::Order>& orders) {
 }
 
 TEST(OrderRoller, sends_an_idle_vehicle_round_for_ever) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  bench.run_for(120s);
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(120s);
   EXPECT_THAT(aiv.refusals, IsEmpty());
   // 0.3 m/s for 120 s, less the first second of settling: five laps of 7.14 m and no stop on the way.
   EXPECT_GT(aiv.driven_m, 34.5);
@@ -87,11 +87,11 @@ TEST(OrderRoller, sends_an_idle_vehicle_round_for_ever) {
 }
 
 TEST(OrderRoller, keeps_the_base_short_and_shows_a_horizon_of_four) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   double longest_m = 0.0;
-  bench.each_step = [&] { longest_m = std::max(longest_m, aiv.book->distance_to_base_end_m()); };
-  bench.run_for(30s);
+  fixture.each_step = [&] { longest_m = std::max(longest_m, aiv.book->distance_to_base_end_m()); };
+  fixture.run_for(30s);
   // 1.2 m ahead, and at most one stretch (0.3 m) over it.
   EXPECT_GT(longest_m, 1.0);
   EXPECT_LE(longest_m, 1.5 + 0.02);
@@ -101,7 +101,7 @@ TEST(OrderRoller, keeps_the_base_short_and_shows_a_horizon_of_four) {
 
 TEST(OrderRoller, never_lays_a_base_twice_over_one_place) {
   // A ring shorter than a base may be.
-  ServerBench bench{{"toml", "ring", R"(
+  ServerFixture fixture{{"toml", "ring", R"(
 name = "ring"
 format_version = 1
 [vehicle]
@@ -121,51 +121,51 @@ kind = "arc"
 radius_m = 0.16
 angle_deg = 180
 )"}};
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.1});
-  bench.each_step = [&] {
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.1});
+  fixture.each_step = [&] {
     std::set<std::string> base;
     for (const wire::NodeState& node : aiv.book->node_states()) {
       EXPECT_TRUE(!node.released || base.insert(node.node_id).second) << node.node_id;
     }
   };
-  bench.run_for(20s);
+  fixture.run_for(20s);
   EXPECT_GT(aiv.driven_m, 4.0);
   EXPECT_THAT(aiv.refusals, IsEmpty());
 }
 
 TEST(OrderRoller, starts_an_order_at_the_waypoint_behind_the_vehicle_with_a_deviation_that_covers_the_way) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.55});
-  bench.run_for(2s);
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.55});
+  fixture.run_for(2s);
   ASSERT_FALSE(aiv.orders.empty());
   const wire::OrderNode& first = aiv.orders.front().nodes.front();
-  const zone::Waypoint* waypoint = bench.zone->find_waypoint(first.node_id);
+  const zone::Waypoint* waypoint = fixture.zone->find_waypoint(first.node_id);
   ASSERT_NE(waypoint, nullptr);
   EXPECT_LE(waypoint->place.s_m, 0.55);
   EXPECT_GE(*first.position->allowed_deviation_xy_m, 0.55 - waypoint->place.s_m);
 }
 
 TEST(OrderRoller, repeats_an_order_unchanged_until_it_is_acknowledged) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  bench.loss = 1.0;
-  bench.run_for(100ms);
-  bench.tell(aiv, "state", vda::encode(aiv.state(bench.now)));
-  bench.run_for(1500ms);
-  const std::vector<wire::Order> sent = orders_to(bench, aiv);
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  fixture.loss = 1.0;
+  fixture.run_for(100ms);
+  fixture.tell(aiv, "state", vda::encode(aiv.state(fixture.now)));
+  fixture.run_for(1500ms);
+  const std::vector<wire::Order> sent = orders_to(fixture, aiv);
   ASSERT_GE(sent.size(), 3U);
   for (const wire::Order& order : sent) EXPECT_EQ(order, content_of(sent.front(), order.header));
   EXPECT_EQ(sent[1].header.timestamp - sent[0].header.timestamp, 300ms) << "each says when it was sent";
 }
 
 TEST(OrderRoller, counts_every_order_message_to_a_vehicle_also_one_sent_again) {
-  ServerBench bench;
-  bench.loss = 0.3;
-  const BenchVehicle& first = bench.add("AIV1", {0, 0.5});
-  const BenchVehicle& second = bench.add("AIV2", {2, 0.5});
-  bench.run_for(60s);
-  for (const BenchVehicle* aiv : {&first, &second}) {
-    const std::vector<wire::Order> sent = orders_to(bench, *aiv);
+  ServerFixture fixture;
+  fixture.loss = 0.3;
+  const FixtureVehicle& first = fixture.add("AIV1", {0, 0.5});
+  const FixtureVehicle& second = fixture.add("AIV2", {2, 0.5});
+  fixture.run_for(60s);
+  for (const FixtureVehicle* aiv : {&first, &second}) {
+    const std::vector<wire::Order> sent = orders_to(fixture, *aiv);
     std::size_t again = 0;
     for (std::size_t i = 0; i < sent.size(); ++i) {
       EXPECT_EQ(sent[i].header.header_id, i);
@@ -178,21 +178,21 @@ TEST(OrderRoller, counts_every_order_message_to_a_vehicle_also_one_sent_again) {
 }
 
 TEST(OrderRoller, survives_a_link_that_loses_every_tenth_message) {
-  ServerBench bench;
-  bench.loss = 0.1;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  bench.run_for(120s);
+  ServerFixture fixture;
+  fixture.loss = 0.1;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(120s);
   EXPECT_THAT(aiv.refusals, IsEmpty());
   EXPECT_GT(aiv.driven_m, 30.0);
   // What was lost stays lost on the vehicle's side, so only what the server published is a complete sequence.
-  expect_stitched(orders_to(bench, aiv));
+  expect_stitched(orders_to(fixture, aiv));
 }
 
 TEST(OrderRoller, writes_a_vehicle_s_own_version_back_to_it) {
-  ServerBench bench;
-  BenchVehicle& stranger = bench.add("agv-7", {0, 0.5}, "Acme");
+  ServerFixture fixture;
+  FixtureVehicle& stranger = fixture.add("agv-7", {0, 0.5}, "Acme");
   stranger.version = "2.0.0";
-  bench.run_for(2s);
+  fixture.run_for(2s);
   ASSERT_FALSE(stranger.orders.empty());
   EXPECT_EQ(stranger.orders.front().header.version, "2.0.0");
   EXPECT_EQ(stranger.orders.front().header.manufacturer, "Acme");
@@ -202,59 +202,59 @@ TEST(OrderRoller, writes_a_vehicle_s_own_version_back_to_it) {
 TEST(OrderRoller, leaves_who_is_told_to_watch_alone) {
   ServerOptions watching;
   watching.drive = false;
-  ServerBench bench{oval(), watching};
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  bench.run_for(5s);
+  ServerFixture fixture{oval(), watching};
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(5s);
   EXPECT_THAT(aiv.orders, IsEmpty());
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("status"), "stopped");
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").text("status"), "stopped");
 }
 
 TEST(OrderRoller, takes_an_order_over_after_a_restart_and_goes_on_with_it) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  bench.run_for(20s);
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(20s);
   const std::string order_id = aiv.book->order_id();
   const double driven_m = aiv.driven_m;
-  bench.restart_server();
-  bench.run_for(20s);
+  fixture.restart_server();
+  fixture.run_for(20s);
   EXPECT_THAT(aiv.refusals, IsEmpty());
   EXPECT_EQ(aiv.book->order_id(), order_id);
   EXPECT_GT(aiv.driven_m, driven_m + 5.0);
-  EXPECT_TRUE(bench.logged("took over order"));
+  EXPECT_TRUE(fixture.logged("took over order"));
   expect_stitched(aiv.orders);
 }
 
 TEST(OrderRoller, gives_nobody_an_order_after_a_restart_before_all_who_are_online_were_heard) {
-  ServerBench bench;
-  BenchVehicle& first = bench.add("AIV1", {0, 0.5});
-  BenchVehicle& silent = bench.add("AIV2", {2, 0.5});
+  ServerFixture fixture;
+  FixtureVehicle& first = fixture.add("AIV1", {0, 0.5});
+  FixtureVehicle& silent = fixture.add("AIV2", {2, 0.5});
   silent.alive = false;
-  bench.run_for(1500ms);
+  fixture.run_for(1500ms);
   EXPECT_THAT(first.orders, IsEmpty());
-  bench.run_for(1s);
+  fixture.run_for(1s);
   EXPECT_FALSE(first.orders.empty()) << "but not for ever: 2 s at most";
 }
 
 TEST(OrderRoller, waits_two_seconds_after_a_refusal_and_then_makes_a_new_order) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   aiv.refuse_next_order = true;
-  bench.run_for(2s);
+  fixture.run_for(2s);
   ASSERT_THAT(aiv.orders, SizeIs(1));
-  EXPECT_TRUE(bench.logged("refused order"));
-  bench.run_for(3s);
+  EXPECT_TRUE(fixture.logged("refused order"));
+  fixture.run_for(3s);
   ASSERT_GE(aiv.orders.size(), 2U);
   EXPECT_NE(aiv.orders[1].order_id, aiv.orders[0].order_id);
   EXPECT_GT(aiv.driven_m, 0.1);
 }
 
 TEST(OrderRoller, cancels_an_active_order_whose_update_was_refused_before_it_makes_a_new_one) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  bench.run_for(5s);
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(5s);
   const std::string first = aiv.book->order_id();
   aiv.refuse_next_order = true;
-  bench.run_for(10s);
+  fixture.run_for(10s);
   EXPECT_NE(aiv.book->order_id(), first);
   EXPECT_THAT(aiv.refusals, IsEmpty());
   const bool cancelled =
@@ -264,96 +264,96 @@ TEST(OrderRoller, cancels_an_active_order_whose_update_was_refused_before_it_mak
 }
 
 TEST(OrderRoller, gives_a_vehicle_that_restarted_without_its_order_a_new_one) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  bench.run_for(5s);
-  bench.kill(aiv);
-  bench.run_for(5s);
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(5s);
+  fixture.kill(aiv);
+  fixture.run_for(5s);
   aiv.alive = true;
-  aiv.book.emplace(*bench.zone);
-  bench.connection(aiv, wire::ConnectionState::online);
+  aiv.book.emplace(*fixture.zone);
+  fixture.connection(aiv, wire::ConnectionState::online);
   const double driven_m = aiv.driven_m;
-  bench.run_for(10s);
+  fixture.run_for(10s);
   EXPECT_THAT(aiv.refusals, IsEmpty());
   EXPECT_GT(aiv.driven_m, driven_m + 2.0);
 }
 
 TEST(OrderRoller, gives_a_vehicle_that_came_back_no_order_before_it_said_where_it_is_now) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  bench.run_for(5s);
-  bench.kill(aiv);
-  bench.run_for(5s);
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(5s);
+  fixture.kill(aiv);
+  fixture.run_for(5s);
   const std::size_t orders = aiv.orders.size();
-  aiv.book.emplace(*bench.zone);
-  aiv.motion = aiv::AivMotion{bench.zone->circuit, {2, 0.5}};  // carried elsewhere
-  bench.connection(aiv, wire::ConnectionState::online);
-  wire::State blind = aiv.state(bench.now);
+  aiv.book.emplace(*fixture.zone);
+  aiv.motion = aiv::AivMotion{fixture.zone->circuit, {2, 0.5}};  // carried elsewhere
+  fixture.connection(aiv, wire::ConnectionState::online);
+  wire::State blind = aiv.state(fixture.now);
   blind.position.reset();
-  bench.tell(aiv, "state", vda::encode(blind));
-  bench.run_for(500ms);
+  fixture.tell(aiv, "state", vda::encode(blind));
+  fixture.run_for(500ms);
   EXPECT_EQ(aiv.orders.size(), orders);
   aiv.alive = true;
-  bench.run_for(2s);
+  fixture.run_for(2s);
   EXPECT_THAT(aiv.refusals, IsEmpty());
   EXPECT_GT(aiv.orders.size(), orders);
 }
 
 TEST(OrderRoller, sends_a_vehicle_on_that_rolled_past_the_end_of_its_base_into_the_next_section) {
-  ServerBench bench{zone_file("../e2e/areas/area_b.toml")};
-  const zone::Circuit& circuit = bench.zone->circuit;
-  BenchVehicle& other = bench.add("AIV2", {*circuit.find("b_east"), 0.05});
+  ServerFixture fixture{zone_file("../e2e/areas/area_b.toml")};
+  const zone::Circuit& circuit = fixture.zone->circuit;
+  FixtureVehicle& other = fixture.add("AIV2", {*circuit.find("b_east"), 0.05});
   other.blocked = true;  // where the way from the gate comes in
-  BenchVehicle& aiv = bench.add("AIV1", {*circuit.find("gate"), 0.3});
-  bench.run_for(4s);
-  bench.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"rack_b"})");
-  bench.run_for(4s);
+  FixtureVehicle& aiv = fixture.add("AIV1", {*circuit.find("gate"), 0.3});
+  fixture.run_for(4s);
+  fixture.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"rack_b"})");
+  fixture.run_for(4s);
   ASSERT_EQ(aiv.book->last_node_id(), "gate@580") << "20 mm before the gate's end";
   ASSERT_EQ(aiv.book->distance_to_base_end_m(), 0.0);
   aiv.motion.shift(circuit, 0.03, std::array{*circuit.find("b_out1")});
   ASSERT_EQ(circuit.part(aiv.place().section).name, "b_out1");
-  bench.run_for(4s);
+  fixture.run_for(4s);
   other.blocked = false;
-  bench.run_for(40s);
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").find("mission")->text("state"), "arrived");
+  fixture.run_for(40s);
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").find("mission")->text("state"), "arrived");
   EXPECT_THAT(aiv.refusals, IsEmpty());
 }
 
 TEST(OrderRoller, drives_a_vehicle_that_reports_only_once_a_second) {
-  ServerBench bench;
-  BenchVehicle& slow = bench.add("agv-7", {0, 0.5}, "Acme");
+  ServerFixture fixture;
+  FixtureVehicle& slow = fixture.add("agv-7", {0, 0.5}, "Acme");
   slow.visualizes = false;  // leaves one state a second, and those at its nodes
-  bench.run_for(60s);
+  fixture.run_for(60s);
   EXPECT_THAT(slow.refusals, IsEmpty());
   EXPECT_GT(slow.driven_m, 17.0);
-  EXPECT_EQ(bench.aiv("Acme/agv-7").flag("lost"), false);
+  EXPECT_EQ(fixture.aiv("Acme/agv-7").flag("lost"), false);
 }
 
 TEST(OrderRoller, does_not_touch_an_order_over_nodes_it_does_not_know) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  wire::State state = aiv.state(bench.now);
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  wire::State state = aiv.state(fixture.now);
   state.order_id = "theirs";
   state.node_states = {{"somewhere", 2, true, std::nullopt}};
   aiv.alive = false;
   for (int i = 0; i < 30; ++i) {
     state.header.header_id++;
-    state.header.timestamp = bench.now;
-    bench.tell(aiv, "state", vda::encode(state));
-    bench.run_for(100ms);
+    state.header.timestamp = fixture.now;
+    fixture.tell(aiv, "state", vda::encode(state));
+    fixture.run_for(100ms);
   }
-  EXPECT_THAT(bench.published_on(aiv.topic("order")), IsEmpty());
-  EXPECT_TRUE(bench.logged("left alone"));
+  EXPECT_THAT(fixture.published_on(aiv.topic("order")), IsEmpty());
+  EXPECT_TRUE(fixture.logged("left alone"));
 }
 
 TEST(OrderRoller, tells_a_vehicle_that_lost_its_place_where_it_was_last) {
-  ServerBench bench;
-  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
-  bench.run_for(3s);
+  ServerFixture fixture;
+  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(3s);
   aiv.position_known = false;
   const Pose2 last = aiv.pose();
   aiv.blocked = true;
-  bench.run_for(3s);
+  fixture.run_for(3s);
   const auto init =
       std::ranges::find_if(aiv.actions, [](const auto& m) { return m.actions[0].action_type == "initPosition"; });
   ASSERT_NE(init, aiv.actions.end());

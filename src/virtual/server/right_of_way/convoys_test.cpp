@@ -3,17 +3,17 @@
 #include <gtest/gtest.h>
 
 #include "cosiva/virtual/server/right_of_way/traffic.h"
-#include "cosiva/virtual/server/testing/server_bench.h"
+#include "cosiva/virtual/server/testing/server_fixture.h"
 
 namespace cosiva::virtual_side {
 namespace {
 
-using namespace bench;
+using namespace fixture;
 
 /// Vehicle 0 is in the crossings of the eastward straight, 1 stands at its stop line behind it, and 2 comes up the
 /// northward straight, which crosses it; 4 the southward one. Sections 0, 2 and 6. From stop line to exit it is 0.74 m:
 /// 1.85 s at the medium speed, and 0.4 s more for who has to speed up.
-class ConvoyBench : public testing::Test {
+class ConvoyFixture : public testing::Test {
  protected:
   static constexpr zone::SectionId east = 0;
   static constexpr zone::SectionId north = 2;
@@ -78,12 +78,12 @@ class ConvoyBench : public testing::Test {
   SimTime now{virtual_epoch};
 };
 
-TEST_F(ConvoyBench, has_the_measures_that_its_figures_stand_on) {
+TEST_F(ConvoyFixture, has_the_measures_that_its_figures_stand_on) {
   EXPECT_NEAR(map.chain(stop_on(east)).length_m, chain_m, 5e-4);
   EXPECT_NEAR(map.chain(stop_on(north)).length_m, chain_m, 5e-4);
 }
 
-TEST_F(ConvoyBench, passes_the_crossing_together_without_giving_it_back_between) {
+TEST_F(ConvoyFixture, passes_the_crossing_together_without_giving_it_back_between) {
   begin(half_way_m);
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
   EXPECT_FALSE(ask(1, east, 0.0).granted) << "without a convoy it waits till 0 is gone";
@@ -101,20 +101,20 @@ TEST_F(ConvoyBench, passes_the_crossing_together_without_giving_it_back_between)
   EXPECT_TRUE(ask(2, north, 0.0).granted) << "both are gone";
 }
 
-TEST_F(ConvoyBench, lets_cross_traffic_go_first_where_the_other_has_left_already) {
+TEST_F(ConvoyFixture, lets_cross_traffic_go_first_where_the_other_has_left_already) {
   begin(at_exit_m);
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
   EXPECT_FALSE(may_join(1)) << "1 would save no more than 2 would lose: 2.5 s";
 }
 
-TEST_F(ConvoyBench, counts_all_that_come_behind) {
+TEST_F(ConvoyFixture, counts_all_that_come_behind) {
   begin(at_exit_m);
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
   stand(3, east, 0.35);
   EXPECT_TRUE(may_join(1)) << "two save 2.5 s each, 2 loses it once";
 }
 
-TEST_F(ConvoyBench, counts_all_that_wait) {
+TEST_F(ConvoyFixture, counts_all_that_wait) {
   begin(0.42);
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
   EXPECT_TRUE(may_join(1)) << "1 saves 3.35 s, 2 loses 1.75 s";
@@ -122,7 +122,7 @@ TEST_F(ConvoyBench, counts_all_that_wait) {
   EXPECT_FALSE(may_join(1)) << "and 4 as much";
 }
 
-TEST_F(ConvoyBench, goes_where_nobody_waits) {
+TEST_F(ConvoyFixture, goes_where_nobody_waits) {
   begin(half_way_m);
   EXPECT_TRUE(may_join(1));
   EXPECT_TRUE(may_join(1)) << "asking changes nothing";
@@ -130,12 +130,12 @@ TEST_F(ConvoyBench, goes_where_nobody_waits) {
   EXPECT_FALSE(may_join(1, 0.8)) << "too far off to ask";
 }
 
-TEST_F(ConvoyBench, is_off_where_it_is_switched_off) {
+TEST_F(ConvoyFixture, is_off_where_it_is_switched_off) {
   begin(half_way_m, {.convoys = false});
   EXPECT_FALSE(may_join(1));
 }
 
-TEST_F(ConvoyBench, never_goes_before_a_higher_priority) {
+TEST_F(ConvoyFixture, never_goes_before_a_higher_priority) {
   begin(half_way_m);
   traffic.set_priority(2, 1);
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
@@ -144,7 +144,7 @@ TEST_F(ConvoyBench, never_goes_before_a_higher_priority) {
   EXPECT_TRUE(may_join(1)) << "equals";
 }
 
-TEST_F(ConvoyBench, never_goes_before_one_that_has_waited_ten_seconds) {
+TEST_F(ConvoyFixture, never_goes_before_one_that_has_waited_ten_seconds) {
   begin(half_way_m);
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
   pass_time(9900ms);
@@ -153,7 +153,7 @@ TEST_F(ConvoyBench, never_goes_before_one_that_has_waited_ten_seconds) {
   EXPECT_FALSE(may_join(1));
 }
 
-TEST_F(ConvoyBench, is_no_longer_than_three) {
+TEST_F(ConvoyFixture, is_no_longer_than_three) {
   begin(half_way_m);
   ASSERT_TRUE(may_join(1));
   join(1);
@@ -172,7 +172,7 @@ TEST_F(ConvoyBench, is_no_longer_than_three) {
   }
 }
 
-TEST_F(ConvoyBench, follows_nobody_who_has_no_leave_to_make_room) {
+TEST_F(ConvoyFixture, follows_nobody_who_has_no_leave_to_make_room) {
   begin(half_way_m);
   give_leave(0, 0);
   EXPECT_FALSE(may_join(1)) << "it would come to stand in the crossing";
@@ -180,7 +180,7 @@ TEST_F(ConvoyBench, follows_nobody_who_has_no_leave_to_make_room) {
   EXPECT_TRUE(may_join(1));
 }
 
-TEST_F(ConvoyBench, counts_on_no_leave_that_one_of_the_convoy_has_not_got_yet) {
+TEST_F(ConvoyFixture, counts_on_no_leave_that_one_of_the_convoy_has_not_got_yet) {
   begin(at_exit_m);
   ASSERT_TRUE(may_join(1));
   join(1);
@@ -195,7 +195,7 @@ TEST_F(ConvoyBench, counts_on_no_leave_that_one_of_the_convoy_has_not_got_yet) {
   EXPECT_FALSE(may_join(3)) << "where 0 may stand for good there is no room for 1 and 3";
 }
 
-TEST_F(ConvoyBench, counts_where_its_eyes_make_the_leader_stand) {
+TEST_F(ConvoyFixture, counts_where_its_eyes_make_the_leader_stand) {
   begin(half_way_m);
   give_leave(0, 2);  // 0.38 m beyond the exit
   stand(5, east, -chain_m - 0.68);
@@ -204,7 +204,7 @@ TEST_F(ConvoyBench, counts_where_its_eyes_make_the_leader_stand) {
   EXPECT_TRUE(may_join(1));
 }
 
-TEST_F(ConvoyBench, costs_nobody_more_than_may_be_lost_in_all) {
+TEST_F(ConvoyFixture, costs_nobody_more_than_may_be_lost_in_all) {
   begin(half_way_m, {.lost_s_max = 1.5});
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
   EXPECT_FALSE(may_join(1)) << "2 would lose 1.58 s";
@@ -219,14 +219,14 @@ TEST_F(ConvoyBench, costs_nobody_more_than_may_be_lost_in_all) {
   EXPECT_FALSE(may_join(3)) << "as much again";
 }
 
-TEST_F(ConvoyBench, is_broken_by_who_got_the_crossing_between) {
+TEST_F(ConvoyFixture, is_broken_by_who_got_the_crossing_between) {
   begin(half_way_m);
   stand(0, east, -0.65);  // out of the first crossing, in the second one still
   ASSERT_TRUE(come_up(4, south, 0.0).granted);
   EXPECT_FALSE(may_join(1));
 }
 
-TEST_F(ConvoyBench, is_none_behind_one_that_is_before_its_stop_line_still) {
+TEST_F(ConvoyFixture, is_none_behind_one_that_is_before_its_stop_line_still) {
   begin(half_way_m);
   stand(1, east, 0.35);
   EXPECT_TRUE(may_join(1, 0.35));

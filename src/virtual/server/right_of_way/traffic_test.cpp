@@ -3,12 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cosiva/virtual/server/testing/server_bench.h"
+#include "cosiva/virtual/server/testing/server_fixture.h"
 
 namespace cosiva::virtual_side {
 namespace {
 
-using namespace bench;
+using namespace fixture;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
@@ -400,25 +400,25 @@ TEST_F(CloverTraffic, reaches_no_nearer_than_a_gap_behind_the_vehicle_ahead) {
 
 struct Fleet {
   explicit Fleet(std::size_t count, double loss = 0.0) {
-    bench.loss = loss;
+    fixture.loss = loss;
     std::size_t number = 0;
-    for (const zone::Place place : bench.zone->start_places(count)) bench.add("AIV" + std::to_string(++number), place);
-    bench.each_step = [this] {
-      for (std::size_t i = 0; i < bench.vehicles.size(); ++i)
+    for (const zone::Place place : fixture.zone->start_places(count)) fixture.add("AIV" + std::to_string(++number), place);
+    fixture.each_step = [this] {
+      for (std::size_t i = 0; i < fixture.vehicles.size(); ++i)
         for (std::size_t j = 0; j < i; ++j)
-          if (touch(bench.vehicles[i]->pose(), bench.vehicles[j]->pose(), bench.zone->vehicle)) ++touches;
+          if (touch(fixture.vehicles[i]->pose(), fixture.vehicles[j]->pose(), fixture.zone->vehicle)) ++touches;
     };
   }
-  ServerBench bench{zone_file("lacet4.toml")};
+  ServerFixture fixture{zone_file("lacet4.toml")};
   int touches{0};
 };
 
 TEST(Fleet, of_twelve_circulates_without_touching_on_a_lossy_link) {
   Fleet fleet{12, 0.02};
-  ASSERT_EQ(fleet.bench.vehicles.size(), 12U);
-  fleet.bench.run_for(120s);
+  ASSERT_EQ(fleet.fixture.vehicles.size(), 12U);
+  fleet.fixture.run_for(120s);
   EXPECT_EQ(fleet.touches, 0);
-  for (const auto& aiv : fleet.bench.vehicles) {
+  for (const auto& aiv : fleet.fixture.vehicles) {
     EXPECT_THAT(aiv->refusals, IsEmpty()) << aiv->id.serial_number;
     EXPECT_GT(aiv->driven_m, 5.0) << aiv->id.serial_number;
   }
@@ -426,35 +426,35 @@ TEST(Fleet, of_twelve_circulates_without_touching_on_a_lossy_link) {
 
 TEST(Fleet, goes_round_a_vehicle_that_died_on_a_loop_by_waiting_behind_it_and_goes_on_when_it_is_back) {
   Fleet fleet{4};
-  fleet.bench.run_for(10s);
-  BenchVehicle& dead = *fleet.bench.vehicles[0];
-  while (dead.place().section % 2 == 0) fleet.bench.run_for(100ms);
-  fleet.bench.kill(dead);
-  fleet.bench.run_for(60s);
+  fleet.fixture.run_for(10s);
+  FixtureVehicle& dead = *fleet.fixture.vehicles[0];
+  while (dead.place().section % 2 == 0) fleet.fixture.run_for(100ms);
+  fleet.fixture.kill(dead);
+  fleet.fixture.run_for(60s);
   EXPECT_EQ(fleet.touches, 0);
   dead.alive = true;
-  dead.book.emplace(*fleet.bench.zone);
-  fleet.bench.connection(dead, wire::ConnectionState::online);
+  dead.book.emplace(*fleet.fixture.zone);
+  fleet.fixture.connection(dead, wire::ConnectionState::online);
   std::vector<double> driven;
-  for (const auto& aiv : fleet.bench.vehicles) driven.push_back(aiv->driven_m);
-  fleet.bench.run_for(40s);
+  for (const auto& aiv : fleet.fixture.vehicles) driven.push_back(aiv->driven_m);
+  fleet.fixture.run_for(40s);
   EXPECT_EQ(fleet.touches, 0);
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_GT(fleet.bench.vehicles[i]->driven_m, driven[i] + 3.0);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_GT(fleet.fixture.vehicles[i]->driven_m, driven[i] + 3.0);
 }
 
 TEST(Fleet, goes_on_after_the_server_restarts_with_vehicles_in_the_crossings) {
   Fleet fleet{8, 0.02};
   for (int i = 0; i < 5; ++i) {
-    fleet.bench.run_for(8s);
-    fleet.bench.restart_server();
+    fleet.fixture.run_for(8s);
+    fleet.fixture.restart_server();
   }
   std::vector<double> driven;
-  for (const auto& aiv : fleet.bench.vehicles) driven.push_back(aiv->driven_m);
-  fleet.bench.run_for(60s);
+  for (const auto& aiv : fleet.fixture.vehicles) driven.push_back(aiv->driven_m);
+  fleet.fixture.run_for(60s);
   EXPECT_EQ(fleet.touches, 0);
   for (std::size_t i = 0; i < 8; ++i) {
-    EXPECT_GT(fleet.bench.vehicles[i]->driven_m, driven[i] + 3.0);
-    EXPECT_THAT(fleet.bench.vehicles[i]->refusals, IsEmpty());
+    EXPECT_GT(fleet.fixture.vehicles[i]->driven_m, driven[i] + 3.0);
+    EXPECT_THAT(fleet.fixture.vehicles[i]->refusals, IsEmpty());
   }
 }
 

@@ -2,52 +2,52 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cosiva/virtual/server/testing/server_bench.h"
+#include "cosiva/virtual/server/testing/server_fixture.h"
 #include "cosiva/virtual/server/view/battery_test_relay.h"
 #include "cosiva/wire/own/battery_exchange.h"
 
 namespace cosiva::virtual_side {
 namespace {
 
-using namespace bench;
+using namespace fixture;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-class BatteryBench : public testing::Test {
+class BatteryFixture : public testing::Test {
  protected:
   void change(const std::string& vehicle, const std::string& payload) {
-    bench.feed(wire::InputKind::message, "cosiva/v1/battery/change/" + vehicle, payload, true);
+    fixture.feed(wire::InputKind::message, "cosiva/v1/battery/change/" + vehicle, payload, true);
   }
   void request(const std::string& vehicle, const std::string& battery) {
     change(vehicle, to_json(wire::BatteryChange{battery, 1, {}}));
   }
   void test(const wire::BatteryTest& test) {
-    bench.feed(wire::InputKind::message, std::string(wire::battery_test_topic), to_json(test), true);
+    fixture.feed(wire::InputKind::message, std::string(wire::battery_test_topic), to_json(test), true);
   }
   /// The vehicle's own report, with this charge.
   void report(double charge) {
     wire::BoardsReport boards;
-    boards.timestamp = bench.now;
+    boards.timestamp = fixture.now;
     wire::Power power;
     power.voltage_mv = 7400;
     power.temperature_01C = 225;
     power.charge_permille = static_cast<std::uint16_t>(1000.0 * charge);
     boards.power = power;
-    bench.feed(wire::InputKind::message, "cosiva/v1/boards/CoSiVA/AIV1", to_json(boards));
+    fixture.feed(wire::InputKind::message, "cosiva/v1/boards/CoSiVA/AIV1", to_json(boards));
   }
-  [[nodiscard]] JsonValue battery() const { return *bench.snapshot().find("battery"); }
+  [[nodiscard]] JsonValue battery() const { return *fixture.snapshot().find("battery"); }
   [[nodiscard]] JsonValue::Array points() const {
-    return *JsonValue::parse(*bench.server->battery_curve_json("CoSiVA/AIV1"))->find("points")->array();
+    return *JsonValue::parse(*fixture.server->battery_curve_json("CoSiVA/AIV1"))->find("points")->array();
   }
 
-  ServerBench bench;
-  BenchVehicle& aiv{bench.add("AIV1", {0, 0.5})};
+  ServerFixture fixture;
+  FixtureVehicle& aiv{fixture.add("AIV1", {0, 0.5})};
 };
 
-TEST_F(BatteryBench, nothing_is_shown_until_something_was_heard) { EXPECT_TRUE(battery().is_null()); }
+TEST_F(BatteryFixture, nothing_is_shown_until_something_was_heard) { EXPECT_TRUE(battery().is_null()); }
 
-TEST_F(BatteryBench, a_wanted_change_is_shown_until_it_is_taken_back) {
+TEST_F(BatteryFixture, a_wanted_change_is_shown_until_it_is_taken_back) {
   request("CoSiVA/AIV1", "red");
   request("ACME/A7", "blue");
   const JsonValue::Array changes = *battery().find("changes")->array();
@@ -60,8 +60,8 @@ TEST_F(BatteryBench, a_wanted_change_is_shown_until_it_is_taken_back) {
   EXPECT_TRUE(battery().is_null());
 }
 
-TEST_F(BatteryBench, a_test_is_shown_as_it_says_it_stands) {
-  wire::BatteryTest running{bench.now, bench.now, 2, 4, 20.0, 0.5, bench.now + 60s, false, {}};
+TEST_F(BatteryFixture, a_test_is_shown_as_it_says_it_stands) {
+  wire::BatteryTest running{fixture.now, fixture.now, 2, 4, 20.0, 0.5, fixture.now + 60s, false, {}};
   running.vehicles.push_back({"CoSiVA/AIV1", "red", wire::BatteryPhase::running, "", 12.34, 61.2345});
   running.vehicles.push_back({"CoSiVA/AIV2", "blue", wire::BatteryPhase::ended, "floor", 10.0, {}});
   test(running);
@@ -75,70 +75,70 @@ TEST_F(BatteryBench, a_test_is_shown_as_it_says_it_stands) {
   EXPECT_NEAR(*vehicles[0].number("charge"), 61.2345, 1e-3);
   EXPECT_EQ(vehicles[1].text("stop"), "floor");
   EXPECT_TRUE(vehicles[1].find("charge")->is_null());
-  bench.feed(wire::InputKind::message, std::string(wire::battery_test_topic), "", true);
+  fixture.feed(wire::InputKind::message, std::string(wire::battery_test_topic), "", true);
   EXPECT_TRUE(battery().is_null());
 }
 
-TEST_F(BatteryBench, what_cannot_be_read_is_left_alone_with_a_word) {
+TEST_F(BatteryFixture, what_cannot_be_read_is_left_alone_with_a_word) {
   request("CoSiVA/AIV1", "red");
   change("CoSiVA/AIV1", "{");
-  bench.feed(wire::InputKind::message, std::string(wire::battery_test_topic), R"({"run":1})");
+  fixture.feed(wire::InputKind::message, std::string(wire::battery_test_topic), R"({"run":1})");
   EXPECT_THAT(*battery().find("changes")->array(), SizeIs(1));
   EXPECT_TRUE(battery().find("test")->is_null());
-  EXPECT_THAT(bench.logs, testing::Contains(HasSubstr("cosiva/v1/battery/test")));
+  EXPECT_THAT(fixture.logs, testing::Contains(HasSubstr("cosiva/v1/battery/test")));
 }
 
-TEST_F(BatteryBench, made_up_names_do_not_take_the_memory) {
+TEST_F(BatteryFixture, made_up_names_do_not_take_the_memory) {
   for (int i = 0; i < 400; ++i) request("ACME/A" + std::to_string(i), "x");
   EXPECT_THAT(*battery().find("changes")->array(), SizeIs(BatteryTestRelay::changes_max));
   request("ACME/A7", "another");  // one that is known
-  EXPECT_THAT(bench.server->snapshot_json(), HasSubstr("another"));
+  EXPECT_THAT(fixture.server->snapshot_json(), HasSubstr("another"));
 }
 
-TEST_F(BatteryBench, batteryReady_goes_to_the_test_that_asked_with_what_is_usual_where_nothing_is_said) {
+TEST_F(BatteryFixture, batteryReady_goes_to_the_test_that_asked_with_what_is_usual_where_nothing_is_said) {
   const std::string in = R"({"command":"batteryReady","vehicle":"CoSiVA/AIV1","battery":"red"})";
-  EXPECT_THAT(bench.refusal(in), HasSubstr("no test wants"));
+  EXPECT_THAT(fixture.refusal(in), HasSubstr("no test wants"));
   request("CoSiVA/AIV1", "red");
-  EXPECT_EQ(bench.refusal(in), "");
-  bench.published.clear();
-  bench.ask(in);
-  ASSERT_THAT(bench.published, SizeIs(1));
-  EXPECT_EQ(bench.published[0].topic, "cosiva/v1/battery/ready/CoSiVA/AIV1");
-  EXPECT_FALSE(bench.published[0].retained);
-  EXPECT_EQ(wire::battery_ready_from_json(bench.published[0].payload),
+  EXPECT_EQ(fixture.refusal(in), "");
+  fixture.published.clear();
+  fixture.ask(in);
+  ASSERT_THAT(fixture.published, SizeIs(1));
+  EXPECT_EQ(fixture.published[0].topic, "cosiva/v1/battery/ready/CoSiVA/AIV1");
+  EXPECT_FALSE(fixture.published[0].retained);
+  EXPECT_EQ(wire::battery_ready_from_json(fixture.published[0].payload),
             (wire::BatteryReady{"red", "unknown", 0.0, 0.0, 22.0, 100.0}));
   EXPECT_THAT(*battery().find("changes")->array(), SizeIs(1)) << "the test says whether it is content";
 }
 
-TEST_F(BatteryBench, batteryReady_with_a_wrong_field_is_refused_naming_it) {
+TEST_F(BatteryFixture, batteryReady_with_a_wrong_field_is_refused_naming_it) {
   request("CoSiVA/AIV1", "red");
   const auto refusal = [&](const std::string& rest) {
-    return bench.refusal(R"({"command":"batteryReady","vehicle":"CoSiVA/AIV1",)" + rest + "}");
+    return fixture.refusal(R"({"command":"batteryReady","vehicle":"CoSiVA/AIV1",)" + rest + "}");
   };
   EXPECT_EQ(refusal(R"("battery":"red","type":"leaf33","cycles":3,"rest_s":60,"temperature":21,"charge":99)"), "");
   EXPECT_THAT(refusal(R"("charge":99)"), HasSubstr("battery's own id"));
   EXPECT_THAT(refusal(R"("battery":"red","charge":101)"), HasSubstr("0 to 100"));
   EXPECT_THAT(refusal(R"("battery":"red","temperature":"warm")"), HasSubstr("temperature"));
   EXPECT_THAT(refusal(R"("battery":"red","type":5)"), HasSubstr("type"));
-  EXPECT_THAT(bench.refusal(R"({"command":"batteryReady","battery":"red"})"), HasSubstr("vehicle"));
-  bench.published.clear();
-  bench.ask(R"({"command":"batteryReady","vehicle":"CoSiVA/AIV1","battery":"red","charge":-1})");
-  EXPECT_THAT(bench.published, IsEmpty());
+  EXPECT_THAT(fixture.refusal(R"({"command":"batteryReady","battery":"red"})"), HasSubstr("vehicle"));
+  fixture.published.clear();
+  fixture.ask(R"({"command":"batteryReady","vehicle":"CoSiVA/AIV1","battery":"red","charge":-1})");
+  EXPECT_THAT(fixture.published, IsEmpty());
 }
 
-TEST_F(BatteryBench, what_the_broker_kept_is_known_again_after_a_new_connection) {
+TEST_F(BatteryFixture, what_the_broker_kept_is_known_again_after_a_new_connection) {
   request("CoSiVA/AIV1", "red");
-  bench.feed(wire::InputKind::link, "", "down");
-  bench.feed(wire::InputKind::link, "", "up");
+  fixture.feed(wire::InputKind::link, "", "down");
+  fixture.feed(wire::InputKind::link, "", "up");
   EXPECT_TRUE(battery().is_null()) << "it may have been taken back meanwhile; what still holds comes anew";
 }
 
-TEST_F(BatteryBench, a_curve_reaches_back_to_its_beginning_however_long_it_becomes) {
-  EXPECT_FALSE(bench.server->battery_curve_json("CoSiVA/AIV1"));
-  bench.run_for(1s);
+TEST_F(BatteryFixture, a_curve_reaches_back_to_its_beginning_however_long_it_becomes) {
+  EXPECT_FALSE(fixture.server->battery_curve_json("CoSiVA/AIV1"));
+  fixture.run_for(1s);
   for (int i = 0; i <= 1000; ++i) {
     report(1.0 - 0.0005 * i);
-    bench.now += 1s;
+    fixture.now += 1s;
   }
   const JsonValue::Array all = points();
   EXPECT_LE(all.size(), BatteryCurve::points_max);
@@ -149,13 +149,13 @@ TEST_F(BatteryBench, a_curve_reaches_back_to_its_beginning_however_long_it_becom
   EXPECT_NEAR(*(*all.back().array())[3].number(), 22.5, 1e-3);
 }
 
-TEST_F(BatteryBench, a_new_test_begins_a_new_curve) {
-  bench.run_for(1s);
+TEST_F(BatteryFixture, a_new_test_begins_a_new_curve) {
+  fixture.run_for(1s);
   for (int i = 0; i < 20; ++i) {
     report(0.5);
-    bench.now += 1s;
+    fixture.now += 1s;
   }
-  wire::BatteryTest begun{bench.now, bench.now - 5s, 1, 1, 20.0, 0.0, {}, false, {}};
+  wire::BatteryTest begun{fixture.now, fixture.now - 5s, 1, 1, 20.0, 0.0, {}, false, {}};
   begun.vehicles.push_back({"CoSiVA/AIV1", "red", {}, "", 0.0, {}});
   test(begun);
   EXPECT_THAT(points(), SizeIs(5));

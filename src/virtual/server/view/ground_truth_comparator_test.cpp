@@ -2,64 +2,64 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cosiva/virtual/server/testing/server_bench.h"
+#include "cosiva/virtual/server/testing/server_fixture.h"
 #include "cosiva/virtual/server/view/ground_truth_comparator.h"
 #include "cosiva/wire/own/gvs.h"
 
 namespace cosiva::virtual_side {
 namespace {
 
-using namespace bench;
+using namespace fixture;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-class GvsBench : public testing::Test {
+class GvsFixture : public testing::Test {
  protected:
-  GvsBench() {
+  GvsFixture() {
     aiv.blocked = true;  // it stands, so that what is off is what the test makes so
-    bench.run_for(1s);
+    fixture.run_for(1s);
   }
   void connect(wire::ConnectionState state, const std::string& trouble = {}) {
-    bench.feed(wire::InputKind::message, "cosiva/v1/gvs/connection",
-               wire::to_json(wire::GvsConnection{state, bench.now, "a camera", trouble}), true);
+    fixture.feed(wire::InputKind::message, "cosiva/v1/gvs/connection",
+               wire::to_json(wire::GvsConnection{state, fixture.now, "a camera", trouble}), true);
   }
   /// A picture that was taken a tenth of a second ago, by a camera that sees all of the oval.
   void look(const std::vector<std::pair<std::string, Pose2>>& vehicles) {
-    wire::GvsDetections detections{++images, bench.now - 100ms, 0.25, {}, {{-9, -9}, {9, -9}, {9, 9}, {-9, 9}}};
+    wire::GvsDetections detections{++images, fixture.now - 100ms, 0.25, {}, {{-9, -9}, {9, -9}, {9, 9}, {-9, 9}}};
     for (const auto& [name, pose] : vehicles)
       detections.detections.push_back(
-          {name, static_cast<std::uint32_t>(detections.detections.size() + 1), bench.now - 98ms, pose, 0.001});
+          {name, static_cast<std::uint32_t>(detections.detections.size() + 1), fixture.now - 98ms, pose, 0.001});
     say(wire::to_json(detections));
   }
   void say(std::string payload, bool retained = false) {
-    bench.feed(wire::InputKind::message, "cosiva/v1/gvs/detections", std::move(payload), retained);
+    fixture.feed(wire::InputKind::message, "cosiva/v1/gvs/detections", std::move(payload), retained);
   }
   /// Four pictures a second of them, standing.
   void watch(SimDuration duration, const std::vector<std::pair<std::string, Pose2>>& vehicles) {
-    for (const SimTime end = bench.now + duration; bench.now < end;) {
-      bench.run_for(240ms);
+    for (const SimTime end = fixture.now + duration; fixture.now < end;) {
+      fixture.run_for(240ms);
       look(vehicles);
     }
   }
-  [[nodiscard]] JsonValue gvs() const { return *bench.snapshot().find("gvs"); }
+  [[nodiscard]] JsonValue gvs() const { return *fixture.snapshot().find("gvs"); }
   [[nodiscard]] JsonValue::Array detected() const { return *gvs().find("detections")->array(); }
-  [[nodiscard]] JsonValue::Array findings() const { return *bench.bijection().find("findings")->array(); }
+  [[nodiscard]] JsonValue::Array findings() const { return *fixture.bijection().find("findings")->array(); }
 
-  ServerBench bench;
-  BenchVehicle& aiv{bench.add("AIV1", {0, 0.5})};
+  ServerFixture fixture;
+  FixtureVehicle& aiv{fixture.add("AIV1", {0, 0.5})};
   std::uint32_t images{0};
 };
 
-TEST_F(GvsBench, without_a_camera_there_is_nothing_of_it) {
+TEST_F(GvsFixture, without_a_camera_there_is_nothing_of_it) {
   EXPECT_TRUE(gvs().is_null());
   EXPECT_THAT(findings(), IsEmpty());
-  EXPECT_EQ(*bench.bijection().find("actual_m")->number("count"), 0.0);
+  EXPECT_EQ(*fixture.bijection().find("actual_m")->number("count"), 0.0);
 }
 
-TEST_F(GvsBench, measures_how_far_a_twin_is_from_where_its_vehicle_is_seen) {
+TEST_F(GvsFixture, measures_how_far_a_twin_is_from_where_its_vehicle_is_seen) {
   connect(wire::ConnectionState::online);
-  bench.run_for(500ms);
+  fixture.run_for(500ms);
   const Pose2 twin = aiv.pose();
   look({{"CoSiVA/AIV1", twin * Pose2{0.03, 0.04, 0.2}}});
   ASSERT_THAT(detected(), SizeIs(1));
@@ -67,56 +67,56 @@ TEST_F(GvsBench, measures_how_far_a_twin_is_from_where_its_vehicle_is_seen) {
   EXPECT_NEAR(detected()[0].number("gap_rad").value_or(-1.0), 0.2, 1e-4);
   EXPECT_EQ(detected()[0].flag("twin"), true);
   EXPECT_EQ(gvs().text("state"), "watching");
-  const JsonValue actual = *bench.bijection().find("actual_m");
+  const JsonValue actual = *fixture.bijection().find("actual_m");
   EXPECT_EQ(*actual.number("count"), 1.0);
   EXPECT_NEAR(*actual.number("max"), 0.05, 1e-4);
 }
 
-TEST_F(GvsBench, holds_an_image_against_where_the_twin_was_when_it_was_taken) {
+TEST_F(GvsFixture, holds_an_image_against_where_the_twin_was_when_it_was_taken) {
   connect(wire::ConnectionState::online);
   aiv.blocked = false;
-  bench.run_for(2s);
+  fixture.run_for(2s);
   // Half a second late: at 0.3 m/s and more the twin is 15 cm further by now.
-  const Pose2 then = bench.vehicles[0]->pose();
-  const SimTime at = bench.now;
-  bench.run_for(500ms);
-  ASSERT_GT(distance(then, bench.vehicles[0]->pose()), 0.1);
+  const Pose2 then = fixture.vehicles[0]->pose();
+  const SimTime at = fixture.now;
+  fixture.run_for(500ms);
+  ASSERT_GT(distance(then, fixture.vehicles[0]->pose()), 0.1);
   wire::GvsDetections detections{++images, at, 0.25, {{"CoSiVA/AIV1", 1, at, then, 0.001}}, {}};
   say(wire::to_json(detections));
   ASSERT_THAT(detected(), SizeIs(1));
   EXPECT_LT(detected()[0].number("gap_m").value_or(9.0), 0.02);
 }
 
-TEST_F(GvsBench, compares_nothing_that_is_older_than_its_history_or_yet_to_come) {
+TEST_F(GvsFixture, compares_nothing_that_is_older_than_its_history_or_yet_to_come) {
   connect(wire::ConnectionState::online);
-  bench.run_for(3s);
+  fixture.run_for(3s);
   for (const SimDuration off : {SimDuration{-10s}, SimDuration{10s}}) {
     say(wire::to_json(wire::GvsDetections{
-        ++images, bench.now + off, 0.25, {{"CoSiVA/AIV1", 1, bench.now + off, aiv.pose(), 0.001}}, {}}));
+        ++images, fixture.now + off, 0.25, {{"CoSiVA/AIV1", 1, fixture.now + off, aiv.pose(), 0.001}}, {}}));
     ASSERT_THAT(detected(), SizeIs(1));
     EXPECT_TRUE(detected()[0].find("gap_m")->is_null());
-    bench.run_for(100ms);
+    fixture.run_for(100ms);
   }
 }
 
-TEST_F(GvsBench, names_an_aiv_that_has_no_twin_after_a_while_and_no_longer_when_it_has_one) {
+TEST_F(GvsFixture, names_an_aiv_that_has_no_twin_after_a_while_and_no_longer_when_it_has_one) {
   const zone::Place place{0, 1.5};
-  const Pose2 there = bench.zone->circuit.pose_at(place);
+  const Pose2 there = fixture.zone->circuit.pose_at(place);
   watch(2s, {{"CoSiVA/AIV1", aiv.pose()}, {"CoSiVA/AIV7", there}});
   EXPECT_THAT(findings(), IsEmpty()) << "it may be on its way";
-  const double matched = *bench.bijection().number("matched_ratio");
+  const double matched = *fixture.bijection().number("matched_ratio");
   watch(2s, {{"CoSiVA/AIV1", aiv.pose()}, {"CoSiVA/AIV7", there}});
   ASSERT_THAT(findings(), SizeIs(1));
   EXPECT_EQ(findings()[0].text("kind"), "no twin");
   EXPECT_EQ(findings()[0].text("id"), "CoSiVA/AIV7");
   EXPECT_THAT(findings()[0].text("text").value(), HasSubstr("(tag 2)"));
-  EXPECT_LT(*bench.bijection().number("matched_ratio"), matched);
-  bench.add("AIV7", place).blocked = true;
+  EXPECT_LT(*fixture.bijection().number("matched_ratio"), matched);
+  fixture.add("AIV7", place).blocked = true;
   watch(1s, {{"CoSiVA/AIV1", aiv.pose()}, {"CoSiVA/AIV7", there}});
   EXPECT_THAT(findings(), IsEmpty());
 }
 
-TEST_F(GvsBench, names_a_twin_where_the_camera_sees_nobody) {
+TEST_F(GvsFixture, names_a_twin_where_the_camera_sees_nobody) {
   watch(2s, {});
   EXPECT_THAT(findings(), IsEmpty());
   watch(2s, {});
@@ -128,83 +128,83 @@ TEST_F(GvsBench, names_a_twin_where_the_camera_sees_nobody) {
   EXPECT_THAT(findings(), IsEmpty());
 }
 
-TEST_F(GvsBench, misses_nobody_outside_of_what_it_sees) {
+TEST_F(GvsFixture, misses_nobody_outside_of_what_it_sees) {
   for (int i = 0; i < 30; ++i) {
-    bench.run_for(240ms);
-    say(wire::to_json(wire::GvsDetections{++images, bench.now, 0.25, {}, {{50, 50}, {51, 50}, {51, 51}}}));
+    fixture.run_for(240ms);
+    say(wire::to_json(wire::GvsDetections{++images, fixture.now, 0.25, {}, {{50, 50}, {51, 50}, {51, 51}}}));
   }
   EXPECT_EQ(gvs().text("state"), "watching");
   EXPECT_THAT(findings(), IsEmpty());
 }
 
-TEST_F(GvsBench, a_virtual_aiv_is_seen_by_no_camera_and_missed_by_none) {
-  bench.ask(R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv","section":")" + bench.zone->circuit.part(0).name +
+TEST_F(GvsFixture, a_virtual_aiv_is_seen_by_no_camera_and_missed_by_none) {
+  fixture.ask(R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv","section":")" + fixture.zone->circuit.part(0).name +
             R"(","s":1.4}})");
   watch(6s, {{"CoSiVA/AIV1", aiv.pose()}});
-  ASSERT_EQ(*bench.bijection().number("augmented"), 1.0);
+  ASSERT_EQ(*fixture.bijection().number("augmented"), 1.0);
   EXPECT_THAT(findings(), IsEmpty());
 }
 
-TEST_F(GvsBench, says_that_no_image_comes_and_why) {
+TEST_F(GvsFixture, says_that_no_image_comes_and_why) {
   connect(wire::ConnectionState::online);
   watch(1s, {{"CoSiVA/AIV1", aiv.pose()}});
   EXPECT_THAT(findings(), IsEmpty());
-  bench.run_for(2100ms);
+  fixture.run_for(2100ms);
   EXPECT_EQ(gvs().text("state"), "silent");
   connect(wire::ConnectionState::online, "/dev/video0: no camera answers there");
-  bench.run_for(100ms);
+  fixture.run_for(100ms);
   ASSERT_THAT(findings(), SizeIs(1)) << "neither of vehicles nor of twins is anything known now";
   EXPECT_EQ(findings()[0].text("kind"), "no detection");
   EXPECT_EQ(findings()[0].text("id"), "GVS");
   EXPECT_THAT(findings()[0].text("text").value(), HasSubstr("/dev/video0"));
-  const double matched = *bench.bijection().number("matched_ratio");
-  bench.run_for(5s);
-  EXPECT_GE(*bench.bijection().number("matched_ratio"), matched) << "a blind camera proves nothing";
+  const double matched = *fixture.bijection().number("matched_ratio");
+  fixture.run_for(5s);
+  EXPECT_GE(*fixture.bijection().number("matched_ratio"), matched) << "a blind camera proves nothing";
   connect(wire::ConnectionState::online);
   watch(500ms, {{"CoSiVA/AIV1", aiv.pose()}});
   EXPECT_THAT(findings(), IsEmpty());
 }
 
-TEST_F(GvsBench, says_that_its_program_is_gone_and_is_content_when_it_ended_on_purpose) {
+TEST_F(GvsFixture, says_that_its_program_is_gone_and_is_content_when_it_ended_on_purpose) {
   connect(wire::ConnectionState::online);
   watch(1s, {{"CoSiVA/AIV1", aiv.pose()}});
   connect(wire::ConnectionState::connection_broken);
-  bench.run_for(100ms);
+  fixture.run_for(100ms);
   EXPECT_EQ(gvs().text("state"), "broken");
   ASSERT_THAT(findings(), SizeIs(1));
   EXPECT_THAT(findings()[0].text("text").value(), HasSubstr("program is gone"));
   connect(wire::ConnectionState::offline);
-  bench.run_for(10s);
+  fixture.run_for(10s);
   EXPECT_EQ(gvs().text("state"), "ended");
   EXPECT_THAT(findings(), IsEmpty());
 }
 
-TEST_F(GvsBench, breaks_the_contract_of_a_twin_that_is_elsewhere_than_its_vehicle) {
+TEST_F(GvsFixture, breaks_the_contract_of_a_twin_that_is_elsewhere_than_its_vehicle) {
   watch(5s, {{"CoSiVA/AIV1", aiv.pose()}});
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").find("contract")->flag("actual"), true);
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").find("contract")->flag("actual"), true);
   watch(5s, {{"CoSiVA/AIV1", aiv.pose() * Pose2{0.0, 0.2, 0.0}}});
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").find("contract")->flag("actual"), false);
-  EXPECT_LT(*bench.bijection().number("held_ratio"), 1.0);
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").find("contract")->flag("actual"), false);
+  EXPECT_LT(*fixture.bijection().number("held_ratio"), 1.0);
 }
 
-TEST_F(GvsBench, what_cannot_be_understood_or_is_old_changes_nothing) {
+TEST_F(GvsFixture, what_cannot_be_understood_or_is_old_changes_nothing) {
   look({{"CoSiVA/AIV1", aiv.pose()}});
-  const std::string before = bench.server->snapshot_json();
+  const std::string before = fixture.server->snapshot_json();
   say("{");
   say(R"({"headerId":1})");
-  say(wire::to_json(wire::GvsDetections{9, bench.now, 0.25, {{"CoSiVA/AIV9", 9, bench.now, {}, 0.0}}, {}}), true);
-  say(wire::to_json(wire::GvsDetections{0, bench.now - 1s, 0.25, {{"CoSiVA/AIV8", 8, bench.now, {}, 0.0}}, {}}));
-  EXPECT_EQ(bench.server->snapshot_json(), before);
-  EXPECT_TRUE(bench.logged("cosiva/v1/gvs/detections"));
+  say(wire::to_json(wire::GvsDetections{9, fixture.now, 0.25, {{"CoSiVA/AIV9", 9, fixture.now, {}, 0.0}}, {}}), true);
+  say(wire::to_json(wire::GvsDetections{0, fixture.now - 1s, 0.25, {{"CoSiVA/AIV8", 8, fixture.now, {}, 0.0}}, {}}));
+  EXPECT_EQ(fixture.server->snapshot_json(), before);
+  EXPECT_TRUE(fixture.logged("cosiva/v1/gvs/detections"));
 }
 
-TEST_F(GvsBench, a_flood_of_names_takes_no_more_than_its_share) {
+TEST_F(GvsFixture, a_flood_of_names_takes_no_more_than_its_share) {
   for (int i = 0; i < 3; ++i) {
-    wire::GvsDetections detections{++images, bench.now, 0.25, {}, {}};
+    wire::GvsDetections detections{++images, fixture.now, 0.25, {}, {}};
     for (std::uint32_t n = 0; n < 200; ++n)
-      detections.detections.push_back({"made/up" + std::to_string(200U * static_cast<unsigned>(i) + n), n, bench.now, {}, 0.0});
+      detections.detections.push_back({"made/up" + std::to_string(200U * static_cast<unsigned>(i) + n), n, fixture.now, {}, 0.0});
     say(wire::to_json(detections));
-    bench.run_for(20ms);
+    fixture.run_for(20ms);
   }
   EXPECT_THAT(detected(), SizeIs(GroundTruthComparator::detected_max));
 }

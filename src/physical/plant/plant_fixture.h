@@ -26,9 +26,9 @@ inline PlantNoise silent() {
 }
 
 /// A plant with all cables in, and the other ends of its links: it hears every board and sends Drives.
-class PlantBench {
+class PlantFixture {
  public:
-  explicit PlantBench(zone::ZoneConfiguration zone, std::uint32_t vehicles = 1, PlantNoise noise = silent(),
+  explicit PlantFixture(zone::ZoneConfiguration zone, std::uint32_t vehicles = 1, PlantNoise noise = silent(),
                       std::uint64_t seed = 1) {
     auto made = PlantCore::make({std::move(zone), vehicles, seed, noise, true, true});
     EXPECT_TRUE(made) << to_string(made.error());

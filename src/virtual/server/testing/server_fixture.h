@@ -10,15 +10,15 @@
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/random.h"
 #include "cosiva/virtual/server/core/server_core.h"
-#include "cosiva/virtual/server/testing/vehicle_bench.h"
+#include "cosiva/virtual/server/testing/vehicle_fixture.h"
 #include "cosiva/wire/own/own_messages.h"
 
 /// For tests: the bench's vehicles around one ServerCore in virtual time. Nothing here knows how the server is made.
-namespace cosiva::virtual_side::bench {
+namespace cosiva::virtual_side::fixture {
 
-class ServerBench {
+class ServerFixture {
  public:
-  explicit ServerBench(zone::ZoneConfiguration configuration = oval(), ServerOptions options = {})
+  explicit ServerFixture(zone::ZoneConfiguration configuration = oval(), ServerOptions options = {})
       : zone{zone::Rtm::initialise(configuration)->shared_zone()}, options_{std::move(options)} {
     options_.zone = std::move(configuration);
     restart_server();
@@ -26,7 +26,7 @@ class ServerBench {
 
   std::shared_ptr<const zone::TrafficZone> zone;
   std::unique_ptr<ServerCore> server;
-  std::vector<std::unique_ptr<BenchVehicle>> vehicles;
+  std::vector<std::unique_ptr<FixtureVehicle>> vehicles;
   SimTime now{virtual_epoch};
   std::vector<wire::Publish> published;
   std::vector<std::string> logs;
@@ -45,17 +45,17 @@ class ServerBench {
       tell(*vehicle, "connection", vda::encode(vehicle->connection(now, wire::ConnectionState::online)), true);
   }
 
-  BenchVehicle& add(const std::string& serial, zone::Place start, const std::string& manufacturer = "CoSiVA") {
-    vehicles.push_back(std::make_unique<BenchVehicle>(zone, wire::VehicleId{manufacturer, serial}, start));
-    BenchVehicle& vehicle = *vehicles.back();
+  FixtureVehicle& add(const std::string& serial, zone::Place start, const std::string& manufacturer = "CoSiVA") {
+    vehicles.push_back(std::make_unique<FixtureVehicle>(zone, wire::VehicleId{manufacturer, serial}, start));
+    FixtureVehicle& vehicle = *vehicles.back();
     vehicle.takes_zones = manufacturer == wire::our_manufacturer;
     tell(vehicle, "connection", vda::encode(vehicle.connection(now, wire::ConnectionState::online)));
     return vehicle;
   }
-  void tell(const BenchVehicle& vehicle, std::string_view topic, std::string payload, bool retained = false) {
+  void tell(const FixtureVehicle& vehicle, std::string_view topic, std::string payload, bool retained = false) {
     feed(wire::InputKind::message, vehicle.topic(topic), std::move(payload), retained);
   }
-  void connection(BenchVehicle& vehicle, wire::ConnectionState state) {
+  void connection(FixtureVehicle& vehicle, wire::ConnectionState state) {
     tell(vehicle, "connection", vda::encode(vehicle.connection(now, state)));
   }
   void command(const std::string& verb, const std::string& vehicle, const std::string& id = "") {
@@ -63,7 +63,7 @@ class ServerBench {
     if (!id.empty()) json += R"(,"id":")" + id + "\"";
     feed(wire::InputKind::command, "test", json + "}");
   }
-  void kill(BenchVehicle& vehicle) {
+  void kill(FixtureVehicle& vehicle) {
     vehicle.alive = false;
     connection(vehicle, wire::ConnectionState::connection_broken);
   }
@@ -170,4 +170,4 @@ class ServerBench {
   std::uint64_t steps_{0};
 };
 
-}  // namespace cosiva::virtual_side::bench
+}  // namespace cosiva::virtual_side::fixture

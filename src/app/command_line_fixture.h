@@ -10,7 +10,7 @@
 #include "cosiva/base/test_places.h"
 
 /// For tests: the command as somebody types it, and what it says.
-namespace cosiva::app::bench {
+namespace cosiva::app::fixture {
 
 struct Said {
   int status;
@@ -32,4 +32,4 @@ inline Said cosiva(const std::vector<std::string>& arguments) {
 
 inline const std::string zones = source_dir() + "/zones/";
 
-}  // namespace cosiva::app::bench
+}  // namespace cosiva::app::fixture

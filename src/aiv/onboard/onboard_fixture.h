@@ -23,7 +23,7 @@ namespace cosiva::aiv::test {
 
 /// A vehicle's program between four boards and a broker, all of them played here: exact wheels, eyes for point
 /// obstacles, tags on demand. Everything that the program publishes is decoded; a message that does not decode fails.
-class OnboardBench {
+class OnboardFixture {
  public:
   struct Setup {
     bool zone_told{true};
@@ -39,8 +39,8 @@ class OnboardBench {
     bool v2x{true};
   };
 
-  OnboardBench() : OnboardBench(Setup{}) {}
-  explicit OnboardBench(const Setup& setup) : session_{setup.session}, world{*setup.floor, setup.ground_truth} {
+  OnboardFixture() : OnboardFixture(Setup{}) {}
+  explicit OnboardFixture(const Setup& setup) : session_{setup.session}, world{*setup.floor, setup.ground_truth} {
     world.odometer_m = setup.odometer_m;
     OnboardOptions options;
     if (setup.zone_told) options.zone = setup.zone ? *setup.zone : lacet4_configuration();

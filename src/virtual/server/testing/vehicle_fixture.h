@@ -20,7 +20,7 @@
 
 /// For tests: zones, and vehicles that obey VDA 5050 strictly (every order goes through aiv::OrderBook) and drive at
 /// constant speed.
-namespace cosiva::virtual_side::bench {
+namespace cosiva::virtual_side::fixture {
 
 using namespace std::chrono_literals;
 namespace vda = wire::vda5050;
@@ -106,9 +106,9 @@ s_m = 1.5
 }
 inline zone::ZoneConfiguration fork(const std::string& more = "") { return {"toml", "fork", fork_text(more)}; }
 
-class BenchVehicle {
+class FixtureVehicle {
  public:
-  BenchVehicle(std::shared_ptr<const zone::TrafficZone> zone, wire::VehicleId vehicle, zone::Place start)
+  FixtureVehicle(std::shared_ptr<const zone::TrafficZone> zone, wire::VehicleId vehicle, zone::Place start)
       : id{std::move(vehicle)},
         map_id{zone->name},
         zone_{std::move(zone)},
@@ -385,4 +385,4 @@ inline bool touch(const Pose2& a, const Pose2& b, const zone::VehicleShape& shap
   return !(apart_along(a, b, false) || apart_along(a, b, true) || apart_along(b, a, false) || apart_along(b, a, true));
 }
 
-}  // namespace cosiva::virtual_side::bench
+}  // namespace cosiva::virtual_side::fixture

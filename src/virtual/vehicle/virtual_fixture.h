@@ -15,10 +15,10 @@ namespace cosiva::virtual_side::test {
 
 /// A virtual AIV, its host's ticks, and a server that beats. Everything it publishes is decoded; what does not decode,
 /// or is meant for nobody outside, is counted.
-class VirtualBench {
+class VirtualFixture {
  public:
   /// @param zone  made of the configuration; must outlive this
-  VirtualBench(const zone::ZoneConfiguration& configuration, const zone::TrafficZone& zone, zone::Place start)
+  VirtualFixture(const zone::ZoneConfiguration& configuration, const zone::TrafficZone& zone, zone::Place start)
       : aiv{"V1", 1001, configuration, start}, first_zone_{zone} {
     aiv.link(now, true, effects_);
     take();

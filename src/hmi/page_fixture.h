@@ -8,15 +8,15 @@
 #include "cosiva/adapters/http_rules.h"
 #include "cosiva/app/resources/file_zone_library.h"
 #include "cosiva/hmi/page_calls.h"
-#include "cosiva/virtual/server/testing/server_bench.h"
+#include "cosiva/virtual/server/testing/server_fixture.h"
 
 /// For tests: the page's calls over a real server core with two vehicles on lacet4, in virtual time.
-namespace cosiva::app::bench {
+namespace cosiva::app::fixture {
 
-namespace server_bench = virtual_side::bench;
+namespace server_fixture = virtual_side::fixture;
 
-struct PageBench {
-  PageBench() {
+struct PageFixture {
+  PageFixture() {
     const auto place = [&](const char* section, double s_m) {
       return zone::Place{*server.zone->circuit.find(section), s_m};
     };
@@ -66,11 +66,11 @@ struct PageBench {
     return error == nullptr ? "" : error->text("message").value_or("");
   }
 
-  server_bench::ServerBench server{server_bench::zone_file("lacet4.toml")};
+  server_fixture::ServerFixture server{server_fixture::zone_file("lacet4.toml")};
   PageHost::Clock clock{true, true, 1.0};
   std::string zone_file;
   std::vector<std::string> commands;  ///< as the core got them
   std::optional<PageCalls> calls;     ///< from the first question on
 };
 
-}  // namespace cosiva::app::bench
+}  // namespace cosiva::app::fixture
