@@ -45,7 +45,7 @@ void ThirdPartyPause::evaluate(VehicleIndex vehicle, const Pose2& X_MB, std::spa
   if (proxy.paused_for_body || proxy.state->paused || proxy.supports("startPause") == std::optional{false}) return;
   proxy.paused_for_body = true;
   pauses_[vehicle].body = blocking->body->id;
-  outbox_.log('i', proxy.name + ": does not feel virtual things; paused for " + blocking->body->id);
+  publisher_.log('i', proxy.name + ": does not feel virtual things; paused for " + blocking->body->id);
   send(vehicle, "startPause");
 }
 

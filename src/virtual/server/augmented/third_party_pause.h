@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "cosiva/base/digest.h"
-#include "cosiva/virtual/server/messages/outbox.h"
+#include "cosiva/virtual/server/messages/message_publisher.h"
 #include "cosiva/virtual/server/registry/proxy.h"
 #include "cosiva/virtual/server/right_of_way/traffic.h"
 #include "cosiva/virtual/simulator/simulator.h"
@@ -24,9 +24,9 @@ class ThirdPartyPause {
   static constexpr double beside_m = 0.02;        ///< of its sides
   static constexpr SimDuration timeout{std::chrono::seconds{5}};
 
-  ThirdPartyPause(Registry& registry, Traffic& traffic, Outbox& outbox, InstantActionSender& action_sender,
+  ThirdPartyPause(Registry& registry, Traffic& traffic, MessagePublisher& publisher, InstantActionSender& action_sender,
                   Simulator& simulator)
-      : registry_{registry}, traffic_{traffic}, outbox_{outbox}, action_sender_{action_sender}, simulator_{simulator} {}
+      : registry_{registry}, traffic_{traffic}, publisher_{publisher}, action_sender_{action_sender}, simulator_{simulator} {}
 
   void resize(std::size_t vehicles) { pauses_.resize(vehicles); }
   void set_map(const WayMap* map) { map_ = map; }
@@ -51,7 +51,7 @@ class ThirdPartyPause {
 
   Registry& registry_;
   Traffic& traffic_;
-  Outbox& outbox_;
+  MessagePublisher& publisher_;
   InstantActionSender& action_sender_;
   Simulator& simulator_;
   const WayMap* map_{};

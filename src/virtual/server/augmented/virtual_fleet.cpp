@@ -10,9 +10,9 @@ namespace cosiva::virtual_side {
 void VirtualFleet::send(Host& host) {
   for (wire::Effect& effect : effects_) {
     if (auto* message = std::get_if<wire::Publish>(&effect)) {
-      outbox_.publish(std::move(message->topic), std::move(message->payload), message->qos, message->retained);
+      publisher_.publish(std::move(message->topic), std::move(message->payload), message->qos, message->retained);
     } else if (auto* log = std::get_if<wire::Log>(&effect)) {
-      outbox_.log(log->level, registry_[host.vehicle].name + ": " + log->text);
+      publisher_.log(log->level, registry_[host.vehicle].name + ": " + log->text);
     } else if (auto* listen = std::get_if<wire::Listen>(&effect)) {
       host.listens = std::move(listen->filters);
     }

@@ -8,7 +8,7 @@
 
 #include "cosiva/aiv/decision/speed_rules.h"
 #include "cosiva/base/digest.h"
-#include "cosiva/virtual/server/messages/outbox.h"
+#include "cosiva/virtual/server/messages/message_publisher.h"
 #include "cosiva/virtual/server/registry/proxy.h"
 #include "cosiva/virtual/vehicle/virtual_aiv.h"
 
@@ -20,8 +20,8 @@ class VirtualFleet {
  public:
   /// @param rules  by what they choose their speeds; must outlive the fleet
   /// @param v2x    they talk with those near them
-  VirtualFleet(Registry& registry, Outbox& outbox, const aiv::SpeedRules& rules, bool v2x)
-      : registry_{registry}, outbox_{outbox}, rules_{rules}, v2x_{v2x} {}
+  VirtualFleet(Registry& registry, MessagePublisher& publisher, const aiv::SpeedRules& rules, bool v2x)
+      : registry_{registry}, publisher_{publisher}, rules_{rules}, v2x_{v2x} {}
   VirtualFleet(const VirtualFleet&) = delete;  // other parts refer to it
   VirtualFleet& operator=(const VirtualFleet&) = delete;
 
@@ -59,7 +59,7 @@ class VirtualFleet {
   void send(Host& host);
 
   Registry& registry_;
-  Outbox& outbox_;
+  MessagePublisher& publisher_;
   const aiv::SpeedRules& rules_;
   bool v2x_;
   std::deque<Host> hosts_;

@@ -294,7 +294,7 @@ std::vector<VirtualObjectCommands::Standing> VirtualObjectCommands::standing() c
     if (const VirtualFleet::Host* host = fleet_.find(v)) {
       all.push_back({proxy.name, position(host->aiv.X_MB()), VirtualFleet::place_of(*host, *simulator_.circuit())});
     } else if (proxy.here()) {
-      const Twin::Image image = simulator_.image(*proxy.twin, outbox_.now());
+      const Twin::Image image = simulator_.image(*proxy.twin, publisher_.now());
       all.push_back({proxy.name, position(image.X_MB), image.place});
     }
   }

@@ -36,8 +36,8 @@ class VirtualObjectCommands {
   static constexpr double speed_mps_max = 3.0;
 
   VirtualObjectCommands(const Registry& registry, const Simulator& simulator, const VirtualFleet& fleet,
-                        const Outbox& outbox)
-      : registry_{registry}, simulator_{simulator}, fleet_{fleet}, outbox_{outbox} {}
+                        const MessagePublisher& publisher)
+      : registry_{registry}, simulator_{simulator}, fleet_{fleet}, publisher_{publisher} {}
 
   [[nodiscard]] static bool handles(std::string_view command);  ///< "add", "move" or "remove"
   [[nodiscard]] Result<VirtualObjectCommand> read(const JsonValue& command) const;
@@ -75,7 +75,7 @@ class VirtualObjectCommands {
   const Registry& registry_;
   const Simulator& simulator_;
   const VirtualFleet& fleet_;
-  const Outbox& outbox_;  ///< for the time
+  const MessagePublisher& publisher_;  ///< for the time
 };
 
 }  // namespace cosiva::virtual_side

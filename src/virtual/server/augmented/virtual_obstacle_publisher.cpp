@@ -42,7 +42,7 @@ std::optional<Pose2> VirtualObstaclePublisher::pose_of(VehicleIndex vehicle) con
   if (const VirtualFleet::Host* host = fleet_.find(vehicle)) return host->aiv.X_MB();
   const AivProxy& proxy = registry_[vehicle];
   if (!proxy.here()) return std::nullopt;
-  return simulator_.image(*proxy.twin, outbox_.now()).X_MB;
+  return simulator_.image(*proxy.twin, publisher_.now()).X_MB;
 }
 
 bool VirtualObstaclePublisher::can_hear(VehicleIndex vehicle) const {
@@ -53,7 +53,7 @@ bool VirtualObstaclePublisher::can_hear(VehicleIndex vehicle) const {
 
 void VirtualObstaclePublisher::gather() {
   world_.clear();
-  const SimTime now = outbox_.now();
+  const SimTime now = publisher_.now();
   for (const VirtualObject& virtual_object : simulator_.augmented().virtual_objects()) {
     const Walk::Motion at = virtual_object.at(now);
     world_.push_back({{virtual_object.id, std::string(to_string(virtual_object.kind)), at.at.x_m, at.at.y_m, at.heading_rad, 0.0,
@@ -68,7 +68,7 @@ void VirtualObstaclePublisher::gather() {
 
 void VirtualObstaclePublisher::gather_vehicles() {
   const zone::VehicleShape& shape = simulator_.zone()->vehicle;
-  const SimTime now = outbox_.now();
+  const SimTime now = publisher_.now();
   for (const VirtualFleet::Host& host : fleet_.hosts()) {
     const Pose2 X_MB = host.aiv.X_MB();
     world_.push_back({body_of(registry_[host.vehicle].name, X_MB, host.aiv.speed_mps(), shape),
@@ -131,7 +131,7 @@ void VirtualObstaclePublisher::survey_neighbours(VehicleIndex vehicle) {
   const auto X_MB = pose_of(vehicle);
   if (!X_MB) return;
   Viewer& viewer = viewers_[vehicle];
-  const SimTime now = outbox_.now();
+  const SimTime now = publisher_.now();
   pick(vehicle, *X_MB);
   if (marks_ != viewer.told) {
     record_change(viewer);
@@ -159,7 +159,7 @@ void VirtualObstaclePublisher::survey_neighbours(VehicleIndex vehicle) {
 }
 
 void VirtualObstaclePublisher::record_change(Viewer& viewer) {
-  Change change{viewer.next_id, outbox_.now(), false, {}};
+  Change change{viewer.next_id, publisher_.now(), false, {}};
   for (const Present* present : near_) {
     const Mark mark{present->handle, present->changed};
     if (!std::ranges::binary_search(viewer.told, mark)) change.came.push_back(present->body.id);
@@ -171,7 +171,7 @@ void VirtualObstaclePublisher::record_change(Viewer& viewer) {
 }
 
 void VirtualObstaclePublisher::tell(VehicleIndex vehicle, Viewer& viewer) {
-  const SimTime now = outbox_.now();
+  const SimTime now = publisher_.now();
   const AivProxy& proxy = registry_[vehicle];
   viewer.sent[viewer.next_id % sent_kept] = now;
   wire::VirtualObstacles ahead{viewer.next_id++, now, simulator_.zone()->name, {}};
@@ -191,7 +191,7 @@ void VirtualObstaclePublisher::tell(VehicleIndex vehicle, Viewer& viewer) {
   if (fleet_.find(vehicle) != nullptr)
     fleet_.message(now, vehicle, topic, payload);
   else
-    outbox_.publish(std::move(topic), std::move(payload), 0, false);
+    publisher_.publish(std::move(topic), std::move(payload), 0, false);
 }
 
 bool VirtualObstaclePublisher::on_virtual_obstacles_ack(VehicleIndex vehicle, const wire::VirtualObstaclesAck& perceived, SimTime decided) {

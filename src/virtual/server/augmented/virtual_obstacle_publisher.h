@@ -11,7 +11,7 @@
 #include "cosiva/base/digest.h"
 #include "cosiva/virtual/server/augmented/third_party_pause.h"
 #include "cosiva/virtual/server/augmented/virtual_fleet.h"
-#include "cosiva/virtual/server/messages/outbox.h"
+#include "cosiva/virtual/server/messages/message_publisher.h"
 #include "cosiva/virtual/server/registry/proxy.h"
 #include "cosiva/virtual/simulator/simulator.h"
 
@@ -29,9 +29,9 @@ class VirtualObstaclePublisher {
   static constexpr std::uint32_t known_max = 256;  ///< older ones are not known any more
   static constexpr std::size_t sent_kept = 16;     ///< of so many is known when they were sent
 
-  VirtualObstaclePublisher(Registry& registry, Outbox& outbox, Traces& traces, Simulator& simulator,
+  VirtualObstaclePublisher(Registry& registry, MessagePublisher& publisher, Traces& traces, Simulator& simulator,
                            VirtualFleet& fleet, ThirdPartyPause& pauses)
-      : registry_{registry}, outbox_{outbox}, traces_{traces}, simulator_{simulator}, fleet_{fleet}, pauses_{pauses} {}
+      : registry_{registry}, publisher_{publisher}, traces_{traces}, simulator_{simulator}, fleet_{fleet}, pauses_{pauses} {}
 
   void resize(std::size_t vehicles) { viewers_.resize(vehicles); }
   /// After everything that may have changed the virtual world, and every tick. Costs nothing while that is empty.
@@ -93,7 +93,7 @@ class VirtualObstaclePublisher {
   void measure(Viewer& viewer, const wire::VirtualObstaclesAck& perceived, SimTime decided, bool begins_to_brake);
 
   Registry& registry_;
-  Outbox& outbox_;
+  MessagePublisher& publisher_;
   Traces& traces_;
   Simulator& simulator_;
   VirtualFleet& fleet_;

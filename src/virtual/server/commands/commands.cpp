@@ -158,7 +158,7 @@ std::string Commands::next_id(const std::string& wanted) {
 void Commands::issue(const Result<JsonValue>& json) {
   const auto requested = read(json);
   Command command;
-  command.at = outbox_.now();
+  command.at = publisher_.now();
   command.id = next_id(requested ? requested->id : "");
   if (requested) {
     command.verb = requested->verb;
@@ -303,7 +303,7 @@ void Commands::on_state(VehicleIndex vehicle) {
 }
 
 void Commands::tick() {
-  const SimTime now = outbox_.now();
+  const SimTime now = publisher_.now();
   for (Command& command : list_) {
     if (!command.open() || now - command.at < timeout) continue;
     fail_command(command, command.accepted_at ? "accepted, but its effect was not seen within 5 s"
@@ -318,17 +318,17 @@ void Commands::forget(VehicleIndex vehicle, const std::string& reason) {
 
 void Commands::accept(Command& command) {
   command.state = CommandState::accepted;
-  command.accepted_at = outbox_.now();
+  command.accepted_at = publisher_.now();
   if (BijectionMonitor* monitor = monitor_of(command)) monitor->command_accepted();
 }
 
 void Commands::materialise(Command& command) {
   command.state = CommandState::materialised;
-  command.materialised_at = outbox_.now();
+  command.materialised_at = publisher_.now();
   if (command.verb == OperatorCommandKind::limit) registry_[command.vehicle].speed_mps_max = command.speed_mps;
   action_sender_.drop(command.handle);
   if (BijectionMonitor* monitor = monitor_of(command))
-    monitor->command_materialised(to_seconds(outbox_.now() - command.at) * 1e3);
+    monitor->command_materialised(to_seconds(publisher_.now() - command.at) * 1e3);
 }
 
 void Commands::fail_command(Command& command, std::string reason) {
@@ -336,7 +336,7 @@ void Commands::fail_command(Command& command, std::string reason) {
   command.reason = std::move(reason);
   action_sender_.drop(command.handle);
   if (BijectionMonitor* monitor = monitor_of(command)) monitor->command_failed();
-  outbox_.log('w', "command " + command.id + " '" + command.command_text + "' for '" + command.vehicle_name +
+  publisher_.log('w', "command " + command.id + " '" + command.command_text + "' for '" + command.vehicle_name +
                        "' failed: " + command.reason);
 }
 

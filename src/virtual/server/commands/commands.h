@@ -8,7 +8,7 @@
 
 #include "cosiva/base/digest.h"
 #include "cosiva/base/json_value.h"
-#include "cosiva/virtual/server/messages/outbox.h"
+#include "cosiva/virtual/server/messages/message_publisher.h"
 #include "cosiva/virtual/server/orders/order_roller.h"
 #include "cosiva/virtual/server/registry/proxy.h"
 #include "cosiva/virtual/simulator/simulator.h"
@@ -45,9 +45,9 @@ class Commands {
   static constexpr SimDuration timeout{std::chrono::seconds{5}};
   static constexpr std::size_t kept_max = 200;
 
-  Commands(Registry& registry, Outbox& outbox, InstantActionSender& action_sender, OrderRoller& roller,
+  Commands(Registry& registry, MessagePublisher& publisher, InstantActionSender& action_sender, OrderRoller& roller,
            Simulator& simulator)
-      : registry_{registry}, outbox_{outbox}, action_sender_{action_sender}, roller_{roller}, simulator_{simulator} {}
+      : registry_{registry}, publisher_{publisher}, action_sender_{action_sender}, roller_{roller}, simulator_{simulator} {}
 
   /// Longer commands to vehicles are refused.
   static constexpr std::size_t bytes_max = 64U << 10U;
@@ -92,7 +92,7 @@ class Commands {
   void keep(Command command);
 
   Registry& registry_;
-  Outbox& outbox_;
+  MessagePublisher& publisher_;
   InstantActionSender& action_sender_;
   OrderRoller& roller_;
   Simulator& simulator_;

@@ -8,7 +8,7 @@
 #include "cosiva/virtual/server/areas/control_areas.h"
 #include "cosiva/virtual/server/context/server_link.h"
 #include "cosiva/virtual/server/context/server_options.h"
-#include "cosiva/virtual/server/messages/outbox.h"
+#include "cosiva/virtual/server/messages/message_publisher.h"
 #include "cosiva/virtual/server/messages/traces.h"
 #include "cosiva/virtual/server/registry/proxy.h"
 #include "cosiva/virtual/simulator/simulator.h"
@@ -28,7 +28,7 @@ struct ServerContext {
   ServerLink link{};
   ControlAreas areas{options.area};
   Traces traces{options.traces_max};
-  Outbox publisher{traces, options.as_values};
+  MessagePublisher publisher{traces, options.as_values};
   Registry registry{topic_prefix.substr(0, topic_prefix.size() - 1)};
   Simulator simulator{options.contract};
   bool state_stale{false};  ///< something that the state file holds has changed since the file was written

@@ -47,7 +47,7 @@ void Deadlocks::tick() {
   for (Deadlock& deadlock : forming_) follow(deadlock);
   for (Deadlock& deadlock : forming_)
     if (deadlock.state != Deadlock::State::forming) list_.push_back(std::move(deadlock));
-  const SimTime now = outbox_.now();
+  const SimTime now = publisher_.now();
   std::erase_if(forming_, [&](const Deadlock& deadlock) {
     return deadlock.state != Deadlock::State::forming || now - deadlock.detected_at > rules_.flicker;
   });
@@ -65,7 +65,7 @@ Deadlock* Deadlocks::find(const std::vector<VehicleIndex>& members) {
 }
 
 void Deadlocks::record(const Knot& knot) {
-  const SimTime now = outbox_.now();
+  const SimTime now = publisher_.now();
   Deadlock* known = find(knot.members);
   if (known == nullptr) {
     ++counters_.rings;
@@ -101,7 +101,7 @@ bool Deadlocks::somebody_beside(const Deadlock& deadlock) const {
 }
 
 void Deadlocks::follow(Deadlock& deadlock) {
-  const SimTime now = outbox_.now();
+  const SimTime now = publisher_.now();
   const bool closed = now - deadlock.detected_at <= rules_.flicker;
   const SimDuration for_long = now - deadlock.closed_since;
   switch (deadlock.state) {
@@ -136,7 +136,7 @@ std::vector<Wait> Deadlocks::waits_for(const Deadlock& deadlock, VehicleIndex ve
 }
 
 void Deadlocks::resolve(Deadlock& deadlock) {
-  deadlock.closed_since = outbox_.now();
+  deadlock.closed_since = publisher_.now();
   std::vector<std::int32_t> priorities;
   for (const VehicleIndex v : deadlock.members) priorities.push_back(registry_[v].priority);
   std::ranges::sort(priorities);
@@ -210,8 +210,8 @@ void Deadlocks::forget() {
 
 void Deadlocks::tell(char level, const std::string& text) {
   ++revision_;
-  outbox_.log(level, text);
-  traces_.add(outbox_.now(), "AIV_Server", "AIV_Server", "deadlock", text);
+  publisher_.log(level, text);
+  traces_.add(publisher_.now(), "AIV_Server", "AIV_Server", "deadlock", text);
 }
 
 std::size_t Deadlocks::unresolved() const {

@@ -10,7 +10,7 @@
 
 #include "cosiva/base/digest.h"
 #include "cosiva/base/json_writer.h"
-#include "cosiva/virtual/server/messages/outbox.h"
+#include "cosiva/virtual/server/messages/message_publisher.h"
 #include "cosiva/virtual/server/messages/traces.h"
 #include "cosiva/virtual/server/orders/order_roller.h"
 #include "cosiva/virtual/server/orders/wait_graph.h"
@@ -59,8 +59,8 @@ struct Deadlock {
 /// member. When nothing is left, it is told loudly, and tried again 5 s later.
 class Deadlocks {
  public:
-  Deadlocks(Registry& registry, Outbox& outbox, Traces& traces, OrderRoller& roller)
-      : registry_{registry}, outbox_{outbox}, traces_{traces}, roller_{roller} {}
+  Deadlocks(Registry& registry, MessagePublisher& publisher, Traces& traces, OrderRoller& roller)
+      : registry_{registry}, publisher_{publisher}, traces_{traces}, roller_{roller} {}
 
   /// After the roller's tick.
   void tick();
@@ -102,7 +102,7 @@ class Deadlocks {
   [[nodiscard]] bool somebody_beside(const Deadlock& deadlock) const;
 
   Registry& registry_;
-  Outbox& outbox_;
+  MessagePublisher& publisher_;
   Traces& traces_;
   OrderRoller& roller_;
   DeadlockRules rules_;

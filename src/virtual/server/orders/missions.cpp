@@ -33,7 +33,7 @@ void Missions::set_map(const WayMap* map) {
   for (VehicleIndex v = 0; v < entries_.size(); ++v) {
     Mission& mission = entries_[v].mission;
     if (known(mission)) continue;
-    outbox_.log('w', registry_[v].name + ": this zone has no '" + mission.name + "'; it goes its usual way");
+    publisher_.log('w', registry_[v].name + ": this zone has no '" + mission.name + "'; it goes its usual way");
     mission = {};
   }
   restore_for_zone();
@@ -154,7 +154,7 @@ std::optional<std::vector<zone::SectionId>> Missions::plan(VehicleIndex vehicle,
   }
   if (!best) {
     no_way(entry, error.value_or(Error{"route.none", "the zone has no '" + entry.mission.name + "' any more", ""}));
-    outbox_.log('w', registry_[vehicle].name + ": no way: " + entry.why);
+    publisher_.log('w', registry_[vehicle].name + ": no way: " + entry.why);
     return std::nullopt;
   }
   entry.complete = entry.mission.kind == Mission::Kind::go;
@@ -221,7 +221,7 @@ bool Missions::stands_at(VehicleIndex vehicle, Point2 p, double off_m) {
   entry.state = State::arrived;
   entry.why.clear();
   entry.complete = true;
-  outbox_.log('i', registry_[vehicle].name + ": arrived at " + entry.mission.name +
+  publisher_.log('i', registry_[vehicle].name + ": arrived at " + entry.mission.name +
                        (entry.mission.beyond.empty() ? "" : ", on its way to " + entry.mission.beyond));
   return true;
 }
@@ -245,7 +245,7 @@ void Missions::follow(const JsonValue& command) {
     Mission mission{go ? Mission::Kind::go : Mission::Kind::circulate, name};
     if (go && goals(name).empty() && abroad_) {
       auto leads = abroad_(name);
-      if (!leads) return outbox_.log('w', "command refused: " + to_string(leads.error()));
+      if (!leads) return publisher_.log('w', "command refused: " + to_string(leads.error()));
       mission = std::move(*leads);
     }
     for (const VehicleIndex v : *vehicles) give(v, mission);

@@ -13,7 +13,7 @@
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/result.h"
-#include "cosiva/virtual/server/messages/outbox.h"
+#include "cosiva/virtual/server/messages/message_publisher.h"
 #include "cosiva/virtual/server/registry/proxy.h"
 #include "cosiva/virtual/server/right_of_way/way_map.h"
 #include "cosiva/zone/routing/route.h"
@@ -42,7 +42,7 @@ class Missions {
  public:
   enum class State : std::uint8_t { driving, arrived, no_way };
 
-  Missions(Registry& registry, Outbox& outbox) : registry_{registry}, outbox_{outbox} {}
+  Missions(Registry& registry, MessagePublisher& publisher) : registry_{registry}, publisher_{publisher} {}
 
   /// Gives the mission to a place of another control area, "control area/name", or fails with a sentence.
   using Abroad = std::function<Result<Mission>(std::string_view to)>;
@@ -136,7 +136,7 @@ class Missions {
   void no_way(Entry& entry, const Error& error);
 
   Registry& registry_;
-  Outbox& outbox_;
+  MessagePublisher& publisher_;
   Abroad abroad_;
   const WayMap* map_{};
   std::optional<zone::Router> router_;

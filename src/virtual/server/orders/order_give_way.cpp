@@ -124,7 +124,7 @@ bool OrderRoller::give_way(VehicleIndex vehicle, Means means, std::span<const Wa
   }
   if (means == Means::other_place) return join_elsewhere(vehicle, false, elsewhere_within_m);
   Plan::GivingWay giving_way;
-  giving_way.until = outbox_.now() + rules_.gives_way_for;
+  giving_way.until = publisher_.now() + rules_.gives_way_for;
   for (const Wait& wait : waits) giving_way.others.emplace_back(wait.who, position(body(wait.who)));
   giving_way.drops_order = means == Means::back_up || has_what_to_give_back(vehicle);
   if (means == Means::back_up) {
@@ -251,7 +251,7 @@ bool OrderRoller::near_anything(VehicleIndex vehicle, const Pose2& X_MB, double 
   const auto& virtual_objects = simulator_.augmented().virtual_objects();
   const auto& detected = simulator_.detected().obstacles();
   return std::ranges::any_of(
-             virtual_objects, [&](const VirtualObject& virtual_object) { return near_disc(virtual_object.at(outbox_.now()).at, virtual_object.radius_m); }) ||
+             virtual_objects, [&](const VirtualObject& virtual_object) { return near_disc(virtual_object.at(publisher_.now()).at, virtual_object.radius_m); }) ||
          std::ranges::any_of(detected, [&](const DetectedObstacle& one) { return near_disc(one.at, one.radius_m); });
 }
 
@@ -265,7 +265,7 @@ bool OrderRoller::go_on_giving_way(VehicleIndex vehicle) {
     return !registry_[other.first].here() || distance(position(body(other.first)), other.second) > rules_.others_gone_m;
   });
   const bool backs_up = giving_way.back_m > 0.0 || giving_way.handle != 0;
-  if (outbox_.now() >= giving_way.until || (others_gone && !backs_up)) {
+  if (publisher_.now() >= giving_way.until || (others_gone && !backs_up)) {
     end_giving_way(vehicle);
     return false;
   }
@@ -301,11 +301,11 @@ void OrderRoller::follow_back_up(VehicleIndex vehicle, Plan::GivingWay& giving_w
   }
   if (!over) return;
   if (status == wire::ActionStatus::failed && pending_action != nullptr)
-    outbox_.log('w', registry_[vehicle].name + ": did not back up: " + pending_action->actions.front().result);
+    publisher_.log('w', registry_[vehicle].name + ": did not back up: " + pending_action->actions.front().result);
   action_sender_.drop(giving_way.handle);
   giving_way.handle = 0;
   giving_way.back_m = 0.0;
-  giving_way.until = std::min(giving_way.until, outbox_.now() + rules_.gives_way_for);
+  giving_way.until = std::min(giving_way.until, publisher_.now() + rules_.gives_way_for);
 }
 
 void OrderRoller::end_giving_way(VehicleIndex vehicle) {

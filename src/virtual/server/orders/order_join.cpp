@@ -24,9 +24,9 @@ bool OrderRoller::joining(VehicleIndex vehicle) {
   const InstantActionSender::PendingAction* pending_action = action_sender_.find(plan.join_handle);
   const wire::ActionStatus status = pending_action == nullptr ? wire::ActionStatus::failed : pending_action->actions.front().status;
   const bool over = status == wire::ActionStatus::finished || status == wire::ActionStatus::failed;
-  if (!over && outbox_.now() - plan.join_sent_at < rules_.join_timeout) return true;
+  if (!over && publisher_.now() - plan.join_sent_at < rules_.join_timeout) return true;
   if (status == wire::ActionStatus::failed && pending_action != nullptr)
-    outbox_.log('w', registry_[vehicle].name + ": did not join the line: " + pending_action->actions.front().result);
+    publisher_.log('w', registry_[vehicle].name + ": did not join the line: " + pending_action->actions.front().result);
   end_join(vehicle);
   return false;
 }
@@ -40,7 +40,7 @@ void OrderRoller::end_join(VehicleIndex vehicle) {
 void OrderRoller::try_other_places(VehicleIndex vehicle) {
   const Plan& plan = plans_[vehicle];
   if (!plan.waits_since) return;
-  const SimDuration waited = outbox_.now() - *plan.waits_since;
+  const SimDuration waited = publisher_.now() - *plan.waits_since;
   if (waited >= rules_.other_place_after) join_elsewhere(vehicle, waited < rules_.make_room_after, place_within_m);
 }
 
@@ -53,7 +53,7 @@ bool OrderRoller::join_elsewhere(VehicleIndex vehicle, bool drives_on, double wi
     if (!is_free_entry(vehicle, place, drives_on)) continue;
     plan.anchor = place;
     plan.standing.place = place;
-    plan.join_sent_at = outbox_.now();
+    plan.join_sent_at = publisher_.now();
     plan.join_handle = action_sender_.send(registry_[vehicle], vehicle,
                                            {{"joinLine",
                                              {},

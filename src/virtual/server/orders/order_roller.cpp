@@ -102,7 +102,7 @@ void OrderRoller::follow(VehicleIndex vehicle, const wire::State& state) {
     traffic_.set_base_passed(vehicle, !state.node_states.front().released);
     return;
   }
-  outbox_.log('w', registry_[vehicle].name + ": follows update " + std::to_string(state.order_update_id) + " up to " +
+  publisher_.log('w', registry_[vehicle].name + ": follows update " + std::to_string(state.order_update_id) + " up to " +
                        std::string(end_id) + ", which we did not send; taking it over");
   adopt(vehicle, state);
 }
@@ -117,7 +117,7 @@ void OrderRoller::adopt(VehicleIndex vehicle, const wire::State& state) {
   if (!is_cosiva || state.order_id.empty()) {
     if (plan.strange_order != state.order_id) {
       plan.strange_order = state.order_id;
-      outbox_.log('i', registry_[vehicle].name + ": follows order '" + state.order_id +
+      publisher_.log('i', registry_[vehicle].name + ": follows order '" + state.order_id +
                            "' over nodes that are not this zone's; left alone until it is done");
     }
     drop(plan, vehicle);
@@ -133,7 +133,7 @@ void OrderRoller::adopt(VehicleIndex vehicle, const wire::State& state) {
   plan.sent.reset();
   traffic_.set_base_end(vehicle, plan.base_end);
   traffic_.set_base_passed(vehicle, !state.node_states.front().released);
-  outbox_.log('i', registry_[vehicle].name + ": took over order '" + plan.order_id + "', update " +
+  publisher_.log('i', registry_[vehicle].name + ": took over order '" + plan.order_id + "', update " +
                        std::to_string(plan.update_id) + ", base up to " + std::string(end_id));
 }
 
@@ -177,13 +177,13 @@ bool OrderRoller::refused(const Plan& plan, const wire::State& state, const wire
 
 void OrderRoller::give_up(VehicleIndex vehicle, const wire::State& state, const std::string& why) {
   Plan& plan = plans_[vehicle];
-  outbox_.log('w', registry_[vehicle].name + ": refused order '" + plan.order_id + "' update " +
+  publisher_.log('w', registry_[vehicle].name + ": refused order '" + plan.order_id + "' update " +
                        std::to_string(plan.update_id) + " (" + why + "); a new one follows");
   if (state.node_states.empty())
     drop(plan, vehicle);
   else
     cancel(vehicle);
-  plan.wait_until = outbox_.now() + rules_.after_refusal;
+  plan.wait_until = publisher_.now() + rules_.after_refusal;
 }
 
 void OrderRoller::drop(Plan& plan, VehicleIndex vehicle) {
@@ -203,7 +203,7 @@ void OrderRoller::drop(Plan& plan, VehicleIndex vehicle) {
 void OrderRoller::cancel(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   plan.stage = Plan::Stage::cancelling;
-  plan.cancelled_at = outbox_.now();
+  plan.cancelled_at = publisher_.now();
   if (plan.cancel_handle != 0) action_sender_.drop(plan.cancel_handle);
   plan.cancel_handle =
       action_sender_.send(registry_[vehicle], vehicle, {{"cancelOrder", {}, {}, wire::BlockingType::hard, {}}},
@@ -214,7 +214,7 @@ void OrderRoller::stop_rolling(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   if (plan.stage != Plan::Stage::running) return;
   plan.stage = Plan::Stage::cancelling;
-  plan.cancelled_at = outbox_.now();
+  plan.cancelled_at = publisher_.now();
 }
 
 void OrderRoller::tick(bool drive, bool send_off, SimDuration lost_after) {
@@ -235,7 +235,7 @@ bool OrderRoller::may_roll(VehicleIndex vehicle) const {
   const AivProxy& proxy = registry_[vehicle];
   const Standing& standing = plans_[vehicle].standing;
   if (!proxy.state || !proxy.state_in_session || !proxy.online() || proxy.no_orders ||
-      proxy.lost(outbox_.now(), lost_after_))
+      proxy.lost(publisher_.now(), lost_after_))
     return false;
   const wire::State& state = *proxy.state;
   const bool this_map = proxy.map_id.empty() || proxy.map_id == map_->zone().name;
@@ -247,12 +247,12 @@ bool OrderRoller::may_roll(VehicleIndex vehicle) const {
 void OrderRoller::step(VehicleIndex vehicle, bool drive, bool send_off) {
   Plan& plan = plans_[vehicle];
   AivProxy& proxy = registry_[vehicle];
-  const SimTime now = outbox_.now();
+  const SimTime now = publisher_.now();
   if (plan.stage == Plan::Stage::running && !plan.acknowledged) {
     if (now - plan.sent_at >= rules_.resend_after && proxy.online() && plan.sent) {
       plan.sent_at = now;
       ++resent_;
-      outbox_.send_again(proxy, plan.sent);
+      publisher_.send_again(proxy, plan.sent);
     }
     return;
   }
@@ -260,7 +260,7 @@ void OrderRoller::step(VehicleIndex vehicle, bool drive, bool send_off) {
     cancel(vehicle);
 
   if (plan.stage == Plan::Stage::running && stands_silently(vehicle)) {
-    outbox_.log('w', proxy.name + ": stands with way before it and says no reason; cancelled, a new order follows");
+    publisher_.log('w', proxy.name + ": stands with way before it and says no reason; cancelled, a new order follows");
     cancel(vehicle);
   }
 
@@ -390,7 +390,7 @@ void OrderRoller::join_convoy(VehicleIndex vehicle) {
   const auto [size, crossings] = traffic_.join(vehicle);
   std::string through;
   for (const CrossingIndex x : crossings) through += (through.empty() ? "" : " and ") + map_->zone().crossings[x].name;
-  outbox_.explain(registry_[vehicle], "convoy",
+  publisher_.explain(registry_[vehicle], "convoy",
                   "convoy of " + std::to_string(size) + " through " + through + ", behind " + registry_[ahead].name);
 }
 
@@ -399,7 +399,7 @@ void OrderRoller::send(VehicleIndex vehicle, const Extension& from) {
   AivProxy& proxy = registry_[vehicle];
   const bool is_new = plan.stage == Plan::Stage::none;
   if (is_new) {
-    plan.order_id = unique_id(proxy.id.serial_number, outbox_.now());
+    plan.order_id = unique_id(proxy.id.serial_number, publisher_.now());
     plan.update_id = 0;
     plan.base_end_sequence = 0;
     plan.ever_acknowledged = false;
@@ -454,10 +454,10 @@ void OrderRoller::send(VehicleIndex vehicle, const Extension& from) {
   const std::string summary = plan.order_id + " update " + std::to_string(plan.update_id) + ": base " +
                               map_->waypoint(from.from).id + " to " + map_->waypoint(plan.base_end).id +
                               ", horizon to " + map_->waypoint(at).id;
-  plan.sent = outbox_.send(proxy, std::move(order), summary);
+  plan.sent = publisher_.send(proxy, std::move(order), summary);
   plan.stage = Plan::Stage::running;
   plan.acknowledged = false;
-  plan.sent_at = outbox_.now();
+  plan.sent_at = publisher_.now();
   traffic_.set_base_end(vehicle, plan.base_end);
   ++(is_new ? orders_sent_ : updates_sent_);
 }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cosiva/base/digest.h"
-#include "cosiva/virtual/server/messages/outbox.h"
+#include "cosiva/virtual/server/messages/message_publisher.h"
 #include "cosiva/virtual/server/orders/missions.h"
 #include "cosiva/virtual/server/orders/wait_graph.h"
 #include "cosiva/virtual/server/registry/proxy.h"
@@ -55,11 +55,11 @@ enum class Means : std::uint8_t {
 /// finds which vehicle waits for which, order_give_way.cpp resolves deadlocks.
 class OrderRoller {
  public:
-  OrderRoller(Registry& registry, Traffic& traffic, Outbox& outbox, InstantActionSender& action_sender,
+  OrderRoller(Registry& registry, Traffic& traffic, MessagePublisher& publisher, InstantActionSender& action_sender,
               Missions& missions, Simulator& simulator)
       : registry_{registry},
         traffic_{traffic},
-        outbox_{outbox},
+        publisher_{publisher},
         action_sender_{action_sender},
         missions_{missions},
         simulator_{simulator} {}
@@ -129,7 +129,7 @@ class OrderRoller {
     WaypointIndex base_end{no_waypoint};
     bool has_horizon{false};  ///< the last order sent announces more than its base
     std::uint32_t base_end_sequence{0};
-    Outbox::SentOrder sent;  ///< the last order of ours
+    MessagePublisher::SentOrder sent;  ///< the last order of ours
     SimTime sent_at{};
     SimTime wait_until{};
     SimTime cancelled_at{};
@@ -254,7 +254,7 @@ class OrderRoller {
 
   Registry& registry_;
   Traffic& traffic_;
-  Outbox& outbox_;
+  MessagePublisher& publisher_;
   InstantActionSender& action_sender_;
   Missions& missions_;
   Simulator& simulator_;

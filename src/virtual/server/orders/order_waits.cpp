@@ -53,7 +53,7 @@ std::string OrderRoller::waits_for(VehicleIndex vehicle) const {
 }
 
 Pose2 OrderRoller::body(VehicleIndex vehicle) const {
-  return simulator_.image(*registry_[vehicle].twin, outbox_.now()).X_MB;
+  return simulator_.image(*registry_[vehicle].twin, publisher_.now()).X_MB;
 }
 
 bool OrderRoller::stands(VehicleIndex vehicle) const {
@@ -76,8 +76,8 @@ bool OrderRoller::stands_silently(VehicleIndex vehicle) {
     plan.silent_since.reset();
     return false;
   }
-  if (!plan.silent_since) plan.silent_since = outbox_.now();
-  if (outbox_.now() - *plan.silent_since < rules_.silent_for) return false;
+  if (!plan.silent_since) plan.silent_since = publisher_.now();
+  if (publisher_.now() - *plan.silent_since < rules_.silent_for) return false;
   plan.silent_since.reset();
   return true;
 }

@@ -38,9 +38,9 @@ std::optional<OrderRoller::Extension> OrderRoller::end_of_base(VehicleIndex vehi
   const bool on_course = traffic_.on_course(vehicle) || regain_course(vehicle);
   const auto left_m = on_course ? traffic_.base_left_m(vehicle, place) : std::nullopt;
   if (!left_m) {
-    outbox_.log('w', registry_[vehicle].name + ": is not where its order leads; cancelled, a new one follows");
+    publisher_.log('w', registry_[vehicle].name + ": is not where its order leads; cancelled, a new one follows");
     cancel(vehicle);
-    plan.wait_until = outbox_.now() + rules_.after_refusal;
+    plan.wait_until = publisher_.now() + rules_.after_refusal;
     return std::nullopt;
   }
   if (plan.way_of != missions_.revision(vehicle) && !plan_course_again(vehicle)) return std::nullopt;
@@ -158,7 +158,7 @@ bool OrderRoller::plan_course_again(VehicleIndex vehicle) {
   const bool has_siblings = ends_at_node && map_->find(map_->waypoint(plan.base_end).id).size() > 1;
   for (std::size_t i = 0; i < released.size(); ++i) {
     if (!missions_.is_closed(released[i]) || (has_siblings && i + 1 == released.size())) continue;
-    outbox_.log('i', registry_[vehicle].name + ": its base leads into '" + map_->circuit().part(released[i]).name +
+    publisher_.log('i', registry_[vehicle].name + ": its base leads into '" + map_->circuit().part(released[i]).name +
                          "', which is closed now; cancelled, a new order follows");
     cancel(vehicle);
     return false;
@@ -277,7 +277,7 @@ VehicleIndex OrderRoller::in_way_to_line(VehicleIndex vehicle, zone::Place ancho
   for (VehicleIndex other = 0; other < registry_.size(); ++other) {
     const AivProxy& proxy = registry_[other];
     if (other == vehicle || !proxy.here()) continue;
-    const Pose2 X_MB = simulator_.image(*proxy.twin, outbox_.now()).X_MB;
+    const Pose2 X_MB = simulator_.image(*proxy.twin, publisher_.now()).X_MB;
     if (sweep.near_body(X_MB)) return other;
     const Plan& theirs = plans_[other];
     // One that is on its way to the line itself, or whose base leads over the place.
@@ -306,7 +306,7 @@ VehicleIndex OrderRoller::beside_way(VehicleIndex vehicle, double from_m, double
   aiv::EntrySweep sweep{shape};
   for (const VehicleIndex other : beside_) {
     if (other == vehicle) continue;
-    const Pose2 X_MB = simulator_.image(*registry_[other].twin, outbox_.now()).X_MB;
+    const Pose2 X_MB = simulator_.image(*registry_[other].twin, publisher_.now()).X_MB;
     const std::optional<zone::Place> anchor = comes_onto_line_at(other);
     if (anchor) sweep.take({X_MB, circuit.pose_at(*anchor)});
     const auto in_way = [&](double ahead_m, double air_m) {
@@ -329,7 +329,7 @@ std::optional<zone::Place> OrderRoller::comes_onto_line_at(VehicleIndex vehicle)
   const Plan& plan = plans_[vehicle];
   if (plan.anchor) return plan.anchor;
   // Who waits to come onto the line is let in, but not for ever: it may be that it cannot.
-  if (!plan.waits_since || outbox_.now() - *plan.waits_since > rules_.let_in_for || !goes_onto_line(vehicle)) return {};
+  if (!plan.waits_since || publisher_.now() - *plan.waits_since > rules_.let_in_for || !goes_onto_line(vehicle)) return {};
   const auto anchor = zone::anchor_of(map_->circuit(), plan.standing.X_MB);
   return anchor ? std::optional{anchor->place} : std::nullopt;
 }

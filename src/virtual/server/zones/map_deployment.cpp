@@ -43,11 +43,11 @@ bool MapDeployment::under_way(Step& step) const {
         return action.detected &&
                (action.status == wire::ActionStatus::finished || action.status == wire::ActionStatus::failed);
       });
-  if (!done && outbox_.now() - step.sent_at < timeout) return true;
+  if (!done && publisher_.now() - step.sent_at < timeout) return true;
   const bool finished =
       pending_action != nullptr && !pending_action->actions.empty() && pending_action->actions.front().status == wire::ActionStatus::finished;
   // Its next state may still be from before; and what failed is not asked for all the time.
-  step.not_before = outbox_.now() + (finished ? SimDuration{std::chrono::seconds{1}} : again_after);
+  step.not_before = publisher_.now() + (finished ? SimDuration{std::chrono::seconds{1}} : again_after);
   action_sender_.drop(std::exchange(step.handle, 0));
   return false;
 }
@@ -55,14 +55,14 @@ bool MapDeployment::under_way(Step& step) const {
 void MapDeployment::step(VehicleIndex vehicle, const Map& map) {
   AivProxy& proxy = registry_[vehicle];
   Step& step = steps_[vehicle];
-  if (!proxy.state || !proxy.online() || under_way(step) || outbox_.now() < step.not_before) return;
+  if (!proxy.state || !proxy.online() || under_way(step) || publisher_.now() < step.not_before) return;
   // On an order of the old map it would be asked for too much at once.
   if (!proxy.state->node_states.empty() || proxy.state->driving) return;
   auto action = next_action(vehicle, map);
   if (!action) return;
-  outbox_.log('i', proxy.name + ": is on map '" + proxy.map_id + "'; asked for " + action->action_type + " of '" +
+  publisher_.log('i', proxy.name + ": is on map '" + proxy.map_id + "'; asked for " + action->action_type + " of '" +
                        map.id + "'");
-  step.sent_at = outbox_.now();
+  step.sent_at = publisher_.now();
   step.handle = action_sender_.send(proxy, vehicle, {std::move(*action)}, timeout, true);
 }
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "cosiva/virtual/server/messages/outbox.h"
+#include "cosiva/virtual/server/messages/message_publisher.h"
 #include "cosiva/virtual/server/registry/proxy.h"
 
 namespace cosiva::virtual_side {
@@ -15,8 +15,8 @@ class MapDeployment {
   static constexpr SimDuration timeout{std::chrono::seconds{10}};
   static constexpr SimDuration again_after{std::chrono::seconds{10}};
 
-  MapDeployment(Registry& registry, Outbox& outbox, InstantActionSender& action_sender)
-      : registry_{registry}, outbox_{outbox}, action_sender_{action_sender} {}
+  MapDeployment(Registry& registry, MessagePublisher& publisher, InstantActionSender& action_sender)
+      : registry_{registry}, publisher_{publisher}, action_sender_{action_sender} {}
 
   void resize(std::size_t vehicles) { steps_.resize(vehicles); }
   /// The zone is another one; what was asked for before is not followed any more.
@@ -39,7 +39,7 @@ class MapDeployment {
   [[nodiscard]] bool under_way(Step& step) const;
 
   Registry& registry_;
-  Outbox& outbox_;
+  MessagePublisher& publisher_;
   InstantActionSender& action_sender_;
   std::vector<Step> steps_;
 };

@@ -15,12 +15,12 @@
 namespace cosiva::virtual_side {
 
 /// What the server says, in one place: fills in headers, encodes, publishes and traces.
-class Outbox {
+class MessagePublisher {
  public:
   /// @param as_values  orders are passed on as values (wire/in_process/said.h)
-  explicit Outbox(Traces& traces, bool as_values = false) : traces_{traces}, as_values_{as_values} {}
-  Outbox(const Outbox&) = delete;  // other parts refer to it
-  Outbox& operator=(const Outbox&) = delete;
+  explicit MessagePublisher(Traces& traces, bool as_values = false) : traces_{traces}, as_values_{as_values} {}
+  MessagePublisher(const MessagePublisher&) = delete;  // other parts refer to it
+  MessagePublisher& operator=(const MessagePublisher&) = delete;
 
   /// Where everything goes until the next call.
   void open(SimTime now, wire::Effects& effects) {
@@ -65,7 +65,7 @@ class InstantActionSender {
   using ActionHandle = std::uint64_t;
   static constexpr SimDuration resend_after{std::chrono::milliseconds{300}};
 
-  explicit InstantActionSender(Outbox& outbox) : outbox_{outbox} {}
+  explicit InstantActionSender(MessagePublisher& publisher) : publisher_{publisher} {}
   InstantActionSender(const InstantActionSender&) = delete;  // other parts refer to it
   InstantActionSender& operator=(const InstantActionSender&) = delete;
 
@@ -98,7 +98,7 @@ class InstantActionSender {
   void tick(Registry& registry, bool link_up);
 
  private:
-  Outbox& outbox_;
+  MessagePublisher& publisher_;
   std::vector<PendingAction> pending_;
   ActionHandle last_handle_{0};
 };

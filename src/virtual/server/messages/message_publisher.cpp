@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/messages/outbox.h"
+#include "cosiva/virtual/server/messages/message_publisher.h"
 
 #include <algorithm>
 #include <array>
@@ -15,11 +15,11 @@ constexpr std::string_view same_again = "the same again: not acknowledged within
 
 }  // namespace
 
-wire::Header Outbox::header(const AivProxy& proxy, std::uint32_t id) const {
+wire::Header MessagePublisher::header(const AivProxy& proxy, std::uint32_t id) const {
   return {id, now_, proxy.version, proxy.id.manufacturer, proxy.id.serial_number};
 }
 
-Outbox::SentOrder Outbox::send(AivProxy& proxy, wire::Order&& order, std::string_view summary) {
+MessagePublisher::SentOrder MessagePublisher::send(AivProxy& proxy, wire::Order&& order, std::string_view summary) {
   order.header = header(proxy, proxy.order_header_id);
   if (order.header.version.empty()) order.header.version = wire::vda5050::version;
   SentOrder sent = wire::say(std::move(order));
@@ -33,12 +33,12 @@ Outbox::SentOrder Outbox::send(AivProxy& proxy, wire::Order&& order, std::string
   return sent;
 }
 
-void Outbox::send_again(AivProxy& proxy, SentOrder& order) {
+void MessagePublisher::send_again(AivProxy& proxy, SentOrder& order) {
   wire::Order same = std::get<wire::Order>(order->message);
   order = send(proxy, std::move(same), same_again);
 }
 
-void Outbox::send(AivProxy& proxy, wire::InstantActions& actions) {
+void MessagePublisher::send(AivProxy& proxy, wire::InstantActions& actions) {
   std::string summary;
   for (const wire::Action& action : actions.actions) {
     if (!summary.empty()) summary += ", ";
@@ -49,26 +49,26 @@ void Outbox::send(AivProxy& proxy, wire::InstantActions& actions) {
   publish(proxy, actions, summary);
 }
 
-void Outbox::send_again(AivProxy& proxy, wire::InstantActions& actions) { publish(proxy, actions, same_again); }
+void MessagePublisher::send_again(AivProxy& proxy, wire::InstantActions& actions) { publish(proxy, actions, same_again); }
 
-void Outbox::publish(AivProxy& proxy, wire::InstantActions& actions, std::string_view summary) {
+void MessagePublisher::publish(AivProxy& proxy, wire::InstantActions& actions, std::string_view summary) {
   actions.header = header(proxy, proxy.actions_header_id);
   wire::Publish message{proxy.actions_topic, wire::vda5050::encode(actions), 0, false};
   traces_.add(now_, "AIV_Server", proxy.name, "instantActions", summary, message.topic, message.payload);
   say(proxy, proxy.actions_header_id, std::move(message));
 }
 
-void Outbox::say(const AivProxy& proxy, std::uint32_t& header_id, wire::Publish message) {
+void MessagePublisher::say(const AivProxy& proxy, std::uint32_t& header_id, wire::Publish message) {
   if (proxy.handed_over) return;
   ++header_id;
   effects_->emplace_back(std::move(message));
 }
 
-void Outbox::publish(std::string topic, std::string payload, int qos, bool retained) {
+void MessagePublisher::publish(std::string topic, std::string payload, int qos, bool retained) {
   effects_->emplace_back(wire::Publish{std::move(topic), std::move(payload), qos, retained});
 }
 
-void Outbox::log(char level, std::string text) { effects_->emplace_back(wire::Log{level, std::move(text)}); }
+void MessagePublisher::log(char level, std::string text) { effects_->emplace_back(wire::Log{level, std::move(text)}); }
 
 std::string unique_id(std::string_view prefix, SimTime now) {
   const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count();
@@ -86,15 +86,15 @@ InstantActionSender::ActionHandle InstantActionSender::send(AivProxy& proxy, Veh
                                                       std::vector<wire::Action> actions, SimDuration timeout,
                                                       bool keep) {
   const ActionHandle handle = ++last_handle_;
-  PendingAction pending_action{handle, vehicle, {}, {}, outbox_.now(), outbox_.now() + timeout, keep};
+  PendingAction pending_action{handle, vehicle, {}, {}, publisher_.now(), publisher_.now() + timeout, keep};
   wire::InstantActions& message = pending_action.message;
   message.actions = std::move(actions);
-  const std::string stem = unique_id("A", outbox_.now()) + "-" + std::to_string(handle);
+  const std::string stem = unique_id("A", publisher_.now()) + "-" + std::to_string(handle);
   for (std::size_t i = 0; i < message.actions.size(); ++i) {
     message.actions[i].action_id = i == 0 ? stem : stem + "." + std::to_string(i);
     pending_action.actions.push_back({message.actions[i].action_id, false, wire::ActionStatus::waiting, {}});
   }
-  outbox_.send(proxy, message);
+  publisher_.send(proxy, message);
   pending_.push_back(std::move(pending_action));
   return handle;
 }
@@ -127,11 +127,11 @@ void InstantActionSender::on_state(VehicleIndex vehicle, const wire::State& stat
 }
 
 void InstantActionSender::tick(Registry& registry, bool link_up) {
-  const SimTime now = outbox_.now();
+  const SimTime now = publisher_.now();
   for (PendingAction& pending_action : pending_) {
     if (pending_action.acknowledged() || now >= pending_action.until || now - pending_action.sent_at < resend_after || !link_up) continue;
     pending_action.sent_at = now;
-    outbox_.send_again(registry[pending_action.vehicle], pending_action.message);
+    publisher_.send_again(registry[pending_action.vehicle], pending_action.message);
   }
   std::erase_if(pending_, [now](const PendingAction& l) { return !l.kept && now >= l.until; });
 }
