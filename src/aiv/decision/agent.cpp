@@ -29,9 +29,9 @@ constexpr double join_off_m_max = 0.02;
 
 }  // namespace
 
-Agent::Agent(const zone::TrafficZone& zone, std::unique_ptr<SpeedChooser> chooser, Lateness late)
+Agent::Agent(const zone::TrafficZone& zone, std::unique_ptr<SpeedPolicy> speed_policy, Lateness late)
     : zone_{zone},
-      chooser_{chooser ? std::move(chooser) : std::make_unique<CrispSpeedChooser>()},
+      speed_policy_{speed_policy ? std::move(speed_policy) : std::make_unique<CrispSpeedPolicy>()},
       estimator_{zone},
       progress_{zone},
       envelope_{zone, late},
@@ -195,19 +195,19 @@ Agent::Plan Agent::plan(double room_m, double base_end_m) const {
                             .crossing_margin_s = inputs_.others.crossing_margin_s,
                             .crossing_priority = inputs_.others.crossing_priority,
                             .present = decision_.profile};
-  const Profile profile = may_drive ? chooser_->choose(situation) : Profile::stop;
-  zone::SpeedProfile wish = kinematics(zone_.profiles, profile);
-  if (instructions_.speed_mps_max) wish.speed_mps = std::min(wish.speed_mps, *instructions_.speed_mps_max);
-  if (!estimator_.known()) return {wish, {0.0, wish.braking_mps2}, std::nullopt};
-  if (estimator_.beside() && wish.speed_mps > zone_.profiles.slow.speed_mps) wish = zone_.profiles.slow;
+  const Profile profile = may_drive ? speed_policy_->choose(situation) : Profile::stop;
+  zone::SpeedProfile target_speed = kinematics(zone_.profiles, profile);
+  if (instructions_.speed_mps_max) target_speed.speed_mps = std::min(target_speed.speed_mps, *instructions_.speed_mps_max);
+  if (!estimator_.known()) return {target_speed, {0.0, target_speed.braking_mps2}, std::nullopt};
+  if (estimator_.beside() && target_speed.speed_mps > zone_.profiles.slow.speed_mps) target_speed = zone_.profiles.slow;
   // On its way to the line no order leads it, and its speed is the manoeuvre's.
-  Limit limit = joining_ ? envelope_.limit_off_line(obstacle_m, wish)
-                         : envelope_.limit({estimator_.outlook(), motion_.speed_mps(), obstacle_m, order()}, wish);
+  Limit limit = joining_ ? envelope_.limit_off_line(obstacle_m, target_speed)
+                         : envelope_.limit({estimator_.outlook(), motion_.speed_mps(), obstacle_m, order()}, target_speed);
   if (limit.speed_mps > 0.0 && !watch_.may_sweep(estimator_, limit.bend_ahead_m)) {
     limit.speed_mps = 0.0;
     limit.by_obstacle = true;
   }
-  return {wish, limit, may_drive ? std::optional{profile} : std::nullopt};
+  return {target_speed, limit, may_drive ? std::optional{profile} : std::nullopt};
 }
 
 bool Agent::limited_by_virtual(const Plan& plan, double sensed_m, double base_end_m) const {
@@ -227,21 +227,21 @@ wire::Drive Agent::decide() {
   const double sensed_m = estimator_.beside() ? nothing : watch_.ahead_m(estimator_);
   const double base_end_m = joining_ ? nothing : order().distance_to_base_end_m();
   const Plan plan = this->plan(std::min(sensed_m, inputs_.perceived_m), base_end_m);
-  auto [wish, limit, chosen] = plan;
+  auto [target_speed, limit, chosen] = plan;
   if (!estimator_.known()) {
     decision_.profile.reset();
     decision_.blocked = decision_.braking_for_virtual = decision_.wants_base = false;
-    return drive(0.0, wish);
+    return drive(0.0, target_speed);
   }
   decision_.braking_for_virtual = limited_by_virtual(plan, sensed_m, base_end_m);
   COSIVA_EXPECT(chosen || limit.speed_mps == 0.0);
   decision_.profile = chosen;
   decision_.crossing_ahead_m = limit.crossing_ahead_m;
   decision_.blocked = limit.by_obstacle && limit.speed_mps < standing_mps;
-  const double braking_m = motion_.speed_mps() * motion_.speed_mps() / (2.0 * wish.braking_mps2);
+  const double braking_m = motion_.speed_mps() * motion_.speed_mps() / (2.0 * target_speed.braking_mps2);
   decision_.wants_base = order().horizon_left() && base_end_m < braking_m + base_warning_m;
-  wish.braking_mps2 = limit.braking_mps2;
-  return drive(limit.speed_mps, wish);
+  target_speed.braking_mps2 = limit.braking_mps2;
+  return drive(limit.speed_mps, target_speed);
 }
 
 wire::Drive Agent::drive(double speed_mps, const zone::SpeedProfile& kinematics) {

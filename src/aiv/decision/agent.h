@@ -44,7 +44,7 @@ class Agent {
  public:
   /// @param zone     must outlive the agent
   /// @param chooser  the decision that may be fuzzy; the envelope above it is not. Nothing: the crisp rules
-  explicit Agent(const zone::TrafficZone& zone, std::unique_ptr<SpeedChooser> chooser = nullptr, Lateness late = {});
+  explicit Agent(const zone::TrafficZone& zone, std::unique_ptr<SpeedPolicy> speed_policy = nullptr, Lateness late = {});
 
   // What it perceives.
   void on_odometry(const wire::Odometry& odometry);
@@ -58,7 +58,7 @@ class Agent {
   /// What those near say of themselves, until the next call. It is a matter of comfort: where the first body before it
   /// is, its own senses say; whether it may enter a crossing, its order.
   void heed(const Others& others) { inputs_.others = others; }
-  [[nodiscard]] bool heeds_others() const { return chooser_->heeds_others(); }
+  [[nodiscard]] bool heeds_others() const { return speed_policy_->heeds_others(); }
 
   // What it is told.
   /// For those who know better where it is: configuration, memory, boards and tags that changed.
@@ -117,7 +117,7 @@ class Agent {
   void on_relocated();
   /// What it would do with so much room before it.
   struct Plan {
-    zone::SpeedProfile wish;
+    zone::SpeedProfile target_speed;
     Limit limit;
     std::optional<Profile> chosen;  ///< nothing while it must not drive
   };
@@ -129,7 +129,7 @@ class Agent {
   [[nodiscard]] wire::Drive decide_backwards();
 
   const zone::TrafficZone& zone_;
-  std::unique_ptr<SpeedChooser> chooser_;
+  std::unique_ptr<SpeedPolicy> speed_policy_;
   PositionEstimator estimator_;
   OrderProgress progress_;
   Envelope envelope_;

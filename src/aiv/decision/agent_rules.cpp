@@ -136,10 +136,10 @@ fuzzy::Explanation AgentRules::explain(const AgentInputs& inputs) const {
   return base_.explain(question);
 }
 
-FuzzySpeedChooser::FuzzySpeedChooser(std::shared_ptr<const AgentRules> rules, const zone::SpeedProfiles& profiles)
+FuzzySpeedPolicy::FuzzySpeedPolicy(std::shared_ptr<const AgentRules> rules, const zone::SpeedProfiles& profiles)
     : rules_{std::move(rules)}, profiles_{profiles} {}
 
-AgentDecision FuzzySpeedChooser::decide(const Situation& situation) const {
+AgentDecision FuzzySpeedPolicy::decide(const Situation& situation) const {
   AgentDecision decision = rules_->decide(inputs_of(situation, profiles_), situation.present);
   if (situation.end_of_base_m <= 0.0) decision.profile = Profile::stop;
   if (situation.imposed) decision.profile = std::min(decision.profile, *situation.imposed);

@@ -83,9 +83,9 @@ class AgentRules {
 
 /// Chooses by fuzzy rules. What may not be fuzzy is not: at the end of its base it stops, and never is it faster than
 /// what the operator has asked for.
-class FuzzySpeedChooser final : public SpeedChooser {
+class FuzzySpeedPolicy final : public SpeedPolicy {
  public:
-  FuzzySpeedChooser(std::shared_ptr<const AgentRules> rules, const zone::SpeedProfiles& profiles);
+  FuzzySpeedPolicy(std::shared_ptr<const AgentRules> rules, const zone::SpeedProfiles& profiles);
 
   [[nodiscard]] Profile choose(const Situation& situation) const override { return decide(situation).profile; }
   /// The same, with what the rules say of the next crossing.

@@ -31,7 +31,7 @@ Situation free_way() {
 }
 
 AgentDecision decision(const Situation& situation) {
-  return FuzzySpeedChooser{AgentRules::built_in(), profiles}.decide(situation);
+  return FuzzySpeedPolicy{AgentRules::built_in(), profiles}.decide(situation);
 }
 Profile choice(const Situation& situation) { return decision(situation).profile; }
 
@@ -147,8 +147,8 @@ TEST(FuzzyChoice, without_an_instruction_and_a_rival_at_a_crossing_is_never_slow
     situation.imposed.reset();
     situation.crossing_margin_s = nothing;
     // From where it stands, or on from what the crisp one would have it do.
-    if (situation.present) situation.present = CrispSpeedChooser{}.choose(situation);
-    RC_ASSERT(choice(situation) >= CrispSpeedChooser{}.choose(situation));
+    if (situation.present) situation.present = CrispSpeedPolicy{}.choose(situation);
+    RC_ASSERT(choice(situation) >= CrispSpeedPolicy{}.choose(situation));
   }));
 }
 
@@ -208,7 +208,7 @@ struct Drive {
 };
 
 /// 20 s towards a body that starts 3 m ahead and moves at `body_mps`, by the chooser under the envelope's law.
-Drive drive(const SpeedChooser& chooser, double body_mps) {
+Drive drive(const SpeedPolicy& speed_policy, double body_mps) {
   constexpr double dt_s = 0.02;
   Drive drive;
   double speed_mps = 0.0;
@@ -220,13 +220,13 @@ Drive drive(const SpeedChooser& chooser, double body_mps) {
     situation.obstacle_ahead_m = body_m - drive.way_m;
     situation.closing_mps = speed_mps - body_mps;
     situation.present = present;
-    const Profile profile = chooser.choose(situation);
+    const Profile profile = speed_policy.choose(situation);
     drive.changes += present && *present != profile ? 1 : 0;
     present = profile;
-    const zone::SpeedProfile wish = kinematics(profiles, profile);
+    const zone::SpeedProfile target_speed = kinematics(profiles, profile);
     const double wanted_mps =
-        std::min(wish.speed_mps, stoppable_speed(situation.obstacle_ahead_m - stand_off_m, wish.braking_mps2, 0.15));
-    speed_mps = std::clamp(wanted_mps, speed_mps - 0.8 * dt_s, speed_mps + wish.acceleration_mps2 * dt_s);
+        std::min(target_speed.speed_mps, stoppable_speed(situation.obstacle_ahead_m - stand_off_m, target_speed.braking_mps2, 0.15));
+    speed_mps = std::clamp(wanted_mps, speed_mps - 0.8 * dt_s, speed_mps + target_speed.acceleration_mps2 * dt_s);
     drive.way_m += speed_mps * dt_s;
     body_m += body_mps * dt_s;
     drive.nearest_m = std::min(drive.nearest_m, body_m - drive.way_m);
@@ -235,10 +235,10 @@ Drive drive(const SpeedChooser& chooser, double body_mps) {
 }
 
 TEST(FuzzyDrive, comes_as_far_as_the_crisp_one_with_no_more_changes_of_profile) {
-  const FuzzySpeedChooser fuzzy{AgentRules::built_in(), profiles};
+  const FuzzySpeedPolicy fuzzy{AgentRules::built_in(), profiles};
   for (const double body_mps : {0.0, 0.05, 0.1, 0.2, 0.3}) {
     const Drive own = drive(fuzzy, body_mps);
-    const Drive crisp = drive(CrispSpeedChooser{}, body_mps);
+    const Drive crisp = drive(CrispSpeedPolicy{}, body_mps);
     EXPECT_GE(own.way_m, crisp.way_m - 1e-3) << body_mps;
     EXPECT_LE(own.changes, crisp.changes) << body_mps;
     EXPECT_GE(own.nearest_m, 0.5 * stand_off_m) << body_mps;
@@ -272,7 +272,7 @@ TEST(AgentRules, may_leave_out_what_they_do_not_ask_for) {
   // Rules that ask for no instruction do not set one aside.
   Situation situation = free_way();
   situation.imposed = Profile::slow;
-  EXPECT_EQ(FuzzySpeedChooser(*rules, profiles).choose(situation), Profile::slow);
+  EXPECT_EQ(FuzzySpeedPolicy(*rules, profiles).choose(situation), Profile::slow);
 }
 
 TEST(AgentRules, with_a_variable_that_no_agent_knows_are_refused_with_its_line) {
@@ -300,7 +300,7 @@ TEST(SpeedRules, come_back_from_json_as_they_went) {
     const auto back = speed_rules_from_json(*JsonValue::parse(json.text()));
     ASSERT_TRUE(back) << to_string(back.error());
     EXPECT_EQ(*back, rules);
-    EXPECT_TRUE(make_chooser(*back, profiles));
+    EXPECT_TRUE(make_speed_policy(*back, profiles));
   }
   EXPECT_FALSE(speed_rules_from_json(*JsonValue::parse("\"vague\"")));
   EXPECT_THAT(to_string(speed_rules_from_json(*JsonValue::parse(R"({"origin":"x.fll","fll":"hello"})")).error()),

@@ -76,9 +76,9 @@ constexpr double edge_m = 0.282743338823;
 const auto to_565 = [] { return order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@565"}); };
 
 /// Wants medium, and writes down what it is told of its last choice.
-class NotingChooser final : public SpeedChooser {
+class RecordingPolicy final : public SpeedPolicy {
  public:
-  explicit NotingChooser(std::vector<std::optional<Profile>>& present) : present_{present} {}
+  explicit RecordingPolicy(std::vector<std::optional<Profile>>& present) : present_{present} {}
   [[nodiscard]] Profile choose(const Situation& situation) const override {
     present_.push_back(situation.present);
     return Profile::medium;
@@ -88,9 +88,9 @@ class NotingChooser final : public SpeedChooser {
   std::vector<std::optional<Profile>>& present_;
 };
 
-TEST(Agent, tells_its_chooser_what_it_drives_by_and_nothing_after_it_had_to_stand) {
+TEST(Agent, tells_its_policy_what_it_drives_by_and_nothing_after_it_had_to_stand) {
   std::vector<std::optional<Profile>> present;
-  Agent agent{lacet4(), std::make_unique<NotingChooser>(present)};
+  Agent agent{lacet4(), std::make_unique<RecordingPolicy>(present)};
   agent.estimator().place_at(at(lacet4(), "loop_se", 0.0));
   ASSERT_TRUE(agent.take_order(to_565()));
   (void)agent.decide();

@@ -90,13 +90,13 @@ Envelope::Envelope(const zone::TrafficZone& zone, Lateness late)
   }
 }
 
-Limit Envelope::limit(const View& view, const zone::SpeedProfile& wish) const {
-  const double braking = wish.braking_mps2;
+Limit Envelope::limit(const View& view, const zone::SpeedProfile& target_speed) const {
+  const double braking = target_speed.braking_mps2;
   const double speed = std::fabs(view.speed_mps);
   const double reach_m = speed * speed / (2.0 * braking) + speed * late_.command_s + look_ahead_m;
 
   double end_m = view.order.distance_to_base_end_m();
-  Limit limit{wish.speed_mps, braking, false, std::numeric_limits<double>::infinity()};
+  Limit limit{target_speed.speed_mps, braking, false, std::numeric_limits<double>::infinity()};
   const auto chain = crossings_.first(view.outlook, reach_m);
   const bool leads_through = end_m >= chain.exit_m - rounding_m;
   const bool ends_there_on_purpose = !view.order.horizon_left();
@@ -107,13 +107,13 @@ Limit Envelope::limit(const View& view, const zone::SpeedProfile& wish) const {
   const double obstacle_m = view.obstacle_ahead_m - stand_off_m;
 
   limit.speed_mps = std::min(limit.speed_mps, stoppable_speed(end_m, braking, late_.command_s));
-  if (sections_have_limits_) limit.speed_mps = std::min(limit.speed_mps, section_limit_mps(view, wish, reach_m));
+  if (sections_have_limits_) limit.speed_mps = std::min(limit.speed_mps, section_limit_mps(view, target_speed, reach_m));
   if (has_bends_) {
     limit.bend_ahead_m = bend_ahead_m(view.outlook, reach_m);
     limit.speed_mps =
         std::min(limit.speed_mps, speed_before(bend_creep_mps, limit.bend_ahead_m - bend_margin_m, braking));
   }
-  limit.speed_mps = std::min(limit.speed_mps, edge_limit_mps(view, wish));
+  limit.speed_mps = std::min(limit.speed_mps, edge_limit_mps(view, target_speed));
   const double obstacle_speed = stoppable_speed(obstacle_m, braking, late_.obstacle_s);
   if (obstacle_speed < limit.speed_mps) {
     limit.speed_mps = obstacle_speed;
@@ -126,20 +126,20 @@ Limit Envelope::limit(const View& view, const zone::SpeedProfile& wish) const {
   return limit;
 }
 
-Limit Envelope::limit_off_line(double obstacle_ahead_m, const zone::SpeedProfile& wish) const {
-  const double room_mps = stoppable_speed(obstacle_ahead_m - stand_off_m, wish.braking_mps2, late_.obstacle_s);
-  return {std::min(wish.speed_mps, room_mps), wish.braking_mps2, room_mps < wish.speed_mps,
+Limit Envelope::limit_off_line(double obstacle_ahead_m, const zone::SpeedProfile& target_speed) const {
+  const double room_mps = stoppable_speed(obstacle_ahead_m - stand_off_m, target_speed.braking_mps2, late_.obstacle_s);
+  return {std::min(target_speed.speed_mps, room_mps), target_speed.braking_mps2, room_mps < target_speed.speed_mps,
           std::numeric_limits<double>::infinity()};
 }
 
-double Envelope::section_limit_mps(const View& view, const zone::SpeedProfile& wish, double reach_m) const {
+double Envelope::section_limit_mps(const View& view, const zone::SpeedProfile& target_speed, double reach_m) const {
   const zone::Circuit& circuit = zone_.circuit;
   double limit_mps = std::numeric_limits<double>::infinity();
   double start_m = -view.outlook.here.s_m;
   zone::SectionLookAhead ahead = section_look_ahead(circuit, view.outlook);
   while (start_m <= reach_m) {
     if (const auto& section_mps = circuit.part(ahead.section()).speed_mps_max)
-      limit_mps = std::min(limit_mps, speed_before(*section_mps, std::max(0.0, start_m), wish.braking_mps2));
+      limit_mps = std::min(limit_mps, speed_before(*section_mps, std::max(0.0, start_m), target_speed.braking_mps2));
     start_m += circuit.section(ahead.section()).length_m();
     if (!ahead.step()) break;
   }
@@ -158,12 +158,12 @@ double Envelope::bend_ahead_m(const Outlook& outlook, double reach_m) const {
   }
 }
 
-double Envelope::edge_limit_mps(const View& view, const zone::SpeedProfile& wish) const {
+double Envelope::edge_limit_mps(const View& view, const zone::SpeedProfile& target_speed) const {
   double limit_mps = std::numeric_limits<double>::infinity();
   double starts_m = 0.0;  // of the edge, seen from here
   for (const OrderBook::Target& target : view.order.targets()) {
     if (target.max_speed_mps)
-      limit_mps = std::min(limit_mps, speed_before(*target.max_speed_mps, starts_m, wish.braking_mps2));
+      limit_mps = std::min(limit_mps, speed_before(*target.max_speed_mps, starts_m, target_speed.braking_mps2));
     if (!target.node.released) break;
     starts_m = std::max(0.0, target.path_m - view.order.travelled_m());
   }

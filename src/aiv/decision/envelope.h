@@ -67,15 +67,15 @@ class Envelope {
     const OrderBook& order;
   };
   /// @param wish  the profile's kinematics; its speed may be lower than the profile's
-  [[nodiscard]] Limit limit(const View& view, const zone::SpeedProfile& wish) const;
+  [[nodiscard]] Limit limit(const View& view, const zone::SpeedProfile& target_speed) const;
   /// Of one that joins a line: only what it feels before it limits.
-  [[nodiscard]] Limit limit_off_line(double obstacle_ahead_m, const zone::SpeedProfile& wish) const;
+  [[nodiscard]] Limit limit_off_line(double obstacle_ahead_m, const zone::SpeedProfile& target_speed) const;
 
  private:
-  [[nodiscard]] double section_limit_mps(const View& view, const zone::SpeedProfile& wish, double reach_m) const;
+  [[nodiscard]] double section_limit_mps(const View& view, const zone::SpeedProfile& target_speed, double reach_m) const;
   /// To the first joint on the way where the vehicle turns on the spot; infinite beyond reach.
   [[nodiscard]] double bend_ahead_m(const Outlook& outlook, double reach_m) const;
-  [[nodiscard]] double edge_limit_mps(const View& view, const zone::SpeedProfile& wish) const;
+  [[nodiscard]] double edge_limit_mps(const View& view, const zone::SpeedProfile& target_speed) const;
 
   const zone::TrafficZone& zone_;
   Lateness late_;

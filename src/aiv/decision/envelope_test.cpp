@@ -80,7 +80,7 @@ TEST(CrossingLookAhead, end_the_search_on_a_ring_that_is_all_crossing) {
 
 // --- the envelope -------------------------------------------------------------------------------------------------
 
-const zone::SpeedProfile wish{.speed_mps = 0.5, .acceleration_mps2 = 0.5, .braking_mps2 = 0.8};
+const zone::SpeedProfile target_speed{.speed_mps = 0.5, .acceleration_mps2 = 0.5, .braking_mps2 = 0.8};
 
 struct Scene {
   OrderBook book{lacet4()};
@@ -89,14 +89,14 @@ struct Scene {
     if (!book.offer(order, {here, true})) std::abort();
   }
   Limit limit(double obstacle_m = nothing, double speed_mps = 0.3) const {
-    return Envelope{lacet4()}.limit({here, speed_mps, obstacle_m, book}, wish);
+    return Envelope{lacet4()}.limit({here, speed_mps, obstacle_m, book}, target_speed);
   }
 };
 
-TEST(Envelope, leaves_the_wish_alone_on_a_free_way) {
+TEST(Envelope, leaves_the_target_speed_alone_on_a_free_way) {
   const Scene scene{"loop_se", 0.0, order("O").through({"loop_se@0", "loop_se@283", "loop_se@1131"})};
-  EXPECT_EQ(scene.limit().speed_mps, wish.speed_mps);
-  EXPECT_EQ(scene.limit().braking_mps2, wish.braking_mps2);
+  EXPECT_EQ(scene.limit().speed_mps, target_speed.speed_mps);
+  EXPECT_EQ(scene.limit().braking_mps2, target_speed.braking_mps2);
   EXPECT_FALSE(scene.limit().by_obstacle);
 }
 
@@ -116,7 +116,7 @@ TEST(Envelope, allows_for_as_much_lateness_as_its_vehicle_s_cycle_brings) {
   const Scene scene{"loop_se", 0.2, order("O").through({"loop_se@0", "loop_se@283"}).then({"loop_se@565"})};
   const Envelope slow{lacet4(), late};
   const auto limit_mps = [&](double obstacle_m) {
-    return slow.limit({scene.here, 0.3, obstacle_m, scene.book}, wish).speed_mps;
+    return slow.limit({scene.here, 0.3, obstacle_m, scene.book}, target_speed).speed_mps;
   };
   EXPECT_NEAR(limit_mps(nothing), stoppable_speed(0.282743 - 0.2, 0.8, 0.16), 1e-5);
   EXPECT_NEAR(limit_mps(0.16), stoppable_speed(0.16 - 0.12, 0.8, 0.27), 1e-9);
@@ -124,7 +124,7 @@ TEST(Envelope, allows_for_as_much_lateness_as_its_vehicle_s_cycle_brings) {
 
 TEST(Envelope, is_zero_without_an_order) {
   OrderBook empty{lacet4()};
-  EXPECT_EQ((Envelope{lacet4()}.limit({at(lacet4(), "east", 0.1), 0.0, nothing, empty}, wish).speed_mps), 0.0);
+  EXPECT_EQ((Envelope{lacet4()}.limit({at(lacet4(), "east", 0.1), 0.0, nothing, empty}, target_speed).speed_mps), 0.0);
 }
 
 TEST(Envelope, stops_before_a_crossing_that_the_base_does_not_lead_through) {
@@ -138,7 +138,7 @@ TEST(Envelope, stops_before_a_crossing_that_the_base_does_not_lead_through) {
 
 TEST(Envelope, enters_a_crossing_that_the_base_leads_through) {
   const Scene scene{"east", 0.30, order("O").through({"east@190", "east@380", "east@1120"}).then({"east@1310"})};
-  EXPECT_EQ(scene.limit().speed_mps, wish.speed_mps);
+  EXPECT_EQ(scene.limit().speed_mps, target_speed.speed_mps);
   EXPECT_EQ(scene.limit().crossing_ahead_m, nothing);
 }
 
@@ -146,7 +146,7 @@ TEST(Envelope, enters_a_crossing_that_is_the_order_s_very_end) {
   auto into = order("O").through({"east@190", "middle"});
   into.node(1).position = wire::NodePosition{0.0, -0.15, {}, {}, {}, ""};
   const Scene scene{"east", 0.30, into};
-  EXPECT_EQ(scene.limit().speed_mps, wish.speed_mps);
+  EXPECT_EQ(scene.limit().speed_mps, target_speed.speed_mps);
 }
 
 TEST(Envelope, keeps_its_distance_to_an_obstacle) {
@@ -158,14 +158,14 @@ TEST(Envelope, keeps_its_distance_to_an_obstacle) {
 
 TEST(Envelope, brakes_as_hard_as_it_can_when_the_profile_s_brakes_do_not_suffice) {
   const Scene scene{"loop_se", 0.0, order("O").through({"loop_se@0", "loop_se@283", "loop_se@1131"})};
-  EXPECT_EQ(scene.limit(0.5, 0.5).braking_mps2, wish.braking_mps2);
+  EXPECT_EQ(scene.limit(0.5, 0.5).braking_mps2, target_speed.braking_mps2);
   EXPECT_EQ(scene.limit(0.2, 0.5).braking_mps2, lacet4().profiles.fast.braking_mps2);
 }
 
 TEST(Envelope, obeys_an_edge_s_speed_limit_and_brakes_for_the_next_one_s) {
   auto limited = order("O").through({"loop_se@0", "loop_se@283", "loop_se@565", "loop_se@1131"});
   limited.edge(1).max_speed_mps = 0.1;
-  EXPECT_EQ((Scene{"loop_se", 0.0, limited}.limit().speed_mps), wish.speed_mps);
+  EXPECT_EQ((Scene{"loop_se", 0.0, limited}.limit().speed_mps), target_speed.speed_mps);
   // 5 cm before the edge: what may be had by braking down to 0.1 m/s over them, less the reaction's way.
   const double before_mps = (Scene{"loop_se", 0.2327, limited}.limit().speed_mps);
   EXPECT_NEAR(before_mps, std::sqrt(0.01 + 1.6 * (0.05 - 0.008)), 1e-3);
@@ -182,7 +182,7 @@ TEST(Envelope, obeys_a_section_s_speed_limit) {
   zone.circuit = zone::Circuit::make("limited", parts).value();
   OrderBook book{zone};
   ASSERT_TRUE(book.offer(order("O").through({"loop_se@0", "loop_se@1131"}), {at(zone, "loop_se", 0.1), true}));
-  EXPECT_NEAR((Envelope{zone}.limit({at(zone, "loop_se", 0.1), 0.2, nothing, book}, wish).speed_mps), 0.2, 1e-12);
+  EXPECT_NEAR((Envelope{zone}.limit({at(zone, "loop_se", 0.1), 0.2, nothing, book}, target_speed).speed_mps), 0.2, 1e-12);
 }
 
 }  // namespace

@@ -6,13 +6,13 @@
 
 namespace cosiva::aiv {
 
-Result<std::unique_ptr<SpeedChooser>> make_chooser(const SpeedRules& rules, const zone::SpeedProfiles& profiles) {
-  if (rules.kind == SpeedRules::Kind::crisp) return std::make_unique<CrispSpeedChooser>();
+Result<std::unique_ptr<SpeedPolicy>> make_speed_policy(const SpeedRules& rules, const zone::SpeedProfiles& profiles) {
+  if (rules.kind == SpeedRules::Kind::crisp) return std::make_unique<CrispSpeedPolicy>();
   if (rules.kind == SpeedRules::Kind::fuzzy)
-    return std::make_unique<FuzzySpeedChooser>(AgentRules::built_in(), profiles);
+    return std::make_unique<FuzzySpeedPolicy>(AgentRules::built_in(), profiles);
   auto read = AgentRules::read(rules.fll, rules.origin);
   if (!read) return tl::unexpected(read.error());
-  return std::make_unique<FuzzySpeedChooser>(std::move(*read), profiles);
+  return std::make_unique<FuzzySpeedPolicy>(std::move(*read), profiles);
 }
 
 void write_json(JsonWriter& json, const SpeedRules& rules) {

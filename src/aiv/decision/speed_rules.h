@@ -14,7 +14,7 @@ namespace cosiva::aiv {
 /// By what an agent chooses its speed; a value that options carry.
 struct SpeedRules {
   enum class Kind {
-    crisp,   ///< CrispSpeedChooser
+    crisp,   ///< CrispSpeedPolicy
     fuzzy,   ///< the rules that come with the platform
     custom,  ///< those in `fll`
   };
@@ -26,7 +26,7 @@ struct SpeedRules {
 };
 
 /// Fails on custom rules that cannot be used, as AgentRules::read.
-[[nodiscard]] Result<std::unique_ptr<SpeedChooser>> make_chooser(const SpeedRules& rules,
+[[nodiscard]] Result<std::unique_ptr<SpeedPolicy>> make_speed_policy(const SpeedRules& rules,
                                                                  const zone::SpeedProfiles& profiles);
 /// "crisp", "fuzzy", or {"origin","fll"}.
 void write_json(JsonWriter& json, const SpeedRules& rules);

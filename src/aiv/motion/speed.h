@@ -47,14 +47,14 @@ struct Others {
 
 /// Chooses among the profiles, crisp here or fuzzy (agent_rules.h), behind one interface (A10). What it chooses is a
 /// wish: the envelope above it may only lower it. It keeps nothing in mind: the same situation, the same choice.
-class SpeedChooser {
+class SpeedPolicy {
  public:
-  virtual ~SpeedChooser() = default;
+  virtual ~SpeedPolicy() = default;
   [[nodiscard]] virtual Profile choose(const Situation& situation) const = 0;
   /// Whether it makes anything of what others say (closing, margin, priority): who does not is spared the work.
   [[nodiscard]] virtual bool heeds_others() const { return true; }
 };
-class CrispSpeedChooser final : public SpeedChooser {
+class CrispSpeedPolicy final : public SpeedPolicy {
  public:
   [[nodiscard]] Profile choose(const Situation& situation) const override;
   [[nodiscard]] bool heeds_others() const override { return false; }

@@ -57,13 +57,13 @@ TEST(Status, is_one_of_the_five_of_the_article) {
   EXPECT_EQ(to_string(status_of(-0.5, Profile::fast)), "fast speed");
 }
 
-TEST(CrispChoice, is_medium_on_a_free_way) { EXPECT_EQ(CrispSpeedChooser{}.choose(free_way), Profile::medium); }
+TEST(CrispChoice, is_medium_on_a_free_way) { EXPECT_EQ(CrispSpeedPolicy{}.choose(free_way), Profile::medium); }
 
 TEST(CrispChoice, obeys_the_operator) {
   for (const Profile imposed : {Profile::slow, Profile::medium, Profile::fast, Profile::stop}) {
     Situation situation = free_way;
     situation.imposed = imposed;
-    EXPECT_EQ(CrispSpeedChooser{}.choose(situation), imposed);
+    EXPECT_EQ(CrispSpeedPolicy{}.choose(situation), imposed);
   }
 }
 
@@ -71,16 +71,16 @@ TEST(CrispChoice, stops_without_a_base_whatever_the_operator_wants) {
   Situation situation = free_way;
   situation.imposed = Profile::fast;
   situation.end_of_base_m = 0.0;
-  EXPECT_EQ(CrispSpeedChooser{}.choose(situation), Profile::stop);
+  EXPECT_EQ(CrispSpeedPolicy{}.choose(situation), Profile::stop);
 }
 
 TEST(CrispChoice, is_slow_near_an_obstacle_and_with_a_low_battery) {
   Situation situation = free_way;
   situation.obstacle_ahead_m = 0.2;
-  EXPECT_EQ(CrispSpeedChooser{}.choose(situation), Profile::slow);
+  EXPECT_EQ(CrispSpeedPolicy{}.choose(situation), Profile::slow);
   situation = free_way;
   situation.charge = 0.05;
-  EXPECT_EQ(CrispSpeedChooser{}.choose(situation), Profile::slow);
+  EXPECT_EQ(CrispSpeedPolicy{}.choose(situation), Profile::slow);
 }
 
 }  // namespace

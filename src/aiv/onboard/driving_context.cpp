@@ -8,8 +8,8 @@
 namespace cosiva::aiv {
 namespace {
 
-std::unique_ptr<SpeedChooser> speed_policy_of(const OnboardOptions& options, const zone::TrafficZone& zone) {
-  auto policy = make_chooser(options.rules, zone.profiles);
+std::unique_ptr<SpeedPolicy> speed_policy_of(const OnboardOptions& options, const zone::TrafficZone& zone) {
+  auto policy = make_speed_policy(options.rules, zone.profiles);
   COSIVA_EXPECT(policy);  // the rules were read when the options were made
   return std::move(*policy);
 }

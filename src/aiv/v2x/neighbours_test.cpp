@@ -270,7 +270,7 @@ TEST(Neighbours, take_any_intent_that_can_be_decoded) {
 // ---------------------------------------------------------------------------------------
 
 /// Notes what it was asked, and chooses medium.
-struct Requested final : SpeedChooser {
+struct Requested final : SpeedPolicy {
   explicit Requested(Situation& out) : situation{out} {}
   [[nodiscard]] Profile choose(const Situation& requested) const override {
     if (std::isfinite(requested.obstacle_ahead_m)) situation = requested;  // not what it would do without the body

@@ -172,7 +172,7 @@ TEST(Fleet, knows_who_is_ahead_as_if_it_looked_at_everybody) {
 TEST(Fleet, drives_as_its_agents_decide) {
   const Zone zone = zone_file("zones/indus8.toml");
   Fleet many = fleet(zone, 14);
-  const aiv::FuzzySpeedChooser chooser{aiv::AgentRules::built_in(), zone->profiles};
+  const aiv::FuzzySpeedPolicy speed_policy{aiv::AgentRules::built_in(), zone->profiles};
   std::vector<std::optional<aiv::Profile>> present(many.size());
   for (int k = 0; k < 500; ++k) {
     std::vector<aiv::Profile> meant;
@@ -184,22 +184,22 @@ TEST(Fleet, drives_as_its_agents_decide) {
         situation.obstacle_ahead_m = ahead.gap_m;
         situation.closing_mps = many.speed_mps()[i] - many.speed_mps()[ahead.vehicle];
       }
-      meant.push_back(chooser.choose(situation));
+      meant.push_back(speed_policy.choose(situation));
     }
     std::vector<double> before_mps(many.speed_mps().begin(), many.speed_mps().end());
     std::vector<double> may_mps;
     for (Fleet::Vehicle i = 0; i < many.size(); ++i) {
-      const zone::SpeedProfile wish = aiv::kinematics(zone->profiles, meant[i]);
-      may_mps.push_back(std::min(wish.speed_mps, aiv::stoppable_speed(many.ahead(i).gap_m - aiv::stand_off_m,
-                                                                      wish.braking_mps2, aiv::obstacle_reaction_s)));
+      const zone::SpeedProfile target_speed = aiv::kinematics(zone->profiles, meant[i]);
+      may_mps.push_back(std::min(target_speed.speed_mps, aiv::stoppable_speed(many.ahead(i).gap_m - aiv::stand_off_m,
+                                                                      target_speed.braking_mps2, aiv::obstacle_reaction_s)));
     }
     many.step();
     for (Fleet::Vehicle i = 0; i < many.size(); ++i) {
       ASSERT_EQ(many.profile(i), meant[i]) << "step " << k << " vehicle " << i;
-      const zone::SpeedProfile wish = aiv::kinematics(zone->profiles, meant[i]);
+      const zone::SpeedProfile target_speed = aiv::kinematics(zone->profiles, meant[i]);
       const double most_mps = std::max(may_mps[i], before_mps[i] - 0.1 * zone->profiles.fast.braking_mps2);
       ASSERT_LE(many.speed_mps()[i], most_mps + 1e-12);
-      ASSERT_LE(many.speed_mps()[i], before_mps[i] + 0.1 * wish.acceleration_mps2 + 1e-12);
+      ASSERT_LE(many.speed_mps()[i], before_mps[i] + 0.1 * target_speed.acceleration_mps2 + 1e-12);
       present[i] = meant[i];
     }
   }

@@ -117,7 +117,7 @@ struct Choice {
   std::int8_t* __restrict profile;
 };
 
-/// The profile that the rules mean (FuzzySpeedChooser::decide), of vehicles without goals and instructions.
+/// The profile that the rules mean (FuzzySpeedPolicy::decide), of vehicles without goals and instructions.
 COSIVA_VECTOR_CLONES void choose_fuzzy(std::int8_t* __restrict profile, const Column& speed, std::size_t count,
                                        Column& chosen) {
   COSIVA_ROUNDS_APART
@@ -142,7 +142,7 @@ COSIVA_VECTOR_CLONES void choose_told(const Choice& choice, std::size_t first, s
   for (std::size_t k = 0; k < count; ++k) profile[k] = static_cast<std::int8_t>(static_cast<int>(chosen[k]));
 }
 
-/// The same by the crisp rules (CrispSpeedChooser).
+/// The same by the crisp rules (CrispSpeedPolicy).
 COSIVA_VECTOR_CLONES void choose_crisp(const Choice& choice, const Column& gap_m, std::size_t first, std::size_t count,
                                        Column& chosen) {
   const double* __restrict s = choice.s_m + first;
@@ -191,9 +191,9 @@ COSIVA_INLINE void limit(const Limits& limits, const Numbers& n, const DetectedO
     const double braking = of_profile(p, stop.braking_mps2, slow.braking_mps2, medium.braking_mps2, fast.braking_mps2);
     const double speeding =
         of_profile(p, stop.acceleration_mps2, slow.acceleration_mps2, medium.acceleration_mps2, fast.acceleration_mps2);
-    const double wish = of_profile(p, stop.speed_mps, slow.speed_mps, medium.speed_mps, fast.speed_mps);
+    const double target_speed = of_profile(p, stop.speed_mps, slow.speed_mps, medium.speed_mps, fast.speed_mps);
     const double way_m = lower(detected.halt_m[k], detected.gap_m[k] - aiv::stand_off_m);
-    double speed = wish;
+    double speed = target_speed;
     if constexpr (capped) speed = lower(speed, cap[k]);
     if constexpr (limited) {
       // What it may roll in this step is gone before it can brake.

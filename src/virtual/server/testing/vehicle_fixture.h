@@ -201,12 +201,12 @@ class FixtureVehicle {
     }
     const bool brakes = next_zone_ != nullptr && brakes_for_ <= SimDuration::zero();
     const double left_m = book->distance_to_base_end_m();
-    const double wish_m = paused || blocked || brakes || hangs_on == book->order_id()
+    const double target_m = paused || blocked || brakes || hangs_on == book->order_id()
                               ? 0.0
                               : std::min(left_m, cruise_mps * to_seconds(dt));
-    const double moved_m = backs_m > 0.0 ? -back(dt) : off_line ? 0.0 : drive(wish_m);
+    const double moved_m = backs_m > 0.0 ? -back(dt) : off_line ? 0.0 : drive(target_m);
     driven_m += std::max(0.0, moved_m);
-    const double speed = off_line && (wish_m > 0.0 || !joins.empty()) ? seek(dt) : moved_m / to_seconds(dt);
+    const double speed = off_line && (target_m > 0.0 || !joins.empty()) ? seek(dt) : moved_m / to_seconds(dt);
     if ((speed != 0.0) != (speed_mps != 0.0)) state_due = true;
     speed_mps = speed;
     if (moved_m > 0.0 && !book->travelled(moved_m).empty()) state_due = true;
@@ -258,10 +258,10 @@ class FixtureVehicle {
     return {pose(), map_id, position_known, std::nullopt, std::nullopt};
   }
 
-  double drive(double wish_m) {
-    if (wish_m == 0.0) return 0.0;
+  double drive(double target_m) {
+    if (target_m == 0.0) return 0.0;
     const zone::Course course = book->course_from(place());
-    return motion.shift(zone_->circuit, wish_m, course.coming());
+    return motion.shift(zone_->circuit, target_m, course.coming());
   }
 
   /// At 0.1 m/s; gives how far.
