@@ -89,7 +89,7 @@ Result<void> LineProcess::exchange(bool until_line, std::chrono::milliseconds ti
     const int ready = left > 0 ? ::poll(&watched, 1, static_cast<int>(left)) : 0;
     if (ready < 0 && errno == EINTR) continue;
     if (ready <= 0)
-      return fail("process.silent",
+      return fail("process.unresponsive",
                   until_line ? "it gave no answer for " + std::to_string(timeout.count()) + " ms"
                              : "it took nothing for " + std::to_string(timeout.count()) + " ms",
                   command_);

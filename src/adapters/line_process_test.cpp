@@ -38,7 +38,7 @@ TEST(LineProcess, that_hangs_is_not_waited_for) {
   auto process = LineProcess::start("sleep 60");
   ASSERT_TRUE(process);
   const std::string long_line(4U << 20U, 'x');
-  EXPECT_EQ((*process)->tell(long_line, milliseconds{100}).error().code, "process.silent");
+  EXPECT_EQ((*process)->tell(long_line, milliseconds{100}).error().code, "process.unresponsive");
 }
 
 TEST(LineProcess, that_never_ends_its_line_is_stopped) {

@@ -263,13 +263,13 @@ TEST(MqttClient, gives_up_on_a_peer_that_accepts_and_says_nothing) {
   Scratch scratch;
   EventLoop loop;
   const std::uint16_t port = find_free_port().value();
-  ChildOptions silent;
-  silent.argv = {"python3", "-c",
+  ChildOptions unresponsive;
+  unresponsive.argv = {"python3", "-c",
                  "import socket,time; s=socket.create_server(('127.0.0.1'," + std::to_string(port) +
                      ")); print('ready',flush=True); time.sleep(600)"};
   bool ready = false;
-  silent.on_line = [&](const std::string&) { ready = true; };
-  const auto peer = Child::start(loop, std::move(silent)).value();
+  unresponsive.on_line = [&](const std::string&) { ready = true; };
+  const auto peer = Child::start(loop, std::move(unresponsive)).value();
   ASSERT_TRUE(loop.run_until([&] { return ready; }, timeout));
   Listener listener{loop, port, {}};
   EXPECT_TRUE(loop.run_until([&] { return !listener.log.empty(); }, timeout));

@@ -328,7 +328,7 @@ TEST(Compare, keeps_the_others_when_a_program_hangs_ends_or_talks_nonsense) {
   EXPECT_EQ(said.status, 1);
   const JsonValue json = json_of(said);
   EXPECT_TRUE(algorithm(json, 0).number("rmse_m"));
-  EXPECT_EQ(algorithm(json, 1).find("failed")->text("code"), "process.silent");
+  EXPECT_EQ(algorithm(json, 1).find("failed")->text("code"), "process.unresponsive");
   EXPECT_EQ(algorithm(json, 2).find("failed")->text("code"), "process.gone");
   EXPECT_EQ(algorithm(json, 3).find("failed")->text("code"), "algorithm.garbage");
   EXPECT_THAT(said.standard_error, HasSubstr("hangs failed: hangs: it gave no answer for 300 ms (in run 1)"));

@@ -70,7 +70,7 @@ TEST(Plant, stops_by_itself_300_ms_after_the_last_command) {
   PlantFixture fixture{straight(20.0)};
   fixture.drive(1, fast);
   fixture.run_for(3s);
-  fixture.fall_silent(1);
+  fixture.fall_unresponsive(1);
   const double before_m = fixture.ground_truth(1).distance_m;
   fixture.run_for(200ms);
   EXPECT_NEAR(fixture.ground_truth(1).speed_mps, 0.5, 1e-3);  // not yet: the last command is 250 ms old
@@ -140,7 +140,7 @@ TEST(Plant, reads_a_tag_where_its_field_begins_and_as_late_as_its_reader_is) {
 }
 
 TEST(Plant, ranges_the_vehicle_ahead_and_not_the_one_behind) {
-  PlantNoise noise = silent();
+  PlantNoise noise = unresponsive();
   noise.range_sd_m = 0.005;
   PlantFixture fixture{straight(8.0, "2.0 3.0"), 2, noise};
   fixture.run_for(6s);
@@ -279,7 +279,7 @@ TEST(Plant, says_hello_on_every_port_and_keeps_odometer_and_session_over_a_crash
 TEST(Plant, that_starts_later_has_other_sessions) {
   PlantFixture fixture{straight(20.0)};
   fixture.run_for(20ms);
-  auto later = PlantCore::make({straight(20.0), 1, 1, silent(), true, true});
+  auto later = PlantCore::make({straight(20.0), 1, 1, unresponsive(), true, true});
   ASSERT_TRUE(later);
   wire::Effects effects;
   (*later)->handle({virtual_epoch + 1h, wire::InputKind::port, "1/PILS", "up"}, effects);
@@ -352,7 +352,7 @@ TEST(Plant, sums_up_what_happened) {
   PlantFixture fixture{straight(8.0, "0.5 2.0"), 2};
   fixture.drive(1, fast);
   fixture.run_for(4s);
-  fixture.fall_silent(1);
+  fixture.fall_unresponsive(1);
   fixture.run_for(10s);
   const auto json = JsonValue::parse(fixture.core().summary_json());
   ASSERT_TRUE(json);

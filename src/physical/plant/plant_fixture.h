@@ -18,7 +18,7 @@ namespace cosiva::physical {
 using namespace std::chrono_literals;
 using wire::Board;
 
-inline PlantNoise silent() {
+inline PlantNoise unresponsive() {
   PlantNoise noise;
   noise.odometry_scale_sd = noise.odometry_noise_m_per_sqrt_m = noise.slip_per_mps2 = noise.line_offset_sd_m = 0.0;
   noise.tag_miss = noise.range_sd_m = noise.range_dropout = 0.0;
@@ -28,7 +28,7 @@ inline PlantNoise silent() {
 /// A plant with all cables in, and the other ends of its links: it hears every board and sends Drives.
 class PlantFixture {
  public:
-  explicit PlantFixture(zone::ZoneConfiguration zone, std::uint32_t vehicles = 1, PlantNoise noise = silent(),
+  explicit PlantFixture(zone::ZoneConfiguration zone, std::uint32_t vehicles = 1, PlantNoise noise = unresponsive(),
                       std::uint64_t seed = 1) {
     auto made = PlantCore::make({std::move(zone), vehicles, seed, noise, true, true});
     EXPECT_TRUE(made) << to_string(made.error());
@@ -41,7 +41,7 @@ class PlantFixture {
     take(runner_->feed({now_, kind, std::move(source), std::move(payload)}));
   }
   void drive(std::uint32_t vehicle, wire::Drive drive) { drives_[vehicle] = drive; }
-  void fall_silent(std::uint32_t vehicle) { drives_.erase(vehicle); }
+  void fall_unresponsive(std::uint32_t vehicle) { drives_.erase(vehicle); }
   /// Ticks, and repeats each vehicle's Drive every 50 ms, as the on-board program does.
   void run_for(SimDuration duration) {
     for (const SimTime end = now_ + duration; now_ < end;) {

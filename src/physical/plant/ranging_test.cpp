@@ -134,20 +134,20 @@ TEST(Heard, has_the_noise_and_the_dropouts_it_is_told) {
   exact[6] = 0.5;
   Random random{5, "ranges"};
   constexpr int scans = 10'000;
-  int silent = 0;
+  int unresponsive = 0;
   double sum = 0.0;
   double sum_sq = 0.0;
   for (int i = 0; i < scans; ++i) {
     const Scan scan = RangeFan::heard(exact, 0.005, 0.01, random);
     ASSERT_LT(scan[5], 0.0);
     if (scan[6] < 0.0) {
-      ++silent;
+      ++unresponsive;
       continue;
     }
     sum += scan[6] - 0.5;
     sum_sq += (scan[6] - 0.5) * (scan[6] - 0.5);
   }
-  EXPECT_NEAR(silent, 100, 40);  // σ = √(10000 · 0.01 · 0.99) = 10
+  EXPECT_NEAR(unresponsive, 100, 40);  // σ = √(10000 · 0.01 · 0.99) = 10
   EXPECT_NEAR(sum / scans, 0.0, 4.0 * 0.005 / 100.0);
   EXPECT_NEAR(std::sqrt(sum_sq / scans), 0.005, 4.0 * 0.005 / 141.0);
 }

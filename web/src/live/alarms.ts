@@ -29,7 +29,7 @@ export function causes_of(aiv: Aiv): AlarmCause[] {
   const add = (code: string, text: string) => causes.push({ code, text });
   const here = !aiv.lost && aiv.connection === 'ONLINE';
   if (aiv.connection === 'CONNECTIONBROKEN') add('broken', 'Connection broken');
-  else if (aiv.lost && aiv.connection === 'ONLINE') add('silent', `No report for ${format.duration(aiv.age_ms)}`);
+  else if (aiv.lost && aiv.connection === 'ONLINE') add('unresponsive', `No report for ${format.duration(aiv.age_ms)}`);
   if (!aiv.contract.matched) add('matched', 'No twin for it');
   if (here) {
     // The contract covers the last ten seconds; the current values may be within the limits again.

@@ -293,7 +293,7 @@ export type BatteryPoint = readonly [at_ms: number, charge: number, voltage_v: n
 
 /** The report of the camera above the zone. */
 export interface Gvs {
-  state: 'watching' | 'silent' | 'broken' | 'ended';
+  state: 'watching' | 'unresponsive' | 'broken' | 'ended';
   /** the source of its images, as a text */
   source: string;
   /** why no images arrive; empty: they arrive */

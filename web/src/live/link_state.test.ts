@@ -14,7 +14,7 @@ describe('the link', () => {
   it('notices a server that hangs without closing', () => {
     const live: Link = { phase: 'live', since_ms: 0 };
     expect(link_after(live, at('tick', 1_900, 1_000)).phase).toBe('live');
-    expect(link_after(live, at('tick', 2_100, 1_000))).toEqual({ phase: 'silent', since_ms: 1_000 });
+    expect(link_after(live, at('tick', 2_100, 1_000))).toEqual({ phase: 'unresponsive', since_ms: 1_000 });
   });
 
   it('counts the loss from its start, over all attempts', () => {

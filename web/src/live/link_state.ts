@@ -4,7 +4,7 @@
 export type Link =
   | { phase: 'connecting'; since_ms: number }
   | { phase: 'live'; since_ms: number }
-  | { phase: 'silent'; since_ms: number }
+  | { phase: 'unresponsive'; since_ms: number }
   | { phase: 'down'; since_ms: number };
 
 export type LinkEvent = { kind: 'opened' | 'frame' | 'closed' | 'tick'; at_ms: number; last_frame_ms: number };
@@ -19,9 +19,9 @@ export function link_after(link: Link, event: LinkEvent): Link {
     case 'frame':
       return link.phase === 'live' ? link : { phase: 'live', since_ms: event.at_ms };
     case 'closed':
-      return link.phase === 'down' ? link : { phase: 'down', since_ms: link.phase === 'silent' ? link.since_ms : event.at_ms };
+      return link.phase === 'down' ? link : { phase: 'down', since_ms: link.phase === 'unresponsive' ? link.since_ms : event.at_ms };
     case 'tick':
-      if (link.phase === 'live' && event.at_ms - event.last_frame_ms > silence_ms) return { phase: 'silent', since_ms: event.last_frame_ms };
+      if (link.phase === 'live' && event.at_ms - event.last_frame_ms > silence_ms) return { phase: 'unresponsive', since_ms: event.last_frame_ms };
       return link;
   }
 }

@@ -74,7 +74,7 @@ class Dying final : public estimation::Algorithm {
 
  private:
   int steps_{0};
-  Error fault_{"algorithm.silent", "it says nothing any more", "dying"};
+  Error fault_{"algorithm.unresponsive", "it says nothing any more", "dying"};
 };
 
 TEST(Qualification, gives_each_figure_with_its_interval_and_the_limit_beside_it) {
@@ -163,7 +163,7 @@ TEST(Qualification, keeps_the_others_results_when_one_fails) {
                            return fail("algorithm.start", "no");
                          }};
   const Qualification q = fixture.of({dying, candidate("arc_kalman"), unborn, candidate("reset_rule")});
-  EXPECT_EQ(q.algorithms[0].failed->code, "algorithm.silent");
+  EXPECT_EQ(q.algorithms[0].failed->code, "algorithm.unresponsive");
   EXPECT_NE(q.algorithms[0].failed->message.find("in run 1"), std::string::npos);
   EXPECT_EQ(q.algorithms[2].failed->code, "algorithm.start");
   EXPECT_FALSE(q.algorithms[1].failed);
@@ -201,7 +201,7 @@ class DyingSometimes final : public estimation::Algorithm {
 
  private:
   bool dies_;
-  Error fault_{"algorithm.silent", "it says nothing any more", "dying"};
+  Error fault_{"algorithm.unresponsive", "it says nothing any more", "dying"};
 };
 
 struct Apart {

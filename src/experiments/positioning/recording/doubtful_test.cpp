@@ -95,7 +95,7 @@ TEST(GroundTruthHeading, that_does_not_follow_the_way_is_left_out_and_said_so) {
   }
 }
 
-bool silent_once(double t_s) { return t_s < 29.95 || t_s > 34.95; }
+bool unresponsive_once(double t_s) { return t_s < 29.95 || t_s > 34.95; }
 
 const Recording::Step& longest(const Recording& recording) {
   return *std::ranges::max_element(recording.odometry, {}, &Recording::Step::duration_s);
@@ -104,7 +104,7 @@ const Recording::Step& longest(const Recording& recording) {
 TEST(Silence, of_odometry_is_bridged_as_the_vehicle_goes_elsewhere) {
   for (const bool speeds : {false, true}) {
     Drive drive;
-    drive.counts = silent_once;
+    drive.counts = unresponsive_once;
     drive.tells_speeds = speeds;
     const Recording recording = drive.recording();
     const Recording::Step& step = longest(recording);
@@ -120,7 +120,7 @@ TEST(Silence, of_odometry_is_bridged_as_the_vehicle_goes_elsewhere) {
 
 TEST(Silence, after_which_all_is_counted_that_came_by_stands_as_it_was_told) {
   Drive drive;
-  drive.counts = silent_once;
+  drive.counts = unresponsive_once;
   drive.adds_up = true;
   const Recording recording = drive.recording();
   EXPECT_NEAR(longest(recording).distance_m, 5.1, 1e-6);

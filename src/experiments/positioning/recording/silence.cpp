@@ -43,20 +43,20 @@ class Habit {
 /// A vehicle's habits, of where it was not silent.
 class Habits {
  public:
-  Habits(const Steps& steps, double silent_s) : steps_{steps}, silent_s_{silent_s} {
+  Habits(const Steps& steps, double unresponsive_s) : steps_{steps}, unresponsive_s_{unresponsive_s} {
     std::vector<double> speeds;
     speeds.reserve(steps.size());
     for (const Recording::Step& step : steps) {
-      if (step.duration_s <= silent_s) speeds.push_back(std::fabs(step.distance_m) / step.duration_s);
+      if (step.duration_s <= unresponsive_s) speeds.push_back(std::fabs(step.distance_m) / step.duration_s);
     }
     if (!speeds.empty()) fastest_mps_ = statistics::percentile(speeds, 0.99);
   }
 
   /// What came after a silence is unsure of as much as this vehicle elsewhere is after as long.
-  void bridge(std::size_t silent, const Rates& after, Recording::Step& step) const {
+  void bridge(std::size_t unresponsive, const Rates& after, Recording::Step& step) const {
     constexpr std::size_t enough = 10;
     const double lasts_s = step.duration_s;
-    const Rates before = silent > 0 ? rates_before(silent - 1) : after;
+    const Rates before = unresponsive > 0 ? rates_before(unresponsive - 1) : after;
     Habit way;
     Habit turn;
     see(lasts_s, way, turn);
@@ -90,7 +90,7 @@ class Habits {
   [[nodiscard]] Rates rates_before(std::size_t last) const {
     double lasted_s = 0.0;
     Rates sum{};
-    for (std::size_t i = last + 1; i-- > 0 && lasted_s < 1.0 && steps_[i].duration_s <= silent_s_;) {
+    for (std::size_t i = last + 1; i-- > 0 && lasted_s < 1.0 && steps_[i].duration_s <= unresponsive_s_;) {
       lasted_s += steps_[i].duration_s;
       sum.speed_mps += steps_[i].distance_m;
       sum.turn_radps += steps_[i].turn_rad;
@@ -103,12 +103,12 @@ class Habits {
   void see(double lasts_s, Habit& way, Habit& turn) const {
     double next_s = -1e300;
     for (std::size_t from = 0; from < steps_.size(); ++from) {
-      if (steps_[from].t_s < next_s || steps_[from].duration_s > silent_s_) continue;
+      if (steps_[from].t_s < next_s || steps_[from].duration_s > unresponsive_s_) continue;
       double passed_s = 0.0;
       double gone_m = 0.0;
       double turned_rad = 0.0;
       std::size_t to = from + 1;
-      for (; to < steps_.size() && passed_s < lasts_s && steps_[to].duration_s <= silent_s_; ++to) {
+      for (; to < steps_.size() && passed_s < lasts_s && steps_[to].duration_s <= unresponsive_s_; ++to) {
         passed_s += steps_[to].duration_s;
         gone_m += steps_[to].distance_m;
         turned_rad += steps_[to].turn_rad;
@@ -123,7 +123,7 @@ class Habits {
   }
 
   const Steps& steps_;
-  double silent_s_;
+  double unresponsive_s_;
   double fastest_mps_{0.0};
 };
 
@@ -135,17 +135,17 @@ void bridge_silences(Recording& recording, bool speeds) {
   for (const Recording::Step& step : recording.odometry) durations.push_back(step.duration_s);
   if (durations.size() < 10) return;
   const double usual_s = statistics::percentile(durations, 0.5);
-  const double silent_s = std::fmax(1.0, 10.0 * usual_s);
+  const double unresponsive_s = std::fmax(1.0, 10.0 * usual_s);
   std::size_t bridged = 0;
   std::size_t stood = 0;
   double longest_s = 0.0;
   const Steps as_told = recording.odometry;
-  const Habits habits{as_told, silent_s};
+  const Habits habits{as_told, unresponsive_s};
   // Twice as fast as it ever goes: no single step is as large.
   const double step_most_m = 2.0 * habits.fastest_mps() * usual_s;
   for (std::size_t i = 0; i < as_told.size(); ++i) {
     const Recording::Step& told = as_told[i];
-    if (told.duration_s <= silent_s) continue;
+    if (told.duration_s <= unresponsive_s) continue;
     longest_s = std::fmax(longest_s, told.duration_s);
     if (!speeds && std::fabs(told.distance_m) > step_most_m) {
       ++stood;

@@ -197,10 +197,10 @@ class SlowReporter {
   void report_for(SimDuration duration, double period_s, double jitter_s = 0.0) {
     for (const SimTime end = fixture_.now + duration; fixture_.now < end;) {
       fixture_.tell(vehicle_, "state", vda::encode(vehicle_.state(fixture_.now)));
-      be_silent_for(from_seconds(period_s + fixture_.random.uniform(-jitter_s, jitter_s)));
+      be_unresponsive_for(from_seconds(period_s + fixture_.random.uniform(-jitter_s, jitter_s)));
     }
   }
-  void be_silent_for(SimDuration duration) { fixture_.run_for(duration); }
+  void be_unresponsive_for(SimDuration duration) { fixture_.run_for(duration); }
   [[nodiscard]] double lost_ratio() const {
     return static_cast<double>(steps_lost_) / static_cast<double>(steps_lost_ + steps_live_);
   }
@@ -227,9 +227,9 @@ TEST(ServerCore, shows_a_slow_vehicle_as_lost_after_three_of_its_usual_gaps) {
   for (const double period_s : {1.2, 2.0, 3.0}) {
     SlowReporter vehicle;
     vehicle.report_for(180s, period_s);  // and silent for one gap already
-    vehicle.be_silent_for(from_seconds(1.9 * period_s));
+    vehicle.be_unresponsive_for(from_seconds(1.9 * period_s));
     EXPECT_FALSE(vehicle.lost()) << period_s;
-    vehicle.be_silent_for(from_seconds(0.2 * period_s));
+    vehicle.be_unresponsive_for(from_seconds(0.2 * period_s));
     EXPECT_TRUE(vehicle.lost()) << period_s;
   }
 }

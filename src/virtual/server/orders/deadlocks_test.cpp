@@ -202,7 +202,7 @@ TEST_P(Overshot, vehicle_goes_first_when_the_one_that_its_nose_stops_gives_the_c
 
 INSTANTIATE_TEST_SUITE_P(Metres, Overshot, ::testing::Values(0.035, 0.005));
 
-TEST(SilentVehicle, that_stands_with_way_before_it_is_given_a_new_order) {
+TEST(UnresponsiveVehicle, that_stands_with_way_before_it_is_given_a_new_order) {
   ServerFixture fixture;
   FixtureVehicle& is_cosiva = fixture.add("AIV1", {0, 0.5});
   FixtureVehicle& foreign = fixture.add("AGV1", {2, 0.5}, "Acme");

@@ -33,7 +33,7 @@ struct RollerRules {
   SimDuration make_room_after{std::chrono::seconds{4}};  ///< it goes onto the line where it cannot drive on, either
   SimDuration join_timeout{std::chrono::seconds{15}};
   SimDuration cancel_again{std::chrono::seconds{5}};
-  SimDuration silent_for{std::chrono::seconds{12}};     ///< one of ours with way before it and no reason to stand
+  SimDuration unresponsive_for{std::chrono::seconds{12}};     ///< one of ours with way before it and no reason to stand
   SimDuration gives_way_for{std::chrono::seconds{12}};  ///< at most
   double others_gone_m{0.5};                            ///< it goes on when those it gave way to have come so far
   double back_up_m_max{0.5};
@@ -139,7 +139,7 @@ class OrderRoller {
     VehicleIndex waits_for_vehicle{no_vehicle};
     WaitReason waits_why{WaitReason::ahead};
     std::optional<SimTime> waits_since;
-    std::optional<SimTime> silent_since;           ///< it stands with base before it, and says no reason
+    std::optional<SimTime> unresponsive_since;           ///< it stands with base before it, and says no reason
     InstantActionSender::ActionHandle cancel_handle{0};  ///< of the cancelOrder on its way; 0: none
     std::uint64_t way_of{0};                       ///< the missions' revision that its course was planned for; 0: none
     std::optional<zone::SectionId> no_way;         ///< there is none from here

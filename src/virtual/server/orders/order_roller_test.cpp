@@ -227,8 +227,8 @@ TEST(OrderRoller, takes_an_order_over_after_a_restart_and_goes_on_with_it) {
 TEST(OrderRoller, gives_nobody_an_order_after_a_restart_before_all_who_are_online_were_heard) {
   ServerFixture fixture;
   FixtureVehicle& first = fixture.add("AIV1", {0, 0.5});
-  FixtureVehicle& silent = fixture.add("AIV2", {2, 0.5});
-  silent.alive = false;
+  FixtureVehicle& unresponsive = fixture.add("AIV2", {2, 0.5});
+  unresponsive.alive = false;
   fixture.run_for(1500ms);
   EXPECT_THAT(first.orders, IsEmpty());
   fixture.run_for(1s);

@@ -68,17 +68,17 @@ bool OrderRoller::stands_silently(VehicleIndex vehicle) {
   constexpr double way_m_min = 0.10;
   const wire::State& state = *proxy.state;
   // Those of other makes may have reasons of their own.
-  const bool silent = proxy.is_cosiva() && stands(vehicle) && !state.field_violation && !state.paused &&
+  const bool unresponsive = proxy.is_cosiva() && stands(vehicle) && !state.field_violation && !state.paused &&
                       !proxy.paused_for_body && state.errors.empty() && state.e_stop == wire::EStop::none &&
                       plan.standing.place &&
                       traffic_.base_left_m(vehicle, *plan.standing.place).value_or(0.0) > way_m_min;
-  if (!silent) {
-    plan.silent_since.reset();
+  if (!unresponsive) {
+    plan.unresponsive_since.reset();
     return false;
   }
-  if (!plan.silent_since) plan.silent_since = publisher_.now();
-  if (publisher_.now() - *plan.silent_since < rules_.silent_for) return false;
-  plan.silent_since.reset();
+  if (!plan.unresponsive_since) plan.unresponsive_since = publisher_.now();
+  if (publisher_.now() - *plan.unresponsive_since < rules_.unresponsive_for) return false;
+  plan.unresponsive_since.reset();
   return true;
 }
 

@@ -156,8 +156,8 @@ void GroundTruthComparator::record_twins() {
 std::string_view GroundTruthComparator::state() const {
   if (connection_ && connection_->state != wire::ConnectionState::online)
     return connection_->state == wire::ConnectionState::offline ? "ended" : "broken";
-  const SimDuration limit = std::max(silent_after, detections_ ? from_seconds(3.0 * detections_->period_s) : silent_after);
-  return detections_ && now_ - detections_at_ <= limit ? "watching" : "silent";
+  const SimDuration limit = std::max(unresponsive_after, detections_ ? from_seconds(3.0 * detections_->period_s) : unresponsive_after);
+  return detections_ && now_ - detections_at_ <= limit ? "watching" : "unresponsive";
 }
 
 SimTime GroundTruthComparator::since(Finding::Kind kind, const std::string& id) const {
@@ -187,7 +187,7 @@ std::vector<Finding> GroundTruthComparator::find(bool strangers) {
   if (now_it == "ended") return findings;
   if (now_it != "watching") {
     // It may just be coming up.
-    if (now_it == "silent" && connection_ && now_ - std::max(connection_at_, detections_at_) <= timeout &&
+    if (now_it == "unresponsive" && connection_ && now_ - std::max(connection_at_, detections_at_) <= timeout &&
         connection_->trouble.empty())
       return findings;
     std::string text = now_it == "broken" ? "the camera's program is gone" : "no picture comes";

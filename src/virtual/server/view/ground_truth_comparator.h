@@ -25,7 +25,7 @@ class GroundTruthComparator {
   /// Longer than a tracker needs to find again whom it lost.
   static constexpr SimDuration timeout{std::chrono::seconds{3}};
   /// Without a picture for so long, or three periods, it watches no more.
-  static constexpr SimDuration silent_after{std::chrono::seconds{2}};
+  static constexpr SimDuration unresponsive_after{std::chrono::seconds{2}};
   /// Twins are remembered for so long: a picture is looked at after it was taken.
   static constexpr SimDuration history{std::chrono::seconds{2}};
   static constexpr std::size_t detected_max = 256;  ///< a flood of made-up names must not take the memory

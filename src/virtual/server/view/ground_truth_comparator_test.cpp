@@ -150,7 +150,7 @@ TEST_F(GvsFixture, says_that_no_image_comes_and_why) {
   watch(1s, {{"CoSiVA/AIV1", aiv.pose()}});
   EXPECT_THAT(findings(), IsEmpty());
   fixture.run_for(2100ms);
-  EXPECT_EQ(gvs().text("state"), "silent");
+  EXPECT_EQ(gvs().text("state"), "unresponsive");
   connect(wire::ConnectionState::online, "/dev/video0: no camera answers there");
   fixture.run_for(100ms);
   ASSERT_THAT(findings(), SizeIs(1)) << "neither of vehicles nor of twins is anything known now";
