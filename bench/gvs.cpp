@@ -46,7 +46,7 @@ std::vector<SceneBody> fleet_of(int vehicles) {
   return bodies;
 }
 
-double middle(std::vector<double> values) {
+double centre(std::vector<double> values) {
   std::ranges::sort(values);
   return values[values.size() / 2];
 }
@@ -118,8 +118,8 @@ int main(int argc, char** argv) {
     }
   }
   std::printf("%zu x %zu, %d vehicles, %d pictures, one core (processor time):\n", size, size, vehicles, images);
-  std::printf("  all known            median %6.2f ms\n", middle(knowing_ms));
-  std::printf("  and one band sought  median %6.2f ms, worst %6.2f\n", middle(searching_ms),
+  std::printf("  all known            median %6.2f ms\n", centre(knowing_ms));
+  std::printf("  and one band sought  median %6.2f ms, worst %6.2f\n", centre(searching_ms),
               std::ranges::max(searching_ms));
   std::printf("  first picture, sought whole %6.2f ms\n", first_ms);
   std::printf("  %zu of %d fixes, %.3f mm rms, %.3f at most\n", fixes, vehicles * images,

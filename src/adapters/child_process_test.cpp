@@ -174,16 +174,16 @@ TEST(Child, dies_with_a_parent_that_was_killed) {
   Scratch scratch;
   const Lifeline lifeline{scratch / "lifeline"};
   // The middle process starts a child and is then killed without a chance to tidy up.
-  const pid_t middle = ::fork();
-  if (middle == 0) {
+  const pid_t centre = ::fork();
+  if (centre == 0) {
     Fixture fixture;
     const auto child = fixture.shell(lifeline.taken() + "echo up; exec sleep 600");
     if (!fixture.until([&] { return fixture.lines.size() == 1 && lifeline.held(); })) ::_exit(1);
     ::raise(SIGKILL);
   }
-  ASSERT_GT(middle, 0);
+  ASSERT_GT(centre, 0);
   int status = 0;
-  ::waitpid(middle, &status, 0);
+  ::waitpid(centre, &status, 0);
   ASSERT_TRUE(WIFSIGNALED(status)) << "its child never came up";
   EventLoop loop;
   EXPECT_TRUE(loop.run_until([&] { return !lifeline.held(); }, timeout));

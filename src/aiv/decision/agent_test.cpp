@@ -313,14 +313,14 @@ TEST(Agent, stays_within_its_base_when_a_weaker_profile_is_imposed_at_speed) {
 
 TEST(Agent, waits_at_the_stop_line_until_the_base_leads_through_the_crossing) {
   AgentFixture fixture{"east", 0.1};
-  auto into = order("O-1").through({"east@0", "east@190", "middle"}).then({"east@1120"});
+  auto into = order("O-1").through({"east@0", "east@190", "centre"}).then({"east@1120"});
   into.node(2).position = wire::NodePosition{0.0, -0.15, {}, {}, {}, ""};
   fixture.take(into);
   fixture.run(5.0);
   EXPECT_TRUE(fixture.agent.motion().stopped());
   EXPECT_LT(fixture.s_m(), 0.40);
   EXPECT_GT(fixture.s_m(), 0.37);
-  fixture.take(order("O-1", 1).from_sequence(4).through({"middle", "east@1120"}));
+  fixture.take(order("O-1", 1).from_sequence(4).through({"centre", "east@1120"}));
   fixture.run(6.0);
   EXPECT_NEAR(fixture.s_m(), 1.12, 0.01);
 }

@@ -129,7 +129,7 @@ TEST(Envelope, is_zero_without_an_order) {
 
 TEST(Envelope, stops_before_a_crossing_that_the_base_does_not_lead_through) {
   // The base ends in the middle of the two crossings, and more is announced: somebody else may hold them.
-  auto into = order("O").through({"east@190", "middle"}).then({"east@1120"});
+  auto into = order("O").through({"east@190", "centre"}).then({"east@1120"});
   into.node(1).position = wire::NodePosition{0.0, -0.15, {}, {}, {}, ""};
   const Scene scene{"east", 0.30, into};
   EXPECT_NEAR(scene.limit().speed_mps, stoppable_speed(0.10 - 0.01, 0.8, 0.08), 1e-3);
@@ -143,7 +143,7 @@ TEST(Envelope, enters_a_crossing_that_the_base_leads_through) {
 }
 
 TEST(Envelope, enters_a_crossing_that_is_the_order_s_very_end) {
-  auto into = order("O").through({"east@190", "middle"});
+  auto into = order("O").through({"east@190", "centre"});
   into.node(1).position = wire::NodePosition{0.0, -0.15, {}, {}, {}, ""};
   const Scene scene{"east", 0.30, into};
   EXPECT_EQ(scene.limit().speed_mps, target_speed.speed_mps);

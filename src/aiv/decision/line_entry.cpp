@@ -72,8 +72,8 @@ bool parted_by_sides_of(const Box& a, const Box& b) {
 bool touch(const Box& a, const Box& b) { return !parted_by_sides_of(a, b) && !parted_by_sides_of(b, a); }
 
 /// Turning once round where it stands, whichever way.
-bool touched_turning(Point2 middle, const zone::VehicleShape& shape, const Box& other, double clear_m) {
-  const Point2 p = inverse(other.X_MB) * middle;
+bool touched_turning(Point2 centre, const zone::VehicleShape& shape, const Box& other, double clear_m) {
+  const Point2 p = inverse(other.X_MB) * centre;
   const double dx = std::max(0.0, std::fabs(p.x_m) - other.half_length_m);
   const double dy = std::max(0.0, std::fabs(p.y_m) - other.half_width_m);
   return norm(dx, dy) < swept_m(shape) + clear_m;

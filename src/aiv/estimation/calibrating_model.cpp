@@ -55,19 +55,19 @@ Motion motion_of(const SensorModel& sensors, const State::Vector& about, const O
   motion.offset(State::heading) += truly.turn_rad;
 
   const StepCourse course = course_of(truly);
-  const SinCos middle = sincos(about(State::heading) + 0.5 * truly.turn_rad + course.aside_rad);
+  const SinCos centre = sincos(about(State::heading) + 0.5 * truly.turn_rad + course.aside_rad);
   const double d = course.way_m;
   const double counted_m = course_of(odometry).way_m;
   State::Matrix& f = motion.slope;
   f(State::x, State::heading) = -dy;
   f(State::y, State::heading) = dx;
-  f(State::x, State::distance_scale) = -counted_m * middle.cos;
-  f(State::y, State::distance_scale) = -counted_m * middle.sin;
-  f(State::x, State::turn_scale) = 0.5 * d * middle.sin * odometry.turn_rad;
-  f(State::y, State::turn_scale) = -0.5 * d * middle.cos * odometry.turn_rad;
+  f(State::x, State::distance_scale) = -counted_m * centre.cos;
+  f(State::y, State::distance_scale) = -counted_m * centre.sin;
+  f(State::x, State::turn_scale) = 0.5 * d * centre.sin * odometry.turn_rad;
+  f(State::y, State::turn_scale) = -0.5 * d * centre.cos * odometry.turn_rad;
   f(State::heading, State::turn_scale) = -odometry.turn_rad;
-  f(State::x, State::turn_drift) = 0.5 * d * middle.sin * drifts_s;
-  f(State::y, State::turn_drift) = -0.5 * d * middle.cos * drifts_s;
+  f(State::x, State::turn_drift) = 0.5 * d * centre.sin * drifts_s;
+  f(State::y, State::turn_drift) = -0.5 * d * centre.cos * drifts_s;
   f(State::heading, State::turn_drift) = -drifts_s;
 
   const Pose2 from{about(State::x), about(State::y), about(State::heading)};

@@ -87,13 +87,13 @@ Vector2 step_variances(const SensorModel& sensors, const Odometry& odometry) {
 
 Matrix3 spread(const SensorModel& sensors, const Pose2& X_MB, const Odometry& odometry, const Matrix3& covariance) {
   const StepCourse course = course_of(odometry);
-  const SinCos middle = sincos(X_MB.heading_rad + 0.5 * odometry.turn_rad + course.aside_rad);
+  const SinCos centre = sincos(X_MB.heading_rad + 0.5 * odometry.turn_rad + course.aside_rad);
   const double d = course.way_m;
   Matrix3 f = Matrix3::Identity();
-  f(0, 2) = -d * middle.sin;
-  f(1, 2) = d * middle.cos;
+  f(0, 2) = -d * centre.sin;
+  f(1, 2) = d * centre.cos;
   Eigen::Matrix<double, 3, 2> g;
-  g << middle.cos, -0.5 * d * middle.sin, middle.sin, 0.5 * d * middle.cos, 0.0, 1.0;
+  g << centre.cos, -0.5 * d * centre.sin, centre.sin, 0.5 * d * centre.cos, 0.0, 1.0;
   Matrix3 after =
       f * covariance * f.transpose() + g * Matrix2(step_variances(sensors, odometry).asDiagonal()) * g.transpose();
   make_symmetric(after);

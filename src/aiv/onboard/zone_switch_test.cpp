@@ -273,7 +273,7 @@ TEST(ZoneSwitch, is_restored_by_a_program_that_was_started_with_the_old_zone) {
   EXPECT_LT(after.pose_error_m(), 0.005);
 }
 
-TEST(ZoneSwitch, is_remembered_in_the_middle_of_the_way_to_the_line) {
+TEST(ZoneSwitch, is_restored_halfway_to_the_line) {
   SwitchFixture fixture;
   fixture.set_off();
   fixture.switch_to(track_near_loop());

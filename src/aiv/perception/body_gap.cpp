@@ -38,20 +38,20 @@ double BodyGap::disc_gap_m(Point2 p_B, double radius_m) const {
 }
 
 double BodyGap::gap_m(const wire::Body& body, double carried_s) const {
-  const Point2 middle_M{body.x_m + body.vx_mps * carried_s, body.y_m + body.vy_mps * carried_s};
-  const Point2 middle_B = X_BM_ * middle_M;
+  const Point2 centre_M{body.x_m + body.vx_mps * carried_s, body.y_m + body.vy_mps * carried_s};
+  const Point2 centre_B = X_BM_ * centre_M;
   const double half_m = 0.5 * body.length_m;
-  if (norm(middle_B.x_m, middle_B.y_m) > model_.reach_m + half_m + body.radius_m) return infinite;
+  if (norm(centre_B.x_m, centre_B.y_m) > model_.reach_m + half_m + body.radius_m) return infinite;
   const auto discs = static_cast<int>(std::ceil(body.length_m / disc_spacing_m)) + 1;
   const auto [sin, cos] = sincos(body.heading_rad + X_BM_.heading_rad);
   double nearest_m = infinite;
   for (int i = 0; i < discs; ++i) {
     const double along_m = discs == 1 ? 0.0 : body.length_m * i / (discs - 1) - half_m;
-    const Point2 p_B{middle_B.x_m + along_m * cos, middle_B.y_m + along_m * sin};
+    const Point2 p_B{centre_B.x_m + along_m * cos, centre_B.y_m + along_m * sin};
     nearest_m = std::min(nearest_m, disc_gap_m(p_B, body.radius_m));
   }
   // Whoever is touched by something mostly behind it drives away from it; two that feel each other do not both wait.
-  if (nearest_m <= 0.0 && middle_B.x_m <= 0.0) return infinite;
+  if (nearest_m <= 0.0 && centre_B.x_m <= 0.0) return infinite;
   return nearest_m;
 }
 

@@ -38,8 +38,8 @@ wire::DetectedObstacleReport::VirtualObject body_in_beams(const Corridor::Look& 
   const double radius_m = std::clamp(range_m * ratio / (1.0 - ratio), radius_m_min, radius_m_max);
   const auto [sin, cos] = sincos(bearing_rad);
   const double away_m = range_m + radius_m;
-  const Point2 middle_M = X_MS * Point2{away_m * cos, away_m * sin};
-  return {middle_M.x_m, middle_M.y_m, radius_m, look.ahead_m};
+  const Point2 centre_M = X_MS * Point2{away_m * cos, away_m * sin};
+  return {centre_M.x_m, centre_M.y_m, radius_m, look.ahead_m};
 }
 
 std::optional<wire::DetectedObstacleReport> Sighting::on_frame(SimTime now, const Corridor::Look& look, const wire::Ranges& ranges,

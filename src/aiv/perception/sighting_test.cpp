@@ -10,7 +10,7 @@ namespace cosiva::aiv {
 namespace {
 
 constexpr double nothing = std::numeric_limits<double>::infinity();
-constexpr int middle = 6;  ///< of thirteen beams
+constexpr int centre = 6;  ///< of thirteen beams
 
 wire::Ranges no_ranges() { return {0, -84, 14, std::vector<std::uint16_t>(13, wire::no_echo)}; }
 
@@ -53,8 +53,8 @@ TEST(BodyInBeams, lies_behind_its_nearest_point_as_far_as_it_is_big) {
 
 TEST(BodyInBeams, is_told_in_the_maps_frame) {
   wire::Ranges ranges = no_ranges();
-  ranges.range_mm[middle] = 400;
-  const auto virtual_object = body_in_beams({0.4, middle}, ranges, {1.0, 2.0, pi / 2});
+  ranges.range_mm[centre] = 400;
+  const auto virtual_object = body_in_beams({0.4, centre}, ranges, {1.0, 2.0, pi / 2});
   EXPECT_NEAR(virtual_object.x_m, 1.0, 1e-9);
   EXPECT_NEAR(virtual_object.y_m, 2.0 + 0.4 + virtual_object.radius_m, 1e-9);
   EXPECT_EQ(virtual_object.distance_m, 0.4);
@@ -62,20 +62,20 @@ TEST(BodyInBeams, is_told_in_the_maps_frame) {
 
 TEST(BodyInBeams, does_not_grow_by_what_stands_behind_it) {
   wire::Ranges ranges = no_ranges();
-  ranges.range_mm[middle] = 400;
-  const double alone_m = body_in_beams({0.4, middle}, ranges, {}).radius_m;
-  ranges.range_mm[middle + 1] = 700;
-  ranges.range_mm[middle - 1] = 650;
-  EXPECT_EQ(body_in_beams({0.4, middle}, ranges, {}).radius_m, alone_m);
-  ranges.range_mm[middle + 1] = 430;
-  ranges.range_mm[middle - 1] = 430;
-  EXPECT_GT(body_in_beams({0.4, middle}, ranges, {}).radius_m, alone_m + 0.04);
+  ranges.range_mm[centre] = 400;
+  const double alone_m = body_in_beams({0.4, centre}, ranges, {}).radius_m;
+  ranges.range_mm[centre + 1] = 700;
+  ranges.range_mm[centre - 1] = 650;
+  EXPECT_EQ(body_in_beams({0.4, centre}, ranges, {}).radius_m, alone_m);
+  ranges.range_mm[centre + 1] = 430;
+  ranges.range_mm[centre - 1] = 430;
+  EXPECT_GT(body_in_beams({0.4, centre}, ranges, {}).radius_m, alone_m + 0.04);
 }
 
 TEST(BodyInBeams, stays_finite_with_a_wall_in_every_beam_and_with_none_at_all_between) {
   wire::Ranges wall = no_ranges();
   wall.range_mm.assign(13, 300);
-  const auto virtual_object = body_in_beams({0.3, middle}, wall, {});
+  const auto virtual_object = body_in_beams({0.3, centre}, wall, {});
   EXPECT_LE(virtual_object.radius_m, 0.15);
   const wire::Ranges touching{0, 0, 14, {0}};
   EXPECT_NEAR(body_in_beams({0.0, 0}, touching, {}).x_m, 0.02, 1e-9);
@@ -91,8 +91,8 @@ struct Eyes {
   bool frame(double ahead_m) {
     now += std::chrono::milliseconds{60};
     wire::Ranges ranges = no_ranges();
-    if (ahead_m < 2.0) ranges.range_mm[middle] = static_cast<std::uint16_t>(std::lround(1e3 * ahead_m));
-    const auto detected = sighting.on_frame(now, {ahead_m, middle}, ranges, {}, 1.2);
+    if (ahead_m < 2.0) ranges.range_mm[centre] = static_cast<std::uint16_t>(std::lround(1e3 * ahead_m));
+    const auto detected = sighting.on_frame(now, {ahead_m, centre}, ranges, {}, 1.2);
     if (detected) last = detected;
     told += detected ? 1 : 0;
     return detected.has_value();

@@ -19,9 +19,9 @@ double half_side_m(const zone::Bounds& bounds) {
   return margin_m + 0.5 * std::max(bounds.high.x_m - bounds.low.x_m, bounds.high.y_m - bounds.low.y_m);
 }
 
-zone::Bounds middle_of(const zone::Bounds& bounds, double half_m) {
-  const Point2 middle{0.5 * (bounds.low.x_m + bounds.high.x_m), 0.5 * (bounds.low.y_m + bounds.high.y_m)};
-  return {{middle.x_m - half_m, middle.y_m - half_m}, {middle.x_m + half_m, middle.y_m + half_m}};
+zone::Bounds centre_of(const zone::Bounds& bounds, double half_m) {
+  const Point2 centre{0.5 * (bounds.low.x_m + bounds.high.x_m), 0.5 * (bounds.low.y_m + bounds.high.y_m)};
+  return {{centre.x_m - half_m, centre.y_m - half_m}, {centre.x_m + half_m, centre.y_m + half_m}};
 }
 
 }  // namespace
@@ -112,7 +112,7 @@ Result<EmulatedCamera> EmulatedCamera::over(const zone::TrafficZone& zone) {
   SceneChoice choice;
   choice.size_px = size_px;
   choice.height_m = std::max(choice.height_m, 2.0 * half_m);
-  const vision::SceneCamera camera = camera_over(middle_of(whole, half_m - margin_m), choice);
+  const vision::SceneCamera camera = camera_over(centre_of(whole, half_m - margin_m), choice);
   vision::CalibrationOptions options;
   options.models = {{vision::FloorModel::lens, 5}};
   options.block_m = half_m / 2.0;

@@ -109,10 +109,10 @@ void equalise(Axis& x_axis, Range& x, Axis& y_axis, Range& y) {
   const double up_px = height_px - top_px - bottom_px;
   const double unit_per_px = margin * std::max((x.to - x.from) / across_px, (y.to - y.from) / up_px);
   const auto widen = [&](Axis& axis, Range& range, double length_px) {
-    const double middle = 0.5 * (range.from + range.to);
+    const double centre = 0.5 * (range.from + range.to);
     const double half = 0.5 * length_px * unit_per_px;
-    range.from = middle - half;
-    range.to = middle + half;
+    range.from = centre - half;
+    range.to = centre + half;
     axis.from = range.from;
     axis.to = range.to;
   };

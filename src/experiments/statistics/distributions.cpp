@@ -67,9 +67,9 @@ double beta_fraction(double a, double b, double x) {
 template <typename Cdf>
 double inverse(const Cdf& cdf, double p, double low, double high) {
   for (int i = 0; i < 200; ++i) {
-    const double middle = 0.5 * (low + high);
-    if (middle == low || middle == high) break;
-    (cdf(middle) < p ? low : high) = middle;
+    const double centre = 0.5 * (low + high);
+    if (centre == low || centre == high) break;
+    (cdf(centre) < p ? low : high) = centre;
   }
   return 0.5 * (low + high);
 }

@@ -117,8 +117,8 @@ std::optional<Comparison> compare(std::span<const double> first, std::span<const
   while (high < most && power_of(found.effect, high, high) < 0.8) high *= 2;
   std::size_t low = high / 2;
   while (high < most && high - low > 1) {
-    const std::size_t middle = low + (high - low) / 2;
-    (power_of(found.effect, middle, middle) < 0.8 ? low : high) = middle;
+    const std::size_t centre = low + (high - low) / 2;
+    (power_of(found.effect, centre, centre) < 0.8 ? low : high) = centre;
   }
   found.needed = high;
   return found;

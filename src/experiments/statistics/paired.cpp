@@ -140,11 +140,11 @@ std::optional<Friedman> friedman(const std::vector<std::vector<double>>& metrics
   }
   // Conover's form, which ties leave right.
   const auto kk = static_cast<double>(k);
-  const double middle = n * kk * (kk + 1.0) * (kk + 1.0) / 4.0;
+  const double centre = n * kk * (kk + 1.0) * (kk + 1.0) / 4.0;
   double between = 0.0;
   for (const double rank : result.mean_ranks) between += (rank - 0.5 * (kk + 1.0)) * (rank - 0.5 * (kk + 1.0));
-  if (squares - middle <= 1e-12) return result;  // all equal in every run
-  result.chi_squared = (kk - 1.0) * n * n * between / (squares - middle);
+  if (squares - centre <= 1e-12) return result;  // all equal in every run
+  result.chi_squared = (kk - 1.0) * n * n * between / (squares - centre);
   result.p = 1.0 - chi_squared_cdf(result.chi_squared, kk - 1.0);
   return result;
 }

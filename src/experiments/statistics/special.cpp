@@ -55,8 +55,8 @@ double shifted_student_quantile(double p, double degrees, double shift) {
   while (shifted_student_cdf(low, degrees, shift) > p) low = shift + 2.0 * (low - shift);
   while (shifted_student_cdf(high, degrees, shift) < p) high = shift + 2.0 * (high - shift);
   for (int i = 0; i < 60 && high - low > 1e-11 * std::fabs(high); ++i) {
-    const double middle = 0.5 * (low + high);
-    (shifted_student_cdf(middle, degrees, shift) < p ? low : high) = middle;
+    const double centre = 0.5 * (low + high);
+    (shifted_student_cdf(centre, degrees, shift) < p ? low : high) = centre;
   }
   return 0.5 * (low + high);
 }

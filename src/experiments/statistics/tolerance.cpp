@@ -63,8 +63,8 @@ std::size_t sample_size(double relative_sd, double relative_half_width, double l
   std::size_t low = 1;
   high = std::min(high, most);
   while (high - low > 1) {
-    const std::size_t middle = low + (high - low) / 2;
-    (middle >= 2 && is_enough(middle) ? high : low) = middle;
+    const std::size_t centre = low + (high - low) / 2;
+    (centre >= 2 && is_enough(centre) ? high : low) = centre;
   }
   return high;
 }

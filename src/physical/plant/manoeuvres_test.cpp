@@ -292,7 +292,7 @@ TEST(LineVehicle, told_to_seek_on_the_line_makes_a_manoeuvre_that_can_be_heard_o
   EXPECT_GT(vehicle.speed_mps(), 0.2) << "and then it takes no more notice of the flag";
 }
 
-TEST(LineVehicle, told_to_seek_a_little_beside_the_line_s_middle_does_not_turn_across_it) {
+TEST(LineVehicle, told_to_seek_a_little_beside_the_line_s_centre_does_not_turn_across_it) {
   const Circuit old = line();
   // The new line lies 8 mm aside and 0.02 rad askew: its sensors see it.
   const Circuit next = other(Pose2{0, 0.008, 0.02} * Pose2{-2, 0, 0});

@@ -28,12 +28,12 @@ Scan scan_of(const BodyPose& body, std::initializer_list<BodyPose> others, std::
 
 /// The slow truth: the nearest of many points of the rectangle's border that lie in the sector.
 double sampled(const BodyPose& body, const BodyPose& other, std::size_t beam) {
-  const double middle = 0.01 * (DobsBoard::first_bearing_crad + static_cast<double>(beam) * DobsBoard::beam_width_crad);
+  const double centre = 0.01 * (DobsBoard::first_bearing_crad + static_cast<double>(beam) * DobsBoard::beam_width_crad);
   double nearest = 1e9;
   const auto look = [&](Point2 p_B) {
     Point2 p = body.to_body(other.to_map(p_B));
     p.x_m -= 0.1;
-    if (std::fabs(det_atan2(p.y_m, p.x_m) - middle) <= half_beam_rad) nearest = std::min(nearest, norm(p.x_m, p.y_m));
+    if (std::fabs(det_atan2(p.y_m, p.x_m) - centre) <= half_beam_rad) nearest = std::min(nearest, norm(p.x_m, p.y_m));
   };
   constexpr int n = 2000;
   for (int i = 0; i <= n; ++i) {
@@ -62,7 +62,7 @@ TEST(RangeFan, does_not_see_beyond_its_reach) {
   EXPECT_THAT(scan_of(at(0, 0), {at(2.21, 0)}), Each(Lt(0.0)));
 }
 
-TEST(RangeFan, hears_the_nearest_of_a_sector_not_what_its_middle_meets) {
+TEST(RangeFan, hears_the_nearest_of_a_sector_not_what_its_centre_meets) {
   // A corner that reaches 1° into beam 7 from the left, beside the middle ray.
   const double bearing = 0.14 + half_beam_rad - 0.017;
   const auto [sin, cos] = sincos(bearing);

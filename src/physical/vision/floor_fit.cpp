@@ -46,7 +46,7 @@ Result<void> check(const std::vector<FloorPoint>& points, const FitOptions& opti
 
 /// Floor coordinates brought to about −1 … 1, so that all columns are of one size.
 struct Scaled {
-  Eigen::Vector2d middle;
+  Eigen::Vector2d centre;
   double size;
 };
 Scaled scale_of(const std::vector<FloorPoint>& points) {
@@ -65,7 +65,7 @@ Eigen::Matrix3d homography_of(const std::vector<FloorPoint>& points, const Floor
   rows.setZero();
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto [x, y] = map.undistorted(points[i].pixel);
-    const Eigen::Vector2d q = (floor_of(points[i]) - scaled.middle) / scaled.size;
+    const Eigen::Vector2d q = (floor_of(points[i]) - scaled.centre) / scaled.size;
     const auto k = 2 * static_cast<Eigen::Index>(i);
     rows.row(k) << x, y, 1.0, 0.0, 0.0, 0.0, -q[0] * x, -q[0] * y, -q[0];
     rows.row(k + 1) << 0.0, 0.0, 0.0, x, y, 1.0, -q[1] * x, -q[1] * y, -q[1];
@@ -96,7 +96,7 @@ class Bundle {
     Eigen::Matrix3d h;
     for (int i = 0; i < 9; ++i) h(i / 3, i % 3) = near.homography[static_cast<std::size_t>(i)];
     Eigen::Matrix3d there;
-    there << 1.0, 0.0, -scaled_.middle[0], 0.0, 1.0, -scaled_.middle[1], 0.0, 0.0, scaled_.size;
+    there << 1.0, 0.0, -scaled_.centre[0], 0.0, 1.0, -scaled_.centre[1], 0.0, 0.0, scaled_.size;
     Vector at = start(Eigen::Matrix3d(there * h));
     if (unknowns_ == 8) return at;
     for (int i = 0; i < 5; ++i) at[8 + i] = near.lens[static_cast<std::size_t>(i)];
@@ -109,7 +109,7 @@ class Bundle {
     Eigen::Matrix3d h;
     h << at[0], at[1], at[2], at[3], at[4], at[5], at[6], at[7], 1.0;
     Eigen::Matrix3d back;
-    back << scaled_.size, 0.0, scaled_.middle[0], 0.0, scaled_.size, scaled_.middle[1], 0.0, 0.0, 1.0;
+    back << scaled_.size, 0.0, scaled_.centre[0], 0.0, scaled_.size, scaled_.centre[1], 0.0, 0.0, 1.0;
     h = back * h;
     for (int i = 0; i < 9; ++i) map_.homography[static_cast<std::size_t>(i)] = h(i / 3, i % 3);
     if (unknowns_ == 8) return;

@@ -35,9 +35,9 @@ std::optional<Point2> FloorMap::floor_at(PixelPoint pixel) const {
   Point2 floor{(h[0] * x + h[1] * y + h[2]) / w, (h[3] * x + h[4] * y + h[5]) / w};
   if (degree > 0) {
     std::array<double, terms_of(degree_max)> terms{};
-    const double middle_u = 0.5 * static_cast<double>(frame.width);
-    const double middle_v = 0.5 * static_cast<double>(frame.height);
-    terms_at((pixel.u - middle_u) / scale_px, (pixel.v - middle_v) / scale_px, degree, terms.data());
+    const double centre_u = 0.5 * static_cast<double>(frame.width);
+    const double centre_v = 0.5 * static_cast<double>(frame.height);
+    terms_at((pixel.u - centre_u) / scale_px, (pixel.v - centre_v) / scale_px, degree, terms.data());
     const std::size_t count = terms_of(degree);
     for (std::size_t i = 0; i < count; ++i) {
       floor.x_m += polynomial[i] * terms[i];

@@ -153,8 +153,8 @@ void Painter::draw_body(const SceneBody& body, std::vector<float>& light) const 
   const double most_m = std::max({norm(0.5 * body.length_m, 0.5 * body.width_m),
                                   norm(5.0 * cell_m, 5.0 * cell_m) + norm(body.X_BT.x_m, body.X_BT.y_m)});
   const double latest_s = camera_.exposure_s + static_cast<double>(height) * camera_.line_s;
-  const auto middle = camera_.pixel_of(position(body.after(0.5 * latest_s)), body.height_m);
-  if (!middle) return;
+  const auto centre = camera_.pixel_of(position(body.after(0.5 * latest_s)), body.height_m);
+  if (!centre) return;
   const double above = camera_.height_m - body.height_m;
   const double reach = 4.0 + 1.6 * camera_.focal_px / above * (most_m + std::fabs(body.speed_mps) * latest_s);
   const auto clip = [](double at, std::size_t most) {
@@ -168,13 +168,13 @@ void Painter::draw_body(const SceneBody& body, std::vector<float>& light) const 
   // at_height, with what is the same for all of them.
   const double ratio = body.height_m / camera_.height_m;
   const Point2 nearer{ratio * camera_.foot.x_m, ratio * camera_.foot.y_m};
-  for (std::size_t row = clip(middle->v - reach, height); row < clip(middle->v + reach, height); ++row) {
+  for (std::size_t row = clip(centre->v - reach, height); row < clip(centre->v + reach, height); ++row) {
     for (std::size_t look = 0; look < looks; ++look) {
       const double when = (static_cast<double>(moment[look]) + 0.5) / static_cast<double>(looks);
       const double seconds = static_cast<double>(row) * camera_.line_s + when * camera_.exposure_s;
       X_TM[look] = Frame{inverse(body.after(seconds) * body.X_BT)};
     }
-    for (std::size_t column = clip(middle->u - reach, width); column < clip(middle->u + reach, width); ++column) {
+    for (std::size_t column = clip(centre->u - reach, width); column < clip(centre->u + reach, width); ++column) {
       float sum = 0.0F;
       for (std::size_t look = 0; look < looks; ++look) {
         const double u = static_cast<double>(column) + (static_cast<double>(look % 3) + 0.5) / 3.0;

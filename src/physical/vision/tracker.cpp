@@ -48,26 +48,26 @@ double radius_of(const DetectedTag& tag) {
 
 std::optional<TagOnFloor> tag_on_floor(const DetectedTag& tag, const FloorMap& map) {
   std::array<Point2, 4> corners{};
-  Point2 middle;
+  Point2 centre;
   for (std::size_t i = 0; i < 4; ++i) {
     const auto corner = map.floor_at(tag.corners[i]);
     if (!corner) return std::nullopt;
     corners[i] = *corner;
-    middle.x_m += 0.25 * corner->x_m;
-    middle.y_m += 0.25 * corner->y_m;
+    centre.x_m += 0.25 * corner->x_m;
+    centre.y_m += 0.25 * corner->y_m;
   }
   // The square nearest to the four: its turn is the mean of theirs, its side the mean of their distances along it.
   constexpr std::array<Point2, 4> square{Point2{-1, -1}, Point2{1, -1}, Point2{1, 1}, Point2{-1, 1}};
   double along = 0.0;
   double across = 0.0;
   for (std::size_t i = 0; i < 4; ++i) {
-    const double x = corners[i].x_m - middle.x_m;
-    const double y = corners[i].y_m - middle.y_m;
+    const double x = corners[i].x_m - centre.x_m;
+    const double y = corners[i].y_m - centre.y_m;
     along += square[i].x_m * x + square[i].y_m * y;
     across += square[i].x_m * y - square[i].y_m * x;
   }
   if (along == 0.0 && across == 0.0) return std::nullopt;
-  return TagOnFloor{{middle.x_m, middle.y_m, det_atan2(across, along)}, 0.25 * norm(along, across)};
+  return TagOnFloor{{centre.x_m, centre.y_m, det_atan2(across, along)}, 0.25 * norm(along, across)};
 }
 
 Tracker::Tracker(const Calibration& calibration, const TrackerOptions& options)

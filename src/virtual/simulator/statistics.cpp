@@ -19,7 +19,7 @@ std::size_t bucket_of(double value) {
   return static_cast<std::size_t>(std::min(key, highest) - lowest);
 }
 
-double middle_of(std::size_t bucket) {
+double centre_of(std::size_t bucket) {
   const auto edge = [](std::uint64_t key) { return std::bit_cast<double>(key << (52 - mantissa_bits)); };
   return 0.5 * (edge(lowest + bucket) + edge(lowest + bucket + 1));
 }
@@ -57,7 +57,7 @@ double Statistics::percentile(double ratio) const {
   std::uint64_t detected = 0;
   for (std::size_t i = 0; i < buckets_.size(); ++i) {
     detected += buckets_[i];
-    if (detected >= rank) return std::min(i == 0 ? 0.0 : middle_of(i), max_);
+    if (detected >= rank) return std::min(i == 0 ? 0.0 : centre_of(i), max_);
   }
   return max_;
 }

@@ -57,10 +57,10 @@ std::optional<std::int32_t> parse_index(std::string_view text) {
 }
 
 std::optional<Cell> parse_cell(std::string_view text) {
-  const std::size_t middle = text.find('_');
-  if (middle == std::string_view::npos) return std::nullopt;
-  const auto x = parse_index(text.substr(0, middle));
-  const auto y = parse_index(text.substr(middle + 1));
+  const std::size_t centre = text.find('_');
+  if (centre == std::string_view::npos) return std::nullopt;
+  const auto x = parse_index(text.substr(0, centre));
+  const auto y = parse_index(text.substr(centre + 1));
   if (!x || !y) return std::nullopt;
   return Cell{*x, *y};
 }

@@ -182,8 +182,8 @@ Plant::Strip Plant::bay(const std::string& name, const Pose2& start, double stra
   join(in, stop);
   join(stop, out);
   join(out, last);
-  const double middle_m = rounded(0.5 * straight_m);
-  stops_.push_back({name, {stop, middle_m}, charger});
+  const double centre_m = rounded(0.5 * straight_m);
+  stops_.push_back({name, {stop, centre_m}, charger});
   return {first, last};
 }
 

@@ -52,9 +52,9 @@ Moments moments(double bend, double turn, double phi) {
   const double half = 0.5 / panels;
   Moments sum;
   for (int panel = 0; panel < panels; ++panel) {
-    const double middle = (2 * panel + 1) * half;
+    const double centre = (2 * panel + 1) * half;
     for (int i = 0; i < 8; ++i) {
-      const double t = middle + half * (i % 2 == 0 ? nodes[i / 2] : -nodes[i / 2]);
+      const double t = centre + half * (i % 2 == 0 ? nodes[i / 2] : -nodes[i / 2]);
       const SinCos angle = sincos(phi + t * (turn - bend + bend * t));
       const double weight = half * weights[i / 2];
       sum.cosine += weight * angle.cos;
@@ -306,14 +306,14 @@ Result<Fit> Fitter::run() {
       stretch.rounds = true;
     if (take(stretch)) continue;
 
-    const double middle = 0.5 * (stretch.from + stretch.to);
-    if (stub || !(stretch.from < middle && middle < stretch.to)) {
+    const double centre = 0.5 * (stretch.from + stretch.to);
+    if (stub || !(stretch.from < centre && centre < stretch.to)) {
       stop(stretch.poses.front(), "has a sharp corner or turns back on itself");
     } else if (++cuts > pieces_max_) {
       stop(stretch.poses.front(), "needs more than " + std::to_string(pieces_max_) + " pieces");
     } else {
-      ahead.push_back({middle, stretch.to, stretch.rounds});
-      ahead.push_back({stretch.from, middle, stretch.rounds});
+      ahead.push_back({centre, stretch.to, stretch.rounds});
+      ahead.push_back({stretch.from, centre, stretch.rounds});
     }
   }
   if (error_) return tl::unexpected(std::move(*error_));

@@ -108,14 +108,14 @@ void Section::lay_pieces() {
   Point2 from = position(start_);
   for (std::size_t i = 0; i < count; ++i) {
     Piece& piece = pieces_[i];
-    piece.middle_m = (static_cast<double>(i) + 0.5) * piece_m;
+    piece.centre_m = (static_cast<double>(i) + 0.5) * piece_m;
     const double heading_rad =
-        start_.heading_rad + piece.middle_m * (curvature_per_m_ + 0.5 * curvature_rate_per_m2_ * piece.middle_m);
-    const SinCos middle = sincos(heading_rad);
-    const double curvature = curvature_at(piece.middle_m);
+        start_.heading_rad + piece.centre_m * (curvature_per_m_ + 0.5 * curvature_rate_per_m2_ * piece.centre_m);
+    const SinCos centre = sincos(heading_rad);
+    const double curvature = curvature_at(piece.centre_m);
 
     Complex before{0.0, 0.0};
-    Complex f{middle.cos, middle.sin};
+    Complex f{centre.cos, centre.sin};
     piece.x[0] = 0.0;
     piece.y[0] = 0.0;
     for (std::size_t n = 0; n + 1 < coefficient_count; ++n) {

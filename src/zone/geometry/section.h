@@ -77,7 +77,7 @@ class Section {
 
   /// Position over one piece as two polynomials of u = s − middle.
   struct Piece {
-    double middle_m;
+    double centre_m;
     std::array<double, coefficient_count> x;
     std::array<double, coefficient_count> y;
 
@@ -122,7 +122,7 @@ inline Point2 Section::position_at(double s_m) const noexcept {
   if (pieces_.empty()) return {start_.x_m + direction_.cos * s_m, start_.y_m + direction_.sin * s_m};
   const std::size_t index = std::min(static_cast<std::size_t>(s_m * pieces_per_m_), pieces_.size() - 1);
   const Piece& piece = pieces_[index];
-  return piece.at(s_m - piece.middle_m);
+  return piece.at(s_m - piece.centre_m);
 }
 
 inline double Section::heading_at(double s_m) const {

@@ -18,9 +18,9 @@ constexpr double pieces_per_cell = 1.0;
 }  // namespace
 
 SectionGrid::SectionGrid(std::span<const SectionPiece> pieces) {
-  Point2 high = origin_ = pieces.front().middle();
+  Point2 high = origin_ = pieces.front().centre();
   for (const SectionPiece& piece : pieces) {
-    const Point2 p = piece.middle();
+    const Point2 p = piece.centre();
     origin_ = {std::min(origin_.x_m, p.x_m), std::min(origin_.y_m, p.y_m)};
     high = {std::max(high.x_m, p.x_m), std::max(high.y_m, p.y_m)};
     reach_m_ = std::max(reach_m_, 0.5 * distance(piece.from, piece.to) + piece.bulge_m + hair_m);
@@ -46,7 +46,7 @@ void SectionGrid::fill(std::span<const SectionPiece> pieces) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> order(pieces.size());
   first_.assign(columns_ * rows_ + 1, 0);
   for (std::uint32_t i = 0; i < pieces.size(); ++i) {
-    const std::size_t cell = cell_of(pieces[i].middle());
+    const std::size_t cell = cell_of(pieces[i].centre());
     order[i] = {static_cast<std::uint32_t>(cell), i};
     ++first_[cell + 1];
   }

@@ -19,10 +19,10 @@ Headings headings_near(double heading_rad, double half_width_rad) {
   constexpr double sector_rad = 2.0 * pi / 32.0;
   const double half = half_width_rad + margin_rad;
   if (!(half < pi - sector_rad) || !std::isfinite(heading_rad)) return every_heading;
-  const double middle = wrap_angle(heading_rad) + 2.0 * pi;  // so that both ends are positive
+  const double centre = wrap_angle(heading_rad) + 2.0 * pi;  // so that both ends are positive
   Headings headings = 0;
-  const auto first = static_cast<std::uint32_t>((middle - half) / sector_rad);
-  const auto last = static_cast<std::uint32_t>((middle + half) / sector_rad);
+  const auto first = static_cast<std::uint32_t>((centre - half) / sector_rad);
+  const auto last = static_cast<std::uint32_t>((centre + half) / sector_rad);
   for (std::uint32_t sector = first; sector <= last; ++sector) headings |= Headings{1} << (sector % 32U);
   return headings;
 }

@@ -26,7 +26,7 @@ struct SectionPiece {
 
   /// False only where all of it is further than `limit_m` from p.
   [[nodiscard]] bool may_come_within(double limit_m, Point2 p) const;
-  [[nodiscard]] Point2 middle() const { return {0.5 * (from.x_m + to.x_m), 0.5 * (from.y_m + to.y_m)}; }
+  [[nodiscard]] Point2 centre() const { return {0.5 * (from.x_m + to.x_m), 0.5 * (from.y_m + to.y_m)}; }
 };
 
 inline bool SectionPiece::may_come_within(double limit_m, Point2 p) const {

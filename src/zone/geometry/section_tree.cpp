@@ -56,10 +56,10 @@ SectionTree::SectionTree(std::vector<SectionPiece> pieces) : pieces_{std::move(p
 
 /// Along a Hilbert curve.
 void SectionTree::sort() {
-  Point2 low{pieces_.front().middle()};
+  Point2 low{pieces_.front().centre()};
   Point2 high{low};
   for (const SectionPiece& piece : pieces_) {
-    const Point2 p = piece.middle();
+    const Point2 p = piece.centre();
     low = {std::min(low.x_m, p.x_m), std::min(low.y_m, p.y_m)};
     high = {std::max(high.x_m, p.x_m), std::max(high.y_m, p.y_m)};
   }
@@ -69,7 +69,7 @@ void SectionTree::sort() {
   };
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order(pieces_.size());
   for (std::uint32_t i = 0; i < pieces_.size(); ++i) {
-    const Point2 p = pieces_[i].middle();
+    const Point2 p = pieces_[i].centre();
     order[i] = {hilbert(cell(p.x_m, low.x_m), cell(p.y_m, low.y_m)), i};
   }
   std::sort(order.begin(), order.end());

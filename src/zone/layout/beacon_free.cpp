@@ -254,9 +254,9 @@ class Search {
       for (double j = 0.0; j < parts; j += 1.0) consider({i * step_m, j * step_m});
     for (int round = 0; round < 6; ++round) {
       step_m *= 0.5;
-      const Point2 middle = best_;
+      const Point2 centre = best_;
       for (const double x : {-1.0, 0.0, 1.0})
-        for (const double y : {-1.0, 0.0, 1.0}) consider({middle.x_m + x * step_m, middle.y_m + y * step_m});
+        for (const double y : {-1.0, 0.0, 1.0}) consider({centre.x_m + x * step_m, centre.y_m + y * step_m});
     }
     return suggestion(longest_m(chords_, {0.0, 0.0}));
   }

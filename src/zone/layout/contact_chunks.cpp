@@ -30,7 +30,7 @@ void Chunks::cut(const Circuit& circuit, const ContactRules& rules) {
       chunk.to_m = section.length_m() * ((i + 1.0) / count);
       if (i == 0.0 && circuit.previous(id).empty()) chunk.before_m = rules.half_length_m;
       if (i + 1.0 == count && circuit.next(id).empty()) chunk.after_m = rules.half_length_m;
-      chunk.middle = position(section.pose_at(0.5 * (chunk.from_m + chunk.to_m)));
+      chunk.centre = position(section.pose_at(0.5 * (chunk.from_m + chunk.to_m)));
       chunk.start = section.pose_at(chunk.from_m) * Point2{-chunk.before_m, 0.0};
       chunk.end = section.pose_at(chunk.to_m) * Point2{chunk.after_m, 0.0};
       // A curve strays from its chord by at most ⅛·h²·max|κ|; what sticks out is straight, but turned against it.
@@ -51,7 +51,7 @@ void Chunks::sort_into_cells(const ContactRules& rules) {
   // Cells so large that neighbours are in the same cell or in one of the eight around it.
   cell_m_ = 2.0 * radius_max_m + std::max(rules.reach_m, rules.disc_m + norm(rules.half_length_m, rules.half_width_m));
   cells_.reserve(all_.size());
-  for (std::uint32_t i = 0; i < all_.size(); ++i) cells_.emplace_back(cell_of(all_[i].middle), i);
+  for (std::uint32_t i = 0; i < all_.size(); ++i) cells_.emplace_back(cell_of(all_[i].centre), i);
   std::sort(cells_.begin(), cells_.end());
 }
 

@@ -19,7 +19,7 @@ struct Chunk {
   double to_m;
   double before_m;  ///< straight on before from_m, 0 but at an open start
   double after_m;
-  Point2 middle;
+  Point2 centre;
   Point2 start;  ///< of its chord, what sticks out included
   Point2 end;
   double bulge_m;     ///< how far the chunk strays from its chord

@@ -32,11 +32,11 @@ void ContactScan::turn(SectionId on, SectionId turning, std::span<const std::uin
       std::any_of(next.begin(), next.end(), [&](SectionId after) { return !followers_.follows(turning, after); });
   const Section& section = circuit_.section(turning);
   const double end_m = section.length_m();
-  const Point2 middle = position(section.end());
+  const Point2 centre = position(section.end());
 
   mine_.assign(near.begin(), near.end());
   pairs_ = {};
-  line_.samples.assign(1, {end_m, middle, 0});
+  line_.samples.assign(1, {end_m, centre, 0});
   line_before_.samples = line_.samples;
   const std::size_t first = contacts.size();
   // Who comes from behind follows, who is ahead on the only way is followed; but not round a sharp corner.
@@ -45,7 +45,7 @@ void ContactScan::turn(SectionId on, SectionId turning, std::span<const std::uin
   const std::size_t last = contacts.size();
   for (std::size_t i = first; on != turning && i < last; ++i) {
     const double from_m = std::max(end_m - rules_.step_m, 0.0);
-    contacts.push_back({turning, on, from_m, end_m, contacts[i].from_m, contacts[i].to_m, middle});
+    contacts.push_back({turning, on, from_m, end_m, contacts[i].from_m, contacts[i].to_m, centre});
   }
 }
 
@@ -127,8 +127,8 @@ bool ContactScan::grow(Contact& contact, double& nearest_square, const Task& tas
 /// Where touching begins, between a place that touches nothing and one that does; on the safe side.
 double ContactScan::boundary(const Task& task, double outside_m, double inside_m, const Line& line) const {
   while (std::fabs(outside_m - inside_m) > refined_m) {
-    const double middle_m = 0.5 * (outside_m + inside_m);
-    (touches(task, middle_m, line) ? inside_m : outside_m) = middle_m;
+    const double centre_m = 0.5 * (outside_m + inside_m);
+    (touches(task, centre_m, line) ? inside_m : outside_m) = centre_m;
   }
   return outside_m;
 }

@@ -125,10 +125,10 @@ bool Finder::find_pairs(SectionId on) {
   bool few = true;
   for (std::uint32_t mine = chunks_.first_of(on); few && mine < chunks_.first_of(on + 1); ++mine) {
     const Chunk& a = chunks_[mine];
-    chunks_.visit_around(a.middle, [&](std::uint32_t theirs) {
+    chunks_.visit_around(a.centre, [&](std::uint32_t theirs) {
       const Chunk& b = chunks_[theirs];
       if (near_left_-- == 0) return few = false;
-      if (distance(a.middle, b.middle) > a.radius_m() + b.radius_m() + rules_.reach_m || one_gentle_way(a, b) ||
+      if (distance(a.centre, b.centre) > a.radius_m() + b.radius_m() + rules_.reach_m || one_gentle_way(a, b) ||
           !may_touch(a, b))
         return true;
       if (scans_left_-- == 0) return few = false;
@@ -148,13 +148,13 @@ bool Finder::find_near_turn(SectionId turning) {
   if (!circuit_.part(turning).pivots ||
       std::all_of(next.begin(), next.end(), [&](SectionId after) { return circuit_.turn_at(turning, after) == 0.0; }))
     return true;
-  const Point2 middle = position(circuit_.section(turning).end());
+  const Point2 centre = position(circuit_.section(turning).end());
   const double reach_m = rules_.disc_m + norm(rules_.half_length_m, rules_.half_width_m);
   bool few = true;
-  chunks_.visit_around(middle, [&](std::uint32_t index) {
+  chunks_.visit_around(centre, [&](std::uint32_t index) {
     if (near_left_-- == 0) return few = false;
     const Chunk& chunk = chunks_[index];
-    if (distance(chunk.middle, middle) > chunk.radius_m() + reach_m) return true;
+    if (distance(chunk.centre, centre) > chunk.radius_m() + reach_m) return true;
     if (scans_left_-- == 0) return few = false;
     near_turn_.push_back(index);
     return true;

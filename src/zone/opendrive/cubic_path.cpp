@@ -22,11 +22,11 @@ double CubicPath::speed(double p) const { return norm(cubics_.u.slope_at(p), cub
 double CubicPath::arc_between(double from, double to) const {
   constexpr double nodes[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
   constexpr double weights[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
-  const double middle = 0.5 * (from + to);
+  const double centre = 0.5 * (from + to);
   const double half = 0.5 * (to - from);
   double sum = 0.0;
   for (std::size_t i = 0; i < 4; ++i)
-    sum += weights[i] * (speed(middle - half * nodes[i]) + speed(middle + half * nodes[i]));
+    sum += weights[i] * (speed(centre - half * nodes[i]) + speed(centre + half * nodes[i]));
   return half * sum;
 }
 
@@ -48,9 +48,9 @@ std::optional<CubicPath> CubicPath::make(const Pose2& start, const Cubics& cubic
     double low = 0.0;
     double high = length;
     for (int round = 0; round < 60; ++round) {
-      const double middle = 0.5 * (low + high);
-      lay(middle);
-      (path.length() < length ? low : high) = middle;
+      const double centre = 0.5 * (low + high);
+      lay(centre);
+      (path.length() < length ? low : high) = centre;
     }
   }
   if (!std::isfinite(path.length()) || path.length() < 1e-6 || path.length() > 1e5) return std::nullopt;

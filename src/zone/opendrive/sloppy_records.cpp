@@ -16,7 +16,7 @@ struct Joint {
   Pose2 right;
   [[nodiscard]] double gap_m() const { return distance(left, right); }
   [[nodiscard]] double kink_rad() const { return wrap_angle(right.heading_rad - left.heading_rad); }
-  [[nodiscard]] Pose2 middle() const {
+  [[nodiscard]] Pose2 centre() const {
     return {0.5 * (left.x_m + right.x_m), 0.5 * (left.y_m + right.y_m), left.heading_rad + 0.5 * kink_rad()};
   }
 };
@@ -73,7 +73,7 @@ void redraw_sloppy_records(const std::vector<const Geometry*>& plan, std::vector
   std::vector<Pose2> places{pose_of(raw(records.front(), 0.0))};
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const bool both = redrawn[i] && redrawn[i + 1];
-    places.push_back(both ? joints[i].middle() : redrawn[i] ? joints[i].right : joints[i].left);
+    places.push_back(both ? joints[i].centre() : redrawn[i] ? joints[i].right : joints[i].left);
   }
   places.push_back(pose_of(raw(records.back(), records.back().arc)));
   for (std::size_t i = 0; i < joints.size(); ++i) {

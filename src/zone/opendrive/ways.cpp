@@ -102,8 +102,8 @@ Pieces RoadLanes::outer_border(const Lane& lane, const Pieces& inner, int sign, 
   const Pieces said = holding(std::move(records), from, to, true);
   if (by_width) return sum(inner, 1.0, said, sign, nearness(from, to));
   // A border is measured from lane 0, and some write it without its sign.
-  const double middle = 0.5 * (from + to);
-  const double there = piece_at(said, middle).at(middle - piece_at(said, middle).s);
+  const double centre = 0.5 * (from + to);
+  const double there = piece_at(said, centre).at(centre - piece_at(said, centre).s);
   const double facing = there * sign < 0.0 ? -1.0 : 1.0;
   return sum(holding(road_.offsets, from, to, false), 1.0, said, facing, nearness(from, to));
 }

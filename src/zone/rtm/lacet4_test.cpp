@@ -34,7 +34,7 @@ TEST(Lacet4, is_17_31_m_long) {
 
 TEST(Lacet4, runs_its_straights_where_the_article_is_fixed_to_have_them) {
   const TrafficZone zone = testing::lacet4();
-  const auto expect_middle = [&](std::string_view name, const Pose2& X_MP) {
+  const auto expect_centre = [&](std::string_view name, const Pose2& X_MP) {
     const auto id = zone.circuit.find(name);
     ASSERT_TRUE(id);
     const Pose2 pose = zone.circuit.section(*id).pose_at(a);
@@ -42,10 +42,10 @@ TEST(Lacet4, runs_its_straights_where_the_article_is_fixed_to_have_them) {
     EXPECT_NEAR(pose.y_m, X_MP.y_m, 1e-12);
     EXPECT_NEAR(wrap_angle(pose.heading_rad - X_MP.heading_rad), 0.0, 1e-12);
   };
-  expect_middle("east", {0.0, -d, 0.0});
-  expect_middle("north", {d, 0.0, pi / 2.0});
-  expect_middle("west", {0.0, d, pi});
-  expect_middle("south", {-d, 0.0, -pi / 2.0});
+  expect_centre("east", {0.0, -d, 0.0});
+  expect_centre("north", {d, 0.0, pi / 2.0});
+  expect_centre("west", {0.0, d, pi});
+  expect_centre("south", {-d, 0.0, -pi / 2.0});
 }
 
 TEST(Lacet4, loops_turn_right_round_the_corners) {

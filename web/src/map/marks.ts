@@ -5,7 +5,7 @@ import { kind_aiv, look_augmented, look_kind_mask, look_status_shift } from '../
 import { distance, nearest_on_ways } from './geometry';
 import type { MapIndex } from './hit_index';
 import { tag_reach_m, type Sketch } from './tools';
-import { map_font, middle_of, radius_of } from './zone_picture';
+import { map_font, centre_of, radius_of } from './zone_picture';
 import type { Positions } from '../live/positions';
 import type { BodySize, Colours } from './renderer';
 import type { ToolName } from '../commands/tool.svelte';
@@ -85,7 +85,7 @@ export class Marks {
     }
     context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     context.globalAlpha = marked.dim ? 0.45 : 1;
-    context.textBaseline = 'middle';
+    context.textBaseline = 'centre';
     if (!marked.hidden.has('crossings')) for (const crossing of marked.crossings) this.crossing(crossing, marked.view, colours);
     this.bodies(marked, colours);
     if (marked.ground_truth && !marked.hidden.has('obstacles')) this.plant_obstacles(marked, colours);
@@ -169,8 +169,8 @@ export class Marks {
     const primitive = this.crossing_of.get(name);
     if (!primitive || holder === null) return;
     const { context } = this;
-    const middle = middle_of(primitive.points);
-    const at = to_screen(view, this.size, middle.x, middle.y);
+    const centre = centre_of(primitive.points);
+    const at = to_screen(view, this.size, centre.x, centre.y);
     const reach = radius_of(primitive) * view.scale;
     if (reach < 9) return;
     this.clean = false;
@@ -196,7 +196,7 @@ export class Marks {
     context.textAlign = 'center';
     const width = context.measureText(text).width + 12;
     // The label is placed away from the centre of the zone, where roads leave room.
-    const away = this.away(middle.x, middle.y);
+    const away = this.away(centre.x, centre.y);
     const x = at.px + away.x * (reach + width / 2 + 4);
     const y = at.py - away.y * (reach + 12);
     context.beginPath();

@@ -1,4 +1,4 @@
-// The three layers of the circuit: the zone below, repainted when the view changes; moving objects in the middle; labels and
+// The three layers of the circuit: the zone below, repainted when the view changes; moving objects in the centre; labels and
 // sketches above. The scene chooses the renderer and replaces it when the WebGL context is lost or restored.
 import { Canvas2dRenderer } from './canvas2d';
 import type { Aiv, Zone } from '../live/contract';

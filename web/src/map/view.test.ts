@@ -4,7 +4,7 @@ import { between, fit, pan, scale_bar, scale_max, to_map, to_screen, zoom_at } f
 const size = { width: 800, height: 600 };
 
 describe('the view', () => {
-  it('shows y up and the middle in the middle', () => {
+  it('shows y up and the centre in the centre', () => {
     const view = { x: 1, y: 2, scale: 100 };
     expect(to_screen(view, size, 1, 2)).toEqual({ px: 400, py: 300 });
     expect(to_screen(view, size, 1, 3)).toEqual({ px: 400, py: 200 });

@@ -179,7 +179,7 @@ export class ZonePicture {
     context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     context.globalAlpha = 1;
     context.textAlign = 'center';
-    context.textBaseline = 'middle';
+    context.textBaseline = 'centre';
     for (const { layer, shape, size_m, primitives } of visible) {
       const pixels = Math.min(size_m * view.scale, 15);
       if (shape !== 'text' || pixels < 7) continue;
@@ -199,7 +199,7 @@ export class ZonePicture {
     if (!this.zone || this.hidden.has('tag') || view.scale < 220) return;
     context.font = `600 10px ${map_font}`;
     context.textAlign = 'left';
-    context.textBaseline = 'middle';
+    context.textBaseline = 'centre';
     context.fillStyle = colours.label;
     for (const tag of this.zone.tags ?? []) {
       const at = to_screen(view, this.size, tag.x, tag.y);
@@ -215,7 +215,7 @@ export function gathered(primitives: readonly Primitive[], [x0, y0, x1, y1]: Zon
   if (primitives.length < gathered_min) return primitives.map((one) => [one]);
   const groups = new Map<string, Primitive[]>();
   for (const one of primitives) {
-    const { x, y } = middle_of(one.points);
+    const { x, y } = centre_of(one.points);
     const column = Math.floor((pieces * (x - x0)) / Math.max(x1 - x0, 1e-9));
     const row = Math.floor((pieces * (y - y0)) / Math.max(y1 - y0, 1e-9));
     const key = `${one.layer} ${one.kind ?? ''} ${one.shape} ${one.size_m} ${column} ${row}`;
@@ -251,7 +251,7 @@ function path_of(primitives: readonly Primitive[], radius: number): Path2D {
   return path;
 }
 
-export function middle_of(points: readonly Point[]): { x: number; y: number } {
+export function centre_of(points: readonly Point[]): { x: number; y: number } {
   let x = 0;
   let y = 0;
   for (const point of points) {
@@ -263,6 +263,6 @@ export function middle_of(points: readonly Point[]): { x: number; y: number } {
 
 export function radius_of(primitive: Primitive): number {
   if (primitive.shape === 'disc') return primitive.size_m;
-  const middle = middle_of(primitive.points);
-  return primitive.points.reduce((most, [x, y]) => Math.max(most, Math.hypot(x - middle.x, y - middle.y)), 0);
+  const centre = centre_of(primitive.points);
+  return primitive.points.reduce((most, [x, y]) => Math.max(most, Math.hypot(x - centre.x, y - centre.y)), 0);
 }

@@ -7,7 +7,7 @@
 namespace cosiva::experiments {
 namespace {
 
-Point2 middle_of(const std::vector<Point2>& points) {
+Point2 centre_of(const std::vector<Point2>& points) {
   Point2 sum;
   for (const Point2 p : points) sum = {sum.x_m + p.x_m, sum.y_m + p.y_m};
   const auto n = static_cast<double>(points.size());
@@ -39,8 +39,8 @@ std::string_view text_of(Alignment alignment) {
 Result<Pose2> rigid_alignment(const std::vector<Point2>& ground_truth, const std::vector<Point2>& estimate) {
   const auto cannot = [] { return fail("align.turn", "the places are too alike to tell how they are turned"); };
   if (ground_truth.size() < 2) return cannot();
-  const Point2 of_ground_truth = middle_of(ground_truth);
-  const Point2 of_estimate = middle_of(estimate);
+  const Point2 of_ground_truth = centre_of(ground_truth);
+  const Point2 of_estimate = centre_of(estimate);
   double dot = 0.0;
   double cross = 0.0;
   double ground_truth_spread = 0.0;

@@ -93,7 +93,7 @@ std::string npy(const std::vector<double>& values) {
 double root_of_variance(const std::vector<double>& values) { return std::sqrt(statistics::variance(values)); }
 
 /// As NumPy's median: between the two middle ones where they are even.
-double middle_of(std::vector<double> values) {
+double centre_of(std::vector<double> values) {
   if (values.empty()) return 0.0;
   std::ranges::sort(values);
   const std::size_t half = values.size() / 2;
@@ -120,7 +120,7 @@ std::string evo_zip(std::string_view title, const std::vector<double>& times_s, 
   JsonWriter stats;
   stats.begin_object().field("rmse", statistics::root_mean_square(errors_m));
   stats.field("mean", statistics::mean(errors_m)).field("std", root_of_variance(errors_m));
-  stats.field("median", middle_of(errors_m)).field("min", smallest).field("max", largest).field("sse", sse);
+  stats.field("median", centre_of(errors_m)).field("min", smallest).field("max", largest).field("sse", sse);
   stats.end_object();
   Zip zip;
   zip.add("info.json", info.text());

@@ -138,11 +138,11 @@ class PlanarInformation {
     return drive_[0] * inverse(way);
   }
 
-  void move(const Odometry& odometry, double middle_rad) {
+  void move(const Odometry& odometry, double centre_rad) {
     // A course has no backwards.
     const estimation::StepCourse course = estimation::course_of(odometry);
     const double d = run_.heading_known ? course.way_m : std::fabs(course.way_m);
-    const SinCos h = sincos(run_.heading_known ? middle_rad + course.aside_rad : middle_rad);
+    const SinCos h = sincos(run_.heading_known ? centre_rad + course.aside_rad : centre_rad);
     const double turn = odometry.turn_rad;
     const Move f{-d * h.sin,
                  d * h.cos,

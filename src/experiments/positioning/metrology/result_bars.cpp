@@ -70,7 +70,7 @@ std::string gap_of(const Qualified& one) {
 
 std::string row_of(const Qualified& one, const Scale& scale, double y) {
   const auto at = [&](double metres) { return px(scale.x(metres)); };
-  const std::string middle = px(y + 0.5 * row_px - 4.0);
+  const std::string centre = px(y + 0.5 * row_px - 4.0);
   std::string svg = "<text x=\"" + px(name_px - 8.0) + "\" y=\"" + px(y + 15.0) + "\" text-anchor=\"end\">" +
                     escaped(one.name) + "</text><rect class=\"bar c0\" opacity=\"0.25\" x=\"" + px(name_px) +
                     "\" y=\"" + px(y + 2.0) + "\" width=\"" + px(std::fmax(1.0, scale.x(one.rmse_m.value) - name_px)) +
@@ -81,8 +81,8 @@ std::string row_of(const Qualified& one, const Scale& scale, double y) {
            "m0 -2v4\"/>";
   if (std::vector<double> rmse = rmse_of_runs(one); rmse.size() > 1) {
     const auto ratio = [&](double p) { return at(statistics::percentile(rmse, p)); };
-    svg += "<path class=\"line c0\" d=\"M" + ratio(1e-9) + " " + middle + "H" + ratio(0.25) + "M" + ratio(0.75) + " " +
-           middle + "H" + ratio(1.0) + "M" + ratio(0.25) + " " + px(y + 4.0) + "H" + ratio(0.75) + "V" +
+    svg += "<path class=\"line c0\" d=\"M" + ratio(1e-9) + " " + centre + "H" + ratio(0.25) + "M" + ratio(0.75) + " " +
+           centre + "H" + ratio(1.0) + "M" + ratio(0.25) + " " + px(y + 4.0) + "H" + ratio(0.75) + "V" +
            px(y + row_px - 12.0) + "H" + ratio(0.25) + "ZM" + ratio(0.5) + " " + px(y + 4.0) + "V" +
            px(y + row_px - 12.0) + "\"/>";
   }

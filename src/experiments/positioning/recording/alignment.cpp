@@ -39,7 +39,7 @@ RigidMotion motion(const Quaternion& q, const Place& from, const Place& to) {
   return made;
 }
 
-Place middle_of(const std::vector<Pair>& pairs, Stamped Pair::*which) {
+Place centre_of(const std::vector<Pair>& pairs, Stamped Pair::*which) {
   Place sum{};
   for (const Pair& pair : pairs) {
     for (std::size_t i = 0; i < 3; ++i) sum[i] += (pair.*which).p_m[i];
@@ -83,8 +83,8 @@ Eigen4 eigen_of(Matrix4 m) {
 /// Least squares over all turns in space. Source: B. K. P. Horn, Closed-form solution of absolute orientation using
 /// unit quaternions, JOSA A 4 (1987): the same optimum as Umeyama's without scale, and never a mirror image.
 Result<RigidMotion> in_space(const std::vector<Pair>& pairs) {
-  const Place of_ground_truth = middle_of(pairs, &Pair::reference);
-  const Place of_estimate = middle_of(pairs, &Pair::estimate);
+  const Place of_ground_truth = centre_of(pairs, &Pair::reference);
+  const Place of_estimate = centre_of(pairs, &Pair::estimate);
   std::array<std::array<double, 3>, 3> s{};
   double ground_truth_spread = 0.0;
   double estimate_spread = 0.0;
@@ -134,7 +134,7 @@ Result<RigidMotion> on_the_floor(const std::vector<Pair>& pairs) {
   }
   const auto found = rigid_alignment(ground_truth, estimate);
   if (!found) return tl::unexpected(found.error());
-  return motion(stamped(0.0, *found).q, middle_of(pairs, &Pair::estimate), middle_of(pairs, &Pair::reference));
+  return motion(stamped(0.0, *found).q, centre_of(pairs, &Pair::estimate), centre_of(pairs, &Pair::reference));
 }
 
 }  // namespace

@@ -113,7 +113,7 @@ void believe_ranges(double noise_m, estimation::SensorModel& sensors) {
 /// is as surprised by them as it should be. Needs no truth but for the start, which every estimator is told.
 double range_noise_by_surprise(const Trial& trial) {
   // Half of what is chi-squared with one degree of freedom lies below this.
-  constexpr double middle = 0.4549;
+  constexpr double centre = 0.4549;
   constexpr int rounds_most = 16;
   constexpr double settled = 1.02;
   double noise_m = 1.0;
@@ -132,7 +132,7 @@ double range_noise_by_surprise(const Trial& trial) {
       }
     }
     if (surprise.empty()) break;
-    const double factor = std::clamp(std::sqrt(statistics::percentile(surprise, 0.5) / middle), 0.25, 4.0);
+    const double factor = std::clamp(std::sqrt(statistics::percentile(surprise, 0.5) / centre), 0.25, 4.0);
     noise_m = std::clamp(noise_m * factor, 1e-3, 1e3);
     if (factor < settled && factor > 1.0 / settled) break;
   }

@@ -113,11 +113,11 @@ void VirtualObstaclePublisher::pick(VehicleIndex vehicle, const Pose2& X_MB) {
     if (present.vehicle == vehicle || (present.physical && !augmented)) continue;
     present.distance_m = distance_to(present.body, position(X_MB));
     if (present.distance_m > within_m) continue;
-    const double middle_m = turn.cos * (present.body.x_m - X_MB.x_m) + turn.sin * (present.body.y_m - X_MB.y_m);
+    const double centre_m = turn.cos * (present.body.x_m - X_MB.x_m) + turn.sin * (present.body.y_m - X_MB.y_m);
     const double half_m =
         0.5 * present.body.length_m * std::fabs(det_cos(present.body.heading_rad - X_MB.heading_rad)) +
         present.body.radius_m;
-    if (middle_m + half_m < -half_length_m) continue;  // wholly behind it
+    if (centre_m + half_m < -half_length_m) continue;  // wholly behind it
     near_.push_back(&present);
   }
   std::ranges::stable_sort(near_, {}, [](const Present* p) { return p->distance_m; });
