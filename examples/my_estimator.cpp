@@ -26,10 +26,10 @@ class HalfWay final : public Algorithm {
     variance_m2_ += sensors_.distance_variance_per_m * odometry.distance_m;
   }
   estimation::Rectified rectify(const estimation::Reading& reading) override {
-    const Point2 mark_M = pose_ * reading.detected_B;  // where we have it
-    pose_.x_m += 0.5 * (reading.mark_M.x_m - mark_M.x_m);
-    pose_.y_m += 0.5 * (reading.mark_M.y_m - mark_M.y_m);
-    variance_m2_ = 0.25 * (variance_m2_ + sensors_.mark_along_sigma_m * sensors_.mark_along_sigma_m);
+    const Point2 fiducial_M = pose_ * reading.detected_B;  // where we have it
+    pose_.x_m += 0.5 * (reading.fiducial_M.x_m - fiducial_M.x_m);
+    pose_.y_m += 0.5 * (reading.fiducial_M.y_m - fiducial_M.y_m);
+    variance_m2_ = 0.25 * (variance_m2_ + sensors_.fiducial_along_sigma_m * sensors_.fiducial_along_sigma_m);
     return {true, std::nullopt, 0};
   }
   estimation::Rectified rectify(const estimation::Range&) override { return {}; }

@@ -48,11 +48,11 @@ std::optional<double> level(Cells::Flank flank, Stretch stretch) {
 }
 
 /// Marks what the marked values need, of steps each of which stands behind what it reads.
-void mark_needed(const Steps& steps, std::vector<char>& marks) {
+void flag_needed(const Steps& steps, std::vector<char>& flags) {
   for (std::size_t i = steps.steps().size(); i-- > 0;) {
-    if (marks[steps.inputs() + i] == 0) continue;
-    marks[steps.steps()[i].a] = 1;
-    marks[steps.steps()[i].b] = 1;
+    if (flags[steps.inputs() + i] == 0) continue;
+    flags[steps.steps()[i].a] = 1;
+    flags[steps.steps()[i].b] = 1;
   }
 }
 
@@ -135,20 +135,20 @@ class CellMaker {
   /// What terms say where that is no number, for all cells. False: one of them might be no number, and then it counts
   /// even where its rules do not fire.
   bool lay_first_steps() {
-    std::vector<char> marks(whole_.inputs() + whole_.steps().size(), 0);
+    std::vector<char> flags(whole_.inputs() + whole_.steps().size(), 0);
     for (const Weighing& weighing : weighings_) {
       for (const Weighing::Term& term : weighing.terms) {
         if (!term.says_value) continue;
         if (!whole_.is_finite(*term.says_value)) return false;
-        marks[*term.says_value] = 1;
+        flags[*term.says_value] = 1;
       }
     }
-    mark_needed(whole_, marks);
-    says_.assign(marks.size(), 0);
+    flag_needed(whole_, flags);
+    says_.assign(flags.size(), 0);
     next_ = at_one() + 1;
     for (std::size_t i = 0; i < whole_.steps().size(); ++i) {
       const std::size_t value = whole_.inputs() + i;
-      if (marks[value] == 0) continue;
+      if (flags[value] == 0) continue;
       const Steps::Wide& step = whole_.steps()[i];
       if (whole_.ops()[i] == Op::clamp) {
         says_[value] = static_cast<std::uint16_t>(step.a);
@@ -169,7 +169,7 @@ class CellMaker {
       std::vector<char> needs(whole_.inputs() + whole_.steps().size(), 0);
       for (const Weighing::Term& term : weighings_[o].terms)
         for (const Weighing::Rule& rule : term.rules) needs[rule.degree] = 1;
-      mark_needed(whole_, needs);
+      flag_needed(whole_, needs);
       const auto same = std::find_if(groups.begin(), groups.end(), [&](const auto& group) {
         return std::equal(needs.begin(), needs.begin() + inputs, group.first.begin());
       });
@@ -343,16 +343,16 @@ class CellMaker {
     std::vector<std::vector<Candidate>> by_output;
     by_output.reserve(outputs.size());
     for (const std::size_t o : outputs) by_output.push_back(candidates(steps, now, weighings_[o]));
-    std::vector<char> marks(steps.inputs() + steps.steps().size(), 0);
+    std::vector<char> flags(steps.inputs() + steps.steps().size(), 0);
     for (const auto& some : by_output)
       for (const Candidate& candidate : some)
-        for (const Value factor : candidate.factors) marks[factor] = steps.number(factor) == 1.0 ? 0 : 1;
-    mark_needed(steps, marks);
-    std::vector<std::uint16_t> places(marks.size(), static_cast<std::uint16_t>(at_one()));
+        for (const Value factor : candidate.factors) flags[factor] = steps.number(factor) == 1.0 ? 0 : 1;
+    flag_needed(steps, flags);
+    std::vector<std::uint16_t> places(flags.size(), static_cast<std::uint16_t>(at_one()));
     for (std::size_t i = 0; i < steps.inputs(); ++i) places[i] = static_cast<std::uint16_t>(i);
     std::size_t next = next_;
     for (std::size_t i = 0; i < steps.steps().size(); ++i) {
-      if (marks[steps.inputs() + i] == 0) continue;
+      if (flags[steps.inputs() + i] == 0) continue;
       COSIVA_EXPECT(next < at_one() + 1 + values_max);
       const Steps::Wide& step = steps.steps()[i];
       const auto out = static_cast<std::uint16_t>(next++);

@@ -14,8 +14,8 @@ constexpr double gate_sigmas = 6.0;
 /// Two strange readings agree when they differ by less than this, beyond what odometry allows.
 constexpr double agree_m = 0.05;
 
-double mark_variance(const Setting& setting) {
-  const double sigma = setting.sensors.mark_along_sigma_m;
+double fiducial_variance(const Setting& setting) {
+  const double sigma = setting.sensors.fiducial_along_sigma_m;
   return sigma * sigma;
 }
 
@@ -44,10 +44,10 @@ Estimate DeadReckoning::estimate() const {
 
 std::optional<DeadReckoning::Detection> DeadReckoning::see(const Reading& reading) {
   if (!told.track) return std::nullopt;
-  const double gate_m = gate_sigmas * std::sqrt(p_m2 + mark_variance(told));
+  const double gate_m = gate_sigmas * std::sqrt(p_m2 + fiducial_variance(told));
   // The foot of a mark on another branch of the line may lie near; the belief says which is meant.
   const double reach_m = std::fmax(1.0, 2.0 * gate_m);
-  const auto foot_m = told.track->foot(reading.mark_M, s_m + reading.detected_B.x_m, reach_m);
+  const auto foot_m = told.track->foot(reading.fiducial_M, s_m + reading.detected_B.x_m, reach_m);
   if (!foot_m) return std::nullopt;
   const Detection detection{*foot_m - reading.detected_B.x_m, *foot_m - reading.detected_B.x_m - s_m};
   if (std::fabs(detection.innovation_m) <= gate_m) {
@@ -66,16 +66,16 @@ std::optional<DeadReckoning::Detection> DeadReckoning::see(const Reading& readin
 Rectified ResetRule::rectify(const Reading& reading) {
   const auto detection = see(reading);
   if (!detection) return {};
-  const double expected = p_m2 + mark_variance(told);
+  const double expected = p_m2 + fiducial_variance(told);
   s_m = detection->along_m;
-  p_m2 = mark_variance(told);
+  p_m2 = fiducial_variance(told);
   return {true, detection->innovation_m * detection->innovation_m / expected, 1};
 }
 
 Rectified ArcKalman::rectify(const Reading& reading) {
   const auto detection = see(reading);
   if (!detection) return {};
-  const double expected = p_m2 + mark_variance(told);
+  const double expected = p_m2 + fiducial_variance(told);
   const double gain = p_m2 / expected;
   s_m += gain * detection->innovation_m;
   p_m2 *= 1.0 - gain;
@@ -98,7 +98,7 @@ void ArcKalmanScale::predict(const Odometry& odometry) {
 Rectified ArcKalmanScale::rectify(const Reading& reading) {
   const auto detection = see(reading);
   if (!detection) return {};
-  const double expected = p_m2 + mark_variance(told);
+  const double expected = p_m2 + fiducial_variance(told);
   const double gain = p_m2 / expected;
   const double scale_gain_per_m = cross_m_ / expected;
   s_m += gain * detection->innovation_m;
@@ -152,7 +152,7 @@ void UnbiasedFir::predict(const Odometry& odometry) {
 Rectified UnbiasedFir::rectify(const Reading& reading) {
   const auto detection = see(reading);
   if (!detection) return {};
-  const double expected = p_m2 + mark_variance(told);
+  const double expected = p_m2 + fiducial_variance(told);
   anchors_.push_back({detection->along_m});
   while (anchors_.size() > told.horizon) anchors_.pop_front();
   average();
@@ -162,7 +162,7 @@ Rectified UnbiasedFir::rectify(const Reading& reading) {
 void UnbiasedFir::average() {
   const auto n = static_cast<double>(anchors_.size());
   s_m = 0.0;
-  p_m2 = mark_variance(told) / n;
+  p_m2 = fiducial_variance(told) / n;
   for (std::size_t i = 0; i < anchors_.size(); ++i) {
     s_m += anchors_[i].along_m / n;
     // The way since a reading lies in all the older ones, too: what has rolled since i is shared by 0…i.

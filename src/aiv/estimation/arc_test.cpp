@@ -44,7 +44,7 @@ TEST(DeadReckoning, in_the_open_follows_arcs_of_circles) {
   EXPECT_NEAR(algorithm.estimate().pose.y_m, 2.0, 1e-12);
 }
 
-TEST(ResetRule, is_where_the_mark_is) {
+TEST(ResetRule, is_where_the_fiducial_is) {
   ResetRule algorithm{setting_on(testing::straight())};
   algorithm.predict({1.0, 0.0, 1.0});
   const Rectified rectified = algorithm.rectify(at(1.03, 0.0, 0.01));

@@ -103,8 +103,8 @@ void carry(State& state, const State::Vector& before) {
 
 Said said_by(const SensorModel& sensors, Stations&, const State::Vector& about, const Reading& reading) {
   const SinCos h = sincos(about(State::heading));
-  const double dx = reading.mark_M.x_m - about(State::x);
-  const double dy = reading.mark_M.y_m - about(State::y);
+  const double dx = reading.fiducial_M.x_m - about(State::x);
+  const double dy = reading.fiducial_M.y_m - about(State::y);
   const double ahead = h.cos * dx + h.sin * dy;
   const double left = -h.sin * dx + h.cos * dy;
   Said said;
@@ -113,11 +113,11 @@ Said said_by(const SensorModel& sensors, Stations&, const State::Vector& about, 
   Measured& along = said.measured[0];
   along.slope.head<3>() = Vector3(-h.cos, -h.sin, left);
   along.residual = reading.detected_B.x_m - ahead;
-  along.variance = squared(sensors.mark_along_sigma_m);
+  along.variance = squared(sensors.fiducial_along_sigma_m);
   Measured& across = said.measured[1];
   across.slope.head<3>() = Vector3(h.sin, -h.cos, -ahead);
   across.residual = reading.detected_B.y_m - left;
-  across.variance = squared(sensors.mark_across_sigma_m);
+  across.variance = squared(sensors.fiducial_across_sigma_m);
   return said;
 }
 

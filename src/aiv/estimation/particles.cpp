@@ -112,12 +112,12 @@ Rectified ParticleFilter::rectify(const Reading& reading) {
   const SensorModel& sensors = setting_.sensors;
   // Across, the guesses stand on the line and the vehicle near it.
   const double across =
-      sensors.mark_across_sigma_m * sensors.mark_across_sigma_m + sensors.line_sigma_m * sensors.line_sigma_m;
-  const double along = sensors.mark_along_sigma_m * sensors.mark_along_sigma_m;
+      sensors.fiducial_across_sigma_m * sensors.fiducial_across_sigma_m + sensors.line_sigma_m * sensors.line_sigma_m;
+  const double along = sensors.fiducial_along_sigma_m * sensors.fiducial_along_sigma_m;
   weigh([&](const Pose2& pose) {
-    const Point2 mark_B = inverse(pose) * reading.mark_M;
-    const double ahead = mark_B.x_m - reading.detected_B.x_m;
-    const double left = mark_B.y_m - reading.detected_B.y_m;
+    const Point2 fiducial_B = inverse(pose) * reading.fiducial_M;
+    const double ahead = fiducial_B.x_m - reading.detected_B.x_m;
+    const double left = fiducial_B.y_m - reading.detected_B.y_m;
     return ahead * ahead / along + left * left / across;
   });
   return {true, std::nullopt, 0};

@@ -30,10 +30,10 @@ Matrix2 rotation(double angle_rad) {
 Vector2 vector(Point2 p) { return {p.x_m, p.y_m}; }
 
 /// Where a pose would have a mark, in the body's frame.
-Vector2 detected_from(double x_m, double y_m, double heading_rad, Point2 mark_M) {
+Vector2 detected_from(double x_m, double y_m, double heading_rad, Point2 fiducial_M) {
   const SinCos h = sincos(heading_rad);
-  const double dx = mark_M.x_m - x_m;
-  const double dy = mark_M.y_m - y_m;
+  const double dx = fiducial_M.x_m - x_m;
+  const double dy = fiducial_M.y_m - y_m;
   return {h.cos * dx + h.sin * dy, -h.sin * dx + h.cos * dy};
 }
 
@@ -106,9 +106,9 @@ double range_variance(const SensorModel& sensors, double range_m) {
          sensors.range_station_sigma_m * sensors.range_station_sigma_m + scale_m * scale_m;
 }
 
-Matrix2 mark_covariance(const SensorModel& sensors) {
-  return Vector2(sensors.mark_along_sigma_m * sensors.mark_along_sigma_m,
-                 sensors.mark_across_sigma_m * sensors.mark_across_sigma_m)
+Matrix2 fiducial_covariance(const SensorModel& sensors) {
+  return Vector2(sensors.fiducial_along_sigma_m * sensors.fiducial_along_sigma_m,
+                 sensors.fiducial_across_sigma_m * sensors.fiducial_across_sigma_m)
       .asDiagonal();
 }
 
@@ -141,20 +141,20 @@ void Ekf::predict(const Odometry& odometry) {
 }
 
 Rectified Ekf::rectify(const Reading& reading) {
-  const Vector2 expected = detected_from(current_estimate.x_m, current_estimate.y_m, current_estimate.heading_rad, reading.mark_M);
+  const Vector2 expected = detected_from(current_estimate.x_m, current_estimate.y_m, current_estimate.heading_rad, reading.fiducial_M);
   const Matrix2 r = rotation(current_estimate.heading_rad);
   Eigen::Matrix<double, 2, 3> h;
   h.leftCols<2>() = -r.transpose();
   h.col(2) = Vector2(expected(1), -expected(0));
   const Vector2 innovation = vector(reading.detected_B) - expected;
-  const Matrix2 s = h * doubt * h.transpose() + mark_covariance(told.sensors);
+  const Matrix2 s = h * doubt * h.transpose() + fiducial_covariance(told.sensors);
   const double nis = squared_over(innovation, s);
   if (!(nis <= gate_2)) return {false, nis, 2};
   const Eigen::Matrix<double, 3, 2> gain = doubt * h.transpose() * inverse_of(s);
   add_to(current_estimate, gain * innovation);
   // Joseph's form: stays positive whatever rounding does.
   const Matrix3 rest = Matrix3::Identity() - gain * h;
-  doubt = rest * doubt * rest.transpose() + gain * mark_covariance(told.sensors) * gain.transpose();
+  doubt = rest * doubt * rest.transpose() + gain * fiducial_covariance(told.sensors) * gain.transpose();
   make_symmetric(doubt);
   return {true, nis, 2};
 }
@@ -229,10 +229,10 @@ Rectified Ukf::rectify(const Reading& reading) {
   Vector2 mean = Vector2::Zero();
   for (int i = 0; i < points; ++i) {
     z.col(i) =
-        detected_from(current_estimate.x_m + about(0, i), current_estimate.y_m + about(1, i), current_estimate.heading_rad + about(2, i), reading.mark_M);
+        detected_from(current_estimate.x_m + about(0, i), current_estimate.y_m + about(1, i), current_estimate.heading_rad + about(2, i), reading.fiducial_M);
     mean += weight(i) * z.col(i);
   }
-  Matrix2 s = mark_covariance(told.sensors);
+  Matrix2 s = fiducial_covariance(told.sensors);
   Eigen::Matrix<double, 3, 2> cross = Eigen::Matrix<double, 3, 2>::Zero();
   for (int i = 0; i < points; ++i) {
     s += weight(i) * (z.col(i) - mean) * (z.col(i) - mean).transpose();
@@ -321,10 +321,10 @@ void InvariantEkf::correct(const Vector3& xi) {
 Rectified InvariantEkf::rectify(const Reading& reading) {
   const Point2 estimated_M = pose_ * reading.detected_B;
   Eigen::Matrix<double, 2, 3> h;
-  h << 1.0, 0.0, -reading.mark_M.y_m, 0.0, 1.0, reading.mark_M.x_m;
-  const Vector2 innovation = vector(reading.mark_M) - vector(estimated_M);
+  h << 1.0, 0.0, -reading.fiducial_M.y_m, 0.0, 1.0, reading.fiducial_M.x_m;
+  const Vector2 innovation = vector(reading.fiducial_M) - vector(estimated_M);
   const Matrix2 r = rotation(pose_.heading_rad);
-  const Matrix2 noise = r * mark_covariance(setting_.sensors) * r.transpose();
+  const Matrix2 noise = r * fiducial_covariance(setting_.sensors) * r.transpose();
   const Matrix2 s = h * covariance_ * h.transpose() + noise;
   const double nis = squared_over(innovation, s);
   if (!(nis <= gate_2)) return {false, nis, 2};

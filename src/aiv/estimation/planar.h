@@ -29,7 +29,7 @@ struct StepCourse {
 /// anew each time, which it is not.
 [[nodiscard]] double range_variance(const SensorModel& sensors, double range_m);
 /// Of a reading, (along, across).
-[[nodiscard]] Matrix2 mark_covariance(const SensorModel& sensors);
+[[nodiscard]] Matrix2 fiducial_covariance(const SensorModel& sensors);
 
 /// Innovations beyond these are refused: chi-squared of one and two dimensions at 99.9 %.
 inline constexpr double gate_1 = 10.828;

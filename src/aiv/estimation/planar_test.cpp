@@ -41,8 +41,8 @@ struct Round {
             station, place,
             scale * distance(position(ground_truth), place) + bias_m + random.gaussian(0.0, setting.sensors.range_sigma_m)});
       } else if (i % 10 == 9) {
-        const Point2 mark = ground_truth * Point2{0.0, 0.01};
-        algorithm.rectify(Reading{1, mark, {random.gaussian(0.0, 0.01), 0.01 + random.gaussian(0.0, 0.01)}});
+        const Point2 fiducial = ground_truth * Point2{0.0, 0.01};
+        algorithm.rectify(Reading{1, fiducial, {random.gaussian(0.0, 0.01), 0.01 + random.gaussian(0.0, 0.01)}});
       }
       const Estimate estimate = algorithm.estimate();
       squares += std::pow(distance(estimate.pose, ground_truth), 2);

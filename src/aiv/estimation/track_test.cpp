@@ -53,8 +53,8 @@ TEST(Track, goes_round_the_loop_that_the_vehicle_stands_on_and_the_first_where_n
 TEST(Track, prefers_a_foot_at_right_angles_to_the_end_of_the_section_before) {
   // 5 cm beyond the joint; the belief is still before it, and so is the end that would be nearer.
   const auto oval = testing::oval();
-  const Point2 mark = position(oval->pose_at(3.05));
-  EXPECT_NEAR(*oval->foot(mark, 2.98, 1.0), 3.05, 1e-9);
+  const Point2 fiducial = position(oval->pose_at(3.05));
+  EXPECT_NEAR(*oval->foot(fiducial, 2.98, 1.0), 3.05, 1e-9);
 }
 
 TEST(Track, of_sections_that_do_not_follow_each_other_is_refused) {

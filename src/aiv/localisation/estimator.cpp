@@ -282,13 +282,13 @@ PositionEstimator::Fix PositionEstimator::on_beacon(Point2 beacon, double latenc
   return {FixKind::corrected, moved_m};
 }
 
-std::optional<PositionEstimator::Foot> PositionEstimator::foot_of(Point2 mark) const {
+std::optional<PositionEstimator::Foot> PositionEstimator::foot_of(Point2 fiducial) const {
   // Sections further along than the gate cannot hold it.
   const Near sections = sections_near(model_.beacon_gate_m);
   std::optional<Foot> best;
   double best_m = under_vehicle_m;
   for (const zone::SectionId id : sections.ids()) {
-    const auto near = zone_.circuit.section(id).nearest(mark);
+    const auto near = zone_.circuit.section(id).nearest(fiducial);
     if (near.distance_m >= best_m) continue;
     const auto offset_m = offset_to({id, near.s_m}, model_.beacon_gate_m);
     if (!offset_m) continue;

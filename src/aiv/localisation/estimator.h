@@ -159,7 +159,7 @@ class PositionEstimator {
     double offset_m;  ///< along the course from the belief
     double beside_m;  ///< from the mark
   };
-  [[nodiscard]] std::optional<Foot> foot_of(Point2 mark) const;
+  [[nodiscard]] std::optional<Foot> foot_of(Point2 fiducial) const;
   Fix on_strange_beacon(Point2 beacon, double latency_m);
   Fix jump_to(zone::Place place);
   /// The sections of its way so near to the belief, each once and in their order. More than fit are left out.

@@ -29,14 +29,14 @@ std::string shortened(std::string text) {
 
 wire::EstimateSensors told_of(const estimation::SensorModel& sensors) {
   return {sensors.distance_variance_per_m, sensors.turn_variance_per_m, sensors.turn_variance_per_rad,
-          sensors.distance_scale_sigma,    sensors.turn_scale_sigma,    sensors.mark_along_sigma_m,
-          sensors.mark_across_sigma_m,     sensors.line_sigma_m,        sensors.line_heading_sigma_rad};
+          sensors.distance_scale_sigma,    sensors.turn_scale_sigma,    sensors.fiducial_along_sigma_m,
+          sensors.fiducial_across_sigma_m,     sensors.line_sigma_m,        sensors.line_heading_sigma_rad};
 }
 
 /// A mark as the antenna has it when it comes into the field: at the rim, as far aside as the line passes it.
-Point2 at_rim(const zone::Circuit& circuit, Point2 mark_M, const Pose2& X_MB, double range_m) {
+Point2 at_rim(const zone::Circuit& circuit, Point2 fiducial_M, const Pose2& X_MB, double range_m) {
   std::vector<zone::Circuit::Located> lines;
-  circuit.near(mark_M, range_m, lines);
+  circuit.near(fiducial_M, range_m, lines);
   for (const auto& [place, left_m, distance_m] : lines) {
     if (std::fabs(wrap_angle(circuit.pose_at(place).heading_rad - X_MB.heading_rad)) > along_rad_max) continue;
     return {std::sqrt(std::fmax(range_m * range_m - left_m * left_m, 0.0)), left_m};
@@ -75,8 +75,8 @@ estimation::SensorModel data_sheet() {
   estimation::SensorModel sensors;
   sensors.distance_variance_per_m = 9e-6;
   sensors.distance_scale_sigma = 0.005;
-  sensors.mark_along_sigma_m = 0.0025;
-  sensors.mark_across_sigma_m = 0.002;
+  sensors.fiducial_along_sigma_m = 0.0025;
+  sensors.fiducial_across_sigma_m = 0.002;
   sensors.line_sigma_m = 0.001;
   return sensors;
 }
@@ -149,7 +149,7 @@ void Estimating::begin(const wire::EstimateRequest& request, const Step& step) {
   estimation::Setting setting;
   setting.sensors = data_sheet();
   setting.start = {current_estimate.X_MB.x_m + 0.0, current_estimate.X_MB.y_m + 0.0, current_estimate.X_MB.heading_rad + 0.0};
-  setting.start_sigma_m = std::fmax(current_estimate.sigma_m, setting.sensors.mark_along_sigma_m);
+  setting.start_sigma_m = std::fmax(current_estimate.sigma_m, setting.sensors.fiducial_along_sigma_m);
   setting.start_heading_sigma_rad = start_heading_sigma_rad;
   setting.seed = request.seed;
   setting.particles = request.particles;
@@ -198,15 +198,15 @@ void Estimating::roll(const Step& step) {
 void Estimating::on_tag(std::uint32_t number, SimTime read_at, const zone::TrafficZone& zone, const Pose2& X_MB) {
   // Driving backwards the field comes from the other side; so short a way needs no reading.
   if (!session_ || session_->speed_mps < 0.0 || session_->told.size() >= EstimateResponse::told_max) return;
-  std::optional<Point2> mark_M;
-  if (const zone::Tag* tag = zone.find_tag(number)) mark_M = position(zone.circuit.pose_at(tag->place));
-  if (!mark_M && zone.beacons) mark_M = zone.beacons->find(number);
-  if (!mark_M) return;
-  Point2 detected_B = at_rim(zone.circuit, *mark_M, X_MB, model_.antenna_range_m);
+  std::optional<Point2> fiducial_M;
+  if (const zone::Tag* tag = zone.find_tag(number)) fiducial_M = position(zone.circuit.pose_at(tag->place));
+  if (!fiducial_M && zone.beacons) fiducial_M = zone.beacons->find(number);
+  if (!fiducial_M) return;
+  Point2 detected_B = at_rim(zone.circuit, *fiducial_M, X_MB, model_.antenna_range_m);
   // The algorithms stand where the last odometry was counted, which is not when the mark came into the field.
   const double since_s = to_seconds(session_->stepped_at - read_at) + model_.reading_latency_s;
   detected_B.x_m -= session_->speed_mps * since_s;
-  tell({number, {mark_M->x_m + 0.0, mark_M->y_m + 0.0}, {detected_B.x_m + 0.0, detected_B.y_m + 0.0}});
+  tell({number, {fiducial_M->x_m + 0.0, fiducial_M->y_m + 0.0}, {detected_B.x_m + 0.0, detected_B.y_m + 0.0}});
 }
 
 void Estimating::tell(const EstimateResponse::Reading& reading) {
@@ -214,7 +214,7 @@ void Estimating::tell(const EstimateResponse::Reading& reading) {
   for (Running& one : session_->algorithms) {
     if (!one.algorithm) continue;
     one.rectified.push_back(
-        told_of(one.algorithm->rectify(estimation::Reading{reading.mark, reading.mark_M, reading.detected_B})));
+        told_of(one.algorithm->rectify(estimation::Reading{reading.fiducial, reading.fiducial_M, reading.detected_B})));
   }
 }
 

@@ -121,7 +121,7 @@ TEST(Estimating, tells_readings_as_the_antenna_has_them_and_what_each_algorithm_
   const EstimateResponse response = vehicle.response();
   ASSERT_THAT(response.told, SizeIs(3));
   const auto& reading = std::get<EstimateResponse::Reading>(response.told[1]);
-  EXPECT_EQ(reading.mark, tag.number);
+  EXPECT_EQ(reading.fiducial, tag.number);
   // At the rim, 2 cm ahead, 20 ms before its number was there: 1 cm at 0.5 m/s.
   EXPECT_NEAR(reading.detected_B.x_m, 0.01, 1e-9);
   EXPECT_NEAR(reading.detected_B.y_m, 0.0, 1e-9);

@@ -194,17 +194,17 @@ class Image {
               "\" width=\"24\" height=\"" + number(step + 0.5) + "\" fill=\"" +
               colour(static_cast<double>(i) / shades) + "\"/>\n";
     }
-    const auto mark = [&](double ratio, const std::string& phrase) {
+    const auto fiducial = [&](double ratio, const std::string& phrase) {
       text(left + 34.0, plot_top + (1.0 - ratio) * plot_height + 5.0, 14.0, fill(pale_ink), phrase);
     };
     if (surface_.is_speed()) {
       constexpr std::array<const char*, 4> names{"0 stop", "1 slow", "2 medium", "3 fast"};
-      for (std::size_t i = 0; i < names.size(); ++i) mark(static_cast<double>(i) / 3.0, names[i]);
+      for (std::size_t i = 0; i < names.size(); ++i) fiducial(static_cast<double>(i) / 3.0, names[i]);
       text(left, plot_top - 16.0, 13.0, fill(pale_ink), "lines: another profile");
       return;
     }
     for (const double ratio : {0.0, 0.25, 0.5, 0.75, 1.0})
-      mark(ratio, number(surface_.low + ratio * (surface_.high - surface_.low)));
+      fiducial(ratio, number(surface_.low + ratio * (surface_.high - surface_.low)));
     if (surface_.of == "go") text(left, plot_top - 16.0, 13.0, fill(pale_ink), "line: goes from here");
   }
 

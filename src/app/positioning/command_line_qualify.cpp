@@ -23,7 +23,7 @@ constexpr const char* qualify_examples =
 constexpr const char* compare_examples =
     "Examples:\n"
     "  cosiva compare reset_rule arc_kalman --runs 30             who is better, and is that sure\n"
-    "  cosiva compare --zone indus8 --marks beacons --json        the usual ones, beacons as the zone has them\n"
+    "  cosiva compare --zone indus8 --fiducials beacons --json        the usual ones, beacons as the zone has them\n"
     "  cosiva compare --live --vehicle AIV1 --vehicle AIV2 --way 20 --runs 8    figure 17 on two vehicles that drive\n"
     "  cosiva compare ekf calibrating smoother --recording A --recording B\n"
     "  cosiva compare --reference ground_truth.tum --estimate a.tum --estimate b.tum\n"
@@ -43,7 +43,7 @@ void add_virtual_time(CLI::App& command, QualifyArguments& q) {
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   command.add_option("--seed", q.seed, "of the first run; the others count on")->type_name("N")->capture_default_str();
-  command.add_option("--marks", q.marks, "what is read: a beacon every --pitch, the zone's tags, or its beacons")
+  command.add_option("--fiducials", q.fiducials, "what is read: a beacon every --pitch, the zone's tags, or its beacons")
       ->check(CLI::IsMember({"pitch", "tags", "beacons"}))
       ->capture_default_str();
   add_length(command, "--pitch", q.pitch_m, "between beacons along the way");
@@ -135,7 +135,7 @@ void add_live(CLI::App& command, LiveQualifyArguments& live) {
 /// What is a property of a simulation or of a file is none of a platform that runs.
 std::optional<std::string> useless_live(const CLI::App& command) {
   for (const char* name :
-       {"--zone", "--marks", "--pitch", "--reach", "--odometry-noise", "--reading-noise", "--missed", "--scale-error",
+       {"--zone", "--fiducials", "--pitch", "--reach", "--odometry-noise", "--reading-noise", "--missed", "--scale-error",
         "--survey-error", "--recording", "--reference", "--estimate", "--associate", "--align"}) {
     if (command.get_option(name)->count() > 0) return name;
   }

@@ -23,8 +23,8 @@ void write_sensors(JsonWriter& json, const estimation::SensorModel& sensors) {
   json.field("turn_variance_per_m", sensors.turn_variance_per_m);
   json.field("turn_variance_per_rad", sensors.turn_variance_per_rad);
   json.field("turn_drift_sigma_radps", sensors.turn_drift_sigma_radps);
-  json.field("mark_along_sigma_m", sensors.mark_along_sigma_m);
-  json.field("mark_across_sigma_m", sensors.mark_across_sigma_m);
+  json.field("fiducial_along_sigma_m", sensors.fiducial_along_sigma_m);
+  json.field("fiducial_across_sigma_m", sensors.fiducial_across_sigma_m);
   json.field("line_sigma_m", sensors.line_sigma_m).field("range_sigma_m", sensors.range_sigma_m).end_object();
 }
 
@@ -117,8 +117,8 @@ void ExternalAlgorithm::predict(const estimation::Odometry& odometry) {
 
 estimation::Rectified ExternalAlgorithm::rectify(const estimation::Reading& reading) {
   JsonWriter json;
-  json.begin_object().key("reading").begin_object().field("mark", reading.mark);
-  json.field("x_m", reading.mark_M.x_m).field("y_m", reading.mark_M.y_m);
+  json.begin_object().key("reading").begin_object().field("fiducial", reading.fiducial);
+  json.field("x_m", reading.fiducial_M.x_m).field("y_m", reading.fiducial_M.y_m);
   json.field("ahead_m", reading.detected_B.x_m).field("left_m", reading.detected_B.y_m).end_object().end_object();
   tell(json.text());
   return {true, std::nullopt, 0};

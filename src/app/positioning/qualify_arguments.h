@@ -22,7 +22,7 @@ struct QualifyArguments {
   double way_m{100.0};
   std::uint32_t runs{30};
   std::uint64_t seed{1};
-  std::string marks{"pitch"};  ///< pitch, tags or beacons
+  std::string fiducials{"pitch"};  ///< pitch, tags or beacons
   double pitch_m{0.5};
   double reach_m{0.02};  ///< of the reader, for beacons
   double speed_mps{0.5};

@@ -33,17 +33,17 @@ std::vector<std::vector<Point2>> lines_of(const zone::TrafficZone& zone) {
   return lines;
 }
 
-Result<void> lay_marks(const QualifyArguments& arguments, const Ring& ring, Simulation& simulation) {
-  if (arguments.marks == "pitch") return {};
-  if (arguments.marks == "tags") {
-    simulation.marks = experiments::marks_of(*ring.track, *ring.zone);
+Result<void> lay_fiducials(const QualifyArguments& arguments, const Ring& ring, Simulation& simulation) {
+  if (arguments.fiducials == "pitch") return {};
+  if (arguments.fiducials == "tags") {
+    simulation.fiducials = experiments::fiducials_of(*ring.track, *ring.zone);
   } else if (ring.zone->beacons) {
-    simulation.marks = experiments::marks_of(*ring.track, *ring.zone->beacons, arguments.reach_m);
+    simulation.fiducials = experiments::fiducials_of(*ring.track, *ring.zone->beacons, arguments.reach_m);
   }
-  if (!simulation.marks.empty()) return {};
-  return fail("simulation.marks",
-              "the way passes over none of its " + arguments.marks +
-                  (arguments.marks == "beacons" ? " within " + decimals(1e3 * arguments.reach_m, 1) + " mm" : ""),
+  if (!simulation.fiducials.empty()) return {};
+  return fail("simulation.fiducials",
+              "the way passes over none of its " + arguments.fiducials +
+                  (arguments.fiducials == "beacons" ? " within " + decimals(1e3 * arguments.reach_m, 1) + " mm" : ""),
               ring.zone->name);
 }
 
@@ -54,9 +54,9 @@ experiments::Conditions conditions_of(const QualifyArguments& arguments, const R
   auto& settings = conditions.settings;
   settings.emplace_back("zone", ring.zone->name);
   settings.emplace_back("way of each run", decimals(arguments.way_m, 1) + " m");
-  settings.emplace_back("marks", arguments.marks == "pitch"
+  settings.emplace_back("fiducials", arguments.fiducials == "pitch"
                                      ? "one every " + decimals(arguments.pitch_m, 3) + " m of the way"
-                                     : std::to_string(simulation.marks.size()) + " " + arguments.marks +
+                                     : std::to_string(simulation.fiducials.size()) + " " + arguments.fiducials +
                                            " once round, " + decimals(ring.track->length_m(), 2) + " m");
   settings.emplace_back("odometry", mm(arguments.odometry_m) + " after 1 m, " + decimals(arguments.rate_hz, 1) + " Hz");
   settings.emplace_back("reading", mm(arguments.reading_m));
@@ -129,8 +129,8 @@ Result<Runs> virtual_runs(const QualifyArguments& arguments) {
   simulation.survey_sigma_m = arguments.survey_m;
   simulation.scale_sigma = arguments.scale;
   simulation.sensors.distance_variance_per_m = arguments.odometry_m * arguments.odometry_m;
-  simulation.sensors.mark_along_sigma_m = simulation.sensors.mark_across_sigma_m = arguments.reading_m;
-  if (auto laid = lay_marks(arguments, *ring, simulation); !laid) return tl::unexpected(laid.error());
+  simulation.sensors.fiducial_along_sigma_m = simulation.sensors.fiducial_across_sigma_m = arguments.reading_m;
+  if (auto laid = lay_fiducials(arguments, *ring, simulation); !laid) return tl::unexpected(laid.error());
   if (auto fine = experiments::check(simulation); !fine) return tl::unexpected(fine.error());
   Runs runs;
   runs.count = arguments.runs;

@@ -65,13 +65,13 @@ struct Name {
   std::string unit;
 };
 Name taken_apart(std::string_view written) {
-  const std::size_t mark = written.find_last_of("([/");
+  const std::size_t fiducial = written.find_last_of("([/");
   Name name;
   const auto small = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
-  for (const char c : written.substr(0, mark))
+  for (const char c : written.substr(0, fiducial))
     if (c != ' ' && c != '_' && c != '-' && c != '.') name.quantity += small(c);
-  if (mark == std::string_view::npos) return name;
-  for (const char c : written.substr(mark + 1))
+  if (fiducial == std::string_view::npos) return name;
+  for (const char c : written.substr(fiducial + 1))
     if (c != ' ' && c != ')' && c != ']') name.unit += small(c);
   return name;
 }

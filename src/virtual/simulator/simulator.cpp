@@ -51,7 +51,7 @@ Result<Simulator::Reception> Simulator::receive(SimTime now, const zone::ZoneCon
 
 Simulator::TwinId Simulator::appear(std::string id, std::uint32_t number, bool augmented, SimDuration extrapolate_max,
                                     const Step& step) {
-  step("AIV_Server", "Simulator", "appear", id + " gets mark " + std::to_string(number));
+  step("AIV_Server", "Simulator", "appear", id + " gets display number " + std::to_string(number));
   entities_.emplace_back();
   if (!augmented) {
     entities_.back() = monitor_.entity(id);
@@ -64,7 +64,7 @@ Simulator::TwinId Simulator::appear(std::string id, std::uint32_t number, bool a
 
 void Simulator::reappear(TwinId twin, SimDuration extrapolate_max, const Step& step) {
   Twin& old = twins_[twin];
-  step("AIV_Server", "Simulator", "appear", old.id() + " is back under mark " + std::to_string(old.number()));
+  step("AIV_Server", "Simulator", "appear", old.id() + " is back under display number " + std::to_string(old.number()));
   old = Twin(old.id(), old.number(), extrapolate_max);
   divergences_m_[twin] = 0.0;
 }

@@ -23,10 +23,10 @@ constexpr std::size_t slots = 64;
 constexpr std::size_t marked_bytes = 128;
 
 std::size_t slot_of(std::string_view json) {
-  Digest mark;
-  mark.add(json.substr(0, marked_bytes));
+  Digest fiducial;
+  fiducial.add(json.substr(0, marked_bytes));
   // The digest's last step is a product: its high bits are the mixed ones.
-  return static_cast<std::size_t>(mark.value() >> 32U) % slots;
+  return static_cast<std::size_t>(fiducial.value() >> 32U) % slots;
 }
 
 }  // namespace

@@ -39,8 +39,8 @@ void read_sensors(Fields& in, EstimateSensors& sensors) {
   take("turn_variance_per_rad", sensors.turn_variance_per_rad);
   take("distance_scale_sigma", sensors.distance_scale_sigma);
   take("turn_scale_sigma", sensors.turn_scale_sigma);
-  take("mark_along_sigma_m", sensors.mark_along_sigma_m);
-  take("mark_across_sigma_m", sensors.mark_across_sigma_m);
+  take("fiducial_along_sigma_m", sensors.fiducial_along_sigma_m);
+  take("fiducial_across_sigma_m", sensors.fiducial_across_sigma_m);
   take("line_sigma_m", sensors.line_sigma_m);
   take("line_heading_sigma_rad", sensors.line_heading_sigma_rad);
 }
@@ -63,9 +63,9 @@ void read_odometry(Fields& in, EstimateResponse::Odometry& odometry) {
 }
 
 void read_reading(Fields& in, EstimateResponse::Reading& reading) {
-  in.whole("mark", reading.mark);
-  in.number("x_m", -own::place_m_max, own::place_m_max, reading.mark_M.x_m);
-  in.number("y_m", -own::place_m_max, own::place_m_max, reading.mark_M.y_m);
+  in.whole("fiducial", reading.fiducial);
+  in.number("x_m", -own::place_m_max, own::place_m_max, reading.fiducial_M.x_m);
+  in.number("y_m", -own::place_m_max, own::place_m_max, reading.fiducial_M.y_m);
   in.number("ahead_m", -own::place_m_max, own::place_m_max, reading.detected_B.x_m);
   in.number("left_m", -own::place_m_max, own::place_m_max, reading.detected_B.y_m);
 }
@@ -126,8 +126,8 @@ void write(JsonWriter& json, const EstimateSensors& sensors) {
   json.field("turn_variance_per_rad", sensors.turn_variance_per_rad);
   json.field("distance_scale_sigma", sensors.distance_scale_sigma);
   json.field("turn_scale_sigma", sensors.turn_scale_sigma);
-  json.field("mark_along_sigma_m", sensors.mark_along_sigma_m);
-  json.field("mark_across_sigma_m", sensors.mark_across_sigma_m);
+  json.field("fiducial_along_sigma_m", sensors.fiducial_along_sigma_m);
+  json.field("fiducial_across_sigma_m", sensors.fiducial_across_sigma_m);
   json.field("line_sigma_m", sensors.line_sigma_m);
   json.field("line_heading_sigma_rad", sensors.line_heading_sigma_rad).end_object();
 }
@@ -149,8 +149,8 @@ void write(JsonWriter& json, const EstimateResponse::Input& input) {
     json.field("turn_rad", odometry->turn_rad).field("duration_s", odometry->duration_s).end_object();
   } else {
     const auto& reading = std::get<EstimateResponse::Reading>(input);
-    json.key("reading").begin_object().field("mark", reading.mark);
-    json.field("x_m", reading.mark_M.x_m).field("y_m", reading.mark_M.y_m);
+    json.key("reading").begin_object().field("fiducial", reading.fiducial);
+    json.field("x_m", reading.fiducial_M.x_m).field("y_m", reading.fiducial_M.y_m);
     json.field("ahead_m", reading.detected_B.x_m).field("left_m", reading.detected_B.y_m).end_object();
   }
   json.end_object();

@@ -46,8 +46,8 @@ struct EstimateSensors {
   double turn_variance_per_rad{};
   double distance_scale_sigma{};
   double turn_scale_sigma{};
-  double mark_along_sigma_m{};
-  double mark_across_sigma_m{};
+  double fiducial_along_sigma_m{};
+  double fiducial_across_sigma_m{};
   double line_sigma_m{};
   double line_heading_sigma_rad{};
   friend bool operator==(const EstimateSensors&, const EstimateSensors&) = default;
@@ -80,8 +80,8 @@ struct EstimateResponse {
     friend bool operator==(const Odometry&, const Odometry&) = default;
   };
   struct Reading {
-    std::uint32_t mark{};
-    Point2 mark_M;  ///< as surveyed
+    std::uint32_t fiducial{};
+    Point2 fiducial_M;  ///< as surveyed
     Point2 detected_B;
     friend bool operator==(const Reading&, const Reading&) = default;
   };

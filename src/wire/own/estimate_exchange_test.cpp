@@ -123,14 +123,14 @@ TEST(EstimateExchange, of_an_answer_that_is_bad_is_refused_with_its_field) {
   };
   ASSERT_TRUE(estimate_response_from_json(good)) << good;
   EXPECT_THAT(refusal(R"("distance_m":0.01)", R"("distance_m":"far")"), HasSubstr("told.0.odometry.distance_m"));
-  EXPECT_THAT(refusal(R"("mark":7)", R"("mark":0.5)"), HasSubstr("told.1.reading.mark"));
+  EXPECT_THAT(refusal(R"("fiducial":7)", R"("fiducial":0.5)"), HasSubstr("told.1.reading.fiducial"));
   EXPECT_THAT(refusal(R"({"odometry")", R"({"gyroscope")"), HasSubstr("told.0"));
   EXPECT_THAT(refusal(R"([0.25,)", R"([)"), HasSubstr("estimates.0.covariance"));
   EXPECT_THAT(refusal(R"([0.25,)", R"([null,)"), HasSubstr("estimates.0.covariance.0"));
   EXPECT_THAT(refusal(R"("nis":0.5)", R"("nis":-1)"), HasSubstr("estimates.0.rectified.0.nis"));
   EXPECT_THAT(refusal(R"("sensors":{)", R"("nothing":{)"), HasSubstr("start.sensors"));
-  EXPECT_THAT(refusal(R"("mark_along_sigma_m":0)", R"("mark_along_sigma_m":-1)"),
-              HasSubstr("start.sensors.mark_along_sigma_m"));
+  EXPECT_THAT(refusal(R"("fiducial_along_sigma_m":0)", R"("fiducial_along_sigma_m":-1)"),
+              HasSubstr("start.sensors.fiducial_along_sigma_m"));
   EXPECT_THAT(refusal(R"("timestamp":)", R"("at":)"), HasSubstr("timestamp"));
   EXPECT_FALSE(estimate_response_from_json("[]"));
 }

@@ -216,7 +216,7 @@ TEST(Draw, tells_kinds_of_sections_and_stations_apart) {
                        {"straight", 3}, {"clothoid", 1}, {"arc", 1}, {"stop", 1}, {"charger", 1}}));
 }
 
-TEST(Draw, marks_each_place_to_turn_on_the_spot_once) {
+TEST(Draw, flags_each_position_to_turn_on_the_spot_once) {
   Circuit::Part a = testing::part("a", testing::section({}, 1.0), {1, 2});
   Circuit::Part b = testing::part("b", testing::section({1.0, 0.0, pi / 2.0}, 1.0));
   Circuit::Part c = testing::part("c", testing::section({1.0, 0.0, pi}, 1.0));

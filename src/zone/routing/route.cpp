@@ -18,12 +18,12 @@ constexpr double same_place_m = 1e-6;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 std::vector<bool> marked(const Circuit& circuit, std::span<const SectionId> sections) {
-  std::vector<bool> marks(circuit.size(), false);
+  std::vector<bool> flags(circuit.size(), false);
   for (const SectionId id : sections) {
     COSIVA_EXPECT(id < circuit.size());
-    marks[id] = true;
+    flags[id] = true;
   }
-  return marks;
+  return flags;
 }
 
 /// The quickest ways from the end of one section to the starts of others.
@@ -168,15 +168,15 @@ Result<Route> Router::plan(Place from, Place goal, std::span<const SectionId> cl
   if (from.section == goal.section && goal.s_m >= from.s_m - same_place_m)
     return measured(*this, circuit, {from.section}, from.s_m, goal.s_m);
 
-  const std::vector<bool> closed_marks = marked(circuit, closed);
-  if (closed_marks[goal.section]) {
+  const std::vector<bool> closed_flags = marked(circuit, closed);
+  if (closed_flags[goal.section]) {
     return fail("route.none", quoted(circuit, goal.section) + ", where the goal lies, is closed",
                 circuit.part(goal.section).name);
   }
   const std::vector<bool> wanted = marked(circuit, {&goal.section, 1});
-  Search search{*this, circuit, closed_marks};
+  Search search{*this, circuit, closed_flags};
   if (search.run(from.section, wanted) == no_section) {
-    return tl::unexpected(no_way(*this, circuit, from.section, wanted, closed_marks, quoted(circuit, goal.section)));
+    return tl::unexpected(no_way(*this, circuit, from.section, wanted, closed_flags, quoted(circuit, goal.section)));
   }
   std::vector<SectionId> sections = search.way(goal.section);
   sections.insert(sections.begin(), from.section);
@@ -186,7 +186,7 @@ Result<Route> Router::plan(Place from, Place goal, std::span<const SectionId> cl
 Result<Route> Router::plan(Place from, const Loop& loop, std::span<const SectionId> closed) const {
   const Circuit& circuit = zone_->circuit;
   COSIVA_EXPECT(from.section < circuit.size() && !loop.sections.empty());
-  const std::vector<bool> closed_marks = marked(circuit, closed);
+  const std::vector<bool> closed_flags = marked(circuit, closed);
   const std::string what = "the loop '" + loop.name + "'";
 
   const auto index_of = [&](SectionId id) {
@@ -195,9 +195,9 @@ Result<Route> Router::plan(Place from, const Loop& loop, std::span<const Section
   std::vector<SectionId> sections{from.section};
   /// On to the quickest of the wanted sections.
   const auto go_on = [&](const std::vector<bool>& wanted) -> Result<SectionId> {
-    Search search{*this, circuit, closed_marks};
+    Search search{*this, circuit, closed_flags};
     const SectionId at = search.run(sections.back(), wanted);
-    if (at == no_section) return tl::unexpected(no_way(*this, circuit, sections.back(), wanted, closed_marks, what));
+    if (at == no_section) return tl::unexpected(no_way(*this, circuit, sections.back(), wanted, closed_flags, what));
     const auto way = search.way(at);
     sections.insert(sections.end(), way.begin(), way.end());
     return at;
@@ -211,7 +211,7 @@ Result<Route> Router::plan(Place from, const Loop& loop, std::span<const Section
   }
   for (std::size_t i = 1; i < loop.sections.size(); ++i) {
     const SectionId id = loop.sections[(first + i) % loop.sections.size()];
-    if (closed_marks[id]) continue;
+    if (closed_flags[id]) continue;
     const auto next = circuit.next(sections.back());
     if (std::find(next.begin(), next.end(), id) != next.end()) {
       sections.push_back(id);
@@ -226,19 +226,19 @@ Result<Route> Router::plan(Place from, const Loop& loop, std::span<const Section
 /// Whoever leads nowhere but to dead ends is one itself: they are taken away, one after the other, until nobody is.
 std::vector<bool> Router::goes_on_for_ever(std::span<const SectionId> closed) const {
   const Circuit& circuit = zone_->circuit;
-  const std::vector<bool> closed_marks = marked(circuit, closed);
+  const std::vector<bool> closed_flags = marked(circuit, closed);
   std::vector<bool> alive(circuit.size(), true);
   std::vector<std::size_t> ways(circuit.size(), 0);
   std::vector<SectionId> dead;
   for (SectionId id = 0; id < circuit.size(); ++id) {
-    for (const SectionId after : circuit.next(id)) ways[id] += closed_marks[after] ? 0U : 1U;
+    for (const SectionId after : circuit.next(id)) ways[id] += closed_flags[after] ? 0U : 1U;
     if (ways[id] == 0) dead.push_back(id);
   }
   while (!dead.empty()) {
     const SectionId id = dead.back();
     dead.pop_back();
     alive[id] = false;
-    if (closed_marks[id]) continue;  // nobody counts on entering it
+    if (closed_flags[id]) continue;  // nobody counts on entering it
     for (const SectionId before : circuit.previous(id)) {
       if (--ways[before] == 0) dead.push_back(before);
     }

@@ -4,7 +4,7 @@ import type { Point } from '../live/contract';
 import { layout } from '../shell/layout.svelte';
 import type { Hit } from './hit_index';
 import { MapIndex } from './hit_index';
-import type { Drawing, HeldCrossing } from './marks';
+import type { Drawing, HeldCrossing } from './map_markers';
 import { drop_tag, empty_sketch, enter, erase, finish, press, type Doing, type Sketch, type Step } from './tools';
 import type { Platform } from '../live/platform.svelte';
 import { short } from '../live/rows';

@@ -3,7 +3,7 @@
 import { Canvas2dRenderer } from './canvas2d';
 import type { Aiv, Zone } from '../live/contract';
 import { kind_aiv, look_kind_mask, look_status_shift } from '../live/frames';
-import { Marks, type Marked } from './marks';
+import { Marks, type Marked } from './map_markers';
 import { Trails, trails_max } from './trails';
 import { ZonePicture } from './zone_picture';
 import { spot_px, type BodiesShown, type BodySize, type Colours, type Renderer } from './renderer';

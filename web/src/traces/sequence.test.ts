@@ -27,7 +27,7 @@ const kinds_of = (store: TraceStore, seqs: readonly number[]) => seqs.map((seq) 
 
 describe('the article’s exchanges', () => {
   it('figure 8 is the whole exchange from the configuration to the drawn circuit, and nothing else', () => {
-    const store = told(beat, ...zone_exchange, ['CoSiVA/AIV1', 'AIV_Server', 'state'], ['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV1 gets mark 1']);
+    const store = told(beat, ...zone_exchange, ['CoSiVA/AIV1', 'AIV_Server', 'state'], ['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV1 gets display number 1']);
     const found = find_figure(store, 'figure 8')!;
     expect(found.seqs).toEqual([1, 2, 3, 4, 5, 6, 7, 8, 9]);
     expect(found.agents).toEqual(['physical side', 'AIV_Server', 'Simulator', 'RTM', 'CircuitFactory', 'Circuit']);
@@ -39,7 +39,7 @@ describe('the article’s exchanges', () => {
   it('figure 9 goes from coming on the air over the mark to the first reports, through the proxy', () => {
     const store = told(
       ['CoSiVA/AIV2', 'AIV_Server', 'connection', 'ONLINE'], ['CoSiVA/AIV1', 'AIV_Server', 'state'], ['CoSiVA/AIV2', 'AIV_Server', 'state'],
-      ['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV2 gets mark 2'], ['AIV_Server', 'CoSiVA/AIV2', 'order'], beat, ['CoSiVA/AIV2', 'AIV_Server', 'visualization'],
+      ['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV2 gets display number 2'], ['AIV_Server', 'CoSiVA/AIV2', 'order'], beat, ['CoSiVA/AIV2', 'AIV_Server', 'visualization'],
     );
     const found = find_figure(store, 'figure 9')!;
     expect(kinds_of(store, found.seqs)).toEqual(['connection', 'state', 'appear', 'order', 'visualization']);
@@ -47,7 +47,7 @@ describe('the article’s exchanges', () => {
     expect(found.agents).toEqual(['CoSiVA/AIV2', 'AIV_Server', 'Simulator']);
   });
   it('figure 9 is of the AIV that is asked for; an obstacle that appears is none', () => {
-    const store = told(['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV1 gets mark 1'], ['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV2 is back under mark 2'], ['AIV_Server', 'Simulator', 'appear', 'S1: an obstacle at 1, 2']);
+    const store = told(['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV1 gets display number 1'], ['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV2 is back under display number 2'], ['AIV_Server', 'Simulator', 'appear', 'S1: an obstacle at 1, 2']);
     expect(find_figure(store, 'figure 9')!.seqs[0]).toBe(1);
     expect(find_figure(store, 'figure 9', 'CoSiVA/AIV1')!.seqs[0]).toBe(0);
     expect(find_figure(store, 'figure 9', 'CoSiVA/AIV7')).toBeNull();
@@ -70,7 +70,7 @@ describe('the article’s exchanges', () => {
   it('figure 9 holds neither what vehicles say to each other nor their convoys', () => {
     const store = told(
       ['CoSiVA/AIV1', 'AIV_Server', 'connection', 'ONLINE'], ['CoSiVA/AIV1', 'CoSiVA/AIV2', 'V2X', '0.400 m/s'],
-      ['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV1 gets mark 1'], ['CoSiVA/AIV2', 'CoSiVA/AIV1', 'V2X', '0.400 m/s'],
+      ['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV1 gets display number 1'], ['CoSiVA/AIV2', 'CoSiVA/AIV1', 'V2X', '0.400 m/s'],
       ['AIV_Server', 'CoSiVA/AIV1', 'convoy', 'convoy of 2 through X1 and X4, behind CoSiVA/AIV2'], ['AIV_Server', 'CoSiVA/AIV1', 'order', 'order 1'],
     );
     expect(find_figure(store, 'figure 9', 'CoSiVA/AIV1')!.seqs).toEqual([0, 2, 5]);

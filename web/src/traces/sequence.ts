@@ -174,9 +174,9 @@ function zone_exchange(store: TraceStore): Exchange | null {
   return { agents: agents_of(store, seqs), seqs, proxies: false };
 }
 
-/** The vehicle of "CoSiVA/AIV1 gets mark 1" or "CoSiVA/AIV1 is back under mark 1"; null for an obstacle. */
+/** The vehicle of "CoSiVA/AIV1 gets display number 1" or "CoSiVA/AIV1 is back under display number 1"; null for an obstacle. */
 function who_appears(content: string): string | null {
-  return /^(\S+\/\S+) (?:gets|is back under) mark/.exec(content)?.[1] ?? null;
+  return /^(\S+\/\S+) (?:gets|is back under) display number/.exec(content)?.[1] ?? null;
 }
 
 /** Messages between vehicles and about crossings, which none of the figures shows. */

@@ -9,18 +9,18 @@ namespace {
 
 /// Units of one rank in one round, at most: a letter stays small, and all ranks agree often.
 constexpr std::size_t ratio_max = 4096;
-constexpr char error_mark = '!';
-constexpr char part_mark = '\x1f';
+constexpr char error_flag = '!';
+constexpr char part_flag = '\x1f';
 
 std::string letter_of(const Error& error) {
-  return error_mark + error.code + part_mark + error.message + part_mark + error.place;
+  return error_flag + error.code + part_flag + error.message + part_flag + error.place;
 }
 
 std::optional<Error> error_in(std::string_view message) {
-  if (message.empty() || message.front() != error_mark) return std::nullopt;
+  if (message.empty() || message.front() != error_flag) return std::nullopt;
   message.remove_prefix(1);
-  const std::size_t first = message.find(part_mark);
-  const std::size_t second = message.find(part_mark, first + 1);
+  const std::size_t first = message.find(part_flag);
+  const std::size_t second = message.find(part_flag, first + 1);
   return Error{std::string(message.substr(0, first)), std::string(message.substr(first + 1, second - first - 1)),
                std::string(message.substr(second + 1))};
 }
@@ -38,7 +38,7 @@ std::string numbers_of(const std::vector<std::size_t>& units) {
   return text;
 }
 
-void mark(std::string_view numbers, std::vector<bool>& finished) {
+void fiducial(std::string_view numbers, std::vector<bool>& finished) {
   Lines lines{numbers};
   for (std::string_view line; lines.next(line);)
     // A number alone, or a state's line, which begins with one.
@@ -67,7 +67,7 @@ Result<CampaignRun> CampaignRun::make(const CampaignWork& work, Result<std::vect
                                         std::to_string(r) + " differs from number 0");
   CampaignRun run{work, ranks};
   std::vector<bool> finished(work.units(), false);
-  mark(std::string_view{messages[0]}.substr(identity.size() + 1), finished);
+  fiducial(std::string_view{messages[0]}.substr(identity.size() + 1), finished);
   for (std::size_t unit = 0; unit < work.units(); ++unit) {
     run.left_.push_back(unit);
     run.cost_all_ += work.cost(unit);
@@ -135,7 +135,7 @@ Result<void> CampaignRun::tell(const std::vector<std::optional<UnitRecord>>& min
   if (const auto error = first_error(ranks_->exchange(std::vector<std::string>(ranks_->size(), news))))
     return tl::unexpected(*error);
   std::vector<bool> finished(work_->units(), false);
-  for (const std::string& message : messages) mark(message, finished);
+  for (const std::string& message : messages) fiducial(message, finished);
   record_done(finished);
   return {};
 }

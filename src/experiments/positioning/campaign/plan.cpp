@@ -45,7 +45,7 @@ void read_settings(const Entry& root, CampaignPlan& plan) {
   plan.seed = static_cast<std::uint64_t>(root.whole("seed", 0, std::int64_t{1} << 53, 1));
   plan.way_m = root.number("way_m", way, 100.0);
   plan.rate_hz = root.number("rate_hz", rate, 20.0);
-  plan.marks = root.one_of("marks", {"line", "grid"}, "line") == "grid" ? Marks::grid : Marks::line;
+  plan.fiducials = root.one_of("fiducials", {"line", "grid"}, "line") == "grid" ? Fiducials::grid : Fiducials::line;
   plan.reach_m = root.number("reach_m", reach, 0.02);
   plan.particles = static_cast<std::uint32_t>(root.whole("particles", 10, 1'000'000, 500));
   plan.horizon = static_cast<std::uint32_t>(root.whole("horizon", 1, 1000, 4));
@@ -55,8 +55,8 @@ void read_settings(const Entry& root, CampaignPlan& plan) {
 }
 
 /// Grids have what lines have not, and are read by readers that see one beacon at a time.
-void check_marks(const Entry& root, const Entry& vary, const CampaignPlan& plan) {
-  if (plan.marks == Marks::line) {
+void check_fiducials(const Entry& root, const Entry& vary, const CampaignPlan& plan) {
+  if (plan.fiducials == Fiducials::line) {
     for (const Swept swept : {Swept::rotation, Swept::origin_x, Swept::origin_y})
       if (vary.has(info_of(swept).key))
         vary.fault(info_of(swept).key, "campaign.plan", "only a grid has it: set marks = \"grid\"");
@@ -80,7 +80,7 @@ void check_size(const Entry& vary, const CampaignPlan& plan) {
 
 CampaignPlan read(const Entry& root) {
   CampaignPlan plan;
-  root.expect_only({"name", "zone", "runs", "seed", "way_m", "rate_hz", "marks", "reach_m", "particles", "horizon",
+  root.expect_only({"name", "zone", "runs", "seed", "way_m", "rate_hz", "fiducials", "reach_m", "particles", "horizon",
                     "threshold_m", "tolerance_m", "tolerance_of", "vary"});
   read_settings(root, plan);
   const auto vary = root.table("vary");
@@ -92,7 +92,7 @@ CampaignPlan read(const Entry& root) {
   plan.algorithms = vary->some_of("algorithm", algorithm_names(registry), {"arc_kalman"});
   for (std::size_t i = 0; i < swept_count; ++i)
     plan.values[i] = vary->sweep(infos[i].key, range_of(infos[i]), values_max, infos[i].usual);
-  check_marks(root, *vary, plan);
+  check_fiducials(root, *vary, plan);
   check_size(*vary, plan);
   return plan;
 }

@@ -42,7 +42,7 @@ struct SweptInfo {
 }
 
 /// Where beacons lie: one every pitch along the way, or in a square grid over the zone that the way crosses.
-enum class Marks { line, grid };
+enum class Fiducials { line, grid };
 /// Which figure has to stay within the tolerance.
 enum class Evaluated { rmse, p95 };
 
@@ -57,7 +57,7 @@ struct CampaignPlan {
   std::uint64_t seed{1};
   double way_m{100.0};
   double rate_hz{20.0};
-  Marks marks{Marks::line};
+  Fiducials fiducials{Fiducials::line};
   double reach_m{0.02};  ///< of the reader, in a grid
   std::uint32_t particles{500};
   std::uint32_t horizon{4};

@@ -29,7 +29,7 @@ void write_plan(JsonWriter& json, const CampaignResult& result) {
   const CampaignPlan& plan = result.work.plan();
   json.key("plan").begin_object().field("name", plan.name).field("zone", result.work.ground().zone->name);
   json.field("runs", plan.runs).field("seed", plan.seed).field("way_m", plan.way_m).field("rate_hz", plan.rate_hz);
-  json.field("marks", plan.marks == Marks::grid ? "grid" : "line").field("reach_m", plan.reach_m);
+  json.field("fiducials", plan.fiducials == Fiducials::grid ? "grid" : "line").field("reach_m", plan.reach_m);
   json.field("threshold_m", plan.threshold_m).field("tolerance_m", plan.tolerance_m);
   json.field("tolerance_of", plan.evaluated == Evaluated::p95 ? "p95" : "rmse");
   json.key("vary").begin_object().key("algorithm").begin_array();
@@ -52,7 +52,7 @@ void write_cell(JsonWriter& json, const CampaignPlan& plan, const CellMetrics& c
   json.field("limit_m", cell.limit_m).field("gap_percent", cell.gap_percent).field("leak", cell.leak);
   json.field("mean_m", cell.mean_m).field("max_m", cell.max_m).field("precision_ratio", cell.precision);
   json.field("covered95_ratio", cell.covered).field("nees", cell.nees).field("refused_readings", cell.refused);
-  json.field("spacing_m", cell.marks.spacing_m).field("longest_unread_m", cell.marks.longest_unread_m).end_object();
+  json.field("spacing_m", cell.fiducials.spacing_m).field("longest_unread_m", cell.fiducials.longest_unread_m).end_object();
 }
 
 }  // namespace

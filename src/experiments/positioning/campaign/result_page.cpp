@@ -140,16 +140,16 @@ void add_pitches(const CampaignResult& result, Report& report) {
     rows.back().push_back(to_string(met.pitch));
     rows.back().push_back(met.low && met.high ? to_string(*met.low) + " … " + to_string(*met.high) : "–");
     rows.back().push_back(met.limit ? to_string(*met.limit) : "–");
-    if (plan.marks == Marks::grid) rows.back().push_back(to_string(met.worst));
+    if (plan.fiducials == Fiducials::grid) rows.back().push_back(to_string(met.worst));
   }
   std::vector<std::string> columns = with_labels("algorithm", around);
   for (const char* name : {"pitch [m]", "95 % [m]", "the limit's pitch [m]"}) columns.emplace_back(name);
-  if (plan.marks == Marks::grid) columns.emplace_back("worst placement [m]");
+  if (plan.fiducials == Fiducials::grid) columns.emplace_back("worst placement [m]");
   report.table(columns, rows);
   report.paragraph("The widest pitch at which the " + evaluated_name(plan) +
                    " stays within the tolerance, and at all narrower ones that were swept, interpolated between them "
                    "in logarithms. Its interval is where the error's 95 % interval passes the tolerance.");
-  if (plan.marks == Marks::grid)
+  if (plan.fiducials == Fiducials::grid)
     report.paragraph(
         "Over all origins and rotations of the plan; the worst placement is the worst of them at each pitch.");
 }
@@ -169,7 +169,7 @@ void add_cells(const CampaignResult& result, Report& report) {
     for (const std::string& text :
          {mm(cell.rmse_m.value), interval, mm(cell.limit_m), readable(cell.gap_percent, 1) + (cell.leak ? " leak" : ""),
           mm(cell.p95_m.value), mm(cell.max_m), readable(100.0 * cell.precision, 1), readable(100.0 * cell.covered, 1),
-          readable(cell.marks.spacing_m, 2), readable(cell.marks.longest_unread_m, 2)})
+          readable(cell.fiducials.spacing_m, 2), readable(cell.fiducials.longest_unread_m, 2)})
       rows.back().push_back(text);
   }
   std::vector<std::string> columns = with_labels("algorithm", plan.swept());

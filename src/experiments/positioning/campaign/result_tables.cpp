@@ -96,8 +96,8 @@ Table cells_table(const CampaignResult& result) {
   number("covered95_ratio", [](const CellMetrics& c) { return c.covered; });
   number("nees", [](const CellMetrics& c) { return c.nees; });
   number("refused_readings", [](const CellMetrics& c) { return c.refused; });
-  number("spacing_m", [](const CellMetrics& c) { return c.marks.spacing_m; });
-  number("longest_unread_m", [](const CellMetrics& c) { return c.marks.longest_unread_m; });
+  number("spacing_m", [](const CellMetrics& c) { return c.fiducials.spacing_m; });
+  number("longest_unread_m", [](const CellMetrics& c) { return c.fiducials.longest_unread_m; });
   number("leak", [](const CellMetrics& c) { return c.leak ? 1.0 : 0.0; });
   return table;
 }
@@ -137,7 +137,7 @@ Table campaign_table(const CampaignResult& result) {
       {"seed", std::to_string(plan.seed)},
       {"way_m", shortest(plan.way_m)},
       {"rate_hz", shortest(plan.rate_hz)},
-      {"marks", plan.marks == Marks::grid ? "grid" : "line"},
+      {"fiducials", plan.fiducials == Fiducials::grid ? "grid" : "line"},
       {"reach_m", shortest(plan.reach_m)},
       {"threshold_m", shortest(plan.threshold_m)},
       {"tolerance_m", shortest(plan.tolerance_m)},

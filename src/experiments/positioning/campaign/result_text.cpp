@@ -28,7 +28,7 @@ std::string pitches_text(const CampaignPlan& plan, const std::vector<PitchMet>& 
     text += "    " + padded(plan.algorithms[met.algorithm], 18) + to_string(met.pitch) + " m";
     if (met.low && met.high) text += " (" + to_string(*met.low) + " … " + to_string(*met.high) + ")";
     if (met.limit) text += ", limit " + to_string(*met.limit) + " m";
-    if (plan.marks == Marks::grid) text += ", worst placement " + to_string(met.worst) + " m";
+    if (plan.fiducials == Fiducials::grid) text += ", worst placement " + to_string(met.worst) + " m";
     if (const std::string at = to_string(plan, met.at); !at.empty()) text += "; " + at;
     text += "\n";
   }

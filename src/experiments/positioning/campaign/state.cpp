@@ -70,8 +70,8 @@ std::string state_header(const CampaignWork& work) {
 
 std::string state_line(const UnitRecord& record) {
   std::string line = std::to_string(record.unit);
-  append(line, record.marks.spacing_m);
-  append(line, record.marks.longest_unread_m);
+  append(line, record.fiducials.spacing_m);
+  append(line, record.fiducials.longest_unread_m);
   for (const Vote& vote : record.votes)
     for (const auto field : vote_fields) append(line, vote.*field);
   return line + " " + check_of(line) + "\n";
@@ -84,7 +84,7 @@ std::optional<UnitRecord> unit_of(std::string_view line, const CampaignWork& wor
   const auto unit = number_of<std::size_t>(tokens.next());
   if (!unit || *unit >= work.units()) return std::nullopt;
   UnitRecord record{*unit, {}, {}};
-  if (!tokens.number(record.marks.spacing_m) || !tokens.number(record.marks.longest_unread_m)) return std::nullopt;
+  if (!tokens.number(record.fiducials.spacing_m) || !tokens.number(record.fiducials.longest_unread_m)) return std::nullopt;
   record.votes.resize(work.unit(*unit).runs * work.plan().algorithms.size());
   for (Vote& vote : record.votes)
     for (const auto field : vote_fields)

@@ -66,7 +66,7 @@ CellMetrics cell_of(const CampaignWork& work, const Votes& votes, std::size_t en
   CellMetrics cell;
   cell.environment = environment;
   cell.algorithm = algorithm;
-  cell.marks = votes.marks(environment);
+  cell.fiducials = votes.fiducials(environment);
   const Pool pool = pool_of(votes, {environment}, plan.runs, algorithm);
   const statistics::BootstrapOptions bootstrap{0.95, 2000, plan.seed};
   cell.rmse_m = evaluated_of(pool, Evaluated::rmse, bootstrap);
@@ -167,7 +167,7 @@ const Vote& Votes::of(std::size_t environment, std::size_t run, std::size_t algo
   return record.votes[(run - first) * work_.plan().algorithms.size() + algorithm];
 }
 
-const MarksFound& Votes::marks(std::size_t environment) const { return records_[work_.unit_of(environment, 0)].marks; }
+const FiducialsFound& Votes::fiducials(std::size_t environment) const { return records_[work_.unit_of(environment, 0)].fiducials; }
 
 Crossing crossing_of(const std::vector<double>& x, const std::vector<double>& y, double tolerance) {
   COSIVA_EXPECT(!x.empty() && x.size() == y.size());
@@ -206,7 +206,7 @@ Curve curve_of(const CampaignWork& work, const std::vector<UnitRecord>& records,
       const Pool cell = pool_of(votes, {environment}, plan.runs, algorithm);
       worst = std::fmax(
           worst, plan.evaluated == Evaluated::p95 ? statistics::mean(cell.p95_m) : root(statistics::mean(cell.mse_m2)));
-      spacing_m += votes.marks(environment).spacing_m / static_cast<double>(pools[k].size());
+      spacing_m += votes.fiducials(environment).spacing_m / static_cast<double>(pools[k].size());
     }
     curve.worst.push_back(worst);
     curve.spacing_m.push_back(spacing_m);

@@ -28,7 +28,7 @@ struct CellMetrics {
   double limit_m{};
   double gap_percent{};
   bool leak{false};  ///< below the limit, at 1 % over all cells: it knows what it cannot know, or the limit is wrong
-  MarksFound marks;
+  FiducialsFound fiducials;
 };
 
 /// For each factor which of its values; nothing: all of them, each as often as the others.
@@ -83,7 +83,7 @@ class Votes {
  public:
   Votes(const CampaignWork& work, const std::vector<UnitRecord>& records) : work_{work}, records_{records} {}
   [[nodiscard]] const Vote& of(std::size_t environment, std::size_t run, std::size_t algorithm) const;
-  [[nodiscard]] const MarksFound& marks(std::size_t environment) const;
+  [[nodiscard]] const FiducialsFound& fiducials(std::size_t environment) const;
 
  private:
   const CampaignWork& work_;

@@ -22,7 +22,7 @@ inline constexpr std::array vote_fields{&Vote::mse_m2,  &Vote::mean_m, &Vote::p9
                                         &Vote::covered, &Vote::nees,   &Vote::limit_m2, &Vote::refused};
 
 /// Where marks lie in an environment, on average and at worst, along the way.
-struct MarksFound {
+struct FiducialsFound {
   double spacing_m{};         ///< way per mark; NaN where there is none
   double longest_unread_m{};  ///< from one mark to the next, at most; NaN where there is none
 };
@@ -30,7 +30,7 @@ struct MarksFound {
 /// What came of a unit of work.
 struct UnitRecord {
   std::size_t unit{};
-  MarksFound marks;
+  FiducialsFound fiducials;
   std::vector<Vote> votes;  ///< run by run, and in each run by algorithm
 };
 

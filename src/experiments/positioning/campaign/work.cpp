@@ -25,11 +25,11 @@ constexpr std::uint32_t beacons_max = 1'000'000'000;
 constexpr std::uint64_t revision = 1;
 
 /// From mark to mark, at most; on a closed way round its end, on an open one to its ends.
-double longest_gap(const std::vector<Simulation::Mark>& marks, const estimation::Track& track) {
-  double longest_m = track.closed() ? marks.front().along_m + track.length_m() - marks.back().along_m
-                                    : std::fmax(marks.front().along_m, track.length_m() - marks.back().along_m);
-  for (std::size_t i = 1; i < marks.size(); ++i)
-    longest_m = std::fmax(longest_m, marks[i].along_m - marks[i - 1].along_m);
+double longest_gap(const std::vector<Simulation::Fiducial>& fiducials, const estimation::Track& track) {
+  double longest_m = track.closed() ? fiducials.front().along_m + track.length_m() - fiducials.back().along_m
+                                    : std::fmax(fiducials.front().along_m, track.length_m() - fiducials.back().along_m);
+  for (std::size_t i = 1; i < fiducials.size(); ++i)
+    longest_m = std::fmax(longest_m, fiducials[i].along_m - fiducials[i - 1].along_m);
   return longest_m;
 }
 
@@ -103,7 +103,7 @@ std::string CampaignWork::identity() const {
   digest.add(plan_.seed);
   digest.add(std::uint64_t{block_});
   for (const double v : {plan_.way_m, plan_.rate_hz, plan_.threshold_m}) digest.add(v);
-  if (plan_.marks == Marks::grid) digest.add(plan_.reach_m);
+  if (plan_.fiducials == Fiducials::grid) digest.add(plan_.reach_m);
   digest.add(std::uint64_t{plan_.particles});
   digest.add(std::uint64_t{plan_.horizon});
   for (const std::string& name : plan_.algorithms) digest.add(name);
@@ -132,7 +132,7 @@ Result<void> CampaignWork::checked(const SweptValues& values) const {
     fine.error().place = to_string(plan_, values);
     return fine;
   }
-  if (plan_.marks == Marks::line || grid(values)) return {};
+  if (plan_.fiducials == Fiducials::line || grid(values)) return {};
   return fail("campaign.grid", "covering the zone takes more than 1000000000 beacons; widen the pitch",
               to_string(plan_, values));
 }
@@ -148,7 +148,7 @@ Simulation CampaignWork::bare(const SweptValues& values) const {
   simulation.scale_sigma = value_of(values, Swept::scale_error);
   const double odometry_m = value_of(values, Swept::odometry_noise);
   simulation.sensors.distance_variance_per_m = odometry_m * odometry_m;
-  simulation.sensors.mark_along_sigma_m = simulation.sensors.mark_across_sigma_m =
+  simulation.sensors.fiducial_along_sigma_m = simulation.sensors.fiducial_across_sigma_m =
       value_of(values, Swept::reading_noise);
   return simulation;
 }
@@ -161,17 +161,17 @@ std::optional<zone::BeaconGrid> CampaignWork::grid(const SweptValues& values) co
 
 Simulation CampaignWork::simulation(const SweptValues& values) const {
   Simulation simulation = bare(values);
-  if (plan_.marks == Marks::line) return simulation;
-  simulation.marks_only = true;
-  if (const auto beacons = grid(values)) simulation.marks = marks_of(*ground_.track, *beacons, plan_.reach_m);
+  if (plan_.fiducials == Fiducials::line) return simulation;
+  simulation.fiducials_only = true;
+  if (const auto beacons = grid(values)) simulation.fiducials = fiducials_of(*ground_.track, *beacons, plan_.reach_m);
   return simulation;
 }
 
-MarksFound CampaignWork::found(const Simulation& simulation) const {
-  if (plan_.marks == Marks::line) return {simulation.pitch_m, simulation.pitch_m};
-  if (simulation.marks.empty()) return {nan, nan};
-  return {ground_.track->length_m() / static_cast<double>(simulation.marks.size()),
-          longest_gap(simulation.marks, *ground_.track)};
+FiducialsFound CampaignWork::found(const Simulation& simulation) const {
+  if (plan_.fiducials == Fiducials::line) return {simulation.pitch_m, simulation.pitch_m};
+  if (simulation.fiducials.empty()) return {nan, nan};
+  return {ground_.track->length_m() / static_cast<double>(simulation.fiducials.size()),
+          longest_gap(simulation.fiducials, *ground_.track)};
 }
 
 Result<UnitRecord> CampaignWork::done(std::size_t number) const {

@@ -55,7 +55,7 @@ class CampaignWork {
   [[nodiscard]] Simulation bare(const SweptValues& values) const;  ///< without the marks of a grid
   [[nodiscard]] Simulation simulation(const SweptValues& values) const;
   [[nodiscard]] std::optional<zone::BeaconGrid> grid(const SweptValues& values) const;
-  [[nodiscard]] MarksFound found(const Simulation& simulation) const;
+  [[nodiscard]] FiducialsFound found(const Simulation& simulation) const;
 
   CampaignPlan plan_;
   CampaignGround ground_;

@@ -75,8 +75,8 @@ TEST(CampaignWork, meets_a_grid_of_beacons_as_often_as_its_density_has_it) {
   for (std::size_t i = 0; i < work.units(); ++i) {
     const auto record = work.done(i);
     ASSERT_TRUE(record);
-    EXPECT_GE(record->marks.longest_unread_m, record->marks.spacing_m);
-    per_metre += 1.0 / record->marks.spacing_m / static_cast<double>(work.units());
+    EXPECT_GE(record->fiducials.longest_unread_m, record->fiducials.spacing_m);
+    per_metre += 1.0 / record->fiducials.spacing_m / static_cast<double>(work.units());
   }
   EXPECT_NEAR(per_metre, 2.0 * 0.02 / (0.2 * 0.2), 0.15);
 }
@@ -86,7 +86,7 @@ TEST(CampaignWork, says_that_a_way_meets_no_beacon_and_goes_on) {
   const auto record =
       work_of("runs = 2\nway_m = 5\nmarks = \"grid\"\n[vary]\npitch_m = 100\norigin_x_m = 50\n").done(0);
   ASSERT_TRUE(record) << to_string(record.error());
-  EXPECT_TRUE(std::isnan(record->marks.spacing_m));
+  EXPECT_TRUE(std::isnan(record->fiducials.spacing_m));
   // Odometry alone, and the limit knows: both drift.
   EXPECT_GT(record->votes[0].limit_m2, 1e-4);
 }

@@ -8,7 +8,7 @@ namespace cosiva::experiments {
 
 Sawtooth sawtooth(const Regime& regime) {
   const double q = regime.variance_per_m * regime.pitch_m;
-  const double s = std::sqrt(q * q + 4.0 * q * regime.mark_variance_m2);
+  const double s = std::sqrt(q * q + 4.0 * q * regime.fiducial_variance_m2);
   return {0.5 * (s - q), 0.5 * (s + q)};
 }
 
@@ -19,13 +19,13 @@ double filter_limit_m(const Regime& regime) {
 
 double smoother_limit_m(const Regime& regime) {
   const double q = regime.variance_per_m * regime.pitch_m;
-  const double r = regime.mark_variance_m2;
+  const double r = regime.fiducial_variance_m2;
   if (q == 0.0) return 0.0;
   return std::sqrt((q * r + q * q / 6.0) / std::sqrt(q * q + 4.0 * q * r));
 }
 
 double reset_rule_m(const Regime& regime) {
-  return std::sqrt(regime.mark_variance_m2 + 0.5 * regime.variance_per_m * regime.pitch_m);
+  return std::sqrt(regime.fiducial_variance_m2 + 0.5 * regime.variance_per_m * regime.pitch_m);
 }
 
 double precision_limit(const Regime& regime, double threshold_m) {
@@ -41,17 +41,17 @@ double precision_limit(const Regime& regime, double threshold_m) {
   return sum / (3.0 * pieces);
 }
 
-std::optional<double> pitch_for(double rmse_m, double variance_per_m, double mark_variance_m2) {
+std::optional<double> pitch_for(double rmse_m, double variance_per_m, double fiducial_variance_m2) {
   if (!(rmse_m > 0.0) || !(variance_per_m > 0.0)) return std::nullopt;
   // (Q² + 4QR)/4 = e⁴ solved for Q.
   const double e2 = rmse_m * rmse_m;
-  const double q = 2.0 * (std::sqrt(mark_variance_m2 * mark_variance_m2 + e2 * e2) - mark_variance_m2);
+  const double q = 2.0 * (std::sqrt(fiducial_variance_m2 * fiducial_variance_m2 + e2 * e2) - fiducial_variance_m2);
   return q / variance_per_m;
 }
 
 RunLimit limit_of(const Trial& run) {
   const estimation::SensorModel& sensors = run.setting.sensors;
-  const double r = sensors.mark_along_sigma_m * sensors.mark_along_sigma_m;
+  const double r = sensors.fiducial_along_sigma_m * sensors.fiducial_along_sigma_m;
   struct Step {
     double predicted;  ///< variance before what the step's readings say
     double filtered;

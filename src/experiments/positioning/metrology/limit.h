@@ -12,11 +12,11 @@ namespace cosiva::experiments {
 
 /// @param variance_per_m  q of odometry
 /// @param pitch_m         d between beacons
-/// @param mark_variance_m2  R of a reading; with reads missed at 1 − p, R/p gives a lower bound
+/// @param fiducial_variance_m2  R of a reading; with reads missed at 1 − p, R/p gives a lower bound
 struct Regime {
   double variance_per_m;
   double pitch_m;
-  double mark_variance_m2;
+  double fiducial_variance_m2;
 };
 
 /// Just after a beacon and just before the next, of the Riccati equation (P⁻)² − QP⁻ − QR = 0 with Q = q·d.
@@ -34,7 +34,7 @@ struct Sawtooth {
 /// The best filter's precision: the share of the way on which |error along the track| < τ.
 [[nodiscard]] double precision_limit(const Regime& regime, double threshold_m);
 /// The widest pitch at which the best filter's RMSE stays within a tolerance; nothing where none does.
-[[nodiscard]] std::optional<double> pitch_for(double rmse_m, double variance_per_m, double mark_variance_m2);
+[[nodiscard]] std::optional<double> pitch_for(double rmse_m, double variance_per_m, double fiducial_variance_m2);
 
 /// The same for the readings that a run really had, wherever they came: mean squared error along the track of the best
 /// filter and of the best smoother over its moments, line-following included.

@@ -20,8 +20,8 @@ estimation::SensorModel sensors_of(const wire::EstimateSensors& told) {
   sensors.turn_variance_per_rad = told.turn_variance_per_rad;
   sensors.distance_scale_sigma = told.distance_scale_sigma;
   sensors.turn_scale_sigma = told.turn_scale_sigma;
-  sensors.mark_along_sigma_m = told.mark_along_sigma_m;
-  sensors.mark_across_sigma_m = told.mark_across_sigma_m;
+  sensors.fiducial_along_sigma_m = told.fiducial_along_sigma_m;
+  sensors.fiducial_across_sigma_m = told.fiducial_across_sigma_m;
   sensors.line_sigma_m = told.line_sigma_m;
   sensors.line_heading_sigma_rad = told.line_heading_sigma_rad;
   return sensors;
@@ -110,11 +110,11 @@ void RunLog::tell(const EstimateResponse::Input& input) {
   std::vector<Event>& events = run_.trial.events;
   if (const auto* odometry = std::get_if<EstimateResponse::Odometry>(&input)) {
     events.emplace_back(estimation::Odometry{odometry->distance_m, odometry->turn_rad, odometry->duration_s});
-    since_mark_m_ += std::fabs(odometry->distance_m);
+    since_fiducial_m_ += std::fabs(odometry->distance_m);
   } else {
     const auto& reading = std::get<EstimateResponse::Reading>(input);
-    events.emplace_back(estimation::Reading{reading.mark, reading.mark_M, reading.detected_B});
-    since_mark_m_ = 0.0;
+    events.emplace_back(estimation::Reading{reading.fiducial, reading.fiducial_M, reading.detected_B});
+    since_fiducial_m_ = 0.0;
   }
 }
 
@@ -138,7 +138,7 @@ void RunLog::add(const EstimateResponse& response) {
   if (!moment) return;
   moment_m_ = travelled_m_;
   stamps_.push_back(response.timestamp);
-  run_.trial.moments.push_back({run_.trial.events.size(), 0.0, {}, travelled_m_, since_mark_m_, std::nullopt});
+  run_.trial.moments.push_back({run_.trial.events.size(), 0.0, {}, travelled_m_, since_fiducial_m_, std::nullopt});
 }
 
 Result<LivedRun> RunLog::finish(const std::shared_ptr<const zone::TrafficZone>& zone, const std::vector<TrueFix>& ground_truth,

@@ -64,7 +64,7 @@ class RunLog {
   std::vector<SimTime> stamps_;  ///< of the moments
   double travelled_m_{0.0};
   double moment_m_{0.0};  ///< travelled by the last one
-  double since_mark_m_{0.0};
+  double since_fiducial_m_{0.0};
 };
 
 /// An algorithm that ran on board, as one that can be qualified: it says again what it said then.

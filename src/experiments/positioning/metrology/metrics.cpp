@@ -22,7 +22,7 @@ double region_limit(double ratio) { return -2.0 * det_log(1.0 - ratio); }
 /// How many of the edges it is beyond: no search, whose branches nobody can foretell.
 std::size_t bin_of(double since_m) {
   std::size_t bin = 0;
-  for (const double edge : since_mark_m) bin += edge < since_m ? 1 : 0;
+  for (const double edge : since_fiducial_m) bin += edge < since_m ? 1 : 0;
   return bin;
 }
 
@@ -58,7 +58,7 @@ RunMetrics metrics_of(const Trial& trial, const Trace& trace, double threshold_m
   metrics.refused = trace.refused;
   for (std::size_t i = 0; i < trial.moments.size(); ++i) {
     const Moment& moment = trial.moments[i];
-    metrics.by_distance[bin_of(moment.since_mark_m)].add(trace.error_m[i]);
+    metrics.by_distance[bin_of(moment.since_fiducial_m)].add(trace.error_m[i]);
     if (moment.section) metrics.by_section[static_cast<std::size_t>(*moment.section)].add(trace.error_m[i]);
   }
   return metrics;

@@ -26,7 +26,7 @@ struct Part {
 /// Stated regions: within which of these shares the truth should lie.
 inline constexpr std::array region_ratios{0.50, 0.90, 0.95};
 /// Splits by the distance since the last mark: up to each of these, and beyond the last [m].
-inline constexpr std::array since_mark_m{0.1, 0.25, 0.5, 1.0, 2.0, 4.0};
+inline constexpr std::array since_fiducial_m{0.1, 0.25, 0.5, 1.0, 2.0, 4.0};
 
 /// What one algorithm is worth in one run: the run's vote.
 struct RunMetrics {
@@ -45,7 +45,7 @@ struct RunMetrics {
   std::size_t nis_dimensions{};  ///< that this is the mean of
   std::size_t refused{};
   std::array<Part, 3> by_section{};  ///< straight, arc, clothoid
-  std::array<Part, since_mark_m.size() + 1> by_distance{};
+  std::array<Part, since_fiducial_m.size() + 1> by_distance{};
 };
 [[nodiscard]] RunMetrics metrics_of(const Trial& trial, const Trace& trace, double threshold_m);
 

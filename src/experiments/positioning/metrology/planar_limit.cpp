@@ -190,14 +190,14 @@ class PlanarInformation {
   }
 
   void measure(const Reading& reading, const Pose2& ground_truth) {
-    const Point2 detected_B = inverse(ground_truth) * reading.mark_M;
+    const Point2 detected_B = inverse(ground_truth) * reading.fiducial_M;
     const SinCos h = sincos(ground_truth.heading_rad);
     Vector along = Vector::Zero(p_.rows());
     along.head<3>() = estimation::Vector3(-h.cos, -h.sin, detected_B.y_m);
-    learn(std::move(along), squared(sensors_.mark_along_sigma_m));
+    learn(std::move(along), squared(sensors_.fiducial_along_sigma_m));
     Vector across = Vector::Zero(p_.rows());
     across.head<3>() = estimation::Vector3(h.sin, -h.cos, -detected_B.x_m);
-    learn(std::move(across), squared(sensors_.mark_across_sigma_m));
+    learn(std::move(across), squared(sensors_.fiducial_across_sigma_m));
   }
 
   void learn(Vector slope, double variance) {

@@ -178,7 +178,7 @@ Trial beacons_on_a_straight(double pitch_m, bool heading_known) {
   drive.run.heading_known = heading_known;
   auto& sensors = drive.run.setting.sensors = plain_sensors();
   sensors.turn_variance_per_m = sensors.turn_variance_per_rad = 0.0;
-  sensors.mark_across_sigma_m = 1e9;
+  sensors.fiducial_across_sigma_m = 1e9;
   drive.run.setting.start_heading_sigma_rad = 0.0;
   drive.run.setting.start_sigma_m = std::sqrt(sawtooth({1e-4, pitch_m, 1e-4}).after_m2);
   const auto steps = static_cast<std::size_t>(std::lround(pitch_m / drive.step_m));

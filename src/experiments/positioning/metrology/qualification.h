@@ -74,7 +74,7 @@ struct Qualified {
   std::size_t refused{};
   double worth{};  ///< independent values in all runs together
   std::array<Part, 3> by_section{};
-  std::array<Part, since_mark_m.size() + 1> by_distance{};
+  std::array<Part, since_fiducial_m.size() + 1> by_distance{};
   std::optional<double> limit_m;      ///< what nobody can beat
   std::optional<double> gap_percent;  ///< over it
   bool limit_assumed{false};          ///< made of guesses at the sensors: then nobody below it is called a leak

@@ -177,7 +177,7 @@ TEST(QualificationStatistics, is_the_same_to_the_bit_for_the_same_seeds) {
   fixture.runs = 3;
   const Digest one = fixture.of({candidate("ekf"), candidate("smoother"), candidate("particles")}).digest;
   EXPECT_EQ(fixture.of({candidate("ekf"), candidate("smoother"), candidate("particles")}).digest, one);
-  fixture.simulation.sensors.mark_along_sigma_m = 0.011;
+  fixture.simulation.sensors.fiducial_along_sigma_m = 0.011;
   EXPECT_NE(fixture.of({candidate("ekf"), candidate("smoother"), candidate("particles")}).digest, one);
 }
 

@@ -57,12 +57,12 @@ void write_splits(JsonWriter& json, const Qualified& one) {
     json.begin_object().field("kind", zone::to_string(static_cast<zone::SectionKind>(k)));
     write_part(json, one.by_section[k]);
   }
-  json.end_array().key("by_distance_since_mark").begin_array();
+  json.end_array().key("by_distance_since_fiducial").begin_array();
   for (std::size_t k = 0; k < one.by_distance.size(); ++k) {
     if (one.by_distance[k].iterations == 0) continue;
-    json.begin_object().field("from_m", k == 0 ? 0.0 : since_mark_m[k - 1]).key("to_m");
-    if (k < since_mark_m.size())
-      json.value(since_mark_m[k]);
+    json.begin_object().field("from_m", k == 0 ? 0.0 : since_fiducial_m[k - 1]).key("to_m");
+    if (k < since_fiducial_m.size())
+      json.value(since_fiducial_m[k]);
     else
       json.null();
     write_part(json, one.by_distance[k]);

@@ -150,9 +150,9 @@ std::string by_distance(const Qualification& all) {
   Chart chart{{"since the last mark, up to [m]", 0.0, {}}, {"rmse [mm]", 0.0, {}}, {}};
   for (const Qualified* one : drawn(all)) {
     Series series{one->name, {}, {}, Series::Form::line};
-    for (std::size_t k = 0; k < since_mark_m.size(); ++k) {
+    for (std::size_t k = 0; k < since_fiducial_m.size(); ++k) {
       if (one->by_distance[k].iterations == 0) continue;
-      series.x.push_back(since_mark_m[k]);
+      series.x.push_back(since_fiducial_m[k]);
       series.y.push_back(1e3 * one->by_distance[k].rmse_m());
     }
     chart.series.push_back(std::move(series));

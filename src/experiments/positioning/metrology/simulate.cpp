@@ -24,20 +24,20 @@ class Beacons {
   explicit Beacons(const Simulation& simulation) : simulation_{simulation} {}
 
   [[nodiscard]] double next_m() const {
-    if (simulation_.marks.empty())
-      return simulation_.marks_only ? 1e300 : static_cast<double>(k_ + 1) * simulation_.pitch_m;
-    if (k_ >= simulation_.marks.size() && !simulation_.track->closed()) return 1e300;
-    const std::size_t rounds = k_ / simulation_.marks.size();
+    if (simulation_.fiducials.empty())
+      return simulation_.fiducials_only ? 1e300 : static_cast<double>(k_ + 1) * simulation_.pitch_m;
+    if (k_ >= simulation_.fiducials.size() && !simulation_.track->closed()) return 1e300;
+    const std::size_t rounds = k_ / simulation_.fiducials.size();
     return static_cast<double>(rounds) * simulation_.track->length_m() +
-           simulation_.marks[k_ % simulation_.marks.size()].along_m;
+           simulation_.fiducials[k_ % simulation_.fiducials.size()].along_m;
   }
   [[nodiscard]] std::uint32_t number() const {
-    if (simulation_.marks.empty()) return static_cast<std::uint32_t>(k_ + 1);
-    return simulation_.marks[k_ % simulation_.marks.size()].number;
+    if (simulation_.fiducials.empty()) return static_cast<std::uint32_t>(k_ + 1);
+    return simulation_.fiducials[k_ % simulation_.fiducials.size()].number;
   }
   [[nodiscard]] Point2 surveyed() const {
-    if (simulation_.marks.empty()) return position(simulation_.track->pose_at(next_m()));
-    return simulation_.marks[k_ % simulation_.marks.size()].place_M;
+    if (simulation_.fiducials.empty()) return position(simulation_.track->pose_at(next_m()));
+    return simulation_.fiducials[k_ % simulation_.fiducials.size()].place_M;
   }
   void pass() { ++k_; }
 
@@ -76,7 +76,7 @@ class Drive {
       }
       roll(until_m);
       run_.moments.push_back({run_.events.size(), static_cast<double>(i) / simulation_.odometry_hz, ground_truth_, along_m_,
-                              along_m_ - mark_m_, kind_});
+                              along_m_ - fiducial_m_, kind_});
     }
   }
 
@@ -146,11 +146,11 @@ class Drive {
       told_M.x_m += survey.gaussian(0.0, simulation_.survey_sigma_m);
       told_M.y_m += survey.gaussian(0.0, simulation_.survey_sigma_m);
     }
-    const double along = reader_.gaussian(0.0, simulation_.sensors.mark_along_sigma_m);
-    const double across = reader_.gaussian(0.0, simulation_.sensors.mark_across_sigma_m);
+    const double along = reader_.gaussian(0.0, simulation_.sensors.fiducial_along_sigma_m);
+    const double across = reader_.gaussian(0.0, simulation_.sensors.fiducial_across_sigma_m);
     if (simulation_.read_ratio < 1.0 && !reader_.chance(simulation_.read_ratio)) return;
     run_.events.emplace_back(Reading{number, told_M, {detected_B.x_m + along, detected_B.y_m + across}});
-    mark_m_ = along_m_;
+    fiducial_m_ = along_m_;
   }
 
   const Simulation& simulation_;
@@ -162,7 +162,7 @@ class Drive {
   Gaussians line_;
   double scale_;
   double along_m_{0.0};
-  double mark_m_{0.0};
+  double fiducial_m_{0.0};
   double left_m_;
   zone::SectionKind kind_{};
   double step_m_{simulation_.speed_mps / simulation_.odometry_hz};
@@ -183,7 +183,7 @@ Result<void> check(const Simulation& simulation) {
   if (!positive(simulation.pitch_m)) return fail("simulation.pitch", "beacons lie at some distance");
   if (!(simulation.read_ratio > 0.0 && simulation.read_ratio <= 1.0))
     return fail("simulation.reads", "the share of beacons that are read lies in (0, 1]");
-  if (!(simulation.sensors.mark_along_sigma_m > 0.0)) return fail("simulation.reader", "no reader is without error");
+  if (!(simulation.sensors.fiducial_along_sigma_m > 0.0)) return fail("simulation.reader", "no reader is without error");
   if (simulation.way_m / simulation.speed_mps * simulation.odometry_hz < 1.0)
     return fail("simulation.way", "it ends before odometry has told anything");
   if (simulation.way_m / simulation.speed_mps * simulation.odometry_hz > 2e7)
@@ -197,37 +197,37 @@ void simulate(const Simulation& simulation, std::uint64_t seed, Trial& run) {
   Drive(simulation, seed, run).go();
 }
 
-std::vector<Simulation::Mark> marks_of(const estimation::Track& track, const zone::BeaconGrid& grid, double reach_m) {
-  std::vector<Simulation::Mark> marks;
+std::vector<Simulation::Fiducial> fiducials_of(const estimation::Track& track, const zone::BeaconGrid& grid, double reach_m) {
+  std::vector<Simulation::Fiducial> fiducials;
   // Along the track in steps short enough that no beacon in reach is jumped over.
   const double step_m = 0.25 * grid.pitch_m;
   for (double s = 0.0; s < track.length_m(); s += step_m) {
     const auto near = grid.nearest(position(track.pose_at(s)));
     if (!near) continue;
     const auto foot = track.foot(near->position, s, step_m, reach_m);
-    if (foot && *foot >= 0.0 && *foot < track.length_m()) marks.push_back({near->number, *foot, near->position});
+    if (foot && *foot >= 0.0 && *foot < track.length_m()) fiducials.push_back({near->number, *foot, near->position});
   }
-  std::ranges::sort(marks, {}, &Simulation::Mark::along_m);
-  const auto same = [](const Simulation::Mark& a, const Simulation::Mark& b) {
+  std::ranges::sort(fiducials, {}, &Simulation::Fiducial::along_m);
+  const auto same = [](const Simulation::Fiducial& a, const Simulation::Fiducial& b) {
     return a.number == b.number && std::fabs(a.along_m - b.along_m) < 1e-3;
   };
-  marks.erase(std::unique(marks.begin(), marks.end(), same), marks.end());
-  return marks;
+  fiducials.erase(std::unique(fiducials.begin(), fiducials.end(), same), fiducials.end());
+  return fiducials;
 }
 
-std::vector<Simulation::Mark> marks_of(const estimation::Track& track, const zone::TrafficZone& zone) {
-  std::vector<Simulation::Mark> marks;
+std::vector<Simulation::Fiducial> fiducials_of(const estimation::Track& track, const zone::TrafficZone& zone) {
+  std::vector<Simulation::Fiducial> fiducials;
   for (double s = 0.0; s < track.length_m();) {
     const zone::Place place = track.place_at(s);
     const double end_m = s - place.s_m + zone.circuit.section(place.section).length_m();
     for (const zone::Tag& tag : zone.tags) {
       if (tag.place.section == place.section)
-        marks.push_back({tag.number, s - place.s_m + tag.place.s_m, position(zone.circuit.pose_at(tag.place))});
+        fiducials.push_back({tag.number, s - place.s_m + tag.place.s_m, position(zone.circuit.pose_at(tag.place))});
     }
     s = end_m + 1e-9;
   }
-  std::ranges::sort(marks, {}, &Simulation::Mark::along_m);
-  return marks;
+  std::ranges::sort(fiducials, {}, &Simulation::Fiducial::along_m);
+  return fiducials;
 }
 
 }  // namespace cosiva::experiments

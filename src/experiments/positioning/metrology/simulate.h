@@ -18,15 +18,15 @@ struct Simulation {
   double way_m{100.0};  ///< TDTmax: how far it goes
   double speed_mps{0.5};
   double odometry_hz{50.0};
-  /// Beacons: every so many metres along the unrolled way, or where `marks` lie.
+  /// Beacons: every so many metres along the unrolled way, or where `fiducials` lie.
   double pitch_m{0.5};
-  struct Mark {
+  struct Fiducial {
     std::uint32_t number;
     double along_m;  ///< where the track passes it, within one round
     Point2 place_M;
   };
-  std::vector<Mark> marks{};          ///< sorted by along_m; empty: by pitch
-  bool marks_only{false};             ///< `marks` are all there are, even where there are none
+  std::vector<Fiducial> fiducials{};          ///< sorted by along_m; empty: by pitch
+  bool fiducials_only{false};             ///< `fiducials` are all there are, even where there are none
   double read_ratio{1.0};             ///< of beacons passed, those that are read
   double survey_sigma_m{0.0};         ///< how far off a beacon lies from where it is said to lie: the same every time
   double scale_sigma{0.0};            ///< of the odometer's scale, one draw per run
@@ -44,9 +44,9 @@ struct Simulation {
 void simulate(const Simulation& simulation, std::uint64_t seed, Trial& run);
 
 /// The zone's beacons that the track passes within `reach_m`, at the place nearest to each.
-[[nodiscard]] std::vector<Simulation::Mark> marks_of(const estimation::Track& track, const zone::BeaconGrid& grid,
+[[nodiscard]] std::vector<Simulation::Fiducial> fiducials_of(const estimation::Track& track, const zone::BeaconGrid& grid,
                                                      double reach_m);
 /// Likewise its tags, which lie on the line.
-[[nodiscard]] std::vector<Simulation::Mark> marks_of(const estimation::Track& track, const zone::TrafficZone& zone);
+[[nodiscard]] std::vector<Simulation::Fiducial> fiducials_of(const estimation::Track& track, const zone::TrafficZone& zone);
 
 }  // namespace cosiva::experiments

@@ -23,7 +23,7 @@ struct Moment {
   double t_s{};
   Pose2 ground_truth;            ///< X_MB
   double travelled_m{};   ///< since the run's beginning
-  double since_mark_m{};  ///< since the last reading or range; since the beginning before the first
+  double since_fiducial_m{};  ///< since the last reading or range; since the beginning before the first
   std::optional<zone::SectionKind> section;
 };
 

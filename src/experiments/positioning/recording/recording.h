@@ -29,7 +29,7 @@ struct Recording {
   };
   struct Sighted {
     double t_s;
-    std::uint32_t mark;
+    std::uint32_t fiducial;
     Point2 detected_B;
   };
   struct True {

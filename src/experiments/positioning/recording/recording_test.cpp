@@ -53,7 +53,7 @@ TEST(Recording, cuts_odometry_where_something_was_read_between) {
   EXPECT_EQ(std::get<estimation::Range>(trial->events[4]).station_M, (Point2{1.0, 2.0}));
   ASSERT_EQ(trial->moments.size(), 3U);
   EXPECT_EQ(trial->moments[1].events, 5U);
-  EXPECT_EQ(trial->moments[1].since_mark_m, 0.0);
+  EXPECT_EQ(trial->moments[1].since_fiducial_m, 0.0);
   EXPECT_EQ(trial->moments[2].travelled_m, 2.5);
   EXPECT_EQ(trial->setting.start, (Pose2{0.0, 0.0, 0.0}));
 }

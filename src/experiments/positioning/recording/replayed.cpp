@@ -87,9 +87,9 @@ class Mixer {
     return {};
   }
   Result<void> tell(const Recording::Sighted& detected) {
-    const auto place = surveyed(detected.mark);
+    const auto place = surveyed(detected.fiducial);
     if (!place) return tl::unexpected(place.error());
-    trial_.events.emplace_back(estimation::Reading{detected.mark, *place, detected.detected_B});
+    trial_.events.emplace_back(estimation::Reading{detected.fiducial, *place, detected.detected_B});
     since_m_ = 0.0;
     return {};
   }
@@ -153,8 +153,8 @@ Result<void> take_sensors(const Recording& recording, estimation::SensorModel& s
       {"distance_scale_sigma", &estimation::SensorModel::distance_scale_sigma},
       {"turn_scale_sigma", &estimation::SensorModel::turn_scale_sigma},
       {"turn_drift_sigma_radps", &estimation::SensorModel::turn_drift_sigma_radps},
-      {"mark_along_sigma_m", &estimation::SensorModel::mark_along_sigma_m},
-      {"mark_across_sigma_m", &estimation::SensorModel::mark_across_sigma_m},
+      {"fiducial_along_sigma_m", &estimation::SensorModel::fiducial_along_sigma_m},
+      {"fiducial_across_sigma_m", &estimation::SensorModel::fiducial_across_sigma_m},
       {"line_sigma_m", &estimation::SensorModel::line_sigma_m},
       {"line_heading_sigma_rad", &estimation::SensorModel::line_heading_sigma_rad},
       {"range_sigma_m", &estimation::SensorModel::range_sigma_m},

@@ -122,9 +122,9 @@ void VirtualObstaclePublisher::pick(VehicleIndex vehicle, const Pose2& X_MB) {
   }
   std::ranges::stable_sort(near_, {}, [](const Present* p) { return p->distance_m; });
   if (near_.size() > wire::VirtualObstacles::bodies_max) near_.resize(wire::VirtualObstacles::bodies_max);
-  marks_.clear();
-  for (const Present* present : near_) marks_.emplace_back(present->handle, present->changed);
-  std::ranges::sort(marks_);
+  sent_objects_.clear();
+  for (const Present* present : near_) sent_objects_.emplace_back(present->handle, present->changed);
+  std::ranges::sort(sent_objects_);
 }
 
 void VirtualObstaclePublisher::survey_neighbours(VehicleIndex vehicle) {
@@ -133,7 +133,7 @@ void VirtualObstaclePublisher::survey_neighbours(VehicleIndex vehicle) {
   Viewer& viewer = viewers_[vehicle];
   const SimTime now = publisher_.now();
   pick(vehicle, *X_MB);
-  if (marks_ != viewer.told) {
+  if (sent_objects_ != viewer.told) {
     record_change(viewer);
     tell(vehicle, viewer);
   } else if (now >= viewer.due && (!near_.empty() || viewer.empties > 0)) {
@@ -161,13 +161,13 @@ void VirtualObstaclePublisher::survey_neighbours(VehicleIndex vehicle) {
 void VirtualObstaclePublisher::record_change(Viewer& viewer) {
   Change change{viewer.next_id, publisher_.now(), false, {}};
   for (const Present* present : near_) {
-    const Mark mark{present->handle, present->changed};
-    if (!std::ranges::binary_search(viewer.told, mark)) change.came.push_back(present->body.id);
+    const SentObject fiducial{present->handle, present->changed};
+    if (!std::ranges::binary_search(viewer.told, fiducial)) change.came.push_back(present->body.id);
   }
   if (viewer.changes.size() >= changes_max) viewer.changes.erase(viewer.changes.begin());
   viewer.changes.push_back(std::move(change));
-  viewer.empties = marks_.empty() ? empty_last - 1 : 0;
-  viewer.told = marks_;
+  viewer.empties = sent_objects_.empty() ? empty_last - 1 : 0;
+  viewer.told = sent_objects_;
 }
 
 void VirtualObstaclePublisher::tell(VehicleIndex vehicle, Viewer& viewer) {

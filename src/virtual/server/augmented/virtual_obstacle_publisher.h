@@ -62,7 +62,7 @@ class VirtualObstaclePublisher {
     double distance_m{};   ///< of the viewer at hand
     double front_m{};      ///< of its foremost point, before the viewer's middle
   };
-  using Mark = std::pair<std::uint16_t, SimTime>;  ///< handle and `changed`
+  using SentObject = std::pair<std::uint16_t, SimTime>;  ///< handle and `changed`
   struct Change {
     std::uint32_t header_id;
     SimTime since;
@@ -72,7 +72,7 @@ class VirtualObstaclePublisher {
   struct Viewer {
     std::uint32_t next_id{0};
     std::array<SimTime, sent_kept> sent{};  ///< by header id, modulo
-    std::vector<Mark> told;                 ///< sorted
+    std::vector<SentObject> told;                 ///< sorted
     SimTime due{};
     int empties{0};
     std::vector<Change> changes;  ///< the last few
@@ -101,7 +101,7 @@ class VirtualObstaclePublisher {
   std::vector<Viewer> viewers_;
   std::vector<Present> world_;
   std::vector<const Present*> near_;  ///< of the viewer at hand, nearest first
-  std::vector<Mark> marks_;           ///< the same, sorted
+  std::vector<SentObject> sent_objects_;           ///< the same, sorted
   bool busy_{false};                  ///< somebody was told of something at the last update
 };
 

@@ -122,7 +122,7 @@ TEST(ServerCore, registers_a_vehicle_at_its_first_message_and_shows_its_twin_at_
   EXPECT_THAT(kinds(fixture, "AIV_Server"), testing::Contains("Simulator.appear"));
 }
 
-TEST(ServerCore, gives_marks_by_serial_number_and_no_mark_twice) {
+TEST(ServerCore, gives_display_numbers_by_serial_number_and_none_twice) {
   ServerFixture fixture;
   for (const auto& [make, serial] : {std::pair{"CoSiVA", "AIV3"}, {"Acme", "truck-3"}, {"Acme", "nameless"}}) {
     FixtureVehicle& aiv = fixture.add(serial, {0, 0.5}, make);

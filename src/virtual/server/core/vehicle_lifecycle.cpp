@@ -30,7 +30,7 @@ std::optional<VehicleIndex> VehicleLifecycle::register_vehicle(const wire::Vehic
     proxy.paused_for_body = true;
     augmented_.virtual_obstacles.wake();
   }
-  context_.publisher.log('i', proxy.name + ": registered with mark " + std::to_string(proxy.number));
+  context_.publisher.log('i', proxy.name + ": registered with display number " + std::to_string(proxy.number));
   return index;
 }
 

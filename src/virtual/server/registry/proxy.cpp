@@ -46,7 +46,7 @@ std::optional<VehicleIndex> Registry::find(std::string_view name) const {
   return it->second;
 }
 
-std::uint32_t Registry::mark_for(std::string_view serial) const {
+std::uint32_t Registry::display_number_for(std::string_view serial) const {
   const auto taken = [&](std::uint32_t n) {
     return std::ranges::any_of(proxies_, [n](const AivProxy& p) { return p.number == n; });
   };
@@ -69,7 +69,7 @@ std::optional<VehicleIndex> Registry::add(const wire::VehicleId& id, SimTime now
   AivProxy proxy;
   proxy.id = id;
   proxy.name = wire::to_string(id);
-  proxy.number = mark_for(id.serial_number);
+  proxy.number = display_number_for(id.serial_number);
   proxy.order_topic = wire::vda_topic(id, "order", interface_name_);
   proxy.actions_topic = wire::vda_topic(id, "instantActions", interface_name_);
   proxy.first_heard = now;

@@ -139,7 +139,7 @@ class Registry {
   [[nodiscard]] const std::string& interface_name() const { return interface_name_; }
 
  private:
-  [[nodiscard]] std::uint32_t mark_for(std::string_view serial) const;
+  [[nodiscard]] std::uint32_t display_number_for(std::string_view serial) const;
 
   std::string interface_name_;
   std::deque<AivProxy> proxies_;
