@@ -37,7 +37,7 @@ test('the zone is switched on the page', { timeout: 240_000 }, async (t) => {
     await page.getByTestId('zone-confirm').getByText('4 AIVs stop').waitFor();
     assert.equal((await zone_state()).name, 'indus8', 'nothing is switched before it is confirmed');
     await page.getByTestId('zone-switch-now').click();
-    await page.getByTestId('zone-switched').getByText(/\d anchored, .*the first moved after/).waitFor({ timeout: 20_000 });
+    await page.getByTestId('zone-switched').getByText(/\d snapped, .*the first moved after/).waitFor({ timeout: 20_000 });
     assert.equal((await zone_state()).name, 'lacet4');
     await page.getByTestId('zone-chooser').getByText('lacet4').waitFor();
     assert.equal(await page.evaluate(() => performance.timeOrigin), loaded, 'the page is the same');

@@ -57,7 +57,7 @@ test('twelve AIVs circulate, and their zone is switched ten times', { timeout: 5
   const driving = [];
   const parked_after = [];
   const waiting = [];
-  let anchored = 0;
+  let snapped = 0;
   let commands = 0;
   for (let i = 0; i < switches; ++i) {
     const to = i % 2 === 0 ? 'indus8' : 'lacet4';
@@ -73,7 +73,7 @@ test('twelve AIVs circulate, and their zone is switched ten times', { timeout: 5
     }, { within_ms: 10_000, every_ms: 50 });
     ways[to] ??= await ways_in_force(platform);
     first_moving_ms.push(switched.first_moving_ms);
-    anchored += switched.anchored;
+    snapped += switched.snapped;
     const command = await eventually(`command ${id} is followed`, async () => {
       const { commands: all } = await platform.snapshot();
       const one = all.find((entry) => entry.id === id || entry.id.startsWith(`${id}.`));
@@ -114,12 +114,12 @@ test('twelve AIVs circulate, and their zone is switched ten times', { timeout: 5
   });
   const words = (all) => all.map(({ id, off_new_m, off_old_m }) => `${id} ${off_new_m.toFixed(2)} m from lacet4, ${off_old_m.toFixed(2)} m from indus8`).join('; ');
   const parked_at = words(places.filter(({ why }) => why));
-  const report = { first_moving_ms, anchored_mean: anchored / switches, driving, parked_after, waiting, memory_mb, commands, parked, parked_at };
+  const report = { first_moving_ms, anchored_mean: snapped / switches, driving, parked_after, waiting, memory_mb, commands, parked, parked_at };
   mkdirSync(artefacts_dir, { recursive: true });
   writeFileSync(path.join(artefacts_dir, 'zone_switch_fleet.json'), JSON.stringify(report, null, 1));
   t.diagnostic(JSON.stringify(report));
   assert.equal(commands, switches);
-  // A fifth of indus8 (4.3 of 23.7 m) is further from lacet4 than a vehicle is anchored. How many of them drive there when the
+  // A fifth of indus8 (4.3 of 23.7 m) is further from lacet4 than a vehicle is snapped. How many of them drive there when the
   // last switch comes is chance, and each of them is parked on the way of indus8, as it must be. Nobody else may be, but for
   // a few that were still on their way onto that line.
   const parked_within = places.filter(({ why, off_new_m }) => why && off_new_m < anchor_within_m - belief_m);

@@ -8,7 +8,7 @@
 #include "cosiva/aiv/decision/branch_choice.h"
 #include "cosiva/aiv/motion/manoeuvre.h"
 #include "cosiva/base/expect.h"
-#include "cosiva/zone/circuit/anchor.h"
+#include "cosiva/zone/circuit/path_snap.h"
 
 namespace cosiva::aiv {
 namespace {
@@ -101,7 +101,7 @@ Result<void> Agent::join_line(const Pose2& X_MG) {
     return fail("join.too_far",
                 "that is " + std::to_string(far_m) + " m away, further than " + std::to_string(join_within_m) + " m");
   }
-  const auto line = zone::anchor_of(zone_.circuit, X_MG, join_off_m_max);
+  const auto line = zone::snap_to_path(zone_.circuit, X_MG, join_off_m_max);
   if (!line || std::fabs(wrap_angle(zone_.circuit.pose_at(line->place).heading_rad - X_MG.heading_rad)) > on_line_rad)
     return fail("join.no_line", "no way of '" + zone_.name + "' passes there in that direction");
   estimator_.aim(line->place);
@@ -151,7 +151,7 @@ Result<OrderBook::Verdict> Agent::take_order(const wire::Order& order) {
   if (!progress_.cancelling() && estimator_.away()) {
     return fail("noRouteError", "the nearest way of '" + zone_.name + "' passes " +
                                     std::to_string(estimator_.off_by_m()) + " m from the vehicle, further than " +
-                                    std::to_string(zone::anchor_within_m) + " m");
+                                    std::to_string(zone::snap_within_m) + " m");
   }
   OrderBook::Standing standing{estimator_.known() ? estimator_.place() : zone::Place{}, estimator_.known()};
   // With a base before it, where it stands does not matter.

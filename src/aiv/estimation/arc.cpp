@@ -143,9 +143,9 @@ std::vector<Estimate> ArcSmoother::revised() {
 
 void UnbiasedFir::predict(const Odometry& odometry) {
   DeadReckoning::predict(odometry);
-  for (Anchor& anchor : anchors_) {
-    anchor.along_m += odometry.distance_m;
-    anchor.rolled_m += std::fabs(odometry.distance_m);
+  for (PathSnap& entry_point : snaps_) {
+    entry_point.along_m += odometry.distance_m;
+    entry_point.rolled_m += std::fabs(odometry.distance_m);
   }
 }
 
@@ -153,21 +153,21 @@ Rectified UnbiasedFir::rectify(const Reading& reading) {
   const auto detection = see(reading);
   if (!detection) return {};
   const double expected = p_m2 + fiducial_variance(told);
-  anchors_.push_back({detection->along_m});
-  while (anchors_.size() > told.horizon) anchors_.pop_front();
+  snaps_.push_back({detection->along_m});
+  while (snaps_.size() > told.horizon) snaps_.pop_front();
   average();
   return {true, detection->innovation_m * detection->innovation_m / expected, 1};
 }
 
 void UnbiasedFir::average() {
-  const auto n = static_cast<double>(anchors_.size());
+  const auto n = static_cast<double>(snaps_.size());
   s_m = 0.0;
   p_m2 = fiducial_variance(told) / n;
-  for (std::size_t i = 0; i < anchors_.size(); ++i) {
-    s_m += anchors_[i].along_m / n;
+  for (std::size_t i = 0; i < snaps_.size(); ++i) {
+    s_m += snaps_[i].along_m / n;
     // The way since a reading lies in all the older ones, too: what has rolled since i is shared by 0…i.
     const double shared = 2.0 * static_cast<double>(i) + 1.0;
-    p_m2 += told.sensors.distance_variance_per_m * anchors_[i].rolled_m * shared / (n * n);
+    p_m2 += told.sensors.distance_variance_per_m * snaps_[i].rolled_m * shared / (n * n);
   }
 }
 

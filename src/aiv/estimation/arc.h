@@ -106,11 +106,11 @@ class UnbiasedFir final : public DeadReckoning {
 
  private:
   void average();
-  struct Anchor {
+  struct PathSnap {
     double along_m;      ///< where this reading alone puts the vehicle now
     double rolled_m{0};  ///< since
   };
-  std::deque<Anchor> anchors_;
+  std::deque<PathSnap> snaps_;
 };
 
 }  // namespace cosiva::estimation

@@ -71,7 +71,7 @@ class PositionEstimator {
 
   /// Somebody tells the place: configuration, memory, initPosition.
   void place_at(zone::Place place);
-  /// Somebody tells the pose, on the line or not (zone::anchor_of).
+  /// Somebody tells the pose, on the line or not (zone::snap_to_path).
   void stand_off(const Pose2& X_MB);
   /// Of one that stands beside the line: it goes onto it here, not at the nearest place.
   void aim(zone::Place place);

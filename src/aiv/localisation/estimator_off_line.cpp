@@ -7,7 +7,7 @@
 #include "cosiva/aiv/localisation/estimator.h"
 #include "cosiva/aiv/motion/manoeuvre.h"
 #include "cosiva/base/expect.h"
-#include "cosiva/zone/circuit/anchor.h"
+#include "cosiva/zone/circuit/path_snap.h"
 
 namespace cosiva::aiv {
 namespace {
@@ -43,11 +43,11 @@ void PositionEstimator::stand_off(const Pose2& X_MB) {
   strayed_m_ = 0.0;
   course_.clear();
   doubt_.reset();
-  const auto anchor = zone::anchor_of(zone_.circuit, X_MB, zone::anchor_within_m + told_off_m);
-  known_ = anchor.has_value();
+  const auto entry_point = zone::snap_to_path(zone_.circuit, X_MB, zone::snap_within_m + told_off_m);
+  known_ = entry_point.has_value();
   beside_ = known_;
-  if (anchor) motion_ = AivMotion{zone_.circuit, anchor->place};
-  off_by_m_ = anchor ? anchor->distance_m : zone_.circuit.locate(position(X_MB)).distance_m;
+  if (entry_point) motion_ = AivMotion{zone_.circuit, entry_point->place};
+  off_by_m_ = entry_point ? entry_point->distance_m : zone_.circuit.locate(position(X_MB)).distance_m;
   variance_m2_ = std::max(variance_m2_, model_.sigma_start_m * model_.sigma_start_m);
 }
 
@@ -175,7 +175,7 @@ std::optional<zone::SectionId> PositionEstimator::turned_to(double turned_rad) c
 }
 
 void PositionEstimator::land(const Pose2& X_MB, bool line_lost, Rolled& rolled) {
-  const auto line = zone::anchor_of(zone_.circuit, X_MB, model_.landed_m);
+  const auto line = zone::snap_to_path(zone_.circuit, X_MB, model_.landed_m);
   const double across_rad = line ? wrap_angle(zone_.circuit.pose_at(line->place).heading_rad - X_MB.heading_rad) : pi;
   if (line_lost || std::fabs(across_rad) > model_.landed_rad) {
     // Given up on the way: it stands where that left it, be it beside a line that its sensors do not see.

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "cosiva/aiv/motion/formulas.h"
-#include "cosiva/zone/circuit/anchor.h"
+#include "cosiva/zone/circuit/path_snap.h"
 
 namespace cosiva::aiv {
 
@@ -19,9 +19,9 @@ Onward onward(const zone::Circuit& circuit, zone::SectionId from, std::size_t br
 
 std::optional<zone::Place> sought(const zone::Circuit& circuit, const Pose2& X_MB,
                                   const std::optional<wire::Manoeuvre>& goal) {
-  const auto anchor = goal ? zone::anchor_of(circuit, X_MB * to_pose(*goal), goal_within_m)
-                           : zone::anchor_of(circuit, X_MB, seek_within_m);
-  return anchor ? std::optional{anchor->place} : std::nullopt;
+  const auto entry_point = goal ? zone::snap_to_path(circuit, X_MB * to_pose(*goal), goal_within_m)
+                           : zone::snap_to_path(circuit, X_MB, seek_within_m);
+  return entry_point ? std::optional{entry_point->place} : std::nullopt;
 }
 
 bool to_stay(const wire::Manoeuvre& goal) { return norm(1e-3 * goal.x_mm, 1e-3 * goal.y_mm) <= stays_within_m; }

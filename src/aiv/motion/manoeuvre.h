@@ -37,7 +37,7 @@ inline constexpr double on_line_rad = 0.5;
 /// A line that it was told of lies this near to where it was told, or there is none.
 inline constexpr double goal_within_m = 0.10;
 
-/// Where a body at X_MB that seeks comes onto the line: the nearest place (zone::anchor_of), or the one that it was
+/// Where a body at X_MB that seeks comes onto the line: the nearest place (zone::snap_to_path), or the one that it was
 /// told of (wire::Drive::goal). Nothing: no line is there.
 [[nodiscard]] std::optional<zone::Place> sought(const zone::Circuit& circuit, const Pose2& X_MB,
                                                 const std::optional<wire::Manoeuvre>& goal);

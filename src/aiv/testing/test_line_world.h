@@ -8,7 +8,7 @@
 #include "cosiva/aiv/motion/manoeuvre.h"
 #include "cosiva/aiv/motion/motion.h"
 #include "cosiva/wire/messages/board.h"
-#include "cosiva/zone/circuit/anchor.h"
+#include "cosiva/zone/circuit/path_snap.h"
 #include "cosiva/zone/circuit/circuit.h"
 
 namespace cosiva::aiv::test {
@@ -88,10 +88,10 @@ class LineWorld {
 
   /// By chance, where it stands on another floor.
   [[nodiscard]] std::optional<zone::Place> line_under() const {
-    const auto anchor = zone::anchor_of(*floor_, off_->X_MS, 0.001);
+    const auto entry_point = zone::snap_to_path(*floor_, off_->X_MS, 0.001);
     const bool along =
-        anchor && std::fabs(wrap_angle(floor_->pose_at(anchor->place).heading_rad - off_->X_MS.heading_rad)) < 0.01;
-    return along ? std::optional{anchor->place} : std::nullopt;
+        entry_point && std::fabs(wrap_angle(floor_->pose_at(entry_point->place).heading_rad - off_->X_MS.heading_rad)) < 0.01;
+    return along ? std::optional{entry_point->place} : std::nullopt;
   }
 
   void step_off_line(const wire::Drive* drive, double wanted_mps, double dt_s) {

@@ -19,7 +19,7 @@ std::optional<SwitchedZone> switched_in(std::string_view snapshot_json) {
   if (last == nullptr || last->object() == nullptr) return std::nullopt;
   SwitchedZone switched;
   switched.name = zone->text("name").value_or("");
-  switched.anchored = static_cast<std::uint64_t>(last->number("anchored").value_or(0.0));
+  switched.snapped = static_cast<std::uint64_t>(last->number("snapped").value_or(0.0));
   switched.first_moving_ms = last->number("first_moving_ms");
   if (const JsonValue* parked = last->find("parked"); parked != nullptr && parked->array() != nullptr)
     for (const JsonValue& who : *parked->array())
@@ -31,7 +31,7 @@ std::optional<SwitchedZone> switched_in(std::string_view snapshot_json) {
 
 std::string to_text(const SwitchedZone& switched) {
   std::string text =
-      std::to_string(switched.anchored) + " anchored, " + std::to_string(switched.parked.size()) + " parked";
+      std::to_string(switched.snapped) + " anchored, " + std::to_string(switched.parked.size()) + " parked";
   for (std::size_t i = 0; i < switched.parked.size(); ++i)
     text += (i == 0 ? ": " : ", ") + serial_of(switched.parked[i]);
   if (switched.first_moving_ms)

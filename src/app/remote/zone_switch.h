@@ -12,7 +12,7 @@ namespace cosiva::app {
 /// What a running platform's table says of its last switch.
 struct SwitchedZone {
   std::string name;
-  std::uint64_t anchored{};
+  std::uint64_t snapped{};
   std::vector<std::string> parked;
   std::optional<double> first_moving_ms;
   std::uint64_t vehicles{};  ///< of the fleet, whether they can move or not

@@ -43,7 +43,7 @@ void tell(const ZoneArguments& arguments, const std::string& name, double revisi
   }
   JsonWriter json;
   json.begin_object().field("zone", name).field("revision", static_cast<std::uint64_t>(revision));
-  json.field("anchored", switched ? switched->anchored : 0).key("parked").begin_array();
+  json.field("snapped", switched ? switched->snapped : 0).key("parked").begin_array();
   if (switched)
     for (const std::string& who : switched->parked) json.value(who);
   json.end_array().key("first_moving_ms");

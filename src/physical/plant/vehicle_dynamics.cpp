@@ -5,7 +5,7 @@
 #include <span>
 
 #include "cosiva/base/expect.h"
-#include "cosiva/zone/circuit/anchor.h"
+#include "cosiva/zone/circuit/path_snap.h"
 
 namespace cosiva::physical {
 namespace {
@@ -248,12 +248,12 @@ void LineVehicle::stand_on(const zone::Circuit& circuit) {
   step_distance_m_ = 0.0;
   step_manoeuvre_ = {};
   // It may lie on a line by chance, as where the old floor and the new have a way in common.
-  const auto anchor = zone::anchor_of(circuit, body_.X_MB, train_.line_lost_m);
-  place_ = anchor ? anchor->place : zone::Place{0, 0.0};
+  const auto entry_point = zone::snap_to_path(circuit, body_.X_MB, train_.line_lost_m);
+  place_ = entry_point ? entry_point->place : zone::Place{0, 0.0};
   const Pose2 X_PB = inverse(circuit.pose_at(place_)) * body_.X_MB;
   lateral_m_ = X_PB.y_m;
   heading_rad_ = X_PB.heading_rad;
-  lies_on_line_ = anchor && lies_over(X_PB) && std::fabs(heading_rad_) <= aiv::on_line_rad;
+  lies_on_line_ = entry_point && lies_over(X_PB) && std::fabs(heading_rad_) <= aiv::on_line_rad;
   record_section();
 }
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "cosiva/zone/circuit/anchor.h"
+#include "cosiva/zone/circuit/path_snap.h"
 #include "cosiva/zone/edit/edit.h"
 
 namespace cosiva::virtual_side {
@@ -49,11 +49,11 @@ void VirtualBody::stand_on_next() {
   // Where the old floor and the new have a way in common it lies on it by chance, and may go on as it is.
   constexpr double on_line_m = 1e-3;
   constexpr double on_line_rad = 1e-2;
-  const auto anchor = zone::anchor_of(zone_->circuit, X_MS_, on_line_m);
+  const auto entry_point = zone::snap_to_path(zone_->circuit, X_MS_, on_line_m);
   lies_on_line_ =
-      anchor &&
-      std::fabs(wrap_angle(zone_->circuit.pose_at(anchor->place).heading_rad - X_MS_.heading_rad)) <= on_line_rad;
-  if (lies_on_line_) motion_ = aiv::AivMotion{zone_->circuit, anchor->place};
+      entry_point &&
+      std::fabs(wrap_angle(zone_->circuit.pose_at(entry_point->place).heading_rad - X_MS_.heading_rad)) <= on_line_rad;
+  if (lies_on_line_) motion_ = aiv::AivMotion{zone_->circuit, entry_point->place};
   antenna_.place(*zone_, place(), position(X_MS_));
 }
 

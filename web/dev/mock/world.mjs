@@ -29,7 +29,7 @@ export class World extends Motion {
     Object.assign(this, { commands, command_number });
     const last = this.aivs.at(-1);
     Object.assign(last, { paused: true, parked: 'it stands 0.82 m beside every way' });
-    this.switched = { at: this.now, from, first_moving_ms: 431, anchored: this.aivs.length - 1, parked: [last.id] };
+    this.switched = { at: this.now, from, first_moving_ms: 431, snapped: this.aivs.length - 1, parked: [last.id] };
     return { revision: this.zone_revision, name };
   }
   suggest_beacons() {

@@ -46,7 +46,7 @@ export interface ZoneState {
   closed: readonly string[];
   /** the last zone that was refused */
   refused: { origin: string; why: string; at: number | string } | null;
-  switched: { at: number | string; from: string | null; first_moving_ms: number | null; anchored: number; parked: readonly string[] } | null;
+  switched: { at: number | string; from: string | null; first_moving_ms: number | null; snapped: number; parked: readonly string[] } | null;
 }
 
 export interface Mission {

@@ -3,7 +3,7 @@ import { switched_text } from './zone_switch';
 
 describe('a switch to another zone', () => {
   it('is said with whom it parked', () => {
-    expect(switched_text({ at: 1, from: 'a', first_moving_ms: 431, anchored: 12, parked: ['CoSiVA/AIV7'] })).toBe('12 anchored, 1 parked: AIV7; the first moved after 431\u202fms');
-    expect(switched_text({ at: 1, from: 'a', first_moving_ms: null, anchored: 3, parked: [] })).toBe('3 anchored, nobody parked');
+    expect(switched_text({ at: 1, from: 'a', first_moving_ms: 431, snapped: 12, parked: ['CoSiVA/AIV7'] })).toBe('12 snapped, 1 parked: AIV7; the first moved after 431\u202fms');
+    expect(switched_text({ at: 1, from: 'a', first_moving_ms: null, snapped: 3, parked: [] })).toBe('3 snapped, nobody parked');
   });
 });

@@ -84,7 +84,7 @@ TEST(ZoneSwitch, moves_the_first_twin_within_a_second) {
     const JsonValue* switched = shot.find("zone")->find("switched");
     ASSERT_NE(switched, nullptr);
     EXPECT_LT(switched->number("first_moving_ms").value_or(1e9), 1000.0) << name;
-    EXPECT_GT(switched->number("anchored").value_or(0.0), 0.0) << name;
+    EXPECT_GT(switched->number("snapped").value_or(0.0), 0.0) << name;
   }
   EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
 }

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "cosiva/wire/vda5050/codec.h"
-#include "cosiva/zone/circuit/anchor.h"
+#include "cosiva/zone/circuit/path_snap.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -125,10 +125,10 @@ Result<Mission> ControlAreas::way_to(std::string_view to, const zone::TrafficZon
   double best_m = 0.0;
   for (const zone::Station& station : zone.stations) {
     if (!missions.has_place(station.name)) continue;
-    const auto anchor = zone::anchor_of(there.circuit, zone.circuit.pose_at(station.place));
-    if (!anchor || (best != nullptr && anchor->distance_m >= best_m) || !router.plan(anchor->place, *end)) continue;
+    const auto entry_point = zone::snap_to_path(there.circuit, zone.circuit.pose_at(station.place));
+    if (!entry_point || (best != nullptr && entry_point->distance_m >= best_m) || !router.plan(entry_point->place, *end)) continue;
     best = &station;
-    best_m = anchor->distance_m;
+    best_m = entry_point->distance_m;
   }
   if (best == nullptr) {
     return fail("mission.to",

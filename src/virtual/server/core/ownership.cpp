@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "cosiva/base/expect.h"
-#include "cosiva/zone/circuit/anchor.h"
+#include "cosiva/zone/circuit/path_snap.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -154,7 +154,7 @@ void Ownership::claim_vehicles() {
     if (vehicle.owner || !vehicle.pose || waits) continue;
     if (context_.now - vehicle.pose_since < claim_after || context_.now - vehicle.pose_at > pose_age_max) continue;
     if (context_.now - context_.link.up_since() < claim_after ||
-        !zone::anchor_of(zones_.map()->circuit(), *vehicle.pose))
+        !zone::snap_to_path(zones_.map()->circuit(), *vehicle.pose))
       continue;
     vehicle.claimed_at = context_.now;
     publish_owner(vehicle, {context_.areas.own(), 0, context_.now, vehicle.pose, std::nullopt});

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "cosiva/base/expect.h"
-#include "cosiva/zone/circuit/anchor.h"
+#include "cosiva/zone/circuit/path_snap.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -56,9 +56,9 @@ std::string ZoneChange::off_route(VehicleIndex vehicle) const {
   if (!proxy.map_id.empty() && proxy.map_id != name)
     return "is on map '" + proxy.map_id.substr(0, 80) + "', not on '" + name + "'; it gets no orders until it is";
   const Twin& twin = context_.simulator.twin(*proxy.twin);
-  if (twin.reported_off_m() <= zone::anchor_within_m) return {};
+  if (twin.reported_off_m() <= zone::snap_within_m) return {};
   return "stands " + metres_text(twin.reported_off_m()) + " m from the nearest way of '" + name + "'; put it within " +
-         metres_text(zone::anchor_within_m) + " m of one";
+         metres_text(zone::snap_within_m) + " m of one";
 }
 
 void ZoneChange::follow() {
@@ -128,7 +128,7 @@ void ZoneChange::write(JsonWriter& json) const {
     json.value(to_milliseconds(*last_->first_moving - last_->at));
   else
     json.null();
-  json.field("anchored", static_cast<std::uint64_t>(last_->snapped)).key("parked").begin_array();
+  json.field("snapped", static_cast<std::uint64_t>(last_->snapped)).key("parked").begin_array();
   for (const std::string& name : last_->off_route) json.value(name);
   json.end_array().end_object();
 }

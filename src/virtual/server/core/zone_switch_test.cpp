@@ -56,7 +56,7 @@ TEST(Switch, puts_vehicles_on_the_new_ways_where_they_stand_and_loses_no_twin) {
   const JsonValue zone = zone_of(fixture);
   const JsonValue* switched = zone.find("switched");
   EXPECT_EQ(switched->text("from"), "oval");
-  EXPECT_EQ(*switched->number("anchored"), 2.0);
+  EXPECT_EQ(*switched->number("snapped"), 2.0);
   EXPECT_THAT(*switched->find("parked")->array(), IsEmpty());
   EXPECT_LT(*switched->number("first_moving_ms"), 1000.0);
   EXPECT_TRUE(zone.find("refused")->is_null());

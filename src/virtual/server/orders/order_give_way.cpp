@@ -7,7 +7,7 @@
 #include "cosiva/aiv/decision/line_entry.h"
 #include "cosiva/base/math.h"
 #include "cosiva/virtual/server/orders/order_roller.h"
-#include "cosiva/zone/circuit/anchor.h"
+#include "cosiva/zone/circuit/path_snap.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -70,10 +70,10 @@ bool OrderRoller::keeps_off(const Wait& wait, zone::Place place) const {
   }
   const Plan& theirs = plans_[wait.who];
   if (off_line(wait.who)) {
-    const auto anchor = zone::anchor_of(circuit, theirs.standing.X_MB);
-    if (!theirs.anchor && !anchor) return true;
+    const auto entry_point = zone::snap_to_path(circuit, theirs.standing.X_MB);
+    if (!theirs.entry_point && !entry_point) return true;
     aiv::EntrySweep sweep{shape};
-    sweep.take({body(wait.who), circuit.pose_at(theirs.anchor ? *theirs.anchor : anchor->place)});
+    sweep.take({body(wait.who), circuit.pose_at(theirs.entry_point ? *theirs.entry_point : entry_point->place)});
     return sweep.near_body(X_MV, way_clear_m);
   }
   if (!theirs.standing.place) return true;

@@ -5,7 +5,7 @@
 
 #include "cosiva/aiv/decision/line_entry.h"
 #include "cosiva/virtual/server/orders/order_roller.h"
-#include "cosiva/zone/circuit/anchor.h"
+#include "cosiva/zone/circuit/path_snap.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -33,7 +33,7 @@ bool OrderRoller::joining(VehicleIndex vehicle) {
 
 void OrderRoller::end_join(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
-  plan.anchor.reset();
+  plan.entry_point.reset();
   if (plan.join_handle != 0) action_sender_.drop(std::exchange(plan.join_handle, 0));
 }
 
@@ -51,7 +51,7 @@ bool OrderRoller::join_elsewhere(VehicleIndex vehicle, bool drives_on, double wi
     const Pose2 X_MG = map_->circuit().pose_at(place);
     if (!drives_on && stands_in_entry(plan.waits_for_vehicle, X_MG)) continue;
     if (!is_free_entry(vehicle, place, drives_on)) continue;
-    plan.anchor = place;
+    plan.entry_point = place;
     plan.standing.place = place;
     plan.join_sent_at = publisher_.now();
     plan.join_handle = action_sender_.send(registry_[vehicle], vehicle,
@@ -68,13 +68,13 @@ bool OrderRoller::join_elsewhere(VehicleIndex vehicle, bool drives_on, double wi
 
 std::vector<zone::Place> OrderRoller::places_near(VehicleIndex vehicle, double within_m) const {
   const zone::Circuit& circuit = map_->circuit();
-  const auto anchor = zone::anchor_of(circuit, plans_[vehicle].standing.X_MB);
-  if (!anchor) return {};
-  std::vector<zone::Place> places{anchor->place};
+  const auto entry_point = zone::snap_to_path(circuit, plans_[vehicle].standing.X_MB);
+  if (!entry_point) return {};
+  std::vector<zone::Place> places{entry_point->place};
   for (int i = 1; i * place_every_m <= within_m; ++i) {
     const double off_m = i * place_every_m;
-    places.push_back(circuit.advance(anchor->place, off_m));
-    places.push_back(circuit.advance(anchor->place, -off_m));
+    places.push_back(circuit.advance(entry_point->place, off_m));
+    places.push_back(circuit.advance(entry_point->place, -off_m));
   }
   return places;
 }
@@ -82,10 +82,10 @@ std::vector<zone::Place> OrderRoller::places_near(VehicleIndex vehicle, double w
 bool OrderRoller::stands_in_entry(VehicleIndex other, const Pose2& X_MB) const {
   if (other == no_vehicle || !goes_onto_line(other)) return false;
   const Pose2& X_MO = plans_[other].standing.X_MB;
-  const auto anchor = zone::anchor_of(map_->circuit(), X_MO);
-  if (!anchor) return false;
+  const auto entry_point = zone::snap_to_path(map_->circuit(), X_MO);
+  if (!entry_point) return false;
   aiv::EntrySweep sweep{map_->zone().vehicle};
-  sweep.take({X_MO, map_->circuit().pose_at(anchor->place)});
+  sweep.take({X_MO, map_->circuit().pose_at(entry_point->place)});
   return sweep.near_body(X_MB);
 }
 

@@ -50,7 +50,7 @@ void OrderRoller::set_standing(VehicleIndex vehicle, const Standing& standing) {
   const Standing& now = plans_[vehicle].standing;
   // One of ours that is to go onto the line keeps others off by its body, until it is sent.
   const bool in_the_way =
-      now.place && (plans_[vehicle].anchor || (now.off_m <= rules_.on_way_m && !goes_onto_line(vehicle)));
+      now.place && (plans_[vehicle].entry_point || (now.off_m <= rules_.on_way_m && !goes_onto_line(vehicle)));
   if (now.place) traffic_.follow(vehicle, *now.place);
   traffic_.set_place(vehicle, in_the_way ? now.place : std::nullopt);
 }

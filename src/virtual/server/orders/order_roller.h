@@ -89,7 +89,7 @@ class OrderRoller {
   /// What it was ordered to do is seen: it has an order, on the zone that is there now.
   [[nodiscard]] bool has_order(VehicleIndex vehicle) const { return plans_[vehicle].stage == Plan::Stage::running; }
   /// Where it stands beside the line and goes onto it; nothing: it is on the line, or has not been sent there.
-  [[nodiscard]] const std::optional<zone::Place>& anchor(VehicleIndex vehicle) const { return plans_[vehicle].anchor; }
+  [[nodiscard]] const std::optional<zone::Place>& entry_point(VehicleIndex vehicle) const { return plans_[vehicle].entry_point; }
   /// Of those that stand off the line: the mission's goal is where somebody else stands.
   [[nodiscard]] std::string stands_at_goal(VehicleIndex vehicle) const;
 
@@ -143,7 +143,7 @@ class OrderRoller {
     InstantActionSender::ActionHandle cancel_handle{0};  ///< of the cancelOrder on its way; 0: none
     std::uint64_t way_of{0};                       ///< the missions' revision that its course was planned for; 0: none
     std::optional<zone::SectionId> no_way;         ///< there is none from here
-    std::optional<zone::Place> anchor;             ///< where it comes onto the line
+    std::optional<zone::Place> entry_point;             ///< where it comes onto the line
     InstantActionSender::ActionHandle join_handle{0};    ///< of the joinLine on its way; 0: none
     SimTime join_sent_at{};
     struct GivingWay {
@@ -204,7 +204,7 @@ class OrderRoller {
   [[nodiscard]] const WayMap::Stretch* next_stretch(VehicleIndex vehicle, WaypointIndex at, std::size_t passed);
   [[nodiscard]] bool off_line(VehicleIndex vehicle) const;
   [[nodiscard]] bool goes_onto_line(VehicleIndex vehicle) const;
-  [[nodiscard]] VehicleIndex in_way_to_line(VehicleIndex vehicle, zone::Place anchor) const;
+  [[nodiscard]] VehicleIndex in_way_to_line(VehicleIndex vehicle, zone::Place entry_point) const;
   /// Who stands beside the line, or is on its way to it, so that this one cannot drive on from `from_m` to `to_m`
   /// ahead.
   [[nodiscard]] VehicleIndex beside_way(VehicleIndex vehicle, double from_m, double to_m) const;

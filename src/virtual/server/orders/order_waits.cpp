@@ -5,7 +5,7 @@
 #include "cosiva/aiv/decision/envelope.h"
 #include "cosiva/aiv/decision/line_entry.h"
 #include "cosiva/virtual/server/orders/order_roller.h"
-#include "cosiva/zone/circuit/anchor.h"
+#include "cosiva/zone/circuit/path_snap.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -111,11 +111,11 @@ VehicleIndex OrderRoller::detected_in_path(VehicleIndex vehicle) const {
     nearest_m = far_m;
   };
   aiv::EntrySweep sweep{shape};
-  if (plan.anchor) sweep.take({X_MB, circuit.pose_at(*plan.anchor)});
+  if (plan.entry_point) sweep.take({X_MB, circuit.pose_at(*plan.entry_point)});
   for (VehicleIndex other = 0; other < registry_.size(); ++other) {
     if (other == vehicle || !registry_[other].here()) continue;
     const Pose2 X_MO = body(other);
-    if (plan.anchor) {
+    if (plan.entry_point) {
       if (sweep.near_body(X_MO, detected_beside_m)) consider(other, distance(X_MB, X_MO));
       continue;
     }

@@ -8,7 +8,7 @@
 #include "cosiva/aiv/decision/line_entry.h"
 #include "cosiva/base/math.h"
 #include "cosiva/virtual/server/orders/order_roller.h"
-#include "cosiva/zone/circuit/anchor.h"
+#include "cosiva/zone/circuit/path_snap.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -51,17 +51,17 @@ std::optional<OrderRoller::Extension> OrderRoller::end_of_base(VehicleIndex vehi
 std::optional<OrderRoller::Extension> OrderRoller::first_node(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   if (goes_onto_line(vehicle)) {
-    const auto anchor = zone::anchor_of(map_->circuit(), plan.standing.X_MB);
-    if (!anchor) return std::nullopt;
-    wait_for(plan, in_way_to_line(vehicle, anchor->place), WaitReason::beside);
+    const auto entry_point = zone::snap_to_path(map_->circuit(), plan.standing.X_MB);
+    if (!entry_point) return std::nullopt;
+    wait_for(plan, in_way_to_line(vehicle, entry_point->place), WaitReason::beside);
     if (plan.waits_for_vehicle != no_vehicle) {
       traffic_.withdraw(vehicle);  // that one may need what this one has asked for
       return std::nullopt;
     }
-    plan.anchor = anchor->place;
-    plan.standing.place = anchor->place;
-    plan.standing.off_m = anchor->distance_m;
-    traffic_.set_place(vehicle, anchor->place);
+    plan.entry_point = entry_point->place;
+    plan.standing.place = entry_point->place;
+    plan.standing.off_m = entry_point->distance_m;
+    traffic_.set_place(vehicle, entry_point->place);
     traffic_.update();
   }
   if (!plan_course(vehicle)) return std::nullopt;
@@ -85,7 +85,7 @@ std::optional<OrderRoller::Extension> OrderRoller::first_node(VehicleIndex vehic
 
 void OrderRoller::stay_beside(VehicleIndex vehicle) {
   // Nobody asks it to be anywhere but where its body is: beside_way() keeps the others off that.
-  if (!std::exchange(plans_[vehicle].anchor, std::nullopt)) return;
+  if (!std::exchange(plans_[vehicle].entry_point, std::nullopt)) return;
   traffic_.set_place(vehicle, std::nullopt);
   traffic_.update();
 }
@@ -238,40 +238,40 @@ const WayMap::Stretch* OrderRoller::next_stretch(VehicleIndex vehicle, WaypointI
 
 bool OrderRoller::off_line(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
-  return plan.anchor || plan.standing.off_m > on_line_m || std::fabs(plan.standing.heading_off_rad) > on_line_rad;
+  return plan.entry_point || plan.standing.off_m > on_line_m || std::fabs(plan.standing.heading_off_rad) > on_line_rad;
 }
 
 bool OrderRoller::goes_onto_line(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
-  return plan.anchor || (plan.stage == Plan::Stage::none && off_line(vehicle) && registry_[vehicle].is_cosiva());
+  return plan.entry_point || (plan.stage == Plan::Stage::none && off_line(vehicle) && registry_[vehicle].is_cosiva());
 }
 
 void OrderRoller::follow_line(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
-  if (!plan.anchor || map_ == nullptr) return;
+  if (!plan.entry_point || map_ == nullptr) return;
   Standing& standing = plan.standing;
   const zone::Circuit& circuit = map_->circuit();
   const Sections coming = traffic_.coming(vehicle);
-  std::array<zone::SectionId, 2> candidates{plan.anchor->section, coming.empty() ? plan.anchor->section : coming[0]};
+  std::array<zone::SectionId, 2> candidates{plan.entry_point->section, coming.empty() ? plan.entry_point->section : coming[0]};
   for (const zone::SectionId section : candidates) {
     const auto near = circuit.section(section).nearest(position(standing.X_MB));
     const double off_rad =
         wrap_angle(standing.X_MB.heading_rad - circuit.section(section).pose_at(near.s_m).heading_rad);
     if (near.distance_m > on_line_m || std::fabs(off_rad) > on_line_rad) continue;
-    plan.anchor.reset();
+    plan.entry_point.reset();
     standing.place = zone::Place{section, near.s_m};
     standing.off_m = near.distance_m;
     standing.heading_off_rad = off_rad;
     return;
   }
-  standing.place = plan.anchor;
-  standing.off_m = distance(standing.X_MB, circuit.pose_at(*plan.anchor));
+  standing.place = plan.entry_point;
+  standing.off_m = distance(standing.X_MB, circuit.pose_at(*plan.entry_point));
   standing.heading_off_rad = 0.0;
 }
 
-VehicleIndex OrderRoller::in_way_to_line(VehicleIndex vehicle, zone::Place anchor) const {
+VehicleIndex OrderRoller::in_way_to_line(VehicleIndex vehicle, zone::Place entry_point) const {
   const zone::VehicleShape& shape = map_->zone().vehicle;
-  const aiv::LineEntry mine{plans_[vehicle].standing.X_MB, map_->circuit().pose_at(anchor)};
+  const aiv::LineEntry mine{plans_[vehicle].standing.X_MB, map_->circuit().pose_at(entry_point)};
   aiv::EntrySweep sweep{shape};
   sweep.take(mine);
   for (VehicleIndex other = 0; other < registry_.size(); ++other) {
@@ -281,8 +281,8 @@ VehicleIndex OrderRoller::in_way_to_line(VehicleIndex vehicle, zone::Place ancho
     if (sweep.near_body(X_MB)) return other;
     const Plan& theirs = plans_[other];
     // One that is on its way to the line itself, or whose base leads over the place.
-    if (theirs.anchor && (theirs.stage == Plan::Stage::running || theirs.join_handle != 0) &&
-        aiv::near_entry(mine, shape, {X_MB, map_->circuit().pose_at(*theirs.anchor)}))
+    if (theirs.entry_point && (theirs.stage == Plan::Stage::running || theirs.join_handle != 0) &&
+        aiv::near_entry(mine, shape, {X_MB, map_->circuit().pose_at(*theirs.entry_point)}))
       return other;
     const auto& place = traffic_.place(other);
     if (!place) continue;
@@ -292,7 +292,7 @@ VehicleIndex OrderRoller::in_way_to_line(VehicleIndex vehicle, zone::Place ancho
       if (sweep.near_body(map_->circuit().pose_at(map_->circuit().advance(*place, std::min(ahead_m, base_m), coming))))
         return other;
     const double clear_m = shape.length_m + aiv::entry_clear_m;
-    if (base_m > 0.0 && map_->ahead(*place, anchor, base_m + clear_m, traffic_.coming(other))) return other;
+    if (base_m > 0.0 && map_->ahead(*place, entry_point, base_m + clear_m, traffic_.coming(other))) return other;
   }
   return no_vehicle;
 }
@@ -307,11 +307,11 @@ VehicleIndex OrderRoller::beside_way(VehicleIndex vehicle, double from_m, double
   for (const VehicleIndex other : beside_) {
     if (other == vehicle) continue;
     const Pose2 X_MB = simulator_.image(*registry_[other].twin, publisher_.now()).X_MB;
-    const std::optional<zone::Place> anchor = comes_onto_line_at(other);
-    if (anchor) sweep.take({X_MB, circuit.pose_at(*anchor)});
+    const std::optional<zone::Place> entry_point = comes_onto_line_at(other);
+    if (entry_point) sweep.take({X_MB, circuit.pose_at(*entry_point)});
     const auto in_way = [&](double ahead_m, double air_m) {
       const Pose2 X_MV = circuit.pose_at(circuit.advance(place, ahead_m, coming));
-      return anchor ? sweep.near_body(X_MV, air_m) : aiv::near_bodies(shape, X_MV, X_MB, air_m);
+      return entry_point ? sweep.near_body(X_MV, air_m) : aiv::near_bodies(shape, X_MV, X_MB, air_m);
     };
     // One that it has beside it already it may pass as closely.
     const bool ahead = aiv::lies_ahead(shape, circuit.pose_at(place), X_MB);
@@ -327,11 +327,11 @@ VehicleIndex OrderRoller::beside_way(VehicleIndex vehicle, double from_m, double
 
 std::optional<zone::Place> OrderRoller::comes_onto_line_at(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
-  if (plan.anchor) return plan.anchor;
+  if (plan.entry_point) return plan.entry_point;
   // Who waits to come onto the line is let in, but not for ever: it may be that it cannot.
   if (!plan.waits_since || publisher_.now() - *plan.waits_since > rules_.let_in_for || !goes_onto_line(vehicle)) return {};
-  const auto anchor = zone::anchor_of(map_->circuit(), plan.standing.X_MB);
-  return anchor ? std::optional{anchor->place} : std::nullopt;
+  const auto entry_point = zone::snap_to_path(map_->circuit(), plan.standing.X_MB);
+  return entry_point ? std::optional{entry_point->place} : std::nullopt;
 }
 
 std::string OrderRoller::stands_at_goal(VehicleIndex vehicle) const {

@@ -16,7 +16,7 @@
 #include "cosiva/base/test_places.h"
 #include "cosiva/wire/messages/topics.h"
 #include "cosiva/wire/vda5050/codec.h"
-#include "cosiva/zone/circuit/anchor.h"
+#include "cosiva/zone/circuit/path_snap.h"
 
 /// For tests: zones, and vehicles that obey VDA 5050 strictly (every order goes through aiv::OrderBook) and drive at
 /// constant speed.
@@ -162,7 +162,7 @@ class FixtureVehicle {
   /// Carried to where no way leads, or anywhere else.
   void put(const Pose2& X_MB) {
     off_line = X_MB;
-    if (const auto anchor = zone::anchor_of(zone_->circuit, X_MB)) motion = {zone_->circuit, anchor->place};
+    if (const auto entry_point = zone::snap_to_path(zone_->circuit, X_MB)) motion = {zone_->circuit, entry_point->place};
     book.emplace(*zone_);
     state_due = true;
   }
