@@ -62,7 +62,7 @@ std::string left_standing(experiments::World& world) {
   const auto shot = JsonValue::parse(world.server().snapshot_json(), std::size_t{1} << 24U);
   for (const JsonValue& aiv : *shot->find("aivs")->array()) {
     const auto v = static_cast<std::size_t>(*aiv.number("number")) - 1;
-    if (world.plant().vehicles()[v].distance_m - before_m[v] < 1.0 && !aiv.text("parked"))
+    if (world.plant().vehicles()[v].distance_m - before_m[v] < 1.0 && !aiv.text("offRoute"))
       text += "\n  " + *aiv.text("id") + " stands, waits for " + aiv.text("waitsFor").value_or("nobody");
   }
   return text;

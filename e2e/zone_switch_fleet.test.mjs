@@ -17,7 +17,7 @@ function resident_mb(pid) {
   return Number(line.match(/\d+/)[0]) / 1024;
 }
 
-// Further than this from every way of a zone a vehicle is parked there; estimated and true place differ by less than the other.
+// Further than this from every way of a zone a vehicle is offRoute there; estimated and true place differ by less than the other.
 const anchor_within_m = 0.3;
 const belief_m = 0.05;
 
@@ -85,8 +85,8 @@ test('twelve AIVs circulate, and their zone is switched ten times', { timeout: 5
     const driven = await ground_truth.driven(rest_ms);
     driving.push([...driven.values()].filter((metres) => metres > 0.2).length);
     const { aivs: shown } = await platform.snapshot();
-    parked_after.push(shown.filter((aiv) => aiv.parked).length);
-    waiting.push(shown.filter((aiv) => !aiv.parked && aiv.speed === 0).map(({ id, section, waitsFor }) => `${id} ${section} ${waitsFor ?? '-'}`));
+    parked_after.push(shown.filter((aiv) => aiv.offRoute).length);
+    waiting.push(shown.filter((aiv) => !aiv.offRoute && aiv.speed === 0).map(({ id, section, waitsFor }) => `${id} ${section} ${waitsFor ?? '-'}`));
     memory_mb.push(resident_mb(server.pid));
     assert.equal(ground_truth.collisions, 0, `after switch ${i + 1}`);
   }
@@ -100,35 +100,35 @@ test('twelve AIVs circulate, and their zone is switched ten times', { timeout: 5
     return drove_on.size >= aivs / 2;
   }, { within_ms: 30_000, every_ms: 100 });
   await half.catch((error) => {
-    const words = ({ id, status, section, waitsFor, waitsWhy, brakingFor, parked }) => JSON.stringify({ id, status, section, waitsFor, waitsWhy, brakingFor, parked });
+    const words = ({ id, status, section, waitsFor, waitsWhy, brakingFor, offRoute }) => JSON.stringify({ id, status, section, waitsFor, waitsWhy, brakingFor, offRoute });
     throw new Error(`${error.message}; only ${[...drove_on]}; ${seen.map(words).join('\n')}`);
   });
 
   assert.deepEqual(children(), family, 'nobody was restarted');
   const { aivs: last } = await platform.snapshot();
-  const parked = last.filter((aiv) => aiv.parked).map(({ id, parked: why }) => `${id} ${why}`);
+  const offRoute = last.filter((aiv) => aiv.offRoute).map(({ id, offRoute: why }) => `${id} ${why}`);
   await ground_truth.next();
-  const places = last.map(({ id, number, parked: why }) => {
+  const places = last.map(({ id, number, offRoute: why }) => {
     const place = ground_truth.vehicle(number);
     return { id, why, off_new_m: off_by_m(place, ways.lacet4), off_old_m: off_by_m(place, ways.indus8) };
   });
   const words = (all) => all.map(({ id, off_new_m, off_old_m }) => `${id} ${off_new_m.toFixed(2)} m from lacet4, ${off_old_m.toFixed(2)} m from indus8`).join('; ');
   const parked_at = words(places.filter(({ why }) => why));
-  const report = { first_moving_ms, anchored_mean: snapped / switches, driving, parked_after, waiting, memory_mb, commands, parked, parked_at };
+  const report = { first_moving_ms, anchored_mean: snapped / switches, driving, parked_after, waiting, memory_mb, commands, offRoute, parked_at };
   mkdirSync(artefacts_dir, { recursive: true });
   writeFileSync(path.join(artefacts_dir, 'zone_switch_fleet.json'), JSON.stringify(report, null, 1));
   t.diagnostic(JSON.stringify(report));
   assert.equal(commands, switches);
   // A fifth of indus8 (4.3 of 23.7 m) is further from lacet4 than a vehicle is snapped. How many of them drive there when the
-  // last switch comes is chance, and each of them is parked on the way of indus8, as it must be. Nobody else may be, but for
+  // last switch comes is chance, and each of them is offRoute on the way of indus8, as it must be. Nobody else may be, but for
   // a few that were still on their way onto that line.
   const parked_within = places.filter(({ why, off_new_m }) => why && off_new_m < anchor_within_m - belief_m);
-  assert.deepEqual(parked_within, [], `parked within reach of the new ways: ${words(parked_within)}`);
+  assert.deepEqual(parked_within, [], `offRoute within reach of the new ways: ${words(parked_within)}`);
   const unnamed = places.filter(({ why, off_new_m }) => !why && off_new_m > anchor_within_m + belief_m);
-  assert.deepEqual(unnamed, [], `out of reach, and not named as parked: ${words(unnamed)}`);
+  assert.deepEqual(unnamed, [], `out of reach, and not named as offRoute: ${words(unnamed)}`);
   const strayed = places.filter(({ why, off_old_m }) => why && off_old_m > belief_m);
-  assert.ok(strayed.length <= aivs / 4, `too many are parked beside both zones' ways: ${words(strayed)}`);
-  // Who is not parked drives on, after every switch. Vehicles beside the line may block each other: then this says who.
+  assert.ok(strayed.length <= aivs / 4, `too many are offRoute beside both zones' ways: ${words(strayed)}`);
+  // Who is not offRoute drives on, after every switch. Vehicles beside the line may block each other: then this says who.
   if (process.env.COSIVA_LONG) driving.forEach((number, i) => assert.ok(number + parked_after[i] >= aivs, `after switch ${i + 1}: ${waiting[i]}`));
   for (const ms of first_moving_ms) assert.ok(ms < 1_000, `a twin moved on the new circuit only after ${ms} ms (${first_moving_ms})`);
   assert.ok(memory_mb.at(-1) < 64, `the server grows: ${memory_mb}`);

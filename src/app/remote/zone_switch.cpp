@@ -21,9 +21,9 @@ std::optional<SwitchedZone> switched_in(std::string_view snapshot_json) {
   switched.name = zone->text("name").value_or("");
   switched.snapped = static_cast<std::uint64_t>(last->number("snapped").value_or(0.0));
   switched.first_moving_ms = last->number("first_moving_ms");
-  if (const JsonValue* parked = last->find("parked"); parked != nullptr && parked->array() != nullptr)
-    for (const JsonValue& who : *parked->array())
-      if (who.text() != nullptr) switched.parked.push_back(*who.text());
+  if (const JsonValue* off_route = last->find("offRoute"); off_route != nullptr && off_route->array() != nullptr)
+    for (const JsonValue& who : *off_route->array())
+      if (who.text() != nullptr) switched.off_route.push_back(*who.text());
   if (const JsonValue* aivs = snapshot->find("aivs"); aivs != nullptr && aivs->array() != nullptr)
     switched.vehicles = aivs->array()->size();
   return switched;
@@ -31,13 +31,13 @@ std::optional<SwitchedZone> switched_in(std::string_view snapshot_json) {
 
 std::string to_text(const SwitchedZone& switched) {
   std::string text =
-      std::to_string(switched.snapped) + " anchored, " + std::to_string(switched.parked.size()) + " parked";
-  for (std::size_t i = 0; i < switched.parked.size(); ++i)
-    text += (i == 0 ? ": " : ", ") + serial_of(switched.parked[i]);
+      std::to_string(switched.snapped) + " anchored, " + std::to_string(switched.off_route.size()) + " parked";
+  for (std::size_t i = 0; i < switched.off_route.size(); ++i)
+    text += (i == 0 ? ": " : ", ") + serial_of(switched.off_route[i]);
   if (switched.first_moving_ms)
     return text + "; the first moved after " + decimals(*switched.first_moving_ms, 0) + " ms";
   if (switched.vehicles == 0) return text + "; there are no vehicles";
-  return text + (switched.parked.size() >= switched.vehicles ? "; nobody can drive on" : "; nobody has moved yet");
+  return text + (switched.off_route.size() >= switched.vehicles ? "; nobody can drive on" : "; nobody has moved yet");
 }
 
 Error refusal_in(std::string_view body, unsigned status) {

@@ -13,7 +13,7 @@ namespace cosiva::app {
 struct SwitchedZone {
   std::string name;
   std::uint64_t snapped{};
-  std::vector<std::string> parked;
+  std::vector<std::string> off_route;
   std::optional<double> first_moving_ms;
   std::uint64_t vehicles{};  ///< of the fleet, whether they can move or not
 };

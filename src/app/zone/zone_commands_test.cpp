@@ -243,19 +243,19 @@ TEST(ZoneSwitch, over_a_broker_that_is_not_there_or_of_a_bad_file_ends_with_2) {
 TEST(SwitchedZone, is_read_from_the_table_with_who_was_parked) {
   const auto switched = switched_in(
       R"({"aivs":[{},{}],"zone":{"name":"b","switched":{"at":1,"from":"a","first_moving_ms":431.4,"anchored":12,)"
-      R"("parked":["CoSiVA/AIV7"]}}})");
+      R"("offRoute":["CoSiVA/AIV7"]}}})");
   ASSERT_TRUE(switched);
   EXPECT_EQ(switched->name, "b");
-  EXPECT_THAT(switched->parked, ElementsAre("CoSiVA/AIV7"));
+  EXPECT_THAT(switched->off_route, ElementsAre("CoSiVA/AIV7"));
   EXPECT_EQ(to_text(*switched), "12 anchored, 1 parked: AIV7; the first moved after 431 ms");
 }
 
 TEST(SwitchedZone, tells_nobody_yet_from_nobody_there) {
   const std::string table =
-      R"("zone":{"name":"b","switched":{"at":1,"first_moving_ms":null,"anchored":0,"parked":[]}}})";
+      R"("zone":{"name":"b","switched":{"at":1,"first_moving_ms":null,"anchored":0,"offRoute":[]}}})";
   EXPECT_THAT(to_text(*switched_in(R"({"aivs":[{}],)" + table)), HasSubstr("nobody has moved yet"));
   EXPECT_THAT(to_text(*switched_in(R"({"aivs":[],)" + table)), HasSubstr("there are no vehicles"));
-  EXPECT_THAT(to_text(*switched_in(R"({"aivs":[{}],"zone":{"switched":{"anchored":0,"parked":["CoSiVA/AIV1"]}}})")),
+  EXPECT_THAT(to_text(*switched_in(R"({"aivs":[{}],"zone":{"switched":{"anchored":0,"offRoute":["CoSiVA/AIV1"]}}})")),
               HasSubstr("nobody can drive on"));
   EXPECT_FALSE(switched_in(R"({"aivs":[],"zone":{"name":"b","switched":null}})"));
   for (const char* none : {"", "null", "[]", "{}", R"({"zone":3})"}) EXPECT_FALSE(switched_in(none)) << none;

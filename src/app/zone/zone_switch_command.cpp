@@ -29,7 +29,7 @@ std::optional<SwitchedZone> watch(const adapters::HttpClient& client, double wai
     if (const auto response = client.ask("GET", "/api/v1/snapshot"); response && response->status == 200)
       switched = switched_in(response->body);
     // Who is parked will not move, and who is not there neither.
-    const bool nobody = switched && switched->parked.size() >= switched->vehicles;
+    const bool nobody = switched && switched->off_route.size() >= switched->vehicles;
     if (nobody || (switched && switched->first_moving_ms) || std::chrono::steady_clock::now() >= until) return switched;
     std::this_thread::sleep_for(look_period);
   }
@@ -43,9 +43,9 @@ void tell(const ZoneArguments& arguments, const std::string& name, double revisi
   }
   JsonWriter json;
   json.begin_object().field("zone", name).field("revision", static_cast<std::uint64_t>(revision));
-  json.field("snapped", switched ? switched->snapped : 0).key("parked").begin_array();
+  json.field("snapped", switched ? switched->snapped : 0).key("offRoute").begin_array();
   if (switched)
-    for (const std::string& who : switched->parked) json.value(who);
+    for (const std::string& who : switched->off_route) json.value(who);
   json.end_array().key("first_moving_ms");
   if (switched && switched->first_moving_ms)
     json.value(*switched->first_moving_ms);

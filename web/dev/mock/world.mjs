@@ -16,7 +16,7 @@ export class Refusal extends Error {
 }
 
 export class World extends Motion {
-  /** Another zone, while they drive: each is put on a way of it, and the last one is parked, so that one can be seen. */
+  /** Another zone, while they drive: each is put on a way of it, and the last one is offRoute, so that one can be seen. */
   switch_zone({ name, file }) {
     if (name === undefined) {
       this.refused = { origin: file ?? 'a file', why: 'line 3: the mock reads no files', at: this.now };
@@ -28,8 +28,8 @@ export class World extends Motion {
     this.load(name, this.count);
     Object.assign(this, { commands, command_number });
     const last = this.aivs.at(-1);
-    Object.assign(last, { paused: true, parked: 'it stands 0.82 m beside every way' });
-    this.switched = { at: this.now, from, first_moving_ms: 431, snapped: this.aivs.length - 1, parked: [last.id] };
+    Object.assign(last, { paused: true, offRoute: 'it stands 0.82 m beside every way' });
+    this.switched = { at: this.now, from, first_moving_ms: 431, snapped: this.aivs.length - 1, offRoute: [last.id] };
     return { revision: this.zone_revision, name };
   }
   suggest_beacons() {
@@ -114,7 +114,7 @@ export class World extends Motion {
       time: new Date(this.now).toISOString(), time_ms: this.now, zoneRevision: this.zone_revision,
       zoneEdits: { undo: this.undo_stack.length, redo: this.redo_stack.length, unsaved: !this.saved },
       zone: { name: this.circuit.name, revision: this.zone_revision, closed: [...this.closed].sort(), refused: this.refused ?? null, switched: this.switched ?? null },
-      aivs: this.aivs.map((aiv) => ({ ...this.row(aiv), mission: aiv.mission ?? { kind: 'circulate', loop: null, state: 'driving' }, map: this.circuit.name, parked: aiv.parked ?? null })),
+      aivs: this.aivs.map((aiv) => ({ ...this.row(aiv), mission: aiv.mission ?? { kind: 'circulate', loop: null, state: 'driving' }, map: this.circuit.name, offRoute: aiv.offRoute ?? null })),
       virtualObjects: this.virtualObjects.map((virtualObject) => ({ id: virtualObject.id, handle: virtualObject.handle, kind: virtualObject.kind, x: virtualObject.x, y: virtualObject.y, heading: virtualObject.heading, radius: virtualObject.radius, speed: virtualObject.speed, ...(virtualObject.path ? { path: virtualObject.path, repeat: virtualObject.repeat } : {}), perceivedBy: felt(virtualObject), since_ms: virtualObject.since_ms })),
       obstacles: this.seen.map(({ id, handle, x, y, radius, detectedBy, first_ms, last_ms }) => ({ id, handle, x, y, radius, detectedBy, first_ms, last_ms })),
       crossings: this.aivs.length <= 200 ? this.crossings() : [], bijection: this.bijection(), commands: this.commands.slice(-50),

@@ -46,7 +46,7 @@ export interface ZoneState {
   closed: readonly string[];
   /** the last zone that was refused */
   refused: { origin: string; why: string; at: number | string } | null;
-  switched: { at: number | string; from: string | null; first_moving_ms: number | null; snapped: number; parked: readonly string[] } | null;
+  switched: { at: number | string; from: string | null; first_moving_ms: number | null; snapped: number; offRoute: readonly string[] } | null;
 }
 
 export interface Mission {
@@ -111,7 +111,7 @@ export interface Aiv extends Pose {
   /** the map that the vehicle reports */
   map?: string | null;
   /** why the vehicle cannot drive in this zone; null if it can */
-  parked?: string | null;
+  offRoute?: string | null;
 }
 
 export interface BoardHealth {

@@ -53,7 +53,7 @@ function note_of(aiv: Aiv): string {
   if (aiv.brakingFor) return `brakingFor ${aiv.brakingFor}`;
   if (aiv.waitsFor && state_key(aiv.status, false, 'ONLINE') === 'stopped') return `waits: ${short(aiv.waitsFor)}`;
   if (aiv.fieldViolation) return 'obstacle ahead';
-  if (aiv.parked) return 'parked';
+  if (aiv.offRoute) return 'offRoute';
   return mission_note(aiv);
 }
 

@@ -73,8 +73,8 @@ describe('cells', () => {
 describe('missions', () => {
   it('have a column of the table', () => {
     const circling = aiv(1, { mission: { kind: 'circulate', loop: 'outer', state: 'driving' } });
-    const parked = aiv(2, { parked: 'stands 0.8 m beside every way' });
-    expect(rows(circling, parked, aiv(3)).map(mission_of)).toEqual(['circulates on outer', 'parked', '']);
+    const offRoute = aiv(2, { offRoute: 'stands 0.8 m beside every way' });
+    expect(rows(circling, offRoute, aiv(3)).map(mission_of)).toEqual(['circulates on outer', 'offRoute', '']);
   });
 });
 

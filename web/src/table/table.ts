@@ -35,7 +35,7 @@ export function holds_of(row: Row): string {
 }
 
 export function mission_of({ aiv }: Row): string {
-  if (aiv.parked) return 'parked';
+  if (aiv.offRoute) return 'offRoute';
   const note = mission_note(aiv);
   if (note !== '' || !aiv.mission) return note;
   return aiv.mission.loop ? `circulates on ${aiv.mission.loop}` : 'circulates';

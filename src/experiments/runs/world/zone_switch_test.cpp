@@ -33,7 +33,7 @@ std::vector<std::string> left_standing(const World& world, const std::vector<dou
   for (const JsonValue& aiv : *shot.find("aivs")->array()) {
     const auto v = static_cast<std::size_t>(*aiv.number("number")) - 1;
     const bool drove = world.plant().vehicles()[v].distance_m - since_m[v] > driven_m;
-    if (!drove && !aiv.text("parked")) ids.push_back(*aiv.text("id"));
+    if (!drove && !aiv.text("offRoute")) ids.push_back(*aiv.text("id"));
   }
   return ids;
 }

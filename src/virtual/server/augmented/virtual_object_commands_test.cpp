@@ -234,10 +234,10 @@ TEST(VirtualAivs, go_on_from_where_they_stand_when_the_ways_change) {
   fixture.run_for(10s);
   EXPECT_THAT(aivs(fixture), ElementsAre("CoSiVA.virtual/V1", "CoSiVA.virtual/V2"));
   EXPECT_GT(*fixture.aiv("CoSiVA.virtual/V1").number("speed"), 0.05);
-  const JsonValue parked = fixture.aiv("CoSiVA.virtual/V2");
-  EXPECT_THAT(parked.text("parked").value_or(""), HasSubstr("from the nearest way")) << "its way ended where it was";
-  EXPECT_EQ(*parked.number("speed"), 0.0);
-  EXPECT_EQ(*parked.number("y"), 0.0);
+  const JsonValue off_route = fixture.aiv("CoSiVA.virtual/V2");
+  EXPECT_THAT(off_route.text("offRoute").value_or(""), HasSubstr("from the nearest way")) << "its way ended where it was";
+  EXPECT_EQ(*off_route.number("speed"), 0.0);
+  EXPECT_EQ(*off_route.number("y"), 0.0);
 }
 
 TEST(VirtualAivs, make_the_same_run_from_the_same_inputs) {

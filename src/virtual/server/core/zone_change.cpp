@@ -128,7 +128,7 @@ void ZoneChange::write(JsonWriter& json) const {
     json.value(to_milliseconds(*last_->first_moving - last_->at));
   else
     json.null();
-  json.field("snapped", static_cast<std::uint64_t>(last_->snapped)).key("parked").begin_array();
+  json.field("snapped", static_cast<std::uint64_t>(last_->snapped)).key("offRoute").begin_array();
   for (const std::string& name : last_->off_route) json.value(name);
   json.end_array().end_object();
 }

@@ -57,7 +57,7 @@ TEST(Switch, puts_vehicles_on_the_new_ways_where_they_stand_and_loses_no_twin) {
   const JsonValue* switched = zone.find("switched");
   EXPECT_EQ(switched->text("from"), "oval");
   EXPECT_EQ(*switched->number("snapped"), 2.0);
-  EXPECT_THAT(*switched->find("parked")->array(), IsEmpty());
+  EXPECT_THAT(*switched->find("offRoute")->array(), IsEmpty());
   EXPECT_LT(*switched->number("first_moving_ms"), 1000.0);
   EXPECT_TRUE(zone.find("refused")->is_null());
   EXPECT_EQ(*fixture.bijection().number("matched_ratio"), 1.0);
@@ -75,14 +75,14 @@ TEST(Switch, parks_and_names_who_stands_too_far_from_every_new_way) {
   const std::size_t orders = aiv.orders.size();
   fixture.run_for(5s);
   EXPECT_EQ(aiv.orders.size(), orders);
-  EXPECT_THAT(fixture.aiv("CoSiVA/AIV1").text("parked").value_or(""), HasSubstr("from the nearest way of 'far'"));
+  EXPECT_THAT(fixture.aiv("CoSiVA/AIV1").text("offRoute").value_or(""), HasSubstr("from the nearest way of 'far'"));
   const JsonValue zone = zone_of(fixture);
-  ASSERT_THAT(*zone.find("switched")->find("parked")->array(), SizeIs(1));
+  ASSERT_THAT(*zone.find("switched")->find("offRoute")->array(), SizeIs(1));
   EXPECT_TRUE(zone.find("switched")->find("first_moving_ms")->is_null());
   EXPECT_TRUE(fixture.logged("parked: it stands"));
   aiv.put({1.0, -2.9, 0.4});
   fixture.run_for(5s);
-  EXPECT_TRUE(fixture.aiv("CoSiVA/AIV1").find("parked")->is_null());
+  EXPECT_TRUE(fixture.aiv("CoSiVA/AIV1").find("offRoute")->is_null());
   EXPECT_GT(aiv.driven_m, 0.2) << "somebody put it near a way";
 }
 
@@ -183,7 +183,7 @@ TEST(Switch, waits_for_who_still_moves_on_the_old_map_but_not_for_ever) {
   EXPECT_EQ(good.orders.size(), orders) << "one still moves";
   fixture.run_for(8s);
   EXPECT_GT(good.orders.size(), orders);
-  EXPECT_THAT(fixture.aiv("CoSiVA/AIV2").text("parked").value_or(""), HasSubstr("is on map 'oval'"));
+  EXPECT_THAT(fixture.aiv("CoSiVA/AIV2").text("offRoute").value_or(""), HasSubstr("is on map 'oval'"));
 }
 
 TEST(Switch, loses_no_command_on_its_way) {
@@ -223,7 +223,7 @@ TEST(Switch, gives_no_orders_to_a_foreign_vehicle_on_another_map) {
   agv.map_id = "floor 1";
   fixture.run_for(5s);
   EXPECT_THAT(agv.orders, IsEmpty());
-  EXPECT_THAT(fixture.aiv("Acme/agv-7").text("parked").value_or(""), HasSubstr("is on map 'floor 1'"));
+  EXPECT_THAT(fixture.aiv("Acme/agv-7").text("offRoute").value_or(""), HasSubstr("is on map 'floor 1'"));
   EXPECT_EQ(fixture.aiv("Acme/agv-7").text("map"), "floor 1");
 }
 
@@ -290,7 +290,7 @@ TEST(Switch, takes_a_virtual_vehicle_along) {
   fixture.run_for(10s);
   const JsonValue aiv = fixture.aiv("CoSiVA.virtual/V1");
   EXPECT_EQ(aiv.text("map"), "yard");
-  EXPECT_TRUE(aiv.find("parked")->is_null());
+  EXPECT_TRUE(aiv.find("offRoute")->is_null());
   EXPECT_GT(*aiv.number("speed"), 0.0);
 }
 
