@@ -84,7 +84,7 @@ describe('the book of alarms', () => {
 
   const deadlocks = (change: Partial<Deadlock>): Partial<Snapshot> => ({
     deadlocks: {
-      rings: 1, detected: 1, resolved: 0, open: 1, unresolved: 0, longest_s: 0, longest_wait_s: 0,
+      cycles: 1, detected: 1, resolved: 0, open: 1, unresolved: 0, longest_s: 0, longest_wait_s: 0,
       list: [{ number: 1, since_ms: 10_000, state: 'standing', members: ['CoSiVA/AIV1', 'CoSiVA/AIV2'], reason: 'CoSiVA/AIV1 waits for X1, which CoSiVA/AIV2 holds, CoSiVA/AIV2 sees CoSiVA/AIV1 in its way', how: '', ended_ms: null, ...change }],
     },
   });

@@ -177,7 +177,7 @@ export interface Deadlock {
 
 export interface Deadlocks {
   /** number of cycles that formed, however briefly */
-  rings: number;
+  cycles: number;
   detected: number;
   resolved: number;
   open: number;

@@ -24,7 +24,7 @@ class Ring {
 }
 
 export class History {
-  private readonly rings = new Map<string, Ring>();
+  private readonly cycles = new Map<string, Ring>();
   private last_ms = -Infinity;
 
   accept(snapshot: Snapshot): void {
@@ -32,19 +32,19 @@ export class History {
     if (snapshot.time_ms - this.last_ms < every_ms) return;
     this.last_ms = snapshot.time_ms;
     for (const aiv of snapshot.aivs) {
-      let ring = this.rings.get(aiv.id);
-      if (!ring) this.rings.set(aiv.id, (ring = new Ring()));
+      let ring = this.cycles.get(aiv.id);
+      if (!ring) this.cycles.set(aiv.id, (ring = new Ring()));
       ring.put(aiv.speed, aiv.divergence_m, aiv.age_ms);
     }
-    if (this.rings.size > snapshot.aivs.length) {
+    if (this.cycles.size > snapshot.aivs.length) {
       const present = new Set(snapshot.aivs.map((aiv) => aiv.id));
-      for (const id of this.rings.keys()) if (!present.has(id)) this.rings.delete(id);
+      for (const id of this.cycles.keys()) if (!present.has(id)) this.cycles.delete(id);
     }
   }
 
   /** Oldest first, at most history_slots values, one a second. */
   read(id: string, which: Series): number[] {
-    const ring = this.rings.get(id);
+    const ring = this.cycles.get(id);
     if (!ring) return [];
     const values = ring.values[which];
     return Array.from({ length: ring.count }, (_, i) => values[(ring.next - ring.count + i + history_slots) % history_slots]!);

@@ -127,7 +127,7 @@ inline DeadlockMetrics deadlock_metrics(const World& world) {
   const JsonValue* d = summary ? summary->find("deadlocks") : nullptr;
   if (d == nullptr) return {.open = 1e9};
   const auto number = [&](std::string_view name) { return d->number(name).value_or(1e9); };
-  return {number("rings"), number("detected"),  number("resolved"),
+  return {number("cycles"), number("detected"),  number("resolved"),
           number("open"),  number("longest_s"), number("longest_wait_s")};
 }
 

@@ -224,7 +224,7 @@ std::size_t Deadlocks::open() const {
 }
 
 void Deadlocks::write_counters(JsonWriter& json) const {
-  json.field("rings", counters_.rings)
+  json.field("cycles", counters_.rings)
       .field("detected", counters_.detected)
       .field("resolved", counters_.resolved)
       .field("open", static_cast<std::uint64_t>(open()))

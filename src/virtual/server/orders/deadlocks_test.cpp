@@ -27,7 +27,7 @@ struct Shown {
 Shown shown(const ServerFixture& fixture) {
   const JsonValue snapshot = fixture.snapshot();
   const JsonValue& deadlocks = *snapshot.find("deadlocks");
-  return {*deadlocks.number("rings"), *deadlocks.number("detected"), *deadlocks.number("resolved"),
+  return {*deadlocks.number("cycles"), *deadlocks.number("detected"), *deadlocks.number("resolved"),
           *deadlocks.number("open"), *deadlocks.find("list")->array()};
 }
 
