@@ -23,7 +23,7 @@ const on_ranks = (n, ...options) => run('mpirun', ['--oversubscribe', '-n', Stri
 
 /** Some seconds of one core: long enough to be killed in the middle of. */
 const plan = `runs = 300
-way_m = 100
+distance_m = 100
 [vary]
 algorithm = ["arc_kalman", "reset_rule"]
 pitch_m = { from = 0.2, to = 3.2, steps = 5, log = true }

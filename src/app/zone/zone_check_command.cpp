@@ -156,7 +156,7 @@ int refuse_zone(const ZoneArguments& arguments, const Error& first) {
   for (const Error& fault : faults)
     json.begin_object()
         .field("code", fault.code)
-        .field("place", fault.place)
+        .field("location", fault.place)
         .field("message", fault.message)
         .end_object();
   json.end_array().end_object();

@@ -26,7 +26,7 @@ void write_diagnostics(JsonWriter& json, const std::vector<zone::Diagnostic>& di
   for (const zone::Diagnostic& diagnostic : diagnostics)
     json.begin_object()
         .field("kind", to_string(diagnostic.kind))
-        .field("place", diagnostic.place)
+        .field("location", diagnostic.place)
         .field("text", diagnostic.text)
         .end_object();
   json.end_array();

@@ -214,7 +214,7 @@ std::string to_json(const EstimateResponse& response) {
   json.field("timestamp", to_iso8601(response.timestamp)).field("mapId", response.map_id);
   json.field("fault", response.fault).field("travelled_m", response.travelled_m);
   if (response.start) write(json, *response.start);
-  json.key("told").begin_array();
+  json.key("inputs").begin_array();
   for (const EstimateResponse::Input& input : response.told) write(json, input);
   json.end_array().key("estimates").begin_array();
   for (const EstimateResponse::Estimate& estimate : response.estimates) write(json, estimate);
@@ -230,7 +230,7 @@ Result<EstimateResponse> estimate_response_from_json(std::string_view text) {
     in.text("fault", response.fault, EstimateResponse::fault_bytes_max);
     in.number("travelled_m", -way_m_max, way_m_max, response.travelled_m);
     own::read_part(in, "start", response.start, [](Fields& fields, auto& start) { read_start(fields, start); });
-    in.list("told", EstimateResponse::told_max, [&](const JsonValue& item, const std::string& name) {
+    in.list("inputs", EstimateResponse::told_max, [&](const JsonValue& item, const std::string& name) {
       inside(in, item, name, [&](Fields& fields) { read_input(fields, name, response.told); });
     });
     in.list("estimates", EstimateRequest::algorithms_max, [&](const JsonValue& item, const std::string& name) {

@@ -82,7 +82,7 @@ std::string to_json(const Intent& intent) {
       .field("braking", intent.braking)
       .field("priority", intent.priority);
   if (intent.place) {
-    json.key("place").begin_object().field("section", intent.place->section).field("s", intent.place->s_m).end_object();
+    json.key("position").begin_object().field("section", intent.place->section).field("s", intent.place->s_m).end_object();
   }
   json.key("crossings").begin_array();
   for (const CrossingIntent& crossing : intent.crossings) {
@@ -95,7 +95,7 @@ std::string to_json(const Intent& intent) {
         .field("mayEnter", crossing.may_enter)
         .end_object();
   }
-  json.end_array().key("way").begin_array();
+  json.end_array().key("route").begin_array();
   for (const std::string& section : intent.way) json.value(section);
   return json.end_array().end_object().take();
 }
@@ -114,7 +114,7 @@ Result<Intent> intent_from_json(std::string_view text) {
     in.flag("braking", intent.braking);
     in.whole("priority", intent.priority);
     if (intent.priority > priority_max) in.complain("priority", "a whole number from 0 to 999");
-    read_part(in, "place", intent.place, [](Fields& fields, Intent::OnLine& place) {
+    read_part(in, "position", intent.place, [](Fields& fields, Intent::OnLine& place) {
       fields.text("section", place.section);
       fields.number("s", 0.0, place_m_max, place.s_m);
     });
@@ -123,7 +123,7 @@ Result<Intent> intent_from_json(std::string_view text) {
       read_crossing(fields, intent.crossings.emplace_back());
       in.take_over(fields.error());
     });
-    in.list("way", Intent::way_max, [&](const JsonValue& item, const std::string& name) {
+    in.list("route", Intent::way_max, [&](const JsonValue& item, const std::string& name) {
       const std::string* section = item.text();
       if (section == nullptr || section->size() > text_bytes_max)
         return in.complain(name, "a section's name of at most " + std::to_string(text_bytes_max) + " bytes");

@@ -32,9 +32,9 @@ const Intent shown{7,
 constexpr std::string_view shown_json =
     R"({"headerId":7,"timestamp":"2026-01-01T00:00:00.004Z","mapId":"lacet4","manufacturer":"CoSiVA",)"
     R"("serialNumber":"AIV1","x":0.125,"y":-0.15,"heading":0,"speed":0.4,"braking":false,"priority":3,)"
-    R"("place":{"section":"east","s":0.875},)"
+    R"("position":{"section":"east","s":0.875},)"
     R"("crossings":[{"name":"X1","entry":0.31,"exit":0.71,"arrival":0.9,"departure":1.9,"mayEnter":true}],)"
-    R"("way":["loop_se","north"]})";
+    R"("route":["loop_se","north"]})";
 
 std::string word(Random& random) {
   static const std::string letters = "AZaz09_.:- \"\\\n/";
@@ -163,7 +163,7 @@ TEST(Intent, refuses_crowded_lists_numbers_that_are_none_and_long_texts) {
   crowd.crossings.resize(Intent::crossings_max + 1, shown.crossings.front());
   EXPECT_THAT(intent_from_json(to_json(crowd)).error().message, HasSubstr("at most 8"));
   crowd = shown;
-  crowd.way.resize(Intent::way_max + 1, "way");
+  crowd.way.resize(Intent::way_max + 1, "route");
   EXPECT_FALSE(intent_from_json(to_json(crowd)));
   Intent nan = shown;
   nan.speed_mps = std::numeric_limits<double>::quiet_NaN();

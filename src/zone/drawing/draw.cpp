@@ -244,7 +244,7 @@ void write_goals(JsonWriter& json, const TrafficZone& zone) {
   for (const Loop& loop : zone.loops) json.value(loop.name);
   json.end_array().key("diagnostics").begin_array();
   for (const Diagnostic& diagnostic : zone.diagnostics) {
-    json.begin_object().field("kind", to_string(diagnostic.kind)).field("place", diagnostic.place);
+    json.begin_object().field("kind", to_string(diagnostic.kind)).field("location", diagnostic.place);
     json.field("text", diagnostic.text).end_object();
   }
   json.end_array();

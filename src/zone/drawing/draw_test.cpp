@@ -266,7 +266,7 @@ TEST(Draw, writes_stations_loops_and_diagnostics_for_the_page) {
   const auto& diagnostics = *document->find("diagnostics")->array();
   ASSERT_EQ(diagnostics.size(), 1U);
   EXPECT_EQ(diagnostics[0].text("kind"), "lost");
-  EXPECT_EQ(diagnostics[0].text("place"), "road 12");
+  EXPECT_EQ(diagnostics[0].text("location"), "road 12");
   EXPECT_EQ(document->find("beacons")->number("rotation"), 0.0);
 }
 

@@ -31,7 +31,7 @@ std::optional<Error> set_tag(TrafficZone& zone, const ZoneEdit::TagPlace& set) {
     return Error{"edit.section", "name a section of this zone for the tag", name_of(set.number)};
   const double length_m = zone.circuit.section(set.place.section).length_m();
   if (!(set.place.s_m >= 0.0 && set.place.s_m <= length_m))
-    return Error{"edit.place",
+    return Error{"edit.position",
                  "give the metres along '" + zone.circuit.part(set.place.section).name + "' from 0 to its length, " +
                      metres_text(length_m),
                  name_of(set.number)};

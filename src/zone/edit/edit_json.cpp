@@ -94,11 +94,11 @@ class Reader {
     } else if (x_m && y_m && std::isfinite(*x_m) && std::isfinite(*y_m)) {
       const auto located = zone_.circuit.locate({*x_m, *y_m});
       if (located.distance_m <= off_way_max_m) return located.place;
-      fault("edit.place",
+      fault("edit.position",
             "this is " + metres_text(located.distance_m) + " m from the nearest way; put the tag within 0.30 m of one",
             name);
     } else {
-      fault("edit.place", "say where: 'x' and 'y' in metres, or 'section' and 's'", name);
+      fault("edit.position", "say where: 'x' and 'y' in metres, or 'section' and 's'", name);
     }
     return std::nullopt;
   }

@@ -67,12 +67,12 @@ TEST(ZoneEditJson, refuses_what_cannot_be_with_a_code_each) {
   EXPECT_EQ(code_of(R"({"addTags":[{"number":13.5,"section":"east","s":1}]})"), "edit.number");
   EXPECT_EQ(code_of(R"({"addTags":[{"number":4000000001,"section":"east","s":1}]})"), "edit.number");
   EXPECT_EQ(code_of(R"({"addTags":[{"number":"13","section":"east","s":1}]})"), "edit.number");
-  EXPECT_EQ(code_of(R"({"addTags":[{"number":13}]})"), "edit.place");
-  EXPECT_EQ(code_of(R"({"addTags":[{"number":13,"x":1}]})"), "edit.place");
-  EXPECT_EQ(code_of(R"({"addTags":[{"number":13,"section":"east"}]})"), "edit.place");
+  EXPECT_EQ(code_of(R"({"addTags":[{"number":13}]})"), "edit.position");
+  EXPECT_EQ(code_of(R"({"addTags":[{"number":13,"x":1}]})"), "edit.position");
+  EXPECT_EQ(code_of(R"({"addTags":[{"number":13,"section":"east"}]})"), "edit.position");
   EXPECT_EQ(code_of(R"({"addTags":[{"number":13,"section":"est","s":1}]})"), "edit.section");
-  EXPECT_EQ(code_of(R"({"addTags":[{"number":13,"section":"east","s":-0.1}]})"), "edit.place");
-  EXPECT_EQ(code_of(R"({"addTags":[{"number":13,"section":"east","s":1.51}]})"), "edit.place");
+  EXPECT_EQ(code_of(R"({"addTags":[{"number":13,"section":"east","s":-0.1}]})"), "edit.position");
+  EXPECT_EQ(code_of(R"({"addTags":[{"number":13,"section":"east","s":1.51}]})"), "edit.position");
   EXPECT_EQ(code_of(R"({"addTags":[{"number":1,"section":"east","s":1}]})"), "edit.tag");
   EXPECT_EQ(code_of(R"({"moveTags":[{"number":13,"section":"east","s":1}]})"), "edit.tag");
   EXPECT_EQ(code_of(R"({"removeTags":[13]})"), "edit.tag");
@@ -123,7 +123,7 @@ TEST(ZoneEditJson, refuses_beacons_that_cannot_lie_so) {
 TEST(ZoneEditJson, knows_a_tag_30_cm_off_every_way_from_one_just_near_enough) {
   const TrafficZone zone = parsed(file(straight));
   EXPECT_EQ(code_of(R"({"addTags":[{"number":1,"x":1.0,"y":0.2999}]})", zone), "none");
-  EXPECT_EQ(code_of(R"({"addTags":[{"number":1,"x":1.0,"y":-0.3001}]})", zone), "edit.place");
+  EXPECT_EQ(code_of(R"({"addTags":[{"number":1,"x":1.0,"y":-0.3001}]})", zone), "edit.position");
   EXPECT_THAT(from_json(R"({"addTags":[{"number":1,"x":1.0,"y":-0.5}]})", zone).error().message, HasSubstr("0.50 m"));
 }
 

@@ -43,7 +43,7 @@ void read_settings(const Entry& root, CampaignPlan& plan) {
   plan.zone = root.text("zone", text_max, "lacet4");
   plan.runs = static_cast<std::uint32_t>(root.whole("runs", 1, 1'000'000, 20));
   plan.seed = static_cast<std::uint64_t>(root.whole("seed", 0, std::int64_t{1} << 53, 1));
-  plan.way_m = root.number("way_m", way, 100.0);
+  plan.way_m = root.number("distance_m", way, 100.0);
   plan.rate_hz = root.number("rate_hz", rate, 20.0);
   plan.fiducials = root.one_of("fiducials", {"line", "grid"}, "line") == "grid" ? Fiducials::grid : Fiducials::line;
   plan.reach_m = root.number("reach_m", reach, 0.02);
@@ -80,7 +80,7 @@ void check_size(const Entry& vary, const CampaignPlan& plan) {
 
 CampaignPlan read(const Entry& root) {
   CampaignPlan plan;
-  root.expect_only({"name", "zone", "runs", "seed", "way_m", "rate_hz", "fiducials", "reach_m", "particles", "horizon",
+  root.expect_only({"name", "zone", "runs", "seed", "distance_m", "rate_hz", "fiducials", "reach_m", "particles", "horizon",
                     "threshold_m", "tolerance_m", "tolerance_of", "vary"});
   read_settings(root, plan);
   const auto vary = root.table("vary");

@@ -17,7 +17,7 @@ using testing::plan_of;
 
 TEST(CampaignPlan, takes_numbers_lists_and_ranges) {
   const CampaignPlan plan = plan_of(
-      "name = \"Density\"\nzone = \"indus8\"\nruns = 7\nseed = 40\nway_m = 50.0\nrate_hz = 10\nmarks = \"grid\"\n"
+      "name = \"Density\"\nzone = \"indus8\"\nruns = 7\nseed = 40\ndistance_m = 50.0\nrate_hz = 10\nfiducials = \"grid\"\n"
       "reach_m = 0.03\ntolerance_m = 0.02\ntolerance_of = \"p95\"\nthreshold_m = 0.015\n[vary]\n"
       "algorithm = [\"arc_smoother\", \"arc_kalman\"]\npitch_m = { from = 0.1, to = 1.6, steps = 5, log = true }\n"
       "origin_x_m = { from = 0, to = 0.2, steps = 3 }\nrotation_deg = [45, -10.5]\nspeed_mps = 0.25\n");
@@ -77,11 +77,11 @@ TEST(CampaignPlan, names_line_key_and_what_was_found_of_what_is_wrong) {
       {"[vary]\nalgorithm = []\n", "plan.toml:2: vary.algorithm", "an empty list"},
       {"[vary]\nalgorithm = [\"ekf\", 3]\n", "plan.toml:2: vary.algorithm", "found 3"},
       {"[vary]\nalgorithm = [\"ekf\", \"ekf\"]\n", "plan.toml:2: vary.algorithm", "named twice"},
-      {"[vary]\nrotation_deg = 45\n", "plan.toml:2: vary.rotation_deg", "set marks = \"grid\""},
-      {"marks = \"grid\"\nreach_m = 0.3\n[vary]\npitch_m = 0.5\n", "vary.pitch_m", "two beacons"},
-      {"marks = \"gird\"\n[vary]\n", "plan.toml:1: marks", "did you mean \"grid\"?"},
+      {"[vary]\nrotation_deg = 45\n", "plan.toml:2: vary.rotation_deg", "set fiducials = \"grid\""},
+      {"fiducials = \"grid\"\nreach_m = 0.3\n[vary]\npitch_m = 0.5\n", "vary.pitch_m", "two beacons"},
+      {"fiducials = \"gird\"\n[vary]\n", "plan.toml:1: fiducials", "did you mean \"grid\"?"},
       {"runs = 0\n[vary]\n", "plan.toml:1: runs", "found 0"},
-      {"way_m = -3\n[vary]\n", "plan.toml:1: way_m", "found -3"},
+      {"distance_m = -3\n[vary]\n", "plan.toml:1: distance_m", "found -3"},
       {"runs = 1000000\n[vary]\npitch_m = { from = 0.1, to = 9, steps = 10000 }\nspeed_mps = [1, 2]\n",
        "plan.toml:2: vary", "a grid of 2e+10 runs"},
       {"runs = \n[vary]\n", "plan.toml:1", ""},

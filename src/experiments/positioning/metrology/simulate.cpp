@@ -175,9 +175,9 @@ class Drive {
 Result<void> check(const Simulation& simulation) {
   const auto positive = [](double v) { return v > 0.0 && v < 1e9; };
   if (!simulation.track) return fail("simulation.track", "there is no line to follow");
-  if (!positive(simulation.way_m)) return fail("simulation.way", "a way is longer than nothing");
+  if (!positive(simulation.way_m)) return fail("simulation.distance", "a way is longer than nothing");
   if (!simulation.track->closed() && simulation.way_m > simulation.track->length_m())
-    return fail("simulation.way", "the line ends after " + std::to_string(simulation.track->length_m()) + " m");
+    return fail("simulation.distance", "the line ends after " + std::to_string(simulation.track->length_m()) + " m");
   if (!positive(simulation.speed_mps)) return fail("simulation.speed", "it has to move");
   if (!positive(simulation.odometry_hz)) return fail("simulation.odometry", "odometry is told at some rate");
   if (!positive(simulation.pitch_m)) return fail("simulation.pitch", "beacons lie at some distance");
@@ -185,7 +185,7 @@ Result<void> check(const Simulation& simulation) {
     return fail("simulation.reads", "the share of beacons that are read lies in (0, 1]");
   if (!(simulation.sensors.fiducial_along_sigma_m > 0.0)) return fail("simulation.reader", "no reader is without error");
   if (simulation.way_m / simulation.speed_mps * simulation.odometry_hz < 1.0)
-    return fail("simulation.way", "it ends before odometry has told anything");
+    return fail("simulation.distance", "it ends before odometry has told anything");
   if (simulation.way_m / simulation.speed_mps * simulation.odometry_hz > 2e7)
     return fail("simulation.length", "that is more than 20 million steps in one run");
   return {};

@@ -149,8 +149,8 @@ TEST(Simulation, refuses_what_cannot_be) {
     return result ? std::string() : result.error().code;
   };
   EXPECT_EQ(code([](Simulation& s) { s.pitch_m = 0.0; }), "simulation.pitch");
-  EXPECT_EQ(code([](Simulation& s) { s.way_m = -1.0; }), "simulation.way");
-  EXPECT_EQ(code([](Simulation& s) { s.way_m = 0.001; }), "simulation.way");
+  EXPECT_EQ(code([](Simulation& s) { s.way_m = -1.0; }), "simulation.distance");
+  EXPECT_EQ(code([](Simulation& s) { s.way_m = 0.001; }), "simulation.distance");
   EXPECT_EQ(code([](Simulation& s) { s.speed_mps = std::nan(""); }), "simulation.speed");
   EXPECT_EQ(code([](Simulation& s) { s.read_ratio = 1.5; }), "simulation.reads");
   EXPECT_EQ(code([](Simulation& s) { s.way_m = 1e8; }), "simulation.length");

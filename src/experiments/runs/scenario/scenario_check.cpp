@@ -233,7 +233,7 @@ class Checker {
     if (x_m >= bounds_.low.x_m - margin_m && x_m <= bounds_.high.x_m + margin_m && y_m >= bounds_.low.y_m - margin_m &&
         y_m <= bounds_.high.y_m + margin_m)
       return;
-    fault(field, "scenario.place",
+    fault(field, "scenario.position",
           "(" + shortest(x_m) + ", " + shortest(y_m) + ") lies off the zone " + zone_->name + ", which reaches from (" +
               shortest(bounds_.low.x_m) + ", " + shortest(bounds_.low.y_m) + ") to (" + shortest(bounds_.high.x_m) +
               ", " + shortest(bounds_.high.y_m) + ") m");
@@ -265,14 +265,14 @@ class Checker {
       const double length_m = zone_->circuit.section(*section).length_m();
       place = zone::Place{*section, virtual_object.number("s").value_or(0.0)};
       if (place->s_m > length_m) {
-        return fault("virtual_aiv.s_m", "scenario.place",
+        return fault("virtual_aiv.s_m", "scenario.position",
                      *name + " is " + shortest(length_m) + " m long, so s_m must be from 0 to that");
       }
     } else if (virtual_object.number("x") && virtual_object.number("y")) {
       const Point2 at{*virtual_object.number("x"), *virtual_object.number("y")};
       const auto located = zone_->circuit.locate(at);
       if (located.distance_m > off_way_max_m) {
-        return fault("virtual_aiv.at", "scenario.place",
+        return fault("virtual_aiv.at", "scenario.position",
                      "the nearest way of " + zone_->name + " is " + shortest(located.distance_m) +
                          " m off; put it within " + shortest(off_way_max_m) + " m of one");
       }
@@ -280,7 +280,7 @@ class Checker {
     }
     if (!place || zone_->may_stand(*place)) return;
     const zone::Crossing* crossing = zone_->crossing_at(*place);
-    fault("virtual_aiv", "scenario.place",
+    fault("virtual_aiv", "scenario.position",
           "no vehicle may stand " +
               (crossing == nullptr ? std::string("between crossings this close together")
                                    : "in crossing " + crossing->name) +

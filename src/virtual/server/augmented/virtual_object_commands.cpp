@@ -177,13 +177,13 @@ Result<VirtualObjectCommand> VirtualObjectCommands::read_move(const JsonValue& v
 
 Result<Point2> VirtualObjectCommands::read_point(const JsonValue& x, const JsonValue& y, std::string_view field) const {
   if (x.number() == nullptr || y.number() == nullptr || !std::isfinite(*x.number()) || !std::isfinite(*y.number()))
-    return fail("virtual_object.place", "give a place as two numbers, in metres on the map", std::string(field));
+    return fail("virtual_object.position", "give a place as two numbers, in metres on the map", std::string(field));
   const Point2 p{*x.number(), *y.number()};
   const zone::Bounds on = simulator_.bounds();
   const bool inside = p.x_m >= on.low.x_m - beside_zone_m && p.x_m <= on.high.x_m + beside_zone_m &&
                       p.y_m >= on.low.y_m - beside_zone_m && p.y_m <= on.high.y_m + beside_zone_m;
   if (!inside) {
-    return fail("virtual_object.place",
+    return fail("virtual_object.position",
                 at_text(p) + " is off the zone, which reaches from " + at_text(on.low) + " to " + at_text(on.high) +
                     "; choose a place on it or at most 0.5 m beside it",
                 std::string(field));
@@ -217,7 +217,7 @@ Result<Walk> VirtualObjectCommands::read_walk(const JsonValue& virtual_object, b
     if (!on_way) return tl::unexpected(on_way.error());
     if (*on_way) return Walk({position(simulator_.circuit()->pose_at(**on_way))}, 0.0, Repeat::once);
     if (x == nullptr || y == nullptr) {
-      return fail("virtual_object.place",
+      return fail("virtual_object.position",
                   may_walk ? "say where it stands (x, y) or which path it walks (path)" : "say where it stands (x, y)");
     }
     const auto point = read_point(*x, *y, "x, y");
@@ -226,7 +226,7 @@ Result<Walk> VirtualObjectCommands::read_walk(const JsonValue& virtual_object, b
   }
   if (!may_walk) return fail("virtual_object.path", "an obstacle stands still; give it a place (x, y), or add a person", "path");
   if (x != nullptr || y != nullptr)
-    return fail("virtual_object.place", "give either a place (x, y) or a path, not both", "path");
+    return fail("virtual_object.position", "give either a place (x, y) or a path, not both", "path");
   auto points = read_path(*path);
   if (!points) return tl::unexpected(points.error());
   double speed_mps = usual.speed_mps();
