@@ -40,25 +40,25 @@ TEST(Timer, destroyed_never_fires) {
 TEST(Timer, beats_until_it_is_cancelled_from_its_own_beat) {
   EventLoop loop;
   Timer timer{loop};
-  int beats = 0;
+  int heartbeats = 0;
   timer.every(1ms, [&] {
-    if (++beats == 5) timer.cancel();
+    if (++heartbeats == 5) timer.cancel();
   });
-  EXPECT_TRUE(loop.run_until([&] { return beats == 5; }, timeout));
+  EXPECT_TRUE(loop.run_until([&] { return heartbeats == 5; }, timeout));
   loop.run_for(20ms);
-  EXPECT_EQ(beats, 5);
+  EXPECT_EQ(heartbeats, 5);
 }
 
 TEST(Timer, skips_the_beats_a_stalled_loop_missed) {
   EventLoop loop;
   Timer timer{loop};
-  int beats = 0;
+  int heartbeats = 0;
   timer.every(20ms, [&] {
-    if (++beats == 1) std::this_thread::sleep_for(210ms);  // ten beats long
+    if (++heartbeats == 1) std::this_thread::sleep_for(210ms);  // ten beats long
   });
-  EXPECT_TRUE(loop.run_until([&] { return beats == 1; }, timeout));
+  EXPECT_TRUE(loop.run_until([&] { return heartbeats == 1; }, timeout));
   const auto stalled = std::chrono::steady_clock::now();
-  EXPECT_TRUE(loop.run_until([&] { return beats == 3; }, timeout));
+  EXPECT_TRUE(loop.run_until([&] { return heartbeats == 3; }, timeout));
   // A burst of made-up beats would be here at once; two honest ones need at least one whole period.
   EXPECT_GE(std::chrono::steady_clock::now() - stalled, 20ms);
 }

@@ -77,10 +77,10 @@ TEST(JournalFile, goes_to_a_disk_that_stands_still_without_keeping_anybody_waiti
   auto journal = JournalFile::create(loop, file, {}).value();
   const std::string much(1U << 20U, 'x');  // a pipe takes 64 KiB, and then nothing until somebody reads
   journal->append(much);
-  int beats = 0;
+  int heartbeats = 0;
   Timer timer{loop};
-  timer.every(5ms, [&] { ++beats; });
-  EXPECT_TRUE(loop.run_until([&] { return beats == 20; }, timeout));
+  timer.every(5ms, [&] { ++heartbeats; });
+  EXPECT_TRUE(loop.run_until([&] { return heartbeats == 20; }, timeout));
   journal->append("behind it");
   std::string got;
   EXPECT_TRUE(loop.run_until([&] { return (got += reader.take()).size() == much.size() + 9; }, timeout));

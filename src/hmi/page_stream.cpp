@@ -12,11 +12,11 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr int beats_per_second = 30;
-constexpr std::chrono::nanoseconds beat_period{std::chrono::nanoseconds{std::chrono::seconds{1}} / beats_per_second};
+constexpr int heartbeats_per_second = 30;
+constexpr std::chrono::nanoseconds heartbeat_period{std::chrono::nanoseconds{std::chrono::seconds{1}} / heartbeats_per_second};
 /// Above so many things every third beat only: 10 a second.
 constexpr std::size_t many_objects = 1000;
-constexpr std::uint64_t beats_skipped_when_many = 3;
+constexpr std::uint64_t heartbeats_skipped_when_many = 3;
 constexpr milliseconds snapshot_period{250};
 constexpr milliseconds snapshot_period_when_many{1000};
 /// Vehicles pass tags and nodes many times a second together: what they report is gathered for so long.
@@ -29,8 +29,8 @@ constexpr int snapshot_ratio = 10;
 }  // namespace
 
 PageStream::PageStream(adapters::EventLoop& loop, adapters::HttpServer& http, StreamSource source)
-    : http_{http}, source_{std::move(source)}, beat_{loop}, change_{loop}, frames_{beats_per_second} {
-  beat_.every(beat_period, [this] { position_beat(); });
+    : http_{http}, source_{std::move(source)}, heartbeat_{loop}, change_{loop}, frames_{heartbeats_per_second} {
+  heartbeat_.every(heartbeat_period, [this] { position_heartbeat(); });
   http_.on_join([this] { join(); });
 }
 
@@ -50,15 +50,15 @@ void PageStream::join() {
   send_positions();
 }
 
-void PageStream::position_beat() {
-  ++beats_;
+void PageStream::position_heartbeat() {
+  ++heartbeats_;
   if (nobody_listens()) {
     idle_ = true;
     return;
   }
   if (idle_) return join();
-  if (beats_ % beats_per_second == 0) frames_.request_key();
-  if (records_.size() <= many_objects || beats_ % beats_skipped_when_many == 0) send_positions();
+  if (heartbeats_ % heartbeats_per_second == 0) frames_.request_key();
+  if (records_.size() <= many_objects || heartbeats_ % heartbeats_skipped_when_many == 0) send_positions();
   send_zone();
   send_run();
   if (Clock::now() >= next_snapshot_) send_snapshot();

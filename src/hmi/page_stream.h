@@ -45,7 +45,7 @@ class PageStream {
  private:
   using Clock = std::chrono::steady_clock;
 
-  void position_beat();
+  void position_heartbeat();
   void look_for_change();
   void send_zone();
   void send_run();
@@ -57,11 +57,11 @@ class PageStream {
   adapters::HttpServer& http_;
   StreamSource source_;
 
-  adapters::Timer beat_;
+  adapters::Timer heartbeat_;
   adapters::Timer change_;
   bool change_due_{false};
   bool idle_{true};  ///< nobody listened at the last beat: what is kept is old
-  std::uint64_t beats_{0};
+  std::uint64_t heartbeats_{0};
 
   std::uint64_t zone_revision_{0};
   bool zone_sent_{false};

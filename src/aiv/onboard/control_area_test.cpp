@@ -30,7 +30,7 @@ struct ControlAreaFixture : OnboardFixture {
     zone.text.replace(zone.text.find("name = \"lacet4\""), 15, "name = \"" + area + "\"");
     hear("cosiva/v1/area/" + area + "/zone/toml", zone::to_payload(zone), true);
   }
-  void beat_of(const std::string& area, double seconds) {
+  void heartbeat_of(const std::string& area, double seconds) {
     for (int i = 0; i < static_cast<int>(std::lround(seconds * 10.0)); ++i) {
       hear("cosiva/v1/area/" + area + "/server/heartbeat", R"({"headerId":1})");
       run(0.1);
@@ -78,15 +78,15 @@ TEST(ControlArea, changes_from_one_server_to_the_other_and_heeds_the_new_one_s_h
   fixture.run(0.5);
   fixture.owner("north");
   fixture.zone_of("north");
-  fixture.beat_of("north", 0.5);
+  fixture.heartbeat_of("north", 0.5);
   fixture.owner("south");
   fixture.zone_of("south");
   fixture.run(1.0);
   EXPECT_EQ(fixture.map_id(), "south");
   EXPECT_THAT(fixture.error_types(), Not(Contains("serverLost"))) << "the old one's silence is nothing to it";
   EXPECT_THAT(fixture.listens, Not(Contains(HasSubstr("north"))));
-  fixture.beat_of("south", 0.5);
-  fixture.beat_of("north", 1.0);
+  fixture.heartbeat_of("south", 0.5);
+  fixture.heartbeat_of("north", 1.0);
   EXPECT_THAT(fixture.error_types(), Contains("serverLost")) << "its own has fallen silent, whatever the other says";
   fixture.hear("cosiva/v1/area/north/server/connection", R"({"connectionState":"OFFLINE"})");
   fixture.run(0.2);
@@ -129,7 +129,7 @@ TEST(ControlArea, is_nobody_s_again_when_its_owner_is_taken_off_the_broker) {
   fixture.run(0.5);
   fixture.owner("north");
   fixture.zone_of("north");
-  fixture.beat_of("north", 0.5);
+  fixture.heartbeat_of("north", 0.5);
   fixture.hear(owner_topic, "", true);
   fixture.run(1.0);
   EXPECT_EQ(fixture.map_id(), "north") << "it stays on the map it has";

@@ -95,7 +95,7 @@ class OnboardFixture {
     ++steps_;
     roll(0.01);
     const auto every = [&](int count) { return steps_ % count == 0; };
-    if (server_beats && every(10)) hear(wire::server_heartbeat_topic, R"({"headerId":1})");
+    if (server_heartbeats && every(10)) hear(wire::server_heartbeat_topic, R"({"headerId":1})");
     if (every(10)) {
       for (const wire::Board board : alive) say(board, wire::Heartbeat{0, 0, 0, self_test[board]});
     }
@@ -153,7 +153,7 @@ class OnboardFixture {
   LineWorld world;
   AivMotion& ground_truth{world.ground_truth};
   double& speed_mps{world.speed_mps};
-  bool server_beats{false};
+  bool server_heartbeats{false};
   std::uint16_t charge{900};
   std::set<wire::Board> alive;
   std::map<wire::Board, std::uint8_t> self_test;

@@ -27,7 +27,7 @@ constexpr double front_m = 0.10;
 /// On its way along the loop in the south-east, at medium speed, with a server that beats.
 struct Driving : OnboardFixture {
   Driving() {
-    server_beats = true;
+    server_heartbeats = true;
     run(0.5);
     order(test::order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@2545"}));
     run(1.0);
@@ -195,7 +195,7 @@ TEST(Perception, is_forgotten_when_the_server_leaves) {
   Driving fixture;
   fixture.run_with({Driving::person(fixture.s_m() + 0.5)}, 3.0);
   EXPECT_EQ(fixture.speed_mps, 0.0);
-  fixture.server_beats = false;
+  fixture.server_heartbeats = false;
   fixture.hear(wire::server_connection_topic, R"({"connectionState":"OFFLINE","timestamp":"2026-01-01T00:00:00Z"})");
   fixture.run(0.5);
   EXPECT_GT(fixture.speed_mps, 0.0);
@@ -204,10 +204,10 @@ TEST(Perception, is_forgotten_when_the_server_leaves) {
 TEST(Perception, outlasts_a_server_that_died_and_came_back) {
   Driving fixture;
   fixture.run_with({Driving::person(fixture.s_m() + 0.5)}, 3.0);
-  fixture.server_beats = false;
+  fixture.server_heartbeats = false;
   fixture.run(5.0);
   EXPECT_EQ(fixture.speed_mps, 0.0);
-  fixture.server_beats = true;
+  fixture.server_heartbeats = true;
   fixture.run(0.9);
   EXPECT_EQ(fixture.speed_mps, 0.0) << "the new one had no time yet to say what stands there";
   fixture.aheads = 0;

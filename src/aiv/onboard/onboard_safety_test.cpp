@@ -213,15 +213,15 @@ TEST(Silence, of_the_broker_stops_the_vehicle_after_half_a_second) {
 
 TEST(Silence, of_a_server_once_heard_stops_the_vehicle_until_it_is_back) {
   Driving fixture;
-  fixture.server_beats = true;
+  fixture.server_heartbeats = true;
   fixture.run(0.5);
-  fixture.server_beats = false;
+  fixture.server_heartbeats = false;
   fixture.run(0.4);
   EXPECT_GT(fixture.speed_mps, 0.25);
   fixture.run(0.8);
   EXPECT_EQ(fixture.speed_mps, 0.0);
   EXPECT_THAT(fixture.error_types(), Contains("serverLost"));
-  fixture.server_beats = true;
+  fixture.server_heartbeats = true;
   fixture.run(1.0);
   EXPECT_GT(fixture.speed_mps, 0.25);
   EXPECT_THAT(fixture.error_types(), IsEmpty());
@@ -232,9 +232,9 @@ TEST(Silence, of_a_server_that_said_goodbye_or_never_spoke_is_nothing) {
   fixture.hear(wire::server_heartbeat_topic, "{}", true);  // a retained one is not a beat
   fixture.run(0.7);
   EXPECT_GT(fixture.speed_mps, 0.25);
-  fixture.server_beats = true;
+  fixture.server_heartbeats = true;
   fixture.run(0.5);
-  fixture.server_beats = false;
+  fixture.server_heartbeats = false;
   fixture.hear(wire::server_connection_topic, R"({"connectionState":"OFFLINE"})", true);
   fixture.run(1.0);
   EXPECT_GT(fixture.speed_mps, 0.25);
@@ -242,9 +242,9 @@ TEST(Silence, of_a_server_that_said_goodbye_or_never_spoke_is_nothing) {
 
 TEST(Silence, of_a_server_whose_connection_broke_still_counts) {
   Driving fixture;
-  fixture.server_beats = true;
+  fixture.server_heartbeats = true;
   fixture.run(0.5);
-  fixture.server_beats = false;
+  fixture.server_heartbeats = false;
   fixture.hear(wire::server_connection_topic, R"({"connectionState":"CONNECTIONBROKEN"})", true);
   fixture.run(1.2);
   EXPECT_EQ(fixture.speed_mps, 0.0);

@@ -77,7 +77,7 @@ TEST(OnboardV2x, speaks_once_a_second_alone_and_more_often_in_company) {
   fixture.run(5.0);
   EXPECT_EQ(fixture.intents.size() - before, 5U);
   EXPECT_EQ(fixture.said_in_company(4.0), 8U) << "it stands";
-  fixture.server_beats = true;
+  fixture.server_heartbeats = true;
   fixture.order(test::order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@2545"}));
   const std::size_t moving = fixture.said_in_company(3.0);
   EXPECT_GE(moving, 15U);
@@ -110,7 +110,7 @@ TEST(OnboardV2x, says_who_and_where_it_is_and_counts_its_messages) {
 
 TEST(OnboardV2x, tells_at_once_when_it_begins_to_brake) {
   Talking fixture;
-  fixture.server_beats = true;
+  fixture.server_heartbeats = true;
   fixture.order(test::order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@2545"}));
   fixture.run_in_company(2.0);
   EXPECT_FALSE(fixture.intents.back().braking);
@@ -150,7 +150,7 @@ TEST(OnboardV2x, is_not_disturbed_by_its_own_messages_or_retained_ones) {
 
 TEST(OnboardV2x, speaks_in_another_cell_when_it_has_come_there) {
   Talking fixture;
-  fixture.server_beats = true;
+  fixture.server_heartbeats = true;
   const auto first = fixture.listens;
   // The south-eastern loop leads from y < 0 to the northward straight, over the border at y = 0.
   fixture.order(test::order("O-1").through({"loop_se@0", "loop_se@2545", "north@0", "north@380", "north@1120"}));

@@ -41,7 +41,7 @@ constexpr seconds goodbye_max{10};
 class LiveTest {
  public:
   LiveTest(const BatteryTestArguments& arguments, experiments::LiveRigOptions options, adapters::HttpClient server)
-      : arguments_{arguments}, rig_{std::move(options)}, server_{std::move(server)}, beat_{loop_} {}
+      : arguments_{arguments}, rig_{std::move(options)}, server_{std::move(server)}, heartbeat_{loop_} {}
 
   Result<void> run() {
     if (auto there = open(); !there) return there;
@@ -50,7 +50,7 @@ class LiveTest {
     if (interrupted_) return fail("battery.interrupted", "it was ended before it began", {});
     if (!rig_.complete()) return fail("battery.fleet", "nothing was heard for a minute of " + rig_.missing(), address_);
     if (auto begun = begin(); !begun) return begun;
-    beat_.every(tick_period, [this] { beat(); });
+    heartbeat_.every(tick_period, [this] { heartbeat(); });
     loop_.run();
     if (failure_) return tl::unexpected(*failure_);
     return say_goodbye();
@@ -95,7 +95,7 @@ class LiveTest {
     return {};
   }
 
-  void beat() {
+  void heartbeat() {
     if (std::exchange(interrupted_, false)) {
       say("interrupted: what runs is known to last longer");
       response(rig_.give_up(clock_.now()));
@@ -169,7 +169,7 @@ class LiveTest {
   Result<void> say_goodbye() {
     tell_onlookers();
     ended_ = true;
-    beat_.cancel();
+    heartbeat_.cancel();
     bool out = false;
     bus_->stop([&] { out = true; });
     loop_.run_until([&] { return out; }, goodbye_max);
@@ -195,7 +195,7 @@ class LiveTest {
   bool complained_{false};
   bool interrupted_{false};
   bool ended_{false};
-  adapters::Timer beat_;
+  adapters::Timer heartbeat_;
 };
 
 }  // namespace

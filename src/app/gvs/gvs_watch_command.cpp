@@ -46,7 +46,7 @@ class Watch {
         source_{arguments.source},
         names_{std::move(names)},
         text_{source_.emulated() ? "the emulated world's camera" : text_of(source_)},
-        beat_{loop_},
+        heartbeat_{loop_},
         duration_{loop_} {}
 
   int run(std::optional<vision::Calibration> calibration) {
@@ -59,7 +59,7 @@ class Watch {
     if (arguments_.part.duration_s) duration_.after(from_seconds(*arguments_.part.duration_s), [this] { end(); });
     // A zone with none of the emulated world's truth is no world.
     ground_truth_received_ = clock_.now();
-    beat_.every(milliseconds{500}, [this] { check_for_ground_truth(); });
+    heartbeat_.every(milliseconds{500}, [this] { check_for_ground_truth(); });
     if (!source_.emulated()) open_feed();
     client_->start();
     loop_.run();
@@ -189,7 +189,7 @@ class Watch {
   adapters::EventLoop loop_;
   adapters::WallClock clock_;
   std::unique_ptr<adapters::MqttClient> client_;
-  adapters::Timer beat_;
+  adapters::Timer heartbeat_;
   adapters::Timer duration_;
   std::optional<GvsCamera> camera_;
   std::optional<zone::ZoneConfiguration> zone_;

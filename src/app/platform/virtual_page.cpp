@@ -14,7 +14,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds beat_period{20};
+constexpr milliseconds heartbeat_period{20};
 /// So much of a beat the world may take; the rest is the page's, or it would answer nobody.
 constexpr milliseconds busy_max{14};
 /// The world goes in pieces so small that the bound above is kept.
@@ -33,8 +33,8 @@ VirtualPage::VirtualPage(adapters::EventLoop& loop, VirtualRun& run, std::functi
       timer_{loop},
       speed_{run.plan().arguments.speed.value_or(1.0)},
       reached_{speed_},
-      last_beat_{Steady::now()},
-      measured_since_{last_beat_},
+      last_heartbeat_{Steady::now()},
+      measured_since_{last_heartbeat_},
       measured_from_{run.world().now()} {}
 
 Result<std::unique_ptr<VirtualPage>> VirtualPage::open(adapters::EventLoop& loop, VirtualRun& run,
@@ -55,7 +55,7 @@ Result<std::unique_ptr<VirtualPage>> VirtualPage::open(adapters::EventLoop& loop
                             [self = made.get()](std::string command) { self->command(std::move(command)); },
                             [](const std::string& text) { say(text); }});
   }
-  made->timer_.every(beat_period, [self = made.get()] { self->beat(); });
+  made->timer_.every(heartbeat_period, [self = made.get()] { self->heartbeat(); });
   return made;
 }
 
@@ -89,7 +89,7 @@ void VirtualPage::set_clock(bool running, double speed) {
   speed_ = speed;
   reached_ = speed;
   said_slow_ = false;
-  last_beat_ = measured_since_ = Steady::now();
+  last_heartbeat_ = measured_since_ = Steady::now();
   measured_from_ = run_.world().now();
 }
 
@@ -112,10 +112,10 @@ bool VirtualPage::run_for(SimDuration duration) {
   return false;
 }
 
-void VirtualPage::beat() {
+void VirtualPage::heartbeat() {
   const Steady::time_point begun = Steady::now();
-  const auto late = std::min<Steady::duration>(begun - last_beat_, late_max);
-  last_beat_ = begun;
+  const auto late = std::min<Steady::duration>(begun - last_heartbeat_, late_max);
+  last_heartbeat_ = begun;
   if (!running_) return;
   SimDuration owed = from_seconds(std::chrono::duration<double>(late).count() * speed_);
   while (owed > SimDuration::zero() && Steady::now() - begun < busy_max) {

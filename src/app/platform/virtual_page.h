@@ -29,7 +29,7 @@ class VirtualPage {
   VirtualPage(adapters::EventLoop& loop, VirtualRun& run, std::function<void()> ended);
   [[nodiscard]] PageHost host();
   void command(std::string json);
-  void beat();
+  void heartbeat();
   /// Up to the run's end; false when that is reached.
   bool run_for(SimDuration duration);
   void measure(Steady::time_point now);
@@ -43,7 +43,7 @@ class VirtualPage {
   bool over_{false};
   double speed_;
   double reached_;  ///< virtual seconds per second, measured
-  Steady::time_point last_beat_;
+  Steady::time_point last_heartbeat_;
   Steady::time_point measured_since_;
   SimTime measured_from_;
   bool said_slow_{false};

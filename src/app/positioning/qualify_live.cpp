@@ -44,7 +44,7 @@ constexpr std::uint64_t seed_max = std::uint64_t{1} << 53U;
 class LiveTest {
  public:
   LiveTest(experiments::LiveRunsOptions options, adapters::HttpClient server)
-      : runs_requested_{options.runs}, runs_{std::move(options)}, server_{std::move(server)}, beat_{loop_} {}
+      : runs_requested_{options.runs}, runs_{std::move(options)}, server_{std::move(server)}, heartbeat_{loop_} {}
 
   Result<void> run(const BrokerArguments& broker) {
     if (auto there = open(broker); !there) return there;
@@ -52,9 +52,9 @@ class LiveTest {
       say("cosiva: interrupted: the runs that are complete count");
       runs_.give_up();
     });
-    beat_.every(tick_period, [this] { beat(); });
+    heartbeat_.every(tick_period, [this] { heartbeat(); });
     loop_.run();
-    beat_.cancel();
+    heartbeat_.cancel();
     ended_ = true;
     bool out = false;
     bus_->stop([&] { out = true; });
@@ -103,7 +103,7 @@ class LiveTest {
     if (rtm) runs_.on_zone(rtm->shared_zone());  // one that nobody can read is in force nowhere
   }
 
-  void beat() {
+  void heartbeat() {
     LiveRuns::Responses responses = runs_.tick(clock_.now());
     for (const wire::Publish& message : responses.messages) bus_->publish(message);
     for (std::string& command : responses.commands) commands_.push_back(std::move(command));
@@ -147,7 +147,7 @@ class LiveTest {
   SimTime tell_again_{};
   bool waiting_{false};
   bool ended_{false};
-  adapters::Timer beat_;
+  adapters::Timer heartbeat_;
 };
 
 Result<std::vector<wire::VehicleId>> vehicles_of(const LiveQualifyArguments& live) {

@@ -46,14 +46,14 @@ const std::vector<wire::BoardMessage>& BoardLink::receive(std::string_view bytes
 }
 
 void BoardLink::tick(SimTime now, std::string& out) {
-  const bool beat = heartbeat_.take(now);
+  const bool heartbeat = heartbeat_.take(now);
   if (!connected_) return;
   // What the line carried before we were heard must not run into our first frame.
   if (fresh_) out.push_back('\0');
   fresh_ = false;
   if (hello_due_) send(wire::Hello{board_, wire::module_link::version, firmware_hash(board_), session_}, out);
   hello_due_ = false;
-  if (beat) {
+  if (heartbeat) {
     const auto& counters = decoder_.counters();
     send(wire::Heartbeat{board_ms(now), counters.frames_bad, counters.frames_missed, 0}, out);
   }

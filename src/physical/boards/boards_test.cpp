@@ -115,12 +115,12 @@ TEST(Board, beats_ten_times_a_second_and_reports_what_it_received_damaged) {
   damaged[3] = static_cast<char>(damaged[3] ^ 0x40);
   board.on_bytes(start + 500ms, damaged + encode(wire::Heartbeat{}, 1) + encode(wire::Heartbeat{}, 4));
   run(board, listener, start + 500ms, start + 1s);
-  const auto beats = listener.all<wire::Heartbeat>();
-  ASSERT_THAT(beats, SizeIs(10));
-  EXPECT_EQ(beats[4].frames_bad, 0);
-  EXPECT_EQ(beats[5].frames_bad, 1);
-  EXPECT_EQ(beats[5].frames_missed, 2);
-  EXPECT_EQ(beats[9].uptime_ms, 900U);
+  const auto heartbeats = listener.all<wire::Heartbeat>();
+  ASSERT_THAT(heartbeats, SizeIs(10));
+  EXPECT_EQ(heartbeats[4].frames_bad, 0);
+  EXPECT_EQ(heartbeats[5].frames_bad, 1);
+  EXPECT_EQ(heartbeats[5].frames_missed, 2);
+  EXPECT_EQ(heartbeats[9].uptime_ms, 900U);
 }
 
 TEST(Every, does_not_catch_up_in_a_burst) {

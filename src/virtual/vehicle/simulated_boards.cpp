@@ -47,14 +47,14 @@ void SimulatedBoards::send(wire::Board board, const wire::BoardMessage& message)
 }
 
 void SimulatedBoards::speak(SimTime now, const Measured& measured) {
-  const bool beat = take(now, heartbeat_next_, std::chrono::milliseconds{100});
+  const bool heartbeat = take(now, heartbeat_next_, std::chrono::milliseconds{100});
   for (const wire::Board board : wire::all_boards) {
     Line& of = line(board);
     of.out.clear();
     if (of.hello_due) send(board, wire::Hello{board, wire::module_link::version, firmware_hash(board), session_});
     of.hello_due = false;
     const auto& counters = of.decoder.counters();
-    if (beat) send(board, wire::Heartbeat{board_ms(now), counters.frames_bad, counters.frames_missed, 0});
+    if (heartbeat) send(board, wire::Heartbeat{board_ms(now), counters.frames_bad, counters.frames_missed, 0});
   }
   send_odometry(now, measured);
   send_readings(now);

@@ -94,10 +94,10 @@ TEST(VirtualAiv, stops_within_half_a_second_when_its_host_beats_no_more) {
   fixture.order({"loop_se@0", "loop_se@2545"});
   fixture.run(1.5);
   EXPECT_GT(fixture.aiv.speed_mps(), 0.2);
-  fixture.server_beats = false;
+  fixture.server_heartbeats = false;
   fixture.run(1.5);
   EXPECT_EQ(fixture.aiv.speed_mps(), 0.0);
-  fixture.server_beats = true;
+  fixture.server_heartbeats = true;
   fixture.run(1.5);
   EXPECT_GT(fixture.aiv.speed_mps(), 0.2);
 }

@@ -26,7 +26,7 @@ class VirtualFixture {
 
   void step() {
     now += std::chrono::milliseconds{20};
-    if (server_beats && ++steps_ % 5 == 0) hear(std::string(wire::server_heartbeat_topic), R"({"headerId":1})");
+    if (server_heartbeats && ++steps_ % 5 == 0) hear(std::string(wire::server_heartbeat_topic), R"({"headerId":1})");
     aiv.tick(now, effects_);
     take();
   }
@@ -79,7 +79,7 @@ class VirtualFixture {
 
   SimTime now{virtual_epoch};
   VirtualAiv aiv;
-  bool server_beats{true};
+  bool server_heartbeats{true};
   std::vector<wire::State> states;
   std::vector<wire::Visualization> visualizations;
   std::vector<wire::Connection> connections;
