@@ -29,9 +29,9 @@ using namespace std::chrono_literals;
 constexpr std::uint32_t aivs = 4;
 constexpr std::uint64_t burst = 200;  ///< messages between two steps of 100 ms: 2 000 a second
 
-class Stranger {
+class UnknownSender {
  public:
-  Stranger(std::uint64_t seed, std::vector<std::string> corpus)
+  UnknownSender(std::uint64_t seed, std::vector<std::string> corpus)
       : random_{seed, "stranger"}, mutator_{seed, std::move(corpus), 1U << 18U} {}
 
   wire::Publish next() {
@@ -102,12 +102,12 @@ int main(int argc, char** argv) {
   }
   (*world)->run_for(5s);
 
-  Stranger stranger{seed, std::move(corpus)};
+  UnknownSender unknown_sender{seed, std::move(corpus)};
   std::uint64_t sent = 0;
   std::size_t steps = 0;
   std::size_t steps_matched = 0;
   while (sent < messages) {
-    for (std::uint64_t i = 0; i < burst && sent < messages; ++i, ++sent) (*world)->publish(stranger.next());
+    for (std::uint64_t i = 0; i < burst && sent < messages; ++i, ++sent) (*world)->publish(unknown_sender.next());
     (*world)->run_for(100ms);
     ++steps;
     if (true_twins(**world) == aivs) ++steps_matched;

@@ -87,7 +87,7 @@ struct World::Impl {
   std::priority_queue<Tick, std::vector<Tick>, std::greater<>> ticks;
   std::deque<Bytes> streams;  ///< one delay for all, so first in is first out
   std::vector<wire::Network::Delivery> due;
-  wire::Network::ClientId stranger{};
+  wire::Network::ClientId unknown_sender{};
   std::uint64_t sequence{0};
   Digest finished;  ///< what cores did that were killed since
   World::Tap tap;
@@ -319,7 +319,7 @@ Result<std::unique_ptr<World>> World::make(WorldOptions options) {
   inside.start(Impl::plant_id, std::move(*plant), "plant", plant_configuration);
   inside.start_server();
   for (std::uint32_t number = 1; number <= inside.options.aivs; ++number) inside.start_aiv(number, true);
-  inside.stranger = inside.network.connect(inside.now, {}, std::nullopt);
+  inside.unknown_sender = inside.network.connect(inside.now, {}, std::nullopt);
   return world;
 }
 
@@ -354,7 +354,7 @@ void World::on_step(OnStep action) { impl_->on_step = std::move(action); }
 
 void World::publish(const wire::Publish& message) {
   if (message.topic == wire::plant_radio_topic) impl_->change_ether(message.payload);
-  impl_->network.publish(impl_->now, impl_->stranger, message);
+  impl_->network.publish(impl_->now, impl_->unknown_sender, message);
 }
 
 void World::kill_aiv(std::uint32_t number) { impl_->kill(Impl::first_aiv_id + number - 1); }

@@ -211,7 +211,7 @@ TEST(WorldRadio, the_ether_around_a_vehicle_outlives_its_program) {
   EXPECT_TRUE(*stage.snapshot().find("aivs")->array()->at(0).find("lost")->flag());
 }
 
-TEST(WorldRadio, what_strangers_say_about_the_ether_counts_and_nonsense_does_not) {
+TEST(WorldRadio, what_unknown_senders_say_about_the_ether_counts_and_nonsense_does_not) {
   Stage stage{scenario_of("name = \"t\"\naivs = 1\n")};
   stage.world->run_for(3s);
   stage.world->publish({"cosiva/v1/plant/radio", "nonsense", 0, false});

@@ -67,10 +67,10 @@ TEST_F(TalkFixture, is_shown_once_a_second_from_each) {
   EXPECT_THAT(traces(), SizeIs(6));
 }
 
-TEST_F(TalkFixture, of_strangers_liars_and_the_broker_s_memory_is_not_shown) {
-  wire::Intent stranger = intent_of(first);
-  stranger.vehicle.serial_number = "NOBODY";
-  say(stranger);
+TEST_F(TalkFixture, of_unknown_senders_liars_and_the_broker_s_memory_is_not_shown) {
+  wire::Intent unknown_sender = intent_of(first);
+  unknown_sender.vehicle.serial_number = "NOBODY";
+  say(unknown_sender);
   say(intent_of(first), true);
   fixture.feed(wire::InputKind::message, "cosiva/v1/v2x/oval/0_0/CoSiVA/AIV1", "{\"headerId\":NaN}");
   fixture.feed(wire::InputKind::message, "cosiva/v1/v2x/oval/0_0/CoSiVA/AIV2", to_json(intent_of(first)));

@@ -190,13 +190,13 @@ TEST(OrderRoller, survives_a_link_that_loses_every_tenth_message) {
 
 TEST(OrderRoller, writes_a_vehicle_s_own_version_back_to_it) {
   ServerFixture fixture;
-  FixtureVehicle& stranger = fixture.add("agv-7", {0, 0.5}, "Acme");
-  stranger.version = "2.0.0";
+  FixtureVehicle& unknown_sender = fixture.add("agv-7", {0, 0.5}, "Acme");
+  unknown_sender.version = "2.0.0";
   fixture.run_for(2s);
-  ASSERT_FALSE(stranger.orders.empty());
-  EXPECT_EQ(stranger.orders.front().header.version, "2.0.0");
-  EXPECT_EQ(stranger.orders.front().header.manufacturer, "Acme");
-  EXPECT_GT(stranger.driven_m, 0.1);
+  ASSERT_FALSE(unknown_sender.orders.empty());
+  EXPECT_EQ(unknown_sender.orders.front().header.version, "2.0.0");
+  EXPECT_EQ(unknown_sender.orders.front().header.manufacturer, "Acme");
+  EXPECT_GT(unknown_sender.driven_m, 0.1);
 }
 
 TEST(OrderRoller, leaves_who_is_told_to_watch_alone) {

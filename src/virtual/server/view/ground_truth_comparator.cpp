@@ -181,7 +181,7 @@ void GroundTruthComparator::find_unseen(std::vector<Finding>& findings) {
   }
 }
 
-std::vector<Finding> GroundTruthComparator::find(bool strangers) {
+std::vector<Finding> GroundTruthComparator::find(bool unknown_senders) {
   std::vector<Finding> findings;
   const std::string_view now_it = state();
   if (now_it == "ended") return findings;
@@ -196,7 +196,7 @@ std::vector<Finding> GroundTruthComparator::find(bool strangers) {
     return findings;
   }
   for (const auto& [name, detected] : detected_) {
-    if (!strangers || twin_of(name) || now_ - detected.since <= timeout || now_ - detected.arrived > timeout) continue;
+    if (!unknown_senders || twin_of(name) || now_ - detected.since <= timeout || now_ - detected.arrived > timeout) continue;
     findings.push_back({Finding::Kind::no_twin, name,
                         "the camera sees it (tag " + std::to_string(detected.tag) + ") at " + place_text(detected.X_MB) +
                             ", and it has no twin",
@@ -206,12 +206,12 @@ std::vector<Finding> GroundTruthComparator::find(bool strangers) {
   return findings;
 }
 
-void GroundTruthComparator::tick(SimTime now, bool strangers) {
+void GroundTruthComparator::tick(SimTime now, bool unknown_senders) {
   if (!heard()) return;
   now_ = now;
   record_twins();
   std::erase_if(detected_, [&](const auto& one) { return now_ - one.second.arrived > timeout + timeout; });
-  simulator_.monitor().set_findings(find(strangers));
+  simulator_.monitor().set_findings(find(unknown_senders));
 }
 
 void GroundTruthComparator::write(JsonWriter& json) const {

@@ -39,7 +39,7 @@ class GroundTruthComparator {
   [[nodiscard]] Result<std::string> on_message(SimTime now, const wire::Input& input);
   /// Notes where the twins are, and what is wrong. Costs nothing where no camera was ever heard.
   /// @param strangers  whether an AIV without a twin is ours to miss: of several control areas it may be another's
-  void tick(SimTime now, bool strangers);
+  void tick(SimTime now, bool unknown_senders);
 
   /// Of the physical side as it was seen last; nothing where it is not seen now.
   struct Sighted {
@@ -76,7 +76,7 @@ class GroundTruthComparator {
   [[nodiscard]] std::optional<Pose2> twin_at(VehicleIndex vehicle, SimTime at) const;
   [[nodiscard]] std::optional<VehicleIndex> twin_of(const std::string& name) const;
   void record_twins();
-  [[nodiscard]] std::vector<Finding> find(bool strangers);
+  [[nodiscard]] std::vector<Finding> find(bool unknown_senders);
   void find_unseen(std::vector<Finding>& findings);
   [[nodiscard]] SimTime since(Finding::Kind kind, const std::string& id) const;
 
