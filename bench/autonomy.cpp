@@ -121,7 +121,8 @@ int measure(const Options& options) {
   }
   if (options.json) std::printf("{\"fleets\":%zu,\"size\":%zu,\"coverage\":{", options.fleets, options.size);
   for (const Count& count : counts) {
-    const double ratio = count.requested == 0 ? 0.0 : static_cast<double>(count.held) / static_cast<double>(count.requested);
+    const double ratio =
+        count.requested == 0 ? 0.0 : static_cast<double>(count.held) / static_cast<double>(count.requested);
     const bool last = &count == counts + std::size(counts) - 1;
     if (options.json)
       std::printf("\"%s\":%.4f%s", count.name, ratio, last ? "}}\n" : ",");

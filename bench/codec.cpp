@@ -18,7 +18,7 @@ std::vector<wire::State> states() {
   for (std::uint32_t i = 0; i < 256; ++i) {
     const Pose2 X_MB{0.001 * i, -0.15 + 0.0007 * i, 0.01 * i};
     all.push_back(fixture::sample_state({"CoSiVA", "AIV1"}, 4321 + i, virtual_epoch + std::chrono::milliseconds{97 * i},
-                                      X_MB, "bench"));
+                                        X_MB, "bench"));
   }
   return all;
 }

@@ -1,5 +1,5 @@
 // What is added virtually is felt physically, and what stands physically is shown virtually (A2, A3). Judged by the plant's
-// ground_truth, in which no virtual body exists.
+// ground truth, in which no virtual body exists.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { open_browser } from './lib/browser.mjs';
@@ -35,9 +35,9 @@ test('the virtual and the physical world feel each other', { timeout: 240_000 },
 
   await t.test('a person before a vehicle stops it; taken away, it goes on', async () => {
     const aiv = await driving_in_a_loop();
-    // So near that the first virtualObject it does is to brake.
+    // So near that the first virtual object it does is to brake.
     const at = place(aiv.section, aiv.s + 0.5);
-    const { id } = await platform.ask('POST', 'virtualObjects', { kind: 'person', x: at.x, y: at.y });
+    const { id } = await platform.ask('POST', 'virtual-objects', { kind: 'person', x: at.x, y: at.y });
     await ground_truth.stands(aiv.number, 4_000);
     assert.ok(gap(aiv.number, at) > 0.06 && gap(aiv.number, at) < 0.4, `it stands ${gap(aiv.number, at)} m before the person`);
     await brakingFor(aiv.id, id);
@@ -53,16 +53,16 @@ test('the virtual and the physical world feel each other', { timeout: 240_000 },
     const aiv = await driving_in_a_loop();
     const at = place(aiv.section, aiv.s + 0.55);
     const aside = { x: at.x + 0.5 * Math.cos(at.heading - Math.PI / 2), y: at.y + 0.5 * Math.sin(at.heading - Math.PI / 2) };
-    const { id } = await platform.ask('POST', 'virtualObjects', { kind: 'person', path: [[at.x, at.y], [aside.x, aside.y]], speed: 0.05, repeat: 'once' });
+    const { id } = await platform.ask('POST', 'virtual-objects', { kind: 'person', path: [[at.x, at.y], [aside.x, aside.y]], speed: 0.05, repeat: 'once' });
     await eventually('it brakes', () => Math.abs(ground_truth.vehicle(aiv.number).speed) < 0.12, { within_ms: 4_000, every_ms: 20 });
     await ground_truth.moves(aiv.number, 10_000);
-    await platform.ask('DELETE', `virtualObjects/${id}`);
+    await platform.ask('DELETE', `virtual-objects/${id}`);
   });
 
   await t.test('a virtual AIV before a physical one makes it brake; taken out, it goes on', async () => {
     const aiv = await driving_in_a_loop();
     const at = place(aiv.section, aiv.s + 0.8);
-    const { id } = await platform.ask('POST', 'virtualObjects', { kind: 'aiv', section: at.section, s: at.s });
+    const { id } = await platform.ask('POST', 'virtual-objects', { kind: 'aiv', section: at.section, s: at.s });
     const virtual = `CoSiVA.virtual/${id}`;
     await eventually('it is listed', async () => snapshot_of(virtual), { within_ms: 3_000, every_ms: 20 });
     await platform.command('stop', virtual);

@@ -54,10 +54,10 @@ const views = [
 test('axe finds nothing', { timeout: 240_000 }, async (t) => {
   const platform = await Platform.up(t);
   const browser = await open_browser(t);
-  // All that there may be: virtual virtualObjects, one that stands, one that is stopped, a command that was followed.
-  await platform.ask('POST', 'virtualObjects', { kind: 'aiv' });
-  await platform.ask('POST', 'virtualObjects', { kind: 'person', x: 0.75, y: 0.75 });
-  await platform.ask('POST', 'virtualObjects', { kind: 'obstacle', x: -0.75, y: 0.75 });
+  // All that there may be: virtual objects, one that stands, one that is stopped, a command that was followed.
+  await platform.ask('POST', 'virtual-objects', { kind: 'aiv' });
+  await platform.ask('POST', 'virtual-objects', { kind: 'person', x: 0.75, y: 0.75 });
+  await platform.ask('POST', 'virtual-objects', { kind: 'obstacle', x: -0.75, y: 0.75 });
   await platform.ask('POST', 'plant/obstacles', { x: 0.75, y: -0.75 });
   await platform.command('stop', 'CoSiVA/AIV1');
   await platform.command('slow', 'CoSiVA/AIV2');

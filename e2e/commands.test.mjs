@@ -1,5 +1,5 @@
 // Every command of the page, once by mouse and once by keyboard alone: to one AIV, to several, to all; priorities; what is
-// added and removed. That a command was done is asked of the plant's ground_truth and of the server, not of the page.
+// added and removed. That a command was done is asked of the plant's ground truth and of the server, not of the page.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { open_browser } from './lib/browser.mjs';

@@ -24,9 +24,9 @@ test('cosiva up --gvs', { timeout: 240_000 }, async (t) => {
   await t.test('each AIV is seen, and its twin is held against it', async () => {
     const gvs = await eventually('all three are seen and compared', async () => {
       const { gvs } = await platform.snapshot();
-      return gvs?.state === 'watching' && gvs.seen.length === 3 && gvs.seen.every((seen) => seen.twin && seen.gap_m !== null) && gvs;
+      return gvs?.state === 'watching' && gvs.detections.length === 3 && gvs.detections.every((seen) => seen.twin && seen.gap_m !== null) && gvs;
     }, { within_ms: 30_000 });
-    for (const seen of gvs.seen) assert.ok(seen.gap_m < 0.2, `${seen.id}: ${seen.gap_m} m off`);
+    for (const seen of gvs.detections) assert.ok(seen.gap_m < 0.2, `${seen.id}: ${seen.gap_m} m off`);
     const { actual_m } = await eventually('it is a figure of the bijection', async () => {
       const bijection = await platform.get('bijection');
       return bijection.actual_m.count > 20 && bijection;
@@ -87,7 +87,7 @@ test('cosiva up --gvs', { timeout: 240_000 }, async (t) => {
     assert.ok(after);
     await eventually('all is well again', async () => {
       const { gvs, bijection } = await platform.snapshot();
-      return gvs.state === 'watching' && gvs.seen.length === 3 && gvs.seen.every((seen) => seen.at_ms > killed_ms) && bijection.findings.length === 0;
+      return gvs.state === 'watching' && gvs.detections.length === 3 && gvs.detections.every((seen) => seen.at_ms > killed_ms) && bijection.findings.length === 0;
     }, { within_ms: 30_000 });
     assert.equal((await platform.get('bijection')).matched, 3, 'the platform went on');
   });
@@ -132,7 +132,7 @@ test('an AIV that stands on the floor without a program has no twin, and the cam
   part('aiv2', 'aiv', '--number', '2', '--sockets', sockets, '--start', 'loop_ne:1.2');
   await eventually('with its program it has one, and nothing is wrong', async () => {
     const { bijection, gvs } = await snapshot();
-    return gvs.seen.some(({ id, twin }) => id === 'CoSiVA/AIV2' && twin) && !bijection.findings.some(({ kind }) => kind === 'no twin');
+    return gvs.detections.some(({ id, twin }) => id === 'CoSiVA/AIV2' && twin) && !bijection.findings.some(({ kind }) => kind === 'no twin');
   }, { within_ms: 40_000, every_ms: 200 });
 });
 

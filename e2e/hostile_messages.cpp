@@ -69,8 +69,8 @@ std::size_t true_twins(const experiments::World& world) {
   for (const auto& aiv : *snapshot->find("aivs")->array()) {
     for (const auto& ground_truth : world.plant().vehicles()) {
       if (aiv.text("id") != "CoSiVA/AIV" + std::to_string(ground_truth.number)) continue;
-      const double off_m =
-          norm(aiv.number("x").value_or(1e9) - ground_truth.X_MB.x_m, aiv.number("y").value_or(1e9) - ground_truth.X_MB.y_m);
+      const double off_m = norm(aiv.number("x").value_or(1e9) - ground_truth.X_MB.x_m,
+                                aiv.number("y").value_or(1e9) - ground_truth.X_MB.y_m);
       if (aiv.text("connection") == "ONLINE" && off_m < 0.10) ++count;
     }
   }

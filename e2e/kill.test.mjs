@@ -4,7 +4,7 @@ import { test } from 'node:test';
 import { Truth } from './lib/bus.mjs';
 import { eventually, Platform, sleep } from './lib/platform.mjs';
 
-const stop_ms_max = 1_700; // 500 ms until the loss is noticed, 830 ms of braking from 0.5 m/s at 0.6 m/s², ground_truth's 100 ms, slack
+const stop_ms_max = 1_700; // 500 ms until the loss is noticed, 830 ms of braking from 0.5 m/s at 0.6 m/s², ground truth's 100 ms, slack
 const everyone = [1, 2, 3, 4];
 
 async function all_go_on(platform, ground_truth, what, within_ms = 45_000) {
@@ -77,7 +77,7 @@ test('kill -9', { timeout: 300_000 }, async (t) => {
       await sleep(2_500);
       for (const [number, distance] of before) lost_at.set(number, distance);
     });
-    // Without a bus the ground_truth cannot be heard. The first word after it tells how far each one came meanwhile: at most what
+    // Without a bus the ground truth cannot be heard. The first word after it tells how far each one came meanwhile: at most what
     // half a second and braking allow.
     await ground_truth.next();
     for (const vehicle of ground_truth.latest.vehicles) {

@@ -1,4 +1,4 @@
-// The operator's page on the real platform: four AIVs move, one is stopped by a click and stands in the plant's ground_truth too,
+// The operator's page on the real platform: four AIVs move, one is stopped by a click and stands in the plant's ground truth too,
 // goes on when told to; the page says when its server is gone, and recovers by itself.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';

@@ -38,11 +38,11 @@ test('cosiva compare --live', { timeout: 180_000 }, async (t) => {
     assert.ok(one.rmse_m > 0 && one.rmse_m < 0.03, `${one.name}: ${one.rmse_m}`);
   }
   assert.equal(result.comparisons.length, 6, 'all pairs, on the same inputs');
-  for (const file of ['report.html', 'result.json', 'runs.csv', 'ground_ground_truth.tum', 'arc_kalman.tum', 'arc_smoother.zip'])
+  for (const file of ['report.html', 'result.json', 'runs.csv', 'ground_truth.tum', 'arc_kalman.tum', 'arc_smoother.zip'])
     assert.ok(existsSync(path.join(out, file)), file);
   assert.deepEqual(JSON.parse(readFileSync(path.join(out, 'result.json'), 'utf8')), result);
-  // The ground_truth in the file is of the circuit: lacet4 lies within 2 m of its middle.
-  const ground_truth = readFileSync(path.join(out, 'ground_ground_truth.tum'), 'utf8').trim().split('\n').map((line) => line.split(' ').map(Number));
+  // The ground truth in the file is of the circuit: lacet4 lies within 2 m of its middle.
+  const ground_truth = readFileSync(path.join(out, 'ground_truth.tum'), 'utf8').trim().split('\n').map((line) => line.split(' ').map(Number));
   assert.ok(ground_truth.length > 50 && ground_truth.every(([, x, y]) => Math.hypot(x, y) < 2), 'where it was');
 
   const snapshot = await platform.snapshot();

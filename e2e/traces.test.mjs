@@ -161,7 +161,7 @@ test('the communications are listed, found, read and drawn', { timeout: 180_000 
   });
 
   await t.test('figure 9 is redrawn with a virtual AIV that has just come, and opens its messages', async () => {
-    const { id } = await platform.ask('POST', 'virtualObjects', { kind: 'aiv' });
+    const { id } = await platform.ask('POST', 'virtual-objects', { kind: 'aiv' });
     await eventually('it drives', async () => (await platform.snapshot()).aivs.some((aiv) => aiv.id.endsWith(`/${id}`) && aiv.speed > 0.02), { within_ms: 15_000 });
     await sleep(500);
     await page.getByTestId('figure').selectOption('figure 9');

@@ -17,7 +17,7 @@ function resident_mb(pid) {
   return Number(line.match(/\d+/)[0]) / 1024;
 }
 
-// Further than this from every way of a zone a vehicle is offRoute there; estimated and true place differ by less than the other.
+// Further than this from every way of a zone a vehicle is off-route there; estimated and true place differ by less than the other.
 const anchor_within_m = 0.3;
 const belief_m = 0.05;
 
@@ -120,7 +120,7 @@ test('twelve AIVs circulate, and their zone is switched ten times', { timeout: 5
   t.diagnostic(JSON.stringify(report));
   assert.equal(commands, switches);
   // A fifth of indus8 (4.3 of 23.7 m) is further from lacet4 than a vehicle is snapped. How many of them drive there when the
-  // last switch comes is chance, and each of them is offRoute on the way of indus8, as it must be. Nobody else may be, but for
+  // last switch comes is chance, and each of them is off-route on the way of indus8, as it must be. Nobody else may be, but for
   // a few that were still on their way onto that line.
   const parked_within = places.filter(({ why, off_new_m }) => why && off_new_m < anchor_within_m - belief_m);
   assert.deepEqual(parked_within, [], `offRoute within reach of the new ways: ${words(parked_within)}`);
@@ -128,7 +128,7 @@ test('twelve AIVs circulate, and their zone is switched ten times', { timeout: 5
   assert.deepEqual(unnamed, [], `out of reach, and not named as offRoute: ${words(unnamed)}`);
   const strayed = places.filter(({ why, off_old_m }) => why && off_old_m > belief_m);
   assert.ok(strayed.length <= aivs / 4, `too many are offRoute beside both zones' ways: ${words(strayed)}`);
-  // Who is not offRoute drives on, after every switch. Vehicles beside the line may block each other: then this says who.
+  // Who is not off-route drives on, after every switch. Vehicles beside the line may block each other: then this says who.
   if (process.env.COSIVA_LONG) driving.forEach((number, i) => assert.ok(number + parked_after[i] >= aivs, `after switch ${i + 1}: ${waiting[i]}`));
   for (const ms of first_moving_ms) assert.ok(ms < 1_000, `a twin moved on the new circuit only after ${ms} ms (${first_moving_ms})`);
   assert.ok(memory_mb.at(-1) < 64, `the server grows: ${memory_mb}`);

@@ -170,8 +170,8 @@ class Fixture {
     adapters::HttpOptions http_options;
     http_options.port = options.port;
     http_options.web_root = options.web_root;
-    auto http = adapters::HttpServer::listen(loop_, std::move(http_options),
-                                             [this](const adapters::HttpRequest& request) { return response(request); });
+    auto http = adapters::HttpServer::listen(
+        loop_, std::move(http_options), [this](const adapters::HttpRequest& request) { return response(request); });
     if (!http) {
       std::fprintf(stderr, "hmi_server: %s\n", to_string(http.error()).c_str());
       return 2;
@@ -218,7 +218,8 @@ class Fixture {
     if (request.path == "/api/v1/run") return app::json_response(run_json());
     if (request.path == "/api/v1/zones") return app::json_response(R"({"zones":[]})");
     if (request.path == "/api/v1/traces") return app::json_response(R"({"next":1,"oldest":1,"traces":[]})");
-    return adapters::http_error(409, "benchmark.not_now", "this is a benchmark's server: there is nothing but a picture");
+    return adapters::http_error(409, "benchmark.not_now",
+                                "this is a benchmark's server: there is nothing but a picture");
   }
 
   adapters::EventLoop loop_;

@@ -1,4 +1,4 @@
-// Looks at the bus from outside: the plant's ground_truth, and every message that passes.
+// Looks at the bus from outside: the plant's ground truth, and every message that passes.
 import { finally_do } from './cleanup.mjs';
 import { connect } from 'mqtt';
 import { eventually, sleep } from './platform.mjs';
@@ -28,7 +28,7 @@ export class Bus {
   }
 }
 
-/** The plant's ground_truth, followed: where each vehicle really is, and every collision. */
+/** The plant's ground truth, followed: where each vehicle really is, and every collision. */
 export class Truth {
   static async follow(t, port) {
     const ground_truth = new Truth();
@@ -37,7 +37,7 @@ export class Truth {
     ground_truth.collisions = 0;
     const bus = await Bus.open(t, port, ['cosiva/v1/plant/ground_truth']);
     bus.on_message((_topic, payload) => ground_truth.accept(JSON.parse(payload.toString())));
-    await eventually('the plant says the ground_truth', () => ground_truth.latest !== null, { within_ms: 10_000 });
+    await eventually('the plant says the ground truth', () => ground_truth.latest !== null, { within_ms: 10_000 });
     return ground_truth;
   }
 
@@ -56,10 +56,10 @@ export class Truth {
     return this.latest.vehicles.find((vehicle) => vehicle.number === number);
   }
 
-  /** The first ground_truth that arrives after now. */
+  /** The first ground truth that arrives after now. */
   async next() {
     const seen = this.received_ms;
-    await eventually('a newer ground_truth', () => this.received_ms > seen, { within_ms: 15_000, every_ms: 10 });
+    await eventually('a newer ground truth', () => this.received_ms > seen, { within_ms: 15_000, every_ms: 10 });
     return this.latest;
   }
 

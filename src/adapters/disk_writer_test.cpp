@@ -16,7 +16,7 @@ using testing::timeout;
 /// A disk that takes nothing until it is let.
 struct Disk {
   std::promise<void> let;
-  std::shared_future<void> may{let.get_future().ratio()};
+  std::shared_future<void> may{let.get_future().share()};
   std::promise<void> requested;
   bool was_requested{false};
   std::vector<std::string> written;

@@ -178,8 +178,8 @@ Result<StaticFile> load_static(const std::string& root, std::string_view path) {
   if (::stat(file.c_str(), &metadata) != 0) return not_found();
   auto bytes = read_file(file.string());
   if (!bytes) return not_found();
-  const std::string etag = "\"" + std::to_string(metadata.st_size) + "-" + std::to_string(metadata.st_mtim.tv_sec) + "." +
-                           std::to_string(metadata.st_mtim.tv_nsec) + "\"";
+  const std::string etag = "\"" + std::to_string(metadata.st_size) + "-" + std::to_string(metadata.st_mtim.tv_sec) +
+                           "." + std::to_string(metadata.st_mtim.tv_nsec) + "\"";
   return StaticFile{std::move(*bytes), mime_type(file.string()), etag};
 }
 

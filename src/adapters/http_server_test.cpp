@@ -171,7 +171,8 @@ TEST_F(Http, hands_the_api_every_method_and_names_with_slashes) {
   serve();
   for (const std::string method : {"GET", "POST", "PUT", "PATCH", "DELETE"}) {
     requested.clear();
-    raw(method + " /api/v1/virtual-objects/CoSiVA.virtual%2FV1 HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+    raw(method +
+        " /api/v1/virtual-objects/CoSiVA.virtual%2FV1 HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
     EXPECT_THAT(requested, ::testing::ElementsAre(method + " /api/v1/virtual-objects/CoSiVA.virtual/V1? "));
     EXPECT_THAT(segments, ::testing::ElementsAre("api", "v1", "virtualObjects", "CoSiVA.virtual/V1"));
   }
@@ -198,8 +199,8 @@ TEST_F(Http, changes_nothing_for_a_page_from_elsewhere) {
   serve();
   for (const std::string method : {"POST", "PUT", "PATCH", "DELETE"}) {
     const std::string response = raw(method +
-                                   " /api/v1/echo HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n"
-                                   "Origin: http://evil.example\r\nContent-Length: 0\r\n\r\n");
+                                     " /api/v1/echo HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n"
+                                     "Origin: http://evil.example\r\nContent-Length: 0\r\n\r\n");
     EXPECT_THAT(response, StartsWith("HTTP/1.1 403")) << method;
   }
   EXPECT_TRUE(requested.empty());

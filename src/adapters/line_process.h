@@ -23,12 +23,12 @@ class LineProcess {
   LineProcess(const LineProcess&) = delete;
   LineProcess& operator=(const LineProcess&) = delete;
 
-  /// Keeps the line, and sends what is kept when there is much of it. Fails ("process.gone", "process.unresponsive") as ask()
-  /// does.
+  /// Keeps the line, and sends what is kept when there is much of it. Fails ("process.gone", "process.unresponsive") as
+  /// ask() does.
   [[nodiscard]] Result<void> tell(std::string_view line, std::chrono::milliseconds timeout);
   /// Sends what was told, and waits for one line. Fails ("process.gone") where it has ended, saying how;
-  /// ("process.unresponsive") where it says or takes nothing for that long; ("process.garbage") on a line of more than a
-  /// megabyte.
+  /// ("process.unresponsive") where it says or takes nothing for that long; ("process.garbage") on a line of more than
+  /// a megabyte.
   [[nodiscard]] Result<std::string> ask(std::string_view line, std::chrono::milliseconds timeout);
 
  private:

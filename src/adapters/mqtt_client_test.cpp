@@ -265,8 +265,8 @@ TEST(MqttClient, gives_up_on_a_peer_that_accepts_and_says_nothing) {
   const std::uint16_t port = find_free_port().value();
   ChildOptions unresponsive;
   unresponsive.argv = {"python3", "-c",
-                 "import socket,time; s=socket.create_server(('127.0.0.1'," + std::to_string(port) +
-                     ")); print('ready',flush=True); time.sleep(600)"};
+                       "import socket,time; s=socket.create_server(('127.0.0.1'," + std::to_string(port) +
+                           ")); print('ready',flush=True); time.sleep(600)"};
   bool ready = false;
   unresponsive.on_line = [&](const std::string&) { ready = true; };
   const auto peer = Child::start(loop, std::move(unresponsive)).value();

@@ -174,7 +174,8 @@ class Reader {
     }
     check_growth("charge_fraction", type_.charge);
     check_growth("open_circuit_volt", type_.open_circuit_v);
-    if (type_.voltage_floor_v >= type_.voltage_full_v) record("voltage_floor_volt", "must be below 'voltage_full_volt'");
+    if (type_.voltage_floor_v >= type_.voltage_full_v)
+      record("voltage_floor_volt", "must be below 'voltage_full_volt'");
     if (type_.temperature_min_c >= type_.temperature_max_c)
       record("temperature_min_celsius", "must be below 'temperature_max_celsius'");
     if (type_.series_cells * type_.parallel_cells > 10'000.0) record("series_cells", "a pack has at most 10 000 cells");
@@ -184,7 +185,7 @@ class Reader {
     for (std::size_t i = 1; i < values.size(); ++i) {
       if (values[i] > values[i - 1]) continue;
       return record(std::string(key) + "[" + std::to_string(i) + "]",
-                  readable(values[i]) + " is not above the " + readable(values[i - 1]) + " before it");
+                    readable(values[i]) + " is not above the " + readable(values[i - 1]) + " before it");
     }
   }
 

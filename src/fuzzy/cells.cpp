@@ -113,7 +113,7 @@ COSIVA_VECTOR_CLONES void run_cells(const Cells& cells, const double* inputs, do
         cells.firings.data() + group.firings_begin + cell * group.outputs * group.firings_each;
     for (const Cells::Output* const end = output + group.outputs; output != end; ++output) {
       outputs[output->at] = response(*output, group.is_simple ? say_simply(firing, group.firings_each, values.data())
-                                                            : say(firing, group.firings_each, values.data()));
+                                                              : say(firing, group.firings_each, values.data()));
       firing += group.firings_each;
     }
   }

@@ -26,7 +26,7 @@ struct Compiled {
 };
 
 enum class Keep {
-  responses,     ///< a value's place is another's as soon as nothing asks for it any more: fewer, and so nearer ones
+  responses,   ///< a value's place is another's as soon as nothing asks for it any more: fewer, and so nearer ones
   everything,  ///< each value keeps its place, to be looked at afterwards
 };
 

@@ -24,8 +24,8 @@ RuleBase agent_rules() {
 }
 
 /// Random questions, some inputs of which never change: the narrow rules' answers and the whole rule base's.
-void expect_same(const RuleBase& rules, const std::vector<std::size_t>& fixed, const std::vector<std::size_t>& requested,
-                 std::uint64_t seed) {
+void expect_same(const RuleBase& rules, const std::vector<std::size_t>& fixed,
+                 const std::vector<std::size_t>& requested, std::uint64_t seed) {
   Random random{seed, "narrow"};
   const std::size_t inputs = rules.engine().inputs.size();
   const auto draw = [&](std::size_t i) {
@@ -51,7 +51,8 @@ void expect_same(const RuleBase& rules, const std::vector<std::size_t>& fixed, c
     std::vector<double> responses(rules.engine().outputs.size());
     rules.evaluate(questions[k], responses);
     for (std::size_t o = 0; o < requested.size(); ++o)
-      EXPECT_EQ(narrow->known(o) ? *narrow->known(o) : rows[narrow->row(o)][k], responses[requested[o]]) << k << " " << o;
+      EXPECT_EQ(narrow->known(o) ? *narrow->known(o) : rows[narrow->row(o)][k], responses[requested[o]])
+          << k << " " << o;
   }
 }
 

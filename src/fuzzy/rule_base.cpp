@@ -54,7 +54,8 @@ void RuleBase::evaluate(std::span<const std::span<const double>> inputs,
   for (; begin + lanes <= count; begin += lanes) {
     for (std::size_t i = 0; i < inputs.size(); ++i) std::copy_n(inputs[i].data() + begin, lanes, values[i]);
     run_lanes(program_, values);
-    for (std::size_t o = 0; o < outputs.size(); ++o) std::copy_n(values[responses[o]], lanes, outputs[o].data() + begin);
+    for (std::size_t o = 0; o < outputs.size(); ++o)
+      std::copy_n(values[responses[o]], lanes, outputs[o].data() + begin);
   }
   if (begin == count) return;
   const std::size_t rest = count - begin;

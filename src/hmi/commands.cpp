@@ -53,7 +53,8 @@ std::size_t count_virtual(const virtual_side::ServerCore& core) {
   const auto snapshot = JsonValue::parse(core.snapshot_json(), snapshot_bytes_max);
   if (!snapshot) return 0;
   std::size_t count = 0;
-  if (const JsonValue* virtual_objects = snapshot->find("virtualObjects"); virtual_objects != nullptr && virtual_objects->array() != nullptr)
+  if (const JsonValue* virtual_objects = snapshot->find("virtualObjects");
+      virtual_objects != nullptr && virtual_objects->array() != nullptr)
     count += virtual_objects->array()->size();
   if (const JsonValue* aivs = snapshot->find("aivs"); aivs != nullptr && aivs->array() != nullptr)
     count += static_cast<std::size_t>(
@@ -103,7 +104,8 @@ HttpResponse move_virtual_object(CallContext& context, const Call& call) {
 
 HttpResponse remove_virtual_object(CallContext& context, const Call& call) {
   const std::string id = virtual_object_id(call.arguments[0]);
-  if (id == "*") return http_error(404, "virtual_object.not_found", "DELETE /api/v1/virtual-objects takes all of them away");
+  if (id == "*")
+    return http_error(404, "virtual_object.not_found", "DELETE /api/v1/virtual-objects takes all of them away");
   if (auto given = context.give(remove_command(id)); !given) return refusal(given.error());
   return removed_response(1);
 }

@@ -15,9 +15,15 @@ HttpResponse json_response(std::string json, unsigned status) {
 
 HttpResponse refusal(const Error& error) {
   using Case = std::pair<std::string_view, unsigned>;
-  static constexpr std::array cases{Case{"command.impossible", 409}, Case{"edit.undo", 409},  Case{"edit.redo", 409},
-                                    Case{"edit.zone", 409},          Case{"plant.zone", 409}, Case{"virtual_object.zone", 409},
-                                    Case{"battery.not_requested", 409},  Case{"virtual_object.room", 409}, Case{"virtual_object.many", 429},
+  static constexpr std::array cases{Case{"command.impossible", 409},
+                                    Case{"edit.undo", 409},
+                                    Case{"edit.redo", 409},
+                                    Case{"edit.zone", 409},
+                                    Case{"plant.zone", 409},
+                                    Case{"virtual_object.zone", 409},
+                                    Case{"battery.not_requested", 409},
+                                    Case{"virtual_object.room", 409},
+                                    Case{"virtual_object.many", 429},
                                     Case{"virtual_object.unknown", 404}};
   unsigned status = 400;
   for (const auto& [code, meant] : cases)

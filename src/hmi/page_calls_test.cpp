@@ -127,10 +127,13 @@ TEST(PageCalls, refuse_bodies_that_are_no_object) {
 
 TEST(PageCalls, add_move_and_remove_a_person) {
   PageFixture page;
-  const HttpResponse added = page.ask("POST", "/api/v1/virtual-objects", R"({"kind":"person","id":"mine","x":0.4,"y":0.5})");
+  const HttpResponse added =
+      page.ask("POST", "/api/v1/virtual-objects", R"({"kind":"person","id":"mine","x":0.4,"y":0.5})");
   EXPECT_EQ(added.status, 201U) << added.body;
   EXPECT_EQ(PageFixture::said(added, "id"), "P1");
-  EXPECT_EQ(PageFixture::said(page.ask("POST", "/api/v1/virtual-objects", R"({"kind":"person","x":0.4,"y":0.6})"), "id"), "P2");
+  EXPECT_EQ(
+      PageFixture::said(page.ask("POST", "/api/v1/virtual-objects", R"({"kind":"person","x":0.4,"y":0.6})"), "id"),
+      "P2");
   EXPECT_EQ(page.ask("PATCH", "/api/v1/virtual-objects/P1", R"({"x":0.5,"y":0.5})").status, 200U);
   EXPECT_EQ(page.ask("PATCH", "/api/v1/virtual-objects/P1", R"({"x":"left"})").status, 400U);
   EXPECT_EQ(page.ask("PATCH", "/api/v1/virtual-objects/P9", R"({"x":0.5,"y":0.5})").status, 404U);
@@ -339,7 +342,8 @@ TEST(PageCalls, save_into_the_run_s_file_only_while_it_is_that_zone) {
   const std::string lacet4 = adapters::read_file(source_dir() + "/zones/lacet4.toml").value();
   page.zone_file = scratch.write("mine.toml", lacet4);
   ASSERT_EQ(page.ask("POST", "/api/v1/zone/switch", R"({"name":"indus8"})").status, 200U);
-  EXPECT_EQ(PageFixture::said(page.ask("POST", "/api/v1/zone/save"), "file"), scratch / "data/cosiva/zones/indus8.toml");
+  EXPECT_EQ(PageFixture::said(page.ask("POST", "/api/v1/zone/save"), "file"),
+            scratch / "data/cosiva/zones/indus8.toml");
   EXPECT_EQ(adapters::read_file(page.zone_file).value(), lacet4);
   ::unsetenv("XDG_DATA_HOME");
   ASSERT_EQ(page.ask("POST", "/api/v1/zone/switch", switch_body("mine.toml", lacet4)).status, 200U);

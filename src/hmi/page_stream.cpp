@@ -13,7 +13,8 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr int heartbeats_per_second = 30;
-constexpr std::chrono::nanoseconds heartbeat_period{std::chrono::nanoseconds{std::chrono::seconds{1}} / heartbeats_per_second};
+constexpr std::chrono::nanoseconds heartbeat_period{std::chrono::nanoseconds{std::chrono::seconds{1}} /
+                                                    heartbeats_per_second};
 /// Above so many things every third beat only: 10 a second.
 constexpr std::size_t many_objects = 1000;
 constexpr std::uint64_t heartbeats_skipped_when_many = 3;

@@ -222,10 +222,11 @@ TEST_F(Page, sends_the_ground_truth_on_as_vehicles_and_obstacles_and_nothing_els
   ASSERT_TRUE(loop.run_until([&] { return client.count("key") == 1; }, timeout));
   for (const char* bad : {"", "nonsense", "[]", "5"}) page->ground_truth(bad);
   page->ground_truth(R"({"type":"zone","zone":null,"vehicles":[{"number":1,"x":0.5,"y":0.25,"heading":0}],)"
-              R"("obstacles":[{"id":"box1","x":1,"y":2,"radius":0.05}]})");
+                     R"("obstacles":[{"id":"box1","x":1,"y":2,"radius":0.05}]})");
   ASSERT_TRUE(loop.run_until([&] { return client.count("ground_truth") == 1; }, timeout));
-  EXPECT_EQ(client.last("ground_truth")->bytes, R"({"type":"ground_truth","vehicles":[{"number":1,"x":0.5,"y":0.25,"heading":0}],)"
-                                         R"("obstacles":[{"id":"box1","x":1,"y":2,"radius":0.05}]})");
+  EXPECT_EQ(client.last("ground_truth")->bytes,
+            R"({"type":"ground_truth","vehicles":[{"number":1,"x":0.5,"y":0.25,"heading":0}],)"
+            R"("obstacles":[{"id":"box1","x":1,"y":2,"radius":0.05}]})");
   EXPECT_EQ(client.count("zone"), 1U);
   EXPECT_THAT(ask("DELETE /api/v1/plant/obstacles/box1"), StartsWith("HTTP/1.1 200"));
 }

@@ -179,7 +179,8 @@ HttpResponse switch_zone(CallContext& context, const Call& call) {
   if (!in_force || in_force->format != configuration->format || in_force->text != configuration->text ||
       in_force->sidecar != configuration->sidecar) {
     const auto evaluated = context.host().core->check_command(command);
-    const Error why = evaluated ? Error{"zone.refused", "the zone that was there stays in force", {}} : evaluated.error();
+    const Error why =
+        evaluated ? Error{"zone.refused", "the zone that was there stays in force", {}} : evaluated.error();
     return http_error(422, why.code, to_string(why));
   }
   JsonWriter response;

@@ -183,8 +183,10 @@ Agent::Plan Agent::plan(double room_m, double base_end_m) const {
   // Once it stands for something it goes on only when there is clearly more room.
   const double obstacle_m = decision_.blocked && room_m < stand_off_m + resume_room_m ? 0.0 : room_m;
   const bool may_drive = !holds_.any() && !progress_.cancelling() && estimator_.known();
-  const bool leader_detected = inputs_.others.leader_mps && std::fabs(inputs_.others.leader_gap_m - room_m) <= same_body_m;
-  const auto closing_mps = leader_detected ? std::optional{motion_.speed_mps() - *inputs_.others.leader_mps} : std::nullopt;
+  const bool leader_detected =
+      inputs_.others.leader_mps && std::fabs(inputs_.others.leader_gap_m - room_m) <= same_body_m;
+  const auto closing_mps =
+      leader_detected ? std::optional{motion_.speed_mps() - *inputs_.others.leader_mps} : std::nullopt;
   const Situation situation{.speed_mps = motion_.speed_mps(),
                             .obstacle_ahead_m = obstacle_m,
                             .end_of_base_m = base_end_m,
@@ -197,12 +199,14 @@ Agent::Plan Agent::plan(double room_m, double base_end_m) const {
                             .present = decision_.profile};
   const Profile profile = may_drive ? speed_policy_->choose(situation) : Profile::stop;
   zone::SpeedProfile target_speed = kinematics(zone_.profiles, profile);
-  if (instructions_.speed_mps_max) target_speed.speed_mps = std::min(target_speed.speed_mps, *instructions_.speed_mps_max);
+  if (instructions_.speed_mps_max)
+    target_speed.speed_mps = std::min(target_speed.speed_mps, *instructions_.speed_mps_max);
   if (!estimator_.known()) return {target_speed, {0.0, target_speed.braking_mps2}, std::nullopt};
   if (estimator_.beside() && target_speed.speed_mps > zone_.profiles.slow.speed_mps) target_speed = zone_.profiles.slow;
   // On its way to the line no order leads it, and its speed is the manoeuvre's.
-  Limit limit = joining_ ? envelope_.limit_off_line(obstacle_m, target_speed)
-                         : envelope_.limit({estimator_.outlook(), motion_.speed_mps(), obstacle_m, order()}, target_speed);
+  Limit limit = joining_
+                    ? envelope_.limit_off_line(obstacle_m, target_speed)
+                    : envelope_.limit({estimator_.outlook(), motion_.speed_mps(), obstacle_m, order()}, target_speed);
   if (limit.speed_mps > 0.0 && !watch_.may_sweep(estimator_, limit.bend_ahead_m)) {
     limit.speed_mps = 0.0;
     limit.by_obstacle = true;

@@ -27,11 +27,11 @@ struct Instructions {
 
 /// What an agent decided last, and what of it matters to others.
 struct Decision {
-  wire::Drive drive{};             ///< to the motors
-  std::optional<Profile> profile;  ///< nothing while the vehicle must stop
-  bool blocked{false};             ///< the protective field is violated: an obstacle keeps the vehicle from going
-  bool braking_for_virtual{false};    ///< a body that is only virtual keeps it slower than it would drive without
-  bool wants_base{false};          ///< the base ends soon and more is announced (§6.10.3)
+  wire::Drive drive{};              ///< to the motors
+  std::optional<Profile> profile;   ///< nothing while the vehicle must stop
+  bool blocked{false};              ///< the protective field is violated: an obstacle keeps the vehicle from going
+  bool braking_for_virtual{false};  ///< a body that is only virtual keeps it slower than it would drive without
+  bool wants_base{false};           ///< the base ends soon and more is announced (§6.10.3)
   /// To the next crossing that the vehicle may not enter yet; infinite: none is near.
   double crossing_ahead_m{std::numeric_limits<double>::infinity()};
 };
@@ -44,7 +44,8 @@ class Agent {
  public:
   /// @param zone     must outlive the agent
   /// @param chooser  the decision that may be fuzzy; the envelope above it is not. Nothing: the crisp rules
-  explicit Agent(const zone::TrafficZone& zone, std::unique_ptr<SpeedPolicy> speed_policy = nullptr, Lateness late = {});
+  explicit Agent(const zone::TrafficZone& zone, std::unique_ptr<SpeedPolicy> speed_policy = nullptr,
+                 Lateness late = {});
 
   // What it perceives.
   void on_odometry(const wire::Odometry& odometry);
@@ -52,8 +53,8 @@ class Agent {
   PositionEstimator::Fix on_tag(const wire::TagRead& tag);
   void on_ranges(const wire::Ranges& ranges);
   void on_charge(double charge) { inputs_.charge = charge; }
-  /// From its front along its way to the first body that is only virtual (PerceivedWorld); infinite: none. It decides like
-  /// an echo of the same distance, until the next call.
+  /// From its front along its way to the first body that is only virtual (PerceivedWorld); infinite: none. It decides
+  /// like an echo of the same distance, until the next call.
   void perceive(double gap_m) { inputs_.perceived_m = gap_m; }
   /// What those near say of themselves, until the next call. It is a matter of comfort: where the first body before it
   /// is, its own senses say; whether it may enter a crossing, its order.

@@ -41,7 +41,8 @@ Result<std::vector<AgentInput>> known_inputs(const fuzzy::Engine& engine, std::s
     const auto input = parse_input(variable.name);
     if (!input) {
       std::string names;
-      for (const AgentInputInfo& metadata : all_metadata) names += (names.empty() ? "" : ", ") + std::string(metadata.name);
+      for (const AgentInputInfo& metadata : all_metadata)
+        names += (names.empty() ? "" : ", ") + std::string(metadata.name);
       return refuse(origin, variable, "an agent knows no '" + variable.name + "'; it knows " + names);
     }
     inputs.push_back(*input);

@@ -224,8 +224,8 @@ Drive drive(const SpeedPolicy& speed_policy, double body_mps) {
     drive.changes += present && *present != profile ? 1 : 0;
     present = profile;
     const zone::SpeedProfile target_speed = kinematics(profiles, profile);
-    const double wanted_mps =
-        std::min(target_speed.speed_mps, stoppable_speed(situation.obstacle_ahead_m - stand_off_m, target_speed.braking_mps2, 0.15));
+    const double wanted_mps = std::min(target_speed.speed_mps, stoppable_speed(situation.obstacle_ahead_m - stand_off_m,
+                                                                               target_speed.braking_mps2, 0.15));
     speed_mps = std::clamp(wanted_mps, speed_mps - 0.8 * dt_s, speed_mps + target_speed.acceleration_mps2 * dt_s);
     drive.way_m += speed_mps * dt_s;
     body_m += body_mps * dt_s;

@@ -107,7 +107,8 @@ Limit Envelope::limit(const View& view, const zone::SpeedProfile& target_speed) 
   const double obstacle_m = view.obstacle_ahead_m - stand_off_m;
 
   limit.speed_mps = std::min(limit.speed_mps, stoppable_speed(end_m, braking, late_.command_s));
-  if (sections_have_limits_) limit.speed_mps = std::min(limit.speed_mps, section_limit_mps(view, target_speed, reach_m));
+  if (sections_have_limits_)
+    limit.speed_mps = std::min(limit.speed_mps, section_limit_mps(view, target_speed, reach_m));
   if (has_bends_) {
     limit.bend_ahead_m = bend_ahead_m(view.outlook, reach_m);
     limit.speed_mps =

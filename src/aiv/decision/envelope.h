@@ -72,7 +72,8 @@ class Envelope {
   [[nodiscard]] Limit limit_off_line(double obstacle_ahead_m, const zone::SpeedProfile& target_speed) const;
 
  private:
-  [[nodiscard]] double section_limit_mps(const View& view, const zone::SpeedProfile& target_speed, double reach_m) const;
+  [[nodiscard]] double section_limit_mps(const View& view, const zone::SpeedProfile& target_speed,
+                                         double reach_m) const;
   /// To the first joint on the way where the vehicle turns on the spot; infinite beyond reach.
   [[nodiscard]] double bend_ahead_m(const Outlook& outlook, double reach_m) const;
   [[nodiscard]] double edge_limit_mps(const View& view, const zone::SpeedProfile& target_speed) const;

@@ -182,7 +182,8 @@ TEST(Envelope, obeys_a_section_s_speed_limit) {
   zone.circuit = zone::Circuit::make("limited", parts).value();
   OrderBook book{zone};
   ASSERT_TRUE(book.offer(order("O").through({"loop_se@0", "loop_se@1131"}), {at(zone, "loop_se", 0.1), true}));
-  EXPECT_NEAR((Envelope{zone}.limit({at(zone, "loop_se", 0.1), 0.2, nothing, book}, target_speed).speed_mps), 0.2, 1e-12);
+  EXPECT_NEAR((Envelope{zone}.limit({at(zone, "loop_se", 0.1), 0.2, nothing, book}, target_speed).speed_mps), 0.2,
+              1e-12);
 }
 
 }  // namespace

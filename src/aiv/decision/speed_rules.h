@@ -27,7 +27,7 @@ struct SpeedRules {
 
 /// Fails on custom rules that cannot be used, as AgentRules::read.
 [[nodiscard]] Result<std::unique_ptr<SpeedPolicy>> make_speed_policy(const SpeedRules& rules,
-                                                                 const zone::SpeedProfiles& profiles);
+                                                                     const zone::SpeedProfiles& profiles);
 /// "crisp", "fuzzy", or {"origin","fll"}.
 void write_json(JsonWriter& json, const SpeedRules& rules);
 /// Fails ("options.rules") on anything else, and on custom rules that cannot be used.

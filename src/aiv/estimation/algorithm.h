@@ -64,8 +64,8 @@ struct SensorModel {
   double distance_scale_sigma{0.02};     ///< wheel wear: what the odometer's scale may be off by
   double turn_scale_sigma{0.02};         ///< likewise of turns, for instance by the track's width
   double turn_drift_sigma_radps{0.0};    ///< what it counts as turning that is none: a gyroscope's offset
-  double fiducial_along_sigma_m{0.01};       ///< σ_b: of a reading, along the vehicle
-  double fiducial_across_sigma_m{0.01};      ///< and across it
+  double fiducial_along_sigma_m{0.01};   ///< σ_b: of a reading, along the vehicle
+  double fiducial_across_sigma_m{0.01};  ///< and across it
   double line_sigma_m{0.002};            ///< how far from its line a vehicle is that follows one
   double line_heading_sigma_rad{0.02};   ///< and how far off the line's heading
   double range_sigma_m{0.1};             ///< of one range, without what it has in common with others

@@ -19,7 +19,9 @@ Setting setting_on(std::shared_ptr<const Track> track, double start_sigma_m = 0.
   return setting;
 }
 
-Reading at(double x_m, double y_m = 0.0, double detected_ahead_m = 0.0) { return {1, {x_m, y_m}, {detected_ahead_m, 0.0}}; }
+Reading at(double x_m, double y_m = 0.0, double detected_ahead_m = 0.0) {
+  return {1, {x_m, y_m}, {detected_ahead_m, 0.0}};
+}
 double variance(const Algorithm& algorithm) { return algorithm.estimate().covariance(0, 0); }
 
 TEST(DeadReckoning, follows_the_sections_equations_and_grows_unsure) {

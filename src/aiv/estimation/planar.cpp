@@ -141,7 +141,8 @@ void Ekf::predict(const Odometry& odometry) {
 }
 
 Rectified Ekf::rectify(const Reading& reading) {
-  const Vector2 expected = detected_from(current_estimate.x_m, current_estimate.y_m, current_estimate.heading_rad, reading.fiducial_M);
+  const Vector2 expected =
+      detected_from(current_estimate.x_m, current_estimate.y_m, current_estimate.heading_rad, reading.fiducial_M);
   const Matrix2 r = rotation(current_estimate.heading_rad);
   Eigen::Matrix<double, 2, 3> h;
   h.leftCols<2>() = -r.transpose();
@@ -209,7 +210,8 @@ void Ukf::predict(const Odometry& odometry) {
   Sigma after;
   Vector3 mean = Vector3::Zero();
   for (int i = 0; i < points; ++i) {
-    const Pose2 from{current_estimate.x_m + about(0, i), current_estimate.y_m + about(1, i), current_estimate.heading_rad + about(2, i)};
+    const Pose2 from{current_estimate.x_m + about(0, i), current_estimate.y_m + about(1, i),
+                     current_estimate.heading_rad + about(2, i)};
     const Pose2 to = moved(from, odometry);
     // Deviations from the middle one, so that headings need no wrapping.
     after.col(i) = Vector3(to.x_m - centre.x_m, to.y_m - centre.y_m, about(2, i));
@@ -228,8 +230,8 @@ Rectified Ukf::rectify(const Reading& reading) {
   Eigen::Matrix<double, 2, points> z;
   Vector2 mean = Vector2::Zero();
   for (int i = 0; i < points; ++i) {
-    z.col(i) =
-        detected_from(current_estimate.x_m + about(0, i), current_estimate.y_m + about(1, i), current_estimate.heading_rad + about(2, i), reading.fiducial_M);
+    z.col(i) = detected_from(current_estimate.x_m + about(0, i), current_estimate.y_m + about(1, i),
+                             current_estimate.heading_rad + about(2, i), reading.fiducial_M);
     mean += weight(i) * z.col(i);
   }
   Matrix2 s = fiducial_covariance(told.sensors);
@@ -253,7 +255,8 @@ Rectified Ukf::rectify(const Range& range) {
   Eigen::Matrix<double, 1, points> z;
   double mean = 0.0;
   for (int i = 0; i < points; ++i) {
-    z(i) = norm(current_estimate.x_m + about(0, i) - range.station_M.x_m, current_estimate.y_m + about(1, i) - range.station_M.y_m);
+    z(i) = norm(current_estimate.x_m + about(0, i) - range.station_M.x_m,
+                current_estimate.y_m + about(1, i) - range.station_M.y_m);
     mean += weight(i) * z(i);
   }
   double s = range_variance(told.sensors, mean);

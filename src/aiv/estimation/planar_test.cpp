@@ -37,9 +37,9 @@ struct Round {
       if (ranges) {
         const auto station = static_cast<std::uint32_t>(i % 4);
         const Point2 place{station % 2 == 0 ? -4.0 : 4.0, station < 2 ? -4.0 : 4.0};
-        algorithm.rectify(Range{
-            station, place,
-            scale * distance(position(ground_truth), place) + bias_m + random.gaussian(0.0, setting.sensors.range_sigma_m)});
+        algorithm.rectify(Range{station, place,
+                                scale * distance(position(ground_truth), place) + bias_m +
+                                    random.gaussian(0.0, setting.sensors.range_sigma_m)});
       } else if (i % 10 == 9) {
         const Point2 fiducial = ground_truth * Point2{0.0, 0.01};
         algorithm.rectify(Reading{1, fiducial, {random.gaussian(0.0, 0.01), 0.01 + random.gaussian(0.0, 0.01)}});

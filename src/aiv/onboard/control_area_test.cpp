@@ -120,8 +120,9 @@ TEST(ControlArea, stays_where_it_is_when_its_owner_cannot_be_read_and_says_so) {
   fixture.zone_of("north");
   fixture.run(0.5);
   EXPECT_EQ(fixture.map_id(), "north");
-  EXPECT_TRUE(std::ranges::any_of(
-      fixture.logs, [](const wire::Log& line) { return line.text.find("whose this vehicle is") != std::string::npos; }));
+  EXPECT_TRUE(std::ranges::any_of(fixture.logs, [](const wire::Log& line) {
+    return line.text.find("whose this vehicle is") != std::string::npos;
+  }));
 }
 
 TEST(ControlArea, is_nobody_s_again_when_its_owner_is_taken_off_the_broker) {

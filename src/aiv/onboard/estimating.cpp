@@ -30,7 +30,7 @@ std::string shortened(std::string text) {
 wire::EstimateSensors told_of(const estimation::SensorModel& sensors) {
   return {sensors.distance_variance_per_m, sensors.turn_variance_per_m, sensors.turn_variance_per_rad,
           sensors.distance_scale_sigma,    sensors.turn_scale_sigma,    sensors.fiducial_along_sigma_m,
-          sensors.fiducial_across_sigma_m,     sensors.line_sigma_m,        sensors.line_heading_sigma_rad};
+          sensors.fiducial_across_sigma_m, sensors.line_sigma_m,        sensors.line_heading_sigma_rad};
 }
 
 /// A mark as the antenna has it when it comes into the field: at the rim, as far aside as the line passes it.
@@ -65,7 +65,8 @@ std::optional<EstimateResponse::Estimate> told_of(const estimation::Estimate& es
 
 EstimateResponse::Rectified told_of(const estimation::Rectified& rectified) {
   EstimateResponse::Rectified told{rectified.accepted, std::nullopt, static_cast<std::uint8_t>(rectified.dimensions)};
-  if (rectified.nis && *rectified.nis >= 0.0) told.nis = std::fmin(*rectified.nis, EstimateResponse::variance_max) + 0.0;
+  if (rectified.nis && *rectified.nis >= 0.0)
+    told.nis = std::fmin(*rectified.nis, EstimateResponse::variance_max) + 0.0;
   return told;
 }
 
@@ -148,7 +149,8 @@ void Estimating::begin(const wire::EstimateRequest& request, const Step& step) {
   run.stepped_at = step.at;
   estimation::Setting setting;
   setting.sensors = data_sheet();
-  setting.start = {current_estimate.X_MB.x_m + 0.0, current_estimate.X_MB.y_m + 0.0, current_estimate.X_MB.heading_rad + 0.0};
+  setting.start = {current_estimate.X_MB.x_m + 0.0, current_estimate.X_MB.y_m + 0.0,
+                   current_estimate.X_MB.heading_rad + 0.0};
   setting.start_sigma_m = std::fmax(current_estimate.sigma_m, setting.sensors.fiducial_along_sigma_m);
   setting.start_heading_sigma_rad = start_heading_sigma_rad;
   setting.seed = request.seed;

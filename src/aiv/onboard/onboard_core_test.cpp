@@ -99,7 +99,8 @@ TEST(Onboard, counts_headers_per_topic_without_gap) {
   fixture.order(to_1131());
   fixture.run(5.0);
   for (std::size_t i = 0; i < fixture.states.size(); ++i) EXPECT_EQ(fixture.states[i].header.header_id, i);
-  for (std::size_t i = 0; i < fixture.visualizations.size(); ++i) EXPECT_EQ(fixture.visualizations[i].header.header_id, i);
+  for (std::size_t i = 0; i < fixture.visualizations.size(); ++i)
+    EXPECT_EQ(fixture.visualizations[i].header.header_id, i);
 }
 
 TEST(Onboard, publishes_nothing_while_the_broker_is_away_and_starts_anew_when_it_is_back) {
@@ -118,8 +119,8 @@ TEST(Onboard, subscribes_to_what_concerns_it) {
   EXPECT_THAT(
       OnboardFixture{}.core->subscriptions(),
       ElementsAre("cosiva/v1/owner/CoSiVA/AIV1", "uagv/v2/CoSiVA/AIV1/order", "uagv/v2/CoSiVA/AIV1/instantActions",
-                  "cosiva/v1/virtual_obstacles/CoSiVA/AIV1", "cosiva/v1/estimate/request/CoSiVA/AIV1", "cosiva/v1/server/heartbeat",
-                  "cosiva/v1/server/connection", "cosiva/v1/zone/+"));
+                  "cosiva/v1/virtual_obstacles/CoSiVA/AIV1", "cosiva/v1/estimate/request/CoSiVA/AIV1",
+                  "cosiva/v1/server/heartbeat", "cosiva/v1/server/connection", "cosiva/v1/zone/+"));
 }
 
 TEST(Onboard, tells_battery_boards_and_last_tag) {
@@ -348,11 +349,11 @@ TEST(Onboard, takes_initPosition) {
   for (const char* id : {"bad-1", "bad-2", "bad-3"}) EXPECT_EQ(fixture.action(id)->status, ActionStatus::failed) << id;
   EXPECT_FALSE(fixture.state().position);
   fixture.act("initPosition", "good",
-            {{"x", -0.5},
-             {"y", -0.15},
-             {"theta", 0.0},
-             {"mapId", std::string("lacet4")},
-             {"lastNodeId", std::string("east@190")}});
+              {{"x", -0.5},
+               {"y", -0.15},
+               {"theta", 0.0},
+               {"mapId", std::string("lacet4")},
+               {"lastNodeId", std::string("east@190")}});
   fixture.run(0.1);
   EXPECT_EQ(fixture.action("good")->status, ActionStatus::finished);
   ASSERT_TRUE(fixture.state().position);

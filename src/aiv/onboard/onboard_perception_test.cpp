@@ -115,7 +115,8 @@ TEST(Perception, a_body_far_ahead_is_felt_without_braking_until_it_comes_near) {
   EXPECT_FALSE(fixture.felts[0].braking);
   fixture.run_with(bodies, 4.0);
   int changes = 0;
-  for (std::size_t i = 1; i < fixture.felts.size(); ++i) changes += fixture.felts[i].braking != fixture.felts[i - 1].braking;
+  for (std::size_t i = 1; i < fixture.felts.size(); ++i)
+    changes += fixture.felts[i].braking != fixture.felts[i - 1].braking;
   EXPECT_EQ(changes, 1);
   EXPECT_TRUE(fixture.felts.back().braking);
   EXPECT_EQ(fixture.felts.back().body, "P1");
@@ -230,7 +231,8 @@ TEST(Perception, malformed_virtual_obstacles_are_refused_with_one_line_per_kind_
     fixture.run(0.1);
   }
   EXPECT_EQ(fixture.speed_mps, 0.0);
-  for (auto perceived = fixture.felts.rbegin(); perceived != fixture.felts.rend() && perceived->virtual_obstacles_header_id > 30; ++perceived)
+  for (auto perceived = fixture.felts.rbegin();
+       perceived != fixture.felts.rend() && perceived->virtual_obstacles_header_id > 30; ++perceived)
     EXPECT_EQ(perceived->body, "P1");
   const auto warnings = fixture.warnings();
   EXPECT_THAT(warnings, SizeIs(3)) << "not JSON, a field, another map";
@@ -249,7 +251,8 @@ TEST(Perception, complains_of_at_most_sixteen_kinds_of_fault) {
 
 TEST(Perception, hears_neither_what_is_retained_nor_what_is_for_another) {
   Driving fixture;
-  const std::string text = to_json(wire::VirtualObstacles{1, fixture.now, "lacet4", {Driving::person(fixture.s_m() + 0.4)}});
+  const std::string text =
+      to_json(wire::VirtualObstacles{1, fixture.now, "lacet4", {Driving::person(fixture.s_m() + 0.4)}});
   fixture.hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, me), text, true);
   fixture.hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, {"CoSiVA", "AIV2"}), text);
   fixture.run(0.2);
@@ -284,11 +287,11 @@ TEST(Seeing, tells_where_the_obstacle_in_its_way_stands) {
   EXPECT_EQ(fixture.speed_mps, 0.0);
   ASSERT_FALSE(fixture.sightings.empty());
   const wire::DetectedObstacleReport& detected = fixture.sightings.back();
-  ASSERT_TRUE(detected.virtual_object);
+  ASSERT_TRUE(detected.obstacle);
   EXPECT_EQ(detected.map_id, "lacet4");
-  EXPECT_LT(distance({detected.virtual_object->x_m, detected.virtual_object->y_m}, p), 0.04);
-  EXPECT_NEAR(detected.virtual_object->distance_m, stand_off_m, 0.04);
-  EXPECT_EQ(detected.clear_m, detected.virtual_object->distance_m);
+  EXPECT_LT(distance({detected.obstacle->x_m, detected.obstacle->y_m}, p), 0.04);
+  EXPECT_NEAR(detected.obstacle->distance_m, stand_off_m, 0.04);
+  EXPECT_EQ(detected.clear_m, detected.obstacle->distance_m);
   const std::size_t before = fixture.sightings.size();
   fixture.run(2.0);
   EXPECT_GE(fixture.sightings.size() - before, 15U) << "it stands and goes on telling";
@@ -303,7 +306,7 @@ TEST(Seeing, tells_three_times_that_it_went_and_nothing_while_there_is_nothing) 
   fixture.run(2.0);
   ASSERT_GE(fixture.sightings.size(), 3U);
   int without = 0;
-  for (const wire::DetectedObstacleReport& detected : fixture.sightings) without += detected.virtual_object ? 0 : 1;
+  for (const wire::DetectedObstacleReport& detected : fixture.sightings) without += detected.obstacle ? 0 : 1;
   EXPECT_EQ(without, 3);
   EXPECT_NEAR(fixture.sightings.back().clear_m, 1.2, 1e-9);
 }

@@ -36,7 +36,8 @@ bool VirtualPerception::on_bodies(SimTime now, const wire::Input& input, Driving
 
 void VirtualPerception::acknowledge(SimTime now, const DrivingContext& context, Session& session,
                                     wire::Effects& effects) {
-  const bool responded = response_.decided == now && response_.virtual_obstacles_header_id == context.virtual_bodies().header_id();
+  const bool responded =
+      response_.decided == now && response_.virtual_obstacles_header_id == context.virtual_bodies().header_id();
   const bool other_body = context.agent().decision().braking_for_virtual && contact_.body != response_.body;
   const bool due = std::exchange(ack_due_, false) || other_body;
   if (due && !responded) respond(now, context, session, effects);

@@ -8,8 +8,8 @@
 
 namespace cosiva::aiv {
 
-/// Perception of virtual bodies: takes the server's list of them (wire::VirtualObstacles), finds the first one in the corridor for
-/// each decision, and responds to the server (wire::VirtualObstaclesAck).
+/// Perception of virtual bodies: takes the server's list of them (wire::VirtualObstacles), finds the first one in the
+/// corridor for each decision, and responds to the server (wire::VirtualObstaclesAck).
 ///
 /// Invariant: a response names a body and its distance exactly when the vehicle brakes for this body.
 class VirtualPerception {
@@ -32,9 +32,9 @@ class VirtualPerception {
  private:
   void respond(SimTime now, const DrivingContext& context, Session& session, wire::Effects& effects);
 
-  PerceivedWorld::Contact contact_;  ///< at the last decision
-  wire::VirtualObstaclesAck response_;         ///< the last one
-  bool ack_due_{true};          ///< the server does not know yet that this vehicle perceives virtual bodies
+  PerceivedWorld::Contact contact_;     ///< at the last decision
+  wire::VirtualObstaclesAck response_;  ///< the last one
+  bool ack_due_{true};                  ///< the server does not know yet that this vehicle perceives virtual bodies
   ErrorLog errors_;
 };
 

@@ -108,8 +108,12 @@ TEST(ZoneSwitch, is_followed_by_a_drive_to_the_new_line_and_along_it) {
   fixture.switch_to(track_near_loop());
   ASSERT_FALSE(fixture.world.on_line());
   auto text = test::order("O-2").through({first, "out@300", "out@600", "out@900"});
-  text.node(0).position = wire::NodePosition{
-      fixture.floor().circuit.pose_at({0, 0.0}).x_m, fixture.floor().circuit.pose_at({0, 0.0}).y_m, {}, 1.0, {}, "track"};
+  text.node(0).position = wire::NodePosition{fixture.floor().circuit.pose_at({0, 0.0}).x_m,
+                                             fixture.floor().circuit.pose_at({0, 0.0}).y_m,
+                                             {},
+                                             1.0,
+                                             {},
+                                             "track"};
   fixture.order(text);
   fixture.run(20.0);
   EXPECT_TRUE(fixture.world.on_line());
@@ -278,8 +282,12 @@ TEST(ZoneSwitch, is_restored_halfway_to_the_line) {
   fixture.set_off();
   fixture.switch_to(track_near_loop());
   auto text = test::order("O-2").through({first, "out@300", "out@600"});
-  text.node(0).position = wire::NodePosition{
-      fixture.floor().circuit.pose_at({0, 0.0}).x_m, fixture.floor().circuit.pose_at({0, 0.0}).y_m, {}, 1.0, {}, "track"};
+  text.node(0).position = wire::NodePosition{fixture.floor().circuit.pose_at({0, 0.0}).x_m,
+                                             fixture.floor().circuit.pose_at({0, 0.0}).y_m,
+                                             {},
+                                             1.0,
+                                             {},
+                                             "track"};
   fixture.order(text);
   ASSERT_TRUE(fixture.run_until([&] { return fixture.world.manoeuvring(); }, 3.0));
   fixture.run(0.6);
@@ -344,7 +352,8 @@ TEST(ZoneSwitch, is_followed_by_a_joinLine_that_takes_it_onto_the_line_without_a
   EXPECT_EQ(fixture.action("there")->status, wire::ActionStatus::finished);
   ASSERT_TRUE(fixture.world.on_line());
   EXPECT_NEAR(fixture.world.place().s_m, 0.5, 0.01);
-  EXPECT_EQ(join("again", fixture.floor().circuit.pose_at({0, 0.7})), wire::ActionStatus::failed) << "it is on the line";
+  EXPECT_EQ(join("again", fixture.floor().circuit.pose_at({0, 0.7})), wire::ActionStatus::failed)
+      << "it is on the line";
 }
 
 TEST(ZoneSwitch, responds_to_enableMap_and_downloadMap) {

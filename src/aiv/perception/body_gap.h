@@ -10,8 +10,8 @@
 namespace cosiva::aiv {
 
 /// How far bodies that the vehicle only knows of stand from its front along its way: in the same corridor that Corridor
-/// looks through. What is only virtual (PerceivedWorld) and what other vehicles say of themselves (Neighbours) are judged by
-/// it.
+/// looks through. What is only virtual (PerceivedWorld) and what other vehicles say of themselves (Neighbours) are
+/// judged by it.
 class BodyGap {
  public:
   struct Model {

@@ -60,7 +60,8 @@ TEST(Corridor, sees_a_vehicle_ahead_on_a_straight) {
 
 TEST(Corridor, sees_a_vehicle_ahead_on_an_arc) {
   for (const double gap_m : {0.15, 0.3, 0.45, 0.6}) {
-    const double detected_m = ahead_of_vehicle(at(lacet4(), "loop_se", 0.8), at(lacet4(), "loop_se", 0.8 + 0.2 + gap_m));
+    const double detected_m =
+        ahead_of_vehicle(at(lacet4(), "loop_se", 0.8), at(lacet4(), "loop_se", 0.8 + 0.2 + gap_m));
     EXPECT_NEAR(detected_m, gap_m, 0.04) << "gap " << gap_m;
   }
 }

@@ -11,8 +11,8 @@
 namespace cosiva::aiv {
 
 /// The way before the vehicle as evenly spaced points in its body frame, and where other points lie beside it. What it
-/// sees (Corridor) and what it is told (PerceivedWorld) are judged by the same way. A body off the line goes straight to
-/// where it comes onto it.
+/// sees (Corridor) and what it is told (PerceivedWorld) are judged by the same way. A body off the line goes straight
+/// to where it comes onto it.
 class PathLookAhead {
  public:
   /// @param sample_m  between two points of the way

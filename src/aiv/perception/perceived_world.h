@@ -14,8 +14,8 @@
 
 namespace cosiva::aiv {
 
-/// What the vehicle is told of the virtual world near its way (wire::VirtualObstacles), as its skin would feel it: where the first
-/// body stands in the corridor that Corridor looks through, too.
+/// What the vehicle is told of the virtual world near its way (wire::VirtualObstacles), as its skin would feel it:
+/// where the first body stands in the corridor that Corridor looks through, too.
 class PerceivedWorld {
  public:
   struct Model {

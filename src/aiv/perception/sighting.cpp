@@ -19,7 +19,8 @@ bool same_body(std::uint16_t a_mm, std::uint16_t b_mm) {
 
 }  // namespace
 
-wire::DetectedObstacleReport::VirtualObject body_in_beams(const Corridor::Look& look, const wire::Ranges& ranges, const Pose2& X_MS) {
+wire::DetectedObstacleReport::Obstacle body_in_beams(const Corridor::Look& look, const wire::Ranges& ranges,
+                                                          const Pose2& X_MS) {
   const auto& range_mm = ranges.range_mm;
   std::size_t first = look.beam;
   std::size_t last = look.beam;
@@ -42,8 +43,9 @@ wire::DetectedObstacleReport::VirtualObject body_in_beams(const Corridor::Look& 
   return {centre_M.x_m, centre_M.y_m, radius_m, look.ahead_m};
 }
 
-std::optional<wire::DetectedObstacleReport> Sighting::on_frame(SimTime now, const Corridor::Look& look, const wire::Ranges& ranges,
-                                             const Pose2& X_MS, double reach_m) {
+std::optional<wire::DetectedObstacleReport> Sighting::on_frame(SimTime now, const Corridor::Look& look,
+                                                               const wire::Ranges& ranges, const Pose2& X_MS,
+                                                               double reach_m) {
   wire::DetectedObstacleReport detected;
   detected.clear_m = std::min(look.ahead_m, reach_m);
   if (look.ahead_m <= told_m_max) {
@@ -52,7 +54,7 @@ std::optional<wire::DetectedObstacleReport> Sighting::on_frame(SimTime now, cons
     misses_ = 0;
     farewells_left_ = farewells;
     if (!fresh && !due(now)) return std::nullopt;
-    detected.virtual_object = body_in_beams(look, ranges, X_MS);
+    detected.obstacle = body_in_beams(look, ranges, X_MS);
   } else {
     if (there_ && ++misses_ < misses_max) return std::nullopt;
     const bool fresh = there_;

@@ -41,11 +41,12 @@ TEST(BodyInBeams, lies_behind_its_nearest_point_as_far_as_it_is_big) {
       for (const double radius_m : {0.03, 0.06, 0.10}) {
         const Point2 p{away_m * std::cos(bearing), away_m * std::sin(bearing)};
         const wire::Ranges ranges = fan_on(p, radius_m);
-        const auto virtual_object = body_in_beams({0.3, nearest_beam(ranges)}, ranges, {});
+        const auto obstacle = body_in_beams({0.3, nearest_beam(ranges)}, ranges, {});
         // Half a beam is what such a fan can tell sideways.
-        EXPECT_LT(distance({virtual_object.x_m, virtual_object.y_m}, p), 0.075 * away_m + 0.04)
+        EXPECT_LT(distance({obstacle.x_m, obstacle.y_m}, p), 0.075 * away_m + 0.04)
             << away_m << " " << bearing << " " << radius_m;
-        EXPECT_NEAR(virtual_object.radius_m, radius_m, 0.07 * away_m + 0.03) << away_m << " " << bearing << " " << radius_m;
+        EXPECT_NEAR(obstacle.radius_m, radius_m, 0.07 * away_m + 0.03)
+            << away_m << " " << bearing << " " << radius_m;
       }
     }
   }
@@ -54,10 +55,10 @@ TEST(BodyInBeams, lies_behind_its_nearest_point_as_far_as_it_is_big) {
 TEST(BodyInBeams, is_told_in_the_maps_frame) {
   wire::Ranges ranges = no_ranges();
   ranges.range_mm[centre] = 400;
-  const auto virtual_object = body_in_beams({0.4, centre}, ranges, {1.0, 2.0, pi / 2});
-  EXPECT_NEAR(virtual_object.x_m, 1.0, 1e-9);
-  EXPECT_NEAR(virtual_object.y_m, 2.0 + 0.4 + virtual_object.radius_m, 1e-9);
-  EXPECT_EQ(virtual_object.distance_m, 0.4);
+  const auto obstacle = body_in_beams({0.4, centre}, ranges, {1.0, 2.0, pi / 2});
+  EXPECT_NEAR(obstacle.x_m, 1.0, 1e-9);
+  EXPECT_NEAR(obstacle.y_m, 2.0 + 0.4 + obstacle.radius_m, 1e-9);
+  EXPECT_EQ(obstacle.distance_m, 0.4);
 }
 
 TEST(BodyInBeams, does_not_grow_by_what_stands_behind_it) {
@@ -75,8 +76,8 @@ TEST(BodyInBeams, does_not_grow_by_what_stands_behind_it) {
 TEST(BodyInBeams, stays_finite_with_a_wall_in_every_beam_and_with_none_at_all_between) {
   wire::Ranges wall = no_ranges();
   wall.range_mm.assign(13, 300);
-  const auto virtual_object = body_in_beams({0.3, centre}, wall, {});
-  EXPECT_LE(virtual_object.radius_m, 0.15);
+  const auto obstacle = body_in_beams({0.3, centre}, wall, {});
+  EXPECT_LE(obstacle.radius_m, 0.15);
   const wire::Ranges touching{0, 0, 14, {0}};
   EXPECT_NEAR(body_in_beams({0.0, 0}, touching, {}).x_m, 0.02, 1e-9);
 }
@@ -102,7 +103,7 @@ struct Eyes {
 TEST(Sighting, tells_a_new_virtual_object_at_once_and_then_ten_times_a_second) {
   Eyes eyes;
   EXPECT_TRUE(eyes.frame(0.5));
-  ASSERT_TRUE(eyes.last->virtual_object);
+  ASSERT_TRUE(eyes.last->obstacle);
   EXPECT_EQ(eyes.last->clear_m, 0.5);
   eyes.told = 0;
   for (int i = 0; i < 50; ++i) static_cast<void>(eyes.frame(0.5));  // three seconds
@@ -115,7 +116,7 @@ TEST(Sighting, tells_three_times_that_a_virtual_object_went_and_then_nothing_mor
   static_cast<void>(eyes.frame(0.5));
   int frames = 0;
   while (!eyes.frame(nothing)) ASSERT_LT(++frames, 5);
-  EXPECT_FALSE(eyes.last->virtual_object);
+  EXPECT_FALSE(eyes.last->obstacle);
   EXPECT_EQ(eyes.last->clear_m, 1.2) << "as far as it can tell";
   eyes.told = 1;
   for (int i = 0; i < 50; ++i) static_cast<void>(eyes.frame(nothing));
@@ -126,7 +127,7 @@ TEST(Sighting, holds_on_to_an_object_over_two_echoes_that_do_not_come_back) {
   Eyes eyes;
   for (int i = 0; i < 60; ++i) {
     static_cast<void>(eyes.frame(i % 3 == 0 ? 0.5 : nothing));
-    ASSERT_TRUE(eyes.last->virtual_object) << i;
+    ASSERT_TRUE(eyes.last->obstacle) << i;
   }
 }
 
@@ -135,7 +136,7 @@ TEST(Sighting, tells_nothing_of_what_is_more_than_a_metre_ahead) {
   for (int i = 0; i < 10; ++i) EXPECT_FALSE(eyes.frame(1.01));
   static_cast<void>(eyes.frame(0.99));
   for (int i = 0; i < 5; ++i) static_cast<void>(eyes.frame(1.05));
-  EXPECT_FALSE(eyes.last->virtual_object);
+  EXPECT_FALSE(eyes.last->obstacle);
   EXPECT_EQ(eyes.last->clear_m, 1.05);
 }
 

@@ -8,8 +8,8 @@
 #include "cosiva/aiv/motion/manoeuvre.h"
 #include "cosiva/aiv/motion/motion.h"
 #include "cosiva/wire/messages/board.h"
-#include "cosiva/zone/circuit/path_snap.h"
 #include "cosiva/zone/circuit/circuit.h"
+#include "cosiva/zone/circuit/path_snap.h"
 
 namespace cosiva::aiv::test {
 
@@ -90,7 +90,8 @@ class LineWorld {
   [[nodiscard]] std::optional<zone::Place> line_under() const {
     const auto entry_point = zone::snap_to_path(*floor_, off_->X_MS, 0.001);
     const bool along =
-        entry_point && std::fabs(wrap_angle(floor_->pose_at(entry_point->place).heading_rad - off_->X_MS.heading_rad)) < 0.01;
+        entry_point &&
+        std::fabs(wrap_angle(floor_->pose_at(entry_point->place).heading_rad - off_->X_MS.heading_rad)) < 0.01;
     return along ? std::optional{entry_point->place} : std::nullopt;
   }
 

@@ -17,11 +17,11 @@ struct Surface {
   };
   Axis x;
   Axis y;
-  std::string of;                      ///< "speed", or an output's name
-  double low;                          ///< of what is shown
-  double high;                         ///<
-  std::vector<double> levels;          ///< row by row, y from its lowest
-  aiv::AgentInputs others;             ///< the fixed ones
+  std::string of;                          ///< "speed", or an output's name
+  double low;                              ///< of what is shown
+  double high;                             ///<
+  std::vector<double> levels;              ///< row by row, y from its lowest
+  aiv::AgentInputs others;                 ///< the fixed ones
   std::vector<aiv::AgentInput> requested;  ///< all inputs of the rules, for those that are fixed
 
   [[nodiscard]] bool is_speed() const { return of == "speed"; }

@@ -81,7 +81,7 @@ std::string again(const BatteryAnalyseArguments& arguments) {
 Result<void> write_report(const BatteryAnalyseArguments& arguments, const std::string& directory,
                           const RecordedSeries& series, const AutonomyMetrics& metrics, const std::string& json) {
   const experiments::ReportMetadata metadata{series.name,      again(arguments),     "as the measurements'",
-                                       again(arguments), "as it was measured", std::nullopt};
+                                             again(arguments), "as it was measured", std::nullopt};
   return adapters::write_files(
       directory,
       {{"result.json", json}, {"report.html", experiments::report_html(metrics, series.records, {}, metadata)}});

@@ -100,8 +100,8 @@ void record_foretold(const FitInput& input, const std::vector<battery::Residual>
   for (const battery::Residual& one : foretold) most_a = std::max(most_a, one.current_a);
   if (most_a > far * fit.largest_a)
     record("foretold at " + decimals(most_a / fit.largest_a, 1) +
-         " times the largest current that was fitted: near empty a battery may give less than that tells; fit a "
-         "faster log");
+           " times the largest current that was fitted: near empty a battery may give less than that tells; fit a "
+           "faster log");
 }
 
 std::string residual_text(const battery::Residual& residual) {

@@ -134,13 +134,13 @@ Result<void> write_report(const BatteryTestArguments& arguments, const std::stri
                           const std::string& json) {
   const battery::PackDesign& design = options.battery.design;
   const experiments::ReportMetadata metadata{options.battery.type.name + ", " + std::to_string(design.series) + " × " +
-                                           std::to_string(design.parallel) + " cells of " +
-                                           decimals(options.battery.type.capacity_ah * design.scale, 2) + " Ah",
-                                       options.battery.type.source,
-                                       options.battery.type.licence,
-                                       again(arguments, command),
-                                       outcome.load,
-                                       options.procedure.floor};
+                                                 std::to_string(design.parallel) + " cells of " +
+                                                 decimals(options.battery.type.capacity_ah * design.scale, 2) + " Ah",
+                                             options.battery.type.source,
+                                             options.battery.type.licence,
+                                             again(arguments, command),
+                                             outcome.load,
+                                             options.procedure.floor};
   return adapters::write_files(
       arguments.out_directory,
       {{"result.json", json},

@@ -93,7 +93,8 @@ vision::TrackerOptions tracker_options(const GvsSource& source) {
   return options;
 }
 
-GvsCamera::GvsCamera(vision::Calibration calibration, const vision::TrackerOptions& options, std::map<int, std::string> names)
+GvsCamera::GvsCamera(vision::Calibration calibration, const vision::TrackerOptions& options,
+                     std::map<int, std::string> names)
     : calibration_{std::move(calibration)},
       tracker_{calibration_, options},
       names_{std::move(names)},
@@ -119,8 +120,8 @@ Result<wire::GvsDetections> GvsCamera::see(const vision::Image& image, SimTime b
   ++header_id_;
   for (const vision::Fix& fix : *fixes) {
     if (detections.detections.size() >= wire::GvsDetections::detections_max) break;
-    detections.detections.push_back({name_of(fix.tag), static_cast<std::uint32_t>(fix.tag), *first_ + from_seconds(fix.t_s),
-                             fix.X_MB, fix.uncertainty_m});
+    detections.detections.push_back({name_of(fix.tag), static_cast<std::uint32_t>(fix.tag),
+                                     *first_ + from_seconds(fix.t_s), fix.X_MB, fix.uncertainty_m});
   }
   return detections;
 }
@@ -131,7 +132,7 @@ std::optional<vision::PixelPoint> GvsCamera::pixel_of(Point2 place, int tag) con
 }
 
 std::string GvsCamera::shown(const vision::Image& image, const wire::GvsDetections& detections,
-                          const zone::VehicleShape& body) const {
+                             const zone::VehicleShape& body) const {
   const std::size_t longest = std::max(image.size.width, image.size.height);
   const std::size_t by = std::max<std::size_t>(1, (longest + shown_px_max - 1) / shown_px_max);
   const auto ratio = 1.0 / static_cast<double>(by);

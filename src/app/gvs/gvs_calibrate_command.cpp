@@ -173,9 +173,9 @@ std::string page_of(const vision::Calibrated& made, const std::optional<vision::
   experiments::Report report{"Calibration of a camera over the floor", name};
   const vision::Tried& best = made.tried[made.chosen];
   report.metadata({{decimals(1e3 * best.colour.metrics.rms_m, 2) + " mm", "rms on the other colour"},
-                {decimals(1e3 * best.block.metrics.rms_m, 2) + " mm", "rms on left-out blocks"},
-                {decimals(1e3 * best.block.metrics.max_m, 1) + " mm", "at most, there"},
-                {std::string(name_of(best.options.model)), "model chosen"}});
+                   {decimals(1e3 * best.block.metrics.rms_m, 2) + " mm", "rms on left-out blocks"},
+                   {decimals(1e3 * best.block.metrics.max_m, 1) + " mm", "at most, there"},
+                   {std::string(name_of(best.options.model)), "model chosen"}});
   report.heading("Where it may be trusted, and how far")
       .figure(map, "Every point was judged by a fit that had not seen it.");
   std::vector<std::vector<std::string>> rows;

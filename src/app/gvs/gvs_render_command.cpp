@@ -130,7 +130,8 @@ class Render {
     constexpr int finer = 5;
     for (std::size_t i = 0; i < bodies.size(); ++i)
       for (int k = 0; k < finer; ++k)
-        ground_truth_[i].poses.push_back(experiments::stamped(t_s + step_s * k / finer, bodies[i].after(step_s * k / finer)));
+        ground_truth_[i].poses.push_back(
+            experiments::stamped(t_s + step_s * k / finer, bodies[i].after(step_s * k / finer)));
   }
 
   Result<void> write_rest(const std::string& stamps) {

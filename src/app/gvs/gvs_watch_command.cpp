@@ -78,7 +78,8 @@ class Watch {
       if (up) say_connection(wire::ConnectionState::online);
     };
     handlers.on_message = [this](std::string_view topic, std::string_view payload, bool) { hear(topic, payload); };
-    std::vector<std::string> topics{std::string(wire::gvs_preview_request_topic), wire::topics_below(wire::zone_topic_prefix, 1)};
+    std::vector<std::string> topics{std::string(wire::gvs_preview_request_topic),
+                                    wire::topics_below(wire::zone_topic_prefix, 1)};
     if (source_.emulated()) topics.emplace_back(wire::ground_truth_topic);
     const wire::Will will{
         {std::string(wire::gvs_connection_topic),

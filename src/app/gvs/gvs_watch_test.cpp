@@ -95,7 +95,8 @@ TEST(GvsCamera, a_tag_whose_usual_aiv_carries_another_one_is_nobody_s) {
   GvsSource source;
   source.tag_side_m = camera.tag_side_m();
   GvsCamera eye{camera.calibration(), tracker_options(source), {{2, "CoSiVA/AIV1"}}};
-  const auto detections = eye.see(camera.take(ground_truth_at(virtual_epoch), std::nullopt), virtual_epoch, 0.25).value();
+  const auto detections =
+      eye.see(camera.take(ground_truth_at(virtual_epoch), std::nullopt), virtual_epoch, 0.25).value();
   std::vector<std::string> names;
   for (const auto& detection : detections.detections) names.push_back(detection.vehicle);
   EXPECT_THAT(names, ElementsAre("tag 1", "CoSiVA/AIV1", "CoSiVA/AIV3", "CoSiVA/AIV4"));

@@ -78,7 +78,8 @@ Result<RunPlan> plan_run(const UpArguments& arguments) {
     experiments::Scenario evaluated = *scenario;
     evaluated.aivs = merged.aivs;
     if (merged.given.duration) evaluated.duration_s.reset();
-    if (auto good = experiments::check(evaluated, rtm->zone(), scenario_file); !good) return tl::unexpected(good.error());
+    if (auto good = experiments::check(evaluated, rtm->zone(), scenario_file); !good)
+      return tl::unexpected(good.error());
   }
 
   if (const std::string own = own_folder("zones");

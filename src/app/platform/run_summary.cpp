@@ -85,7 +85,8 @@ std::string deadlocks_text(const JsonValue* deadlocks) {
 
 }  // namespace
 
-Result<RunSummary> summarise(const RunMetadata& metadata, std::string_view server_summary, std::string_view plant_summary) {
+Result<RunSummary> summarise(const RunMetadata& metadata, std::string_view server_summary,
+                             std::string_view plant_summary) {
   const auto server = JsonValue::parse(server_summary);
   const auto plant = JsonValue::parse(plant_summary);
   const JsonValue* bijection = server ? server->find("bijection") : nullptr;
@@ -114,11 +115,12 @@ Result<RunSummary> summarise(const RunMetadata& metadata, std::string_view serve
   run.collided = touched > 0;
   run.all_matched = counted("matched") == wanted && counted("physical") == wanted && counted("virtual") == wanted;
 
-  run.text = decimals(metadata.duration_s, 1) + " s on " + metadata.zone + ": " + matched_text(*bijection, metadata.aivs) +
-             ", divergence p99 " + millis(*bijection, "divergence_m", 1e3, " mm") + ", age p99 " +
-             millis(*bijection, "age_ms", 1.0, " ms") + "\n" + std::to_string(touched) + " collisions, " +
-             decimals(laps, 0) + " laps, longest wait " + decimals(longest_wait_s, 1) + " s" +
-             deadlocks_text(deadlocks) + ", digest " + metadata.digest + augmented(*bijection) + late(*bijection);
+  run.text = decimals(metadata.duration_s, 1) + " s on " + metadata.zone + ": " +
+             matched_text(*bijection, metadata.aivs) + ", divergence p99 " +
+             millis(*bijection, "divergence_m", 1e3, " mm") + ", age p99 " + millis(*bijection, "age_ms", 1.0, " ms") +
+             "\n" + std::to_string(touched) + " collisions, " + decimals(laps, 0) + " laps, longest wait " +
+             decimals(longest_wait_s, 1) + " s" + deadlocks_text(deadlocks) + ", digest " + metadata.digest +
+             augmented(*bijection) + late(*bijection);
   return run;
 }
 

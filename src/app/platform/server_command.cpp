@@ -55,13 +55,15 @@ void tell(const PartArguments& part, const std::string& text) {
 
 /// Listens to what an emulated world says is true, for the eye only: a connection of its own, so that nothing of it can
 /// reach the core.
-Result<std::unique_ptr<adapters::MqttClient>> ground_truth_for(EventLoop& loop, const PartArguments& part, ServerPage& page,
-                                                        const std::string& area) {
+Result<std::unique_ptr<adapters::MqttClient>> ground_truth_for(EventLoop& loop, const PartArguments& part,
+                                                               ServerPage& page, const std::string& area) {
   auto mqtt = mqtt_options(part.broker, "cosiva-instrument" + (area.empty() ? "" : "-" + area));
   if (!mqtt) return tl::unexpected(mqtt.error());
   adapters::MqttHandlers handlers;
   handlers.on_link = [](bool) {};
-  handlers.on_message = [&page](std::string_view, std::string_view payload, bool) { page.ground_truth(std::string(payload)); };
+  handlers.on_message = [&page](std::string_view, std::string_view payload, bool) {
+    page.ground_truth(std::string(payload));
+  };
   return adapters::MqttClient::make(loop, std::move(*mqtt), {std::string(wire::ground_truth_topic)}, std::nullopt,
                                     std::move(handlers));
 }

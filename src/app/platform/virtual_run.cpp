@@ -54,8 +54,9 @@ std::optional<SimTime> VirtualRun::end() const {
 }
 
 int VirtualRun::finish(bool interrupted) const {
-  RunMetadata metadata{plan_.arguments.zone,  plan_.arguments.aivs,   plan_.arguments.seed,
-                 to_seconds(elapsed()), world_->digest().hex(), plan_.scenario ? plan_.scenario->name : std::string{}};
+  RunMetadata metadata{plan_.arguments.zone,   plan_.arguments.aivs,
+                       plan_.arguments.seed,   to_seconds(elapsed()),
+                       world_->digest().hex(), plan_.scenario ? plan_.scenario->name : std::string{}};
   const auto run = summarise(metadata, world_->server().summary_json(), world_->plant().summary_json());
   if (!run) return complain(run.error());
   print(plan_.arguments.json ? run->json : run->text);

@@ -34,8 +34,8 @@ std::string ZoneWatch::stamp() const {
        {file_, sidecar_file_.empty() ? zone::sidecar_of_file(file_).value_or("") : sidecar_file_}) {
     struct stat metadata {};
     if (file.empty() || ::stat(file.c_str(), &metadata) != 0) continue;
-    for (const auto number :
-         {metadata.st_size, metadata.st_mtim.tv_sec, metadata.st_mtim.tv_nsec, static_cast<std::int64_t>(metadata.st_ino)})
+    for (const auto number : {metadata.st_size, metadata.st_mtim.tv_sec, metadata.st_mtim.tv_nsec,
+                              static_cast<std::int64_t>(metadata.st_ino)})
       text += std::to_string(number) + " ";
     text += "| ";
   }

@@ -43,7 +43,8 @@ void add_virtual_time(CLI::App& command, QualifyArguments& q) {
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   command.add_option("--seed", q.seed, "of the first run; the others count on")->type_name("N")->capture_default_str();
-  command.add_option("--fiducials", q.fiducials, "what is read: a beacon every --pitch, the zone's tags, or its beacons")
+  command
+      .add_option("--fiducials", q.fiducials, "what is read: a beacon every --pitch, the zone's tags, or its beacons")
       ->check(CLI::IsMember({"pitch", "tags", "beacons"}))
       ->capture_default_str();
   add_length(command, "--pitch", q.pitch_m, "between beacons along the way");
@@ -128,15 +129,16 @@ void add_live(CLI::App& command, LiveQualifyArguments& live) {
       ->type_name("AIV|MANUFACTURER/SERIAL")
       ->allow_extra_args(false);
   command
-      .add_option("--ground-truth", live.ground_truth_topic, "where it is said where they truly are; without: cosiva/v1/plant/ground_truth")
+      .add_option("--ground-truth", live.ground_truth_topic,
+                  "where it is said where they truly are; without: cosiva/v1/plant/ground_truth")
       ->type_name("TOPIC");
 }
 
 /// What is a property of a simulation or of a file is none of a platform that runs.
 std::optional<std::string> useless_live(const CLI::App& command) {
   for (const char* name :
-       {"--zone", "--fiducials", "--pitch", "--reach", "--odometry-noise", "--reading-noise", "--missed", "--scale-error",
-        "--survey-error", "--recording", "--reference", "--estimate", "--associate", "--align"}) {
+       {"--zone", "--fiducials", "--pitch", "--reach", "--odometry-noise", "--reading-noise", "--missed",
+        "--scale-error", "--survey-error", "--recording", "--reference", "--estimate", "--associate", "--align"}) {
     if (command.get_option(name)->count() > 0) return name;
   }
   return std::nullopt;

@@ -87,8 +87,8 @@ std::string lateness_of(const Qualification& all) {
     std::vector<experiments::Pair> pairs;
     pairs.reserve(one.path.size());
     for (std::size_t i = 0; i < one.path.size(); ++i)
-      pairs.push_back(
-          {experiments::stamped(all.times_s[i], all.ground_truth[i]), experiments::stamped(all.times_s[i], one.path[i])});
+      pairs.push_back({experiments::stamped(all.times_s[i], all.ground_truth[i]),
+                       experiments::stamped(all.times_s[i], one.path[i])});
     text += (text.empty() ? "" : ", ") + one.name + " " + decimals(1e3 * experiments::time_offset_s(pairs), 1) + " ms";
   }
   return text;
@@ -130,7 +130,7 @@ bool check(const Qualification& all) {
 }  // namespace
 
 int evaluate(const QualifyArguments& arguments, const std::vector<experiments::Candidate>& candidates, const Runs& runs,
-          experiments::ReferenceBudget reference) {
+             experiments::ReferenceBudget reference) {
   experiments::QualificationOptions options;
   options.threshold_m = arguments.threshold_m;
   options.tolerance_m = arguments.tolerance_m;

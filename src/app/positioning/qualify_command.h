@@ -15,6 +15,6 @@ int run_compare(const QualifyArguments& arguments);
 
 /// Qualifies the candidates on the runs, prints and writes what is found. Gives the exit status.
 int evaluate(const QualifyArguments& arguments, const std::vector<experiments::Candidate>& candidates, const Runs& runs,
-          experiments::ReferenceBudget reference);
+             experiments::ReferenceBudget reference);
 
 }  // namespace cosiva::app

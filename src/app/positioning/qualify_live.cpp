@@ -215,13 +215,15 @@ experiments::Conditions conditions_of(const QualifyArguments& arguments, const e
       "Odometry has no gyroscope: turns are those of the line where the vehicle's own program believes to be on it. "
       "The limit is that of the sensors as the vehicle's data sheet has them: who is below it has better ones.");
   if (complete < options.runs)
-    diagnostics.push_back("Only " + std::to_string(complete) + " of " + std::to_string(options.runs) + " runs are complete.");
+    diagnostics.push_back("Only " + std::to_string(complete) + " of " + std::to_string(options.runs) +
+                          " runs are complete.");
   for (const std::string& loss : runs.losses()) diagnostics.push_back("Lost " + loss + ".");
   if (runs.repeated() > 0)
-    diagnostics.push_back(std::to_string(runs.repeated()) + " requests were sent again: they or their answers were lost.");
+    diagnostics.push_back(std::to_string(runs.repeated()) +
+                          " requests were sent again: they or their answers were lost.");
   if (runs.without_ground_truth() > 0)
     diagnostics.push_back(std::to_string(runs.without_ground_truth()) +
-                    " answers are left out: nobody said where the vehicle was then.");
+                          " answers are left out: nobody said where the vehicle was then.");
   return conditions;
 }
 

@@ -15,7 +15,7 @@ struct LiveQualifyArguments {
   std::string url{"http://127.0.0.1:8080"};
   BrokerArguments broker;
   std::vector<std::string> vehicles;  ///< AIV3, or MANUFACTURER/SERIAL; none: AIV1
-  std::string ground_truth_topic;            ///< empty: the plant's
+  std::string ground_truth_topic;     ///< empty: the plant's
   bool speed_given{false};            ///< else the vehicles drive as they do
 };
 

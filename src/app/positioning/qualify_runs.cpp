@@ -55,9 +55,9 @@ experiments::Conditions conditions_of(const QualifyArguments& arguments, const R
   settings.emplace_back("zone", ring.zone->name);
   settings.emplace_back("way of each run", decimals(arguments.way_m, 1) + " m");
   settings.emplace_back("fiducials", arguments.fiducials == "pitch"
-                                     ? "one every " + decimals(arguments.pitch_m, 3) + " m of the way"
-                                     : std::to_string(simulation.fiducials.size()) + " " + arguments.fiducials +
-                                           " once round, " + decimals(ring.track->length_m(), 2) + " m");
+                                         ? "one every " + decimals(arguments.pitch_m, 3) + " m of the way"
+                                         : std::to_string(simulation.fiducials.size()) + " " + arguments.fiducials +
+                                               " once round, " + decimals(ring.track->length_m(), 2) + " m");
   settings.emplace_back("odometry", mm(arguments.odometry_m) + " after 1 m, " + decimals(arguments.rate_hz, 1) + " Hz");
   settings.emplace_back("reading", mm(arguments.reading_m));
   settings.emplace_back("missed", decimals(100.0 * arguments.missed, 1) + " %");
@@ -164,10 +164,11 @@ Result<Runs> recorded_runs(const QualifyArguments& arguments) {
                                                       " m after 1 m, ranges " + decimals(sensors.range_sigma_m, 3) +
                                                       " m");
     if (trial->sensors_assumed)
-      runs.conditions.diagnostics.push_back(folder +
-                                      " has no sensors.csv: the limit is that of the figures assumed, and who is below "
-                                      "it is no leak, but shows that "
-                                      "the sensors are better than that.");
+      runs.conditions.diagnostics.push_back(
+          folder +
+          " has no sensors.csv: the limit is that of the figures assumed, and who is below "
+          "it is no leak, but shows that "
+          "the sensors are better than that.");
     trials->push_back(std::move(*trial));
   }
   runs.conditions.settings.emplace_back("longest gap of the truth", decimals(arguments.gap_s, 3) + " s");

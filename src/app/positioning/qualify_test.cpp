@@ -95,11 +95,12 @@ TEST(Compare, on_a_recording_reads_it_and_writes_its_report) {
   EXPECT_FALSE(algorithm(json, 1).find("rmse_interval_m")->is_null());
   EXPECT_THAT(json.find("conditions")->text("seems late against the truth, first run (not corrected)").value_or(""),
               HasSubstr("calibrating "));
-  for (const char* file : {"report.html", "result.json", "runs.csv", "ground_truth.tum", "calibrating.tum", "calibrating.zip"})
+  for (const char* file :
+       {"report.html", "result.json", "runs.csv", "ground_truth.tum", "calibrating.tum", "calibrating.zip"})
     EXPECT_TRUE(std::filesystem::exists(out + "/" + file)) << file;
   // What was written can be judged again, and comes to the same figure.
-  const JsonValue again =
-      json_of(cosiva({"compare", "--reference", out + "/ground_truth.tum", "--estimate", out + "/calibrating.tum", "--json"}));
+  const JsonValue again = json_of(
+      cosiva({"compare", "--reference", out + "/ground_truth.tum", "--estimate", out + "/calibrating.tum", "--json"}));
   EXPECT_NEAR(*algorithm(again, 0).number("rmse_m"), *algorithm(json, 1).number("rmse_m"), 1e-12);
 }
 
@@ -140,13 +141,15 @@ TEST(Compare, of_trajectories_writes_a_report_and_what_evo_opens_and_keeps_one_t
   };
   std::filesystem::create_directories(scratch / "a");
   std::filesystem::create_directories(scratch / "b");
-  for (const auto& [file, text] : std::vector<std::pair<std::string, std::string>>{
-           {"ground_truth.tum", tum(0.0)}, {"a/mine.tum", tum(0.02)}, {"b/mine.tum", tum(0.03)}, {"bad.tum", "1 2 3\n"}})
+  for (const auto& [file, text] : std::vector<std::pair<std::string, std::string>>{{"ground_truth.tum", tum(0.0)},
+                                                                                   {"a/mine.tum", tum(0.02)},
+                                                                                   {"b/mine.tum", tum(0.03)},
+                                                                                   {"bad.tum", "1 2 3\n"}})
     ASSERT_TRUE(adapters::write_file(scratch / file, text));
   const std::string out = scratch / "out";
-  const Said said = cosiva({"compare", "--reference", scratch / "ground_truth.tum", "--estimate", scratch / "a/mine.tum",
-                            "--estimate", scratch / "b/mine.tum", "--estimate", scratch / "bad.tum", "--out", out,
-                            "--reference-error", "0.05", "--json"});
+  const Said said = cosiva({"compare", "--reference", scratch / "ground_truth.tum", "--estimate",
+                            scratch / "a/mine.tum", "--estimate", scratch / "b/mine.tum", "--estimate",
+                            scratch / "bad.tum", "--out", out, "--reference-error", "0.05", "--json"});
   EXPECT_EQ(said.status, 1) << said.standard_error;  // one is bad, the others have their figures
   EXPECT_THAT(said.standard_error, HasSubstr("bad.tum:1"));
   const auto read = [&](const std::string& file) { return adapters::read_file(out + "/" + file).value_or(""); };
@@ -155,7 +158,7 @@ TEST(Compare, of_trajectories_writes_a_report_and_what_evo_opens_and_keeps_one_t
   EXPECT_EQ(read("result.json"), said.data);
   const std::string page = read("report.html");
   for (const char* phrase : {"least rmse: mine", "mine_2 − mine", "unresolved", "bad.tum:1: here are 3 numbers",
-                                "Reference and estimates from above", "Distribution of all errors", "<svg"})
+                             "Reference and estimates from above", "Distribution of all errors", "<svg"})
     EXPECT_THAT(page, HasSubstr(phrase)) << phrase;
   EXPECT_THAT(page, Not(HasSubstr("src=\"http")));
   const std::string errors = read("errors.csv");
@@ -286,8 +289,8 @@ TEST(Compare, tells_the_reference_s_budget_and_calls_what_is_below_it_unresolved
   const std::string a = line("a.tum", "0.013");
   const std::string b = line("b.tum", "0.014");
   write_budget("0.005");
-  const std::vector<std::string> arguments{"compare", "--reference",        ground_truth, "--estimate", a, "--estimate", b,
-                                           "--json",  "--reference-budget", budget};
+  const std::vector<std::string> arguments{
+      "compare", "--reference", ground_truth, "--estimate", a, "--estimate", b, "--json", "--reference-budget", budget};
   const JsonValue evaluated = json_of(cosiva(arguments));
   EXPECT_EQ(evaluated.find("comparisons")->array()->front().text("verdict"), "unresolved");
   EXPECT_EQ(evaluated.find("reference_error")->find("parts")->array()->size(), 2U);
@@ -358,8 +361,9 @@ TEST(Compare, refuses_bad_input_with_its_place) {
   EXPECT_THAT(arguments({"compare", "--reference-budget", bad}), HasSubstr("bad.tum"));
   EXPECT_THAT(arguments({"compare", "--reference-budget", bad, "--reference-error", "0.01"}),
               HasSubstr("give one of them"));
-  EXPECT_THAT(arguments({"compare", "--reference", scratch / "mine.tum", "--estimate", scratch / "groundground_truth.tum"}),
-              HasSubstr("seem to be swapped"));
+  EXPECT_THAT(
+      arguments({"compare", "--reference", scratch / "mine.tum", "--estimate", scratch / "groundground_truth.tum"}),
+      HasSubstr("seem to be swapped"));
 }
 
 TEST(ExternalEstimate, is_a_pose_and_where_it_states_one_a_covariance) {

@@ -243,7 +243,8 @@ int run_trajectories(const QualifyArguments& arguments) {
   if (!reference) return complain(reference.error());
   std::vector<Evaluated> all(arguments.estimates.size());
   adapters::ThreadPool workers{threads_for(arguments)};
-  workers.for_each(all.size(), [&](std::size_t i) { all[i] = evaluate(*reference, arguments.estimates[i], arguments); });
+  workers.for_each(all.size(),
+                   [&](std::size_t i) { all[i] = evaluate(*reference, arguments.estimates[i], arguments); });
   name_apart(all);
   const std::string json = to_json(all, arguments, *budget);
   if (!arguments.out_folder.empty()) {

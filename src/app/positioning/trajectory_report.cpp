@@ -68,7 +68,8 @@ std::vector<const EvaluatedTrajectory*> best_of(const std::vector<EvaluatedTraje
   return ones;
 }
 
-void add_metrics(Report& report, const std::vector<EvaluatedTrajectory>& all, const experiments::Trajectory& reference) {
+void add_metrics(Report& report, const std::vector<EvaluatedTrajectory>& all,
+                 const experiments::Trajectory& reference) {
   Chart error{{"time [s]", {}, {}}, {"error [mm]", 0.0, {}}, {}};
   Chart distribution{{"error [mm]", 0.0, {}}, {"share of pairs", 0.0, 1.0}, {}};
   Chart map{{"x [m]", {}, {}}, {"y [m]", {}, {}}, {}};
@@ -141,7 +142,7 @@ std::string page_of(const std::vector<EvaluatedTrajectory>& all, const experimen
   Report report{"Trajectories, judged", "against " + arguments.reference};
   if (const auto best = best_of(all); !best.empty())
     report.metadata({{mm(best[0]->ape.rmse) + " mm", "least rmse: " + best[0]->name, false},
-                  {std::to_string(best[0]->ape.pairs), "pairs of it", false}});
+                     {std::to_string(best[0]->ape.pairs), "pairs of it", false}});
   add_table(report, all);
   report.paragraph(
       "Of the distance in space between paired poses. Brackets: 95 % interval of this run, by blocks as long as its "
@@ -177,7 +178,8 @@ std::string lines_of(const EvaluatedTrajectory& one) {
 
 }  // namespace
 
-bool unresolved(const EvaluatedTrajectory& a, const EvaluatedTrajectory& b, const experiments::ReferenceBudget& reference) {
+bool unresolved(const EvaluatedTrajectory& a, const EvaluatedTrajectory& b,
+                const experiments::ReferenceBudget& reference) {
   return std::fabs(b.ape.rmse - a.ape.rmse) < reference.total_m();
 }
 

@@ -155,7 +155,15 @@ std::vector<Log> split_at_charges(const Log& log, double full_v) {
     // From the charge's last sample on, which says that the battery is full.
     std::size_t from = one.first;
     while (from > 0 && log.current_a[from] >= 0.0) --from;
-    Log part{log.name + ", discharge " + std::to_string(all.size() + 1), {}, {}, {}, {}, log.origin, {}, {}, log.diagnostics};
+    Log part{log.name + ", discharge " + std::to_string(all.size() + 1),
+             {},
+             {},
+             {},
+             {},
+             log.origin,
+             {},
+             {},
+             log.diagnostics};
     const auto copy = [&](const auto& column, auto& to) {
       if (column.size() == log.time_s.size())
         to.assign(column.begin() + static_cast<std::ptrdiff_t>(from),

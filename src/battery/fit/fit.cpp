@@ -269,7 +269,8 @@ std::string few_digits(double value) {
 
 /// A battery gives a little less to a faster load. Much less means another thing: another battery or temperature, or a
 /// tester whose current is off at one of its ranges.
-void record_capacities(const std::vector<Discharge>& discharges, double floor_v, std::vector<std::string>& diagnostics) {
+void record_capacities(const std::vector<Discharge>& discharges, double floor_v,
+                       std::vector<std::string>& diagnostics) {
   double least_ah = std::numeric_limits<double>::infinity();
   double most_ah = 0.0;
   for (const Discharge& one : discharges) {
@@ -280,9 +281,9 @@ void record_capacities(const std::vector<Discharge>& discharges, double floor_v,
   }
   constexpr double usual_ratio = 0.95;
   if (least_ah < usual_ratio * most_ah)
-    diagnostics.push_back("down to the same voltage the discharges take out from " + few_digits(least_ah) + " to " +
-                    few_digits(most_ah) +
-                    " Ah: if that is not one battery at rates far apart, fit what belongs together alone (--only)");
+    diagnostics.push_back(
+        "down to the same voltage the discharges take out from " + few_digits(least_ah) + " to " + few_digits(most_ah) +
+        " Ah: if that is not one battery at rates far apart, fit what belongs together alone (--only)");
 }
 
 /// How well the logs tell what was taken out.
@@ -293,12 +294,12 @@ void record_charge(const std::vector<Discharge>& discharges, const Problem& prob
     if (one.is_counted) ++counted;
     if (one.scale != 1.0)
       fit.diagnostics.push_back("the samples lie too far apart to tell what was taken out: their count was " +
-                          few_digits(100.0 * (1.0 / one.scale - 1.0)) +
-                          " % off the capacity given, and is scaled to it");
+                                few_digits(100.0 * (1.0 / one.scale - 1.0)) +
+                                " % off the capacity given, and is scaled to it");
   }
   if (counted > 0)
     fit.diagnostics.push_back("in " + std::to_string(counted) + " of " + std::to_string(discharges.size()) +
-                        " discharges the charge is what the tester itself counted");
+                              " discharges the charge is what the tester itself counted");
   constexpr double worth_saying = 0.01;
   if (fit.charge_uncertain <= worth_saying) return;
   fit.diagnostics.push_back(
@@ -314,10 +315,11 @@ void record_warmth(const Warmth& warmth, std::vector<std::string>& diagnostics) 
     diagnostics.emplace_back("the logs tell no temperature: 25 °C is assumed");
     return;
   }
-  diagnostics.push_back("taken at " + few_digits(warmth.mean_c) + " °C: the type's resistances are of that temperature");
+  diagnostics.push_back("taken at " + few_digits(warmth.mean_c) +
+                        " °C: the type's resistances are of that temperature");
   if (warmth.high_c - warmth.low_c > 8.0)
     diagnostics.push_back("the discharges' own temperatures go from " + few_digits(warmth.low_c) + " to " +
-                    few_digits(warmth.high_c) + " °C and are fitted as one: fit each temperature alone (--only)");
+                          few_digits(warmth.high_c) + " °C and are fitted as one: fit each temperature alone (--only)");
 }
 
 BatteryType make_type(const Solution& solution, const FitOptions& options, double capacity_ah, double floor_v,
@@ -367,17 +369,18 @@ double most_taken_ah(const std::vector<Discharge>& discharges) {
 
 /// What whoever reads the figures should know besides.
 void record_all(const std::vector<Log>& logs, const std::vector<Discharge>& discharges, const Problem& problem,
-              const FitOptions& options, const Warmth& warmth, Fit& fit) {
+                const FitOptions& options, const Warmth& warmth, Fit& fit) {
   for (const Log& log : logs)
     for (const std::string& diagnostic : log.diagnostics)
-      if (std::ranges::find(fit.diagnostics, diagnostic) == fit.diagnostics.end()) fit.diagnostics.push_back(diagnostic);
+      if (std::ranges::find(fit.diagnostics, diagnostic) == fit.diagnostics.end())
+        fit.diagnostics.push_back(diagnostic);
   double& largest_a = fit.largest_a;
   for (const Point& point : problem.points) largest_a = std::max(largest_a, point.current_a);
   fit.diagnostics.push_back("fitted up to " + few_digits(largest_a) + " A: at more the type is a guess");
   constexpr double rate_suspicious = 50.0;
   if (largest_a > rate_suspicious * fit.type.capacity_ah)
     fit.diagnostics.push_back("that is " + few_digits(largest_a / fit.type.capacity_ah) +
-                        "C: if the battery never gave so much, the times are not in seconds");
+                              "C: if the battery never gave so much, the times are not in seconds");
   record_charge(discharges, problem, fit);
   if (problem.one_current)
     fit.diagnostics.emplace_back(
@@ -386,7 +389,7 @@ void record_all(const std::vector<Log>& logs, const std::vector<Discharge>& disc
   constexpr double rms_suspicious_v = 0.03;
   if (fit.rms_v > rms_suspicious_v)
     fit.diagnostics.push_back("off by " + few_digits(1e3 * fit.rms_v) +
-                        " mV: no one battery does what these logs say; fit one battery's alone (--only)");
+                              " mV: no one battery does what these logs say; fit one battery's alone (--only)");
   record_warmth(warmth, fit.diagnostics);
   if (options.capacity_ah <= 0.0) fit.diagnostics.emplace_back("the capacity is what the slowest discharge took out");
   record_capacities(discharges, fit.type.voltage_floor_v, fit.diagnostics);

@@ -295,8 +295,10 @@ class Reader {
           one.log.name += ", " + columns_.names[counters_at_[i]] + "=" + one.first[i];
       if (!is_fine(one)) one.log.counted_ah.clear();
       if (!columns_.note.empty())
-        one.log.diagnostics.push_back(origin_ + ": read " + columns_.note + "; its current must charge where it is positive");
-      if (const std::string note = one.clock.note(); !note.empty()) one.log.diagnostics.push_back(one.log.name + ": " + note);
+        one.log.diagnostics.push_back(origin_ + ": read " + columns_.note +
+                                      "; its current must charge where it is positive");
+      if (const std::string note = one.clock.note(); !note.empty())
+        one.log.diagnostics.push_back(one.log.name + ": " + note);
       logs.push_back(std::move(one.log));
     }
     return logs;

@@ -18,7 +18,7 @@ struct Log {
   std::string origin{};               ///< the file …
   std::vector<std::size_t> line{};    ///< … and each sample's line in it
   std::vector<double> counted_ah{};   ///< the tester's own count of what went out until each sample; empty without one
-  std::vector<std::string> diagnostics{};   ///< how it was understood, where that is not plain
+  std::vector<std::string> diagnostics{};  ///< how it was understood, where that is not plain
 };
 
 /// Reads a CSV with the Battery Data Format's columns: `test_time_second`, `voltage_volt`, `current_ampere` (+

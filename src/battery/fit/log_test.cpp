@@ -253,7 +253,8 @@ TEST(Log, with_a_zero_for_the_time_at_a_step_s_first_sample_is_read) {
   ASSERT_EQ(logs->size(), 1U);
   EXPECT_EQ(logs->front().time_s[50], 490.0);
   EXPECT_EQ(logs->front().time_s[51], 510.0);
-  EXPECT_THAT(logs->front().diagnostics, ::testing::ElementsAre(HasSubstr("5 steps begin with a sample whose time goes")));
+  EXPECT_THAT(logs->front().diagnostics,
+              ::testing::ElementsAre(HasSubstr("5 steps begin with a sample whose time goes")));
 }
 
 TEST(Log, of_a_charge_that_is_looked_at_seldom_has_no_gap) {

@@ -59,7 +59,7 @@ Result<std::string> png_of(std::string_view svg, std::uint32_t width_px) {
   const double height = std::ceil(width * aspect_of(handle.get()));
   if (!(height >= 1.0 && height <= height_px_max)) {
     return fail("image.size", "at this width it would be " + std::to_string(std::llround(height)) +
-                                    " pixels high; from 1 to 16384 can be drawn");
+                                  " pixels high; from 1 to 16384 can be drawn");
   }
   const Owned<cairo_surface_t> surface{
       cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(width), static_cast<int>(height))};

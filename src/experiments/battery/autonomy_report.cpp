@@ -123,17 +123,17 @@ std::string gauge_svg(std::span<const BatteryRun> records, std::span<const TrueE
 void add_statement(Report& report, const AutonomyMetrics& metrics, const ReportMetadata& metadata) {
   report.heading("Statement");
   report.metadata({{duration_text(metrics.mean_s), "mean autonomy, AT"},
-                {metrics.tolerance_low_s ? duration_text(*metrics.tolerance_low_s) : "–",
-                 "95 % last longer, with 95 % confidence"},
-                {std::to_string(metrics.batteries), metrics.batteries == 1 ? "battery" : "batteries"},
-                {std::to_string(metrics.failed), "runs failed", metrics.failed > 0}});
+                   {metrics.tolerance_low_s ? duration_text(*metrics.tolerance_low_s) : "–",
+                    "95 % last longer, with 95 % confidence"},
+                   {std::to_string(metrics.batteries), metrics.batteries == 1 ? "battery" : "batteries"},
+                   {std::to_string(metrics.failed), "runs failed", metrics.failed > 0}});
   std::vector<std::vector<std::string>> rows{
       {"Battery type", metadata.type},
       {"Data of the type", metadata.source},
       {"Licence of the data", metadata.licence},
       {"Load", metadata.load},
       {"Floor", metadata.floor ? readable(100.0 * *metadata.floor, 1) + " % by the gauge, for 3 s"
-                            : std::string("as it was measured")},
+                               : std::string("as it was measured")},
       {"Mean autonomy", seconds_text(metrics.mean_s) + ", " + metrics.method},
       {"95 % interval of the mean, Student", range_text(metrics.mean_t)}};
   if (metrics.runs_t)

@@ -110,7 +110,7 @@ void LiveRig::on_ready(SimTime now, std::size_t vehicle, std::string_view payloa
   const auto ready = wire::battery_ready_from_json(payload);
   if (!ready) {
     responses.operator_messages.push_back(to_string(options_.vehicles[vehicle]) +
-                                        " said batteryReady, but: " + to_string(ready.error()));
+                                          " said batteryReady, but: " + to_string(ready.error()));
     return;
   }
   Slot& slot = slots_[vehicle];
@@ -203,9 +203,9 @@ void LiveRig::request(std::size_t vehicle, std::size_t battery, const std::strin
   drive(vehicle, "stop", responses);
   slots_[vehicle].wanted = options_.batteries[battery];
   responses.messages.push_back({wire::own_topic(wire::battery_change_topic_prefix, options_.vehicles[vehicle]),
-                              to_json(wire::BatteryChange{options_.batteries[battery],
-                                                          static_cast<std::uint32_t>(procedure_.run() + 1), reason}),
-                              1, true});
+                                to_json(wire::BatteryChange{options_.batteries[battery],
+                                                            static_cast<std::uint32_t>(procedure_.run() + 1), reason}),
+                                1, true});
   put_in(vehicle, battery, responses);
 }
 
@@ -231,7 +231,7 @@ void LiveRig::end(std::size_t vehicle, Responses& responses) {
   const std::string name = to_string(options_.vehicles[vehicle]);
   const BatteryRun& record = procedure_.records().back();
   responses.operator_messages.push_back(name + " has ended: " + std::string(to_string(record.stop)) + " after " +
-                                      std::to_string(std::lround(record.autonomy_s)) + " s");
+                                        std::to_string(std::lround(record.autonomy_s)) + " s");
   if (options_.emulated) {
     put_in(vehicle, std::nullopt, responses);
     return drive(vehicle, "restart", responses);

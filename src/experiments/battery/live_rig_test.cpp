@@ -49,7 +49,8 @@ std::string report(double charge) {
 LiveRig::Responses say_report(LiveRig& rig, SimTime now, int number, double charge) {
   return rig.on_message(now, wire::own_topic(wire::boards_topic_prefix, aiv(number)), report(charge));
 }
-LiveRig::Responses say_ready(LiveRig& rig, SimTime now, int number, const std::string& battery, double percent = 100.0) {
+LiveRig::Responses say_ready(LiveRig& rig, SimTime now, int number, const std::string& battery,
+                             double percent = 100.0) {
   return rig.on_message(now, wire::own_topic(wire::battery_ready_topic_prefix, aiv(number)),
                         to_json(wire::BatteryReady{battery, "leaf33", 3.0, 3600.0, 22.0, percent}));
 }
@@ -85,7 +86,7 @@ TEST(LiveRig, asks_for_batteries_over_the_wire_with_vehicles_stopped_and_runs_al
   EXPECT_TRUE(requested.messages[0].retained);
   EXPECT_EQ(wire::battery_change_from_json(requested.messages[1].payload)->battery, "blue");
   EXPECT_THAT(requested.commands, ElementsAre(HasSubstr(R"("stop","vehicle":"CoSiVA/AIV1")"),
-                                          HasSubstr(R"("stop","vehicle":"CoSiVA/AIV2")")));
+                                              HasSubstr(R"("stop","vehicle":"CoSiVA/AIV2")")));
   EXPECT_THAT(requested.operator_messages, Contains(HasSubstr("put battery 1, full, into AIV1")));
 
   const auto first = say_ready(rig, start_of_test, 1, "red");

@@ -191,8 +191,14 @@ std::vector<std::string> VirtualRig::take_messages() { return std::exchange(impl
 namespace {
 
 void write_ground_truth(JsonWriter& json, const TrueEnd& ground_truth) {
-  json.begin_object().field("run", ground_truth.run).field("vehicle", ground_truth.vehicle).field("charge", ground_truth.charge);
-  json.field("started_s", ground_truth.started_s).field("capacity_ah", ground_truth.capacity_ah).key("curve_s").begin_array();
+  json.begin_object()
+      .field("run", ground_truth.run)
+      .field("vehicle", ground_truth.vehicle)
+      .field("charge", ground_truth.charge);
+  json.field("started_s", ground_truth.started_s)
+      .field("capacity_ah", ground_truth.capacity_ah)
+      .key("curve_s")
+      .begin_array();
   for (const double value : ground_truth.curve_s) json.value(value);
   json.end_array().key("curve_charge").begin_array();
   for (const double value : ground_truth.curve_charge) json.value(value);

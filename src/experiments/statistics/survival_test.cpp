@@ -57,7 +57,8 @@ TEST(KaplanMeier, has_wilson_s_interval_of_a_share_for_a_band) {
     EXPECT_GT(step.band.high, step.ratio);
   }
   // The same share of two who are left is known worse than of all four.
-  const Interval detected = kaplan_meier(std::vector<Duration>{{1, true}, {2, true}, {3, true}, {4, true}}).steps[1].band;
+  const Interval detected =
+      kaplan_meier(std::vector<Duration>{{1, true}, {2, true}, {3, true}, {4, true}}).steps[1].band;
   const Interval censored =
       kaplan_meier(std::vector<Duration>{{0.5, false}, {0.5, false}, {3, true}, {4, true}}).steps[0].band;
   EXPECT_LT(detected.high - detected.low, censored.high - censored.low);

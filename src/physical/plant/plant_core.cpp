@@ -185,16 +185,16 @@ std::vector<TrueVehicle> PlantCore::vehicles() const {
     const LineVehicle& motion = vehicle.motion();
     const PowerTrain& power = vehicle.power();
     ground_truth.push_back({vehicle.number(),
-                     motion.body().X_MB,
-                     motion.speed_mps(),
-                     vehicle.distance_m(),
-                     vehicle.laps(),
-                     vehicle.charge(),
-                     vehicle.powered(impl_->now),
-                     vehicle.display(),
-                     motion.following() ? std::optional{motion.place()} : std::nullopt,
-                     {power.pack().voltage_v(), power.pack().current_a(), power.pack().temperature_c(), power.load_w(),
-                      power.cut_off()}});
+                            motion.body().X_MB,
+                            motion.speed_mps(),
+                            vehicle.distance_m(),
+                            vehicle.laps(),
+                            vehicle.charge(),
+                            vehicle.powered(impl_->now),
+                            vehicle.display(),
+                            motion.following() ? std::optional{motion.place()} : std::nullopt,
+                            {power.pack().voltage_v(), power.pack().current_a(), power.pack().temperature_c(),
+                             power.load_w(), power.cut_off()}});
   }
   return ground_truth;
 }

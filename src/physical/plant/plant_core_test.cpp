@@ -158,7 +158,7 @@ TEST(Plant, ranges_the_vehicle_ahead_and_not_the_one_behind) {
 TEST(Plant, puts_obstacles_where_it_is_told_and_takes_them_away) {
   PlantFixture fixture{straight(8.0)};
   fixture.feed(wire::InputKind::message, std::string(wire::plant_command_topic),
-             R"({"addObstacle":{"id":"box","x":1.6,"y":0.0,"radius":0.1}})");
+               R"({"addObstacle":{"id":"box","x":1.6,"y":0.0,"radius":0.1}})");
   fixture.run_for(200ms);
   EXPECT_EQ(fixture.heard<wire::Ranges>(1).back().range_mm[6], 900);
   fixture.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":1.4,"y":0.0,"radius":0.1}})");
@@ -357,7 +357,8 @@ TEST(Plant, sums_up_what_happened) {
   const auto json = JsonValue::parse(fixture.core().summary_json());
   ASSERT_TRUE(json);
   ASSERT_THAT(*json->find("vehicles")->array(), SizeIs(2));
-  EXPECT_NEAR((*json->find("vehicles")->array())[0].number("distance").value(), fixture.ground_truth(1).distance_m, 1e-12);
+  EXPECT_NEAR((*json->find("vehicles")->array())[0].number("distance").value(), fixture.ground_truth(1).distance_m,
+              1e-12);
   ASSERT_THAT(*json->find("collisions")->array(), SizeIs(1));
   EXPECT_EQ((*json->find("collisions")->array())[0].text("b"), "AIV2");
   EXPECT_EQ(json->number("laps"), 0.0);  // no ring

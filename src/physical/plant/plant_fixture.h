@@ -29,7 +29,7 @@ inline PlantNoise unresponsive() {
 class PlantFixture {
  public:
   explicit PlantFixture(zone::ZoneConfiguration zone, std::uint32_t vehicles = 1, PlantNoise noise = unresponsive(),
-                      std::uint64_t seed = 1) {
+                        std::uint64_t seed = 1) {
     auto made = PlantCore::make({std::move(zone), vehicles, seed, noise, true, true});
     EXPECT_TRUE(made) << to_string(made.error());
     core_ = std::move(*made);

@@ -127,7 +127,9 @@ std::string to_json(const PlantOptions& options) {
       .field("cycle_ms", to_ms(options.cycle))
       .key("noise");
   write_noise(json, options.noise);
-  json.field("publish_zone", options.publish_zone).field("publish_ground_truth", options.publish_ground_truth).end_object();
+  json.field("publish_zone", options.publish_zone)
+      .field("publish_ground_truth", options.publish_ground_truth)
+      .end_object();
   return json.take();
 }
 

@@ -30,7 +30,7 @@ struct PlantOptions {
   std::uint64_t seed{1};
   PlantNoise noise;
   bool publish_zone{true};                           ///< hand the configuration to the server, retained
-  bool publish_ground_truth{true};                          ///< for instruments, on ground_truth_topic
+  bool publish_ground_truth{true};                   ///< for instruments, on ground_truth_topic
   SimDuration cycle{std::chrono::milliseconds{10}};  ///< bodies move in steps of at most 20 ms all the same
 };
 /// To be recorded and read back.

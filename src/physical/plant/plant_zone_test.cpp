@@ -276,7 +276,7 @@ TEST(PlantSwitch, by_hand_to_another_format_clears_what_the_broker_kept_in_the_o
   fixture.feed(wire::InputKind::command, "test", switch_command(layout()));
   EXPECT_THAT(fixture.logged, ElementsAre(HasSubstr("switched")));
   EXPECT_THAT(zones(fixture), ElementsAre(wire::Publish{"cosiva/v1/zone/lif", zone::to_payload(layout()), 1, true},
-                                        wire::Publish{"cosiva/v1/zone/toml", "", 1, true}));
+                                          wire::Publish{"cosiva/v1/zone/toml", "", 1, true}));
   fixture.drive(1, seek);
   fixture.run_for(8s);
   EXPECT_NEAR(fixture.ground_truth(1).X_MB.y_m, 0.1, 1e-3);
@@ -299,7 +299,7 @@ TEST(PlantSwitch, a_plant_that_starts_clears_another_format_s_zone_that_it_overr
   send_zone(fixture, straight(20.0, "5.0").text);  // the broker has ours, too
   fixture.run_for(1s);
   EXPECT_THAT(zones(fixture), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", straight(20.0, "5.0").text, 1, true},
-                                        wire::Publish{"cosiva/v1/zone/lif", "", 1, true}));
+                                          wire::Publish{"cosiva/v1/zone/lif", "", 1, true}));
 }
 
 TEST(PlantSwitch, there_and_back_leaves_the_vehicle_on_its_line) {
@@ -364,7 +364,7 @@ TEST(PlantSwitch, watches_for_collisions_while_a_vehicle_goes_to_its_line) {
   // Now the second's way to the line leads through where a box stands.
   const double x_m = fixture.ground_truth(2).X_MB.x_m;
   fixture.feed(wire::InputKind::command, "test",
-             R"({"addObstacle":{"id":"box","x":)" + std::to_string(x_m) + R"(,"y":0.25,"radius":0.05}})");
+               R"({"addObstacle":{"id":"box","x":)" + std::to_string(x_m) + R"(,"y":0.25,"radius":0.05}})");
   fixture.drive(2, seek);
   fixture.run_for(5s);
   ASSERT_THAT(fixture.core().collisions(), SizeIs(1));
@@ -394,7 +394,7 @@ TEST(PlantSwitch, does_not_take_over_what_the_broker_kept_and_says_so) {
   fixture.feed(wire::InputKind::link, "", "up");
   send_zone(fixture, straight_from(-5.0, 0.1, 20.0).text);
   EXPECT_THAT(fixture.logged, ElementsAre(AllOf(HasSubstr("the broker keeps zone 'next'"), HasSubstr("keeps its own"),
-                                              HasSubstr("hands it over"))));
+                                                HasSubstr("hands it over"))));
   fixture.run_for(1s);
   EXPECT_THAT(zones(fixture), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", straight(20.0, "5.0").text, 1, true}));
   EXPECT_FALSE(fixture.heard<wire::Odometry>(1).back().line_lost);

@@ -92,8 +92,9 @@ void LineVehicle::steer(double dt_s) {
   const double forwards = speed_mps_ < 0.0 ? -1.0 : 1.0;
   const double kappa = circuit_->section(place_.section).curvature_at(place_.s_m);
   const double detected_lateral_m = lateral_m_ - line_noise_m_;
-  const double wanted_radps = speed_mps_ * kappa - speed * (forwards * natural_per_m * natural_per_m * detected_lateral_m +
-                                                            2.0 * damping * natural_per_m * heading_rad_);
+  const double wanted_radps =
+      speed_mps_ * kappa - speed * (forwards * natural_per_m * natural_per_m * detected_lateral_m +
+                                    2.0 * damping * natural_per_m * heading_rad_);
   turn_rate_radps_ +=
       (std::clamp(wanted_radps, -train_.turn_rate_radps_max, train_.turn_rate_radps_max) - turn_rate_radps_) *
       turn_blend_;

@@ -50,7 +50,8 @@ double level_heading(const PoseFit& fit, double detected_rad) {
 /// The vehicle's heading.
 double heading_of(const PoseFit& fit, const Pose2& detected) {
   const auto [s, c] = sincos(detected.heading_rad);
-  const double lean = c * (fit.lean_per_m * detected.y_m + fit.lean.y_m) - s * (fit.lean_per_m * detected.x_m + fit.lean.x_m);
+  const double lean =
+      c * (fit.lean_per_m * detected.y_m + fit.lean.y_m) - s * (fit.lean_per_m * detected.x_m + fit.lean.x_m);
   return wrap_angle(level_heading(fit, detected.heading_rad) + lean);
 }
 
@@ -136,7 +137,8 @@ std::optional<PoseFit> fit_once(const std::vector<SurveyedPose>& poses, bool ful
 Point2 at_height(Point2 detected, double height_m, const CameraPlace& camera) {
   if (camera.height_m <= 0.0) return detected;
   const double ratio = height_m / camera.height_m;
-  return {detected.x_m + ratio * (camera.foot.x_m - detected.x_m), detected.y_m + ratio * (camera.foot.y_m - detected.y_m)};
+  return {detected.x_m + ratio * (camera.foot.x_m - detected.x_m),
+          detected.y_m + ratio * (camera.foot.y_m - detected.y_m)};
 }
 
 Point2 detected_from(Point2 there, double height_m, const CameraPlace& camera) {

@@ -18,8 +18,8 @@ struct CameraPlace {
   friend bool operator==(const CameraPlace&, const CameraPlace&) = default;
 };
 
-/// Where it is, that lies `height_m` above the floor and is seen at `detected` on it: a share height_m/H of the way from
-/// there to the camera's foot.
+/// Where it is, that lies `height_m` above the floor and is seen at `detected` on it: a share height_m/H of the way
+/// from there to the camera's foot.
 [[nodiscard]] Point2 at_height(Point2 detected, double height_m, const CameraPlace& camera);
 /// Where on the floor it is seen, that is there so high: the other way round.
 [[nodiscard]] Point2 detected_from(Point2 there, double height_m, const CameraPlace& camera);

@@ -88,7 +88,7 @@ void Painter::survey_neighbours() {
     for (std::size_t column = 0; column <= width; ++column) {
       const auto floor = camera_.floor_of({static_cast<double>(column), static_cast<double>(row)});
       corner_[row * (width + 1) + column] = floor ? Sighted{static_cast<float>(floor->x_m - camera_.foot.x_m),
-                                                         static_cast<float>(floor->y_m - camera_.foot.y_m)}
+                                                            static_cast<float>(floor->y_m - camera_.foot.y_m)}
                                                   : Sighted{nowhere, nowhere};
     }
   }

@@ -31,8 +31,8 @@ class Painter {
   SceneCamera camera_;
   std::uint64_t seed_;
   std::vector<Sighted> corner_;  ///< where on the floor each pixel's upper left corner looks; one more than pixels
-  std::vector<float> floor_;  ///< light of the bare floor, per pixel
-  std::vector<float> noise_;  ///< drawn once, and shuffled for each picture
+  std::vector<float> floor_;     ///< light of the bare floor, per pixel
+  std::vector<float> noise_;     ///< drawn once, and shuffled for each picture
 };
 
 }  // namespace cosiva::vision

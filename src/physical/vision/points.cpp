@@ -102,8 +102,9 @@ std::string write_points(const std::vector<FloorPoint>& points) {
 }
 
 Result<std::vector<SurveyedPose>> read_poses(std::string_view text, const std::string& file) {
-  const auto table = read_table(text, {"true_x", "true_y", "true_heading_deg", "detected_x", "detected_y", "detected_heading_deg"},
-                                "gvs.poses", file);
+  const auto table =
+      read_table(text, {"true_x", "true_y", "true_heading_deg", "detected_x", "detected_y", "detected_heading_deg"},
+                 "gvs.poses", file);
   if (!table) return tl::unexpected(table.error());
   std::vector<SurveyedPose> poses;
   for (const auto& [line, n] : table->rows) {

@@ -26,7 +26,7 @@ struct FloorPoint {
 /// What the camera said of a vehicle that stood still at a surveyed pose, averaged over its samples.
 struct SurveyedPose {
   Pose2 surveyed;         ///< of the vehicle's reference point [m, rad]
-  Pose2 detected;             ///< of its marker, taken to lie on the floor
+  Pose2 detected;         ///< of its marker, taken to lie on the floor
   std::size_t samples{};  ///< that `detected` is the mean of
   double standing_m{};    ///< standard deviation of one sample's place, how still the picture stands
 };

@@ -99,7 +99,8 @@ double told_apart(const Sums& sums) {
 
 }  // namespace
 
-Result<TimeOffset> time_offset(const std::vector<Timed>& detected, const std::vector<Timed>& reference, double limit_s) {
+Result<TimeOffset> time_offset(const std::vector<Timed>& detected, const std::vector<Timed>& reference,
+                               double limit_s) {
   constexpr std::size_t fewest = 20;
   Sums sums = total(sums_at(detected, reference, 0.0));
   if (sums.pairs < fewest) {

@@ -126,8 +126,8 @@ bool Tracker::is_welcome(const DetectedTag& tag) const {
 }
 
 void Tracker::search(const Image& image, double stamp_s, std::map<int, DetectedTag>& detected) {
-  const bool everybody =
-      !options_.expected.empty() && std::ranges::all_of(options_.expected, [&](int id) { return detected.contains(id); });
+  const bool everybody = !options_.expected.empty() &&
+                         std::ranges::all_of(options_.expected, [&](int id) { return detected.contains(id); });
   if (everybody) return;
   Window window{0, 0, image.size};
   if (metrics_.images > 0) {
@@ -172,11 +172,9 @@ std::optional<Fix> Tracker::fix_of(const DetectedTag& tag, double stamp_s) const
 
 Result<std::vector<Fix>> Tracker::see(const Image& image, double stamp_s) {
   if (image.size != calibration_.map.frame) {
-    const auto phrase = [](ImageSize size) {
-      return std::to_string(size.width) + " x " + std::to_string(size.height);
-    };
+    const auto phrase = [](ImageSize size) { return std::to_string(size.width) + " x " + std::to_string(size.height); };
     return fail("gvs.image", "is " + phrase(image.size) + " pixels large, and the calibration is for " +
-                                   phrase(calibration_.map.frame));
+                                 phrase(calibration_.map.frame));
   }
   COSIVA_EXPECT(metrics_.images == 0 || stamp_s > stamp_s_);
   std::map<int, DetectedTag> detected;

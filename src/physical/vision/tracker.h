@@ -62,7 +62,8 @@ class Tracker {
     int missed{0};
   };
   [[nodiscard]] Window around(const Followed& followed, double stamp_s, double margin) const;
-  [[nodiscard]] std::optional<DetectedTag> find_again(const Image& image, int id, const Followed& followed, double stamp_s);
+  [[nodiscard]] std::optional<DetectedTag> find_again(const Image& image, int id, const Followed& followed,
+                                                      double stamp_s);
   void search(const Image& image, double stamp_s, std::map<int, DetectedTag>& detected);
   [[nodiscard]] bool is_welcome(const DetectedTag& tag) const;
   [[nodiscard]] std::optional<Fix> fix_of(const DetectedTag& tag, double stamp_s) const;

@@ -67,7 +67,8 @@ struct Evaluated {
 };
 
 /// Drives `bodies` before the camera and compares each fix with where its vehicle truly was at the fix's own time.
-Evaluated evaluate(const SceneCamera& camera, Calibration calibration, const std::vector<SceneBody>& bodies, int images) {
+Evaluated evaluate(const SceneCamera& camera, Calibration calibration, const std::vector<SceneBody>& bodies,
+                   int images) {
   calibration.markers[0].X_BT = bodies[0].X_BT;
   const Painter painter{camera, {SceneLine{{{-1.2, -0.3}, {1.2, 0.4}}, 0.02}}, 5};
   Tracker tracker{calibration, options_for(camera, bodies[0].side_m)};

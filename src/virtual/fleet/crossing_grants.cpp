@@ -206,7 +206,8 @@ bool CrossingGrants::goes_before(const Waiting& a, const Waiting& b, std::uint32
   const auto claim = [&](const Waiting& one) {
     return aiv::Claim{one.priority, options_.step * (now - one.requested_step)};
   };
-  const bool a_came_first = a.requested_step != b.requested_step ? a.requested_step < b.requested_step : a.vehicle < b.vehicle;
+  const bool a_came_first =
+      a.requested_step != b.requested_step ? a.requested_step < b.requested_step : a.vehicle < b.vehicle;
   if (a_came_first) return aiv::keeps_its_turn(claim(a), claim(b), options_.overtaken_at_most);
   return !aiv::keeps_its_turn(claim(b), claim(a), options_.overtaken_at_most);
 }

@@ -16,8 +16,8 @@ std::size_t FleetTables::bytes() const {
                       allocated_bytes(blocks) + allocated_bytes(routes) + allocated_bytes(arrived);
   for (const Block& block : blocks)
     bytes += allocated_bytes(block.occupied_steps) + allocated_bytes(block.grants) +
-             allocated_bytes(block.waited_steps) + allocated_bytes(block.detected_m) + allocated_bytes(block.detection_search) +
-             allocated_bytes(block.open);
+             allocated_bytes(block.waited_steps) + allocated_bytes(block.detected_m) +
+             allocated_bytes(block.detection_search) + allocated_bytes(block.open);
   for (const Route& route : routes) bytes += allocated_bytes(route.sections);
   return bytes;
 }

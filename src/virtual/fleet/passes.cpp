@@ -25,7 +25,7 @@ constexpr double request_early_m = 0.05;
 
 /// What a vehicle sees, side by side for `lanes` of them. Aligned as a whole: a member with an alignment of its own has
 /// elements of which GCC 12 makes no vectors.
-struct alignas(64) DetectedObstacleReport {
+struct alignas(64) LeaderView {
   Column gap_m;  ///< from its front to the rear of the one ahead; far: nobody near
   Column closing_mps;
   Column halt_m;  ///< to the next place to stop
@@ -43,7 +43,7 @@ COSIVA_INLINE double lower(double a, double b) { return b < a ? b : a; }
 COSIVA_INLINE double higher(double a, double b) { return a < b ? b : a; }
 
 COSIVA_VECTOR_CLONES void see(const View& view, double length_m, double look_m, std::size_t first, std::size_t count,
-                              DetectedObstacleReport& detected, double* __restrict smallest) {
+                              LeaderView& detected, double* __restrict smallest) {
   const double* __restrict s = view.s_m;
   const double* __restrict v = view.v_mps;
   const double* __restrict offset = view.offset_m + first;
@@ -78,8 +78,8 @@ struct Rows {
   double* __restrict instruction;  ///< null: nobody is instructed
 };
 
-COSIVA_VECTOR_CLONES void ask(const Ways& ways, const Numbers& numbers, const DetectedObstacleReport& detected, std::size_t first,
-                              std::size_t count, const Rows& rows) {
+COSIVA_VECTOR_CLONES void ask(const Ways& ways, const Numbers& numbers, const LeaderView& detected,
+                              std::size_t first, std::size_t count, const Rows& rows) {
   const double braking_m = numbers.braking_distance_m;
   const double medium_mps = numbers.medium_mps;
   const double* __restrict s = ways.s_m + first;
@@ -96,7 +96,7 @@ COSIVA_VECTOR_CLONES void ask(const Ways& ways, const Numbers& numbers, const De
 }
 
 COSIVA_VECTOR_CLONES void request_more(const Ways& ways, const Numbers& numbers, std::size_t first, std::size_t count,
-                                   const Rows& rows) {
+                                       const Rows& rows) {
   const double braking_m = numbers.braking_distance_m;
   const double* __restrict s = ways.s_m + first;
   const double* __restrict goal = ways.goal_at + first;
@@ -176,8 +176,8 @@ COSIVA_INLINE double of_profile(double number, double stop, double slow, double 
 
 /// The envelope above the choice, and what the wheels make of it in one step.
 template <bool capped, bool limited>
-COSIVA_INLINE void limit(const Limits& limits, const Numbers& n, const DetectedObstacleReport& detected, const Column& chosen,
-                         std::size_t first, std::size_t count, double* __restrict next) {
+COSIVA_INLINE void limit(const Limits& limits, const Numbers& n, const LeaderView& detected,
+                         const Column& chosen, std::size_t first, std::size_t count, double* __restrict next) {
   const double* __restrict s = limits.s_m + first;
   const double* __restrict v = limits.v_mps + first;
   const double* __restrict cap = limits.cap_mps + first;
@@ -210,16 +210,19 @@ COSIVA_INLINE void limit(const Limits& limits, const Numbers& n, const DetectedO
   }
 }
 
-COSIVA_VECTOR_CLONES void limit_plain(const Limits& limits, const Numbers& n, const DetectedObstacleReport& detected, const Column& chosen,
-                                      std::size_t first, std::size_t count, double* __restrict next) {
+COSIVA_VECTOR_CLONES void limit_plain(const Limits& limits, const Numbers& n, const LeaderView& detected,
+                                      const Column& chosen, std::size_t first, std::size_t count,
+                                      double* __restrict next) {
   limit<false, false>(limits, n, detected, chosen, first, count, next);
 }
-COSIVA_VECTOR_CLONES void limit_capped(const Limits& limits, const Numbers& n, const DetectedObstacleReport& detected, const Column& chosen,
-                                       std::size_t first, std::size_t count, double* __restrict next) {
+COSIVA_VECTOR_CLONES void limit_capped(const Limits& limits, const Numbers& n, const LeaderView& detected,
+                                       const Column& chosen, std::size_t first, std::size_t count,
+                                       double* __restrict next) {
   limit<true, false>(limits, n, detected, chosen, first, count, next);
 }
-COSIVA_VECTOR_CLONES void limit_limited(const Limits& limits, const Numbers& n, const DetectedObstacleReport& detected, const Column& chosen,
-                                        std::size_t first, std::size_t count, double* __restrict next) {
+COSIVA_VECTOR_CLONES void limit_limited(const Limits& limits, const Numbers& n, const LeaderView& detected,
+                                        const Column& chosen, std::size_t first, std::size_t count,
+                                        double* __restrict next) {
   limit<true, true>(limits, n, detected, chosen, first, count, next);
 }
 
@@ -342,7 +345,7 @@ double decide_by(const State& state, const Numbers& numbers, std::uint32_t first
                   state.halt_at.data()};
   const Limits limits{state.s_m.data(), state.v_mps.data(), state.cap_mps.data(), state.slow_at.data(),
                       state.slow_mps.data()};
-  DetectedObstacleReport detected;
+  LeaderView detected;
   alignas(64) Column chosen;
   alignas(64) Column smallest;
   std::ranges::fill(smallest, far_m);
@@ -364,20 +367,22 @@ double decide(State& state, const Numbers& numbers, const FleetRules* rules, boo
               std::uint32_t last, double* next) {
   const Choice choice{state.s_m.data(), state.goal_at.data(), state.imposed.data(), state.profile.data()};
   if (rules == nullptr) {
-    return decide_by(state, numbers, first, last, next, [&](const DetectedObstacleReport& detected, auto at, auto count, Column& chosen) {
-      choose_crisp(choice, detected.gap_m, at, count, chosen);
-    });
+    return decide_by(state, numbers, first, last, next,
+                     [&](const LeaderView& detected, auto at, auto count, Column& chosen) {
+                       choose_crisp(choice, detected.gap_m, at, count, chosen);
+                     });
   }
   const Ways ways{state.s_m.data(), state.goal_at.data(), state.line_at.data(), state.imposed.data()};
   Responses responses{*rules, more};
   alignas(64) Column speed;
-  return decide_by(state, numbers, first, last, next, [&](const DetectedObstacleReport& detected, auto at, auto count, Column& chosen) {
-    ask(ways, numbers, detected, at, count, responses.rows);
-    if (more) request_more(ways, numbers, at, count, responses.rows);
-    responses.response(speed);
-    choose_fuzzy(choice.profile + at, speed, count, chosen);
-    if (more) choose_told(choice, at, count, chosen);
-  });
+  return decide_by(state, numbers, first, last, next,
+                   [&](const LeaderView& detected, auto at, auto count, Column& chosen) {
+                     ask(ways, numbers, detected, at, count, responses.rows);
+                     if (more) request_more(ways, numbers, at, count, responses.rows);
+                     responses.response(speed);
+                     choose_fuzzy(choice.profile + at, speed, count, chosen);
+                     if (more) choose_told(choice, at, count, chosen);
+                   });
 }
 
 namespace {

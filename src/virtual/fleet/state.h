@@ -22,12 +22,12 @@ template <typename T>
 
 /// What a vehicle is at, besides driving.
 enum Mode : std::uint8_t {
-  turning = 1U << 0U,  ///< on the spot, at the end of its section
-  sent = 1U << 1U,     ///< it has a goal
-  at_goal = 1U << 2U,  ///< and stands there
-  told = 1U << 3U,     ///< to go where it stands already: it arrives in the next step
-  requests = 1U << 4U,     ///< stands in its copy's queue
-  absent = 1U << 5U,   ///< not in the zone
+  turning = 1U << 0U,   ///< on the spot, at the end of its section
+  sent = 1U << 1U,      ///< it has a goal
+  at_goal = 1U << 2U,   ///< and stands there
+  told = 1U << 3U,      ///< to go where it stands already: it arrives in the next step
+  requests = 1U << 4U,  ///< stands in its copy's queue
+  absent = 1U << 5U,    ///< not in the zone
 };
 
 /// What a pass over the vehicles found that is more than arithmetic.

@@ -103,7 +103,8 @@ bool Augmented::move(std::string_view id, Walk walk, SimTime now) {
 }
 
 bool Augmented::remove(std::string_view id) {
-  return std::erase_if(virtual_objects_, [id](const VirtualObject& virtual_object) { return virtual_object.id == id; }) > 0;
+  return std::erase_if(virtual_objects_,
+                       [id](const VirtualObject& virtual_object) { return virtual_object.id == id; }) > 0;
 }
 
 const VirtualObject* Augmented::find(std::string_view id) const {

@@ -29,7 +29,7 @@ struct BijectionContract {
 /// the zone (GVS) finds anything so far.
 struct Finding {
   enum class Kind : std::uint8_t {
-    no_twin,   ///< the camera sees an AIV, and it has no twin
+    no_twin,       ///< the camera sees an AIV, and it has no twin
     not_detected,  ///< a twin stands where the camera sees no AIV
     no_detection,  ///< the camera itself says nothing: neither is known
   };

@@ -48,7 +48,8 @@ Look look_at(const DetectedObstacle& obstacle, const Pose2& X_SM, const wire::Ra
 }  // namespace
 
 bool DetectedObstacles::detected_by(const DetectedObstacle& obstacle, std::string_view vehicle) {
-  return std::ranges::find(obstacle.detected_by, vehicle, &DetectedObstacle::Witness::vehicle) != obstacle.detected_by.end();
+  return std::ranges::find(obstacle.detected_by, vehicle, &DetectedObstacle::Witness::vehicle) !=
+         obstacle.detected_by.end();
 }
 
 bool DetectedObstacles::see(std::string_view vehicle, SimTime now, Point2 at, double radius_m) {
@@ -98,7 +99,7 @@ void DetectedObstacles::appear(std::string_view vehicle, SimTime now, Point2 at,
 }
 
 std::size_t DetectedObstacles::pass(std::string_view vehicle, SimTime now, const Pose2& X_MB, double length_m,
-                                double width_m) {
+                                    double width_m) {
   if (obstacles_.empty()) return 0;
   const Pose2 X_BM = inverse(X_MB);
   return std::erase_if(obstacles_, [&](const DetectedObstacle& obstacle) {

@@ -43,7 +43,9 @@ BoardsReport as_heard(BoardsReport&& message) {
   return stamped(std::move(message));
 }
 
-Result<DetectedObstacleReport> heard_detected(const Input& input) { return said_or(input, detected_obstacle_from_json); }
+Result<DetectedObstacleReport> heard_detected(const Input& input) {
+  return said_or(input, detected_obstacle_from_json);
+}
 Result<BoardsReport> heard_boards_report(const Input& input) { return said_or(input, boards_report_from_json); }
 
 void Said::fold(Digest& digest) const {

@@ -45,13 +45,16 @@ TEST(SerialNumber, uses_the_standards_characters_only) {
 TEST(OwnTopic, is_a_prefix_and_the_vehicle_and_reads_back) {
   const VehicleId vehicle{"CoSiVA.virtual", "V1"};
   EXPECT_EQ(own_topic(virtual_obstacles_topic_prefix, vehicle), "cosiva/v1/virtual_obstacles/CoSiVA.virtual/V1");
-  for (const std::string_view prefix : {virtual_obstacles_topic_prefix, virtual_obstacles_ack_topic_prefix, detected_obstacle_topic_prefix, boards_topic_prefix})
+  for (const std::string_view prefix : {virtual_obstacles_topic_prefix, virtual_obstacles_ack_topic_prefix,
+                                        detected_obstacle_topic_prefix, boards_topic_prefix})
     EXPECT_EQ(parse_own_topic(prefix, own_topic(prefix, vehicle)), vehicle) << prefix;
 }
 
 TEST(OwnTopic, names_exactly_one_vehicle) {
-  for (const char* text : {"", "cosiva/v1/virtual_obstacles/", "cosiva/v1/virtual_obstacles/m", "cosiva/v1/virtual_obstacles/m/", "cosiva/v1/virtual_obstacles//s",
-                           "cosiva/v1/virtual_obstacles/m/s/more", "cosiva/v1/virtual_obstacles_ack/m/s", "cosiva/v1/virtual_obstacles"})
+  for (const char* text :
+       {"", "cosiva/v1/virtual_obstacles/", "cosiva/v1/virtual_obstacles/m", "cosiva/v1/virtual_obstacles/m/",
+        "cosiva/v1/virtual_obstacles//s", "cosiva/v1/virtual_obstacles/m/s/more", "cosiva/v1/virtual_obstacles_ack/m/s",
+        "cosiva/v1/virtual_obstacles"})
     EXPECT_FALSE(parse_own_topic(virtual_obstacles_topic_prefix, text)) << text;
 }
 

@@ -57,8 +57,8 @@ EstimateResponse some_response(Random& random) {
     } else {
       ++readings;
       response.told.emplace_back(EstimateResponse::Reading{static_cast<std::uint32_t>(random.next()),
-                                                       {random.gaussian(0, 10), random.gaussian(0, 10)},
-                                                       {random.gaussian(0, 0.02), random.gaussian(0, 0.02)}});
+                                                           {random.gaussian(0, 10), random.gaussian(0, 10)},
+                                                           {random.gaussian(0, 0.02), random.gaussian(0, 0.02)}});
     }
   }
   for (std::size_t i = 0; i < random.below(4); ++i) response.estimates.push_back(some_estimate(random, readings));

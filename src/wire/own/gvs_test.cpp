@@ -15,10 +15,10 @@ using ::testing::HasSubstr;
 SimTime time_of(const char* text) { return parse_iso8601(text).value(); }
 
 const GvsDetections shown{7,
-                      time_of("2026-01-01T00:00:00.100Z"),
-                      0.25,
-                      {{"CoSiVA/AIV1", 1, time_of("2026-01-01T00:00:00.102Z"), {0.125, -0.15, 0.5}, 0.001}},
-                      {{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}}};
+                          time_of("2026-01-01T00:00:00.100Z"),
+                          0.25,
+                          {{"CoSiVA/AIV1", 1, time_of("2026-01-01T00:00:00.102Z"), {0.125, -0.15, 0.5}, 0.001}},
+                          {{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}}};
 constexpr std::string_view shown_json =
     R"({"headerId":7,"timestamp":"2026-01-01T00:00:00.100Z","period":0.25,)"
     R"("detections":[{"vehicle":"CoSiVA/AIV1","tag":1,"at":"2026-01-01T00:00:00.102Z","x":0.125,"y":-0.15,"heading":0.5,)"

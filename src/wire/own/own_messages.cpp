@@ -161,13 +161,13 @@ std::string to_json(const DetectedObstacleReport& detected) {
       .field("headerId", detected.header_id)
       .field("timestamp", to_iso8601(detected.timestamp))
       .field("mapId", detected.map_id);
-  if (detected.virtual_object) {
+  if (detected.obstacle) {
     json.key("obstacle")
         .begin_object()
-        .field("x", detected.virtual_object->x_m)
-        .field("y", detected.virtual_object->y_m)
-        .field("radius", detected.virtual_object->radius_m)
-        .field("distance", detected.virtual_object->distance_m)
+        .field("x", detected.obstacle->x_m)
+        .field("y", detected.obstacle->y_m)
+        .field("radius", detected.obstacle->radius_m)
+        .field("distance", detected.obstacle->distance_m)
         .end_object();
   }
   return json.field("clear", detected.clear_m).end_object().take();
@@ -178,12 +178,13 @@ Result<DetectedObstacleReport> detected_obstacle_from_json(std::string_view text
     in.whole("headerId", detected.header_id);
     in.time("timestamp", detected.timestamp);
     in.text("mapId", detected.map_id);
-    read_part(in, "obstacle", detected.virtual_object, [](Fields& fields, DetectedObstacleReport::Obstacle& virtual_object) {
-      fields.number("x", -place_m_max, place_m_max, virtual_object.x_m);
-      fields.number("y", -place_m_max, place_m_max, virtual_object.y_m);
-      fields.number("radius", 0.0, size_m_max, virtual_object.radius_m);
-      fields.number("distance", 0.0, place_m_max, virtual_object.distance_m);
-    });
+    read_part(in, "obstacle", detected.obstacle,
+              [](Fields& fields, DetectedObstacleReport::Obstacle& obstacle) {
+                fields.number("x", -place_m_max, place_m_max, obstacle.x_m);
+                fields.number("y", -place_m_max, place_m_max, obstacle.y_m);
+                fields.number("radius", 0.0, size_m_max, obstacle.radius_m);
+                fields.number("distance", 0.0, place_m_max, obstacle.distance_m);
+              });
     in.number("clear", 0.0, place_m_max, detected.clear_m);
   });
 }

@@ -67,9 +67,9 @@ struct DetectedObstacleReport {
     double y_m{};
     double radius_m{};    ///< from the number of beams it fills
     double distance_m{};  ///< along the way, from the vehicle's front
-    friend bool operator==(const VirtualObject&, const VirtualObject&) = default;
+    friend bool operator==(const Obstacle&, const Obstacle&) = default;
   };
-  std::optional<VirtualObject> virtual_object;
+  std::optional<Obstacle> obstacle;
   double clear_m{};  ///< so much of its corridor is free
   friend bool operator==(const DetectedObstacleReport&, const DetectedObstacleReport&) = default;
 };

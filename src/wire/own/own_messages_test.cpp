@@ -50,9 +50,11 @@ VirtualObstaclesAck draw_ack(Random& random) {
   return perceived;
 }
 DetectedObstacleReport draw_detected(Random& random) {
-  DetectedObstacleReport detected{whole<std::uint32_t>(random), time(random), name(random), std::nullopt, random.uniform(0, 2)};
+  DetectedObstacleReport detected{whole<std::uint32_t>(random), time(random), name(random), std::nullopt,
+                                  random.uniform(0, 2)};
   if (coin(random))
-    detected.virtual_object = DetectedObstacleReport::Obstacle{place(random), place(random), random.uniform(0, 10), random.uniform(0, 100)};
+    detected.obstacle =
+        DetectedObstacleReport::Obstacle{place(random), place(random), random.uniform(0, 10), random.uniform(0, 100)};
   return detected;
 }
 BoardsReport draw_report(Random& random) {
@@ -91,9 +93,15 @@ bool survives_the_wire(Message (*draw)(Random&), Result<Message> (*read)(std::st
   });
 }
 
-TEST(OwnMessages, read_back_all_virtual_obstacles_they_write) { EXPECT_TRUE(survives_the_wire(draw_virtual_obstacles, virtual_obstacles_from_json)); }
-TEST(OwnMessages, read_back_every_felt_they_write) { EXPECT_TRUE(survives_the_wire(draw_ack, virtual_obstacles_ack_from_json)); }
-TEST(OwnMessages, read_back_every_seen_they_write) { EXPECT_TRUE(survives_the_wire(draw_detected, detected_obstacle_from_json)); }
+TEST(OwnMessages, read_back_all_virtual_obstacles_they_write) {
+  EXPECT_TRUE(survives_the_wire(draw_virtual_obstacles, virtual_obstacles_from_json));
+}
+TEST(OwnMessages, read_back_every_felt_they_write) {
+  EXPECT_TRUE(survives_the_wire(draw_ack, virtual_obstacles_ack_from_json));
+}
+TEST(OwnMessages, read_back_every_seen_they_write) {
+  EXPECT_TRUE(survives_the_wire(draw_detected, detected_obstacle_from_json));
+}
 TEST(OwnMessages, read_back_every_boards_report_they_write) {
   EXPECT_TRUE(survives_the_wire(draw_report, boards_report_from_json));
 }
@@ -106,11 +114,13 @@ TEST(OwnMessages, are_written_as_their_page_shows) {
   EXPECT_EQ(to_json(VirtualObstacles{7, at, "lacet4", {{"P1", "person", 0.4, -0.15, 0.0, 0.0, 0.06, 0.0, 0.1}}}),
             R"({"headerId":7,"timestamp":"2026-01-01T00:00:00.004Z","mapId":"lacet4","bodies":[{"id":"P1",)"
             R"("kind":"person","x":0.4,"y":-0.15,"heading":0,"length":0,"radius":0.06,"vx":0,"vy":0.1}]})");
-  EXPECT_EQ(to_json(VirtualObstaclesAck{7, at, true, "P1", 0.31}),
-            R"({"virtualObstaclesHeaderId":7,"decided":"2026-01-01T00:00:00.004Z","braking":true,"body":"P1","distance":0.31})");
-  EXPECT_EQ(to_json(DetectedObstacleReport{3, at, "lacet4", DetectedObstacleReport::Obstacle{1.17, -1.17, 0.05, 0.42}, 0.42}),
-            R"({"headerId":3,"timestamp":"2026-01-01T00:00:00.004Z","mapId":"lacet4",)"
-            R"("obstacle":{"x":1.17,"y":-1.17,"radius":0.05,"distance":0.42},"clear":0.42})");
+  EXPECT_EQ(
+      to_json(VirtualObstaclesAck{7, at, true, "P1", 0.31}),
+      R"({"virtualObstaclesHeaderId":7,"decided":"2026-01-01T00:00:00.004Z","braking":true,"body":"P1","distance":0.31})");
+  EXPECT_EQ(
+      to_json(DetectedObstacleReport{3, at, "lacet4", DetectedObstacleReport::Obstacle{1.17, -1.17, 0.05, 0.42}, 0.42}),
+      R"({"headerId":3,"timestamp":"2026-01-01T00:00:00.004Z","mapId":"lacet4",)"
+      R"("obstacle":{"x":1.17,"y":-1.17,"radius":0.05,"distance":0.42},"clear":0.42})");
   const BoardsReport report{9,
                             at,
                             {{Board::PILS, "ok", 0x1a2b3c4d, 61000, 3050, 0, 0, 0}},
@@ -128,7 +138,8 @@ TEST(OwnMessages, may_hold_fields_that_the_reader_does_not_know) {
   const auto radio = radio_from_json(R"({"vehicle":"*","loss":1,"colour":{"deep":[1,2]}})");
   ASSERT_TRUE(radio);
   EXPECT_EQ(*radio, (Radio{"*", 1.0}));
-  EXPECT_TRUE(detected_obstacle_from_json(R"({"headerId":1,"timestamp":"2026-01-01T00:00:00Z","mapId":"","obstacle":null,"clear":1})"));
+  EXPECT_TRUE(detected_obstacle_from_json(
+      R"({"headerId":1,"timestamp":"2026-01-01T00:00:00Z","mapId":"","obstacle":null,"clear":1})"));
 }
 
 TEST(OwnMessages, hold_as_many_bodies_with_as_long_names_as_allowed) {
@@ -217,14 +228,19 @@ TEST(OwnMessages, never_take_a_number_that_is_not_finite) {
 
 TEST(OwnMessages, refuse_a_felt_or_seen_with_wrong_fields) {
   const VirtualObstaclesAck perceived{7, virtual_epoch, true, "P1", 0.5};
-  EXPECT_EQ(fault(perceived, virtual_obstacles_ack_from_json, R"("braking":true)", R"("braking":1)"), "own.field braking");
-  EXPECT_EQ(fault(perceived, virtual_obstacles_ack_from_json, R"("distance":0.5)", R"("distance":-0.5)"), "own.field distance");
+  EXPECT_EQ(fault(perceived, virtual_obstacles_ack_from_json, R"("braking":true)", R"("braking":1)"),
+            "own.field braking");
+  EXPECT_EQ(fault(perceived, virtual_obstacles_ack_from_json, R"("distance":0.5)", R"("distance":-0.5)"),
+            "own.field distance");
   EXPECT_EQ(fault(perceived, virtual_obstacles_ack_from_json, R"("body":"P1")", R"("body":null)"), "own.field body");
-  const DetectedObstacleReport detected{3, virtual_epoch, "lacet4", DetectedObstacleReport::Obstacle{1.5, 1.25, 0.05, 0.75}, 0.5};
+  const DetectedObstacleReport detected{3, virtual_epoch, "lacet4",
+                                        DetectedObstacleReport::Obstacle{1.5, 1.25, 0.05, 0.75}, 0.5};
   EXPECT_EQ(fault(detected, detected_obstacle_from_json, R"("x":1.5)", R"("x":1e6)"), "own.field thing.x");
-  EXPECT_EQ(fault(detected, detected_obstacle_from_json, R"("radius":0.05)", R"("radius":-1)"), "own.field thing.radius");
+  EXPECT_EQ(fault(detected, detected_obstacle_from_json, R"("radius":0.05)", R"("radius":-1)"),
+            "own.field thing.radius");
   EXPECT_EQ(fault(detected, detected_obstacle_from_json, R"("clear":0.5)", R"("clear":-0.5)"), "own.field clear");
-  EXPECT_EQ(fault(detected, detected_obstacle_from_json, R"("obstacle":{)", R"("obstacle":7,"other":{)"), "own.field thing.");
+  EXPECT_EQ(fault(detected, detected_obstacle_from_json, R"("obstacle":{)", R"("obstacle":7,"other":{)"),
+            "own.field thing.");
 }
 
 TEST(OwnMessages, refuse_a_boards_report_with_wrong_fields) {

@@ -82,7 +82,11 @@ std::string to_json(const Intent& intent) {
       .field("braking", intent.braking)
       .field("priority", intent.priority);
   if (intent.place) {
-    json.key("position").begin_object().field("section", intent.place->section).field("s", intent.place->s_m).end_object();
+    json.key("position")
+        .begin_object()
+        .field("section", intent.place->section)
+        .field("s", intent.place->s_m)
+        .end_object();
   }
   json.key("crossings").begin_array();
   for (const CrossingIntent& crossing : intent.crossings) {

@@ -183,8 +183,9 @@ TEST(V2xTopic, stands_under_the_cell_where_the_vehicle_is) {
   ASSERT_TRUE(parsed);
   EXPECT_EQ(parsed->cell, (Cell{-1, 1}));
   EXPECT_EQ(parsed->vehicle, (VehicleId{"CoSiVA", "AIV1"}));
-  for (const char* no : {"cosiva/v1/v2x/lacet4/1/m/s", "cosiva/v1/v2x/lacet4/1_x/m/s", "cosiva/v1/v2x//1_1/m/s",
-                         "cosiva/v1/v2x/lacet4/1_1/m", "cosiva/v1/v2x/lacet4/1_1/m/s/t", "cosiva/v1/detected_obstacle/m/s"})
+  for (const char* no :
+       {"cosiva/v1/v2x/lacet4/1/m/s", "cosiva/v1/v2x/lacet4/1_x/m/s", "cosiva/v1/v2x//1_1/m/s",
+        "cosiva/v1/v2x/lacet4/1_1/m", "cosiva/v1/v2x/lacet4/1_1/m/s/t", "cosiva/v1/detected_obstacle/m/s"})
     EXPECT_FALSE(parse_v2x_topic(no)) << no;
 }
 

@@ -336,7 +336,8 @@ TEST(Network, listens_to_other_topics_while_connected_and_no_more_to_those_befor
   const auto vehicle = fixture.join({"own"});
   const auto other = fixture.join({});
   const auto said_everywhere = [&](const std::string& text) {
-    for (const char* topic : {"own", "talk/1/x", "talk/2/x"}) fixture.say(other, topic, std::string(topic) + " " + text);
+    for (const char* topic : {"own", "talk/1/x", "talk/2/x"})
+      fixture.say(other, topic, std::string(topic) + " " + text);
     fixture.pass(5ms);
   };
   said_everywhere("a");
@@ -347,7 +348,7 @@ TEST(Network, listens_to_other_topics_while_connected_and_no_more_to_those_befor
   fixture.network.listen(fixture.now, vehicle, {});
   said_everywhere("d");
   EXPECT_THAT(fixture.heard_by(vehicle), ::testing::UnorderedElementsAre("own a", "own b", "talk/1/x b", "talk/2/x b",
-                                                                       "own c", "talk/2/x c", "own d"));
+                                                                         "own c", "talk/2/x c", "own d"));
 }
 
 TEST(Network, gives_what_was_retained_to_who_begins_to_listen_and_only_once) {

@@ -27,7 +27,8 @@ void expect_heard_as_read(const std::shared_ptr<const Said>& passed, Result<Mess
 }
 
 DetectedObstacleReport detected() {
-  DetectedObstacleReport message{7, virtual_epoch + within_a_millisecond, "lacet4", DetectedObstacleReport::Obstacle{0.1, -2.0 / 3.0, 0.03, 0.4}, 0.37};
+  DetectedObstacleReport message{7, virtual_epoch + within_a_millisecond, "lacet4",
+                                 DetectedObstacleReport::Obstacle{0.1, -2.0 / 3.0, 0.03, 0.4}, 0.37};
   return message;
 }
 

@@ -101,12 +101,12 @@ class Checker {
         const double gap_m = distance(end, start);
         if (gap_m > limits_.gap_m)
           record(Severity::error, "circuit.gap", end_of(id),
-               name(id) + " ends " + metres(gap_m) + " from where " + name(after) + " starts; bring them together");
+                 name(id) + " ends " + metres(gap_m) + " from where " + name(after) + " starts; bring them together");
         const double kink_rad = std::fabs(wrap_angle(start.heading_rad - end.heading_rad));
         if (kink_rad > limits_.kink_rad && !circuit_.part(id).pivots)
           record(Severity::error, "circuit.kink", end_of(id),
-               "the way turns by " + metres_text(kink_rad / rad_per_deg) + "° at once from " + name(id) + " to " +
-                   name(after) + "; round it, or let vehicles turn on the spot there");
+                 "the way turns by " + metres_text(kink_rad / rad_per_deg) + "° at once from " + name(id) + " to " +
+                     name(after) + "; round it, or let vehicles turn on the spot there");
       }
     }
   }
@@ -120,17 +120,17 @@ class Checker {
       const Place place = at_start ? Place{id, 0.0} : end_of(id);
       if (0.5 * zone_.vehicle.width_m * bend >= 1.0) {
         record(Severity::error, "zone.vehicle", place,
-             name(id) + " bends with a radius of " + metres(1.0 / bend) + ", less than half the vehicle's width of " +
-                 metres(zone_.vehicle.width_m) + "; widen the bend");
+               name(id) + " bends with a radius of " + metres(1.0 / bend) + ", less than half the vehicle's width of " +
+                   metres(zone_.vehicle.width_m) + "; widen the bend");
       }
       const double speed_mps = std::min(circuit_.part(id).speed_mps_max.value_or(zone_.profiles.fast.speed_mps),
                                         zone_.profiles.fast.speed_mps);
       const double lateral_mps2 = speed_mps * speed_mps * bend;
       if (lateral_mps2 > limits_.lateral_mps2) {
         record(Severity::warning, "zone.speed", place,
-             "at " + metres_text(speed_mps) + " m/s vehicles are pushed outward with " + metres_text(lateral_mps2) +
-                 " m/s² in " + name(id) + "; limit it to " +
-                 metres_text(std::floor(100.0 * std::sqrt(limits_.lateral_mps2 / bend)) / 100.0) + " m/s");
+               "at " + metres_text(speed_mps) + " m/s vehicles are pushed outward with " + metres_text(lateral_mps2) +
+                   " m/s² in " + name(id) + "; limit it to " +
+                   metres_text(std::floor(100.0 * std::sqrt(limits_.lateral_mps2 / bend)) / 100.0) + " m/s");
       }
     }
   }
@@ -140,13 +140,13 @@ class Checker {
     for (SectionId id = 0; id < circuit_.size(); ++id) {
       if (circuit_.next(id).empty())
         record(Severity::warning, "zone.dead_end", end_of(id),
-             "nothing follows " + name(id) + "; a vehicle that drives to its end stays there");
+               "nothing follows " + name(id) + "; a vehicle that drives to its end stays there");
       else if (!goes_on[id])
         record(Severity::warning, "zone.no_return", {id, 0.0},
-             "all ways from " + name(id) + " end; who drives in does not come round again");
+               "all ways from " + name(id) + " end; who drives in does not come round again");
       if (circuit_.previous(id).empty())
         record(Severity::warning, "zone.no_way_in", {id, 0.0},
-             "no section leads to " + name(id) + "; only vehicles that start there drive on it");
+               "no section leads to " + name(id) + "; only vehicles that start there drive on it");
     }
   }
 
@@ -156,10 +156,10 @@ class Checker {
     for (const Station& station : all) {
       if (const Crossing* crossing = zone_.crossing_at(station.place))
         record(Severity::warning, "zone.station", station.place,
-             "who stands at station '" + station.name + "' holds up everybody at crossing " + crossing->name);
+               "who stands at station '" + station.name + "' holds up everybody at crossing " + crossing->name);
       if (!zone_.starts.empty() && !reached.reaches(station.place))
         record(Severity::error, "zone.unreachable", station.place,
-             "station '" + station.name + "' cannot be reached from any of the starts");
+               "station '" + station.name + "' cannot be reached from any of the starts");
     }
     // From every other station, as long as that does not take minutes.
     const std::size_t requested = std::min(all.size(), reaching_work_max / (circuit_.size() + all.size()) + 1);
@@ -175,7 +175,7 @@ class Checker {
       std::string from = "'" + all[first].name + "'";
       if (count > 1) from += " and " + std::to_string(count - 1) + " other" + (count > 2 ? "s" : "");
       record(Severity::warning, "zone.unreachable", all[to].place,
-           "station '" + all[to].name + "' cannot be reached from station " + from);
+             "station '" + all[to].name + "' cannot be reached from station " + from);
     }
   }
 
@@ -190,7 +190,7 @@ class Checker {
         record(Severity::error, "zone.start", start, which + " lies where no vehicle may stand");
       else if (!free)
         record(Severity::warning, "zone.start", start,
-             which + " is nearer than " + metres(room_m) + " to one before it; no vehicle begins here");
+               which + " is nearer than " + metres(room_m) + " to one before it; no vehicle begins here");
       if (std::binary_search(zone_.closed.begin(), zone_.closed.end(), start.section))
         record(Severity::warning, "zone.start", start, which + " lies on a closed section");
       taken.push_back(p);
@@ -201,10 +201,10 @@ class Checker {
     const Stretch stretch = longest_unread(zone_);
     if (!stretch.endless && stretch.length_m <= limits_.unread_max_m) return;
     record(Severity::warning, "zone.unread", stretch.from,
-         stretch.endless ? "one can drive round for ever without a tag or a beacon, " + metres(stretch.length_m) +
-                               " each time; lay a tag"
-                         : "there is neither tag nor beacon for " + metres(stretch.length_m) + " from here to " +
-                               name(stretch.to.section) + "; expected one every " + metres(limits_.unread_max_m));
+           stretch.endless ? "one can drive round for ever without a tag or a beacon, " + metres(stretch.length_m) +
+                                 " each time; lay a tag"
+                           : "there is neither tag nor beacon for " + metres(stretch.length_m) + " from here to " +
+                                 name(stretch.to.section) + "; expected one every " + metres(limits_.unread_max_m));
   }
 
   /// Two sections with the same line, driven against each other.
@@ -213,8 +213,8 @@ class Checker {
     for (SectionId id = 0; id < circuit_.size(); ++id) {
       if (other[id] == no_section || other[id] > id) continue;
       record(Severity::warning, "zone.single_track", {id, 0.0},
-           name(id) + " and " + name(other[id]) + " are one track of " + metres(circuit_.section(id).length_m()) +
-               " driven both ways; only one vehicle at a time can use it");
+             name(id) + " and " + name(other[id]) + " are one track of " + metres(circuit_.section(id).length_m()) +
+                 " driven both ways; only one vehicle at a time can use it");
     }
   }
 

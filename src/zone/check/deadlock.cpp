@@ -77,9 +77,9 @@ class Spots {
   void one_loop(const std::string& what, const std::vector<SectionId>& sections) {
     const std::size_t most = vehicles_going_round(zone_, sections);
     record("deadlock.loop", {sections.front(), 0.0},
-         what + (most == 0 ? " has no place where a vehicle can wait outside crossings"
-                           : " has room for " + vehicles(most) + " that go round; with " + std::to_string(most + 1) +
-                                 " nobody in it can move"));
+           what + (most == 0 ? " has no place where a vehicle can wait outside crossings"
+                             : " has room for " + vehicles(most) + " that go round; with " + std::to_string(most + 1) +
+                                   " nobody in it can move"));
   }
 
   /// A ring is gone round; elsewhere who cannot go on one way may take another.
@@ -107,9 +107,9 @@ class Spots {
     }
     const std::size_t most = places > 0 ? places - 1 : 0;
     record("deadlock.loop", {members.front(), 0.0},
-         "the " + std::to_string(members.size()) + " sections that lead round from " + name(members.front()) +
-             " have places for at most " + vehicles(places) + " to wait; with more than " + std::to_string(most) +
-             " nobody in them can move");
+           "the " + std::to_string(members.size()) + " sections that lead round from " + name(members.front()) +
+               " have places for at most " + vehicles(places) + " to wait; with more than " + std::to_string(most) +
+               " nobody in them can move");
   }
 
   static std::string vehicles(std::size_t count) {
@@ -144,9 +144,9 @@ class Spots {
       const auto ways = next(id);
       if (members.size() > 1 || std::find(ways.begin(), ways.end(), id) != ways.end()) {
         record("deadlock.no_room", {id, 0.0},
-             "one can go round from " + name(id) + " over " + std::to_string(members.size()) +
-                 " sections without a place to wait between crossings; vehicles stand in crossings there, and each "
-                 "may hold what the next one needs: leave more room between two of them");
+               "one can go round from " + name(id) + " over " + std::to_string(members.size()) +
+                   " sections without a place to wait between crossings; vehicles stand in crossings there, and each "
+                   "may hold what the next one needs: leave more room between two of them");
         for (const SectionId member : members) row[member] = 0;
         continue;
       }
@@ -163,9 +163,9 @@ class Spots {
       const auto before = circuit_.previous(id);
       if (std::any_of(before.begin(), before.end(), [&](SectionId b) { return row[b] > row[id]; })) continue;
       record("deadlock.no_room", {id, 0.0},
-           "from " + name(id) + " on crossings follow each other over " + std::to_string(row[id]) +
-               " stretches without a place to wait; more than " + std::to_string(reserved_at_once_max) +
-               " are not reserved at once, so vehicles stand in crossings there");
+             "from " + name(id) + " on crossings follow each other over " + std::to_string(row[id]) +
+                 " stretches without a place to wait; more than " + std::to_string(reserved_at_once_max) +
+                 " are not reserved at once, so vehicles stand in crossings there");
     }
   }
 
@@ -215,9 +215,9 @@ class Spots {
     }
     if (waits_on == no_section) return;  // reserved whole, from end to end
     record("deadlock.single_track", {waits_on, 0.0},
-         (first == last ? name(first) + " is" : name(first) + " to " + name(last) + " are") + " one track of " +
-             metres_text(length_m) + " m driven both ways, and a vehicle may stop on " + name(waits_on) +
-             " while another comes the other way; there is no place to pass");
+           (first == last ? name(first) + " is" : name(first) + " to " + name(last) + " are") + " one track of " +
+               metres_text(length_m) + " m driven both ways, and a vehicle may stop on " + name(waits_on) +
+               " while another comes the other way; there is no place to pass");
   }
 
   void dead_ends() {
@@ -231,7 +231,7 @@ class Spots {
     for (std::size_t i = 0; i < std::min(named_max, ends.size()); ++i) names += (i > 0 ? ", " : "") + name(ends[i]);
     if (ends.size() > named_max) names += " and " + std::to_string(ends.size() - named_max) + " more";
     record("deadlock.dead_end", {ends.front(), 0.0},
-         names + " can only be left the way one came in; who waits to get in must leave the way out free");
+           names + " can only be left the way one came in; who waits to get in must leave the way out free");
   }
 
   const TrafficZone& zone_;

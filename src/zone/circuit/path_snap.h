@@ -19,6 +19,6 @@ inline constexpr double snap_m_per_rad = 0.05;
 /// section where two are equal. Nothing: no section is that near. The boards, the agent and the server all ask here, so
 /// that they agree.
 [[nodiscard]] std::optional<Circuit::Located> snap_to_path(const Circuit& circuit, const Pose2& X_MB,
-                                                        double within_m = snap_within_m);
+                                                           double within_m = snap_within_m);
 
 }  // namespace cosiva::zone

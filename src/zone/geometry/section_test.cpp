@@ -199,7 +199,7 @@ TEST(Section, box_holds_every_point_and_little_more) {
       const Point2 p = position(section.pose_at(part * section.length_m()));
       RC_ASSERT(distance(section.box(), p) == 0.0);
       detected = {{std::min(detected.low.x_m, p.x_m), std::min(detected.low.y_m, p.y_m)},
-              {std::max(detected.high.x_m, p.x_m), std::max(detected.high.y_m, p.y_m)}};
+                  {std::max(detected.high.x_m, p.x_m), std::max(detected.high.y_m, p.y_m)}};
     }
     RC_ASSERT(section.box().high.x_m - detected.high.x_m < 0.02 * section.length_m());
     RC_ASSERT(detected.low.y_m - section.box().low.y_m < 0.02 * section.length_m());

@@ -199,7 +199,8 @@ TEST(LifMendings, speeds_must_be_positive) {
   for (const std::string speed : {"0", "-1.5", "1000"}) {
     const TrafficZone zone = zone_of(Plan{{"A 0 0", "B 2 0"}, {"A B 'maxSpeed':" + speed}}.text());
     EXPECT_FALSE(zone.circuit.part(0).speed_mps_max);
-    EXPECT_EQ(diagnostic_at(zone, "layouts[0].edges[0].vehicleTypeEdgeProperties[0].maxSpeed")->kind, Diagnostic::Kind::mended);
+    EXPECT_EQ(diagnostic_at(zone, "layouts[0].edges[0].vehicleTypeEdgeProperties[0].maxSpeed")->kind,
+              Diagnostic::Kind::mended);
   }
   EXPECT_EQ(zone_of(Plan{{"A 0 0", "B 2 0"}, {"A B 'maxSpeed':0.4"}}.text()).circuit.part(0).speed_mps_max, 0.4);
 }

@@ -117,9 +117,9 @@ void Maker::merge_nodes() {
       cells[{level, x, y}].push_back(i);
     } else {
       diagnostics_.add(Diagnostic::Kind::notice, node.place,
-                 "node '" + node.id + "' lies where '" + document_.nodes[point_[i]].id +
-                     "' lies; they are one point with several ids",
-                 "merged nodes");
+                       "node '" + node.id + "' lies where '" + document_.nodes[point_[i]].id +
+                           "' lies; they are one point with several ids",
+                       "merged nodes");
     }
   }
   leaving_.resize(document_.nodes.size());
@@ -202,8 +202,8 @@ void Maker::lay(const Edge& edge) {
   if (way.sections.empty()) {
     if (from == to || distance(document_.nodes[from].at, document_.nodes[to].at) < same_point_m) {
       diagnostics_.add(mended, edge.place,
-                 "edge '" + edge.id + "' has no length: its nodes are one point, where vehicles turn on the spot",
-                 "edge without length");
+                       "edge '" + edge.id + "' has no length: its nodes are one point, where vehicles turn on the spot",
+                       "edge without length");
     }
     return;
   }
@@ -273,9 +273,9 @@ void Maker::join_end(std::size_t index) {
   }
   if (!any_allowed && !choices.empty()) {
     diagnostics_.add(mended, laid.edge->place,
-               "no way leads on from edge '" + laid.edge->id +
-                   "' without a turn, which its node forbids; vehicles turn there all the same",
-               "forbidden turn");
+                     "no way leads on from edge '" + laid.edge->id +
+                         "' without a turn, which its node forbids; vehicles turn there all the same",
+                     "forbidden turn");
   }
   std::sort(choices.begin(), choices.end(), [](const Choice& a, const Choice& b) {
     return std::tie(a.back, a.turn_rad, a.index) < std::tie(b.back, b.turn_rad, b.index);
@@ -293,7 +293,8 @@ void Maker::place_stations() {
   for (const Station& station : document_.stations) {
     std::string name = station.name;
     if (station_names_.contains(name)) {
-      diagnostics_.add(mended, station.place, "another station is called '" + name + "'; known by its id", "station names");
+      diagnostics_.add(mended, station.place, "another station is called '" + name + "'; known by its id",
+                       "station names");
       name = station.id;
     }
     std::set<std::size_t> points;
@@ -305,9 +306,10 @@ void Maker::place_stations() {
         return point_[other] == point && document_.nodes[other].charges;
       });
       if (points.size() == 2) {
-        diagnostics_.add(Diagnostic::Kind::notice, station.place,
-                   "station '" + name + "' has several interaction nodes; the further ones are numbered: .2, .3 …",
-                   "several interaction nodes");
+        diagnostics_.add(
+            Diagnostic::Kind::notice, station.place,
+            "station '" + name + "' has several interaction nodes; the further ones are numbered: .2, .3 …",
+            "several interaction nodes");
       }
       place_station(points.size() == 1 ? name : name + "." + std::to_string(points.size()), node,
                     charges || station.charges);
@@ -315,7 +317,7 @@ void Maker::place_stations() {
     }
     if (points.empty()) {
       diagnostics_.add(lost, station.place, "no way leads to an interaction node of station '" + name + "'; not taken",
-                 "station without way");
+                       "station without way");
     }
   }
   add_lonely_chargers(served);
@@ -328,8 +330,8 @@ void Maker::add_lonely_chargers(const std::set<std::size_t>& served) {
     const std::size_t point = point_[i];
     if (!node.charges || served.contains(point) || !is_reached(point)) continue;
     diagnostics_.add(mended, node.place,
-               "node '" + node.id + "' offers startCharging but no station; it is a charger of that name",
-               "lonely charger");
+                     "node '" + node.id + "' offers startCharging but no station; it is a charger of that name",
+                     "lonely charger");
     place_station(node.id, i, true);
   }
 }

@@ -6,8 +6,8 @@
 #include "cosiva/base/result.h"
 #include "cosiva/zone/circuit/circuit.h"
 #include "cosiva/zone/geometry/fit.h"
-#include "cosiva/zone/lif/lif_document.h"
 #include "cosiva/zone/lif/lif_diagnostics.h"
+#include "cosiva/zone/lif/lif_document.h"
 
 namespace cosiva::zone::lif {
 

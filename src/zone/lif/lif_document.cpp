@@ -159,7 +159,8 @@ void Reader::read_meta(const LifFields& root) {
   document_.project = printable(meta.text("projectIdentification").value_or(""));
   const auto version = meta.text("lifVersion");
   if (version && !version->starts_with("1."))
-    meta.record(mended, "lifVersion", "the file says version '" + printable(version->substr(0, 40)) + "'; read as 1.0.0");
+    meta.record(mended, "lifVersion",
+                "the file says version '" + printable(version->substr(0, 40)) + "'; read as 1.0.0");
 }
 
 /// Its nodes; false: it is not taken.
@@ -178,7 +179,8 @@ bool Reader::read_layout(const LifFields& layout) {
     return false;
   }
   if (!id) layout.record(mended, "layoutId", "a layout without an id; taken all the same");
-  if (!layout.has("layoutVersion")) layout.record(mended, "layoutVersion", "'layoutVersion' is missing; nobody needs it");
+  if (!layout.has("layoutVersion"))
+    layout.record(mended, "layoutVersion", "'layoutVersion' is missing; nobody needs it");
   lose(layout, "layoutName", "a zone has one name only");
   lose(layout, "layoutDescription", "a zone has none");
   document_.layouts.push_back({id.value_or(""), layout.text("layoutLevelId")});
@@ -241,7 +243,7 @@ std::optional<std::size_t> Reader::find_node(const LifFields& fields, std::strin
   const auto found = node_by_id_.find(id);
   if (found != node_by_id_.end()) return found->second;
   fields.record(lost, key, "there is no node '" + printable(id.substr(0, 64)) + "' among those taken; not taken",
-              std::string(key) + " dangles");
+                std::string(key) + " dangles");
   return std::nullopt;
 }
 
@@ -258,7 +260,7 @@ void Reader::read_edge(const LifFields& edge) {
   if (!id || id->empty()) {
     id = *start + "-" + *end;
     edge.record(mended, "edgeId", "an edge without an id is named after its nodes, '" + printable(*id) + "'",
-              "no edgeId");
+                "no edgeId");
     while (edge_by_id_.contains(*id)) *id += '\'';
   }
   if (document_.edges.size() >= edges_max)
@@ -294,7 +296,7 @@ void Reader::read_station(const LifFields& station) {
   if (const auto type = station.text("stationType")) {
     read.charges = type->starts_with("CHARG");
     station.record(mended, "stationType",
-                 "'stationType' is no field of LIF 1.0; taken where it says CHARGING, else without meaning");
+                   "'stationType' is no field of LIF 1.0; taken where it says CHARGING, else without meaning");
   }
   lose(station, "stationDescription", "a station is known by its name");
   (void)station.number("stationHeight");
@@ -344,12 +346,13 @@ void Reader::choose_type() {
   }
   if (usable_edges[type_] == 0 && named_edges[type_] > 0) {
     for (Item& node : node_items_) node.types.all = true;
-    diagnostics_.add(mended, "layouts", "no edge leads between nodes that are open to its vehicle type; all nodes are open");
+    diagnostics_.add(mended, "layouts",
+                     "no edge leads between nodes that are open to its vehicle type; all nodes are open");
   }
   if (types_.size() > 1) {
     diagnostics_.add(Diagnostic::Kind::notice, "layouts",
-               "edges and properties are those of vehicle type '" + printable(types_[type_]) + "', one of " +
-                   std::to_string(types_.size()) + "; [import] vehicle_type in the sidecar file chooses another");
+                     "edges and properties are those of vehicle type '" + printable(types_[type_]) + "', one of " +
+                         std::to_string(types_.size()) + "; [import] vehicle_type in the sidecar file chooses another");
   }
 }
 
@@ -363,9 +366,9 @@ void Reader::close_others() {
   const auto nodes = closed(node_items_);
   if (edges + nodes == 0) return;
   diagnostics_.add(lost, "layouts",
-             std::to_string(edges) + " of " + std::to_string(edge_items_.size()) + " edges and " +
-                 std::to_string(nodes) + " of " + std::to_string(node_items_.size()) +
-                 " nodes are closed to vehicle type '" + printable(types_[type_]) + "'; not taken");
+                   std::to_string(edges) + " of " + std::to_string(edge_items_.size()) + " edges and " +
+                       std::to_string(nodes) + " of " + std::to_string(node_items_.size()) +
+                       " nodes are closed to vehicle type '" + printable(types_[type_]) + "'; not taken");
 }
 
 /// The properties for the chosen vehicle type: the first such where there are several.
@@ -408,7 +411,7 @@ Rotation Reader::read_rotation(const LifFields& fields, std::string_view key) {
     return Rotation::one_way;
   }
   fields.record(mended, key,
-              "expected NONE, CW, CCW or BOTH, found '" + printable(word->substr(0, 40)) + "'; taken as BOTH");
+                "expected NONE, CW, CCW or BOTH, found '" + printable(word->substr(0, 40)) + "'; taken as BOTH");
   return Rotation::any;
 }
 
@@ -423,7 +426,7 @@ void Reader::read_edge_properties(std::size_t index) {
       properties.record(mended, "vehicleOrientation", "an angle beyond ±2π must be meant in degrees");
     if (orientation != 0.0 || properties.text("orientationType").value_or("TANGENTIAL") != "TANGENTIAL")
       properties.record(lost, "vehicleOrientation",
-                      "another orientation than along the way is not kept: vehicles drive forwards");
+                        "another orientation than along the way is not kept: vehicles drive forwards");
     if (!properties.has("rotationAllowed"))
       properties.record(mended, "rotationAllowed", "'rotationAllowed' is missing; nobody turns on edges anyway");
     else if (properties.flag("rotationAllowed").value_or(false))
@@ -479,8 +482,8 @@ void Reader::move_origin() {
   }
   const auto whole = [](double value) { return std::to_string(static_cast<long long>(value)); };
   diagnostics_.add(mended, "layouts",
-             "coordinates beyond 100 km: the zone's origin is the file's (" + whole(origin.x_m) + " m, " +
-                 whole(origin.y_m) + " m)");
+                   "coordinates beyond 100 km: the zone's origin is the file's (" + whole(origin.x_m) + " m, " +
+                       whole(origin.y_m) + " m)");
 }
 
 }  // namespace

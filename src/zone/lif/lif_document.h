@@ -72,6 +72,7 @@ struct Selection {
 /// Reads leniently: what is amiss with an item is noted and mended, or the item is lost. An error's place is one in the
 /// file, without its name. Fails ("zone.missing") where there are no layouts, ("zone.duplicate") on two nodes or edges
 /// of one id, ("zone.size") on too many, ("zone.field") where the selection finds nothing.
-[[nodiscard]] Result<Document> read_document(const JsonValue& json, const Selection& selection, LifDiagnostics& diagnostics);
+[[nodiscard]] Result<Document> read_document(const JsonValue& json, const Selection& selection,
+                                             LifDiagnostics& diagnostics);
 
 }  // namespace cosiva::zone::lif

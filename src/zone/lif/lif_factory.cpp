@@ -69,7 +69,8 @@ Result<TrafficZone> LifCircuitFactory::make_zone(const ZoneConfiguration& config
     // What was lost before says why nothing is left; a field that is not taken does not, and begins with its name.
     Error error = ways.error();
     for (const Diagnostic& diagnostic : diagnostics.take()) {
-      if (error.code == "circuit.empty" && diagnostic.kind == Diagnostic::Kind::lost && !diagnostic.text.starts_with('\'')) {
+      if (error.code == "circuit.empty" && diagnostic.kind == Diagnostic::Kind::lost &&
+          !diagnostic.text.starts_with('\'')) {
         error.message += "; " + diagnostic.place + ": " + diagnostic.text;
         break;
       }
@@ -97,7 +98,8 @@ Result<TrafficZone> LifCircuitFactory::make_zone(const ZoneConfiguration& config
   if (auto furnished = furnish(zone, configuration, *sidecar, std::move(rules)); !furnished)
     return tl::unexpected(furnished.error());
   auto said = diagnostics.take();
-  zone.diagnostics.insert(zone.diagnostics.begin(), std::make_move_iterator(said.begin()), std::make_move_iterator(said.end()));
+  zone.diagnostics.insert(zone.diagnostics.begin(), std::make_move_iterator(said.begin()),
+                          std::make_move_iterator(said.end()));
   return zone;
 }
 

@@ -47,8 +47,9 @@ std::optional<double> LifFields::number() const {
   if (const double* number = value_->number()) return *number;
   if (const std::string* text = value_->text()) {
     if (const auto number = number_in(*text)) {
-      diagnostics_->add(Diagnostic::Kind::mended, place_.text(), "a text where a number belongs is taken as that number",
-                  std::string(place_.key) + " is a text");
+      diagnostics_->add(Diagnostic::Kind::mended, place_.text(),
+                        "a text where a number belongs is taken as that number",
+                        std::string(place_.key) + " is a text");
       return number;
     }
   }
@@ -78,7 +79,7 @@ std::optional<bool> LifFields::flag(std::string_view key) const {
   if (const double* number = value->number(); number != nullptr && (*number == 0.0 || *number == 1.0))
     meant = *number == 1.0;
   record(Diagnostic::Kind::mended, key,
-       meant ? "neither true nor false, but it says which" : "neither true nor false; taken as absent");
+         meant ? "neither true nor false, but it says which" : "neither true nor false; taken as absent");
   return meant;
 }
 
@@ -96,8 +97,8 @@ LifFields LifFields::object(std::string_view key) const {
 void LifFields::mend_list(std::string_view key) const {
   const bool single = find(key)->object() != nullptr;
   record(Diagnostic::Kind::mended, key,
-       single ? "a single object where a list belongs is taken as a list of one"
-              : "no list where one belongs; taken as absent");
+         single ? "a single object where a list belongs is taken as a list of one"
+                : "no list where one belongs; taken as absent");
 }
 
 void LifFields::known(std::initializer_list<std::string_view> keys) const {

@@ -65,7 +65,8 @@ std::optional<std::size_t> LifFields::each(std::string_view key, const Visit& vi
     visit(LifFields{*diagnostics_, *list, at});
     return 1;
   }
-  for (std::size_t i = 0; i < list->array()->size(); ++i) visit(LifFields{*diagnostics_, (*list->array())[i], {&at, {}, i}});
+  for (std::size_t i = 0; i < list->array()->size(); ++i)
+    visit(LifFields{*diagnostics_, (*list->array())[i], {&at, {}, i}});
   return list->array()->size();
 }
 

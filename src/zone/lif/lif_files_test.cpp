@@ -83,17 +83,20 @@ TEST(LifFiles, say_what_was_mended) {
   ASSERT_NE(height, nullptr);
   EXPECT_EQ(height->kind, Diagnostic::Kind::mended);
 
-  EXPECT_EQ(diagnostic_at(read_file("10.01-forward-edge.lif.json"), "layouts[0].stations")->kind, Diagnostic::Kind::mended);
+  EXPECT_EQ(diagnostic_at(read_file("10.01-forward-edge.lif.json"), "layouts[0].stations")->kind,
+            Diagnostic::Kind::mended);
 }
 
 TEST(LifFiles, say_what_is_lost) {
   const TrafficZone orientation = read_file("10.02-bidirectional-edge.lif.json");
-  const Diagnostic* diagnostic = diagnostic_at(orientation, "layouts[0].edges[1].vehicleTypeEdgeProperties[0].vehicleOrientation");
+  const Diagnostic* diagnostic =
+      diagnostic_at(orientation, "layouts[0].edges[1].vehicleTypeEdgeProperties[0].vehicleOrientation");
   ASSERT_NE(diagnostic, nullptr);
   EXPECT_EQ(diagnostic->kind, Diagnostic::Kind::lost);
   EXPECT_THAT(diagnostic->text, HasSubstr("forwards"));
 
-  EXPECT_NE(diagnostic_with(read_file("10.11-multiple-edges-with-load-restrictions.lif.json"), "'loadRestriction'"), nullptr);
+  EXPECT_NE(diagnostic_with(read_file("10.11-multiple-edges-with-load-restrictions.lif.json"), "'loadRestriction'"),
+            nullptr);
   EXPECT_NE(diagnostic_with(read_file("10.18-manufacturer-specific-action-on-an-edge.lif.json"), "on edges but drive"),
             nullptr);
   EXPECT_NE(diagnostic_with(read_file("10.03-counter-clockwise-rotation-on-node.lif.json"), "one way only"), nullptr);
@@ -103,7 +106,8 @@ TEST(LifFiles, a_note_stands_for_all_of_its_sort) {
   const TrafficZone zone = read_file("kit-ifl-lab.lif.json");
   const Diagnostic* diagnostic = diagnostic_at(zone, "layouts[0].nodes[0].mapId");
   ASSERT_NE(diagnostic, nullptr);
-  EXPECT_THAT(diagnostic->text, HasSubstr("(10 times, also at layouts[0].nodes[1].mapId, layouts[0].nodes[2].mapId, …)"));
+  EXPECT_THAT(diagnostic->text,
+              HasSubstr("(10 times, also at layouts[0].nodes[1].mapId, layouts[0].nodes[2].mapId, …)"));
 }
 
 TEST(LifFiles, a_real_laboratory_has_its_stations_and_chargers) {
@@ -175,7 +179,8 @@ TEST(LifFiles, the_vehicle_type_with_most_edges_is_taken_unless_the_companion_sa
   const TrafficZone other = read_file(file, "[import]\nvehicle_type = \"Vehicle_Type_2\"\n");
   EXPECT_TRUE(other.circuit.find("N4-N3"));
   EXPECT_FALSE(other.circuit.find("N1-N2"));
-  EXPECT_NE(diagnostic_with(other, "2 of 4 edges and 2 of 4 nodes are closed to vehicle type 'Vehicle_Type_2'"), nullptr);
+  EXPECT_NE(diagnostic_with(other, "2 of 4 edges and 2 of 4 nodes are closed to vehicle type 'Vehicle_Type_2'"),
+            nullptr);
 
   const auto wrong = read_text(file_text(testdata() / file), "[import]\nvehicle_type = \"Truck\"\n");
   ASSERT_FALSE(wrong);
@@ -234,7 +239,8 @@ TEST(LifFiles, a_parsers_fixture_of_faults_is_read_too) {
   const auto edge = zone.circuit.find("edge-001");
   ASSERT_TRUE(edge);
   EXPECT_EQ(zone.circuit.part(*edge).speed_mps_max, 1.5);
-  EXPECT_EQ(diagnostic_at(zone, "layouts[0].nodes[0].vehicleTypeNodeProperties[0].theta")->kind, Diagnostic::Kind::mended);
+  EXPECT_EQ(diagnostic_at(zone, "layouts[0].nodes[0].vehicleTypeNodeProperties[0].theta")->kind,
+            Diagnostic::Kind::mended);
   const std::string trajectory = "layouts[0].edges[0].vehicleTypeEdgeProperties[0].trajectory";
   EXPECT_EQ(diagnostic_at(zone, trajectory + ".degree")->kind, Diagnostic::Kind::mended);
   EXPECT_EQ(diagnostic_at(zone, trajectory + ".knotVector")->kind, Diagnostic::Kind::mended);

@@ -49,15 +49,16 @@ inline ZoneConfiguration ready_zone(std::string format, const std::string& name)
 
 /// The first note at this place of the file; nothing where none is.
 inline const Diagnostic* diagnostic_at(const TrafficZone& zone, std::string_view place) {
-  const auto found =
-      std::find_if(zone.diagnostics.begin(), zone.diagnostics.end(), [place](const Diagnostic& diagnostic) { return diagnostic.place == place; });
+  const auto found = std::find_if(zone.diagnostics.begin(), zone.diagnostics.end(),
+                                  [place](const Diagnostic& diagnostic) { return diagnostic.place == place; });
   return found == zone.diagnostics.end() ? nullptr : &*found;
 }
 
 /// The first note with these words in it.
 inline const Diagnostic* diagnostic_with(const TrafficZone& zone, std::string_view tokens) {
-  const auto found = std::find_if(zone.diagnostics.begin(), zone.diagnostics.end(),
-                                  [tokens](const Diagnostic& diagnostic) { return diagnostic.text.find(tokens) != std::string::npos; });
+  const auto found = std::find_if(
+      zone.diagnostics.begin(), zone.diagnostics.end(),
+      [tokens](const Diagnostic& diagnostic) { return diagnostic.text.find(tokens) != std::string::npos; });
   return found == zone.diagnostics.end() ? nullptr : &*found;
 }
 

@@ -325,7 +325,8 @@ TEST(LifEdit, goes_into_the_sidecar) {
 
 TEST(LifPlant, is_complete) {
   const TrafficZone zone = read(ready_zone("lif", "workshop.lif.json"));
-  for (const Diagnostic& diagnostic : zone.diagnostics) EXPECT_NE(diagnostic.kind, Diagnostic::Kind::mended) << diagnostic.place << ": " << diagnostic.text;
+  for (const Diagnostic& diagnostic : zone.diagnostics)
+    EXPECT_NE(diagnostic.kind, Diagnostic::Kind::mended) << diagnostic.place << ": " << diagnostic.text;
   EXPECT_EQ(zone.stations.size(), 7U);
   EXPECT_GE(zone.start_places(12).size(), 12U);
   for (SectionId id = 0; id < zone.circuit.size(); ++id) {

@@ -35,14 +35,14 @@ bool read_points(const LifFields& fields, double scale, Nurbs& curve) {
       weight = 1.0;
     } else if (weight < 1.0) {
       point.record(mended, "weight",
-                 "a weight below 1 breaks the official schema, though not the standard; taken as it is");
+                   "a weight below 1 breaks the official schema, though not the standard; taken as it is");
     }
     curve.weights.push_back(weight);
   });
   if (whole && curve.points.size() >= 2) return true;
   fields.record(mended, "controlPoints",
-              whole ? "fewer than two control points make no curve; a straight line instead"
-                    : "a control point lacks a coordinate; a straight line instead");
+                whole ? "fewer than two control points make no curve; a straight line instead"
+                      : "a control point lacks a coordinate; a straight line instead");
   return false;
 }
 
@@ -55,8 +55,8 @@ void read_degree(const LifFields& fields, Nurbs& curve) {
   }
   curve.degree = degree > static_cast<double>(most) ? most : 1;
   fields.record(mended, "degree",
-              "a degree must be a whole number of at least 1, less than there are control points; taken as " +
-                  std::to_string(curve.degree));
+                "a degree must be a whole number of at least 1, less than there are control points; taken as " +
+                    std::to_string(curve.degree));
 }
 
 void read_knots(const LifFields& fields, Nurbs& curve) {
@@ -88,9 +88,9 @@ void read_knots(const LifFields& fields, Nurbs& curve) {
   const std::string found = there ? std::to_string(curve.knots.size()) + " knots" : "no knots";
   curve.knots = clamped_uniform_knots(curve.points.size(), curve.degree);
   fields.record(mended, "knotVector",
-              "expected " + std::to_string(curve.knots.size()) + " ascending knots that hold together, found " + found +
-                  "; evenly spaced ones instead",
-              "uniform knots");
+                "expected " + std::to_string(curve.knots.size()) + " ascending knots that hold together, found " +
+                    found + "; evenly spaced ones instead",
+                "uniform knots");
 }
 
 }  // namespace

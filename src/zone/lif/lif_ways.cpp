@@ -56,7 +56,8 @@ Way WayMaker::make(const Edge& edge, Point2 from, Point2 to) {
   if (length_m < way_min_m) return {};
   auto section = Section::make({from.x_m, from.y_m, det_atan2(to.y_m - from.y_m, to.x_m - from.x_m)}, length_m);
   if (!section) {
-    diagnostics_.add(Diagnostic::Kind::lost, edge.place, "no way can be made of it: " + section.error().message + "; not taken");
+    diagnostics_.add(Diagnostic::Kind::lost, edge.place,
+                     "no way can be made of it: " + section.error().message + "; not taken");
     return {};
   }
   return {{std::move(*section)}, {false}};
@@ -79,15 +80,15 @@ bool WayMaker::meet(Nurbs& curve, const Edge& edge, Point2 from, Point2 to) {
     ky = (w.y_m * c.x_m - w.x_m * c.y_m) / (chord_m * chord_m);
   } else if (chord_m >= way_min_m || wanted_m >= way_min_m) {
     diagnostics_.add(Diagnostic::Kind::mended, edge.place + ".trajectory",
-               "the trajectory and its nodes do not belong together; a straight line from node to node instead");
+                     "the trajectory and its nodes do not belong together; a straight line from node to node instead");
     return false;
   }
   const double stretch = norm(kx, ky);
   if (!(stretch < stretch_max && stretch > 1.0 / stretch_max)) {
     diagnostics_.add(Diagnostic::Kind::mended, edge.place + ".trajectory",
-               "the trajectory would have to be stretched by " + decimal(stretch, 1.0) +
-                   " to meet its nodes; a straight line from node to node instead",
-               "trajectory not stretched");
+                     "the trajectory would have to be stretched by " + decimal(stretch, 1.0) +
+                         " to meet its nodes; a straight line from node to node instead",
+                     "trajectory not stretched");
     return false;
   }
   for (Point2& p : curve.points) {
@@ -97,9 +98,10 @@ bool WayMaker::meet(Nurbs& curve, const Edge& edge, Point2 from, Point2 to) {
   }
   if (off_m > meets_m) {
     diagnostics_.add(Diagnostic::Kind::mended, edge.place + ".trajectory",
-               "the trajectory misses its nodes by " + decimal(off_m, 1.0) + " m; it is moved to them, turned by " +
-                   decimal(det_atan2(ky, kx), 1.0) + " rad and stretched by " + decimal(stretch, 1.0),
-               "trajectory stretched");
+                     "the trajectory misses its nodes by " + decimal(off_m, 1.0) +
+                         " m; it is moved to them, turned by " + decimal(det_atan2(ky, kx), 1.0) +
+                         " rad and stretched by " + decimal(stretch, 1.0),
+                     "trajectory stretched");
   }
   return true;
 }
@@ -120,8 +122,8 @@ bool WayMaker::follow(const Nurbs& curve, const Edge& edge, Way& way) {
     if (!follow_span(curve, from, to, way, why)) {
       way = {};
       diagnostics_.add(Diagnostic::Kind::mended, edge.place + ".trajectory",
-                 "the trajectory cannot be driven: " + why + "; a straight line from node to node instead",
-                 "trajectory not fitted");
+                       "the trajectory cannot be driven: " + why + "; a straight line from node to node instead",
+                       "trajectory not fitted");
       return false;
     }
     way.corner.back() = true;
@@ -130,7 +132,7 @@ bool WayMaker::follow(const Nurbs& curve, const Edge& edge, Way& way) {
   way.corner.back() = false;
   if (ends.size() > 1) {
     diagnostics_.add(Diagnostic::Kind::mended, edge.place + ".trajectory",
-               "the trajectory has corners; vehicles turn on the spot there");
+                     "the trajectory has corners; vehicles turn on the spot there");
   }
   return true;
 }
@@ -210,8 +212,8 @@ std::optional<Section> WayMaker::as_one(const std::vector<Section>& sections) co
 void WayMaker::record_worst() {
   if (fitted_ == 0) return;
   diagnostics_.add(Diagnostic::Kind::notice, "layouts",
-             std::to_string(fitted_) + " trajectories are followed within " + decimal(worst_position_m_, 1e-3) +
-                 " mm and " + decimal(worst_heading_rad_, 1e-3) + " mrad");
+                   std::to_string(fitted_) + " trajectories are followed within " + decimal(worst_position_m_, 1e-3) +
+                       " mm and " + decimal(worst_heading_rad_, 1e-3) + " mrad");
 }
 
 }  // namespace cosiva::zone::lif

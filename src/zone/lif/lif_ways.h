@@ -8,8 +8,8 @@
 #include "cosiva/base/pose.h"
 #include "cosiva/zone/geometry/fit.h"
 #include "cosiva/zone/geometry/section.h"
-#include "cosiva/zone/lif/lif_document.h"
 #include "cosiva/zone/lif/lif_diagnostics.h"
+#include "cosiva/zone/lif/lif_document.h"
 
 namespace cosiva::zone::lif {
 

@@ -314,7 +314,8 @@ void Writer::say_companion() {
     names += name;
   }
   lost_.push_back({Diagnostic::Kind::lost, "zone", "LIF has no place for " + names + "; the sidecar file has"});
-  lost_.push_back({Diagnostic::Kind::notice, "metaInformation.exportTimestamp", "is the same in every file written here"});
+  lost_.push_back(
+      {Diagnostic::Kind::notice, "metaInformation.exportTimestamp", "is the same in every file written here"});
 }
 
 /// Reads what was written, and says where it is not what the zone is.

@@ -72,8 +72,8 @@ bool Joiner::apart(WayId from, WayId to) {
   if (gap_m <= free_m && std::fabs(kink_rad) <= free_rad) return false;
   std::string text = "its successor '" + ways_.ways[to].name(network_) + "' begins " + metres(gap_m) + " and ";
   text += std::to_string(kink_rad) + " rad from where it ends, too much to bend: they are not joined";
-  report_.add(Diagnostic::Kind::lost, "links between ends too far apart", "lane '" + ways_.ways[from].name(network_) + "'",
-              std::move(text));
+  report_.add(Diagnostic::Kind::lost, "links between ends too far apart",
+              "lane '" + ways_.ways[from].name(network_) + "'", std::move(text));
   return true;
 }
 

@@ -187,7 +187,8 @@ void Linker::join_if_met(WayId from, WayId to) {
   if (distance(exit, entry) > meets_m || std::fabs(wrap_angle(exit.heading_rad - entry.heading_rad)) > meets_rad)
     return;
   ways_.ways[from].next.push_back(to);
-  report_.add(Diagnostic::Kind::mended, "ends that meet without a link", "lane '" + ways_.ways[from].name(network_) + "'",
+  report_.add(Diagnostic::Kind::mended, "ends that meet without a link",
+              "lane '" + ways_.ways[from].name(network_) + "'",
               "ends where '" + ways_.ways[to].name(network_) + "' begins, though no link says so; joined");
 }
 

@@ -61,7 +61,8 @@ void record_what_is_not_taken(Report& report) {
   say(Diagnostic::Kind::lost, "controller", "controllers of signals are not taken");
   say(Diagnostic::Kind::lost, "junctionGroup", "groups of junctions are not taken");
   say(Diagnostic::Kind::lost, "railroad", "railroads are not taken");
-  say(Diagnostic::Kind::lost, "station", "stations of railways and buses are not taken; the sidecar file can name stations");
+  say(Diagnostic::Kind::lost, "station",
+      "stations of railways and buses are not taken; the sidecar file can name stations");
   say(Diagnostic::Kind::lost, "direction both",
       "lanes are driven both ways in the file; here only in their side's direction");
   say(Diagnostic::Kind::lost, "links to lanes not driven on", "links lead to lanes that are not driven on");
@@ -70,7 +71,8 @@ void record_what_is_not_taken(Report& report) {
     if (types.size() > 300) continue;
     types += (types.empty() ? "" : ", ") + std::to_string(count) + ' ' + type;
   }
-  if (!types.empty()) report.add(Diagnostic::Kind::notice, "lane types", "file", "lanes that are not driven on: " + types);
+  if (!types.empty())
+    report.add(Diagnostic::Kind::notice, "lane types", "file", "lanes that are not driven on: " + types);
 }
 
 /// The header's name, or one that the text alone decides: vehicles know the map by it, and a file that has travelled is

@@ -139,7 +139,8 @@ TEST_P(Sample, is_as_long_as_the_file_says) {
 
 TEST_P(Sample, tells_its_fit) {
   bool told = false;
-  for (const Diagnostic& note : zone_.diagnostics) told = told || (note.place == "lanes" && note.kind == Diagnostic::Kind::notice);
+  for (const Diagnostic& note : zone_.diagnostics)
+    told = told || (note.place == "lanes" && note.kind == Diagnostic::Kind::notice);
   EXPECT_TRUE(told);
 }
 

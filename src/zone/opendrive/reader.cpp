@@ -93,7 +93,7 @@ std::string Reader::id_of(pugi::xml_node node, std::set<std::string>& known) {
   } else {
     id = "unnamed" + std::to_string(known.size() + 1);
     record(Diagnostic::Kind::mended, "elements without an id", node,
-         "has no id; it is called '" + id + "' here, and nothing links to it");
+           "has no id; it is called '" + id + "' here, and nothing links to it");
   }
   if (!known.insert(id).second)
     file_.fault(node, "id", "zone.duplicate",
@@ -134,7 +134,7 @@ std::optional<RoadLink> Reader::read_link(pugi::xml_node node) {
   link.at_start = contact == "start";
   if (link.junction || contact == "start" || contact == "end") return link;
   record(Diagnostic::Kind::mended, "links without a contact point", node,
-       "does not say at which end of the road; lanes are joined where their ends meet");
+         "does not say at which end of the road; lanes are joined where their ends meet");
   return std::nullopt;
 }
 
@@ -172,7 +172,8 @@ Cubics Reader::read_cubics(pugi::xml_node node) {
   if (range == "arcLength") {
     cubics.range = Cubics::Range::arc_length;
   } else if (range.empty()) {
-    record(Diagnostic::Kind::mended, "paramPoly3 without pRange", node, "has no pRange; taken as normalized, p from 0 to 1");
+    record(Diagnostic::Kind::mended, "paramPoly3 without pRange", node,
+           "has no pRange; taken as normalized, p from 0 to 1");
   } else if (range != "normalized") {
     file_.fault(node, "pRange", "zone.field", "expected \"arcLength\" or \"normalized\"");
   }
@@ -232,9 +233,9 @@ Lane Reader::read_lane(pugi::xml_node node, int sign) {
   lane.id = id.value_or(sign);
   if (lane.id * sign <= 0)
     record(lane.id == 0 ? Diagnostic::Kind::lost : Diagnostic::Kind::mended, "lanes on the wrong side", node,
-         lane.id == 0 ? "stands for the middle line, which has no width and belongs under center; not taken"
-                      : std::string("lies ") + (sign > 0 ? "right" : "left") +
-                            " of the reference line by its id, though it stands under the other side");
+           lane.id == 0 ? "stands for the middle line, which has no width and belongs under center; not taken"
+                        : std::string("lies ") + (sign > 0 ? "right" : "left") +
+                              " of the reference line by its id, though it stands under the other side");
   lane.type = std::string(std::string_view(node.attribute("type").value()).substr(0, 40));
   if (lane.type.empty()) lane.type = "none";
   const std::string_view direction = node.attribute("direction").value();
@@ -256,7 +257,7 @@ Junction Reader::read_junction(pugi::xml_node node) {
   junction.id = id_of(node, junction_ids_);
   if (std::strcmp(node.attribute("type").value(), "virtual") == 0)
     record(Diagnostic::Kind::lost, "virtual junctions", node,
-         "is a virtual junction: ways that leave a road in its middle are not taken");
+           "is a virtual junction: ways that leave a road in its middle are not taken");
   for (const auto connection : node.children("connection")) {
     if (file_.error()) break;
     std::string place = "junction " + junction.id;

@@ -71,12 +71,13 @@ void record_tight_bends(TrafficZone& zone) {
     const double bend = zone.circuit.section(id).curvature_max_per_m();
     if (0.5 * zone.vehicle.width_m * bend < 1.0 || ++found > tight_bends_logged) continue;
     zone.diagnostics.push_back({Diagnostic::Kind::notice, "section '" + zone.circuit.part(id).name + "'",
-                          "bends with a radius of " + metres_text(1.0 / bend) + " m, less than half the vehicle's " +
-                              metres_text(zone.vehicle.width_m) + " m of width: its inner side drives backwards here"});
+                                "bends with a radius of " + metres_text(1.0 / bend) +
+                                    " m, less than half the vehicle's " + metres_text(zone.vehicle.width_m) +
+                                    " m of width: its inner side drives backwards here"});
   }
   if (found > tight_bends_logged)
     zone.diagnostics.push_back({Diagnostic::Kind::notice, "sections",
-                          std::to_string(found - tight_bends_logged) + " more bend as tightly as those above"});
+                                std::to_string(found - tight_bends_logged) + " more bend as tightly as those above"});
 }
 
 }  // namespace

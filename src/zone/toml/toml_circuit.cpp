@@ -184,14 +184,14 @@ std::optional<Section> TomlWays::read_shape(const TomlFields& fields, const Pose
 }
 
 void TomlWays::read_waypoint_ids(const TomlFields& fields, SectionId id) {
-  const auto note = [&](std::string_view key, std::vector<std::string>& ids) {
+  const auto read = [&](std::string_view key, std::vector<std::string>& ids) {
     const auto name = fields.optional_name(key);
     if (!name) return;
     if (ids.empty()) ids.resize(entries_.size());
     ids[id] = *name;
   };
-  record("start_node", rules_.start_ids);
-  record("end_node", rules_.end_ids);
+  read("start_node", rules_.start_ids);
+  read("end_node", rules_.end_ids);
 }
 
 void TomlWays::add_successor(SectionId id, std::string_view name, std::string_view key, SectionId said_by) {

@@ -15,7 +15,8 @@ class TomlCircuitFactory final : public CircuitFactory {
   [[nodiscard]] Result<TrafficZone> make_zone(const ZoneConfiguration& configuration) const override;
   [[nodiscard]] std::vector<Error> faults(const ZoneConfiguration& configuration) const override;
   /// Reads back as the same zone, to the last bit; only its notes are not in it.
-  [[nodiscard]] Result<ZoneConfiguration> written(const TrafficZone& zone, std::vector<Diagnostic>& lost) const override;
+  [[nodiscard]] Result<ZoneConfiguration> written(const TrafficZone& zone,
+                                                  std::vector<Diagnostic>& lost) const override;
   [[nodiscard]] Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration,
                                                  const ZoneEdit& edit) const override;
 };

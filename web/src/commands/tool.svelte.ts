@@ -2,11 +2,11 @@
 // returns to 'look' when the tool is done or Escape is pressed.
 import type { Repeat } from '../live/contract';
 
-export type ToolName = 'look' | 'add aiv' | 'add person' | 'draw walk' | 'add obstacle' | 'add plant obstacle' | 'edit tags' | 'close sections' | 'measure' | 'move virtualObject';
+export type ToolName = 'look' | 'add aiv' | 'add person' | 'draw walk' | 'add obstacle' | 'add plant obstacle' | 'edit tags' | 'close sections' | 'measure' | 'move object';
 
 class Tool {
   name = $state<ToolName>('look');
-  /** id of the object that 'move virtualObject' moves */
+  /** id of the object that 'move object' moves */
   target = $state<string | null>(null);
   /** speed of a walking person [m/s] */
   walk_speed = $state(0.2);
@@ -17,7 +17,7 @@ class Tool {
     this.target = null;
   }
   move(id: string): void {
-    this.name = 'move virtualObject';
+    this.name = 'move object';
     this.target = id;
   }
   done(): void {

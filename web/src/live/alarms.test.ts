@@ -146,9 +146,9 @@ describe('the alarms of a row', () => {
 });
 
 describe('missions', () => {
-  it('that cannot be followed are abnormal, and so is a offRoute vehicle', () => {
+  it('that cannot be followed are abnormal, and so is an off-route vehicle', () => {
     expect(causes_of(aiv(1, { mission: { kind: 'go', to: 'dock', state: 'no way', why: 'east is closed' } })).map((one) => one.text)).toEqual(['east is closed']);
-    expect(causes_of(aiv(1, { offRoute: 'it stands 0.8 m beside every way' })).map((one) => one.text)).toEqual(['Parked: it stands 0.8 m beside every way']);
+    expect(causes_of(aiv(1, { offRoute: 'it stands 0.8 m beside every way' })).map((one) => one.text)).toEqual(['Off-route: it stands 0.8 m beside every way']);
   });
 });
 

@@ -41,7 +41,7 @@ export function causes_of(aiv: Aiv): AlarmCause[] {
       if (board.health === 'faulty') add(`board ${board.board}`, `Board ${board.board} faulty${board.selfTest ? `, self-test ${board.selfTest}` : ''}`);
     }
   }
-  if (aiv.offRoute) add('offRoute', `Parked: ${aiv.offRoute}`);
+  if (aiv.offRoute) add('offRoute', `Off-route: ${aiv.offRoute}`);
   if (aiv.mission?.state === 'no way') add('no way', aiv.mission.why ?? `No way to ${aiv.mission.to ?? 'go on'}`);
   for (const error of aiv.errors) add(`error ${error}`, error);
   if (here && aiv.battery !== null && aiv.battery < battery_low) add('battery', `Battery at ${format.percent(aiv.battery)}`);

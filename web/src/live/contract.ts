@@ -26,7 +26,7 @@ export interface Zone {
   stations?: readonly Station[];
   loops?: readonly string[];
   /** remarks of the importer: repaired, dropped or notable content of the file */
-  diagnostics?: readonly { kind: 'mended' | 'lost' | 'notice'; place: string; text: string }[];
+  diagnostics?: readonly { kind: 'mended' | 'lost' | 'notice'; location: string; text: string }[];
 }
 
 export interface Station {
@@ -301,7 +301,7 @@ export interface Gvs {
   /** time of the last image */
   last_ms: number | null;
   period_s: number | null;
-  seen: readonly GvsDetection[];
+  detections: readonly GvsDetection[];
 }
 export interface GvsDetection extends Pose {
   id: string;
@@ -344,7 +344,7 @@ export interface Run {
   clock: { kind: 'wall' | 'virtual'; running: boolean; speed: number; time_ms: number };
 }
 
-/** Ground ground_truth of the emulated world; shown beside the twins and used for no decision. */
+/** Ground ground truth of the emulated world; shown beside the twins and used for no decision. */
 export interface GroundTruth {
   vehicles: readonly ({ number: number } & Pose)[];
   obstacles: readonly { id: string; x: number; y: number; radius: number }[];

@@ -65,7 +65,7 @@ describe('a delta frame', () => {
     expect(decoder.write()).toBeNull();
   });
 
-  it('does not bring in virtualObjects that the key does not have', () => {
+  it('does not bring in virtual objects that the key does not have', () => {
     const decoder = decoder_with_key();
     decoder.take(sample_frame(false, 2, 1, 0, [{ handle: 55, x: 8, y: 8 }]));
     expect(decoder.write()!.count).toBe(3);
@@ -110,7 +110,7 @@ describe('the decoder', () => {
     expect(wrong((bytes) => bytes.fill(255, 16, 24))).toBe(false);
   });
 
-  it('leaves out a virtualObject without a place, or named twice', () => {
+  it('leaves out a virtual object without a place, or named twice', () => {
     const decoder = new FrameDecoder();
     decoder.take(sample_frame(true, 1, 1, 0, [{ handle: 1, x: NaN, y: 0 }, { handle: 2, x: 1, y: 1 }, { handle: 2, x: 2, y: 2 }]));
     const frame = decoder.write()!;
@@ -118,7 +118,7 @@ describe('the decoder', () => {
     expect(frame.words[0]).toBe(2);
   });
 
-  it('keeps the last place of a virtualObject whose next one is no place', () => {
+  it('keeps the last place of a virtual object whose next one is no place', () => {
     const decoder = decoder_with_key();
     decoder.take(sample_frame(false, 2, 1, 0, [{ handle: 0, x: Infinity, y: 0 }]));
     expect(decoder.write()!.values[0]).toBe(1);

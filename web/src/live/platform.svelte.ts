@@ -29,7 +29,7 @@ export class Platform {
   readonly positions = new Positions();
   /** the newest snapshot, for code that paints each frame; deliberately not reactive */
   latest: Snapshot | null = null;
-  /** the newest ground ground_truth of the emulated world; null without one; deliberately not reactive */
+  /** the newest ground truth of the emulated world; null without one; deliberately not reactive */
   ground_truth: GroundTruth | null = null;
 
   zone = $state.raw<Zone | null>(null);
@@ -179,8 +179,8 @@ export class Platform {
     return this.snapshot?.zone?.closed.includes(section) ?? false;
   }
 
-  async remove_thing(id: string): Promise<void> {
-    await this.ask(`Remove ${short(id)}`, api.remove_thing(short(id)));
+  async remove_virtual_object(id: string): Promise<void> {
+    await this.ask(`Remove ${short(id)}`, api.remove_virtual_object(short(id)));
   }
 
   /** Awaits a response of the server; a refusal raises a notice that names `what`, and returns null. */

@@ -107,7 +107,7 @@ describe('positions between frames', () => {
 });
 
 describe('the slots', () => {
-  it('follow their virtualObjects when others come and go', () => {
+  it('follow their virtual objects when others come and go', () => {
     const positions = new Positions();
     positions.accept(frame(0, at(0.1), { handle: 9, x: 1, y: 1 }), 0);
     positions.sample(0);
@@ -125,7 +125,7 @@ describe('the slots', () => {
     expect(positions.count).toBe(1);
   });
 
-  it('stay where they are while the virtualObjects stay the same', () => {
+  it('stay where they are while the virtual objects stay the same', () => {
     const positions = new Positions();
     drive(positions, 5, () => 0);
     expect(positions.revision).toBe(1);

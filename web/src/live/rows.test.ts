@@ -13,7 +13,7 @@ describe('the rows', () => {
     expect(rows.map((row) => row.name)).toEqual(['AIV7', 'V1']);
   });
 
-  it('say what virtual virtualObject a vehicle brakes for', () => {
+  it('say what virtual object a vehicle brakes for', () => {
     const [row] = rows_of(snapshot([aiv(1, { status: 'stopped', brakingFor: 'P1', fieldViolation: true })]));
     expect(row?.note).toBe('brakingFor P1');
   });

@@ -79,7 +79,7 @@ function of_thing(map: MapState, hit: NonNullable<Menu['hit']>): MenuGroup[] {
   }
   if (hit.movable) {
     items.push({ word: 'Move…', act: () => tool.move(id) });
-    items.push({ word: 'Remove', act: () => void platform.remove_thing(id) });
+    items.push({ word: 'Remove', act: () => void platform.remove_virtual_object(id) });
   }
   if (hit.kind === 'station') items.push(...of_station(map, id));
   if (hit.kind === 'plant') items.push({ word: 'Remove', act: () => void platform.ask(`Remove ${id}`, api.remove_plant_obstacle(id)) });

@@ -85,7 +85,7 @@ export class Marks {
     }
     context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     context.globalAlpha = marked.dim ? 0.45 : 1;
-    context.textBaseline = 'centre';
+    context.textBaseline = 'middle';
     if (!marked.hidden.has('crossings')) for (const crossing of marked.crossings) this.crossing(crossing, marked.view, colours);
     this.bodies(marked, colours);
     if (marked.ground_truth && !marked.hidden.has('obstacles')) this.plant_obstacles(marked, colours);
@@ -225,7 +225,7 @@ export class Marks {
     if (tool === 'edit tags' && zone) this.tags(zone, sketch.tag, view, colours);
     if ((tool === 'draw walk' || tool === 'measure') && sketch.points.length > 0) this.path(tool, sketch.points, at, screen, colours);
     if (at && !drag && (tool === 'add aiv' || tool === 'edit tags') && zone) this.snap(tool, at, zone, screen, colours);
-    if (at && (tool === 'add person' || tool === 'add obstacle' || tool === 'add plant obstacle' || tool === 'move virtualObject')) {
+    if (at && (tool === 'add person' || tool === 'add obstacle' || tool === 'add plant obstacle' || tool === 'move object')) {
       this.ring(screen(at), (tool === 'add person' ? 0.06 : 0.08) * view.scale, tool === 'add plant obstacle' ? colours.ground_truth : tool === 'add person' ? colours.person : colours.virtual, [4, 3]);
     }
     if (drawing.cross) this.cross(screen(drawing.cross), colours);

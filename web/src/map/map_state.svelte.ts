@@ -199,8 +199,8 @@ export class MapState {
         const added = await platform.ask('Walker', api.add_walk(doing.path, tool.walk_speed, tool.walk_repeat));
         return added ? platform.select(added.id) : undefined;
       }
-      case 'move virtualObject':
-        if (target !== null) await platform.ask(`Move ${short(target)}`, api.move_thing(short(target), { x: doing.at[0], y: doing.at[1] }));
+      case 'move object':
+        if (target !== null) await platform.ask(`Move ${short(target)}`, api.move_virtual_object(short(target), { x: doing.at[0], y: doing.at[1] }));
         return;
       default: {
         const place = { x: doing.at[0], y: doing.at[1] };

@@ -164,7 +164,7 @@ export class MapScene {
     }
   }
 
-  /** Draws outlines of chosen, hovered and abnormal vehicles, and the three positions of a vehicle (twin, report, ground ground_truth). */
+  /** Draws outlines of chosen, hovered and abnormal vehicles, and the three positions of a vehicle (twin, report, ground truth). */
   private above(picture: Picture, colours: Colours, selected: number, hovered: number): void {
     const { positions, hidden, index, alarms, ground_truth } = picture;
     const opinions = !hidden.has('opinions');

@@ -10,9 +10,9 @@ const zone = {
 } as unknown as Zone;
 const tag_hit: Hit = { kind: 'tag', id: '3', x: 3, y: 0, movable: false };
 
-describe('a tool that puts one virtualObject somewhere', () => {
+describe('a tool that puts one virtual object somewhere', () => {
   it('does so at the first press, and is done', () => {
-    for (const tool of ['add aiv', 'add person', 'add obstacle', 'add plant obstacle', 'move virtualObject'] as const) {
+    for (const tool of ['add aiv', 'add person', 'add obstacle', 'add plant obstacle', 'move object'] as const) {
       expect(press(tool, empty_sketch, [1, 2], null, zone)).toEqual({ sketch: empty_sketch, doing: { what: tool, at: [1, 2] }, done: true });
     }
   });
@@ -101,7 +101,7 @@ describe('the hint', () => {
     for (const tool of ['add aiv', 'add person', 'draw walk', 'add obstacle', 'add plant obstacle', 'edit tags', 'measure'] as const) {
       expect(hint(tool, empty_sketch, null)).toMatch(/^Press .*\.$/);
     }
-    expect(hint('move virtualObject', empty_sketch, 'CoSiVA.virtual/V1')).toBe('Press where V1 goes.');
+    expect(hint('move object', empty_sketch, 'CoSiVA.virtual/V1')).toBe('Press where V1 goes.');
   });
 });
 

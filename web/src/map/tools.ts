@@ -16,7 +16,7 @@ export const empty_sketch: Sketch = { points: [], tag: null };
 
 export type Doing =
   | { what: 'add aiv' | 'add person' | 'add obstacle' | 'add plant obstacle'; at: Point }
-  | { what: 'move virtualObject'; at: Point }
+  | { what: 'move object'; at: Point }
   | { what: 'add walk'; path: readonly Point[] }
   | { what: 'edit zone'; edit: ZoneEdit }
   | { what: 'close or open'; section: string }
@@ -40,7 +40,7 @@ export function press(tool: ToolName, sketch: Sketch, at: Point, hit: Hit | null
     case 'add person':
     case 'add obstacle':
     case 'add plant obstacle':
-    case 'move virtualObject':
+    case 'move object':
       return { sketch: empty_sketch, doing: { what: tool, at }, done: true };
     case 'draw walk':
     case 'measure':
@@ -121,7 +121,7 @@ export function hint(tool: ToolName, sketch: Sketch, target: string | null): str
       return 'Press where the virtual obstacle lies.';
     case 'add plant obstacle':
       return 'Press where the physical obstacle lies; AIVs see it when they come near.';
-    case 'move virtualObject':
+    case 'move object':
       return `Press where ${target?.slice(target.indexOf('/') + 1) ?? 'it'} goes.`;
     case 'draw walk':
       return sketch.points.length === 0 ? 'Press where the walk begins.' : sketch.points.length === 1 ? 'Press where the person goes next.' : `${sketch.points.length} points, ${path_length(sketch.points).toFixed(2)} m. Press once more, or end with a double press or Enter.`;

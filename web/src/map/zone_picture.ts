@@ -179,7 +179,7 @@ export class ZonePicture {
     context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     context.globalAlpha = 1;
     context.textAlign = 'center';
-    context.textBaseline = 'centre';
+    context.textBaseline = 'middle';
     for (const { layer, shape, size_m, primitives } of visible) {
       const pixels = Math.min(size_m * view.scale, 15);
       if (shape !== 'text' || pixels < 7) continue;
@@ -199,7 +199,7 @@ export class ZonePicture {
     if (!this.zone || this.hidden.has('tag') || view.scale < 220) return;
     context.font = `600 10px ${map_font}`;
     context.textAlign = 'left';
-    context.textBaseline = 'centre';
+    context.textBaseline = 'middle';
     context.fillStyle = colours.label;
     for (const tag of this.zone.tags ?? []) {
       const at = to_screen(view, this.size, tag.x, tag.y);

@@ -53,7 +53,7 @@ describe('keys', () => {
     expect(key_action(press('1', { repeat: true }))).toBeNull();
   });
 
-  it('mean one virtualObject each', () => {
+  it('mean one virtual object each', () => {
     const seen = bindings.flatMap((one) => one.keys.map((key) => `${one.ctrl ? 'ctrl ' : ''}${one.shift ? 'shift ' : ''}${key}`));
     expect(new Set(seen).size).toBe(seen.length);
   });

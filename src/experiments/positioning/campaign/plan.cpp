@@ -80,8 +80,8 @@ void check_size(const Entry& vary, const CampaignPlan& plan) {
 
 CampaignPlan read(const Entry& root) {
   CampaignPlan plan;
-  root.expect_only({"name", "zone", "runs", "seed", "distance_m", "rate_hz", "fiducials", "reach_m", "particles", "horizon",
-                    "threshold_m", "tolerance_m", "tolerance_of", "vary"});
+  root.expect_only({"name", "zone", "runs", "seed", "distance_m", "rate_hz", "fiducials", "reach_m", "particles",
+                    "horizon", "threshold_m", "tolerance_m", "tolerance_of", "vary"});
   read_settings(root, plan);
   const auto vary = root.table("vary");
   if (!vary) return plan;

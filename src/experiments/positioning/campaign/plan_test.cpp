@@ -17,7 +17,8 @@ using testing::plan_of;
 
 TEST(CampaignPlan, takes_numbers_lists_and_ranges) {
   const CampaignPlan plan = plan_of(
-      "name = \"Density\"\nzone = \"indus8\"\nruns = 7\nseed = 40\ndistance_m = 50.0\nrate_hz = 10\nfiducials = \"grid\"\n"
+      "name = \"Density\"\nzone = \"indus8\"\nruns = 7\nseed = 40\ndistance_m = 50.0\nrate_hz = 10\nfiducials = "
+      "\"grid\"\n"
       "reach_m = 0.03\ntolerance_m = 0.02\ntolerance_of = \"p95\"\nthreshold_m = 0.015\n[vary]\n"
       "algorithm = [\"arc_smoother\", \"arc_kalman\"]\npitch_m = { from = 0.1, to = 1.6, steps = 5, log = true }\n"
       "origin_x_m = { from = 0, to = 0.2, steps = 3 }\nrotation_deg = [45, -10.5]\nspeed_mps = 0.25\n");
@@ -45,7 +46,7 @@ TEST(CampaignPlan, counts_through_its_grid_with_the_pitch_fastest) {
     detected.emplace_back(value_of(values, Swept::speed), value_of(values, Swept::pitch));
   }
   EXPECT_THAT(detected, ElementsAre(std::pair{0.2, 0.5}, std::pair{0.2, 1.0}, std::pair{0.4, 0.5}, std::pair{0.4, 1.0},
-                                std::pair{0.6, 0.5}, std::pair{0.6, 1.0}));
+                                    std::pair{0.6, 0.5}, std::pair{0.6, 1.0}));
 }
 
 struct Bad {

@@ -52,7 +52,9 @@ void write_cell(JsonWriter& json, const CampaignPlan& plan, const CellMetrics& c
   json.field("limit_m", cell.limit_m).field("gap_percent", cell.gap_percent).field("leak", cell.leak);
   json.field("mean_m", cell.mean_m).field("max_m", cell.max_m).field("precision_ratio", cell.precision);
   json.field("covered95_ratio", cell.covered).field("nees", cell.nees).field("refused_readings", cell.refused);
-  json.field("spacing_m", cell.fiducials.spacing_m).field("longest_unread_m", cell.fiducials.longest_unread_m).end_object();
+  json.field("spacing_m", cell.fiducials.spacing_m)
+      .field("longest_unread_m", cell.fiducials.longest_unread_m)
+      .end_object();
 }
 
 }  // namespace

@@ -84,7 +84,8 @@ std::optional<UnitRecord> unit_of(std::string_view line, const CampaignWork& wor
   const auto unit = number_of<std::size_t>(tokens.next());
   if (!unit || *unit >= work.units()) return std::nullopt;
   UnitRecord record{*unit, {}, {}};
-  if (!tokens.number(record.fiducials.spacing_m) || !tokens.number(record.fiducials.longest_unread_m)) return std::nullopt;
+  if (!tokens.number(record.fiducials.spacing_m) || !tokens.number(record.fiducials.longest_unread_m))
+    return std::nullopt;
   record.votes.resize(work.unit(*unit).runs * work.plan().algorithms.size());
   for (Vote& vote : record.votes)
     for (const auto field : vote_fields)

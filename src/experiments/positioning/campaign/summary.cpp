@@ -167,7 +167,9 @@ const Vote& Votes::of(std::size_t environment, std::size_t run, std::size_t algo
   return record.votes[(run - first) * work_.plan().algorithms.size() + algorithm];
 }
 
-const FiducialsFound& Votes::fiducials(std::size_t environment) const { return records_[work_.unit_of(environment, 0)].fiducials; }
+const FiducialsFound& Votes::fiducials(std::size_t environment) const {
+  return records_[work_.unit_of(environment, 0)].fiducials;
+}
 
 Crossing crossing_of(const std::vector<double>& x, const std::vector<double>& y, double tolerance) {
   COSIVA_EXPECT(!x.empty() && x.size() == y.size());

@@ -82,8 +82,8 @@ TEST(Tables, of_a_campaign_have_units_in_their_names_and_a_row_for_each_vote) {
   EXPECT_THAT(requested(*bytes, "SELECT count(*) FROM runs JOIN cells USING (cell, algorithm)"), ElementsAre("60"));
   // The table of cells is what one would make of the table of runs.
   EXPECT_THAT(requested(*bytes,
-                    "SELECT max(abs(rmse_m * rmse_m - together)) < 1e-15 FROM cells JOIN (SELECT "
-                    "cell, avg(rmse_m * rmse_m) AS together FROM runs GROUP BY cell) USING (cell)"),
+                        "SELECT max(abs(rmse_m * rmse_m - together)) < 1e-15 FROM cells JOIN (SELECT "
+                        "cell, avg(rmse_m * rmse_m) AS together FROM runs GROUP BY cell) USING (cell)"),
               ElementsAre("1"));
   EXPECT_THAT(requested(*bytes, "SELECT value FROM campaign WHERE key = 'digest'"), ElementsAre(summary.digest));
   EXPECT_THAT(requested(*bytes, "SELECT count(*) FROM pitches"), ElementsAre("4"));

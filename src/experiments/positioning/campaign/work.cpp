@@ -8,8 +8,8 @@
 
 #include "cosiva/base/digest.h"
 #include "cosiva/base/math.h"
-#include "cosiva/experiments/positioning/metrology/metrics.h"
 #include "cosiva/experiments/positioning/metrology/limit.h"
+#include "cosiva/experiments/positioning/metrology/metrics.h"
 #include "cosiva/experiments/statistics/sample.h"
 #include "cosiva/zone/layout/beacons.h"
 
@@ -66,7 +66,8 @@ Result<CampaignWork> CampaignWork::make(CampaignPlan plan, CampaignGround ground
   std::set<std::array<double, 3>> detected;
   for (std::size_t i = 0; i < p.environments(); ++i) {
     const SweptValues values = p.environment(i);
-    if (!detected.insert(
+    if (!detected
+             .insert(
                  {value_of(values, Swept::pitch), value_of(values, Swept::speed), value_of(values, Swept::rotation)})
              .second)
       continue;

@@ -25,6 +25,7 @@ enum class Alignment {
 /// (1991), with scale 1, of which this is the case of two dimensions. Fails ("align.turn") where places are too alike
 /// to tell a turn.
 /// @param estimate  as many as truth
-[[nodiscard]] Result<Pose2> rigid_alignment(const std::vector<Point2>& ground_truth, const std::vector<Point2>& estimate);
+[[nodiscard]] Result<Pose2> rigid_alignment(const std::vector<Point2>& ground_truth,
+                                            const std::vector<Point2>& estimate);
 
 }  // namespace cosiva::experiments

@@ -42,7 +42,7 @@ struct Part {
 class Evaluation {
  public:
   Evaluation(const std::vector<Candidate>& candidates, std::size_t runs, const TrialSource& source,
-          const QualificationOptions& options)
+             const QualificationOptions& options)
       : candidates_{candidates}, source_{source}, options_{options}, runs_(runs), failed_in_(candidates.size(), runs) {
     for (EvaluatedRun& run : runs_) run.algorithms.resize(candidates.size());
     const bool alone = runs < few_runs;
@@ -165,8 +165,8 @@ class Evaluation {
 }  // namespace
 
 Result<std::vector<EvaluatedRun>> evaluate_all(const std::vector<Candidate>& candidates, std::size_t runs,
-                                         const TrialSource& source, const QualificationOptions& options,
-                                         Workers& workers, const TimeIsUp& time_is_up, const Progress& progress) {
+                                               const TrialSource& source, const QualificationOptions& options,
+                                               Workers& workers, const TimeIsUp& time_is_up, const Progress& progress) {
   return Evaluation{candidates, runs, source, options}.on(workers, time_is_up, progress);
 }
 

@@ -24,7 +24,7 @@ struct EvaluatedRun {
   std::optional<RunLimit> limit;
   bool sensors_assumed{false};
   std::vector<Evaluated> algorithms;  ///< one per candidate; of those that failed in an earlier run it means nothing
-  std::vector<double> times_s;     ///< of the first run alone
+  std::vector<double> times_s;        ///< of the first run alone
   std::vector<Pose2> ground_truth;
 };
 
@@ -34,8 +34,8 @@ inline constexpr std::size_t worth_runs_most = 10;
 /// All candidates on all runs, in parts that may be done at the same time: what comes out does not depend on who does
 /// which. Fails with the first run's error that has one.
 [[nodiscard]] Result<std::vector<EvaluatedRun>> evaluate_all(const std::vector<Candidate>& candidates, std::size_t runs,
-                                                       const TrialSource& source, const QualificationOptions& options,
-                                                       Workers& workers, const TimeIsUp& time_is_up,
-                                                       const Progress& progress);
+                                                             const TrialSource& source,
+                                                             const QualificationOptions& options, Workers& workers,
+                                                             const TimeIsUp& time_is_up, const Progress& progress);
 
 }  // namespace cosiva::experiments

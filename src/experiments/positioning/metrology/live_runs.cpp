@@ -209,7 +209,8 @@ void LiveRuns::complete(Slot& slot) {
   complete_[slot.index] = std::make_shared<const LivedRun>(std::move(*lived));
   slot.run.reset();
   if (slot.ground_truth.size() > fixes_before)
-    slot.ground_truth.erase(slot.ground_truth.begin(), slot.ground_truth.end() - static_cast<std::ptrdiff_t>(fixes_before));
+    slot.ground_truth.erase(slot.ground_truth.begin(),
+                            slot.ground_truth.end() - static_cast<std::ptrdiff_t>(fixes_before));
 }
 
 LiveRuns::Responses LiveRuns::tick(SimTime now) {

@@ -96,7 +96,7 @@ Trace off_board(const std::string& name, const Trial& trial) {
 }
 
 Result<Qualification> evaluated(const std::vector<std::string>& names,
-                             const std::vector<std::shared_ptr<const LivedRun>>& runs) {
+                                const std::vector<std::shared_ptr<const LivedRun>>& runs) {
   std::vector<Candidate> candidates;
   candidates.reserve(names.size());
   for (const std::string& name : names) candidates.push_back(on_board(name, "", runs));
@@ -198,7 +198,10 @@ TEST(LiveRuns, take_what_a_camera_over_the_zone_saw_for_the_ground_truth) {
     const Pose2 ground_truth = fixture.world().plant().vehicles()[0].X_MB;
     JsonWriter json;
     json.begin_object().field("timestamp", "2000-01-01T00:00:00Z").key("detections").begin_array().begin_object();
-    json.field("vehicle", "CoSiVA/AIV1").field("at", to_iso8601(at)).field("x", ground_truth.x_m).field("y", ground_truth.y_m);
+    json.field("vehicle", "CoSiVA/AIV1")
+        .field("at", to_iso8601(at))
+        .field("x", ground_truth.x_m)
+        .field("y", ground_truth.y_m);
     json.field("heading", ground_truth.heading_rad).end_object().end_array().end_object();
     fixture.runs().on_message(at, "area/detections", json.take());
   });
@@ -260,7 +263,7 @@ TEST(LivedRun, of_an_algorithm_that_diverged_says_so_and_the_others_keep_their_r
     response.told.clear();
     if (i > 0) response.told.emplace_back(wire::EstimateResponse::Odometry{0.02, 0.0, 0.05});
     response.estimates = {{"good", "", {0.02 * i, 0.0, 0.0}, std::nullopt, std::nullopt, {}},
-                        {"bad", i < 20 ? "" : "it has diverged", {0.0, 0.0, 0.0}, std::nullopt, std::nullopt, {}}};
+                          {"bad", i < 20 ? "" : "it has diverged", {0.0, 0.0, 0.0}, std::nullopt, std::nullopt, {}}};
     log.add(response);
     response.start.reset();
     ground_truth.push_back({response.timestamp, {0.02 * i, 0.003, 0.0}});

@@ -141,8 +141,9 @@ void RunLog::add(const EstimateResponse& response) {
   run_.trial.moments.push_back({run_.trial.events.size(), 0.0, {}, travelled_m_, since_fiducial_m_, std::nullopt});
 }
 
-Result<LivedRun> RunLog::finish(const std::shared_ptr<const zone::TrafficZone>& zone, const std::vector<TrueFix>& ground_truth,
-                                SimDuration gap_max, std::size_t& without_ground_truth) && {
+Result<LivedRun> RunLog::finish(const std::shared_ptr<const zone::TrafficZone>& zone,
+                                const std::vector<TrueFix>& ground_truth, SimDuration gap_max,
+                                std::size_t& without_ground_truth) && {
   estimation::Setting& setting = run_.trial.setting;
   if (!start_) return fail("live.response", "it never said where it began", to_string(run_.vehicle));
   setting.sensors = sensors_of(start_->sensors);

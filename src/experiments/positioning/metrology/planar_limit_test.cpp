@@ -26,7 +26,8 @@ estimation::SensorModel plain_sensors() {
 }
 
 void record_moment(Trial& run, const Pose2& ground_truth) {
-  run.moments.push_back({run.events.size(), static_cast<double>(run.moments.size()), ground_truth, 0.0, 0.0, std::nullopt});
+  run.moments.push_back(
+      {run.events.size(), static_cast<double>(run.moments.size()), ground_truth, 0.0, 0.0, std::nullopt});
 }
 
 constexpr std::array<Point2, 3> stations{{{10.0, 0.0}, {0.0, 20.0}, {-7.0, -7.0}}};
@@ -229,12 +230,14 @@ void lap(std::uint64_t seed, Trial& run) {
   for (std::uint32_t i = 0; i < 600; ++i) {
     const Odometry counted{0.05, 0.05 / 6.0, 0.1};
     const auto variances = estimation::step_variances(sensors, counted);
-    ground_truth = estimation::moved(ground_truth, {counted.distance_m + random.gaussian(0.0, std::sqrt(variances(0))),
-                                      counted.turn_rad + random.gaussian(0.0, std::sqrt(variances(1))), 0.1});
+    ground_truth =
+        estimation::moved(ground_truth, {counted.distance_m + random.gaussian(0.0, std::sqrt(variances(0))),
+                                         counted.turn_rad + random.gaussian(0.0, std::sqrt(variances(1))), 0.1});
     run.events.emplace_back(counted);
     if (i % 5 == 4) {
       const Point2 corner = corners[i / 5 % 4];
-      run.events.emplace_back(Range{i / 5 % 4, corner, distance(position(ground_truth), corner) + random.gaussian(0.0, 0.05)});
+      run.events.emplace_back(
+          Range{i / 5 % 4, corner, distance(position(ground_truth), corner) + random.gaussian(0.0, 0.05)});
     }
     run.moments.push_back({run.events.size(), 0.1 * (i + 1), ground_truth, 0.05 * (i + 1), 0.0, std::nullopt});
   }

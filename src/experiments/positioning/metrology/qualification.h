@@ -9,8 +9,8 @@
 
 #include "cosiva/base/digest.h"
 #include "cosiva/base/workers.h"
-#include "cosiva/experiments/positioning/metrology/metrics.h"
 #include "cosiva/experiments/positioning/metrology/limit.h"
+#include "cosiva/experiments/positioning/metrology/metrics.h"
 #include "cosiva/experiments/positioning/metrology/reference_budget.h"
 #include "cosiva/experiments/statistics/interval.h"
 #include "cosiva/experiments/statistics/paired.h"

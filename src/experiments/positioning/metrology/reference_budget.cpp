@@ -45,8 +45,8 @@ std::optional<double> uncertainty_of(PartReader& part, const JsonValue& json) {
   const std::array kinds{part.has("uncertainty_m"), part.has("time_s"), part.has("height_error_m")};
   if (std::ranges::count(kinds, true) != 1) {
     part.record("uncertainty_m",
-              "expected one of uncertainty_m, time_s (with speed_mps) and height_error_m (with tag_height_m, "
-              "camera_height_m, from_foot_m)");
+                "expected one of uncertainty_m, time_s (with speed_mps) and height_error_m (with tag_height_m, "
+                "camera_height_m, from_foot_m)");
     return std::nullopt;
   }
   if (kinds[0]) {

@@ -225,8 +225,9 @@ std::string to_html(const Qualification& all, const Conditions& conditions) {
   Report report{"Position estimation, qualified", conditions.what};
   const auto best = drawn(all, 1);
   if (!best.empty()) {
-    std::vector<Report::MetadataField> metadata{{mm(best[0]->rmse_m.value) + " mm", "least rmse: " + best[0]->name, false},
-                                    {std::to_string(all.runs), all.runs == 1 ? "run" : "runs", false}};
+    std::vector<Report::MetadataField> metadata{
+        {mm(best[0]->rmse_m.value) + " mm", "least rmse: " + best[0]->name, false},
+        {std::to_string(all.runs), all.runs == 1 ? "run" : "runs", false}};
     if (best[0]->limit_m) metadata.push_back({mm(*best[0]->limit_m) + " mm", "its limit", best[0]->leak});
     report.metadata(metadata);
   }

@@ -75,8 +75,8 @@ class Drive {
         read();
       }
       roll(until_m);
-      run_.moments.push_back({run_.events.size(), static_cast<double>(i) / simulation_.odometry_hz, ground_truth_, along_m_,
-                              along_m_ - fiducial_m_, kind_});
+      run_.moments.push_back({run_.events.size(), static_cast<double>(i) / simulation_.odometry_hz, ground_truth_,
+                              along_m_, along_m_ - fiducial_m_, kind_});
     }
   }
 
@@ -183,7 +183,8 @@ Result<void> check(const Simulation& simulation) {
   if (!positive(simulation.pitch_m)) return fail("simulation.pitch", "beacons lie at some distance");
   if (!(simulation.read_ratio > 0.0 && simulation.read_ratio <= 1.0))
     return fail("simulation.reads", "the share of beacons that are read lies in (0, 1]");
-  if (!(simulation.sensors.fiducial_along_sigma_m > 0.0)) return fail("simulation.reader", "no reader is without error");
+  if (!(simulation.sensors.fiducial_along_sigma_m > 0.0))
+    return fail("simulation.reader", "no reader is without error");
   if (simulation.way_m / simulation.speed_mps * simulation.odometry_hz < 1.0)
     return fail("simulation.distance", "it ends before odometry has told anything");
   if (simulation.way_m / simulation.speed_mps * simulation.odometry_hz > 2e7)
@@ -197,7 +198,8 @@ void simulate(const Simulation& simulation, std::uint64_t seed, Trial& run) {
   Drive(simulation, seed, run).go();
 }
 
-std::vector<Simulation::Fiducial> fiducials_of(const estimation::Track& track, const zone::BeaconGrid& grid, double reach_m) {
+std::vector<Simulation::Fiducial> fiducials_of(const estimation::Track& track, const zone::BeaconGrid& grid,
+                                               double reach_m) {
   std::vector<Simulation::Fiducial> fiducials;
   // Along the track in steps short enough that no beacon in reach is jumped over.
   const double step_m = 0.25 * grid.pitch_m;

@@ -25,8 +25,8 @@ struct Simulation {
     double along_m;  ///< where the track passes it, within one round
     Point2 place_M;
   };
-  std::vector<Fiducial> fiducials{};          ///< sorted by along_m; empty: by pitch
-  bool fiducials_only{false};             ///< `fiducials` are all there are, even where there are none
+  std::vector<Fiducial> fiducials{};  ///< sorted by along_m; empty: by pitch
+  bool fiducials_only{false};         ///< `fiducials` are all there are, even where there are none
   double read_ratio{1.0};             ///< of beacons passed, those that are read
   double survey_sigma_m{0.0};         ///< how far off a beacon lies from where it is said to lie: the same every time
   double scale_sigma{0.0};            ///< of the odometer's scale, one draw per run
@@ -44,9 +44,10 @@ struct Simulation {
 void simulate(const Simulation& simulation, std::uint64_t seed, Trial& run);
 
 /// The zone's beacons that the track passes within `reach_m`, at the place nearest to each.
-[[nodiscard]] std::vector<Simulation::Fiducial> fiducials_of(const estimation::Track& track, const zone::BeaconGrid& grid,
-                                                     double reach_m);
+[[nodiscard]] std::vector<Simulation::Fiducial> fiducials_of(const estimation::Track& track,
+                                                             const zone::BeaconGrid& grid, double reach_m);
 /// Likewise its tags, which lie on the line.
-[[nodiscard]] std::vector<Simulation::Fiducial> fiducials_of(const estimation::Track& track, const zone::TrafficZone& zone);
+[[nodiscard]] std::vector<Simulation::Fiducial> fiducials_of(const estimation::Track& track,
+                                                             const zone::TrafficZone& zone);
 
 }  // namespace cosiva::experiments

@@ -21,8 +21,8 @@ using Event = std::variant<estimation::Odometry, estimation::Reading, estimation
 struct Moment {
   std::size_t events{};  ///< how many of the run's events came before
   double t_s{};
-  Pose2 ground_truth;            ///< X_MB
-  double travelled_m{};   ///< since the run's beginning
+  Pose2 ground_truth;         ///< X_MB
+  double travelled_m{};       ///< since the run's beginning
   double since_fiducial_m{};  ///< since the last reading or range; since the beginning before the first
   std::optional<zone::SectionKind> section;
 };
@@ -49,7 +49,8 @@ struct Trace {
   std::size_t nis_dimensions{};  ///< of those together
   std::size_t refused{};         ///< readings and ranges that the algorithm did not take
   std::vector<estimation::Estimate> estimates;
-  std::vector<double> ground_truth_heading_rad, ground_truth_sin, ground_truth_cos;  ///< of the truth, for along and across
+  std::vector<double> ground_truth_heading_rad, ground_truth_sin,
+      ground_truth_cos;  ///< of the truth, for along and across
 };
 
 /// Tells the algorithm all events of the run and asks it at every moment; who looks back is asked again at the end.

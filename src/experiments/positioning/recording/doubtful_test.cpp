@@ -114,7 +114,8 @@ TEST(Silence, of_odometry_is_bridged_as_the_vehicle_goes_elsewhere) {
     // It never does anything else, so little is doubted but for the bend.
     EXPECT_LT(step.turn_variance_rad2, 1e-3);
     ASSERT_EQ(recording.diagnostics.size(), 1U);
-    EXPECT_EQ(recording.diagnostics[0].substr(0, 64), "odometry is silent 1 time, for 5 s at most; the vehicle is taken");
+    EXPECT_EQ(recording.diagnostics[0].substr(0, 64),
+              "odometry is silent 1 time, for 5 s at most; the vehicle is taken");
   }
 }
 

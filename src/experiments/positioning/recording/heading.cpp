@@ -90,8 +90,8 @@ void check_heading(Recording& recording) {
   } else if (std::fabs(offset.mean_rad) > offset_rad) {
     for (Recording::True& ground_truth : recording.ground_truth) ground_truth.heading_rad += offset.mean_rad;
     recording.diagnostics.push_back("the truth's heading is " +
-                              std::to_string(std::lround(std::fabs(offset.mean_rad) * 180.0 / pi)) +
-                              " degrees off the way it goes, forwards by odometry; it is turned by that");
+                                    std::to_string(std::lround(std::fabs(offset.mean_rad) * 180.0 / pi)) +
+                                    " degrees off the way it goes, forwards by odometry; it is turned by that");
   }
 }
 

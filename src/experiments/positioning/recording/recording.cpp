@@ -39,7 +39,7 @@ void put_in_order(std::vector<T>& all, std::string_view what, Recording& recordi
   if (late == 0) return;
   std::ranges::stable_sort(all, {}, &T::t_s);
   recording.diagnostics.push_back(std::to_string(late) + " " + std::string(what) +
-                            " were logged after later ones; they are taken in the order of their stamps");
+                                  " were logged after later ones; they are taken in the order of their stamps");
 }
 
 /// Columns found by name, in the order asked for.
@@ -289,7 +289,8 @@ Result<Recording> read_librsf(std::string_view name, std::string_view input, std
   if (auto fine = each_line(ground_truth, text_of(ground_truth), {"point2", "angle"}, true_place); !fine)
     return tl::unexpected(fine.error());
   if (recording.odometry.size() < 2) return fail("recording.empty", "there is no odometry in it", std::string(input));
-  if (recording.ground_truth.empty()) return fail("recording.empty", "there is no truth in it", std::string(ground_truth));
+  if (recording.ground_truth.empty())
+    return fail("recording.empty", "there is no truth in it", std::string(ground_truth));
   const auto has_heading = [&](const Recording::True& one) { return headings.contains(one.t_s); };
   recording.ground_truth_has_heading = std::ranges::all_of(recording.ground_truth, has_heading);
   if (recording.ground_truth_has_heading) {
@@ -326,7 +327,8 @@ void drop_no_distances(Recording& recording) {
   const auto dropped =
       std::erase_if(recording.ranges, [](const Recording::Heard& heard) { return heard.range_m <= 0.0; });
   if (dropped > 0)
-    recording.diagnostics.push_back(std::to_string(dropped) + " ranges are no distances (0 or less); they are left out");
+    recording.diagnostics.push_back(std::to_string(dropped) +
+                                    " ranges are no distances (0 or less); they are left out");
 }
 
 Result<Recording> read_either(std::string_view name, const RecordingFiles& files) {

@@ -48,7 +48,7 @@ struct Recording {
   bool ground_truth_has_heading{false};
   std::map<std::uint32_t, Point2> beacons;  ///< stations and marks, by number
   std::map<std::string, double> sensors;    ///< figures of sensors that came with it, by their names in SensorModel
-  std::vector<std::string> diagnostics{};         ///< what was made of it, in sentences
+  std::vector<std::string> diagnostics{};   ///< what was made of it, in sentences
 };
 
 /// A folder's files, by name.

@@ -215,15 +215,18 @@ Result<std::vector<Pair>> associate(const Trajectory& reference, const Trajector
   std::vector<Pair> pairs;
   if (options.how == Association::interpolate) {
     for (const Stamped& pose : estimate.poses) {
-      if (const auto ground_truth = interpolated(reference.poses, pose.t_s, options.gap_s)) pairs.push_back({*ground_truth, pose});
+      if (const auto ground_truth = interpolated(reference.poses, pose.t_s, options.gap_s))
+        pairs.push_back({*ground_truth, pose});
     }
   } else if (estimate.poses.size() <= reference.poses.size()) {
     for (const Stamped& pose : estimate.poses) {
-      if (const auto ground_truth = nearest(reference.poses, pose.t_s, options.gap_s)) pairs.push_back({*ground_truth, pose});
+      if (const auto ground_truth = nearest(reference.poses, pose.t_s, options.gap_s))
+        pairs.push_back({*ground_truth, pose});
     }
   } else {
     for (const Stamped& ground_truth : reference.poses) {
-      if (const auto pose = nearest(estimate.poses, ground_truth.t_s, options.gap_s)) pairs.push_back({ground_truth, *pose});
+      if (const auto pose = nearest(estimate.poses, ground_truth.t_s, options.gap_s))
+        pairs.push_back({ground_truth, *pose});
     }
   }
   if (pairs.empty())

@@ -299,7 +299,12 @@ class Reader {
     fields.expect_only({"id", "at", "path", "speed_mps", "repeat", "radius_m"});
     const std::string id = read_id(fields);
     JsonWriter json;
-    json.begin_object().field("command", "add").key("virtualObject").begin_object().field("id", id).field("kind", "person");
+    json.begin_object()
+        .field("command", "add")
+        .key("virtualObject")
+        .begin_object()
+        .field("id", id)
+        .field("kind", "person");
     const std::string way = write_way(fields, json);
     if (fields.has("radius_m")) json.field("radius", fields.number("radius_m", radius_range_m));
     json.end_object().end_object();
@@ -315,7 +320,12 @@ class Reader {
     if (fields.has("section") != fields.has("s_m"))
       fields.fault("", "scenario.field", R"(section and s_m go together, as in section = "east", s_m = 0.5)");
     JsonWriter json;
-    json.begin_object().field("command", "add").key("virtualObject").begin_object().field("id", id).field("kind", "aiv");
+    json.begin_object()
+        .field("command", "add")
+        .key("virtualObject")
+        .begin_object()
+        .field("id", id)
+        .field("kind", "aiv");
     std::string where = " where there is room";
     if (fields.has("section")) {
       const std::string section = fields.text("section", 64);
@@ -338,7 +348,12 @@ class Reader {
     const Point2 at = fields.point("at");
     const double radius_m = fields.number("radius_m", radius_range_m, virtual_object_radius_m);
     JsonWriter json;
-    json.begin_object().field("command", "add").key("virtualObject").begin_object().field("id", id).field("kind", "obstacle");
+    json.begin_object()
+        .field("command", "add")
+        .key("virtualObject")
+        .begin_object()
+        .field("id", id)
+        .field("kind", "obstacle");
     json.field("x", at.x_m).field("y", at.y_m).field("radius", radius_m).end_object().end_object();
     virtual_objects_.insert_or_assign(id, VirtualObject{false, radius_m, line_});
     plan(json, "virtual obstacle " + id + " at " + at_text(at));

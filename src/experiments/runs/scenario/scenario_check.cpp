@@ -336,9 +336,9 @@ class Checker {
   std::set<std::string> closed_;
   Faults faults_;
   const Scenario::Step* step_{};
-  std::map<std::string, SimDuration> arrivals_;  ///< of virtual AIVs: when each first comes
-  std::map<std::string, VirtualObject> virtual_objects_;          ///< there at this step
-  std::map<std::string, std::uint32_t> lossy_;   ///< vehicles that lose messages, since which line
+  std::map<std::string, SimDuration> arrivals_;           ///< of virtual AIVs: when each first comes
+  std::map<std::string, VirtualObject> virtual_objects_;  ///< there at this step
+  std::map<std::string, std::uint32_t> lossy_;            ///< vehicles that lose messages, since which line
 };
 
 }  // namespace

@@ -128,7 +128,7 @@ inline DeadlockMetrics deadlock_metrics(const World& world) {
   if (d == nullptr) return {.open = 1e9};
   const auto number = [&](std::string_view name) { return d->number(name).value_or(1e9); };
   return {number("cycles"), number("detected"),  number("resolved"),
-          number("open"),  number("longest_s"), number("longest_wait_s")};
+          number("open"),   number("longest_s"), number("longest_wait_s")};
 }
 
 }  // namespace cosiva::experiments::testing

@@ -49,10 +49,10 @@ std::string to_html(const SiteMetrics& metrics, const std::string& command) {
     stuck += zone.stuck;
   }
   report.metadata({{std::to_string(done) + " of " + std::to_string(due), "jobs done"},
-                {std::to_string(came), "passages from zone to zone"},
-                {std::to_string(collisions), "collisions", collisions > 0},
-                {std::to_string(near_misses), "near misses", near_misses > 0},
-                {std::to_string(stuck), "AIVs stuck at the end", stuck > 0}});
+                   {std::to_string(came), "passages from zone to zone"},
+                   {std::to_string(collisions), "collisions", collisions > 0},
+                   {std::to_string(near_misses), "near misses", near_misses > 0},
+                   {std::to_string(stuck), "AIVs stuck at the end", stuck > 0}});
   add_waiting(report, metrics.zones);
   report.heading("Zones");
   report.table({"zone", "AIVs at the end", "jobs due", "done", "came", "left", "driven [km]", "waiting [%]",

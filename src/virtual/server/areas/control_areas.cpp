@@ -126,7 +126,9 @@ Result<Mission> ControlAreas::way_to(std::string_view to, const zone::TrafficZon
   for (const zone::Station& station : zone.stations) {
     if (!missions.has_place(station.name)) continue;
     const auto entry_point = zone::snap_to_path(there.circuit, zone.circuit.pose_at(station.place));
-    if (!entry_point || (best != nullptr && entry_point->distance_m >= best_m) || !router.plan(entry_point->place, *end)) continue;
+    if (!entry_point || (best != nullptr && entry_point->distance_m >= best_m) ||
+        !router.plan(entry_point->place, *end))
+      continue;
     best = &station;
     best_m = entry_point->distance_m;
   }

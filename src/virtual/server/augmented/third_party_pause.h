@@ -26,7 +26,11 @@ class ThirdPartyPause {
 
   ThirdPartyPause(Registry& registry, Traffic& traffic, MessagePublisher& publisher, InstantActionSender& action_sender,
                   Simulator& simulator)
-      : registry_{registry}, traffic_{traffic}, publisher_{publisher}, action_sender_{action_sender}, simulator_{simulator} {}
+      : registry_{registry},
+        traffic_{traffic},
+        publisher_{publisher},
+        action_sender_{action_sender},
+        simulator_{simulator} {}
 
   void resize(std::size_t vehicles) { pauses_.resize(vehicles); }
   void set_map(const WayMap* map) { map_ = map; }

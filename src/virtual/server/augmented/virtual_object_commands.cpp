@@ -26,8 +26,8 @@ Result<void> read_number(const JsonValue& json, std::string_view field, double l
   if (found == nullptr || found->is_null()) return {};
   const double* number = found->number();
   if (number == nullptr || !(*number >= low && *number <= high)) {
-    return fail("virtual_object.number", "give a number from " + metres(low) + " to " + metres(high) + std::string(unit),
-                std::string(field));
+    return fail("virtual_object.number",
+                "give a number from " + metres(low) + " to " + metres(high) + std::string(unit), std::string(field));
   }
   out = *number;
   return {};
@@ -80,9 +80,11 @@ Result<VirtualObjectCommand> VirtualObjectCommands::read(const JsonValue& comman
   if (act == "remove") return read_remove(command);
   const JsonValue* virtual_object = command.find("virtualObject");
   if (virtual_object == nullptr || virtual_object->object() == nullptr)
-    return fail("virtual_object.missing", R"(say what, as {"virtualObject":{"kind":"person","x":0.5,"y":0.2}})", "virtualObject");
+    return fail("virtual_object.missing", R"(say what, as {"virtualObject":{"kind":"person","x":0.5,"y":0.2}})",
+                "virtualObject");
   if (simulator_.zone() == nullptr)
-    return fail("virtual_object.zone", "there is no zone yet; wait until the physical side has sent it, then try again");
+    return fail("virtual_object.zone",
+                "there is no zone yet; wait until the physical side has sent it, then try again");
   return act == "add" ? read_add(*virtual_object) : read_move(*virtual_object);
 }
 
@@ -97,19 +99,21 @@ Result<VirtualObjectCommand> VirtualObjectCommands::read_remove(const JsonValue&
     requested.is_aiv = true;
     return requested;
   }
-  return fail("virtual_object.unknown", "no virtual thing is called '" + cut(requested.id) + "'; " + known_virtual_objects(), "id");
+  return fail("virtual_object.unknown",
+              "no virtual thing is called '" + cut(requested.id) + "'; " + known_virtual_objects(), "id");
 }
 
 Result<void> VirtualObjectCommands::check_id(std::string_view id) const {
   if (id.empty() || id.size() > id_bytes_max || !wire::valid_serial_number(id)) {
-    return fail("virtual_object.id", "'" + cut(id) + "' is no name for it; use 1 to 32 of A-Z a-z 0-9 _ . : - or leave it out",
-                "id");
+    return fail("virtual_object.id",
+                "'" + cut(id) + "' is no name for it; use 1 to 32 of A-Z a-z 0-9 _ . : - or leave it out", "id");
   }
   if (is_detected_id(id))
-    return fail("virtual_object.id", "S1, S2 … are the names of obstacles that vehicles see; choose another name", "id");
-  if (simulator_.augmented().find(id) != nullptr || find_aiv(id) != nullptr) {
-    return fail("virtual_object.taken", "there is a '" + cut(id) + "' already; choose another name, move that one, or remove it",
+    return fail("virtual_object.id", "S1, S2 … are the names of obstacles that vehicles see; choose another name",
                 "id");
+  if (simulator_.augmented().find(id) != nullptr || find_aiv(id) != nullptr) {
+    return fail("virtual_object.taken",
+                "there is a '" + cut(id) + "' already; choose another name, move that one, or remove it", "id");
   }
   return {};
 }
@@ -121,7 +125,8 @@ Result<VirtualObjectCommand> VirtualObjectCommands::read_add(const JsonValue& vi
   requested.is_aiv = kind == "aiv";
   const auto known = parse_virtual_object_kind(kind);
   if (!requested.is_aiv && !known) {
-    return fail("virtual_object.kind", "there is no kind '" + cut(kind) + "'; add an aiv, a person or an obstacle", "kind");
+    return fail("virtual_object.kind", "there is no kind '" + cut(kind) + "'; add an aiv, a person or an obstacle",
+                "kind");
   }
   if (const JsonValue* id = virtual_object.find("id"); id != nullptr && !id->is_null()) {
     requested.id = virtual_object.text("id").value_or("");
@@ -130,14 +135,16 @@ Result<VirtualObjectCommand> VirtualObjectCommands::read_add(const JsonValue& vi
     requested.id = next_id(kind);
   }
   if (simulator_.augmented().virtual_objects().size() + fleet_.hosts().size() >= Augmented::virtual_objects_max) {
-    return fail("virtual_object.many", "there are " + std::to_string(Augmented::virtual_objects_max) +
-                                  " virtual things already; remove one that is no longer needed, then try again");
+    return fail("virtual_object.many",
+                "there are " + std::to_string(Augmented::virtual_objects_max) +
+                    " virtual things already; remove one that is no longer needed, then try again");
   }
   if (requested.is_aiv) {
     const wire::VehicleId vehicle{std::string(wire::virtual_manufacturer), requested.id};
     if (!registry_.find(wire::to_string(vehicle)) && registry_.size() >= Registry::vehicles_max)
-      return fail("virtual_object.many", "this server knows " + std::to_string(Registry::vehicles_max) +
-                                    " vehicles already, and takes no more; add it under a name that was used before");
+      return fail("virtual_object.many",
+                  "this server knows " + std::to_string(Registry::vehicles_max) +
+                      " vehicles already, and takes no more; add it under a name that was used before");
     auto place = read_aiv_place(virtual_object);
     if (!place) return tl::unexpected(place.error());
     requested.place = *place;
@@ -161,15 +168,18 @@ Result<VirtualObjectCommand> VirtualObjectCommands::read_move(const JsonValue& v
   if (!id) return fail("virtual_object.id", "say which thing to move, by its id", "id");
   requested.id = *id;
   if (find_aiv(requested.id) != nullptr) {
-    return fail("virtual_object.aiv", "a virtual AIV drives by itself; remove it and add it where it shall start", "id");
+    return fail("virtual_object.aiv", "a virtual AIV drives by itself; remove it and add it where it shall start",
+                "id");
   }
   const VirtualObject* known = simulator_.augmented().find(requested.id);
   if (known == nullptr)
-    return fail("virtual_object.unknown", "no virtual thing is called '" + cut(requested.id) + "'; " + known_virtual_objects(), "id");
+    return fail("virtual_object.unknown",
+                "no virtual thing is called '" + cut(requested.id) + "'; " + known_virtual_objects(), "id");
   requested.kind = known->kind;
   const double usual_mps =
       known->walk.speed_mps() > 0.0 ? known->walk.speed_mps() : simulator_.zone()->profiles.slow.speed_mps;
-  auto walk = read_walk(virtual_object, requested.kind == VirtualObjectKind::person, Walk({Point2{}}, usual_mps, known->walk.repeat()));
+  auto walk = read_walk(virtual_object, requested.kind == VirtualObjectKind::person,
+                        Walk({Point2{}}, usual_mps, known->walk.repeat()));
   if (!walk) return tl::unexpected(walk.error());
   requested.walk = std::move(*walk);
   return requested;
@@ -224,7 +234,8 @@ Result<Walk> VirtualObjectCommands::read_walk(const JsonValue& virtual_object, b
     if (!point) return tl::unexpected(point.error());
     return Walk({*point}, 0.0, Repeat::once);
   }
-  if (!may_walk) return fail("virtual_object.path", "an obstacle stands still; give it a place (x, y), or add a person", "path");
+  if (!may_walk)
+    return fail("virtual_object.path", "an obstacle stands still; give it a place (x, y), or add a person", "path");
   if (x != nullptr || y != nullptr)
     return fail("virtual_object.position", "give either a place (x, y) or a path, not both", "path");
   auto points = read_path(*path);
@@ -253,7 +264,8 @@ Result<std::optional<zone::Place>> VirtualObjectCommands::read_section(const Jso
     return fail("virtual_object.section", "this zone has no such section; it has " + names, "section");
   }
   zone::Place place{*section, 0.0};
-  if (auto read = read_number(virtual_object, "s", 0.0, circuit.section(*section).length_m(), " along the section", place.s_m);
+  if (auto read =
+          read_number(virtual_object, "s", 0.0, circuit.section(*section).length_m(), " along the section", place.s_m);
       !read)
     return tl::unexpected(read.error());
   return std::optional{place};
@@ -278,8 +290,8 @@ Result<zone::Place> VirtualObjectCommands::read_aiv_place(const JsonValue& virtu
     const auto located = simulator_.circuit()->locate(*point);
     if (located.distance_m > off_circuit_m) {
       return fail("virtual_object.off", at_text(*point) + " is " + metres(located.distance_m) +
-                                   " from the nearest way; a virtual AIV must be put within " + metres(off_circuit_m) +
-                                   " of one");
+                                            " from the nearest way; a virtual AIV must be put within " +
+                                            metres(off_circuit_m) + " of one");
     }
     place = located.place;
   }
@@ -322,15 +334,17 @@ Result<void> VirtualObjectCommands::check_place(zone::Place place) const {
   const Point2 at = position(zone.circuit.pose_at(place));
   if (!zone.may_stand(place)) {
     const zone::Crossing* crossing = zone.crossing_at(place);
-    return fail("virtual_object.crossing", "no vehicle may stand " +
-                                      (crossing == nullptr ? std::string("between crossings this close together")
-                                                           : "in crossing " + crossing->name) +
-                                      "; choose a place before or behind it");
+    return fail("virtual_object.crossing",
+                "no vehicle may stand " +
+                    (crossing == nullptr ? std::string("between crossings this close together")
+                                         : "in crossing " + crossing->name) +
+                    "; choose a place before or behind it");
   }
   for (const Standing& other : standing()) {
     if (has_room(place, at, other)) continue;
-    return fail("virtual_object.room", other.name + " stands " + metres(distance(at, other.at)) + " from there; leave " +
-                                  metres(zone::standing_room_m(zone.vehicle)) + " between two vehicles");
+    return fail("virtual_object.room", other.name + " stands " + metres(distance(at, other.at)) +
+                                           " from there; leave " + metres(zone::standing_room_m(zone.vehicle)) +
+                                           " between two vehicles");
   }
   return {};
 }

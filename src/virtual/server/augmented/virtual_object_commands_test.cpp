@@ -14,8 +14,12 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-std::string person(const std::string& rest) { return R"({"command":"add","virtualObject":{"kind":"person",)" + rest + "}}"; }
-std::string virtual_aiv(const std::string& rest) { return R"({"command":"add","virtualObject":{"kind":"aiv")" + rest + "}}"; }
+std::string person(const std::string& rest) {
+  return R"({"command":"add","virtualObject":{"kind":"person",)" + rest + "}}";
+}
+std::string virtual_aiv(const std::string& rest) {
+  return R"({"command":"add","virtualObject":{"kind":"aiv")" + rest + "}}";
+}
 
 std::vector<std::string> ids(const JsonValue& list) {
   std::vector<std::string> found;
@@ -28,7 +32,9 @@ JsonValue virtual_object(const ServerFixture& fixture, const std::string& id) {
     if (one.text("id") == id) return one;
   return {};
 }
-std::vector<std::string> virtual_objects(const ServerFixture& fixture) { return ids(*fixture.snapshot().find("virtualObjects")); }
+std::vector<std::string> virtual_objects(const ServerFixture& fixture) {
+  return ids(*fixture.snapshot().find("virtualObjects"));
+}
 std::vector<std::string> aivs(const ServerFixture& fixture) { return ids(*fixture.snapshot().find("aivs")); }
 
 TEST(VirtualObjects, stand_where_they_were_put_with_names_of_their_kind) {
@@ -214,7 +220,8 @@ TEST(VirtualAivs, are_refused_where_no_vehicle_may_be) {
   fixture.ask(virtual_aiv(R"(,"x":1.5,"y":0.2)"));
   EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"id":"V1")")), HasSubstr("already"));
   EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"x":1.6,"y":0.0)")), HasSubstr("CoSiVA.virtual/V1"));
-  EXPECT_THAT(fixture.refusal(R"({"command":"move","virtualObject":{"id":"V1","x":1,"y":0}})"), HasSubstr("drives by itself"));
+  EXPECT_THAT(fixture.refusal(R"({"command":"move","virtualObject":{"id":"V1","x":1,"y":0}})"),
+              HasSubstr("drives by itself"));
   ServerFixture clover{zone_file("lacet4.toml")};
   const zone::Crossing& crossing = clover.zone->crossings.front();
   EXPECT_THAT(clover.refusal(virtual_aiv(",\"x\":" + std::to_string(crossing.centre.x_m) +
@@ -235,7 +242,8 @@ TEST(VirtualAivs, go_on_from_where_they_stand_when_the_ways_change) {
   EXPECT_THAT(aivs(fixture), ElementsAre("CoSiVA.virtual/V1", "CoSiVA.virtual/V2"));
   EXPECT_GT(*fixture.aiv("CoSiVA.virtual/V1").number("speed"), 0.05);
   const JsonValue off_route = fixture.aiv("CoSiVA.virtual/V2");
-  EXPECT_THAT(off_route.text("offRoute").value_or(""), HasSubstr("from the nearest way")) << "its way ended where it was";
+  EXPECT_THAT(off_route.text("offRoute").value_or(""), HasSubstr("from the nearest way"))
+      << "its way ended where it was";
   EXPECT_EQ(*off_route.number("speed"), 0.0);
   EXPECT_EQ(*off_route.number("y"), 0.0);
 }
@@ -301,7 +309,7 @@ TEST(VirtualAivs, put_between_a_vehicle_and_its_crossing_drive_on_before_it) {
   fixture.run_for(100ms);
   const zone::Place ahead = fixture.zone->circuit.advance(real.place(), 0.45);
   fixture.ask(virtual_aiv(",\"section\":\"" + fixture.zone->circuit.part(ahead.section).name +
-                        "\",\"s\":" + std::to_string(ahead.s_m)));
+                          "\",\"s\":" + std::to_string(ahead.s_m)));
   if (!fixture.logged("command refused")) {
     fixture.run_for(8s);
     EXPECT_GT(

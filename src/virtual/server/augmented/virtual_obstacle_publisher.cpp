@@ -56,8 +56,8 @@ void VirtualObstaclePublisher::gather() {
   const SimTime now = publisher_.now();
   for (const VirtualObject& virtual_object : simulator_.augmented().virtual_objects()) {
     const Walk::Motion at = virtual_object.at(now);
-    world_.push_back({{virtual_object.id, std::string(to_string(virtual_object.kind)), at.at.x_m, at.at.y_m, at.heading_rad, 0.0,
-                       virtual_object.radius_m, at.vx_mps, at.vy_mps},
+    world_.push_back({{virtual_object.id, std::string(to_string(virtual_object.kind)), at.at.x_m, at.at.y_m,
+                       at.heading_rad, 0.0, virtual_object.radius_m, at.vx_mps, at.vy_mps},
                       virtual_object.handle,
                       virtual_object.started,
                       no_vehicle,
@@ -82,11 +82,12 @@ void VirtualObstaclePublisher::gather_vehicles() {
         {body_of(proxy.name, image.X_MB, image.speed_mps, shape), static_cast<std::uint16_t>(v), {}, v, true});
   }
   for (const DetectedObstacle& detected : simulator_.detected().obstacles()) {
-    world_.push_back({{detected.id, "obstacle", detected.at.x_m, detected.at.y_m, 0.0, 0.0, detected.radius_m, 0.0, 0.0},
-                      detected.handle,
-                      detected.first,
-                      no_vehicle,
-                      true});
+    world_.push_back(
+        {{detected.id, "obstacle", detected.at.x_m, detected.at.y_m, 0.0, 0.0, detected.radius_m, 0.0, 0.0},
+         detected.handle,
+         detected.first,
+         no_vehicle,
+         true});
   }
 }
 
@@ -99,8 +100,8 @@ void VirtualObstaclePublisher::update() {
     if (can_hear(v)) survey_neighbours(v);
     // One that is away is told when it is back.
     const Viewer& viewer = viewers_[v];
-    busy_ =
-        busy_ || !viewer.told.empty() || viewer.empties > 0 || !viewer.perceives.empty() || registry_[v].paused_for_body;
+    busy_ = busy_ || !viewer.told.empty() || viewer.empties > 0 || !viewer.perceives.empty() ||
+            registry_[v].paused_for_body;
   }
 }
 
@@ -194,7 +195,8 @@ void VirtualObstaclePublisher::tell(VehicleIndex vehicle, Viewer& viewer) {
     publisher_.publish(std::move(topic), std::move(payload), 0, false);
 }
 
-bool VirtualObstaclePublisher::on_virtual_obstacles_ack(VehicleIndex vehicle, const wire::VirtualObstaclesAck& perceived, SimTime decided) {
+bool VirtualObstaclePublisher::on_virtual_obstacles_ack(VehicleIndex vehicle,
+                                                        const wire::VirtualObstaclesAck& perceived, SimTime decided) {
   Viewer& viewer = viewers_[vehicle];
   const std::uint32_t behind = viewer.next_id - perceived.virtual_obstacles_header_id;  // counts modulo 2³²
   if (behind == 0 || behind > known_max) return false;
@@ -206,7 +208,8 @@ bool VirtualObstaclePublisher::on_virtual_obstacles_ack(VehicleIndex vehicle, co
   return true;
 }
 
-void VirtualObstaclePublisher::measure(Viewer& viewer, const wire::VirtualObstaclesAck& perceived, SimTime decided, bool begins_to_brake) {
+void VirtualObstaclePublisher::measure(Viewer& viewer, const wire::VirtualObstaclesAck& perceived, SimTime decided,
+                                       bool begins_to_brake) {
   BijectionMonitor& monitor = simulator_.monitor();
   const auto since_ms = [decided](SimTime then) { return std::max(0.0, to_seconds(decided - then) * 1e3); };
   bool was_change = false;

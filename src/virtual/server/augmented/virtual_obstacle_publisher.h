@@ -17,8 +17,8 @@
 
 namespace cosiva::virtual_side {
 
-/// Tells each vehicle what of the virtual world is near its way (wire::VirtualObstacles), and measures how soon it is felt. A
-/// virtual AIV, whose world is the server's, is told of physical vehicles and obstacles, too.
+/// Tells each vehicle what of the virtual world is near its way (wire::VirtualObstacles), and measures how soon it is
+/// felt. A virtual AIV, whose world is the server's, is told of physical vehicles and obstacles, too.
 class VirtualObstaclePublisher {
  public:
   static constexpr double within_m = 2.0;  ///< of the twin's middle
@@ -31,7 +31,12 @@ class VirtualObstaclePublisher {
 
   VirtualObstaclePublisher(Registry& registry, MessagePublisher& publisher, Traces& traces, Simulator& simulator,
                            VirtualFleet& fleet, ThirdPartyPause& pauses)
-      : registry_{registry}, publisher_{publisher}, traces_{traces}, simulator_{simulator}, fleet_{fleet}, pauses_{pauses} {}
+      : registry_{registry},
+        publisher_{publisher},
+        traces_{traces},
+        simulator_{simulator},
+        fleet_{fleet},
+        pauses_{pauses} {}
 
   void resize(std::size_t vehicles) { viewers_.resize(vehicles); }
   /// After everything that may have changed the virtual world, and every tick. Costs nothing while that is empty.
@@ -72,7 +77,7 @@ class VirtualObstaclePublisher {
   struct Viewer {
     std::uint32_t next_id{0};
     std::array<SimTime, sent_kept> sent{};  ///< by header id, modulo
-    std::vector<SentObject> told;                 ///< sorted
+    std::vector<SentObject> told;           ///< sorted
     SimTime due{};
     int empties{0};
     std::vector<Change> changes;  ///< the last few
@@ -100,9 +105,9 @@ class VirtualObstaclePublisher {
   ThirdPartyPause& pauses_;
   std::vector<Viewer> viewers_;
   std::vector<Present> world_;
-  std::vector<const Present*> near_;  ///< of the viewer at hand, nearest first
-  std::vector<SentObject> sent_objects_;           ///< the same, sorted
-  bool busy_{false};                  ///< somebody was told of something at the last update
+  std::vector<const Present*> near_;      ///< of the viewer at hand, nearest first
+  std::vector<SentObject> sent_objects_;  ///< the same, sorted
+  bool busy_{false};                      ///< somebody was told of something at the last update
 };
 
 /// The shape that the zone's vehicles have for others.

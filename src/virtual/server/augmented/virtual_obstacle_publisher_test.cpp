@@ -26,7 +26,7 @@ class VirtualObstaclesFixture : public testing::Test {
   }
   void add_person(double x, double y, const std::string& id = "P1") {
     fixture.ask(R"({"command":"add","virtualObject":{"kind":"person","id":")" + id + R"(","x":)" + std::to_string(x) +
-              ",\"y\":" + std::to_string(y) + "}}");
+                ",\"y\":" + std::to_string(y) + "}}");
   }
   void remove(const std::string& id) { fixture.ask(R"({"command":"remove","id":")" + id + "\"}"); }
   [[nodiscard]] std::vector<wire::VirtualObstacles> aheads(const std::string& name = "CoSiVA/AIV1") const {
@@ -113,7 +113,8 @@ TEST_F(VirtualObstaclesFixture, does_not_tell_of_what_is_far_or_wholly_behind) {
 }
 
 TEST_F(VirtualObstaclesFixture, tells_when_a_walker_comes_into_reach) {
-  fixture.ask(R"({"command":"add","virtualObject":{"kind":"person","path":[[-0.4,0.8],[-0.4,0.0],[2.4,0.0]],"speed":1.0}})");
+  fixture.ask(
+      R"({"command":"add","virtualObject":{"kind":"person","path":[[-0.4,0.8],[-0.4,0.0],[2.4,0.0]],"speed":1.0}})");
   EXPECT_THAT(aheads(), IsEmpty()) << "behind it";
   fixture.run_for(3s);
   ASSERT_FALSE(aheads().empty());
@@ -209,7 +210,8 @@ TEST_F(VirtualObstaclesFixture, tells_a_virtual_aiv_of_physical_vehicles_and_the
   EXPECT_EQ(told.front().bodies[0].kind, "aiv");
   EXPECT_NEAR(told.front().bodies[0].length_m, 0.08, 1e-12) << "0.20 m long, 0.12 m wide";
   EXPECT_NEAR(told.front().bodies[0].radius_m, 0.06, 1e-12);
-  EXPECT_THAT(fixture.published_on("cosiva/v1/virtual_obstacles/CoSiVA.virtual/V1"), IsEmpty()) << "it is told within the server";
+  EXPECT_THAT(fixture.published_on("cosiva/v1/virtual_obstacles/CoSiVA.virtual/V1"), IsEmpty())
+      << "it is told within the server";
   const JsonValue traces = *JsonValue::parse(fixture.server->traces_json(1, 2000));
   bool traced = false;
   for (const JsonValue& trace : *traces.find("traces")->array())

@@ -337,7 +337,7 @@ void Commands::fail_command(Command& command, std::string reason) {
   action_sender_.drop(command.handle);
   if (BijectionMonitor* monitor = monitor_of(command)) monitor->command_failed();
   publisher_.log('w', "command " + command.id + " '" + command.command_text + "' for '" + command.vehicle_name +
-                       "' failed: " + command.reason);
+                          "' failed: " + command.reason);
 }
 
 void Commands::keep(Command command) {

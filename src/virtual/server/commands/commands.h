@@ -47,7 +47,11 @@ class Commands {
 
   Commands(Registry& registry, MessagePublisher& publisher, InstantActionSender& action_sender, OrderRoller& roller,
            Simulator& simulator)
-      : registry_{registry}, publisher_{publisher}, action_sender_{action_sender}, roller_{roller}, simulator_{simulator} {}
+      : registry_{registry},
+        publisher_{publisher},
+        action_sender_{action_sender},
+        roller_{roller},
+        simulator_{simulator} {}
 
   /// Longer commands to vehicles are refused.
   static constexpr std::size_t bytes_max = 64U << 10U;

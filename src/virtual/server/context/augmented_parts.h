@@ -1,8 +1,8 @@
 #pragma once
 
-#include "cosiva/virtual/server/augmented/virtual_obstacle_publisher.h"
 #include "cosiva/virtual/server/augmented/virtual_fleet.h"
 #include "cosiva/virtual/server/augmented/virtual_object_commands.h"
+#include "cosiva/virtual/server/augmented/virtual_obstacle_publisher.h"
 #include "cosiva/virtual/server/context/master_control.h"
 #include "cosiva/virtual/server/context/server_context.h"
 

@@ -52,8 +52,10 @@ void OwnReports::on_acknowledged(VehicleIndex vehicle, const wire::Input& input)
   AivProxy& proxy = context_.registry[vehicle];
   std::string summary = "ahead " + std::to_string(perceived->virtual_obstacles_header_id) + ": ";
   summary += perceived->braking ? "brakes for " + perceived->body : std::string("nothing to brake for");
-  context_.traces.add(context_.now, proxy.name, "AIV_Server", "virtual_obstacles_ack", summary, input.source, input.payload);
-  if (!augmented_.virtual_obstacles.on_virtual_obstacles_ack(vehicle, *perceived, checks_.server_time(proxy, perceived->decided)))
+  context_.traces.add(context_.now, proxy.name, "AIV_Server", "virtual_obstacles_ack", summary, input.source,
+                      input.payload);
+  if (!augmented_.virtual_obstacles.on_virtual_obstacles_ack(vehicle, *perceived,
+                                                             checks_.server_time(proxy, perceived->decided)))
     ++proxy.outdated;
 }
 
@@ -79,22 +81,23 @@ void OwnReports::on_detected(VehicleIndex vehicle, const wire::Input& input) {
   if (!message) return checks_.refuse(vehicle, VehicleTopic::detected, input, message.error());
   AivProxy& proxy = context_.registry[vehicle];
   if (!take_stamp(proxy, proxy.detected_stamp, message->timestamp)) return;
-  const auto& virtual_object = message->virtual_object;
+  const auto& obstacle = message->obstacle;
   context_.traces.add(context_.now, proxy.name, "AIV_Server", "detected_obstacle",
-                      virtual_object ? "something at " + place_text(virtual_object->x_m, virtual_object->y_m) : std::string("nothing in its way"),
+                      obstacle ? "something at " + place_text(obstacle->x_m, obstacle->y_m)
+                                     : std::string("nothing in its way"),
                       input.source, input.payload);
   if (!context_.simulator.zone() || message->map_id != context_.simulator.zone()->name) {
     ++proxy.outdated;  // of a zone that is no more, or not yet
     return;
   }
-  if (!virtual_object) {
+  if (!obstacle) {
     forget_where_clear(vehicle, message->clear_m);
     return;
   }
-  const Point2 at{virtual_object->x_m, virtual_object->y_m};
+  const Point2 at{obstacle->x_m, obstacle->y_m};
   const SimTime detected_at = checks_.server_time(proxy, message->timestamp);
-  if (is_vehicle(vehicle, at, virtual_object->radius_m, detected_at)) return;
-  if (!context_.simulator.detected().see(proxy.name, context_.now, at, virtual_object->radius_m)) return;
+  if (is_vehicle(vehicle, at, obstacle->radius_m, detected_at)) return;
+  if (!context_.simulator.detected().see(proxy.name, context_.now, at, obstacle->radius_m)) return;
   COSIVA_EXPECT(!context_.simulator.detected().empty());
   const std::string& id = context_.simulator.detected().obstacles().back().id;
   context_.traces.add(context_.now, "AIV_Server", "Simulator", "appear",
@@ -132,7 +135,8 @@ void OwnReports::forget_where_clear(VehicleIndex vehicle, double clear_m) {
 
 void OwnReports::clear_through(VehicleIndex vehicle, const wire::Ranges& ranges) {
   const AivProxy& proxy = context_.registry[vehicle];
-  if (context_.simulator.detected().empty() || !context_.simulator.zone() || !proxy.here() || !proxy.position_known) return;
+  if (context_.simulator.detected().empty() || !context_.simulator.zone() || !proxy.here() || !proxy.position_known)
+    return;
   const Pose2 X_MB = context_.simulator.image(*proxy.twin, context_.now).X_MB;
   const Pose2 X_MS = X_MB * Pose2{0.5 * context_.simulator.zone()->vehicle.length_m, 0.0, 0.0};
   for (const std::string& id : context_.simulator.detected().clear_through(X_MS, ranges))

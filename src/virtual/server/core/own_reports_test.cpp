@@ -18,12 +18,14 @@ class DetectionFixture : public testing::Test {
     aiv.blocked = true;
     fixture.run_for(1s);
   }
-  void see(const FixtureVehicle& vehicle, std::optional<wire::DetectedObstacleReport::Obstacle> virtual_object, double clear_m = 0.8) {
-    wire::DetectedObstacleReport detected{0, fixture.now - 20ms, "oval", virtual_object, clear_m};
+  void see(const FixtureVehicle& vehicle, std::optional<wire::DetectedObstacleReport::Obstacle> obstacle,
+           double clear_m = 0.8) {
+    wire::DetectedObstacleReport detected{0, fixture.now - 20ms, "oval", obstacle, clear_m};
     say(vehicle, wire::to_json(detected));
   }
   void say(const FixtureVehicle& vehicle, std::string payload, bool retained = false) {
-    fixture.feed(wire::InputKind::message, "cosiva/v1/detected_obstacle/" + wire::to_string(vehicle.id), std::move(payload), retained);
+    fixture.feed(wire::InputKind::message, "cosiva/v1/detected_obstacle/" + wire::to_string(vehicle.id),
+                 std::move(payload), retained);
   }
   [[nodiscard]] JsonValue::Array obstacles() const { return *fixture.snapshot().find("obstacles")->array(); }
   [[nodiscard]] JsonValue shown() const { return *fixture.bijection().find("effects")->find("shown_ms"); }
@@ -53,7 +55,8 @@ TEST_F(DetectionFixture, another_vehicle_is_no_obstacle) {
   fixture.run_for(1s);
   see(aiv, wire::DetectedObstacleReport::Obstacle{1.1, 0.02, 0.05, 0.5});  // its tail
   EXPECT_THAT(obstacles(), IsEmpty());
-  see(aiv, wire::DetectedObstacleReport::Obstacle{0.96, 0.0, 0.05, 0.36});  // 0.14 m before its tail: of a radius of 5 cm, known to 10 cm
+  see(aiv, wire::DetectedObstacleReport::Obstacle{
+               0.96, 0.0, 0.05, 0.36});  // 0.14 m before its tail: of a radius of 5 cm, known to 10 cm
   EXPECT_THAT(obstacles(), IsEmpty());
   see(aiv, wire::DetectedObstacleReport::Obstacle{0.93, 0.0, 0.05, 0.33});  // 0.17 m before its tail
   EXPECT_THAT(obstacles(), SizeIs(1));
@@ -68,10 +71,10 @@ TEST_F(DetectionFixture, another_vehicle_is_no_obstacle_where_it_was_when_it_was
   // Word of it comes half a second late, over a bad radio: by then it has driven on by more than two places err.
   fixture.run_for(500ms);
   ASSERT_GT(other.pose().x_m - 0.10 - tail_then_m, 0.22);
-  const wire::DetectedObstacleReport::Obstacle virtual_object{tail_then_m, 0.0, 0.05, 0.3};
-  say(aiv, wire::to_json(wire::DetectedObstacleReport{0, at_then, "oval", virtual_object, 0.3}));
+  const wire::DetectedObstacleReport::Obstacle obstacle{tail_then_m, 0.0, 0.05, 0.3};
+  say(aiv, wire::to_json(wire::DetectedObstacleReport{0, at_then, "oval", obstacle, 0.3}));
   EXPECT_THAT(obstacles(), IsEmpty());
-  say(aiv, wire::to_json(wire::DetectedObstacleReport{1, fixture.now, "oval", virtual_object, 0.3}));
+  say(aiv, wire::to_json(wire::DetectedObstacleReport{1, fixture.now, "oval", obstacle, 0.3}));
   EXPECT_THAT(obstacles(), SizeIs(1)) << "what is seen now where it was then is something else";
 }
 
@@ -107,10 +110,12 @@ TEST_F(DetectionFixture, virtual_aivs_feel_what_a_physical_one_saw_and_do_not_ma
 }
 
 TEST_F(DetectionFixture, of_another_map_late_or_broken_ones_count_for_nothing) {
-  wire::DetectedObstacleReport elsewhere{0, fixture.now, "moon", wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4}, 0.4};
+  wire::DetectedObstacleReport elsewhere{0, fixture.now, "moon",
+                                         wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4}, 0.4};
   say(aiv, wire::to_json(elsewhere));
   EXPECT_THAT(obstacles(), IsEmpty());
-  wire::DetectedObstacleReport late{0, fixture.now - 1s, "oval", wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4}, 0.4};
+  wire::DetectedObstacleReport late{0, fixture.now - 1s, "oval",
+                                    wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4}, 0.4};
   say(aiv, wire::to_json(late));
   EXPECT_THAT(obstacles(), IsEmpty());
   fixture.logs.clear();
@@ -118,7 +123,8 @@ TEST_F(DetectionFixture, of_another_map_late_or_broken_ones_count_for_nothing) {
   say(aiv, "rubbish");
   say(aiv, std::string(20'000, ' '));
   EXPECT_THAT(fixture.logs, SizeIs(1)) << "said once; the rest is counted";
-  wire::DetectedObstacleReport retained{0, fixture.now, "oval", wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4}, 0.4};
+  wire::DetectedObstacleReport retained{0, fixture.now, "oval",
+                                        wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4}, 0.4};
   say(aiv, wire::to_json(retained), true);
   EXPECT_THAT(obstacles(), IsEmpty());
   const JsonValue summary = *JsonValue::parse(fixture.server->summary_json());
@@ -128,7 +134,8 @@ TEST_F(DetectionFixture, of_another_map_late_or_broken_ones_count_for_nothing) {
 
 TEST_F(DetectionFixture, from_a_vehicle_that_nobody_knows_is_ignored) {
   fixture.feed(wire::InputKind::message, "cosiva/v1/detected_obstacle/Nobody/X1",
-             wire::to_json(wire::DetectedObstacleReport{0, fixture.now, "oval", wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4}, 0.4}));
+               wire::to_json(wire::DetectedObstacleReport{
+                   0, fixture.now, "oval", wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4}, 0.4}));
   EXPECT_THAT(obstacles(), IsEmpty());
   EXPECT_THAT(*fixture.snapshot().find("aivs")->array(), SizeIs(1));
 }

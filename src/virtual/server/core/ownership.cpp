@@ -51,7 +51,8 @@ bool Ownership::receive(const wire::Input& input) {
     id = std::move(topic->vehicle);
     name = std::move(topic->name);
   }
-  for (const auto prefix : {wire::virtual_obstacles_ack_topic_prefix, wire::detected_obstacle_topic_prefix, wire::boards_topic_prefix})
+  for (const auto prefix :
+       {wire::virtual_obstacles_ack_topic_prefix, wire::detected_obstacle_topic_prefix, wire::boards_topic_prefix})
     if (!id) id = wire::parse_own_topic(prefix, input.source);
   // Names that VDA 5050 does not allow are refused where all messages are.
   if (!id || !wire::valid_serial_number(id->manufacturer) || !wire::valid_serial_number(id->serial_number))

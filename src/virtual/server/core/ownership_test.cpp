@@ -286,7 +286,8 @@ TEST(ControlAreas, hand_a_vehicle_over_where_they_meet_and_it_is_in_exactly_one_
   const auto left = *JsonValue::parse(fixture.servers["a"].core->snapshot_json());
   for (const JsonValue& crossing : *left.find("crossings")->array())
     EXPECT_FALSE(crossing.text("heldBy")) << *crossing.text("name");
-  ASSERT_TRUE(fixture.run_until([&] { return fixture.mission("b") == "rack_b, arrived"; }, 40s)) << fixture.mission("b");
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.mission("b") == "rack_b, arrived"; }, 40s))
+      << fixture.mission("b");
   EXPECT_EQ(fixture.sent("a"), by_a) << "the old server is silent";
   EXPECT_EQ(neither, 0);
   EXPECT_EQ(both, 0);
@@ -294,7 +295,8 @@ TEST(ControlAreas, hand_a_vehicle_over_where_they_meet_and_it_is_in_exactly_one_
   EXPECT_FALSE(fixture.owners.back().mission) << "said once: whoever starts again must not begin it again";
 
   fixture.go("b", "a/rack_a");
-  ASSERT_TRUE(fixture.run_until([&] { return fixture.mission("a") == "rack_a, arrived"; }, 60s)) << fixture.mission("a");
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.mission("a") == "rack_a, arrived"; }, 60s))
+      << fixture.mission("a");
   EXPECT_EQ(neither, 0);
   EXPECT_EQ(both, 0);
 }
@@ -371,7 +373,8 @@ TEST(ControlAreas, know_the_way_to_another_hall_again_after_a_crash) {
   fixture.run_for(500ms);
   fixture.kill("a");
   fixture.start("a", true);
-  ASSERT_TRUE(fixture.run_until([&] { return fixture.mission("b") == "rack_b, arrived"; }, 60s)) << fixture.mission("a");
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.mission("b") == "rack_b, arrived"; }, 60s))
+      << fixture.mission("a");
 }
 
 TEST(ControlAreas, wait_where_they_meet_for_a_server_that_has_died) {

@@ -70,8 +70,8 @@ std::optional<VirtualObject> read_virtual_object(const JsonValue& json) {
   if (!in(json.number("radius"), VirtualObjectCommands::radius_m_min, VirtualObjectCommands::radius_m_max) ||
       !in(json.number("speed"), 0.0, VirtualObjectCommands::speed_mps_max))
     return std::nullopt;
-  return VirtualObject{*id,    *kind,   0, *json.number("radius"), Walk(std::move(*path), *json.number("speed"), *repeat),
-               *since, *started};
+  return VirtualObject{
+      *id, *kind, 0, *json.number("radius"), Walk(std::move(*path), *json.number("speed"), *repeat), *since, *started};
 }
 
 }  // namespace
@@ -79,7 +79,8 @@ std::optional<VirtualObject> read_virtual_object(const JsonValue& json) {
 std::string PersistedState::to_json() const {
   JsonWriter json;
   json.begin_object().field("version", 1).key("virtualObjects").begin_array();
-  for (const VirtualObject& virtual_object : context_.simulator.augmented().virtual_objects()) write_virtual_object(json, virtual_object);
+  for (const VirtualObject& virtual_object : context_.simulator.augmented().virtual_objects())
+    write_virtual_object(json, virtual_object);
   json.end_array();
   world_.write_state(json);
   json.key("paused").begin_array();

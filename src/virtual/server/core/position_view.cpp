@@ -23,7 +23,8 @@ PositionRecord record_of(std::uint16_t handle, PositionRecord::Kind kind, const 
 
 PositionRecord record_of(const VirtualObject& virtual_object, SimTime at) {
   const Walk::Motion motion = virtual_object.at(at);
-  const auto kind = virtual_object.kind == VirtualObjectKind::person ? PositionRecord::Kind::person : PositionRecord::Kind::obstacle;
+  const auto kind =
+      virtual_object.kind == VirtualObjectKind::person ? PositionRecord::Kind::person : PositionRecord::Kind::obstacle;
   PositionRecord record = record_of(virtual_object.handle, kind, {motion.at.x_m, motion.at.y_m, motion.heading_rad},
                                     norm(motion.vx_mps, motion.vy_mps));
   record.augmented = true;
@@ -57,8 +58,8 @@ PositionRecord PositionView::record_of_vehicle(VehicleIndex vehicle, SimTime at)
                                     lost ? 0.0 : image.speed_mps);
   record.status = lost ? status_lost : status_number(aiv::status_of(image.speed_mps, proxy.imposed));
   record.augmented = proxy.augmented;
-  record.blocked =
-      !lost && ((proxy.state && proxy.state->field_violation) || !augmented_.virtual_obstacles.perceives(vehicle).empty());
+  record.blocked = !lost && ((proxy.state && proxy.state->field_violation) ||
+                             !augmented_.virtual_obstacles.perceives(vehicle).empty());
   record.reported_dx_m = static_cast<float>(reported.x_m - image.X_MB.x_m);
   record.reported_dy_m = static_cast<float>(reported.y_m - image.X_MB.y_m);
   return record;

@@ -55,10 +55,11 @@ TEST(ServerCore, subscribes_to_what_vehicles_say_under_its_interface_and_to_zone
   options.interface_name = "plant7";
   EXPECT_THAT(ServerCore{options}.subscriptions(),
               ElementsAre("plant7/+/+/+/state", "plant7/+/+/+/visualization", "plant7/+/+/+/connection",
-                          "plant7/+/+/+/factsheet", "cosiva/v1/zone/+", "cosiva/v1/virtual_obstacles_ack/+/+", "cosiva/v1/detected_obstacle/+/+",
-                          "cosiva/v1/boards/+/+", "cosiva/v1/v2x/+/+/+/+", "plant7/v2/CoSiVA.virtual/+/order",
-                          "plant7/v2/CoSiVA.virtual/+/instantActions", "cosiva/v1/battery/change/+/+",
-                          "cosiva/v1/battery/test", "cosiva/v1/gvs/detections", "cosiva/v1/gvs/connection"));
+                          "plant7/+/+/+/factsheet", "cosiva/v1/zone/+", "cosiva/v1/virtual_obstacles_ack/+/+",
+                          "cosiva/v1/detected_obstacle/+/+", "cosiva/v1/boards/+/+", "cosiva/v1/v2x/+/+/+/+",
+                          "plant7/v2/CoSiVA.virtual/+/order", "plant7/v2/CoSiVA.virtual/+/instantActions",
+                          "cosiva/v1/battery/change/+/+", "cosiva/v1/battery/test", "cosiva/v1/gvs/detections",
+                          "cosiva/v1/gvs/connection"));
 }
 
 TEST(ServerCore, builds_the_zone_in_the_article_s_order_and_shows_each_step) {

@@ -30,8 +30,9 @@ class TalkFixture : public testing::Test {
     return intent;
   }
   void say(const wire::Intent& intent, bool retained = false) {
-    fixture.feed(wire::InputKind::message, wire::v2x_topic("oval", wire::cell_of(position(intent.pose)), intent.vehicle),
-               to_json(intent), retained);
+    fixture.feed(wire::InputKind::message,
+                 wire::v2x_topic("oval", wire::cell_of(position(intent.pose)), intent.vehicle), to_json(intent),
+                 retained);
   }
   [[nodiscard]] JsonValue::Array traces() const {
     JsonValue::Array found;

@@ -49,7 +49,9 @@ void MessagePublisher::send(AivProxy& proxy, wire::InstantActions& actions) {
   publish(proxy, actions, summary);
 }
 
-void MessagePublisher::send_again(AivProxy& proxy, wire::InstantActions& actions) { publish(proxy, actions, same_again); }
+void MessagePublisher::send_again(AivProxy& proxy, wire::InstantActions& actions) {
+  publish(proxy, actions, same_again);
+}
 
 void MessagePublisher::publish(AivProxy& proxy, wire::InstantActions& actions, std::string_view summary) {
   actions.header = header(proxy, proxy.actions_header_id);
@@ -80,11 +82,13 @@ std::string unique_id(std::string_view prefix, SimTime now) {
   return id;
 }
 
-bool InstantActionSender::PendingAction::acknowledged() const { return std::ranges::all_of(actions, &Progress::detected); }
+bool InstantActionSender::PendingAction::acknowledged() const {
+  return std::ranges::all_of(actions, &Progress::detected);
+}
 
 InstantActionSender::ActionHandle InstantActionSender::send(AivProxy& proxy, VehicleIndex vehicle,
-                                                      std::vector<wire::Action> actions, SimDuration timeout,
-                                                      bool keep) {
+                                                            std::vector<wire::Action> actions, SimDuration timeout,
+                                                            bool keep) {
   const ActionHandle handle = ++last_handle_;
   PendingAction pending_action{handle, vehicle, {}, {}, publisher_.now(), publisher_.now() + timeout, keep};
   wire::InstantActions& message = pending_action.message;
@@ -129,7 +133,9 @@ void InstantActionSender::on_state(VehicleIndex vehicle, const wire::State& stat
 void InstantActionSender::tick(Registry& registry, bool link_up) {
   const SimTime now = publisher_.now();
   for (PendingAction& pending_action : pending_) {
-    if (pending_action.acknowledged() || now >= pending_action.until || now - pending_action.sent_at < resend_after || !link_up) continue;
+    if (pending_action.acknowledged() || now >= pending_action.until || now - pending_action.sent_at < resend_after ||
+        !link_up)
+      continue;
     pending_action.sent_at = now;
     publisher_.send_again(registry[pending_action.vehicle], pending_action.message);
   }

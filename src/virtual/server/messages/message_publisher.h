@@ -89,7 +89,8 @@ class InstantActionSender {
   /// Gives every action its id and sends them in one message.
   /// @param patience  how long it is sent again; zero: once only
   /// @param keep      the caller follows the letter and drops it
-  ActionHandle send(AivProxy& proxy, VehicleIndex vehicle, std::vector<wire::Action> actions, SimDuration timeout, bool keep);
+  ActionHandle send(AivProxy& proxy, VehicleIndex vehicle, std::vector<wire::Action> actions, SimDuration timeout,
+                    bool keep);
   [[nodiscard]] const PendingAction* find(ActionHandle handle) const;
   void drop(ActionHandle handle);
   void on_state(VehicleIndex vehicle, const wire::State& state);

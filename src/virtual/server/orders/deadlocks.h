@@ -43,7 +43,7 @@ struct Deadlock {
   std::vector<VehicleIndex> members;  ///< ascending
   SimTime since{};                    ///< the ring closed
   SimTime closed_since{};             ///< it is closed without a break, or since somebody began to give way
-  SimTime detected_at{};                  ///< closed
+  SimTime detected_at{};              ///< closed
   std::string reason;                 ///< who waits for whom and why, one sentence with commas
   std::string how;                    ///< what was done, the last means last
   std::optional<SimTime> ended_at;

@@ -222,7 +222,7 @@ bool Missions::stands_at(VehicleIndex vehicle, Point2 p, double off_m) {
   entry.why.clear();
   entry.complete = true;
   publisher_.log('i', registry_[vehicle].name + ": arrived at " + entry.mission.name +
-                       (entry.mission.beyond.empty() ? "" : ", on its way to " + entry.mission.beyond));
+                          (entry.mission.beyond.empty() ? "" : ", on its way to " + entry.mission.beyond));
   return true;
 }
 

@@ -250,8 +250,10 @@ bool OrderRoller::near_anything(VehicleIndex vehicle, const Pose2& X_MB, double 
   const auto near_disc = [&](Point2 at, double radius_m) { return to_body_m(shape, X_MB, at) < radius_m + clear_m; };
   const auto& virtual_objects = simulator_.augmented().virtual_objects();
   const auto& detected = simulator_.detected().obstacles();
-  return std::ranges::any_of(
-             virtual_objects, [&](const VirtualObject& virtual_object) { return near_disc(virtual_object.at(publisher_.now()).at, virtual_object.radius_m); }) ||
+  return std::ranges::any_of(virtual_objects,
+                             [&](const VirtualObject& virtual_object) {
+                               return near_disc(virtual_object.at(publisher_.now()).at, virtual_object.radius_m);
+                             }) ||
          std::ranges::any_of(detected, [&](const DetectedObstacle& one) { return near_disc(one.at, one.radius_m); });
 }
 
@@ -291,7 +293,8 @@ void OrderRoller::follow_back_up(VehicleIndex vehicle, Plan::GivingWay& giving_w
     return;
   }
   const InstantActionSender::PendingAction* pending_action = action_sender_.find(giving_way.handle);
-  const wire::ActionStatus status = pending_action == nullptr ? wire::ActionStatus::failed : pending_action->actions.front().status;
+  const wire::ActionStatus status =
+      pending_action == nullptr ? wire::ActionStatus::failed : pending_action->actions.front().status;
   const bool over = status == wire::ActionStatus::finished || status == wire::ActionStatus::failed;
   if (!over && !giving_way.stopped && near_anything(vehicle, body(vehicle), giving_way.clear_m)) {
     action_sender_.drop(giving_way.handle);

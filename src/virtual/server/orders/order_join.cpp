@@ -22,7 +22,8 @@ bool OrderRoller::joining(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   if (plan.join_handle == 0) return false;
   const InstantActionSender::PendingAction* pending_action = action_sender_.find(plan.join_handle);
-  const wire::ActionStatus status = pending_action == nullptr ? wire::ActionStatus::failed : pending_action->actions.front().status;
+  const wire::ActionStatus status =
+      pending_action == nullptr ? wire::ActionStatus::failed : pending_action->actions.front().status;
   const bool over = status == wire::ActionStatus::finished || status == wire::ActionStatus::failed;
   if (!over && publisher_.now() - plan.join_sent_at < rules_.join_timeout) return true;
   if (status == wire::ActionStatus::failed && pending_action != nullptr)

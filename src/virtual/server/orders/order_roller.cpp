@@ -102,8 +102,8 @@ void OrderRoller::follow(VehicleIndex vehicle, const wire::State& state) {
     traffic_.set_base_passed(vehicle, !state.node_states.front().released);
     return;
   }
-  publisher_.log('w', registry_[vehicle].name + ": follows update " + std::to_string(state.order_update_id) + " up to " +
-                       std::string(end_id) + ", which we did not send; taking it over");
+  publisher_.log('w', registry_[vehicle].name + ": follows update " + std::to_string(state.order_update_id) +
+                          " up to " + std::string(end_id) + ", which we did not send; taking it over");
   adopt(vehicle, state);
 }
 
@@ -118,7 +118,7 @@ void OrderRoller::adopt(VehicleIndex vehicle, const wire::State& state) {
     if (plan.strange_order != state.order_id) {
       plan.strange_order = state.order_id;
       publisher_.log('i', registry_[vehicle].name + ": follows order '" + state.order_id +
-                           "' over nodes that are not this zone's; left alone until it is done");
+                              "' over nodes that are not this zone's; left alone until it is done");
     }
     drop(plan, vehicle);
     return;
@@ -134,7 +134,7 @@ void OrderRoller::adopt(VehicleIndex vehicle, const wire::State& state) {
   traffic_.set_base_end(vehicle, plan.base_end);
   traffic_.set_base_passed(vehicle, !state.node_states.front().released);
   publisher_.log('i', registry_[vehicle].name + ": took over order '" + plan.order_id + "', update " +
-                       std::to_string(plan.update_id) + ", base up to " + std::string(end_id));
+                          std::to_string(plan.update_id) + ", base up to " + std::string(end_id));
 }
 
 std::optional<WaypointIndex> OrderRoller::adopt_course(VehicleIndex vehicle, const wire::State& state) {
@@ -178,7 +178,7 @@ bool OrderRoller::refused(const Plan& plan, const wire::State& state, const wire
 void OrderRoller::give_up(VehicleIndex vehicle, const wire::State& state, const std::string& why) {
   Plan& plan = plans_[vehicle];
   publisher_.log('w', registry_[vehicle].name + ": refused order '" + plan.order_id + "' update " +
-                       std::to_string(plan.update_id) + " (" + why + "); a new one follows");
+                          std::to_string(plan.update_id) + " (" + why + "); a new one follows");
   if (state.node_states.empty())
     drop(plan, vehicle);
   else
@@ -391,7 +391,7 @@ void OrderRoller::join_convoy(VehicleIndex vehicle) {
   std::string through;
   for (const CrossingIndex x : crossings) through += (through.empty() ? "" : " and ") + map_->zone().crossings[x].name;
   publisher_.explain(registry_[vehicle], "convoy",
-                  "convoy of " + std::to_string(size) + " through " + through + ", behind " + registry_[ahead].name);
+                     "convoy of " + std::to_string(size) + " through " + through + ", behind " + registry_[ahead].name);
 }
 
 void OrderRoller::send(VehicleIndex vehicle, const Extension& from) {

@@ -33,9 +33,9 @@ struct RollerRules {
   SimDuration make_room_after{std::chrono::seconds{4}};  ///< it goes onto the line where it cannot drive on, either
   SimDuration join_timeout{std::chrono::seconds{15}};
   SimDuration cancel_again{std::chrono::seconds{5}};
-  SimDuration unresponsive_for{std::chrono::seconds{12}};     ///< one of ours with way before it and no reason to stand
-  SimDuration gives_way_for{std::chrono::seconds{12}};  ///< at most
-  double others_gone_m{0.5};                            ///< it goes on when those it gave way to have come so far
+  SimDuration unresponsive_for{std::chrono::seconds{12}};  ///< one of ours with way before it and no reason to stand
+  SimDuration gives_way_for{std::chrono::seconds{12}};     ///< at most
+  double others_gone_m{0.5};                               ///< it goes on when those it gave way to have come so far
   double back_up_m_max{0.5};
 };
 
@@ -89,7 +89,9 @@ class OrderRoller {
   /// What it was ordered to do is seen: it has an order, on the zone that is there now.
   [[nodiscard]] bool has_order(VehicleIndex vehicle) const { return plans_[vehicle].stage == Plan::Stage::running; }
   /// Where it stands beside the line and goes onto it; nothing: it is on the line, or has not been sent there.
-  [[nodiscard]] const std::optional<zone::Place>& entry_point(VehicleIndex vehicle) const { return plans_[vehicle].entry_point; }
+  [[nodiscard]] const std::optional<zone::Place>& entry_point(VehicleIndex vehicle) const {
+    return plans_[vehicle].entry_point;
+  }
   /// Of those that stand off the line: the mission's goal is where somebody else stands.
   [[nodiscard]] std::string stands_at_goal(VehicleIndex vehicle) const;
 
@@ -141,19 +143,19 @@ class OrderRoller {
     std::optional<SimTime> waits_since;
     std::optional<SimTime> unresponsive_since;           ///< it stands with base before it, and says no reason
     InstantActionSender::ActionHandle cancel_handle{0};  ///< of the cancelOrder on its way; 0: none
-    std::uint64_t way_of{0};                       ///< the missions' revision that its course was planned for; 0: none
-    std::optional<zone::SectionId> no_way;         ///< there is none from here
-    std::optional<zone::Place> entry_point;             ///< where it comes onto the line
-    InstantActionSender::ActionHandle join_handle{0};    ///< of the joinLine on its way; 0: none
+    std::uint64_t way_of{0};                 ///< the missions' revision that its course was planned for; 0: none
+    std::optional<zone::SectionId> no_way;   ///< there is none from here
+    std::optional<zone::Place> entry_point;  ///< where it comes onto the line
+    InstantActionSender::ActionHandle join_handle{0};  ///< of the joinLine on its way; 0: none
     SimTime join_sent_at{};
     struct GivingWay {
       SimTime until{};
       std::vector<std::pair<VehicleIndex, Point2>> others;  ///< for whom, and where they stood
       bool drops_order{false};
-      double back_m{0.0};                     ///< 0: it does not back up
+      double back_m{0.0};                           ///< 0: it does not back up
       InstantActionSender::ActionHandle handle{0};  ///< of its backUp; 0: not sent yet
-      double clear_m{0.0};                    ///< it stops when anything comes nearer
-      bool stopped{false};                    ///< on its way back, as somebody came
+      double clear_m{0.0};                          ///< it stops when anything comes nearer
+      bool stopped{false};                          ///< on its way back, as somebody came
     };
     std::optional<GivingWay> giving_way;
     bool moves_up{false};  ///< the next stretch may end nearer to the one ahead than the gap

@@ -69,9 +69,9 @@ bool OrderRoller::stands_silently(VehicleIndex vehicle) {
   const wire::State& state = *proxy.state;
   // Those of other makes may have reasons of their own.
   const bool unresponsive = proxy.is_cosiva() && stands(vehicle) && !state.field_violation && !state.paused &&
-                      !proxy.paused_for_body && state.errors.empty() && state.e_stop == wire::EStop::none &&
-                      plan.standing.place &&
-                      traffic_.base_left_m(vehicle, *plan.standing.place).value_or(0.0) > way_m_min;
+                            !proxy.paused_for_body && state.errors.empty() && state.e_stop == wire::EStop::none &&
+                            plan.standing.place &&
+                            traffic_.base_left_m(vehicle, *plan.standing.place).value_or(0.0) > way_m_min;
   if (!unresponsive) {
     plan.unresponsive_since.reset();
     return false;

@@ -159,7 +159,7 @@ bool OrderRoller::plan_course_again(VehicleIndex vehicle) {
   for (std::size_t i = 0; i < released.size(); ++i) {
     if (!missions_.is_closed(released[i]) || (has_siblings && i + 1 == released.size())) continue;
     publisher_.log('i', registry_[vehicle].name + ": its base leads into '" + map_->circuit().part(released[i]).name +
-                         "', which is closed now; cancelled, a new order follows");
+                            "', which is closed now; cancelled, a new order follows");
     cancel(vehicle);
     return false;
   }
@@ -252,7 +252,8 @@ void OrderRoller::follow_line(VehicleIndex vehicle) {
   Standing& standing = plan.standing;
   const zone::Circuit& circuit = map_->circuit();
   const Sections coming = traffic_.coming(vehicle);
-  std::array<zone::SectionId, 2> candidates{plan.entry_point->section, coming.empty() ? plan.entry_point->section : coming[0]};
+  std::array<zone::SectionId, 2> candidates{plan.entry_point->section,
+                                            coming.empty() ? plan.entry_point->section : coming[0]};
   for (const zone::SectionId section : candidates) {
     const auto near = circuit.section(section).nearest(position(standing.X_MB));
     const double off_rad =
@@ -329,7 +330,8 @@ std::optional<zone::Place> OrderRoller::comes_onto_line_at(VehicleIndex vehicle)
   const Plan& plan = plans_[vehicle];
   if (plan.entry_point) return plan.entry_point;
   // Who waits to come onto the line is let in, but not for ever: it may be that it cannot.
-  if (!plan.waits_since || publisher_.now() - *plan.waits_since > rules_.let_in_for || !goes_onto_line(vehicle)) return {};
+  if (!plan.waits_since || publisher_.now() - *plan.waits_since > rules_.let_in_for || !goes_onto_line(vehicle))
+    return {};
   const auto entry_point = zone::snap_to_path(map_->circuit(), plan.standing.X_MB);
   return entry_point ? std::optional{entry_point->place} : std::nullopt;
 }

@@ -76,7 +76,8 @@ std::optional<VehicleIndex> Registry::add(const wire::VehicleId& id, SimTime now
   for (const auto topic :
        {VehicleTopic::connection, VehicleTopic::state, VehicleTopic::visualization, VehicleTopic::factsheet})
     topics_.emplace(wire::vda_topic(id, to_string(topic), interface_name_), Address{index, topic});
-  topics_.emplace(wire::own_topic(wire::virtual_obstacles_ack_topic_prefix, id), Address{index, VehicleTopic::perceived});
+  topics_.emplace(wire::own_topic(wire::virtual_obstacles_ack_topic_prefix, id),
+                  Address{index, VehicleTopic::perceived});
   topics_.emplace(wire::own_topic(wire::detected_obstacle_topic_prefix, id), Address{index, VehicleTopic::detected});
   topics_.emplace(wire::own_topic(wire::boards_topic_prefix, id), Address{index, VehicleTopic::boards});
   proxy.augmented = id.manufacturer == wire::virtual_manufacturer;

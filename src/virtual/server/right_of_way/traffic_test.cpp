@@ -402,7 +402,8 @@ struct Fleet {
   explicit Fleet(std::size_t count, double loss = 0.0) {
     fixture.loss = loss;
     std::size_t number = 0;
-    for (const zone::Place place : fixture.zone->start_places(count)) fixture.add("AIV" + std::to_string(++number), place);
+    for (const zone::Place place : fixture.zone->start_places(count))
+      fixture.add("AIV" + std::to_string(++number), place);
     fixture.each_step = [this] {
       for (std::size_t i = 0; i < fixture.vehicles.size(); ++i)
         for (std::size_t j = 0; j < i; ++j)

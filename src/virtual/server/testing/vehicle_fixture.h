@@ -162,7 +162,8 @@ class FixtureVehicle {
   /// Carried to where no way leads, or anywhere else.
   void put(const Pose2& X_MB) {
     off_line = X_MB;
-    if (const auto entry_point = zone::snap_to_path(zone_->circuit, X_MB)) motion = {zone_->circuit, entry_point->place};
+    if (const auto entry_point = zone::snap_to_path(zone_->circuit, X_MB))
+      motion = {zone_->circuit, entry_point->place};
     book.emplace(*zone_);
     state_due = true;
   }
@@ -202,8 +203,8 @@ class FixtureVehicle {
     const bool brakes = next_zone_ != nullptr && brakes_for_ <= SimDuration::zero();
     const double left_m = book->distance_to_base_end_m();
     const double target_m = paused || blocked || brakes || hangs_on == book->order_id()
-                              ? 0.0
-                              : std::min(left_m, cruise_mps * to_seconds(dt));
+                                ? 0.0
+                                : std::min(left_m, cruise_mps * to_seconds(dt));
     const double moved_m = backs_m > 0.0 ? -back(dt) : off_line ? 0.0 : drive(target_m);
     driven_m += std::max(0.0, moved_m);
     const double speed = off_line && (target_m > 0.0 || !joins.empty()) ? seek(dt) : moved_m / to_seconds(dt);

@@ -70,7 +70,8 @@ Result<std::string> GroundTruthComparator::on_message(SimTime now, const wire::I
   if (input.source != wire::gvs_detections_topic || input.flag || input.payload.empty()) return std::string{};
   auto detections = wire::gvs_detections_from_json(input.payload);
   if (!detections) return tl::unexpected(detections.error());
-  if (detections_ && detections->timestamp <= detections_->timestamp && detections_->timestamp - detections->timestamp < reorder_max)
+  if (detections_ && detections->timestamp <= detections_->timestamp &&
+      detections_->timestamp - detections->timestamp < reorder_max)
     return std::string{};
   const bool news = !detections_ || detections_->detections.size() != detections->detections.size();
   take(now, std::move(*detections));
@@ -156,7 +157,8 @@ void GroundTruthComparator::record_twins() {
 std::string_view GroundTruthComparator::state() const {
   if (connection_ && connection_->state != wire::ConnectionState::online)
     return connection_->state == wire::ConnectionState::offline ? "ended" : "broken";
-  const SimDuration limit = std::max(unresponsive_after, detections_ ? from_seconds(3.0 * detections_->period_s) : unresponsive_after);
+  const SimDuration limit =
+      std::max(unresponsive_after, detections_ ? from_seconds(3.0 * detections_->period_s) : unresponsive_after);
   return detections_ && now_ - detections_at_ <= limit ? "watching" : "unresponsive";
 }
 
@@ -192,14 +194,16 @@ std::vector<Finding> GroundTruthComparator::find(bool unknown_senders) {
       return findings;
     std::string text = now_it == "broken" ? "the camera's program is gone" : "no picture comes";
     if (connection_ && !connection_->trouble.empty()) text += ": " + connection_->trouble;
-    findings.push_back({Finding::Kind::no_detection, "GVS", std::move(text), since(Finding::Kind::no_detection, "GVS")});
+    findings.push_back(
+        {Finding::Kind::no_detection, "GVS", std::move(text), since(Finding::Kind::no_detection, "GVS")});
     return findings;
   }
   for (const auto& [name, detected] : detected_) {
-    if (!unknown_senders || twin_of(name) || now_ - detected.since <= timeout || now_ - detected.arrived > timeout) continue;
+    if (!unknown_senders || twin_of(name) || now_ - detected.since <= timeout || now_ - detected.arrived > timeout)
+      continue;
     findings.push_back({Finding::Kind::no_twin, name,
-                        "the camera sees it (tag " + std::to_string(detected.tag) + ") at " + place_text(detected.X_MB) +
-                            ", and it has no twin",
+                        "the camera sees it (tag " + std::to_string(detected.tag) + ") at " +
+                            place_text(detected.X_MB) + ", and it has no twin",
                         since(Finding::Kind::no_twin, name)});
   }
   find_unseen(findings);

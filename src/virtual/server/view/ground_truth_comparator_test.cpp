@@ -22,7 +22,7 @@ class GvsFixture : public testing::Test {
   }
   void connect(wire::ConnectionState state, const std::string& trouble = {}) {
     fixture.feed(wire::InputKind::message, "cosiva/v1/gvs/connection",
-               wire::to_json(wire::GvsConnection{state, fixture.now, "a camera", trouble}), true);
+                 wire::to_json(wire::GvsConnection{state, fixture.now, "a camera", trouble}), true);
   }
   /// A picture that was taken a tenth of a second ago, by a camera that sees all of the oval.
   void look(const std::vector<std::pair<std::string, Pose2>>& vehicles) {
@@ -138,8 +138,8 @@ TEST_F(GvsFixture, misses_nobody_outside_of_what_it_sees) {
 }
 
 TEST_F(GvsFixture, a_virtual_aiv_is_seen_by_no_camera_and_missed_by_none) {
-  fixture.ask(R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv","section":")" + fixture.zone->circuit.part(0).name +
-            R"(","s":1.4}})");
+  fixture.ask(R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv","section":")" +
+              fixture.zone->circuit.part(0).name + R"(","s":1.4}})");
   watch(6s, {{"CoSiVA/AIV1", aiv.pose()}});
   ASSERT_EQ(*fixture.bijection().number("augmented"), 1.0);
   EXPECT_THAT(findings(), IsEmpty());
@@ -202,7 +202,8 @@ TEST_F(GvsFixture, a_flood_of_names_takes_no_more_than_its_share) {
   for (int i = 0; i < 3; ++i) {
     wire::GvsDetections detections{++images, fixture.now, 0.25, {}, {}};
     for (std::uint32_t n = 0; n < 200; ++n)
-      detections.detections.push_back({"made/up" + std::to_string(200U * static_cast<unsigned>(i) + n), n, fixture.now, {}, 0.0});
+      detections.detections.push_back(
+          {"made/up" + std::to_string(200U * static_cast<unsigned>(i) + n), n, fixture.now, {}, 0.0});
     say(wire::to_json(detections));
     fixture.run_for(20ms);
   }

@@ -38,14 +38,14 @@ std::optional<wire::Action> MapDeployment::next_action(VehicleIndex vehicle, con
 bool MapDeployment::under_way(Step& step) const {
   if (step.handle == 0) return false;
   const InstantActionSender::PendingAction* pending_action = action_sender_.find(step.handle);
-  const bool done =
-      pending_action == nullptr || std::ranges::all_of(pending_action->actions, [](const InstantActionSender::Progress& action) {
-        return action.detected &&
-               (action.status == wire::ActionStatus::finished || action.status == wire::ActionStatus::failed);
-      });
+  const bool done = pending_action == nullptr ||
+                    std::ranges::all_of(pending_action->actions, [](const InstantActionSender::Progress& action) {
+                      return action.detected && (action.status == wire::ActionStatus::finished ||
+                                                 action.status == wire::ActionStatus::failed);
+                    });
   if (!done && publisher_.now() - step.sent_at < timeout) return true;
-  const bool finished =
-      pending_action != nullptr && !pending_action->actions.empty() && pending_action->actions.front().status == wire::ActionStatus::finished;
+  const bool finished = pending_action != nullptr && !pending_action->actions.empty() &&
+                        pending_action->actions.front().status == wire::ActionStatus::finished;
   // Its next state may still be from before; and what failed is not asked for all the time.
   step.not_before = publisher_.now() + (finished ? SimDuration{std::chrono::seconds{1}} : again_after);
   action_sender_.drop(std::exchange(step.handle, 0));
@@ -61,7 +61,7 @@ void MapDeployment::step(VehicleIndex vehicle, const Map& map) {
   auto action = next_action(vehicle, map);
   if (!action) return;
   publisher_.log('i', proxy.name + ": is on map '" + proxy.map_id + "'; asked for " + action->action_type + " of '" +
-                       map.id + "'");
+                          map.id + "'");
   step.sent_at = publisher_.now();
   step.handle = action_sender_.send(proxy, vehicle, {std::move(*action)}, timeout, true);
 }
