@@ -87,14 +87,14 @@ Result<Fleet> make_fleet(const Options& options, const std::shared_ptr<const zon
   const std::size_t per_copy = options.per_copy == 0 ? vehicles : options.per_copy;
   // Half as many places again as vehicles, of which each copy takes others: copies that all do the same at the same
   // time would be guessed rightly by the processor's every branch.
-  std::vector<virtual_side::FleetStart> places = Fleet::spread(*zone, per_copy + per_copy / 2);
-  if (places.empty()) return fail("fleet", "no vehicle can begin in this zone");
+  std::vector<virtual_side::FleetStart> positions = Fleet::spread(*zone, per_copy + per_copy / 2);
+  if (positions.empty()) return fail("fleet", "no vehicle can begin in this zone");
   Random random{options.seed, "starts"};
   std::vector<virtual_side::FleetStart> starts;
   for (std::uint32_t copy = 0; starts.size() < vehicles; ++copy) {
-    for (std::size_t k = 0; k < std::min({places.size(), per_copy, vehicles - starts.size()}); ++k) {
-      std::swap(places[k], places[k + random.below(places.size() - k)]);
-      starts.push_back({copy, places[k].place, 0});
+    for (std::size_t k = 0; k < std::min({positions.size(), per_copy, vehicles - starts.size()}); ++k) {
+      std::swap(positions[k], positions[k + random.below(positions.size() - k)]);
+      starts.push_back({copy, positions[k].position, 0});
     }
   }
   return Fleet::make(zone, {.rules = *rules}, starts);

@@ -27,7 +27,7 @@ Fleet make_fleet(const zone::Circuit& circuit, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
     const auto section = static_cast<zone::SectionId>(random.below(circuit.size()));
     const double s_m = random.uniform(0.0, circuit.section(section).length_m());
-    fleet.aivs.emplace_back(circuit, zone::Place{section, s_m});
+    fleet.aivs.emplace_back(circuit, zone::TrackPosition{section, s_m});
     fleet.DTT_m.push_back(random.uniform(0.005, 0.04));
   }
   fleet.poses.resize(count);

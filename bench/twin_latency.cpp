@@ -176,8 +176,8 @@ class Publisher {
  public:
   Publisher(const Options& options, const zone::TrafficZone& zone, std::uint16_t port)
       : options_{options}, zone_{zone}, client_{port, "", {}} {
-    for (const zone::Place place : zone.start_places(options.vehicles)) {
-      motions_.emplace_back(zone.circuit, place);
+    for (const zone::TrackPosition position : zone.start_positions(options.vehicles)) {
+      motions_.emplace_back(zone.circuit, position);
       ids_.push_back({std::string(wire::our_manufacturer), "AIV" + std::to_string(ids_.size() + 1)});
     }
   }
@@ -224,7 +224,7 @@ class Publisher {
         fixture::sample_state(ids_[vehicle], number, clock_.now(), motion.pose(zone_.circuit), zone_.name);
     state.order_id = "round-" + ids_[vehicle].serial_number;
     state.order_update_id = 1;
-    std::size_t waypoint = zone_.waypoint_behind(motion.place(zone_.circuit));
+    std::size_t waypoint = zone_.waypoint_behind(motion.track_position(zone_.circuit));
     state.last_node_id = zone_.waypoints[waypoint].id;
     for (std::size_t i = 0; i < state.node_states.size(); ++i) {
       const std::size_t next = zone_.next_waypoint(waypoint);

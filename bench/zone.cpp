@@ -125,7 +125,7 @@ void locating(const zone::Circuit& circuit, const char* where, const std::vector
   const auto plainly = [&](const Pose2& X_MB) { return look_at_every_section(circuit, position(X_MB)); };
   for (std::size_t i = 0; i < few; ++i) {
     const Pose2& X_MB = poses[i % poses.size()];
-    COSIVA_EXPECT(plainly(X_MB).place == without(X_MB).place);
+    COSIVA_EXPECT(plainly(X_MB).position == without(X_MB).position);
   }
   row("  locate, without, over looking at every section", indexed / million_per_s(poses, few, plainly), "times");
 }
@@ -137,7 +137,7 @@ void routing(const zone::TrafficZone& zone, int rounds) {
   const double s = median_s(rounds, [&] {
     const auto& from = zone.stations[random.below(zone.stations.size())];
     const auto& to = zone.stations[random.below(zone.stations.size())];
-    const auto route = router.plan(from.place, to.place);
+    const auto route = router.plan(from.position, to.position);
     COSIVA_EXPECT(route.has_value());
     length_m += route->length_m;
   });

@@ -55,8 +55,8 @@ class Tour {
       : zone_{zone}, router_{zone}, driven_{driven}, last_m_(zone.circuit.size()) {
     for (zone::SectionId id = 0; id < last_m_.size(); ++id) last_m_[id] = zone.circuit.section(id).length_m();
     for (const zone::Waypoint& waypoint : zone.waypoints) {
-      if (waypoint.place.s_m > 0.5 * zone.circuit.section(waypoint.place.section).length_m())
-        last_m_[waypoint.place.section] = waypoint.place.s_m;
+      if (waypoint.position.s_m > 0.5 * zone.circuit.section(waypoint.position.section).length_m())
+        last_m_[waypoint.position.section] = waypoint.position.s_m;
     }
     experiments::WorldOptions options;
     options.zone = configuration;
@@ -83,7 +83,7 @@ class Tour {
   [[nodiscard]] double virtual_s() const { return virtual_s_; }
   [[nodiscard]] std::uint64_t digest() const { return world_ ? world_->digest().value() : 0; }
   [[nodiscard]] double driven_m() const { return world_ ? world_->plant().vehicles().front().distance_m : 0.0; }
-  [[nodiscard]] zone::Place place() const { return here_; }
+  [[nodiscard]] zone::TrackPosition track_position() const { return here_; }
 
  private:
   struct Goal {
@@ -94,16 +94,16 @@ class Tour {
   };
 
   void look() {
-    const auto place = world_->plant().vehicles().front().place;
-    if (!place) return;
+    const auto position = world_->plant().vehicles().front().position;
+    if (!position) return;
     if (begun_) {
-      const auto way = zone_.circuit.shortest_way(here_, *place, 1.0);
+      const auto way = zone_.circuit.shortest_way(here_, *position, 1.0);
       // Driven is what it has left at its end, or come to the last waypoint of.
       if (way)
-        for (const zone::SectionId id : way->sections) driven_[id] = driven_[id] || id != place->section;
+        for (const zone::SectionId id : way->sections) driven_[id] = driven_[id] || id != position->section;
     }
     begun_ = true;
-    here_ = *place;
+    here_ = *position;
     if (here_.s_m >= last_m_[here_.section] - 0.03) driven_[here_.section] = true;
   }
 
@@ -134,8 +134,8 @@ class Tour {
   [[nodiscard]] std::optional<Goal> goal_for(zone::SectionId id, double length_m) const {
     const zone::Waypoint* own = nullptr;
     for (const zone::Waypoint& waypoint : zone_.waypoints)
-      if (waypoint.place.section == id && waypoint.place.s_m > 0.0) own = &waypoint;
-    const bool there = own != nullptr && here_.section == id && here_.s_m > own->place.s_m - 0.1;
+      if (waypoint.position.section == id && waypoint.position.s_m > 0.0) own = &waypoint;
+    const bool there = own != nullptr && here_.section == id && here_.s_m > own->position.s_m - 0.1;
     if (own != nullptr && !there) return Goal{own->id, id, length_m, {}};
     for (const zone::SectionId after : zone_.circuit.next(id))
       if (auto goal = goal_beyond(id, after, length_m)) return goal;
@@ -147,7 +147,7 @@ class Tour {
     const zone::Waypoint* found = nullptr;
     for (std::size_t steps = 0; found == nullptr && steps < zone_.circuit.size(); ++steps) {
       for (const zone::Waypoint& waypoint : zone_.waypoints)
-        if (found == nullptr && waypoint.place.section == to) found = &waypoint;
+        if (found == nullptr && waypoint.position.section == to) found = &waypoint;
       if (found == nullptr && zone_.circuit.next(to).empty()) return std::nullopt;
       if (found == nullptr) to = zone_.circuit.next(to).front();
     }
@@ -155,7 +155,7 @@ class Tour {
     Goal goal{found->id, id, length_m, {}};
     if (here_.section == id) return goal;
     for (const std::size_t index : zone_.find_waypoints(found->id))
-      add_rivals(id, to == after ? zone_.waypoints[index].place.section : after, goal.rivals);
+      add_rivals(id, to == after ? zone_.waypoints[index].position.section : after, goal.rivals);
     return goal;
   }
 
@@ -220,7 +220,7 @@ class Tour {
   std::vector<double> last_m_;          ///< of each section: its last waypoint's place
   std::vector<zone::SectionId> tried_;  ///< in vain, once for each time
   std::unique_ptr<experiments::World> world_;
-  zone::Place here_;
+  zone::TrackPosition here_;
   bool begun_{false};
   double virtual_s_{0.0};
   std::string failure_;
@@ -266,12 +266,12 @@ struct Beginning {
 /// At the section's start, or of the nearest before it at whose start a vehicle may stand.
 std::optional<Beginning> beginning_before(const zone::Circuit& circuit, const zone::ZoneConfiguration& configuration,
                                           zone::SectionId wanted, double speed_mps) {
-  std::vector<zone::SectionId> places{wanted};
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    auto here = beginning_at(configuration, circuit.part(places[i]).name, speed_mps);
+  std::vector<zone::SectionId> positions{wanted};
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    auto here = beginning_at(configuration, circuit.part(positions[i]).name, speed_mps);
     if (auto rtm = zone::Rtm::initialise(here)) return Beginning{std::move(here), std::move(*rtm)};
-    for (const zone::SectionId before : circuit.previous(places[i]))
-      if (std::find(places.begin(), places.end(), before) == places.end()) places.push_back(before);
+    for (const zone::SectionId before : circuit.previous(positions[i]))
+      if (std::find(positions.begin(), positions.end(), before) == positions.end()) positions.push_back(before);
   }
   return std::nullopt;
 }

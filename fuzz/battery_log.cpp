@@ -10,7 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto logs = battery::read_logs(fuzz::as_text(data, size), "fuzz.csv");
   if (!logs) {
     COSIVA_EXPECT(logs.error().code.starts_with("log.") && !logs.error().message.empty());
-    COSIVA_EXPECT(logs.error().place.starts_with("fuzz.csv"));
+    COSIVA_EXPECT(logs.error().location.starts_with("fuzz.csv"));
     return 0;
   }
   for (const battery::Log& log : *logs) {

@@ -11,7 +11,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto type = battery::read_type(fuzz::as_text(data, size), "fuzz.json");
   if (!type) {
     COSIVA_EXPECT(type.error().code == "battery.type" && !type.error().message.empty());
-    COSIVA_EXPECT(type.error().place.starts_with("fuzz.json"));
+    COSIVA_EXPECT(type.error().location.starts_with("fuzz.json"));
     return 0;
   }
   // What is accepted reads back the same, and makes a pack that no load breaks.

@@ -15,7 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto text = fuzz::as_text(data, size);
   const auto points = read_points(text, "fuzz");
   if (!points) {
-    COSIVA_EXPECT(points.error().code == "gvs.points" && points.error().place.starts_with("fuzz"));
+    COSIVA_EXPECT(points.error().code == "gvs.points" && points.error().location.starts_with("fuzz"));
   } else {
     COSIVA_EXPECT(read_points(write_points(*points), "again") == points);
     // What can be read may be no floor, and says so.
@@ -26,7 +26,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   const auto calibration = read_calibration(text, "fuzz");
   if (!calibration) {
-    COSIVA_EXPECT(calibration.error().code == "gvs.calibration" && calibration.error().place.starts_with("fuzz"));
+    COSIVA_EXPECT(calibration.error().code == "gvs.calibration" && calibration.error().location.starts_with("fuzz"));
   } else {
     COSIVA_EXPECT(to_json(*read_calibration(to_json(*calibration), "again")) == to_json(*calibration));
     for (const PixelPoint pixel : {PixelPoint{0.0, 0.0}, PixelPoint{1000.0, 700.0}}) {

@@ -10,7 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto plan = experiments::read_campaign_plan(fuzz::as_text(data, size), "fuzz.toml");
   if (!plan) {
     COSIVA_EXPECT(!plan.error().code.empty() && !plan.error().message.empty());
-    COSIVA_EXPECT(plan.error().place.starts_with("fuzz.toml"));
+    COSIVA_EXPECT(plan.error().location.starts_with("fuzz.toml"));
     return 0;
   }
   COSIVA_EXPECT(plan->runs >= 1 && !plan->algorithms.empty());

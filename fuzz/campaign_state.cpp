@@ -39,7 +39,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
        {text, experiments::state_header(work()) + text, experiments::state_header(work()) + line}) {
     const auto read = experiments::read_state(state, work(), "fuzz.state");
     if (!read) {
-      COSIVA_EXPECT(read.error().code == "campaign.state" && read.error().place.starts_with("fuzz.state:"));
+      COSIVA_EXPECT(read.error().code == "campaign.state" && read.error().location.starts_with("fuzz.state:"));
       continue;
     }
     COSIVA_EXPECT(read->whole_bytes <= state.size());

@@ -10,7 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto base = fuzzy::RuleBase::read(fuzz::as_text(data, size), "fuzz.fll");
   if (!base) {
     COSIVA_EXPECT(base.error().code.starts_with("rules.") && !base.error().message.empty());
-    COSIVA_EXPECT(base.error().place.starts_with("fuzz.fll"));
+    COSIVA_EXPECT(base.error().location.starts_with("fuzz.fll"));
     return 0;
   }
   // What was read can be asked, alone and together, and says why.

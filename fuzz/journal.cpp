@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (;;) {
     const auto next = reader->next();
     if (!next) {
-      COSIVA_EXPECT(next.error().code.starts_with("journal.") && next.error().place.starts_with("offset "));
+      COSIVA_EXPECT(next.error().code.starts_with("journal.") && next.error().location.starts_with("offset "));
       break;
     }
     if (!*next) break;

@@ -21,7 +21,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto recording = read_recording("fuzz", files);
   if (!recording) {
     COSIVA_EXPECT(recording.error().code.starts_with("recording.") && !recording.error().message.empty());
-    COSIVA_EXPECT(!recording.error().place.empty());
+    COSIVA_EXPECT(!recording.error().location.empty());
     return 0;
   }
   const auto trial = replayed(*recording);

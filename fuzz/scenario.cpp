@@ -7,7 +7,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto scenario = experiments::scenario_from_toml(fuzz::as_text(data, size), "fuzz.toml");
   if (!scenario) {
     COSIVA_EXPECT(!scenario.error().code.empty() && !scenario.error().message.empty());
-    COSIVA_EXPECT(scenario.error().place.starts_with("fuzz.toml"));
+    COSIVA_EXPECT(scenario.error().location.starts_with("fuzz.toml"));
     return 0;
   }
   SimDuration last{};

@@ -10,7 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto trajectory = read_trajectory("fuzz.tum", text);
   if (!trajectory) {
     COSIVA_EXPECT(trajectory.error().code.starts_with("recording.") && !trajectory.error().message.empty());
-    COSIVA_EXPECT(trajectory.error().place.starts_with("fuzz.tum"));
+    COSIVA_EXPECT(trajectory.error().location.starts_with("fuzz.tum"));
     return 0;
   }
   for (std::size_t i = 0; i < trajectory->poses.size(); ++i) {

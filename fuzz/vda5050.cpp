@@ -12,7 +12,7 @@ void check(Result<Message> (*decode)(std::string_view), std::string_view json) {
   const Result<Message> message = decode(json);
   if (!message) {
     COSIVA_EXPECT(message.error().code.starts_with("vda.") && !message.error().message.empty());
-    COSIVA_EXPECT(!message.error().place.empty());
+    COSIVA_EXPECT(!message.error().location.empty());
     return;
   }
   const std::string written = vda::encode(*message);

@@ -80,13 +80,13 @@ class Fleet {
     const double dt_s = time_s - time_s_;
     time_s_ = time_s;
     for (Vehicle& vehicle : vehicles_)
-      vehicle.place = circuit_.advance(vehicle.place, vehicle.speed_mps * dt_s / scale_);
+      vehicle.position = circuit_.advance(vehicle.position, vehicle.speed_mps * dt_s / scale_);
   }
 
   [[nodiscard]] PositionRecord record(std::size_t i) const {
     const Vehicle& vehicle = vehicles_[i];
     const double left_m = scale_ * (vehicle.left_m + 0.02 * std::sin(time_s_ + vehicle.phase_rad));
-    const Pose2 way = circuit_.pose_at(vehicle.place);
+    const Pose2 way = circuit_.pose_at(vehicle.position);
     PositionRecord record;
     record.handle = static_cast<std::uint16_t>(i);
     record.status = static_cast<std::uint8_t>(i % 6);
@@ -102,12 +102,12 @@ class Fleet {
     for (std::size_t i = 0; i < vehicles_.size(); ++i) out.push_back(record(i));
   }
   [[nodiscard]] std::size_t size() const { return vehicles_.size(); }
-  [[nodiscard]] std::string section(std::size_t i) const { return circuit_.part(vehicles_[i].place.section).name; }
-  [[nodiscard]] double s_m(std::size_t i) const { return scale_ * vehicles_[i].place.s_m; }
+  [[nodiscard]] std::string section(std::size_t i) const { return circuit_.part(vehicles_[i].position.section).name; }
+  [[nodiscard]] double s_m(std::size_t i) const { return scale_ * vehicles_[i].position.s_m; }
 
  private:
   struct Vehicle {
-    zone::Place place;
+    zone::TrackPosition position;
     double speed_mps;
     double left_m;
     double phase_rad;

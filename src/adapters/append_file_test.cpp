@@ -42,7 +42,7 @@ TEST(AppendFile, says_where_it_cannot_write) {
   ASSERT_TRUE(full) << to_string(full.error());
   const auto written = (*full)->append("x");
   ASSERT_FALSE(written);
-  EXPECT_EQ(written.error().place, "/dev/full");
+  EXPECT_EQ(written.error().location, "/dev/full");
 }
 
 }  // namespace

@@ -149,7 +149,7 @@ TEST(Child, that_cannot_be_run_is_an_error_naming_it) {
   const auto started = Child::start(loop, std::move(options));
   ASSERT_FALSE(started);
   EXPECT_EQ(started.error().code, "child.start");
-  EXPECT_EQ(started.error().place, "/nonexistent/program");
+  EXPECT_EQ(started.error().location, "/nonexistent/program");
   EXPECT_THAT(started.error().message, HasSubstr("No such file"));
 }
 

@@ -47,7 +47,7 @@ TEST(FleetThreads, many_copies_of_a_zone_are_the_same_on_any_number_of_threads) 
   const auto zone = read(text.str());
   std::vector<FleetStart> starts;
   for (std::uint32_t copy = 0; copy < 700; ++copy)
-    for (const FleetStart& start : Fleet::spread(*zone, 4 + copy % 4)) starts.push_back({copy, start.place, 0});
+    for (const FleetStart& start : Fleet::spread(*zone, 4 + copy % 4)) starts.push_back({copy, start.position, 0});
   expect_same(zone, starts, 200);
 }
 

@@ -114,15 +114,15 @@ struct FullPipe {
 };
 
 /// `fd` is `other` as long as this lives.
-class InTheirPlace {
+class RedirectedTo {
  public:
-  InTheirPlace(int fd, int other) : fd_{fd}, was_{::dup(fd)} { ::dup2(other, fd); }
-  ~InTheirPlace() {
+  RedirectedTo(int fd, int other) : fd_{fd}, was_{::dup(fd)} { ::dup2(other, fd); }
+  ~RedirectedTo() {
     ::dup2(was_, fd_);
     ::close(was_);
   }
-  InTheirPlace(const InTheirPlace&) = delete;
-  InTheirPlace& operator=(const InTheirPlace&) = delete;
+  RedirectedTo(const RedirectedTo&) = delete;
+  RedirectedTo& operator=(const RedirectedTo&) = delete;
 
  private:
   int fd_;
@@ -279,7 +279,7 @@ TEST_F(Shell, goes_on_when_nobody_reads_its_log) {
   live.record_file = "/dev/full";  // so that there is something to say
   LiveShell shell{loop, core, live};
   {
-    const InTheirPlace stderr_is{STDERR_FILENO, log.write_end};
+    const RedirectedTo stderr_is{STDERR_FILENO, log.write_end};
     ASSERT_TRUE(shell.start());
     EXPECT_TRUE(loop.run_until([&] { return core.ticks >= 20; }, timeout));
     EXPECT_THAT(log.read_until("the journal stops here"), HasSubstr("the journal stops here"));

@@ -248,7 +248,7 @@ TEST(MqttClient, names_the_options_it_cannot_use) {
   const auto without_ca = MqttClient::make(loop, tls, {}, std::nullopt, {});
   ASSERT_FALSE(without_ca);
   EXPECT_EQ(without_ca.error().code, "mqtt.tls");
-  EXPECT_THAT(without_ca.error().place, HasSubstr("/nonexistent/ca.pem"));
+  EXPECT_THAT(without_ca.error().location, HasSubstr("/nonexistent/ca.pem"));
 
   MqttOptions user;
   user.user = "cosiva";

@@ -11,21 +11,21 @@ namespace cosiva {
 struct Error {
   std::string code;     ///< short and stable, for programs: "zone.gap", "order.outdated"
   std::string message;  ///< for people, one sentence
-  std::string place;    ///< where it was found; may be empty
+  std::string location;    ///< where it was found; may be empty
 
   friend bool operator==(const Error&, const Error&) = default;
 };
 
 /// "place: message", as commands print it.
 [[nodiscard]] inline std::string to_string(const Error& error) {
-  return error.place.empty() ? error.message : error.place + ": " + error.message;
+  return error.location.empty() ? error.message : error.location + ": " + error.message;
 }
 
 template <typename T>
 using Result = tl::expected<T, Error>;
 
-[[nodiscard]] inline tl::unexpected<Error> fail(std::string code, std::string message, std::string place = {}) {
-  return tl::unexpected<Error>(Error{std::move(code), std::move(message), std::move(place)});
+[[nodiscard]] inline tl::unexpected<Error> fail(std::string code, std::string message, std::string location = {}) {
+  return tl::unexpected<Error>(Error{std::move(code), std::move(message), std::move(location)});
 }
 
 }  // namespace cosiva

@@ -348,22 +348,22 @@ class CellMaker {
       for (const Candidate& candidate : some)
         for (const Value factor : candidate.factors) flags[factor] = steps.number(factor) == 1.0 ? 0 : 1;
     flag_needed(steps, flags);
-    std::vector<std::uint16_t> places(flags.size(), static_cast<std::uint16_t>(at_one()));
-    for (std::size_t i = 0; i < steps.inputs(); ++i) places[i] = static_cast<std::uint16_t>(i);
+    std::vector<std::uint16_t> slots(flags.size(), static_cast<std::uint16_t>(at_one()));
+    for (std::size_t i = 0; i < steps.inputs(); ++i) slots[i] = static_cast<std::uint16_t>(i);
     std::size_t next = next_;
     for (std::size_t i = 0; i < steps.steps().size(); ++i) {
       if (flags[steps.inputs() + i] == 0) continue;
       COSIVA_EXPECT(next < at_one() + 1 + values_max);
       const Steps::Wide& step = steps.steps()[i];
       const auto out = static_cast<std::uint16_t>(next++);
-      places[steps.inputs() + i] = out;
-      cells_.steps.push_back({steps.ops()[i], places[step.a], places[step.b], out, step.p, step.q, step.r});
+      slots[steps.inputs() + i] = out;
+      cells_.steps.push_back({steps.ops()[i], slots[step.a], slots[step.b], out, step.p, step.q, step.r});
     }
     for (const auto& some : by_output) {
       firings.emplace_back();
       for (const Candidate& candidate : some) {
         const auto factor = [&](std::size_t k) {
-          return k < candidate.factors.size() ? places[candidate.factors[k]] : static_cast<std::uint16_t>(at_one());
+          return k < candidate.factors.size() ? slots[candidate.factors[k]] : static_cast<std::uint16_t>(at_one());
         };
         firings.back().push_back({factor(0), factor(1), factor(2), candidate.says_too, candidate.says,
                                   candidate.keeps ? 1.0 : 0.0, candidate.ends ? 1.0 : 0.0});

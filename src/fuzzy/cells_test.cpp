@@ -43,7 +43,7 @@ std::vector<double> by_the_whole_program(const Both& both, const std::vector<dou
   std::ranges::copy(question, values.begin());
   run_one(both.compiled.program, values.data());
   std::vector<double> responses;
-  for (const std::uint16_t place : both.compiled.program.outputs) responses.push_back(values[place]);
+  for (const std::uint16_t slot : both.compiled.program.outputs) responses.push_back(values[slot]);
   return responses;
 }
 

@@ -104,8 +104,8 @@ class Compiler {
       if (!narrowed.known.back()) open.push_back(value);
     }
     const std::vector<std::size_t> order = schedule(open, narrowed.program);
-    const std::vector<std::uint16_t> places = place(order, open, narrowed.program);
-    for (const Value value : outputs) narrowed.program.outputs.push_back(places[value]);
+    const std::vector<std::uint16_t> slots = assign_slots(order, open, narrowed.program);
+    for (const Value value : outputs) narrowed.program.outputs.push_back(slots[value]);
     return narrowed;
   }
 
@@ -124,8 +124,8 @@ class Compiler {
     if (auto fits = fit(); !fits) return tl::unexpected(fits.error());
     Compiled compiled;
     const std::vector<std::size_t> order = schedule(outputs, compiled.program);
-    const std::vector<std::uint16_t> places = place(order, outputs, compiled.program);
-    for (const Value value : outputs) compiled.program.outputs.push_back(places[value]);
+    const std::vector<std::uint16_t> slots = assign_slots(order, outputs, compiled.program);
+    for (const Value value : outputs) compiled.program.outputs.push_back(slots[value]);
     if (keep_ == Keep::responses) {
       compiled.cells = make_cells(steps_, weighings_);
       return compiled;
@@ -133,7 +133,7 @@ class Compiler {
     const auto placed = [&](const std::vector<std::vector<Value>>& all) {
       std::vector<std::vector<std::uint16_t>> to(all.size());
       for (std::size_t i = 0; i < all.size(); ++i)
-        for (const Value value : all[i]) to[i].push_back(places[value]);
+        for (const Value value : all[i]) to[i].push_back(slots[value]);
       return to;
     };
     compiled.memberships = placed(memberships);
@@ -301,7 +301,7 @@ class Compiler {
 
   /// Writes the steps in their order, and gives each value its place: one whose last reader is behind it gives its own
   /// to the next.
-  std::vector<std::uint16_t> place(const std::vector<std::size_t>& order, const std::vector<Value>& outputs,
+  std::vector<std::uint16_t> assign_slots(const std::vector<std::size_t>& order, const std::vector<Value>& outputs,
                                    Program& program) const {
     const std::size_t inputs = steps_.inputs();
     constexpr std::size_t for_ever = values_max + 1;
@@ -313,25 +313,25 @@ class Compiler {
       }
       for (const Value value : outputs) last_read[value] = for_ever;
     }
-    std::vector<std::uint16_t> places(last_read.size());
-    for (std::size_t i = 0; i < inputs; ++i) places[i] = static_cast<std::uint16_t>(i);
+    std::vector<std::uint16_t> slots(last_read.size());
+    for (std::size_t i = 0; i < inputs; ++i) slots[i] = static_cast<std::uint16_t>(i);
     program.inputs = inputs;
     program.values = inputs;
     std::vector<std::uint16_t> free;
     for (std::size_t at = 0; at < order.size(); ++at) {
       const Steps::Wide& step = steps_.steps()[order[at]];
-      std::uint16_t& out = places[inputs + order[at]];
+      std::uint16_t& out = slots[inputs + order[at]];
       if (free.empty()) {
         out = static_cast<std::uint16_t>(program.values++);
       } else {
         out = free.back();
         free.pop_back();
       }
-      program.steps.push_back({places[step.a], places[step.b], out, step.p, step.q, step.r});
-      if (last_read[step.a] == at) free.push_back(places[step.a]);
-      if (step.b != step.a && last_read[step.b] == at) free.push_back(places[step.b]);
+      program.steps.push_back({slots[step.a], slots[step.b], out, step.p, step.q, step.r});
+      if (last_read[step.a] == at) free.push_back(slots[step.a]);
+      if (step.b != step.a && last_read[step.b] == at) free.push_back(slots[step.b]);
     }
-    return places;
+    return slots;
   }
 
   template <typename IsReady>

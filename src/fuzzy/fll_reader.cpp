@@ -104,7 +104,7 @@ class Reader {
     if (find_name(engine_.inputs, name.text) || find_name(engine_.outputs, name.text))
       return refuse(origin_, name, "there is another variable " + quoted(name.text));
     if (engine_.inputs.size() + engine_.outputs.size() >= variables_max)
-      return fail("rules.size", "a rule file has at most 64 variables", place_of(origin_, name));
+      return fail("rules.size", "a rule file has at most 64 variables", location_of(origin_, name));
     variable.name = std::string(name.text);
     variable.line = name.line;
     return {};
@@ -147,7 +147,7 @@ class Reader {
     if (find_name(variable.terms, term->name))
       return refuse(origin_, line.value, quoted(variable.name) + " has another term " + quoted(term->name));
     if (variable.terms.size() >= terms_max)
-      return fail("rules.size", "a variable has at most 64 terms", place_of(origin_, line.value));
+      return fail("rules.size", "a variable has at most 64 terms", location_of(origin_, line.value));
     variable.terms.push_back(std::move(*term));
     return {};
   }
@@ -252,7 +252,7 @@ class Reader {
       if (!rule) return tl::unexpected(rule.error());
       if (!is_enabled) continue;
       if (engine_.rules.size() >= rules_max)
-        return fail("rules.size", "a rule file has at most 512 rules", place_of(origin_, line.value));
+        return fail("rules.size", "a rule file has at most 512 rules", location_of(origin_, line.value));
       engine_.rules.push_back(std::move(*rule));
     }
     return {};

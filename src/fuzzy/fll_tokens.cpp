@@ -19,12 +19,12 @@ Word trimmed(Word word) {
 
 }  // namespace
 
-std::string place_of(std::string_view origin, const Word& word) {
+std::string location_of(std::string_view origin, const Word& word) {
   return std::string(origin) + ":" + std::to_string(word.line) + ":" + std::to_string(word.column);
 }
 
 tl::unexpected<Error> refuse(std::string_view origin, const Word& word, std::string message) {
-  return fail("rules.syntax", std::move(message), place_of(origin, word));
+  return fail("rules.syntax", std::move(message), location_of(origin, word));
 }
 
 Result<std::vector<Line>> split_lines(std::string_view text, std::string_view origin) {

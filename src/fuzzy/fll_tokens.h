@@ -24,7 +24,7 @@ struct Line {
 };
 
 /// "file:line:column".
-[[nodiscard]] std::string place_of(std::string_view origin, const Word& word);
+[[nodiscard]] std::string location_of(std::string_view origin, const Word& word);
 [[nodiscard]] tl::unexpected<Error> refuse(std::string_view origin, const Word& word, std::string message);
 
 /// All lines that say something. Fails on the first one without a colon.

@@ -17,11 +17,11 @@ namespace server_fixture = virtual_side::fixture;
 
 struct PageFixture {
   PageFixture() {
-    const auto place = [&](const char* section, double s_m) {
-      return zone::Place{*server.zone->circuit.find(section), s_m};
+    const auto position = [&](const char* section, double s_m) {
+      return zone::TrackPosition{*server.zone->circuit.find(section), s_m};
     };
-    server.add("AIV1", place("east", 0.5));
-    server.add("AIV2", place("west", 0.5));
+    server.add("AIV1", track_position("east", 0.5));
+    server.add("AIV2", track_position("west", 0.5));
     server.run_for(std::chrono::seconds{3});
   }
 

@@ -92,7 +92,7 @@ HttpResponse step_zone(CallContext& context, std::string_view way) {
 }
 
 /// The file that edits of this zone may be saved into: that which the run was begun with, while it is that zone.
-std::string file_in_place(const CallContext& context, const zone::ZoneConfiguration& configuration) {
+std::string file_at(const CallContext& context, const zone::ZoneConfiguration& configuration) {
   if (context.host().zone_file.empty() || zone::format_of_file(context.host().zone_file) != configuration.format)
     return {};
   // After a switch to another zone the file is none of its business. One that is not there (any more) is written anew.
@@ -215,7 +215,7 @@ HttpResponse redo_zone(CallContext& context, const Call&) { return step_zone(con
 HttpResponse save_zone(CallContext& context, const Call&) {
   const auto configuration = context.host().core->zone_configuration();
   if (!configuration) return no_zone();
-  std::string file = file_in_place(context, *configuration);
+  std::string file = file_at(context, *configuration);
   if (file.empty()) {
     const auto folder = context.host().zones->edits_folder();
     if (!folder) return http_error(500, "zone.save", folder.error().message);

@@ -175,7 +175,7 @@ TEST(Journal, names_the_offset_of_a_damaged_record_again_and_again) {
     const auto next = reader->next();
     ASSERT_FALSE(next);
     EXPECT_EQ(next.error().code, "journal.crc");
-    EXPECT_EQ(next.error().place, "offset " + std::to_string(second));
+    EXPECT_EQ(next.error().location, "offset " + std::to_string(second));
   }
 }
 

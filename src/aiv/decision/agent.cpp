@@ -65,8 +65,8 @@ PositionEstimator::Fix Agent::on_tag(const wire::TagRead& tag) {
 
 void Agent::on_relocated() {
   watch_.clear_ahead();
-  const zone::Place place = estimator_.known() ? estimator_.place() : zone::Place{};
-  if (!progress_.relocate(estimator_.known() ? &place : nullptr)) return;
+  const zone::TrackPosition position = estimator_.known() ? estimator_.track_position() : zone::TrackPosition{};
+  if (!progress_.relocate(estimator_.known() ? &position : nullptr)) return;
   follow_order();
   progress_.advance(0.0);
 }
@@ -78,8 +78,8 @@ void Agent::on_ranges(const wire::Ranges& ranges) {
 Result<void> Agent::initialise_position(const Pose2& X_MB, std::string last_node_id) {
   if (order().active() || !motion_.stopped())
     return fail("position.busy", "a position is initialised only while the vehicle stands without an order");
-  const auto place = estimator_.on_circuit(X_MB, off_circuit_m_max);
-  if (!place) {
+  const auto position = estimator_.on_circuit(X_MB, off_circuit_m_max);
+  if (!position) {
     return fail("position.off_circuit",
                 "no way of '" + zone_.name + "' passes within 0.25 m of the position in its direction");
   }
@@ -87,7 +87,7 @@ Result<void> Agent::initialise_position(const Pose2& X_MB, std::string last_node
   if (holds_.has(Hold::line_lost) || estimator_.off_line())
     estimator_.stand_off(X_MB);
   else
-    estimator_.place_at(*place);
+    estimator_.position_at(*position);
   progress_.set_last_node(std::move(last_node_id));
   watch_.clear_ahead();
   return {};
@@ -102,9 +102,9 @@ Result<void> Agent::join_line(const Pose2& X_MG) {
                 "that is " + std::to_string(far_m) + " m away, further than " + std::to_string(join_within_m) + " m");
   }
   const auto line = zone::snap_to_path(zone_.circuit, X_MG, join_off_m_max);
-  if (!line || std::fabs(wrap_angle(zone_.circuit.pose_at(line->place).heading_rad - X_MG.heading_rad)) > on_line_rad)
+  if (!line || std::fabs(wrap_angle(zone_.circuit.pose_at(line->position).heading_rad - X_MG.heading_rad)) > on_line_rad)
     return fail("join.no_line", "no way of '" + zone_.name + "' passes there in that direction");
-  estimator_.aim(line->place);
+  estimator_.aim(line->position);
   watch_.clear_entry();
   joining_ = true;
   return {};
@@ -129,7 +129,7 @@ bool Agent::on_line() const {
   if (!estimator_.known()) return false;
   if (!estimator_.off_line()) return true;
   // The zone was switched, and the line is under it by chance.
-  const Pose2 X_BP = inverse(estimator_.pose()) * zone_.circuit.pose_at(estimator_.place());
+  const Pose2 X_BP = inverse(estimator_.pose()) * zone_.circuit.pose_at(estimator_.track_position());
   return estimator_.beside() && !estimator_.manoeuvring() && to_stay(to_manoeuvre(X_BP)) &&
          std::fabs(X_BP.heading_rad) <= on_line_rad;
 }
@@ -153,15 +153,15 @@ Result<OrderBook::Verdict> Agent::take_order(const wire::Order& order) {
                                     std::to_string(estimator_.off_by_m()) + " m from the vehicle, further than " +
                                     std::to_string(zone::snap_within_m) + " m");
   }
-  OrderBook::Standing standing{estimator_.known() ? estimator_.place() : zone::Place{}, estimator_.known()};
+  OrderBook::Standing standing{estimator_.known() ? estimator_.track_position() : zone::TrackPosition{}, estimator_.known()};
   // With a base before it, where it stands does not matter.
-  const bool needs_place = !one_way_ && !progress_.book().base_left();
-  if (needs_place) standing.also = estimator_.same_places();
+  const bool needs_position = !one_way_ && !progress_.book().base_left();
+  if (needs_position) standing.also = estimator_.same_positions();
   auto verdict = progress_.offer(order, standing);
   if (verdict && *verdict != OrderBook::Verdict::ignored_same) {
     back_up_.end();
-    if (needs_place && !(progress_.book().accepted_at() == standing.place))
-      estimator_.take_same_place(progress_.book().accepted_at());
+    if (needs_position && !(progress_.book().accepted_at() == standing.position))
+      estimator_.take_same_position(progress_.book().accepted_at());
     follow_order();
     progress_.advance(0.0);
   }
@@ -257,14 +257,14 @@ wire::Drive Agent::drive(double speed_mps, const zone::SpeedProfile& kinematics)
            static_cast<std::uint16_t>(milli(kinematics.braking_mps2, 65535.0)), branch, false};
   drive.seek = estimator_.beside() && (drive.speed_mmps > 0 || estimator_.manoeuvring());
   // PILS sees the floor where the body is, not where it is believed: the nearest line need not be the one meant.
-  if (drive.seek) drive.goal = to_manoeuvre(inverse(estimator_.pose()) * zone_.circuit.pose_at(estimator_.place()));
+  if (drive.seek) drive.goal = to_manoeuvre(inverse(estimator_.pose()) * zone_.circuit.pose_at(estimator_.track_position()));
   return drive;
 }
 
 double Agent::turn_rate_radps() const {
   if (estimator_.manoeuvring()) return motion_.manoeuvre_turn_radps();
   if (!estimator_.known() || estimator_.off_line()) return 0.0;
-  const zone::Place here = estimator_.place();
+  const zone::TrackPosition here = estimator_.track_position();
   return motion_.speed_mps() * zone_.circuit.section(here.section).curvature_at(here.s_m);
 }
 

@@ -113,7 +113,7 @@ class Agent {
  private:
   /// Odometry jitters by less.
   static constexpr double braking_mps = 0.05;
-  void follow_order() { estimator_.follow(order().course_from(estimator_.place())); }
+  void follow_order() { estimator_.follow(order().course_from(estimator_.track_position())); }
   /// The belief jumped: the order goes on from there, or is dropped.
   void on_relocated();
   /// What it would do with so much room before it.

@@ -36,7 +36,7 @@ struct GraphFixture {
 
   GraphFixture(const zone::TrafficZone& z, std::string_view section, double s_m, double estimated_ahead_m = 0.0)
       : zone{z}, world{z.circuit, at(z, section, s_m)} {
-    agent.estimator().place_at(at(z, section, s_m + estimated_ahead_m));
+    agent.estimator().position_at(at(z, section, s_m + estimated_ahead_m));
     step();
   }
   GraphFixture& take(const wire::Order& text) {
@@ -68,7 +68,7 @@ struct GraphFixture {
     for (int i = 0; i < static_cast<int>(seconds * 50.0) && !done(); ++i) step();
     return done();
   }
-  std::string section() const { return zone.circuit.part(world.place().section).name; }
+  std::string section() const { return zone.circuit.part(world.track_position().section).name; }
   double heading_error_rad() const {
     return std::fabs(wrap_angle(agent.position().pose().heading_rad - world.pose().heading_rad));
   }
@@ -82,7 +82,7 @@ TEST(AgentAtAFork, takes_the_way_of_its_order_whichever_it_is) {
     fixture.take(order("O-1").through({"T1", "F", node}));
     fixture.run(12.0);
     EXPECT_THAT(fixture.traversed, ElementsAre("F", node));
-    EXPECT_EQ(fixture.zone.circuit.part(fixture.agent.position().place().section).name.substr(0, 1),
+    EXPECT_EQ(fixture.zone.circuit.part(fixture.agent.position().track_position().section).name.substr(0, 1),
               std::string(over).substr(0, 1));
     EXPECT_NEAR(distance(fixture.world.pose(), fixture.zone.circuit.pose_at(at(fixture.zone, over, 0.0))), 0.0, 0.015);
     EXPECT_LT(fixture.pose_error_m, 0.005);
@@ -96,7 +96,7 @@ TEST(AgentAtAFork, says_the_branch_only_when_its_base_leads_over_it) {
   fixture.run(8.0);
   EXPECT_EQ(fixture.drive.branch, wire::no_branch);
   EXPECT_EQ(fixture.section(), "trunk");
-  EXPECT_NEAR(fixture.world.place().s_m, 2.0, 0.015);
+  EXPECT_NEAR(fixture.world.track_position().s_m, 2.0, 0.015);
   EXPECT_TRUE(fixture.agent.motion().stopped());
   fixture.take(order("O-1", 1).from_sequence(2).through({"F", "ro"}));
   fixture.step();
@@ -124,26 +124,26 @@ TEST(AgentAtAFork, finds_that_it_is_there_when_its_wheels_stop) {
 
 TEST(AgentAtAFork, believes_a_little_more_than_it_has_driven_and_still_takes_an_order_along_the_other_way) {
   Agent agent{diamond()};
-  agent.estimator().place_at(at(diamond(), "l_up", 0.005));
+  agent.estimator().position_at(at(diamond(), "l_up", 0.005));
   const auto verdict = agent.take_order(order("O-1").through({"T1", "F", "ro"}));
   ASSERT_TRUE(verdict) << verdict.error().message;
-  EXPECT_EQ(diamond().circuit.part(agent.position().place().section).name.substr(0, 1), "t");
+  EXPECT_EQ(diamond().circuit.part(agent.position().track_position().section).name.substr(0, 1), "t");
   EXPECT_EQ(agent.decide().branch, 1);
 
   Agent beyond{diamond()};
-  beyond.estimator().place_at(at(diamond(), "l_up", 0.3));
+  beyond.estimator().position_at(at(diamond(), "l_up", 0.3));
   EXPECT_FALSE(beyond.take_order(order("O-1").through({"T1", "F", "ro"})));
 }
 
 TEST(AgentOnTwoSections, of_the_same_line_takes_an_order_along_either) {
   for (const auto& [estimated, node, edge] : {std::tuple{"there", "tt", "there_too"}, {"there_too", "t", "there"}}) {
     Agent agent{test::there_and_back()};
-    agent.estimator().place_at(at(test::there_and_back(), estimated, 0.2));
+    agent.estimator().position_at(at(test::there_and_back(), estimated, 0.2));
     auto text = order("O-1").through({"W", node});
     const auto verdict = agent.take_order(text);
     ASSERT_TRUE(verdict) << verdict.error().message;
-    EXPECT_EQ(test::there_and_back().circuit.part(agent.position().place().section).name, edge);
-    EXPECT_NEAR(agent.position().place().s_m, 0.2, 1e-9);
+    EXPECT_EQ(test::there_and_back().circuit.part(agent.position().track_position().section).name, edge);
+    EXPECT_NEAR(agent.position().track_position().s_m, 0.2, 1e-9);
   }
 }
 
@@ -153,12 +153,12 @@ TEST(AgentAtTheEnd, of_a_way_without_any_fork_finds_that_it_is_there_when_its_wh
   fixture.take(order("O-1").through({"O", "X"}));
   fixture.run(10.0);
   EXPECT_THAT(fixture.traversed, ElementsAre("X"));
-  EXPECT_NEAR(fixture.agent.position().place().s_m, 2.0, 0.015);
+  EXPECT_NEAR(fixture.agent.position().track_position().s_m, 2.0, 0.015);
 }
 
 TEST(AgentOnARing, says_the_first_branch_and_carries_no_course) {
   Agent agent{test::lacet4()};
-  agent.estimator().place_at(at(test::lacet4(), "loop_se", 0.0));
+  agent.estimator().position_at(at(test::lacet4(), "loop_se", 0.0));
   EXPECT_EQ(agent.decide().branch, 0);
   ASSERT_TRUE(agent.take_order(order("O-1").through({"loop_se@0", "loop_se@283"})));
   EXPECT_EQ(agent.decide().branch, 0);
@@ -201,7 +201,7 @@ TEST(AgentAtABend, is_driving_while_it_turns_and_knows_how_far_it_has_turned) {
     fixture.step();
   }
   EXPECT_NEAR(turned_rad, 1.5, 0.1);
-  EXPECT_EQ(fixture.agent.position().place(), at(square(), "east", 0.0)) << "a turn's end is a sure place";
+  EXPECT_EQ(fixture.agent.position().track_position(), at(square(), "east", 0.0)) << "a turn's end is a sure place";
 }
 
 TEST(AgentAtABend, goes_straight_on_where_its_order_does) {
@@ -345,7 +345,7 @@ TEST(AgentBesideTheLine, joins_it_where_it_is_told_to_without_an_order) {
   ASSERT_TRUE(fixture.run_until([&] { return fixture.world.on_line(); }, 10.0));
   fixture.run(0.5);
   EXPECT_FALSE(fixture.agent.joining());
-  EXPECT_NEAR(fixture.world.place().s_m, 0.7, 0.002);
+  EXPECT_NEAR(fixture.world.track_position().s_m, 0.7, 0.002);
   EXPECT_LT(fixture.pose_error_m, 0.01);
   EXPECT_EQ(fixture.drive.speed_mmps, 0) << "and waits there";
   fixture.take(order("O-1").through({"T", "T1"}));
@@ -369,7 +369,7 @@ TEST(AgentBesideTheLine, joins_no_line_that_is_not_where_it_is_told) {
   ASSERT_TRUE(fixture.run_until([&] { return fixture.world.manoeuvring(); }, 2.0));
   EXPECT_EQ(code({0.7, 0.0, 0.0}), "join.busy");
   fixture.run(10.0);
-  EXPECT_NEAR(fixture.world.place().s_m, 0.6, 0.002);
+  EXPECT_NEAR(fixture.world.track_position().s_m, 0.6, 0.002);
   EXPECT_EQ(code({0.7, 0.0, 0.0}), "join.on_line");
 }
 

@@ -34,7 +34,7 @@ struct AgentFixture {
   int tick{0};
 
   AgentFixture(std::string_view section, double s_m) : ground_truth{lacet4().circuit, at(lacet4(), section, s_m)} {
-    agent.estimator().place_at(ground_truth.place(lacet4().circuit));
+    agent.estimator().position_at(ground_truth.track_position(lacet4().circuit));
     step();
   }
 
@@ -69,7 +69,7 @@ struct AgentFixture {
     for (int i = 0; i < static_cast<int>(seconds * 50.0) && !done(); ++i) step();
     return done();
   }
-  double s_m() const { return ground_truth.place(lacet4().circuit).s_m; }
+  double s_m() const { return ground_truth.track_position(lacet4().circuit).s_m; }
 };
 
 constexpr double edge_m = 0.282743338823;
@@ -91,7 +91,7 @@ class RecordingPolicy final : public SpeedPolicy {
 TEST(Agent, tells_its_policy_what_it_drives_by_and_nothing_after_it_had_to_stand) {
   std::vector<std::optional<Profile>> present;
   Agent agent{lacet4(), std::make_unique<RecordingPolicy>(present)};
-  agent.estimator().place_at(at(lacet4(), "loop_se", 0.0));
+  agent.estimator().position_at(at(lacet4(), "loop_se", 0.0));
   ASSERT_TRUE(agent.take_order(to_565()));
   (void)agent.decide();
   (void)agent.decide();
@@ -355,14 +355,14 @@ TEST(Agent, drops_an_order_that_a_tag_shows_it_is_not_on) {
   EXPECT_TRUE(fixture.agent.progress().take_lost());
   EXPECT_FALSE(fixture.agent.progress().take_lost());
   EXPECT_FALSE(fixture.agent.order().active());
-  EXPECT_EQ(fixture.agent.position().place().section, 4U);
+  EXPECT_EQ(fixture.agent.position().track_position().section, 4U);
 }
 
 TEST(Agent, takes_a_position_only_when_it_stands_without_an_order_and_it_lies_on_the_circuit) {
   AgentFixture fixture{"east", 0.10};
   EXPECT_EQ(fixture.agent.initialise_position({5.0, 5.0, 0.0}, "").error().code, "position.off_circuit");
   EXPECT_TRUE(fixture.agent.initialise_position({-0.5, -0.14, 0.05}, "dock"));
-  EXPECT_NEAR(fixture.agent.position().place().s_m, 0.25, 1e-9);
+  EXPECT_NEAR(fixture.agent.position().track_position().s_m, 0.25, 1e-9);
   EXPECT_EQ(fixture.agent.order().last_node_id(), "dock");
   fixture.take(order("O-1").through({"east@190", "east@380"}));
   EXPECT_EQ(fixture.agent.initialise_position({-0.5, -0.14, 0.0}, "").error().code, "position.busy");

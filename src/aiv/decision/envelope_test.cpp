@@ -84,7 +84,7 @@ const zone::SpeedProfile target_speed{.speed_mps = 0.5, .acceleration_mps2 = 0.5
 
 struct Scene {
   OrderBook book{lacet4()};
-  zone::Place here;
+  zone::TrackPosition here;
   Scene(std::string_view section, double s_m, const wire::Order& order) : here{at(lacet4(), section, s_m)} {
     if (!book.offer(order, {here, true})) std::abort();
   }

@@ -26,7 +26,7 @@ void ObstacleWatch::on_ranges(const PositionEstimator& position, const wire::Ran
 }
 
 bool ObstacleWatch::in_entry(const PositionEstimator& position, const wire::Ranges& ranges) {
-  const Pose2 X_MG = zone_.circuit.pose_at(position.place());
+  const Pose2 X_MG = zone_.circuit.pose_at(position.track_position());
   if (position.manoeuvred() && position.left_line_at())
     sweep_.take_rest({*position.left_line_at(), X_MG}, *position.manoeuvred());
   else

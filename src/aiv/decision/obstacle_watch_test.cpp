@@ -21,7 +21,7 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 struct Scene {
   PositionEstimator position{lacet4()};
   ObstacleWatch watch;
-  explicit Scene(bool one_way = true) : watch{lacet4(), one_way} { position.place_at(at(lacet4(), "east", 0.3)); }
+  explicit Scene(bool one_way = true) : watch{lacet4(), one_way} { position.position_at(at(lacet4(), "east", 0.3)); }
 
   void see(const std::vector<Point2>& obstacles_B, int frames = 1) {
     std::vector<Point2> obstacles;

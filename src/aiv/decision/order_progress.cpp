@@ -18,9 +18,9 @@ void OrderProgress::advance(double distance_m) {
   std::ranges::move(traversed, std::back_inserter(traversed_));
 }
 
-bool OrderProgress::relocate(const zone::Place* place) {
+bool OrderProgress::relocate(const zone::TrackPosition* position) {
   if (!book_.active()) return false;
-  if (place != nullptr && book_.relocate(*place)) return true;
+  if (position != nullptr && book_.relocate(*position)) return true;
   book_.cancel();
   lost_ = true;
   return false;

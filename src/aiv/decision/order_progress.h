@@ -20,7 +20,7 @@ class OrderProgress {
   void advance(double distance_m);
   /// The vehicle finds itself at `place`; null: nowhere. True: an order is active and goes on from there. An order that
   /// does not contain the place is dropped, and take_lost() says so.
-  [[nodiscard]] bool relocate(const zone::Place* place);
+  [[nodiscard]] bool relocate(const zone::TrackPosition* position);
   /// False: there is no order to cancel.
   [[nodiscard]] bool begin_cancel();
   [[nodiscard]] bool cancelling() const { return cancelling_; }

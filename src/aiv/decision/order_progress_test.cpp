@@ -64,7 +64,7 @@ TEST(OrderProgress, cancels_once_when_requested_twice) {
 
 TEST(OrderProgress, goes_on_from_another_place_of_its_order) {
   Progress progress;
-  const zone::Place further = at(lacet4(), "loop_se", 0.40);
+  const zone::TrackPosition further = at(lacet4(), "loop_se", 0.40);
   EXPECT_TRUE(progress.relocate(&further));
   EXPECT_FALSE(progress.take_lost());
   EXPECT_TRUE(progress.book().active());
@@ -72,7 +72,7 @@ TEST(OrderProgress, goes_on_from_another_place_of_its_order) {
 
 TEST(OrderProgress, is_lost_once_where_the_place_is_not_on_the_order) {
   Progress progress;
-  const zone::Place elsewhere = at(lacet4(), "east", 0.1);
+  const zone::TrackPosition elsewhere = at(lacet4(), "east", 0.1);
   EXPECT_FALSE(progress.relocate(&elsewhere));
   EXPECT_FALSE(progress.book().active());
   EXPECT_TRUE(progress.take_lost());

@@ -23,7 +23,7 @@ ParticleFilter::ParticleFilter(Setting setting)
   }
   for (Particle& particle : particles_) {
     particle.along_m = setting_.start_along_m + random_.gaussian(0.0, setting_.start_sigma_m);
-    particle.place = setting_.track->place_at(particle.along_m);
+    particle.position = setting_.track->position_at(particle.along_m);
     particle.weight = 1.0 / static_cast<double>(particles_.size());
   }
 }
@@ -49,26 +49,26 @@ void ParticleFilter::predict(const Odometry& odometry) {
   for (Particle& particle : particles_) {
     const double step_m = odometry.distance_m + sigma_m * random_.gaussian();
     particle.along_m += step_m;
-    particle.place.s_m += step_m;
+    particle.position.s_m += step_m;
     // Over as many joints as it takes; where ways part, each guess takes one.
-    while (particle.place.s_m > circuit.section(particle.place.section).length_m()) {
-      const auto next = circuit.next(particle.place.section);
-      const double length_m = circuit.section(particle.place.section).length_m();
+    while (particle.position.s_m > circuit.section(particle.position.section).length_m()) {
+      const auto next = circuit.next(particle.position.section);
+      const double length_m = circuit.section(particle.position.section).length_m();
       if (next.empty()) {
-        particle.place.s_m = length_m;
+        particle.position.s_m = length_m;
         break;
       }
-      particle.place.s_m -= length_m;
-      particle.place.section = next.size() == 1 ? next.front() : next[random_.below(next.size())];
+      particle.position.s_m -= length_m;
+      particle.position.section = next.size() == 1 ? next.front() : next[random_.below(next.size())];
     }
-    while (particle.place.s_m < 0.0) {
-      const auto previous = circuit.previous(particle.place.section);
+    while (particle.position.s_m < 0.0) {
+      const auto previous = circuit.previous(particle.position.section);
       if (previous.empty()) {
-        particle.place.s_m = 0.0;
+        particle.position.s_m = 0.0;
         break;
       }
-      particle.place.section = previous.size() == 1 ? previous.front() : previous[random_.below(previous.size())];
-      particle.place.s_m += circuit.section(particle.place.section).length_m();
+      particle.position.section = previous.size() == 1 ? previous.front() : previous[random_.below(previous.size())];
+      particle.position.s_m += circuit.section(particle.position.section).length_m();
     }
   }
 }
@@ -77,7 +77,7 @@ template <typename Likelihood>
 void ParticleFilter::weigh(const Likelihood& likelihood) {
   double total = 0.0;
   for (Particle& particle : particles_) {
-    const double squared = likelihood(setting_.track->circuit().pose_at(particle.place));
+    const double squared = likelihood(setting_.track->circuit().pose_at(particle.position));
     particle.weight *= wrong_ratio + (1.0 - wrong_ratio) * (squared < 700.0 ? det_exp(-0.5 * squared) : 0.0);
     total += particle.weight;
   }
@@ -99,12 +99,12 @@ void ParticleFilter::resample() {
   for (const Particle& particle : particles_) {
     sum += particle.weight * n;
     while (k < particles_.size() && first + static_cast<double>(k) < sum) {
-      drawn_.push_back({particle.place, particle.along_m, 1.0 / n});
+      drawn_.push_back({particle.position, particle.along_m, 1.0 / n});
       ++k;
     }
   }
   while (drawn_.size() < particles_.size())
-    drawn_.push_back({particles_.back().place, particles_.back().along_m, 1.0 / n});
+    drawn_.push_back({particles_.back().position, particles_.back().along_m, 1.0 / n});
   particles_.swap(drawn_);
 }
 
@@ -138,7 +138,7 @@ Estimate ParticleFilter::estimate() const {
   double cosine = 0.0;
   double sine = 0.0;
   for (const Particle& particle : particles_) {
-    const Pose2 pose = setting_.track->circuit().pose_at(particle.place);
+    const Pose2 pose = setting_.track->circuit().pose_at(particle.position);
     const SinCos h = sincos(pose.heading_rad);
     mean += particle.weight * Vector2(pose.x_m, pose.y_m);
     cosine += particle.weight * h.cos;
@@ -149,7 +149,7 @@ Estimate ParticleFilter::estimate() const {
   Estimate estimate{{mean(0), mean(1), heading_rad}, Matrix3::Zero(), std::nullopt};
   if (setting_.start_known) estimate.along_m = along_m;
   for (const Particle& particle : particles_) {
-    const Pose2 pose = setting_.track->circuit().pose_at(particle.place);
+    const Pose2 pose = setting_.track->circuit().pose_at(particle.position);
     const Vector3 d(pose.x_m - mean(0), pose.y_m - mean(1), wrap_angle(pose.heading_rad - heading_rad));
     estimate.covariance += particle.weight * d * d.transpose();
   }

@@ -22,7 +22,7 @@ class ParticleFilter final : public Algorithm {
 
  private:
   struct Particle {
-    zone::Place place;
+    zone::TrackPosition position;
     double along_m;  ///< travelled
     double weight;
   };

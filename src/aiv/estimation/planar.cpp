@@ -113,12 +113,12 @@ Matrix2 fiducial_covariance(const SensorModel& sensors) {
 }
 
 Estimate on_track(const Track& track, const SensorModel& sensors, double along_m, double variance_m2) {
-  const zone::Place place = track.place_at(along_m);
-  const zone::Section& section = track.circuit().section(place.section);
-  Estimate estimate{section.pose_at(place.s_m), Matrix3::Zero(), along_m};
+  const zone::TrackPosition position = track.position_at(along_m);
+  const zone::Section& section = track.circuit().section(position.section);
+  Estimate estimate{section.pose_at(position.s_m), Matrix3::Zero(), along_m};
   const SinCos h = plain::sincos(estimate.pose.heading_rad);
   const double across = sensors.line_sigma_m * sensors.line_sigma_m;
-  const double curvature = section.curvature_at(place.s_m);
+  const double curvature = section.curvature_at(position.s_m);
   Matrix3& c = estimate.covariance;
   c(0, 0) = variance_m2 * h.cos * h.cos + across * h.sin * h.sin;
   c(1, 1) = variance_m2 * h.sin * h.sin + across * h.cos * h.cos;

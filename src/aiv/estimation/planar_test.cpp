@@ -36,9 +36,9 @@ struct Round {
                          truly.turn_rad + random.gaussian(0.0, std::sqrt(v(1))), 0.1});
       if (ranges) {
         const auto station = static_cast<std::uint32_t>(i % 4);
-        const Point2 place{station % 2 == 0 ? -4.0 : 4.0, station < 2 ? -4.0 : 4.0};
-        algorithm.rectify(Range{station, place,
-                                scale * distance(position(ground_truth), place) + bias_m +
+        const Point2 track_position{station % 2 == 0 ? -4.0 : 4.0, station < 2 ? -4.0 : 4.0};
+        algorithm.rectify(Range{station, track_position,
+                                scale * distance(position(ground_truth), track_position) + bias_m +
                                     random.gaussian(0.0, setting.sensors.range_sigma_m)});
       } else if (i % 10 == 9) {
         const Point2 fiducial = ground_truth * Point2{0.0, 0.01};

@@ -51,10 +51,10 @@ Result<Track> Track::round(const std::shared_ptr<const zone::TrafficZone>& zone,
   return of_ring(circuit);
 }
 
-std::optional<double> Track::along_of(zone::Place place) const {
-  const auto found = std::ranges::find(sections_, place.section);
+std::optional<double> Track::along_of(zone::TrackPosition position) const {
+  const auto found = std::ranges::find(sections_, position.section);
   if (found == sections_.end()) return std::nullopt;
-  return starts_[static_cast<std::size_t>(found - sections_.begin())] + place.s_m;
+  return starts_[static_cast<std::size_t>(found - sections_.begin())] + position.s_m;
 }
 
 double Track::once(double along_m) const {
@@ -69,20 +69,20 @@ std::size_t Track::index_at(double once_m) const {
   return static_cast<std::size_t>(after - starts_.begin()) - 1;
 }
 
-zone::Place Track::place_at(double along_m) const {
+zone::TrackPosition Track::position_at(double along_m) const {
   const double once_m = once(along_m);
   const std::size_t i = index_at(once_m);
   return {sections_[i], once_m - starts_[i]};
 }
 
-Pose2 Track::pose_at(double along_m) const { return circuit_->pose_at(place_at(along_m)); }
+Pose2 Track::pose_at(double along_m) const { return circuit_->pose_at(position_at(along_m)); }
 
 double Track::curvature_at(double along_m) const {
-  const zone::Place place = place_at(along_m);
-  return circuit_->section(place.section).curvature_at(place.s_m);
+  const zone::TrackPosition position = position_at(along_m);
+  return circuit_->section(position.section).curvature_at(position.s_m);
 }
 
-zone::SectionKind Track::kind_at(double along_m) const { return circuit_->section(place_at(along_m).section).kind(); }
+zone::SectionKind Track::kind_at(double along_m) const { return circuit_->section(position_at(along_m).section).kind(); }
 
 std::optional<double> Track::foot(Point2 p_M, double near_m, double reach_m, double beside_m) const {
   // A foot proper is at right angles to the line. Only where there is none, beyond a corner, does an end serve: else

@@ -32,9 +32,9 @@ class Track {
   [[nodiscard]] bool closed() const { return closed_; }
 
   /// Where the track first passes a place; nothing: it does not lead there.
-  [[nodiscard]] std::optional<double> along_of(zone::Place place) const;
+  [[nodiscard]] std::optional<double> along_of(zone::TrackPosition position) const;
   /// On an open track clamped to its ends.
-  [[nodiscard]] zone::Place place_at(double along_m) const;
+  [[nodiscard]] zone::TrackPosition position_at(double along_m) const;
   [[nodiscard]] Pose2 pose_at(double along_m) const;
   /// κ there, of increasing arc length.
   [[nodiscard]] double curvature_at(double along_m) const;

@@ -44,9 +44,9 @@ TEST(Track, goes_round_the_loop_that_the_vehicle_stands_on_and_the_first_where_n
       zone::TrafficZone{"test", *testing::oval_circuit(), {}, {}, {}, {}, {}, {}, {}, {}});
   EXPECT_NEAR(Track::round(zone)->length_m(), 6.0 + 1.6 * pi, 1e-12);
   zone->loops = {{"whole", {0, 1, 2, 3}}, {"late", {2, 3, 0, 1}}};
-  EXPECT_EQ(Track::round(zone)->place_at(0.0).section, 0U);
+  EXPECT_EQ(Track::round(zone)->position_at(0.0).section, 0U);
   zone->loops.front().sections = {0, 1};
-  EXPECT_EQ(Track::round(zone, zone::SectionId{3})->place_at(0.0).section, 2U);
+  EXPECT_EQ(Track::round(zone, zone::SectionId{3})->position_at(0.0).section, 2U);
   EXPECT_FALSE(Track::round(zone, zone::SectionId{1}));  // 0 does not follow 1
 }
 

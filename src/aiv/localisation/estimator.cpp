@@ -15,8 +15,8 @@ constexpr double opposite_m = 0.10;
 /// Two beacons that contradict the belief agree with each other when the way between them fits the odometer this well.
 constexpr double agreement_m = 0.10;
 /// Places so near to each other, in directions so alike, are one to a vehicle that stands there.
-constexpr double same_place_m = 0.05;
-constexpr double same_place_rad = 0.2;
+constexpr double same_position_m = 0.05;
+constexpr double same_position_rad = 0.2;
 /// Of the sections that it came over so many are remembered at least.
 constexpr std::size_t gone_kept = 16;
 
@@ -28,52 +28,52 @@ PositionEstimator::PositionEstimator(const zone::TrafficZone& zone, EstimatorMod
 double PositionEstimator::sigma_m() const { return std::sqrt(variance_m2_); }
 
 Outlook PositionEstimator::outlook() const {
-  Outlook outlook{place(), course_.coming()};
+  Outlook outlook{track_position(), course_.coming()};
   if (X_MO_) outlook.X_MB = pose();
   return outlook;
 }
 
-void PositionEstimator::place_at(zone::Place place) {
-  motion_ = AivMotion{zone_.circuit, place};
+void PositionEstimator::position_at(zone::TrackPosition track_position) {
+  motion_ = AivMotion{zone_.circuit, track_position};
   known_ = true;
   beside_ = false;
   X_MO_.reset();
   // Whatever PILS is about, it began where it stands.
   if (X_OB_) X_MO_ = pose();
-  if (!course_.arrive(place.section)) course_.clear();
+  if (!course_.arrive(track_position.section)) course_.clear();
   variance_m2_ = model_.sigma_start_m * model_.sigma_start_m;
   doubt_.reset();
 }
 
-std::optional<zone::Place> PositionEstimator::on_circuit(const Pose2& X_MB, double distance_m_max) const {
+std::optional<zone::TrackPosition> PositionEstimator::on_circuit(const Pose2& X_MB, double distance_m_max) const {
   const auto located = zone_.circuit.locate(position(X_MB), X_MB.heading_rad);
   if (located.distance_m > distance_m_max) return std::nullopt;
-  const double turned_rad = wrap_angle(zone_.circuit.pose_at(located.place).heading_rad - X_MB.heading_rad);
+  const double turned_rad = wrap_angle(zone_.circuit.pose_at(located.position).heading_rad - X_MB.heading_rad);
   if (std::fabs(turned_rad) > pi / 3.0) return std::nullopt;
-  return located.place;
+  return located.position;
 }
 
-std::vector<zone::Place> PositionEstimator::same_places() const {
-  std::vector<zone::Place> places;
-  if (!known_ || off_line()) return places;
+std::vector<zone::TrackPosition> PositionEstimator::same_positions() const {
+  std::vector<zone::TrackPosition> positions;
+  if (!known_ || off_line()) return positions;
   const Pose2 X_MB = pose();
   std::vector<zone::Circuit::Located> near;
-  zone_.circuit.near(position(X_MB), same_place_m, near);
-  for (const auto& [place, left_m, distance_m] : near) {
-    const double across_rad = wrap_angle(zone_.circuit.pose_at(place).heading_rad - X_MB.heading_rad);
-    if (place.section != motion_.current_section() && std::fabs(across_rad) <= same_place_rad) places.push_back(place);
+  zone_.circuit.near(position(X_MB), same_position_m, near);
+  for (const auto& [track_position, left_m, distance_m] : near) {
+    const double across_rad = wrap_angle(zone_.circuit.pose_at(track_position).heading_rad - X_MB.heading_rad);
+    if (track_position.section != motion_.current_section() && std::fabs(across_rad) <= same_position_rad) positions.push_back(track_position);
   }
-  return places;
+  return positions;
 }
 
-void PositionEstimator::take_same_place(zone::Place place) {
+void PositionEstimator::take_same_position(zone::TrackPosition track_position) {
   const double variance_m2 = variance_m2_;
-  place_at(place);
+  position_at(track_position);
   variance_m2_ = variance_m2;
 }
 
 void PositionEstimator::follow(const zone::Course& course) {
-  if (course.here() != place().section) return course_.clear();
+  if (course.here() != track_position().section) return course_.clear();
   // Where it came from is known better than where an order says it should have come from.
   const bool driven = course_.here() == course.here() && !course_.gone().empty();
   const auto gone = driven ? course_.gone() : course.gone();
@@ -190,7 +190,7 @@ double PositionEstimator::joint_gate_m() const { return std::max(model_.bend_gat
 double PositionEstimator::on_stuck() {
   if (!known_ || off_line()) return 0.0;
   const zone::Circuit& circuit = zone_.circuit;
-  double end_m = -place().s_m;
+  double end_m = -track_position().s_m;
   for (zone::SectionLookAhead ahead = section_look_ahead(circuit, outlook());; ahead.step()) {
     const zone::SectionId id = ahead.section();
     end_m += circuit.section(id).length_m();
@@ -213,47 +213,47 @@ PositionEstimator::Fix PositionEstimator::on_tag(std::uint32_t number, double ag
     last_tag_travelled_m_ = travelled_m_ - latency_m;
     // Off the line a tag says no more than that it is near, and the manoeuvre's end will say better.
     if (off_line()) return {};
-    return on_landmark(tag->place, latency_m);
+    return on_landmark(tag->position, latency_m);
   }
   if (!zone_.beacons || off_line()) return {};
   const std::optional<Point2> beacon = zone_.beacons->find(number);
   return beacon && known_ ? on_beacon(*beacon, latency_m) : Fix{};
 }
 
-std::optional<double> PositionEstimator::offset_to(zone::Place place, double limit_m) const {
-  const zone::Place here = motion_.place(zone_.circuit);
-  const auto ahead_m = zone_.circuit.distance_ahead(here, place, limit_m, course_.coming());
-  const auto back_m = way_back_m(place, limit_m);
+std::optional<double> PositionEstimator::offset_to(zone::TrackPosition track_position, double limit_m) const {
+  const zone::TrackPosition here = motion_.track_position(zone_.circuit);
+  const auto ahead_m = zone_.circuit.distance_ahead(here, track_position, limit_m, course_.coming());
+  const auto back_m = way_back_m(track_position, limit_m);
   if (ahead_m && (!back_m || *ahead_m <= *back_m)) return *ahead_m;
   if (back_m) return -*back_m;
   return std::nullopt;
 }
 
-std::optional<double> PositionEstimator::way_back_m(zone::Place place, double limit_m) const {
+std::optional<double> PositionEstimator::way_back_m(zone::TrackPosition track_position, double limit_m) const {
   const zone::Circuit& circuit = zone_.circuit;
-  const zone::Place here = motion_.place(circuit);
+  const zone::TrackPosition here = motion_.track_position(circuit);
   const auto gone = course_.gone();
   double back_m = here.s_m;  // to the end of gone[i − 1]
   for (std::size_t i = gone.size(); i-- > 0 && back_m <= limit_m; back_m += circuit.section(gone[i]).length_m()) {
-    if (gone[i] != place.section) continue;
-    return circuit.distance_ahead(place, here, limit_m, course_.sections().subspan(i + 1, gone.size() - i));
+    if (gone[i] != track_position.section) continue;
+    return circuit.distance_ahead(track_position, here, limit_m, course_.sections().subspan(i + 1, gone.size() - i));
   }
   // Where it came from further back than that is known, it was not there.
-  if (!gone.empty() && back_m > limit_m && place.section != here.section) return std::nullopt;
-  return circuit.distance_ahead(place, here, limit_m);
+  if (!gone.empty() && back_m > limit_m && track_position.section != here.section) return std::nullopt;
+  return circuit.distance_ahead(track_position, here, limit_m);
 }
 
-PositionEstimator::Fix PositionEstimator::jump_to(zone::Place place) {
-  place_at(place);
+PositionEstimator::Fix PositionEstimator::jump_to(zone::TrackPosition track_position) {
+  position_at(track_position);
   return {FixKind::relocated, 0.0};
 }
 
-PositionEstimator::Fix PositionEstimator::on_landmark(zone::Place place, double latency_m) {
+PositionEstimator::Fix PositionEstimator::on_landmark(zone::TrackPosition track_position, double latency_m) {
   // It was read at the rim of the field that the vehicle drives into: ahead of the antenna, not under it.
-  const zone::Place here = zone_.circuit.advance(place, latency_m - model_.antenna_range_m);
+  const zone::TrackPosition here = zone_.circuit.advance(track_position, latency_m - model_.antenna_range_m);
   if (!known_) return jump_to(here);
   const std::optional<double> offset_m = offset_to(here, model_.tag_gate_m);
-  const Point2 tag = position(zone_.circuit.pose_at(place));
+  const Point2 tag = position(zone_.circuit.pose_at(track_position));
   if (!offset_m) {
     // On a crossing the antenna also reads the tag of the lane it crosses: that one tells where we are, not on which
     // way.
@@ -306,7 +306,7 @@ void PositionEstimator::Near::sort() {
 
 PositionEstimator::Near PositionEstimator::sections_near(double reach_m) const {
   const zone::Circuit& circuit = zone_.circuit;
-  const zone::Place here = place();
+  const zone::TrackPosition here = track_position();
   Near near;
   double end_m = circuit.section(here.section).length_m() - here.s_m;
   for (zone::SectionLookAhead ahead = section_look_ahead(circuit, outlook());
@@ -344,7 +344,7 @@ PositionEstimator::Fix PositionEstimator::on_strange_beacon(Point2 beacon, doubl
   const double heading_rad = det_atan2(beacon.y_m - before->beacon.y_m, beacon.x_m - before->beacon.x_m);
   const auto located = zone_.circuit.locate(beacon, heading_rad);
   if (located.distance_m > under_vehicle_m) return {FixKind::outlier, 0.0};
-  return jump_to(zone_.circuit.advance(located.place, latency_m));
+  return jump_to(zone_.circuit.advance(located.position, latency_m));
 }
 
 }  // namespace cosiva::aiv

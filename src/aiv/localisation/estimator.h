@@ -44,7 +44,7 @@ class PositionEstimator {
 
   /// A place on the circuit is known: it can drive, or (beside) go there.
   [[nodiscard]] bool known() const { return known_; }
-  [[nodiscard]] zone::Place place() const { return motion_.place(zone_.circuit); }
+  [[nodiscard]] zone::TrackPosition track_position() const { return motion_.track_position(zone_.circuit); }
   /// pose() has a meaning.
   [[nodiscard]] bool pose_known() const { return known_ || X_MO_.has_value(); }
   [[nodiscard]] Pose2 pose() const;
@@ -70,23 +70,23 @@ class PositionEstimator {
   [[nodiscard]] std::optional<std::int64_t> odometer_um() const { return odometer_um_; }
 
   /// Somebody tells the place: configuration, memory, initPosition.
-  void place_at(zone::Place place);
+  void position_at(zone::TrackPosition position);
   /// Somebody tells the pose, on the line or not (zone::snap_to_path).
   void stand_off(const Pose2& X_MB);
   /// Of one that stands beside the line: it goes onto it here, not at the nearest place.
-  void aim(zone::Place place);
+  void aim(zone::TrackPosition position);
   /// A manoeuvre was in progress when it was remembered: how far it had come, and the section that it leads to if it
   /// is a turn at the end of place().section.
   void resume_manoeuvre(const Pose2& X_OB, std::optional<zone::SectionId> next);
   /// In another zone where the body is the same: pose and odometer are kept, and it is on no line until it goes there.
   void take_over(const PositionEstimator& before);
   /// The nearest place on the circuit to a pose, within `distance_m_max` and looking the same way; nothing otherwise.
-  [[nodiscard]] std::optional<zone::Place> on_circuit(const Pose2& X_MB, double distance_m_max) const;
+  [[nodiscard]] std::optional<zone::TrackPosition> on_circuit(const Pose2& X_MB, double distance_m_max) const;
 
   /// Where it stands as well, nearest first: at a joint, and where sections lie on one another. None off the line.
-  [[nodiscard]] std::vector<zone::Place> same_places() const;
+  [[nodiscard]] std::vector<zone::TrackPosition> same_positions() const;
   /// One of those is meant, as somebody who knows where it goes has told; it is known no better than before.
-  void take_same_place(zone::Place place);
+  void take_same_position(zone::TrackPosition position);
 
   /// The way that it takes: on the present section now. Where it came from is kept if it is known.
   void follow(const zone::Course& course);
@@ -152,7 +152,7 @@ class PositionEstimator {
   void land(const Pose2& X_MB, bool line_lost, Rolled& rolled);
 
   /// `latency_m`: driven since the reading.
-  Fix on_landmark(zone::Place place, double latency_m);
+  Fix on_landmark(zone::TrackPosition position, double latency_m);
   Fix on_beacon(Point2 beacon, double latency_m);
   /// Of a mark on the floor on the way near the belief; nothing: its way does not pass over it.
   struct Foot {
@@ -161,7 +161,7 @@ class PositionEstimator {
   };
   [[nodiscard]] std::optional<Foot> foot_of(Point2 fiducial) const;
   Fix on_strange_beacon(Point2 beacon, double latency_m);
-  Fix jump_to(zone::Place place);
+  Fix jump_to(zone::TrackPosition position);
   /// The sections of its way so near to the belief, each once and in their order. More than fit are left out.
   class Near {
    public:
@@ -180,8 +180,8 @@ class PositionEstimator {
   };
   [[nodiscard]] Near sections_near(double reach_m) const;
   /// Along the course from the belief to `place`, negative backwards; nothing beyond `limit_m`.
-  [[nodiscard]] std::optional<double> offset_to(zone::Place place, double limit_m) const;
-  [[nodiscard]] std::optional<double> way_back_m(zone::Place place, double limit_m) const;
+  [[nodiscard]] std::optional<double> offset_to(zone::TrackPosition position, double limit_m) const;
+  [[nodiscard]] std::optional<double> way_back_m(zone::TrackPosition position, double limit_m) const;
 
   const zone::TrafficZone& zone_;
   EstimatorModel model_;

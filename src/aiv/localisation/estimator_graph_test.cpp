@@ -25,7 +25,7 @@ struct Estimator : PositionEstimator {
 
   explicit Estimator(const zone::TrafficZone& z) : PositionEstimator{z, ideal}, zone{z} { on_odometry(odometry); }
   Estimator& standing_at(std::string_view section, double s_m) {
-    place_at(at(zone, section, s_m));
+    position_at(at(zone, section, s_m));
     return *this;
   }
   Estimator& along(const std::vector<std::string>& names) {
@@ -51,20 +51,20 @@ struct Estimator : PositionEstimator {
     return on_odometry(odometry);
   }
   using PositionEstimator::on_odometry;
-  std::string section() const { return zone.circuit.part(place().section).name; }
+  std::string section() const { return zone.circuit.part(track_position().section).name; }
 };
 
 TEST(EstimateOnAGraph, follows_its_course_over_a_fork) {
   Estimator estimator{diamond()};
   estimator.standing_at("trunk", 1.9).along({"trunk", "r_up", "r_over"}).drive(0.3);
   EXPECT_EQ(estimator.section(), "r_up");
-  EXPECT_NEAR(estimator.place().s_m, 0.2, 1e-9);
+  EXPECT_NEAR(estimator.track_position().s_m, 0.2, 1e-9);
 }
 
 TEST(EstimateOnAGraph, waits_at_a_fork_that_nobody_has_decided) {
   Estimator estimator{diamond()};
   EXPECT_NEAR(estimator.standing_at("trunk", 1.9).drive(0.3), 0.1, 1e-9);
-  EXPECT_EQ(estimator.place(), at(diamond(), "trunk", 2.0));
+  EXPECT_EQ(estimator.track_position(), at(diamond(), "trunk", 2.0));
   estimator.along({"trunk", "r_up"}).drive(0.1);
   EXPECT_EQ(estimator.section(), "r_up");
 }
@@ -83,7 +83,7 @@ TEST(EstimateOnAGraph, goes_back_over_a_merge_where_it_came_from) {
     EXPECT_EQ(estimator.section(), "tail");
     estimator.drive(-0.1);
     EXPECT_EQ(estimator.section(), down);
-    EXPECT_NEAR(estimator.place().s_m, pi / 4.0 - 0.05, 1e-6);
+    EXPECT_NEAR(estimator.track_position().s_m, pi / 4.0 - 0.05, 1e-6);
   }
 }
 
@@ -132,7 +132,7 @@ TEST(EstimateOnAGraph, on_its_way_back_along_a_lane_is_put_right_by_the_tags_of_
   const auto fix = estimator.on_tag(1, 0.0, 0.0);
   EXPECT_EQ(fix.kind, FixKind::corrected);
   EXPECT_NEAR(fix.correction_m, 0.02, 1e-5) << "not back round the bend to where it came over it before";
-  EXPECT_EQ(estimator.place().section, at(zone, "back", 0.0).section);
+  EXPECT_EQ(estimator.track_position().section, at(zone, "back", 0.0).section);
 }
 
 TEST(EstimateOnAGraph, after_a_long_way_without_a_mark_looks_further_for_the_joint_where_it_waits) {
@@ -153,7 +153,7 @@ TEST(EstimateOnAGraph, after_a_long_way_without_a_mark_looks_further_for_the_joi
 TEST(EstimateAtABend, does_not_go_round_it_before_it_turns) {
   Estimator estimator{square()};
   estimator.standing_at("south", 0.95).along({"south", "east"}).drive(0.1);
-  EXPECT_EQ(estimator.place(), at(square(), "south", 1.0));
+  EXPECT_EQ(estimator.track_position(), at(square(), "south", 1.0));
   EXPECT_EQ(estimator.pose().heading_rad, 0.0);
 }
 
@@ -168,10 +168,10 @@ TEST(EstimateAtABend, turns_with_it_and_is_sure_at_its_end) {
   const auto end = estimator.end();
   EXPECT_EQ(end.step_m, 0.0);
   EXPECT_EQ(end.kind, FixKind::none);
-  EXPECT_EQ(estimator.place(), at(square(), "east", 0.0));
+  EXPECT_EQ(estimator.track_position(), at(square(), "east", 0.0));
   EXPECT_FALSE(estimator.off_line());
   estimator.drive(-0.05);
-  EXPECT_EQ(estimator.place(), at(square(), "east", 0.0)) << "nor back round it";
+  EXPECT_EQ(estimator.track_position(), at(square(), "east", 0.0)) << "nor back round it";
 }
 
 TEST(EstimateAtABend, tells_two_turns_apart_between_which_every_frame_was_lost) {
@@ -219,7 +219,7 @@ TEST(EstimateAtABend, takes_up_a_turn_that_was_persisted) {
     EXPECT_NEAR(estimator.pose().heading_rad, 1.4, 1e-9);
     if (!ended_meanwhile) estimator.turn(1.5);
     estimator.end();
-    EXPECT_EQ(estimator.place(), at(square(), "east", 0.0));
+    EXPECT_EQ(estimator.track_position(), at(square(), "east", 0.0));
   }
 }
 
@@ -232,7 +232,7 @@ TEST(EstimateBesideTheLine, has_the_pose_that_it_was_told_and_the_place_that_it_
   EXPECT_EQ(estimator.pose(), (Pose2{0.5, 0.2, 2.0}));
   EXPECT_NEAR(estimator.off_by_m(), 0.2, 1e-9);
   EXPECT_EQ(estimator.section(), "trunk");
-  EXPECT_NEAR(estimator.place().s_m, 0.5, 1e-9);
+  EXPECT_NEAR(estimator.track_position().s_m, 0.5, 1e-9);
   estimator.stand_off({0.5, 0.31, 2.0});
   EXPECT_TRUE(estimator.away());
   EXPECT_FALSE(estimator.known());
@@ -279,7 +279,7 @@ TEST(EstimateBesideTheLine, follows_a_line_when_its_wheels_roll) {
   estimator.stand_off({0.5, 0.05, 0.0});
   estimator.drive(0.1);
   EXPECT_FALSE(estimator.off_line());
-  EXPECT_NEAR(estimator.place().s_m, 0.6, 1e-6);
+  EXPECT_NEAR(estimator.track_position().s_m, 0.6, 1e-6);
 }
 
 TEST(EstimateBesideTheLine, begins_another_manoeuvre_where_the_last_one_ended_though_nothing_told_of_its_end) {

@@ -46,14 +46,14 @@ void PositionEstimator::stand_off(const Pose2& X_MB) {
   const auto entry_point = zone::snap_to_path(zone_.circuit, X_MB, zone::snap_within_m + told_off_m);
   known_ = entry_point.has_value();
   beside_ = known_;
-  if (entry_point) motion_ = AivMotion{zone_.circuit, entry_point->place};
+  if (entry_point) motion_ = AivMotion{zone_.circuit, entry_point->position};
   off_by_m_ = entry_point ? entry_point->distance_m : zone_.circuit.locate(position(X_MB)).distance_m;
   variance_m2_ = std::max(variance_m2_, model_.sigma_start_m * model_.sigma_start_m);
 }
 
-void PositionEstimator::aim(zone::Place place) {
+void PositionEstimator::aim(zone::TrackPosition track_position) {
   COSIVA_EXPECT(beside_);
-  motion_ = AivMotion{zone_.circuit, place};
+  motion_ = AivMotion{zone_.circuit, track_position};
   course_.clear();
 }
 
@@ -111,7 +111,7 @@ void PositionEstimator::begin_manoeuvre(Rolled& rolled) {
   if (!known_ || X_MO_) return;
   // It turns where the line bends, so it is there.
   const zone::Circuit& circuit = zone_.circuit;
-  double end_m = -place().s_m;
+  double end_m = -track_position().s_m;
   for (zone::SectionLookAhead ahead = section_look_ahead(circuit, outlook());;) {
     const zone::SectionId id = ahead.section();
     end_m += circuit.section(id).length_m();
@@ -146,7 +146,7 @@ void PositionEstimator::end_manoeuvre(bool line_lost, Rolled& rolled) {
 bool PositionEstimator::end_turn(double turned_rad, Rolled& rolled) {
   const zone::SectionId here = motion_.current_section();
   const auto to = turned_to(turned_rad);
-  if (!to || place().s_m < zone_.circuit.section(here).length_m()) return false;
+  if (!to || track_position().s_m < zone_.circuit.section(here).length_m()) return false;
   X_MO_.reset();
   if (course_.coming().empty() || course_.coming().front() != *to) {
     // It took another way than it was told, or nobody had told any.
@@ -176,18 +176,18 @@ std::optional<zone::SectionId> PositionEstimator::turned_to(double turned_rad) c
 
 void PositionEstimator::land(const Pose2& X_MB, bool line_lost, Rolled& rolled) {
   const auto line = zone::snap_to_path(zone_.circuit, X_MB, model_.landed_m);
-  const double across_rad = line ? wrap_angle(zone_.circuit.pose_at(line->place).heading_rad - X_MB.heading_rad) : pi;
+  const double across_rad = line ? wrap_angle(zone_.circuit.pose_at(line->position).heading_rad - X_MB.heading_rad) : pi;
   if (line_lost || std::fabs(across_rad) > model_.landed_rad) {
     // Given up on the way: it stands where that left it, be it beside a line that its sensors do not see.
     stand_off(X_MB);
     rolled.kind = FixKind::relocated;
-  } else if (known_ && line->place.section == place().section) {
+  } else if (known_ && line->position.section == track_position().section) {
     X_MO_.reset();
     beside_ = false;
-    rolled.step_m += shift(line->place.s_m - place().s_m);
+    rolled.step_m += shift(line->position.s_m - track_position().s_m);
   } else {
     const double variance_m2 = variance_m2_;
-    place_at(line->place);
+    position_at(line->position);
     variance_m2_ = std::max(variance_m2, variance_m2_);
     rolled.kind = FixKind::relocated;
   }

@@ -21,7 +21,7 @@ constexpr EstimatorModel ideal{.antenna_range_m = 0.0, .reading_latency_s = 0.0}
 struct Estimator : PositionEstimator {
   explicit Estimator(EstimatorModel model = ideal) : PositionEstimator{lacet4(), model} {}
   Estimator& standing_at(std::string_view section, double s_m) {
-    place_at(at(lacet4(), section, s_m));
+    position_at(at(lacet4(), section, s_m));
     return *this;
   }
   void drive(double distance_m) {
@@ -46,8 +46,8 @@ TEST(Estimate, is_nothing_until_somebody_tells_a_place) {
 TEST(Estimate, follows_the_odometer_round_the_circuit) {
   Estimator estimator;
   estimator.standing_at("east", 1.0).drive(0.7);
-  EXPECT_EQ(estimator.place().section, 1U);
-  EXPECT_NEAR(estimator.place().s_m, 0.2, 1e-9);
+  EXPECT_EQ(estimator.track_position().section, 1U);
+  EXPECT_NEAR(estimator.track_position().s_m, 0.2, 1e-9);
 }
 
 TEST(Estimate, starts_at_whatever_the_odometer_says_first) {
@@ -62,7 +62,7 @@ TEST(Estimate, does_not_jump_when_the_board_counts_from_zero_again) {
   estimator.standing_at("east", 0.1).drive(0.7);
   EXPECT_EQ(estimator.on_odometry(0), 0.0);
   estimator.on_odometry(10'000);
-  EXPECT_NEAR(estimator.place().s_m, 0.81, 1e-9);
+  EXPECT_NEAR(estimator.track_position().s_m, 0.81, 1e-9);
   EXPECT_EQ(estimator.on_odometry(std::numeric_limits<std::int64_t>::min()), 0.0);
   EXPECT_EQ(estimator.on_odometry(std::numeric_limits<std::int64_t>::max()), -1e-6) << "one step round the counter";
 }
@@ -80,7 +80,7 @@ TEST(Estimate, doubts_more_the_further_it_went) {
 TEST(Tag, sets_the_place_of_a_vehicle_that_knows_nothing) {
   Estimator estimator;
   EXPECT_EQ(estimator.on_tag(5, 0.0, 0.0).kind, FixKind::relocated);
-  EXPECT_EQ(estimator.place(), at(lacet4(), "loop_ne", 1.4137));
+  EXPECT_EQ(estimator.track_position(), at(lacet4(), "loop_ne", 1.4137));
   EXPECT_EQ(estimator.last_tag(), 5U);
 }
 
@@ -92,21 +92,21 @@ TEST(Tag, rectifies_the_estimate_and_tells_by_how_much) {
   EXPECT_NEAR(fix.correction_m, 0.071, 1e-9);
   estimator.standing_at("loop_se", 0.05);
   EXPECT_NEAR(estimator.on_tag(1, 0.0, 0.0).correction_m, -0.079, 1e-9);
-  EXPECT_NEAR(estimator.place().s_m, 1.471, 1e-9);
+  EXPECT_NEAR(estimator.track_position().s_m, 1.471, 1e-9);
 }
 
 TEST(Tag, counts_the_way_driven_since_it_was_read) {
   Estimator estimator{EstimatorModel{.antenna_range_m = 0.02, .reading_latency_s = 0.01}};
   estimator.standing_at("east", 1.40);
   estimator.on_tag(1, 0.040, 0.5);
-  EXPECT_NEAR(estimator.place().s_m, 1.471 - 0.02 + 0.5 * 0.05, 1e-9);
+  EXPECT_NEAR(estimator.track_position().s_m, 1.471 - 0.02 + 0.5 * 0.05, 1e-9);
 }
 
 TEST(Tag, far_from_the_estimate_relocates_at_once) {
   Estimator estimator;
   estimator.standing_at("east", 0.5);
   EXPECT_EQ(estimator.on_tag(7, 0.0, 0.0).kind, FixKind::relocated);
-  EXPECT_EQ(estimator.place(), at(lacet4(), "west", 1.471));
+  EXPECT_EQ(estimator.track_position(), at(lacet4(), "west", 1.471));
 }
 
 TEST(Tag, of_unknown_number_says_nothing) {
@@ -154,8 +154,8 @@ TEST(Beacon, that_contradicts_the_estimate_is_an_outlier_and_two_that_agree_relo
   EXPECT_EQ(estimator.on_tag(beacon_near(first), 0.0, 0.0).kind, FixKind::outlier);
   estimator.drive(way_m);
   EXPECT_EQ(estimator.on_tag(beacon_near(second), 0.0, 0.0).kind, FixKind::relocated);
-  EXPECT_EQ(estimator.place().section, 1U);
-  EXPECT_NEAR(estimator.place().s_m, loop.nearest(second).s_m, 1e-6);
+  EXPECT_EQ(estimator.track_position().section, 1U);
+  EXPECT_NEAR(estimator.track_position().s_m, loop.nearest(second).s_m, 1e-6);
 }
 
 TEST(Beacon, outliers_that_do_not_agree_stay_outliers) {
@@ -164,7 +164,7 @@ TEST(Beacon, outliers_that_do_not_agree_stay_outliers) {
   EXPECT_EQ(estimator.on_tag(beacon_near({1.0, -0.25}), 0.0, 0.0).kind, FixKind::outlier);
   estimator.drive(0.05);
   EXPECT_EQ(estimator.on_tag(beacon_near({1.25, -1.0}), 0.0, 0.0).kind, FixKind::outlier);
-  EXPECT_EQ(estimator.place().section, 5U);
+  EXPECT_EQ(estimator.track_position().section, 5U);
 }
 
 TEST(Pose, is_taken_to_the_circuit_only_near_it_and_along_it) {

@@ -17,11 +17,11 @@ Onward onward(const zone::Circuit& circuit, zone::SectionId from, std::size_t br
   return {to, turn_rad};
 }
 
-std::optional<zone::Place> sought(const zone::Circuit& circuit, const Pose2& X_MB,
+std::optional<zone::TrackPosition> sought(const zone::Circuit& circuit, const Pose2& X_MB,
                                   const std::optional<wire::Manoeuvre>& goal) {
   const auto entry_point = goal ? zone::snap_to_path(circuit, X_MB * to_pose(*goal), goal_within_m)
                                 : zone::snap_to_path(circuit, X_MB, seek_within_m);
-  return entry_point ? std::optional{entry_point->place} : std::nullopt;
+  return entry_point ? std::optional{entry_point->position} : std::nullopt;
 }
 
 bool to_stay(const wire::Manoeuvre& goal) { return norm(1e-3 * goal.x_mm, 1e-3 * goal.y_mm) <= stays_within_m; }

@@ -29,11 +29,11 @@ bool TravelDir::on(Event event) {
   return true;
 }
 
-AivMotion::AivMotion(const zone::Circuit& circuit, zone::Place place, TravelDir direction)
-    : section_{place.section}, direction_{direction} {
-  COSIVA_EXPECT(place.section < circuit.size());
-  const zone::Section& section = circuit.section(place.section);
-  const double s_m = std::clamp(place.s_m, 0.0, section.length_m());
+AivMotion::AivMotion(const zone::Circuit& circuit, zone::TrackPosition position, TravelDir direction)
+    : section_{position.section}, direction_{direction} {
+  COSIVA_EXPECT(position.section < circuit.size());
+  const zone::Section& section = circuit.section(position.section);
+  const double s_m = std::clamp(position.s_m, 0.0, section.length_m());
   mDTCS_m_ = direction.arc_length(section, s_m);  // its own inverse: L − (L − s)
 }
 
@@ -78,8 +78,8 @@ bool AivMotion::on_indirect_move_req(const zone::Circuit& circuit) {
 double AivMotion::shift(const zone::Circuit& circuit, double distance_m, std::span<const zone::SectionId> coming,
                         std::span<const zone::SectionId> gone) {
   if (direction_.is_direct() && !(coming.empty() && gone.empty())) {
-    const zone::Place from = place(circuit);
-    const zone::Place to = circuit.advance(from, distance_m, coming, gone);
+    const zone::TrackPosition from = track_position(circuit);
+    const zone::TrackPosition to = circuit.advance(from, distance_m, coming, gone);
     const bool whole = to.s_m > 0.0 && to.s_m < circuit.section(to.section).length_m();
     *this = AivMotion(circuit, to);
     if (whole) return distance_m;

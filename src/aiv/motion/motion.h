@@ -48,12 +48,12 @@ class AivMotion {
  public:
   AivMotion() = default;
   /// @param place  section and arc length from the section's own start; s clamped to [0, L]
-  AivMotion(const zone::Circuit& circuit, zone::Place place, TravelDir direction = TravelDir::direct());
+  AivMotion(const zone::Circuit& circuit, zone::TrackPosition position, TravelDir direction = TravelDir::direct());
 
   [[nodiscard]] zone::SectionId current_section() const { return section_; }
   [[nodiscard]] double mDTCS_m() const { return mDTCS_m_; }  ///< distance travelled on the current section
   [[nodiscard]] TravelDir direction() const { return direction_; }
-  [[nodiscard]] zone::Place place(const zone::Circuit& circuit) const;
+  [[nodiscard]] zone::TrackPosition track_position(const zone::Circuit& circuit) const;
   /// X_MB with the body's x axis along increasing s, in either direction: reversing does not turn the vehicle.
   [[nodiscard]] Pose2 pose(const zone::Circuit& circuit) const;
 
@@ -99,10 +99,10 @@ inline double AivMotion::move(const zone::Circuit& circuit, double DTT_m, std::s
   return DTT_m;
 }
 
-inline zone::Place AivMotion::place(const zone::Circuit& circuit) const {
+inline zone::TrackPosition AivMotion::track_position(const zone::Circuit& circuit) const {
   return {section_, direction_.arc_length(circuit.section(section_), mDTCS_m_)};
 }
 
-inline Pose2 AivMotion::pose(const zone::Circuit& circuit) const { return circuit.pose_at(place(circuit)); }
+inline Pose2 AivMotion::pose(const zone::Circuit& circuit) const { return circuit.pose_at(track_position(circuit)); }
 
 }  // namespace cosiva::aiv

@@ -52,15 +52,15 @@ zone::Circuit any_ring() {
   return lay(ring, true);
 }
 
-zone::Place any_place(const zone::Circuit& circuit) {
+zone::TrackPosition any_position(const zone::Circuit& circuit) {
   const auto id = *rc::gen::inRange<zone::SectionId>(0, static_cast<zone::SectionId>(circuit.size()));
   return {id, circuit.section(id).length_m() * whole(0, 1001, 1e-3)};
 }
 
 /// Way from the start of the first section, round the ring.
-double along(const zone::Circuit& circuit, zone::Place place) {
-  double s_m = place.s_m;
-  for (zone::SectionId id = 0; id < place.section; ++id) s_m += circuit.section(id).length_m();
+double along(const zone::Circuit& circuit, zone::TrackPosition position) {
+  double s_m = position.s_m;
+  for (zone::SectionId id = 0; id < position.section; ++id) s_m += circuit.section(id).length_m();
   return s_m;
 }
 
@@ -176,7 +176,7 @@ TEST(Motion, clamps_a_place_to_its_section) {
 TEST(Motion, gives_what_the_section_answers_to_nextAIVposition) {
   EXPECT_TRUE(rc::check([] {
     const auto circuit = any_ring();
-    AivMotion aiv{circuit, any_place(circuit)};
+    AivMotion aiv{circuit, any_position(circuit)};
     const double DTT = whole(0, 500, 1e-3);
     const auto& section = circuit.section(aiv.current_section());
     const auto next = section.nextAIVposition(aiv.mDTCS_m(), DTT);
@@ -193,7 +193,7 @@ TEST(Motion, gives_what_the_section_answers_to_nextAIVposition) {
 TEST(Motion, comes_back_to_its_start_after_a_lap_of_any_sections_in_any_steps) {
   EXPECT_TRUE(rc::check([] {
     const auto circuit = any_ring();
-    AivMotion aiv{circuit, any_place(circuit)};
+    AivMotion aiv{circuit, any_position(circuit)};
     const Pose2 start = aiv.pose(circuit);
     double left_m = circuit.total_length_m();
     while (left_m > 0.0) {
@@ -208,12 +208,12 @@ TEST(Motion, comes_back_to_its_start_after_a_lap_of_any_sections_in_any_steps) {
 TEST(Motion, travels_exactly_the_distance_requested) {
   EXPECT_TRUE(rc::check([] {
     const auto circuit = any_ring();
-    AivMotion aiv{circuit, any_place(circuit)};
-    const double before_m = along(circuit, aiv.place(circuit));
+    AivMotion aiv{circuit, any_position(circuit)};
+    const double before_m = along(circuit, aiv.track_position(circuit));
     const double requested_m = whole(0, 100'000, 1e-3);
     RC_ASSERT(aiv.move(circuit, requested_m) == requested_m);
     const double ring_m = circuit.total_length_m();
-    const double off_m = std::remainder(along(circuit, aiv.place(circuit)) - before_m - requested_m, ring_m);
+    const double off_m = std::remainder(along(circuit, aiv.track_position(circuit)) - before_m - requested_m, ring_m);
     RC_ASSERT(std::fabs(off_m) < lap_m);
   }));
 }
@@ -221,7 +221,7 @@ TEST(Motion, travels_exactly_the_distance_requested) {
 TEST(Motion, forward_then_backward_is_where_it_was) {
   EXPECT_TRUE(rc::check([] {
     const auto circuit = any_ring();
-    AivMotion aiv{circuit, any_place(circuit)};
+    AivMotion aiv{circuit, any_position(circuit)};
     const Pose2 start = aiv.pose(circuit);
     const auto steps_m = *rc::gen::container<std::vector<double>>(
         rc::gen::map(rc::gen::inRange(0, 5000), [](int mm) { return 1e-3 * mm; }));
@@ -237,7 +237,7 @@ TEST(Motion, a_shift_and_its_opposite_cancel_and_keep_the_direction) {
   EXPECT_TRUE(rc::check([] {
     const auto circuit = any_ring();
     const TravelDir direction = *rc::gen::arbitrary<bool>() ? TravelDir::direct() : TravelDir::indirect();
-    AivMotion aiv{circuit, any_place(circuit), direction};
+    AivMotion aiv{circuit, any_position(circuit), direction};
     const Pose2 start = aiv.pose(circuit);
     const double way_m = whole(-9000, 9000, 1e-3);
     RC_ASSERT(aiv.shift(circuit, way_m) == way_m);
@@ -307,7 +307,7 @@ TEST(Motion, of_many_vehicles_in_one_pass_is_that_of_each) {
   std::vector<AivMotion> fleet;
   std::vector<double> DTT_m;
   for (int i = 0; i < 50; ++i) {
-    fleet.emplace_back(circuit, zone::Place{static_cast<zone::SectionId>(i % 4), 0.03 * i});
+    fleet.emplace_back(circuit, zone::TrackPosition{static_cast<zone::SectionId>(i % 4), 0.03 * i});
     DTT_m.push_back(0.1 * i);
   }
   std::vector<AivMotion> alone = fleet;

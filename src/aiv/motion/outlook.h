@@ -11,11 +11,11 @@ namespace cosiva::aiv {
 /// Where a vehicle is and which way it will take from there. Refers to the way, which must outlive it.
 struct Outlook {
   // A place alone is an outlook, too: along default successors.
-  Outlook(zone::Place at, std::span<const zone::SectionId> way = {})  // NOLINT(google-explicit-constructor)
+  Outlook(zone::TrackPosition at, std::span<const zone::SectionId> way = {})  // NOLINT(google-explicit-constructor)
       : here{at}, coming{way} {}
   Outlook(zone::SectionId section, double s_m) : here{section, s_m} {}
 
-  zone::Place here;
+  zone::TrackPosition here;
   std::span<const zone::SectionId> coming;  ///< after here.section; from their end default successors
   /// Where the body is when that is not `here`: it turns on the spot there, or has yet to come onto the line there.
   std::optional<Pose2> X_MB{};

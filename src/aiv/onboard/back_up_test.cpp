@@ -24,7 +24,7 @@ struct BackUpFixture : OnboardFixture {
     run(for_s);
     return action(id)->status;
   }
-  [[nodiscard]] double s_m() const { return world.place().s_m; }
+  [[nodiscard]] double s_m() const { return world.track_position().s_m; }
 };
 
 TEST(BackUp, rolls_back_slowly_as_far_as_it_is_told_and_knows_where_it_is) {
@@ -46,7 +46,7 @@ TEST(BackUp, rolls_back_slowly_as_far_as_it_is_told_and_knows_where_it_is) {
 TEST(BackUp, leads_over_a_joint) {
   BackUpFixture fixture{0.05};
   EXPECT_EQ(fixture.back_up("b1", 0.20, 6.0), wire::ActionStatus::finished);
-  EXPECT_NE(fixture.world.place().section, at(lacet4(), "loop_se", 0.0).section);
+  EXPECT_NE(fixture.world.track_position().section, at(lacet4(), "loop_se", 0.0).section);
   ASSERT_TRUE(fixture.state().position);
   EXPECT_LT(distance(fixture.state().position->pose, fixture.world.pose()), 0.005);
 }

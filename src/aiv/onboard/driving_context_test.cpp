@@ -34,7 +34,7 @@ TEST(DrivingContext, adopts_a_tag_that_was_moved_without_another_zone_object) {
   const zone::TrafficZone* const before = &context.zone();
   context.adopt_fiducials(edited_lacet4("s_m = 1.4137", "s_m = 1.3637").zone());
   EXPECT_EQ(&context.zone(), before) << "the parts refer to this object";
-  EXPECT_DOUBLE_EQ(context.zone().find_tag(2)->place.s_m, 1.3637);
+  EXPECT_DOUBLE_EQ(context.zone().find_tag(2)->position.s_m, 1.3637);
 }
 
 TEST(DrivingContextDeathTest, does_not_adopt_another_circuit) {

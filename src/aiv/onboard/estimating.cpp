@@ -37,8 +37,8 @@ wire::EstimateSensors told_of(const estimation::SensorModel& sensors) {
 Point2 at_rim(const zone::Circuit& circuit, Point2 fiducial_M, const Pose2& X_MB, double range_m) {
   std::vector<zone::Circuit::Located> lines;
   circuit.near(fiducial_M, range_m, lines);
-  for (const auto& [place, left_m, distance_m] : lines) {
-    if (std::fabs(wrap_angle(circuit.pose_at(place).heading_rad - X_MB.heading_rad)) > along_rad_max) continue;
+  for (const auto& [track_position, left_m, distance_m] : lines) {
+    if (std::fabs(wrap_angle(circuit.pose_at(track_position).heading_rad - X_MB.heading_rad)) > along_rad_max) continue;
     return {std::sqrt(std::fmax(range_m * range_m - left_m * left_m, 0.0)), left_m};
   }
   // Of no line that it may follow: what a disc says on average of what enters it anywhere.
@@ -48,7 +48,7 @@ Point2 at_rim(const zone::Circuit& circuit, Point2 fiducial_M, const Pose2& X_MB
 /// Nothing where nobody could be told of it: it has left every place there is.
 std::optional<EstimateResponse::Estimate> told_of(const estimation::Estimate& estimate) {
   const Pose2& X_MB = estimate.pose;
-  const auto placed = [](double v) { return std::fabs(v) <= EstimateResponse::place_m_max; };
+  const auto placed = [](double v) { return std::fabs(v) <= EstimateResponse::position_m_max; };
   if (!placed(X_MB.x_m) || !placed(X_MB.y_m) || !std::isfinite(X_MB.heading_rad)) return std::nullopt;
   EstimateResponse::Estimate told;
   told.X_MB = {X_MB.x_m + 0.0, X_MB.y_m + 0.0, wrap_angle(X_MB.heading_rad) + 0.0};
@@ -156,13 +156,13 @@ void Estimating::begin(const wire::EstimateRequest& request, const Step& step) {
   setting.seed = request.seed;
   setting.particles = request.particles;
   setting.horizon = request.horizon;
-  if (current_estimate.place) {
-    auto track = estimation::Track::round(current_estimate.zone, current_estimate.place->section);
-    if (const auto along_m = track ? track->along_of(*current_estimate.place) : std::nullopt) {
+  if (current_estimate.position) {
+    auto track = estimation::Track::round(current_estimate.zone, current_estimate.position->section);
+    if (const auto along_m = track ? track->along_of(*current_estimate.position) : std::nullopt) {
       run.track = std::make_shared<const estimation::Track>(std::move(*track));
       setting.track = run.track;
       setting.start_along_m = *along_m;
-      run.start.section = current_estimate.zone->circuit.part(current_estimate.place->section).name;
+      run.start.section = current_estimate.zone->circuit.part(current_estimate.position->section).name;
       run.start.along_m = *along_m;
     }
   }
@@ -184,8 +184,8 @@ void Estimating::roll(const Step& step) {
   const double duration_s = to_seconds(step.at - run.stepped_at);
   run.stepped_at = step.at;
   if (!step.current_estimate) return;
-  const std::optional<zone::Place>& place = step.current_estimate->place;
-  const bool on_ring = !run.track || !place || run.track->along_of(*place);
+  const std::optional<zone::TrackPosition>& track_position = step.current_estimate->position;
+  const bool on_ring = !run.track || !track_position || run.track->along_of(*track_position);
   run.off_ring_m = on_ring ? 0.0 : run.off_ring_m + std::fabs(step.distance_m);
   if (run.off_ring_m > off_ring_m_max && run.fault.empty()) run.fault = "it left the ring on which the session began";
   if (step.distance_m == 0.0 && step.turn_rad == 0.0) return;
@@ -201,7 +201,7 @@ void Estimating::on_tag(std::uint32_t number, SimTime read_at, const zone::Traff
   // Driving backwards the field comes from the other side; so short a way needs no reading.
   if (!session_ || session_->speed_mps < 0.0 || session_->told.size() >= EstimateResponse::told_max) return;
   std::optional<Point2> fiducial_M;
-  if (const zone::Tag* tag = zone.find_tag(number)) fiducial_M = position(zone.circuit.pose_at(tag->place));
+  if (const zone::Tag* tag = zone.find_tag(number)) fiducial_M = position(zone.circuit.pose_at(tag->position));
   if (!fiducial_M && zone.beacons) fiducial_M = zone.beacons->find(number);
   if (!fiducial_M) return;
   Point2 detected_B = at_rim(zone.circuit, *fiducial_M, X_MB, model_.antenna_range_m);

@@ -35,7 +35,7 @@ class Estimating {
   struct CurrentEstimate {
     std::shared_ptr<const zone::TrafficZone> zone;
     Pose2 X_MB;
-    std::optional<zone::Place> place;  ///< none: it is on no line
+    std::optional<zone::TrackPosition> position;  ///< none: it is on no line
     double sigma_m{};
   };
   /// A step of odometry, once the vehicle's own belief has taken it.

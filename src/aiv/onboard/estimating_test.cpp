@@ -47,8 +47,8 @@ class Requested {
     return response.value_or(EstimateResponse{});
   }
   [[nodiscard]] Estimating::CurrentEstimate current_estimate() const {
-    const zone::Place place{section, s_m};
-    return {zone_, zone_->circuit.pose_at(place), place, 0.002};
+    const zone::TrackPosition position{section, s_m};
+    return {zone_, zone_->circuit.pose_at(position), position, 0.002};
   }
 
   Estimating estimating;
@@ -110,8 +110,8 @@ TEST(Estimating, says_the_same_again_to_who_did_not_hear_it_and_nothing_to_who_a
 TEST(Estimating, tells_readings_as_the_antenna_has_them_and_what_each_algorithm_makes_of_them) {
   Requested vehicle;
   const zone::Tag& tag = *lacet4().tags.begin();
-  vehicle.section = tag.place.section;
-  vehicle.s_m = tag.place.s_m - 0.05;
+  vehicle.section = tag.position.section;
+  vehicle.s_m = tag.position.s_m - 0.05;
   vehicle.ask(1, {"dead_reckoning", "arc_kalman"});
   vehicle.response();
   vehicle.step();

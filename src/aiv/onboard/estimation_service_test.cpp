@@ -17,7 +17,7 @@ struct EstimationServiceTest : ::testing::Test {
 
   EstimationServiceTest() {
     session.set_online(true);
-    context.agent().estimator().place_at(test::at(lacet4(), "loop_se", 0.5));
+    context.agent().estimator().position_at(test::at(lacet4(), "loop_se", 0.5));
   }
 };
 

@@ -379,8 +379,8 @@ void OnboardCore::fold(Digest& digest) const {
   const Agent& agent = context.agent();
   digest.add(std::uint64_t{agent.position().known()});
   if (agent.position().known()) {
-    digest.add(std::uint64_t{agent.position().place().section});
-    digest.add(agent.position().place().s_m);
+    digest.add(std::uint64_t{agent.position().track_position().section});
+    digest.add(agent.position().track_position().s_m);
   }
   if (agent.position().off_line() && agent.position().pose_known()) {
     const Pose2 X_MB = agent.position().pose();

@@ -196,7 +196,7 @@ TEST(Onboard, drives_its_order_and_reports_each_node) {
   fixture.run(5.0);
   EXPECT_FALSE(fixture.state().driving);
   EXPECT_THAT(fixture.state().node_states, IsEmpty());
-  EXPECT_NEAR(fixture.ground_truth.place(lacet4().circuit).s_m, 4.0 * edge_m, 0.01);
+  EXPECT_NEAR(fixture.ground_truth.location(lacet4().circuit).s_m, 4.0 * edge_m, 0.01);
   ASSERT_TRUE(fixture.state().position);
   EXPECT_LT(distance(fixture.state().position->pose, fixture.ground_truth.pose(lacet4().circuit)), 0.01);
   EXPECT_EQ(fixture.state().position->map_id, "lacet4");
@@ -447,17 +447,17 @@ TEST(Options, come_back_from_json_as_they_were) {
 }
 
 TEST(Options, that_make_no_sense_are_refused_by_field) {
-  const auto place = [](std::string_view json) {
+  const auto position = [](std::string_view json) {
     const auto options = onboard_options_from_json(json);
-    return options ? std::string("accepted") : options.error().place;
+    return options ? std::string("accepted") : options.error().location;
   };
-  EXPECT_EQ(place(R"({"number":0})"), "number");
-  EXPECT_EQ(place(R"({"number":1.5})"), "number");
-  EXPECT_EQ(place(R"({"serialNumber":"a/b"})"), "serialNumber");
-  EXPECT_EQ(place(R"({"zone":{"format":"toml"}})"), "zone");
-  EXPECT_EQ(place(R"({"start":{"section":"east"}})"), "start");
-  EXPECT_EQ(place(R"({"state_period_ms":0})"), "state_period_ms");
-  EXPECT_EQ(place(R"({"cycle_ms":0})"), "cycle_ms");
+  EXPECT_EQ(location(R"({"number":0})"), "number");
+  EXPECT_EQ(location(R"({"number":1.5})"), "number");
+  EXPECT_EQ(location(R"({"serialNumber":"a/b"})"), "serialNumber");
+  EXPECT_EQ(location(R"({"zone":{"format":"toml"}})"), "zone");
+  EXPECT_EQ(location(R"({"start":{"section":"east"}})"), "start");
+  EXPECT_EQ(location(R"({"state_period_ms":0})"), "state_period_ms");
+  EXPECT_EQ(location(R"({"cycle_ms":0})"), "cycle_ms");
   EXPECT_FALSE(onboard_options_from_json("[]"));
   EXPECT_FALSE(onboard_options_from_json("{"));
 }

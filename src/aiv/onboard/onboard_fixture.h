@@ -30,7 +30,7 @@ class OnboardFixture {
     std::optional<OnboardOptions::Start> start{OnboardOptions::Start{"loop_se", 0.0}};
     std::string persisted{};
     std::uint32_t session{77};
-    zone::Place ground_truth{at(lacet4(), "loop_se", 0.0)};
+    zone::TrackPosition ground_truth{at(lacet4(), "loop_se", 0.0)};
     double odometer_m{0.0};
     std::optional<zone::ZoneConfiguration> zone{};  ///< told at first; lacet4 without
     const zone::Circuit* floor{&lacet4().circuit};
@@ -127,7 +127,7 @@ class OnboardFixture {
   [[nodiscard]] Setup reborn() const {
     Setup setup;
     setup.persisted = persisted;
-    setup.ground_truth = ground_truth.place(lacet4().circuit);
+    setup.ground_truth = ground_truth.track_position(lacet4().circuit);
     setup.odometer_m = world.odometer_m;
     return setup;
   }

@@ -38,7 +38,7 @@ struct Driving : OnboardFixture {
     const Point2 p = on_loop(s_m);
     return {std::move(id), "person", p.x_m, p.y_m, 0.0, 0.0, radius_m, 0.0, 0.0};
   }
-  [[nodiscard]] double s_m() const { return ground_truth.place(lacet4().circuit).s_m; }
+  [[nodiscard]] double s_m() const { return ground_truth.track_position(lacet4().circuit).s_m; }
 
   void receive_virtual_obstacles(std::vector<wire::Body> bodies) {
     hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, me),
@@ -270,11 +270,11 @@ TEST(Perception, before_there_is_a_zone_or_a_place_harms_nothing) {
   EXPECT_THAT(no_zone.felts, IsEmpty());
   setup.zone_told = true;
   setup.start.reset();
-  OnboardFixture no_place{setup};
-  no_place.hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, me), text);
-  no_place.run(0.2);
-  ASSERT_THAT(no_place.felts, SizeIs(1));
-  EXPECT_FALSE(no_place.felts[0].braking);
+  OnboardFixture no_position{setup};
+  no_position.hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, me), text);
+  no_position.run(0.2);
+  ASSERT_THAT(no_position.felts, SizeIs(1));
+  EXPECT_FALSE(no_position.felts[0].braking);
 }
 
 // --- Seen -----------------------------------------------------------------------------------------------------------
@@ -419,7 +419,7 @@ TEST(ZoneEdit, another_beacon_pitch_is_in_force_at_once) {
     const auto beacon = rtm->zone().beacons->nearest(here);
     fixture.say(wire::Board::PRAV, wire::TagRead{0, beacon->number, 0});
     // The rim of the field, 20 mm before the beacon.
-    const double rim_m = rtm->zone().circuit.locate(beacon->position, pi / 2).place.s_m - 0.020;
+    const double rim_m = rtm->zone().circuit.locate(beacon->position, pi / 2).position.s_m - 0.020;
     return distance(position(*fixture.core->estimated_pose()),
                     position(lacet4().circuit.pose_at(at(lacet4(), "north", rim_m))));
   };

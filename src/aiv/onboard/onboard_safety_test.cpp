@@ -189,7 +189,7 @@ TEST(Obstacle, in_the_way_stops_the_vehicle_and_shows_in_its_state_until_it_is_g
   fixture.obstacles = {position(lacet4().circuit.pose_at(at(lacet4(), "loop_se", 1.0)))};
   fixture.run(5.0);
   EXPECT_EQ(fixture.speed_mps, 0.0);
-  EXPECT_LT(fixture.ground_truth.place(lacet4().circuit).s_m, 0.8);
+  EXPECT_LT(fixture.ground_truth.track_position(lacet4().circuit).s_m, 0.8);
   EXPECT_TRUE(fixture.state().field_violation);
   fixture.obstacles.clear();
   fixture.run(1.5);

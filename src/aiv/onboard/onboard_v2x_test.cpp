@@ -20,13 +20,13 @@ const wire::VehicleId me{"CoSiVA", "AIV1"};
 struct Talking : OnboardFixture {
   explicit Talking(const Setup& setup = {}) : OnboardFixture{setup} { run(1.0); }
 
-  wire::Intent from(const std::string& serial, zone::Place place) {
+  wire::Intent from(const std::string& serial, zone::TrackPosition track_position) {
     wire::Intent intent;
     intent.header_id = ++said;
     intent.timestamp = now;
     intent.map_id = "lacet4";
     intent.vehicle = {"CoSiVA", serial};
-    intent.pose = lacet4().circuit.pose_at(place);
+    intent.pose = lacet4().circuit.pose_at(track_position);
     return intent;
   }
   void hear_intent(const wire::Intent& intent, bool retained = false) {
@@ -100,7 +100,7 @@ TEST(OnboardV2x, says_who_and_where_it_is_and_counts_its_messages) {
   ASSERT_GE(fixture.intents.size(), 3U);
   const wire::Intent& last = fixture.intents.back();
   EXPECT_EQ(last.vehicle, me);
-  EXPECT_EQ(last.place->section, "loop_se");
+  EXPECT_EQ(last.position->section, "loop_se");
   EXPECT_EQ(last.header_id, fixture.intents.size() - 1);
   EXPECT_TRUE(std::ranges::any_of(fixture.published, [&](const wire::Publish& publish) {
     return publish.topic == wire::v2x_topic("lacet4", wire::cell_of(position(fixture.world.pose())), me) &&

@@ -15,7 +15,7 @@ constexpr double saved_distance_m_max = 100.0;
 /// A body off the line that has moved further than this is no longer where it was.
 constexpr double off_line_distance_m_max = 0.005;
 /// A section lies where it lay when the position was saved.
-constexpr double same_place_m = 0.02;
+constexpr double same_position_m = 0.02;
 constexpr double same_heading_rad = 0.05;
 
 PersistedPosition position_of(const DrivingContext& context, std::int64_t odometer_um, std::uint32_t pils_session) {
@@ -31,7 +31,7 @@ PersistedPosition position_of(const DrivingContext& context, std::int64_t odomet
   now_here.manoeuvre = position.manoeuvred();
   now_here.pose = position.left_line_at() ? *position.left_line_at() : position.pose();
   if (position.known()) {
-    const zone::Place at = position.place();
+    const zone::TrackPosition at = position.track_position();
     now_here.section = context.zone().circuit.part(at.section).name;
     now_here.s_m = at.s_m;
   }
@@ -84,16 +84,16 @@ void PositionStore::find_position(DrivingContext& context) {
   // A position in another zone is preserved: that zone may be the broker's, and arrive later.
   if (restored_ && (!pils_session_ || !agent.position().odometer_um())) return;  // not yet comparable
   if (of_this_zone) {
-    const bool placed = place_as_restored(context);
+    const bool placed = restore_position(context);
     restored_.reset();
     if (placed) return;
   }
   if (agent.position().pose_known() || !start_ || !start_counts_) return;
   if (const auto section = context.zone().circuit.find(start_->section))
-    agent.estimator().place_at({*section, start_->s_m});
+    agent.estimator().position_at({*section, start_->s_m});
 }
 
-bool PositionStore::place_as_restored(DrivingContext& context) {
+bool PositionStore::restore_position(DrivingContext& context) {
   if (restored_->session != *pils_session_) return false;
   Agent& agent = context.agent();
   const zone::Circuit& circuit = context.zone().circuit;
@@ -103,8 +103,8 @@ bool PositionStore::place_as_restored(DrivingContext& context) {
   // A position that was known before and has driven on since is no longer where it was saved.
   if (agent.position().pose_known() && std::fabs(distance_m) > off_line_distance_m_max) return false;
   if (!restored_->off_line) {
-    if (const auto place = restored_place(circuit, distance_m)) {
-      agent.estimator().place_at(*place);
+    if (const auto track_position = restored_position(circuit, distance_m)) {
+      agent.estimator().position_at(*track_position);
       const auto next = restored_->next ? circuit.find(*restored_->next) : std::nullopt;
       if (restored_->manoeuvre) agent.estimator().resume_manoeuvre(*restored_->manoeuvre, next);
       return true;
@@ -119,22 +119,22 @@ bool PositionStore::place_as_restored(DrivingContext& context) {
   return true;
 }
 
-std::optional<zone::Place> PositionStore::restored_place(const zone::Circuit& circuit, double distance_m) const {
+std::optional<zone::TrackPosition> PositionStore::restored_position(const zone::Circuit& circuit, double distance_m) const {
   const auto section = circuit.find(restored_->section);
   if (!section || !std::isfinite(restored_->s_m)) return std::nullopt;
-  const zone::Place place{*section, restored_->s_m};
+  const zone::TrackPosition track_position{*section, restored_->s_m};
   if (restored_->pose) {
     // The section of the same name may lie elsewhere by now.
-    if (!(restored_->s_m >= 0.0 && restored_->s_m <= circuit.section(*section).length_m() + same_place_m))
+    if (!(restored_->s_m >= 0.0 && restored_->s_m <= circuit.section(*section).length_m() + same_position_m))
       return std::nullopt;
-    const Pose2 X_MP = circuit.pose_at(circuit.advance(place, 0.0));
-    if (distance(X_MP, *restored_->pose) > same_place_m ||
+    const Pose2 X_MP = circuit.pose_at(circuit.advance(track_position, 0.0));
+    if (distance(X_MP, *restored_->pose) > same_position_m ||
         std::fabs(wrap_angle(X_MP.heading_rad - restored_->pose->heading_rad)) > same_heading_rad)
       return std::nullopt;
   }
   const auto next = restored_->next ? circuit.find(*restored_->next) : std::nullopt;
-  if (!next) return circuit.advance(place, distance_m);
-  return circuit.advance(place, distance_m, std::array{*next});
+  if (!next) return circuit.advance(track_position, distance_m);
+  return circuit.advance(track_position, distance_m, std::array{*next});
 }
 
 void PositionStore::discard_restored() {

@@ -45,8 +45,8 @@ class PositionStore {
  private:
   void restrict(Agent& agent) const;
   /// Places the vehicle at the restored position: false where it cannot be there.
-  [[nodiscard]] bool place_as_restored(DrivingContext& context);
-  [[nodiscard]] std::optional<zone::Place> restored_place(const zone::Circuit& circuit, double distance_m) const;
+  [[nodiscard]] bool restore_position(DrivingContext& context);
+  [[nodiscard]] std::optional<zone::TrackPosition> restored_position(const zone::Circuit& circuit, double distance_m) const;
   void save(bool due, const DrivingContext& context, wire::Effects& effects);
 
   std::optional<OnboardOptions::Start> start_;

@@ -26,7 +26,7 @@ struct PositionStoreTest : ::testing::Test {
     persisted.session = session;
     return persisted;
   }
-  [[nodiscard]] double s_m() const { return context.agent().position().place().s_m; }
+  [[nodiscard]] double s_m() const { return context.agent().position().track_position().s_m; }
 };
 
 TEST_F(PositionStoreTest, begins_at_the_configured_start) {

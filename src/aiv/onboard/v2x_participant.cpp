@@ -48,7 +48,7 @@ void V2xParticipant::on_intent(SimTime now, const wire::Input& input, DrivingCon
                    effects);
   };
   auto intent = wire::heard_intent(input);
-  if (!intent) return refuse(intent.error().code + " " + intent.error().place, to_string(intent.error()));
+  if (!intent) return refuse(intent.error().code + " " + intent.error().location, to_string(intent.error()));
   const Point2 here = position(context.agent().position().pose());
   const auto verdict = context.neighbours().hear(now, *topic, std::move(*intent), here);
   using enum Neighbours::Verdict;

@@ -21,7 +21,7 @@ bool VirtualPerception::on_bodies(SimTime now, const wire::Input& input, Driving
     return false;
   };
   auto list = wire::virtual_obstacles_from_json(input.payload);
-  if (!list) return refuse(list.error().code + " " + list.error().place, to_string(list.error()));
+  if (!list) return refuse(list.error().code + " " + list.error().location, to_string(list.error()));
   const std::string& map_id = context.zone().name;
   if (list->map_id != map_id) return refuse("map", "it is of map '" + list->map_id + "', this is '" + map_id + "'");
   // A number that runs backwards is another server's, which does not know yet that this vehicle perceives virtual

@@ -118,7 +118,7 @@ TEST(ZoneSwitch, is_followed_by_a_drive_to_the_new_line_and_along_it) {
   fixture.run(20.0);
   EXPECT_TRUE(fixture.world.on_line());
   EXPECT_EQ(fixture.state().last_node_id, "out@900");
-  EXPECT_NEAR(fixture.world.place().s_m, 0.9, 0.015);
+  EXPECT_NEAR(fixture.world.track_position().s_m, 0.9, 0.015);
   EXPECT_LT(fixture.pose_error_m(), 0.01);
 }
 
@@ -351,7 +351,7 @@ TEST(ZoneSwitch, is_followed_by_a_joinLine_that_takes_it_onto_the_line_without_a
   fixture.run(8.0);
   EXPECT_EQ(fixture.action("there")->status, wire::ActionStatus::finished);
   ASSERT_TRUE(fixture.world.on_line());
-  EXPECT_NEAR(fixture.world.place().s_m, 0.5, 0.01);
+  EXPECT_NEAR(fixture.world.track_position().s_m, 0.5, 0.01);
   EXPECT_EQ(join("again", fixture.floor().circuit.pose_at({0, 0.7})), wire::ActionStatus::failed)
       << "it is on the line";
 }

@@ -16,7 +16,7 @@ constexpr double arrival_m = 0.015;
 /// Places of one node lie equally far along a way.
 constexpr double same_path_m = 1e-3;
 /// The vehicle's way along the order and its place on the circuit agree this well.
-constexpr double same_place_m = 0.10;
+constexpr double same_position_m = 0.10;
 
 std::string named(const wire::OrderNode& node) { return "node '" + node.node_id + "'"; }
 
@@ -49,7 +49,7 @@ Result<OrderBook::Verdict> OrderBook::offer_new(const wire::Order& order, const 
     return fail("orderUpdateError", "order '" + order_id_ + "' is not finished: it has " +
                                         std::string(base_left() ? "base" : "horizon") + " left");
   }
-  const auto firsts = router_.first_places(order);
+  const auto firsts = router_.first_positions(order);
   if (!firsts) return tl::unexpected(firsts.error());
   auto found = find_from_any(order, *firsts, standing);
   if (!found) return tl::unexpected(std::move(found.error()));
@@ -61,7 +61,7 @@ Result<OrderBook::Verdict> OrderBook::offer_new(const wire::Order& order, const 
   last_node_id_ = order.nodes.front().node_id;
   last_node_sequence_id_ = order.nodes.front().sequence_id;
   last_node_path_m_ = 0.0;
-  last_node_place_ = found->route.first;
+  last_node_position_ = found->route.first;
   accepted_at_ = found->from;
   append(order, std::move(found->route), 0.0);
   return Verdict::accepted_new;
@@ -88,23 +88,23 @@ Result<OrderBook::Verdict> OrderBook::offer_update(const wire::Order& order, con
     append(order, std::move(*route), targets_.back().path_m);
   } else {
     // It may have been moved by hand since it arrived.
-    auto found = find_from_any(order, places_like(last_node_place_, order), standing);
+    auto found = find_from_any(order, positions_like(last_node_position_, order), standing);
     if (!found) return tl::unexpected(std::move(found.error()));
     targets_.clear();
     edges_.clear();
     travelled_m_ = last_node_path_m_ + found->vehicle_m;
-    last_node_place_ = found->route.first;
+    last_node_position_ = found->route.first;
     accepted_at_ = found->from;
     append(order, std::move(found->route), last_node_path_m_);
   }
   return Verdict::accepted_update;
 }
 
-Result<OrderBook::Found> OrderBook::find(const wire::Order& order, const std::vector<zone::Place>& firsts,
-                                         zone::Place now) const {
+Result<OrderBook::Found> OrderBook::find(const wire::Order& order, const std::vector<zone::TrackPosition>& firsts,
+                                         zone::TrackPosition now) const {
   std::optional<Found> best;
   std::optional<Error> why;
-  for (const zone::Place first : firsts) {
+  for (const zone::TrackPosition first : firsts) {
     auto route = router_.route(order, first);
     const auto vehicle_m =
         route ? way_from_first_node(order.nodes.front(), *route, now) : Result<double>{tl::unexpected(route.error())};
@@ -122,39 +122,39 @@ Result<OrderBook::Found> OrderBook::find(const wire::Order& order, const std::ve
   return std::move(*best);
 }
 
-Result<OrderBook::Found> OrderBook::find_from_any(const wire::Order& order, const std::vector<zone::Place>& firsts,
+Result<OrderBook::Found> OrderBook::find_from_any(const wire::Order& order, const std::vector<zone::TrackPosition>& firsts,
                                                   const Standing& standing) const {
-  auto best = find(order, firsts, standing.place);
-  for (const zone::Place place : standing.also) {
-    auto found = find(order, firsts, place);
-    if (found && (!best || found->route.length_m() + same_place_m < best->route.length_m())) best = std::move(found);
+  auto best = find(order, firsts, standing.position);
+  for (const zone::TrackPosition position : standing.also) {
+    auto found = find(order, firsts, position);
+    if (found && (!best || found->route.length_m() + same_position_m < best->route.length_m())) best = std::move(found);
   }
   return best;
 }
 
-std::vector<zone::Place> OrderBook::places_like(zone::Place found, const wire::Order& order) const {
-  std::vector<zone::Place> places{found};
-  if (router_.one_way()) return places;
-  const auto others = router_.first_places(order);
-  if (!others) return places;
-  for (const zone::Place other : *others)
-    if (!(other == found)) places.push_back(other);
-  return places;
+std::vector<zone::TrackPosition> OrderBook::positions_like(zone::TrackPosition found, const wire::Order& order) const {
+  std::vector<zone::TrackPosition> positions{found};
+  if (router_.one_way()) return positions;
+  const auto others = router_.first_positions(order);
+  if (!others) return positions;
+  for (const zone::TrackPosition other : *others)
+    if (!(other == found)) positions.push_back(other);
+  return positions;
 }
 
 Result<OrderRoute> OrderBook::find_continuation(const wire::Order& order, std::size_t kept) {
   Target& stitch = targets_[kept - 1];
-  const zone::Place before = kept > 1 ? targets_[kept - 2].place : last_node_place_;
+  const zone::TrackPosition before = kept > 1 ? targets_[kept - 2].position : last_node_position_;
   const double way_m = stitch.path_m - (kept > 1 ? targets_[kept - 2].path_m : last_node_path_m_);
   std::optional<OrderRoute> best;
   std::optional<zone::Circuit::Way> best_way;
   std::optional<Error> why;
-  for (const zone::Place place : places_like(stitch.place, order)) {
-    const bool same = place == stitch.place;
-    auto way = same ? std::nullopt : router_.way(before, place, way_m + same_path_m);
+  for (const zone::TrackPosition position : positions_like(stitch.position, order)) {
+    const bool same = position == stitch.position;
+    auto way = same ? std::nullopt : router_.way(before, position, way_m + same_path_m);
     // Another place of the node, equally far along the base: that of another way out of it.
     if (!same && (!way || way->length_m < way_m - same_path_m)) continue;
-    auto route = router_.route(order, place);
+    auto route = router_.route(order, position);
     if (!route) {
       if (!why) why = std::move(route.error());
       continue;
@@ -165,7 +165,7 @@ Result<OrderRoute> OrderBook::find_continuation(const wire::Order& order, std::s
   }
   if (!best) return tl::unexpected(std::move(*why));
   if (best_way) {
-    stitch.place = best->first;
+    stitch.position = best->first;
     stitch.via.assign(best_way->sections.begin() + 1, best_way->sections.end());
   }
   return std::move(*best);
@@ -176,7 +176,7 @@ void OrderBook::append(const wire::Order& order, OrderRoute&& route, double firs
   for (std::size_t i = 0; i < route.legs.size(); ++i) {
     OrderRoute::Leg& leg = route.legs[i];
     path_m += leg.length_m;
-    targets_.push_back({order.nodes[i + 1], leg.place, path_m, order.edges[i].max_speed_mps, std::move(leg.via)});
+    targets_.push_back({order.nodes[i + 1], leg.position, path_m, order.edges[i].max_speed_mps, std::move(leg.via)});
     edges_.push_back(order.edges[i]);
   }
   order_id_ = order.order_id;
@@ -187,7 +187,7 @@ void OrderBook::append(const wire::Order& order, OrderRoute&& route, double firs
 }
 
 Result<double> OrderBook::way_from_first_node(const wire::OrderNode& node, const OrderRoute& route,
-                                              zone::Place now) const {
+                                              zone::TrackPosition now) const {
   const double deviation_m =
       std::max(first_node_m, node.position ? node.position->allowed_deviation_xy_m.value_or(0.0) : 0.0);
   // Behind the vehicle the whole first edge counts: a vehicle that stands on it has passed the node.
@@ -209,33 +209,33 @@ void OrderBook::cancel() {
   cancelled_ = true;
 }
 
-bool OrderBook::relocate(zone::Place place) {
+bool OrderBook::relocate(zone::TrackPosition position) {
   if (!active()) return true;
   const double left_m = targets_.back().path_m - last_node_path_m_;
   std::vector<zone::SectionId> coming;
   for (const Target& target : targets_) coming.insert(coming.end(), target.via.begin(), target.via.end());
-  if (const auto beyond_m = zone_.circuit.distance_ahead(last_node_place_, place, left_m, coming)) {
+  if (const auto beyond_m = zone_.circuit.distance_ahead(last_node_position_, position, left_m, coming)) {
     travelled_m_ = last_node_path_m_ + *beyond_m;
     return true;
   }
-  if (const auto before = router_.way(place, last_node_place_, first_node_m)) {
+  if (const auto before = router_.way(position, last_node_position_, first_node_m)) {
     travelled_m_ = last_node_path_m_ - before->length_m;
     return true;
   }
   return false;
 }
 
-zone::Course OrderBook::course_from(zone::Place here) const {
+zone::Course OrderBook::course_from(zone::TrackPosition here) const {
   if (router_.one_way()) return {};
-  if (last_node_place_.section == zone::no_section) return zone::Course{{here.section}};  // it never had an order
-  std::vector<zone::SectionId> sections{last_node_place_.section};
+  if (last_node_position_.section == zone::no_section) return zone::Course{{here.section}};  // it never had an order
+  std::vector<zone::SectionId> sections{last_node_position_.section};
   for (const Target& target : targets_) sections.insert(sections.end(), target.via.begin(), target.via.end());
 
   // A way may come over a section more than once: the one that fits how far the vehicle has come.
   const double since_m = travelled_m_ - last_node_path_m_;
-  double start_m = -last_node_place_.s_m;
+  double start_m = -last_node_position_.s_m;
   std::size_t at = sections.size();
-  double best_m = same_place_m;
+  double best_m = same_position_m;
   for (std::size_t i = 0; i < sections.size(); ++i) {
     const double misfit_m = std::fabs(start_m + here.s_m - since_m);
     if (sections[i] == here.section && misfit_m <= best_m) {
@@ -247,7 +247,7 @@ zone::Course OrderBook::course_from(zone::Place here) const {
   if (at < sections.size()) return zone::Course{std::move(sections), at};
 
   // Before the first node, then, or nowhere near.
-  const auto way = router_.way(here, last_node_place_, std::fabs(since_m) + same_place_m);
+  const auto way = router_.way(here, last_node_position_, std::fabs(since_m) + same_position_m);
   if (!way) return zone::Course{{here.section}};
   std::vector<zone::SectionId> all = way->sections;
   all.insert(all.end(), sections.begin() + 1, sections.end());
@@ -286,7 +286,7 @@ std::vector<wire::OrderNode> OrderBook::travelled(double distance_m) {
   std::vector<wire::OrderNode> traversed;
   if (passed == 0) return traversed;
   last_node_path_m_ = targets_[passed - 1].path_m;
-  last_node_place_ = targets_[passed - 1].place;
+  last_node_position_ = targets_[passed - 1].position;
   traversed.reserve(passed);
   for (std::size_t i = 0; i < passed; ++i) traversed.push_back(std::move(targets_[i].node));
   last_node_id_ = traversed.back().node_id;

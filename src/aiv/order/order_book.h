@@ -19,9 +19,9 @@ class OrderBook {
  public:
   /// Where the vehicle is, for "the first node must be trivially reachable" (§6.6.4, trap 9).
   struct Standing {
-    zone::Place place;
+    zone::TrackPosition position;
     bool position_known;
-    std::vector<zone::Place> also{};  ///< the same place on other sections, at a joint or on the very same line
+    std::vector<zone::TrackPosition> also{};  ///< the same place on other sections, at a joint or on the very same line
   };
   enum class Verdict {
     accepted_new,
@@ -42,11 +42,11 @@ class OrderBook {
   void cancel();
 
   /// Of the places where the vehicle stood when its order was accepted, the one that the order leads from.
-  [[nodiscard]] zone::Place accepted_at() const { return accepted_at_; }
+  [[nodiscard]] zone::TrackPosition accepted_at() const { return accepted_at_; }
 
   /// The vehicle finds itself elsewhere than it thought (`initPosition`, or a tag that contradicts the belief). True
   /// when the place lies on what is left of the order, which then goes on from there; false changes nothing.
-  [[nodiscard]] bool relocate(zone::Place place);
+  [[nodiscard]] bool relocate(zone::TrackPosition position);
   /// As initPosition tells: the node the vehicle stands on or passed last.
   void set_last_node(std::string node_id);
   /// On another map: the ids of the order before stay until there is a new one (2.1 §6.10, orderId); it is over, and
@@ -56,7 +56,7 @@ class OrderBook {
   /// A node of the order, found on the circuit.
   struct Target {
     wire::OrderNode node;
-    zone::Place place;
+    zone::TrackPosition position;
     double path_m;                        ///< along the order from its first node
     std::optional<double> max_speed_mps;  ///< of the edge that leads here
     std::vector<zone::SectionId> via;     ///< sections entered on the way from the node before (OrderRoute::Leg)
@@ -64,7 +64,7 @@ class OrderBook {
 
   /// The way that the order takes over all nodes that are left, horizon too; on the section of `here`, where the
   /// vehicle is. Empty where the circuit leaves nothing to choose.
-  [[nodiscard]] zone::Course course_from(zone::Place here) const;
+  [[nodiscard]] zone::Course course_from(zone::TrackPosition here) const;
 
   /// Tells how far the vehicle has come since the last call (negative: a correction backwards); returns the nodes it
   /// traversed just now, in order. A node is traversed when the vehicle's middle passes it; where the base ends already
@@ -97,23 +97,23 @@ class OrderBook {
   struct Found {
     OrderRoute route;
     double vehicle_m;  ///< beyond the first node; negative: before it
-    zone::Place from;  ///< where the vehicle is
+    zone::TrackPosition from;  ///< where the vehicle is
   };
   [[nodiscard]] Result<Verdict> offer_new(const wire::Order& order, const Standing& standing);
   [[nodiscard]] Result<Verdict> offer_update(const wire::Order& order, const Standing& standing);
   /// From whichever of these places of its first node is where the vehicle is.
-  [[nodiscard]] Result<Found> find(const wire::Order& order, const std::vector<zone::Place>& firsts,
-                                   zone::Place now) const;
+  [[nodiscard]] Result<Found> find(const wire::Order& order, const std::vector<zone::TrackPosition>& firsts,
+                                   zone::TrackPosition now) const;
   /// Likewise, and from wherever else it stands when that is the shorter way, or the only one.
-  [[nodiscard]] Result<Found> find_from_any(const wire::Order& order, const std::vector<zone::Place>& firsts,
+  [[nodiscard]] Result<Found> find_from_any(const wire::Order& order, const std::vector<zone::TrackPosition>& firsts,
                                             const Standing& standing) const;
   /// From whichever place of its first node, where the base ends, continues the base.
   [[nodiscard]] Result<OrderRoute> find_continuation(const wire::Order& order, std::size_t kept);
   /// The place that was found for an update's first node, and the others that go by its name.
-  [[nodiscard]] std::vector<zone::Place> places_like(zone::Place found, const wire::Order& order) const;
+  [[nodiscard]] std::vector<zone::TrackPosition> positions_like(zone::TrackPosition found, const wire::Order& order) const;
   /// How far the vehicle is beyond the first node; negative: before it. noRouteError where that is too far.
   [[nodiscard]] Result<double> way_from_first_node(const wire::OrderNode& node, const OrderRoute& route,
-                                                   zone::Place now) const;
+                                                   zone::TrackPosition now) const;
   void append(const wire::Order& order, OrderRoute&& route, double first_path_m);
   [[nodiscard]] std::size_t released_count() const;
 
@@ -131,8 +131,8 @@ class OrderBook {
   double travelled_m_{0.0};             ///< along the order, from its first node
   double last_node_path_m_{0.0};
   double base_end_path_m_{0.0};
-  zone::Place last_node_place_;
-  zone::Place accepted_at_;
+  zone::TrackPosition last_node_position_;
+  zone::TrackPosition accepted_at_;
 };
 
 }  // namespace cosiva::aiv

@@ -76,7 +76,7 @@ TEST(NewOrder, of_one_node_and_no_edge_is_legal_and_done_at_once) {
 
 TEST(NewOrder, needs_a_vehicle_that_knows_where_it_is) {
   Book book;
-  EXPECT_EQ(book.refusal(usual(), {start.place, false}), "noRouteError");
+  EXPECT_EQ(book.refusal(usual(), {start.position, false}), "noRouteError");
 }
 
 TEST(NewOrder, is_refused_while_another_has_base_or_horizon_left) {
@@ -213,7 +213,7 @@ TEST(Refusals, name_the_field) {
   const auto verdict = book.offer(bad, start);
   ASSERT_FALSE(verdict);
   EXPECT_THAT(verdict.error().message, HasSubstr("trajectory"));
-  EXPECT_EQ(verdict.error().place, "edges[0].trajectory");
+  EXPECT_EQ(verdict.error().location, "edges[0].trajectory");
 }
 
 TEST(Actions, that_the_vehicle_knows_are_accepted) {
@@ -233,7 +233,7 @@ TEST(UnknownNodes, are_found_on_the_circuit_by_their_position) {
   foreign.node(1).position = wire::NodePosition{-0.15, -0.15, {}, {}, {}, "lacet4"};
   foreign.node(2).position = wire::NodePosition{0.50, -0.25, {}, {}, {}, "lacet4"};
   ASSERT_EQ(book.refusal(foreign, standing("east", 0.1)), "accepted");
-  EXPECT_EQ(book.targets()[0].place.section, 0U) << "the way that the order goes on, not the one that crosses it";
+  EXPECT_EQ(book.targets()[0].position.section, 0U) << "the way that the order goes on, not the one that crosses it";
   EXPECT_NEAR(book.targets()[0].path_m, 0.5, 1e-9);
   EXPECT_NEAR(book.targets()[1].path_m, 1.15, 1e-9);
 }
@@ -424,7 +424,7 @@ TEST(Relocation, elsewhere_changes_nothing) {
 TEST(RollingOrder, goes_round_for_ever_in_bounded_space) {
   const auto& zone = lacet4();
   Book book;
-  std::size_t waypoint = zone.waypoint_ahead(start.place);
+  std::size_t waypoint = zone.waypoint_ahead(start.position);
   const auto name = [&] { return zone.waypoints[waypoint].id; };
   std::string first = name();
   waypoint = zone.next_waypoint(waypoint);

@@ -10,8 +10,8 @@ std::string at(std::string_view array, std::size_t index, std::string_view field
   return std::string(array) + "[" + std::to_string(index) + "]." + std::string(field);
 }
 
-auto invalid(std::string message, std::string place) {
-  return fail("validationError", std::move(message), std::move(place));
+auto invalid(std::string message, std::string position) {
+  return fail("validationError", std::move(message), std::move(position));
 }
 
 Result<void> check_node(const wire::Order& order, std::size_t i) {
@@ -60,11 +60,11 @@ Result<void> check_edge(const wire::Order& order, std::size_t i) {
 }
 
 Result<void> check_actions(const std::vector<wire::Action>& actions, std::span<const std::string> supported,
-                           const std::string& place) {
+                           const std::string& position) {
   for (const wire::Action& action : actions) {
     if (std::ranges::find(supported, action.action_type) == supported.end()) {
       return fail("orderError", "action '" + action.action_type + "' (" + action.action_id + ") is not supported",
-                  place);
+                  position);
     }
   }
   return {};

@@ -17,7 +17,7 @@ constexpr double node_off_circuit_m_max = 0.25;
 /// millimetre.
 constexpr double node_tie_m = 0.05;
 /// More places than that go by no node's position.
-constexpr std::size_t places_max = 16;
+constexpr std::size_t positions_max = 16;
 /// Room for rounding in a lap's length.
 constexpr double lap_rounding_m = 1e-6;
 
@@ -25,7 +25,7 @@ std::string named(const wire::OrderNode& node) { return "node '" + node.node_id 
 
 /// A place that a node may mean, and the best way to it from the first node.
 struct Reached {
-  zone::Place place;
+  zone::TrackPosition track_position;
   double path_m;
   std::size_t before;  ///< which of the node before
   zone::Circuit::Way way;
@@ -33,16 +33,16 @@ struct Reached {
 
 /// Best of the ways to one place from the places of the node before. Equally long ones: that which passed the node
 /// before earlier, because a way over itself (a lap) comes by there twice.
-std::optional<Reached> best_way_to(zone::Place place, const std::vector<Reached>& before, const OrderRouter& router) {
+std::optional<Reached> best_way_to(zone::TrackPosition track_position, const std::vector<Reached>& before, const OrderRouter& router) {
   std::optional<Reached> best;
   for (std::size_t i = 0; i < before.size(); ++i) {
-    auto way = router.way(before[i].place, place);
+    auto way = router.way(before[i].position, track_position);
     if (!way) continue;
     const double path_m = before[i].path_m + way->length_m;
     const double ahead_m = best ? best->path_m - path_m : 1.0;
     const bool earlier = best && before[i].path_m < before[best->before].path_m;
     if (ahead_m > lap_rounding_m || (ahead_m > -lap_rounding_m && earlier))
-      best = Reached{place, path_m, i, std::move(*way)};
+      best = Reached{track_position, path_m, i, std::move(*way)};
   }
   return best;
 }
@@ -64,24 +64,24 @@ std::vector<zone::SectionId> OrderRoute::sections() const {
 OrderRouter::OrderRouter(const zone::TrafficZone& zone)
     : zone_{zone}, longest_m_{zone.circuit.total_length_m() + lap_rounding_m}, one_way_{one_way_only(zone.circuit)} {}
 
-Result<std::vector<zone::Place>> OrderRouter::places_of(const wire::OrderNode& node) const {
+Result<std::vector<zone::TrackPosition>> OrderRouter::positions_of(const wire::OrderNode& node) const {
   const auto& at = node.position;
   if (at && !at->map_id.empty() && at->map_id != zone_.name) {
     return fail("noRouteError", named(node) + " is on map '" + at->map_id + "', the vehicle on '" + zone_.name + "'");
   }
   const auto known = zone_.find_waypoints(node.node_id);
   if (known.empty()) return by_position(node);
-  std::vector<zone::Place> places;
+  std::vector<zone::TrackPosition> positions;
   for (const std::size_t index : known) {
-    const zone::Place place = zone_.waypoints[index].place;
-    if (!at || distance(position(zone_.circuit.pose_at(place)), {at->x_m, at->y_m}) <= node_off_circuit_m_max)
-      places.push_back(place);
+    const zone::TrackPosition track_position = zone_.waypoints[index].position;
+    if (!at || distance(position(zone_.circuit.pose_at(track_position)), {at->x_m, at->y_m}) <= node_off_circuit_m_max)
+      positions.push_back(track_position);
   }
-  if (places.empty()) return fail("noRouteError", named(node) + " does not lie where its nodePosition says");
-  return places;
+  if (positions.empty()) return fail("noRouteError", named(node) + " does not lie where its nodePosition says");
+  return positions;
 }
 
-Result<std::vector<zone::Place>> OrderRouter::by_position(const wire::OrderNode& node) const {
+Result<std::vector<zone::TrackPosition>> OrderRouter::by_position(const wire::OrderNode& node) const {
   const auto& at = node.position;
   if (!at) return fail("noRouteError", named(node) + " is unknown here and has no nodePosition");
   const zone::Circuit& circuit = zone_.circuit;
@@ -89,44 +89,44 @@ Result<std::vector<zone::Place>> OrderRouter::by_position(const wire::OrderNode&
   circuit.near({at->x_m, at->y_m}, node_off_circuit_m_max, near);
   if (at->theta_rad) {
     std::erase_if(near, [&](const zone::Circuit::Located& located) {
-      return std::fabs(wrap_angle(circuit.pose_at(located.place).heading_rad - *at->theta_rad)) > pi / 2.0;
+      return std::fabs(wrap_angle(circuit.pose_at(located.position).heading_rad - *at->theta_rad)) > pi / 2.0;
     });
   }
   if (near.empty()) return fail("noRouteError", named(node) + " does not lie on the circuit");
-  std::vector<zone::Place> places;
+  std::vector<zone::TrackPosition> positions;
   for (const auto& located : near) {
-    if (located.distance_m > near.front().distance_m + node_tie_m || places.size() == places_max) break;
-    places.push_back(located.place);
+    if (located.distance_m > near.front().distance_m + node_tie_m || positions.size() == positions_max) break;
+    positions.push_back(located.position);
   }
-  std::ranges::sort(places, {}, &zone::Place::section);
-  return places;
+  std::ranges::sort(positions, {}, &zone::TrackPosition::section);
+  return positions;
 }
 
-void OrderRouter::keep_for_edge(std::vector<zone::Place>& places, const wire::OrderEdge* edge) const {
-  if (edge == nullptr || !zone_.edges_are_sections || places.size() < 2) return;
+void OrderRouter::keep_for_edge(std::vector<zone::TrackPosition>& positions, const wire::OrderEdge* edge) const {
+  if (edge == nullptr || !zone_.edges_are_sections || positions.size() < 2) return;
   const auto section = zone_.circuit.find(edge->edge_id);
   if (!section) return;
-  const auto on_it = [&](const zone::Place& place) { return place.section == *section; };
-  if (std::ranges::any_of(places, on_it)) std::erase_if(places, std::not_fn(on_it));
+  const auto on_it = [&](const zone::TrackPosition& track_position) { return track_position.section == *section; };
+  if (std::ranges::any_of(positions, on_it)) std::erase_if(positions, std::not_fn(on_it));
 }
 
-Result<std::vector<zone::Place>> OrderRouter::first_places(const wire::Order& order) const {
-  auto places = places_of(order.nodes.front());
-  if (places) keep_for_edge(*places, order.edges.empty() ? nullptr : &order.edges.front());
-  return places;
+Result<std::vector<zone::TrackPosition>> OrderRouter::first_positions(const wire::Order& order) const {
+  auto positions = positions_of(order.nodes.front());
+  if (positions) keep_for_edge(*positions, order.edges.empty() ? nullptr : &order.edges.front());
+  return positions;
 }
 
-Result<OrderRoute> OrderRouter::route(const wire::Order& order, zone::Place first) const {
+Result<OrderRoute> OrderRouter::route(const wire::Order& order, zone::TrackPosition first) const {
   std::vector<std::vector<Reached>> reached;
   reached.reserve(order.nodes.size());
   reached.push_back({{first, 0.0, 0, {}}});
   for (std::size_t i = 1; i < order.nodes.size(); ++i) {
-    auto places = places_of(order.nodes[i]);
-    if (!places) return tl::unexpected(std::move(places.error()));
-    keep_for_edge(*places, i < order.edges.size() ? &order.edges[i] : nullptr);
+    auto positions = positions_of(order.nodes[i]);
+    if (!positions) return tl::unexpected(std::move(positions.error()));
+    keep_for_edge(*positions, i < order.edges.size() ? &order.edges[i] : nullptr);
     std::vector<Reached> here;
-    for (const zone::Place place : *places) {
-      if (auto best = best_way_to(place, reached.back(), *this)) here.push_back(std::move(*best));
+    for (const zone::TrackPosition track_position : *positions) {
+      if (auto best = best_way_to(track_position, reached.back(), *this)) here.push_back(std::move(*best));
     }
     if (here.empty()) {
       return fail("noRouteError",
@@ -142,13 +142,13 @@ Result<OrderRoute> OrderRouter::route(const wire::Order& order, zone::Place firs
     Reached& node = reached[i][at];
     auto& via = node.way.sections;
     if (!via.empty()) via.erase(via.begin());
-    route.legs[i - 1] = {node.place, node.way.length_m, std::move(via)};
+    route.legs[i - 1] = {node.position, node.way.length_m, std::move(via)};
     at = node.before;
   }
   return route;
 }
 
-std::optional<zone::Circuit::Way> OrderRouter::way(zone::Place from, zone::Place to, double limit_m) const {
+std::optional<zone::Circuit::Way> OrderRouter::way(zone::TrackPosition from, zone::TrackPosition to, double limit_m) const {
   if (!one_way_) return zone_.circuit.shortest_way(from, to, limit_m);
   const auto length_m = zone_.circuit.distance_ahead(from, to, limit_m);
   return length_m ? std::optional{zone::Circuit::Way{*length_m, {}}} : std::nullopt;

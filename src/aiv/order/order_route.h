@@ -13,11 +13,11 @@ namespace cosiva::aiv {
 /// An order's way through the circuit.
 struct OrderRoute {
   struct Leg {
-    zone::Place place;                 ///< of the node that it leads to
+    zone::TrackPosition position;                 ///< of the node that it leads to
     double length_m{};                 ///< from the node before
     std::vector<zone::SectionId> via;  ///< entered on it, the node's own section last; empty within one section
   };
-  zone::Place first;      ///< of the first node
+  zone::TrackPosition first;      ///< of the first node
   std::vector<Leg> legs;  ///< one for each node after it
   [[nodiscard]] double length_m() const;
   [[nodiscard]] std::vector<zone::SectionId> sections() const;  ///< after that of the first node
@@ -31,14 +31,14 @@ class OrderRouter {
   explicit OrderRouter(const zone::TrafficZone& zone);
 
   /// The places that a node may mean. Fails with noRouteError: on another map, unknown, or off the circuit.
-  [[nodiscard]] Result<std::vector<zone::Place>> places_of(const wire::OrderNode& node) const;
+  [[nodiscard]] Result<std::vector<zone::TrackPosition>> positions_of(const wire::OrderNode& node) const;
   /// The first node's places alone, of which the order's first edge may say which it leaves from.
-  [[nodiscard]] Result<std::vector<zone::Place>> first_places(const wire::Order& order) const;
+  [[nodiscard]] Result<std::vector<zone::TrackPosition>> first_positions(const wire::Order& order) const;
   /// The whole order from one of its first node's places. Fails with noRouteError.
-  [[nodiscard]] Result<OrderRoute> route(const wire::Order& order, zone::Place first) const;
+  [[nodiscard]] Result<OrderRoute> route(const wire::Order& order, zone::TrackPosition first) const;
   /// The shortest way; its sections are left out on a circuit where there is nothing to choose.
-  [[nodiscard]] std::optional<zone::Circuit::Way> way(zone::Place from, zone::Place to, double limit_m) const;
-  [[nodiscard]] std::optional<zone::Circuit::Way> way(zone::Place from, zone::Place to) const {
+  [[nodiscard]] std::optional<zone::Circuit::Way> way(zone::TrackPosition from, zone::TrackPosition to, double limit_m) const;
+  [[nodiscard]] std::optional<zone::Circuit::Way> way(zone::TrackPosition from, zone::TrackPosition to) const {
     return way(from, to, longest_m_);
   }
   /// Nothing to choose anywhere: the sections of routes are left out.
@@ -47,9 +47,9 @@ class OrderRouter {
   [[nodiscard]] double longest_m() const { return longest_m_; }
 
  private:
-  [[nodiscard]] Result<std::vector<zone::Place>> by_position(const wire::OrderNode& node) const;
+  [[nodiscard]] Result<std::vector<zone::TrackPosition>> by_position(const wire::OrderNode& node) const;
   /// Only those that the edge after the node leaves from, where its id tells.
-  void keep_for_edge(std::vector<zone::Place>& places, const wire::OrderEdge* edge) const;
+  void keep_for_edge(std::vector<zone::TrackPosition>& positions, const wire::OrderEdge* edge) const;
 
   const zone::TrafficZone& zone_;
   double longest_m_;

@@ -44,11 +44,11 @@ std::vector<Point2> body(const Pose2& X_MB) {
   return points;
 }
 
-double ahead(zone::Place here, const std::vector<Point2>& virtual_objects) {
+double ahead(zone::TrackPosition here, const std::vector<Point2>& virtual_objects) {
   Corridor corridor{lacet4()};
   return corridor.obstacle_ahead_m(here, look(lacet4().circuit.pose_at(here), virtual_objects));
 }
-double ahead_of_vehicle(zone::Place here, zone::Place other) {
+double ahead_of_vehicle(zone::TrackPosition here, zone::TrackPosition other) {
   return ahead(here, body(lacet4().circuit.pose_at(other)));
 }
 

@@ -32,14 +32,14 @@ struct Skin {
     world.hear(now, {1, now, "lacet4", std::move(bodies)});
     return *this;
   }
-  double gap_m(zone::Place here) { return world.first(now, here).gap_m; }
+  double gap_m(zone::TrackPosition here) { return world.first(now, here).gap_m; }
 };
-double gap_m(zone::Place here, const wire::Body& body) { return Skin{}.hears({body}).gap_m(here); }
-double gap_to_vehicle_m(zone::Place here, zone::Place other) {
+double gap_m(zone::TrackPosition here, const wire::Body& body) { return Skin{}.hears({body}).gap_m(here); }
+double gap_to_vehicle_m(zone::TrackPosition here, zone::TrackPosition other) {
   return gap_m(here, vehicle(lacet4().circuit.pose_at(other)));
 }
 /// Beside the vehicle at `here`: x ahead of its middle, y to its left.
-Point2 beside(zone::Place here, double x_m, double y_m) { return lacet4().circuit.pose_at(here) * Point2{x_m, y_m}; }
+Point2 beside(zone::TrackPosition here, double x_m, double y_m) { return lacet4().circuit.pose_at(here) * Point2{x_m, y_m}; }
 
 TEST(PerceivedWorld, without_bodies_is_free) {
   Skin skin;
@@ -51,7 +51,7 @@ TEST(PerceivedWorld, without_bodies_is_free) {
 }
 
 TEST(PerceivedWorld, feels_a_person_on_its_way) {
-  const zone::Place here = at(lacet4(), "east", 0.1);
+  const zone::TrackPosition here = at(lacet4(), "east", 0.1);
   EXPECT_NEAR(gap_m(here, disc(beside(here, 0.7, 0.0))), 0.7 - 0.06 - front_m, 1e-6);
   EXPECT_NEAR(gap_m(here, disc(beside(here, 0.7, 0.08))), 0.7 - 0.06 - front_m, 1e-6);
 }
@@ -59,7 +59,7 @@ TEST(PerceivedWorld, feels_a_person_on_its_way) {
 TEST(PerceivedWorld, feels_the_part_of_a_body_that_reaches_into_its_corridor) {
   // Half the vehicle's width and the margin are 0.08 m. A disc 0.13 m off reaches 0.01 m in: its chord there is
   // shorter.
-  const zone::Place here = at(lacet4(), "east", 0.1);
+  const zone::TrackPosition here = at(lacet4(), "east", 0.1);
   EXPECT_NEAR(gap_m(here, disc(beside(here, 0.7, 0.13))), 0.7 - std::sqrt(0.06 * 0.06 - 0.05 * 0.05) - front_m, 1e-6);
   EXPECT_LT(gap_m(here, disc(beside(here, 0.7, -0.139))), nothing);
   EXPECT_EQ(gap_m(here, disc(beside(here, 0.7, -0.141))), nothing);
@@ -76,7 +76,7 @@ TEST(PerceivedWorld, feels_a_vehicle_ahead_on_a_straight_an_arc_and_round_a_join
 TEST(PerceivedWorld, does_not_feel_the_neighbouring_lane) {
   // Lanes of opposite ways run 0.30 m apart: y = -0.15 eastward, y = +0.15 westward.
   for (int mm = 0; mm <= 1500; mm += 20) {
-    const zone::Place there = at(lacet4(), "west", 1e-3 * mm);
+    const zone::TrackPosition there = at(lacet4(), "west", 1e-3 * mm);
     EXPECT_EQ(gap_to_vehicle_m(at(lacet4(), "east", 0.5), there), nothing) << mm;
     EXPECT_EQ(gap_m(at(lacet4(), "east", 0.5), disc(position(lacet4().circuit.pose_at(there)))), nothing) << mm;
   }
@@ -98,7 +98,7 @@ TEST(PerceivedWorld, does_not_feel_behind_itself_or_beyond_its_reach) {
 }
 
 TEST(PerceivedWorld, is_not_held_for_ever_by_what_touches_it_from_the_side_or_from_behind) {
-  const zone::Place here = at(lacet4(), "east", 0.8);
+  const zone::TrackPosition here = at(lacet4(), "east", 0.8);
   for (const double side : {-1.0, 1.0}) {
     EXPECT_EQ(gap_m(here, disc(beside(here, 0.0, side * 0.1))), nothing);
     EXPECT_EQ(gap_m(here, disc(beside(here, -0.08, side * 0.1))), nothing);
@@ -108,14 +108,14 @@ TEST(PerceivedWorld, is_not_held_for_ever_by_what_touches_it_from_the_side_or_fr
 }
 
 TEST(PerceivedWorld, of_two_vehicles_that_overlap_the_one_before_goes) {
-  const zone::Place rear = at(lacet4(), "east", 0.80);
-  const zone::Place fore = at(lacet4(), "east", 0.83);
+  const zone::TrackPosition rear = at(lacet4(), "east", 0.80);
+  const zone::TrackPosition fore = at(lacet4(), "east", 0.83);
   EXPECT_EQ(gap_to_vehicle_m(rear, fore), 0.0);
   EXPECT_EQ(gap_to_vehicle_m(fore, rear), nothing);
 }
 
 TEST(PerceivedWorld, feels_a_wall_across_its_way_and_not_one_along_it) {
-  const zone::Place here = at(lacet4(), "east", 0.1);
+  const zone::TrackPosition here = at(lacet4(), "east", 0.1);
   const Pose2 X_MB = lacet4().circuit.pose_at(here);
   const Point2 across = beside(here, 0.6, 0.4);
   const wire::Body wall{"O1", "obstacle", across.x_m, across.y_m, X_MB.heading_rad + pi / 2, 2.0, 0.02, 0, 0};
@@ -126,7 +126,7 @@ TEST(PerceivedWorld, feels_a_wall_across_its_way_and_not_one_along_it) {
 }
 
 TEST(PerceivedWorld, names_the_first_of_several) {
-  const zone::Place here = at(lacet4(), "east", 0.1);
+  const zone::TrackPosition here = at(lacet4(), "east", 0.1);
   wire::Body far = disc(beside(here, 0.9, 0.0));
   far.id = "P2";
   Skin skin;
@@ -137,7 +137,7 @@ TEST(PerceivedWorld, names_the_first_of_several) {
 }
 
 TEST(PerceivedWorld, carries_a_moving_body_on_for_half_a_second) {
-  const zone::Place here = at(lacet4(), "east", 0.1);
+  const zone::TrackPosition here = at(lacet4(), "east", 0.1);
   const Point2 p = beside(here, 0.9, 0.0);
   Skin skin;
   skin.hears({disc(p, 0.06, -0.4, 0.0)});  // against the eastward way
@@ -151,7 +151,7 @@ TEST(PerceivedWorld, carries_a_moving_body_on_for_half_a_second) {
 }
 
 TEST(PerceivedWorld, feels_who_walks_into_its_way_and_not_who_walked_out) {
-  const zone::Place here = at(lacet4(), "east", 0.1);
+  const zone::TrackPosition here = at(lacet4(), "east", 0.1);
   Skin skin;
   skin.hears({disc(beside(here, 0.6, 0.2), 0.06, 0.0, -0.4)});
   EXPECT_EQ(skin.gap_m(here), nothing);
@@ -164,7 +164,7 @@ TEST(PerceivedWorld, feels_who_walks_into_its_way_and_not_who_walked_out) {
 }
 
 TEST(PerceivedWorld, forgets_after_a_second_without_news) {
-  const zone::Place here = at(lacet4(), "east", 0.1);
+  const zone::TrackPosition here = at(lacet4(), "east", 0.1);
   Skin skin;
   skin.hears({disc(beside(here, 0.6, 0.0))});
   skin.now += std::chrono::milliseconds{1000};
@@ -177,7 +177,7 @@ TEST(PerceivedWorld, forgets_after_a_second_without_news) {
 }
 
 TEST(PerceivedWorld, stays_known_over_a_silence_without_news) {
-  const zone::Place here = at(lacet4(), "east", 0.1);
+  const zone::TrackPosition here = at(lacet4(), "east", 0.1);
   Skin skin;
   skin.hears({disc(beside(here, 0.6, 0.0))});
   for (int i = 0; i < 50; ++i) {

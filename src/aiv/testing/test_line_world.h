@@ -17,7 +17,7 @@ namespace cosiva::aiv::test {
 /// spot where the line bends, seeks, and counts its wheels' turns.
 class LineWorld {
  public:
-  LineWorld(const zone::Circuit& floor, zone::Place place) : ground_truth{floor, place}, floor_{&floor} {}
+  LineWorld(const zone::Circuit& floor, zone::TrackPosition position) : ground_truth{floor, position}, floor_{&floor} {}
 
   /// @param drive  null: nobody commands, it brakes
   void step(const wire::Drive* drive, double dt_s) {
@@ -41,7 +41,7 @@ class LineWorld {
     if (!off_) return ground_truth.pose(*floor_);
     return off_->manoeuvre ? off_->X_MS * off_->manoeuvre->X_SB() : off_->X_MS;
   }
-  [[nodiscard]] zone::Place place() const { return ground_truth.place(*floor_); }
+  [[nodiscard]] zone::TrackPosition track_position() const { return ground_truth.track_position(*floor_); }
   [[nodiscard]] bool on_line() const { return !off_; }
   [[nodiscard]] bool manoeuvring() const { return off_ && off_->manoeuvre; }
   [[nodiscard]] wire::Odometry odometry() const {
@@ -61,14 +61,14 @@ class LineWorld {
   struct Off {
     Pose2 X_MS;
     std::optional<Manoeuvre> manoeuvre;
-    zone::Place goal;
+    zone::TrackPosition goal;
   };
 
   void roll(double distance_m, std::uint8_t branch) {
     branch_ = branch;
     if (distance_m < 0.0) odometer_m += ground_truth.shift(*floor_, distance_m);
     for (double left_m = distance_m; left_m > 0.0;) {
-      const zone::Place here = place();
+      const zone::TrackPosition here = track_position();
       const double to_end_m = floor_->section(here.section).length_m() - here.s_m;
       const double step_m = std::min(left_m, to_end_m);
       odometer_m += ground_truth.move(*floor_, step_m);
@@ -87,12 +87,12 @@ class LineWorld {
   }
 
   /// By chance, where it stands on another floor.
-  [[nodiscard]] std::optional<zone::Place> line_under() const {
+  [[nodiscard]] std::optional<zone::TrackPosition> line_under() const {
     const auto entry_point = zone::snap_to_path(*floor_, off_->X_MS, 0.001);
     const bool along =
         entry_point &&
-        std::fabs(wrap_angle(floor_->pose_at(entry_point->place).heading_rad - off_->X_MS.heading_rad)) < 0.01;
-    return along ? std::optional{entry_point->place} : std::nullopt;
+        std::fabs(wrap_angle(floor_->pose_at(entry_point->position).heading_rad - off_->X_MS.heading_rad)) < 0.01;
+    return along ? std::optional{entry_point->position} : std::nullopt;
   }
 
   void step_off_line(const wire::Drive* drive, double wanted_mps, double dt_s) {
@@ -104,10 +104,10 @@ class LineWorld {
         off_.reset();
       }
       if (drive == nullptr || !drive->seek || wanted_mps <= 0.0) return;
-      const auto place = sought(*floor_, off_->X_MS, drive->goal);
-      if (!place) return;
-      off_->goal = *place;
-      off_->manoeuvre.emplace(inverse(off_->X_MS) * floor_->pose_at(*place));
+      const auto position = sought(*floor_, off_->X_MS, drive->goal);
+      if (!position) return;
+      off_->goal = *position;
+      off_->manoeuvre.emplace(inverse(off_->X_MS) * floor_->pose_at(*position));
     }
     off_->manoeuvre->step(wanted_mps, dt_s);
     if (!off_->manoeuvre->done()) return;

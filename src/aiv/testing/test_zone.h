@@ -32,7 +32,7 @@ inline const zone::TrafficZone& lacet4() {
   return *zone;
 }
 
-inline zone::Place at(const zone::TrafficZone& zone, std::string_view section, double s_m) {
+inline zone::TrackPosition at(const zone::TrafficZone& zone, std::string_view section, double s_m) {
   return {zone.circuit.find(section).value(), s_m};
 }
 

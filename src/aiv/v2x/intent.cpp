@@ -55,15 +55,15 @@ void add_crossings(const Agent& agent, const zone::TrafficZone& zone, const Cros
 }
 
 /// On a line whose name can be said.
-bool has_place(const Agent& agent, const zone::TrafficZone& zone) {
+bool has_position(const Agent& agent, const zone::TrafficZone& zone) {
   const PositionEstimator& position = agent.position();
   return position.known() && !position.off_line() &&
-         zone.circuit.part(position.place().section).name.size() <= name_bytes_max;
+         zone.circuit.part(position.track_position().section).name.size() <= name_bytes_max;
 }
 
 void add_way(const Agent& agent, const zone::TrafficZone& zone, wire::Intent& intent) {
   zone::SectionLookAhead ahead = section_look_ahead(zone.circuit, agent.position().outlook());
-  double left_m = intent_reach_m + agent.position().place().s_m;
+  double left_m = intent_reach_m + agent.position().track_position().s_m;
   for (std::size_t i = 0; i < wire::Intent::way_max; ++i) {
     left_m -= zone.circuit.section(ahead.section()).length_m();
     if (left_m <= 0.0 || !ahead.step()) return;
@@ -89,7 +89,7 @@ double earliest_s(double distance_m, double speed_mps, const zone::SpeedProfile&
 
 bool is_news(const wire::Intent& said, const Agent& agent, const zone::TrafficZone& zone,
              const CrossingFinder& crossing_spans) {
-  if (said.braking != agent.braking() || said.map_id != zone.name || said.place.has_value() != has_place(agent, zone))
+  if (said.braking != agent.braking() || said.map_id != zone.name || said.position.has_value() != has_position(agent, zone))
     return true;
   if (!agent.position().known() || agent.position().off_line()) return !said.crossings.empty();
   std::size_t same = 0;
@@ -111,9 +111,9 @@ wire::Intent compose_intent(const Agent& agent, const zone::TrafficZone& zone, c
   intent.speed_mps = thousandths(agent.motion().speed_mps());
   intent.braking = agent.braking();
   if (!position.known() || position.off_line()) return intent;
-  const zone::Place here = position.place();
-  if (has_place(agent, zone))
-    intent.place = wire::Intent::OnLine{zone.circuit.part(here.section).name, std::max(0.0, thousandths(here.s_m))};
+  const zone::TrackPosition here = position.track_position();
+  if (has_position(agent, zone))
+    intent.position = wire::Intent::OnLine{zone.circuit.part(here.section).name, std::max(0.0, thousandths(here.s_m))};
   add_crossings(agent, zone, crossing_spans, intent);
   add_way(agent, zone, intent);
   return intent;

@@ -19,7 +19,7 @@ using ::testing::SizeIs;
 
 constexpr zone::SpeedProfile medium{0.40, 0.5, 0.8};
 
-std::vector<CrossingSpan> ahead_of(zone::Place here, double reach_m, std::size_t count_max = 8) {
+std::vector<CrossingSpan> ahead_of(zone::TrackPosition here, double reach_m, std::size_t count_max = 8) {
   static const CrossingFinder crossing_spans{lacet4()};
   std::vector<CrossingSpan> out;
   crossing_spans.ahead(here, reach_m, count_max, out);
@@ -80,7 +80,7 @@ struct Speaker {
   Agent agent{lacet4()};
   CrossingFinder crossing_spans{lacet4()};
 
-  explicit Speaker(double s_m) { agent.estimator().place_at(at(lacet4(), "east", s_m)); }
+  explicit Speaker(double s_m) { agent.estimator().position_at(at(lacet4(), "east", s_m)); }
   Speaker& take(const wire::Order& text) {
     EXPECT_TRUE(agent.take_order(text));
     static_cast<void>(agent.decide());
@@ -93,7 +93,7 @@ TEST(ComposeIntent, says_where_it_is_and_what_comes) {
   const wire::Intent intent =
       Speaker{0.1}.take(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})).says();
   EXPECT_EQ(intent.map_id, "lacet4");
-  EXPECT_EQ(intent.place, (wire::Intent::OnLine{"east", 0.1}));
+  EXPECT_EQ(intent.position, (wire::Intent::OnLine{"east", 0.1}));
   EXPECT_NEAR(intent.pose.y_m, -0.15, 1e-9);
   EXPECT_THAT(intent.way, ElementsAre("loop_se"));
   ASSERT_GE(intent.crossings.size(), 2U);
@@ -129,7 +129,7 @@ TEST(ComposeIntent, of_one_beside_the_line_says_only_where_it_is) {
   Speaker speaker{0.1};
   speaker.agent.estimator().stand_off({0.3, 0.0, 0.5});
   const wire::Intent intent = speaker.says();
-  EXPECT_FALSE(intent.place);
+  EXPECT_FALSE(intent.position);
   EXPECT_THAT(intent.crossings, IsEmpty());
   EXPECT_EQ(intent.pose, (Pose2{0.3, 0.0, 0.5}));
 }
@@ -146,7 +146,7 @@ TEST(News, are_what_others_act_upon_and_not_where_it_drives_meanwhile) {
   EXPECT_FALSE(is_news(said, speaker));
   Speaker further{0.15};
   further.take(up_to_crossing);
-  ASSERT_NE(further.says().place, said.place);
+  ASSERT_NE(further.says().position, said.position);
   EXPECT_FALSE(is_news(said, further));
 
   Speaker granted{0.1};

@@ -31,18 +31,18 @@ struct Ear {
   std::uint32_t header{0};
 
   explicit Ear(double s_m = 0.1) {
-    agent.estimator().place_at(at(lacet4(), "east", s_m));
+    agent.estimator().position_at(at(lacet4(), "east", s_m));
     EXPECT_TRUE(agent.take_order(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})));
     static_cast<void>(agent.decide());
   }
 
   /// Of another one at a place.
-  [[nodiscard]] wire::Intent one_at(zone::Place place, double speed_mps, const std::string& serial = "AIV2") {
+  [[nodiscard]] wire::Intent one_at(zone::TrackPosition track_position, double speed_mps, const std::string& serial = "AIV2") {
     wire::Intent intent;
     intent.header_id = ++header;
     intent.map_id = "lacet4";
     intent.vehicle = {"CoSiVA", serial};
-    intent.pose = lacet4().circuit.pose_at(place);
+    intent.pose = lacet4().circuit.pose_at(track_position);
     intent.speed_mps = speed_mps;
     return intent;
   }
@@ -110,7 +110,7 @@ TEST(Neighbours, do_not_read_anybody_s_clock) {
 
 TEST(Neighbours, believe_no_absurdities) {
   Ear ear;
-  const zone::Place there = at(lacet4(), "east", 0.5);
+  const zone::TrackPosition there = at(lacet4(), "east", 0.5);
   wire::Intent own = ear.one_at(there, 0.2, "AIV1");
   EXPECT_EQ(ear.hear(own), Verdict::own);
   wire::Intent other_map = ear.one_at(there, 0.2);
@@ -282,7 +282,7 @@ struct Requested final : SpeedPolicy {
 TEST(Heeding, believes_a_leader_only_where_its_senses_find_a_body) {
   Situation requested{};
   Agent agent{lacet4(), std::make_unique<Requested>(requested)};
-  agent.estimator().place_at(at(lacet4(), "east", 0.1));
+  agent.estimator().position_at(at(lacet4(), "east", 0.1));
   EXPECT_TRUE(agent.take_order(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})));
   agent.heed({.leader_gap_m = 0.40, .leader_mps = 0.25});
   static_cast<void>(agent.decide());
@@ -304,7 +304,7 @@ TEST(Heeding, never_goes_faster_than_the_envelope_whatever_is_said) {
     const double s_m = random.uniform(0.0, 0.1);
     const double gap_m = random.uniform(0.0, 1.0);
     for (Agent* agent : {&told, &alone}) {
-      agent->estimator().place_at(at(lacet4(), "east", s_m));
+      agent->estimator().position_at(at(lacet4(), "east", s_m));
       RC_ASSERT(agent->take_order(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})));
       agent->perceive(gap_m);
     }

@@ -126,9 +126,9 @@ Result<wire::GvsDetections> GvsCamera::see(const vision::Image& image, SimTime b
   return detections;
 }
 
-std::optional<vision::PixelPoint> GvsCamera::pixel_of(Point2 place, int tag) const {
+std::optional<vision::PixelPoint> GvsCamera::pixel_of(Point2 position, int tag) const {
   const double height_m = vision::profile_of(tag, calibration_.markers).height_m;
-  return calibration_.map.pixel_at(vision::detected_from(place, height_m, calibration_.camera));
+  return calibration_.map.pixel_at(vision::detected_from(position, height_m, calibration_.camera));
 }
 
 std::string GvsCamera::shown(const vision::Image& image, const wire::GvsDetections& detections,

@@ -36,7 +36,7 @@ class GvsCamera {
 
  private:
   [[nodiscard]] std::string name_of(int tag) const;
-  [[nodiscard]] std::optional<vision::PixelPoint> pixel_of(Point2 place, int tag) const;
+  [[nodiscard]] std::optional<vision::PixelPoint> pixel_of(Point2 position, int tag) const;
 
   vision::Calibration calibration_;
   vision::Tracker tracker_;

@@ -72,7 +72,7 @@ Result<Material> board_of(const GvsCalibrateArguments& a) {
     if (!*frame) break;
     if (auto added = reader.add((*frame)->image); !added) {
       Error error = added.error();
-      error.place = (*frame)->name;
+      error.location = (*frame)->name;
       return tl::unexpected(error);
     }
   }
@@ -97,7 +97,7 @@ Result<vision::PoseResiduals> fit_of(const GvsCalibrateArguments& a) {
   auto best = !scale || (full && full->rms_m < scale->rms_m) ? full : scale;
   if (!best) {
     Error error = scale.error();
-    error.place = a.poses_file;
+    error.location = a.poses_file;
     return tl::unexpected(error);
   }
   return best;
@@ -153,7 +153,7 @@ std::string text_of(const vision::Calibrated& made, const std::optional<vision::
     }
     text += line + "\n";
   }
-  const vision::CameraPlace& camera = made.calibration.camera;
+  const vision::CameraPose& camera = made.calibration.camera;
   text += camera.height_m > 0.0 ? "camera " + decimals(camera.height_m, 3) + " m above (" +
                                       decimals(camera.foot.x_m, 3) + ", " + decimals(camera.foot.y_m, 3) + ")"
                                 : "camera's height not given: nothing above the floor is corrected";
@@ -215,7 +215,7 @@ int run_gvs_calibrate(const GvsCalibrateArguments& a) {
   auto made = vision::calibrate(material->points, material->frame, options);
   if (!made) {
     Error error = made.error();
-    if (error.place.empty()) error.place = a.points_file.empty() ? a.images_folder : a.points_file;
+    if (error.location.empty()) error.location = a.points_file.empty() ? a.images_folder : a.points_file;
     return complain(error);
   }
   made->calibration.name = a.name;

@@ -11,7 +11,7 @@ namespace cosiva::app {
 Result<void> check_gvs_source(const GvsSource& source, const std::string& prefix) {
   if (auto names = read_vehicle_names(source.vehicles); !names) {
     Error error = names.error();
-    error.place = prefix + "vehicle";
+    error.location = prefix + "vehicle";
     return tl::unexpected(error);
   }
   if (source.emulated()) {

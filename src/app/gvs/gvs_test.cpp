@@ -181,8 +181,8 @@ std::vector<std::pair<int, vision::PixelPoint>> listed(const std::string& text) 
 /// The list is an earlier library's own output; 46 of its 47 tags are found by Debian's apriltag 3.3.0. The other one
 /// is found at no size, blur, sharpening or contrast that was tried: the day it is, this test says so.
 TEST(Photographs, show_the_tags_that_are_listed_but_one) {
-  const auto is_not_found = [](const std::string& name, vision::PixelPoint place) {
-    return name == "34085369442_304b6bafd9_c" && std::abs(place.u - 702.25) < 0.1 && std::abs(place.v - 114.80) < 0.1;
+  const auto is_not_found = [](const std::string& name, vision::PixelPoint position) {
+    return name == "34085369442_304b6bafd9_c" && std::abs(position.u - 702.25) < 0.1 && std::abs(position.v - 114.80) < 0.1;
   };
   std::size_t missed = 0;
   for (const std::string name : {"33369213973_9d9bb4cc96_c", "34085369442_304b6bafd9_c", "34139872896_defdb2f8d9_c"}) {
@@ -192,14 +192,14 @@ TEST(Photographs, show_the_tags_that_are_listed_but_one) {
     const auto found = vision::TagFinder{}.find_all(*image);
     const auto expected = listed(adapters::read_file(data + "apriltag/" + name + ".txt").value());
     ASSERT_GE(expected.size(), 10U);
-    for (const auto& [id, place] : expected) {
+    for (const auto& [id, position] : expected) {
       bool there = false;
       for (const vision::DetectedTag& tag : found) {
         const vision::PixelPoint centre = tag.centre();
-        there = there || (tag.id == id && std::abs(centre.u - place.u) < 1.5 && std::abs(centre.v - place.v) < 1.5);
+        there = there || (tag.id == id && std::abs(centre.u - position.u) < 1.5 && std::abs(centre.v - position.v) < 1.5);
       }
       if (!there) ++missed;
-      EXPECT_TRUE(there || is_not_found(name, place)) << name << ": tag " << id << " at " << place.u << ", " << place.v;
+      EXPECT_TRUE(there || is_not_found(name, position)) << name << ": tag " << id << " at " << position.u << ", " << position.v;
     }
   }
   EXPECT_EQ(missed, 1U);

@@ -62,7 +62,7 @@ Result<Tracked> track(const GvsTrackArguments& a, const vision::Calibration& cal
     const auto fixes = tracker.see((*frame)->image, (*frame)->stamp_s);
     if (!fixes) {
       Error error = fixes.error();
-      error.place = (*frame)->name;
+      error.location = (*frame)->name;
       return tl::unexpected(error);
     }
     tracked.timing.push_back({(*frame)->name, (*frame)->stamp_s, fixes->size(), processor_ms() - began_ms});

@@ -66,12 +66,12 @@ Result<std::map<std::string, double>> read_stamps(const std::string& file) {
   std::string_view line;
   while (lines.next(line)) {
     if (lines.number() == 1 || trimmed(line).empty()) continue;
-    const std::string place = file + ":" + std::to_string(lines.number());
+    const std::string location = file + ":" + std::to_string(lines.number());
     const auto fields = cut_at_commas(line);
     const auto stamp = fields.size() == 2 ? number_of<double>(fields[1]) : std::nullopt;
-    if (!stamp) return fail("gvs.images", "expected 'file,stamp_s', found '" + std::string(line) + "'", place);
+    if (!stamp) return fail("gvs.images", "expected 'file,stamp_s', found '" + std::string(line) + "'", location);
     if (!stamps.emplace(std::string(fields[0]), *stamp).second)
-      return fail("gvs.images", "has '" + std::string(fields[0]) + "' twice", place);
+      return fail("gvs.images", "has '" + std::string(fields[0]) + "' twice", location);
   }
   return stamps;
 }

@@ -50,7 +50,7 @@ int run_replay(const ReplayArguments& arguments) {
   });
   if (!replayed) {
     Error error = replayed.error();
-    error.place = arguments.file + (error.place.empty() ? "" : ": " + error.place);
+    error.location = arguments.file + (error.location.empty() ? "" : ": " + error.location);
     return complain(error);
   }
 

@@ -68,7 +68,7 @@ Result<RunPlan> plan_run(const UpArguments& arguments) {
   configuration->origin = absolute(configuration->origin);
   auto rtm = zone::Rtm::initialise(std::move(*configuration));
   if (!rtm) return tl::unexpected(rtm.error());
-  if (const std::size_t room = rtm->zone().start_places(merged.aivs).size(); room < merged.aivs) {
+  if (const std::size_t room = rtm->zone().start_positions(merged.aivs).size(); room < merged.aivs) {
     return fail("up.aivs",
                 "this zone has room for " + std::to_string(room) + " AIVs to start, not " + std::to_string(merged.aivs),
                 "--aivs");

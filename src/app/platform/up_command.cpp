@@ -74,10 +74,10 @@ class Up {
     if (auto started = start_trace(); !started) return started;
     if (auto started = add("plant", plant_stage, [this] { return plant_argv(); }); !started) return started;
     if (auto started = add("server", server_stage, [this] { return server_argv(); }); !started) return started;
-    const auto places = plan_.rtm.zone().start_places(arguments_.aivs);
+    const auto positions = plan_.rtm.zone().start_positions(arguments_.aivs);
     for (std::uint32_t number = 1; number <= arguments_.aivs; ++number) {
-      const zone::Place place = places[number - 1];
-      const std::string start = plan_.rtm.zone().circuit.part(place.section).name + ":" + number_text(place.s_m);
+      const zone::TrackPosition location = positions[number - 1];
+      const std::string start = plan_.rtm.zone().circuit.part(location.section).name + ":" + number_text(location.s_m);
       const auto argv = [this, number, start] { return aiv_argv(number, start); };
       if (auto started = add("aiv" + std::to_string(number), aiv_stage, argv); !started) return started;
     }

@@ -46,7 +46,7 @@ Result<Prepared> prepare(const CampaignArguments& arguments) {
   if (!ring) return tl::unexpected(ring.error());
   auto work = CampaignWork::make(std::move(*plan), {ring->zone, ring->track});
   if (!work) {
-    work.error().place = arguments.plan_file + (work.error().place.empty() ? "" : ": " + work.error().place);
+    work.error().location = arguments.plan_file + (work.error().location.empty() ? "" : ": " + work.error().location);
     return tl::unexpected(work.error());
   }
   return Prepared{std::move(*text), std::move(*work)};

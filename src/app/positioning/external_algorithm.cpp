@@ -32,7 +32,7 @@ void write_track(JsonWriter& json, const estimation::Track& track) {
   json.key("track").begin_object().field("closed", track.closed()).field("length_m", track.length_m());
   json.key("sections").begin_array();
   for (double s = 0.0; s < track.length_m() - 1e-9;) {
-    const zone::Section& section = track.circuit().section(track.place_at(s + 1e-9).section);
+    const zone::Section& section = track.circuit().section(track.position_at(s + 1e-9).section);
     json.begin_object().field("x_m", section.start().x_m).field("y_m", section.start().y_m);
     json.field("heading_rad", section.start().heading_rad).field("length_m", section.length_m());
     json.field("curvature_per_m", section.curvature_at(0.0));

@@ -92,7 +92,7 @@ Result<Trial> trial_of(const std::string& folder, const QualifyArguments& argume
   if (!recording) {
     // There may be several folders with files of the same names.
     Error error = recording.error();
-    if (!error.place.starts_with(folder)) error.place = (std::filesystem::path(folder) / error.place).string();
+    if (!error.location.starts_with(folder)) error.location = (std::filesystem::path(folder) / error.location).string();
     return tl::unexpected(std::move(error));
   }
   auto trial = experiments::replayed(*recording, {arguments.gap_s, 0.05, 0.05});

@@ -23,7 +23,7 @@ TEST(Zone, that_is_missing_says_where_it_was_looked_for) {
   EXPECT_EQ(none.error().code, "zone.missing");
   EXPECT_THAT(none.error().message, HasSubstr("looked in\n  /"));
   EXPECT_THAT(none.error().message, HasSubstr("share/cosiva/zones"));
-  EXPECT_EQ(find_zone_file("/nonexistent/zone.toml").error().place, "/nonexistent/zone.toml");
+  EXPECT_EQ(find_zone_file("/nonexistent/zone.toml").error().location, "/nonexistent/zone.toml");
 }
 
 TEST(Zone, keeps_its_file_s_name_for_errors) {
@@ -50,7 +50,7 @@ TEST(Scenario, that_is_missing_says_where_it_was_looked_for) {
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().code, "scenario.missing");
   EXPECT_THAT(none.error().message, HasSubstr("share/cosiva/scenarios"));
-  EXPECT_EQ(load_scenario("/nonexistent/day.toml").error().place, "/nonexistent/day.toml");
+  EXPECT_EQ(load_scenario("/nonexistent/day.toml").error().location, "/nonexistent/day.toml");
 }
 
 TEST(Scenario, finds_a_zone_that_lies_beside_it) {

@@ -15,7 +15,7 @@ std::string report_of(const std::vector<zone::Diagnostic>& diagnostics, const st
   for (const zone::Diagnostic& diagnostic : diagnostics) {
     const std::string kind{to_string(diagnostic.kind)};
     text.append("\n    ").append(kind).append(kind.size() < 8 ? 8 - kind.size() : 1, ' ');
-    if (!diagnostic.place.empty()) text.append(diagnostic.place).append(": ");
+    if (!diagnostic.location.empty()) text.append(diagnostic.location).append(": ");
     text += diagnostic.text;
   }
   return text;
@@ -26,7 +26,7 @@ void write_diagnostics(JsonWriter& json, const std::vector<zone::Diagnostic>& di
   for (const zone::Diagnostic& diagnostic : diagnostics)
     json.begin_object()
         .field("kind", to_string(diagnostic.kind))
-        .field("location", diagnostic.place)
+        .field("location", diagnostic.location)
         .field("text", diagnostic.text)
         .end_object();
   json.end_array();
@@ -40,9 +40,9 @@ std::string section_name(const zone::Circuit& circuit, zone::SectionId section) 
   return section < circuit.size() ? circuit.part(section).name : std::string{};
 }
 
-std::string place_text(const zone::Circuit& circuit, zone::Place place) {
-  const Pose2 X_MP = circuit.pose_at(place);
-  return circuit.part(place.section).name + " at " + decimals(place.s_m, 3) + " m, (" + decimals(X_MP.x_m, 2) + ", " +
+std::string position_text(const zone::Circuit& circuit, zone::TrackPosition location) {
+  const Pose2 X_MP = circuit.pose_at(location);
+  return circuit.part(location.section).name + " at " + decimals(location.s_m, 3) + " m, (" + decimals(X_MP.x_m, 2) + ", " +
          decimals(X_MP.y_m, 2) + ")";
 }
 

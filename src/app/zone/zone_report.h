@@ -21,6 +21,6 @@ void write_diagnostics(JsonWriter& json, const std::vector<zone::Diagnostic>& di
 /// The section's name; empty for no_section.
 [[nodiscard]] std::string section_name(const zone::Circuit& circuit, zone::SectionId section);
 /// "east at 0.850 m, (0.10, -0.15)"
-[[nodiscard]] std::string place_text(const zone::Circuit& circuit, zone::Place place);
+[[nodiscard]] std::string position_text(const zone::Circuit& circuit, zone::TrackPosition location);
 
 }  // namespace cosiva::app

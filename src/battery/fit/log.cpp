@@ -158,7 +158,7 @@ class Reader {
     if (!columns) return tl::unexpected(columns.error());
     columns_ = std::move(*columns);
     for (std::size_t i = 0; i < columns_.names.size(); ++i) {
-      if (std::ranges::find(columns_.places, i, &Place::at) != columns_.places.end()) continue;
+      if (std::ranges::find(columns_.columns, i, &ColumnUnit::at) != columns_.columns.end()) continue;
       const std::string name = in_small_letters(columns_.names[i]);
       if (names_a_series(name))
         series_at_.push_back(i);
@@ -180,8 +180,8 @@ class Reader {
           here());
     std::array<double, wanted_columns.size()> values{};
     for (std::size_t k = 0; k < wanted_columns.size(); ++k) {
-      const std::string_view field = fields[columns_.places[k].at];
-      const auto value = value_of(fields, columns_.places[k]);
+      const std::string_view field = fields[columns_.columns[k].at];
+      const auto value = value_of(fields, columns_.columns[k]);
       if (!value)
         return fail("log.number",
                     std::string(wanted_columns[k]) + " is '" + std::string(field) + "', no number" + field_hint(field),
@@ -197,10 +197,10 @@ class Reader {
     return book(fields, values);
   }
 
-  [[nodiscard]] std::optional<double> value_of(const std::vector<std::string_view>& fields, const Place& place) const {
-    const auto value = field_number(fields[place.at], columns_.separator);
+  [[nodiscard]] std::optional<double> value_of(const std::vector<std::string_view>& fields, const ColumnUnit& location) const {
+    const auto value = field_number(fields[location.at], columns_.separator);
     if (!value) return std::nullopt;
-    const double scaled = place.scale * *value + place.offset;
+    const double scaled = location.scale * *value + location.offset;
     return std::isfinite(scaled) ? std::optional{scaled} : std::nullopt;
   }
 

@@ -10,7 +10,7 @@
 namespace cosiva::battery {
 namespace {
 
-std::string place(const Log& log, std::size_t i) {
+std::string location(const Log& log, std::size_t i) {
   return i < log.line.size() ? log.origin + ":" + std::to_string(log.line[i]) : log.name;
 }
 
@@ -69,7 +69,7 @@ Result<void> check_gaps(const Log& log) {
     return fail("log.gap",
                 "nothing between " + short_number(log.time_s[i - 1]) + " s and " + short_number(log.time_s[i]) +
                     " s, under up to " + short_number(unseen_as / dt_s) + " A",
-                place(log, i));
+                location(log, i));
   }
   return {};
 }
@@ -80,7 +80,7 @@ Result<void> check_voltages(const Log& log) {
     if (!(volt[i] > 0.0 && volt[i] < 2000.0))
       return fail("log.number",
                   "voltage_volt is " + short_number(volt[i]) + " at " + short_number(log.time_s[i]) + " s",
-                  place(log, i));
+                  location(log, i));
   // One sample far from both its neighbours, which are alike and carry the same current: a slip of the tester.
   const double largest_a = largest_current_a(log);
   for (std::size_t i = 1; i + 1 < volt.size(); ++i) {
@@ -90,7 +90,7 @@ Result<void> check_voltages(const Log& log) {
     if (off_v > 0.15 * volt[i - 1] && apart_v < 0.1 * off_v && change_a < 0.05 * largest_a)
       return fail("log.number",
                   "voltage_volt jumps from " + short_number(volt[i - 1]) + " to " + short_number(volt[i]) + " and back",
-                  place(log, i));
+                  location(log, i));
   }
   return {};
 }
@@ -101,7 +101,7 @@ Result<void> check_temperatures(const Log& log) {
       return fail("log.number",
                   "the temperature is " + short_number(log.temperature_c[i]) + " °C at " + short_number(log.time_s[i]) +
                       " s; kelvin?",
-                  place(log, i));
+                  location(log, i));
   return {};
 }
 
@@ -161,12 +161,12 @@ Result<void> check_sign(const Log& log) {
     return fail("log.sign",
                 "the voltage rises with some steps of current_ampere and falls with others: it has no sign. Write what "
                 "charges as positive, what discharges as negative",
-                place(log, wrong_at));
+                location(log, wrong_at));
   if (wrong > right || (wrong == right && fall > 0.0))
     return fail("log.sign",
                 "the voltage falls where current_ampere is positive, which is to charge: it has the other sign. Turn "
                 "the column's sign round",
-                place(log, wrong_at));
+                location(log, wrong_at));
   return {};
 }
 
@@ -187,7 +187,7 @@ Result<void> check_count(const Log& log) {
               "current times time makes " + short_number(flowed_ah) +
                   " Ah, the tester's own column of what it took out " + short_number(counted_ah) +
                   " Ah: test_time_second, current_ampere or that column has another unit",
-              place(log, log.time_s.size() - 1));
+              location(log, log.time_s.size() - 1));
 }
 
 /// Hours or minutes under the name of seconds: all that the battery gave went out within a minute of load, at 60C.
@@ -207,13 +207,13 @@ Result<void> check_time(const Log& log) {
     return fail("log.unit",
                 "discharged from full to empty in " + short_number(load_s) +
                     " s of test_time_second: it holds hours or minutes, not seconds",
-                place(log, log.time_s.size() - 1));
+                location(log, log.time_s.size() - 1));
   constexpr double year_s = 365.0 * 86400.0;
   if (load_s > 3.0 * year_s)
     return fail("log.unit",
                 "was under load for " + short_number(load_s / year_s) +
                     " years by test_time_second: it holds milliseconds, or was multiplied once too often",
-                place(log, log.time_s.size() - 1));
+                location(log, log.time_s.size() - 1));
   return {};
 }
 

@@ -77,17 +77,17 @@ Name taken_apart(std::string_view written) {
 }
 
 /// The format's own name first, then testers' in the order of the list.
-std::optional<Place> found(const std::vector<std::string>& header, const Quantity& quantity,
+std::optional<ColumnUnit> found(const std::vector<std::string>& header, const Quantity& quantity,
                            std::span<const Unit> units) {
   for (std::size_t i = 0; i < header.size(); ++i)
-    if (header[i] == quantity.name || header[i] == quantity.label) return Place{i};
+    if (header[i] == quantity.name || header[i] == quantity.label) return ColumnUnit{i};
   for (const std::string_view other : quantity.others) {
     if (other.empty()) continue;
     for (std::size_t i = 0; i < header.size(); ++i) {
       const Name name = taken_apart(header[i]);
       if (name.quantity != other || name.unit.empty()) continue;
       const auto unit = std::ranges::find(units, std::string_view{name.unit}, &Unit::name);
-      if (unit != units.end()) return Place{i, unit->scale, unit->offset};
+      if (unit != units.end()) return ColumnUnit{i, unit->scale, unit->offset};
     }
   }
   return std::nullopt;
@@ -101,7 +101,7 @@ std::span<const Unit> units_of(std::size_t k) {
 
 /// What is said of a column that is not there; `place` is the header's.
 tl::unexpected<Error> missing(const std::vector<std::string>& header, const Quantity& quantity,
-                              const std::string& place) {
+                              const std::string& location) {
   const std::string wanted{quantity.name};
   for (const std::string& name : header) {
     const std::string apart = taken_apart(name).quantity;
@@ -109,7 +109,7 @@ tl::unexpected<Error> missing(const std::vector<std::string>& header, const Quan
         std::ranges::find(quantity.others, std::string_view{apart}) != quantity.others.end()) {
       std::string text = "column '" + name;
       text.append("' lacks its unit or has another: expected '").append(wanted).append("'");
-      return fail("log.column", std::move(text), place);
+      return fail("log.column", std::move(text), location);
     }
   }
   const auto is_number = [](const std::string& field) { return number_of<double>(field).has_value(); };
@@ -118,12 +118,12 @@ tl::unexpected<Error> missing(const std::vector<std::string>& header, const Quan
                 "column '" + wanted +
                     "' is missing: this line holds numbers, not names. Put a line with the columns' " +
                     "names before it",
-                place);
+                location);
   constexpr std::size_t shown_max = 12;
   std::string there;
   for (std::size_t i = 0; i < std::min(header.size(), shown_max); ++i) there += (i == 0 ? "" : ", ") + header[i];
   if (header.size() > shown_max) there += " and " + std::to_string(header.size() - shown_max) + " more";
-  return fail("log.column", "column '" + wanted + "' is missing; there are " + there, place);
+  return fail("log.column", "column '" + wanted + "' is missing; there are " + there, location);
 }
 
 /// The one that stands most often in it; a comma where none does.
@@ -167,17 +167,17 @@ std::string field_hint(std::string_view field) {
   return {};
 }
 
-Result<LogColumns> read_columns(std::string_view line, const std::string& place) {
+Result<LogColumns> read_columns(std::string_view line, const std::string& location) {
   LogColumns columns;
   columns.separator = separator_of(line);
   for (const std::string_view name : cut_fields(line, columns.separator)) columns.names.emplace_back(name);
   for (const char c : line)
     if (static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\r')
-      return fail("log.column", "is no table of text", place);
+      return fail("log.column", "is no table of text", location);
   for (std::size_t k = 0; k < quantities.size(); ++k) {
     const auto at = found(columns.names, quantities[k], units_of(k));
-    if (!at) return missing(columns.names, quantities[k], place);
-    columns.places[k] = *at;
+    if (!at) return missing(columns.names, quantities[k], location);
+    columns.columns[k] = *at;
     const std::string& name = columns.names[at->at];
     if (name != quantities[k].name && name != quantities[k].label)
       columns.note += (columns.note.empty() ? "" : ", ") + ("'" + name + "' as ") + std::string(quantities[k].name);

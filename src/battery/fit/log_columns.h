@@ -13,7 +13,7 @@
 namespace cosiva::battery {
 
 /// A column as it was found: a value is `scale` times what is written there, and `offset` more.
-struct Place {
+struct ColumnUnit {
   std::size_t at{};
   double scale{1.0};
   double offset{0.0};
@@ -22,10 +22,10 @@ struct Place {
 struct LogColumns {
   char separator{','};
   std::vector<std::string> names;  ///< as they are written
-  std::array<Place, 3> places{};   ///< of time [s], voltage [V], current [A]
-  std::optional<Place> temperature;
-  std::optional<Place> discharged;  ///< what the tester itself counted, out [Ah] …
-  std::optional<Place> charged;     ///< … and in
+  std::array<ColumnUnit, 3> columns{};   ///< of time [s], voltage [V], current [A]
+  std::optional<ColumnUnit> temperature;
+  std::optional<ColumnUnit> discharged;  ///< what the tester itself counted, out [Ah] …
+  std::optional<ColumnUnit> charged;     ///< … and in
   std::optional<std::size_t> step;  ///< which says that another step of the test has begun
   std::string note{};               ///< where the names are not the format's own: how they were understood
 };
@@ -36,7 +36,7 @@ inline constexpr std::array<std::string_view, 3> wanted_columns{"test_time_secon
 /// Reads a header in the Battery Data Format's machine-readable names, its labels, or what testers call the same
 /// quantities, where they name the unit: `Test_Time(s)`, `Voltage [mV]`, `I/mA`.
 /// Fails ("log.column") with `place`, saying which is missing or lacks its unit.
-[[nodiscard]] Result<LogColumns> read_columns(std::string_view line, const std::string& place);
+[[nodiscard]] Result<LogColumns> read_columns(std::string_view line, const std::string& location);
 
 /// A line's fields, trimmed, without their quotes; a separator within quotes is none.
 [[nodiscard]] std::vector<std::string_view> cut_fields(std::string_view line, char separator);

@@ -51,8 +51,8 @@ TEST(Columns, of_the_format_s_own_names_need_no_word_and_come_first) {
   const auto columns = read_columns(
       "Time(h),test_time_second,voltage_volt,Voltage(mV),current_ampere,ambient_temperature_celsius", "a:1");
   ASSERT_TRUE(columns);
-  EXPECT_EQ(columns->places[0].at, 1U);
-  EXPECT_EQ(columns->places[1].at, 2U);
+  EXPECT_EQ(columns->columns[0].at, 1U);
+  EXPECT_EQ(columns->columns[1].at, 2U);
   EXPECT_EQ(columns->note, "");
   EXPECT_EQ(columns->temperature->at, 5U);
 }
@@ -60,7 +60,7 @@ TEST(Columns, of_the_format_s_own_names_need_no_word_and_come_first) {
 TEST(Columns, in_hours_or_kelvin_become_seconds_and_degrees) {
   const auto columns = read_columns("Time [h],Voltage [V],Current [A],Temperature [K]", "a:1");
   ASSERT_TRUE(columns);
-  EXPECT_EQ(columns->places[0].scale, 3600.0);
+  EXPECT_EQ(columns->columns[0].scale, 3600.0);
   EXPECT_EQ(columns->temperature->offset, -273.15);
 }
 

@@ -54,7 +54,7 @@ LiveRig::Responses say_ready(LiveRig& rig, SimTime now, int number, const std::s
   return rig.on_message(now, wire::own_topic(wire::battery_ready_topic_prefix, aiv(number)),
                         to_json(wire::BatteryReady{battery, "leaf33", 3.0, 3600.0, 22.0, percent}));
 }
-LiveRig::Responses say_place(LiveRig& rig, SimTime now, int number, double x_m) {
+LiveRig::Responses print_position(LiveRig& rig, SimTime now, int number, double x_m) {
   return rig.on_message(now, wire::vda_topic(aiv(number), "visualization"),
                         R"({"agvPosition":{"x":)" + std::to_string(x_m) + R"(,"y":0,"theta":0}})");
 }
@@ -113,7 +113,7 @@ TEST(LiveRig, ends_each_at_its_floor_and_books_way_and_autonomy) {
   std::vector<std::string> stopped;
   for (int half = 1; half <= 240; ++half) {
     const SimTime now = start_of_test + half * milliseconds{500};
-    std::ignore = say_place(rig, now, 1, 0.25 * half);
+    std::ignore = print_position(rig, now, 1, 0.25 * half);
     const auto responses = say_report(rig, now, 1, 1.0 - 0.6 * half / 240.0);
     for (const std::string& command : responses.commands) stopped.push_back(command);
     std::ignore = say_report(rig, now, 2, 1.0);

@@ -74,18 +74,18 @@ class TableReader {
 
   /// The column that was named, else the first of the usual names that is there.
   Result<std::optional<std::size_t>> column(const std::string& wanted, const std::vector<std::string_view>& usual) {
-    const auto place = [&](std::string_view name) -> std::optional<std::size_t> {
+    const auto location = [&](std::string_view name) -> std::optional<std::size_t> {
       const auto found = std::ranges::find(header_, name);
       if (found == header_.end()) return std::nullopt;
       return static_cast<std::size_t>(found - header_.begin());
     };
     if (!wanted.empty()) {
-      const auto at = place(wanted);
+      const auto at = location(wanted);
       if (!at) return fail("recorded.column", "has no column '" + wanted + "'; there are " + header_text(), here());
       return at;
     }
     for (const std::string_view name : usual)
-      if (const auto at = place(name)) return at;
+      if (const auto at = location(name)) return at;
     return std::nullopt;
   }
 
@@ -94,11 +94,11 @@ class TableReader {
     for (const std::string_view name : cut_at_commas(line_, blanks)) header_.emplace_back(name);
     if (std::ranges::find(header_, "voltage_volt") != header_.end())
       return fail("recorded.column", "is a log, sample by sample: `cosiva battery fit` reads those", here());
-    const auto take = [&](std::optional<std::size_t>& place, const std::string& wanted,
+    const auto take = [&](std::optional<std::size_t>& location, const std::string& wanted,
                           const std::vector<std::string_view>& usual) -> Result<void> {
       auto found = column(wanted, usual);
       if (!found) return tl::unexpected(found.error());
-      place = *found;
+      location = *found;
       return {};
     };
     std::optional<std::size_t> time;

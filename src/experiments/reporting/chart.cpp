@@ -48,7 +48,7 @@ std::vector<double> ticks_of(const Axis& axis, const Range& range, int wanted) {
 }
 
 /// Where between an axis's ends a value lies, in [0, 1].
-double place(const Axis& axis, const Range& range, double value) {
+double track_position(const Axis& axis, const Range& range, double value) {
   if (!axis.logarithmic) return (value - range.from) / (range.to - range.from);
   return det_log(value / range.from) / det_log(range.to / range.from);
 }
@@ -64,10 +64,10 @@ class Frame {
     y_ = {y_axis.from ? y.from : y_ticks_.front(), y_axis.to ? y.to : y_ticks_.back()};
   }
   [[nodiscard]] double x(double value) const {
-    return left_px + place(x_axis_, x_, value) * (width_px - left_px - right_px);
+    return left_px + track_position(x_axis_, x_, value) * (width_px - left_px - right_px);
   }
   [[nodiscard]] double y(double value) const {
-    return height_px - bottom_px - place(y_axis_, y_, value) * (height_px - top_px - bottom_px);
+    return height_px - bottom_px - track_position(y_axis_, y_, value) * (height_px - top_px - bottom_px);
   }
   [[nodiscard]] bool shows(double x_value, double y_value) const {
     return drawable(x_axis_, x_value) && drawable(y_axis_, y_value);

@@ -24,11 +24,11 @@ double acceleration(std::span<const double> runs) {
 
 /// The value at a share of sorted ones, between ranks.
 double at_ratio(const std::vector<double>& sorted, double ratio) {
-  const double place =
+  const double location =
       std::clamp(ratio * (static_cast<double>(sorted.size()) + 1.0) - 1.0, 0.0, static_cast<double>(sorted.size() - 1));
-  const auto low = static_cast<std::size_t>(place);
+  const auto low = static_cast<std::size_t>(location);
   const std::size_t high = std::min(low + 1, sorted.size() - 1);
-  return sorted[low] + (place - std::floor(place)) * (sorted[high] - sorted[low]);
+  return sorted[low] + (location - std::floor(location)) * (sorted[high] - sorted[low]);
 }
 
 double ratio_of(const std::vector<double>& sorted, double value) {

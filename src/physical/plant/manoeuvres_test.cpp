@@ -16,7 +16,7 @@ using zone::Section;
 
 constexpr double dt_s = 0.01;
 
-LineVehicle on(const Circuit& circuit, zone::Place start = {0, 0.0}, double line_sd_m = 0.0) {
+LineVehicle on(const Circuit& circuit, zone::TrackPosition start = {0, 0.0}, double line_sd_m = 0.0) {
   return {circuit, start, line_sd_m, Random{1, "line"}};
 }
 void drive(LineVehicle& vehicle, const DriveCommand& command, double seconds) {
@@ -37,7 +37,7 @@ TEST(LineVehicle, stops_at_a_sharp_bend_turns_on_the_spot_and_follows_the_next_w
   LineVehicle vehicle = on(circuit, {0, 0.95});
   double along_m = 0.0;
   double turned_rad = 0.0;
-  for (int i = 0; i < 1000 && circuit.part(vehicle.place().section).name == "in"; ++i) {
+  for (int i = 0; i < 1000 && circuit.part(vehicle.track_position().section).name == "in"; ++i) {
     const DriveCommand command = creep(1);
     vehicle.step(&command, dt_s);
     along_m += vehicle.step_distance_m();
@@ -50,7 +50,7 @@ TEST(LineVehicle, stops_at_a_sharp_bend_turns_on_the_spot_and_follows_the_next_w
   }
   EXPECT_NEAR(along_m, 0.05, 0.001) << "what it turns counts no distance";
   EXPECT_NEAR(turned_rad, 0.5 * pi, 1e-9);
-  EXPECT_EQ(vehicle.place(), (zone::Place{2, 0.0}));
+  EXPECT_EQ(vehicle.track_position(), (zone::TrackPosition{2, 0.0}));
   EXPECT_TRUE(vehicle.following());
   drive(vehicle, creep(0), 4.0);
   EXPECT_NEAR(vehicle.body().X_MB.x_m, 1.0, 1e-9);
@@ -66,7 +66,7 @@ TEST(LineVehicle, takes_the_smooth_way_of_a_node_without_stopping) {
     vehicle.step(&command, dt_s);
     ASSERT_GT(vehicle.speed_mps(), 0.4);
   }
-  EXPECT_EQ(circuit.part(vehicle.place().section).name, "ahead");
+  EXPECT_EQ(circuit.part(vehicle.track_position().section).name, "ahead");
 }
 
 TEST(LineVehicle, stops_where_nobody_said_which_way_and_goes_on_when_somebody_does) {
@@ -74,10 +74,10 @@ TEST(LineVehicle, stops_where_nobody_said_which_way_and_goes_on_when_somebody_do
   LineVehicle vehicle = on(circuit, {0, 0.5});
   drive(vehicle, {0.5, 1.0, 1.0, wire::no_branch}, 5.0);
   EXPECT_EQ(vehicle.speed_mps(), 0.0);
-  EXPECT_EQ(vehicle.place(), (zone::Place{0, 1.0}));
+  EXPECT_EQ(vehicle.track_position(), (zone::TrackPosition{0, 1.0}));
   EXPECT_TRUE(vehicle.following());
   drive(vehicle, creep(2), 6.0);
-  EXPECT_EQ(circuit.part(vehicle.place().section).name, "back");
+  EXPECT_EQ(circuit.part(vehicle.track_position().section).name, "back");
   EXPECT_LT(vehicle.body().X_MB.x_m, 1.0);
 }
 
@@ -90,7 +90,7 @@ TEST(LineVehicle, waiting_at_a_fork_rolls_nothing_however_long_it_is_told_to_go_
     vehicle.step(&command, dt_s);
     rolled_m += vehicle.step_distance_m();
   }
-  EXPECT_EQ(vehicle.place(), (zone::Place{0, 1.0}));
+  EXPECT_EQ(vehicle.track_position(), (zone::TrackPosition{0, 1.0}));
   EXPECT_NEAR(rolled_m, 0.05, 1e-6);
 }
 
@@ -124,7 +124,7 @@ TEST(LineVehicle, turns_only_while_it_is_commanded) {
   EXPECT_NE(vehicle.manoeuvre(), nullptr);
   // The way was chosen when the turn began.
   for (int i = 0; i < 300 && vehicle.manoeuvre() != nullptr; ++i) drive(vehicle, creep(2), dt_s);
-  EXPECT_EQ(circuit.part(vehicle.place().section).name, "north");
+  EXPECT_EQ(circuit.part(vehicle.track_position().section).name, "north");
 }
 
 TEST(LineVehicle, that_rolls_out_onto_a_bend_waits_at_it) {
@@ -134,7 +134,7 @@ TEST(LineVehicle, that_rolls_out_onto_a_bend_waits_at_it) {
   for (int i = 0; i < 500; ++i) vehicle.step(nullptr, dt_s);
   EXPECT_EQ(vehicle.manoeuvre(), nullptr);
   EXPECT_EQ(vehicle.speed_mps(), 0.0);
-  EXPECT_EQ(vehicle.place().section, 0U);
+  EXPECT_EQ(vehicle.track_position().section, 0U);
 }
 
 TEST(LineVehicle, that_rolls_out_over_a_fork_keeps_to_the_branch_it_was_told) {
@@ -144,16 +144,16 @@ TEST(LineVehicle, that_rolls_out_over_a_fork_keeps_to_the_branch_it_was_told) {
                                                   {"right", *Section::make({1, 0, 0}, 1.0, -1.0), {}, {}}});
   LineVehicle vehicle = on(circuit, {0, 0.5});
   drive(vehicle, {0.6, 1.0, 1.0, 1}, 1.1);
-  ASSERT_EQ(vehicle.place().section, 0U);
+  ASSERT_EQ(vehicle.track_position().section, 0U);
   for (int i = 0; i < 500; ++i) vehicle.step(nullptr, dt_s);
-  EXPECT_EQ(circuit.part(vehicle.place().section).name, "right");
+  EXPECT_EQ(circuit.part(vehicle.track_position().section).name, "right");
 }
 
 TEST(LineVehicle, backs_up_to_a_sharp_bend_and_no_further) {
   const Circuit circuit = node();
   LineVehicle vehicle = on(circuit, {2, 0.3});
   drive(vehicle, {-0.3, 1.0, 1.0, 0}, 5.0);
-  EXPECT_EQ(vehicle.place(), (zone::Place{2, 0.0}));
+  EXPECT_EQ(vehicle.track_position(), (zone::TrackPosition{2, 0.0}));
   EXPECT_EQ(vehicle.speed_mps(), 0.0);
 }
 
@@ -165,8 +165,8 @@ TEST(LineVehicle, turns_onto_the_line_as_well_as_it_is_painted) {
                                                     {"out", *Section::make({1, 0, turn_rad}, 2.0), {}, {}}});
     LineVehicle vehicle{circuit, {0, 0.5}, 0.0005, Random{*rc::gen::arbitrary<std::uint32_t>(), "line"}};
     drive(vehicle, {0.3, 0.5, 0.8, 0}, 1.0);
-    for (int i = 0; i < 3000 && vehicle.place().section == 0; ++i) drive(vehicle, creep(0), dt_s);
-    RC_ASSERT(vehicle.place().section == 1U);
+    for (int i = 0; i < 3000 && vehicle.track_position().section == 0; ++i) drive(vehicle, creep(0), dt_s);
+    RC_ASSERT(vehicle.track_position().section == 1U);
     RC_ASSERT(distance(vehicle.body().X_MB, circuit.pose_at({1, 0.0})) < 0.003);
     RC_ASSERT(std::fabs(vehicle.heading_error_rad()) < 0.03);
     drive(vehicle, {0.3, 0.5, 0.8, 0}, 2.0);
@@ -222,13 +222,13 @@ TEST(LineVehicle, seeks_the_line_within_reach_and_follows_it) {
     RC_ASSERT(manoeuvred);
     RC_ASSERT(vehicle.following());
     RC_ASSERT(distance(began * summed, vehicle.body().X_MB) < 1e-3);
-    RC_ASSERT(std::fabs(vehicle.place().s_m - 2.0) < 1e-6);
+    RC_ASSERT(std::fabs(vehicle.track_position().s_m - 2.0) < 1e-6);
     // One that saw the line from where it stood only turned along it: steering does the rest.
     const bool saw_it = std::fabs(off_m) <= DriveTrain{}.line_lost_m && std::fabs(turned_rad) <= aiv::on_line_rad;
     RC_ASSERT(std::fabs(vehicle.lateral_error_m()) < (saw_it ? std::fabs(off_m) + 1e-9 : 0.003));
     RC_ASSERT(!vehicle.line_lost());
     drive(vehicle, {0.3, 0.5, 0.8, 0}, 2.0);
-    RC_ASSERT(vehicle.place().s_m > 2.3);
+    RC_ASSERT(vehicle.track_position().s_m > 2.3);
     RC_ASSERT(std::fabs(vehicle.lateral_error_m()) < 0.003);
   }));
 }
@@ -355,7 +355,7 @@ TEST(LineVehicle, leaves_a_manoeuvre_that_nobody_commands_when_the_floor_becomes
   drive(vehicle, {0.0, 0.5, 0.8, 0}, 0.5);
   EXPECT_EQ(vehicle.body().X_MB, before);
   for (int i = 0; i < 1500 && !vehicle.following(); ++i) vehicle.step(&seek, dt_s);
-  EXPECT_NEAR(vehicle.place().s_m, 2.0, 1e-9);
+  EXPECT_NEAR(vehicle.track_position().s_m, 2.0, 1e-9);
 }
 
 TEST(LineVehicle, put_on_another_floor_while_it_moves_is_our_own_bug) {

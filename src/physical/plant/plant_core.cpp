@@ -57,17 +57,17 @@ std::optional<PortAddress> parse_port(std::string_view name) {
 }  // namespace
 
 struct PlantCore::Impl {
-  Impl(PlantOptions given, const zone::Rtm& read, const std::vector<zone::Place>& places)
+  Impl(PlantOptions given, const zone::Rtm& read, const std::vector<zone::TrackPosition>& positions)
       : options{std::move(given)},
         floor{std::make_shared<Floor>(read.shared_zone(), options.noise.tag_range_m)},
         fan{read.zone().vehicle},
         watch{read.zone().vehicle},
         obstacles{read.zone()},
         exchange{options.zone, read.shared_zone(), options.publish_zone} {
-    vehicles.reserve(places.size());
+    vehicles.reserve(positions.size());
     const auto cells = PowerTrain::usual_table();
-    for (std::uint32_t i = 0; i < places.size(); ++i)
-      vehicles.emplace_back(i + 1, floor, places[i], options.noise, options.seed, cells, step_max(options));
+    for (std::uint32_t i = 0; i < positions.size(); ++i)
+      vehicles.emplace_back(i + 1, floor, positions[i], options.noise, options.seed, cells, step_max(options));
     bodies.resize(vehicles.size());
     record_bodies();
   }
@@ -115,13 +115,13 @@ Result<std::unique_ptr<PlantCore>> PlantCore::make(PlantOptions options) {
   auto rtm = zone::Rtm::initialise(options.zone);
   if (!rtm) return tl::unexpected(rtm.error());
   if (options.vehicles == 0) return fail("plant.vehicles", "a plant needs at least one vehicle");
-  auto places = rtm->zone().start_places(options.vehicles);
-  if (places.size() != options.vehicles) {
-    return fail("plant.vehicles", "zone '" + rtm->zone().name + "' has room for " + std::to_string(places.size()) +
+  auto positions = rtm->zone().start_positions(options.vehicles);
+  if (positions.size() != options.vehicles) {
+    return fail("plant.vehicles", "zone '" + rtm->zone().name + "' has room for " + std::to_string(positions.size()) +
                                       " vehicles, asked for " + std::to_string(options.vehicles));
   }
   std::unique_ptr<PlantCore> core{new PlantCore};
-  core->impl_ = std::make_unique<Impl>(std::move(options), *rtm, places);
+  core->impl_ = std::make_unique<Impl>(std::move(options), *rtm, positions);
   return core;
 }
 
@@ -192,7 +192,7 @@ std::vector<TrueVehicle> PlantCore::vehicles() const {
                             vehicle.charge(),
                             vehicle.powered(impl_->now),
                             vehicle.display(),
-                            motion.following() ? std::optional{motion.place()} : std::nullopt,
+                            motion.following() ? std::optional{motion.track_position()} : std::nullopt,
                             {power.pack().voltage_v(), power.pack().current_a(), power.pack().temperature_c(),
                              power.load_w(), power.cut_off()}});
   }

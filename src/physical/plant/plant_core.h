@@ -25,7 +25,7 @@ struct TrueVehicle {
   bool powered;         ///< its PILS gets valid drive commands
   std::string display;  ///< what AFFI shows
   /// On the line that it follows, whatever lies beside or under that; nothing in a manoeuvre.
-  std::optional<zone::Place> place;
+  std::optional<zone::TrackPosition> position;
   /// Its battery, as it truly is, and what it takes of it.
   struct Power {
     double voltage_v;

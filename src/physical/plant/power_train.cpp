@@ -13,8 +13,8 @@ namespace {
 constexpr battery::PackDesign usual_design{2, 1, 2.2 / 0.85};
 constexpr double seed_max = 9007199254740992.0;
 
-tl::unexpected<Error> bad(std::string message, std::string place) {
-  return fail("plant.battery", std::move(message), "changeBattery '" + std::move(place) + "'");
+tl::unexpected<Error> bad(std::string message, std::string location) {
+  return fail("plant.battery", std::move(message), "changeBattery '" + std::move(location) + "'");
 }
 
 Result<battery::BatteryType> read_type(const JsonValue& json) {

@@ -32,7 +32,7 @@ TagMap::TagMap(const zone::TrafficZone& zone, double reach_m) : reach_m_{reach_m
 
 void TagMap::add_tags(const zone::TrafficZone& zone, double near_m) {
   for (const zone::Tag& tag : zone.tags) {
-    const Point2 position = cosiva::position(zone.circuit.pose_at(tag.place));
+    const Point2 position = cosiva::position(zone.circuit.pose_at(tag.position));
     for (zone::SectionId id = 0; id < zone.circuit.size(); ++id) {
       const zone::Section& section = zone.circuit.section(id);
       if (distance(section.box(), position) > near_m) continue;
@@ -70,10 +70,10 @@ std::span<const TagMap::Entry> TagMap::between(zone::SectionId section, double f
   return {first, last};
 }
 
-void TagReader::move(SimTime now, zone::Place place, Point2 from, Point2 to, std::vector<Reading>& readings) {
+void TagReader::move(SimTime now, zone::TrackPosition track_position, Point2 from, Point2 to, std::vector<Reading>& readings) {
   const double reach_m = map_->reach_m();
   const double window_m = reach_m + off_line_m + distance(from, to);
-  for (const TagMap::Entry& entry : map_->between(place.section, place.s_m - window_m, place.s_m + window_m)) {
+  for (const TagMap::Entry& entry : map_->between(track_position.section, track_position.s_m - window_m, track_position.s_m + window_m)) {
     if (distance_to_way(entry.position, from, to) > reach_m) continue;
     const bool known =
         std::any_of(in_field_.begin(), in_field_.end(), [&](const InField& tag) { return tag.number == entry.number; });

@@ -60,7 +60,7 @@ class TagReader {
     in_field_.clear();
   }
   /// The antenna moved from `from` to `to`, which lies beside `place`. Appends what is read.
-  void move(SimTime now, zone::Place place, Point2 from, Point2 to, std::vector<Reading>& readings);
+  void move(SimTime now, zone::TrackPosition track_position, Point2 from, Point2 to, std::vector<Reading>& readings);
 
  private:
   struct InField {

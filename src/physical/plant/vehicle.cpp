@@ -30,7 +30,7 @@ SimDuration phase(std::uint32_t number, std::uint32_t ticks) { return phase_step
 
 }  // namespace
 
-Vehicle::Vehicle(std::uint32_t number, std::shared_ptr<const Floor> floor, zone::Place start, const PlantNoise& noise,
+Vehicle::Vehicle(std::uint32_t number, std::shared_ptr<const Floor> floor, zone::TrackPosition start, const PlantNoise& noise,
                  std::uint64_t seed, const std::shared_ptr<const battery::CellTable>& cells, SimDuration step_max)
     : number_{number},
       step_max_{step_max},
@@ -111,7 +111,7 @@ void Vehicle::step(SimTime now, double dt_s) {
 
 void Vehicle::read_tags(SimTime now, Point2 before) {
   readings_.clear();
-  tag_reader_.move(now, motion_.place(), before, position(motion_.body().X_MB), readings_);
+  tag_reader_.move(now, motion_.track_position(), before, position(motion_.body().X_MB), readings_);
   for (const auto& reading : readings_) prav_.on_tag(reading.read_at, reading.number);
 }
 

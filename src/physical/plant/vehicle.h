@@ -23,7 +23,7 @@ namespace cosiva::physical {
 /// on-board program knows of them.
 class Vehicle {
  public:
-  Vehicle(std::uint32_t number, std::shared_ptr<const Floor> floor, zone::Place start, const PlantNoise& noise,
+  Vehicle(std::uint32_t number, std::shared_ptr<const Floor> floor, zone::TrackPosition start, const PlantNoise& noise,
           std::uint64_t seed, const std::shared_ptr<const battery::CellTable>& cells, SimDuration step_max);
 
   /// Switches the boards on. Their session numbers come from the seed and the moment, so that the same plant started

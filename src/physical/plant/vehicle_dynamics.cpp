@@ -15,10 +15,10 @@ double towards(double value, double target, double step) { return value + std::c
 
 }  // namespace
 
-LineVehicle::LineVehicle(const zone::Circuit& circuit, zone::Place start, double line_offset_sd_m, Random line_noise)
-    : circuit_{&circuit}, line_offset_sd_m_{line_offset_sd_m}, line_random_{line_noise}, place_{start} {
+LineVehicle::LineVehicle(const zone::Circuit& circuit, zone::TrackPosition start, double line_offset_sd_m, Random line_noise)
+    : circuit_{&circuit}, line_offset_sd_m_{line_offset_sd_m}, line_random_{line_noise}, position_{start} {
   line_noise_m_ = line_random_.gaussian(0.0, line_offset_sd_m_);
-  place_body(0.0, 1.0);
+  put_body(0.0, 1.0);
   record_section();
 }
 
@@ -42,10 +42,10 @@ void LineVehicle::step(const DriveCommand* command, double dt_s) {
   steer(dt_s);
   step_distance_m_ = speed_mps_ * dt_s;
   const auto [sin_error, cos_error] = sincos(heading_rad_);
-  const double kappa = circuit_->section(place_.section).curvature_at(place_.s_m);
+  const double kappa = circuit_->section(position_.section).curvature_at(position_.s_m);
   lateral_m_ += step_distance_m_ * sin_error;
   move_along(step_distance_m_ * cos_error / (1.0 - kappa * lateral_m_));
-  place_body(sin_error, cos_error);
+  put_body(sin_error, cos_error);
   if (manoeuvre_) X_MS_ = body_.X_MB;  // it came to a sharp bend
 }
 
@@ -90,7 +90,7 @@ void LineVehicle::steer(double dt_s) {
   const double speed = std::fabs(speed_mps_);
   const double natural_per_m = std::min(per_m_max, radps_max / speed);
   const double forwards = speed_mps_ < 0.0 ? -1.0 : 1.0;
-  const double kappa = circuit_->section(place_.section).curvature_at(place_.s_m);
+  const double kappa = circuit_->section(position_.section).curvature_at(position_.s_m);
   const double detected_lateral_m = lateral_m_ - line_noise_m_;
   const double wanted_radps =
       speed_mps_ * kappa - speed * (forwards * natural_per_m * natural_per_m * detected_lateral_m +
@@ -102,24 +102,24 @@ void LineVehicle::steer(double dt_s) {
 }
 
 void LineVehicle::move_along(double distance_m) {
-  place_.s_m += distance_m;
+  position_.s_m += distance_m;
   // One step is a few millimetres, a section at least that: this goes round once or twice at most.
   for (;;) {
-    const double length_m = circuit_->section(place_.section).length_m();
-    if (place_.s_m > length_m) {
+    const double length_m = circuit_->section(position_.section).length_m();
+    if (position_.s_m > length_m) {
       if (may_end_here_) {
-        const aiv::Onward onward = aiv::onward(*circuit_, place_.section, branch_);
+        const aiv::Onward onward = aiv::onward(*circuit_, position_.section, branch_);
         if (onward.section == zone::no_section) return stop_at_end(length_m);
         if (onward.turn_rad != 0.0) {
           stop_at_end(length_m);
           return goes_on_ ? begin_turn(onward) : void();
         }
       }
-      place_.s_m -= length_m;
+      position_.s_m -= length_m;
       to_next();
-    } else if (place_.s_m < 0.0) {
+    } else if (position_.s_m < 0.0) {
       if (!to_previous()) return stop_at_end(0.0);
-      place_.s_m += circuit_->section(place_.section).length_m();
+      position_.s_m += circuit_->section(position_.section).length_m();
     } else {
       return;
     }
@@ -127,20 +127,20 @@ void LineVehicle::move_along(double distance_m) {
 }
 
 void LineVehicle::to_next() {
-  const std::span<const zone::SectionId> ways = circuit_->next(place_.section);
-  came_from_ = place_.section;
-  place_.section = ways[std::min(branch_, ways.size() - 1)];
+  const std::span<const zone::SectionId> ways = circuit_->next(position_.section);
+  came_from_ = position_.section;
+  position_.section = ways[std::min(branch_, ways.size() - 1)];
   record_section();
 }
 
 bool LineVehicle::to_previous() {
-  const std::span<const zone::SectionId> ways = circuit_->previous(place_.section);
-  const auto bends = [&](zone::SectionId id) { return circuit_->turn_at(id, place_.section) != 0.0; };
+  const std::span<const zone::SectionId> ways = circuit_->previous(position_.section);
+  const auto bends = [&](zone::SectionId id) { return circuit_->turn_at(id, position_.section) != 0.0; };
   const bool known = std::find(ways.begin(), ways.end(), came_from_) != ways.end() && !bends(came_from_);
   const auto before =
       known ? std::find(ways.begin(), ways.end(), came_from_) : std::find_if_not(ways.begin(), ways.end(), bends);
   if (before == ways.end()) return false;
-  place_.section = *before;
+  position_.section = *before;
   came_from_ = zone::no_section;
   record_section();
   return true;
@@ -148,19 +148,19 @@ bool LineVehicle::to_previous() {
 
 /// Most sections of most circuits go on in one smooth way; a step on these costs one look at this flag.
 void LineVehicle::record_section() {
-  const zone::Circuit::Part& part = circuit_->part(place_.section);
+  const zone::Circuit::Part& part = circuit_->part(position_.section);
   may_end_here_ = part.next.size() != 1 || part.pivots;
 }
 
 /// Where the line ends or bends sharply under its branch it brakes as hard as it can, down to a creep.
 void LineVehicle::brake_for_end(double dt_s) {
   constexpr double creep_mps = 0.02;
-  const double left_m = std::max(0.0, circuit_->section(place_.section).length_m() - place_.s_m);
+  const double left_m = std::max(0.0, circuit_->section(position_.section).length_m() - position_.s_m);
   // v·dt + v²/2b = left.
   const double b = train_.braking_mps2_max;
   const double in_time_mps = std::max(creep_mps, b * (std::sqrt(dt_s * dt_s + 2.0 * left_m / b) - dt_s));
   if (speed_mps_ <= in_time_mps) return;
-  const aiv::Onward onward = aiv::onward(*circuit_, place_.section, branch_);
+  const aiv::Onward onward = aiv::onward(*circuit_, position_.section, branch_);
   if (onward.section != zone::no_section && onward.turn_rad == 0.0) return;
   speed_mps_ = in_time_mps;
   speed_reference_mps_ = std::min(speed_reference_mps_, in_time_mps);
@@ -168,8 +168,8 @@ void LineVehicle::brake_for_end(double dt_s) {
 
 void LineVehicle::stop_at_end(double s_m) {
   // The wheels stand as soon as the body does: told to go on at a joint that it may not cross, it rolls nothing.
-  step_distance_m_ -= place_.s_m - s_m;
-  place_.s_m = s_m;
+  step_distance_m_ -= position_.s_m - s_m;
+  position_.s_m = s_m;
   speed_mps_ = 0.0;
   speed_reference_mps_ = 0.0;
 }
@@ -188,9 +188,9 @@ void LineVehicle::begin_turn(const aiv::Onward& onward) {
 }
 
 bool LineVehicle::begin_seek(const DriveCommand& command) {
-  const auto place = aiv::sought(*circuit_, body_.X_MB, command.goal);
-  if (!place) return false;
-  goal_ = *place;
+  const auto track_position = aiv::sought(*circuit_, body_.X_MB, command.goal);
+  if (!track_position) return false;
+  goal_ = *track_position;
   // On the line already it only turns along it: what is left aside the steering takes away.
   const auto here = circuit_->section(goal_.section).nearest(position(body_.X_MB));
   const Pose2 X_PB = inverse(circuit_->section(goal_.section).pose_at(here.s_m)) * body_.X_MB;
@@ -231,12 +231,12 @@ void LineVehicle::end_manoeuvre() {
   manoeuvre_.reset();
   off_line_ = false;
   came_from_ = zone::no_section;
-  place_ = goal_;
+  position_ = goal_;
   lateral_m_ = goal_lateral_m_;
   heading_rad_ = goal_heading_rad_;
   record_section();
   const auto [sin, cos] = sincos(heading_rad_);
-  place_body(sin, cos);
+  put_body(sin, cos);
 }
 
 void LineVehicle::stand_on(const zone::Circuit& circuit) {
@@ -250,8 +250,8 @@ void LineVehicle::stand_on(const zone::Circuit& circuit) {
   step_manoeuvre_ = {};
   // It may lie on a line by chance, as where the old floor and the new have a way in common.
   const auto entry_point = zone::snap_to_path(circuit, body_.X_MB, train_.line_lost_m);
-  place_ = entry_point ? entry_point->place : zone::Place{0, 0.0};
-  const Pose2 X_PB = inverse(circuit.pose_at(place_)) * body_.X_MB;
+  position_ = entry_point ? entry_point->position : zone::TrackPosition{0, 0.0};
+  const Pose2 X_PB = inverse(circuit.pose_at(position_)) * body_.X_MB;
   lateral_m_ = X_PB.y_m;
   heading_rad_ = X_PB.heading_rad;
   lies_on_line_ = entry_point && lies_over(X_PB) && std::fabs(heading_rad_) <= aiv::on_line_rad;
@@ -263,9 +263,9 @@ bool LineVehicle::lies_over(const Pose2& X_PB) const {
   return std::fabs(X_PB.x_m) <= beyond_m && std::fabs(X_PB.y_m) <= train_.line_lost_m;
 }
 
-void LineVehicle::place_body(double sin_error, double cos_error) {
+void LineVehicle::put_body(double sin_error, double cos_error) {
   // X_MB = X_MP · (0, e, ψ). The path's own sine and cosine follow from the body's by turning back: one sincos saved.
-  const Pose2 X_MP = circuit_->pose_at(place_);
+  const Pose2 X_MP = circuit_->pose_at(position_);
   body_ = BodyPose::at({X_MP.x_m, X_MP.y_m, wrap_angle(X_MP.heading_rad + heading_rad_)});
   const double sin_path = body_.sin * cos_error - body_.cos * sin_error;
   const double cos_path = body_.cos * cos_error + body_.sin * sin_error;

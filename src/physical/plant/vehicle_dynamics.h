@@ -43,7 +43,7 @@ class LineVehicle {
  public:
   /// @param circuit  must outlive this
   /// @param line_offset_sd_m  how unevenly the line is painted and seen, correlated over 5 cm
-  LineVehicle(const zone::Circuit& circuit, zone::Place start, double line_offset_sd_m, Random line_noise);
+  LineVehicle(const zone::Circuit& circuit, zone::TrackPosition start, double line_offset_sd_m, Random line_noise);
 
   /// One step of at most 20 ms. No command: the motors stop by themselves, and a fork is passed as told last.
   void step(const DriveCommand* command, double dt_s);
@@ -56,7 +56,7 @@ class LineVehicle {
 
   [[nodiscard]] const BodyPose& body() const { return body_; }
   /// On the line; off it (following() is false), where it left the line, or any place of a new floor.
-  [[nodiscard]] zone::Place place() const { return place_; }
+  [[nodiscard]] zone::TrackPosition track_position() const { return position_; }
   /// Whether it follows the line: in no manoeuvre, and not waiting off the line.
   [[nodiscard]] bool following() const { return !off_line_; }
   /// The manoeuvre that it is in, if any.
@@ -90,14 +90,14 @@ class LineVehicle {
   void to_next();
   [[nodiscard]] bool to_previous();
   void stop_at_end(double s_m);
-  void place_body(double sin_error, double cos_error);
+  void put_body(double sin_error, double cos_error);
 
   const zone::Circuit* circuit_;
   DriveTrain train_;
   double line_offset_sd_m_;
   Random line_random_;
 
-  zone::Place place_;
+  zone::TrackPosition position_;
   zone::SectionId came_from_{zone::no_section};  ///< backing up returns there
   double speed_mps_{0.0};
   double speed_reference_mps_{0.0};  ///< the ramp that the motors follow with their lag
@@ -120,7 +120,7 @@ class LineVehicle {
   std::optional<aiv::Manoeuvre> manoeuvre_;
   Pose2 X_MS_;  ///< where the body stood when the manoeuvre began
   aiv::Manoeuvre::Step step_manoeuvre_;
-  zone::Place goal_;  ///< where it is on the line when the manoeuvre ends, and how
+  zone::TrackPosition goal_;  ///< where it is on the line when the manoeuvre ends, and how
   double goal_lateral_m_{0.0};
   double goal_heading_rad_{0.0};
 };

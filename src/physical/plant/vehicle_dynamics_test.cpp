@@ -24,7 +24,7 @@ zone::Rtm read(zone::ZoneConfiguration configuration) {
   return std::move(*rtm);
 }
 
-LineVehicle on(const Circuit& circuit, zone::Place start = {0, 0.0}, double line_sd_m = 0.0) {
+LineVehicle on(const Circuit& circuit, zone::TrackPosition start = {0, 0.0}, double line_sd_m = 0.0) {
   return {circuit, start, line_sd_m, Random{1, "line"}};
 }
 
@@ -57,7 +57,7 @@ TEST(LineVehicle, reaches_the_speed_it_is_asked_for_with_its_acceleration_and_la
   drive(vehicle, command, 0.5);
   EXPECT_NEAR(vehicle.speed_mps(), 0.5, 1e-4);
   // v²/2a + v·(t − v/a) − v·τ, to one tick's way.
-  EXPECT_NEAR(vehicle.place().s_m, 0.25 + 0.25 - 0.025, 0.006);
+  EXPECT_NEAR(vehicle.track_position().s_m, 0.25 + 0.25 - 0.025, 0.006);
 }
 
 TEST(LineVehicle, stops_within_what_its_braking_and_lag_need) {
@@ -84,11 +84,11 @@ TEST(LineVehicle, backs_up_over_a_joint_and_returns) {
   const zone::SectionId loop = circuit.find("loop_se").value();
   LineVehicle vehicle = on(circuit, {loop, 0.2});
   drive(vehicle, {-0.3, 1.0, 1.0, 0}, 2.0);
-  EXPECT_EQ(circuit.part(vehicle.place().section).name, "east");
+  EXPECT_EQ(circuit.part(vehicle.track_position().section).name, "east");
   EXPECT_LT(std::fabs(vehicle.lateral_error_m()), 0.002);
   EXPECT_LT(vehicle.speed_mps(), 0.0);
   drive(vehicle, {0.3, 1.0, 1.0, 0}, 4.0);
-  EXPECT_EQ(circuit.part(vehicle.place().section).name, "loop_se");
+  EXPECT_EQ(circuit.part(vehicle.track_position().section).name, "loop_se");
   EXPECT_LT(std::fabs(vehicle.lateral_error_m()), 0.002);
 }
 
@@ -120,12 +120,12 @@ TEST(LineVehicle, stays_on_the_line_over_a_lap_at_full_speed) {
     worst_m = std::max(worst_m, std::fabs(vehicle.lateral_error_m()));
     ASSERT_FALSE(vehicle.line_lost());
     // The pose is the state that dynamics speak of: the line's nearest point is lateral_error away from the body.
-    const auto nearest = circuit.section(vehicle.place().section).nearest(position(vehicle.body().X_MB));
+    const auto nearest = circuit.section(vehicle.track_position().section).nearest(position(vehicle.body().X_MB));
     ASSERT_NEAR(nearest.left_m, vehicle.lateral_error_m(), 1e-6);
   }
   EXPECT_LT(worst_m, 0.002);
   EXPECT_GT(worst_m, 1e-5);  // and it is no train on rails
-  EXPECT_NEAR(vehicle.place().s_m, 0.3, 0.02);
+  EXPECT_NEAR(vehicle.track_position().s_m, 0.3, 0.02);
 }
 
 TEST(LineVehicle, stays_on_the_line_backwards_too) {
@@ -143,7 +143,7 @@ TEST(LineVehicle, takes_the_branch_it_is_told) {
   for (const auto& [branch, name] : {std::pair{0U, "left"}, {1U, "right"}, {7U, "right"}}) {
     LineVehicle vehicle = on(circuit);
     drive(vehicle, {0.5, 1.0, 1.0, branch}, 3.0);
-    EXPECT_EQ(circuit.part(vehicle.place().section).name, name);
+    EXPECT_EQ(circuit.part(vehicle.track_position().section).name, name);
   }
 }
 
@@ -152,9 +152,9 @@ TEST(LineVehicle, stops_at_a_dead_end_either_way) {
   LineVehicle vehicle = on(circuit);
   drive(vehicle, {0.5, 1.0, 1.0, 0}, 10.0);
   EXPECT_EQ(vehicle.speed_mps(), 0.0);
-  EXPECT_DOUBLE_EQ(vehicle.place().s_m, 1.0);
+  EXPECT_DOUBLE_EQ(vehicle.track_position().s_m, 1.0);
   drive(vehicle, {-0.5, 1.0, 1.0, 0}, 10.0);
-  EXPECT_EQ(vehicle.place(), (zone::Place{0, 0.0}));
+  EXPECT_EQ(vehicle.track_position(), (zone::TrackPosition{0, 0.0}));
   EXPECT_EQ(vehicle.speed_mps(), 0.0);
 }
 

@@ -64,7 +64,7 @@ struct Calibration {
   Residuals colour;
   Residuals block;
   ResidualMap uncertainty;
-  CameraPlace camera;  ///< for whoever stands above the floor
+  CameraPose camera;  ///< for whoever stands above the floor
   std::vector<MarkerProfile> markers;
 };
 

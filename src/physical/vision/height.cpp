@@ -10,7 +10,7 @@ namespace {
 
 /// The camera's place in the floor's frame if its focal length is f (in the map's scale), by the homography's columns.
 /// Source: Zhang, A flexible new technique for camera calibration, 2000, section 3.1.
-Eigen::Vector3d place_with(const Eigen::Matrix3d& floor_to_image, double f) {
+Eigen::Vector3d pose_with(const Eigen::Matrix3d& floor_to_image, double f) {
   Eigen::Matrix3d m = floor_to_image;
   m.topRows<2>() /= f;
   m /= std::sqrt(m.col(0).norm() * m.col(1).norm());
@@ -134,20 +134,20 @@ std::optional<PoseFit> fit_once(const std::vector<SurveyedPose>& poses, bool ful
 
 }  // namespace
 
-Point2 at_height(Point2 detected, double height_m, const CameraPlace& camera) {
+Point2 at_height(Point2 detected, double height_m, const CameraPose& camera) {
   if (camera.height_m <= 0.0) return detected;
   const double ratio = height_m / camera.height_m;
   return {detected.x_m + ratio * (camera.foot.x_m - detected.x_m),
           detected.y_m + ratio * (camera.foot.y_m - detected.y_m)};
 }
 
-Point2 detected_from(Point2 there, double height_m, const CameraPlace& camera) {
+Point2 detected_from(Point2 there, double height_m, const CameraPose& camera) {
   if (camera.height_m <= 0.0) return there;
   const double ratio = height_m / camera.height_m;
   return {(there.x_m - ratio * camera.foot.x_m) / (1.0 - ratio), (there.y_m - ratio * camera.foot.y_m) / (1.0 - ratio)};
 }
 
-std::optional<CameraPlace> camera_over(const FloorMap& map, double height_m) {
+std::optional<CameraPose> camera_over(const FloorMap& map, double height_m) {
   Eigen::Matrix3d h;
   for (int i = 0; i < 9; ++i) h(i / 3, i % 3) = map.homography[static_cast<std::size_t>(i)];
   const double determinant = h.determinant();
@@ -156,15 +156,15 @@ std::optional<CameraPlace> camera_over(const FloorMap& map, double height_m) {
   // The longer the lens, the higher the camera hangs that sees the same: the wanted height is between.
   double short_f = 0.05;
   double long_f = 50.0;
-  const auto height_with = [&](double f) { return std::fabs(place_with(back, f)[2]); };
+  const auto height_with = [&](double f) { return std::fabs(pose_with(back, f)[2]); };
   if (height_with(short_f) > height_m || height_with(long_f) < height_m) return std::nullopt;
   constexpr int halvings = 60;
   for (int i = 0; i < halvings; ++i) {
     const double f = std::sqrt(short_f * long_f);
     (height_with(f) < height_m ? short_f : long_f) = f;
   }
-  const Eigen::Vector3d place = place_with(back, short_f);
-  return CameraPlace{{place[0], place[1]}, height_m};
+  const Eigen::Vector3d track_position = pose_with(back, short_f);
+  return CameraPose{{track_position[0], track_position[1]}, height_m};
 }
 
 Pose2 PoseFit::apply(const Pose2& detected) const {
@@ -185,7 +185,7 @@ const MarkerProfile& profile_of(int id, const std::vector<MarkerProfile>& profil
   return *everybodys;
 }
 
-Pose2 vehicle_at(const Pose2& detected, const MarkerProfile& profile, const CameraPlace& camera) {
+Pose2 vehicle_at(const Pose2& detected, const MarkerProfile& profile, const CameraPose& camera) {
   if (profile.surveyed) return profile.surveyed->apply(detected);
   const Point2 there = at_height(position(detected), profile.height_m, camera);
   return Pose2{there.x_m, there.y_m, detected.heading_rad} * inverse(profile.X_BT);

@@ -12,20 +12,20 @@
 namespace cosiva::vision {
 
 /// Where the camera hangs. Without a height, heights are not corrected.
-struct CameraPlace {
+struct CameraPose {
   Point2 foot;         ///< on the floor straight below it [m]
   double height_m{0};  ///< above the floor; 0: not known
-  friend bool operator==(const CameraPlace&, const CameraPlace&) = default;
+  friend bool operator==(const CameraPose&, const CameraPose&) = default;
 };
 
 /// Where it is, that lies `height_m` above the floor and is seen at `detected` on it: a share height_m/H of the way
 /// from there to the camera's foot.
-[[nodiscard]] Point2 at_height(Point2 detected, double height_m, const CameraPlace& camera);
+[[nodiscard]] Point2 at_height(Point2 detected, double height_m, const CameraPose& camera);
 /// Where on the floor it is seen, that is there so high: the other way round.
-[[nodiscard]] Point2 detected_from(Point2 there, double height_m, const CameraPlace& camera);
+[[nodiscard]] Point2 detected_from(Point2 there, double height_m, const CameraPose& camera);
 /// Where the camera hangs whose pictures are mapped so, from how high it hangs: a plane alone tells a camera's height
 /// only up to its lens's angle. Nothing where no height fits.
-[[nodiscard]] std::optional<CameraPlace> camera_over(const FloorMap& map, double height_m);
+[[nodiscard]] std::optional<CameraPose> camera_over(const FloorMap& map, double height_m);
 
 /// What makes seen poses of a marker into poses of its vehicle, fitted to surveyed ones:
 ///     surveyed heading = direction of A·(cos, sin of the seen heading) + turn + lean
@@ -59,7 +59,7 @@ struct MarkerProfile {
 /// Whose tag this is.
 [[nodiscard]] const MarkerProfile& profile_of(int id, const std::vector<MarkerProfile>& profiles);
 /// The vehicle's pose from its tag's, seen as if it lay on the floor.
-[[nodiscard]] Pose2 vehicle_at(const Pose2& detected, const MarkerProfile& profile, const CameraPlace& camera);
+[[nodiscard]] Pose2 vehicle_at(const Pose2& detected, const MarkerProfile& profile, const CameraPose& camera);
 
 struct PoseResiduals {
   PoseFit fit;              ///< to all poses

@@ -40,10 +40,10 @@ Bent bend(double x, double y, const std::array<double, 5>& k) {
 
 }  // namespace
 
-std::optional<PixelPoint> SceneCamera::pixel_of(Point2 place, double above_m) const {
+std::optional<PixelPoint> SceneCamera::pixel_of(Point2 position, double above_m) const {
   const auto [r] = rotation_of(*this);
-  const double x = place.x_m - foot.x_m;
-  const double y = place.y_m - foot.y_m;
+  const double x = position.x_m - foot.x_m;
+  const double y = position.y_m - foot.y_m;
   const double z = above_m - height_m;
   const double away = r[6] * x + r[7] * y + r[8] * z;
   if (!(away > 1e-6)) return std::nullopt;

@@ -29,7 +29,7 @@ struct SceneCamera {
   double vignetting{0.25};  ///< share of light that the corners lack
 
   /// The pixel that shows a place so high above the floor. Nothing behind the camera, and where the lens folds.
-  [[nodiscard]] std::optional<PixelPoint> pixel_of(Point2 place, double height_m) const;
+  [[nodiscard]] std::optional<PixelPoint> pixel_of(Point2 position, double height_m) const;
   /// The place of the floor that a pixel looks at.
   [[nodiscard]] std::optional<Point2> floor_of(PixelPoint pixel) const;
 };

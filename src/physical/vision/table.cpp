@@ -9,7 +9,7 @@
 
 namespace cosiva::vision {
 
-std::string place_of(const std::string& file, std::size_t line) { return file + ":" + std::to_string(line); }
+std::string location_of(const std::string& file, std::size_t line) { return file + ":" + std::to_string(line); }
 
 std::vector<std::string_view> cut(std::string_view line, char separator) {
   std::vector<std::string_view> fields;
@@ -45,7 +45,7 @@ std::string listed(const std::vector<std::string_view>& columns) {
 }
 
 Result<Header> read_header(std::string_view line, const std::vector<std::string_view>& columns, const std::string& code,
-                           const std::string& place) {
+                           const std::string& location) {
   Header header{line.find(';') != std::string_view::npos ? ';' : ',', {}, 0};
   const auto names = cut(line, header.separator);
   header.width = names.size();
@@ -56,7 +56,7 @@ Result<Header> read_header(std::string_view line, const std::vector<std::string_
                   (times == 0 ? "lacks the column '" : "has twice the column '") + std::string(column) +
                       "': expected the header '" + listed(columns) + "', cut at semicolons or commas, found " +
                       quoted(line),
-                  place);
+                  location);
     }
     header.at.push_back(static_cast<std::size_t>(std::ranges::find(names, column) - names.begin()));
   }
@@ -64,13 +64,13 @@ Result<Header> read_header(std::string_view line, const std::vector<std::string_
 }
 
 Result<std::vector<double>> read_row(std::string_view line, const Header& header, const std::string& code,
-                                     const std::string& place) {
+                                     const std::string& location) {
   const auto fields = cut(line, header.separator);
   if (fields.size() != header.width) {
     return fail(code,
                 "expected " + std::to_string(header.width) + " fields cut at '" + std::string(1, header.separator) +
                     "' as in the header, found " + std::to_string(fields.size()) + " in " + quoted(line),
-                place);
+                location);
   }
   std::vector<double> numbers;
   for (const std::size_t at : header.at) {
@@ -80,7 +80,7 @@ Result<std::vector<double>> read_row(std::string_view line, const Header& header
       return fail(code,
                   "expected a finite number within a million, found " + quoted(fields[at]) +
                       (comma ? "; decimals stand behind a point" : ""),
-                  place);
+                  location);
     }
     numbers.push_back(*number);
   }
@@ -98,14 +98,14 @@ Result<Table> read_table(std::string_view text, const std::vector<std::string_vi
   while (lines.next(line)) {
     line = trimmed(line);
     if (line.empty() || line.starts_with('#')) continue;
-    const std::string place = place_of(file, lines.number());
+    const std::string location = location_of(file, lines.number());
     if (!header) {
-      auto read = read_header(line, columns, code, place);
+      auto read = read_header(line, columns, code, location);
       if (!read) return tl::unexpected(read.error());
       header = std::move(*read);
       continue;
     }
-    auto numbers = read_row(line, *header, code, place);
+    auto numbers = read_row(line, *header, code, location);
     if (!numbers) return tl::unexpected(numbers.error());
     table.rows.push_back({lines.number(), std::move(*numbers)});
   }

@@ -10,7 +10,7 @@
 namespace cosiva::vision {
 
 /// Where in which file: "points.csv:12".
-[[nodiscard]] std::string place_of(const std::string& file, std::size_t line);
+[[nodiscard]] std::string location_of(const std::string& file, std::size_t line);
 /// Fields between separators; one separator at the line's end begins no further field.
 [[nodiscard]] std::vector<std::string_view> cut(std::string_view line, char separator);
 /// For messages, not too long.

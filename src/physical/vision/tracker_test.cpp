@@ -191,10 +191,10 @@ TEST(Painter, gives_the_same_bytes_for_the_same_seed_and_others_for_another) {
 
 TEST(Painter, shows_a_place_at_the_pixel_that_looks_at_it) {
   const SceneCamera camera;
-  for (const Point2 place : {Point2{0.0, 0.0}, Point2{1.2, -1.1}, Point2{-1.3, 1.3}}) {
-    const auto pixel = camera.pixel_of(place, 0.0);
+  for (const Point2 position : {Point2{0.0, 0.0}, Point2{1.2, -1.1}, Point2{-1.3, 1.3}}) {
+    const auto pixel = camera.pixel_of(position, 0.0);
     ASSERT_TRUE(pixel);
-    EXPECT_LE(distance(camera.floor_of(*pixel).value(), place), 1e-9);
+    EXPECT_LE(distance(camera.floor_of(*pixel).value(), position), 1e-9);
   }
 }
 

@@ -43,7 +43,7 @@ class ForkedLane : public testing::Test {
     ASSERT_TRUE(send(across_2, {id("side_2")}, 1.0));
     ASSERT_TRUE(send(first, {id("in"), id("neck"), id("on")}, 0.0));
     ASSERT_TRUE(arrives(first));
-    ASSERT_EQ(fleet_.place(first), (zone::Place{id("neck"), 2.0}));
+    ASSERT_EQ(fleet_.track_position(first), (zone::TrackPosition{id("neck"), 2.0}));
     ASSERT_EQ(holder(0), Fleet::none);
     ASSERT_EQ(holder(1), first);
   }
@@ -84,7 +84,7 @@ TEST_F(ForkedLane, sent_along_the_branch_whose_crossings_are_behind_it_a_vehicle
   ASSERT_TRUE(send(first, {id("neck"), id("off")}, 3.5));
   for (std::size_t crossing = 0; crossing < 3; ++crossing) EXPECT_EQ(holder(crossing), Fleet::none) << crossing;
   EXPECT_TRUE(arrives(first)) << "it can ask for what comes next";
-  EXPECT_EQ(fleet_.place(first), (zone::Place{id("off"), 3.5}));
+  EXPECT_EQ(fleet_.track_position(first), (zone::TrackPosition{id("off"), 3.5}));
   EXPECT_TRUE(fleet_.is_at_goal(across_2)) << "what was given back was free for others";
   EXPECT_EQ(holder(1), across_2) << "and is theirs, wherever the first one drives";
   EXPECT_EQ(fleet_.collisions(), 0U);

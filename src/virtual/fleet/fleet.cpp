@@ -61,7 +61,7 @@ Result<Fleet> Fleet::make(std::shared_ptr<const zone::TrafficZone> zone, const F
   }
   auto inside = std::make_unique<Impl>(std::move(*ground), options, std::move(rules), starts.size());
   Placement placement{inside->tables, inside->leaders, inside->survey, inside->presence};
-  if (auto placed = placement.place(starts); !placed) return tl::unexpected(placed.error());
+  if (auto placed = placement.track_position(starts); !placed) return tl::unexpected(placed.error());
   inside->poses.write(0, static_cast<std::uint32_t>(starts.size()));
   return Fleet{std::move(inside)};
 }
@@ -96,11 +96,11 @@ void Fleet::impose(Vehicle vehicle, std::optional<aiv::Profile> profile) {
 }
 
 bool Fleet::take_away(Vehicle vehicle) { return in_->presence.take_away(vehicle); }
-bool Fleet::bring(Vehicle vehicle, zone::Place place, std::int32_t priority) {
-  return in_->presence.bring(vehicle, place, static_cast<std::int16_t>(std::clamp(priority, 0, zone::priority_max)));
+bool Fleet::bring(Vehicle vehicle, zone::TrackPosition position, std::int32_t priority) {
+  return in_->presence.bring(vehicle, position, static_cast<std::int16_t>(std::clamp(priority, 0, zone::priority_max)));
 }
-bool Fleet::may_stand(zone::Place place) const {
-  return place.section < zone().circuit.size() && in_->tables.ground.may_stand(place);
+bool Fleet::may_stand(zone::TrackPosition position) const {
+  return position.section < zone().circuit.size() && in_->tables.ground.may_stand(position);
 }
 bool Fleet::is_away(Vehicle vehicle) const { return (in_->tables.state.mode[vehicle] & Mode::absent) != 0; }
 
@@ -117,7 +117,7 @@ bool Fleet::is_at_goal(Vehicle vehicle) const {
   return (in_->tables.state.mode[vehicle] & (Mode::at_goal | Mode::absent)) == Mode::at_goal;
 }
 std::uint32_t Fleet::copy_of(Vehicle vehicle) const { return in_->tables.state.own[vehicle].copy; }
-zone::Place Fleet::place(Vehicle vehicle) const {
+zone::TrackPosition Fleet::track_position(Vehicle vehicle) const {
   return {in_->tables.state.section[vehicle], in_->tables.state.s_m[vehicle]};
 }
 Pose2 Fleet::pose(Vehicle vehicle) const {

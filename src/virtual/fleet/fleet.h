@@ -29,7 +29,7 @@ struct FleetOptions {
 /// Where a vehicle begins, standing.
 struct FleetStart {
   std::uint32_t copy{0};     ///< of the zone; from one start to the next it never falls
-  zone::Place place;         ///< on no_section: it is not in the zone yet
+  zone::TrackPosition position;         ///< on no_section: it is not in the zone yet
   std::int32_t priority{0};  ///< 0…999
 };
 
@@ -96,9 +96,9 @@ class Fleet {
   /// Puts one into the zone that is not in it, standing; it circulates. What it has driven and waited goes on counting.
   /// False, and nothing changed: it is there already, the place is none to begin at, or somebody is too near, who could
   /// not stop or whom it would stand too close to.
-  [[nodiscard]] bool bring(Vehicle vehicle, zone::Place place, std::int32_t priority = 0);
+  [[nodiscard]] bool bring(Vehicle vehicle, zone::TrackPosition position, std::int32_t priority = 0);
   /// Whether bring() may ever put somebody there: outside crossings, and not between two that are too close.
-  [[nodiscard]] bool may_stand(zone::Place place) const;
+  [[nodiscard]] bool may_stand(zone::TrackPosition position) const;
   [[nodiscard]] bool is_away(Vehicle vehicle) const;  ///< its place, pose and gap then mean nothing
 
   // What can be asked. Spans have one entry per vehicle and stay where they are; they show the end of the last step.
@@ -111,7 +111,7 @@ class Fleet {
   [[nodiscard]] bool has_goal(Vehicle vehicle) const;    ///< is sent somewhere, there or not
   [[nodiscard]] bool is_at_goal(Vehicle vehicle) const;  ///< and stands there
   [[nodiscard]] std::uint32_t copy_of(Vehicle vehicle) const;
-  [[nodiscard]] zone::Place place(Vehicle vehicle) const;  ///< of its middle
+  [[nodiscard]] zone::TrackPosition track_position(Vehicle vehicle) const;  ///< of its middle
   [[nodiscard]] Pose2 pose(Vehicle vehicle) const;         ///< X_MB
   [[nodiscard]] std::span<const double> x_m() const;
   [[nodiscard]] std::span<const double> y_m() const;

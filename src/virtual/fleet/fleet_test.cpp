@@ -64,7 +64,7 @@ TEST(Fleet, keeps_limits_of_sections) {
   for (int k = 0; k < 1000; ++k) {
     many.step();
     for (Fleet::Vehicle i = 0; i < many.size(); ++i) {
-      const auto limit = zone->circuit.part(many.place(i).section).speed_mps_max;
+      const auto limit = zone->circuit.part(many.track_position(i).section).speed_mps_max;
       if (limit) {
         ASSERT_LE(many.speed_mps()[i], *limit + 1e-3) << k;
       }
@@ -129,16 +129,16 @@ TEST(Fleet, may_have_no_vehicles_at_all) {
 /// The one ahead on the default way, by walking along it and looking at everybody.
 Fleet::Ahead found_slowly(const Fleet& fleet, Fleet::Vehicle self) {
   const zone::Circuit& circuit = fleet.zone().circuit;
-  const zone::Place place = fleet.place(self);
-  double start_m = -place.s_m;
-  zone::SectionId section = place.section;
+  const zone::TrackPosition position = fleet.track_position(self);
+  double start_m = -position.s_m;
+  zone::SectionId section = position.section;
   for (std::size_t steps = 0; steps <= circuit.size(); ++steps) {
     Fleet::Ahead nearest;
     for (Fleet::Vehicle i = 0; i < fleet.size(); ++i) {
-      const zone::Place other = fleet.place(i);
+      const zone::TrackPosition other = fleet.track_position(i);
       if (i == self || fleet.copy_of(i) != fleet.copy_of(self) || other.section != section) continue;
       const double gap_m = start_m + other.s_m - fleet.zone().vehicle.length_m;
-      if (steps == 0 && other.s_m < place.s_m) continue;
+      if (steps == 0 && other.s_m < position.s_m) continue;
       if (gap_m < nearest.gap_m) nearest = {i, gap_m};
     }
     if (nearest.vehicle != Fleet::none) return nearest;
@@ -219,7 +219,7 @@ TEST(Fleet, is_the_same_in_whatever_order_its_parts_are_done) {
   const std::vector<FleetStart> one = Fleet::spread(*zone, 12);
   std::vector<FleetStart> starts;
   for (std::uint32_t copy = 0; copy < 300; ++copy)
-    for (std::size_t k = 0; k < one.size() - copy % 3; ++k) starts.push_back({copy, one[k].place, 0});
+    for (std::size_t k = 0; k < one.size() - copy % 3; ++k) starts.push_back({copy, one[k].position, 0});
   Fleet forwards = fleet(zone, starts);
   Fleet backwards = fleet(zone, starts);
   Backwards workers;
@@ -235,7 +235,7 @@ TEST(Fleet, of_copies_does_in_each_what_it_would_do_alone) {
   const std::vector<FleetStart> one = Fleet::spread(*zone, 8);
   std::vector<FleetStart> starts;
   for (std::uint32_t copy = 0; copy < 5; ++copy)
-    for (const FleetStart& start : one) starts.push_back({copy, start.place, 0});
+    for (const FleetStart& start : one) starts.push_back({copy, start.position, 0});
   Fleet alone = fleet(zone, one);
   Fleet five = fleet(zone, starts);
   for (int k = 0; k < 1000; ++k) {
@@ -243,7 +243,7 @@ TEST(Fleet, of_copies_does_in_each_what_it_would_do_alone) {
     five.step();
   }
   for (Fleet::Vehicle i = 0; i < five.size(); ++i) {
-    EXPECT_EQ(five.place(i), alone.place(i % 8));
+    EXPECT_EQ(five.track_position(i), alone.track_position(i % 8));
     EXPECT_EQ(five.pose(i), alone.pose(i % 8));
     EXPECT_EQ(five.waiting(i), alone.waiting(i % 8));
   }
@@ -252,7 +252,7 @@ TEST(Fleet, of_copies_does_in_each_what_it_would_do_alone) {
 TEST(Fleet, stands_exactly_at_its_goal_and_says_so_once) {
   const Zone zone = zone_file("zones/indus8.toml");
   Fleet one = fleet(zone, 1);
-  const zone::Place start = one.place(0);
+  const zone::TrackPosition start = one.track_position(0);
   const zone::SectionId next = zone->circuit.next(start.section).front();
   EXPECT_FALSE(one.has_goal(0));
   ASSERT_TRUE(one.send(0, std::vector{start.section, next}, 0.3));
@@ -264,7 +264,7 @@ TEST(Fleet, stands_exactly_at_its_goal_and_says_so_once) {
   }
   EXPECT_EQ(told, 1);
   EXPECT_TRUE(one.is_at_goal(0));
-  EXPECT_EQ(one.place(0), (zone::Place{next, 0.3}));
+  EXPECT_EQ(one.track_position(0), (zone::TrackPosition{next, 0.3}));
   EXPECT_EQ(one.speed_mps()[0], 0.0);
   const SimDuration waited = one.waiting(0);
   for (int k = 0; k < 50; ++k) one.step();
@@ -279,20 +279,20 @@ TEST(Fleet, stands_exactly_at_its_goal_and_says_so_once) {
 TEST(Fleet, sent_to_where_it_stands_arrives_in_the_next_step) {
   const Zone zone = zone_file("zones/indus8.toml");
   Fleet one = fleet(zone, 1);
-  const zone::Place here = one.place(0);
+  const zone::TrackPosition here = one.track_position(0);
   ASSERT_TRUE(one.send(0, std::vector{here.section}, here.s_m));
   one.step();
   EXPECT_THAT(one.arrived(), ElementsAre(0));
   one.step();
   EXPECT_THAT(one.arrived(), IsEmpty());
-  EXPECT_EQ(one.place(0), here);
+  EXPECT_EQ(one.track_position(0), here);
 }
 
 TEST(Fleet, refuses_ways_that_it_cannot_take) {
   const Zone zone = zone_file("zones/indus8.toml");
   Fleet one = fleet(zone, 1);
   for (int k = 0; k < 30; ++k) one.step();
-  const zone::Place here = one.place(0);
+  const zone::TrackPosition here = one.track_position(0);
   const zone::SectionId next = zone->circuit.next(here.section).front();
   EXPECT_FALSE(one.send(0, {}, 0.0));
   EXPECT_FALSE(one.send(0, std::vector{next}, 0.1)) << "it is not there";
@@ -322,7 +322,7 @@ TEST(Fleet, at_a_sharp_bend_stops_turns_on_the_spot_and_goes_on) {
     EXPECT_GT(turned_rad, 0.0);
     EXPECT_LE(turned_rad, aiv::ManoeuvreRates{}.turn_radps * 0.1 + 1e-9);
   }
-  EXPECT_EQ(one.place(0), (zone::Place{2, 0.5}));
+  EXPECT_EQ(one.track_position(0), (zone::TrackPosition{2, 0.5}));
   // A quarter at 1.5 rad/s, speeding up and braking with 3 rad/s²: 1.55 s, twice; and a little in steps of 0.1 s.
   EXPECT_NEAR(turning, 33, 4);
 }
@@ -334,9 +334,9 @@ TEST(Fleet, stands_before_the_line_of_a_crossing_that_another_holds) {
   for (int k = 0; k < 2000; ++k) {
     many.step();
     for (Fleet::Vehicle i = 0; i < many.size(); ++i) {
-      const zone::Place place = many.place(i);
-      if (many.speed_mps()[i] > 0.0 || place.section % 2 != 0 || place.s_m < 3.5 || place.s_m > 4.5) continue;
-      EXPECT_NEAR(place.s_m, 3.951 - aiv::stop_line_m, 1e-3);
+      const zone::TrackPosition position = many.track_position(i);
+      if (many.speed_mps()[i] > 0.0 || position.section % 2 != 0 || position.s_m < 3.5 || position.s_m > 4.5) continue;
+      EXPECT_NEAR(position.s_m, 3.951 - aiv::stop_line_m, 1e-3);
       waited = true;
     }
   }

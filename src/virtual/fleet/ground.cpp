@@ -217,10 +217,10 @@ void Ground::finish(const Laying& laying, double entry_m) {
   chains_.push_back(chain);
 }
 
-bool Ground::may_stand(zone::Place place) const {
-  if (!zone_->may_stand(place)) return false;
-  return std::ranges::none_of(spans_[place.section], [&](const Span& span) {
-    return place.s_m > span.from_m - 0.005 && place.s_m < span.to_m + left_m;
+bool Ground::may_stand(zone::TrackPosition position) const {
+  if (!zone_->may_stand(position)) return false;
+  return std::ranges::none_of(spans_[position.section], [&](const Span& span) {
+    return position.s_m > span.from_m - 0.005 && position.s_m < span.to_m + left_m;
   });
 }
 

@@ -70,7 +70,7 @@ class Ground {
     return {leaves_.data() + chain.first_leave, chain.leaves};
   }
   /// Whether a vehicle may begin here: outside every crossing, and not between two of one chain.
-  [[nodiscard]] bool may_stand(zone::Place place) const;
+  [[nodiscard]] bool may_stand(zone::TrackPosition position) const;
   /// Behind an exit its crossing counts as left, so that no rounding keeps it.
   static constexpr double left_m = 0.02;
   [[nodiscard]] std::size_t bytes() const;

@@ -31,15 +31,15 @@ Placement::Placement(FleetTables& tables, Leaders& leaders, PathSurvey& survey, 
       survey_{survey},
       presence_{presence} {}
 
-Result<void> Placement::place(std::span<const FleetStart> starts) {
+Result<void> Placement::put(std::span<const FleetStart> starts) {
   state_.resize(starts.size(), numbers_.has_limits, numbers_.has_turns);
   arrived_.assign(starts.size(), 0);
   for (std::uint32_t i = 0; i < starts.size(); ++i) {
-    const auto& [copy, place, priority] = starts[i];
+    const auto& [copy, position, priority] = starts[i];
     const auto refuse = [&](const char* why) {
       return fail("fleet.start", "vehicle " + std::to_string(i) + " cannot begin there: " + why, "starts");
     };
-    const bool is_away = place.section == zone::no_section;
+    const bool is_away = position.section == zone::no_section;
     if (i > 0 && copy < starts[i - 1].copy) return refuse("its copy comes before that of the vehicle before it");
     while (copies_.size() <= copy) copies_.push_back({i});
     state_.own[i].copy = copy;
@@ -49,13 +49,13 @@ Result<void> Placement::place(std::span<const FleetStart> starts) {
       ++told_vehicles_;
       continue;
     }
-    if (place.section >= ground_.size() || !(place.s_m >= 0.0 && place.s_m <= ground_.length_m(place.section)))
+    if (position.section >= ground_.size() || !(position.s_m >= 0.0 && position.s_m <= ground_.length_m(position.section)))
       return refuse("that is no place of the zone");
-    if (!ground_.may_stand(place)) return refuse("it would stand in a crossing, or between two close to each other");
-    state_.section[i] = place.section;
-    state_.own[i].began_on = place.section;
-    state_.s_m[i] = place.s_m;
-    state_.own[i].gone_m = -place.s_m;
+    if (!ground_.may_stand(position)) return refuse("it would stand in a crossing, or between two close to each other");
+    state_.section[i] = position.section;
+    state_.own[i].began_on = position.section;
+    state_.s_m[i] = position.s_m;
+    state_.own[i].gone_m = -position.s_m;
   }
   copies_.push_back({static_cast<std::uint32_t>(starts.size())});
   const std::size_t count = copies_.size() - 1;

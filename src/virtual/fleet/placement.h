@@ -19,7 +19,7 @@ class Placement {
   Placement(FleetTables& tables, Leaders& leaders, PathSurvey& survey, Presence& presence);
 
   /// Fails ("fleet.start") as Fleet::make() says.
-  [[nodiscard]] Result<void> place(std::span<const FleetStart> starts);
+  [[nodiscard]] Result<void> put(std::span<const FleetStart> starts);
 
  private:
   void lay_blocks();

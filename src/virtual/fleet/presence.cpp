@@ -45,18 +45,18 @@ bool Presence::take_away(std::uint32_t i) {
   return true;
 }
 
-bool Presence::bring(std::uint32_t i, zone::Place place, std::int16_t priority) {
-  if ((state_.mode[i] & Mode::absent) == 0 || place.section >= ground_.size()) return false;
-  if (!(place.s_m >= 0.0 && place.s_m <= ground_.length_m(place.section)) || !ground_.may_stand(place)) return false;
+bool Presence::bring(std::uint32_t i, zone::TrackPosition position, std::int16_t priority) {
+  if ((state_.mode[i] & Mode::absent) == 0 || position.section >= ground_.size()) return false;
+  if (!(position.s_m >= 0.0 && position.s_m <= ground_.length_m(position.section)) || !ground_.may_stand(position)) return false;
   Block& block = block_of(i);
   Own& own = state_.own[i];
   const double driven_m = own.gone_m + state_.s_m[i];
-  const zone::Place was{state_.section[i], state_.s_m[i]};
+  const zone::TrackPosition was{state_.section[i], state_.s_m[i]};
   if (own.route != Fleet::none) routes_[own.route].sections.clear();
   own.route_step = 0;
-  state_.section[i] = place.section;
-  state_.s_m[i] = place.s_m;
-  own.gone_m = driven_m - place.s_m;
+  state_.section[i] = position.section;
+  state_.s_m[i] = position.s_m;
+  own.gone_m = driven_m - position.s_m;
   state_.mode[i] = 0;
   leaders_.link(i);
   const double gap_m = leaders_.gap_m(i);
@@ -72,10 +72,10 @@ bool Presence::bring(std::uint32_t i, zone::Place place, std::int16_t priority) 
   state_.profile[i] = -1;
   state_.goal_at[i] = far_m;
   own.priority = priority;
-  own.began_on = place.section;
+  own.began_on = position.section;
   own.entered_step = step_number_;
   survey_.survey(i);
-  leaders_.update_followers(block, own.copy, place.section);
+  leaders_.update_followers(block, own.copy, position.section);
   CrossingGrants::recheck(copies_[own.copy]);
   poses_.write(i, i + 1);
   return true;
@@ -86,7 +86,7 @@ void Presence::make_absent(std::uint32_t i) {
   state_.mode[i] = Mode::sent | Mode::at_goal | Mode::absent;
   state_.v_mps[i] = 0.0;
   state_.leader[i] = i;
-  for (auto* places : {&state_.offset_m, &state_.line_at, &state_.event_at, &state_.cap_mps}) (*places)[i] = far_m;
+  for (auto* positions : {&state_.offset_m, &state_.line_at, &state_.event_at, &state_.cap_mps}) (*positions)[i] = far_m;
   state_.halt_at[i] = state_.s_m[i];
   state_.goal_at[i] = state_.s_m[i];
   state_.event[i] = 0;

@@ -25,7 +25,7 @@ class Presence {
   /// As Fleet::take_away().
   [[nodiscard]] bool take_away(std::uint32_t i);
   /// As Fleet::bring().
-  [[nodiscard]] bool bring(std::uint32_t i, zone::Place place, std::int16_t priority);
+  [[nodiscard]] bool bring(std::uint32_t i, zone::TrackPosition position, std::int16_t priority);
 
  private:
   [[nodiscard]] bool leaves_room_behind(Block& block, std::uint32_t i) const;

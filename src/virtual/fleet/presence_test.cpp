@@ -13,7 +13,7 @@ void send_on(Fleet& fleet, Fleet::Vehicle vehicle, double ahead_m) {
   const auto kept = fleet.committed(vehicle);
   std::vector<zone::SectionId> route(kept.begin(), kept.end());
   const zone::Circuit& circuit = fleet.zone().circuit;
-  double goal_m = fleet.place(vehicle).s_m + ahead_m;
+  double goal_m = fleet.track_position(vehicle).s_m + ahead_m;
   for (std::size_t k = 0; goal_m > circuit.section(route[k]).length_m(); ++k) {
     goal_m -= circuit.section(route[k]).length_m();
     if (k + 1 == route.size()) route.push_back(circuit.next(route[k]).front());
@@ -53,10 +53,10 @@ TEST(FleetComingGoing, nobody_is_put_where_somebody_behind_could_not_stop_or_som
   starts.push_back({0, {zone::no_section, 0.0}, 0});
   auto made = fleet(zone, starts);
   EXPECT_TRUE(made.is_away(1));
-  const std::vector<zone::SectionId> way{made.place(0).section};
+  const std::vector<zone::SectionId> way{made.track_position(0).section};
   EXPECT_FALSE(made.send(1, way, 0.1)) << "one that is away is sent nowhere";
   for (int i = 0; i < 50; ++i) made.step();
-  const zone::Place here = made.place(0);
+  const zone::TrackPosition here = made.track_position(0);
   EXPECT_FALSE(made.bring(1, here));
   EXPECT_FALSE(made.bring(1, {here.section, here.s_m + zone->vehicle.length_m + 0.05}))
       << "it drives and would not stop";
@@ -82,7 +82,7 @@ TEST(FleetComingGoing, coming_and_going_for_an_hour_ends_in_no_collision_and_giv
       const auto vehicle = static_cast<Fleet::Vehicle>(random.below(starts.size()));
       if (made.is_away(vehicle)) {
         const auto& station = zone->stations[random.below(zone->stations.size())];
-        came += made.bring(vehicle, station.place) ? 1U : 0U;
+        came += made.bring(vehicle, station.position) ? 1U : 0U;
       } else if (step % 10 == 0) {
         // Where it stands on its own section next, somewhere on it.
         const auto kept = made.committed(vehicle);

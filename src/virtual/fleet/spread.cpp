@@ -21,9 +21,9 @@ class Spread {
       : zone_{zone}, ground_{ground}, apart_m_{occupied_m(zone) + start_gap_m}, taken_(ground.size()) {}
 
   /// As many as there is room for, at most `count`, a new one after each `every_m` of way.
-  [[nodiscard]] std::vector<zone::Place> take(std::size_t count, double every_m) {
-    for (auto& places : taken_) places.clear();
-    std::vector<zone::Place> found;
+  [[nodiscard]] std::vector<zone::TrackPosition> take(std::size_t count, double every_m) {
+    for (auto& positions : taken_) positions.clear();
+    std::vector<zone::TrackPosition> found;
     const double pitch_m = std::min(0.25 * apart_m_, every_m);
     double since_m = every_m;
     for (zone::SectionId id = 0; id < ground_.size() && found.size() < count; ++id) {
@@ -73,19 +73,19 @@ std::vector<FleetStart> spread_starts(const zone::TrafficZone& zone, std::size_t
   if (!ground || count == 0) return {};
   Spread spread{zone, *ground};
   double every_m = zone.circuit.total_length_m() / static_cast<double>(count);
-  std::vector<zone::Place> places;
-  std::vector<zone::Place> best;
+  std::vector<zone::TrackPosition> positions;
+  std::vector<zone::TrackPosition> best;
   // What lies in crossings is lost, so somewhat closer each time, until they fit or stand as close as may be.
   constexpr int tries = 60;
   for (int attempt = 0; attempt < tries; ++attempt) {
-    places = spread.take(count, every_m);
-    if (places.size() > best.size()) best = std::move(places);
+    positions = spread.take(count, every_m);
+    if (positions.size() > best.size()) best = std::move(positions);
     if (best.size() == count || every_m < 0.5 * zone.vehicle.length_m) break;
     every_m *= 0.93;
   }
   std::vector<FleetStart> starts;
   starts.reserve(best.size());
-  for (const zone::Place& place : best) starts.push_back({copy, place, 0});
+  for (const zone::TrackPosition& position : best) starts.push_back({copy, position, 0});
   return starts;
 }
 

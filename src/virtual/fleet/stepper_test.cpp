@@ -49,7 +49,7 @@ std::vector<FleetStart> copies_of(const zone::TrafficZone& zone, std::uint32_t c
   std::vector<FleetStart> starts;
   const std::vector<FleetStart> one = Fleet::spread(zone, in_each);
   for (std::uint32_t copy = 0; copy < copies; ++copy)
-    for (std::size_t k = copy % 3; k < one.size(); ++k) starts.push_back({copy, one[k].place, 0});
+    for (std::size_t k = copy % 3; k < one.size(); ++k) starts.push_back({copy, one[k].position, 0});
   return starts;
 }
 
@@ -80,8 +80,8 @@ TEST(FleetStep, asks_for_no_memory_when_goals_are_reached) {
   const zone::Router router{*zone};
   std::size_t sent = 0;
   for (Fleet::Vehicle i = 0; i < many.size(); ++i) {
-    const zone::Place goal{static_cast<zone::SectionId>((many.place(i).section + 3) % zone->circuit.size()), 0.2};
-    const auto route = router.plan(many.place(i), goal);
+    const zone::TrackPosition goal{static_cast<zone::SectionId>((many.track_position(i).section + 3) % zone->circuit.size()), 0.2};
+    const auto route = router.plan(many.track_position(i), goal);
     if (route && many.send(i, route->sections, goal.s_m)) ++sent;
   }
   EXPECT_GT(sent, 3U);
@@ -113,7 +113,7 @@ TEST(FleetStep, taken_several_at_once_tells_of_every_arrival_between) {
   const auto send_all = [&](Fleet& some) {
     for (Fleet::Vehicle i = 0; i < some.size(); ++i) {
       // The farther down the numbers the sooner there.
-      const zone::Place here = some.place(i);
+      const zone::TrackPosition here = some.track_position(i);
       const zone::SectionId next = zone->circuit.next(here.section).front();
       EXPECT_TRUE(some.send(i, std::vector{here.section, next}, 0.5 - 0.04 * i));
     }

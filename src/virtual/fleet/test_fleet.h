@@ -110,17 +110,17 @@ inline void expect_safe(const Fleet& fleet) {
       if (fleet.copy_of(order[k]) != fleet.copy_of(order[j])) continue;
       ASSERT_FALSE(overlap(fleet.pose(order[k]), fleet.pose(order[j]), zone.vehicle))
           << order[k] << " and " << order[j] << " at step " << fleet.steps() << ", sections "
-          << zone.circuit.part(fleet.place(order[k]).section).name << " " << fleet.place(order[k]).s_m << " and "
-          << zone.circuit.part(fleet.place(order[j]).section).name << " " << fleet.place(order[j]).s_m;
+          << zone.circuit.part(fleet.track_position(order[k]).section).name << " " << fleet.track_position(order[k]).s_m << " and "
+          << zone.circuit.part(fleet.track_position(order[j]).section).name << " " << fleet.track_position(order[j]).s_m;
     }
   }
   std::vector<std::vector<std::pair<zone::CrossingSpan, std::size_t>>> spans(zone.circuit.size());
   for (std::size_t x = 0; x < zone.crossings.size(); ++x)
     for (const zone::CrossingSpan& span : zone.crossings[x].spans) spans[span.section].push_back({span, x});
   for (Fleet::Vehicle i = 0; i < count; ++i) {
-    const zone::Place place = fleet.place(i);
-    for (const auto& [span, crossing] : spans[place.section]) {
-      if (place.s_m > span.from_m && place.s_m < span.to_m) {
+    const zone::TrackPosition position = fleet.track_position(i);
+    for (const auto& [span, crossing] : spans[position.section]) {
+      if (position.s_m > span.from_m && position.s_m < span.to_m) {
         ASSERT_EQ(fleet.holder(fleet.copy_of(i), crossing), i) << "at step " << fleet.steps();
       }
     }

@@ -29,7 +29,7 @@ class Wanderers {
     fleet_.step();
     for (const Fleet::Vehicle i : std::vector<Fleet::Vehicle>{fleet_.arrived().begin(), fleet_.arrived().end()}) {
       EXPECT_TRUE(fleet_.is_at_goal(i));
-      EXPECT_EQ(fleet_.place(i), goals_[i]);
+      EXPECT_EQ(fleet_.track_position(i), goals_[i]);
       EXPECT_EQ(fleet_.speed_mps()[i], 0.0);
       ++arrivals_;
       send(i);
@@ -42,17 +42,17 @@ class Wanderers {
   void send(Fleet::Vehicle i) {
     goals_.resize(fleet_.size());
     for (int attempt = 0; attempt < 20; ++attempt) {
-      const zone::Place goal = somewhere();
+      const zone::TrackPosition goal = somewhere();
       if (!to_stations_ && !zone_->may_stand(goal)) continue;
-      const auto route = router_.plan(fleet_.place(i), goal);
+      const auto route = router_.plan(fleet_.track_position(i), goal);
       if (!route || !fleet_.send(i, route->sections, goal.s_m)) continue;
       goals_[i] = goal;
       return;
     }
   }
 
-  [[nodiscard]] zone::Place somewhere() {
-    if (to_stations_) return zone_->stations[random_.below(zone_->stations.size())].place;
+  [[nodiscard]] zone::TrackPosition somewhere() {
+    if (to_stations_) return zone_->stations[random_.below(zone_->stations.size())].position;
     const auto section = static_cast<zone::SectionId>(random_.below(zone_->circuit.size()));
     return {section, random_.uniform(0.0, zone_->circuit.section(section).length_m())};
   }
@@ -62,7 +62,7 @@ class Wanderers {
   zone::Router router_;
   Random random_;
   bool to_stations_;
-  std::vector<zone::Place> goals_;
+  std::vector<zone::TrackPosition> goals_;
   std::size_t arrivals_{0};
 };
 
@@ -110,7 +110,7 @@ TEST(Fleet, is_not_made_where_there_is_nowhere_to_stand_between_crossings) {
   const auto made = Fleet::make(zone_file("src/virtual/fleet/testdata/two_way_lane.toml"), {}, {});
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().code, "fleet.zone");
-  EXPECT_THAT(made.error().place, testing::HasSubstr("section 'there'"));
+  EXPECT_THAT(made.error().location, testing::HasSubstr("section 'there'"));
   EXPECT_THAT(made.error().message, testing::AllOf(testing::HasSubstr("it and 'back' are one track driven both ways"),
                                                    testing::HasSubstr("lead round over sections beside the track"),
                                                    testing::HasSubstr("zone.single_track")));

@@ -47,12 +47,12 @@ class Simulator {
   void reappear(TwinId twin, SimDuration extrapolate_max, const Step& step);
   /// Its position, said by the vehicle itself. Feeds the monitor.
   void report(TwinId twin, SimTime now, const MotionReport& report);
-  void set_base_end(TwinId twin, std::optional<zone::Place> end);
+  void set_base_end(TwinId twin, std::optional<zone::TrackPosition> end);
   /// The way that it takes.
   void set_course(TwinId twin, zone::Course course) { twins_[twin].set_course(circuit(), std::move(course)); }
   /// The place so far ahead of one where the twin is shown, along its course.
-  [[nodiscard]] zone::Place ahead_of(TwinId twin, zone::Place place, double distance_m) const {
-    return circuit()->advance(place, distance_m, twins_[twin].coming(place.section));
+  [[nodiscard]] zone::TrackPosition ahead_of(TwinId twin, zone::TrackPosition position, double distance_m) const {
+    return circuit()->advance(position, distance_m, twins_[twin].coming(position.section));
   }
 
   [[nodiscard]] const Twin& twin(TwinId id) const { return twins_[id]; }

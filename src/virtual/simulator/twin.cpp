@@ -12,7 +12,7 @@ namespace cosiva::virtual_side {
 namespace {
 
 /// How far `to` lies along the way from `from`, negative behind it; nothing further than `limit_m` either way.
-std::optional<double> signed_distance(const zone::Circuit& circuit, zone::Place from, zone::Place to, double limit_m) {
+std::optional<double> signed_distance(const zone::Circuit& circuit, zone::TrackPosition from, zone::TrackPosition to, double limit_m) {
   if (from.section == to.section && std::fabs(to.s_m - from.s_m) <= limit_m) return to.s_m - from.s_m;
   if (const auto forward = circuit.shortest_way(from, to, limit_m)) return forward->length_m;
   if (const auto backward = circuit.shortest_way(to, from, limit_m)) return -backward->length_m;
@@ -21,7 +21,7 @@ std::optional<double> signed_distance(const zone::Circuit& circuit, zone::Place 
 
 /// Bodies on two ways that meet or part are nearer to each other than this for a while: which way is meant, the course
 /// tells.
-constexpr double same_place_m = 0.1;
+constexpr double same_position_m = 0.1;
 
 }  // namespace
 
@@ -53,15 +53,15 @@ Twin::Image Twin::image_at(const zone::Circuit* circuit, SimTime time) const {
     // Correcting may show it beyond the end of its base for a moment; anticipating never does.
     if (along > ahead_m_max_) along = std::max(correction, ahead_m_max_);
     aiv::AivMotion motion = motion_;
-    motion.shift(*circuit, along, coming(place_.section),
+    motion.shift(*circuit, along, coming(position_.section),
                  on_course_ ? course_.gone() : std::span<const zone::SectionId>{});
-    const zone::Place place = motion.place(*circuit);
-    const Pose2 on_line = circuit->pose_at(place);
+    const zone::TrackPosition track_position = motion.track_position(*circuit);
+    const Pose2 on_line = circuit->pose_at(track_position);
     const double left = left_m_ + correction_.b * ratio;
     const SinCos turn = sincos(on_line.heading_rad);
     const Pose2 shown{on_line.x_m - left * turn.sin, on_line.y_m + left * turn.cos,
                       wrap_angle(on_line.heading_rad + heading_off_rad_ + correction_.heading_rad * ratio)};
-    return {shown, place, shown_speed};
+    return {shown, track_position, shown_speed};
   }
 
   // In the open: a constant twist; its chord turns half as much as its heading.
@@ -85,13 +85,13 @@ zone::Circuit::Located Twin::locate(const zone::Circuit& circuit, const Pose2& X
   // Nearly always it is still on its section or on the next one; the whole circuit is searched only otherwise, and when
   // its course leads elsewhere by now.
   if (on_circuit_ && (on_course_ || course_.empty())) {
-    zone::SectionId candidate = place_.section;
+    zone::SectionId candidate = position_.section;
     for (int tries = 0; tries < 2; ++tries) {
       const zone::Section& section = circuit.section(candidate);
       const auto near = section.nearest(position(X_MB));
       const bool inside = near.s_m > 0.0 && near.s_m < section.length_m();
       // The nearest point of a section that bends back may be another pass of it, far along: that is for the search.
-      const bool continues = tries == 0 ? std::fabs(near.s_m - place_.s_m) < relocate_beyond_m
+      const bool continues = tries == 0 ? std::fabs(near.s_m - position_.s_m) < relocate_beyond_m
                                         : section.length_m() < relocate_beyond_m || near.s_m < relocate_beyond_m;
       if (inside && continues && near.distance_m < 0.1) return {{candidate, near.s_m}, near.left_m, near.distance_m};
       const auto coming = this->coming(candidate);
@@ -115,7 +115,7 @@ zone::Circuit::Located Twin::prefer_course(const zone::Circuit& circuit, const P
   if (!course_.empty()) candidates.push_back(course_.here());
   candidates.insert(candidates.end(), coming.begin(),
                     coming.begin() + static_cast<std::ptrdiff_t>(std::min(coming.size(), section_look_ahead)));
-  if (std::ranges::find(candidates, located.place.section) != candidates.end()) return located;
+  if (std::ranges::find(candidates, located.position.section) != candidates.end()) return located;
   // Where it came from counts last: where sections lie on one another it is on the one that it goes along.
   if (!gone.empty()) candidates.push_back(gone.back());
   std::optional<zone::Circuit::Located> best;
@@ -126,7 +126,7 @@ zone::Circuit::Located Twin::prefer_course(const zone::Circuit& circuit, const P
         std::fabs(wrap_angle(X_MB.heading_rad - circuit.section(section).pose_at(near.s_m).heading_rad));
     const bool nearer = !best || near.distance_m < best->distance_m - 1e-3;
     const bool as_near = best && near.distance_m < best->distance_m + 1e-3;
-    if (near.distance_m > same_place_m || !(nearer || (as_near && off_rad < best_rad - 1e-3))) continue;
+    if (near.distance_m > same_position_m || !(nearer || (as_near && off_rad < best_rad - 1e-3))) continue;
     best = zone::Circuit::Located{{section, near.s_m}, near.left_m, near.distance_m};
     best_rad = off_rad;
   }
@@ -168,16 +168,16 @@ std::optional<Twin::Divergence> Twin::report(const zone::Circuit* circuit, SimTi
   bool on = false;
   if (circuit != nullptr) {
     const auto located = locate(*circuit, report.X_MB);
-    const double heading_off = wrap_angle(report.X_MB.heading_rad - circuit->pose_at(located.place).heading_rad);
+    const double heading_off = wrap_angle(report.X_MB.heading_rad - circuit->pose_at(located.position).heading_rad);
     const SinCos off = sincos(heading_off);
     // Across a section nothing can be anticipated along it; backwards along it, yes.
     on = report.on_map && located.distance_m <= circuit_within_m && (std::fabs(off.cos) >= 0.5 || speed_mps_ < 0.01);
-    place_ = located.place;
+    position_ = located.position;
     off_m_ = located.distance_m;
     left_m_ = located.left_m;
     heading_off_rad_ = heading_off;
     along_mps_ = *report_.vx_mps * off.cos - report_.vy_mps * off.sin;
-    if (on) motion_ = aiv::AivMotion(*circuit, located.place);
+    if (on) motion_ = aiv::AivMotion(*circuit, located.position);
     follow_course(*circuit);
   }
   on_circuit_ = on;
@@ -186,7 +186,7 @@ std::optional<Twin::Divergence> Twin::report(const zone::Circuit* circuit, SimTi
   return divergence;
 }
 
-void Twin::set_base_end(const zone::Circuit* circuit, std::optional<zone::Place> end) {
+void Twin::set_base_end(const zone::Circuit* circuit, std::optional<zone::TrackPosition> end) {
   if (base_end_ == end) return;
   base_end_ = end;
   if (circuit != nullptr && on_circuit_) measure_base(*circuit);
@@ -194,7 +194,7 @@ void Twin::set_base_end(const zone::Circuit* circuit, std::optional<zone::Place>
 
 void Twin::follow_course(const zone::Circuit& circuit) {
   // Beside the line, the nearest way need not be one that it takes.
-  if (off_m_ <= same_place_m) on_course_ = follow(course_, circuit, place_.section);
+  if (off_m_ <= same_position_m) on_course_ = follow(course_, circuit, position_.section);
 }
 
 void Twin::set_course(const zone::Circuit* circuit, zone::Course course) {
@@ -219,9 +219,9 @@ void Twin::measure_base(const zone::Circuit& circuit) {
   constexpr double far_m = 1e4;
   ahead_m_max_ = std::numeric_limits<double>::infinity();
   if (!base_end_) return;
-  if (circuit.shortest_way(*base_end_, place_, overshoot_m))
+  if (circuit.shortest_way(*base_end_, position_, overshoot_m))
     ahead_m_max_ = 0.0;
-  else if (const auto left = circuit.distance_ahead(place_, *base_end_, far_m, coming(place_.section)))
+  else if (const auto left = circuit.distance_ahead(position_, *base_end_, far_m, coming(position_.section)))
     ahead_m_max_ = *left;
 }
 
@@ -231,9 +231,9 @@ void Twin::correct_from(const zone::Circuit* circuit, const Image& shown) {
   Offset offset{shown.X_MB.x_m - now.X_MB.x_m, shown.X_MB.y_m - now.X_MB.y_m,
                 wrap_angle(shown.X_MB.heading_rad - now.X_MB.heading_rad)};
   if (on_circuit_) {
-    const zone::Place was =
-        shown.place ? *shown.place : circuit->locate(position(shown.X_MB), shown.X_MB.heading_rad).place;
-    const auto along = signed_distance(*circuit, *now.place, was, 2.0 * relocate_beyond_m);
+    const zone::TrackPosition was =
+        shown.position ? *shown.position : circuit->locate(position(shown.X_MB), shown.X_MB.heading_rad).position;
+    const auto along = signed_distance(*circuit, *now.position, was, 2.0 * relocate_beyond_m);
     if (!along) return;  // another branch of the circuit: it was shown on the wrong one
     const Pose2 on_line = circuit->pose_at(was);
     const SinCos turn = sincos(on_line.heading_rad);
@@ -267,7 +267,7 @@ void Twin::fold(Digest& digest) const {
   digest.add(report_.X_MB.y_m);
   digest.add(report_.X_MB.heading_rad);
   digest.add(speed_mps_);
-  digest.add(place_.s_m);
+  digest.add(position_.s_m);
   digest.add(correction_.a);
   digest.add(correction_.b);
 }

@@ -52,7 +52,7 @@ class Twin {
   std::optional<Divergence> report(const zone::Circuit* circuit, SimTime now, const MotionReport& report);
 
   /// Where its right to drive ends; nothing: not known. It is never anticipated beyond. Holds until told otherwise.
-  void set_base_end(const zone::Circuit* circuit, std::optional<zone::Place> end);
+  void set_base_end(const zone::Circuit* circuit, std::optional<zone::TrackPosition> end);
 
   /// The way that it takes; without one it is anticipated along default successors.
   void set_course(const zone::Circuit* circuit, zone::Course course);
@@ -64,15 +64,15 @@ class Twin {
 
   struct Image {
     Pose2 X_MB;
-    std::optional<zone::Place> place;  ///< nothing when it is off the circuit
+    std::optional<zone::TrackPosition> position;  ///< nothing when it is off the circuit
     double speed_mps;
   };
   [[nodiscard]] Image image_at(const zone::Circuit* circuit, SimTime time) const;
 
   /// Where the last report put it.
   [[nodiscard]] bool on_circuit() const { return on_circuit_; }
-  [[nodiscard]] zone::Place reported_place() const { return place_; }        ///< meaningful when on_circuit()
-  [[nodiscard]] double reported_off_m() const { return off_m_; }             ///< distance to reported_place()
+  [[nodiscard]] zone::TrackPosition reported_position() const { return position_; }        ///< meaningful when on_circuit()
+  [[nodiscard]] double reported_off_m() const { return off_m_; }             ///< distance to reported_position()
   [[nodiscard]] double heading_off_rad() const { return heading_off_rad_; }  ///< body against circuit
   [[nodiscard]] const MotionReport& last_report() const { return report_; }
   [[nodiscard]] double speed_mps() const { return speed_mps_; }  ///< last reported
@@ -104,14 +104,14 @@ class Twin {
   MotionReport report_{};
   double speed_mps_{};
   double along_mps_{};  ///< its speed's part along the circuit, signed
-  std::optional<zone::Place> base_end_;
+  std::optional<zone::TrackPosition> base_end_;
   double ahead_m_max_{std::numeric_limits<double>::infinity()};  ///< from the last reported place to base_end_
 
   bool on_circuit_{false};
   aiv::AivMotion motion_;
   zone::Course course_;
   bool on_course_{false};
-  zone::Place place_;
+  zone::TrackPosition position_;
   double left_m_{};
   double off_m_{};
   double heading_off_rad_{};

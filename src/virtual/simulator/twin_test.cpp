@@ -35,9 +35,9 @@ class TwinOnOval : public testing::Test {
   Twin twin{"make/a", 1, 1s};
   SimTime t0{virtual_epoch};
 
-  std::optional<Twin::Divergence> report(SimTime now, SimTime at, zone::Place place, double speed_mps,
+  std::optional<Twin::Divergence> report(SimTime now, SimTime at, zone::TrackPosition track_position, double speed_mps,
                                          double left_m = 0.0) {
-    Pose2 pose = circuit.pose_at(place);
+    Pose2 pose = circuit.pose_at(track_position);
     pose = pose * Pose2{0.0, left_m, 0.0};
     return twin.report(&circuit, now, {at, pose, speed_mps, 0.0, 0.0});
   }
@@ -50,7 +50,7 @@ TEST_F(TwinOnOval, anticipates_along_the_arc_and_not_along_its_tangent) {
   EXPECT_LT(distance(after, circuit.pose_at({1, 0.35})), 1e-12);
   // The tangent would have led 2 cm off the line.
   EXPECT_NEAR(distance(Point2{2.0, 0.5}, position(after)), 0.5, 1e-9);
-  EXPECT_EQ(twin.image_at(&circuit, t0 + 500ms).place->section, 1U);
+  EXPECT_EQ(twin.image_at(&circuit, t0 + 500ms).position->section, 1U);
 }
 
 TEST_F(TwinOnOval, never_leaves_the_circuit_whatever_time_it_is_asked_for) {
@@ -58,8 +58,8 @@ TEST_F(TwinOnOval, never_leaves_the_circuit_whatever_time_it_is_asked_for) {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "twin"};
     Twin own{"make/b", 1, 1s};
     const auto section = static_cast<zone::SectionId>(random.below(4));
-    const zone::Place place{section, random.uniform(0.0, circuit.section(section).length_m())};
-    own.report(&circuit, t0, {t0, circuit.pose_at(place), random.uniform(0.0, 1.0), 0.0, 0.0});
+    const zone::TrackPosition track_position{section, random.uniform(0.0, circuit.section(section).length_m())};
+    own.report(&circuit, t0, {t0, circuit.pose_at(track_position), random.uniform(0.0, 1.0), 0.0, 0.0});
     const Pose2 pose = own.image_at(&circuit, t0 + std::chrono::milliseconds{random.below(3000)}).X_MB;
     RC_ASSERT(circuit.locate(position(pose), pose.heading_rad).distance_m < 1e-6);
   });
@@ -121,11 +121,11 @@ TEST_F(TwinOnOval, stands_still_when_nothing_was_heard_for_too_long) {
 
 TEST_F(TwinOnOval, is_not_anticipated_beyond_the_end_of_its_base) {
   report(t0, t0, {0, 0.5}, 0.3);
-  twin.set_base_end(&circuit, zone::Place{0, 0.6});
+  twin.set_base_end(&circuit, zone::TrackPosition{0, 0.6});
   EXPECT_NEAR(shown(t0 + 900ms).x_m, 0.6, 1e-9);
   report(t0 + 400ms, t0 + 400ms, {0, 0.605}, 0.1);
   EXPECT_NEAR(shown(t0 + 1300ms).x_m, 0.605, 1e-9) << "rolled a little over it: it stays there";
-  twin.set_base_end(&circuit, zone::Place{1, 0.5});
+  twin.set_base_end(&circuit, zone::TrackPosition{1, 0.5});
   EXPECT_NEAR(shown(t0 + 1300ms).x_m, 0.605 + 0.09, 1e-9);
 }
 
@@ -151,7 +151,7 @@ TEST_F(TwinOnOval, reckons_freely_far_from_any_section) {
   twin.report(&circuit, t0, {t0, far, 0.5, 0.0, 0.0});
   EXPECT_FALSE(twin.on_circuit());
   const Twin::Image image = twin.image_at(&circuit, t0 + 400ms);
-  EXPECT_FALSE(image.place.has_value());
+  EXPECT_FALSE(image.position.has_value());
   EXPECT_NEAR(image.X_MB.x_m, 10.0, 1e-9);
   EXPECT_NEAR(image.X_MB.y_m, 10.2, 1e-9);
 }
@@ -184,13 +184,13 @@ TEST(TwinOnALane, is_on_that_of_two_sections_on_one_line_that_its_course_leads_a
     twin.set_course(&lane, zone::Course{{before, 0, now}});
     twin.report(&lane, t0, {t0, lane.pose_at({before, 2.0}), 0.0, 0.0, 0.0});
     twin.report(&lane, t0, {t0, lane.pose_at({0, 1.0}), 0.3, 0.0, 0.0});
-    EXPECT_EQ(twin.reported_place().section, 0U);
+    EXPECT_EQ(twin.reported_position().section, 0U);
     for (const double turned_rad : {1.0, 2.5, pi}) {
       const Pose2 X_MB = lane.pose_at({0, 2.0}) * Pose2{0.0, 0.0, turned_rad};
       twin.report(&lane, t0, {t0, X_MB, 0.0, 0.0, 1.0});
     }
     twin.report(&lane, t0, {t0, lane.pose_at({now, 0.4}), 0.3, 0.0, 0.0});
-    EXPECT_EQ(twin.reported_place().section, now);
+    EXPECT_EQ(twin.reported_position().section, now);
   }
 }
 
@@ -218,18 +218,18 @@ TEST(TwinOnALane, takes_no_step_of_its_course_while_it_stands_beside_the_line) {
   Twin twin{"make/a", 1, 1s};
   SimTime now{virtual_epoch};
   twin.report(&ring, now, {now, {0.0, -0.8, 0.0}, 0.0, 0.0, 0.0});
-  EXPECT_EQ(twin.reported_place().section, 0U) << "0.2 m beside it";
+  EXPECT_EQ(twin.reported_position().section, 0U) << "0.2 m beside it";
   twin.set_course(&ring, zone::Course{{2, 3, 0, 1}});
   for (const double y_m : {-0.8, 0.8, 1.0}) {
     now += 100ms;
     twin.report(&ring, now, {now, {0.0, y_m, pi}, 0.0, 0.0, 0.0});
   }
-  EXPECT_EQ(twin.reported_place().section, 2U);
+  EXPECT_EQ(twin.reported_position().section, 2U);
   for (const double x_m : {-0.9, -0.99}) {
     now += 100ms;
     twin.report(&ring, now, {now, {x_m, 1.0, pi}, 0.3, 0.0, 0.0});
   }
-  EXPECT_EQ(twin.reported_place().section, 2U) << "its course leads along here, and is not past it";
+  EXPECT_EQ(twin.reported_position().section, 2U) << "its course leads along here, and is not past it";
 }
 
 TEST_F(TwinOnOval, believes_no_speed_that_no_vehicle_has) {

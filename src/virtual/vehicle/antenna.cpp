@@ -5,10 +5,10 @@
 
 namespace cosiva::virtual_side {
 
-void Antenna::place(const zone::TrafficZone& zone, zone::Place place, Point2 p) {
+void Antenna::put(const zone::TrafficZone& zone, zone::TrackPosition track_position, Point2 p) {
   by_section_.assign(zone.circuit.size(), {});
   for (const zone::Tag& tag : zone.tags) {
-    const Point2 position = cosiva::position(zone.circuit.pose_at(tag.place));
+    const Point2 position = cosiva::position(zone.circuit.pose_at(tag.position));
     for (zone::SectionId id = 0; id < zone.circuit.size(); ++id) {
       const zone::Section& section = zone.circuit.section(id);
       if (distance(section.box(), position) > range_m || section.nearest(position).distance_m > range_m) continue;
@@ -17,10 +17,10 @@ void Antenna::place(const zone::TrafficZone& zone, zone::Place place, Point2 p) 
   }
   in_field_.clear();
   std::vector<Reading> unread;
-  move(zone, place, place, p, p, unread);
+  move(zone, track_position, track_position, p, p, unread);
 }
 
-void Antenna::move(const zone::TrafficZone& zone, zone::Place from, zone::Place to, Point2 p_from, Point2 p_to,
+void Antenna::move(const zone::TrafficZone& zone, zone::TrackPosition from, zone::TrackPosition to, Point2 p_from, Point2 p_to,
                    std::vector<Reading>& readings) {
   look_at_section(to.section, p_from, p_to, readings);
   if (from.section != to.section) look_at_section(from.section, p_from, p_to, readings);

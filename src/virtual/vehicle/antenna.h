@@ -22,10 +22,10 @@ class Antenna {
 
   /// The antenna stands at p, and the zone's tags are (from now on) these. What lies in the field now does not enter
   /// it.
-  void place(const zone::TrafficZone& zone, zone::Place place, Point2 p);
+  void put(const zone::TrafficZone& zone, zone::TrackPosition track_position, Point2 p);
 
   /// The antenna moved straight from one place of the circuit to another a few centimetres away. Appends what entered.
-  void move(const zone::TrafficZone& zone, zone::Place from, zone::Place to, Point2 p_from, Point2 p_to,
+  void move(const zone::TrafficZone& zone, zone::TrackPosition from, zone::TrackPosition to, Point2 p_from, Point2 p_to,
             std::vector<Reading>& readings);
 
  private:

@@ -33,7 +33,7 @@ std::uint32_t session_of(const std::string& serial, std::uint32_t number) {
 
 aiv::OnboardOptions options_of(std::string serial, std::uint32_t number, zone::ZoneConfiguration configuration,
                                std::string interface_name, aiv::SpeedRules rules, bool v2x,
-                               const zone::TrafficZone& zone, zone::Place start) {
+                               const zone::TrafficZone& zone, zone::TrackPosition start) {
   COSIVA_EXPECT(start.section < zone.circuit.size());
   aiv::OnboardOptions options;
   options.number = number;
@@ -49,13 +49,13 @@ aiv::OnboardOptions options_of(std::string serial, std::uint32_t number, zone::Z
 }  // namespace
 
 struct VirtualAiv::Impl {
-  Impl(std::string serial, std::uint32_t number, zone::ZoneConfiguration configuration, zone::Place start,
+  Impl(std::string serial, std::uint32_t number, zone::ZoneConfiguration configuration, zone::TrackPosition start,
        std::string interface_name, aiv::SpeedRules rules, bool v2x)
       : Impl{zone_of(configuration),    std::move(serial), number, std::move(configuration), start,
              std::move(interface_name), std::move(rules),  v2x} {}
 
   Impl(const std::shared_ptr<const zone::TrafficZone>& zone, std::string serial, std::uint32_t number,
-       zone::ZoneConfiguration configuration, zone::Place start, std::string interface_name, aiv::SpeedRules rules,
+       zone::ZoneConfiguration configuration, zone::TrackPosition start, std::string interface_name, aiv::SpeedRules rules,
        bool v2x)
       : boards{session_of(serial, number)},
         core{options_of(std::move(serial), number, std::move(configuration), std::move(interface_name),
@@ -135,7 +135,7 @@ struct VirtualAiv::Impl {
   std::vector<Antenna::Reading> readings;
 };
 
-VirtualAiv::VirtualAiv(std::string serial, std::uint32_t number, zone::ZoneConfiguration zone, zone::Place start,
+VirtualAiv::VirtualAiv(std::string serial, std::uint32_t number, zone::ZoneConfiguration zone, zone::TrackPosition start,
                        std::string interface_name, aiv::SpeedRules rules, bool v2x)
     : impl_{std::make_unique<Impl>(std::move(serial), number, std::move(zone), start, std::move(interface_name),
                                    std::move(rules), v2x)} {}
@@ -180,7 +180,7 @@ void VirtualAiv::farewell(SimTime now, wire::Effects& effects) {
 
 Pose2 VirtualAiv::X_MB() const { return impl_->body.X_MB(); }
 double VirtualAiv::speed_mps() const { return impl_->body.speed_mps(); }
-zone::Place VirtualAiv::place() const { return impl_->body.place(); }
+zone::TrackPosition VirtualAiv::put() const { return impl_->body.put(); }
 
 void VirtualAiv::fold(Digest& digest) const {
   const Impl& in = *impl_;

@@ -24,7 +24,7 @@ class VirtualAiv {
   /// @param interface_name  of its VDA 5050 topics; empty: wire::default_interface
   /// @param rules   by what it chooses its speed; custom ones can be used (checked)
   /// @param v2x     it talks with those near it
-  VirtualAiv(std::string serial, std::uint32_t number, zone::ZoneConfiguration zone, zone::Place start,
+  VirtualAiv(std::string serial, std::uint32_t number, zone::ZoneConfiguration zone, zone::TrackPosition start,
              std::string interface_name = {}, aiv::SpeedRules rules = {}, bool v2x = true);
   ~VirtualAiv();
   VirtualAiv(VirtualAiv&&) noexcept;
@@ -47,7 +47,7 @@ class VirtualAiv {
   [[nodiscard]] Pose2 X_MB() const;  // NOLINT(readability-identifier-naming): frames are written so everywhere
   [[nodiscard]] double speed_mps() const;
   /// Off the line: the nearest.
-  [[nodiscard]] zone::Place place() const;
+  [[nodiscard]] zone::TrackPosition put() const;
   void fold(Digest& digest) const;
 
  private:

@@ -15,9 +15,9 @@ constexpr double own_braking_mps2 = 1.0;
 
 }  // namespace
 
-VirtualBody::VirtualBody(std::shared_ptr<const zone::TrafficZone> zone, zone::Place start)
+VirtualBody::VirtualBody(std::shared_ptr<const zone::TrafficZone> zone, zone::TrackPosition start)
     : zone_{std::move(zone)}, motion_{zone_->circuit, start} {
-  antenna_.place(*zone_, place(), position(X_MB()));
+  antenna_.put(*zone_, put(), position(X_MB()));
 }
 
 Pose2 VirtualBody::X_MB() const {
@@ -25,10 +25,10 @@ Pose2 VirtualBody::X_MB() const {
   return manoeuvre_ ? X_MS_ * manoeuvre_->X_SB() : X_MS_;
 }
 
-zone::Place VirtualBody::place() const {
-  if (!off_line_ || lies_on_line_) return motion_.place(zone_->circuit);
+zone::TrackPosition VirtualBody::put() const {
+  if (!off_line_ || lies_on_line_) return motion_.put(zone_->circuit);
   const Pose2 pose = X_MB();
-  return zone_->circuit.locate(position(pose), pose.heading_rad).place;
+  return zone_->circuit.locate(position(pose), pose.heading_rad).position;
 }
 
 void VirtualBody::change_floor(std::shared_ptr<const zone::TrafficZone> zone) {
@@ -38,7 +38,7 @@ void VirtualBody::change_floor(std::shared_ptr<const zone::TrafficZone> zone) {
   }
   next_.reset();
   zone_ = std::move(zone);
-  antenna_.place(*zone_, place(), position(X_MB()));
+  antenna_.put(*zone_, put(), position(X_MB()));
 }
 
 void VirtualBody::stand_on_next() {
@@ -52,9 +52,9 @@ void VirtualBody::stand_on_next() {
   const auto entry_point = zone::snap_to_path(zone_->circuit, X_MS_, on_line_m);
   lies_on_line_ =
       entry_point &&
-      std::fabs(wrap_angle(zone_->circuit.pose_at(entry_point->place).heading_rad - X_MS_.heading_rad)) <= on_line_rad;
-  if (lies_on_line_) motion_ = aiv::AivMotion{zone_->circuit, entry_point->place};
-  antenna_.place(*zone_, place(), position(X_MS_));
+      std::fabs(wrap_angle(zone_->circuit.pose_at(entry_point->position).heading_rad - X_MS_.heading_rad)) <= on_line_rad;
+  if (lies_on_line_) motion_ = aiv::AivMotion{zone_->circuit, entry_point->position};
+  antenna_.put(*zone_, put(), position(X_MS_));
 }
 
 void VirtualBody::move(const wire::Drive* drive, double dt_s, std::vector<Antenna::Reading>& readings) {
@@ -65,13 +65,13 @@ void VirtualBody::move(const wire::Drive* drive, double dt_s, std::vector<Antenn
   change_speed(drive, dt_s);
   const double wanted_m = 0.5 * (before_mps + speed_mps_) * dt_s;
   if (wanted_m == 0.0) return;
-  const zone::Place from = place();
+  const zone::TrackPosition from = put();
   const Point2 p_from = position(X_MB());
   if (wanted_m > 0.0)
     roll(wanted_m, drive != nullptr && drive->speed_mmps > 0);
   else
     roll_back(wanted_m);
-  antenna_.move(*zone_, from, motion_.place(zone_->circuit), p_from, position(motion_.pose(zone_->circuit)), readings);
+  antenna_.move(*zone_, from, motion_.put(zone_->circuit), p_from, position(motion_.pose(zone_->circuit)), readings);
 }
 
 void VirtualBody::change_speed(const wire::Drive* drive, double dt_s) {
@@ -85,7 +85,7 @@ void VirtualBody::change_speed(const wire::Drive* drive, double dt_s) {
 void VirtualBody::roll(double wanted_m, bool goes_on) {
   const zone::Circuit& circuit = zone_->circuit;
   for (double left_m = wanted_m;;) {
-    const zone::Place here = motion_.place(circuit);
+    const zone::TrackPosition here = motion_.put(circuit);
     const double room_m = circuit.section(here.section).length_m() - here.s_m;
     if (left_m <= room_m) {
       distance_m_ += motion_.move(circuit, left_m);
@@ -109,7 +109,7 @@ void VirtualBody::roll(double wanted_m, bool goes_on) {
 
 void VirtualBody::roll_back(double wanted_m) {
   const zone::Circuit& circuit = zone_->circuit;
-  const zone::Place here = motion_.place(circuit);
+  const zone::TrackPosition here = motion_.put(circuit);
   const auto ways = circuit.previous(here.section);
   const bool ends = ways.empty() || circuit.turn_at(ways.front(), here.section) != 0.0;
   if (-wanted_m <= here.s_m || !ends) {
@@ -120,15 +120,15 @@ void VirtualBody::roll_back(double wanted_m) {
   stop_at({here.section, 0.0});
 }
 
-void VirtualBody::stop_at(zone::Place place) {
-  motion_ = aiv::AivMotion{zone_->circuit, place};
+void VirtualBody::stop_at(zone::TrackPosition track_position) {
+  motion_ = aiv::AivMotion{zone_->circuit, track_position};
   speed_mps_ = 0.0;
 }
 
 bool VirtualBody::begin_seek(const wire::Drive& drive) {
-  const auto place = aiv::sought(zone_->circuit, X_MS_, drive.goal);
-  if (!place) return false;
-  goal_ = *place;
+  const auto track_position = aiv::sought(zone_->circuit, X_MS_, drive.goal);
+  if (!track_position) return false;
+  goal_ = *track_position;
   Pose2 X_SG = inverse(X_MS_) * zone_->circuit.pose_at(goal_);
   if (drive.goal && aiv::to_stay(*drive.goal)) X_SG = {0.0, 0.0, X_SG.heading_rad};
   manoeuvre_.emplace(X_SG);

@@ -18,7 +18,7 @@ namespace cosiva::virtual_side {
 /// the manoeuvres of a physical one (docs/protocols/module-link.md).
 class VirtualBody {
  public:
-  VirtualBody(std::shared_ptr<const zone::TrafficZone> zone, zone::Place start);
+  VirtualBody(std::shared_ptr<const zone::TrafficZone> zone, zone::TrackPosition start);
 
   /// Another floor. With the same ways its tags and beacons count at once; with others the body goes on along its old
   /// line until it stands, and is then on the new floor, as it is.
@@ -30,7 +30,7 @@ class VirtualBody {
 
   [[nodiscard]] Pose2 X_MB() const;  // NOLINT(readability-identifier-naming): frames are written so everywhere
   /// On the line where it is, in a turn the joint; off it the place of its floor that is nearest.
-  [[nodiscard]] zone::Place place() const;
+  [[nodiscard]] zone::TrackPosition put() const;
   [[nodiscard]] double speed_mps() const { return manoeuvre_ ? manoeuvre_->speed_mps() : speed_mps_; }
   /// As the odometer counts: along lines, not in manoeuvres.
   [[nodiscard]] double distance_m() const { return distance_m_; }
@@ -45,7 +45,7 @@ class VirtualBody {
   void change_speed(const wire::Drive* drive, double dt_s);
   void roll(double wanted_m, bool goes_on);
   void roll_back(double wanted_m);
-  void stop_at(zone::Place place);
+  void stop_at(zone::TrackPosition position);
   void move_off_line(const wire::Drive* drive, double dt_s);
   [[nodiscard]] bool begin_seek(const wire::Drive& drive);
 
@@ -60,7 +60,7 @@ class VirtualBody {
   bool lies_on_line_{true};  ///< what the sensors say while off_line_
   std::optional<aiv::Manoeuvre> manoeuvre_;
   Pose2 X_MS_;        ///< where it stood when the manoeuvre began, or stands on a new floor
-  zone::Place goal_;  ///< where the manoeuvre ends
+  zone::TrackPosition goal_;  ///< where the manoeuvre ends
 };
 
 }  // namespace cosiva::virtual_side

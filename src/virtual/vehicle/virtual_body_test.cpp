@@ -42,11 +42,11 @@ TEST(VirtualBody, follows_its_branch_and_stops_where_it_was_told_none) {
   for (const auto& [branch, section] : {std::pair{0, 1U}, {9, 2U}}) {
     VirtualBody body{node(), {0, 0.9}};
     drive(body, {50, 500, 800, static_cast<std::uint8_t>(branch)}, 6.0);
-    EXPECT_EQ(body.place().section, section);
+    EXPECT_EQ(body.put().section, section);
   }
   VirtualBody body{node(), {0, 0.5}};
   drive(body, {400, 500, 800, wire::no_branch}, 5.0);
-  EXPECT_EQ(body.place(), (zone::Place{0, 1.0}));
+  EXPECT_EQ(body.put(), (zone::TrackPosition{0, 1.0}));
   EXPECT_EQ(body.speed_mps(), 0.0);
   EXPECT_NEAR(body.distance_m(), 0.5, 1e-12);
   EXPECT_EQ(body.manoeuvre(), nullptr);
@@ -57,7 +57,7 @@ TEST(VirtualBody, turns_on_the_spot_where_the_line_bends_and_counts_no_distance)
   std::vector<Antenna::Reading> readings;
   double turned_rad = 0.0;
   int moves = 0;
-  for (; moves < 1000 && body.place().section != 2; ++moves) {
+  for (; moves < 1000 && body.put().section != 2; ++moves) {
     body.move(&creep_north, dt_s, readings);
     if (body.manoeuvre() == nullptr) continue;
     turned_rad = body.manoeuvre()->heading_rad;
@@ -82,17 +82,17 @@ TEST(VirtualBody, waits_in_its_turn_while_nobody_commands_it) {
   for (int i = 0; i < 50; ++i) body.move(nullptr, dt_s, readings);
   EXPECT_EQ(body.X_MB(), waits);
   drive(body, creep_north, 3.0);
-  EXPECT_EQ(body.place().section, 2U);
+  EXPECT_EQ(body.put().section, 2U);
 }
 
 TEST(VirtualBody, backs_up_to_where_its_line_begins_or_bends_and_no_further) {
   VirtualBody body{node(), {2, 0.2}};
   drive(body, {-200, 500, 800, 0}, 4.0);
-  EXPECT_EQ(body.place(), (zone::Place{2, 0.0}));
+  EXPECT_EQ(body.put(), (zone::TrackPosition{2, 0.0}));
   EXPECT_NEAR(body.distance_m(), -0.2, 1e-12);
   VirtualBody smooth{node(), {1, 0.2}};
   drive(smooth, {-200, 500, 800, 0}, 2.0);
-  EXPECT_EQ(smooth.place().section, 0U);
+  EXPECT_EQ(smooth.put().section, 0U);
 }
 
 TEST(VirtualBody, is_on_another_floor_when_it_stands_with_its_pose_as_it_was) {
@@ -106,7 +106,7 @@ TEST(VirtualBody, is_on_another_floor_when_it_stands_with_its_pose_as_it_was) {
   const Pose2 stands = body.X_MB();
   EXPECT_EQ(stands.y_m, 0.0);
   EXPECT_TRUE(body.line_lost());
-  EXPECT_NEAR(body.place().s_m, stands.x_m, 1e-9) << "the nearest place";
+  EXPECT_NEAR(body.put().s_m, stands.x_m, 1e-9) << "the nearest place";
   drive(body, {300, 500, 800, 0}, 1.0);
   EXPECT_EQ(body.X_MB(), stands) << "nobody told it to seek";
 }
@@ -188,7 +188,7 @@ TEST(VirtualBody, goes_on_where_the_floors_have_the_way_in_common) {
   drive(body, {300, 500, 800, 0}, 2.0);
   EXPECT_FALSE(body.line_lost());
   EXPECT_GT(body.X_MB().x_m, 0.9);
-  EXPECT_NEAR(body.place().s_m, body.X_MB().x_m + 1.0, 1e-9);
+  EXPECT_NEAR(body.put().s_m, body.X_MB().x_m + 1.0, 1e-9);
 }
 
 TEST(VirtualBody, takes_tags_that_were_edited_at_once_and_stays_on_its_line) {
@@ -197,7 +197,7 @@ TEST(VirtualBody, takes_tags_that_were_edited_at_once_and_stays_on_its_line) {
   body.change_floor(line({0, 0, 0}, {{1, {0, 1.5}}}));
   EXPECT_FALSE(body.line_lost());
   EXPECT_THAT(drive(body, {300, 500, 800, 0}, 2.0), IsEmpty());
-  EXPECT_GT(body.place().s_m, 1.1);
+  EXPECT_GT(body.put().s_m, 1.1);
   EXPECT_EQ(drive(body, {300, 500, 800, 0}, 2.0).size(), 1U);
 }
 

@@ -18,7 +18,7 @@ namespace cosiva::virtual_side::test {
 class VirtualFixture {
  public:
   /// @param zone  made of the configuration; must outlive this
-  VirtualFixture(const zone::ZoneConfiguration& configuration, const zone::TrafficZone& zone, zone::Place start)
+  VirtualFixture(const zone::ZoneConfiguration& configuration, const zone::TrafficZone& zone, zone::TrackPosition start)
       : aiv{"V1", 1001, configuration, start}, first_zone_{zone} {
     aiv.link(now, true, effects_);
     take();
@@ -50,7 +50,7 @@ class VirtualFixture {
   }
   /// The last waypoint of the first zone before the place where it is; another zone may have such a place, too.
   [[nodiscard]] std::string waypoint_behind() const {
-    return first_zone_.waypoints[first_zone_.waypoint_behind(aiv.place())].id;
+    return first_zone_.waypoints[first_zone_.waypoint_behind(aiv.put())].id;
   }
   void ahead(std::vector<wire::Body> bodies) {
     hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, aiv.id()),

@@ -60,8 +60,8 @@ Result<Owner> owner_from_json(std::string_view text) {
     in.whole("sequence", owner.sequence);
     in.time("timestamp", owner.timestamp);
     own::read_part(in, "pose", owner.pose, [](Fields& fields, Pose2& pose) {
-      fields.number("x", -own::place_m_max, own::place_m_max, pose.x_m);
-      fields.number("y", -own::place_m_max, own::place_m_max, pose.y_m);
+      fields.number("x", -own::position_m_max, own::position_m_max, pose.x_m);
+      fields.number("y", -own::position_m_max, own::position_m_max, pose.y_m);
       fields.number("theta", -own::heading_rad_max, own::heading_rad_max, pose.heading_rad);
     });
     own::read_part(in, "mission", owner.mission, [](Fields& fields, Owner::Mission& mission) {

@@ -52,7 +52,7 @@ TEST(Owner, comes_back_from_its_json_whether_it_says_much_or_little) {
 TEST(Owner, is_refused_where_a_field_is_missing_or_wrong_and_says_which) {
   const auto fault = [](const std::string& text) {
     const auto read = owner_from_json(text);
-    return read ? std::string("read") : read.error().place;
+    return read ? std::string("read") : read.error().location;
   };
   const std::string rest = R"("sequence":1,"timestamp":"2026-01-01T00:00:00.000Z")";
   EXPECT_EQ(fault(R"({"area":"a",)" + rest + "}"), "read");

@@ -27,8 +27,8 @@ void inside(Fields& in, const JsonValue& json, const std::string& name, const Re
 }
 
 void read_pose(Fields& in, Pose2& pose) {
-  in.number("x", -own::place_m_max, own::place_m_max, pose.x_m);
-  in.number("y", -own::place_m_max, own::place_m_max, pose.y_m);
+  in.number("x", -own::position_m_max, own::position_m_max, pose.x_m);
+  in.number("y", -own::position_m_max, own::position_m_max, pose.y_m);
   in.number("theta", -own::heading_rad_max, own::heading_rad_max, pose.heading_rad);
 }
 
@@ -64,10 +64,10 @@ void read_odometry(Fields& in, EstimateResponse::Odometry& odometry) {
 
 void read_reading(Fields& in, EstimateResponse::Reading& reading) {
   in.whole("fiducial", reading.fiducial);
-  in.number("x_m", -own::place_m_max, own::place_m_max, reading.fiducial_M.x_m);
-  in.number("y_m", -own::place_m_max, own::place_m_max, reading.fiducial_M.y_m);
-  in.number("ahead_m", -own::place_m_max, own::place_m_max, reading.detected_B.x_m);
-  in.number("left_m", -own::place_m_max, own::place_m_max, reading.detected_B.y_m);
+  in.number("x_m", -own::position_m_max, own::position_m_max, reading.fiducial_M.x_m);
+  in.number("y_m", -own::position_m_max, own::position_m_max, reading.fiducial_M.y_m);
+  in.number("ahead_m", -own::position_m_max, own::position_m_max, reading.detected_B.x_m);
+  in.number("left_m", -own::position_m_max, own::position_m_max, reading.detected_B.y_m);
 }
 
 void read_input(Fields& in, const std::string& name, std::vector<EstimateResponse::Input>& told) {

@@ -109,7 +109,7 @@ struct EstimateResponse {
   static constexpr std::size_t told_max = 4096;
   static constexpr std::size_t fault_bytes_max = 1024;
   /// Beyond these an estimate is none that could be told: its algorithm has diverged.
-  static constexpr double place_m_max = 1e5;
+  static constexpr double position_m_max = 1e5;
   static constexpr double variance_max = 1e12;
   friend bool operator==(const EstimateResponse&, const EstimateResponse&) = default;
 };

@@ -46,10 +46,10 @@ void read_detection(Fields& in, GvsDetections::Detection& detection) {
   in.text("vehicle", detection.vehicle);
   in.whole("tag", detection.tag);
   in.time("at", detection.at);
-  in.number("x", -place_m_max, place_m_max, detection.pose.x_m);
-  in.number("y", -place_m_max, place_m_max, detection.pose.y_m);
+  in.number("x", -position_m_max, position_m_max, detection.pose.x_m);
+  in.number("y", -position_m_max, position_m_max, detection.pose.y_m);
   in.number("heading", -heading_rad_max, heading_rad_max, detection.pose.heading_rad);
-  in.number("uncertainty", 0.0, place_m_max, detection.uncertainty_m);
+  in.number("uncertainty", 0.0, position_m_max, detection.uncertainty_m);
   detection.pose.heading_rad = wrap_angle(detection.pose.heading_rad);
 }
 
@@ -58,7 +58,7 @@ void read_corner(Fields& in, const JsonValue& item, const std::string& name, Poi
   const bool two = pair != nullptr && pair->size() == 2;
   const double* x = two ? (*pair)[0].number() : nullptr;
   const double* y = two ? (*pair)[1].number() : nullptr;
-  const auto near = [](const double* m) { return m != nullptr && *m >= -place_m_max && *m <= place_m_max; };
+  const auto near = [](const double* m) { return m != nullptr && *m >= -position_m_max && *m <= position_m_max; };
   if (!near(x) || !near(y)) return in.complain(name, "a place [x, y] within 100 km");
   corner = {*x, *y};
 }

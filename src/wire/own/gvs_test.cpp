@@ -56,11 +56,11 @@ TEST(GvsMessages, a_heading_comes_out_within_a_turn) {
 }
 
 TEST(GvsMessages, that_are_wrong_are_refused_by_the_field) {
-  const auto refused = [](const char* from, const char* to, const char* place) {
+  const auto refused = [](const char* from, const char* to, const char* location) {
     const auto read = gvs_detections_from_json(replaced(shown_json, from, to));
     ASSERT_FALSE(read) << to;
     EXPECT_EQ(read.error().code, "own.field");
-    EXPECT_EQ(read.error().place, place);
+    EXPECT_EQ(read.error().location, location);
   };
   refused(R"("x":0.125)", R"("x":"here")", "detections.0.x");
   refused(R"("x":0.125)", R"("x":1e9)", "detections.0.x");
@@ -75,7 +75,7 @@ TEST(GvsMessages, that_are_wrong_are_refused_by_the_field) {
   EXPECT_FALSE(gvs_detections_from_json(""));
   const auto word = gvs_connection_from_json(replaced(connected_json, "ONLINE", "HERE"));
   ASSERT_FALSE(word);
-  EXPECT_EQ(word.error().place, "connectionState");
+  EXPECT_EQ(word.error().location, "connectionState");
   EXPECT_THAT(word.error().message, HasSubstr("CONNECTIONBROKEN"));
 }
 

@@ -21,7 +21,7 @@ namespace cosiva::wire::own {
 
 inline constexpr std::size_t bytes_max = 16U << 10U;  ///< of a whole message
 inline constexpr std::size_t text_bytes_max = 128;
-inline constexpr double place_m_max = 1e5;
+inline constexpr double position_m_max = 1e5;
 inline constexpr double size_m_max = 10.0;
 inline constexpr double speed_mps_max = 100.0;
 inline constexpr double heading_rad_max = 100.0;

@@ -18,8 +18,8 @@ constexpr std::size_t beams_max = 32;
 void read_body(Fields& in, Body& body) {
   in.text("id", body.id);
   in.text("kind", body.kind);
-  in.number("x", -place_m_max, place_m_max, body.x_m);
-  in.number("y", -place_m_max, place_m_max, body.y_m);
+  in.number("x", -position_m_max, position_m_max, body.x_m);
+  in.number("y", -position_m_max, position_m_max, body.y_m);
   in.number("heading", -heading_rad_max, heading_rad_max, body.heading_rad);
   in.number("length", 0.0, size_m_max, body.length_m);
   in.number("radius", 0.0, size_m_max, body.radius_m);
@@ -151,7 +151,7 @@ Result<VirtualObstaclesAck> virtual_obstacles_ack_from_json(std::string_view tex
     in.time("decided", perceived.decided);
     in.flag("braking", perceived.braking);
     in.text("body", perceived.body);
-    in.number("distance", 0.0, place_m_max, perceived.distance_m);
+    in.number("distance", 0.0, position_m_max, perceived.distance_m);
   });
 }
 
@@ -180,12 +180,12 @@ Result<DetectedObstacleReport> detected_obstacle_from_json(std::string_view text
     in.text("mapId", detected.map_id);
     read_part(in, "obstacle", detected.obstacle,
               [](Fields& fields, DetectedObstacleReport::Obstacle& obstacle) {
-                fields.number("x", -place_m_max, place_m_max, obstacle.x_m);
-                fields.number("y", -place_m_max, place_m_max, obstacle.y_m);
+                fields.number("x", -position_m_max, position_m_max, obstacle.x_m);
+                fields.number("y", -position_m_max, position_m_max, obstacle.y_m);
                 fields.number("radius", 0.0, size_m_max, obstacle.radius_m);
-                fields.number("distance", 0.0, place_m_max, obstacle.distance_m);
+                fields.number("distance", 0.0, position_m_max, obstacle.distance_m);
               });
-    in.number("clear", 0.0, place_m_max, detected.clear_m);
+    in.number("clear", 0.0, position_m_max, detected.clear_m);
   });
 }
 

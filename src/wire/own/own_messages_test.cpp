@@ -26,7 +26,7 @@ T whole(Random& random) {
 SimTime time(Random& random) {
   return virtual_epoch + milliseconds{static_cast<std::int64_t>(random.uniform(0, 1e12))};
 }
-double place(Random& random) { return random.uniform(-1e5, 1e5); }
+double location(Random& random) { return random.uniform(-1e5, 1e5); }
 std::string name(Random& random) {
   static const std::string letters = "AZaz09_.:-/ \"\\\n\xC3\xBC";
   std::string text;
@@ -38,7 +38,7 @@ VirtualObstacles draw_virtual_obstacles(Random& random) {
   VirtualObstacles ahead{whole<std::uint32_t>(random), time(random), name(random), {}};
   const std::size_t count = random.next() % (VirtualObstacles::bodies_max + 1);
   for (std::size_t i = 0; i < count; ++i) {
-    ahead.bodies.push_back({name(random), name(random), place(random), place(random), random.uniform(-pi, pi),
+    ahead.bodies.push_back({name(random), name(random), location(random), location(random), random.uniform(-pi, pi),
                             random.uniform(0, 10), random.uniform(0, 10), random.uniform(-2, 2),
                             random.uniform(-2, 2)});
   }
@@ -54,7 +54,7 @@ DetectedObstacleReport draw_detected(Random& random) {
                                   random.uniform(0, 2)};
   if (coin(random))
     detected.obstacle =
-        DetectedObstacleReport::Obstacle{place(random), place(random), random.uniform(0, 10), random.uniform(0, 100)};
+        DetectedObstacleReport::Obstacle{location(random), location(random), random.uniform(0, 10), random.uniform(0, 100)};
   return detected;
 }
 BoardsReport draw_report(Random& random) {
@@ -169,7 +169,7 @@ std::string fault(const Message& good, Result<Message> (*read)(std::string_view)
   if (at == std::string::npos) return "the test's own text is not in " + json;
   json.replace(at, from.size(), to);
   const auto back = read(json);
-  return back ? "none" : back.error().code + " " + back.error().place;
+  return back ? "none" : back.error().code + " " + back.error().location;
 }
 
 const VirtualObstacles good_virtual_obstacles{

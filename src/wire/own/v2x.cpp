@@ -21,8 +21,8 @@ constexpr std::uint32_t priority_max = 999;
 
 void read_crossing(Fields& in, CrossingIntent& crossing) {
   in.text("name", crossing.name);
-  in.number("entry", 0.0, place_m_max, crossing.entry_m);
-  in.number("exit", 0.0, place_m_max, crossing.exit_m);
+  in.number("entry", 0.0, position_m_max, crossing.entry_m);
+  in.number("exit", 0.0, position_m_max, crossing.exit_m);
   in.number("arrival", 0.0, duration_s_max, crossing.arrival_s);
   in.number("departure", 0.0, duration_s_max, crossing.departure_s);
   in.flag("mayEnter", crossing.may_enter);
@@ -81,11 +81,11 @@ std::string to_json(const Intent& intent) {
       .field("speed", intent.speed_mps)
       .field("braking", intent.braking)
       .field("priority", intent.priority);
-  if (intent.place) {
+  if (intent.position) {
     json.key("position")
         .begin_object()
-        .field("section", intent.place->section)
-        .field("s", intent.place->s_m)
+        .field("section", intent.position->section)
+        .field("s", intent.position->s_m)
         .end_object();
   }
   json.key("crossings").begin_array();
@@ -110,17 +110,17 @@ Result<Intent> intent_from_json(std::string_view text) {
     in.time("timestamp", intent.timestamp);
     in.text("mapId", intent.map_id);
     read_identity(in, intent.vehicle);
-    in.number("x", -place_m_max, place_m_max, intent.pose.x_m);
-    in.number("y", -place_m_max, place_m_max, intent.pose.y_m);
+    in.number("x", -position_m_max, position_m_max, intent.pose.x_m);
+    in.number("y", -position_m_max, position_m_max, intent.pose.y_m);
     in.number("heading", -heading_rad_max, heading_rad_max, intent.pose.heading_rad);
     intent.pose.heading_rad = wrap_angle(intent.pose.heading_rad);
     in.number("speed", -speed_mps_max, speed_mps_max, intent.speed_mps);
     in.flag("braking", intent.braking);
     in.whole("priority", intent.priority);
     if (intent.priority > priority_max) in.complain("priority", "a whole number from 0 to 999");
-    read_part(in, "position", intent.place, [](Fields& fields, Intent::OnLine& place) {
-      fields.text("section", place.section);
-      fields.number("s", 0.0, place_m_max, place.s_m);
+    read_part(in, "position", intent.position, [](Fields& fields, Intent::OnLine& position) {
+      fields.text("section", position.section);
+      fields.number("s", 0.0, position_m_max, position.s_m);
     });
     in.list("crossings", Intent::crossings_max, [&](const JsonValue& item, const std::string& name) {
       Fields fields{item, name + "."};
@@ -138,7 +138,7 @@ Result<Intent> intent_from_json(std::string_view text) {
 
 Cell cell_of(Point2 p) {
   const auto index = [](double m) {
-    return static_cast<std::int32_t>(std::floor(std::clamp(m, -place_m_max, place_m_max) / v2x_cell_m));
+    return static_cast<std::int32_t>(std::floor(std::clamp(m, -position_m_max, position_m_max) / v2x_cell_m));
   };
   return {index(p.x_m), index(p.y_m)};
 }

@@ -43,7 +43,7 @@ struct Intent {
     double s_m{};
     friend bool operator==(const OnLine&, const OnLine&) = default;
   };
-  std::optional<OnLine> place;            ///< nothing: it stands beside the line, or turns on the spot
+  std::optional<OnLine> position;            ///< nothing: it stands beside the line, or turns on the spot
   std::vector<CrossingIntent> crossings;  ///< in the order of its way, at most crossings_max
   std::vector<std::string> way;           ///< the sections after the one it is on, at most way_max
   static constexpr std::size_t crossings_max = 8;

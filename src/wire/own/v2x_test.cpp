@@ -55,7 +55,7 @@ Intent draw(Random& random) {
   intent.speed_mps = random.uniform(-2, 2);
   intent.braking = coin();
   intent.priority = static_cast<std::uint32_t>(random.next() % 1000);
-  if (coin()) intent.place = Intent::OnLine{word(random), random.uniform(0, 100)};
+  if (coin()) intent.position = Intent::OnLine{word(random), random.uniform(0, 100)};
   for (std::size_t i = random.next() % (Intent::crossings_max + 1); i > 0; --i) {
     const double entry_m = random.uniform(0, 10);
     const double arrival_s = random.uniform(0, 10);
@@ -95,7 +95,7 @@ TEST(HeardIntent, is_told_apart_to_the_last_byte_and_refused_each_time) {
   for (int i = 0; i < 2; ++i) {
     const auto refused = heard_intent(bad);
     ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().place, "speed");
+    EXPECT_EQ(refused.error().location, "speed");
   }
   EXPECT_FALSE(heard_intent(""));
 }
@@ -122,7 +122,7 @@ TEST(Intent, may_hold_fields_that_the_reader_does_not_know_and_no_place) {
   json.insert(1, R"("colour":{"deep":[1]},)");
   EXPECT_EQ(intent_from_json(json).value(), shown);
   Intent beside = shown;
-  beside.place.reset();
+  beside.position.reset();
   EXPECT_EQ(intent_from_json(to_json(beside)).value(), beside);
 }
 
@@ -133,7 +133,7 @@ std::string fault(std::string_view from, std::string_view to) {
   if (at == std::string::npos) return "the test's own text is not there";
   json.replace(at, from.size(), to);
   const auto back = intent_from_json(json);
-  return back ? "none" : back.error().code + " " + back.error().place;
+  return back ? "none" : back.error().code + " " + back.error().location;
 }
 
 TEST(Intent, refuses_what_is_out_of_bounds_naming_the_field) {

@@ -43,8 +43,8 @@ std::string code(const Result<T>& result) {
   return result ? "accepted" : result.error().code;
 }
 template <typename T>
-std::string place(const Result<T>& result) {
-  return result ? "accepted" : result.error().place;
+std::string location(const Result<T>& result) {
+  return result ? "accepted" : result.error().location;
 }
 
 TEST(Reading, gives_what_the_standard_says) {
@@ -79,7 +79,7 @@ TEST(Reading, takes_any_number_of_decimals_of_a_second) {
     EXPECT_TRUE(decode_visualization(json)) << json;
   }
   EXPECT_EQ(code(decode_visualization(R"({"timestamp":"yesterday"})")), "vda.time");
-  EXPECT_EQ(place(decode_visualization(R"({"timestamp":"yesterday"})")), "visualization.timestamp");
+  EXPECT_EQ(location(decode_visualization(R"({"timestamp":"yesterday"})")), "visualization.timestamp");
 }
 
 TEST(Reading, takes_any_version_two_and_no_other) {
@@ -94,7 +94,7 @@ TEST(Reading, needs_the_header_where_order_depends_on_it_and_not_for_drawing) {
   EXPECT_TRUE(decode_factsheet("{}"));
   const auto connection = decode_connection(R"({"connectionState":"ONLINE"})");
   EXPECT_EQ(code(connection), "vda.missing");
-  EXPECT_EQ(place(connection), "connection.headerId");
+  EXPECT_EQ(location(connection), "connection.headerId");
 }
 
 TEST(Reading, takes_instant_actions_under_the_names_older_peers_use) {
@@ -104,7 +104,7 @@ TEST(Reading, takes_instant_actions_under_the_names_older_peers_use) {
     ASSERT_TRUE(read) << to_string(read.error());
     EXPECT_THAT(read->actions, ElementsAre(Action{"startPause", "1", "", BlockingType::none, {}}));
   }
-  EXPECT_EQ(place(decode_instant_actions("{" + header + "}")), "instantActions.actions");
+  EXPECT_EQ(location(decode_instant_actions("{" + header + "}")), "instantActions.actions");
 }
 
 TEST(Reading, takes_the_deviation_in_both_spellings) {
@@ -139,7 +139,7 @@ TEST(Reading, keeps_parameters_of_any_type) {
   EXPECT_THAT(read->actions[0].parameters,
               ElementsAre(Parameter{"a", 1.5}, Parameter{"b", true}, Parameter{"c", std::string("x")},
                           Parameter{"d", RawJson{R"({"e":[1,2]})"}}, Parameter{"f", 1689033600000.0}));
-  EXPECT_EQ(place(decode_instant_actions(instant(
+  EXPECT_EQ(location(decode_instant_actions(instant(
                 "actions", R"({"actionType":"t","actionId":"1","actionParameters":[{"key":"a","value":null}]})"))),
             "instantActions.actions[0].actionParameters[0].value");
 }
@@ -152,9 +152,9 @@ TEST(Reading, takes_the_maps_of_2_1_and_misses_none_of_a_peer_of_2_0) {
                    R"({"mapId":"yard","mapVersion":"1","mapStatus":"DISABLED"}])"));
   ASSERT_TRUE(read) << to_string(read.error());
   EXPECT_THAT(read->maps, ElementsAre(MapInfo{"area", "2", "east", true}, MapInfo{"yard", "1", "", false}));
-  EXPECT_EQ(place(decode_state(state(rest + R"(,"maps":[{"mapId":"area","mapStatus":"ENABLED"}])"))),
+  EXPECT_EQ(location(decode_state(state(rest + R"(,"maps":[{"mapId":"area","mapStatus":"ENABLED"}])"))),
             "state.maps[0].mapVersion");
-  EXPECT_EQ(place(decode_state(state(rest + R"(,"maps":[{"mapId":"area","mapVersion":"1","mapStatus":"ON"}])"))),
+  EXPECT_EQ(location(decode_state(state(rest + R"(,"maps":[{"mapId":"area","mapVersion":"1","mapStatus":"ON"}])"))),
             "state.maps[0].mapStatus");
 }
 
@@ -163,10 +163,10 @@ TEST(Reading, names_the_place_of_what_is_wrong) {
       R"(,"batteryState":{"batteryCharge":80,"charging":false},"nodeStates":[{"nodeId":"a","sequenceId":0,"released":true},)"
       R"({"nodeId":"b","sequenceId":"two","released":true}])"));
   EXPECT_EQ(code(read), "vda.type");
-  EXPECT_EQ(place(read), "state.nodeStates[1].sequenceId");
-  EXPECT_EQ(place(decode_state(state(R"(,"nodeStates":[],"batteryState":{"charging":false})"))),
+  EXPECT_EQ(location(read), "state.nodeStates[1].sequenceId");
+  EXPECT_EQ(location(decode_state(state(R"(,"nodeStates":[],"batteryState":{"charging":false})"))),
             "state.batteryState.batteryCharge");
-  EXPECT_EQ(place(decode_state(state(R"(,"nodeStates":{},"batteryState":{"batteryCharge":1,"charging":false})"))),
+  EXPECT_EQ(location(decode_state(state(R"(,"nodeStates":{},"batteryState":{"batteryCharge":1,"charging":false})"))),
             "state.nodeStates");
 }
 
@@ -211,7 +211,7 @@ TEST(Reading, is_bounded) {
   for (std::size_t i = 0; i < array_items_max; ++i) many += ",0";
   const auto read = decode_order(order(many));
   EXPECT_EQ(code(read), "vda.size");
-  EXPECT_EQ(place(read), "order.nodes");
+  EXPECT_EQ(location(read), "order.nodes");
 }
 
 TEST(Reading, cuts_long_explanations_instead_of_losing_the_state_they_explain) {

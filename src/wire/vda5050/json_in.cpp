@@ -39,11 +39,11 @@ bool is_version_2(std::string_view version) {
 
 }  // namespace
 
-std::string to_string(const Place& place) {
-  std::string text = place.up == nullptr ? std::string{} : to_string(*place.up);
-  if (place.index != Place::none) return text + "[" + std::to_string(place.index) + "]";
+std::string to_string(const FieldLocation& location) {
+  std::string text = location.up == nullptr ? std::string{} : to_string(*location.up);
+  if (location.index != FieldLocation::none) return text + "[" + std::to_string(location.index) + "]";
   if (!text.empty()) text += '.';
-  return text + std::string(place.key);
+  return text + std::string(location.key);
 }
 
 Result<simdjson::dom::object> parse_root(std::string_view json, std::string_view name) {
@@ -84,7 +84,7 @@ std::optional<simdjson::dom::element> Fields::find(std::string_view key, Need ne
   return std::nullopt;
 }
 
-void Fields::wrong_type(const Place& here, std::string_view expected, simdjson::dom::element found) {
+void Fields::wrong_type(const FieldLocation& here, std::string_view expected, simdjson::dom::element found) {
   trouble_.set(here, "vda.type", "expected " + std::string(expected) + ", found " + std::string(kind_of(found)));
 }
 
@@ -92,7 +92,7 @@ void Fields::unknown_word(std::string_view key, std::string_view text) {
   report(key, "vda.value", in_quotes(text) + " is no word of the standard here");
 }
 
-bool Fields::bounded_array(simdjson::dom::element element, const Place& here, simdjson::dom::array& out) {
+bool Fields::bounded_array(simdjson::dom::element element, const FieldLocation& here, simdjson::dom::array& out) {
   if (element.get(out) != simdjson::SUCCESS) {
     wrong_type(here, "an array", element);
     return false;
@@ -108,7 +108,7 @@ bool Fields::string(std::string_view key, std::string_view& out, Need need) {
   const auto element = find(key, need);
   if (!element) return false;
   if (element->get(out) == simdjson::SUCCESS) return true;
-  wrong_type(Place{&place_, key}, "a text", *element);
+  wrong_type(FieldLocation{&location_, key}, "a text", *element);
   return false;
 }
 
@@ -129,7 +129,7 @@ void Fields::number(std::string_view key, double& out, Need need, double low, do
   const auto element = find(key, need);
   if (!element) return;
   double value{};
-  if (element->get(value) != simdjson::SUCCESS) return wrong_type(Place{&place_, key}, "a number", *element);
+  if (element->get(value) != simdjson::SUCCESS) return wrong_type(FieldLocation{&location_, key}, "a number", *element);
   if (!(value >= low && value <= high)) return report(key, "vda.range", "the number is out of range");
   out = value;
 }
@@ -145,7 +145,7 @@ void Fields::count(std::string_view key, std::uint32_t& out, Need need) {
   const auto element = find(key, need);
   if (!element) return;
   double value{};
-  if (element->get(value) != simdjson::SUCCESS) return wrong_type(Place{&place_, key}, "a whole number", *element);
+  if (element->get(value) != simdjson::SUCCESS) return wrong_type(FieldLocation{&location_, key}, "a whole number", *element);
   if (value != std::floor(value)) return report(key, "vda.type", "expected a whole number");
   if (!(value >= 0.0 && value <= 4294967295.0))
     return report(key, "vda.range", "out of range: 0 to 4294967295 are counts");
@@ -155,7 +155,7 @@ void Fields::count(std::string_view key, std::uint32_t& out, Need need) {
 void Fields::flag(std::string_view key, bool& out, Need need) {
   const auto element = find(key, need);
   if (!element) return;
-  if (element->get(out) != simdjson::SUCCESS) wrong_type(Place{&place_, key}, "a flag", *element);
+  if (element->get(out) != simdjson::SUCCESS) wrong_type(FieldLocation{&location_, key}, "a flag", *element);
 }
 
 void Fields::timestamp(std::string_view key, SimTime& out, Need need) {

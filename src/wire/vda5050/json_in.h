@@ -20,20 +20,20 @@ namespace cosiva::wire::vda5050 {
 enum class Need { required, optional };
 
 /// Where a value stands in the message, as a chain on the stack; it becomes a text only when something is wrong.
-struct Place {
-  const Place* up{};
+struct FieldLocation {
+  const FieldLocation* up{};
   std::string_view key;
   std::size_t index{none};
   static constexpr std::size_t none = static_cast<std::size_t>(-1);
 };
 /// "state.nodeStates[3].sequenceId"
-[[nodiscard]] std::string to_string(const Place& place);
+[[nodiscard]] std::string to_string(const FieldLocation& location);
 
 /// The first thing wrong with a message; later ones are not worth reporting.
 struct Trouble {
   std::optional<Error> error;
-  void set(const Place& place, std::string_view code, std::string message) {
-    if (!error) error = Error{std::string(code), std::move(message), to_string(place)};
+  void set(const FieldLocation& location, std::string_view code, std::string message) {
+    if (!error) error = Error{std::string(code), std::move(message), to_string(location)};
   }
 };
 
@@ -41,8 +41,8 @@ struct Trouble {
 /// absent or null, and notes the first trouble; after that all calls do nothing.
 class Fields {
  public:
-  Fields(simdjson::dom::object object, const Place& place, Trouble& trouble)
-      : object_{object}, place_{place}, trouble_{trouble} {}
+  Fields(simdjson::dom::object object, const FieldLocation& location, Trouble& trouble)
+      : object_{object}, location_{location}, trouble_{trouble} {}
 
   [[nodiscard]] bool ok() const { return !trouble_.error.has_value(); }
   /// Present and not null.
@@ -80,7 +80,7 @@ class Fields {
   void object(std::string_view key, Need need, Read read) {
     const auto element = find(key, need);
     if (!element) return;
-    const Place here{&place_, key};
+    const FieldLocation here{&location_, key};
     simdjson::dom::object inner;
     if (element->get(inner) != simdjson::SUCCESS) return wrong_type(here, "an object", *element);
     Fields fields{inner, here, trouble_};
@@ -92,13 +92,13 @@ class Fields {
   void each(std::string_view key, Need need, std::vector<T>& out, Read read) {
     const auto element = find(key, need);
     if (!element) return;
-    const Place here{&place_, key};
+    const FieldLocation here{&location_, key};
     simdjson::dom::array items;
     if (!bounded_array(*element, here, items)) return;
     out.reserve(items.size());
     std::size_t index = 0;
     for (const simdjson::dom::element item : items) {
-      const Place at{&here, {}, index++};
+      const FieldLocation at{&here, {}, index++};
       simdjson::dom::object inner;
       if (item.get(inner) != simdjson::SUCCESS) return wrong_type(at, "an object", item);
       Fields fields{inner, at, trouble_};
@@ -112,7 +112,7 @@ class Fields {
   void each_text(std::string_view key, Read read) {
     const auto element = find(key, Need::optional);
     if (!element) return;
-    const Place here{&place_, key};
+    const FieldLocation here{&location_, key};
     simdjson::dom::array items;
     if (!bounded_array(*element, here, items)) return;
     for (const simdjson::dom::element item : items) {
@@ -123,7 +123,7 @@ class Fields {
   }
 
   void report(std::string_view key, std::string_view code, std::string message) {
-    trouble_.set(Place{&place_, key}, code, std::move(message));
+    trouble_.set(FieldLocation{&location_, key}, code, std::move(message));
   }
 
   static constexpr double number_max = 1e9;
@@ -131,12 +131,12 @@ class Fields {
  private:
   [[nodiscard]] std::optional<simdjson::dom::element> find(std::string_view key, Need need);
   [[nodiscard]] bool string(std::string_view key, std::string_view& out, Need need);
-  [[nodiscard]] bool bounded_array(simdjson::dom::element element, const Place& here, simdjson::dom::array& out);
-  void wrong_type(const Place& here, std::string_view expected, simdjson::dom::element found);
+  [[nodiscard]] bool bounded_array(simdjson::dom::element element, const FieldLocation& here, simdjson::dom::array& out);
+  void wrong_type(const FieldLocation& here, std::string_view expected, simdjson::dom::element found);
   void unknown_word(std::string_view key, std::string_view text);
 
   simdjson::dom::object object_;
-  const Place& place_;
+  const FieldLocation& location_;
   Trouble& trouble_;
 };
 
@@ -155,8 +155,8 @@ Result<T> decode_message(std::string_view json, std::string_view name, Read read
   const auto root = parse_root(json, name);
   if (!root) return tl::unexpected<Error>(root.error());
   Trouble trouble;
-  const Place place{nullptr, name};
-  Fields fields{*root, place, trouble};
+  const FieldLocation location{nullptr, name};
+  Fields fields{*root, location, trouble};
   T message;
   read(fields, message);
   if (trouble.error) return tl::unexpected<Error>(std::move(*trouble.error));

@@ -51,7 +51,7 @@ Intent intent() {
   message.pose = {1.0 / 3.0, -0.1, 2.5};
   message.speed_mps = 0.4;
   message.priority = 5;
-  message.place = Intent::OnLine{"S1", 0.3};
+  message.position = Intent::OnLine{"S1", 0.3};
   message.crossings = {{"X1", 0.1, 0.7, 0.25, 1.5, true}};
   message.way = {"S2", "S3"};
   return message;

@@ -20,7 +20,7 @@ constexpr std::size_t reaching_work_max = 20'000'000;
 /// Where one can come from these places without entering a closed section; one that one stands on may be left.
 class Reachable {
  public:
-  Reachable(const TrafficZone& zone, std::span<const Place> from) : from_{from}, entered_(zone.circuit.size(), false) {
+  Reachable(const TrafficZone& zone, std::span<const TrackPosition> from) : from_{from}, entered_(zone.circuit.size(), false) {
     for (const SectionId id : zone.closed) entered_[id] = true;  // as if one had been there: nobody goes
     std::vector<SectionId> open;
     const auto leave = [&](SectionId id) {
@@ -30,7 +30,7 @@ class Reachable {
         open.push_back(after);
       }
     };
-    for (const Place& place : from) leave(place.section);
+    for (const TrackPosition& track_position : from) leave(track_position.section);
     while (!open.empty()) {
       const SectionId id = open.back();
       open.pop_back();
@@ -39,14 +39,14 @@ class Reachable {
     for (const SectionId id : zone.closed) entered_[id] = false;
   }
 
-  [[nodiscard]] bool reaches(Place goal) const {
-    return entered_[goal.section] || std::any_of(from_.begin(), from_.end(), [&](const Place& from) {
+  [[nodiscard]] bool reaches(TrackPosition goal) const {
+    return entered_[goal.section] || std::any_of(from_.begin(), from_.end(), [&](const TrackPosition& from) {
              return from.section == goal.section && from.s_m <= goal.s_m;
            });
   }
 
  private:
-  std::span<const Place> from_;
+  std::span<const TrackPosition> from_;
   std::vector<bool> entered_;
 };
 
@@ -74,11 +74,11 @@ class Checker {
  private:
   using Severity = Problem::Severity;
 
-  void record(Severity severity, std::string code, Place place, std::string text) {
+  void record(Severity severity, std::string code, TrackPosition track_position, std::string text) {
     auto& [count, last] = counts_[code];
-    last = place;
+    last = track_position;
     if (++count > limits_.of_one_code) return;
-    found_.push_back({severity, std::move(code), place, position(circuit_.pose_at(place)), std::move(text)});
+    found_.push_back({severity, std::move(code), track_position, position(circuit_.pose_at(track_position)), std::move(text)});
   }
 
   void count_those_left_out() {
@@ -91,7 +91,7 @@ class Checker {
   }
 
   [[nodiscard]] std::string name(SectionId id) const { return "'" + circuit_.part(id).name + "'"; }
-  [[nodiscard]] Place end_of(SectionId id) const { return {id, circuit_.section(id).length_m()}; }
+  [[nodiscard]] TrackPosition end_of(SectionId id) const { return {id, circuit_.section(id).length_m()}; }
 
   void joints() {
     for (SectionId id = 0; id < circuit_.size(); ++id) {
@@ -117,9 +117,9 @@ class Checker {
       const double bend = section.curvature_max_per_m();
       if (bend <= 0.0) continue;
       const bool at_start = std::fabs(section.curvature_at(0.0)) >= bend;
-      const Place place = at_start ? Place{id, 0.0} : end_of(id);
+      const TrackPosition track_position = at_start ? TrackPosition{id, 0.0} : end_of(id);
       if (0.5 * zone_.vehicle.width_m * bend >= 1.0) {
-        record(Severity::error, "zone.vehicle", place,
+        record(Severity::error, "zone.vehicle", track_position,
                name(id) + " bends with a radius of " + metres(1.0 / bend) + ", less than half the vehicle's width of " +
                    metres(zone_.vehicle.width_m) + "; widen the bend");
       }
@@ -127,7 +127,7 @@ class Checker {
                                         zone_.profiles.fast.speed_mps);
       const double lateral_mps2 = speed_mps * speed_mps * bend;
       if (lateral_mps2 > limits_.lateral_mps2) {
-        record(Severity::warning, "zone.speed", place,
+        record(Severity::warning, "zone.speed", track_position,
                "at " + metres_text(speed_mps) + " m/s vehicles are pushed outward with " + metres_text(lateral_mps2) +
                    " m/s² in " + name(id) + "; limit it to " +
                    metres_text(std::floor(100.0 * std::sqrt(limits_.lateral_mps2 / bend)) / 100.0) + " m/s");
@@ -154,27 +154,27 @@ class Checker {
     const auto& all = zone_.stations;
     const Reachable reached{zone_, zone_.starts};
     for (const Station& station : all) {
-      if (const Crossing* crossing = zone_.crossing_at(station.place))
-        record(Severity::warning, "zone.station", station.place,
+      if (const Crossing* crossing = zone_.crossing_at(station.position))
+        record(Severity::warning, "zone.station", station.position,
                "who stands at station '" + station.name + "' holds up everybody at crossing " + crossing->name);
-      if (!zone_.starts.empty() && !reached.reaches(station.place))
-        record(Severity::error, "zone.unreachable", station.place,
+      if (!zone_.starts.empty() && !reached.reaches(station.position))
+        record(Severity::error, "zone.unreachable", station.position,
                "station '" + station.name + "' cannot be reached from any of the starts");
     }
     // From every other station, as long as that does not take minutes.
     const std::size_t requested = std::min(all.size(), reaching_work_max / (circuit_.size() + all.size()) + 1);
     std::vector<std::pair<std::size_t, std::size_t>> cut_off(all.size());  // from how many, and the first of them
     for (std::size_t from = 0; from < requested; ++from) {
-      const Reachable onward{zone_, std::span{&all[from].place, 1}};
+      const Reachable onward{zone_, std::span{&all[from].position, 1}};
       for (std::size_t to = 0; to < all.size(); ++to)
-        if (to != from && !onward.reaches(all[to].place) && cut_off[to].first++ == 0) cut_off[to].second = from;
+        if (to != from && !onward.reaches(all[to].position) && cut_off[to].first++ == 0) cut_off[to].second = from;
     }
     for (std::size_t to = 0; to < all.size(); ++to) {
       const auto [count, first] = cut_off[to];
       if (count == 0) continue;
       std::string from = "'" + all[first].name + "'";
       if (count > 1) from += " and " + std::to_string(count - 1) + " other" + (count > 2 ? "s" : "");
-      record(Severity::warning, "zone.unreachable", all[to].place,
+      record(Severity::warning, "zone.unreachable", all[to].position,
              "station '" + all[to].name + "' cannot be reached from station " + from);
     }
   }
@@ -182,7 +182,7 @@ class Checker {
   void starts() {
     const double room_m = standing_room_m(zone_.vehicle);
     std::vector<Point2> taken;
-    for (const Place& start : zone_.starts) {
+    for (const TrackPosition& start : zone_.starts) {
       const Point2 p = position(circuit_.pose_at(start));
       const bool free = std::none_of(taken.begin(), taken.end(), [&](Point2 q) { return distance(p, q) < room_m; });
       const std::string which = "start " + std::to_string(taken.size() + 1);
@@ -222,7 +222,7 @@ class Checker {
   const Circuit& circuit_;
   const CheckLimits& limits_;
   std::vector<Problem> found_;
-  std::map<std::string, std::pair<std::size_t, Place>> counts_;
+  std::map<std::string, std::pair<std::size_t, TrackPosition>> counts_;
 };
 
 }  // namespace
@@ -239,8 +239,8 @@ std::string_view to_string(Problem::Severity severity) {
 std::string to_string(const Problem& problem, const TrafficZone& zone) {
   std::string text{to_string(problem.severity)};
   text += " ";
-  text += problem.code + " at '" + zone.circuit.part(problem.place.section).name + "' ";
-  text += metres_text(problem.place.s_m) + " m (" + metres_text(problem.at.x_m) + ", " + metres_text(problem.at.y_m);
+  text += problem.code + " at '" + zone.circuit.part(problem.position.section).name + "' ";
+  text += metres_text(problem.position.s_m) + " m (" + metres_text(problem.at.x_m) + ", " + metres_text(problem.at.y_m);
   return text + "): " + problem.text;
 }
 

@@ -17,7 +17,7 @@ struct Problem {
   };
   Severity severity;
   std::string code;  ///< "circuit.gap", "zone.dead_end", …: docs/guide/zones.md lists them
-  Place place;
+  TrackPosition position;
   Point2 at;         ///< the same place on the map
   std::string text;  ///< a sentence
 };

@@ -45,11 +45,11 @@ TEST(Check, finds_every_gap_and_every_kink_of_a_circuit_that_was_joined_loosely)
   const auto gaps = of_code(zone, "circuit.gap");
   ASSERT_THAT(gaps, SizeIs(1));
   EXPECT_EQ(gaps[0].severity, Problem::Severity::error);
-  EXPECT_EQ(gaps[0].place, (Place{0, 1.0}));
+  EXPECT_EQ(gaps[0].position, (TrackPosition{0, 1.0}));
   EXPECT_THAT(gaps[0].text, HasSubstr("0.004 m"));
   const auto kinks = of_code(zone, "circuit.kink");
   ASSERT_THAT(kinks, SizeIs(1));
-  EXPECT_EQ(kinks[0].place, (Place{1, 1.0}));
+  EXPECT_EQ(kinks[0].position, (TrackPosition{1, 1.0}));
   EXPECT_THAT(kinks[0].text, HasSubstr("0.573°"));
 }
 
@@ -93,14 +93,14 @@ TEST(Check, tells_dead_ends_ways_into_them_and_ways_that_nothing_leads_to) {
   const TrafficZone zone = ring_with_spur();
   const auto ends = of_code(zone, "zone.dead_end");
   ASSERT_THAT(ends, SizeIs(1));
-  EXPECT_EQ(ends[0].place, (Place{5, 1.0}));
+  EXPECT_EQ(ends[0].position, (TrackPosition{5, 1.0}));
   EXPECT_EQ(ends[0].at, (Point2{4.0, 0.0}));
   const auto into = of_code(zone, "zone.no_return");
   ASSERT_THAT(into, SizeIs(1));
-  EXPECT_EQ(into[0].place.section, 4U);
+  EXPECT_EQ(into[0].position.section, 4U);
   const auto outside = of_code(zone, "zone.no_way_in");
   ASSERT_THAT(outside, SizeIs(1));
-  EXPECT_EQ(outside[0].place.section, 6U);
+  EXPECT_EQ(outside[0].position.section, 6U);
 }
 
 TEST(Check, tells_stations_that_nobody_comes_to) {
@@ -160,7 +160,7 @@ TEST(Check, tells_the_longest_way_without_tag_or_beacon) {
   zone.tags = {{1, {0, 2.0}}, {2, {0, 9.0}}};
   const auto found = of_code(zone, "zone.unread");
   ASSERT_THAT(found, SizeIs(1));
-  EXPECT_EQ(found[0].place, (Place{0, 2.0}));
+  EXPECT_EQ(found[0].position, (TrackPosition{0, 2.0}));
   EXPECT_THAT(found[0].text, HasSubstr("7.00 m"));
   zone.tags.push_back({3, {0, 5.0}});
   EXPECT_THAT(of_code(zone, "zone.unread"), IsEmpty());

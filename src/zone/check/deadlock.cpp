@@ -19,14 +19,14 @@ constexpr std::size_t named_max = 5;
 
 /// Whether places keep `room_m` from each other all the way round `round_m`, taking as many as that allows from
 /// `first`.
-std::size_t packed_from(std::span<const double> places_m, std::size_t first, double round_m, double room_m) {
+std::size_t packed_from(std::span<const double> positions_m, std::size_t first, double round_m, double room_m) {
   std::size_t count = 1;
-  double last_m = places_m[first];
-  for (std::size_t i = 1; i < places_m.size(); ++i) {
-    const std::size_t at = (first + i) % places_m.size();
-    const double place_m = places_m[at] + (at < first ? round_m : 0.0);
-    if (place_m - last_m < room_m || places_m[first] + round_m - place_m < room_m) continue;
-    last_m = place_m;
+  double last_m = positions_m[first];
+  for (std::size_t i = 1; i < positions_m.size(); ++i) {
+    const std::size_t at = (first + i) % positions_m.size();
+    const double position_m = positions_m[at] + (at < first ? round_m : 0.0);
+    if (position_m - last_m < room_m || positions_m[first] + round_m - position_m < room_m) continue;
+    last_m = position_m;
     ++count;
   }
   return count;
@@ -38,8 +38,8 @@ class Spots {
     rests_.assign(circuit_.size(), 0);
     stretches_.assign(circuit_.size(), 0);
     for (const Waypoint& waypoint : zone.waypoints) {
-      ++stretches_[waypoint.place.section];
-      if (zone.crossing_at(waypoint.place) == nullptr) ++rests_[waypoint.place.section];
+      ++stretches_[waypoint.position.section];
+      if (zone.crossing_at(waypoint.position) == nullptr) ++rests_[waypoint.position.section];
     }
   }
 
@@ -54,9 +54,9 @@ class Spots {
  private:
   [[nodiscard]] std::string name(SectionId id) const { return "'" + circuit_.part(id).name + "'"; }
 
-  void record(std::string code, Place place, std::string text) {
+  void record(std::string code, TrackPosition track_position, std::string text) {
     found_.push_back(
-        {Problem::Severity::notice, std::move(code), place, position(circuit_.pose_at(place)), std::move(text)});
+        {Problem::Severity::notice, std::move(code), track_position, position(circuit_.pose_at(track_position)), std::move(text)});
   }
 
   // --- how many may go round ---
@@ -99,16 +99,16 @@ class Spots {
   }
 
   void whole_part(std::span<const std::uint32_t> members) {
-    std::size_t places = 0;
+    std::size_t positions = 0;
     for (const SectionId id : members) {
       const double length_m = circuit_.section(id).length_m();
       const auto fit = static_cast<std::size_t>(length_m / standing_room_m(zone_.vehicle)) + 1;
-      places += std::min(rests_[id], fit);
+      positions += std::min(rests_[id], fit);
     }
-    const std::size_t most = places > 0 ? places - 1 : 0;
+    const std::size_t most = positions > 0 ? positions - 1 : 0;
     record("deadlock.loop", {members.front(), 0.0},
            "the " + std::to_string(members.size()) + " sections that lead round from " + name(members.front()) +
-               " have places for at most " + vehicles(places) + " to wait; with more than " + std::to_string(most) +
+               " have places for at most " + vehicles(positions) + " to wait; with more than " + std::to_string(most) +
                " nobody in them can move");
   }
 
@@ -271,21 +271,21 @@ std::vector<SectionId> opposites(const TrafficZone& zone) {
 }
 
 std::size_t vehicles_going_round(const TrafficZone& zone, const std::vector<SectionId>& sections) {
-  const auto before = [](const Waypoint& waypoint, SectionId id) { return waypoint.place.section < id; };
-  std::vector<double> places_m;
+  const auto before = [](const Waypoint& waypoint, SectionId id) { return waypoint.position.section < id; };
+  std::vector<double> positions_m;
   double round_m = 0.0;
   for (const SectionId id : sections) {
     auto at = std::lower_bound(zone.waypoints.begin(), zone.waypoints.end(), id, before);
-    for (; at != zone.waypoints.end() && at->place.section == id; ++at)
-      if (zone.crossing_at(at->place) == nullptr) places_m.push_back(round_m + at->place.s_m);
+    for (; at != zone.waypoints.end() && at->position.section == id; ++at)
+      if (zone.crossing_at(at->position) == nullptr) positions_m.push_back(round_m + at->position.s_m);
     round_m += zone.circuit.section(id).length_m();
   }
-  if (places_m.empty()) return 0;
+  if (positions_m.empty()) return 0;
   const double room_m = standing_room_m(zone.vehicle);
   // The tightest row begins at one of the first places that a vehicle takes away from each other.
   std::size_t most = 0;
-  for (std::size_t first = 0; first < places_m.size() && places_m[first] < places_m.front() + room_m; ++first)
-    most = std::max(most, packed_from(places_m, first, round_m, room_m));
+  for (std::size_t first = 0; first < positions_m.size() && positions_m[first] < positions_m.front() + room_m; ++first)
+    most = std::max(most, packed_from(positions_m, first, round_m, room_m));
   return most - 1;
 }
 

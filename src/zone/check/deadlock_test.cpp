@@ -51,7 +51,7 @@ TEST(DeadlockSpots, tell_how_many_vehicles_a_ring_has_room_for) {
   const auto found = of_code(zone, "deadlock.loop");
   ASSERT_THAT(found, SizeIs(1));
   EXPECT_EQ(found[0].severity, Problem::Severity::notice);
-  EXPECT_EQ(found[0].place, (Place{0, 0.0}));
+  EXPECT_EQ(found[0].position, (TrackPosition{0, 0.0}));
   const std::size_t most = vehicles_going_round(zone, {0, 1, 2, 3});
   // 9.14 m round, a vehicle and its gap 0.30 m: 30 at most, and one of them must have room to move.
   EXPECT_LE(most, 29U);
@@ -64,7 +64,7 @@ TEST(DeadlockSpots, tell_how_many_vehicles_a_ring_has_room_for) {
 TEST(DeadlockSpots, count_places_a_vehicle_s_length_and_gap_apart_all_the_way_round) {
   TrafficZone zone = oval(3.0);
   const double round_m = zone.circuit.total_length_m();
-  const auto with_places = [&](std::vector<double> on_south) {
+  const auto with_positions = [&](std::vector<double> on_south) {
     Listed<Waypoint, WaypointKeys> waypoints;
     std::vector<Waypoint> all;
     for (const double s_m : on_south) all.push_back({"w" + std::to_string(s_m), {0, s_m}});
@@ -72,12 +72,12 @@ TEST(DeadlockSpots, count_places_a_vehicle_s_length_and_gap_apart_all_the_way_ro
     return vehicles_going_round(zone, {0, 1, 2, 3});
   };
   ASSERT_GT(round_m, 9.0);
-  EXPECT_EQ(with_places({}), 0U);
-  EXPECT_EQ(with_places({1.0}), 0U) << "the only place: whoever leaves it must come back to it";
-  EXPECT_EQ(with_places({1.0, 1.3}), 1U);
-  EXPECT_EQ(with_places({1.0, 1.2}), 0U) << "too near for two";
-  EXPECT_EQ(with_places({1.0, 1.2, 1.4, 1.6}), 1U);
-  EXPECT_EQ(with_places({1.0, 1.1, 1.4, 1.7}), 2U);
+  EXPECT_EQ(with_positions({}), 0U);
+  EXPECT_EQ(with_positions({1.0}), 0U) << "the only place: whoever leaves it must come back to it";
+  EXPECT_EQ(with_positions({1.0, 1.3}), 1U);
+  EXPECT_EQ(with_positions({1.0, 1.2}), 0U) << "too near for two";
+  EXPECT_EQ(with_positions({1.0, 1.2, 1.4, 1.6}), 1U);
+  EXPECT_EQ(with_positions({1.0, 1.1, 1.4, 1.7}), 2U);
 }
 
 TEST(DeadlockSpots, are_counted_for_each_named_loop_and_not_for_the_rest) {
@@ -86,7 +86,7 @@ TEST(DeadlockSpots, are_counted_for_each_named_loop_and_not_for_the_rest) {
   const auto found = of_code(zone, "deadlock.loop");
   ASSERT_THAT(found, SizeIs(1));
   EXPECT_THAT(found[0].text, HasSubstr("loop 'round' has room for"));
-  EXPECT_EQ(found[0].place.section, 2U);
+  EXPECT_EQ(found[0].position.section, 2U);
 }
 
 TEST(DeadlockSpots, of_a_part_with_branches_are_its_places) {
@@ -141,7 +141,7 @@ TEST(DeadlockSpots, are_rows_of_crossings_longer_than_is_reserved_at_once) {
   EXPECT_THAT(row(static_cast<int>(reserved_at_once_max)), IsEmpty());
   const auto found = row(static_cast<int>(reserved_at_once_max) + 4);
   ASSERT_THAT(found, SizeIs(1));
-  EXPECT_EQ(found[0].place.section, 0U);
+  EXPECT_EQ(found[0].position.section, 0U);
   EXPECT_THAT(found[0].text, HasSubstr("over 20 stretches"));
 }
 

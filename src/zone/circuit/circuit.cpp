@@ -19,7 +19,7 @@ std::string metres(double value) {
   return text + " m";
 }
 
-std::string place_text(const Pose2& pose) {
+std::string position_text(const Pose2& pose) {
   return "(" + std::to_string(pose.x_m) + ", " + std::to_string(pose.y_m) + ")";
 }
 
@@ -31,8 +31,8 @@ std::optional<Error> check_joint(const Circuit::Part& before, const Circuit::Par
   const double apart_m = distance(end, start);
   if (!(apart_m <= gap_m)) {
     return Error{"circuit.gap",
-                 "'" + before.name + "' ends at " + place_text(end) + " but '" + after.name + "' starts at " +
-                     place_text(start) + ", " + metres(apart_m) + " away; expected at most " + metres(gap_m),
+                 "'" + before.name + "' ends at " + position_text(end) + " but '" + after.name + "' starts at " +
+                     position_text(start) + ", " + metres(apart_m) + " away; expected at most " + metres(gap_m),
                  before.name};
   }
   const double turned_rad = std::fabs(wrap_angle(start.heading_rad - end.heading_rad));
@@ -116,13 +116,13 @@ Circuit::Located Circuit::locate(Point2 p, std::optional<double> heading_rad) co
     if (id == last) return;
     last = id;
     const Section::Nearest near = section(id).nearest(p);
-    if (near.distance_m > best.distance_m || (near.distance_m == best.distance_m && id >= best.place.section)) return;
+    if (near.distance_m > best.distance_m || (near.distance_m == best.distance_m && id >= best.position.section)) return;
     if (heading_rad && !(std::fabs(wrap_angle(section(id).heading_at(near.s_m) - *heading_rad)) <= aligned_rad)) return;
     best = {{id, near.s_m}, near.left_m, near.distance_m};
   };
   if (heading_rad) {
     survey_neighbours(p, headings_near(*heading_rad, aligned_rad), best.distance_m, look);
-    if (best.place.section != no_section) return best;
+    if (best.position.section != no_section) return best;
     heading_rad.reset();
     last = no_section;
   }
@@ -134,16 +134,16 @@ void Circuit::near(Point2 p, double within_m, std::vector<Located>& out) const {
   out.clear();
   survey_neighbours(p, every_heading, within_m, [&](SectionId id) { out.push_back({{id, 0.0}, 0.0, 0.0}); });
   std::sort(out.begin(), out.end(),
-            [](const Located& a, const Located& b) { return a.place.section < b.place.section; });
-  const auto same = [](const Located& a, const Located& b) { return a.place.section == b.place.section; };
+            [](const Located& a, const Located& b) { return a.position.section < b.position.section; });
+  const auto same = [](const Located& a, const Located& b) { return a.position.section == b.position.section; };
   out.erase(std::unique(out.begin(), out.end(), same), out.end());
   for (Located& located : out) {
-    const Section::Nearest near = section(located.place.section).nearest(p);
-    located = {{located.place.section, near.s_m}, near.left_m, near.distance_m};
+    const Section::Nearest near = section(located.position.section).nearest(p);
+    located = {{located.position.section, near.s_m}, near.left_m, near.distance_m};
   }
   std::erase_if(out, [&](const Located& located) { return !(located.distance_m <= within_m); });
   std::sort(out.begin(), out.end(), [](const Located& a, const Located& b) {
-    return a.distance_m != b.distance_m ? a.distance_m < b.distance_m : a.place.section < b.place.section;
+    return a.distance_m != b.distance_m ? a.distance_m < b.distance_m : a.position.section < b.position.section;
   });
 }
 
@@ -152,7 +152,7 @@ double Circuit::turn_at(SectionId from, SectionId to) const {
   return std::fabs(turned_rad) <= smooth_rad ? 0.0 : turned_rad;
 }
 
-Place Circuit::advance(Place from, double distance_m, std::span<const SectionId> coming,
+TrackPosition Circuit::advance(TrackPosition from, double distance_m, std::span<const SectionId> coming,
                        std::span<const SectionId> gone) const {
   COSIVA_EXPECT(from.section < parts_.size() && std::isfinite(distance_m));
   double s = std::clamp(from.s_m, 0.0, section(from.section).length_m()) + distance_m;
@@ -171,7 +171,7 @@ Place Circuit::advance(Place from, double distance_m, std::span<const SectionId>
   return {id, std::clamp(s, 0.0, section(id).length_m())};
 }
 
-std::optional<double> Circuit::distance_ahead(Place from, Place to, double limit_m,
+std::optional<double> Circuit::distance_ahead(TrackPosition from, TrackPosition to, double limit_m,
                                               std::span<const SectionId> coming) const {
   COSIVA_EXPECT(from.section < parts_.size() && to.section < parts_.size());
   const auto within = [limit_m](double d_m) { return d_m <= limit_m ? std::optional{d_m} : std::nullopt; };
@@ -188,7 +188,7 @@ std::optional<double> Circuit::distance_ahead(Place from, Place to, double limit
   return std::nullopt;
 }
 
-std::optional<Circuit::Way> Circuit::shortest_way(Place from, Place to, double limit_m) const {
+std::optional<Circuit::Way> Circuit::shortest_way(TrackPosition from, TrackPosition to, double limit_m) const {
   COSIVA_EXPECT(from.section < parts_.size() && to.section < parts_.size());
   if (from.section == to.section && to.s_m >= from.s_m) {
     if (to.s_m - from.s_m > limit_m) return std::nullopt;

@@ -19,10 +19,10 @@ using SectionId = std::uint32_t;  ///< index into the circuit's sections
 inline constexpr SectionId no_section = ~SectionId{0};
 
 /// A place on a circuit: arc length s along a section.
-struct Place {
+struct TrackPosition {
   SectionId section{no_section};
   double s_m{};
-  friend bool operator==(const Place&, const Place&) = default;
+  friend bool operator==(const TrackPosition&, const TrackPosition&) = default;
 };
 
 /// A directed graph of sections (DESIGN §4.3). The article's closed circuit is a ring.
@@ -58,12 +58,12 @@ class Circuit {
   [[nodiscard]] double turn_at(SectionId from, SectionId to) const;
   static constexpr double smooth_rad = 1e-3;
 
-  [[nodiscard]] Pose2 pose_at(Place place) const { return section(place.section).pose_at(place.s_m); }
+  [[nodiscard]] Pose2 pose_at(TrackPosition position) const { return section(position.section).pose_at(position.s_m); }
 
   /// The place nearest to p over all sections; `heading_rad` (if given) breaks ties where sections cross: only those
   /// within π/3 of it count, unless none is. Of several equally near the lowest id.
   struct Located {
-    Place place;
+    TrackPosition position;
     double left_m;
     double distance_m;
   };
@@ -74,12 +74,12 @@ class Circuit {
 
   /// The place `distance_m` ahead: through the sections of `coming`, in order, and from its end along default
   /// successors; stops at a dead end. Negative goes back through `gone`, its last first, then along `previous`.
-  [[nodiscard]] Place advance(Place from, double distance_m, std::span<const SectionId> coming = {},
+  [[nodiscard]] TrackPosition advance(TrackPosition from, double distance_m, std::span<const SectionId> coming = {},
                               std::span<const SectionId> gone = {}) const;
 
   /// Distance to travel forward from `from` to `to` through the sections of `coming`, which follow from.section, and
   /// from its end along default successors; nothing beyond `limit_m`.
-  [[nodiscard]] std::optional<double> distance_ahead(Place from, Place to, double limit_m,
+  [[nodiscard]] std::optional<double> distance_ahead(TrackPosition from, TrackPosition to, double limit_m,
                                                      std::span<const SectionId> coming = {}) const;
 
   /// The shortest way from one place to another over all branches; nothing beyond `limit_m`.
@@ -87,7 +87,7 @@ class Circuit {
     double length_m{};
     std::vector<SectionId> sections;  ///< from.section first, to.section last
   };
-  [[nodiscard]] std::optional<Way> shortest_way(Place from, Place to, double limit_m) const;
+  [[nodiscard]] std::optional<Way> shortest_way(TrackPosition from, TrackPosition to, double limit_m) const;
 
  private:
   std::string name_;

@@ -45,14 +45,14 @@ TEST(Circuit, with_two_sections_of_one_name_is_refused) {
       Circuit::make("bad", {part("a", section({}, 1.0)), part("b", section({}, 1.0)), part("a", section({}, 1.0))});
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().code, "circuit.duplicate");
-  EXPECT_EQ(made.error().place, "a");
+  EXPECT_EQ(made.error().location, "a");
 }
 
 TEST(Circuit, with_a_gap_is_refused_and_says_where_and_how_wide) {
   const auto made = Circuit::make("bad", {part("a", section({}, 1.0), {1}), part("b", section({1.0, 0.2, 0.0}, 1.0))});
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().code, "circuit.gap");
-  EXPECT_EQ(made.error().place, "a");
+  EXPECT_EQ(made.error().location, "a");
   EXPECT_THAT(made.error().message, HasSubstr("0.200000 m"));
 }
 
@@ -76,23 +76,23 @@ TEST(Circuit, followed_by_a_section_that_is_not_there_is_refused) {
 TEST(Circuit, advances_over_as_many_sections_as_the_distance_needs) {
   const Circuit circuit = track();
   const double lap_m = circuit.total_length_m();
-  const Place place = circuit.advance({0, 1.5}, 2.0 * lap_m + 1.0);
-  EXPECT_EQ(place.section, 1U);
-  EXPECT_NEAR(place.s_m, 0.5, 1e-12);
-  EXPECT_EQ(circuit.advance({0, 0.5}, 1.0), (Place{0, 1.5}));
+  const TrackPosition track_position = circuit.advance({0, 1.5}, 2.0 * lap_m + 1.0);
+  EXPECT_EQ(track_position.section, 1U);
+  EXPECT_NEAR(track_position.s_m, 0.5, 1e-12);
+  EXPECT_EQ(circuit.advance({0, 0.5}, 1.0), (TrackPosition{0, 1.5}));
 }
 
 TEST(Circuit, advances_backwards_too) {
   const Circuit circuit = track();
-  const Place place = circuit.advance({0, 0.5}, -1.0);
-  EXPECT_EQ(place.section, 3U);
-  EXPECT_NEAR(place.s_m, circuit.section(3).length_m() - 0.5, 1e-12);
+  const TrackPosition track_position = circuit.advance({0, 0.5}, -1.0);
+  EXPECT_EQ(track_position.section, 3U);
+  EXPECT_NEAR(track_position.s_m, circuit.section(3).length_m() - 0.5, 1e-12);
 }
 
 TEST(Circuit, stops_at_dead_ends) {
   const Circuit circuit = testing::circuit({part("only", section({}, 2.0))});
-  EXPECT_EQ(circuit.advance({0, 1.0}, 5.0), (Place{0, 2.0}));
-  EXPECT_EQ(circuit.advance({0, 1.0}, -5.0), (Place{0, 0.0}));
+  EXPECT_EQ(circuit.advance({0, 1.0}, 5.0), (TrackPosition{0, 2.0}));
+  EXPECT_EQ(circuit.advance({0, 1.0}, -5.0), (TrackPosition{0, 0.0}));
 }
 
 TEST(Circuit, distance_ahead_is_the_way_round) {
@@ -116,7 +116,7 @@ TEST(Circuit, distance_ahead_undoes_advance) {
   rc::check([&] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "circuit_test"};
     const auto id = static_cast<SectionId>(random.below(4));
-    const Place from{id, random.uniform(0.0, circuit.section(id).length_m())};
+    const TrackPosition from{id, random.uniform(0.0, circuit.section(id).length_m())};
     const double distance_m = random.uniform(0.0, 0.99) * circuit.total_length_m();
     const auto back = circuit.distance_ahead(from, circuit.advance(from, distance_m), 100.0);
     RC_ASSERT(back.has_value());
@@ -127,8 +127,8 @@ TEST(Circuit, distance_ahead_undoes_advance) {
 TEST(Circuit, locates_the_nearest_place_of_all_sections) {
   const Circuit circuit = track();
   const auto located = circuit.locate({1.0, 0.9});  // above the middle of the field: north is nearer
-  EXPECT_EQ(located.place.section, 2U);
-  EXPECT_NEAR(located.place.s_m, 1.0, 1e-12);
+  EXPECT_EQ(located.position.section, 2U);
+  EXPECT_NEAR(located.position.s_m, 1.0, 1e-12);
   EXPECT_NEAR(located.left_m, 0.1, 1e-12);  // north runs west, its left is the field
   EXPECT_NEAR(located.distance_m, 0.1, 1e-12);
 }
@@ -137,11 +137,11 @@ TEST(Circuit, locate_tells_crossing_ways_apart_by_heading) {
   const Circuit cross = testing::circuit(
       {part("east", section({-1.0, 0.0, 0.0}, 2.0)), part("north", section({0.0, -1.0, pi / 2.0}, 2.0))});
   const Point2 p{0.05, 0.02};
-  EXPECT_EQ(cross.locate(p).place.section, 0U);
-  EXPECT_EQ(cross.locate(p, 0.1).place.section, 0U);
-  EXPECT_EQ(cross.locate(p, pi / 2.0 - 0.5).place.section, 1U);
+  EXPECT_EQ(cross.locate(p).position.section, 0U);
+  EXPECT_EQ(cross.locate(p, 0.1).position.section, 0U);
+  EXPECT_EQ(cross.locate(p, pi / 2.0 - 0.5).position.section, 1U);
   // Against every way: then only distance counts.
-  EXPECT_EQ(cross.locate(p, -3.0 * pi / 4.0).place.section, 0U);
+  EXPECT_EQ(cross.locate(p, -3.0 * pi / 4.0).position.section, 0U);
 }
 
 TEST(Circuit, locates_every_place_where_it_is) {
@@ -152,7 +152,7 @@ TEST(Circuit, locates_every_place_where_it_is) {
     const Pose2 pose = circuit.pose_at({id, random.uniform(0.0, circuit.section(id).length_m())});
     const auto located = circuit.locate(position(pose), pose.heading_rad);
     RC_ASSERT(located.distance_m < 1e-12);
-    RC_ASSERT(distance(circuit.pose_at(located.place), pose) < 1e-9);
+    RC_ASSERT(distance(circuit.pose_at(located.position), pose) < 1e-9);
   });
 }
 
@@ -201,14 +201,14 @@ TEST(Circuit, refuses_a_kink_where_nobody_turns_on_the_spot_and_takes_it_where_t
 TEST(Circuit, advances_along_a_chosen_way_and_back_along_it) {
   const Circuit circuit = diamond();
   const SectionId right[] = {2, 3};
-  EXPECT_EQ(circuit.advance({0, 0.5}, 1.0), (Place{1, 0.5}));
-  EXPECT_EQ(circuit.advance({0, 0.5}, 1.0, right), (Place{2, 0.5}));
-  EXPECT_EQ(circuit.advance({0, 0.5}, 5.0, right), (Place{0, 0.5}));  // and on by default
+  EXPECT_EQ(circuit.advance({0, 0.5}, 1.0), (TrackPosition{1, 0.5}));
+  EXPECT_EQ(circuit.advance({0, 0.5}, 1.0, right), (TrackPosition{2, 0.5}));
+  EXPECT_EQ(circuit.advance({0, 0.5}, 5.0, right), (TrackPosition{0, 0.5}));  // and on by default
   const SectionId gone[] = {0, 2};
-  EXPECT_EQ(circuit.advance({3, 0.5}, -1.0), (Place{1, 0.5}));
-  EXPECT_EQ(circuit.advance({3, 0.5}, -1.0, {}, gone), (Place{2, 2.5}));
-  EXPECT_EQ(circuit.advance({3, 0.5}, -4.0, {}, gone), (Place{0, 0.5}));
-  EXPECT_EQ(circuit.advance({3, 0.5}, -5.0, {}, gone), (Place{3, 0.5}));  // beyond what is known: by default
+  EXPECT_EQ(circuit.advance({3, 0.5}, -1.0), (TrackPosition{1, 0.5}));
+  EXPECT_EQ(circuit.advance({3, 0.5}, -1.0, {}, gone), (TrackPosition{2, 2.5}));
+  EXPECT_EQ(circuit.advance({3, 0.5}, -4.0, {}, gone), (TrackPosition{0, 0.5}));
+  EXPECT_EQ(circuit.advance({3, 0.5}, -5.0, {}, gone), (TrackPosition{3, 0.5}));  // beyond what is known: by default
 }
 
 TEST(Circuit, measures_along_a_chosen_way) {

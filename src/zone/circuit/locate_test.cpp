@@ -45,9 +45,9 @@ Circuit::Located brute_force(const Circuit& circuit, Point2 p, std::optional<dou
     const Circuit::Located here{{id, nearest.s_m}, nearest.left_m, nearest.distance_m};
     if (here.distance_m < any.distance_m) any = here;
     if (!heading_rad || !(here.distance_m < aligned.distance_m)) continue;
-    if (std::fabs(wrap_angle(circuit.pose_at(here.place).heading_rad - *heading_rad)) <= pi / 3.0) aligned = here;
+    if (std::fabs(wrap_angle(circuit.pose_at(here.position).heading_rad - *heading_rad)) <= pi / 3.0) aligned = here;
   }
-  return aligned.place.section == no_section ? any : aligned;
+  return aligned.position.section == no_section ? any : aligned;
 }
 
 std::vector<Circuit::Located> brute_force_near(const Circuit& circuit, Point2 p, double within_m) {
@@ -61,7 +61,7 @@ std::vector<Circuit::Located> brute_force_near(const Circuit& circuit, Point2 p,
 }
 
 bool same(const Circuit::Located& a, const Circuit::Located& b) {
-  return a.place == b.place && a.left_m == b.left_m && a.distance_m == b.distance_m;
+  return a.position == b.position && a.left_m == b.left_m && a.distance_m == b.distance_m;
 }
 
 bool locates_exactly(const Circuit& circuit, Point2 p, double heading_rad, double within_m) {
@@ -128,10 +128,10 @@ TEST(Locate, gives_the_lowest_id_of_equally_near_sections) {
   for (int i = 0; i < 30; ++i)  // two lanes, each fifteen times
     parts.push_back(part("s" + std::to_string(i), section({0.0, i % 2 == 0 ? 1.0 : -1.0, 0.0}, 4.0)));
   const Circuit circuit = testing::circuit(std::move(parts));
-  EXPECT_EQ(circuit.locate({2.0, 0.5}).place, (Place{0, 2.0}));
-  EXPECT_EQ(circuit.locate({2.0, -0.5}).place, (Place{1, 2.0}));
-  EXPECT_EQ(circuit.locate({2.0, 0.0}).place, (Place{0, 2.0}));
-  EXPECT_EQ(circuit.locate({-1.0, 0.0}, 0.5).place, (Place{0, 0.0}));
+  EXPECT_EQ(circuit.locate({2.0, 0.5}).position, (TrackPosition{0, 2.0}));
+  EXPECT_EQ(circuit.locate({2.0, -0.5}).position, (TrackPosition{1, 2.0}));
+  EXPECT_EQ(circuit.locate({2.0, 0.0}).position, (TrackPosition{0, 2.0}));
+  EXPECT_EQ(circuit.locate({-1.0, 0.0}, 0.5).position, (TrackPosition{0, 0.0}));
 }
 
 TEST(Locate, passes_by_all_that_head_elsewhere_however_near) {
@@ -140,9 +140,9 @@ TEST(Locate, passes_by_all_that_head_elsewhere_however_near) {
     parts.push_back(part("north" + std::to_string(i), section({1.0 * i, 0.0, pi / 2.0}, 10.0)));
   parts.push_back(part("south", section({-500.0, 10.0, -pi / 2.0}, 10.0)));
   const Circuit circuit = testing::circuit(std::move(parts));
-  EXPECT_EQ(circuit.locate({150.2, 5.0}, 1.5).place.section, 150U);
-  EXPECT_EQ(circuit.locate({150.2, 5.0}, -1.5).place.section, 200U);
-  EXPECT_EQ(circuit.locate({150.2, 5.0}, 0.0).place.section, 150U);  // none heads east: then any will do
+  EXPECT_EQ(circuit.locate({150.2, 5.0}, 1.5).position.section, 150U);
+  EXPECT_EQ(circuit.locate({150.2, 5.0}, -1.5).position.section, 200U);
+  EXPECT_EQ(circuit.locate({150.2, 5.0}, 0.0).position.section, 150U);  // none heads east: then any will do
 }
 
 TEST(Locate, is_near_nothing_that_is_not_a_number) {
@@ -150,16 +150,16 @@ TEST(Locate, is_near_nothing_that_is_not_a_number) {
   std::vector<Circuit::Located> near{{}};
   circuit.near({std::nan(""), 0.0}, 1e6, near);
   EXPECT_THAT(near, IsEmpty());
-  EXPECT_EQ(circuit.locate({std::nan(""), 0.0}).place.section, no_section);
-  EXPECT_EQ(circuit.locate({1.0, 0.1}, std::nan("")).place.section, 0U);
+  EXPECT_EQ(circuit.locate({std::nan(""), 0.0}).position.section, no_section);
+  EXPECT_EQ(circuit.locate({1.0, 0.1}, std::nan("")).position.section, 0U);
 }
 
 TEST(Locate, locates_from_far_away_and_far_from_the_origin) {
   const Section far = section({1e6, -1e6, 0.3}, 5.0);
   const Circuit circuit = testing::circuit({part("near", section({}, 5.0)), part("far", far)});
-  EXPECT_EQ(circuit.locate({1e9, -1e9}).place.section, 1U);
+  EXPECT_EQ(circuit.locate({1e9, -1e9}).position.section, 1U);
   const auto located = circuit.locate(position(far.pose_at(2.5)), 0.3);
-  EXPECT_EQ(located.place.section, 1U);
+  EXPECT_EQ(located.position.section, 1U);
   EXPECT_LT(located.distance_m, 1e-9);
 }
 

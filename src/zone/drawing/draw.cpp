@@ -141,13 +141,13 @@ class Painter {
 
   void tags() {
     for (const Tag& tag : zone_.tags)
-      add(Shape::disc, "tag", {position(zone_.circuit.pose_at(tag.place))}, sizes_.tag_m,
+      add(Shape::disc, "tag", {position(zone_.circuit.pose_at(tag.position))}, sizes_.tag_m,
           "tag " + std::to_string(tag.number));
   }
 
   void stations() {
     for (const Station& station : zone_.stations) {
-      const Pose2 X_MP = zone_.circuit.pose_at(station.place);
+      const Pose2 X_MP = zone_.circuit.pose_at(station.position);
       const double h = sizes_.station_m;
       // A charger stands on its corner.
       const double r = 1.4 * h;
@@ -216,9 +216,9 @@ void write_metadata(JsonWriter& json, const TrafficZone& zone) {
   }
   json.end_array().key("tags").begin_array();
   for (const Tag& tag : zone.tags) {
-    const Pose2 pose = zone.circuit.pose_at(tag.place);
-    json.begin_object().field("number", tag.number).field("section", zone.circuit.part(tag.place.section).name);
-    json.field("s", tag.place.s_m).field("x", pose.x_m).field("y", pose.y_m).end_object();
+    const Pose2 pose = zone.circuit.pose_at(tag.position);
+    json.begin_object().field("number", tag.number).field("section", zone.circuit.part(tag.position.section).name);
+    json.field("s", tag.position.s_m).field("x", pose.x_m).field("y", pose.y_m).end_object();
   }
   json.end_array().key("beacons");
   if (!zone.beacons) {
@@ -235,16 +235,16 @@ void write_metadata(JsonWriter& json, const TrafficZone& zone) {
 void write_goals(JsonWriter& json, const TrafficZone& zone) {
   json.key("stations").begin_array();
   for (const Station& station : zone.stations) {
-    const Pose2 pose = zone.circuit.pose_at(station.place);
+    const Pose2 pose = zone.circuit.pose_at(station.position);
     json.begin_object().field("name", station.name).field("kind", kind_name(station.kind));
     json.field("x", pose.x_m).field("y", pose.y_m);
-    json.field("section", zone.circuit.part(station.place.section).name).field("s", station.place.s_m).end_object();
+    json.field("section", zone.circuit.part(station.position.section).name).field("s", station.position.s_m).end_object();
   }
   json.end_array().key("loops").begin_array();
   for (const Loop& loop : zone.loops) json.value(loop.name);
   json.end_array().key("diagnostics").begin_array();
   for (const Diagnostic& diagnostic : zone.diagnostics) {
-    json.begin_object().field("kind", to_string(diagnostic.kind)).field("location", diagnostic.place);
+    json.begin_object().field("kind", to_string(diagnostic.kind)).field("location", diagnostic.location);
     json.field("text", diagnostic.text).end_object();
   }
   json.end_array();

@@ -114,8 +114,8 @@ TEST(Draw, points_one_arrow_along_each_section) {
     ++arrows;
     const Circuit::Located tip = zone.circuit.locate(primitive.points[0], primitive.heading_rad);
     const Circuit::Located notch = zone.circuit.locate(primitive.points[2], primitive.heading_rad);
-    EXPECT_EQ(tip.place.section, notch.place.section);
-    EXPECT_GT(tip.place.s_m, notch.place.s_m);
+    EXPECT_EQ(tip.position.section, notch.position.section);
+    EXPECT_GT(tip.position.s_m, notch.position.s_m);
   }
   EXPECT_EQ(arrows, 8U);
   EXPECT_THAT(names,
@@ -223,10 +223,10 @@ TEST(Draw, flags_each_position_to_turn_on_the_spot_once) {
   Circuit::Part d = testing::part("d", testing::section({1.0, -1.0, pi / 2.0}, 1.0), {2});
   a.pivots = d.pivots = true;
   const TrafficZone zone{"p", testing::circuit({a, b, c, d}), {}, {}, {}, {}, {}, {}, {}, {}};
-  std::vector<Point2> places;
+  std::vector<Point2> positions;
   for (const Primitive& primitive : draw(zone))
-    if (primitive.layer == "pivot") places.push_back(primitive.points.front());
-  EXPECT_THAT(places, ::testing::ElementsAre(Point2{1.0, 0.0}));
+    if (primitive.layer == "pivot") positions.push_back(primitive.points.front());
+  EXPECT_THAT(positions, ::testing::ElementsAre(Point2{1.0, 0.0}));
 }
 
 TEST(Draw, of_a_vast_zone_stays_small) {

@@ -17,29 +17,29 @@ constexpr double origin_max_m = 1e6;
 
 std::string name_of(TagNumber number) { return "tag " + std::to_string(number); }
 
-bool same(const Place& a, const Place& b) { return a.section == b.section && a.s_m == b.s_m; }
+bool same(const TrackPosition& a, const TrackPosition& b) { return a.section == b.section && a.s_m == b.s_m; }
 
 std::optional<Error> remove_tag(TrafficZone& zone, TagNumber number) {
   if (zone.tags.erase_if([&](const Tag& tag) { return tag.number == number; }) > 0) return std::nullopt;
   return Error{"edit.tag", "there is no " + name_of(number) + " to take away", name_of(number)};
 }
 
-std::optional<Error> set_tag(TrafficZone& zone, const ZoneEdit::TagPlace& set) {
+std::optional<Error> set_tag(TrafficZone& zone, const ZoneEdit::TagPosition& set) {
   if (set.number < 1 || set.number > tag_number_max)
     return Error{"edit.number", "a tag's number goes from 1 to 4000000000", name_of(set.number)};
-  if (set.place.section >= zone.circuit.size())
+  if (set.position.section >= zone.circuit.size())
     return Error{"edit.section", "name a section of this zone for the tag", name_of(set.number)};
-  const double length_m = zone.circuit.section(set.place.section).length_m();
-  if (!(set.place.s_m >= 0.0 && set.place.s_m <= length_m))
+  const double length_m = zone.circuit.section(set.position.section).length_m();
+  if (!(set.position.s_m >= 0.0 && set.position.s_m <= length_m))
     return Error{"edit.position",
-                 "give the metres along '" + zone.circuit.part(set.place.section).name + "' from 0 to its length, " +
+                 "give the metres along '" + zone.circuit.part(set.position.section).name + "' from 0 to its length, " +
                      metres_text(length_m),
                  name_of(set.number)};
-  const Place place = place_as_written(zone.circuit, set.place);
+  const TrackPosition position = position_as_written(zone.circuit, set.position);
   if (const Tag* tag = zone.find_tag(set.number))
-    zone.tags.replace(static_cast<std::size_t>(tag - zone.tags.data()), {set.number, place});
+    zone.tags.replace(static_cast<std::size_t>(tag - zone.tags.data()), {set.number, position});
   else
-    zone.tags.push_back({set.number, place});
+    zone.tags.push_back({set.number, position});
   return std::nullopt;
 }
 
@@ -173,13 +173,13 @@ bool same_ways(const TrafficZone& a, const TrafficZone& b) {
          same_profile(a.profiles.fast, b.profiles.fast) &&
          std::equal(a.crossings.begin(), a.crossings.end(), b.crossings.begin(), b.crossings.end(), same_crossing) &&
          std::equal(a.waypoints.begin(), a.waypoints.end(), b.waypoints.begin(), b.waypoints.end(),
-                    [](const Waypoint& x, const Waypoint& y) { return x.id == y.id && same(x.place, y.place); });
+                    [](const Waypoint& x, const Waypoint& y) { return x.id == y.id && same(x.position, y.position); });
 }
 
 std::optional<std::string> difference(const TrafficZone& wanted, const TrafficZone& found) {
-  const auto same_tag = [](const Tag& x, const Tag& y) { return x.number == y.number && same(x.place, y.place); };
+  const auto same_tag = [](const Tag& x, const Tag& y) { return x.number == y.number && same(x.position, y.position); };
   const auto same_station = [](const Station& x, const Station& y) {
-    return x.name == y.name && x.kind == y.kind && same(x.place, y.place);
+    return x.name == y.name && x.kind == y.kind && same(x.position, y.position);
   };
   const auto same_loop = [](const Loop& x, const Loop& y) { return x.name == y.name && x.sections == y.sections; };
   if (!same_ways(wanted, found)) return "its ways are others";

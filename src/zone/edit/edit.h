@@ -15,11 +15,11 @@ namespace cosiva::zone {
 /// What an operator may change of a zone while it runs (A5): its tags, where its beacons lie (A21), the priorities
 /// between AIVs. Never the ways themselves.
 struct ZoneEdit {
-  struct TagPlace {
+  struct TagPosition {
     TagNumber number;
-    Place place;
+    TrackPosition position;
   };
-  std::vector<TagPlace> set_tags;  ///< puts a new tag, or moves the one with this number
+  std::vector<TagPosition> set_tags;  ///< puts a new tag, or moves the one with this number
   std::vector<TagNumber> remove_tags;
   std::optional<double> beacon_pitch_m;
   std::vector<std::pair<std::string, std::int32_t>> set_priorities;  ///< "CoSiVA/AIV1" → 0…999; 0 takes it out

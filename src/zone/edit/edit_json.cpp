@@ -43,8 +43,8 @@ class Reader {
                                                          "beaconPitch", "beacons",  "priorities"};
 
   /// The first fault stays.
-  void fault(std::string code, std::string message, std::string place) {
-    if (!error_) error_ = Error{std::move(code), std::move(message), std::move(place)};
+  void fault(std::string code, std::string message, std::string position) {
+    if (!error_) error_ = Error{std::move(code), std::move(message), std::move(position)};
   }
 
   void check_keys() {
@@ -78,22 +78,22 @@ class Reader {
       if (moved && !there) return fault("edit.tag", "there is no " + name + " to move; add it", name);
       if (!moved && there)
         return fault("edit.tag", name + " is already there; move it, or choose another number", name);
-      if (const auto place = read_place(tag, name)) edit_.set_tags.push_back({*number, *place});
+      if (const auto position = read_position(tag, name)) edit_.set_tags.push_back({*number, *position});
     }
   }
 
-  [[nodiscard]] std::optional<Place> read_place(const JsonValue& tag, const std::string& name) {
+  [[nodiscard]] std::optional<TrackPosition> read_position(const JsonValue& tag, const std::string& name) {
     const auto section = tag.text("section");
     const auto s_m = tag.number("s");
     const auto x_m = tag.number("x");
     const auto y_m = tag.number("y");
     if (section && s_m) {
       const auto id = zone_.circuit.find(*section);
-      if (id) return Place{*id, *s_m};
+      if (id) return TrackPosition{*id, *s_m};
       fault("edit.section", "the zone has no section '" + section->substr(0, 64) + "'; use one of its names", name);
     } else if (x_m && y_m && std::isfinite(*x_m) && std::isfinite(*y_m)) {
       const auto located = zone_.circuit.locate({*x_m, *y_m});
-      if (located.distance_m <= off_way_max_m) return located.place;
+      if (located.distance_m <= off_way_max_m) return located.position;
       fault("edit.position",
             "this is " + metres_text(located.distance_m) + " m from the nearest way; put the tag within 0.30 m of one",
             name);

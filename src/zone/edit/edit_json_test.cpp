@@ -40,8 +40,8 @@ TEST(ZoneEditJson, puts_a_tag_at_the_nearest_place_of_the_circuit) {
   ASSERT_TRUE(edit) << to_string(edit.error());
   ASSERT_THAT(edit->set_tags, SizeIs(1));
   EXPECT_EQ(edit->set_tags[0].number, 40U);
-  EXPECT_EQ(edit->set_tags[0].place.section, zone.circuit.find("east"));
-  EXPECT_NEAR(edit->set_tags[0].place.s_m, 1.10, 1e-9);
+  EXPECT_EQ(edit->set_tags[0].position.section, zone.circuit.find("east"));
+  EXPECT_NEAR(edit->set_tags[0].position.s_m, 1.10, 1e-9);
 }
 
 TEST(ZoneEditJson, reads_everything_that_an_edit_may_hold) {

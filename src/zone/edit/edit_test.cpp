@@ -31,7 +31,7 @@ std::string edited_text(const std::string& text, const ZoneEdit& edit) {
 // The file's text
 // ---------------------------------------------------------------------------------------------------------
 
-constexpr Place at_a(double s_m) { return {0, s_m}; }
+constexpr TrackPosition at_a(double s_m) { return {0, s_m}; }
 
 TEST(ZoneEdit, moves_a_tag_by_its_two_values_alone) {
   const std::string before = straight + R"(
@@ -234,7 +234,7 @@ TEST(ZoneEdit, rounds_no_tag_off_its_section) {
   const double length_m = zone.circuit.section(loop).length_m();  // 0.6 m · 3π/2 = 2.82743… m
   const auto after = edited(lacet4_file(), {{{50, {loop, length_m}}}, {}, {}, {}});
   ASSERT_TRUE(after) << to_string(after.error());
-  EXPECT_EQ(parsed(*after).find_tag(50)->place, (Place{loop, 2.8274}));
+  EXPECT_EQ(parsed(*after).find_tag(50)->position, (TrackPosition{loop, 2.8274}));
 }
 
 // Same ways
@@ -287,7 +287,7 @@ TEST(Priorities, that_make_no_sense_are_refused_with_their_line) {
     const auto zone = testing::read_zone(straight + "[priorities]\n" + bad + "\n");
     ASSERT_FALSE(zone) << bad;
     EXPECT_EQ(zone.error().code, "zone.field") << bad;
-    EXPECT_THAT(zone.error().place, HasSubstr("test.toml:8: priorities.")) << bad;
+    EXPECT_THAT(zone.error().location, HasSubstr("test.toml:8: priorities.")) << bad;
   }
 }
 
@@ -303,11 +303,11 @@ std::vector<std::string> comments(const std::string& text) {
 }
 
 /// One edit that fits a zone with these tags, as an operator might click it together.
-ZoneEdit arbitrary_edit(const TrafficZone& zone, const std::map<TagNumber, Place>& tags) {
-  const auto place = [&] {
+ZoneEdit arbitrary_edit(const TrafficZone& zone, const std::map<TagNumber, TrackPosition>& tags) {
+  const auto position = [&] {
     const auto section = *rc::gen::inRange<SectionId>(0, static_cast<SectionId>(zone.circuit.size()));
     const double ratio = *rc::gen::inRange(0, 1001) * 1e-3;
-    return Place{section, ratio * zone.circuit.section(section).length_m()};
+    return TrackPosition{section, ratio * zone.circuit.section(section).length_m()};
   };
   ZoneEdit edit;
   std::set<TagNumber> used;
@@ -316,7 +316,7 @@ ZoneEdit arbitrary_edit(const TrafficZone& zone, const std::map<TagNumber, Place
     const auto kind = *rc::gen::inRange(0, 5);
     const TagNumber number = *rc::gen::inRange<TagNumber>(1, 30);
     const bool fresh = used.insert(number).second;
-    if (kind <= 1 && fresh) edit.set_tags.push_back({number, place()});
+    if (kind <= 1 && fresh) edit.set_tags.push_back({number, track_position()});
     if (kind == 2 && fresh && tags.count(number) > 0) edit.remove_tags.push_back(number);
     if (kind == 3) edit.beacon_pitch_m = *rc::gen::inRange(50, 1000) * 1e-3;
     if (kind == 4 && edit.set_priorities.empty())
@@ -332,9 +332,9 @@ TEST(ZoneEdit, of_any_kind_in_any_order_leaves_just_what_was_wanted_and_every_co
   const auto logged = comments(start.text);
   EXPECT_TRUE(rc::check([&] {
     ZoneConfiguration now = start;
-    std::map<TagNumber, Place> tags;
+    std::map<TagNumber, TrackPosition> tags;
     std::map<std::string, std::int32_t> priorities;
-    for (const Tag& tag : first.tags) tags[tag.number] = tag.place;
+    for (const Tag& tag : first.tags) tags[tag.number] = tag.position;
     double pitch_m = first.beacons->pitch_m;
     const int edits = *rc::gen::inRange(1, 4);
     for (int i = 0; i < edits; ++i) {
@@ -343,7 +343,7 @@ TEST(ZoneEdit, of_any_kind_in_any_order_leaves_just_what_was_wanted_and_every_co
       if (!after) RC_FAIL(to_string(after.error()));
       now = *after;
       for (const TagNumber number : edit.remove_tags) tags.erase(number);
-      for (const auto& [number, place] : edit.set_tags) tags[number] = place;
+      for (const auto& [number, position] : edit.set_tags) tags[number] = position;
       for (const auto& [vehicle, priority] : edit.set_priorities) {
         priorities.erase(vehicle);
         if (priority > 0) priorities[vehicle] = priority;
@@ -354,8 +354,8 @@ TEST(ZoneEdit, of_any_kind_in_any_order_leaves_just_what_was_wanted_and_every_co
     RC_ASSERT(last.tags.size() == tags.size());
     for (const Tag& tag : last.tags) {
       RC_ASSERT(tags.count(tag.number) == 1U);
-      RC_ASSERT(tag.place.section == tags[tag.number].section);
-      RC_ASSERT(std::fabs(tag.place.s_m - tags[tag.number].s_m) <= 1e-4);  // 4 decimals, down at a section's end
+      RC_ASSERT(tag.position.section == tags[tag.number].section);
+      RC_ASSERT(std::fabs(tag.position.s_m - tags[tag.number].s_m) <= 1e-4);  // 4 decimals, down at a section's end
     }
     RC_ASSERT(
         (last.priorities == std::vector<std::pair<std::string, std::int32_t>>(priorities.begin(), priorities.end())));

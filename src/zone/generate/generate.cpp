@@ -126,7 +126,7 @@ class Plant {
   void write_ways(std::string& out) const;
   void write_spots(std::string& out) const;
   void write_loops(std::string& out) const;
-  void write_place(std::string& out, const Spot& spot) const;
+  void write_position(std::string& out, const Spot& spot) const;
 
   const PlantOptions& options_;
   Scale scale_;
@@ -421,24 +421,24 @@ void Plant::write_ways(std::string& out) const {
   }
 }
 
-void Plant::write_place(std::string& out, const Spot& spot) const {
+void Plant::write_position(std::string& out, const Spot& spot) const {
   out.append("section = \"").append(ways_[spot.way].name).append("\"\ns_m = ").append(text_of(spot.s_m)).append("\n");
 }
 
 void Plant::write_spots(std::string& out) const {
   for (std::size_t i = 0; i < tags_.size(); ++i) {
     out.append("\n[[tag]]\nnumber = ").append(std::to_string(i + 1)).append("\n");
-    write_place(out, tags_[i]);
+    write_position(out, tags_[i]);
   }
   for (const Stop& stop : stops_) {
     out.append("\n[[station]]\nname = \"").append(stop.charger ? "charger " : "bay ").append(stop.name);
     out.append(stop.charger ? "\"\nkind = \"charger\"\n" : "\"\nkind = \"stop\"\n");
-    write_place(out, stop.spot);
+    write_position(out, stop.spot);
   }
   const std::size_t starts = std::min<std::size_t>(options_.starts, stops_.size());
   for (std::size_t i = 0; i < starts; ++i) {
     out.append("\n[[start]]\n");
-    write_place(out, stops_[i * stops_.size() / starts].spot);
+    write_position(out, stops_[i * stops_.size() / starts].spot);
   }
 }
 

@@ -49,8 +49,8 @@ void expect_good(const TrafficZone& zone) {
   EXPECT_EQ(reached(circuit, [&](SectionId id) { return circuit.next(id); }), circuit.size());
   EXPECT_EQ(reached(circuit, [&](SectionId id) { return circuit.previous(id); }), circuit.size());
   for (const Station& station : zone.stations) {
-    EXPECT_TRUE(zone.may_stand(station.place)) << station.name;
-    EXPECT_EQ(zone.crossing_at(station.place), nullptr) << station.name;
+    EXPECT_TRUE(zone.may_stand(station.position)) << station.name;
+    EXPECT_EQ(zone.crossing_at(station.position), nullptr) << station.name;
   }
   for (const Loop& loop : zone.loops) {
     for (std::size_t i = 0; i < loop.sections.size(); ++i) {
@@ -66,7 +66,7 @@ TEST(GeneratedPlant, is_by_default_a_thousand_sections_and_more_and_all_of_it_ca
   expect_good(zone);
   EXPECT_EQ(zone.loops.size(), 4U);
   EXPECT_EQ(zone.starts.size(), 12U);
-  EXPECT_EQ(zone.start_places(12).size(), 12U);
+  EXPECT_EQ(zone.start_positions(12).size(), 12U);
   const auto chargers = std::count_if(zone.stations.begin(), zone.stations.end(),
                                       [](const Station& station) { return station.kind == StationKind::charger; });
   EXPECT_EQ(chargers, 8);
@@ -118,7 +118,7 @@ TEST(GeneratedPlant, routes_from_any_station_to_any_other) {
   const TrafficZone zone = zone_of({.rows = 2, .aisles = 3, .bays = 2});
   const Router router{zone};
   for (const Station& from : zone.stations) {
-    for (const Station& to : zone.stations) EXPECT_TRUE(router.plan(from.place, to.place)) << from.name << to.name;
+    for (const Station& to : zone.stations) EXPECT_TRUE(router.plan(from.position, to.position)) << from.name << to.name;
   }
   EXPECT_TRUE(std::ranges::all_of(router.goes_on_for_ever(), [](bool ever) { return ever; }));
 }

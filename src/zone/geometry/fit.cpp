@@ -22,7 +22,7 @@ constexpr double simple_ratio = 0.01;
 // Joints this close need no correction: the next piece begins where the curve does, not where the last one ended.
 constexpr double joint_exact = 5e-10;
 
-std::string place_text(const Pose2& pose) {
+std::string position_text(const Pose2& pose) {
   return "(" + std::to_string(pose.x_m) + ", " + std::to_string(pose.y_m) + ")";
 }
 
@@ -137,7 +137,7 @@ class Fitter {
 
 void Fitter::stop(const Pose2& at, std::string what) {
   if (error_) return;
-  error_ = Error{"fit.curve", "the curve " + std::move(what) + " near " + place_text(at), ""};
+  error_ = Error{"fit.curve", "the curve " + std::move(what) + " near " + position_text(at), ""};
 }
 
 /// How far to both sides of a kink its rounding reaches: a fillet with tangents this long misses the corner by

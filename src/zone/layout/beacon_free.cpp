@@ -13,7 +13,7 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double sagitta_max_m = 1e-4;
 /// A beacon just at a joint belongs to both of its sides, whatever rounding says.
-constexpr double same_place_m = 1e-9;
+constexpr double same_position_m = 1e-9;
 /// Chords looked at in a whole search, about a second's work.
 constexpr double work_max = 2e7;
 constexpr std::size_t searched_chords_max = 200'000;
@@ -51,7 +51,7 @@ class Ways {
   static constexpr double unknown = -1.0;
   static constexpr double open = -2.0;  // on the way that is being followed
 
-  void record(double length_m, Place from, Place to) {
+  void record(double length_m, TrackPosition from, TrackPosition to) {
     if (length_m > longest_.length_m) longest_ = {length_m, from, to, false};
   }
 
@@ -106,7 +106,7 @@ class Ways {
     longest_ = {length_m, {first, 0.0}, {last, circuit_.section(last).length_m()}, true};
   }
 
-  [[nodiscard]] Place end_of_way(SectionId id) const {
+  [[nodiscard]] TrackPosition end_of_way(SectionId id) const {
     while (reads_[id].s_m.empty()) {
       if (via_[id] == no_section) return {id, circuit_.section(id).length_m()};
       id = via_[id];
@@ -211,11 +211,11 @@ class Chords {
   void read_beacon(SectionId id, std::size_t index, Point2 beacon, std::vector<double>& s_m) const {
     const Chord& chord = chords_[index];
     double at_m = along_m(chord, beacon);
-    if (at_m < -same_place_m) {
+    if (at_m < -same_position_m) {
       const bool turns_here = index > begin_[id] && along_m(chords_[index - 1], beacon) > chords_[index - 1].length_m;
       const bool begins_here = index == begin_[id] && circuit_.previous(id).empty();
       if (!turns_here && !begins_here) return;
-    } else if (at_m > chord.length_m + same_place_m) {
+    } else if (at_m > chord.length_m + same_position_m) {
       const bool ends_here = index + 1 == begin_[id + 1] && (circuit_.next(id).empty() || circuit_.part(id).pivots);
       if (!ends_here) return;
     }
@@ -302,7 +302,7 @@ class Search {
 
 /// Beside what is read of beacons already.
 void read_tags(const TrafficZone& zone, std::vector<Reads>& reads) {
-  for (const Tag& tag : zone.tags) reads[tag.place.section].s_m.push_back(tag.place.s_m);
+  for (const Tag& tag : zone.tags) reads[tag.position.section].s_m.push_back(tag.position.s_m);
   for (Reads& one : reads) std::sort(one.s_m.begin(), one.s_m.end());
 }
 

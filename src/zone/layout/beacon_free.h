@@ -12,8 +12,8 @@ inline constexpr double beacon_reach_m = 0.02;
 /// A way that a vehicle can take without news of where it is.
 struct Stretch {
   double length_m{};
-  Place from;  ///< where the last beacon was read, or where a way begins
-  Place to;
+  TrackPosition from;  ///< where the last beacon was read, or where a way begins
+  TrackPosition to;
   bool endless{false};  ///< it is a round, and one can drive on it for ever; `length_m` is once round
 };
 

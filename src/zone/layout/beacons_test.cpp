@@ -94,7 +94,7 @@ TEST(BeaconFree, names_the_places_between_which_it_lies) {
   EXPECT_NEAR(longest_beacon_free(zone).length_m, 4.0, 1e-9);
   zone.beacons = BeaconGrid{4.0, {4.5, 0.0}, 1, 1};
   EXPECT_NEAR(longest_beacon_free(zone).length_m, 4.5, 1e-9);
-  EXPECT_EQ(longest_beacon_free(zone).from, (Place{0, 0.0}));
+  EXPECT_EQ(longest_beacon_free(zone).from, (TrackPosition{0, 0.0}));
 }
 
 TEST(BeaconFree, oblique_straight_meets_one_where_the_lattice_says) {
@@ -117,7 +117,7 @@ TEST(BeaconFree, runs_on_over_joints_to_the_worst_branch) {
   const Stretch longest = longest_beacon_free(zone);
   EXPECT_NEAR(longest.length_m, 4.0, 1e-6);
   EXPECT_EQ(longest.from.section, 0U);
-  EXPECT_EQ(longest.to, (Place{2, 3.0}));
+  EXPECT_EQ(longest.to, (TrackPosition{2, 3.0}));
 }
 
 TEST(BeaconFree, round_without_any_is_endless) {

@@ -118,7 +118,7 @@ bool ContactScan::grow(Contact& contact, double& nearest_square, const Task& tas
     if (square < nearest_square) {
       nearest_square = square;
       nearest_m = std::sqrt(square);
-      contact.place = {0.5 * (sample.p.x_m + body.p.x_m), 0.5 * (sample.p.y_m + body.p.y_m)};
+      contact.position = {0.5 * (sample.p.x_m + body.p.x_m), 0.5 * (sample.p.y_m + body.p.y_m)};
     }
   }
   return touched;

@@ -17,7 +17,7 @@ struct Contact {
   double to_m;
   double other_from_m;  ///< the part of the other centre line that is touched
   double other_to_m;
-  Point2 place;  ///< halfway between the two centre lines, where they are nearest
+  Point2 position;  ///< halfway between the two centre lines, where they are nearest
 };
 
 /// What find_crossings looks for, and what bounds it.

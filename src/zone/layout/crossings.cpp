@@ -42,7 +42,7 @@ class Grouping {
 
  private:
   void join_counterparts();
-  void join_places();
+  void join_positions();
   [[nodiscard]] bool runs_along(const Contact& contact) const;
   [[nodiscard]] Crossing crossing_of(const std::vector<std::size_t>& together) const;
   void response(std::vector<CrossingSpan>& spans, const std::vector<std::size_t>& together) const;
@@ -79,9 +79,9 @@ bool Grouping::runs_along(const Contact& contact) const {
   constexpr double same_point_m = 0.01;
   if (distance(on.start(), other.end()) < same_point_m && distance(on.end(), other.start()) < same_point_m) return true;
 
-  const double one_place_m = 2.0 * rules_.near_m;
+  const double one_position_m = 2.0 * rules_.near_m;
   const double length_m = contact.to_m - contact.from_m;
-  if (length_m <= one_place_m) return false;
+  if (length_m <= one_position_m) return false;
   constexpr std::size_t count = 9;
   std::array<double, count> apart_m{};
   for (std::size_t i = 0; i < count; ++i) {
@@ -93,14 +93,14 @@ bool Grouping::runs_along(const Contact& contact) const {
   const auto is_near = [near_m](double apart) { return apart <= near_m; };
   const auto first = std::find_if(apart_m.begin(), apart_m.end(), is_near) - apart_m.begin();
   const auto last = apart_m.rend() - std::find_if(apart_m.rbegin(), apart_m.rend(), is_near) - 1;
-  return length_m * static_cast<double>(last - first) / (count - 1) > one_place_m;
+  return length_m * static_cast<double>(last - first) / (count - 1) > one_position_m;
 }
 
 /// Contacts belong together when they lie at one place.
-void Grouping::join_places() {
-  const double one_place_m = 2.0 * rules_.near_m;
+void Grouping::join_positions() {
+  const double one_position_m = 2.0 * rules_.near_m;
   // Cells so small that all within one are at one place: however many lie there, they are joined in one pass.
-  const double cell_m = 0.7 * one_place_m;
+  const double cell_m = 0.7 * one_position_m;
   using Cell = std::pair<std::int64_t, std::int64_t>;
   const auto cell_of = [&](Point2 p) {
     return Cell{static_cast<std::int64_t>(std::floor(p.x_m / cell_m)),
@@ -109,7 +109,7 @@ void Grouping::join_places() {
   using Entry = std::pair<Cell, std::size_t>;
   std::vector<Entry> entries;
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
-    if (!runs_along(contacts_[i])) entries.emplace_back(cell_of(contacts_[i].place), i);
+    if (!runs_along(contacts_[i])) entries.emplace_back(cell_of(contacts_[i].position), i);
   }
   std::sort(entries.begin(), entries.end());
   const auto cell_from = [&](Cell cell) { return std::lower_bound(entries.begin(), entries.end(), Entry{cell, 0}); };
@@ -117,7 +117,7 @@ void Grouping::join_places() {
     if (b == b_end || groups_.find(a->second) == groups_.find(b->second)) return;
     for (; a != a_end; ++a) {
       for (auto at = b; at != b_end; ++at) {
-        if (distance(contacts_[a->second].place, contacts_[at->second].place) > one_place_m) continue;
+        if (distance(contacts_[a->second].position, contacts_[at->second].position) > one_position_m) continue;
         return groups_.join(a->second, at->second);
       }
     }
@@ -178,8 +178,8 @@ Crossing Grouping::crossing_of(const std::vector<std::size_t>& together) const {
   for (const std::size_t i : together) {
     const Contact& contact = contacts_[i];
     crossing.spans.push_back({contact.on, contact.from_m, contact.to_m});
-    crossing.centre.x_m += contact.place.x_m / static_cast<double>(together.size());
-    crossing.centre.y_m += contact.place.y_m / static_cast<double>(together.size());
+    crossing.centre.x_m += contact.position.x_m / static_cast<double>(together.size());
+    crossing.centre.y_m += contact.position.y_m / static_cast<double>(together.size());
   }
   unite(crossing.spans);
   response(crossing.spans, together);
@@ -188,7 +188,7 @@ Crossing Grouping::crossing_of(const std::vector<std::size_t>& together) const {
 
 std::vector<Crossing> Grouping::gather() {
   join_counterparts();
-  join_places();
+  join_positions();
   std::vector<std::vector<std::size_t>> members(contacts_.size());
   for (std::size_t i = 0; i < contacts_.size(); ++i) members[groups_.find(i)].push_back(i);
 

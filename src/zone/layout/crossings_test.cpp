@@ -36,21 +36,21 @@ double gap_between_bodies(const Pose2& X_MA, const Pose2& X_MB) {
   return std::min(outside(X_MA, X_MB), outside(X_MB, X_MA));
 }
 
-bool in_span(const Crossing& crossing, const Place& place) {
+bool in_span(const Crossing& crossing, const TrackPosition& position) {
   return std::any_of(crossing.spans.begin(), crossing.spans.end(), [&](const CrossingSpan& span) {
-    return span.section == place.section && span.from_m <= place.s_m && place.s_m <= span.to_m;
+    return span.section == position.section && span.from_m <= position.s_m && position.s_m <= span.to_m;
   });
 }
 
 /// Wherever two vehicles would touch that do not follow each other, one crossing has a span over both.
 void expect_every_touch_is_in_a_crossing(const Circuit& circuit, const std::vector<Crossing>& crossings) {
-  std::vector<std::pair<Place, Pose2>> places;
+  std::vector<std::pair<TrackPosition, Pose2>> positions;
   for (SectionId id = 0; id < circuit.size(); ++id) {
     for (double s = 0.0; s <= circuit.section(id).length_m(); s += 0.03)
-      places.emplace_back(Place{id, s}, circuit.pose_at({id, s}));
+      positions.emplace_back(TrackPosition{id, s}, circuit.pose_at({id, s}));
   }
-  for (const auto& [a, X_MA] : places) {
-    for (const auto& [b, X_MB] : places) {
+  for (const auto& [a, X_MA] : positions) {
+    for (const auto& [b, X_MB] : positions) {
       if (distance(X_MA, X_MB) > 0.25 || gap_between_bodies(X_MA, X_MB) > 0.0) continue;
       bool follows = false;
       for (const SectionId after : circuit.next(a.section))
@@ -208,10 +208,10 @@ Circuit net(const std::vector<Point2>& nodes, const std::vector<std::pair<std::s
   return testing::circuit(std::move(parts));
 }
 
-std::vector<std::string> crossings_over(const std::vector<Crossing>& crossings, const Place& place) {
+std::vector<std::string> crossings_over(const std::vector<Crossing>& crossings, const TrackPosition& position) {
   std::vector<std::string> names;
   for (const Crossing& crossing : crossings)
-    if (in_span(crossing, place)) names.push_back(crossing.name);
+    if (in_span(crossing, position)) names.push_back(crossing.name);
   return names;
 }
 

@@ -10,12 +10,12 @@ double rounded_m(double value_m) { return std::nearbyint(value_m * 1e4) / 1e4; }
 double rounded_deg(double angle_rad) { return rounded_m(angle_rad / rad_per_deg); }
 double rounded_rad(double angle_rad) { return rounded_deg(angle_rad) * rad_per_deg; }
 
-Place place_as_written(const Circuit& circuit, Place place) {
-  const double length_m = circuit.section(place.section).length_m();
-  place.s_m = rounded_m(place.s_m);
+TrackPosition position_as_written(const Circuit& circuit, TrackPosition position) {
+  const double length_m = circuit.section(position.section).length_m();
+  position.s_m = rounded_m(position.s_m);
   // Rounding must not lead off the section's end.
-  if (place.s_m > length_m) place.s_m = std::floor(length_m * 1e4) / 1e4;
-  return place;
+  if (position.s_m > length_m) position.s_m = std::floor(length_m * 1e4) / 1e4;
+  return position;
 }
 
 std::string metres_text(double value_m) {

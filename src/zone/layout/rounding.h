@@ -13,7 +13,7 @@ inline constexpr double rad_per_deg = pi / 180.0;
 /// A length rounded to 0.1 mm, the resolution of edits: finer than a tag can be placed.
 [[nodiscard]] double rounded_m(double value_m);
 /// The place with its s rounded, but still on the section.
-[[nodiscard]] Place place_as_written(const Circuit& circuit, Place place);
+[[nodiscard]] TrackPosition position_as_written(const Circuit& circuit, TrackPosition position);
 /// "1.4137", "0.20": what rounded_m leaves, with at least two decimals.
 [[nodiscard]] std::string metres_text(double value_m);
 

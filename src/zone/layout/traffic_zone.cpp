@@ -9,21 +9,21 @@
 namespace cosiva::zone {
 namespace {
 
-bool before(const Waypoint& waypoint, const Place& place) {
-  return waypoint.place.section != place.section ? waypoint.place.section < place.section
-                                                 : waypoint.place.s_m < place.s_m;
+bool before(const Waypoint& waypoint, const TrackPosition& track_position) {
+  return waypoint.position.section != track_position.section ? waypoint.position.section < track_position.section
+                                                 : waypoint.position.s_m < track_position.s_m;
 }
 
 // Two places this near on one section are the same place: what adding and taking away a few lengths may cost.
-constexpr double same_place_m = 1e-9;
+constexpr double same_position_m = 1e-9;
 
 /// The first waypoint of the default way after section `id`, none of whose own is left.
 std::size_t first_after(const TrafficZone& zone, SectionId id) {
   for (std::size_t steps = 0; steps < zone.circuit.size(); ++steps) {
     if (zone.circuit.next(id).empty()) break;
     id = zone.circuit.next(id).front();
-    const auto at = std::lower_bound(zone.waypoints.begin(), zone.waypoints.end(), Place{id, 0.0}, before);
-    if (at != zone.waypoints.end() && at->place.section == id)
+    const auto at = std::lower_bound(zone.waypoints.begin(), zone.waypoints.end(), TrackPosition{id, 0.0}, before);
+    if (at != zone.waypoints.end() && at->position.section == id)
       return static_cast<std::size_t>(at - zone.waypoints.begin());
   }
   return zone.waypoints.size();
@@ -76,36 +76,36 @@ std::string_view to_string(Diagnostic::Kind kind) {
   return "?";
 }
 
-const Crossing* TrafficZone::crossing_at(Place place) const {
+const Crossing* TrafficZone::crossing_at(TrackPosition track_position) const {
   const Crossing* first = nullptr;
-  for (const auto& entry : crossings.from(std::pair{place.section, -same_place_m})) {
+  for (const auto& entry : crossings.from(std::pair{track_position.section, -same_position_m})) {
     const Crossing& crossing = crossings[entry.position];
     const CrossingSpan& span = crossing.spans[entry.part];
-    if (span.section != place.section || span.from_m > place.s_m) break;
-    if (place.s_m <= span.to_m && (first == nullptr || &crossing < first)) first = &crossing;
+    if (span.section != track_position.section || span.from_m > track_position.s_m) break;
+    if (track_position.s_m <= span.to_m && (first == nullptr || &crossing < first)) first = &crossing;
   }
   return first;
 }
 
-std::size_t TrafficZone::waypoint_ahead(Place place) const {
-  COSIVA_EXPECT(place.section < circuit.size());
-  const Place from{place.section, place.s_m - same_place_m};
+std::size_t TrafficZone::waypoint_ahead(TrackPosition track_position) const {
+  COSIVA_EXPECT(track_position.section < circuit.size());
+  const TrackPosition from{track_position.section, track_position.s_m - same_position_m};
   const auto at = std::lower_bound(waypoints.begin(), waypoints.end(), from, before);
-  if (at != waypoints.end() && at->place.section == place.section)
+  if (at != waypoints.end() && at->position.section == track_position.section)
     return static_cast<std::size_t>(at - waypoints.begin());
-  return first_after(*this, place.section);
+  return first_after(*this, track_position.section);
 }
 
-std::size_t TrafficZone::waypoint_behind(Place place) const {
-  COSIVA_EXPECT(place.section < circuit.size());
-  SectionId id = place.section;
-  double s = place.s_m + same_place_m;
+std::size_t TrafficZone::waypoint_behind(TrackPosition track_position) const {
+  COSIVA_EXPECT(track_position.section < circuit.size());
+  SectionId id = track_position.section;
+  double s = track_position.s_m + same_position_m;
   for (std::size_t steps = 0; steps <= circuit.size(); ++steps) {
     // One past the last waypoint of `id` at or before s.
     const auto at = std::partition_point(waypoints.begin(), waypoints.end(), [&](const Waypoint& waypoint) {
-      return waypoint.place.section != id ? waypoint.place.section < id : waypoint.place.s_m <= s;
+      return waypoint.position.section != id ? waypoint.position.section < id : waypoint.position.s_m <= s;
     });
-    if (at != waypoints.begin() && (at - 1)->place.section == id)
+    if (at != waypoints.begin() && (at - 1)->position.section == id)
       return static_cast<std::size_t>(at - waypoints.begin()) - 1;
     if (circuit.previous(id).empty()) break;
     id = circuit.previous(id).front();
@@ -116,27 +116,27 @@ std::size_t TrafficZone::waypoint_behind(Place place) const {
 
 std::size_t TrafficZone::next_waypoint(std::size_t index) const {
   COSIVA_EXPECT(index < waypoints.size());
-  const SectionId section = waypoints[index].place.section;
-  if (index + 1 < waypoints.size() && waypoints[index + 1].place.section == section) return index + 1;
+  const SectionId section = waypoints[index].position.section;
+  if (index + 1 < waypoints.size() && waypoints[index + 1].position.section == section) return index + 1;
   return first_after(*this, section);
 }
 
-bool TrafficZone::may_stand(Place place) const {
-  COSIVA_EXPECT(place.section < circuit.size());
+bool TrafficZone::may_stand(TrackPosition track_position) const {
+  COSIVA_EXPECT(track_position.section < circuit.size());
   // A vehicle stands between a waypoint behind it and no crossing since.
-  SectionId id = place.section;
-  double s = place.s_m;
+  SectionId id = track_position.section;
+  double s = track_position.s_m;
   for (std::size_t steps = 0; steps <= circuit.size(); ++steps) {
     double span_m = -1.0;
-    for (const auto& entry : crossings.from(std::pair{id, -same_place_m})) {
+    for (const auto& entry : crossings.from(std::pair{id, -same_position_m})) {
       const CrossingSpan& span = crossings[entry.position].spans[entry.part];
       if (span.section != id || span.from_m > s) break;
       span_m = std::max(span_m, std::min(span.to_m, s));
     }
     double waypoint_m = -1.0;
-    for (auto at = std::lower_bound(waypoints.begin(), waypoints.end(), Place{id, 0.0}, before);
-         at != waypoints.end() && at->place.section == id && at->place.s_m <= s + same_place_m; ++at)
-      waypoint_m = at->place.s_m;
+    for (auto at = std::lower_bound(waypoints.begin(), waypoints.end(), TrackPosition{id, 0.0}, before);
+         at != waypoints.end() && at->position.section == id && at->position.s_m <= s + same_position_m; ++at)
+      waypoint_m = at->position.s_m;
     if (span_m >= 0.0 || waypoint_m >= 0.0) return waypoint_m > span_m;
     if (circuit.previous(id).empty()) return true;
     id = circuit.previous(id).front();
@@ -148,7 +148,7 @@ bool TrafficZone::may_stand(Place place) const {
 namespace {
 
 struct Spot {
-  Place place;
+  TrackPosition track_position;
   Point2 p;
 };
 
@@ -158,8 +158,8 @@ bool apart(const TrafficZone& zone, const Spot& a, const Spot& b) {
   const double apart_m = distance(a.p, b.p);
   if (apart_m >= room_m) return true;
   return apart_m > norm(zone.vehicle.length_m, zone.vehicle.width_m) &&
-         !zone.circuit.distance_ahead(a.place, b.place, room_m) &&
-         !zone.circuit.distance_ahead(b.place, a.place, room_m);
+         !zone.circuit.distance_ahead(a.position, b.position, room_m) &&
+         !zone.circuit.distance_ahead(b.position, a.position, room_m);
 }
 
 bool fits(const TrafficZone& zone, const Spot& spot, const std::vector<Spot>& taken) {
@@ -172,8 +172,8 @@ std::vector<Spot> spots(const TrafficZone& zone) {
   std::vector<Spot> found;
   for (SectionId id = 0; id < zone.circuit.size(); ++id) {
     for (double i = 0.0; i * step_m < zone.circuit.section(id).length_m(); i += 1.0) {
-      const Place place{id, i * step_m};
-      if (zone.may_stand(place)) found.push_back({place, position(zone.circuit.pose_at(place))});
+      const TrackPosition track_position{id, i * step_m};
+      if (zone.may_stand(track_position)) found.push_back({track_position, position(zone.circuit.pose_at(track_position))});
     }
   }
   return found;
@@ -201,20 +201,20 @@ void spread(const TrafficZone& zone, const std::vector<Spot>& free, std::size_t 
 /// Whether a vehicle may begin where it may not stand otherwise: on a waypoint inside a crossing that no other is in.
 bool may_begin(const TrafficZone& zone, const Spot& spot, const std::vector<Spot>& taken) {
   constexpr double near_m = 0.02;
-  const auto at = zone.waypoint_behind({spot.place.section, spot.place.s_m + near_m});
-  if (at == zone.waypoints.size() || zone.waypoints[at].place.section != spot.place.section ||
-      spot.place.s_m - zone.waypoints[at].place.s_m > near_m)
+  const auto at = zone.waypoint_behind({spot.position.section, spot.position.s_m + near_m});
+  if (at == zone.waypoints.size() || zone.waypoints[at].position.section != spot.position.section ||
+      spot.position.s_m - zone.waypoints[at].position.s_m > near_m)
     return false;
-  const auto covers = [](const Crossing& crossing, const Place& place) {
+  const auto covers = [](const Crossing& crossing, const TrackPosition& track_position) {
     return std::any_of(crossing.spans.begin(), crossing.spans.end(), [&](const CrossingSpan& span) {
-      return span.section == place.section && span.from_m <= place.s_m && place.s_m <= span.to_m;
+      return span.section == track_position.section && span.from_m <= track_position.s_m && track_position.s_m <= span.to_m;
     });
   };
-  for (const auto& entry : zone.crossings.from(std::pair{spot.place.section, -same_place_m})) {
+  for (const auto& entry : zone.crossings.from(std::pair{spot.position.section, -same_position_m})) {
     const Crossing& crossing = zone.crossings[entry.position];
-    if (crossing.spans[entry.part].section != spot.place.section) break;
-    if (covers(crossing, spot.place) &&
-        std::any_of(taken.begin(), taken.end(), [&](const Spot& other) { return covers(crossing, other.place); }))
+    if (crossing.spans[entry.part].section != spot.position.section) break;
+    if (covers(crossing, spot.position) &&
+        std::any_of(taken.begin(), taken.end(), [&](const Spot& other) { return covers(crossing, other.position); }))
       return false;
   }
   return fits(zone, spot, taken);
@@ -222,11 +222,11 @@ bool may_begin(const TrafficZone& zone, const Spot& spot, const std::vector<Spot
 
 }  // namespace
 
-std::vector<Place> TrafficZone::start_places(std::size_t count) const {
+std::vector<TrackPosition> TrafficZone::start_positions(std::size_t count) const {
   std::vector<Spot> fixed;
-  for (const Place& place : starts) {
-    const Spot spot{place, position(circuit.pose_at(place))};
-    if (fixed.size() < count && (may_stand(place) ? fits(*this, spot, fixed) : may_begin(*this, spot, fixed)))
+  for (const TrackPosition& track_position : starts) {
+    const Spot spot{track_position, position(circuit.pose_at(track_position))};
+    if (fixed.size() < count && (may_stand(track_position) ? fits(*this, spot, fixed) : may_begin(*this, spot, fixed)))
       fixed.push_back(spot);
   }
   std::vector<Spot> taken = fixed;
@@ -243,14 +243,14 @@ std::vector<Place> TrafficZone::start_places(std::size_t count) const {
     }
     // In a net of two-way roads every place lies in some crossing, and its nodes are where vehicles begin.
     for (std::size_t i = 0; i < waypoints.size() && taken.size() < count; ++i) {
-      const Spot spot{waypoints[i].place, position(circuit.pose_at(waypoints[i].place))};
-      if (!may_stand(spot.place) && may_begin(*this, spot, taken)) taken.push_back(spot);
+      const Spot spot{waypoints[i].position, position(circuit.pose_at(waypoints[i].position))};
+      if (!may_stand(spot.position) && may_begin(*this, spot, taken)) taken.push_back(spot);
     }
   }
-  std::vector<Place> places;
-  places.reserve(taken.size());
-  for (const Spot& spot : taken) places.push_back(spot.place);
-  return places;
+  std::vector<TrackPosition> positions;
+  positions.reserve(taken.size());
+  for (const Spot& spot : taken) positions.push_back(spot.position);
+  return positions;
 }
 
 }  // namespace cosiva::zone

@@ -21,7 +21,7 @@ inline constexpr TagNumber tag_number_max = 4'000'000'000;
 /// An RFID tag under a section (A11, A15).
 struct Tag {
   TagNumber number;
-  Place place;
+  TrackPosition position;
 };
 
 /// Beacons in a matrix over the zone, whatever the circuit (A21). Beacon (i, j) stands at origin + (i·pitch, j·pitch),
@@ -52,7 +52,7 @@ struct BeaconGrid {
 enum class StationKind { stop, charger };
 struct Station {
   std::string name;
-  Place place;
+  TrackPosition position;
   StationKind kind{StationKind::stop};
 };
 
@@ -70,7 +70,7 @@ struct Diagnostic {
     notice,  ///< worth knowing, such as the worst error of a fit
   };
   Kind kind;
-  std::string place;  ///< in the file: "road 12", "layouts[0].edges[3].trajectory"
+  std::string track_position;  ///< in the file: "road 12", "layouts[0].edges[3].trajectory"
   std::string text;   ///< a sentence
 };
 [[nodiscard]] std::string_view to_string(Diagnostic::Kind kind);
@@ -109,7 +109,7 @@ struct Crossing {
 /// that the zone's format or its stations put there: a vehicle goes to such a one only because it is sent there.
 struct Waypoint {
   std::string id;  ///< several may share one where ways part or meet: the same point, on several sections
-  Place place;
+  TrackPosition position;
 };
 
 /// What tags, waypoints and crossings are found by: their numbers, their ids, where their spans begin.
@@ -142,7 +142,7 @@ struct TrafficZone {
   std::vector<Station> stations;
   Listed<Crossing, CrossingKeys> crossings;  ///< found by find_crossings
   Listed<Waypoint, WaypointKeys> waypoints;  ///< laid by lay_waypoints; sorted by (section, s)
-  std::vector<Place> starts;  ///< where vehicle 1, 2, … of an emulated fleet begin; may be shorter than the fleet
+  std::vector<TrackPosition> starts;  ///< where vehicle 1, 2, … of an emulated fleet begin; may be shorter than the fleet
   /// "CoSiVA/AIV1" → 1…999, sorted by name; who is not here has 0.
   std::vector<std::pair<std::string, std::int32_t>> priorities{};
   std::vector<Loop> loops{};        ///< the first is where idle vehicles circulate; none: wherever the ways lead
@@ -165,21 +165,21 @@ struct TrafficZone {
   [[nodiscard]] const Station* find_station(std::string_view name) const;
   [[nodiscard]] const Loop* find_loop(std::string_view name) const;
   /// The crossing that has a span over this place, if any; the first of several.
-  [[nodiscard]] const Crossing* crossing_at(Place place) const;
+  [[nodiscard]] const Crossing* crossing_at(TrackPosition track_position) const;
 
   /// Index of the first waypoint at or after `place`, following default successors from its section; waypoints.size()
   /// where the way ends first. So for the next two, too.
-  [[nodiscard]] std::size_t waypoint_ahead(Place place) const;
+  [[nodiscard]] std::size_t waypoint_ahead(TrackPosition track_position) const;
   /// Index of the last waypoint at or before `place` (following `previous` backwards).
-  [[nodiscard]] std::size_t waypoint_behind(Place place) const;
+  [[nodiscard]] std::size_t waypoint_behind(TrackPosition track_position) const;
   /// The waypoint that follows waypoints[index] along default successors.
   [[nodiscard]] std::size_t next_waypoint(std::size_t index) const;
   /// Whether a vehicle may stand here: outside every crossing, and not between two too close together to stand between.
-  [[nodiscard]] bool may_stand(Place place) const;
+  [[nodiscard]] bool may_stand(TrackPosition track_position) const;
   /// Places for `count` vehicles: `starts` first, then spread evenly; all where a vehicle may stand, and with room
   /// between them. Where that does not suffice, waypoints inside crossings serve, in each crossing one vehicle. Fewer
   /// than `count` when the zone cannot hold them.
-  [[nodiscard]] std::vector<Place> start_places(std::size_t count) const;
+  [[nodiscard]] std::vector<TrackPosition> start_positions(std::size_t count) const;
 };
 
 /// Way that a standing vehicle takes: its length and 0.1 m.

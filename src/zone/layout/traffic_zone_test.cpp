@@ -58,7 +58,7 @@ TEST(TrafficZone, finds_tags_by_number) {
   TrafficZone zone = track_zone();
   zone.tags = {{7, {0, 1.0}}, {9, {1, 0.5}}};
   ASSERT_NE(zone.find_tag(9), nullptr);
-  EXPECT_EQ(zone.find_tag(9)->place, (Place{1, 0.5}));
+  EXPECT_EQ(zone.find_tag(9)->position, (TrackPosition{1, 0.5}));
   EXPECT_EQ(zone.find_tag(8), nullptr);
 }
 
@@ -80,7 +80,7 @@ TEST(TrafficZone, looks_ahead_and_behind_along_the_way) {
 
 TEST(TrafficZone, stands_on_a_waypoint_in_spite_of_rounding) {
   const TrafficZone zone = track_zone();
-  const double s = zone.find_waypoint("south@571")->place.s_m;
+  const double s = zone.find_waypoint("south@571")->position.s_m;
   EXPECT_EQ(id_at(zone, zone.waypoint_ahead({0, s + 1e-12})), "south@571");
   EXPECT_EQ(id_at(zone, zone.waypoint_behind({0, s - 1e-12})), "south@571");
 }
@@ -122,13 +122,13 @@ TEST(TrafficZone, lets_no_vehicle_stand_in_a_crossing_or_between_two_that_are_to
   EXPECT_TRUE(narrow.may_stand({0, 1.3}));
 }
 
-void expect_room(const TrafficZone& zone, const std::vector<Place>& places) {
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    EXPECT_TRUE(zone.may_stand(places[i]));
+void expect_room(const TrafficZone& zone, const std::vector<TrackPosition>& positions) {
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    EXPECT_TRUE(zone.may_stand(positions[i]));
     for (std::size_t j = 0; j < i; ++j) {
-      EXPECT_GT(distance(zone.circuit.pose_at(places[i]), zone.circuit.pose_at(places[j])), 0.2);
-      EXPECT_FALSE(zone.circuit.distance_ahead(places[i], places[j], 0.29));
-      EXPECT_FALSE(zone.circuit.distance_ahead(places[j], places[i], 0.29));
+      EXPECT_GT(distance(zone.circuit.pose_at(positions[i]), zone.circuit.pose_at(positions[j])), 0.2);
+      EXPECT_FALSE(zone.circuit.distance_ahead(positions[i], positions[j], 0.29));
+      EXPECT_FALSE(zone.circuit.distance_ahead(positions[j], positions[i], 0.29));
     }
   }
 }
@@ -136,47 +136,47 @@ void expect_room(const TrafficZone& zone, const std::vector<Place>& places) {
 TEST(TrafficZone, starts_vehicles_at_its_starts_first_and_then_apart) {
   const TrafficZone zone = testing::lacet4();
   for (const std::size_t count : {0U, 1U, 4U, 12U, 20U}) {
-    const auto places = zone.start_places(count);
-    ASSERT_THAT(places, SizeIs(count));
-    for (std::size_t i = 0; i < std::min<std::size_t>(count, 4); ++i) EXPECT_EQ(places[i], zone.starts[i]);
-    expect_room(zone, places);
+    const auto positions = zone.start_positions(count);
+    ASSERT_THAT(positions, SizeIs(count));
+    for (std::size_t i = 0; i < std::min<std::size_t>(count, 4); ++i) EXPECT_EQ(positions[i], zone.starts[i]);
+    expect_room(zone, positions);
   }
 }
 
 TEST(TrafficZone, spreads_vehicles_evenly_when_no_start_is_given) {
   const TrafficZone zone = track_zone();
-  const auto places = zone.start_places(2);
-  ASSERT_THAT(places, SizeIs(2));
+  const auto positions = zone.start_positions(2);
+  ASSERT_THAT(positions, SizeIs(2));
   // The track is 3 m by 1 m: two vehicles as far apart as it goes.
-  EXPECT_GT(distance(zone.circuit.pose_at(places[0]), zone.circuit.pose_at(places[1])), 2.0);
+  EXPECT_GT(distance(zone.circuit.pose_at(positions[0]), zone.circuit.pose_at(positions[1])), 2.0);
 }
 
 TEST(TrafficZone, starts_fewer_vehicles_than_asked_when_it_is_full) {
   const TrafficZone zone = track_zone();  // 7.14 m, 0.3 m for each
-  const auto places = zone.start_places(1000);
-  EXPECT_GE(places.size(), 16U);
-  EXPECT_LE(places.size(), 23U);
-  expect_room(zone, places);
+  const auto positions = zone.start_positions(1000);
+  EXPECT_GE(positions.size(), 16U);
+  EXPECT_LE(positions.size(), 23U);
+  expect_room(zone, positions);
 }
 
 TEST(TrafficZone, skips_starts_where_vehicles_would_stand_in_each_other) {
   TrafficZone zone = track_zone({{"X1", {}, {{0, 0.5, 0.8}}}});
   zone.starts = {{0, 0.1}, {0, 0.2}, {0, 0.6}, {2, 1.0}};
-  const auto places = zone.start_places(2);
-  EXPECT_THAT(places, ::testing::ElementsAre(Place{0, 0.1}, Place{2, 1.0}));
+  const auto positions = zone.start_positions(2);
+  EXPECT_THAT(positions, ::testing::ElementsAre(TrackPosition{0, 0.1}, TrackPosition{2, 1.0}));
 }
 
 TEST(TrafficZone, begins_on_waypoints_inside_crossings_where_there_is_no_other_place) {
   TrafficZone zone =
       track_zone({{"X1", {}, {{0, 0.0, 2.0}, {1, 0.0, 1.7}}}, {"X2", {}, {{2, 0.0, 2.0}, {3, 0.0, 1.7}}}});
-  EXPECT_THAT(zone.start_places(3), SizeIs(0));
+  EXPECT_THAT(zone.start_positions(3), SizeIs(0));
   WaypointRules rules;
   rules.start_ids = {"A", "B", "C", "D"};
   zone.waypoints = lay_waypoints(zone.circuit, zone.crossings, rules);
   // One vehicle in each crossing.
-  EXPECT_THAT(zone.start_places(3), ::testing::ElementsAre(Place{0, 0.0}, Place{2, 0.0}));
+  EXPECT_THAT(zone.start_positions(3), ::testing::ElementsAre(TrackPosition{0, 0.0}, TrackPosition{2, 0.0}));
   zone.starts = {{3, 0.0}, {1, 0.5}};
-  EXPECT_THAT(zone.start_places(3), ::testing::ElementsAre(Place{3, 0.0}, Place{0, 0.0}));
+  EXPECT_THAT(zone.start_positions(3), ::testing::ElementsAre(TrackPosition{3, 0.0}, TrackPosition{0, 0.0}));
 }
 
 TEST(TrafficZone, finds_what_is_put_in_and_no_longer_what_is_taken_out) {
@@ -188,7 +188,7 @@ TEST(TrafficZone, finds_what_is_put_in_and_no_longer_what_is_taken_out) {
   EXPECT_EQ(zone.find_tag(3), nullptr);
   zone.tags.replace(0, {7, {0, 0.7}});
   EXPECT_EQ(zone.find_tag(5), nullptr);
-  EXPECT_EQ(zone.find_tag(7)->place.s_m, 0.7);
+  EXPECT_EQ(zone.find_tag(7)->position.s_m, 0.7);
   const TrafficZone copy = zone;
   zone.tags.clear();
   EXPECT_EQ(zone.find_tag(9), nullptr);

@@ -148,14 +148,14 @@ class Blocked {
 };
 
 /// Waypoints over a free stretch of one section: its ends, and between them as few as keep to the spacing.
-void lay(std::vector<double>& places, double from_m, double to_m, double spacing_m) {
-  places.push_back(from_m);
+void lay(std::vector<double>& positions, double from_m, double to_m, double spacing_m) {
+  positions.push_back(from_m);
   const double length_m = to_m - from_m;
   if (length_m < merge_m) return;
   // The small grace keeps 1.5 m at 0.3 m in five parts when rounding makes the quotient 5.000000001.
   const double parts = std::max(1.0, std::ceil(length_m / spacing_m - 1e-9));
-  for (double i = 1.0; i < parts; i += 1.0) places.push_back(from_m + length_m * (i / parts));
-  places.push_back(to_m);
+  for (double i = 1.0; i < parts; i += 1.0) positions.push_back(from_m + length_m * (i / parts));
+  positions.push_back(to_m);
 }
 
 /// A waypoint of one section, before it has its id.
@@ -182,7 +182,7 @@ class Layer {
   const Circuit& circuit_;
   const WaypointRules& rules_;
   Blocked blocked_;
-  std::vector<Place> at_;                ///< sorted
+  std::vector<TrackPosition> at_;                ///< sorted
   std::vector<std::string_view> taken_;  ///< ids of the rules, sorted
   std::vector<double> free_;             ///< of the present section
   std::vector<Laid> laid_;               ///< likewise, sorted
@@ -190,7 +190,7 @@ class Layer {
 
 Layer::Layer(const Circuit& circuit, const std::vector<Crossing>& crossings, const WaypointRules& rules)
     : circuit_{circuit}, rules_{rules}, blocked_{circuit, crossings, rules.room_m}, at_{rules.at} {
-  std::sort(at_.begin(), at_.end(), [](const Place& a, const Place& b) {
+  std::sort(at_.begin(), at_.end(), [](const TrackPosition& a, const TrackPosition& b) {
     return a.section != b.section ? a.section < b.section : a.s_m < b.s_m;
   });
   for (const auto* ids : {&rules.start_ids, &rules.end_ids}) taken_.insert(taken_.end(), ids->begin(), ids->end());
@@ -229,7 +229,7 @@ void Layer::lay_requested(SectionId id) {
   const double length_m = circuit_.section(id).length_m();
   std::vector<Laid> all;
   auto old = laid_.begin();
-  const auto first = std::partition_point(at_.begin(), at_.end(), [id](const Place& at) { return at.section < id; });
+  const auto first = std::partition_point(at_.begin(), at_.end(), [id](const TrackPosition& at) { return at.section < id; });
   for (auto at = first; at != at_.end() && at->section == id; ++at) {
     const double s_m = std::clamp(at->s_m, 0.0, length_m);
     while (old != laid_.end() && old->s_m <= s_m) all.push_back(*old++);

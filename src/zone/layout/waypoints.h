@@ -19,7 +19,7 @@ struct WaypointRules {
   double room_m{0.30};
   bool nodes_only{false};  ///< none between those of joints, dead ends, stop lines, exits and `at`
   /// One lies at each of these in any case, inside crossings too; one laid nearer than 2 cm on the same section serves.
-  std::vector<Place> at{};
+  std::vector<TrackPosition> at{};
   /// By section: the id of the waypoint at its start; it lies there in any case. Empty: none of its own. The vector may
   /// be empty, too.
   std::vector<std::string> start_ids{};

@@ -82,7 +82,7 @@ TEST(Waypoints, at_a_fork_stand_before_the_stem_ends) {
   const auto waypoints = lay_waypoints(fork, find_crossings(fork, {}), 1.0);
   EXPECT_THAT(ids(waypoints), ::testing::Contains("stem@980"));
   for (const Waypoint& waypoint : waypoints)
-    EXPECT_TRUE(waypoint.place.section == 0 || waypoint.place.s_m > 0.3) << waypoint.id;
+    EXPECT_TRUE(waypoint.position.section == 0 || waypoint.position.s_m > 0.3) << waypoint.id;
 }
 
 // What stations and formats ask for
@@ -142,8 +142,8 @@ TEST(Waypoints, share_a_nodes_id_on_all_sections_that_begin_there_and_are_all_fo
   zone.waypoints = lay_waypoints(zone.circuit, {}, rules);
   const auto found = zone.find_waypoints("B");
   ASSERT_EQ(found.size(), 2U);
-  EXPECT_EQ(zone.waypoints[found[0]].place, (Place{1, 0.0}));
-  EXPECT_EQ(zone.waypoints[found[1]].place, (Place{2, 0.0}));
+  EXPECT_EQ(zone.waypoints[found[0]].position, (TrackPosition{1, 0.0}));
+  EXPECT_EQ(zone.waypoints[found[1]].position, (TrackPosition{2, 0.0}));
   EXPECT_EQ(zone.find_waypoint("B"), &zone.waypoints[found[0]]);
   EXPECT_TRUE(zone.find_waypoints("C").empty());
 }
@@ -163,9 +163,9 @@ TEST(Waypoints, have_ids_of_their_own_in_order_of_section_and_arc_length) {
     EXPECT_TRUE(detected.insert(waypoint.id).second) << waypoint.id;
     EXPECT_EQ(zone.find_waypoint(waypoint.id), &waypoint);
     if (i == 0) continue;
-    const Place& before = zone.waypoints[i - 1].place;
-    EXPECT_TRUE(before.section < waypoint.place.section ||
-                (before.section == waypoint.place.section && before.s_m < waypoint.place.s_m));
+    const TrackPosition& before = zone.waypoints[i - 1].position;
+    EXPECT_TRUE(before.section < waypoint.position.section ||
+                (before.section == waypoint.position.section && before.s_m < waypoint.position.s_m));
   }
 }
 
@@ -185,12 +185,12 @@ TEST(Waypoints, keep_out_of_every_crossing_whatever_the_ways_and_the_vehicle) {
     const auto crossings = find_crossings(circuit, vehicle);
     const auto waypoints = lay_waypoints(circuit, crossings, random.uniform(0.1, 1.0), standing_room_m(vehicle));
     for (const Waypoint& waypoint : waypoints) {
-      RC_ASSERT(waypoint.place.s_m >= 0.0);
-      RC_ASSERT(waypoint.place.s_m <= circuit.section(waypoint.place.section).length_m());
+      RC_ASSERT(waypoint.position.s_m >= 0.0);
+      RC_ASSERT(waypoint.position.s_m <= circuit.section(waypoint.position.section).length_m());
       for (const Crossing& c : crossings) {
         for (const CrossingSpan& span : c.spans)
-          RC_ASSERT(span.section != waypoint.place.section || waypoint.place.s_m < span.from_m ||
-                    waypoint.place.s_m > span.to_m);
+          RC_ASSERT(span.section != waypoint.position.section || waypoint.position.s_m < span.from_m ||
+                    waypoint.position.s_m > span.to_m);
       }
     }
   });

@@ -63,7 +63,7 @@ TEST(LifErrors, of_what_is_too_large_come_before_it_is_read) {
   EXPECT_EQ(code_of("[" + std::string(13'000'000, ',') + "]"), "zone.size");
 }
 
-TEST(LifErrors, name_the_place_of_ids_that_two_have) {
+TEST(LifErrors, name_the_location_of_ids_that_two_have) {
   EXPECT_EQ(error_of(Plan{{"A 0 0", "B 2 0", "A 3 0"}, {"A B"}}.text()),
             "plant.lif.json: layouts[0].nodes[2].nodeId: two nodes have the id 'A'");
   EXPECT_EQ(error_of(Plan{{"A 0 0", "B 2 0"}, {"A B", "A B"}}.text()),
@@ -263,7 +263,7 @@ TEST(LifJoints, nodes_of_different_levels_are_apart_even_at_one_point) {
 TrafficZone with_trajectory(const std::string& trajectory) {
   return zone_of(Plan{{"A 0 0", "B 4 0"}, {"A B 'trajectory':" + trajectory}}.text());
 }
-const std::string trajectory_place = "layouts[0].edges[0].vehicleTypeEdgeProperties[0].trajectory";
+const std::string trajectory_location = "layouts[0].edges[0].vehicleTypeEdgeProperties[0].trajectory";
 
 TEST(LifTrajectories, of_degree_one_are_straight_lines_with_corners_to_turn_at) {
   const TrafficZone zone = with_trajectory(
@@ -288,13 +288,13 @@ TEST(LifTrajectories, with_wrong_knots_get_even_ones) {
   for (const std::string knots : {"[]", "[0,1]", "[0,0,0,1,0.5,1]", "[0.5,0.5,0.5,0.5,0.5,0.5]", "[0,0,0,0,0,1]"}) {
     const TrafficZone zone = with_trajectory("{'degree':2,'knotVector':" + knots +
                                              ",'controlPoints':[{'x':0,'y':0},{'x':2,'y':1},{'x':4,'y':0}]}");
-    EXPECT_EQ(diagnostic_at(zone, trajectory_place + ".knotVector")->kind, Diagnostic::Kind::mended) << knots;
+    EXPECT_EQ(diagnostic_at(zone, trajectory_location + ".knotVector")->kind, Diagnostic::Kind::mended) << knots;
     EXPECT_LT(zone.circuit.locate({2.0, 0.5}).distance_m, 1e-3);
   }
   // Without the outermost ones, as some programs write them, they are plain.
   const TrafficZone zone = with_trajectory(
       "{'degree':2,'knotVector':[0,0,1,1],'controlPoints':[{'x':0,'y':0},{'x':2,'y':1},{'x':4,'y':0}]}");
-  EXPECT_THAT(diagnostic_at(zone, trajectory_place + ".knotVector")->text, HasSubstr("doubled"));
+  EXPECT_THAT(diagnostic_at(zone, trajectory_location + ".knotVector")->text, HasSubstr("doubled"));
 }
 
 TEST(LifTrajectories, that_make_no_sense_become_straight_lines) {
@@ -327,7 +327,7 @@ TEST(LifTrajectories, with_huge_coordinates_knots_and_weights_do_no_harm) {
 TEST(LifTrajectories, that_meet_their_nodes_to_a_millimetre_are_moved_silently) {
   const TrafficZone zone = with_trajectory(
       "{'degree':2,'knotVector':[0,0,0,1,1,1],'controlPoints':[{'x':0.0005,'y':0},{'x':2,'y':1},{'x':4,'y':0.0005}]}");
-  EXPECT_EQ(diagnostic_at(zone, trajectory_place), nullptr);
+  EXPECT_EQ(diagnostic_at(zone, trajectory_location), nullptr);
   EXPECT_LT(distance(zone.circuit.section(0).start(), Pose2{}), 1e-12);
 }
 

@@ -43,8 +43,8 @@ class Maker {
   }
   void join();
   void join_end(std::size_t laid);
-  void place_stations();
-  void place_station(const std::string& name, std::size_t node, bool charges);
+  void add_stations();
+  void add_station(const std::string& name, std::size_t node, bool charges);
   void add_lonely_chargers(const std::set<std::size_t>& served);
 
   /// An edge that has become sections.
@@ -65,7 +65,7 @@ class Maker {
   std::vector<std::vector<std::size_t>> arriving_;  ///< likewise
   std::map<const Edge*, const Edge*> piece_after_;  ///< of a section that our writer has cut at stations
   std::set<const Edge*> rejoined_;
-  std::map<std::size_t, Place> impl_;  ///< by point: where it lies within such a section
+  std::map<std::size_t, TrackPosition> impl_;  ///< by point: where it lies within such a section
   std::set<std::string, std::less<>> names_;
   double length_m_{0.0};
   double turned_rad_{0.0};
@@ -84,7 +84,7 @@ Result<Ways> Maker::make() {
   if (ways_.parts.empty()) return fail("circuit.empty", "no edge is left that a vehicle could drive on", "layouts");
   join();
   if (error_) return tl::unexpected(*error_);
-  place_stations();
+  add_stations();
   way_maker_.record_worst();
   return std::move(ways_);
 }
@@ -116,7 +116,7 @@ void Maker::merge_nodes() {
     if (point_[i] == i) {
       cells[{level, x, y}].push_back(i);
     } else {
-      diagnostics_.add(Diagnostic::Kind::notice, node.place,
+      diagnostics_.add(Diagnostic::Kind::notice, node.position,
                        "node '" + node.id + "' lies where '" + document_.nodes[point_[i]].id +
                            "' lies; they are one point with several ids",
                        "merged nodes");
@@ -193,7 +193,7 @@ std::string Maker::unused(std::string name) {
 
 void Maker::lay(const Edge& edge) {
   if (is_lift(edge)) {
-    diagnostics_.add(lost, edge.place, "edge '" + edge.id + "' leads to another level; lifts are not taken", "lift");
+    diagnostics_.add(lost, edge.position, "edge '" + edge.id + "' leads to another level; lifts are not taken", "lift");
     return;
   }
   const std::size_t from = point_[edge.from];
@@ -201,7 +201,7 @@ void Maker::lay(const Edge& edge) {
   Way way = way_maker_.make(edge, document_.nodes[from].at, document_.nodes[to].at);
   if (way.sections.empty()) {
     if (from == to || distance(document_.nodes[from].at, document_.nodes[to].at) < same_point_m) {
-      diagnostics_.add(mended, edge.place,
+      diagnostics_.add(mended, edge.position,
                        "edge '" + edge.id + "' has no length: its nodes are one point, where vehicles turn on the spot",
                        "edge without length");
     }
@@ -229,7 +229,7 @@ void Maker::lay(const Edge& edge) {
     error_ = Error{"zone.size",
                    "a zone may have 100000 sections, be 100 km long and turn 100000 rad in all; the edges up to here "
                    "exceed it. [import] scale or layout may help",
-                   edge.place};
+                   edge.position};
     return;
   }
   leaving_[from].push_back(laid_.size());
@@ -243,7 +243,7 @@ void Maker::join() {
   for (const Laid& laid : laid_) {
     joints += leaving_[point_[laid.finish->to]].size();
     if (joints <= joints_max) continue;
-    error_ = Error{"zone.size", "expected at most 1000000 joints between edges, found more", laid.finish->place};
+    error_ = Error{"zone.size", "expected at most 1000000 joints between edges, found more", laid.finish->position};
     return;
   }
   for (std::size_t i = 0; i < laid_.size(); ++i) join_end(i);
@@ -272,7 +272,7 @@ void Maker::join_end(std::size_t index) {
     any_allowed = any_allowed || choices.back().allowed;
   }
   if (!any_allowed && !choices.empty()) {
-    diagnostics_.add(mended, laid.edge->place,
+    diagnostics_.add(mended, laid.edge->position,
                      "no way leads on from edge '" + laid.edge->id +
                          "' without a turn, which its node forbids; vehicles turn there all the same",
                      "forbidden turn");
@@ -288,12 +288,12 @@ void Maker::join_end(std::size_t index) {
   }
 }
 
-void Maker::place_stations() {
+void Maker::add_stations() {
   std::set<std::size_t> served;
   for (const Station& station : document_.stations) {
     std::string name = station.name;
     if (station_names_.contains(name)) {
-      diagnostics_.add(mended, station.place, "another station is called '" + name + "'; known by its id",
+      diagnostics_.add(mended, station.position, "another station is called '" + name + "'; known by its id",
                        "station names");
       name = station.id;
     }
@@ -307,16 +307,16 @@ void Maker::place_stations() {
       });
       if (points.size() == 2) {
         diagnostics_.add(
-            Diagnostic::Kind::notice, station.place,
+            Diagnostic::Kind::notice, station.position,
             "station '" + name + "' has several interaction nodes; the further ones are numbered: .2, .3 …",
             "several interaction nodes");
       }
-      place_station(points.size() == 1 ? name : name + "." + std::to_string(points.size()), node,
+      add_station(points.size() == 1 ? name : name + "." + std::to_string(points.size()), node,
                     charges || station.charges);
       served.insert(point);
     }
     if (points.empty()) {
-      diagnostics_.add(lost, station.place, "no way leads to an interaction node of station '" + name + "'; not taken",
+      diagnostics_.add(lost, station.position, "no way leads to an interaction node of station '" + name + "'; not taken",
                        "station without way");
     }
   }
@@ -329,31 +329,31 @@ void Maker::add_lonely_chargers(const std::set<std::size_t>& served) {
     const Node& node = document_.nodes[i];
     const std::size_t point = point_[i];
     if (!node.charges || served.contains(point) || !is_reached(point)) continue;
-    diagnostics_.add(mended, node.place,
+    diagnostics_.add(mended, node.position,
                      "node '" + node.id + "' offers startCharging but no station; it is a charger of that name",
                      "lonely charger");
-    place_station(node.id, i, true);
+    add_station(node.id, i, true);
   }
 }
 
 /// At the end of the first way to the node itself, else to its point, else where the first way from there begins.
-void Maker::place_station(const std::string& name, std::size_t node, bool charges) {
+void Maker::add_station(const std::string& name, std::size_t node, bool charges) {
   std::string unique = name;
   while (!station_names_.insert(unique).second) unique += '\'';
   const auto& arriving = arriving_[point_[node]];
-  Place place{};
+  TrackPosition position{};
   if (const auto inside = impl_.find(point_[node]); inside != impl_.end()) {
-    place = inside->second;
+    position = inside->second;
   } else if (!arriving.empty()) {
     auto chosen = std::find_if(arriving.begin(), arriving.end(),
                                [&](std::size_t laid) { return laid_[laid].finish->to == node; });
     if (chosen == arriving.end()) chosen = arriving.begin();
     const SectionId section = laid_[*chosen].last;
-    place = {section, ways_.parts[section].section.length_m()};
+    position = {section, ways_.parts[section].section.length_m()};
   } else {
-    place = {laid_[leaving_[point_[node]].front()].first, 0.0};
+    position = {laid_[leaving_[point_[node]].front()].first, 0.0};
   }
-  ways_.stations.push_back({std::move(unique), place, charges ? StationKind::charger : StationKind::stop});
+  ways_.stations.push_back({std::move(unique), position, charges ? StationKind::charger : StationKind::stop});
 }
 
 }  // namespace

@@ -13,8 +13,8 @@ namespace cosiva::zone::lif {
 
 /// Where something stands in a file, as people say it: layouts[0].edges[3].startNodeId. A chain of stack objects, so
 /// that a text is made only when somebody asks.
-struct JsonPlace {
-  const JsonPlace* outer{};
+struct JsonLocation {
+  const JsonLocation* outer{};
   std::string_view key{};  ///< of an object's member; empty: item `index` of a list. Of the outermost: its whole text
   std::size_t index{};
 
@@ -26,7 +26,7 @@ struct JsonPlace {
 class LifDiagnostics {
  public:
   /// @param sort  what makes two notes the same; empty: the text
-  void add(Diagnostic::Kind kind, std::string place, std::string text, std::string sort = {});
+  void add(Diagnostic::Kind kind, std::string location, std::string text, std::string sort = {});
   /// In the order of their first appearance.
   [[nodiscard]] std::vector<Diagnostic> take() const;
 

@@ -64,13 +64,13 @@ class Reader {
   void choose_type();
   void close_others();
   template <typename Visit>
-  void visit_properties(const Item& item, const std::string& place, std::string_view key, const Visit& visit) const;
+  void visit_properties(const Item& item, const std::string& location, std::string_view key, const Visit& visit) const;
   void read_node_properties(std::size_t index);
   void read_edge_properties(std::size_t index);
   [[nodiscard]] static Rotation read_rotation(const LifFields& fields, std::string_view key);
   void drop_closed();
   void move_origin();
-  void stop(std::string code, std::string message, std::string place);
+  void stop(std::string code, std::string message, std::string location);
   /// Layouts that share their ids cannot be one zone, but each alone can.
   [[nodiscard]] const char* one_layout_hint() const {
     return document_.layouts.size() > 1 ? ", as layouts may not; [import] layout in the sidecar file takes one alone"
@@ -98,8 +98,8 @@ void lose(const LifFields& fields, std::string_view key, std::string_view why) {
   fields.record(lost, key, std::move(text));
 }
 
-void Reader::stop(std::string code, std::string message, std::string place) {
-  if (!error_) error_ = Error{std::move(code), std::move(message), std::move(place)};
+void Reader::stop(std::string code, std::string message, std::string location) {
+  if (!error_) error_ = Error{std::move(code), std::move(message), std::move(location)};
 }
 
 Result<Document> Reader::read(const JsonValue& json) {
@@ -221,17 +221,17 @@ void Reader::read_node(const LifFields& node) {
         std::fabs(*y * selection_.scale) <= any_coordinate_max_m))
     return node.record(lost, "nodePosition", "a node more than a million kilometres away; not taken");
   if (document_.nodes.size() >= nodes_max)
-    return stop("zone.size", "expected at most " + std::to_string(nodes_max) + " nodes", node.place());
+    return stop("zone.size", "expected at most " + std::to_string(nodes_max) + " nodes", node.location());
   if (!node_by_id_.emplace(*id, document_.nodes.size()).second)
     return stop("zone.duplicate", "two nodes have the id '" + printable(*id) + "'" + one_layout_hint(),
-                node.place("nodeId"));
+                node.location("nodeId"));
 
   lose(node, "nodeName", "a node is known by its id");
   lose(node, "nodeDescription", "a node is known by its id");
   if (node.text("mapId").value_or(document_.project) != document_.project)
     lose(node, "mapId", "in orders the map's id is the zone's name");
   document_.nodes.push_back({printable(*id),
-                             node.place(),
+                             node.location(),
                              document_.layouts.size() - 1,
                              {selection_.scale * *x, selection_.scale * *y},
                              false});
@@ -264,10 +264,10 @@ void Reader::read_edge(const LifFields& edge) {
     while (edge_by_id_.contains(*id)) *id += '\'';
   }
   if (document_.edges.size() >= edges_max)
-    return stop("zone.size", "expected at most " + std::to_string(edges_max) + " edges", edge.place());
+    return stop("zone.size", "expected at most " + std::to_string(edges_max) + " edges", edge.location());
   if (!edge_by_id_.emplace(*id, document_.edges.size()).second)
     return stop("zone.duplicate", "two edges have the id '" + printable(*id) + "'" + one_layout_hint(),
-                edge.place("edgeId"));
+                edge.location("edgeId"));
 
   std::string section = edge.text("edgeName").value_or("");
   if (section.empty() || (*id != section && !id->starts_with(section + "."))) {
@@ -275,7 +275,7 @@ void Reader::read_edge(const LifFields& edge) {
     section.clear();
   }
   lose(edge, "edgeDescription", "an edge is known by its id");
-  document_.edges.push_back({printable(*id), edge.place(), *from, *to});
+  document_.edges.push_back({printable(*id), edge.location(), *from, *to});
   document_.edges.back().section = std::move(section);
   edge_items_.push_back({edge.value(), read_types(edge, "vehicleTypeEdgeProperties")});
 }
@@ -285,7 +285,7 @@ void Reader::read_station(const LifFields& station) {
                  "stationPosition", "stationType"});
   if (!station.is_object()) return station.record(lost, {}, "no object where a station belongs; not taken");
   const std::string id = printable(station.text("stationId").value_or(""));
-  Station read{id, printable(station.text("stationName").value_or(id)), station.place(), {}, false};
+  Station read{id, printable(station.text("stationName").value_or(id)), station.location(), {}, false};
   if (read.name.empty()) return station.record(lost, "stationId", "a station without an id; not taken");
   station.each("interactionNodeIds", [&](const LifFields& node) {
     if (const auto name = node.text()) {
@@ -373,9 +373,9 @@ void Reader::close_others() {
 
 /// The properties for the chosen vehicle type: the first such where there are several.
 template <typename Visit>
-void Reader::visit_properties(const Item& item, const std::string& place, std::string_view key,
+void Reader::visit_properties(const Item& item, const std::string& location, std::string_view key,
                               const Visit& visit) const {
-  const LifFields fields{diagnostics_, *item.value, {nullptr, place, 0}};
+  const LifFields fields{diagnostics_, *item.value, {nullptr, location, 0}};
   bool found = false;
   fields.each(key, [&](const LifFields& properties) {
     if (properties.text("vehicleTypeId") != types_[type_]) return;
@@ -387,7 +387,7 @@ void Reader::visit_properties(const Item& item, const std::string& place, std::s
 
 void Reader::read_node_properties(std::size_t index) {
   Node& node = document_.nodes[index];
-  visit_properties(node_items_[index], node.place, "vehicleTypeNodeProperties", [&](const LifFields& properties) {
+  visit_properties(node_items_[index], node.location, "vehicleTypeNodeProperties", [&](const LifFields& properties) {
     properties.known({"vehicleTypeId", "theta", "actions"});
     if (const auto theta = properties.number("theta"); theta && std::fabs(*theta) > 2.0 * pi + 1e-6)
       properties.record(mended, "theta", "an angle beyond ±2π must be meant in degrees");
@@ -417,7 +417,7 @@ Rotation Reader::read_rotation(const LifFields& fields, std::string_view key) {
 
 void Reader::read_edge_properties(std::size_t index) {
   Edge& edge = document_.edges[index];
-  visit_properties(edge_items_[index], edge.place, "vehicleTypeEdgeProperties", [&](const LifFields& properties) {
+  visit_properties(edge_items_[index], edge.location, "vehicleTypeEdgeProperties", [&](const LifFields& properties) {
     properties.known({"vehicleTypeId", "vehicleOrientation", "orientationType", "rotationAllowed",
                       "rotationAtStartNodeAllowed", "rotationAtEndNodeAllowed", "maxSpeed", "maxRotationSpeed",
                       "minHeight", "maxHeight", "loadRestriction", "actions", "trajectory", "reentryAllowed"});

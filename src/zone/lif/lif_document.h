@@ -21,7 +21,7 @@ enum class Rotation { any, one_way, none };
 
 struct Node {
   std::string id;
-  std::string place;   ///< in the file
+  std::string location;   ///< in the file
   std::size_t layout;  ///< index into Document::layouts
   Point2 at{};
   bool charges{false};  ///< offers startCharging
@@ -29,7 +29,7 @@ struct Node {
 
 struct Edge {
   std::string id;
-  std::string place;
+  std::string location;
   std::size_t from;  ///< index into Document::nodes; so is `to`
   std::size_t to;
   Rotation leaving{Rotation::any};   ///< at `from`
@@ -42,7 +42,7 @@ struct Edge {
 struct Station {
   std::string id;
   std::string name;
-  std::string place;
+  std::string location;
   std::vector<std::size_t> nodes;
   bool charges{false};  ///< it says so itself
 };

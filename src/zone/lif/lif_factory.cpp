@@ -19,7 +19,7 @@ namespace {
 constexpr std::ptrdiff_t values_max = 12'000'000;
 
 Error at_file(const ZoneConfiguration& configuration, Error error) {
-  error.place = error.place.empty() ? configuration.origin : configuration.origin + ": " + error.place;
+  error.location = error.location.empty() ? configuration.origin : configuration.origin + ": " + error.location;
   return error;
 }
 
@@ -71,7 +71,7 @@ Result<TrafficZone> LifCircuitFactory::make_zone(const ZoneConfiguration& config
     for (const Diagnostic& diagnostic : diagnostics.take()) {
       if (error.code == "circuit.empty" && diagnostic.kind == Diagnostic::Kind::lost &&
           !diagnostic.text.starts_with('\'')) {
-        error.message += "; " + diagnostic.place + ": " + diagnostic.text;
+        error.message += "; " + diagnostic.location + ": " + diagnostic.text;
         break;
       }
     }

@@ -36,10 +36,10 @@ bool LifFields::has(std::string_view key) const { return find(key) != nullptr; }
 std::optional<std::string> LifFields::text() const {
   if (const std::string* text = value_->text()) return *text;
   if (const double* number = value_->number()) {
-    diagnostics_->add(Diagnostic::Kind::mended, place_.text(), "a number where a text belongs is taken as that text");
+    diagnostics_->add(Diagnostic::Kind::mended, location_.text(), "a number where a text belongs is taken as that text");
     return shortest(*number);
   }
-  diagnostics_->add(Diagnostic::Kind::mended, place_.text(), "no text where one belongs; taken as absent");
+  diagnostics_->add(Diagnostic::Kind::mended, location_.text(), "no text where one belongs; taken as absent");
   return std::nullopt;
 }
 
@@ -47,13 +47,13 @@ std::optional<double> LifFields::number() const {
   if (const double* number = value_->number()) return *number;
   if (const std::string* text = value_->text()) {
     if (const auto number = number_in(*text)) {
-      diagnostics_->add(Diagnostic::Kind::mended, place_.text(),
+      diagnostics_->add(Diagnostic::Kind::mended, location_.text(),
                         "a text where a number belongs is taken as that number",
-                        std::string(place_.key) + " is a text");
+                        std::string(location_.key) + " is a text");
       return number;
     }
   }
-  diagnostics_->add(Diagnostic::Kind::mended, place_.text(), "no number where one belongs; taken as absent");
+  diagnostics_->add(Diagnostic::Kind::mended, location_.text(), "no number where one belongs; taken as absent");
   return std::nullopt;
 }
 
@@ -112,11 +112,11 @@ void LifFields::known(std::initializer_list<std::string_view> keys) const {
 }
 
 void LifFields::record(Diagnostic::Kind kind, std::string_view key, std::string text, std::string sort) const {
-  diagnostics_->add(kind, place(key), std::move(text), std::move(sort));
+  diagnostics_->add(kind, location(key), std::move(text), std::move(sort));
 }
 
-std::string LifFields::place(std::string_view key) const {
-  return key.empty() ? place_.text() : JsonPlace{&place_, key, 0}.text();
+std::string LifFields::location(std::string_view key) const {
+  return key.empty() ? location_.text() : JsonLocation{&location_, key, 0}.text();
 }
 
 }  // namespace cosiva::zone::lif

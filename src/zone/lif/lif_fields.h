@@ -16,8 +16,8 @@ namespace cosiva::zone::lif {
 class LifFields {
  public:
   /// @param value  of any kind; only an object has fields
-  LifFields(LifDiagnostics& diagnostics, const JsonValue& value, const JsonPlace& place)
-      : diagnostics_{&diagnostics}, value_{&value}, place_{place} {}
+  LifFields(LifDiagnostics& diagnostics, const JsonValue& value, const JsonLocation& location)
+      : diagnostics_{&diagnostics}, value_{&value}, location_{location} {}
 
   [[nodiscard]] bool is_object() const { return value_->object() != nullptr; }
   [[nodiscard]] const JsonValue* value() const { return value_; }
@@ -40,25 +40,25 @@ class LifFields {
   /// Notes all other fields as lost.
   void known(std::initializer_list<std::string_view> keys) const;
   void record(Diagnostic::Kind kind, std::string_view key, std::string text, std::string sort = {}) const;
-  [[nodiscard]] std::string place(std::string_view key = {}) const;
+  [[nodiscard]] std::string location(std::string_view key = {}) const;
 
  private:
   [[nodiscard]] const JsonValue* find(std::string_view key) const;
   [[nodiscard]] LifFields member(std::string_view key, const JsonValue& value) const {
-    return {*diagnostics_, value, {&place_, key, 0}};
+    return {*diagnostics_, value, {&location_, key, 0}};
   }
   void mend_list(std::string_view key) const;
 
   LifDiagnostics* diagnostics_;
   const JsonValue* value_;
-  JsonPlace place_;  ///< points to that of the object around it, which must outlive this
+  JsonLocation location_;  ///< points to that of the object around it, which must outlive this
 };
 
 template <typename Visit>
 std::optional<std::size_t> LifFields::each(std::string_view key, const Visit& visit) const {
   const JsonValue* list = find(key);
   if (list == nullptr) return std::nullopt;
-  const JsonPlace at{&place_, key, 0};
+  const JsonLocation at{&location_, key, 0};
   if (list->array() == nullptr) {
     mend_list(key);
     if (list->object() == nullptr) return std::nullopt;

@@ -117,7 +117,7 @@ TEST(LifFiles, a_real_laboratory_has_its_stations_and_chargers) {
   ASSERT_EQ(zone.stations.size(), 6U);
   for (const auto& station : zone.stations)
     EXPECT_EQ(station.kind, station.name.starts_with("C") ? StationKind::charger : StationKind::stop) << station.name;
-  const Point2 at = position(zone.circuit.pose_at(zone.find_station("S2")->place));
+  const Point2 at = position(zone.circuit.pose_at(zone.find_station("S2")->position));
   EXPECT_LT(distance(at, Point2{1.49, -1.86}), 1e-9);
   EXPECT_NE(diagnostic_with(zone, "'stationType'"), nullptr);
 }
@@ -127,7 +127,7 @@ TEST(LifFiles, waypoints_have_the_ids_of_nodes_which_several_sections_share) {
   const auto at_n9 = zone.find_waypoints("N9");
   ASSERT_EQ(at_n9.size(), 3U);  // E5, E6 and E15 leave there
   for (const std::size_t index : at_n9) {
-    EXPECT_LT(distance(position(zone.circuit.pose_at(zone.waypoints[index].place)), Point2{-3.0, 0.0}), 1e-9);
+    EXPECT_LT(distance(position(zone.circuit.pose_at(zone.waypoints[index].position)), Point2{-3.0, 0.0}), 1e-9);
   }
   // Nothing follows at N2: the ends of both edges have its id.
   EXPECT_EQ(zone.find_waypoints("N2").size(), 2U);
@@ -146,7 +146,7 @@ TEST(LifFiles, nodes_at_one_point_are_one) {
   const TrafficZone rack = read_file("10.16-rack-station-modelled-by-three-nodes.lif.json");
   for (const char* into : {"N2-NA", "N2-NB", "N2-NC"})
     EXPECT_EQ(rack.circuit.next(*rack.circuit.find(into)).size(), 3U);
-  EXPECT_EQ(rack.circuit.part(rack.find_station("Shelf on Level B")->place.section).name, "N2-NB");
+  EXPECT_EQ(rack.circuit.part(rack.find_station("Shelf on Level B")->position.section).name, "N2-NB");
 }
 
 TEST(LifFiles, lifts_are_lost) {
@@ -169,8 +169,8 @@ TEST(LifFiles, chargers_are_where_charging_is_offered) {
 
 TEST(LifFiles, several_interaction_nodes_are_several_stations) {
   const TrafficZone zone = read_file("10.07-station-with-two-nodes.lif.json");
-  EXPECT_LT(distance(position(zone.circuit.pose_at(zone.find_station("SOURCE_01")->place)), Point2{9.2, 3.4}), 1e-9);
-  EXPECT_LT(distance(position(zone.circuit.pose_at(zone.find_station("SOURCE_01.2")->place)), Point2{9.4, 3.2}), 1e-9);
+  EXPECT_LT(distance(position(zone.circuit.pose_at(zone.find_station("SOURCE_01")->position)), Point2{9.2, 3.4}), 1e-9);
+  EXPECT_LT(distance(position(zone.circuit.pose_at(zone.find_station("SOURCE_01.2")->position)), Point2{9.4, 3.2}), 1e-9);
 }
 
 TEST(LifFiles, the_vehicle_type_with_most_edges_is_taken_unless_the_companion_says_another) {

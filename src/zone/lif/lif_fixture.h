@@ -48,9 +48,9 @@ inline ZoneConfiguration ready_zone(std::string format, const std::string& name)
 }
 
 /// The first note at this place of the file; nothing where none is.
-inline const Diagnostic* diagnostic_at(const TrafficZone& zone, std::string_view place) {
+inline const Diagnostic* diagnostic_at(const TrafficZone& zone, std::string_view location) {
   const auto found = std::find_if(zone.diagnostics.begin(), zone.diagnostics.end(),
-                                  [place](const Diagnostic& diagnostic) { return diagnostic.place == place; });
+                                  [location](const Diagnostic& diagnostic) { return diagnostic.location == location; });
   return found == zone.diagnostics.end() ? nullptr : &*found;
 }
 

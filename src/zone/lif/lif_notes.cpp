@@ -5,11 +5,11 @@ namespace {
 
 /// Kinds of notes; a file that makes up field names could have one each.
 constexpr std::size_t sorts_max = 200;
-constexpr std::size_t places_named = 3;
+constexpr std::size_t locations_named = 3;
 
 }  // namespace
 
-std::string JsonPlace::text() const {
+std::string JsonLocation::text() const {
   if (outer == nullptr) return std::string(key);
   std::string text = outer->text();
   if (key.empty()) {
@@ -21,14 +21,14 @@ std::string JsonPlace::text() const {
   return text += key;
 }
 
-void LifDiagnostics::add(Diagnostic::Kind kind, std::string place, std::string text, std::string sort) {
+void LifDiagnostics::add(Diagnostic::Kind kind, std::string location, std::string text, std::string sort) {
   if (sort.empty()) sort = text;
   const auto known = index_.find(sort);
   if (known != index_.end()) {
     Sorted& sorted = all_[known->second];
-    if (sorted.count < places_named && place != sorted.first.place) {
+    if (sorted.count < locations_named && location != sorted.first.location) {
       sorted.others += ", ";
-      sorted.others += place;
+      sorted.others += location;
     }
     ++sorted.count;
     return;
@@ -42,7 +42,7 @@ void LifDiagnostics::add(Diagnostic::Kind kind, std::string place, std::string t
     text = "there is more to say about this file than fits here";
   }
   index_.emplace(std::move(sort), all_.size());
-  all_.push_back({{kind, std::move(place), std::move(text)}, 1, {}});
+  all_.push_back({{kind, std::move(location), std::move(text)}, 1, {}});
 }
 
 std::vector<Diagnostic> LifDiagnostics::take() const {
@@ -53,7 +53,7 @@ std::vector<Diagnostic> LifDiagnostics::take() const {
     if (sorted.count > 1) {
       diagnostic.text += " (" + std::to_string(sorted.count) + " times";
       if (!sorted.others.empty()) diagnostic.text += ", also at " + sorted.others.substr(2);
-      if (sorted.count > places_named) diagnostic.text += ", …";
+      if (sorted.count > locations_named) diagnostic.text += ", …";
       diagnostic.text += ')';
     }
     diagnostics.push_back(std::move(diagnostic));

@@ -68,7 +68,7 @@ void expect_same_ways(const Circuit& a, const Circuit& b) {
 void expect_same(const TrafficZone& a, const TrafficZone& b) {
   EXPECT_EQ(a.name, b.name);
   expect_same_ways(a.circuit, b.circuit);
-  const auto expect_place = [&](Place here, Place there) {
+  const auto expect_position = [&](TrackPosition here, TrackPosition there) {
     EXPECT_LT(distance(a.circuit.pose_at(here), b.circuit.pose_at(there)), 1e-3);
   };
   EXPECT_EQ(a.vehicle.length_m, b.vehicle.length_m);
@@ -77,16 +77,16 @@ void expect_same(const TrafficZone& a, const TrafficZone& b) {
   ASSERT_EQ(a.tags.size(), b.tags.size());
   for (std::size_t i = 0; i < a.tags.size(); ++i) {
     EXPECT_EQ(a.tags[i].number, b.tags[i].number);
-    expect_place(a.tags[i].place, b.tags[i].place);
+    expect_position(a.tags[i].position, b.tags[i].position);
   }
   ASSERT_EQ(a.stations.size(), b.stations.size());
   for (const auto& station : a.stations) {
     ASSERT_NE(b.find_station(station.name), nullptr) << station.name;
     EXPECT_EQ(b.find_station(station.name)->kind, station.kind) << station.name;
-    expect_place(station.place, b.find_station(station.name)->place);
+    expect_position(station.position, b.find_station(station.name)->position);
   }
   ASSERT_EQ(a.starts.size(), b.starts.size());
-  for (std::size_t i = 0; i < a.starts.size(); ++i) expect_place(a.starts[i], b.starts[i]);
+  for (std::size_t i = 0; i < a.starts.size(); ++i) expect_position(a.starts[i], b.starts[i]);
   ASSERT_EQ(a.loops.size(), b.loops.size());
   for (std::size_t i = 0; i < a.loops.size(); ++i) {
     EXPECT_EQ(a.loops[i].name, b.loops[i].name);
@@ -159,7 +159,7 @@ TEST(LifRoundTrip, keeps_forks_merges_dead_ends_limits_and_which_way_is_the_defa
   const TrafficZone again = read(written(zone, &lost));
   expect_same(zone, again);
   EXPECT_EQ(again.circuit.part(again.circuit.next(*again.circuit.find("in")).front()).name, "left");
-  for (const Diagnostic& diagnostic : lost) EXPECT_FALSE(diagnostic.place.starts_with("section")) << diagnostic.text;
+  for (const Diagnostic& diagnostic : lost) EXPECT_FALSE(diagnostic.location.starts_with("section")) << diagnostic.text;
 }
 
 TEST(LifRoundTrip, keeps_the_ready_ring) {
@@ -199,7 +199,7 @@ TEST(LifWriter, cuts_a_section_at_its_stations_so_that_other_programs_see_them) 
     if (node.text("nodeId") != *at) continue;
     const Point2 p{*node.find("nodePosition")->number("x"), *node.find("nodePosition")->number("y")};
     const TrafficZone zone = native(yard);
-    EXPECT_LT(distance(p, position(zone.circuit.pose_at(zone.find_station("dock")->place))), 1e-9);
+    EXPECT_LT(distance(p, position(zone.circuit.pose_at(zone.find_station("dock")->position))), 1e-9);
   }
 }
 
@@ -326,14 +326,14 @@ TEST(LifEdit, goes_into_the_sidecar) {
 TEST(LifPlant, is_complete) {
   const TrafficZone zone = read(ready_zone("lif", "workshop.lif.json"));
   for (const Diagnostic& diagnostic : zone.diagnostics)
-    EXPECT_NE(diagnostic.kind, Diagnostic::Kind::mended) << diagnostic.place << ": " << diagnostic.text;
+    EXPECT_NE(diagnostic.kind, Diagnostic::Kind::mended) << diagnostic.location << ": " << diagnostic.text;
   EXPECT_EQ(zone.stations.size(), 7U);
-  EXPECT_GE(zone.start_places(12).size(), 12U);
+  EXPECT_GE(zone.start_positions(12).size(), 12U);
   for (SectionId id = 0; id < zone.circuit.size(); ++id) {
     EXPECT_FALSE(zone.circuit.next(id).empty()) << zone.circuit.part(id).name;
     // From any station to any section and back.
-    EXPECT_TRUE(zone.circuit.shortest_way({id, 0.0}, zone.find_station("charger_1")->place, 100.0));
-    EXPECT_TRUE(zone.circuit.shortest_way(zone.find_station("goods_out")->place, {id, 0.1}, 100.0));
+    EXPECT_TRUE(zone.circuit.shortest_way({id, 0.0}, zone.find_station("charger_1")->position, 100.0));
+    EXPECT_TRUE(zone.circuit.shortest_way(zone.find_station("goods_out")->position, {id, 0.1}, 100.0));
   }
 }
 

@@ -60,8 +60,8 @@ class Writer {
  private:
   void name_nodes();
   void name(std::size_t node, std::string id, Point2 at);
-  void place_stations();
-  [[nodiscard]] std::size_t node_at(Place place);
+  void add_stations();
+  [[nodiscard]] std::size_t node_at(TrackPosition track_position);
   [[nodiscard]] std::vector<SectionId> edges_in_order() const;
   void write_nodes();
   void write_section(SectionId id);
@@ -89,7 +89,7 @@ class Writer {
 
 ZoneConfiguration Writer::write() {
   name_nodes();
-  place_stations();
+  add_stations();
   json_.begin_object().key("metaInformation").begin_object();
   // A core has no clock; the same zone gives the same file.
   json_.field("projectIdentification", zone_.name)
@@ -119,9 +119,9 @@ void Writer::name_nodes() {
   std::map<SectionId, std::string> starts;
   std::map<SectionId, std::string> finishes;
   for (const Waypoint& at : zone_.waypoints) {
-    const double length_m = zone_.circuit.section(at.place.section).length_m();
-    if (at.place.s_m <= at_node_m) starts.emplace(at.place.section, at.id);
-    if (length_m - at.place.s_m <= at_node_m) finishes.emplace(at.place.section, at.id);
+    const double length_m = zone_.circuit.section(at.position.section).length_m();
+    if (at.position.s_m <= at_node_m) starts.emplace(at.position.section, at.id);
+    if (length_m - at.position.s_m <= at_node_m) finishes.emplace(at.position.section, at.id);
   }
   // Starts first: a joint lies where what follows begins.
   for (SectionId id = 0; id < zone_.circuit.size(); ++id) {
@@ -148,24 +148,24 @@ void Writer::name(std::size_t node, std::string id, Point2 at) {
 }
 
 /// The node at a place; between a section's ends one is made, and the section becomes several edges.
-std::size_t Writer::node_at(Place place) {
-  const Section& section = zone_.circuit.section(place.section);
-  if (place.s_m <= at_node_m) return ends_.node(Ends::start(place.section));
-  if (section.length_m() - place.s_m <= at_node_m) return ends_.node(Ends::end(place.section));
-  auto& cuts = cuts_[place.section];
-  const auto near = cuts.lower_bound(place.s_m - at_node_m);
-  if (near != cuts.end() && near->first <= place.s_m + at_node_m) return near->second;
+std::size_t Writer::node_at(TrackPosition track_position) {
+  const Section& section = zone_.circuit.section(track_position.section);
+  if (track_position.s_m <= at_node_m) return ends_.node(Ends::start(track_position.section));
+  if (section.length_m() - track_position.s_m <= at_node_m) return ends_.node(Ends::end(track_position.section));
+  auto& cuts = cuts_[track_position.section];
+  const auto near = cuts.lower_bound(track_position.s_m - at_node_m);
+  if (near != cuts.end() && near->first <= track_position.s_m + at_node_m) return near->second;
   const std::size_t node = ends_.size() + nodes_.size();
-  const auto millimetres = static_cast<long long>(std::floor(place.s_m * 1000.0 + 0.5));
-  name(node, zone_.circuit.part(place.section).name + "@" + std::to_string(millimetres),
-       position(section.pose_at(place.s_m)));
-  cuts.emplace(place.s_m, node);
+  const auto millimetres = static_cast<long long>(std::floor(track_position.s_m * 1000.0 + 0.5));
+  name(node, zone_.circuit.part(track_position.section).name + "@" + std::to_string(millimetres),
+       position(section.pose_at(track_position.s_m)));
+  cuts.emplace(track_position.s_m, node);
   return node;
 }
 
-void Writer::place_stations() {
+void Writer::add_stations() {
   for (const zone::Station& station : zone_.stations) {
-    const std::size_t node = node_at(station.place);
+    const std::size_t node = node_at(station.position);
     station_nodes_.push_back(node);
     if (station.kind == StationKind::charger) nodes_.at(node).charges = true;
   }

@@ -17,7 +17,7 @@ struct Homogeneous {
 };
 
 struct Local {
-  Point2 place;
+  Point2 position;
   double dx;  ///< d place / du
   double dy;
 };
@@ -48,8 +48,8 @@ Local de_boor(const Nurbs& curve, std::size_t span, double u) {
     }
   }
   const Homogeneous& at = d[p];
-  const Point2 place{at.x / at.w, at.y / at.w};
-  return {place, (slope.x - slope.w * place.x_m) / at.w, (slope.y - slope.w * place.y_m) / at.w};
+  const Point2 position{at.x / at.w, at.y / at.w};
+  return {position, (slope.x - slope.w * position.x_m) / at.w, (slope.y - slope.w * position.y_m) / at.w};
 }
 
 }  // namespace
@@ -81,7 +81,7 @@ Pose2 Nurbs::pose_at(double u) const {
     dy = beside.dy;
     step *= 10.0;
   }
-  return {local.place.x_m, local.place.y_m, det_atan2(dy, dx)};
+  return {local.position.x_m, local.position.y_m, det_atan2(dy, dx)};
 }
 
 std::vector<Nurbs::Knot> Nurbs::inner_knots() const {

@@ -80,20 +80,20 @@ std::optional<Bridge> Folding::bridge_over(double from, double to) const {
 std::vector<std::pair<double, double>> Folding::folds(std::size_t& work) const {
   if (work == 0) return {};
   const double step = std::max({step_m, (to_ - from_) / samples_max, 1e-6});
-  std::vector<double> places;
-  for (double s = from_; s < to_; s += step) places.push_back(s);
-  places.push_back(to_);
+  std::vector<double> positions;
+  for (double s = from_; s < to_; s += step) positions.push_back(s);
+  positions.push_back(to_);
   for (const auto* breaks : {&line_.breaks(), &lateral_.breaks()}) {
     for (const double s : *breaks) {
-      if (s > from_ && s < to_) places.insert(places.end(), {s - 1e-9, s + 1e-9});
+      if (s > from_ && s < to_) positions.insert(positions.end(), {s - 1e-9, s + 1e-9});
     }
   }
-  work -= std::min(work, places.size());
-  std::sort(places.begin(), places.end());
+  work -= std::min(work, positions.size());
+  std::sort(positions.begin(), positions.end());
   std::vector<std::pair<double, double>> found;
   Point2 before{1.0, 0.0};
   double before_s = from_ - 1.0;
-  for (const double s : places) {
+  for (const double s : positions) {
     const LanePoint here = lane_point(line_, lateral_, s);
     // Across a break: where the road begins to bend, a lane that does not run along it kinks.
     const bool kinks = s - before_s < 1e-8 && corner_between(before, here.d) > kink_min_rad;

@@ -28,16 +28,16 @@ class Linker {
   void finish();
 
  private:
-  [[nodiscard]] std::optional<std::uint32_t> road(const std::string& id, const std::string& place);
+  [[nodiscard]] std::optional<std::uint32_t> road(const std::string& id, const std::string& location);
   [[nodiscard]] const Lane* lane(const Ways::End& end) const;
   [[nodiscard]] bool exit_of(const Ways::End& end, WayId way) const {
     return ways_.ways[way].curve.forward() != end.at_start;
   }
   [[nodiscard]] Point2 end_of(std::uint32_t road, bool at_start) const;
   [[nodiscard]] bool contact(std::uint32_t road, bool at_start, std::uint32_t other, bool other_at_start,
-                             const std::string& place);
+                             const std::string& location);
   [[nodiscard]] bool start_faces(std::uint32_t incoming, std::uint32_t connecting, bool at_start) const;
-  void link(const Ways::End& a, const Ways::End& b, const std::string& place);
+  void link(const Ways::End& a, const Ways::End& b, const std::string& location);
   void join_if_met(WayId from, WayId to);
 
   const Network& network_;
@@ -46,10 +46,10 @@ class Linker {
   std::map<std::string, std::uint32_t, std::less<>> roads_;
 };
 
-std::optional<std::uint32_t> Linker::road(const std::string& id, const std::string& place) {
+std::optional<std::uint32_t> Linker::road(const std::string& id, const std::string& location) {
   const auto found = roads_.find(id);
   if (found != roads_.end()) return found->second;
-  report_.add(Diagnostic::Kind::lost, "links to roads that are not there", place,
+  report_.add(Diagnostic::Kind::lost, "links to roads that are not there", location,
               "leads to road '" + id + "', which is not there");
   return std::nullopt;
 }
@@ -61,13 +61,13 @@ const Lane* Linker::lane(const Ways::End& end) const {
   return at == side.end() ? nullptr : &*at;
 }
 
-void Linker::link(const Ways::End& a, const Ways::End& b, const std::string& place) {
+void Linker::link(const Ways::End& a, const Ways::End& b, const std::string& location) {
   const WayId one = ways_.find(a);
   const WayId two = ways_.find(b);
   if (one == no_way || two == no_way) {
     for (const Ways::End& end : {a, b}) {
       if (lane(end) == nullptr && end.lane != 0)
-        return report_.add(Diagnostic::Kind::lost, "links to lanes that are not there", place,
+        return report_.add(Diagnostic::Kind::lost, "links to lanes that are not there", location,
                            "leads to lane " + std::to_string(end.lane) + " of road '" + network_.roads[end.road].id +
                                "', which is not there");
     }
@@ -76,7 +76,7 @@ void Linker::link(const Ways::End& a, const Ways::End& b, const std::string& pla
     return;
   }
   if (exit_of(a, one) == exit_of(b, two))
-    return report_.add(Diagnostic::Kind::lost, "links of lanes that run against each other", place,
+    return report_.add(Diagnostic::Kind::lost, "links of lanes that run against each other", location,
                        "links '" + ways_.ways[one].name(network_) + "' to '" + ways_.ways[two].name(network_) +
                            "', which run against each other");
   const WayId from = exit_of(a, one) ? one : two;
@@ -92,13 +92,13 @@ Point2 Linker::end_of(std::uint32_t road, bool at_start) const {
 /// The end of a road that meets an end of another: the one that the file names, unless that is metres away and the
 /// road's other end lies right there.
 bool Linker::contact(std::uint32_t road, bool at_start, std::uint32_t other, bool other_at_start,
-                     const std::string& place) {
+                     const std::string& location) {
   if (!ways_.lines[road] || !ways_.lines[other]) return at_start;
   const Point2 here = end_of(other, other_at_start);
   const double named_m = distance(here, end_of(road, at_start));
   const double opposite_m = distance(here, end_of(road, !at_start));
   if (named_m <= contact_far_m || opposite_m >= contact_near_m) return at_start;
-  report_.add(Diagnostic::Kind::mended, "links to the wrong end of a road", place,
+  report_.add(Diagnostic::Kind::mended, "links to the wrong end of a road", location,
               std::string("leads to the ") + (at_start ? "start" : "end") + " of road '" + network_.roads[road].id +
                   "', which is " + metres(named_m) + " away; its other end is only " + metres(opposite_m) +
                   " away and is taken");
@@ -111,12 +111,12 @@ void Linker::link_sections(std::uint32_t road) {
   for (std::uint32_t i = 0; i + 1 < it.sections.size(); ++i) {
     for (const auto* side : {&it.sections[i].left, &it.sections[i].right}) {
       for (const Lane& lane : *side) {
-        for (const int to : lane.successors) link({road, i, lane.id, false}, {road, i + 1, to, true}, it.place);
+        for (const int to : lane.successors) link({road, i, lane.id, false}, {road, i + 1, to, true}, it.location);
       }
     }
     for (const auto* side : {&it.sections[i + 1].left, &it.sections[i + 1].right}) {
       for (const Lane& lane : *side) {
-        for (const int to : lane.predecessors) link({road, i + 1, lane.id, true}, {road, i, to, false}, it.place);
+        for (const int to : lane.predecessors) link({road, i + 1, lane.id, true}, {road, i, to, false}, it.location);
       }
     }
   }
@@ -127,10 +127,10 @@ void Linker::link_road(std::uint32_t index, bool at_start) {
   const Road& it = network_.roads[index];
   const auto& said = at_start ? it.predecessor : it.successor;
   if (!said || said->junction || it.sections.empty()) return;
-  const std::string place = it.place + (at_start ? ", link/predecessor" : ", link/successor");
-  const auto other = road(said->id, place);
+  const std::string location = it.location + (at_start ? ", link/predecessor" : ", link/successor");
+  const auto other = road(said->id, location);
   if (!other || network_.roads[*other].sections.empty()) return;
-  const bool to_start = contact(*other, said->at_start, index, at_start, place);
+  const bool to_start = contact(*other, said->at_start, index, at_start, location);
   const auto last = [&](std::uint32_t of) {
     return static_cast<std::uint32_t>(network_.roads[of].sections.size() - 1);
   };
@@ -140,7 +140,7 @@ void Linker::link_road(std::uint32_t index, bool at_start) {
     for (const Lane& lane : *side) {
       for (const int to : at_start ? lane.predecessors : lane.successors)
         link({index, here, lane.id, at_start}, {*other, there, network_.roads[*other].lane_at(to_start, to), to_start},
-             it.place);
+             it.location);
     }
   }
 }
@@ -156,8 +156,8 @@ bool Linker::start_faces(std::uint32_t incoming, std::uint32_t connecting, bool 
 
 void Linker::link_connection(const Junction& junction, const Connection& connection) {
   if (connection.incoming.empty() || connection.connecting.empty()) return;
-  const auto incoming = road(connection.incoming, connection.place);
-  const auto connecting = road(connection.connecting, connection.place);
+  const auto incoming = road(connection.incoming, connection.location);
+  const auto connecting = road(connection.connecting, connection.location);
   if (!incoming || !connecting) return;
   const Road& in = network_.roads[*incoming];
   const Road& out = network_.roads[*connecting];
@@ -170,10 +170,10 @@ void Linker::link_connection(const Junction& junction, const Connection& connect
   const auto section = [](const Road& of, bool start) {
     return start ? 0 : static_cast<std::uint32_t>(of.sections.size() - 1);
   };
-  const bool out_start = contact(*connecting, connection.at_start, *incoming, in_start, connection.place);
+  const bool out_start = contact(*connecting, connection.at_start, *incoming, in_start, connection.location);
   for (const auto& [from, to] : connection.lanes) {
     link({*incoming, section(in, in_start), in.lane_at(in_start, from), in_start},
-         {*connecting, section(out, out_start), out.lane_at(out_start, to), out_start}, connection.place);
+         {*connecting, section(out, out_start), out.lane_at(out_start, to), out_start}, connection.location);
   }
 }
 

@@ -47,7 +47,7 @@ struct Geometry {
   Pose2 start;
   double length{};
   std::variant<Clothoid, Cubics> shape;
-  std::string place;
+  std::string location;
 };
 
 struct SpeedFrom {
@@ -93,7 +93,7 @@ struct Road {
   /// meant.
   std::vector<std::pair<int, int>> first_names{};
   std::vector<std::pair<int, int>> last_names{};
-  std::string place;
+  std::string location;
 
   [[nodiscard]] int lane_at(bool start, int lane) const {
     for (const auto& [from, to] : start ? first_names : last_names) {
@@ -108,7 +108,7 @@ struct Connection {
   std::string connecting;
   bool at_start{true};  ///< of the connecting road
   std::vector<std::pair<int, int>> lanes{};
-  std::string place;
+  std::string location;
 };
 struct Junction {
   std::string id;

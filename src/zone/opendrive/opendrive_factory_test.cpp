@@ -140,7 +140,7 @@ TEST_P(Sample, is_as_long_as_the_file_says) {
 TEST_P(Sample, tells_its_fit) {
   bool told = false;
   for (const Diagnostic& note : zone_.diagnostics)
-    told = told || (note.place == "lanes" && note.kind == Diagnostic::Kind::notice);
+    told = told || (note.location == "lanes" && note.kind == Diagnostic::Kind::notice);
   EXPECT_TRUE(told);
 }
 
@@ -294,7 +294,7 @@ TEST(OpenDrive, the_sidecar_scales_names_and_chooses_lanes) {
   EXPECT_TRUE(zone.find_station("dock"));
   const auto bad = read(text, "[import]\nscale = -1\n");
   ASSERT_FALSE(bad);
-  EXPECT_THAT(bad.error().place, HasSubstr("test.zone.toml"));
+  EXPECT_THAT(bad.error().location, HasSubstr("test.zone.toml"));
 }
 
 TEST(OpenDrive, what_is_not_taken_is_told) {
@@ -425,7 +425,7 @@ TEST(OpenDrive, edits_go_into_the_sidecar_and_the_file_stays) {
   const auto zone = OpenDriveCircuitFactory{}.make_zone(*after);
   ASSERT_TRUE(zone) << to_string(zone.error());
   ASSERT_NE(zone->find_tag(7), nullptr);
-  EXPECT_NEAR(zone->find_tag(7)->place.s_m, 12.5, 1e-4);
+  EXPECT_NEAR(zone->find_tag(7)->location.s_m, 12.5, 1e-4);
 }
 
 TEST(OpenDrive, is_only_read) {

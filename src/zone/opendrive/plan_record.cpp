@@ -12,7 +12,7 @@ constexpr double crumb_max_m = 0.3;
 
 std::optional<PlanRecord> make_record(const Geometry& geometry, Report& report) {
   const auto lost = [&](const std::string& why) {
-    report.add(Diagnostic::Kind::lost, "roads whose plan view cannot be followed", geometry.place,
+    report.add(Diagnostic::Kind::lost, "roads whose plan view cannot be followed", geometry.location,
                "cannot be followed, and its road is not taken: " + why);
     return std::nullopt;
   };
@@ -32,7 +32,7 @@ std::optional<PlanRecord> make_record(const Geometry& geometry, Report& report) 
     cubics.range = was_normalized ? Cubics::Range::arc_length : Cubics::Range::normalized;
     if (auto other = CubicPath::make(geometry.start, cubics, geometry.length); off(other) < 0.01) {
       path = std::move(other);
-      report.add(Diagnostic::Kind::mended, "paramPoly3 with the wrong pRange", geometry.place,
+      report.add(Diagnostic::Kind::mended, "paramPoly3 with the wrong pRange", geometry.location,
                  std::string("its length is that of the other pRange, which is taken: ") +
                      (was_normalized ? "arcLength" : "normalized"));
     }
@@ -64,7 +64,7 @@ bool can_close(const PlanRecord& before, const Jet& left, const Jet& right, cons
 
 void drop_crumbs(std::vector<const Geometry*>& plan, std::vector<PlanRecord>& records, Report& report) {
   const auto left_out = [&](const Geometry* geometry, const PlanRecord& record) {
-    report.add(Diagnostic::Kind::mended, "crumbs of plan views", geometry->place,
+    report.add(Diagnostic::Kind::mended, "crumbs of plan views", geometry->location,
                "is " + metres(record.arc) + " long and does not meet its neighbours; it is left out");
     return record.arc + record.slack;
   };

@@ -29,14 +29,14 @@ class Reader {
   [[nodiscard]] std::string id_of(pugi::xml_node node, std::set<std::string>& known);
   [[nodiscard]] Road read_road(pugi::xml_node node);
   [[nodiscard]] std::optional<RoadLink> read_link(pugi::xml_node node);
-  [[nodiscard]] Geometry read_geometry(pugi::xml_node node, std::string place);
+  [[nodiscard]] Geometry read_geometry(pugi::xml_node node, std::string location);
   [[nodiscard]] Cubics read_cubics(pugi::xml_node node);
   [[nodiscard]] Polynomial read_polynomial(pugi::xml_node node, const char* from);
   [[nodiscard]] SpeedFrom read_speed(pugi::xml_node node, double s);
   [[nodiscard]] LaneSection read_lane_section(pugi::xml_node node);
   [[nodiscard]] Lane read_lane(pugi::xml_node node, int sign);
   [[nodiscard]] Junction read_junction(pugi::xml_node node);
-  [[nodiscard]] Connection read_connection(pugi::xml_node node, std::string place);
+  [[nodiscard]] Connection read_connection(pugi::xml_node node, std::string location);
   void record(Diagnostic::Kind kind, std::string_view topic, pugi::xml_node node, std::string text);
   void count_what_is_not_taken(pugi::xml_node road);
 
@@ -104,7 +104,7 @@ std::string Reader::id_of(pugi::xml_node node, std::set<std::string>& known) {
 Road Reader::read_road(pugi::xml_node node) {
   Road road;
   road.id = id_of(node, road_ids_);
-  road.place = "road " + road.id;
+  road.location = "road " + road.id;
   road.length = file_.number(node, "length", length, 0.0);
   road.left_hand = std::strcmp(node.attribute("rule").value(), "LHT") == 0;
   const std::string junction = node.attribute("junction").value();
@@ -114,9 +114,9 @@ Road Reader::read_road(pugi::xml_node node) {
   for (const auto type : node.children("type"))
     road.speeds.push_back(read_speed(type.child("speed"), file_.number(type, "s", station, 0.0)));
   for (const auto geometry : node.child("planView").children("geometry")) {
-    std::string place = road.place + ", planView/geometry[";
-    place += std::to_string(road.plan.size() + 1) + ']';
-    road.plan.push_back(read_geometry(geometry, std::move(place)));
+    std::string location = road.location + ", planView/geometry[";
+    location += std::to_string(road.plan.size() + 1) + ']';
+    road.plan.push_back(read_geometry(geometry, std::move(location)));
   }
   const auto lanes = node.child("lanes");
   for (const auto offset : lanes.children("laneOffset")) road.offsets.push_back(read_polynomial(offset, "s"));
@@ -138,9 +138,9 @@ std::optional<RoadLink> Reader::read_link(pugi::xml_node node) {
   return std::nullopt;
 }
 
-Geometry Reader::read_geometry(pugi::xml_node node, std::string place) {
+Geometry Reader::read_geometry(pugi::xml_node node, std::string location) {
   Geometry geometry;
-  geometry.place = std::move(place);
+  geometry.location = std::move(location);
   geometry.s = file_.number(node, "s", station);
   geometry.start = {file_.number(node, "x", coordinate), file_.number(node, "y", coordinate),
                     file_.number(node, "hdg", heading)};
@@ -260,16 +260,16 @@ Junction Reader::read_junction(pugi::xml_node node) {
            "is a virtual junction: ways that leave a road in its middle are not taken");
   for (const auto connection : node.children("connection")) {
     if (file_.error()) break;
-    std::string place = "junction " + junction.id;
-    place += ", connection[" + std::to_string(junction.connections.size() + 1) + ']';
-    junction.connections.push_back(read_connection(connection, std::move(place)));
+    std::string location = "junction " + junction.id;
+    location += ", connection[" + std::to_string(junction.connections.size() + 1) + ']';
+    junction.connections.push_back(read_connection(connection, std::move(location)));
   }
   return junction;
 }
 
-Connection Reader::read_connection(pugi::xml_node node, std::string place) {
+Connection Reader::read_connection(pugi::xml_node node, std::string location) {
   Connection connection;
-  connection.place = std::move(place);
+  connection.location = std::move(location);
   // A direct junction (1.7) links roads without a connecting one between them.
   const char* to = node.attribute("connectingRoad") ? "connectingRoad" : "linkedRoad";
   if (node.attribute("incomingRoad")) connection.incoming = file_.id(node, "incomingRoad");

@@ -30,13 +30,13 @@ std::optional<ReferenceLine> ReferenceLine::make(const Road& road, Report& repor
     if (geometry.length >= record_min_m) plan.push_back(&geometry);
   }
   if (plan.empty()) {
-    report.add(Diagnostic::Kind::lost, "roads without a plan view", road.place, "has no plan view of any length");
+    report.add(Diagnostic::Kind::lost, "roads without a plan view", road.location, "has no plan view of any length");
     return std::nullopt;
   }
   const auto by_s = [](const Geometry* a, const Geometry* b) { return a->s < b->s; };
   if (!std::is_sorted(plan.begin(), plan.end(), by_s)) {
     std::stable_sort(plan.begin(), plan.end(), by_s);
-    report.add(Diagnostic::Kind::mended, "plan views out of order", road.place,
+    report.add(Diagnostic::Kind::mended, "plan views out of order", road.location,
                "its geometry records do not stand in the order of their s; they are taken in that order");
   }
   std::vector<PlanRecord> records;
@@ -44,7 +44,7 @@ std::optional<ReferenceLine> ReferenceLine::make(const Road& road, Report& repor
     auto record = make_record(*plan[i], report);
     if (!record) return std::nullopt;
     if (goes_on_too_long(*record, *plan[i], i + 1 < plan.size() ? &plan[i + 1]->start : nullptr)) {
-      report.add(Diagnostic::Kind::mended, "records that go on beyond their length", plan[i]->place,
+      report.add(Diagnostic::Kind::mended, "records that go on beyond their length", plan[i]->location,
                  "its polynomials lead on for " + metres(record->arc) + "; they are taken as far as its length says, " +
                      metres(plan[i]->length));
       record->arc = plan[i]->length;
@@ -55,7 +55,7 @@ std::optional<ReferenceLine> ReferenceLine::make(const Road& road, Report& repor
   redraw_sloppy_records(plan, records, report);
   line.lay(road, plan, std::move(records), report);
   for (std::size_t i = 0; i + 1 < plan.size(); ++i) {
-    if (!line.close_joint(i, plan[i + 1]->place, report)) return std::nullopt;
+    if (!line.close_joint(i, plan[i + 1]->location, report)) return std::nullopt;
   }
   std::sort(line.breaks_.begin(), line.breaks_.end());
   return line;
@@ -73,7 +73,7 @@ void ReferenceLine::lay(const Road& road, const std::vector<const Geometry*>& pl
     const double off_m = std::fabs(said - record.arc) - 1.5 * record.slack;
     const bool plausible = off_m <= std::max(0.01, 0.01 * record.arc) && said > 0.5 * record_min_m;
     if (!plausible || off_m > 1e-3 + 1e-4 * record.arc) {
-      report.add(Diagnostic::Kind::mended, "records whose s and shape disagree in length", plan[i]->place,
+      report.add(Diagnostic::Kind::mended, "records whose s and shape disagree in length", plan[i]->location,
                  "the file has " + metres(said) + " for it, but it is " + metres(record.arc) + " long; " +
                      (plausible ? "lanes are stretched along it accordingly" : "its own length is taken"));
     }
@@ -86,7 +86,7 @@ void ReferenceLine::lay(const Road& road, const std::vector<const Geometry*>& pl
 }
 
 /// Both records give way by half, over some metres.
-bool ReferenceLine::close_joint(std::size_t index, const std::string& place, Report& report) {
+bool ReferenceLine::close_joint(std::size_t index, const std::string& location, Report& report) {
   PlanRecord& before = records_[index];
   PlanRecord& after = records_[index + 1];
   const Jet left = raw(before, ends_[index]);
@@ -97,7 +97,7 @@ bool ReferenceLine::close_joint(std::size_t index, const std::string& place, Rep
   if (gap_m <= gap_free_m && std::fabs(kink_rad) <= kink_free_rad) return true;
 
   if (!can_close(before, left, right, after)) {
-    report.add(Diagnostic::Kind::lost, "roads with a gap or a corner", place,
+    report.add(Diagnostic::Kind::lost, "roads with a gap or a corner", location,
                "begins " + metres(gap_m) + " and " + std::to_string(kink_rad) +
                    " rad from where the record before it ends, which is too much to round: the road is not taken");
     return false;
@@ -118,7 +118,7 @@ bool ReferenceLine::close_joint(std::size_t index, const std::string& place, Rep
   breaks_.push_back(after.from - over_before);
   breaks_.push_back(after.from + over_after);
   if (gap_m > worth_a_diagnostic || std::fabs(kink_rad) > worth_a_diagnostic) {
-    report.add(Diagnostic::Kind::mended, "joints of records that do not meet", place,
+    report.add(Diagnostic::Kind::mended, "joints of records that do not meet", location,
                "begins " + metres(gap_m) + " and " + std::to_string(kink_rad) +
                    " rad from where the record before it ends; smoothed over " + metres(reach_m) + " to each side");
   }

@@ -24,7 +24,7 @@ class ReferenceLine {
 
  private:
   void lay(const Road& road, const std::vector<const Geometry*>& plan, std::vector<PlanRecord> records, Report& report);
-  [[nodiscard]] bool close_joint(std::size_t index, const std::string& place, Report& report);
+  [[nodiscard]] bool close_joint(std::size_t index, const std::string& location, Report& report);
   [[nodiscard]] Jet at(const PlanRecord& record, double s) const;
 
   std::vector<PlanRecord> records_;

@@ -13,7 +13,7 @@ namespace {
 Road road_of(std::vector<Geometry> plan, double length) {
   Road road;
   road.id = "1";
-  road.place = "road 1";
+  road.location = "road 1";
   road.length = length;
   road.plan = std::move(plan);
   return road;
@@ -118,7 +118,7 @@ TEST(ReferenceLine, of_a_curve_whose_range_of_p_is_wrong_takes_the_other) {
   EXPECT_NEAR(line.at(line.length()).p.x_m, 50.0, 1e-6);
   ASSERT_FALSE(report.diagnostics().empty());
   EXPECT_EQ(report.diagnostics()[0].kind, Diagnostic::Kind::mended);
-  EXPECT_EQ(report.diagnostics()[0].place, "here");
+  EXPECT_EQ(report.diagnostics()[0].location, "here");
 }
 
 TEST(ReferenceLine, of_poly3_ends_where_its_length_says) {
@@ -167,7 +167,7 @@ TEST(ReferenceLine, closes_small_gaps_and_kinks_and_says_so) {
   EXPECT_NEAR(line.at(0.0).p.x_m, 0.0, 1e-12);
   EXPECT_NEAR(heading_of(line.at(40.0)), 0.05, 1e-9);
   ASSERT_EQ(report.diagnostics().size(), 1U);
-  EXPECT_EQ(report.diagnostics()[0].place, "second");
+  EXPECT_EQ(report.diagnostics()[0].location, "second");
 }
 
 TEST(ReferenceLine, is_not_there_across_a_corner_or_a_gap_and_says_so) {
@@ -178,7 +178,7 @@ TEST(ReferenceLine, is_not_there_across_a_corner_or_a_gap_and_says_so) {
     EXPECT_FALSE(line);
     ASSERT_EQ(report.diagnostics().size(), 1U);
     EXPECT_EQ(report.diagnostics()[0].kind, Diagnostic::Kind::lost);
-    EXPECT_EQ(report.diagnostics()[0].place, "second");
+    EXPECT_EQ(report.diagnostics()[0].location, "second");
   }
 }
 
@@ -246,7 +246,7 @@ TEST(ReferenceLine, leaves_a_crumb_out_that_meets_nobody) {
   EXPECT_NEAR(line.length(), 40.06, 1e-9);
   for (double s = 0.0; s < 40.0; s += 0.5) EXPECT_LT(distance(line.at(s).p, {s, 0.0}), 0.07) << s;
   ASSERT_FALSE(report.diagnostics().empty());
-  EXPECT_EQ(report.diagnostics()[0].place, "crumb");
+  EXPECT_EQ(report.diagnostics()[0].location, "crumb");
 }
 
 TEST(ReferenceLine, trusts_a_shape_whose_s_contradicts_it) {

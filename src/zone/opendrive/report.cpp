@@ -5,10 +5,10 @@
 
 namespace cosiva::zone::opendrive {
 
-void Report::add(Diagnostic::Kind kind, std::string_view topic, std::string place, std::string text) {
+void Report::add(Diagnostic::Kind kind, std::string_view topic, std::string location, std::string text) {
   auto& alike = alike_[std::string(topic)];
   alike.first = kind;
-  if (++alike.second <= alike_max) diagnostics_.push_back({kind, std::move(place), std::move(text)});
+  if (++alike.second <= alike_max) diagnostics_.push_back({kind, std::move(location), std::move(text)});
 }
 
 bool Report::full(std::string_view topic) const {

@@ -14,7 +14,7 @@ namespace cosiva::zone::opendrive {
 class Report {
  public:
   /// @param topic  what is alike, as a plural: "lanes that …"
-  void add(Diagnostic::Kind kind, std::string_view topic, std::string place, std::string text);
+  void add(Diagnostic::Kind kind, std::string_view topic, std::string location, std::string text);
   /// Whether no more of this topic will be kept.
   [[nodiscard]] bool full(std::string_view topic) const;
   void count(std::string_view what, std::size_t more = 1) { counts_[std::string(what)] += more; }

@@ -126,7 +126,7 @@ std::string nothing_to_drive_on(const Report& report) {
     if (note.kind != Diagnostic::Kind::lost) continue;
     lost = true;
     if (text.size() > 600) break;
-    text += "; " + note.place;
+    text += "; " + note.location;
     text += ' ' + note.text;
   }
   if (types.empty() && !lost) text += "; its roads have none beside their middle line";

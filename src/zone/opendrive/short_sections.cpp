@@ -103,7 +103,7 @@ void drop_short_sections(Network& network, Report& report) {
       if (stays[i]) kept.push_back(std::move(road.sections[i]));
     }
     road.sections = std::move(kept);
-    report.add(Diagnostic::Kind::mended, "roads with lane sections of less than 5 cm", road.place,
+    report.add(Diagnostic::Kind::mended, "roads with lane sections of less than 5 cm", road.location,
                "has lane sections of less than 5 cm; their neighbours take their place");
   }
 }

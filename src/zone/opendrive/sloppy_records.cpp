@@ -70,19 +70,19 @@ void redraw_sloppy_records(const std::vector<const Geometry*>& plan, std::vector
   }
   // Where each record begins, and the last one ends. A record that is not redrawn stays in place, and its neighbour
   // meets it.
-  std::vector<Pose2> places{pose_of(raw(records.front(), 0.0))};
+  std::vector<Pose2> positions{pose_of(raw(records.front(), 0.0))};
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const bool both = redrawn[i] && redrawn[i + 1];
-    places.push_back(both ? joints[i].centre() : redrawn[i] ? joints[i].right : joints[i].left);
+    positions.push_back(both ? joints[i].centre() : redrawn[i] ? joints[i].right : joints[i].left);
   }
-  places.push_back(pose_of(raw(records.back(), records.back().arc)));
+  positions.push_back(pose_of(raw(records.back(), records.back().arc)));
   for (std::size_t i = 0; i < joints.size(); ++i) {
     if (redrawn[i] && redrawn[i + 1])
-      places[i + 1].heading_rad = heading_through(places[i], places[i + 1], places[i + 2]);
+      positions[i + 1].heading_rad = heading_through(positions[i], positions[i + 1], positions[i + 2]);
   }
   for (std::size_t i = 0; i < records.size(); ++i) {
     if (!redrawn[i]) continue;
-    auto curve = curve_between(places[i], places[i + 1]);
+    auto curve = curve_between(positions[i], positions[i + 1]);
     if (!curve || std::fabs(curve->length() - records[i].arc) > length_ratio_max * records[i].arc) continue;
     records[i].slack += std::fabs(curve->length() - records[i].arc);
     records[i].arc = curve->length();
@@ -93,7 +93,7 @@ void redraw_sloppy_records(const std::vector<const Geometry*>& plan, std::vector
       gap_m = std::max(gap_m, joints[joint].gap_m());
       kink_rad = std::max(kink_rad, std::fabs(joints[joint].kink_rad()));
     }
-    report.add(Diagnostic::Kind::mended, "short records that do not meet", plan[i]->place,
+    report.add(Diagnostic::Kind::mended, "short records that do not meet", plan[i]->location,
                "misses its neighbours by up to " + metres(gap_m) + " and " + std::to_string(kink_rad) +
                    " rad, and is short; a curve leads through the places where they should meet");
   }

@@ -57,9 +57,9 @@ inline bool leads(const TrafficZone& zone, std::string_view from, std::string_vi
   const auto next = zone.circuit.next(*a);
   return std::find(next.begin(), next.end(), *b) != next.end();
 }
-inline bool logged(const TrafficZone& zone, Diagnostic::Kind kind, std::string_view place, std::string_view text) {
+inline bool logged(const TrafficZone& zone, Diagnostic::Kind kind, std::string_view location, std::string_view text) {
   return std::any_of(zone.diagnostics.begin(), zone.diagnostics.end(), [&](const Diagnostic& note) {
-    return note.kind == kind && note.place.find(place) != note.place.npos && note.text.find(text) != note.text.npos;
+    return note.kind == kind && note.location.find(location) != note.location.npos && note.text.find(text) != note.text.npos;
   });
 }
 

@@ -18,8 +18,8 @@ struct Work {
   std::size_t samples{20'000'000};  ///< for folds; a file of 5000 km of lanes has none looked for any more
 };
 
-std::string lane_place(const Road& road, std::size_t section, int lane) {
-  std::string text = road.place + ", laneSection[" + std::to_string(section + 1);
+std::string lane_location(const Road& road, std::size_t section, int lane) {
+  std::string text = road.location + ", laneSection[" + std::to_string(section + 1);
   return text + "], lane " + std::to_string(lane);
 }
 
@@ -57,10 +57,10 @@ void RoadLanes::read(std::shared_ptr<const ReferenceLine> line) {
     const double from = i == 0 && sections[i].s < first + 0.01 ? first : sections[i].s;
     const double to = std::min(i + 1 < sections.size() ? sections[i + 1].s : line_->length(), line_->length());
     if (i > 0 && sections[i].s < sections[i - 1].s)
-      report_.add(Diagnostic::Kind::mended, "lane sections out of order", road_.place,
+      report_.add(Diagnostic::Kind::mended, "lane sections out of order", road_.location,
                   "its lane sections do not follow each other; the one that begins too early is left out");
     if (to - from < section_min_m) {
-      report_.add(Diagnostic::Kind::mended, "lane sections without length", lane_place(road_, i, 0),
+      report_.add(Diagnostic::Kind::mended, "lane sections without length", lane_location(road_, i, 0),
                   "has no length here, and its lanes are not taken");
       continue;
     }
@@ -75,7 +75,7 @@ void RoadLanes::read_side(std::size_t section, int sign, double from, double to)
     const Pieces outer = outer_border(lane, inner, sign, section, from, to);
     work_.pieces += outer.size();
     if (work_.pieces > pieces_max) {
-      report_.add(Diagnostic::Kind::lost, "lanes of too many records", lane_place(road_, section, lane.id),
+      report_.add(Diagnostic::Kind::lost, "lanes of too many records", lane_location(road_, section, lane.id),
                   "is not taken: the file has more records of width than any real one");
       return;
     }
@@ -97,7 +97,7 @@ Pieces RoadLanes::outer_border(const Lane& lane, const Pieces& inner, int sign, 
     first = std::min(first, record.s - from);
   }
   if (first > 0.05 && !records.empty())
-    report_.add(Diagnostic::Kind::mended, "lanes whose width begins late", lane_place(road_, section, lane.id),
+    report_.add(Diagnostic::Kind::mended, "lanes whose width begins late", lane_location(road_, section, lane.id),
                 "says nothing of its width in its first " + metres(first) + "; it is as wide there as it is then");
   const Pieces said = holding(std::move(records), from, to, true);
   if (by_width) return sum(inner, 1.0, said, sign, nearness(from, to));
@@ -110,7 +110,7 @@ Pieces RoadLanes::outer_border(const Lane& lane, const Pieces& inner, int sign, 
 
 void RoadLanes::add(const Lane& lane, std::size_t section, const Pieces& inner, const Pieces& outer, double from,
                     double to) {
-  const std::string place = lane_place(road_, section, lane.id);
+  const std::string location = lane_location(road_, section, lane.id);
   const Pieces width = sum(outer, lane.id > 0 ? 1.0 : -1.0, inner, lane.id > 0 ? -1.0 : 1.0, nearness(from, to));
   const auto width_at = [&](double s) {
     const Polynomial& piece = piece_at(width, s);
@@ -119,24 +119,24 @@ void RoadLanes::add(const Lane& lane, std::size_t section, const Pieces& inner, 
   double widest = 0.0;
   for (int i = 0; i <= 16; ++i) widest = std::max(widest, width_at(from + (to - from) * i / 16));
   if (widest < width_min_m)
-    return report_.add(Diagnostic::Kind::lost, "lanes without width", place, "has no width, and is not taken");
+    return report_.add(Diagnostic::Kind::lost, "lanes without width", location, "has no width, and is not taken");
   auto lateral = Lateral::make(sum(inner, 0.5, outer, 0.5, nearness(from, to)), to);
   if (!lateral)
-    return report_.add(Diagnostic::Kind::lost, "lanes that jump sideways", place,
+    return report_.add(Diagnostic::Kind::lost, "lanes that jump sideways", location,
                        "jumps sideways further than can be smoothed, and is not taken");
   if (lateral->greatest_jump() > 1e-4 || lateral->greatest_kink() > 1e-2)
-    report_.add(Diagnostic::Kind::mended, "lanes whose width jumps or kinks", place,
+    report_.add(Diagnostic::Kind::mended, "lanes whose width jumps or kinks", location,
                 "its centre line jumps sideways by up to " + metres(lateral->greatest_jump()) + " and kinks by up to " +
                     std::to_string(lateral->greatest_kink()) + " rad where records of width or offset meet; smoothed");
   if (lane.type == "bidirectional")
-    report_.add(Diagnostic::Kind::lost, "lanes of both directions", place,
+    report_.add(Diagnostic::Kind::lost, "lanes of both directions", location,
                 "is driven both ways in the file; here only in the direction of its side");
   const bool forward = ((lane.id < 0) != road_.left_hand) != lane.reversed;
   const double at_from = width_at(from);
   const double at_to = width_at(to);
   LaneCurve curve{line_, std::move(*lateral), from, to, forward};
   if (const double cut_m = curve.cut_folds(work_.samples); cut_m > 0.0)
-    report_.add(Diagnostic::Kind::mended, "lanes that fold in a bend", place,
+    report_.add(Diagnostic::Kind::mended, "lanes that fold in a bend", location,
                 "lies so far inside a bend of its road that it would kink or run backwards there; cut short over " +
                     metres(cut_m) + " of the road");
   ways_.ways.push_back({index_, static_cast<std::uint32_t>(section), lane.id, std::move(curve),
@@ -172,7 +172,7 @@ Ways find_ways(const Network& network, const std::vector<std::string>& lane_type
   Work work;
   for (std::uint32_t road = 0; road < network.roads.size(); ++road) {
     if (network.roads[road].sections.empty()) {
-      report.add(Diagnostic::Kind::lost, "roads without lanes", network.roads[road].place, "has no lane section");
+      report.add(Diagnostic::Kind::lost, "roads without lanes", network.roads[road].location, "has no lane section");
       continue;
     }
     auto line = ReferenceLine::make(network.roads[road], report);

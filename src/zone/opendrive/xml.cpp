@@ -43,13 +43,13 @@ std::string quoted(std::string_view text) {
 }  // namespace
 
 Result<std::unique_ptr<XmlFile>> XmlFile::parse(std::string_view origin, std::string_view text) {
-  std::string place{origin};
+  std::string location{origin};
   if (text.size() > bytes_max)
-    return fail("zone.size", "expected at most 64 MiB, found " + std::to_string(text.size()) + " bytes", place);
+    return fail("zone.size", "expected at most 64 MiB, found " + std::to_string(text.size()) + " bytes", location);
   if (std::count(text.begin(), text.end(), '<') > elements_max)
-    return fail("zone.size", "expected at most 2000000 elements, found more", place);
+    return fail("zone.size", "expected at most 2000000 elements, found more", location);
   if (std::count(text.begin(), text.end(), '=') > attributes_max)
-    return fail("zone.size", "expected at most 8000000 attributes, found more", place);
+    return fail("zone.size", "expected at most 8000000 attributes, found more", location);
 
   auto file = std::make_unique<XmlFile>();
   file->origin_ = origin;
@@ -66,9 +66,9 @@ Result<std::unique_ptr<XmlFile>> XmlFile::parse(std::string_view origin, std::st
     if (utf8 && result.offset >= 0) {
       const auto at =
           std::lower_bound(file->line_ends_.begin(), file->line_ends_.end(), static_cast<std::size_t>(result.offset));
-      place += ':' + std::to_string(at - file->line_ends_.begin() + 1);
+      location += ':' + std::to_string(at - file->line_ends_.begin() + 1);
     }
-    return fail("zone.syntax", std::string("cannot be read as XML: ") + result.description(), place);
+    return fail("zone.syntax", std::string("cannot be read as XML: ") + result.description(), location);
   }
   return file;
 }
@@ -108,7 +108,7 @@ std::string XmlFile::id(pugi::xml_node node, const char* name) {
 }
 
 void XmlFile::fault(pugi::xml_node node, std::string_view attribute, std::string code, std::string message) {
-  if (!error_) error_ = Error{std::move(code), std::move(message), place(node, attribute)};
+  if (!error_) error_ = Error{std::move(code), std::move(message), location(node, attribute)};
 }
 
 std::string XmlFile::path(pugi::xml_node node, std::string_view attribute) {
@@ -134,7 +134,7 @@ std::string XmlFile::path(pugi::xml_node node, std::string_view attribute) {
   return text;
 }
 
-std::string XmlFile::place(pugi::xml_node node, std::string_view attribute) const {
+std::string XmlFile::location(pugi::xml_node node, std::string_view attribute) const {
   std::string text = origin_;
   const std::ptrdiff_t offset = node.offset_debug();
   if (!line_ends_.empty() && offset >= 0) {

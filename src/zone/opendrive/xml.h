@@ -41,7 +41,7 @@ class XmlFile {
   /// "road 12, planView/geometry[3]/@length"; elements of one name are counted from 1.
   [[nodiscard]] static std::string path(pugi::xml_node node, std::string_view attribute = {});
   /// As `path`, behind "file.xodr:45: ".
-  [[nodiscard]] std::string place(pugi::xml_node node, std::string_view attribute = {}) const;
+  [[nodiscard]] std::string location(pugi::xml_node node, std::string_view attribute = {}) const;
 
  private:
   std::string origin_;

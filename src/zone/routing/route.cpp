@@ -14,7 +14,7 @@ namespace cosiva::zone {
 namespace {
 
 // Two places this near on one section are the same place, whichever is ahead by rounding.
-constexpr double same_place_m = 1e-6;
+constexpr double same_position_m = 1e-6;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 std::vector<bool> marked(const Circuit& circuit, std::span<const SectionId> sections) {
@@ -162,10 +162,10 @@ Route measured(const Router& router, const Circuit& circuit, std::vector<Section
 
 }  // namespace
 
-Result<Route> Router::plan(Place from, Place goal, std::span<const SectionId> closed) const {
+Result<Route> Router::plan(TrackPosition from, TrackPosition goal, std::span<const SectionId> closed) const {
   const Circuit& circuit = zone_->circuit;
   COSIVA_EXPECT(from.section < circuit.size() && goal.section < circuit.size());
-  if (from.section == goal.section && goal.s_m >= from.s_m - same_place_m)
+  if (from.section == goal.section && goal.s_m >= from.s_m - same_position_m)
     return measured(*this, circuit, {from.section}, from.s_m, goal.s_m);
 
   const std::vector<bool> closed_flags = marked(circuit, closed);
@@ -183,7 +183,7 @@ Result<Route> Router::plan(Place from, Place goal, std::span<const SectionId> cl
   return measured(*this, circuit, std::move(sections), from.s_m, goal.s_m);
 }
 
-Result<Route> Router::plan(Place from, const Loop& loop, std::span<const SectionId> closed) const {
+Result<Route> Router::plan(TrackPosition from, const Loop& loop, std::span<const SectionId> closed) const {
   const Circuit& circuit = zone_->circuit;
   COSIVA_EXPECT(from.section < circuit.size() && !loop.sections.empty());
   const std::vector<bool> closed_flags = marked(circuit, closed);

@@ -28,11 +28,11 @@ class Router {
 
   /// To a place. Fails ("route.none") with a sentence: whether there is no way at all, or which closed section is in
   /// it.
-  [[nodiscard]] Result<Route> plan(Place from, Place goal, std::span<const SectionId> closed = {}) const;
+  [[nodiscard]] Result<Route> plan(TrackPosition from, TrackPosition goal, std::span<const SectionId> closed = {}) const;
   /// To the first section of a loop that is reached, and from there once round: up to the end of the section before it
   /// in the loop. Round a closed section of the loop the quickest detour is taken. Where the way begins on the loop,
   /// it begins there.
-  [[nodiscard]] Result<Route> plan(Place from, const Loop& loop, std::span<const SectionId> closed = {}) const;
+  [[nodiscard]] Result<Route> plan(TrackPosition from, const Loop& loop, std::span<const SectionId> closed = {}) const;
 
   /// Sections from which one can drive on for ever without entering a closed one; the others lead into dead ends only.
   [[nodiscard]] std::vector<bool> goes_on_for_ever(std::span<const SectionId> closed = {}) const;

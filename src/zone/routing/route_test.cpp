@@ -99,7 +99,7 @@ TEST(Router, says_which_closed_section_is_in_the_way) {
   const auto route = Router{zone}.plan({0, 0.0}, {4, 0.0}, both);
   ASSERT_FALSE(route);
   EXPECT_EQ(route.error().code, "route.none");
-  EXPECT_EQ(route.error().place, "stem");
+  EXPECT_EQ(route.error().location, "stem");
   EXPECT_THAT(route.error().message, AllOf(HasSubstr("closed"), HasSubstr("'straight'"), HasSubstr("'back'")));
   EXPECT_THAT(route.error().message, ::testing::Not(HasSubstr("'in'")));  // not on the quickest way
 }

@@ -15,10 +15,10 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
 /// Places spread evenly over a zone's ways.
-std::vector<Point2> places(const TrafficZone& zone, std::size_t count) {
+std::vector<Point2> positions(const TrafficZone& zone, std::size_t count) {
   std::vector<Point2> found;
   const double step_m = zone.circuit.total_length_m() / static_cast<double>(count);
-  Place at{0, 0.0};
+  TrackPosition at{0, 0.0};
   for (std::size_t i = 0; i < count; ++i) {
     found.push_back(position(zone.circuit.pose_at(at)));
     at = zone.circuit.advance(at, step_m);
@@ -64,17 +64,17 @@ TEST(Indus8, has_tags_beacons_stations_and_a_charger) {
   EXPECT_EQ(zone.find_station("shelf_a")->kind, StationKind::stop);
   EXPECT_EQ(zone.find_station("charger")->kind, StationKind::charger);
   for (const Station& station : zone.stations) {
-    const std::size_t at = zone.waypoint_ahead(station.place);
+    const std::size_t at = zone.waypoint_ahead(station.position);
     ASSERT_LT(at, zone.waypoints.size());
-    EXPECT_EQ(zone.waypoints[at].place.section, station.place.section) << station.name;
-    EXPECT_NEAR(zone.waypoints[at].place.s_m, station.place.s_m, 0.02) << station.name;
+    EXPECT_EQ(zone.waypoints[at].position.section, station.position.section) << station.name;
+    EXPECT_NEAR(zone.waypoints[at].position.s_m, station.position.s_m, 0.02) << station.name;
   }
 }
 
 TEST(Indus8, begins_with_four_vehicles_and_has_room_for_twelve) {
   const TrafficZone zone = testing::zone_file("indus8.toml");
   EXPECT_THAT(zone.starts, SizeIs(4));
-  EXPECT_THAT(zone.start_places(12), SizeIs(12));
+  EXPECT_THAT(zone.start_positions(12), SizeIs(12));
 }
 
 TEST(Indus8, drives_what_lacet4_drives) {
@@ -88,7 +88,7 @@ TEST(Indus8, drives_what_lacet4_drives) {
 TEST(Indus8, has_a_way_within_30_cm_of_every_place_of_lacet4) {
   const TrafficZone zone = testing::zone_file("indus8.toml");
   double worst_m = 0.0;
-  for (const Point2& p : places(testing::lacet4(), 1000))
+  for (const Point2& p : positions(testing::lacet4(), 1000))
     worst_m = std::max(worst_m, zone.circuit.locate(p).distance_m);
   EXPECT_LT(worst_m, 0.30);
 }
@@ -97,7 +97,7 @@ TEST(Indus8, is_within_30_cm_of_lacet4_but_inside_its_loops_and_between_its_arms
   // A loop's middle is 0.60 m from its rim, so no aisle there can be nearer everywhere.
   const TrafficZone lacet4 = testing::lacet4();
   std::size_t near = 0;
-  const auto all = places(testing::zone_file("indus8.toml"), 1000);
+  const auto all = positions(testing::zone_file("indus8.toml"), 1000);
   for (const Point2& p : all) {
     EXPECT_LE(std::fabs(p.x_m), 1.4);
     EXPECT_LE(std::fabs(p.y_m), 1.4);

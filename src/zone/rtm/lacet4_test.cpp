@@ -86,11 +86,11 @@ TEST(Lacet4, has_twelve_tags_three_per_quadrant) {
   ASSERT_THAT(zone.tags, SizeIs(12));
   std::array<int, 4> per_quadrant{};
   for (const Tag& tag : zone.tags) {
-    const Pose2 pose = zone.circuit.pose_at(tag.place);
+    const Pose2 pose = zone.circuit.pose_at(tag.position);
     ++per_quadrant[(pose.x_m > 0.0 ? 1U : 0U) + (pose.y_m > 0.0 ? 2U : 0U)];
     // A tag at a joint would lie on two sections at once.
-    EXPECT_GT(tag.place.s_m, 0.02);
-    EXPECT_LT(tag.place.s_m, zone.circuit.section(tag.place.section).length_m() - 0.02);
+    EXPECT_GT(tag.position.s_m, 0.02);
+    EXPECT_LT(tag.position.s_m, zone.circuit.section(tag.position.section).length_m() - 0.02);
   }
   EXPECT_THAT(per_quadrant, ::testing::Each(3));
 }
@@ -98,7 +98,7 @@ TEST(Lacet4, has_twelve_tags_three_per_quadrant) {
 TEST(Lacet4, has_no_stretch_without_tag_longer_than_it_must) {
   const TrafficZone zone = testing::lacet4();
   for (std::size_t i = 0; i < 12; ++i) {
-    const auto stretch_m = zone.circuit.distance_ahead(zone.tags[i].place, zone.tags[(i + 1) % 12].place, 100.0);
+    const auto stretch_m = zone.circuit.distance_ahead(zone.tags[i].position, zone.tags[(i + 1) % 12].position, 100.0);
     EXPECT_NEAR(stretch_m.value(), zone.circuit.total_length_m() / 12.0, 0.002);
   }
 }
@@ -129,16 +129,16 @@ TEST(Lacet4, has_beacons_over_the_whole_zone) {
 TEST(Lacet4, begins_with_four_vehicles_one_per_loop_and_has_room_for_twelve) {
   const TrafficZone zone = testing::lacet4();
   EXPECT_THAT(zone.starts, SizeIs(4));
-  for (const Place& place : zone.starts) EXPECT_EQ(zone.circuit.section(place.section).kind(), SectionKind::arc);
-  EXPECT_THAT(zone.start_places(12), SizeIs(12));
+  for (const TrackPosition& track_position : zone.starts) EXPECT_EQ(zone.circuit.section(track_position.section).kind(), SectionKind::arc);
+  EXPECT_THAT(zone.start_positions(12), SizeIs(12));
 }
 
 TEST(Lacet4, lays_no_waypoint_between_its_crossings) {
   // Straights cross two others 0.3 m apart: a vehicle of 0.2 m cannot stand between.
   const TrafficZone zone = testing::lacet4();
   for (const Waypoint& waypoint : zone.waypoints) {
-    if (zone.circuit.section(waypoint.place.section).kind() != SectionKind::straight) continue;
-    EXPECT_TRUE(waypoint.place.s_m < a - d - 0.2 || waypoint.place.s_m > a + d + 0.2) << waypoint.id;
+    if (zone.circuit.section(waypoint.position.section).kind() != SectionKind::straight) continue;
+    EXPECT_TRUE(waypoint.position.s_m < a - d - 0.2 || waypoint.position.s_m > a + d + 0.2) << waypoint.id;
   }
 }
 

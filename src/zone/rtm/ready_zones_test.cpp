@@ -43,7 +43,7 @@ TEST(ReadyZones, are_named_as_their_files_and_hold_twelve_vehicles) {
     ASSERT_TRUE(rtm) << to_string(rtm.error());
     const std::string file = fs::path{configuration.origin}.filename().string();
     EXPECT_EQ(rtm->zone().name, file.substr(0, file.find('.')));
-    EXPECT_EQ(rtm->zone().start_places(12).size(), 12U) << file;
+    EXPECT_EQ(rtm->zone().start_positions(12).size(), 12U) << file;
   }
 }
 

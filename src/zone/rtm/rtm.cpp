@@ -61,7 +61,7 @@ std::vector<Error> faults(const ZoneConfiguration& configuration) {
   const auto factory = circuit_factory_for(configuration.format);
   if (factory) return (*factory)->faults(configuration);
   Error error = factory.error();
-  error.place = configuration.origin;
+  error.location = configuration.origin;
   return {error};
 }
 
@@ -74,7 +74,7 @@ Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration, const Z
 Result<Rtm> Rtm::initialise(ZoneConfiguration configuration) {
   auto factory = circuit_factory_for(configuration.format);
   if (!factory) {
-    factory.error().place = configuration.origin;
+    factory.error().location = configuration.origin;
     return tl::unexpected(std::move(factory.error()));
   }
   auto zone = (*factory)->make_zone(configuration);

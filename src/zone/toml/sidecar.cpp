@@ -33,7 +33,7 @@ void read_limits(const TomlFields& root, Sidecar& sidecar) {
     return root.fault("limit", "zone.size", "expected at most 200000 limits, found " + std::to_string(entries.size()));
   for (const TomlFields& fields : entries) {
     fields.expect_only({"section", "speed_mps_max"});
-    sidecar.limits.push_back({fields.name("section"), fields.number("speed_mps_max", speed_range), fields.place()});
+    sidecar.limits.push_back({fields.name("section"), fields.number("speed_mps_max", speed_range), fields.location()});
   }
 }
 
@@ -58,7 +58,7 @@ Result<Circuit> limited(const Circuit& circuit, const std::vector<Sidecar::Limit
     if (!id)
       return fail("zone.reference",
                   "expected the name of a section, found \"" + limit.section.substr(0, 64) + "\", which is none",
-                  limit.place + ".section");
+                  limit.location + ".section");
     parts[*id].speed_mps_max = limit.speed_mps_max;
   }
   constexpr double any = std::numeric_limits<double>::infinity();

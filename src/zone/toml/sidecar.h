@@ -30,7 +30,7 @@ struct Sidecar {
   struct Limit {
     std::string section;
     double speed_mps_max;
-    std::string place;  ///< in the sidecar file, for messages
+    std::string location;  ///< in the sidecar file, for messages
   };
   std::vector<Limit> limits;  ///< put on the circuit by furnish
 

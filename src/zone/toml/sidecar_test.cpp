@@ -107,7 +107,7 @@ sections = ["north"]
   EXPECT_EQ(zone->circuit.part(1).speed_mps_max, 0.25);
   EXPECT_FALSE(zone->circuit.part(0).speed_mps_max);
   EXPECT_TRUE(zone->nodes_only);
-  EXPECT_EQ(zone->find_tag(5)->place, (Place{0, 3.5}));
+  EXPECT_EQ(zone->find_tag(5)->position, (TrackPosition{0, 3.5}));
   ASSERT_THAT(zone->stations, SizeIs(2));  // the format's own first
   EXPECT_EQ(zone->stations[0].name, "dock");
   EXPECT_EQ(zone->stations[1].kind, StationKind::charger);
@@ -155,7 +155,7 @@ TEST(Sidecar, takes_a_bend_too_tight_for_the_vehicle_with_a_note) {
   ASSERT_TRUE(zone) << to_string(zone.error());
   ASSERT_THAT(zone->diagnostics, SizeIs(2));
   EXPECT_EQ(zone->diagnostics[0].kind, Diagnostic::Kind::notice);
-  EXPECT_EQ(zone->diagnostics[0].place, "section 'east'");
+  EXPECT_EQ(zone->diagnostics[0].location, "section 'east'");
 }
 
 TEST(Sidecar, takes_edits_and_is_made_where_there_is_none) {

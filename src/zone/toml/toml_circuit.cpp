@@ -258,7 +258,7 @@ std::optional<Circuit> TomlWays::join() {
     return std::nullopt;
   }
   // The circuit knows the section at fault by name; the last of that name is the one that came too late.
-  const auto found = std::find(names.rbegin(), names.rend(), error.place);
+  const auto found = std::find(names.rbegin(), names.rend(), error.location);
   const auto index = found == names.rend() ? std::size_t{0} : static_cast<std::size_t>(names.rend() - found) - 1;
   entries_[index].fault("name", error.code, error.message);
   return std::nullopt;
@@ -296,7 +296,7 @@ std::vector<Loop> TomlWays::loops(const Circuit& circuit) const {
                          circuit.part(round.sections.front()).name +
                          "' along the first of each 'next' does not come "
                          "back there",
-                     entries_[round.sections.front()].place()});
+                     entries_[round.sections.front()].track_position()});
         break;
       }
       loop.sections.push_back(next.front());

@@ -147,13 +147,13 @@ class Editor {
   void move_tags(const ZoneEdit& edit) {
     const Reading reading{text_};
     std::vector<Replacement> changes;
-    for (const auto& [number, place] : edit.set_tags) {
+    for (const auto& [number, track_position] : edit.set_tags) {
       const toml::table* tag = find_tag(reading, number);
       if (tag == nullptr) continue;
       const Tag& wanted = *zone_.find_tag(number);
-      if (wanted.place.section != place.section)
-        changes.push_back(reading.replace(*tag->get("section"), section_text(place)));
-      changes.push_back(reading.replace(*tag->get("s_m"), s_text(place)));
+      if (wanted.position.section != track_position.section)
+        changes.push_back(reading.replace(*tag->get("section"), section_text(track_position)));
+      changes.push_back(reading.replace(*tag->get("s_m"), s_text(track_position)));
     }
     apply(std::move(changes));
   }
@@ -205,10 +205,10 @@ class Editor {
     const Reading reading{text_};
     const std::string newline{reading.newline()};
     std::string blocks;
-    for (const auto& [number, place] : edit.set_tags) {
+    for (const auto& [number, track_position] : edit.set_tags) {
       if (zone_.find_tag(number) != nullptr) continue;
       for (const std::string& line : {std::string(), std::string("[[tag]]"), "number = " + std::to_string(number),
-                                      "section = " + section_text(place), "s_m = " + s_text(place)})
+                                      "section = " + section_text(track_position), "s_m = " + s_text(track_position)})
         blocks.append(line).append(newline);
     }
     if (blocks.empty()) return;
@@ -261,12 +261,12 @@ class Editor {
     }
   }
 
-  [[nodiscard]] std::string section_text(const Place& place) const {
-    return toml_quoted(zone_.circuit.part(place.section).name);
+  [[nodiscard]] std::string section_text(const TrackPosition& track_position) const {
+    return toml_quoted(zone_.circuit.part(track_position.section).name);
   }
   /// Rounded, but never beyond the section's end.
-  [[nodiscard]] std::string s_text(const Place& place) const {
-    return metres_text(place_as_written(zone_.circuit, place).s_m);
+  [[nodiscard]] std::string s_text(const TrackPosition& track_position) const {
+    return metres_text(position_as_written(zone_.circuit, track_position).s_m);
   }
 
   std::string text_;

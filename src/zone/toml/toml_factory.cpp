@@ -30,8 +30,8 @@ std::optional<TrafficZone> read_zone(TomlFaults& faults, const TomlFields& root)
                    {}};
   zone.loops = std::move(loops);
   zone.edges_are_sections = basics.edges_are_sections;
-  const std::string place = faults.place(root.line("section"), "section");
-  TomlTables{faults, root, zone, basics, ways.rules(), place}.read();
+  const std::string location = faults.location(root.line("section"), "section");
+  TomlTables{faults, root, zone, basics, ways.rules(), location}.read();
   if (faults.any()) return std::nullopt;
   return zone;
 }

@@ -150,7 +150,7 @@ spacing_m = 1.0
   ASSERT_TRUE(zone) << to_string(zone.error());
   EXPECT_EQ(zone->vehicle.width_m, 0.2);
   EXPECT_EQ(zone->profiles.slow.braking_mps2, 0.4);
-  EXPECT_EQ(zone->find_tag(5)->place, (Place{0, 0.5}));
+  EXPECT_EQ(zone->find_tag(5)->position, (TrackPosition{0, 0.5}));
   ASSERT_THAT(zone->stations, SizeIs(1));
   EXPECT_EQ(zone->stations[0].name, "dock");
   ASSERT_THAT(zone->starts, SizeIs(1));
@@ -349,7 +349,7 @@ TEST(TomlZone, survives_any_damage_to_a_good_file) {
       if (text.empty()) return;
     }
     const auto zone = read_zone(text);
-    if (!zone) RC_ASSERT(zone.error().place.rfind("test.toml", 0) == 0);
+    if (!zone) RC_ASSERT(zone.error().location.rfind("test.toml", 0) == 0);
   });
 }
 
@@ -369,7 +369,7 @@ TEST(Rtm, of_an_unknown_format_names_the_known_ones) {
   const auto rtm = Rtm::initialise({"cad", "test.xodr", "<xml/>"});
   ASSERT_FALSE(rtm);
   EXPECT_EQ(rtm.error().code, "zone.format");
-  EXPECT_EQ(rtm.error().place, "test.xodr");
+  EXPECT_EQ(rtm.error().location, "test.xodr");
   EXPECT_THAT(rtm.error().message, HasSubstr("known formats: toml, lif, opendrive"));
 }
 

@@ -61,14 +61,14 @@ std::string toml_number(double value) {
 }
 
 void TomlFaults::add(std::string code, std::uint32_t line, std::string_view path, std::string message) {
-  add({std::move(code), std::move(message), place(line, path)});
+  add({std::move(code), std::move(message), location(line, path)});
 }
 
 void TomlFaults::add(Error error) {
   if (all_.size() < faults_max) all_.push_back(std::move(error));
 }
 
-std::string TomlFaults::place(std::uint32_t line, std::string_view path) const {
+std::string TomlFaults::location(std::uint32_t line, std::string_view path) const {
   std::string text = origin_ + ":" + std::to_string(line);
   if (!path.empty()) text.append(": ").append(path);
   return text;

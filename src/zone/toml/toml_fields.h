@@ -29,7 +29,7 @@ class TomlFaults {
   /// The first hundred; those behind the first may be its consequences.
   [[nodiscard]] const std::vector<Error>& all() const { return all_; }
   /// "origin:line: path"; the path may be empty.
-  [[nodiscard]] std::string place(std::uint32_t line, std::string_view path) const;
+  [[nodiscard]] std::string location(std::uint32_t line, std::string_view path) const;
 
  private:
   std::string origin_;
@@ -88,7 +88,7 @@ class TomlFields {
   /// A fault of this field (or of the whole table with an empty key).
   void fault(std::string_view key, std::string code, std::string message) const;
   [[nodiscard]] std::uint32_t line(std::string_view key = {}) const;
-  [[nodiscard]] std::string place() const { return faults_->place(line(), path_); }  ///< "origin:line: path"
+  [[nodiscard]] std::string location() const { return faults_->location(line(), path_); }  ///< "origin:line: path"
   [[nodiscard]] std::string path(std::string_view key = {}) const;
 
  private:

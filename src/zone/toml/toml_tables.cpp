@@ -48,10 +48,10 @@ SpeedProfiles read_profiles(const TomlFields& fields) {
   return profiles;
 }
 
-bool on_waypoint(const TrafficZone& zone, Place place) {
+bool on_waypoint(const TrafficZone& zone, TrackPosition position) {
   constexpr double near_m = 0.02;
   return std::any_of(zone.waypoints.begin(), zone.waypoints.end(), [&](const Waypoint& waypoint) {
-    return waypoint.place.section == place.section && std::fabs(waypoint.place.s_m - place.s_m) <= near_m;
+    return waypoint.position.section == position.section && std::fabs(waypoint.position.s_m - position.s_m) <= near_m;
   });
 }
 
@@ -108,7 +108,7 @@ std::optional<SectionId> TomlTables::find(const TomlFields& fields, std::string_
   return id;
 }
 
-std::optional<Place> TomlTables::read_place(const TomlFields& fields) const {
+std::optional<TrackPosition> TomlTables::read_position(const TomlFields& fields) const {
   const std::string section = fields.name("section");
   if (faults_.any()) return std::nullopt;
   const auto id = find(fields, "section", section);
@@ -116,7 +116,7 @@ std::optional<Place> TomlTables::read_place(const TomlFields& fields) const {
   const double length_m = zone_.circuit.section(*id).length_m();
   const std::string what = "metres along '" + section + "' from 0 to its length, " + toml_number(length_m);
   const double s = fields.number("s_m", {what, 0.0, length_m});
-  return faults_.any() ? std::nullopt : std::optional{Place{*id, s}};
+  return faults_.any() ? std::nullopt : std::optional{TrackPosition{*id, s}};
 }
 
 bool TomlTables::too_many(std::string_view key, std::size_t found, std::size_t most) const {
@@ -164,13 +164,13 @@ void TomlTables::read_tags() {
   for (const TomlFields& fields : entries) {
     fields.expect_only({"number", "section", "s_m"});
     const TagNumber number = fields.whole("number", 1, tag_number_max);
-    const auto place = read_place(fields);
-    if (faults_.any() || !place) return;
+    const auto position = read_position(fields);
+    if (faults_.any() || !position) return;
     if (!numbers.insert(number).second)
       return fields.fault("number", "zone.duplicate", "tag " + std::to_string(number) + " is already laid");
     if (zone_.beacons && zone_.beacons->find(number))
       return fields.fault("number", "zone.duplicate", std::to_string(number) + " is also the number of a beacon");
-    tags.push_back({number, *place});
+    tags.push_back({number, *position});
   }
   zone_.tags = std::move(tags);
 }
@@ -185,9 +185,9 @@ void TomlTables::read_stations() {
     Station station{fields.name("name"), {}, StationKind::stop};
     if (fields.has("kind") && fields.one_of("kind", {"stop", "charger"}) == "charger")
       station.kind = StationKind::charger;
-    const auto place = read_place(fields);
-    if (faults_.any() || !place) return;
-    station.place = *place;
+    const auto position = read_position(fields);
+    if (faults_.any() || !position) return;
+    station.position = *position;
     if (!names.insert(station.name).second)
       return fields.fault("name", "zone.duplicate", "two stations have the name '" + station.name + "'");
     zone_.stations.push_back(std::move(station));
@@ -266,7 +266,7 @@ void TomlTables::derive() {
   rules_.spacing_m = zone_.spacing_m;
   rules_.nodes_only = zone_.nodes_only;
   rules_.room_m = standing_room_m(zone_.vehicle);
-  for (const Station& station : zone_.stations) rules_.at.push_back(station.place);
+  for (const Station& station : zone_.stations) rules_.at.push_back(station.position);
   zone_.crossings = *std::move(crossings);
   zone_.waypoints = lay_waypoints(zone_.circuit, zone_.crossings, rules_);
 }
@@ -276,19 +276,19 @@ void TomlTables::read_starts() {
   if (too_many("start", entries.size(), starts_max)) return;
   for (const TomlFields& fields : entries) {
     fields.expect_only({"section", "s_m"});
-    const auto place = read_place(fields);
-    if (faults_.any() || !place) return;
-    const Crossing* crossing = zone_.crossing_at(*place);
-    if (on_waypoint(zone_, *place)) crossing = nullptr;  // where the file has a node or a station, one may stand
+    const auto position = read_position(fields);
+    if (faults_.any() || !position) return;
+    const Crossing* crossing = zone_.crossing_at(*position);
+    if (on_waypoint(zone_, *position)) crossing = nullptr;  // where the file has a node or a station, one may stand
     if (crossing != nullptr) {
       return fields.fault("s_m", "zone.start",
                           "expected a place outside every crossing, found one inside " + crossing->name);
     }
-    if (!zone_.may_stand(*place) && !on_waypoint(zone_, *place)) {
+    if (!zone_.may_stand(*position) && !on_waypoint(zone_, *position)) {
       return fields.fault("s_m", "zone.start",
                           "expected a place where a vehicle may stand, found one between crossings too close together");
     }
-    zone_.starts.push_back(*place);
+    zone_.starts.push_back(*position);
   }
 }
 

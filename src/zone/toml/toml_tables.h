@@ -29,7 +29,7 @@ class TomlTables {
   void read();
 
  private:
-  [[nodiscard]] std::optional<Place> read_place(const TomlFields& fields) const;
+  [[nodiscard]] std::optional<TrackPosition> read_position(const TomlFields& fields) const;
   [[nodiscard]] std::optional<SectionId> find(const TomlFields& fields, std::string_view key,
                                               std::string_view name) const;
   [[nodiscard]] bool too_many(std::string_view key, std::size_t found, std::size_t most) const;

@@ -171,7 +171,7 @@ TEST(TomlTables, know_stations_from_chargers_and_lay_a_waypoint_at_each) {
   EXPECT_EQ(zone->find_station("dock")->kind, StationKind::stop);
   EXPECT_EQ(zone->find_station("plug")->kind, StationKind::charger);
   for (const Station& station : zone->stations)
-    EXPECT_NEAR(zone->waypoints[zone->waypoint_ahead(station.place)].place.s_m, station.place.s_m, 1e-9);
+    EXPECT_NEAR(zone->waypoints[zone->waypoint_ahead(station.position)].position.s_m, station.position.s_m, 1e-9);
   EXPECT_THAT(
       error_of(head + straight("a") + "[[station]]\nname = \"dock\"\nkind = \"bar\"\nsection = \"a\"\ns_m = 0.73\n"),
       HasSubstr("station[1].kind: expected \"stop\" or \"charger\", found \"bar\""));
@@ -253,9 +253,9 @@ TEST(TomlFaults, list_every_gap_and_kink_and_bend_that_is_too_tight) {
   ASSERT_THAT(all, SizeIs(3));
   EXPECT_EQ(all[0].code, "zone.vehicle");
   EXPECT_EQ(all[1].code, "circuit.gap");
-  EXPECT_THAT(all[1].place, StartsWith("test.toml:3: section[1].next"));
+  EXPECT_THAT(all[1].location, StartsWith("test.toml:3: section[1].next"));
   EXPECT_EQ(all[2].code, "circuit.kink");
-  EXPECT_THAT(all[2].place, StartsWith("test.toml:7: section[2].next"));
+  EXPECT_THAT(all[2].location, StartsWith("test.toml:7: section[2].next"));
   EXPECT_EQ(Rtm::initialise(configuration).error(), all[0]);
 }
 
@@ -263,7 +263,7 @@ TEST(TomlFaults, are_none_of_a_good_file_and_one_of_an_unknown_format) {
   EXPECT_THAT(faults({"toml", "test.toml", head + straight("a")}), IsEmpty());
   EXPECT_THAT(faults({"toml", "test.toml", "name ="}), SizeIs(1));
   ASSERT_THAT(faults({"cad", "test.cad", ""}), SizeIs(1));
-  EXPECT_EQ(faults({"cad", "test.cad", ""})[0].place, "test.cad");
+  EXPECT_EQ(faults({"cad", "test.cad", ""})[0].location, "test.cad");
 }
 
 TEST(TomlFaults, are_a_hundred_at_most) {

@@ -100,7 +100,7 @@ class Writer {
     for (const Tag& tag : zone_.tags) {
       entry("tag");
       line("number", std::to_string(tag.number));
-      place(tag.place);
+      write_position(tag.position);
     }
   }
 
@@ -109,14 +109,14 @@ class Writer {
       entry("station");
       line("name", toml_quoted(station.name));
       if (station.kind == StationKind::charger) line("kind", "\"charger\"");
-      place(station.place);
+      write_position(station.position);
     }
   }
 
   void starts() {
-    for (const Place& start : zone_.starts) {
+    for (const TrackPosition& start : zone_.starts) {
       entry("start");
-      place(start);
+      write_position(start);
     }
   }
 
@@ -153,9 +153,9 @@ class Writer {
     number("braking_mps2", profile.braking_mps2);
   }
 
-  void place(const Place& place) {
-    line("section", toml_quoted(zone_.circuit.part(place.section).name));
-    number("s_m", place.s_m);
+  void write_position(const TrackPosition& position) {
+    line("section", toml_quoted(zone_.circuit.part(position.section).name));
+    number("s_m", position.s_m);
   }
 
   void rotation(double rotation_rad) {
@@ -233,10 +233,10 @@ void Writer::waypoint_ids(SectionId id) {
   const double length_m = zone_.circuit.section(id).length_m();
   const auto [first, last] =
       std::equal_range(zone_.waypoints.begin(), zone_.waypoints.end(), Waypoint{{}, {id, 0.0}},
-                       [](const Waypoint& a, const Waypoint& b) { return a.place.section < b.place.section; });
+                       [](const Waypoint& a, const Waypoint& b) { return a.position.section < b.position.section; });
   for (auto at = first; at != last; ++at) {
-    const bool at_start = at->place.s_m == 0.0;
-    const bool at_end = at->place.s_m == length_m;
+    const bool at_start = at->position.s_m == 0.0;
+    const bool at_end = at->position.s_m == length_m;
     if ((at_start || at_end) && !at->id.starts_with(name + "@"))
       line(at_start ? "start_node" : "end_node", toml_quoted(at->id));
   }

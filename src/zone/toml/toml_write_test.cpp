@@ -77,13 +77,13 @@ TrafficZone arbitrary_zone(std::uint64_t seed) {
   zone.spacing_m = between(0.1, 1.0);
   zone.nodes_only = random.below(2) == 0;
   zone.edges_are_sections = random.below(2) == 0;
-  const auto place = [&] {
+  const auto position = [&] {
     const auto id = static_cast<SectionId>(random.below(zone.circuit.size()));
-    return Place{id, between(0.0, zone.circuit.section(id).length_m())};
+    return TrackPosition{id, between(0.0, zone.circuit.section(id).length_m())};
   };
-  for (std::uint64_t i = 0; i < random.below(4); ++i) zone.tags.push_back({static_cast<TagNumber>(7 * i + 1), place()});
+  for (std::uint64_t i = 0; i < random.below(4); ++i) zone.tags.push_back({static_cast<TagNumber>(7 * i + 1), track_position()});
   for (std::uint64_t i = 0; i < random.below(4); ++i)
-    zone.stations.push_back({"st" + std::to_string(i), place(), i % 2 == 0 ? StationKind::stop : StationKind::charger});
+    zone.stations.push_back({"st" + std::to_string(i), track_position(), i % 2 == 0 ? StationKind::stop : StationKind::charger});
   if (random.below(2) == 0) zone.closed = {static_cast<SectionId>(random.below(zone.circuit.size()))};
   if (random.below(2) == 0) zone.priorities = {{"A/1", 3}, {"B/2", 999}};
   const double rotation_rad = random.below(2) == 0 ? 0.0 : between(-3.0, 3.0);
@@ -95,7 +95,7 @@ TrafficZone arbitrary_zone(std::uint64_t seed) {
                                  rotation_rad);
   }
   WaypointRules rules{zone.spacing_m, standing_room_m(zone.vehicle), zone.nodes_only, {}, {}, {}};
-  for (const Station& station : zone.stations) rules.at.push_back(station.place);
+  for (const Station& station : zone.stations) rules.at.push_back(station.position);
   if (random.below(2) == 0) {
     rules.start_ids.resize(zone.circuit.size());
     rules.end_ids.resize(zone.circuit.size());

@@ -13,7 +13,7 @@ constexpr char error_flag = '!';
 constexpr char part_flag = '\x1f';
 
 std::string letter_of(const Error& error) {
-  return error_flag + error.code + part_flag + error.message + part_flag + error.place;
+  return error_flag + error.code + part_flag + error.message + part_flag + error.location;
 }
 
 std::optional<Error> error_in(std::string_view message) {

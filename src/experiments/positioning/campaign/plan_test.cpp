@@ -51,7 +51,7 @@ TEST(CampaignPlan, counts_through_its_grid_with_the_pitch_fastest) {
 
 struct Bad {
   const char* text;
-  const char* place;
+  const char* location;
   const char* message;
 };
 
@@ -90,7 +90,7 @@ TEST(CampaignPlan, names_line_key_and_what_was_found_of_what_is_wrong) {
   for (const Bad& bad : all) {
     const auto plan = read_campaign_plan(bad.text, "plan.toml");
     ASSERT_FALSE(plan) << bad.text;
-    EXPECT_THAT(plan.error().place, HasSubstr(bad.place)) << bad.text;
+    EXPECT_THAT(plan.error().location, HasSubstr(bad.location)) << bad.text;
     EXPECT_THAT(plan.error().message, HasSubstr(bad.message)) << bad.text;
   }
   EXPECT_FALSE(read_campaign_plan(std::string(2U << 20U, '#'), "plan.toml"));

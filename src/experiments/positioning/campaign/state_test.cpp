@@ -66,7 +66,7 @@ TEST(CampaignState, refuses_what_is_damaged_before_its_end_and_says_what_to_do) 
   const auto state = read_state(text, work(), "out/campaign.state");
   ASSERT_FALSE(state);
   EXPECT_EQ(state.error().code, "campaign.state");
-  EXPECT_EQ(state.error().place, "out/campaign.state:2");
+  EXPECT_EQ(state.error().location, "out/campaign.state:2");
   EXPECT_THAT(state.error().message, HasSubstr("--anew"));
 }
 

@@ -47,16 +47,16 @@ int bind_value(sqlite3_stmt* statement, int at, const TableValue& value) {
 
 Result<void> fill(sqlite3* database, const Table& table) {
   std::string columns;
-  std::string places;
+  std::string positions;
   for (const Table::Column& column : table.columns) {
     columns.append(columns.empty() ? "" : ", ")
         .append(quoted_name(column.name))
         .append(" ")
         .append(type_of(column.kind));
-    places += places.empty() ? "?" : ", ?";
+    positions += positions.empty() ? "?" : ", ?";
   }
   if (auto made = run(database, "CREATE TABLE " + quoted_name(table.name) + " (" + columns + ")"); !made) return made;
-  const std::string insert = "INSERT INTO " + quoted_name(table.name) + " VALUES (" + places + ")";
+  const std::string insert = "INSERT INTO " + quoted_name(table.name) + " VALUES (" + positions + ")";
   sqlite3_stmt* raw = nullptr;
   if (sqlite3_prepare_v2(database, insert.c_str(), -1, &raw, nullptr) != SQLITE_OK) return refuse(database);
   const Statement statement{raw};

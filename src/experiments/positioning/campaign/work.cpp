@@ -116,13 +116,13 @@ std::string CampaignWork::identity() const {
   const zone::Circuit& circuit = ground_.track->circuit();
   digest.add(ground_.zone->vehicle.width_m);
   for (double s = 0.0; s < ground_.track->length_m();) {
-    const zone::Place place = ground_.track->place_at(s);
-    const zone::Section& section = circuit.section(place.section);
+    const zone::TrackPosition position = ground_.track->position_at(s);
+    const zone::Section& section = circuit.section(position.section);
     const Pose2 start = section.pose_at(0.0);
     for (const double v : {start.x_m, start.y_m, start.heading_rad, section.length_m(), section.curvature_at(0.0),
                            section.curvature_at(section.length_m())})
       digest.add(v);
-    s += section.length_m() - place.s_m + 1e-9;
+    s += section.length_m() - position.s_m + 1e-9;
   }
   return digest.hex();
 }
@@ -130,7 +130,7 @@ std::string CampaignWork::identity() const {
 Result<void> CampaignWork::checked(const SweptValues& values) const {
   auto simulated = bare(values);
   if (auto fine = check(simulated); !fine) {
-    fine.error().place = to_string(plan_, values);
+    fine.error().location = to_string(plan_, values);
     return fine;
   }
   if (plan_.fiducials == Fiducials::line || grid(values)) return {};

@@ -96,7 +96,7 @@ TEST(CampaignWork, refuses_an_environment_that_cannot_be_and_names_it) {
       CampaignWork::make(plan_of("way_m = 1000000\nrate_hz = 10000\n[vary]\nspeed_mps = [0.001, 50]\n"), lacet4());
   ASSERT_FALSE(steps);
   EXPECT_EQ(steps.error().code, "simulation.length");
-  EXPECT_EQ(steps.error().place, "speed_mps = 0.001");
+  EXPECT_EQ(steps.error().location, "speed_mps = 0.001");
   auto grid =
       CampaignWork::make(plan_of("marks = \"grid\"\nreach_m = 1e-6\n[vary]\npitch_m = [1e-5, 0.5]\n"), lacet4());
   ASSERT_FALSE(grid);

@@ -171,7 +171,7 @@ Result<LivedRun> RunLog::finish(const std::shared_ptr<const zone::TrafficZone>& 
     moment.t_s = to_seconds(stamps_[i] - stamps_.front());
     moment.ground_truth = *X_MB;
     moment.section =
-        zone->circuit.section(zone->circuit.locate(position(*X_MB), X_MB->heading_rad).place.section).kind();
+        zone->circuit.section(zone->circuit.locate(position(*X_MB), X_MB->heading_rad).position.section).kind();
     for (std::size_t k = 0; k < estimates.size(); ++k) run_.said[k].estimates.push_back(estimates[k][i]);
   }
   if (run_.trial.moments.empty())

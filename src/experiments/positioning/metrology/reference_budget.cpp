@@ -16,7 +16,7 @@ constexpr double biggest_m = 1e3;
 /// One part's fields, and the first of them that is not what it should be.
 class PartReader {
  public:
-  PartReader(const JsonValue& json, std::string place) : json_{json}, place_{std::move(place)} {}
+  PartReader(const JsonValue& json, std::string location) : json_{json}, location_{std::move(location)} {}
 
   [[nodiscard]] bool has(std::string_view key) const { return json_.find(key) != nullptr; }
   double number(std::string_view key, double most) {
@@ -31,13 +31,13 @@ class PartReader {
     return std::string(value.value_or(""));
   }
   void record(std::string_view key, const std::string& message) {
-    if (!error_) error_ = Error{"reference.budget", message, place_ + ": '" + std::string(key) + "'"};
+    if (!error_) error_ = Error{"reference.budget", message, location_ + ": '" + std::string(key) + "'"};
   }
   [[nodiscard]] const std::optional<Error>& error() const { return error_; }
 
  private:
   const JsonValue& json_;
-  std::string place_;
+  std::string location_;
   std::optional<Error> error_;
 };
 
@@ -104,9 +104,9 @@ Result<ReferenceBudget> read_reference_budget(std::string_view text, const std::
     return fail("reference.budget", "expected a list of parts", file + ": 'parts'");
   ReferenceBudget budget;
   for (const JsonValue& one : *parts->array()) {
-    const std::string place = file + ": part " + std::to_string(budget.parts.size() + 1);
-    if (one.object() == nullptr) return fail("reference.budget", "expected an object", place);
-    PartReader reader{one, place};
+    const std::string location = file + ": part " + std::to_string(budget.parts.size() + 1);
+    if (one.object() == nullptr) return fail("reference.budget", "expected an object", location);
+    PartReader reader{one, location};
     ReferencePart part;
     part.name = reader.text("name");
     part.source = reader.text("source");
@@ -114,7 +114,7 @@ Result<ReferenceBudget> read_reference_budget(std::string_view text, const std::
     if (reader.error()) return tl::unexpected(*reader.error());
     // What stands twice would count twice.
     if (std::ranges::find(budget.parts, part.name, &ReferencePart::name) != budget.parts.end())
-      return fail("reference.budget", "'" + part.name + "' stands there twice", place);
+      return fail("reference.budget", "'" + part.name + "' stands there twice", location);
     budget.parts.push_back(std::move(part));
   }
   return budget;

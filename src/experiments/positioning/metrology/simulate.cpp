@@ -37,7 +37,7 @@ class Beacons {
   }
   [[nodiscard]] Point2 surveyed() const {
     if (simulation_.fiducials.empty()) return position(simulation_.track->pose_at(next_m()));
-    return simulation_.fiducials[k_ % simulation_.fiducials.size()].place_M;
+    return simulation_.fiducials[k_ % simulation_.fiducials.size()].position_M;
   }
   void pass() { ++k_; }
 
@@ -101,10 +101,10 @@ class Drive {
 
   /// Where it truly is; notes on what kind of section.
   [[nodiscard]] Pose2 pose() {
-    const zone::Place place = simulation_.track->place_at(along_m_);
-    const zone::Section& section = simulation_.track->circuit().section(place.section);
+    const zone::TrackPosition track_position = simulation_.track->position_at(along_m_);
+    const zone::Section& section = simulation_.track->circuit().section(track_position.section);
     kind_ = section.kind();
-    const Pose2 on_line = section.pose_at(place.s_m);
+    const Pose2 on_line = section.pose_at(track_position.s_m);
     if (left_m_ == 0.0) return on_line;
     // on_line * Pose2{0.0, left_m_, 0.0}
     const SinCos h = plain::sincos(on_line.heading_rad);
@@ -220,11 +220,11 @@ std::vector<Simulation::Fiducial> fiducials_of(const estimation::Track& track, c
 std::vector<Simulation::Fiducial> fiducials_of(const estimation::Track& track, const zone::TrafficZone& zone) {
   std::vector<Simulation::Fiducial> fiducials;
   for (double s = 0.0; s < track.length_m();) {
-    const zone::Place place = track.place_at(s);
-    const double end_m = s - place.s_m + zone.circuit.section(place.section).length_m();
+    const zone::TrackPosition track_position = track.position_at(s);
+    const double end_m = s - track_position.s_m + zone.circuit.section(track_position.section).length_m();
     for (const zone::Tag& tag : zone.tags) {
-      if (tag.place.section == place.section)
-        fiducials.push_back({tag.number, s - place.s_m + tag.place.s_m, position(zone.circuit.pose_at(tag.place))});
+      if (tag.position.section == track_position.section)
+        fiducials.push_back({tag.number, s - track_position.s_m + tag.position.s_m, position(zone.circuit.pose_at(tag.position))});
     }
     s = end_m + 1e-9;
   }

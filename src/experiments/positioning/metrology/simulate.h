@@ -23,7 +23,7 @@ struct Simulation {
   struct Fiducial {
     std::uint32_t number;
     double along_m;  ///< where the track passes it, within one round
-    Point2 place_M;
+    Point2 position_M;
   };
   std::vector<Fiducial> fiducials{};  ///< sorted by along_m; empty: by pitch
   bool fiducials_only{false};         ///< `fiducials` are all there are, even where there are none

@@ -95,7 +95,7 @@ Result<Pose2> alignment_of(Alignment how, const Trial& run, const Trace& trace) 
     estimate.push_back(position(trace.estimates[i].pose));
   }
   auto found = rigid_alignment(ground_truth, estimate);
-  if (!found) found.error().place = run.name;
+  if (!found) found.error().location = run.name;
   return found;
 }
 

@@ -9,19 +9,19 @@
 namespace cosiva::experiments {
 namespace {
 
-using Place = std::array<double, 3>;
+using Vector = std::array<double, 3>;
 using Quaternion = std::array<double, 4>;
 using Matrix4 = std::array<std::array<double, 4>, 4>;
 
-Place cross(const Place& a, const Place& b) {
+Vector cross(const Vector& a, const Vector& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-Place turned(const Quaternion& q, const Place& v) {
-  const Place u{q[0], q[1], q[2]};
-  const Place uv = cross(u, v);
-  const Place uuv = cross(u, uv);
-  Place out{};
+Vector turned(const Quaternion& q, const Vector& v) {
+  const Vector u{q[0], q[1], q[2]};
+  const Vector uv = cross(u, v);
+  const Vector uuv = cross(u, uv);
+  Vector out{};
   for (std::size_t i = 0; i < 3; ++i) out[i] = v[i] + 2.0 * (q[3] * uv[i] + uuv[i]);
   return out;
 }
@@ -32,15 +32,15 @@ Quaternion product(const Quaternion& a, const Quaternion& b) {
 }
 
 /// Turned by q about the estimates' place `from`, which comes to lie on `to`.
-RigidMotion motion(const Quaternion& q, const Place& from, const Place& to) {
+RigidMotion motion(const Quaternion& q, const Vector& from, const Vector& to) {
   RigidMotion made{q, {}};
-  const Place put = turned(q, from);
+  const Vector put = turned(q, from);
   for (std::size_t i = 0; i < 3; ++i) made.shift_m[i] = to[i] - put[i];
   return made;
 }
 
-Place centre_of(const std::vector<Pair>& pairs, Stamped Pair::*which) {
-  Place sum{};
+Vector centre_of(const std::vector<Pair>& pairs, Stamped Pair::*which) {
+  Vector sum{};
   for (const Pair& pair : pairs) {
     for (std::size_t i = 0; i < 3; ++i) sum[i] += (pair.*which).p_m[i];
   }
@@ -83,14 +83,14 @@ Eigen4 eigen_of(Matrix4 m) {
 /// Least squares over all turns in space. Source: B. K. P. Horn, Closed-form solution of absolute orientation using
 /// unit quaternions, JOSA A 4 (1987): the same optimum as Umeyama's without scale, and never a mirror image.
 Result<RigidMotion> in_space(const std::vector<Pair>& pairs) {
-  const Place of_ground_truth = centre_of(pairs, &Pair::reference);
-  const Place of_estimate = centre_of(pairs, &Pair::estimate);
+  const Vector of_ground_truth = centre_of(pairs, &Pair::reference);
+  const Vector of_estimate = centre_of(pairs, &Pair::estimate);
   std::array<std::array<double, 3>, 3> s{};
   double ground_truth_spread = 0.0;
   double estimate_spread = 0.0;
   for (const Pair& pair : pairs) {
-    Place e{};
-    Place t{};
+    Vector e{};
+    Vector t{};
     for (std::size_t i = 0; i < 3; ++i) {
       e[i] = pair.estimate.p_m[i] - of_estimate[i];
       t[i] = pair.reference.p_m[i] - of_ground_truth[i];

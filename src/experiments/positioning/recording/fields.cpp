@@ -5,11 +5,11 @@
 
 namespace cosiva::experiments {
 
-std::string place_of(std::string_view file, std::size_t line) {
-  std::string place(file);
-  place += ':';
-  place += std::to_string(line);
-  return place;
+std::string location_of(std::string_view file, std::size_t line) {
+  std::string location(file);
+  location += ':';
+  location += std::to_string(line);
+  return location;
 }
 
 std::vector<std::string_view> cut_at_spaces(std::string_view line) {
@@ -59,7 +59,7 @@ void Table::take_row(const std::vector<std::string_view>& fields, std::size_t li
     const auto number = finite_number(field);
     if (!number && !faults[i])
       faults[i] = Error{"recording.number", "'" + std::string(field) + "' under " + columns[i] + " is no finite number",
-                        place_of(file, line)};
+                        location_of(file, line)};
     row.push_back(number.value_or(std::numeric_limits<double>::quiet_NaN()));
   }
 }
@@ -88,7 +88,7 @@ Result<Table> Table::read(std::string_view file, std::string_view text) {
         continue;
       }
       if (fields.size() < 2 || cut_at(separator_of(comment), comment).size() != fields.size())
-        return fail("recording.header", "the first line names the columns", place_of(file, lines.number()));
+        return fail("recording.header", "the first line names the columns", location_of(file, lines.number()));
       take_header(comment);
     }
     const auto fields = cut_at(separator, line);
@@ -97,7 +97,7 @@ Result<Table> Table::read(std::string_view file, std::string_view text) {
       return fail("recording.width",
                   "here are " + std::to_string(fields.size()) + " fields under " +
                       std::to_string(table.columns.size()) + " columns",
-                  place_of(file, lines.number()));
+                  location_of(file, lines.number()));
     table.take_row(fields, lines.number());
   }
   if (table.columns.empty()) return fail("recording.header", "the file is empty", std::string(file));

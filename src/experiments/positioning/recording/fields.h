@@ -13,7 +13,7 @@
 namespace cosiva::experiments {
 
 /// Where in which file: "odometry.csv:12".
-[[nodiscard]] std::string place_of(std::string_view file, std::size_t line);
+[[nodiscard]] std::string location_of(std::string_view file, std::size_t line);
 
 /// What stands between white space.
 [[nodiscard]] std::vector<std::string_view> cut_at_spaces(std::string_view line);

@@ -56,8 +56,8 @@ Offset offset_of(const Recording& recording) {
   int chords = 0;
   std::size_t from = 0;
   for (std::size_t to = 1; to < ground_truth.size(); ++to) {
-    const double dx = ground_truth[to].place_M.x_m - ground_truth[from].place_M.x_m;
-    const double dy = ground_truth[to].place_M.y_m - ground_truth[from].place_M.y_m;
+    const double dx = ground_truth[to].position_M.x_m - ground_truth[from].position_M.x_m;
+    const double dy = ground_truth[to].position_M.y_m - ground_truth[from].position_M.y_m;
     if (norm(dx, dy) < chord_m) continue;
     const double counted_m = way.at(ground_truth[to].t_s) - way.at(ground_truth[from].t_s);
     const double bent_rad = std::fabs(turns.at(ground_truth[to].t_s) - turns.at(ground_truth[from].t_s));

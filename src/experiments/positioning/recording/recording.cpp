@@ -146,7 +146,7 @@ Result<void> read_sensors(std::string_view file, std::string_view text, Recordin
     const auto value = fields.size() == 2 ? finite_number(fields[1]) : std::nullopt;
     if (!value || *value < 0.0)
       return fail("recording.sensors", "a line is a sensor's figure and its value, name,value",
-                  place_of(file, lines.number()));
+                  location_of(file, lines.number()));
     recording.sensors[std::string(fields[0])] = *value;
   }
   return {};
@@ -182,7 +182,7 @@ Result<Recording> read_tables(std::string_view name, const RecordingFiles& files
 struct TextLine {
   std::string_view kind;
   std::vector<double> values;
-  std::string place;
+  std::string location;
 };
 
 /// Lines of some kinds; comments and what else libRSF knows are nothing to us.
@@ -194,10 +194,10 @@ Result<void> each_line(std::string_view file, std::string_view text, const std::
   while (lines.next(line)) {
     const auto fields = cut_at_spaces(line);
     if (fields.empty() || std::ranges::find(kinds, fields.front()) == kinds.end()) continue;
-    TextLine one{fields.front(), {}, place_of(file, lines.number())};
+    TextLine one{fields.front(), {}, location_of(file, lines.number())};
     for (std::size_t i = 1; i < fields.size(); ++i) {
       const auto value = finite_number(fields[i]);
-      if (!value) return fail("recording.number", "'" + std::string(fields[i]) + "' is no finite number", one.place);
+      if (!value) return fail("recording.number", "'" + std::string(fields[i]) + "' is no finite number", one.location);
       one.values.push_back(*value);
     }
     if (auto fine = take(one); !fine) return fine;
@@ -209,13 +209,13 @@ Result<void> too_short(const TextLine& line, std::size_t wanted) {
   return fail("recording.width",
               std::string(line.kind) + " has " + std::to_string(line.values.size()) + " numbers instead of " +
                   std::to_string(wanted),
-              line.place);
+              line.location);
 }
 
 /// Speeds first; they become distances when it is known how long they lasted.
 Result<void> take_speeds(const Recording::Step& step, const TextLine& line, Recording& recording) {
   if (!recording.odometry.empty() && !(step.t_s > recording.odometry.back().t_s))
-    return fail("recording.stamp", "the stamp is not later than the one before it", line.place);
+    return fail("recording.stamp", "the stamp is not later than the one before it", line.location);
   recording.odometry.push_back(step);
   return {};
 }
@@ -226,13 +226,13 @@ Result<void> take_input(const TextLine& line, Recording& recording) {
   const auto& v = line.values;
   if (line.kind == "range2") {
     if (v.size() < 6) return too_short(line, 6);
-    const auto number = beacon_number(v[5], line.place);
+    const auto number = beacon_number(v[5], line.location);
     if (!number) return tl::unexpected(number.error());
     recording.beacons[*number] = {v[3], v[4]};
     recording.ranges.push_back({v[0], *number, v[1]});
   } else if (line.kind == "odom2diff") {
     if (v.size() < 5) return too_short(line, 5);
-    if (!(v[4] > 0.0)) return fail("recording.number", "half the track is more than nothing", line.place);
+    if (!(v[4] > 0.0)) return fail("recording.number", "half the track is more than nothing", line.location);
     recording.turns_from_wheels = true;
     return take_speeds({v[0], 0.0, 0.5 * (v[1] + v[2]), (v[2] - v[1]) / (2.0 * v[4])}, line, recording);
   } else if (line.kind == "odom2") {
@@ -252,7 +252,7 @@ Result<void> take_ground_truth(const TextLine& line, Recording& recording, std::
   }
   if (v.size() < 3) return too_short(line, 3);
   if (!recording.ground_truth.empty() && !(v[0] > recording.ground_truth.back().t_s))
-    return fail("recording.stamp", "the stamp is not later than the one before it", line.place);
+    return fail("recording.stamp", "the stamp is not later than the one before it", line.location);
   recording.ground_truth.push_back({v[0], {v[1], v[2]}, 0.0});
   return {};
 }
@@ -283,10 +283,10 @@ Result<Recording> read_librsf(std::string_view name, std::string_view input, std
     return take_input(line, recording);
   };
   std::map<double, double> headings;
-  const auto true_place = [&](const TextLine& line) { return take_ground_truth(line, recording, headings); };
+  const auto true_position = [&](const TextLine& line) { return take_ground_truth(line, recording, headings); };
   if (auto fine = each_line(input, text_of(input), {"range2", "odom2diff", "odom2"}, told); !fine)
     return tl::unexpected(fine.error());
-  if (auto fine = each_line(ground_truth, text_of(ground_truth), {"point2", "angle"}, true_place); !fine)
+  if (auto fine = each_line(ground_truth, text_of(ground_truth), {"point2", "angle"}, true_position); !fine)
     return tl::unexpected(fine.error());
   if (recording.odometry.size() < 2) return fail("recording.empty", "there is no odometry in it", std::string(input));
   if (recording.ground_truth.empty())

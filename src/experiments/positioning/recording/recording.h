@@ -34,7 +34,7 @@ struct Recording {
   };
   struct True {
     double t_s;
-    Point2 place_M;
+    Point2 position_M;
     double heading_rad;
   };
 

@@ -29,9 +29,9 @@ RecordingFiles small() {
 
 std::string refusal(const RecordingFiles& files) {
   const auto recording = read_recording("bad", files);
-  if (!recording) return recording.error().code + " " + recording.error().place;
+  if (!recording) return recording.error().code + " " + recording.error().location;
   const auto trial = replayed(*recording);
-  return trial ? "" : trial.error().code + " " + trial.error().place;
+  return trial ? "" : trial.error().code + " " + trial.error().location;
 }
 
 RecordingFiles with(const std::string& file, const std::string& text) {

@@ -23,13 +23,13 @@ class GroundTruth {
     const Recording::True& b = *after;
     if (b.t_s - a.t_s > gap_s_) return std::nullopt;
     const double u = (t_s - a.t_s) / (b.t_s - a.t_s);
-    return Pose2{a.place_M.x_m + u * (b.place_M.x_m - a.place_M.x_m),
-                 a.place_M.y_m + u * (b.place_M.y_m - a.place_M.y_m),
+    return Pose2{a.position_M.x_m + u * (b.position_M.x_m - a.position_M.x_m),
+                 a.position_M.y_m + u * (b.position_M.y_m - a.position_M.y_m),
                  wrap_angle(a.heading_rad + u * wrap_angle(b.heading_rad - a.heading_rad))};
   }
 
  private:
-  static Pose2 pose(const Recording::True& t) { return {t.place_M.x_m, t.place_M.y_m, wrap_angle(t.heading_rad)}; }
+  static Pose2 pose(const Recording::True& t) { return {t.position_M.x_m, t.position_M.y_m, wrap_angle(t.heading_rad)}; }
   const std::vector<Recording::True>& ground_truth_;
   double gap_s_;
 };
@@ -80,16 +80,16 @@ class Mixer {
     return fail("recording.beacon", "nobody has surveyed beacon " + std::to_string(beacon), recording_.name);
   }
   Result<void> tell(const Recording::Heard& heard) {
-    const auto place = surveyed(heard.station);
-    if (!place) return tl::unexpected(place.error());
-    trial_.events.emplace_back(estimation::Range{heard.station, *place, heard.range_m});
+    const auto location = surveyed(heard.station);
+    if (!location) return tl::unexpected(location.error());
+    trial_.events.emplace_back(estimation::Range{heard.station, *location, heard.range_m});
     since_m_ = 0.0;
     return {};
   }
   Result<void> tell(const Recording::Sighted& detected) {
-    const auto place = surveyed(detected.fiducial);
-    if (!place) return tl::unexpected(place.error());
-    trial_.events.emplace_back(estimation::Reading{detected.fiducial, *place, detected.detected_B});
+    const auto location = surveyed(detected.fiducial);
+    if (!location) return tl::unexpected(location.error());
+    trial_.events.emplace_back(estimation::Reading{detected.fiducial, *location, detected.detected_B});
     since_m_ = 0.0;
     return {};
   }

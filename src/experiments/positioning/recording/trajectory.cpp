@@ -14,10 +14,10 @@ namespace {
 /// A quaternion or a matrix this far from a rotation is a mistake, not a rounding.
 constexpr double rotation_slack = 0.05;
 
-Result<void> normalise(std::array<double, 4>& q, const std::string& place) {
+Result<void> normalise(std::array<double, 4>& q, const std::string& location) {
   const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   if (!(std::fabs(length - 1.0) < rotation_slack))
-    return fail("recording.rotation", "the quaternion's length is " + std::to_string(length) + ", not 1", place);
+    return fail("recording.rotation", "the quaternion's length is " + std::to_string(length) + ", not 1", location);
   // What is 1 to rounding stays as it was written.
   if (std::fabs(length - 1.0) > 1e-9) {
     for (double& v : q) v /= length;
@@ -47,38 +47,38 @@ std::array<double, 4> quaternion_of(const std::array<double, 12>& m) {
 }
 
 Result<std::vector<double>> numbers(const std::vector<std::string_view>& fields, std::size_t count,
-                                    const std::string& place) {
+                                    const std::string& location) {
   std::vector<double> values;
   for (std::size_t i = 0; i < count; ++i) {
     const auto value = finite_number(fields[i]);
-    if (!value) return fail("recording.number", "'" + std::string(fields[i]) + "' is no finite number", place);
+    if (!value) return fail("recording.number", "'" + std::string(fields[i]) + "' is no finite number", location);
     values.push_back(*value);
   }
   return values;
 }
 
-Result<Stamped> read_kitti(const std::vector<std::string_view>& fields, double line, const std::string& place) {
-  auto values = numbers(fields, 12, place);
+Result<Stamped> read_kitti(const std::vector<std::string_view>& fields, double line, const std::string& location) {
+  auto values = numbers(fields, 12, location);
   if (!values) return tl::unexpected(values.error());
   std::array<double, 12> m{};
   std::copy_n(values->begin(), 12, m.begin());
   for (std::size_t row = 0; row < 3; ++row) {
     const double length = m[4 * row] * m[4 * row] + m[4 * row + 1] * m[4 * row + 1] + m[4 * row + 2] * m[4 * row + 2];
     if (!(std::fabs(length - 1.0) < rotation_slack))
-      return fail("recording.rotation", "the matrix is no rotation", place);
+      return fail("recording.rotation", "the matrix is no rotation", location);
   }
   return Stamped{line, {m[3], m[7], m[11]}, quaternion_of(m)};
 }
 
-Result<Stamped> read_line(TrajectoryFormat format, std::string_view line, double index, const std::string& place) {
+Result<Stamped> read_line(TrajectoryFormat format, std::string_view line, double index, const std::string& location) {
   const bool commas = format == TrajectoryFormat::euroc;
   const auto fields = commas ? cut_at_commas(line) : cut_at_spaces(line);
   const std::size_t wanted = format == TrajectoryFormat::kitti ? 12 : 8;
   if (commas ? fields.size() < wanted : fields.size() != wanted)
     return fail("recording.width",
-                "here are " + std::to_string(fields.size()) + " numbers instead of " + std::to_string(wanted), place);
-  if (format == TrajectoryFormat::kitti) return read_kitti(fields, index, place);
-  auto values = numbers(fields, 8, place);
+                "here are " + std::to_string(fields.size()) + " numbers instead of " + std::to_string(wanted), location);
+  if (format == TrajectoryFormat::kitti) return read_kitti(fields, index, location);
+  auto values = numbers(fields, 8, location);
   if (!values) return tl::unexpected(values.error());
   const std::vector<double>& v = *values;
   Stamped pose{v[0], {v[1], v[2], v[3]}, {v[4], v[5], v[6], v[7]}};
@@ -87,11 +87,11 @@ Result<Stamped> read_line(TrajectoryFormat format, std::string_view line, double
       return fail("recording.stamp",
                   "EuRoC's stamps are whole nanoseconds, and '" + std::string(fields[0]) +
                       "' looks like seconds: TUM's numbers are cut at blanks",
-                  place);
+                  location);
     pose.t_s *= 1e-9;
     pose.q = {v[5], v[6], v[7], v[4]};
   }
-  if (auto fine = normalise(pose.q, place); !fine) return tl::unexpected(fine.error());
+  if (auto fine = normalise(pose.q, location); !fine) return tl::unexpected(fine.error());
   return pose;
 }
 
@@ -166,15 +166,15 @@ Result<Trajectory> read_trajectory(TrajectoryFormat format, std::string_view fil
   std::string_view line;
   while (lines.next(line)) {
     if (trimmed(line).empty() || trimmed(line).starts_with('#')) continue;
-    const std::string place = place_of(file, lines.number());
+    const std::string location = location_of(file, lines.number());
     // Some write EuRoC's header without a #.
     if (format == TrajectoryFormat::euroc && trajectory.poses.empty() && lines.number() == 1 &&
         begins_with_a_word(line))
       continue;
-    auto pose = read_line(format, line, static_cast<double>(trajectory.poses.size()), place);
+    auto pose = read_line(format, line, static_cast<double>(trajectory.poses.size()), location);
     if (!pose) return tl::unexpected(pose.error());
     if (!trajectory.poses.empty() && !(pose->t_s > trajectory.poses.back().t_s))
-      return fail("recording.stamp", "the stamp is not later than the one before it", place);
+      return fail("recording.stamp", "the stamp is not later than the one before it", location);
     trajectory.poses.push_back(*pose);
   }
   if (trajectory.poses.empty()) return fail("recording.empty", "there is no pose in it", std::string(file));

@@ -39,7 +39,7 @@ Trajectory read(const std::string& text, const std::string& name = "a.tum") {
 
 std::string refusal(const std::string& text) {
   const auto trajectory = read_trajectory("bad.txt", text);
-  return trajectory ? "" : trajectory.error().code + " " + trajectory.error().place;
+  return trajectory ? "" : trajectory.error().code + " " + trajectory.error().location;
 }
 
 TEST(Ape, is_what_another_program_counts_with_forty_digits) {

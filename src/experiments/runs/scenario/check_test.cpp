@@ -24,10 +24,10 @@ void expect_good(const std::string& body) {
   EXPECT_TRUE(good) << to_string(good.error());
 }
 
-void expect_bad(const std::string& body, const std::string& place, const std::string& message) {
+void expect_bad(const std::string& body, const std::string& location, const std::string& message) {
   const auto good = checked(body);
   ASSERT_FALSE(good) << body;
-  EXPECT_THAT(good.error().place, StartsWith("test.toml:" + place)) << body;
+  EXPECT_THAT(good.error().location, StartsWith("test.toml:" + location)) << body;
   EXPECT_THAT(good.error().message, HasSubstr(message)) << body;
   EXPECT_THAT(good.error().code, StartsWith("scenario."));
 }
@@ -192,7 +192,7 @@ TEST(ScenarioCheck, a_zone_that_cannot_be_used_is_refused_at_the_step_that_switc
   ASSERT_TRUE(resolve_zones(*scenario, load, "test.toml"));
   const auto evaluated = check(*scenario, zone, "test.toml");
   ASSERT_FALSE(evaluated);
-  EXPECT_THAT(evaluated.error().place, StartsWith("test.toml:2: switch"));
+  EXPECT_THAT(evaluated.error().location, StartsWith("test.toml:2: switch"));
   EXPECT_THAT(evaluated.error().message, HasSubstr("bad.toml"));
 }
 

@@ -39,7 +39,7 @@ class Checker {
   }
 
   Result<void> run() {
-    if (const std::size_t room = zone_->start_places(scenario_.aivs).size(); room < scenario_.aivs) {
+    if (const std::size_t room = zone_->start_positions(scenario_.aivs).size(); room < scenario_.aivs) {
       faults_.add("scenario.aivs", 1, "aivs",
                   zone_->name + " has room for " + std::to_string(room) + " AIVs to start, not " +
                       std::to_string(scenario_.aivs));
@@ -258,13 +258,13 @@ class Checker {
   }
 
   void evaluate_aiv_position(const JsonValue& virtual_object) {
-    std::optional<zone::Place> place;
+    std::optional<zone::TrackPosition> location;
     if (const auto name = virtual_object.text("section")) {
       const auto section = zone_->circuit.find(*name);
       if (!section) return fault_name("virtual_aiv.section", "scenario.section", "section", *name, section_names());
       const double length_m = zone_->circuit.section(*section).length_m();
-      place = zone::Place{*section, virtual_object.number("s").value_or(0.0)};
-      if (place->s_m > length_m) {
+      location = zone::TrackPosition{*section, virtual_object.number("s").value_or(0.0)};
+      if (location->s_m > length_m) {
         return fault("virtual_aiv.s_m", "scenario.position",
                      *name + " is " + shortest(length_m) + " m long, so s_m must be from 0 to that");
       }
@@ -276,10 +276,10 @@ class Checker {
                      "the nearest way of " + zone_->name + " is " + shortest(located.distance_m) +
                          " m off; put it within " + shortest(off_way_max_m) + " m of one");
       }
-      place = located.place;
+      location = located.location;
     }
-    if (!place || zone_->may_stand(*place)) return;
-    const zone::Crossing* crossing = zone_->crossing_at(*place);
+    if (!location || zone_->may_stand(*location)) return;
+    const zone::Crossing* crossing = zone_->crossing_at(*location);
     fault("virtual_aiv", "scenario.position",
           "no vehicle may stand " +
               (crossing == nullptr ? std::string("between crossings this close together")

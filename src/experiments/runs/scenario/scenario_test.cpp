@@ -210,17 +210,17 @@ TEST(BadScenario, that_switches_to_a_zone_nobody_finds_names_file_and_line) {
 }
 
 TEST(BadScenario, whose_missions_make_no_sense_is_refused_with_file_line_and_field) {
-  const auto place_of = [](const std::string& action) {
+  const auto location_of = [](const std::string& action) {
     const auto scenario = read(at(0, action));
-    return scenario ? std::string("good") : scenario.error().place;
+    return scenario ? std::string("good") : scenario.error().location;
   };
-  EXPECT_THAT(place_of("go = { vehicle = \"*\", to = \"dock\" }"), HasSubstr("at[1].go.vehicle"));
-  EXPECT_THAT(place_of("go = { vehicle = \"AIV1\" }"), HasSubstr("at[1].go"));
-  EXPECT_THAT(place_of("go = { vehicle = \"AIV1\", too = \"dock\" }"), HasSubstr("at[1].go.too"));
-  EXPECT_THAT(place_of("circulate = { vehicle = \"a/b c\" }"), HasSubstr("at[1].circulate.vehicle"));
-  EXPECT_THAT(place_of("close = 3"), HasSubstr("at[1].close"));
-  EXPECT_THAT(place_of("open = \"\""), HasSubstr("at[1].open"));
-  EXPECT_THAT(place_of("switch = { zone = \"x\" }"), HasSubstr("at[1].switch"));
+  EXPECT_THAT(location_of("go = { vehicle = \"*\", to = \"dock\" }"), HasSubstr("at[1].go.vehicle"));
+  EXPECT_THAT(location_of("go = { vehicle = \"AIV1\" }"), HasSubstr("at[1].go"));
+  EXPECT_THAT(location_of("go = { vehicle = \"AIV1\", too = \"dock\" }"), HasSubstr("at[1].go.too"));
+  EXPECT_THAT(location_of("circulate = { vehicle = \"a/b c\" }"), HasSubstr("at[1].circulate.vehicle"));
+  EXPECT_THAT(location_of("close = 3"), HasSubstr("at[1].close"));
+  EXPECT_THAT(location_of("open = \"\""), HasSubstr("at[1].open"));
+  EXPECT_THAT(location_of("switch = { zone = \"x\" }"), HasSubstr("at[1].switch"));
 }
 
 TEST(Scenario, priorities_are_an_edit_of_the_zone) {
@@ -248,7 +248,7 @@ TEST(Scenario, every_command_is_one_JSON_object_with_a_command) {
 
 struct Bad {
   std::string body;
-  std::string place;    ///< the beginning of the error's place
+  std::string location;    ///< the beginning of the error's place
   std::string message;  ///< a part of it
 };
 
@@ -256,7 +256,7 @@ void expect_refused(const std::vector<Bad>& all) {
   for (const Bad& bad : all) {
     const auto scenario = read(bad.body);
     ASSERT_FALSE(scenario) << bad.body;
-    EXPECT_THAT(scenario.error().place, StartsWith("test.toml:" + bad.place)) << bad.body;
+    EXPECT_THAT(scenario.error().location, StartsWith("test.toml:" + bad.location)) << bad.body;
     EXPECT_THAT(scenario.error().message, HasSubstr(bad.message)) << bad.body;
     EXPECT_THAT(scenario.error().code, StartsWith("scenario.")) << bad.body;
   }
@@ -356,7 +356,7 @@ TEST(BadScenario, with_impossible_objects_is_refused_with_file_line_and_field) {
 }
 
 TEST(Scenario, without_a_name_or_far_too_large_is_refused) {
-  EXPECT_EQ(scenario_from_toml("", "x.toml").error().place, "x.toml:1: name");
+  EXPECT_EQ(scenario_from_toml("", "x.toml").error().location, "x.toml:1: name");
   EXPECT_EQ(scenario_from_toml(std::string((1U << 20U) + 1, '#'), "x.toml").error().code, "scenario.size");
 }
 

@@ -67,9 +67,9 @@ std::string_view nearest(std::string_view word, const std::vector<std::string_vi
 
 void Faults::add(std::string code, std::uint32_t line, std::string_view path, std::string message) {
   if (first_) return;
-  std::string place = origin_ + ":" + std::to_string(line);
-  if (!path.empty()) place.append(": ").append(path);
-  first_ = Error{std::move(code), std::move(message), std::move(place)};
+  std::string location = origin_ + ":" + std::to_string(line);
+  if (!path.empty()) location.append(": ").append(path);
+  first_ = Error{std::move(code), std::move(message), std::move(location)};
 }
 
 std::uint32_t Entry::line(std::string_view key) const {

@@ -74,10 +74,10 @@ class Unrest {
   void step_in(bool only_virtual) {
     const auto vehicles = world_.plant().vehicles();
     const auto& before = vehicles[random_.below(vehicles.size())];
-    if (!before.place) return;
-    const zone::Place place = zone_->circuit.advance(*before.place, random_.uniform(0.6, 1.2));
-    if (!is_detected_from_far(place)) return;
-    const Pose2 X_MP = zone_->circuit.pose_at(place);
+    if (!before.position) return;
+    const zone::TrackPosition track_position = zone_->circuit.advance(*before.position, random_.uniform(0.6, 1.2));
+    if (!is_detected_from_far(track_position)) return;
+    const Pose2 X_MP = zone_->circuit.pose_at(track_position);
     const Point2 at = X_MP * Point2{0.0, random_.uniform(-0.08, 0.08)};
     constexpr double clear_m = 0.55;  // braking from the fast profile, half a vehicle, a board's and a cycle's delay
     if (std::ranges::any_of(vehicles, [&](const auto& v) { return distance(position(v.X_MB), at) < clear_m; })) return;
@@ -95,11 +95,11 @@ class Unrest {
   }
 
   /// In a tight bend the beams look past whoever stands in it; nobody steps in there.
-  [[nodiscard]] bool is_detected_from_far(zone::Place place) const {
+  [[nodiscard]] bool is_detected_from_far(zone::TrackPosition track_position) const {
     constexpr double straight_m = 0.45;
     constexpr double straight_per_m = 0.5;
     for (double back_m = 0.0; back_m <= straight_m; back_m += 0.05) {
-      const zone::Place before = zone_->circuit.advance(place, -back_m);
+      const zone::TrackPosition before = zone_->circuit.advance(track_position, -back_m);
       if (std::fabs(zone_->circuit.section(before.section).curvature_at(before.s_m)) > straight_per_m) return false;
     }
     return true;

@@ -82,7 +82,7 @@ struct World::Impl {
   SimTime now{virtual_epoch};
   wire::Network network;
   std::vector<Actor> actors;
-  std::vector<zone::Place> start_places;
+  std::vector<zone::TrackPosition> start_positions;
   std::vector<std::string> section_names;
   std::priority_queue<Tick, std::vector<Tick>, std::greater<>> ticks;
   std::deque<Bytes> streams;  ///< one delay for all, so first in is first out
@@ -196,8 +196,8 @@ struct World::Impl {
     onboard.as_values = options.as_values;
     onboard.cycle = options.cycle.value_or(onboard.cycle);
     if (first_time) {
-      const zone::Place place = start_places[number - 1];
-      onboard.start = {section_names[place.section], place.s_m};
+      const zone::TrackPosition position = start_positions[number - 1];
+      onboard.start = {section_names[position.section], position.s_m};
     }
     std::string configuration = aiv::to_json(onboard);
     start(id, std::make_unique<aiv::OnboardCore>(std::move(onboard)), "aiv", std::move(configuration));
@@ -298,7 +298,7 @@ Result<std::unique_ptr<World>> World::make(WorldOptions options) {
   std::unique_ptr<World> world{new World};
   world->impl_ = std::make_unique<Impl>(std::move(options));
   Impl& inside = *world->impl_;
-  inside.start_places = rtm->zone().start_places(inside.options.aivs);
+  inside.start_positions = rtm->zone().start_positions(inside.options.aivs);
   for (zone::SectionId id = 0; id < rtm->zone().circuit.size(); ++id) {
     inside.section_names.push_back(rtm->zone().circuit.part(id).name);
   }

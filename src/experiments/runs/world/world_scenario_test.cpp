@@ -56,7 +56,7 @@ struct Stage {
   }
   [[nodiscard]] JsonValue snapshot() const { return *JsonValue::parse(world->server().snapshot_json()); }
   /// Where each AIV is, virtual ones too, by id.
-  [[nodiscard]] std::map<std::string, Point2> places() const {
+  [[nodiscard]] std::map<std::string, Point2> positions() const {
     std::map<std::string, Point2> all;
     const JsonValue shown = snapshot();
     for (const JsonValue& aiv : *shown.find("aivs")->array())
@@ -82,12 +82,12 @@ struct Stage {
 std::unique_ptr<Stage> play_shipped(const std::string& name, SimDuration length) {
   auto stage = std::make_unique<Stage>(scenario_of(file_text("scenarios/" + name + ".toml"), name + ".toml"));
   stage->world->run_for(length - 30s);
-  const auto before = stage->places();
+  const auto before = stage->positions();
   std::map<std::string, double> moved_m;
   for (int i = 0; i < 30; ++i) {
     stage->world->run_for(1s);
-    for (const auto& [id, place] : stage->places())
-      moved_m[id] = std::max(moved_m[id], distance(place, before.contains(id) ? before.at(id) : place));
+    for (const auto& [id, position] : stage->positions())
+      moved_m[id] = std::max(moved_m[id], distance(position, before.contains(id) ? before.at(id) : position));
   }
   EXPECT_TRUE(stage->world->scenario_done());
   EXPECT_EQ(stage->played.size(), stage->scenario.steps.size());
@@ -105,7 +105,7 @@ JsonValue metrics_of(const World& world) {
 
 TEST(WorldScenario, showroom_runs_pleasantly_and_people_who_are_not_there_are_braked_for) {
   const auto stage = play_shipped("showroom", 120s);
-  EXPECT_EQ(stage->places().size(), 5U) << "four AIVs and a virtual one";
+  EXPECT_EQ(stage->positions().size(), 5U) << "four AIVs and a virtual one";
   for (const char* person : {"P1", "P2"}) EXPECT_GE(stage->braked_for.count(person), 3U) << person;
   for (const auto& vehicle : stage->world->plant().vehicles()) EXPECT_GE(vehicle.laps, 1U) << "AIV" << vehicle.number;
 }
@@ -128,7 +128,7 @@ TEST(WorldScenario, laboratory_shows_the_obstacle_while_it_is_there_and_its_radi
 
 TEST(WorldScenario, rush_hour_flows_again_after_everything_was_stopped) {
   const auto stage = play_shipped("rush_hour", 183s);
-  EXPECT_EQ(stage->places().size(), 11U);
+  EXPECT_EQ(stage->positions().size(), 11U);
   EXPECT_THAT(*stage->snapshot().find("virtualObjects")->array(), IsEmpty()) << "everybody went home";
 }
 

@@ -54,23 +54,23 @@ class MessageReader {
 };
 
 /// A passage's end by name, or the n-th stop where none is said.
-Result<zone::Place> end_in(const zone::TrafficZone& zone, const std::string& zone_name, const std::string& station,
+Result<zone::TrackPosition> end_in(const zone::TrafficZone& zone, const std::string& zone_name, const std::string& station,
                            std::size_t nth) {
   if (!station.empty()) {
     const zone::Station* const found = zone.find_station(station);
-    if (found != nullptr) return found->place;
+    if (found != nullptr) return found->location;
     return fail("site.transfer_point", "zone '" + zone_name + "' has no station '" + station + "' for a passage");
   }
   const auto stops = stops_of(zone);
   if (stops.empty())
     return fail("site.transfer_point", "zone '" + zone_name + "' has no station where a passage could begin or end");
-  return zone.stations[stops[std::min(nth, stops.size() - 1)]].place;
+  return zone.stations[stops[std::min(nth, stops.size() - 1)]].location;
 }
 
 /// An error of one rank is everybody's: nobody may wait for one that has gone.
 Result<void> agree(Ranks& ranks, const Result<void>& mine) {
   const std::string text =
-      mine ? std::string{} : mine.error().code + '\n' + mine.error().message + '\n' + mine.error().place;
+      mine ? std::string{} : mine.error().code + '\n' + mine.error().message + '\n' + mine.error().location;
   const auto all = ranks.exchange(std::vector<std::string>(ranks.size(), text));
   for (const std::string& one : all) {
     if (one.empty()) continue;

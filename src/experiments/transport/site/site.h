@@ -41,7 +41,7 @@ class SiteRun {
  private:
   struct Way {  ///< a passage, worked out
     std::size_t to_zone;
-    zone::Place enter;
+    zone::TrackPosition enter;
     std::uint64_t takes_steps;
   };
   struct Coming {

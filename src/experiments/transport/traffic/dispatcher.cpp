@@ -17,7 +17,7 @@ constexpr double timeout_s = 20.0;
 
 }  // namespace
 
-Dispatcher::Dispatcher(Fleet& fleet, std::vector<Job> jobs, double handling_s, std::vector<zone::Place> exits)
+Dispatcher::Dispatcher(Fleet& fleet, std::vector<Job> jobs, double handling_s, std::vector<zone::TrackPosition> exits)
     : fleet_{fleet},
       router_{fleet.zone()},
       jobs_{std::move(jobs)},
@@ -90,7 +90,7 @@ void Dispatcher::handle(Fleet::Vehicle vehicle) {
 void Dispatcher::give_out() {
   for (std::size_t i = 0; i < waiting_.size() && idle_ > 0;) {
     const std::size_t job = waiting_[i];
-    const auto vehicle = best_for(fleet_.zone().stations[jobs_[job].from].place);
+    const auto vehicle = best_for(fleet_.zone().stations[jobs_[job].from].position);
     if (!vehicle) {
       ++i;  // nobody gets there; another job may be nearer
       continue;
@@ -104,7 +104,7 @@ void Dispatcher::give_out() {
   }
 }
 
-std::optional<Dispatcher::Fleet::Vehicle> Dispatcher::best_for(zone::Place goal) {
+std::optional<Dispatcher::Fleet::Vehicle> Dispatcher::best_for(zone::TrackPosition goal) {
   const Point2 there = position(fleet_.zone().circuit.pose_at(goal));
   std::vector<std::pair<double, Fleet::Vehicle>> near;
   for (Fleet::Vehicle v = 0; v < carriers_.size(); ++v)
@@ -120,16 +120,16 @@ std::optional<Dispatcher::Fleet::Vehicle> Dispatcher::best_for(zone::Place goal)
   return best ? std::optional{best->second} : std::nullopt;
 }
 
-std::optional<double> Dispatcher::way_to(Fleet::Vehicle vehicle, zone::Place goal) {
+std::optional<double> Dispatcher::way_to(Fleet::Vehicle vehicle, zone::TrackPosition goal) {
   const auto committed = fleet_.committed(vehicle);
   const zone::Circuit& circuit = fleet_.zone().circuit;
-  const zone::Place here = fleet_.place(vehicle);
+  const zone::TrackPosition here = fleet_.track_position(vehicle);
   const double speed = fleet_.speed_mps()[vehicle];
   const double stop_m = speed * speed / (2.0 * fleet_.zone().profiles.slow.braking_mps2) + beyond_stop_m;
   // Its own section counts from where it can still stop; one that it is committed to as a whole from its end.
   const zone::SectionId last = committed.back();
   const double length_m = circuit.section(last).length_m();
-  const zone::Place from{last, committed.size() == 1 ? std::min(here.s_m + stop_m, length_m) : length_m};
+  const zone::TrackPosition from{last, committed.size() == 1 ? std::min(here.s_m + stop_m, length_m) : length_m};
   const auto route = router_.plan(from, goal, fleet_.zone().closed);
   if (!route) return std::nullopt;
   route_.assign(committed.begin(), committed.end());
@@ -137,14 +137,14 @@ std::optional<double> Dispatcher::way_to(Fleet::Vehicle vehicle, zone::Place goa
   return route->time_s;
 }
 
-zone::Place Dispatcher::goal_of(const Carrier& carrier) const {
+zone::TrackPosition Dispatcher::goal_of(const Carrier& carrier) const {
   const Job& job = jobs_[carrier.job];
   if (carrier.phase == Phase::carrying && job.exit != no_exit) return exits_[job.exit];
-  return fleet_.zone().stations[carrier.phase == Phase::fetching ? job.from : job.to].place;
+  return fleet_.zone().stations[carrier.phase == Phase::fetching ? job.from : job.to].position;
 }
 
 void Dispatcher::drive_on(Fleet::Vehicle vehicle) {
-  const zone::Place goal = goal_of(carriers_[vehicle]);
+  const zone::TrackPosition goal = goal_of(carriers_[vehicle]);
   if (way_to(vehicle, goal) && fleet_.send(vehicle, route_, goal.s_m)) {
     carriers_[vehicle].patient_until_s = -1.0;
     return;

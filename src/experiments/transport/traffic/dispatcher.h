@@ -29,7 +29,7 @@ class Dispatcher {
   /// @param jobs        in the order of their times
   /// @param handling_s  loading, and unloading, takes so long
   /// @param exits       where vehicles stand that are to leave the zone; jobs name them by index
-  Dispatcher(Fleet& fleet, std::vector<Job> jobs, double handling_s, std::vector<zone::Place> exits = {});
+  Dispatcher(Fleet& fleet, std::vector<Job> jobs, double handling_s, std::vector<zone::TrackPosition> exits = {});
 
   /// After each step of the fleet.
   void step();
@@ -61,18 +61,18 @@ class Dispatcher {
   void arrive(Fleet::Vehicle vehicle);
   void handle(Fleet::Vehicle vehicle);
   void give_out();
-  [[nodiscard]] std::optional<Fleet::Vehicle> best_for(zone::Place goal);
+  [[nodiscard]] std::optional<Fleet::Vehicle> best_for(zone::TrackPosition goal);
   /// By committed() and the router; nothing where there is no way.
-  [[nodiscard]] std::optional<double> way_to(Fleet::Vehicle vehicle, zone::Place goal);
+  [[nodiscard]] std::optional<double> way_to(Fleet::Vehicle vehicle, zone::TrackPosition goal);
   void drive_on(Fleet::Vehicle vehicle);
-  [[nodiscard]] zone::Place goal_of(const Carrier& carrier) const;
+  [[nodiscard]] zone::TrackPosition goal_of(const Carrier& carrier) const;
 
   Fleet& fleet_;
   zone::Router router_;
   std::vector<Job> jobs_;
   std::vector<JobCourse> courses_;
   std::size_t own_jobs_;
-  std::vector<zone::Place> exits_;
+  std::vector<zone::TrackPosition> exits_;
   double handling_s_;
   double now_s_{0.0};
   std::size_t next_due_{0};

@@ -47,8 +47,8 @@ class Map {
   [[nodiscard]] double width_px() const { return (high_.x_m - low_.x_m) * px_per_m_ + 2.0 * margin_px; }
   [[nodiscard]] double height_px() const { return (high_.y_m - low_.y_m) * px_per_m_ + 2.0 * margin_px; }
   [[nodiscard]] double px_per_m() const { return px_per_m_; }
-  [[nodiscard]] std::string name(zone::Place place, const std::string& text, double aside_px) const {
-    const Pose2 pose = circuit_.pose_at(place);
+  [[nodiscard]] std::string name(zone::TrackPosition position, const std::string& text, double aside_px) const {
+    const Pose2 pose = circuit_.pose_at(position);
     return "<text x=\"" + readable((pose.x_m - low_.x_m) * px_per_m_ + margin_px + aside_px, 1) + "\" y=\"" +
            readable((high_.y_m - pose.y_m) * px_per_m_ + margin_px + 4.0, 1) + "\">" + escaped(text) + "</text>";
   }
@@ -107,7 +107,7 @@ std::string names(const Map& map, const zone::TrafficZone& zone, const TrafficMe
   }
   svg += "</g><g fill=\"#14202b\" stroke=\"#fff\" stroke-width=\"3\" paint-order=\"stroke\" font-size=\"12\">";
   if (zone.stations.size() <= names_max)
-    for (const zone::Station& station : zone.stations) svg += map.name(station.place, station.name, 14.0);
+    for (const zone::Station& station : zone.stations) svg += map.name(station.position, station.name, 14.0);
   return svg + "</g>";
 }
 

@@ -80,7 +80,7 @@ TEST(JobsFromCsv, may_have_their_values_in_quotation_marks) {
 
 struct BadCsv {
   const char* text;
-  const char* place;
+  const char* location;
   const char* says;
 };
 class OfBadCsv : public ::testing::TestWithParam<BadCsv> {};
@@ -88,7 +88,7 @@ TEST_P(OfBadCsv, says_the_line_and_what_is_wrong_in_it) {
   const auto jobs = jobs_from_csv(*yard(), GetParam().text, "jobs.csv");
   ASSERT_FALSE(jobs);
   EXPECT_EQ(jobs.error().code, "jobs.csv");
-  EXPECT_EQ(jobs.error().place, GetParam().place);
+  EXPECT_EQ(jobs.error().location, GetParam().location);
   EXPECT_THAT(jobs.error().message, HasSubstr(GetParam().says));
 }
 INSTANTIATE_TEST_SUITE_P(

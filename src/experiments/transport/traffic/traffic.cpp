@@ -111,8 +111,8 @@ std::vector<Traveller> TrafficRun::take_leaving() {
   return left;
 }
 
-bool TrafficRun::bring(const Traveller& traveller, zone::Place place) {
-  if (away_.empty() || !fleet_->bring(away_.back(), place, 0)) return false;
+bool TrafficRun::bring(const Traveller& traveller, zone::TrackPosition position) {
+  if (away_.empty() || !fleet_->bring(away_.back(), position, 0)) return false;
   const Fleet::Vehicle vehicle = away_.back();
   away_.pop_back();
   numbers_[vehicle] = traveller.aiv;
@@ -142,10 +142,10 @@ void TrafficRun::take_sample() {
   double standing = 0.0;
   for (Fleet::Vehicle v = 0; v < fleet_->size(); ++v) {
     if (fleet_->is_away(v)) continue;
-    const zone::Place place = fleet_->place(v);
-    TrafficMetrics::Cells& cells = sampled_.cells[place.section];
+    const zone::TrackPosition position = fleet_->track_position(v);
+    TrafficMetrics::Cells& cells = sampled_.cells[position.section];
     const std::size_t cell =
-        std::min(static_cast<std::size_t>(place.s_m / cells.length_m), cells.occupied_s.size() - 1);
+        std::min(static_cast<std::size_t>(position.s_m / cells.length_m), cells.occupied_s.size() - 1);
     cells.occupied_s[cell] += sample_s;
     const bool stands = fleet_->speed_mps()[v] < standing_mps && !fleet_->is_at_goal(v);
     if (stands) cells.standing_s[cell] += sample_s;

@@ -39,7 +39,7 @@ struct TrafficOptions : TrafficTerms {
   std::size_t aivs{12};
   std::vector<Job> jobs;  ///< in the order of their times; none: everybody circulates
   // Of a zone that is one of many (experiments/transport/site):
-  std::vector<zone::Place> exits;  ///< where vehicles leave it
+  std::vector<zone::TrackPosition> exits;  ///< where vehicles leave it
   std::size_t spare{0};            ///< so many more than it begins with can be in it at a time
   std::uint32_t first_aiv{0};      ///< number of its first vehicle among all zones'
 };
@@ -67,7 +67,7 @@ class TrafficRun {
   /// Who has left the zone in this step.
   [[nodiscard]] std::vector<Traveller> take_leaving();
   /// False: there is no room for it now, there or in the whole zone.
-  [[nodiscard]] bool bring(const Traveller& traveller, zone::Place place);
+  [[nodiscard]] bool bring(const Traveller& traveller, zone::TrackPosition position);
   [[nodiscard]] double time_s() const;  ///< the warm-up included
   [[nodiscard]] double end_s() const { return options_.warm_up_s + options_.duration_s; }
   [[nodiscard]] const virtual_side::Fleet& fleet() const { return *fleet_; }

@@ -88,11 +88,11 @@ TEST(Traffic, gives_a_job_to_the_one_that_is_there_first) {
   while (run->time_s() < 29.95) ASSERT_TRUE(run->advance(0.1));
   // One way round: the nearest behind the station.
   const zone::Circuit& circuit = yard()->circuit;
-  const zone::Place station = yard()->stations[1].place;
+  const zone::TrackPosition station = yard()->stations[1].position;
   double nearest_m = 1e9;
   virtual_side::Fleet::Vehicle nearest = 0;
   for (virtual_side::Fleet::Vehicle v = 0; v < 4; ++v) {
-    const auto way = circuit.shortest_way(run->fleet().place(v), station, 100.0);
+    const auto way = circuit.shortest_way(run->fleet().track_position(v), station, 100.0);
     ASSERT_TRUE(way);
     if (way->length_m > 1.0 && way->length_m < nearest_m) {
       nearest_m = way->length_m;

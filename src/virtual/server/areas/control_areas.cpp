@@ -11,10 +11,10 @@ namespace {
 
 std::string cut(std::string_view text) { return std::string(text.substr(0, 80)); }
 
-std::optional<zone::Place> place_of(const zone::TrafficZone& zone, std::string_view name) {
-  if (const zone::Station* station = zone.find_station(name)) return station->place;
+std::optional<zone::TrackPosition> position_of(const zone::TrafficZone& zone, std::string_view name) {
+  if (const zone::Station* station = zone.find_station(name)) return station->position;
   const auto waypoint = std::ranges::find(zone.waypoints, name, &zone::Waypoint::id);
-  return waypoint == zone.waypoints.end() ? std::nullopt : std::optional{waypoint->place};
+  return waypoint == zone.waypoints.end() ? std::nullopt : std::optional{waypoint->position};
 }
 
 std::optional<wire::AgvPosition> position_in(std::string_view topic, const std::string& payload) {
@@ -101,7 +101,7 @@ Result<Mission> ControlAreas::way_to(std::string_view to, const zone::TrafficZon
   const std::string name{to.substr(0, to.find('/'))};
   const std::string goal{to.substr(std::min(to.size(), name.size() + 1))};
   if (name == own_) {
-    if (missions.has_place(goal)) return Mission{Mission::Kind::go, goal, {}};
+    if (missions.has_position(goal)) return Mission{Mission::Kind::go, goal, {}};
     return fail("mission.to", "there is no station or waypoint '" + cut(goal) + "' in this control area", "to");
   }
   const auto area = areas_.find(name);
@@ -116,7 +116,7 @@ Result<Mission> ControlAreas::way_to(std::string_view to, const zone::TrafficZon
   if (!area->second.zone)
     return fail("mission.area", "control area '" + cut(name) + "' has not said which zone it has; try again", "to");
   const zone::TrafficZone& there = *area->second.zone;
-  const auto end = place_of(there, goal);
+  const auto end = position_of(there, goal);
   if (!end)
     return fail("mission.to", "control area '" + cut(name) + "' has no station or waypoint '" + cut(goal) + "'", "to");
 
@@ -124,10 +124,10 @@ Result<Mission> ControlAreas::way_to(std::string_view to, const zone::TrafficZon
   const zone::Station* best = nullptr;
   double best_m = 0.0;
   for (const zone::Station& station : zone.stations) {
-    if (!missions.has_place(station.name)) continue;
-    const auto entry_point = zone::snap_to_path(there.circuit, zone.circuit.pose_at(station.place));
+    if (!missions.has_position(station.name)) continue;
+    const auto entry_point = zone::snap_to_path(there.circuit, zone.circuit.pose_at(station.position));
     if (!entry_point || (best != nullptr && entry_point->distance_m >= best_m) ||
-        !router.plan(entry_point->place, *end))
+        !router.plan(entry_point->position, *end))
       continue;
     best = &station;
     best_m = entry_point->distance_m;

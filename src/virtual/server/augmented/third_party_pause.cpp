@@ -15,16 +15,16 @@ constexpr double step_m = 0.04;
 bool ThirdPartyPause::in_way(VehicleIndex vehicle, const Pose2& X_MB, const Body& body, double within_m) const {
   const zone::VehicleShape shape = simulator_.zone()->vehicle;
   double reach_m = 0.5 * shape.length_m + within_m;
-  const auto& place = traffic_.place(vehicle);
-  if (body.is_aiv && place && map_ != nullptr && traffic_.base_end(vehicle) != no_waypoint) {
-    if (const auto left_m = traffic_.base_left_m(vehicle, *place))
+  const auto& track_position = traffic_.track_position(vehicle);
+  if (body.is_aiv && track_position && map_ != nullptr && traffic_.base_end(vehicle) != no_waypoint) {
+    if (const auto left_m = traffic_.base_left_m(vehicle, *track_position))
       reach_m = std::min(reach_m, *left_m + 0.5 * shape.length_m);
   }
   const double half_width_m = 0.5 * shape.width_m + beside_m;
   const zone::Circuit& circuit = *simulator_.circuit();
   // What touches its tail only is behind it: the way is looked at from its middle on.
   for (double d_m = 0.0; d_m <= reach_m; d_m += step_m) {
-    const Point2 p = place ? position(circuit.pose_at(circuit.advance(*place, d_m, traffic_.coming(vehicle))))
+    const Point2 p = track_position ? position(circuit.pose_at(circuit.advance(*track_position, d_m, traffic_.coming(vehicle))))
                            : X_MB * Point2{d_m, 0.0};
     if (distance_to(*body.body, p) <= half_width_m) return true;
   }

@@ -21,7 +21,7 @@ void VirtualFleet::send(Host& host) {
 }
 
 void VirtualFleet::add(VehicleIndex vehicle, SimTime now, bool link_up, const zone::ZoneConfiguration& zone,
-                       zone::Place start) {
+                       zone::TrackPosition start) {
   const AivProxy& proxy = registry_[vehicle];
   hosts_.push_back(
       {vehicle, now,
@@ -49,9 +49,9 @@ const VirtualFleet::Host* VirtualFleet::find(VehicleIndex vehicle) const {
   return it == hosts_.end() ? nullptr : &*it;
 }
 
-zone::Place VirtualFleet::place_of(const Host& host, const zone::Circuit& circuit) {
+zone::TrackPosition VirtualFleet::position_of(const Host& host, const zone::Circuit& circuit) {
   const Pose2 X_MB = host.aiv.X_MB();
-  return circuit.locate(position(X_MB), X_MB.heading_rad).place;
+  return circuit.locate(position(X_MB), X_MB.heading_rad).position;
 }
 
 void VirtualFleet::link(SimTime now, bool up) {

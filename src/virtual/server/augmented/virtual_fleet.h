@@ -32,11 +32,11 @@ class VirtualFleet {
     std::vector<std::string> listens{};  ///< topics of those near it (wire::Listen)
   };
 
-  void add(VehicleIndex vehicle, SimTime now, bool link_up, const zone::ZoneConfiguration& zone, zone::Place start);
+  void add(VehicleIndex vehicle, SimTime now, bool link_up, const zone::ZoneConfiguration& zone, zone::TrackPosition start);
   void remove(VehicleIndex vehicle, SimTime now);
   [[nodiscard]] const Host* find(VehicleIndex vehicle) const;
   /// On this circuit, be it one that the vehicle has yet to change to.
-  [[nodiscard]] static zone::Place place_of(const Host& host, const zone::Circuit& circuit);
+  [[nodiscard]] static zone::TrackPosition position_of(const Host& host, const zone::Circuit& circuit);
   [[nodiscard]] const std::deque<Host>& hosts() const { return hosts_; }
   [[nodiscard]] bool empty() const { return hosts_.empty(); }
 

@@ -145,9 +145,9 @@ Result<VirtualObjectCommand> VirtualObjectCommands::read_add(const JsonValue& vi
       return fail("virtual_object.many",
                   "this server knows " + std::to_string(Registry::vehicles_max) +
                       " vehicles already, and takes no more; add it under a name that was used before");
-    auto place = read_aiv_place(virtual_object);
-    if (!place) return tl::unexpected(place.error());
-    requested.place = *place;
+    auto track_position = read_aiv_position(virtual_object);
+    if (!track_position) return tl::unexpected(track_position.error());
+    requested.position = *track_position;
     return requested;
   }
   requested.kind = *known;
@@ -252,9 +252,9 @@ Result<Walk> VirtualObjectCommands::read_walk(const JsonValue& virtual_object, b
   return Walk(std::move(*points), speed_mps, repeat);
 }
 
-Result<std::optional<zone::Place>> VirtualObjectCommands::read_section(const JsonValue& virtual_object) const {
+Result<std::optional<zone::TrackPosition>> VirtualObjectCommands::read_section(const JsonValue& virtual_object) const {
   const JsonValue* named = virtual_object.find("section");
-  if (named == nullptr || named->is_null()) return std::optional<zone::Place>{};
+  if (named == nullptr || named->is_null()) return std::optional<zone::TrackPosition>{};
   const zone::Circuit& circuit = *simulator_.circuit();
   const auto section = named->text() == nullptr ? std::nullopt : circuit.find(*named->text());
   if (!section) {
@@ -263,22 +263,22 @@ Result<std::optional<zone::Place>> VirtualObjectCommands::read_section(const Jso
       names += (names.empty() ? "" : ", ") + circuit.part(id).name;
     return fail("virtual_object.section", "this zone has no such section; it has " + names, "section");
   }
-  zone::Place place{*section, 0.0};
+  zone::TrackPosition track_position{*section, 0.0};
   if (auto read =
-          read_number(virtual_object, "s", 0.0, circuit.section(*section).length_m(), " along the section", place.s_m);
+          read_number(virtual_object, "s", 0.0, circuit.section(*section).length_m(), " along the section", track_position.s_m);
       !read)
     return tl::unexpected(read.error());
-  return std::optional{place};
+  return std::optional{track_position};
 }
 
-Result<zone::Place> VirtualObjectCommands::read_aiv_place(const JsonValue& virtual_object) const {
+Result<zone::TrackPosition> VirtualObjectCommands::read_aiv_position(const JsonValue& virtual_object) const {
   const JsonValue* x = virtual_object.find("x");
   const JsonValue* y = virtual_object.find("y");
   auto named = read_section(virtual_object);
   if (!named) return tl::unexpected(named.error());
-  zone::Place place;
+  zone::TrackPosition track_position;
   if (*named) {
-    place = **named;
+    track_position = **named;
   } else if (x == nullptr && y == nullptr) {
     const auto free = roomiest();
     if (!free) return fail("virtual_object.room", "no way has room for another vehicle; remove one, then try again");
@@ -293,10 +293,10 @@ Result<zone::Place> VirtualObjectCommands::read_aiv_place(const JsonValue& virtu
                                             " from the nearest way; a virtual AIV must be put within " +
                                             metres(off_circuit_m) + " of one");
     }
-    place = located.place;
+    track_position = located.position;
   }
-  if (auto checked = check_place(place); !checked) return tl::unexpected(checked.error());
-  return place;
+  if (auto checked = check_position(track_position); !checked) return tl::unexpected(checked.error());
+  return track_position;
 }
 
 std::vector<VirtualObjectCommands::Standing> VirtualObjectCommands::standing() const {
@@ -304,36 +304,36 @@ std::vector<VirtualObjectCommands::Standing> VirtualObjectCommands::standing() c
   for (VehicleIndex v = 0; v < registry_.size(); ++v) {
     const AivProxy& proxy = registry_[v];
     if (const VirtualFleet::Host* host = fleet_.find(v)) {
-      all.push_back({proxy.name, position(host->aiv.X_MB()), VirtualFleet::place_of(*host, *simulator_.circuit())});
+      all.push_back({proxy.name, position(host->aiv.X_MB()), VirtualFleet::position_of(*host, *simulator_.circuit())});
     } else if (proxy.here()) {
       const Twin::Image image = simulator_.image(*proxy.twin, publisher_.now());
-      all.push_back({proxy.name, position(image.X_MB), image.place});
+      all.push_back({proxy.name, position(image.X_MB), image.position});
     }
   }
   return all;
 }
 
-bool VirtualObjectCommands::has_room(zone::Place place, Point2 at, const Standing& other) const {
+bool VirtualObjectCommands::has_room(zone::TrackPosition track_position, Point2 at, const Standing& other) const {
   const zone::TrafficZone& zone = *simulator_.zone();
   const double room_m = zone::standing_room_m(zone.vehicle);
   const double apart_m = distance(at, other.at);
   if (apart_m >= room_m) return true;
   // Side by side on ways that do not follow each other, the bodies alone count.
-  return other.place && apart_m > norm(zone.vehicle.length_m, zone.vehicle.width_m) &&
-         !zone.circuit.distance_ahead(place, *other.place, room_m) &&
-         !zone.circuit.distance_ahead(*other.place, place, room_m);
+  return other.position && apart_m > norm(zone.vehicle.length_m, zone.vehicle.width_m) &&
+         !zone.circuit.distance_ahead(track_position, *other.position, room_m) &&
+         !zone.circuit.distance_ahead(*other.position, track_position, room_m);
 }
 
-bool VirtualObjectCommands::has_room(zone::Place place) const {
-  const Point2 at = position(simulator_.circuit()->pose_at(place));
-  return std::ranges::all_of(standing(), [&](const Standing& other) { return has_room(place, at, other); });
+bool VirtualObjectCommands::has_room(zone::TrackPosition track_position) const {
+  const Point2 at = position(simulator_.circuit()->pose_at(track_position));
+  return std::ranges::all_of(standing(), [&](const Standing& other) { return has_room(track_position, at, other); });
 }
 
-Result<void> VirtualObjectCommands::check_place(zone::Place place) const {
+Result<void> VirtualObjectCommands::check_position(zone::TrackPosition track_position) const {
   const zone::TrafficZone& zone = *simulator_.zone();
-  const Point2 at = position(zone.circuit.pose_at(place));
-  if (!zone.may_stand(place)) {
-    const zone::Crossing* crossing = zone.crossing_at(place);
+  const Point2 at = position(zone.circuit.pose_at(track_position));
+  if (!zone.may_stand(track_position)) {
+    const zone::Crossing* crossing = zone.crossing_at(track_position);
     return fail("virtual_object.crossing",
                 "no vehicle may stand " +
                     (crossing == nullptr ? std::string("between crossings this close together")
@@ -341,7 +341,7 @@ Result<void> VirtualObjectCommands::check_place(zone::Place place) const {
                     "; choose a place before or behind it");
   }
   for (const Standing& other : standing()) {
-    if (has_room(place, at, other)) continue;
+    if (has_room(track_position, at, other)) continue;
     return fail("virtual_object.room", other.name + " stands " + metres(distance(at, other.at)) +
                                            " from there; leave " + metres(zone::standing_room_m(zone.vehicle)) +
                                            " between two vehicles");
@@ -349,28 +349,28 @@ Result<void> VirtualObjectCommands::check_place(zone::Place place) const {
   return {};
 }
 
-std::optional<zone::Place> VirtualObjectCommands::roomiest() const {
+std::optional<zone::TrackPosition> VirtualObjectCommands::roomiest() const {
   const zone::TrafficZone& zone = *simulator_.zone();
   const auto others = standing();
   const double step_m = std::max(0.05, zone.circuit.total_length_m() / 5'000.0);
-  std::optional<zone::Place> best;
+  std::optional<zone::TrackPosition> best;
   double best_m = 0.0;
   for (zone::SectionId id = 0; id < zone.circuit.size(); ++id) {
     for (double i = 0.0; i * step_m < zone.circuit.section(id).length_m(); i += 1.0) {
-      const zone::Place place{id, i * step_m};
-      const Point2 at = position(zone.circuit.pose_at(place));
+      const zone::TrackPosition track_position{id, i * step_m};
+      const Point2 at = position(zone.circuit.pose_at(track_position));
       double room_m = 1e9;
       bool fits = true;
       for (const Standing& other : others) {
         room_m = std::min(room_m, distance(at, other.at));
-        fits = fits && has_room(place, at, other);
+        fits = fits && has_room(track_position, at, other);
       }
       for (const VirtualObject& virtual_object : simulator_.augmented().virtual_objects())
         room_m = std::min(room_m, distance(at, virtual_object.walk.path().front()) - virtual_object.radius_m);
       for (const DetectedObstacle& detected : simulator_.detected().obstacles())
         room_m = std::min(room_m, distance(at, detected.at) - detected.radius_m);
-      if (!fits || (best && room_m <= best_m) || !zone.may_stand(place)) continue;
-      best = place;
+      if (!fits || (best && room_m <= best_m) || !zone.may_stand(track_position)) continue;
+      best = track_position;
       best_m = room_m;
     }
   }

@@ -22,7 +22,7 @@ struct VirtualObjectCommand {
   VirtualObjectKind kind{VirtualObjectKind::person};
   double radius_m{};
   Walk walk;          ///< of a person or an obstacle
-  zone::Place place;  ///< of an AIV
+  zone::TrackPosition position;  ///< of an AIV
 };
 
 /// Reads commands about virtual things, and refuses what cannot be, with a sentence that says what to do. It changes
@@ -46,11 +46,11 @@ class VirtualObjectCommands {
   /// The virtual AIV of this serial number, or of "CoSiVA.virtual/<serial>".
   [[nodiscard]] const VirtualFleet::Host* find_aiv(std::string_view id) const;
   /// Whether a virtual AIV may be put there: fails with the reason.
-  [[nodiscard]] Result<void> check_place(zone::Place place) const;
+  [[nodiscard]] Result<void> check_position(zone::TrackPosition position) const;
   /// Whether no vehicle is too near to stand there.
-  [[nodiscard]] bool has_room(zone::Place place) const;
+  [[nodiscard]] bool has_room(zone::TrackPosition position) const;
   /// Where a vehicle may stand and has most room; nothing where none has any.
-  [[nodiscard]] std::optional<zone::Place> roomiest() const;
+  [[nodiscard]] std::optional<zone::TrackPosition> roomiest() const;
   /// A point on the zone's drawing, or 0.5 m beside it.
   [[nodiscard]] Result<Point2> read_point(const JsonValue& x, const JsonValue& y, std::string_view field) const;
 
@@ -58,16 +58,16 @@ class VirtualObjectCommands {
   struct Standing {
     std::string name;
     Point2 at;
-    std::optional<zone::Place> place;
+    std::optional<zone::TrackPosition> position;
   };
   [[nodiscard]] std::vector<Standing> standing() const;
-  [[nodiscard]] bool has_room(zone::Place place, Point2 at, const Standing& other) const;
+  [[nodiscard]] bool has_room(zone::TrackPosition position, Point2 at, const Standing& other) const;
   [[nodiscard]] Result<void> check_id(std::string_view id) const;
   [[nodiscard]] Result<VirtualObjectCommand> read_add(const JsonValue& virtual_object) const;
   [[nodiscard]] Result<VirtualObjectCommand> read_move(const JsonValue& virtual_object) const;
   [[nodiscard]] Result<VirtualObjectCommand> read_remove(const JsonValue& command) const;
-  [[nodiscard]] Result<zone::Place> read_aiv_place(const JsonValue& virtual_object) const;
-  [[nodiscard]] Result<std::optional<zone::Place>> read_section(const JsonValue& virtual_object) const;
+  [[nodiscard]] Result<zone::TrackPosition> read_aiv_position(const JsonValue& virtual_object) const;
+  [[nodiscard]] Result<std::optional<zone::TrackPosition>> read_section(const JsonValue& virtual_object) const;
   [[nodiscard]] Result<Walk> read_walk(const JsonValue& virtual_object, bool may_walk, const Walk& usual) const;
   [[nodiscard]] Result<std::vector<Point2>> read_path(const JsonValue& path) const;
   [[nodiscard]] std::string known_virtual_objects() const;

@@ -307,7 +307,7 @@ TEST(VirtualAivs, put_between_a_vehicle_and_its_crossing_drive_on_before_it) {
   for (int i = 0; i < 2000 && real.book->distance_to_base_end_m() < 1.0; ++i) fixture.run_for(20ms);
   real.blocked = true;  // it feels the virtual one before it
   fixture.run_for(100ms);
-  const zone::Place ahead = fixture.zone->circuit.advance(real.place(), 0.45);
+  const zone::TrackPosition ahead = fixture.zone->circuit.advance(real.track_position(), 0.45);
   fixture.ask(virtual_aiv(",\"section\":\"" + fixture.zone->circuit.part(ahead.section).name +
                           "\",\"s\":" + std::to_string(ahead.s_m)));
   if (!fixture.logged("command refused")) {

@@ -64,7 +64,7 @@ void BrokerSession::synchronise_if_due() {
     world_.drop_restored();
     ownership_.publish_lost_owners();
   }
-  world_.place_restored();
+  world_.put_restored();
   world_.sign_off_orphans();
   COSIVA_EXPECT(context_.link.synchronised());
 }

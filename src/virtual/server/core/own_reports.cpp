@@ -33,7 +33,7 @@ std::string health_of(const wire::BoardsReport& report) {
   return text;
 }
 
-std::string place_text(double x_m, double y_m) { return "(" + metres_text(x_m) + ", " + metres_text(y_m) + ")"; }
+std::string position_text(double x_m, double y_m) { return "(" + metres_text(x_m) + ", " + metres_text(y_m) + ")"; }
 
 }  // namespace
 
@@ -83,7 +83,7 @@ void OwnReports::on_detected(VehicleIndex vehicle, const wire::Input& input) {
   if (!take_stamp(proxy, proxy.detected_stamp, message->timestamp)) return;
   const auto& obstacle = message->obstacle;
   context_.traces.add(context_.now, proxy.name, "AIV_Server", "detected_obstacle",
-                      obstacle ? "something at " + place_text(obstacle->x_m, obstacle->y_m)
+                      obstacle ? "something at " + position_text(obstacle->x_m, obstacle->y_m)
                                      : std::string("nothing in its way"),
                       input.source, input.payload);
   if (!context_.simulator.zone() || message->map_id != context_.simulator.zone()->name) {
@@ -101,7 +101,7 @@ void OwnReports::on_detected(VehicleIndex vehicle, const wire::Input& input) {
   COSIVA_EXPECT(!context_.simulator.detected().empty());
   const std::string& id = context_.simulator.detected().obstacles().back().id;
   context_.traces.add(context_.now, "AIV_Server", "Simulator", "appear",
-                      id + ": an obstacle at " + place_text(at.x_m, at.y_m));
+                      id + ": an obstacle at " + position_text(at.x_m, at.y_m));
   if (proxy.augmented) return;
   context_.simulator.monitor().effect(WorldEffect::shown, to_seconds(context_.now - detected_at) * 1e3);
 }
@@ -114,8 +114,8 @@ void OwnReports::forget_where_clear(VehicleIndex vehicle, double clear_m) {
   const double reach_m = 0.5 * shape.length_m + std::min(clear_m, clear_m_max);
   std::vector<Point2> way;
   for (double d = 0.0; d <= reach_m; d += way_step_m) {
-    way.push_back(image.place ? position(context_.simulator.circuit()->pose_at(
-                                    context_.simulator.ahead_of(*proxy.twin, *image.place, d)))
+    way.push_back(image.position ? position(context_.simulator.circuit()->pose_at(
+                                    context_.simulator.ahead_of(*proxy.twin, *image.position, d)))
                               : image.X_MB * Point2{d, 0.0});
   }
   std::vector<std::string> gone;

@@ -108,7 +108,7 @@ void Ownership::take_over(ControlAreas::Vehicle& vehicle, bool retained) {
     proxy.reported = owner.pose;
     reports_.on_report(*index, context_.now);
     twins_.set_present(proxy);
-    twins_.place(*index, context_.now, *owner.pose, wire::Velocity{});
+    twins_.put(*index, context_.now, *owner.pose, wire::Velocity{});
   }
   context_.publisher.log('i', name + ": is this control area's");
   context_.state_stale = true;

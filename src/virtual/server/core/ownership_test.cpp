@@ -72,7 +72,7 @@ class ControlAreasFixture {
   }
   FixtureVehicle& add(const std::string& serial, const Pose2& X_MB, const std::string& manufacturer = "CoSiVA") {
     vehicles.push_back(
-        std::make_unique<FixtureVehicle>(floor_, wire::VehicleId{manufacturer, serial}, zone::Place{0, 0.0}));
+        std::make_unique<FixtureVehicle>(floor_, wire::VehicleId{manufacturer, serial}, zone::TrackPosition{0, 0.0}));
     FixtureVehicle& vehicle = *vehicles.back();
     vehicle.put(X_MB);
     vehicle.takes_zones = false;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr SimDuration persist_period{std::chrono::seconds{1}};
 constexpr std::size_t names_max = Registry::vehicles_max;
-constexpr double place_m_max = 1e5;
+constexpr double position_m_max = 1e5;
 
 /// Nanoseconds do not fit a JSON number.
 std::string ns_text(SimTime time) { return std::to_string(time.time_since_epoch().count()); }
@@ -52,7 +52,7 @@ std::optional<std::vector<Point2>> read_path(const JsonValue* json) {
     if (pair == nullptr || pair->size() != 2) return std::nullopt;
     const double* x = (*pair)[0].number();
     const double* y = (*pair)[1].number();
-    if (x == nullptr || y == nullptr || !(std::fabs(*x) <= place_m_max) || !(std::fabs(*y) <= place_m_max))
+    if (x == nullptr || y == nullptr || !(std::fabs(*x) <= position_m_max) || !(std::fabs(*y) <= position_m_max))
       return std::nullopt;
     path.push_back({*x, *y});
   }
@@ -143,7 +143,7 @@ void PersistedState::restore_world(const JsonValue& state) {
   each("aivs", Augmented::virtual_objects_max, [&](const JsonValue& json) {
     const auto id = json.text("id");
     const auto section = json.text("section");
-    if (id && section && wire::valid_serial_number(*id) && in(json.number("s"), 0.0, place_m_max))
+    if (id && section && wire::valid_serial_number(*id) && in(json.number("s"), 0.0, position_m_max))
       world_.restore({*id, *section, *json.number("s")});
     else
       context_.publisher.log('w', "a remembered virtual AIV cannot be read; it is left out");

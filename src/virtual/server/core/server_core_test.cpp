@@ -458,7 +458,7 @@ TEST(ServerCore, does_the_same_for_the_same_inputs) {
     ServerFixture fixture{zone_file("lacet4.toml")};
     fixture.loss = 0.05;
     for (int i = 1; i <= 4; ++i)
-      fixture.add("AIV" + std::to_string(i), fixture.zone->start_places(4)[static_cast<std::size_t>(i - 1)]);
+      fixture.add("AIV" + std::to_string(i), fixture.zone->start_positions(4)[static_cast<std::size_t>(i - 1)]);
     fixture.run_for(20s);
     fixture.command("stop", "*");
     fixture.run_for(5s);
@@ -512,7 +512,7 @@ TEST(ServerOptions, refuse_what_makes_no_sense_and_name_the_field) {
                                     {R"({"contract":3})", "contract"}}) {
     const auto read = server_options_from_json(json);
     ASSERT_FALSE(read.has_value()) << json;
-    EXPECT_EQ(read.error().place, field);
+    EXPECT_EQ(read.error().location, field);
   }
   EXPECT_FALSE(server_options_from_json("[]").has_value());
   EXPECT_FALSE(server_options_from_json("{").has_value());

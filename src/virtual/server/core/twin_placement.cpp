@@ -6,7 +6,7 @@
 
 namespace cosiva::virtual_side {
 
-void TwinPlacement::place(VehicleIndex vehicle, SimTime at, const Pose2& pose,
+void TwinPlacement::put(VehicleIndex vehicle, SimTime at, const Pose2& pose,
                           const std::optional<wire::Velocity>& velocity) {
   AivProxy& proxy = context_.registry[vehicle];
   if (!proxy.twin) {
@@ -26,30 +26,30 @@ void TwinPlacement::place(VehicleIndex vehicle, SimTime at, const Pose2& pose,
   report.on_map =
       !map_ || proxy.map_id.empty() || proxy.map_id == map_->zone().name || context_.areas.has_map(proxy.map_id);
   const Twin& twin = context_.simulator.twin(*proxy.twin);
-  const std::optional<zone::Place> before = twin.on_circuit() ? std::optional{twin.reported_place()} : std::nullopt;
+  const std::optional<zone::TrackPosition> before = twin.on_circuit() ? std::optional{twin.reported_position()} : std::nullopt;
   context_.simulator.report(*proxy.twin, context_.now, report);
-  if (before && twin.on_circuit() && before->section != twin.reported_place().section) trace_section(proxy, *before);
+  if (before && twin.on_circuit() && before->section != twin.reported_position().section) trace_section(proxy, *before);
   if (map_)
     master_.orders.set_standing(vehicle,
-                                {twin.reported_place(), twin.reported_off_m(), twin.heading_off_rad(), report.X_MB});
+                                {twin.reported_position(), twin.reported_off_m(), twin.heading_off_rad(), report.X_MB});
 }
 
-void TwinPlacement::trace_section(const AivProxy& proxy, zone::Place before) {
+void TwinPlacement::trace_section(const AivProxy& proxy, zone::TrackPosition before) {
   // The article's figure 11, traced at each new section only.
   const zone::Circuit& circuit = *context_.simulator.circuit();
-  const zone::Place place = context_.simulator.twin(*proxy.twin).reported_place();
-  const auto on = [&circuit](zone::Place p) { return circuit.part(p.section).name + " " + metres_text(p.s_m) + " m"; };
-  const Pose2 line = circuit.pose_at(place);
+  const zone::TrackPosition position = context_.simulator.twin(*proxy.twin).reported_position();
+  const auto on = [&circuit](zone::TrackPosition p) { return circuit.part(p.section).name + " " + metres_text(p.s_m) + " m"; };
+  const Pose2 line = circuit.pose_at(position);
   context_.traces.add(context_.now, "Simulator", "Circuit", "nextAIVposition", proxy.name + " leaves " + on(before));
   context_.traces.add(context_.now, "Circuit", "Simulator", "position",
-                      proxy.name + " on " + on(place) + ": " + metres_text(line.x_m) + ", " + metres_text(line.y_m));
+                      proxy.name + " on " + on(position) + ": " + metres_text(line.x_m) + ", " + metres_text(line.y_m));
 }
 
 void TwinPlacement::apply_base_end(VehicleIndex vehicle) {
   AivProxy& proxy = context_.registry[vehicle];
   if (!proxy.twin || !proxy.state || !map_) return;
   const wire::State& state = *proxy.state;
-  std::optional<zone::Place> end;
+  std::optional<zone::TrackPosition> end;
   if (!state.node_states.empty()) {
     const auto released =
         std::ranges::find_if(state.node_states.rbegin(), state.node_states.rend(), &wire::NodeState::released);
@@ -58,9 +58,9 @@ void TwinPlacement::apply_base_end(VehicleIndex vehicle) {
     const WaypointIndex sent = master_.traffic.base_end(vehicle);
     const auto known = map_->find(id);
     if (sent != no_waypoint && map_->waypoint(sent).id == id)
-      end = map_->waypoint(sent).place;
+      end = map_->waypoint(sent).position;
     else if (!known.empty())
-      end = map_->waypoint(known.front()).place;
+      end = map_->waypoint(known.front()).position;
   }
   proxy.base_end = end;
   context_.simulator.set_base_end(*proxy.twin, end);

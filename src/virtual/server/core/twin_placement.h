@@ -19,7 +19,7 @@ class TwinPlacement {
   /// The waypoint graph of the zone in force; null while there is none.
   void set_map(const WayMap* map) { map_ = map; }
   /// @param at  when the vehicle was there, on the server's clock
-  void place(VehicleIndex vehicle, SimTime at, const Pose2& pose, const std::optional<wire::Velocity>& velocity);
+  void put(VehicleIndex vehicle, SimTime at, const Pose2& pose, const std::optional<wire::Velocity>& velocity);
   /// The twin may drive to the end of the base that the vehicle's last state lists.
   void apply_base_end(VehicleIndex vehicle);
   /// The vehicle is there physically, from now on.
@@ -28,7 +28,7 @@ class TwinPlacement {
   void record_event(const AivProxy& proxy, PhysicalEvent kind, SimTime reported_at);
 
  private:
-  void trace_section(const AivProxy& proxy, zone::Place before);
+  void trace_section(const AivProxy& proxy, zone::TrackPosition before);
 
   ServerContext& context_;
   MasterControl& master_;

@@ -235,7 +235,7 @@ void VehicleReports::on_position(VehicleIndex vehicle, SimTime stamp, const wire
   proxy.position_lost_since.reset();
   proxy.reported = pose;
   twins_.set_present(proxy);
-  twins_.place(vehicle, at, pose, velocity);
+  twins_.put(vehicle, at, pose, velocity);
 }
 
 void VehicleReports::read_limits_and_tags(AivProxy& proxy) {

@@ -112,8 +112,8 @@ void VehicleView::write_pose_and_mission(JsonWriter& json, VehicleIndex vehicle,
   const AivProxy& proxy = context_.registry[vehicle];
   write_pose(json, image.X_MB);
   json.field("speed", speed_mps).key("section");
-  if (image.place && context_.simulator.circuit() != nullptr)
-    json.value(context_.simulator.circuit()->part(image.place->section).name).key("s").value(image.place->s_m);
+  if (image.position && context_.simulator.circuit() != nullptr)
+    json.value(context_.simulator.circuit()->part(image.position->section).name).key("s").value(image.position->s_m);
   else
     json.null().key("s").null();
   json.field("priority", proxy.priority).key("speedLimit");
@@ -172,17 +172,17 @@ void VehicleView::write_agent(JsonWriter& json, VehicleIndex vehicle, bool lost)
 void VehicleView::write_reserved(JsonWriter& json, VehicleIndex vehicle) const {
   json.key("reserved").begin_array();
   const AivProxy& proxy = context_.registry[vehicle];
-  const auto place = context_.simulator.image(*proxy.twin, context_.now).place;
-  if (place && zones_.map()) {
+  const auto track_position = context_.simulator.image(*proxy.twin, context_.now).position;
+  if (track_position && zones_.map()) {
     const zone::Circuit& circuit = zones_.map()->zone().circuit;
     std::optional<double> left_m;
-    const auto coming = context_.simulator.twin(*proxy.twin).coming(place->section);
+    const auto coming = context_.simulator.twin(*proxy.twin).coming(track_position->section);
     if (master_.traffic.base_end(vehicle) != no_waypoint)
-      left_m = zones_.map()->base_left(*place, master_.traffic.base_end(vehicle), master_.traffic.base_m_max(vehicle),
+      left_m = zones_.map()->base_left(*track_position, master_.traffic.base_end(vehicle), master_.traffic.base_m_max(vehicle),
                                        coming, master_.traffic.base_passed(vehicle));
     else if (proxy.base_end)
-      left_m = circuit.distance_ahead(*place, *proxy.base_end, strange_base_m_max, coming);
-    const auto at = [&](double d_m) { return position(circuit.pose_at(circuit.advance(*place, d_m, coming))); };
+      left_m = circuit.distance_ahead(*track_position, *proxy.base_end, strange_base_m_max, coming);
+    const auto at = [&](double d_m) { return position(circuit.pose_at(circuit.advance(*track_position, d_m, coming))); };
     if (left_m && *left_m > 0.0) {
       const double step_m = std::max(reserved_step_m, *left_m / static_cast<double>(reserved_points_max));
       for (double i = 0.0; i * step_m < *left_m; i += 1.0) write_point(json, at(i * step_m));

@@ -27,7 +27,7 @@ void VirtualWorld::follow(const VirtualObjectCommand& command) {
     case VirtualObjectCommand::Act::add:
       trace("add");
       if (command.is_aiv)
-        add_aiv(command.id, command.place);
+        add_aiv(command.id, command.position);
       else
         world.add({command.id, command.kind, 0, command.radius_m, command.walk, context_.now, context_.now});
       break;
@@ -54,7 +54,7 @@ void VirtualWorld::remove(const std::string& id, bool is_aiv) {
   }
 }
 
-bool VirtualWorld::add_aiv(const std::string& serial, zone::Place position) {
+bool VirtualWorld::add_aiv(const std::string& serial, zone::TrackPosition position) {
   const auto vehicle = vehicles_.begin_life({std::string(wire::virtual_manufacturer), serial});
   if (!vehicle) return false;
   COSIVA_EXPECT(context_.registry[*vehicle].augmented && !context_.registry[*vehicle].retired &&
@@ -76,7 +76,7 @@ void VirtualWorld::remove_aiv(VehicleIndex vehicle) {
   context_.publisher.log('i', name + ": taken away");
 }
 
-void VirtualWorld::place_restored() {
+void VirtualWorld::put_restored() {
   if (restored_.empty() || !context_.simulator.zone()) return;
   for (const RestoredAiv& aiv : std::exchange(restored_, {})) {
     if (augmented_.objects.find_aiv(aiv.serial) != nullptr) continue;
@@ -89,17 +89,17 @@ void VirtualWorld::place_restored() {
   context_.state_stale = true;
 }
 
-std::optional<zone::Place> VirtualWorld::room_near(const RestoredAiv& aiv) const {
+std::optional<zone::TrackPosition> VirtualWorld::room_near(const RestoredAiv& aiv) const {
   const zone::Circuit& circuit = *context_.simulator.circuit();
   const auto section = circuit.find(aiv.section);
   if (!section) return std::nullopt;
-  const zone::Place was{*section, std::clamp(aiv.s_m, 0.0, circuit.section(*section).length_m())};
+  const zone::TrackPosition was{*section, std::clamp(aiv.s_m, 0.0, circuit.section(*section).length_m())};
   // The AIV may be where it was even inside a crossing: it had been let in.
   if (augmented_.objects.has_room(was)) return was;
   for (double d = restored_step_m; d <= restored_shift_m; d += restored_step_m) {
     for (const double shift : {d, -d}) {
-      const zone::Place near = circuit.advance(was, shift);
-      if (augmented_.objects.check_place(near)) return near;
+      const zone::TrackPosition near = circuit.advance(was, shift);
+      if (augmented_.objects.check_position(near)) return near;
     }
   }
   return std::nullopt;
@@ -111,7 +111,7 @@ void VirtualWorld::write_state(JsonWriter& json) const {
     json.begin_object().field("id", serial).field("section", section).field("s", s_m).end_object();
   };
   for (const VirtualFleet::Host& host : augmented_.hosted.hosts()) {
-    const zone::Place position = VirtualFleet::place_of(host, *context_.simulator.circuit());
+    const zone::TrackPosition position = VirtualFleet::position_of(host, *context_.simulator.circuit());
     write_aiv(context_.registry[host.vehicle].id.serial_number,
               context_.simulator.circuit()->part(position.section).name,
               std::nearbyint(position.s_m * 1000.0) / 1000.0);

@@ -37,7 +37,7 @@ class VirtualWorld {
 
   void restore(RestoredAiv aiv) { restored_.push_back(std::move(aiv)); }
   /// Adds the restored virtual AIVs, each as near as there is room to where it was.
-  void place_restored();
+  void put_restored();
   /// The restored virtual AIVs do not come back.
   void drop_restored() { restored_.clear(); }
   [[nodiscard]] std::size_t restored_count() const { return restored_.size(); }
@@ -45,11 +45,11 @@ class VirtualWorld {
   void write_state(JsonWriter& json) const;
 
  private:
-  bool add_aiv(const std::string& serial, zone::Place position);
+  bool add_aiv(const std::string& serial, zone::TrackPosition position);
   void remove_aiv(VehicleIndex vehicle);
   /// @param id  "*" means everything
   void remove(const std::string& id, bool is_aiv);
-  [[nodiscard]] std::optional<zone::Place> room_near(const RestoredAiv& aiv) const;
+  [[nodiscard]] std::optional<zone::TrackPosition> room_near(const RestoredAiv& aiv) const;
 
   ServerContext& context_;
   AugmentedParts& augmented_;

@@ -105,7 +105,7 @@ void ZoneSession::start_over(const std::shared_ptr<const zone::TrafficZone>& zon
     AivProxy& proxy = context_.registry[v];
     if (!proxy.here() || !proxy.reported || !proxy.position_known) continue;
     // Until its next report, the vehicle is shown on the new zone where it was last, stopped.
-    twins_.place(v, context_.now, *proxy.reported, wire::Velocity{});
+    twins_.put(v, context_.now, *proxy.reported, wire::Velocity{});
   }
 }
 

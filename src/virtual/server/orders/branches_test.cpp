@@ -50,7 +50,7 @@ TEST_F(Fork, has_a_stretch_for_each_branch_the_default_one_first) {
 TEST_F(Fork, finds_the_way_over_nodes_that_a_vehicle_reports) {
   const auto& stretch = map.stretches(before_fork())[1];
   const std::vector<std::string_view> ids{map.waypoint(before_fork()).id, map.waypoint(stretch.to).id};
-  const auto way = map.through({id("entry"), map.waypoint(before_fork()).place.s_m - 0.3}, ids, 2);
+  const auto way = map.through({id("entry"), map.waypoint(before_fork()).position.s_m - 0.3}, ids, 2);
   ASSERT_TRUE(way.has_value());
   EXPECT_EQ(way->end, stretch.to);
   EXPECT_THAT(way->sections, Contains(id("bypass1")));
@@ -58,16 +58,16 @@ TEST_F(Fork, finds_the_way_over_nodes_that_a_vehicle_reports) {
 }
 
 TEST_F(Fork, nobody_is_ahead_on_the_other_branch_once_the_bodies_have_parted) {
-  traffic.set_place(0, zone::Place{id("entry"), 0.5});
+  traffic.set_position(0, zone::TrackPosition{id("entry"), 0.5});
   traffic.set_course(0, zone::Course(bypass()));
-  traffic.set_place(1, zone::Place{id("south"), 1.2});
+  traffic.set_position(1, zone::TrackPosition{id("south"), 1.2});
   traffic.update();
   EXPECT_EQ(traffic.ahead(0).vehicle, no_vehicle);
-  traffic.set_place(1, zone::Place{id("south"), 0.1});
+  traffic.set_position(1, zone::TrackPosition{id("south"), 0.1});
   traffic.update();
   EXPECT_EQ(traffic.ahead(0).vehicle, 1U);
   EXPECT_NEAR(traffic.ahead(0).distance_m, 0.6, 1e-9);
-  traffic.set_place(1, zone::Place{id("bypass3"), 0.5});
+  traffic.set_position(1, zone::TrackPosition{id("bypass3"), 0.5});
   traffic.update();
   EXPECT_EQ(traffic.ahead(0).vehicle, 1U) << "on its own branch";
 }
@@ -83,8 +83,8 @@ TEST_F(Fork, holds_are_met_along_the_course) {
 }
 
 TEST_F(Fork, looks_as_far_as_a_base_is_to_reach) {
-  traffic.set_place(0, zone::Place{id("entry"), 0.0});
-  traffic.set_place(1, zone::Place{id("west"), 1.0});
+  traffic.set_position(0, zone::TrackPosition{id("entry"), 0.0});
+  traffic.set_position(1, zone::TrackPosition{id("west"), 1.0});
   traffic.update();
   EXPECT_EQ(traffic.ahead(0).vehicle, no_vehicle) << "further than 6 m";
   EXPECT_EQ(traffic.ahead_within(0, 12.0).vehicle, 1U);
@@ -95,7 +95,7 @@ TEST(Roaming, takes_each_branch_in_turn) {
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.1});
   std::vector<zone::SectionId> taken;
   fixture.each_step = [&] {
-    const zone::SectionId here = aiv.place().section;
+    const zone::SectionId here = aiv.track_position().section;
     if ((here == 1 || here == 5) && (taken.empty() || taken.back() != here)) taken.push_back(here);
     if (here == 2 && !taken.empty() && taken.back() != 2) taken.push_back(2);
   };
@@ -110,7 +110,7 @@ TEST(Roaming, takes_each_branch_in_turn) {
 TEST(Roaming, of_six_over_fork_and_merge_touches_nobody_and_goes_on_after_restarts) {
   ServerFixture fixture{fork()};
   int number = 0;
-  for (const zone::Place place : fixture.zone->start_places(6)) fixture.add("AIV" + std::to_string(++number), place);
+  for (const zone::TrackPosition track_position : fixture.zone->start_positions(6)) fixture.add("AIV" + std::to_string(++number), track_position);
   ASSERT_EQ(number, 6);
   fixture.loss = 0.02;
   int touches = 0;
@@ -147,7 +147,7 @@ TEST(Missions, sent_back_from_where_it_arrived_it_is_where_its_order_leads_befor
   aiv.blocked = false;
   fixture.run_for(45s);
   EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").find("mission")->text("state"), "arrived");
-  EXPECT_EQ(aiv.zone().circuit.part(aiv.place().section).name, "N1-N2");
+  EXPECT_EQ(aiv.zone().circuit.part(aiv.track_position().section).name, "N1-N2");
   EXPECT_THAT(aiv.refusals, IsEmpty());
   for (const wire::InstantActions& message : aiv.actions)
     for (const wire::Action& action : message.actions) EXPECT_NE(action.action_type, "cancelOrder");
@@ -166,7 +166,7 @@ TEST(Twins, follow_the_branch_that_their_vehicle_takes) {
     worst_m = std::max(worst_m, distance(Point2{*shown.number("x"), *shown.number("y")}, position(aiv.pose())));
   };
   fixture.run_for(12s);
-  EXPECT_EQ(fixture.zone->circuit.part(aiv.place().section).name, "bypass3");
+  EXPECT_EQ(fixture.zone->circuit.part(aiv.track_position().section).name, "bypass3");
   EXPECT_LT(worst_m, 0.05);
 }
 

@@ -7,14 +7,14 @@
 namespace cosiva::virtual_side {
 namespace {
 
-constexpr std::array all_means{Means::move_up, Means::wait, Means::detour, Means::other_place, Means::back_up};
+constexpr std::array all_means{Means::move_up, Means::wait, Means::detour, Means::other_position, Means::back_up};
 
 std::string deed(Means means, double cost_m) {
   switch (means) {
     case Means::move_up: return "moves up to the one ahead and lets the one behind it out of a crossing";
     case Means::wait: return "gives back what it holds ahead and lets the others go first";
     case Means::detour: return "goes another way";
-    case Means::other_place: return "goes onto the line elsewhere";
+    case Means::other_position: return "goes onto the line elsewhere";
     case Means::back_up: return "backs up " + std::to_string(std::lround(cost_m * 100.0)) + " cm";
   }
   return {};

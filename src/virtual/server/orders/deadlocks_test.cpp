@@ -169,7 +169,7 @@ TEST_P(Overshot, vehicle_goes_first_when_the_one_that_its_nose_stops_gives_the_c
   ServerFixture fixture{zone_file("lacet4.toml")};
   double stop_m = 0.0;
   for (const zone::Waypoint& waypoint : fixture.zone->waypoints)
-    if (waypoint.place.section == 0 && waypoint.place.s_m < 0.5) stop_m = waypoint.place.s_m;
+    if (waypoint.position.section == 0 && waypoint.position.s_m < 0.5) stop_m = waypoint.position.s_m;
   FixtureVehicle& nose = fixture.add("AIV1", {0, stop_m + GetParam()});
   nose.paused = true;
   // Across the first crossing of the other's straight, which is the second of its own.
@@ -178,8 +178,8 @@ TEST_P(Overshot, vehicle_goes_first_when_the_one_that_its_nose_stops_gives_the_c
   fixture.each_step = [&] {
     touches += fixture.touches();
     // Its eyes; the other's look the other way.
-    const bool near = std::fabs(other.place().s_m - 0.9) < 0.32 && other.place().section == 6 &&
-                      nose.place().section == 0 && nose.place().s_m < 1.0;
+    const bool near = std::fabs(other.put().s_m - 0.9) < 0.32 && other.put().section == 6 &&
+                      nose.put().section == 0 && nose.put().s_m < 1.0;
     if (near != other.blocked) other.state_due = true;
     other.blocked = near;
     if (near && nose.paused) {
@@ -218,8 +218,8 @@ TEST(UnresponsiveVehicle, that_stands_with_way_before_it_is_given_a_new_order) {
 }
 
 /// Places of vehicles that stand one behind the other at waypoints, as many as there is room for.
-std::vector<zone::Place> packed(const zone::TrafficZone& zone, const std::vector<zone::SectionId>& round) {
-  std::vector<zone::Place> places;
+std::vector<zone::TrackPosition> packed(const zone::TrafficZone& zone, const std::vector<zone::SectionId>& round) {
+  std::vector<zone::TrackPosition> positions;
   double start_m = 0.0;
   double last_m = -1.0;
   double first_m = 0.0;
@@ -228,32 +228,32 @@ std::vector<zone::Place> packed(const zone::TrafficZone& zone, const std::vector
   const double room_m = zone::standing_room_m(zone.vehicle);
   for (const zone::SectionId id : round) {
     for (const zone::Waypoint& waypoint : zone.waypoints) {
-      const double at_m = start_m + waypoint.place.s_m;
-      if (waypoint.place.section != id || zone.crossing_at(waypoint.place) != nullptr) continue;
-      if (!places.empty() && (at_m - last_m < room_m || first_m + round_m - at_m < room_m)) continue;
-      if (places.empty()) first_m = at_m;
-      places.push_back(waypoint.place);
+      const double at_m = start_m + waypoint.position.s_m;
+      if (waypoint.position.section != id || zone.crossing_at(waypoint.position) != nullptr) continue;
+      if (!positions.empty() && (at_m - last_m < room_m || first_m + round_m - at_m < room_m)) continue;
+      if (positions.empty()) first_m = at_m;
+      positions.push_back(waypoint.position);
       last_m = at_m;
     }
     start_m += zone.circuit.section(id).length_m();
   }
-  return places;
+  return positions;
 }
 
 TEST(FullRing, is_named_when_nobody_can_resolve_it_and_moves_with_one_vehicle_less) {
   const std::vector<zone::SectionId> round{0, 1, 2, 3};
   for (const bool full : {true, false}) {
     ServerFixture fixture;
-    auto places = packed(*fixture.zone, round);
+    auto positions = packed(*fixture.zone, round);
     // What cosiva zone check says that there is room for.
-    ASSERT_EQ(places.size(), zone::vehicles_going_round(*fixture.zone, round) + 1);
-    if (!full) places.pop_back();
-    for (std::size_t i = 0; i < places.size(); ++i) fixture.add("AIV" + std::to_string(i + 1), places[i]);
+    ASSERT_EQ(positions.size(), zone::vehicles_going_round(*fixture.zone, round) + 1);
+    if (!full) positions.pop_back();
+    for (std::size_t i = 0; i < positions.size(); ++i) fixture.add("AIV" + std::to_string(i + 1), positions[i]);
     fixture.run_for(60s);
     const Shown now = shown(fixture);
     EXPECT_EQ(now.open, full ? 1.0 : 0.0);
     if (full) {
-      EXPECT_THAT(members(now.list[0]), SizeIs(places.size()));
+      EXPECT_THAT(members(now.list[0]), SizeIs(positions.size()));
     }
     EXPECT_EQ(fixture.logged("deadlock 1 is unresolved"), full);
     for (const auto& vehicle : fixture.vehicles) EXPECT_EQ(vehicle->driven_m > 0.5, !full) << vehicle->id.serial_number;
@@ -264,8 +264,8 @@ TEST(FullRing, opens_where_one_can_go_another_way) {
   ServerFixture fixture{
       fork("[[loop]]\nname = \"round\"\nsections = [\"entry\", \"south\", \"east\", \"north\", \"west\"]\n")};
   const std::vector<zone::SectionId> round{0, 1, 2, 3, 4};
-  const auto places = packed(*fixture.zone, round);
-  for (std::size_t i = 0; i < places.size(); ++i) fixture.add("AIV" + std::to_string(i + 1), places[i]);
+  const auto positions = packed(*fixture.zone, round);
+  for (std::size_t i = 0; i < positions.size(); ++i) fixture.add("AIV" + std::to_string(i + 1), positions[i]);
   int touches = 0;
   fixture.each_step = [&] { touches += fixture.touches(); };
   fixture.run_for(90s);
@@ -285,7 +285,7 @@ TEST(FullLoop, that_ends_in_a_crossing_opens_when_the_one_beyond_it_moves_up) {
   constexpr zone::SectionId west = 4;
   constexpr zone::SectionId loop = 5;
   constexpr zone::SectionId south = 6;
-  const auto at = [&](const std::string& id) { return fixture.zone->find_waypoint(id)->place; };
+  const auto at = [&](const std::string& id) { return fixture.zone->find_waypoint(id)->position; };
   FixtureVehicle& in_crossing = fixture.add("AIV1", {west, 0.99});
   fixture.add("AIV2", at("west@1310"));
   int number = 3;
@@ -310,7 +310,7 @@ TEST(FullLoop, that_ends_in_a_crossing_opens_when_the_one_beyond_it_moves_up) {
 /// One on the line, and one beside it so near that neither lets the other go.
 class SideBySide : public testing::Test {
  protected:
-  void place(double ahead_m, double beside_m, double turned_rad) {
+  void put(double ahead_m, double beside_m, double turned_rad) {
     fixture.add("AIV1", {0, 0.8});
     FixtureVehicle& beside = fixture.add("AIV2", {0, 0.8 + ahead_m});
     const Pose2 X_ML = fixture.zone->circuit.pose_at({0, 0.8 + ahead_m});
@@ -321,7 +321,7 @@ class SideBySide : public testing::Test {
 
 TEST_F(SideBySide, is_resolved_by_the_one_on_the_line_which_backs_up) {
   // Its tail would sweep over the other's nose on its way to any place near.
-  place(0.15, 0.17, 0.3);
+  put(0.15, 0.17, 0.3);
   int touches = 0;
   fixture.each_step = [&] { touches += fixture.touches(); };
   fixture.run_for(60s);
@@ -333,7 +333,7 @@ TEST_F(SideBySide, is_resolved_by_the_one_on_the_line_which_backs_up) {
 }
 
 TEST_F(SideBySide, a_few_millimetres_apart_is_backed_out_of_as_well) {
-  place(0.15, 0.150, 0.3);
+  put(0.15, 0.150, 0.3);
   fixture.run_for(60s);
   EXPECT_EQ(shown(fixture).open, 0.0);
   // One that stopped at once, having somebody so near, would be told to back up no further.

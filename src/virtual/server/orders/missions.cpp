@@ -60,12 +60,12 @@ std::vector<WaypointIndex> Missions::goals(std::string_view name) const {
   std::string_view id = name;
   if (const zone::Station* station = map_->zone().find_station(name)) {
     const auto& waypoints = map_->zone().waypoints;
-    const auto section_of = [](const zone::Waypoint& waypoint) { return waypoint.place.section; };
+    const auto section_of = [](const zone::Waypoint& waypoint) { return waypoint.position.section; };
     WaypointIndex nearest = no_waypoint;
     double off_m = station_m;
-    auto it = std::ranges::lower_bound(waypoints, station->place.section, {}, section_of);
-    for (; it != waypoints.end() && it->place.section == station->place.section; ++it) {
-      const double here_m = std::fabs(it->place.s_m - station->place.s_m);
+    auto it = std::ranges::lower_bound(waypoints, station->position.section, {}, section_of);
+    for (; it != waypoints.end() && it->position.section == station->position.section; ++it) {
+      const double here_m = std::fabs(it->position.s_m - station->position.s_m);
       if (here_m > off_m) continue;
       nearest = static_cast<WaypointIndex>(it - waypoints.begin());
       off_m = here_m;
@@ -102,12 +102,12 @@ std::vector<zone::SectionId> Missions::shut(Sections avoided) const {
   return all;
 }
 
-bool Missions::has_way_round(VehicleIndex vehicle, zone::Place from, Sections around) const {
+bool Missions::has_way_round(VehicleIndex vehicle, zone::TrackPosition from, Sections around) const {
   const Entry& entry = entries_[vehicle];
   const auto closed = shut(around);
   if (entry.mission.kind == Mission::Kind::go)
     return std::ranges::any_of(goals(entry.mission.name), [&](WaypointIndex goal) {
-      return router_->plan(from, map_->waypoint(goal).place, closed).has_value();
+      return router_->plan(from, map_->waypoint(goal).position, closed).has_value();
     });
   if (const zone::Loop* loop = loop_of(entry)) return router_->plan(from, *loop, closed).has_value();
   return router_->goes_on_for_ever(closed)[from.section];
@@ -120,7 +120,7 @@ void Missions::avoid(VehicleIndex vehicle, std::vector<zone::SectionId> sections
   ++entry.revision;
 }
 
-std::optional<std::vector<zone::SectionId>> Missions::plan(VehicleIndex vehicle, std::span<const zone::Place> starts) {
+std::optional<std::vector<zone::SectionId>> Missions::plan(VehicleIndex vehicle, std::span<const zone::TrackPosition> starts) {
   Entry& entry = entries_[vehicle];
   entry.goal = no_waypoint;
   entry.complete = false;
@@ -129,7 +129,7 @@ std::optional<std::vector<zone::SectionId>> Missions::plan(VehicleIndex vehicle,
   const zone::Loop* loop = entry.mission.kind == Mission::Kind::circulate ? loop_of(entry) : nullptr;
   if (entry.mission.kind == Mission::Kind::circulate && loop == nullptr) {
     std::vector<zone::SectionId> sections;
-    for (const zone::Place& start : starts) sections.push_back(start.section);
+    for (const zone::TrackPosition& start : starts) sections.push_back(start.section);
     const zone::SectionId best = sections.size() == 1 ? zone::no_section : least_recent(entry, sections);
     return std::vector{best == zone::no_section ? sections.front() : best};
   }
@@ -144,13 +144,13 @@ std::optional<std::vector<zone::SectionId>> Missions::plan(VehicleIndex vehicle,
       entry.goal = goal;
     }
   };
-  for (const zone::Place& start : starts) {
+  for (const zone::TrackPosition& start : starts) {
     if (loop != nullptr) {
       consider(router_->plan(start, *loop, shut(entry.avoided)), no_waypoint);
       continue;
     }
     for (const WaypointIndex goal : goals(entry.mission.name))
-      consider(router_->plan(start, map_->waypoint(goal).place, shut(entry.avoided)), goal);
+      consider(router_->plan(start, map_->waypoint(goal).position, shut(entry.avoided)), goal);
   }
   if (!best) {
     no_way(entry, error.value_or(Error{"route.none", "the zone has no '" + entry.mission.name + "' any more", ""}));

@@ -58,7 +58,7 @@ class Missions {
   void give(VehicleIndex vehicle, Mission mission);
   /// The zone has a way or place of its name.
   [[nodiscard]] bool known(const Mission& mission) const;
-  [[nodiscard]] bool has_place(std::string_view name) const { return !goals(name).empty(); }
+  [[nodiscard]] bool has_position(std::string_view name) const { return !goals(name).empty(); }
 
   [[nodiscard]] static bool handles(std::string_view command);  ///< "go", "circulate", "close" or "open"
   /// Fails with a sentence that says what to do, and names what is like what was asked for.
@@ -71,7 +71,7 @@ class Missions {
   /// Plans from the best of `starts`: the way's sections, a start's own first. Fails where there is no way; state and
   /// why() tell.
   [[nodiscard]] std::optional<std::vector<zone::SectionId>> plan(VehicleIndex vehicle,
-                                                                 std::span<const zone::Place> starts);
+                                                                 std::span<const zone::TrackPosition> starts);
   /// What follows the last section of its way so far; empty: nothing does.
   [[nodiscard]] std::vector<zone::SectionId> more(VehicleIndex vehicle, zone::SectionId last);
   /// Its way ends where it was planned to, or can be planned no further.
@@ -79,7 +79,7 @@ class Missions {
   /// Of the way that was planned last; no_waypoint while it has none.
   [[nodiscard]] WaypointIndex goal(VehicleIndex vehicle) const { return entries_[vehicle].goal; }
   /// Whether it could get on from `from` without entering any of these, which are ascending.
-  [[nodiscard]] bool has_way_round(VehicleIndex vehicle, zone::Place from, Sections around) const;
+  [[nodiscard]] bool has_way_round(VehicleIndex vehicle, zone::TrackPosition from, Sections around) const;
   /// Plans its way anew, for this vehicle alone as if these were closed; they are ascending. Until it need no longer,
   /// or another zone or mission.
   void avoid(VehicleIndex vehicle, std::vector<zone::SectionId> sections);

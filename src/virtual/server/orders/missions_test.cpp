@@ -24,7 +24,7 @@ std::string state_of(const ServerFixture& fixture, const std::string& name = "Co
   return aiv.find("mission")->text("state").value_or("?");
 }
 std::string section_of(const ServerFixture& fixture, const FixtureVehicle& aiv) {
-  return fixture.zone->circuit.part(aiv.place().section).name;
+  return fixture.zone->circuit.part(aiv.track_position().section).name;
 }
 
 TEST(Missions, bring_a_vehicle_to_a_station_and_it_stands_there_until_told_otherwise) {
@@ -34,7 +34,7 @@ TEST(Missions, bring_a_vehicle_to_a_station_and_it_stands_there_until_told_other
   fixture.ask(go("dock"));
   fixture.run_for(20s);
   EXPECT_EQ(section_of(fixture, aiv), "bypass3");
-  EXPECT_NEAR(aiv.place().s_m, 0.5, 0.02);
+  EXPECT_NEAR(aiv.track_position().s_m, 0.5, 0.02);
   EXPECT_EQ(state_of(fixture), "arrived");
   ASSERT_FALSE(aiv.orders.empty());
   EXPECT_TRUE(aiv.orders.back().nodes.back().released) << "no horizon beyond the goal";
@@ -56,7 +56,7 @@ struct RollsPast : ::testing::Test {
     aiv.rolls_on_m = past_m;
     for (int i = 0; i < 1000 && aiv.rolls_on_m > 0.0; ++i) fixture.run_for(20ms);
     EXPECT_EQ(section_of(fixture, aiv), "bypass3");
-    EXPECT_NEAR(aiv.place().s_m, 0.5 + past_m, 0.02);
+    EXPECT_NEAR(aiv.track_position().s_m, 0.5 + past_m, 0.02);
   }
   ServerFixture fixture{fork()};
   FixtureVehicle& aiv{fixture.add("AIV1", {0, 0.1})};
@@ -68,7 +68,7 @@ TEST_F(RollsPast, and_comes_to_its_goal_again) {
   fixture.run_for(60s);
   EXPECT_GT(aiv.driven_m, 10.0) << "once round, as there is no way back";
   EXPECT_EQ(state_of(fixture), "arrived");
-  EXPECT_NEAR(aiv.place().s_m, 0.5, 0.02);
+  EXPECT_NEAR(aiv.track_position().s_m, 0.5, 0.02);
   EXPECT_THAT(aiv.refusals, IsEmpty());
 }
 
@@ -87,8 +87,8 @@ TEST(Missions, take_a_waypoint_for_a_goal_too) {
   const zone::Waypoint& goal = fixture.zone->waypoints[fixture.zone->waypoint_behind({3, 2.0})];
   fixture.ask(go(goal.id));
   fixture.run_for(40s);
-  EXPECT_EQ(aiv.place().section, goal.place.section);
-  EXPECT_NEAR(aiv.place().s_m, goal.place.s_m, 0.02);
+  EXPECT_EQ(aiv.track_position().section, goal.position.section);
+  EXPECT_NEAR(aiv.track_position().s_m, goal.position.s_m, 0.02);
   EXPECT_EQ(state_of(fixture), "arrived");
 }
 

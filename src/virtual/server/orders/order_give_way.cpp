@@ -47,22 +47,22 @@ double to_body_m(const zone::VehicleShape& shape, const Pose2& X_MB, Point2 p_M)
 
 bool OrderRoller::has_what_to_give_back(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
-  if (!plan.standing.place) return false;
+  if (!plan.standing.position) return false;
   if (goes_onto_line(vehicle)) return plan.stage == Plan::Stage::running || plan.waits_since.has_value();
   return plan.stage == Plan::Stage::running &&
-         traffic_.base_left_m(vehicle, *plan.standing.place).value_or(0.0) > base_left_m_min;
+         traffic_.base_left_m(vehicle, *plan.standing.position).value_or(0.0) > base_left_m_min;
 }
 
-bool OrderRoller::keeps_off(const Wait& wait, zone::Place place) const {
+bool OrderRoller::keeps_off(const Wait& wait, zone::TrackPosition track_position) const {
   const zone::Circuit& circuit = map_->circuit();
   const zone::VehicleShape& shape = map_->zone().vehicle;
-  const Pose2 X_MV = off_line(wait.whom) ? body(wait.whom) : circuit.pose_at(place);
+  const Pose2 X_MV = off_line(wait.whom) ? body(wait.whom) : circuit.pose_at(track_position);
   switch (wait.why) {
     case WaitReason::turn: return false;
     case WaitReason::ahead: return true;
     case WaitReason::crossing: {
       std::vector<CrossingIndex> stands_in;
-      map_->crossings_on(place, 0.0, stands_in, traffic_.coming(wait.whom));
+      map_->crossings_on(track_position, 0.0, stands_in, traffic_.coming(wait.whom));
       return std::ranges::any_of(stands_in, [&](CrossingIndex x) { return traffic_.requests(wait.who, x); });
     }
     case WaitReason::beside:
@@ -73,13 +73,13 @@ bool OrderRoller::keeps_off(const Wait& wait, zone::Place place) const {
     const auto entry_point = zone::snap_to_path(circuit, theirs.standing.X_MB);
     if (!theirs.entry_point && !entry_point) return true;
     aiv::EntrySweep sweep{shape};
-    sweep.take({body(wait.who), circuit.pose_at(theirs.entry_point ? *theirs.entry_point : entry_point->place)});
+    sweep.take({body(wait.who), circuit.pose_at(theirs.entry_point ? *theirs.entry_point : entry_point->position)});
     return sweep.near_body(X_MV, way_clear_m);
   }
-  if (!theirs.standing.place) return true;
-  const double far_m = traffic_.base_left_m(wait.who, *theirs.standing.place).value_or(0.0) + way_before_m;
+  if (!theirs.standing.position) return true;
+  const double far_m = traffic_.base_left_m(wait.who, *theirs.standing.position).value_or(0.0) + way_before_m;
   for (double ahead_m = 0.0; ahead_m < far_m; ahead_m += way_every_m) {
-    const Pose2 X_MW = circuit.pose_at(circuit.advance(*theirs.standing.place, ahead_m, traffic_.coming(wait.who)));
+    const Pose2 X_MW = circuit.pose_at(circuit.advance(*theirs.standing.position, ahead_m, traffic_.coming(wait.who)));
     if (aiv::near_bodies(shape, X_MW, X_MV, way_clear_m)) return true;
   }
   return false;
@@ -87,24 +87,24 @@ bool OrderRoller::keeps_off(const Wait& wait, zone::Place place) const {
 
 std::optional<double> OrderRoller::can_give_way(VehicleIndex vehicle, Means means, std::span<const Wait> waits) {
   Plan& plan = plans_[vehicle];
-  if (map_ == nullptr || !registry_[vehicle].here() || !plan.standing.place || plan.giving_way) return std::nullopt;
+  if (map_ == nullptr || !registry_[vehicle].here() || !plan.standing.position || plan.giving_way) return std::nullopt;
   switch (means) {
     case Means::move_up: return makes_room_by_moving_up(vehicle, waits) ? std::optional{0.0} : std::nullopt;
     case Means::wait: {
       const bool gives_back = has_what_to_give_back(vehicle);
       const bool frees = std::ranges::all_of(waits, [&](const Wait& wait) {
-        return !keeps_off(wait, *plan.standing.place) && (gives_back || wait.why == WaitReason::turn);
+        return !keeps_off(wait, *plan.standing.position) && (gives_back || wait.why == WaitReason::turn);
       });
       return frees ? std::optional{0.0} : std::nullopt;
     }
     case Means::detour: {
       if (off_line(vehicle)) return std::nullopt;
       const auto around = contested(vehicle);
-      const zone::Place from =
-          plan.stage == Plan::Stage::running ? map_->waypoint(plan.base_end).place : *plan.standing.place;
+      const zone::TrackPosition from =
+          plan.stage == Plan::Stage::running ? map_->waypoint(plan.base_end).position : *plan.standing.position;
       return !around.empty() && missions_.has_way_round(vehicle, from, around) ? std::optional{0.0} : std::nullopt;
     }
-    case Means::other_place:
+    case Means::other_position:
       return plan.stage == Plan::Stage::none && plan.join_handle == 0 && goes_onto_line(vehicle) ? std::optional{0.0}
                                                                                                  : std::nullopt;
     case Means::back_up: return way_back_m(vehicle, waits);
@@ -122,7 +122,7 @@ bool OrderRoller::give_way(VehicleIndex vehicle, Means means, std::span<const Wa
     missions_.avoid(vehicle, contested(vehicle));
     return true;
   }
-  if (means == Means::other_place) return join_elsewhere(vehicle, false, elsewhere_within_m);
+  if (means == Means::other_position) return join_elsewhere(vehicle, false, elsewhere_within_m);
   Plan::GivingWay giving_way;
   giving_way.until = publisher_.now() + rules_.gives_way_for;
   for (const Wait& wait : waits) giving_way.others.emplace_back(wait.who, position(body(wait.who)));
@@ -148,13 +148,13 @@ bool OrderRoller::makes_room_by_moving_up(VehicleIndex vehicle, std::span<const 
     return false;
   const double up_m = ahead.distance_m - map_->zone().vehicle.length_m - aiv::stand_off_m - detected_too_early_m;
   return up_m > 0.0 && std::ranges::any_of(waits, [&](const Wait& wait) {
-           const auto& place = traffic_.place(wait.who);
+           const auto& track_position = traffic_.track_position(wait.who);
            const Traffic::Leader& before = traffic_.ahead(wait.who);
-           if (wait.why != WaitReason::ahead || !place || before.vehicle != vehicle) return false;
+           if (wait.why != WaitReason::ahead || !track_position || before.vehicle != vehicle) return false;
            const Sections coming = traffic_.coming(wait.who);
            const auto stands_in = [&](double ahead_m) {
              std::vector<CrossingIndex> crossings;
-             map_->crossings_on(map_->circuit().advance(*place, ahead_m, coming), 0.0, crossings, coming);
+             map_->crossings_on(map_->circuit().advance(*track_position, ahead_m, coming), 0.0, crossings, coming);
              return !crossings.empty();
            };
            return stands_in(0.0) && !stands_in(std::max(0.0, before.distance_m + up_m - traffic_.standing_m()));
@@ -166,12 +166,12 @@ bool OrderRoller::makes_room_by_moving_up(VehicleIndex vehicle, std::span<const 
 std::vector<zone::SectionId> OrderRoller::contested(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
   const bool running = plan.stage == Plan::Stage::running;
-  const zone::Place from = running ? map_->waypoint(plan.base_end).place : *plan.standing.place;
+  const zone::TrackPosition from = running ? map_->waypoint(plan.base_end).position : *plan.standing.position;
   const auto way = running
-                       ? traffic_.beyond_base(vehicle, *plan.standing.place).sections
+                       ? traffic_.beyond_base(vehicle, *plan.standing.position).sections
                        : std::vector<zone::SectionId>(traffic_.coming(vehicle).begin(), traffic_.coming(vehicle).end());
   // The first section of its way that it need not enter, and where what it waits for is.
-  const auto& blocker = plan.waits_for_vehicle == no_vehicle ? std::nullopt : traffic_.place(plan.waits_for_vehicle);
+  const auto& blocker = plan.waits_for_vehicle == no_vehicle ? std::nullopt : traffic_.track_position(plan.waits_for_vehicle);
   for (const zone::SectionId section : way) {
     if (section == from.section) break;
     if (blocker && blocker->section == section) return {section};
@@ -190,7 +190,7 @@ std::optional<double> OrderRoller::way_back_m(VehicleIndex vehicle, std::span<co
   if (off_line(vehicle) || !proxy.supports("backUp").value_or(proxy.is_cosiva()) || !stands(vehicle))
     return std::nullopt;
   const zone::Circuit& circuit = map_->circuit();
-  const zone::Place here = *plan.standing.place;
+  const zone::TrackPosition here = *plan.standing.position;
   const Sections gone = traffic_.gone(vehicle);
   // Over a joint only where it knows by which way it came, and where the way does not bend sharply.
   double far_m = here.s_m;
@@ -205,7 +205,7 @@ std::optional<double> OrderRoller::way_back_m(VehicleIndex vehicle, std::span<co
   std::vector<CrossingIndex> stood_in;
   map_->crossings_on(here, 0.0, stood_in, traffic_.coming(vehicle));
   for (double back_m = back_step_m; back_m + back_slack_m <= far_m + 1e-9; back_m += back_step_m) {
-    const zone::Place there = circuit.advance(here, -back_m, {}, gone);
+    const zone::TrackPosition there = circuit.advance(here, -back_m, {}, gone);
     if (std::ranges::any_of(waits, [&](const Wait& wait) { return keeps_off(wait, there); })) continue;
     // In a crossing that it was not in it would be in somebody else's way.
     std::vector<CrossingIndex> stands_in;
@@ -221,15 +221,15 @@ std::optional<double> OrderRoller::way_back_m(VehicleIndex vehicle, std::span<co
 
 bool OrderRoller::is_free_behind(VehicleIndex vehicle, double back_m) const {
   const zone::Circuit& circuit = map_->circuit();
-  const zone::Place here = *plans_[vehicle].standing.place;
+  const zone::TrackPosition here = *plans_[vehicle].standing.position;
   // Whom it has beside it already it may leave as closely.
   double clear_m = behind_clear_m;
   while (clear_m > 0.0 && near_anything(vehicle, body(vehicle), clear_m)) clear_m -= 0.01;
   if (clear_m <= 0.0) clear_m = 0.002;
   const double end_m = back_m + behind_beyond_m;
   for (double at_m = behind_every_m; at_m < end_m + behind_every_m; at_m += behind_every_m) {
-    const zone::Place place = circuit.advance(here, -std::min(at_m, end_m), {}, traffic_.gone(vehicle));
-    if (near_anything(vehicle, circuit.pose_at(place), clear_m)) return false;
+    const zone::TrackPosition track_position = circuit.advance(here, -std::min(at_m, end_m), {}, traffic_.gone(vehicle));
+    if (near_anything(vehicle, circuit.pose_at(track_position), clear_m)) return false;
   }
   return true;
 }
@@ -240,10 +240,10 @@ bool OrderRoller::near_anything(VehicleIndex vehicle, const Pose2& X_MB, double 
   for (VehicleIndex other = 0; other < registry_.size(); ++other) {
     if (other == vehicle || !registry_[other].here()) continue;
     if (aiv::near_bodies(shape, X_MB, body(other), clear_m)) return true;
-    const auto& place = traffic_.place(other);
-    const double base_m = place ? traffic_.base_left_m(other, *place).value_or(0.0) : 0.0;
+    const auto& track_position = traffic_.track_position(other);
+    const double base_m = track_position ? traffic_.base_left_m(other, *track_position).value_or(0.0) : 0.0;
     for (double ahead_m = behind_every_m; ahead_m < base_m + behind_every_m; ahead_m += behind_every_m) {
-      const zone::Place on = circuit.advance(*place, std::min(ahead_m, base_m), traffic_.coming(other));
+      const zone::TrackPosition on = circuit.advance(*track_position, std::min(ahead_m, base_m), traffic_.coming(other));
       if (aiv::near_bodies(shape, X_MB, circuit.pose_at(on), clear_m)) return true;
     }
   }

@@ -11,8 +11,8 @@ namespace cosiva::virtual_side {
 namespace {
 
 /// Places that are tried lie so far apart along the line, and so far from the nearest one.
-constexpr double place_every_m = 0.05;
-constexpr double place_within_m = 0.45;
+constexpr double sample_every_m = 0.05;
+constexpr double position_within_m = 0.45;
 /// So far ahead of it the way is to be free.
 constexpr double free_ahead_m = 0.5;
 
@@ -38,22 +38,22 @@ void OrderRoller::end_join(VehicleIndex vehicle) {
   if (plan.join_handle != 0) action_sender_.drop(std::exchange(plan.join_handle, 0));
 }
 
-void OrderRoller::try_other_places(VehicleIndex vehicle) {
+void OrderRoller::try_other_positions(VehicleIndex vehicle) {
   const Plan& plan = plans_[vehicle];
   if (!plan.waits_since) return;
   const SimDuration waited = publisher_.now() - *plan.waits_since;
-  if (waited >= rules_.other_place_after) join_elsewhere(vehicle, waited < rules_.make_room_after, place_within_m);
+  if (waited >= rules_.other_position_after) join_elsewhere(vehicle, waited < rules_.make_room_after, position_within_m);
 }
 
 bool OrderRoller::join_elsewhere(VehicleIndex vehicle, bool drives_on, double within_m) {
   Plan& plan = plans_[vehicle];
   if (!goes_onto_line(vehicle)) return false;
-  for (const zone::Place place : places_near(vehicle, within_m)) {
-    const Pose2 X_MG = map_->circuit().pose_at(place);
+  for (const zone::TrackPosition position : positions_near(vehicle, within_m)) {
+    const Pose2 X_MG = map_->circuit().pose_at(position);
     if (!drives_on && stands_in_entry(plan.waits_for_vehicle, X_MG)) continue;
-    if (!is_free_entry(vehicle, place, drives_on)) continue;
-    plan.entry_point = place;
-    plan.standing.place = place;
+    if (!is_free_entry(vehicle, position, drives_on)) continue;
+    plan.entry_point = position;
+    plan.standing.position = position;
     plan.join_sent_at = publisher_.now();
     plan.join_handle = action_sender_.send(registry_[vehicle], vehicle,
                                            {{"joinLine",
@@ -67,17 +67,17 @@ bool OrderRoller::join_elsewhere(VehicleIndex vehicle, bool drives_on, double wi
   return false;
 }
 
-std::vector<zone::Place> OrderRoller::places_near(VehicleIndex vehicle, double within_m) const {
+std::vector<zone::TrackPosition> OrderRoller::positions_near(VehicleIndex vehicle, double within_m) const {
   const zone::Circuit& circuit = map_->circuit();
   const auto entry_point = zone::snap_to_path(circuit, plans_[vehicle].standing.X_MB);
   if (!entry_point) return {};
-  std::vector<zone::Place> places{entry_point->place};
-  for (int i = 1; i * place_every_m <= within_m; ++i) {
-    const double off_m = i * place_every_m;
-    places.push_back(circuit.advance(entry_point->place, off_m));
-    places.push_back(circuit.advance(entry_point->place, -off_m));
+  std::vector<zone::TrackPosition> positions{entry_point->position};
+  for (int i = 1; i * sample_every_m <= within_m; ++i) {
+    const double off_m = i * sample_every_m;
+    positions.push_back(circuit.advance(entry_point->position, off_m));
+    positions.push_back(circuit.advance(entry_point->position, -off_m));
   }
-  return places;
+  return positions;
 }
 
 bool OrderRoller::stands_in_entry(VehicleIndex other, const Pose2& X_MB) const {
@@ -86,23 +86,23 @@ bool OrderRoller::stands_in_entry(VehicleIndex other, const Pose2& X_MB) const {
   const auto entry_point = zone::snap_to_path(map_->circuit(), X_MO);
   if (!entry_point) return false;
   aiv::EntrySweep sweep{map_->zone().vehicle};
-  sweep.take({X_MO, map_->circuit().pose_at(entry_point->place)});
+  sweep.take({X_MO, map_->circuit().pose_at(entry_point->position)});
   return sweep.near_body(X_MB);
 }
 
-bool OrderRoller::is_free_entry(VehicleIndex vehicle, zone::Place place, bool drives_on) {
-  if (in_way_to_line(vehicle, place) != no_vehicle) return false;
-  traffic_.set_place(vehicle, place);
+bool OrderRoller::is_free_entry(VehicleIndex vehicle, zone::TrackPosition position, bool drives_on) {
+  if (in_way_to_line(vehicle, position) != no_vehicle) return false;
+  traffic_.set_position(vehicle, position);
   traffic_.update();
   bool free = !traffic_.stands_in_anothers(vehicle);
   if (free && drives_on) {
-    const zone::Place before = std::exchange(*plans_[vehicle].standing.place, place);
+    const zone::TrackPosition before = std::exchange(*plans_[vehicle].standing.position, position);
     free = traffic_.ahead_within(vehicle, free_ahead_m).vehicle == no_vehicle &&
            beside_way(vehicle, 0.0, free_ahead_m) == no_vehicle;
-    plans_[vehicle].standing.place = before;
+    plans_[vehicle].standing.position = before;
   }
   if (!free) {
-    traffic_.set_place(vehicle, std::nullopt);
+    traffic_.set_position(vehicle, std::nullopt);
     traffic_.update();
   }
   return free;

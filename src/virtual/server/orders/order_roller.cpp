@@ -50,9 +50,9 @@ void OrderRoller::set_standing(VehicleIndex vehicle, const Standing& standing) {
   const Standing& now = plans_[vehicle].standing;
   // One of ours that is to go onto the line keeps others off by its body, until it is sent.
   const bool in_the_way =
-      now.place && (plans_[vehicle].entry_point || (now.off_m <= rules_.on_way_m && !goes_onto_line(vehicle)));
-  if (now.place) traffic_.follow(vehicle, *now.place);
-  traffic_.set_place(vehicle, in_the_way ? now.place : std::nullopt);
+      now.position && (plans_[vehicle].entry_point || (now.off_m <= rules_.on_way_m && !goes_onto_line(vehicle)));
+  if (now.position) traffic_.follow(vehicle, *now.position);
+  traffic_.set_position(vehicle, in_the_way ? now.position : std::nullopt);
 }
 
 void OrderRoller::on_state(VehicleIndex vehicle, const wire::State* before) {
@@ -140,7 +140,7 @@ void OrderRoller::adopt(VehicleIndex vehicle, const wire::State& state) {
 std::optional<WaypointIndex> OrderRoller::adopt_course(VehicleIndex vehicle, const wire::State& state) {
   Plan& plan = plans_[vehicle];
   plan.way_of = 0;
-  if (!plan.standing.place) return std::nullopt;
+  if (!plan.standing.position) return std::nullopt;
   std::vector<std::string_view> ids;
   std::size_t released = 0;
   for (const wire::NodeState& node : state.node_states) {
@@ -148,7 +148,7 @@ std::optional<WaypointIndex> OrderRoller::adopt_course(VehicleIndex vehicle, con
     if (node.released) released = ids.size();
   }
   if (released == 0) return std::nullopt;
-  auto through = map_->through(*plan.standing.place, ids, released);
+  auto through = map_->through(*plan.standing.position, ids, released);
   if (!through) return std::nullopt;
   // What lies beyond its base is for its mission to say.
   through->sections.resize(through->to_end);
@@ -223,7 +223,7 @@ void OrderRoller::tick(bool drive, bool send_off, SimDuration lost_after) {
   traffic_.update();
   beside_.clear();
   for (VehicleIndex v = 0; v < plans_.size(); ++v)
-    if (registry_[v].here() && (!plans_[v].standing.place || off_line(v) || traffic_.stands_in_anothers(v)))
+    if (registry_[v].here() && (!plans_[v].standing.position || off_line(v) || traffic_.stands_in_anothers(v)))
       beside_.push_back(v);
   for (VehicleIndex v = 0; v < plans_.size(); ++v) {
     traffic_.update();
@@ -240,7 +240,7 @@ bool OrderRoller::may_roll(VehicleIndex vehicle) const {
   const wire::State& state = *proxy.state;
   const bool this_map = proxy.map_id.empty() || proxy.map_id == map_->zone().name;
   const bool along = std::fabs(standing.heading_off_rad) <= heading_off_rad_max || goes_onto_line(vehicle);
-  return proxy.position_known && this_map && standing.place && standing.off_m <= rules_.on_circuit_m && along &&
+  return proxy.position_known && this_map && standing.position && standing.off_m <= rules_.on_circuit_m && along &&
          state.operating_mode == wire::OperatingMode::automatic && !state.paused && state.e_stop == wire::EStop::none;
 }
 
@@ -284,7 +284,7 @@ void OrderRoller::step(VehicleIndex vehicle, bool drive, bool send_off) {
   if (!extension_.empty() || (from && leads_too_far(vehicle))) send(vehicle, *from);
   if (plan.stage == Plan::Stage::none) stay_beside(vehicle);
   record_waiting(plan, now);
-  if (plan.stage == Plan::Stage::none) try_other_places(vehicle);
+  if (plan.stage == Plan::Stage::none) try_other_positions(vehicle);
 }
 
 bool OrderRoller::leads_too_far(VehicleIndex vehicle) {
@@ -299,7 +299,7 @@ bool OrderRoller::comes_again(VehicleIndex vehicle, const Extension& from, std::
   const Plan& plan = plans_[vehicle];
   // One that has rolled past the end of its base, and into the next section, comes there for the first time.
   const bool on_its_base = plan.stage == Plan::Stage::running && from.reach_m > 0.0;
-  const zone::Place start = on_its_base ? *plan.standing.place : map_->waypoint(from.from).place;
+  const zone::TrackPosition start = on_its_base ? *plan.standing.position : map_->waypoint(from.from).position;
   Sections released;
   if (on_its_base) released = traffic_.coming(vehicle).first(traffic_.beyond_base(vehicle, start).keep);
   const Sections added = Sections{way_}.first(passed);
@@ -307,7 +307,7 @@ bool OrderRoller::comes_again(VehicleIndex vehicle, const Extension& from, std::
     return std::ranges::find(released, section) != released.end() || std::ranges::find(added, section) != added.end();
   };
   // Back on the section where it is, it may come up to where it is.
-  const zone::Place end = map_->waypoint(stretch.to).place;
+  const zone::TrackPosition end = map_->waypoint(stretch.to).position;
   const bool beyond_start = end.section != start.section || end.s_m >= start.s_m;
   if (stretch.sections.empty()) return end.section == start.section && on_base(start.section) && beyond_start;
   return std::ranges::any_of(stretch.sections, [&](zone::SectionId section) {

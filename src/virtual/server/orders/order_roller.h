@@ -29,7 +29,7 @@ struct RollerRules {
   SimDuration update_period{std::chrono::milliseconds{200}};
   SimDuration after_refusal{std::chrono::seconds{2}};
   SimDuration let_in_for{std::chrono::seconds{5}};  ///< one that waits beside the line
-  SimDuration other_place_after{std::chrono::seconds{1}};
+  SimDuration other_position_after{std::chrono::seconds{1}};
   SimDuration make_room_after{std::chrono::seconds{4}};  ///< it goes onto the line where it cannot drive on, either
   SimDuration join_timeout{std::chrono::seconds{15}};
   SimDuration cancel_again{std::chrono::seconds{5}};
@@ -44,7 +44,7 @@ enum class Means : std::uint8_t {
   move_up,      ///< comes as near to the one ahead as its eyes let it, so that the one behind it leaves a crossing
   wait,         ///< gives back what it asked for and holds ahead, and lets the others go first
   detour,       ///< goes another way
-  other_place,  ///< comes onto the line elsewhere
+  other_position,  ///< comes onto the line elsewhere
   back_up,      ///< drives backwards along the line, and lets the others go first
 };
 
@@ -79,7 +79,7 @@ class OrderRoller {
 
   /// Is this vehicle's last reported place good enough to drive from; set by the server at each report.
   struct Standing {
-    std::optional<zone::Place> place;  ///< nearest on the circuit
+    std::optional<zone::TrackPosition> position;  ///< nearest on the circuit
     double off_m{};
     double heading_off_rad{};
     Pose2 X_MB{};
@@ -89,7 +89,7 @@ class OrderRoller {
   /// What it was ordered to do is seen: it has an order, on the zone that is there now.
   [[nodiscard]] bool has_order(VehicleIndex vehicle) const { return plans_[vehicle].stage == Plan::Stage::running; }
   /// Where it stands beside the line and goes onto it; nothing: it is on the line, or has not been sent there.
-  [[nodiscard]] const std::optional<zone::Place>& entry_point(VehicleIndex vehicle) const {
+  [[nodiscard]] const std::optional<zone::TrackPosition>& entry_point(VehicleIndex vehicle) const {
     return plans_[vehicle].entry_point;
   }
   /// Of those that stand off the line: the mission's goal is where somebody else stands.
@@ -145,7 +145,7 @@ class OrderRoller {
     InstantActionSender::ActionHandle cancel_handle{0};  ///< of the cancelOrder on its way; 0: none
     std::uint64_t way_of{0};                 ///< the missions' revision that its course was planned for; 0: none
     std::optional<zone::SectionId> no_way;   ///< there is none from here
-    std::optional<zone::Place> entry_point;  ///< where it comes onto the line
+    std::optional<zone::TrackPosition> entry_point;  ///< where it comes onto the line
     InstantActionSender::ActionHandle join_handle{0};  ///< of the joinLine on its way; 0: none
     SimTime join_sent_at{};
     struct GivingWay {
@@ -206,12 +206,12 @@ class OrderRoller {
   [[nodiscard]] const WayMap::Stretch* next_stretch(VehicleIndex vehicle, WaypointIndex at, std::size_t passed);
   [[nodiscard]] bool off_line(VehicleIndex vehicle) const;
   [[nodiscard]] bool goes_onto_line(VehicleIndex vehicle) const;
-  [[nodiscard]] VehicleIndex in_way_to_line(VehicleIndex vehicle, zone::Place entry_point) const;
+  [[nodiscard]] VehicleIndex in_way_to_line(VehicleIndex vehicle, zone::TrackPosition entry_point) const;
   /// Who stands beside the line, or is on its way to it, so that this one cannot drive on from `from_m` to `to_m`
   /// ahead.
   [[nodiscard]] VehicleIndex beside_way(VehicleIndex vehicle, double from_m, double to_m) const;
   /// Of one beside it: where it is to come onto it, or would if it were let in.
-  [[nodiscard]] std::optional<zone::Place> comes_onto_line_at(VehicleIndex vehicle) const;
+  [[nodiscard]] std::optional<zone::TrackPosition> comes_onto_line_at(VehicleIndex vehicle) const;
   void follow_line(VehicleIndex vehicle);
   void stay_beside(VehicleIndex vehicle);
 
@@ -219,13 +219,13 @@ class OrderRoller {
   /// Where it is sent onto the line it goes there with a joinLine, which is not over yet.
   [[nodiscard]] bool joining(VehicleIndex vehicle);
   /// Where the nearest place is not free, another may be: sends it there.
-  void try_other_places(VehicleIndex vehicle);
+  void try_other_positions(VehicleIndex vehicle);
   /// @param drives_on  only places from which it can drive on; otherwise to make room
   bool join_elsewhere(VehicleIndex vehicle, bool drives_on, double within_m);
-  [[nodiscard]] bool is_free_entry(VehicleIndex vehicle, zone::Place place, bool drives_on);
+  [[nodiscard]] bool is_free_entry(VehicleIndex vehicle, zone::TrackPosition position, bool drives_on);
   /// One that stood at X_MB would keep the other off the line.
   [[nodiscard]] bool stands_in_entry(VehicleIndex other, const Pose2& X_MB) const;
-  [[nodiscard]] std::vector<zone::Place> places_near(VehicleIndex vehicle, double within_m) const;
+  [[nodiscard]] std::vector<zone::TrackPosition> positions_near(VehicleIndex vehicle, double within_m) const;
   void end_join(VehicleIndex vehicle);
 
   // order_waits.cpp
@@ -240,7 +240,7 @@ class OrderRoller {
 
   // order_give_way.cpp
   /// Whether the body of who is waited for would still be in the way if it stood at `place`.
-  [[nodiscard]] bool keeps_off(const Wait& wait, zone::Place place) const;
+  [[nodiscard]] bool keeps_off(const Wait& wait, zone::TrackPosition position) const;
   /// By coming up to the one ahead it lets the one behind it out of a crossing that somebody waits for.
   [[nodiscard]] bool makes_room_by_moving_up(VehicleIndex vehicle, std::span<const Wait> waits) const;
   [[nodiscard]] bool has_what_to_give_back(VehicleIndex vehicle) const;

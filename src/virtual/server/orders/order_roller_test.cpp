@@ -141,8 +141,8 @@ TEST(OrderRoller, starts_an_order_at_the_waypoint_behind_the_vehicle_with_a_devi
   const wire::OrderNode& first = aiv.orders.front().nodes.front();
   const zone::Waypoint* waypoint = fixture.zone->find_waypoint(first.node_id);
   ASSERT_NE(waypoint, nullptr);
-  EXPECT_LE(waypoint->place.s_m, 0.55);
-  EXPECT_GE(*first.position->allowed_deviation_xy_m, 0.55 - waypoint->place.s_m);
+  EXPECT_LE(waypoint->position.s_m, 0.55);
+  EXPECT_GE(*first.position->allowed_deviation_xy_m, 0.55 - waypoint->position.s_m);
 }
 
 TEST(OrderRoller, repeats_an_order_unchanged_until_it_is_acknowledged) {
@@ -311,7 +311,7 @@ TEST(OrderRoller, sends_a_vehicle_on_that_rolled_past_the_end_of_its_base_into_t
   ASSERT_EQ(aiv.book->last_node_id(), "gate@580") << "20 mm before the gate's end";
   ASSERT_EQ(aiv.book->distance_to_base_end_m(), 0.0);
   aiv.motion.shift(circuit, 0.03, std::array{*circuit.find("b_out1")});
-  ASSERT_EQ(circuit.part(aiv.place().section).name, "b_out1");
+  ASSERT_EQ(circuit.part(aiv.track_position().section).name, "b_out1");
   fixture.run_for(4s);
   other.blocked = false;
   fixture.run_for(40s);

@@ -70,8 +70,8 @@ bool OrderRoller::stands_silently(VehicleIndex vehicle) {
   // Those of other makes may have reasons of their own.
   const bool unresponsive = proxy.is_cosiva() && stands(vehicle) && !state.field_violation && !state.paused &&
                             !proxy.paused_for_body && state.errors.empty() && state.e_stop == wire::EStop::none &&
-                            plan.standing.place &&
-                            traffic_.base_left_m(vehicle, *plan.standing.place).value_or(0.0) > way_m_min;
+                            plan.standing.position &&
+                            traffic_.base_left_m(vehicle, *plan.standing.position).value_or(0.0) > way_m_min;
   if (!unresponsive) {
     plan.unresponsive_since.reset();
     return false;
@@ -119,9 +119,9 @@ VehicleIndex OrderRoller::detected_in_path(VehicleIndex vehicle) const {
       if (sweep.near_body(X_MO, detected_beside_m)) consider(other, distance(X_MB, X_MO));
       continue;
     }
-    if (!plan.standing.place) continue;
+    if (!plan.standing.position) continue;
     for (double ahead_m = 0.0; ahead_m < detected_ahead_m + look_every_m; ahead_m += look_every_m) {
-      const Pose2 X_MV = circuit.pose_at(circuit.advance(*plan.standing.place, ahead_m, traffic_.coming(vehicle)));
+      const Pose2 X_MV = circuit.pose_at(circuit.advance(*plan.standing.position, ahead_m, traffic_.coming(vehicle)));
       if (!aiv::near_bodies(shape, X_MV, X_MO, detected_beside_m)) continue;
       // Beside its flank already, it is not what it looks at.
       if (ahead_m > 0.0 || aiv::lies_ahead(shape, X_MB, X_MO)) consider(other, ahead_m);

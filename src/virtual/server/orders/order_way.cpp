@@ -34,9 +34,9 @@ std::optional<OrderRoller::Extension> OrderRoller::start_of_extension(VehicleInd
 
 std::optional<OrderRoller::Extension> OrderRoller::end_of_base(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
-  const zone::Place place = *plan.standing.place;
+  const zone::TrackPosition track_position = *plan.standing.position;
   const bool on_course = traffic_.on_course(vehicle) || regain_course(vehicle);
-  const auto left_m = on_course ? traffic_.base_left_m(vehicle, place) : std::nullopt;
+  const auto left_m = on_course ? traffic_.base_left_m(vehicle, track_position) : std::nullopt;
   if (!left_m) {
     publisher_.log('w', registry_[vehicle].name + ": is not where its order leads; cancelled, a new one follows");
     cancel(vehicle);
@@ -44,7 +44,7 @@ std::optional<OrderRoller::Extension> OrderRoller::end_of_base(VehicleIndex vehi
     return std::nullopt;
   }
   if (plan.way_of != missions_.revision(vehicle) && !plan_course_again(vehicle)) return std::nullopt;
-  way_ = traffic_.beyond_base(vehicle, place).sections;
+  way_ = traffic_.beyond_base(vehicle, track_position).sections;
   return Extension{plan.base_end, *left_m};
 }
 
@@ -53,23 +53,23 @@ std::optional<OrderRoller::Extension> OrderRoller::first_node(VehicleIndex vehic
   if (goes_onto_line(vehicle)) {
     const auto entry_point = zone::snap_to_path(map_->circuit(), plan.standing.X_MB);
     if (!entry_point) return std::nullopt;
-    wait_for(plan, in_way_to_line(vehicle, entry_point->place), WaitReason::beside);
+    wait_for(plan, in_way_to_line(vehicle, entry_point->position), WaitReason::beside);
     if (plan.waits_for_vehicle != no_vehicle) {
       traffic_.withdraw(vehicle);  // that one may need what this one has asked for
       return std::nullopt;
     }
-    plan.entry_point = entry_point->place;
-    plan.standing.place = entry_point->place;
+    plan.entry_point = entry_point->position;
+    plan.standing.position = entry_point->position;
     plan.standing.off_m = entry_point->distance_m;
-    traffic_.set_place(vehicle, entry_point->place);
+    traffic_.set_position(vehicle, entry_point->position);
     traffic_.update();
   }
   if (!plan_course(vehicle)) return std::nullopt;
-  const zone::Place place = *plan.standing.place;
+  const zone::TrackPosition track_position = *plan.standing.position;
   const Sections coming = traffic_.coming(vehicle);
-  auto behind = map_->behind(place, traffic_.gone(vehicle));
+  auto behind = map_->behind(track_position, traffic_.gone(vehicle));
   if (!behind || behind->since_m > node_far_behind_m) {
-    const auto ahead = map_->first_ahead(place, coming);
+    const auto ahead = map_->first_ahead(track_position, coming);
     if (ahead && (!behind || ahead->distance_m <= node_ahead_m)) {
       way_.assign(coming.begin() + static_cast<std::ptrdiff_t>(ahead->sections), coming.end());
       if (!traffic_.holds_all(vehicle, ahead->distance_m) && !enter(vehicle, 0.0, ahead->distance_m))
@@ -86,7 +86,7 @@ std::optional<OrderRoller::Extension> OrderRoller::first_node(VehicleIndex vehic
 void OrderRoller::stay_beside(VehicleIndex vehicle) {
   // Nobody asks it to be anywhere but where its body is: beside_way() keeps the others off that.
   if (!std::exchange(plans_[vehicle].entry_point, std::nullopt)) return;
-  traffic_.set_place(vehicle, std::nullopt);
+  traffic_.set_position(vehicle, std::nullopt);
   traffic_.update();
 }
 
@@ -97,21 +97,21 @@ void OrderRoller::take_course(VehicleIndex vehicle, zone::Course course) {
 
 bool OrderRoller::plan_course(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
-  const zone::Place place = *plan.standing.place;
+  const zone::TrackPosition track_position = *plan.standing.position;
   const std::uint64_t revision = missions_.revision(vehicle);
-  if (plan.way_of == revision && plan.no_way == place.section) return false;
+  if (plan.way_of == revision && plan.no_way == track_position.section) return false;
   if (plan.way_of == revision && !plan.no_way && traffic_.on_course(vehicle) && !past_goal(vehicle)) return true;
 
-  const std::vector<zone::Place> starts = map_->starts(place);
+  const std::vector<zone::TrackPosition> starts = map_->starts(track_position);
   const auto sections = missions_.plan(vehicle, starts);
   plan.way_of = revision;
   plan.no_way.reset();
   if (!sections) {
-    plan.no_way = place.section;
+    plan.no_way = track_position.section;
     take_course(vehicle, {});
     return false;
   }
-  const auto start = std::ranges::find(starts, sections->front(), &zone::Place::section);
+  const auto start = std::ranges::find(starts, sections->front(), &zone::TrackPosition::section);
   // Where it came from is where its first node lies, and where it is seen until it has turned into another way.
   std::vector<zone::SectionId> all;
   const Sections gone = traffic_.gone(vehicle);
@@ -122,8 +122,8 @@ bool OrderRoller::plan_course(VehicleIndex vehicle) {
   all.insert(all.end(), sections->begin(), sections->end());
   take_course(vehicle, zone::Course(std::move(all), before));
   if (start != starts.begin()) {
-    plan.standing.place = *start;
-    if (traffic_.place(vehicle)) traffic_.set_place(vehicle, *start);
+    plan.standing.position = *start;
+    if (traffic_.track_position(vehicle)) traffic_.set_position(vehicle, *start);
     traffic_.update();
   }
   return true;
@@ -132,11 +132,11 @@ bool OrderRoller::plan_course(VehicleIndex vehicle) {
 bool OrderRoller::past_goal(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
   const WaypointIndex goal = missions_.goal(vehicle);
-  if (plan.way_of != missions_.revision(vehicle) || goal == no_waypoint || !plan.standing.place) return false;
-  const zone::Place end = map_->waypoint(goal).place;
+  if (plan.way_of != missions_.revision(vehicle) || goal == no_waypoint || !plan.standing.position) return false;
+  const zone::TrackPosition end = map_->waypoint(goal).position;
   const Sections coming = traffic_.coming(vehicle);
   const bool comes_to_it = std::ranges::find(coming, end.section) != coming.end();
-  return !comes_to_it && plan.standing.place->section == end.section && plan.standing.place->s_m > end.s_m;
+  return !comes_to_it && plan.standing.position->section == end.section && plan.standing.position->s_m > end.s_m;
 }
 
 bool OrderRoller::stays_at_goal(VehicleIndex vehicle) {
@@ -151,8 +151,8 @@ bool OrderRoller::stays_at_goal(VehicleIndex vehicle) {
 
 bool OrderRoller::plan_course_again(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
-  const Traffic::Beyond beyond = traffic_.beyond_base(vehicle, *plan.standing.place);
-  const zone::Place end = map_->waypoint(plan.base_end).place;
+  const Traffic::Beyond beyond = traffic_.beyond_base(vehicle, *plan.standing.position);
+  const zone::TrackPosition end = map_->waypoint(plan.base_end).position;
   const Sections released = traffic_.coming(vehicle).first(beyond.keep);
   const bool ends_at_node = end.s_m == 0.0 && beyond.keep > 0;
   const bool has_siblings = ends_at_node && map_->find(map_->waypoint(plan.base_end).id).size() > 1;
@@ -170,7 +170,7 @@ bool OrderRoller::plan_course_again(VehicleIndex vehicle) {
   if (has_siblings) {
     // At a node where ways part it may still take any of them.
     const zone::SectionId before = keep > 1 ? released[keep - 2] : traffic_.course(vehicle).here();
-    const std::array from{zone::Place{before, map_->circuit().section(before).length_m()}};
+    const std::array from{zone::TrackPosition{before, map_->circuit().section(before).length_m()}};
     sections = missions_.plan(vehicle, from);
     if (sections && sections->size() == 1) {
       const auto more = missions_.more(vehicle, before);
@@ -201,11 +201,11 @@ bool OrderRoller::plan_course_again(VehicleIndex vehicle) {
 
 bool OrderRoller::regain_course(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
-  const zone::Place place = *plan.standing.place;
-  const zone::Place end = map_->waypoint(plan.base_end).place;
-  std::vector<zone::SectionId> sections{place.section};
-  if (!map_->circuit().shortest_way(end, place, past_base_m)) {
-    auto way = map_->circuit().shortest_way(place, end, traffic_.base_m_max(vehicle));
+  const zone::TrackPosition track_position = *plan.standing.position;
+  const zone::TrackPosition end = map_->waypoint(plan.base_end).position;
+  std::vector<zone::SectionId> sections{track_position.section};
+  if (!map_->circuit().shortest_way(end, track_position, past_base_m)) {
+    auto way = map_->circuit().shortest_way(track_position, end, traffic_.base_m_max(vehicle));
     if (!way) return false;
     sections = std::move(way->sections);
   }
@@ -224,7 +224,7 @@ const WayMap::Stretch* OrderRoller::next_stretch(VehicleIndex vehicle, WaypointI
   };
   bool longer = false;
   while (!missions_.complete(vehicle) && !far_enough()) {
-    const auto more = missions_.more(vehicle, way_.empty() ? map_->waypoint(at).place.section : way_.back());
+    const auto more = missions_.more(vehicle, way_.empty() ? map_->waypoint(at).position.section : way_.back());
     way_.insert(way_.end(), more.begin(), more.end());
     traffic_.extend_course(vehicle, more);
     longer = longer || !more.empty();
@@ -260,17 +260,17 @@ void OrderRoller::follow_line(VehicleIndex vehicle) {
         wrap_angle(standing.X_MB.heading_rad - circuit.section(section).pose_at(near.s_m).heading_rad);
     if (near.distance_m > on_line_m || std::fabs(off_rad) > on_line_rad) continue;
     plan.entry_point.reset();
-    standing.place = zone::Place{section, near.s_m};
+    standing.position = zone::TrackPosition{section, near.s_m};
     standing.off_m = near.distance_m;
     standing.heading_off_rad = off_rad;
     return;
   }
-  standing.place = plan.entry_point;
+  standing.position = plan.entry_point;
   standing.off_m = distance(standing.X_MB, circuit.pose_at(*plan.entry_point));
   standing.heading_off_rad = 0.0;
 }
 
-VehicleIndex OrderRoller::in_way_to_line(VehicleIndex vehicle, zone::Place entry_point) const {
+VehicleIndex OrderRoller::in_way_to_line(VehicleIndex vehicle, zone::TrackPosition entry_point) const {
   const zone::VehicleShape& shape = map_->zone().vehicle;
   const aiv::LineEntry mine{plans_[vehicle].standing.X_MB, map_->circuit().pose_at(entry_point)};
   aiv::EntrySweep sweep{shape};
@@ -285,22 +285,22 @@ VehicleIndex OrderRoller::in_way_to_line(VehicleIndex vehicle, zone::Place entry
     if (theirs.entry_point && (theirs.stage == Plan::Stage::running || theirs.join_handle != 0) &&
         aiv::near_entry(mine, shape, {X_MB, map_->circuit().pose_at(*theirs.entry_point)}))
       return other;
-    const auto& place = traffic_.place(other);
-    if (!place) continue;
-    const double base_m = traffic_.base_left_m(other, *place).value_or(0.0);
+    const auto& track_position = traffic_.track_position(other);
+    if (!track_position) continue;
+    const double base_m = traffic_.base_left_m(other, *track_position).value_or(0.0);
     const Sections coming = traffic_.coming(other);
     for (double ahead_m = sample_m; ahead_m < base_m + sample_m; ahead_m += sample_m)
-      if (sweep.near_body(map_->circuit().pose_at(map_->circuit().advance(*place, std::min(ahead_m, base_m), coming))))
+      if (sweep.near_body(map_->circuit().pose_at(map_->circuit().advance(*track_position, std::min(ahead_m, base_m), coming))))
         return other;
     const double clear_m = shape.length_m + aiv::entry_clear_m;
-    if (base_m > 0.0 && map_->ahead(*place, entry_point, base_m + clear_m, traffic_.coming(other))) return other;
+    if (base_m > 0.0 && map_->ahead(*track_position, entry_point, base_m + clear_m, traffic_.coming(other))) return other;
   }
   return no_vehicle;
 }
 
 VehicleIndex OrderRoller::beside_way(VehicleIndex vehicle, double from_m, double to_m) const {
   constexpr double clear_m = 0.04;  // no less than what a vehicle's own eyes make it stop for
-  const zone::Place place = *plans_[vehicle].standing.place;
+  const zone::TrackPosition track_position = *plans_[vehicle].standing.position;
   const zone::Circuit& circuit = map_->circuit();
   const zone::VehicleShape& shape = map_->zone().vehicle;
   const Sections coming = traffic_.coming(vehicle);
@@ -308,14 +308,14 @@ VehicleIndex OrderRoller::beside_way(VehicleIndex vehicle, double from_m, double
   for (const VehicleIndex other : beside_) {
     if (other == vehicle) continue;
     const Pose2 X_MB = simulator_.image(*registry_[other].twin, publisher_.now()).X_MB;
-    const std::optional<zone::Place> entry_point = comes_onto_line_at(other);
+    const std::optional<zone::TrackPosition> entry_point = comes_onto_line_at(other);
     if (entry_point) sweep.take({X_MB, circuit.pose_at(*entry_point)});
     const auto in_way = [&](double ahead_m, double air_m) {
-      const Pose2 X_MV = circuit.pose_at(circuit.advance(place, ahead_m, coming));
+      const Pose2 X_MV = circuit.pose_at(circuit.advance(track_position, ahead_m, coming));
       return entry_point ? sweep.near_body(X_MV, air_m) : aiv::near_bodies(shape, X_MV, X_MB, air_m);
     };
     // One that it has beside it already it may pass as closely.
-    const bool ahead = aiv::lies_ahead(shape, circuit.pose_at(place), X_MB);
+    const bool ahead = aiv::lies_ahead(shape, circuit.pose_at(track_position), X_MB);
     const double free_m = !ahead && in_way(0.0, clear_m) ? 0.0 : clear_m;
     // It stops short of a body by itself, and what of its base it cannot drive would keep that one from moving.
     const double end_m = to_m + aiv::stand_off_m;
@@ -326,14 +326,14 @@ VehicleIndex OrderRoller::beside_way(VehicleIndex vehicle, double from_m, double
   return no_vehicle;
 }
 
-std::optional<zone::Place> OrderRoller::comes_onto_line_at(VehicleIndex vehicle) const {
+std::optional<zone::TrackPosition> OrderRoller::comes_onto_line_at(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
   if (plan.entry_point) return plan.entry_point;
   // Who waits to come onto the line is let in, but not for ever: it may be that it cannot.
   if (!plan.waits_since || publisher_.now() - *plan.waits_since > rules_.let_in_for || !goes_onto_line(vehicle))
     return {};
   const auto entry_point = zone::snap_to_path(map_->circuit(), plan.standing.X_MB);
-  return entry_point ? std::optional{entry_point->place} : std::nullopt;
+  return entry_point ? std::optional{entry_point->position} : std::nullopt;
 }
 
 std::string OrderRoller::stands_at_goal(VehicleIndex vehicle) const {

@@ -51,10 +51,10 @@ std::uint32_t Registry::display_number_for(std::string_view serial) const {
     return std::ranges::any_of(proxies_, [n](const AivProxy& p) { return p.number == n; });
   };
   std::uint64_t digits = 0;
-  std::uint64_t place = 1;
-  for (std::size_t i = serial.size(); i > 0 && serial[i - 1] >= '0' && serial[i - 1] <= '9' && place <= 100'000; --i) {
-    digits += place * static_cast<std::uint64_t>(serial[i - 1] - '0');
-    place *= 10;
+  std::uint64_t position = 1;
+  for (std::size_t i = serial.size(); i > 0 && serial[i - 1] >= '0' && serial[i - 1] <= '9' && position <= 100'000; --i) {
+    digits += position * static_cast<std::uint64_t>(serial[i - 1] - '0');
+    position *= 10;
   }
   const auto number = static_cast<std::uint32_t>(digits);
   if (number != 0 && !taken(number)) return number;

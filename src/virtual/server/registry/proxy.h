@@ -67,7 +67,7 @@ struct AivProxy {
   bool paused_for_body{false};  ///< by the server, since it cannot feel what stands before it
 
   std::optional<std::size_t> twin;
-  std::optional<zone::Place> base_end;  ///< as it said last
+  std::optional<zone::TrackPosition> base_end;  ///< as it said last
   std::size_t entity{};                 ///< in the monitor
   bool present{false};  ///< physically: it was online and reported where it is, or reported for a while without
 

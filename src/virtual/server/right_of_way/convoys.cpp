@@ -38,7 +38,7 @@ bool has_room_beyond(const Traffic& traffic, double leader_m, double exit_m, con
   for (std::size_t i = 0; i + 1 < convoy.size(); ++i) at_m += traffic.ahead(convoy[i]).distance_m;
   double stands_m = at_m + traffic.ahead(convoy.back()).distance_m;
   for (auto member = convoy.rbegin(); member != convoy.rend(); ++member) {
-    const double base_m = traffic.base_left_m(*member, *traffic.place(*member)).value_or(0.0);
+    const double base_m = traffic.base_left_m(*member, *traffic.track_position(*member)).value_or(0.0);
     stands_m = std::min(at_m + base_m, stands_m - apart_m);
     if (member + 1 != convoy.rend()) at_m -= traffic.ahead(*(member + 1)).distance_m;
   }
@@ -50,7 +50,7 @@ std::size_t members_from(const Traffic& traffic, VehicleIndex vehicle, std::size
   for (VehicleIndex last = vehicle; members < at_most; ++members) {
     VehicleIndex behind = 0;
     const auto follows = [&](VehicleIndex other) {
-      return traffic.place(other) && traffic.ahead(other).vehicle == last &&
+      return traffic.track_position(other) && traffic.ahead(other).vehicle == last &&
              traffic.ahead(other).distance_m < convoy_gap_m;
     };
     while (behind < traffic.vehicle_count() && !follows(behind)) ++behind;
@@ -85,7 +85,7 @@ void Convoys::fold(Digest& digest) const {
 
 bool Convoys::may_join(const Traffic& traffic, VehicleIndex vehicle, double exit_m, double stop_m) {
   const TrafficRules& rules = traffic.rules();
-  const auto& position = traffic.place(vehicle);
+  const auto& position = traffic.track_position(vehicle);
   if (!rules.convoys || !position || stop_m > rules.request_within_m) return false;
   const auto leader = traffic.ahead(vehicle);
   const double room_m = traffic.map().zone().vehicle.length_m + rules.room_m;

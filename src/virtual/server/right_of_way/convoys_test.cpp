@@ -33,13 +33,13 @@ class ConvoyFixture : public testing::Test {
   }
   [[nodiscard]] WaypointIndex stop_on(zone::SectionId section) const {
     for (WaypointIndex i = 0; i < map.size(); ++i)
-      if (map.waypoint(i).place.section == section && map.stretch(i).crosses) return i;
+      if (map.waypoint(i).position.section == section && map.stretch(i).crosses) return i;
     return no_waypoint;
   }
   [[nodiscard]] WaypointIndex exit_of(zone::SectionId section) const { return map.chain(stop_on(section)).exit; }
   void stand(VehicleIndex vehicle, zone::SectionId section, double before_m) {
-    const zone::Place stop = map.waypoint(stop_on(section)).place;
-    traffic.set_place(vehicle, map.circuit().advance(stop, -before_m));
+    const zone::TrackPosition stop = map.waypoint(stop_on(section)).position;
+    traffic.set_position(vehicle, map.circuit().advance(stop, -before_m));
     traffic.update();
   }
   /// A base as far as that many waypoints beyond the exit.
@@ -159,7 +159,7 @@ TEST_F(ConvoyFixture, is_no_longer_than_three) {
   join(1);
   VehicleIndex ahead = 0;
   for (const VehicleIndex last : {1U, 3U}) {
-    traffic.set_place(ahead, std::nullopt);
+    traffic.set_position(ahead, std::nullopt);
     give_leave(last);
     stand(last, east, -half_way_m);
     const VehicleIndex next = last == 1U ? 3U : 4U;
@@ -212,7 +212,7 @@ TEST_F(ConvoyFixture, costs_nobody_more_than_may_be_lost_in_all) {
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
   ASSERT_TRUE(may_join(1));
   join(1);
-  traffic.set_place(0, std::nullopt);
+  traffic.set_position(0, std::nullopt);
   give_leave(1);
   stand(1, east, -half_way_m);
   stand(3, east, 0.0);

@@ -36,38 +36,38 @@ void Traffic::set_map(const WayMap* map) {
     fresh.priority = vehicle.priority;
     vehicle = std::move(fresh);
   }
-  places_dirty_ = true;
+  positions_dirty_ = true;
 }
 
 void Traffic::resize(std::size_t vehicles) {
   vehicles_.resize(vehicles);
-  places_dirty_ = true;
+  positions_dirty_ = true;
 }
 
-void Traffic::set_place(VehicleIndex vehicle, std::optional<zone::Place> place) {
-  if (vehicles_[vehicle].place == place) return;
-  vehicles_[vehicle].place = place;
-  if (place) follow(vehicle, *place);
-  places_dirty_ = true;
+void Traffic::set_position(VehicleIndex vehicle, std::optional<zone::TrackPosition> position) {
+  if (vehicles_[vehicle].position == position) return;
+  vehicles_[vehicle].position = position;
+  if (position) follow(vehicle, *position);
+  positions_dirty_ = true;
 }
 
-void Traffic::follow(VehicleIndex vehicle, zone::Place place) {
+void Traffic::follow(VehicleIndex vehicle, zone::TrackPosition position) {
   Vehicle& self = vehicles_[vehicle];
-  const bool was_on = std::exchange(self.on_course, virtual_side::follow(self.course, map_->circuit(), place.section));
+  const bool was_on = std::exchange(self.on_course, virtual_side::follow(self.course, map_->circuit(), position.section));
   if (was_on != self.on_course) look_again(vehicle);
 }
 
 void Traffic::look_again(VehicleIndex vehicle) {
   holds_dirty_ = true;
-  if (places_dirty_ || map_ == nullptr) return;
-  vehicles_[vehicle].ahead = vehicles_[vehicle].place ? ahead_within(vehicle, -1.0) : Leader{};
+  if (positions_dirty_ || map_ == nullptr) return;
+  vehicles_[vehicle].ahead = vehicles_[vehicle].position ? ahead_within(vehicle, -1.0) : Leader{};
 }
 
 void Traffic::set_course(VehicleIndex vehicle, zone::Course course) {
   Vehicle& self = vehicles_[vehicle];
   self.course = std::move(course);
   self.on_course = !self.course.empty();
-  if (self.place) follow(vehicle, *self.place);
+  if (self.position) follow(vehicle, *self.position);
   look_again(vehicle);
 }
 
@@ -98,25 +98,25 @@ void Traffic::set_base_end(VehicleIndex vehicle, WaypointIndex end) {
 void Traffic::measure_base(VehicleIndex vehicle) {
   Vehicle& self = vehicles_[vehicle];
   self.base_m_max = short_base_m;
-  if (self.base_end == no_waypoint || !self.place) return;
-  const auto left_m = map_->base_left(*self.place, self.base_end, std::numeric_limits<double>::max(), coming(vehicle),
+  if (self.base_end == no_waypoint || !self.position) return;
+  const auto left_m = map_->base_left(*self.position, self.base_end, std::numeric_limits<double>::max(), coming(vehicle),
                                       self.base_passed);
   self.base_m_max = std::max(short_base_m, left_m.value_or(0.0) + base_slack_m);
 }
 
-std::optional<double> Traffic::base_left_m(VehicleIndex vehicle, zone::Place place) const {
+std::optional<double> Traffic::base_left_m(VehicleIndex vehicle, zone::TrackPosition position) const {
   const Vehicle& self = vehicles_[vehicle];
   if (self.base_end == no_waypoint) return std::nullopt;
   const Sections coming =
-      self.course.empty() || self.course.here() != place.section ? Sections{} : this->coming(vehicle);
-  return map_->base_left(place, self.base_end, self.base_m_max, coming, self.base_passed);
+      self.course.empty() || self.course.here() != position.section ? Sections{} : this->coming(vehicle);
+  return map_->base_left(position, self.base_end, self.base_m_max, coming, self.base_passed);
 }
 
-Traffic::Beyond Traffic::beyond_base(VehicleIndex vehicle, zone::Place place) const {
-  const zone::Place end = map_->waypoint(vehicles_[vehicle].base_end).place;
+Traffic::Beyond Traffic::beyond_base(VehicleIndex vehicle, zone::TrackPosition position) const {
+  const zone::TrackPosition end = map_->waypoint(vehicles_[vehicle].base_end).position;
   const Sections coming = this->coming(vehicle);
   const auto rolled_past = [&]() -> std::optional<Beyond> {
-    const auto past = map_->circuit().shortest_way(end, place, past_m);
+    const auto past = map_->circuit().shortest_way(end, position, past_m);
     if (!past) return std::nullopt;
     Beyond beyond{0, {past->sections.begin() + 1, past->sections.end()}};
     beyond.sections.insert(beyond.sections.end(), coming.begin(), coming.end());
@@ -125,15 +125,15 @@ Traffic::Beyond Traffic::beyond_base(VehicleIndex vehicle, zone::Place place) co
   if (vehicles_[vehicle].base_passed) {
     if (auto beyond = rolled_past()) return *beyond;
   }
-  if (end.section == place.section && end.s_m >= place.s_m) return {0, {coming.begin(), coming.end()}};
-  const auto left_m = map_->ahead(place, end, vehicles_[vehicle].base_m_max, coming);
+  if (end.section == position.section && end.s_m >= position.s_m) return {0, {coming.begin(), coming.end()}};
+  const auto left_m = map_->ahead(position, end, vehicles_[vehicle].base_m_max, coming);
   const auto found = left_m ? std::ranges::find(coming, end.section) : coming.end();
   if (found == coming.end()) return rolled_past().value_or(Beyond{0, {}});
   return {static_cast<std::size_t>(found - coming.begin()) + 1, {found + 1, coming.end()}};
 }
 
 void Traffic::forget(VehicleIndex vehicle) {
-  set_place(vehicle, std::nullopt);
+  set_position(vehicle, std::nullopt);
   set_base_end(vehicle, no_waypoint);
   vehicles_[vehicle].course.clear();
   vehicles_[vehicle].on_course = false;
@@ -143,20 +143,20 @@ void Traffic::forget(VehicleIndex vehicle) {
 double Traffic::standing_m() const { return map_->zone().vehicle.length_m + rules_.gap_m; }
 
 void Traffic::update() {
-  if (map_ == nullptr || !(places_dirty_ || holds_dirty_)) return;
-  if (std::exchange(places_dirty_, false)) {
-    sort_places();
+  if (map_ == nullptr || !(positions_dirty_ || holds_dirty_)) return;
+  if (std::exchange(positions_dirty_, false)) {
+    sort_by_position();
     for (VehicleIndex i = 0; i < vehicles_.size(); ++i)
-      vehicles_[i].ahead = vehicles_[i].place ? ahead_within(i, -1.0) : Leader{};
+      vehicles_[i].ahead = vehicles_[i].position ? ahead_within(i, -1.0) : Leader{};
   }
   holds_dirty_ = false;
   settle_holds();
 }
 
-void Traffic::sort_places() {
+void Traffic::sort_by_position() {
   by_section_.clear();
   for (VehicleIndex i = 0; i < vehicles_.size(); ++i)
-    if (vehicles_[i].place) by_section_.emplace_back(vehicles_[i].place->section, i);
+    if (vehicles_[i].position) by_section_.emplace_back(vehicles_[i].position->section, i);
   std::ranges::sort(by_section_);
 }
 
@@ -165,7 +165,7 @@ void Traffic::look_on(zone::SectionId section, double start_m, double from_s_m, 
   for (auto it = std::ranges::lower_bound(by_section_, std::pair{section, VehicleIndex{0}});
        it != by_section_.end() && it->first == section; ++it) {
     const VehicleIndex other = it->second;
-    const double s_m = vehicles_[other].place->s_m;
+    const double s_m = vehicles_[other].position->s_m;
     const double distance_m = start_m + (s_m - from_s_m);
     if (other == self || s_m < from_s_m || s_m > to_s_m || distance_m > nearest.distance_m) continue;
     // Two at the very same place: the lower number is taken to be the one in front, so that one of them can leave.
@@ -177,14 +177,14 @@ void Traffic::look_on(zone::SectionId section, double start_m, double from_s_m, 
 Traffic::Leader Traffic::ahead_within(VehicleIndex index, double limit_m) const {
   const Vehicle& self = vehicles_[index];
   if (limit_m >= 0.0 && (limit_m <= rules_.look_ahead_m || self.ahead.vehicle != no_vehicle)) return self.ahead;
-  if (!self.place) return {};
+  if (!self.position) return {};
   constexpr double everywhere = std::numeric_limits<double>::infinity();
   const zone::Circuit& circuit = map_->circuit();
   const Sections coming = this->coming(index);
   Leader nearest{no_vehicle, std::max(limit_m, rules_.look_ahead_m)};
-  zone::SectionLookAhead way{circuit, self.place->section, coming};
-  look_on(way.section(), 0.0, self.place->s_m, everywhere, index, nearest);
-  double travelled_m = circuit.section(way.section()).length_m() - self.place->s_m;
+  zone::SectionLookAhead way{circuit, self.position->section, coming};
+  look_on(way.section(), 0.0, self.position->s_m, everywhere, index, nearest);
+  double travelled_m = circuit.section(way.section()).length_m() - self.position->s_m;
   for (std::size_t steps = 0; steps < coming.size() + circuit.size() && travelled_m <= nearest.distance_m; ++steps) {
     const auto branches = circuit.next(way.section());
     if (!way.step()) break;
@@ -202,9 +202,9 @@ void Traffic::settle_holds() {
   for (VehicleIndex v = 0; v < vehicles_.size(); ++v) {
     Vehicle& vehicle = vehicles_[v];
     vehicle.needs.clear();
-    if (!vehicle.place) continue;
-    const double base_m = base_left_m(v, *vehicle.place).value_or(0.0);
-    map_->crossings_on(*vehicle.place, base_m, vehicle.needs, coming(v));
+    if (!vehicle.position) continue;
+    const double base_m = base_left_m(v, *vehicle.position).value_or(0.0);
+    map_->crossings_on(*vehicle.position, base_m, vehicle.needs, coming(v));
   }
   for (CrossingIndex x = 0; x < holders_.size(); ++x) {
     VehicleIndex& holder = holders_[x];
@@ -223,10 +223,10 @@ double Traffic::reach_m(VehicleIndex vehicle, double wanted_m) const {
 }
 
 bool Traffic::holds_all(VehicleIndex vehicle, double distance_m) {
-  const auto& place = vehicles_[vehicle].place;
-  if (!place) return false;
+  const auto& position = vehicles_[vehicle].position;
+  if (!position) return false;
   scratch_.clear();
-  map_->crossings_on(*place, distance_m, scratch_, coming(vehicle));
+  map_->crossings_on(*position, distance_m, scratch_, coming(vehicle));
   return std::ranges::all_of(scratch_, [&](CrossingIndex x) { return holders_[x] == vehicle; });
 }
 
@@ -251,7 +251,7 @@ std::optional<double> Traffic::loses_s(const Request& other, const Request& mine
   for (const CrossingIndex x : other.crossings) {
     const VehicleIndex holder = holders_[x];
     if (holder == no_vehicle || holder == other.vehicle || holder == mine.vehicle) continue;
-    const zone::Place& at = *vehicles_[holder].place;
+    const zone::TrackPosition& at = *vehicles_[holder].position;
     const double base_m = base_left_m(holder, at).value_or(0.0);
     begins_s = std::max(begins_s, map_->way_out_m(at, x, base_m, coming(holder)) / pace_mps);
   }
@@ -259,7 +259,7 @@ std::optional<double> Traffic::loses_s(const Request& other, const Request& mine
   double out_m = 0.0;
   for (const CrossingIndex x : mine.crossings)
     if (std::ranges::find(other.crossings, x) != other.crossings.end())
-      out_m = std::max(out_m, map_->way_out_m(*vehicles_[mine.vehicle].place, x, mine.exit_m, coming(mine.vehicle)));
+      out_m = std::max(out_m, map_->way_out_m(*vehicles_[mine.vehicle].position, x, mine.exit_m, coming(mine.vehicle)));
   return std::max(0.0, latency_s + run_s(mine.stop_m, out_m) - begins_s);
 }
 
@@ -271,9 +271,9 @@ bool Traffic::lets_by(const Request& other, const Request& mine) const {
 }
 
 bool Traffic::only_follows(VehicleIndex other, VehicleIndex self, const std::vector<CrossingIndex>& crossings) {
-  const auto& from = vehicles_[other].place;
+  const auto& from = vehicles_[other].position;
   if (!from) return false;
-  const auto distance_m = map_->ahead(*from, *vehicles_[self].place, behind_m_max, coming(other));
+  const auto distance_m = map_->ahead(*from, *vehicles_[self].position, behind_m_max, coming(other));
   if (!distance_m || *distance_m == 0.0) return false;
   // On a ring everybody follows everybody; it counts only where none of the crossings comes first.
   between_.clear();
@@ -283,7 +283,7 @@ bool Traffic::only_follows(VehicleIndex other, VehicleIndex self, const std::vec
 
 Traffic::Response Traffic::request(VehicleIndex vehicle, double exit_m, double stop_m) {
   const Vehicle& self = vehicles_[vehicle];
-  if (!self.place) return {};
+  if (!self.position) return {};
   auto mine = std::ranges::find(queue_, vehicle, &Request::vehicle);
   if (mine == queue_.end()) {
     queue_.push_back({vehicle, {}, now_, false});
@@ -292,7 +292,7 @@ Traffic::Response Traffic::request(VehicleIndex vehicle, double exit_m, double s
   mine->stop_m = stop_m;
   mine->exit_m = exit_m;
   mine->crossings.clear();
-  map_->crossings_on(*self.place, exit_m, mine->crossings, coming(vehicle));
+  map_->crossings_on(*self.position, exit_m, mine->crossings, coming(vehicle));
   const double room_m = exit_m + map_->zone().vehicle.length_m + rules_.room_m;
   const Leader ahead = ahead_within(vehicle, room_m);
   mine->has_room = ahead.distance_m >= room_m;
@@ -335,7 +335,7 @@ Traffic::Response Traffic::request(VehicleIndex vehicle, double exit_m, double s
 
 bool Traffic::stands_in_anothers(VehicleIndex vehicle) const {
   const Vehicle& self = vehicles_[vehicle];
-  if (!self.place || base_left_m(vehicle, *self.place).value_or(0.0) > 0.0) return false;
+  if (!self.position || base_left_m(vehicle, *self.position).value_or(0.0) > 0.0) return false;
   return std::ranges::any_of(self.needs, [&](CrossingIndex x) { return holders_[x] != vehicle; });
 }
 

@@ -70,7 +70,7 @@ class Traffic {
   void resize(std::size_t vehicles);
 
   /// The last reported place; nothing: it is not on the way of others.
-  void set_place(VehicleIndex vehicle, std::optional<zone::Place> place);
+  void set_position(VehicleIndex vehicle, std::optional<zone::TrackPosition> position);
   void set_priority(VehicleIndex vehicle, std::int32_t priority) { vehicles_[vehicle].priority = priority; }
   void set_time(SimTime now) { now_ = now; }
   /// It has been taken away.
@@ -80,14 +80,14 @@ class Traffic {
   /// It says that it has driven its base to the end; until the next base.
   void set_base_passed(VehicleIndex vehicle, bool passed);
   [[nodiscard]] WaypointIndex base_end(VehicleIndex vehicle) const { return vehicles_[vehicle].base_end; }
-  [[nodiscard]] const std::optional<zone::Place>& place(VehicleIndex vehicle) const { return vehicles_[vehicle].place; }
+  [[nodiscard]] const std::optional<zone::TrackPosition>& track_position(VehicleIndex vehicle) const { return vehicles_[vehicle].position; }
 
   void set_course(VehicleIndex vehicle, zone::Course course);
   void extend_course(VehicleIndex vehicle, Sections more);
   /// Keeps the next `keep` sections of what is to come.
   void cut_course(VehicleIndex vehicle, std::size_t keep);
   /// It is there, whether in the way of others or not.
-  void follow(VehicleIndex vehicle, zone::Place place);
+  void follow(VehicleIndex vehicle, zone::TrackPosition position);
   [[nodiscard]] const zone::Course& course(VehicleIndex vehicle) const { return vehicles_[vehicle].course; }
   [[nodiscard]] bool on_course(VehicleIndex vehicle) const { return vehicles_[vehicle].on_course; }
   /// After the section it is on; empty when it is off its course, or has none.
@@ -98,13 +98,13 @@ class Traffic {
     return vehicles_[vehicle].on_course ? vehicles_[vehicle].course.gone() : Sections{};
   }
   /// From `place` along its course to the end of its base; nothing: it has none, or that is not where its way leads.
-  [[nodiscard]] std::optional<double> base_left_m(VehicleIndex vehicle, zone::Place place) const;
+  [[nodiscard]] std::optional<double> base_left_m(VehicleIndex vehicle, zone::TrackPosition position) const;
   /// What its course holds beyond the end of its base.
   struct Beyond {
     std::size_t keep;                       ///< sections of coming() up to the one that the base ends on
     std::vector<zone::SectionId> sections;  ///< after that one
   };
-  [[nodiscard]] Beyond beyond_base(VehicleIndex vehicle, zone::Place place) const;
+  [[nodiscard]] Beyond beyond_base(VehicleIndex vehicle, zone::TrackPosition position) const;
   [[nodiscard]] bool base_passed(VehicleIndex vehicle) const { return vehicles_[vehicle].base_passed; }
   [[nodiscard]] double base_m_max(VehicleIndex vehicle) const { return vehicles_[vehicle].base_m_max; }
 
@@ -181,7 +181,7 @@ class Traffic {
 
  private:
   struct Vehicle {
-    std::optional<zone::Place> place;
+    std::optional<zone::TrackPosition> position;
     zone::Course course;
     bool on_course{false};
     WaypointIndex base_end{no_waypoint};
@@ -197,7 +197,7 @@ class Traffic {
   [[nodiscard]] std::optional<double> loses_s(const Request& other, const Request& mine) const;
   [[nodiscard]] bool lets_by(const Request& other, const Request& mine) const;
   [[nodiscard]] bool only_follows(VehicleIndex other, VehicleIndex self, const std::vector<CrossingIndex>& crossings);
-  void sort_places();
+  void sort_by_position();
   void look_on(zone::SectionId section, double start_m, double from_s_m, double to_s_m, VehicleIndex self,
                Leader& nearest) const;
   void settle_holds();
@@ -214,7 +214,7 @@ class Traffic {
   std::vector<CrossingIndex> scratch_;
   std::vector<CrossingIndex> between_;
   SimTime now_{};
-  bool places_dirty_{true};
+  bool positions_dirty_{true};
   bool holds_dirty_{true};
 };
 

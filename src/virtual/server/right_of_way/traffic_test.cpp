@@ -23,12 +23,12 @@ class CloverTraffic : public testing::Test {
   /// The last waypoint before the crossings of a straight.
   [[nodiscard]] WaypointIndex stop_on(zone::SectionId section) const {
     for (WaypointIndex i = 0; i < map.size(); ++i)
-      if (map.waypoint(i).place.section == section && map.stretch(i).crosses) return i;
+      if (map.waypoint(i).position.section == section && map.stretch(i).crosses) return i;
     return no_waypoint;
   }
-  [[nodiscard]] double stop_s(zone::SectionId section) const { return map.waypoint(stop_on(section)).place.s_m; }
+  [[nodiscard]] double stop_s(zone::SectionId section) const { return map.waypoint(stop_on(section)).position.s_m; }
   void stand_before(VehicleIndex vehicle, zone::SectionId section, double before_m = 0.0) {
-    traffic.set_place(vehicle, zone::Place{section, stop_s(section) - before_m});
+    traffic.set_position(vehicle, zone::TrackPosition{section, stop_s(section) - before_m});
     traffic.update();
   }
   Traffic::Response ask(VehicleIndex vehicle, zone::SectionId section, double before_m = 0.0) {
@@ -54,12 +54,12 @@ TEST_F(CloverTraffic, finds_two_crossings_behind_each_stop_line_and_takes_them_a
     const WaypointIndex stop = stop_on(straight);
     ASSERT_NE(stop, no_waypoint);
     std::vector<CrossingIndex> met;
-    map.crossings_on(map.waypoint(stop).place, map.chain(stop).length_m, met);
+    map.crossings_on(map.waypoint(stop).position, map.chain(stop).length_m, met);
     EXPECT_EQ(met.size(), 2U);
     // Bodies 0.20 m × 0.12 m touch within 0.16 m of the middle of a crossing, plus clearance: 0.6 − 0.20 > s > 0.9 +
     // 0.20.
-    EXPECT_LT(map.waypoint(stop).place.s_m, 0.44);
-    EXPECT_GT(map.waypoint(map.chain(stop).exit).place.s_m, 1.06);
+    EXPECT_LT(map.waypoint(stop).position.s_m, 0.44);
+    EXPECT_GT(map.waypoint(map.chain(stop).exit).position.s_m, 1.06);
   }
 }
 
@@ -104,13 +104,13 @@ TEST_F(CloverTraffic, gives_a_crossing_back_as_soon_as_the_vehicle_reports_to_be
   for (const zone::Crossing& crossing : map.zone().crossings)
     for (const zone::CrossingSpan& span : crossing.spans)
       if (span.section == 0) first_span_end_m = std::min(first_span_end_m, span.to_m);
-  traffic.set_place(0, zone::Place{0, first_span_end_m});
+  traffic.set_position(0, zone::TrackPosition{0, first_span_end_m});
   traffic.update();
   EXPECT_EQ(held_by(0), 2U) << "not at its very end: 1 cm more";
-  traffic.set_place(0, zone::Place{0, first_span_end_m + 0.03});
+  traffic.set_position(0, zone::TrackPosition{0, first_span_end_m + 0.03});
   traffic.update();
   EXPECT_EQ(held_by(0), 1U);
-  traffic.set_place(0, zone::Place{0, 1.3});
+  traffic.set_position(0, zone::TrackPosition{0, 1.3});
   traffic.update();
   EXPECT_EQ(held_by(0), 0U);
 }
@@ -120,11 +120,11 @@ TEST_F(CloverTraffic, counts_one_that_stopped_a_hair_before_its_exit_as_beyond_t
   stand_before(0, 0);
   ASSERT_TRUE(ask(0, 0).granted);
   drive_to_exit(0, 0);
-  const double exit_s = map.waypoint(map.chain(stop_on(0)).exit).place.s_m;
-  traffic.set_place(0, zone::Place{0, exit_s - 0.015});
+  const double exit_s = map.waypoint(map.chain(stop_on(0)).exit).position.s_m;
+  traffic.set_position(0, zone::TrackPosition{0, exit_s - 0.015});
   traffic.update();
   EXPECT_EQ(held_by(0), 1U);
-  traffic.set_place(0, zone::Place{0, exit_s - 0.009});
+  traffic.set_position(0, zone::TrackPosition{0, exit_s - 0.009});
   traffic.update();
   EXPECT_EQ(held_by(0), 0U);
   stand_before(1, 2);
@@ -195,13 +195,13 @@ TEST_F(CloverTurns, are_not_given_up_to_lower_priorities_nor_after_ten_seconds) 
 
 TEST_F(CloverTurns, are_kept_while_the_crossing_is_free) {
   begin();
-  traffic.set_place(0, std::nullopt);
+  traffic.set_position(0, std::nullopt);
   traffic.update();
   stand_before(2, west);
   ASSERT_TRUE(ask(2, west).granted);
   drive_to_exit(2, west);
   refuse(1, north, 2);
-  traffic.set_place(2, std::nullopt);
+  traffic.set_position(2, std::nullopt);
   traffic.set_base_end(0, no_waypoint);
   traffic.update();
   refuse(0, east, 1);
@@ -209,7 +209,7 @@ TEST_F(CloverTurns, are_kept_while_the_crossing_is_free) {
 
 TEST_F(CloverTraffic, lets_one_go_on_that_stands_in_a_crossing_for_which_another_asked_before_it) {
   stand_before(0, 2);
-  traffic.set_place(1, zone::Place{4, 0.6});
+  traffic.set_position(1, zone::TrackPosition{4, 0.6});
   traffic.update();
   traffic.set_time(SimTime{1s});
   const auto first = ask(0, 2);
@@ -221,7 +221,7 @@ TEST_F(CloverTraffic, lets_one_go_on_that_stands_in_a_crossing_for_which_another
 }
 
 TEST_F(CloverTraffic, keeps_the_crossing_of_a_vehicle_that_stands_in_it_whatever_happened) {
-  traffic.set_place(0, zone::Place{0, 0.6});
+  traffic.set_position(0, zone::TrackPosition{0, 0.6});
   traffic.update();
   EXPECT_GE(held_by(0), 1U);
   stand_before(1, 2);
@@ -230,7 +230,7 @@ TEST_F(CloverTraffic, keeps_the_crossing_of_a_vehicle_that_stands_in_it_whatever
 }
 
 TEST_F(CloverTraffic, does_not_count_a_vehicle_that_stopped_a_centimetre_late_as_standing_in_the_crossing) {
-  traffic.set_place(0, zone::Place{0, stop_s(0) + 0.03});
+  traffic.set_position(0, zone::TrackPosition{0, stop_s(0) + 0.03});
   traffic.update();
   EXPECT_EQ(held_by(0), 0U);
 }
@@ -244,7 +244,7 @@ TEST_F(CloverTraffic, serves_the_first_request_first) {
   EXPECT_FALSE(ask(1, 2).granted) << "1 asked before 2 and shares a crossing with it";
   EXPECT_FALSE(ask(2, 4).granted);
   EXPECT_EQ(ask(2, 4).blocked_by, 1U);
-  traffic.set_place(0, zone::Place{0, 1.3});
+  traffic.set_position(0, zone::TrackPosition{0, 1.3});
   traffic.set_base_end(0, no_waypoint);
   traffic.update();
   EXPECT_FALSE(ask(2, 4).granted) << "still after 1";
@@ -304,7 +304,7 @@ TEST_F(CloverTraffic, starves_nobody_beside_a_stream_of_higher_priority) {
     if (taken) drive_to_exit(other, from);
     served = ask(0, 2).granted;
     if (taken) {
-      traffic.set_place(other, std::nullopt);
+      traffic.set_position(other, std::nullopt);
       traffic.set_base_end(other, no_waypoint);
       traffic.update();
     }
@@ -353,7 +353,7 @@ TEST_F(CloverTraffic, keeps_priorities_over_a_change_of_the_zone) {
 
 TEST_F(CloverTraffic, lets_others_by_while_there_is_no_room_beyond_and_keeps_the_turn) {
   // A vehicle stands just beyond the exit of the north-bound straight.
-  traffic.set_place(2, zone::Place{2, 1.25});
+  traffic.set_position(2, zone::TrackPosition{2, 1.25});
   stand_before(0, 2);
   stand_before(1, 0);
   const auto no_room = ask(0, 2);
@@ -388,8 +388,8 @@ TEST_F(CloverTraffic, names_those_who_wait_in_order) {
 }
 
 TEST_F(CloverTraffic, reaches_no_nearer_than_a_gap_behind_the_vehicle_ahead) {
-  traffic.set_place(0, zone::Place{1, 0.5});
-  traffic.set_place(1, zone::Place{1, 1.5});
+  traffic.set_position(0, zone::TrackPosition{1, 0.5});
+  traffic.set_position(1, zone::TrackPosition{1, 1.5});
   traffic.update();
   EXPECT_EQ(traffic.ahead(0).vehicle, 1U);
   EXPECT_NEAR(traffic.ahead(0).distance_m, 1.0, 1e-12);
@@ -402,8 +402,8 @@ struct Fleet {
   explicit Fleet(std::size_t count, double loss = 0.0) {
     fixture.loss = loss;
     std::size_t number = 0;
-    for (const zone::Place place : fixture.zone->start_places(count))
-      fixture.add("AIV" + std::to_string(++number), place);
+    for (const zone::TrackPosition position : fixture.zone->start_positions(count))
+      fixture.add("AIV" + std::to_string(++number), position);
     fixture.each_step = [this] {
       for (std::size_t i = 0; i < fixture.vehicles.size(); ++i)
         for (std::size_t j = 0; j < i; ++j)
@@ -429,7 +429,7 @@ TEST(Fleet, goes_round_a_vehicle_that_died_on_a_loop_by_waiting_behind_it_and_go
   Fleet fleet{4};
   fleet.fixture.run_for(10s);
   FixtureVehicle& dead = *fleet.fixture.vehicles[0];
-  while (dead.place().section % 2 == 0) fleet.fixture.run_for(100ms);
+  while (dead.track_position().section % 2 == 0) fleet.fixture.run_for(100ms);
   fleet.fixture.kill(dead);
   fleet.fixture.run_for(60s);
   EXPECT_EQ(fleet.touches, 0);

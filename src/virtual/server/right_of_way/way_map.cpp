@@ -34,7 +34,7 @@ WayMap::WayMap(std::shared_ptr<const zone::TrafficZone> zone) : zone_{std::move(
   for (auto& spans : spans_) std::ranges::stable_sort(spans, {}, &Span::from_m);
   WaypointIndex at = 0;
   for (zone::SectionId section = 0; section <= zone_->circuit.size(); ++section) {
-    while (at < zone_->waypoints.size() && zone_->waypoints[at].place.section < section) ++at;
+    while (at < zone_->waypoints.size() && zone_->waypoints[at].position.section < section) ++at;
     first_on_.push_back(at);
   }
   lay_stretches();
@@ -42,7 +42,7 @@ WayMap::WayMap(std::shared_ptr<const zone::TrafficZone> zone) : zone_{std::move(
 
 bool WayMap::take(std::shared_ptr<const zone::TrafficZone> zone) {
   const auto same_waypoint = [](const zone::Waypoint& a, const zone::Waypoint& b) {
-    return a.id == b.id && a.place == b.place;
+    return a.id == b.id && a.position == b.position;
   };
   const auto same_crossing = [](const zone::Crossing& a, const zone::Crossing& b) {
     return a.name == b.name && std::ranges::equal(a.spans, b.spans, [](const auto& x, const auto& y) {
@@ -63,7 +63,7 @@ WaypointIndex WayMap::first_on(zone::SectionId section) const {
 void WayMap::lay_stretches() {
   for (WaypointIndex i = 0; i < zone_->waypoints.size(); ++i) {
     const zone::Waypoint& from = zone_->waypoints[i];
-    points_.push_back(position(zone_->circuit.pose_at(from.place)));
+    points_.push_back(position(zone_->circuit.pose_at(from.position)));
     by_id_[from.id].push_back(i);
     first_stretch_.push_back(stretches_.size());
     lay_stretches_from(i);
@@ -80,9 +80,9 @@ void WayMap::lay_stretches() {
 
 void WayMap::lay_stretches_from(WaypointIndex from) {
   const zone::Circuit& circuit = zone_->circuit;
-  const zone::Place start = waypoint(from).place;
+  const zone::TrackPosition start = waypoint(from).position;
   if (from + 1 < first_on_[start.section + 1]) {
-    stretches_.push_back({from + 1, waypoint(from + 1).place.s_m - start.s_m, {}, false, {}, {}});
+    stretches_.push_back({from + 1, waypoint(from + 1).position.s_m - start.s_m, {}, false, {}, {}});
     return;
   }
   // To each section once, by the shortest way: an order names nodes, and between two of them that is the one meant.
@@ -116,7 +116,7 @@ void WayMap::lay_stretches_from(WaypointIndex from) {
         reach(after, here.start_m + circuit.section(here.section).length_m(), best);
       continue;
     }
-    Stretch stretch{to, here.start_m + waypoint(to).place.s_m, {}, false, {}, {}};
+    Stretch stretch{to, here.start_m + waypoint(to).position.s_m, {}, false, {}, {}};
     for (std::size_t at = best; at != beginning; at = reached[at].via) stretch.sections.push_back(reached[at].section);
     std::ranges::reverse(stretch.sections);
     stretches_.push_back(std::move(stretch));
@@ -127,23 +127,23 @@ void WayMap::finish(WaypointIndex from, Stretch& stretch) const {
   const zone::Circuit& circuit = zone_->circuit;
   const zone::Waypoint& start = waypoint(from);
   const zone::Waypoint& end = waypoint(stretch.to);
-  stretch.speed_mps_max = circuit.part(start.place.section).speed_mps_max;
+  stretch.speed_mps_max = circuit.part(start.position.section).speed_mps_max;
   for (const zone::SectionId section : stretch.sections)
-    if (section != end.place.section || end.place.s_m > 0.0)
+    if (section != end.position.section || end.position.s_m > 0.0)
       slower(stretch.speed_mps_max, circuit.part(section).speed_mps_max);
   std::vector<CrossingIndex> met;
-  crossings_on(start.place, stretch.length_m, met, stretch.sections);
+  crossings_on(start.position, stretch.length_m, met, stretch.sections);
   stretch.crosses = !met.empty();
-  const double section_m = circuit.section(start.place.section).length_m();
-  const double end_s_m = stretch.sections.empty() ? end.place.s_m : section_m;
-  const bool whole = start.place.s_m == 0.0 && end_s_m == section_m &&
-                     (stretch.sections.empty() || (stretch.sections.size() == 1 && end.place.s_m == 0.0));
-  stretch.edge_id = zone_->edges_are_sections && whole ? circuit.part(start.place.section).name : start.id;
+  const double section_m = circuit.section(start.position.section).length_m();
+  const double end_s_m = stretch.sections.empty() ? end.position.s_m : section_m;
+  const bool whole = start.position.s_m == 0.0 && end_s_m == section_m &&
+                     (stretch.sections.empty() || (stretch.sections.size() == 1 && end.position.s_m == 0.0));
+  stretch.edge_id = zone_->edges_are_sections && whole ? circuit.part(start.position.section).name : start.id;
   if (!zone_->edges_are_sections || !whole) stretch.edge_id += "-" + end.id;
 }
 
 bool WayMap::is_default(WaypointIndex from, const Stretch& stretch) const {
-  zone::SectionLookAhead usual{zone_->circuit, waypoint(from).place.section, {}};
+  zone::SectionLookAhead usual{zone_->circuit, waypoint(from).position.section, {}};
   return std::ranges::all_of(stretch.sections,
                              [&](zone::SectionId section) { return usual.step() && usual.section() == section; });
 }
@@ -187,15 +187,15 @@ std::span<const WaypointIndex> WayMap::find(std::string_view id) const {
   return it == by_id_.end() ? std::span<const WaypointIndex>{} : std::span{it->second};
 }
 
-std::optional<WayMap::Behind> WayMap::behind(zone::Place place, Sections gone) const {
+std::optional<WayMap::Behind> WayMap::behind(zone::TrackPosition track_position, Sections gone) const {
   Behind found{no_waypoint, 0.0, {}};
-  zone::SectionId section = place.section;
-  double at_m = place.s_m;
+  zone::SectionId section = track_position.section;
+  double at_m = track_position.s_m;
   for (std::size_t steps = 0; steps <= zone_->circuit.size(); ++steps) {
     for (WaypointIndex i = first_on_[section + 1]; i > first_on_[section]; --i) {
-      if (waypoint(i - 1).place.s_m > at_m + 1e-9) continue;
+      if (waypoint(i - 1).position.s_m > at_m + 1e-9) continue;
       found.waypoint = i - 1;
-      found.since_m += at_m - waypoint(i - 1).place.s_m;
+      found.since_m += at_m - waypoint(i - 1).position.s_m;
       std::ranges::reverse(found.sections);
       return found;
     }
@@ -210,27 +210,27 @@ std::optional<WayMap::Behind> WayMap::behind(zone::Place place, Sections gone) c
   return std::nullopt;
 }
 
-std::optional<WayMap::FirstAhead> WayMap::first_ahead(zone::Place place, Sections coming) const {
-  for (WaypointIndex i = first_on_[place.section]; i < first_on_[place.section + 1]; ++i)
-    if (waypoint(i).place.s_m >= place.s_m) return FirstAhead{i, waypoint(i).place.s_m - place.s_m, 0};
-  double travelled_m = zone_->circuit.section(place.section).length_m() - place.s_m;
+std::optional<WayMap::FirstAhead> WayMap::first_ahead(zone::TrackPosition track_position, Sections coming) const {
+  for (WaypointIndex i = first_on_[track_position.section]; i < first_on_[track_position.section + 1]; ++i)
+    if (waypoint(i).position.s_m >= track_position.s_m) return FirstAhead{i, waypoint(i).position.s_m - track_position.s_m, 0};
+  double travelled_m = zone_->circuit.section(track_position.section).length_m() - track_position.s_m;
   for (std::size_t i = 0; i < coming.size(); ++i) {
     if (const WaypointIndex first = first_on(coming[i]); first != no_waypoint)
-      return FirstAhead{first, travelled_m + waypoint(first).place.s_m, i + 1};
+      return FirstAhead{first, travelled_m + waypoint(first).position.s_m, i + 1};
     travelled_m += zone_->circuit.section(coming[i]).length_m();
   }
   return std::nullopt;
 }
 
-std::vector<zone::Place> WayMap::starts(zone::Place place) const {
-  std::vector<zone::Place> found{place};
-  if (place.s_m > at_node_m) return found;
-  const WaypointIndex here = first_on(place.section);
-  if (here == no_waypoint || waypoint(here).place.s_m > 0.0) return found;
-  const auto reached_by = zone_->circuit.previous(place.section);
+std::vector<zone::TrackPosition> WayMap::starts(zone::TrackPosition track_position) const {
+  std::vector<zone::TrackPosition> found{track_position};
+  if (track_position.s_m > at_node_m) return found;
+  const WaypointIndex here = first_on(track_position.section);
+  if (here == no_waypoint || waypoint(here).position.s_m > 0.0) return found;
+  const auto reached_by = zone_->circuit.previous(track_position.section);
   for (const WaypointIndex sibling : find(waypoint(here).id)) {
-    const zone::Place start = waypoint(sibling).place;
-    if (start.section == place.section || start.s_m > 0.0) continue;
+    const zone::TrackPosition start = waypoint(sibling).position;
+    if (start.section == track_position.section || start.s_m > 0.0) continue;
     const auto ratios = [&](zone::SectionId before) {
       return std::ranges::find(reached_by, before) != reached_by.end();
     };
@@ -242,24 +242,24 @@ std::vector<zone::Place> WayMap::starts(zone::Place place) const {
 
 WaypointIndex WayMap::sibling_on(WaypointIndex of, zone::SectionId section) const {
   for (const WaypointIndex sibling : find(waypoint(of).id)) {
-    const zone::Place& place = waypoint(sibling).place;
-    if (place.section == section && place.s_m == 0.0) return sibling;
+    const zone::TrackPosition& track_position = waypoint(sibling).position;
+    if (track_position.section == section && track_position.s_m == 0.0) return sibling;
   }
   return no_waypoint;
 }
 
-std::optional<double> WayMap::base_left(zone::Place place, WaypointIndex end, double limit_m, Sections coming,
+std::optional<double> WayMap::base_left(zone::TrackPosition track_position, WaypointIndex end, double limit_m, Sections coming,
                                         bool passed) const {
-  const zone::Place end_place = waypoint(end).place;
+  const zone::TrackPosition end_position = waypoint(end).position;
   if (!passed) {
     // Where a way comes back soon, what lies just behind may be what lies at its end.
-    if (const auto ahead_m = ahead(place, end_place, limit_m, coming)) return ahead_m;
+    if (const auto ahead_m = ahead(track_position, end_position, limit_m, coming)) return ahead_m;
   }
-  if (zone_->circuit.shortest_way(end_place, place, overshoot_m)) return 0.0;
-  return passed ? ahead(place, end_place, limit_m, coming) : std::nullopt;
+  if (zone_->circuit.shortest_way(end_position, track_position, overshoot_m)) return 0.0;
+  return passed ? ahead(track_position, end_position, limit_m, coming) : std::nullopt;
 }
 
-std::optional<WayMap::Through> WayMap::through(zone::Place place, std::span<const std::string_view> ids,
+std::optional<WayMap::Through> WayMap::through(zone::TrackPosition track_position, std::span<const std::string_view> ids,
                                                std::size_t released) const {
   // Which of an id's waypoints is meant shows only at the next one: all of them are followed.
   struct Trail {
@@ -277,10 +277,10 @@ std::optional<WayMap::Through> WayMap::through(zone::Place place, std::span<cons
     std::vector<Trail> on;
     if (i == 0) {
       for (const WaypointIndex first : find(ids[0])) {
-        const zone::Place there = waypoint(first).place;
-        if (zone_->circuit.shortest_way(there, place, overshoot_m))
-          on.push_back({first, {{place.section}, no_waypoint, 0}});
-        else if (auto way = zone_->circuit.shortest_way(place, there, longest_m_ + overshoot_m))
+        const zone::TrackPosition there = waypoint(first).position;
+        if (zone_->circuit.shortest_way(there, track_position, overshoot_m))
+          on.push_back({first, {{track_position.section}, no_waypoint, 0}});
+        else if (auto way = zone_->circuit.shortest_way(track_position, there, longest_m_ + overshoot_m))
           on.push_back({first, {std::move(way->sections), no_waypoint, 0}});
       }
     }
@@ -313,20 +313,20 @@ void WayMap::spans_on(zone::SectionId section, double from_m, double to_m, bool 
   }
 }
 
-void WayMap::crossings_on(zone::Place place, double distance_m, std::vector<CrossingIndex>& out,
+void WayMap::crossings_on(zone::TrackPosition track_position, double distance_m, std::vector<CrossingIndex>& out,
                           Sections coming) const {
   const zone::Circuit& circuit = zone_->circuit;
-  double from_m = place.s_m - left_m;
+  double from_m = track_position.s_m - left_m;
   double rest_m = distance_m;
   // What was left just behind the joint still counts by its 2 cm.
   if (from_m < 0.0) {
-    for (const zone::SectionId before : circuit.previous(place.section)) {
+    for (const zone::SectionId before : circuit.previous(track_position.section)) {
       const double end_m = circuit.section(before).length_m();
       spans_on(before, end_m + from_m, end_m, true, out);
     }
   }
-  double at_m = place.s_m;
-  zone::SectionLookAhead ahead{circuit, place.section, coming};
+  double at_m = track_position.s_m;
+  zone::SectionLookAhead ahead{circuit, track_position.section, coming};
   for (std::size_t steps = 0; steps <= coming.size() + circuit.size(); ++steps) {
     const bool first = steps == 0;
     const double end_m = circuit.section(ahead.section()).length_m();
@@ -339,10 +339,10 @@ void WayMap::crossings_on(zone::Place place, double distance_m, std::vector<Cros
   }
 }
 
-double WayMap::way_out_m(zone::Place place, CrossingIndex crossing, double distance_m, Sections coming) const {
+double WayMap::way_out_m(zone::TrackPosition track_position, CrossingIndex crossing, double distance_m, Sections coming) const {
   double out_m = 0.0;
-  double start_m = -place.s_m;
-  zone::SectionLookAhead ahead{zone_->circuit, place.section, coming};
+  double start_m = -track_position.s_m;
+  zone::SectionLookAhead ahead{zone_->circuit, track_position.section, coming};
   for (std::size_t steps = 0; steps <= coming.size() + zone_->circuit.size() && start_m < distance_m; ++steps) {
     for (const Span& span : spans_[ahead.section()])
       if (span.crossing == crossing && start_m + span.from_m < distance_m)

@@ -75,28 +75,28 @@ class WayMap {
     double since_m;                         ///< way from it to `place`
     std::vector<zone::SectionId> sections;  ///< after its own, up to `place`'s
   };
-  [[nodiscard]] std::optional<Behind> behind(zone::Place place, Sections gone = {}) const;
+  [[nodiscard]] std::optional<Behind> behind(zone::TrackPosition position, Sections gone = {}) const;
   /// The first waypoint at or after `place`.
   struct FirstAhead {
     WaypointIndex waypoint;
     double distance_m;
     std::size_t sections;  ///< of `coming`, up to its own
   };
-  [[nodiscard]] std::optional<FirstAhead> first_ahead(zone::Place place, Sections coming) const;
+  [[nodiscard]] std::optional<FirstAhead> first_ahead(zone::TrackPosition position, Sections coming) const;
   /// `place`, and the starts of all sections that begin at the waypoint it stands on: where ways meet at a node, a
   /// vehicle that stands on it may leave by any of those it could have come to.
-  [[nodiscard]] std::vector<zone::Place> starts(zone::Place place) const;
+  [[nodiscard]] std::vector<zone::TrackPosition> starts(zone::TrackPosition position) const;
   /// Of the waypoint's id, the one where `section` begins; no_waypoint: there is none.
   [[nodiscard]] WaypointIndex sibling_on(WaypointIndex waypoint, zone::SectionId section) const;
 
-  [[nodiscard]] std::optional<double> ahead(zone::Place from, zone::Place to, double limit_m,
+  [[nodiscard]] std::optional<double> ahead(zone::TrackPosition from, zone::TrackPosition to, double limit_m,
                                             Sections coming = {}) const {
     return zone_->circuit.distance_ahead(from, to, limit_m, coming);
   }
   /// Way from `place` to a base that ends at `end`: 0 when it stands there or a little beyond; nothing when the end is
   /// not within `limit_m` ahead.
   /// @param passed  it has said that it passed the end, so that what is just behind is not one lap ahead
-  [[nodiscard]] std::optional<double> base_left(zone::Place place, WaypointIndex end, double limit_m,
+  [[nodiscard]] std::optional<double> base_left(zone::TrackPosition position, WaypointIndex end, double limit_m,
                                                 Sections coming = {}, bool passed = true) const;
 
   /// The way over nodes that a vehicle at `place` reports as left to drive.
@@ -106,16 +106,16 @@ class WayMap {
     std::size_t to_end;                     ///< sections up to `end`'s
   };
   /// @param released  so many of `ids` are released, at least one
-  [[nodiscard]] std::optional<Through> through(zone::Place place, std::span<const std::string_view> ids,
+  [[nodiscard]] std::optional<Through> through(zone::TrackPosition position, std::span<const std::string_view> ids,
                                                std::size_t released) const;
 
   /// Adds to `out`, once each and in order of the way, the crossings with a span that a vehicle's middle is in at
   /// `place` or meets over the next `distance_m`. A span counts as entered 4 cm behind its start (the clearance it was
   /// found with: a vehicle that stopped a little late at its stop line is not in it) and as left 1 cm behind its end (1
   /// cm before its exit: so is one that stopped a little early there).
-  void crossings_on(zone::Place place, double distance_m, std::vector<CrossingIndex>& out, Sections coming = {}) const;
+  void crossings_on(zone::TrackPosition position, double distance_m, std::vector<CrossingIndex>& out, Sections coming = {}) const;
   /// From `place` to where the last span of that crossing within `distance_m` is left; 0: there is none.
-  [[nodiscard]] double way_out_m(zone::Place place, CrossingIndex crossing, double distance_m,
+  [[nodiscard]] double way_out_m(zone::TrackPosition position, CrossingIndex crossing, double distance_m,
                                  Sections coming = {}) const;
   /// Where ways part: so far along `section` a body still is in the way of those who take another branch.
   [[nodiscard]] double parted_m(zone::SectionId section) const;

@@ -108,7 +108,7 @@ inline zone::ZoneConfiguration fork(const std::string& more = "") { return {"tom
 
 class FixtureVehicle {
  public:
-  FixtureVehicle(std::shared_ptr<const zone::TrafficZone> zone, wire::VehicleId vehicle, zone::Place start)
+  FixtureVehicle(std::shared_ptr<const zone::TrafficZone> zone, wire::VehicleId vehicle, zone::TrackPosition start)
       : id{std::move(vehicle)},
         map_id{zone->name},
         zone_{std::move(zone)},
@@ -156,14 +156,14 @@ class FixtureVehicle {
   std::vector<std::string> refusals;          ///< of orders, by its own rules
   bool state_due{true};
 
-  [[nodiscard]] zone::Place place() const { return motion.place(zone_->circuit); }
+  [[nodiscard]] zone::TrackPosition track_position() const { return motion.track_position(zone_->circuit); }
   [[nodiscard]] Pose2 pose() const { return off_line ? *off_line : motion.pose(zone_->circuit); }
   [[nodiscard]] const zone::TrafficZone& zone() const { return *zone_; }
   /// Carried to where no way leads, or anywhere else.
   void put(const Pose2& X_MB) {
     off_line = X_MB;
     if (const auto entry_point = zone::snap_to_path(zone_->circuit, X_MB))
-      motion = {zone_->circuit, entry_point->place};
+      motion = {zone_->circuit, entry_point->position};
     book.emplace(*zone_);
     state_due = true;
   }
@@ -261,7 +261,7 @@ class FixtureVehicle {
 
   double drive(double target_m) {
     if (target_m == 0.0) return 0.0;
-    const zone::Course course = book->course_from(place());
+    const zone::Course course = book->course_from(track_position());
     return motion.shift(zone_->circuit, target_m, course.coming());
   }
 
@@ -317,7 +317,7 @@ class FixtureVehicle {
                  {{"orderId", order.order_id}, {"orderUpdateId", std::to_string(order.order_update_id)}}}};
       return;
     }
-    const auto verdict = book->offer(order, {place(), position_known});
+    const auto verdict = book->offer(order, {track_position(), position_known});
     if (!verdict)
       refusals.push_back(to_string(verdict.error()));
     else if (*verdict == aiv::OrderBook::Verdict::accepted_new)
@@ -345,7 +345,7 @@ class FixtureVehicle {
       on_map_action(action);
       if (action.action_type == "joinLine" && off_line) {
         const Point2 there{action.number("x").value_or(0.0), action.number("y").value_or(0.0)};
-        motion = {zone_->circuit, zone_->circuit.locate(there, action.number("theta")).place};
+        motion = {zone_->circuit, zone_->circuit.locate(there, action.number("theta")).position};
         joins = action.action_id;
         action_states.push_back({action.action_id, action.action_type, wire::ActionStatus::running, ""});
         continue;

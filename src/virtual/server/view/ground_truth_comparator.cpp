@@ -38,7 +38,7 @@ bool inside(const std::vector<Point2>& polygon, Point2 p) {
 }
 
 /// In decimetres: where it stands is for a person who looks for it, and words that change with every picture are none.
-std::string place_text(const Pose2& pose) {
+std::string position_text(const Pose2& pose) {
   const auto text = [](double m) {
     const long dm = std::lround(10.0 * m);
     return std::string(dm < 0 ? "-" : "") + std::to_string(std::labs(dm) / 10) + "." +
@@ -178,7 +178,7 @@ void GroundTruthComparator::find_unseen(std::vector<Finding>& findings) {
     if (detected != detected_.end()) last = std::max(last, detected->second.arrived);
     if (now_ - last <= timeout) continue;
     findings.push_back({Finding::Kind::not_detected, name,
-                        "its twin is at " + place_text(trail.points.back().X_MB) + ", where the camera sees no AIV",
+                        "its twin is at " + position_text(trail.points.back().X_MB) + ", where the camera sees no AIV",
                         since(Finding::Kind::not_detected, name)});
   }
 }
@@ -203,7 +203,7 @@ std::vector<Finding> GroundTruthComparator::find(bool unknown_senders) {
       continue;
     findings.push_back({Finding::Kind::no_twin, name,
                         "the camera sees it (tag " + std::to_string(detected.tag) + ") at " +
-                            place_text(detected.X_MB) + ", and it has no twin",
+                            position_text(detected.X_MB) + ", and it has no twin",
                         since(Finding::Kind::no_twin, name)});
   }
   find_unseen(findings);

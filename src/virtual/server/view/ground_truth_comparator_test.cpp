@@ -100,8 +100,8 @@ TEST_F(GvsFixture, compares_nothing_that_is_older_than_its_history_or_yet_to_com
 }
 
 TEST_F(GvsFixture, names_an_aiv_that_has_no_twin_after_a_while_and_no_longer_when_it_has_one) {
-  const zone::Place place{0, 1.5};
-  const Pose2 there = fixture.zone->circuit.pose_at(place);
+  const zone::TrackPosition position{0, 1.5};
+  const Pose2 there = fixture.zone->circuit.pose_at(position);
   watch(2s, {{"CoSiVA/AIV1", aiv.pose()}, {"CoSiVA/AIV7", there}});
   EXPECT_THAT(findings(), IsEmpty()) << "it may be on its way";
   const double matched = *fixture.bijection().number("matched_ratio");
@@ -111,7 +111,7 @@ TEST_F(GvsFixture, names_an_aiv_that_has_no_twin_after_a_while_and_no_longer_whe
   EXPECT_EQ(findings()[0].text("id"), "CoSiVA/AIV7");
   EXPECT_THAT(findings()[0].text("text").value(), HasSubstr("(tag 2)"));
   EXPECT_LT(*fixture.bijection().number("matched_ratio"), matched);
-  fixture.add("AIV7", place).blocked = true;
+  fixture.add("AIV7", position).blocked = true;
   watch(1s, {{"CoSiVA/AIV1", aiv.pose()}, {"CoSiVA/AIV7", there}});
   EXPECT_THAT(findings(), IsEmpty());
 }
