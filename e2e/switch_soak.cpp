@@ -53,7 +53,7 @@ std::string collisions_of(const experiments::World& world) {
 }
 
 /// Those that stand when all has had a minute to sort itself out, and are not parked.
-std::string left_standing(experiments::World& world) {
+std::string left_stopped(experiments::World& world) {
   world.run_for(60s);
   std::vector<double> before_m;
   for (const auto& vehicle : world.plant().vehicles()) before_m.push_back(vehicle.distance_m);
@@ -93,8 +93,8 @@ Outcome run(const Plan& plan, std::uint64_t seed) {
     if (!world.plant().collisions().empty())
       return {"after switch " + std::to_string(i + 1) + collisions_of(world), world.digest().value()};
   }
-  const std::string standing = left_standing(world);
-  return {collisions_of(world) + standing, world.digest().value()};
+  const std::string stopped = left_stopped(world);
+  return {collisions_of(world) + stopped, world.digest().value()};
 }
 
 }  // namespace

@@ -41,8 +41,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (board) COSIVA_EXPECT(read_board(write_board(*board), "again")->size() == board->size());
   const auto poses = read_poses(text, "fuzz");
   if (poses) (void)fit_poses(*poses, true);
-  const auto stands = read_pose_stands(text, "fuzz", {{0.0}, {0.0}, {0.0}});
-  if (!stands) COSIVA_EXPECT(stands.error().code == "gvs.poses");
+  const auto is_stopped = read_pose_stops(text, "fuzz", {{0.0}, {0.0}, {0.0}});
+  if (!is_stopped) COSIVA_EXPECT(is_stopped.error().code == "gvs.poses");
   const auto image = read_netpbm(text, "fuzz");
   if (image) COSIVA_EXPECT(read_netpbm(write_pgm(*image), "again") == image);
   return 0;

@@ -85,7 +85,7 @@ Result<void> Agent::initialise_position(const Pose2& X_MB, std::string last_node
   }
   // Where its sensors see no line it stands beside the one that it was told.
   if (holds_.has(Hold::line_lost) || estimator_.off_line())
-    estimator_.stand_off(X_MB);
+    estimator_.set_off_path(X_MB);
   else
     estimator_.position_at(*position);
   progress_.set_last_node(std::move(last_node_id));
@@ -153,14 +153,14 @@ Result<OrderBook::Verdict> Agent::take_order(const wire::Order& order) {
                                     std::to_string(estimator_.off_by_m()) + " m from the vehicle, further than " +
                                     std::to_string(zone::snap_within_m) + " m");
   }
-  OrderBook::Standing standing{estimator_.known() ? estimator_.track_position() : zone::TrackPosition{}, estimator_.known()};
+  OrderBook::StartState reference{estimator_.known() ? estimator_.track_position() : zone::TrackPosition{}, estimator_.known()};
   // With a base before it, where it stands does not matter.
   const bool needs_position = !one_way_ && !progress_.book().base_left();
-  if (needs_position) standing.also = estimator_.same_positions();
-  auto verdict = progress_.offer(order, standing);
+  if (needs_position) reference.also = estimator_.same_positions();
+  auto verdict = progress_.offer(order, reference);
   if (verdict && *verdict != OrderBook::Verdict::ignored_same) {
     back_up_.end();
-    if (needs_position && !(progress_.book().accepted_at() == standing.position))
+    if (needs_position && !(progress_.book().accepted_at() == reference.position))
       estimator_.take_same_position(progress_.book().accepted_at());
     follow_order();
     progress_.advance(0.0);
@@ -181,7 +181,7 @@ void Agent::take_over(const Agent& before) {
 
 Agent::Plan Agent::plan(double room_m, double base_end_m) const {
   // Once it stands for something it goes on only when there is clearly more room.
-  const double obstacle_m = decision_.blocked && room_m < stand_off_m + resume_room_m ? 0.0 : room_m;
+  const double obstacle_m = decision_.blocked && room_m < clearance_m + resume_room_m ? 0.0 : room_m;
   const bool may_drive = !holds_.any() && !progress_.cancelling() && estimator_.known();
   const bool leader_detected =
       inputs_.others.leader_mps && std::fabs(inputs_.others.leader_gap_m - room_m) <= same_body_m;
@@ -241,7 +241,7 @@ wire::Drive Agent::decide() {
   COSIVA_EXPECT(chosen || limit.speed_mps == 0.0);
   decision_.profile = chosen;
   decision_.crossing_ahead_m = limit.crossing_ahead_m;
-  decision_.blocked = limit.by_obstacle && limit.speed_mps < standing_mps;
+  decision_.blocked = limit.by_obstacle && limit.speed_mps < stopped_mps;
   const double braking_m = motion_.speed_mps() * motion_.speed_mps() / (2.0 * target_speed.braking_mps2);
   decision_.wants_base = order().horizon_left() && base_end_m < braking_m + base_warning_m;
   target_speed.braking_mps2 = limit.braking_mps2;

@@ -278,8 +278,8 @@ struct BesideFixture : GraphFixture {
   BesideFixture() : GraphFixture{diamond(), "trunk", 0.0} {
     const auto aslant = test::graph("aslant", {{"way", {0.5, 0.14, 1.0}, 1.0, 0.0, {}}}, {});
     world = LineWorld{aslant.circuit, {0, 0.0}};
-    world.stand_on(diamond().circuit);
-    agent.estimator().stand_off(world.pose());
+    world.set_zone(diamond().circuit);
+    agent.estimator().set_off_path(world.pose());
   }
 };
 
@@ -328,10 +328,10 @@ TEST(AgentBesideTheLine, stops_half_way_for_what_it_sees_only_then) {
   fixture.run(6.0);
   EXPECT_TRUE(fixture.world.manoeuvring());
   EXPECT_TRUE(fixture.agent.decision().blocked);
-  const Pose2 stands = fixture.world.pose();
-  EXPECT_GT(stands.y_m - 0.1, -0.05);
+  const Pose2 is_stopped = fixture.world.pose();
+  EXPECT_GT(is_stopped.y_m - 0.1, -0.05);
   fixture.run(2.0);
-  EXPECT_EQ(fixture.world.pose(), stands);
+  EXPECT_EQ(fixture.world.pose(), is_stopped);
   fixture.obstacles.clear();
   fixture.run(15.0);
   EXPECT_THAT(fixture.traversed, ElementsAre("T1"));
@@ -390,7 +390,7 @@ TEST(AgentBesideTheLine, stands_where_a_manoeuvre_left_it_that_was_given_up) {
 
 TEST(AgentBesideTheLine, that_is_too_far_away_says_how_far_and_takes_no_order) {
   Agent agent{square()};
-  agent.estimator().stand_off({0.5, 0.5, 0.0});
+  agent.estimator().set_off_path({0.5, 0.5, 0.0});
   EXPECT_TRUE(agent.position().away());
   EXPECT_TRUE(agent.position().pose_known());
   EXPECT_NEAR(agent.position().off_by_m(), 0.5, 1e-9);

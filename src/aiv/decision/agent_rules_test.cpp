@@ -224,7 +224,7 @@ Drive drive(const SpeedPolicy& speed_policy, double body_mps) {
     drive.changes += present && *present != profile ? 1 : 0;
     present = profile;
     const zone::SpeedProfile target_speed = kinematics(profiles, profile);
-    const double wanted_mps = std::min(target_speed.speed_mps, stoppable_speed(situation.obstacle_ahead_m - stand_off_m,
+    const double wanted_mps = std::min(target_speed.speed_mps, stoppable_speed(situation.obstacle_ahead_m - clearance_m,
                                                                                target_speed.braking_mps2, 0.15));
     speed_mps = std::clamp(wanted_mps, speed_mps - 0.8 * dt_s, speed_mps + target_speed.acceleration_mps2 * dt_s);
     drive.way_m += speed_mps * dt_s;
@@ -241,7 +241,7 @@ TEST(FuzzyDrive, comes_as_far_as_the_crisp_one_with_no_more_changes_of_profile) 
     const Drive crisp = drive(CrispSpeedPolicy{}, body_mps);
     EXPECT_GE(own.way_m, crisp.way_m - 1e-3) << body_mps;
     EXPECT_LE(own.changes, crisp.changes) << body_mps;
-    EXPECT_GE(own.nearest_m, 0.5 * stand_off_m) << body_mps;
+    EXPECT_GE(own.nearest_m, 0.5 * clearance_m) << body_mps;
   }
 }
 

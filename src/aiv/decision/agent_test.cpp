@@ -182,7 +182,7 @@ TEST(Agent, stops_before_an_obstacle_and_goes_on_when_it_is_gone) {
   fixture.run(4.0);
   EXPECT_EQ(fixture.speed_mps, 0.0);
   EXPECT_TRUE(fixture.agent.decision().blocked);
-  EXPECT_NEAR(0.9 - fixture.s_m() - 0.1, stand_off_m, 0.03);
+  EXPECT_NEAR(0.9 - fixture.s_m() - 0.1, clearance_m, 0.03);
   EXPECT_LE(fixture.hardest_braking_mps2, lacet4().profiles.fast.braking_mps2 + 0.03);
   fixture.obstacles.clear();
   fixture.run(4.0);
@@ -217,7 +217,7 @@ TEST(Agent, stops_before_what_it_feels_as_before_an_obstacle_and_goes_on_when_it
   EXPECT_EQ(fixture.speed_mps, 0.0);
   EXPECT_TRUE(fixture.agent.decision().blocked);
   EXPECT_TRUE(fixture.agent.decision().braking_for_virtual);
-  EXPECT_NEAR(0.9 - fixture.s_m() - 0.1, stand_off_m, 0.02);
+  EXPECT_NEAR(0.9 - fixture.s_m() - 0.1, clearance_m, 0.02);
   EXPECT_LE(fixture.hardest_braking_mps2, lacet4().profiles.medium.braking_mps2 + 0.03) << "it was told in time";
   fixture.agent.perceive(std::numeric_limits<double>::infinity());
   fixture.run(4.0);
@@ -235,13 +235,13 @@ TEST(Agent, brakes_for_the_nearer_of_what_it_sees_and_feels) {
     fixture.step();
     EXPECT_FALSE(fixture.agent.decision().braking_for_virtual && fixture.tick > 10) << fixture.tick;
   }
-  EXPECT_NEAR(0.6 - fixture.s_m() - 0.1, stand_off_m, 0.03) << "the obstacle";
+  EXPECT_NEAR(0.6 - fixture.s_m() - 0.1, clearance_m, 0.03) << "the obstacle";
   fixture.obstacles.clear();
   for (int i = 0; i < 250; ++i) {
     fixture.agent.perceive(0.9 - fixture.s_m() - 0.1);
     fixture.step();
   }
-  EXPECT_NEAR(0.9 - fixture.s_m() - 0.1, stand_off_m, 0.02) << "the virtual one";
+  EXPECT_NEAR(0.9 - fixture.s_m() - 0.1, clearance_m, 0.02) << "the virtual one";
   EXPECT_TRUE(fixture.agent.decision().braking_for_virtual);
 }
 
@@ -272,13 +272,13 @@ TEST(Agent, does_not_stutter_behind_what_moves_back_and_forth_by_a_few_centimetr
   AgentFixture fixture{"loop_se", 0.0};
   fixture.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
   int starts = 0;
-  bool stood = true;
+  bool was_stopped = true;
   for (int i = 0; i < 1000; ++i) {
     const double sway_m = (i / 10) % 2 == 0 ? 0.015 : -0.015;
     fixture.agent.perceive(0.9 - fixture.s_m() - 0.1 + sway_m);
     fixture.step();
-    starts += stood && fixture.speed_mps > 0.0 ? 1 : 0;
-    stood = fixture.speed_mps == 0.0;
+    starts += was_stopped && fixture.speed_mps > 0.0 ? 1 : 0;
+    was_stopped = fixture.speed_mps == 0.0;
   }
   EXPECT_EQ(fixture.speed_mps, 0.0);
   EXPECT_LE(starts, 2);

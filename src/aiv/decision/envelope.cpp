@@ -20,7 +20,7 @@ using plain::speed_before;
 }  // namespace
 
 CrossingLookAhead::CrossingLookAhead(const zone::TrafficZone& zone)
-    : circuit_{zone.circuit}, gap_m_{zone::standing_room_m(zone.vehicle)}, spans_(zone.circuit.size()) {
+    : circuit_{zone.circuit}, gap_m_{zone::stopping_room_m(zone.vehicle)}, spans_(zone.circuit.size()) {
   for (const zone::Crossing& crossing : zone.crossings) {
     for (const zone::CrossingSpan& span : crossing.spans) spans_[span.section].push_back({span.from_m, span.to_m});
   }
@@ -104,7 +104,7 @@ Limit Envelope::limit(const View& view, const zone::SpeedProfile& target_speed) 
     limit.crossing_ahead_m = chain.entry_m;
     if (chain.entry_m < end_m) end_m = std::max(0.0, chain.entry_m - stop_line_m);
   }
-  const double obstacle_m = view.obstacle_ahead_m - stand_off_m;
+  const double obstacle_m = view.obstacle_ahead_m - clearance_m;
 
   limit.speed_mps = std::min(limit.speed_mps, stoppable_speed(end_m, braking, late_.command_s));
   if (sections_have_limits_)
@@ -128,7 +128,7 @@ Limit Envelope::limit(const View& view, const zone::SpeedProfile& target_speed) 
 }
 
 Limit Envelope::limit_off_line(double obstacle_ahead_m, const zone::SpeedProfile& target_speed) const {
-  const double room_mps = stoppable_speed(obstacle_ahead_m - stand_off_m, target_speed.braking_mps2, late_.obstacle_s);
+  const double room_mps = stoppable_speed(obstacle_ahead_m - clearance_m, target_speed.braking_mps2, late_.obstacle_s);
   return {std::min(target_speed.speed_mps, room_mps), target_speed.braking_mps2, room_mps < target_speed.speed_mps,
           std::numeric_limits<double>::infinity()};
 }

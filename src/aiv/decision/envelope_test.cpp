@@ -153,7 +153,7 @@ TEST(Envelope, keeps_its_distance_to_an_obstacle) {
   const Scene scene{"loop_se", 0.0, order("O").through({"loop_se@0", "loop_se@283", "loop_se@1131"})};
   EXPECT_NEAR(scene.limit(0.22).speed_mps, stoppable_speed(0.10, 0.8, 0.15), 1e-12);
   EXPECT_TRUE(scene.limit(0.22).by_obstacle);
-  EXPECT_EQ(scene.limit(stand_off_m).speed_mps, 0.0);
+  EXPECT_EQ(scene.limit(clearance_m).speed_mps, 0.0);
 }
 
 TEST(Envelope, brakes_as_hard_as_it_can_when_the_profile_s_brakes_do_not_suffice) {

@@ -21,7 +21,7 @@ constexpr double stuck_m = 0.0005;
 
 void MotionState::on_odometry(const wire::Odometry& odometry) {
   speed_mps_ = 0.001 * odometry.speed_mmps;
-  slow_readings_ = std::fabs(speed_mps_) < standing_mps ? std::min(slow_readings_ + 1, stopped_readings) : 0;
+  slow_readings_ = std::fabs(speed_mps_) < stopped_mps ? std::min(slow_readings_ + 1, stopped_readings) : 0;
   turn_radps_ = 0.0;
   if (odometry.manoeuvre) {
     const bool still = manoeuvre_ == odometry.manoeuvre;

@@ -8,9 +8,9 @@
 
 namespace cosiva::aiv {
 
-Result<OrderBook::Verdict> OrderProgress::offer(const wire::Order& order, const OrderBook::Standing& standing) {
+Result<OrderBook::Verdict> OrderProgress::offer(const wire::Order& order, const OrderBook::StartState& reference) {
   if (cancelling_) return fail("orderUpdateError", "the order before it is being cancelled");
-  return book_.offer(order, standing);
+  return book_.offer(order, reference);
 }
 
 void OrderProgress::advance(double distance_m) {

@@ -15,7 +15,7 @@ class OrderProgress {
   explicit OrderProgress(const zone::TrafficZone& zone) : book_{zone} {}
 
   /// As OrderBook::offer(); fails ("orderUpdateError") while a cancelOrder is pending.
-  [[nodiscard]] Result<OrderBook::Verdict> offer(const wire::Order& order, const OrderBook::Standing& standing);
+  [[nodiscard]] Result<OrderBook::Verdict> offer(const wire::Order& order, const OrderBook::StartState& reference);
   /// The vehicle has come `distance_m` further; negative: a correction backwards.
   void advance(double distance_m);
   /// The vehicle finds itself at `place`; null: nowhere. True: an order is active and goes on from there. An order that

@@ -20,7 +20,7 @@ struct Progress : OrderProgress {
   Progress() : OrderProgress{lacet4()} {
     EXPECT_TRUE(offer(order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@565"}), start()));
   }
-  static OrderBook::Standing start() { return {at(lacet4(), "loop_se", 0.0), true}; }
+  static OrderBook::StartState start() { return {at(lacet4(), "loop_se", 0.0), true}; }
   std::vector<std::string> traversed() {
     std::vector<std::string> ids;
     for (const wire::OrderNode& node : take_traversed()) ids.push_back(node.node_id);

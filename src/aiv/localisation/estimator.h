@@ -72,7 +72,7 @@ class PositionEstimator {
   /// Somebody tells the place: configuration, memory, initPosition.
   void position_at(zone::TrackPosition position);
   /// Somebody tells the pose, on the line or not (zone::snap_to_path).
-  void stand_off(const Pose2& X_MB);
+  void set_off_path(const Pose2& X_MB);
   /// Of one that stands beside the line: it goes onto it here, not at the nearest place.
   void aim(zone::TrackPosition position);
   /// A manoeuvre was in progress when it was remembered: how far it had come, and the section that it leads to if it

@@ -24,7 +24,7 @@ struct Estimator : PositionEstimator {
   wire::Odometry odometry;
 
   explicit Estimator(const zone::TrafficZone& z) : PositionEstimator{z, ideal}, zone{z} { on_odometry(odometry); }
-  Estimator& standing_at(std::string_view section, double s_m) {
+  Estimator& stopped_at(std::string_view section, double s_m) {
     position_at(at(zone, section, s_m));
     return *this;
   }
@@ -56,14 +56,14 @@ struct Estimator : PositionEstimator {
 
 TEST(EstimateOnAGraph, follows_its_course_over_a_fork) {
   Estimator estimator{diamond()};
-  estimator.standing_at("trunk", 1.9).along({"trunk", "r_up", "r_over"}).drive(0.3);
+  estimator.stopped_at("trunk", 1.9).along({"trunk", "r_up", "r_over"}).drive(0.3);
   EXPECT_EQ(estimator.section(), "r_up");
   EXPECT_NEAR(estimator.track_position().s_m, 0.2, 1e-9);
 }
 
 TEST(EstimateOnAGraph, waits_at_a_fork_that_nobody_has_decided) {
   Estimator estimator{diamond()};
-  EXPECT_NEAR(estimator.standing_at("trunk", 1.9).drive(0.3), 0.1, 1e-9);
+  EXPECT_NEAR(estimator.stopped_at("trunk", 1.9).drive(0.3), 0.1, 1e-9);
   EXPECT_EQ(estimator.track_position(), at(diamond(), "trunk", 2.0));
   estimator.along({"trunk", "r_up"}).drive(0.1);
   EXPECT_EQ(estimator.section(), "r_up");
@@ -71,7 +71,7 @@ TEST(EstimateOnAGraph, waits_at_a_fork_that_nobody_has_decided) {
 
 TEST(EstimateOnAGraph, goes_on_over_joints_where_there_is_nothing_to_choose) {
   Estimator estimator{diamond()};
-  estimator.standing_at("r_up", 0.5).drive(1.0);
+  estimator.stopped_at("r_up", 0.5).drive(1.0);
   EXPECT_EQ(estimator.section(), "r_over");
 }
 
@@ -79,7 +79,7 @@ TEST(EstimateOnAGraph, goes_back_over_a_merge_where_it_came_from) {
   for (const char* side : {"l", "r"}) {
     const std::string down = std::string(side) + "_down";
     Estimator estimator{diamond()};
-    estimator.standing_at(down, pi / 4.0 - 0.05).along({down, "tail"}).drive(0.1);
+    estimator.stopped_at(down, pi / 4.0 - 0.05).along({down, "tail"}).drive(0.1);
     EXPECT_EQ(estimator.section(), "tail");
     estimator.drive(-0.1);
     EXPECT_EQ(estimator.section(), down);
@@ -92,7 +92,7 @@ TEST(EstimateOnAGraph, is_corrected_by_a_tag_on_its_way_and_jumps_to_one_on_anot
   zone.tags = {
       {1, at(zone, "r_down", pi / 4.0 - 0.03)}, {2, at(zone, "l_down", pi / 4.0 - 0.20)}, {3, at(zone, "r_up", 0.1)}};
   Estimator estimator{zone};
-  estimator.standing_at("r_down", 0.2).along({"r_down", "tail"}).drive(pi / 4.0 - 0.2 + 0.02);
+  estimator.stopped_at("r_down", 0.2).along({"r_down", "tail"}).drive(pi / 4.0 - 0.2 + 0.02);
   EXPECT_EQ(estimator.section(), "tail");
   const auto back = estimator.on_tag(1, 0.0, 0.0);
   EXPECT_EQ(back.kind, FixKind::corrected);
@@ -102,7 +102,7 @@ TEST(EstimateOnAGraph, is_corrected_by_a_tag_on_its_way_and_jumps_to_one_on_anot
   EXPECT_EQ(estimator.on_tag(2, 0.0, 0.0).kind, FixKind::relocated) << "it did not come that way";
   EXPECT_EQ(estimator.section(), "l_down");
 
-  estimator.standing_at("trunk", 1.95).along({"trunk", "r_up"});
+  estimator.stopped_at("trunk", 1.95).along({"trunk", "r_up"});
   const auto ahead = estimator.on_tag(3, 0.0, 0.0);
   EXPECT_EQ(ahead.kind, FixKind::corrected);
   EXPECT_NEAR(ahead.correction_m, 0.15, 1e-9);
@@ -114,8 +114,8 @@ TEST(EstimateOnAGraph, is_corrected_by_a_beacon_beside_its_own_branch) {
   const Point2 beacon = position(zone.circuit.pose_at(at(zone, "r_up", 0.30)));
   zone.beacons = zone::BeaconGrid{1.0, beacon, 1, 1};
   Estimator estimator{zone};
-  estimator.standing_at("r_up", 0.25).along({"trunk", "r_up", "r_over"});
-  estimator.standing_at("r_up", 0.25);
+  estimator.stopped_at("r_up", 0.25).along({"trunk", "r_up", "r_over"});
+  estimator.stopped_at("r_up", 0.25);
   const auto fix = estimator.on_tag(zone.beacons->first_number, 0.0, 0.0);
   EXPECT_EQ(fix.kind, FixKind::corrected);
   EXPECT_NEAR(fix.correction_m, 0.05, 1e-6);
@@ -125,7 +125,7 @@ TEST(EstimateOnAGraph, on_its_way_back_along_a_lane_is_put_right_by_the_tags_of_
   zone::TrafficZone zone = there_and_back();
   zone.tags = {{1, at(zone, "there", 0.7)}};
   Estimator estimator{zone};
-  estimator.standing_at("there", 1.0).along({"there", "back", "there"});
+  estimator.stopped_at("there", 1.0).along({"there", "back", "there"});
   estimator.turn(pi);
   estimator.end();
   estimator.drive(0.28);
@@ -138,7 +138,7 @@ TEST(EstimateOnAGraph, on_its_way_back_along_a_lane_is_put_right_by_the_tags_of_
 TEST(EstimateOnAGraph, after_a_long_way_without_a_mark_looks_further_for_the_joint_where_it_waits) {
   for (const double driven_m : {0.2, 40.0}) {
     Estimator estimator{diamond()};
-    estimator.standing_at("trunk", 1.0);
+    estimator.stopped_at("trunk", 1.0);
     for (double there_m = 0.0; there_m < driven_m; there_m += 0.2) {
       estimator.drive(0.1);
       estimator.drive(-0.1);
@@ -152,14 +152,14 @@ TEST(EstimateOnAGraph, after_a_long_way_without_a_mark_looks_further_for_the_joi
 
 TEST(EstimateAtABend, does_not_go_round_it_before_it_turns) {
   Estimator estimator{square()};
-  estimator.standing_at("south", 0.95).along({"south", "east"}).drive(0.1);
+  estimator.stopped_at("south", 0.95).along({"south", "east"}).drive(0.1);
   EXPECT_EQ(estimator.track_position(), at(square(), "south", 1.0));
   EXPECT_EQ(estimator.pose().heading_rad, 0.0);
 }
 
 TEST(EstimateAtABend, turns_with_it_and_is_sure_at_its_end) {
   Estimator estimator{square()};
-  estimator.standing_at("south", 0.9).along({"south", "east", "north"});
+  estimator.stopped_at("south", 0.9).along({"south", "east", "north"});
   EXPECT_NEAR(estimator.turn(0.0).step_m, 0.1, 1e-9) << "who turns is at the joint";
   estimator.turn(0.7);
   EXPECT_NEAR(estimator.pose().heading_rad, 0.7, 1e-9);
@@ -177,7 +177,7 @@ TEST(EstimateAtABend, turns_with_it_and_is_sure_at_its_end) {
 TEST(EstimateAtABend, tells_two_turns_apart_between_which_every_frame_was_lost) {
   zone::TrafficZone zone = square();
   Estimator estimator{zone};
-  estimator.standing_at("south", 1.0).along({"south", "east", "north", "west"});
+  estimator.stopped_at("south", 1.0).along({"south", "east", "north", "west"});
   estimator.turn(0.5);
   estimator.turn(1.57);
   estimator.odometry.distance_um += 480'000;  // and then the next turn begins, a little short of it by the odometer
@@ -190,7 +190,7 @@ TEST(EstimateAtABend, tells_two_turns_apart_between_which_every_frame_was_lost) 
 
 TEST(EstimateAtABend, finds_that_it_turned_into_another_way_than_told) {
   Estimator estimator{square()};
-  estimator.standing_at("west", 1.0).along({"west", "south"});
+  estimator.stopped_at("west", 1.0).along({"west", "south"});
   estimator.turn(0.5);
   estimator.turn(pi / 3.0);
   EXPECT_EQ(estimator.end().kind, FixKind::relocated);
@@ -204,7 +204,7 @@ TEST(EstimateAtABend, knows_nothing_of_a_turn_before_it_knows_where) {
   estimator.end();
   EXPECT_FALSE(estimator.pose_known());
   estimator.turn(0.4);
-  estimator.standing_at("south", 1.0);
+  estimator.stopped_at("south", 1.0);
   EXPECT_NEAR(estimator.pose().heading_rad, 0.4, 1e-9) << "told in the middle of it where that is";
   estimator.turn(pi / 2.0);
   estimator.end();
@@ -214,7 +214,7 @@ TEST(EstimateAtABend, knows_nothing_of_a_turn_before_it_knows_where) {
 TEST(EstimateAtABend, takes_up_a_turn_that_was_persisted) {
   for (const bool ended_meanwhile : {false, true}) {
     Estimator estimator{square()};
-    estimator.standing_at("south", 1.0);
+    estimator.stopped_at("south", 1.0);
     estimator.resume_manoeuvre({0.0, 0.0, 1.4}, square().circuit.find("east"));
     EXPECT_NEAR(estimator.pose().heading_rad, 1.4, 1e-9);
     if (!ended_meanwhile) estimator.turn(1.5);
@@ -227,20 +227,20 @@ TEST(EstimateAtABend, takes_up_a_turn_that_was_persisted) {
 
 TEST(EstimateBesideTheLine, has_the_pose_that_it_was_told_and_the_place_that_it_goes_to) {
   Estimator estimator{diamond()};
-  estimator.stand_off({0.5, 0.2, 2.0});
+  estimator.set_off_path({0.5, 0.2, 2.0});
   EXPECT_TRUE(estimator.beside());
   EXPECT_EQ(estimator.pose(), (Pose2{0.5, 0.2, 2.0}));
   EXPECT_NEAR(estimator.off_by_m(), 0.2, 1e-9);
   EXPECT_EQ(estimator.section(), "trunk");
   EXPECT_NEAR(estimator.track_position().s_m, 0.5, 1e-9);
-  estimator.stand_off({0.5, 0.31, 2.0});
+  estimator.set_off_path({0.5, 0.31, 2.0});
   EXPECT_TRUE(estimator.away());
   EXPECT_FALSE(estimator.known());
 }
 
 TEST(EstimateBesideTheLine, is_on_it_where_the_manoeuvre_ended) {
   Estimator estimator{diamond()};
-  estimator.stand_off({0.5, 0.2, -pi / 2.0});
+  estimator.set_off_path({0.5, 0.2, -pi / 2.0});
   estimator.odometry.manoeuvre = wire::Manoeuvre{200, 0, 0};
   estimator.on_odometry(estimator.odometry);
   EXPECT_NEAR(estimator.pose().y_m, 0.0, 1e-9);
@@ -256,7 +256,7 @@ TEST(EstimateBesideTheLine, is_on_it_where_the_manoeuvre_ended) {
 
 TEST(EstimateBesideTheLine, is_beside_it_still_when_a_manoeuvre_ended_near_it_and_no_line_is_seen) {
   Estimator estimator{diamond()};
-  estimator.stand_off({0.5, 0.1, 0.0});
+  estimator.set_off_path({0.5, 0.1, 0.0});
   estimator.odometry.manoeuvre = wire::Manoeuvre{50, -60, 0};
   estimator.on_odometry(estimator.odometry);
   estimator.odometry.line_lost = true;
@@ -269,14 +269,14 @@ TEST(EstimateBesideTheLine, ignores_tags_until_it_is_on_it) {
   zone::TrafficZone zone = diamond();
   zone.tags = {{1, at(zone, "tail", 1.0)}};
   Estimator estimator{zone};
-  estimator.stand_off({0.5, 0.2, 0.0});
+  estimator.set_off_path({0.5, 0.2, 0.0});
   EXPECT_EQ(estimator.on_tag(1, 0.0, 0.0).kind, FixKind::none);
   EXPECT_TRUE(estimator.beside());
 }
 
 TEST(EstimateBesideTheLine, follows_a_line_when_its_wheels_roll) {
   Estimator estimator{diamond()};
-  estimator.stand_off({0.5, 0.05, 0.0});
+  estimator.set_off_path({0.5, 0.05, 0.0});
   estimator.drive(0.1);
   EXPECT_FALSE(estimator.off_line());
   EXPECT_NEAR(estimator.track_position().s_m, 0.6, 1e-6);
@@ -284,7 +284,7 @@ TEST(EstimateBesideTheLine, follows_a_line_when_its_wheels_roll) {
 
 TEST(EstimateBesideTheLine, begins_another_manoeuvre_where_the_last_one_ended_though_nothing_told_of_its_end) {
   Estimator estimator{diamond()};
-  estimator.stand_off({0.5, 0.25, -pi / 2.0});
+  estimator.set_off_path({0.5, 0.25, -pi / 2.0});
   const auto told = [&](wire::Manoeuvre manoeuvre) {
     estimator.odometry.manoeuvre = manoeuvre;
     estimator.on_odometry(estimator.odometry);
@@ -302,22 +302,22 @@ TEST(EstimateBesideTheLine, begins_another_manoeuvre_where_the_last_one_ended_th
 
 TEST(EstimateBesideTheLine, is_beside_it_where_a_way_to_the_old_zone_s_line_ended) {
   Estimator before{square()};
-  before.stand_off({0.5, 0.05, 0.2});
+  before.set_off_path({0.5, 0.05, 0.2});
   before.odometry.manoeuvre = wire::Manoeuvre{30, 0, 0};
   before.on_odometry(before.odometry);
   PositionEstimator after{diamond(), ideal};
   after.take_over(before);
-  const Pose2 stands = after.pose();
+  const Pose2 is_stopped = after.pose();
   wire::Odometry odometry = before.odometry;  // along the old line, near a new one, and none of it on the new floor
   odometry.manoeuvre.reset();
   after.on_odometry(odometry);
   EXPECT_TRUE(after.beside());
-  EXPECT_EQ(after.pose(), stands);
+  EXPECT_EQ(after.pose(), is_stopped);
 }
 
 TEST(EstimateBesideTheLine, keeps_pose_and_odometer_from_one_zone_to_the_next) {
   Estimator before{square()};
-  before.standing_at("south", 1.0).along({"south", "east"});
+  before.stopped_at("south", 1.0).along({"south", "east"});
   before.turn(0.6);
   PositionEstimator after{diamond(), ideal};
   after.take_over(before);

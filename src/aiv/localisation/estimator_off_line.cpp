@@ -38,7 +38,7 @@ Pose2 PositionEstimator::pose() const {
   return X_OB_ ? *X_MO_ * *X_OB_ : *X_MO_;
 }
 
-void PositionEstimator::stand_off(const Pose2& X_MB) {
+void PositionEstimator::set_off_path(const Pose2& X_MB) {
   X_MO_ = X_OB_ ? X_MB * inverse(*X_OB_) : X_MB;
   strayed_m_ = 0.0;
   course_.clear();
@@ -73,7 +73,7 @@ void PositionEstimator::take_over(const PositionEstimator& before) {
   X_OB_ = before.X_OB_;
   manoeuvre_travelled_m_ = before.manoeuvre_travelled_m_;
   on_old_floor_ = X_OB_.has_value();
-  if (before.pose_known()) stand_off(before.pose());
+  if (before.pose_known()) set_off_path(before.pose());
 }
 
 PositionEstimator::Rolled PositionEstimator::off_line(double step_m, const wire::Odometry& odometry) {
@@ -135,7 +135,7 @@ void PositionEstimator::end_manoeuvre(bool line_lost, Rolled& rolled) {
   if (!X_MO_) return;
   // What ends the way to a line of the old zone is on no line of this one, be it near one.
   if (on_old_floor) {
-    stand_off(X_MB);
+    set_off_path(X_MB);
     rolled.kind = FixKind::relocated;
     return;
   }
@@ -179,7 +179,7 @@ void PositionEstimator::land(const Pose2& X_MB, bool line_lost, Rolled& rolled) 
   const double across_rad = line ? wrap_angle(zone_.circuit.pose_at(line->position).heading_rad - X_MB.heading_rad) : pi;
   if (line_lost || std::fabs(across_rad) > model_.landed_rad) {
     // Given up on the way: it stands where that left it, be it beside a line that its sensors do not see.
-    stand_off(X_MB);
+    set_off_path(X_MB);
     rolled.kind = FixKind::relocated;
   } else if (known_ && line->position.section == track_position().section) {
     X_MO_.reset();

@@ -20,7 +20,7 @@ constexpr EstimatorModel ideal{.antenna_range_m = 0.0, .reading_latency_s = 0.0}
 
 struct Estimator : PositionEstimator {
   explicit Estimator(EstimatorModel model = ideal) : PositionEstimator{lacet4(), model} {}
-  Estimator& standing_at(std::string_view section, double s_m) {
+  Estimator& stopped_at(std::string_view section, double s_m) {
     position_at(at(lacet4(), section, s_m));
     return *this;
   }
@@ -39,27 +39,27 @@ TEST(Estimate, is_nothing_until_somebody_tells_a_place) {
   estimator.drive(0.4);
   EXPECT_FALSE(estimator.known());
   EXPECT_NEAR(estimator.travelled_m(), 0.4, 1e-9);
-  estimator.standing_at("east", 0.2);
+  estimator.stopped_at("east", 0.2);
   EXPECT_TRUE(estimator.known());
 }
 
 TEST(Estimate, follows_the_odometer_round_the_circuit) {
   Estimator estimator;
-  estimator.standing_at("east", 1.0).drive(0.7);
+  estimator.stopped_at("east", 1.0).drive(0.7);
   EXPECT_EQ(estimator.track_position().section, 1U);
   EXPECT_NEAR(estimator.track_position().s_m, 0.2, 1e-9);
 }
 
 TEST(Estimate, starts_at_whatever_the_odometer_says_first) {
   Estimator estimator;
-  estimator.standing_at("east", 1.0);
+  estimator.stopped_at("east", 1.0);
   EXPECT_EQ(estimator.on_odometry(123'456'789), 0.0);
   EXPECT_NEAR(estimator.on_odometry(123'466'789), 0.01, 1e-12);
 }
 
 TEST(Estimate, does_not_jump_when_the_board_counts_from_zero_again) {
   Estimator estimator;
-  estimator.standing_at("east", 0.1).drive(0.7);
+  estimator.stopped_at("east", 0.1).drive(0.7);
   EXPECT_EQ(estimator.on_odometry(0), 0.0);
   estimator.on_odometry(10'000);
   EXPECT_NEAR(estimator.track_position().s_m, 0.81, 1e-9);
@@ -69,7 +69,7 @@ TEST(Estimate, does_not_jump_when_the_board_counts_from_zero_again) {
 
 TEST(Estimate, doubts_more_the_further_it_went) {
   Estimator estimator;
-  estimator.standing_at("east", 0.0);
+  estimator.stopped_at("east", 0.0);
   const double start_m = estimator.sigma_m();
   estimator.drive(1.0);
   EXPECT_NEAR(estimator.sigma_m(), std::sqrt(start_m * start_m + 1e-4), 1e-9);
@@ -86,25 +86,25 @@ TEST(Tag, sets_the_place_of_a_vehicle_that_knows_nothing) {
 
 TEST(Tag, rectifies_the_estimate_and_tells_by_how_much) {
   Estimator estimator;
-  estimator.standing_at("east", 1.40);
+  estimator.stopped_at("east", 1.40);
   const auto fix = estimator.on_tag(1, 0.0, 0.0);
   EXPECT_EQ(fix.kind, FixKind::corrected);
   EXPECT_NEAR(fix.correction_m, 0.071, 1e-9);
-  estimator.standing_at("loop_se", 0.05);
+  estimator.stopped_at("loop_se", 0.05);
   EXPECT_NEAR(estimator.on_tag(1, 0.0, 0.0).correction_m, -0.079, 1e-9);
   EXPECT_NEAR(estimator.track_position().s_m, 1.471, 1e-9);
 }
 
 TEST(Tag, counts_the_way_driven_since_it_was_read) {
   Estimator estimator{EstimatorModel{.antenna_range_m = 0.02, .reading_latency_s = 0.01}};
-  estimator.standing_at("east", 1.40);
+  estimator.stopped_at("east", 1.40);
   estimator.on_tag(1, 0.040, 0.5);
   EXPECT_NEAR(estimator.track_position().s_m, 1.471 - 0.02 + 0.5 * 0.05, 1e-9);
 }
 
 TEST(Tag, far_from_the_estimate_relocates_at_once) {
   Estimator estimator;
-  estimator.standing_at("east", 0.5);
+  estimator.stopped_at("east", 0.5);
   EXPECT_EQ(estimator.on_tag(7, 0.0, 0.0).kind, FixKind::relocated);
   EXPECT_EQ(estimator.track_position(), at(lacet4(), "west", 1.471));
 }
@@ -118,7 +118,7 @@ TEST(Tag, of_unknown_number_says_nothing) {
 
 TEST(Tag, leaves_the_way_since_it_in_the_report) {
   Estimator estimator;
-  estimator.standing_at("east", 1.47);
+  estimator.stopped_at("east", 1.47);
   estimator.on_tag(1, 0.0, 0.0);
   estimator.drive(0.3);
   EXPECT_NEAR(estimator.since_last_tag_m(), 0.3, 1e-9);
@@ -129,7 +129,7 @@ TEST(Beacon, rectifies_along_the_way_it_lies_beside) {
   const auto foot = lacet4().circuit.section(1).nearest({1.0, -0.25});
   ASSERT_LT(foot.distance_m, 0.08);
   Estimator estimator;
-  estimator.standing_at("loop_se", foot.s_m - 0.1);
+  estimator.stopped_at("loop_se", foot.s_m - 0.1);
   const auto fix = estimator.on_tag(beacon_near({1.0, -0.25}), 0.0, 0.0);
   EXPECT_EQ(fix.kind, FixKind::corrected);
   EXPECT_NEAR(fix.correction_m, 0.1, 1e-6);
@@ -150,7 +150,7 @@ TEST(Beacon, that_contradicts_the_estimate_is_an_outlier_and_two_that_agree_relo
   ASSERT_LT(loop.nearest(second).distance_m, 0.08);
   const double way_m = loop.nearest(second).s_m - loop.nearest(first).s_m;
   Estimator estimator;
-  estimator.standing_at("loop_nw", 1.0);
+  estimator.stopped_at("loop_nw", 1.0);
   EXPECT_EQ(estimator.on_tag(beacon_near(first), 0.0, 0.0).kind, FixKind::outlier);
   estimator.drive(way_m);
   EXPECT_EQ(estimator.on_tag(beacon_near(second), 0.0, 0.0).kind, FixKind::relocated);
@@ -160,7 +160,7 @@ TEST(Beacon, that_contradicts_the_estimate_is_an_outlier_and_two_that_agree_relo
 
 TEST(Beacon, outliers_that_do_not_agree_stay_outliers) {
   Estimator estimator;
-  estimator.standing_at("loop_nw", 1.0);
+  estimator.stopped_at("loop_nw", 1.0);
   EXPECT_EQ(estimator.on_tag(beacon_near({1.0, -0.25}), 0.0, 0.0).kind, FixKind::outlier);
   estimator.drive(0.05);
   EXPECT_EQ(estimator.on_tag(beacon_near({1.25, -1.0}), 0.0, 0.0).kind, FixKind::outlier);

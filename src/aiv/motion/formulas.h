@@ -17,9 +17,9 @@ inline constexpr double obstacle_reaction_s = 0.15;
 /// Before the stop line: standing accuracy, so that not even an overshoot enters the crossing.
 inline constexpr double stop_line_m = 0.01;
 /// Left free between the front of a vehicle and what stands before it.
-inline constexpr double stand_off_m = 0.12;
+inline constexpr double clearance_m = 0.12;
 /// Slower than this it counts as standing.
-inline constexpr double standing_mps = 0.01;
+inline constexpr double stopped_mps = 0.01;
 /// Figures of the rules for what is not there: no instruction.
 inline constexpr double no_instruction = 4.0;
 
@@ -47,7 +47,7 @@ namespace plain {
 
 /// The rules' `gap`: what is left before it would stand, in braking distances (agent_rules.h).
 [[nodiscard]] COSIVA_INLINE double gap_input(double obstacle_ahead_m, double braking_distance_m) noexcept {
-  return (obstacle_ahead_m - stand_off_m) / braking_distance_m;
+  return (obstacle_ahead_m - clearance_m) / braking_distance_m;
 }
 /// The rules' `base` and `crossing`.
 [[nodiscard]] COSIVA_INLINE double way_input(double way_m, double braking_distance_m) noexcept {

@@ -47,7 +47,7 @@ std::string_view to_string(Status status) {
 }
 
 Status status_of(double speed_mps, std::optional<Profile> imposed) {
-  if (std::fabs(speed_mps) < standing_mps) return Status::stopped;
+  if (std::fabs(speed_mps) < stopped_mps) return Status::stopped;
   if (!imposed) return Status::normal;
   switch (*imposed) {
     case Profile::stop: return Status::stopped;

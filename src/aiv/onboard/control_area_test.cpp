@@ -146,8 +146,8 @@ TEST(ControlArea, knows_its_place_again_after_a_crash_before_it_reports_one_of_a
   fixture.run(0.3);
   fixture.order(test::order("N-1").through({"loop_se@0", "loop_se@283", "loop_se@565", "loop_se@848"}));
   fixture.run(4.0);
-  const Pose2 stood = fixture.world.pose();
-  ASSERT_GT(distance(stood, test::lacet4().circuit.pose_at(test::at(test::lacet4(), "loop_se", 0.0))), 0.3);
+  const Pose2 was_stopped = fixture.world.pose();
+  ASSERT_GT(distance(was_stopped, test::lacet4().circuit.pose_at(test::at(test::lacet4(), "loop_se", 0.0))), 0.3);
 
   ControlAreaFixture::Setup setup = fixture.reborn();
   setup.zone_told = false;
@@ -161,7 +161,7 @@ TEST(ControlArea, knows_its_place_again_after_a_crash_before_it_reports_one_of_a
   again.zone_of("north");
   again.run(0.3);
   ASSERT_TRUE(again.core->estimated_pose());
-  EXPECT_LT(distance(*again.core->estimated_pose(), stood), 0.02);
+  EXPECT_LT(distance(*again.core->estimated_pose(), was_stopped), 0.02);
 }
 
 TEST(ControlArea, keeps_hearing_its_neighbours_while_it_changes_servers) {

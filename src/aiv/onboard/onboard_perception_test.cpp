@@ -95,7 +95,7 @@ TEST(Perception, it_stops_before_a_person_and_goes_on_when_the_person_is_gone) {
   const double person_s_m = fixture.s_m() + 0.5;
   fixture.run_with({Driving::person(person_s_m)}, 3.0);
   EXPECT_EQ(fixture.speed_mps, 0.0);
-  EXPECT_NEAR(person_s_m - fixture.s_m() - radius_m - front_m, stand_off_m, 0.03);
+  EXPECT_NEAR(person_s_m - fixture.s_m() - radius_m - front_m, clearance_m, 0.03);
   EXPECT_TRUE(fixture.state().field_violation);
   EXPECT_FALSE(fixture.state().driving);
   EXPECT_THAT(fixture.state().errors, IsEmpty()) << "an obstacle is no fault";
@@ -160,7 +160,7 @@ TEST(Perception, a_person_who_walks_across_makes_it_stop_once_and_go_once) {
   Driving fixture;
   const Pose2 X_MP = lacet4().circuit.pose_at(at(lacet4(), "loop_se", fixture.s_m() + 0.8));
   int stops = 0;
-  bool stood = false;
+  bool was_stopped = false;
   for (int i = 0; i < 500; ++i) {  // from 0.4 m right of the way to 0.8 m left of it, at 0.24 m/s
     if (i % 10 == 0) {
       const Point2 p = X_MP * Point2{0.0, -0.4 + 0.0024 * i};
@@ -170,8 +170,8 @@ TEST(Perception, a_person_who_walks_across_makes_it_stop_once_and_go_once) {
       fixture.receive_virtual_obstacles({{"P1", "person", p.x_m, p.y_m, 0.0, 0.0, radius_m, vx, vy}});
     }
     fixture.step();
-    stops += !stood && fixture.speed_mps == 0.0 ? 1 : 0;
-    stood = fixture.speed_mps == 0.0;
+    stops += !was_stopped && fixture.speed_mps == 0.0 ? 1 : 0;
+    was_stopped = fixture.speed_mps == 0.0;
   }
   EXPECT_EQ(stops, 1);
   EXPECT_GT(fixture.speed_mps, 0.0);
@@ -290,7 +290,7 @@ TEST(Seeing, tells_where_the_obstacle_in_its_way_stands) {
   ASSERT_TRUE(detected.obstacle);
   EXPECT_EQ(detected.map_id, "lacet4");
   EXPECT_LT(distance({detected.obstacle->x_m, detected.obstacle->y_m}, p), 0.04);
-  EXPECT_NEAR(detected.obstacle->distance_m, stand_off_m, 0.04);
+  EXPECT_NEAR(detected.obstacle->distance_m, clearance_m, 0.04);
   EXPECT_EQ(detected.clear_m, detected.obstacle->distance_m);
   const std::size_t before = fixture.sightings.size();
   fixture.run(2.0);

@@ -114,7 +114,7 @@ bool PositionStore::restore_position(DrivingContext& context) {
   // What PILS reports of a manoeuvre now is younger than what was saved.
   const auto& manoeuvred = agent.position().manoeuvred();
   const Pose2 X_OB = manoeuvred ? *manoeuvred : restored_->manoeuvre.value_or(Pose2{});
-  agent.estimator().stand_off(*restored_->pose * X_OB);
+  agent.estimator().set_off_path(*restored_->pose * X_OB);
   if (restored_->manoeuvre) agent.estimator().resume_manoeuvre(*restored_->manoeuvre, std::nullopt);
   return true;
 }

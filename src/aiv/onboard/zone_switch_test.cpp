@@ -52,7 +52,7 @@ struct SwitchFixture : OnboardFixture {
     auto rtm = zone::Rtm::initialise(zone);
     ASSERT_TRUE(rtm) << to_string(rtm.error());
     floors.push_back(rtm->shared_zone());
-    world.stand_on(floors.back()->circuit);
+    world.set_zone(floors.back()->circuit);
   }
   /// Drives on lacet4.
   void set_off() {
@@ -83,7 +83,7 @@ TEST(ZoneSwitch, brakes_on_the_old_zone_and_stands_on_the_new_one_where_it_stood
   ASSERT_EQ(fixture.state().maps.size(), 2U);
   EXPECT_FALSE(fixture.state().maps.back().enabled);
   ASSERT_TRUE(fixture.run_until([&] { return fixture.speed_mps == 0.0; }, 2.0));
-  const Pose2 stands = fixture.world.pose();
+  const Pose2 is_stopped = fixture.world.pose();
   fixture.change_floor(track_near_loop());
   fixture.run(0.3);
   const wire::State& state = fixture.state();
@@ -93,8 +93,8 @@ TEST(ZoneSwitch, brakes_on_the_old_zone_and_stands_on_the_new_one_where_it_stood
   EXPECT_EQ(state.maps.front().map_version.size(), 16U);
   EXPECT_EQ(state.position->map_id, "track");
   EXPECT_TRUE(state.position->position_initialized);
-  EXPECT_LT(distance(state.position->pose, stands), 0.005);
-  EXPECT_NEAR(state.position->pose.heading_rad, stands.heading_rad, 0.01);
+  EXPECT_LT(distance(state.position->pose, is_stopped), 0.005);
+  EXPECT_NEAR(state.position->pose.heading_rad, is_stopped.heading_rad, 0.01);
   EXPECT_THAT(state.node_states, IsEmpty());
   EXPECT_EQ(state.order_id, "O-1") << "kept until there is a new one";
   EXPECT_THAT(fixture.error_types(), Not(Contains("lineLost")));
@@ -235,8 +235,8 @@ TEST(ZoneSwitch, of_the_same_name_with_other_ways_is_one) {
 TEST(ZoneSwitch, to_one_that_is_far_away_parks_it_until_another_comes) {
   SwitchFixture fixture;
   fixture.set_off();
-  const Pose2 stands = lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.5));
-  fixture.switch_to(track_at(stands * Pose2{0.0, 3.0, 0.0}, "far"));
+  const Pose2 is_stopped = lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.5));
+  fixture.switch_to(track_at(is_stopped * Pose2{0.0, 3.0, 0.0}, "far"));
   EXPECT_EQ(fixture.state().position->map_id, "far");
   EXPECT_TRUE(fixture.state().position->position_initialized);
   EXPECT_LT(fixture.pose_error_m(), 0.005);
@@ -310,11 +310,11 @@ TEST(ZoneSwitch, that_leaves_a_line_under_it_lets_it_back_up_along_it) {
   SwitchFixture fixture;
   fixture.run(0.5);
   fixture.switch_to(track_at(fixture.world.pose() * Pose2{-0.8, 0.0, 0.0}, "track"));
-  const Pose2 stands = fixture.world.pose();
+  const Pose2 is_stopped = fixture.world.pose();
   fixture.act("backUp", "b1", {{"distance", 0.25}});
   fixture.run(6.0);
   EXPECT_EQ(fixture.action("b1")->status, wire::ActionStatus::finished);
-  EXPECT_LT(distance(fixture.world.pose(), stands * Pose2{-0.25, 0.0, 0.0}), 0.01);
+  EXPECT_LT(distance(fixture.world.pose(), is_stopped * Pose2{-0.25, 0.0, 0.0}), 0.01);
   EXPECT_LT(fixture.pose_error_m(), 0.01);
 }
 

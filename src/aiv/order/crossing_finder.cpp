@@ -11,7 +11,7 @@ constexpr double joint_m = 1e-6;
 }  // namespace
 
 CrossingFinder::CrossingFinder(const zone::TrafficZone& zone)
-    : circuit_{zone.circuit}, gap_m_{zone::standing_room_m(zone.vehicle)}, spans_(zone.circuit.size()) {
+    : circuit_{zone.circuit}, gap_m_{zone::stopping_room_m(zone.vehicle)}, spans_(zone.circuit.size()) {
   for (std::size_t x = 0; x < zone.crossings.size(); ++x) {
     for (const zone::CrossingSpan& span : zone.crossings[x].spans)
       spans_[span.section].push_back({span.from_m, span.to_m, x});

@@ -29,7 +29,7 @@ std::string with_sequence(std::string_view node_id, std::uint32_t sequence_id) {
 OrderBook::OrderBook(const zone::TrafficZone& zone, std::vector<std::string> supported_actions)
     : zone_{zone}, supported_actions_{std::move(supported_actions)}, router_{zone} {}
 
-Result<OrderBook::Verdict> OrderBook::offer(const wire::Order& order, const Standing& standing) {
+Result<OrderBook::Verdict> OrderBook::offer(const wire::Order& order, const StartState& reference) {
   // A repeated message is silence even when its base has long been driven, so it comes before everything else.
   const bool same_order = !order_id_.empty() && order.order_id == order_id_;
   if (same_order && order.order_update_id == order_update_id_) return Verdict::ignored_same;
@@ -40,18 +40,18 @@ Result<OrderBook::Verdict> OrderBook::offer(const wire::Order& order, const Stan
   }
   if (auto checked = check_abilities(order, supported_actions_); !checked)
     return tl::unexpected(std::move(checked.error()));
-  if (!standing.position_known) return fail("noRouteError", "the vehicle does not know where it is");
-  return same_order ? offer_update(order, standing) : offer_new(order, standing);
+  if (!reference.position_known) return fail("noRouteError", "the vehicle does not know where it is");
+  return same_order ? offer_update(order, reference) : offer_new(order, reference);
 }
 
-Result<OrderBook::Verdict> OrderBook::offer_new(const wire::Order& order, const Standing& standing) {
+Result<OrderBook::Verdict> OrderBook::offer_new(const wire::Order& order, const StartState& reference) {
   if (active()) {
     return fail("orderUpdateError", "order '" + order_id_ + "' is not finished: it has " +
                                         std::string(base_left() ? "base" : "horizon") + " left");
   }
   const auto firsts = router_.first_positions(order);
   if (!firsts) return tl::unexpected(firsts.error());
-  auto found = find_from_any(order, *firsts, standing);
+  auto found = find_from_any(order, *firsts, reference);
   if (!found) return tl::unexpected(std::move(found.error()));
 
   targets_.clear();
@@ -67,7 +67,7 @@ Result<OrderBook::Verdict> OrderBook::offer_new(const wire::Order& order, const 
   return Verdict::accepted_new;
 }
 
-Result<OrderBook::Verdict> OrderBook::offer_update(const wire::Order& order, const Standing& standing) {
+Result<OrderBook::Verdict> OrderBook::offer_update(const wire::Order& order, const StartState& reference) {
   if (cancelled_) return fail("orderUpdateError", "order '" + order_id_ + "' was cancelled");
 
   // The stitch: the last node of the base, not of the horizon (trap 4); where no base is left, the last node passed.
@@ -88,7 +88,7 @@ Result<OrderBook::Verdict> OrderBook::offer_update(const wire::Order& order, con
     append(order, std::move(*route), targets_.back().path_m);
   } else {
     // It may have been moved by hand since it arrived.
-    auto found = find_from_any(order, positions_like(last_node_position_, order), standing);
+    auto found = find_from_any(order, positions_like(last_node_position_, order), reference);
     if (!found) return tl::unexpected(std::move(found.error()));
     targets_.clear();
     edges_.clear();
@@ -123,9 +123,9 @@ Result<OrderBook::Found> OrderBook::find(const wire::Order& order, const std::ve
 }
 
 Result<OrderBook::Found> OrderBook::find_from_any(const wire::Order& order, const std::vector<zone::TrackPosition>& firsts,
-                                                  const Standing& standing) const {
-  auto best = find(order, firsts, standing.position);
-  for (const zone::TrackPosition position : standing.also) {
+                                                  const StartState& reference) const {
+  auto best = find(order, firsts, reference.position);
+  for (const zone::TrackPosition position : reference.also) {
     auto found = find(order, firsts, position);
     if (found && (!best || found->route.length_m() + same_position_m < best->route.length_m())) best = std::move(found);
   }

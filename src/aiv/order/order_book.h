@@ -18,7 +18,7 @@ namespace cosiva::aiv {
 class OrderBook {
  public:
   /// Where the vehicle is, for "the first node must be trivially reachable" (§6.6.4, trap 9).
-  struct Standing {
+  struct StartState {
     zone::TrackPosition position;
     bool position_known;
     std::vector<zone::TrackPosition> also{};  ///< the same place on other sections, at a joint or on the very same line
@@ -35,7 +35,7 @@ class OrderBook {
 
   /// Accepts, or refuses with one of the standard's error types as code: validationError, orderError, orderUpdateError,
   /// noRouteError. A refusal changes nothing.
-  [[nodiscard]] Result<Verdict> offer(const wire::Order& order, const Standing& standing);
+  [[nodiscard]] Result<Verdict> offer(const wire::Order& order, const StartState& reference);
 
   /// Forgets what is left, as cancelOrder wants; ids stay (trap 6). A late update of the cancelled order is refused: it
   /// would drive the vehicle on after somebody stopped it.
@@ -99,14 +99,14 @@ class OrderBook {
     double vehicle_m;  ///< beyond the first node; negative: before it
     zone::TrackPosition from;  ///< where the vehicle is
   };
-  [[nodiscard]] Result<Verdict> offer_new(const wire::Order& order, const Standing& standing);
-  [[nodiscard]] Result<Verdict> offer_update(const wire::Order& order, const Standing& standing);
+  [[nodiscard]] Result<Verdict> offer_new(const wire::Order& order, const StartState& reference);
+  [[nodiscard]] Result<Verdict> offer_update(const wire::Order& order, const StartState& reference);
   /// From whichever of these places of its first node is where the vehicle is.
   [[nodiscard]] Result<Found> find(const wire::Order& order, const std::vector<zone::TrackPosition>& firsts,
                                    zone::TrackPosition now) const;
   /// Likewise, and from wherever else it stands when that is the shorter way, or the only one.
   [[nodiscard]] Result<Found> find_from_any(const wire::Order& order, const std::vector<zone::TrackPosition>& firsts,
-                                            const Standing& standing) const;
+                                            const StartState& reference) const;
   /// From whichever place of its first node, where the base ends, continues the base.
   [[nodiscard]] Result<OrderRoute> find_continuation(const wire::Order& order, std::size_t kept);
   /// The place that was found for an update's first node, and the others that go by its name.

@@ -23,8 +23,8 @@ using Verdict = OrderBook::Verdict;
 /// Nodes of the loop in the south-east, 0.2827 m apart.
 constexpr double edge_m = 0.282743338823;
 
-OrderBook::Standing standing(std::string_view section, double s_m) { return {at(lacet4(), section, s_m), true}; }
-const OrderBook::Standing start = standing("loop_se", 0.0);
+OrderBook::StartState reference(std::string_view section, double s_m) { return {at(lacet4(), section, s_m), true}; }
+const OrderBook::StartState start = reference("loop_se", 0.0);
 
 std::vector<std::string> ids(const std::vector<wire::OrderNode>& nodes) {
   std::vector<std::string> names;
@@ -42,7 +42,7 @@ OrderText usual() { return order("O-1").through({"loop_se@0", "loop_se@283", "lo
 
 struct Book : OrderBook {
   Book() : OrderBook{lacet4()} {}
-  std::string refusal(const wire::Order& order_, const Standing& where = start) {
+  std::string refusal(const wire::Order& order_, const StartState& where = start) {
     auto verdict = offer(order_, where);
     return verdict ? "accepted" : verdict.error().code;
   }
@@ -85,7 +85,7 @@ TEST(NewOrder, is_refused_while_another_has_base_or_horizon_left) {
   EXPECT_EQ(book.refusal(order("O-2").through({"loop_se@0"})), "orderUpdateError");
   book.travelled(2.0 * edge_m);
   EXPECT_FALSE(book.base_left());
-  EXPECT_EQ(book.refusal(order("O-2").through({"loop_se@565"}), standing("loop_se", 2.0 * edge_m)), "orderUpdateError");
+  EXPECT_EQ(book.refusal(order("O-2").through({"loop_se@565"}), reference("loop_se", 2.0 * edge_m)), "orderUpdateError");
   EXPECT_EQ(book.order_id(), "O-1");
 }
 
@@ -94,21 +94,21 @@ TEST(NewOrder, is_accepted_when_the_one_before_is_finished) {
   ASSERT_TRUE(book.offer(order("O-1").through({"loop_se@0", "loop_se@283"}), start));
   book.travelled(edge_m);
   EXPECT_FALSE(book.active());
-  EXPECT_EQ(book.offer(order("O-2", 7).through({"loop_se@283", "loop_se@565"}), standing("loop_se", edge_m)),
+  EXPECT_EQ(book.offer(order("O-2", 7).through({"loop_se@283", "loop_se@565"}), reference("loop_se", edge_m)),
             Verdict::accepted_new);
   EXPECT_EQ(book.order_update_id(), 7U);
 }
 
 TEST(FirstNode, may_lie_on_the_edge_behind_the_vehicle) {
   Book book;
-  ASSERT_TRUE(book.offer(usual(), standing("loop_se", 0.25)));
+  ASSERT_TRUE(book.offer(usual(), reference("loop_se", 0.25)));
   EXPECT_NEAR(book.since_last_node_m(), 0.25, 1e-9);
   EXPECT_NEAR(book.distance_to_base_end_m(), 2.0 * edge_m - 0.25, 1e-9);
 }
 
 TEST(FirstNode, may_lie_a_little_ahead) {
   Book book;
-  ASSERT_TRUE(book.offer(usual(), standing("east", 1.45)));
+  ASSERT_TRUE(book.offer(usual(), reference("east", 1.45)));
   EXPECT_NEAR(book.distance_to_base_end_m(), 2.0 * edge_m + 0.05, 1e-9);
   EXPECT_EQ(book.since_last_node_m(), 0.0);
 }
@@ -117,20 +117,20 @@ TEST(FirstNode, may_lie_as_far_as_its_allowed_deviation_says) {
   auto wide = usual();
   wide.node(0).position = wire::NodePosition{0.75, -0.15, {}, 0.5, {}, "lacet4"};
   Book book;
-  EXPECT_EQ(book.refusal(wide, standing("east", 1.1)), "accepted");
-  EXPECT_EQ(Book{}.refusal(usual(), standing("east", 1.1)), "noRouteError");
-  EXPECT_EQ(Book{}.refusal(wide, standing("east", 0.9)), "noRouteError");
+  EXPECT_EQ(book.refusal(wide, reference("east", 1.1)), "accepted");
+  EXPECT_EQ(Book{}.refusal(usual(), reference("east", 1.1)), "noRouteError");
+  EXPECT_EQ(Book{}.refusal(wide, reference("east", 0.9)), "noRouteError");
 }
 
 TEST(FirstNode, too_far_behind_is_refused) {
-  EXPECT_EQ(Book{}.refusal(usual(), standing("loop_se", 0.5)), "noRouteError");
+  EXPECT_EQ(Book{}.refusal(usual(), reference("loop_se", 0.5)), "noRouteError");
 }
 
 TEST(FirstNode, with_a_wide_deviation_lets_nodes_behind_the_vehicle_be_traversed_at_once) {
   auto wide = usual();
   wide.node(0).position = wire::NodePosition{0.75, -0.15, {}, 1.0, {}, ""};
   Book book;
-  ASSERT_TRUE(book.offer(wide, standing("loop_se", 0.4)));
+  ASSERT_TRUE(book.offer(wide, reference("loop_se", 0.4)));
   EXPECT_THAT(ids(book.travelled(0.0)), ElementsAre("loop_se@283"));
 }
 
@@ -155,7 +155,7 @@ TEST_P(BadOrders, are_refused_with_the_right_type_and_change_nothing) {
 
   ASSERT_TRUE(book.offer(order("O-0").through({"loop_se@0", "loop_se@283"}), start));
   book.travelled(edge_m);
-  EXPECT_NE(book.refusal(bad, standing("loop_se", edge_m)), "accepted");
+  EXPECT_NE(book.refusal(bad, reference("loop_se", edge_m)), "accepted");
   EXPECT_EQ(book.order_id(), "O-0");
 }
 
@@ -232,7 +232,7 @@ TEST(UnknownNodes, are_found_on_the_circuit_by_their_position) {
   foreign.node(0).position = wire::NodePosition{-0.65, -0.15, {}, {}, {}, ""};
   foreign.node(1).position = wire::NodePosition{-0.15, -0.15, {}, {}, {}, "lacet4"};
   foreign.node(2).position = wire::NodePosition{0.50, -0.25, {}, {}, {}, "lacet4"};
-  ASSERT_EQ(book.refusal(foreign, standing("east", 0.1)), "accepted");
+  ASSERT_EQ(book.refusal(foreign, reference("east", 0.1)), "accepted");
   EXPECT_EQ(book.targets()[0].position.section, 0U) << "the way that the order goes on, not the one that crosses it";
   EXPECT_NEAR(book.targets()[0].path_m, 0.5, 1e-9);
   EXPECT_NEAR(book.targets()[1].path_m, 1.15, 1e-9);
@@ -241,7 +241,7 @@ TEST(UnknownNodes, are_found_on_the_circuit_by_their_position) {
 TEST(UnknownNodes, that_look_the_other_way_are_not_on_the_circuit) {
   auto foreign = order("F-1").through({"a"});
   foreign.node(0).position = wire::NodePosition{-0.65, -0.15, 3.1, {}, {}, ""};
-  EXPECT_EQ(Book{}.refusal(foreign, standing("east", 0.1)), "noRouteError");
+  EXPECT_EQ(Book{}.refusal(foreign, reference("east", 0.1)), "noRouteError");
 }
 
 TEST(UnknownNodes, as_first_node_may_lie_behind_the_vehicle) {
@@ -249,7 +249,7 @@ TEST(UnknownNodes, as_first_node_may_lie_behind_the_vehicle) {
   auto foreign = order("F-1").through({"a", "b"});
   foreign.node(0).position = wire::NodePosition{-0.25, -0.15, {}, 0.5, {}, ""};
   foreign.node(1).position = wire::NodePosition{0.25, -0.15, {}, {}, {}, ""};
-  ASSERT_EQ(book.refusal(foreign, standing("east", 0.6)), "accepted");
+  ASSERT_EQ(book.refusal(foreign, reference("east", 0.6)), "accepted");
   EXPECT_NEAR(book.since_last_node_m(), 0.1, 1e-9);
   EXPECT_NEAR(book.distance_to_base_end_m(), 0.4, 1e-9);
 }
@@ -330,7 +330,7 @@ TEST(Update, of_a_finished_order_starts_at_its_last_node) {
   ASSERT_TRUE(book.offer(order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@565"}), start));
   book.travelled(2.0 * edge_m - 0.004);
   EXPECT_FALSE(book.active());
-  EXPECT_EQ(book.offer(extension(), standing("loop_se", 2.0 * edge_m - 0.004)), Verdict::accepted_update);
+  EXPECT_EQ(book.offer(extension(), reference("loop_se", 2.0 * edge_m - 0.004)), Verdict::accepted_update);
   EXPECT_NEAR(book.distance_to_base_end_m(), 2.0 * edge_m + 0.004, 1e-9);
 }
 
@@ -338,7 +338,7 @@ TEST(Update, of_a_finished_order_is_refused_when_the_vehicle_was_carried_away) {
   Book book;
   ASSERT_TRUE(book.offer(order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@565"}), start));
   book.travelled(2.0 * edge_m);
-  EXPECT_EQ(book.refusal(extension(), standing("west", 0.3)), "noRouteError");
+  EXPECT_EQ(book.refusal(extension(), reference("west", 0.3)), "noRouteError");
 }
 
 TEST(Update, of_a_cancelled_order_is_refused) {
@@ -392,7 +392,7 @@ TEST(Cancel, keeps_the_ids_and_forgets_the_rest) {
   EXPECT_EQ(book.distance_to_base_end_m(), 0.0);
   EXPECT_EQ(book.order_id(), "O-1");
   EXPECT_THAT(book.edge_states(), IsEmpty());
-  EXPECT_EQ(book.refusal(order("O-2").through({"loop_se@0", "loop_se@283"}), standing("loop_se", 0.1)), "accepted");
+  EXPECT_EQ(book.refusal(order("O-2").through({"loop_se@0", "loop_se@283"}), reference("loop_se", 0.1)), "accepted");
 }
 
 TEST(SpeedLimit, is_that_of_the_edge_under_the_vehicle) {

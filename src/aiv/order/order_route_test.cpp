@@ -26,7 +26,7 @@ std::vector<std::string> names(const zone::TrafficZone& zone, std::span<const zo
   for (const zone::SectionId id : sections) all.push_back(zone.circuit.part(id).name);
   return all;
 }
-OrderBook::Standing standing(const zone::TrafficZone& zone, std::string_view section, double s_m) {
+OrderBook::StartState reference(const zone::TrafficZone& zone, std::string_view section, double s_m) {
   return {at(zone, section, s_m), true};
 }
 /// Of what is before a vehicle that stands there.
@@ -39,7 +39,7 @@ TEST(OrderOnAGraph, takes_the_way_that_its_nodes_name) {
   for (const auto& [node, way] : {std::pair{"ro", std::vector<std::string>{"r_up", "r_over", "r_down", "tail"}},
                                   std::pair{"lo", std::vector<std::string>{"l_up", "l_over", "l_down", "tail"}}}) {
     OrderBook book{diamond()};
-    const auto verdict = book.offer(order("O-1").through({"T", "F", node, "M"}), standing(diamond(), "trunk", 0.0));
+    const auto verdict = book.offer(order("O-1").through({"T", "F", node, "M"}), reference(diamond(), "trunk", 0.0));
     ASSERT_TRUE(verdict) << to_string(verdict.error());
     EXPECT_EQ(coming(book, diamond(), "trunk", 0.0), way);
     EXPECT_NEAR(book.distance_to_base_end_m(), 2.0 + way_round_m, 1e-9);
@@ -48,13 +48,13 @@ TEST(OrderOnAGraph, takes_the_way_that_its_nodes_name) {
 
 TEST(OrderOnAGraph, may_leave_out_nodes_between_which_there_is_only_one_shortest_way) {
   OrderBook book{diamond()};
-  ASSERT_TRUE(book.offer(order("O-1").through({"T", "rd", "E"}), standing(diamond(), "trunk", 0.0)));
+  ASSERT_TRUE(book.offer(order("O-1").through({"T", "rd", "E"}), reference(diamond(), "trunk", 0.0)));
   EXPECT_THAT(coming(book, diamond(), "trunk", 0.0), ElementsAre("r_up", "r_over", "r_down", "tail"));
 }
 
 TEST(OrderOnAGraph, names_the_two_nodes_that_no_way_joins) {
   OrderBook book{diamond()};
-  const auto verdict = book.offer(order("O-1").through({"T", "lo", "rd"}), standing(diamond(), "trunk", 0.0));
+  const auto verdict = book.offer(order("O-1").through({"T", "lo", "rd"}), reference(diamond(), "trunk", 0.0));
   ASSERT_FALSE(verdict);
   EXPECT_EQ(verdict.error().code, "noRouteError");
   EXPECT_THAT(verdict.error().message, HasSubstr("from node 'lo' to node 'rd'"));
@@ -63,7 +63,7 @@ TEST(OrderOnAGraph, names_the_two_nodes_that_no_way_joins) {
 
 TEST(OrderOnAGraph, is_refused_where_the_vehicle_is_on_the_other_way) {
   OrderBook book{diamond()};
-  const auto verdict = book.offer(order("O-1").through({"F", "ro", "M"}), standing(diamond(), "l_up", 0.3));
+  const auto verdict = book.offer(order("O-1").through({"F", "ro", "M"}), reference(diamond(), "l_up", 0.3));
   ASSERT_FALSE(verdict);
   EXPECT_EQ(verdict.error().code, "noRouteError");
 }
@@ -71,10 +71,10 @@ TEST(OrderOnAGraph, is_refused_where_the_vehicle_is_on_the_other_way) {
 TEST(OrderOnAGraph, is_continued_either_way_from_a_base_that_ends_where_ways_part) {
   for (const auto& [node, section] : {std::pair{"ro", "r_up"}, std::pair{"lo", "l_up"}}) {
     OrderBook book{diamond()};
-    ASSERT_TRUE(book.offer(order("O-1").through({"T", "T1", "F"}), standing(diamond(), "trunk", 0.0)));
+    ASSERT_TRUE(book.offer(order("O-1").through({"T", "T1", "F"}), reference(diamond(), "trunk", 0.0)));
     book.travelled(0.5);
     const auto verdict =
-        book.offer(order("O-1", 1).from_sequence(4).through({"F", node}), standing(diamond(), "trunk", 0.5));
+        book.offer(order("O-1", 1).from_sequence(4).through({"F", node}), reference(diamond(), "trunk", 0.5));
     ASSERT_TRUE(verdict) << to_string(verdict.error());
     EXPECT_EQ(coming(book, diamond(), "trunk", 0.5).front(), section);
     EXPECT_NEAR(book.distance_to_base_end_m(), 1.5 + pi / 4.0, 1e-9);
@@ -84,11 +84,11 @@ TEST(OrderOnAGraph, is_continued_either_way_from_a_base_that_ends_where_ways_par
 TEST(OrderOnAGraph, is_continued_either_way_by_a_vehicle_that_stands_where_they_part) {
   for (const auto& [node, section] : {std::pair{"ro", "r_up"}, std::pair{"lo", "l_up"}}) {
     OrderBook book{diamond()};
-    ASSERT_TRUE(book.offer(order("O-1").through({"T", "T1", "F"}), standing(diamond(), "trunk", 0.0)));
+    ASSERT_TRUE(book.offer(order("O-1").through({"T", "T1", "F"}), reference(diamond(), "trunk", 0.0)));
     EXPECT_EQ(book.travelled(1.99).size(), 2U) << "a vehicle stands on a node 15 mm before it";
     EXPECT_FALSE(book.active());
     const auto verdict =
-        book.offer(order("O-1", 1).from_sequence(4).through({"F", node}), standing(diamond(), "trunk", 1.99));
+        book.offer(order("O-1", 1).from_sequence(4).through({"F", node}), reference(diamond(), "trunk", 1.99));
     ASSERT_TRUE(verdict) << to_string(verdict.error());
     EXPECT_EQ(coming(book, diamond(), "trunk", 1.99).front(), section);
     EXPECT_NEAR(book.distance_to_base_end_m(), 0.01 + pi / 4.0, 1e-9);
@@ -97,7 +97,7 @@ TEST(OrderOnAGraph, is_continued_either_way_by_a_vehicle_that_stands_where_they_
 
 TEST(OrderOnAGraph, keeps_the_way_of_its_horizon_in_the_course) {
   OrderBook book{diamond()};
-  ASSERT_TRUE(book.offer(order("O-1").through({"T", "T1"}).then({"F", "ro"}), standing(diamond(), "trunk", 0.2)));
+  ASSERT_TRUE(book.offer(order("O-1").through({"T", "T1"}).then({"F", "ro"}), reference(diamond(), "trunk", 0.2)));
   EXPECT_THAT(coming(book, diamond(), "trunk", 0.2), ElementsAre("r_up", "r_over"));
 }
 
@@ -106,7 +106,7 @@ TEST(OrderOnAGraph, goes_by_the_edge_where_two_lead_from_node_to_node) {
     OrderBook book{square()};
     auto text = order("O-1").through({"D", "A", "B", "C"});
     text.edge(1).edge_id = edge;
-    ASSERT_TRUE(book.offer(text, standing(square(), "west", 0.0)));
+    ASSERT_TRUE(book.offer(text, reference(square(), "west", 0.0)));
     EXPECT_THAT(coming(book, square(), "west", 0.0), ElementsAre(edge, "east", "north"));
     EXPECT_NEAR(book.distance_to_base_end_m(), 2.0 + length_m, 1e-9);
   }
@@ -114,7 +114,7 @@ TEST(OrderOnAGraph, goes_by_the_edge_where_two_lead_from_node_to_node) {
 
 TEST(OrderOnAGraph, goes_on_after_a_jump_along_its_way_and_not_beside_it) {
   OrderBook book{diamond()};
-  ASSERT_TRUE(book.offer(order("O-1").through({"T", "F", "ro", "M"}), standing(diamond(), "trunk", 0.0)));
+  ASSERT_TRUE(book.offer(order("O-1").through({"T", "F", "ro", "M"}), reference(diamond(), "trunk", 0.0)));
   EXPECT_FALSE(book.relocate(at(diamond(), "l_over", 0.1)));
   ASSERT_TRUE(book.relocate(at(diamond(), "r_over", 0.1)));
   EXPECT_NEAR(book.travelled_m(), 2.0 + pi / 4.0 + 0.1, 1e-9);
@@ -125,7 +125,7 @@ TEST(OrderOnAGraph, that_comes_by_twice_knows_which_time_it_is) {
   OrderBook book{square()};
   auto text = order("O-1").through({"A", "B", "C", "D", "A", "B", "S"});
   for (const std::size_t edge : {0U, 4U}) text.edge(edge).edge_id = "south";
-  ASSERT_TRUE(book.offer(text, standing(square(), "south", 0.0)));
+  ASSERT_TRUE(book.offer(text, reference(square(), "south", 0.0)));
   EXPECT_THAT(coming(book, square(), "south", 0.0), ElementsAre("east", "north", "west", "south", "spur"));
   book.travelled(4.2);
   EXPECT_THAT(coming(book, square(), "south", 0.2), ElementsAre("spur"));
@@ -138,7 +138,7 @@ TEST(OrderOnAGraph, may_have_edges_of_hundreds_of_metres) {
                                  {"off", {400.0, 0.0, 0.0}, 150.0, 0.001, {}}},
                                 {{"a", {0, 0.0}}, {"b", {1, 150.0}}, {"c", {2, 150.0}}});
   OrderBook book{zone};
-  ASSERT_TRUE(book.offer(order("O-1").through({"a", "c"}), standing(zone, "there", 200.0)));
+  ASSERT_TRUE(book.offer(order("O-1").through({"a", "c"}), reference(zone, "there", 200.0)));
   EXPECT_NEAR(book.distance_to_base_end_m(), 350.0, 1e-9);
   EXPECT_THAT(coming(book, zone, "there", 200.0), ElementsAre("off"));
 }
@@ -148,13 +148,13 @@ TEST(OrderOnAGraph, finds_nodes_of_other_names_by_position_on_the_way_that_leads
   auto text = order("O-1").through({"here", "there", "M"});
   text.node(0).position = wire::NodePosition{0.0, 0.0, {}, {}, {}, "diamond"};
   text.node(1).position = wire::NodePosition{2.0 + std::sqrt(2.0), -2.0 + std::sqrt(2.0), {}, {}, {}, "diamond"};
-  ASSERT_TRUE(book.offer(text, standing(diamond(), "trunk", 0.0)));
+  ASSERT_TRUE(book.offer(text, reference(diamond(), "trunk", 0.0)));
   EXPECT_THAT(coming(book, diamond(), "trunk", 0.0), ElementsAre("r_up", "r_over", "r_down", "tail"));
 }
 
 TEST(OrderOnAGraph, takes_no_course_on_a_ring_where_there_is_nothing_to_choose) {
   OrderBook book{test::lacet4()};
-  ASSERT_TRUE(book.offer(order("O-1").through({"loop_se@0", "loop_se@283"}), standing(test::lacet4(), "loop_se", 0.0)));
+  ASSERT_TRUE(book.offer(order("O-1").through({"loop_se@0", "loop_se@283"}), reference(test::lacet4(), "loop_se", 0.0)));
   EXPECT_TRUE(book.course_from(at(test::lacet4(), "loop_se", 0.0)).empty());
 }
 

@@ -31,7 +31,7 @@ class LineWorld {
   }
 
   /// Another floor under the same body, which stands.
-  void stand_on(const zone::Circuit& floor) {
+  void set_zone(const zone::Circuit& floor) {
     off_ = Off{pose(), {}, {}};
     floor_ = &floor;
     ground_truth = AivMotion{floor, {0, 0.0}};

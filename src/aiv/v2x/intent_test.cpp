@@ -127,7 +127,7 @@ TEST(ComposeIntent, wants_no_crossing_while_it_is_held_or_has_no_order) {
 
 TEST(ComposeIntent, of_one_beside_the_line_says_only_where_it_is) {
   Speaker speaker{0.1};
-  speaker.agent.estimator().stand_off({0.3, 0.0, 0.5});
+  speaker.agent.estimator().set_off_path({0.3, 0.0, 0.5});
   const wire::Intent intent = speaker.says();
   EXPECT_FALSE(intent.position);
   EXPECT_THAT(intent.crossings, IsEmpty());
@@ -156,7 +156,7 @@ TEST(News, are_what_others_act_upon_and_not_where_it_drives_meanwhile) {
   EXPECT_TRUE(is_news(said, Speaker{0.1})) << "it wants no crossing";
   EXPECT_TRUE(is_news(Speaker{1.3}.says(), speaker)) << "it comes to crossings";
   Speaker beside{0.1};
-  beside.agent.estimator().stand_off({0.3, 0.0, 0.5});
+  beside.agent.estimator().set_off_path({0.3, 0.0, 0.5});
   EXPECT_TRUE(is_news(said, beside));
   EXPECT_FALSE(is_news(beside.says(), beside));
   wire::Intent other = said;

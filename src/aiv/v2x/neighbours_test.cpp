@@ -204,9 +204,9 @@ TEST(Neighbours, let_the_first_of_two_equals_come_up_as_if_alone) {
 
 TEST(Neighbours, do_not_wait_for_one_that_stands_and_may_not_enter) {
   Ear ear;
-  wire::Intent stands = ear.rival(0.1, false, 9.0);
-  stands.speed_mps = 0.0;
-  ear.hear(stands);
+  wire::Intent is_stopped = ear.rival(0.1, false, 9.0);
+  is_stopped.speed_mps = 0.0;
+  ear.hear(is_stopped);
   EXPECT_EQ(ear.around().crossing_margin_s, infinite);
 }
 

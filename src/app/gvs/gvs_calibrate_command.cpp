@@ -85,7 +85,7 @@ Result<std::vector<vision::SurveyedPose>> poses_of(const GvsCalibrateArguments& 
   if (a.pose_xs_m.empty() && a.pose_ys_m.empty()) return vision::read_poses(*text, a.poses_file);
   vision::PoseGrid grid{a.pose_xs_m, a.pose_ys_m, {}};
   for (std::uint32_t i = 0; i < a.pose_headings; ++i) grid.headings_rad.push_back(2.0 * pi * i / a.pose_headings);
-  return vision::read_pose_stands(*text, a.poses_file, grid);
+  return vision::read_pose_stops(*text, a.poses_file, grid);
 }
 
 /// A full matrix or a scale, whichever puts left-out poses nearer.
@@ -127,7 +127,7 @@ std::string metrics_json(const vision::Calibrated& made, const std::optional<vis
     json.field("max_mm", 1e3 * poses->max_m).field("heading_sd_deg", poses->heading_sd_rad / degree_rad);
     json.field("heading_left_out_deg", poses->heading_rms_rad / degree_rad);
     json.field("lean_deg_per_m", poses->fit.lean_per_m / degree_rad);
-    json.field("standing_mm", 1e3 * poses->standing_m).end_object();
+    json.field("standing_mm", 1e3 * poses->stopped_m).end_object();
   } else {
     json.null();
   }

@@ -45,9 +45,9 @@ TEST_F(Virtual, time_goes_by_itself_until_it_is_stopped) {
   ASSERT_TRUE(loop.run_until([&] { return run->elapsed() > 200ms; }, timeout));
   page->set_clock(false, 1.0);
   EXPECT_FALSE(page->clock().running);
-  const SimDuration stood_at = run->elapsed();
+  const SimDuration stopped_at = run->elapsed();
   loop.run_for(100ms);
-  EXPECT_EQ(run->elapsed(), stood_at);
+  EXPECT_EQ(run->elapsed(), stopped_at);
 }
 
 TEST_F(Virtual, a_step_goes_exactly_so_far_and_no_further) {

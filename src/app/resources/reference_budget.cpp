@@ -58,7 +58,7 @@ experiments::ReferenceBudget budget_of(const vision::Calibration& calibration, c
                        " floor points, each block left out (" + std::string(name_of(calibration.model)) + ")"});
   if (beside.poses) {
     const std::string many = std::to_string(beside.poses->left_out.size()) + " surveyed poses";
-    parts.push_back({"tag noise", beside.poses->standing_m, many + ": how still a standing tag stands"});
+    parts.push_back({"tag noise", beside.poses->stopped_m, many + ": how still a standing tag stands"});
     parts.push_back({"height and mounting", beside.poses->rms_m, many + ", each left out: rms"});
   } else {
     parts.push_back({"tag noise", std::nullopt, "not told: let a vehicle stand, and take the spread of its fixes"});

@@ -8,7 +8,7 @@ namespace cosiva::statistics {
 namespace {
 
 // From published tables, and closed forms where there are any.
-TEST(Distributions, quantiles_stand_in_the_tables) {
+TEST(Distributions, quantiles_equal_the_published_tables) {
   EXPECT_NEAR(normal_quantile(0.975), 1.959963984540054, 1e-12);
   EXPECT_NEAR(normal_quantile(0.001), -3.090232306167814, 1e-12);
   EXPECT_NEAR(chi_squared_quantile(0.95, 1.0), 3.841458820694124, 1e-10);

@@ -16,7 +16,7 @@ namespace {
 // Nine cells of one type from full to 2.5 V: Battery Testing Consortium, Oxford Brookes, 2021.
 constexpr std::array nine{3490.71, 3652.06, 3602.42, 3619.98, 3598.24, 3646.51, 3595.89, 3591.32, 3651.98};
 
-TEST(Fisher, quantiles_stand_in_the_tables) {
+TEST(Fisher, quantiles_equal_the_published_tables) {
   EXPECT_NEAR(fisher_cdf(4.9646, 1.0, 10.0), 0.95, 1e-5);
   EXPECT_NEAR(fisher_cdf(3.4780, 4.0, 10.0), 0.95, 1e-4);
   EXPECT_NEAR(fisher_cdf(3.3541, 2.0, 27.0), 0.95, 1e-4);

@@ -116,9 +116,9 @@ TEST(LineVehicle, turns_only_while_it_is_commanded) {
   const Pose2 waits = vehicle.body().X_MB;
   EXPECT_GT(waits.heading_rad, 0.1);
   EXPECT_LT(waits.heading_rad, 1.5);
-  EXPECT_FALSE(vehicle.stands()) << "it was commanded less than 0.3 s ago, as far as its wheels have come to rest";
+  EXPECT_FALSE(vehicle.is_stopped()) << "it was commanded less than 0.3 s ago, as far as its wheels have come to rest";
   for (int i = 0; i < 100; ++i) vehicle.step(nullptr, dt_s);
-  EXPECT_TRUE(vehicle.stands());
+  EXPECT_TRUE(vehicle.is_stopped());
   drive(vehicle, {-0.1, 0.5, 0.8, 1}, 0.5);
   EXPECT_LT(std::fabs(vehicle.body().X_MB.heading_rad - waits.heading_rad), 0.5);
   EXPECT_NE(vehicle.manoeuvre(), nullptr);
@@ -187,7 +187,7 @@ TEST(LineVehicle, put_on_another_floor_stays_as_it_is_and_waits_off_the_line) {
   const Circuit next = other({-2, 0.2, 0.1});
   LineVehicle vehicle = on(old, {0, 5.0});
   const Pose2 before = vehicle.body().X_MB;
-  vehicle.stand_on(next);
+  vehicle.set_zone(next);
   EXPECT_TRUE(vehicle.line_lost());
   EXPECT_FALSE(vehicle.following());
   drive(vehicle, {0.3, 0.5, 0.8, 0}, 1.0);        // not told to seek
@@ -196,7 +196,7 @@ TEST(LineVehicle, put_on_another_floor_stays_as_it_is_and_waits_off_the_line) {
   for (int i = 0; i < 100; ++i) vehicle.step(nullptr, dt_s);
   EXPECT_EQ(vehicle.body().X_MB, before);
   EXPECT_EQ(vehicle.manoeuvre(), nullptr);
-  EXPECT_TRUE(vehicle.stands());
+  EXPECT_TRUE(vehicle.is_stopped());
 }
 
 TEST(LineVehicle, seeks_the_line_within_reach_and_follows_it) {
@@ -208,7 +208,7 @@ TEST(LineVehicle, seeks_the_line_within_reach_and_follows_it) {
     const Circuit next = other(Pose2{0, 0, turned_rad} * Pose2{-2.0, off_m, 0});
     LineVehicle vehicle = on(old, {0, 5.0}, 0.0005);
     const Pose2 began = vehicle.body().X_MB;
-    vehicle.stand_on(next);
+    vehicle.set_zone(next);
     Pose2 summed;
     bool manoeuvred = false;
     for (int i = 0; i < 1500 && !vehicle.following(); ++i) {
@@ -238,7 +238,7 @@ TEST(LineVehicle, told_of_a_goal_goes_onto_the_line_that_lies_there) {
   const Circuit next = other({-2, 0.2, 0});
   const auto told = [&](const wire::Manoeuvre& goal) {
     LineVehicle vehicle = on(old, {0, 5.0});
-    vehicle.stand_on(next);
+    vehicle.set_zone(next);
     const DriveCommand command{0.3, 0.5, 0.8, 0, true, goal};
     for (int i = 0; i < 1500 && !vehicle.following(); ++i) vehicle.step(&command, dt_s);
     return vehicle;
@@ -257,7 +257,7 @@ TEST(LineVehicle, seeks_nothing_that_lies_beyond_its_reach) {
   const Circuit old = line();
   const Circuit next = other({-2, 0.36, 0});
   LineVehicle vehicle = on(old, {0, 5.0});
-  vehicle.stand_on(next);
+  vehicle.set_zone(next);
   drive(vehicle, seek, 3.0);
   EXPECT_EQ(vehicle.manoeuvre(), nullptr);
   EXPECT_LT(distance(vehicle.body().X_MB, {0, 0, 0}), 1e-12);
@@ -268,7 +268,7 @@ TEST(LineVehicle, goes_on_where_the_new_floor_s_line_is_the_old_one_s) {
   const Circuit old = line();
   const Circuit next = other(Pose2{0, 0.003, 0.02} * Pose2{-2, 0, 0});
   LineVehicle vehicle = on(old, {0, 5.0});
-  vehicle.stand_on(next);
+  vehicle.set_zone(next);
   EXPECT_FALSE(vehicle.line_lost());
   drive(vehicle, {0.3, 0.5, 0.8, 0}, 2.0);
   EXPECT_EQ(vehicle.manoeuvre(), nullptr);
@@ -281,7 +281,7 @@ TEST(LineVehicle, told_to_seek_on_the_line_makes_a_manoeuvre_that_can_be_heard_o
   const Circuit old = line();
   const Circuit next = other({-2, 0.0, 0.0});
   LineVehicle vehicle = on(old, {0, 5.0});
-  vehicle.stand_on(next);
+  vehicle.set_zone(next);
   int steps = 0;
   for (int i = 0; i < 100; ++i) {
     vehicle.step(&seek, dt_s);
@@ -297,7 +297,7 @@ TEST(LineVehicle, told_to_seek_a_little_beside_the_line_s_centre_does_not_turn_a
   // The new line lies 8 mm aside and 0.02 rad askew: its sensors see it.
   const Circuit next = other(Pose2{0, 0.008, 0.02} * Pose2{-2, 0, 0});
   LineVehicle vehicle = on(old, {0, 5.0});
-  vehicle.stand_on(next);
+  vehicle.set_zone(next);
   double turned_rad = 0.0;
   for (int i = 0; i < 100; ++i) {
     vehicle.step(&seek, dt_s);
@@ -313,7 +313,7 @@ TEST(LineVehicle, told_a_line_where_it_stands_on_one_does_not_turn_across_it) {
   const Circuit next = other(Pose2{0, 0.008, 0.02} * Pose2{-2, 0, 0});
   for (const wire::Manoeuvre goal : {wire::Manoeuvre{0, 0, 0}, {3, -4, 15}, {-4, 2, -30}}) {
     LineVehicle vehicle = on(old, {0, 5.0}, 0.002);
-    vehicle.stand_on(next);
+    vehicle.set_zone(next);
     const DriveCommand told{0.3, 0.5, 0.8, 0, true, goal};
     double turned_rad = 0.0;
     for (int i = 0; i < 100; ++i) {
@@ -329,7 +329,7 @@ TEST(LineVehicle, told_a_line_where_it_stands_askew_turns_to_its_heading_and_not
   const Circuit old = line();
   const Circuit next = other(Pose2{0, 0.005, -1.3} * Pose2{-2, 0, 0});
   LineVehicle vehicle = on(old, {0, 5.0});
-  vehicle.stand_on(next);
+  vehicle.set_zone(next);
   const DriveCommand told{0.3, 0.5, 0.8, 0, true, wire::Manoeuvre{-1, 5, -1300}};
   double least_rad = 0.0;
   for (int i = 0; i < 400 && !vehicle.following(); ++i) {
@@ -347,10 +347,10 @@ TEST(LineVehicle, leaves_a_manoeuvre_that_nobody_commands_when_the_floor_becomes
   for (int i = 0; i < 500 && vehicle.manoeuvre() == nullptr; ++i) drive(vehicle, creep(1), dt_s);
   drive(vehicle, creep(1), 0.4);
   for (int i = 0; i < 100; ++i) vehicle.step(nullptr, dt_s);
-  ASSERT_TRUE(vehicle.stands());
+  ASSERT_TRUE(vehicle.is_stopped());
   const Pose2 before = vehicle.body().X_MB;
   const Circuit next = other({-1, 0.1, 0});
-  vehicle.stand_on(next);
+  vehicle.set_zone(next);
   EXPECT_EQ(vehicle.manoeuvre(), nullptr);
   drive(vehicle, {0.0, 0.5, 0.8, 0}, 0.5);
   EXPECT_EQ(vehicle.body().X_MB, before);
@@ -363,7 +363,7 @@ TEST(LineVehicle, put_on_another_floor_while_it_moves_is_our_own_bug) {
   const Circuit next = other({-2, 0.2, 0});
   LineVehicle vehicle = on(old, {0, 1.0});
   drive(vehicle, {0.3, 0.5, 0.8, 0}, 1.0);
-  EXPECT_DEATH(vehicle.stand_on(next), "stands");
+  EXPECT_DEATH(vehicle.set_zone(next), "stands");
 }
 
 TEST(Odometer, reckons_a_manoeuvre_from_where_it_began_and_leaves_the_distance) {

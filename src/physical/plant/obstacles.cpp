@@ -32,7 +32,7 @@ Error refused(std::string message, const std::string& id) { return {"plant.comma
 
 Obstacles::Obstacles(const zone::TrafficZone& zone) : shape_{zone.vehicle}, world_{world_of(zone)} {}
 
-void Obstacles::stand_on(const zone::TrafficZone& zone) { world_ = world_of(zone); }
+void Obstacles::set_zone(const zone::TrafficZone& zone) { world_ = world_of(zone); }
 
 std::optional<Error> Obstacles::add(const JsonValue& given, std::span<const BodyPose> bodies) {
   const auto id = given.text("id");

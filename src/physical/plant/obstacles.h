@@ -33,7 +33,7 @@ class Obstacles {
   explicit Obstacles(const zone::TrafficZone& zone);
 
   /// The floor is this zone's from now on: what stands on it stays, even beside the new world.
-  void stand_on(const zone::TrafficZone& zone);
+  void set_zone(const zone::TrafficZone& zone);
 
   /// Puts {"id","x","y","radius"}, or moves the one of this id. Refuses ("plant.command", a sentence) a missing or
   /// too long id, a place off the world, a radius outside 0.01…2 m, one too many, and a place on one of the vehicles:

@@ -302,7 +302,7 @@ void PlantCore::Impl::take_over(const ZoneExchange::News& news) {
     return;
   }
   floor = std::make_shared<Floor>(news.zone, options.noise.tag_range_m);
-  obstacles.stand_on(*news.zone);
+  obstacles.set_zone(*news.zone);
   change_floors();
 }
 
@@ -311,7 +311,7 @@ void PlantCore::Impl::change_floors() {
   for (Vehicle& vehicle : vehicles) {
     if (vehicle.floor() == floor) continue;
     vehicle.await_floor();
-    if (vehicle.stands()) vehicle.stand_on(floor);
+    if (vehicle.is_stopped()) vehicle.set_zone(floor);
   }
 }
 

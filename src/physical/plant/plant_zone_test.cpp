@@ -175,12 +175,12 @@ TEST(PlantSwitch, lets_a_vehicle_go_on_along_its_old_line_until_it_stands) {
 
   fixture.drive(1, still);
   fixture.run_for(2s);
-  const Pose2 stands = fixture.ground_truth(1).X_MB;
-  EXPECT_EQ(stands.y_m, 0.0) << "its pose is what it was";
+  const Pose2 is_stopped = fixture.ground_truth(1).X_MB;
+  EXPECT_EQ(is_stopped.y_m, 0.0) << "its pose is what it was";
   EXPECT_TRUE(fixture.heard<wire::Odometry>(1).back().line_lost);
   fixture.drive(1, fast);
   fixture.run_for(1s);
-  EXPECT_EQ(fixture.ground_truth(1).X_MB, stands) << "it has no line to follow and was not told to seek one";
+  EXPECT_EQ(fixture.ground_truth(1).X_MB, is_stopped) << "it has no line to follow and was not told to seek one";
 }
 
 TEST(PlantSwitch, brings_a_vehicle_that_seeks_onto_the_new_line_and_lets_it_read_what_lies_there) {

@@ -55,7 +55,7 @@ class TagReader {
 
   /// The floor is another from now on, and what lay in the field is gone.
   /// @param map  must outlive this
-  void stand_on(const TagMap& map) {
+  void set_zone(const TagMap& map) {
     map_ = &map;
     in_field_.clear();
   }

@@ -123,12 +123,12 @@ void Vehicle::step_manoeuvre() {
   drive_energy_j_ += power_.cart().manoeuvre_energy_j(turned_rad, gone_m);
 }
 
-void Vehicle::stand_on(std::shared_ptr<const Floor> floor) {
+void Vehicle::set_zone(std::shared_ptr<const Floor> floor) {
   laps_before_ = laps();
   distance_before_m_ = distance_m_;
   floor_ = std::move(floor);
-  motion_.stand_on(floor_->zone->circuit);
-  tag_reader_.stand_on(floor_->tags);
+  motion_.set_zone(floor_->zone->circuit);
+  tag_reader_.set_zone(floor_->tags);
   in_manoeuvre_ = false;
   awaits_floor_ = false;
 }

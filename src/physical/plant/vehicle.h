@@ -35,11 +35,11 @@ class Vehicle {
   /// Moves the body over `dt`, in steps of at most step_max.
   void move(SimTime now, SimDuration dt);
   /// Whether the floor under it may become another: it is at rest, and nobody has it in a manoeuvre.
-  [[nodiscard]] bool stands() const { return motion_.stands(); }
+  [[nodiscard]] bool is_stopped() const { return motion_.is_stopped(); }
   /// Another floor is to come: told to seek a line, which can only be one of that floor, it comes to rest first.
   void await_floor() { awaits_floor_ = true; }
   /// Puts it on another floor, the body as it is. Only while it stands.
-  void stand_on(std::shared_ptr<const Floor> floor);
+  void set_zone(std::shared_ptr<const Floor> floor);
   [[nodiscard]] bool wants_scan(SimTime now) const { return dobs_.wants_scan(now) && dobs_.link().connected(); }
   /// Lets the boards speak. @param scan  exact ranges, looked at only when wants_scan(now)
   void speak(SimTime now, const Scan& scan, wire::Effects& effects);

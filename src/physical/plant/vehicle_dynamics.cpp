@@ -239,8 +239,8 @@ void LineVehicle::end_manoeuvre() {
   put_body(sin, cos);
 }
 
-void LineVehicle::stand_on(const zone::Circuit& circuit) {
-  COSIVA_EXPECT(stands());
+void LineVehicle::set_zone(const zone::Circuit& circuit) {
+  COSIVA_EXPECT(is_stopped());
   circuit_ = &circuit;
   manoeuvre_.reset();
   off_line_ = true;

@@ -50,9 +50,9 @@ class LineVehicle {
 
   /// The floor is this one from now on; the body stays as it is, wherever the lines are. Only for one that stands.
   /// @param circuit  must outlive this
-  void stand_on(const zone::Circuit& circuit);
+  void set_zone(const zone::Circuit& circuit);
   /// Speed exactly 0, and no manoeuvre but an abandoned one.
-  [[nodiscard]] bool stands() const { return manoeuvre_ ? manoeuvre_->abandoned() : speed_mps_ == 0.0; }
+  [[nodiscard]] bool is_stopped() const { return manoeuvre_ ? manoeuvre_->abandoned() : speed_mps_ == 0.0; }
 
   [[nodiscard]] const BodyPose& body() const { return body_; }
   /// On the line; off it (following() is false), where it left the line, or any place of a new floor.

@@ -54,7 +54,7 @@ TEST(Calibration, chooses_the_model_whose_left_out_blocks_fit_best) {
 }
 
 TEST(Calibration, of_surveyed_poses_is_within_1_mm_and_a_quarter_degree) {
-  const auto poses = read_pose_stands(test_file("cpm-ips/pose_calibration.txt"), "poses", cpm_grid());
+  const auto poses = read_pose_stops(test_file("cpm-ips/pose_calibration.txt"), "poses", cpm_grid());
   ASSERT_TRUE(poses) << to_string(poses.error());
   ASSERT_EQ(poses->size(), 32U);
   const auto fit = fit_poses(*poses, true);
@@ -69,7 +69,7 @@ TEST(Calibration, of_surveyed_poses_is_within_1_mm_and_a_quarter_degree) {
   EXPECT_NEAR(-fit->fit.lean.x_m / fit->fit.lean_per_m, 2.25, 0.8);
   EXPECT_NEAR(-fit->fit.lean.y_m / fit->fit.lean_per_m, 2.0, 0.8);
   EXPECT_NEAR(fit->fit.lever.x_m, 0.079, 0.001);  // the marker is 79 mm from the vehicle's point
-  EXPECT_LE(fit->standing_m, 0.05e-3);
+  EXPECT_LE(fit->stopped_m, 0.05e-3);
 }
 
 // ---- What is kept
@@ -246,11 +246,11 @@ TEST(Calibration, file_that_is_damaged_is_refused_with_the_field) {
 
 TEST(Poses, of_another_number_than_the_grid_has_are_refused) {
   const std::string text = test_file("cpm-ips/pose_calibration.txt");
-  const auto few = read_pose_stands(text.substr(0, text.size() / 2), "poses.txt", cpm_grid());
+  const auto few = read_pose_stops(text.substr(0, text.size() / 2), "poses.txt", cpm_grid());
   ASSERT_FALSE(few);
   EXPECT_THAT(to_string(few.error()), HasSubstr("poses.txt: "));
   EXPECT_THAT(few.error().message, HasSubstr("the grid has 32 poses"));
-  const auto bad = read_pose_stands("0.5, 0.6, nan, 0.01, 1,\n", "poses.txt", cpm_grid());
+  const auto bad = read_pose_stops("0.5, 0.6, nan, 0.01, 1,\n", "poses.txt", cpm_grid());
   ASSERT_FALSE(bad);
   EXPECT_THAT(to_string(bad.error()), HasSubstr("poses.txt:1: "));
 }

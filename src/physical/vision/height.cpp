@@ -222,7 +222,7 @@ std::optional<PoseResiduals> residuals_of(const std::vector<SurveyedPose>& poses
     turns += turn * turn;
     result.max_m = std::max(result.max_m, off);
     result.heading_max_rad = std::max(result.heading_max_rad, turn);
-    result.standing_m += poses[i].standing_m / static_cast<double>(poses.size());
+    result.stopped_m += poses[i].stopped_m / static_cast<double>(poses.size());
   }
   result.rms_m = std::sqrt(squares / static_cast<double>(poses.size()));
   result.heading_rms_rad = std::sqrt(turns / static_cast<double>(poses.size()));

@@ -34,7 +34,7 @@ Result<void> check_distinct(const Table& table, std::size_t column, const std::s
 constexpr double degree_rad = pi / 180.0;
 
 /// Sums of one stand.
-class Stand {
+class Stop {
  public:
   void add(const std::array<double, 4>& row) {
     for (std::size_t i = 0; i < 4; ++i) sum_[i] += row[i];
@@ -113,11 +113,11 @@ Result<std::vector<SurveyedPose>> read_poses(std::string_view text, const std::s
   return poses;
 }
 
-Result<std::vector<SurveyedPose>> read_pose_stands(std::string_view text, const std::string& file, const PoseGrid& grid,
+Result<std::vector<SurveyedPose>> read_pose_stops(std::string_view text, const std::string& file, const PoseGrid& grid,
                                                    double leap) {
   Lines lines{text};
   std::string_view line;
-  std::vector<Stand> stands;
+  std::vector<Stop> stops;
   std::array<double, 4> before{};
   while (lines.next(line)) {
     line = trimmed(line);
@@ -127,14 +127,14 @@ Result<std::vector<SurveyedPose>> read_pose_stands(std::string_view text, const 
       return fail("gvs.poses", "expected 'x, y, cos, sin, weight' of finite numbers, found " + quoted(line),
                   position_of(file, lines.number()));
     }
-    if (stands.empty() || between(*row, before) > leap) stands.emplace_back();
-    stands.back().add(*row);
+    if (stops.empty() || between(*row, before) > leap) stops.emplace_back();
+    stops.back().add(*row);
     before = *row;
   }
   const std::size_t expected = grid.xs_m.size() * grid.ys_m.size() * grid.headings_rad.size();
-  if (stands.size() != expected || expected == 0) {
+  if (stops.size() != expected || expected == 0) {
     return fail("gvs.poses",
-                "shows " + std::to_string(stands.size()) + " stands, and the grid has " + std::to_string(expected) +
+                "shows " + std::to_string(stops.size()) + " stands, and the grid has " + std::to_string(expected) +
                     " poses (" + std::to_string(grid.ys_m.size()) + " y, " + std::to_string(grid.xs_m.size()) + " x, " +
                     std::to_string(grid.headings_rad.size()) + " headings)",
                 file);
@@ -143,7 +143,7 @@ Result<std::vector<SurveyedPose>> read_pose_stands(std::string_view text, const 
   for (const double y : grid.ys_m)
     for (const double x : grid.xs_m)
       for (const double heading : grid.headings_rad)
-        poses.push_back(stands[poses.size()].mean({x, y, wrap_angle(heading)}));
+        poses.push_back(stops[poses.size()].mean({x, y, wrap_angle(heading)}));
   return poses;
 }
 

@@ -11,7 +11,7 @@ namespace cosiva::virtual_side {
 namespace {
 
 /// From a crossing's exit to where the rear of the one ahead is at least: it must be able to leave the crossing behind.
-constexpr double room_m = aiv::stand_off_m + Ground::left_m + 0.01;
+constexpr double room_m = aiv::clearance_m + Ground::left_m + 0.01;
 
 }  // namespace
 
@@ -244,12 +244,12 @@ void CrossingGrants::grant(Block& block, std::uint32_t i, std::uint32_t waited) 
 }
 
 std::uint32_t CrossingGrants::blocker_of(std::uint32_t i) const {
-  const bool stands = state_.v_mps[i] < aiv::standing_mps && (state_.mode[i] & (Mode::turning | Mode::at_goal)) == 0;
-  if (!stands) return i;
+  const bool is_stopped = state_.v_mps[i] < aiv::stopped_mps && (state_.mode[i] & (Mode::turning | Mode::at_goal)) == 0;
+  if (!is_stopped) return i;
   const std::uint32_t leader = state_.leader[i];
   const double gap_m = leaders_.gap_m(i);
   constexpr double near_m = 0.05;
-  if (leader != i && gap_m < aiv::stand_off_m + near_m) return leader;
+  if (leader != i && gap_m < aiv::clearance_m + near_m) return leader;
   if ((state_.mode[i] & Mode::requests) == 0) return i;
   const Ground::Chain& chain = ground_.chain(state_.own[i].line_chain);
   const auto leaves = ground_.leaves_of(chain);

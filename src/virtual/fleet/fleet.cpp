@@ -99,8 +99,8 @@ bool Fleet::take_away(Vehicle vehicle) { return in_->presence.take_away(vehicle)
 bool Fleet::bring(Vehicle vehicle, zone::TrackPosition position, std::int32_t priority) {
   return in_->presence.bring(vehicle, position, static_cast<std::int16_t>(std::clamp(priority, 0, zone::priority_max)));
 }
-bool Fleet::may_stand(zone::TrackPosition position) const {
-  return position.section < zone().circuit.size() && in_->tables.ground.may_stand(position);
+bool Fleet::may_stop(zone::TrackPosition position) const {
+  return position.section < zone().circuit.size() && in_->tables.ground.may_stop(position);
 }
 bool Fleet::is_away(Vehicle vehicle) const { return (in_->tables.state.mode[vehicle] & Mode::absent) != 0; }
 

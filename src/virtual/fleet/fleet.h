@@ -52,7 +52,7 @@ class Fleet {
   static constexpr Vehicle none = std::numeric_limits<Vehicle>::max();
 
   /// Fails ("fleet.start") where a start is not on the circuit, lies in a crossing or between two that are too close to
-  /// stand between, or is less than occupied_m() + aiv::stand_off_m behind the next one; ("fleet.options") on options
+  /// stand between, or is less than occupied_m() + aiv::clearance_m behind the next one; ("fleet.options") on options
   /// out of range; ("fleet.zone") on a zone without sections or with chains of crossings too long to be reserved.
   /// @param zone  shared by all copies
   [[nodiscard]] static Result<Fleet> make(std::shared_ptr<const zone::TrafficZone> zone, const FleetOptions& options,
@@ -98,7 +98,7 @@ class Fleet {
   /// not stop or whom it would stand too close to.
   [[nodiscard]] bool bring(Vehicle vehicle, zone::TrackPosition position, std::int32_t priority = 0);
   /// Whether bring() may ever put somebody there: outside crossings, and not between two that are too close.
-  [[nodiscard]] bool may_stand(zone::TrackPosition position) const;
+  [[nodiscard]] bool may_stop(zone::TrackPosition position) const;
   [[nodiscard]] bool is_away(Vehicle vehicle) const;  ///< its place, pose and gap then mean nothing
 
   // What can be asked. Spans have one entry per vehicle and stay where they are; they show the end of the last step.

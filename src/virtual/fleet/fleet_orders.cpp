@@ -103,8 +103,8 @@ void FleetOrders::follow_anew(std::uint32_t i) {
   const std::uint32_t requested_for = state_.own[i].line_chain;
   survey_.survey(i);
   // A vehicle that comes to a sharp bend turns there; for one that has stopped at the bend no event is to come.
-  const bool stands_at_end = state_.v_mps[i] == 0.0 && state_.s_m[i] == ground_.length_m(state_.section[i]);
-  if (numbers_.has_turns && stands_at_end && state_.goal_at[i] > state_.s_m[i] && (state_.mode[i] & Mode::turning) == 0)
+  const bool is_at_end = state_.v_mps[i] == 0.0 && state_.s_m[i] == ground_.length_m(state_.section[i]);
+  if (numbers_.has_turns && is_at_end && state_.goal_at[i] > state_.s_m[i] && (state_.mode[i] & Mode::turning) == 0)
     changes_.begin_turn(i);
   if ((state_.mode[i] & Mode::requests) == 0 || state_.own[i].line_chain == requested_for) return;
   grants_.withdraw(i);

@@ -191,7 +191,7 @@ TEST(Fleet, drives_as_its_agents_decide) {
     for (Fleet::Vehicle i = 0; i < many.size(); ++i) {
       const zone::SpeedProfile target_speed = aiv::kinematics(zone->profiles, meant[i]);
       may_mps.push_back(
-          std::min(target_speed.speed_mps, aiv::stoppable_speed(many.ahead(i).gap_m - aiv::stand_off_m,
+          std::min(target_speed.speed_mps, aiv::stoppable_speed(many.ahead(i).gap_m - aiv::clearance_m,
                                                                 target_speed.braking_mps2, aiv::obstacle_reaction_s)));
     }
     many.step();

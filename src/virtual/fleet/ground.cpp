@@ -26,7 +26,7 @@ Result<Ground> Ground::make(std::shared_ptr<const zone::TrafficZone> zone) {
   if (!zone || zone->circuit.size() == 0) return fail("fleet.zone", "a fleet needs a zone with sections");
   Ground ground;
   ground.zone_ = std::move(zone);
-  ground.gap_m_ = zone::standing_room_m(ground.zone_->vehicle);
+  ground.gap_m_ = zone::stopping_room_m(ground.zone_->vehicle);
   ground.lay_sections();
   ground.lay_defaults();
   ground.lay_parted();
@@ -118,7 +118,7 @@ Result<void> Ground::lay_lines() {
       Laying laying{{id}, {}, 0.0, span.from_m};
       Search search{first + chains_max, looks_max};
       if (!follow(laying, span.from_m, span.from_m, search) || search.is_over(chains_.size()))
-        return nowhere_to_stand(id);
+        return no_stopping_position(id);
       lines_.push_back({span.from_m, first, static_cast<std::uint32_t>(chains_.size()) - first});
     }
   }
@@ -136,11 +136,11 @@ Result<void> Ground::defaults_have_chains() const {
   for (zone::SectionId id = 0; cuts_ && id < size(); ++id)
     for (const Line& line : lines(id))
       if (std::ranges::none_of(std::span(chains_).subspan(line.first_chain, line.chains), is_default))
-        return nowhere_to_stand(id);
+        return no_stopping_position(id);
   return {};
 }
 
-tl::unexpected<Error> Ground::nowhere_to_stand(zone::SectionId section) const {
+tl::unexpected<Error> Ground::no_stopping_position(zone::SectionId section) const {
   char room_text[32];
   std::snprintf(room_text, sizeof room_text, "%.2f m", gap_m_);
   const std::string room = room_text;
@@ -217,8 +217,8 @@ void Ground::finish(const Laying& laying, double entry_m) {
   chains_.push_back(chain);
 }
 
-bool Ground::may_stand(zone::TrackPosition position) const {
-  if (!zone_->may_stand(position)) return false;
+bool Ground::may_stop(zone::TrackPosition position) const {
+  if (!zone_->may_stop(position)) return false;
   return std::ranges::none_of(spans_[position.section], [&](const Span& span) {
     return position.s_m > span.from_m - 0.005 && position.s_m < span.to_m + left_m;
   });

@@ -70,7 +70,7 @@ class Ground {
     return {leaves_.data() + chain.first_leave, chain.leaves};
   }
   /// Whether a vehicle may begin here: outside every crossing, and not between two of one chain.
-  [[nodiscard]] bool may_stand(zone::TrackPosition position) const;
+  [[nodiscard]] bool may_stop(zone::TrackPosition position) const;
   /// Behind an exit its crossing counts as left, so that no rounding keeps it.
   static constexpr double left_m = 0.02;
   [[nodiscard]] std::size_t bytes() const;
@@ -93,7 +93,7 @@ class Ground {
   void lay_parted();
   [[nodiscard]] Result<void> lay_lines();
   [[nodiscard]] Result<void> defaults_have_chains() const;
-  [[nodiscard]] tl::unexpected<Error> nowhere_to_stand(zone::SectionId section) const;
+  [[nodiscard]] tl::unexpected<Error> no_stopping_position(zone::SectionId section) const;
   /// What may still be looked for from one line.
   struct Search {
     std::size_t chains_most;

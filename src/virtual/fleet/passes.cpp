@@ -192,7 +192,7 @@ COSIVA_INLINE void limit(const Limits& limits, const Numbers& n, const LeaderVie
     const double speeding =
         of_profile(p, stop.acceleration_mps2, slow.acceleration_mps2, medium.acceleration_mps2, fast.acceleration_mps2);
     const double target_speed = of_profile(p, stop.speed_mps, slow.speed_mps, medium.speed_mps, fast.speed_mps);
-    const double way_m = lower(detected.halt_m[k], detected.gap_m[k] - aiv::stand_off_m);
+    const double way_m = lower(detected.halt_m[k], detected.gap_m[k] - aiv::clearance_m);
     double speed = target_speed;
     if constexpr (capped) speed = lower(speed, cap[k]);
     if constexpr (limited) {
@@ -291,7 +291,7 @@ Numbers numbers_of(const zone::TrafficZone& zone, const FleetOptions& options) {
       if (input.name == "gap" || input.name == "crossing" || input.name == "base")
         range = std::max(range, input.maximum);
   const double stop_m = fastest_mps * fastest_mps / (2.0 * low) + fastest_mps * (numbers.late_s + 3.0 * numbers.dt_s);
-  numbers.look_m = std::max(range * numbers.braking_distance_m, stop_m) + aiv::stand_off_m + numbers.length_m;
+  numbers.look_m = std::max(range * numbers.braking_distance_m, stop_m) + aiv::clearance_m + numbers.length_m;
   return numbers;
 }
 
@@ -413,7 +413,7 @@ COSIVA_VECTOR_CLONES void move_on(const Motion& motion, const Numbers& numbers, 
   const double per_braking = 1.0 / (2.0 * numbers.weakest_mps2);
   const double late_s = numbers.late_s + 2.0 * dt_s;
   alignas(64) std::uint64_t happened[lanes];
-  alignas(64) std::uint8_t standing[lanes];
+  alignas(64) std::uint8_t stopped[lanes];
   COSIVA_ROUNDS_APART
   for (std::size_t k = 0; k < count; ++k) {
     const double went = s[k] + next[k] * dt_s;
@@ -425,8 +425,8 @@ COSIVA_VECTOR_CLONES void move_on(const Motion& motion, const Numbers& numbers, 
     const std::uint64_t is_passed = now > event_at[k] ? std::uint64_t{Event::passed} : 0U;
     const std::uint64_t is_near = line[k] - now <= request_m ? std::uint64_t{Event::nears} : 0U;
     const std::uint64_t is_halted = (stops & (moving > 0.0)) ? std::uint64_t{Event::halted} : 0U;
-    const std::uint64_t stands = speed < aiv::standing_mps ? std::uint64_t{0x80} : 0U;
-    happened[k] = is_passed | is_near | is_halted | stands;
+    const std::uint64_t is_stopped = speed < aiv::stopped_mps ? std::uint64_t{0x80} : 0U;
+    happened[k] = is_passed | is_near | is_halted | is_stopped;
     s[k] = now;
     v[k] = speed;
   }
@@ -438,11 +438,11 @@ COSIVA_VECTOR_CLONES void move_on(const Motion& motion, const Numbers& numbers, 
     // Whoever has asked for its next line need not be reminded.
     const std::uint8_t old = (mode[k] & Mode::requests) != 0 ? Event::nears : 0;
     const std::uint8_t waits = (mode[k] & (Mode::turning | Mode::at_goal)) == 0 ? event[k] >> 7U : 0;
-    standing[k] = waits;
+    stopped[k] = waits;
     event[k] = static_cast<std::uint8_t>((event[k] & 0x7F & ~old) | is_on);
   }
   COSIVA_ROUNDS_APART
-  for (std::size_t k = 0; k < count; ++k) waited[k] += standing[k];
+  for (std::size_t k = 0; k < count; ++k) waited[k] += stopped[k];
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ Result<void> Placement::put(std::span<const FleetStart> starts) {
     }
     if (position.section >= ground_.size() || !(position.s_m >= 0.0 && position.s_m <= ground_.length_m(position.section)))
       return refuse("that is no place of the zone");
-    if (!ground_.may_stand(position)) return refuse("it would stand in a crossing, or between two close to each other");
+    if (!ground_.may_stop(position)) return refuse("it would stand in a crossing, or between two close to each other");
     state_.section[i] = position.section;
     state_.own[i].began_on = position.section;
     state_.s_m[i] = position.s_m;
@@ -117,7 +117,7 @@ Result<void> Placement::line_up() {
     if (front_[list_index(ground_, state_.own[i].copy, state_.section[i])] == i) leaders_.look_ahead(i);
     survey_.survey(i);
     const double gap_m = leaders_.gap_m(i);
-    if (gap_m < aiv::stand_off_m)
+    if (gap_m < aiv::clearance_m)
       return fail(
           "fleet.start",
           "vehicle " + std::to_string(i) + " begins too close behind vehicle " + std::to_string(state_.leader[i]),

@@ -10,7 +10,7 @@ namespace cosiva::virtual_side {
 namespace {
 
 /// Beyond what somebody behind is committed to: its stand-off, and what rounding may take.
-constexpr double spare_m = aiv::stand_off_m + Ground::left_m + 0.01;
+constexpr double spare_m = aiv::clearance_m + Ground::left_m + 0.01;
 
 }  // namespace
 
@@ -47,7 +47,7 @@ bool Presence::take_away(std::uint32_t i) {
 
 bool Presence::bring(std::uint32_t i, zone::TrackPosition position, std::int16_t priority) {
   if ((state_.mode[i] & Mode::absent) == 0 || position.section >= ground_.size()) return false;
-  if (!(position.s_m >= 0.0 && position.s_m <= ground_.length_m(position.section)) || !ground_.may_stand(position)) return false;
+  if (!(position.s_m >= 0.0 && position.s_m <= ground_.length_m(position.section)) || !ground_.may_stop(position)) return false;
   Block& block = block_of(i);
   Own& own = state_.own[i];
   const double driven_m = own.gone_m + state_.s_m[i];

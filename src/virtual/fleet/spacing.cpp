@@ -23,7 +23,7 @@ double occupied_m(const zone::TrafficZone& zone) {
   for (zone::SectionId id = 0; id < zone.circuit.size(); ++id)
     curvature_per_m = std::max(curvature_per_m, zone.circuit.section(id).curvature_max_per_m());
   const double apart_m = bodies_apart_m(zone.vehicle, curvature_per_m) + least_gap_m;
-  return std::max(zone.vehicle.length_m, apart_m - aiv::stand_off_m);
+  return std::max(zone.vehicle.length_m, apart_m - aiv::clearance_m);
 }
 
 }  // namespace cosiva::virtual_side

@@ -12,7 +12,7 @@ namespace cosiva::virtual_side {
 
 /// Arc length that one vehicle occupies in this zone, in metres: its length, or more where the zone has a bend so tight
 /// that inner corners would come within a centimetre of each other. Two vehicles whose middles are this and
-/// aiv::stand_off_m apart do not touch anywhere in the zone.
+/// aiv::clearance_m apart do not touch anywhere in the zone.
 [[nodiscard]] double occupied_m(const zone::TrafficZone& zone);
 
 }  // namespace cosiva::virtual_side

@@ -47,7 +47,7 @@ TEST(Spacing, is_the_vehicle_s_length_where_bends_are_wide) {
 
 TEST(Spacing, keeps_bodies_apart_in_the_tightest_bend_of_a_plant) {
   const Zone zone = plant({.rows = 1, .aisles = 2, .bays = 1, .seed = 1});
-  const double apart_m = occupied_m(*zone) + aiv::stand_off_m;
+  const double apart_m = occupied_m(*zone) + aiv::clearance_m;
   EXPECT_GT(occupied_m(*zone), zone->vehicle.length_m);
   for (zone::SectionId id = 0; id < zone->circuit.size(); ++id) {
     const double curvature_per_m = zone->circuit.section(id).curvature_max_per_m();

@@ -11,7 +11,7 @@ namespace cosiva::virtual_side {
 namespace {
 
 /// Between two vehicles that are put down one behind the other.
-constexpr double start_gap_m = aiv::stand_off_m + 0.01;
+constexpr double start_gap_m = aiv::clearance_m + 0.01;
 
 /// Takes places one after the other.
 /// Invariant: no two of them are nearer to each other than a vehicle and its stand-off.
@@ -28,7 +28,7 @@ class Spread {
     double since_m = every_m;
     for (zone::SectionId id = 0; id < ground_.size() && found.size() < count; ++id) {
       for (double s_m = 0.0; s_m < ground_.length_m(id) && found.size() < count; s_m += pitch_m, since_m += pitch_m) {
-        if (since_m < every_m || !ground_.may_stand({id, s_m}) || !is_free(id, s_m)) continue;
+        if (since_m < every_m || !ground_.may_stop({id, s_m}) || !is_free(id, s_m)) continue;
         COSIVA_EXPECT(taken_[id].empty() || s_m - taken_[id].back() >= apart_m_);
         found.push_back({id, s_m});
         taken_[id].push_back(s_m);

@@ -144,7 +144,7 @@ TEST(FleetStep, leaves_the_stand_off_free_behind_whoever_is_on_the_same_ring) {
     for (const bool rules : {false, true}) {
       Fleet full = fleet(zone_file(name), 1000, rules);
       for (int k = 0; k < 3000; ++k) full.step();
-      EXPECT_GE(full.smallest_gap_m(), aiv::stand_off_m - 1e-9) << name;
+      EXPECT_GE(full.smallest_gap_m(), aiv::clearance_m - 1e-9) << name;
     }
   }
 }

@@ -43,7 +43,7 @@ class Wanderers {
     goals_.resize(fleet_.size());
     for (int attempt = 0; attempt < 20; ++attempt) {
       const zone::TrackPosition goal = somewhere();
-      if (!to_stations_ && !zone_->may_stand(goal)) continue;
+      if (!to_stations_ && !zone_->may_stop(goal)) continue;
       const auto route = router_.plan(fleet_.track_position(i), goal);
       if (!route || !fleet_.send(i, route->sections, goal.s_m)) continue;
       goals_[i] = goal;

@@ -48,10 +48,10 @@ Walk::Motion Walk::at(SimDuration since_start) const {
   if (!walks()) return {path_.front(), 0.0, 0.0, 0.0};
   double s_m = speed_mps_ * std::max(0.0, to_seconds(since_start));
   bool back = false;
-  bool stands = false;
+  bool is_stopped = false;
   switch (repeat_) {
     case Repeat::once:
-      stands = s_m >= length_m_;
+      is_stopped = s_m >= length_m_;
       s_m = std::min(s_m, length_m_);
       break;
     case Repeat::loop: s_m -= std::floor(s_m / length_m_) * length_m_; break;
@@ -73,7 +73,7 @@ Walk::Motion Walk::at(SimDuration since_start) const {
   const double sign = back ? -1.0 : 1.0;
   const double ux = sign * (to.x_m - from.x_m) / leg_m;
   const double uy = sign * (to.y_m - from.y_m) / leg_m;
-  const double speed = stands ? 0.0 : speed_mps_;
+  const double speed = is_stopped ? 0.0 : speed_mps_;
   return {{from.x_m + ratio * (to.x_m - from.x_m), from.y_m + ratio * (to.y_m - from.y_m)},
           det_atan2(uy, ux),
           speed * ux,

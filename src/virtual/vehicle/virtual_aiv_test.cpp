@@ -224,14 +224,14 @@ TEST(VirtualAiv, comes_to_rest_when_its_ways_become_others_and_stands_beside_the
   fixture.zone(shifted(0.1));
   fixture.run(2.5);
   EXPECT_EQ(fixture.aiv.speed_mps(), 0.0);
-  const Pose2 stands = fixture.aiv.X_MB();
-  EXPECT_LT(distance(before, stands), 0.3);
-  EXPECT_LT(lacet4().circuit.locate(position(stands)).distance_m, 1e-9) << "where it came to rest on its old line";
+  const Pose2 is_stopped = fixture.aiv.X_MB();
+  EXPECT_LT(distance(before, is_stopped), 0.3);
+  EXPECT_LT(lacet4().circuit.locate(position(is_stopped)).distance_m, 1e-9) << "where it came to rest on its old line";
   EXPECT_LT(fixture.estimate_error_m(), 0.005);
   EXPECT_EQ(fixture.state().position->map_id, "moved");
   EXPECT_THAT(fixture.state().node_states, IsEmpty()) << "that order was of the old map";
   fixture.run(2.0);
-  EXPECT_EQ(fixture.aiv.X_MB(), stands);
+  EXPECT_EQ(fixture.aiv.X_MB(), is_stopped);
 }
 
 TEST(VirtualAiv, seeks_the_new_line_and_follows_it_when_it_is_sent_off_again) {

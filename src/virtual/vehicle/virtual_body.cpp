@@ -41,7 +41,7 @@ void VirtualBody::change_floor(std::shared_ptr<const zone::TrafficZone> zone) {
   antenna_.put(*zone_, put(), position(X_MB()));
 }
 
-void VirtualBody::stand_on_next() {
+void VirtualBody::adopt_next_zone() {
   X_MS_ = X_MB();
   zone_ = std::exchange(next_, nullptr);
   manoeuvre_.reset();
@@ -58,7 +58,7 @@ void VirtualBody::stand_on_next() {
 }
 
 void VirtualBody::move(const wire::Drive* drive, double dt_s, std::vector<Antenna::Reading>& readings) {
-  if (next_ && stands()) stand_on_next();
+  if (next_ && is_stopped()) adopt_next_zone();
   if (drive != nullptr) branch_ = drive->branch;
   if (off_line_) return move_off_line(drive, dt_s);
   const double before_mps = speed_mps_;

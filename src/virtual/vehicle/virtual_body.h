@@ -40,8 +40,8 @@ class VirtualBody {
   void fold(Digest& digest) const;
 
  private:
-  [[nodiscard]] bool stands() const { return manoeuvre_ ? manoeuvre_->abandoned() : speed_mps_ == 0.0; }
-  void stand_on_next();
+  [[nodiscard]] bool is_stopped() const { return manoeuvre_ ? manoeuvre_->abandoned() : speed_mps_ == 0.0; }
+  void adopt_next_zone();
   void change_speed(const wire::Drive* drive, double dt_s);
   void roll(double wanted_m, bool goes_on);
   void roll_back(double wanted_m);

@@ -103,12 +103,12 @@ TEST(VirtualBody, is_on_another_floor_when_it_stands_with_its_pose_as_it_was) {
   EXPECT_EQ(body.X_MB().y_m, 0.0);
   EXPECT_FALSE(body.line_lost());
   drive(body, still, 2.0);
-  const Pose2 stands = body.X_MB();
-  EXPECT_EQ(stands.y_m, 0.0);
+  const Pose2 is_stopped = body.X_MB();
+  EXPECT_EQ(is_stopped.y_m, 0.0);
   EXPECT_TRUE(body.line_lost());
-  EXPECT_NEAR(body.put().s_m, stands.x_m, 1e-9) << "the nearest place";
+  EXPECT_NEAR(body.put().s_m, is_stopped.x_m, 1e-9) << "the nearest place";
   drive(body, {300, 500, 800, 0}, 1.0);
-  EXPECT_EQ(body.X_MB(), stands) << "nobody told it to seek";
+  EXPECT_EQ(body.X_MB(), is_stopped) << "nobody told it to seek";
 }
 
 TEST(VirtualBody, seeks_its_line_and_reads_what_lies_on_the_new_floor) {

@@ -180,13 +180,13 @@ class Checker {
   }
 
   void starts() {
-    const double room_m = standing_room_m(zone_.vehicle);
+    const double room_m = stopping_room_m(zone_.vehicle);
     std::vector<Point2> taken;
     for (const TrackPosition& start : zone_.starts) {
       const Point2 p = position(circuit_.pose_at(start));
       const bool free = std::none_of(taken.begin(), taken.end(), [&](Point2 q) { return distance(p, q) < room_m; });
       const std::string which = "start " + std::to_string(taken.size() + 1);
-      if (zone_.crossing_at(start) != nullptr || !zone_.may_stand(start))
+      if (zone_.crossing_at(start) != nullptr || !zone_.may_stop(start))
         record(Severity::error, "zone.start", start, which + " lies where no vehicle may stand");
       else if (!free)
         record(Severity::warning, "zone.start", start,

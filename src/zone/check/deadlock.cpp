@@ -102,7 +102,7 @@ class Spots {
     std::size_t positions = 0;
     for (const SectionId id : members) {
       const double length_m = circuit_.section(id).length_m();
-      const auto fit = static_cast<std::size_t>(length_m / standing_room_m(zone_.vehicle)) + 1;
+      const auto fit = static_cast<std::size_t>(length_m / stopping_room_m(zone_.vehicle)) + 1;
       positions += std::min(rests_[id], fit);
     }
     const std::size_t most = positions > 0 ? positions - 1 : 0;
@@ -281,7 +281,7 @@ std::size_t vehicles_going_round(const TrafficZone& zone, const std::vector<Sect
     round_m += zone.circuit.section(id).length_m();
   }
   if (positions_m.empty()) return 0;
-  const double room_m = standing_room_m(zone.vehicle);
+  const double room_m = stopping_room_m(zone.vehicle);
   // The tightest row begins at one of the first places that a vehicle takes away from each other.
   std::size_t most = 0;
   for (std::size_t first = 0; first < positions_m.size() && positions_m[first] < positions_m.front() + room_m; ++first)

@@ -49,7 +49,7 @@ void expect_good(const TrafficZone& zone) {
   EXPECT_EQ(reached(circuit, [&](SectionId id) { return circuit.next(id); }), circuit.size());
   EXPECT_EQ(reached(circuit, [&](SectionId id) { return circuit.previous(id); }), circuit.size());
   for (const Station& station : zone.stations) {
-    EXPECT_TRUE(zone.may_stand(station.position)) << station.name;
+    EXPECT_TRUE(zone.may_stop(station.position)) << station.name;
     EXPECT_EQ(zone.crossing_at(station.position), nullptr) << station.name;
   }
   for (const Loop& loop : zone.loops) {

@@ -155,7 +155,7 @@ void ContactScan::scan(const Task& task) {
       before_m = -1.0;
     }
     end_m = chunk.to_m;
-    stand_along(chunk);
+    sweep_along(chunk);
     for (const Body& body : bodies_) {
       Contact grown = open.value_or(nothing);
       if (!open) nearest_square = infinity;
@@ -227,7 +227,7 @@ ContactScan::Body ContactScan::body_at(SectionId on, double s_m, const Body* nea
 }
 
 /// Fills `bodies_` along a chunk.
-void ContactScan::stand_along(const Chunk& chunk) {
+void ContactScan::sweep_along(const Chunk& chunk) {
   bodies_.clear();
   const double length_m = chunk.to_m - chunk.from_m;
   const double count = std::max(1.0, std::ceil(length_m / rules_.step_m));

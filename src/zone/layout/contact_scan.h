@@ -84,7 +84,7 @@ class ContactScan {
   void sample(const Chunk& chunk, std::vector<Sample>& samples) const;
   void lay_line(std::uint32_t mine);
   [[nodiscard]] Body body_at(SectionId on, double s_m, const Body* near) const;
-  void stand_along(const Chunk& chunk);
+  void sweep_along(const Chunk& chunk);
 
   const Circuit& circuit_;
   const ContactRules& rules_;

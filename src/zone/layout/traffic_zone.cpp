@@ -121,7 +121,7 @@ std::size_t TrafficZone::next_waypoint(std::size_t index) const {
   return first_after(*this, section);
 }
 
-bool TrafficZone::may_stand(TrackPosition track_position) const {
+bool TrafficZone::may_stop(TrackPosition track_position) const {
   COSIVA_EXPECT(track_position.section < circuit.size());
   // A vehicle stands between a waypoint behind it and no crossing since.
   SectionId id = track_position.section;
@@ -154,7 +154,7 @@ struct Spot {
 
 /// Whether two vehicles have room: apart by the crow's fly, or side by side on ways that do not follow each other.
 bool apart(const TrafficZone& zone, const Spot& a, const Spot& b) {
-  const double room_m = standing_room_m(zone.vehicle);
+  const double room_m = stopping_room_m(zone.vehicle);
   const double apart_m = distance(a.p, b.p);
   if (apart_m >= room_m) return true;
   return apart_m > norm(zone.vehicle.length_m, zone.vehicle.width_m) &&
@@ -173,7 +173,7 @@ std::vector<Spot> spots(const TrafficZone& zone) {
   for (SectionId id = 0; id < zone.circuit.size(); ++id) {
     for (double i = 0.0; i * step_m < zone.circuit.section(id).length_m(); i += 1.0) {
       const TrackPosition track_position{id, i * step_m};
-      if (zone.may_stand(track_position)) found.push_back({track_position, position(zone.circuit.pose_at(track_position))});
+      if (zone.may_stop(track_position)) found.push_back({track_position, position(zone.circuit.pose_at(track_position))});
     }
   }
   return found;
@@ -226,7 +226,7 @@ std::vector<TrackPosition> TrafficZone::start_positions(std::size_t count) const
   std::vector<Spot> fixed;
   for (const TrackPosition& track_position : starts) {
     const Spot spot{track_position, position(circuit.pose_at(track_position))};
-    if (fixed.size() < count && (may_stand(track_position) ? fits(*this, spot, fixed) : may_begin(*this, spot, fixed)))
+    if (fixed.size() < count && (may_stop(track_position) ? fits(*this, spot, fixed) : may_begin(*this, spot, fixed)))
       fixed.push_back(spot);
   }
   std::vector<Spot> taken = fixed;
@@ -244,7 +244,7 @@ std::vector<TrackPosition> TrafficZone::start_positions(std::size_t count) const
     // In a net of two-way roads every place lies in some crossing, and its nodes are where vehicles begin.
     for (std::size_t i = 0; i < waypoints.size() && taken.size() < count; ++i) {
       const Spot spot{waypoints[i].position, position(circuit.pose_at(waypoints[i].position))};
-      if (!may_stand(spot.position) && may_begin(*this, spot, taken)) taken.push_back(spot);
+      if (!may_stop(spot.position) && may_begin(*this, spot, taken)) taken.push_back(spot);
     }
   }
   std::vector<TrackPosition> positions;

@@ -175,7 +175,7 @@ struct TrafficZone {
   /// The waypoint that follows waypoints[index] along default successors.
   [[nodiscard]] std::size_t next_waypoint(std::size_t index) const;
   /// Whether a vehicle may stand here: outside every crossing, and not between two too close together to stand between.
-  [[nodiscard]] bool may_stand(TrackPosition track_position) const;
+  [[nodiscard]] bool may_stop(TrackPosition track_position) const;
   /// Places for `count` vehicles: `starts` first, then spread evenly; all where a vehicle may stand, and with room
   /// between them. Where that does not suffice, waypoints inside crossings serve, in each crossing one vehicle. Fewer
   /// than `count` when the zone cannot hold them.
@@ -183,6 +183,6 @@ struct TrafficZone {
 };
 
 /// Way that a standing vehicle takes: its length and 0.1 m.
-[[nodiscard]] constexpr double standing_room_m(const VehicleShape& shape) { return shape.length_m + 0.1; }
+[[nodiscard]] constexpr double stopping_room_m(const VehicleShape& shape) { return shape.length_m + 0.1; }
 
 }  // namespace cosiva::zone

@@ -109,22 +109,22 @@ TEST(TrafficZone, without_waypoints_ahead_says_so) {
 TEST(TrafficZone, lets_no_vehicle_stand_in_a_crossing_or_between_two_that_are_too_close) {
   const TrafficZone zone = testing::lacet4();
   const SectionId east = zone.circuit.find("east").value();
-  EXPECT_TRUE(zone.may_stand({east, 0.2}));
-  EXPECT_FALSE(zone.may_stand({east, 0.6}));
-  EXPECT_FALSE(zone.may_stand({east, 0.75}));
-  EXPECT_FALSE(zone.may_stand({east, 1.1}));
-  EXPECT_TRUE(zone.may_stand({east, 1.2}));
+  EXPECT_TRUE(zone.may_stop({east, 0.2}));
+  EXPECT_FALSE(zone.may_stop({east, 0.6}));
+  EXPECT_FALSE(zone.may_stop({east, 0.75}));
+  EXPECT_FALSE(zone.may_stop({east, 1.1}));
+  EXPECT_TRUE(zone.may_stop({east, 1.2}));
 
   // 0.2 m free between two spans: outside both, and still no place to stand.
   const TrafficZone narrow = track_zone({{"X1", {}, {{0, 0.5, 0.8}}}, {"X2", {}, {{0, 1.0, 1.2}}}});
   EXPECT_EQ(narrow.crossing_at({0, 0.9}), nullptr);
-  EXPECT_FALSE(narrow.may_stand({0, 0.9}));
-  EXPECT_TRUE(narrow.may_stand({0, 1.3}));
+  EXPECT_FALSE(narrow.may_stop({0, 0.9}));
+  EXPECT_TRUE(narrow.may_stop({0, 1.3}));
 }
 
 void expect_room(const TrafficZone& zone, const std::vector<TrackPosition>& positions) {
   for (std::size_t i = 0; i < positions.size(); ++i) {
-    EXPECT_TRUE(zone.may_stand(positions[i]));
+    EXPECT_TRUE(zone.may_stop(positions[i]));
     for (std::size_t j = 0; j < i; ++j) {
       EXPECT_GT(distance(zone.circuit.pose_at(positions[i]), zone.circuit.pose_at(positions[j])), 0.2);
       EXPECT_FALSE(zone.circuit.distance_ahead(positions[i], positions[j], 0.29));

@@ -183,7 +183,7 @@ TEST(Waypoints, keep_out_of_every_crossing_whatever_the_ways_and_the_vehicle) {
     const Circuit circuit = testing::circuit(std::move(parts));
     const VehicleShape vehicle{random.uniform(0.05, 0.4), random.uniform(0.05, 0.3)};
     const auto crossings = find_crossings(circuit, vehicle);
-    const auto waypoints = lay_waypoints(circuit, crossings, random.uniform(0.1, 1.0), standing_room_m(vehicle));
+    const auto waypoints = lay_waypoints(circuit, crossings, random.uniform(0.1, 1.0), stopping_room_m(vehicle));
     for (const Waypoint& waypoint : waypoints) {
       RC_ASSERT(waypoint.position.s_m >= 0.0);
       RC_ASSERT(waypoint.position.s_m <= circuit.section(waypoint.position.section).length_m());

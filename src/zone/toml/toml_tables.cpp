@@ -265,7 +265,7 @@ void TomlTables::derive() {
   zone_.nodes_only = basics_.nodes_only.value_or(rules_.nodes_only);
   rules_.spacing_m = zone_.spacing_m;
   rules_.nodes_only = zone_.nodes_only;
-  rules_.room_m = standing_room_m(zone_.vehicle);
+  rules_.room_m = stopping_room_m(zone_.vehicle);
   for (const Station& station : zone_.stations) rules_.at.push_back(station.position);
   zone_.crossings = *std::move(crossings);
   zone_.waypoints = lay_waypoints(zone_.circuit, zone_.crossings, rules_);
@@ -284,7 +284,7 @@ void TomlTables::read_starts() {
       return fields.fault("s_m", "zone.start",
                           "expected a place outside every crossing, found one inside " + crossing->name);
     }
-    if (!zone_.may_stand(*position) && !on_waypoint(zone_, *position)) {
+    if (!zone_.may_stop(*position) && !on_waypoint(zone_, *position)) {
       return fields.fault("s_m", "zone.start",
                           "expected a place where a vehicle may stand, found one between crossings too close together");
     }

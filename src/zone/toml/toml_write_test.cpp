@@ -94,7 +94,7 @@ TrafficZone arbitrary_zone(std::uint64_t seed) {
     zone.beacons = covering_grid(zone.circuit, zone.vehicle, between(1.0, 2.0), {between(-5.0, 5.0), 0.1}, 1'000'000,
                                  rotation_rad);
   }
-  WaypointRules rules{zone.spacing_m, standing_room_m(zone.vehicle), zone.nodes_only, {}, {}, {}};
+  WaypointRules rules{zone.spacing_m, stopping_room_m(zone.vehicle), zone.nodes_only, {}, {}, {}};
   for (const Station& station : zone.stations) rules.at.push_back(station.position);
   if (random.below(2) == 0) {
     rules.start_ids.resize(zone.circuit.size());

@@ -176,8 +176,8 @@ std::optional<std::string> LiveRuns::missing(SimTime now, const Slot& slot) cons
     return "nobody has said on " + options_.ground_truth_topic + " for " + seconds + " where it truly is";
   if (!map_id_.empty() && zones_.find(map_id_) == zones_.end() && now - *began_ > options_.timeout)
     return "it drives in zone '" + map_id_ + "', which nobody hands out";
-  if (now - slot.moved > options_.standing_max)
-    return "it has not moved for " + std::to_string(options_.standing_max / std::chrono::seconds{1}) + " s";
+  if (now - slot.moved > options_.stopped_max)
+    return "it has not moved for " + std::to_string(options_.stopped_max / std::chrono::seconds{1}) + " s";
   return std::nullopt;
 }
 

@@ -33,7 +33,7 @@ struct LiveRunsOptions {
   std::string ground_truth_topic{std::string(wire::ground_truth_topic)};
   SimDuration gap_max{std::chrono::milliseconds{500}};  ///< the truth is interpolated between stamps no further apart
   SimDuration timeout{std::chrono::seconds{10}};        ///< who says nothing for so long is lost
-  SimDuration standing_max{std::chrono::minutes{1}};    ///< and who does not move
+  SimDuration stopped_max{std::chrono::minutes{1}};    ///< and who does not move
   std::string name;                                     ///< of this test, among all that the vehicles hear
 };
 

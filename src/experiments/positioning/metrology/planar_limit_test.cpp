@@ -33,7 +33,7 @@ void record_moment(Trial& run, const Pose2& ground_truth) {
 constexpr std::array<Point2, 3> stations{{{10.0, 0.0}, {0.0, 20.0}, {-7.0, -7.0}}};
 
 /// It stands at the origin and hears three stations so many times; asked before and after.
-Trial standing(const estimation::SensorModel& sensors, int rounds) {
+Trial stopped(const estimation::SensorModel& sensors, int rounds) {
   Trial run;
   run.setting.sensors = sensors;
   run.setting.start_sigma_m = 0.5;
@@ -48,7 +48,7 @@ Trial standing(const estimation::SensorModel& sensors, int rounds) {
 
 /// Of a place of which the start knows 0.5 m and three directions are told with this variance each, and what all three
 /// have in common with that: trace of (I/0.25 + Hᵀ·(v·I + c·11ᵀ)⁻¹·H)⁻¹ by Sherman and Morrison.
-double standing_m2(double v, double c) {
+double steady_m2(double v, double c) {
   const std::array<Point2, 3> h{{{-1.0, 0.0}, {0.0, -1.0}, {std::sqrt(0.5), std::sqrt(0.5)}}};
   double xx = 4.0;
   double xy = 0.0;
@@ -71,8 +71,8 @@ TEST(PlanarLimit, of_who_stands_between_stations_is_the_inverse_of_what_they_tel
   estimation::SensorModel sensors = plain_sensors();
   sensors.range_sigma_m = 0.2;
   for (const int rounds : {1, 4, 25}) {
-    const RunLimit limit = planar_limit_of(standing(sensors, rounds));
-    const double after_m2 = standing_m2(0.04 / rounds, 0.0);
+    const RunLimit limit = planar_limit_of(stopped(sensors, rounds));
+    const double after_m2 = steady_m2(0.04 / rounds, 0.0);
     // Asked before and after; who looks back knows before what it knew after.
     EXPECT_NEAR(limit.filter_m2, 0.5 * (0.5 + after_m2), 1e-12) << rounds;
     EXPECT_NEAR(limit.smoother_m2, after_m2, 1e-12) << rounds;
@@ -83,15 +83,15 @@ TEST(PlanarLimit, counts_what_ranges_have_in_common_as_unknown_too) {
   estimation::SensorModel sensors = plain_sensors();
   sensors.range_sigma_m = 0.2;
   sensors.range_common_sigma_m = 0.3;
-  EXPECT_NEAR(planar_limit_of(standing(sensors, 1)).smoother_m2, standing_m2(0.04, 0.09), 1e-12);
+  EXPECT_NEAR(planar_limit_of(stopped(sensors, 1)).smoother_m2, steady_m2(0.04, 0.09), 1e-12);
   // More of them take away noise, and not what they have in common.
-  EXPECT_NEAR(planar_limit_of(standing(sensors, 400)).smoother_m2, standing_m2(0.04 / 400, 0.09), 1e-10);
-  EXPECT_GT(standing_m2(0.04 / 400, 0.09), 1.005 * standing_m2(0.04 / 400, 0.0));
+  EXPECT_NEAR(planar_limit_of(stopped(sensors, 400)).smoother_m2, steady_m2(0.04 / 400, 0.09), 1e-10);
+  EXPECT_GT(steady_m2(0.04 / 400, 0.09), 1.005 * steady_m2(0.04 / 400, 0.0));
   // A station's own bias is as good as noise that does not change while it stands.
   sensors = plain_sensors();
   sensors.range_sigma_m = 0.2;
   sensors.range_station_sigma_m = 0.4;
-  EXPECT_NEAR(planar_limit_of(standing(sensors, 9)).smoother_m2, standing_m2(0.04 / 9 + 0.16, 0.0), 1e-10);
+  EXPECT_NEAR(planar_limit_of(stopped(sensors, 9)).smoother_m2, steady_m2(0.04 / 9 + 0.16, 0.0), 1e-10);
 }
 
 /// Straight along an angle, a step at a time.

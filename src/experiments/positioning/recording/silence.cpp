@@ -137,7 +137,7 @@ void bridge_silences(Recording& recording, bool speeds) {
   const double usual_s = statistics::percentile(durations, 0.5);
   const double unresponsive_s = std::fmax(1.0, 10.0 * usual_s);
   std::size_t bridged = 0;
-  std::size_t stood = 0;
+  std::size_t was_stopped = 0;
   double longest_s = 0.0;
   const Steps as_told = recording.odometry;
   const Habits habits{as_told, unresponsive_s};
@@ -148,23 +148,23 @@ void bridge_silences(Recording& recording, bool speeds) {
     if (told.duration_s <= unresponsive_s) continue;
     longest_s = std::fmax(longest_s, told.duration_s);
     if (!speeds && std::fabs(told.distance_m) > step_most_m) {
-      ++stood;
+      ++was_stopped;
       continue;
     }
     ++bridged;
     const double counted_s = speeds ? told.duration_s : usual_s;
     habits.bridge(i, {told.distance_m / counted_s, told.turn_rad / counted_s}, recording.odometry[i]);
   }
-  if (bridged + stood == 0) return;
-  const std::size_t often = bridged + stood;
+  if (bridged + was_stopped == 0) return;
+  const std::size_t often = bridged + was_stopped;
   std::string note = "odometry is silent " + std::to_string(often) + (often == 1 ? " time" : " times") + ", for " +
                      std::to_string(std::lround(longest_s)) + " s at most; ";
   if (bridged > 0)
     note +=
         "the vehicle is taken to have gone on as it elsewhere does in as long, give or take what it differs from that "
         "there";
-  if (bridged > 0 && stood > 0) note += "; ";
-  if (stood > 0) note += "what it says next is too much for one step and is taken for all of that time";
+  if (bridged > 0 && was_stopped > 0) note += "; ";
+  if (was_stopped > 0) note += "what it says next is too much for one step and is taken for all of that time";
   recording.diagnostics.push_back(std::move(note));
 }
 

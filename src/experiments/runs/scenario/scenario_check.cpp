@@ -278,7 +278,7 @@ class Checker {
       }
       location = located.location;
     }
-    if (!location || zone_->may_stand(*location)) return;
+    if (!location || zone_->may_stop(*location)) return;
     const zone::Crossing* crossing = zone_->crossing_at(*location);
     fault("virtual_aiv", "scenario.position",
           "no vehicle may stand " +

@@ -64,21 +64,21 @@ TEST(Augmented, a_person_put_before_a_physical_vehicle_stops_it_and_its_removal_
   const Point2 there = ahead_of(*world, 1, 0.45);
   world->command_server(person("P1", there));
   world->run_for(3s);
-  const auto stands = vehicle(*world, 1);
-  EXPECT_NEAR(stands.speed_mps, 0.0, 1e-3);
-  EXPECT_GT(distance(position(stands.X_MB), there), 0.10) << "its front stops before the person";
-  EXPECT_LT(distance(position(stands.X_MB), there), 0.45);
+  const auto is_stopped = vehicle(*world, 1);
+  EXPECT_NEAR(is_stopped.speed_mps, 0.0, 1e-3);
+  EXPECT_GT(distance(position(is_stopped.X_MB), there), 0.10) << "its front stops before the person";
+  EXPECT_LT(distance(position(is_stopped.X_MB), there), 0.45);
 
   const JsonValue shown = snapshot(*world);
   const JsonValue* aiv = aiv_of(shown, "CoSiVA/AIV1");
   ASSERT_NE(aiv, nullptr);
   EXPECT_EQ(aiv->text("brakingFor"), "P1");
   world->run_for(10s);
-  EXPECT_NEAR(vehicle(*world, 1).distance_m, stands.distance_m, 1e-3) << "it stays as long as the person does";
+  EXPECT_NEAR(vehicle(*world, 1).distance_m, is_stopped.distance_m, 1e-3) << "it stays as long as the person does";
 
   world->command_server(R"({"command":"remove","id":"P1"})");
   world->run_for(5s);
-  EXPECT_GT(vehicle(*world, 1).distance_m, stands.distance_m + 0.5);
+  EXPECT_GT(vehicle(*world, 1).distance_m, is_stopped.distance_m + 0.5);
 }
 
 TEST(Augmented, the_brakes_answer_within_50_ms_of_the_command) {
@@ -147,18 +147,18 @@ TEST(Augmented, a_virtual_AIV_put_before_a_physical_one_brakes_it_and_its_remova
   world->run_for(500ms);
   world->command_server(R"({"command":"stop","vehicle":"CoSiVA.virtual/V1"})");
   world->run_for(5s);
-  const auto stands = vehicle(*world, 1);
-  EXPECT_NEAR(stands.speed_mps, 0.0, 1e-3);
+  const auto is_stopped = vehicle(*world, 1);
+  EXPECT_NEAR(is_stopped.speed_mps, 0.0, 1e-3);
   const JsonValue shown = snapshot(*world);
   const JsonValue* v1 = aiv_of(shown, "CoSiVA.virtual/V1");
   ASSERT_NE(v1, nullptr);
   EXPECT_TRUE(*v1->find("augmented")->flag());
-  const double gap_m = distance(position(stands.X_MB), {v1->number("x").value(), v1->number("y").value()});
+  const double gap_m = distance(position(is_stopped.X_MB), {v1->number("x").value(), v1->number("y").value()});
   EXPECT_GT(gap_m, 0.20) << "a vehicle's length between the middles";
 
   world->command_server(R"({"command":"remove","id":"V1"})");
   world->run_for(8s);
-  EXPECT_GT(vehicle(*world, 1).distance_m, stands.distance_m + 0.5);
+  EXPECT_GT(vehicle(*world, 1).distance_m, is_stopped.distance_m + 0.5);
   EXPECT_EQ(aiv_of(snapshot(*world), "CoSiVA.virtual/V1"), nullptr);
   const JsonValue metrics = bijection(*world);
   EXPECT_EQ(metrics.number("physical"), 1.0);

@@ -196,9 +196,9 @@ TEST(WorldRadio, a_vehicle_whose_radio_loses_everything_stops_and_goes_on_when_i
   stage.world->run_for(2s);
   EXPECT_NEAR(stage.world->plant().vehicles()[0].speed_mps, 0.0, 1e-3) << "no heartbeat for 500 ms";
   EXPECT_TRUE(*stage.snapshot().find("aivs")->array()->at(0).find("lost")->flag());
-  const double stood_at = stage.world->plant().vehicles()[0].distance_m;
+  const double stopped_at = stage.world->plant().vehicles()[0].distance_m;
   stage.world->run_for(8s);
-  EXPECT_GT(stage.world->plant().vehicles()[0].distance_m, stood_at + 0.5);
+  EXPECT_GT(stage.world->plant().vehicles()[0].distance_m, stopped_at + 0.5);
   EXPECT_FALSE(*stage.snapshot().find("aivs")->array()->at(0).find("lost")->flag());
 }
 

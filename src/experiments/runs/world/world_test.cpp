@@ -68,13 +68,13 @@ TEST(World, a_stop_given_virtually_stops_the_physical_vehicle_and_restart_lets_i
   world->command_server(R"({"id":"c1","command":"stop","vehicle":"CoSiVA/AIV2"})");
   world->run_for(2s);
   EXPECT_NEAR(vehicle(*world, 2).speed_mps, 0.0, 1e-3);
-  const double stood_at = vehicle(*world, 2).distance_m;
+  const double stopped_at = vehicle(*world, 2).distance_m;
   world->run_for(5s);
-  EXPECT_NEAR(vehicle(*world, 2).distance_m, stood_at, 1e-3);
+  EXPECT_NEAR(vehicle(*world, 2).distance_m, stopped_at, 1e-3);
 
   world->command_server(R"({"id":"c2","command":"restart","vehicle":"CoSiVA/AIV2"})");
   world->run_for(10s);
-  EXPECT_GT(vehicle(*world, 2).distance_m, stood_at + 0.5);
+  EXPECT_GT(vehicle(*world, 2).distance_m, stopped_at + 0.5);
   const JsonValue metrics = bijection(*world);
   EXPECT_EQ(number_at(metrics, "commands", "issued"), 2.0);
   EXPECT_EQ(number_at(metrics, "commands", "materialised"), 2.0);
@@ -100,10 +100,10 @@ TEST(World, an_obstacle_on_the_line_stops_a_vehicle_and_its_removal_lets_it_go) 
   world->run_for(60s);
   EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
   EXPECT_NEAR(vehicle(*world, 1).speed_mps, 0.0, 1e-3);
-  const double stood_at = vehicle(*world, 1).distance_m;
+  const double stopped_at = vehicle(*world, 1).distance_m;
   world->command_plant(R"({"removeObstacle":"box"})");
   world->run_for(10s);
-  EXPECT_GT(vehicle(*world, 1).distance_m, stood_at + 0.5);
+  EXPECT_GT(vehicle(*world, 1).distance_m, stopped_at + 0.5);
 }
 
 TEST(World, a_dead_vehicle_is_shown_broken_and_hit_by_nobody_and_rejoins) {
@@ -116,10 +116,10 @@ TEST(World, a_dead_vehicle_is_shown_broken_and_hit_by_nobody_and_rejoins) {
   world->run_for(60s);
   EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
 
-  const double stood_at = vehicle(*world, 1).distance_m;
+  const double stopped_at = vehicle(*world, 1).distance_m;
   world->start_aiv(1);
   world->run_for(30s);
-  EXPECT_GT(vehicle(*world, 1).distance_m, stood_at + 1.0);
+  EXPECT_GT(vehicle(*world, 1).distance_m, stopped_at + 1.0);
   EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
 }
 

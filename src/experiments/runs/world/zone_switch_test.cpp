@@ -27,7 +27,7 @@ JsonValue snapshot(const World& world) {
 std::size_t twins(const World& world) { return snapshot(world).find("aivs")->array()->size(); }
 
 /// Those that have driven no further since, and are not parked.
-std::vector<std::string> left_standing(const World& world, const std::vector<double>& since_m, double driven_m) {
+std::vector<std::string> left_stopped(const World& world, const std::vector<double>& since_m, double driven_m) {
   std::vector<std::string> ids;
   const JsonValue shot = snapshot(world);
   for (const JsonValue& aiv : *shot.find("aivs")->array()) {
@@ -98,7 +98,7 @@ TEST(ZoneSwitchStatistics, ten_times_in_five_minutes_gives_the_same_digest_twice
       switch_to(*world, zone_named(i % 2 == 0 ? "indus8" : "lacet4"));
       world->run_for(29s);
       EXPECT_EQ(twins(*world), 12U);
-      EXPECT_THAT(left_standing(*world, before_m, 0.2), ::testing::IsEmpty()) << "after switch " << i + 1;
+      EXPECT_THAT(left_stopped(*world, before_m, 0.2), ::testing::IsEmpty()) << "after switch " << i + 1;
     }
     EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
     double driven_m = 0.0;
@@ -122,7 +122,7 @@ TEST(ZoneSwitch, every_five_seconds_leaves_nobody_touched_or_waiting_for_ever) {
   world->run_for(60s);
   EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
   // Whoever strayed too far on the way is parked, and named.
-  EXPECT_THAT(left_standing(*world, before_m, 1.0), ::testing::IsEmpty());
+  EXPECT_THAT(left_stopped(*world, before_m, 1.0), ::testing::IsEmpty());
 }
 
 TEST(ZoneSwitch, to_a_configuration_that_fails_its_check_leaves_the_old_zone_running_and_says_why) {

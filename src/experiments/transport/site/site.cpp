@@ -179,7 +179,7 @@ Result<void> SiteRun::open_zones() {
     site_zones_.push_back(std::move(site_zone));
   }
   for (const Way& way : ways_) {
-    if (owner_of(way.to_zone) != ranks_->rank() || site_zone_of(way.to_zone).run->fleet().may_stand(way.enter))
+    if (owner_of(way.to_zone) != ranks_->rank() || site_zone_of(way.to_zone).run->fleet().may_stop(way.enter))
       continue;
     return fail("site.transfer_point", "zone '" + options_.plan.zones[way.to_zone].name +
                                            "': a passage leads to a place in a crossing, where no vehicle may stand");

@@ -75,14 +75,14 @@ class Map {
   double px_per_m_{1.0};
 };
 
-std::string legend(double top_px, double width_px, double most, bool standing) {
+std::string legend(double top_px, double width_px, double most, bool stopped) {
   std::string svg;
   const double bar_px = std::min(240.0, width_px - 2.0 * margin_px);
   for (int i = 0; i < 24; ++i) {
     svg += "<rect x=\"" + readable(margin_px + bar_px * i / 24.0, 1) + "\" y=\"" + readable(top_px, 1) + "\" width=\"" +
            readable(bar_px / 24.0 + 0.5, 1) + "\" height=\"10\" fill=\"" + colour_of(i / 23.0) + "\"/>";
   }
-  const std::string what = standing ? "of the time a vehicle waits here" : "of the time a vehicle is here";
+  const std::string what = stopped ? "of the time a vehicle waits here" : "of the time a vehicle is here";
   svg += "<text x=\"" + readable(margin_px, 1) + "\" y=\"" + readable(top_px + 28.0, 1) + "\">0 to " +
          readable(100.0 * most, 1) + " % " + what + "</text>";
   return svg;
@@ -113,13 +113,13 @@ std::string names(const Map& map, const zone::TrafficZone& zone, const TrafficMe
 
 }  // namespace
 
-std::string heat_map(const zone::TrafficZone& zone, const TrafficMetrics& metrics, bool standing) {
+std::string heat_map(const zone::TrafficZone& zone, const TrafficMetrics& metrics, bool stopped) {
   const Map map{zone};
   std::vector<Cell> cells;
   double most = 0.0;
   for (zone::SectionId id = 0; id < metrics.cells.size(); ++id) {
     const auto& of_section = metrics.cells[id];
-    const auto& seconds = standing ? of_section.standing_s : of_section.occupied_s;
+    const auto& seconds = stopped ? of_section.stopped_s : of_section.occupied_s;
     for (std::size_t i = 0; i < seconds.size(); ++i) {
       const double ratio = metrics.duration_s > 0.0 ? seconds[i] / metrics.duration_s : 0.0;
       most = std::max(most, ratio);
@@ -141,7 +141,7 @@ std::string heat_map(const zone::TrafficZone& zone, const TrafficMetrics& metric
            readable(100.0 * cell.ratio, 2) + " %</title></path>";
   }
   svg += names(map, zone, metrics);
-  return svg + "<g stroke=\"none\">" + legend(map.height_px(), width, most, standing) + "</g></svg>";
+  return svg + "<g stroke=\"none\">" + legend(map.height_px(), width, most, stopped) + "</g></svg>";
 }
 
 }  // namespace cosiva::experiments

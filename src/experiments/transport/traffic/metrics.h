@@ -62,12 +62,12 @@ struct TrafficMetrics {
   struct Cells {
     double length_m;  ///< of a cell
     std::vector<double> occupied_s;
-    std::vector<double> standing_s;
+    std::vector<double> stopped_s;
   };
   std::vector<Cells> cells;  ///< by section
   /// Over the run: vehicles that stand, and jobs that nobody has taken.
   std::vector<double> time_s;
-  std::vector<double> standing;
+  std::vector<double> stopped;
   std::vector<double> open_jobs;
 
   double smallest_gap_m{};

@@ -13,7 +13,7 @@ using virtual_side::Fleet;
 
 constexpr double sample_every_s = 1.0;
 constexpr double cell_m = 0.25;
-constexpr double standing_mps = 0.01;
+constexpr double stopped_mps = 0.01;
 /// A run's curves have about so many points, each a mean.
 constexpr double curve_points = 240.0;
 
@@ -139,7 +139,7 @@ void TrafficRun::record_near_misses() {
 void TrafficRun::take_sample() {
   const double sample_s = to_seconds(options_.step) * static_cast<double>(steps_per_sample_);
   const double now_s = time_s();
-  double standing = 0.0;
+  double stopped = 0.0;
   for (Fleet::Vehicle v = 0; v < fleet_->size(); ++v) {
     if (fleet_->is_away(v)) continue;
     const zone::TrackPosition position = fleet_->track_position(v);
@@ -147,9 +147,9 @@ void TrafficRun::take_sample() {
     const std::size_t cell =
         std::min(static_cast<std::size_t>(position.s_m / cells.length_m), cells.occupied_s.size() - 1);
     cells.occupied_s[cell] += sample_s;
-    const bool stands = fleet_->speed_mps()[v] < standing_mps && !fleet_->is_at_goal(v);
-    if (stands) cells.standing_s[cell] += sample_s;
-    standing += stands ? 1.0 : 0.0;
+    const bool is_stopped = fleet_->speed_mps()[v] < stopped_mps && !fleet_->is_at_goal(v);
+    if (is_stopped) cells.stopped_s[cell] += sample_s;
+    stopped += is_stopped ? 1.0 : 0.0;
     if (const std::uint32_t laps = fleet_->laps(v); laps != laps_[v]) {
       // A lap counts from the second on: the first began before anybody looked, or was no whole one.
       if (lap_began_s_[v] >= 0.0 && !fleet_->has_goal(v)) sampled_.lap_s.push_back(now_s - lap_began_s_[v]);
@@ -158,12 +158,12 @@ void TrafficRun::take_sample() {
     }
   }
   curve_.count += 1.0;
-  curve_.standing += standing;
+  curve_.stopped += stopped;
   curve_.open_jobs += static_cast<double>(dispatcher_->open());
   const double last_s = sampled_.time_s.empty() ? options_.warm_up_s : sampled_.time_s.back();
   if (now_s - last_s < options_.duration_s / curve_points - 1e-9) return;
   sampled_.time_s.push_back(now_s);
-  sampled_.standing.push_back(curve_.standing / curve_.count);
+  sampled_.stopped.push_back(curve_.stopped / curve_.count);
   sampled_.open_jobs.push_back(curve_.open_jobs / curve_.count);
   curve_ = {};
 }
@@ -217,7 +217,7 @@ TrafficMetrics TrafficRun::metrics() const {
   constexpr double gravity_mps2 = 9.81;
   const double work_j =
       e.rolling * e.mass_kg * gravity_mps2 * f.distance_m + 0.5 * e.mass_kg * (now.gained_m2ps2 - before_.gained_m2ps2);
-  f.energy_wh = (e.standing_w * vehicle_s + work_j / e.efficiency) / 3600.0;
+  f.energy_wh = (e.base_load_w * vehicle_s + work_j / e.efficiency) / 3600.0;
   f.waiting_ratio = (now.waiting_s - before_.waiting_s) / vehicle_s;
   f.busy_ratio = (now.busy_s - before_.busy_s) / vehicle_s;
   for (std::size_t x = 0; x < now.crossings.size(); ++x) {

@@ -13,7 +13,7 @@ namespace cosiva::experiments {
 /// What driving takes from a battery: for comparing runs, by round figures of the article's small vehicle.
 /// W = P·t + (c·m·g·s + ½·m·Σ max(0, v₂² − v₁²)) / η, nothing won back by braking.
 struct DriveEnergy {
-  double standing_w{2.2};  ///< P: boards and radio
+  double base_load_w{2.2};  ///< P: boards and radio
   double mass_kg{3.0};     ///< m
   double rolling{0.03};    ///< c
   double efficiency{0.5};  ///< η, of motors and gears
@@ -102,7 +102,7 @@ class TrafficRun {
   TrafficMetrics sampled_;  ///< what samples fill
   struct {
     double count{};
-    double standing{};
+    double stopped{};
     double open_jobs{};
   } curve_;                                         ///< sums since its last point
   std::vector<std::uint32_t> numbers_;              ///< AIVs', of each vehicle

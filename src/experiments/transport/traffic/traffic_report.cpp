@@ -55,7 +55,7 @@ void add_times(Report& report, const TrafficMetrics& f) {
   else if (!f.lap_s.empty())
     report.figure(to_svg(Histogram{{"lap [s]", {}, {}}, "laps", f.lap_s, 40}), "How long laps took.");
   Chart chart{
-      {"time [s]", {}, {}}, {"AIVs, jobs", 0.0, {}}, {{"AIVs that wait", f.time_s, f.standing, Series::Form::steps}}};
+      {"time [s]", {}, {}}, {"AIVs, jobs", 0.0, {}}, {{"AIVs that wait", f.time_s, f.stopped, Series::Form::steps}}};
   if (f.jobs_due > 0) chart.series.push_back({"jobs that nobody has", f.time_s, f.open_jobs, Series::Form::steps});
   report.figure(to_svg(chart), "What waited when.");
 }

@@ -299,8 +299,8 @@ Result<zone::TrackPosition> VirtualObjectCommands::read_aiv_position(const JsonV
   return track_position;
 }
 
-std::vector<VirtualObjectCommands::Standing> VirtualObjectCommands::standing() const {
-  std::vector<Standing> all;
+std::vector<VirtualObjectCommands::NearbyVehicle> VirtualObjectCommands::nearby_vehicles() const {
+  std::vector<NearbyVehicle> all;
   for (VehicleIndex v = 0; v < registry_.size(); ++v) {
     const AivProxy& proxy = registry_[v];
     if (const VirtualFleet::Host* host = fleet_.find(v)) {
@@ -313,9 +313,9 @@ std::vector<VirtualObjectCommands::Standing> VirtualObjectCommands::standing() c
   return all;
 }
 
-bool VirtualObjectCommands::has_room(zone::TrackPosition track_position, Point2 at, const Standing& other) const {
+bool VirtualObjectCommands::has_room(zone::TrackPosition track_position, Point2 at, const NearbyVehicle& other) const {
   const zone::TrafficZone& zone = *simulator_.zone();
-  const double room_m = zone::standing_room_m(zone.vehicle);
+  const double room_m = zone::stopping_room_m(zone.vehicle);
   const double apart_m = distance(at, other.at);
   if (apart_m >= room_m) return true;
   // Side by side on ways that do not follow each other, the bodies alone count.
@@ -326,13 +326,13 @@ bool VirtualObjectCommands::has_room(zone::TrackPosition track_position, Point2 
 
 bool VirtualObjectCommands::has_room(zone::TrackPosition track_position) const {
   const Point2 at = position(simulator_.circuit()->pose_at(track_position));
-  return std::ranges::all_of(standing(), [&](const Standing& other) { return has_room(track_position, at, other); });
+  return std::ranges::all_of(nearby_vehicles(), [&](const NearbyVehicle& other) { return has_room(track_position, at, other); });
 }
 
 Result<void> VirtualObjectCommands::check_position(zone::TrackPosition track_position) const {
   const zone::TrafficZone& zone = *simulator_.zone();
   const Point2 at = position(zone.circuit.pose_at(track_position));
-  if (!zone.may_stand(track_position)) {
+  if (!zone.may_stop(track_position)) {
     const zone::Crossing* crossing = zone.crossing_at(track_position);
     return fail("virtual_object.crossing",
                 "no vehicle may stand " +
@@ -340,10 +340,10 @@ Result<void> VirtualObjectCommands::check_position(zone::TrackPosition track_pos
                                          : "in crossing " + crossing->name) +
                     "; choose a place before or behind it");
   }
-  for (const Standing& other : standing()) {
+  for (const NearbyVehicle& other : nearby_vehicles()) {
     if (has_room(track_position, at, other)) continue;
     return fail("virtual_object.room", other.name + " stands " + metres(distance(at, other.at)) +
-                                           " from there; leave " + metres(zone::standing_room_m(zone.vehicle)) +
+                                           " from there; leave " + metres(zone::stopping_room_m(zone.vehicle)) +
                                            " between two vehicles");
   }
   return {};
@@ -351,7 +351,7 @@ Result<void> VirtualObjectCommands::check_position(zone::TrackPosition track_pos
 
 std::optional<zone::TrackPosition> VirtualObjectCommands::roomiest() const {
   const zone::TrafficZone& zone = *simulator_.zone();
-  const auto others = standing();
+  const auto others = nearby_vehicles();
   const double step_m = std::max(0.05, zone.circuit.total_length_m() / 5'000.0);
   std::optional<zone::TrackPosition> best;
   double best_m = 0.0;
@@ -361,7 +361,7 @@ std::optional<zone::TrackPosition> VirtualObjectCommands::roomiest() const {
       const Point2 at = position(zone.circuit.pose_at(track_position));
       double room_m = 1e9;
       bool fits = true;
-      for (const Standing& other : others) {
+      for (const NearbyVehicle& other : others) {
         room_m = std::min(room_m, distance(at, other.at));
         fits = fits && has_room(track_position, at, other);
       }
@@ -369,7 +369,7 @@ std::optional<zone::TrackPosition> VirtualObjectCommands::roomiest() const {
         room_m = std::min(room_m, distance(at, virtual_object.walk.path().front()) - virtual_object.radius_m);
       for (const DetectedObstacle& detected : simulator_.detected().obstacles())
         room_m = std::min(room_m, distance(at, detected.at) - detected.radius_m);
-      if (!fits || (best && room_m <= best_m) || !zone.may_stand(track_position)) continue;
+      if (!fits || (best && room_m <= best_m) || !zone.may_stop(track_position)) continue;
       best = track_position;
       best_m = room_m;
     }

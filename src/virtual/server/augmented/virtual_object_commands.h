@@ -55,13 +55,13 @@ class VirtualObjectCommands {
   [[nodiscard]] Result<Point2> read_point(const JsonValue& x, const JsonValue& y, std::string_view field) const;
 
  private:
-  struct Standing {
+  struct NearbyVehicle {
     std::string name;
     Point2 at;
     std::optional<zone::TrackPosition> position;
   };
-  [[nodiscard]] std::vector<Standing> standing() const;
-  [[nodiscard]] bool has_room(zone::TrackPosition position, Point2 at, const Standing& other) const;
+  [[nodiscard]] std::vector<NearbyVehicle> nearby_vehicles() const;
+  [[nodiscard]] bool has_room(zone::TrackPosition position, Point2 at, const NearbyVehicle& other) const;
   [[nodiscard]] Result<void> check_id(std::string_view id) const;
   [[nodiscard]] Result<VirtualObjectCommand> read_add(const JsonValue& virtual_object) const;
   [[nodiscard]] Result<VirtualObjectCommand> read_move(const JsonValue& virtual_object) const;

@@ -11,7 +11,7 @@ constexpr std::array verbs{OperatorCommandKind::stop,  OperatorCommandKind::slow
                            OperatorCommandKind::fast,  OperatorCommandKind::limit, OperatorCommandKind::restart,
                            OperatorCommandKind::cancel};
 constexpr double limit_mps_max = 5.0;
-constexpr double standing_mps = 0.01;
+constexpr double stopped_mps = 0.01;
 constexpr double speed_slack_mps = 0.02;
 constexpr std::size_t vehicles_named_max = Registry::vehicles_max;
 
@@ -250,7 +250,7 @@ bool Commands::effect_observed(const Command& command) const {
   const wire::State& state = *proxy.state;
   const double speed_mps = proxy.twin ? simulator_.twin(*proxy.twin).speed_mps() : 0.0;
   switch (*command.verb) {
-    case OperatorCommandKind::stop: return state.paused && !state.driving && speed_mps < standing_mps;
+    case OperatorCommandKind::stop: return state.paused && !state.driving && speed_mps < stopped_mps;
     case OperatorCommandKind::restart: {
       // A limit asked for after it is not its failure.
       const bool limited_since = std::ranges::any_of(list_, [&](const Command& other) {

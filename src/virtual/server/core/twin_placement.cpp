@@ -30,7 +30,7 @@ void TwinPlacement::put(VehicleIndex vehicle, SimTime at, const Pose2& pose,
   context_.simulator.report(*proxy.twin, context_.now, report);
   if (before && twin.on_circuit() && before->section != twin.reported_position().section) trace_section(proxy, *before);
   if (map_)
-    master_.orders.set_standing(vehicle,
+    master_.orders.set_reported_pose(vehicle,
                                 {twin.reported_position(), twin.reported_off_m(), twin.heading_off_rad(), report.X_MB});
 }
 

@@ -31,7 +31,7 @@ double ms_of(SimTime time) { return static_cast<double>(time.time_since_epoch().
 std::string_view to_string(Deadlock::State state) {
   switch (state) {
     case Deadlock::State::forming: return "forming";
-    case Deadlock::State::standing: return "standing";
+    case Deadlock::State::reported: return "standing";
     case Deadlock::State::giving_way: return "giving way";
     case Deadlock::State::unresolved: return "unresolved";
     case Deadlock::State::resolved: return "resolved";
@@ -108,7 +108,7 @@ void Deadlocks::follow(Deadlock& deadlock) {
     case Deadlock::State::forming:
       if (closed && for_long >= (somebody_beside(deadlock) ? rules_.grace_beside : rules_.grace)) begin(deadlock);
       return;
-    case Deadlock::State::standing: break;
+    case Deadlock::State::reported: break;
     case Deadlock::State::giving_way:
       if (closed && for_long >= rules_.works_within) resolve(deadlock);
       break;
@@ -123,7 +123,7 @@ void Deadlocks::follow(Deadlock& deadlock) {
 
 void Deadlocks::begin(Deadlock& deadlock) {
   deadlock.number = ++counters_.detected;
-  deadlock.state = Deadlock::State::standing;
+  deadlock.state = Deadlock::State::reported;
   tell('w', "deadlock " + std::to_string(deadlock.number) + ": " + deadlock.reason);
   resolve(deadlock);
 }

@@ -33,7 +33,7 @@ struct DeadlockRules {
 struct Deadlock {
   enum class State : std::uint8_t {
     forming,     ///< the ring has closed; most open again by themselves
-    standing,    ///< it has lasted
+    reported,    ///< it has lasted
     giving_way,  ///< somebody lets the others out
     unresolved,  ///< nobody can; tried again and again
     resolved,

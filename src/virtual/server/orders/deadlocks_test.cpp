@@ -225,7 +225,7 @@ std::vector<zone::TrackPosition> packed(const zone::TrafficZone& zone, const std
   double first_m = 0.0;
   double round_m = 0.0;
   for (const zone::SectionId id : round) round_m += zone.circuit.section(id).length_m();
-  const double room_m = zone::standing_room_m(zone.vehicle);
+  const double room_m = zone::stopping_room_m(zone.vehicle);
   for (const zone::SectionId id : round) {
     for (const zone::Waypoint& waypoint : zone.waypoints) {
       const double at_m = start_m + waypoint.position.s_m;

@@ -214,7 +214,7 @@ bool Missions::is_at(VehicleIndex vehicle, Point2 p, double off_m) const {
   return std::ranges::any_of(all, [&](WaypointIndex i) { return distance(map_->point(i), p) <= off_m; });
 }
 
-bool Missions::stands_at(VehicleIndex vehicle, Point2 p, double off_m) {
+bool Missions::is_stopped_at(VehicleIndex vehicle, Point2 p, double off_m) {
   if (!is_at(vehicle, p, off_m)) return false;
   Entry& entry = entries_[vehicle];
   if (entry.state == State::arrived) return true;

@@ -87,7 +87,7 @@ class Missions {
   /// Here is where it was to go, or at most `off_m` from there.
   [[nodiscard]] bool is_at(VehicleIndex vehicle, Point2 p, double off_m) const;
   /// It stands here, without an order. True: this is where it was to go, or at most `off_m` from there, and it stays.
-  bool stands_at(VehicleIndex vehicle, Point2 p, double off_m);
+  bool is_stopped_at(VehicleIndex vehicle, Point2 p, double off_m);
   [[nodiscard]] bool is_closed(zone::SectionId section) const;
 
   [[nodiscard]] const Mission& mission(VehicleIndex vehicle) const { return entries_[vehicle].mission; }

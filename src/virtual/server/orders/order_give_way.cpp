@@ -28,7 +28,7 @@ constexpr double behind_clear_m = 0.03;
 constexpr double back_clear_m = 0.005;
 constexpr double back_clear_m_min = -0.02;
 /// What stands in another's way is looked for so far along it: the next stretch or chain, and where that one stops.
-constexpr double way_before_m = 0.70 + aiv::stand_off_m;
+constexpr double way_before_m = 0.70 + aiv::clearance_m;
 constexpr double way_every_m = 0.03;
 constexpr double way_clear_m = 0.04;
 /// Its eyes may make it stand so much earlier than it should before the one ahead.
@@ -47,10 +47,10 @@ double to_body_m(const zone::VehicleShape& shape, const Pose2& X_MB, Point2 p_M)
 
 bool OrderRoller::has_what_to_give_back(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
-  if (!plan.standing.position) return false;
+  if (!plan.reported.position) return false;
   if (goes_onto_line(vehicle)) return plan.stage == Plan::Stage::running || plan.waits_since.has_value();
   return plan.stage == Plan::Stage::running &&
-         traffic_.base_left_m(vehicle, *plan.standing.position).value_or(0.0) > base_left_m_min;
+         traffic_.base_left_m(vehicle, *plan.reported.position).value_or(0.0) > base_left_m_min;
 }
 
 bool OrderRoller::keeps_off(const Wait& wait, zone::TrackPosition track_position) const {
@@ -61,25 +61,25 @@ bool OrderRoller::keeps_off(const Wait& wait, zone::TrackPosition track_position
     case WaitReason::turn: return false;
     case WaitReason::ahead: return true;
     case WaitReason::crossing: {
-      std::vector<CrossingIndex> stands_in;
-      map_->crossings_on(track_position, 0.0, stands_in, traffic_.coming(wait.whom));
-      return std::ranges::any_of(stands_in, [&](CrossingIndex x) { return traffic_.requests(wait.who, x); });
+      std::vector<CrossingIndex> occupied_crossings;
+      map_->crossings_on(track_position, 0.0, occupied_crossings, traffic_.coming(wait.whom));
+      return std::ranges::any_of(occupied_crossings, [&](CrossingIndex x) { return traffic_.requests(wait.who, x); });
     }
     case WaitReason::beside:
     case WaitReason::eyes: break;
   }
   const Plan& theirs = plans_[wait.who];
   if (off_line(wait.who)) {
-    const auto entry_point = zone::snap_to_path(circuit, theirs.standing.X_MB);
+    const auto entry_point = zone::snap_to_path(circuit, theirs.reported.X_MB);
     if (!theirs.entry_point && !entry_point) return true;
     aiv::EntrySweep sweep{shape};
     sweep.take({body(wait.who), circuit.pose_at(theirs.entry_point ? *theirs.entry_point : entry_point->position)});
     return sweep.near_body(X_MV, way_clear_m);
   }
-  if (!theirs.standing.position) return true;
-  const double far_m = traffic_.base_left_m(wait.who, *theirs.standing.position).value_or(0.0) + way_before_m;
+  if (!theirs.reported.position) return true;
+  const double far_m = traffic_.base_left_m(wait.who, *theirs.reported.position).value_or(0.0) + way_before_m;
   for (double ahead_m = 0.0; ahead_m < far_m; ahead_m += way_every_m) {
-    const Pose2 X_MW = circuit.pose_at(circuit.advance(*theirs.standing.position, ahead_m, traffic_.coming(wait.who)));
+    const Pose2 X_MW = circuit.pose_at(circuit.advance(*theirs.reported.position, ahead_m, traffic_.coming(wait.who)));
     if (aiv::near_bodies(shape, X_MW, X_MV, way_clear_m)) return true;
   }
   return false;
@@ -87,13 +87,13 @@ bool OrderRoller::keeps_off(const Wait& wait, zone::TrackPosition track_position
 
 std::optional<double> OrderRoller::can_give_way(VehicleIndex vehicle, Means means, std::span<const Wait> waits) {
   Plan& plan = plans_[vehicle];
-  if (map_ == nullptr || !registry_[vehicle].here() || !plan.standing.position || plan.giving_way) return std::nullopt;
+  if (map_ == nullptr || !registry_[vehicle].here() || !plan.reported.position || plan.giving_way) return std::nullopt;
   switch (means) {
     case Means::move_up: return makes_room_by_moving_up(vehicle, waits) ? std::optional{0.0} : std::nullopt;
     case Means::wait: {
       const bool gives_back = has_what_to_give_back(vehicle);
       const bool frees = std::ranges::all_of(waits, [&](const Wait& wait) {
-        return !keeps_off(wait, *plan.standing.position) && (gives_back || wait.why == WaitReason::turn);
+        return !keeps_off(wait, *plan.reported.position) && (gives_back || wait.why == WaitReason::turn);
       });
       return frees ? std::optional{0.0} : std::nullopt;
     }
@@ -101,7 +101,7 @@ std::optional<double> OrderRoller::can_give_way(VehicleIndex vehicle, Means mean
       if (off_line(vehicle)) return std::nullopt;
       const auto around = contested(vehicle);
       const zone::TrackPosition from =
-          plan.stage == Plan::Stage::running ? map_->waypoint(plan.base_end).position : *plan.standing.position;
+          plan.stage == Plan::Stage::running ? map_->waypoint(plan.base_end).position : *plan.reported.position;
       return !around.empty() && missions_.has_way_round(vehicle, from, around) ? std::optional{0.0} : std::nullopt;
     }
     case Means::other_position:
@@ -146,18 +146,18 @@ bool OrderRoller::makes_room_by_moving_up(VehicleIndex vehicle, std::span<const 
   if (off_line(vehicle) || plan.waits_for_crossing || plan.waits_why != WaitReason::ahead ||
       plan.waits_for_vehicle != ahead.vehicle || !detects_leader(vehicle, ahead.vehicle))
     return false;
-  const double up_m = ahead.distance_m - map_->zone().vehicle.length_m - aiv::stand_off_m - detected_too_early_m;
+  const double up_m = ahead.distance_m - map_->zone().vehicle.length_m - aiv::clearance_m - detected_too_early_m;
   return up_m > 0.0 && std::ranges::any_of(waits, [&](const Wait& wait) {
            const auto& track_position = traffic_.track_position(wait.who);
            const Traffic::Leader& before = traffic_.ahead(wait.who);
            if (wait.why != WaitReason::ahead || !track_position || before.vehicle != vehicle) return false;
            const Sections coming = traffic_.coming(wait.who);
-           const auto stands_in = [&](double ahead_m) {
+           const auto occupied_crossings = [&](double ahead_m) {
              std::vector<CrossingIndex> crossings;
              map_->crossings_on(map_->circuit().advance(*track_position, ahead_m, coming), 0.0, crossings, coming);
              return !crossings.empty();
            };
-           return stands_in(0.0) && !stands_in(std::max(0.0, before.distance_m + up_m - traffic_.standing_m()));
+           return occupied_crossings(0.0) && !occupied_crossings(std::max(0.0, before.distance_m + up_m - traffic_.stopped_m()));
          });
 }
 
@@ -166,9 +166,9 @@ bool OrderRoller::makes_room_by_moving_up(VehicleIndex vehicle, std::span<const 
 std::vector<zone::SectionId> OrderRoller::contested(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
   const bool running = plan.stage == Plan::Stage::running;
-  const zone::TrackPosition from = running ? map_->waypoint(plan.base_end).position : *plan.standing.position;
+  const zone::TrackPosition from = running ? map_->waypoint(plan.base_end).position : *plan.reported.position;
   const auto way = running
-                       ? traffic_.beyond_base(vehicle, *plan.standing.position).sections
+                       ? traffic_.beyond_base(vehicle, *plan.reported.position).sections
                        : std::vector<zone::SectionId>(traffic_.coming(vehicle).begin(), traffic_.coming(vehicle).end());
   // The first section of its way that it need not enter, and where what it waits for is.
   const auto& blocker = plan.waits_for_vehicle == no_vehicle ? std::nullopt : traffic_.track_position(plan.waits_for_vehicle);
@@ -187,10 +187,10 @@ std::vector<zone::SectionId> OrderRoller::contested(VehicleIndex vehicle) const 
 std::optional<double> OrderRoller::way_back_m(VehicleIndex vehicle, std::span<const Wait> waits) const {
   const Plan& plan = plans_[vehicle];
   const AivProxy& proxy = registry_[vehicle];
-  if (off_line(vehicle) || !proxy.supports("backUp").value_or(proxy.is_cosiva()) || !stands(vehicle))
+  if (off_line(vehicle) || !proxy.supports("backUp").value_or(proxy.is_cosiva()) || !is_stopped(vehicle))
     return std::nullopt;
   const zone::Circuit& circuit = map_->circuit();
-  const zone::TrackPosition here = *plan.standing.position;
+  const zone::TrackPosition here = *plan.reported.position;
   const Sections gone = traffic_.gone(vehicle);
   // Over a joint only where it knows by which way it came, and where the way does not bend sharply.
   double far_m = here.s_m;
@@ -202,16 +202,16 @@ std::optional<double> OrderRoller::way_back_m(VehicleIndex vehicle, std::span<co
     far_m += circuit.section(came_from).length_m();
   far_m = std::min(far_m, rules_.back_up_m_max);
 
-  std::vector<CrossingIndex> stood_in;
-  map_->crossings_on(here, 0.0, stood_in, traffic_.coming(vehicle));
+  std::vector<CrossingIndex> occupied_crossings;
+  map_->crossings_on(here, 0.0, occupied_crossings, traffic_.coming(vehicle));
   for (double back_m = back_step_m; back_m + back_slack_m <= far_m + 1e-9; back_m += back_step_m) {
     const zone::TrackPosition there = circuit.advance(here, -back_m, {}, gone);
     if (std::ranges::any_of(waits, [&](const Wait& wait) { return keeps_off(wait, there); })) continue;
     // In a crossing that it was not in it would be in somebody else's way.
-    std::vector<CrossingIndex> stands_in;
-    map_->crossings_on(there, 0.0, stands_in, traffic_.coming(vehicle));
+    std::vector<CrossingIndex> occupied_crossings;
+    map_->crossings_on(there, 0.0, occupied_crossings, traffic_.coming(vehicle));
     const bool another = std::ranges::any_of(
-        stands_in, [&](CrossingIndex x) { return std::ranges::find(stood_in, x) == stood_in.end(); });
+        occupied_crossings, [&](CrossingIndex x) { return std::ranges::find(occupied_crossings, x) == occupied_crossings.end(); });
     if (another) continue;
     const double rolls_m = back_m + back_slack_m;
     return is_free_behind(vehicle, rolls_m) ? std::optional{rolls_m} : std::nullopt;
@@ -221,7 +221,7 @@ std::optional<double> OrderRoller::way_back_m(VehicleIndex vehicle, std::span<co
 
 bool OrderRoller::is_free_behind(VehicleIndex vehicle, double back_m) const {
   const zone::Circuit& circuit = map_->circuit();
-  const zone::TrackPosition here = *plans_[vehicle].standing.position;
+  const zone::TrackPosition here = *plans_[vehicle].reported.position;
   // Whom it has beside it already it may leave as closely.
   double clear_m = behind_clear_m;
   while (clear_m > 0.0 && near_anything(vehicle, body(vehicle), clear_m)) clear_m -= 0.01;
@@ -283,7 +283,7 @@ void OrderRoller::follow_back_up(VehicleIndex vehicle, Plan::GivingWay& giving_w
                                std::chrono::seconds{3}, true);
   };
   if (giving_way.handle == 0) {
-    if (!stands(vehicle)) return;
+    if (!is_stopped(vehicle)) return;
     if (!is_free_behind(vehicle, giving_way.back_m)) return;  // whoever came there may go again; it has its time
     // Whom it has beside it already it may leave as closely.
     giving_way.clear_m = back_clear_m;

@@ -50,10 +50,10 @@ bool OrderRoller::join_elsewhere(VehicleIndex vehicle, bool drives_on, double wi
   if (!goes_onto_line(vehicle)) return false;
   for (const zone::TrackPosition position : positions_near(vehicle, within_m)) {
     const Pose2 X_MG = map_->circuit().pose_at(position);
-    if (!drives_on && stands_in_entry(plan.waits_for_vehicle, X_MG)) continue;
+    if (!drives_on && blocks_entry(plan.waits_for_vehicle, X_MG)) continue;
     if (!is_free_entry(vehicle, position, drives_on)) continue;
     plan.entry_point = position;
-    plan.standing.position = position;
+    plan.reported.position = position;
     plan.join_sent_at = publisher_.now();
     plan.join_handle = action_sender_.send(registry_[vehicle], vehicle,
                                            {{"joinLine",
@@ -69,7 +69,7 @@ bool OrderRoller::join_elsewhere(VehicleIndex vehicle, bool drives_on, double wi
 
 std::vector<zone::TrackPosition> OrderRoller::positions_near(VehicleIndex vehicle, double within_m) const {
   const zone::Circuit& circuit = map_->circuit();
-  const auto entry_point = zone::snap_to_path(circuit, plans_[vehicle].standing.X_MB);
+  const auto entry_point = zone::snap_to_path(circuit, plans_[vehicle].reported.X_MB);
   if (!entry_point) return {};
   std::vector<zone::TrackPosition> positions{entry_point->position};
   for (int i = 1; i * sample_every_m <= within_m; ++i) {
@@ -80,9 +80,9 @@ std::vector<zone::TrackPosition> OrderRoller::positions_near(VehicleIndex vehicl
   return positions;
 }
 
-bool OrderRoller::stands_in_entry(VehicleIndex other, const Pose2& X_MB) const {
+bool OrderRoller::blocks_entry(VehicleIndex other, const Pose2& X_MB) const {
   if (other == no_vehicle || !goes_onto_line(other)) return false;
-  const Pose2& X_MO = plans_[other].standing.X_MB;
+  const Pose2& X_MO = plans_[other].reported.X_MB;
   const auto entry_point = zone::snap_to_path(map_->circuit(), X_MO);
   if (!entry_point) return false;
   aiv::EntrySweep sweep{map_->zone().vehicle};
@@ -94,12 +94,12 @@ bool OrderRoller::is_free_entry(VehicleIndex vehicle, zone::TrackPosition positi
   if (in_way_to_line(vehicle, position) != no_vehicle) return false;
   traffic_.set_position(vehicle, position);
   traffic_.update();
-  bool free = !traffic_.stands_in_anothers(vehicle);
+  bool free = !traffic_.is_in_others_crossing(vehicle);
   if (free && drives_on) {
-    const zone::TrackPosition before = std::exchange(*plans_[vehicle].standing.position, position);
+    const zone::TrackPosition before = std::exchange(*plans_[vehicle].reported.position, position);
     free = traffic_.ahead_within(vehicle, free_ahead_m).vehicle == no_vehicle &&
            beside_way(vehicle, 0.0, free_ahead_m) == no_vehicle;
-    plans_[vehicle].standing.position = before;
+    plans_[vehicle].reported.position = before;
   }
   if (!free) {
     traffic_.set_position(vehicle, std::nullopt);

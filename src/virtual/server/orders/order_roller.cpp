@@ -33,7 +33,7 @@ std::pair<std::string_view, std::uint32_t> base_end_of(const wire::State& state)
 void OrderRoller::set_map(const WayMap* map) {
   map_ = map;
   for (VehicleIndex v = 0; v < plans_.size(); ++v) {
-    plans_[v].standing = {};
+    plans_[v].reported = {};
     plans_[v].base_end = no_waypoint;
     plans_[v].way_of = 0;
     plans_[v].no_way.reset();
@@ -44,10 +44,10 @@ void OrderRoller::set_map(const WayMap* map) {
   }
 }
 
-void OrderRoller::set_standing(VehicleIndex vehicle, const Standing& standing) {
-  plans_[vehicle].standing = standing;
+void OrderRoller::set_reported_pose(VehicleIndex vehicle, const ReportedPose& reported) {
+  plans_[vehicle].reported = reported;
   follow_line(vehicle);
-  const Standing& now = plans_[vehicle].standing;
+  const ReportedPose& now = plans_[vehicle].reported;
   // One of ours that is to go onto the line keeps others off by its body, until it is sent.
   const bool in_the_way =
       now.position && (plans_[vehicle].entry_point || (now.off_m <= rules_.on_way_m && !goes_onto_line(vehicle)));
@@ -140,7 +140,7 @@ void OrderRoller::adopt(VehicleIndex vehicle, const wire::State& state) {
 std::optional<WaypointIndex> OrderRoller::adopt_course(VehicleIndex vehicle, const wire::State& state) {
   Plan& plan = plans_[vehicle];
   plan.way_of = 0;
-  if (!plan.standing.position) return std::nullopt;
+  if (!plan.reported.position) return std::nullopt;
   std::vector<std::string_view> ids;
   std::size_t released = 0;
   for (const wire::NodeState& node : state.node_states) {
@@ -148,7 +148,7 @@ std::optional<WaypointIndex> OrderRoller::adopt_course(VehicleIndex vehicle, con
     if (node.released) released = ids.size();
   }
   if (released == 0) return std::nullopt;
-  auto through = map_->through(*plan.standing.position, ids, released);
+  auto through = map_->through(*plan.reported.position, ids, released);
   if (!through) return std::nullopt;
   // What lies beyond its base is for its mission to say.
   through->sections.resize(through->to_end);
@@ -223,7 +223,7 @@ void OrderRoller::tick(bool drive, bool send_off, SimDuration lost_after) {
   traffic_.update();
   beside_.clear();
   for (VehicleIndex v = 0; v < plans_.size(); ++v)
-    if (registry_[v].here() && (!plans_[v].standing.position || off_line(v) || traffic_.stands_in_anothers(v)))
+    if (registry_[v].here() && (!plans_[v].reported.position || off_line(v) || traffic_.is_in_others_crossing(v)))
       beside_.push_back(v);
   for (VehicleIndex v = 0; v < plans_.size(); ++v) {
     traffic_.update();
@@ -233,14 +233,14 @@ void OrderRoller::tick(bool drive, bool send_off, SimDuration lost_after) {
 
 bool OrderRoller::may_roll(VehicleIndex vehicle) const {
   const AivProxy& proxy = registry_[vehicle];
-  const Standing& standing = plans_[vehicle].standing;
+  const ReportedPose& reported = plans_[vehicle].reported;
   if (!proxy.state || !proxy.state_in_session || !proxy.online() || proxy.no_orders ||
       proxy.lost(publisher_.now(), lost_after_))
     return false;
   const wire::State& state = *proxy.state;
   const bool this_map = proxy.map_id.empty() || proxy.map_id == map_->zone().name;
-  const bool along = std::fabs(standing.heading_off_rad) <= heading_off_rad_max || goes_onto_line(vehicle);
-  return proxy.position_known && this_map && standing.position && standing.off_m <= rules_.on_circuit_m && along &&
+  const bool along = std::fabs(reported.heading_off_rad) <= heading_off_rad_max || goes_onto_line(vehicle);
+  return proxy.position_known && this_map && reported.position && reported.off_m <= rules_.on_circuit_m && along &&
          state.operating_mode == wire::OperatingMode::automatic && !state.paused && state.e_stop == wire::EStop::none;
 }
 
@@ -259,7 +259,7 @@ void OrderRoller::step(VehicleIndex vehicle, bool drive, bool send_off) {
   if (plan.stage == Plan::Stage::cancelling && now - plan.cancelled_at >= rules_.cancel_again && proxy.online())
     cancel(vehicle);
 
-  if (plan.stage == Plan::Stage::running && stands_silently(vehicle)) {
+  if (plan.stage == Plan::Stage::running && is_stopped_without_reason(vehicle)) {
     publisher_.log('w', proxy.name + ": stands with way before it and says no reason; cancelled, a new order follows");
     cancel(vehicle);
   }
@@ -299,7 +299,7 @@ bool OrderRoller::comes_again(VehicleIndex vehicle, const Extension& from, std::
   const Plan& plan = plans_[vehicle];
   // One that has rolled past the end of its base, and into the next section, comes there for the first time.
   const bool on_its_base = plan.stage == Plan::Stage::running && from.reach_m > 0.0;
-  const zone::TrackPosition start = on_its_base ? *plan.standing.position : map_->waypoint(from.from).position;
+  const zone::TrackPosition start = on_its_base ? *plan.reported.position : map_->waypoint(from.from).position;
   Sections released;
   if (on_its_base) released = traffic_.coming(vehicle).first(traffic_.beyond_base(vehicle, start).keep);
   const Sections added = Sections{way_}.first(passed);
@@ -338,7 +338,7 @@ void OrderRoller::extend(VehicleIndex vehicle, const Extension& from) {
     if (joins) in_convoy_m = chain_m;
     const bool moves_up = plan.moves_up && !enters && extension_.empty();
     if (next_m > std::max(in_convoy_m, traffic_.reach_m(vehicle, next_m)) && !moves_up) {
-      wait_for(plan, traffic_.ahead_within(vehicle, next_m + traffic_.standing_m()).vehicle, WaitReason::ahead);
+      wait_for(plan, traffic_.ahead_within(vehicle, next_m + traffic_.stopped_m()).vehicle, WaitReason::ahead);
       break;
     }
     if (const VehicleIndex other = beside_way(vehicle, reach_m, chain_m); other != no_vehicle) {
@@ -421,7 +421,7 @@ void OrderRoller::send(VehicleIndex vehicle, const Extension& from) {
                            wire::NodePosition{point.x_m, point.y_m, {}, deviation_m, {}, map_->zone().name},
                            {}});
   };
-  const double to_first_m = is_new ? std::fabs(from.reach_m) + plan.standing.off_m : 0.0;
+  const double to_first_m = is_new ? std::fabs(from.reach_m) + plan.reported.off_m : 0.0;
   add_node(from.from, true, rules_.deviation_m + to_first_m);
 
   WaypointIndex at = from.from;

@@ -78,13 +78,13 @@ class OrderRoller {
   void tick(bool drive, bool send_off, SimDuration lost_after);
 
   /// Is this vehicle's last reported place good enough to drive from; set by the server at each report.
-  struct Standing {
+  struct ReportedPose {
     std::optional<zone::TrackPosition> position;  ///< nearest on the circuit
     double off_m{};
     double heading_off_rad{};
     Pose2 X_MB{};
   };
-  void set_standing(VehicleIndex vehicle, const Standing& standing);
+  void set_reported_pose(VehicleIndex vehicle, const ReportedPose& reported);
 
   /// What it was ordered to do is seen: it has an order, on the zone that is there now.
   [[nodiscard]] bool has_order(VehicleIndex vehicle) const { return plans_[vehicle].stage == Plan::Stage::running; }
@@ -93,7 +93,7 @@ class OrderRoller {
     return plans_[vehicle].entry_point;
   }
   /// Of those that stand off the line: the mission's goal is where somebody else stands.
-  [[nodiscard]] std::string stands_at_goal(VehicleIndex vehicle) const;
+  [[nodiscard]] std::string blocker_at_goal(VehicleIndex vehicle) const;
 
   /// Why it does not go on: a crossing or a vehicle; empty when nothing holds it.
   [[nodiscard]] std::string waits_for(VehicleIndex vehicle) const;
@@ -135,7 +135,7 @@ class OrderRoller {
     SimTime sent_at{};
     SimTime wait_until{};
     SimTime cancelled_at{};
-    Standing standing;
+    ReportedPose reported;
     std::string strange_order;  ///< an order of somebody else's, noted once
     std::optional<CrossingIndex> waits_for_crossing;
     VehicleIndex waits_for_vehicle{no_vehicle};
@@ -224,16 +224,16 @@ class OrderRoller {
   bool join_elsewhere(VehicleIndex vehicle, bool drives_on, double within_m);
   [[nodiscard]] bool is_free_entry(VehicleIndex vehicle, zone::TrackPosition position, bool drives_on);
   /// One that stood at X_MB would keep the other off the line.
-  [[nodiscard]] bool stands_in_entry(VehicleIndex other, const Pose2& X_MB) const;
+  [[nodiscard]] bool blocks_entry(VehicleIndex other, const Pose2& X_MB) const;
   [[nodiscard]] std::vector<zone::TrackPosition> positions_near(VehicleIndex vehicle, double within_m) const;
   void end_join(VehicleIndex vehicle);
 
   // order_waits.cpp
   void record_waiting(Plan& plan, SimTime now);
   void wait_for(Plan& plan, VehicleIndex other, WaitReason why);
-  [[nodiscard]] bool stands(VehicleIndex vehicle) const;
+  [[nodiscard]] bool is_stopped(VehicleIndex vehicle) const;
   /// True once when one of ours has stood for so long with base before it and no reason that it needs a new order.
-  bool stands_silently(VehicleIndex vehicle);
+  bool is_stopped_without_reason(VehicleIndex vehicle);
   /// Before whom its own eyes make it stand; no_vehicle: before nobody known.
   [[nodiscard]] VehicleIndex detected_in_path(VehicleIndex vehicle) const;
   [[nodiscard]] Pose2 body(VehicleIndex vehicle) const;

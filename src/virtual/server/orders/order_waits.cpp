@@ -10,12 +10,12 @@
 namespace cosiva::virtual_side {
 namespace {
 
-constexpr double standing_mps = 0.01;
+constexpr double stopped_mps = 0.01;
 /// What a vehicle's eyes make it stand before lies no further ahead than this, nor further from the body's way: where
 /// it stops, what more room it wants to go on, and what reports are wrong by; beside its way, what eyes take for a part
 /// of it: their margin of 0.02 m, and as far as an echo is placed wrong that came from a beam's edge (0.12 rad of a
 /// range of 0.3 m), noise included.
-constexpr double detected_ahead_m = aiv::stand_off_m + 0.08;
+constexpr double detected_ahead_m = aiv::clearance_m + 0.08;
 constexpr double detected_beside_m = 0.07;
 constexpr double look_every_m = 0.03;
 /// Before it turns on the spot it wants so much air all around.
@@ -56,22 +56,22 @@ Pose2 OrderRoller::body(VehicleIndex vehicle) const {
   return simulator_.image(*registry_[vehicle].twin, publisher_.now()).X_MB;
 }
 
-bool OrderRoller::stands(VehicleIndex vehicle) const {
+bool OrderRoller::is_stopped(VehicleIndex vehicle) const {
   const AivProxy& proxy = registry_[vehicle];
   return proxy.here() && proxy.state && !proxy.state->driving &&
-         std::fabs(simulator_.twin(*proxy.twin).speed_mps()) < standing_mps;
+         std::fabs(simulator_.twin(*proxy.twin).speed_mps()) < stopped_mps;
 }
 
-bool OrderRoller::stands_silently(VehicleIndex vehicle) {
+bool OrderRoller::is_stopped_without_reason(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   const AivProxy& proxy = registry_[vehicle];
   constexpr double way_m_min = 0.10;
   const wire::State& state = *proxy.state;
   // Those of other makes may have reasons of their own.
-  const bool unresponsive = proxy.is_cosiva() && stands(vehicle) && !state.field_violation && !state.paused &&
+  const bool unresponsive = proxy.is_cosiva() && is_stopped(vehicle) && !state.field_violation && !state.paused &&
                             !proxy.paused_for_body && state.errors.empty() && state.e_stop == wire::EStop::none &&
-                            plan.standing.position &&
-                            traffic_.base_left_m(vehicle, *plan.standing.position).value_or(0.0) > way_m_min;
+                            plan.reported.position &&
+                            traffic_.base_left_m(vehicle, *plan.reported.position).value_or(0.0) > way_m_min;
   if (!unresponsive) {
     plan.unresponsive_since.reset();
     return false;
@@ -85,7 +85,7 @@ bool OrderRoller::stands_silently(VehicleIndex vehicle) {
 void OrderRoller::add_waits(WaitGraph& graph) const {
   if (map_ == nullptr) return;
   for (VehicleIndex v = 0; v < plans_.size(); ++v) {
-    if (!stands(v)) continue;
+    if (!is_stopped(v)) continue;
     const Plan& plan = plans_[v];
     const bool has_way = plan.stage == Plan::Stage::running || plan.join_handle != 0;
     if (has_way && (registry_[v].state->field_violation || registry_[v].paused_for_body)) {
@@ -119,9 +119,9 @@ VehicleIndex OrderRoller::detected_in_path(VehicleIndex vehicle) const {
       if (sweep.near_body(X_MO, detected_beside_m)) consider(other, distance(X_MB, X_MO));
       continue;
     }
-    if (!plan.standing.position) continue;
+    if (!plan.reported.position) continue;
     for (double ahead_m = 0.0; ahead_m < detected_ahead_m + look_every_m; ahead_m += look_every_m) {
-      const Pose2 X_MV = circuit.pose_at(circuit.advance(*plan.standing.position, ahead_m, traffic_.coming(vehicle)));
+      const Pose2 X_MV = circuit.pose_at(circuit.advance(*plan.reported.position, ahead_m, traffic_.coming(vehicle)));
       if (!aiv::near_bodies(shape, X_MV, X_MO, detected_beside_m)) continue;
       // Beside its flank already, it is not what it looks at.
       if (ahead_m > 0.0 || aiv::lies_ahead(shape, X_MB, X_MO)) consider(other, ahead_m);

@@ -34,7 +34,7 @@ std::optional<OrderRoller::Extension> OrderRoller::start_of_extension(VehicleInd
 
 std::optional<OrderRoller::Extension> OrderRoller::end_of_base(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
-  const zone::TrackPosition track_position = *plan.standing.position;
+  const zone::TrackPosition track_position = *plan.reported.position;
   const bool on_course = traffic_.on_course(vehicle) || regain_course(vehicle);
   const auto left_m = on_course ? traffic_.base_left_m(vehicle, track_position) : std::nullopt;
   if (!left_m) {
@@ -51,7 +51,7 @@ std::optional<OrderRoller::Extension> OrderRoller::end_of_base(VehicleIndex vehi
 std::optional<OrderRoller::Extension> OrderRoller::first_node(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   if (goes_onto_line(vehicle)) {
-    const auto entry_point = zone::snap_to_path(map_->circuit(), plan.standing.X_MB);
+    const auto entry_point = zone::snap_to_path(map_->circuit(), plan.reported.X_MB);
     if (!entry_point) return std::nullopt;
     wait_for(plan, in_way_to_line(vehicle, entry_point->position), WaitReason::beside);
     if (plan.waits_for_vehicle != no_vehicle) {
@@ -59,13 +59,13 @@ std::optional<OrderRoller::Extension> OrderRoller::first_node(VehicleIndex vehic
       return std::nullopt;
     }
     plan.entry_point = entry_point->position;
-    plan.standing.position = entry_point->position;
-    plan.standing.off_m = entry_point->distance_m;
+    plan.reported.position = entry_point->position;
+    plan.reported.off_m = entry_point->distance_m;
     traffic_.set_position(vehicle, entry_point->position);
     traffic_.update();
   }
   if (!plan_course(vehicle)) return std::nullopt;
-  const zone::TrackPosition track_position = *plan.standing.position;
+  const zone::TrackPosition track_position = *plan.reported.position;
   const Sections coming = traffic_.coming(vehicle);
   auto behind = map_->behind(track_position, traffic_.gone(vehicle));
   if (!behind || behind->since_m > node_far_behind_m) {
@@ -97,7 +97,7 @@ void OrderRoller::take_course(VehicleIndex vehicle, zone::Course course) {
 
 bool OrderRoller::plan_course(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
-  const zone::TrackPosition track_position = *plan.standing.position;
+  const zone::TrackPosition track_position = *plan.reported.position;
   const std::uint64_t revision = missions_.revision(vehicle);
   if (plan.way_of == revision && plan.no_way == track_position.section) return false;
   if (plan.way_of == revision && !plan.no_way && traffic_.on_course(vehicle) && !past_goal(vehicle)) return true;
@@ -122,7 +122,7 @@ bool OrderRoller::plan_course(VehicleIndex vehicle) {
   all.insert(all.end(), sections->begin(), sections->end());
   take_course(vehicle, zone::Course(std::move(all), before));
   if (start != starts.begin()) {
-    plan.standing.position = *start;
+    plan.reported.position = *start;
     if (traffic_.track_position(vehicle)) traffic_.set_position(vehicle, *start);
     traffic_.update();
   }
@@ -132,26 +132,26 @@ bool OrderRoller::plan_course(VehicleIndex vehicle) {
 bool OrderRoller::past_goal(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
   const WaypointIndex goal = missions_.goal(vehicle);
-  if (plan.way_of != missions_.revision(vehicle) || goal == no_waypoint || !plan.standing.position) return false;
+  if (plan.way_of != missions_.revision(vehicle) || goal == no_waypoint || !plan.reported.position) return false;
   const zone::TrackPosition end = map_->waypoint(goal).position;
   const Sections coming = traffic_.coming(vehicle);
   const bool comes_to_it = std::ranges::find(coming, end.section) != coming.end();
-  return !comes_to_it && plan.standing.position->section == end.section && plan.standing.position->s_m > end.s_m;
+  return !comes_to_it && plan.reported.position->section == end.section && plan.reported.position->s_m > end.s_m;
 }
 
 bool OrderRoller::stays_at_goal(VehicleIndex vehicle) {
   const bool past = past_goal(vehicle);
-  const Point2 here = position(plans_[vehicle].standing.X_MB);
+  const Point2 here = position(plans_[vehicle].reported.X_MB);
   // Who stops short can come nearer. Who has gone past would have to come round again, for what its order allowed.
   const double off_m = past ? rules_.deviation_m : rules_.arrived_m;
   const auto& state = registry_[vehicle].state;
   if (state && state->driving) return past || missions_.is_at(vehicle, here, off_m);  // where it will stand, time tells
-  return missions_.stands_at(vehicle, here, off_m);
+  return missions_.is_stopped_at(vehicle, here, off_m);
 }
 
 bool OrderRoller::plan_course_again(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
-  const Traffic::Beyond beyond = traffic_.beyond_base(vehicle, *plan.standing.position);
+  const Traffic::Beyond beyond = traffic_.beyond_base(vehicle, *plan.reported.position);
   const zone::TrackPosition end = map_->waypoint(plan.base_end).position;
   const Sections released = traffic_.coming(vehicle).first(beyond.keep);
   const bool ends_at_node = end.s_m == 0.0 && beyond.keep > 0;
@@ -201,7 +201,7 @@ bool OrderRoller::plan_course_again(VehicleIndex vehicle) {
 
 bool OrderRoller::regain_course(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
-  const zone::TrackPosition track_position = *plan.standing.position;
+  const zone::TrackPosition track_position = *plan.reported.position;
   const zone::TrackPosition end = map_->waypoint(plan.base_end).position;
   std::vector<zone::SectionId> sections{track_position.section};
   if (!map_->circuit().shortest_way(end, track_position, past_base_m)) {
@@ -238,7 +238,7 @@ const WayMap::Stretch* OrderRoller::next_stretch(VehicleIndex vehicle, WaypointI
 
 bool OrderRoller::off_line(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
-  return plan.entry_point || plan.standing.off_m > on_line_m || std::fabs(plan.standing.heading_off_rad) > on_line_rad;
+  return plan.entry_point || plan.reported.off_m > on_line_m || std::fabs(plan.reported.heading_off_rad) > on_line_rad;
 }
 
 bool OrderRoller::goes_onto_line(VehicleIndex vehicle) const {
@@ -249,30 +249,30 @@ bool OrderRoller::goes_onto_line(VehicleIndex vehicle) const {
 void OrderRoller::follow_line(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   if (!plan.entry_point || map_ == nullptr) return;
-  Standing& standing = plan.standing;
+  ReportedPose& reported = plan.reported;
   const zone::Circuit& circuit = map_->circuit();
   const Sections coming = traffic_.coming(vehicle);
   std::array<zone::SectionId, 2> candidates{plan.entry_point->section,
                                             coming.empty() ? plan.entry_point->section : coming[0]};
   for (const zone::SectionId section : candidates) {
-    const auto near = circuit.section(section).nearest(position(standing.X_MB));
+    const auto near = circuit.section(section).nearest(position(reported.X_MB));
     const double off_rad =
-        wrap_angle(standing.X_MB.heading_rad - circuit.section(section).pose_at(near.s_m).heading_rad);
+        wrap_angle(reported.X_MB.heading_rad - circuit.section(section).pose_at(near.s_m).heading_rad);
     if (near.distance_m > on_line_m || std::fabs(off_rad) > on_line_rad) continue;
     plan.entry_point.reset();
-    standing.position = zone::TrackPosition{section, near.s_m};
-    standing.off_m = near.distance_m;
-    standing.heading_off_rad = off_rad;
+    reported.position = zone::TrackPosition{section, near.s_m};
+    reported.off_m = near.distance_m;
+    reported.heading_off_rad = off_rad;
     return;
   }
-  standing.position = plan.entry_point;
-  standing.off_m = distance(standing.X_MB, circuit.pose_at(*plan.entry_point));
-  standing.heading_off_rad = 0.0;
+  reported.position = plan.entry_point;
+  reported.off_m = distance(reported.X_MB, circuit.pose_at(*plan.entry_point));
+  reported.heading_off_rad = 0.0;
 }
 
 VehicleIndex OrderRoller::in_way_to_line(VehicleIndex vehicle, zone::TrackPosition entry_point) const {
   const zone::VehicleShape& shape = map_->zone().vehicle;
-  const aiv::LineEntry mine{plans_[vehicle].standing.X_MB, map_->circuit().pose_at(entry_point)};
+  const aiv::LineEntry mine{plans_[vehicle].reported.X_MB, map_->circuit().pose_at(entry_point)};
   aiv::EntrySweep sweep{shape};
   sweep.take(mine);
   for (VehicleIndex other = 0; other < registry_.size(); ++other) {
@@ -300,7 +300,7 @@ VehicleIndex OrderRoller::in_way_to_line(VehicleIndex vehicle, zone::TrackPositi
 
 VehicleIndex OrderRoller::beside_way(VehicleIndex vehicle, double from_m, double to_m) const {
   constexpr double clear_m = 0.04;  // no less than what a vehicle's own eyes make it stop for
-  const zone::TrackPosition track_position = *plans_[vehicle].standing.position;
+  const zone::TrackPosition track_position = *plans_[vehicle].reported.position;
   const zone::Circuit& circuit = map_->circuit();
   const zone::VehicleShape& shape = map_->zone().vehicle;
   const Sections coming = traffic_.coming(vehicle);
@@ -318,7 +318,7 @@ VehicleIndex OrderRoller::beside_way(VehicleIndex vehicle, double from_m, double
     const bool ahead = aiv::lies_ahead(shape, circuit.pose_at(track_position), X_MB);
     const double free_m = !ahead && in_way(0.0, clear_m) ? 0.0 : clear_m;
     // It stops short of a body by itself, and what of its base it cannot drive would keep that one from moving.
-    const double end_m = to_m + aiv::stand_off_m;
+    const double end_m = to_m + aiv::clearance_m;
     for (double ahead_m = std::max(0.0, from_m); ahead_m < end_m; ahead_m += sample_m)
       if (in_way(ahead_m, free_m)) return other;
     if (in_way(end_m, free_m)) return other;
@@ -332,17 +332,17 @@ std::optional<zone::TrackPosition> OrderRoller::comes_onto_line_at(VehicleIndex 
   // Who waits to come onto the line is let in, but not for ever: it may be that it cannot.
   if (!plan.waits_since || publisher_.now() - *plan.waits_since > rules_.let_in_for || !goes_onto_line(vehicle))
     return {};
-  const auto entry_point = zone::snap_to_path(map_->circuit(), plan.standing.X_MB);
+  const auto entry_point = zone::snap_to_path(map_->circuit(), plan.reported.X_MB);
   return entry_point ? std::optional{entry_point->position} : std::nullopt;
 }
 
-std::string OrderRoller::stands_at_goal(VehicleIndex vehicle) const {
+std::string OrderRoller::blocker_at_goal(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
   const WaypointIndex goal = missions_.goal(vehicle);
   if (plan.waits_for_vehicle == no_vehicle || goal == no_waypoint || map_ == nullptr) return {};
-  const Standing& other = plans_[plan.waits_for_vehicle].standing;
-  const bool stands = distance(position(other.X_MB), map_->point(goal)) <= traffic_.standing_m();
-  return stands ? registry_[plan.waits_for_vehicle].name : std::string{};
+  const ReportedPose& other = plans_[plan.waits_for_vehicle].reported;
+  const bool is_stopped = distance(position(other.X_MB), map_->point(goal)) <= traffic_.stopped_m();
+  return is_stopped ? registry_[plan.waits_for_vehicle].name : std::string{};
 }
 
 }  // namespace cosiva::virtual_side

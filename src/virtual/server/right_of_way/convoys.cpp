@@ -36,13 +36,13 @@ bool has_room_beyond(const Traffic& traffic, double leader_m, double exit_m, con
   const double apart_m = traffic.map().zone().vehicle.length_m + traffic.rules().room_m;
   double at_m = leader_m;
   for (std::size_t i = 0; i + 1 < convoy.size(); ++i) at_m += traffic.ahead(convoy[i]).distance_m;
-  double stands_m = at_m + traffic.ahead(convoy.back()).distance_m;
+  double last_m = at_m + traffic.ahead(convoy.back()).distance_m;
   for (auto member = convoy.rbegin(); member != convoy.rend(); ++member) {
     const double base_m = traffic.base_left_m(*member, *traffic.track_position(*member)).value_or(0.0);
-    stands_m = std::min(at_m + base_m, stands_m - apart_m);
+    last_m = std::min(at_m + base_m, last_m - apart_m);
     if (member + 1 != convoy.rend()) at_m -= traffic.ahead(*(member + 1)).distance_m;
   }
-  return stands_m - apart_m >= exit_m;
+  return last_m - apart_m >= exit_m;
 }
 
 std::size_t members_from(const Traffic& traffic, VehicleIndex vehicle, std::size_t at_most) {

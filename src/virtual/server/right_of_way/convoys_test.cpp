@@ -25,11 +25,11 @@ class ConvoyFixture : public testing::Test {
     traffic.set_map(&map);
     traffic.resize(6);
     traffic.set_time(now);
-    stand(0, east, 0.0);
+    put_stopped(0, east, 0.0);
     ASSERT_TRUE(ask(0, east, 0.0).granted);
     give_leave(0);
-    stand(0, east, -inside_m);
-    stand(1, east, 0.0);
+    put_stopped(0, east, -inside_m);
+    put_stopped(1, east, 0.0);
   }
   [[nodiscard]] WaypointIndex stop_on(zone::SectionId section) const {
     for (WaypointIndex i = 0; i < map.size(); ++i)
@@ -37,7 +37,7 @@ class ConvoyFixture : public testing::Test {
     return no_waypoint;
   }
   [[nodiscard]] WaypointIndex exit_of(zone::SectionId section) const { return map.chain(stop_on(section)).exit; }
-  void stand(VehicleIndex vehicle, zone::SectionId section, double before_m) {
+  void put_stopped(VehicleIndex vehicle, zone::SectionId section, double before_m) {
     const zone::TrackPosition stop = map.waypoint(stop_on(section)).position;
     traffic.set_position(vehicle, map.circuit().advance(stop, -before_m));
     traffic.update();
@@ -61,7 +61,7 @@ class ConvoyFixture : public testing::Test {
     return convoy;
   }
   Traffic::Response come_up(VehicleIndex vehicle, zone::SectionId section, double before_m) {
-    stand(vehicle, section, before_m);
+    put_stopped(vehicle, section, before_m);
     return ask(vehicle, section, before_m);
   }
   void pass_time(SimDuration duration) {
@@ -93,11 +93,11 @@ TEST_F(ConvoyFixture, passes_the_crossing_together_without_giving_it_back_betwee
   EXPECT_EQ(convoy.crossings.size(), 2U);
   EXPECT_EQ(traffic.convoys(), 1U);
 
-  stand(0, east, -1.0);
+  put_stopped(0, east, -1.0);
   const auto response = ask(2, north, 0.0);
   EXPECT_FALSE(response.granted) << "although 2 asked first";
   EXPECT_EQ(response.blocked_by, 1U);
-  stand(1, east, -1.0);
+  put_stopped(1, east, -1.0);
   EXPECT_TRUE(ask(2, north, 0.0).granted) << "both are gone";
 }
 
@@ -110,7 +110,7 @@ TEST_F(ConvoyFixture, lets_cross_traffic_go_first_where_the_other_has_left_alrea
 TEST_F(ConvoyFixture, counts_all_that_come_behind) {
   begin(at_exit_m);
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
-  stand(3, east, 0.35);
+  put_stopped(3, east, 0.35);
   EXPECT_TRUE(may_join(1)) << "two save 2.5 s each, 2 loses it once";
 }
 
@@ -126,7 +126,7 @@ TEST_F(ConvoyFixture, goes_where_nobody_waits) {
   begin(half_way_m);
   EXPECT_TRUE(may_join(1));
   EXPECT_TRUE(may_join(1)) << "asking changes nothing";
-  stand(1, east, 0.8);
+  put_stopped(1, east, 0.8);
   EXPECT_FALSE(may_join(1, 0.8)) << "too far off to ask";
 }
 
@@ -161,9 +161,9 @@ TEST_F(ConvoyFixture, is_no_longer_than_three) {
   for (const VehicleIndex last : {1U, 3U}) {
     traffic.set_position(ahead, std::nullopt);
     give_leave(last);
-    stand(last, east, -half_way_m);
+    put_stopped(last, east, -half_way_m);
     const VehicleIndex next = last == 1U ? 3U : 4U;
-    stand(next, east, 0.0);
+    put_stopped(next, east, 0.0);
     EXPECT_EQ(may_join(next), next == 3U) << next;
     if (next == 3U) {
       EXPECT_EQ(join(next).size, 3U);
@@ -184,13 +184,13 @@ TEST_F(ConvoyFixture, counts_on_no_leave_that_one_of_the_convoy_has_not_got_yet)
   begin(at_exit_m);
   ASSERT_TRUE(may_join(1));
   join(1);
-  stand(0, east, -1.0);
-  stand(1, east, -0.45);
-  stand(3, east, 0.0);
+  put_stopped(0, east, -1.0);
+  put_stopped(1, east, -0.45);
+  put_stopped(3, east, 0.0);
   EXPECT_FALSE(may_join(3)) << "1 may come to stand at the exit, whatever 0 does";
   give_leave(1, 2);
   EXPECT_TRUE(may_join(3));
-  stand(0, east, -0.85);
+  put_stopped(0, east, -0.85);
   give_leave(0, 1);
   EXPECT_FALSE(may_join(3)) << "where 0 may stand for good there is no room for 1 and 3";
 }
@@ -198,9 +198,9 @@ TEST_F(ConvoyFixture, counts_on_no_leave_that_one_of_the_convoy_has_not_got_yet)
 TEST_F(ConvoyFixture, counts_where_its_eyes_make_the_leader_stand) {
   begin(half_way_m);
   give_leave(0, 2);  // 0.38 m beyond the exit
-  stand(5, east, -chain_m - 0.68);
+  put_stopped(5, east, -chain_m - 0.68);
   EXPECT_FALSE(may_join(1)) << "the base ends behind 5, but 0 stops a little earlier";
-  stand(5, east, -chain_m - 0.75);
+  put_stopped(5, east, -chain_m - 0.75);
   EXPECT_TRUE(may_join(1));
 }
 
@@ -214,23 +214,23 @@ TEST_F(ConvoyFixture, costs_nobody_more_than_may_be_lost_in_all) {
   join(1);
   traffic.set_position(0, std::nullopt);
   give_leave(1);
-  stand(1, east, -half_way_m);
-  stand(3, east, 0.0);
+  put_stopped(1, east, -half_way_m);
+  put_stopped(3, east, 0.0);
   EXPECT_FALSE(may_join(3)) << "as much again";
 }
 
 TEST_F(ConvoyFixture, is_broken_by_who_got_the_crossing_between) {
   begin(half_way_m);
-  stand(0, east, -0.65);  // out of the first crossing, in the second one still
+  put_stopped(0, east, -0.65);  // out of the first crossing, in the second one still
   ASSERT_TRUE(come_up(4, south, 0.0).granted);
   EXPECT_FALSE(may_join(1));
 }
 
 TEST_F(ConvoyFixture, is_none_behind_one_that_is_before_its_stop_line_still) {
   begin(half_way_m);
-  stand(1, east, 0.35);
+  put_stopped(1, east, 0.35);
   EXPECT_TRUE(may_join(1, 0.35));
-  stand(0, east, 0.01);
+  put_stopped(0, east, 0.01);
   EXPECT_FALSE(may_join(1, 0.35));
 }
 

@@ -18,7 +18,7 @@ constexpr double behind_m_max = 8.0;
 constexpr double past_m = 0.25;
 
 /// Nearer to its stop line than this it stands, or nearly so, and has to speed up.
-constexpr double standing_before_m = 0.10;
+constexpr double stopped_before_m = 0.10;
 
 bool ratios(const std::vector<CrossingIndex>& a, const std::vector<CrossingIndex>& b) {
   return std::ranges::any_of(a, [&](CrossingIndex x) { return std::ranges::find(b, x) != b.end(); });
@@ -140,7 +140,7 @@ void Traffic::forget(VehicleIndex vehicle) {
   withdraw(vehicle);
 }
 
-double Traffic::standing_m() const { return map_->zone().vehicle.length_m + rules_.gap_m; }
+double Traffic::stopped_m() const { return map_->zone().vehicle.length_m + rules_.gap_m; }
 
 void Traffic::update() {
   if (map_ == nullptr || !(positions_dirty_ || holds_dirty_)) return;
@@ -219,7 +219,7 @@ void Traffic::settle_holds() {
 }
 
 double Traffic::reach_m(VehicleIndex vehicle, double wanted_m) const {
-  return ahead_within(vehicle, wanted_m + standing_m()).distance_m - standing_m();
+  return ahead_within(vehicle, wanted_m + stopped_m()).distance_m - stopped_m();
 }
 
 bool Traffic::holds_all(VehicleIndex vehicle, double distance_m) {
@@ -241,7 +241,7 @@ bool Traffic::goes_before(const Request& a, const Request& b) const {
 
 double Traffic::run_s(double stop_m, double length_m) const {
   const zone::SpeedProfile& pace = map_->zone().profiles.medium;
-  const double speeding_up_s = stop_m < standing_before_m ? 0.5 * pace.speed_mps / pace.acceleration_mps2 : 0.0;
+  const double speeding_up_s = stop_m < stopped_before_m ? 0.5 * pace.speed_mps / pace.acceleration_mps2 : 0.0;
   return length_m / pace.speed_mps + speeding_up_s;
 }
 
@@ -306,11 +306,11 @@ Traffic::Response Traffic::request(VehicleIndex vehicle, double exit_m, double s
   // Somebody may stand in a crossing that a third one holds; it holds nothing, but it is there.
   for (VehicleIndex j = 0; j < vehicles_.size(); ++j) {
     if (j == vehicle || !ratios(vehicles_[j].needs, mine->crossings)) continue;
-    const bool stands_by =
-        stands_in_anothers(j) && std::ranges::all_of(vehicles_[j].needs, [&](CrossingIndex x) {
+    const bool is_stopped_beside =
+        is_in_others_crossing(j) && std::ranges::all_of(vehicles_[j].needs, [&](CrossingIndex x) {
           return holders_[x] == vehicle || std::ranges::find(mine->crossings, x) == mine->crossings.end();
         });
-    if (!stands_by && !only_follows(j, vehicle, mine->crossings)) return {false, first, j, WaitReason::crossing};
+    if (!is_stopped_beside && !only_follows(j, vehicle, mine->crossings)) return {false, first, j, WaitReason::crossing};
   }
   if (!mine->has_room) return {false, first, ahead.vehicle, WaitReason::ahead};
   for (const Request& other : queue_) {
@@ -333,7 +333,7 @@ Traffic::Response Traffic::request(VehicleIndex vehicle, double exit_m, double s
   return {true, first, no_vehicle, WaitReason::crossing};
 }
 
-bool Traffic::stands_in_anothers(VehicleIndex vehicle) const {
+bool Traffic::is_in_others_crossing(VehicleIndex vehicle) const {
   const Vehicle& self = vehicles_[vehicle];
   if (!self.position || base_left_m(vehicle, *self.position).value_or(0.0) > 0.0) return false;
   return std::ranges::any_of(self.needs, [&](CrossingIndex x) { return holders_[x] != vehicle; });

@@ -144,14 +144,14 @@ class Traffic {
   void withdraw(VehicleIndex vehicle);
   [[nodiscard]] bool requests(VehicleIndex vehicle, CrossingIndex crossing) const;
   /// It stands, without a base, in a crossing that somebody else holds, as may be after a switch of zones.
-  [[nodiscard]] bool stands_in_anothers(VehicleIndex vehicle) const;
+  [[nodiscard]] bool is_in_others_crossing(VehicleIndex vehicle) const;
 
   [[nodiscard]] VehicleIndex holder(CrossingIndex crossing) const { return holders_[crossing]; }
   /// Who waits for a crossing, in the order in which they will be served.
   [[nodiscard]] std::vector<VehicleIndex> waiting(CrossingIndex crossing) const;
   /// How often somebody joined one.
   [[nodiscard]] std::uint64_t convoys() const { return convoys_.count(); }
-  [[nodiscard]] double standing_m() const;  ///< a vehicle's length and the gap
+  [[nodiscard]] double stopped_m() const;  ///< a vehicle's length and the gap
 
   struct Request {
     VehicleIndex vehicle;

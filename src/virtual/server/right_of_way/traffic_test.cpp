@@ -27,7 +27,7 @@ class CloverTraffic : public testing::Test {
     return no_waypoint;
   }
   [[nodiscard]] double stop_s(zone::SectionId section) const { return map.waypoint(stop_on(section)).position.s_m; }
-  void stand_before(VehicleIndex vehicle, zone::SectionId section, double before_m = 0.0) {
+  void stop_before(VehicleIndex vehicle, zone::SectionId section, double before_m = 0.0) {
     traffic.set_position(vehicle, zone::TrackPosition{section, stop_s(section) - before_m});
     traffic.update();
   }
@@ -64,17 +64,17 @@ TEST_F(CloverTraffic, finds_two_crossings_behind_each_stop_line_and_takes_them_a
 }
 
 TEST_F(CloverTraffic, grants_a_free_chain_whole) {
-  stand_before(0, 0);
+  stop_before(0, 0);
   EXPECT_TRUE(ask(0, 0).granted);
   drive_to_exit(0, 0);
   EXPECT_EQ(held_by(0), 2U);
 }
 
 TEST_F(CloverTraffic, gives_nothing_when_one_crossing_of_the_chain_is_taken) {
-  stand_before(0, 0);
+  stop_before(0, 0);
   ASSERT_TRUE(ask(0, 0).granted);
   drive_to_exit(0, 0);
-  stand_before(1, 2);  // crosses the first straight and the third
+  stop_before(1, 2);  // crosses the first straight and the third
   const auto response = ask(1, 2);
   EXPECT_FALSE(response.granted);
   EXPECT_EQ(response.blocked_by, 0U);
@@ -82,22 +82,22 @@ TEST_F(CloverTraffic, gives_nothing_when_one_crossing_of_the_chain_is_taken) {
 }
 
 TEST_F(CloverTraffic, lets_opposite_straights_go_together) {
-  stand_before(0, 0);
-  stand_before(1, 4);
+  stop_before(0, 0);
+  stop_before(1, 4);
   EXPECT_TRUE(ask(0, 0).granted);
   drive_to_exit(0, 0);
   EXPECT_TRUE(ask(1, 4).granted);
 }
 
 TEST_F(CloverTraffic, takes_back_a_grant_that_no_base_followed) {
-  stand_before(0, 0);
+  stop_before(0, 0);
   ASSERT_TRUE(ask(0, 0).granted);
   traffic.update();
   EXPECT_EQ(held_by(0), 0U);
 }
 
 TEST_F(CloverTraffic, gives_a_crossing_back_as_soon_as_the_vehicle_reports_to_be_beyond_it) {
-  stand_before(0, 0);
+  stop_before(0, 0);
   ASSERT_TRUE(ask(0, 0).granted);
   drive_to_exit(0, 0);
   double first_span_end_m = 10.0;
@@ -117,7 +117,7 @@ TEST_F(CloverTraffic, gives_a_crossing_back_as_soon_as_the_vehicle_reports_to_be
 
 // Where it stops there is a crossing's exit; no vehicle stops to the last micrometre.
 TEST_F(CloverTraffic, counts_one_that_stopped_a_hair_before_its_exit_as_beyond_the_crossing) {
-  stand_before(0, 0);
+  stop_before(0, 0);
   ASSERT_TRUE(ask(0, 0).granted);
   drive_to_exit(0, 0);
   const double exit_s = map.waypoint(map.chain(stop_on(0)).exit).position.s_m;
@@ -127,7 +127,7 @@ TEST_F(CloverTraffic, counts_one_that_stopped_a_hair_before_its_exit_as_beyond_t
   traffic.set_position(0, zone::TrackPosition{0, exit_s - 0.009});
   traffic.update();
   EXPECT_EQ(held_by(0), 0U);
-  stand_before(1, 2);
+  stop_before(1, 2);
   EXPECT_TRUE(ask(1, 2).granted);
 }
 
@@ -139,12 +139,12 @@ class CloverTurns : public CloverTraffic {
     traffic = Traffic{rules};
     traffic.set_map(&map);
     traffic.resize(3);
-    stand_before(0, east);
+    stop_before(0, east);
     ASSERT_TRUE(ask(0, east).granted);
     drive_to_exit(0, east);
   }
   void refuse(VehicleIndex vehicle, zone::SectionId section, VehicleIndex because_of) {
-    stand_before(vehicle, section);
+    stop_before(vehicle, section);
     const auto response = ask(vehicle, section);
     EXPECT_FALSE(response.granted);
     EXPECT_EQ(response.blocked_by, because_of);
@@ -158,7 +158,7 @@ class CloverTurns : public CloverTraffic {
 TEST_F(CloverTurns, are_given_up_to_who_will_be_gone_before_they_can_be_taken) {
   begin();
   refuse(1, north, 0);
-  stand_before(2, west);
+  stop_before(2, west);
   EXPECT_TRUE(ask(2, west).granted) << "it is out of north's way when 0 is";
 }
 
@@ -168,14 +168,14 @@ TEST_F(CloverTurns, are_kept_where_that_would_cost_more_than_may_be_lost) {
   refuse(2, west, 1);  // south could begin 1.45 s before west is out of its way
   begin({.lost_s_max = 1.5});
   refuse(1, south, 0);
-  stand_before(2, west);
+  stop_before(2, west);
   EXPECT_TRUE(ask(2, west).granted);
 }
 
 TEST_F(CloverTurns, are_lost_for_so_long_in_all_however_many_there_are) {
   begin({.lost_s_max = 2.0});
   refuse(1, south, 0);
-  stand_before(2, west);
+  stop_before(2, west);
   ASSERT_TRUE(ask(2, west).granted);
   traffic.update();  // no base follows: it is as if it were gone, and the next there
   refuse(2, west, 1);
@@ -197,7 +197,7 @@ TEST_F(CloverTurns, are_kept_while_the_crossing_is_free) {
   begin();
   traffic.set_position(0, std::nullopt);
   traffic.update();
-  stand_before(2, west);
+  stop_before(2, west);
   ASSERT_TRUE(ask(2, west).granted);
   drive_to_exit(2, west);
   refuse(1, north, 2);
@@ -208,7 +208,7 @@ TEST_F(CloverTurns, are_kept_while_the_crossing_is_free) {
 }
 
 TEST_F(CloverTraffic, lets_one_go_on_that_stands_in_a_crossing_for_which_another_asked_before_it) {
-  stand_before(0, 2);
+  stop_before(0, 2);
   traffic.set_position(1, zone::TrackPosition{4, 0.6});
   traffic.update();
   traffic.set_time(SimTime{1s});
@@ -224,8 +224,8 @@ TEST_F(CloverTraffic, keeps_the_crossing_of_a_vehicle_that_stands_in_it_whatever
   traffic.set_position(0, zone::TrackPosition{0, 0.6});
   traffic.update();
   EXPECT_GE(held_by(0), 1U);
-  stand_before(1, 2);
-  stand_before(2, 6);
+  stop_before(1, 2);
+  stop_before(2, 6);
   EXPECT_FALSE(ask(1, 2).granted && ask(2, 6).granted);
 }
 
@@ -236,9 +236,9 @@ TEST_F(CloverTraffic, does_not_count_a_vehicle_that_stopped_a_centimetre_late_as
 }
 
 TEST_F(CloverTraffic, serves_the_first_request_first) {
-  stand_before(0, 0);
-  stand_before(1, 2);
-  stand_before(2, 4);
+  stop_before(0, 0);
+  stop_before(1, 2);
+  stop_before(2, 4);
   ASSERT_TRUE(ask(0, 0).granted);
   drive_to_exit(0, 0);
   EXPECT_FALSE(ask(1, 2).granted) << "1 asked before 2 and shares a crossing with it";
@@ -252,9 +252,9 @@ TEST_F(CloverTraffic, serves_the_first_request_first) {
 }
 
 TEST_F(CloverTraffic, serves_the_higher_priority_before_one_that_asked_earlier) {
-  stand_before(0, 0);
-  stand_before(1, 2);
-  stand_before(2, 4);
+  stop_before(0, 0);
+  stop_before(1, 2);
+  stop_before(2, 4);
   ASSERT_TRUE(ask(0, 0).granted);
   drive_to_exit(0, 0);
   EXPECT_FALSE(ask(1, 2).granted);
@@ -264,14 +264,14 @@ TEST_F(CloverTraffic, serves_the_higher_priority_before_one_that_asked_earlier) 
 }
 
 TEST_F(CloverTraffic, lets_nobody_overtake_one_that_has_waited_ten_seconds) {
-  stand_before(0, 0);
-  stand_before(1, 2);
+  stop_before(0, 0);
+  stop_before(1, 2);
   ASSERT_TRUE(ask(0, 0).granted);
   drive_to_exit(0, 0);
   traffic.set_time(virtual_epoch);
   EXPECT_FALSE(ask(1, 2).granted);
   traffic.set_time(virtual_epoch + 9s);
-  stand_before(2, 4, 0.3);
+  stop_before(2, 4, 0.3);
   ask(2, 4, 0.3);
   std::optional<CrossingIndex> both_want;
   for (CrossingIndex x = 0; x < map.crossing_count(); ++x)
@@ -290,7 +290,7 @@ TEST_F(CloverTraffic, lets_nobody_overtake_one_that_has_waited_ten_seconds) {
 TEST_F(CloverTraffic, starves_nobody_beside_a_stream_of_higher_priority) {
   traffic.set_priority(1, 999);
   traffic.set_priority(2, 999);
-  stand_before(0, 2);  // of no priority; 0 and 4 cross its way
+  stop_before(0, 2);  // of no priority; 0 and 4 cross its way
   SimTime now = virtual_epoch;
   SimDuration waited{};
   bool served = false;
@@ -299,7 +299,7 @@ TEST_F(CloverTraffic, starves_nobody_beside_a_stream_of_higher_priority) {
     const VehicleIndex other = 1 + static_cast<VehicleIndex>(turn % 2);
     const zone::SectionId from = turn % 2 == 0 ? 0U : 4U;
     traffic.set_time(now);
-    stand_before(other, from);
+    stop_before(other, from);
     const bool taken = ask(other, from).granted;
     if (taken) drive_to_exit(other, from);
     served = ask(0, 2).granted;
@@ -314,15 +314,15 @@ TEST_F(CloverTraffic, starves_nobody_beside_a_stream_of_higher_priority) {
 }
 
 TEST_F(CloverTraffic, lets_one_that_was_put_before_the_holder_go_first) {
-  stand_before(0, 0, 0.5);
+  stop_before(0, 0, 0.5);
   ASSERT_TRUE(ask(0, 0, 0.5).granted);
   drive_to_exit(0, 0);
   ASSERT_EQ(held_by(0), 2U);
-  stand_before(1, 0);  // a virtual AIV, added in its way
+  stop_before(1, 0);  // a virtual AIV, added in its way
   EXPECT_TRUE(ask(1, 0).granted) << "the holder can only follow it";
   drive_to_exit(1, 0);
   EXPECT_EQ(held_by(1), 2U);
-  stand_before(2, 2);
+  stop_before(2, 2);
   EXPECT_FALSE(ask(2, 2).granted);
   traffic.forget(1);
   traffic.update();
@@ -331,10 +331,10 @@ TEST_F(CloverTraffic, lets_one_that_was_put_before_the_holder_go_first) {
 
 TEST_F(CloverTraffic, does_not_let_one_go_before_a_holder_that_comes_to_the_crossing_first) {
   // On the ring everybody is somewhere ahead of everybody; but the way of 0 to 1 leads through what 1 asks for.
-  stand_before(0, 0);
+  stop_before(0, 0);
   ASSERT_TRUE(ask(0, 0).granted);
   drive_to_exit(0, 0);
-  stand_before(1, 2);
+  stop_before(1, 2);
   EXPECT_FALSE(ask(1, 2).granted);
 }
 
@@ -342,9 +342,9 @@ TEST_F(CloverTraffic, keeps_priorities_over_a_change_of_the_zone) {
   traffic.set_priority(2, 7);
   traffic.set_map(nullptr);
   traffic.set_map(&map);
-  stand_before(0, 0);
-  stand_before(1, 2);
-  stand_before(2, 4);
+  stop_before(0, 0);
+  stop_before(1, 2);
+  stop_before(2, 4);
   ASSERT_TRUE(ask(0, 0).granted);
   drive_to_exit(0, 0);
   EXPECT_FALSE(ask(1, 2).granted);
@@ -354,8 +354,8 @@ TEST_F(CloverTraffic, keeps_priorities_over_a_change_of_the_zone) {
 TEST_F(CloverTraffic, lets_others_by_while_there_is_no_room_beyond_and_keeps_the_turn) {
   // A vehicle stands just beyond the exit of the north-bound straight.
   traffic.set_position(2, zone::TrackPosition{2, 1.25});
-  stand_before(0, 2);
-  stand_before(1, 0);
+  stop_before(0, 2);
+  stop_before(1, 0);
   const auto no_room = ask(0, 2);
   EXPECT_FALSE(no_room.granted);
   EXPECT_EQ(no_room.blocked_by, 2U);
@@ -363,9 +363,9 @@ TEST_F(CloverTraffic, lets_others_by_while_there_is_no_room_beyond_and_keeps_the
 }
 
 TEST_F(CloverTraffic, forgets_a_request_that_is_withdrawn) {
-  stand_before(0, 0);
-  stand_before(1, 2);
-  stand_before(2, 4);
+  stop_before(0, 0);
+  stop_before(1, 2);
+  stop_before(2, 4);
   ASSERT_TRUE(ask(0, 0).granted);
   drive_to_exit(0, 0);
   EXPECT_FALSE(ask(1, 2).granted);
@@ -374,9 +374,9 @@ TEST_F(CloverTraffic, forgets_a_request_that_is_withdrawn) {
 }
 
 TEST_F(CloverTraffic, names_those_who_wait_in_order) {
-  stand_before(0, 0);
-  stand_before(1, 2);
-  stand_before(2, 6);
+  stop_before(0, 0);
+  stop_before(1, 2);
+  stop_before(2, 6);
   ASSERT_TRUE(ask(0, 0).granted);
   drive_to_exit(0, 0);
   (void)ask(2, 6);

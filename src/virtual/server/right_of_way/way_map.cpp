@@ -304,11 +304,11 @@ std::optional<WayMap::Through> WayMap::through(zone::TrackPosition track_positio
   return std::move(trails.front().way);
 }
 
-void WayMap::spans_on(zone::SectionId section, double from_m, double to_m, bool standing,
+void WayMap::spans_on(zone::SectionId section, double from_m, double to_m, bool stopped,
                       std::vector<CrossingIndex>& out) const {
   for (const Span& span : spans_[section]) {
     const bool met = span.from_m < to_m - 1e-6 && span.to_m > from_m;
-    const bool in = standing && span.from_m + entered_m < from_m + left_m && span.to_m > from_m;
+    const bool in = stopped && span.from_m + entered_m < from_m + left_m && span.to_m > from_m;
     if (met || in) add_once(out, span.crossing);
   }
 }

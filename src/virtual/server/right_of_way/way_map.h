@@ -130,7 +130,7 @@ class WayMap {
   void lay_stretches_from(WaypointIndex from);
   void finish(WaypointIndex from, Stretch& stretch) const;
   [[nodiscard]] bool is_default(WaypointIndex from, const Stretch& stretch) const;
-  void spans_on(zone::SectionId section, double from_m, double to_m, bool standing,
+  void spans_on(zone::SectionId section, double from_m, double to_m, bool stopped,
                 std::vector<CrossingIndex>& out) const;
   [[nodiscard]] WaypointIndex first_on(zone::SectionId section) const;
 
