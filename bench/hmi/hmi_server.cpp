@@ -86,13 +86,13 @@ class Fleet {
   [[nodiscard]] PositionRecord record(std::size_t i) const {
     const Vehicle& vehicle = vehicles_[i];
     const double left_m = scale_ * (vehicle.left_m + 0.02 * std::sin(time_s_ + vehicle.phase_rad));
-    const Pose2 way = circuit_.pose_at(vehicle.position);
+    const Pose2 X_MP = circuit_.pose_at(vehicle.position);
     PositionRecord record;
     record.handle = static_cast<std::uint16_t>(i);
     record.status = static_cast<std::uint8_t>(i % 6);
-    record.x_m = static_cast<float>(scale_ * way.x_m - std::sin(way.heading_rad) * left_m);
-    record.y_m = static_cast<float>(scale_ * way.y_m + std::cos(way.heading_rad) * left_m);
-    record.heading_rad = static_cast<float>(way.heading_rad);
+    record.x_m = static_cast<float>(scale_ * X_MP.x_m - std::sin(X_MP.heading_rad) * left_m);
+    record.y_m = static_cast<float>(scale_ * X_MP.y_m + std::cos(X_MP.heading_rad) * left_m);
+    record.heading_rad = static_cast<float>(X_MP.heading_rad);
     record.speed_mps = static_cast<float>(vehicle.speed_mps);
     record.reported_dx_m = -0.01F;
     return record;

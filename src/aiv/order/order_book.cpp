@@ -151,7 +151,7 @@ Result<OrderRoute> OrderBook::find_continuation(const wire::Order& order, std::s
   std::optional<Error> why;
   for (const zone::TrackPosition position : positions_like(stitch.position, order)) {
     const bool same = position == stitch.position;
-    auto way = same ? std::nullopt : router_.way(before, position, way_m + same_path_m);
+    auto way = same ? std::nullopt : router_.shortest_route(before, position, way_m + same_path_m);
     // Another place of the node, equally far along the base: that of another way out of it.
     if (!same && (!way || way->length_m < way_m - same_path_m)) continue;
     auto route = router_.route(order, position);
@@ -195,7 +195,7 @@ Result<double> OrderBook::way_from_first_node(const wire::OrderNode& node, const
   const double longest_m = router_.longest_m();
   const auto beyond_m = zone_.circuit.distance_ahead(
       route.first, now, std::min(longest_m, std::max(deviation_m, first_edge_m)), route.sections());
-  const auto before = router_.way(now, route.first, std::min(longest_m, deviation_m));
+  const auto before = router_.shortest_route(now, route.first, std::min(longest_m, deviation_m));
   if (before && (!beyond_m || before->length_m < *beyond_m)) return -before->length_m;
   if (beyond_m) return *beyond_m;
   return fail("noRouteError", named(node) + " is not where the vehicle is: neither on it within " +
@@ -218,7 +218,7 @@ bool OrderBook::relocate(zone::TrackPosition position) {
     travelled_m_ = last_node_path_m_ + *beyond_m;
     return true;
   }
-  if (const auto before = router_.way(position, last_node_position_, first_node_m)) {
+  if (const auto before = router_.shortest_route(position, last_node_position_, first_node_m)) {
     travelled_m_ = last_node_path_m_ - before->length_m;
     return true;
   }
@@ -247,7 +247,7 @@ zone::Course OrderBook::course_from(zone::TrackPosition here) const {
   if (at < sections.size()) return zone::Course{std::move(sections), at};
 
   // Before the first node, then, or nowhere near.
-  const auto way = router_.way(here, last_node_position_, std::fabs(since_m) + same_position_m);
+  const auto way = router_.shortest_route(here, last_node_position_, std::fabs(since_m) + same_position_m);
   if (!way) return zone::Course{{here.section}};
   std::vector<zone::SectionId> all = way->sections;
   all.insert(all.end(), sections.begin() + 1, sections.end());

@@ -28,7 +28,7 @@ struct Reached {
   zone::TrackPosition track_position;
   double path_m;
   std::size_t before;  ///< which of the node before
-  zone::Circuit::Way way;
+  zone::Circuit::Way found;
 };
 
 /// Best of the ways to one place from the places of the node before. Equally long ones: that which passed the node
@@ -36,13 +36,13 @@ struct Reached {
 std::optional<Reached> best_way_to(zone::TrackPosition track_position, const std::vector<Reached>& before, const OrderRouter& router) {
   std::optional<Reached> best;
   for (std::size_t i = 0; i < before.size(); ++i) {
-    auto way = router.way(before[i].position, track_position);
-    if (!way) continue;
-    const double path_m = before[i].path_m + way->length_m;
+    auto found = router.shortest_route(before[i].position, track_position);
+    if (!found) continue;
+    const double path_m = before[i].path_m + found->length_m;
     const double ahead_m = best ? best->path_m - path_m : 1.0;
     const bool earlier = best && before[i].path_m < before[best->before].path_m;
     if (ahead_m > lap_rounding_m || (ahead_m > -lap_rounding_m && earlier))
-      best = Reached{track_position, path_m, i, std::move(*way)};
+      best = Reached{track_position, path_m, i, std::move(*found)};
   }
   return best;
 }
@@ -140,15 +140,15 @@ Result<OrderRoute> OrderRouter::route(const wire::Order& order, zone::TrackPosit
   auto at = static_cast<std::size_t>(std::ranges::min_element(last, {}, &Reached::path_m) - last.begin());
   for (std::size_t i = order.nodes.size() - 1; i > 0; --i) {
     Reached& node = reached[i][at];
-    auto& via = node.way.sections;
+    auto& via = node.route.sections;
     if (!via.empty()) via.erase(via.begin());
-    route.legs[i - 1] = {node.position, node.way.length_m, std::move(via)};
+    route.legs[i - 1] = {node.position, node.route.length_m, std::move(via)};
     at = node.before;
   }
   return route;
 }
 
-std::optional<zone::Circuit::Way> OrderRouter::way(zone::TrackPosition from, zone::TrackPosition to, double limit_m) const {
+std::optional<zone::Circuit::Way> OrderRouter::shortest_route(zone::TrackPosition from, zone::TrackPosition to, double limit_m) const {
   if (!one_way_) return zone_.circuit.shortest_way(from, to, limit_m);
   const auto length_m = zone_.circuit.distance_ahead(from, to, limit_m);
   return length_m ? std::optional{zone::Circuit::Way{*length_m, {}}} : std::nullopt;

@@ -35,7 +35,7 @@ class Search {
   /// Looks on until a section of `wanted` is reached: that section, or no_section.
   SectionId run(SectionId from, const std::vector<bool>& wanted);
   /// The sections after the one it began with, up to `to`.
-  [[nodiscard]] std::vector<SectionId> way(SectionId to) const;
+  [[nodiscard]] std::vector<SectionId> route_to(SectionId to) const;
   [[nodiscard]] std::size_t reached_count() const { return count_; }
   [[nodiscard]] SectionId farthest() const { return farthest_; }
 
@@ -86,7 +86,7 @@ SectionId Search::run(SectionId from, const std::vector<bool>& wanted) {
   return no_section;
 }
 
-std::vector<SectionId> Search::way(SectionId to) const {
+std::vector<SectionId> Search::route_to(SectionId to) const {
   std::vector<SectionId> back;
   for (SectionId id = to; id != no_section; id = reached_[id].via) back.push_back(id);
   std::reverse(back.begin(), back.end());
@@ -108,7 +108,7 @@ Error no_way(const Router& router, const Circuit& circuit, SectionId from, const
   if (found != no_section) {
     // Open it all, and see what the quickest way would have come through.
     std::string names;
-    for (const SectionId id : all.way(found)) {
+    for (const SectionId id : all.route_to(found)) {
       if (closed[id]) names.append(names.empty() ? "" : ", ").append(quoted(circuit, id));
     }
     return {"route.none",
@@ -178,7 +178,7 @@ Result<Route> Router::plan(TrackPosition from, TrackPosition goal, std::span<con
   if (search.run(from.section, wanted) == no_section) {
     return tl::unexpected(no_way(*this, circuit, from.section, wanted, closed_flags, quoted(circuit, goal.section)));
   }
-  std::vector<SectionId> sections = search.way(goal.section);
+  std::vector<SectionId> sections = search.route_to(goal.section);
   sections.insert(sections.begin(), from.section);
   return measured(*this, circuit, std::move(sections), from.s_m, goal.s_m);
 }
@@ -198,8 +198,8 @@ Result<Route> Router::plan(TrackPosition from, const Loop& loop, std::span<const
     Search search{*this, circuit, closed_flags};
     const SectionId at = search.run(sections.back(), wanted);
     if (at == no_section) return tl::unexpected(no_way(*this, circuit, sections.back(), wanted, closed_flags, what));
-    const auto way = search.way(at);
-    sections.insert(sections.end(), way.begin(), way.end());
+    const auto found = search.route_to(at);
+    sections.insert(sections.end(), found.begin(), found.end());
     return at;
   };
 

@@ -264,14 +264,14 @@ std::optional<WayMap::Through> WayMap::through(zone::TrackPosition track_positio
   // Which of an id's waypoints is meant shows only at the next one: all of them are followed.
   struct Trail {
     WaypointIndex at;
-    Through way;
+    Through start;
   };
   constexpr std::size_t trails_max = 64;
   std::vector<Trail> trails;
   const auto record_end = [&](Trail& trail, std::size_t reached) {
     if (reached != released) return;
-    trail.way.end = trail.at;
-    trail.way.to_end = trail.way.sections.size();
+    trail.through.end = trail.at;
+    trail.through.to_end = trail.through.sections.size();
   };
   for (std::size_t i = 0; i < ids.size(); ++i) {
     std::vector<Trail> on;
@@ -280,15 +280,15 @@ std::optional<WayMap::Through> WayMap::through(zone::TrackPosition track_positio
         const zone::TrackPosition there = waypoint(first).position;
         if (zone_->circuit.shortest_way(there, track_position, overshoot_m))
           on.push_back({first, {{track_position.section}, no_waypoint, 0}});
-        else if (auto way = zone_->circuit.shortest_way(track_position, there, longest_m_ + overshoot_m))
-          on.push_back({first, {std::move(way->sections), no_waypoint, 0}});
+        else if (auto start = zone_->circuit.shortest_way(track_position, there, longest_m_ + overshoot_m))
+          on.push_back({first, {std::move(start->sections), no_waypoint, 0}});
       }
     }
     for (const Trail& trail : trails) {
       for (const Stretch& stretch : stretches(trail.at)) {
         if (waypoint(stretch.to).id != ids[i] || on.size() >= trails_max) continue;
-        Trail further{stretch.to, trail.way};
-        further.way.sections.insert(further.way.sections.end(), stretch.sections.begin(), stretch.sections.end());
+        Trail further{stretch.to, trail.through};
+        further.through.sections.insert(further.through.sections.end(), stretch.sections.begin(), stretch.sections.end());
         on.push_back(std::move(further));
       }
     }
@@ -301,7 +301,7 @@ std::optional<WayMap::Through> WayMap::through(zone::TrackPosition track_positio
     trails = std::move(on);
   }
   if (trails.empty()) return std::nullopt;
-  return std::move(trails.front().way);
+  return std::move(trails.front().through);
 }
 
 void WayMap::spans_on(zone::SectionId section, double from_m, double to_m, bool stopped,
