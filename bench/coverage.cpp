@@ -23,7 +23,7 @@ using experiments::RunMetrics;
 class Laboratory {
  public:
   Laboratory() {
-    simulation_.way_m = 20.0;
+    simulation_.distance_m = 20.0;
     simulation_.odometry_hz = 11.0;
     simulation_.turns = false;
   }

@@ -21,17 +21,17 @@ double processor_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC
 int main(int argc, char** argv) {
   CLI::App app{"Times the qualification of position estimators"};
   std::size_t runs = 1000;
-  double way_m = 100.0;
+  double distance_m = 100.0;
   double rate_hz = 20.0;
   std::string algorithm = "arc_kalman";
   app.add_option("--runs", runs);
-  app.add_option("--way", way_m);
+  app.add_option("--way", distance_m);
   app.add_option("--rate", rate_hz, "odometry per second, at 0.5 m/s");
   app.add_option("--algorithm", algorithm);
   CLI11_PARSE(app, argc, argv);
 
   experiments::Simulation simulation{fixture::lacet4_track()};
-  simulation.way_m = way_m;
+  simulation.distance_m = distance_m;
   simulation.odometry_hz = rate_hz;
   simulation.turns = !algorithm.starts_with("arc");
   const estimation::Registry registry;
@@ -54,7 +54,7 @@ int main(int argc, char** argv) {
   const double took_s = processor_s() - start_s;
   if (!result || result->algorithms[0].failed) return 1;
   const experiments::Qualified& one = result->algorithms[0];
-  std::printf("%zu runs of %.0f m, odometry at %.0f Hz, %s: %.3f s of one core\n", runs, way_m, rate_hz,
+  std::printf("%zu runs of %.0f m, odometry at %.0f Hz, %s: %.3f s of one core\n", runs, distance_m, rate_hz,
               algorithm.c_str(), took_s);
   std::printf("rmse %.3f mm, limit %.3f mm, digest %s\n", 1e3 * one.rmse_m.value, 1e3 * one.limit_m.value_or(0.0),
               result->digest.hex().c_str());

@@ -113,7 +113,7 @@ bool any_matches(const std::vector<std::string>& filters, std::string_view topic
 bool qualification(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
   experiments::LiveRunsOptions options;
   options.vehicles = vehicles(1);
-  options.way_m = 3.0;
+  options.distance_m = 3.0;
   options.algorithms = {"arc_kalman", "dead_reckoning"};
   options.name = "golden";
   experiments::LiveRuns runs{options};

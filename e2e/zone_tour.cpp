@@ -97,10 +97,10 @@ class Tour {
     const auto position = world_->plant().vehicles().front().position;
     if (!position) return;
     if (begun_) {
-      const auto way = zone_.circuit.shortest_way(here_, *position, 1.0);
+      const auto route = zone_.circuit.shortest_route(here_, *position, 1.0);
       // Driven is what it has left at its end, or come to the last waypoint of.
-      if (way)
-        for (const zone::SectionId id : way->sections) driven_[id] = driven_[id] || id != position->section;
+      if (route)
+        for (const zone::SectionId id : route->sections) driven_[id] = driven_[id] || id != position->section;
     }
     begun_ = true;
     here_ = *position;
@@ -122,9 +122,9 @@ class Tour {
     std::optional<Goal> best;
     for (zone::SectionId id = 0; id < zone_.circuit.size(); ++id) {
       if (driven_[id] || tried(id) >= tries_max) continue;
-      const auto way = router_.plan(here_, {id, zone_.circuit.section(id).length_m()});
-      if (!way || (best && way->length_m >= best->length_m)) continue;
-      if (auto goal = goal_for(id, way->length_m)) best = std::move(goal);
+      const auto route = router_.plan(here_, {id, zone_.circuit.section(id).length_m()});
+      if (!route || (best && route->length_m >= best->length_m)) continue;
+      if (auto goal = goal_for(id, route->length_m)) best = std::move(goal);
     }
     return best;
   }

@@ -16,9 +16,9 @@ using estimation::Algorithm;
 using estimation::Setting;
 
 /// Goes half-way to where a reading puts it.
-class HalfWay final : public Algorithm {
+class Halfway final : public Algorithm {
  public:
-  explicit HalfWay(const Setting& setting)
+  explicit Halfway(const Setting& setting)
       : pose_{setting.start}, variance_m2_{setting.start_sigma_m * setting.start_sigma_m}, sensors_{setting.sensors} {}
 
   void predict(const estimation::Odometry& odometry) override {
@@ -57,7 +57,7 @@ std::shared_ptr<const estimation::Track> circle() {
 int main() {
   estimation::Registry registry;
   const auto added = registry.add({"half_way", "goes half-way to every reading", false, false,
-                                   [](const Setting& setting) { return std::make_unique<HalfWay>(setting); }});
+                                   [](const Setting& setting) { return std::make_unique<Halfway>(setting); }});
   if (!added) return 1;
 
   std::vector<experiments::Candidate> candidates;
@@ -66,7 +66,7 @@ int main() {
     candidates.push_back({name, "", false, make});
   }
   experiments::Simulation simulation{circle()};
-  simulation.way_m = 30.0;
+  simulation.distance_m = 30.0;
   simulation.odometry_hz = 20.0;
   const auto source = [&](std::size_t index, experiments::Trial& room) -> Result<const experiments::Trial*> {
     experiments::simulate(simulation, index + 1, room);

@@ -150,9 +150,9 @@ TEST_F(UnixPorts, leftover_of_a_killed_process_is_replaced_but_a_living_one_is_n
 
 TEST_F(UnixPorts, what_cannot_be_a_socket_is_an_error_with_its_path) {
   const std::string file = scratch.write("1-PILS.sock", "someone's file");
-  const auto in_the_way = listen_unix_ports(loop, scratch.path(), {"1/PILS"}, boards.handlers());
-  ASSERT_FALSE(in_the_way);
-  EXPECT_EQ(in_the_way.error().location, file);
+  const auto is_obstructing = listen_unix_ports(loop, scratch.path(), {"1/PILS"}, boards.handlers());
+  ASSERT_FALSE(is_obstructing);
+  EXPECT_EQ(is_obstructing.error().location, file);
   EXPECT_TRUE(std::filesystem::exists(file));
 
   const auto too_long = connect_unix_ports(loop, "/" + std::string(120, 'd'), {"1/PILS"}, vehicle.handlers());

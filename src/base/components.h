@@ -44,11 +44,11 @@ class StrongComponents {
   template <class Next>
   void visit_from(std::uint32_t root, const Next& next) {
     come_to(root);
-    while (!way_.empty()) {
-      const auto [v, at] = way_.back();
+    while (!trail_.empty()) {
+      const auto [v, at] = trail_.back();
       const auto& edges = next(v);
       if (at < std::size(edges)) {
-        ++way_.back().second;
+        ++trail_.back().second;
         const std::uint32_t to = edges[at];
         if (visits_[to].order == 0)
           come_to(to);
@@ -56,9 +56,9 @@ class StrongComponents {
           visits_[v].low = std::min(visits_[v].low, visits_[to].order);
         continue;
       }
-      way_.pop_back();
-      if (!way_.empty()) {
-        Visit& from = visits_[way_.back().first];
+      trail_.pop_back();
+      if (!trail_.empty()) {
+        Visit& from = visits_[trail_.back().first];
         from.low = std::min(from.low, visits_[v].low);
       }
       if (visits_[v].low == visits_[v].order) close(v);
@@ -69,7 +69,7 @@ class StrongComponents {
     ++visited_;
     visits_[v] = {visited_, visited_, true};
     open_.push_back(v);
-    way_.emplace_back(v, 0);
+    trail_.emplace_back(v, 0);
   }
 
   void close(std::uint32_t root) {
@@ -87,7 +87,7 @@ class StrongComponents {
 
   std::vector<Visit> visits_;
   std::vector<std::uint32_t> open_;                         ///< come to, and not in a component yet
-  std::vector<std::pair<std::uint32_t, std::size_t>> way_;  ///< the search's own stack: at whom, at which edge
+  std::vector<std::pair<std::uint32_t, std::size_t>> trail_;  ///< the search's own stack: at whom, at which edge
   std::vector<std::uint32_t> component_;
   std::vector<std::uint32_t> members_;  ///< of all components, one after another
   std::vector<std::size_t> first_{0};   ///< of each component, and one behind the last

@@ -42,7 +42,7 @@ class RandomRules {
     }
     return text;
   }
-  std::string pair_either_way() {
+  std::string pair_in_either_order() {
     const double at = random_.uniform(0.0, 80.0);
     const double by = random_.uniform(5.0, 40.0) * (random_.chance(0.5) ? 1.0 : -1.0);
     return " " + std::to_string(at) + " " + std::to_string(at + by);
@@ -53,7 +53,7 @@ class RandomRules {
       case 0: return "Triangle" + corners(3);
       case 1: return "Trapezoid" + corners(4);
       case 2: return "Rectangle" + corners(2);
-      case 3: return "Ramp" + pair_either_way();
+      case 3: return "Ramp" + pair_in_either_order();
       case 4: return "ZShape" + corners(2);
       case 5: return "SShape" + corners(2);
       case 6: return "PiShape" + corners(4);
@@ -63,7 +63,7 @@ class RandomRules {
         return "Bell " + number(0.0, 100.0) + " " + number(5.0, 40.0) + " " + std::to_string(1 + random_.below(4));
       case 10: return "Bell " + number(0.0, 100.0) + " " + number(5.0, 40.0) + " " + number(0.6, 4.0);
       case 11: return "Spike " + number(0.0, 100.0) + " " + number(20.0, 200.0);
-      case 12: return "Concave" + pair_either_way();
+      case 12: return "Concave" + pair_in_either_order();
       case 13: return "Cosine " + number(0.0, 100.0) + " " + number(10.0, 100.0);
       case 14: return "Triangle -inf " + number(0.0, 50.0) + " " + number(60.0, 100.0);
       case 15: return "Trapezoid " + number(0.0, 30.0) + " " + number(40.0, 60.0) + " 70.0 inf";

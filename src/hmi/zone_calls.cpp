@@ -84,9 +84,9 @@ Result<void> give_edit(CallContext& context, const JsonValue& changes) {
   return context.give(json.take());
 }
 
-HttpResponse step_zone(CallContext& context, std::string_view way) {
+HttpResponse step_zone(CallContext& context, std::string_view direction) {
   JsonWriter json;
-  json.begin_object().field("command", way).end_object();
+  json.begin_object().field("command", direction).end_object();
   if (auto given = context.give(json.take()); !given) return refusal(given.error());
   return json_response(revision_json(context.host().core->zone_revision()));
 }

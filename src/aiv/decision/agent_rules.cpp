@@ -54,7 +54,7 @@ Result<std::vector<AgentInput>> known_inputs(const fuzzy::Engine& engine, std::s
 
 const AgentInputInfo& metadata_of(AgentInput input) { return all_metadata[static_cast<std::size_t>(input)]; }
 
-AgentInputs free_way_inputs() {
+AgentInputs free_path_inputs() {
   AgentInputs inputs{};
   for (std::size_t i = 0; i < agent_input_count; ++i) inputs[i] = all_metadata[i].free;
   return inputs;
@@ -73,8 +73,8 @@ AgentInputs inputs_of(const Situation& situation, const zone::SpeedProfiles& pro
   return {situation.imposed ? static_cast<double>(*situation.imposed) : no_instruction,
           plain::gap_input(situation.obstacle_ahead_m, braking_m),
           plain::closing_input(closing_mps, profiles.medium.speed_mps),
-          plain::way_input(situation.end_of_base_m, braking_m),
-          plain::way_input(situation.crossing_ahead_m, braking_m),
+          plain::path_input(situation.end_of_base_m, braking_m),
+          plain::path_input(situation.crossing_ahead_m, braking_m),
           situation.crossing_margin_s,
           situation.crossing_priority,
           100.0 * situation.charge};

@@ -30,7 +30,7 @@ struct AgentInputInfo {
 /// One number per AgentInput, as the rules count it.
 using AgentInputs = std::array<double, agent_input_count>;
 /// A free way, fully charged, no instruction, nobody else near.
-[[nodiscard]] AgentInputs free_way_inputs();
+[[nodiscard]] AgentInputs free_path_inputs();
 /// What the rules are asked in this situation. Ways count in braking distances of the medium profile: a figure that did
 /// not change with its own effect.
 [[nodiscard]] AgentInputs inputs_of(const Situation& situation, const zone::SpeedProfiles& profiles);

@@ -21,7 +21,7 @@ constexpr double nothing = std::numeric_limits<double>::infinity();
 // As zones/lacet4.toml has them.
 constexpr zone::SpeedProfiles profiles{{0.15, 0.3, 0.6}, {0.40, 0.5, 0.8}, {0.50, 0.8, 1.0}};
 
-Situation free_way() {
+Situation free_path() {
   return {.speed_mps = 0.3,
           .obstacle_ahead_m = nothing,
           .end_of_base_m = 1.2,
@@ -38,7 +38,7 @@ Profile choice(const Situation& situation) { return decision(situation).profile;
 /// Anything that an agent may come into.
 Situation any_situation() {
   const auto number = [](double low, double high) { return low + (high - low) * 1e-4 * *rc::gen::inRange(0, 10'001); };
-  Situation situation = free_way();
+  Situation situation = free_path();
   situation.speed_mps = number(0.0, 0.5);
   if (*rc::gen::arbitrary<bool>()) situation.obstacle_ahead_m = number(0.0, 2.0);
   situation.end_of_base_m = number(-0.1, 3.0);
@@ -52,30 +52,30 @@ Situation any_situation() {
   return situation;
 }
 
-TEST(FuzzyChoice, is_medium_on_a_free_way) { EXPECT_EQ(choice(free_way()), Profile::medium); }
+TEST(FuzzyChoice, is_medium_on_a_free_path) { EXPECT_EQ(choice(free_path()), Profile::medium); }
 
 TEST(FuzzyChoice, an_AIV_close_behind_a_slower_one_goes_slower) {
-  Situation situation = free_way();
+  Situation situation = free_path();
   situation.obstacle_ahead_m = 0.25;
   situation.closing_mps = 0.1;
   EXPECT_EQ(choice(situation), Profile::slow);
 }
 
 TEST(FuzzyChoice, an_AIV_close_behind_one_that_pulls_away_keeps_its_speed) {
-  Situation situation = free_way();
+  Situation situation = free_path();
   situation.obstacle_ahead_m = 0.25;
   situation.closing_mps = -0.2;
   EXPECT_EQ(choice(situation), Profile::medium);
 }
 
 TEST(FuzzyChoice, what_is_not_known_to_move_counts_as_standing) {
-  Situation situation = free_way();
+  Situation situation = free_path();
   situation.obstacle_ahead_m = 0.25;
   EXPECT_EQ(choice(situation), Profile::slow);
 }
 
 TEST(FuzzyChoice, obeys_the_operator_where_nothing_speaks_against_it) {
-  Situation situation = free_way();
+  Situation situation = free_path();
   for (const Profile imposed : {Profile::stop, Profile::slow, Profile::medium, Profile::fast}) {
     situation.imposed = imposed;
     EXPECT_EQ(choice(situation), imposed);
@@ -83,18 +83,18 @@ TEST(FuzzyChoice, obeys_the_operator_where_nothing_speaks_against_it) {
 }
 
 TEST(FuzzyChoice, hurries_for_an_operator_neither_into_another_one_nor_towards_the_end_of_its_base) {
-  Situation situation = free_way();
+  Situation situation = free_path();
   situation.imposed = Profile::fast;
   situation.obstacle_ahead_m = 0.2;
   EXPECT_EQ(choice(situation), Profile::slow);
-  situation = free_way();
+  situation = free_path();
   situation.imposed = Profile::fast;
   situation.end_of_base_m = 0.15;
   EXPECT_EQ(choice(situation), Profile::medium);
 }
 
 TEST(FuzzyChoice, is_slow_with_a_low_battery) {
-  Situation situation = free_way();
+  Situation situation = free_path();
   situation.charge = 0.05;
   EXPECT_EQ(choice(situation), Profile::slow);
 }
@@ -153,7 +153,7 @@ TEST(FuzzyChoice, without_an_instruction_and_a_rival_at_a_crossing_is_never_slow
 }
 
 TEST(FuzzyChoice, does_not_change_its_mind_with_every_echo) {
-  Situation situation = free_way();
+  Situation situation = free_path();
   situation.obstacle_ahead_m = 0.28;  // between slow and medium
   situation.present = choice(situation);
   for (int i = 0; i < 100; ++i) {
@@ -163,7 +163,7 @@ TEST(FuzzyChoice, does_not_change_its_mind_with_every_echo) {
 }
 
 TEST(FuzzyChoice, at_a_crossing_goes_with_ample_time_and_gives_way_when_late) {
-  Situation situation = free_way();
+  Situation situation = free_path();
   situation.crossing_ahead_m = 0.2;
   EXPECT_TRUE(decision(situation).goes());
   situation.crossing_margin_s = 5.0;
@@ -174,7 +174,7 @@ TEST(FuzzyChoice, at_a_crossing_goes_with_ample_time_and_gives_way_when_late) {
 }
 
 TEST(FuzzyChoice, at_a_crossing_lets_priority_decide_when_it_is_tight) {
-  Situation situation = free_way();
+  Situation situation = free_path();
   situation.crossing_ahead_m = 0.2;
   situation.crossing_margin_s = 0.0;
   situation.crossing_priority = 1.0;
@@ -187,7 +187,7 @@ TEST(FuzzyChoice, at_a_crossing_lets_priority_decide_when_it_is_tight) {
 
 TEST(FuzzyChoice, of_two_who_see_each_other_the_same_way_never_sends_both_first) {
   EXPECT_TRUE(rc::check([] {
-    Situation mine = free_way();
+    Situation mine = free_path();
     mine.crossing_ahead_m = 0.01 * *rc::gen::inRange(0, 30);
     mine.crossing_margin_s = 0.01 * *rc::gen::inRange(-300, 301);
     mine.crossing_priority = *rc::gen::element(-1.0, 0.0, 1.0);
@@ -202,7 +202,7 @@ TEST(FuzzyChoice, of_two_who_see_each_other_the_same_way_never_sends_both_first)
 // ----------------------------------------------------------
 
 struct Drive {
-  double way_m{};
+  double distance_m{};
   int changes{};  ///< of profile
   double nearest_m{1e9};
 };
@@ -215,9 +215,9 @@ Drive drive(const SpeedPolicy& speed_policy, double body_mps) {
   double body_m = 3.0;
   std::optional<Profile> present;
   for (int i = 0; i < 1000; ++i) {
-    Situation situation = free_way();
+    Situation situation = free_path();
     situation.speed_mps = speed_mps;
-    situation.obstacle_ahead_m = body_m - drive.way_m;
+    situation.obstacle_ahead_m = body_m - drive.distance_m;
     situation.closing_mps = speed_mps - body_mps;
     situation.present = present;
     const Profile profile = speed_policy.choose(situation);
@@ -227,9 +227,9 @@ Drive drive(const SpeedPolicy& speed_policy, double body_mps) {
     const double wanted_mps = std::min(target_speed.speed_mps, stoppable_speed(situation.obstacle_ahead_m - clearance_m,
                                                                                target_speed.braking_mps2, 0.15));
     speed_mps = std::clamp(wanted_mps, speed_mps - 0.8 * dt_s, speed_mps + target_speed.acceleration_mps2 * dt_s);
-    drive.way_m += speed_mps * dt_s;
+    drive.distance_m += speed_mps * dt_s;
     body_m += body_mps * dt_s;
-    drive.nearest_m = std::min(drive.nearest_m, body_m - drive.way_m);
+    drive.nearest_m = std::min(drive.nearest_m, body_m - drive.distance_m);
   }
   return drive;
 }
@@ -239,7 +239,7 @@ TEST(FuzzyDrive, comes_as_far_as_the_crisp_one_with_no_more_changes_of_profile) 
   for (const double body_mps : {0.0, 0.05, 0.1, 0.2, 0.3}) {
     const Drive own = drive(fuzzy, body_mps);
     const Drive crisp = drive(CrispSpeedPolicy{}, body_mps);
-    EXPECT_GE(own.way_m, crisp.way_m - 1e-3) << body_mps;
+    EXPECT_GE(own.distance_m, crisp.distance_m - 1e-3) << body_mps;
     EXPECT_LE(own.changes, crisp.changes) << body_mps;
     EXPECT_GE(own.nearest_m, 0.5 * clearance_m) << body_mps;
   }
@@ -267,10 +267,10 @@ TEST(AgentRules, may_leave_out_what_they_do_not_ask_for) {
       "  rule: if gap is near then pace is slow\n  rule: if gap is far then pace is fast\n",
       "my.fll");
   ASSERT_TRUE(rules) << to_string(rules.error());
-  EXPECT_EQ((*rules)->decide(free_way_inputs()).profile, Profile::fast);
-  EXPECT_TRUE((*rules)->decide(free_way_inputs()).goes());
+  EXPECT_EQ((*rules)->decide(free_path_inputs()).profile, Profile::fast);
+  EXPECT_TRUE((*rules)->decide(free_path_inputs()).goes());
   // Rules that ask for no instruction do not set one aside.
-  Situation situation = free_way();
+  Situation situation = free_path();
   situation.imposed = Profile::slow;
   EXPECT_EQ(FuzzySpeedPolicy(*rules, profiles).choose(situation), Profile::slow);
 }

@@ -19,8 +19,8 @@ constexpr double rounding_m = 0.005;
 std::uint8_t choose_branch(const zone::Circuit& circuit, const PositionEstimator& position, const OrderBook& order) {
   if (!position.known()) return wire::no_branch;
   const auto number = [&](zone::SectionId from, zone::SectionId to) {
-    const auto ways = circuit.next(from);
-    const auto index = std::ranges::find(ways, to) - ways.begin();
+    const auto branches = circuit.next(from);
+    const auto index = std::ranges::find(branches, to) - branches.begin();
     return static_cast<std::uint8_t>(std::min<std::ptrdiff_t>(index, wire::no_branch - 1));
   };
 

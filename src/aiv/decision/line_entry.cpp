@@ -94,7 +94,7 @@ void EntrySweep::take(const LineEntry& entry) {
   entry_ = entry;
   const Pose2 X_SG = inverse(entry.from) * entry.to;
   const double behind_rad = pi - std::fabs(det_atan2(X_SG.y_m, X_SG.x_m));
-  turns_any_way_ = norm(X_SG.x_m, X_SG.y_m) < unsure_m || behind_rad < unsure_rad;
+  turns_either_direction_ = norm(X_SG.x_m, X_SG.y_m) < unsure_m || behind_rad < unsure_rad;
   constexpr double step_s = 0.05;
   constexpr double speed_mps = 0.15;
   poses_.clear();
@@ -105,7 +105,7 @@ void EntrySweep::take(const LineEntry& entry) {
 
 void EntrySweep::take_rest(const LineEntry& entry, const Pose2& X_OB) {
   take(entry);
-  turns_any_way_ = false;
+  turns_either_direction_ = false;
   const Pose2 X_MB = entry.from * X_OB;
   constexpr double m_per_rad = 0.1;  // a corner's
   const auto off_m = [&](const Pose2& X_MS) {
@@ -118,7 +118,7 @@ bool EntrySweep::near_body(const Pose2& X_MB, double clear_m) const {
   const double far_m = 2.0 * swept_m(shape_) + clear_m;
   if (distance_between(middles(entry_), {position(X_MB), position(X_MB)}) >= far_m) return false;
   const Box other = box(X_MB, shape_, 0.0);
-  if (turns_any_way_ && touched_turning(position(entry_.from), shape_, other, clear_m)) return true;
+  if (turns_either_direction_ && touched_turning(position(entry_.from), shape_, other, clear_m)) return true;
   return std::ranges::any_of(poses_, [&](const Pose2& X_MS) { return touch(box(X_MS, shape_, clear_m), other); });
 }
 

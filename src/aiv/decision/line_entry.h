@@ -41,7 +41,7 @@ class EntrySweep {
  private:
   zone::VehicleShape shape_;
   LineEntry entry_;
-  bool turns_any_way_{false};
+  bool turns_either_direction_{false};
   std::vector<Pose2> poses_;  ///< kept to spare allocations
 };
 

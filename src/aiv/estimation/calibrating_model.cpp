@@ -56,8 +56,8 @@ Motion motion_of(const SensorModel& sensors, const State::Vector& about, const O
 
   const StepCourse course = course_of(truly);
   const SinCos centre = sincos(about(State::heading) + 0.5 * truly.turn_rad + course.aside_rad);
-  const double d = course.way_m;
-  const double counted_m = course_of(odometry).way_m;
+  const double d = course.distance_m;
+  const double counted_m = course_of(odometry).distance_m;
   State::Matrix& f = motion.slope;
   f(State::x, State::heading) = -dy;
   f(State::y, State::heading) = dx;

@@ -79,16 +79,16 @@ Matrix3 start_covariance(const Setting& setting) {
 }
 
 Vector2 step_variances(const SensorModel& sensors, const Odometry& odometry) {
-  const double way_m = std::fabs(course_of(odometry).way_m);
-  return {sensors.distance_variance_per_m * way_m + odometry.distance_variance_m2,
-          sensors.turn_variance_per_m * way_m + sensors.turn_variance_per_rad * std::fabs(odometry.turn_rad) +
+  const double distance_m = std::fabs(course_of(odometry).distance_m);
+  return {sensors.distance_variance_per_m * distance_m + odometry.distance_variance_m2,
+          sensors.turn_variance_per_m * distance_m + sensors.turn_variance_per_rad * std::fabs(odometry.turn_rad) +
               odometry.turn_variance_rad2};
 }
 
 Matrix3 spread(const SensorModel& sensors, const Pose2& X_MB, const Odometry& odometry, const Matrix3& covariance) {
   const StepCourse course = course_of(odometry);
   const SinCos centre = sincos(X_MB.heading_rad + 0.5 * odometry.turn_rad + course.aside_rad);
-  const double d = course.way_m;
+  const double d = course.distance_m;
   Matrix3 f = Matrix3::Identity();
   f(0, 2) = -d * centre.sin;
   f(1, 2) = d * centre.cos;

@@ -18,7 +18,7 @@ namespace cosiva::estimation {
 /// How far a step goes, and in which direction from the body's: straight ahead for who cannot go sideways, whose way is
 /// negative backwards.
 struct StepCourse {
-  double way_m;
+  double distance_m;
   double aside_rad;
 };
 [[nodiscard]] StepCourse course_of(const Odometry& odometry);

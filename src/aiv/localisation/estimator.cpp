@@ -195,8 +195,8 @@ double PositionEstimator::on_stuck() {
     const zone::SectionId id = ahead.section();
     end_m += circuit.section(id).length_m();
     if (end_m > joint_gate_m()) return 0.0;
-    const bool only_way = circuit.next(id).size() == 1 && bend_rad(circuit, id, ahead.next()) == 0.0;
-    if (!only_way) break;
+    const bool only_branch = circuit.next(id).size() == 1 && bend_rad(circuit, id, ahead.next()) == 0.0;
+    if (!only_branch) break;
   }
   // A hair less, so that rounding does not carry it over the joint.
   constexpr double hair_m = 1e-6;
@@ -223,13 +223,13 @@ PositionEstimator::Fix PositionEstimator::on_tag(std::uint32_t number, double ag
 std::optional<double> PositionEstimator::offset_to(zone::TrackPosition track_position, double limit_m) const {
   const zone::TrackPosition here = motion_.track_position(zone_.circuit);
   const auto ahead_m = zone_.circuit.distance_ahead(here, track_position, limit_m, course_.coming());
-  const auto back_m = way_back_m(track_position, limit_m);
+  const auto back_m = distance_back_m(track_position, limit_m);
   if (ahead_m && (!back_m || *ahead_m <= *back_m)) return *ahead_m;
   if (back_m) return -*back_m;
   return std::nullopt;
 }
 
-std::optional<double> PositionEstimator::way_back_m(zone::TrackPosition track_position, double limit_m) const {
+std::optional<double> PositionEstimator::distance_back_m(zone::TrackPosition track_position, double limit_m) const {
   const zone::Circuit& circuit = zone_.circuit;
   const zone::TrackPosition here = motion_.track_position(circuit);
   const auto gone = course_.gone();
@@ -337,10 +337,10 @@ PositionEstimator::Fix PositionEstimator::on_strange_beacon(Point2 beacon, doubl
   const std::optional<Sighting> before = doubt_;
   doubt_ = Sighting{beacon, travelled_m_};
   if (!before || before->beacon == beacon) return {FixKind::outlier, 0.0};
-  const double way_m = std::fabs(travelled_m_ - before->travelled_m);
+  const double distance_m = std::fabs(travelled_m_ - before->travelled_m);
   // A curved way is longer than the straight line between its ends, never shorter.
   const double apart_m = distance(before->beacon, beacon);
-  if (apart_m > way_m + agreement_m || way_m > 1.6 * apart_m + agreement_m) return {FixKind::outlier, 0.0};
+  if (apart_m > distance_m + agreement_m || distance_m > 1.6 * apart_m + agreement_m) return {FixKind::outlier, 0.0};
   const double heading_rad = det_atan2(beacon.y_m - before->beacon.y_m, beacon.x_m - before->beacon.x_m);
   const auto located = zone_.circuit.locate(beacon, heading_rad);
   if (located.distance_m > under_vehicle_m) return {FixKind::outlier, 0.0};

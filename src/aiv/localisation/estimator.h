@@ -181,7 +181,7 @@ class PositionEstimator {
   [[nodiscard]] Near sections_near(double reach_m) const;
   /// Along the course from the belief to `place`, negative backwards; nothing beyond `limit_m`.
   [[nodiscard]] std::optional<double> offset_to(zone::TrackPosition position, double limit_m) const;
-  [[nodiscard]] std::optional<double> way_back_m(zone::TrackPosition position, double limit_m) const;
+  [[nodiscard]] std::optional<double> distance_back_m(zone::TrackPosition position, double limit_m) const;
 
   const zone::TrafficZone& zone_;
   EstimatorModel model_;

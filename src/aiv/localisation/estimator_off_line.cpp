@@ -169,9 +169,9 @@ std::optional<zone::SectionId> PositionEstimator::turned_to(double turned_rad) c
   };
   if (!course_.coming().empty() && misfit_rad(course_.coming().front()) <= model_.landed_rad)
     return course_.coming().front();
-  const auto ways = circuit.next(here);
-  const auto best = std::ranges::min_element(ways, {}, misfit_rad);
-  return best != ways.end() && misfit_rad(*best) <= model_.landed_rad ? std::optional{*best} : std::nullopt;
+  const auto branches = circuit.next(here);
+  const auto best = std::ranges::min_element(branches, {}, misfit_rad);
+  return best != branches.end() && misfit_rad(*best) <= model_.landed_rad ? std::optional{*best} : std::nullopt;
 }
 
 void PositionEstimator::land(const Pose2& X_MB, bool line_lost, Rolled& rolled) {

@@ -148,11 +148,11 @@ TEST(Beacon, that_contradicts_the_estimate_is_an_outlier_and_two_that_agree_relo
   const Point2 second{1.25, -0.5};
   const auto& loop = lacet4().circuit.section(1);
   ASSERT_LT(loop.nearest(second).distance_m, 0.08);
-  const double way_m = loop.nearest(second).s_m - loop.nearest(first).s_m;
+  const double distance_m = loop.nearest(second).s_m - loop.nearest(first).s_m;
   Estimator estimator;
   estimator.stopped_at("loop_nw", 1.0);
   EXPECT_EQ(estimator.on_tag(beacon_near(first), 0.0, 0.0).kind, FixKind::outlier);
-  estimator.drive(way_m);
+  estimator.drive(distance_m);
   EXPECT_EQ(estimator.on_tag(beacon_near(second), 0.0, 0.0).kind, FixKind::relocated);
   EXPECT_EQ(estimator.track_position().section, 1U);
   EXPECT_NEAR(estimator.track_position().s_m, loop.nearest(second).s_m, 1e-6);

@@ -34,14 +34,14 @@ namespace plain {
 
 /// Highest speed now that reaches a place `ahead_m` away at no more than `limit_mps`.
 [[nodiscard]] COSIVA_INLINE double speed_before(double limit_mps, double ahead_m, double braking_mps2) noexcept {
-  const double way_m = ahead_m - limit_mps * reaction_s;
-  const double d_m = way_m > 0.0 ? way_m : 0.0;
+  const double path_distance_m = ahead_m - limit_mps * reaction_s;
+  const double d_m = path_distance_m > 0.0 ? path_distance_m : 0.0;
   return std::sqrt(limit_mps * limit_mps + 2.0 * braking_mps2 * d_m);
 }
 
-/// Whether `braking_mps2` does not suffice any more to stop within `way_m`: then all the brakes there are.
-[[nodiscard]] COSIVA_INLINE bool brakes_hard(double speed_mps, double way_m, double braking_mps2) noexcept {
-  const double d_m = way_m > 0.0 ? way_m : 0.0;
+/// Whether `braking_mps2` does not suffice any more to stop within `path_distance_m`: then all the brakes there are.
+[[nodiscard]] COSIVA_INLINE bool brakes_hard(double speed_mps, double path_distance_m, double braking_mps2) noexcept {
+  const double d_m = path_distance_m > 0.0 ? path_distance_m : 0.0;
   return speed_mps * speed_mps > 2.0 * braking_mps2 * d_m;
 }
 
@@ -50,8 +50,8 @@ namespace plain {
   return (obstacle_ahead_m - clearance_m) / braking_distance_m;
 }
 /// The rules' `base` and `crossing`.
-[[nodiscard]] COSIVA_INLINE double way_input(double way_m, double braking_distance_m) noexcept {
-  return way_m / braking_distance_m;
+[[nodiscard]] COSIVA_INLINE double path_input(double path_distance_m, double braking_distance_m) noexcept {
+  return path_distance_m / braking_distance_m;
 }
 /// The rules' `closing`.
 [[nodiscard]] COSIVA_INLINE double closing_input(double closing_mps, double medium_mps) noexcept {

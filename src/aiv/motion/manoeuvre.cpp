@@ -9,11 +9,11 @@
 namespace cosiva::aiv {
 
 Onward onward(const zone::Circuit& circuit, zone::SectionId from, std::size_t branch) {
-  const auto ways = circuit.next(from);
-  if (ways.empty()) return {};
-  const zone::SectionId to = ways[std::min(branch, ways.size() - 1)];
+  const auto branches = circuit.next(from);
+  if (branches.empty()) return {};
+  const zone::SectionId to = branches[std::min(branch, branches.size() - 1)];
   const double turn_rad = circuit.part(from).pivots ? circuit.turn_at(from, to) : 0.0;
-  if (branch == wire::no_branch && (ways.size() > 1 || turn_rad != 0.0)) return {};
+  if (branch == wire::no_branch && (branches.size() > 1 || turn_rad != 0.0)) return {};
   return {to, turn_rad};
 }
 

@@ -7,9 +7,9 @@ namespace {
 
 constexpr double DTT_m_max = 1e9;
 
-zone::SectionId nth(std::span<const zone::SectionId> ways, std::size_t branch) {
-  if (ways.empty()) return zone::no_section;
-  return ways[std::min(branch, ways.size() - 1)];
+zone::SectionId nth(std::span<const zone::SectionId> branches, std::size_t branch) {
+  if (branches.empty()) return zone::no_section;
+  return branches[std::min(branch, branches.size() - 1)];
 }
 
 }  // namespace
@@ -47,8 +47,8 @@ double AivMotion::move_across(const zone::Circuit& circuit, double DTT_m, std::s
       mDTCS_m_ = reached_m;
       return DTT_m;
     }
-    const auto ways = direction_.is_direct() ? circuit.next(section_) : circuit.previous(section_);
-    const zone::SectionId next = nth(ways, branch);
+    const auto branches = direction_.is_direct() ? circuit.next(section_) : circuit.previous(section_);
+    const zone::SectionId next = nth(branches, branch);
     left_to_travel_m -= length_m - mDTCS_m_;
     if (next == zone::no_section) {  // a dead end
       mDTCS_m_ = length_m;

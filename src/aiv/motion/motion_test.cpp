@@ -138,8 +138,8 @@ TEST(Motion, goes_round_a_ring_many_times_in_one_move) {
   const auto circuit = stadium();
   AivMotion aiv{circuit, {0, 0.5}};
   const Pose2 before = aiv.pose(circuit);
-  const double way_m = 1000.0 * circuit.total_length_m();
-  EXPECT_EQ(aiv.move(circuit, way_m), way_m);
+  const double distance_m = 1000.0 * circuit.total_length_m();
+  EXPECT_EQ(aiv.move(circuit, distance_m), distance_m);
   EXPECT_EQ(aiv.current_section(), 0U);
   EXPECT_NEAR(distance(aiv.pose(circuit), before), 0.0, 1e-8);  // a thousand laps of rounding
 }
@@ -239,9 +239,9 @@ TEST(Motion, a_shift_and_its_opposite_cancel_and_keep_the_direction) {
     const TravelDir direction = *rc::gen::arbitrary<bool>() ? TravelDir::direct() : TravelDir::indirect();
     AivMotion aiv{circuit, any_position(circuit), direction};
     const Pose2 start = aiv.pose(circuit);
-    const double way_m = whole(-9000, 9000, 1e-3);
-    RC_ASSERT(aiv.shift(circuit, way_m) == way_m);
-    RC_ASSERT(aiv.shift(circuit, -way_m) == -way_m);
+    const double distance_m = whole(-9000, 9000, 1e-3);
+    RC_ASSERT(aiv.shift(circuit, distance_m) == distance_m);
+    RC_ASSERT(aiv.shift(circuit, -distance_m) == -distance_m);
     RC_ASSERT(distance(aiv.pose(circuit), start) < lap_m);
     RC_ASSERT(aiv.direction() == direction);
   }));

@@ -11,8 +11,8 @@ namespace cosiva::aiv {
 /// Where a vehicle is and which way it will take from there. Refers to the way, which must outlive it.
 struct Outlook {
   // A place alone is an outlook, too: along default successors.
-  Outlook(zone::TrackPosition at, std::span<const zone::SectionId> way = {})  // NOLINT(google-explicit-constructor)
-      : here{at}, coming{way} {}
+  Outlook(zone::TrackPosition at, std::span<const zone::SectionId> coming_sections = {})  // NOLINT(google-explicit-constructor)
+      : here{at}, coming{coming_sections} {}
   Outlook(zone::SectionId section, double s_m) : here{section, s_m} {}
 
   zone::TrackPosition here;
@@ -33,9 +33,9 @@ struct Outlook {
 /// Whether there is nothing to choose and nothing to turn at: each section has at most one before and one after it.
 [[nodiscard]] inline bool one_way_only(const zone::Circuit& circuit) {
   for (zone::SectionId id = 0; id < circuit.size(); ++id) {
-    const auto ways = circuit.next(id);
-    if (ways.size() > 1 || circuit.previous(id).size() > 1) return false;
-    if (!ways.empty() && bend_rad(circuit, id, ways.front()) != 0.0) return false;
+    const auto branches = circuit.next(id);
+    if (branches.size() > 1 || circuit.previous(id).size() > 1) return false;
+    if (!branches.empty() && bend_rad(circuit, id, branches.front()) != 0.0) return false;
   }
   return true;
 }

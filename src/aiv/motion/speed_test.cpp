@@ -11,7 +11,7 @@ namespace cosiva::aiv {
 namespace {
 
 constexpr double nothing = std::numeric_limits<double>::infinity();
-const Situation free_way{.speed_mps = 0.3,
+const Situation free_path{.speed_mps = 0.3,
                          .obstacle_ahead_m = nothing,
                          .end_of_base_m = 1.0,
                          .crossing_ahead_m = nothing,
@@ -57,28 +57,28 @@ TEST(Status, is_one_of_the_five_of_the_article) {
   EXPECT_EQ(to_string(status_of(-0.5, Profile::fast)), "fast speed");
 }
 
-TEST(CrispChoice, is_medium_on_a_free_way) { EXPECT_EQ(CrispSpeedPolicy{}.choose(free_way), Profile::medium); }
+TEST(CrispChoice, is_medium_on_a_free_path) { EXPECT_EQ(CrispSpeedPolicy{}.choose(free_path), Profile::medium); }
 
 TEST(CrispChoice, obeys_the_operator) {
   for (const Profile imposed : {Profile::slow, Profile::medium, Profile::fast, Profile::stop}) {
-    Situation situation = free_way;
+    Situation situation = free_path;
     situation.imposed = imposed;
     EXPECT_EQ(CrispSpeedPolicy{}.choose(situation), imposed);
   }
 }
 
 TEST(CrispChoice, stops_without_a_base_whatever_the_operator_wants) {
-  Situation situation = free_way;
+  Situation situation = free_path;
   situation.imposed = Profile::fast;
   situation.end_of_base_m = 0.0;
   EXPECT_EQ(CrispSpeedPolicy{}.choose(situation), Profile::stop);
 }
 
 TEST(CrispChoice, is_slow_near_an_obstacle_and_with_a_low_battery) {
-  Situation situation = free_way;
+  Situation situation = free_path;
   situation.obstacle_ahead_m = 0.2;
   EXPECT_EQ(CrispSpeedPolicy{}.choose(situation), Profile::slow);
-  situation = free_way;
+  situation = free_path;
   situation.charge = 0.05;
   EXPECT_EQ(CrispSpeedPolicy{}.choose(situation), Profile::slow);
 }

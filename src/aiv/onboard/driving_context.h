@@ -40,7 +40,7 @@ class DrivingContext {
   [[nodiscard]] const Sighting& sighting() const { return sighting_; }
 
   /// Takes tags, beacons, stations and priorities over from an edited configuration of the same circuit
-  /// (zone::same_ways). They are in force at once, also while the vehicle drives.
+  /// (zone::same_geometry). They are in force at once, also while the vehicle drives.
   void adopt_fiducials(const zone::TrafficZone& edited);
 
  private:

@@ -250,11 +250,11 @@ void OnboardCore::Parts::end_zone_switch(SimTime now, wire::Effects& effects) {
   reporter.request_report();
   reporter.publish_factsheet(now, context->zone(), session, effects);
   const PositionEstimator& position = context->agent().position();
-  const auto way_off = std::to_string(position.off_by_m()) + " m";
+  const auto off_by = std::to_string(position.off_by_m()) + " m";
   log(effects, position.away() ? 'w' : 'i',
       "zone '" + context->zone().name + "' in force after '" + from + "'" +
-          (position.away()     ? ", whose nearest way passes " + way_off + " from here: parked"
-           : position.beside() ? ", " + way_off + " beside its nearest way"
+          (position.away()     ? ", whose nearest way passes " + off_by + " from here: parked"
+           : position.beside() ? ", " + off_by + " beside its nearest way"
                                : ""));
 }
 

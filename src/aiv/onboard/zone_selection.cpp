@@ -26,7 +26,7 @@ ZoneSelection::Decision ZoneSelection::on_announced(zone::ZoneConfiguration anno
   if (!rtm) return refuse(rtm.error(), in_force == nullptr ? 'e' : 'w', effects);
   refusal_.clear();
   if (in_force == nullptr) return {Verdict::first, std::move(*rtm)};
-  if (zone::same_ways(*in_force, rtm->zone())) {
+  if (zone::same_geometry(*in_force, rtm->zone())) {
     (void)call_off(*in_force, effects);
     return {Verdict::edited, std::move(*rtm)};
   }

@@ -107,7 +107,7 @@ Result<OrderBook::Found> OrderBook::find(const wire::Order& order, const std::ve
   for (const zone::TrackPosition first : firsts) {
     auto route = router_.route(order, first);
     const auto vehicle_m =
-        route ? way_from_first_node(order.nodes.front(), *route, now) : Result<double>{tl::unexpected(route.error())};
+        route ? distance_from_first_node(order.nodes.front(), *route, now) : Result<double>{tl::unexpected(route.error())};
     if (!vehicle_m) {
       // A way that begins elsewhere tells more than none.
       if (!why || route) why = vehicle_m.error();
@@ -145,15 +145,15 @@ std::vector<zone::TrackPosition> OrderBook::positions_like(zone::TrackPosition f
 Result<OrderRoute> OrderBook::find_continuation(const wire::Order& order, std::size_t kept) {
   Target& stitch = targets_[kept - 1];
   const zone::TrackPosition before = kept > 1 ? targets_[kept - 2].position : last_node_position_;
-  const double way_m = stitch.path_m - (kept > 1 ? targets_[kept - 2].path_m : last_node_path_m_);
+  const double path_distance_m = stitch.path_m - (kept > 1 ? targets_[kept - 2].path_m : last_node_path_m_);
   std::optional<OrderRoute> best;
-  std::optional<zone::Circuit::Way> best_way;
+  std::optional<zone::Circuit::Route> best_route;
   std::optional<Error> why;
   for (const zone::TrackPosition position : positions_like(stitch.position, order)) {
     const bool same = position == stitch.position;
-    auto way = same ? std::nullopt : router_.shortest_route(before, position, way_m + same_path_m);
+    auto found_route = same ? std::nullopt : router_.shortest_route(before, position, path_distance_m + same_path_m);
     // Another place of the node, equally far along the base: that of another way out of it.
-    if (!same && (!way || way->length_m < way_m - same_path_m)) continue;
+    if (!same && (!found_route || found_route->length_m < path_distance_m - same_path_m)) continue;
     auto route = router_.route(order, position);
     if (!route) {
       if (!why) why = std::move(route.error());
@@ -161,12 +161,12 @@ Result<OrderRoute> OrderBook::find_continuation(const wire::Order& order, std::s
     }
     if (best && best->length_m() <= route->length_m() + same_path_m) continue;
     best = std::move(*route);
-    best_way = std::move(way);
+    best_route = std::move(found_route);
   }
   if (!best) return tl::unexpected(std::move(*why));
-  if (best_way) {
+  if (best_route) {
     stitch.position = best->first;
-    stitch.via.assign(best_way->sections.begin() + 1, best_way->sections.end());
+    stitch.via.assign(best_route->sections.begin() + 1, best_route->sections.end());
   }
   return std::move(*best);
 }
@@ -186,7 +186,7 @@ void OrderBook::append(const wire::Order& order, OrderRoute&& route, double firs
   if (const std::size_t released = released_count(); released > 0) base_end_path_m_ = targets_[released - 1].path_m;
 }
 
-Result<double> OrderBook::way_from_first_node(const wire::OrderNode& node, const OrderRoute& route,
+Result<double> OrderBook::distance_from_first_node(const wire::OrderNode& node, const OrderRoute& route,
                                               zone::TrackPosition now) const {
   const double deviation_m =
       std::max(first_node_m, node.position ? node.position->allowed_deviation_xy_m.value_or(0.0) : 0.0);
@@ -247,9 +247,9 @@ zone::Course OrderBook::course_from(zone::TrackPosition here) const {
   if (at < sections.size()) return zone::Course{std::move(sections), at};
 
   // Before the first node, then, or nowhere near.
-  const auto way = router_.shortest_route(here, last_node_position_, std::fabs(since_m) + same_position_m);
-  if (!way) return zone::Course{{here.section}};
-  std::vector<zone::SectionId> all = way->sections;
+  const auto found_route = router_.shortest_route(here, last_node_position_, std::fabs(since_m) + same_position_m);
+  if (!found_route) return zone::Course{{here.section}};
+  std::vector<zone::SectionId> all = found_route->sections;
   all.insert(all.end(), sections.begin() + 1, sections.end());
   return zone::Course{std::move(all)};
 }

@@ -112,7 +112,7 @@ class OrderBook {
   /// The place that was found for an update's first node, and the others that go by its name.
   [[nodiscard]] std::vector<zone::TrackPosition> positions_like(zone::TrackPosition found, const wire::Order& order) const;
   /// How far the vehicle is beyond the first node; negative: before it. noRouteError where that is too far.
-  [[nodiscard]] Result<double> way_from_first_node(const wire::OrderNode& node, const OrderRoute& route,
+  [[nodiscard]] Result<double> distance_from_first_node(const wire::OrderNode& node, const OrderRoute& route,
                                                    zone::TrackPosition now) const;
   void append(const wire::Order& order, OrderRoute&& route, double first_path_m);
   [[nodiscard]] std::size_t released_count() const;

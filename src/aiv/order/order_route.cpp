@@ -28,12 +28,12 @@ struct Reached {
   zone::TrackPosition track_position;
   double path_m;
   std::size_t before;  ///< which of the node before
-  zone::Circuit::Way found;
+  zone::Circuit::Route found;
 };
 
 /// Best of the ways to one place from the places of the node before. Equally long ones: that which passed the node
 /// before earlier, because a way over itself (a lap) comes by there twice.
-std::optional<Reached> best_way_to(zone::TrackPosition track_position, const std::vector<Reached>& before, const OrderRouter& router) {
+std::optional<Reached> best_route_to(zone::TrackPosition track_position, const std::vector<Reached>& before, const OrderRouter& router) {
   std::optional<Reached> best;
   for (std::size_t i = 0; i < before.size(); ++i) {
     auto found = router.shortest_route(before[i].position, track_position);
@@ -126,7 +126,7 @@ Result<OrderRoute> OrderRouter::route(const wire::Order& order, zone::TrackPosit
     keep_for_edge(*positions, i < order.edges.size() ? &order.edges[i] : nullptr);
     std::vector<Reached> here;
     for (const zone::TrackPosition track_position : *positions) {
-      if (auto best = best_way_to(track_position, reached.back(), *this)) here.push_back(std::move(*best));
+      if (auto best = best_route_to(track_position, reached.back(), *this)) here.push_back(std::move(*best));
     }
     if (here.empty()) {
       return fail("noRouteError",
@@ -148,10 +148,10 @@ Result<OrderRoute> OrderRouter::route(const wire::Order& order, zone::TrackPosit
   return route;
 }
 
-std::optional<zone::Circuit::Way> OrderRouter::shortest_route(zone::TrackPosition from, zone::TrackPosition to, double limit_m) const {
-  if (!one_way_) return zone_.circuit.shortest_way(from, to, limit_m);
+std::optional<zone::Circuit::Route> OrderRouter::shortest_route(zone::TrackPosition from, zone::TrackPosition to, double limit_m) const {
+  if (!one_way_) return zone_.circuit.shortest_route(from, to, limit_m);
   const auto length_m = zone_.circuit.distance_ahead(from, to, limit_m);
-  return length_m ? std::optional{zone::Circuit::Way{*length_m, {}}} : std::nullopt;
+  return length_m ? std::optional{zone::Circuit::Route{*length_m, {}}} : std::nullopt;
 }
 
 }  // namespace cosiva::aiv

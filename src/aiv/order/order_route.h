@@ -37,8 +37,8 @@ class OrderRouter {
   /// The whole order from one of its first node's places. Fails with noRouteError.
   [[nodiscard]] Result<OrderRoute> route(const wire::Order& order, zone::TrackPosition first) const;
   /// The shortest way; its sections are left out on a circuit where there is nothing to choose.
-  [[nodiscard]] std::optional<zone::Circuit::Way> shortest_route(zone::TrackPosition from, zone::TrackPosition to, double limit_m) const;
-  [[nodiscard]] std::optional<zone::Circuit::Way> shortest_route(zone::TrackPosition from, zone::TrackPosition to) const {
+  [[nodiscard]] std::optional<zone::Circuit::Route> shortest_route(zone::TrackPosition from, zone::TrackPosition to, double limit_m) const;
+  [[nodiscard]] std::optional<zone::Circuit::Route> shortest_route(zone::TrackPosition from, zone::TrackPosition to) const {
     return shortest_route(from, to, longest_m_);
   }
   /// Nothing to choose anywhere: the sections of routes are left out.

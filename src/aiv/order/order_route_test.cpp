@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using Verdict = OrderBook::Verdict;
 
-constexpr double way_round_m = pi;  // from F to M, on either side
+constexpr double detour_m = pi;  // from F to M, on either side
 
 std::vector<std::string> names(const zone::TrafficZone& zone, std::span<const zone::SectionId> sections) {
   std::vector<std::string> all;
@@ -36,13 +36,13 @@ std::vector<std::string> coming(const OrderBook& book, const zone::TrafficZone& 
 }
 
 TEST(OrderOnAGraph, takes_the_way_that_its_nodes_name) {
-  for (const auto& [node, way] : {std::pair{"ro", std::vector<std::string>{"r_up", "r_over", "r_down", "tail"}},
+  for (const auto& [node, route] : {std::pair{"ro", std::vector<std::string>{"r_up", "r_over", "r_down", "tail"}},
                                   std::pair{"lo", std::vector<std::string>{"l_up", "l_over", "l_down", "tail"}}}) {
     OrderBook book{diamond()};
     const auto verdict = book.offer(order("O-1").through({"T", "F", node, "M"}), reference(diamond(), "trunk", 0.0));
     ASSERT_TRUE(verdict) << to_string(verdict.error());
-    EXPECT_EQ(coming(book, diamond(), "trunk", 0.0), way);
-    EXPECT_NEAR(book.distance_to_base_end_m(), 2.0 + way_round_m, 1e-9);
+    EXPECT_EQ(coming(book, diamond(), "trunk", 0.0), route);
+    EXPECT_NEAR(book.distance_to_base_end_m(), 2.0 + detour_m, 1e-9);
   }
 }
 

@@ -33,7 +33,7 @@ class BodyGap {
 
   const zone::TrafficZone& zone_;
   Model model_;
-  PathLookAhead way_;
+  PathLookAhead path_ahead_;
   Pose2 X_BM_;
 };
 

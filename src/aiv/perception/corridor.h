@@ -58,7 +58,7 @@ class Corridor {
 
   const zone::TrafficZone& zone_;
   Model model_;
-  PathLookAhead way_;
+  PathLookAhead path_ahead_;
 };
 
 /// The median of the last three frames: neither one echo missed nor one echo too many changes what the agent does.

@@ -22,7 +22,7 @@ class PathLookAhead {
   void sample(const Outlook& outlook);
   /// Of the way sampled last: less than the reach where the circuit ends.
   [[nodiscard]] double length_m() const {
-    return way_B_.empty() ? 0.0 : static_cast<double>(way_B_.size() - 1) * sample_m_;
+    return samples_B_.empty() ? 0.0 : static_cast<double>(samples_B_.size() - 1) * sample_m_;
   }
   [[nodiscard]] double sample_m() const { return sample_m_; }
 
@@ -33,13 +33,13 @@ class PathLookAhead {
   };
   [[nodiscard]] Beside beside(Point2 p_B) const;
   /// From the vehicle's middle along the way to the place beside p, near the sample; negative behind the middle.
-  [[nodiscard]] double along_way_m(Point2 p_B, std::size_t sample) const;
+  [[nodiscard]] double along_path_m(Point2 p_B, std::size_t sample) const;
 
  private:
   const zone::Circuit& circuit_;
   double sample_m_;
   double reach_m_;
-  std::vector<Point2> way_B_;  ///< kept to spare allocations
+  std::vector<Point2> samples_B_;  ///< kept to spare allocations
 };
 
 }  // namespace cosiva::aiv

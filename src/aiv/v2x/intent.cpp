@@ -44,8 +44,8 @@ void each_crossing(const Agent& agent, const zone::TrafficZone& zone, const Cros
 void add_crossings(const Agent& agent, const zone::TrafficZone& zone, const CrossingFinder& crossing_spans,
                    wire::Intent& intent) {
   const zone::SpeedProfile pace = pace_of(agent, zone);
-  const auto after = [&](double way_m) {
-    return std::min(duration_s_max, thousandths(earliest_s(way_m, agent.motion().speed_mps(), pace)));
+  const auto after = [&](double distance_m) {
+    return std::min(duration_s_max, thousandths(earliest_s(distance_m, agent.motion().speed_mps(), pace)));
   };
   each_crossing(
       agent, zone, crossing_spans, [&](const CrossingSpan& crossing_span, const std::string& name, bool may_enter) {
@@ -61,15 +61,15 @@ bool has_position(const Agent& agent, const zone::TrafficZone& zone) {
          zone.circuit.part(position.track_position().section).name.size() <= name_bytes_max;
 }
 
-void add_way(const Agent& agent, const zone::TrafficZone& zone, wire::Intent& intent) {
+void add_route(const Agent& agent, const zone::TrafficZone& zone, wire::Intent& intent) {
   zone::SectionLookAhead ahead = section_look_ahead(zone.circuit, agent.position().outlook());
   double left_m = intent_reach_m + agent.position().track_position().s_m;
-  for (std::size_t i = 0; i < wire::Intent::way_max; ++i) {
+  for (std::size_t i = 0; i < wire::Intent::route_max; ++i) {
     left_m -= zone.circuit.section(ahead.section()).length_m();
     if (left_m <= 0.0 || !ahead.step()) return;
     const std::string& name = zone.circuit.part(ahead.section()).name;
     if (name.size() > name_bytes_max) return;
-    intent.way.push_back(name);
+    intent.route.push_back(name);
   }
 }
 
@@ -115,7 +115,7 @@ wire::Intent compose_intent(const Agent& agent, const zone::TrafficZone& zone, c
   if (has_position(agent, zone))
     intent.position = wire::Intent::OnLine{zone.circuit.part(here.section).name, std::max(0.0, thousandths(here.s_m))};
   add_crossings(agent, zone, crossing_spans, intent);
-  add_way(agent, zone, intent);
+  add_route(agent, zone, intent);
   return intent;
 }
 

@@ -69,10 +69,10 @@ TEST(EarliestArrival, follows_from_speed_and_acceleration) {
 TEST(EarliestArrival, is_later_further_away_and_earlier_at_speed) {
   EXPECT_TRUE(rc::check([] {
     const auto number = [](double high) { return 1e-4 * high * *rc::gen::inRange(0, 10'001); };
-    const double way_m = number(3.0);
+    const double distance_m = number(3.0);
     const double speed_mps = number(0.5);
-    RC_ASSERT(earliest_s(way_m + number(1.0), speed_mps, medium) >= earliest_s(way_m, speed_mps, medium));
-    RC_ASSERT(earliest_s(way_m, speed_mps + number(0.2), medium) <= earliest_s(way_m, speed_mps, medium) + 1e-12);
+    RC_ASSERT(earliest_s(distance_m + number(1.0), speed_mps, medium) >= earliest_s(distance_m, speed_mps, medium));
+    RC_ASSERT(earliest_s(distance_m, speed_mps + number(0.2), medium) <= earliest_s(distance_m, speed_mps, medium) + 1e-12);
   }));
 }
 
@@ -95,7 +95,7 @@ TEST(ComposeIntent, says_where_it_is_and_what_comes) {
   EXPECT_EQ(intent.map_id, "lacet4");
   EXPECT_EQ(intent.position, (wire::Intent::OnLine{"east", 0.1}));
   EXPECT_NEAR(intent.pose.y_m, -0.15, 1e-9);
-  EXPECT_THAT(intent.way, ElementsAre("loop_se"));
+  EXPECT_THAT(intent.route, ElementsAre("loop_se"));
   ASSERT_GE(intent.crossings.size(), 2U);
   EXPECT_FALSE(intent.crossings[0].may_enter) << "its base ends at the stop line";
   EXPECT_FALSE(intent.crossings[1].may_enter);

@@ -13,7 +13,7 @@ namespace cosiva::app {
 struct AgentArguments {
   std::string rules{"fuzzy"};  ///< fuzzy or a file
   bool json{false};
-  aiv::AgentInputs inputs{aiv::free_way_inputs()};
+  aiv::AgentInputs inputs{aiv::free_path_inputs()};
   std::string instruction{"none"};  ///< a profile's word, or none
   std::optional<double> speed_mps;  ///< its own, towards what stands; nothing: `closing` says it
   std::string zone{"lacet4"};       ///< whose medium speed that counts by

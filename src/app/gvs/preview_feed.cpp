@@ -51,7 +51,7 @@ void PreviewFeed::read(ImageSource& images) {
     if (!*frame) return trouble(options_.recorded ? "there are no more pictures" : "the camera gives no picture");
     const SimTime began = by_our_clock((*frame)->stamp_s);
     if (!wait_until(options_.recorded ? began : SimTime{})) return;
-    if (began < due_ || on_their_way_ > 0) continue;
+    if (began < due_ || in_flight_ > 0) continue;
     const SimDuration period = from_seconds(1.0 / options_.rate_hz);
     due_ = std::max(due_ + period, began + period / 2);  // so many a second, whatever the source's own rate
     hand_over(std::move(**frame), began);
@@ -81,9 +81,9 @@ void PreviewFeed::trouble(const std::string& why) {
 
 void PreviewFeed::hand_over(Frame frame, SimTime began) {
   trouble_.clear();
-  ++on_their_way_;
+  ++in_flight_;
   loop_.post([this, frame = std::make_shared<const Frame>(std::move(frame)), began] {
-    --on_their_way_;
+    --in_flight_;
     handlers_.on_image(*frame, began);
   });
 }

@@ -55,7 +55,7 @@ class PreviewFeed {
   SimTime first_at_{};
   std::optional<double> offset_s_;  ///< our clock less the camera's, at the least delay so far
   std::string trouble_;
-  std::atomic<int> on_their_way_{0};  ///< to the loop: who is busy gets no second one
+  std::atomic<int> in_flight_{0};  ///< to the loop: who is busy gets no second one
   bool ending_{false};
   std::mutex mutex_;
   std::condition_variable ended_;

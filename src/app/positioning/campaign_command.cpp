@@ -140,7 +140,7 @@ int tell_how_much(const CampaignArguments& arguments, const CampaignWork& work) 
   }
   std::string text = plan.name + ": " + std::to_string(plan.environments()) + " environments, " +
                      std::to_string(plan.algorithms.size()) + " algorithms, " + std::to_string(plan.runs) +
-                     " runs each: " + std::to_string(plan.votes()) + " runs of " + decimals(plan.way_m, 1) + " m";
+                     " runs each: " + std::to_string(plan.votes()) + " runs of " + decimals(plan.distance_m, 1) + " m";
   for (const experiments::Swept swept : plan.swept())
     text += "\n  " + std::string(experiments::info_of(swept).key) + ": " + std::to_string(plan.of(swept).size()) +
             " values";

@@ -37,7 +37,7 @@ void add_length(CLI::App& command, const std::string& name, double& metres, cons
 void add_virtual_time(CLI::App& command, QualifyArguments& q) {
   command.add_option("--zone", q.zone, "whose ring is driven: a ready zone's name or a file; without: lacet4")
       ->type_name("NAME|FILE");
-  add_length(command, "--way", q.way_m, "how far each run goes");
+  add_length(command, "--way", q.distance_m, "how far each run goes");
   command.add_option("--runs", q.runs, "how many runs; each is one vote")
       ->type_name("N")
       ->check(CLI::Range(1, 1000000))

@@ -19,7 +19,7 @@ struct QualifyArguments {
 
   // virtual time
   std::string zone;  ///< empty: lacet4; with recordings: none
-  double way_m{100.0};
+  double distance_m{100.0};
   std::uint32_t runs{30};
   std::uint64_t seed{1};
   std::string fiducials{"pitch"};  ///< pitch, tags or beacons

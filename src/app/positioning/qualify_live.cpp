@@ -173,7 +173,7 @@ Result<experiments::LiveRunsOptions> options_of(const QualifyArguments& argument
                 "--particles " + std::to_string(arguments.particles));
   if (arguments.seed + arguments.runs > seed_max)
     return fail("qualify.seed", "live, seeds are less than 2^53", "--seed " + std::to_string(arguments.seed));
-  if (!(arguments.way_m > 0.0)) return fail("qualify.way", "a way is longer than nothing", "--way");
+  if (!(arguments.distance_m > 0.0)) return fail("qualify.way", "a way is longer than nothing", "--way");
   if (!(arguments.rate_hz >= 0.1 && arguments.rate_hz <= 50.0))
     return fail("qualify.rate", "a vehicle is asked 0.1 to 50 times a second: it knows of odometry 50 times",
                 "--rate " + decimals(arguments.rate_hz, 2));
@@ -181,7 +181,7 @@ Result<experiments::LiveRunsOptions> options_of(const QualifyArguments& argument
   experiments::LiveRunsOptions options;
   options.vehicles = std::move(*vehicles);
   options.runs = arguments.runs;
-  options.way_m = arguments.way_m;
+  options.distance_m = arguments.distance_m;
   options.rate_hz = arguments.rate_hz;
   options.seed = arguments.seed;
   options.particles = arguments.particles;
@@ -204,7 +204,7 @@ experiments::Conditions conditions_of(const QualifyArguments& arguments, const e
   for (const auto& name : options.algorithms) on_board += (on_board.empty() ? "" : ", ") + name;
   conditions.settings = {{"zone", runs.map_id()},
                          {"vehicles", vehicles},
-                         {"way of each run", decimals(options.way_m, 1) + " m"},
+                         {"way of each run", decimals(options.distance_m, 1) + " m"},
                          {"asked", decimals(options.rate_hz, 1) + " times a second"},
                          {"on board", on_board.empty() ? "none" : on_board},
                          {"ground_truth", options.ground_truth_topic},

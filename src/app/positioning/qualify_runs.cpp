@@ -53,7 +53,7 @@ experiments::Conditions conditions_of(const QualifyArguments& arguments, const R
   experiments::Conditions conditions{arguments.command, "virtual time on " + ring.zone->name, {}, {}};
   auto& settings = conditions.settings;
   settings.emplace_back("zone", ring.zone->name);
-  settings.emplace_back("way of each run", decimals(arguments.way_m, 1) + " m");
+  settings.emplace_back("way of each run", decimals(arguments.distance_m, 1) + " m");
   settings.emplace_back("fiducials", arguments.fiducials == "pitch"
                                          ? "one every " + decimals(arguments.pitch_m, 3) + " m of the way"
                                          : std::to_string(simulation.fiducials.size()) + " " + arguments.fiducials +
@@ -121,7 +121,7 @@ Result<Runs> virtual_runs(const QualifyArguments& arguments) {
   auto kept = std::make_shared<Simulation>();
   Simulation& simulation = *kept;
   simulation.track = ring->track;
-  simulation.way_m = arguments.way_m;
+  simulation.distance_m = arguments.distance_m;
   simulation.speed_mps = arguments.speed_mps;
   simulation.odometry_hz = arguments.rate_hz;
   simulation.pitch_m = arguments.pitch_m;

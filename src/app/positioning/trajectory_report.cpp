@@ -88,12 +88,12 @@ void add_metrics(Report& report, const std::vector<EvaluatedTrajectory>& all,
     const auto cdf = statistics::cdf(errors_mm);
     distribution.series.push_back({one->name, cdf.value, cdf.ratio, Series::Form::steps});
     error.series.push_back({one->name, std::move(since_s), std::move(errors_mm), Series::Form::line});
-    Series way{one->name, {}, {}, Series::Form::line};
+    Series path{one->name, {}, {}, Series::Form::line};
     for (const Pair& pair : one->pairs) {
-      way.x.push_back(pair.estimate.p_m[0]);
-      way.y.push_back(pair.estimate.p_m[1]);
+      path.x.push_back(pair.estimate.p_m[0]);
+      path.y.push_back(pair.estimate.p_m[1]);
     }
-    map.series.push_back(std::move(way));
+    map.series.push_back(std::move(path));
   }
   report.figure(to_svg(map), "Reference and estimates from above, where they were paired");
   report.figure(to_svg(error), "Error over time, since the reference begins");

@@ -38,7 +38,7 @@ struct VehicleEffect {
     double sd_s;
   };
   std::vector<Group> groups;
-  statistics::OneWay variance;
+  statistics::OneFactor variance;
 };
 
 /// What a test's records allow to say (section 5 of the notes behind the article's equation 4).

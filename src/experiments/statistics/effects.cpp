@@ -15,7 +15,7 @@ double two_sided_p(double t, double degrees) { return 2.0 * student_cdf(-std::fa
 
 }  // namespace
 
-std::optional<OneWay> one_way(const std::vector<std::vector<double>>& groups) {
+std::optional<OneFactor> one_factor(const std::vector<std::vector<double>>& groups) {
   double n = 0.0;
   double sum = 0.0;
   double within = 0.0;
@@ -43,7 +43,7 @@ std::optional<OneWay> one_way(const std::vector<std::vector<double>>& groups) {
   const double noise = within / denominator;
   const double f = between / numerator / noise;
   const double usual_size = (n - n_squares / n) / numerator;
-  return OneWay{f, 1.0 - fisher_cdf(f, numerator, denominator), std::sqrt(noise),
+  return OneFactor{f, 1.0 - fisher_cdf(f, numerator, denominator), std::sqrt(noise),
                 std::sqrt(std::max(0.0, (between / numerator - noise) / usual_size))};
 }
 

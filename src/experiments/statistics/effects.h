@@ -12,14 +12,14 @@
 namespace cosiva::statistics {
 
 /// One-way analysis of variance over groups of values.
-struct OneWay {
+struct OneFactor {
   double f;
   double p;
   double within_sd;
   double between_sd;  ///< of the groups' true means, by the method of moments; 0 where within explains it all
 };
 /// Nothing where there are fewer than two groups, or no group with two values, or no spread within.
-[[nodiscard]] std::optional<OneWay> one_way(const std::vector<std::vector<double>>& groups);
+[[nodiscard]] std::optional<OneFactor> one_factor(const std::vector<std::vector<double>>& groups);
 
 /// A straight line through values by their place in a series.
 struct Trend {

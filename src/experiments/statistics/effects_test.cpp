@@ -14,16 +14,16 @@ namespace cosiva::statistics {
 namespace {
 
 // Nine cells on four tester channels; channels 8 and 7 had three each.
-TEST(OneWay, sees_the_tester_s_channel_behind_the_cells) {
-  const auto found = one_way({{3652.06, 3646.51, 3651.98}, {3598.24, 3595.89, 3591.32}});
+TEST(OneFactor, sees_the_tester_s_channel_behind_the_cells) {
+  const auto found = one_factor({{3652.06, 3646.51, 3651.98}, {3598.24, 3595.89, 3591.32}});
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->f, 404.0, 2.0);
   EXPECT_NEAR(found->p, 4e-5, 1e-5);
   EXPECT_NEAR(found->within_sd, 3.3, 0.2);
   EXPECT_NEAR(found->between_sd, 55.0 / std::sqrt(2.0), 1.0);
-  EXPECT_FALSE(one_way({{1.0, 2.0}}));
-  EXPECT_FALSE(one_way({{1.0}, {2.0}}));
-  EXPECT_FALSE(one_way({{1.0, 1.0}, {2.0, 2.0}}));
+  EXPECT_FALSE(one_factor({{1.0, 2.0}}));
+  EXPECT_FALSE(one_factor({{1.0}, {2.0}}));
+  EXPECT_FALSE(one_factor({{1.0, 1.0}, {2.0, 2.0}}));
 }
 
 TEST(Trend, of_repeated_runs_is_what_they_lose_each_time) {

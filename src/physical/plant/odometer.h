@@ -29,9 +29,9 @@ class Odometer {
   void begin_manoeuvre() { X_SB_ = {}; }
   void add_manoeuvre(double turned_rad, double gone_m) {
     if (turned_rad == 0.0 && gone_m == 0.0) return;
-    const double wheel_way_m = gone_m + half_track_m * std::fabs(turned_rad);
+    const double wheel_distance_m = gone_m + half_track_m * std::fabs(turned_rad);
     double scale = scale_;
-    if (noise_m_per_sqrt_m_ > 0.0) scale += noise_m_per_sqrt_m_ * random_.gaussian() / std::sqrt(wheel_way_m);
+    if (noise_m_per_sqrt_m_ > 0.0) scale += noise_m_per_sqrt_m_ * random_.gaussian() / std::sqrt(wheel_distance_m);
     X_SB_ = X_SB_ * Pose2{scale * gone_m, 0.0, scale * turned_rad};
   }
   /// Seen from where the manoeuvre began; its heading wrapped.

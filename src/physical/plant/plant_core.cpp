@@ -297,7 +297,7 @@ std::string PlantCore::Impl::ground_truth_json() const {
 void PlantCore::Impl::take_over(const ZoneExchange::News& news) {
   options.zone = exchange.configuration();
   // The vehicles' readers look at this very floor; from the next tick on they find the new tags.
-  if (news.same_ways) {
+  if (news.same_geometry) {
     floor->tags = TagMap{*news.zone, options.noise.tag_range_m};
     return;
   }

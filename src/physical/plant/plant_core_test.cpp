@@ -78,8 +78,8 @@ TEST(Plant, stops_by_itself_300_ms_after_the_last_command) {
   EXPECT_EQ(fixture.ground_truth(1).speed_mps, 0.0);
   EXPECT_FALSE(fixture.ground_truth(1).powered);
   // The last command is 40 ms old at first; then braking at 1 m/s², behind the motor's lag.
-  const double way_m = fixture.ground_truth(1).distance_m - before_m;
-  EXPECT_NEAR(way_m, 0.5 * 0.26 + 0.5 * 0.5 / 2.0 + 0.5 * 0.05, 0.5 * 0.021);
+  const double distance_m = fixture.ground_truth(1).distance_m - before_m;
+  EXPECT_NEAR(distance_m, 0.5 * 0.26 + 0.5 * 0.5 / 2.0 + 0.5 * 0.05, 0.5 * 0.021);
 }
 
 TEST(Plant, takes_no_command_from_damaged_frames) {

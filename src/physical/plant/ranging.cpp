@@ -64,9 +64,9 @@ void RangeFan::see(const BodyPose& other) {
 }
 
 void RangeFan::see_edge(Point2 from, Point2 to) {
-  const Point2 way{to.x_m - from.x_m, to.y_m - from.y_m};
-  const double length_sq = dot(way, way);
-  const double foot = -dot(from, way) / length_sq;
+  const Point2 direction{to.x_m - from.x_m, to.y_m - from.y_m};
+  const double length_sq = dot(direction, direction);
+  const double foot = -dot(from, direction) / length_sq;
   // Left of a border its cross product with a point is positive; along the edge it changes linearly.
   double right_from = cross(border_[0], from);
   double right_to = cross(border_[0], to);
@@ -82,7 +82,7 @@ void RangeFan::see_edge(Point2 from, Point2 to) {
       if (left_from > 0.0) low = std::max(low, left_from / (left_from - left_to));
       if (left_to > 0.0) high = std::min(high, left_from / (left_from - left_to));
       const double ratio = std::max(low, std::min(high, foot));
-      if (low <= high) take(beam, norm(from.x_m + ratio * way.x_m, from.y_m + ratio * way.y_m));
+      if (low <= high) take(beam, norm(from.x_m + ratio * direction.x_m, from.y_m + ratio * direction.y_m));
     }
     right_from = left_from;
     right_to = left_to;

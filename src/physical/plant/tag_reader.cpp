@@ -9,13 +9,13 @@ namespace {
 /// How far off the line the antenna may be and still be thought of: twice what line following leaves.
 constexpr double off_line_m = 0.005;
 
-double distance_to_way(Point2 p, Point2 from, Point2 to) {
-  const double way_x = to.x_m - from.x_m;
-  const double way_y = to.y_m - from.y_m;
-  const double length_sq = way_x * way_x + way_y * way_y;
-  const double along = (p.x_m - from.x_m) * way_x + (p.y_m - from.y_m) * way_y;
+double distance_to_path(Point2 p, Point2 from, Point2 to) {
+  const double path_x = to.x_m - from.x_m;
+  const double path_y = to.y_m - from.y_m;
+  const double length_sq = path_x * path_x + path_y * path_y;
+  const double along = (p.x_m - from.x_m) * path_x + (p.y_m - from.y_m) * path_y;
   const double ratio = length_sq > 0.0 ? std::clamp(along / length_sq, 0.0, 1.0) : 0.0;
-  return distance(p, {from.x_m + ratio * way_x, from.y_m + ratio * way_y});
+  return distance(p, {from.x_m + ratio * path_x, from.y_m + ratio * path_y});
 }
 
 }  // namespace
@@ -74,7 +74,7 @@ void TagReader::move(SimTime now, zone::TrackPosition track_position, Point2 fro
   const double reach_m = map_->reach_m();
   const double window_m = reach_m + off_line_m + distance(from, to);
   for (const TagMap::Entry& entry : map_->between(track_position.section, track_position.s_m - window_m, track_position.s_m + window_m)) {
-    if (distance_to_way(entry.position, from, to) > reach_m) continue;
+    if (distance_to_path(entry.position, from, to) > reach_m) continue;
     const bool known =
         std::any_of(in_field_.begin(), in_field_.end(), [&](const InField& tag) { return tag.number == entry.number; });
     if (known) continue;

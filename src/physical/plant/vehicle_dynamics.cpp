@@ -127,19 +127,19 @@ void LineVehicle::move_along(double distance_m) {
 }
 
 void LineVehicle::to_next() {
-  const std::span<const zone::SectionId> ways = circuit_->next(position_.section);
+  const std::span<const zone::SectionId> branches = circuit_->next(position_.section);
   came_from_ = position_.section;
-  position_.section = ways[std::min(branch_, ways.size() - 1)];
+  position_.section = branches[std::min(branch_, branches.size() - 1)];
   record_section();
 }
 
 bool LineVehicle::to_previous() {
-  const std::span<const zone::SectionId> ways = circuit_->previous(position_.section);
+  const std::span<const zone::SectionId> branches = circuit_->previous(position_.section);
   const auto bends = [&](zone::SectionId id) { return circuit_->turn_at(id, position_.section) != 0.0; };
-  const bool known = std::find(ways.begin(), ways.end(), came_from_) != ways.end() && !bends(came_from_);
+  const bool known = std::find(branches.begin(), branches.end(), came_from_) != branches.end() && !bends(came_from_);
   const auto before =
-      known ? std::find(ways.begin(), ways.end(), came_from_) : std::find_if_not(ways.begin(), ways.end(), bends);
-  if (before == ways.end()) return false;
+      known ? std::find(branches.begin(), branches.end(), came_from_) : std::find_if_not(branches.begin(), branches.end(), bends);
+  if (before == branches.end()) return false;
   position_.section = *before;
   came_from_ = zone::no_section;
   record_section();

@@ -57,7 +57,7 @@ std::optional<ZoneExchange::News> ZoneExchange::on_message(std::string_view topi
     return std::nullopt;
   }
   if (listens && heard.format != own_.format) others_.push_back(heard.format);
-  if (listens && !zone::same_ways(*zone_, rtm->zone())) {
+  if (listens && !zone::same_geometry(*zone_, rtm->zone())) {
     log('w',
         "the broker keeps zone '" + rtm->zone().name + "', whose ways are not those of '" + zone_->name +
             "', on which this plant's vehicles stand; the plant keeps its own zone" +
@@ -80,10 +80,10 @@ Result<ZoneExchange::News> ZoneExchange::switch_to(zone::ZoneConfiguration given
 }
 
 ZoneExchange::News ZoneExchange::take(zone::ZoneConfiguration given, const zone::Rtm& rtm, wire::Effects& effects) {
-  News news{rtm.shared_zone(), zone::same_ways(*zone_, rtm.zone())};
+  News news{rtm.shared_zone(), zone::same_geometry(*zone_, rtm.zone())};
   const std::uint64_t beacons =
       news.zone->beacons ? std::uint64_t{news.zone->beacons->columns} * news.zone->beacons->rows : 0;
-  if (news.same_ways) {
+  if (news.same_geometry) {
     log('i',
         "took over zone '" + news.zone->name + "' as it was edited: " + std::to_string(news.zone->tags.size()) +
             " tags, " + std::to_string(beacons) + " beacons",

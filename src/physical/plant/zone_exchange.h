@@ -25,7 +25,7 @@ class ZoneExchange {
   /// A zone to take over.
   struct News {
     std::shared_ptr<const zone::TrafficZone> zone;
-    bool same_ways;  ///< only its tags, beacons, stations or priorities differ
+    bool same_geometry;  ///< only its tags, beacons, stations or priorities differ
   };
 
   /// @param own      the configuration to hand over

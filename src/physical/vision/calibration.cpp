@@ -163,15 +163,15 @@ ResidualMap residual_map(const std::vector<FloorPoint>& points, const std::vecto
     const std::size_t at = cell(points[i].floor.y_m, map.y0_m, map.side_m, map.rows) * map.columns +
                            cell(points[i].floor.x_m, map.x0_m, map.side_m, map.columns);
     ++map.points[at];
-    for (std::size_t way = 0; way < left_out.size(); ++way) {
-      const Point2& off = left_out[way]->residuals[i];
-      squares[way][at] += off.x_m * off.x_m + off.y_m * off.y_m;
+    for (std::size_t solution = 0; solution < left_out.size(); ++solution) {
+      const Point2& off = left_out[solution]->residuals[i];
+      squares[solution][at] += off.x_m * off.x_m + off.y_m * off.y_m;
     }
   }
   for (std::size_t at = 0; at < map.rms_m.size(); ++at)
-    for (const auto& way : squares)
+    for (const auto& solution : squares)
       if (map.points[at] > 0)
-        map.rms_m[at] = std::max(map.rms_m[at], std::sqrt(way[at] / static_cast<double>(map.points[at])));
+        map.rms_m[at] = std::max(map.rms_m[at], std::sqrt(solution[at] / static_cast<double>(map.points[at])));
   // Squares without points know no more than their nearest neighbour that has some.
   const std::vector<double> known = map.rms_m;
   for (std::size_t at = 0; at < known.size(); ++at) {

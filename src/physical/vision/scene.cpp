@@ -76,10 +76,10 @@ std::optional<Point2> SceneCamera::floor_of(PixelPoint pixel) const {
 
 Pose2 SceneBody::after(double seconds) const {
   const double turned = turn_radps * seconds;
-  const double way = speed_mps * seconds;
+  const double travelled_m = speed_mps * seconds;
   const auto [s, c] = sincos(X_MB.heading_rad + 0.5 * turned);
   // The chord of so short an arc is its length to 1e-6 of it.
-  return {X_MB.x_m + way * c, X_MB.y_m + way * s, wrap_angle(X_MB.heading_rad + turned)};
+  return {X_MB.x_m + travelled_m * c, X_MB.y_m + travelled_m * s, wrap_angle(X_MB.heading_rad + turned)};
 }
 
 }  // namespace cosiva::vision

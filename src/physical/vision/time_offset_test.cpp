@@ -11,9 +11,9 @@ namespace {
 
 /// A vehicle that hurries and dawdles round a circle of 1 m.
 Pose2 there(double t_s) {
-  const double way_m = 0.35 * t_s - 0.15 * det_cos(1.3 * t_s);
-  const auto [s, c] = sincos(way_m);
-  return {c, s, wrap_angle(way_m + 0.5 * pi)};
+  const double distance_m = 0.35 * t_s - 0.15 * det_cos(1.3 * t_s);
+  const auto [s, c] = sincos(distance_m);
+  return {c, s, wrap_angle(distance_m + 0.5 * pi)};
 }
 
 std::vector<Timed> detected(double late_s, Pose2 lever, double noise_m) {

@@ -27,8 +27,8 @@ bool FleetOrders::send(std::uint32_t i, std::span<const zone::SectionId> route, 
   if (!(goal_s_m >= 0.0 && goal_s_m <= ground_.length_m(route.back()))) return false;
   double goal_m = goal_s_m;
   for (std::size_t k = 0; k + 1 < route.size(); ++k) {
-    const auto ways = ground_.circuit().next(route[k]);
-    if (std::ranges::find(ways, route[k + 1]) == ways.end()) return false;
+    const auto branches = ground_.circuit().next(route[k]);
+    if (std::ranges::find(branches, route[k + 1]) == branches.end()) return false;
     goal_m += ground_.length_m(route[k]);
   }
   if (!survey_.has_chains(route, goal_s_m)) return false;

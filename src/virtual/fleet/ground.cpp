@@ -63,11 +63,11 @@ void Ground::lay_defaults() {
   const std::vector<zone::SectionId> back = zone::opposites(*zone_);
   default_next_.assign(size(), zone::no_section);
   for (zone::SectionId id = 0; id < size(); ++id) {
-    const auto ways = circuit.next(id);
+    const auto branches = circuit.next(id);
     // Nobody turns back who can go on.
-    auto best = std::ranges::find_if(ways, [&](zone::SectionId way) { return for_ever[way] && way != back[id]; });
-    if (best == ways.end()) best = std::ranges::find_if(ways, [&](zone::SectionId way) { return for_ever[way]; });
-    if (!ways.empty()) default_next_[id] = best != ways.end() ? *best : ways.front();
+    auto best = std::ranges::find_if(branches, [&](zone::SectionId branch) { return for_ever[branch] && branch != back[id]; });
+    if (best == branches.end()) best = std::ranges::find_if(branches, [&](zone::SectionId branch) { return for_ever[branch]; });
+    if (!branches.empty()) default_next_[id] = best != branches.end() ? *best : branches.front();
   }
   if (zone_->loops.empty()) return;
   // Round the loop, and from everywhere else to it with the fewest sections.
@@ -176,19 +176,19 @@ bool Ground::follow(Laying& laying, double from_m, double entry_m, Search& searc
     laying.exit_m = std::max(laying.exit_m, to_m);
   }
   const double end_m = laying.start_m + length_m_[here];
-  const auto ways = circuit().next(here);
-  if (end_m - laying.exit_m >= gap_m_ || ways.empty()) {
+  const auto branches = circuit().next(here);
+  if (end_m - laying.exit_m >= gap_m_ || branches.empty()) {
     finish(laying, entry_m);
     return true;
   }
   if (laying.sections.size() >= chain_sections_max || search.is_over(chains_.size())) return false;
   bool leads_on = false;
-  for (const zone::SectionId way : ways) {
+  for (const zone::SectionId branch : branches) {
     // Round within what it holds, there and back in a dead end for one, nobody need go; and such a chain had no end.
-    bool follows = std::ranges::find(laying.sections, way) == laying.sections.end();
+    bool follows = std::ranges::find(laying.sections, branch) == laying.sections.end();
     if (follows) {
       Laying on = laying;
-      on.sections.push_back(way);
+      on.sections.push_back(branch);
       on.start_m = end_m;
       --search.looks_left;
       follows = follow(on, 0.0, entry_m, search);

@@ -30,10 +30,10 @@ Leaders::Found Leaders::find_ahead(std::uint32_t i, double look_m) const {
     const zone::SectionId to = paths_.beyond(path);
     if (to == zone::no_section) break;
     Found found{rear_[list_index(ground_, copy, to)], start_m};
-    const auto ways = circuit.next(path.section);
-    if (ways.size() > 1) {
+    const auto branches = circuit.next(path.section);
+    if (branches.size() > 1) {
       // A vehicle on another branch is an obstacle until its body has parted from this path.
-      for (const zone::SectionId branch : ways) {
+      for (const zone::SectionId branch : branches) {
         const std::uint32_t other = rear_[list_index(ground_, copy, branch)];
         if (branch == to || other == Fleet::none || !(state_.s_m[other] < ground_.parted_m(branch))) continue;
         if (found.vehicle == Fleet::none || state_.s_m[other] < state_.s_m[found.vehicle]) found.vehicle = other;
@@ -59,14 +59,14 @@ void Leaders::update_followers(Block& block, std::uint32_t copy, zone::SectionId
   }
   for (std::size_t k = 0; k < block.open.size(); ++k) {
     const zone::SectionId to = block.open[k];
-    const double way_m = block.detected_m[to];
+    const double path_distance_m = block.detected_m[to];
     for (const zone::SectionId from : circuit.previous(to)) {
       const std::uint32_t first = front_[list_index(ground_, copy, from)];
       if (first != Fleet::none) {
         look_ahead(first);
         continue;
       }
-      const double on_m = way_m + ground_.length_m(from);
+      const double on_m = path_distance_m + ground_.length_m(from);
       if (on_m > numbers_.look_m) continue;
       // A section found again by a shorter path is searched again: sections behind it may only now be near enough.
       if (block.detection_search[from] == block.search && block.detected_m[from] <= on_m) continue;

@@ -62,7 +62,7 @@ COSIVA_VECTOR_CLONES void see(const View& view, double length_m, double look_m, 
   for (std::size_t k = 0; k < count; ++k) smallest[k] = lower(smallest[k], detected.gap_m[k]);
 }
 
-struct Ways {
+struct PathState {
   const double* __restrict s_m;
   const double* __restrict goal_at;
   const double* __restrict line_at;
@@ -78,12 +78,12 @@ struct Rows {
   double* __restrict instruction;  ///< null: nobody is instructed
 };
 
-COSIVA_VECTOR_CLONES void ask(const Ways& ways, const Numbers& numbers, const LeaderView& detected,
+COSIVA_VECTOR_CLONES void ask(const PathState& branches, const Numbers& numbers, const LeaderView& detected,
                               std::size_t first, std::size_t count, const Rows& rows) {
   const double braking_m = numbers.braking_distance_m;
   const double medium_mps = numbers.medium_mps;
-  const double* __restrict s = ways.s_m + first;
-  const double* __restrict line = ways.line_at + first;
+  const double* __restrict s = branches.s_m + first;
+  const double* __restrict line = branches.line_at + first;
   double* __restrict gap = rows.gap;
   double* __restrict closing = rows.closing;
   double* __restrict crossing = rows.crossing;
@@ -91,21 +91,21 @@ COSIVA_VECTOR_CLONES void ask(const Ways& ways, const Numbers& numbers, const Le
   for (std::size_t k = 0; k < count; ++k) {
     gap[k] = aiv::plain::gap_input(detected.gap_m[k], braking_m);
     closing[k] = aiv::plain::closing_input(detected.closing_mps[k], medium_mps);
-    crossing[k] = aiv::plain::way_input(line[k] - s[k], braking_m);
+    crossing[k] = aiv::plain::path_input(line[k] - s[k], braking_m);
   }
 }
 
-COSIVA_VECTOR_CLONES void request_more(const Ways& ways, const Numbers& numbers, std::size_t first, std::size_t count,
+COSIVA_VECTOR_CLONES void request_more(const PathState& branches, const Numbers& numbers, std::size_t first, std::size_t count,
                                        const Rows& rows) {
   const double braking_m = numbers.braking_distance_m;
-  const double* __restrict s = ways.s_m + first;
-  const double* __restrict goal = ways.goal_at + first;
-  const std::uint8_t* __restrict imposed = ways.imposed + first;
+  const double* __restrict s = branches.s_m + first;
+  const double* __restrict goal = branches.goal_at + first;
+  const std::uint8_t* __restrict imposed = branches.imposed + first;
   double* __restrict base = rows.base;
   double* __restrict instruction = rows.instruction;
   COSIVA_ROUNDS_APART
   for (std::size_t k = 0; k < count; ++k) {
-    base[k] = aiv::plain::way_input(goal[k] - s[k], braking_m);
+    base[k] = aiv::plain::path_input(goal[k] - s[k], braking_m);
     instruction[k] = static_cast<double>(imposed[k]);
   }
 }
@@ -192,7 +192,7 @@ COSIVA_INLINE void limit(const Limits& limits, const Numbers& n, const LeaderVie
     const double speeding =
         of_profile(p, stop.acceleration_mps2, slow.acceleration_mps2, medium.acceleration_mps2, fast.acceleration_mps2);
     const double target_speed = of_profile(p, stop.speed_mps, slow.speed_mps, medium.speed_mps, fast.speed_mps);
-    const double way_m = lower(detected.halt_m[k], detected.gap_m[k] - aiv::clearance_m);
+    const double path_distance_m = lower(detected.halt_m[k], detected.gap_m[k] - aiv::clearance_m);
     double speed = target_speed;
     if constexpr (capped) speed = lower(speed, cap[k]);
     if constexpr (limited) {
@@ -200,9 +200,9 @@ COSIVA_INLINE void limit(const Limits& limits, const Numbers& n, const LeaderVie
       const double ahead_m = limits.slow_at[first + k] - s[k] - (v[k] + speeding * dt_s) * dt_s;
       speed = lower(speed, aiv::plain::speed_before(limits.slow_mps[first + k], ahead_m, braking));
     }
-    speed = lower(speed, aiv::plain::stoppable_speed(way_m, braking, late_s));
+    speed = lower(speed, aiv::plain::stoppable_speed(path_distance_m, braking, late_s));
     // What it rolls before the brakes act is gone.
-    const double brakes = aiv::plain::brakes_hard(v[k], way_m - v[k] * late_s, braking) ? hardest_mps2 : braking;
+    const double brakes = aiv::plain::brakes_hard(v[k], path_distance_m - v[k] * late_s, braking) ? hardest_mps2 : braking;
     const double least = v[k] - brakes * dt_s;
     const double most = v[k] + speeding * dt_s;
     const double reached = higher(least, lower(most, speed));
@@ -297,7 +297,7 @@ Numbers numbers_of(const zone::TrafficZone& zone, const FleetOptions& options) {
 
 Result<FleetRules> narrow(const aiv::AgentRules& rules) {
   using enum aiv::AgentInput;
-  const aiv::AgentInputs free = aiv::free_way_inputs();
+  const aiv::AgentInputs free = aiv::free_path_inputs();
   std::vector<std::optional<double>> known;
   for (const aiv::AgentInput input : rules.inputs()) {
     const bool varies = input == gap || input == closing || input == crossing || input == base || input == instruction;
@@ -372,13 +372,13 @@ double decide(State& state, const Numbers& numbers, const FleetRules* rules, boo
                        choose_crisp(choice, detected.gap_m, at, count, chosen);
                      });
   }
-  const Ways ways{state.s_m.data(), state.goal_at.data(), state.line_at.data(), state.imposed.data()};
+  const PathState branches{state.s_m.data(), state.goal_at.data(), state.line_at.data(), state.imposed.data()};
   Responses responses{*rules, more};
   alignas(64) Column speed;
   return decide_by(state, numbers, first, last, next,
                    [&](const LeaderView& detected, auto at, auto count, Column& chosen) {
-                     ask(ways, numbers, detected, at, count, responses.rows);
-                     if (more) request_more(ways, numbers, at, count, responses.rows);
+                     ask(branches, numbers, detected, at, count, responses.rows);
+                     if (more) request_more(branches, numbers, at, count, responses.rows);
                      responses.response(speed);
                      choose_fuzzy(choice.profile + at, speed, count, chosen);
                      if (more) choose_told(choice, at, count, chosen);

@@ -95,8 +95,8 @@ void Presence::make_absent(std::uint32_t i) {
 
 bool Presence::leaves_room_behind(Block& block, std::uint32_t i) const {
   const std::uint32_t copy = state_.own[i].copy;
-  const auto can_stop = [&](std::uint32_t other, double way_m) {
-    return way_m - numbers_.length_m - spare_m >= orders_.committed_m(other) - state_.s_m[other];
+  const auto can_stop = [&](std::uint32_t other, double path_distance_m) {
+    return path_distance_m - numbers_.length_m - spare_m >= orders_.committed_m(other) - state_.s_m[other];
   };
   if (const std::uint32_t other = state_.own[i].behind; other != Fleet::none)
     return can_stop(other, state_.s_m[i] - state_.s_m[other]);
@@ -104,18 +104,18 @@ bool Presence::leaves_room_behind(Block& block, std::uint32_t i) const {
   block.open.assign(1, state_.section[i]);
   block.detected_m[state_.section[i]] = state_.s_m[i];
   for (std::size_t k = 0; k < block.open.size(); ++k) {
-    const double way_m = block.detected_m[block.open[k]];
+    const double path_distance_m = block.detected_m[block.open[k]];
     for (const zone::SectionId from : ground_.circuit().previous(block.open[k])) {
       const std::uint32_t first = front_[list_index(ground_, copy, from)];
       const double length_m = ground_.length_m(from);
       if (first != Fleet::none) {
-        if (first != i && !can_stop(first, way_m + length_m - state_.s_m[first])) return false;
+        if (first != i && !can_stop(first, path_distance_m + length_m - state_.s_m[first])) return false;
         continue;
       }
-      if (way_m + length_m > numbers_.look_m) continue;
-      if (block.detection_search[from] == block.search && block.detected_m[from] <= way_m + length_m) continue;
+      if (path_distance_m + length_m > numbers_.look_m) continue;
+      if (block.detection_search[from] == block.search && block.detected_m[from] <= path_distance_m + length_m) continue;
       block.detection_search[from] = block.search;
-      block.detected_m[from] = way_m + length_m;
+      block.detected_m[from] = path_distance_m + length_m;
       block.open.push_back(from);
     }
   }

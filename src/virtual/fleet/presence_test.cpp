@@ -53,8 +53,8 @@ TEST(FleetComingGoing, nobody_is_put_where_somebody_behind_could_not_stop_or_som
   starts.push_back({0, {zone::no_section, 0.0}, 0});
   auto made = fleet(zone, starts);
   EXPECT_TRUE(made.is_away(1));
-  const std::vector<zone::SectionId> way{made.track_position(0).section};
-  EXPECT_FALSE(made.send(1, way, 0.1)) << "one that is away is sent nowhere";
+  const std::vector<zone::SectionId> route{made.track_position(0).section};
+  EXPECT_FALSE(made.send(1, route, 0.1)) << "one that is away is sent nowhere";
   for (int i = 0; i < 50; ++i) made.step();
   const zone::TrackPosition here = made.track_position(0);
   EXPECT_FALSE(made.bring(1, here));
@@ -86,9 +86,9 @@ TEST(FleetComingGoing, coming_and_going_for_an_hour_ends_in_no_collision_and_giv
       } else if (step % 10 == 0) {
         // Where it stands on its own section next, somewhere on it.
         const auto kept = made.committed(vehicle);
-        const std::vector<zone::SectionId> way(kept.begin(), kept.end());
-        const double length_m = zone->circuit.section(way.back()).length_m();
-        (void)made.send(vehicle, way, random.uniform() * length_m);
+        const std::vector<zone::SectionId> route(kept.begin(), kept.end());
+        const double length_m = zone->circuit.section(route.back()).length_m();
+        (void)made.send(vehicle, route, random.uniform() * length_m);
       }
     }
     EXPECT_EQ(made.collisions(), 0U);

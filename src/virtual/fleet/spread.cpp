@@ -44,19 +44,19 @@ class Spread {
       if (other > s_m - apart_m_ && other < s_m + apart_m_) return false;
     return is_free_ahead(id, ground_.length_m(id) - s_m, 0) && is_free_behind(id, s_m, 0);
   }
-  [[nodiscard]] bool is_free_ahead(zone::SectionId id, double way_m, int depth) const {
-    if (way_m >= apart_m_ || depth > 16) return true;
+  [[nodiscard]] bool is_free_ahead(zone::SectionId id, double path_distance_m, int depth) const {
+    if (path_distance_m >= apart_m_ || depth > 16) return true;
     return std::ranges::all_of(zone_.circuit.next(id), [&](zone::SectionId to) {
-      return std::ranges::none_of(taken_[to], [&](double s_m) { return way_m + s_m < apart_m_; }) &&
-             is_free_ahead(to, way_m + ground_.length_m(to), depth + 1);
+      return std::ranges::none_of(taken_[to], [&](double s_m) { return path_distance_m + s_m < apart_m_; }) &&
+             is_free_ahead(to, path_distance_m + ground_.length_m(to), depth + 1);
     });
   }
-  [[nodiscard]] bool is_free_behind(zone::SectionId id, double way_m, int depth) const {
-    if (way_m >= apart_m_ || depth > 16) return true;
+  [[nodiscard]] bool is_free_behind(zone::SectionId id, double path_distance_m, int depth) const {
+    if (path_distance_m >= apart_m_ || depth > 16) return true;
     return std::ranges::all_of(zone_.circuit.previous(id), [&](zone::SectionId from) {
       const double length_m = ground_.length_m(from);
-      return std::ranges::none_of(taken_[from], [&](double s_m) { return way_m + length_m - s_m < apart_m_; }) &&
-             is_free_behind(from, way_m + length_m, depth + 1);
+      return std::ranges::none_of(taken_[from], [&](double s_m) { return path_distance_m + length_m - s_m < apart_m_; }) &&
+             is_free_behind(from, path_distance_m + length_m, depth + 1);
     });
   }
 

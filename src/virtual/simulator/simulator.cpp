@@ -34,7 +34,7 @@ Result<Simulator::Reception> Simulator::receive(SimTime now, const zone::ZoneCon
   zone::write_json(json, made, primitives);
   step("Circuit", "Simulator", "draw", std::to_string(primitives.size()) + " primitives");
 
-  const bool drive_on = zone_ != nullptr && zone::same_ways(*zone_, made);
+  const bool drive_on = zone_ != nullptr && zone::same_geometry(*zone_, made);
   if (!drive_on) {
     for (Twin& twin : twins_) twin.leave_circuit(circuit(), now);
     // What was seen was seen beside the old ways, and nobody looks for it there any more: it would stay for ever. Who
@@ -46,7 +46,7 @@ Result<Simulator::Reception> Simulator::receive(SimTime now, const zone::ZoneCon
   zone_ = rtm->shared_zone();
   rtm_ = std::move(*rtm);
   ++zone_revision_;
-  return drive_on ? Reception::same_ways : Reception::new_zone;
+  return drive_on ? Reception::same_geometry : Reception::new_zone;
 }
 
 Simulator::TwinId Simulator::appear(std::string id, std::uint32_t number, bool augmented, SimDuration extrapolate_max,

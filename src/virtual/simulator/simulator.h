@@ -34,7 +34,7 @@ class Simulator {
 
   enum class Reception {
     same,       ///< it is the one already there
-    same_ways,  ///< (re)instantiated; only tags, beacons, stations or priorities differ, so the twins drive on
+    same_geometry,  ///< (re)instantiated; only tags, beacons, stations or priorities differ, so the twins drive on
     new_zone,   ///< (re)instantiated; every twin stands beside the ways until it reports again
   };
   /// Builds the zone, or fails with the factory's reason and keeps the one there is.

@@ -14,8 +14,8 @@ namespace {
 /// How far `to` lies along the way from `from`, negative behind it; nothing further than `limit_m` either way.
 std::optional<double> signed_distance(const zone::Circuit& circuit, zone::TrackPosition from, zone::TrackPosition to, double limit_m) {
   if (from.section == to.section && std::fabs(to.s_m - from.s_m) <= limit_m) return to.s_m - from.s_m;
-  if (const auto forward = circuit.shortest_way(from, to, limit_m)) return forward->length_m;
-  if (const auto backward = circuit.shortest_way(to, from, limit_m)) return -backward->length_m;
+  if (const auto forward = circuit.shortest_route(from, to, limit_m)) return forward->length_m;
+  if (const auto backward = circuit.shortest_route(to, from, limit_m)) return -backward->length_m;
   return std::nullopt;
 }
 
@@ -219,7 +219,7 @@ void Twin::measure_base(const zone::Circuit& circuit) {
   constexpr double far_m = 1e4;
   ahead_m_max_ = std::numeric_limits<double>::infinity();
   if (!base_end_) return;
-  if (circuit.shortest_way(*base_end_, position_, overshoot_m))
+  if (circuit.shortest_route(*base_end_, position_, overshoot_m))
     ahead_m_max_ = 0.0;
   else if (const auto left = circuit.distance_ahead(position_, *base_end_, far_m, coming(position_.section)))
     ahead_m_max_ = *left;

@@ -32,7 +32,7 @@ zone::TrackPosition VirtualBody::put() const {
 }
 
 void VirtualBody::change_floor(std::shared_ptr<const zone::TrafficZone> zone) {
-  if (!zone::same_ways(*zone_, *zone)) {
+  if (!zone::same_geometry(*zone_, *zone)) {
     next_ = std::move(zone);
     return;
   }
@@ -110,8 +110,8 @@ void VirtualBody::roll(double wanted_m, bool goes_on) {
 void VirtualBody::roll_back(double wanted_m) {
   const zone::Circuit& circuit = zone_->circuit;
   const zone::TrackPosition here = motion_.put(circuit);
-  const auto ways = circuit.previous(here.section);
-  const bool ends = ways.empty() || circuit.turn_at(ways.front(), here.section) != 0.0;
+  const auto branches = circuit.previous(here.section);
+  const bool ends = branches.empty() || circuit.turn_at(branches.front(), here.section) != 0.0;
   if (-wanted_m <= here.s_m || !ends) {
     distance_m_ += motion_.shift(circuit, wanted_m);
     return;

@@ -14,7 +14,7 @@ namespace {
 
 /// So long is one with told_max inputs.
 constexpr std::size_t response_bytes_max = 2U << 20U;
-constexpr double way_m_max = 1e9;
+constexpr double distance_m_max = 1e9;
 constexpr double variance_max = EstimateResponse::variance_max;
 constexpr double seconds_max = 1e6;
 
@@ -50,14 +50,14 @@ void read_start(Fields& in, EstimateResponse::Start& start) {
   in.number("sigma_m", 0.0, variance_max, start.sigma_m);
   in.number("thetaSigma", 0.0, variance_max, start.heading_sigma_rad);
   if (in.optional("section") != nullptr) in.text("section", start.section.emplace());
-  in.number("along_m", -way_m_max, way_m_max, start.along_m);
+  in.number("along_m", -distance_m_max, distance_m_max, start.along_m);
   const JsonValue* sensors = in.optional("sensors");
   if (sensors == nullptr) return in.complain("sensors", "this field");
   inside(in, *sensors, "start.sensors", [&](Fields& fields) { read_sensors(fields, start.sensors); });
 }
 
 void read_odometry(Fields& in, EstimateResponse::Odometry& odometry) {
-  in.number("distance_m", -way_m_max, way_m_max, odometry.distance_m);
+  in.number("distance_m", -distance_m_max, distance_m_max, odometry.distance_m);
   in.number("turn_rad", -own::heading_rad_max, own::heading_rad_max, odometry.turn_rad);
   in.number("duration_s", 0.0, seconds_max, odometry.duration_s);
 }
@@ -108,7 +108,7 @@ void read_estimate(Fields& in, const std::string& name, EstimateResponse::Estima
   if (!estimate.fault.empty()) return;
   read_pose(in, estimate.X_MB);
   read_covariance(in, estimate);
-  in.number("along_m", -way_m_max, way_m_max, estimate.along_m);
+  in.number("along_m", -distance_m_max, distance_m_max, estimate.along_m);
   in.list("rectified", EstimateResponse::told_max, [&](const JsonValue& item, const std::string& which) {
     inside(in, item, name + "." + which,
            [&](Fields& fields) { read_rectified(fields, estimate.rectified.emplace_back()); });
@@ -228,7 +228,7 @@ Result<EstimateResponse> estimate_response_from_json(std::string_view text) {
     in.time("timestamp", response.timestamp);
     in.text("mapId", response.map_id);
     in.text("fault", response.fault, EstimateResponse::fault_bytes_max);
-    in.number("travelled_m", -way_m_max, way_m_max, response.travelled_m);
+    in.number("travelled_m", -distance_m_max, distance_m_max, response.travelled_m);
     own::read_part(in, "start", response.start, [](Fields& fields, auto& start) { read_start(fields, start); });
     in.list("inputs", EstimateResponse::told_max, [&](const JsonValue& item, const std::string& name) {
       inside(in, item, name, [&](Fields& fields) { read_input(fields, name, response.told); });

@@ -100,7 +100,7 @@ std::string to_json(const Intent& intent) {
         .end_object();
   }
   json.end_array().key("route").begin_array();
-  for (const std::string& section : intent.way) json.value(section);
+  for (const std::string& section : intent.route) json.value(section);
   return json.end_array().end_object().take();
 }
 
@@ -127,11 +127,11 @@ Result<Intent> intent_from_json(std::string_view text) {
       read_crossing(fields, intent.crossings.emplace_back());
       in.take_over(fields.error());
     });
-    in.list("route", Intent::way_max, [&](const JsonValue& item, const std::string& name) {
+    in.list("route", Intent::route_max, [&](const JsonValue& item, const std::string& name) {
       const std::string* section = item.text();
       if (section == nullptr || section->size() > text_bytes_max)
         return in.complain(name, "a section's name of at most " + std::to_string(text_bytes_max) + " bytes");
-      intent.way.push_back(*section);
+      intent.route.push_back(*section);
     });
   });
 }

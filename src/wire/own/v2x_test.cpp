@@ -62,7 +62,7 @@ Intent draw(Random& random) {
     intent.crossings.push_back(
         {word(random), entry_m, entry_m + random.uniform(0, 1), arrival_s, arrival_s + random.uniform(0, 1), coin()});
   }
-  for (std::size_t i = random.next() % (Intent::way_max + 1); i > 0; --i) intent.way.push_back(word(random));
+  for (std::size_t i = random.next() % (Intent::route_max + 1); i > 0; --i) intent.route.push_back(word(random));
   return intent;
 }
 
@@ -87,9 +87,9 @@ TEST(HeardIntent, is_read_once_for_all_who_hear_the_same_words) {
 TEST(HeardIntent, is_told_apart_to_the_last_byte_and_refused_each_time) {
   std::string other{shown_json};
   other.replace(other.find("north"), 5, "south");
-  EXPECT_EQ(heard_intent(shown_json).value()->way.back(), "north");
-  EXPECT_EQ(heard_intent(other).value()->way.back(), "south");
-  EXPECT_EQ(heard_intent(shown_json).value()->way.back(), "north");
+  EXPECT_EQ(heard_intent(shown_json).value()->route.back(), "north");
+  EXPECT_EQ(heard_intent(other).value()->route.back(), "south");
+  EXPECT_EQ(heard_intent(shown_json).value()->route.back(), "north");
   std::string bad{shown_json};
   bad.replace(bad.find("0.4"), 3, "1e9");
   for (int i = 0; i < 2; ++i) {
@@ -163,7 +163,7 @@ TEST(Intent, refuses_crowded_lists_numbers_that_are_none_and_long_texts) {
   crowd.crossings.resize(Intent::crossings_max + 1, shown.crossings.front());
   EXPECT_THAT(intent_from_json(to_json(crowd)).error().message, HasSubstr("at most 8"));
   crowd = shown;
-  crowd.way.resize(Intent::way_max + 1, "route");
+  crowd.route.resize(Intent::route_max + 1, "route");
   EXPECT_FALSE(intent_from_json(to_json(crowd)));
   Intent nan = shown;
   nan.speed_mps = std::numeric_limits<double>::quiet_NaN();

@@ -53,7 +53,7 @@ Intent intent() {
   message.priority = 5;
   message.position = Intent::OnLine{"S1", 0.3};
   message.crossings = {{"X1", 0.1, 0.7, 0.25, 1.5, true}};
-  message.way = {"S2", "S3"};
+  message.route = {"S2", "S3"};
   return message;
 }
 

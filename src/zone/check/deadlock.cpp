@@ -141,8 +141,8 @@ class Spots {
       const auto members = components_.members(c);
       const SectionId id = members.front();
       if (!without_room(id)) continue;
-      const auto ways = next(id);
-      if (members.size() > 1 || std::find(ways.begin(), ways.end(), id) != ways.end()) {
+      const auto branches = next(id);
+      if (members.size() > 1 || std::find(branches.begin(), branches.end(), id) != branches.end()) {
         record("deadlock.no_room", {id, 0.0},
                "one can go round from " + name(id) + " over " + std::to_string(members.size()) +
                    " sections without a place to wait between crossings; vehicles stand in crossings there, and each "
@@ -150,7 +150,7 @@ class Spots {
         for (const SectionId member : members) row[member] = 0;
         continue;
       }
-      for (const SectionId after : ways) row[id] = std::max(row[id], row[after]);
+      for (const SectionId after : branches) row[id] = std::max(row[id], row[after]);
       row[id] += std::max<std::size_t>(1, stretches_[id]);
     }
     long_rows(row);

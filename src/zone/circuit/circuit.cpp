@@ -188,11 +188,11 @@ std::optional<double> Circuit::distance_ahead(TrackPosition from, TrackPosition 
   return std::nullopt;
 }
 
-std::optional<Circuit::Way> Circuit::shortest_way(TrackPosition from, TrackPosition to, double limit_m) const {
+std::optional<Circuit::Route> Circuit::shortest_route(TrackPosition from, TrackPosition to, double limit_m) const {
   COSIVA_EXPECT(from.section < parts_.size() && to.section < parts_.size());
   if (from.section == to.section && to.s_m >= from.s_m) {
     if (to.s_m - from.s_m > limit_m) return std::nullopt;
-    return Way{to.s_m - from.s_m, {from.section}};
+    return Route{to.s_m - from.s_m, {from.section}};
   }
   // Dijkstra over the few sections within the limit, in a map: nothing of the circuit's size is made.
   struct Reached {
@@ -224,11 +224,11 @@ std::optional<Circuit::Way> Circuit::shortest_way(TrackPosition from, TrackPosit
       continue;
     }
     if (start_m + to.s_m > limit_m) return std::nullopt;
-    Way way{start_m + to.s_m, {}};
-    for (SectionId at = id; at != no_section; at = reached.at(at).via) way.sections.push_back(at);
-    way.sections.push_back(from.section);
-    std::reverse(way.sections.begin(), way.sections.end());
-    return way;
+    Route route{start_m + to.s_m, {}};
+    for (SectionId at = id; at != no_section; at = reached.at(at).via) route.sections.push_back(at);
+    route.sections.push_back(from.section);
+    std::reverse(route.sections.begin(), route.sections.end());
+    return route;
   }
   return std::nullopt;
 }

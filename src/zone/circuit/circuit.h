@@ -83,11 +83,11 @@ class Circuit {
                                                      std::span<const SectionId> coming = {}) const;
 
   /// The shortest way from one place to another over all branches; nothing beyond `limit_m`.
-  struct Way {
+  struct Route {
     double length_m{};
     std::vector<SectionId> sections;  ///< from.section first, to.section last
   };
-  [[nodiscard]] std::optional<Way> shortest_way(TrackPosition from, TrackPosition to, double limit_m) const;
+  [[nodiscard]] std::optional<Route> shortest_route(TrackPosition from, TrackPosition to, double limit_m) const;
 
  private:
   std::string name_;

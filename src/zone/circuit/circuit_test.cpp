@@ -222,17 +222,17 @@ TEST(Circuit, measures_along_a_chosen_way) {
 
 TEST(Circuit, finds_the_shortest_way_over_all_branches) {
   const Circuit circuit = diamond();
-  const auto left = circuit.shortest_way({0, 0.5}, {3, 0.5}, 10.0);
+  const auto left = circuit.shortest_route({0, 0.5}, {3, 0.5}, 10.0);
   ASSERT_TRUE(left);
   EXPECT_DOUBLE_EQ(left->length_m, 2.0);
   EXPECT_THAT(left->sections, ElementsAre(0, 1, 3));
-  const auto right = circuit.shortest_way({0, 0.5}, {2, 1.0}, 10.0);
+  const auto right = circuit.shortest_route({0, 0.5}, {2, 1.0}, 10.0);
   ASSERT_TRUE(right);
   EXPECT_THAT(right->sections, ElementsAre(0, 2));
   EXPECT_DOUBLE_EQ(right->length_m, 1.5);
-  EXPECT_THAT(circuit.shortest_way({1, 0.7}, {1, 0.2}, 10.0)->sections, ElementsAre(1, 3, 0, 1));
-  EXPECT_EQ(circuit.shortest_way({0, 0.5}, {2, 1.0}, 1.4), std::nullopt);
-  EXPECT_TRUE(circuit.shortest_way({0, 0.5}, {2, 1.0}, 1.5));
+  EXPECT_THAT(circuit.shortest_route({1, 0.7}, {1, 0.2}, 10.0)->sections, ElementsAre(1, 3, 0, 1));
+  EXPECT_EQ(circuit.shortest_route({0, 0.5}, {2, 1.0}, 1.4), std::nullopt);
+  EXPECT_TRUE(circuit.shortest_route({0, 0.5}, {2, 1.0}, 1.5));
 }
 
 }  // namespace

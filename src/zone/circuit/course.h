@@ -20,8 +20,8 @@ class SectionLookAhead {
   /// What follows; no_section at a dead end.
   [[nodiscard]] SectionId next() const {
     if (step_ < coming_.size()) return coming_[step_];
-    const auto ways = circuit_.next(section_);
-    return ways.empty() ? no_section : ways.front();
+    const auto branches = circuit_.next(section_);
+    return branches.empty() ? no_section : branches.front();
   }
   /// Whether anybody has said what follows, or there is only one way.
   [[nodiscard]] bool decided() const { return step_ < coming_.size() || circuit_.next(section_).size() == 1; }

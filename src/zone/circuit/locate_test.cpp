@@ -91,10 +91,10 @@ TEST(Locate, answers_exactly_on_the_ways_at_their_ends_and_far_outside) {
     const double extent_m = random.chance(0.5) ? 10.0 : 300.0;
     const Circuit circuit = scattered(random, 1 + random.below(300), extent_m);
     for (int i = 0; i < 12; ++i) {
-      const Section& way = circuit.section(static_cast<SectionId>(random.below(circuit.size())));
-      const Pose2 on = way.pose_at(random.uniform(0.0, way.length_m()));
+      const Section& section = circuit.section(static_cast<SectionId>(random.below(circuit.size())));
+      const Pose2 on = section.pose_at(random.uniform(0.0, section.length_m()));
       const double beside_m = random.chance(0.5) ? 0.0 : random.uniform(-0.2, 0.2);
-      for (const Pose2& pose : {on * Pose2{0.0, beside_m, 0.1}, way.start(), way.end()})
+      for (const Pose2& pose : {on * Pose2{0.0, beside_m, 0.1}, section.start(), section.end()})
         RC_ASSERT(locates_exactly(circuit, position(pose), pose.heading_rad, random.uniform(-0.1, 20.0)));
       const Point2 outside{random.uniform(-1e5, 1e5), random.uniform(-1e5, 1e5)};
       RC_ASSERT(locates_exactly(circuit, outside, random.uniform(-4.0, 4.0), 1e5));

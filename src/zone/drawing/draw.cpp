@@ -66,7 +66,7 @@ class Painter {
   explicit Painter(const TrafficZone& zone) : zone_{zone}, sizes_{zone.vehicle} {}
 
   std::vector<Primitive> paint() {
-    ways();
+    draw_sections();
     crossings();
     pivots();
     beacons();
@@ -86,7 +86,7 @@ class Painter {
         {shape, std::move(layer), std::move(points), size_m, std::move(label), heading_rad, std::move(kind)});
   }
 
-  void ways() {
+  void draw_sections() {
     std::vector<std::vector<Point2>> traces;
     const double sagitta_m = sagitta_of(zone_.circuit);
     for (SectionId id = 0; id < zone_.circuit.size(); ++id)

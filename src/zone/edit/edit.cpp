@@ -163,7 +163,7 @@ Result<TrafficZone> with_edit(TrafficZone zone, const ZoneEdit& edit) {
   return zone;
 }
 
-bool same_ways(const TrafficZone& a, const TrafficZone& b) {
+bool same_geometry(const TrafficZone& a, const TrafficZone& b) {
   if (a.name != b.name || a.circuit.size() != b.circuit.size()) return false;
   for (SectionId id = 0; id < a.circuit.size(); ++id)
     if (!same_section(a.circuit.part(id), b.circuit.part(id))) return false;
@@ -182,7 +182,7 @@ std::optional<std::string> difference(const TrafficZone& wanted, const TrafficZo
     return x.name == y.name && x.kind == y.kind && same(x.position, y.position);
   };
   const auto same_loop = [](const Loop& x, const Loop& y) { return x.name == y.name && x.sections == y.sections; };
-  if (!same_ways(wanted, found)) return "its ways are others";
+  if (!same_geometry(wanted, found)) return "its ways are others";
   if (!std::equal(wanted.tags.begin(), wanted.tags.end(), found.tags.begin(), found.tags.end(), same_tag))
     return "its tags are others";
   if (wanted.beacons.has_value() != found.beacons.has_value()) return "its beacons are others";

@@ -33,7 +33,7 @@ struct ZoneEdit {
 
 /// Whether the ways, the vehicle's shape and the profiles are the same, so that running vehicles may take `b` for `a`
 /// without stopping: only tags, beacons, stations and priorities differ.
-[[nodiscard]] bool same_ways(const TrafficZone& a, const TrafficZone& b);
+[[nodiscard]] bool same_geometry(const TrafficZone& a, const TrafficZone& b);
 
 /// What is wrong with the name of a vehicle that a priority is for; nothing when it is "manufacturer/serial".
 [[nodiscard]] std::optional<std::string> wrong_vehicle_name(std::string_view name);

@@ -11,7 +11,7 @@ namespace cosiva::zone {
 namespace {
 
 // Further from every way no antenna would ever read it: the click meant something else.
-constexpr double off_way_max_m = 0.30;
+constexpr double off_path_m_max = 0.30;
 
 std::optional<TagNumber> tag_number(const JsonValue& json) {
   const double* number = json.number();
@@ -93,7 +93,7 @@ class Reader {
       fault("edit.section", "the zone has no section '" + section->substr(0, 64) + "'; use one of its names", name);
     } else if (x_m && y_m && std::isfinite(*x_m) && std::isfinite(*y_m)) {
       const auto located = zone_.circuit.locate({*x_m, *y_m});
-      if (located.distance_m <= off_way_max_m) return located.position;
+      if (located.distance_m <= off_path_m_max) return located.position;
       fault("edit.position",
             "this is " + metres_text(located.distance_m) + " m from the nearest way; put the tag within 0.30 m of one",
             name);

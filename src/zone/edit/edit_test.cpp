@@ -240,15 +240,15 @@ TEST(ZoneEdit, rounds_no_tag_off_its_section) {
 // Same ways
 // ---------------------------------------------------------------------------------------------------------
 
-TEST(SameWays, are_those_that_a_running_vehicle_need_not_notice) {
+TEST(SameGeometry, are_those_that_a_running_vehicle_need_not_notice) {
   const TrafficZone zone = testing::lacet4();
-  EXPECT_TRUE(same_ways(zone, zone));
+  EXPECT_TRUE(same_geometry(zone, zone));
   const auto after = edited(lacet4_file(), {{{1, {0, 0.3}}, {77, {2, 0.3}}}, {4}, 0.07, {{"CoSiVA/AIV1", 3}}});
   ASSERT_TRUE(after) << to_string(after.error());
-  EXPECT_TRUE(same_ways(zone, parsed(*after)));
+  EXPECT_TRUE(same_geometry(zone, parsed(*after)));
 }
 
-TEST(SameWays, differ_in_a_length_a_name_a_speed_a_body_or_a_clearance) {
+TEST(SameGeometry, differ_in_a_length_a_name_a_speed_a_body_or_a_clearance) {
   const ZoneConfiguration given = lacet4_file();
   const TrafficZone zone = parsed(given);
   for (const auto& [from, to] : {std::pair{"name = \"lacet4\"", "name = \"lacet5\""},
@@ -269,7 +269,7 @@ TEST(SameWays, differ_in_a_length_a_name_a_speed_a_body_or_a_clearance) {
            use = other.text.find("section = \"loop_se\""))
         other.text.replace(use, 19, "section = \"loop_es\"");
     }
-    EXPECT_FALSE(same_ways(zone, parsed(other))) << to;
+    EXPECT_FALSE(same_geometry(zone, parsed(other))) << to;
   }
 }
 
@@ -360,7 +360,7 @@ TEST(ZoneEdit, of_any_kind_in_any_order_leaves_just_what_was_wanted_and_every_co
     RC_ASSERT(
         (last.priorities == std::vector<std::pair<std::string, std::int32_t>>(priorities.begin(), priorities.end())));
     RC_ASSERT(std::fabs(last.beacons->pitch_m - pitch_m) <= 0.5e-4);
-    RC_ASSERT(same_ways(first, last));
+    RC_ASSERT(same_geometry(first, last));
     RC_ASSERT(last.stations.size() == first.stations.size());
     RC_ASSERT(last.starts == first.starts);
     RC_ASSERT(comments(now.text) == logged);

@@ -37,7 +37,7 @@ std::string text_of(double value) {
 }
 
 /// One section of the file to be.
-struct Way {
+struct Track {
   std::string name;
   Pose2 start;
   Pose2 end;
@@ -49,7 +49,7 @@ struct Way {
 };
 
 struct Spot {
-  std::size_t way;
+  std::size_t track;
   double s_m;
 };
 struct Stop {
@@ -91,7 +91,7 @@ class Plant {
   struct Junction {
     double x_m;
     bool joins;
-    std::size_t way;
+    std::size_t track;
   };
   struct Strip {
     std::size_t first;
@@ -101,7 +101,7 @@ class Plant {
     std::vector<Junction> top;
     std::vector<Junction> bottom;
     std::size_t east_in, east_out, west_in, west_out;  // first and last way of what joins the lanes at either end
-    std::vector<std::size_t> top_ways, bottom_ways, west_ways, east_ways;
+    std::vector<std::size_t> top_tracks, bottom_tracks, west_tracks, east_tracks;
   };
 
   std::size_t add(std::string name, const Pose2& start, double length_m, double from_per_m, double to_per_m,
@@ -109,7 +109,7 @@ class Plant {
   std::size_t straight(std::string name, const Pose2& start, double length_m);
   std::size_t arc(std::string name, const Pose2& start, double radius_m, double angle_rad);
   Strip quarter_right(const std::string& name, const Pose2& start);
-  void join(std::size_t from, std::size_t to) { ways_[from].next.push_back(to); }
+  void join(std::size_t from, std::size_t to) { tracks_[from].next.push_back(to); }
   [[nodiscard]] Pose2 along(const Pose2& start, double distance_m) const { return start * Pose2{distance_m, 0.0, 0.0}; }
 
   Strip strip(const std::string& name, const Pose2& start, double length_m, std::uint32_t bays, double ratio,
@@ -118,12 +118,12 @@ class Plant {
   void aisle(Row& row, std::uint32_t number, double x_m, double bottom_m, bool north);
   void ends(Row& row, std::size_t number, double bottom_m);
   void lane(std::vector<Junction> junctions, const std::string& name, const Pose2& start, double length_m,
-            std::vector<std::size_t>& ways);
+            std::vector<std::size_t>& tracks);
   void row(std::size_t number);
   void lay_tags();
 
   void write_head(std::string& out) const;
-  void write_ways(std::string& out) const;
+  void write_tracks(std::string& out) const;
   void write_spots(std::string& out) const;
   void write_loops(std::string& out) const;
   void write_position(std::string& out, const Spot& spot) const;
@@ -137,7 +137,7 @@ class Plant {
   double east_m_{};
   double cross_west_m_{};  ///< where neighbouring rows lead to each other
   double cross_east_m_{};
-  std::vector<Way> ways_;
+  std::vector<Track> tracks_;
   std::vector<Stop> stops_;
   std::vector<Spot> tags_;
   std::vector<Row> rows_;
@@ -147,8 +147,8 @@ std::size_t Plant::add(std::string name, const Pose2& start, double length_m, do
                        double speed_mps) {
   const auto section = Section::make(start, length_m, from_per_m, (to_per_m - from_per_m) / length_m);
   COSIVA_EXPECT(section.has_value());
-  ways_.push_back({std::move(name), start, section->end(), length_m, from_per_m, to_per_m, speed_mps});
-  return ways_.size() - 1;
+  tracks_.push_back({std::move(name), start, section->end(), length_m, from_per_m, to_per_m, speed_mps});
+  return tracks_.size() - 1;
 }
 
 std::size_t Plant::straight(std::string name, const Pose2& start, double length_m) {
@@ -163,7 +163,7 @@ std::size_t Plant::arc(std::string name, const Pose2& start, double radius_m, do
 Plant::Strip Plant::quarter_right(const std::string& name, const Pose2& start) {
   const double bend_per_m = -scale_.turn_curvature_per_m;
   const std::size_t in = add(name + "i", start, scale_.turn_half_m, 0.0, bend_per_m, bend_mps(bend_per_m));
-  const std::size_t out = add(name + "o", ways_[in].end, scale_.turn_half_m, bend_per_m, 0.0, bend_mps(bend_per_m));
+  const std::size_t out = add(name + "o", tracks_[in].end, scale_.turn_half_m, bend_per_m, 0.0, bend_mps(bend_per_m));
   join(in, out);
   return {in, out};
 }
@@ -173,11 +173,11 @@ Plant::Strip Plant::bay(const std::string& name, const Pose2& start, double stra
   const double turn_rad = left ? 0.25 * pi : -0.25 * pi;
   const double radius_m = scale_.ease_radius_m;
   const std::size_t first = arc(name + "p", start, radius_m, turn_rad);
-  const std::size_t in = arc(name + "q", ways_[first].end, radius_m, -turn_rad);
-  const std::size_t stop = straight(name + "s", ways_[in].end, straight_m);
-  const std::size_t out = arc(name + "t", ways_[stop].end, radius_m, -turn_rad);
-  const std::size_t last = arc(name + "u", ways_[out].end, radius_m, turn_rad);
-  ways_[stop].speed_mps_max = 0.4;
+  const std::size_t in = arc(name + "q", tracks_[first].end, radius_m, -turn_rad);
+  const std::size_t stop = straight(name + "s", tracks_[in].end, straight_m);
+  const std::size_t out = arc(name + "t", tracks_[stop].end, radius_m, -turn_rad);
+  const std::size_t last = arc(name + "u", tracks_[out].end, radius_m, turn_rad);
+  tracks_[stop].speed_mps_max = 0.4;
   join(first, in);
   join(in, stop);
   join(stop, out);
@@ -190,12 +190,12 @@ Plant::Strip Plant::bay(const std::string& name, const Pose2& start, double stra
 /// A straight way of `length_m` with bays beside it: "a1b2" passes bay 2 of strip a1, "a1c2" leads up to it.
 Plant::Strip Plant::strip(const std::string& name, const Pose2& start, double length_m, std::uint32_t bays,
                           double ratio, bool chargers) {
-  Strip all{ways_.size(), ways_.size()};
+  Strip all{tracks_.size(), tracks_.size()};
   double done_m = 0.0;
   std::vector<std::size_t> joining;
   const auto lead_up = [&](std::uint32_t number, double to_m) {
     all.last = straight(name + "c" + std::to_string(number), along(start, done_m), to_m - done_m);
-    for (const std::size_t way : joining) join(way, all.last);
+    for (const std::size_t track : joining) join(track, all.last);
     joining.clear();
     done_m = to_m;
   };
@@ -248,15 +248,15 @@ void Plant::ends(Row& row, std::size_t number, double bottom_m) {
     join(in.last, inside.first);
     join(inside.last, out.first);
     // The loop round the row passes the chargers by.
-    for (std::size_t way = in.first; way != out.last; way = ways_[way].next.front()) round.push_back(way);
+    for (std::size_t track = in.first; track != out.last; track = tracks_[track].next.front()) round.push_back(track);
     round.push_back(out.last);
     return Strip{in.first, out.last};
   };
   const std::string suffix = std::to_string(number);
   const Strip east = lay("e" + suffix, {east_m_ - turn_m_, top_m, 0.0}, {east_m_, top_m - turn_m_, -0.5 * pi},
-                         std::min(options_.bays, 2U), row.east_ways);
+                         std::min(options_.bays, 2U), row.east_tracks);
   const Strip west =
-      lay("w" + suffix, {west_m_ + turn_m_, bottom_m, pi}, {west_m_, bottom_m + turn_m_, 0.5 * pi}, 0, row.west_ways);
+      lay("w" + suffix, {west_m_ + turn_m_, bottom_m, pi}, {west_m_, bottom_m + turn_m_, 0.5 * pi}, 0, row.west_tracks);
   row.east_in = east.first;
   row.east_out = east.last;
   row.west_in = west.first;
@@ -265,29 +265,29 @@ void Plant::ends(Row& row, std::size_t number, double bottom_m) {
 
 /// A lane, cut wherever it is left or joined.
 void Plant::lane(std::vector<Junction> junctions, const std::string& name, const Pose2& start, double length_m,
-                 std::vector<std::size_t>& ways) {
+                 std::vector<std::size_t>& tracks) {
   const bool east = start.heading_rad == 0.0;
   std::sort(junctions.begin(), junctions.end(),
             [east](const Junction& a, const Junction& b) { return east ? a.x_m < b.x_m : a.x_m > b.x_m; });
   double done_m = 0.0;
   const auto go_on = [&](double to_m) {
-    const std::size_t way = straight(name + std::to_string(ways.size() + 1), along(start, done_m), to_m - done_m);
-    if (!ways.empty()) ways_[ways.back()].next.insert(ways_[ways.back()].next.begin(), way);
-    ways.push_back(way);
+    const std::size_t track = straight(name + std::to_string(tracks.size() + 1), along(start, done_m), to_m - done_m);
+    if (!tracks.empty()) tracks_[tracks.back()].next.insert(tracks_[tracks.back()].next.begin(), track);
+    tracks.push_back(track);
     done_m = to_m;
   };
   std::optional<std::size_t> joining;
   for (const Junction& junction : junctions) {
     go_on(std::fabs(junction.x_m - start.x_m));
-    if (joining) join(*joining, ways.back());
+    if (joining) join(*joining, tracks.back());
     joining.reset();
     if (junction.joins)
-      joining = junction.way;
+      joining = junction.track;
     else
-      join(ways.back(), junction.way);
+      join(tracks.back(), junction.track);
   }
   go_on(length_m);
-  if (joining) join(*joining, ways.back());
+  if (joining) join(*joining, tracks.back());
 }
 
 /// At equal distances along every way, so that nobody drives further than `unread_max_m` without one: half of a pitch
@@ -295,11 +295,11 @@ void Plant::lane(std::vector<Junction> junctions, const std::string& name, const
 void Plant::lay_tags() {
   const double pitch_m = std::min(0.8 * CheckLimits{}.unread_max_m, 4.0 * scale_.unit_m);
   const double too_short_m = 0.25 * pitch_m;
-  for (std::size_t way = 0; way < ways_.size(); ++way) {
-    const double length_m = ways_[way].length_m;
+  for (std::size_t track = 0; track < tracks_.size(); ++track) {
+    const double length_m = tracks_[track].length_m;
     if (length_m < too_short_m) continue;
     const double number = std::ceil(length_m / pitch_m);
-    for (double i = 0.5; i < number; ++i) tags_.push_back({way, rounded(i * length_m / number)});
+    for (double i = 0.5; i < number; ++i) tags_.push_back({track, rounded(i * length_m / number)});
   }
 }
 
@@ -329,8 +329,8 @@ void Plant::row(std::size_t number) {
 std::string Plant::text() {
   const double unit_m = scale_.unit_m;
   const Strip turn = quarter_right("", {});
-  turn_m_ = ways_[turn.last].end.x_m;
-  ways_.clear();
+  turn_m_ = tracks_[turn.last].end.x_m;
+  tracks_.clear();
   aisle_m_ = rounded(2.0 * turn_m_ + 4.0 * unit_m + std::max(options_.bays, 1U) * scale_.bay_pitch_m());
   cross_west_m_ = 9.0 * unit_m - turn_m_ - 5.0 * unit_m;
   west_m_ = cross_west_m_ - turn_m_ - 5.0 * unit_m;
@@ -343,18 +343,18 @@ std::string Plant::text() {
     Row& here = rows_[i];
     const std::string suffix = std::to_string(i + 1);
     const double bottom_m = rounded(static_cast<double>(i) * (aisle_m_ + scale_.lane_gap_m()));
-    lane(here.top, "t" + suffix + "l", {west_m_ + turn_m_, bottom_m + aisle_m_, 0.0}, lane_m, here.top_ways);
-    lane(here.bottom, "b" + suffix + "l", {east_m_ - turn_m_, bottom_m, pi}, lane_m, here.bottom_ways);
-    join(here.top_ways.back(), here.east_in);
-    join(here.east_out, here.bottom_ways.front());
-    join(here.bottom_ways.back(), here.west_in);
-    join(here.west_out, here.top_ways.front());
+    lane(here.top, "t" + suffix + "l", {west_m_ + turn_m_, bottom_m + aisle_m_, 0.0}, lane_m, here.top_tracks);
+    lane(here.bottom, "b" + suffix + "l", {east_m_ - turn_m_, bottom_m, pi}, lane_m, here.bottom_tracks);
+    join(here.top_tracks.back(), here.east_in);
+    join(here.east_out, here.bottom_tracks.front());
+    join(here.bottom_tracks.back(), here.west_in);
+    join(here.west_out, here.top_tracks.front());
   }
   lay_tags();
   std::string out;
-  out.reserve(256 * ways_.size());
+  out.reserve(256 * tracks_.size());
   write_head(out);
-  write_ways(out);
+  write_tracks(out);
   write_spots(out);
   write_loops(out);
   return out;
@@ -364,7 +364,7 @@ void Plant::write_head(std::string& out) const {
   const auto number = [](auto value) { return std::to_string(value); };
   out.append("# A synthetic plant: ").append(number(options_.rows)).append(" rows of ").append(number(options_.aisles));
   out.append(" aisles with up to ").append(number(options_.bays)).append(" bays each, ");
-  out.append(number(ways_.size())).append(" sections, seed ").append(number(options_.seed)).append(".\n");
+  out.append(number(tracks_.size())).append(" sections, seed ").append(number(options_.seed)).append(".\n");
   out.append("# Made by `cosiva zone generate`; docs/guide/zones.md explains every field.\n");
   out.append("name = \"").append(options_.name).append("\"\nformat_version = 1\n\n[vehicle]\nlength_m = ");
   out.append(text_of(options_.vehicle.length_m)).append("\nwidth_m = ").append(text_of(options_.vehicle.width_m));
@@ -391,38 +391,38 @@ clearance_m = )");
   out.append("\n");
 }
 
-void Plant::write_ways(std::string& out) const {
+void Plant::write_tracks(std::string& out) const {
   Pose2 before{};
-  for (std::size_t i = 0; i < ways_.size(); ++i) {
-    const Way& way = ways_[i];
-    out.append("\n[[section]]\nname = \"").append(way.name).append("\"\n");
-    if (way.curvature_start_per_m != way.curvature_end_per_m) {
-      out.append("kind = \"clothoid\"\nlength_m = ").append(text_of(way.length_m));
-      out.append("\ncurvature_start_per_m = ").append(text_of(way.curvature_start_per_m));
-      out.append("\ncurvature_end_per_m = ").append(text_of(way.curvature_end_per_m)).append("\n");
-    } else if (way.curvature_start_per_m != 0.0) {
-      out.append("kind = \"arc\"\nradius_m = ").append(text_of(std::fabs(1.0 / way.curvature_start_per_m)));
-      out.append("\nangle_deg = ").append(text_of(way.length_m * way.curvature_start_per_m * deg_per_rad)).append("\n");
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    const Track& track = tracks_[i];
+    out.append("\n[[section]]\nname = \"").append(track.name).append("\"\n");
+    if (track.curvature_start_per_m != track.curvature_end_per_m) {
+      out.append("kind = \"clothoid\"\nlength_m = ").append(text_of(track.length_m));
+      out.append("\ncurvature_start_per_m = ").append(text_of(track.curvature_start_per_m));
+      out.append("\ncurvature_end_per_m = ").append(text_of(track.curvature_end_per_m)).append("\n");
+    } else if (track.curvature_start_per_m != 0.0) {
+      out.append("kind = \"arc\"\nradius_m = ").append(text_of(std::fabs(1.0 / track.curvature_start_per_m)));
+      out.append("\nangle_deg = ").append(text_of(track.length_m * track.curvature_start_per_m * deg_per_rad)).append("\n");
     } else {
-      out.append("kind = \"straight\"\nlength_m = ").append(text_of(way.length_m)).append("\n");
+      out.append("kind = \"straight\"\nlength_m = ").append(text_of(track.length_m)).append("\n");
     }
-    if (way.speed_mps_max > 0.0) out.append("speed_mps_max = ").append(text_of(way.speed_mps_max)).append("\n");
-    if (i == 0 || distance(before, way.start) > 1e-9 ||
-        std::fabs(wrap_angle(before.heading_rad - way.start.heading_rad)) > 1e-9) {
-      out.append("start = { x = ").append(text_of(way.start.x_m)).append(", y = ").append(text_of(way.start.y_m));
-      out.append(", heading_deg = ").append(text_of(way.start.heading_rad * deg_per_rad)).append(" }\n");
+    if (track.speed_mps_max > 0.0) out.append("speed_mps_max = ").append(text_of(track.speed_mps_max)).append("\n");
+    if (i == 0 || distance(before, track.start) > 1e-9 ||
+        std::fabs(wrap_angle(before.heading_rad - track.start.heading_rad)) > 1e-9) {
+      out.append("start = { x = ").append(text_of(track.start.x_m)).append(", y = ").append(text_of(track.start.y_m));
+      out.append(", heading_deg = ").append(text_of(track.start.heading_rad * deg_per_rad)).append(" }\n");
     }
-    before = way.end;
-    if (way.next.size() == 1 && way.next.front() == i + 1) continue;
+    before = track.end;
+    if (track.next.size() == 1 && track.next.front() == i + 1) continue;
     out.append("next = [");
-    for (std::size_t k = 0; k < way.next.size(); ++k)
-      out.append(k == 0 ? "\"" : ", \"").append(ways_[way.next[k]].name).append("\"");
+    for (std::size_t k = 0; k < track.next.size(); ++k)
+      out.append(k == 0 ? "\"" : ", \"").append(tracks_[track.next[k]].name).append("\"");
     out.append("]\n");
   }
 }
 
 void Plant::write_position(std::string& out, const Spot& spot) const {
-  out.append("section = \"").append(ways_[spot.way].name).append("\"\ns_m = ").append(text_of(spot.s_m)).append("\n");
+  out.append("section = \"").append(tracks_[spot.track].name).append("\"\ns_m = ").append(text_of(spot.s_m)).append("\n");
 }
 
 void Plant::write_spots(std::string& out) const {
@@ -447,9 +447,9 @@ void Plant::write_loops(std::string& out) const {
     const Row& here = rows_[i];
     out.append("\n[[loop]]\nname = \"row ").append(std::to_string(i + 1)).append("\"\nsections = [");
     bool first = true;
-    for (const auto* part : {&here.bottom_ways, &here.west_ways, &here.top_ways, &here.east_ways}) {
-      for (const std::size_t way : *part) {
-        out.append(first ? "\"" : ", \"").append(ways_[way].name).append("\"");
+    for (const auto* part : {&here.bottom_tracks, &here.west_tracks, &here.top_tracks, &here.east_tracks}) {
+      for (const std::size_t track : *part) {
+        out.append(first ? "\"" : ", \"").append(tracks_[track].name).append("\"");
         first = false;
       }
     }

@@ -24,9 +24,9 @@ struct Reads {
 };
 
 /// The longest way between reads over all branches.
-class Ways {
+class DistanceToReads {
  public:
-  Ways(const Circuit& circuit, const std::vector<Reads>& reads)
+  DistanceToReads(const Circuit& circuit, const std::vector<Reads>& reads)
       : circuit_{circuit}, reads_{reads}, ahead_m_(circuit.size(), unknown), via_(circuit.size(), no_section) {}
 
   Stretch longest() {
@@ -35,14 +35,14 @@ class Ways {
     for (SectionId id = 0; id < circuit_.size(); ++id) {
       const auto& s = reads_[id].s_m;
       for (std::size_t i = 1; i < s.size(); ++i) record(s[i] - s[i - 1], {id, s[i - 1]}, {id, s[i]});
-      if (circuit_.previous(id).empty()) record(ahead_m_[id], {id, 0.0}, end_of_way(id));
+      if (circuit_.previous(id).empty()) record(ahead_m_[id], {id, 0.0}, end_of_path(id));
       if (s.empty()) continue;
       const double left_m = circuit_.section(id).length_m() - s.back();
       const SectionId worst = worst_after(id);
       if (worst == no_section)
         record(left_m, {id, s.back()}, {id, circuit_.section(id).length_m()});
       else
-        record(left_m + ahead_m_[worst], {id, s.back()}, end_of_way(worst));
+        record(left_m + ahead_m_[worst], {id, s.back()}, end_of_path(worst));
     }
     return longest_;
   }
@@ -106,7 +106,7 @@ class Ways {
     longest_ = {length_m, {first, 0.0}, {last, circuit_.section(last).length_m()}, true};
   }
 
-  [[nodiscard]] TrackPosition end_of_way(SectionId id) const {
+  [[nodiscard]] TrackPosition end_of_path(SectionId id) const {
     while (reads_[id].s_m.empty()) {
       if (via_[id] == no_section) return {id, circuit_.section(id).length_m()};
       id = via_[id];
@@ -264,7 +264,7 @@ class Search {
  private:
   double longest_m(const Chords& chords, Point2 offset) {
     chords.read(offset, reads_);
-    const Stretch longest = Ways{zone_.circuit, reads_}.longest();
+    const Stretch longest = DistanceToReads{zone_.circuit, reads_}.longest();
     return longest.endless ? infinite : longest.length_m;
   }
 
@@ -311,20 +311,20 @@ void read_tags(const TrafficZone& zone, std::vector<Reads>& reads) {
 Stretch longest_beacon_free(const TrafficZone& zone, double reach_m) {
   std::vector<Reads> reads(zone.circuit.size());
   if (zone.beacons) Chords{zone, reach_m}.read({0.0, 0.0}, reads);
-  return Ways{zone.circuit, reads}.longest();
+  return DistanceToReads{zone.circuit, reads}.longest();
 }
 
 Stretch longest_tag_free(const TrafficZone& zone) {
   std::vector<Reads> reads(zone.circuit.size());
   read_tags(zone, reads);
-  return Ways{zone.circuit, reads}.longest();
+  return DistanceToReads{zone.circuit, reads}.longest();
 }
 
 Stretch longest_unread(const TrafficZone& zone, double reach_m) {
   std::vector<Reads> reads(zone.circuit.size());
   if (zone.beacons) Chords{zone, reach_m}.read({0.0, 0.0}, reads);
   read_tags(zone, reads);
-  return Ways{zone.circuit, reads}.longest();
+  return DistanceToReads{zone.circuit, reads}.longest();
 }
 
 std::optional<OriginSuggestion> suggest_origin(const TrafficZone& zone, double reach_m) {

@@ -53,7 +53,7 @@ class Finder {
   [[nodiscard]] std::vector<Contact> contacts();
 
  private:
-  [[nodiscard]] bool one_gentle_way(const Chunk& a, const Chunk& b) const;
+  [[nodiscard]] bool one_gentle_path(const Chunk& a, const Chunk& b) const;
   [[nodiscard]] bool all_follow(const Chunk& a, const Chunk& b) const;
   [[nodiscard]] bool may_touch(const Chunk& body, const Chunk& line) const;
   [[nodiscard]] bool find_pairs(SectionId on);
@@ -77,7 +77,7 @@ void Finder::allow() {
 
 /// Whether all of both chunks lies on one way that turns so little that whoever is near follows: then chord ≥
 /// arc·cos(turn/2) keeps those apart that are further than `follow_m` along it, and there is nothing to scan.
-bool Finder::one_gentle_way(const Chunk& a, const Chunk& b) const {
+bool Finder::one_gentle_path(const Chunk& a, const Chunk& b) const {
   const auto bend = [&](const Chunk& chunk) { return circuit_.section(chunk.section).curvature_max_per_m(); };
   const auto gentle = [&](double turn_rad) {
     return (1.0 - turn_rad * turn_rad / 8.0) * rules_.follow_m > rules_.reach_m;
@@ -128,7 +128,7 @@ bool Finder::find_pairs(SectionId on) {
     chunks_.visit_around(a.centre, [&](std::uint32_t theirs) {
       const Chunk& b = chunks_[theirs];
       if (near_left_-- == 0) return few = false;
-      if (distance(a.centre, b.centre) > a.radius_m() + b.radius_m() + rules_.reach_m || one_gentle_way(a, b) ||
+      if (distance(a.centre, b.centre) > a.radius_m() + b.radius_m() + rules_.reach_m || one_gentle_path(a, b) ||
           !may_touch(a, b))
         return true;
       if (scans_left_-- == 0) return few = false;

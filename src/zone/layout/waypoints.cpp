@@ -37,12 +37,12 @@ void unite(std::vector<Stretch>& stretches) {
   stretches = std::move(united);
 }
 
-enum class Way { ahead, behind };
+enum class Side { ahead, behind };
 
 /// Lets each of `left_m` run out along the circuit: what is left of it where each section begins in that way (its start
 /// when going ahead, its end when going behind), −1 where it does not come. Runs on through sections that `passes`.
 template <typename Passes>
-std::vector<double> run_out(const Circuit& circuit, Way way, const std::vector<std::pair<double, SectionId>>& left_m,
+std::vector<double> run_out(const Circuit& circuit, Side side, const std::vector<std::pair<double, SectionId>>& left_m,
                             const Passes& passes) {
   // Largest first, so that each section is expanded once however many ways lead to it.
   std::vector<double> left_at(circuit.size(), -1.0);
@@ -54,7 +54,7 @@ std::vector<double> run_out(const Circuit& circuit, Way way, const std::vector<s
     left_at[id] = left;
     const double beyond_m = left - circuit.section(id).length_m();
     if (beyond_m < 0.0 || !passes(id)) continue;
-    for (const SectionId neighbour : way == Way::ahead ? circuit.next(id) : circuit.previous(id))
+    for (const SectionId neighbour : side == Side::ahead ? circuit.next(id) : circuit.previous(id))
       queue.emplace(beyond_m, neighbour);
   }
   return left_at;
@@ -98,8 +98,8 @@ class Blocked {
       }
     }
     const auto always = [](SectionId) { return true; };
-    const auto over_start = run_out(circuit_, Way::ahead, ahead, always);
-    const auto over_end = run_out(circuit_, Way::behind, behind, always);
+    const auto over_start = run_out(circuit_, Side::ahead, ahead, always);
+    const auto over_end = run_out(circuit_, Side::behind, behind, always);
     for (SectionId id = 0; id < stretches_.size(); ++id) {
       const double length = length_m(id);
       if (over_start[id] >= 0.0) stretches_[id].push_back({0.0, std::min(over_start[id], length)});
@@ -120,8 +120,8 @@ class Blocked {
       for (const SectionId before : circuit_.previous(id)) behind.emplace_back(left_behind, before);
     }
     const auto free = [this](SectionId id) { return stretches_[id].empty(); };
-    const auto from_behind = run_out(circuit_, Way::ahead, ahead, free);
-    const auto from_ahead = run_out(circuit_, Way::behind, behind, free);
+    const auto from_behind = run_out(circuit_, Side::ahead, ahead, free);
+    const auto from_ahead = run_out(circuit_, Side::behind, behind, free);
 
     for (SectionId id = 0; id < stretches_.size(); ++id) {
       auto& here = stretches_[id];

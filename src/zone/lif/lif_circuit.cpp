@@ -28,15 +28,15 @@ constexpr double turned_max_rad = 1e5;
 class Maker {
  public:
   Maker(const Document& document, FitTolerance tolerance, LifDiagnostics& diagnostics)
-      : document_{document}, diagnostics_{diagnostics}, way_maker_{tolerance, diagnostics} {}
-  Result<Ways> make();
+      : document_{document}, diagnostics_{diagnostics}, track_maker_{tolerance, diagnostics} {}
+  Result<Tracks> make();
 
  private:
   void merge_nodes();
   [[nodiscard]] bool is_lift(const Edge& edge) const;
   void find_pieces();
   void lay(const Edge& edge);
-  [[nodiscard]] Way rejoined(Way way, const Edge& edge);
+  [[nodiscard]] Track rejoined(Track track, const Edge& edge);
   [[nodiscard]] std::string unused(std::string name);
   [[nodiscard]] bool is_reached(std::size_t point) const {
     return !arriving_[point].empty() || !leaving_[point].empty() || impl_.contains(point);
@@ -57,7 +57,7 @@ class Maker {
 
   const Document& document_;
   LifDiagnostics& diagnostics_;
-  WayMaker way_maker_;
+  TrackMaker track_maker_;
   std::optional<Error> error_;
   std::vector<std::size_t> point_;  ///< by node: the node whose point it shares, itself where it is the first there
   std::vector<Laid> laid_;
@@ -69,11 +69,11 @@ class Maker {
   std::set<std::string, std::less<>> names_;
   double length_m_{0.0};
   double turned_rad_{0.0};
-  Ways ways_;
+  Tracks tracks_;
   std::set<std::string> station_names_;
 };
 
-Result<Ways> Maker::make() {
+Result<Tracks> Maker::make() {
   merge_nodes();
   for (const Edge& edge : document_.edges) names_.insert(edge.id);
   find_pieces();
@@ -81,12 +81,12 @@ Result<Ways> Maker::make() {
     if (!rejoined_.contains(&edge)) lay(edge);
     if (error_) return tl::unexpected(*error_);
   }
-  if (ways_.parts.empty()) return fail("circuit.empty", "no edge is left that a vehicle could drive on", "layouts");
+  if (tracks_.parts.empty()) return fail("circuit.empty", "no edge is left that a vehicle could drive on", "layouts");
   join();
   if (error_) return tl::unexpected(*error_);
   add_stations();
-  way_maker_.record_worst();
-  return std::move(ways_);
+  track_maker_.record_worst();
+  return std::move(tracks_);
 }
 
 /// Nodes at one point of one level are one: 10.9 and 10.16 of the standard's examples have several, one for each
@@ -157,33 +157,33 @@ void Maker::find_pieces() {
 }
 
 /// The section that an edge and the pieces after it are; its own way where they are none.
-Way Maker::rejoined(Way way, const Edge& edge) {
+Track Maker::rejoined(Track track, const Edge& edge) {
   std::vector<const Edge*> pieces;
   std::vector<double> ends_m;
   std::vector<Section> sections;
-  const auto append = [&](const Edge& piece, const Way& part) {
+  const auto append = [&](const Edge& piece, const Track& part) {
     if (part.sections.size() != 1) return false;
     pieces.push_back(&piece);
     sections.push_back(part.sections.front());
     ends_m.push_back((ends_m.empty() ? 0.0 : ends_m.back()) + sections.back().length_m());
     return true;
   };
-  bool whole = append(edge, way);
+  bool whole = append(edge, track);
   for (auto after = piece_after_.find(&edge); whole && after != piece_after_.end();
        after = piece_after_.find(after->second)) {
     const Edge& piece = *after->second;
     whole = append(
-        piece, way_maker_.make(piece, document_.nodes[point_[piece.from]].at, document_.nodes[point_[piece.to]].at));
+        piece, track_maker_.make(piece, document_.nodes[point_[piece.from]].at, document_.nodes[point_[piece.to]].at));
   }
-  auto section = whole ? way_maker_.as_one(sections) : std::nullopt;
-  if (!section) return way;
-  const auto id = static_cast<SectionId>(ways_.parts.size());
+  auto section = whole ? track_maker_.as_one(sections) : std::nullopt;
+  if (!section) return track;
+  const auto id = static_cast<SectionId>(tracks_.parts.size());
   for (std::size_t i = 0; i + 1 < pieces.size(); ++i) {
     impl_[point_[pieces[i]->to]] = {id, ends_m[i] * section->length_m() / ends_m.back()};
     rejoined_.insert(pieces[i + 1]);
   }
-  way.sections = {std::move(*section)};
-  return way;
+  track.sections = {std::move(*section)};
+  return track;
 }
 
 std::string Maker::unused(std::string name) {
@@ -198,8 +198,8 @@ void Maker::lay(const Edge& edge) {
   }
   const std::size_t from = point_[edge.from];
   const std::size_t to = point_[edge.to];
-  Way way = way_maker_.make(edge, document_.nodes[from].at, document_.nodes[to].at);
-  if (way.sections.empty()) {
+  Track track = track_maker_.make(edge, document_.nodes[from].at, document_.nodes[to].at);
+  if (track.sections.empty()) {
     if (from == to || distance(document_.nodes[from].at, document_.nodes[to].at) < same_point_m) {
       diagnostics_.add(mended, edge.position,
                        "edge '" + edge.id + "' has no length: its nodes are one point, where vehicles turn on the spot",
@@ -209,23 +209,23 @@ void Maker::lay(const Edge& edge) {
   }
   const Edge* finish = &edge;
   if (piece_after_.contains(&edge)) {
-    way = rejoined(std::move(way), edge);
+    track = rejoined(std::move(track), edge);
     for (auto after = piece_after_.find(finish); after != piece_after_.end() && rejoined_.contains(after->second);
          after = piece_after_.find(finish))
       finish = after->second;
   }
-  const auto first = static_cast<SectionId>(ways_.parts.size());
-  for (std::size_t i = 0; i < way.sections.size(); ++i) {
-    length_m_ += way.sections[i].length_m();
-    turned_rad_ += way.sections[i].length_m() * way.sections[i].curvature_max_per_m();
+  const auto first = static_cast<SectionId>(tracks_.parts.size());
+  for (std::size_t i = 0; i < track.sections.size(); ++i) {
+    length_m_ += track.sections[i].length_m();
+    turned_rad_ += track.sections[i].length_m() * track.sections[i].curvature_max_per_m();
     std::string name = i == 0 ? edge.id : unused(edge.id + "." + std::to_string(i + 1));
-    Circuit::Part part{std::move(name), std::move(way.sections[i]), edge.speed_mps_max, {}, way.corner[i]};
-    if (i + 1 < way.sections.size()) part.next = {static_cast<SectionId>(ways_.parts.size() + 1)};
-    ways_.parts.push_back(std::move(part));
-    ways_.start_ids.push_back(i == 0 ? document_.nodes[edge.from].id : std::string{});
-    ways_.end_ids.push_back(i + 1 == way.sections.size() ? document_.nodes[finish->to].id : std::string{});
+    Circuit::Part part{std::move(name), std::move(track.sections[i]), edge.speed_mps_max, {}, track.corner[i]};
+    if (i + 1 < track.sections.size()) part.next = {static_cast<SectionId>(tracks_.parts.size() + 1)};
+    tracks_.parts.push_back(std::move(part));
+    tracks_.start_ids.push_back(i == 0 ? document_.nodes[edge.from].id : std::string{});
+    tracks_.end_ids.push_back(i + 1 == track.sections.size() ? document_.nodes[finish->to].id : std::string{});
   }
-  if (ways_.parts.size() > sections_max || length_m_ > length_max_m || turned_rad_ > turned_max_rad) {
+  if (tracks_.parts.size() > sections_max || length_m_ > length_max_m || turned_rad_ > turned_max_rad) {
     error_ = Error{"zone.size",
                    "a zone may have 100000 sections, be 100 km long and turn 100000 rad in all; the edges up to here "
                    "exceed it. [import] scale or layout may help",
@@ -234,7 +234,7 @@ void Maker::lay(const Edge& edge) {
   }
   leaving_[from].push_back(laid_.size());
   arriving_[point_[finish->to]].push_back(laid_.size());
-  laid_.push_back({&edge, finish, first, static_cast<SectionId>(ways_.parts.size() - 1)});
+  laid_.push_back({&edge, finish, first, static_cast<SectionId>(tracks_.parts.size() - 1)});
 }
 
 void Maker::join() {
@@ -252,7 +252,7 @@ void Maker::join() {
 void Maker::join_end(std::size_t index) {
   const Laid& laid = laid_[index];
   const auto& leaving = leaving_[point_[laid.finish->to]];
-  Circuit::Part& part = ways_.parts[laid.last];
+  Circuit::Part& part = tracks_.parts[laid.last];
   struct Choice {
     bool back;
     double turn_rad;
@@ -264,7 +264,7 @@ void Maker::join_end(std::size_t index) {
   for (const std::size_t after : leaving) {
     const Laid& next = laid_[after];
     double turn_rad =
-        std::fabs(wrap_angle(ways_.parts[next.first].section.start().heading_rad - part.section.end().heading_rad));
+        std::fabs(wrap_angle(tracks_.parts[next.first].section.start().heading_rad - part.section.end().heading_rad));
     if (turn_rad <= Circuit::smooth_rad) turn_rad = 0.0;
     const bool back = turn_rad > turns_back_rad && point_[next.finish->to] == point_[laid.edge->from];
     const bool turns = laid.finish->arriving != Rotation::none && next.edge->leaving != Rotation::none;
@@ -349,16 +349,16 @@ void Maker::add_station(const std::string& name, std::size_t node, bool charges)
                                [&](std::size_t laid) { return laid_[laid].finish->to == node; });
     if (chosen == arriving.end()) chosen = arriving.begin();
     const SectionId section = laid_[*chosen].last;
-    position = {section, ways_.parts[section].section.length_m()};
+    position = {section, tracks_.parts[section].section.length_m()};
   } else {
     position = {laid_[leaving_[point_[node]].front()].first, 0.0};
   }
-  ways_.stations.push_back({std::move(unique), position, charges ? StationKind::charger : StationKind::stop});
+  tracks_.stations.push_back({std::move(unique), position, charges ? StationKind::charger : StationKind::stop});
 }
 
 }  // namespace
 
-Result<Ways> make_ways(const Document& document, FitTolerance tolerance, LifDiagnostics& diagnostics) {
+Result<Tracks> make_tracks(const Document& document, FitTolerance tolerance, LifDiagnostics& diagnostics) {
   return Maker{document, tolerance, diagnostics}.make();
 }
 

@@ -12,7 +12,7 @@
 namespace cosiva::zone::lif {
 
 /// The ways of a document, joined at its nodes.
-struct Ways {
+struct Tracks {
   std::vector<Circuit::Part> parts;
   std::vector<std::string> start_ids;  ///< by section: its node's id; empty inside a trajectory
   std::vector<std::string> end_ids;
@@ -20,6 +20,6 @@ struct Ways {
 };
 
 /// Fails ("circuit.empty") where no edge is left, ("zone.size") where there are too many sections or joints.
-[[nodiscard]] Result<Ways> make_ways(const Document& document, FitTolerance tolerance, LifDiagnostics& diagnostics);
+[[nodiscard]] Result<Tracks> make_tracks(const Document& document, FitTolerance tolerance, LifDiagnostics& diagnostics);
 
 }  // namespace cosiva::zone::lif

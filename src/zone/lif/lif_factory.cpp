@@ -64,10 +64,10 @@ Result<TrafficZone> LifCircuitFactory::make_zone(const ZoneConfiguration& config
   lif::LifDiagnostics diagnostics;
   auto document = lif::read_document(*json, {sidecar->vehicle_type, sidecar->layout, sidecar->scale}, diagnostics);
   if (!document) return failed(document.error());
-  auto ways = lif::make_ways(*document, {sidecar->tolerance_m, sidecar->tolerance_rad}, diagnostics);
-  if (!ways) {
+  auto tracks = lif::make_tracks(*document, {sidecar->tolerance_m, sidecar->tolerance_rad}, diagnostics);
+  if (!tracks) {
     // What was lost before says why nothing is left; a field that is not taken does not, and begins with its name.
-    Error error = ways.error();
+    Error error = tracks.error();
     for (const Diagnostic& diagnostic : diagnostics.take()) {
       if (error.code == "circuit.empty" && diagnostic.kind == Diagnostic::Kind::lost &&
           !diagnostic.text.starts_with('\'')) {
@@ -79,7 +79,7 @@ Result<TrafficZone> LifCircuitFactory::make_zone(const ZoneConfiguration& config
   }
 
   std::string name = zone_name(sidecar->name, document->project);
-  auto circuit = Circuit::make(name, std::move(ways->parts));
+  auto circuit = Circuit::make(name, std::move(tracks->parts));
   if (!circuit) return failed(circuit.error());
   TrafficZone zone{.name = std::move(name),
                    .circuit = std::move(*circuit),
@@ -87,14 +87,14 @@ Result<TrafficZone> LifCircuitFactory::make_zone(const ZoneConfiguration& config
                    .profiles = default_profiles,
                    .tags = {},
                    .beacons = {},
-                   .stations = std::move(ways->stations),
+                   .stations = std::move(tracks->stations),
                    .crossings = {},
                    .waypoints = {},
                    .starts = {}};
   zone.edges_are_sections = true;
   WaypointRules rules;
-  rules.start_ids = std::move(ways->start_ids);
-  rules.end_ids = std::move(ways->end_ids);
+  rules.start_ids = std::move(tracks->start_ids);
+  rules.end_ids = std::move(tracks->end_ids);
   if (auto furnished = furnish(zone, configuration, *sidecar, std::move(rules)); !furnished)
     return tl::unexpected(furnished.error());
   auto said = diagnostics.take();

@@ -45,7 +45,7 @@ std::vector<std::string> names(const Circuit& circuit, std::span<const SectionId
 }
 
 /// Same names, joints, limits, and nowhere more than a millimetre and a milliradian apart.
-void expect_same_ways(const Circuit& a, const Circuit& b) {
+void expect_same_geometry(const Circuit& a, const Circuit& b) {
   ASSERT_EQ(a.size(), b.size());
   for (SectionId id = 0; id < a.size(); ++id) {
     const Circuit::Part& part = a.part(id);
@@ -67,7 +67,7 @@ void expect_same_ways(const Circuit& a, const Circuit& b) {
 /// Likewise, and with the same tags, stations, starts, loops and whatever else.
 void expect_same(const TrafficZone& a, const TrafficZone& b) {
   EXPECT_EQ(a.name, b.name);
-  expect_same_ways(a.circuit, b.circuit);
+  expect_same_geometry(a.circuit, b.circuit);
   const auto expect_position = [&](TrackPosition here, TrackPosition there) {
     EXPECT_LT(distance(a.circuit.pose_at(here), b.circuit.pose_at(there)), 1e-3);
   };
@@ -320,7 +320,7 @@ TEST(LifEdit, goes_into_the_sidecar) {
   const TrafficZone after = read(*edited);
   ASSERT_NE(after.find_tag(99), nullptr);
   EXPECT_EQ(after.priority_of("CoSiVA/AIV1"), 7);
-  EXPECT_TRUE(same_ways(zone, after));
+  EXPECT_TRUE(same_geometry(zone, after));
 }
 
 TEST(LifPlant, is_complete) {
@@ -332,8 +332,8 @@ TEST(LifPlant, is_complete) {
   for (SectionId id = 0; id < zone.circuit.size(); ++id) {
     EXPECT_FALSE(zone.circuit.next(id).empty()) << zone.circuit.part(id).name;
     // From any station to any section and back.
-    EXPECT_TRUE(zone.circuit.shortest_way({id, 0.0}, zone.find_station("charger_1")->position, 100.0));
-    EXPECT_TRUE(zone.circuit.shortest_way(zone.find_station("goods_out")->position, {id, 0.1}, 100.0));
+    EXPECT_TRUE(zone.circuit.shortest_route({id, 0.0}, zone.find_station("charger_1")->position, 100.0));
+    EXPECT_TRUE(zone.circuit.shortest_route(zone.find_station("goods_out")->position, {id, 0.1}, 100.0));
   }
 }
 

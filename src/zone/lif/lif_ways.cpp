@@ -8,7 +8,7 @@ namespace cosiva::zone::lif {
 namespace {
 
 /// Nodes nearer than this are one point: no way leads from one to the other.
-constexpr double way_min_m = 1e-3;
+constexpr double distance_min_m = 1e-3;
 /// A trajectory this close to its nodes meets them.
 constexpr double meets_m = 1e-3;
 /// One that must be stretched further is another curve.
@@ -30,7 +30,7 @@ bool is_straight(const Nurbs& curve) {
   const Point2 a = curve.points.front();
   const Point2 b = curve.points.back();
   const double length_m = distance(a, b);
-  if (length_m < way_min_m) return false;
+  if (length_m < distance_min_m) return false;
   double reached_m = 0.0;
   for (const Point2 p : curve.points) {
     const double along_m = ((p.x_m - a.x_m) * (b.x_m - a.x_m) + (p.y_m - a.y_m) * (b.y_m - a.y_m)) / length_m;
@@ -46,14 +46,14 @@ double hair_of(const Nurbs& curve) { return 1e-9 * (curve.to() - curve.from()); 
 
 }  // namespace
 
-Way WayMaker::make(const Edge& edge, Point2 from, Point2 to) {
+Track TrackMaker::make(const Edge& edge, Point2 from, Point2 to) {
   if (edge.trajectory) {
     Nurbs curve = *edge.trajectory;
-    Way way;
-    if (meet(curve, edge, from, to) && !is_straight(curve) && follow(curve, edge, way)) return way;
+    Track track;
+    if (meet(curve, edge, from, to) && !is_straight(curve) && follow(curve, edge, track)) return track;
   }
   const double length_m = distance(from, to);
-  if (length_m < way_min_m) return {};
+  if (length_m < distance_min_m) return {};
   auto section = Section::make({from.x_m, from.y_m, det_atan2(to.y_m - from.y_m, to.x_m - from.x_m)}, length_m);
   if (!section) {
     diagnostics_.add(Diagnostic::Kind::lost, edge.position,
@@ -64,7 +64,7 @@ Way WayMaker::make(const Edge& edge, Point2 from, Point2 to) {
 }
 
 /// Moves the curve's ends to the nodes.
-bool WayMaker::meet(Nurbs& curve, const Edge& edge, Point2 from, Point2 to) {
+bool TrackMaker::meet(Nurbs& curve, const Edge& edge, Point2 from, Point2 to) {
   const Point2 a = position(curve.pose_at(curve.from()));
   const Point2 b = position(curve.pose_at(curve.to()));
   const double chord_m = distance(a, b);
@@ -73,12 +73,12 @@ bool WayMaker::meet(Nurbs& curve, const Edge& edge, Point2 from, Point2 to) {
   // z ↦ from + (z − a)·k as complex numbers; a closed curve is only moved.
   double kx = 1.0;
   double ky = 0.0;
-  if (chord_m >= way_min_m && wanted_m >= way_min_m) {
+  if (chord_m >= distance_min_m && wanted_m >= distance_min_m) {
     const Point2 c{b.x_m - a.x_m, b.y_m - a.y_m};
     const Point2 w{to.x_m - from.x_m, to.y_m - from.y_m};
     kx = (w.x_m * c.x_m + w.y_m * c.y_m) / (chord_m * chord_m);
     ky = (w.y_m * c.x_m - w.x_m * c.y_m) / (chord_m * chord_m);
-  } else if (chord_m >= way_min_m || wanted_m >= way_min_m) {
+  } else if (chord_m >= distance_min_m || wanted_m >= distance_min_m) {
     diagnostics_.add(Diagnostic::Kind::mended, edge.position + ".trajectory",
                      "the trajectory and its nodes do not belong together; a straight line from node to node instead");
     return false;
@@ -106,7 +106,7 @@ bool WayMaker::meet(Nurbs& curve, const Edge& edge, Point2 from, Point2 to) {
   return true;
 }
 
-bool WayMaker::follow(const Nurbs& curve, const Edge& edge, Way& way) {
+bool TrackMaker::follow(const Nurbs& curve, const Edge& edge, Track& track) {
   // From corner to corner.
   const double hair = hair_of(curve);
   double from = curve.from();
@@ -119,17 +119,17 @@ bool WayMaker::follow(const Nurbs& curve, const Edge& edge, Way& way) {
   ends.push_back(curve.to());
   std::string why;
   for (const double to : ends) {
-    if (!follow_span(curve, from, to, way, why)) {
-      way = {};
+    if (!follow_span(curve, from, to, track, why)) {
+      track = {};
       diagnostics_.add(Diagnostic::Kind::mended, edge.position + ".trajectory",
                        "the trajectory cannot be driven: " + why + "; a straight line from node to node instead",
                        "trajectory not fitted");
       return false;
     }
-    way.corner.back() = true;
+    track.corner.back() = true;
     from = to;
   }
-  way.corner.back() = false;
+  track.corner.back() = false;
   if (ends.size() > 1) {
     diagnostics_.add(Diagnostic::Kind::mended, edge.position + ".trajectory",
                      "the trajectory has corners; vehicles turn on the spot there");
@@ -137,7 +137,7 @@ bool WayMaker::follow(const Nurbs& curve, const Edge& edge, Way& way) {
   return true;
 }
 
-bool WayMaker::follow_span(const Nurbs& curve, double from, double to, Way& way, std::string& why) {
+bool TrackMaker::follow_span(const Nurbs& curve, double from, double to, Track& track, std::string& why) {
   const double cost = static_cast<double>((curve.degree + 1) * (curve.degree + 1) + 20);
   double budget = std::min(work_of_one, work_left_);
   const double granted = budget;
@@ -187,13 +187,13 @@ bool WayMaker::follow_span(const Nurbs& curve, double from, double to, Way& way,
   worst_position_m_ = std::max(worst_position_m_, made->worst_position_m);
   worst_heading_rad_ = std::max(worst_heading_rad_, made->worst_heading_rad);
   for (Section& section : made->sections) {
-    way.sections.push_back(std::move(section));
-    way.corner.push_back(false);
+    track.sections.push_back(std::move(section));
+    track.corner.push_back(false);
   }
   return true;
 }
 
-std::optional<Section> WayMaker::as_one(const std::vector<Section>& sections) const {
+std::optional<Section> TrackMaker::as_one(const std::vector<Section>& sections) const {
   std::vector<double> ends_m;
   ends_m.reserve(sections.size());
   for (const Section& section : sections) ends_m.push_back((ends_m.empty() ? 0.0 : ends_m.back()) + section.length_m());
@@ -209,7 +209,7 @@ std::optional<Section> WayMaker::as_one(const std::vector<Section>& sections) co
   return std::move(made->sections.front());
 }
 
-void WayMaker::record_worst() {
+void TrackMaker::record_worst() {
   if (fitted_ == 0) return;
   diagnostics_.add(Diagnostic::Kind::notice, "layouts",
                    std::to_string(fitted_) + " trajectories are followed within " + decimal(worst_position_m_, 1e-3) +

@@ -14,19 +14,19 @@
 namespace cosiva::zone::lif {
 
 /// What an edge is driven on: sections end to end, from its one node to its other.
-struct Way {
+struct Track {
   std::vector<Section> sections;
   std::vector<bool> corner;  ///< by section: vehicles turn on the spot at its end, before the way's next section
 };
 
 /// Makes ways of edges, within a tolerance, and notes how.
-class WayMaker {
+class TrackMaker {
  public:
-  WayMaker(FitTolerance tolerance, LifDiagnostics& diagnostics) : tolerance_{tolerance}, diagnostics_{diagnostics} {}
+  TrackMaker(FitTolerance tolerance, LifDiagnostics& diagnostics) : tolerance_{tolerance}, diagnostics_{diagnostics} {}
 
   /// A straight line, or the trajectory: moved, turned and stretched where it does not meet the nodes, a straight line
   /// again where that would not do. No sections where the nodes are one point and the trajectory does not lead round.
-  [[nodiscard]] Way make(const Edge& edge, Point2 from, Point2 to);
+  [[nodiscard]] Track make(const Edge& edge, Point2 from, Point2 to);
   /// One section along sections that lie end to end, within the tolerance; nothing where there is none.
   [[nodiscard]] std::optional<Section> as_one(const std::vector<Section>& sections) const;
   /// Notes what the fits of all ways came to.
@@ -34,8 +34,8 @@ class WayMaker {
 
  private:
   [[nodiscard]] bool meet(Nurbs& curve, const Edge& edge, Point2 from, Point2 to);
-  [[nodiscard]] bool follow(const Nurbs& curve, const Edge& edge, Way& way);
-  [[nodiscard]] bool follow_span(const Nurbs& curve, double from, double to, Way& way, std::string& why);
+  [[nodiscard]] bool follow(const Nurbs& curve, const Edge& edge, Track& track);
+  [[nodiscard]] bool follow_span(const Nurbs& curve, double from, double to, Track& track, std::string& why);
 
   FitTolerance tolerance_;
   LifDiagnostics& diagnostics_;

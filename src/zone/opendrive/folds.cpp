@@ -151,9 +151,9 @@ double Bridge::tightest_m() const {
   Point2 before = slope_at(from);
   for (int i = 1; i <= samples; ++i) {
     const Point2 here = slope_at(from + (to - from) * i / samples);
-    const double way_m = 0.5 * (norm(before.x_m, before.y_m) + norm(here.x_m, here.y_m)) * (to - from) / samples;
+    const double distance_m = 0.5 * (norm(before.x_m, before.y_m) + norm(here.x_m, here.y_m)) * (to - from) / samples;
     const double turn = corner_between(before, here);
-    if (turn > 1e-9) tightest = std::min(tightest, way_m / turn);
+    if (turn > 1e-9) tightest = std::min(tightest, distance_m / turn);
     before = here;
   }
   return tightest;

@@ -11,19 +11,19 @@ namespace {
 constexpr double free_m = 5e-6;
 constexpr double free_rad = 2e-5;
 constexpr double worth_a_diagnostic = 1e-3;  // metres or radians
-constexpr double short_way_m = 1.0;
+constexpr double short_track_m = 1.0;
 
 /// Ends of ways: 2·way is where it is entered, 2·way + 1 where it is left.
 using EndId = std::size_t;
-EndId entry_of(WayId way) { return 2 * std::size_t{way}; }
-EndId exit_of(WayId way) { return 2 * std::size_t{way} + 1; }
+EndId entry_of(TrackId track) { return 2 * std::size_t{track}; }
+EndId exit_of(TrackId track) { return 2 * std::size_t{track} + 1; }
 
 class Joiner {
  public:
-  Joiner(const Network& network, Ways& ways, Report& report) : network_{network}, ways_{ways}, report_{report} {
-    for (const Way& way : ways.ways) {
-      poses_.push_back(way.curve.entry());
-      poses_.push_back(way.curve.exit());
+  Joiner(const Network& network, Tracks& tracks, Report& report) : network_{network}, tracks_{tracks}, report_{report} {
+    for (const Track& track : tracks.tracks) {
+      poses_.push_back(track.curve.entry());
+      poses_.push_back(track.curve.exit());
     }
     parent_.resize(poses_.size());
     std::iota(parent_.begin(), parent_.end(), EndId{0});
@@ -33,20 +33,20 @@ class Joiner {
   void join();
 
  private:
-  [[nodiscard]] bool apart(WayId from, WayId to);
+  [[nodiscard]] bool apart(TrackId from, TrackId to);
   [[nodiscard]] EndId root(EndId end);
   void join_group(const std::vector<EndId>& ends);
-  [[nodiscard]] const Way& way_of(EndId end) const { return ways_.ways[end / 2]; }
+  [[nodiscard]] const Track& track_of(EndId end) const { return tracks_.tracks[end / 2]; }
   [[nodiscard]] double width(EndId end) const {
-    return end % 2 == 0 ? way_of(end).width_entry : way_of(end).width_exit;
+    return end % 2 == 0 ? track_of(end).width_entry : track_of(end).width_exit;
   }
   /// How much an end stays where it is: wide lanes do, and those that have no room to be bent in.
   [[nodiscard]] double weight(EndId end) const {
-    return width(end) * width(end) * (way_of(end).curve.span() < short_way_m ? 100.0 : 1.0);
+    return width(end) * width(end) * (track_of(end).curve.span() < short_track_m ? 100.0 : 1.0);
   }
 
   const Network& network_;
-  Ways& ways_;
+  Tracks& tracks_;
   Report& report_;
   std::vector<Pose2> poses_;
   std::vector<EndId> parent_;
@@ -62,29 +62,29 @@ EndId Joiner::root(EndId end) {
 
 /// Whether one would have to be bent too much to reach the other. It is the narrower that gives way, since a lane that
 /// begins with no width begins at its neighbour's edge.
-bool Joiner::apart(WayId from, WayId to) {
+bool Joiner::apart(TrackId from, TrackId to) {
   const Pose2& exit = poses_[exit_of(from)];
   const Pose2& entry = poses_[entry_of(to)];
   const double gap_m = distance(exit, entry);
   const double kink_rad = wrap_angle(entry.heading_rad - exit.heading_rad);
-  const Way& moves = width(exit_of(from)) < width(entry_of(to)) ? ways_.ways[from] : ways_.ways[to];
+  const Track& moves = width(exit_of(from)) < width(entry_of(to)) ? tracks_.tracks[from] : tracks_.tracks[to];
   if (gap_m <= std::min(gap_max_m, 0.25 * moves.curve.span()) && std::fabs(kink_rad) <= kink_max_rad) return false;
   if (gap_m <= free_m && std::fabs(kink_rad) <= free_rad) return false;
-  std::string text = "its successor '" + ways_.ways[to].name(network_) + "' begins " + metres(gap_m) + " and ";
+  std::string text = "its successor '" + tracks_.tracks[to].name(network_) + "' begins " + metres(gap_m) + " and ";
   text += std::to_string(kink_rad) + " rad from where it ends, too much to bend: they are not joined";
   report_.add(Diagnostic::Kind::lost, "links between ends too far apart",
-              "lane '" + ways_.ways[from].name(network_) + "'", std::move(text));
+              "lane '" + tracks_.tracks[from].name(network_) + "'", std::move(text));
   return true;
 }
 
 void Joiner::unlink_what_is_apart() {
-  for (WayId from = 0; from < ways_.ways.size(); ++from)
-    std::erase_if(ways_.ways[from].next, [&](WayId to) { return apart(from, to); });
+  for (TrackId from = 0; from < tracks_.tracks.size(); ++from)
+    std::erase_if(tracks_.tracks[from].next, [&](TrackId to) { return apart(from, to); });
 }
 
 void Joiner::join() {
-  for (WayId from = 0; from < ways_.ways.size(); ++from) {
-    for (const WayId to : ways_.ways[from].next) parent_[root(exit_of(from))] = root(entry_of(to));
+  for (TrackId from = 0; from < tracks_.tracks.size(); ++from) {
+    for (const TrackId to : tracks_.tracks[from].next) parent_[root(exit_of(from))] = root(entry_of(to));
   }
   std::vector<std::vector<EndId>> groups(poses_.size());
   for (EndId end = 0; end < poses_.size(); ++end) groups[root(end)].push_back(end);
@@ -117,10 +117,10 @@ void Joiner::join_group(const std::vector<EndId>& ends) {
     const double shift_m = distance(mean, poses_[end]);
     const double turn_rad = wrap_angle(mean.heading_rad - poses_[end].heading_rad);
     if (shift_m <= 1e-9 && std::fabs(turn_rad) <= 1e-9) continue;
-    const double reach_m = std::min(easing_reach(shift_m, turn_rad), way_of(end).curve.span());
-    ways_.ways[end / 2].curve.move_end(end % 2 == 0, mean, reach_m);
+    const double reach_m = std::min(easing_reach(shift_m, turn_rad), track_of(end).curve.span());
+    tracks_.tracks[end / 2].curve.move_end(end % 2 == 0, mean, reach_m);
     if (shift_m <= worth_a_diagnostic && std::fabs(turn_rad) <= worth_a_diagnostic) continue;
-    report_.add(Diagnostic::Kind::mended, "lane ends that did not meet", "lane '" + way_of(end).name(network_) + "'",
+    report_.add(Diagnostic::Kind::mended, "lane ends that did not meet", "lane '" + track_of(end).name(network_) + "'",
                 std::string(end % 2 == 0 ? "its beginning" : "its end") + " is moved by " + metres(shift_m) + " and " +
                     std::to_string(turn_rad) + " rad, over " + metres(reach_m) + ", to meet the lanes linked to it");
   }
@@ -128,8 +128,8 @@ void Joiner::join_group(const std::vector<EndId>& ends) {
 
 }  // namespace
 
-void join_ways(const Network& network, Ways& ways, Report& report) {
-  Joiner joiner{network, ways, report};
+void join_tracks(const Network& network, Tracks& tracks, Report& report) {
+  Joiner joiner{network, tracks, report};
   joiner.unlink_what_is_apart();
   joiner.join();
 }

@@ -7,6 +7,6 @@
 namespace cosiva::zone::opendrive {
 
 /// Moves ends of linked ways to where they meet; unlinks those that are too far apart.
-void join_ways(const Network& network, Ways& ways, Report& report);
+void join_tracks(const Network& network, Tracks& tracks, Report& report);
 
 }  // namespace cosiva::zone::opendrive

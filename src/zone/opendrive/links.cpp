@@ -17,7 +17,7 @@ constexpr std::size_t pairs_max = 2'000'000;
 
 class Linker {
  public:
-  Linker(const Network& network, Ways& ways, Report& report) : network_{network}, ways_{ways}, report_{report} {
+  Linker(const Network& network, Tracks& tracks, Report& report) : network_{network}, tracks_{tracks}, report_{report} {
     for (std::uint32_t i = 0; i < network.roads.size(); ++i) roads_.emplace(network.roads[i].id, i);
   }
 
@@ -29,19 +29,19 @@ class Linker {
 
  private:
   [[nodiscard]] std::optional<std::uint32_t> road(const std::string& id, const std::string& location);
-  [[nodiscard]] const Lane* lane(const Ways::End& end) const;
-  [[nodiscard]] bool exit_of(const Ways::End& end, WayId way) const {
-    return ways_.ways[way].curve.forward() != end.at_start;
+  [[nodiscard]] const Lane* lane(const Tracks::End& end) const;
+  [[nodiscard]] bool exit_of(const Tracks::End& end, TrackId track) const {
+    return tracks_.tracks[track].curve.forward() != end.at_start;
   }
   [[nodiscard]] Point2 end_of(std::uint32_t road, bool at_start) const;
   [[nodiscard]] bool contact(std::uint32_t road, bool at_start, std::uint32_t other, bool other_at_start,
                              const std::string& location);
   [[nodiscard]] bool start_faces(std::uint32_t incoming, std::uint32_t connecting, bool at_start) const;
-  void link(const Ways::End& a, const Ways::End& b, const std::string& location);
-  void join_if_met(WayId from, WayId to);
+  void link(const Tracks::End& a, const Tracks::End& b, const std::string& location);
+  void join_if_met(TrackId from, TrackId to);
 
   const Network& network_;
-  Ways& ways_;
+  Tracks& tracks_;
   Report& report_;
   std::map<std::string, std::uint32_t, std::less<>> roads_;
 };
@@ -54,38 +54,38 @@ std::optional<std::uint32_t> Linker::road(const std::string& id, const std::stri
   return std::nullopt;
 }
 
-const Lane* Linker::lane(const Ways::End& end) const {
+const Lane* Linker::lane(const Tracks::End& end) const {
   const auto& section = network_.roads[end.road].sections[end.section];
   const auto& side = end.lane > 0 ? section.left : section.right;
   const auto at = std::find_if(side.begin(), side.end(), [&](const Lane& lane) { return lane.id == end.lane; });
   return at == side.end() ? nullptr : &*at;
 }
 
-void Linker::link(const Ways::End& a, const Ways::End& b, const std::string& location) {
-  const WayId one = ways_.find(a);
-  const WayId two = ways_.find(b);
-  if (one == no_way || two == no_way) {
-    for (const Ways::End& end : {a, b}) {
+void Linker::link(const Tracks::End& a, const Tracks::End& b, const std::string& location) {
+  const TrackId one = tracks_.find(a);
+  const TrackId two = tracks_.find(b);
+  if (one == no_track || two == no_track) {
+    for (const Tracks::End& end : {a, b}) {
       if (lane(end) == nullptr && end.lane != 0)
         return report_.add(Diagnostic::Kind::lost, "links to lanes that are not there", location,
                            "leads to lane " + std::to_string(end.lane) + " of road '" + network_.roads[end.road].id +
                                "', which is not there");
     }
     // From a lane that is not driven on to another such is nobody's loss.
-    if (one != no_way || two != no_way) report_.count("links to lanes not driven on");
+    if (one != no_track || two != no_track) report_.count("links to lanes not driven on");
     return;
   }
   if (exit_of(a, one) == exit_of(b, two))
     return report_.add(Diagnostic::Kind::lost, "links of lanes that run against each other", location,
-                       "links '" + ways_.ways[one].name(network_) + "' to '" + ways_.ways[two].name(network_) +
+                       "links '" + tracks_.tracks[one].name(network_) + "' to '" + tracks_.tracks[two].name(network_) +
                            "', which run against each other");
-  const WayId from = exit_of(a, one) ? one : two;
-  ways_.ways[from].next.push_back(from == one ? two : one);
+  const TrackId from = exit_of(a, one) ? one : two;
+  tracks_.tracks[from].next.push_back(from == one ? two : one);
 }
 
 /// Of its reference line, which it must have.
 Point2 Linker::end_of(std::uint32_t road, bool at_start) const {
-  const ReferenceLine& line = *ways_.lines[road];
+  const ReferenceLine& line = *tracks_.lines[road];
   return line.at(at_start ? line.from() : line.length()).p;
 }
 
@@ -93,7 +93,7 @@ Point2 Linker::end_of(std::uint32_t road, bool at_start) const {
 /// road's other end lies right there.
 bool Linker::contact(std::uint32_t road, bool at_start, std::uint32_t other, bool other_at_start,
                      const std::string& location) {
-  if (!ways_.lines[road] || !ways_.lines[other]) return at_start;
+  if (!tracks_.lines[road] || !tracks_.lines[other]) return at_start;
   const Point2 here = end_of(other, other_at_start);
   const double named_m = distance(here, end_of(road, at_start));
   const double opposite_m = distance(here, end_of(road, !at_start));
@@ -147,8 +147,8 @@ void Linker::link_road(std::uint32_t index, bool at_start) {
 
 /// Which end of the incoming road is nearer to where the connecting road begins.
 bool Linker::start_faces(std::uint32_t incoming, std::uint32_t connecting, bool at_start) const {
-  const auto& in = ways_.lines[incoming];
-  const auto& out = ways_.lines[connecting];
+  const auto& in = tracks_.lines[incoming];
+  const auto& out = tracks_.lines[connecting];
   if (!in || !out) return false;
   const Point2 contact = out->at(at_start ? out->from() : out->length()).p;
   return distance(in->at(in->from()).p, contact) < distance(in->at(in->length()).p, contact);
@@ -177,35 +177,35 @@ void Linker::link_connection(const Junction& junction, const Connection& connect
   }
 }
 
-void Linker::join_if_met(WayId from, WayId to) {
+void Linker::join_if_met(TrackId from, TrackId to) {
   // What is hardly longer than this meets everything, itself too.
-  for (const WayId way : {from, to}) {
-    if (ways_.ways[way].curve.span() < 5.0 * meets_m) return;
+  for (const TrackId track : {from, to}) {
+    if (tracks_.tracks[track].curve.span() < 5.0 * meets_m) return;
   }
-  const Pose2 exit = ways_.ways[from].curve.exit();
-  const Pose2 entry = ways_.ways[to].curve.entry();
+  const Pose2 exit = tracks_.tracks[from].curve.exit();
+  const Pose2 entry = tracks_.tracks[to].curve.entry();
   if (distance(exit, entry) > meets_m || std::fabs(wrap_angle(exit.heading_rad - entry.heading_rad)) > meets_rad)
     return;
-  ways_.ways[from].next.push_back(to);
+  tracks_.tracks[from].next.push_back(to);
   report_.add(Diagnostic::Kind::mended, "ends that meet without a link",
-              "lane '" + ways_.ways[from].name(network_) + "'",
-              "ends where '" + ways_.ways[to].name(network_) + "' begins, though no link says so; joined");
+              "lane '" + tracks_.tracks[from].name(network_) + "'",
+              "ends where '" + tracks_.tracks[to].name(network_) + "' begins, though no link says so; joined");
 }
 
 void Linker::link_what_meets() {
-  std::vector<bool> followed(ways_.ways.size());
-  std::vector<bool> led_to(ways_.ways.size());
-  std::vector<std::pair<double, WayId>> entries;
-  for (WayId id = 0; id < ways_.ways.size(); ++id) {
-    followed[id] = !ways_.ways[id].next.empty();
-    for (const WayId to : ways_.ways[id].next) led_to[to] = true;
-    entries.emplace_back(ways_.ways[id].curve.entry().x_m, id);
+  std::vector<bool> followed(tracks_.tracks.size());
+  std::vector<bool> led_to(tracks_.tracks.size());
+  std::vector<std::pair<double, TrackId>> entries;
+  for (TrackId id = 0; id < tracks_.tracks.size(); ++id) {
+    followed[id] = !tracks_.tracks[id].next.empty();
+    for (const TrackId to : tracks_.tracks[id].next) led_to[to] = true;
+    entries.emplace_back(tracks_.tracks[id].curve.entry().x_m, id);
   }
   std::sort(entries.begin(), entries.end());
   std::size_t pairs = 0;
-  for (WayId from = 0; from < ways_.ways.size(); ++from) {
-    const double x = ways_.ways[from].curve.exit().x_m;
-    for (auto at = std::lower_bound(entries.begin(), entries.end(), std::pair{x - meets_m, WayId{0}});
+  for (TrackId from = 0; from < tracks_.tracks.size(); ++from) {
+    const double x = tracks_.tracks[from].curve.exit().x_m;
+    for (auto at = std::lower_bound(entries.begin(), entries.end(), std::pair{x - meets_m, TrackId{0}});
          at != entries.end() && at->first <= x + meets_m; ++at) {
       if (followed[from] && led_to[at->second]) continue;
       if (++pairs > pairs_max)
@@ -217,16 +217,16 @@ void Linker::link_what_meets() {
 }
 
 void Linker::finish() {
-  for (Way& way : ways_.ways) {
-    std::sort(way.next.begin(), way.next.end());
-    way.next.erase(std::unique(way.next.begin(), way.next.end()), way.next.end());
+  for (Track& track : tracks_.tracks) {
+    std::sort(track.next.begin(), track.next.end());
+    track.next.erase(std::unique(track.next.begin(), track.next.end()), track.next.end());
   }
 }
 
 }  // namespace
 
-void link_ways(const Network& network, Ways& ways, Report& report) {
-  Linker linker{network, ways, report};
+void link_tracks(const Network& network, Tracks& tracks, Report& report) {
+  Linker linker{network, tracks, report};
   for (std::uint32_t road = 0; road < network.roads.size(); ++road) {
     linker.link_sections(road);
     linker.link_road(road, true);

@@ -7,6 +7,6 @@
 namespace cosiva::zone::opendrive {
 
 /// Fills `next`: from the file's links, and from ends that meet though no link says so.
-void link_ways(const Network& network, Ways& ways, Report& report);
+void link_tracks(const Network& network, Tracks& tracks, Report& report);
 
 }  // namespace cosiva::zone::opendrive

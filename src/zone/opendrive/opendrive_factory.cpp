@@ -104,10 +104,10 @@ Result<TrafficZone> OpenDriveCircuitFactory::make_zone(const ZoneConfiguration& 
   move_near(*network, report);
   drop_short_sections(*network, report);
 
-  Ways ways = find_ways(*network, sidecar->lane_types.value_or(driven_lane_types()), report);
-  link_ways(*network, ways, report);
-  join_ways(*network, ways, report);
-  auto parts = lay_sections(*network, ways, sidecar->scale, {sidecar->tolerance_m, sidecar->tolerance_rad}, report);
+  Tracks tracks = find_tracks(*network, sidecar->lane_types.value_or(driven_lane_types()), report);
+  link_tracks(*network, tracks, report);
+  join_tracks(*network, tracks, report);
+  auto parts = lay_sections(*network, tracks, sidecar->scale, {sidecar->tolerance_m, sidecar->tolerance_rad}, report);
   if (!parts) return fail(parts.error().code, parts.error().message, configuration.origin);
   const std::string name = sidecar->name.value_or(name_of(*network, configuration.text));
   auto circuit = Circuit::make(name, std::move(*parts));

@@ -163,9 +163,9 @@ TEST(OpenDrive, rings_of_the_samples_close) {
 TEST(OpenDrive, a_three_way_junction_leads_from_each_arm_to_the_two_others) {
   const TrafficZone zone = zone_of(read_file(samples_folder + "maliput/TShapeRoad.xodr"));
   // Connecting roads by arm, from the file: contact point "end" means that the road is driven against its s.
-  const std::map<std::string, std::set<std::string>> ways{
+  const std::map<std::string, std::set<std::string>> tracks{
       {"0.0.-1", {"5.0.-1", "9.0.-1"}}, {"1.0.1", {"4.0.1", "6.0.-1"}}, {"2.0.-1", {"7.0.-1", "8.0.-1"}}};
-  for (const auto& [from, expected] : ways) {
+  for (const auto& [from, expected] : tracks) {
     SectionId id = *zone.circuit.find(from);
     while (zone.circuit.next(id).size() == 1) id = zone.circuit.next(id).front();
     std::set<std::string> found;

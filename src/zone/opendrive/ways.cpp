@@ -26,9 +26,9 @@ std::string lane_location(const Road& road, std::size_t section, int lane) {
 /// Reads one road's lanes.
 class RoadLanes {
  public:
-  RoadLanes(const Network& network, std::uint32_t road, const std::vector<std::string>& types, Ways& ways, Work& work,
+  RoadLanes(const Network& network, std::uint32_t road, const std::vector<std::string>& types, Tracks& tracks, Work& work,
             Report& report)
-      : road_{network.roads[road]}, index_{road}, types_{types}, ways_{ways}, work_{work}, report_{report} {}
+      : road_{network.roads[road]}, index_{road}, types_{types}, tracks_{tracks}, work_{work}, report_{report} {}
 
   void read(std::shared_ptr<const ReferenceLine> line);
 
@@ -42,7 +42,7 @@ class RoadLanes {
   const Road& road_;
   std::uint32_t index_;
   const std::vector<std::string>& types_;
-  Ways& ways_;
+  Tracks& tracks_;
   Work& work_;
   Report& report_;
   std::shared_ptr<const ReferenceLine> line_;
@@ -139,7 +139,7 @@ void RoadLanes::add(const Lane& lane, std::size_t section, const Pieces& inner, 
     report_.add(Diagnostic::Kind::mended, "lanes that fold in a bend", location,
                 "lies so far inside a bend of its road that it would kink or run backwards there; cut short over " +
                     metres(cut_m) + " of the road");
-  ways_.ways.push_back({index_, static_cast<std::uint32_t>(section), lane.id, std::move(curve),
+  tracks_.tracks.push_back({index_, static_cast<std::uint32_t>(section), lane.id, std::move(curve),
                         forward ? at_from : at_to, forward ? at_to : at_from, speeds(lane, from)});
 }
 
@@ -158,16 +158,16 @@ std::vector<SpeedFrom> RoadLanes::speeds(const Lane& lane, double from) const {
 
 }  // namespace
 
-WayId Ways::find(const End& end) const {
+TrackId Tracks::find(const End& end) const {
   const auto key = [](const auto& of) { return std::tuple{of.road, of.section, of.lane}; };
-  const auto at = std::lower_bound(ways.begin(), ways.end(), end,
-                                   [&](const Way& way, const End& wanted) { return key(way) < key(wanted); });
-  if (at == ways.end() || key(*at) != key(end)) return no_way;
-  return static_cast<WayId>(at - ways.begin());
+  const auto at = std::lower_bound(tracks.begin(), tracks.end(), end,
+                                   [&](const Track& track, const End& wanted) { return key(track) < key(wanted); });
+  if (at == tracks.end() || key(*at) != key(end)) return no_track;
+  return static_cast<TrackId>(at - tracks.begin());
 }
 
-Ways find_ways(const Network& network, const std::vector<std::string>& lane_types, Report& report) {
-  Ways found;
+Tracks find_tracks(const Network& network, const std::vector<std::string>& lane_types, Report& report) {
+  Tracks found;
   found.lines.resize(network.roads.size());
   Work work;
   for (std::uint32_t road = 0; road < network.roads.size(); ++road) {
@@ -180,7 +180,7 @@ Ways find_ways(const Network& network, const std::vector<std::string>& lane_type
     found.lines[road] = std::make_shared<const ReferenceLine>(std::move(*line));
     RoadLanes{network, road, lane_types, found, work, report}.read(found.lines[road]);
   }
-  std::sort(found.ways.begin(), found.ways.end(), [](const Way& a, const Way& b) {
+  std::sort(found.tracks.begin(), found.tracks.end(), [](const Track& a, const Track& b) {
     return std::tuple{a.road, a.section, a.lane} < std::tuple{b.road, b.section, b.lane};
   });
   return found;

@@ -12,11 +12,11 @@
 
 namespace cosiva::zone::opendrive {
 
-using WayId = std::uint32_t;
-inline constexpr WayId no_way = ~WayId{0};
+using TrackId = std::uint32_t;
+inline constexpr TrackId no_track = ~TrackId{0};
 
 /// One lane of one lane section that is driven on.
-struct Way {
+struct Track {
   std::uint32_t road;
   std::uint32_t section;
   int lane;
@@ -24,7 +24,7 @@ struct Way {
   double width_entry;
   double width_exit;
   std::vector<SpeedFrom> speeds{};  ///< by the road's s, ascending
-  std::vector<WayId> next{};        ///< ascending
+  std::vector<TrackId> next{};        ///< ascending
 
   [[nodiscard]] std::string name(const Network& network) const {  ///< "12.0.-1"
     return network.roads[road].id + '.' + std::to_string(section) + '.' + std::to_string(lane);
@@ -32,9 +32,9 @@ struct Way {
 };
 
 /// Roads as they lie, and the ways on them, by (road, section, lane).
-struct Ways {
+struct Tracks {
   std::vector<std::shared_ptr<const ReferenceLine>> lines;  ///< by road; none where it cannot be followed
-  std::vector<Way> ways;
+  std::vector<Track> tracks;
 
   /// A lane's end, by the road's s.
   struct End {
@@ -43,10 +43,10 @@ struct Ways {
     int lane;
     bool at_start;
   };
-  [[nodiscard]] WayId find(const End& end) const;
+  [[nodiscard]] TrackId find(const End& end) const;
 };
 
 /// @param lane_types  which lanes are driven on
-[[nodiscard]] Ways find_ways(const Network& network, const std::vector<std::string>& lane_types, Report& report);
+[[nodiscard]] Tracks find_tracks(const Network& network, const std::vector<std::string>& lane_types, Report& report);
 
 }  // namespace cosiva::zone::opendrive

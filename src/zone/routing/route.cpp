@@ -99,7 +99,7 @@ std::string quoted(const Circuit& circuit, SectionId id) {
 }
 
 /// Why no wanted section can be reached. What is wanted is called `what` ("'dock'", "the loop 'outer'").
-Error no_way(const Router& router, const Circuit& circuit, SectionId from, const std::vector<bool>& wanted,
+Error no_route(const Router& router, const Circuit& circuit, SectionId from, const std::vector<bool>& wanted,
              const std::vector<bool>& closed, const std::string& what) {
   const std::string start = quoted(circuit, from);
   const std::vector<bool> open(circuit.size(), false);
@@ -176,7 +176,7 @@ Result<Route> Router::plan(TrackPosition from, TrackPosition goal, std::span<con
   const std::vector<bool> wanted = marked(circuit, {&goal.section, 1});
   Search search{*this, circuit, closed_flags};
   if (search.run(from.section, wanted) == no_section) {
-    return tl::unexpected(no_way(*this, circuit, from.section, wanted, closed_flags, quoted(circuit, goal.section)));
+    return tl::unexpected(no_route(*this, circuit, from.section, wanted, closed_flags, quoted(circuit, goal.section)));
   }
   std::vector<SectionId> sections = search.route_to(goal.section);
   sections.insert(sections.begin(), from.section);
@@ -197,7 +197,7 @@ Result<Route> Router::plan(TrackPosition from, const Loop& loop, std::span<const
   const auto go_on = [&](const std::vector<bool>& wanted) -> Result<SectionId> {
     Search search{*this, circuit, closed_flags};
     const SectionId at = search.run(sections.back(), wanted);
-    if (at == no_section) return tl::unexpected(no_way(*this, circuit, sections.back(), wanted, closed_flags, what));
+    if (at == no_section) return tl::unexpected(no_route(*this, circuit, sections.back(), wanted, closed_flags, what));
     const auto found = search.route_to(at);
     sections.insert(sections.end(), found.begin(), found.end());
     return at;
@@ -228,11 +228,11 @@ std::vector<bool> Router::goes_on_for_ever(std::span<const SectionId> closed) co
   const Circuit& circuit = zone_->circuit;
   const std::vector<bool> closed_flags = marked(circuit, closed);
   std::vector<bool> alive(circuit.size(), true);
-  std::vector<std::size_t> ways(circuit.size(), 0);
+  std::vector<std::size_t> branches(circuit.size(), 0);
   std::vector<SectionId> dead;
   for (SectionId id = 0; id < circuit.size(); ++id) {
-    for (const SectionId after : circuit.next(id)) ways[id] += closed_flags[after] ? 0U : 1U;
-    if (ways[id] == 0) dead.push_back(id);
+    for (const SectionId after : circuit.next(id)) branches[id] += closed_flags[after] ? 0U : 1U;
+    if (branches[id] == 0) dead.push_back(id);
   }
   while (!dead.empty()) {
     const SectionId id = dead.back();
@@ -240,7 +240,7 @@ std::vector<bool> Router::goes_on_for_ever(std::span<const SectionId> closed) co
     alive[id] = false;
     if (closed_flags[id]) continue;  // nobody counts on entering it
     for (const SectionId before : circuit.previous(id)) {
-      if (--ways[before] == 0) dead.push_back(before);
+      if (--branches[before] == 0) dead.push_back(before);
     }
   }
   return alive;

@@ -30,7 +30,7 @@ Pose2 read_pose(const TomlFields& fields) {
 
 }  // namespace
 
-std::optional<Circuit> TomlWays::read() {
+std::optional<Circuit> TomlTracks::read() {
   read_circuits();
   if (!faults_.any()) read_sections();
   if (!faults_.any()) read_successors();
@@ -40,7 +40,7 @@ std::optional<Circuit> TomlWays::read() {
   return readable ? join() : std::nullopt;
 }
 
-void TomlWays::read_circuits() {
+void TomlTracks::read_circuits() {
   const auto read = [this](const TomlFields& fields) {
     fields.expect_only({"name", "start", "closed"});
     TomlCircuit circuit{fields.optional_name("name").value_or(""), fields.flag("closed", false), {}};
@@ -64,7 +64,7 @@ void TomlWays::read_circuits() {
   }
 }
 
-void TomlWays::read_sections() {
+void TomlTracks::read_sections() {
   entries_ = root_.tables("section");
   if (faults_.any()) return;
   if (entries_.empty()) return root_.fault("section", "circuit.empty", "expected at least one [[section]], found none");
@@ -81,7 +81,7 @@ void TomlWays::read_sections() {
   }
 }
 
-void TomlWays::read_section(const TomlFields& fields) {
+void TomlTracks::read_section(const TomlFields& fields) {
   const auto id = static_cast<SectionId>(parts_.size());
   const std::string name = fields.name("name");
   read_circuit_of(fields);
@@ -107,7 +107,7 @@ void TomlWays::read_section(const TomlFields& fields) {
 }
 
 /// Without a name it is that of the section before it in the file.
-void TomlWays::read_circuit_of(const TomlFields& fields) {
+void TomlTracks::read_circuit_of(const TomlFields& fields) {
   const auto name = fields.optional_name("circuit");
   if (!name || faults_.any()) return;
   const auto at =
@@ -118,7 +118,7 @@ void TomlWays::read_circuit_of(const TomlFields& fields) {
   here_ = static_cast<std::size_t>(at - circuits_.begin());
 }
 
-Pose2 TomlWays::start_of(const TomlFields& fields, const TomlCircuit& circuit) {
+Pose2 TomlTracks::start_of(const TomlFields& fields, const TomlCircuit& circuit) {
   from_.push_back(no_section);
   const auto from = fields.optional_name("from");
   const auto start = fields.table("start");
@@ -135,7 +135,7 @@ Pose2 TomlWays::start_of(const TomlFields& fields, const TomlCircuit& circuit) {
   return {};
 }
 
-std::optional<Section> TomlWays::read_shape(const TomlFields& fields, const Pose2& follows) const {
+std::optional<Section> TomlTracks::read_shape(const TomlFields& fields, const Pose2& follows) const {
   const std::string kind = fields.one_of("kind", {"straight", "arc", "clothoid"});
   double length_m = 0.0;
   double curvature_per_m = 0.0;
@@ -183,7 +183,7 @@ std::optional<Section> TomlWays::read_shape(const TomlFields& fields, const Pose
   return std::nullopt;
 }
 
-void TomlWays::read_waypoint_ids(const TomlFields& fields, SectionId id) {
+void TomlTracks::read_waypoint_ids(const TomlFields& fields, SectionId id) {
   const auto read = [&](std::string_view key, std::vector<std::string>& ids) {
     const auto name = fields.optional_name(key);
     if (!name) return;
@@ -194,7 +194,7 @@ void TomlWays::read_waypoint_ids(const TomlFields& fields, SectionId id) {
   read("end_node", rules_.end_ids);
 }
 
-void TomlWays::add_successor(SectionId id, std::string_view name, std::string_view key, SectionId said_by) {
+void TomlTracks::add_successor(SectionId id, std::string_view name, std::string_view key, SectionId said_by) {
   auto& next = parts_[id].next;
   const auto at = by_name_.find(name);
   if (at == by_name_.end())
@@ -209,7 +209,7 @@ void TomlWays::add_successor(SectionId id, std::string_view name, std::string_vi
   next.push_back(at->second);
 }
 
-void TomlWays::read_successors() {
+void TomlTracks::read_successors() {
   for (const TomlCircuit& circuit : circuits_) {
     for (std::size_t i = 0; i < circuit.sections.size(); ++i) {
       const SectionId id = circuit.sections[i];
@@ -231,7 +231,7 @@ void TomlWays::read_successors() {
     if (from_[id] != no_section) add_successor(from_[id], parts_[id].name, "from", id);
 }
 
-void TomlWays::check_vehicle_fits() const {
+void TomlTracks::check_vehicle_fits() const {
   for (SectionId id = 0; id < parts_.size(); ++id) {
     const double bend = parts_[id].section.curvature_max_per_m();
     if (0.5 * vehicle_.width_m * bend < 1.0) continue;
@@ -246,7 +246,7 @@ void TomlWays::check_vehicle_fits() const {
   }
 }
 
-std::optional<Circuit> TomlWays::join() {
+std::optional<Circuit> TomlTracks::join() {
   std::vector<std::string> names;
   for (const auto& part : parts_) names.push_back(part.name);
   auto circuit = Circuit::make(name_, parts_);
@@ -265,7 +265,7 @@ std::optional<Circuit> TomlWays::join() {
 }
 
 /// Asks the circuit joint by joint, for it stops at the first bad one.
-void TomlWays::list_bad_joints() const {
+void TomlTracks::list_bad_joints() const {
   for (SectionId id = 0; id < parts_.size(); ++id) {
     for (const SectionId after : parts_[id].next) {
       std::vector<Circuit::Part> pair{parts_[id]};
@@ -282,7 +282,7 @@ void TomlWays::list_bad_joints() const {
   }
 }
 
-std::vector<Loop> TomlWays::loops(const Circuit& circuit) const {
+std::vector<Loop> TomlTracks::loops(const Circuit& circuit) const {
   std::vector<Loop> found;
   for (const TomlCircuit& round : circuits_) {
     if (round.name.empty() || !round.closed || round.sections.empty()) continue;

@@ -21,9 +21,9 @@ struct TomlCircuit {
 };
 
 /// Reads [circuit], [[circuit]] and [[section]]: the graph of sections.
-class TomlWays {
+class TomlTracks {
  public:
-  TomlWays(TomlFaults& faults, const TomlFields& root, std::string name, const VehicleShape& vehicle)
+  TomlTracks(TomlFaults& faults, const TomlFields& root, std::string name, const VehicleShape& vehicle)
       : faults_{faults}, root_{root}, name_{std::move(name)}, vehicle_{vehicle} {}
 
   /// Nothing after leaving faults: where ends do not meet, or bends are too tight, all those places.

@@ -21,17 +21,17 @@ std::optional<TrafficZone> read_zone(TomlFaults& faults, const TomlFields& root)
   if (faults.any()) return std::nullopt;
 
   const VehicleShape vehicle = basics.vehicle.value_or(VehicleShape{});
-  TomlWays ways{faults, root, name, vehicle};
-  auto circuit = ways.read();
+  TomlTracks tracks{faults, root, name, vehicle};
+  auto circuit = tracks.read();
   if (!circuit) return std::nullopt;
-  auto loops = ways.loops(*circuit);
+  auto loops = tracks.loops(*circuit);
   if (faults.any()) return std::nullopt;
   TrafficZone zone{name, std::move(*circuit), vehicle, basics.profiles.value_or(default_profiles), {}, {}, {}, {}, {},
                    {}};
   zone.loops = std::move(loops);
   zone.edges_are_sections = basics.edges_are_sections;
   const std::string location = faults.location(root.line("section"), "section");
-  TomlTables{faults, root, zone, basics, ways.rules(), location}.read();
+  TomlTables{faults, root, zone, basics, tracks.rules(), location}.read();
   if (faults.any()) return std::nullopt;
   return zone;
 }

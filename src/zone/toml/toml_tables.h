@@ -23,8 +23,8 @@ class TomlTables {
   /// @param rules  of the format's own waypoints; spacing, room and stations come from here
   /// @param ways   where faults of the ways themselves are, for messages
   TomlTables(TomlFaults& faults, const TomlFields& root, TrafficZone& zone, const Sidecar& basics, WaypointRules rules,
-             std::string ways)
-      : faults_{faults}, root_{root}, zone_{zone}, basics_{basics}, rules_{std::move(rules)}, ways_{std::move(ways)} {}
+             std::string tracks)
+      : faults_{faults}, root_{root}, zone_{zone}, basics_{basics}, rules_{std::move(rules)}, tracks_{std::move(tracks)} {}
 
   void read();
 
@@ -47,7 +47,7 @@ class TomlTables {
   TrafficZone& zone_;
   const Sidecar& basics_;
   WaypointRules rules_;
-  std::string ways_;
+  std::string tracks_;
 };
 
 inline constexpr NumberRange positive_m{"a positive number of metres, at most 100000", 0.0, 1e5, false};

@@ -33,7 +33,7 @@ const std::string ring = straight("south") + half_turn("east") + straight("north
 // Circuits
 // ---------------------------------------------------------------------------------------------------------
 
-TEST(TomlWays, of_several_circuits_chain_each_by_itself) {
+TEST(TomlTracks, of_several_circuits_chain_each_by_itself) {
   const auto zone = read_zone(head + R"([[circuit]]
 name = "inner"
 closed = true
@@ -57,13 +57,13 @@ start = { x = 0, y = -5, heading_deg = 0 }
   EXPECT_THAT(zone->loops[0].sections, ElementsAre(id("a"), id("b"), id("c"), id("d")));
 }
 
-TEST(TomlWays, of_one_closed_circuit_are_a_loop_only_with_a_name) {
+TEST(TomlTracks, of_one_closed_circuit_are_a_loop_only_with_a_name) {
   EXPECT_THAT(read_zone(head + "[circuit]\nclosed = true\n" + ring)->loops, IsEmpty());
   EXPECT_THAT(read_zone(head + "[circuit]\nname = \"r\"\nclosed = true\n" + ring)->loops, SizeIs(1));
   EXPECT_THAT(read_zone(head + "[circuit]\nname = \"r\"\n" + ring)->loops, IsEmpty());
 }
 
-TEST(TomlWays, that_name_no_circuit_or_one_twice_are_refused) {
+TEST(TomlTracks, that_name_no_circuit_or_one_twice_are_refused) {
   EXPECT_THAT(error_of(head + "[[circuit]]\nname = \"r\"\n" + straight("a", "circuit = \"q\"\n")),
               StartsWith("zone.reference test.toml:9: section[1].circuit: expected the name of a circuit"));
   EXPECT_THAT(error_of(head + "[[circuit]]\nname = \"r\"\n[[circuit]]\nname = \"r\"\n" + straight("a")),
@@ -73,7 +73,7 @@ TEST(TomlWays, that_name_no_circuit_or_one_twice_are_refused) {
   EXPECT_THAT(error_of("circuit = 3\n" + head + ring), StartsWith("zone.field"));
 }
 
-TEST(TomlWays, of_a_closed_circuit_that_leads_elsewhere_are_refused) {
+TEST(TomlTracks, of_a_closed_circuit_that_leads_elsewhere_are_refused) {
   EXPECT_THAT(
       error_of(head + "[circuit]\nname = \"r\"\nclosed = true\n" + straight("a") + straight("b", "next = []\n")),
       HasSubstr("zone.loop test.toml:6: section[1]: the circuit 'r' is closed, but"));
@@ -82,7 +82,7 @@ TEST(TomlWays, of_a_closed_circuit_that_leads_elsewhere_are_refused) {
 // Branches and pivots
 // ---------------------------------------------------------------------------------------------------------
 
-TEST(TomlWays, branch_off_from_the_end_of_another) {
+TEST(TomlTracks, branch_off_from_the_end_of_another) {
   const auto zone = read_zone(head + straight("stem") + straight("on") + half_turn("left", "from = \"stem\"\n") +
                               straight("far") + half_turn("other", "from = \"stem\"\n"));
   ASSERT_TRUE(zone) << to_string(zone.error());
@@ -94,7 +94,7 @@ TEST(TomlWays, branch_off_from_the_end_of_another) {
   EXPECT_EQ(circuit.section(2).start(), circuit.section(0).end());
 }
 
-TEST(TomlWays, that_branch_off_from_what_comes_later_or_is_none_are_refused) {
+TEST(TomlTracks, that_branch_off_from_what_comes_later_or_is_none_are_refused) {
   EXPECT_THAT(error_of(head + straight("a", "from = \"b\"\n") + straight("b")),
               StartsWith("zone.reference test.toml:7: section[1].from: expected the name of a section further up"));
   EXPECT_THAT(error_of(head + straight("a", "from = \"a\"\n")), StartsWith("zone.reference"));
@@ -105,7 +105,7 @@ TEST(TomlWays, that_branch_off_from_what_comes_later_or_is_none_are_refused) {
               StartsWith("zone.duplicate"));
 }
 
-TEST(TomlWays, merge_where_two_lead_to_one) {
+TEST(TomlTracks, merge_where_two_lead_to_one) {
   const auto zone = read_zone(head + straight("a", "next = [\"c\"]\n") +
                               straight("b", "start = { x = 0, y = 0, heading_deg = 0 }\nnext = [\"c\"]\n") +
                               straight("c", "start = { x = 2, y = 0, heading_deg = 0 }\n"));
@@ -113,7 +113,7 @@ TEST(TomlWays, merge_where_two_lead_to_one) {
   EXPECT_THAT(zone->circuit.previous(2), ElementsAre(0, 1));
 }
 
-TEST(TomlWays, turn_at_once_only_where_they_pivot) {
+TEST(TomlTracks, turn_at_once_only_where_they_pivot) {
   const std::string after = straight("b", "start = { x = 2, y = 0, heading_deg = 90 }\n");
   EXPECT_THAT(error_of(head + straight("a") + after), StartsWith("circuit.kink"));
   const auto zone = read_zone(head + straight("a", "pivots = true\n") + after);
@@ -122,7 +122,7 @@ TEST(TomlWays, turn_at_once_only_where_they_pivot) {
   EXPECT_NEAR(zone->circuit.turn_at(0, 1), pi / 2.0, 1e-12);
 }
 
-TEST(TomlWays, that_fork_into_more_ways_than_a_fork_has_are_refused) {
+TEST(TomlTracks, that_fork_into_more_ways_than_a_fork_has_are_refused) {
   std::string text = head + straight("a");
   for (int i = 0; i < 65; ++i) text += straight("b" + std::to_string(i), "from = \"a\"\n");
   EXPECT_THAT(error_of(text), StartsWith("zone.size"));
@@ -131,7 +131,7 @@ TEST(TomlWays, that_fork_into_more_ways_than_a_fork_has_are_refused) {
 // Shapes and angles said otherwise
 // ---------------------------------------------------------------------------------------------------------
 
-TEST(TomlWays, say_arcs_and_clothoids_in_two_ways_but_not_in_both) {
+TEST(TomlTracks, say_arcs_and_clothoids_in_two_ways_but_not_in_both) {
   const auto zone = read_zone(head + R"([[section]]
 name = "a"
 kind = "arc"

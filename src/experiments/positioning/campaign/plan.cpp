@@ -35,7 +35,7 @@ std::vector<std::string_view> algorithm_names(const estimation::Registry& regist
 }
 
 void read_settings(const Entry& root, CampaignPlan& plan) {
-  constexpr Range way{"metres over 0, at most 1000000", 0.0, 1e6, false};
+  constexpr Range distance{"metres over 0, at most 1000000", 0.0, 1e6, false};
   constexpr Range rate{"times a second, over 0, at most 100000", 0.0, 1e5, false};
   constexpr Range reach{"metres over 0, at most 10", 0.0, 10.0, false};
   constexpr Range error{"metres over 0, at most 1000", 0.0, 1e3, false};
@@ -43,7 +43,7 @@ void read_settings(const Entry& root, CampaignPlan& plan) {
   plan.zone = root.text("zone", text_max, "lacet4");
   plan.runs = static_cast<std::uint32_t>(root.whole("runs", 1, 1'000'000, 20));
   plan.seed = static_cast<std::uint64_t>(root.whole("seed", 0, std::int64_t{1} << 53, 1));
-  plan.way_m = root.number("distance_m", way, 100.0);
+  plan.distance_m = root.number("distance_m", distance, 100.0);
   plan.rate_hz = root.number("rate_hz", rate, 20.0);
   plan.fiducials = root.one_of("fiducials", {"line", "grid"}, "line") == "grid" ? Fiducials::grid : Fiducials::line;
   plan.reach_m = root.number("reach_m", reach, 0.02);

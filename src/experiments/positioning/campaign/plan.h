@@ -55,7 +55,7 @@ struct CampaignPlan {
   std::string zone;        ///< a ready zone's name or a file; its first loop or ring is driven
   std::uint32_t runs{20};  ///< in each environment; run k has seed + k in all of them, so that they can be paired
   std::uint64_t seed{1};
-  double way_m{100.0};
+  double distance_m{100.0};
   double rate_hz{20.0};
   Fiducials fiducials{Fiducials::line};
   double reach_m{0.02};  ///< of the reader, in a grid

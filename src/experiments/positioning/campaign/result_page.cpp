@@ -190,7 +190,7 @@ std::string to_html(const CampaignResult& result, const std::string& plan_text) 
   report.metadata(
       {{std::to_string(plan.cells()), "cells"},
        {std::to_string(plan.votes()), "runs, over all algorithms"},
-       {readable(1e-3 * plan.way_m * plan.runs * static_cast<double>(plan.environments()), 1) + " km", "driven"},
+       {readable(1e-3 * plan.distance_m * plan.runs * static_cast<double>(plan.environments()), 1) + " km", "driven"},
        {std::to_string(result.summary.leaks), "cells below the limit", result.summary.leaks > 0}});
   add_pitches(result, report);
   add_curves(result, report);

@@ -135,7 +135,7 @@ Table campaign_table(const CampaignResult& result) {
       {"zone", result.work.ground().zone->name},
       {"runs", std::to_string(plan.runs)},
       {"seed", std::to_string(plan.seed)},
-      {"distance_m", shortest(plan.way_m)},
+      {"distance_m", shortest(plan.distance_m)},
       {"rate_hz", shortest(plan.rate_hz)},
       {"fiducials", plan.fiducials == Fiducials::grid ? "grid" : "line"},
       {"reach_m", shortest(plan.reach_m)},

@@ -75,7 +75,7 @@ std::string to_string(const CampaignPlan& plan, const Selection& selection) {
 std::string to_text(const CampaignResult& result) {
   const CampaignPlan& plan = result.work.plan();
   std::string text = plan.name + ": " + std::to_string(plan.cells()) + " cells, " + std::to_string(plan.runs) +
-                     " runs each of " + readable(plan.way_m, 1) + " m\n";
+                     " runs each of " + readable(plan.distance_m, 1) + " m\n";
   text += cells_text(plan, result.summary.cells);
   text += pitches_text(plan, result.summary.pitches_met);
   if (result.summary.leaks > 0)

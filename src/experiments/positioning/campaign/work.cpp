@@ -74,7 +74,7 @@ Result<CampaignWork> CampaignWork::make(CampaignPlan plan, CampaignGround ground
     if (const auto fine = work.checked(values); !fine) return tl::unexpected(fine.error());
   }
   const double slowest = p.of(Swept::speed).front();
-  const double cost = p.way_m * p.rate_hz / slowest * static_cast<double>(p.algorithms.size());
+  const double cost = p.distance_m * p.rate_hz / slowest * static_cast<double>(p.algorithms.size());
   work.block_ = static_cast<std::uint32_t>(std::clamp(unit_cost / cost, 1.0, static_cast<double>(p.runs)));
   return work;
 }
@@ -94,7 +94,7 @@ std::size_t CampaignWork::unit_of(std::size_t environment, std::size_t run) cons
 double CampaignWork::cost(std::size_t number) const {
   const Unit here = unit(number);
   const double speed = value_of(plan_.environment(here.environment), Swept::speed);
-  return here.runs * static_cast<double>(plan_.algorithms.size()) * plan_.way_m * plan_.rate_hz / speed;
+  return here.runs * static_cast<double>(plan_.algorithms.size()) * plan_.distance_m * plan_.rate_hz / speed;
 }
 
 std::string CampaignWork::identity() const {
@@ -103,7 +103,7 @@ std::string CampaignWork::identity() const {
   digest.add(std::uint64_t{plan_.runs});
   digest.add(plan_.seed);
   digest.add(std::uint64_t{block_});
-  for (const double v : {plan_.way_m, plan_.rate_hz, plan_.threshold_m}) digest.add(v);
+  for (const double v : {plan_.distance_m, plan_.rate_hz, plan_.threshold_m}) digest.add(v);
   if (plan_.fiducials == Fiducials::grid) digest.add(plan_.reach_m);
   digest.add(std::uint64_t{plan_.particles});
   digest.add(std::uint64_t{plan_.horizon});
@@ -140,7 +140,7 @@ Result<void> CampaignWork::checked(const SweptValues& values) const {
 
 Simulation CampaignWork::bare(const SweptValues& values) const {
   Simulation simulation{ground_.track};
-  simulation.way_m = plan_.way_m;
+  simulation.distance_m = plan_.distance_m;
   simulation.odometry_hz = plan_.rate_hz;
   simulation.speed_mps = value_of(values, Swept::speed);
   simulation.pitch_m = value_of(values, Swept::pitch);

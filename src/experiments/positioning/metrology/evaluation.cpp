@@ -149,7 +149,7 @@ class Evaluation {
     for (std::size_t k = 0; k < trial.moments.size(); ++k) {
       one.path.push_back(trace.estimates[k].pose);
       one.squares_m2.push_back(trace.error_m[k] * trace.error_m[k]);
-      if (k % stride == 0) one.over_way.emplace_back(trial.moments[k].travelled_m, trace.error_m[k]);
+      if (k % stride == 0) one.over_distance.emplace_back(trial.moments[k].travelled_m, trace.error_m[k]);
     }
   }
 

@@ -14,7 +14,7 @@ struct Evaluated {
   double worth{};                  ///< of the first few runs alone, as is the next
   double nees_worth{};
   std::vector<double> squares_m2;                   ///< of the first run alone, as is all below
-  std::vector<std::pair<double, double>> over_way;  ///< (travelled, error), thinned
+  std::vector<std::pair<double, double>> over_distance;  ///< (travelled, error), thinned
   std::vector<Pose2> path;
 };
 

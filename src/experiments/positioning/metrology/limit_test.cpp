@@ -62,7 +62,7 @@ TEST(Limit, pitch_for_a_tolerance_is_the_one_whose_limit_it_is) {
 TEST(Limit, of_a_run_s_own_readings_is_the_closed_form_where_they_are_regular) {
   for (const double pitch_m : {0.25, 1.0}) {
     Simulation simulation{testing::oval()};
-    simulation.way_m = 400.0;
+    simulation.distance_m = 400.0;
     simulation.pitch_m = pitch_m;
     simulation.turns = false;
     simulation.sensors.line_sigma_m = 0.0;

@@ -190,7 +190,7 @@ void LiveRuns::look_after(SimTime now, Slot& slot, Responses& responses) {
     if (now - slot.heard >= rest_before_anew) begin(now, slot, responses);
     return;
   }
-  if (slot.run->travelled_m() >= options_.way_m) {
+  if (slot.run->travelled_m() >= options_.distance_m) {
     const auto last = slot.run->last_moment();
     const bool known = last && !slot.ground_truth.empty() && slot.ground_truth.back().at >= *last;
     if (known || now - slot.heard > last_ground_truth_max) complete(slot);
@@ -243,7 +243,7 @@ LiveRuns::Progress LiveRuns::progress(SimTime now) const {
   progress.complete = complete_.size();
   double driven = static_cast<double>(complete_.size());
   for (const Slot& slot : slots_)
-    if (slot.run) driven += std::fmin(slot.run->travelled_m() / options_.way_m, 1.0);
+    if (slot.run) driven += std::fmin(slot.run->travelled_m() / options_.distance_m, 1.0);
   progress.ratio = driven / static_cast<double>(options_.runs);
   if (began_ && progress.ratio > 0.0)
     progress.left_s = to_seconds(now - *began_) * (1.0 - progress.ratio) / progress.ratio;

@@ -21,7 +21,7 @@ namespace cosiva::experiments {
 struct LiveRunsOptions {
   std::vector<wire::VehicleId> vehicles;  ///< each drives one run at a time, until all are driven
   std::size_t runs{1};
-  double way_m{100.0};                  ///< TDTmax
+  double distance_m{100.0};                  ///< TDTmax
   double rate_hz{20.0};                 ///< nextEstimatedPosition so often
   std::vector<std::string> algorithms;  ///< on board
   std::uint64_t seed{1};                ///< of the first run; the others count on

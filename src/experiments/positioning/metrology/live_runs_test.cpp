@@ -77,12 +77,12 @@ class Fixture {
   std::unique_ptr<World> world_;
 };
 
-LiveRunsOptions options_of(std::vector<wire::VehicleId> vehicles, std::size_t runs, double way_m,
+LiveRunsOptions options_of(std::vector<wire::VehicleId> vehicles, std::size_t runs, double distance_m,
                            std::vector<std::string> algorithms) {
   LiveRunsOptions options;
   options.vehicles = std::move(vehicles);
   options.runs = runs;
-  options.way_m = way_m;
+  options.distance_m = distance_m;
   options.algorithms = std::move(algorithms);
   return options;
 }

@@ -82,10 +82,10 @@ std::optional<Pose2> true_pose(const std::vector<TrueFix>& fixes, SimTime at, Si
   const SinCos to = sincos(b.X_MB.heading_rad);
   const double x = b.X_MB.x_m - a.X_MB.x_m;
   const double y = b.X_MB.y_m - a.X_MB.y_m;
-  const double way_m = norm(x, y) * (from.cos * x + from.sin * y < 0.0 ? -1.0 : 1.0);
+  const double distance_m = norm(x, y) * (from.cos * x + from.sin * y < 0.0 ? -1.0 : 1.0);
   const double goes = u * u * (3.0 - 2.0 * u);
-  const double leaves = u * (1.0 - u) * (1.0 - u) * way_m;
-  const double arrives = u * u * (u - 1.0) * way_m;
+  const double leaves = u * (1.0 - u) * (1.0 - u) * distance_m;
+  const double arrives = u * u * (u - 1.0) * distance_m;
   const double turned_rad = wrap_angle(b.X_MB.heading_rad - a.X_MB.heading_rad);
   return Pose2{a.X_MB.x_m + goes * x + leaves * from.cos + arrives * to.cos,
                a.X_MB.y_m + goes * y + leaves * from.sin + arrives * to.sin,

@@ -131,17 +131,17 @@ class PlanarInformation {
 
   /// Where the drive to the first moment began, by what was counted on it.
   [[nodiscard]] Pose2 began_at(std::size_t until) const {
-    Pose2 way;
+    Pose2 step_pose;
     for (std::size_t i = 0; i < until; ++i) {
-      if (const auto* odometry = std::get_if<Odometry>(&run_.events[i])) way = estimation::moved(way, *odometry);
+      if (const auto* odometry = std::get_if<Odometry>(&run_.events[i])) step_pose = estimation::moved(step_pose, *odometry);
     }
-    return drive_[0] * inverse(way);
+    return drive_[0] * inverse(step_pose);
   }
 
   void move(const Odometry& odometry, double centre_rad) {
     // A course has no backwards.
     const estimation::StepCourse course = estimation::course_of(odometry);
-    const double d = run_.heading_known ? course.way_m : std::fabs(course.way_m);
+    const double d = run_.heading_known ? course.distance_m : std::fabs(course.distance_m);
     const SinCos h = sincos(run_.heading_known ? centre_rad + course.aside_rad : centre_rad);
     const double turn = odometry.turn_rad;
     const Move f{-d * h.sin,

@@ -92,7 +92,7 @@ class Qualifying {
     }
     if (index == 0) {
       one.path = std::move(evaluated.path);
-      one.over_way = std::move(evaluated.over_way);
+      one.over_distance = std::move(evaluated.over_distance);
       all.first_squares_m2 = std::move(evaluated.squares_m2);
     }
     result_.digest.add(one.name);

@@ -82,7 +82,7 @@ struct Qualified {
   std::vector<Pose2> alignments;      ///< of each run, what its estimates were moved by; empty where nobody asked
   Passes passes;
   statistics::Cdf cdf;
-  std::vector<std::pair<double, double>> over_way;  ///< of the first run: (travelled, error), thinned
+  std::vector<std::pair<double, double>> over_distance;  ///< of the first run: (travelled, error), thinned
   std::vector<Pose2> path;                          ///< of the first run, at every moment
 };
 

@@ -30,7 +30,7 @@ struct Fixture {
   Trial trial;
 
   Fixture() {
-    simulation.way_m = 40.0;
+    simulation.distance_m = 40.0;
     simulation.odometry_hz = 17.3;
   }
   Qualification of(const std::vector<Candidate>& candidates) {
@@ -210,7 +210,7 @@ struct Apart {
   std::vector<std::size_t> progress;
 
   Result<Qualification> by(Workers& workers, const std::vector<Candidate>& candidates, std::size_t no_such_run = 1000) {
-    simulation.way_m = 4.0;
+    simulation.distance_m = 4.0;
     simulation.odometry_hz = 17.3;
     progress.clear();
     const auto source = [this, no_such_run](std::size_t index, Trial& room) -> Result<const Trial*> {
@@ -270,7 +270,7 @@ TEST(Qualification, names_the_first_run_in_which_one_failed_whoever_came_to_it_f
 TEST(Qualification, is_the_same_to_the_bit_on_every_machine_and_at_every_optimisation_level) {
   Fixture fixture;
   fixture.runs = 2;
-  fixture.simulation.way_m = 10.0;
+  fixture.simulation.distance_m = 10.0;
   std::vector<Candidate> all;
   const estimation::Registry registry;
   for (const estimation::Registered& one : registry.all()) all.push_back(candidate(one.name));

@@ -115,12 +115,12 @@ std::string trajectory(const Qualification& all, const Conditions& conditions) {
   return to_svg(chart);
 }
 
-std::string error_over_way(const Qualification& all) {
+std::string error_over_distance(const Qualification& all) {
   Chart chart{{"travelled [m]", {}, {}}, {"error [mm]", 0.0, {}}, {}};
   for (const Qualified* one : drawn(all)) {
     Series series{one->name, {}, {}, Series::Form::line};
-    for (const auto& [way_m, error_m] : one->over_way) {
-      series.x.push_back(way_m);
+    for (const auto& [distance_m, error_m] : one->over_distance) {
+      series.x.push_back(distance_m);
       series.y.push_back(1e3 * error_m);
     }
     chart.series.push_back(std::move(series));
@@ -252,7 +252,7 @@ std::string to_html(const Qualification& all, const Conditions& conditions) {
                 "Bar: rmse of all runs, with its interval; box: the runs' smallest, quartiles and largest; the stroke "
                 "across: the limit, and at the right how far above it");
   report.figure(distribution(all), "Distribution of all errors");
-  report.figure(error_over_way(all), "Error over the way, first run");
+  report.figure(error_over_distance(all), "Error over the way, first run");
   if (ever_far(all)) report.figure(by_distance(all), "Error by the distance since the last mark");
   report.figure(trajectory(all, conditions), conditions.lines.empty()
                                                  ? "Truth and estimates, first run"

@@ -26,7 +26,7 @@ using ::testing::Not;
 Qualification small(Alignment alignment = Alignment::none, ReferenceBudget reference = {}) {
   static const estimation::Registry registry;
   Simulation simulation{testing::oval()};
-  simulation.way_m = 20.0;
+  simulation.distance_m = 20.0;
   simulation.odometry_hz = 17.3;
   std::vector<Candidate> candidates;
   for (const std::string name : {"arc_kalman", "reset_rule"}) {

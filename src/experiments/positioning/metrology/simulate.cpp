@@ -65,9 +65,9 @@ class Drive {
 
   void go() {
     const auto steps = static_cast<std::size_t>(
-        std::floor(simulation_.way_m * simulation_.odometry_hz / simulation_.speed_mps + 1e-9));
+        std::floor(simulation_.distance_m * simulation_.odometry_hz / simulation_.speed_mps + 1e-9));
     run_.moments.reserve(steps);
-    run_.events.reserve(steps + static_cast<std::size_t>(2.5 * simulation_.way_m / simulation_.pitch_m));
+    run_.events.reserve(steps + static_cast<std::size_t>(2.5 * simulation_.distance_m / simulation_.pitch_m));
     for (std::size_t i = 1; i <= steps; ++i) {
       const double until_m = static_cast<double>(i) * step_m_;
       while (beacons_.next_m() <= until_m) {
@@ -175,8 +175,8 @@ class Drive {
 Result<void> check(const Simulation& simulation) {
   const auto positive = [](double v) { return v > 0.0 && v < 1e9; };
   if (!simulation.track) return fail("simulation.track", "there is no line to follow");
-  if (!positive(simulation.way_m)) return fail("simulation.distance", "a way is longer than nothing");
-  if (!simulation.track->closed() && simulation.way_m > simulation.track->length_m())
+  if (!positive(simulation.distance_m)) return fail("simulation.distance", "a way is longer than nothing");
+  if (!simulation.track->closed() && simulation.distance_m > simulation.track->length_m())
     return fail("simulation.distance", "the line ends after " + std::to_string(simulation.track->length_m()) + " m");
   if (!positive(simulation.speed_mps)) return fail("simulation.speed", "it has to move");
   if (!positive(simulation.odometry_hz)) return fail("simulation.odometry", "odometry is told at some rate");
@@ -185,9 +185,9 @@ Result<void> check(const Simulation& simulation) {
     return fail("simulation.reads", "the share of beacons that are read lies in (0, 1]");
   if (!(simulation.sensors.fiducial_along_sigma_m > 0.0))
     return fail("simulation.reader", "no reader is without error");
-  if (simulation.way_m / simulation.speed_mps * simulation.odometry_hz < 1.0)
+  if (simulation.distance_m / simulation.speed_mps * simulation.odometry_hz < 1.0)
     return fail("simulation.distance", "it ends before odometry has told anything");
-  if (simulation.way_m / simulation.speed_mps * simulation.odometry_hz > 2e7)
+  if (simulation.distance_m / simulation.speed_mps * simulation.odometry_hz > 2e7)
     return fail("simulation.length", "that is more than 20 million steps in one run");
   return {};
 }

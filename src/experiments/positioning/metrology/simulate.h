@@ -15,7 +15,7 @@ namespace cosiva::experiments {
 /// physical side is a model.
 struct Simulation {
   std::shared_ptr<const estimation::Track> track;
-  double way_m{100.0};  ///< TDTmax: how far it goes
+  double distance_m{100.0};  ///< TDTmax: how far it goes
   double speed_mps{0.5};
   double odometry_hz{50.0};
   /// Beacons: every so many metres along the unrolled way, or where `fiducials` lie.

@@ -24,7 +24,7 @@ struct Outcome {
 Outcome outcome_of(const std::string& name, double pitch_m, int runs = 60) {
   Simulation simulation{testing::oval()};
   simulation.pitch_m = pitch_m;
-  simulation.way_m = 400.0 * pitch_m;
+  simulation.distance_m = 400.0 * pitch_m;
   // Not so many whole steps from beacon to beacon: all phases between two come to be seen.
   simulation.odometry_hz = 12.37 * simulation.speed_mps / pitch_m;
   simulation.sensors.line_sigma_m = 0.0;
@@ -92,7 +92,7 @@ TEST(SimulatedStatistics, no_algorithm_that_does_not_look_back_is_better_than_th
 
 TEST(Simulated, same_seed_same_run_and_another_seed_another) {
   Simulation simulation{testing::oval()};
-  simulation.way_m = 5.0;
+  simulation.distance_m = 5.0;
   Trial one;
   Trial two;
   simulate(simulation, 7, one);
@@ -106,7 +106,7 @@ TEST(Simulated, same_seed_same_run_and_another_seed_another) {
 
 TEST(Simulated, missed_reads_cost_what_the_bound_says_at_least) {
   Simulation simulation{testing::oval()};
-  simulation.way_m = 2000.0;
+  simulation.distance_m = 2000.0;
   simulation.odometry_hz = 20.0;
   simulation.turns = false;
   simulation.read_ratio = 0.7;
@@ -120,7 +120,7 @@ TEST(Simulated, missed_reads_cost_what_the_bound_says_at_least) {
 
 TEST(Simulated, a_worn_wheel_is_found_by_who_looks_for_it) {
   Simulation simulation{testing::oval()};
-  simulation.way_m = 100.0;
+  simulation.distance_m = 100.0;
   simulation.pitch_m = 2.0;
   simulation.odometry_hz = 20.0;
   simulation.scale_sigma = 0.02;
@@ -149,11 +149,11 @@ TEST(Simulation, refuses_what_cannot_be) {
     return result ? std::string() : result.error().code;
   };
   EXPECT_EQ(code([](Simulation& s) { s.pitch_m = 0.0; }), "simulation.pitch");
-  EXPECT_EQ(code([](Simulation& s) { s.way_m = -1.0; }), "simulation.distance");
-  EXPECT_EQ(code([](Simulation& s) { s.way_m = 0.001; }), "simulation.distance");
+  EXPECT_EQ(code([](Simulation& s) { s.distance_m = -1.0; }), "simulation.distance");
+  EXPECT_EQ(code([](Simulation& s) { s.distance_m = 0.001; }), "simulation.distance");
   EXPECT_EQ(code([](Simulation& s) { s.speed_mps = std::nan(""); }), "simulation.speed");
   EXPECT_EQ(code([](Simulation& s) { s.read_ratio = 1.5; }), "simulation.reads");
-  EXPECT_EQ(code([](Simulation& s) { s.way_m = 1e8; }), "simulation.length");
+  EXPECT_EQ(code([](Simulation& s) { s.distance_m = 1e8; }), "simulation.length");
   EXPECT_EQ(code([](Simulation& s) { s.track = nullptr; }), "simulation.track");
 }
 

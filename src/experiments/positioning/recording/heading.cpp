@@ -48,7 +48,7 @@ struct Offset {
 
 /// Of the way forwards against the heading.
 Offset offset_of(const Recording& recording) {
-  const Odometer way{recording.odometry, &Recording::Step::distance_m};
+  const Odometer odometer{recording.odometry, &Recording::Step::distance_m};
   const Odometer turns{recording.odometry, &Recording::Step::turn_rad};
   const auto& ground_truth = recording.ground_truth;
   double along = 0.0;
@@ -59,7 +59,7 @@ Offset offset_of(const Recording& recording) {
     const double dx = ground_truth[to].position_M.x_m - ground_truth[from].position_M.x_m;
     const double dy = ground_truth[to].position_M.y_m - ground_truth[from].position_M.y_m;
     if (norm(dx, dy) < chord_m) continue;
-    const double counted_m = way.at(ground_truth[to].t_s) - way.at(ground_truth[from].t_s);
+    const double counted_m = odometer.at(ground_truth[to].t_s) - odometer.at(ground_truth[from].t_s);
     const double bent_rad = std::fabs(turns.at(ground_truth[to].t_s) - turns.at(ground_truth[from].t_s));
     // What odometry did not count tells neither forwards nor backwards.
     if (std::fabs(counted_m) > 0.5 * norm(dx, dy) && bent_rad < bend_rad) {

@@ -97,9 +97,9 @@ TEST(Recording, of_libRSF_that_goes_then_turns_ends_each_step_where_that_ends) {
   const std::vector<Pose2> ends{{-1.0, 0.1, 0.0}, {1.0, 0.2, 0.5 * pi}};
   for (std::size_t i = 0; i < ends.size(); ++i) {
     const Recording::Step& step = rsf->odometry[i];
-    const Pose2 way = estimation::step_of({step.distance_m, step.turn_rad, step.duration_s, 0.0, 0.0, step.left_m});
-    EXPECT_NEAR(distance(way, ends[i]), 0.0, 1e-12) << i;
-    EXPECT_NEAR(way.heading_rad, ends[i].heading_rad, 1e-12) << i;
+    const Pose2 step_pose = estimation::step_of({step.distance_m, step.turn_rad, step.duration_s, 0.0, 0.0, step.left_m});
+    EXPECT_NEAR(distance(step_pose, ends[i]), 0.0, 1e-12) << i;
+    EXPECT_NEAR(step_pose.heading_rad, ends[i].heading_rad, 1e-12) << i;
   }
   EXPECT_EQ(rsf->odometry[2].distance_m, 1.0);  // nearly round in one step: as it stands
   EXPECT_EQ(refusal({{"A_Input.txt", "odom2 1 1 0\n"}, {"A_GT.txt", "point2 0 0 0\n"}}),

@@ -70,9 +70,9 @@ class Mixer {
     trial_.events.emplace_back(estimation::Odometry{ratio * step.distance_m, ratio * step.turn_rad, to_s - from_s,
                                                     ratio * step.distance_variance_m2, ratio * step.turn_variance_rad2,
                                                     ratio * step.left_m});
-    const double way_m = step.left_m != 0.0 ? norm(step.distance_m, step.left_m) : std::fabs(step.distance_m);
-    since_m_ += ratio * way_m;
-    travelled_m_ += ratio * way_m;
+    const double path_distance_m = step.left_m != 0.0 ? norm(step.distance_m, step.left_m) : std::fabs(step.distance_m);
+    since_m_ += ratio * path_distance_m;
+    travelled_m_ += ratio * path_distance_m;
   }
   [[nodiscard]] Result<Point2> surveyed(std::uint32_t beacon) const {
     const auto found = recording_.beacons.find(beacon);

@@ -57,19 +57,19 @@ class Habits {
     constexpr std::size_t enough = 10;
     const double lasts_s = step.duration_s;
     const Rates before = unresponsive > 0 ? rates_before(unresponsive - 1) : after;
-    Habit way;
+    Habit distance;
     Habit turn;
-    see(lasts_s, way, turn);
-    const double way_m = 0.5 * (before.speed_mps + after.speed_mps) * lasts_s;
+    see(lasts_s, distance, turn);
+    const double path_distance_m = 0.5 * (before.speed_mps + after.speed_mps) * lasts_s;
     const double turn_rad = 0.5 * (before.turn_radps + after.turn_radps) * lasts_s;
-    if (way.count() >= enough) {
-      step.distance_m = way.ratio() * way_m;
+    if (distance.count() >= enough) {
+      step.distance_m = distance.ratio() * path_distance_m;
       step.turn_rad = turn.ratio() * turn_rad;
-      step.distance_variance_m2 = way.variance();
+      step.distance_variance_m2 = distance.variance();
       step.turn_variance_rad2 = turn.variance();
     } else {
       // Too short a drive to know: it may have stopped, or gone as fast as ever, any way.
-      step.distance_m = way_m;
+      step.distance_m = path_distance_m;
       step.turn_rad = 0.0;
       step.distance_variance_m2 = squared(fastest_mps_ * lasts_s);
       step.turn_variance_rad2 = squared(pi);
@@ -100,7 +100,7 @@ class Habits {
   }
 
   /// Every stretch of the drive that lasts as long and has no silence in it, one beginning each quarter of that time.
-  void see(double lasts_s, Habit& way, Habit& turn) const {
+  void see(double lasts_s, Habit& distance, Habit& turn) const {
     double next_s = -1e300;
     for (std::size_t from = 0; from < steps_.size(); ++from) {
       if (steps_[from].t_s < next_s || steps_[from].duration_s > unresponsive_s_) continue;
@@ -117,7 +117,7 @@ class Habits {
       next_s = steps_[from].t_s + 0.25 * lasts_s;
       const Rates first = rates_before(from);
       const Recording::Step& last = steps_[to - 1];
-      way.see(0.5 * (first.speed_mps + last.distance_m / last.duration_s) * passed_s, gone_m);
+      distance.see(0.5 * (first.speed_mps + last.distance_m / last.duration_s) * passed_s, gone_m);
       turn.see(0.5 * (first.turn_radps + last.turn_rad / last.duration_s) * passed_s, turned_rad);
     }
   }

@@ -262,7 +262,7 @@ class Reader {
   }
 
   /// The end of {"command":…,"thing":{…: where it stands, or how it walks. Gives the words for it.
-  [[nodiscard]] std::string write_way(const Entry& fields, JsonWriter& json) const {
+  [[nodiscard]] std::string write_motion(const Entry& fields, JsonWriter& json) const {
     if (fields.has("at") == fields.has("path")) {
       fields.fault(fields.has("at") ? "path" : "", "scenario.field",
                    "expected either at = [x, y] or path = [[x, y], [x, y]]");
@@ -281,10 +281,10 @@ class Reader {
     json.key("path").begin_array();
     for (const Point2 p : path) json.begin_array().value(p.x_m).value(p.y_m).end_array();
     json.end_array();
-    const double way_m = length_m(path);
-    if (!path.empty() && !(way_m > 0.0))
+    const double distance_m = length_m(path);
+    if (!path.empty() && !(distance_m > 0.0))
       fields.fault("path", "scenario.field", "expected points apart from each other");
-    std::string what = " walks " + rounded(way_m) + " m from " + (path.empty() ? "" : at_text(path.front()));
+    std::string what = " walks " + rounded(distance_m) + " m from " + (path.empty() ? "" : at_text(path.front()));
     if (fields.has("speed_mps")) {
       const double speed_mps = fields.number("speed_mps", walk_mps);
       json.field("speed", speed_mps);
@@ -305,11 +305,11 @@ class Reader {
         .begin_object()
         .field("id", id)
         .field("kind", "person");
-    const std::string way = write_way(fields, json);
+    const std::string motion_text = write_motion(fields, json);
     if (fields.has("radius_m")) json.field("radius", fields.number("radius_m", radius_range_m));
     json.end_object().end_object();
     virtual_objects_.insert_or_assign(id, VirtualObject{false, 0.0, line_});
-    plan(json, "person " + id + (fields.has("at") ? " stands at " : "") + way);
+    plan(json, "person " + id + (fields.has("at") ? " stands at " : "") + motion_text);
   }
 
   void read_virtual_aiv(const Entry& fields) {
@@ -396,9 +396,9 @@ class Reader {
     }
     JsonWriter json;
     json.begin_object().field("command", "move").key("virtualObject").begin_object().field("id", id);
-    const std::string way = write_way(fields, json);
+    const std::string motion_text = write_motion(fields, json);
     json.end_object().end_object();
-    plan(json, id + (fields.has("at") ? " moves to " : "") + way);
+    plan(json, id + (fields.has("at") ? " moves to " : "") + motion_text);
   }
 
   void remove_physical(const std::string& id) {

@@ -17,7 +17,7 @@ namespace cosiva::experiments {
 namespace {
 
 /// A virtual AIV is put on the nearest way; further off than this nobody could have meant that way.
-constexpr double off_way_max_m = 0.30;
+constexpr double off_path_m_max = 0.30;
 /// As the server has it: so far beyond the drawing's bounds a thing may stand.
 constexpr double margin_m = 0.5;
 /// A zone's file of 16 MiB, each byte of it escaped.
@@ -271,10 +271,10 @@ class Checker {
     } else if (virtual_object.number("x") && virtual_object.number("y")) {
       const Point2 at{*virtual_object.number("x"), *virtual_object.number("y")};
       const auto located = zone_->circuit.locate(at);
-      if (located.distance_m > off_way_max_m) {
+      if (located.distance_m > off_path_m_max) {
         return fault("virtual_aiv.at", "scenario.position",
                      "the nearest way of " + zone_->name + " is " + shortest(located.distance_m) +
-                         " m off; put it within " + shortest(off_way_max_m) + " m of one");
+                         " m off; put it within " + shortest(off_path_m_max) + " m of one");
       }
       location = located.location;
     }

@@ -85,7 +85,7 @@ Result<void> agree(Ranks& ranks, const Result<void>& mine) {
 
 Result<SiteRun> SiteRun::make(SiteOptions options, Ranks& ranks) {
   SiteRun site{std::move(options), ranks};
-  Result<void> laid = site.lay_ways();
+  Result<void> laid = site.lay_transfers();
   if (laid) laid = site.open_zones();
   if (auto agreed = agree(ranks, laid); !agreed) return tl::unexpected(agreed.error());
   return site;
@@ -99,7 +99,7 @@ SiteRun::SiteZone& SiteRun::site_zone_of(std::size_t zone) {
   return site_zones_[zone - site_zones_.front().index];
 }
 
-Result<void> SiteRun::lay_ways() {
+Result<void> SiteRun::lay_transfers() {
   if (options_.zones.empty() || options_.zones.size() != options_.plan.zones.size())
     return fail("site.options", "a site has zones, and each is given");
   if (!(options_.away_ratio >= 0.0 && options_.away_ratio <= 1.0))
@@ -118,8 +118,8 @@ Result<void> SiteRun::lay_ways() {
     if (!enter) return tl::unexpected(enter.error());
     const std::uint64_t takes_steps = std::max<std::uint64_t>(1, steps_in(transfer_point.takes_s, options_.step));
     meeting_steps_ = std::min(meeting_steps_, takes_steps);
-    exits_[from->second].push_back(ways_.size());
-    ways_.push_back({to->second, *enter, takes_steps});
+    exits_[from->second].push_back(transfers_.size());
+    transfers_.push_back({to->second, *enter, takes_steps});
   }
   end_steps_ = steps_in(options_.warm_up_s, options_.step) +
                std::max<std::uint64_t>(1, steps_in(options_.duration_s, options_.step));
@@ -134,7 +134,7 @@ Result<TrafficOptions> SiteRun::options_of(std::size_t zone, std::uint32_t first
   traffic.zone = options_.zones[zone];
   traffic.aivs = options_.plan.zones[zone].aivs;
   traffic.first_aiv = first_aiv;
-  if (!ways_.empty()) traffic.spare = std::min(spare_most, traffic.aivs + 8);
+  if (!transfers_.empty()) traffic.spare = std::min(spare_most, traffic.aivs + 8);
   for (const std::size_t transfer_point : exits) {
     const SitePlan::TransferPoint& named = options_.plan.transfer_points[transfer_point];
     const auto leave = end_in(*traffic.zone, named.from_zone, named.from_station, 0);
@@ -151,7 +151,7 @@ Result<TrafficOptions> SiteRun::options_of(std::size_t zone, std::uint32_t first
   for (Job& job : *jobs) {
     if (exits.empty() || !random.chance(options_.away_ratio)) continue;
     const auto exit = static_cast<std::uint32_t>(random.below(exits.size()));
-    const auto stops = stops_of(*options_.zones[ways_[exits[exit]].to_zone]);
+    const auto stops = stops_of(*options_.zones[transfers_[exits[exit]].to_zone]);
     if (stops.empty()) continue;
     job.exit = exit;
     job.to = stops[random.below(stops.size())];
@@ -178,10 +178,10 @@ Result<void> SiteRun::open_zones() {
     site_zone.run = std::make_unique<TrafficRun>(std::move(*run));
     site_zones_.push_back(std::move(site_zone));
   }
-  for (const Way& way : ways_) {
-    if (owner_of(way.to_zone) != ranks_->rank() || site_zone_of(way.to_zone).run->fleet().may_stop(way.enter))
+  for (const Transfer& transfer : transfers_) {
+    if (owner_of(transfer.to_zone) != ranks_->rank() || site_zone_of(transfer.to_zone).run->fleet().may_stop(transfer.enter))
       continue;
-    return fail("site.transfer_point", "zone '" + options_.plan.zones[way.to_zone].name +
+    return fail("site.transfer_point", "zone '" + options_.plan.zones[transfer.to_zone].name +
                                            "': a passage leads to a place in a crossing, where no vehicle may stand");
   }
   return {};
@@ -200,7 +200,7 @@ void SiteRun::drive(SiteZone& site_zone, std::uint64_t until_step) const {
     for (auto next = site_zone.coming.begin();
          next != site_zone.coming.end() && next->due_step <= site_zone.run->steps();) {
       const bool waits = std::ranges::find(blocked, next->transfer_point) != blocked.end();
-      if (!waits && site_zone.run->bring(next->traveller, ways_[next->transfer_point].enter)) {
+      if (!waits && site_zone.run->bring(next->traveller, transfers_[next->transfer_point].enter)) {
         next = site_zone.coming.erase(next);
         continue;
       }
@@ -215,7 +215,7 @@ bool SiteRun::advance(Workers& workers) {
   const std::uint64_t until = std::min(end_steps_, steps_ + meeting_steps_);
   workers.for_each(site_zones_.size(), [&](std::size_t i) { drive(site_zones_[i], until); });
   steps_ = until;
-  if (!ways_.empty()) meet();
+  if (!transfers_.empty()) meet();
   return steps_ < end_steps_;
 }
 
@@ -223,7 +223,7 @@ void SiteRun::meet() {
   std::vector<Message> messages(ranks_->size());
   for (SiteZone& site_zone : site_zones_) {
     for (const auto& [transfer_point, traveller] : site_zone.left) {
-      Message& message = messages[owner_of(ways_[transfer_point].to_zone)];
+      Message& message = messages[owner_of(transfers_[transfer_point].to_zone)];
       message.put(std::uint64_t{transfer_point});
       message.put(traveller.aiv);
       message.put(traveller.left_step);
@@ -246,9 +246,9 @@ void SiteRun::meet() {
       traveller.job.due_s = reader.take<double>();
       traveller.job.to = static_cast<std::size_t>(reader.take<std::uint64_t>());
       traveller.job.priority = reader.take<std::int32_t>();
-      COSIVA_EXPECT(transfer_point < ways_.size());
-      site_zone_of(ways_[transfer_point].to_zone)
-          .coming.push_back({traveller.left_step + ways_[transfer_point].takes_steps, transfer_point, traveller});
+      COSIVA_EXPECT(transfer_point < transfers_.size());
+      site_zone_of(transfers_[transfer_point].to_zone)
+          .coming.push_back({traveller.left_step + transfers_[transfer_point].takes_steps, transfer_point, traveller});
     }
   }
   // In an order that does not depend on who told us first.

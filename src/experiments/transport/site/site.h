@@ -39,7 +39,7 @@ class SiteRun {
   [[nodiscard]] SiteMetrics metrics() const;
 
  private:
-  struct Way {  ///< a passage, worked out
+  struct Transfer {  ///< a passage, worked out
     std::size_t to_zone;
     zone::TrackPosition enter;
     std::uint64_t takes_steps;
@@ -56,7 +56,7 @@ class SiteRun {
     std::vector<std::pair<std::size_t, Traveller>> left;  ///< by passage, since the last meeting
   };
   SiteRun(SiteOptions options, Ranks& ranks) : options_{std::move(options)}, ranks_{&ranks} {}
-  [[nodiscard]] Result<void> lay_ways();
+  [[nodiscard]] Result<void> lay_transfers();
   [[nodiscard]] Result<void> open_zones();
   [[nodiscard]] Result<TrafficOptions> options_of(std::size_t zone, std::uint32_t first_aiv) const;
   [[nodiscard]] std::size_t owner_of(std::size_t zone) const;
@@ -67,7 +67,7 @@ class SiteRun {
 
   SiteOptions options_;
   Ranks* ranks_;
-  std::vector<Way> ways_;                        ///< by passage
+  std::vector<Transfer> transfers_;                        ///< by passage
   std::vector<std::vector<std::size_t>> exits_;  ///< by zone: passages, as its jobs count them
   std::vector<SiteZone> site_zones_;             ///< of zones one after another
   std::uint64_t meeting_steps_{10};

@@ -114,13 +114,13 @@ std::optional<Dispatcher::Fleet::Vehicle> Dispatcher::best_for(zone::TrackPositi
   std::ranges::partial_sort(near, near.begin() + static_cast<std::ptrdiff_t>(requested));
   std::optional<std::pair<double, Fleet::Vehicle>> best;
   for (std::size_t i = 0; i < requested; ++i) {
-    const auto time_s = way_to(near[i].second, goal);
+    const auto time_s = route_to(near[i].second, goal);
     if (time_s && (!best || *time_s < best->first)) best = {*time_s, near[i].second};
   }
   return best ? std::optional{best->second} : std::nullopt;
 }
 
-std::optional<double> Dispatcher::way_to(Fleet::Vehicle vehicle, zone::TrackPosition goal) {
+std::optional<double> Dispatcher::route_to(Fleet::Vehicle vehicle, zone::TrackPosition goal) {
   const auto committed = fleet_.committed(vehicle);
   const zone::Circuit& circuit = fleet_.zone().circuit;
   const zone::TrackPosition here = fleet_.track_position(vehicle);
@@ -145,7 +145,7 @@ zone::TrackPosition Dispatcher::goal_of(const Carrier& carrier) const {
 
 void Dispatcher::drive_on(Fleet::Vehicle vehicle) {
   const zone::TrackPosition goal = goal_of(carriers_[vehicle]);
-  if (way_to(vehicle, goal) && fleet_.send(vehicle, route_, goal.s_m)) {
+  if (route_to(vehicle, goal) && fleet_.send(vehicle, route_, goal.s_m)) {
     carriers_[vehicle].patient_until_s = -1.0;
     return;
   }

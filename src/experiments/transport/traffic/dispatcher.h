@@ -63,7 +63,7 @@ class Dispatcher {
   void give_out();
   [[nodiscard]] std::optional<Fleet::Vehicle> best_for(zone::TrackPosition goal);
   /// By committed() and the router; nothing where there is no way.
-  [[nodiscard]] std::optional<double> way_to(Fleet::Vehicle vehicle, zone::TrackPosition goal);
+  [[nodiscard]] std::optional<double> route_to(Fleet::Vehicle vehicle, zone::TrackPosition goal);
   void drive_on(Fleet::Vehicle vehicle);
   [[nodiscard]] zone::TrackPosition goal_of(const Carrier& carrier) const;
 

@@ -92,10 +92,10 @@ TEST(Traffic, gives_a_job_to_the_one_that_is_there_first) {
   double nearest_m = 1e9;
   virtual_side::Fleet::Vehicle nearest = 0;
   for (virtual_side::Fleet::Vehicle v = 0; v < 4; ++v) {
-    const auto way = circuit.shortest_way(run->fleet().track_position(v), station, 100.0);
-    ASSERT_TRUE(way);
-    if (way->length_m > 1.0 && way->length_m < nearest_m) {
-      nearest_m = way->length_m;
+    const auto route = circuit.shortest_route(run->fleet().track_position(v), station, 100.0);
+    ASSERT_TRUE(route);
+    if (route->length_m > 1.0 && route->length_m < nearest_m) {
+      nearest_m = route->length_m;
       nearest = v;
     }
   }

@@ -96,7 +96,7 @@ bool ControlAreas::has_map(std::string_view name) const {
                              [&](const auto& area) { return area.second.zone && area.second.zone->name == name; });
 }
 
-Result<Mission> ControlAreas::way_to(std::string_view to, const zone::TrafficZone& zone,
+Result<Mission> ControlAreas::route_to(std::string_view to, const zone::TrafficZone& zone,
                                      const Missions& missions) const {
   const std::string name{to.substr(0, to.find('/'))};
   const std::string goal{to.substr(std::min(to.size(), name.size() + 1))};

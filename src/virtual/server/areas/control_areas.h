@@ -55,7 +55,7 @@ class ControlAreas {
   [[nodiscard]] bool has_map(std::string_view name) const;
   /// The mission to "control area/name": to the station of `zone` that lies on a way of that control area from which
   /// `name` can be reached, the one nearest to its line. Fails with a sentence that says what to do.
-  [[nodiscard]] Result<Mission> way_to(std::string_view to, const zone::TrafficZone& zone,
+  [[nodiscard]] Result<Mission> route_to(std::string_view to, const zone::TrafficZone& zone,
                                        const Missions& missions) const;
 
   /// {"name","others":[{"name","online"}]}.

@@ -12,7 +12,7 @@ constexpr double step_m = 0.04;
 
 }  // namespace
 
-bool ThirdPartyPause::in_way(VehicleIndex vehicle, const Pose2& X_MB, const Body& body, double within_m) const {
+bool ThirdPartyPause::in_path(VehicleIndex vehicle, const Pose2& X_MB, const Body& body, double within_m) const {
   const zone::VehicleShape shape = simulator_.zone()->vehicle;
   double reach_m = 0.5 * shape.length_m + within_m;
   const auto& track_position = traffic_.track_position(vehicle);
@@ -36,7 +36,7 @@ void ThirdPartyPause::evaluate(VehicleIndex vehicle, const Pose2& X_MB, std::spa
   if (!proxy.state) return;
   const double within_m = proxy.paused_for_body ? let_go_beyond_m : pause_within_m;
   const auto blocking =
-      std::ranges::find_if(bodies, [&](const Body& body) { return in_way(vehicle, X_MB, body, within_m); });
+      std::ranges::find_if(bodies, [&](const Body& body) { return in_path(vehicle, X_MB, body, within_m); });
   if (blocking == bodies.end()) {
     let_go(vehicle);
     return;

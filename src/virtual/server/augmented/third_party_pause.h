@@ -33,7 +33,7 @@ class ThirdPartyPause {
         simulator_{simulator} {}
 
   void resize(std::size_t vehicles) { pauses_.resize(vehicles); }
-  void set_map(const WayMap* map) { map_ = map; }
+  void set_map(const WaypointGraph* map) { map_ = map; }
 
   /// A body that may stand in a vehicle's way.
   struct Body {
@@ -50,7 +50,7 @@ class ThirdPartyPause {
   [[nodiscard]] std::uint64_t changes() const { return changes_; }
 
  private:
-  [[nodiscard]] bool in_way(VehicleIndex vehicle, const Pose2& X_MB, const Body& body, double within_m) const;
+  [[nodiscard]] bool in_path(VehicleIndex vehicle, const Pose2& X_MB, const Body& body, double within_m) const;
   void send(VehicleIndex vehicle, std::string action);
 
   Registry& registry_;
@@ -58,7 +58,7 @@ class ThirdPartyPause {
   MessagePublisher& publisher_;
   InstantActionSender& action_sender_;
   Simulator& simulator_;
-  const WayMap* map_{};
+  const WaypointGraph* map_{};
   std::uint64_t changes_{0};
   struct Pause {
     InstantActionSender::ActionHandle handle{0};  ///< of the last action for it; 0: none

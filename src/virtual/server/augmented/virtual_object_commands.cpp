@@ -223,9 +223,9 @@ Result<Walk> VirtualObjectCommands::read_walk(const JsonValue& virtual_object, b
   const JsonValue* x = virtual_object.find("x");
   const JsonValue* y = virtual_object.find("y");
   if (path == nullptr || path->is_null()) {
-    auto on_way = read_section(virtual_object);
-    if (!on_way) return tl::unexpected(on_way.error());
-    if (*on_way) return Walk({position(simulator_.circuit()->pose_at(**on_way))}, 0.0, Repeat::once);
+    auto on_path = read_section(virtual_object);
+    if (!on_path) return tl::unexpected(on_path.error());
+    if (*on_path) return Walk({position(simulator_.circuit()->pose_at(**on_path))}, 0.0, Repeat::once);
     if (x == nullptr || y == nullptr) {
       return fail("virtual_object.position",
                   may_walk ? "say where it stands (x, y) or which path it walks (path)" : "say where it stands (x, y)");

@@ -16,7 +16,7 @@ namespace {
 constexpr double vehicle_margin_m = 0.10;
 /// A time stamp that falls back further than any network delays is a clock that was set, not a late message.
 constexpr SimDuration reorder_max{std::chrono::seconds{5}};
-constexpr double way_step_m = 0.04;
+constexpr double path_step_m = 0.04;
 constexpr double clear_m_max = 3.0;
 
 /// How far `p` is outside of the body around X_MB.
@@ -112,9 +112,9 @@ void OwnReports::forget_where_clear(VehicleIndex vehicle, double clear_m) {
   const zone::VehicleShape& shape = context_.simulator.zone()->vehicle;
   const Twin::Image image = context_.simulator.image(*proxy.twin, context_.now);
   const double reach_m = 0.5 * shape.length_m + std::min(clear_m, clear_m_max);
-  std::vector<Point2> way;
-  for (double d = 0.0; d <= reach_m; d += way_step_m) {
-    way.push_back(image.position ? position(context_.simulator.circuit()->pose_at(
+  std::vector<Point2> path;
+  for (double d = 0.0; d <= reach_m; d += path_step_m) {
+    path.push_back(image.position ? position(context_.simulator.circuit()->pose_at(
                                     context_.simulator.ahead_of(*proxy.twin, *image.position, d)))
                               : image.X_MB * Point2{d, 0.0});
   }
@@ -122,9 +122,9 @@ void OwnReports::forget_where_clear(VehicleIndex vehicle, double clear_m) {
   for (const DetectedObstacle& obstacle : context_.simulator.detected().obstacles()) {
     if (!DetectedObstacles::detected_by(obstacle, proxy.name)) continue;
     // In its way by half of itself at least; one beside the way would not be reported.
-    const bool in_way = std::ranges::any_of(
-        way, [&](Point2 p) { return distance(p, obstacle.at) <= 0.5 * (shape.width_m + obstacle.radius_m); });
-    if (in_way) gone.push_back(obstacle.id);
+    const bool in_path = std::ranges::any_of(
+        path, [&](Point2 p) { return distance(p, obstacle.at) <= 0.5 * (shape.width_m + obstacle.radius_m); });
+    if (in_path) gone.push_back(obstacle.id);
   }
   for (const std::string& id : gone) {
     context_.simulator.detected().remove(id);

@@ -203,12 +203,12 @@ TEST_F(DetectionFixture, the_reserved_way_reaches_from_the_twin_to_the_end_of_th
   aiv.blocked = false;
   fixture.run_for(3s);
   const JsonValue shown = fixture.aiv("CoSiVA/AIV1");
-  const JsonValue::Array& way = *shown.find("reserved")->array();
-  ASSERT_GE(way.size(), 5U);
-  EXPECT_NEAR(*(*way.front().array())[0].number(), *shown.number("x"), 1e-4);
-  for (std::size_t i = 1; i < way.size(); ++i) {
-    const double step_m = norm(*(*way[i].array())[0].number() - *(*way[i - 1].array())[0].number(),
-                               *(*way[i].array())[1].number() - *(*way[i - 1].array())[1].number());
+  const JsonValue::Array& path = *shown.find("reserved")->array();
+  ASSERT_GE(path.size(), 5U);
+  EXPECT_NEAR(*(*path.front().array())[0].number(), *shown.number("x"), 1e-4);
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const double step_m = norm(*(*path[i].array())[0].number() - *(*path[i - 1].array())[0].number(),
+                               *(*path[i].array())[1].number() - *(*path[i - 1].array())[1].number());
     EXPECT_LE(step_m, 0.101);
   }
 }

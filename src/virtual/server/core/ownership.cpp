@@ -23,7 +23,7 @@ Ownership::Ownership(ServerContext& context, MasterControl& master, VehicleLifec
     : context_{context}, master_{master}, vehicles_{vehicles}, twins_{twins}, reports_{reports}, zones_{zones} {
   if (!context_.areas.several()) return;
   master_.missions.set_abroad(
-      [this](std::string_view to) { return context_.areas.way_to(to, zones_.map()->zone(), master_.missions); });
+      [this](std::string_view to) { return context_.areas.route_to(to, zones_.map()->zone(), master_.missions); });
 }
 
 void Ownership::claim_and_hand_over() {

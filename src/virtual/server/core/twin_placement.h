@@ -17,7 +17,7 @@ class TwinPlacement {
   TwinPlacement(ServerContext& context, MasterControl& master) : context_{context}, master_{master} {}
 
   /// The waypoint graph of the zone in force; null while there is none.
-  void set_map(const WayMap* map) { map_ = map; }
+  void set_map(const WaypointGraph* map) { map_ = map; }
   /// @param at  when the vehicle was there, on the server's clock
   void put(VehicleIndex vehicle, SimTime at, const Pose2& pose, const std::optional<wire::Velocity>& velocity);
   /// The twin may drive to the end of the base that the vehicle's last state lists.
@@ -32,7 +32,7 @@ class TwinPlacement {
 
   ServerContext& context_;
   MasterControl& master_;
-  const WayMap* map_{};
+  const WaypointGraph* map_{};
 };
 
 }  // namespace cosiva::virtual_side

@@ -21,7 +21,7 @@ class ZoneChange {
   ZoneChange(ServerContext& context, MasterControl& master) : context_{context}, master_{master} {}
 
   /// The waypoint graph of the zone in force; null while there is none.
-  void set_map(const WayMap* map) { map_ = map; }
+  void set_map(const WaypointGraph* map) { map_ = map; }
   /// The zone in force has just replaced the zone named `from`.
   void begin(std::string from);
   /// No zone has been changed: what happened before is not shown.
@@ -56,7 +56,7 @@ class ZoneChange {
 
   ServerContext& context_;
   MasterControl& master_;
-  const WayMap* map_{};
+  const WaypointGraph* map_{};
   std::optional<Change> last_;
 };
 

@@ -76,7 +76,7 @@ bool ZoneSession::take(const zone::ZoneConfiguration& configuration) {
   const auto& zone = context_.simulator.zone();
   context_.publisher.log('i', "zone '" + zone->name + "': " + std::to_string(zone->waypoints.size()) + " waypoints, " +
                                   std::to_string(zone->crossings.size()) + " crossings");
-  if (*received == Simulator::Reception::same_ways)
+  if (*received == Simulator::Reception::same_geometry)
     drive_on(zone);
   else
     start_over(zone);
@@ -109,7 +109,7 @@ void ZoneSession::start_over(const std::shared_ptr<const zone::TrafficZone>& zon
   }
 }
 
-void ZoneSession::notify_all(const WayMap* graph) {
+void ZoneSession::notify_all(const WaypointGraph* graph) {
   master_.traffic.set_map(graph);
   master_.missions.set_map(graph);
   master_.orders.set_map(graph);

@@ -64,7 +64,7 @@ class ZoneSession {
   void write_state(JsonWriter& json) const;
 
   /// The waypoint graph of the zone in force; null before there is a zone.
-  [[nodiscard]] const WayMap* map() const { return map_ ? &*map_ : nullptr; }
+  [[nodiscard]] const WaypointGraph* map() const { return map_ ? &*map_ : nullptr; }
   [[nodiscard]] ZoneChange& change() { return change_; }
   [[nodiscard]] const ZoneChange& change() const { return change_; }
   [[nodiscard]] const ZoneEdits& edits() const { return edits_; }
@@ -81,7 +81,7 @@ class ZoneSession {
   bool take(const zone::ZoneConfiguration& configuration);
   void drive_on(const std::shared_ptr<const zone::TrafficZone>& zone);
   void start_over(const std::shared_ptr<const zone::TrafficZone>& zone);
-  void notify_all(const WayMap* map);
+  void notify_all(const WaypointGraph* map);
   void publish();
   void restore_now();
 
@@ -92,7 +92,7 @@ class ZoneSession {
   TwinPlacement& twins_;
   ZoneChange change_;
   ZoneEdits edits_;
-  std::optional<WayMap> map_;
+  std::optional<WaypointGraph> map_;
   std::optional<Refused> refused_;
   bool switched_here_{false};  ///< the zone in force came by a command: no other program serves it
   /// Retained configurations of a new connection: each waits until all of them are there.

@@ -31,7 +31,7 @@ class Fork : public testing::Test {
   /// The last waypoint before the fork.
   [[nodiscard]] WaypointIndex before_fork() const { return map.behind({id("entry"), 1.0})->waypoint; }
 
-  WayMap map{zone::Rtm::initialise(fork())->shared_zone()};
+  WaypointGraph map{zone::Rtm::initialise(fork())->shared_zone()};
   Traffic traffic;
 };
 
@@ -42,18 +42,18 @@ TEST_F(Fork, has_a_stretch_for_each_branch_the_default_one_first) {
   EXPECT_EQ(stretches[1].sections.front(), id("bypass1"));
   EXPECT_TRUE(stretches[0].crosses && stretches[1].crosses) << "bodies touch where ways part";
   EXPECT_NE(stretches[0].edge_id, stretches[1].edge_id);
-  const auto way = bypass();
-  EXPECT_EQ(map.along(before_fork(), std::span{way}.subspan(1)), &stretches[1]);
+  const auto route = bypass();
+  EXPECT_EQ(map.along(before_fork(), std::span{route}.subspan(1)), &stretches[1]);
   EXPECT_EQ(map.along(before_fork(), {}), &stretches[0]);
 }
 
 TEST_F(Fork, finds_the_way_over_nodes_that_a_vehicle_reports) {
   const auto& stretch = map.stretches(before_fork())[1];
   const std::vector<std::string_view> ids{map.waypoint(before_fork()).id, map.waypoint(stretch.to).id};
-  const auto way = map.through({id("entry"), map.waypoint(before_fork()).position.s_m - 0.3}, ids, 2);
-  ASSERT_TRUE(way.has_value());
-  EXPECT_EQ(way->end, stretch.to);
-  EXPECT_THAT(way->sections, Contains(id("bypass1")));
+  const auto route = map.through({id("entry"), map.waypoint(before_fork()).position.s_m - 0.3}, ids, 2);
+  ASSERT_TRUE(route.has_value());
+  EXPECT_EQ(route->end, stretch.to);
+  EXPECT_THAT(route->sections, Contains(id("bypass1")));
   EXPECT_FALSE(map.through({id("north"), 0.1}, std::vector<std::string_view>{"nowhere"}, 1).has_value());
 }
 

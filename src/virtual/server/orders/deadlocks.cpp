@@ -32,7 +32,7 @@ std::string_view to_string(Deadlock::State state) {
   switch (state) {
     case Deadlock::State::forming: return "forming";
     case Deadlock::State::reported: return "standing";
-    case Deadlock::State::giving_way: return "giving way";
+    case Deadlock::State::yielding: return "giving way";
     case Deadlock::State::unresolved: return "unresolved";
     case Deadlock::State::resolved: return "resolved";
   }
@@ -82,7 +82,7 @@ void Deadlocks::record(const Knot& knot) {
   if (known->members == knot.members) return;
   // It has grown, or another has come out of it; whoever gives way in it stays one of its own.
   std::vector<VehicleIndex> members = knot.members;
-  for (const VehicleIndex v : known->gave_way)
+  for (const VehicleIndex v : known->yielded)
     if (!std::ranges::binary_search(members, v)) members.insert(std::ranges::lower_bound(members, v), v);
   if (members == known->members) return;
   known->members = std::move(members);
@@ -109,7 +109,7 @@ void Deadlocks::follow(Deadlock& deadlock) {
       if (closed && for_long >= (somebody_beside(deadlock) ? rules_.grace_beside : rules_.grace)) begin(deadlock);
       return;
     case Deadlock::State::reported: break;
-    case Deadlock::State::giving_way:
+    case Deadlock::State::yielding:
       if (closed && for_long >= rules_.works_within) resolve(deadlock);
       break;
     case Deadlock::State::unresolved:
@@ -117,8 +117,8 @@ void Deadlocks::follow(Deadlock& deadlock) {
       break;
     case Deadlock::State::resolved: return;
   }
-  const bool gives_way = std::ranges::any_of(deadlock.gave_way, [&](VehicleIndex v) { return roller_.gives_way(v); });
-  if (!gives_way && now - deadlock.detected_at > rules_.calm) end(deadlock);
+  const bool yields = std::ranges::any_of(deadlock.yielded, [&](VehicleIndex v) { return roller_.yields(v); });
+  if (!yields && now - deadlock.detected_at > rules_.calm) end(deadlock);
 }
 
 void Deadlocks::begin(Deadlock& deadlock) {
@@ -142,11 +142,11 @@ void Deadlocks::resolve(Deadlock& deadlock) {
   std::ranges::sort(priorities);
   priorities.erase(std::unique(priorities.begin(), priorities.end()), priorities.end());
   for (const std::int32_t priority : priorities)
-    if (let_give_way(deadlock, priority)) return;
+    if (let_yield(deadlock, priority)) return;
   give_up(deadlock);
 }
 
-bool Deadlocks::let_give_way(Deadlock& deadlock, std::int32_t priority) {
+bool Deadlocks::let_yield(Deadlock& deadlock, std::int32_t priority) {
   for (const Means means : all_means) {
     struct Offer {
       double cost_m;
@@ -159,16 +159,16 @@ bool Deadlocks::let_give_way(Deadlock& deadlock, std::int32_t priority) {
         continue;
       const auto waits = waits_for(deadlock, v);
       if (waits.empty()) continue;
-      if (const auto cost_m = roller_.can_give_way(v, means, waits)) offers.push_back({*cost_m, v});
+      if (const auto cost_m = roller_.can_yield(v, means, waits)) offers.push_back({*cost_m, v});
     }
     std::ranges::sort(offers, [](const Offer& a, const Offer& b) {
       return a.cost_m != b.cost_m ? a.cost_m < b.cost_m : a.vehicle > b.vehicle;
     });
     for (const auto& [cost_m, v] : offers) {
       deadlock.tried.emplace_back(v, means);
-      if (!roller_.give_way(v, means, waits_for(deadlock, v))) continue;
-      deadlock.state = Deadlock::State::giving_way;
-      deadlock.gave_way.push_back(v);
+      if (!roller_.yield(v, means, waits_for(deadlock, v))) continue;
+      deadlock.state = Deadlock::State::yielding;
+      deadlock.yielded.push_back(v);
       const std::string how = registry_[v].name + " " + deed(means, cost_m);
       deadlock.how = how;
       tell('w', "deadlock " + std::to_string(deadlock.number) + ": " + how);
@@ -189,12 +189,12 @@ void Deadlocks::give_up(Deadlock& deadlock) {
 
 void Deadlocks::end(Deadlock& deadlock) {
   const SimDuration lasted = deadlock.detected_at - deadlock.since;
-  if (deadlock.state != Deadlock::State::giving_way) deadlock.how = "it came undone by itself";
+  if (deadlock.state != Deadlock::State::yielding) deadlock.how = "it came undone by itself";
   deadlock.state = Deadlock::State::resolved;
   deadlock.ended_at = deadlock.detected_at;
   ++counters_.resolved;
   counters_.longest = std::max(counters_.longest, lasted);
-  for (const VehicleIndex v : deadlock.gave_way) roller_.need_not_avoid(v);
+  for (const VehicleIndex v : deadlock.yielded) roller_.need_not_avoid(v);
   tell('i', "deadlock " + std::to_string(deadlock.number) + " is resolved after " +
                 std::to_string(std::lround(to_seconds(lasted))) + " s: " + deadlock.how);
 }

@@ -34,7 +34,7 @@ struct Deadlock {
   enum class State : std::uint8_t {
     forming,     ///< the ring has closed; most open again by themselves
     reported,    ///< it has lasted
-    giving_way,  ///< somebody lets the others out
+    yielding,  ///< somebody lets the others out
     unresolved,  ///< nobody can; tried again and again
     resolved,
   };
@@ -48,7 +48,7 @@ struct Deadlock {
   std::string how;                    ///< what was done, the last means last
   std::optional<SimTime> ended_at;
   std::vector<std::pair<VehicleIndex, Means>> tried;
-  std::vector<VehicleIndex> gave_way;
+  std::vector<VehicleIndex> yielded;
 };
 [[nodiscard]] std::string_view to_string(Deadlock::State state);
 
@@ -94,7 +94,7 @@ class Deadlocks {
   void follow(Deadlock& deadlock);
   void begin(Deadlock& deadlock);
   void resolve(Deadlock& deadlock);
-  bool let_give_way(Deadlock& deadlock, std::int32_t priority);
+  bool let_yield(Deadlock& deadlock, std::int32_t priority);
   void give_up(Deadlock& deadlock);
   void end(Deadlock& deadlock);
   void tell(char level, const std::string& text);

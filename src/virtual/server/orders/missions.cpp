@@ -15,7 +15,7 @@ constexpr double station_m = 0.02;
 
 }  // namespace
 
-void Missions::set_map(const WayMap* map) {
+void Missions::set_map(const WaypointGraph* map) {
   map_ = map;
   router_.reset();
   for_ever_.clear();
@@ -89,8 +89,8 @@ bool Missions::known(const Mission& mission) const {
   return mission.name.empty() || map_->zone().find_loop(mission.name) != nullptr;
 }
 
-void Missions::no_way(Entry& entry, const Error& error) {
-  entry.state = State::no_way;
+void Missions::no_route(Entry& entry, const Error& error) {
+  entry.state = State::no_route;
   entry.why = error.message;
   entry.complete = true;
 }
@@ -102,7 +102,7 @@ std::vector<zone::SectionId> Missions::shut(Sections avoided) const {
   return all;
 }
 
-bool Missions::has_way_round(VehicleIndex vehicle, zone::TrackPosition from, Sections around) const {
+bool Missions::has_detour(VehicleIndex vehicle, zone::TrackPosition from, Sections around) const {
   const Entry& entry = entries_[vehicle];
   const auto closed = shut(around);
   if (entry.mission.kind == Mission::Kind::go)
@@ -153,7 +153,7 @@ std::optional<std::vector<zone::SectionId>> Missions::plan(VehicleIndex vehicle,
       consider(router_->plan(start, map_->waypoint(goal).position, shut(entry.avoided)), goal);
   }
   if (!best) {
-    no_way(entry, error.value_or(Error{"route.none", "the zone has no '" + entry.mission.name + "' any more", ""}));
+    no_route(entry, error.value_or(Error{"route.none", "the zone has no '" + entry.mission.name + "' any more", ""}));
     publisher_.log('w', registry_[vehicle].name + ": no way: " + entry.why);
     return std::nullopt;
   }
@@ -171,7 +171,7 @@ std::vector<zone::SectionId> Missions::more(VehicleIndex vehicle, zone::SectionI
   const bool alone = lap && lap->sections.size() < 2 && std::ranges::find(next, last) != next.end() && !is_closed(last);
   if (alone) return {last};
   if (!lap || lap->sections.size() < 2) {
-    no_way(entry, lap ? Error{"route.none", "the loop ends here", ""} : lap.error());
+    no_route(entry, lap ? Error{"route.none", "the loop ends here", ""} : lap.error());
     return {};
   }
   return {lap->sections.begin() + 1, lap->sections.end()};
@@ -197,7 +197,7 @@ std::vector<zone::SectionId> Missions::branch(Entry& entry, zone::SectionId last
   const zone::SectionId best = least_recent(entry, next);
   if (best == zone::no_section) {
     const std::string& name = map_->circuit().part(last).name;
-    no_way(entry,
+    no_route(entry,
            {"route.none",
             next.empty() ? "the way ends with '" + name + "'" : "all that follows '" + name + "' is closed", name});
     return {};

@@ -40,7 +40,7 @@ struct Mission {
 /// has taken least recently, of those from which one can go on for ever.
 class Missions {
  public:
-  enum class State : std::uint8_t { driving, arrived, no_way };
+  enum class State : std::uint8_t { driving, arrived, no_route };
 
   Missions(Registry& registry, MessagePublisher& publisher) : registry_{registry}, publisher_{publisher} {}
 
@@ -50,7 +50,7 @@ class Missions {
 
   /// Another zone; null: none for the moment. Its own closed sections are closed; whoever was to go where the zone has
   /// no such place, or round a loop it does not have, does as one that was told nothing.
-  void set_map(const WayMap* map);
+  void set_map(const WaypointGraph* map);
   /// The same ways in another zone object: only what the configuration closes or opens anew changes.
   void renew();
   void resize(std::size_t vehicles) { entries_.resize(vehicles); }
@@ -79,7 +79,7 @@ class Missions {
   /// Of the way that was planned last; no_waypoint while it has none.
   [[nodiscard]] WaypointIndex goal(VehicleIndex vehicle) const { return entries_[vehicle].goal; }
   /// Whether it could get on from `from` without entering any of these, which are ascending.
-  [[nodiscard]] bool has_way_round(VehicleIndex vehicle, zone::TrackPosition from, Sections around) const;
+  [[nodiscard]] bool has_detour(VehicleIndex vehicle, zone::TrackPosition from, Sections around) const;
   /// Plans its way anew, for this vehicle alone as if these were closed; they are ascending. Until it need no longer,
   /// or another zone or mission.
   void avoid(VehicleIndex vehicle, std::vector<zone::SectionId> sections);
@@ -133,12 +133,12 @@ class Missions {
   /// Of those that are open; no_section: none is.
   [[nodiscard]] zone::SectionId least_recent(const Entry& entry, Sections choice) const;
   [[nodiscard]] std::vector<zone::SectionId> branch(Entry& entry, zone::SectionId last);
-  void no_way(Entry& entry, const Error& error);
+  void no_route(Entry& entry, const Error& error);
 
   Registry& registry_;
   MessagePublisher& publisher_;
   Abroad abroad_;
-  const WayMap* map_{};
+  const WaypointGraph* map_{};
   std::optional<zone::Router> router_;
   std::vector<Entry> entries_;
   std::vector<zone::SectionId> closed_;      ///< sorted

@@ -28,9 +28,9 @@ constexpr double behind_clear_m = 0.03;
 constexpr double back_clear_m = 0.005;
 constexpr double back_clear_m_min = -0.02;
 /// What stands in another's way is looked for so far along it: the next stretch or chain, and where that one stops.
-constexpr double way_before_m = 0.70 + aiv::clearance_m;
-constexpr double way_every_m = 0.03;
-constexpr double way_clear_m = 0.04;
+constexpr double distance_before_m = 0.70 + aiv::clearance_m;
+constexpr double distance_step_m = 0.03;
+constexpr double path_clear_m = 0.04;
 /// Its eyes may make it stand so much earlier than it should before the one ahead.
 constexpr double detected_too_early_m = 0.03;
 constexpr SimDuration back_up_timeout{std::chrono::seconds{10}};
@@ -74,20 +74,20 @@ bool OrderRoller::keeps_off(const Wait& wait, zone::TrackPosition track_position
     if (!theirs.entry_point && !entry_point) return true;
     aiv::EntrySweep sweep{shape};
     sweep.take({body(wait.who), circuit.pose_at(theirs.entry_point ? *theirs.entry_point : entry_point->position)});
-    return sweep.near_body(X_MV, way_clear_m);
+    return sweep.near_body(X_MV, path_clear_m);
   }
   if (!theirs.reported.position) return true;
-  const double far_m = traffic_.base_left_m(wait.who, *theirs.reported.position).value_or(0.0) + way_before_m;
-  for (double ahead_m = 0.0; ahead_m < far_m; ahead_m += way_every_m) {
+  const double far_m = traffic_.base_left_m(wait.who, *theirs.reported.position).value_or(0.0) + distance_before_m;
+  for (double ahead_m = 0.0; ahead_m < far_m; ahead_m += distance_step_m) {
     const Pose2 X_MW = circuit.pose_at(circuit.advance(*theirs.reported.position, ahead_m, traffic_.coming(wait.who)));
-    if (aiv::near_bodies(shape, X_MW, X_MV, way_clear_m)) return true;
+    if (aiv::near_bodies(shape, X_MW, X_MV, path_clear_m)) return true;
   }
   return false;
 }
 
-std::optional<double> OrderRoller::can_give_way(VehicleIndex vehicle, Means means, std::span<const Wait> waits) {
+std::optional<double> OrderRoller::can_yield(VehicleIndex vehicle, Means means, std::span<const Wait> waits) {
   Plan& plan = plans_[vehicle];
-  if (map_ == nullptr || !registry_[vehicle].here() || !plan.reported.position || plan.giving_way) return std::nullopt;
+  if (map_ == nullptr || !registry_[vehicle].here() || !plan.reported.position || plan.yielding) return std::nullopt;
   switch (means) {
     case Means::move_up: return makes_room_by_moving_up(vehicle, waits) ? std::optional{0.0} : std::nullopt;
     case Means::wait: {
@@ -102,17 +102,17 @@ std::optional<double> OrderRoller::can_give_way(VehicleIndex vehicle, Means mean
       const auto around = contested(vehicle);
       const zone::TrackPosition from =
           plan.stage == Plan::Stage::running ? map_->waypoint(plan.base_end).position : *plan.reported.position;
-      return !around.empty() && missions_.has_way_round(vehicle, from, around) ? std::optional{0.0} : std::nullopt;
+      return !around.empty() && missions_.has_detour(vehicle, from, around) ? std::optional{0.0} : std::nullopt;
     }
     case Means::other_position:
       return plan.stage == Plan::Stage::none && plan.join_handle == 0 && goes_onto_line(vehicle) ? std::optional{0.0}
                                                                                                  : std::nullopt;
-    case Means::back_up: return way_back_m(vehicle, waits);
+    case Means::back_up: return distance_back_m(vehicle, waits);
   }
   return std::nullopt;
 }
 
-bool OrderRoller::give_way(VehicleIndex vehicle, Means means, std::span<const Wait> waits) {
+bool OrderRoller::yield(VehicleIndex vehicle, Means means, std::span<const Wait> waits) {
   Plan& plan = plans_[vehicle];
   if (means == Means::move_up) {
     plan.moves_up = true;
@@ -123,17 +123,17 @@ bool OrderRoller::give_way(VehicleIndex vehicle, Means means, std::span<const Wa
     return true;
   }
   if (means == Means::other_position) return join_elsewhere(vehicle, false, elsewhere_within_m);
-  Plan::GivingWay giving_way;
-  giving_way.until = publisher_.now() + rules_.gives_way_for;
-  for (const Wait& wait : waits) giving_way.others.emplace_back(wait.who, position(body(wait.who)));
-  giving_way.drops_order = means == Means::back_up || has_what_to_give_back(vehicle);
+  Plan::Yielding yielding;
+  yielding.until = publisher_.now() + rules_.yield_time_max;
+  for (const Wait& wait : waits) yielding.others.emplace_back(wait.who, position(body(wait.who)));
+  yielding.drops_order = means == Means::back_up || has_what_to_give_back(vehicle);
   if (means == Means::back_up) {
-    const auto back_m = way_back_m(vehicle, waits);
+    const auto back_m = distance_back_m(vehicle, waits);
     if (!back_m) return false;
-    giving_way.back_m = *back_m;
-    giving_way.until += back_up_timeout;
+    yielding.back_m = *back_m;
+    yielding.until += back_up_timeout;
   }
-  plan.giving_way = std::move(giving_way);
+  plan.yielding = std::move(yielding);
   traffic_.withdraw(vehicle);
   return true;
 }
@@ -167,12 +167,12 @@ std::vector<zone::SectionId> OrderRoller::contested(VehicleIndex vehicle) const 
   const Plan& plan = plans_[vehicle];
   const bool running = plan.stage == Plan::Stage::running;
   const zone::TrackPosition from = running ? map_->waypoint(plan.base_end).position : *plan.reported.position;
-  const auto way = running
+  const auto route = running
                        ? traffic_.beyond_base(vehicle, *plan.reported.position).sections
                        : std::vector<zone::SectionId>(traffic_.coming(vehicle).begin(), traffic_.coming(vehicle).end());
   // The first section of its way that it need not enter, and where what it waits for is.
   const auto& blocker = plan.waits_for_vehicle == no_vehicle ? std::nullopt : traffic_.track_position(plan.waits_for_vehicle);
-  for (const zone::SectionId section : way) {
+  for (const zone::SectionId section : route) {
     if (section == from.section) break;
     if (blocker && blocker->section == section) return {section};
     if (!plan.waits_for_crossing) continue;
@@ -184,7 +184,7 @@ std::vector<zone::SectionId> OrderRoller::contested(VehicleIndex vehicle) const 
 
 // --- backwards ------------------------------------------------------------------------------------------------------
 
-std::optional<double> OrderRoller::way_back_m(VehicleIndex vehicle, std::span<const Wait> waits) const {
+std::optional<double> OrderRoller::distance_back_m(VehicleIndex vehicle, std::span<const Wait> waits) const {
   const Plan& plan = plans_[vehicle];
   const AivProxy& proxy = registry_[vehicle];
   if (off_line(vehicle) || !proxy.supports("backUp").value_or(proxy.is_cosiva()) || !is_stopped(vehicle))
@@ -259,62 +259,62 @@ bool OrderRoller::near_anything(VehicleIndex vehicle, const Pose2& X_MB, double 
 
 // --- until the others have gone -------------------------------------------------------------------------------------
 
-bool OrderRoller::go_on_giving_way(VehicleIndex vehicle) {
+bool OrderRoller::continue_yielding(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
-  if (!plan.giving_way) return false;
-  Plan::GivingWay& giving_way = *plan.giving_way;
-  const bool others_gone = std::ranges::all_of(giving_way.others, [&](const auto& other) {
+  if (!plan.yielding) return false;
+  Plan::Yielding& yielding = *plan.yielding;
+  const bool others_gone = std::ranges::all_of(yielding.others, [&](const auto& other) {
     return !registry_[other.first].here() || distance(position(body(other.first)), other.second) > rules_.others_gone_m;
   });
-  const bool backs_up = giving_way.back_m > 0.0 || giving_way.handle != 0;
-  if (publisher_.now() >= giving_way.until || (others_gone && !backs_up)) {
-    end_giving_way(vehicle);
+  const bool backs_up = yielding.back_m > 0.0 || yielding.handle != 0;
+  if (publisher_.now() >= yielding.until || (others_gone && !backs_up)) {
+    end_yielding(vehicle);
     return false;
   }
-  if (giving_way.drops_order && plan.stage == Plan::Stage::running) cancel(vehicle);
-  if (backs_up && plan.stage == Plan::Stage::none) follow_back_up(vehicle, giving_way);
+  if (yielding.drops_order && plan.stage == Plan::Stage::running) cancel(vehicle);
+  if (backs_up && plan.stage == Plan::Stage::none) follow_back_up(vehicle, yielding);
   return true;
 }
 
-void OrderRoller::follow_back_up(VehicleIndex vehicle, Plan::GivingWay& giving_way) {
+void OrderRoller::follow_back_up(VehicleIndex vehicle, Plan::Yielding& yielding) {
   const auto tell = [&](double distance_m) {
     return action_sender_.send(registry_[vehicle], vehicle,
                                {{"backUp", {}, {}, wire::BlockingType::hard, {{"distance", distance_m}}}},
                                std::chrono::seconds{3}, true);
   };
-  if (giving_way.handle == 0) {
+  if (yielding.handle == 0) {
     if (!is_stopped(vehicle)) return;
-    if (!is_free_behind(vehicle, giving_way.back_m)) return;  // whoever came there may go again; it has its time
+    if (!is_free_behind(vehicle, yielding.back_m)) return;  // whoever came there may go again; it has its time
     // Whom it has beside it already it may leave as closely.
-    giving_way.clear_m = back_clear_m;
-    while (giving_way.clear_m > back_clear_m_min && near_anything(vehicle, body(vehicle), giving_way.clear_m))
-      giving_way.clear_m -= 0.001;
-    giving_way.handle = tell(giving_way.back_m);
+    yielding.clear_m = back_clear_m;
+    while (yielding.clear_m > back_clear_m_min && near_anything(vehicle, body(vehicle), yielding.clear_m))
+      yielding.clear_m -= 0.001;
+    yielding.handle = tell(yielding.back_m);
     return;
   }
-  const InstantActionSender::PendingAction* pending_action = action_sender_.find(giving_way.handle);
+  const InstantActionSender::PendingAction* pending_action = action_sender_.find(yielding.handle);
   const wire::ActionStatus status =
       pending_action == nullptr ? wire::ActionStatus::failed : pending_action->actions.front().status;
   const bool over = status == wire::ActionStatus::finished || status == wire::ActionStatus::failed;
-  if (!over && !giving_way.stopped && near_anything(vehicle, body(vehicle), giving_way.clear_m)) {
-    action_sender_.drop(giving_way.handle);
-    giving_way.stopped = true;
-    giving_way.handle = tell(0.0);
+  if (!over && !yielding.stopped && near_anything(vehicle, body(vehicle), yielding.clear_m)) {
+    action_sender_.drop(yielding.handle);
+    yielding.stopped = true;
+    yielding.handle = tell(0.0);
     return;
   }
   if (!over) return;
   if (status == wire::ActionStatus::failed && pending_action != nullptr)
     publisher_.log('w', registry_[vehicle].name + ": did not back up: " + pending_action->actions.front().result);
-  action_sender_.drop(giving_way.handle);
-  giving_way.handle = 0;
-  giving_way.back_m = 0.0;
-  giving_way.until = std::min(giving_way.until, publisher_.now() + rules_.gives_way_for);
+  action_sender_.drop(yielding.handle);
+  yielding.handle = 0;
+  yielding.back_m = 0.0;
+  yielding.until = std::min(yielding.until, publisher_.now() + rules_.yield_time_max);
 }
 
-void OrderRoller::end_giving_way(VehicleIndex vehicle) {
-  auto& giving_way = plans_[vehicle].giving_way;
-  if (giving_way && giving_way->handle != 0) action_sender_.drop(giving_way->handle);
-  giving_way.reset();
+void OrderRoller::end_yielding(VehicleIndex vehicle) {
+  auto& yielding = plans_[vehicle].yielding;
+  if (yielding && yielding->handle != 0) action_sender_.drop(yielding->handle);
+  yielding.reset();
 }
 
 }  // namespace cosiva::virtual_side

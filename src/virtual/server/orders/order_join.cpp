@@ -91,14 +91,14 @@ bool OrderRoller::blocks_entry(VehicleIndex other, const Pose2& X_MB) const {
 }
 
 bool OrderRoller::is_free_entry(VehicleIndex vehicle, zone::TrackPosition position, bool drives_on) {
-  if (in_way_to_line(vehicle, position) != no_vehicle) return false;
+  if (obstructs_line_entry(vehicle, position) != no_vehicle) return false;
   traffic_.set_position(vehicle, position);
   traffic_.update();
   bool free = !traffic_.is_in_others_crossing(vehicle);
   if (free && drives_on) {
     const zone::TrackPosition before = std::exchange(*plans_[vehicle].reported.position, position);
     free = traffic_.ahead_within(vehicle, free_ahead_m).vehicle == no_vehicle &&
-           beside_way(vehicle, 0.0, free_ahead_m) == no_vehicle;
+           off_path_obstruction(vehicle, 0.0, free_ahead_m) == no_vehicle;
     plans_[vehicle].reported.position = before;
   }
   if (!free) {

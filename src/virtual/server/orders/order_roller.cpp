@@ -30,15 +30,15 @@ std::pair<std::string_view, std::uint32_t> base_end_of(const wire::State& state)
 
 }  // namespace
 
-void OrderRoller::set_map(const WayMap* map) {
+void OrderRoller::set_map(const WaypointGraph* map) {
   map_ = map;
   for (VehicleIndex v = 0; v < plans_.size(); ++v) {
     plans_[v].reported = {};
     plans_[v].base_end = no_waypoint;
-    plans_[v].way_of = 0;
-    plans_[v].no_way.reset();
+    plans_[v].route_of = 0;
+    plans_[v].no_route.reset();
     end_join(v);
-    end_giving_way(v);
+    end_yielding(v);
     // What was ordered on the old zone leads nowhere on the new one.
     if (plans_[v].stage == Plan::Stage::running) cancel(v);
   }
@@ -49,10 +49,10 @@ void OrderRoller::set_reported_pose(VehicleIndex vehicle, const ReportedPose& re
   follow_line(vehicle);
   const ReportedPose& now = plans_[vehicle].reported;
   // One of ours that is to go onto the line keeps others off by its body, until it is sent.
-  const bool in_the_way =
-      now.position && (plans_[vehicle].entry_point || (now.off_m <= rules_.on_way_m && !goes_onto_line(vehicle)));
+  const bool is_obstructing =
+      now.position && (plans_[vehicle].entry_point || (now.off_m <= rules_.on_path_m && !goes_onto_line(vehicle)));
   if (now.position) traffic_.follow(vehicle, *now.position);
-  traffic_.set_position(vehicle, in_the_way ? now.position : std::nullopt);
+  traffic_.set_position(vehicle, is_obstructing ? now.position : std::nullopt);
 }
 
 void OrderRoller::on_state(VehicleIndex vehicle, const wire::State* before) {
@@ -93,8 +93,8 @@ void OrderRoller::follow(VehicleIndex vehicle, const wire::State& state) {
   const bool same_end = state.order_update_id == plan.update_id && end_sequence == plan.base_end_sequence;
   if (state.node_states.empty()) {
     // Cancelled by somebody, forgotten in a restart, or driven to a dead end.
-    const bool way_goes_on = !map_->stretches(plan.base_end).empty();
-    if (way_goes_on || same_end) drop(plan, vehicle);
+    const bool route_continues = !map_->stretches(plan.base_end).empty();
+    if (route_continues || same_end) drop(plan, vehicle);
     return;
   }
   if (same_end) {
@@ -139,7 +139,7 @@ void OrderRoller::adopt(VehicleIndex vehicle, const wire::State& state) {
 
 std::optional<WaypointIndex> OrderRoller::adopt_course(VehicleIndex vehicle, const wire::State& state) {
   Plan& plan = plans_[vehicle];
-  plan.way_of = 0;
+  plan.route_of = 0;
   if (!plan.reported.position) return std::nullopt;
   std::vector<std::string_view> ids;
   std::size_t released = 0;
@@ -268,7 +268,7 @@ void OrderRoller::step(VehicleIndex vehicle, bool drive, bool send_off) {
   plan.waits_for_vehicle = no_vehicle;
   const bool busy_elsewhere = plan.stage == Plan::Stage::none && proxy.state && !proxy.state->node_states.empty();
   const bool stays = plan.stage == Plan::Stage::none && (!send_off || stays_at_goal(vehicle));
-  const bool keeps_still = go_on_giving_way(vehicle);
+  const bool keeps_still = continue_yielding(vehicle);
   if (!drive || plan.stage == Plan::Stage::cancelling || busy_elsewhere || stays || keeps_still || !may_roll(vehicle) ||
       now < plan.wait_until) {
     traffic_.withdraw(vehicle);  // who cannot use its turn must not block the others
@@ -294,7 +294,7 @@ bool OrderRoller::leads_too_far(VehicleIndex vehicle) {
 }
 
 bool OrderRoller::comes_again(VehicleIndex vehicle, const Extension& from, std::size_t passed,
-                              const WayMap::Stretch& stretch) const {
+                              const WaypointGraph::Stretch& stretch) const {
   // A base that goes twice over one place has two ends of one name.
   const Plan& plan = plans_[vehicle];
   // One that has rolled past the end of its base, and into the next section, comes there for the first time.
@@ -302,7 +302,7 @@ bool OrderRoller::comes_again(VehicleIndex vehicle, const Extension& from, std::
   const zone::TrackPosition start = on_its_base ? *plan.reported.position : map_->waypoint(from.from).position;
   Sections released;
   if (on_its_base) released = traffic_.coming(vehicle).first(traffic_.beyond_base(vehicle, start).keep);
-  const Sections added = Sections{way_}.first(passed);
+  const Sections added = Sections{route_}.first(passed);
   const auto on_base = [&](zone::SectionId section) {
     return std::ranges::find(released, section) != released.end() || std::ranges::find(added, section) != added.end();
   };
@@ -323,15 +323,15 @@ void OrderRoller::extend(VehicleIndex vehicle, const Extension& from) {
   double in_convoy_m = 0.0;   // so far the one ahead has the same crossings, and leave to be gone
   double must_reach_m = 0.0;  // a granted chain is released whole: nobody stands in a crossing for lack of base
   while (extension_.size() < rules_.base_nodes_max && (reach_m < rules_.base_ahead_m || reach_m < must_reach_m)) {
-    const WayMap::Stretch* stretch = next_stretch(vehicle, at, passed);
+    const WaypointGraph::Stretch* stretch = next_stretch(vehicle, at, passed);
     if (stretch == nullptr) break;
     if (comes_again(vehicle, from, passed, *stretch)) break;
     const double next_m = reach_m + stretch->length_m;
     const bool enters = stretch->crosses && !traffic_.holds_all(vehicle, next_m);
-    WayMap::Chain chain{no_waypoint, stretch->length_m};
+    WaypointGraph::Chain chain{no_waypoint, stretch->length_m};
     if (enters) {
       const WaypointIndex goal = missions_.complete(vehicle) ? missions_.goal(vehicle) : no_waypoint;
-      chain = map_->chain(at, Sections{way_}.subspan(passed), goal);
+      chain = map_->chain(at, Sections{route_}.subspan(passed), goal);
     }
     const double chain_m = reach_m + chain.length_m;
     const bool joins = enters && joins_convoy(vehicle, {reach_m, next_m, chain_m});
@@ -341,7 +341,7 @@ void OrderRoller::extend(VehicleIndex vehicle, const Extension& from) {
       wait_for(plan, traffic_.ahead_within(vehicle, next_m + traffic_.stopped_m()).vehicle, WaitReason::ahead);
       break;
     }
-    if (const VehicleIndex other = beside_way(vehicle, reach_m, chain_m); other != no_vehicle) {
+    if (const VehicleIndex other = off_path_obstruction(vehicle, reach_m, chain_m); other != no_vehicle) {
       wait_for(plan, other, WaitReason::beside);
       traffic_.withdraw(vehicle);  // that one may need what this one has asked for
       break;
@@ -381,7 +381,7 @@ bool OrderRoller::joins_convoy(VehicleIndex vehicle, const ChainAhead& chain) {
   const VehicleIndex ahead = traffic_.ahead(vehicle).vehicle;
   if (!detects_leader(vehicle, ahead)) return false;
   // Whoever stands there by order will not make room soon.
-  if (!may_roll(ahead) || gives_way(ahead)) return false;
+  if (!may_roll(ahead) || yields(ahead)) return false;
   return traffic_.may_join(vehicle, chain.exit_m, chain.stop_m);
 }
 
@@ -426,7 +426,7 @@ void OrderRoller::send(VehicleIndex vehicle, const Extension& from) {
 
   WaypointIndex at = from.from;
   std::size_t passed = 0;
-  const auto add_stretch = [&](const WayMap::Stretch& stretch, bool released) {
+  const auto add_stretch = [&](const WaypointGraph::Stretch& stretch, bool released) {
     order.edges.push_back({stretch.edge_id,
                            sequence + 1,
                            released,
@@ -441,11 +441,11 @@ void OrderRoller::send(VehicleIndex vehicle, const Extension& from) {
     at = stretch.to;
     passed += stretch.sections.size();
   };
-  for (const WayMap::Stretch* stretch : extension_) add_stretch(*stretch, true);
+  for (const WaypointGraph::Stretch* stretch : extension_) add_stretch(*stretch, true);
   plan.base_end = at;
   plan.base_end_sequence = sequence;
   for (std::size_t i = 0; i < rules_.horizon; ++i) {
-    const WayMap::Stretch* stretch = next_stretch(vehicle, at, passed);
+    const WaypointGraph::Stretch* stretch = next_stretch(vehicle, at, passed);
     if (stretch == nullptr) break;
     add_stretch(*stretch, false);
   }
@@ -468,7 +468,7 @@ void OrderRoller::fold(Digest& digest) const {
     digest.add(std::string_view{plan.order_id});
     digest.add(std::uint64_t{plan.update_id});
     digest.add(std::uint64_t{plan.base_end});
-    digest.add(static_cast<std::uint64_t>(plan.giving_way.has_value()));
+    digest.add(static_cast<std::uint64_t>(plan.yielding.has_value()));
   }
   digest.add(orders_sent_);
   digest.add(updates_sent_);

@@ -24,7 +24,7 @@ struct RollerRules {
   double deviation_m{0.10};   ///< allowedDeviationXY of every node but the first of a new order
   double arrived_m{0.06};     ///< one that stands nearer than this to its goal has arrived; past it, `deviation_m`
   double on_circuit_m{0.30};  ///< a vehicle further off is not given orders
-  double on_way_m{0.20};      ///< a vehicle nearer than this to the circuit stands in the way of others
+  double on_path_m{0.20};      ///< a vehicle nearer than this to the circuit stands in the way of others
   SimDuration resend_after{std::chrono::milliseconds{300}};
   SimDuration update_period{std::chrono::milliseconds{200}};
   SimDuration after_refusal{std::chrono::seconds{2}};
@@ -34,7 +34,7 @@ struct RollerRules {
   SimDuration join_timeout{std::chrono::seconds{15}};
   SimDuration cancel_again{std::chrono::seconds{5}};
   SimDuration unresponsive_for{std::chrono::seconds{12}};  ///< one of ours with way before it and no reason to stand
-  SimDuration gives_way_for{std::chrono::seconds{12}};     ///< at most
+  SimDuration yield_time_max{std::chrono::seconds{12}};     ///< at most
   double others_gone_m{0.5};                               ///< it goes on when those it gave way to have come so far
   double back_up_m_max{0.5};
 };
@@ -64,7 +64,7 @@ class OrderRoller {
         missions_{missions},
         simulator_{simulator} {}
 
-  void set_map(const WayMap* map);  ///< takes back what was ordered on the old zone
+  void set_map(const WaypointGraph* map);  ///< takes back what was ordered on the old zone
   void resize(std::size_t vehicles) { plans_.resize(vehicles); }
 
   /// After the proxy took the state in. `before` is the state before it, if any.
@@ -107,13 +107,13 @@ class OrderRoller {
 
   /// What it costs to give way so that `waits`, which are all for this vehicle, come to an end: metres that it backs
   /// up, 0 for all other means. Nothing: it cannot.
-  [[nodiscard]] std::optional<double> can_give_way(VehicleIndex vehicle, Means means, std::span<const Wait> waits);
+  [[nodiscard]] std::optional<double> can_yield(VehicleIndex vehicle, Means means, std::span<const Wait> waits);
   /// False: it came to nothing after all.
-  bool give_way(VehicleIndex vehicle, Means means, std::span<const Wait> waits);
+  bool yield(VehicleIndex vehicle, Means means, std::span<const Wait> waits);
   /// The deadlock is over: what it was to keep out of it may take again.
   void need_not_avoid(VehicleIndex vehicle) { missions_.need_not_avoid(vehicle); }
   /// It stands still for others, or is on its way back for them.
-  [[nodiscard]] bool gives_way(VehicleIndex vehicle) const { return plans_[vehicle].giving_way.has_value(); }
+  [[nodiscard]] bool yields(VehicleIndex vehicle) const { return plans_[vehicle].yielding.has_value(); }
 
   [[nodiscard]] std::uint64_t orders_sent() const { return orders_sent_; }
   [[nodiscard]] std::uint64_t updates_sent() const { return updates_sent_; }
@@ -143,12 +143,12 @@ class OrderRoller {
     std::optional<SimTime> waits_since;
     std::optional<SimTime> unresponsive_since;           ///< it stands with base before it, and says no reason
     InstantActionSender::ActionHandle cancel_handle{0};  ///< of the cancelOrder on its way; 0: none
-    std::uint64_t way_of{0};                 ///< the missions' revision that its course was planned for; 0: none
-    std::optional<zone::SectionId> no_way;   ///< there is none from here
+    std::uint64_t route_of{0};                 ///< the missions' revision that its course was planned for; 0: none
+    std::optional<zone::SectionId> no_route;   ///< there is none from here
     std::optional<zone::TrackPosition> entry_point;  ///< where it comes onto the line
     InstantActionSender::ActionHandle join_handle{0};  ///< of the joinLine on its way; 0: none
     SimTime join_sent_at{};
-    struct GivingWay {
+    struct Yielding {
       SimTime until{};
       std::vector<std::pair<VehicleIndex, Point2>> others;  ///< for whom, and where they stood
       bool drops_order{false};
@@ -157,7 +157,7 @@ class OrderRoller {
       double clear_m{0.0};                          ///< it stops when anything comes nearer
       bool stopped{false};                          ///< on its way back, as somebody came
     };
-    std::optional<GivingWay> giving_way;
+    std::optional<Yielding> yielding;
     bool moves_up{false};  ///< the next stretch may end nearer to the one ahead than the gap
   };
   struct Extension {
@@ -177,7 +177,7 @@ class OrderRoller {
   void extend(VehicleIndex vehicle, const Extension& from);
   [[nodiscard]] bool leads_too_far(VehicleIndex vehicle);
   [[nodiscard]] bool comes_again(VehicleIndex vehicle, const Extension& from, std::size_t passed,
-                                 const WayMap::Stretch& stretch) const;
+                                 const WaypointGraph::Stretch& stretch) const;
   bool enter(VehicleIndex vehicle, double stop_m, double exit_m);
   /// Of a chain: from the end of its base on, as far as the next waypoint and the exit.
   struct ChainAhead {
@@ -203,13 +203,13 @@ class OrderRoller {
   [[nodiscard]] bool stays_at_goal(VehicleIndex vehicle);
   bool regain_course(VehicleIndex vehicle);
   void take_course(VehicleIndex vehicle, zone::Course course);
-  [[nodiscard]] const WayMap::Stretch* next_stretch(VehicleIndex vehicle, WaypointIndex at, std::size_t passed);
+  [[nodiscard]] const WaypointGraph::Stretch* next_stretch(VehicleIndex vehicle, WaypointIndex at, std::size_t passed);
   [[nodiscard]] bool off_line(VehicleIndex vehicle) const;
   [[nodiscard]] bool goes_onto_line(VehicleIndex vehicle) const;
-  [[nodiscard]] VehicleIndex in_way_to_line(VehicleIndex vehicle, zone::TrackPosition entry_point) const;
+  [[nodiscard]] VehicleIndex obstructs_line_entry(VehicleIndex vehicle, zone::TrackPosition entry_point) const;
   /// Who stands beside the line, or is on its way to it, so that this one cannot drive on from `from_m` to `to_m`
   /// ahead.
-  [[nodiscard]] VehicleIndex beside_way(VehicleIndex vehicle, double from_m, double to_m) const;
+  [[nodiscard]] VehicleIndex off_path_obstruction(VehicleIndex vehicle, double from_m, double to_m) const;
   /// Of one beside it: where it is to come onto it, or would if it were let in.
   [[nodiscard]] std::optional<zone::TrackPosition> comes_onto_line_at(VehicleIndex vehicle) const;
   void follow_line(VehicleIndex vehicle);
@@ -244,15 +244,15 @@ class OrderRoller {
   /// By coming up to the one ahead it lets the one behind it out of a crossing that somebody waits for.
   [[nodiscard]] bool makes_room_by_moving_up(VehicleIndex vehicle, std::span<const Wait> waits) const;
   [[nodiscard]] bool has_what_to_give_back(VehicleIndex vehicle) const;
-  [[nodiscard]] std::optional<double> way_back_m(VehicleIndex vehicle, std::span<const Wait> waits) const;
+  [[nodiscard]] std::optional<double> distance_back_m(VehicleIndex vehicle, std::span<const Wait> waits) const;
   /// Whether it may roll back so far: nobody stands there, and nobody comes there.
   [[nodiscard]] bool is_free_behind(VehicleIndex vehicle, double back_m) const;
   [[nodiscard]] bool near_anything(VehicleIndex vehicle, const Pose2& X_MB, double clear_m) const;
   [[nodiscard]] std::vector<zone::SectionId> contested(VehicleIndex vehicle) const;
   /// True while it is to keep still.
-  bool go_on_giving_way(VehicleIndex vehicle);
-  void follow_back_up(VehicleIndex vehicle, Plan::GivingWay& giving_way);
-  void end_giving_way(VehicleIndex vehicle);
+  bool continue_yielding(VehicleIndex vehicle);
+  void follow_back_up(VehicleIndex vehicle, Plan::Yielding& yielding);
+  void end_yielding(VehicleIndex vehicle);
 
   Registry& registry_;
   Traffic& traffic_;
@@ -261,10 +261,10 @@ class OrderRoller {
   Missions& missions_;
   Simulator& simulator_;
   RollerRules rules_;
-  const WayMap* map_{};
+  const WaypointGraph* map_{};
   std::vector<Plan> plans_;
-  std::vector<zone::SectionId> way_;               ///< of the vehicle at hand, after its extension's first section
-  std::vector<const WayMap::Stretch*> extension_;  ///< of the vehicle at hand
+  std::vector<zone::SectionId> route_;               ///< of the vehicle at hand, after its extension's first section
+  std::vector<const WaypointGraph::Stretch*> extension_;  ///< of the vehicle at hand
   std::vector<VehicleIndex> beside_;               ///< whose bodies count, not their places
   SimDuration longest_wait_{};
   SimDuration lost_after_{};  ///< of this tick

@@ -65,13 +65,13 @@ bool OrderRoller::is_stopped(VehicleIndex vehicle) const {
 bool OrderRoller::is_stopped_without_reason(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   const AivProxy& proxy = registry_[vehicle];
-  constexpr double way_m_min = 0.10;
+  constexpr double distance_m_min = 0.10;
   const wire::State& state = *proxy.state;
   // Those of other makes may have reasons of their own.
   const bool unresponsive = proxy.is_cosiva() && is_stopped(vehicle) && !state.field_violation && !state.paused &&
                             !proxy.paused_for_body && state.errors.empty() && state.e_stop == wire::EStop::none &&
                             plan.reported.position &&
-                            traffic_.base_left_m(vehicle, *plan.reported.position).value_or(0.0) > way_m_min;
+                            traffic_.base_left_m(vehicle, *plan.reported.position).value_or(0.0) > distance_m_min;
   if (!unresponsive) {
     plan.unresponsive_since.reset();
     return false;
@@ -87,8 +87,8 @@ void OrderRoller::add_waits(WaitGraph& graph) const {
   for (VehicleIndex v = 0; v < plans_.size(); ++v) {
     if (!is_stopped(v)) continue;
     const Plan& plan = plans_[v];
-    const bool has_way = plan.stage == Plan::Stage::running || plan.join_handle != 0;
-    if (has_way && (registry_[v].state->field_violation || registry_[v].paused_for_body)) {
+    const bool has_route = plan.stage == Plan::Stage::running || plan.join_handle != 0;
+    if (has_route && (registry_[v].state->field_violation || registry_[v].paused_for_body)) {
       // What it waits for at the end of its base matters once it is there.
       graph.add({v, detected_in_path(v), WaitReason::eyes, no_crossing});
       continue;

@@ -43,8 +43,8 @@ std::optional<OrderRoller::Extension> OrderRoller::end_of_base(VehicleIndex vehi
     plan.wait_until = publisher_.now() + rules_.after_refusal;
     return std::nullopt;
   }
-  if (plan.way_of != missions_.revision(vehicle) && !plan_course_again(vehicle)) return std::nullopt;
-  way_ = traffic_.beyond_base(vehicle, track_position).sections;
+  if (plan.route_of != missions_.revision(vehicle) && !plan_course_again(vehicle)) return std::nullopt;
+  route_ = traffic_.beyond_base(vehicle, track_position).sections;
   return Extension{plan.base_end, *left_m};
 }
 
@@ -53,7 +53,7 @@ std::optional<OrderRoller::Extension> OrderRoller::first_node(VehicleIndex vehic
   if (goes_onto_line(vehicle)) {
     const auto entry_point = zone::snap_to_path(map_->circuit(), plan.reported.X_MB);
     if (!entry_point) return std::nullopt;
-    wait_for(plan, in_way_to_line(vehicle, entry_point->position), WaitReason::beside);
+    wait_for(plan, obstructs_line_entry(vehicle, entry_point->position), WaitReason::beside);
     if (plan.waits_for_vehicle != no_vehicle) {
       traffic_.withdraw(vehicle);  // that one may need what this one has asked for
       return std::nullopt;
@@ -71,20 +71,20 @@ std::optional<OrderRoller::Extension> OrderRoller::first_node(VehicleIndex vehic
   if (!behind || behind->since_m > node_far_behind_m) {
     const auto ahead = map_->first_ahead(track_position, coming);
     if (ahead && (!behind || ahead->distance_m <= node_ahead_m)) {
-      way_.assign(coming.begin() + static_cast<std::ptrdiff_t>(ahead->sections), coming.end());
+      route_.assign(coming.begin() + static_cast<std::ptrdiff_t>(ahead->sections), coming.end());
       if (!traffic_.holds_all(vehicle, ahead->distance_m) && !enter(vehicle, 0.0, ahead->distance_m))
         return std::nullopt;
       return Extension{ahead->waypoint, ahead->distance_m};
     }
   }
   if (!behind) return std::nullopt;
-  way_ = std::move(behind->sections);
-  way_.insert(way_.end(), coming.begin(), coming.end());
+  route_ = std::move(behind->sections);
+  route_.insert(route_.end(), coming.begin(), coming.end());
   return Extension{behind->waypoint, -behind->since_m};
 }
 
 void OrderRoller::stay_beside(VehicleIndex vehicle) {
-  // Nobody asks it to be anywhere but where its body is: beside_way() keeps the others off that.
+  // Nobody asks it to be anywhere but where its body is: off_path_obstruction() keeps the others off that.
   if (!std::exchange(plans_[vehicle].entry_point, std::nullopt)) return;
   traffic_.set_position(vehicle, std::nullopt);
   traffic_.update();
@@ -99,15 +99,15 @@ bool OrderRoller::plan_course(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   const zone::TrackPosition track_position = *plan.reported.position;
   const std::uint64_t revision = missions_.revision(vehicle);
-  if (plan.way_of == revision && plan.no_way == track_position.section) return false;
-  if (plan.way_of == revision && !plan.no_way && traffic_.on_course(vehicle) && !past_goal(vehicle)) return true;
+  if (plan.route_of == revision && plan.no_route == track_position.section) return false;
+  if (plan.route_of == revision && !plan.no_route && traffic_.on_course(vehicle) && !past_goal(vehicle)) return true;
 
   const std::vector<zone::TrackPosition> starts = map_->starts(track_position);
   const auto sections = missions_.plan(vehicle, starts);
-  plan.way_of = revision;
-  plan.no_way.reset();
+  plan.route_of = revision;
+  plan.no_route.reset();
   if (!sections) {
-    plan.no_way = track_position.section;
+    plan.no_route = track_position.section;
     take_course(vehicle, {});
     return false;
   }
@@ -132,7 +132,7 @@ bool OrderRoller::plan_course(VehicleIndex vehicle) {
 bool OrderRoller::past_goal(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
   const WaypointIndex goal = missions_.goal(vehicle);
-  if (plan.way_of != missions_.revision(vehicle) || goal == no_waypoint || !plan.reported.position) return false;
+  if (plan.route_of != missions_.revision(vehicle) || goal == no_waypoint || !plan.reported.position) return false;
   const zone::TrackPosition end = map_->waypoint(goal).position;
   const Sections coming = traffic_.coming(vehicle);
   const bool comes_to_it = std::ranges::find(coming, end.section) != coming.end();
@@ -184,15 +184,15 @@ bool OrderRoller::plan_course_again(VehicleIndex vehicle) {
     const std::array from{end};
     sections = missions_.plan(vehicle, from);
   }
-  plan.way_of = missions_.revision(vehicle);
-  plan.no_way.reset();
+  plan.route_of = missions_.revision(vehicle);
+  plan.no_route.reset();
   traffic_.cut_course(vehicle, keep);
   if (sections && base_end != no_waypoint) {
     traffic_.extend_course(vehicle, Sections{*sections}.subspan(1));
     plan.base_end = base_end;
     traffic_.set_base_end(vehicle, base_end);
   } else {
-    plan.no_way = end.section;
+    plan.no_route = end.section;
   }
   if (const auto& twin = registry_[vehicle].twin) simulator_.set_course(*twin, traffic_.course(vehicle));
   traffic_.update();
@@ -204,36 +204,36 @@ bool OrderRoller::regain_course(VehicleIndex vehicle) {
   const zone::TrackPosition track_position = *plan.reported.position;
   const zone::TrackPosition end = map_->waypoint(plan.base_end).position;
   std::vector<zone::SectionId> sections{track_position.section};
-  if (!map_->circuit().shortest_way(end, track_position, past_base_m)) {
-    auto way = map_->circuit().shortest_way(track_position, end, traffic_.base_m_max(vehicle));
-    if (!way) return false;
-    sections = std::move(way->sections);
+  if (!map_->circuit().shortest_route(end, track_position, past_base_m)) {
+    auto route = map_->circuit().shortest_route(track_position, end, traffic_.base_m_max(vehicle));
+    if (!route) return false;
+    sections = std::move(route->sections);
   }
-  plan.way_of = 0;
+  plan.route_of = 0;
   take_course(vehicle, zone::Course(std::move(sections)));
   traffic_.update();
   return true;
 }
 
-const WayMap::Stretch* OrderRoller::next_stretch(VehicleIndex vehicle, WaypointIndex at, std::size_t passed) {
-  if (plans_[vehicle].no_way || passed > way_.size()) return nullptr;
+const WaypointGraph::Stretch* OrderRoller::next_stretch(VehicleIndex vehicle, WaypointIndex at, std::size_t passed) {
+  if (plans_[vehicle].no_route || passed > route_.size()) return nullptr;
   const auto far_enough = [&] {
     double rest_m = 0.0;
-    for (std::size_t i = passed; i < way_.size(); ++i) rest_m += map_->circuit().section(way_[i]).length_m();
-    return rest_m >= planned_m && way_.size() - passed >= planned_sections;
+    for (std::size_t i = passed; i < route_.size(); ++i) rest_m += map_->circuit().section(route_[i]).length_m();
+    return rest_m >= planned_m && route_.size() - passed >= planned_sections;
   };
   bool longer = false;
   while (!missions_.complete(vehicle) && !far_enough()) {
-    const auto more = missions_.more(vehicle, way_.empty() ? map_->waypoint(at).position.section : way_.back());
-    way_.insert(way_.end(), more.begin(), more.end());
+    const auto more = missions_.more(vehicle, route_.empty() ? map_->waypoint(at).position.section : route_.back());
+    route_.insert(route_.end(), more.begin(), more.end());
     traffic_.extend_course(vehicle, more);
     longer = longer || !more.empty();
   }
   const auto& twin = registry_[vehicle].twin;
   if (longer && twin) simulator_.set_course(*twin, traffic_.course(vehicle));
-  if (missions_.complete(vehicle) && passed == way_.size() && at == missions_.goal(vehicle)) return nullptr;
-  const WayMap::Stretch* stretch = map_->along(at, Sections{way_}.subspan(passed));
-  return stretch != nullptr && stretch->sections.size() <= way_.size() - passed ? stretch : nullptr;
+  if (missions_.complete(vehicle) && passed == route_.size() && at == missions_.goal(vehicle)) return nullptr;
+  const WaypointGraph::Stretch* stretch = map_->along(at, Sections{route_}.subspan(passed));
+  return stretch != nullptr && stretch->sections.size() <= route_.size() - passed ? stretch : nullptr;
 }
 
 bool OrderRoller::off_line(VehicleIndex vehicle) const {
@@ -270,7 +270,7 @@ void OrderRoller::follow_line(VehicleIndex vehicle) {
   reported.heading_off_rad = 0.0;
 }
 
-VehicleIndex OrderRoller::in_way_to_line(VehicleIndex vehicle, zone::TrackPosition entry_point) const {
+VehicleIndex OrderRoller::obstructs_line_entry(VehicleIndex vehicle, zone::TrackPosition entry_point) const {
   const zone::VehicleShape& shape = map_->zone().vehicle;
   const aiv::LineEntry mine{plans_[vehicle].reported.X_MB, map_->circuit().pose_at(entry_point)};
   aiv::EntrySweep sweep{shape};
@@ -298,7 +298,7 @@ VehicleIndex OrderRoller::in_way_to_line(VehicleIndex vehicle, zone::TrackPositi
   return no_vehicle;
 }
 
-VehicleIndex OrderRoller::beside_way(VehicleIndex vehicle, double from_m, double to_m) const {
+VehicleIndex OrderRoller::off_path_obstruction(VehicleIndex vehicle, double from_m, double to_m) const {
   constexpr double clear_m = 0.04;  // no less than what a vehicle's own eyes make it stop for
   const zone::TrackPosition track_position = *plans_[vehicle].reported.position;
   const zone::Circuit& circuit = map_->circuit();
@@ -310,18 +310,18 @@ VehicleIndex OrderRoller::beside_way(VehicleIndex vehicle, double from_m, double
     const Pose2 X_MB = simulator_.image(*registry_[other].twin, publisher_.now()).X_MB;
     const std::optional<zone::TrackPosition> entry_point = comes_onto_line_at(other);
     if (entry_point) sweep.take({X_MB, circuit.pose_at(*entry_point)});
-    const auto in_way = [&](double ahead_m, double air_m) {
+    const auto in_path = [&](double ahead_m, double air_m) {
       const Pose2 X_MV = circuit.pose_at(circuit.advance(track_position, ahead_m, coming));
       return entry_point ? sweep.near_body(X_MV, air_m) : aiv::near_bodies(shape, X_MV, X_MB, air_m);
     };
     // One that it has beside it already it may pass as closely.
     const bool ahead = aiv::lies_ahead(shape, circuit.pose_at(track_position), X_MB);
-    const double free_m = !ahead && in_way(0.0, clear_m) ? 0.0 : clear_m;
+    const double free_m = !ahead && in_path(0.0, clear_m) ? 0.0 : clear_m;
     // It stops short of a body by itself, and what of its base it cannot drive would keep that one from moving.
     const double end_m = to_m + aiv::clearance_m;
     for (double ahead_m = std::max(0.0, from_m); ahead_m < end_m; ahead_m += sample_m)
-      if (in_way(ahead_m, free_m)) return other;
-    if (in_way(end_m, free_m)) return other;
+      if (in_path(ahead_m, free_m)) return other;
+    if (in_path(end_m, free_m)) return other;
   }
   return no_vehicle;
 }

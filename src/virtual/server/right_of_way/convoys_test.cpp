@@ -70,10 +70,10 @@ class ConvoyFixture : public testing::Test {
   }
 
   static constexpr double chain_m = 0.74;
-  static constexpr double half_way_m = 0.35;
+  static constexpr double half_path_m = 0.35;
   static constexpr double at_exit_m = 0.728;  // all but out
 
-  WayMap map{zone::Rtm::initialise(zone_file("lacet4.toml"))->shared_zone()};
+  WaypointGraph map{zone::Rtm::initialise(zone_file("lacet4.toml"))->shared_zone()};
   Traffic traffic;
   SimTime now{virtual_epoch};
 };
@@ -84,7 +84,7 @@ TEST_F(ConvoyFixture, has_the_measures_that_its_figures_stand_on) {
 }
 
 TEST_F(ConvoyFixture, passes_the_crossing_together_without_giving_it_back_between) {
-  begin(half_way_m);
+  begin(half_path_m);
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
   EXPECT_FALSE(ask(1, east, 0.0).granted) << "without a convoy it waits till 0 is gone";
   ASSERT_TRUE(may_join(1));
@@ -123,7 +123,7 @@ TEST_F(ConvoyFixture, counts_all_that_wait) {
 }
 
 TEST_F(ConvoyFixture, goes_where_nobody_waits) {
-  begin(half_way_m);
+  begin(half_path_m);
   EXPECT_TRUE(may_join(1));
   EXPECT_TRUE(may_join(1)) << "asking changes nothing";
   put_stopped(1, east, 0.8);
@@ -131,12 +131,12 @@ TEST_F(ConvoyFixture, goes_where_nobody_waits) {
 }
 
 TEST_F(ConvoyFixture, is_off_where_it_is_switched_off) {
-  begin(half_way_m, {.convoys = false});
+  begin(half_path_m, {.convoys = false});
   EXPECT_FALSE(may_join(1));
 }
 
 TEST_F(ConvoyFixture, never_goes_before_a_higher_priority) {
-  begin(half_way_m);
+  begin(half_path_m);
   traffic.set_priority(2, 1);
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
   EXPECT_FALSE(may_join(1));
@@ -145,7 +145,7 @@ TEST_F(ConvoyFixture, never_goes_before_a_higher_priority) {
 }
 
 TEST_F(ConvoyFixture, never_goes_before_one_that_has_waited_ten_seconds) {
-  begin(half_way_m);
+  begin(half_path_m);
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
   pass_time(9900ms);
   EXPECT_TRUE(may_join(1));
@@ -154,14 +154,14 @@ TEST_F(ConvoyFixture, never_goes_before_one_that_has_waited_ten_seconds) {
 }
 
 TEST_F(ConvoyFixture, is_no_longer_than_three) {
-  begin(half_way_m);
+  begin(half_path_m);
   ASSERT_TRUE(may_join(1));
   join(1);
   VehicleIndex ahead = 0;
   for (const VehicleIndex last : {1U, 3U}) {
     traffic.set_position(ahead, std::nullopt);
     give_leave(last);
-    put_stopped(last, east, -half_way_m);
+    put_stopped(last, east, -half_path_m);
     const VehicleIndex next = last == 1U ? 3U : 4U;
     put_stopped(next, east, 0.0);
     EXPECT_EQ(may_join(next), next == 3U) << next;
@@ -173,7 +173,7 @@ TEST_F(ConvoyFixture, is_no_longer_than_three) {
 }
 
 TEST_F(ConvoyFixture, follows_nobody_who_has_no_leave_to_make_room) {
-  begin(half_way_m);
+  begin(half_path_m);
   give_leave(0, 0);
   EXPECT_FALSE(may_join(1)) << "it would come to stand in the crossing";
   give_leave(0, 4);
@@ -196,7 +196,7 @@ TEST_F(ConvoyFixture, counts_on_no_leave_that_one_of_the_convoy_has_not_got_yet)
 }
 
 TEST_F(ConvoyFixture, counts_where_its_eyes_make_the_leader_stand) {
-  begin(half_way_m);
+  begin(half_path_m);
   give_leave(0, 2);  // 0.38 m beyond the exit
   put_stopped(5, east, -chain_m - 0.68);
   EXPECT_FALSE(may_join(1)) << "the base ends behind 5, but 0 stops a little earlier";
@@ -205,29 +205,29 @@ TEST_F(ConvoyFixture, counts_where_its_eyes_make_the_leader_stand) {
 }
 
 TEST_F(ConvoyFixture, costs_nobody_more_than_may_be_lost_in_all) {
-  begin(half_way_m, {.lost_s_max = 1.5});
+  begin(half_path_m, {.lost_s_max = 1.5});
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
   EXPECT_FALSE(may_join(1)) << "2 would lose 1.58 s";
-  begin(half_way_m, {.lost_s_max = 2.0});
+  begin(half_path_m, {.lost_s_max = 2.0});
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
   ASSERT_TRUE(may_join(1));
   join(1);
   traffic.set_position(0, std::nullopt);
   give_leave(1);
-  put_stopped(1, east, -half_way_m);
+  put_stopped(1, east, -half_path_m);
   put_stopped(3, east, 0.0);
   EXPECT_FALSE(may_join(3)) << "as much again";
 }
 
 TEST_F(ConvoyFixture, is_broken_by_who_got_the_crossing_between) {
-  begin(half_way_m);
+  begin(half_path_m);
   put_stopped(0, east, -0.65);  // out of the first crossing, in the second one still
   ASSERT_TRUE(come_up(4, south, 0.0).granted);
   EXPECT_FALSE(may_join(1));
 }
 
 TEST_F(ConvoyFixture, is_none_behind_one_that_is_before_its_stop_line_still) {
-  begin(half_way_m);
+  begin(half_path_m);
   put_stopped(1, east, 0.35);
   EXPECT_TRUE(may_join(1, 0.35));
   put_stopped(0, east, 0.01);

@@ -26,7 +26,7 @@ bool ratios(const std::vector<CrossingIndex>& a, const std::vector<CrossingIndex
 
 }  // namespace
 
-void Traffic::set_map(const WayMap* map) {
+void Traffic::set_map(const WaypointGraph* map) {
   map_ = map;
   holders_.assign(map == nullptr ? 0 : map->crossing_count(), no_vehicle);
   queue_.clear();
@@ -116,7 +116,7 @@ Traffic::Beyond Traffic::beyond_base(VehicleIndex vehicle, zone::TrackPosition p
   const zone::TrackPosition end = map_->waypoint(vehicles_[vehicle].base_end).position;
   const Sections coming = this->coming(vehicle);
   const auto rolled_past = [&]() -> std::optional<Beyond> {
-    const auto past = map_->circuit().shortest_way(end, position, past_m);
+    const auto past = map_->circuit().shortest_route(end, position, past_m);
     if (!past) return std::nullopt;
     Beyond beyond{0, {past->sections.begin() + 1, past->sections.end()}};
     beyond.sections.insert(beyond.sections.end(), coming.begin(), coming.end());
@@ -182,17 +182,17 @@ Traffic::Leader Traffic::ahead_within(VehicleIndex index, double limit_m) const 
   const zone::Circuit& circuit = map_->circuit();
   const Sections coming = this->coming(index);
   Leader nearest{no_vehicle, std::max(limit_m, rules_.look_ahead_m)};
-  zone::SectionLookAhead way{circuit, self.position->section, coming};
-  look_on(way.section(), 0.0, self.position->s_m, everywhere, index, nearest);
-  double travelled_m = circuit.section(way.section()).length_m() - self.position->s_m;
+  zone::SectionLookAhead path{circuit, self.position->section, coming};
+  look_on(path.section(), 0.0, self.position->s_m, everywhere, index, nearest);
+  double travelled_m = circuit.section(path.section()).length_m() - self.position->s_m;
   for (std::size_t steps = 0; steps < coming.size() + circuit.size() && travelled_m <= nearest.distance_m; ++steps) {
-    const auto branches = circuit.next(way.section());
-    if (!way.step()) break;
+    const auto branches = circuit.next(path.section());
+    if (!path.step()) break;
     // Those on another branch are in the way as long as their bodies have not parted from it.
     for (const zone::SectionId branch : branches)
-      if (branch != way.section()) look_on(branch, travelled_m, 0.0, map_->parted_m(branch), index, nearest);
-    look_on(way.section(), travelled_m, 0.0, everywhere, index, nearest);
-    travelled_m += circuit.section(way.section()).length_m();
+      if (branch != path.section()) look_on(branch, travelled_m, 0.0, map_->parted_m(branch), index, nearest);
+    look_on(path.section(), travelled_m, 0.0, everywhere, index, nearest);
+    travelled_m += circuit.section(path.section()).length_m();
   }
   if (nearest.vehicle == no_vehicle) return {};
   return nearest;
@@ -253,13 +253,13 @@ std::optional<double> Traffic::loses_s(const Request& other, const Request& mine
     if (holder == no_vehicle || holder == other.vehicle || holder == mine.vehicle) continue;
     const zone::TrackPosition& at = *vehicles_[holder].position;
     const double base_m = base_left_m(holder, at).value_or(0.0);
-    begins_s = std::max(begins_s, map_->way_out_m(at, x, base_m, coming(holder)) / pace_mps);
+    begins_s = std::max(begins_s, map_->distance_to_exit_m(at, x, base_m, coming(holder)) / pace_mps);
   }
   if (begins_s == 0.0) return std::nullopt;
   double out_m = 0.0;
   for (const CrossingIndex x : mine.crossings)
     if (std::ranges::find(other.crossings, x) != other.crossings.end())
-      out_m = std::max(out_m, map_->way_out_m(*vehicles_[mine.vehicle].position, x, mine.exit_m, coming(mine.vehicle)));
+      out_m = std::max(out_m, map_->distance_to_exit_m(*vehicles_[mine.vehicle].position, x, mine.exit_m, coming(mine.vehicle)));
   return std::max(0.0, latency_s + run_s(mine.stop_m, out_m) - begins_s);
 }
 

@@ -66,7 +66,7 @@ class Traffic {
   explicit Traffic(TrafficRules rules = {}) : rules_{rules} {}
 
   [[nodiscard]] const TrafficRules& rules() const { return rules_; }
-  void set_map(const WayMap* map);  ///< forgets every place, course, hold and request
+  void set_map(const WaypointGraph* map);  ///< forgets every place, course, hold and request
   void resize(std::size_t vehicles);
 
   /// The last reported place; nothing: it is not on the way of others.
@@ -171,7 +171,7 @@ class Traffic {
   static constexpr double latency_s = 0.3;
   /// Of one that asks: to its stop line, which is `stop_m` ahead, and so far, at the medium speed.
   [[nodiscard]] double run_s(double stop_m, double length_m) const;
-  [[nodiscard]] const WayMap& map() const { return *map_; }
+  [[nodiscard]] const WaypointGraph& map() const { return *map_; }
   [[nodiscard]] VehicleIndex vehicle_count() const { return static_cast<VehicleIndex>(vehicles_.size()); }
   [[nodiscard]] std::int32_t priority(VehicleIndex vehicle) const { return vehicles_[vehicle].priority; }
   /// The crossings up to the end of its base.
@@ -205,7 +205,7 @@ class Traffic {
   void look_again(VehicleIndex vehicle);
 
   TrafficRules rules_;
-  const WayMap* map_{};
+  const WaypointGraph* map_{};
   std::vector<Vehicle> vehicles_;
   std::vector<std::pair<zone::SectionId, VehicleIndex>> by_section_;  ///< those with a place, sorted
   std::vector<VehicleIndex> holders_;                                 ///< by crossing

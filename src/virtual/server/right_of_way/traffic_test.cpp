@@ -44,7 +44,7 @@ class CloverTraffic : public testing::Test {
     return count;
   }
 
-  WayMap map{zone::Rtm::initialise(zone_file("lacet4.toml"))->shared_zone()};
+  WaypointGraph map{zone::Rtm::initialise(zone_file("lacet4.toml"))->shared_zone()};
   Traffic traffic{{.convoys = false}};
 };
 

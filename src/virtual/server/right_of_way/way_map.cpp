@@ -26,7 +26,7 @@ void slower(std::optional<double>& limit, const std::optional<double>& other) {
 
 }  // namespace
 
-WayMap::WayMap(std::shared_ptr<const zone::TrafficZone> zone) : zone_{std::move(zone)} {
+WaypointGraph::WaypointGraph(std::shared_ptr<const zone::TrafficZone> zone) : zone_{std::move(zone)} {
   spans_.resize(zone_->circuit.size());
   for (CrossingIndex i = 0; i < zone_->crossings.size(); ++i)
     for (const zone::CrossingSpan& span : zone_->crossings[i].spans)
@@ -40,7 +40,7 @@ WayMap::WayMap(std::shared_ptr<const zone::TrafficZone> zone) : zone_{std::move(
   lay_stretches();
 }
 
-bool WayMap::take(std::shared_ptr<const zone::TrafficZone> zone) {
+bool WaypointGraph::take(std::shared_ptr<const zone::TrafficZone> zone) {
   const auto same_waypoint = [](const zone::Waypoint& a, const zone::Waypoint& b) {
     return a.id == b.id && a.position == b.position;
   };
@@ -56,11 +56,11 @@ bool WayMap::take(std::shared_ptr<const zone::TrafficZone> zone) {
   return true;
 }
 
-WaypointIndex WayMap::first_on(zone::SectionId section) const {
+WaypointIndex WaypointGraph::first_on(zone::SectionId section) const {
   return first_on_[section] < first_on_[section + 1] ? first_on_[section] : no_waypoint;
 }
 
-void WayMap::lay_stretches() {
+void WaypointGraph::lay_stretches() {
   for (WaypointIndex i = 0; i < zone_->waypoints.size(); ++i) {
     const zone::Waypoint& from = zone_->waypoints[i];
     points_.push_back(position(zone_->circuit.pose_at(from.position)));
@@ -78,7 +78,7 @@ void WayMap::lay_stretches() {
   first_stretch_.push_back(stretches_.size());
 }
 
-void WayMap::lay_stretches_from(WaypointIndex from) {
+void WaypointGraph::lay_stretches_from(WaypointIndex from) {
   const zone::Circuit& circuit = zone_->circuit;
   const zone::TrackPosition start = waypoint(from).position;
   if (from + 1 < first_on_[start.section + 1]) {
@@ -123,7 +123,7 @@ void WayMap::lay_stretches_from(WaypointIndex from) {
   }
 }
 
-void WayMap::finish(WaypointIndex from, Stretch& stretch) const {
+void WaypointGraph::finish(WaypointIndex from, Stretch& stretch) const {
   const zone::Circuit& circuit = zone_->circuit;
   const zone::Waypoint& start = waypoint(from);
   const zone::Waypoint& end = waypoint(stretch.to);
@@ -142,13 +142,13 @@ void WayMap::finish(WaypointIndex from, Stretch& stretch) const {
   if (!zone_->edges_are_sections || !whole) stretch.edge_id += "-" + end.id;
 }
 
-bool WayMap::is_default(WaypointIndex from, const Stretch& stretch) const {
+bool WaypointGraph::is_default(WaypointIndex from, const Stretch& stretch) const {
   zone::SectionLookAhead usual{zone_->circuit, waypoint(from).position.section, {}};
   return std::ranges::all_of(stretch.sections,
                              [&](zone::SectionId section) { return usual.step() && usual.section() == section; });
 }
 
-const WayMap::Stretch* WayMap::along(WaypointIndex from, Sections coming) const {
+const WaypointGraph::Stretch* WaypointGraph::along(WaypointIndex from, Sections coming) const {
   for (const Stretch& stretch : stretches(from)) {
     const std::size_t known = std::min(coming.size(), stretch.sections.size());
     if (std::ranges::equal(coming.first(known), Sections{stretch.sections}.first(known))) return &stretch;
@@ -156,13 +156,13 @@ const WayMap::Stretch* WayMap::along(WaypointIndex from, Sections coming) const 
   return nullptr;
 }
 
-const WayMap::Stretch& WayMap::stretch(WaypointIndex from) const {
+const WaypointGraph::Stretch& WaypointGraph::stretch(WaypointIndex from) const {
   static const Stretch none;
   const auto all = stretches(from);
   return all.empty() ? none : all.front();
 }
 
-WayMap::Chain WayMap::chain(WaypointIndex stop, Sections coming, WaypointIndex goal) const {
+WaypointGraph::Chain WaypointGraph::chain(WaypointIndex stop, Sections coming, WaypointIndex goal) const {
   Chain chain;
   Chain first;
   WaypointIndex at = stop;
@@ -182,12 +182,12 @@ WayMap::Chain WayMap::chain(WaypointIndex stop, Sections coming, WaypointIndex g
   return first;
 }
 
-std::span<const WaypointIndex> WayMap::find(std::string_view id) const {
+std::span<const WaypointIndex> WaypointGraph::find(std::string_view id) const {
   const auto it = by_id_.find(id);
   return it == by_id_.end() ? std::span<const WaypointIndex>{} : std::span{it->second};
 }
 
-std::optional<WayMap::Behind> WayMap::behind(zone::TrackPosition track_position, Sections gone) const {
+std::optional<WaypointGraph::Behind> WaypointGraph::behind(zone::TrackPosition track_position, Sections gone) const {
   Behind found{no_waypoint, 0.0, {}};
   zone::SectionId section = track_position.section;
   double at_m = track_position.s_m;
@@ -210,7 +210,7 @@ std::optional<WayMap::Behind> WayMap::behind(zone::TrackPosition track_position,
   return std::nullopt;
 }
 
-std::optional<WayMap::FirstAhead> WayMap::first_ahead(zone::TrackPosition track_position, Sections coming) const {
+std::optional<WaypointGraph::FirstAhead> WaypointGraph::first_ahead(zone::TrackPosition track_position, Sections coming) const {
   for (WaypointIndex i = first_on_[track_position.section]; i < first_on_[track_position.section + 1]; ++i)
     if (waypoint(i).position.s_m >= track_position.s_m) return FirstAhead{i, waypoint(i).position.s_m - track_position.s_m, 0};
   double travelled_m = zone_->circuit.section(track_position.section).length_m() - track_position.s_m;
@@ -222,7 +222,7 @@ std::optional<WayMap::FirstAhead> WayMap::first_ahead(zone::TrackPosition track_
   return std::nullopt;
 }
 
-std::vector<zone::TrackPosition> WayMap::starts(zone::TrackPosition track_position) const {
+std::vector<zone::TrackPosition> WaypointGraph::starts(zone::TrackPosition track_position) const {
   std::vector<zone::TrackPosition> found{track_position};
   if (track_position.s_m > at_node_m) return found;
   const WaypointIndex here = first_on(track_position.section);
@@ -240,7 +240,7 @@ std::vector<zone::TrackPosition> WayMap::starts(zone::TrackPosition track_positi
   return found;
 }
 
-WaypointIndex WayMap::sibling_on(WaypointIndex of, zone::SectionId section) const {
+WaypointIndex WaypointGraph::sibling_on(WaypointIndex of, zone::SectionId section) const {
   for (const WaypointIndex sibling : find(waypoint(of).id)) {
     const zone::TrackPosition& track_position = waypoint(sibling).position;
     if (track_position.section == section && track_position.s_m == 0.0) return sibling;
@@ -248,18 +248,18 @@ WaypointIndex WayMap::sibling_on(WaypointIndex of, zone::SectionId section) cons
   return no_waypoint;
 }
 
-std::optional<double> WayMap::base_left(zone::TrackPosition track_position, WaypointIndex end, double limit_m, Sections coming,
+std::optional<double> WaypointGraph::base_left(zone::TrackPosition track_position, WaypointIndex end, double limit_m, Sections coming,
                                         bool passed) const {
   const zone::TrackPosition end_position = waypoint(end).position;
   if (!passed) {
     // Where a way comes back soon, what lies just behind may be what lies at its end.
     if (const auto ahead_m = ahead(track_position, end_position, limit_m, coming)) return ahead_m;
   }
-  if (zone_->circuit.shortest_way(end_position, track_position, overshoot_m)) return 0.0;
+  if (zone_->circuit.shortest_route(end_position, track_position, overshoot_m)) return 0.0;
   return passed ? ahead(track_position, end_position, limit_m, coming) : std::nullopt;
 }
 
-std::optional<WayMap::Through> WayMap::through(zone::TrackPosition track_position, std::span<const std::string_view> ids,
+std::optional<WaypointGraph::Through> WaypointGraph::through(zone::TrackPosition track_position, std::span<const std::string_view> ids,
                                                std::size_t released) const {
   // Which of an id's waypoints is meant shows only at the next one: all of them are followed.
   struct Trail {
@@ -278,9 +278,9 @@ std::optional<WayMap::Through> WayMap::through(zone::TrackPosition track_positio
     if (i == 0) {
       for (const WaypointIndex first : find(ids[0])) {
         const zone::TrackPosition there = waypoint(first).position;
-        if (zone_->circuit.shortest_way(there, track_position, overshoot_m))
+        if (zone_->circuit.shortest_route(there, track_position, overshoot_m))
           on.push_back({first, {{track_position.section}, no_waypoint, 0}});
-        else if (auto start = zone_->circuit.shortest_way(track_position, there, longest_m_ + overshoot_m))
+        else if (auto start = zone_->circuit.shortest_route(track_position, there, longest_m_ + overshoot_m))
           on.push_back({first, {std::move(start->sections), no_waypoint, 0}});
       }
     }
@@ -304,7 +304,7 @@ std::optional<WayMap::Through> WayMap::through(zone::TrackPosition track_positio
   return std::move(trails.front().through);
 }
 
-void WayMap::spans_on(zone::SectionId section, double from_m, double to_m, bool stopped,
+void WaypointGraph::spans_on(zone::SectionId section, double from_m, double to_m, bool stopped,
                       std::vector<CrossingIndex>& out) const {
   for (const Span& span : spans_[section]) {
     const bool met = span.from_m < to_m - 1e-6 && span.to_m > from_m;
@@ -313,7 +313,7 @@ void WayMap::spans_on(zone::SectionId section, double from_m, double to_m, bool 
   }
 }
 
-void WayMap::crossings_on(zone::TrackPosition track_position, double distance_m, std::vector<CrossingIndex>& out,
+void WaypointGraph::crossings_on(zone::TrackPosition track_position, double distance_m, std::vector<CrossingIndex>& out,
                           Sections coming) const {
   const zone::Circuit& circuit = zone_->circuit;
   double from_m = track_position.s_m - left_m;
@@ -339,7 +339,7 @@ void WayMap::crossings_on(zone::TrackPosition track_position, double distance_m,
   }
 }
 
-double WayMap::way_out_m(zone::TrackPosition track_position, CrossingIndex crossing, double distance_m, Sections coming) const {
+double WaypointGraph::distance_to_exit_m(zone::TrackPosition track_position, CrossingIndex crossing, double distance_m, Sections coming) const {
   double out_m = 0.0;
   double start_m = -track_position.s_m;
   zone::SectionLookAhead ahead{zone_->circuit, track_position.section, coming};
@@ -353,7 +353,7 @@ double WayMap::way_out_m(zone::TrackPosition track_position, CrossingIndex cross
   return out_m;
 }
 
-double WayMap::parted_m(zone::SectionId section) const {
+double WaypointGraph::parted_m(zone::SectionId section) const {
   double parted = 0.5 * zone_->vehicle.length_m;
   for (const Span& span : spans_[section])
     if (span.from_m <= left_m) parted = std::max(parted, span.to_m + left_m);

@@ -24,9 +24,9 @@ using Sections = std::span<const zone::SectionId>;
 /// The zone as master control drives it: waypoints and the stretches between them, worked out once per zone so that
 /// rolling orders compares no text. Where ways part, `coming` says which is meant; from its end, and without it, ways
 /// follow default successors.
-class WayMap {
+class WaypointGraph {
  public:
-  explicit WayMap(std::shared_ptr<const zone::TrafficZone> zone);
+  explicit WaypointGraph(std::shared_ptr<const zone::TrafficZone> zone);
 
   [[nodiscard]] const zone::TrafficZone& zone() const { return *zone_; }
   [[nodiscard]] const zone::Circuit& circuit() const { return zone_->circuit; }
@@ -115,7 +115,7 @@ class WayMap {
   /// cm before its exit: so is one that stopped a little early there).
   void crossings_on(zone::TrackPosition position, double distance_m, std::vector<CrossingIndex>& out, Sections coming = {}) const;
   /// From `place` to where the last span of that crossing within `distance_m` is left; 0: there is none.
-  [[nodiscard]] double way_out_m(zone::TrackPosition position, CrossingIndex crossing, double distance_m,
+  [[nodiscard]] double distance_to_exit_m(zone::TrackPosition position, CrossingIndex crossing, double distance_m,
                                  Sections coming = {}) const;
   /// Where ways part: so far along `section` a body still is in the way of those who take another branch.
   [[nodiscard]] double parted_m(zone::SectionId section) const;

@@ -35,7 +35,7 @@ std::optional<wire::Action> MapDeployment::next_action(VehicleIndex vehicle, con
   return std::nullopt;
 }
 
-bool MapDeployment::under_way(Step& step) const {
+bool MapDeployment::in_progress(Step& step) const {
   if (step.handle == 0) return false;
   const InstantActionSender::PendingAction* pending_action = action_sender_.find(step.handle);
   const bool done = pending_action == nullptr ||
@@ -55,7 +55,7 @@ bool MapDeployment::under_way(Step& step) const {
 void MapDeployment::step(VehicleIndex vehicle, const Map& map) {
   AivProxy& proxy = registry_[vehicle];
   Step& step = steps_[vehicle];
-  if (!proxy.state || !proxy.online() || under_way(step) || publisher_.now() < step.not_before) return;
+  if (!proxy.state || !proxy.online() || in_progress(step) || publisher_.now() < step.not_before) return;
   // On an order of the old map it would be asked for too much at once.
   if (!proxy.state->node_states.empty() || proxy.state->driving) return;
   auto action = next_action(vehicle, map);

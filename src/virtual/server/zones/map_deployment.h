@@ -36,7 +36,7 @@ class MapDeployment {
     SimTime not_before{};
   };
   [[nodiscard]] std::optional<wire::Action> next_action(VehicleIndex vehicle, const Map& map) const;
-  [[nodiscard]] bool under_way(Step& step) const;
+  [[nodiscard]] bool in_progress(Step& step) const;
 
   Registry& registry_;
   MessagePublisher& publisher_;
