@@ -108,7 +108,7 @@ Result<void> LineProcess::exchange(bool until_line, std::chrono::milliseconds ti
   return {};
 }
 
-Result<void> LineProcess::tell(std::string_view line, std::chrono::milliseconds timeout) {
+Result<void> LineProcess::send_line(std::string_view line, std::chrono::milliseconds timeout) {
   to_send_ += line;
   to_send_ += '\n';
   return to_send_.size() < send_at ? Result<void>{} : exchange(false, timeout);

@@ -25,7 +25,7 @@ class LineProcess {
 
   /// Keeps the line, and sends what is kept when there is much of it. Fails ("process.gone", "process.unresponsive") as
   /// ask() does.
-  [[nodiscard]] Result<void> tell(std::string_view line, std::chrono::milliseconds timeout);
+  [[nodiscard]] Result<void> send_line(std::string_view line, std::chrono::milliseconds timeout);
   /// Sends what was told, and waits for one line. Fails ("process.gone") where it has ended, saying how;
   /// ("process.unresponsive") where it says or takes nothing for that long; ("process.garbage") on a line of more than
   /// a megabyte.

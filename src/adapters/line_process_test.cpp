@@ -21,7 +21,7 @@ TEST(LineProcess, responds_line_by_line) {
   auto process = LineProcess::start("while read -r line; do echo \"<$line>\"; done");
   ASSERT_TRUE(process);
   EXPECT_EQ((*process)->ask("one", seconds{5}).value(), "<one>");
-  EXPECT_TRUE((*process)->tell("two", seconds{5}));
+  EXPECT_TRUE((*process)->send_line("two", seconds{5}));
   EXPECT_EQ((*process)->ask("three", seconds{5}).value(), "<two>");
   EXPECT_EQ((*process)->ask("four", seconds{5}).value(), "<three>");
 }
@@ -38,7 +38,7 @@ TEST(LineProcess, that_hangs_is_not_waited_for) {
   auto process = LineProcess::start("sleep 60");
   ASSERT_TRUE(process);
   const std::string long_line(4U << 20U, 'x');
-  EXPECT_EQ((*process)->tell(long_line, milliseconds{100}).error().code, "process.unresponsive");
+  EXPECT_EQ((*process)->send_line(long_line, milliseconds{100}).error().code, "process.unresponsive");
 }
 
 TEST(LineProcess, that_never_ends_its_line_is_stopped) {

@@ -42,7 +42,7 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
 
   /// Doing an effect may bring the next input at once (a publish that finds the connection broken): it waits its turn,
   /// because the runner's effects are valid only until the next feed.
-  void tell(wire::InputKind kind, std::string source, std::string payload, bool flag = false) {
+  void deliver(wire::InputKind kind, std::string source, std::string payload, bool flag = false) {
     if (stopped) return;
     waiting.push_back({clock.now(), kind, std::move(source), std::move(payload), flag});
     if (std::exchange(feeding, true)) return;
@@ -56,12 +56,12 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
     feeding = false;
   }
 
-  void hear(std::string topic, std::string payload, bool retained) {
-    if (!radio) return tell(wire::InputKind::message, std::move(topic), std::move(payload), retained);
+  void receive_message(std::string topic, std::string payload, bool retained) {
+    if (!radio) return deliver(wire::InputKind::message, std::move(topic), std::move(payload), retained);
     if (radio->take(topic, payload)) return;
     const int qos = qos_of_heard(topic);
     radio->receive(qos, [this, topic = std::move(topic), payload = std::move(payload), retained] {
-      tell(wire::InputKind::message, topic, payload, retained);
+      deliver(wire::InputKind::message, topic, payload, retained);
     });
   }
 
@@ -105,9 +105,9 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
   Result<void> connect() {
     if (!options.mqtt) return {};
     MqttHandlers handlers;
-    handlers.on_link = [this](bool up) { tell(wire::InputKind::link, {}, up ? "up" : "down"); };
+    handlers.on_link = [this](bool up) { deliver(wire::InputKind::link, {}, up ? "up" : "down"); };
     handlers.on_message = [this](std::string_view topic, std::string_view payload, bool retained) {
-      hear(std::string(topic), std::string(payload), retained);
+      receive_message(std::string(topic), std::string(payload), retained);
     };
     handlers.on_log = [this](char level, const std::string& text) { log(level, text); };
     auto filters = core.subscriptions();
@@ -124,25 +124,25 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
   Result<void> start() {
     if (auto opened = open_journal(); !opened) return opened;
     if (!options.state_file.empty()) state_file.emplace(options.state_file);
-    tell(wire::InputKind::configure, options.kind, options.options);
+    deliver(wire::InputKind::configure, options.kind, options.options);
     if (state_file) {
-      if (auto bytes = state_file->load()) tell(wire::InputKind::restore, "state", std::move(*bytes));
+      if (auto bytes = state_file->load()) deliver(wire::InputKind::restore, "state", std::move(*bytes));
     }
     if (auto prepared = connect(); !prepared) return prepared;
     if (open_ports) {
       PortHandlers handlers;
       handlers.on_port = [this](const std::string& port, bool up) {
-        tell(wire::InputKind::port, port, up ? "up" : "down");
+        deliver(wire::InputKind::port, port, up ? "up" : "down");
       };
       handlers.on_bytes = [this](const std::string& port, std::string_view bytes) {
-        tell(wire::InputKind::bytes, port, std::string(bytes));
+        deliver(wire::InputKind::bytes, port, std::string(bytes));
       };
       auto opened = open_ports(std::move(handlers));
       if (!opened) return tl::unexpected(opened.error());
       ports = std::move(*opened);
     }
     if (mqtt) mqtt->start();
-    tick_timer.every(core.tick_period(), [this] { tell(wire::InputKind::tick, {}, {}); });
+    tick_timer.every(core.tick_period(), [this] { deliver(wire::InputKind::tick, {}, {}); });
     return {};
   }
 
@@ -201,7 +201,7 @@ LiveShell::~LiveShell() = default;
 
 Result<void> LiveShell::start() { return impl_->start(); }
 void LiveShell::command(const std::string& source, std::string json) {
-  impl_->tell(wire::InputKind::command, source, std::move(json));
+  impl_->deliver(wire::InputKind::command, source, std::move(json));
 }
 void LiveShell::after_input(std::function<void()> action) { impl_->after_input = std::move(action); }
 void LiveShell::stop(std::function<void(const std::string& digest)> done) { impl_->stop(std::move(done)); }

@@ -124,7 +124,7 @@ class Line : public std::enable_shared_from_this<Line> {
     if (connection_) {
       connection_->close();
       connection_.reset();
-      tell(false);
+      report(false);
     }
     connection_ = std::make_shared<Connection>(
         std::move(socket),
@@ -136,10 +136,10 @@ class Line : public std::enable_shared_from_this<Line> {
           const auto line = weak.lock();
           if (!line) return;
           line->connection_.reset();
-          line->tell(false);
+          line->report(false);
           if (after_loss) after_loss();
         });
-    tell(true);
+    report(true);
     if (connection_) connection_->start();
   }
 
@@ -154,7 +154,7 @@ class Line : public std::enable_shared_from_this<Line> {
   }
 
  private:
-  void tell(bool up) {
+  void report(bool up) {
     if (handlers_.on_port) handlers_.on_port(port_, up);
   }
 

@@ -144,18 +144,18 @@ class CellMaker {
       }
     }
     flag_needed(whole_, flags);
-    says_.assign(flags.size(), 0);
+    slot_of_.assign(flags.size(), 0);
     next_ = at_one() + 1;
     for (std::size_t i = 0; i < whole_.steps().size(); ++i) {
       const std::size_t value = whole_.inputs() + i;
       if (flags[value] == 0) continue;
       const Steps::Wide& step = whole_.steps()[i];
       if (whole_.ops()[i] == Op::clamp) {
-        says_[value] = static_cast<std::uint16_t>(step.a);
+        slot_of_[value] = static_cast<std::uint16_t>(step.a);
         continue;
       }
-      says_[value] = static_cast<std::uint16_t>(next_++);
-      cells_.steps.push_back({whole_.ops()[i], says_[step.a], says_[step.b], says_[value], step.p, step.q, step.r});
+      slot_of_[value] = static_cast<std::uint16_t>(next_++);
+      cells_.steps.push_back({whole_.ops()[i], slot_of_[step.a], slot_of_[step.b], slot_of_[value], step.p, step.q, step.r});
     }
     cells_.first = {0, static_cast<std::uint32_t>(cells_.steps.size())};
     return true;
@@ -230,7 +230,7 @@ class CellMaker {
     for (const auto& some : firings) {
       each = std::max(each, some.size());
       for (const Cells::Firing& firing : some) {
-        group.is_simple = group.is_simple && firing.b == at_one() && firing.c == at_one() && firing.says_too == zero &&
+        group.is_simple = group.is_simple && firing.b == at_one() && firing.c == at_one() && firing.consequent_slot == zero &&
                           firing.keeps == 0.0 && firing.ends == 1.0;
       }
     }
@@ -312,7 +312,7 @@ class CellMaker {
   struct Candidate {
     std::vector<Value> factors;
     double says;
-    std::uint16_t says_too;
+    std::uint16_t consequent_slot;
     bool keeps;
     bool ends;
   };
@@ -326,11 +326,11 @@ class CellMaker {
         const Value degree = steps.make(Op::scale, now[rule.degree], rule.weight);
         const auto& number = steps.number(degree);
         if (number && fired(*number) == 0.0) continue;
-        const std::uint16_t says_too =
-            term.says_value ? says_[*term.says_value] : static_cast<std::uint16_t>(at_zero());
+        const std::uint16_t consequent_slot =
+            term.says_value ? slot_of_[*term.says_value] : static_cast<std::uint16_t>(at_zero());
         // A value's own −0 stays what it is when −0 is added.
         const double says = term.says_value ? -0.0 : term.says;
-        all.push_back({factors(steps, degree), says, says_too, !is_first, false});
+        all.push_back({factors(steps, degree), says, consequent_slot, !is_first, false});
         is_first = false;
       }
       if (!is_first) all.back().ends = true;
@@ -365,7 +365,7 @@ class CellMaker {
         const auto factor = [&](std::size_t k) {
           return k < candidate.factors.size() ? slots[candidate.factors[k]] : static_cast<std::uint16_t>(at_one());
         };
-        firings.back().push_back({factor(0), factor(1), factor(2), candidate.says_too, candidate.says,
+        firings.back().push_back({factor(0), factor(1), factor(2), candidate.consequent_slot, candidate.says,
                                   candidate.keeps ? 1.0 : 0.0, candidate.ends ? 1.0 : 0.0});
       }
     }
@@ -376,7 +376,7 @@ class CellMaker {
   Cells cells_;
   std::vector<std::size_t> input_of_;        ///< by value, whose range it is in
   std::vector<std::vector<double>> bounds_;  ///< by input
-  std::vector<std::uint16_t> says_;          ///< by value, its place, of those that every decision works out
+  std::vector<std::uint16_t> slot_of_;          ///< by value, its place, of those that every decision works out
   std::size_t cells_left_{all_cells_max};
   std::size_t next_{};  ///< place behind those
 };

@@ -72,7 +72,7 @@ COSIVA_PART inline Said say(const Cells::Firing* firing, std::size_t count, cons
     degree = degree * firing->keeps + fired(values[firing->a] * values[firing->b] * values[firing->c]);
     const double last = degree * firing->ends;
     said.all += last;
-    said.sum += last * (firing->says + values[firing->says_too]);
+    said.sum += last * (firing->says + values[firing->consequent_slot]);
   }
   return said;
 }

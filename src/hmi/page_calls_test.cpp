@@ -83,17 +83,17 @@ TEST(PageCalls, pass_commands_on_with_an_id_of_their_own) {
   const HttpResponse one =
       page.ask("POST", "/api/v1/commands", R"({"command":"stop","vehicle":"CoSiVA/AIV1","id":"mine"})");
   EXPECT_EQ(one.status, 202U);
-  EXPECT_EQ(PageFixture::said(one, "id"), "c1");
+  EXPECT_EQ(PageFixture::field_of(one, "id"), "c1");
   EXPECT_THAT(page.commands, ElementsAre(R"({"id":"c1","command":"stop","vehicle":"CoSiVA/AIV1"})"));
   EXPECT_EQ(page.server.command_entry("c1").text("vehicle"), "CoSiVA/AIV1");
   page.server.command("slow", "CoSiVA/AIV2");  // somebody else's takes the next
-  EXPECT_EQ(PageFixture::said(page.ask("POST", "/api/v1/commands", R"({"command":"stop","vehicle":"*"})"), "id"), "c3");
+  EXPECT_EQ(PageFixture::field_of(page.ask("POST", "/api/v1/commands", R"({"command":"stop","vehicle":"*"})"), "id"), "c3");
 }
 
 TEST(PageCalls, give_a_command_to_several_if_all_are_known) {
   PageFixture page;
   const std::string both = R"({"command":"slow","vehicles":["CoSiVA/AIV1","CoSiVA/AIV2"]})";
-  EXPECT_EQ(PageFixture::said(page.ask("POST", "/api/v1/commands", both), "id"), "c1");
+  EXPECT_EQ(PageFixture::field_of(page.ask("POST", "/api/v1/commands", both), "id"), "c1");
   EXPECT_THAT(page.commands, ElementsAre(R"({"id":"c1","command":"slow","vehicles":["CoSiVA/AIV1","CoSiVA/AIV2"]})"));
   EXPECT_EQ(page.server.command_entry("c1.AIV2").text("vehicle"), "CoSiVA/AIV2");
   page.commands.clear();
@@ -130,9 +130,9 @@ TEST(PageCalls, add_move_and_remove_a_person) {
   const HttpResponse added =
       page.ask("POST", "/api/v1/virtual-objects", R"({"kind":"person","id":"mine","x":0.4,"y":0.5})");
   EXPECT_EQ(added.status, 201U) << added.body;
-  EXPECT_EQ(PageFixture::said(added, "id"), "P1");
+  EXPECT_EQ(PageFixture::field_of(added, "id"), "P1");
   EXPECT_EQ(
-      PageFixture::said(page.ask("POST", "/api/v1/virtual-objects", R"({"kind":"person","x":0.4,"y":0.6})"), "id"),
+      PageFixture::field_of(page.ask("POST", "/api/v1/virtual-objects", R"({"kind":"person","x":0.4,"y":0.6})"), "id"),
       "P2");
   EXPECT_EQ(page.ask("PATCH", "/api/v1/virtual-objects/P1", R"({"x":0.5,"y":0.5})").status, 200U);
   EXPECT_EQ(page.ask("PATCH", "/api/v1/virtual-objects/P1", R"({"x":"left"})").status, 400U);
@@ -147,7 +147,7 @@ TEST(PageCalls, know_a_virtual_aiv_by_both_its_names) {
   PageFixture page;
   const HttpResponse added = page.ask("POST", "/api/v1/virtual-objects", R"({"kind":"aiv"})");
   ASSERT_EQ(added.status, 201U) << added.body;
-  EXPECT_EQ(PageFixture::said(added, "id"), "V1");
+  EXPECT_EQ(PageFixture::field_of(added, "id"), "V1");
   EXPECT_EQ(page.ask("DELETE", "/api/v1/virtual-objects/CoSiVA.virtual%2FV1").body, R"({"removed":1})");
   EXPECT_EQ(page.ask("DELETE", "/api/v1/virtual-objects/V1").status, 404U);
 }
@@ -159,7 +159,7 @@ TEST(PageCalls, put_obstacles_into_an_emulated_world_only) {
   page.calls->know_plant({"box1"});
   const HttpResponse added = page.ask("POST", "/api/v1/plant/obstacles", R"({"x":0.4,"y":0.1})");
   ASSERT_EQ(added.status, 201U) << added.body;
-  EXPECT_EQ(PageFixture::said(added, "id"), "box2");
+  EXPECT_EQ(PageFixture::field_of(added, "id"), "box2");
   EXPECT_EQ(page.commands.back(), R"({"command":"plant","plant":{"addObstacle":{"id":"box2","x":0.4,"y":0.1}}})");
   page.calls->know_plant({"box1"});  // said before it knew
   EXPECT_EQ(page.ask("DELETE", "/api/v1/plant/obstacles/box2").body, R"({"removed":1})");
@@ -206,7 +206,7 @@ TEST(PageCalls, save_the_zone_into_its_own_file_or_say_which_could_not_be_writte
   page.zone_file = scratch.write("mine.toml", "old");
   const HttpResponse saved = page.ask("POST", "/api/v1/zone/save");
   EXPECT_EQ(saved.status, 200U) << saved.body;
-  EXPECT_EQ(PageFixture::said(saved, "file"), page.zone_file);
+  EXPECT_EQ(PageFixture::field_of(saved, "file"), page.zone_file);
   EXPECT_EQ(*adapters::read_file(page.zone_file), page.ask("GET", "/api/v1/zone/file").body);
   EXPECT_EQ(page.commands.back(), R"({"command":"saved"})");
 
@@ -225,7 +225,7 @@ TEST(PageCalls, save_a_ready_zone_into_the_users_folder_and_list_it) {
   ::setenv("XDG_DATA_HOME", (scratch / "data").c_str(), 1);
   PageFixture page;
   const HttpResponse saved = page.ask("POST", "/api/v1/zone/save");
-  EXPECT_EQ(PageFixture::said(saved, "file"), scratch / "data/cosiva/zones/lacet4.toml") << saved.body;
+  EXPECT_EQ(PageFixture::field_of(saved, "file"), scratch / "data/cosiva/zones/lacet4.toml") << saved.body;
   const std::string mine =
       scratch.write("data/cosiva/zones/mine.toml", "# My control area: with a pit\nname = \"mine\"\n");
   const auto zones = JsonValue::parse(page.ask("GET", "/api/v1/zones").body);
@@ -288,7 +288,7 @@ TEST(PageCalls, switch_to_a_ready_zone_by_its_name) {
   PageFixture page;
   const HttpResponse response = page.ask("POST", "/api/v1/zone/switch", R"({"name":"indus8"})");
   ASSERT_EQ(response.status, 200U) << response.body;
-  EXPECT_EQ(PageFixture::said(response, "name"), "indus8");
+  EXPECT_EQ(PageFixture::field_of(response, "name"), "indus8");
   EXPECT_EQ(page.server.server->zone()->name, "indus8");
   const auto zones = JsonValue::parse(page.ask("GET", "/api/v1/zones").body);
   for (const JsonValue& one : *zones->find("zones")->array())
@@ -342,12 +342,12 @@ TEST(PageCalls, save_into_the_run_s_file_only_while_it_is_that_zone) {
   const std::string lacet4 = adapters::read_file(source_dir() + "/zones/lacet4.toml").value();
   page.zone_file = scratch.write("mine.toml", lacet4);
   ASSERT_EQ(page.ask("POST", "/api/v1/zone/switch", R"({"name":"indus8"})").status, 200U);
-  EXPECT_EQ(PageFixture::said(page.ask("POST", "/api/v1/zone/save"), "file"),
+  EXPECT_EQ(PageFixture::field_of(page.ask("POST", "/api/v1/zone/save"), "file"),
             scratch / "data/cosiva/zones/indus8.toml");
   EXPECT_EQ(adapters::read_file(page.zone_file).value(), lacet4);
   ::unsetenv("XDG_DATA_HOME");
   ASSERT_EQ(page.ask("POST", "/api/v1/zone/switch", switch_body("mine.toml", lacet4)).status, 200U);
-  EXPECT_EQ(PageFixture::said(page.ask("POST", "/api/v1/zone/save"), "file"), page.zone_file);
+  EXPECT_EQ(PageFixture::field_of(page.ask("POST", "/api/v1/zone/save"), "file"), page.zone_file);
 }
 
 TEST(PageCalls, suggest_where_the_beacons_could_lie) {

@@ -55,7 +55,7 @@ struct PageFixture {
     return calls->response(request);
   }
   /// What the answer's `name` says; empty when it says nothing.
-  static std::string said(const adapters::HttpResponse& response, const char* name) {
+  static std::string field_of(const adapters::HttpResponse& response, const char* name) {
     const auto json = JsonValue::parse(response.body);
     return json ? json->text(name).value_or("") : "";
   }

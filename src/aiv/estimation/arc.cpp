@@ -22,32 +22,32 @@ double fiducial_variance(const Setting& setting) {
 }  // namespace
 
 DeadReckoning::DeadReckoning(Setting setting)
-    : told{std::move(setting)},
-      s_m{told.start_along_m},
-      p_m2{told.start_sigma_m * told.start_sigma_m},
-      pose_{told.start},
-      covariance_{start_covariance(told)} {}
+    : configured{std::move(setting)},
+      s_m{configured.start_along_m},
+      p_m2{configured.start_sigma_m * configured.start_sigma_m},
+      pose_{configured.start},
+      covariance_{start_covariance(configured)} {}
 
 void DeadReckoning::predict(const Odometry& odometry) {
-  if (!told.track) {
-    covariance_ = spread(told.sensors, pose_, odometry, covariance_);
+  if (!configured.track) {
+    covariance_ = spread(configured.sensors, pose_, odometry, covariance_);
     pose_ = moved(pose_, odometry);
   }
   s_m += odometry.distance_m;
-  p_m2 += told.sensors.distance_variance_per_m * std::fabs(odometry.distance_m) + odometry.distance_variance_m2;
+  p_m2 += configured.sensors.distance_variance_per_m * std::fabs(odometry.distance_m) + odometry.distance_variance_m2;
 }
 
 Estimate DeadReckoning::estimate() const {
-  if (!told.track) return {pose_, covariance_, std::nullopt};
-  return on_track(*told.track, told.sensors, s_m, p_m2);
+  if (!configured.track) return {pose_, covariance_, std::nullopt};
+  return on_track(*configured.track, configured.sensors, s_m, p_m2);
 }
 
 std::optional<DeadReckoning::Detection> DeadReckoning::see(const Reading& reading) {
-  if (!told.track) return std::nullopt;
-  const double gate_m = gate_sigmas * std::sqrt(p_m2 + fiducial_variance(told));
+  if (!configured.track) return std::nullopt;
+  const double gate_m = gate_sigmas * std::sqrt(p_m2 + fiducial_variance(configured));
   // The foot of a mark on another branch of the line may lie near; the belief says which is meant.
   const double reach_m = std::fmax(1.0, 2.0 * gate_m);
-  const auto foot_m = told.track->foot(reading.fiducial_M, s_m + reading.detected_B.x_m, reach_m);
+  const auto foot_m = configured.track->foot(reading.fiducial_M, s_m + reading.detected_B.x_m, reach_m);
   if (!foot_m) return std::nullopt;
   const Detection detection{*foot_m - reading.detected_B.x_m, *foot_m - reading.detected_B.x_m - s_m};
   if (std::fabs(detection.innovation_m) <= gate_m) {
@@ -66,16 +66,16 @@ std::optional<DeadReckoning::Detection> DeadReckoning::see(const Reading& readin
 Rectified ResetRule::rectify(const Reading& reading) {
   const auto detection = see(reading);
   if (!detection) return {};
-  const double expected = p_m2 + fiducial_variance(told);
+  const double expected = p_m2 + fiducial_variance(configured);
   s_m = detection->along_m;
-  p_m2 = fiducial_variance(told);
+  p_m2 = fiducial_variance(configured);
   return {true, detection->innovation_m * detection->innovation_m / expected, 1};
 }
 
 Rectified ArcKalman::rectify(const Reading& reading) {
   const auto detection = see(reading);
   if (!detection) return {};
-  const double expected = p_m2 + fiducial_variance(told);
+  const double expected = p_m2 + fiducial_variance(configured);
   const double gain = p_m2 / expected;
   s_m += gain * detection->innovation_m;
   p_m2 *= 1.0 - gain;
@@ -84,21 +84,21 @@ Rectified ArcKalman::rectify(const Reading& reading) {
 
 ArcKalmanScale::ArcKalmanScale(Setting setting)
     : DeadReckoning{std::move(setting)},
-      scale_variance_{told.sensors.distance_scale_sigma * told.sensors.distance_scale_sigma} {}
+      scale_variance_{configured.sensors.distance_scale_sigma * configured.sensors.distance_scale_sigma} {}
 
 void ArcKalmanScale::predict(const Odometry& odometry) {
   // s' = s + d/(1 + e): F = [1, −d; 0, 1] in (s, e).
   const double d = odometry.distance_m / (1.0 + scale_error_);
   s_m += d;
   p_m2 += -2.0 * d * cross_m_ + d * d * scale_variance_ +
-          told.sensors.distance_variance_per_m * std::fabs(odometry.distance_m) + odometry.distance_variance_m2;
+          configured.sensors.distance_variance_per_m * std::fabs(odometry.distance_m) + odometry.distance_variance_m2;
   cross_m_ -= d * scale_variance_;
 }
 
 Rectified ArcKalmanScale::rectify(const Reading& reading) {
   const auto detection = see(reading);
   if (!detection) return {};
-  const double expected = p_m2 + fiducial_variance(told);
+  const double expected = p_m2 + fiducial_variance(configured);
   const double gain = p_m2 / expected;
   const double scale_gain_per_m = cross_m_ / expected;
   s_m += gain * detection->innovation_m;
@@ -130,7 +130,7 @@ std::vector<Estimate> ArcSmoother::revised() {
   double along_m = moments_.back().along_m;
   double variance_m2 = moments_.back().variance_m2;
   for (std::size_t i = moments_.size(); i-- > 1;) {
-    all[i - 1] = on_track(*told.track, told.sensors, along_m, variance_m2);
+    all[i - 1] = on_track(*configured.track, configured.sensors, along_m, variance_m2);
     const Moment& here = moments_[i - 1];
     const Moment& next = moments_[i];
     if (next.predicted_variance_m2 <= 0.0) continue;
@@ -152,9 +152,9 @@ void UnbiasedFir::predict(const Odometry& odometry) {
 Rectified UnbiasedFir::rectify(const Reading& reading) {
   const auto detection = see(reading);
   if (!detection) return {};
-  const double expected = p_m2 + fiducial_variance(told);
+  const double expected = p_m2 + fiducial_variance(configured);
   snaps_.push_back({detection->along_m});
-  while (snaps_.size() > told.horizon) snaps_.pop_front();
+  while (snaps_.size() > configured.horizon) snaps_.pop_front();
   average();
   return {true, detection->innovation_m * detection->innovation_m / expected, 1};
 }
@@ -162,12 +162,12 @@ Rectified UnbiasedFir::rectify(const Reading& reading) {
 void UnbiasedFir::average() {
   const auto n = static_cast<double>(snaps_.size());
   s_m = 0.0;
-  p_m2 = fiducial_variance(told) / n;
+  p_m2 = fiducial_variance(configured) / n;
   for (std::size_t i = 0; i < snaps_.size(); ++i) {
     s_m += snaps_[i].along_m / n;
     // The way since a reading lies in all the older ones, too: what has rolled since i is shared by 0…i.
     const double shared = 2.0 * static_cast<double>(i) + 1.0;
-    p_m2 += told.sensors.distance_variance_per_m * snaps_[i].rolled_m * shared / (n * n);
+    p_m2 += configured.sensors.distance_variance_per_m * snaps_[i].rolled_m * shared / (n * n);
   }
 }
 

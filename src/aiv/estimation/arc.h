@@ -27,7 +27,7 @@ class DeadReckoning : public Algorithm {
   };
   [[nodiscard]] std::optional<Detection> see(const Reading& reading);
 
-  Setting told;
+  Setting configured;
   double s_m;   ///< s
   double p_m2;  ///< its variance
 

@@ -37,10 +37,10 @@ int Stations::index(std::uint32_t station) {
   return State::common_size + count_++;
 }
 
-CalibratingFilter::CalibratingFilter(Setting setting) : told{std::move(setting)} {
-  if (told.start_heading_sigma_rad <= lost_rad) {
+CalibratingFilter::CalibratingFilter(Setting setting) : configured{std::move(setting)} {
+  if (configured.start_heading_sigma_rad <= lost_rad) {
     hypotheses.push_back(
-        {start_state(told.start.heading_rad, told.start_heading_sigma_rad), 0.0, told.start.heading_rad});
+        {start_state(configured.start.heading_rad, configured.start_heading_sigma_rad), 0.0, configured.start.heading_rad});
     return;
   }
   constexpr double apart_rad = 2.0 * pi / directions;
@@ -51,7 +51,7 @@ CalibratingFilter::CalibratingFilter(Setting setting) : told{std::move(setting)}
 }
 
 State CalibratingFilter::start_state(double heading_rad, double heading_sigma_rad) const {
-  return model::start_state(told, heading_rad, heading_sigma_rad);
+  return model::start_state(configured, heading_rad, heading_sigma_rad);
 }
 
 std::size_t CalibratingFilter::best() const {
@@ -66,7 +66,7 @@ void CalibratingFilter::prune() {
 
 void CalibratingFilter::predict(const Odometry& odometry) {
   for (Hypothesis& hypothesis : hypotheses) {
-    const model::Motion motion = model::motion_of(told.sensors, hypothesis.state.mean, odometry);
+    const model::Motion motion = model::motion_of(configured.sensors, hypothesis.state.mean, odometry);
     model::move(hypothesis.state, motion);
   }
   if (hypotheses[best()].state.covariance(State::heading, State::heading) > lost_rad * lost_rad) look_round();
@@ -101,7 +101,7 @@ Rectified CalibratingFilter::rectify_all(const Input& input) {
   const std::size_t leader = best();
   for (std::size_t i = 0; i < hypotheses.size(); ++i) {
     Hypothesis& hypothesis = hypotheses[i];
-    const model::Said said = model::said_by(told.sensors, stations, hypothesis.state.mean, input);
+    const model::Said said = model::said_by(configured.sensors, stations, hypothesis.state.mean, input);
     double nis = 0.0;
     const State::Vector before = hypothesis.state.mean;
     for (int k = 0; k < said.count; ++k) {
@@ -176,7 +176,7 @@ void CalibratingSmoother::forwards(const State& start, const std::vector<State>&
     // Linearised about the last round's result where there is one, else about what is known now.
     const State::Vector before = about.empty() ? now.mean : about[i].mean;
     if (const auto* odometry = std::get_if<Odometry>(&inputs_[i])) {
-      model::Motion motion = model::motion_of(told.sensors, before, *odometry);
+      model::Motion motion = model::motion_of(configured.sensors, before, *odometry);
       motion.offset += motion.slope.lazyProduct(now.mean - before);
       step.motion = motion.slope;
       model::move(now, motion);
@@ -185,8 +185,8 @@ void CalibratingSmoother::forwards(const State& start, const std::vector<State>&
       step.before = now.covariance;
       const auto* reading = std::get_if<Reading>(&inputs_[i]);
       const model::Said said = reading != nullptr
-                                   ? model::said_by(told.sensors, stations, before, *reading)
-                                   : model::said_by(told.sensors, stations, before, std::get<Range>(inputs_[i]));
+                                   ? model::said_by(configured.sensors, stations, before, *reading)
+                                   : model::said_by(configured.sensors, stations, before, std::get<Range>(inputs_[i]));
       for (int k = 0; k < said.count; ++k) {
         Measured measured = said.measured[static_cast<std::size_t>(k)];
         // How far off it is, the last round's result tells better than the filter could.
@@ -233,12 +233,12 @@ void CalibratingSmoother::backwards(const std::vector<Step>& steps, std::vector<
 
 std::vector<Estimate> CalibratingSmoother::revised() {
   const Hypothesis& chosen = hypotheses[best()];
-  const bool knows = told.start_heading_sigma_rad <= lost_rad;
+  const bool knows = configured.start_heading_sigma_rad <= lost_rad;
   // Where nothing has told its heading there is no drive to linearise about: what was said at the time stands.
   if (!knows && estimate().covariance(2, 2) > lost_rad * lost_rad) return {};
-  const State start = start_state(chosen.start_heading_rad, knows ? told.start_heading_sigma_rad : pi);
+  const State start = start_state(chosen.start_heading_rad, knows ? configured.start_heading_sigma_rad : pi);
   // The first round needs a heading to linearise about, and takes the hypothesis'; the others have one.
-  const State first = start_state(chosen.start_heading_rad, knows ? told.start_heading_sigma_rad : 0.13);
+  const State first = start_state(chosen.start_heading_rad, knows ? configured.start_heading_sigma_rad : 0.13);
   std::vector<Step> steps(inputs_.size());
   std::vector<State> smoothed(inputs_.size());
   std::vector<State> about;

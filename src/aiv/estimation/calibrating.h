@@ -82,7 +82,7 @@ class CalibratingFilter : public Algorithm {
   void look_round();
   [[nodiscard]] CalibratedState start_state(double heading_rad, double heading_sigma_rad) const;
 
-  Setting told;
+  Setting configured;
   Stations stations;
   std::vector<Hypothesis> hypotheses;
   std::size_t inputs_told{0};

@@ -133,10 +133,10 @@ Estimate on_track(const Track& track, const SensorModel& sensors, double along_m
 // ---- EKF
 // -------------------------------------------------------------------------------------------------------------
 
-Ekf::Ekf(Setting setting) : told{std::move(setting)}, current_estimate{told.start}, doubt{start_covariance(told)} {}
+Ekf::Ekf(Setting setting) : configured{std::move(setting)}, current_estimate{configured.start}, doubt{start_covariance(configured)} {}
 
 void Ekf::predict(const Odometry& odometry) {
-  doubt = spread(told.sensors, current_estimate, odometry, doubt);
+  doubt = spread(configured.sensors, current_estimate, odometry, doubt);
   current_estimate = moved(current_estimate, odometry);
 }
 
@@ -148,14 +148,14 @@ Rectified Ekf::rectify(const Reading& reading) {
   h.leftCols<2>() = -r.transpose();
   h.col(2) = Vector2(expected(1), -expected(0));
   const Vector2 innovation = vector(reading.detected_B) - expected;
-  const Matrix2 s = h * doubt * h.transpose() + fiducial_covariance(told.sensors);
+  const Matrix2 s = h * doubt * h.transpose() + fiducial_covariance(configured.sensors);
   const double nis = squared_over(innovation, s);
   if (!(nis <= gate_2)) return {false, nis, 2};
   const Eigen::Matrix<double, 3, 2> gain = doubt * h.transpose() * inverse_of(s);
   add_to(current_estimate, gain * innovation);
   // Joseph's form: stays positive whatever rounding does.
   const Matrix3 rest = Matrix3::Identity() - gain * h;
-  doubt = rest * doubt * rest.transpose() + gain * fiducial_covariance(told.sensors) * gain.transpose();
+  doubt = rest * doubt * rest.transpose() + gain * fiducial_covariance(configured.sensors) * gain.transpose();
   make_symmetric(doubt);
   return {true, nis, 2};
 }
@@ -166,7 +166,7 @@ Rectified Ekf::rectify(const Range& range) {
   const double expected = norm(dx, dy);
   if (expected < 1e-6) return {};
   const Vector3 h(dx / expected, dy / expected, 0.0);
-  const double r = range_variance(told.sensors, expected);
+  const double r = range_variance(configured.sensors, expected);
   const Vector3 ph = doubt * h;
   const double s = h.dot(ph) + r;
   const double innovation = range.range_m - expected;
@@ -217,7 +217,7 @@ void Ukf::predict(const Odometry& odometry) {
     after.col(i) = Vector3(to.x_m - centre.x_m, to.y_m - centre.y_m, about(2, i));
     mean += weight(i) * after.col(i);
   }
-  Matrix3 covariance = spread(told.sensors, current_estimate, odometry, Matrix3::Zero());
+  Matrix3 covariance = spread(configured.sensors, current_estimate, odometry, Matrix3::Zero());
   for (int i = 0; i < points; ++i) covariance += weight(i) * (after.col(i) - mean) * (after.col(i) - mean).transpose();
   make_symmetric(covariance);
   doubt = covariance;
@@ -234,7 +234,7 @@ Rectified Ukf::rectify(const Reading& reading) {
                              current_estimate.heading_rad + about(2, i), reading.fiducial_M);
     mean += weight(i) * z.col(i);
   }
-  Matrix2 s = fiducial_covariance(told.sensors);
+  Matrix2 s = fiducial_covariance(configured.sensors);
   Eigen::Matrix<double, 3, 2> cross = Eigen::Matrix<double, 3, 2>::Zero();
   for (int i = 0; i < points; ++i) {
     s += weight(i) * (z.col(i) - mean) * (z.col(i) - mean).transpose();
@@ -259,7 +259,7 @@ Rectified Ukf::rectify(const Range& range) {
                 current_estimate.y_m + about(1, i) - range.station_M.y_m);
     mean += weight(i) * z(i);
   }
-  double s = range_variance(told.sensors, mean);
+  double s = range_variance(configured.sensors, mean);
   Vector3 cross = Vector3::Zero();
   for (int i = 0; i < points; ++i) {
     s += weight(i) * (z(i) - mean) * (z(i) - mean);

@@ -47,7 +47,7 @@ class Ekf : public Algorithm {
   [[nodiscard]] Estimate estimate() const override { return {current_estimate, doubt, std::nullopt}; }
 
  protected:
-  Setting told;
+  Setting configured;
   Pose2 current_estimate;
   Matrix3 doubt;
 };

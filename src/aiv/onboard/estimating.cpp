@@ -208,10 +208,10 @@ void Estimating::on_tag(std::uint32_t number, SimTime read_at, const zone::Traff
   // The algorithms stand where the last odometry was counted, which is not when the mark came into the field.
   const double since_s = to_seconds(session_->stepped_at - read_at) + model_.reading_latency_s;
   detected_B.x_m -= session_->speed_mps * since_s;
-  tell({number, {fiducial_M->x_m + 0.0, fiducial_M->y_m + 0.0}, {detected_B.x_m + 0.0, detected_B.y_m + 0.0}});
+  publish_reading({number, {fiducial_M->x_m + 0.0, fiducial_M->y_m + 0.0}, {detected_B.x_m + 0.0, detected_B.y_m + 0.0}});
 }
 
-void Estimating::tell(const EstimateResponse::Reading& reading) {
+void Estimating::publish_reading(const EstimateResponse::Reading& reading) {
   session_->told.emplace_back(reading);
   for (Running& one : session_->algorithms) {
     if (!one.algorithm) continue;

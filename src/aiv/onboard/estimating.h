@@ -82,7 +82,7 @@ class Estimating {
   void begin(const wire::EstimateRequest& request, const Step& step);
   [[nodiscard]] std::optional<Running> start(const std::string& name, const estimation::Setting& setting);
   void roll(const Step& step);
-  void tell(const wire::EstimateResponse::Reading& reading);
+  void publish_reading(const wire::EstimateResponse::Reading& reading);
   void response(SimTime at);
   void refuse(const wire::EstimateRequest& request, SimTime at, std::string why);
   void say(const wire::EstimateResponse& response);

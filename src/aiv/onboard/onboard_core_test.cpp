@@ -126,7 +126,7 @@ TEST(Onboard, subscribes_to_what_concerns_it) {
 TEST(Onboard, tells_battery_boards_and_last_tag) {
   OnboardFixture fixture;
   fixture.run(1.0);
-  fixture.say(wire::Board::PRAV, wire::TagRead{0, 1, 0});
+  fixture.send_from_board(wire::Board::PRAV, wire::TagRead{0, 1, 0});
   fixture.run(0.1);
   EXPECT_EQ(fixture.state().battery.charge_percent, 90.0);
   EXPECT_EQ(fixture.state().battery.voltage_v, 7.4);
@@ -143,7 +143,7 @@ TEST(Onboard, tells_how_sure_a_gauge_is_that_knows_it) {
   fixture.run(1.55);
   const auto told = [&](std::uint32_t charge_ppm, std::uint16_t sd) {
     const auto permille = static_cast<std::uint16_t>(charge_ppm / 1000);
-    fixture.say(wire::Board::RALI, wire::Power{7400, 300, 250, permille, wire::Power::Gauge{charge_ppm, sd}});
+    fixture.send_from_board(wire::Board::RALI, wire::Power{7400, 300, 250, permille, wire::Power::Gauge{charge_ppm, sd}});
     fixture.run(0.15);  // another whole percent is worth a state
     return fixture.state();
   };
@@ -333,7 +333,7 @@ TEST(Onboard, does_not_know_where_it_is_until_a_tag_tells) {
   EXPECT_FALSE(fixture.core->estimated_pose());
   EXPECT_THAT(fixture.error_types(), ElementsAre("positionUnknown"));
   EXPECT_THAT(fixture.visualizations, IsEmpty());
-  fixture.say(wire::Board::PRAV, wire::TagRead{0, 2, 0});
+  fixture.send_from_board(wire::Board::PRAV, wire::TagRead{0, 2, 0});
   fixture.run(0.1);
   EXPECT_TRUE(fixture.state().position);
   EXPECT_TRUE(fixture.core->estimated_pose());

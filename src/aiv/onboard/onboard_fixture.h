@@ -60,11 +60,11 @@ class OnboardFixture {
   void plug(wire::Board board) {
     alive.insert(board);
     feed(wire::InputKind::port, wire::port_name(1, board), "up");
-    say(board, wire::Hello{board, 1, 0xF00D, session_});
+    send_from_board(board, wire::Hello{board, 1, 0xF00D, session_});
   }
   /// The board stops answering; its cable stays.
   void silence(wire::Board board) { alive.erase(board); }
-  void say(wire::Board board, const wire::BoardMessage& message) {
+  void send_from_board(wire::Board board, const wire::BoardMessage& message) {
     feed(wire::InputKind::bytes, wire::port_name(1, board), encoders_[board].encode(message));
   }
   void hear(std::string_view topic, std::string payload, bool retained = false) {
@@ -97,15 +97,15 @@ class OnboardFixture {
     const auto every = [&](int count) { return steps_ % count == 0; };
     if (server_heartbeats && every(10)) hear(wire::server_heartbeat_topic, R"({"headerId":1})");
     if (every(10)) {
-      for (const wire::Board board : alive) say(board, wire::Heartbeat{0, 0, 0, self_test[board]});
+      for (const wire::Board board : alive) send_from_board(board, wire::Heartbeat{0, 0, 0, self_test[board]});
     }
     if (alive.contains(wire::Board::PILS) && every(2)) {
-      say(wire::Board::PILS, world.odometry());
+      send_from_board(wire::Board::PILS, world.odometry());
     }
     if (alive.contains(wire::Board::DOBS) && every(6)) {
-      say(wire::Board::DOBS, ranges_to(obstacles, world.pose()));
+      send_from_board(wire::Board::DOBS, ranges_to(obstacles, world.pose()));
     }
-    if (alive.contains(wire::Board::RALI) && every(50)) say(wire::Board::RALI, wire::Power{7400, 300, 250, charge});
+    if (alive.contains(wire::Board::RALI) && every(50)) send_from_board(wire::Board::RALI, wire::Power{7400, 300, 250, charge});
     if (every(2)) feed(wire::InputKind::tick, "", "");
   }
 

@@ -347,7 +347,7 @@ TEST(BoardsReport, counts_damage_on_both_sides_and_names_who_is_lost_or_faulty) 
   OnboardFixture fixture;
   fixture.run(1.0);
   fixture.feed(wire::InputKind::bytes, wire::port_name(1, wire::Board::PILS), std::string("\x01garbage\x00", 9));
-  fixture.say(wire::Board::PILS, wire::Heartbeat{4711, 3, 2, 0});
+  fixture.send_from_board(wire::Board::PILS, wire::Heartbeat{4711, 3, 2, 0});
   fixture.silence(wire::Board::PRAV);
   fixture.self_test[wire::Board::DOBS] = 7;
   // Its next beat would tell of no damage: what it says last counts.
@@ -393,7 +393,7 @@ TEST(ZoneEdit, a_tag_that_was_moved_rectifies_at_its_new_place_while_it_drives) 
   EXPECT_THAT(fixture.warnings(), IsEmpty());
   EXPECT_GT(fixture.speed_mps, 0.39) << "nothing stops for that";
   fixture.run_until([&] { return fixture.s_m() >= 1.3637; }, 5.0);
-  fixture.say(wire::Board::PRAV, wire::TagRead{0, 2, 0});
+  fixture.send_from_board(wire::Board::PRAV, wire::TagRead{0, 2, 0});
   const auto estimated = fixture.core->estimated_pose();
   ASSERT_TRUE(estimated);
   // Read at the field's rim, 20 mm before the tag, and 20 ms ago.
@@ -417,7 +417,7 @@ TEST(ZoneEdit, another_beacon_pitch_is_in_force_at_once) {
         zone::Rtm::initialise({"toml", "", edited("pitch_m = 0.30", edit ? "pitch_m = 0.25" : "pitch_m = 0.30")});
     const Point2 here = position(lacet4().circuit.pose_at(at(lacet4(), "north", 0.55)));
     const auto beacon = rtm->zone().beacons->nearest(here);
-    fixture.say(wire::Board::PRAV, wire::TagRead{0, beacon->number, 0});
+    fixture.send_from_board(wire::Board::PRAV, wire::TagRead{0, beacon->number, 0});
     // The rim of the field, 20 mm before the beacon.
     const double rim_m = rtm->zone().circuit.locate(beacon->position, pi / 2).position.s_m - 0.020;
     return distance(position(*fixture.core->estimated_pose()),

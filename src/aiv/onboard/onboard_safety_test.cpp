@@ -310,8 +310,8 @@ TEST(Boards, that_restart_let_the_vehicle_keep_its_place) {
   fixture.act("startPause", "p");
   fixture.run(1.0);
   const auto before = *fixture.core->estimated_pose();
-  fixture.say(wire::Board::PILS, wire::Hello{wire::Board::PILS, 1, 0, 1234});
-  fixture.say(wire::Board::PILS, wire::Odometry{});
+  fixture.send_from_board(wire::Board::PILS, wire::Hello{wire::Board::PILS, 1, 0, 1234});
+  fixture.send_from_board(wire::Board::PILS, wire::Odometry{});
   EXPECT_EQ(*fixture.core->estimated_pose(), before);
 }
 

@@ -22,7 +22,7 @@ struct Talking : OnboardFixture {
 
   wire::Intent from(const std::string& serial, zone::TrackPosition track_position) {
     wire::Intent intent;
-    intent.header_id = ++said;
+    intent.header_id = ++published_count;
     intent.timestamp = now;
     intent.map_id = "lacet4";
     intent.vehicle = {"CoSiVA", serial};
@@ -49,7 +49,7 @@ struct Talking : OnboardFixture {
     return static_cast<std::size_t>(
         std::ranges::count_if(logs, [](const wire::Log& line) { return line.level == 'w'; }));
   }
-  std::uint32_t said{0};
+  std::uint32_t published_count{0};
 };
 
 TEST(OnboardV2x, listens_to_the_cells_around_it_as_soon_as_it_knows_where_it_is) {
@@ -142,10 +142,10 @@ TEST(OnboardV2x, is_not_disturbed_by_its_own_messages_or_retained_ones) {
   const std::size_t before = fixture.warnings();
   fixture.hear_intent(fixture.from("AIV1", at(lacet4(), "loop_se", 0.0)));
   fixture.hear_intent(fixture.from("AIV2", at(lacet4(), "loop_se", 0.5)), true);
-  const std::size_t said = fixture.intents.size();
+  const std::size_t published_count = fixture.intents.size();
   fixture.run(5.0);
   EXPECT_EQ(fixture.warnings(), before);
-  EXPECT_EQ(fixture.intents.size(), said + 5) << "as if alone";
+  EXPECT_EQ(fixture.intents.size(), published_count + 5) << "as if alone";
 }
 
 TEST(OnboardV2x, speaks_in_another_cell_when_it_has_come_there) {

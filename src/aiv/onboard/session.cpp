@@ -16,7 +16,7 @@ namespace {
 
 template <typename Message>
 void pass_on(std::string topic, Message&& message, wire::Effects& effects) {
-  effects.emplace_back(wire::Publish{std::move(topic), {}, 0, false, wire::say(std::forward<Message>(message))});
+  effects.emplace_back(wire::Publish{std::move(topic), {}, 0, false, wire::typed(std::forward<Message>(message))});
 }
 
 }  // namespace

@@ -86,12 +86,12 @@ struct Speaker {
     static_cast<void>(agent.decide());
     return *this;
   }
-  [[nodiscard]] wire::Intent says() const { return compose_intent(agent, lacet4(), crossing_spans); }
+  [[nodiscard]] wire::Intent compose() const { return compose_intent(agent, lacet4(), crossing_spans); }
 };
 
 TEST(ComposeIntent, says_where_it_is_and_what_comes) {
   const wire::Intent intent =
-      Speaker{0.1}.take(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})).says();
+      Speaker{0.1}.take(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})).compose();
   EXPECT_EQ(intent.map_id, "lacet4");
   EXPECT_EQ(intent.position, (wire::Intent::OnLine{"east", 0.1}));
   EXPECT_NEAR(intent.pose.y_m, -0.15, 1e-9);
@@ -106,20 +106,20 @@ TEST(ComposeIntent, says_where_it_is_and_what_comes) {
 
 TEST(ComposeIntent, says_so_when_its_base_leads_through) {
   const wire::Intent intent =
-      Speaker{0.1}.take(order("O-1").through({"east@0", "east@380", "east@1120", "east@1310"})).says();
+      Speaker{0.1}.take(order("O-1").through({"east@0", "east@380", "east@1120", "east@1310"})).compose();
   ASSERT_GE(intent.crossings.size(), 2U);
   EXPECT_TRUE(intent.crossings[0].may_enter);
   EXPECT_TRUE(intent.crossings[1].may_enter);
 }
 
 TEST(ComposeIntent, wants_no_crossing_while_it_is_held_or_has_no_order) {
-  EXPECT_THAT(Speaker{0.1}.says().crossings, IsEmpty());
+  EXPECT_THAT(Speaker{0.1}.compose().crossings, IsEmpty());
   Speaker paused{0.1};
   paused.take(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"}));
   paused.agent.hold(Hold::paused, true);
-  EXPECT_THAT(paused.says().crossings, IsEmpty());
+  EXPECT_THAT(paused.compose().crossings, IsEmpty());
   Speaker inside{0.6};
-  const auto crossings = inside.says().crossings;
+  const auto crossings = inside.compose().crossings;
   ASSERT_FALSE(crossings.empty()) << "where it stands nobody passes, whatever it wants";
   EXPECT_TRUE(crossings[0].may_enter);
   EXPECT_EQ(crossings[0].entry_m, 0.0);
@@ -128,7 +128,7 @@ TEST(ComposeIntent, wants_no_crossing_while_it_is_held_or_has_no_order) {
 TEST(ComposeIntent, of_one_beside_the_line_says_only_where_it_is) {
   Speaker speaker{0.1};
   speaker.agent.estimator().set_off_path({0.3, 0.0, 0.5});
-  const wire::Intent intent = speaker.says();
+  const wire::Intent intent = speaker.compose();
   EXPECT_FALSE(intent.position);
   EXPECT_THAT(intent.crossings, IsEmpty());
   EXPECT_EQ(intent.pose, (Pose2{0.3, 0.0, 0.5}));
@@ -142,23 +142,23 @@ TEST(News, are_what_others_act_upon_and_not_where_it_drives_meanwhile) {
   const auto up_to_crossing = order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"});
   Speaker speaker{0.1};
   speaker.take(up_to_crossing);
-  const wire::Intent said = speaker.says();
+  const wire::Intent said = speaker.compose();
   EXPECT_FALSE(is_news(said, speaker));
   Speaker further{0.15};
   further.take(up_to_crossing);
-  ASSERT_NE(further.says().position, said.position);
+  ASSERT_NE(further.compose().position, said.position);
   EXPECT_FALSE(is_news(said, further));
 
   Speaker granted{0.1};
   granted.take(order("O-1").through({"east@0", "east@380", "east@1120", "east@1310"}));
   EXPECT_TRUE(is_news(said, granted)) << "it may enter";
-  EXPECT_TRUE(is_news(granted.says(), speaker)) << "it may not any more";
+  EXPECT_TRUE(is_news(granted.compose(), speaker)) << "it may not any more";
   EXPECT_TRUE(is_news(said, Speaker{0.1})) << "it wants no crossing";
-  EXPECT_TRUE(is_news(Speaker{1.3}.says(), speaker)) << "it comes to crossings";
+  EXPECT_TRUE(is_news(Speaker{1.3}.compose(), speaker)) << "it comes to crossings";
   Speaker beside{0.1};
   beside.agent.estimator().set_off_path({0.3, 0.0, 0.5});
   EXPECT_TRUE(is_news(said, beside));
-  EXPECT_FALSE(is_news(beside.says(), beside));
+  EXPECT_FALSE(is_news(beside.compose(), beside));
   wire::Intent other = said;
   other.braking = !said.braking;
   EXPECT_TRUE(is_news(other, speaker));

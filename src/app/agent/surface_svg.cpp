@@ -79,7 +79,7 @@ class Image {
   }
 
   /// An instruction is a word to people.
-  static std::string said(aiv::AgentInput input, double value) {
+  static std::string formatted(aiv::AgentInput input, double value) {
     if (input != aiv::AgentInput::instruction) return number(value);
     if (value > 3.5) return "none";
     return std::string(to_string(aiv::nearest_profile(value, std::nullopt)));
@@ -94,7 +94,7 @@ class Image {
     for (const aiv::AgentInput input : surface_.requested) {
       if (input == surface_.x.input || input == surface_.y.input) continue;
       const double value = surface_.others[static_cast<std::size_t>(input)];
-      fixed += (fixed.empty() ? "with " : ", ") + std::string(aiv::metadata_of(input).name) + " " + said(input, value);
+      fixed += (fixed.empty() ? "with " : ", ") + std::string(aiv::metadata_of(input).name) + " " + formatted(input, value);
     }
     text(plot_left, 66.0, 13.0, fill(pale_ink), fixed);
   }

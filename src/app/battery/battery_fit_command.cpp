@@ -113,8 +113,8 @@ std::string residual_text(const battery::Residual& residual) {
     text += "; to " + decimals(residual.floor_v, 3) + " V " + decimals(residual.measured_s, 1) + " s measured, " +
             decimals(residual.predicted_s, 1) + " s foretold (" +
             decimals(100.0 * (residual.predicted_s / residual.measured_s - 1.0), 2) + " %)";
-  constexpr double worth_saying = 0.01;
-  if (residual.uncertain > worth_saying)
+  constexpr double is_significant = 0.01;
+  if (residual.uncertain > is_significant)
     text += "; its samples leave " + decimals(100.0 * residual.uncertain, 1) + " % of its charge open";
   return text + "\n";
 }

@@ -30,8 +30,8 @@ Result<const Opencv*> opencv(const std::string& needed_for) {
     if (!fs::exists(library, error)) continue;
     void* const opened = dlopen(library.c_str(), RTLD_NOW);
     if (opened == nullptr) {
-      const char* const said = dlerror();
-      if (said != nullptr) why = said;
+      const char* const reason = dlerror();
+      if (reason != nullptr) why = reason;
       continue;
     }
     using Get = const Opencv* (*)();

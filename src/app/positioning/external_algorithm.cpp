@@ -90,7 +90,7 @@ Result<std::unique_ptr<estimation::Algorithm>> ExternalAlgorithm::start(const st
   auto process = adapters::LineProcess::start(command);
   if (!process) return tl::unexpected(process.error());
   std::unique_ptr<ExternalAlgorithm> algorithm{new ExternalAlgorithm(name, std::move(*process), timeout)};
-  algorithm->tell(start_line(setting));
+  algorithm->send_line(start_line(setting));
   return algorithm;
 }
 
@@ -98,9 +98,9 @@ void ExternalAlgorithm::blame(const Error& error) const {
   if (!fault_) fault_ = Error{error.code, error.message, name_};
 }
 
-void ExternalAlgorithm::tell(const std::string& line) {
+void ExternalAlgorithm::send_line(const std::string& line) {
   if (fault_) return;
-  if (auto told = process_->tell(line, timeout_); !told) blame(told.error());
+  if (auto told = process_->send_line(line, timeout_); !told) blame(told.error());
 }
 
 void ExternalAlgorithm::predict(const estimation::Odometry& odometry) {
@@ -112,7 +112,7 @@ void ExternalAlgorithm::predict(const estimation::Odometry& odometry) {
   if (odometry.distance_variance_m2 > 0.0) json.field("distance_variance_m2", odometry.distance_variance_m2);
   if (odometry.turn_variance_rad2 > 0.0) json.field("turn_variance_rad2", odometry.turn_variance_rad2);
   json.end_object().end_object();
-  tell(json.text());
+  send_line(json.text());
 }
 
 estimation::Rectified ExternalAlgorithm::rectify(const estimation::Reading& reading) {
@@ -120,7 +120,7 @@ estimation::Rectified ExternalAlgorithm::rectify(const estimation::Reading& read
   json.begin_object().key("reading").begin_object().field("fiducial", reading.fiducial);
   json.field("x_m", reading.fiducial_M.x_m).field("y_m", reading.fiducial_M.y_m);
   json.field("ahead_m", reading.detected_B.x_m).field("left_m", reading.detected_B.y_m).end_object().end_object();
-  tell(json.text());
+  send_line(json.text());
   return {true, std::nullopt, 0};
 }
 
@@ -129,7 +129,7 @@ estimation::Rectified ExternalAlgorithm::rectify(const estimation::Range& range)
   json.begin_object().key("range").begin_object().field("station", range.station);
   json.field("x_m", range.station_M.x_m).field("y_m", range.station_M.y_m);
   json.field("range_m", range.range_m).end_object().end_object();
-  tell(json.text());
+  send_line(json.text());
   return {true, std::nullopt, 0};
 }
 

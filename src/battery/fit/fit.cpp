@@ -300,8 +300,8 @@ void record_charge(const std::vector<Discharge>& discharges, const Problem& prob
   if (counted > 0)
     fit.diagnostics.push_back("in " + std::to_string(counted) + " of " + std::to_string(discharges.size()) +
                               " discharges the charge is what the tester itself counted");
-  constexpr double worth_saying = 0.01;
-  if (fit.charge_uncertain <= worth_saying) return;
+  constexpr double is_significant = 0.01;
+  if (fit.charge_uncertain <= is_significant) return;
   fit.diagnostics.push_back(
       "what was taken out, and so the capacity and every time foretold, may be off by " +
       few_digits(100.0 * fit.charge_uncertain) + " %: nobody knows when the current changed between two samples (" +

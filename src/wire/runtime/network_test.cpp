@@ -23,7 +23,7 @@ struct Fixture {
   Network::ClientId join(std::vector<std::string> filters, std::optional<Will> will = std::nullopt) {
     return network.connect(now, std::move(filters), std::move(will));
   }
-  void say(Network::ClientId from, std::string topic, std::string payload, int qos = 0, bool retained = false) {
+  void publish_text(Network::ClientId from, std::string topic, std::string payload, int qos = 0, bool retained = false) {
     network.publish(now, from, {std::move(topic), std::move(payload), qos, retained});
   }
   void pass(SimDuration time) {
@@ -53,7 +53,7 @@ TEST(Network, delivers_to_whom_it_matches_within_its_delays) {
   Fixture fixture;
   const auto server = fixture.join({"uagv/+/+/+/state"});
   const auto vehicle = fixture.join({"uagv/v2/m/1/order"});
-  fixture.say(vehicle, "uagv/v2/m/1/state", "s");
+  fixture.publish_text(vehicle, "uagv/v2/m/1/state", "s");
   ASSERT_TRUE(fixture.network.next_due());
   EXPECT_GE(*fixture.network.next_due(), SimTime{1ms});
   EXPECT_LE(*fixture.network.next_due(), SimTime{3ms});
@@ -66,7 +66,7 @@ TEST(Network, delivers_to_whom_it_matches_within_its_delays) {
 TEST(Network, hands_out_nothing_before_its_time) {
   Fixture fixture{{.delay_min = 5ms, .delay_max = 5ms}};
   const auto client = fixture.join({"#"});
-  fixture.say(client, "t", "x");
+  fixture.publish_text(client, "t", "x");
   fixture.pass(4ms);
   EXPECT_THAT(fixture.deliveries, IsEmpty());
   fixture.pass(1ms);
@@ -78,7 +78,7 @@ TEST(Network, hands_out_nothing_before_its_time) {
 TEST(Network, delivers_once_where_filters_overlap_and_to_the_sender_too) {
   Fixture fixture;
   const auto client = fixture.join({"a/#", "a/b", "+/b"});
-  fixture.say(client, "a/b", "x");
+  fixture.publish_text(client, "a/b", "x");
   fixture.pass(1s);
   EXPECT_THAT(fixture.heard_by(client), ElementsAre("x"));
 }
@@ -87,7 +87,7 @@ TEST(Network, keeps_the_order_of_one_clients_messages) {
   Fixture fixture{{.delay_min = 0ms, .delay_max = 20ms}};
   const auto client = fixture.join({"#"});
   for (const std::string& text : numbers(100)) {
-    fixture.say(client, "t/" + text, text, std::stoi(text) % 2);
+    fixture.publish_text(client, "t/" + text, text, std::stoi(text) % 2);
     fixture.pass(1ms);
   }
   fixture.pass(1s);
@@ -97,9 +97,9 @@ TEST(Network, keeps_the_order_of_one_clients_messages) {
 TEST(RetainedMessage, is_sent_to_who_subscribes_later_and_marked) {
   Fixture fixture;
   const auto vehicle = fixture.join({});
-  fixture.say(vehicle, "m/1/connection", "ONLINE", 1, true);
-  fixture.say(vehicle, "m/1/connection", "ONLINE again", 1, true);
-  fixture.say(vehicle, "m/1/state", "not retained");
+  fixture.publish_text(vehicle, "m/1/connection", "ONLINE", 1, true);
+  fixture.publish_text(vehicle, "m/1/connection", "ONLINE again", 1, true);
+  fixture.publish_text(vehicle, "m/1/state", "not retained");
   const auto early = fixture.join({"other"});
   const auto late = fixture.join({"m/#"});
   fixture.pass(1s);
@@ -110,7 +110,7 @@ TEST(RetainedMessage, is_sent_to_who_subscribes_later_and_marked) {
 TEST(RetainedMessage, is_live_for_who_already_listens) {
   Fixture fixture;
   const auto client = fixture.join({"#"});
-  fixture.say(client, "t", "x", 1, true);
+  fixture.publish_text(client, "t", "x", 1, true);
   fixture.pass(1s);
   EXPECT_THAT(fixture.heard_by(client), ElementsAre("x"));
 }
@@ -118,8 +118,8 @@ TEST(RetainedMessage, is_live_for_who_already_listens) {
 TEST(RetainedMessage, is_deleted_by_an_empty_one) {
   Fixture fixture;
   const auto vehicle = fixture.join({});
-  fixture.say(vehicle, "t", "x", 1, true);
-  fixture.say(vehicle, "t", "", 1, true);
+  fixture.publish_text(vehicle, "t", "x", 1, true);
+  fixture.publish_text(vehicle, "t", "", 1, true);
   const auto late = fixture.join({"t"});
   fixture.pass(1s);
   EXPECT_THAT(fixture.heard_by(late), IsEmpty());
@@ -154,10 +154,10 @@ TEST(DeadClient, neither_hears_nor_is_heard) {
   Fixture fixture;
   const auto server = fixture.join({"#"});
   const auto vehicle = fixture.join({"#"});
-  fixture.say(server, "t", "on its way when the radio went");
+  fixture.publish_text(server, "t", "on its way when the radio went");
   fixture.network.break_connection(fixture.now, vehicle);
-  fixture.say(vehicle, "t", "from the grave");
-  fixture.say(server, "t", "to the grave");
+  fixture.publish_text(vehicle, "t", "from the grave");
+  fixture.publish_text(server, "t", "to the grave");
   fixture.pass(1s);
   EXPECT_THAT(fixture.heard_by(vehicle), IsEmpty());
   EXPECT_THAT(fixture.heard_by(server), ElementsAre("on its way when the radio went", "to the grave"));
@@ -166,11 +166,11 @@ TEST(DeadClient, neither_hears_nor_is_heard) {
 TEST(Newcomer, hears_topics_that_were_routed_before_it_came) {
   Fixture fixture;
   const auto first = fixture.join({"t"});
-  fixture.say(first, "t", "1");
+  fixture.publish_text(first, "t", "1");
   const auto second = fixture.join({"t"});
-  fixture.say(first, "t", "2");
+  fixture.publish_text(first, "t", "2");
   fixture.network.disconnect(fixture.now, second);
-  fixture.say(first, "t", "3");
+  fixture.publish_text(first, "t", "3");
   fixture.pass(1s);
   EXPECT_THAT(fixture.heard_by(first), ElementsAre("1", "2", "3"));
 }
@@ -180,7 +180,7 @@ TEST(Qos0, loses_doubles_and_reorders_as_often_as_asked) {
   Fixture fixture{{.loss = 0.02, .duplication = 0.05, .reordering = 0.1}};
   const auto client = fixture.join({"t"});
   for (int i = 0; i < messages; ++i) {
-    fixture.say(client, "t", std::to_string(i));
+    fixture.publish_text(client, "t", std::to_string(i));
     fixture.pass(10ms);
   }
   fixture.pass(1s);
@@ -201,7 +201,7 @@ TEST(Qos1, arrives_at_least_once_and_in_order_through_any_faults) {
     Fixture fixture{{.loss = 0.5, .duplication = 0.3, .reordering = 0.5}, seed};
     const auto client = fixture.join({"t"});
     for (const std::string& text : numbers(30)) {
-      fixture.say(client, "t", text, 1);
+      fixture.publish_text(client, "t", text, 1);
       fixture.pass(20ms);
     }
     fixture.pass(600s);
@@ -214,8 +214,8 @@ TEST(Qos1, arrives_at_least_once_and_in_order_through_any_faults) {
 TEST(Qos1, pays_a_loss_with_the_time_of_a_retry_and_goes_through_in_the_end) {
   Fixture fixture{{.loss = 1.0, .retry = 200ms}};
   const auto client = fixture.join({"t"});
-  fixture.say(client, "t", "lost", 0);
-  fixture.say(client, "t", "stubborn", 1);
+  fixture.publish_text(client, "t", "lost", 0);
+  fixture.publish_text(client, "t", "stubborn", 1);
   ASSERT_TRUE(fixture.network.next_due());
   EXPECT_GE(*fixture.network.next_due(), SimTime{200ms});
   fixture.pass(600s);
@@ -226,8 +226,8 @@ TEST(Qos1, being_tried_again_does_not_hold_up_what_needs_no_answer) {
   // A seed-free way to see it: every QoS 1 delivery is retried, no QoS 0 one is lost in the half that gets through.
   Fixture fixture{{.loss = 0.5, .retry = 10s}};
   const auto client = fixture.join({"#"});
-  for (int i = 0; i < 20; ++i) fixture.say(client, "slow", "q1", 1);
-  for (int i = 0; i < 20; ++i) fixture.say(client, "quick", "q0", 0);
+  for (int i = 0; i < 20; ++i) fixture.publish_text(client, "slow", "q1", 1);
+  for (int i = 0; i < 20; ++i) fixture.publish_text(client, "quick", "q0", 0);
   fixture.pass(1s);
   EXPECT_THAT(fixture.heard_by(client), IsSupersetOf({"q0"}));
 }
@@ -238,7 +238,7 @@ TEST(Network, is_the_same_for_the_same_seed_and_another_for_another) {
     const auto a = fixture.join({"#"});
     const auto b = fixture.join({"+/x"});
     for (int i = 0; i < 200; ++i) {
-      fixture.say(i % 3 == 0 ? a : b, "t/x", std::to_string(i), i % 2);
+      fixture.publish_text(i % 3 == 0 ? a : b, "t/x", std::to_string(i), i % 2);
       fixture.pass(2ms);
     }
     fixture.pass(60s);
@@ -260,10 +260,10 @@ TEST(NetworkRadio, loses_its_share_of_one_client_s_messages_both_ways_and_nobody
   const auto other = fixture.join({"from/#"});
   fixture.network.set_loss(far, 0.5);
   for (int i = 0; i < 1000; ++i) {
-    fixture.say(other, "to/near", "x");
-    fixture.say(other, "to/far", "x");
-    fixture.say(near, "from/near", "near");
-    fixture.say(far, "from/far", "far");
+    fixture.publish_text(other, "to/near", "x");
+    fixture.publish_text(other, "to/far", "x");
+    fixture.publish_text(near, "from/near", "near");
+    fixture.publish_text(far, "from/far", "far");
     fixture.pass(10ms);
   }
   EXPECT_THAT(fixture.heard_by(near), SizeIs(1000));
@@ -280,8 +280,8 @@ TEST(NetworkRadio, brings_QoS_1_late_but_whole_and_in_order) {
   const auto other = fixture.join({"from/far"});
   fixture.network.set_loss(far, 0.5);
   for (int i = 0; i < 200; ++i) {
-    fixture.say(other, "to/far", std::to_string(i), 1);
-    fixture.say(far, "from/far", std::to_string(i), 1);
+    fixture.publish_text(other, "to/far", std::to_string(i), 1);
+    fixture.publish_text(far, "from/far", std::to_string(i), 1);
     fixture.pass(1ms);
   }
   EXPECT_LT(fixture.heard_by(other).size(), 200U);
@@ -297,9 +297,9 @@ TEST(NetworkRadio, holds_up_only_its_own_client_s_QoS_1) {
   const auto near = fixture.join({});
   const auto server = fixture.join({"#"});
   fixture.network.set_loss(far, 1.0);
-  fixture.say(far, "t", "far", 1);
+  fixture.publish_text(far, "t", "far", 1);
   fixture.pass(10ms);
-  fixture.say(near, "t", "near", 1);
+  fixture.publish_text(near, "t", "near", 1);
   fixture.pass(3ms);
   EXPECT_THAT(fixture.heard_by(server), ElementsAre("near"));
 }
@@ -309,7 +309,7 @@ TEST(NetworkRadio, what_was_still_on_its_way_to_the_broker_dies_with_its_client)
   const auto far = fixture.join({}, Will{{"t", "will", 1, false}});
   const auto server = fixture.join({"#"});
   fixture.network.set_loss(far, 1.0);
-  fixture.say(far, "t", "late", 1);
+  fixture.publish_text(far, "t", "late", 1);
   fixture.network.break_connection(fixture.now, far);
   fixture.pass(100s);
   EXPECT_THAT(fixture.heard_by(server), ElementsAre("will"));
@@ -320,10 +320,10 @@ TEST(NetworkRadio, that_is_good_again_delivers_everything_and_draws_nothing_from
     Fixture fixture{{.loss = 0.3}, 5};
     const auto client = fixture.join({"t"});
     fixture.network.set_loss(client, lossy ? 0.5 : 0.0);
-    fixture.say(client, "other", "nobody listens");
+    fixture.publish_text(client, "other", "nobody listens");
     fixture.network.set_loss(client, 0.0);
     for (const auto& n : numbers(50)) {
-      fixture.say(client, "t", n);
+      fixture.publish_text(client, "t", n);
       fixture.pass(5ms);
     }
     return fixture.heard_by(client);
@@ -337,7 +337,7 @@ TEST(Network, listens_to_other_topics_while_connected_and_no_more_to_those_befor
   const auto other = fixture.join({});
   const auto said_everywhere = [&](const std::string& text) {
     for (const char* topic : {"own", "talk/1/x", "talk/2/x"})
-      fixture.say(other, topic, std::string(topic) + " " + text);
+      fixture.publish_text(other, topic, std::string(topic) + " " + text);
     fixture.pass(5ms);
   };
   said_everywhere("a");
@@ -355,7 +355,7 @@ TEST(Network, gives_what_was_retained_to_who_begins_to_listen_and_only_once) {
   Fixture fixture;
   const auto vehicle = fixture.join({});
   const auto other = fixture.join({});
-  fixture.say(other, "talk/1", "kept", 0, true);
+  fixture.publish_text(other, "talk/1", "kept", 0, true);
   fixture.pass(5ms);
   fixture.network.listen(fixture.now, vehicle, {"talk/1"});
   fixture.network.listen(fixture.now, vehicle, {"talk/1", "talk/2"});
@@ -370,8 +370,8 @@ TEST(Network, loses_what_goes_aside_alone_where_that_is_asked_for) {
   Fixture fixture{faults};
   const auto vehicle = fixture.join({"#"});
   const auto other = fixture.join({});
-  fixture.say(other, "talk/1", "lost");
-  fixture.say(other, "order", "kept");
+  fixture.publish_text(other, "talk/1", "lost");
+  fixture.publish_text(other, "order", "kept");
   fixture.pass(5ms);
   EXPECT_THAT(fixture.heard_by(vehicle), ElementsAre("kept"));
   EXPECT_EQ(fixture.network.counters().lost, 1U);
@@ -385,8 +385,8 @@ TEST(Network, carries_the_rest_as_if_nothing_went_aside) {
     const auto vehicle = fixture.join({"#"});
     const auto other = fixture.join({});
     for (int i = 0; i < 200; ++i) {
-      for (int k = 0; k < talk; ++k) fixture.say(other, "talk/1", "t");
-      fixture.say(other, "order", std::to_string(i));
+      for (int k = 0; k < talk; ++k) fixture.publish_text(other, "talk/1", "t");
+      fixture.publish_text(other, "order", std::to_string(i));
       fixture.pass(2ms);
     }
     fixture.pass(100ms);

@@ -45,27 +45,27 @@ void move_near(Network& network, Report& report) {
 }
 
 void record_what_is_not_taken(Report& report) {
-  const auto say = [&](Diagnostic::Kind kind, std::string_view what, std::string_view text) {
+  const auto add_diagnostic = [&](Diagnostic::Kind kind, std::string_view what, std::string_view text) {
     const std::size_t count = report.counted(what);
     if (count == 0) return;
     std::string sentence = std::to_string(count) + ' ';
     sentence += text;
     report.add(kind, what, "file", std::move(sentence));
   };
-  say(Diagnostic::Kind::notice, "elevation", "records of elevation are not taken: the zone is flat");
-  say(Diagnostic::Kind::notice, "superelevation", "records of superelevation are not taken: the zone is flat");
-  say(Diagnostic::Kind::notice, "crossfall", "records of crossfall are not taken: the zone is flat");
-  say(Diagnostic::Kind::notice, "shape", "records of road shape are not taken: the zone is flat");
-  say(Diagnostic::Kind::lost, "signals", "signals are not taken: vehicles do not stop at lights and signs");
-  say(Diagnostic::Kind::lost, "objects", "objects are not taken");
-  say(Diagnostic::Kind::lost, "controller", "controllers of signals are not taken");
-  say(Diagnostic::Kind::lost, "junctionGroup", "groups of junctions are not taken");
-  say(Diagnostic::Kind::lost, "railroad", "railroads are not taken");
-  say(Diagnostic::Kind::lost, "station",
+  add_diagnostic(Diagnostic::Kind::notice, "elevation", "records of elevation are not taken: the zone is flat");
+  add_diagnostic(Diagnostic::Kind::notice, "superelevation", "records of superelevation are not taken: the zone is flat");
+  add_diagnostic(Diagnostic::Kind::notice, "crossfall", "records of crossfall are not taken: the zone is flat");
+  add_diagnostic(Diagnostic::Kind::notice, "shape", "records of road shape are not taken: the zone is flat");
+  add_diagnostic(Diagnostic::Kind::lost, "signals", "signals are not taken: vehicles do not stop at lights and signs");
+  add_diagnostic(Diagnostic::Kind::lost, "objects", "objects are not taken");
+  add_diagnostic(Diagnostic::Kind::lost, "controller", "controllers of signals are not taken");
+  add_diagnostic(Diagnostic::Kind::lost, "junctionGroup", "groups of junctions are not taken");
+  add_diagnostic(Diagnostic::Kind::lost, "railroad", "railroads are not taken");
+  add_diagnostic(Diagnostic::Kind::lost, "station",
       "stations of railways and buses are not taken; the sidecar file can name stations");
-  say(Diagnostic::Kind::lost, "direction both",
+  add_diagnostic(Diagnostic::Kind::lost, "direction both",
       "lanes are driven both ways in the file; here only in their side's direction");
-  say(Diagnostic::Kind::lost, "links to lanes not driven on", "links lead to lanes that are not driven on");
+  add_diagnostic(Diagnostic::Kind::lost, "links to lanes not driven on", "links lead to lanes that are not driven on");
   std::string types;
   for (const auto& [type, count] : report.counted_under("lane type ")) {
     if (types.size() > 300) continue;

@@ -81,7 +81,7 @@ TEST(JobsFromCsv, may_have_their_values_in_quotation_marks) {
 struct BadCsv {
   const char* text;
   const char* location;
-  const char* says;
+  const char* expected;
 };
 class OfBadCsv : public ::testing::TestWithParam<BadCsv> {};
 TEST_P(OfBadCsv, says_the_line_and_what_is_wrong_in_it) {
@@ -89,7 +89,7 @@ TEST_P(OfBadCsv, says_the_line_and_what_is_wrong_in_it) {
   ASSERT_FALSE(jobs);
   EXPECT_EQ(jobs.error().code, "jobs.csv");
   EXPECT_EQ(jobs.error().location, GetParam().location);
-  EXPECT_THAT(jobs.error().message, HasSubstr(GetParam().says));
+  EXPECT_THAT(jobs.error().message, HasSubstr(GetParam().expected));
 }
 INSTANTIATE_TEST_SUITE_P(
     Jobs, OfBadCsv,

@@ -294,10 +294,10 @@ TEST(VirtualAivs, of_a_forgotten_life_are_not_shown_and_said_to_be_gone) {
   fixture.feed(wire::InputKind::message, "uagv/v2/CoSiVA.virtual/V7/connection", vda::encode(ghost), true);
   fixture.run_for(3s);
   EXPECT_THAT(aivs(fixture), IsEmpty());
-  const auto said = fixture.published_on("uagv/v2/CoSiVA.virtual/V7/connection");
-  ASSERT_THAT(said, SizeIs(1));
-  EXPECT_THAT(said[0].payload, HasSubstr("OFFLINE"));
-  EXPECT_TRUE(said[0].retained);
+  const auto publications = fixture.published_on("uagv/v2/CoSiVA.virtual/V7/connection");
+  ASSERT_THAT(publications, SizeIs(1));
+  EXPECT_THAT(publications[0].payload, HasSubstr("OFFLINE"));
+  EXPECT_TRUE(publications[0].retained);
 }
 
 TEST(VirtualAivs, put_between_a_vehicle_and_its_crossing_drive_on_before_it) {

@@ -21,7 +21,7 @@ class TalkFixture : public testing::Test {
   }
   wire::Intent intent_of(const FixtureVehicle& vehicle) {
     wire::Intent intent;
-    intent.header_id = ++said;
+    intent.header_id = ++published_count;
     intent.timestamp = fixture.now;
     intent.map_id = "oval";
     intent.vehicle = vehicle.id;
@@ -29,7 +29,7 @@ class TalkFixture : public testing::Test {
     intent.speed_mps = 0.4;
     return intent;
   }
-  void say(const wire::Intent& intent, bool retained = false) {
+  void publish_intent(const wire::Intent& intent, bool retained = false) {
     fixture.feed(wire::InputKind::message,
                  wire::v2x_topic("oval", wire::cell_of(position(intent.pose)), intent.vehicle), to_json(intent),
                  retained);
@@ -45,13 +45,13 @@ class TalkFixture : public testing::Test {
   ServerFixture fixture;
   FixtureVehicle& first{fixture.add("AIV1", {0, 0.5})};
   FixtureVehicle& second{fixture.add("AIV2", {0, 1.2})};
-  std::uint32_t said{0};
+  std::uint32_t published_count{0};
 };
 
 TEST_F(TalkFixture, is_shown_from_one_vehicle_to_the_nearest_that_hears_it) {
   wire::Intent intent = intent_of(first);
   intent.crossings = {{"X1", 0.31, 0.71, 0.9, 1.9, false}};
-  say(intent);
+  publish_intent(intent);
   ASSERT_THAT(traces(), SizeIs(1));
   const JsonValue trace = traces()[0];
   EXPECT_EQ(trace.text("from"), "CoSiVA/AIV1");
@@ -61,8 +61,8 @@ TEST_F(TalkFixture, is_shown_from_one_vehicle_to_the_nearest_that_hears_it) {
 
 TEST_F(TalkFixture, is_shown_once_a_second_from_each) {
   for (int i = 0; i < 15; ++i) {
-    say(intent_of(first));
-    say(intent_of(second));
+    publish_intent(intent_of(first));
+    publish_intent(intent_of(second));
     fixture.run_for(200ms);
   }
   EXPECT_THAT(traces(), SizeIs(6));
@@ -71,8 +71,8 @@ TEST_F(TalkFixture, is_shown_once_a_second_from_each) {
 TEST_F(TalkFixture, of_unknown_senders_liars_and_the_broker_s_memory_is_not_shown) {
   wire::Intent unknown_sender = intent_of(first);
   unknown_sender.vehicle.serial_number = "NOBODY";
-  say(unknown_sender);
-  say(intent_of(first), true);
+  publish_intent(unknown_sender);
+  publish_intent(intent_of(first), true);
   fixture.feed(wire::InputKind::message, "cosiva/v1/v2x/oval/0_0/CoSiVA/AIV1", "{\"headerId\":NaN}");
   fixture.feed(wire::InputKind::message, "cosiva/v1/v2x/oval/0_0/CoSiVA/AIV2", to_json(intent_of(first)));
   fixture.feed(wire::InputKind::message, "cosiva/v1/v2x/nonsense", "{}");
@@ -92,7 +92,7 @@ TEST_F(TalkFixture, virtual_AIVs_speak_to_the_broker_and_hear_who_is_near) {
   const auto alone = said_by_v1();
   EXPECT_GE(alone, 2);
   for (int i = 0; i < 15; ++i) {
-    say(intent_of(first));
+    publish_intent(intent_of(first));
     fixture.run_for(200ms);
   }
   EXPECT_GE(said_by_v1() - alone, 2 * alone) << "in company it speaks more often: it has heard somebody";

@@ -22,14 +22,14 @@ wire::Header MessagePublisher::header(const AivProxy& proxy, std::uint32_t id) c
 MessagePublisher::SentOrder MessagePublisher::send(AivProxy& proxy, wire::Order&& order, std::string_view summary) {
   order.header = header(proxy, proxy.order_header_id);
   if (order.header.version.empty()) order.header.version = wire::vda5050::version;
-  SentOrder sent = wire::say(std::move(order));
+  SentOrder sent = wire::typed(std::move(order));
   wire::Publish message{proxy.order_topic, {}, 0, false};
   if (as_values_)
     message.said = sent;
   else
     message.payload = wire::vda5050::encode(std::get<wire::Order>(sent->message));
   traces_.add(now_, "AIV_Server", proxy.name, "order", summary, message.topic, message.payload);
-  say(proxy, proxy.order_header_id, std::move(message));
+  send_numbered(proxy, proxy.order_header_id, std::move(message));
   return sent;
 }
 
@@ -57,10 +57,10 @@ void MessagePublisher::publish(AivProxy& proxy, wire::InstantActions& actions, s
   actions.header = header(proxy, proxy.actions_header_id);
   wire::Publish message{proxy.actions_topic, wire::vda5050::encode(actions), 0, false};
   traces_.add(now_, "AIV_Server", proxy.name, "instantActions", summary, message.topic, message.payload);
-  say(proxy, proxy.actions_header_id, std::move(message));
+  send_numbered(proxy, proxy.actions_header_id, std::move(message));
 }
 
-void MessagePublisher::say(const AivProxy& proxy, std::uint32_t& header_id, wire::Publish message) {
+void MessagePublisher::send_numbered(const AivProxy& proxy, std::uint32_t& header_id, wire::Publish message) {
   if (proxy.handed_over) return;
   ++header_id;
   effects_->emplace_back(std::move(message));

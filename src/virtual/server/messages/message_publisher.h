@@ -50,7 +50,7 @@ class MessagePublisher {
   [[nodiscard]] wire::Header header(const AivProxy& proxy, std::uint32_t id) const;
   void publish(AivProxy& proxy, wire::InstantActions& actions, std::string_view summary);
   /// @param header_id  the topic's next one: only a message that leaves counts
-  void say(const AivProxy& proxy, std::uint32_t& header_id, wire::Publish message);
+  void send_numbered(const AivProxy& proxy, std::uint32_t& header_id, wire::Publish message);
 
   Traces& traces_;
   bool as_values_;

@@ -277,7 +277,7 @@ bool OrderRoller::continue_yielding(VehicleIndex vehicle) {
 }
 
 void OrderRoller::follow_back_up(VehicleIndex vehicle, Plan::Yielding& yielding) {
-  const auto tell = [&](double distance_m) {
+  const auto notify = [&](double distance_m) {
     return action_sender_.send(registry_[vehicle], vehicle,
                                {{"backUp", {}, {}, wire::BlockingType::hard, {{"distance", distance_m}}}},
                                std::chrono::seconds{3}, true);
@@ -289,7 +289,7 @@ void OrderRoller::follow_back_up(VehicleIndex vehicle, Plan::Yielding& yielding)
     yielding.clear_m = back_clear_m;
     while (yielding.clear_m > back_clear_m_min && near_anything(vehicle, body(vehicle), yielding.clear_m))
       yielding.clear_m -= 0.001;
-    yielding.handle = tell(yielding.back_m);
+    yielding.handle = notify(yielding.back_m);
     return;
   }
   const InstantActionSender::PendingAction* pending_action = action_sender_.find(yielding.handle);
@@ -299,7 +299,7 @@ void OrderRoller::follow_back_up(VehicleIndex vehicle, Plan::Yielding& yielding)
   if (!over && !yielding.stopped && near_anything(vehicle, body(vehicle), yielding.clear_m)) {
     action_sender_.drop(yielding.handle);
     yielding.stopped = true;
-    yielding.handle = tell(0.0);
+    yielding.handle = notify(0.0);
     return;
   }
   if (!over) return;

@@ -98,12 +98,12 @@ class ServerFixture {
         if (!vehicle->alive) continue;
         vehicle->step(20ms);
         if (steps_ % 50 == 0) vehicle->state_due = true;
-        const SimTime said = now - latency;
+        const SimTime sent_at = now - latency;
         if (vehicle->visualizes && steps_ % 5 == 0 && !random.chance(loss))
-          tell(*vehicle, "visualization", vda::encode(vehicle->visualization(said)));
+          tell(*vehicle, "visualization", vda::encode(vehicle->visualization(sent_at)));
         if (!vehicle->state_due) continue;
         vehicle->state_due = false;
-        const std::string state = vda::encode(vehicle->state(said));
+        const std::string state = vda::encode(vehicle->state(sent_at));
         if (!random.chance(loss)) tell(*vehicle, "state", state);
       }
       feed(wire::InputKind::tick, "", "");
