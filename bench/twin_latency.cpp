@@ -245,7 +245,7 @@ class Publisher {
 };
 
 /// Does the twin's own page say what the message just said? Asked of a few messages only, it costs time.
-bool twin_tells(const virtual_side::ServerCore& core, const std::string& payload) {
+bool twin_reports(const virtual_side::ServerCore& core, const std::string& payload) {
   const auto state = wire::vda5050::decode_state(payload);
   const auto snapshot = JsonValue::parse(core.snapshot_json());
   if (!state || !state->position || !snapshot) return false;
@@ -302,17 +302,17 @@ int report(const Options& options, std::size_t count, double bytes, const Metric
   return wrong == 0 && checked > 0 && bare.received == count && twin.received == count ? 0 : 1;
 }
 
-int complain(const std::string& text) {
+int report_error(const std::string& text) {
   std::fprintf(stderr, "twin_latency: %s\n", text.c_str());
   return 3;
 }
 
 int measure(const Options& options) {
   auto text = adapters::read_file(options.zone);
-  if (!text) return complain(to_string(text.error()));
+  if (!text) return report_error(to_string(text.error()));
   const zone::ZoneConfiguration configuration{"toml", options.zone, *std::move(text)};
   const auto rtm = zone::Rtm::initialise(configuration);
-  if (!rtm) return complain(to_string(rtm.error()));
+  if (!rtm) return report_error(to_string(rtm.error()));
 
   adapters::EventLoop loop;
   const auto directory = std::filesystem::temp_directory_path() / ("cosiva-twin-latency-" + std::to_string(now_ns()));
@@ -322,7 +322,7 @@ int measure(const Options& options) {
     ~Remove() { std::filesystem::remove_all(what); }
   } const remove{directory};
   auto broker = adapters::PrivateBroker::start(loop, {directory.string(), (directory / "broker.log").string(), ""});
-  if (!broker) return complain(to_string(broker.error()));
+  if (!broker) return report_error(to_string(broker.error()));
   const std::uint16_t port = (*broker)->port();
 
   const auto count = static_cast<std::size_t>(options.seconds * options.rate_hz);
@@ -347,7 +347,7 @@ int measure(const Options& options) {
                        // The first two rounds are the vehicles' arrival.
                        if (*number % 199 != 198 || *number < 2 * options.vehicles) return;
                        ++checked;
-                       if (!twin_tells(core.server(), input.payload)) ++wrong;
+                       if (!twin_reports(core.server(), input.payload)) ++wrong;
                      }};
   adapters::MqttOptions mqtt;
   mqtt.port = port;
@@ -356,12 +356,12 @@ int measure(const Options& options) {
   live.options = virtual_side::to_json(server);
   live.mqtt = mqtt;
   adapters::LiveShell shell{loop, core, std::move(live)};
-  if (const auto started = shell.start(); !started) return complain(to_string(started.error()));
+  if (const auto started = shell.start(); !started) return report_error(to_string(started.error()));
   if (!loop.run_until([&] { return shell.link_up(); }, milliseconds{5000}))
-    return complain("the server found no broker");
+    return report_error("the server found no broker");
 
   Publisher publisher{options, rtm->zone(), port};
-  if (!publisher.ready() || !subscriber.ready()) return complain("a bare client found no broker");
+  if (!publisher.ready() || !subscriber.ready()) return report_error("a bare client found no broker");
   publisher.announce();
   loop.run_for(milliseconds{300});
 

@@ -45,7 +45,7 @@ struct Outcome {
   DeadlockMetrics deadlocks;
   std::string digest;
   std::string failure;
-  std::vector<std::string> told;  ///< by the server, of deadlocks
+  std::vector<std::string> reported;  ///< by the server, of deadlocks
 };
 
 void fail_with(Outcome& outcome, const std::string& why) {
@@ -71,7 +71,7 @@ void settle(experiments::World& world, Outcome& outcome) {
 void evaluate(const experiments::World& world, Outcome& outcome) {
   outcome.digest = world.digest().hex();
   for (const auto& collision : world.plant().collisions())
-    outcome.told.push_back("collision of " + collision.a + " and " + collision.b + " at " + to_iso8601(collision.at));
+    outcome.reported.push_back("collision of " + collision.a + " and " + collision.b + " at " + to_iso8601(collision.at));
   outcome.collisions = world.plant().collisions().size();
   if (outcome.collisions > 0) fail_with(outcome, std::to_string(outcome.collisions) + " collisions");
   outcome.deadlocks = experiments::testing::deadlock_metrics(world);
@@ -80,7 +80,7 @@ void evaluate(const experiments::World& world, Outcome& outcome) {
   outcome.slowest_m = *std::ranges::min_element(all_m);
   for (const double m : all_m) outcome.distance_m += m;
   for (const std::string& line : world.log())
-    if (line.find("deadlock ") != std::string::npos) outcome.told.push_back(line);
+    if (line.find("deadlock ") != std::string::npos) outcome.reported.push_back(line);
 }
 
 Outcome run(const Plan& plan, std::uint64_t seed) {
@@ -112,7 +112,7 @@ void print_line(const Outcome& o, std::size_t done, const Plan& plan) {
       static_cast<unsigned long long>(o.seed), o.distance_m, o.slowest_m, o.deadlocks.rings, o.deadlocks.detected,
       o.deadlocks.resolved, o.deadlocks.longest_s, o.deadlocks.longest_wait_s, o.digest.c_str(), done,
       static_cast<unsigned long long>(plan.seeds), o.failure.empty() ? "" : "  FAILED: ", o.failure.c_str());
-  for (const std::string& line : o.told) std::printf("  %s\n", line.c_str());
+  for (const std::string& line : o.reported) std::printf("  %s\n", line.c_str());
   std::fflush(stdout);
 }
 

@@ -135,10 +135,10 @@ TEST(Child, that_is_let_go_of_while_it_talks_is_heard_no_more) {
     ASSERT_TRUE(fixture.until([&] { return fixture.lines.size() > 10; }));
     // What it said by now waits to be read, and a read of it has begun.
     std::this_thread::sleep_for(std::chrono::milliseconds{2});
-    const std::size_t heard = fixture.lines.size();
+    const std::size_t received = fixture.lines.size();
     child.reset();
     fixture.loop.run_until([] { return false; }, std::chrono::milliseconds{5});
-    EXPECT_EQ(fixture.lines.size(), heard);
+    EXPECT_EQ(fixture.lines.size(), received);
   }
 }
 

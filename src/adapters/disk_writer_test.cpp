@@ -71,21 +71,21 @@ TEST(DiskWriter, that_falls_too_far_behind_stops_with_one_error_and_takes_no_mem
 
 TEST(DiskWriter, tells_its_error_from_the_loop_and_to_nobody_once_it_is_gone) {
   EventLoop loop;
-  int told = 0;
+  int reported = 0;
   const auto failing = [](std::string_view) -> Result<void> { return fail("file.write", "no"); };
   {
-    DiskWriter writer{loop, failing, [&](const Error&) { ++told; }};
+    DiskWriter writer{loop, failing, [&](const Error&) { ++reported; }};
     writer.append("x");
     writer.drain();
-    EXPECT_EQ(told, 0);
-    EXPECT_TRUE(loop.run_until([&] { return told == 1; }, timeout));
+    EXPECT_EQ(reported, 0);
+    EXPECT_TRUE(loop.run_until([&] { return reported == 1; }, timeout));
   }
   {
-    DiskWriter writer{loop, failing, [&](const Error&) { ++told; }};
+    DiskWriter writer{loop, failing, [&](const Error&) { ++reported; }};
     writer.append("x");
   }
   loop.run_for(20ms);
-  EXPECT_EQ(told, 1);
+  EXPECT_EQ(reported, 1);
 }
 
 }  // namespace

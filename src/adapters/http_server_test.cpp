@@ -457,10 +457,10 @@ TEST_F(Http, fifty_live_clients_all_hear_the_same) {
   ASSERT_TRUE(loop.run_until(all_open, timeout));
   for (auto& page : pages) page->listen();
   server->send_live(1, frame("snapshot"));
-  const auto all_heard = [&] {
+  const auto all_received = [&] {
     return std::ranges::all_of(pages, [](const auto& page) { return page->frames.size() == 1; });
   };
-  EXPECT_TRUE(loop.run_until(all_heard, timeout));
+  EXPECT_TRUE(loop.run_until(all_received, timeout));
 }
 
 TEST_F(Http, closes_everyone_when_it_goes) {

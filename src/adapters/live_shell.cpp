@@ -59,7 +59,7 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
   void receive_message(std::string topic, std::string payload, bool retained) {
     if (!radio) return deliver(wire::InputKind::message, std::move(topic), std::move(payload), retained);
     if (radio->take(topic, payload)) return;
-    const int qos = qos_of_heard(topic);
+    const int qos = qos_of_received(topic);
     radio->receive(qos, [this, topic = std::move(topic), payload = std::move(payload), retained] {
       deliver(wire::InputKind::message, topic, payload, retained);
     });

@@ -27,8 +27,8 @@ using testing::timeout;
 class EchoCore final : public wire::Core {
  public:
   void handle(const wire::Input& input, wire::Effects& effects) override {
-    heard.push_back(std::to_string(static_cast<int>(input.kind)) + ":" + input.source + ":" + input.payload);
-    if (input.kind != wire::InputKind::tick) state += heard.back();
+    received.push_back(std::to_string(static_cast<int>(input.kind)) + ":" + input.source + ":" + input.payload);
+    if (input.kind != wire::InputKind::tick) state += received.back();
     last = std::max(last, input.at);
     if (input.at < last) went_back = true;
     switch (input.kind) {
@@ -53,7 +53,7 @@ class EchoCore final : public wire::Core {
   }
   void fold(Digest& digest) const override { digest.add(std::string_view{state}); }
 
-  std::vector<std::string> heard;
+  std::vector<std::string> received;
   std::string state;
   SimTime last{};
   bool went_back{false};
@@ -137,10 +137,10 @@ TEST_F(Shell, tells_configure_first_then_memory_then_ticks_in_order_of_time) {
   LiveShell shell{loop, core, with_state_file};
   ASSERT_TRUE(shell.start());
   ASSERT_TRUE(loop.run_until([&] { return core.ticks >= 3; }, timeout));
-  ASSERT_GE(core.heard.size(), 3U);
-  EXPECT_EQ(core.heard[0], "1:echo:{}");
-  EXPECT_EQ(core.heard[1], "8:state:persisted");
-  EXPECT_EQ(core.heard[2], "7::");
+  ASSERT_GE(core.received.size(), 3U);
+  EXPECT_EQ(core.received[0], "1:echo:{}");
+  EXPECT_EQ(core.received[1], "8:state:persisted");
+  EXPECT_EQ(core.received[2], "7::");
   EXPECT_FALSE(core.went_back);
 }
 
@@ -166,10 +166,10 @@ TEST_F(Shell, runs_a_core_over_a_real_broker_and_real_sockets_and_the_journal_re
                   }};
   ASSERT_TRUE(shell.start());
 
-  std::vector<std::string> heard;
+  std::vector<std::string> received;
   MqttHandlers handlers;
   handlers.on_message = [&](std::string_view topic, std::string_view payload, bool) {
-    heard.push_back(std::string(topic) + "=" + std::string(payload));
+    received.push_back(std::string(topic) + "=" + std::string(payload));
   };
   MqttOptions peer_options;
   peer_options.port = broker->port();
@@ -185,14 +185,14 @@ TEST_F(Shell, runs_a_core_over_a_real_broker_and_real_sockets_and_the_journal_re
     peer->publish({"to_core", "ping", 0, false});
     wire->send("1/PILS", "x");
   });
-  const auto echoed = [&] { return std::ranges::count(heard, "echo=ping") >= 3 && wire_bytes.size() >= 9; };
+  const auto echoed = [&] { return std::ranges::count(received, "echo=ping") >= 3 && wire_bytes.size() >= 9; };
   ASSERT_TRUE(loop.run_until(echoed, timeout));
   shell.command("test", "note");
   talk.cancel();
   const std::string digest = stop(shell);
   EXPECT_THAT(core.state, HasSubstr("farewell"));
-  EXPECT_TRUE(loop.run_until([&] { return std::ranges::count(heard, "hello=OFFLINE") == 1; }, timeout));
-  EXPECT_THAT(heard, Contains("hello=ONLINE"));
+  EXPECT_TRUE(loop.run_until([&] { return std::ranges::count(received, "hello=OFFLINE") == 1; }, timeout));
+  EXPECT_THAT(received, Contains("hello=ONLINE"));
   EXPECT_EQ(wire_bytes.substr(0, 1), "<");
 
   const std::string journal = read_file(scratch / "run.journal").value();
@@ -218,7 +218,7 @@ TEST_F(Shell, tells_the_core_when_its_broker_dies_and_when_it_is_back) {
   ASSERT_TRUE(broker->restart());
   ASSERT_TRUE(loop.run_until([&] { return shell.link_up(); }, timeout));
   std::vector<std::string> links;
-  std::ranges::copy_if(core.heard, std::back_inserter(links),
+  std::ranges::copy_if(core.received, std::back_inserter(links),
                        [](const std::string& line) { return line.starts_with("3:"); });
   EXPECT_THAT(links, ::testing::ElementsAre("3::up", "3::down", "3::up"));
 }
@@ -241,21 +241,21 @@ TEST_F(Shell, of_an_emulated_vehicle_loses_what_the_ether_loses_and_its_core_and
   peer->start();
   Timer talk{loop};
   talk.every(5ms, [&] { peer->publish({"to_core", "ping", 0, false}); });
-  const auto heard = [&] { return std::ranges::count(core.heard, "2:to_core:ping"); };
+  const auto received = [&] { return std::ranges::count(core.received, "2:to_core:ping"); };
   ASSERT_TRUE(loop.run_until([&] { return echoes >= 3; }, timeout));
 
   // Everything is lost: nothing comes in however long one waits, and what the core says goes nowhere.
   peer->publish({"cosiva/v1/plant/radio", R"({"vehicle":"CoSiVA/AIV1","loss":1})", 1, false});
   loop.run_for(100ms);
-  const auto before = heard();
+  const auto before = received();
   const int echoes_before = echoes;
   loop.run_for(100ms);
-  EXPECT_EQ(heard(), before);
+  EXPECT_EQ(received(), before);
   EXPECT_EQ(echoes, echoes_before);
 
   peer->publish({"cosiva/v1/plant/radio", R"({"vehicle":"*","loss":0})", 1, false});
   EXPECT_TRUE(loop.run_until([&] { return echoes > echoes_before; }, timeout));
-  EXPECT_THAT(core.heard, ::testing::Not(Contains(HasSubstr("plant/radio"))));
+  EXPECT_THAT(core.received, ::testing::Not(Contains(HasSubstr("plant/radio"))));
   stop(shell);
 }
 
@@ -303,10 +303,10 @@ TEST_F(Shell, hears_nothing_more_once_stopped) {
   LiveShell shell{loop, core, options()};
   ASSERT_TRUE(shell.start());
   stop(shell);
-  const std::size_t heard = core.heard.size();
+  const std::size_t received = core.received.size();
   shell.command("test", "late");
   loop.run_for(60ms);
-  EXPECT_EQ(core.heard.size(), heard);
+  EXPECT_EQ(core.received.size(), received);
 }
 
 }  // namespace

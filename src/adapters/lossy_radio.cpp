@@ -52,7 +52,7 @@ void LossyRadio::end() {
   for (const Late& late : std::exchange(outgoing_.late, {})) late.deliver();
 }
 
-int qos_of_heard(std::string_view topic) {
+int qos_of_received(std::string_view topic) {
   const bool of_a_control_area = topic.starts_with(wire::area_topic_prefix) && !topic.ends_with("/server/heartbeat");
   const bool kept = topic.starts_with(wire::zone_topic_prefix) || topic.starts_with(wire::owner_topic_prefix);
   return kept || of_a_control_area || topic == wire::server_connection_topic ? 1 : 0;

@@ -56,6 +56,6 @@ class LossyRadio {
 
 /// With what QoS the platform sends what a vehicle hears on this topic (docs/architecture.md, "What travels"): an MQTT
 /// client is not told how a message came.
-[[nodiscard]] int qos_of_heard(std::string_view topic);
+[[nodiscard]] int qos_of_received(std::string_view topic);
 
 }  // namespace cosiva::adapters

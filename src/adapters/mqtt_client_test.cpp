@@ -21,7 +21,7 @@ using testing::timeout;
 
 /// A client that notes down all it hears.
 struct Listener {
-  std::vector<std::string> heard;  ///< "topic=payload", retained ones with a '*' in front
+  std::vector<std::string> received;  ///< "topic=payload", retained ones with a '*' in front
   std::vector<bool> links;
   std::vector<std::string> log;
   std::unique_ptr<MqttClient> client;
@@ -34,13 +34,13 @@ struct Listener {
     MqttHandlers handlers;
     handlers.on_link = [this](bool up) { links.push_back(up); };
     handlers.on_message = [this](std::string_view topic, std::string_view payload, bool retained) {
-      heard.push_back((retained ? "*" : "") + std::string(topic) + "=" + std::string(payload));
+      received.push_back((retained ? "*" : "") + std::string(topic) + "=" + std::string(payload));
     };
     handlers.on_log = [this](char, const std::string& text) { log.push_back(text); };
     client = MqttClient::make(loop, options, std::move(filters), std::move(will), std::move(handlers)).value();
     client->start();
   }
-  [[nodiscard]] bool heard_all(std::size_t count) const { return heard.size() >= count; }
+  [[nodiscard]] bool received_all(std::size_t count) const { return received.size() >= count; }
 };
 
 class Mqtt : public ::testing::Test {
@@ -59,10 +59,10 @@ class Mqtt : public ::testing::Test {
     if (!until_connected(listener)) return false;
     Timer again{loop};
     again.every(50ms, [&] { listener.client->publish({topic, "probe", 0, false}); });
-    const bool back = until([&] { return !listener.heard.empty() && listener.heard.back() == topic + "=probe"; });
+    const bool back = until([&] { return !listener.received.empty() && listener.received.back() == topic + "=probe"; });
     again.cancel();
     loop.run_for(50ms);
-    listener.heard.clear();
+    listener.received.clear();
     return back;
   }
 
@@ -88,8 +88,8 @@ TEST_F(Mqtt, listens_to_other_topics_while_connected_and_over_a_lost_connection)
   listener.client->listen({"talk/2/+", "talk/3/+"});
   ASSERT_TRUE(until_listening(listener, "talk/3/x"));
   for (const char* topic : {"talk/1/x", "talk/2/x", "own"}) listener.client->publish({topic, "a", 0, false});
-  ASSERT_TRUE(until([&] { return listener.heard_all(2); }));
-  EXPECT_THAT(listener.heard, ElementsAre("talk/2/x=a", "own=a")) << "the first is listened to no more";
+  ASSERT_TRUE(until([&] { return listener.received_all(2); }));
+  EXPECT_THAT(listener.received, ElementsAre("talk/2/x=a", "own=a")) << "the first is listened to no more";
 
   bool dead = false;
   broker->on_exit([&](const ChildExit&) { dead = true; });
@@ -108,8 +108,8 @@ TEST_F(Mqtt, message_arrives_as_it_was_sent) {
   EXPECT_TRUE(speaker.client->publish({"a/b", bytes, 0, false}));
   EXPECT_TRUE(speaker.client->publish({"b/b", "not subscribed", 1, false}));
   EXPECT_TRUE(speaker.client->publish({"a/c", "", 1, false}));
-  ASSERT_TRUE(until([&] { return listener.heard_all(2); }));
-  EXPECT_THAT(listener.heard, ElementsAre("a/b=" + bytes, "a/c="));
+  ASSERT_TRUE(until([&] { return listener.received_all(2); }));
+  EXPECT_THAT(listener.received, ElementsAre("a/b=" + bytes, "a/c="));
 }
 
 TEST_F(Mqtt, retained_message_reaches_who_comes_later_and_says_so) {
@@ -120,8 +120,8 @@ TEST_F(Mqtt, retained_message_reaches_who_comes_later_and_says_so) {
   speaker.client->stop([&] { stopped = true; });
   ASSERT_TRUE(until([&] { return stopped; }));
   Listener late{loop, broker->port(), {"zone"}};
-  ASSERT_TRUE(until([&] { return late.heard_all(1); }));
-  EXPECT_THAT(late.heard, ElementsAre("*zone=lacet4"));
+  ASSERT_TRUE(until([&] { return late.received_all(1); }));
+  EXPECT_THAT(late.received, ElementsAre("*zone=lacet4"));
 }
 
 TEST_F(Mqtt, thousand_messages_in_one_go_arrive_in_order) {
@@ -132,8 +132,8 @@ TEST_F(Mqtt, thousand_messages_in_one_go_arrive_in_order) {
   const std::string padding(1000, '.');
   for (int i = 0; i < 1000; ++i)
     EXPECT_TRUE(speaker.client->publish({"flood", std::to_string(i) + padding, i % 2, false}));
-  ASSERT_TRUE(until([&] { return listener.heard_all(1000); }));
-  for (std::size_t i = 0; i < 1000; ++i) ASSERT_EQ(listener.heard[i], "flood=" + std::to_string(i) + padding);
+  ASSERT_TRUE(until([&] { return listener.received_all(1000); }));
+  for (std::size_t i = 0; i < 1000; ++i) ASSERT_EQ(listener.received[i], "flood=" + std::to_string(i) + padding);
 }
 
 TEST_F(Mqtt, will_is_published_when_a_client_vanishes_but_not_when_it_says_goodbye) {
@@ -147,10 +147,10 @@ TEST_F(Mqtt, will_is_published_when_a_client_vanishes_but_not_when_it_says_goodb
   bool stopped = false;
   polite.client->publish({"will/polite", "OFFLINE", 1, false});
   polite.client->stop([&] { stopped = true; });
-  ASSERT_TRUE(until([&] { return stopped && listener.heard_all(1); }));
+  ASSERT_TRUE(until([&] { return stopped && listener.received_all(1); }));
   killed.reset();
-  ASSERT_TRUE(until([&] { return listener.heard_all(2); }));
-  EXPECT_THAT(listener.heard, ElementsAre("will/polite=OFFLINE", "will/killed=CONNECTIONBROKEN"));
+  ASSERT_TRUE(until([&] { return listener.received_all(2); }));
+  EXPECT_THAT(listener.received, ElementsAre("will/polite=OFFLINE", "will/killed=CONNECTIONBROKEN"));
 }
 
 TEST_F(Mqtt, comes_back_by_itself_after_the_broker_was_killed) {
@@ -173,8 +173,8 @@ TEST_F(Mqtt, comes_back_by_itself_after_the_broker_was_killed) {
   EXPECT_THAT(listener.links, ElementsAre(true, false, true));
   ASSERT_TRUE(until_listening(listener, "probe"));
   speaker.client->publish({"a", "again", 0, false});
-  ASSERT_TRUE(until([&] { return listener.heard_all(1); }));
-  EXPECT_THAT(listener.heard, ElementsAre("a=again"));
+  ASSERT_TRUE(until([&] { return listener.received_all(1); }));
+  EXPECT_THAT(listener.received, ElementsAre("a=again"));
 }
 
 TEST_F(Mqtt, qos_1_said_without_a_connection_is_sent_on_its_return) {
@@ -187,8 +187,8 @@ TEST_F(Mqtt, qos_1_said_without_a_connection_is_sent_on_its_return) {
   ASSERT_TRUE(until([&] { return dead && !speaker.client->connected(); }));
   speaker.client->publish({"a", "kept", 1, true});  // retained: the listener may come back after it
   ASSERT_TRUE(broker->restart());
-  ASSERT_TRUE(until([&] { return listener.heard_all(1); }));
-  EXPECT_THAT(listener.heard.front(), HasSubstr("a=kept"));
+  ASSERT_TRUE(until([&] { return listener.received_all(1); }));
+  EXPECT_THAT(listener.received.front(), HasSubstr("a=kept"));
 }
 
 TEST_F(Mqtt, publishing_from_within_a_message_is_fine) {
@@ -331,22 +331,22 @@ class Tls : public ::testing::Test {
 };
 
 TEST_F(Tls, carries_messages_and_comes_back_after_the_broker_was_killed) {
-  std::vector<std::string> heard;
+  std::vector<std::string> received;
   MqttHandlers handlers;
-  handlers.on_message = [&](std::string_view, std::string_view payload, bool) { heard.emplace_back(payload); };
+  handlers.on_message = [&](std::string_view, std::string_view payload, bool) { received.emplace_back(payload); };
   const auto client = MqttClient::make(loop, options("ca.pem"), {"a"}, std::nullopt, std::move(handlers)).value();
   client->start();
   const std::string big(20'000, 'x');  // more than one TLS record
   Timer talk{loop};
   talk.every(50ms, [&] { client->publish({"a", big, 0, false}); });
-  ASSERT_TRUE(loop.run_until([&] { return heard.size() >= 3; }, timeout));
-  EXPECT_EQ(heard.front(), big);
+  ASSERT_TRUE(loop.run_until([&] { return received.size() >= 3; }, timeout));
+  EXPECT_EQ(received.front(), big);
   broker.reset();
   ASSERT_TRUE(loop.run_until([&] { return !client->connected(); }, timeout));
   loop.run_for(300ms);
-  heard.clear();
+  received.clear();
   start_broker();
-  EXPECT_TRUE(loop.run_until([&] { return heard.size() >= 3; }, timeout));
+  EXPECT_TRUE(loop.run_until([&] { return received.size() >= 3; }, timeout));
 }
 
 TEST_F(Tls, does_not_talk_to_a_broker_that_its_authority_does_not_know) {

@@ -45,8 +45,8 @@ std::string typed(const CLI::App& command) {
 
 int refuse(const std::string& message, const CLI::App& command) {
   const std::string name = typed(command);
-  say(name + ": " + message);
-  say("`" + name + " --help` tells what there is");
+  print_info(name + ": " + message);
+  print_info("`" + name + " --help` tells what there is");
   return exit_bad_input;
 }
 

@@ -12,22 +12,22 @@
 /// For tests: the command as somebody types it, and what it says.
 namespace cosiva::app::fixture {
 
-struct Said {
+struct CommandOutput {
   int status;
   std::string data;            ///< on standard output
   std::string standard_error;  ///< on standard error
 };
 
-inline Said cosiva(const std::vector<std::string>& arguments) {
+inline CommandOutput cosiva(const std::vector<std::string>& arguments) {
   std::vector<const char*> argv{"cosiva"};
   for (const std::string& argument : arguments) argv.push_back(argument.c_str());
   ::testing::internal::CaptureStdout();
   ::testing::internal::CaptureStderr();
-  Said said{run_command_line(static_cast<int>(argv.size()), argv.data()), {}, {}};
+  CommandOutput output{run_command_line(static_cast<int>(argv.size()), argv.data()), {}, {}};
   std::fflush(nullptr);
-  said.data = ::testing::internal::GetCapturedStdout();
-  said.standard_error = ::testing::internal::GetCapturedStderr();
-  return said;
+  output.data = ::testing::internal::GetCapturedStdout();
+  output.standard_error = ::testing::internal::GetCapturedStderr();
+  return output;
 }
 
 inline const std::string zones = source_dir() + "/zones/";

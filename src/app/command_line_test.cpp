@@ -14,27 +14,27 @@ namespace {
 
 using adapters::testing::Scratch;
 using fixture::cosiva;
-using fixture::Said;
+using fixture::CommandOutput;
 using fixture::zones;
 using ::testing::HasSubstr;
 
 const std::string scenarios = source_dir() + "/scenarios/";
 
 TEST(CommandLine, bare_shows_what_there_is_with_two_examples) {
-  const Said said = cosiva({});
-  EXPECT_EQ(said.status, 0);
-  EXPECT_THAT(said.data, HasSubstr("cosiva up "));
-  EXPECT_THAT(said.data, HasSubstr("--virtual-time --duration 600"));
-  EXPECT_THAT(said.data, HasSubstr("replay"));
+  const CommandOutput output = cosiva({});
+  EXPECT_EQ(output.status, 0);
+  EXPECT_THAT(output.data, HasSubstr("cosiva up "));
+  EXPECT_THAT(output.data, HasSubstr("--virtual-time --duration 600"));
+  EXPECT_THAT(output.data, HasSubstr("replay"));
 }
 
 TEST(CommandLine, help_of_each_command_goes_to_standard_output) {
   for (const char* command :
        {"up", "server", "plant", "aiv", "replay", "zone", "scenario", "agent", "qualify", "compare"}) {
-    const Said said = cosiva({command, "--help"});
-    EXPECT_EQ(said.status, 0) << command;
-    EXPECT_THAT(said.data, HasSubstr("--help")) << command;
-    EXPECT_EQ(said.standard_error, "") << command;
+    const CommandOutput output = cosiva({command, "--help"});
+    EXPECT_EQ(output.status, 0) << command;
+    EXPECT_THAT(output.data, HasSubstr("--help")) << command;
+    EXPECT_EQ(output.standard_error, "") << command;
   }
   for (const char* command : {"up", "server", "plant", "aiv", "scenario", "agent"})
     EXPECT_THAT(cosiva({command, "--help"}).data, HasSubstr(std::string("cosiva ") + command + " ")) << "an example";
@@ -42,11 +42,11 @@ TEST(CommandLine, help_of_each_command_goes_to_standard_output) {
 }
 
 TEST(CommandLine, wrong_terms_end_with_2_and_the_nearest_right_one) {
-  const Said command = cosiva({"serve"});
+  const CommandOutput command = cosiva({"serve"});
   EXPECT_EQ(command.status, 2);
   EXPECT_THAT(command.standard_error, HasSubstr("did you mean 'server'?"));
   EXPECT_EQ(command.data, "");
-  const Said option = cosiva({"up", "--duraton", "3"});
+  const CommandOutput option = cosiva({"up", "--duraton", "3"});
   EXPECT_EQ(option.status, 2);
   EXPECT_THAT(option.standard_error, HasSubstr("did you mean '--duration'?"));
   EXPECT_THAT(cosiva({"zone", "chekc", "x"}).standard_error, HasSubstr("did you mean 'check'?"));
@@ -80,17 +80,17 @@ TEST(CommandLine, values_out_of_range_or_missing_end_with_2) {
                                                   {"zone"},
                                                   {"replay"}};
   for (const auto& arguments : all) {
-    const Said said = cosiva(arguments);
-    EXPECT_EQ(said.status, 2) << arguments.front() << " " << arguments.back() << "\n" << said.standard_error;
-    EXPECT_NE(said.standard_error, "");
-    EXPECT_EQ(said.data, "");
+    const CommandOutput output = cosiva(arguments);
+    EXPECT_EQ(output.status, 2) << arguments.front() << " " << arguments.back() << "\n" << output.standard_error;
+    EXPECT_NE(output.standard_error, "");
+    EXPECT_EQ(output.data, "");
   }
 }
 
 TEST(ZoneCheck, tells_what_the_ready_zone_holds) {
-  const Said said = cosiva({"zone", "check", zones + "lacet4.toml", "--json"});
-  ASSERT_EQ(said.status, 0) << said.standard_error;
-  const auto metadata = JsonValue::parse(said.data);
+  const CommandOutput output = cosiva({"zone", "check", zones + "lacet4.toml", "--json"});
+  ASSERT_EQ(output.status, 0) << output.standard_error;
+  const auto metadata = JsonValue::parse(output.data);
   ASSERT_TRUE(metadata);
   // A11: four straights of 1.5 m, four arcs of 270° with a radius of 0.6 m, 12 tags.
   EXPECT_EQ(metadata->number("sections"), 8.0);
@@ -105,9 +105,9 @@ TEST(ZoneCheck, of_a_bad_file_names_file_and_line) {
   Scratch scratch;
   const std::string file =
       scratch.write("bad.toml", "name = \"x\"\nformat_version = 1\n[[section]]\nkind = \"spiral\"\n");
-  const Said said = cosiva({"zone", "check", file});
-  EXPECT_EQ(said.status, 2);
-  EXPECT_THAT(said.standard_error, HasSubstr(file + ":"));
+  const CommandOutput output = cosiva({"zone", "check", file});
+  EXPECT_EQ(output.status, 2);
+  EXPECT_THAT(output.standard_error, HasSubstr(file + ":"));
 }
 
 TEST(ZoneShow, draws_into_a_file_or_to_standard_output) {
@@ -119,12 +119,12 @@ TEST(ZoneShow, draws_into_a_file_or_to_standard_output) {
 }
 
 TEST(ScenarioCheck, shows_what_happens_when_as_a_timeline_and_as_json) {
-  const Said people = cosiva({"scenario", "check", scenarios + "laboratory.toml"});
+  const CommandOutput people = cosiva({"scenario", "check", scenarios + "laboratory.toml"});
   ASSERT_EQ(people.status, 0) << people.standard_error;
   EXPECT_THAT(people.data, HasSubstr("laboratory: good\n"));
   EXPECT_THAT(people.data, HasSubstr("4 AIVs on lacet4, seed 3, 120 s"));
   EXPECT_THAT(people.data, HasSubstr("\n    50.0 s  AIV2 loses 30 % of its messages for 20 s\n"));
-  const Said program = cosiva({"scenario", "check", scenarios + "laboratory.toml", "--json"});
+  const CommandOutput program = cosiva({"scenario", "check", scenarios + "laboratory.toml", "--json"});
   const auto json = JsonValue::parse(program.data);
   ASSERT_TRUE(json) << program.data;
   EXPECT_EQ(json->text("scenario"), "laboratory");
@@ -139,11 +139,11 @@ TEST(ScenarioCheck, of_a_bad_file_names_file_line_and_field) {
   Scratch scratch;
   const std::string file =
       scratch.write("bad.toml", "name = \"x\"\n[[at]]\nt_s = 1\ncommand = \"stpo\"\nvehicle = \"*\"\n");
-  const Said said = cosiva({"scenario", "check", file});
-  EXPECT_EQ(said.status, 2);
-  EXPECT_THAT(said.standard_error, HasSubstr(file + ":4: at[1].command: "));
-  EXPECT_THAT(said.standard_error, HasSubstr("did you mean \"stop\"?"));
-  EXPECT_EQ(said.data, "");
+  const CommandOutput output = cosiva({"scenario", "check", file});
+  EXPECT_EQ(output.status, 2);
+  EXPECT_THAT(output.standard_error, HasSubstr(file + ":4: at[1].command: "));
+  EXPECT_THAT(output.standard_error, HasSubstr("did you mean \"stop\"?"));
+  EXPECT_EQ(output.data, "");
 }
 
 TEST(ScenarioCheck, of_one_that_does_not_fit_its_zone_says_so_too) {
@@ -153,35 +153,35 @@ TEST(ScenarioCheck, of_one_that_does_not_fit_its_zone_says_so_too) {
                                     "lacet4.toml\"\n[[at]]\nt_s = 1\ncommand = \"stop\"\nvehicle = \"AIV9\"\n");
   for (const std::vector<std::string>& arguments :
        {std::vector<std::string>{"scenario", "check", file}, {"up", "--virtual-time", "--scenario", file}}) {
-    const Said said = cosiva(arguments);
-    EXPECT_EQ(said.status, 2) << arguments[0];
-    EXPECT_THAT(said.standard_error, HasSubstr("off.toml:3: vehicle: there is no vehicle \"AIV9\"")) << arguments[0];
+    const CommandOutput output = cosiva(arguments);
+    EXPECT_EQ(output.status, 2) << arguments[0];
+    EXPECT_THAT(output.standard_error, HasSubstr("off.toml:3: vehicle: there is no vehicle \"AIV9\"")) << arguments[0];
   }
 }
 
 TEST(ScenarioList, names_those_that_are_ready_here) {
-  const Said said = cosiva({"scenario", "list", "--json"});
-  EXPECT_EQ(said.status, 0);
-  const auto json = JsonValue::parse(said.data);
-  ASSERT_TRUE(json) << said.data;
+  const CommandOutput output = cosiva({"scenario", "list", "--json"});
+  EXPECT_EQ(output.status, 0);
+  const auto json = JsonValue::parse(output.data);
+  ASSERT_TRUE(json) << output.data;
   EXPECT_NE(json->find("scenarios")->array(), nullptr);
 }
 
 TEST(Replay, of_what_is_no_journal_ends_with_2_and_the_file_s_name) {
   Scratch scratch;
   const std::string file = scratch.write("not.journal", "hello");
-  const Said said = cosiva({"replay", file});
-  EXPECT_EQ(said.status, 2);
-  EXPECT_THAT(said.standard_error, HasSubstr(file));
+  const CommandOutput output = cosiva({"replay", file});
+  EXPECT_EQ(output.status, 2);
+  EXPECT_THAT(output.standard_error, HasSubstr(file));
   EXPECT_EQ(cosiva({"replay", "/nonexistent"}).status, 2);
 }
 
 TEST(VirtualTime, same_seed_same_digest_other_seed_another) {
   const auto run = [](const std::string& seed) {
-    const Said said = cosiva({"up", "--virtual-time", "--zone", zones + "lacet4.toml", "--aivs", "2", "--duration",
+    const CommandOutput output = cosiva({"up", "--virtual-time", "--zone", zones + "lacet4.toml", "--aivs", "2", "--duration",
                               "10", "--seed", seed, "--loss", "0.02", "--json"});
-    EXPECT_EQ(said.status, 0) << said.standard_error << said.data;
-    return JsonValue::parse(said.data)->text("digest").value_or("none");
+    EXPECT_EQ(output.status, 0) << output.standard_error << output.data;
+    return JsonValue::parse(output.data)->text("digest").value_or("none");
   };
   const std::string one = run("1");
   EXPECT_EQ(one.size(), 16U);
@@ -210,11 +210,11 @@ std::string short_scenario(const Scratch& scratch) {
 
 TEST(VirtualTime, plays_a_scenario_and_says_each_step) {
   Scratch scratch;
-  const Said said = cosiva({"up", "--virtual-time", "--scenario", short_scenario(scratch), "--json"});
-  EXPECT_EQ(said.status, 0) << said.standard_error;
-  EXPECT_THAT(said.standard_error, HasSubstr("     2.0 s  AIV1: stop\n"));
-  const auto run = JsonValue::parse(said.data);
-  ASSERT_TRUE(run) << said.data;
+  const CommandOutput output = cosiva({"up", "--virtual-time", "--scenario", short_scenario(scratch), "--json"});
+  EXPECT_EQ(output.status, 0) << output.standard_error;
+  EXPECT_THAT(output.standard_error, HasSubstr("     2.0 s  AIV1: stop\n"));
+  const auto run = JsonValue::parse(output.data);
+  ASSERT_TRUE(run) << output.data;
   EXPECT_EQ(run->text("scenario"), "short");
   EXPECT_EQ(run->number("aivs"), 2.0);
   EXPECT_EQ(run->number("seed"), 5.0);
@@ -224,14 +224,14 @@ TEST(VirtualTime, plays_a_scenario_and_says_each_step) {
 
 TEST(VirtualTime, lets_the_command_line_win_over_the_scenario_and_says_so) {
   Scratch scratch;
-  const Said said = cosiva({"up", "--virtual-time", "--scenario", short_scenario(scratch), "--aivs", "1", "--seed", "5",
+  const CommandOutput output = cosiva({"up", "--virtual-time", "--scenario", short_scenario(scratch), "--aivs", "1", "--seed", "5",
                             "--duration", "1.5", "--json"});
-  EXPECT_EQ(said.status, 0) << said.standard_error;
-  EXPECT_THAT(said.standard_error, HasSubstr("--aivs 1 wins over the scenario's 2"));
-  EXPECT_THAT(said.standard_error, HasSubstr("--duration 1.5 s wins over the scenario's 6.0 s"));
-  EXPECT_THAT(said.standard_error, ::testing::Not(HasSubstr("--seed"))) << "they agree";
-  EXPECT_THAT(said.standard_error, ::testing::Not(HasSubstr("AIV1: stop"))) << "it was cut short before";
-  EXPECT_EQ(JsonValue::parse(said.data)->number("aivs"), 1.0);
+  EXPECT_EQ(output.status, 0) << output.standard_error;
+  EXPECT_THAT(output.standard_error, HasSubstr("--aivs 1 wins over the scenario's 2"));
+  EXPECT_THAT(output.standard_error, HasSubstr("--duration 1.5 s wins over the scenario's 6.0 s"));
+  EXPECT_THAT(output.standard_error, ::testing::Not(HasSubstr("--seed"))) << "they agree";
+  EXPECT_THAT(output.standard_error, ::testing::Not(HasSubstr("AIV1: stop"))) << "it was cut short before";
+  EXPECT_EQ(JsonValue::parse(output.data)->number("aivs"), 1.0);
 }
 
 }  // namespace

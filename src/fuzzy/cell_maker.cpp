@@ -138,9 +138,9 @@ class CellMaker {
     std::vector<char> flags(whole_.inputs() + whole_.steps().size(), 0);
     for (const Weighing& weighing : weighings_) {
       for (const Weighing::Term& term : weighing.terms) {
-        if (!term.says_value) continue;
-        if (!whole_.is_finite(*term.says_value)) return false;
-        flags[*term.says_value] = 1;
+        if (!term.consequent_value) continue;
+        if (!whole_.is_finite(*term.consequent_value)) return false;
+        flags[*term.consequent_value] = 1;
       }
     }
     flag_needed(whole_, flags);
@@ -311,7 +311,7 @@ class CellMaker {
   /// A rule that may fire in this cell, its places yet values.
   struct Candidate {
     std::vector<Value> factors;
-    double says;
+    double consequent;
     std::uint16_t consequent_slot;
     bool keeps;
     bool ends;
@@ -327,10 +327,10 @@ class CellMaker {
         const auto& number = steps.number(degree);
         if (number && fired(*number) == 0.0) continue;
         const std::uint16_t consequent_slot =
-            term.says_value ? slot_of_[*term.says_value] : static_cast<std::uint16_t>(at_zero());
+            term.consequent_value ? slot_of_[*term.consequent_value] : static_cast<std::uint16_t>(at_zero());
         // A value's own −0 stays what it is when −0 is added.
-        const double says = term.says_value ? -0.0 : term.says;
-        all.push_back({factors(steps, degree), says, consequent_slot, !is_first, false});
+        const double consequent = term.consequent_value ? -0.0 : term.consequent;
+        all.push_back({factors(steps, degree), consequent, consequent_slot, !is_first, false});
         is_first = false;
       }
       if (!is_first) all.back().ends = true;
@@ -365,7 +365,7 @@ class CellMaker {
         const auto factor = [&](std::size_t k) {
           return k < candidate.factors.size() ? slots[candidate.factors[k]] : static_cast<std::uint16_t>(at_one());
         };
-        firings.back().push_back({factor(0), factor(1), factor(2), candidate.consequent_slot, candidate.says,
+        firings.back().push_back({factor(0), factor(1), factor(2), candidate.consequent_slot, candidate.consequent,
                                   candidate.keeps ? 1.0 : 0.0, candidate.ends ? 1.0 : 0.0});
       }
     }

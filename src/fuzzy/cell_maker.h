@@ -17,8 +17,8 @@ struct Weighing {
   };
   struct Term {
     std::vector<Rule> rules;
-    double says{};
-    std::optional<Value> says_value;  ///< what it says where that is no number
+    double consequent{};
+    std::optional<Value> consequent_value;  ///< what it says where that is no number
   };
   std::vector<Term> terms;
   bool is_average{};

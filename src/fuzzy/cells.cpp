@@ -50,37 +50,37 @@ COSIVA_PART inline void run_steps(const Cells& cells, Cells::StepRange range, do
 }
 
 /// What the rules of a cell say of an output together.
-struct Said {
+struct Weighted {
   double all{};  ///< to which degree they say anything
   double sum{};
 };
 
-COSIVA_PART inline Said say_simply(const Cells::Firing* firing, std::size_t count, const double* values) {
-  Said said;
+COSIVA_PART inline Weighted weigh_singletons(const Cells::Firing* firing, std::size_t count, const double* values) {
+  Weighted weighted;
   for (const Cells::Firing* const end = firing + count; firing != end; ++firing) {
     const double degree = fired(values[firing->a]);
-    said.all += degree;
-    said.sum += degree * firing->says;
+    weighted.all += degree;
+    weighted.sum += degree * firing->consequent;
   }
-  return said;
+  return weighted;
 }
 
-COSIVA_PART inline Said say(const Cells::Firing* firing, std::size_t count, const double* values) {
-  Said said;
+COSIVA_PART inline Weighted weigh(const Cells::Firing* firing, std::size_t count, const double* values) {
+  Weighted weighted;
   double degree = 0.0;
   for (const Cells::Firing* const end = firing + count; firing != end; ++firing) {
     degree = degree * firing->keeps + fired(values[firing->a] * values[firing->b] * values[firing->c]);
     const double last = degree * firing->ends;
-    said.all += last;
-    said.sum += last * (firing->says + values[firing->consequent_slot]);
+    weighted.all += last;
+    weighted.sum += last * (firing->consequent + values[firing->consequent_slot]);
   }
-  return said;
+  return weighted;
 }
 
-COSIVA_PART inline double response(const Cells::Output& output, Said said) {
-  const double sum = said.sum + 0.0;
-  const double average = sum / (said.all > 0.0 ? said.all : 1.0);
-  const double chosen = said.all > 0.0 ? (output.is_average ? average : sum) : output.otherwise;
+COSIVA_PART inline double response(const Cells::Output& output, Weighted weighted) {
+  const double sum = weighted.sum + 0.0;
+  const double average = sum / (weighted.all > 0.0 ? weighted.all : 1.0);
+  const double chosen = weighted.all > 0.0 ? (output.is_average ? average : sum) : output.otherwise;
   if (!output.is_locked) return chosen;
   const double not_above = chosen > output.high ? output.high : chosen;
   return chosen < output.low ? output.low : not_above;
@@ -112,8 +112,8 @@ COSIVA_VECTOR_CLONES void run_cells(const Cells& cells, const double* inputs, do
     const Cells::Firing* firing =
         cells.firings.data() + group.firings_begin + cell * group.outputs * group.firings_each;
     for (const Cells::Output* const end = output + group.outputs; output != end; ++output) {
-      outputs[output->at] = response(*output, group.is_simple ? say_simply(firing, group.firings_each, values.data())
-                                                              : say(firing, group.firings_each, values.data()));
+      outputs[output->at] = response(*output, group.is_simple ? weigh_singletons(firing, group.firings_each, values.data())
+                                                              : weigh(firing, group.firings_each, values.data()));
       firing += group.firings_each;
     }
   }

@@ -44,7 +44,7 @@ struct Cells {
     std::uint16_t b{};
     std::uint16_t c{};
     std::uint16_t consequent_slot{};
-    double says{};
+    double consequent{};
     double keeps{};  ///< 1: adds to the one before it, which says the same; 0: begins anew
     double ends{};   ///< 1: the last one that says it
   };

@@ -215,9 +215,9 @@ class Compiler {
     }
     for (std::size_t t = 0; t < output.terms.size(); ++t) {
       if (output.terms[t].shape == Shape::linear)
-        weighing.terms[t].says_value = responses[t];
+        weighing.terms[t].consequent_value = responses[t];
       else
-        weighing.terms[t].says = output.terms[t].parameters[0];
+        weighing.terms[t].consequent = output.terms[t].parameters[0];
     }
     return weighing;
   }

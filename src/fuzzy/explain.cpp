@@ -52,7 +52,7 @@ std::string line_of(const Explanation::Rule& rule) {
   text += indent + "because " + why(rule) + "\n";
   for (const Explanation::Ratio& ratio : rule.ratios) {
     if (!rule.fired) break;
-    text += indent + "so " + ratio.output + " is " + ratio.term + " (" + fixed(ratio.says, 2) + ") for " +
+    text += indent + "so " + ratio.output + " is " + ratio.term + " (" + fixed(ratio.consequent, 2) + ") for " +
             fixed(100.0 * ratio.ratio, 0) + " % of its answer\n";
   }
   return text;
@@ -92,10 +92,10 @@ Explanation RuleBase::explain(std::span<const double> inputs) const {
     for (const Conclusion& conclusion : rule.conclusions) {
       const Variable& output = engine_.outputs[conclusion.output];
       const Term& term = output.terms[conclusion.term];
-      const double says = term.shape == Shape::constant
+      const double consequent = term.shape == Shape::constant
                               ? term.parameters[0]
                               : values[looked_at->responses[conclusion.output][conclusion.term]];
-      shown.ratios.push_back({output.name, term.name, says, 0.0});
+      shown.ratios.push_back({output.name, term.name, consequent, 0.0});
       if (shown.fired) totals[conclusion.output] += degree;
     }
     explanation.rules.push_back(std::move(shown));
@@ -155,7 +155,7 @@ void write_json(JsonWriter& json, const Explanation& explanation) {
     degrees("conditions", rule.conditions);
     json.key("shares").begin_array();
     for (const Explanation::Ratio& ratio : rule.ratios) {
-      json.begin_object().field("output", ratio.output).field("term", ratio.term).field("says", ratio.says);
+      json.begin_object().field("output", ratio.output).field("term", ratio.term).field("says", ratio.consequent);
       json.field("ratio", ratio.ratio).end_object();
     }
     json.end_array().end_object();

@@ -23,7 +23,7 @@ struct Explanation {
   struct Ratio {
     std::string output;
     std::string term;
-    double says;   ///< the term's number here
+    double consequent;   ///< the term's number here
     double ratio;  ///< of this output's answer, 0…1: its weight over those of all rules that fired
   };
   struct Rule {

@@ -41,7 +41,7 @@ TEST(Explanation, adds_up_to_the_response) {
     double sum = 0.0;
     double ratios = 0.0;
     for (const auto& rule : explanation.rules) {
-      sum += rule.ratios[0].ratio * rule.ratios[0].says;
+      sum += rule.ratios[0].ratio * rule.ratios[0].consequent;
       ratios += rule.ratios[0].ratio;
     }
     EXPECT_NEAR(sum, explanation.outputs[0].value, 1e-15);

@@ -70,7 +70,7 @@ void CalibratingFilter::predict(const Odometry& odometry) {
     model::move(hypothesis.state, motion);
   }
   if (hypotheses[best()].state.covariance(State::heading, State::heading) > lost_rad * lost_rad) look_round();
-  ++inputs_told;
+  ++inputs_count;
 }
 
 void CalibratingFilter::look_round() {
@@ -90,7 +90,7 @@ void CalibratingFilter::look_round() {
     one.state.covariance(State::heading, State::heading) = 0.25 * apart_rad * apart_rad;
     one.state.covariance.topLeftCorner<2, 2>() = all.covariance.topLeftCorner<2, 2>();
     one.log_weight = -0.5 * by_rad * by_rad / variance;
-    one.turned.push_back({inputs_told, by_rad});
+    one.turned.push_back({inputs_count, by_rad});
     hypotheses.push_back(std::move(one));
   }
 }
@@ -101,11 +101,11 @@ Rectified CalibratingFilter::rectify_all(const Input& input) {
   const std::size_t leader = best();
   for (std::size_t i = 0; i < hypotheses.size(); ++i) {
     Hypothesis& hypothesis = hypotheses[i];
-    const model::Said said = model::said_by(configured.sensors, stations, hypothesis.state.mean, input);
+    const model::PredictedReading predicted = model::predicted_reading(configured.sensors, stations, hypothesis.state.mean, input);
     double nis = 0.0;
     const State::Vector before = hypothesis.state.mean;
-    for (int k = 0; k < said.count; ++k) {
-      Measured measured = said.measured[static_cast<std::size_t>(k)];
+    for (int k = 0; k < predicted.count; ++k) {
+      Measured measured = predicted.measured[static_cast<std::size_t>(k)];
       measured.residual -= measured.slope.dot(hypothesis.state.mean - before);
       const model::Update update = model::update(hypothesis.state, measured, false);
       hypothesis.log_weight += update.log_likelihood;
@@ -113,10 +113,10 @@ Rectified CalibratingFilter::rectify_all(const Input& input) {
     }
     // A mark under the reader tells the place itself; only ranges leave a direction untold.
     if constexpr (std::is_same_v<Input, Range>) model::carry(hypothesis.state, before);
-    if (i == leader) rectified = {said.count > 0, nis, said.count};
+    if (i == leader) rectified = {predicted.count > 0, nis, predicted.count};
   }
   prune();
-  ++inputs_told;
+  ++inputs_count;
   return rectified;
 }
 
@@ -184,11 +184,11 @@ void CalibratingSmoother::forwards(const State& start, const std::vector<State>&
     } else {
       step.before = now.covariance;
       const auto* reading = std::get_if<Reading>(&inputs_[i]);
-      const model::Said said = reading != nullptr
-                                   ? model::said_by(configured.sensors, stations, before, *reading)
-                                   : model::said_by(configured.sensors, stations, before, std::get<Range>(inputs_[i]));
-      for (int k = 0; k < said.count; ++k) {
-        Measured measured = said.measured[static_cast<std::size_t>(k)];
+      const model::PredictedReading predicted = reading != nullptr
+                                   ? model::predicted_reading(configured.sensors, stations, before, *reading)
+                                   : model::predicted_reading(configured.sensors, stations, before, std::get<Range>(inputs_[i]));
+      for (int k = 0; k < predicted.count; ++k) {
+        Measured measured = predicted.measured[static_cast<std::size_t>(k)];
         // How far off it is, the last round's result tells better than the filter could.
         if (!about.empty())
           measured.variance /= model::credit(measured.residual * measured.residual, measured.variance);
@@ -197,7 +197,7 @@ void CalibratingSmoother::forwards(const State& start, const std::vector<State>&
         // The innovation against the state just before; the backward pass wants both.
         step.measured[static_cast<std::size_t>(k)] = measured;
       }
-      step.measured_count = said.count;
+      step.measured_count = predicted.count;
     }
     step.state = now;
   }

@@ -85,7 +85,7 @@ class CalibratingFilter : public Algorithm {
   Setting configured;
   Stations stations;
   std::vector<Hypothesis> hypotheses;
-  std::size_t inputs_told{0};
+  std::size_t inputs_count{0};
 };
 
 /// Looks back over the whole run with the same model: forwards and backwards, linearised anew about what came out,

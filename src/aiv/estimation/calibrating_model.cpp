@@ -101,34 +101,34 @@ void carry(State& state, const State::Vector& before) {
   p.col(State::y) += dx * p.col(State::heading);
 }
 
-Said said_by(const SensorModel& sensors, Stations&, const State::Vector& about, const Reading& reading) {
+PredictedReading predicted_reading(const SensorModel& sensors, Stations&, const State::Vector& about, const Reading& reading) {
   const SinCos h = sincos(about(State::heading));
   const double dx = reading.fiducial_M.x_m - about(State::x);
   const double dy = reading.fiducial_M.y_m - about(State::y);
   const double ahead = h.cos * dx + h.sin * dy;
   const double left = -h.sin * dx + h.cos * dy;
-  Said said;
-  said.count = 2;
-  for (Measured& measured : said.measured) measured.slope = State::Vector::Zero(about.size());
-  Measured& along = said.measured[0];
+  PredictedReading predicted;
+  predicted.count = 2;
+  for (Measured& measured : predicted.measured) measured.slope = State::Vector::Zero(about.size());
+  Measured& along = predicted.measured[0];
   along.slope.head<3>() = Vector3(-h.cos, -h.sin, left);
   along.residual = reading.detected_B.x_m - ahead;
   along.variance = squared(sensors.fiducial_along_sigma_m);
-  Measured& across = said.measured[1];
+  Measured& across = predicted.measured[1];
   across.slope.head<3>() = Vector3(h.sin, -h.cos, -ahead);
   across.residual = reading.detected_B.y_m - left;
   across.variance = squared(sensors.fiducial_across_sigma_m);
-  return said;
+  return predicted;
 }
 
-Said said_by(const SensorModel& sensors, Stations& stations, const State::Vector& about, const Range& range) {
+PredictedReading predicted_reading(const SensorModel& sensors, Stations& stations, const State::Vector& about, const Range& range) {
   const double dx = about(State::x) - range.station_M.x_m;
   const double dy = about(State::y) - range.station_M.y_m;
   const double distance_m = norm(dx, dy);
-  Said said;
-  if (distance_m < 1e-6) return said;
-  said.count = 1;
-  Measured& measured = said.measured[0];
+  PredictedReading predicted;
+  if (distance_m < 1e-6) return predicted;
+  predicted.count = 1;
+  Measured& measured = predicted.measured[0];
   measured.slope = State::Vector::Zero(about.size());
   const double scale = 1.0 + about(State::range_scale);
   measured.slope(State::x) = scale * dx / distance_m;
@@ -142,21 +142,21 @@ Said said_by(const SensorModel& sensors, Stations& stations, const State::Vector
   }
   measured.residual = range.range_m - expected;
   measured.variance = squared(sensors.range_sigma_m);
-  return said;
+  return predicted;
 }
 
 double credit(double squared_residual, double variance) {
   return (freedom + 1.0) / (freedom + squared_residual / variance);
 }
 
-Update update(State& state, const Measured& measured, bool as_told) {
+Update update(State& state, const Measured& measured, bool as_set) {
   const State::Vector ph = state.covariance.lazyProduct(measured.slope);
   const double known = measured.slope.dot(ph);
   const double expected = known + measured.variance;
   const double nis = measured.residual * measured.residual / expected;
   // Student's t as a Gauss whose variance is what the innovation makes likely; near ones stay as they are told.
   double variance = measured.variance;
-  if (!as_told) variance /= std::fmin(1.0, credit(measured.residual * measured.residual, expected));
+  if (!as_set) variance /= std::fmin(1.0, credit(measured.residual * measured.residual, expected));
   const double s = known + variance;
   const State::Vector gain = ph / s;
   state.mean += gain * measured.residual;

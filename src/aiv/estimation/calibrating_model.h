@@ -27,13 +27,13 @@ void move(CalibratedState& state, const Motion& motion);
 /// Bonnabel, The Invariant Extended Kalman Filter as a Stable Observer, IEEE TAC 62 (2017).
 void carry(CalibratedState& state, const CalibratedState::Vector& before);
 
-struct Said {
+struct PredictedReading {
   std::array<Measured, 2> measured;
   int count{0};
 };
-[[nodiscard]] Said said_by(const SensorModel& sensors, Stations& stations, const CalibratedState::Vector& about,
+[[nodiscard]] PredictedReading predicted_reading(const SensorModel& sensors, Stations& stations, const CalibratedState::Vector& about,
                            const Reading& reading);
-[[nodiscard]] Said said_by(const SensorModel& sensors, Stations& stations, const CalibratedState::Vector& about,
+[[nodiscard]] PredictedReading predicted_reading(const SensorModel& sensors, Stations& stations, const CalibratedState::Vector& about,
                            const Range& range);
 
 /// What a squared residual is worth by Student's t: 1.25 where it is nothing, less the further off it is.
@@ -44,8 +44,8 @@ struct Update {
   double log_likelihood;
   double variance;  ///< of the noise, as it was believed
 };
-/// @param as_told  the noise is believed as it is; else it is larger for what is far off
-Update update(CalibratedState& state, const Measured& measured, bool as_told);
+/// @param as_set  the noise is believed as it is; else it is larger for what is far off
+Update update(CalibratedState& state, const Measured& measured, bool as_set);
 
 /// The backward pass through measurements taken one after the other from a state of this covariance: λ and Λ after them
 /// become λ and Λ before. `residual` is against the state before each.

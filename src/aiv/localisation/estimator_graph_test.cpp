@@ -285,19 +285,19 @@ TEST(EstimateBesideTheLine, follows_a_line_when_its_wheels_roll) {
 TEST(EstimateBesideTheLine, begins_another_manoeuvre_where_the_last_one_ended_though_nothing_told_of_its_end) {
   Estimator estimator{diamond()};
   estimator.set_off_path({0.5, 0.25, -pi / 2.0});
-  const auto told = [&](wire::Manoeuvre manoeuvre) {
+  const auto commanded = [&](wire::Manoeuvre manoeuvre) {
     estimator.odometry.manoeuvre = manoeuvre;
     estimator.on_odometry(estimator.odometry);
     return estimator.pose();
   };
   // Straight on, and a new one from there.
-  EXPECT_LT(distance(told({100, 0, 0}), {0.5, 0.15, 0.0}), 1e-9);
-  EXPECT_LT(distance(told({0, 0, 10}), {0.5, 0.15, 0.0}), 1e-9);
+  EXPECT_LT(distance(commanded({100, 0, 0}), {0.5, 0.15, 0.0}), 1e-9);
+  EXPECT_LT(distance(commanded({0, 0, 10}), {0.5, 0.15, 0.0}), 1e-9);
   // Round on the spot, and another round from there.
-  EXPECT_NEAR(told({0, 0, 600}).heading_rad, -pi / 2.0 + 0.6, 1e-9);
-  EXPECT_NEAR(told({0, 0, 5}).heading_rad, -pi / 2.0 + 0.605, 1e-9);
+  EXPECT_NEAR(commanded({0, 0, 600}).heading_rad, -pi / 2.0 + 0.6, 1e-9);
+  EXPECT_NEAR(commanded({0, 0, 5}).heading_rad, -pi / 2.0 + 0.605, 1e-9);
   // What wheels shake is none.
-  EXPECT_NEAR(told({0, 0, 0}).heading_rad, -pi / 2.0 + 0.6, 1e-9);
+  EXPECT_NEAR(commanded({0, 0, 0}).heading_rad, -pi / 2.0 + 0.6, 1e-9);
 }
 
 TEST(EstimateBesideTheLine, is_beside_it_where_a_way_to_the_old_zone_s_line_ended) {

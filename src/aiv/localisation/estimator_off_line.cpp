@@ -15,7 +15,7 @@ namespace {
 /// An odometer that has rolled further than this does not belong to the manoeuvre in which it stood still.
 constexpr double still_m = 0.002;
 /// Who decides that it is near enough to a way has been told its pose, rounded.
-constexpr double told_off_m = 0.005;
+constexpr double reported_off_m = 0.005;
 /// Beside the line it has found one when its wheels roll this far in no manoeuvre.
 constexpr double follows_m = 0.010;
 
@@ -43,7 +43,7 @@ void PositionEstimator::set_off_path(const Pose2& X_MB) {
   strayed_m_ = 0.0;
   course_.clear();
   doubt_.reset();
-  const auto entry_point = zone::snap_to_path(zone_.circuit, X_MB, zone::snap_within_m + told_off_m);
+  const auto entry_point = zone::snap_to_path(zone_.circuit, X_MB, zone::snap_within_m + reported_off_m);
   known_ = entry_point.has_value();
   beside_ = known_;
   if (entry_point) motion_ = AivMotion{zone_.circuit, entry_point->position};

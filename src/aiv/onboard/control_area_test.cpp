@@ -22,17 +22,17 @@ struct ControlAreaFixture : OnboardFixture {
   using OnboardFixture::OnboardFixture;
 
   void owner(const std::string& area) {
-    hear(owner_topic, wire::to_json({area, 1, now, std::nullopt, std::nullopt}), true);
+    receive(owner_topic, wire::to_json({area, 1, now, std::nullopt, std::nullopt}), true);
   }
   /// The clover under another name.
   void zone_of(const std::string& area) {
     zone::ZoneConfiguration zone = lacet4_configuration();
     zone.text.replace(zone.text.find("name = \"lacet4\""), 15, "name = \"" + area + "\"");
-    hear("cosiva/v1/area/" + area + "/zone/toml", zone::to_payload(zone), true);
+    receive("cosiva/v1/area/" + area + "/zone/toml", zone::to_payload(zone), true);
   }
   void heartbeat_of(const std::string& area, double seconds) {
     for (int i = 0; i < static_cast<int>(std::lround(seconds * 10.0)); ++i) {
-      hear("cosiva/v1/area/" + area + "/server/heartbeat", R"({"headerId":1})");
+      receive("cosiva/v1/area/" + area + "/server/heartbeat", R"({"headerId":1})");
       run(0.1);
     }
   }
@@ -68,7 +68,7 @@ TEST(ControlArea, takes_no_zone_but_its_own_server_s) {
   fixture.zone_of("north");
   zone::ZoneConfiguration plain = lacet4_configuration();
   plain.text.replace(plain.text.find("name = \"lacet4\""), 15, "name = \"plain\"");
-  fixture.hear("cosiva/v1/zone/toml", zone::to_payload(plain), true);
+  fixture.receive("cosiva/v1/zone/toml", zone::to_payload(plain), true);
   fixture.run(0.5);
   EXPECT_EQ(fixture.map_id(), "lacet4");
 }
@@ -88,10 +88,10 @@ TEST(ControlArea, changes_from_one_server_to_the_other_and_heeds_the_new_one_s_h
   fixture.heartbeat_of("south", 0.5);
   fixture.heartbeat_of("north", 1.0);
   EXPECT_THAT(fixture.error_types(), Contains("serverLost")) << "its own has fallen silent, whatever the other says";
-  fixture.hear("cosiva/v1/area/north/server/connection", R"({"connectionState":"OFFLINE"})");
+  fixture.receive("cosiva/v1/area/north/server/connection", R"({"connectionState":"OFFLINE"})");
   fixture.run(0.2);
   EXPECT_THAT(fixture.error_types(), Contains("serverLost"));
-  fixture.hear("cosiva/v1/area/south/server/connection", R"({"connectionState":"OFFLINE"})");
+  fixture.receive("cosiva/v1/area/south/server/connection", R"({"connectionState":"OFFLINE"})");
   fixture.run(0.2);
   EXPECT_THAT(fixture.error_types(), Not(Contains("serverLost"))) << "it said goodbye";
 }
@@ -116,7 +116,7 @@ TEST(ControlArea, stays_where_it_is_when_its_owner_cannot_be_read_and_says_so) {
   ControlAreaFixture fixture;
   fixture.run(0.5);
   fixture.owner("north");
-  fixture.hear(owner_topic, R"({"area":"so uth"})", true);
+  fixture.receive(owner_topic, R"({"area":"so uth"})", true);
   fixture.zone_of("north");
   fixture.run(0.5);
   EXPECT_EQ(fixture.map_id(), "north");
@@ -131,7 +131,7 @@ TEST(ControlArea, is_nobody_s_again_when_its_owner_is_taken_off_the_broker) {
   fixture.owner("north");
   fixture.zone_of("north");
   fixture.heartbeat_of("north", 0.5);
-  fixture.hear(owner_topic, "", true);
+  fixture.receive(owner_topic, "", true);
   fixture.run(1.0);
   EXPECT_EQ(fixture.map_id(), "north") << "it stays on the map it has";
   EXPECT_THAT(fixture.error_types(), Not(Contains("serverLost")));
@@ -150,12 +150,12 @@ TEST(ControlArea, knows_its_place_again_after_a_crash_before_it_reports_one_of_a
   ASSERT_GT(distance(was_stopped, test::lacet4().circuit.pose_at(test::at(test::lacet4(), "loop_se", 0.0))), 0.3);
 
   ControlAreaFixture::Setup setup = fixture.reborn();
-  setup.zone_told = false;
+  setup.zone_notified = false;
   ControlAreaFixture again{setup};
   // As the broker hands them out: in the order of its subscriptions.
   ASSERT_EQ(again.core->subscriptions().front(), owner_topic);
   again.owner("north");
-  again.hear("cosiva/v1/zone/toml", zone::to_payload(lacet4_configuration()), true);
+  again.receive("cosiva/v1/zone/toml", zone::to_payload(lacet4_configuration()), true);
   again.run(0.3);
   EXPECT_FALSE(again.core->estimated_pose()) << "the floor is not what its memory is of";
   again.zone_of("north");

@@ -35,8 +35,8 @@ TEST_F(DriveCycleTest, holds_for_each_link_that_is_lost_and_no_longer) {
   EXPECT_TRUE(context.agent().holds().has(Hold::board_lost));
   EXPECT_FALSE(context.agent().holds().has(Hold::server_lost)) << "no server was heard yet";
   supervision.broker(SimTime{}, true);
-  for (const wire::Board board : wire::all_boards) supervision.board_heard(SimTime{}, board);
-  supervision.server_heard(SimTime{});
+  for (const wire::Board board : wire::all_boards) supervision.on_board_message(SimTime{}, board);
+  supervision.on_server_heartbeat(SimTime{});
   cycle.run(SimTime{std::chrono::milliseconds{500}}, context, effects);
   EXPECT_EQ(context.agent().holds().bits(), 0);
   cycle.run(SimTime{std::chrono::milliseconds{501}}, context, effects);

@@ -27,7 +27,7 @@ std::string shortened(std::string text) {
   return text;
 }
 
-wire::EstimateSensors told_of(const estimation::SensorModel& sensors) {
+wire::EstimateSensors wire_sensors(const estimation::SensorModel& sensors) {
   return {sensors.distance_variance_per_m, sensors.turn_variance_per_m, sensors.turn_variance_per_rad,
           sensors.distance_scale_sigma,    sensors.turn_scale_sigma,    sensors.fiducial_along_sigma_m,
           sensors.fiducial_across_sigma_m, sensors.line_sigma_m,        sensors.line_heading_sigma_rad};
@@ -46,28 +46,28 @@ Point2 at_rim(const zone::Circuit& circuit, Point2 fiducial_M, const Pose2& X_MB
 }
 
 /// Nothing where nobody could be told of it: it has left every place there is.
-std::optional<EstimateResponse::Estimate> told_of(const estimation::Estimate& estimate) {
+std::optional<EstimateResponse::Estimate> wire_sensors(const estimation::Estimate& estimate) {
   const Pose2& X_MB = estimate.pose;
   const auto placed = [](double v) { return std::fabs(v) <= EstimateResponse::position_m_max; };
   if (!placed(X_MB.x_m) || !placed(X_MB.y_m) || !std::isfinite(X_MB.heading_rad)) return std::nullopt;
-  EstimateResponse::Estimate told;
-  told.X_MB = {X_MB.x_m + 0.0, X_MB.y_m + 0.0, wrap_angle(X_MB.heading_rad) + 0.0};
-  if (estimate.along_m && std::isfinite(*estimate.along_m)) told.along_m = *estimate.along_m;
+  EstimateResponse::Estimate inputs;
+  inputs.X_MB = {X_MB.x_m + 0.0, X_MB.y_m + 0.0, wrap_angle(X_MB.heading_rad) + 0.0};
+  if (estimate.along_m && std::isfinite(*estimate.along_m)) inputs.along_m = *estimate.along_m;
   const auto& c = estimate.covariance;
-  if (std::isnan(c(0, 0))) return told;
-  auto& matrix = told.covariance.emplace();
+  if (std::isnan(c(0, 0))) return inputs;
+  auto& matrix = inputs.covariance.emplace();
   for (std::size_t i = 0; i < matrix.size(); ++i) {
     matrix[i] = c(static_cast<int>(i) / 3, static_cast<int>(i) % 3) + 0.0;
     if (!(std::fabs(matrix[i]) <= EstimateResponse::variance_max)) return std::nullopt;
   }
-  return told;
+  return inputs;
 }
 
-EstimateResponse::Rectified told_of(const estimation::Rectified& rectified) {
-  EstimateResponse::Rectified told{rectified.accepted, std::nullopt, static_cast<std::uint8_t>(rectified.dimensions)};
+EstimateResponse::Rectified wire_sensors(const estimation::Rectified& rectified) {
+  EstimateResponse::Rectified inputs{rectified.accepted, std::nullopt, static_cast<std::uint8_t>(rectified.dimensions)};
   if (rectified.nis && *rectified.nis >= 0.0)
-    told.nis = std::fmin(*rectified.nis, EstimateResponse::variance_max) + 0.0;
-  return told;
+    inputs.nis = std::fmin(*rectified.nis, EstimateResponse::variance_max) + 0.0;
+  return inputs;
 }
 
 }  // namespace
@@ -85,16 +85,16 @@ estimation::SensorModel data_sheet() {
 SimTime BoardClock::stamp(SimTime now, std::uint32_t board_ms) {
   const SimDuration board = std::chrono::milliseconds{board_ms};
   const SimDuration detected = now.time_since_epoch() - board;
-  if (offset_) *offset_ += std::max(now - heard_, SimDuration::zero()) / drift_divisor;
+  if (offset_) *offset_ += std::max(now - received_, SimDuration::zero()) / drift_divisor;
   if (!offset_ || detected < *offset_ || detected > *offset_ + leap) offset_ = detected;
-  heard_ = now;
+  received_ = now;
   return SimTime{board + *offset_};
 }
 
 void Estimating::ask(SimTime now, wire::EstimateRequest request) {
   requested_at_ = now;
   const bool of_own = session_ && session_->id == request.session;
-  if (said_ && said_->session == request.session && said_->sequence == request.sequence) {
+  if (last_response_ && last_response_->session == request.session && last_response_->sequence == request.sequence) {
     due_ = true;  // it did not come
   } else if (of_own) {
     // Any other was under way for long, and means nothing any more.
@@ -110,7 +110,7 @@ void Estimating::ask(SimTime now, wire::EstimateRequest request) {
 
 void Estimating::on_odometry(SimTime now, const Step& step) {
   if (session_) roll(step);
-  if (session_ && (now - requested_at_ > session_max || session_->told.size() > EstimateResponse::told_max - 2))
+  if (session_ && (now - requested_at_ > session_max || session_->inputs.size() > EstimateResponse::inputs_max - 2))
     session_.reset();
   if (!requested_) return;
   const wire::EstimateRequest request = *std::exchange(requested_, std::nullopt);
@@ -169,7 +169,7 @@ void Estimating::begin(const wire::EstimateRequest& request, const Step& step) {
   run.start.X_MB = setting.start;
   run.start.sigma_m = setting.start_sigma_m;
   run.start.heading_sigma_rad = setting.start_heading_sigma_rad;
-  run.start.sensors = told_of(setting.sensors);
+  run.start.sensors = wire_sensors(setting.sensors);
   for (const std::string& name : request.algorithms) {
     auto running = start(name, setting);
     if (!running) return refuse(request, step.at, to_string(registry_.find(name).error()));
@@ -192,14 +192,14 @@ void Estimating::roll(const Step& step) {
   run.travelled_m += std::fabs(step.distance_m);
   // The same bits as those who are told by the answer.
   const EstimateResponse::Odometry odometry{step.distance_m + 0.0, step.turn_rad + 0.0, std::fmax(duration_s, 0.0)};
-  run.told.emplace_back(odometry);
+  run.inputs.emplace_back(odometry);
   for (Running& one : run.algorithms)
     if (one.algorithm) one.algorithm->predict({odometry.distance_m, odometry.turn_rad, odometry.duration_s});
 }
 
 void Estimating::on_tag(std::uint32_t number, SimTime read_at, const zone::TrafficZone& zone, const Pose2& X_MB) {
   // Driving backwards the field comes from the other side; so short a way needs no reading.
-  if (!session_ || session_->speed_mps < 0.0 || session_->told.size() >= EstimateResponse::told_max) return;
+  if (!session_ || session_->speed_mps < 0.0 || session_->inputs.size() >= EstimateResponse::inputs_max) return;
   std::optional<Point2> fiducial_M;
   if (const zone::Tag* tag = zone.find_tag(number)) fiducial_M = position(zone.circuit.pose_at(tag->position));
   if (!fiducial_M && zone.beacons) fiducial_M = zone.beacons->find(number);
@@ -212,11 +212,11 @@ void Estimating::on_tag(std::uint32_t number, SimTime read_at, const zone::Traff
 }
 
 void Estimating::publish_reading(const EstimateResponse::Reading& reading) {
-  session_->told.emplace_back(reading);
+  session_->inputs.emplace_back(reading);
   for (Running& one : session_->algorithms) {
     if (!one.algorithm) continue;
     one.rectified.push_back(
-        told_of(one.algorithm->rectify(estimation::Reading{reading.fiducial, reading.fiducial_M, reading.detected_B})));
+        wire_sensors(one.algorithm->rectify(estimation::Reading{reading.fiducial, reading.fiducial_M, reading.detected_B})));
   }
 }
 
@@ -230,21 +230,21 @@ void Estimating::response(SimTime at) {
   response.fault = run.fault;
   response.travelled_m = run.travelled_m;
   if (run.acknowledged == 1) response.start = run.start;
-  response.told = std::exchange(run.told, {});
+  response.inputs = std::exchange(run.inputs, {});
   for (Running& one : run.algorithms) {
-    auto told = one.algorithm ? told_of(one.algorithm->estimate()) : std::nullopt;
-    if (one.algorithm && !told) {
+    auto inputs = one.algorithm ? wire_sensors(one.algorithm->estimate()) : std::nullopt;
+    if (one.algorithm && !inputs) {
       one.fault = "it has diverged: what it says is no place any more";
       one.algorithm.reset();
     }
-    EstimateResponse::Estimate estimate = told ? std::move(*told) : EstimateResponse::Estimate{};
+    EstimateResponse::Estimate estimate = inputs ? std::move(*inputs) : EstimateResponse::Estimate{};
     estimate.algorithm = one.name;
     estimate.fault = one.fault;
-    if (told) estimate.rectified = std::exchange(one.rectified, {});
+    if (inputs) estimate.rectified = std::exchange(one.rectified, {});
     response.estimates.push_back(std::move(estimate));
   }
   const bool over = !run.fault.empty();
-  say(response);
+  publish(response);
   if (over) session_.reset();
 }
 
@@ -254,11 +254,11 @@ void Estimating::refuse(const wire::EstimateRequest& request, SimTime at, std::s
   response.sequence = request.sequence;
   response.timestamp = at;
   response.fault = shortened(std::move(why));
-  say(response);
+  publish(response);
 }
 
-void Estimating::say(const EstimateResponse& response) {
-  said_ = Said{response.session, response.sequence, to_json(response)};
+void Estimating::publish(const EstimateResponse& response) {
+  last_response_ = Responded{response.session, response.sequence, to_json(response)};
   due_ = true;
 }
 
@@ -267,8 +267,8 @@ void Estimating::on_zone_switched() {
 }
 
 std::optional<std::string> Estimating::take_response() {
-  if (!std::exchange(due_, false) || !said_) return std::nullopt;
-  return said_->json;
+  if (!std::exchange(due_, false) || !last_response_) return std::nullopt;
+  return last_response_->json;
 }
 
 }  // namespace cosiva::aiv

@@ -23,7 +23,7 @@ class BoardClock {
 
  private:
   std::optional<SimDuration> offset_;  ///< our time less the board's
-  SimTime heard_{};
+  SimTime received_{};
 };
 
 /// nextEstimatedPosition(algorithm) on board (A33, A35): algorithms that are asked for by name run beside the
@@ -72,7 +72,7 @@ class Estimating {
     std::shared_ptr<const estimation::Track> track;
     wire::EstimateResponse::Start start;
     std::vector<Running> algorithms;
-    std::vector<wire::EstimateResponse::Input> told;
+    std::vector<wire::EstimateResponse::Input> inputs;
     double travelled_m{0.0};
     double off_ring_m{0.0};
     SimTime stepped_at{};
@@ -85,7 +85,7 @@ class Estimating {
   void publish_reading(const wire::EstimateResponse::Reading& reading);
   void response(SimTime at);
   void refuse(const wire::EstimateRequest& request, SimTime at, std::string why);
-  void say(const wire::EstimateResponse& response);
+  void publish(const wire::EstimateResponse& response);
 
   estimation::Registry registry_;
   EstimatorModel model_;
@@ -93,12 +93,12 @@ class Estimating {
   std::optional<wire::EstimateRequest> requested_;  ///< and not answered yet
   SimTime requested_at_{};
   /// The last answer, for who asks again.
-  struct Said {
+  struct Responded {
     std::string session;
     std::uint32_t sequence{};
     std::string json;
   };
-  std::optional<Said> said_;
+  std::optional<Responded> last_response_;
   bool due_{false};
 };
 

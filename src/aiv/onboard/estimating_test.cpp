@@ -33,7 +33,7 @@ class Requested {
   }
   void read(zone::TagNumber number) { estimating.on_tag(number, now, *zone_, current_estimate().X_MB); }
   /// The answer that is due now.
-  std::optional<EstimateResponse> heard() {
+  std::optional<EstimateResponse> received() {
     const auto json = estimating.take_response();
     if (!json) return std::nullopt;
     const auto response = wire::estimate_response_from_json(*json);
@@ -42,7 +42,7 @@ class Requested {
   }
   EstimateResponse response() {
     step();
-    const auto response = heard();
+    const auto response = received();
     EXPECT_TRUE(response);
     return response.value_or(EstimateResponse{});
   }
@@ -65,22 +65,22 @@ class Requested {
 TEST(Estimating, answers_with_the_next_odometry_where_it_began_and_then_what_each_algorithm_says) {
   Requested vehicle;
   vehicle.ask(1, {"dead_reckoning", "ekf"});
-  EXPECT_FALSE(vehicle.heard());  // it is the next position that was asked for
+  EXPECT_FALSE(vehicle.received());  // it is the next position that was asked for
   const EstimateResponse first = vehicle.response();
   ASSERT_TRUE(first.start);
   EXPECT_EQ(first.start->section, "east");
   EXPECT_NEAR(first.start->along_m, 0.11, 1e-12);
   EXPECT_EQ(first.map_id, "lacet4");
-  EXPECT_THAT(first.told, IsEmpty());
+  EXPECT_THAT(first.inputs, IsEmpty());
   vehicle.step();
   vehicle.step();
-  EXPECT_FALSE(vehicle.heard());  // nobody asked
+  EXPECT_FALSE(vehicle.received());  // nobody asked
   vehicle.ask(2);
   const EstimateResponse second = vehicle.response();
   EXPECT_FALSE(second.start);
   EXPECT_EQ(second.timestamp, vehicle.now);
   EXPECT_NEAR(second.travelled_m, 0.03, 1e-12);
-  EXPECT_THAT(second.told, SizeIs(3));
+  EXPECT_THAT(second.inputs, SizeIs(3));
   ASSERT_THAT(second.estimates, SizeIs(2));
   EXPECT_EQ(second.estimates[0].algorithm, "dead_reckoning");
   for (const auto& estimate : second.estimates) {
@@ -94,17 +94,17 @@ TEST(Estimating, says_the_same_again_to_who_did_not_hear_it_and_nothing_to_who_a
   vehicle.ask(1, {"ekf"});
   vehicle.response();
   vehicle.ask(2);
-  const EstimateResponse said = vehicle.response();
+  const EstimateResponse published = vehicle.response();
   vehicle.step();
   vehicle.ask(2);
-  EXPECT_EQ(vehicle.heard(), said);  // at once: it is known
+  EXPECT_EQ(vehicle.received(), published);  // at once: it is known
   vehicle.ask(1, {"ekf"});
   vehicle.step();
-  EXPECT_FALSE(vehicle.heard());
+  EXPECT_FALSE(vehicle.received());
   vehicle.ask(3);
   const EstimateResponse next = vehicle.response();
-  EXPECT_THAT(next.told, SizeIs(3)) << "nothing is told twice, and nothing is left out";
-  EXPECT_NEAR(next.travelled_m - said.travelled_m, 0.03, 1e-12);
+  EXPECT_THAT(next.inputs, SizeIs(3)) << "nothing is told twice, and nothing is left out";
+  EXPECT_NEAR(next.travelled_m - published.travelled_m, 0.03, 1e-12);
 }
 
 TEST(Estimating, tells_readings_as_the_antenna_has_them_and_what_each_algorithm_makes_of_them) {
@@ -119,8 +119,8 @@ TEST(Estimating, tells_readings_as_the_antenna_has_them_and_what_each_algorithm_
   vehicle.read(999'999);  // of no tag that there is
   vehicle.ask(2);
   const EstimateResponse response = vehicle.response();
-  ASSERT_THAT(response.told, SizeIs(3));
-  const auto& reading = std::get<EstimateResponse::Reading>(response.told[1]);
+  ASSERT_THAT(response.inputs, SizeIs(3));
+  const auto& reading = std::get<EstimateResponse::Reading>(response.inputs[1]);
   EXPECT_EQ(reading.fiducial, tag.number);
   // At the rim, 2 cm ahead, 20 ms before its number was there: 1 cm at 0.5 m/s.
   EXPECT_NEAR(reading.detected_B.x_m, 0.01, 1e-9);
@@ -147,7 +147,7 @@ TEST(Estimating, refuses_what_it_cannot_do_and_names_what_there_is) {
 TEST(Estimating, knows_no_session_of_before_it_was_started) {
   Requested vehicle;
   vehicle.ask(7);
-  const auto response = vehicle.heard();
+  const auto response = vehicle.received();
   ASSERT_TRUE(response);
   EXPECT_THAT(response->fault, HasSubstr("started anew"));
   EXPECT_EQ(response->sequence, 7U);
@@ -185,13 +185,13 @@ TEST(Estimating, has_a_particle_filter_that_draws_what_its_seed_says) {
 TEST(BoardClock, knows_when_a_reading_was_taken_however_late_its_frame_comes) {
   BoardClock clock;
   const SimTime power_up{std::chrono::hours{24}};
-  const auto heard_after = [&](std::uint32_t board_ms, milliseconds late) {
+  const auto received_after = [&](std::uint32_t board_ms, milliseconds late) {
     return clock.stamp(power_up + milliseconds{board_ms} + late, board_ms) - (power_up + milliseconds{board_ms});
   };
-  EXPECT_EQ(heard_after(1000, milliseconds{5}), milliseconds{5});  // it knows no better yet
-  EXPECT_EQ(heard_after(1020, milliseconds{1}), milliseconds{1});
-  EXPECT_LT(heard_after(1040, milliseconds{30}) - milliseconds{1}, std::chrono::microseconds{10});
-  EXPECT_LT(heard_after(1060, milliseconds{300}) - milliseconds{1}, std::chrono::microseconds{50});
+  EXPECT_EQ(received_after(1000, milliseconds{5}), milliseconds{5});  // it knows no better yet
+  EXPECT_EQ(received_after(1020, milliseconds{1}), milliseconds{1});
+  EXPECT_LT(received_after(1040, milliseconds{30}) - milliseconds{1}, std::chrono::microseconds{10});
+  EXPECT_LT(received_after(1060, milliseconds{300}) - milliseconds{1}, std::chrono::microseconds{50});
   // The board counts from zero again.
   const SimTime again = power_up + milliseconds{5000};
   EXPECT_EQ(clock.stamp(again, 3), again);

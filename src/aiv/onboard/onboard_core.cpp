@@ -119,7 +119,7 @@ void OnboardCore::Parts::on_bytes(const wire::Input& input, wire::Effects& effec
   const auto board = boards.board_of(input.source);
   if (!board) return;
   for (const wire::BoardMessage& message : boards.on_bytes(*board, input.payload)) {
-    supervision.board_heard(input.at, *board);
+    supervision.on_board_message(input.at, *board);
     std::visit(
         [&](const auto& m) {
           // Heartbeats are the link's, and commands are no messages of a board.
@@ -134,7 +134,7 @@ void OnboardCore::Parts::on_bytes(const wire::Input& input, wire::Effects& effec
 void OnboardCore::Parts::on_message(const wire::Input& input, wire::Effects& effects) {
   const wire::ServerTopics& topics = server.topics();
   if (input.source == topics.heartbeat) {
-    if (!input.flag) supervision.server_heard(input.at);
+    if (!input.flag) supervision.on_server_heartbeat(input.at);
   } else if (input.source == session.virtual_obstacles_topic()) {
     on_virtual_bodies(input, effects);
   } else if (input.source == session.order_topic()) {

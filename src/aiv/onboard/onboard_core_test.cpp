@@ -141,19 +141,19 @@ TEST(Onboard, tells_battery_boards_and_last_tag) {
 TEST(Onboard, tells_how_sure_a_gauge_is_that_knows_it) {
   OnboardFixture fixture;
   fixture.run(1.55);
-  const auto told = [&](std::uint32_t charge_ppm, std::uint16_t sd) {
+  const auto reported = [&](std::uint32_t charge_ppm, std::uint16_t sd) {
     const auto permille = static_cast<std::uint16_t>(charge_ppm / 1000);
     fixture.send_from_board(wire::Board::RALI, wire::Power{7400, 300, 250, permille, wire::Power::Gauge{charge_ppm, sd}});
     fixture.run(0.15);  // another whole percent is worth a state
     return fixture.state();
   };
-  const wire::State sure = told(871'234, 135);
+  const wire::State sure = reported(871'234, 135);
   EXPECT_NEAR(sure.battery.charge_percent, 87.1234, 1e-9);
   ASSERT_FALSE(sure.information.empty());
   EXPECT_EQ(sure.information.back().type, "battery");
   EXPECT_EQ(sure.information.back().references[0], (wire::Reference{"chargeStdDev_percent", "1.350"}));
   EXPECT_EQ(sure.information.back().references[1], (wire::Reference{"needsFullCharge", "false"}));
-  EXPECT_EQ(told(771'234, 600).information.back().references[1], (wire::Reference{"needsFullCharge", "true"}));
+  EXPECT_EQ(reported(771'234, 600).information.back().references[1], (wire::Reference{"needsFullCharge", "true"}));
 }
 
 TEST(Onboard, sends_a_state_on_each_whole_percent_of_charge) {
@@ -273,11 +273,11 @@ TEST(Onboard, warns_of_malformed_messages_and_goes_on) {
   fixture.run(0.5);
   fixture.order(to_1131());
   for (const char* text : {"", "{", "[]", "null", "{\"orderId\":1}", "\xFF\xFE"}) {
-    fixture.hear("uagv/v2/CoSiVA/AIV1/order", text);
-    fixture.hear("uagv/v2/CoSiVA/AIV1/instantActions", text);
-    fixture.hear(wire::server_connection_topic, text);
-    fixture.hear("cosiva/v1/zone/toml", text);
-    fixture.hear("some/where/else", text);
+    fixture.receive("uagv/v2/CoSiVA/AIV1/order", text);
+    fixture.receive("uagv/v2/CoSiVA/AIV1/instantActions", text);
+    fixture.receive(wire::server_connection_topic, text);
+    fixture.receive("cosiva/v1/zone/toml", text);
+    fixture.receive("some/where/else", text);
   }
   for (const wire::Board board : wire::all_boards)
     fixture.feed(wire::InputKind::bytes, wire::port_name(1, board), std::string("\x01\x02garbage\x00\x00", 11));
@@ -308,15 +308,15 @@ TEST(Onboard, every_message_it_publishes_decodes) {
 // --- zone, place and memory ---------------------------------------------------------------------------------------
 
 TEST(Onboard, waits_for_the_zone_from_the_broker) {
-  OnboardFixture fixture{{.zone_told = false}};
+  OnboardFixture fixture{{.zone_notified = false}};
   fixture.run(0.5);
   EXPECT_THAT(fixture.error_types(), Contains("zoneUnknown"));
   fixture.order(to_1131());
   fixture.run(0.1);
   EXPECT_THAT(fixture.error_types(), Contains("noRouteError"));
-  fixture.hear("cosiva/v1/zone/toml", "this is no zone", true);
+  fixture.receive("cosiva/v1/zone/toml", "this is no zone", true);
   EXPECT_EQ(fixture.logs.back().level, 'e');
-  fixture.hear("cosiva/v1/zone/toml", test::lacet4_configuration().text, true);
+  fixture.receive("cosiva/v1/zone/toml", test::lacet4_configuration().text, true);
   fixture.run(0.5);
   EXPECT_THAT(fixture.error_types(), Not(Contains("zoneUnknown")));
   EXPECT_THAT(fixture.factsheets, SizeIs(1));

@@ -26,7 +26,7 @@ namespace cosiva::aiv::test {
 class OnboardFixture {
  public:
   struct Setup {
-    bool zone_told{true};
+    bool zone_notified{true};
     std::optional<OnboardOptions::Start> start{OnboardOptions::Start{"loop_se", 0.0}};
     std::string persisted{};
     std::uint32_t session{77};
@@ -43,7 +43,7 @@ class OnboardFixture {
   explicit OnboardFixture(const Setup& setup) : session_{setup.session}, world{*setup.floor, setup.ground_truth} {
     world.odometer_m = setup.odometer_m;
     OnboardOptions options;
-    if (setup.zone_told) options.zone = setup.zone ? *setup.zone : lacet4_configuration();
+    if (setup.zone_notified) options.zone = setup.zone ? *setup.zone : lacet4_configuration();
     options.start = setup.start;
     options.v2x = setup.v2x;
     core = std::make_unique<OnboardCore>(options);
@@ -67,17 +67,17 @@ class OnboardFixture {
   void send_from_board(wire::Board board, const wire::BoardMessage& message) {
     feed(wire::InputKind::bytes, wire::port_name(1, board), encoders_[board].encode(message));
   }
-  void hear(std::string_view topic, std::string payload, bool retained = false) {
+  void receive(std::string_view topic, std::string payload, bool retained = false) {
     feed(wire::InputKind::message, std::string(topic), std::move(payload), retained);
   }
   void order(const wire::Order& text) {
-    hear(wire::vda_topic({"CoSiVA", "AIV1"}, "order"), wire::vda5050::encode(text));
+    receive(wire::vda_topic({"CoSiVA", "AIV1"}, "order"), wire::vda5050::encode(text));
   }
   void act(std::string type, std::string id, std::vector<wire::Parameter> parameters = {}) {
     wire::InstantActions message;
     message.header = header();
     message.actions.push_back({std::move(type), std::move(id), "", wire::BlockingType::none, std::move(parameters)});
-    hear(wire::vda_topic({"CoSiVA", "AIV1"}, "instantActions"), wire::vda5050::encode(message));
+    receive(wire::vda_topic({"CoSiVA", "AIV1"}, "instantActions"), wire::vda5050::encode(message));
   }
   [[nodiscard]] wire::Header header() const { return {1, now, "2.1.0", "CoSiVA", "AIV1"}; }
   void link(bool up) { feed(wire::InputKind::link, "broker", up ? "up" : "down"); }
@@ -95,7 +95,7 @@ class OnboardFixture {
     ++steps_;
     roll(0.01);
     const auto every = [&](int count) { return steps_ % count == 0; };
-    if (server_heartbeats && every(10)) hear(wire::server_heartbeat_topic, R"({"headerId":1})");
+    if (server_heartbeats && every(10)) receive(wire::server_heartbeat_topic, R"({"headerId":1})");
     if (every(10)) {
       for (const wire::Board board : alive) send_from_board(board, wire::Heartbeat{0, 0, 0, self_test[board]});
     }

@@ -41,7 +41,7 @@ struct Driving : OnboardFixture {
   [[nodiscard]] double s_m() const { return ground_truth.track_position(lacet4().circuit).s_m; }
 
   void receive_virtual_obstacles(std::vector<wire::Body> bodies) {
-    hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, me),
+    receive(wire::own_topic(wire::virtual_obstacles_topic_prefix, me),
          to_json(wire::VirtualObstacles{++aheads, now, "lacet4", std::move(bodies)}));
   }
   /// As a server does: ten times a second, for `seconds`.
@@ -197,7 +197,7 @@ TEST(Perception, is_forgotten_when_the_server_leaves) {
   fixture.run_with({Driving::person(fixture.s_m() + 0.5)}, 3.0);
   EXPECT_EQ(fixture.speed_mps, 0.0);
   fixture.server_heartbeats = false;
-  fixture.hear(wire::server_connection_topic, R"({"connectionState":"OFFLINE","timestamp":"2026-01-01T00:00:00Z"})");
+  fixture.receive(wire::server_connection_topic, R"({"connectionState":"OFFLINE","timestamp":"2026-01-01T00:00:00Z"})");
   fixture.run(0.5);
   EXPECT_GT(fixture.speed_mps, 0.0);
 }
@@ -226,7 +226,7 @@ TEST(Perception, malformed_virtual_obstacles_are_refused_with_one_line_per_kind_
     for (const std::string& text :
          {std::string(), std::string("{"), good.substr(0, good.size() - 1), std::string(R"({"headerId":1})"),
           std::string(40000, ' ') + good, to_json(wire::VirtualObstacles{99, fixture.now, "elsewhere", {}})})
-      fixture.hear(topic, text);
+      fixture.receive(topic, text);
     fixture.receive_virtual_obstacles(bodies);
     fixture.run(0.1);
   }
@@ -244,7 +244,7 @@ TEST(Perception, complains_of_at_most_sixteen_kinds_of_fault) {
   for (int i = 0; i < 32; ++i) {
     wire::VirtualObstacles ahead{1, fixture.now, "lacet4", std::vector<wire::Body>(32, Driving::person(0.5))};
     ahead.bodies[static_cast<std::size_t>(i)].radius_m = -1.0;
-    fixture.hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, me), to_json(ahead));
+    fixture.receive(wire::own_topic(wire::virtual_obstacles_topic_prefix, me), to_json(ahead));
   }
   EXPECT_THAT(fixture.warnings(), SizeIs(16));
 }
@@ -253,8 +253,8 @@ TEST(Perception, hears_neither_what_is_retained_nor_what_is_for_another) {
   Driving fixture;
   const std::string text =
       to_json(wire::VirtualObstacles{1, fixture.now, "lacet4", {Driving::person(fixture.s_m() + 0.4)}});
-  fixture.hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, me), text, true);
-  fixture.hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, {"CoSiVA", "AIV2"}), text);
+  fixture.receive(wire::own_topic(wire::virtual_obstacles_topic_prefix, me), text, true);
+  fixture.receive(wire::own_topic(wire::virtual_obstacles_topic_prefix, {"CoSiVA", "AIV2"}), text);
   fixture.run(0.2);
   EXPECT_THAT(fixture.felts, IsEmpty());
   EXPECT_GT(fixture.speed_mps, 0.39);
@@ -262,16 +262,16 @@ TEST(Perception, hears_neither_what_is_retained_nor_what_is_for_another) {
 
 TEST(Perception, before_there_is_a_zone_or_a_place_harms_nothing) {
   OnboardFixture::Setup setup;
-  setup.zone_told = false;
+  setup.zone_notified = false;
   OnboardFixture no_zone{setup};
   const std::string text = to_json(wire::VirtualObstacles{1, no_zone.now, "lacet4", {Driving::person(0.4)}});
-  no_zone.hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, me), text);
+  no_zone.receive(wire::own_topic(wire::virtual_obstacles_topic_prefix, me), text);
   no_zone.run(0.2);
   EXPECT_THAT(no_zone.felts, IsEmpty());
-  setup.zone_told = true;
+  setup.zone_notified = true;
   setup.start.reset();
   OnboardFixture no_position{setup};
-  no_position.hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, me), text);
+  no_position.receive(wire::own_topic(wire::virtual_obstacles_topic_prefix, me), text);
   no_position.run(0.2);
   ASSERT_THAT(no_position.felts, SizeIs(1));
   EXPECT_FALSE(no_position.felts[0].braking);
@@ -366,7 +366,7 @@ TEST(BoardsReport, counts_damage_on_both_sides_and_names_who_is_lost_or_faulty) 
 
 TEST(BoardsReport, goes_on_without_a_zone_and_stops_without_a_broker) {
   OnboardFixture::Setup setup;
-  setup.zone_told = false;
+  setup.zone_notified = false;
   OnboardFixture fixture{setup};
   fixture.run(1.0);
   EXPECT_FALSE(fixture.boards_reports.empty());
@@ -389,7 +389,7 @@ std::string edited(std::string_view from, std::string_view to) {
 TEST(ZoneEdit, a_tag_that_was_moved_rectifies_at_its_new_place_while_it_drives) {
   Driving fixture;
   // Tag 2 stands 1.4137 m along the loop; from now on it is said to stand 0.05 m earlier.
-  fixture.hear("cosiva/v1/zone/toml", edited("s_m = 1.4137", "s_m = 1.3637"), true);
+  fixture.receive("cosiva/v1/zone/toml", edited("s_m = 1.4137", "s_m = 1.3637"), true);
   EXPECT_THAT(fixture.warnings(), IsEmpty());
   EXPECT_GT(fixture.speed_mps, 0.39) << "nothing stops for that";
   fixture.run_until([&] { return fixture.s_m() >= 1.3637; }, 5.0);
@@ -412,7 +412,7 @@ TEST(ZoneEdit, another_beacon_pitch_is_in_force_at_once) {
     setup.ground_truth = at(lacet4(), "north", 0.50);
     OnboardFixture fixture{setup};
     fixture.run(0.3);
-    if (edit) fixture.hear("cosiva/v1/zone/toml", edited("pitch_m = 0.30", "pitch_m = 0.25"), true);
+    if (edit) fixture.receive("cosiva/v1/zone/toml", edited("pitch_m = 0.30", "pitch_m = 0.25"), true);
     auto rtm =
         zone::Rtm::initialise({"toml", "", edited("pitch_m = 0.30", edit ? "pitch_m = 0.25" : "pitch_m = 0.30")});
     const Point2 here = position(lacet4().circuit.pose_at(at(lacet4(), "north", 0.55)));
@@ -429,14 +429,14 @@ TEST(ZoneEdit, another_beacon_pitch_is_in_force_at_once) {
 
 TEST(ZoneEdit, one_that_is_no_zone_is_refused_and_nothing_stops_for_it) {
   Driving fixture;
-  fixture.hear("cosiva/v1/zone/toml", "this is no zone", true);
-  fixture.hear("cosiva/v1/zone/toml", "", true);
+  fixture.receive("cosiva/v1/zone/toml", "this is no zone", true);
+  fixture.receive("cosiva/v1/zone/toml", "", true);
   const auto warnings = fixture.warnings();
   ASSERT_THAT(warnings, SizeIs(1)) << "a cleared topic says nothing";
   EXPECT_THAT(warnings[0], HasSubstr("not used"));
   fixture.run(0.3);
   EXPECT_GT(fixture.speed_mps, 0.39);
-  fixture.hear("cosiva/v1/zone/toml", test::lacet4_configuration().text, true);
+  fixture.receive("cosiva/v1/zone/toml", test::lacet4_configuration().text, true);
   EXPECT_THAT(fixture.warnings(), SizeIs(1)) << "its own zone again is no news";
 }
 

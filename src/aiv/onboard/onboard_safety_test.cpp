@@ -229,13 +229,13 @@ TEST(Silence, of_a_server_once_heard_stops_the_vehicle_until_it_is_back) {
 
 TEST(Silence, of_a_server_that_said_goodbye_or_never_spoke_is_nothing) {
   Driving fixture;
-  fixture.hear(wire::server_heartbeat_topic, "{}", true);  // a retained one is not a beat
+  fixture.receive(wire::server_heartbeat_topic, "{}", true);  // a retained one is not a beat
   fixture.run(0.7);
   EXPECT_GT(fixture.speed_mps, 0.25);
   fixture.server_heartbeats = true;
   fixture.run(0.5);
   fixture.server_heartbeats = false;
-  fixture.hear(wire::server_connection_topic, R"({"connectionState":"OFFLINE"})", true);
+  fixture.receive(wire::server_connection_topic, R"({"connectionState":"OFFLINE"})", true);
   fixture.run(1.0);
   EXPECT_GT(fixture.speed_mps, 0.25);
 }
@@ -245,7 +245,7 @@ TEST(Silence, of_a_server_whose_connection_broke_still_counts) {
   fixture.server_heartbeats = true;
   fixture.run(0.5);
   fixture.server_heartbeats = false;
-  fixture.hear(wire::server_connection_topic, R"({"connectionState":"CONNECTIONBROKEN"})", true);
+  fixture.receive(wire::server_connection_topic, R"({"connectionState":"CONNECTIONBROKEN"})", true);
   fixture.run(1.2);
   EXPECT_EQ(fixture.speed_mps, 0.0);
 }
@@ -335,7 +335,7 @@ TEST(Supervision, counts_from_when_it_last_heard) {
   EXPECT_TRUE(supervision.broker_lost(now + milliseconds{601}));
   supervision.broker(now + milliseconds{700}, false);
   EXPECT_TRUE(supervision.broker_lost(now + milliseconds{701})) << "a second 'down' is no sign of life";
-  supervision.board_heard(now, wire::Board::RALI);
+  supervision.on_board_message(now, wire::Board::RALI);
   EXPECT_FALSE(supervision.board_lost(now + milliseconds{500}, wire::Board::RALI));
   EXPECT_TRUE(supervision.board_lost(now + milliseconds{501}, wire::Board::RALI));
 }

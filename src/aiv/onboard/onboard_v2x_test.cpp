@@ -29,17 +29,17 @@ struct Talking : OnboardFixture {
     intent.pose = lacet4().circuit.pose_at(track_position);
     return intent;
   }
-  void hear_intent(const wire::Intent& intent, bool retained = false) {
-    hear(wire::v2x_topic("lacet4", wire::cell_of(position(intent.pose)), intent.vehicle), to_json(intent), retained);
+  void receive_intent(const wire::Intent& intent, bool retained = false) {
+    receive(wire::v2x_topic("lacet4", wire::cell_of(position(intent.pose)), intent.vehicle), to_json(intent), retained);
   }
   /// With somebody who speaks five times a second near by.
   void run_in_company(double seconds) {
     for (int i = 0; i < static_cast<int>(seconds * 5.0); ++i) {
-      hear_intent(from("AIV2", at(lacet4(), "loop_se", 1.5)));
+      receive_intent(from("AIV2", at(lacet4(), "loop_se", 1.5)));
       run(0.2);
     }
   }
-  [[nodiscard]] std::size_t said_in_company(double seconds) {
+  [[nodiscard]] std::size_t published_in_company(double seconds) {
     run_in_company(1.0);
     const std::size_t before = intents.size();
     run_in_company(seconds);
@@ -64,7 +64,7 @@ TEST(OnboardV2x, listens_to_the_cells_around_it_as_soon_as_it_knows_where_it_is)
 TEST(OnboardV2x, says_nothing_and_hears_nobody_when_it_is_switched_off) {
   Talking fixture{{.v2x = false}};
   fixture.run_in_company(3.0);
-  fixture.hear("cosiva/v1/v2x/lacet4/0_0/CoSiVA/AIV2", "no JSON");
+  fixture.receive("cosiva/v1/v2x/lacet4/0_0/CoSiVA/AIV2", "no JSON");
   fixture.run(1.0);
   EXPECT_THAT(fixture.listens, IsEmpty());
   EXPECT_THAT(fixture.intents, IsEmpty());
@@ -76,10 +76,10 @@ TEST(OnboardV2x, speaks_once_a_second_alone_and_more_often_in_company) {
   const std::size_t before = fixture.intents.size();
   fixture.run(5.0);
   EXPECT_EQ(fixture.intents.size() - before, 5U);
-  EXPECT_EQ(fixture.said_in_company(4.0), 8U) << "it stands";
+  EXPECT_EQ(fixture.published_in_company(4.0), 8U) << "it stands";
   fixture.server_heartbeats = true;
   fixture.order(test::order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@2545"}));
-  const std::size_t moving = fixture.said_in_company(3.0);
+  const std::size_t moving = fixture.published_in_company(3.0);
   EXPECT_GE(moving, 15U);
   EXPECT_LE(moving, 20U);
   EXPECT_THAT(fixture.undecodable, IsEmpty());
@@ -89,7 +89,7 @@ TEST(OnboardV2x, responds_to_a_newcomer_at_once) {
   Talking fixture;
   fixture.run(0.2);
   const std::size_t before = fixture.intents.size();
-  fixture.hear_intent(fixture.from("AIV2", at(lacet4(), "loop_se", 0.5)));
+  fixture.receive_intent(fixture.from("AIV2", at(lacet4(), "loop_se", 0.5)));
   fixture.run(0.12);
   EXPECT_EQ(fixture.intents.size(), before + 1);
 }
@@ -124,11 +124,11 @@ TEST(OnboardV2x, counts_lies_and_logs_each_kind_once) {
   for (int i = 0; i < 100; ++i) {
     wire::Intent fast = fixture.from("AIV2", at(lacet4(), "loop_se", 0.5));
     fast.speed_mps = 50.0;
-    fixture.hear_intent(fast);
+    fixture.receive_intent(fast);
     wire::Intent double_ganger = fixture.from("AIV1", at(lacet4(), "loop_se", 0.5));
-    fixture.hear("cosiva/v1/v2x/lacet4/0_-1/CoSiVA/AIV7", to_json(double_ganger));
-    fixture.hear("cosiva/v1/v2x/lacet4/0_-1/CoSiVA/AIV7", "{\"headerId\":NaN}");
-    fixture.hear("cosiva/v1/v2x/nonsense", "{}");
+    fixture.receive("cosiva/v1/v2x/lacet4/0_-1/CoSiVA/AIV7", to_json(double_ganger));
+    fixture.receive("cosiva/v1/v2x/lacet4/0_-1/CoSiVA/AIV7", "{\"headerId\":NaN}");
+    fixture.receive("cosiva/v1/v2x/nonsense", "{}");
     fixture.run(0.02);
   }
   EXPECT_EQ(fixture.warnings(), before + 3);
@@ -140,8 +140,8 @@ TEST(OnboardV2x, counts_lies_and_logs_each_kind_once) {
 TEST(OnboardV2x, is_not_disturbed_by_its_own_messages_or_retained_ones) {
   Talking fixture;
   const std::size_t before = fixture.warnings();
-  fixture.hear_intent(fixture.from("AIV1", at(lacet4(), "loop_se", 0.0)));
-  fixture.hear_intent(fixture.from("AIV2", at(lacet4(), "loop_se", 0.5)), true);
+  fixture.receive_intent(fixture.from("AIV1", at(lacet4(), "loop_se", 0.0)));
+  fixture.receive_intent(fixture.from("AIV2", at(lacet4(), "loop_se", 0.5)), true);
   const std::size_t published_count = fixture.intents.size();
   fixture.run(5.0);
   EXPECT_EQ(fixture.warnings(), before);

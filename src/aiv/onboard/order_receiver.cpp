@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cosiva/base/expect.h"
-#include "cosiva/wire/vda5050/said.h"
+#include "cosiva/wire/vda5050/typed_messages.h"
 
 namespace cosiva::aiv {
 namespace {
@@ -16,7 +16,7 @@ constexpr SimDuration usual_cycle = std::chrono::milliseconds{20};
 
 void OrderReceiver::on_order(const wire::Input& input, DrivingContext* context, wire::Effects& effects) {
   StateReporter& reporter = parts_.reporter;
-  const auto order = wire::vda5050::heard_order(input);
+  const auto order = wire::vda5050::order_from(input);
   if (!order) return reporter.refuse("validationError", "order", to_string(order.error()), {}, effects);
   std::vector<wire::Reference> references{{"topic", "order"},
                                           {"headerId", std::to_string(order->header.header_id)},

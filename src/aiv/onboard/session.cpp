@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "cosiva/aiv/onboard/instant_actions.h"
-#include "cosiva/wire/in_process/said.h"
+#include "cosiva/wire/in_process/typed_message.h"
 #include "cosiva/wire/own/control_areas.h"
 #include "cosiva/wire/own/estimate_exchange.h"
 #include "cosiva/wire/vda5050/codec.h"

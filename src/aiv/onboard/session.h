@@ -19,7 +19,7 @@ namespace cosiva::aiv {
 /// §6.14, §6.15). While the broker is away nothing is published: a state that waits is an old state.
 class Session {
  public:
-  /// @param as_values  what comes often is passed on as values (wire/in_process/said.h)
+  /// @param as_values  what comes often is passed on as values (wire/in_process/typed_message.h)
   Session(wire::VehicleId id, std::string_view interface_name, bool as_values = false);
 
   [[nodiscard]] const std::string& order_topic() const { return order_topic_; }

@@ -5,17 +5,17 @@
 namespace cosiva::aiv {
 
 void Supervision::broker(SimTime now, bool up) {
-  if (broker_up_ || up) broker_heard_ = now;
+  if (broker_up_ || up) broker_up_at_ = now;
   broker_up_ = up;
 }
 
 bool Supervision::broker_lost(SimTime now) const {
-  return !broker_up_ && (!broker_heard_ || now - *broker_heard_ > timeout_);
+  return !broker_up_ && (!broker_up_at_ || now - *broker_up_at_ > timeout_);
 }
 
 bool Supervision::board_lost(SimTime now, wire::Board board) const {
-  const auto& heard = boards_heard_[index(board)];
-  return !heard || now - *heard > timeout_;
+  const auto& received = board_message_at_[index(board)];
+  return !received || now - *received > timeout_;
 }
 
 bool Supervision::any_board_lost(SimTime now) const {

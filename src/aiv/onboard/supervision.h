@@ -16,14 +16,14 @@ class Supervision {
   explicit Supervision(SimDuration timeout) : timeout_{timeout} {}
 
   void broker(SimTime now, bool up);
-  void server_heard(SimTime now) { server_heard_ = now; }
+  void on_server_heartbeat(SimTime now) { server_heartbeat_at_ = now; }
   /// It said goodbye: another master may drive, or nobody.
-  void server_left() { server_heard_.reset(); }
-  void board_heard(SimTime now, wire::Board board) { boards_heard_[index(board)] = now; }
-  void board_gone(wire::Board board) { boards_heard_[index(board)].reset(); }
+  void server_left() { server_heartbeat_at_.reset(); }
+  void on_board_message(SimTime now, wire::Board board) { board_message_at_[index(board)] = now; }
+  void board_gone(wire::Board board) { board_message_at_[index(board)].reset(); }
 
   [[nodiscard]] bool broker_lost(SimTime now) const;
-  [[nodiscard]] bool server_lost(SimTime now) const { return server_heard_ && now - *server_heard_ > timeout_; }
+  [[nodiscard]] bool server_lost(SimTime now) const { return server_heartbeat_at_ && now - *server_heartbeat_at_ > timeout_; }
   [[nodiscard]] bool board_lost(SimTime now, wire::Board board) const;
   [[nodiscard]] bool any_board_lost(SimTime now) const;
 
@@ -32,9 +32,9 @@ class Supervision {
 
   SimDuration timeout_;
   bool broker_up_{false};
-  std::optional<SimTime> broker_heard_;  ///< when it was last up; nothing: never
-  std::optional<SimTime> server_heard_;
-  std::array<std::optional<SimTime>, wire::all_boards.size()> boards_heard_{};
+  std::optional<SimTime> broker_up_at_;  ///< when it was last up; nothing: never
+  std::optional<SimTime> server_heartbeat_at_;
+  std::array<std::optional<SimTime>, wire::all_boards.size()> board_message_at_{};
 };
 
 }  // namespace cosiva::aiv

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "cosiva/base/expect.h"
-#include "cosiva/wire/in_process/heard_intents.h"
+#include "cosiva/wire/in_process/received_intents.h"
 
 namespace cosiva::aiv {
 namespace {
@@ -47,10 +47,10 @@ void V2xParticipant::on_intent(SimTime now, const wire::Input& input, DrivingCon
     errors_.report(std::move(kind), "intent on '" + input.source.substr(0, topic_bytes_max) + "' not used: " + why,
                    effects);
   };
-  auto intent = wire::heard_intent(input);
+  auto intent = wire::received_intent(input);
   if (!intent) return refuse(intent.error().code + " " + intent.error().location, to_string(intent.error()));
   const Point2 here = position(context.agent().position().pose());
-  const auto verdict = context.neighbours().hear(now, *topic, std::move(*intent), here);
+  const auto verdict = context.neighbours().receive(now, *topic, std::move(*intent), here);
   using enum Neighbours::Verdict;
   if (verdict == first) requested_ = true;
   // The network repeats and overtakes, and the vehicle's own intents come back where it subscribes: no fault.

@@ -29,7 +29,7 @@ bool VirtualPerception::on_bodies(SimTime now, const wire::Input& input, Driving
   PerceivedWorld& bodies = context.virtual_bodies();
   const bool first = !bodies.informed() || list->header_id < bodies.header_id();
   const bool expired = now - response_.decided >= response_period_max || now < response_.decided;
-  const bool changed = bodies.hear(now, std::move(*list));
+  const bool changed = bodies.receive(now, std::move(*list));
   ack_due_ = ack_due_ || first || expired || changed;
   return true;
 }

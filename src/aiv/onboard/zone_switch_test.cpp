@@ -39,7 +39,7 @@ struct SwitchFixture : OnboardFixture {
   std::vector<std::shared_ptr<const zone::TrafficZone>> floors;
 
   void announce(const zone::ZoneConfiguration& zone) {
-    hear(std::string(wire::zone_topic_prefix) + zone.format, zone::to_payload(zone), true);
+    receive(std::string(wire::zone_topic_prefix) + zone.format, zone::to_payload(zone), true);
   }
   /// The vehicle hears of it, and the floor changes under it as soon as it stands.
   void switch_to(const zone::ZoneConfiguration& zone) {
@@ -175,7 +175,7 @@ TEST(ZoneSwitch, to_a_broken_configuration_is_none) {
 TEST(ZoneSwitch, ignores_a_cleared_topic) {
   SwitchFixture fixture;
   fixture.set_off();
-  fixture.hear(std::string(wire::zone_topic_prefix) + "other", "", true);
+  fixture.receive(std::string(wire::zone_topic_prefix) + "other", "", true);
   fixture.run(0.3);
   EXPECT_THAT(fixture.error_types(), IsEmpty());
   EXPECT_GT(fixture.speed_mps, 0.2);

@@ -7,13 +7,13 @@ namespace cosiva::aiv {
 
 PerceivedWorld::PerceivedWorld(const zone::TrafficZone& zone, Model model) : model_{model}, gap_{zone, model.look} {}
 
-bool PerceivedWorld::hear(SimTime now, wire::VirtualObstacles ahead) {
+bool PerceivedWorld::receive(SimTime now, wire::VirtualObstacles ahead) {
   const auto was_there = [this](const wire::Body& body) {
     return std::ranges::find(ahead_.bodies, body.id, &wire::Body::id) != ahead_.bodies.end();
   };
   const bool same = ahead.bodies.size() == ahead_.bodies.size() && std::ranges::all_of(ahead.bodies, was_there);
   ahead_ = std::move(ahead);
-  heard_at_ = now;
+  received_at_ = now;
   news_at_ = now;
   return !same;
 }
@@ -31,7 +31,7 @@ PerceivedWorld::Contact PerceivedWorld::first(SimTime now, const Outlook& outloo
   Contact contact;
   if (ahead_.bodies.empty()) return contact;
   gap_.look(outlook);
-  const double carried_s = to_seconds(std::clamp(now - heard_at_, SimDuration::zero(), model_.carry_max));
+  const double carried_s = to_seconds(std::clamp(now - received_at_, SimDuration::zero(), model_.carry_max));
   for (const wire::Body& body : ahead_.bodies) {
     const double gap_m = gap_.gap_m(body, carried_s);
     if (gap_m < contact.gap_m) contact = {gap_m, body.id};

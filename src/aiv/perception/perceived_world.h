@@ -27,7 +27,7 @@ class PerceivedWorld {
   PerceivedWorld(const zone::TrafficZone& zone, Model model);
 
   /// Replaces what was heard before. True when somebody came or went since.
-  bool hear(SimTime now, wire::VirtualObstacles ahead);
+  bool receive(SimTime now, wire::VirtualObstacles ahead);
   /// Nobody could have told anything since: the memory counts from now on. What moves is not carried on any longer.
   void excuse_silence(SimTime now) { news_at_ = news_at_ ? std::optional{now} : std::nullopt; }
   void forget();
@@ -51,7 +51,7 @@ class PerceivedWorld {
   Model model_;
   BodyGap gap_;
   wire::VirtualObstacles ahead_;
-  SimTime heard_at_{};
+  SimTime received_at_{};
   std::optional<SimTime> news_at_;  ///< what the memory counts from; nothing: it knows nothing
 };
 

@@ -28,13 +28,13 @@ struct Skin {
   PerceivedWorld world{lacet4()};
   SimTime now{virtual_epoch};
 
-  Skin& hears(std::vector<wire::Body> bodies) {
-    world.hear(now, {1, now, "lacet4", std::move(bodies)});
+  Skin& receives(std::vector<wire::Body> bodies) {
+    world.receive(now, {1, now, "lacet4", std::move(bodies)});
     return *this;
   }
   double gap_m(zone::TrackPosition here) { return world.first(now, here).gap_m; }
 };
-double gap_m(zone::TrackPosition here, const wire::Body& body) { return Skin{}.hears({body}).gap_m(here); }
+double gap_m(zone::TrackPosition here, const wire::Body& body) { return Skin{}.receives({body}).gap_m(here); }
 double gap_to_vehicle_m(zone::TrackPosition here, zone::TrackPosition other) {
   return gap_m(here, vehicle(lacet4().circuit.pose_at(other)));
 }
@@ -45,7 +45,7 @@ TEST(PerceivedWorld, without_bodies_is_free) {
   Skin skin;
   EXPECT_FALSE(skin.world.informed());
   EXPECT_EQ(skin.gap_m(at(lacet4(), "east", 0.1)), nothing);
-  skin.hears({});
+  skin.receives({});
   EXPECT_TRUE(skin.world.informed());
   EXPECT_EQ(skin.gap_m(at(lacet4(), "east", 0.1)), nothing);
 }
@@ -130,7 +130,7 @@ TEST(PerceivedWorld, names_the_first_of_several) {
   wire::Body far = disc(beside(here, 0.9, 0.0));
   far.id = "P2";
   Skin skin;
-  skin.hears({far, disc(beside(here, 0.5, 0.0)), disc(beside(here, 0.3, 0.5))});
+  skin.receives({far, disc(beside(here, 0.5, 0.0)), disc(beside(here, 0.3, 0.5))});
   const auto contact = skin.world.first(skin.now, here);
   EXPECT_EQ(contact.body, "P1");
   EXPECT_NEAR(contact.gap_m, 0.5 - 0.06 - front_m, 1e-6);
@@ -140,7 +140,7 @@ TEST(PerceivedWorld, carries_a_moving_body_on_for_half_a_second) {
   const zone::TrackPosition here = at(lacet4(), "east", 0.1);
   const Point2 p = beside(here, 0.9, 0.0);
   Skin skin;
-  skin.hears({disc(p, 0.06, -0.4, 0.0)});  // against the eastward way
+  skin.receives({disc(p, 0.06, -0.4, 0.0)});  // against the eastward way
   const double at_once_m = skin.gap_m(here);
   skin.now += std::chrono::milliseconds{250};
   EXPECT_NEAR(skin.gap_m(here), at_once_m - 0.1, 1e-6) << "it approaches";
@@ -153,11 +153,11 @@ TEST(PerceivedWorld, carries_a_moving_body_on_for_half_a_second) {
 TEST(PerceivedWorld, feels_who_walks_into_its_way_and_not_who_walked_out) {
   const zone::TrackPosition here = at(lacet4(), "east", 0.1);
   Skin skin;
-  skin.hears({disc(beside(here, 0.6, 0.2), 0.06, 0.0, -0.4)});
+  skin.receives({disc(beside(here, 0.6, 0.2), 0.06, 0.0, -0.4)});
   EXPECT_EQ(skin.gap_m(here), nothing);
   skin.now += std::chrono::milliseconds{250};
   EXPECT_LT(skin.gap_m(here), 0.6);
-  skin.hears({disc(beside(here, 0.6, -0.1), 0.06, 0.0, -0.4)});
+  skin.receives({disc(beside(here, 0.6, -0.1), 0.06, 0.0, -0.4)});
   EXPECT_LT(skin.gap_m(here), 0.6);
   skin.now += std::chrono::milliseconds{250};
   EXPECT_EQ(skin.gap_m(here), nothing);
@@ -166,7 +166,7 @@ TEST(PerceivedWorld, feels_who_walks_into_its_way_and_not_who_walked_out) {
 TEST(PerceivedWorld, forgets_after_a_second_without_news) {
   const zone::TrackPosition here = at(lacet4(), "east", 0.1);
   Skin skin;
-  skin.hears({disc(beside(here, 0.6, 0.0))});
+  skin.receives({disc(beside(here, 0.6, 0.0))});
   skin.now += std::chrono::milliseconds{1000};
   skin.world.age(skin.now);
   EXPECT_LT(skin.gap_m(here), nothing);
@@ -179,7 +179,7 @@ TEST(PerceivedWorld, forgets_after_a_second_without_news) {
 TEST(PerceivedWorld, stays_known_over_a_silence_without_news) {
   const zone::TrackPosition here = at(lacet4(), "east", 0.1);
   Skin skin;
-  skin.hears({disc(beside(here, 0.6, 0.0))});
+  skin.receives({disc(beside(here, 0.6, 0.0))});
   for (int i = 0; i < 50; ++i) {
     skin.now += std::chrono::milliseconds{100};
     skin.world.excuse_silence(skin.now);
@@ -196,9 +196,9 @@ TEST(PerceivedWorld, ends_where_the_circuit_ends) {
   zone::TrafficZone dead_end = lacet4();
   dead_end.circuit = test::lay({{0.5}}, false);
   PerceivedWorld world{dead_end};
-  world.hear(virtual_epoch, {1, virtual_epoch, "", {disc({0.45, 0.0})}});
+  world.receive(virtual_epoch, {1, virtual_epoch, "", {disc({0.45, 0.0})}});
   EXPECT_NEAR(world.first(virtual_epoch, {0, 0.1}).gap_m, 0.45 - 0.1 - 0.06 - front_m, 1e-6);
-  world.hear(virtual_epoch, {1, virtual_epoch, "", {disc({0.9, 0.0})}});
+  world.receive(virtual_epoch, {1, virtual_epoch, "", {disc({0.9, 0.0})}});
   EXPECT_EQ(world.first(virtual_epoch, {0, 0.1}).gap_m, nothing);
 }
 
@@ -213,7 +213,7 @@ TEST(PerceivedWorld, gives_a_sane_gap_whatever_stands_around) {
                         random.uniform(0, 10), random.uniform(0, 1), random.uniform(-100, 100),
                         random.uniform(-100, 100)});
     }
-    skin.hears(std::move(bodies));
+    skin.receives(std::move(bodies));
     skin.now += from_seconds(random.uniform(0, 1));
     const auto section = static_cast<zone::SectionId>(random.next() % lacet4().circuit.size());
     const double s_m = random.uniform(0, lacet4().circuit.section(section).length_m());

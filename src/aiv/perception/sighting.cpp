@@ -48,7 +48,7 @@ std::optional<wire::DetectedObstacleReport> Sighting::on_frame(SimTime now, cons
                                                                double reach_m) {
   wire::DetectedObstacleReport detected;
   detected.clear_m = std::min(look.ahead_m, reach_m);
-  if (look.ahead_m <= told_m_max) {
+  if (look.ahead_m <= reported_m_max) {
     const bool fresh = !there_;
     there_ = true;
     misses_ = 0;
@@ -62,7 +62,7 @@ std::optional<wire::DetectedObstacleReport> Sighting::on_frame(SimTime now, cons
     if (farewells_left_ == 0 || (!fresh && !due(now))) return std::nullopt;
     --farewells_left_;
   }
-  told_at_ = now;
+  reported_at_ = now;
   return detected;
 }
 

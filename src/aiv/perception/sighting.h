@@ -22,7 +22,7 @@ namespace cosiva::aiv {
 /// nothing.
 class Sighting {
  public:
-  static constexpr double told_m_max = 1.0;  ///< things further ahead are not told
+  static constexpr double reported_m_max = 1.0;  ///< things further ahead are not told
   static constexpr int misses_max = 3;       ///< frames in a row without it: it is gone
   static constexpr int farewells = 3;
   static constexpr SimDuration period = std::chrono::milliseconds{100};
@@ -35,12 +35,12 @@ class Sighting {
   void fold(Digest& digest) const;
 
  private:
-  [[nodiscard]] bool due(SimTime now) const { return !told_at_ || now - *told_at_ >= period || now < *told_at_; }
+  [[nodiscard]] bool due(SimTime now) const { return !reported_at_ || now - *reported_at_ >= period || now < *reported_at_; }
 
   bool there_{false};
   int misses_{0};
   int farewells_left_{0};
-  std::optional<SimTime> told_at_;
+  std::optional<SimTime> reported_at_;
 };
 
 }  // namespace cosiva::aiv

@@ -86,7 +86,7 @@ TEST(BodyInBeams, stays_finite_with_a_wall_in_every_beam_and_with_none_at_all_be
 struct Eyes {
   Sighting sighting;
   SimTime now{virtual_epoch};
-  int told{0};
+  int reported{0};
   std::optional<wire::DetectedObstacleReport> last;
 
   bool frame(double ahead_m) {
@@ -95,7 +95,7 @@ struct Eyes {
     if (ahead_m < 2.0) ranges.range_mm[centre] = static_cast<std::uint16_t>(std::lround(1e3 * ahead_m));
     const auto detected = sighting.on_frame(now, {ahead_m, centre}, ranges, {}, 1.2);
     if (detected) last = detected;
-    told += detected ? 1 : 0;
+    reported += detected ? 1 : 0;
     return detected.has_value();
   }
 };
@@ -105,10 +105,10 @@ TEST(Sighting, tells_a_new_virtual_object_at_once_and_then_ten_times_a_second) {
   EXPECT_TRUE(eyes.frame(0.5));
   ASSERT_TRUE(eyes.last->obstacle);
   EXPECT_EQ(eyes.last->clear_m, 0.5);
-  eyes.told = 0;
+  eyes.reported = 0;
   for (int i = 0; i < 50; ++i) static_cast<void>(eyes.frame(0.5));  // three seconds
-  EXPECT_GE(eyes.told, 24);
-  EXPECT_LE(eyes.told, 30);
+  EXPECT_GE(eyes.reported, 24);
+  EXPECT_LE(eyes.reported, 30);
 }
 
 TEST(Sighting, tells_three_times_that_a_virtual_object_went_and_then_nothing_more) {
@@ -118,9 +118,9 @@ TEST(Sighting, tells_three_times_that_a_virtual_object_went_and_then_nothing_mor
   while (!eyes.frame(nothing)) ASSERT_LT(++frames, 5);
   EXPECT_FALSE(eyes.last->obstacle);
   EXPECT_EQ(eyes.last->clear_m, 1.2) << "as far as it can tell";
-  eyes.told = 1;
+  eyes.reported = 1;
   for (int i = 0; i < 50; ++i) static_cast<void>(eyes.frame(nothing));
-  EXPECT_EQ(eyes.told, 3);
+  EXPECT_EQ(eyes.reported, 3);
 }
 
 TEST(Sighting, holds_on_to_an_object_over_two_echoes_that_do_not_come_back) {

@@ -87,19 +87,19 @@ double earliest_s(double distance_m, double speed_mps, const zone::SpeedProfile&
   return (by.speed_mps - start_mps) / by.acceleration_mps2 + (distance_m - speeding_up_m) / by.speed_mps;
 }
 
-bool is_news(const wire::Intent& said, const Agent& agent, const zone::TrafficZone& zone,
+bool is_news(const wire::Intent& published, const Agent& agent, const zone::TrafficZone& zone,
              const CrossingFinder& crossing_spans) {
-  if (said.braking != agent.braking() || said.map_id != zone.name || said.position.has_value() != has_position(agent, zone))
+  if (published.braking != agent.braking() || published.map_id != zone.name || published.position.has_value() != has_position(agent, zone))
     return true;
-  if (!agent.position().known() || agent.position().off_line()) return !said.crossings.empty();
+  if (!agent.position().known() || agent.position().off_line()) return !published.crossings.empty();
   std::size_t same = 0;
   bool other = false;
   each_crossing(agent, zone, crossing_spans, [&](const CrossingSpan&, const std::string& name, bool may_enter) {
-    other = other || same == said.crossings.size() || said.crossings[same].name != name ||
-            said.crossings[same].may_enter != may_enter;
+    other = other || same == published.crossings.size() || published.crossings[same].name != name ||
+            published.crossings[same].may_enter != may_enter;
     if (!other) ++same;
   });
-  return other || same != said.crossings.size();
+  return other || same != published.crossings.size();
 }
 
 wire::Intent compose_intent(const Agent& agent, const zone::TrafficZone& zone, const CrossingFinder& crossing_spans) {

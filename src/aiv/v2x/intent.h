@@ -22,7 +22,7 @@ inline constexpr double intent_reach_m = 3.0;
 /// Whether compose_intent would say something else now that others act upon at once: whether it brakes, its map,
 /// whether it is on a line, and which crossings it comes to or may enter. Asked fifty times a second, so it composes
 /// nothing.
-[[nodiscard]] bool is_news(const wire::Intent& said, const Agent& agent, const zone::TrafficZone& zone,
+[[nodiscard]] bool is_news(const wire::Intent& published, const Agent& agent, const zone::TrafficZone& zone,
                            const CrossingFinder& crossing_spans);
 
 }  // namespace cosiva::aiv

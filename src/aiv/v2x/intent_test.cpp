@@ -134,35 +134,35 @@ TEST(ComposeIntent, of_one_beside_the_line_says_only_where_it_is) {
   EXPECT_EQ(intent.pose, (Pose2{0.3, 0.0, 0.5}));
 }
 
-bool is_news(const wire::Intent& said, const Speaker& speaker) {
-  return aiv::is_news(said, speaker.agent, lacet4(), speaker.crossing_spans);
+bool is_news(const wire::Intent& published, const Speaker& speaker) {
+  return aiv::is_news(published, speaker.agent, lacet4(), speaker.crossing_spans);
 }
 
 TEST(News, are_what_others_act_upon_and_not_where_it_drives_meanwhile) {
   const auto up_to_crossing = order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"});
   Speaker speaker{0.1};
   speaker.take(up_to_crossing);
-  const wire::Intent said = speaker.compose();
-  EXPECT_FALSE(is_news(said, speaker));
+  const wire::Intent published = speaker.compose();
+  EXPECT_FALSE(is_news(published, speaker));
   Speaker further{0.15};
   further.take(up_to_crossing);
-  ASSERT_NE(further.compose().position, said.position);
-  EXPECT_FALSE(is_news(said, further));
+  ASSERT_NE(further.compose().position, published.position);
+  EXPECT_FALSE(is_news(published, further));
 
   Speaker granted{0.1};
   granted.take(order("O-1").through({"east@0", "east@380", "east@1120", "east@1310"}));
-  EXPECT_TRUE(is_news(said, granted)) << "it may enter";
+  EXPECT_TRUE(is_news(published, granted)) << "it may enter";
   EXPECT_TRUE(is_news(granted.compose(), speaker)) << "it may not any more";
-  EXPECT_TRUE(is_news(said, Speaker{0.1})) << "it wants no crossing";
+  EXPECT_TRUE(is_news(published, Speaker{0.1})) << "it wants no crossing";
   EXPECT_TRUE(is_news(Speaker{1.3}.compose(), speaker)) << "it comes to crossings";
   Speaker beside{0.1};
   beside.agent.estimator().set_off_path({0.3, 0.0, 0.5});
-  EXPECT_TRUE(is_news(said, beside));
+  EXPECT_TRUE(is_news(published, beside));
   EXPECT_FALSE(is_news(beside.compose(), beside));
-  wire::Intent other = said;
-  other.braking = !said.braking;
+  wire::Intent other = published;
+  other.braking = !published.braking;
   EXPECT_TRUE(is_news(other, speaker));
-  other = said;
+  other = published;
   other.map_id = "indus8";
   EXPECT_TRUE(is_news(other, speaker));
 }

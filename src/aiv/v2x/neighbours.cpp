@@ -49,14 +49,14 @@ Neighbours::Neighbours(const zone::TrafficZone& zone, wire::VehicleId self, Mode
       gap_{zone, model.look},
       crossing_finder_{zone} {}
 
-bool Neighbours::leaps(const Heard& before, SimTime now, const wire::Intent& intent) const {
+bool Neighbours::leaps(const KnownIntent& before, SimTime now, const wire::Intent& intent) const {
   const double since_s = to_seconds(std::max(SimDuration::zero(), now - before.at));
   return distance(before.intent->pose, intent.pose) > model_.leap_m + speed_mps_max_ * since_s;
 }
 
-Neighbours::Verdict Neighbours::hear(SimTime now, const wire::V2xTopic& topic,
-                                     std::shared_ptr<const wire::Intent> heard, Point2 own) {
-  const wire::Intent& intent = *heard;
+Neighbours::Verdict Neighbours::receive(SimTime now, const wire::V2xTopic& topic,
+                                     std::shared_ptr<const wire::Intent> received, Point2 own) {
+  const wire::Intent& intent = *received;
   if (intent.vehicle == self_ || topic.vehicle == self_) return Verdict::own;
   if (intent.map_id != zone_.name) return Verdict::other_map;
   const Point2 at = position(intent.pose);
@@ -67,32 +67,32 @@ Neighbours::Verdict Neighbours::hear(SimTime now, const wire::V2xTopic& topic,
   if (!(off_m(at) <= model_.near_m)) return Verdict::far;
 
   age(now);
-  const auto by_name = [](const Heard& h) { return name_of(*h.intent); };
-  const auto known = std::ranges::lower_bound(heard_, name_of(intent), {}, by_name);
-  if (known != heard_.end() && known->intent->vehicle == intent.vehicle) {
+  const auto by_name = [](const KnownIntent& h) { return name_of(*h.intent); };
+  const auto known = std::ranges::lower_bound(received_, name_of(intent), {}, by_name);
+  if (known != received_.end() && known->intent->vehicle == intent.vehicle) {
     if (!newer(intent.header_id, known->intent->header_id)) return Verdict::old;
     if (leaps(*known, now, intent)) {
       // Two speak under one name, or one lies: neither is known to be right.
-      heard_.erase(known);
+      received_.erase(known);
       return Verdict::implausible;
     }
-    *known = {std::move(heard), now};
+    *known = {std::move(received), now};
     return Verdict::taken;
   }
-  if (heard_.size() >= model_.count_max) {
+  if (received_.size() >= model_.count_max) {
     const auto furthest =
-        std::ranges::max_element(heard_, {}, [&](const Heard& h) { return off_m(position(h.intent->pose)); });
+        std::ranges::max_element(received_, {}, [&](const KnownIntent& h) { return off_m(position(h.intent->pose)); });
     if (off_m(position(furthest->intent->pose)) <= off_m(at)) return Verdict::crowded;
-    heard_.erase(furthest);
+    received_.erase(furthest);
   }
-  const auto before = std::ranges::lower_bound(heard_, name_of(intent), {}, by_name);
-  heard_.insert(before, Heard{std::move(heard), now});
+  const auto before = std::ranges::lower_bound(received_, name_of(intent), {}, by_name);
+  received_.insert(before, KnownIntent{std::move(received), now});
   return Verdict::first;
 }
 
 void Neighbours::age(SimTime now) {
   // One that came after now is of a clock that was set back.
-  std::erase_if(heard_, [&](const Heard& h) { return now - h.at > model_.memory_span || h.at > now; });
+  std::erase_if(received_, [&](const KnownIntent& h) { return now - h.at > model_.memory_span || h.at > now; });
 }
 
 wire::Body Neighbours::body_of(const wire::Intent& intent) const {
@@ -112,7 +112,7 @@ wire::Body Neighbours::body_of(const wire::Intent& intent) const {
 Others Neighbours::around(SimTime now, const Agent& agent) {
   Others others;
   age(now);
-  if (heard_.empty()) return others;
+  if (received_.empty()) return others;
   // It would count only where the vehicle's own senses find it.
   if (agent.finds_body()) look_for_leader(now, agent, others);
   look_for_rivals(now, agent, others);
@@ -121,9 +121,9 @@ Others Neighbours::around(SimTime now, const Agent& agent) {
 
 void Neighbours::look_for_leader(SimTime now, const Agent& agent, Others& others) {
   gap_.look(agent.position().outlook());
-  for (const Heard& heard : heard_) {
-    const wire::Body body = body_of(*heard.intent);
-    const double carried_s = to_seconds(std::min(now - heard.at, model_.carry_max));
+  for (const KnownIntent& received : received_) {
+    const wire::Body body = body_of(*received.intent);
+    const double carried_s = to_seconds(std::min(now - received.at, model_.carry_max));
     const double gap_m = gap_.gap_m(body, carried_s);
     if (!(gap_m < others.leader_gap_m)) continue;
     const double later_m = gap_.gap_m(body, carried_s + glance_s);
@@ -145,12 +145,12 @@ void Neighbours::look_for_rivals(SimTime now, const Agent& agent, Others& others
   const double own_s = earliest_s(stop_m, agent.motion().speed_mps(), zone_.profiles.medium);
   const double slow_s = stop_m / zone_.profiles.slow.speed_mps;
   const double own_priority = zone_.priority_of(wire::to_string(self_));
-  for (const Heard& heard : heard_) {
-    const double ago_s = to_seconds(now - heard.at);
+  for (const KnownIntent& received : received_) {
+    const double ago_s = to_seconds(now - received.at);
     double arrival_s = infinite;
     double departure_s = -infinite;
     bool may_enter = false;
-    for (const wire::CrossingIntent& crossing : heard.intent->crossings) {
+    for (const wire::CrossingIntent& crossing : received.intent->crossings) {
       if (!in_chain(crossing)) continue;
       arrival_s = std::min(arrival_s, crossing.arrival_s - ago_s);
       departure_s = std::max(departure_s, crossing.departure_s - ago_s);
@@ -161,11 +161,11 @@ void Neighbours::look_for_rivals(SimTime now, const Agent& agent, Others& others
     const double wait_s = departure_s - slow_s;
     if (wait_s <= 0.0) continue;
     // Whoever may enter goes first, whatever the times say; of two equals who may not yet, the one that is there first.
-    const double priority = may_enter ? -1.0 : sign_of(own_priority - static_cast<double>(heard.intent->priority));
+    const double priority = may_enter ? -1.0 : sign_of(own_priority - static_cast<double>(received.intent->priority));
     const double margin_s = may_enter ? -wait_s : arrival_s - own_s;
     if (priority == 0.0 && margin_s >= 0.0) continue;
     // Whoever stands before a crossing waits for a third one, or for room beyond; it may wait for long.
-    if (!may_enter && std::fabs(heard.intent->speed_mps) < rests_mps) continue;
+    if (!may_enter && std::fabs(received.intent->speed_mps) < rests_mps) continue;
     if (margin_s >= others.crossing_margin_s) continue;
     others.crossing_margin_s = margin_s;
     others.crossing_priority = priority;
@@ -173,11 +173,11 @@ void Neighbours::look_for_rivals(SimTime now, const Agent& agent, Others& others
 }
 
 void Neighbours::fold(Digest& digest) const {
-  digest.add(std::uint64_t{heard_.size()});
-  for (const Heard& heard : heard_) {
-    digest.add(std::string_view{heard.intent->vehicle.serial_number});
-    digest.add(std::uint64_t{heard.intent->header_id});
-    digest.add(heard.at);
+  digest.add(std::uint64_t{received_.size()});
+  for (const KnownIntent& received : received_) {
+    digest.add(std::string_view{received.intent->vehicle.serial_number});
+    digest.add(std::uint64_t{received.intent->header_id});
+    digest.add(received.at);
   }
 }
 

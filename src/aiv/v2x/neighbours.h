@@ -50,11 +50,11 @@ class Neighbours {
   };
   /// @param topic  under which it came; who speaks under another name or cell than his own is not believed
   /// @param own    where this vehicle is
-  Verdict hear(SimTime now, const wire::V2xTopic& topic, std::shared_ptr<const wire::Intent> intent, Point2 own);
+  Verdict receive(SimTime now, const wire::V2xTopic& topic, std::shared_ptr<const wire::Intent> intent, Point2 own);
   void age(SimTime now);
-  void forget() { heard_.clear(); }
-  [[nodiscard]] std::size_t size() const { return heard_.size(); }
-  [[nodiscard]] bool empty() const { return heard_.empty(); }
+  void forget() { received_.clear(); }
+  [[nodiscard]] std::size_t size() const { return received_.size(); }
+  [[nodiscard]] bool empty() const { return received_.empty(); }
 
   /// @param agent  whose place is known and on the line
   [[nodiscard]] Others around(SimTime now, const Agent& agent);
@@ -62,11 +62,11 @@ class Neighbours {
   void fold(Digest& digest) const;
 
  private:
-  struct Heard {
+  struct KnownIntent {
     std::shared_ptr<const wire::Intent> intent;  ///< never none; others may have heard the same
     SimTime at{};
   };
-  [[nodiscard]] bool leaps(const Heard& before, SimTime now, const wire::Intent& intent) const;
+  [[nodiscard]] bool leaps(const KnownIntent& before, SimTime now, const wire::Intent& intent) const;
   void look_for_leader(SimTime now, const Agent& agent, Others& others);
   void look_for_rivals(SimTime now, const Agent& agent, Others& others);
   [[nodiscard]] wire::Body body_of(const wire::Intent& intent) const;
@@ -77,7 +77,7 @@ class Neighbours {
   double speed_mps_max_;
   BodyGap gap_;
   CrossingFinder crossing_finder_;
-  std::vector<Heard> heard_;  ///< sorted by name
+  std::vector<KnownIntent> received_;  ///< sorted by name
   std::vector<CrossingSpan> ahead_;
 };
 [[nodiscard]] std::string_view to_string(Neighbours::Verdict verdict);

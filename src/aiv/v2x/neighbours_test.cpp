@@ -61,9 +61,9 @@ struct Ear {
     CrossingFinder{lacet4()}.ahead(agent.position().outlook(), 1.0, 8, out);
     return out;
   }
-  Verdict hear(wire::Intent intent) {
+  Verdict receive(wire::Intent intent) {
     const wire::V2xTopic topic{"lacet4", wire::cell_of(position(intent.pose)), intent.vehicle};
-    return neighbours.hear(now, topic, std::make_shared<const wire::Intent>(std::move(intent)),
+    return neighbours.receive(now, topic, std::make_shared<const wire::Intent>(std::move(intent)),
                            position(agent.position().pose()));
   }
   Others around() { return neighbours.around(now, agent); }
@@ -71,9 +71,9 @@ struct Ear {
 
 TEST(Neighbours, keep_the_newest_of_each_and_forget_it_after_a_second) {
   Ear ear;
-  EXPECT_EQ(ear.hear(ear.one_at(at(lacet4(), "east", 0.5), 0.2)), Verdict::first);
+  EXPECT_EQ(ear.receive(ear.one_at(at(lacet4(), "east", 0.5), 0.2)), Verdict::first);
   ear.now += 200ms;
-  EXPECT_EQ(ear.hear(ear.one_at(at(lacet4(), "east", 0.54), 0.2)), Verdict::taken);
+  EXPECT_EQ(ear.receive(ear.one_at(at(lacet4(), "east", 0.54), 0.2)), Verdict::taken);
   EXPECT_EQ(ear.neighbours.size(), 1U);
   ear.now += 1000ms;
   ear.neighbours.age(ear.now);
@@ -87,22 +87,22 @@ TEST(Neighbours, take_what_comes_twice_or_late_for_what_it_is) {
   Ear ear;
   const wire::Intent first = ear.one_at(at(lacet4(), "east", 0.5), 0.2);
   const wire::Intent second = ear.one_at(at(lacet4(), "east", 0.54), 0.2);
-  EXPECT_EQ(ear.hear(second), Verdict::first);
-  EXPECT_EQ(ear.hear(second), Verdict::old);
-  EXPECT_EQ(ear.hear(first), Verdict::old);
+  EXPECT_EQ(ear.receive(second), Verdict::first);
+  EXPECT_EQ(ear.receive(second), Verdict::old);
+  EXPECT_EQ(ear.receive(first), Verdict::old);
   wire::Intent wrapped = second;
   wrapped.header_id = 4294967290U;
   Ear other;
-  EXPECT_EQ(other.hear(wrapped), Verdict::first);
+  EXPECT_EQ(other.receive(wrapped), Verdict::first);
   wrapped.header_id = 3;
-  EXPECT_EQ(other.hear(wrapped), Verdict::taken) << "the counter wraps";
+  EXPECT_EQ(other.receive(wrapped), Verdict::taken) << "the counter wraps";
 }
 
 TEST(Neighbours, do_not_read_anybody_s_clock) {
   Ear ear;
   wire::Intent intent = ear.one_at(at(lacet4(), "east", 0.5), 0.2);
   intent.timestamp = ear.now + std::chrono::hours{24 * 365};
-  EXPECT_EQ(ear.hear(intent), Verdict::first);
+  EXPECT_EQ(ear.receive(intent), Verdict::first);
   ear.now += 1001ms;
   ear.neighbours.age(ear.now);
   EXPECT_TRUE(ear.neighbours.empty());
@@ -112,19 +112,19 @@ TEST(Neighbours, believe_no_absurdities) {
   Ear ear;
   const zone::TrackPosition there = at(lacet4(), "east", 0.5);
   wire::Intent own = ear.one_at(there, 0.2, "AIV1");
-  EXPECT_EQ(ear.hear(own), Verdict::own);
+  EXPECT_EQ(ear.receive(own), Verdict::own);
   wire::Intent other_map = ear.one_at(there, 0.2);
   other_map.map_id = "indus8";
-  EXPECT_EQ(ear.hear(other_map), Verdict::other_map);
+  EXPECT_EQ(ear.receive(other_map), Verdict::other_map);
   wire::Intent far = ear.one_at(there, 0.2);
   far.pose.x_m = 40.0;
-  EXPECT_EQ(ear.hear(far), Verdict::far);
-  EXPECT_EQ(ear.hear(ear.one_at(there, 20.0)), Verdict::implausible) << "forty times the fast profile";
-  EXPECT_EQ(ear.hear(ear.one_at(there, std::nan(""))), Verdict::implausible);
+  EXPECT_EQ(ear.receive(far), Verdict::far);
+  EXPECT_EQ(ear.receive(ear.one_at(there, 20.0)), Verdict::implausible) << "forty times the fast profile";
+  EXPECT_EQ(ear.receive(ear.one_at(there, std::nan(""))), Verdict::implausible);
   const auto elsewhere = std::make_shared<const wire::Intent>(ear.one_at(there, 0.2));
-  EXPECT_EQ(ear.neighbours.hear(ear.now, {"lacet4", {2, 2}, elsewhere->vehicle}, elsewhere, {}), Verdict::implausible)
+  EXPECT_EQ(ear.neighbours.receive(ear.now, {"lacet4", {2, 2}, elsewhere->vehicle}, elsewhere, {}), Verdict::implausible)
       << "it speaks in a cell where it is not";
-  EXPECT_EQ(ear.neighbours.hear(ear.now, {"lacet4", wire::cell_of(position(elsewhere->pose)), {"CoSiVA", "AIV9"}},
+  EXPECT_EQ(ear.neighbours.receive(ear.now, {"lacet4", wire::cell_of(position(elsewhere->pose)), {"CoSiVA", "AIV9"}},
                                 elsewhere, {}),
             Verdict::implausible)
       << "under another's name";
@@ -133,9 +133,9 @@ TEST(Neighbours, believe_no_absurdities) {
 
 TEST(Neighbours, forget_one_that_leaps) {
   Ear ear;
-  EXPECT_EQ(ear.hear(ear.one_at(at(lacet4(), "east", 0.5), 0.2)), Verdict::first);
+  EXPECT_EQ(ear.receive(ear.one_at(at(lacet4(), "east", 0.5), 0.2)), Verdict::first);
   ear.now += 200ms;
-  EXPECT_EQ(ear.hear(ear.one_at(at(lacet4(), "west", 0.1), 0.2)), Verdict::implausible);
+  EXPECT_EQ(ear.receive(ear.one_at(at(lacet4(), "west", 0.1), 0.2)), Verdict::implausible);
   EXPECT_TRUE(ear.neighbours.empty()) << "which of the two is right nobody knows";
 }
 
@@ -145,17 +145,17 @@ TEST(Neighbours, keep_the_nearest_of_a_crowd) {
   for (int i = 0; i < 5000; ++i) {
     wire::Intent intent = ear.one_at(at(lacet4(), "east", 0.5), 0.0, "S" + std::to_string(i));
     intent.pose = {here.x_m + 0.5 + 0.001 * ((i * 37) % 5000), here.y_m, 0.0};
-    ear.hear(std::move(intent));
+    ear.receive(std::move(intent));
     ASSERT_LE(ear.neighbours.size(), 32U);
   }
   wire::Intent near = ear.one_at(at(lacet4(), "east", 0.45), 0.1);
-  EXPECT_EQ(ear.hear(near), Verdict::first);
+  EXPECT_EQ(ear.receive(near), Verdict::first);
   EXPECT_EQ(ear.neighbours.size(), 32U);
 }
 
 TEST(Neighbours, say_how_fast_the_one_ahead_drives) {
   Ear ear;
-  ear.hear(ear.one_at(at(lacet4(), "east", 0.6), 0.25));
+  ear.receive(ear.one_at(at(lacet4(), "east", 0.6), 0.25));
   EXPECT_EQ(ear.around().leader_gap_m, infinite) << "nothing is seen";
   ear.agent.perceive(0.3);
   const Others others = ear.around();
@@ -167,7 +167,7 @@ TEST(Neighbours, say_how_fast_the_one_ahead_drives) {
 TEST(Neighbours, carry_the_one_ahead_on_for_half_a_second_at_most) {
   Ear ear;
   ear.agent.perceive(0.3);
-  ear.hear(ear.one_at(at(lacet4(), "east", 0.6), 0.2));
+  ear.receive(ear.one_at(at(lacet4(), "east", 0.6), 0.2));
   ear.now += 300ms;
   EXPECT_NEAR(ear.around().leader_gap_m, 0.3 + 0.06, 0.01);
   ear.now += 600ms;
@@ -177,8 +177,8 @@ TEST(Neighbours, carry_the_one_ahead_on_for_half_a_second_at_most) {
 TEST(Neighbours, know_no_leader_beside_the_way_or_behind) {
   Ear ear{0.1};
   ear.agent.perceive(0.3);
-  ear.hear(ear.one_at(at(lacet4(), "loop_sw", 2.7), 0.3));
-  ear.hear(ear.one_at(at(lacet4(), "west", 0.9), 0.3, "AIV3"));
+  ear.receive(ear.one_at(at(lacet4(), "loop_sw", 2.7), 0.3));
+  ear.receive(ear.one_at(at(lacet4(), "west", 0.9), 0.3, "AIV3"));
   EXPECT_EQ(ear.around().leader_gap_m, infinite);
 }
 
@@ -187,18 +187,18 @@ TEST(Neighbours, say_by_how_much_a_rival_is_first) {
   const double own_s = earliest_s(ear.agent.decision().crossing_ahead_m, 0.0, lacet4().profiles.medium);
   wire::Intent higher = ear.rival(own_s + 1.5, false, own_s + 3.0);
   higher.priority = 1;
-  ear.hear(higher);
+  ear.receive(higher);
   EXPECT_NEAR(ear.around().crossing_margin_s, 1.5, 1e-9);
   ear.now += 500ms;
   EXPECT_NEAR(ear.around().crossing_margin_s, 1.0, 1e-9) << "it comes nearer while it is silent";
-  ear.hear(ear.rival(own_s - 1.0, false, own_s + 3.0, "AIV3"));
+  ear.receive(ear.rival(own_s - 1.0, false, own_s + 3.0, "AIV3"));
   EXPECT_NEAR(ear.around().crossing_margin_s, -1.0, 1e-9) << "the most pressing one counts";
 }
 
 TEST(Neighbours, let_the_first_of_two_equals_come_up_as_if_alone) {
   Ear ear;
   const double own_s = earliest_s(ear.agent.decision().crossing_ahead_m, 0.0, lacet4().profiles.medium);
-  ear.hear(ear.rival(own_s + 0.5, false, own_s + 3.0));
+  ear.receive(ear.rival(own_s + 0.5, false, own_s + 3.0));
   EXPECT_EQ(ear.around().crossing_margin_s, infinite);
 }
 
@@ -206,17 +206,17 @@ TEST(Neighbours, do_not_wait_for_one_that_stands_and_may_not_enter) {
   Ear ear;
   wire::Intent is_stopped = ear.rival(0.1, false, 9.0);
   is_stopped.speed_mps = 0.0;
-  ear.hear(is_stopped);
+  ear.receive(is_stopped);
   EXPECT_EQ(ear.around().crossing_margin_s, infinite);
 }
 
 TEST(Neighbours, give_way_to_who_may_enter_only_as_long_as_it_is_in_the_way) {
   const double slow_s = Ear{}.agent.decision().crossing_ahead_m / lacet4().profiles.slow.speed_mps;
   Ear early;
-  early.hear(early.rival(0.2, true, slow_s - 0.1));
+  early.receive(early.rival(0.2, true, slow_s - 0.1));
   EXPECT_EQ(early.around().crossing_margin_s, infinite) << "gone before this one is there, even slowly";
   Ear late;
-  late.hear(late.rival(0.2, true, slow_s + 1.0));
+  late.receive(late.rival(0.2, true, slow_s + 1.0));
   EXPECT_NEAR(late.around().crossing_margin_s, -1.0, 1e-9);
   EXPECT_EQ(late.around().crossing_priority, -1.0);
 }
@@ -225,11 +225,11 @@ TEST(Neighbours, weigh_priorities_and_other_crossings_do_not_matter) {
   Ear ear;
   wire::Intent rival = ear.rival(2.0, false, 3.0);
   rival.priority = 5;
-  ear.hear(rival);
+  ear.receive(rival);
   EXPECT_EQ(ear.around().crossing_priority, -1.0);
   Ear other;
   rival.crossings.front().name = "no crossing of this way";
-  other.hear(rival);
+  other.receive(rival);
   EXPECT_EQ(other.around().crossing_margin_s, infinite);
 }
 
@@ -239,7 +239,7 @@ TEST(Neighbours, matter_to_nobody_who_may_enter) {
       ear.agent.take_order(order("O-1", 1).from_sequence(4).through({"east@380", "east@1120"}).then({"east@1310"})));
   static_cast<void>(ear.agent.decide());
   EXPECT_EQ(ear.agent.decision().crossing_ahead_m, infinite);
-  ear.hear(ear.rival(0.1, true, 9.0));
+  ear.receive(ear.rival(0.1, true, 9.0));
   EXPECT_EQ(ear.around().crossing_margin_s, infinite);
 }
 
@@ -255,7 +255,7 @@ TEST(Neighbours, take_any_intent_that_can_be_decoded) {
       lie.header_id = static_cast<std::uint32_t>(random.next());
       lie.pose = {random.uniform(-8.0, 8.0), random.uniform(-8.0, 8.0), random.uniform(-3.14, 3.14)};
       lie.speed_mps = random.uniform(-3.0, 3.0);
-      ear.hear(std::move(lie));
+      ear.receive(std::move(lie));
       ear.now += 20ms;
       const Others others = ear.around();
       RC_ASSERT(others.leader_gap_m >= 0.0);
@@ -299,20 +299,20 @@ TEST(Heeding, believes_a_leader_only_where_its_senses_find_a_body) {
 TEST(Heeding, never_goes_faster_than_the_envelope_whatever_is_said) {
   EXPECT_TRUE(rc::check([](std::uint64_t seed) {
     Random random{seed, "heeding"};
-    Agent told{lacet4()};
+    Agent reported{lacet4()};
     Agent alone{lacet4()};
     const double s_m = random.uniform(0.0, 0.1);
     const double gap_m = random.uniform(0.0, 1.0);
-    for (Agent* agent : {&told, &alone}) {
+    for (Agent* agent : {&reported, &alone}) {
       agent->estimator().position_at(at(lacet4(), "east", s_m));
       RC_ASSERT(agent->take_order(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})));
       agent->perceive(gap_m);
     }
-    told.heed({.leader_gap_m = random.uniform(0.0, 1.0),
+    reported.heed({.leader_gap_m = random.uniform(0.0, 1.0),
                .leader_mps = random.uniform(-2.0, 2.0),
                .crossing_margin_s = random.uniform(-20.0, 20.0),
                .crossing_priority = random.uniform(-1.0, 1.0)});
-    RC_ASSERT(told.decide().speed_mmps <= alone.decide().speed_mmps);
+    RC_ASSERT(reported.decide().speed_mmps <= alone.decide().speed_mmps);
   }));
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 using adapters::testing::Scratch;
 using fixture::cosiva;
-using fixture::Said;
+using fixture::CommandOutput;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
@@ -30,14 +30,14 @@ std::string edited(const Scratch& scratch, const std::string& from, const std::s
 }
 
 TEST(AgentExplain, says_the_decision_the_rules_that_fired_and_why) {
-  const Said said = cosiva({"agent", "explain", "--gap", "0.75", "--closing", "60"});
-  EXPECT_EQ(said.status, 0);
-  EXPECT_THAT(said.data, StartsWith("decision: slow (1.25 of"));
-  EXPECT_THAT(said.data, HasSubstr("because of by_gap; at the crossing it goes"));
-  EXPECT_THAT(said.data, HasSubstr("75 %  line"));
-  EXPECT_THAT(said.data, HasSubstr("if gap is near and closing is closing then by_gap is slow"));
-  EXPECT_THAT(said.data, HasSubstr("because gap is near: 75 %, closing is closing: 100 %"));
-  EXPECT_THAT(said.data, Not(HasSubstr("charge is low then")));
+  const CommandOutput output = cosiva({"agent", "explain", "--gap", "0.75", "--closing", "60"});
+  EXPECT_EQ(output.status, 0);
+  EXPECT_THAT(output.data, StartsWith("decision: slow (1.25 of"));
+  EXPECT_THAT(output.data, HasSubstr("because of by_gap; at the crossing it goes"));
+  EXPECT_THAT(output.data, HasSubstr("75 %  line"));
+  EXPECT_THAT(output.data, HasSubstr("if gap is near and closing is closing then by_gap is slow"));
+  EXPECT_THAT(output.data, HasSubstr("because gap is near: 75 %, closing is closing: 100 %"));
+  EXPECT_THAT(output.data, Not(HasSubstr("charge is low then")));
   EXPECT_THAT(cosiva({"agent", "explain", "--all"}).data, HasSubstr("charge is low then"));
 }
 
@@ -52,16 +52,16 @@ TEST(AgentExplain, takes_its_own_speed_for_how_fast_it_comes_up_to_what_stands) 
   EXPECT_EQ(cosiva({"agent", "surface", "--y", "charge", "--gap", "2", "--speed", "0.4"}).status, 0);
   EXPECT_EQ(cosiva({"agent", "explain", "--speed", "-1"}).status, 2);
   EXPECT_EQ(cosiva({"agent", "explain", "--gap", "1", "--speed", "1", "--zone", "nowhere"}).status, 2);
-  const Said both = cosiva({"agent", "explain", "--gap", "1", "--speed", "1", "--closing", "3"});
+  const CommandOutput both = cosiva({"agent", "explain", "--gap", "1", "--speed", "1", "--closing", "3"});
   EXPECT_EQ(both.status, 2);
   EXPECT_THAT(both.standard_error, HasSubstr("cosiva agent explain: "));
   EXPECT_THAT(both.standard_error, HasSubstr("`cosiva agent explain --help`"));
 }
 
 TEST(AgentExplain, says_it_as_json_too) {
-  const Said said = cosiva({"agent", "explain", "--instruction", "slow", "--json"});
-  const auto json = JsonValue::parse(said.data);
-  ASSERT_TRUE(json) << said.data;
+  const CommandOutput output = cosiva({"agent", "explain", "--instruction", "slow", "--json"});
+  const auto json = JsonValue::parse(output.data);
+  ASSERT_TRUE(json) << output.data;
   EXPECT_EQ(json->text("profile"), "slow");
   EXPECT_EQ(json->text("decided_by"), "by_instruction");
   EXPECT_EQ(json->flag("goes"), true);
@@ -91,9 +91,9 @@ TEST(AgentRules, that_are_bad_end_every_command_with_2_and_their_line) {
                                                        {"server", "--headless"}};
   for (std::vector<std::string> command : commands) {
     command.insert(command.end(), {"--rules", file});
-    const Said said = cosiva(command);
-    EXPECT_EQ(said.status, 2) << command[0];
-    EXPECT_THAT(said.standard_error,
+    const CommandOutput output = cosiva(command);
+    EXPECT_EQ(output.status, 2) << command[0];
+    EXPECT_THAT(output.standard_error,
                 HasSubstr("my.fll:199:22: 'charge' has no such term; expected a hedge or low or good"))
         << command[0];
   }
@@ -101,11 +101,11 @@ TEST(AgentRules, that_are_bad_end_every_command_with_2_and_their_line) {
 }
 
 TEST(AgentSurface, is_a_map_of_letters_in_the_terminal) {
-  const Said said = cosiva({"agent", "surface", "--x", "gap", "--y", "charge"});
-  EXPECT_EQ(said.status, 0);
-  EXPECT_THAT(said.data, StartsWith("speed over gap [braking distances] and charge [%]"));
-  EXPECT_THAT(said.data, HasSubstr("     0.0 |sssss"));
-  EXPECT_THAT(said.data, HasSubstr("x stop, s slow, m medium, f fast"));
+  const CommandOutput output = cosiva({"agent", "surface", "--x", "gap", "--y", "charge"});
+  EXPECT_EQ(output.status, 0);
+  EXPECT_THAT(output.data, StartsWith("speed over gap [braking distances] and charge [%]"));
+  EXPECT_THAT(output.data, HasSubstr("     0.0 |sssss"));
+  EXPECT_THAT(output.data, HasSubstr("x stop, s slow, m medium, f fast"));
 }
 
 TEST(AgentSurface, is_drawn_into_a_file) {
@@ -134,9 +134,9 @@ TEST(AgentSurface, says_which_inputs_and_outputs_there_are) {
 
 TEST(Rules, of_virtual_time_are_those_that_were_asked_for) {
   const auto run = [](const char* rules) {
-    const Said said = cosiva({"up", "--virtual-time", "--duration", "20", "--aivs", "4", "--json", "--rules", rules});
-    EXPECT_EQ(said.status, 0) << said.standard_error;
-    return said.data;
+    const CommandOutput output = cosiva({"up", "--virtual-time", "--duration", "20", "--aivs", "4", "--json", "--rules", rules});
+    EXPECT_EQ(output.status, 0) << output.standard_error;
+    return output.data;
   };
   EXPECT_EQ(run("fuzzy"), run("fuzzy"));
   run("crisp");
@@ -149,9 +149,9 @@ TEST(Switches, are_on_or_off_and_nothing_else) {
   for (const char* name : {"--v2x", "--convoys"}) {
     EXPECT_EQ(run(name, "on").status, 0) << name;
     EXPECT_EQ(run(name, "off").status, 0) << name;
-    const Said said = run(name, "perhaps");
-    EXPECT_EQ(said.status, 2);
-    EXPECT_THAT(said.standard_error, HasSubstr(name));
+    const CommandOutput output = run(name, "perhaps");
+    EXPECT_EQ(output.status, 2);
+    EXPECT_THAT(output.standard_error, HasSubstr(name));
   }
 }
 

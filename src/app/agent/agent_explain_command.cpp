@@ -39,13 +39,13 @@ std::string decision_json(const aiv::AgentRules& rules, const aiv::AgentDecision
 
 int run_agent_explain(const AgentArguments& arguments) {
   const auto rules = load_agent_rules(arguments.rules);
-  if (!rules) return complain(rules.error());
+  if (!rules) return report_error(rules.error());
   const auto inputs = inputs_from(arguments);
-  if (!inputs) return complain(inputs.error());
+  if (!inputs) return report_error(inputs.error());
   std::optional<aiv::Profile> present;
   if (!arguments.present.empty()) {
     present = aiv::parse_profile(arguments.present);
-    if (!present) return complain({"agent.present", "it is stop, slow, medium or fast", "--present"});
+    if (!present) return report_error({"agent.present", "it is stop, slow, medium or fast", "--present"});
   }
   const aiv::AgentDecision decision = (*rules)->decide(*inputs, present);
   const fuzzy::Explanation explanation = (*rules)->explain(*inputs);

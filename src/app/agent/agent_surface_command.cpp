@@ -15,18 +15,18 @@ namespace cosiva::app {
 
 int run_agent_surface(const AgentArguments& arguments) {
   const auto rules = load_agent_rules(arguments.rules);
-  if (!rules) return complain(rules.error());
+  if (!rules) return report_error(rules.error());
   const auto inputs = inputs_from(arguments);
-  if (!inputs) return complain(inputs.error());
+  if (!inputs) return report_error(inputs.error());
   const std::string& out = arguments.out_file;
   const bool is_drawn = !out.empty();
   if (is_drawn && !out.ends_with(".svg") && !out.ends_with(".png"))
-    return complain({"agent.out", "a picture's name ends with .svg or .png", out});
+    return report_error({"agent.out", "a picture's name ends with .svg or .png", out});
   // A terminal has fewer fields than a picture, and a program wants round steps.
   const std::size_t columns = is_drawn ? 161 : arguments.json ? 41 : 65;
   const std::size_t rows = is_drawn ? 121 : arguments.json ? 41 : 21;
   const auto surface = make_surface(**rules, arguments.x, arguments.y, arguments.of, *inputs, columns, rows);
-  if (!surface) return complain(surface.error());
+  if (!surface) return report_error(surface.error());
   if (!is_drawn) {
     print(arguments.json ? to_json(*surface) : to_text(*surface));
     return exit_done;
@@ -34,11 +34,11 @@ int run_agent_surface(const AgentArguments& arguments) {
   std::string bytes = to_svg(*surface);
   if (out.ends_with(".png")) {
     auto png = png_of(bytes, arguments.width_px);
-    if (!png) return complain(png.error());
+    if (!png) return report_error(png.error());
     bytes = std::move(*png);
   }
-  if (auto written = adapters::write_file(out, bytes); !written) return complain(written.error());
-  say("drawn into " + out);
+  if (auto written = adapters::write_file(out, bytes); !written) return report_error(written.error());
+  print_info("drawn into " + out);
   return exit_done;
 }
 

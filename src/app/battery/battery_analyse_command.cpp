@@ -91,8 +91,8 @@ Result<void> write_report(const BatteryAnalyseArguments& arguments, const std::s
 
 int run_battery_analyse(const BatteryAnalyseArguments& arguments) {
   auto all = load(arguments);
-  if (!all) return complain(all.error());
-  if (auto done = end_early(*all, arguments.failed); !done) return complain(done.error());
+  if (!all) return report_error(all.error());
+  if (auto done = end_early(*all, arguments.failed); !done) return report_error(done.error());
   JsonWriter json;
   if (all->size() > 1) json.begin_object().key("series").begin_array();
   std::string text;
@@ -112,8 +112,8 @@ int run_battery_analyse(const BatteryAnalyseArguments& arguments) {
                                       ? (std::filesystem::path{arguments.out_directory} / series.name).string()
                                       : arguments.out_directory;
     if (auto written = write_report(arguments, directory, series, metrics, own); !written)
-      return complain(written.error());
-    say("written to " + directory + ": report.html, result.json");
+      return report_error(written.error());
+    print_info("written to " + directory + ": report.html, result.json");
   }
   if (all->size() > 1) json.end_array().end_object();
   print(arguments.json ? json.text() : text);

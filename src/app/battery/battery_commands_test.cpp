@@ -18,7 +18,7 @@ namespace {
 
 using adapters::testing::Scratch;
 using fixture::cosiva;
-using fixture::Said;
+using fixture::CommandOutput;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
@@ -26,16 +26,16 @@ using ::testing::StartsWith;
 std::string data(const std::string& name) { return source_dir() + "/src/battery/testdata/" + name; }
 
 TEST(BatterySampled, gives_the_autonomy_and_its_drift) {
-  const Said said = cosiva({"battery", "sampled", "--repeat", "3", "--measure", "20", "--json"});
-  EXPECT_EQ(said.status, 0) << said.standard_error;
-  const auto json = JsonValue::parse(said.data);
+  const CommandOutput output = cosiva({"battery", "sampled", "--repeat", "3", "--measure", "20", "--json"});
+  EXPECT_EQ(output.status, 0) << output.standard_error;
+  const auto json = JsonValue::parse(output.data);
   ASSERT_TRUE(json);
   // 80 % of 2.2 Ah at about 7.7 V are 48 kJ, and a vehicle takes 3.3 W.
   EXPECT_NEAR(*json->find("autonomy_s")->number("mean"), 14500.0, 1000.0);
   ASSERT_EQ(json->find("batteries")->array()->size(), 1U);
   EXPECT_EQ(json->find("records")->array()->size(), 3U);
   EXPECT_NE(json->find("slope_per_run")->number("p"), std::nullopt);
-  EXPECT_THAT(said.standard_error, HasSubstr("run 3: put battery 1, full, into AIV1"));
+  EXPECT_THAT(output.standard_error, HasSubstr("run 3: put battery 1, full, into AIV1"));
 }
 
 TEST(BatteryFleet, writes_report_result_and_curves_and_gives_the_same_again) {
@@ -45,9 +45,9 @@ TEST(BatteryFleet, writes_report_result_and_curves_and_gives_the_same_again) {
     return cosiva({"battery", "fleet", "--aivs", "3", "--measure", "20", "--scale", "0.5", "--series", "2", "--json",
                    "--out", to});
   };
-  const Said said = run(out);
-  ASSERT_EQ(said.status, 0) << said.standard_error;
-  const auto json = JsonValue::parse(said.data);
+  const CommandOutput output = run(out);
+  ASSERT_EQ(output.status, 0) << output.standard_error;
+  const auto json = JsonValue::parse(output.data);
   ASSERT_TRUE(json);
   const JsonValue* autonomy = json->find("autonomy_s");
   EXPECT_GT(*autonomy->number("mean"), 1000.0);
@@ -58,20 +58,20 @@ TEST(BatteryFleet, writes_report_result_and_curves_and_gives_the_same_again) {
   EXPECT_THAT(html, HasSubstr("Statement"));
   EXPECT_THAT(html, HasSubstr("Kaplan and Meier"));
   EXPECT_THAT(html, HasSubstr("cosiva battery fleet --zone lacet4"));
-  EXPECT_EQ(*adapters::read_file(out + "/result.json"), said.data.substr(0, said.data.find('\n')));
+  EXPECT_EQ(*adapters::read_file(out + "/result.json"), output.data.substr(0, output.data.find('\n')));
   EXPECT_THAT(*adapters::read_file(out + "/curves.csv"), StartsWith("battery_id,run,vehicle,test_time_second"));
-  EXPECT_EQ(run(scratch / "again").data, said.data);
+  EXPECT_EQ(run(scratch / "again").data, output.data);
   // The curves are logs like others: a pack's type can be fitted to them.
-  const Said fit = cosiva({"battery", "fit", out + "/curves.csv", "--json"});
+  const CommandOutput fit = cosiva({"battery", "fit", out + "/curves.csv", "--json"});
   EXPECT_EQ(fit.status, 0) << fit.standard_error;
   EXPECT_LT(*JsonValue::parse(fit.data)->number("rms_v"), 0.05);
 }
 
 TEST(BatteryFleet, may_have_the_whole_platform_in_the_loop) {
-  const Said said = cosiva(
+  const CommandOutput output = cosiva(
       {"battery", "fleet", "--aivs", "2", "--whole", "--scale", "0.3", "--series", "2", "--floor", "80", "--json"});
-  ASSERT_EQ(said.status, 0) << said.standard_error;
-  EXPECT_THAT(said.data, HasSubstr("\"stop\":\"floor\""));
+  ASSERT_EQ(output.status, 0) << output.standard_error;
+  EXPECT_THAT(output.data, HasSubstr("\"stop\":\"floor\""));
   EXPECT_EQ(cosiva({"battery", "fleet", "--aivs", "2", "--whole", "--state", "x"}).status, 2);
 }
 
@@ -83,15 +83,15 @@ TEST(BatteryFleet, says_at_what_pace_the_whole_platform_was_in_the_loop) {
     all.insert(all.end(), more.begin(), more.end());
     return cosiva(all);
   };
-  const Said usual = with({});
+  const CommandOutput usual = with({});
   EXPECT_EQ(usual.status, 0) << usual.standard_error;
   EXPECT_EQ(with({"--hz", "50"}).data, usual.data);
-  const Said slower = with({"--hz", "10"});
+  const CommandOutput slower = with({"--hz", "10"});
   EXPECT_EQ(slower.status, 0) << slower.standard_error;
   EXPECT_NE(slower.data, usual.data);
   EXPECT_EQ(with({"--hz", "9"}).status, 2);
   EXPECT_EQ(with({"--hz", "51"}).status, 2);
-  const Said nothing_to_pace = cosiva({"battery", "fleet", "--aivs", "2", "--hz", "10"});
+  const CommandOutput nothing_to_pace = cosiva({"battery", "fleet", "--aivs", "2", "--hz", "10"});
   EXPECT_EQ(nothing_to_pace.status, 2);
   EXPECT_THAT(nothing_to_pace.standard_error, HasSubstr("--whole"));
 }
@@ -101,9 +101,9 @@ TEST(BatteryFleet, goes_on_from_its_state_and_refuses_another_s) {
   const std::string state = scratch / "state";
   const std::vector<std::string> command{"battery", "fleet", "--aivs", "2",       "--measure", "20",
                                          "--scale", "0.5",   "--json", "--state", state};
-  const Said first = cosiva(command);
+  const CommandOutput first = cosiva(command);
   ASSERT_EQ(first.status, 0) << first.standard_error;
-  const Said again = cosiva(command);  // it was done: nothing is driven anew
+  const CommandOutput again = cosiva(command);  // it was done: nothing is driven anew
   EXPECT_EQ(again.data, first.data);
   EXPECT_THAT(again.standard_error, HasSubstr("goes on from"));
   std::vector<std::string> other = command;
@@ -133,28 +133,28 @@ TEST(BatteryFleet, ends_itself_after_the_run_that_made_its_mean_as_sure_as_was_w
     return cosiva({"battery", "fleet", "--aivs", "5", "--repeat", "3", "--measure", "20", "--scale", "0.3",
                    "--half-width", half_width});
   };
-  const Said loose = fleet("20");
+  const CommandOutput loose = fleet("20");
   ASSERT_EQ(loose.status, 0) << loose.standard_error;
   EXPECT_THAT(loose.standard_error,
               HasSubstr("the test ends after run 1 of 3: the mean is known as well as was wanted"));
   EXPECT_THAT(loose.data, HasSubstr("after 5 batteries: no more are needed, nor more runs than the 1 of 3 that were"));
-  const Said strict = fleet("0.01");
+  const CommandOutput strict = fleet("0.01");
   ASSERT_EQ(strict.status, 0) << strict.standard_error;
   EXPECT_THAT(strict.data, HasSubstr("5 batteries, 15 runs"));
   EXPECT_THAT(strict.data, HasSubstr("the mean is not known to 0.01 % yet"));
 }
 
 TEST(BatteryFit, tells_residuals_and_foretells_what_it_was_not_fitted_to) {
-  const Said said = cosiva({"battery", "fit", data("leaf_hppc_25C.csv"), "--predict", data("leaf_1C_first.csv"),
+  const CommandOutput output = cosiva({"battery", "fit", data("leaf_hppc_25C.csv"), "--predict", data("leaf_1C_first.csv"),
                             "--predict", data("leaf_2C_first.csv"), "--json"});
-  ASSERT_EQ(said.status, 0) << said.standard_error;
-  const auto json = JsonValue::parse(said.data);
+  ASSERT_EQ(output.status, 0) << output.standard_error;
+  const auto json = JsonValue::parse(output.data);
   ASSERT_TRUE(json);
   EXPECT_LT(*json->number("rms_v"), 0.003);
   ASSERT_EQ(json->find("predictions")->array()->size(), 2U);
   for (const JsonValue& one : *json->find("predictions")->array())
     EXPECT_NEAR(*one.number("predicted_s") / *one.number("measured_s"), 1.0, 0.005);
-  const Said series = cosiva({"battery", "fit", data("lipo_pouch_rates_25C.csv"), "--predict", "rate=2C"});
+  const CommandOutput series = cosiva({"battery", "fit", data("lipo_pouch_rates_25C.csv"), "--predict", "rate=2C"});
   EXPECT_THAT(series.data, HasSubstr("foretold:\n"));
   EXPECT_THAT(series.data, HasSubstr("note: assumed"));
 }
@@ -180,9 +180,9 @@ TEST(BatteryFit, holds_a_discharge_out_of_a_file_that_has_several) {
   go(0.5, 0.95);
   const std::string file = scratch / "all.csv";
   ASSERT_TRUE(adapters::write_file(file, text));
-  const Said said = cosiva({"battery", "fit", file, "--predict", "discharge 2", "--json"});
-  ASSERT_EQ(said.status, 0) << said.standard_error;
-  const auto json = JsonValue::parse(said.data);
+  const CommandOutput output = cosiva({"battery", "fit", file, "--predict", "discharge 2", "--json"});
+  ASSERT_EQ(output.status, 0) << output.standard_error;
+  const auto json = JsonValue::parse(output.data);
   ASSERT_TRUE(json);
   EXPECT_EQ(json->find("residuals")->array()->size(), 2U);
   ASSERT_EQ(json->find("predictions")->array()->size(), 1U);
@@ -217,9 +217,9 @@ TEST(BatteryFit, refuses_logs_that_would_mislead) {
   const auto refused = [&](const std::string& text) {
     const std::string file = scratch / "log.csv";
     EXPECT_TRUE(adapters::write_file(file, text));
-    const Said said = cosiva({"battery", "fit", file});
-    EXPECT_EQ(said.status, 2);
-    return said.standard_error;
+    const CommandOutput output = cosiva({"battery", "fit", file});
+    EXPECT_EQ(output.status, 2);
+    return output.standard_error;
   };
   EXPECT_THAT(refused("test_time_second,voltage,current_ampere\n"), HasSubstr("'voltage' lacks its unit"));
   std::string turned = *adapters::read_file(data("leaf_2C_first.csv"));
@@ -235,9 +235,9 @@ TEST(BatteryDischarge, tells_the_published_and_the_measured_times) {
   const auto seconds = [](const std::vector<std::string>& load) {
     std::vector<std::string> command{"battery", "discharge", "--floor", "3.0", "--json"};
     command.insert(command.end(), load.begin(), load.end());
-    const Said said = cosiva(command);
-    EXPECT_EQ(said.status, 0) << said.standard_error;
-    const auto json = JsonValue::parse(said.data);
+    const CommandOutput output = cosiva(command);
+    EXPECT_EQ(output.status, 0) << output.standard_error;
+    const auto json = JsonValue::parse(output.data);
     return json ? json->find("discharges")->array()->front().number("lasted_s").value_or(0.0) : 0.0;
   };
   EXPECT_NEAR(seconds({"lipo850", "--current", "0.85"}), 3498.0, 0.002 * 3498.0);
@@ -260,7 +260,7 @@ TEST(BatteryDischarge, writes_logs_that_a_fit_finds_the_battery_in_again) {
         cosiva({"battery", "discharge", "leaf33", "--rate", rate, "--csv", scratch / (std::string(rate) + ".csv")})
             .status,
         0);
-  const Said fit =
+  const CommandOutput fit =
       cosiva({"battery", "fit", scratch / "0.2.csv", scratch / "2.csv", "--predict", scratch / "1.csv", "--json"});
   ASSERT_EQ(fit.status, 0) << fit.standard_error;
   const auto json = JsonValue::parse(fit.data);
@@ -271,14 +271,14 @@ TEST(BatteryDischarge, writes_logs_that_a_fit_finds_the_battery_in_again) {
 
 TEST(BatteryAnalyse, says_of_others_measurements_what_was_published_of_them) {
   const std::string csv = data("lghg2_fleet_figures.csv");
-  const Said both = cosiva({"battery", "analyse", csv});
+  const CommandOutput both = cosiva({"battery", "analyse", csv});
   ASSERT_EQ(both.status, 0) << both.standard_error;
   EXPECT_THAT(both.data, HasSubstr("fleet_first_run: 9 batteries, 9 runs, 0 failed"));
   EXPECT_THAT(both.data, HasSubstr("(3605.5 s, equation (4)), 95 % interval 3567.3 to 3643.7 s"));
   EXPECT_THAT(both.data, HasSubstr("1 is an outlier (Grubbs), kept: 2.309 > 2.215, robust score -4.3"));
   EXPECT_THAT(both.data, HasSubstr("same_cell_repeat: 5 batteries, 20 runs"));
   EXPECT_THAT(both.data, HasSubstr("slope -10.2"));
-  const Said failed = cosiva(
+  const CommandOutput failed = cosiva(
       {"battery", "analyse", csv, "--only", "fleet_first_run", "--failed", "6=2000", "--failed", "9=3000", "--json"});
   const auto json = JsonValue::parse(failed.data);
   ASSERT_TRUE(json);
@@ -294,16 +294,16 @@ TEST(BatteryAnalyse, takes_results_of_our_own_tests_together_and_writes_a_report
   const Scratch scratch;
   const auto fleet = [&](const char* seed) {
     const std::string file = scratch / (std::string(seed) + ".json");
-    const Said said =
+    const CommandOutput output =
         cosiva({"battery", "fleet", "--aivs", "3", "--measure", "20", "--scale", "0.3", "--json", "--seed", seed});
-    EXPECT_TRUE(adapters::write_file(file, said.data));
+    EXPECT_TRUE(adapters::write_file(file, output.data));
     return file;
   };
   const std::string out = scratch / "both";
-  const Said said =
+  const CommandOutput output =
       cosiva({"battery", "analyse", fleet("1"), fleet("2"), "--half-width", "20", "--json", "--out", out});
-  ASSERT_EQ(said.status, 0) << said.standard_error;
-  const auto json = JsonValue::parse(said.data);
+  ASSERT_EQ(output.status, 0) << output.standard_error;
+  const auto json = JsonValue::parse(output.data);
   ASSERT_TRUE(json);
   EXPECT_GE(*json->number("n"), 3.0);
   EXPECT_EQ(json->find("records")->array()->size(), 6U);
@@ -315,17 +315,17 @@ TEST(BatteryCheck, says_what_is_wrong_and_where) {
   std::string text = battery::to_json(*battery::shipped_type("leaf33"));
   text.replace(text.find("capacity_ampere_hour"), 20, "capacity");
   ASSERT_TRUE(adapters::write_file(scratch / "bad.json", text));
-  const Said said = cosiva({"battery", "check", scratch / "bad.json"});
-  EXPECT_EQ(said.status, 2);
-  EXPECT_THAT(said.data, HasSubstr("bad.json: 'capacity': lacks its unit"));
+  const CommandOutput output = cosiva({"battery", "check", scratch / "bad.json"});
+  EXPECT_EQ(output.status, 2);
+  EXPECT_THAT(output.data, HasSubstr("bad.json: 'capacity': lacks its unit"));
 }
 
 TEST(BatteryPlan, says_how_many_it_takes_and_who_swaps_with_whom) {
-  const Said said = cosiva({"battery", "plan", "--cv", "1.4", "--half-width", "1", "--aivs", "4", "--difference", "2"});
-  EXPECT_EQ(said.status, 0);
-  EXPECT_THAT(said.data, StartsWith("11 batteries for the mean to ± 1.00 %"));
-  EXPECT_THAT(said.data, HasSubstr("run 4:"));
-  EXPECT_THAT(said.data, HasSubstr("of each type to see a difference of 2.00 %"));
+  const CommandOutput output = cosiva({"battery", "plan", "--cv", "1.4", "--half-width", "1", "--aivs", "4", "--difference", "2"});
+  EXPECT_EQ(output.status, 0);
+  EXPECT_THAT(output.data, StartsWith("11 batteries for the mean to ± 1.00 %"));
+  EXPECT_THAT(output.data, HasSubstr("run 4:"));
+  EXPECT_THAT(output.data, HasSubstr("of each type to see a difference of 2.00 %"));
   const auto json = JsonValue::parse(cosiva({"battery", "plan", "--cv", "0.3", "--json"}).data);
   EXPECT_EQ(json->number("batteries"), 3.0);
 }

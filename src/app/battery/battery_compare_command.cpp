@@ -48,12 +48,12 @@ Result<std::vector<double>> autonomies(const std::string& file) {
 
 int run_battery_compare(const BatteryFilesArguments& arguments) {
   const auto first = autonomies(arguments.files[0]);
-  if (!first) return complain(first.error());
+  if (!first) return report_error(first.error());
   const auto second = autonomies(arguments.files[1]);
-  if (!second) return complain(second.error());
+  if (!second) return report_error(second.error());
   const auto found = statistics::compare(*first, *second);
   if (!found)
-    return complain({"battery.compare", "needs two batteries of each that were seen to the end, and that differ", {}});
+    return report_error({"battery.compare", "needs two batteries of each that were seen to the end, and that differ", {}});
   if (arguments.json) {
     JsonWriter json;
     json.begin_object()

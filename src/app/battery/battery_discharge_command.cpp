@@ -115,12 +115,12 @@ std::string peukert_text(const std::vector<Discharged>& all) {
 
 int run_battery_discharge(const BatteryDischargeArguments& arguments) {
   const auto type = load_battery_type(arguments.type);
-  if (!type) return complain(type.error());
+  if (!type) return report_error(type.error());
   const double capacity_ah = type->capacity_ah * arguments.scale * arguments.parallel;
   const double floor_v = (arguments.floor_v > 0.0 ? arguments.floor_v : type->voltage_floor_v) * arguments.series;
   const std::vector<Load> loads = loads_of(arguments, capacity_ah);
   if (!arguments.csv_file.empty() && loads.size() != 1)
-    return complain(
+    return report_error(
         {"battery.discharge", "a log is of one load; say which with --current, --power or --rate", "--csv"});
   std::string csv = "test_time_second,voltage_volt,current_ampere,temperature_t1_celsius\n";
   std::vector<Discharged> all;
@@ -128,8 +128,8 @@ int run_battery_discharge(const BatteryDischargeArguments& arguments) {
   for (const Load& load : loads)
     all.push_back(discharge(*type, arguments, load, floor_v, arguments.csv_file.empty() ? nullptr : &csv));
   if (!arguments.csv_file.empty()) {
-    if (auto written = adapters::write_file(arguments.csv_file, csv); !written) return complain(written.error());
-    say("written to " + arguments.csv_file);
+    if (auto written = adapters::write_file(arguments.csv_file, csv); !written) return report_error(written.error());
+    print_info("written to " + arguments.csv_file);
   }
   if (!arguments.json) {
     std::string text = type->name + ", " + decimals(capacity_ah, 3) + " Ah, from full to " + decimals(floor_v, 3) +

@@ -134,9 +134,9 @@ void write_residuals(JsonWriter& json, std::string_view name, const std::vector<
 
 int run_battery_fit(const BatteryFitArguments& arguments) {
   const auto input = load_input(arguments);
-  if (!input) return complain(input.error());
+  if (!input) return report_error(input.error());
   if (!arguments.out_file.empty() && arguments.licence.empty())
-    return complain({"fit.licence", "a type's file must say the licence of what it rests on", "--licence"});
+    return report_error({"fit.licence", "a type's file must say the licence of what it rests on", "--licence"});
   battery::FitOptions options;
   options.name = arguments.name;
   options.licence = arguments.licence.empty() ? "not given" : arguments.licence;
@@ -148,12 +148,12 @@ int run_battery_fit(const BatteryFitArguments& arguments) {
   options.floor_v = arguments.floor_v;
   options.full_v = input->full_v;
   auto fit = battery::fit_type(input->fitted, options);
-  if (!fit) return complain(fit.error());
+  if (!fit) return report_error(fit.error());
   std::vector<battery::Residual> foretold;
   for (const Log& log : input->foretold) {
     auto own = battery::predict(fit->type, {log});
     if (own.empty())
-      return complain({"fit.full",
+      return report_error({"fit.full",
                        "no discharge begins full, at " + decimals(fit->type.voltage_full_v, 2) + " V or a little below",
                        log.name});
     std::ranges::move(own, std::back_inserter(foretold));
@@ -162,9 +162,9 @@ int run_battery_fit(const BatteryFitArguments& arguments) {
   if (!arguments.out_file.empty()) {
     // Nothing is written that could not be read again.
     const std::string file = battery::to_json(fit->type);
-    if (const auto good = battery::read_type(file, arguments.out_file); !good) return complain(good.error());
-    if (auto written = adapters::write_file(arguments.out_file, file); !written) return complain(written.error());
-    say("written to " + arguments.out_file);
+    if (const auto good = battery::read_type(file, arguments.out_file); !good) return report_error(good.error());
+    if (auto written = adapters::write_file(arguments.out_file, file); !written) return report_error(written.error());
+    print_info("written to " + arguments.out_file);
   }
   if (arguments.json) {
     JsonWriter json;

@@ -32,7 +32,7 @@ using std::chrono::seconds;
 
 constexpr milliseconds tick_period{250};
 /// Whoever looks on is told so often, besides each change.
-constexpr seconds tell_period{1};
+constexpr seconds notice_period{1};
 /// A server that was killed is back within a few seconds; what is said to it meanwhile waits.
 constexpr milliseconds command_timeout{2000};
 constexpr seconds fleet_max{60};
@@ -53,7 +53,7 @@ class LiveTest {
     heartbeat_.every(tick_period, [this] { heartbeat(); });
     loop_.run();
     if (failure_) return tl::unexpected(*failure_);
-    return say_goodbye();
+    return publish_offline();
   }
   [[nodiscard]] const std::vector<experiments::BatteryRun>& records() const { return rig_.procedure().records(); }
 
@@ -90,22 +90,22 @@ class LiveTest {
     if (!saved) return tl::unexpected(saved.error());
     auto responses = rig_.restore(clock_.now(), *saved);
     if (!responses) return fail(responses.error().code, responses.error().message, file);
-    say("goes on from " + file);
+    print_info("goes on from " + file);
     response(std::move(*responses));
     return {};
   }
 
   void heartbeat() {
     if (std::exchange(interrupted_, false)) {
-      say("interrupted: what runs is known to last longer");
+      print_info("interrupted: what runs is known to last longer");
       response(rig_.give_up(clock_.now()));
     } else {
       response(rig_.tick(clock_.now()));
     }
-    tell_server();
+    notify_server();
     if (!saved_) save();
-    if (clock_.now() - told_at_ >= tell_period) tell_onlookers();
-    if (ticker_.ticks()) say(progress_text(rig_.procedure(), clock_.now()));
+    if (clock_.now() - reported_at_ >= notice_period) notify_observers();
+    if (ticker_.ticks()) print_info(progress_text(rig_.procedure(), clock_.now()));
     if ((rig_.done() || failure_) && commands_.empty()) loop_.stop();
   }
 
@@ -114,31 +114,31 @@ class LiveTest {
     const bool news = !responses.messages.empty() || !responses.commands.empty();
     for (std::string& command : responses.commands) commands_.push_back(std::move(command));
     for (const std::string& operator_messages : responses.operator_messages) {
-      say(operator_messages);
+      print_info(operator_messages);
       notify(operator_messages);
     }
-    if (news) tell_onlookers();
+    if (news) notify_observers();
     saved_ = false;
   }
 
   /// The operator's page, through the server: how the test stands. Kept by the broker, also when it is over.
-  void tell_onlookers() {
-    told_at_ = clock_.now();
-    bus_->publish({std::string(wire::battery_test_topic), to_json(rig_.test(told_at_)), 1, true});
+  void notify_observers() {
+    reported_at_ = clock_.now();
+    bus_->publish({std::string(wire::battery_test_topic), to_json(rig_.test(reported_at_)), 1, true});
   }
 
   /// In order, and each until it has been taken: a server that is not there now will be.
-  void tell_server() {
+  void notify_server() {
     while (!commands_.empty()) {
       const auto taken = server_.ask("POST", "/api/v1/commands", commands_.front(), command_timeout);
       if (!taken) {
-        if (!std::exchange(waiting_, true)) say("the server does not answer; what it is to be told waits");
+        if (!std::exchange(waiting_, true)) print_info("the server does not answer; what it is to be told waits");
         return;
       }
-      if (std::exchange(waiting_, false)) say("the server answers again");
+      if (std::exchange(waiting_, false)) print_info("the server answers again");
       if (taken->status >= 500) return;
       if (taken->status >= 400)
-        say("the server refused " + commands_.front() + ": " + to_string(refusal_in(taken->body, taken->status)));
+        print_info("the server refused " + commands_.front() + ": " + to_string(refusal_in(taken->body, taken->status)));
       commands_.pop_front();
     }
   }
@@ -146,10 +146,10 @@ class LiveTest {
   void save() {
     saved_ = true;
     if (arguments_.state_file.empty() || ended_) return;
-    if (auto kept = adapters::write_file(arguments_.state_file, rig_.state_json()); !kept && !complained_) {
+    if (auto kept = adapters::write_file(arguments_.state_file, rig_.state_json()); !kept && !reported_error_) {
       // The test goes on: only a crash would now cost it something.
-      complained_ = true;
-      say("warning: " + to_string(kept.error()));
+      reported_error_ = true;
+      print_info("warning: " + to_string(kept.error()));
     }
   }
 
@@ -161,13 +161,13 @@ class LiveTest {
     options.log_file = "/dev/null";
     options.on_exit = [](const adapters::ChildExit&) {};
     auto child = adapters::Child::start(loop_, std::move(options));
-    if (!child) return say("warning: " + to_string(child.error()));
+    if (!child) return print_info("warning: " + to_string(child.error()));
     std::erase_if(notified_, [](const auto& one) { return !one->running(); });
     notified_.push_back(std::move(*child));
   }
 
-  Result<void> say_goodbye() {
-    tell_onlookers();
+  Result<void> publish_offline() {
+    notify_observers();
     ended_ = true;
     heartbeat_.cancel();
     bool out = false;
@@ -189,10 +189,10 @@ class LiveTest {
   std::vector<std::unique_ptr<adapters::Child>> notified_;
   SecondsTicker ticker_;
   std::optional<Error> failure_;
-  SimTime told_at_{};
+  SimTime reported_at_{};
   bool waiting_{false};
   bool saved_{false};
-  bool complained_{false};
+  bool reported_error_{false};
   bool interrupted_{false};
   bool ended_{false};
   adapters::Timer heartbeat_;

@@ -15,14 +15,14 @@ int run_battery_ready(const BatteryReadyArguments& arguments) {
           ? wire::VehicleId{std::string(wire::our_manufacturer), arguments.vehicle}
           : wire::VehicleId{arguments.vehicle.substr(0, slash), arguments.vehicle.substr(slash + 1)};
   if (id.manufacturer.empty() || !wire::valid_serial_number(id.serial_number))
-    return complain({"battery.vehicle", "say AIV3, or MANUFACTURER/SERIAL", arguments.vehicle});
+    return report_error({"battery.vehicle", "say AIV3, or MANUFACTURER/SERIAL", arguments.vehicle});
   BrokerArguments broker = arguments.broker;
   if (broker.address.empty()) broker.address = "127.0.0.1:1883";
   const wire::BatteryReady ready{arguments.battery, arguments.type,          arguments.cycles,
                                  arguments.rest_s,  arguments.temperature_c, arguments.charge_percent};
   const wire::Publish message{wire::own_topic(wire::battery_ready_topic_prefix, id), to_json(ready), 1, false};
-  if (const auto said = say_over_broker(broker, "cosiva-battery-ready", {message}); !said)
-    return complain(said.error());
+  if (const auto published = publish_once(broker, "cosiva-battery-ready", {message}); !published)
+    return report_error(published.error());
   print(to_string(id) + ": batteryReady, '" + arguments.battery + "'");
   return exit_done;
 }

@@ -35,9 +35,9 @@ class Teller {
   /// @return  whether a second has gone by
   template <typename Rig>
   bool look(Rig& rig) {
-    for (const std::string& text : rig.take_messages()) say(text);
+    for (const std::string& text : rig.take_messages()) print_info(text);
     if (!ticker_.ticks()) return false;
-    say(progress_text(rig.procedure(), rig.now()));
+    print_info(progress_text(rig.procedure(), rig.now()));
     return true;
   }
 
@@ -172,7 +172,7 @@ Result<Outcome> run_whole(const BatteryTestArguments& arguments, experiments::Wo
 /// Batteries under the load that the whole platform was measured to take.
 Result<Outcome> run_measured(const BatteryTestArguments& arguments, experiments::WorldOptions world,
                              const VirtualRigOptions& options) {
-  say("the whole platform drives for " + decimals(arguments.measure_s, 0) + " s, to measure what the vehicles take");
+  print_info("the whole platform drives for " + decimals(arguments.measure_s, 0) + " s, to measure what the vehicles take");
   auto loads =
       experiments::measure_loads(std::move(world), std::chrono::seconds{10}, from_seconds(arguments.measure_s));
   if (!loads) return tl::unexpected(loads.error());
@@ -184,7 +184,7 @@ Result<Outcome> run_measured(const BatteryTestArguments& arguments, experiments:
     auto saved = adapters::read_file(file);
     if (!saved) return tl::unexpected(saved.error());
     if (auto done = rig.restore(*saved); !done) return fail(done.error().code, done.error().message, file);
-    say("goes on from " + file);
+    print_info("goes on from " + file);
   }
   Teller teller;
   while (!rig.done()) {
@@ -252,21 +252,21 @@ Result<Outcome> run_somehow(const BatteryTestArguments& arguments, const Virtual
 
 int run_test(const BatteryTestArguments& arguments, const std::string& command, std::size_t vehicles) {
   auto options = rig_options(arguments, vehicles);
-  if (!options) return complain(options.error());
+  if (!options) return report_error(options.error());
   const double half_width = 0.01 * arguments.half_width_percent;
   if (half_width > 0.0)
     options->procedure.enough = [=](const std::vector<experiments::BatteryRun>& records) {
       return experiments::analyse(records, vehicles, half_width).stopped_after.has_value();
     };
   const auto outcome = run_somehow(arguments, *options, vehicles);
-  if (!outcome) return complain(outcome.error());
+  if (!outcome) return report_error(outcome.error());
 
   const auto metrics = experiments::analyse(outcome->records, vehicles, half_width, arguments.seed);
   const std::string json = experiments::to_json(metrics, outcome->records, outcome->ground_truth);
   if (!arguments.out_directory.empty()) {
     if (auto written = write_report(arguments, command, *outcome, *options, metrics, json); !written)
-      return complain(written.error());
-    say("written to " + arguments.out_directory + ": report.html, result.json, curves.csv");
+      return report_error(written.error());
+    print_info("written to " + arguments.out_directory + ": report.html, result.json, curves.csv");
   }
   std::string text = experiments::to_text(metrics, outcome->records);
   if (half_width > 0.0) text += "\n" + stop_text(metrics.stopped_after, arguments.half_width_percent);
@@ -275,7 +275,7 @@ int run_test(const BatteryTestArguments& arguments, const std::string& command, 
             " that were made";
   // Under a floor by count alone every battery of a type comes out alike: worth a word.
   if (options->battery.gauge != battery::GaugeMethod::kalman && options->procedure.floor > 0.0)
-    say("note: a gauge that only counts takes every battery's capacity for the type's; --gauge kalman or --floor 0 "
+    print_info("note: a gauge that only counts takes every battery's capacity for the type's; --gauge kalman or --floor 0 "
         "tells them apart");
   print(arguments.json ? json : text);
   return exit_done;

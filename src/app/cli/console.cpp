@@ -7,7 +7,7 @@
 
 namespace cosiva::app {
 
-void say(std::string_view text) { std::fprintf(stderr, "%.*s\n", static_cast<int>(text.size()), text.data()); }
+void print_info(std::string_view text) { std::fprintf(stderr, "%.*s\n", static_cast<int>(text.size()), text.data()); }
 
 void print(std::string_view data) {
   std::fwrite(data.data(), 1, data.size(), stdout);
@@ -20,8 +20,8 @@ std::string step_line(double t_s, std::string_view what) {
   return std::string(at.size() < 8 ? 8 - at.size() : 0, ' ').append(at).append(" s  ").append(what);
 }
 
-int complain(const Error& error) {
-  say("cosiva: " + to_string(error));
+int report_error(const Error& error) {
+  print_info("cosiva: " + to_string(error));
   return exit_bad_input;
 }
 

@@ -31,7 +31,7 @@ class Progress {
   void at(double done_s, double all_s) {
     if (!ticker_.ticks()) return;
     const double rate = done_s / real_s();
-    say(what_ + " " + decimals(done_s, 0) + " s of " + decimals(all_s, 0) + " s, " + decimals(rate, 0) +
+    print_info(what_ + " " + decimals(done_s, 0) + " s of " + decimals(all_s, 0) + " s, " + decimals(rate, 0) +
         " times real time, " + decimals(std::max(all_s - done_s, 0.0) / rate, 0) + " s left");
   }
   [[nodiscard]] double real_s() const {

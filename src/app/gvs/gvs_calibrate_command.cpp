@@ -201,36 +201,36 @@ vision::MarkerProfile marker_of(const GvsCalibrateArguments& a, const std::optio
 
 int run_gvs_calibrate(const GvsCalibrateArguments& a) {
   if (a.points_file.empty() && a.board_file.empty())
-    return complain(
+    return report_error(
         {"gvs.points", "say what to calibrate from: --points FILE, or --board FILE --images DIR", "gvs calibrate"});
   const auto material = a.points_file.empty() ? board_of(a) : points_of(a);
-  if (!material) return complain(material.error());
+  if (!material) return report_error(material.error());
   vision::CalibrationOptions options;
   options.block_m = a.block_m;
   options.camera_height_m = a.camera_height_m;
   for (const vision::FloorModel model : vision::floor_models)
     if (a.model == name_of(model)) options.models = {{model, a.degree}};
   if (options.models.empty() && a.degree != vision::FitOptions{}.degree)
-    return complain({"gvs.degree", "needs --model polynomial or lens_polynomial", "--degree"});
+    return report_error({"gvs.degree", "needs --model polynomial or lens_polynomial", "--degree"});
   auto made = vision::calibrate(material->points, material->frame, options);
   if (!made) {
     Error error = made.error();
     if (error.location.empty()) error.location = a.points_file.empty() ? a.images_folder : a.points_file;
-    return complain(error);
+    return report_error(error);
   }
   made->calibration.name = a.name;
   if (!a.camera_foot_m.empty()) {
-    if (!(a.camera_height_m > 0.0)) return complain({"gvs.height", "needs --camera-height", "--camera-foot"});
+    if (!(a.camera_height_m > 0.0)) return report_error({"gvs.height", "needs --camera-height", "--camera-foot"});
     made->calibration.camera.foot = {a.camera_foot_m[0], a.camera_foot_m[1]};
   }
   std::optional<vision::PoseResiduals> poses;
   if (!a.poses_file.empty()) {
     auto fit = fit_of(a);
-    if (!fit) return complain(fit.error());
+    if (!fit) return report_error(fit.error());
     poses = std::move(*fit);
   }
   if (a.tag_height_m > 0.0 && !(a.camera_height_m > a.tag_height_m) && !poses)
-    return complain({"gvs.height", "needs --camera-height, and the camera above the tags", "--tag-height"});
+    return report_error({"gvs.height", "needs --camera-height, and the camera above the tags", "--tag-height"});
   made->calibration.markers = {marker_of(a, poses)};
   if (!a.out_folder.empty()) {
     const std::string budget =
@@ -243,8 +243,8 @@ int run_gvs_calibrate(const GvsCalibrateArguments& a) {
                                                             {"result.json", metrics_json(*made, poses) + "\n"},
                                                             {"report.html", page_of(*made, poses, map, a.name)}});
         !written)
-      return complain(written.error());
-    say("written into " + a.out_folder);
+      return report_error(written.error());
+    print_info("written into " + a.out_folder);
   }
   print(a.json ? metrics_json(*made, poses) : text_of(*made, poses));
   return exit_done;

@@ -169,21 +169,21 @@ class Render {
 
 int run_gvs_render(const GvsRenderArguments& a) {
   const auto rtm = open_zone(a.zone);
-  if (!rtm) return complain(rtm.error());
-  if (!(a.tag_height_m < a.height_m)) return complain({"gvs.height", "lies not below the camera", "--tag-height"});
+  if (!rtm) return report_error(rtm.error());
+  if (!(a.tag_height_m < a.height_m)) return report_error({"gvs.height", "lies not below the camera", "--tag-height"});
   const auto zone = rtm->shared_zone();
   const auto starts = virtual_side::Fleet::spread(*zone, a.aivs);
   if (starts.size() < a.aivs) {
-    return complain({"gvs.room",
+    return report_error({"gvs.room",
                      "has room for " + std::to_string(starts.size()) + " AIVs, not for " + std::to_string(a.aivs),
                      a.zone});
   }
   virtual_side::FleetOptions options;
   options.step = from_seconds(1.0 / a.rate_hz);
   auto fleet = virtual_side::Fleet::make(zone, options, starts);
-  if (!fleet) return complain(fleet.error());
+  if (!fleet) return report_error(fleet.error());
   Render render{a, zone, std::move(*fleet)};
-  if (auto done = render.run(); !done) return complain(done.error());
+  if (auto done = render.run(); !done) return report_error(done.error());
   print(a.json ? render.json() : render.phrase());
   return exit_done;
 }

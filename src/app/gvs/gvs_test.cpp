@@ -21,24 +21,24 @@ namespace {
 
 using adapters::testing::Scratch;
 using fixture::cosiva;
-using fixture::Said;
+using fixture::CommandOutput;
 using ::testing::HasSubstr;
 
 const std::string data = source_dir() + "/src/physical/vision/testdata/";
 
-JsonValue json_of(const Said& said) {
-  auto json = JsonValue::parse(said.data);
-  EXPECT_TRUE(json) << said.data << said.standard_error;
+JsonValue json_of(const CommandOutput& output) {
+  auto json = JsonValue::parse(output.data);
+  EXPECT_TRUE(json) << output.data << output.standard_error;
   return json ? std::move(*json) : JsonValue{};
 }
 
 /// A small control area, drawn once for all tests: four AIVs start and drive for two seconds, stamps 30 ms late.
 struct Bay {
   Bay() {
-    const Said said = cosiva({"gvs", "render", "--aivs", "4", "--seconds", "2", "--rate", "20", "--size", "1200",
+    const CommandOutput output = cosiva({"gvs", "render", "--aivs", "4", "--seconds", "2", "--rate", "20", "--size", "1200",
                               "--tag-side", "0.1", "--warm-up", "0", "--late", "30", "--out", folder.path(), "--json"});
-    EXPECT_EQ(said.status, 0) << said.standard_error;
-    scene = json_of(said);
+    EXPECT_EQ(output.status, 0) << output.standard_error;
+    scene = json_of(output);
   }
   [[nodiscard]] std::string file(const std::string& name) const { return folder.path() + "/" + name; }
   [[nodiscard]] std::vector<std::string> calibrate(const std::string& out) const {
@@ -61,11 +61,11 @@ const Bay& bay() {
 TEST(Gvs, rendered_calibrated_and_tracked_says_how_late_the_stamps_are_and_shifts_nothing) {
   const Scratch out;
   ASSERT_EQ(cosiva(bay().calibrate(out.path() + "/cal")).status, 0);
-  const Said said = cosiva({"gvs", "track", "--calibration", out.path() + "/cal/calibration.json", "--images",
+  const CommandOutput output = cosiva({"gvs", "track", "--calibration", out.path() + "/cal/calibration.json", "--images",
                             bay().file("pictures"), "--exposure", "4", "--tag-side", "0.1", "--against",
                             bay().file("ground_truth"), "--out", out.path() + "/seen", "--json"});
-  ASSERT_EQ(said.status, 0) << said.standard_error;
-  const JsonValue json = json_of(said);
+  ASSERT_EQ(output.status, 0) << output.standard_error;
+  const JsonValue json = json_of(output);
   EXPECT_EQ(json.number("fixes"), 160.0);  // four in each of forty
   EXPECT_EQ(json.number("lost"), 0.0);
   const JsonValue& offset = *json.find("time_offset");
@@ -79,7 +79,7 @@ TEST(Gvs, rendered_calibrated_and_tracked_says_how_late_the_stamps_are_and_shift
   }
   const std::string other = out.path() + "/other.tum";
   ASSERT_TRUE(adapters::write_file(other, adapters::read_file(out.path() + "/seen/tag_1.tum").value()));
-  const Said compared = cosiva({"compare", "--reference", bay().file("truth/tag_1.tum"), "--estimate",
+  const CommandOutput compared = cosiva({"compare", "--reference", bay().file("truth/tag_1.tum"), "--estimate",
                                 out.path() + "/seen/tag_1.tum", "--estimate", other});
   EXPECT_EQ(compared.status, 0) << compared.standard_error;
   for (const char* file : {"poses.csv", "timing.csv", "result.json", "tag_4.tum"})
@@ -87,10 +87,10 @@ TEST(Gvs, rendered_calibrated_and_tracked_says_how_late_the_stamps_are_and_shift
 }
 
 TEST(Gvs, calibrates_from_tags_that_lie_on_the_floor_as_well) {
-  const Said said =
+  const CommandOutput output =
       cosiva({"gvs", "calibrate", "--board", bay().file("board.csv"), "--images", bay().file("board"), "--json"});
-  ASSERT_EQ(said.status, 0) << said.standard_error;
-  const JsonValue json = json_of(said);
+  ASSERT_EQ(output.status, 0) << output.standard_error;
+  const JsonValue json = json_of(output);
   const JsonValue& best = json.find("tried")->array()->back();
   EXPECT_GE(best.find("blocks")->number("points").value_or(0.0), 400.0);
   EXPECT_LE(best.find("blocks")->number("rms_mm").value_or(9.0), 1.0);
@@ -98,11 +98,11 @@ TEST(Gvs, calibrates_from_tags_that_lie_on_the_floor_as_well) {
 
 TEST(Gvs, calibrates_a_real_camera_with_its_surveyed_poses) {
   const Scratch out;
-  const Said said = cosiva({"gvs", "calibrate", "--points", data + "cpm-ips/calibration_points.csv", "--poses",
+  const CommandOutput output = cosiva({"gvs", "calibrate", "--points", data + "cpm-ips/calibration_points.csv", "--poses",
                             data + "cpm-ips/pose_calibration.txt", "--pose-xs", "0.6,3.9", "--pose-ys", "0.6,3.4",
                             "--model", "polynomial", "--out", out.path(), "--json"});
-  ASSERT_EQ(said.status, 0) << said.standard_error;
-  const JsonValue json = json_of(said);
+  ASSERT_EQ(output.status, 0) << output.standard_error;
+  const JsonValue json = json_of(output);
   EXPECT_LE(json.find("poses")->number("rms_mm").value_or(9.0), 1.0);
   EXPECT_LE(json.find("poses")->number("heading_sd_deg").value_or(9.0), 0.25);
   EXPECT_LE(json.find("poses")->number("heading_left_out_deg").value_or(9.0), 0.25);
@@ -124,21 +124,21 @@ TEST(Gvs, calibration_gives_the_budget_of_its_own_error_and_says_what_nobody_has
   std::vector<std::string> standard_error = bay().calibrate(out.path() + "/cal");
   standard_error.insert(standard_error.end(), {"--tag-height-error", "0.002", "--mount-error", "0.003"});
   ASSERT_EQ(cosiva(standard_error).status, 0);
-  const auto told = load_reference_budget(out.path() + "/cal/reference_budget.json");
+  const auto reported = load_reference_budget(out.path() + "/cal/reference_budget.json");
   const auto alone = load_reference_budget(out.path() + "/cal/calibration.json");
-  ASSERT_TRUE(told && alone);
+  ASSERT_TRUE(reported && alone);
   const auto part = [](const experiments::ReferenceBudget& budget, const std::string& name) {
     for (const experiments::ReferencePart& one : budget.parts)
       if (one.name == name) return one;
     ADD_FAILURE() << name;
     return experiments::ReferencePart{};
   };
-  EXPECT_EQ(*part(*told, "floor fit").uncertainty_m, *part(*alone, "floor fit").uncertainty_m);
-  EXPECT_EQ(*part(*told, "mounting").uncertainty_m, 0.003);
+  EXPECT_EQ(*part(*reported, "floor fit").uncertainty_m, *part(*alone, "floor fit").uncertainty_m);
+  EXPECT_EQ(*part(*reported, "mounting").uncertainty_m, 0.003);
   // 2 mm of height, 3.2 m below the camera, a metre or two out.
-  EXPECT_GT(*part(*told, "tag height").uncertainty_m, 0.002 * 0.8 / 3.2);
-  EXPECT_LT(*part(*told, "tag height").uncertainty_m, 0.002 * 2.5 / 3.2);
-  EXPECT_EQ(told->untold(), 2U);   // noise of tags, the clock
+  EXPECT_GT(*part(*reported, "tag height").uncertainty_m, 0.002 * 0.8 / 3.2);
+  EXPECT_LT(*part(*reported, "tag height").uncertainty_m, 0.002 * 2.5 / 3.2);
+  EXPECT_EQ(reported->untold(), 2U);   // noise of tags, the clock
   EXPECT_EQ(alone->untold(), 4U);  // height and mounting, too
   EXPECT_FALSE(part(*alone, "tag height").uncertainty_m);
   EXPECT_NE(part(*alone, "tag height").source.find("1 mm of it would be"), std::string::npos);
@@ -227,7 +227,7 @@ TEST(Gvs, refuses_what_it_cannot_use_with_status_2_and_says_what_and_where) {
   ASSERT_TRUE(adapters::write_file(out.path() + "/cal.json", "{}"));
   struct Case {
     std::vector<std::string> standard_error;
-    std::string says;
+    std::string message;
   };
   const std::vector<Case> cases{
       {{"gvs"}, "say what to do: calibrate, track, render or watch"},
@@ -248,9 +248,9 @@ TEST(Gvs, refuses_what_it_cannot_use_with_status_2_and_says_what_and_where) {
       {{"gvs", "render", "--tag-height", "5", "--out", empty}, "lies not below the camera"},
   };
   for (const Case& one : cases) {
-    const Said said = cosiva(one.standard_error);
-    EXPECT_EQ(said.status, 2) << one.says;
-    EXPECT_THAT(said.standard_error, HasSubstr(one.says));
+    const CommandOutput output = cosiva(one.standard_error);
+    EXPECT_EQ(output.status, 2) << one.message;
+    EXPECT_THAT(output.standard_error, HasSubstr(one.message));
   }
 }
 
@@ -264,15 +264,15 @@ TEST(Gvs, tracking_refuses_bad_folders_and_images) {
   };
   EXPECT_THAT(track().standard_error, HasSubstr("holds no pictures"));
   ASSERT_TRUE(adapters::write_file(images + "/a.pgm", "P5\n1200 1200\n255\ntoo short"));
-  Said said = track();
-  EXPECT_EQ(said.status, 2);
-  EXPECT_THAT(said.standard_error, HasSubstr("a.pgm: ends too early"));
+  CommandOutput output = track();
+  EXPECT_EQ(output.status, 2);
+  EXPECT_THAT(output.standard_error, HasSubstr("a.pgm: ends too early"));
   ASSERT_TRUE(adapters::write_file(images + "/a.pgm", write_pgm(vision::Image::filled({64, 64}, 7))));
   EXPECT_THAT(track().standard_error, HasSubstr("a.pgm: is 64 x 64 pixels large"));
   ASSERT_TRUE(adapters::write_file(images + "/a.pgm", write_pgm(vision::Image::filled({1200, 1200}, 7))));
-  said = track();
-  EXPECT_EQ(said.status, 1);
-  EXPECT_THAT(said.standard_error, HasSubstr("no vehicle was seen"));
+  output = track();
+  EXPECT_EQ(output.status, 1);
+  EXPECT_THAT(output.standard_error, HasSubstr("no vehicle was seen"));
   ASSERT_TRUE(adapters::write_file(images + "/stamps.csv", "file,stamp_s\nb.pgm,0\n"));
   EXPECT_THAT(track().standard_error, HasSubstr("has no stamp for"));
   ASSERT_TRUE(adapters::write_file(images + "/stamps.csv", "file,stamp_s\na.pgm,soon\n"));

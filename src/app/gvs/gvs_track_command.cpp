@@ -70,7 +70,7 @@ Result<Tracked> track(const GvsTrackArguments& a, const vision::Calibration& cal
       tracked.fixes[fix.tag].push_back(fix);
       tracked.uncertainty_mean_m += fix.uncertainty_m;
     }
-    if (ticker.ticks()) say("cosiva: " + std::to_string(tracked.timing.size()) + " pictures");
+    if (ticker.ticks()) print_info("cosiva: " + std::to_string(tracked.timing.size()) + " pictures");
   }
   tracked.metrics = tracker.metrics();
   if (tracked.metrics.fixes > 0) tracked.uncertainty_mean_m /= static_cast<double>(tracked.metrics.fixes);
@@ -244,24 +244,24 @@ Result<void> write_all(const std::string& folder, const Tracked& tracked, const 
 
 int run_gvs_track(const GvsTrackArguments& a) {
   const auto text = adapters::read_file(a.calibration_file);
-  if (!text) return complain(text.error());
+  if (!text) return report_error(text.error());
   const auto calibration = vision::read_calibration(*text, a.calibration_file);
-  if (!calibration) return complain(calibration.error());
+  if (!calibration) return report_error(calibration.error());
   auto images = source_of(a);
-  if (!images) return complain(images.error());
+  if (!images) return report_error(images.error());
   const auto tracked = track(a, *calibration, **images);
-  if (!tracked) return complain(tracked.error());
+  if (!tracked) return report_error(tracked.error());
   const auto offsets = offsets_of(a, *tracked);
-  if (!offsets) return complain(offsets.error());
+  if (!offsets) return report_error(offsets.error());
   const std::string result = json_of(*tracked, *offsets);
   if (!a.out_folder.empty()) {
-    if (auto written = write_all(a.out_folder, *tracked, result); !written) return complain(written.error());
-    say("written into " + a.out_folder);
+    if (auto written = write_all(a.out_folder, *tracked, result); !written) return report_error(written.error());
+    print_info("written into " + a.out_folder);
   }
   print(a.json ? result : text_of(*tracked, *offsets));
   // Its own check: pictures that show nobody prove nothing.
   if (tracked->metrics.fixes == 0) {
-    say("cosiva: no vehicle was seen in any picture");
+    print_info("cosiva: no vehicle was seen in any picture");
     return exit_check_failed;
   }
   return exit_done;

@@ -51,7 +51,7 @@ class Watch {
 
   int run(std::optional<vision::Calibration> calibration) {
     if (calibration) camera_.emplace(std::move(*calibration), tracker_options(source_), names_);
-    if (auto connected = connect(); !connected) return complain(connected.error());
+    if (auto connected = connect(); !connected) return report_error(connected.error());
     loop_.on_signals({SIGINT, SIGTERM, SIGHUP}, [this](int) {
       if (std::exchange(interrupted_, true)) return loop_.stop();  // asked twice: at once, without a goodbye
       end();
@@ -75,9 +75,9 @@ class Watch {
     if (!options) return tl::unexpected(options.error());
     adapters::MqttHandlers handlers;
     handlers.on_link = [this](bool up) {
-      if (up) say_connection(wire::ConnectionState::online);
+      if (up) publish_connection(wire::ConnectionState::online);
     };
-    handlers.on_message = [this](std::string_view topic, std::string_view payload, bool) { hear(topic, payload); };
+    handlers.on_message = [this](std::string_view topic, std::string_view payload, bool) { receive(topic, payload); };
     std::vector<std::string> topics{std::string(wire::gvs_preview_request_topic),
                                     wire::topics_below(wire::zone_topic_prefix, 1)};
     if (source_.emulated()) topics.emplace_back(wire::ground_truth_topic);
@@ -101,7 +101,7 @@ class Watch {
                               [this](const std::string& why) { set_trouble(why); }});
   }
 
-  void hear(std::string_view topic, std::string_view payload) {
+  void receive(std::string_view topic, std::string_view payload) {
     if (topic == wire::gvs_preview_request_topic) {
       looked_until_ = clock_.now() + looked_for;
     } else if (topic == wire::ground_truth_topic) {
@@ -128,7 +128,7 @@ class Watch {
     known.exposure_ms = 1e3 * emulated_->exposure_s();
     known.tag_side_m = emulated_->tag_side_m();
     camera_.emplace(emulated_->calibration(), tracker_options(known), names_);
-    say_connection(wire::ConnectionState::online);
+    publish_connection(wire::ConnectionState::online);
   }
 
   void see_world(GroundTruth ground_truth) {
@@ -161,17 +161,17 @@ class Watch {
   void set_trouble(const std::string& why) {
     if (why == trouble_) return;
     trouble_ = why;
-    say(why.empty() ? "cosiva gvs: pictures come" : "cosiva gvs: " + why);
-    say_connection(wire::ConnectionState::online);
+    print_info(why.empty() ? "cosiva gvs: pictures come" : "cosiva gvs: " + why);
+    publish_connection(wire::ConnectionState::online);
   }
 
-  void say_connection(wire::ConnectionState state) {
+  void publish_connection(wire::ConnectionState state) {
     client_->publish({std::string(wire::gvs_connection_topic),
                       to_json(wire::GvsConnection{state, clock_.now(), text_, trouble_}), 1, true});
   }
 
   void end() {
-    say_connection(wire::ConnectionState::offline);
+    publish_connection(wire::ConnectionState::offline);
     client_->stop([this] { loop_.stop(); });
   }
 
@@ -212,14 +212,14 @@ int run_gvs_watch(const GvsWatchArguments& arguments) {
   const GvsSource& source = arguments.source;
   // For `up`, which has looked at all of it, a camera that is not there just now may come back.
   if (!arguments.part.announce) {
-    if (auto checked = check_gvs_source(source, "--"); !checked) return complain(checked.error());
+    if (auto checked = check_gvs_source(source, "--"); !checked) return report_error(checked.error());
   }
   auto names = read_vehicle_names(source.vehicles);
-  if (!names) return complain(names.error());
+  if (!names) return report_error(names.error());
   std::optional<vision::Calibration> calibration;
   if (!source.emulated()) {
     auto read = read_calibration_file(source.calibration_file);
-    if (!read) return complain(read.error());
+    if (!read) return report_error(read.error());
     calibration = std::move(*read);
   }
   Watch watch{arguments, std::move(*names)};

@@ -144,10 +144,10 @@ TEST(GvsCamera, shows_a_small_image_whose_comment_says_who_is_where_on_it) {
   ASSERT_TRUE(image);
   EXPECT_EQ(image->size, (vision::ImageSize{480, 480}));
   ASSERT_TRUE(shown.starts_with("P5\n# {"));
-  const auto told = JsonValue::parse(shown.substr(5, shown.find('\n', 5) - 5));
-  ASSERT_TRUE(told);
-  EXPECT_EQ(told->text("timestamp"), to_iso8601(virtual_epoch));
-  const auto& all = *told->find("detections")->array();
+  const auto reported = JsonValue::parse(shown.substr(5, shown.find('\n', 5) - 5));
+  ASSERT_TRUE(reported);
+  EXPECT_EQ(reported->text("timestamp"), to_iso8601(virtual_epoch));
+  const auto& all = *reported->find("detections")->array();
   ASSERT_THAT(all, SizeIs(4));
   for (const JsonValue& detection : all) {
     const auto& outline = *detection.find("outline")->array();
@@ -272,9 +272,9 @@ TEST(GvsWatch, refuses_what_it_cannot_use_with_2_and_the_option) {
   const std::string bad = scratch.write("bad.json", R"({"name":"x"})");
   const std::string folder = images_in(scratch, 1);
   const auto refused = [](std::vector<std::string> arguments, const std::string& standard_error) {
-    const auto said = cosiva(arguments);
-    EXPECT_EQ(said.status, 2) << said.standard_error;
-    EXPECT_THAT(said.standard_error, HasSubstr(standard_error));
+    const auto output = cosiva(arguments);
+    EXPECT_EQ(output.status, 2) << output.standard_error;
+    EXPECT_THAT(output.standard_error, HasSubstr(standard_error));
   };
   refused({"gvs", "watch", "--images", folder}, "--calibration");
   refused({"gvs", "watch", "--calibration", bad}, "--camera N");

@@ -39,9 +39,9 @@ class FrameStream final : public OpencvStream {
     cv::Mat frame;
     if (!capture_.read(frame) || !to_grey(frame, image)) return false;
     // V4L2: the driver's stamp; a file: its own time. Where neither says anything, when it came.
-    const double told_s = 1e-3 * capture_.get(cv::CAP_PROP_POS_MSEC);
+    const double container_s = 1e-3 * capture_.get(cv::CAP_PROP_POS_MSEC);
     const auto now = std::chrono::steady_clock::now().time_since_epoch();
-    stamp_s = told_s > 0.0 || number_ == 0 ? told_s : std::chrono::duration<double>(now).count();
+    stamp_s = container_s > 0.0 || number_ == 0 ? container_s : std::chrono::duration<double>(now).count();
     ++number_;
     return true;
   }

@@ -37,23 +37,23 @@ int run_aiv(const AivArguments& arguments) {
   options.number = arguments.number;
   options.id.serial_number = arguments.serial.empty() ? "AIV" + std::to_string(arguments.number) : arguments.serial;
   if (!wire::valid_serial_number(options.id.serial_number))
-    return complain({"aiv.serial", "a serial number has A-Z a-z 0-9 _ . : - only, 64 at most", "--serial"});
+    return report_error({"aiv.serial", "a serial number has A-Z a-z 0-9 _ . : - only, 64 at most", "--serial"});
   auto rules = load_speed_rules(arguments.rules);
-  if (!rules) return complain(rules.error());
+  if (!rules) return report_error(rules.error());
   options.rules = std::move(*rules);
   options.v2x = arguments.v2x;
   if (!arguments.start.empty()) {
     auto start = parse_start(arguments.start);
-    if (!start) return complain(start.error());
+    if (!start) return report_error(start.error());
     options.start = std::move(*start);
   }
   if (!arguments.zone.empty()) {
     auto zone = load_good_zone(arguments.zone);
-    if (!zone) return complain(zone.error());
+    if (!zone) return report_error(zone.error());
     options.zone = std::move(*zone);
   }
   auto live = live_options(arguments.part, "aiv", "aiv" + std::to_string(arguments.number), aiv::to_json(options));
-  if (!live) return complain(live.error());
+  if (!live) return report_error(live.error());
   live->state_file = arguments.state_file;
   if (arguments.emulated) live->obeys_radio = to_string(options.id);
 

@@ -44,7 +44,7 @@ void GvsView::ask() {
   auto made = adapters::MqttClient::make(loop_, options_, {std::string(wire::gvs_preview_topic)}, std::nullopt,
                                          std::move(handlers));
   if (!made) {
-    say("cosiva: " + to_string(made.error()));
+    print_info("cosiva: " + to_string(made.error()));
     return;
   }
   client_ = std::move(*made);

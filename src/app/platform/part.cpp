@@ -26,7 +26,7 @@ Part::Part(adapters::EventLoop& loop, adapters::LiveShell& shell, std::string ki
       duration_{loop} {}
 
 int Part::run() {
-  if (auto started = shell_.start(); !started) return complain(started.error());
+  if (auto started = shell_.start(); !started) return report_error(started.error());
   loop_.on_signals({SIGINT, SIGTERM, SIGHUP}, [this](int) {
     // Asked twice, it goes at once.
     if (ending_) {
@@ -53,7 +53,7 @@ void Part::finish(const std::string& digest) {
   json.field("duration_s", to_seconds(clock_.now() - started_)).key("summary").raw(summary_at_end_).end_object();
   if (!arguments_.summary_file.empty()) {
     if (auto written = adapters::write_file(arguments_.summary_file, json.text()); !written)
-      status_ = complain(written.error());
+      status_ = report_error(written.error());
   }
   if (arguments_.json) print(json.text());
   loop_.stop();

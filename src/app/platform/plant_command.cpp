@@ -20,15 +20,15 @@ using adapters::PortHandlers;
 
 int run_plant(const PlantArguments& arguments) {
   auto zone = load_good_zone(arguments.zone);
-  if (!zone) return complain(zone.error());
+  if (!zone) return report_error(zone.error());
   physical::PlantOptions options;
   options.zone = std::move(*zone);
   options.vehicles = arguments.vehicles;
   options.seed = arguments.seed;
   auto live = live_options(arguments.part, "plant", "plant", physical::to_json(options));
-  if (!live) return complain(live.error());
+  if (!live) return report_error(live.error());
   auto core = physical::PlantCore::make(options);
-  if (!core) return complain(core.error());
+  if (!core) return report_error(core.error());
 
   EventLoop loop;
   LiveShell shell{loop, **core, std::move(*live), [&](const PortHandlers& handlers) {

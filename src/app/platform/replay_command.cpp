@@ -42,7 +42,7 @@ MadeCore make_core(const wire::Input& configure) {
 
 int run_replay(const ReplayArguments& arguments) {
   const auto bytes = adapters::read_file(arguments.file);
-  if (!bytes) return complain(bytes.error());
+  if (!bytes) return report_error(bytes.error());
   std::string kind;
   const auto replayed = journal::replay(*bytes, [&](const wire::Input& configure) {
     kind = configure.source;
@@ -51,7 +51,7 @@ int run_replay(const ReplayArguments& arguments) {
   if (!replayed) {
     Error error = replayed.error();
     error.location = arguments.file + (error.location.empty() ? "" : ": " + error.location);
-    return complain(error);
+    return report_error(error);
   }
 
   const bool differ = replayed->recorded_digest && *replayed->recorded_digest != replayed->digest;
@@ -68,13 +68,13 @@ int run_replay(const ReplayArguments& arguments) {
   } else {
     print(kind + ": " + std::to_string(replayed->inputs) + " inputs, digest " + replayed->digest);
   }
-  if (replayed->truncated) say("cosiva: " + arguments.file + ": truncated: its last record is cut short");
+  if (replayed->truncated) print_info("cosiva: " + arguments.file + ": truncated: its last record is cut short");
   if (!replayed->recorded_digest) {
-    say("cosiva: " + arguments.file + ": the recorded run did not end cleanly, so there is no digest to compare with");
+    print_info("cosiva: " + arguments.file + ": the recorded run did not end cleanly, so there is no digest to compare with");
   } else if (differ) {
-    say("cosiva: " + arguments.file + ": the run ended with another digest, " + *replayed->recorded_digest);
+    print_info("cosiva: " + arguments.file + ": the run ended with another digest, " + *replayed->recorded_digest);
   } else {
-    say("the digest is the one that the run ended with");
+    print_info("the digest is the one that the run ended with");
   }
   return differ ? exit_check_failed : exit_done;
 }

@@ -17,27 +17,27 @@ std::string absolute(const std::string& file) {
   return error ? file : path.lexically_normal().string();
 }
 
-void say_it_wins(const std::string& what, const std::string& given, const std::string& scenario_s) {
-  if (given != scenario_s) say("--" + what + " " + given + " wins over the scenario's " + scenario_s);
+void report_precedence(const std::string& what, const std::string& given, const std::string& scenario_s) {
+  if (given != scenario_s) print_info("--" + what + " " + given + " wins over the scenario's " + scenario_s);
 }
 
 /// The scenario's word counts where the command line said nothing.
 void merge(UpArguments& arguments, const experiments::Scenario& scenario) {
   const UpArguments::Given& given = arguments.given;
   if (given.zone)
-    say_it_wins("zone", arguments.zone, scenario.zone);
+    report_precedence("zone", arguments.zone, scenario.zone);
   else
     arguments.zone = scenario.zone;
   if (given.aivs)
-    say_it_wins("aivs", std::to_string(arguments.aivs), std::to_string(scenario.aivs));
+    report_precedence("aivs", std::to_string(arguments.aivs), std::to_string(scenario.aivs));
   else
     arguments.aivs = scenario.aivs;
   if (given.seed)
-    say_it_wins("seed", std::to_string(arguments.seed), std::to_string(scenario.seed));
+    report_precedence("seed", std::to_string(arguments.seed), std::to_string(scenario.seed));
   else
     arguments.seed = scenario.seed;
   if (given.duration && scenario.duration_s)
-    say_it_wins("duration", decimals(*arguments.duration_s, 1) + " s", decimals(*scenario.duration_s, 1) + " s");
+    report_precedence("duration", decimals(*arguments.duration_s, 1) + " s", decimals(*scenario.duration_s, 1) + " s");
   else if (!given.duration)
     arguments.duration_s = scenario.duration_s;
 }
@@ -84,7 +84,7 @@ Result<RunPlan> plan_run(const UpArguments& arguments) {
 
   if (const std::string own = own_folder("zones");
       !looks_like_a_file(merged.zone) && !own.empty() && rtm->configuration().origin.starts_with(own + "/"))
-    say("the zone " + merged.zone + " is your own, " + rtm->configuration().origin);
+    print_info("the zone " + merged.zone + " is your own, " + rtm->configuration().origin);
   std::string name = merged.name.empty() ? default_run_name(scenario ? scenario->name : rtm->zone().name) : merged.name;
   std::string zone_file = looks_like_a_file(merged.zone) ? rtm->configuration().origin : std::string{};
   return RunPlan{std::move(merged),        std::move(name),      std::move(*rtm), std::move(scenario),

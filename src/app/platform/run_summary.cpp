@@ -56,9 +56,9 @@ std::string augmented(const JsonValue& bijection) {
 
 /// In a line of its own where it matters: the figures are the machine's then, too.
 std::string late(const JsonValue& bijection) {
-  constexpr double worth_saying_ms = 20.0;
+  constexpr double significant_ms = 20.0;
   const JsonValue* spread = bijection.find("late_ms");
-  if (spread == nullptr || spread->number("p99").value_or(0.0) < worth_saying_ms) return {};
+  if (spread == nullptr || spread->number("p99").value_or(0.0) < significant_ms) return {};
   return "\nthis machine was busy or stood still: the server woke up to " +
          decimals(spread->number("max").value_or(0.0), 0) + " ms late (p99 " +
          millis(bijection, "late_ms", 1.0, " ms") + "), which is in these figures";

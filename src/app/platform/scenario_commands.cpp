@@ -73,7 +73,7 @@ std::string timeline(const experiments::Scenario& scenario) {
 
 int run_scenario_check(const ScenarioArguments& arguments) {
   const auto loaded = load_checked(arguments.scenario);
-  if (!loaded) return complain(loaded.error());
+  if (!loaded) return report_error(loaded.error());
   print(arguments.json ? json_of(*loaded) : timeline(loaded->scenario));
   return exit_done;
 }
@@ -97,7 +97,7 @@ int run_scenario_list(const ScenarioArguments& arguments) {
   if (arguments.json) {
     print(json.text());
   } else if (names.empty()) {
-    say("there are no ready scenarios here; `cosiva up --scenario FILE` takes your own");
+    print_info("there are no ready scenarios here; `cosiva up --scenario FILE` takes your own");
   } else {
     print(text);
   }

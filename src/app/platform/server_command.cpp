@@ -46,8 +46,8 @@ std::string watched_file(const ServerArguments& arguments) {
 }
 
 /// Says it to who started this part: to `up`, or to the person before the terminal.
-void tell(const PartArguments& part, const std::string& text) {
-  if (!part.announce) return say(text);
+void report(const PartArguments& part, const std::string& text) {
+  if (!part.announce) return print_info(text);
   JsonWriter json;
   json.begin_object().field("event", "say").field("text", text).end_object();
   announce(part, json.text());
@@ -81,7 +81,7 @@ class FleetWatch {
                   arguments.steps_done,
                   {[&shell](std::string command) { shell.command("scenario", std::move(command)); },
                    [this](std::uint64_t number, SimDuration at, const experiments::Scenario::Step& step) {
-                     tell_step(number, at, step);
+                     print_step(number, at, step);
                    }}},
         timer_{loop} {
     if (fleet_ > 0) timer_.every(std::chrono::milliseconds{100}, [this] { look(); });
@@ -100,12 +100,12 @@ class FleetWatch {
     scenario_.begin(began);
   }
 
-  void tell_step(std::uint64_t number, SimDuration at, const experiments::Scenario::Step& step) {
+  void print_step(std::uint64_t number, SimDuration at, const experiments::Scenario::Step& step) {
     JsonWriter json;
     json.begin_object().field("event", "step").field("number", number).field("t_s", to_seconds(at));
     json.field("what", step.what).end_object();
     announce(arguments_.part, json.text());
-    if (!arguments_.part.announce) say(step_line(to_seconds(at), step.what));
+    if (!arguments_.part.announce) print_info(step_line(to_seconds(at), step.what));
   }
 
   const virtual_side::ServerCore& core_;
@@ -121,7 +121,7 @@ class FleetWatch {
 int run_server(const ServerArguments& arguments) {
   virtual_side::ServerOptions options;
   if (!arguments.area.empty() && !wire::valid_area_name(arguments.area))
-    return complain({"server.area", "the name of a control area has A-Z a-z 0-9 _ . : - only, 32 at most", "--area"});
+    return report_error({"server.area", "the name of a control area has A-Z a-z 0-9 _ . : - only, 32 at most", "--area"});
   options.area = arguments.area;
   options.drive = !arguments.no_drive;
   options.v2x = arguments.v2x;
@@ -131,51 +131,51 @@ int run_server(const ServerArguments& arguments) {
   if (options.map_download_link.empty() && arguments.port != 0)
     options.map_download_link = "http://127.0.0.1:" + std::to_string(arguments.port) + "/api/v1/zone/file";
   if (arguments.watch && arguments.zone.empty())
-    return complain(
+    return report_error(
         {"server.watch", "without a zone of its own there is no file to watch; add --zone FILE", "--watch"});
   if (!arguments.zone.empty()) {
     auto zone = load_good_zone(arguments.zone);
-    if (!zone) return complain(zone.error());
+    if (!zone) return report_error(zone.error());
     options.zone = std::move(*zone);
   }
   auto rules = load_speed_rules(arguments.rules);
-  if (!rules) return complain(rules.error());
+  if (!rules) return report_error(rules.error());
   options.virtual_rules = std::move(*rules);
   experiments::Scenario scenario;
   if (!arguments.scenario.empty()) {
     auto loaded = load_scenario(arguments.scenario);
-    if (!loaded) return complain(loaded.error());
+    if (!loaded) return report_error(loaded.error());
     scenario = std::move(loaded->scenario);
   }
   // Two clients of one name would take the broker from each other.
   const std::string client = arguments.area.empty() ? "server" : "server-" + arguments.area;
   auto live = live_options(arguments.part, "server", client, virtual_side::to_json(options));
-  if (!live) return complain(live.error());
+  if (!live) return report_error(live.error());
   live->state_file = arguments.state_file;
 
   EventLoop loop;
   virtual_side::ServerCore core{options};
   auto eye = mqtt_options(arguments.part.broker, "cosiva-gvs" + (arguments.area.empty() ? "" : "-" + arguments.area));
-  if (!eye) return complain(eye.error());
+  if (!eye) return report_error(eye.error());
   LiveShell shell{loop, core, std::move(*live)};
   GvsView gvs{loop, std::move(*eye)};
   PageHost host = page_host(arguments, core, shell, scenario.name);
   host.gvs_preview = [&gvs] { return gvs.look(); };
   auto page = ServerPage::open(loop, std::move(host), arguments.port, find_web_root(arguments.web_directory),
                                arguments.headless);
-  if (!page) return complain(page.error());
+  if (!page) return report_error(page.error());
   shell.after_input([&] { (*page)->changed(); });
   std::unique_ptr<adapters::MqttClient> instrument;
   if (arguments.emulated) {
     auto made = ground_truth_for(loop, arguments.part, **page, arguments.area);
-    if (!made) return complain(made.error());
+    if (!made) return report_error(made.error());
     instrument = std::move(*made);
     instrument->start();
   }
   const std::uint16_t port = (*page)->port();
   if (arguments.port != 0 && port != arguments.port)
-    say("port " + std::to_string(arguments.port) + " is busy; taking " + std::to_string(port));
-  say((arguments.headless ? "API at http://127.0.0.1:" : "page at http://127.0.0.1:") + std::to_string(port) + "/");
+    print_info("port " + std::to_string(arguments.port) + " is busy; taking " + std::to_string(port));
+  print_info((arguments.headless ? "API at http://127.0.0.1:" : "page at http://127.0.0.1:") + std::to_string(port) + "/");
   announce(arguments.part, R"({"event":"page","port":)" + std::to_string(port) + "}");
 
   std::unique_ptr<ZoneWatch> zone_watch;
@@ -184,7 +184,7 @@ int run_server(const ServerArguments& arguments) {
         loop, file, std::string{},
         ZoneWatch::Handlers{[&] { return core.zone_configuration(); },
                             [&](std::string command) { shell.command("watch", std::move(command)); },
-                            [&](const std::string& text) { tell(arguments.part, text); }});
+                            [&](const std::string& text) { report(arguments.part, text); }});
   }
 
   FleetWatch watch{loop, core, shell, arguments, std::move(scenario)};

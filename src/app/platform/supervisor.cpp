@@ -67,14 +67,14 @@ void Supervisor::died(Running& running, const ChildExit& exit) {
   if (ending_) return end_next_stage();
   const std::string& name = running.member.name;
   if (!running.member.respawns) {
-    say(name + " has ended: " + to_string(exit));
+    print_info(name + " has ended: " + to_string(exit));
     return;
   }
   running.lives.push_back(life);
   if (running.lives.size() > lives_evaluated) running.lives.pop_front();
   if (running.lives.size() == lives_evaluated &&
       std::accumulate(running.lives.begin(), running.lives.end(), Steady::duration{}) < lives_min) {
-    say(name + " has ended: " + to_string(exit) + ", for the " + std::to_string(lives_evaluated) + "th time within " +
+    print_info(name + " has ended: " + to_string(exit) + ", for the " + std::to_string(lives_evaluated) + "th time within " +
         std::to_string(lives_min.count()) + " s of running");
     if (on_hopeless_) on_hopeless_(name);
     return;
@@ -84,7 +84,7 @@ void Supervisor::died(Running& running, const ChildExit& exit) {
       std::find_if(lives.rbegin(), lives.rend(), [](Steady::duration one) { return one >= early; }) - lives.rbegin();
   milliseconds delay = running.member.respawn_delay;
   if (early_deaths > 0) delay = std::max(delay, backoff_first * (1 << early_deaths));
-  say(name + " has ended: " + to_string(exit) + "; starting it again" +
+  print_info(name + " has ended: " + to_string(exit) + "; starting it again" +
       (delay >= std::chrono::seconds{1} ? " in " + decimals(static_cast<double>(delay.count()) / 1e3, 0) + " s" : ""));
   running.respawn.after(delay, [this, &running] { start_again(running); });
 }
@@ -92,7 +92,7 @@ void Supervisor::died(Running& running, const ChildExit& exit) {
 void Supervisor::start_again(Running& running) {
   if (ending_) return;
   if (auto launched = launch(running); !launched) {
-    say("cosiva: " + to_string(launched.error()));
+    print_info("cosiva: " + to_string(launched.error()));
     if (on_hopeless_) on_hopeless_(running.member.name);
   }
 }

@@ -59,7 +59,7 @@ class Up {
       interrupted_ = true;
       if (started_) end();
     });
-    if (auto started = start(); !started) return complain(started.error());
+    if (auto started = start(); !started) return report_error(started.error());
     started_ = true;
     if (interrupted_) end();
     loop_.run();
@@ -241,19 +241,19 @@ class Up {
     if (what == "page") {
       const auto port = static_cast<std::uint16_t>(event->number("port").value_or(0.0));
       if (!std::exchange(http_port_, port)) return banner();
-      say("the server is back at " + url());
+      print_info("the server is back at " + url());
     } else if (what == "fleet" && !fleet_up_at_) {
       fleet_up_at_ = clock_.now();
       arrival_.cancel();
-      say("all " + std::to_string(arguments_.aivs) + " AIVs are up and have their twins");
+      print_info("all " + std::to_string(arguments_.aivs) + " AIVs are up and have their twins");
       if (arguments_.duration_s) duration_.after(from_seconds(*arguments_.duration_s), [this] { end(); });
     } else if (what == "scenario") {
       scenario_began_ms_ = static_cast<std::int64_t>(event->number("began_ms").value_or(0.0));
     } else if (what == "step") {
       steps_done_ = static_cast<std::uint64_t>(event->number("number").value_or(0.0));
-      say(step_line(event->number("t_s").value_or(0.0), event->text("what").value_or("")));
+      print_info(step_line(event->number("t_s").value_or(0.0), event->text("what").value_or("")));
     } else if (what == "say") {
-      say(event->text("text").value_or(""));
+      print_info(event->text("text").value_or(""));
     }
   }
 
@@ -261,17 +261,17 @@ class Up {
 
   void banner() const {
     if (arguments_.port != 0 && *http_port_ != arguments_.port)
-      say("port " + std::to_string(arguments_.port) + " is busy, so " + std::to_string(*http_port_) + " is taken");
-    say("CoSiVA: " + std::to_string(arguments_.aivs) + " AIVs on " + plan_.rtm.zone().name +
+      print_info("port " + std::to_string(arguments_.port) + " is busy, so " + std::to_string(*http_port_) + " is taken");
+    print_info("CoSiVA: " + std::to_string(arguments_.aivs) + " AIVs on " + plan_.rtm.zone().name +
         (plan_.scenario ? ", scenario " + plan_.scenario->name : std::string{}));
-    say((arguments_.headless ? "  figures " : "  page    ") + url() + (arguments_.headless ? "api/v1/snapshot" : ""));
+    print_info((arguments_.headless ? "  figures " : "  page    ") + url() + (arguments_.headless ? "api/v1/snapshot" : ""));
     if (arguments_.gvs)
-      say(std::string("  camera  ") +
+      print_info(std::string("  camera  ") +
           (arguments_.gvs_source.emulated() ? "the emulated world's" : "a real one's pictures") +
           ", on the page under GVS");
-    say("  broker  " + broker_arguments_.address + (broker_ ? "  (ours; VDA 5050 under uagv/v2)" : ""));
-    say("  logs    " + log_directory_);
-    say(arguments_.duration_s
+    print_info("  broker  " + broker_arguments_.address + (broker_ ? "  (ours; VDA 5050 under uagv/v2)" : ""));
+    print_info("  logs    " + log_directory_);
+    print_info(arguments_.duration_s
             ? "  ends by itself after " + decimals(*arguments_.duration_s, 0) + " s; Ctrl-C ends it now"
             : std::string("  Ctrl-C ends everything"));
   }
@@ -279,13 +279,13 @@ class Up {
   void on_hopeless(const std::string& name) {
     // Whoever only looks on may be missing.
     if (name == gvs_name)
-      return say("cosiva: " + name + " does not stay up, and the platform goes on without it; its log says why (" +
+      return print_info("cosiva: " + name + " does not stay up, and the platform goes on without it; its log says why (" +
                  log(name) + ")");
     give_up(name + " does not stay up; its log says why");
   }
 
   void give_up(const std::string& why) {
-    say("cosiva: " + why + " (" + log_directory_ + ")");
+    print_info("cosiva: " + why + " (" + log_directory_ + ")");
     failed_ = true;
     end();
   }
@@ -310,11 +310,11 @@ class Up {
     if (fleet_up_at_) metadata.duration_s = to_seconds(ended_at_ - *fleet_up_at_);
     const auto run = summarise(metadata, part_summary("server.json"), part_summary("plant.json"));
     if (!run) {
-      say("cosiva: " + to_string(run.error()));
+      print_info("cosiva: " + to_string(run.error()));
     } else {
       print(arguments_.json ? run->json : run->text);
     }
-    say("the logs are in " + log_directory_);
+    print_info("the logs are in " + log_directory_);
     if (failed_ || !run || run->collided) return interrupted_ && !run ? exit_done : exit_check_failed;
     // A run that a person ended early promised nothing about who would be there.
     return interrupted_ || run->all_matched ? exit_done : exit_check_failed;
@@ -359,35 +359,35 @@ class Up {
 
 int run_up(const UpArguments& arguments) {
   if (arguments.page && !arguments.virtual_time)
-    return complain({"up.page", "a live run has its page anyway; --page goes with --virtual-time", "--page"});
+    return report_error({"up.page", "a live run has its page anyway; --page goes with --virtual-time", "--page"});
   if (arguments.speed && !arguments.page)
-    return complain(
+    return report_error(
         {"up.speed", "only a page in virtual time has a speed: --virtual-time --page --speed X", "--speed"});
   if (arguments.watch && arguments.virtual_time && !arguments.page)
-    return complain({"up.watch", "a run as fast as the machine can has no time for edits; add --page", "--watch"});
+    return report_error({"up.watch", "a run as fast as the machine can has no time for edits; add --page", "--watch"});
   if (arguments.virtual_time && arguments.gvs)
-    return complain(
+    return report_error(
         {"up.gvs", "a camera watches live runs only; for pictures without one there is `cosiva gvs render`", "--gvs"});
   if (arguments.virtual_time) return run_virtual_time(arguments);
   if (arguments.loss > 0.0) {
-    return complain({"up.loss",
+    return report_error({"up.loss",
                      "messages of all are lost on purpose in virtual time only (--virtual-time); live, a scenario can "
                      "let a vehicle's radio lose them",
                      "--loss"});
   }
   if (arguments.gvs) {
-    if (auto checked = check_gvs_source(arguments.gvs_source, "--gvs-"); !checked) return complain(checked.error());
+    if (auto checked = check_gvs_source(arguments.gvs_source, "--gvs-"); !checked) return report_error(checked.error());
   }
   // Everything that can be wrong with what was asked is said before anything is started.
   auto plan = plan_run(arguments);
-  if (!plan) return complain(plan.error());
-  if (auto broker = mqtt_options(arguments.broker, "cosiva"); !broker) return complain(broker.error());
+  if (!plan) return report_error(plan.error());
+  if (auto broker = mqtt_options(arguments.broker, "cosiva"); !broker) return report_error(broker.error());
   const std::string logs = arguments.log_directory.empty() ? default_log_directory() : arguments.log_directory;
   std::error_code error;
   std::filesystem::create_directories(logs, error);
-  if (error) return complain({"up.logs", "cannot make this folder: " + error.message(), logs});
+  if (error) return report_error({"up.logs", "cannot make this folder: " + error.message(), logs});
   auto run = RunDirectory::create(arguments.run_directory.empty() ? default_run_directory() : arguments.run_directory);
-  if (!run) return complain(run.error());
+  if (!run) return report_error(run.error());
   return Up{std::move(*plan), std::move(*run), logs}.run();
 }
 

@@ -37,7 +37,7 @@ class Command {
     child = Child::start(loop, std::move(options)).value();
   }
   [[nodiscard]] std::string standard_error() const { return adapters::read_file(standard_error_file_).value_or(""); }
-  bool says(const std::string& text) {
+  bool prints(const std::string& text) {
     return loop_.run_until([&] { return exit || standard_error().find(text) != std::string::npos; }, timeout) && !exit;
   }
   bool ends() {
@@ -100,7 +100,7 @@ TEST_F(UpTest, runs_the_platform_for_a_while_and_sums_up_and_its_journal_replays
 
 TEST_F(UpTest, ends_in_order_when_asked_and_leaves_only_logs) {
   Command run{loop, scratch, up({})};
-  ASSERT_TRUE(run.says("all 2 AIVs are up")) << run.standard_error();
+  ASSERT_TRUE(run.prints("all 2 AIVs are up")) << run.standard_error();
   const auto family = children();
   EXPECT_EQ(family.size(), 5U);
   run.child->signal(SIGINT);
@@ -113,7 +113,7 @@ TEST_F(UpTest, ends_in_order_when_asked_and_leaves_only_logs) {
 
 TEST_F(UpTest, starts_again_whoever_is_killed_and_the_fleet_is_whole_at_the_end) {
   Command run{loop, scratch, up({"--respawn", "0.2", "--duration", "20", "--json"})};
-  ASSERT_TRUE(run.says("all 2 AIVs are up")) << run.standard_error();
+  ASSERT_TRUE(run.prints("all 2 AIVs are up")) << run.standard_error();
   const auto first = children();
   for (const char* name : {"aiv1", "server", "broker"}) {
     ::kill(first.at(name), SIGKILL);
@@ -135,12 +135,12 @@ TEST_F(UpTest, plays_a_scenario_and_a_server_killed_meanwhile_goes_on_with_it) {
                                          "[[at]]\nt_s = 1\nvirtual_aiv = { id = \"V1\" }\n"
                                          "[[at]]\nt_s = 4\ncommand = \"fast\"\nvehicle = \"V1\"\n");
   Command run{loop, scratch, up({"--scenario", file, "--json"})};
-  ASSERT_TRUE(run.says(" s  virtual AIV V1 joins")) << run.standard_error();
+  ASSERT_TRUE(run.prints(" s  virtual AIV V1 joins")) << run.standard_error();
   EXPECT_THAT(run.standard_error(), HasSubstr("--aivs 2 wins over the scenario's 1"));
   // Time for the new AIV to be remembered, and less than there is before the next step.
   loop.run_for(500ms);
   ::kill(children().at("server"), SIGKILL);
-  ASSERT_TRUE(run.says("  V1: fast")) << run.standard_error();
+  ASSERT_TRUE(run.prints("  V1: fast")) << run.standard_error();
   EXPECT_THAT(run.standard_error(), HasSubstr("the server is back"));
   ASSERT_TRUE(run.ends());
   EXPECT_EQ(run.exit->status, 0) << run.standard_error() << run.data;
@@ -155,7 +155,7 @@ TEST_F(UpTest, plays_a_scenario_and_a_server_killed_meanwhile_goes_on_with_it) {
 
 TEST_F(UpTest, in_virtual_time_with_its_page_runs_until_somebody_ends_it_and_sums_up) {
   Command run{loop, scratch, up({"--virtual-time", "--page", "--speed", "5", "--json"})};
-  ASSERT_TRUE(run.says("Ctrl-C ends it")) << run.standard_error();
+  ASSERT_TRUE(run.prints("Ctrl-C ends it")) << run.standard_error();
   loop.run_for(300ms);
   run.child->signal(SIGINT);
   ASSERT_TRUE(run.ends());
@@ -175,7 +175,7 @@ TEST_F(UpTest, refuses_a_bad_scenario_before_anything_is_started) {
 
 TEST_F(UpTest, takes_another_port_when_the_wanted_one_is_busy_and_says_so) {
   Command first{loop, scratch, up({})};
-  ASSERT_TRUE(first.says("figures http://127.0.0.1:")) << first.standard_error();
+  ASSERT_TRUE(first.prints("figures http://127.0.0.1:")) << first.standard_error();
   const std::string standard_error = first.standard_error();
   const std::size_t at = standard_error.find("127.0.0.1:") + 10;
   const std::string busy = standard_error.substr(at, standard_error.find('/', at) - at);
@@ -184,7 +184,7 @@ TEST_F(UpTest, takes_another_port_when_the_wanted_one_is_busy_and_says_so) {
       loop,
       other,
       {"up", "--headless", "--aivs", "1", "--port", busy, "--run-dir", other / "run", "--log-dir", other / "log"}};
-  EXPECT_TRUE(second.says("port " + busy + " is busy")) << second.standard_error();
+  EXPECT_TRUE(second.prints("port " + busy + " is busy")) << second.standard_error();
   for (Command* run : {&first, &second}) {
     run->child->signal(SIGTERM);
     EXPECT_TRUE(run->ends());

@@ -53,7 +53,7 @@ Result<std::unique_ptr<VirtualPage>> VirtualPage::open(adapters::EventLoop& loop
         loop, run.plan().rtm.configuration().origin, std::string{},
         ZoneWatch::Handlers{[&run] { return run.world().server().zone_configuration(); },
                             [self = made.get()](std::string command) { self->command(std::move(command)); },
-                            [](const std::string& text) { say(text); }});
+                            [](const std::string& text) { print_info(text); }});
   }
   made->timer_.every(heartbeat_period, [self = made.get()] { self->heartbeat(); });
   return made;
@@ -88,7 +88,7 @@ void VirtualPage::set_clock(bool running, double speed) {
   running_ = running && !over_;
   speed_ = speed;
   reached_ = speed;
-  said_slow_ = false;
+  reported_slow_ = false;
   last_heartbeat_ = measured_since_ = Steady::now();
   measured_from_ = run_.world().now();
 }
@@ -134,23 +134,23 @@ void VirtualPage::measure(Steady::time_point now) {
   reached_ = std::round(rate * 10.0) / 10.0;
   measured_since_ = now;
   measured_from_ = run_.world().now();
-  if (reached_ < speed_ * as_requested && !std::exchange(said_slow_, true))
-    say("this machine reaches " + decimals(reached_, 1) + " times real time, not " + decimals(speed_, 1));
+  if (reached_ < speed_ * as_requested && !std::exchange(reported_slow_, true))
+    print_info("this machine reaches " + decimals(reached_, 1) + " times real time, not " + decimals(speed_, 1));
 }
 
 int run_virtual_page(VirtualRun& run) {
   adapters::EventLoop loop;
   const RunPlan& plan = run.plan();
   auto page = VirtualPage::open(loop, run, [&] { loop.stop(); });
-  if (!page) return complain(page.error());
+  if (!page) return report_error(page.error());
   const std::uint16_t wanted = plan.arguments.port;
   const std::uint16_t port = (*page)->port();
   if (wanted != 0 && port != wanted)
-    say("port " + std::to_string(wanted) + " is busy, so " + std::to_string(port) + " is taken");
-  say("CoSiVA: " + std::to_string(plan.arguments.aivs) + " AIVs on " + plan.rtm.zone().name + " in virtual time");
-  say((plan.arguments.headless ? "  figures http://127.0.0.1:" : "  page    http://127.0.0.1:") + std::to_string(port) +
+    print_info("port " + std::to_string(wanted) + " is busy, so " + std::to_string(port) + " is taken");
+  print_info("CoSiVA: " + std::to_string(plan.arguments.aivs) + " AIVs on " + plan.rtm.zone().name + " in virtual time");
+  print_info((plan.arguments.headless ? "  figures http://127.0.0.1:" : "  page    http://127.0.0.1:") + std::to_string(port) +
       (plan.arguments.headless ? "/api/v1/snapshot" : "/"));
-  say(plan.arguments.duration_s
+  print_info(plan.arguments.duration_s
           ? "  ends by itself after " + decimals(*plan.arguments.duration_s, 0) + " virtual seconds; Ctrl-C ends it now"
           : std::string("  Ctrl-C ends it"));
   bool interrupted = false;

@@ -46,7 +46,7 @@ class VirtualPage {
   Steady::time_point last_heartbeat_;
   Steady::time_point measured_since_;
   SimTime measured_from_;
-  bool said_slow_{false};
+  bool reported_slow_{false};
 };
 
 /// `up --virtual-time --page`: until its duration, Ctrl-C or a signal ends it. Gives the exit status.

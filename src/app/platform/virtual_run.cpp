@@ -35,7 +35,7 @@ VirtualRun::VirtualRun(RunPlan plan, std::unique_ptr<experiments::World> world)
   if (!plan_.scenario) return;
   world_->play(*plan_.scenario);
   world_->on_step([this](SimTime at, const experiments::Scenario::Step& step) {
-    say(step_line(to_seconds(at - world_->scenario_began().value_or(at)), step.what));
+    print_info(step_line(to_seconds(at - world_->scenario_began().value_or(at)), step.what));
   });
 }
 
@@ -58,7 +58,7 @@ int VirtualRun::finish(bool interrupted) const {
                        plan_.arguments.seed,   to_seconds(elapsed()),
                        world_->digest().hex(), plan_.scenario ? plan_.scenario->name : std::string{}};
   const auto run = summarise(metadata, world_->server().summary_json(), world_->plant().summary_json());
-  if (!run) return complain(run.error());
+  if (!run) return report_error(run.error());
   print(plan_.arguments.json ? run->json : run->text);
   return run->collided || (!run->all_matched && !interrupted) ? exit_check_failed : exit_done;
 }

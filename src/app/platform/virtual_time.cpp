@@ -28,11 +28,11 @@ int run_to_the_end(VirtualRun& run) {
 
 int run_virtual_time(const UpArguments& arguments) {
   if (!arguments.record_file.empty())
-    return complain({"up.record", "a run in virtual time is repeated by its seed; --record goes with a live one", {}});
+    return report_error({"up.record", "a run in virtual time is repeated by its seed; --record goes with a live one", {}});
   auto plan = plan_run(arguments);
-  if (!plan) return complain(plan.error());
+  if (!plan) return report_error(plan.error());
   auto run = VirtualRun::make(std::move(*plan));
-  if (!run) return complain(run.error());
+  if (!run) return report_error(run.error());
   return arguments.page ? run_virtual_page(**run) : run_to_the_end(**run);
 }
 

@@ -50,7 +50,7 @@ void ZoneWatch::look() {
     settling_.reset();
     // An editor may put a new file in the old one's place: one look that finds none is no news.
     if (++looks_in_vain_ == 2)
-      handlers_.say("the zone's file cannot be read, so the zone stays as it is: " + to_string(read.error()));
+      handlers_.print_info("the zone's file cannot be read, so the zone stays as it is: " + to_string(read.error()));
     return;
   }
   looks_in_vain_ = 0;
@@ -72,9 +72,9 @@ void ZoneWatch::take(const zone::ZoneConfiguration& read) {
   zone::write_json(json.begin_object().field("command", "switch").key("zone"), read);
   json.end_object();
   handlers_.give(json.take());
-  if (is(handlers_.in_force(), read)) return handlers_.say("the zone's file has changed; switched to it");
+  if (is(handlers_.in_force(), read)) return handlers_.print_info("the zone's file has changed; switched to it");
   const auto rtm = zone::Rtm::initialise(read);
-  handlers_.say("the zone's file has changed, but cannot be used; the zone that was there stays" +
+  handlers_.print_info("the zone's file has changed, but cannot be used; the zone that was there stays" +
                 (rtm ? std::string{} : ": " + to_string(rtm.error())));
 }
 

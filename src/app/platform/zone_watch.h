@@ -17,7 +17,7 @@ class ZoneWatch {
   struct Handlers {
     std::function<std::optional<zone::ZoneConfiguration>()> in_force;
     std::function<void(std::string command)> give;  ///< to the core, which judges it and says why it refuses
-    std::function<void(const std::string& text)> say;
+    std::function<void(const std::string& text)> print_info;
   };
   /// @param sidecar_file  empty: the one beside the file
   ZoneWatch(adapters::EventLoop& loop, std::string file, std::string sidecar_file, Handlers handlers);

@@ -37,7 +37,7 @@ class Watched : public ::testing::Test {
   std::string file{scratch.write("way.toml", straight("2.0"))};
   std::optional<zone::ZoneConfiguration> in_force;
   std::vector<std::string> given;
-  std::vector<std::string> said;
+  std::vector<std::string> lines;
   adapters::EventLoop loop;
   ZoneWatch watch{loop,
                   file,
@@ -48,7 +48,7 @@ class Watched : public ::testing::Test {
                      auto zone = zone::zone_configuration_from_json(*JsonValue::parse(command)->find("zone"));
                      if (zone::Rtm::initialise(*zone)) in_force = std::move(*zone);
                    },
-                   [this](const std::string& text) { said.push_back(text); }}};
+                   [this](const std::string& text) { lines.push_back(text); }}};
 };
 
 TEST_F(Watched, a_file_that_nobody_touches_is_no_news) {
@@ -56,7 +56,7 @@ TEST_F(Watched, a_file_that_nobody_touches_is_no_news) {
   save(straight("2.0"));  // saved again, as it was
   look(5);
   EXPECT_THAT(given, IsEmpty());
-  EXPECT_THAT(said, IsEmpty());
+  EXPECT_THAT(lines, IsEmpty());
 }
 
 TEST_F(Watched, a_change_is_taken_once_it_has_settled) {
@@ -72,7 +72,7 @@ TEST_F(Watched, a_change_is_taken_once_it_has_settled) {
   EXPECT_EQ(JsonValue::parse(given[0])->text("command"), "switch");
   look(5);
   EXPECT_EQ(given.size(), 1U);
-  EXPECT_THAT(said, ElementsAre(HasSubstr("switched to it")));
+  EXPECT_THAT(lines, ElementsAre(HasSubstr("switched to it")));
 }
 
 TEST_F(Watched, what_the_page_saved_is_in_force_already) {
@@ -90,7 +90,7 @@ TEST_F(Watched, a_broken_file_is_given_for_its_refusal_and_said_once) {
   look(5);
   EXPECT_EQ(given.size(), 1U) << "the platform says on its page why it refuses";
   EXPECT_EQ(in_force->text, straight("2.0"));
-  EXPECT_THAT(said, ElementsAre(::testing::AllOf(HasSubstr("stays"), HasSubstr("way.toml:1"))));
+  EXPECT_THAT(lines, ElementsAre(::testing::AllOf(HasSubstr("stays"), HasSubstr("way.toml:1"))));
   save(straight("3.0"));
   look(2);
   EXPECT_EQ(in_force->text, straight("3.0"));
@@ -101,10 +101,10 @@ TEST_F(Watched, a_file_that_is_away_for_a_moment_is_no_news_but_one_that_stays_a
   look();
   save(straight("2.0"));
   look(3);
-  EXPECT_THAT(said, IsEmpty());
+  EXPECT_THAT(lines, IsEmpty());
   std::filesystem::remove(file);
   look(5);
-  EXPECT_THAT(said, ElementsAre(HasSubstr("cannot be read")));
+  EXPECT_THAT(lines, ElementsAre(HasSubstr("cannot be read")));
   EXPECT_THAT(given, IsEmpty());
   save(straight("6.0"));
   look(2);

@@ -94,10 +94,10 @@ class Kept {
 class TimeLeft {
  public:
   explicit TimeLeft(const CampaignRun& run) : before_{run.cost_done()} {}
-  void tell(const CampaignRun& run) {
+  void report(const CampaignRun& run) {
     if (!ticker_.ticks() || run.cost_done() <= before_) return;
     const double rate = (run.cost_done() - before_) / passed_s();
-    say("campaign " + decimals(100.0 * run.cost_done() / run.cost_all(), 0) + " % done, " +
+    print_info("campaign " + decimals(100.0 * run.cost_done() / run.cost_all(), 0) + " % done, " +
         decimals((run.cost_all() - run.cost_done()) / rate, 0) + " s left");
   }
   [[nodiscard]] double passed_s() const {
@@ -123,19 +123,19 @@ Result<void> write_all(const std::string& folder, const CampaignResult& result, 
                                                     {"result.json", to_json(result) + "\n"}});
       !written)
     return written;
-  say("report: " + folder + "/report.html");
+  print_info("report: " + folder + "/report.html");
   return {};
 }
 
-int tell_how_much(const CampaignArguments& arguments, const CampaignWork& work) {
+int print_amount(const CampaignArguments& arguments, const CampaignWork& work) {
   const CampaignPlan& plan = work.plan();
   std::size_t finished = 0;
   if (const std::string path = arguments.out_folder + "/campaign.state";
       !arguments.out_folder.empty() && !arguments.anew && std::filesystem::exists(path)) {
     const auto bytes = adapters::read_file(path);
-    if (!bytes) return complain(bytes.error());
+    if (!bytes) return report_error(bytes.error());
     const auto state = experiments::read_state(*bytes, work, path);
-    if (!state) return complain(state.error());
+    if (!state) return report_error(state.error());
     finished = state->records.size();
   }
   std::string text = plan.name + ": " + std::to_string(plan.environments()) + " environments, " +
@@ -148,14 +148,14 @@ int tell_how_much(const CampaignArguments& arguments, const CampaignWork& work) 
   return exit_done;
 }
 
-int tell_result(const CampaignArguments& arguments, const Prepared& prepared, const std::vector<UnitRecord>& records,
+int print_result(const CampaignArguments& arguments, const Prepared& prepared, const std::vector<UnitRecord>& records,
                 const Kept& kept, Workers& workers) {
   const auto summary = experiments::sum_up(prepared.work, records, workers);
   const CampaignResult result{prepared.work, records, summary};
   if (!arguments.out_folder.empty()) {
-    if (auto settled = kept.settle(prepared.work, records); !settled) return complain(settled.error());
+    if (auto settled = kept.settle(prepared.work, records); !settled) return report_error(settled.error());
     if (auto written = write_all(arguments.out_folder, result, prepared.plan_text); !written)
-      return complain(written.error());
+      return report_error(written.error());
   }
   std::string text = arguments.json ? to_json(result) : to_text(result);
   while (text.ends_with('\n')) text.pop_back();  // print ends the line
@@ -168,18 +168,18 @@ int tell_result(const CampaignArguments& arguments, const Prepared& prepared, co
 int run_campaign(const CampaignArguments& arguments) {
   // What can be wrong in files is found before MPI begins: then each rank can end by itself.
   const auto prepared = prepare(arguments);
-  if (!prepared) return complain(prepared.error());
+  if (!prepared) return report_error(prepared.error());
   const CampaignWork& work = prepared->work;
-  if (arguments.dry_run) return tell_how_much(arguments, work);
+  if (arguments.dry_run) return print_amount(arguments, work);
   auto ranks = start_ranks();
-  if (!ranks) return complain(ranks.error());
+  if (!ranks) return report_error(ranks.error());
   const bool speaks = (*ranks)->rank() == 0;
   Kept kept;
   auto known = speaks ? kept.open(arguments, work) : Result<std::vector<UnitRecord>>{std::vector<UnitRecord>{}};
   auto run = CampaignRun::make(work, std::move(known), **ranks);
-  if (!run) return speaks ? complain(run.error()) : exit_bad_input;
+  if (!run) return speaks ? report_error(run.error()) : exit_bad_input;
   if (speaks && run->units_done() > 0)
-    say("campaign goes on: " + std::to_string(run->units_done()) + " of " + std::to_string(work.units()) +
+    print_info("campaign goes on: " + std::to_string(run->units_done()) + " of " + std::to_string(work.units()) +
         " units are finished");
   adapters::ThreadPool workers{arguments.threads > 0 ? arguments.threads : threads_for_each_rank()};
   TimeLeft time_left{*run};
@@ -189,18 +189,18 @@ int run_campaign(const CampaignArguments& arguments) {
     const auto round = run->advance(
         workers, [until] { return std::chrono::steady_clock::now() >= until; },
         [&](std::string_view lines) { return kept.append(lines); });
-    if (!round) return speaks ? complain(round.error()) : exit_bad_input;
+    if (!round) return speaks ? report_error(round.error()) : exit_bad_input;
     more = *round;
-    if (speaks && more) time_left.tell(*run);
+    if (speaks && more) time_left.report(*run);
   }
   if (!speaks) return exit_done;
   const double took_s = time_left.passed_s();
   const double ratio = (run->cost_all() - cost_before) / run->cost_all();
   const double runs = ratio * static_cast<double>(work.plan().votes());
   if (runs > 0.0)
-    say("campaign took " + decimals(took_s, 2) + " s on " + std::to_string((*ranks)->size()) + " × " +
+    print_info("campaign took " + decimals(took_s, 2) + " s on " + std::to_string((*ranks)->size()) + " × " +
         std::to_string(workers.threads()) + " threads, " + decimals(1e3 * took_s / runs, 3) + " ms a run");
-  return tell_result(arguments, *prepared, run->take_records(), kept, workers);
+  return print_result(arguments, *prepared, run->take_records(), kept, workers);
 }
 
 }  // namespace cosiva::app

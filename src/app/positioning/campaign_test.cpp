@@ -15,7 +15,7 @@ namespace {
 
 using adapters::testing::Scratch;
 using fixture::cosiva;
-using fixture::Said;
+using fixture::CommandOutput;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -26,9 +26,9 @@ const std::string small =
 
 TEST(Campaign, says_how_much_there_is_to_do_and_does_nothing) {
   const Scratch scratch;
-  const Said said = cosiva({"campaign", examples + "campaign.toml", "--out", scratch / "out", "--dry-run"});
-  EXPECT_EQ(said.status, 0) << said.standard_error;
-  EXPECT_THAT(said.data, AllOf(HasSubstr("14 environments, 3 algorithms, 20 runs each: 840 runs of 50.0 m"),
+  const CommandOutput output = cosiva({"campaign", examples + "campaign.toml", "--out", scratch / "out", "--dry-run"});
+  EXPECT_EQ(output.status, 0) << output.standard_error;
+  EXPECT_THAT(output.data, AllOf(HasSubstr("14 environments, 3 algorithms, 20 runs each: 840 runs of 50.0 m"),
                                HasSubstr("pitch_m: 7 values"), HasSubstr("0 finished")));
   EXPECT_FALSE(std::filesystem::exists(scratch / "out"));
   EXPECT_EQ(cosiva({"campaign", examples + "campaign_grid.toml", "--dry-run"}).status, 0);
@@ -37,19 +37,19 @@ TEST(Campaign, says_how_much_there_is_to_do_and_does_nothing) {
 TEST(Campaign, writes_report_tables_and_database_and_says_the_same_again_at_once) {
   const Scratch scratch;
   const std::string plan = scratch.write("plan.toml", small);
-  const Said said = cosiva({"campaign", plan, "--out", scratch / "out", "--json"});
-  EXPECT_EQ(said.status, 0) << said.standard_error;
+  const CommandOutput output = cosiva({"campaign", plan, "--out", scratch / "out", "--json"});
+  EXPECT_EQ(output.status, 0) << output.standard_error;
   for (const char* file : {"report.html", "result.json", "runs.csv", "cells.csv", "campaign.sqlite", "campaign.state"})
     EXPECT_TRUE(std::filesystem::exists(scratch / (std::string("out/") + file))) << file;
-  const auto json = JsonValue::parse(said.data);
+  const auto json = JsonValue::parse(output.data);
   ASSERT_TRUE(json);
   EXPECT_EQ(json->find("cells")->array()->size(), 6U);
   EXPECT_EQ(json->text("digest")->size(), 16U);
-  EXPECT_THAT(said.standard_error, HasSubstr("ms a run"));
-  const Said again = cosiva({"campaign", plan, "--out", scratch / "out", "--json"});
-  EXPECT_EQ(again.data, said.data);
+  EXPECT_THAT(output.standard_error, HasSubstr("ms a run"));
+  const CommandOutput again = cosiva({"campaign", plan, "--out", scratch / "out", "--json"});
+  EXPECT_EQ(again.data, output.data);
   EXPECT_THAT(again.standard_error, AllOf(HasSubstr("3 of 3 units"), Not(HasSubstr("ms a run"))));
-  EXPECT_EQ(cosiva({"campaign", plan, "--json", "--threads", "3"}).data, said.data) << "without a folder, too";
+  EXPECT_EQ(cosiva({"campaign", plan, "--json", "--threads", "3"}).data, output.data) << "without a folder, too";
   EXPECT_THAT(cosiva({"campaign", plan, "--out", scratch / "out", "--dry-run"}).data, HasSubstr("3 finished"));
 }
 
@@ -58,9 +58,9 @@ TEST(Campaign, refuses_the_state_of_another_plan_until_told_to_forget_it) {
   const std::string plan = scratch.write("plan.toml", small);
   EXPECT_EQ(cosiva({"campaign", plan, "--out", scratch / "out"}).status, 0);
   scratch.write("plan.toml", "seed = 5\n" + small);
-  const Said said = cosiva({"campaign", plan, "--out", scratch / "out"});
-  EXPECT_EQ(said.status, 2);
-  EXPECT_THAT(said.standard_error,
+  const CommandOutput output = cosiva({"campaign", plan, "--out", scratch / "out"});
+  EXPECT_EQ(output.status, 2);
+  EXPECT_THAT(output.standard_error,
               AllOf(HasSubstr("campaign.state:1"), HasSubstr("another plan"), HasSubstr("--anew")));
   EXPECT_EQ(cosiva({"campaign", plan, "--out", scratch / "out", "--anew"}).status, 0);
   // A tolerance changes no run: what is finished stays.
@@ -72,10 +72,10 @@ TEST(Campaign, names_what_is_in_its_way) {
   const Scratch scratch;
   const std::string plan = scratch.write("plan.toml", small);
   const auto refused = [](const std::vector<std::string>& standard_error, const std::string& what) {
-    const Said said = cosiva(standard_error);
-    EXPECT_EQ(said.status, 2) << said.standard_error;
-    EXPECT_THAT(said.standard_error, HasSubstr(what));
-    EXPECT_EQ(said.data, "");
+    const CommandOutput output = cosiva(standard_error);
+    EXPECT_EQ(output.status, 2) << output.standard_error;
+    EXPECT_THAT(output.standard_error, HasSubstr(what));
+    EXPECT_EQ(output.data, "");
   };
   refused({"campaign"}, "plan is required");
   refused({"campaign", scratch / "none.toml"}, "none.toml: cannot read: No such file");

@@ -146,7 +146,7 @@ std::optional<std::string> useless_live(const CLI::App& command) {
 
 int run_live(const CLI::App& command, const QualifyArguments& q, LiveQualifyArguments& live, std::size_t at_least) {
   if (const auto useless = useless_live(command))
-    return complain({"qualify.live", "it means nothing with --live: the platform is as it is", *useless});
+    return report_error({"qualify.live", "it means nothing with --live: the platform is as it is", *useless});
   live.speed_given = command.get_option("--speed")->count() > 0;
   return run_qualify_live(q, live, at_least);
 }

@@ -100,7 +100,7 @@ void ExternalAlgorithm::blame(const Error& error) const {
 
 void ExternalAlgorithm::send_line(const std::string& line) {
   if (fault_) return;
-  if (auto told = process_->send_line(line, timeout_); !told) blame(told.error());
+  if (auto inputs = process_->send_line(line, timeout_); !inputs) blame(inputs.error());
 }
 
 void ExternalAlgorithm::predict(const estimation::Odometry& odometry) {

@@ -45,7 +45,7 @@ class RunsDone {
   void at(std::size_t done) {
     until_ = std::chrono::steady_clock::now() + round_time;
     if (done == runs_ || !ticker_.ticks()) return;
-    say("cosiva: " + std::to_string(done) + " of " + std::to_string(runs_) + " runs");
+    print_info("cosiva: " + std::to_string(done) + " of " + std::to_string(runs_) + " runs");
   }
 
  private:
@@ -74,7 +74,7 @@ Result<void> write_all(const std::string& folder, const Qualification& all, cons
     files.emplace_back(one.name + ".zip", experiments::evo_zip(one.name, all.times_s, errors, all.options.alignment));
   }
   if (auto written = adapters::write_files(folder, files); !written) return written;
-  say("written into " + folder);
+  print_info("written into " + folder);
   return {};
 }
 
@@ -100,19 +100,19 @@ int run_either(const QualifyArguments& arguments, std::size_t at_least) {
   if (!arguments.reference.empty() || !arguments.estimates.empty()) return run_trajectories(arguments);
   const auto alignment = alignment_of(arguments);
   if (alignment != experiments::Alignment::none && arguments.recordings.empty())
-    return complain({"compare.align", "in virtual time all are told the truth's own frame: there is nothing to align",
+    return report_error({"compare.align", "in virtual time all are told the truth's own frame: there is nothing to align",
                      "--align " + arguments.align});
   if (alignment == experiments::Alignment::se3)
-    return complain({"compare.align", "a recording lies on the floor: ask for se2 or origin", "--align se3"});
+    return report_error({"compare.align", "a recording lies on the floor: ask for se2 or origin", "--align se3"});
   auto reference = reference_of(arguments);
-  if (!reference) return complain(reference.error());
+  if (!reference) return report_error(reference.error());
   auto runs = arguments.recordings.empty() ? virtual_runs(arguments) : recorded_runs(arguments);
-  if (!runs) return complain(runs.error());
+  if (!runs) return report_error(runs.error());
   const auto candidates =
       candidates_of(arguments, registry, runs->on_track, usual_algorithms(arguments, runs->on_track, at_least));
-  if (!candidates) return complain(candidates.error());
+  if (!candidates) return report_error(candidates.error());
   if (candidates->size() < at_least)
-    return complain({"compare.few", "there are at least two to compare", "algorithms"});
+    return report_error({"compare.few", "there are at least two to compare", "algorithms"});
   return evaluate(arguments, *candidates, *runs, std::move(*reference));
 }
 
@@ -120,8 +120,8 @@ int run_either(const QualifyArguments& arguments, std::size_t at_least) {
 bool check(const Qualification& all) {
   bool fine = true;
   for (const experiments::Qualified& one : all.algorithms) {
-    if (one.failed) say("cosiva: " + one.name + " failed: " + to_string(*one.failed));
-    if (one.leak) say("cosiva: " + one.name + " is below the limit: it knows what it cannot, or the limit is wrong");
+    if (one.failed) print_info("cosiva: " + one.name + " failed: " + to_string(*one.failed));
+    if (one.leak) print_info("cosiva: " + one.name + " is below the limit: it knows what it cannot, or the limit is wrong");
     fine = fine && !one.failed && !one.leak;
   }
   return fine;
@@ -144,18 +144,18 @@ int evaluate(const QualifyArguments& arguments, const std::vector<experiments::C
   const auto all = experiments::qualify(
       candidates, runs.count, runs.source, options, workers, [&] { return runs_done.time_is_up(); },
       [&](std::size_t done) { runs_done.at(done); });
-  if (!all) return complain(all.error());
+  if (!all) return report_error(all.error());
   experiments::Conditions conditions = runs.conditions;
   if (!arguments.recordings.empty())
     conditions.settings.emplace_back("seems late against the truth, first run (not corrected)", lateness_of(*all));
   if (!arguments.out_folder.empty()) {
-    if (auto written = write_all(arguments.out_folder, *all, conditions); !written) return complain(written.error());
+    if (auto written = write_all(arguments.out_folder, *all, conditions); !written) return report_error(written.error());
   }
   std::string text = arguments.json ? to_json(*all, conditions) : to_text(*all);
   while (text.ends_with('\n')) text.pop_back();  // print ends the line
   print(text);
   for (const std::string& diagnostic : runs.complete ? std::vector<std::string>{} : runs.conditions.diagnostics)
-    say("cosiva: " + diagnostic);
+    print_info("cosiva: " + diagnostic);
   return check(*all) && runs.complete ? exit_done : exit_check_failed;
 }
 

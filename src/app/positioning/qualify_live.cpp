@@ -49,7 +49,7 @@ class LiveTest {
   Result<void> run(const BrokerArguments& broker) {
     if (auto there = open(broker); !there) return there;
     loop_.on_signals({SIGINT, SIGTERM}, [this](int) {
-      say("cosiva: interrupted: the runs that are complete count");
+      print_info("cosiva: interrupted: the runs that are complete count");
       runs_.give_up();
     });
     heartbeat_.every(tick_period, [this] { heartbeat(); });
@@ -74,7 +74,7 @@ class LiveTest {
     filters.push_back(wire::topics_below(wire::area_topic_prefix, 3));
     adapters::MqttHandlers handlers;
     handlers.on_link = [](bool) {};
-    handlers.on_message = [this](std::string_view topic, std::string_view payload, bool) { hear(topic, payload); };
+    handlers.on_message = [this](std::string_view topic, std::string_view payload, bool) { receive(topic, payload); };
     auto client = adapters::MqttClient::make(loop_, std::move(*options), std::move(filters), std::nullopt, handlers);
     if (!client) return tl::unexpected(client.error());
     bus_ = std::move(*client);
@@ -91,7 +91,7 @@ class LiveTest {
     return {};
   }
 
-  void hear(std::string_view topic, std::string_view payload) {
+  void receive(std::string_view topic, std::string_view payload) {
     if (ended_) return;
     const std::size_t name = topic.rfind("/zone/");
     const bool zone = name != std::string_view::npos &&
@@ -107,30 +107,30 @@ class LiveTest {
     LiveRuns::Responses responses = runs_.tick(clock_.now());
     for (const wire::Publish& message : responses.messages) bus_->publish(message);
     for (std::string& command : responses.commands) commands_.push_back(std::move(command));
-    for (const std::string& operator_messages : responses.operator_messages) say("cosiva: " + operator_messages);
-    tell_server();
+    for (const std::string& operator_messages : responses.operator_messages) print_info("cosiva: " + operator_messages);
+    notify_server();
     if (runs_.done()) return loop_.stop();
     if (!ticker_.ticks()) return;
     const LiveRuns::Progress progress = runs_.progress(clock_.now());
     std::string text = "cosiva: " + std::to_string(progress.complete) + " of " + std::to_string(runs_requested_) +
                        " runs, " + decimals(100.0 * progress.ratio, 0) + " % of the way";
     if (progress.left_s) text += ", " + experiments::duration_text(*progress.left_s) + " left";
-    say(text);
+    print_info(text);
   }
 
   /// In order, and each until it has been taken: a server that is not there now will be.
-  void tell_server() {
-    if (clock_.now() < tell_again_) return;
+  void notify_server() {
+    if (clock_.now() < next_notice_) return;
     while (!commands_.empty()) {
       const auto taken = server_.ask("POST", "/api/v1/commands", commands_.front(), command_timeout);
       if (!taken || taken->status >= 500) {
-        if (!std::exchange(waiting_, true)) say("cosiva: the server does not answer; what it is to be told waits");
-        tell_again_ = clock_.now() + seconds{1};
+        if (!std::exchange(waiting_, true)) print_info("cosiva: the server does not answer; what it is to be told waits");
+        next_notice_ = clock_.now() + seconds{1};
         return;
       }
-      if (std::exchange(waiting_, false)) say("cosiva: the server answers again");
+      if (std::exchange(waiting_, false)) print_info("cosiva: the server answers again");
       if (taken->status >= 400)
-        say("cosiva: the server refused " + commands_.front() + ": " +
+        print_info("cosiva: the server refused " + commands_.front() + ": " +
             to_string(refusal_in(taken->body, taken->status)));
       commands_.pop_front();
     }
@@ -144,7 +144,7 @@ class LiveTest {
   std::unique_ptr<adapters::MqttClient> bus_;
   std::deque<std::string> commands_;
   SecondsTicker ticker_;
-  SimTime tell_again_{};
+  SimTime next_notice_{};
   bool waiting_{false};
   bool ended_{false};
   adapters::Timer heartbeat_;
@@ -266,13 +266,13 @@ Result<Runs> lived(const QualifyArguments& arguments, const LiveQualifyArguments
 int run_qualify_live(const QualifyArguments& arguments, const LiveQualifyArguments& live, std::size_t at_least) {
   const estimation::Registry registry;
   auto candidates = candidates_of(arguments, registry, true, usual_algorithms(arguments, true, at_least));
-  if (!candidates) return complain(candidates.error());
+  if (!candidates) return report_error(candidates.error());
   if (candidates->size() < at_least)
-    return complain({"compare.few", "there are at least two to compare", "algorithms"});
+    return report_error({"compare.few", "there are at least two to compare", "algorithms"});
   auto reference = reference_of(arguments);
-  if (!reference) return complain(reference.error());
+  if (!reference) return report_error(reference.error());
   const auto runs = lived(arguments, live, *candidates, registry);
-  if (!runs) return complain(runs.error());
+  if (!runs) return report_error(runs.error());
   return evaluate(arguments, *candidates, *runs, std::move(*reference));
 }
 

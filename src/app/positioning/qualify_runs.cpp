@@ -98,10 +98,10 @@ Result<Trial> trial_of(const std::string& folder, const QualifyArguments& argume
   auto trial = experiments::replayed(*recording, {arguments.gap_s, 0.05, 0.05});
   if (!trial) return trial;
   for (const std::string& diagnostic : recording->diagnostics) {
-    std::string told = std::string(folder).append(": ").append(diagnostic).append(".");
+    std::string inputs = std::string(folder).append(": ").append(diagnostic).append(".");
     // What was made of a recording is no matter for the report alone: it may be a mistake in the files.
-    say("cosiva: " + told);
-    conditions.diagnostics.push_back(std::move(told));
+    print_info("cosiva: " + inputs);
+    conditions.diagnostics.push_back(std::move(inputs));
   }
   if (ring) {
     trial->setting.track = ring->track;

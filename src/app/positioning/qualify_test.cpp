@@ -17,15 +17,15 @@ namespace {
 
 using adapters::testing::Scratch;
 using fixture::cosiva;
-using fixture::Said;
+using fixture::CommandOutput;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
 const std::string source = source_dir();
 
-JsonValue json_of(const Said& said) {
-  auto json = JsonValue::parse(said.data);
-  EXPECT_TRUE(json) << said.data << said.standard_error;
+JsonValue json_of(const CommandOutput& output) {
+  auto json = JsonValue::parse(output.data);
+  EXPECT_TRUE(json) << output.data << output.standard_error;
   return json ? std::move(*json) : JsonValue{};
 }
 
@@ -34,14 +34,14 @@ const JsonValue& algorithm(const JsonValue& json, std::size_t index) {
 }
 
 TEST(Qualify, in_virtual_time_gives_the_figures_and_the_limit) {
-  const Said said = cosiva({"qualify", "arc_kalman", "--runs", "8", "--way", "40", "--json"});
-  EXPECT_EQ(said.status, 0) << said.standard_error;
-  const JsonValue json = json_of(said);
+  const CommandOutput output = cosiva({"qualify", "arc_kalman", "--runs", "8", "--way", "40", "--json"});
+  EXPECT_EQ(output.status, 0) << output.standard_error;
+  const JsonValue json = json_of(output);
   EXPECT_EQ(algorithm(json, 0).text("name"), "arc_kalman");
   // Beacons every half metre, 1 cm each: 8.7 mm along and 2 mm across the line.
   EXPECT_NEAR(*algorithm(json, 0).number("limit_m"), 0.0089, 3e-4);
   EXPECT_NEAR(*algorithm(json, 0).number("rmse_m"), 0.0089, 1e-3);
-  EXPECT_EQ(cosiva({"qualify", "arc_kalman", "--runs", "8", "--way", "40", "--json"}).data, said.data);
+  EXPECT_EQ(cosiva({"qualify", "arc_kalman", "--runs", "8", "--way", "40", "--json"}).data, output.data);
 }
 
 TEST(QualifyStatistics, says_the_same_to_the_byte_on_any_number_of_threads) {
@@ -49,29 +49,29 @@ TEST(QualifyStatistics, says_the_same_to_the_byte_on_any_number_of_threads) {
   for (const std::vector<std::string>& requested :
        {std::vector<std::string>{"compare", "reset_rule", "arc_kalman", "particles", "arc_smoother", "--runs", "20"},
         std::vector<std::string>{"compare", "--recording", recorded}}) {
-    std::vector<std::string> said;
+    std::vector<std::string> output;
     for (const char* threads : {"1", "2", "4"}) {
       std::vector<std::string> arguments = requested;
       if (arguments.size() > 3) arguments.insert(arguments.end(), {"--way", "10"});
       arguments.insert(arguments.end(), {"--json", "--threads", threads});
-      const Said one = cosiva(arguments);
+      const CommandOutput one = cosiva(arguments);
       EXPECT_EQ(one.status, 0) << one.standard_error;
-      said.push_back(one.data);
+      output.push_back(one.data);
     }
-    EXPECT_EQ(said[0], said[1]);
-    EXPECT_EQ(said[0], said[2]);
-    EXPECT_THAT(said[0], Not(HasSubstr("--threads")));
-    EXPECT_THAT(said[0], HasSubstr("\"digest\""));
+    EXPECT_EQ(output[0], output[1]);
+    EXPECT_EQ(output[0], output[2]);
+    EXPECT_THAT(output[0], Not(HasSubstr("--threads")));
+    EXPECT_THAT(output[0], HasSubstr("\"digest\""));
   }
   EXPECT_EQ(cosiva({"qualify", "--threads", "0"}).status, 2);
 }
 
 TEST(Qualify, lists_what_there_is) {
-  const Said said = cosiva({"qualify", "--list"});
-  EXPECT_EQ(said.status, 0);
+  const CommandOutput output = cosiva({"qualify", "--list"});
+  EXPECT_EQ(output.status, 0);
   for (const char* name : {"dead_reckoning", "reset_rule", "arc_kalman", "arc_kalman_scale", "ekf", "ukf", "iekf",
                            "particles", "arc_smoother", "ufir"})
-    EXPECT_THAT(said.data, HasSubstr(name));
+    EXPECT_THAT(output.data, HasSubstr(name));
 }
 
 TEST(Compare, shows_that_the_filter_is_better_than_the_article_s_rule) {
@@ -87,10 +87,10 @@ TEST(Compare, on_a_recording_reads_it_and_writes_its_report) {
   const std::string out = scratch / "out";
   const std::string recorded = source + "/src/experiments/positioning/recording/plaza1";
   // A name after the folder is an algorithm's, and no second folder.
-  const Said said =
+  const CommandOutput output =
       cosiva({"compare", "dead_reckoning", "--recording", recorded, "calibrating", "--out", out, "--json"});
-  EXPECT_EQ(said.status, 0) << said.standard_error;
-  const JsonValue json = json_of(said);
+  EXPECT_EQ(output.status, 0) << output.standard_error;
+  const JsonValue json = json_of(output);
   EXPECT_LT(*algorithm(json, 1).number("rmse_m"), 0.45);
   EXPECT_FALSE(algorithm(json, 1).find("rmse_interval_m")->is_null());
   EXPECT_THAT(json.find("conditions")->text("seems late against the truth, first run (not corrected)").value_or(""),
@@ -116,11 +116,11 @@ TEST(Qualify, says_on_the_terminal_and_in_the_report_what_it_made_of_a_recording
   std::filesystem::create_directories(scratch / "drive");
   ASSERT_TRUE(adapters::write_file(scratch / "drive/odometry.csv", odometry));
   ASSERT_TRUE(adapters::write_file(scratch / "drive/groundtruth.csv", ground_truth));
-  const Said said = cosiva({"qualify", "--recording", scratch / "drive", "--out", scratch / "out", "--json"});
-  EXPECT_EQ(said.status, 0) << said.standard_error;
-  EXPECT_THAT(said.standard_error, HasSubstr("drive: the truth's heading is 180 degrees off the way it goes"));
+  const CommandOutput output = cosiva({"qualify", "--recording", scratch / "drive", "--out", scratch / "out", "--json"});
+  EXPECT_EQ(output.status, 0) << output.standard_error;
+  EXPECT_THAT(output.standard_error, HasSubstr("drive: the truth's heading is 180 degrees off the way it goes"));
   EXPECT_THAT(adapters::read_file(scratch / "out/report.html").value_or(""), HasSubstr("180 degrees off the way"));
-  EXPECT_LT(*algorithm(json_of(said), 0).number("rmse_m"), 0.01);
+  EXPECT_LT(*algorithm(json_of(output), 0).number("rmse_m"), 0.01);
 }
 
 TEST(Qualify, draws_ways_on_the_zone_s_lines) {
@@ -147,15 +147,15 @@ TEST(Compare, of_trajectories_writes_a_report_and_what_evo_opens_and_keeps_one_t
                                                                                    {"bad.tum", "1 2 3\n"}})
     ASSERT_TRUE(adapters::write_file(scratch / file, text));
   const std::string out = scratch / "out";
-  const Said said = cosiva({"compare", "--reference", scratch / "ground_truth.tum", "--estimate",
+  const CommandOutput output = cosiva({"compare", "--reference", scratch / "ground_truth.tum", "--estimate",
                             scratch / "a/mine.tum", "--estimate", scratch / "b/mine.tum", "--estimate",
                             scratch / "bad.tum", "--out", out, "--reference-error", "0.05", "--json"});
-  EXPECT_EQ(said.status, 1) << said.standard_error;  // one is bad, the others have their figures
-  EXPECT_THAT(said.standard_error, HasSubstr("bad.tum:1"));
+  EXPECT_EQ(output.status, 1) << output.standard_error;  // one is bad, the others have their figures
+  EXPECT_THAT(output.standard_error, HasSubstr("bad.tum:1"));
   const auto read = [&](const std::string& file) { return adapters::read_file(out + "/" + file).value_or(""); };
   // Two files of one name are told apart.
-  EXPECT_EQ(algorithm(json_of(said), 1).text("name"), "mine_2");
-  EXPECT_EQ(read("result.json"), said.data);
+  EXPECT_EQ(algorithm(json_of(output), 1).text("name"), "mine_2");
+  EXPECT_EQ(read("result.json"), output.data);
   const std::string page = read("report.html");
   for (const char* phrase : {"least rmse: mine", "mine_2 − mine", "unresolved", "bad.tum:1: here are 3 numbers",
                              "Reference and estimates from above", "Distribution of all errors", "<svg"})
@@ -195,10 +195,10 @@ TEST(Compare, names_the_folder_of_a_recording_that_is_bad) {
   ASSERT_TRUE(
       adapters::write_file(scratch / "lap2/odometry.csv", "time_s,delta_distance_m,delta_heading_rad\nnan,1,0\n"));
   ASSERT_TRUE(adapters::write_file(scratch / "lap2/groundtruth.csv", "time_s,x_m,y_m\n0,0,0\n"));
-  const Said said = cosiva({"compare", "--recording", source + "/src/experiments/positioning/recording/labyrinth",
+  const CommandOutput output = cosiva({"compare", "--recording", source + "/src/experiments/positioning/recording/labyrinth",
                             "--recording", scratch / "lap2"});
-  EXPECT_EQ(said.status, 2);
-  EXPECT_THAT(said.standard_error, HasSubstr("lap2/odometry.csv:2: 'nan' under time_s is no finite number"));
+  EXPECT_EQ(output.status, 2);
+  EXPECT_THAT(output.standard_error, HasSubstr("lap2/odometry.csv:2: 'nan' under time_s is no finite number"));
 }
 
 TEST(Compare, aligns_when_it_is_asked_to_and_says_so) {
@@ -244,9 +244,9 @@ TEST(Compare, refuses_an_alignment_that_means_nothing) {
   const std::string line = scratch / "line.tum";
   EXPECT_TRUE(adapters::write_file(line, "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 2 0 0 0 0 0 1\n"));
   const auto arguments = [](const std::vector<std::string>& arguments) {
-    const Said said = cosiva(arguments);
-    EXPECT_EQ(said.status, 2) << said.standard_error;
-    return said.standard_error;
+    const CommandOutput output = cosiva(arguments);
+    EXPECT_EQ(output.status, 2) << output.standard_error;
+    return output.standard_error;
   };
   EXPECT_THAT(arguments({"compare", "--align", "se2"}),
               HasSubstr("--align se2: in virtual time all are told the truth's own frame"));
@@ -300,10 +300,10 @@ TEST(Compare, tells_the_reference_s_budget_and_calls_what_is_below_it_unresolved
 TEST(Compare, on_the_plane_draws_the_limit_beside_each_bar) {
   const Scratch scratch;
   const std::string recorded = source + "/src/experiments/positioning/recording/labyrinth";
-  const Said said = cosiva({"compare", "dead_reckoning", "calibrating", "smoother", "--recording", recorded, "--out",
+  const CommandOutput output = cosiva({"compare", "dead_reckoning", "calibrating", "smoother", "--recording", recorded, "--out",
                             scratch / "out", "--json"});
-  EXPECT_EQ(said.status, 0) << said.standard_error;
-  const JsonValue json = json_of(said);
+  EXPECT_EQ(output.status, 0) << output.standard_error;
+  const JsonValue json = json_of(output);
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_GT(*algorithm(json, i).number("limit_m"), 0.005);
     EXPECT_TRUE(algorithm(json, i).number("gap_percent"));
@@ -315,36 +315,36 @@ TEST(Compare, on_the_plane_draws_the_limit_beside_each_bar) {
 }
 
 TEST(Compare, takes_the_python_example_as_one_of_many) {
-  const Said said = cosiva({"compare", "arc_kalman", "reset_rule", "--runs", "3", "--way", "10", "--external",
+  const CommandOutput output = cosiva({"compare", "arc_kalman", "reset_rule", "--runs", "3", "--way", "10", "--external",
                             "mine=python3 " + source + "/examples/estimator.py", "--json"});
-  EXPECT_EQ(said.status, 0) << said.standard_error;
-  const JsonValue json = json_of(said);
+  EXPECT_EQ(output.status, 0) << output.standard_error;
+  const JsonValue json = json_of(output);
   EXPECT_EQ(algorithm(json, 2).text("name"), "mine");
   EXPECT_LT(*algorithm(json, 2).number("rmse_m"), 0.03);
   EXPECT_EQ(json.find("comparisons")->array()->size(), 3U);
 }
 
 TEST(Compare, keeps_the_others_when_a_program_hangs_ends_or_talks_nonsense) {
-  const Said said =
+  const CommandOutput output =
       cosiva({"compare", "arc_kalman", "--runs", "2", "--way", "5", "--timeout", "0.3", "--external", "hangs=sleep 60",
               "--external", "ends=exit 4", "--external", "nonsense=while read -r line; do echo hello; done", "--json"});
-  EXPECT_EQ(said.status, 1);
-  const JsonValue json = json_of(said);
+  EXPECT_EQ(output.status, 1);
+  const JsonValue json = json_of(output);
   EXPECT_TRUE(algorithm(json, 0).number("rmse_m"));
   EXPECT_EQ(algorithm(json, 1).find("failed")->text("code"), "process.unresponsive");
   EXPECT_EQ(algorithm(json, 2).find("failed")->text("code"), "process.gone");
   EXPECT_EQ(algorithm(json, 3).find("failed")->text("code"), "algorithm.garbage");
-  EXPECT_THAT(said.standard_error, HasSubstr("hangs failed: hangs: it gave no answer for 300 ms (in run 1)"));
-  EXPECT_THAT(said.standard_error, HasSubstr("exit status 4"));
-  EXPECT_THAT(said.standard_error, HasSubstr("that is no JSON: 'hello'"));
+  EXPECT_THAT(output.standard_error, HasSubstr("hangs failed: hangs: it gave no answer for 300 ms (in run 1)"));
+  EXPECT_THAT(output.standard_error, HasSubstr("exit status 4"));
+  EXPECT_THAT(output.standard_error, HasSubstr("that is no JSON: 'hello'"));
 }
 
 TEST(Compare, refuses_bad_input_with_its_place) {
   const Scratch scratch;
   const auto arguments = [](const std::vector<std::string>& arguments) {
-    const Said said = cosiva(arguments);
-    EXPECT_EQ(said.status, 2) << said.standard_error;
-    return said.standard_error;
+    const CommandOutput output = cosiva(arguments);
+    EXPECT_EQ(output.status, 2) << output.standard_error;
+    return output.standard_error;
   };
   EXPECT_THAT(arguments({"qualify", "kalmann"}), HasSubstr("there is no such algorithm"));
   EXPECT_THAT(arguments({"compare", "ekf"}), HasSubstr("at least two"));

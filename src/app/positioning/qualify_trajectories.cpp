@@ -224,23 +224,23 @@ std::string to_text(const std::vector<Evaluated>& all, experiments::Alignment al
 
 int run_trajectories(const QualifyArguments& arguments) {
   if (arguments.reference.empty() || arguments.estimates.empty())
-    return complain({"compare.trajectories", "it takes a --reference and an --estimate", "--reference, --estimate"});
+    return report_error({"compare.trajectories", "it takes a --reference and an --estimate", "--reference, --estimate"});
   for (const std::string& file : arguments.estimates) {
     if (called_ground_truth(file) && !called_ground_truth(arguments.reference))
-      return complain(
+      return report_error(
           {"compare.swapped",
            "by its name this is the reference, and " + arguments.reference + " an estimate: they seem to be swapped",
            file});
     if (called_estimate(arguments.reference) && !called_ground_truth(arguments.reference) && !called_estimate(file))
-      return complain(
+      return report_error(
           {"compare.swapped",
            "by its name this is an estimate, and it is given as the reference of " + file + ": they seem to be swapped",
            arguments.reference});
   }
   const auto budget = reference_of(arguments);
-  if (!budget) return complain(budget.error());
+  if (!budget) return report_error(budget.error());
   const auto reference = load(arguments.reference);
-  if (!reference) return complain(reference.error());
+  if (!reference) return report_error(reference.error());
   std::vector<Evaluated> all(arguments.estimates.size());
   adapters::ThreadPool workers{threads_for(arguments)};
   workers.for_each(all.size(),
@@ -249,12 +249,12 @@ int run_trajectories(const QualifyArguments& arguments) {
   const std::string json = to_json(all, arguments, *budget);
   if (!arguments.out_folder.empty()) {
     if (auto written = write_trajectories(all, *reference, arguments, *budget, json); !written)
-      return complain(written.error());
+      return report_error(written.error());
   }
   print(arguments.json ? json : to_text(all, alignment_of(arguments), *budget));
   bool fine = true;
   for (const Evaluated& one : all) {
-    if (one.failed) say("cosiva: " + one.name + " failed: " + to_string(*one.failed));
+    if (one.failed) print_info("cosiva: " + one.name + " failed: " + to_string(*one.failed));
     fine = fine && !one.failed;
   }
   if (!fine && all.size() == 1) return exit_bad_input;

@@ -203,7 +203,7 @@ Result<void> write_trajectories(const std::vector<EvaluatedTrajectory>& all, con
   }
   files.emplace_back("errors.csv", std::move(errors));
   if (auto written = adapters::write_files(arguments.out_folder, files); !written) return written;
-  say("written into " + arguments.out_folder);
+  print_info("written into " + arguments.out_folder);
   return {};
 }
 

@@ -15,7 +15,7 @@ namespace cosiva::app {
 /// @param client_name  a word for the broker's log
 /// Errors: what mqtt_options() refuses; `mqtt.connect` where nobody answers within 10 s; `mqtt.publish` where the
 /// broker does not acknowledge within 10 s.
-[[nodiscard]] Result<void> say_over_broker(const BrokerArguments& broker, const std::string& client_name,
+[[nodiscard]] Result<void> publish_once(const BrokerArguments& broker, const std::string& client_name,
                                            const std::vector<wire::Publish>& messages);
 
 }  // namespace cosiva::app

@@ -50,7 +50,7 @@ Result<CapacityMetrics> measure(const CapacityArguments& arguments) {
   if (!rules) return tl::unexpected(rules.error());
   CapacityMetrics metrics{rtm->zone().name, arguments.rules, {}, {}};
   for (std::uint64_t vehicles = 100; vehicles <= arguments.vehicles_max; vehicles *= 10) {
-    say("measuring a fleet of " + std::to_string(vehicles));
+    print_info("measuring a fleet of " + std::to_string(vehicles));
     auto one = measure_steps(rtm->shared_zone(), *rules, vehicles, arguments.seconds);
     if (!one) return tl::unexpected(one.error());
     metrics.steps.push_back(*one);
@@ -58,7 +58,7 @@ Result<CapacityMetrics> measure(const CapacityArguments& arguments) {
   }
   for (const std::uint32_t vehicles : arguments.live) {
     if (vehicles == 0) continue;
-    say("measuring the platform with " + std::to_string(vehicles) + " vehicles over MQTT");
+    print_info("measuring the platform with " + std::to_string(vehicles) + " vehicles over MQTT");
     auto one = measure_live(arguments, vehicles);
     if (!one) return tl::unexpected(one.error());
     metrics.live.push_back(*one);
@@ -70,12 +70,12 @@ Result<CapacityMetrics> measure(const CapacityArguments& arguments) {
 
 int run_capacity(const CapacityArguments& arguments) {
   const auto metrics = measure(arguments);
-  if (!metrics) return complain(metrics.error());
+  if (!metrics) return report_error(metrics.error());
   JsonWriter json;
   write_json(json, *metrics);
   if (!arguments.out_file.empty())
     if (auto written = adapters::write_file(arguments.out_file, json.text() + "\n"); !written)
-      return complain(written.error());
+      return report_error(written.error());
   if (arguments.json) {
     print(json.take());
     return exit_done;

@@ -34,9 +34,9 @@ TEST(Capacity, takes_the_live_figures_from_the_platform_s_own_summary) {
 }
 
 TEST(Capacity, measures_this_machine) {
-  const auto said = cosiva({"capacity", "--max", "1000", "--seconds", "0.05", "--live", "0", "--json"});
-  ASSERT_EQ(said.status, 0) << said.standard_error;
-  const auto json = JsonValue::parse(said.data, 1U << 16U);
+  const auto output = cosiva({"capacity", "--max", "1000", "--seconds", "0.05", "--live", "0", "--json"});
+  ASSERT_EQ(output.status, 0) << output.standard_error;
+  const auto json = JsonValue::parse(output.data, 1U << 16U);
   ASSERT_TRUE(json);
   ASSERT_EQ(json->find("fleet")->array()->size(), 2U);
   for (const JsonValue& one : *json->find("fleet")->array()) {

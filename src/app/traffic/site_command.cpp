@@ -91,15 +91,15 @@ std::string command_of(const FleetTrafficArguments& arguments) {
 
 int run_site(const FleetTrafficArguments& arguments) {
   if (!arguments.jobs_file.empty())
-    return complain({"traffic.options", "--jobs names the stations of one zone, and --zones has many", "--jobs"});
+    return report_error({"traffic.options", "--jobs names the stations of one zone, and --zones has many", "--jobs"});
   // Everything that can be wrong in files is found before MPI begins: then each rank can end by itself.
   auto options = options_from(arguments);
-  if (!options) return complain(options.error());
+  if (!options) return report_error(options.error());
   auto ranks = start_ranks();
-  if (!ranks) return complain(ranks.error());
+  if (!ranks) return report_error(ranks.error());
   const bool speaks = (*ranks)->rank() == 0;
   auto run = SiteRun::make(std::move(*options), **ranks);
-  if (!run) return speaks ? complain(run.error()) : exit_bad_input;
+  if (!run) return speaks ? report_error(run.error()) : exit_bad_input;
   Progress progress{"traffic"};
   adapters::ThreadPool workers{arguments.threads};
   while (run->advance(workers))
@@ -114,8 +114,8 @@ int run_site(const FleetTrafficArguments& arguments) {
     const auto written = adapters::write_files(
         arguments.out_directory,
         {{"report.html", experiments::to_html(metrics, command_of(arguments))}, {"result.json", json + "\n"}});
-    if (!written) return complain(written.error());
-    say("report: " + arguments.out_directory + "/report.html");
+    if (!written) return report_error(written.error());
+    print_info("report: " + arguments.out_directory + "/report.html");
   }
   if (arguments.json) {
     print(json);

@@ -73,16 +73,16 @@ Result<void> write_all(const FleetTrafficArguments& arguments, const TrafficRun&
 int run_traffic(const FleetTrafficArguments& arguments) {
   if (!arguments.zones.empty()) return run_site(arguments);
   auto options = options_from(arguments);
-  if (!options) return complain(options.error());
+  if (!options) return report_error(options.error());
   auto run = TrafficRun::make(std::move(*options));
-  if (!run) return complain(run.error());
+  if (!run) return report_error(run.error());
   Progress progress{"traffic"};
   adapters::ThreadPool workers{arguments.threads};
   while (run->advance(10.0, workers)) progress.at(run->time_s(), run->end_s());
   const TrafficMetrics metrics = run->metrics();
   if (!arguments.out_directory.empty()) {
-    if (auto written = write_all(arguments, *run, metrics); !written) return complain(written.error());
-    say("report: " + arguments.out_directory + "/report.html");
+    if (auto written = write_all(arguments, *run, metrics); !written) return report_error(written.error());
+    print_info("report: " + arguments.out_directory + "/report.html");
   }
   if (arguments.json) {
     JsonWriter json;

@@ -16,11 +16,11 @@ using fixture::cosiva;
 using ::testing::HasSubstr;
 
 TEST(TrafficCommand, carries_jobs_on_a_ready_zone_and_says_what_came_of_it) {
-  const auto said =
+  const auto output =
       cosiva({"traffic", "--zone", "indus8", "--aivs", "4", "--duration", "600", "--jobs-per-hour", "60"});
-  EXPECT_EQ(said.status, 0) << said.standard_error;
-  EXPECT_THAT(said.data, HasSubstr("indus8: 4 AIVs, 10 min"));
-  EXPECT_THAT(said.data, HasSubstr("0 collisions"));
+  EXPECT_EQ(output.status, 0) << output.standard_error;
+  EXPECT_THAT(output.data, HasSubstr("indus8: 4 AIVs, 10 min"));
+  EXPECT_THAT(output.data, HasSubstr("0 collisions"));
 }
 
 TEST(TrafficCommand, gives_the_same_figures_for_the_same_seed) {
@@ -36,9 +36,9 @@ TEST(TrafficCommand, gives_the_same_figures_for_the_same_seed) {
 }
 
 TEST(TrafficCommand, carries_jobs_in_a_layout_whose_stations_lie_in_dead_ends) {
-  const auto said = cosiva({"traffic", "--zone", "workshop", "--aivs", "6", "--jobs-per-hour", "60", "--json"});
-  EXPECT_EQ(said.status, 0) << said.standard_error;
-  const auto json = JsonValue::parse(said.data, 1U << 20U);
+  const auto output = cosiva({"traffic", "--zone", "workshop", "--aivs", "6", "--jobs-per-hour", "60", "--json"});
+  EXPECT_EQ(output.status, 0) << output.standard_error;
+  const auto json = JsonValue::parse(output.data, 1U << 20U);
   ASSERT_TRUE(json);
   EXPECT_GT(json->find("jobs")->number("done").value_or(0.0), 40.0);
   EXPECT_EQ(json->number("collisions"), 0.0);
@@ -55,25 +55,25 @@ TEST(TrafficCommand, counts_near_misses_where_a_zone_leaves_no_clearance) {
   ASSERT_NE(text.find(clearance), std::string::npos);
   text.replace(text.find(clearance), clearance.size(), "clearance_m = 0.0");
   ASSERT_TRUE(adapters::write_file(file, text));
-  const auto said = cosiva({"traffic", "--zone", file, "--aivs", "12", "--jobs-per-hour", "120", "--json"});
-  const auto json = JsonValue::parse(said.data, 1U << 20U);
-  ASSERT_TRUE(json) << said.standard_error;
+  const auto output = cosiva({"traffic", "--zone", file, "--aivs", "12", "--jobs-per-hour", "120", "--json"});
+  const auto json = JsonValue::parse(output.data, 1U << 20U);
+  ASSERT_TRUE(json) << output.standard_error;
   EXPECT_GT(json->number("near_misses").value_or(0.0), 10.0);
   EXPECT_LT(json->number("smallest_gap_m").value_or(1.0), 0.06);
 }
 
 TEST(TrafficCommand, names_the_section_where_no_fleet_finds_a_place_to_stand) {
   const std::string lane = source_dir() + "/src/virtual/fleet/testdata/two_way_lane.toml";
-  const auto said = cosiva({"traffic", "--zone", lane, "--aivs", "1"});
-  EXPECT_EQ(said.status, 2);
-  EXPECT_THAT(said.standard_error, HasSubstr("zone 'lane', section 'there': too many crossings upon one another"));
+  const auto output = cosiva({"traffic", "--zone", lane, "--aivs", "1"});
+  EXPECT_EQ(output.status, 2);
+  EXPECT_THAT(output.standard_error, HasSubstr("zone 'lane', section 'there': too many crossings upon one another"));
 }
 
 TEST(TrafficCommand, writes_a_report_that_can_be_looked_at) {
   const adapters::testing::Scratch directory;
   const std::string out = directory / "out/deeper";
-  const auto said = cosiva({"traffic", "--duration", "120", "--aivs", "8", "--out", out});
-  EXPECT_EQ(said.status, 0) << said.standard_error;
+  const auto output = cosiva({"traffic", "--duration", "120", "--aivs", "8", "--out", out});
+  EXPECT_EQ(output.status, 0) << output.standard_error;
   for (const char* file : {"/report.html", "/result.json", "/jobs.csv"})
     EXPECT_GT(std::filesystem::file_size(out + file), 50U) << file;
 }

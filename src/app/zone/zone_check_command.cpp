@@ -149,7 +149,7 @@ int refuse_zone(const ZoneArguments& arguments, const Error& first) {
   std::vector<Error> faults;
   if (const auto configuration = load_zone(arguments.zone, arguments.sidecar)) faults = zone::faults(*configuration);
   if (faults.empty()) faults.push_back(first);
-  for (const Error& fault : faults) complain(fault);
+  for (const Error& fault : faults) report_error(fault);
   if (!arguments.json) return exit_bad_input;
   JsonWriter json;
   json.begin_object().field("good", false).key("faults").begin_array();

@@ -15,7 +15,7 @@ namespace {
 
 using adapters::testing::Scratch;
 using fixture::cosiva;
-using fixture::Said;
+using fixture::CommandOutput;
 using fixture::zones;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -52,10 +52,10 @@ angle_deg = 180
 
 TEST(ZoneCommands, teach_with_examples) {
   for (const char* command : {"check", "show", "convert", "generate", "switch"}) {
-    const Said said = cosiva({"zone", command, "--help"});
-    EXPECT_EQ(said.status, 0) << command;
-    EXPECT_THAT(said.data, HasSubstr("Examples:\n  cosiva zone " + std::string(command) + " ")) << command;
-    EXPECT_EQ(said.standard_error, "") << command;
+    const CommandOutput output = cosiva({"zone", command, "--help"});
+    EXPECT_EQ(output.status, 0) << command;
+    EXPECT_THAT(output.data, HasSubstr("Examples:\n  cosiva zone " + std::string(command) + " ")) << command;
+    EXPECT_EQ(output.standard_error, "") << command;
   }
   EXPECT_THAT(cosiva({"zone", "--help"}).data, HasSubstr(".zone.toml"));
   EXPECT_THAT(cosiva({"zone"}).standard_error, HasSubstr("generate or switch"));
@@ -75,10 +75,10 @@ TEST(ZoneCommands, that_lack_something_or_have_too_much_end_with_2) {
       {"zone", "switch", zones + "lacet4.toml", "--url", "localhost"},
       {"zone", "switch", zones + "lacet4.toml", "--broker", "nowhere:"}};
   for (const auto& arguments : all) {
-    const Said said = cosiva(arguments);
-    EXPECT_EQ(said.status, 2) << arguments[1] << " " << arguments.back();
-    EXPECT_NE(said.standard_error, "") << arguments[1];
-    EXPECT_EQ(said.data, "") << arguments[1];
+    const CommandOutput output = cosiva(arguments);
+    EXPECT_EQ(output.status, 2) << arguments[1] << " " << arguments.back();
+    EXPECT_NE(output.standard_error, "") << arguments[1];
+    EXPECT_EQ(output.data, "") << arguments[1];
   }
 }
 
@@ -86,10 +86,10 @@ TEST(ZoneCommands, of_a_file_of_no_known_format_name_the_known_endings) {
   Scratch scratch;
   const std::string file = scratch.write("zone.txt", ring);
   for (const char* command : {"check", "show", "switch"}) {
-    const Said said = cosiva({"zone", command, file});
-    EXPECT_EQ(said.status, 2) << command;
-    EXPECT_THAT(said.standard_error, HasSubstr(".toml")) << command;
-    EXPECT_THAT(said.standard_error, HasSubstr("zone.txt")) << command;
+    const CommandOutput output = cosiva({"zone", command, file});
+    EXPECT_EQ(output.status, 2) << command;
+    EXPECT_THAT(output.standard_error, HasSubstr(".toml")) << command;
+    EXPECT_THAT(output.standard_error, HasSubstr("zone.txt")) << command;
   }
 }
 
@@ -103,9 +103,9 @@ TEST(ZoneCheck, says_where_the_longest_way_without_a_tag_is) {
                                                           "[[tag]]\nnumber = 1\nsection = \"south\"\ns_m = 0.5\n"
                                                           "[[tag]]\nnumber = 2\nsection = \"north\"\ns_m = 0.5\n"
                                                           "[[tag]]\nnumber = 3\nsection = \"south\"\ns_m = 1.5\n");
-  const Said said = cosiva({"zone", "check", file});
-  EXPECT_EQ(said.status, 0) << said.standard_error;
-  EXPECT_THAT(said.data, HasSubstr("3 tags, the longest way without one is 3.571 m, from north at 0.500 m"));
+  const CommandOutput output = cosiva({"zone", "check", file});
+  EXPECT_EQ(output.status, 0) << output.standard_error;
+  EXPECT_THAT(output.data, HasSubstr("3 tags, the longest way without one is 3.571 m, from north at 0.500 m"));
   const auto json = JsonValue::parse(cosiva({"zone", "check", file, "--json"}).data);
   ASSERT_TRUE(json);
   EXPECT_NEAR(json->number("longest_tag_free_m").value_or(0.0), 2.0 + 3.14159265358979 / 2.0, 1e-6);
@@ -122,24 +122,24 @@ TEST(ZoneCheck, lists_every_fault_of_a_file_that_cannot_be_used) {
     text.insert(text.find('\n', at) + 1, "start = { x = 9.0, y = 9.0, heading_deg = 0 }\nnext = [\"south\"]\n");
   }
   const std::string file = scratch.write("broken.toml", text);
-  const Said said = cosiva({"zone", "check", file, "--json"});
-  EXPECT_EQ(said.status, 2);
-  const auto json = JsonValue::parse(said.data);
-  ASSERT_TRUE(json) << said.data;
+  const CommandOutput output = cosiva({"zone", "check", file, "--json"});
+  EXPECT_EQ(output.status, 2);
+  const auto json = JsonValue::parse(output.data);
+  ASSERT_TRUE(json) << output.data;
   EXPECT_EQ(json->flag("good"), false);
-  EXPECT_GE(json->find("faults")->array()->size(), 2U) << said.standard_error;
-  EXPECT_THAT(said.standard_error, HasSubstr("'east'"));
-  EXPECT_THAT(said.standard_error, HasSubstr("'north'"));
+  EXPECT_GE(json->find("faults")->array()->size(), 2U) << output.standard_error;
+  EXPECT_THAT(output.standard_error, HasSubstr("'east'"));
+  EXPECT_THAT(output.standard_error, HasSubstr("'north'"));
 }
 
 TEST(ZoneCheck, warns_of_what_can_be_used_all_the_same_and_ends_with_0) {
   Scratch scratch;
   std::string text = ring;
   text.replace(text.find("closed = true"), 13, "closed = false");
-  const Said said = cosiva({"zone", "check", scratch.write("open.toml", text)});
-  EXPECT_EQ(said.status, 0) << said.standard_error;
-  EXPECT_THAT(said.data, HasSubstr("warning"));
-  EXPECT_THAT(said.data, HasSubstr("'west'"));
+  const CommandOutput output = cosiva({"zone", "check", scratch.write("open.toml", text)});
+  EXPECT_EQ(output.status, 0) << output.standard_error;
+  EXPECT_THAT(output.data, HasSubstr("warning"));
+  EXPECT_THAT(output.data, HasSubstr("'west'"));
 }
 
 // --- show
@@ -147,23 +147,23 @@ TEST(ZoneCheck, warns_of_what_can_be_used_all_the_same_and_ends_with_0) {
 
 TEST(ZoneShow, draws_a_png_as_wide_as_asked) {
   Scratch scratch;
-  const Said said = cosiva({"zone", "show", zones + "lacet4.toml", "--png", scratch / "z.png", "--svg",
+  const CommandOutput output = cosiva({"zone", "show", zones + "lacet4.toml", "--png", scratch / "z.png", "--svg",
                             scratch / "z.svg", "--width", "300"});
-  EXPECT_EQ(said.status, 0) << said.standard_error;
+  EXPECT_EQ(output.status, 0) << output.standard_error;
   const std::string png = adapters::read_file(scratch / "z.png").value();
   ASSERT_THAT(png, StartsWith("\x89PNG"));
   // The header's width, four bytes with the highest first (RFC 2083, 4.1.1).
   EXPECT_EQ(static_cast<unsigned char>(png[18]) * 256 + static_cast<unsigned char>(png[19]), 300);
   EXPECT_THAT(adapters::read_file(scratch / "z.svg").value(), HasSubstr("</svg>"));
-  EXPECT_EQ(said.data, "") << "drawn into files, not to standard output";
+  EXPECT_EQ(output.data, "") << "drawn into files, not to standard output";
 }
 
 TEST(ZoneShow, into_what_cannot_be_written_says_so) {
   Scratch scratch;
   for (const std::string& target : {scratch.path(), std::string("/nonexistent/z.png")}) {
-    const Said said = cosiva({"zone", "show", zones + "lacet4.toml", "--png", target});
-    EXPECT_EQ(said.status, 2) << target;
-    EXPECT_THAT(said.standard_error, HasSubstr(target));
+    const CommandOutput output = cosiva({"zone", "show", zones + "lacet4.toml", "--png", target});
+    EXPECT_EQ(output.status, 2) << target;
+    EXPECT_THAT(output.standard_error, HasSubstr(target));
   }
 }
 
@@ -178,11 +178,11 @@ TEST(Image, of_what_is_none_or_far_too_high_is_refused) {
 TEST(ZoneConvert, writes_the_same_ways_in_another_format_with_a_companion_beside) {
   Scratch scratch;
   const std::string file = scratch / "copy.lif.json";
-  const Said said = cosiva({"zone", "convert", zones + "indus8.toml", file, "--json"});
-  ASSERT_EQ(said.status, 0) << said.standard_error;
-  const auto told = JsonValue::parse(said.data);
-  ASSERT_TRUE(told);
-  EXPECT_EQ(told->text("sidecar"), scratch / "copy.zone.toml");
+  const CommandOutput output = cosiva({"zone", "convert", zones + "indus8.toml", file, "--json"});
+  ASSERT_EQ(output.status, 0) << output.standard_error;
+  const auto reported = JsonValue::parse(output.data);
+  ASSERT_TRUE(reported);
+  EXPECT_EQ(reported->text("sidecar"), scratch / "copy.zone.toml");
   const auto before = JsonValue::parse(cosiva({"zone", "check", zones + "indus8.toml", "--json"}).data);
   const auto after = JsonValue::parse(cosiva({"zone", "check", file, "--json"}).data);
   ASSERT_TRUE(before && after);
@@ -204,10 +204,10 @@ TEST(ZoneConvert, refuses_what_only_reads_itself_and_unknown_endings) {
 
 TEST(ZoneGenerate, makes_a_plant_of_the_size_asked_for_the_same_each_time) {
   Scratch scratch;
-  const Said said = cosiva({"zone", "generate", "--sections", "200", "-o", scratch / "a.toml", "--json"});
-  ASSERT_EQ(said.status, 0) << said.standard_error;
-  EXPECT_GE(JsonValue::parse(said.data)->number("sections").value_or(0.0), 200.0);
-  EXPECT_LT(JsonValue::parse(said.data)->number("sections").value_or(0.0), 400.0);
+  const CommandOutput output = cosiva({"zone", "generate", "--sections", "200", "-o", scratch / "a.toml", "--json"});
+  ASSERT_EQ(output.status, 0) << output.standard_error;
+  EXPECT_GE(JsonValue::parse(output.data)->number("sections").value_or(0.0), 200.0);
+  EXPECT_LT(JsonValue::parse(output.data)->number("sections").value_or(0.0), 400.0);
   EXPECT_EQ(cosiva({"zone", "generate", "--sections", "200", "-o", scratch / "b.toml"}).status, 0);
   EXPECT_EQ(adapters::read_file(scratch / "a.toml").value(), adapters::read_file(scratch / "b.toml").value());
   EXPECT_EQ(cosiva({"zone", "check", scratch / "a.toml"}).status, 0);
@@ -217,9 +217,9 @@ TEST(ZoneGenerate, makes_a_plant_of_the_size_asked_for_the_same_each_time) {
 
 TEST(ZoneGenerate, refuses_numbers_that_make_no_plant_and_names_them) {
   Scratch scratch;
-  const Said said = cosiva({"zone", "generate", "--rows", "0", "-o", scratch / "a.toml"});
-  EXPECT_EQ(said.status, 2);
-  EXPECT_THAT(said.standard_error, HasSubstr("rows"));
+  const CommandOutput output = cosiva({"zone", "generate", "--rows", "0", "-o", scratch / "a.toml"});
+  EXPECT_EQ(output.status, 2);
+  EXPECT_THAT(output.standard_error, HasSubstr("rows"));
   EXPECT_EQ(cosiva({"zone", "generate", "-o", scratch / "a.txt"}).status, 2);
   EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
 }
@@ -228,14 +228,14 @@ TEST(ZoneGenerate, refuses_numbers_that_make_no_plant_and_names_them) {
 // --------------------------------------------------------------------------------------------------------------
 
 TEST(ZoneSwitch, of_a_platform_that_does_not_run_says_how_to_start_one) {
-  const Said said = cosiva({"zone", "switch", zones + "indus8.toml", "--url", "http://127.0.0.1:1"});
-  EXPECT_EQ(said.status, 2);
-  EXPECT_THAT(said.standard_error, HasSubstr("cosiva up"));
+  const CommandOutput output = cosiva({"zone", "switch", zones + "indus8.toml", "--url", "http://127.0.0.1:1"});
+  EXPECT_EQ(output.status, 2);
+  EXPECT_THAT(output.standard_error, HasSubstr("cosiva up"));
 }
 
 TEST(ZoneSwitch, over_a_broker_that_is_not_there_or_of_a_bad_file_ends_with_2) {
   Scratch scratch;
-  const Said bad = cosiva({"zone", "switch", scratch.write("bad.toml", "name = 3\n"), "--broker", "127.0.0.1:1"});
+  const CommandOutput bad = cosiva({"zone", "switch", scratch.write("bad.toml", "name = 3\n"), "--broker", "127.0.0.1:1"});
   EXPECT_EQ(bad.status, 2);
   EXPECT_THAT(bad.standard_error, HasSubstr("bad.toml:1"));
 }

@@ -24,15 +24,15 @@ Result<std::string> format_to(const ZoneArguments& arguments) {
 
 int run_zone_convert(const ZoneArguments& arguments) {
   const auto format = format_to(arguments);
-  if (!format) return complain(format.error());
+  if (!format) return report_error(format.error());
   const auto rtm = open_zone(arguments.zone, arguments.sidecar);
-  if (!rtm) return complain(rtm.error());
+  if (!rtm) return report_error(rtm.error());
   std::error_code error;
   if (fs::equivalent(rtm->configuration().origin, arguments.out_file, error))
-    return complain(
+    return report_error(
         {"zone.write", "a file is not converted into itself; give the new one another name", arguments.out_file});
   const auto made = write_as(*format, arguments.out_file, rtm->zone());
-  if (!made) return complain(made.error());
+  if (!made) return report_error(made.error());
   print(arguments.json ? written_json_of(rtm->zone(), *made) : written_text_of(rtm->zone(), *made));
   return exit_done;
 }

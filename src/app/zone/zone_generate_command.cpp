@@ -18,7 +18,7 @@ constexpr std::string_view native_format = "toml";
 
 int run_zone_generate(const GenerateArguments& arguments) {
   const auto format = zone::format_of_file(arguments.out_file);
-  if (!format) return complain(format.error());
+  if (!format) return report_error(format.error());
   zone::PlantOptions plant = arguments.plant;
   if (arguments.sections) {
     const zone::PlantOptions sized = zone::plant_of_size(*arguments.sections);
@@ -27,16 +27,16 @@ int run_zone_generate(const GenerateArguments& arguments) {
     plant.bays = sized.bays;
   }
   auto text = zone::generate_plant(plant);
-  if (!text) return complain(text.error());
+  if (!text) return report_error(text.error());
   // It is read back before it is written: what is made here is good, or is not made.
   const auto rtm = zone::Rtm::initialise({std::string(native_format), arguments.out_file, std::move(*text), {}});
-  if (!rtm) return complain(rtm.error());
+  if (!rtm) return report_error(rtm.error());
   WrittenZone made{*format, arguments.out_file, {}, {}};
   if (*format == native_format) {
-    if (auto stored = write_zone(arguments.out_file, rtm->configuration()); !stored) return complain(stored.error());
+    if (auto stored = write_zone(arguments.out_file, rtm->configuration()); !stored) return report_error(stored.error());
   } else {
     auto converted = write_as(*format, arguments.out_file, rtm->zone());
-    if (!converted) return complain(converted.error());
+    if (!converted) return report_error(converted.error());
     made = std::move(*converted);
   }
   print(arguments.json ? written_json_of(rtm->zone(), made) : written_text_of(rtm->zone(), made));

@@ -13,8 +13,8 @@ namespace cosiva::app {
 namespace {
 
 int write_image(const std::string& file, const std::string& bytes) {
-  if (auto written = adapters::write_file(file, bytes); !written) return complain(written.error());
-  say("drawn into " + file);
+  if (auto written = adapters::write_file(file, bytes); !written) return report_error(written.error());
+  print_info("drawn into " + file);
   return exit_done;
 }
 
@@ -22,7 +22,7 @@ int write_image(const std::string& file, const std::string& bytes) {
 
 int run_zone_show(const ZoneArguments& arguments) {
   const auto rtm = open_zone(arguments.zone, arguments.sidecar);
-  if (!rtm) return complain(rtm.error());
+  if (!rtm) return report_error(rtm.error());
   const std::string svg = zone::to_svg(rtm->zone(), zone::draw(rtm->zone()));
   const bool to_output = (arguments.svg_file.empty() && arguments.png_file.empty()) || arguments.svg_file == "-";
   if (to_output) print(svg);
@@ -30,7 +30,7 @@ int run_zone_show(const ZoneArguments& arguments) {
     if (const int status = write_image(arguments.svg_file, svg); status != exit_done) return status;
   if (arguments.png_file.empty()) return exit_done;
   const auto png = png_of(svg, arguments.width_px);
-  if (!png) return complain(png.error());
+  if (!png) return report_error(png.error());
   return write_image(arguments.png_file, *png);
 }
 

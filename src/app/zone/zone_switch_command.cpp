@@ -35,7 +35,7 @@ std::optional<SwitchedZone> watch(const adapters::HttpClient& client, double wai
   }
 }
 
-void tell(const ZoneArguments& arguments, const std::string& name, double revision,
+void report(const ZoneArguments& arguments, const std::string& name, double revision,
           const std::optional<SwitchedZone>& switched) {
   if (!arguments.json) {
     print("switched to " + name + (switched ? "\n  " + to_text(*switched) : std::string{}));
@@ -57,19 +57,19 @@ void tell(const ZoneArguments& arguments, const std::string& name, double revisi
 
 int switch_over_http(const ZoneArguments& arguments, const zone::ZoneConfiguration& configuration) {
   const auto client = adapters::HttpClient::make(arguments.url);
-  if (!client) return complain(client.error());
+  if (!client) return report_error(client.error());
   JsonWriter json;
   zone::write_json(json, configuration);
   const auto response = client->ask("POST", "/api/v1/zone/switch", json.take(), std::chrono::seconds{120});
-  if (!response) return complain(response.error());
+  if (!response) return report_error(response.error());
   if (response->status != 200) {
     Error refused = refusal_in(response->body, response->status);
     refused.message += "\n  the zone that was there stays in force";
-    return complain(refused);
+    return report_error(refused);
   }
   const auto accepted = JsonValue::parse(response->body);
   const std::string name = accepted ? accepted->text("name").value_or(configuration.origin) : configuration.origin;
-  tell(arguments, name, accepted ? accepted->number("revision").value_or(0.0) : 0.0, watch(*client, arguments.wait_s));
+  report(arguments, name, accepted ? accepted->number("revision").value_or(0.0) : 0.0, watch(*client, arguments.wait_s));
   return exit_done;
 }
 
@@ -78,14 +78,14 @@ int switch_over_http(const ZoneArguments& arguments, const zone::ZoneConfigurati
 int switch_over_broker(const ZoneArguments& arguments, const zone::ZoneConfiguration& configuration) {
   // Nobody answers on a bus: what is wrong with it is said here or nowhere.
   const auto rtm = zone::Rtm::initialise(configuration);
-  if (!rtm) return complain(rtm.error());
+  if (!rtm) return report_error(rtm.error());
   const std::string prefix{wire::zone_topic_prefix};
   std::vector<wire::Publish> messages;
   for (const std::string_view format : zone::known_formats())
     if (format != configuration.format) messages.push_back({prefix + std::string(format), {}, 1, true});
   messages.push_back({prefix + configuration.format, zone::to_payload(configuration), 1, true});
-  if (const auto said = say_over_broker(arguments.broker, "cosiva-switch", messages); !said)
-    return complain(said.error());
+  if (const auto published = publish_once(arguments.broker, "cosiva-switch", messages); !published)
+    return report_error(published.error());
   print("published " + rtm->zone().name + " (" + size_of(rtm->zone()) + ") to " + prefix + configuration.format +
         "\n  whoever listens judges it and switches by itself");
   return exit_done;
@@ -95,7 +95,7 @@ int switch_over_broker(const ZoneArguments& arguments, const zone::ZoneConfigura
 
 int run_zone_switch(const ZoneArguments& arguments) {
   auto configuration = load_zone(arguments.zone, arguments.sidecar);
-  if (!configuration) return complain(configuration.error());
+  if (!configuration) return report_error(configuration.error());
   return arguments.broker.address.empty() ? switch_over_http(arguments, *configuration)
                                           : switch_over_broker(arguments, *configuration);
 }

@@ -135,7 +135,7 @@ class Reader {
         return fail("log.short", "has " + std::to_string(log.time_s.size()) + " samples, too few to say anything",
                     log.name);
       if (auto good = check_log(log); !good) return tl::unexpected(good.error());
-      tell_when_loads_came(log);
+      detect_load_changes(log);
     }
     if (logs.empty()) return fail("log.short", "has no samples", origin_);
     return logs;
@@ -324,7 +324,7 @@ class Reader {
 
   /// A rest is logged seldom. Where its last sample lies further back than the load's samples lie apart, it is written
   /// once more just before the load, so that the load's first sample does not count for the rest's time as well.
-  static void tell_when_loads_came(Log& log) {
+  static void detect_load_changes(Log& log) {
     double largest_a = 0.0;
     for (const double current : log.current_a) largest_a = std::max(largest_a, std::fabs(current));
     Log whole{log.name, {}, {}, {}, {}, log.origin, {}, {}, log.diagnostics};

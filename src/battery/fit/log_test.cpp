@@ -22,8 +22,8 @@ std::string log_text(const std::function<std::string(int second, std::string lin
     const bool load = t > 100 && t <= 2500;
     const double volt = 4.2 - (load ? 0.1 : 0.0) - 0.0003 * std::max(0, std::min(t, 2500) - 100);
     const std::string usual = std::to_string(t) + "," + std::to_string(volt) + "," + (load ? "-1.0" : "0.0");
-    const std::string said = line ? line(t, usual) : usual;
-    if (!said.empty()) text += said + "\n";
+    const std::string published = line ? line(t, usual) : usual;
+    if (!published.empty()) text += published + "\n";
   }
   return text;
 }

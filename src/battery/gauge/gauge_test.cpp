@@ -45,10 +45,10 @@ TEST(Monitor, errs_by_what_its_errors_say_and_speaks_in_its_steps) {
     Monitor monitor{MonitorErrors{}, Random{seed, "monitor"}};
     double sum_a = 0.0;
     for (int i = 0; i < 50; ++i) {
-      const Measured said = monitor.measure(7.4, 2.0, 25.0);
-      sum_a += said.current_a;
-      ASSERT_NEAR(said.current_a / 0.001, std::nearbyint(said.current_a / 0.001), 1e-6);
-      ASSERT_NEAR(said.voltage_v / 0.004, std::nearbyint(said.voltage_v / 0.004), 1e-6);
+      const Measured published = monitor.measure(7.4, 2.0, 25.0);
+      sum_a += published.current_a;
+      ASSERT_NEAR(published.current_a / 0.001, std::nearbyint(published.current_a / 0.001), 1e-6);
+      ASSERT_NEAR(published.voltage_v / 0.004, std::nearbyint(published.voltage_v / 0.004), 1e-6);
     }
     gain_sq += (sum_a / 50.0 - 2.0) * (sum_a / 50.0 - 2.0);
   }

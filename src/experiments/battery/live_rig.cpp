@@ -71,7 +71,7 @@ bool LiveRig::complete() const { return missing().empty(); }
 std::string LiveRig::missing() const {
   std::string names;
   for (std::size_t v = 0; v < slots_.size(); ++v)
-    if (!slots_[v].heard) names += (names.empty() ? "" : ", ") + to_string(options_.vehicles[v]);
+    if (!slots_[v].received) names += (names.empty() ? "" : ", ") + to_string(options_.vehicles[v]);
   return names;
 }
 
@@ -97,7 +97,7 @@ void LiveRig::on_report(SimTime now, std::size_t vehicle, std::string_view paylo
   const auto report = wire::boards_report_from_json(payload);
   if (!report) return;
   Slot& slot = slots_[vehicle];
-  slot.heard = true;
+  slot.received = true;
   if (!report->power || !procedure_.running(vehicle)) return;
   const wire::Power& power = *report->power;
   obey(procedure_.on_sample(
@@ -188,7 +188,7 @@ void LiveRig::obey(const ProcedureCommands& commands, Responses& responses) {
       case Kind::change_battery:
         if (!given_up_) request(command.vehicle, command.battery, command.text, responses);
         break;
-      case Kind::tell_operator:
+      case Kind::notify_operator:
         if (!given_up_) responses.operator_messages.push_back(command.text);
         break;
       case Kind::run:

@@ -63,7 +63,7 @@ class LiveRig {
   struct Slot {
     std::optional<Point2> at;  ///< where it was last
     double odometer_m{0.0};
-    bool heard{false};
+    bool received{false};
     std::optional<std::string> wanted;  ///< battery asked for and not yet ready
   };
   [[nodiscard]] std::optional<std::size_t> slot_of(const wire::VehicleId& id) const;

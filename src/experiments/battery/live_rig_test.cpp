@@ -46,10 +46,10 @@ std::string report(double charge) {
   return to_json(boards);
 }
 
-LiveRig::Responses say_report(LiveRig& rig, SimTime now, int number, double charge) {
+LiveRig::Responses print_report(LiveRig& rig, SimTime now, int number, double charge) {
   return rig.on_message(now, wire::own_topic(wire::boards_topic_prefix, aiv(number)), report(charge));
 }
-LiveRig::Responses say_ready(LiveRig& rig, SimTime now, int number, const std::string& battery,
+LiveRig::Responses publish_ready(LiveRig& rig, SimTime now, int number, const std::string& battery,
                              double percent = 100.0) {
   return rig.on_message(now, wire::own_topic(wire::battery_ready_topic_prefix, aiv(number)),
                         to_json(wire::BatteryReady{battery, "leaf33", 3.0, 3600.0, 22.0, percent}));
@@ -62,19 +62,19 @@ LiveRig::Responses print_position(LiveRig& rig, SimTime now, int number, double 
 /// Both are ready, and run.
 LiveRig running(LiveRigOptions options) {
   LiveRig rig{std::move(options)};
-  for (const int number : {1, 2}) std::ignore = say_report(rig, start_of_test, number, 1.0);
+  for (const int number : {1, 2}) std::ignore = print_report(rig, start_of_test, number, 1.0);
   std::ignore = rig.start(start_of_test);
-  std::ignore = say_ready(rig, start_of_test, 1, "red");
-  std::ignore = say_ready(rig, start_of_test, 2, "blue");
+  std::ignore = publish_ready(rig, start_of_test, 1, "red");
+  std::ignore = publish_ready(rig, start_of_test, 2, "blue");
   return rig;
 }
 
 TEST(LiveRig, knows_who_has_not_been_heard_of) {
   LiveRig rig{two_by_hand()};
   EXPECT_EQ(rig.missing(), "CoSiVA/AIV1, CoSiVA/AIV2");
-  std::ignore = say_report(rig, start_of_test, 2, 1.0);
+  std::ignore = print_report(rig, start_of_test, 2, 1.0);
   EXPECT_EQ(rig.missing(), "CoSiVA/AIV1");
-  std::ignore = say_report(rig, start_of_test, 7, 1.0);  // not of this test
+  std::ignore = print_report(rig, start_of_test, 7, 1.0);  // not of this test
   EXPECT_FALSE(rig.complete());
 }
 
@@ -89,11 +89,11 @@ TEST(LiveRig, asks_for_batteries_over_the_wire_with_vehicles_stopped_and_runs_al
                                               HasSubstr(R"("stop","vehicle":"CoSiVA/AIV2")")));
   EXPECT_THAT(requested.operator_messages, Contains(HasSubstr("put battery 1, full, into AIV1")));
 
-  const auto first = say_ready(rig, start_of_test, 1, "red");
+  const auto first = publish_ready(rig, start_of_test, 1, "red");
   EXPECT_THAT(first.commands, IsEmpty());
   ASSERT_THAT(first.messages, SizeIs(1));
   EXPECT_TRUE(first.messages[0].payload.empty()) << "what was retained is taken back";
-  const auto last = say_ready(rig, start_of_test + seconds{60}, 2, "blue");
+  const auto last = publish_ready(rig, start_of_test + seconds{60}, 2, "blue");
   EXPECT_THAT(last.commands, ElementsAre(HasSubstr("restart"), HasSubstr("restart")));
   EXPECT_TRUE(rig.procedure().running(0) && rig.procedure().running(1));
 }
@@ -101,7 +101,7 @@ TEST(LiveRig, asks_for_batteries_over_the_wire_with_vehicles_stopped_and_runs_al
 TEST(LiveRig, refuses_a_battery_that_is_not_full_and_asks_again) {
   LiveRig rig{two_by_hand()};
   std::ignore = rig.start(start_of_test);
-  const auto refused = say_ready(rig, start_of_test, 1, "red", 80.0);
+  const auto refused = publish_ready(rig, start_of_test, 1, "red", 80.0);
   EXPECT_THAT(refused.operator_messages, Contains(HasSubstr("AIV1 may not run: it is not full")));
   EXPECT_EQ(wire::battery_change_from_json(refused.messages.back().payload)->battery, "red");
   EXPECT_FALSE(rig.procedure().running(0));
@@ -114,9 +114,9 @@ TEST(LiveRig, ends_each_at_its_floor_and_books_way_and_autonomy) {
   for (int half = 1; half <= 240; ++half) {
     const SimTime now = start_of_test + half * milliseconds{500};
     std::ignore = print_position(rig, now, 1, 0.25 * half);
-    const auto responses = say_report(rig, now, 1, 1.0 - 0.6 * half / 240.0);
+    const auto responses = print_report(rig, now, 1, 1.0 - 0.6 * half / 240.0);
     for (const std::string& command : responses.commands) stopped.push_back(command);
-    std::ignore = say_report(rig, now, 2, 1.0);
+    std::ignore = print_report(rig, now, 2, 1.0);
   }
   EXPECT_THAT(stopped, ElementsAre(HasSubstr(R"("stop","vehicle":"CoSiVA/AIV1")")));
   ASSERT_THAT(rig.procedure().records(), SizeIs(1));
@@ -133,8 +133,8 @@ TEST(LiveRig, sends_who_has_ended_to_a_station_where_one_is_named) {
   options.park = "dock";
   options.procedure.hold = {};
   LiveRig rig = running(options);
-  std::ignore = say_report(rig, start_of_test + seconds{1}, 1, 0.51);
-  const auto responses = say_report(rig, start_of_test + seconds{2}, 1, 0.49);
+  std::ignore = print_report(rig, start_of_test + seconds{1}, 1, 0.51);
+  const auto responses = print_report(rig, start_of_test + seconds{2}, 1, 0.49);
   EXPECT_THAT(responses.commands, ElementsAre(AllOf(HasSubstr("\"go\""), HasSubstr("dock"), HasSubstr("AIV1"))));
 }
 
@@ -147,18 +147,18 @@ TEST(LiveRig, gives_emulated_vehicles_their_batteries_and_at_the_end_one_that_la
   const auto requested = rig.start(start_of_test);
   EXPECT_THAT(requested.messages, Contains(::testing::Field(&wire::Publish::topic, "cosiva/v1/plant/command")));
   for (const auto& [number, name] : {std::pair{1, "red"}, {2, "blue"}})
-    std::ignore = say_ready(rig, start_of_test, number, name);
-  std::ignore = say_report(rig, start_of_test + seconds{1}, 1, 0.51);
-  const auto ended = say_report(rig, start_of_test + seconds{2}, 1, 0.49);
+    std::ignore = publish_ready(rig, start_of_test, number, name);
+  std::ignore = print_report(rig, start_of_test + seconds{1}, 1, 0.51);
+  const auto ended = print_report(rig, start_of_test + seconds{2}, 1, 0.49);
   EXPECT_THAT(ended.messages, Contains(::testing::Field(&wire::Publish::payload, HasSubstr("service"))));
   EXPECT_THAT(ended.commands, ElementsAre(HasSubstr("restart")));
   // The service battery's own batteryReady is nobody's answer.
-  EXPECT_THAT(say_ready(rig, start_of_test + seconds{3}, 1, "service").commands, IsEmpty());
+  EXPECT_THAT(publish_ready(rig, start_of_test + seconds{3}, 1, "service").commands, IsEmpty());
 }
 
 TEST(LiveRig, goes_on_from_its_saved_state_and_nobody_is_lost_for_the_time_between) {
   LiveRig rig = running(two_by_hand());
-  for (const int number : {1, 2}) std::ignore = say_report(rig, start_of_test + seconds{10}, number, 0.9);
+  for (const int number : {1, 2}) std::ignore = print_report(rig, start_of_test + seconds{10}, number, 0.9);
   LiveRig again{two_by_hand()};
   const SimTime later = start_of_test + seconds{300};
   const auto restored = again.restore(later, rig.state_json());
@@ -166,7 +166,7 @@ TEST(LiveRig, goes_on_from_its_saved_state_and_nobody_is_lost_for_the_time_betwe
   EXPECT_THAT(again.tick(later + seconds{5}).commands, IsEmpty());
   EXPECT_TRUE(again.procedure().running(0) && again.procedure().running(1));
   // Who is silent from now on is lost, and known to have lasted until it was heard.
-  std::ignore = say_report(again, later + seconds{20}, 1, 0.8);
+  std::ignore = print_report(again, later + seconds{20}, 1, 0.8);
   std::ignore = again.tick(later + seconds{40});
   ASSERT_THAT(again.procedure().records(), SizeIs(1));
   EXPECT_EQ(again.procedure().records().front().stop, StopCause::lost);
@@ -176,17 +176,17 @@ TEST(LiveRig, goes_on_from_its_saved_state_and_nobody_is_lost_for_the_time_betwe
 TEST(LiveRig, asks_again_for_a_battery_that_was_asked_for_before_it_died) {
   LiveRig rig{two_by_hand()};
   std::ignore = rig.start(start_of_test);
-  std::ignore = say_ready(rig, start_of_test, 1, "red");
+  std::ignore = publish_ready(rig, start_of_test, 1, "red");
   LiveRig again{two_by_hand()};
   const auto restored = again.restore(start_of_test + seconds{60}, rig.state_json());
   ASSERT_TRUE(restored);
   EXPECT_THAT(restored->commands, ElementsAre(HasSubstr("AIV2")));
-  EXPECT_THAT(say_ready(again, start_of_test + seconds{70}, 2, "blue").commands, SizeIs(2));
+  EXPECT_THAT(publish_ready(again, start_of_test + seconds{70}, 2, "blue").commands, SizeIs(2));
 }
 
 TEST(LiveRig, books_what_runs_as_lasting_longer_when_its_operator_gives_up) {
   LiveRig rig = running(two_by_hand());
-  for (const int number : {1, 2}) std::ignore = say_report(rig, start_of_test + seconds{10}, number, 0.9);
+  for (const int number : {1, 2}) std::ignore = print_report(rig, start_of_test + seconds{10}, number, 0.9);
   std::ignore = rig.give_up(start_of_test + seconds{12});
   EXPECT_TRUE(rig.done());
   for (const BatteryRun& record : rig.procedure().records()) EXPECT_EQ(record.stop, StopCause::operator_stop);
@@ -212,9 +212,9 @@ TEST(LiveRig, says_how_it_stands) {
   LiveRigOptions options = two_by_hand();
   options.procedure.hold = {};
   LiveRig rig{options};
-  for (const int number : {1, 2}) std::ignore = say_report(rig, start_of_test, number, 1.0);
+  for (const int number : {1, 2}) std::ignore = print_report(rig, start_of_test, number, 1.0);
   std::ignore = rig.start(start_of_test);
-  std::ignore = say_ready(rig, start_of_test + seconds{5}, 1, "red");
+  std::ignore = publish_ready(rig, start_of_test + seconds{5}, 1, "red");
   wire::BatteryTest test = rig.test(start_of_test + seconds{6});
   EXPECT_EQ(test.began, start_of_test);
   EXPECT_EQ(test.timestamp, start_of_test + seconds{6});
@@ -223,8 +223,8 @@ TEST(LiveRig, says_how_it_stands) {
   EXPECT_EQ(test.vehicles[0], (wire::BatteryTest::Slot{"CoSiVA/AIV1", "red", wire::BatteryPhase::ready, "", 0, 100.0}));
   EXPECT_EQ(test.vehicles[1], (wire::BatteryTest::Slot{"CoSiVA/AIV2", "blue", {}, "", 0, {}})) << "still asked for";
 
-  std::ignore = say_ready(rig, start_of_test + seconds{10}, 2, "blue");
-  for (const int number : {1, 2}) std::ignore = say_report(rig, start_of_test + seconds{60}, number, 0.75);
+  std::ignore = publish_ready(rig, start_of_test + seconds{10}, 2, "blue");
+  for (const int number : {1, 2}) std::ignore = print_report(rig, start_of_test + seconds{60}, number, 0.75);
   test = rig.test(start_of_test + seconds{60});
   EXPECT_NEAR(test.ratio, 0.5, 1e-9);
   EXPECT_EQ(test.expected_end, start_of_test + seconds{110}) << "as it goes";
@@ -232,7 +232,7 @@ TEST(LiveRig, says_how_it_stands) {
   EXPECT_DOUBLE_EQ(test.vehicles[0].autonomy_s, 50.0);
   EXPECT_NEAR(*test.vehicles[0].charge_percent, 75.0, 1e-9);
 
-  for (const int number : {1, 2}) std::ignore = say_report(rig, start_of_test + seconds{110}, number, 0.45);
+  for (const int number : {1, 2}) std::ignore = print_report(rig, start_of_test + seconds{110}, number, 0.45);
   test = rig.test(start_of_test + seconds{200});
   EXPECT_TRUE(test.done);
   EXPECT_EQ(test.run, 1U);
@@ -244,7 +244,7 @@ TEST(LiveRig, says_how_it_stands) {
 TEST(LiveRig, reports_why_it_requests_again) {
   LiveRig rig{two_by_hand()};
   std::ignore = rig.start(start_of_test);
-  const auto refused = say_ready(rig, start_of_test, 1, "red", 80.0);
+  const auto refused = publish_ready(rig, start_of_test, 1, "red", 80.0);
   EXPECT_THAT(wire::battery_change_from_json(refused.messages.back().payload)->reason, HasSubstr("not full"));
 }
 

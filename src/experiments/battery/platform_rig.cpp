@@ -8,7 +8,7 @@
 #include "cosiva/base/random.h"
 #include "cosiva/experiments/battery/live_rig.h"
 #include "cosiva/experiments/runs/world/fleet.h"
-#include "cosiva/wire/in_process/said.h"
+#include "cosiva/wire/in_process/typed_message.h"
 #include "cosiva/wire/messages/topics.h"
 
 namespace cosiva::experiments {
@@ -27,7 +27,7 @@ struct PlatformRig::Impl {
     std::optional<ProcedureCommand> change;  ///< asked for, not yet reported ready
     SimTime changed{};
     std::optional<wire::BoardsReport> report;  ///< the last, with when it was heard
-    SimTime heard{};
+    SimTime received{};
     bool fresh{false};
     double cycles{0.0};
     TrueEnd ground_truth{};
@@ -55,10 +55,10 @@ struct PlatformRig::Impl {
       if (!vehicle) return;
       for (std::size_t v = 0; v < slots.size(); ++v) {
         if (vehicle->serial_number != name_of(v)) continue;
-        const auto* report = wire::said<wire::BoardsReport>(message.said);
+        const auto* report = wire::typed<wire::BoardsReport>(message.typed);
         if (report == nullptr || !report->power) return;
         slots[v].report = *report;
-        slots[v].heard = at;
+        slots[v].received = at;
         slots[v].fresh = true;
       }
     });
@@ -94,7 +94,7 @@ struct PlatformRig::Impl {
           slots[command.vehicle].change = command;
           slots[command.vehicle].changed = {};
           break;
-        case Kind::tell_operator: operator_messages.push_back(command.text); break;
+        case Kind::notify_operator: operator_messages.push_back(command.text); break;
         case Kind::run:
           slots[command.vehicle].ground_truth = {
               procedure.run(), command.vehicle, to_seconds(world->now() - began), 1.0, 0.0, {}, {}};
@@ -130,7 +130,7 @@ struct PlatformRig::Impl {
         slot.changed = world->now();
         continue;
       }
-      if (!slot.fresh || slot.heard < slot.changed + settle) continue;
+      if (!slot.fresh || slot.received < slot.changed + settle) continue;
       const std::size_t battery = slot.change->battery;
       const wire::Power& power = *slot.report->power;
       slot.change.reset();
@@ -151,7 +151,7 @@ struct PlatformRig::Impl {
       record_ground_truth(slot, vehicles[v].charge, to_seconds(now - began) - slot.ground_truth.started_s);
       if (std::exchange(slot.fresh, false)) {
         const wire::Power& power = *slot.report->power;
-        obey(procedure.on_sample(v, {slot.heard, power.charge(), power.gauge ? 1e-4 * power.gauge->charge_sd_01 : 0.0,
+        obey(procedure.on_sample(v, {slot.received, power.charge(), power.gauge ? 1e-4 * power.gauge->charge_sd_01 : 0.0,
                                      0.001 * power.voltage_mv, 0.001 * power.current_ma, 0.1 * power.temperature_01C,
                                      vehicles[v].distance_m}));
       }

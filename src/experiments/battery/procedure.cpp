@@ -78,7 +78,7 @@ ProcedureCommands Procedure::request_for_batteries() {
     slots_[v] = {};
     const std::size_t battery = battery_of(run_, v);
     commands.push_back({Kind::change_battery, v, battery, {}});
-    commands.push_back({Kind::tell_operator, v, battery,
+    commands.push_back({Kind::notify_operator, v, battery,
                         "run " + std::to_string(run_ + 1) + ": put battery " + std::to_string(battery + 1) +
                             ", full, into " + vehicle_name(v)});
   }
@@ -106,7 +106,7 @@ ProcedureCommands Procedure::on_ready(SimTime now, std::size_t vehicle, const Ba
   }
   if (!why.empty()) {
     return {{Kind::change_battery, vehicle, battery, why},
-            {Kind::tell_operator, vehicle, battery, vehicle_name(vehicle) + " may not run: " + why}};
+            {Kind::notify_operator, vehicle, battery, vehicle_name(vehicle) + " may not run: " + why}};
   }
   slot.phase = Phase::ready;
   slot.record.run = run_;
@@ -119,7 +119,7 @@ ProcedureCommands Procedure::on_ready(SimTime now, std::size_t vehicle, const Ba
   for (std::size_t v = 0; v < slots_.size(); ++v) {
     slots_[v].phase = Phase::running;
     slots_[v].record.started = now;
-    slots_[v].heard = now;
+    slots_[v].received = now;
     commands.push_back({Kind::run, v});
   }
   return commands;
@@ -134,7 +134,7 @@ void end_curve(BatteryRun& record, const BatterySample& last) {
 }  // namespace
 
 void Procedure::book(ProcedureSlot& slot, const BatterySample& sample) const {
-  slot.heard = sample.at;
+  slot.received = sample.at;
   if (!slot.last) {
     slot.first_distance_m = sample.distance_m;
   } else {
@@ -202,7 +202,7 @@ ProcedureCommands Procedure::on_stop(SimTime now, std::size_t vehicle, StopCause
   }
   BatterySample end = slot.last.value_or(BatterySample{});
   // Who says so itself was running until now; who is lost, until it was last heard.
-  end.at = cause == StopCause::lost ? slot.heard : now;
+  end.at = cause == StopCause::lost ? slot.received : now;
   BatteryRun record = slot.record;
   record_end(slot, end, record);
   if (slot.last) end_curve(record, end);
@@ -218,7 +218,7 @@ ProcedureCommands Procedure::finish(std::size_t vehicle, BatteryRun record, Stop
   if (std::ranges::any_of(slots_, [](const ProcedureSlot& one) { return one.phase != Phase::ended; })) return commands;
   ++run_;
   if (!done() && options_.enough && options_.enough(records_)) {
-    commands.push_back({Kind::tell_operator, vehicle, 0,
+    commands.push_back({Kind::notify_operator, vehicle, 0,
                         "the test ends after run " + std::to_string(run_) + " of " + std::to_string(options_.runs) +
                             ": the mean is known as well as was wanted"});
     run_ = options_.runs;
@@ -246,7 +246,7 @@ ProcedureCommands Procedure::pauses(SimTime now, std::size_t vehicle) {
 ProcedureCommands Procedure::tick(SimTime now) {
   ProcedureCommands commands;
   for (std::size_t v = 0; v < slots_.size() && !done(); ++v) {
-    if (slots_[v].phase != Phase::running || now - slots_[v].heard < options_.lost_after) continue;
+    if (slots_[v].phase != Phase::running || now - slots_[v].received < options_.lost_after) continue;
     for (ProcedureCommand& command : on_stop(now, v, StopCause::lost)) commands.push_back(std::move(command));
   }
   return commands;
@@ -254,7 +254,7 @@ ProcedureCommands Procedure::tick(SimTime now) {
 
 void Procedure::forgive(SimTime now) {
   for (ProcedureSlot& slot : slots_)
-    if (slot.phase == Phase::running) slot.heard = now;
+    if (slot.phase == Phase::running) slot.received = now;
 }
 
 Procedure::SlotNow Procedure::slot(SimTime now, std::size_t vehicle) const {

@@ -86,7 +86,7 @@ struct ProcedureOptions {
 };
 
 struct ProcedureCommand {
-  enum class Kind : std::uint8_t { change_battery, run, pause, resume, stop, tell_operator };
+  enum class Kind : std::uint8_t { change_battery, run, pause, resume, stop, notify_operator };
   Kind kind;
   std::size_t vehicle;
   std::size_t battery{};  ///< to be put in; of change_battery
@@ -110,7 +110,7 @@ struct ProcedureSlot {
   std::optional<BatterySample> last;
   std::optional<FloorCrossing> crossing;  ///< since then below the floor
   double first_distance_m{};
-  SimTime heard{};
+  SimTime received{};
   std::optional<SimTime> pause_began;
   SimDuration paused{};
   SimDuration ran_since_pause{};

@@ -20,26 +20,26 @@ constexpr SimTime t0 = virtual_epoch;
 struct Fixture {
   Procedure procedure;
   SimTime now{t0};
-  std::vector<ProcedureCommand> heard;
+  std::vector<ProcedureCommand> received;
 
-  explicit Fixture(ProcedureOptions options) : procedure{options} { hear(procedure.start(now)); }
+  explicit Fixture(ProcedureOptions options) : procedure{options} { receive(procedure.start(now)); }
 
-  void hear(const ProcedureCommands& commands) { heard.insert(heard.end(), commands.begin(), commands.end()); }
+  void receive(const ProcedureCommands& commands) { received.insert(received.end(), commands.begin(), commands.end()); }
   void ready(std::size_t vehicle, const std::string& id, double charge = 1.0, double celsius = 22.0) {
-    hear(procedure.on_ready(now, vehicle, {id, "lipo850", 3.0, 3600.0, celsius, charge}));
+    receive(procedure.on_ready(now, vehicle, {id, "lipo850", 3.0, 3600.0, celsius, charge}));
   }
   void sample(std::size_t vehicle, double charge, double distance_m = 0.0) {
-    hear(procedure.on_sample(vehicle, {now, charge, 0.01, 7.4, 2.0, 25.0, distance_m}));
+    receive(procedure.on_sample(vehicle, {now, charge, 0.01, 7.4, 2.0, 25.0, distance_m}));
   }
   [[nodiscard]] std::size_t count(Kind kind) const {
     std::size_t n = 0;
-    for (const ProcedureCommand& command : heard) n += command.kind == kind ? 1U : 0U;
+    for (const ProcedureCommand& command : received) n += command.kind == kind ? 1U : 0U;
     return n;
   }
   [[nodiscard]] std::string last_message() const {
     std::string phrase;
-    for (const ProcedureCommand& command : heard)
-      if (command.kind == Kind::tell_operator) phrase = command.text;
+    for (const ProcedureCommand& command : received)
+      if (command.kind == Kind::notify_operator) phrase = command.text;
     return phrase;
   }
 };
@@ -122,7 +122,7 @@ TEST(Sampled, names_why_it_stopped) {
     fixture.ready(0, "B7");
     fixture.now = t0 + 10s;
     fixture.sample(0, 0.9);
-    fixture.hear(fixture.procedure.on_stop(t0 + 12s, 0, cause));
+    fixture.receive(fixture.procedure.on_stop(t0 + 12s, 0, cause));
     ASSERT_TRUE(fixture.procedure.done());
     const BatteryRun& run = fixture.procedure.records().front();
     EXPECT_EQ(run.stop, cause);
@@ -138,9 +138,9 @@ TEST(Sampled, counts_a_lost_vehicle_until_it_was_last_heard) {
   fixture.ready(0, "B7");
   fixture.now = t0 + 100s;
   fixture.sample(0, 0.9);
-  fixture.hear(fixture.procedure.tick(t0 + 129s));
+  fixture.receive(fixture.procedure.tick(t0 + 129s));
   EXPECT_FALSE(fixture.procedure.done());
-  fixture.hear(fixture.procedure.tick(t0 + 131s));
+  fixture.receive(fixture.procedure.tick(t0 + 131s));
   ASSERT_TRUE(fixture.procedure.done());
   EXPECT_EQ(fixture.procedure.records().front().stop, StopCause::lost);
   EXPECT_EQ(fixture.procedure.records().front().autonomy_s, 100.0);
@@ -153,7 +153,7 @@ TEST(Sampled, takes_the_battery_for_the_cause_where_it_was_below_the_floor_alrea
   fixture.sample(0, 0.21);
   fixture.now = t0 + 101s;
   fixture.sample(0, 0.19);
-  fixture.hear(fixture.procedure.on_stop(t0 + 102s, 0, StopCause::fault));
+  fixture.receive(fixture.procedure.on_stop(t0 + 102s, 0, StopCause::fault));
   EXPECT_EQ(fixture.procedure.records().front().stop, StopCause::floor);
   EXPECT_NEAR(fixture.procedure.records().front().autonomy_s, 100.5, 1e-6);
 }
@@ -166,11 +166,11 @@ TEST(Sampled, books_pauses_apart) {
   for (int i = 1; !fixture.procedure.done() && i < 5000; ++i) {
     fixture.now = t0 + i * 100ms;
     if (!paused) charge -= 0.002;
-    const std::size_t before = fixture.heard.size();
+    const std::size_t before = fixture.received.size();
     fixture.sample(0, charge);
-    for (std::size_t k = before; k < fixture.heard.size(); ++k) {
-      if (fixture.heard[k].kind == Kind::pause) paused = true;
-      if (fixture.heard[k].kind == Kind::resume) paused = false;
+    for (std::size_t k = before; k < fixture.received.size(); ++k) {
+      if (fixture.received[k].kind == Kind::pause) paused = true;
+      if (fixture.received[k].kind == Kind::resume) paused = false;
     }
   }
   ASSERT_TRUE(fixture.procedure.done());
@@ -203,7 +203,7 @@ TEST(Fleet, runs_when_the_last_is_ready_and_is_done_when_the_last_has_stopped) {
   EXPECT_EQ(fixture.count(Kind::run), 3U);
   for (std::size_t v = 0; v < 3; ++v) {
     EXPECT_FALSE(fixture.procedure.done());
-    fixture.hear(fixture.procedure.on_stop(t0 + 60s + 10s * static_cast<int>(v + 1), v, StopCause::cut_off));
+    fixture.receive(fixture.procedure.on_stop(t0 + 60s + 10s * static_cast<int>(v + 1), v, StopCause::cut_off));
   }
   EXPECT_TRUE(fixture.procedure.done());
   EXPECT_NEAR(fixture.procedure.records()[2].autonomy_s, 30.0, 1e-9);
@@ -213,7 +213,7 @@ TEST(Fleet, swaps_batteries_by_a_latin_square_and_refuses_one_in_another_s_place
   Fixture fixture{{.vehicles = 2, .runs = 2, .swap = true}};
   fixture.ready(0, "A");
   fixture.ready(1, "B");
-  for (std::size_t v = 0; v < 2; ++v) fixture.hear(fixture.procedure.on_stop(t0 + 10s, v, StopCause::cut_off));
+  for (std::size_t v = 0; v < 2; ++v) fixture.receive(fixture.procedure.on_stop(t0 + 10s, v, StopCause::cut_off));
   EXPECT_EQ(fixture.procedure.run(), 1U);
   EXPECT_EQ(fixture.procedure.battery_of(1, 0), 1U);
   fixture.ready(0, "A");

@@ -88,7 +88,7 @@ struct VirtualRig::Impl {
       using Kind = ProcedureCommand::Kind;
       switch (command.kind) {
         case Kind::change_battery: changes.push_back(command); break;
-        case Kind::tell_operator: operator_messages.push_back(command.text); break;
+        case Kind::notify_operator: operator_messages.push_back(command.text); break;
         case Kind::run: begin(command.vehicle); break;
         case Kind::pause: carts[command.vehicle].paused = true; break;
         case Kind::resume: carts[command.vehicle].paused = false; break;

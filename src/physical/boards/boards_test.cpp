@@ -22,13 +22,13 @@ constexpr SimTime start = virtual_epoch;
 /// The other end of a board's link.
 struct Listener {
   Decoder decoder;
-  std::vector<wire::BoardMessage> heard;
+  std::vector<wire::BoardMessage> received;
 
-  void hear(const std::string& bytes) { decoder.feed(bytes, heard); }
+  void receive(const std::string& bytes) { decoder.feed(bytes, received); }
   template <typename T>
   [[nodiscard]] std::vector<T> all() const {
     std::vector<T> found;
-    for (const auto& message : heard) {
+    for (const auto& message : received) {
       if (const T* one = std::get_if<T>(&message)) found.push_back(*one);
     }
     return found;
@@ -40,7 +40,7 @@ void run(PravBoard& board, Listener& listener, SimTime from, SimTime to) {
   for (SimTime now = from; now < to; now += 10ms) {
     std::string out;
     board.tick(now, out);
-    listener.hear(out);
+    listener.receive(out);
   }
 }
 
@@ -49,14 +49,14 @@ TEST(Board, says_hello_first_when_the_other_side_connects) {
   board.power_up(start, 77);
   board.link().connect(true);
   Listener listener;
-  listener.hear("half a frame of the past");
+  listener.receive("half a frame of the past");
   run(board, listener, start, start + 50ms);
-  ASSERT_THAT(listener.heard, SizeIs(2));
-  const auto& hello = std::get<wire::Hello>(listener.heard[0]);
+  ASSERT_THAT(listener.received, SizeIs(2));
+  const auto& hello = std::get<wire::Hello>(listener.received[0]);
   EXPECT_EQ(hello.board, wire::Board::PRAV);
   EXPECT_EQ(hello.protocol_version, wire::module_link::version);
   EXPECT_EQ(hello.session, 77U);
-  EXPECT_EQ(std::get<wire::Heartbeat>(listener.heard[1]).uptime_ms, 0U);
+  EXPECT_EQ(std::get<wire::Heartbeat>(listener.received[1]).uptime_ms, 0U);
 }
 
 TEST(Board, says_nothing_while_its_cable_is_out) {
@@ -64,7 +64,7 @@ TEST(Board, says_nothing_while_its_cable_is_out) {
   board.power_up(start, 77);
   Listener listener;
   run(board, listener, start, start + 1s);
-  EXPECT_THAT(listener.heard, IsEmpty());
+  EXPECT_THAT(listener.received, IsEmpty());
 }
 
 TEST(Board, keeps_its_session_and_clock_over_a_reconnection) {
@@ -76,7 +76,7 @@ TEST(Board, keeps_its_session_and_clock_over_a_reconnection) {
   board.link().connect(false);
   Listener second;
   run(board, second, start + 1s, start + 2s);
-  EXPECT_THAT(second.heard, IsEmpty());
+  EXPECT_THAT(second.received, IsEmpty());
   board.link().connect(true);
   run(board, second, start + 2s, start + 3s);
   EXPECT_THAT(second.all<wire::Hello>(), ElementsAre(first.all<wire::Hello>().front()));
@@ -99,7 +99,7 @@ TEST(Board, answers_a_hello_with_its_own) {
   board.link().connect(true);
   Listener listener;
   run(board, listener, start, start + 10ms);
-  listener.heard.clear();
+  listener.received.clear();
   board.on_bytes(start + 10ms, encode(wire::Hello{wire::Board::PRAV, 1, 0, 0}, 0));
   run(board, listener, start + 10ms, start + 30ms);
   EXPECT_THAT(listener.all<wire::Hello>(), SizeIs(1));
@@ -140,7 +140,7 @@ TEST(Pils, reports_its_wheels_fifty_times_a_second) {
   for (SimTime now = start; now < start + 1s; now += 10ms) {
     std::string out;
     board.tick(now, {1.2345678, -0.25, 0.0013, false}, out);
-    listener.hear(out);
+    listener.receive(out);
   }
   const auto odometry = listener.all<wire::Odometry>();
   ASSERT_THAT(odometry, SizeIs(50));
@@ -154,7 +154,7 @@ TEST(Pils, reports_the_end_of_its_scale_for_what_is_beyond) {
   Listener listener;
   std::string out;
   board.tick(start, {0.0, -40.0, 5.0, true}, out);
-  listener.hear(out);
+  listener.receive(out);
   const auto odometry = listener.all<wire::Odometry>().front();
   EXPECT_EQ(odometry.speed_mmps, -32768);
   EXPECT_EQ(odometry.line_offset_01mm, 32767);
@@ -218,7 +218,7 @@ TEST(Dobs, sends_its_fan_every_60_ms) {
     std::string out;
     scans += board.wants_scan(now) ? 1 : 0;
     board.tick(now, ranges, out);
-    listener.hear(out);
+    listener.receive(out);
   }
   const auto sent = listener.all<wire::Ranges>();
   EXPECT_EQ(scans, 10);
@@ -239,7 +239,7 @@ TEST(Rali, reports_twice_a_second_and_never_a_charge_beyond_full) {
   for (SimTime now = start; now < start + 2s; now += 10ms) {
     std::string out;
     board.tick(now, {7.4124, 0.4305, 22.54, 1.2}, out);
-    listener.hear(out);
+    listener.receive(out);
   }
   const auto power = listener.all<wire::Power>();
   ASSERT_THAT(power, SizeIs(4));
@@ -253,7 +253,7 @@ TEST(Rali, tells_finer_what_a_gauge_knows_that_says_how_sure_it_is) {
   Listener listener;
   std::string out;
   for (SimTime now = start; now < start + 600ms; now += 10ms) board.tick(now, {7.4, 0.4, 22.5, 0.871234, 0.0135}, out);
-  listener.hear(out);
+  listener.receive(out);
   ASSERT_THAT(listener.all<wire::Power>(), Not(IsEmpty()));
   EXPECT_EQ(listener.all<wire::Power>()[0], (wire::Power{7400, 400, 225, 871, wire::Power::Gauge{871'234, 135}}));
 }

@@ -236,7 +236,7 @@ TEST(LineVehicle, seeks_the_line_within_reach_and_follows_it) {
 TEST(LineVehicle, told_of_a_goal_goes_onto_the_line_that_lies_there) {
   const Circuit old = line();
   const Circuit next = other({-2, 0.2, 0});
-  const auto told = [&](const wire::Manoeuvre& goal) {
+  const auto commanded = [&](const wire::Manoeuvre& goal) {
     LineVehicle vehicle = on(old, {0, 5.0});
     vehicle.set_zone(next);
     const DriveCommand command{0.3, 0.5, 0.8, 0, true, goal};
@@ -244,13 +244,13 @@ TEST(LineVehicle, told_of_a_goal_goes_onto_the_line_that_lies_there) {
     return vehicle;
   };
   // Believed 3 cm off, the line is found all the same: 0.3 m ahead, 0.2 m to the left.
-  const LineVehicle vehicle = told({300, 230, 0});
+  const LineVehicle vehicle = commanded({300, 230, 0});
   EXPECT_TRUE(vehicle.following());
   EXPECT_LT(distance(vehicle.body().X_MB, {0.3, 0.2, 0.0}), 1e-9);
   EXPECT_FALSE(vehicle.line_lost());
-  EXPECT_LT(distance(told({-250, 200, 0}).body().X_MB, {-0.25, 0.2, 0.0}), 1e-9) << "or behind it";
-  EXPECT_EQ(told({300, 310, 0}).manoeuvre(), nullptr) << "0.11 m from any line";
-  EXPECT_TRUE(told({300, 310, 0}).line_lost());
+  EXPECT_LT(distance(commanded({-250, 200, 0}).body().X_MB, {-0.25, 0.2, 0.0}), 1e-9) << "or behind it";
+  EXPECT_EQ(commanded({300, 310, 0}).manoeuvre(), nullptr) << "0.11 m from any line";
+  EXPECT_TRUE(commanded({300, 310, 0}).line_lost());
 }
 
 TEST(LineVehicle, seeks_nothing_that_lies_beyond_its_reach) {
@@ -314,10 +314,10 @@ TEST(LineVehicle, told_a_line_where_it_stands_on_one_does_not_turn_across_it) {
   for (const wire::Manoeuvre goal : {wire::Manoeuvre{0, 0, 0}, {3, -4, 15}, {-4, 2, -30}}) {
     LineVehicle vehicle = on(old, {0, 5.0}, 0.002);
     vehicle.set_zone(next);
-    const DriveCommand told{0.3, 0.5, 0.8, 0, true, goal};
+    const DriveCommand commanded{0.3, 0.5, 0.8, 0, true, goal};
     double turned_rad = 0.0;
     for (int i = 0; i < 100; ++i) {
-      vehicle.step(&told, dt_s);
+      vehicle.step(&commanded, dt_s);
       turned_rad += std::fabs(vehicle.step_manoeuvre().turned_rad);
     }
     EXPECT_TRUE(vehicle.following());
@@ -330,10 +330,10 @@ TEST(LineVehicle, told_a_line_where_it_stands_askew_turns_to_its_heading_and_not
   const Circuit next = other(Pose2{0, 0.005, -1.3} * Pose2{-2, 0, 0});
   LineVehicle vehicle = on(old, {0, 5.0});
   vehicle.set_zone(next);
-  const DriveCommand told{0.3, 0.5, 0.8, 0, true, wire::Manoeuvre{-1, 5, -1300}};
+  const DriveCommand commanded{0.3, 0.5, 0.8, 0, true, wire::Manoeuvre{-1, 5, -1300}};
   double least_rad = 0.0;
   for (int i = 0; i < 400 && !vehicle.following(); ++i) {
-    vehicle.step(&told, dt_s);
+    vehicle.step(&commanded, dt_s);
     least_rad = std::min(least_rad, vehicle.body().X_MB.heading_rad);
   }
   EXPECT_TRUE(vehicle.following());

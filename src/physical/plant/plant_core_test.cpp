@@ -38,7 +38,7 @@ TEST(Plant, moves_a_vehicle_by_the_drive_frames_it_hears) {
   EXPECT_NEAR(fixture.ground_truth(1).X_MB.x_m, 0.5 + expected_m, 0.01);
   EXPECT_TRUE(fixture.ground_truth(1).powered);
   // Without noise the odometer tells it, as of its last report.
-  const auto odometry = fixture.heard<wire::Odometry>(1);
+  const auto odometry = fixture.received<wire::Odometry>(1);
   EXPECT_THAT(odometry, SizeIs(AllOf(Ge(499U), Le(501U))));
   EXPECT_NEAR(static_cast<double>(odometry.back().distance_um) * 1e-6, fixture.ground_truth(1).distance_m, 0.5 * 0.021);
   EXPECT_EQ(odometry.back().speed_mmps, 500);
@@ -91,8 +91,8 @@ TEST(Plant, takes_no_command_from_damaged_frames) {
     fixture.run_for(10ms);
   }
   EXPECT_EQ(fixture.ground_truth(1).distance_m, 0.0);
-  EXPECT_EQ(fixture.heard<wire::Heartbeat>(1).back().frames_bad, 0);  // RALI's own heartbeat: it heard nothing bad
-  EXPECT_THAT(fixture.heard<wire::Heartbeat>(1), Contains(testing::Field(&wire::Heartbeat::frames_bad, Ge(150))));
+  EXPECT_EQ(fixture.received<wire::Heartbeat>(1).back().frames_bad, 0);  // RALI's own heartbeat: it heard nothing bad
+  EXPECT_THAT(fixture.received<wire::Heartbeat>(1), Contains(testing::Field(&wire::Heartbeat::frames_bad, Ge(150))));
 }
 
 TEST(Plant, keeps_every_vehicle_on_its_line_over_a_lap) {
@@ -107,9 +107,9 @@ TEST(Plant, keeps_every_vehicle_on_its_line_over_a_lap) {
       ASSERT_LT(rtm->zone().circuit.locate(position(pose), pose.heading_rad).distance_m, 0.003);
     }
   }
-  for (const auto& odometry : fixture.heard<wire::Odometry>(1)) ASSERT_FALSE(odometry.line_lost);
+  for (const auto& odometry : fixture.received<wire::Odometry>(1)) ASSERT_FALSE(odometry.line_lost);
   EXPECT_EQ(fixture.ground_truth(1).laps, 1U);
-  const auto odometry = fixture.heard<wire::Odometry>(2).back();
+  const auto odometry = fixture.received<wire::Odometry>(2).back();
   const double off = static_cast<double>(odometry.distance_um) * 1e-6 / fixture.ground_truth(2).distance_m - 1.0;
   EXPECT_NE(off, 0.0);
   EXPECT_LT(std::fabs(off), 4.0 * (0.005 + 0.003 / std::sqrt(18.0)) + 0.01);
@@ -120,7 +120,7 @@ TEST(Plant, reads_the_twelve_tags_of_the_clover_and_the_beacons_it_passes) {
   fixture.drive(1, fast);
   fixture.run_for(36s);  // one lap and a bit
   std::map<std::uint32_t, int> read;
-  for (const auto& tag : fixture.heard<wire::TagRead>(1)) {
+  for (const auto& tag : fixture.received<wire::TagRead>(1)) {
     ++read[tag.number];
     EXPECT_LE(tag.age_ms, 10);
   }
@@ -131,10 +131,10 @@ TEST(Plant, reads_the_twelve_tags_of_the_clover_and_the_beacons_it_passes) {
 TEST(Plant, reads_a_tag_where_its_field_begins_and_as_late_as_its_reader_is) {
   PlantFixture fixture{straight(8.0, "0.5", "[[tag]]\nnumber = 7\nsection = \"line\"\ns_m = 4.0\n")};
   fixture.drive(1, fast);
-  for (int i = 0; i < 2000 && fixture.heard<wire::TagRead>(1).empty(); ++i) fixture.run_for(10ms);
-  ASSERT_THAT(fixture.heard<wire::TagRead>(1), SizeIs(1));
+  for (int i = 0; i < 2000 && fixture.received<wire::TagRead>(1).empty(); ++i) fixture.run_for(10ms);
+  ASSERT_THAT(fixture.received<wire::TagRead>(1), SizeIs(1));
   const double sent_at_m = fixture.ground_truth(1).X_MB.x_m;
-  const double read_at_m = sent_at_m - 0.5 * 1e-3 * fixture.heard<wire::TagRead>(1)[0].age_ms;
+  const double read_at_m = sent_at_m - 0.5 * 1e-3 * fixture.received<wire::TagRead>(1)[0].age_ms;
   EXPECT_GE(read_at_m, 4.0 - 0.02 + 0.5 * 0.008 - 0.001);
   EXPECT_LE(read_at_m, 4.0 - 0.02 + 0.5 * 0.030 + 0.001);  // latency, and up to one tick before the field is noticed
 }
@@ -144,7 +144,7 @@ TEST(Plant, ranges_the_vehicle_ahead_and_not_the_one_behind) {
   noise.range_sd_m = 0.005;
   PlantFixture fixture{straight(8.0, "2.0 3.0"), 2, noise};
   fixture.run_for(6s);
-  const auto behind = fixture.heard<wire::Ranges>(1);
+  const auto behind = fixture.received<wire::Ranges>(1);
   ASSERT_THAT(behind, SizeIs(AllOf(Ge(99U), Le(101U))));
   double sum = 0.0;
   for (const auto& ranges : behind) {
@@ -152,7 +152,7 @@ TEST(Plant, ranges_the_vehicle_ahead_and_not_the_one_behind) {
     sum += ranges.range_mm[6];
   }
   EXPECT_NEAR(sum / static_cast<double>(behind.size()), 800.0, 3.0 * 5.0 / 10.0);
-  for (const auto& ranges : fixture.heard<wire::Ranges>(2)) EXPECT_THAT(ranges.range_mm, testing::Each(wire::no_echo));
+  for (const auto& ranges : fixture.received<wire::Ranges>(2)) EXPECT_THAT(ranges.range_mm, testing::Each(wire::no_echo));
 }
 
 TEST(Plant, puts_obstacles_where_it_is_told_and_takes_them_away) {
@@ -160,13 +160,13 @@ TEST(Plant, puts_obstacles_where_it_is_told_and_takes_them_away) {
   fixture.feed(wire::InputKind::message, std::string(wire::plant_command_topic),
                R"({"addObstacle":{"id":"box","x":1.6,"y":0.0,"radius":0.1}})");
   fixture.run_for(200ms);
-  EXPECT_EQ(fixture.heard<wire::Ranges>(1).back().range_mm[6], 900);
+  EXPECT_EQ(fixture.received<wire::Ranges>(1).back().range_mm[6], 900);
   fixture.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":1.4,"y":0.0,"radius":0.1}})");
   fixture.run_for(200ms);
-  EXPECT_EQ(fixture.heard<wire::Ranges>(1).back().range_mm[6], 700);  // the same box, moved
+  EXPECT_EQ(fixture.received<wire::Ranges>(1).back().range_mm[6], 700);  // the same box, moved
   fixture.feed(wire::InputKind::command, "test", R"({"removeObstacle":"box"})");
   fixture.run_for(200ms);
-  EXPECT_EQ(fixture.heard<wire::Ranges>(1).back().range_mm[6], wire::no_echo);
+  EXPECT_EQ(fixture.received<wire::Ranges>(1).back().range_mm[6], wire::no_echo);
   EXPECT_THAT(fixture.logged, IsEmpty());
 }
 
@@ -213,7 +213,7 @@ TEST(Plant, puts_no_obstacle_on_a_vehicle) {
   EXPECT_THAT(fixture.logged, ElementsAre(HasSubstr("AIV1 is in this place")));
   fixture.run_for(200ms);
   EXPECT_THAT(fixture.core().collisions(), IsEmpty());
-  EXPECT_EQ(fixture.heard<wire::Ranges>(2).back().range_mm[6], 10);
+  EXPECT_EQ(fixture.received<wire::Ranges>(2).back().range_mm[6], 10);
 }
 
 TEST(Plant, books_a_collision_once_per_contact) {
@@ -263,17 +263,17 @@ TEST(Plant, says_hello_on_every_port_and_keeps_odometer_and_session_over_a_crash
   PlantFixture fixture{straight(20.0)};
   fixture.drive(1, fast);
   fixture.run_for(2s);
-  const auto first = fixture.heard<wire::Hello>(1);
+  const auto first = fixture.received<wire::Hello>(1);
   ASSERT_THAT(first, SizeIs(4));
-  const auto before_um = fixture.heard<wire::Odometry>(1).back().distance_um;
+  const auto before_um = fixture.received<wire::Odometry>(1).back().distance_um;
   fixture.forget();
   for (const auto& port : fixture.core().ports()) fixture.feed(wire::InputKind::port, port, "down");
   fixture.run_for(1s);
-  EXPECT_THAT(fixture.heard<wire::Odometry>(1), IsEmpty());
+  EXPECT_THAT(fixture.received<wire::Odometry>(1), IsEmpty());
   for (const auto& port : fixture.core().ports()) fixture.feed(wire::InputKind::port, port, "up");
   fixture.run_for(1s);
-  EXPECT_EQ(fixture.heard<wire::Hello>(1), first);
-  EXPECT_GT(fixture.heard<wire::Odometry>(1).front().distance_um, before_um);
+  EXPECT_EQ(fixture.received<wire::Hello>(1), first);
+  EXPECT_GT(fixture.received<wire::Odometry>(1).front().distance_um, before_um);
 }
 
 TEST(Plant, that_starts_later_has_other_sessions) {
@@ -284,10 +284,10 @@ TEST(Plant, that_starts_later_has_other_sessions) {
   wire::Effects effects;
   (*later)->handle({virtual_epoch + 1h, wire::InputKind::port, "1/PILS", "up"}, effects);
   (*later)->handle({virtual_epoch + 1h, wire::InputKind::tick, "", ""}, effects);
-  std::vector<wire::BoardMessage> heard;
-  for (const auto& effect : effects) wire::module_link::Decoder{}.feed(std::get<wire::SendBytes>(effect).bytes, heard);
-  ASSERT_FALSE(heard.empty());
-  EXPECT_NE(std::get<wire::Hello>(heard.front()).session, fixture.heard<wire::Hello>(1).front().session);
+  std::vector<wire::BoardMessage> received;
+  for (const auto& effect : effects) wire::module_link::Decoder{}.feed(std::get<wire::SendBytes>(effect).bytes, received);
+  ASSERT_FALSE(received.empty());
+  EXPECT_NE(std::get<wire::Hello>(received.front()).session, fixture.received<wire::Hello>(1).front().session);
 }
 
 TEST(Plant, drains_its_battery_by_its_work) {
@@ -300,8 +300,8 @@ TEST(Plant, drains_its_battery_by_its_work) {
   EXPECT_NEAR(idle, 180.0 / (2.2 * 3600.0 * 8.15), 2e-4);
   const double work_j = (0.6 * fixture.ground_truth(1).distance_m + 0.5 * 1.2 * 0.25) / 0.6;
   EXPECT_NEAR((driving - idle) / idle, work_j / 180.0, 0.02);
-  EXPECT_NEAR(fixture.heard<wire::Power>(1).back().charge_permille, 1000.0 * fixture.ground_truth(1).charge, 2.0);
-  EXPECT_NEAR(fixture.heard<wire::Power>(1).back().voltage_mv, 8150.0, 100.0);
+  EXPECT_NEAR(fixture.received<wire::Power>(1).back().charge_permille, 1000.0 * fixture.ground_truth(1).charge, 2.0);
+  EXPECT_NEAR(fixture.received<wire::Power>(1).back().voltage_mv, 8150.0, 100.0);
 }
 
 // `cosiva battery fleet --live` sends the whole type along.
@@ -399,7 +399,7 @@ TEST(Plant, moves_no_other_vehicle_s_noise_by_a_change_in_one) {
   one.drive(2, fast);
   two.run_for(5s);
   one.run_for(5s);
-  EXPECT_EQ(one.heard<wire::Odometry>(2), two.heard<wire::Odometry>(2));
+  EXPECT_EQ(one.received<wire::Odometry>(2), two.received<wire::Odometry>(2));
 }
 
 TEST(Plant, refuses_more_vehicles_than_its_zone_holds) {

@@ -61,16 +61,16 @@ class PlantFixture {
   }
 
   template <typename T>
-  [[nodiscard]] std::vector<T> heard(std::uint32_t vehicle) const {
+  [[nodiscard]] std::vector<T> received(std::uint32_t vehicle) const {
     std::vector<T> found;
-    const auto at = heard_.find(vehicle);
-    if (at == heard_.end()) return found;
+    const auto at = received_.find(vehicle);
+    if (at == received_.end()) return found;
     for (const auto& message : at->second) {
       if (const T* one = std::get_if<T>(&message)) found.push_back(*one);
     }
     return found;
   }
-  void forget() { heard_.clear(); }
+  void forget() { received_.clear(); }
   [[nodiscard]] TrueVehicle ground_truth(std::uint32_t vehicle) const { return core_->vehicles()[vehicle - 1]; }
   [[nodiscard]] PlantCore& core() { return *core_; }
   [[nodiscard]] SimTime now() const { return now_; }
@@ -84,7 +84,7 @@ class PlantFixture {
     for (const auto& effect : effects) {
       if (const auto* bytes = std::get_if<wire::SendBytes>(&effect)) {
         const auto vehicle = static_cast<std::uint32_t>(std::stoul(bytes->port));
-        decoders_[bytes->port].feed(bytes->bytes, heard_[vehicle]);
+        decoders_[bytes->port].feed(bytes->bytes, received_[vehicle]);
       } else if (const auto* message = std::get_if<wire::Publish>(&effect)) {
         published.push_back(*message);
       } else if (const auto* line = std::get_if<wire::Log>(&effect)) {
@@ -99,7 +99,7 @@ class PlantFixture {
   std::map<std::uint32_t, wire::Drive> drives_;
   std::map<std::uint32_t, wire::module_link::Encoder> encoders_;
   std::map<std::string, wire::module_link::Decoder> decoders_;
-  std::map<std::uint32_t, std::vector<wire::BoardMessage>> heard_;
+  std::map<std::uint32_t, std::vector<wire::BoardMessage>> received_;
 };
 
 }  // namespace cosiva::physical

@@ -108,7 +108,7 @@ TEST(Plant, lets_its_readers_find_tags_where_they_are_moved_to_while_driving) {
   for (int i = 0; i < 1500; ++i) {
     fixture.forget();
     fixture.run_for(10ms);
-    for (const auto& tag : fixture.heard<wire::TagRead>(1))
+    for (const auto& tag : fixture.received<wire::TagRead>(1))
       read_at[tag.number] = fixture.ground_truth(1).X_MB.x_m - 0.5 * 1e-3 * tag.age_ms;
   }
   ASSERT_THAT(read_at, SizeIs(2));
@@ -171,13 +171,13 @@ TEST(PlantSwitch, lets_a_vehicle_go_on_along_its_old_line_until_it_stands) {
   fixture.run_for(2s);
   EXPECT_EQ(fixture.ground_truth(1).X_MB.y_m, 0.0);
   EXPECT_NEAR(fixture.ground_truth(1).speed_mps, 0.5, 1e-6);
-  EXPECT_FALSE(fixture.heard<wire::Odometry>(1).back().line_lost);
+  EXPECT_FALSE(fixture.received<wire::Odometry>(1).back().line_lost);
 
   fixture.drive(1, still);
   fixture.run_for(2s);
   const Pose2 is_stopped = fixture.ground_truth(1).X_MB;
   EXPECT_EQ(is_stopped.y_m, 0.0) << "its pose is what it was";
-  EXPECT_TRUE(fixture.heard<wire::Odometry>(1).back().line_lost);
+  EXPECT_TRUE(fixture.received<wire::Odometry>(1).back().line_lost);
   fixture.drive(1, fast);
   fixture.run_for(1s);
   EXPECT_EQ(fixture.ground_truth(1).X_MB, is_stopped) << "it has no line to follow and was not told to seek one";
@@ -187,26 +187,26 @@ TEST(PlantSwitch, brings_a_vehicle_that_seeks_onto_the_new_line_and_lets_it_read
   PlantFixture fixture = running(straight(20.0, "5.0", "[[tag]]\nnumber = 1\nsection = \"line\"\ns_m = 6.0\n"));
   send_zone(fixture, straight_from(-5.0, 0.1, 20.0, "[[tag]]\nnumber = 2\nsection = \"line\"\ns_m = 11.0\n").text);
   fixture.run_for(100ms);
-  const auto before = fixture.heard<wire::Odometry>(1).back();
+  const auto before = fixture.received<wire::Odometry>(1).back();
   fixture.forget();
   fixture.drive(1, seek);
   fixture.run_for(1s);
-  const auto during = fixture.heard<wire::Odometry>(1).back();
+  const auto during = fixture.received<wire::Odometry>(1).back();
   ASSERT_TRUE(during.manoeuvre);
   EXPECT_EQ(during.speed_mmps, 0);
   EXPECT_EQ(during.distance_um, before.distance_um);
   EXPECT_GT(during.manoeuvre->turned_mrad, 500);
   fixture.run_for(4s);
   wire::Manoeuvre last;
-  for (const auto& odometry : fixture.heard<wire::Odometry>(1)) last = odometry.manoeuvre.value_or(last);
+  for (const auto& odometry : fixture.received<wire::Odometry>(1)) last = odometry.manoeuvre.value_or(last);
   EXPECT_NEAR(last.x_mm, 0, 1);
   EXPECT_NEAR(last.y_mm, 100, 2);
   EXPECT_NEAR(last.turned_mrad, 0, 15) << "told 20 ms before it ended, perhaps";
-  EXPECT_FALSE(fixture.heard<wire::Odometry>(1).back().line_lost);
+  EXPECT_FALSE(fixture.received<wire::Odometry>(1).back().line_lost);
   fixture.run_for(4s);
   EXPECT_NEAR(fixture.ground_truth(1).X_MB.y_m, 0.1, 1e-3);
   ASSERT_GT(fixture.ground_truth(1).X_MB.x_m, 6.1);
-  const auto tags = fixture.heard<wire::TagRead>(1);
+  const auto tags = fixture.received<wire::TagRead>(1);
   ASSERT_THAT(tags, SizeIs(1));
   EXPECT_EQ(tags[0].number, 2U);
 }
@@ -235,7 +235,7 @@ TEST(PlantSwitch, by_hand_is_published_and_its_echo_is_nothing_new) {
   fixture.run_for(1s);
   EXPECT_THAT(fixture.logged, IsEmpty());
   EXPECT_THAT(zones(fixture), SizeIs(1));
-  EXPECT_TRUE(fixture.heard<wire::Odometry>(1).back().line_lost);
+  EXPECT_TRUE(fixture.received<wire::Odometry>(1).back().line_lost);
 }
 
 TEST(PlantSwitch, by_hand_of_what_is_no_zone_is_refused_and_nothing_published) {
@@ -287,7 +287,7 @@ TEST(PlantSwitch, takes_a_layout_with_its_sidecar_from_the_broker) {
   PlantFixture fixture = running(straight(20.0, "5.0"));
   send_zone(fixture, zone::to_payload(layout()), "lif");
   fixture.run_for(100ms);
-  EXPECT_TRUE(fixture.heard<wire::Odometry>(1).back().line_lost);
+  EXPECT_TRUE(fixture.received<wire::Odometry>(1).back().line_lost);
   EXPECT_EQ(fixture.core().options().zone.sidecar, layout().sidecar);
   EXPECT_THAT(zones(fixture), IsEmpty()) << "who publishes it clears the old one";
 }
@@ -306,10 +306,10 @@ TEST(PlantSwitch, there_and_back_leaves_the_vehicle_on_its_line) {
   PlantFixture fixture = running(straight(20.0, "5.0"));
   send_zone(fixture, straight_from(-5.0, 0.1, 20.0).text);
   fixture.run_for(100ms);
-  EXPECT_TRUE(fixture.heard<wire::Odometry>(1).back().line_lost);
+  EXPECT_TRUE(fixture.received<wire::Odometry>(1).back().line_lost);
   send_zone(fixture, straight(20.0, "5.0").text);
   fixture.run_for(100ms);
-  EXPECT_FALSE(fixture.heard<wire::Odometry>(1).back().line_lost);
+  EXPECT_FALSE(fixture.received<wire::Odometry>(1).back().line_lost);
   fixture.drive(1, fast);
   fixture.run_for(2s);
   EXPECT_GT(fixture.ground_truth(1).X_MB.x_m, 5.4);
@@ -397,11 +397,11 @@ TEST(PlantSwitch, does_not_take_over_what_the_broker_kept_and_says_so) {
                                                 HasSubstr("hands it over"))));
   fixture.run_for(1s);
   EXPECT_THAT(zones(fixture), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", straight(20.0, "5.0").text, 1, true}));
-  EXPECT_FALSE(fixture.heard<wire::Odometry>(1).back().line_lost);
+  EXPECT_FALSE(fixture.received<wire::Odometry>(1).back().line_lost);
   // Sent once more, now that it runs, it is a switch.
   send_zone(fixture, straight_from(-5.0, 0.1, 20.0).text);
   fixture.run_for(100ms);
-  EXPECT_TRUE(fixture.heard<wire::Odometry>(1).back().line_lost);
+  EXPECT_TRUE(fixture.received<wire::Odometry>(1).back().line_lost);
 }
 
 TEST(PlantSwitch, makes_the_same_run_twice) {

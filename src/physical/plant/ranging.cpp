@@ -109,7 +109,7 @@ void RangeFan::see(const Disc& disc) {
   }
 }
 
-Scan RangeFan::heard(const Scan& exact, double sd_m, double dropout, Random& random) {
+Scan RangeFan::measured(const Scan& exact, double sd_m, double dropout, Random& random) {
   Scan scan = exact;
   for (double& range_m : scan) {
     if (range_m < 0.0) continue;

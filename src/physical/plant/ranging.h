@@ -27,7 +27,7 @@ class RangeFan {
   [[nodiscard]] const Scan& ranges() const { return scan_; }
 
   /// Adds what ultrasound does to the scan: noise on each echo, and some that do not come back.
-  [[nodiscard]] static Scan heard(const Scan& exact, double sd_m, double dropout, Random& random);
+  [[nodiscard]] static Scan measured(const Scan& exact, double sd_m, double dropout, Random& random);
 
  private:
   void see_edge(Point2 from, Point2 to);

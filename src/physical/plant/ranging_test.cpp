@@ -128,7 +128,7 @@ TEST(RangeFan, takes_the_nearest_of_several) {
   EXPECT_NEAR(scan_of(at(0, 0), {at(1.5, 0), at(0.7, 0), at(1.0, 0)})[6], 0.5, 1e-12);
 }
 
-TEST(Heard, has_the_noise_and_the_dropouts_it_is_told) {
+TEST(MeasuredScan, has_the_noise_and_the_dropouts_it_is_told) {
   Scan exact;
   exact.fill(-1.0);
   exact[6] = 0.5;
@@ -138,7 +138,7 @@ TEST(Heard, has_the_noise_and_the_dropouts_it_is_told) {
   double sum = 0.0;
   double sum_sq = 0.0;
   for (int i = 0; i < scans; ++i) {
-    const Scan scan = RangeFan::heard(exact, 0.005, 0.01, random);
+    const Scan scan = RangeFan::measured(exact, 0.005, 0.01, random);
     ASSERT_LT(scan[5], 0.0);
     if (scan[6] < 0.0) {
       ++unresponsive;

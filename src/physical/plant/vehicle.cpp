@@ -170,7 +170,7 @@ void Vehicle::speak(SimTime now, const Scan& scan, wire::Effects& effects) {
   prav_.tick(now, out_);
   send(wire::Board::PRAV, effects);
   if (wants_scan(now))
-    dobs_.tick(now, RangeFan::heard(scan, noise_.range_sd_m, noise_.range_dropout, range_random_), out_);
+    dobs_.tick(now, RangeFan::measured(scan, noise_.range_sd_m, noise_.range_dropout, range_random_), out_);
   else
     dobs_.tick(now, scan, out_);
   send(wire::Board::DOBS, effects);

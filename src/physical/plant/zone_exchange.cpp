@@ -44,19 +44,19 @@ void ZoneExchange::publish(wire::Effects& effects) {
 std::optional<ZoneExchange::News> ZoneExchange::on_message(std::string_view topic, std::string_view payload, SimTime at,
                                                            wire::Effects& effects) {
   if (payload.empty()) return std::nullopt;  // somebody cleared what the broker keeps
-  auto heard =
+  auto received =
       zone::from_payload(std::string(topic.substr(wire::zone_topic_prefix.size())), std::string(topic), payload);
-  if (same_content(heard, own_)) {
+  if (same_content(received, own_)) {
     due_ = due_ && !others_.empty();  // the broker has it already, or this is what we said
     return std::nullopt;
   }
   const bool listens = listens_until_ && at < *listens_until_;
-  const auto rtm = zone::Rtm::initialise(heard);
+  const auto rtm = zone::Rtm::initialise(received);
   if (!rtm) {
     log('w', "a zone was sent that cannot be read, so the plant keeps its own: " + to_string(rtm.error()), effects);
     return std::nullopt;
   }
-  if (listens && heard.format != own_.format) others_.push_back(heard.format);
+  if (listens && received.format != own_.format) others_.push_back(received.format);
   if (listens && !zone::same_geometry(*zone_, rtm->zone())) {
     log('w',
         "the broker keeps zone '" + rtm->zone().name + "', whose ways are not those of '" + zone_->name +
@@ -67,7 +67,7 @@ std::optional<ZoneExchange::News> ZoneExchange::on_message(std::string_view topi
     return std::nullopt;
   }
   due_ = false;
-  return take(std::move(heard), *rtm, effects);
+  return take(std::move(received), *rtm, effects);
 }
 
 Result<ZoneExchange::News> ZoneExchange::switch_to(zone::ZoneConfiguration given, wire::Effects& effects) {

@@ -89,7 +89,7 @@ Sums total(const std::vector<Sums>& blocks) {
 }
 
 /// How much of the velocity no lever explains: as a share. 0: an offset and a lever look the same.
-double told_apart(const Sums& sums) {
+double separability(const Sums& sums) {
   const double all = sums.squares(0, 0);
   if (!(all > 1e-9)) return 0.0;
   const Eigen::Vector2d cross = sums.squares.bottomLeftCorner<2, 1>();
@@ -107,7 +107,7 @@ Result<TimeOffset> time_offset(const std::vector<Timed>& detected, const std::ve
     return fail("gvs.offset", "only " + std::to_string(sums.pairs) + " stamps lie within the reference's times; " +
                                   std::to_string(fewest) + " tell an offset");
   }
-  if (told_apart(sums) < 0.005)
+  if (separability(sums) < 0.005)
     return fail("gvs.offset", "speed never changes enough: an offset in time looks like a lever on the vehicle");
   TimeOffset found;
   found.pairs = sums.pairs;

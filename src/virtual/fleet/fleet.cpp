@@ -90,9 +90,9 @@ void Fleet::limit_speed(Vehicle vehicle, double speed_mps) {
 }
 void Fleet::impose(Vehicle vehicle, std::optional<aiv::Profile> profile) {
   std::uint8_t& imposed = in_->tables.state.imposed[vehicle];
-  in_->tables.told_vehicles -= imposed != no_profile ? 1 : 0;
+  in_->tables.commanded_vehicles -= imposed != no_profile ? 1 : 0;
   imposed = profile ? static_cast<std::uint8_t>(*profile) : no_profile;
-  in_->tables.told_vehicles += imposed != no_profile ? 1 : 0;
+  in_->tables.commanded_vehicles += imposed != no_profile ? 1 : 0;
 }
 
 bool Fleet::take_away(Vehicle vehicle) { return in_->presence.take_away(vehicle); }

@@ -13,7 +13,7 @@ FleetOrders::FleetOrders(FleetTables& tables, const Paths& paths, Leaders& leade
       state_{tables.state},
       front_{tables.front},
       routes_{tables.routes},
-      told_vehicles_{tables.told_vehicles},
+      commanded_vehicles_{tables.commanded_vehicles},
       paths_{paths},
       leaders_{leaders},
       survey_{survey},
@@ -42,9 +42,9 @@ bool FleetOrders::send(std::uint32_t i, std::span<const zone::SectionId> route, 
   take_route(i, route);
   routes_[state_.own[i].route].goal_s_m = goal_s_m;
   state_.goal_at[i] = goal_m;
-  if ((state_.mode[i] & Mode::sent) == 0) ++told_vehicles_;
-  state_.mode[i] = static_cast<std::uint8_t>((state_.mode[i] | Mode::sent) & ~(Mode::at_goal | Mode::told));
-  if (state_.v_mps[i] == 0.0 && goal_m == state_.s_m[i]) state_.mode[i] |= Mode::told;
+  if ((state_.mode[i] & Mode::sent) == 0) ++commanded_vehicles_;
+  state_.mode[i] = static_cast<std::uint8_t>((state_.mode[i] | Mode::sent) & ~(Mode::at_goal | Mode::commanded));
+  if (state_.v_mps[i] == 0.0 && goal_m == state_.s_m[i]) state_.mode[i] |= Mode::commanded;
   follow_anew(i);
   return true;
 }
@@ -54,8 +54,8 @@ void FleetOrders::circulate(std::uint32_t i) {
   // The vehicle still drives the sections that it is committed to; from there the default successors lead on.
   committed(i);
   state_.goal_at[i] = far_m;
-  --told_vehicles_;
-  state_.mode[i] &= static_cast<std::uint8_t>(~(Mode::sent | Mode::at_goal | Mode::told));
+  --commanded_vehicles_;
+  state_.mode[i] &= static_cast<std::uint8_t>(~(Mode::sent | Mode::at_goal | Mode::commanded));
   take_route(i, committed_sections_);
   follow_anew(i);
 }

@@ -38,7 +38,7 @@ class FleetOrders {
   State& state_;
   std::vector<std::uint32_t>& front_;
   std::vector<FleetTables::Route>& routes_;
-  std::size_t& told_vehicles_;
+  std::size_t& commanded_vehicles_;
   const Paths& paths_;
   Leaders& leaders_;
   PathSurvey& survey_;

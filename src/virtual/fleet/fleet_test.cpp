@@ -257,12 +257,12 @@ TEST(Fleet, stands_exactly_at_its_goal_and_says_so_once) {
   EXPECT_FALSE(one.has_goal(0));
   ASSERT_TRUE(one.send(0, std::vector{start.section, next}, 0.3));
   EXPECT_TRUE(one.has_goal(0));
-  int told = 0;
+  int commanded = 0;
   for (int k = 0; k < 400; ++k) {
     one.step();
-    for (const Fleet::Vehicle who : one.arrived()) told += who == 0 ? 1 : 0;
+    for (const Fleet::Vehicle who : one.arrived()) commanded += who == 0 ? 1 : 0;
   }
-  EXPECT_EQ(told, 1);
+  EXPECT_EQ(commanded, 1);
   EXPECT_TRUE(one.is_at_goal(0));
   EXPECT_EQ(one.track_position(0), (zone::TrackPosition{next, 0.3}));
   EXPECT_EQ(one.speed_mps()[0], 0.0);

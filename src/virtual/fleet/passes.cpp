@@ -128,7 +128,7 @@ COSIVA_VECTOR_CLONES void choose_fuzzy(std::int8_t* __restrict profile, const Co
 }
 
 /// At its goal it stops, and it is never faster than instructed.
-COSIVA_VECTOR_CLONES void choose_told(const Choice& choice, std::size_t first, std::size_t count, Column& chosen) {
+COSIVA_VECTOR_CLONES void choose_commanded(const Choice& choice, std::size_t first, std::size_t count, Column& chosen) {
   const double* __restrict s = choice.s_m + first;
   const double* __restrict goal = choice.goal_at + first;
   const std::uint8_t* __restrict imposed = choice.imposed + first;
@@ -381,7 +381,7 @@ double decide(State& state, const Numbers& numbers, const FleetRules* rules, boo
                      if (more) request_more(branches, numbers, at, count, responses.rows);
                      responses.response(speed);
                      choose_fuzzy(choice.profile + at, speed, count, chosen);
-                     if (more) choose_told(choice, at, count, chosen);
+                     if (more) choose_commanded(choice, at, count, chosen);
                    });
 }
 
@@ -434,7 +434,7 @@ COSIVA_VECTOR_CLONES void move_on(const Motion& motion, const Numbers& numbers, 
   for (std::size_t k = 0; k < count; ++k) event[k] = static_cast<std::uint8_t>(happened[k]);
   COSIVA_ROUNDS_APART
   for (std::size_t k = 0; k < count; ++k) {
-    const std::uint8_t is_on = (mode[k] & (Mode::turning | Mode::told)) != 0 ? Event::goes_on : 0;
+    const std::uint8_t is_on = (mode[k] & (Mode::turning | Mode::commanded)) != 0 ? Event::goes_on : 0;
     // Whoever has asked for its next line need not be reminded.
     const std::uint8_t old = (mode[k] & Mode::requests) != 0 ? Event::nears : 0;
     const std::uint8_t waits = (mode[k] & (Mode::turning | Mode::at_goal)) == 0 ? event[k] >> 7U : 0;

@@ -26,7 +26,7 @@ Placement::Placement(FleetTables& tables, Leaders& leaders, PathSurvey& survey, 
       crossings_{tables.crossings},
       blocks_{tables.blocks},
       arrived_{tables.arrived},
-      told_vehicles_{tables.told_vehicles},
+      commanded_vehicles_{tables.commanded_vehicles},
       leaders_{leaders},
       survey_{survey},
       presence_{presence} {}
@@ -46,7 +46,7 @@ Result<void> Placement::put(std::span<const FleetStart> starts) {
     state_.own[i].priority = static_cast<std::int16_t>(std::clamp(priority, 0, zone::priority_max));
     if (is_away) {
       presence_.make_absent(i);
-      ++told_vehicles_;
+      ++commanded_vehicles_;
       continue;
     }
     if (position.section >= ground_.size() || !(position.s_m >= 0.0 && position.s_m <= ground_.length_m(position.section)))

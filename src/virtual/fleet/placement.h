@@ -34,7 +34,7 @@ class Placement {
   std::vector<CrossingState>& crossings_;
   std::vector<Block>& blocks_;
   std::vector<std::uint32_t>& arrived_;
-  std::size_t& told_vehicles_;
+  std::size_t& commanded_vehicles_;
   Leaders& leaders_;
   PathSurvey& survey_;
   Presence& presence_;

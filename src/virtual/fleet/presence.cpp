@@ -24,7 +24,7 @@ Presence::Presence(FleetTables& tables, Leaders& leaders, PathSurvey& survey, Cr
       blocks_{tables.blocks},
       routes_{tables.routes},
       step_number_{tables.step_number},
-      told_vehicles_{tables.told_vehicles},
+      commanded_vehicles_{tables.commanded_vehicles},
       leaders_{leaders},
       survey_{survey},
       grants_{grants},
@@ -68,7 +68,7 @@ bool Presence::bring(std::uint32_t i, zone::TrackPosition position, std::int16_t
     make_absent(i);
     return false;
   }
-  --told_vehicles_;
+  --commanded_vehicles_;
   state_.profile[i] = -1;
   state_.goal_at[i] = far_m;
   own.priority = priority;

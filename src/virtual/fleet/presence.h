@@ -39,7 +39,7 @@ class Presence {
   std::vector<Block>& blocks_;
   std::vector<FleetTables::Route>& routes_;
   std::uint32_t& step_number_;
-  std::size_t& told_vehicles_;
+  std::size_t& commanded_vehicles_;
   Leaders& leaders_;
   PathSurvey& survey_;
   CrossingGrants& grants_;

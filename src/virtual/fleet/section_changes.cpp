@@ -39,7 +39,7 @@ void SectionChanges::handle_events(Block& block, std::uint32_t i) {
   const bool at_goal =
       (state_.mode[i] & Mode::sent) != 0 && state_.s_m[i] == state_.goal_at[i] && state_.v_mps[i] == 0.0;
   if ((event & (Event::halted | Event::goes_on)) != 0 && at_goal && (state_.mode[i] & Mode::at_goal) == 0) {
-    state_.mode[i] = static_cast<std::uint8_t>((state_.mode[i] | Mode::at_goal) & ~Mode::told);
+    state_.mode[i] = static_cast<std::uint8_t>((state_.mode[i] | Mode::at_goal) & ~Mode::commanded);
     arrived_[block.first + block.arrivals++] = i;
   }
   if ((state_.mode[i] & Mode::turning) != 0) {

@@ -25,7 +25,7 @@ enum Mode : std::uint8_t {
   turning = 1U << 0U,   ///< on the spot, at the end of its section
   sent = 1U << 1U,      ///< it has a goal
   at_goal = 1U << 2U,   ///< and stands there
-  told = 1U << 3U,      ///< to go where it stands already: it arrives in the next step
+  commanded = 1U << 3U,      ///< to go where it stands already: it arrives in the next step
   requests = 1U << 4U,  ///< stands in its copy's queue
   absent = 1U << 5U,    ///< not in the zone
 };

@@ -24,7 +24,7 @@ Stepper::Stepper(FleetTables& tables, CrossingGrants& grants, SectionChanges& ch
       arrived_{tables.arrived},
       arrivals_{tables.arrivals},
       step_number_{tables.step_number},
-      told_vehicles_{tables.told_vehicles},
+      commanded_vehicles_{tables.commanded_vehicles},
       grants_{grants},
       changes_{changes},
       poses_{poses},
@@ -54,7 +54,7 @@ void Stepper::step(Workers& workers, std::uint32_t steps) {
 
 void Stepper::step_block(Block& block) {
   const FleetRules* const by = rules_ ? &*rules_ : nullptr;
-  const bool more = told_vehicles_ > 0;
+  const bool more = commanded_vehicles_ > 0;
   alignas(64) std::array<double, forgets_vehicles> forgotten;
   double* const next =
       block.last - block.first > forgets_vehicles ? state_.next_mps.data() + block.first : forgotten.data();
@@ -66,7 +66,7 @@ void Stepper::step_block(Block& block) {
 
 void Stepper::step_in_parts(Workers& workers, Block& block) {
   const FleetRules* const by = rules_ ? &*rules_ : nullptr;
-  const bool more = told_vehicles_ > 0;
+  const bool more = commanded_vehicles_ > 0;
   const std::size_t parts = (block.last + part_vehicles - 1) / part_vehicles;
   const auto of_part = [&](std::size_t part, auto work) {
     const auto first = static_cast<std::uint32_t>(part * part_vehicles);

@@ -38,7 +38,7 @@ class Stepper {
   std::vector<std::uint32_t>& arrived_;
   std::size_t& arrivals_;
   std::uint32_t& step_number_;
-  const std::size_t& told_vehicles_;
+  const std::size_t& commanded_vehicles_;
   CrossingGrants& grants_;
   SectionChanges& changes_;
   PoseWriter& poses_;

@@ -73,12 +73,12 @@ TEST_F(Sightings, vanish_when_any_vehicle_s_beams_go_through_their_place_three_t
 
 TEST_F(Sightings, that_the_beams_hear_again_stay) {
   detected.see("a", now, {1.0, 0.0}, 0.05);
-  wire::Ranges heard = beams(wire::no_echo);
-  heard.range_mm[6] = 750;  // 0.8 m away less its radius
+  wire::Ranges received = beams(wire::no_echo);
+  received.range_mm[6] = 750;  // 0.8 m away less its radius
   for (int i = 0; i < 10; ++i) {
     detected.clear_through({0.2, 0.0, 0.0}, beams(wire::no_echo));
     detected.clear_through({0.2, 0.0, 0.0}, beams(wire::no_echo));
-    detected.clear_through({0.2, 0.0, 0.0}, heard);
+    detected.clear_through({0.2, 0.0, 0.0}, received);
   }
   EXPECT_THAT(detected.obstacles(), SizeIs(1)) << "one echo in three that comes back is enough";
 }

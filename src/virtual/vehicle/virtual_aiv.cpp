@@ -62,7 +62,7 @@ struct VirtualAiv::Impl {
                         std::move(rules), v2x, *zone, start)},
         body{zone, start} {
     for (const wire::Board board : wire::all_boards) {
-      wire::Input& input = said[static_cast<std::size_t>(board) - 1];
+      wire::Input& input = published[static_cast<std::size_t>(board) - 1];
       input.kind = wire::InputKind::bytes;
       input.source = wire::port_name(number, board);
     }
@@ -74,7 +74,7 @@ struct VirtualAiv::Impl {
     awake = true;
     boards.power_up(now);
     feed({now, wire::InputKind::configure, "aiv", to_json(core.options()), false}, out);
-    for (const wire::Input& port : said) feed({now, wire::InputKind::port, port.source, "up", false}, out);
+    for (const wire::Input& port : published) feed({now, wire::InputKind::port, port.source, "up", false}, out);
   }
 
   void feed(const wire::Input& input, wire::Effects& out) {
@@ -89,7 +89,7 @@ struct VirtualAiv::Impl {
     for (wire::Effect& effect : effects) {
       if (const auto* bytes = std::get_if<wire::SendBytes>(&effect)) {
         for (const wire::Board board : wire::all_boards) {
-          if (said[static_cast<std::size_t>(board) - 1].source == bytes->port)
+          if (published[static_cast<std::size_t>(board) - 1].source == bytes->port)
             boards.on_bytes(now, board, bytes->bytes);
         }
       } else if (!std::holds_alternative<wire::Persist>(effect)) {
@@ -115,7 +115,7 @@ struct VirtualAiv::Impl {
     for (const wire::Board board : wire::all_boards) {
       const std::string& bytes = boards.spoken(board);
       if (bytes.empty()) continue;
-      wire::Input& input = said[static_cast<std::size_t>(board) - 1];
+      wire::Input& input = published[static_cast<std::size_t>(board) - 1];
       input.at = now;
       input.payload.assign(bytes);
       feed(input, out);
@@ -129,7 +129,7 @@ struct VirtualAiv::Impl {
   std::optional<SimTime> moved_at;
 
   // Kept to spare allocations: a tick makes none of its own.
-  std::array<wire::Input, wire::all_boards.size()> said;
+  std::array<wire::Input, wire::all_boards.size()> published;
   wire::Input tick{{}, wire::InputKind::tick, "", "", false};
   wire::Effects effects;
   std::vector<Antenna::Reading> readings;

@@ -122,7 +122,7 @@ TEST(VirtualAiv, obeys_pause_and_speed_like_any_vehicle) {
     wire::InstantActions message;
     message.header = {1, fixture.now, "2.1.0", fixture.aiv.id().manufacturer, fixture.aiv.id().serial_number};
     message.actions.push_back({std::move(type), std::move(id), "", wire::BlockingType::hard, std::move(parameters)});
-    fixture.hear(wire::vda_topic(fixture.aiv.id(), "instantActions"), wire::vda5050::encode(message));
+    fixture.receive(wire::vda_topic(fixture.aiv.id(), "instantActions"), wire::vda5050::encode(message));
   };
   act("startPause", "a1", {});
   fixture.run(1.0);

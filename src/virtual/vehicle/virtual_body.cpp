@@ -77,8 +77,8 @@ void VirtualBody::move(const wire::Drive* drive, double dt_s, std::vector<Antenn
 void VirtualBody::change_speed(const wire::Drive* drive, double dt_s) {
   const double wanted_mps = drive == nullptr ? 0.0 : 1e-3 * drive->speed_mmps;
   const bool faster = std::fabs(wanted_mps) > std::fabs(speed_mps_) && wanted_mps * speed_mps_ >= 0.0;
-  const std::uint16_t told = drive == nullptr ? 0 : faster ? drive->acceleration_mmps2 : drive->braking_mmps2;
-  const double step_mps = (told == 0 ? own_braking_mps2 : 1e-3 * told) * dt_s;
+  const std::uint16_t commanded = drive == nullptr ? 0 : faster ? drive->acceleration_mmps2 : drive->braking_mmps2;
+  const double step_mps = (commanded == 0 ? own_braking_mps2 : 1e-3 * commanded) * dt_s;
   speed_mps_ += std::clamp(wanted_mps - speed_mps_, -step_mps, step_mps);
 }
 

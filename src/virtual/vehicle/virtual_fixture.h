@@ -26,7 +26,7 @@ class VirtualFixture {
 
   void step() {
     now += std::chrono::milliseconds{20};
-    if (server_heartbeats && ++steps_ % 5 == 0) hear(std::string(wire::server_heartbeat_topic), R"({"headerId":1})");
+    if (server_heartbeats && ++steps_ % 5 == 0) receive(std::string(wire::server_heartbeat_topic), R"({"headerId":1})");
     aiv.tick(now, effects_);
     take();
   }
@@ -38,7 +38,7 @@ class VirtualFixture {
     return done();
   }
 
-  void hear(const std::string& topic, const std::string& payload) {
+  void receive(const std::string& topic, const std::string& payload) {
     aiv.message(now, topic, payload, effects_);
     take();
   }
@@ -46,14 +46,14 @@ class VirtualFixture {
     wire::Order text = aiv::test::order(id).through(node_ids);
     text.header.manufacturer = aiv.id().manufacturer;
     text.header.serial_number = aiv.id().serial_number;
-    hear(wire::vda_topic(aiv.id(), "order"), wire::vda5050::encode(text));
+    receive(wire::vda_topic(aiv.id(), "order"), wire::vda5050::encode(text));
   }
   /// The last waypoint of the first zone before the place where it is; another zone may have such a place, too.
   [[nodiscard]] std::string waypoint_behind() const {
     return first_zone_.waypoints[first_zone_.waypoint_behind(aiv.put())].id;
   }
   void ahead(std::vector<wire::Body> bodies) {
-    hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, aiv.id()),
+    receive(wire::own_topic(wire::virtual_obstacles_topic_prefix, aiv.id()),
          to_json(wire::VirtualObstacles{++aheads_, now, first_zone_.name, std::move(bodies)}));
   }
   void zone(const zone::ZoneConfiguration& configuration) {

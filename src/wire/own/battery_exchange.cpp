@@ -28,7 +28,7 @@ void read_slot(Fields& in, BatteryTest::Slot& slot) {
     slot.phase = static_cast<BatteryPhase>(i);
     known = true;
   }
-  if (!known) in.complain("phase", "changing, ready, running, paused or ended");
+  if (!known) in.report_fault("phase", "changing, ready, running, paused or ended");
   in.text("stop", slot.stop);
   in.number("autonomy_s", 0.0, seconds_max, slot.autonomy_s);
   in.number("charge", 0.0, 100.0, slot.charge_percent);
@@ -100,7 +100,7 @@ Result<BatteryChange> battery_change_from_json(std::string_view text) {
 Result<BatteryReady> battery_ready_from_json(std::string_view text) {
   return read_message<BatteryReady>(text, [](Fields& in, BatteryReady& ready) {
     in.text("battery", ready.battery);
-    if (ready.battery.empty()) in.complain("battery", "its id");
+    if (ready.battery.empty()) in.report_fault("battery", "its id");
     in.text("type", ready.type);
     in.number("cycles", 0.0, 1e6, ready.cycles);
     in.number("rest_s", 0.0, 1e9, ready.rest_s);

@@ -56,7 +56,7 @@ Result<Owner> owner_from_json(std::string_view text) {
   return own::read_message<Owner>(text, [](Fields& in, Owner& owner) {
     in.text("area", owner.area);
     if (!valid_area_name(owner.area))
-      in.complain("area", "the name of a control area, of A-Z a-z 0-9 _ . : - only, 32 at most");
+      in.report_fault("area", "the name of a control area, of A-Z a-z 0-9 _ . : - only, 32 at most");
     in.whole("sequence", owner.sequence);
     in.time("timestamp", owner.timestamp);
     own::read_part(in, "pose", owner.pose, [](Fields& fields, Pose2& pose) {
@@ -66,7 +66,7 @@ Result<Owner> owner_from_json(std::string_view text) {
     });
     own::read_part(in, "mission", owner.mission, [](Fields& fields, Owner::Mission& mission) {
       fields.text("kind", mission.kind);
-      if (mission.kind != "go" && mission.kind != "circulate") fields.complain("kind", "go or circulate");
+      if (mission.kind != "go" && mission.kind != "circulate") fields.report_fault("kind", "go or circulate");
       fields.text("name", mission.name);
     });
   });

@@ -12,7 +12,7 @@ using own::read_message;
 
 namespace {
 
-/// So long is one with told_max inputs.
+/// So long is one with inputs_max inputs.
 constexpr std::size_t response_bytes_max = 2U << 20U;
 constexpr double distance_m_max = 1e9;
 constexpr double variance_max = EstimateResponse::variance_max;
@@ -52,7 +52,7 @@ void read_start(Fields& in, EstimateResponse::Start& start) {
   if (in.optional("section") != nullptr) in.text("section", start.section.emplace());
   in.number("along_m", -distance_m_max, distance_m_max, start.along_m);
   const JsonValue* sensors = in.optional("sensors");
-  if (sensors == nullptr) return in.complain("sensors", "this field");
+  if (sensors == nullptr) return in.report_fault("sensors", "this field");
   inside(in, *sensors, "start.sensors", [&](Fields& fields) { read_sensors(fields, start.sensors); });
 }
 
@@ -70,17 +70,17 @@ void read_reading(Fields& in, EstimateResponse::Reading& reading) {
   in.number("left_m", -own::position_m_max, own::position_m_max, reading.detected_B.y_m);
 }
 
-void read_input(Fields& in, const std::string& name, std::vector<EstimateResponse::Input>& told) {
+void read_input(Fields& in, const std::string& name, std::vector<EstimateResponse::Input>& inputs) {
   if (const JsonValue* odometry = in.optional("odometry")) {
     EstimateResponse::Odometry read;
     inside(in, *odometry, name + ".odometry", [&](Fields& fields) { read_odometry(fields, read); });
-    told.emplace_back(read);
+    inputs.emplace_back(read);
   } else if (const JsonValue* reading = in.optional("reading")) {
     EstimateResponse::Reading read;
     inside(in, *reading, name + ".reading", [&](Fields& fields) { read_reading(fields, read); });
-    told.emplace_back(read);
+    inputs.emplace_back(read);
   } else {
-    in.complain("", "odometry or reading");
+    in.report_fault("", "odometry or reading");
   }
 }
 
@@ -96,10 +96,10 @@ void read_covariance(Fields& in, EstimateResponse::Estimate& estimate) {
   std::size_t count = 0;
   in.list("covariance", matrix.size(), [&](const JsonValue& item, const std::string& name) {
     const double* number = item.number();
-    if (number == nullptr || !(std::fabs(*number) <= variance_max)) return in.complain(name, "a number");
+    if (number == nullptr || !(std::fabs(*number) <= variance_max)) return in.report_fault(name, "a number");
     matrix[count++] = *number + 0.0;  // no minus zero, as everywhere
   });
-  if (count != matrix.size()) in.complain("covariance", "nine numbers");
+  if (count != matrix.size()) in.report_fault("covariance", "nine numbers");
 }
 
 void read_estimate(Fields& in, const std::string& name, EstimateResponse::Estimate& estimate) {
@@ -109,7 +109,7 @@ void read_estimate(Fields& in, const std::string& name, EstimateResponse::Estima
   read_pose(in, estimate.X_MB);
   read_covariance(in, estimate);
   in.number("along_m", -distance_m_max, distance_m_max, estimate.along_m);
-  in.list("rectified", EstimateResponse::told_max, [&](const JsonValue& item, const std::string& which) {
+  in.list("rectified", EstimateResponse::inputs_max, [&](const JsonValue& item, const std::string& which) {
     inside(in, item, name + "." + which,
            [&](Fields& fields) { read_rectified(fields, estimate.rectified.emplace_back()); });
   });
@@ -191,20 +191,20 @@ std::string to_json(const EstimateRequest& request) {
 Result<EstimateRequest> estimate_request_from_json(std::string_view text) {
   return read_message<EstimateRequest>(text, [](Fields& in, EstimateRequest& request) {
     in.text("session", request.session);
-    if (request.session.empty()) in.complain("session", "a name");
+    if (request.session.empty()) in.report_fault("session", "a name");
     in.whole("sequence", request.sequence);
-    if (request.sequence == 0) in.complain("sequence", "a number from 1 on");
+    if (request.sequence == 0) in.report_fault("sequence", "a number from 1 on");
     in.list("algorithms", EstimateRequest::algorithms_max, [&](const JsonValue& item, const std::string& name) {
-      if (item.text() == nullptr || item.text()->size() > own::text_bytes_max) return in.complain(name, "a name");
+      if (item.text() == nullptr || item.text()->size() > own::text_bytes_max) return in.report_fault(name, "a name");
       request.algorithms.push_back(*item.text());
     });
     in.whole("seed", request.seed);
     in.whole("particles", request.particles);
     if (request.particles == 0 || request.particles > EstimateRequest::particles_max)
-      in.complain("particles", "a number from 1 to " + std::to_string(EstimateRequest::particles_max));
+      in.report_fault("particles", "a number from 1 to " + std::to_string(EstimateRequest::particles_max));
     in.whole("horizon", request.horizon);
     if (request.horizon == 0 || request.horizon > EstimateRequest::horizon_max)
-      in.complain("horizon", "a number from 1 to " + std::to_string(EstimateRequest::horizon_max));
+      in.report_fault("horizon", "a number from 1 to " + std::to_string(EstimateRequest::horizon_max));
   });
 }
 
@@ -215,7 +215,7 @@ std::string to_json(const EstimateResponse& response) {
   json.field("fault", response.fault).field("travelled_m", response.travelled_m);
   if (response.start) write(json, *response.start);
   json.key("inputs").begin_array();
-  for (const EstimateResponse::Input& input : response.told) write(json, input);
+  for (const EstimateResponse::Input& input : response.inputs) write(json, input);
   json.end_array().key("estimates").begin_array();
   for (const EstimateResponse::Estimate& estimate : response.estimates) write(json, estimate);
   return json.end_array().end_object().take();
@@ -230,8 +230,8 @@ Result<EstimateResponse> estimate_response_from_json(std::string_view text) {
     in.text("fault", response.fault, EstimateResponse::fault_bytes_max);
     in.number("travelled_m", -distance_m_max, distance_m_max, response.travelled_m);
     own::read_part(in, "start", response.start, [](Fields& fields, auto& start) { read_start(fields, start); });
-    in.list("inputs", EstimateResponse::told_max, [&](const JsonValue& item, const std::string& name) {
-      inside(in, item, name, [&](Fields& fields) { read_input(fields, name, response.told); });
+    in.list("inputs", EstimateResponse::inputs_max, [&](const JsonValue& item, const std::string& name) {
+      inside(in, item, name, [&](Fields& fields) { read_input(fields, name, response.inputs); });
     });
     in.list("estimates", EstimateRequest::algorithms_max, [&](const JsonValue& item, const std::string& name) {
       inside(in, item, name, [&](Fields& fields) { read_estimate(fields, name, response.estimates.emplace_back()); });

@@ -86,7 +86,7 @@ struct EstimateResponse {
     friend bool operator==(const Reading&, const Reading&) = default;
   };
   using Input = std::variant<Odometry, Reading>;
-  std::vector<Input> told;  ///< since the answer before: what each algorithm has been told, in this order
+  std::vector<Input> inputs;  ///< since the answer before: what each algorithm has been told, in this order
 
   /// What an algorithm made of a reading.
   struct Rectified {
@@ -106,7 +106,7 @@ struct EstimateResponse {
   };
   std::vector<Estimate> estimates;  ///< in the order in which they were asked for
 
-  static constexpr std::size_t told_max = 4096;
+  static constexpr std::size_t inputs_max = 4096;
   static constexpr std::size_t fault_bytes_max = 1024;
   /// Beyond these an estimate is none that could be told: its algorithm has diverged.
   static constexpr double position_m_max = 1e5;

@@ -53,10 +53,10 @@ EstimateResponse some_response(Random& random) {
   const std::size_t count = random.below(30);
   for (std::size_t i = 0; i < count; ++i) {
     if (random.chance(0.8)) {
-      response.told.emplace_back(EstimateResponse::Odometry{random.gaussian(0, 0.01), random.gaussian(0, 0.01), 0.02});
+      response.inputs.emplace_back(EstimateResponse::Odometry{random.gaussian(0, 0.01), random.gaussian(0, 0.01), 0.02});
     } else {
       ++readings;
-      response.told.emplace_back(EstimateResponse::Reading{static_cast<std::uint32_t>(random.next()),
+      response.inputs.emplace_back(EstimateResponse::Reading{static_cast<std::uint32_t>(random.next()),
                                                            {random.gaussian(0, 10), random.gaussian(0, 10)},
                                                            {random.gaussian(0, 0.02), random.gaussian(0, 0.02)}});
     }
@@ -106,8 +106,8 @@ TEST(EstimateExchange, of_an_answer_that_is_bad_is_refused_with_its_field) {
   EstimateResponse response;
   response.session = "q/1";
   response.start.emplace(EstimateResponse::Start{});
-  response.told.emplace_back(EstimateResponse::Odometry{0.01, 0.0, 0.02});
-  response.told.emplace_back(EstimateResponse::Reading{7, {1.5, 0.0}, {0.02, 0.0}});
+  response.inputs.emplace_back(EstimateResponse::Odometry{0.01, 0.0, 0.02});
+  response.inputs.emplace_back(EstimateResponse::Reading{7, {1.5, 0.0}, {0.02, 0.0}});
   auto& estimate = response.estimates.emplace_back();
   estimate.algorithm = "ekf";
   estimate.covariance = std::array<double, 9>{0.25, 0, 0, 0, 1, 0, 0, 0, 1};

@@ -28,9 +28,9 @@ std::string_view word_of(ConnectionState state) {
   return "?";
 }
 
-std::optional<ConnectionState> state_of(std::string_view said) {
+std::optional<ConnectionState> state_of(std::string_view published) {
   for (const auto& [known, word] : terms)
-    if (word == said) return known;
+    if (word == published) return known;
   return std::nullopt;
 }
 
@@ -59,7 +59,7 @@ void read_corner(Fields& in, const JsonValue& item, const std::string& name, Poi
   const double* x = two ? (*pair)[0].number() : nullptr;
   const double* y = two ? (*pair)[1].number() : nullptr;
   const auto near = [](const double* m) { return m != nullptr && *m >= -position_m_max && *m <= position_m_max; };
-  if (!near(x) || !near(y)) return in.complain(name, "a place [x, y] within 100 km");
+  if (!near(x) || !near(y)) return in.report_fault(name, "a place [x, y] within 100 km");
   corner = {*x, *y};
 }
 
@@ -123,7 +123,7 @@ Result<GvsConnection> gvs_connection_from_json(std::string_view text) {
     std::string state;
     in.text("connectionState", state);
     const auto known = state_of(state);
-    if (!known) in.complain("connectionState", "ONLINE, OFFLINE or CONNECTIONBROKEN");
+    if (!known) in.report_fault("connectionState", "ONLINE, OFFLINE or CONNECTIONBROKEN");
     connection.state = known.value_or(ConnectionState{});
     in.time("timestamp", connection.timestamp);
     in.text("source", connection.source);

@@ -34,7 +34,7 @@ class Fields {
  public:
   /// @param where  of this object in the message, such as "bodies.2."
   explicit Fields(const JsonValue& json, std::string where = {}) : json_{json}, where_{std::move(where)} {
-    if (json_.object() == nullptr) complain("", "an object");
+    if (json_.object() == nullptr) report_fault("", "an object");
   }
 
   void number(std::string_view field, double low, double high, double& out) {
@@ -60,7 +60,7 @@ class Fields {
   void whole(std::string_view field, T& out) {
     double read = 0.0;
     number(field, 0.0, std::min(whole_max, static_cast<double>(std::numeric_limits<T>::max())), read);
-    if (std::floor(read) != read) return complain(field, "a whole number");
+    if (std::floor(read) != read) return report_fault(field, "a whole number");
     out = static_cast<T>(read);
   }
   void text(std::string_view field, std::string& out, std::size_t longest = text_bytes_max) {
@@ -68,13 +68,13 @@ class Fields {
     if (value == nullptr) return;
     const std::string* read = value->text();
     if (read == nullptr || read->size() > longest)
-      return complain(field, "a text of at most " + std::to_string(longest) + " bytes");
+      return report_fault(field, "a text of at most " + std::to_string(longest) + " bytes");
     out = *read;
   }
   void flag(std::string_view field, bool& out) {
     const JsonValue* value = required(field);
     if (value == nullptr) return;
-    if (value->flag() == nullptr) return complain(field, "true or false");
+    if (value->flag() == nullptr) return report_fault(field, "true or false");
     out = *value->flag();
   }
   void time(std::string_view field, SimTime& out) {
@@ -82,7 +82,7 @@ class Fields {
     text(field, read);
     if (error_) return;
     const auto parsed = parse_iso8601(read);
-    if (!parsed) return complain(field, "an ISO 8601 time");
+    if (!parsed) return report_fault(field, "an ISO 8601 time");
     out = *parsed;
   }
   /// Calls `take(item, name)` for each item of a list; the name is relative to this object, "bodies.2".
@@ -92,7 +92,7 @@ class Fields {
     if (value == nullptr) return;
     const JsonValue::Array* items = value->array();
     if (items == nullptr || items->size() > count_max)
-      return complain(field, "a list of at most " + std::to_string(count_max));
+      return report_fault(field, "a list of at most " + std::to_string(count_max));
     for (std::size_t i = 0; i < items->size() && !error_; ++i)
       take((*items)[i], std::string(field) + "." + std::to_string(i));
   }
@@ -102,7 +102,7 @@ class Fields {
     const JsonValue* value = json_.find(field);
     return value == nullptr || value->is_null() ? nullptr : value;
   }
-  void complain(std::string_view field, std::string expected) {
+  void report_fault(std::string_view field, std::string expected) {
     if (!error_) error_ = Error{"own.field", "expected " + std::move(expected), where_ + std::string(field)};
   }
   void take_over(std::optional<Error> inner) {
@@ -114,7 +114,7 @@ class Fields {
   [[nodiscard]] const JsonValue* required(std::string_view field) {
     if (error_) return nullptr;
     const JsonValue* value = json_.find(field);
-    if (value == nullptr) complain(field, "this field");
+    if (value == nullptr) report_fault(field, "this field");
     return value;
   }
   bool take_number(const JsonValue& value, std::string_view field, double low, double high, double& out) {
@@ -122,7 +122,7 @@ class Fields {
     if (read == nullptr || !(*read >= low && *read <= high)) {
       char range[80];
       const int length = std::snprintf(range, sizeof range, "a number from %.10g to %.10g", low, high);
-      complain(field, std::string(range, static_cast<std::size_t>(length)));
+      report_fault(field, std::string(range, static_cast<std::size_t>(length)));
       return false;
     }
     out = *read + 0.0;  // no minus zero: it is written as "-0", an integer, and comes back as plain zero

@@ -55,14 +55,14 @@ void read_line(Fields& in, BoardsReport::Line& line) {
   std::string word;
   in.text("board", word);
   const auto board = parse_board(word);
-  if (!board) in.complain("board", "PILS, PRAV, DOBS or RALI");
+  if (!board) in.report_fault("board", "PILS, PRAV, DOBS or RALI");
   line.board = board.value_or(Board{});
   in.text("health", line.health);
   if (line.health != "ok" && line.health != "lost" && line.health != "faulty")
-    in.complain("health", "ok, lost or faulty");
+    in.report_fault("health", "ok, lost or faulty");
   in.text("firmware", word);
   const auto firmware = parse_hex(word);
-  if (!firmware) in.complain("firmware", "eight hexadecimal digits");
+  if (!firmware) in.report_fault("firmware", "eight hexadecimal digits");
   line.firmware_hash = firmware.value_or(0);
   in.whole("uptime_ms", line.uptime_ms);
   in.whole("frames", line.frames);
@@ -89,7 +89,7 @@ void read_ranges(Fields& in, Ranges& ranges) {
     constexpr double range_m_max = 65.534;
     const double* range_m = item.number();
     if (!item.is_null() && (range_m == nullptr || !(*range_m >= 0.0 && *range_m <= range_m_max)))
-      return in.complain(name, "metres from 0 to 65.534, or null");
+      return in.report_fault(name, "metres from 0 to 65.534, or null");
     ranges.range_mm.push_back(range_m == nullptr ? no_echo
                                                  : static_cast<std::uint16_t>(std::nearbyint(*range_m * 1e3)));
   });
@@ -262,7 +262,7 @@ std::string to_json(const Radio& radio) {
 Result<Radio> radio_from_json(std::string_view text) {
   return read_message<Radio>(text, [](Fields& in, Radio& radio) {
     in.text("vehicle", radio.vehicle);
-    if (radio.vehicle.empty()) in.complain("vehicle", "a vehicle such as CoSiVA/AIV1, or *");
+    if (radio.vehicle.empty()) in.report_fault("vehicle", "a vehicle such as CoSiVA/AIV1, or *");
     in.number("loss", 0.0, 1.0, radio.loss);
   });
 }

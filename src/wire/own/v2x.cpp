@@ -26,15 +26,15 @@ void read_crossing(Fields& in, CrossingIntent& crossing) {
   in.number("arrival", 0.0, duration_s_max, crossing.arrival_s);
   in.number("departure", 0.0, duration_s_max, crossing.departure_s);
   in.flag("mayEnter", crossing.may_enter);
-  if (crossing.exit_m < crossing.entry_m) in.complain("exit", "no less than entry");
-  if (crossing.departure_s < crossing.arrival_s) in.complain("departure", "no less than arrival");
+  if (crossing.exit_m < crossing.entry_m) in.report_fault("exit", "no less than entry");
+  if (crossing.departure_s < crossing.arrival_s) in.report_fault("departure", "no less than arrival");
 }
 
 void read_identity(Fields& in, VehicleId& vehicle) {
   in.text("manufacturer", vehicle.manufacturer);
   in.text("serialNumber", vehicle.serial_number);
-  if (!valid_serial_number(vehicle.manufacturer)) in.complain("manufacturer", "A-Z a-z 0-9 _ . : -");
-  if (!valid_serial_number(vehicle.serial_number)) in.complain("serialNumber", "A-Z a-z 0-9 _ . : -");
+  if (!valid_serial_number(vehicle.manufacturer)) in.report_fault("manufacturer", "A-Z a-z 0-9 _ . : -");
+  if (!valid_serial_number(vehicle.serial_number)) in.report_fault("serialNumber", "A-Z a-z 0-9 _ . : -");
 }
 
 std::string map_level(std::string_view map_id) {
@@ -117,7 +117,7 @@ Result<Intent> intent_from_json(std::string_view text) {
     in.number("speed", -speed_mps_max, speed_mps_max, intent.speed_mps);
     in.flag("braking", intent.braking);
     in.whole("priority", intent.priority);
-    if (intent.priority > priority_max) in.complain("priority", "a whole number from 0 to 999");
+    if (intent.priority > priority_max) in.report_fault("priority", "a whole number from 0 to 999");
     read_part(in, "position", intent.position, [](Fields& fields, Intent::OnLine& position) {
       fields.text("section", position.section);
       fields.number("s", 0.0, position_m_max, position.s_m);
@@ -130,7 +130,7 @@ Result<Intent> intent_from_json(std::string_view text) {
     in.list("route", Intent::route_max, [&](const JsonValue& item, const std::string& name) {
       const std::string* section = item.text();
       if (section == nullptr || section->size() > text_bytes_max)
-        return in.complain(name, "a section's name of at most " + std::to_string(text_bytes_max) + " bytes");
+        return in.report_fault(name, "a section's name of at most " + std::to_string(text_bytes_max) + " bytes");
       intent.route.push_back(*section);
     });
   });

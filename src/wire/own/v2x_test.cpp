@@ -8,7 +8,7 @@
 
 #include "cosiva/base/math.h"
 #include "cosiva/base/random.h"
-#include "cosiva/wire/in_process/heard_intents.h"
+#include "cosiva/wire/in_process/received_intents.h"
 #include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::wire {
@@ -66,38 +66,38 @@ Intent draw(Random& random) {
   return intent;
 }
 
-TEST(HeardIntent, is_read_once_for_all_who_hear_the_same_words) {
-  const auto first = heard_intent(shown_json);
+TEST(ReceivedIntent, is_read_once_for_all_who_hear_the_same_words) {
+  const auto first = received_intent(shown_json);
   ASSERT_TRUE(first);
   EXPECT_EQ(**first, shown);
-  EXPECT_EQ(heard_intent(std::string(shown_json)).value(), *first) << "the very same";
+  EXPECT_EQ(received_intent(std::string(shown_json)).value(), *first) << "the very same";
   // Whatever is heard meanwhile, each hears what was said to it.
   Random random{11, "heard"};
-  std::vector<Intent> said;
-  for (int i = 0; i < 500; ++i) said.push_back(draw(random));
-  for (const Intent& intent : said) {
+  std::vector<Intent> published;
+  for (int i = 0; i < 500; ++i) published.push_back(draw(random));
+  for (const Intent& intent : published) {
     const std::string json = to_json(intent);
-    const auto heard = heard_intent(json);
-    ASSERT_TRUE(heard) << json;
-    ASSERT_EQ(**heard, intent_from_json(json).value());
+    const auto received = received_intent(json);
+    ASSERT_TRUE(received) << json;
+    ASSERT_EQ(**received, intent_from_json(json).value());
   }
-  EXPECT_EQ(*heard_intent(shown_json).value(), shown);
+  EXPECT_EQ(*received_intent(shown_json).value(), shown);
 }
 
-TEST(HeardIntent, is_told_apart_to_the_last_byte_and_refused_each_time) {
+TEST(ReceivedIntent, is_told_apart_to_the_last_byte_and_refused_each_time) {
   std::string other{shown_json};
   other.replace(other.find("north"), 5, "south");
-  EXPECT_EQ(heard_intent(shown_json).value()->route.back(), "north");
-  EXPECT_EQ(heard_intent(other).value()->route.back(), "south");
-  EXPECT_EQ(heard_intent(shown_json).value()->route.back(), "north");
+  EXPECT_EQ(received_intent(shown_json).value()->route.back(), "north");
+  EXPECT_EQ(received_intent(other).value()->route.back(), "south");
+  EXPECT_EQ(received_intent(shown_json).value()->route.back(), "north");
   std::string bad{shown_json};
   bad.replace(bad.find("0.4"), 3, "1e9");
   for (int i = 0; i < 2; ++i) {
-    const auto refused = heard_intent(bad);
+    const auto refused = received_intent(bad);
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().location, "speed");
   }
-  EXPECT_FALSE(heard_intent(""));
+  EXPECT_FALSE(received_intent(""));
 }
 
 TEST(Intent, is_written_as_its_page_shows) {
@@ -197,10 +197,10 @@ TEST(V2xTopic, is_heard_by_everybody_within_a_cell_and_by_nobody_beyond_two) {
     const auto filters = v2x_filters("map", cell_of(here));
     RC_ASSERT(filters.size() == 9);
     const std::string topic = v2x_topic("map", cell_of(there), {"m", "s"});
-    const bool heard = std::ranges::any_of(filters, [&](const auto& filter) { return topic_matches(filter, topic); });
+    const bool received = std::ranges::any_of(filters, [&](const auto& filter) { return topic_matches(filter, topic); });
     const double apart_m = std::max(std::fabs(there.x_m - here.x_m), std::fabs(there.y_m - here.y_m));
-    if (apart_m < v2x_cell_m) RC_ASSERT(heard);
-    if (apart_m > 2.0 * v2x_cell_m) RC_ASSERT(!heard);
+    if (apart_m < v2x_cell_m) RC_ASSERT(received);
+    if (apart_m > 2.0 * v2x_cell_m) RC_ASSERT(!received);
     RC_ASSERT(outside_cell_m(cell_of(here), here) == 0.0);
   }));
 }

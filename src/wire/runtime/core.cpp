@@ -12,7 +12,7 @@ struct Fold {
     digest.add(std::string_view{p.topic});
     digest.add(std::string_view{p.payload});
     digest.add(static_cast<std::uint64_t>(p.qos) * 2 + (p.retained ? 1 : 0));
-    if (p.said) p.said->fold(digest);
+    if (p.typed) p.typed->fold(digest);
   }
   void operator()(const SendBytes& s) const {
     digest.add(std::uint64_t{2});
@@ -34,7 +34,7 @@ struct Fold {
 }  // namespace
 
 const Effects& CoreRunner::feed(const Input& input) {
-  COSIVA_EXPECT(!recorder_ || !input.said);
+  COSIVA_EXPECT(!recorder_ || !input.typed);
   if (recorder_) recorder_(input);
   effects_.clear();
   core_.handle(input, effects_);

@@ -14,7 +14,7 @@
 
 namespace cosiva::wire {
 
-/// A message as values instead of text, between cores of one process (in_process messages, wire/in_process/said.h).
+/// A message as values instead of text, between cores of one process (in_process messages, wire/in_process/typed_message.h).
 /// Only what its digest needs is known here; who sends and who receives agree on the rest.
 class InProcessMessage {
  public:
@@ -50,7 +50,7 @@ struct Input {
   std::string payload;
   bool flag{false};
   /// Of a message that was passed on as values (said.h): what it says; the payload is empty then.
-  std::shared_ptr<const InProcessMessage> said{};
+  std::shared_ptr<const InProcessMessage> typed{};
   friend bool operator==(const Input&, const Input&) = default;
 };
 
@@ -60,7 +60,7 @@ struct Publish {
   int qos{0};
   bool retained{false};
   /// What it says, where it is passed on as values (said.h); the payload is empty then.
-  std::shared_ptr<const InProcessMessage> said{};
+  std::shared_ptr<const InProcessMessage> typed{};
   friend bool operator==(const Publish&, const Publish&) = default;
 };
 /// Bytes to a stream, such as a frame to a board.

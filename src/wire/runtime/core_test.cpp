@@ -40,18 +40,18 @@ TEST(TopicFilter, hash_stands_for_the_rest_and_for_its_parent) {
 class EchoCore final : public Core {
  public:
   void handle(const Input& input, Effects& effects) override {
-    ++told;
+    ++reported;
     if (input.kind == InputKind::message) effects.push_back(Publish{"echo", input.payload, 0, false});
     if (input.kind == InputKind::tick) effects.push_back(Log{'i', "tick"});
-    recorded_when_told = recorded;
+    recorded_then = recorded;
   }
   [[nodiscard]] SimDuration tick_period() const override { return 100ms; }
   [[nodiscard]] std::vector<std::string> subscriptions() const override { return {}; }
-  void fold(Digest& digest) const override { digest.add(told); }
+  void fold(Digest& digest) const override { digest.add(reported); }
 
-  std::uint64_t told{0};
+  std::uint64_t reported{0};
   int recorded{0};
-  int recorded_when_told{0};
+  int recorded_then{0};
 };
 
 Input message(SimDuration at, std::string payload) {
@@ -62,7 +62,7 @@ TEST(CoreRunner, records_an_input_before_the_core_acts_on_it) {
   EchoCore core;
   CoreRunner runner{core, [&](const Input&) { ++core.recorded; }};
   runner.feed(message(1ms, "x"));
-  EXPECT_EQ(core.recorded_when_told, 1);
+  EXPECT_EQ(core.recorded_then, 1);
 }
 
 TEST(CoreRunner, hands_out_the_effects_of_the_last_input_only) {

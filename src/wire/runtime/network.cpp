@@ -138,12 +138,12 @@ const std::vector<Network::ClientId>& Network::subscribers(const std::string& to
   if (subscribers_.size() >= cached_topics_max) subscribers_.clear();
   std::vector<ClientId>& ids = subscribers_[topic];
   for (ClientId id = 0; id < clients_.size(); ++id) {
-    if (clients_[id].connected && hears(clients_[id], topic)) ids.push_back(id);
+    if (clients_[id].connected && receives(clients_[id], topic)) ids.push_back(id);
   }
   return ids;
 }
 
-bool Network::hears(const Client& client, std::string_view topic) const {
+bool Network::receives(const Client& client, std::string_view topic) const {
   return matches_any(client.filters, topic) || matches_any(client.listens, topic);
 }
 
@@ -212,7 +212,7 @@ void Network::enqueue(SimTime at, ClientId to, const Publish& message, bool from
   }
   const std::size_t slot = free_slots_.back();
   free_slots_.pop_back();
-  slots_[slot] = {to, at, message.topic, message.payload, from_retained, message.said};
+  slots_[slot] = {to, at, message.topic, message.payload, from_retained, message.typed};
   queue_.push_back({at, sequence_++, slot});
   std::push_heap(queue_.begin(), queue_.end(), Later{});
 }

@@ -40,7 +40,7 @@ class Network {
     std::string topic;
     std::string payload;
     bool retained{false};  ///< sent from the broker's memory on subscribing, not live
-    std::shared_ptr<const InProcessMessage> said{};
+    std::shared_ptr<const InProcessMessage> typed{};
   };
 
   Network(std::uint64_t seed, NetworkFaults faults);
@@ -104,7 +104,7 @@ class Network {
   [[nodiscard]] SimDuration draw_radio_retries(Random& dice, double loss);
   void send_later(SimTime at, ClientId from, const Publish& message);
   void route_due(SimTime now);
-  [[nodiscard]] bool hears(const Client& client, std::string_view topic) const;
+  [[nodiscard]] bool receives(const Client& client, std::string_view topic) const;
   [[nodiscard]] const std::vector<ClientId>& subscribers(const std::string& topic);
   void forget_subscribers(std::string_view filter);
   [[nodiscard]] bool goes_aside(std::string_view topic) const;

@@ -30,12 +30,12 @@ struct Fixture {
     now += time;
     network.take_due(now, deliveries);
   }
-  [[nodiscard]] std::vector<std::string> heard_by(Network::ClientId client) const {
-    std::vector<std::string> heard;
+  [[nodiscard]] std::vector<std::string> received_by(Network::ClientId client) const {
+    std::vector<std::string> received;
     for (const auto& delivery : deliveries) {
-      if (delivery.to == client) heard.push_back((delivery.retained ? "retained " : "") + delivery.payload);
+      if (delivery.to == client) received.push_back((delivery.retained ? "retained " : "") + delivery.payload);
     }
-    return heard;
+    return received;
   }
 
   SimTime now{};
@@ -58,8 +58,8 @@ TEST(Network, delivers_to_whom_it_matches_within_its_delays) {
   EXPECT_GE(*fixture.network.next_due(), SimTime{1ms});
   EXPECT_LE(*fixture.network.next_due(), SimTime{3ms});
   fixture.pass(3ms);
-  EXPECT_THAT(fixture.heard_by(server), ElementsAre("s"));
-  EXPECT_THAT(fixture.heard_by(vehicle), IsEmpty());
+  EXPECT_THAT(fixture.received_by(server), ElementsAre("s"));
+  EXPECT_THAT(fixture.received_by(vehicle), IsEmpty());
   EXPECT_FALSE(fixture.network.next_due());
 }
 
@@ -80,7 +80,7 @@ TEST(Network, delivers_once_where_filters_overlap_and_to_the_sender_too) {
   const auto client = fixture.join({"a/#", "a/b", "+/b"});
   fixture.publish_text(client, "a/b", "x");
   fixture.pass(1s);
-  EXPECT_THAT(fixture.heard_by(client), ElementsAre("x"));
+  EXPECT_THAT(fixture.received_by(client), ElementsAre("x"));
 }
 
 TEST(Network, keeps_the_order_of_one_clients_messages) {
@@ -91,7 +91,7 @@ TEST(Network, keeps_the_order_of_one_clients_messages) {
     fixture.pass(1ms);
   }
   fixture.pass(1s);
-  EXPECT_EQ(fixture.heard_by(client), numbers(100));
+  EXPECT_EQ(fixture.received_by(client), numbers(100));
 }
 
 TEST(RetainedMessage, is_sent_to_who_subscribes_later_and_marked) {
@@ -103,8 +103,8 @@ TEST(RetainedMessage, is_sent_to_who_subscribes_later_and_marked) {
   const auto early = fixture.join({"other"});
   const auto late = fixture.join({"m/#"});
   fixture.pass(1s);
-  EXPECT_THAT(fixture.heard_by(late), ElementsAre("retained ONLINE again"));
-  EXPECT_THAT(fixture.heard_by(early), IsEmpty());
+  EXPECT_THAT(fixture.received_by(late), ElementsAre("retained ONLINE again"));
+  EXPECT_THAT(fixture.received_by(early), IsEmpty());
 }
 
 TEST(RetainedMessage, is_live_for_who_already_listens) {
@@ -112,7 +112,7 @@ TEST(RetainedMessage, is_live_for_who_already_listens) {
   const auto client = fixture.join({"#"});
   fixture.publish_text(client, "t", "x", 1, true);
   fixture.pass(1s);
-  EXPECT_THAT(fixture.heard_by(client), ElementsAre("x"));
+  EXPECT_THAT(fixture.received_by(client), ElementsAre("x"));
 }
 
 TEST(RetainedMessage, is_deleted_by_an_empty_one) {
@@ -122,7 +122,7 @@ TEST(RetainedMessage, is_deleted_by_an_empty_one) {
   fixture.publish_text(vehicle, "t", "", 1, true);
   const auto late = fixture.join({"t"});
   fixture.pass(1s);
-  EXPECT_THAT(fixture.heard_by(late), IsEmpty());
+  EXPECT_THAT(fixture.received_by(late), IsEmpty());
 }
 
 const Will broken{{"m/1/connection", "CONNECTIONBROKEN", 1, true}};
@@ -134,10 +134,10 @@ TEST(Will, is_published_when_the_connection_breaks) {
   fixture.network.break_connection(fixture.now, vehicle);
   fixture.network.break_connection(fixture.now, vehicle);
   fixture.pass(1s);
-  EXPECT_THAT(fixture.heard_by(server), ElementsAre("CONNECTIONBROKEN"));
+  EXPECT_THAT(fixture.received_by(server), ElementsAre("CONNECTIONBROKEN"));
   const auto late = fixture.join({"m/#"});
   fixture.pass(1s);
-  EXPECT_THAT(fixture.heard_by(late), ElementsAre("retained CONNECTIONBROKEN")) << "a will can be retained";
+  EXPECT_THAT(fixture.received_by(late), ElementsAre("retained CONNECTIONBROKEN")) << "a will can be retained";
 }
 
 TEST(Will, is_forgotten_at_a_clean_end) {
@@ -147,7 +147,7 @@ TEST(Will, is_forgotten_at_a_clean_end) {
   fixture.network.disconnect(fixture.now, vehicle);
   fixture.network.break_connection(fixture.now, vehicle);
   fixture.pass(1s);
-  EXPECT_THAT(fixture.heard_by(server), IsEmpty());
+  EXPECT_THAT(fixture.received_by(server), IsEmpty());
 }
 
 TEST(DeadClient, neither_hears_nor_is_heard) {
@@ -159,8 +159,8 @@ TEST(DeadClient, neither_hears_nor_is_heard) {
   fixture.publish_text(vehicle, "t", "from the grave");
   fixture.publish_text(server, "t", "to the grave");
   fixture.pass(1s);
-  EXPECT_THAT(fixture.heard_by(vehicle), IsEmpty());
-  EXPECT_THAT(fixture.heard_by(server), ElementsAre("on its way when the radio went", "to the grave"));
+  EXPECT_THAT(fixture.received_by(vehicle), IsEmpty());
+  EXPECT_THAT(fixture.received_by(server), ElementsAre("on its way when the radio went", "to the grave"));
 }
 
 TEST(Newcomer, hears_topics_that_were_routed_before_it_came) {
@@ -172,7 +172,7 @@ TEST(Newcomer, hears_topics_that_were_routed_before_it_came) {
   fixture.network.disconnect(fixture.now, second);
   fixture.publish_text(first, "t", "3");
   fixture.pass(1s);
-  EXPECT_THAT(fixture.heard_by(first), ElementsAre("1", "2", "3"));
+  EXPECT_THAT(fixture.received_by(first), ElementsAre("1", "2", "3"));
 }
 
 TEST(Qos0, loses_doubles_and_reorders_as_often_as_asked) {
@@ -191,8 +191,8 @@ TEST(Qos0, loses_doubles_and_reorders_as_often_as_asked) {
   EXPECT_NEAR(static_cast<double>(counters.lost), 400.0, 80.0);
   EXPECT_NEAR(static_cast<double>(counters.duplicated), 980.0, 122.0);
   EXPECT_NEAR(static_cast<double>(counters.reordered), 1960.0, 168.0);
-  const auto heard = fixture.heard_by(client);
-  const bool sorted = std::ranges::is_sorted(heard, {}, [](const std::string& text) { return std::stoi(text); });
+  const auto received = fixture.received_by(client);
+  const bool sorted = std::ranges::is_sorted(received, {}, [](const std::string& text) { return std::stoi(text); });
   EXPECT_FALSE(sorted);
 }
 
@@ -205,9 +205,9 @@ TEST(Qos1, arrives_at_least_once_and_in_order_through_any_faults) {
       fixture.pass(20ms);
     }
     fixture.pass(600s);
-    auto heard = fixture.heard_by(client);
-    heard.erase(std::unique(heard.begin(), heard.end()), heard.end());
-    RC_ASSERT(heard == numbers(30));
+    auto received = fixture.received_by(client);
+    received.erase(std::unique(received.begin(), received.end()), received.end());
+    RC_ASSERT(received == numbers(30));
   }));
 }
 
@@ -219,7 +219,7 @@ TEST(Qos1, pays_a_loss_with_the_time_of_a_retry_and_goes_through_in_the_end) {
   ASSERT_TRUE(fixture.network.next_due());
   EXPECT_GE(*fixture.network.next_due(), SimTime{200ms});
   fixture.pass(600s);
-  EXPECT_THAT(fixture.heard_by(client), ElementsAre("stubborn"));
+  EXPECT_THAT(fixture.received_by(client), ElementsAre("stubborn"));
 }
 
 TEST(Qos1, being_tried_again_does_not_hold_up_what_needs_no_answer) {
@@ -229,7 +229,7 @@ TEST(Qos1, being_tried_again_does_not_hold_up_what_needs_no_answer) {
   for (int i = 0; i < 20; ++i) fixture.publish_text(client, "slow", "q1", 1);
   for (int i = 0; i < 20; ++i) fixture.publish_text(client, "quick", "q0", 0);
   fixture.pass(1s);
-  EXPECT_THAT(fixture.heard_by(client), IsSupersetOf({"q0"}));
+  EXPECT_THAT(fixture.received_by(client), IsSupersetOf({"q0"}));
 }
 
 TEST(Network, is_the_same_for_the_same_seed_and_another_for_another) {
@@ -266,12 +266,12 @@ TEST(NetworkRadio, loses_its_share_of_one_client_s_messages_both_ways_and_nobody
     fixture.publish_text(far, "from/far", "far");
     fixture.pass(10ms);
   }
-  EXPECT_THAT(fixture.heard_by(near), SizeIs(1000));
+  EXPECT_THAT(fixture.received_by(near), SizeIs(1000));
   // 1000 tosses of a coin: 500 ± 16; five of those are beyond any seed.
-  EXPECT_NEAR(static_cast<double>(fixture.heard_by(far).size()), 500.0, 80.0);
-  const auto heard = fixture.heard_by(other);
-  EXPECT_EQ(std::ranges::count(heard, "near"), 1000);
-  EXPECT_NEAR(static_cast<double>(std::ranges::count(heard, "far")), 500.0, 80.0);
+  EXPECT_NEAR(static_cast<double>(fixture.received_by(far).size()), 500.0, 80.0);
+  const auto received = fixture.received_by(other);
+  EXPECT_EQ(std::ranges::count(received, "near"), 1000);
+  EXPECT_NEAR(static_cast<double>(std::ranges::count(received, "far")), 500.0, 80.0);
 }
 
 TEST(NetworkRadio, brings_QoS_1_late_but_whole_and_in_order) {
@@ -284,10 +284,10 @@ TEST(NetworkRadio, brings_QoS_1_late_but_whole_and_in_order) {
     fixture.publish_text(far, "from/far", std::to_string(i), 1);
     fixture.pass(1ms);
   }
-  EXPECT_LT(fixture.heard_by(other).size(), 200U);
+  EXPECT_LT(fixture.received_by(other).size(), 200U);
   for (int i = 0; i < 1000; ++i) fixture.pass(200ms);
-  EXPECT_EQ(fixture.heard_by(far), numbers(200));
-  EXPECT_EQ(fixture.heard_by(other), numbers(200));
+  EXPECT_EQ(fixture.received_by(far), numbers(200));
+  EXPECT_EQ(fixture.received_by(other), numbers(200));
   EXPECT_FALSE(fixture.network.next_due());
 }
 
@@ -301,7 +301,7 @@ TEST(NetworkRadio, holds_up_only_its_own_client_s_QoS_1) {
   fixture.pass(10ms);
   fixture.publish_text(near, "t", "near", 1);
   fixture.pass(3ms);
-  EXPECT_THAT(fixture.heard_by(server), ElementsAre("near"));
+  EXPECT_THAT(fixture.received_by(server), ElementsAre("near"));
 }
 
 TEST(NetworkRadio, what_was_still_on_its_way_to_the_broker_dies_with_its_client) {
@@ -312,7 +312,7 @@ TEST(NetworkRadio, what_was_still_on_its_way_to_the_broker_dies_with_its_client)
   fixture.publish_text(far, "t", "late", 1);
   fixture.network.break_connection(fixture.now, far);
   fixture.pass(100s);
-  EXPECT_THAT(fixture.heard_by(server), ElementsAre("will"));
+  EXPECT_THAT(fixture.received_by(server), ElementsAre("will"));
 }
 
 TEST(NetworkRadio, that_is_good_again_delivers_everything_and_draws_nothing_from_the_common_chance) {
@@ -326,7 +326,7 @@ TEST(NetworkRadio, that_is_good_again_delivers_everything_and_draws_nothing_from
       fixture.publish_text(client, "t", n);
       fixture.pass(5ms);
     }
-    return fixture.heard_by(client);
+    return fixture.received_by(client);
   };
   EXPECT_EQ(run(true), run(false));
 }
@@ -335,19 +335,19 @@ TEST(Network, listens_to_other_topics_while_connected_and_no_more_to_those_befor
   Fixture fixture;
   const auto vehicle = fixture.join({"own"});
   const auto other = fixture.join({});
-  const auto said_everywhere = [&](const std::string& text) {
+  const auto published_everywhere = [&](const std::string& text) {
     for (const char* topic : {"own", "talk/1/x", "talk/2/x"})
       fixture.publish_text(other, topic, std::string(topic) + " " + text);
     fixture.pass(5ms);
   };
-  said_everywhere("a");
+  published_everywhere("a");
   fixture.network.listen(fixture.now, vehicle, {"talk/1/+", "talk/2/+"});
-  said_everywhere("b");
+  published_everywhere("b");
   fixture.network.listen(fixture.now, vehicle, {"talk/2/+"});
-  said_everywhere("c");
+  published_everywhere("c");
   fixture.network.listen(fixture.now, vehicle, {});
-  said_everywhere("d");
-  EXPECT_THAT(fixture.heard_by(vehicle), ::testing::UnorderedElementsAre("own a", "own b", "talk/1/x b", "talk/2/x b",
+  published_everywhere("d");
+  EXPECT_THAT(fixture.received_by(vehicle), ::testing::UnorderedElementsAre("own a", "own b", "talk/1/x b", "talk/2/x b",
                                                                          "own c", "talk/2/x c", "own d"));
 }
 
@@ -360,7 +360,7 @@ TEST(Network, gives_what_was_retained_to_who_begins_to_listen_and_only_once) {
   fixture.network.listen(fixture.now, vehicle, {"talk/1"});
   fixture.network.listen(fixture.now, vehicle, {"talk/1", "talk/2"});
   fixture.pass(5ms);
-  EXPECT_THAT(fixture.heard_by(vehicle), ElementsAre("retained kept"));
+  EXPECT_THAT(fixture.received_by(vehicle), ElementsAre("retained kept"));
 }
 
 TEST(Network, loses_what_goes_aside_alone_where_that_is_asked_for) {
@@ -373,12 +373,12 @@ TEST(Network, loses_what_goes_aside_alone_where_that_is_asked_for) {
   fixture.publish_text(other, "talk/1", "lost");
   fixture.publish_text(other, "order", "kept");
   fixture.pass(5ms);
-  EXPECT_THAT(fixture.heard_by(vehicle), ElementsAre("kept"));
+  EXPECT_THAT(fixture.received_by(vehicle), ElementsAre("kept"));
   EXPECT_EQ(fixture.network.counters().lost, 1U);
 }
 
 TEST(Network, carries_the_rest_as_if_nothing_went_aside) {
-  const auto orders_heard = [](int talk) {
+  const auto received_orders = [](int talk) {
     NetworkFaults faults{.loss = 0.2, .duplication = 0.1, .reordering = 0.1};
     faults.aside_prefix = "talk/";
     Fixture fixture{faults};
@@ -390,14 +390,14 @@ TEST(Network, carries_the_rest_as_if_nothing_went_aside) {
       fixture.pass(2ms);
     }
     fixture.pass(100ms);
-    std::vector<std::pair<std::string, SimTime>> heard;
+    std::vector<std::pair<std::string, SimTime>> received;
     for (const auto& delivery : fixture.deliveries) {
-      if (delivery.to == vehicle && delivery.topic == "order") heard.emplace_back(delivery.payload, delivery.at);
+      if (delivery.to == vehicle && delivery.topic == "order") received.emplace_back(delivery.payload, delivery.at);
     }
-    return heard;
+    return received;
   };
-  EXPECT_GT(orders_heard(0).size(), 100U);
-  EXPECT_EQ(orders_heard(3), orders_heard(0));
+  EXPECT_GT(received_orders(0).size(), 100U);
+  EXPECT_EQ(received_orders(3), received_orders(0));
 }
 
 }  // namespace

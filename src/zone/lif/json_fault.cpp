@@ -51,7 +51,7 @@ class Scanner {
         else if (here() == '}' && want_ == Want::key_or_end)
           close();
         else
-          complain();
+          report_error();
         break;
       case Want::comma_or_end:
         if (here() == ',') {
@@ -60,7 +60,7 @@ class Scanner {
         } else if (here() == (open_.back() == '{' ? '}' : ']')) {
           close();
         } else {
-          complain();
+          report_error();
         }
         break;
       case Want::value:
@@ -82,7 +82,7 @@ class Scanner {
     return "nothing";
   }
 
-  void complain() {
+  void report_error() {
     what_ = "expected " + expected() + ", found ";
     if (here() >= ' ' && here() <= '~')
       what_ += std::string("'") + here() + "'";
@@ -91,7 +91,7 @@ class Scanner {
   }
 
   void take(char c, Want then) {
-    if (here() != c) return complain();
+    if (here() != c) return report_error();
     ++at_;
     want_ = then;
   }
@@ -126,7 +126,7 @@ class Scanner {
         at_ += word.size();
         return done();
       }
-      complain();
+      report_error();
     }
   }
 

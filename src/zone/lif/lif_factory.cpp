@@ -97,9 +97,9 @@ Result<TrafficZone> LifCircuitFactory::make_zone(const ZoneConfiguration& config
   rules.end_ids = std::move(tracks->end_ids);
   if (auto furnished = furnish(zone, configuration, *sidecar, std::move(rules)); !furnished)
     return tl::unexpected(furnished.error());
-  auto said = diagnostics.take();
-  zone.diagnostics.insert(zone.diagnostics.begin(), std::make_move_iterator(said.begin()),
-                          std::make_move_iterator(said.end()));
+  auto published = diagnostics.take();
+  zone.diagnostics.insert(zone.diagnostics.begin(), std::make_move_iterator(published.begin()),
+                          std::make_move_iterator(published.end()));
   return zone;
 }
 

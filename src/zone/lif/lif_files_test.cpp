@@ -73,7 +73,7 @@ TEST(LifFiles, are_22_and_all_are_read) {
   EXPECT_EQ(count, 22U);
 }
 
-TEST(LifFiles, say_what_was_mended) {
+TEST(LifFiles, report_mended) {
   const TrafficZone zone = read_file("10.06-station-with-one-node.lif.json");
   const Diagnostic* version = diagnostic_at(zone, "metaInformation.lifVersion");
   ASSERT_NE(version, nullptr);
@@ -87,7 +87,7 @@ TEST(LifFiles, say_what_was_mended) {
             Diagnostic::Kind::mended);
 }
 
-TEST(LifFiles, say_what_is_lost) {
+TEST(LifFiles, report_lost) {
   const TrafficZone orientation = read_file("10.02-bidirectional-edge.lif.json");
   const Diagnostic* diagnostic =
       diagnostic_at(orientation, "layouts[0].edges[1].vehicleTypeEdgeProperties[0].vehicleOrientation");

@@ -68,7 +68,7 @@ class Writer {
   void write_edge(SectionId id, const Section& piece, std::size_t number, std::size_t from, std::size_t to);
   void write_trajectory(const Section& section);
   void write_stations();
-  void say_companion();
+  void report_sidecar();
   void compare(const std::string& text);
 
   struct Node {
@@ -108,7 +108,7 @@ ZoneConfiguration Writer::write() {
   std::string text = json_.take();
   text += '\n';
 
-  say_companion();
+  report_sidecar();
   compare(text);
   return {"lif", zone_.name + ".lif.json", std::move(text),
           sidecar_text(zone_, {.limits = false, .stations = false, .closed = true})};
@@ -297,7 +297,7 @@ void Writer::write_stations() {
   json_.end_array();
 }
 
-void Writer::say_companion() {
+void Writer::report_sidecar() {
   const std::pair<bool, const char*> rest[] = {
       {!zone_.tags.empty(), "tags"},
       {zone_.beacons.has_value(), "beacons"},

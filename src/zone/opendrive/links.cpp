@@ -125,12 +125,12 @@ void Linker::link_sections(std::uint32_t road) {
 /// Lanes at one end of a road, to those of the road that follows there.
 void Linker::link_road(std::uint32_t index, bool at_start) {
   const Road& it = network_.roads[index];
-  const auto& said = at_start ? it.predecessor : it.successor;
-  if (!said || said->junction || it.sections.empty()) return;
+  const auto& published = at_start ? it.predecessor : it.successor;
+  if (!published || published->junction || it.sections.empty()) return;
   const std::string location = it.location + (at_start ? ", link/predecessor" : ", link/successor");
-  const auto other = road(said->id, location);
+  const auto other = road(published->id, location);
   if (!other || network_.roads[*other].sections.empty()) return;
-  const bool to_start = contact(*other, said->at_start, index, at_start, location);
+  const bool to_start = contact(*other, published->at_start, index, at_start, location);
   const auto last = [&](std::uint32_t of) {
     return static_cast<std::uint32_t>(network_.roads[of].sections.size() - 1);
   };

@@ -138,10 +138,10 @@ TEST_P(Sample, is_as_long_as_the_file_says) {
 }
 
 TEST_P(Sample, tells_its_fit) {
-  bool told = false;
+  bool reported = false;
   for (const Diagnostic& note : zone_.diagnostics)
-    told = told || (note.location == "lanes" && note.kind == Diagnostic::Kind::notice);
-  EXPECT_TRUE(told);
+    reported = reported || (note.location == "lanes" && note.kind == Diagnostic::Kind::notice);
+  EXPECT_TRUE(reported);
 }
 
 INSTANTIATE_TEST_SUITE_P(Official, Sample, ::testing::ValuesIn(samples), [](const auto& sample) {
@@ -338,7 +338,7 @@ struct Bad {
   const char* what;
   std::string text;
   const char* code;
-  const char* says;  ///< in the whole message, with its place
+  const char* message;  ///< in the whole message, with its place
 };
 
 TEST(OpenDrive, bad_files_are_refused_with_their_place) {
@@ -381,7 +381,7 @@ TEST(OpenDrive, bad_files_are_refused_with_their_place) {
     const auto zone = read(bad.text);
     ASSERT_FALSE(zone) << bad.what;
     EXPECT_EQ(zone.error().code, bad.code) << bad.what << ": " << to_string(zone.error());
-    EXPECT_THAT(to_string(zone.error()), HasSubstr(bad.says)) << bad.what;
+    EXPECT_THAT(to_string(zone.error()), HasSubstr(bad.message)) << bad.what;
   }
 }
 

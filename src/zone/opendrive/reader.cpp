@@ -189,8 +189,8 @@ Polynomial Reader::read_polynomial(pugi::xml_node node, const char* from) {
 
 SpeedFrom Reader::read_speed(pugi::xml_node node, double s) {
   SpeedFrom from{s};
-  const std::string_view said = node.attribute("max").value();
-  if (said.empty() || said == "no limit" || said == "undefined") return from;
+  const std::string_view published = node.attribute("max").value();
+  if (published.empty() || published == "no limit" || published == "undefined") return from;
   const std::string_view unit = node.attribute("unit").value();
   const double factor = unit == "km/h" ? 1.0 / 3.6 : unit == "mph" ? 0.44704 : 1.0;
   const double mps = factor * file_.number(node, "max", speed);

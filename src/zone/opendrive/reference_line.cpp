@@ -68,17 +68,17 @@ void ReferenceLine::lay(const Road& road, const std::vector<const Geometry*>& pl
   for (std::size_t i = 0; i < plan.size(); ++i) {
     PlanRecord& record = records[i];
     const double until = i + 1 < plan.size() ? plan[i + 1]->s : std::max(road.length, plan[i]->s);
-    const double said = until - plan[i]->s;
+    const double published = until - plan[i]->s;
     // A hundredth is rounding, or a sloppy spline; more is a contradiction, and the shape is trusted.
-    const double off_m = std::fabs(said - record.arc) - 1.5 * record.slack;
-    const bool plausible = off_m <= std::max(0.01, 0.01 * record.arc) && said > 0.5 * record_min_m;
+    const double off_m = std::fabs(published - record.arc) - 1.5 * record.slack;
+    const bool plausible = off_m <= std::max(0.01, 0.01 * record.arc) && published > 0.5 * record_min_m;
     if (!plausible || off_m > 1e-3 + 1e-4 * record.arc) {
       report.add(Diagnostic::Kind::mended, "records whose s and shape disagree in length", plan[i]->location,
-                 "the file has " + metres(said) + " for it, but it is " + metres(record.arc) + " long; " +
+                 "the file has " + metres(published) + " for it, but it is " + metres(record.arc) + " long; " +
                      (plausible ? "lanes are stretched along it accordingly" : "its own length is taken"));
     }
     record.from = s;
-    s += plausible ? said : record.arc;
+    s += plausible ? published : record.arc;
     record.factor = record.arc / (s - record.from);
     records_.push_back(std::move(record));
     ends_.push_back(s);

@@ -99,13 +99,13 @@ Pieces RoadLanes::outer_border(const Lane& lane, const Pieces& inner, int sign, 
   if (first > 0.05 && !records.empty())
     report_.add(Diagnostic::Kind::mended, "lanes whose width begins late", lane_location(road_, section, lane.id),
                 "says nothing of its width in its first " + metres(first) + "; it is as wide there as it is then");
-  const Pieces said = holding(std::move(records), from, to, true);
-  if (by_width) return sum(inner, 1.0, said, sign, nearness(from, to));
+  const Pieces published = holding(std::move(records), from, to, true);
+  if (by_width) return sum(inner, 1.0, published, sign, nearness(from, to));
   // A border is measured from lane 0, and some write it without its sign.
   const double centre = 0.5 * (from + to);
-  const double there = piece_at(said, centre).at(centre - piece_at(said, centre).s);
+  const double there = piece_at(published, centre).at(centre - piece_at(published, centre).s);
   const double facing = there * sign < 0.0 ? -1.0 : 1.0;
-  return sum(holding(road_.offsets, from, to, false), 1.0, said, facing, nearness(from, to));
+  return sum(holding(road_.offsets, from, to, false), 1.0, published, facing, nearness(from, to));
 }
 
 void RoadLanes::add(const Lane& lane, std::size_t section, const Pieces& inner, const Pieces& outer, double from,

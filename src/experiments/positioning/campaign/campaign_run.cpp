@@ -110,11 +110,11 @@ Result<bool> CampaignRun::advance(Workers& workers, const TimeIsUp& time_is_up, 
   std::optional<Error> fault;
   for (const auto& one : faults)
     if (one && !fault) fault = one;
-  if (auto told = tell(records, fault, keep); !told) return tl::unexpected(told.error());
+  if (auto reported = report(records, fault, keep); !reported) return tl::unexpected(reported.error());
   return !left_.empty();
 }
 
-Result<void> CampaignRun::tell(const std::vector<std::optional<UnitRecord>>& mine, const std::optional<Error>& fault,
+Result<void> CampaignRun::report(const std::vector<std::optional<UnitRecord>>& mine, const std::optional<Error>& fault,
                                const Keep& keep) {
   std::vector<std::size_t> units;
   std::string lines;

@@ -60,13 +60,13 @@ RunLimit limit_of(const Trial& run) {
   std::vector<Step> steps{{run.setting.start_sigma_m * run.setting.start_sigma_m,
                            run.setting.start_sigma_m * run.setting.start_sigma_m, 0.0}};
   steps.reserve(run.events.size() + 1);
-  std::size_t told = 0;
+  std::size_t inputs = 0;
   for (const Moment& moment : run.moments) {
-    for (; told < moment.events; ++told) {
-      if (const auto* odometry = std::get_if<estimation::Odometry>(&run.events[told])) {
+    for (; inputs < moment.events; ++inputs) {
+      if (const auto* odometry = std::get_if<estimation::Odometry>(&run.events[inputs])) {
         const double p = steps.back().filtered + sensors.distance_variance_per_m * std::fabs(odometry->distance_m);
         steps.push_back({p, p, 0.0});
-      } else if (std::holds_alternative<estimation::Reading>(run.events[told])) {
+      } else if (std::holds_alternative<estimation::Reading>(run.events[inputs])) {
         steps.back().filtered = steps.back().filtered * r / (steps.back().filtered + r);
       }
     }

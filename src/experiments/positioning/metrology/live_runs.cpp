@@ -104,7 +104,7 @@ void LiveRuns::on_response(SimTime now, Slot& slot, std::string_view payload) {
   const auto response = wire::estimate_response_from_json(payload);
   if (!response || response->session != slot.session || response->sequence != slot.sequence) return;
   slot.waiting = false;
-  slot.heard = now;
+  slot.received = now;
   if (!response->fault.empty()) return begin_anew(slot, response->fault);
   if (map_id_.empty()) map_id_ = response->map_id;
   if (response->map_id != map_id_)
@@ -128,7 +128,7 @@ void LiveRuns::begin(SimTime now, Slot& slot, Responses& responses) {
   slot.session = options_.name + "/" + std::to_string(++sessions_);
   slot.sequence = 0;
   slot.waiting = false;
-  slot.heard = slot.moved = now;
+  slot.received = slot.moved = now;
   // AIV.move: whoever stands goes on, and as fast as is wanted.
   responses.commands.push_back(command_json("restart", slot.vehicle, std::nullopt));
   if (options_.speed_mps) responses.commands.push_back(command_json("limit", slot.vehicle, options_.speed_mps));
@@ -169,7 +169,7 @@ void LiveRuns::lose(Slot& slot, const std::string& why) {
 
 std::optional<std::string> LiveRuns::missing(SimTime now, const Slot& slot) const {
   const std::string seconds = std::to_string(options_.timeout / std::chrono::seconds{1}) + " s";
-  if (now - slot.heard > options_.timeout)
+  if (now - slot.received > options_.timeout)
     return "it has not answered for " + seconds + "; is it online, and of this version?";
   const SimTime ground_truth = std::max(slot.ground_truth_received.value_or(*began_), *began_);
   if (now - ground_truth > options_.timeout)
@@ -187,13 +187,13 @@ void LiveRuns::look_after(SimTime now, Slot& slot, Responses& responses) {
     return;
   }
   if (slot.session.empty()) {
-    if (now - slot.heard >= rest_before_anew) begin(now, slot, responses);
+    if (now - slot.received >= rest_before_anew) begin(now, slot, responses);
     return;
   }
   if (slot.run->travelled_m() >= options_.distance_m) {
     const auto last = slot.run->last_moment();
     const bool known = last && !slot.ground_truth.empty() && slot.ground_truth.back().at >= *last;
-    if (known || now - slot.heard > last_ground_truth_max) complete(slot);
+    if (known || now - slot.received > last_ground_truth_max) complete(slot);
     return;
   }
   if (const auto why = missing(now, slot)) return lose(slot, *why);

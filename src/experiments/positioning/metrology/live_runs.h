@@ -89,7 +89,7 @@ class LiveRuns {
     std::uint32_t sequence{};
     bool waiting{false};  ///< for the answer to it
     SimTime requested{};
-    SimTime heard{};  ///< an answer, last
+    SimTime received{};  ///< an answer, last
     SimTime moved{};
     unsigned begun{};  ///< times that this run was
   };

@@ -141,9 +141,9 @@ TEST(LiveRuns, have_on_board_bit_for_bit_what_the_same_algorithm_says_of_the_sam
                                   [](const Event& e) { return std::holds_alternative<estimation::Reading>(e); }),
             5);
   for (const std::string& name : names) {
-    const Candidate said = on_board(name, "", runs);
+    const Candidate published = on_board(name, "", runs);
     Trace on;
-    ASSERT_TRUE(apply(**said.make(trial.setting), trial, on));
+    ASSERT_TRUE(apply(**published.make(trial.setting), trial, on));
     const Trace off = off_board(name, trial);
     EXPECT_EQ(on.error_m, off.error_m) << name;
     EXPECT_EQ(on.nees, off.nees) << name;
@@ -260,8 +260,8 @@ TEST(LivedRun, of_an_algorithm_that_diverged_says_so_and_the_others_keep_their_r
   for (int i = 0; i < 40; ++i) {
     response.timestamp = SimTime{milliseconds{50 * i}};
     response.travelled_m = 0.02 * i;
-    response.told.clear();
-    if (i > 0) response.told.emplace_back(wire::EstimateResponse::Odometry{0.02, 0.0, 0.05});
+    response.inputs.clear();
+    if (i > 0) response.inputs.emplace_back(wire::EstimateResponse::Odometry{0.02, 0.0, 0.05});
     response.estimates = {{"good", "", {0.02 * i, 0.0, 0.0}, std::nullopt, std::nullopt, {}},
                           {"bad", i < 20 ? "" : "it has diverged", {0.0, 0.0, 0.0}, std::nullopt, std::nullopt, {}}};
     log.add(response);

@@ -13,27 +13,27 @@ using wire::EstimateResponse;
 /// An iteration of the article's loop is a move; one that stands is asked in vain.
 constexpr double move_m_min = 0.001;
 
-estimation::SensorModel sensors_of(const wire::EstimateSensors& told) {
+estimation::SensorModel sensors_of(const wire::EstimateSensors& inputs) {
   estimation::SensorModel sensors;
-  sensors.distance_variance_per_m = told.distance_variance_per_m;
-  sensors.turn_variance_per_m = told.turn_variance_per_m;
-  sensors.turn_variance_per_rad = told.turn_variance_per_rad;
-  sensors.distance_scale_sigma = told.distance_scale_sigma;
-  sensors.turn_scale_sigma = told.turn_scale_sigma;
-  sensors.fiducial_along_sigma_m = told.fiducial_along_sigma_m;
-  sensors.fiducial_across_sigma_m = told.fiducial_across_sigma_m;
-  sensors.line_sigma_m = told.line_sigma_m;
-  sensors.line_heading_sigma_rad = told.line_heading_sigma_rad;
+  sensors.distance_variance_per_m = inputs.distance_variance_per_m;
+  sensors.turn_variance_per_m = inputs.turn_variance_per_m;
+  sensors.turn_variance_per_rad = inputs.turn_variance_per_rad;
+  sensors.distance_scale_sigma = inputs.distance_scale_sigma;
+  sensors.turn_scale_sigma = inputs.turn_scale_sigma;
+  sensors.fiducial_along_sigma_m = inputs.fiducial_along_sigma_m;
+  sensors.fiducial_across_sigma_m = inputs.fiducial_across_sigma_m;
+  sensors.line_sigma_m = inputs.line_sigma_m;
+  sensors.line_heading_sigma_rad = inputs.line_heading_sigma_rad;
   return sensors;
 }
 
-estimation::Estimate estimate_of(const EstimateResponse::Estimate& told) {
+estimation::Estimate estimate_of(const EstimateResponse::Estimate& inputs) {
   estimation::Estimate estimate;
-  estimate.pose = told.X_MB;
-  estimate.along_m = told.along_m;
+  estimate.pose = inputs.X_MB;
+  estimate.along_m = inputs.along_m;
   for (int i = 0; i < 9; ++i) {
     estimate.covariance(i / 3, i % 3) =
-        told.covariance ? (*told.covariance)[static_cast<std::size_t>(i)] : std::numeric_limits<double>::quiet_NaN();
+        inputs.covariance ? (*inputs.covariance)[static_cast<std::size_t>(i)] : std::numeric_limits<double>::quiet_NaN();
   }
   return estimate;
 }
@@ -41,19 +41,19 @@ estimation::Estimate estimate_of(const EstimateResponse::Estimate& told) {
 /// Says again, input by input, what was said on board.
 class Recited final : public estimation::Algorithm {
  public:
-  Recited(std::shared_ptr<const LivedRun> run, std::size_t which) : run_{std::move(run)}, said_{&run_->said[which]} {
+  Recited(std::shared_ptr<const LivedRun> run, std::size_t which) : run_{std::move(run)}, said_{&run_->published[which]} {
     if (!said_->fault.empty()) fault_ = Error{"algorithm.on_board", said_->fault, to_string(run_->vehicle)};
   }
-  void predict(const estimation::Odometry&) override { ++told_; }
+  void predict(const estimation::Odometry&) override { ++inputs_; }
   estimation::Rectified rectify(const estimation::Reading&) override {
-    ++told_;
+    ++inputs_;
     return read_ < said_->rectified.size() ? said_->rectified[read_++] : estimation::Rectified{};
   }
   estimation::Rectified rectify(const estimation::Range&) override { return {}; }
   [[nodiscard]] estimation::Estimate estimate() const override {
     // Between two moments the vehicle moved, so each has inputs of its own.
     const auto& moments = run_->trial.moments;
-    const auto at = std::ranges::lower_bound(moments, told_, {}, &Moment::events);
+    const auto at = std::ranges::lower_bound(moments, inputs_, {}, &Moment::events);
     const auto index = static_cast<std::size_t>(at - moments.begin());
     return index < said_->estimates.size() ? said_->estimates[index] : estimation::Estimate{};
   }
@@ -61,9 +61,9 @@ class Recited final : public estimation::Algorithm {
 
  private:
   std::shared_ptr<const LivedRun> run_;
-  const SaidOnBoard* said_;
+  const OnBoardMessage* said_;
   std::optional<Error> fault_;
-  std::size_t told_{0};
+  std::size_t inputs_{0};
   std::size_t read_{0};
 };
 
@@ -106,7 +106,7 @@ std::optional<SimTime> RunLog::last_moment() const {
   return stamps_.empty() ? std::nullopt : std::optional{stamps_.back()};
 }
 
-void RunLog::tell(const EstimateResponse::Input& input) {
+void RunLog::report(const EstimateResponse::Input& input) {
   std::vector<Event>& events = run_.trial.events;
   if (const auto* odometry = std::get_if<EstimateResponse::Odometry>(&input)) {
     events.emplace_back(estimation::Odometry{odometry->distance_m, odometry->turn_rad, odometry->duration_s});
@@ -118,23 +118,23 @@ void RunLog::tell(const EstimateResponse::Input& input) {
   }
 }
 
-void RunLog::hear(const EstimateResponse::Estimate& estimate, bool moment) {
-  const auto found = std::ranges::find(run_.said, estimate.algorithm, &SaidOnBoard::algorithm);
-  SaidOnBoard& said =
-      found != run_.said.end() ? *found : run_.said.emplace_back(SaidOnBoard{estimate.algorithm, {}, {}, {}});
-  if (!estimate.fault.empty() && said.fault.empty()) said.fault = estimate.fault;
+void RunLog::receive(const EstimateResponse::Estimate& estimate, bool moment) {
+  const auto found = std::ranges::find(run_.published, estimate.algorithm, &OnBoardMessage::algorithm);
+  OnBoardMessage& published =
+      found != run_.published.end() ? *found : run_.published.emplace_back(OnBoardMessage{estimate.algorithm, {}, {}, {}});
+  if (!estimate.fault.empty() && published.fault.empty()) published.fault = estimate.fault;
   for (const EstimateResponse::Rectified& one : estimate.rectified)
-    said.rectified.push_back({one.accepted, one.nis, one.dimensions});
-  if (moment) said.estimates.push_back(estimate_of(estimate));
+    published.rectified.push_back({one.accepted, one.nis, one.dimensions});
+  if (moment) published.estimates.push_back(estimate_of(estimate));
 }
 
 void RunLog::add(const EstimateResponse& response) {
   if (response.start) start_ = response.start;
   map_id_ = response.map_id;
-  for (const EstimateResponse::Input& input : response.told) tell(input);
+  for (const EstimateResponse::Input& input : response.inputs) report(input);
   travelled_m_ = response.travelled_m;
   const bool moment = travelled_m_ - moment_m_ >= move_m_min;
-  for (const EstimateResponse::Estimate& estimate : response.estimates) hear(estimate, moment);
+  for (const EstimateResponse::Estimate& estimate : response.estimates) receive(estimate, moment);
   if (!moment) return;
   moment_m_ = travelled_m_;
   stamps_.push_back(response.timestamp);
@@ -160,7 +160,7 @@ Result<LivedRun> RunLog::finish(const std::shared_ptr<const zone::TrafficZone>& 
   }
   std::vector<Moment> moments = std::exchange(run_.trial.moments, {});
   std::vector<std::vector<estimation::Estimate>> estimates;
-  for (SaidOnBoard& said : run_.said) estimates.push_back(std::exchange(said.estimates, {}));
+  for (OnBoardMessage& published : run_.published) estimates.push_back(std::exchange(published.estimates, {}));
   for (std::size_t i = 0; i < moments.size(); ++i) {
     const auto X_MB = true_pose(ground_truth, stamps_[i], gap_max);
     if (!X_MB) {
@@ -172,7 +172,7 @@ Result<LivedRun> RunLog::finish(const std::shared_ptr<const zone::TrafficZone>& 
     moment.ground_truth = *X_MB;
     moment.section =
         zone->circuit.section(zone->circuit.locate(position(*X_MB), X_MB->heading_rad).position.section).kind();
-    for (std::size_t k = 0; k < estimates.size(); ++k) run_.said[k].estimates.push_back(estimates[k][i]);
+    for (std::size_t k = 0; k < estimates.size(); ++k) run_.published[k].estimates.push_back(estimates[k][i]);
   }
   if (run_.trial.moments.empty())
     return fail("live.ground_truth", "nobody said where it truly was while it drove", to_string(run_.vehicle));
@@ -183,10 +183,10 @@ Candidate on_board(std::string name, std::string what, const std::vector<std::sh
   const auto make = [name, runs](const estimation::Setting& setting) -> Result<std::unique_ptr<estimation::Algorithm>> {
     for (const auto& run : runs) {
       if (run->trial.setting.seed != setting.seed) continue;
-      const auto said = std::ranges::find(run->said, name, &SaidOnBoard::algorithm);
-      if (said == run->said.end())
+      const auto published = std::ranges::find(run->published, name, &OnBoardMessage::algorithm);
+      if (published == run->published.end())
         return fail("algorithm.on_board", "it said nothing of " + name, to_string(run->vehicle));
-      return std::make_unique<Recited>(run, static_cast<std::size_t>(said - run->said.begin()));
+      return std::make_unique<Recited>(run, static_cast<std::size_t>(published - run->published.begin()));
     }
     return fail("algorithm.on_board", "there was no such run", name);
   };

@@ -24,7 +24,7 @@ struct TrueFix {
 [[nodiscard]] std::optional<Pose2> true_pose(const std::vector<TrueFix>& fixes, SimTime at, SimDuration gap_max);
 
 /// What an algorithm on board said in a run, beside the run's moments.
-struct SaidOnBoard {
+struct OnBoardMessage {
   std::string algorithm;
   std::string fault;                             ///< why it says nothing any more; empty: it does
   std::vector<estimation::Estimate> estimates;   ///< one for each moment
@@ -35,7 +35,7 @@ struct SaidOnBoard {
 struct LivedRun {
   Trial trial;
   wire::VehicleId vehicle;
-  std::vector<SaidOnBoard> said;
+  std::vector<OnBoardMessage> published;
 };
 
 /// A run in the making: takes answers, and makes a LivedRun of them at the end.
@@ -55,8 +55,8 @@ class RunLog {
                                         std::size_t& without_ground_truth) &&;
 
  private:
-  void tell(const wire::EstimateResponse::Input& input);
-  void hear(const wire::EstimateResponse::Estimate& estimate, bool moment);
+  void report(const wire::EstimateResponse::Input& input);
+  void receive(const wire::EstimateResponse::Estimate& estimate, bool moment);
 
   LivedRun run_;
   std::string map_id_;

@@ -104,24 +104,24 @@ class PlanarInformation {
   }
 
   void forwards() {
-    std::size_t told = 0;
+    std::size_t inputs = 0;
     for (std::size_t k = 0; k < run_.moments.size(); ++k) {
       const std::size_t until = run_.moments[k].events;
       const Pose2 from = k > 0 ? drive_[k - 1] : began_at(until);
       double lasts_s = 0.0;
-      for (std::size_t i = told; i < until; ++i) {
+      for (std::size_t i = inputs; i < until; ++i) {
         if (const auto* odometry = std::get_if<Odometry>(&run_.events[i])) lasts_s += odometry->duration_s;
       }
       double passed_s = 0.0;
       const auto here = [&](double t_s) { return between(from, drive_[k], lasts_s > 0.0 ? t_s / lasts_s : 1.0); };
-      for (; told < until; ++told) {
-        if (const auto* odometry = std::get_if<Odometry>(&run_.events[told])) {
+      for (; inputs < until; ++inputs) {
+        if (const auto* odometry = std::get_if<Odometry>(&run_.events[inputs])) {
           move(*odometry, here(passed_s + 0.5 * odometry->duration_s).heading_rad);
           passed_s += odometry->duration_s;
-        } else if (const auto* range = std::get_if<Range>(&run_.events[told])) {
+        } else if (const auto* range = std::get_if<Range>(&run_.events[inputs])) {
           measure(*range, here(passed_s));
         } else {
-          measure(std::get<Reading>(run_.events[told]), here(passed_s));
+          measure(std::get<Reading>(run_.events[inputs]), here(passed_s));
         }
       }
       filter_m2_ += p_(x, x) + p_(y, y);

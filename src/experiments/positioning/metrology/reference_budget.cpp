@@ -142,14 +142,14 @@ void write_fields(JsonWriter& json, const ReferenceBudget& budget) {
 }
 
 std::string text_of(const ReferenceBudget& budget) {
-  std::string told;
+  std::string inputs;
   std::string untold;
   for (const ReferencePart& part : budget.parts) {
-    std::string& list = part.uncertainty_m ? told : untold;
+    std::string& list = part.uncertainty_m ? inputs : untold;
     list += (list.empty() ? "" : ", ") + part.name;
     if (part.uncertainty_m) list += " " + mm(*part.uncertainty_m);
   }
-  return "u " + mm(budget.total_m()) + " mm" + (told.empty() ? "" : ": " + told) +
+  return "u " + mm(budget.total_m()) + " mm" + (inputs.empty() ? "" : ": " + inputs) +
          (untold.empty() ? "" : "; not told: " + untold);
 }
 

@@ -138,18 +138,18 @@ class Drive {
   /// The beacon under it now. What the reader tells is Gaussian about what it should.
   void read() {
     const std::uint32_t number = beacons_.number();
-    Point2 told_M = beacons_.surveyed();
-    const Point2 detected_B = inverse(ground_truth_) * told_M;
+    Point2 surveyed_M = beacons_.surveyed();
+    const Point2 detected_B = inverse(ground_truth_) * surveyed_M;
     beacons_.pass();
     if (simulation_.survey_sigma_m > 0.0) {
       Random survey{survey_seed_, "metrology/survey/" + std::to_string(number)};
-      told_M.x_m += survey.gaussian(0.0, simulation_.survey_sigma_m);
-      told_M.y_m += survey.gaussian(0.0, simulation_.survey_sigma_m);
+      surveyed_M.x_m += survey.gaussian(0.0, simulation_.survey_sigma_m);
+      surveyed_M.y_m += survey.gaussian(0.0, simulation_.survey_sigma_m);
     }
     const double along = reader_.gaussian(0.0, simulation_.sensors.fiducial_along_sigma_m);
     const double across = reader_.gaussian(0.0, simulation_.sensors.fiducial_across_sigma_m);
     if (simulation_.read_ratio < 1.0 && !reader_.chance(simulation_.read_ratio)) return;
-    run_.events.emplace_back(Reading{number, told_M, {detected_B.x_m + along, detected_B.y_m + across}});
+    run_.events.emplace_back(Reading{number, surveyed_M, {detected_B.x_m + along, detected_B.y_m + across}});
     fiducial_m_ = along_m_;
   }
 

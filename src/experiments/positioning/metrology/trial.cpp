@@ -65,7 +65,7 @@ void forget(Trace& trace) {
   trace.estimates.clear();
 }
 
-void tell(estimation::Algorithm& algorithm, const Event& event, Trace& trace, std::size_t& predictions) {
+void report(estimation::Algorithm& algorithm, const Event& event, Trace& trace, std::size_t& predictions) {
   if (const auto* odometry = std::get_if<estimation::Odometry>(&event)) {
     algorithm.predict(*odometry);
     ++predictions;
@@ -124,10 +124,10 @@ Result<void> apply(estimation::Algorithm& algorithm, const Trial& run, Trace& tr
   std::vector<std::size_t> predictions_at;
   predictions_at.reserve(run.moments.size());
   trace.estimates.reserve(run.moments.size());
-  std::size_t told = 0;
+  std::size_t inputs = 0;
   std::size_t predictions = 0;
   for (const Moment& moment : run.moments) {
-    while (told < moment.events) tell(algorithm, run.events[told++], trace, predictions);
+    while (inputs < moment.events) report(algorithm, run.events[inputs++], trace, predictions);
     trace.estimates.push_back(algorithm.estimate());
     if (const Error* fault = algorithm.fault()) return tl::unexpected(*fault);
     evaluate(moment, trace.estimates.size() - 1, trace);

@@ -24,12 +24,12 @@ struct Drive {
   std::function<bool(double)> counts = [](double) { return true; };
   /// Of what odometry says after it counted nothing: what came by in the meantime, too.
   bool adds_up{false};
-  bool tells_speeds{false};
+  bool reports_speeds{false};
 
   [[nodiscard]] RecordingFiles files() const {
     std::ostringstream odometry;
     std::ostringstream ground_truth;
-    odometry << (tells_speeds ? "time_s,speed_mps,turn_radps\n" : "time_s,delta_distance_m,delta_heading_rad\n");
+    odometry << (reports_speeds ? "time_s,speed_mps,turn_radps\n" : "time_s,delta_distance_m,delta_heading_rad\n");
     ground_truth << "time_s,x_m,y_m,heading_rad\n";
     double since = 0.0;
     for (int i = 0; i <= 600; ++i) {
@@ -40,7 +40,7 @@ struct Drive {
       if (i == 0) continue;
       since += 0.1;
       if (!counts(t_s)) continue;
-      const double counted_s = tells_speeds ? 1.0 : (adds_up ? since : 0.1);
+      const double counted_s = reports_speeds ? 1.0 : (adds_up ? since : 0.1);
       odometry << t_s << "," << counted_s * speed_mps << "," << counted_s * 0.2 * speed_mps << "\n";
       since = 0.0;
     }
@@ -105,7 +105,7 @@ TEST(Silence, of_odometry_is_bridged_as_the_vehicle_goes_elsewhere) {
   for (const bool speeds : {false, true}) {
     Drive drive;
     drive.counts = unresponsive_once;
-    drive.tells_speeds = speeds;
+    drive.reports_speeds = speeds;
     const Recording recording = drive.recording();
     const Recording::Step& step = longest(recording);
     EXPECT_NEAR(step.duration_s, 5.1, 1e-6);

@@ -62,7 +62,7 @@ Result<void> read_odometry(const Table& table, Recording& recording) {
   if (auto fine = rising(table, c[0]); !fine) return fine;
   const auto left = table.want(speeds ? "speed_left_mps" : "delta_left_m");
   if (!left) return tl::unexpected(left.error());
-  recording.odometry_told_speeds = speeds;
+  recording.odometry_had_speeds = speeds;
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     const Row& row = table.rows[i];
     // What the first one counts began some time before; about as long as the second took.
@@ -278,13 +278,13 @@ Result<Recording> read_librsf(std::string_view name, std::string_view input, std
   recording.name = name;
   const auto text_of = [&](std::string_view file) -> std::string_view { return files.find(std::string(file))->second; };
   bool goes_then_turns = false;
-  const auto told = [&](const TextLine& line) {
+  const auto reported = [&](const TextLine& line) {
     goes_then_turns = goes_then_turns || line.kind == "odom2";
     return take_input(line, recording);
   };
   std::map<double, double> headings;
   const auto true_position = [&](const TextLine& line) { return take_ground_truth(line, recording, headings); };
-  if (auto fine = each_line(input, text_of(input), {"range2", "odom2diff", "odom2"}, told); !fine)
+  if (auto fine = each_line(input, text_of(input), {"range2", "odom2diff", "odom2"}, reported); !fine)
     return tl::unexpected(fine.error());
   if (auto fine = each_line(ground_truth, text_of(ground_truth), {"point2", "angle"}, true_position); !fine)
     return tl::unexpected(fine.error());
@@ -296,7 +296,7 @@ Result<Recording> read_librsf(std::string_view name, std::string_view input, std
   if (recording.ground_truth_has_heading) {
     for (Recording::True& one : recording.ground_truth) one.heading_rad = headings[one.t_s];
   }
-  recording.odometry_told_speeds = true;
+  recording.odometry_had_speeds = true;
   // A speed is measured over the time that ends with its stamp.
   for (std::size_t i = recording.odometry.size(); i-- > 0;) {
     Recording::Step& step = recording.odometry[i];
@@ -325,7 +325,7 @@ Result<void> check_texts(const RecordingFiles& files) {
 /// A radio that heard no answer often says 0 or -1: no distance.
 void drop_no_distances(Recording& recording) {
   const auto dropped =
-      std::erase_if(recording.ranges, [](const Recording::Heard& heard) { return heard.range_m <= 0.0; });
+      std::erase_if(recording.ranges, [](const Recording::ReceivedRange& received) { return received.range_m <= 0.0; });
   if (dropped > 0)
     recording.diagnostics.push_back(std::to_string(dropped) +
                                     " ranges are no distances (0 or less); they are left out");
@@ -355,7 +355,7 @@ Result<Recording> read_recording(std::string_view name, const RecordingFiles& fi
     if (auto fine = read_sensors("sensors.csv", found->second, *recording); !fine) return tl::unexpected(fine.error());
   }
   drop_no_distances(*recording);
-  bridge_silences(*recording, recording->odometry_told_speeds);
+  bridge_silences(*recording, recording->odometry_had_speeds);
   check_heading(*recording);
   put_in_order(recording->ranges, "ranges", *recording);
   put_in_order(recording->readings, "readings", *recording);

@@ -22,7 +22,7 @@ struct Recording {
     double turn_variance_rad2{0.0};
     double left_m{0.0};  ///< sideways, of who can
   };
-  struct Heard {
+  struct ReceivedRange {
     double t_s;
     std::uint32_t station;
     double range_m;
@@ -40,9 +40,9 @@ struct Recording {
 
   std::string name;
   std::vector<Step> odometry;        ///< stamps rise
-  bool odometry_told_speeds{false};  ///< which have become distances
+  bool odometry_had_speeds{false};  ///< which have become distances
   bool turns_from_wheels{false};     ///< from how differently they roll; else a gyroscope may have told them
-  std::vector<Heard> ranges;         ///< in the order of their stamps, as are readings
+  std::vector<ReceivedRange> ranges;         ///< in the order of their stamps, as are readings
   std::vector<Sighted> readings;
   std::vector<True> ground_truth;  ///< stamps rise
   bool ground_truth_has_heading{false};

@@ -43,14 +43,14 @@ class Mixer {
   Result<void> step(const Recording::Step& step) {
     double from_s = step.t_s - step.duration_s;
     for (;;) {
-      const double range_s = heard_ < recording_.ranges.size() ? recording_.ranges[heard_].t_s : 1e300;
+      const double range_s = received_ < recording_.ranges.size() ? recording_.ranges[received_].t_s : 1e300;
       const double reading_s = detected_ < recording_.readings.size() ? recording_.readings[detected_].t_s : 1e300;
       const double next_s = std::fmin(range_s, reading_s);
       if (next_s > step.t_s) break;
       roll(step, from_s, next_s);
       from_s = std::fmax(from_s, next_s);
-      auto told = range_s <= reading_s ? tell(recording_.ranges[heard_++]) : tell(recording_.readings[detected_++]);
-      if (!told) return told;
+      auto reported = range_s <= reading_s ? report(recording_.ranges[received_++]) : report(recording_.readings[detected_++]);
+      if (!reported) return reported;
     }
     roll(step, from_s, step.t_s);
     return {};
@@ -59,7 +59,7 @@ class Mixer {
   [[nodiscard]] double travelled_m() const { return travelled_m_; }
   /// What came before odometry began says nothing of a drive that has not begun.
   void skip_until(double t_s) {
-    while (heard_ < recording_.ranges.size() && recording_.ranges[heard_].t_s < t_s) ++heard_;
+    while (received_ < recording_.ranges.size() && recording_.ranges[received_].t_s < t_s) ++received_;
     while (detected_ < recording_.readings.size() && recording_.readings[detected_].t_s < t_s) ++detected_;
   }
 
@@ -79,14 +79,14 @@ class Mixer {
     if (found != recording_.beacons.end()) return found->second;
     return fail("recording.beacon", "nobody has surveyed beacon " + std::to_string(beacon), recording_.name);
   }
-  Result<void> tell(const Recording::Heard& heard) {
-    const auto location = surveyed(heard.station);
+  Result<void> report(const Recording::ReceivedRange& received) {
+    const auto location = surveyed(received.station);
     if (!location) return tl::unexpected(location.error());
-    trial_.events.emplace_back(estimation::Range{heard.station, *location, heard.range_m});
+    trial_.events.emplace_back(estimation::Range{received.station, *location, received.range_m});
     since_m_ = 0.0;
     return {};
   }
-  Result<void> tell(const Recording::Sighted& detected) {
+  Result<void> report(const Recording::Sighted& detected) {
     const auto location = surveyed(detected.fiducial);
     if (!location) return tl::unexpected(location.error());
     trial_.events.emplace_back(estimation::Reading{detected.fiducial, *location, detected.detected_B});
@@ -96,7 +96,7 @@ class Mixer {
 
   const Recording& recording_;
   Trial& trial_;
-  std::size_t heard_{0};
+  std::size_t received_{0};
   std::size_t detected_{0};
   double since_m_{0.0};
   double travelled_m_{0.0};
@@ -127,8 +127,8 @@ double range_noise_by_surprise(const Trial& trial) {
         filter.predict(*odometry);
       } else if (const auto* reading = std::get_if<estimation::Reading>(&event)) {
         filter.rectify(*reading);
-      } else if (const auto told = filter.rectify(std::get<estimation::Range>(event)); told.nis) {
-        surprise.push_back(*told.nis);
+      } else if (const auto reported = filter.rectify(std::get<estimation::Range>(event)); reported.nis) {
+        surprise.push_back(*reported.nis);
       }
     }
     if (surprise.empty()) break;
@@ -175,17 +175,17 @@ Result<void> take_sensors(const Recording& recording, estimation::SensorModel& s
 }  // namespace
 
 std::optional<double> range_noise_m(const Recording& recording) {
-  std::map<std::uint32_t, std::vector<const Recording::Heard*>> by_station;
-  for (const Recording::Heard& heard : recording.ranges) by_station[heard.station].push_back(&heard);
+  std::map<std::uint32_t, std::vector<const Recording::ReceivedRange*>> by_station;
+  for (const Recording::ReceivedRange& received : recording.ranges) by_station[received.station].push_back(&received);
   std::vector<double> off;
-  for (const auto& [station, heard] : by_station) {
-    for (std::size_t i = 1; i + 1 < heard.size(); ++i) {
-      const Recording::Heard& a = *heard[i - 1];
-      const Recording::Heard& b = *heard[i + 1];
+  for (const auto& [station, received] : by_station) {
+    for (std::size_t i = 1; i + 1 < received.size(); ++i) {
+      const Recording::ReceivedRange& a = *received[i - 1];
+      const Recording::ReceivedRange& b = *received[i + 1];
       if (!(b.t_s > a.t_s) || b.t_s - a.t_s > 5.0) continue;
-      const double u = (heard[i]->t_s - a.t_s) / (b.t_s - a.t_s);
+      const double u = (received[i]->t_s - a.t_s) / (b.t_s - a.t_s);
       const double spread = std::sqrt(1.0 + u * u + (1.0 - u) * (1.0 - u));
-      off.push_back(std::fabs(heard[i]->range_m - (1.0 - u) * a.range_m - u * b.range_m) / spread);
+      off.push_back(std::fabs(received[i]->range_m - (1.0 - u) * a.range_m - u * b.range_m) / spread);
     }
   }
   if (off.size() < 20) return std::nullopt;
@@ -215,7 +215,7 @@ Result<Trial> replayed(const Recording& recording, const ReplayOptions& options)
       mixer.skip_until(start ? from_s : step.t_s);
       if (!start) continue;
     }
-    if (auto told = mixer.step(step); !told) return tl::unexpected(told.error());
+    if (auto reported = mixer.step(step); !reported) return tl::unexpected(reported.error());
     const auto here = ground_truth.at(step.t_s);
     if (!here) continue;
     trial.moments.push_back({trial.events.size(), step.t_s, *here, mixer.travelled_m(), mixer.since_m(), std::nullopt});
@@ -227,9 +227,9 @@ Result<Trial> replayed(const Recording& recording, const ReplayOptions& options)
         recording.name);
   trial.setting.start_sigma_m = options.start_sigma_m;
   trial.setting.start_heading_sigma_rad = recording.ground_truth_has_heading ? options.start_heading_sigma_rad : pi;
-  const bool told =
+  const bool reported =
       std::ranges::any_of(recording.sensors, [](const auto& one) { return one.first.starts_with("range_"); });
-  if (!recording.ranges.empty() && !told && !range_noise_m(recording))
+  if (!recording.ranges.empty() && !reported && !range_noise_m(recording))
     believe_ranges(range_noise_by_surprise(trial), trial.setting.sensors);
   return trial;
 }

@@ -139,21 +139,21 @@ void bridge_silences(Recording& recording, bool speeds) {
   std::size_t bridged = 0;
   std::size_t was_stopped = 0;
   double longest_s = 0.0;
-  const Steps as_told = recording.odometry;
-  const Habits habits{as_told, unresponsive_s};
+  const Steps as_recorded = recording.odometry;
+  const Habits habits{as_recorded, unresponsive_s};
   // Twice as fast as it ever goes: no single step is as large.
   const double step_most_m = 2.0 * habits.fastest_mps() * usual_s;
-  for (std::size_t i = 0; i < as_told.size(); ++i) {
-    const Recording::Step& told = as_told[i];
-    if (told.duration_s <= unresponsive_s) continue;
-    longest_s = std::fmax(longest_s, told.duration_s);
-    if (!speeds && std::fabs(told.distance_m) > step_most_m) {
+  for (std::size_t i = 0; i < as_recorded.size(); ++i) {
+    const Recording::Step& reported = as_recorded[i];
+    if (reported.duration_s <= unresponsive_s) continue;
+    longest_s = std::fmax(longest_s, reported.duration_s);
+    if (!speeds && std::fabs(reported.distance_m) > step_most_m) {
       ++was_stopped;
       continue;
     }
     ++bridged;
-    const double counted_s = speeds ? told.duration_s : usual_s;
-    habits.bridge(i, {told.distance_m / counted_s, told.turn_rad / counted_s}, recording.odometry[i]);
+    const double counted_s = speeds ? reported.duration_s : usual_s;
+    habits.bridge(i, {reported.distance_m / counted_s, reported.turn_rad / counted_s}, recording.odometry[i]);
   }
   if (bridged + was_stopped == 0) return;
   const std::size_t often = bridged + was_stopped;

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "cosiva/experiments/runs/world/test_world.h"
-#include "cosiva/wire/in_process/said.h"
+#include "cosiva/wire/in_process/typed_message.h"
 
 namespace cosiva::experiments {
 namespace {
@@ -54,8 +54,8 @@ TEST(AsValues, what_vehicles_say_often_has_no_text_and_says_what_it_is) {
   std::size_t passed = 0;
   values->tap([&](SimTime, const std::string&, const wire::Publish& message) {
     const bool often = message.topic.ends_with("/state") || message.topic.ends_with("/visualization");
-    EXPECT_TRUE(message.said || !often) << message.topic;
-    if (!message.said) return;
+    EXPECT_TRUE(message.typed || !often) << message.topic;
+    if (!message.typed) return;
     EXPECT_TRUE(message.payload.empty()) << message.topic;
     ++passed;
   });

@@ -31,16 +31,16 @@ std::unique_ptr<World> fleet_of(std::uint32_t aivs, std::uint64_t seed, bool con
 }
 
 /// What the traces say of convoys: "convoy of 2 through X1 and X4, behind CoSiVA/AIV1", and to whom.
-struct Told {
+struct ConvoyTrace {
   std::string who;
   std::string text;
 };
-std::vector<Told> convoys_told(const World& world) {
-  std::vector<Told> told;
+std::vector<ConvoyTrace> convoy_traces(const World& world) {
+  std::vector<ConvoyTrace> reported;
   const auto traces = JsonValue::parse(world.server().traces_json(0, 100'000), std::size_t{1} << 26U);
   for (const JsonValue& trace : *traces->find("traces")->array())
-    if (trace.text("kind") == "convoy") told.push_back({*trace.text("to"), *trace.text("content")});
-  return told;
+    if (trace.text("kind") == "convoy") reported.push_back({*trace.text("to"), *trace.text("content")});
+  return reported;
 }
 
 struct Metrics {
@@ -61,7 +61,7 @@ Metrics measure(std::uint32_t aivs, bool convoys) {
     for (const auto& v : world->plant().vehicles()) before_m.push_back(v.distance_m);
     world->run_for(120s);
     EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty()) << seed;
-    EXPECT_EQ(convoys_told(*world).empty(), !convoys || aivs < 8) << seed;
+    EXPECT_EQ(convoy_traces(*world).empty(), !convoys || aivs < 8) << seed;
     for (const auto& v : world->plant().vehicles()) {
       const double driven_m = v.distance_m - before_m[v.number - 1];
       metrics.laps_per_h += driven_m / lap_m / took_h;
@@ -94,9 +94,9 @@ TEST(Convoys, cost_nothing_where_nobody_comes_close_behind) {
 TEST(Convoys, are_explained_in_the_traces) {
   const auto world = fleet_of(12, 1, true);
   world->run_for(60s);
-  const auto told = convoys_told(*world);
-  ASSERT_FALSE(told.empty());
-  EXPECT_THAT(told.front().text, ::testing::MatchesRegex("convoy of [23] through X[1-4] and X[1-4], behind "
+  const auto reported = convoy_traces(*world);
+  ASSERT_FALSE(reported.empty());
+  EXPECT_THAT(reported.front().text, ::testing::MatchesRegex("convoy of [23] through X[1-4] and X[1-4], behind "
                                                          "CoSiVA/AIV[0-9]+"));
 }
 
@@ -104,11 +104,11 @@ TEST(Convoys, stand_behind_one_that_is_stopped_in_the_crossing_and_go_on_with_it
   const auto world = fleet_of(12, 1, true);
   int stopped = 0;
   for (int i = 0; i < 600 && stopped < 5; ++i) {
-    const std::size_t before = convoys_told(*world).size();
+    const std::size_t before = convoy_traces(*world).size();
     world->run_for(100ms);
-    const auto told = convoys_told(*world);
-    if (told.size() == before) continue;
-    const std::string leader = told.back().text.substr(told.back().text.rfind(' ') + 1);
+    const auto reported = convoy_traces(*world);
+    if (reported.size() == before) continue;
+    const std::string leader = reported.back().text.substr(reported.back().text.rfind(' ') + 1);
     world->command_server(R"({"command":"stop","vehicle":")" + leader + "\"}");
     world->run_for(6s);
     EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty()) << leader;
@@ -130,7 +130,7 @@ TEST(Convoys, touch_nobody_among_persons_stops_and_lost_messages) {
     for (int s = 0; s < 180; ++s) unrest.second();
     unrest.end();
     world->run_for(30s);
-    EXPECT_FALSE(convoys_told(*world).empty());
+    EXPECT_FALSE(convoy_traces(*world).empty());
     EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty()) << seed;
     EXPECT_EQ(testing::deadlock_metrics(*world).open, 0.0) << seed;
   }
@@ -144,9 +144,9 @@ TEST(Convoys, of_physical_and_virtual_AIVs_mixed_touch_nobody) {
     world->run_for(5s);
   }
   world->run_for(90s);
-  const auto told = convoys_told(*world);
-  ASSERT_FALSE(told.empty());
-  for (const Told& one : told) {
+  const auto reported = convoy_traces(*world);
+  ASSERT_FALSE(reported.empty());
+  for (const ConvoyTrace& one : reported) {
     if (one.who.starts_with("CoSiVA.virtual")) continue;
     EXPECT_THAT(one.text, ::testing::Not(::testing::HasSubstr("CoSiVA.virtual"))) << one.who << " has no eyes for it";
   }

@@ -45,10 +45,10 @@ double total_distance_m(const World& world) {
 
 /// So many intents that others near could hear were published.
 struct Talk {
-  std::size_t said{0};
+  std::size_t published{0};
   explicit Talk(World& world) {
     world.tap([this](SimTime, const std::string&, const wire::Publish& publish) {
-      if (publish.topic.starts_with(wire::v2x_topic_prefix)) ++said;
+      if (publish.topic.starts_with(wire::v2x_topic_prefix)) ++published;
     });
   }
 };
@@ -97,9 +97,9 @@ TEST(V2x, goes_on_without_the_server_and_needs_no_broker_to_be_safe) {
   world->run_for(20s);
   world->kill_server();
   world->run_for(2s);
-  const std::size_t before = talk.said;
+  const std::size_t before = talk.published;
   world->run_for(5s);
-  EXPECT_GT(talk.said, before + 8 * 5) << "they stand and still say where";
+  EXPECT_GT(talk.published, before + 8 * 5) << "they stand and still say where";
   for (std::uint32_t number = 1; number <= 8; ++number) {
     const std::string radio = R"({"vehicle":"CoSiVA/AIV)" + std::to_string(number) + R"(","loss":1})";
     world->publish({std::string(wire::plant_radio_topic), radio, 1, false});
@@ -142,15 +142,15 @@ TEST(V2x, of_a_liar_endangers_nobody_and_stops_nobody_for_good) {
 
 TEST(V2x, reaches_virtual_AIVs_too) {
   const auto world = world_of({.aivs = 2});
-  std::size_t said = 0;
+  std::size_t published = 0;
   world->tap([&](SimTime, const std::string&, const wire::Publish& publish) {
     const auto topic = wire::parse_v2x_topic(publish.topic);
-    if (topic && topic->vehicle.serial_number == "V1") ++said;
+    if (topic && topic->vehicle.serial_number == "V1") ++published;
   });
   world->run_for(10s);
   world->command_server(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V1"}})");
   world->run_for(10s);
-  EXPECT_GT(said, 15U) << "it hears the others, so it speaks more than once a second";
+  EXPECT_GT(published, 15U) << "it hears the others, so it speaks more than once a second";
 }
 
 TEST(V2x, switched_off_is_silent_and_everybody_drives_on) {
@@ -162,7 +162,7 @@ TEST(V2x, switched_off_is_silent_and_everybody_drives_on) {
   Talk talk{*world};
   world->command_server(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V1"}})");
   world->run_for(40s);
-  EXPECT_EQ(talk.said, 0U);
+  EXPECT_EQ(talk.published, 0U);
   expect_nobody_touches(*world, "in silence");
   for (const auto& v : world->plant().vehicles()) EXPECT_GT(v.distance_m, 5.0) << "AIV" << v.number;
 }

@@ -174,11 +174,11 @@ struct World::Impl {
     actor.alive = false;
     finished.add(actor.runner->digest().value());
     network.break_connection(now, actor.client);
-    if (id >= first_aiv_id) tell_ports(id, plant_id, "down");
+    if (id >= first_aiv_id) notify_ports(id, plant_id, "down");
   }
 
   /// Tells `to` that the byte streams of an AIV's boards came or went.
-  void tell_ports(ActorId aiv, ActorId to, const char* what) {
+  void notify_ports(ActorId aiv, ActorId to, const char* what) {
     const auto number = static_cast<std::uint32_t>(aiv - first_aiv_id + 1);
     for (const wire::Board board : wire::all_boards) {
       feed(to, wire::InputKind::port, wire::port_name(number, board), what);
@@ -201,8 +201,8 @@ struct World::Impl {
     }
     std::string configuration = aiv::to_json(onboard);
     start(id, std::make_unique<aiv::OnboardCore>(std::move(onboard)), "aiv", std::move(configuration));
-    tell_ports(id, plant_id, "up");
-    tell_ports(id, id, "up");
+    notify_ports(id, plant_id, "up");
+    notify_ports(id, id, "up");
   }
 
   void start_server() {
@@ -268,7 +268,7 @@ struct World::Impl {
     for (ActorId id = 0; id < actors.size(); ++id) {
       if (actors[id].alive && actors[id].client == delivery.to) {
         act(id, actors[id].runner->feed({now, wire::InputKind::message, std::move(delivery.topic),
-                                         std::move(delivery.payload), delivery.retained, std::move(delivery.said)}));
+                                         std::move(delivery.payload), delivery.retained, std::move(delivery.typed)}));
         return;
       }
     }

@@ -29,7 +29,7 @@ struct WorldOptions {
   bool v2x{true};         ///< likewise
   virtual_side::ServerOptions server;
   /// Orders and what vehicles say often are passed on as values, and nobody writes or reads their texts
-  /// (wire/in_process/said.h): the same run, to the last bit of everybody's state, in three fifths of the time. A tap
+  /// (wire/in_process/typed_message.h): the same run, to the last bit of everybody's state, in three fifths of the time. A tap
   /// sees such messages without their text.
   bool as_values{false};
   /// Everybody acts once in so long: the plant and its boards, then the vehicles, then the server, one after another

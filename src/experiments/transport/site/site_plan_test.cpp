@@ -42,7 +42,7 @@ TEST(SitePlan, of_a_list_joins_each_zone_with_the_next_and_back) {
 
 struct Bad {
   const char* text;
-  const char* says;
+  const char* message;
 };
 class BadSitePlan : public testing::TestWithParam<Bad> {};
 
@@ -50,7 +50,7 @@ TEST_P(BadSitePlan, is_refused_with_the_file_the_line_and_what_is_wrong) {
   const auto plan = read_site_plan(GetParam().text, "site.toml");
   ASSERT_FALSE(plan);
   EXPECT_NE(to_string(plan.error()).find("site.toml"), std::string::npos) << to_string(plan.error());
-  EXPECT_NE(to_string(plan.error()).find(GetParam().says), std::string::npos) << to_string(plan.error());
+  EXPECT_NE(to_string(plan.error()).find(GetParam().message), std::string::npos) << to_string(plan.error());
 }
 INSTANTIATE_TEST_SUITE_P(
     Files, BadSitePlan,

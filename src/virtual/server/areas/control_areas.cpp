@@ -57,7 +57,7 @@ void ControlAreas::overhear(Vehicle& vehicle, std::string_view topic, const wire
 
 void ControlAreas::link_up() {
   for (auto& [name, vehicle] : vehicles_) {
-    vehicle.owner_heard = false;
+    vehicle.owner_received = false;
     vehicle.pose.reset();
     vehicle.claimed_at.reset();
   }

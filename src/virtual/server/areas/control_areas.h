@@ -33,7 +33,7 @@ class ControlAreas {
   struct Vehicle {
     wire::VehicleId id;
     std::optional<wire::Owner> owner;  ///< the last that was heard; nothing: it is nobody's
-    bool owner_heard{false};           ///< since our link came up
+    bool owner_received{false};           ///< since our link came up
     std::optional<wire::Input> connection;
     std::optional<wire::Input> factsheet;
     std::optional<Pose2> pose;  ///< as long as it is nobody's

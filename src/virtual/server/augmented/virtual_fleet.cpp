@@ -4,7 +4,7 @@
 #include <utility>
 #include <variant>
 
-#include "cosiva/wire/vda5050/said.h"
+#include "cosiva/wire/vda5050/typed_messages.h"
 
 namespace cosiva::virtual_side {
 void VirtualFleet::send(Host& host) {
@@ -86,7 +86,7 @@ bool VirtualFleet::from_broker(SimTime now, const wire::Input& input) {
   for (Host& host : hosts_) {
     const AivProxy& proxy = registry_[host.vehicle];
     if (input.source != proxy.order_topic && input.source != proxy.actions_topic) continue;
-    const std::string payload = input.said ? wire::vda5050::text_of(*input.said) : input.payload;
+    const std::string payload = input.typed ? wire::vda5050::text_of(*input.typed) : input.payload;
     host.aiv.message(now, input.source, payload, effects_);
     send(host);
     return true;
@@ -95,12 +95,12 @@ bool VirtualFleet::from_broker(SimTime now, const wire::Input& input) {
 }
 
 void VirtualFleet::talk(SimTime now, const wire::Input& input) {
-  const auto* intent = wire::said<wire::Intent>(input.said);
+  const auto* intent = wire::typed<wire::Intent>(input.typed);
   const std::string payload = intent == nullptr ? input.payload : wire::to_json(*intent);
   for (Host& host : hosts_) {
-    const bool hears = std::ranges::any_of(
+    const bool receives = std::ranges::any_of(
         host.listens, [&](const std::string& filter) { return wire::topic_matches(filter, input.source); });
-    if (!hears) continue;
+    if (!receives) continue;
     host.aiv.message(now, input.source, payload, effects_);
     send(host);
   }

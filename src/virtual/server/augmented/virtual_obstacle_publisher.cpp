@@ -45,7 +45,7 @@ std::optional<Pose2> VirtualObstaclePublisher::pose_of(VehicleIndex vehicle) con
   return simulator_.image(*proxy.twin, publisher_.now()).X_MB;
 }
 
-bool VirtualObstaclePublisher::can_hear(VehicleIndex vehicle) const {
+bool VirtualObstaclePublisher::can_receive(VehicleIndex vehicle) const {
   const AivProxy& proxy = registry_[vehicle];
   return fleet_.find(vehicle) != nullptr ||
          (proxy.here() && proxy.online() && proxy.position_known && !proxy.handed_over);
@@ -97,10 +97,10 @@ void VirtualObstaclePublisher::update() {
   busy_ = false;
   gather();
   for (VehicleIndex v = 0; v < viewers_.size(); ++v) {
-    if (can_hear(v)) survey_neighbours(v);
+    if (can_receive(v)) survey_neighbours(v);
     // One that is away is told when it is back.
     const Viewer& viewer = viewers_[v];
-    busy_ = busy_ || !viewer.told.empty() || viewer.empties > 0 || !viewer.perceives.empty() ||
+    busy_ = busy_ || !viewer.commanded.empty() || viewer.empties > 0 || !viewer.perceives.empty() ||
             registry_[v].paused_for_body;
   }
 }
@@ -134,17 +134,17 @@ void VirtualObstaclePublisher::survey_neighbours(VehicleIndex vehicle) {
   Viewer& viewer = viewers_[vehicle];
   const SimTime now = publisher_.now();
   pick(vehicle, *X_MB);
-  if (sent_objects_ != viewer.told) {
+  if (sent_objects_ != viewer.commanded) {
     record_change(viewer);
-    tell(vehicle, viewer);
+    send(vehicle, viewer);
   } else if (now >= viewer.due && (!near_.empty() || viewer.empties > 0)) {
     if (near_.empty()) --viewer.empties;
-    tell(vehicle, viewer);
+    send(vehicle, viewer);
   }
   if (near_.empty() && viewer.empties == 0 && now - viewer.due > perceived_max) viewer.perceives.clear();
 
   // One that was paused before a restart of the server stays so until it answers.
-  const bool given_up = viewer.unanswered >= unanswered_max && now - viewer.first_told >= response_timeout;
+  const bool given_up = viewer.unanswered >= unanswered_max && now - viewer.first_sent >= response_timeout;
   // Its answer may be lost; but who tells of its boards runs our program, which feels.
   const AivProxy& proxy = registry_[vehicle];
   const bool is_cosiva = viewer.acknowledged || proxy.augmented || proxy.boards;
@@ -163,15 +163,15 @@ void VirtualObstaclePublisher::record_change(Viewer& viewer) {
   Change change{viewer.next_id, publisher_.now(), false, {}};
   for (const Present* present : near_) {
     const SentObject fiducial{present->handle, present->changed};
-    if (!std::ranges::binary_search(viewer.told, fiducial)) change.came.push_back(present->body.id);
+    if (!std::ranges::binary_search(viewer.commanded, fiducial)) change.came.push_back(present->body.id);
   }
   if (viewer.changes.size() >= changes_max) viewer.changes.erase(viewer.changes.begin());
   viewer.changes.push_back(std::move(change));
   viewer.empties = sent_objects_.empty() ? empty_last - 1 : 0;
-  viewer.told = sent_objects_;
+  viewer.commanded = sent_objects_;
 }
 
-void VirtualObstaclePublisher::tell(VehicleIndex vehicle, Viewer& viewer) {
+void VirtualObstaclePublisher::send(VehicleIndex vehicle, Viewer& viewer) {
   const SimTime now = publisher_.now();
   const AivProxy& proxy = registry_[vehicle];
   viewer.sent[viewer.next_id % sent_kept] = now;
@@ -187,7 +187,7 @@ void VirtualObstaclePublisher::tell(VehicleIndex vehicle, Viewer& viewer) {
   traces_.add(now, "AIV_Server", proxy.name, "virtual_obstacles", summary, topic, payload);
   viewer.due = now + period;
   if (!near_.empty()) {
-    if (viewer.unanswered++ == 0) viewer.first_told = now;
+    if (viewer.unanswered++ == 0) viewer.first_sent = now;
   }
   if (fleet_.find(vehicle) != nullptr)
     fleet_.message(now, vehicle, topic, payload);
@@ -228,7 +228,7 @@ void VirtualObstaclePublisher::measure(Viewer& viewer, const wire::VirtualObstac
 void VirtualObstaclePublisher::fold(Digest& digest) const {
   for (const Viewer& viewer : viewers_) {
     digest.add(std::uint64_t{viewer.next_id});
-    digest.add(static_cast<std::uint64_t>(viewer.told.size()));
+    digest.add(static_cast<std::uint64_t>(viewer.commanded.size()));
     digest.add(std::string_view{viewer.perceives});
   }
 }

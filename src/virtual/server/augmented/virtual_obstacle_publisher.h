@@ -77,24 +77,24 @@ class VirtualObstaclePublisher {
   struct Viewer {
     std::uint32_t next_id{0};
     std::array<SimTime, sent_kept> sent{};  ///< by header id, modulo
-    std::vector<SentObject> told;           ///< sorted
+    std::vector<SentObject> commanded;           ///< sorted
     SimTime due{};
     int empties{0};
     std::vector<Change> changes;  ///< the last few
     bool acknowledged{false};
     std::uint32_t unanswered{0};
-    SimTime first_told{};
+    SimTime first_sent{};
     std::string perceives;
   };
 
   void gather();
   void gather_vehicles();
   [[nodiscard]] std::optional<Pose2> pose_of(VehicleIndex vehicle) const;
-  [[nodiscard]] bool can_hear(VehicleIndex vehicle) const;
+  [[nodiscard]] bool can_receive(VehicleIndex vehicle) const;
   void survey_neighbours(VehicleIndex vehicle);
   void pick(VehicleIndex vehicle, const Pose2& X_MB);
   void record_change(Viewer& viewer);
-  void tell(VehicleIndex vehicle, Viewer& viewer);
+  void send(VehicleIndex vehicle, Viewer& viewer);
   void measure(Viewer& viewer, const wire::VirtualObstaclesAck& perceived, SimTime decided, bool begins_to_brake);
 
   Registry& registry_;

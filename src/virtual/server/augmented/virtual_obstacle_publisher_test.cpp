@@ -57,14 +57,14 @@ class VirtualObstaclesFixture : public testing::Test {
 
 TEST_F(VirtualObstaclesFixture, tells_of_a_body_in_the_same_call_in_which_it_came) {
   add_person(1.2, 0.0);
-  const auto told = aheads();
-  ASSERT_THAT(told, SizeIs(1));
-  EXPECT_EQ(told[0].map_id, "oval");
-  EXPECT_EQ(told[0].timestamp, fixture.now);
-  ASSERT_THAT(told[0].bodies, SizeIs(1));
-  EXPECT_EQ(told[0].bodies[0].id, "P1");
-  EXPECT_EQ(told[0].bodies[0].kind, "person");
-  EXPECT_EQ(told[0].bodies[0].radius_m, 0.06);
+  const auto commanded = aheads();
+  ASSERT_THAT(commanded, SizeIs(1));
+  EXPECT_EQ(commanded[0].map_id, "oval");
+  EXPECT_EQ(commanded[0].timestamp, fixture.now);
+  ASSERT_THAT(commanded[0].bodies, SizeIs(1));
+  EXPECT_EQ(commanded[0].bodies[0].id, "P1");
+  EXPECT_EQ(commanded[0].bodies[0].kind, "person");
+  EXPECT_EQ(commanded[0].bodies[0].radius_m, 0.06);
   EXPECT_EQ(fixture.published_on("cosiva/v1/virtual_obstacles/CoSiVA/AIV1")[0].qos, 0);
   EXPECT_FALSE(fixture.published_on("cosiva/v1/virtual_obstacles/CoSiVA/AIV1")[0].retained);
 }
@@ -77,9 +77,9 @@ TEST_F(VirtualObstaclesFixture, repeats_it_every_100_ms_and_says_five_times_that
   remove("P1");
   ASSERT_THAT(aheads(), SizeIs(1)) << "at once";
   fixture.run_for(2s);
-  const auto told = aheads();
-  EXPECT_THAT(told, SizeIs(5));
-  for (const wire::VirtualObstacles& ahead : told) EXPECT_THAT(ahead.bodies, IsEmpty());
+  const auto commanded = aheads();
+  EXPECT_THAT(commanded, SizeIs(5));
+  for (const wire::VirtualObstacles& ahead : commanded) EXPECT_THAT(ahead.bodies, IsEmpty());
 }
 
 TEST_F(VirtualObstaclesFixture, tells_at_once_when_a_body_leaps_and_carries_its_motion) {
@@ -87,17 +87,17 @@ TEST_F(VirtualObstaclesFixture, tells_at_once_when_a_body_leaps_and_carries_its_
   fixture.run_for(50ms);
   fixture.published.clear();
   fixture.ask(R"({"command":"move","virtualObject":{"id":"P1","path":[[1.4,0.0],[1.4,1.0]],"speed":0.5}})");
-  const auto told = aheads();
-  ASSERT_THAT(told, SizeIs(1));
-  EXPECT_NEAR(told[0].bodies[0].vy_mps, 0.5, 1e-9);
-  EXPECT_NEAR(told[0].bodies[0].x_m, 1.4, 1e-9);
+  const auto commanded = aheads();
+  ASSERT_THAT(commanded, SizeIs(1));
+  EXPECT_NEAR(commanded[0].bodies[0].vy_mps, 0.5, 1e-9);
+  EXPECT_NEAR(commanded[0].bodies[0].x_m, 1.4, 1e-9);
 }
 
 TEST_F(VirtualObstaclesFixture, counts_its_headers_up_by_one) {
   add_person(1.2, 0.0);
   fixture.run_for(500ms);
-  const auto told = aheads();
-  for (std::size_t i = 1; i < told.size(); ++i) EXPECT_EQ(told[i].header_id, told[i - 1].header_id + 1);
+  const auto commanded = aheads();
+  for (std::size_t i = 1; i < commanded.size(); ++i) EXPECT_EQ(commanded[i].header_id, commanded[i - 1].header_id + 1);
 }
 
 TEST_F(VirtualObstaclesFixture, does_not_tell_of_what_is_far_or_wholly_behind) {
@@ -105,10 +105,10 @@ TEST_F(VirtualObstaclesFixture, does_not_tell_of_what_is_far_or_wholly_behind) {
   add_person(0.5, 1.4, "left");      // beside it
   add_person(2.45, -0.45, "ahead");  // 2.0 m from the middle, by its edge
   add_person(1.0, 2.0, "far");       // 2.06 m less its radius is beyond… 2.0 m
-  const auto told = aheads();
-  ASSERT_FALSE(told.empty());
+  const auto commanded = aheads();
+  ASSERT_FALSE(commanded.empty());
   std::vector<std::string> ids;
-  for (const wire::Body& body : told.back().bodies) ids.push_back(body.id);
+  for (const wire::Body& body : commanded.back().bodies) ids.push_back(body.id);
   EXPECT_THAT(ids, ElementsAre("left", "ahead")) << "nearest first";
 }
 
@@ -204,12 +204,12 @@ TEST_F(VirtualObstaclesFixture, ignores_answers_to_what_it_never_said) {
 TEST_F(VirtualObstaclesFixture, tells_a_virtual_aiv_of_physical_vehicles_and_the_others_of_it) {
   fixture.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"south","s":1.4}})");
   fixture.run_for(200ms);
-  const auto told = aheads();
-  ASSERT_FALSE(told.empty());
-  EXPECT_EQ(told.front().bodies[0].id, "CoSiVA.virtual/V1");
-  EXPECT_EQ(told.front().bodies[0].kind, "aiv");
-  EXPECT_NEAR(told.front().bodies[0].length_m, 0.08, 1e-12) << "0.20 m long, 0.12 m wide";
-  EXPECT_NEAR(told.front().bodies[0].radius_m, 0.06, 1e-12);
+  const auto commanded = aheads();
+  ASSERT_FALSE(commanded.empty());
+  EXPECT_EQ(commanded.front().bodies[0].id, "CoSiVA.virtual/V1");
+  EXPECT_EQ(commanded.front().bodies[0].kind, "aiv");
+  EXPECT_NEAR(commanded.front().bodies[0].length_m, 0.08, 1e-12) << "0.20 m long, 0.12 m wide";
+  EXPECT_NEAR(commanded.front().bodies[0].radius_m, 0.06, 1e-12);
   EXPECT_THAT(fixture.published_on("cosiva/v1/virtual_obstacles/CoSiVA.virtual/V1"), IsEmpty())
       << "it is told within the server";
   const JsonValue traces = *JsonValue::parse(fixture.server->traces_json(1, 2000));

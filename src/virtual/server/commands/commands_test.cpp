@@ -28,7 +28,7 @@ class CommandFixture : public testing::Test {
     wire::Factsheet sheet;
     sheet.header = aiv.header(fixture.now, 0);
     for (const std::string& type : types) sheet.actions.push_back({type, "", true, false, false, {}});
-    fixture.tell(aiv, "factsheet", vda::encode(sheet), true);
+    fixture.send(aiv, "factsheet", vda::encode(sheet), true);
   }
 
   ServerFixture fixture;
@@ -71,9 +71,9 @@ TEST_F(CommandFixture, limit_holds_one_vehicle_under_a_speed_of_its_own_until_re
   EXPECT_EQ(state_of("c1"), "materialised");
   EXPECT_NEAR(aiv.speed_mps, 0.12, 1e-9);
   EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").number("speedLimit"), 0.12);
-  const wire::Action& told = aiv.actions.back().actions.front();
-  EXPECT_EQ(told.action_type, "setSpeedLimit");
-  EXPECT_EQ(told.number("maxSpeed"), 0.12);
+  const wire::Action& commanded = aiv.actions.back().actions.front();
+  EXPECT_EQ(commanded.action_type, "setSpeedLimit");
+  EXPECT_EQ(commanded.number("maxSpeed"), 0.12);
   fixture.command("restart", "CoSiVA/AIV1", "c2");
   fixture.run_for(2s);
   EXPECT_EQ(state_of("c2"), "materialised");

@@ -6,7 +6,7 @@
 
 #include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
-#include "cosiva/wire/in_process/said.h"
+#include "cosiva/wire/in_process/typed_message.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -77,7 +77,7 @@ bool OwnReports::is_vehicle(VehicleIndex observer, Point2 p, double radius_m, Si
 }
 
 void OwnReports::on_detected(VehicleIndex vehicle, const wire::Input& input) {
-  const auto message = wire::heard_detected(input);
+  const auto message = wire::detected_obstacle_from(input);
   if (!message) return checks_.refuse(vehicle, VehicleTopic::detected, input, message.error());
   AivProxy& proxy = context_.registry[vehicle];
   if (!take_stamp(proxy, proxy.detected_stamp, message->timestamp)) return;
@@ -145,7 +145,7 @@ void OwnReports::clear_through(VehicleIndex vehicle, const wire::Ranges& ranges)
 }
 
 void OwnReports::on_boards(VehicleIndex vehicle, const wire::Input& input) {
-  auto report = wire::heard_boards_report(input);
+  auto report = wire::boards_report_from(input);
   if (!report) return checks_.refuse(vehicle, VehicleTopic::boards, input, report.error());
   AivProxy& proxy = context_.registry[vehicle];
   if (!take_stamp(proxy, proxy.boards_stamp, report->timestamp)) return;

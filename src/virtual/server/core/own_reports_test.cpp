@@ -21,9 +21,9 @@ class DetectionFixture : public testing::Test {
   void see(const FixtureVehicle& vehicle, std::optional<wire::DetectedObstacleReport::Obstacle> obstacle,
            double clear_m = 0.8) {
     wire::DetectedObstacleReport detected{0, fixture.now - 20ms, "oval", obstacle, clear_m};
-    say(vehicle, wire::to_json(detected));
+    publish(vehicle, wire::to_json(detected));
   }
-  void say(const FixtureVehicle& vehicle, std::string payload, bool retained = false) {
+  void publish(const FixtureVehicle& vehicle, std::string payload, bool retained = false) {
     fixture.feed(wire::InputKind::message, "cosiva/v1/detected_obstacle/" + wire::to_string(vehicle.id),
                  std::move(payload), retained);
   }
@@ -72,9 +72,9 @@ TEST_F(DetectionFixture, another_vehicle_is_no_obstacle_where_it_was_when_it_was
   fixture.run_for(500ms);
   ASSERT_GT(other.pose().x_m - 0.10 - tail_then_m, 0.22);
   const wire::DetectedObstacleReport::Obstacle obstacle{tail_then_m, 0.0, 0.05, 0.3};
-  say(aiv, wire::to_json(wire::DetectedObstacleReport{0, at_then, "oval", obstacle, 0.3}));
+  publish(aiv, wire::to_json(wire::DetectedObstacleReport{0, at_then, "oval", obstacle, 0.3}));
   EXPECT_THAT(obstacles(), IsEmpty());
-  say(aiv, wire::to_json(wire::DetectedObstacleReport{1, fixture.now, "oval", obstacle, 0.3}));
+  publish(aiv, wire::to_json(wire::DetectedObstacleReport{1, fixture.now, "oval", obstacle, 0.3}));
   EXPECT_THAT(obstacles(), SizeIs(1)) << "what is seen now where it was then is something else";
 }
 
@@ -112,20 +112,20 @@ TEST_F(DetectionFixture, virtual_aivs_feel_what_a_physical_one_saw_and_do_not_ma
 TEST_F(DetectionFixture, of_another_map_late_or_broken_ones_count_for_nothing) {
   wire::DetectedObstacleReport elsewhere{0, fixture.now, "moon",
                                          wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4}, 0.4};
-  say(aiv, wire::to_json(elsewhere));
+  publish(aiv, wire::to_json(elsewhere));
   EXPECT_THAT(obstacles(), IsEmpty());
   wire::DetectedObstacleReport late{0, fixture.now - 1s, "oval",
                                     wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4}, 0.4};
-  say(aiv, wire::to_json(late));
+  publish(aiv, wire::to_json(late));
   EXPECT_THAT(obstacles(), IsEmpty());
   fixture.logs.clear();
-  say(aiv, "{}");
-  say(aiv, "rubbish");
-  say(aiv, std::string(20'000, ' '));
+  publish(aiv, "{}");
+  publish(aiv, "rubbish");
+  publish(aiv, std::string(20'000, ' '));
   EXPECT_THAT(fixture.logs, SizeIs(1)) << "said once; the rest is counted";
   wire::DetectedObstacleReport retained{0, fixture.now, "oval",
                                         wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4}, 0.4};
-  say(aiv, wire::to_json(retained), true);
+  publish(aiv, wire::to_json(retained), true);
   EXPECT_THAT(obstacles(), IsEmpty());
   const JsonValue summary = *JsonValue::parse(fixture.server->summary_json());
   EXPECT_EQ(*summary.find("aivs")->array()->front().number("refused"), 4.0);
@@ -156,13 +156,13 @@ TEST_F(DetectionFixture, boards_power_and_ranges_stand_in_the_snapshot_and_are_t
   wire::BoardsReport report{1, fixture.now, {{wire::Board::PILS, "ok", 0x1a2b3cU, 1200, 61'000, 1, 2, 0}}, {}, {}};
   report.power = wire::Power{12'100, 400, 240, 870};
   report.ranges = wire::Ranges{0, -50, 10, {400, wire::no_echo}};
-  const auto say_boards = [&] {
+  const auto publish_boards = [&] {
     fixture.feed(wire::InputKind::message, "cosiva/v1/boards/CoSiVA/AIV1", wire::to_json(report));
     fixture.now += 500ms;
     ++report.header_id;
     report.timestamp = fixture.now;
   };
-  say_boards();
+  publish_boards();
   const JsonValue shown = fixture.aiv("CoSiVA/AIV1");
   const JsonValue& board = shown.find("boards")->array()->front();
   EXPECT_EQ(board.text("board"), "PILS");
@@ -176,14 +176,14 @@ TEST_F(DetectionFixture, boards_power_and_ranges_stand_in_the_snapshot_and_are_t
   EXPECT_DOUBLE_EQ(*shown.find("ranges")->number("first"), -0.5);
   EXPECT_DOUBLE_EQ(*(*shown.find("ranges")->find("m")->array())[0].number(), 0.4);
   EXPECT_TRUE((*shown.find("ranges")->find("m")->array())[1].is_null());
-  say_boards();
+  publish_boards();
   report.boards[0].health = "lost";
-  say_boards();
+  publish_boards();
   const JsonValue traces = *JsonValue::parse(fixture.server->traces_json(1, 2000));
-  std::vector<std::string> said;
+  std::vector<std::string> published;
   for (const JsonValue& trace : *traces.find("traces")->array())
-    if (trace.text("kind") == "boards") said.push_back(*trace.text("content"));
-  EXPECT_THAT(said, testing::ElementsAre("PILS ok", "PILS lost"));
+    if (trace.text("kind") == "boards") published.push_back(*trace.text("content"));
+  EXPECT_THAT(published, testing::ElementsAre("PILS ok", "PILS lost"));
 }
 
 TEST_F(DetectionFixture, it_vanishes_when_anybody_looks_through_its_place) {

@@ -40,9 +40,9 @@ bool Ownership::receive(const wire::Input& input) {
   }
   if (const auto topic = wire::parse_area_topic(input.source)) {
     if (topic->area == context_.areas.own()) return !input.source.starts_with(context_.topics.zone_prefix);
-    if (const auto heard = context_.areas.on_area(*topic, input); !heard)
+    if (const auto received = context_.areas.on_area(*topic, input); !received)
       context_.publisher.log('w', "the zone of control area '" + std::string(topic->area) +
-                                      "' cannot be used, so no vehicle is sent there: " + to_string(heard.error()));
+                                      "' cannot be used, so no vehicle is sent there: " + to_string(received.error()));
     return true;
   }
   std::optional<wire::VehicleId> id;
@@ -82,7 +82,7 @@ void Ownership::on_owner(const wire::VehicleId& id, const wire::Input& input) {
                       input.source, input.payload);
   const bool was_own = context_.areas.owns(id);
   vehicle->owner = std::move(now_owner);
-  vehicle->owner_heard = true;
+  vehicle->owner_received = true;
   vehicle->claimed_at.reset();
   vehicle->pose.reset();
   const bool is_own = context_.areas.owns(id);
@@ -142,7 +142,7 @@ void Ownership::publish_lost_owners() {
   for (const auto& [name, vehicle] : context_.areas.vehicles()) {
     const auto index = context_.registry.find(name);
     if (index) context_.registry[*index].handed_over.reset();
-    if (context_.areas.owns(vehicle.id) && !vehicle.owner_heard)
+    if (context_.areas.owns(vehicle.id) && !vehicle.owner_received)
       publish_owner(vehicle, {context_.areas.own(), 0, context_.now,
                               index ? context_.registry[*index].reported : std::nullopt, std::nullopt});
   }

@@ -86,7 +86,7 @@ class ControlAreasFixture {
     queue_.push_back(std::move(message));
     flush();
   }
-  void say_owner(const std::string& area) {
+  void publish_owner(const std::string& area) {
     publish({"cosiva/v1/owner/" + aiv1, wire::to_json({area, 50, now, std::nullopt, std::nullopt}), 1, true});
   }
   void ask(const std::string& area, const std::string& json) {
@@ -103,7 +103,7 @@ class ControlAreasFixture {
   [[nodiscard]] std::string refusal_to_go(const std::string& area, const std::string& to) {
     return refusal(area, R"({"command":"go","vehicle":")" + aiv1 + R"(","to":")" + to + "\"}");
   }
-  void hear_again(const std::string& area) {
+  void receive_again(const std::string& area) {
     Server& server = servers[area];
     server.deaf_to_owners = false;
     for (const wire::Publish& message : std::exchange(server.waiting, {})) deliver(server, message, false);
@@ -156,7 +156,7 @@ class ControlAreasFixture {
       return p.topic == "uagv/v2/" + aiv1 + "/order" || p.topic == "uagv/v2/" + aiv1 + "/instantActions";
     }));
   }
-  [[nodiscard]] std::vector<std::string> halls_said() const {
+  [[nodiscard]] std::vector<std::string> published_areas() const {
     std::vector<std::string> areas;
     for (const wire::Owner& owner : owners) areas.push_back(owner.area);
     return areas;
@@ -217,7 +217,7 @@ TEST(ControlAreas, claim_a_vehicle_that_is_nobody_s_where_it_stands_and_only_the
   fixture.run_for(900ms);
   EXPECT_THAT(fixture.owners, IsEmpty()) << "whose it is may yet be heard";
   fixture.run_for(600ms);
-  ASSERT_THAT(fixture.halls_said(), ElementsAre("a"));
+  ASSERT_THAT(fixture.published_areas(), ElementsAre("a"));
   EXPECT_EQ(fixture.owners[0].sequence, 1U);
   EXPECT_NEAR(fixture.owners[0].pose->x_m, 0.3, 1e-9);
   EXPECT_TRUE(fixture.kept.contains("cosiva/v1/owner/" + aiv1));
@@ -241,9 +241,9 @@ TEST(ControlAreas, leave_a_vehicle_alone_whose_owner_is_heard_late) {
   ControlAreasFixture fixture{{"a"}};
   fixture.in_a();
   fixture.run_for(800ms);
-  fixture.say_owner("b");
+  fixture.publish_owner("b");
   fixture.run_for(5s);
-  EXPECT_THAT(fixture.halls_said(), ElementsAre("b")) << "its server is away, and it is its all the same";
+  EXPECT_THAT(fixture.published_areas(), ElementsAre("b")) << "its server is away, and it is its all the same";
   EXPECT_THAT(fixture.table("a"), IsEmpty());
   EXPECT_EQ(fixture.sent("a"), 0U);
 }
@@ -252,13 +252,13 @@ TEST(ControlAreas, agree_on_the_last_message_where_two_claim_at_once) {
   ControlAreasFixture fixture;
   fixture.add("AIV1", {1.6, 0.0, 0.0});  // in the gate
   fixture.run_for(2s);
-  ASSERT_THAT(fixture.halls_said(), ElementsAre("a", "b")) << "neither has heard the other before it spoke";
+  ASSERT_THAT(fixture.published_areas(), ElementsAre("a", "b")) << "neither has heard the other before it spoke";
   EXPECT_THAT(fixture.table("a"), IsEmpty());
   EXPECT_THAT(fixture.table("b"), ElementsAre(aiv1));
   const std::size_t by_a = fixture.sent("a");
   fixture.run_for(5s);
   EXPECT_EQ(fixture.sent("a"), by_a);
-  EXPECT_THAT(fixture.halls_said(), SizeIs(2)) << "and leave it at that";
+  EXPECT_THAT(fixture.published_areas(), SizeIs(2)) << "and leave it at that";
 }
 
 TEST(ControlAreas, hand_a_vehicle_over_where_they_meet_and_it_is_in_exactly_one_table_throughout) {
@@ -276,7 +276,7 @@ TEST(ControlAreas, hand_a_vehicle_over_where_they_meet_and_it_is_in_exactly_one_
     both += tables == 2 ? 1 : 0;
   };
   ASSERT_TRUE(fixture.run_until([&] { return !fixture.table("b").empty(); }, 60s));
-  EXPECT_EQ(fixture.halls_said().at(1), "b");
+  EXPECT_EQ(fixture.published_areas().at(1), "b");
   ASSERT_TRUE(fixture.owners[1].mission);
   EXPECT_EQ(fixture.owners[1].mission->name, "rack_b");
   EXPECT_EQ(fixture.owners[1].sequence, 2U);
@@ -319,14 +319,14 @@ TEST(ControlAreas, have_the_twin_as_soon_as_the_message_is_heard_and_send_nothin
   EXPECT_THAT(fixture.table("a"), ElementsAre(aiv1)) << "nothing has come of it in a second: it is still a's";
   EXPECT_EQ(fixture.sent("b"), 0U);
 
-  fixture.hear_again("b");
+  fixture.receive_again("b");
   const JsonValue twin = fixture.aiv("b");
   ASSERT_TRUE(twin.text("id")) << "before it has reported";
   EXPECT_NEAR(*twin.number("x"), aiv.pose().x_m, 0.01);
   EXPECT_NEAR(*twin.number("y"), aiv.pose().y_m, 0.01);
   EXPECT_EQ(twin.text("section"), "gate");
   EXPECT_EQ(fixture.mission("b"), "rack_b, driving");
-  fixture.hear_again("a");
+  fixture.receive_again("a");
   EXPECT_THAT(fixture.table("a"), IsEmpty());
   ASSERT_TRUE(fixture.run_until([&] { return fixture.mission("b") == "rack_b, arrived"; }, 40s));
   EXPECT_EQ(fixture.sent("a"), by_a);
@@ -354,7 +354,7 @@ TEST(ControlAreas, keep_the_vehicles_of_a_server_that_dies_until_it_is_back) {
   fixture.kill("a");
   fixture.run_for(5s);
   EXPECT_THAT(fixture.table("b"), IsEmpty());
-  EXPECT_THAT(fixture.halls_said(), ElementsAre("a"));
+  EXPECT_THAT(fixture.published_areas(), ElementsAre("a"));
   fixture.start("a");
   fixture.run_for(400ms);
   EXPECT_THAT(fixture.table("a"), ElementsAre(aiv1));
@@ -362,7 +362,7 @@ TEST(ControlAreas, keep_the_vehicles_of_a_server_that_dies_until_it_is_back) {
   const double driven_m = aiv.driven_m;
   fixture.run_for(5s);
   EXPECT_GT(aiv.driven_m, driven_m + 0.5);
-  EXPECT_THAT(fixture.halls_said(), ElementsAre("a")) << "there was nothing to claim";
+  EXPECT_THAT(fixture.published_areas(), ElementsAre("a")) << "there was nothing to claim";
 }
 
 TEST(ControlAreas, know_the_way_to_another_hall_again_after_a_crash) {
@@ -402,7 +402,7 @@ TEST(ControlAreas, say_again_whose_a_vehicle_is_when_the_broker_has_forgotten) {
   fixture.link("a");
   fixture.link("b");
   fixture.run_for(5s);
-  EXPECT_THAT(fixture.halls_said(), ElementsAre("a", "a"));
+  EXPECT_THAT(fixture.published_areas(), ElementsAre("a", "a"));
   EXPECT_EQ(fixture.owners.back().sequence, 2U);
   EXPECT_THAT(fixture.table("a"), ElementsAre(aiv1));
   EXPECT_THAT(fixture.table("b"), IsEmpty());

@@ -48,7 +48,7 @@ void ReportFollowUp::initialise_position(VehicleIndex vehicle) {
 void ReportFollowUp::request_factsheet(VehicleIndex vehicle) {
   AivProxy& proxy = context_.registry[vehicle];
   if (proxy.factsheet || proxy.factsheet_requested || !proxy.present || !proxy.online()) return;
-  if (context_.now - proxy.first_heard < factsheet_timeout) return;
+  if (context_.now - proxy.first_received < factsheet_timeout) return;
   proxy.factsheet_requested = true;
   master_.actions.send(proxy, vehicle, {{"factsheetRequest", {}, {}, wire::BlockingType::none, {}}},
                        SimDuration::zero(), false);

@@ -112,7 +112,7 @@ TEST(ServerCore, registers_a_vehicle_at_its_first_message_and_shows_its_twin_at_
   FixtureVehicle& aiv = fixture.add("AIV7", {0, 0.5});
   EXPECT_EQ(*fixture.bijection().number("virtual"), 0.0);
   EXPECT_THAT(*fixture.snapshot().find("aivs")->array(), IsEmpty());
-  fixture.tell(aiv, "state", vda::encode(aiv.state(fixture.now)));
+  fixture.send(aiv, "state", vda::encode(aiv.state(fixture.now)));
   const JsonValue shown = fixture.aiv("CoSiVA/AIV7");
   EXPECT_EQ(*shown.number("number"), 7.0);
   EXPECT_NEAR(*shown.number("x"), 0.5, 1e-9);
@@ -127,7 +127,7 @@ TEST(ServerCore, gives_display_numbers_by_serial_number_and_none_twice) {
   ServerFixture fixture;
   for (const auto& [make, serial] : {std::pair{"CoSiVA", "AIV3"}, {"Acme", "truck-3"}, {"Acme", "nameless"}}) {
     FixtureVehicle& aiv = fixture.add(serial, {0, 0.5}, make);
-    fixture.tell(aiv, "state", vda::encode(aiv.state(fixture.now)));
+    fixture.send(aiv, "state", vda::encode(aiv.state(fixture.now)));
   }
   EXPECT_EQ(*fixture.aiv("CoSiVA/AIV3").number("number"), 3.0);
   EXPECT_EQ(*fixture.aiv("Acme/truck-3").number("number"), 1.0);
@@ -197,7 +197,7 @@ class SlowReporter {
   }
   void report_for(SimDuration duration, double period_s, double jitter_s = 0.0) {
     for (const SimTime end = fixture_.now + duration; fixture_.now < end;) {
-      fixture_.tell(vehicle_, "state", vda::encode(vehicle_.state(fixture_.now)));
+      fixture_.send(vehicle_, "state", vda::encode(vehicle_.state(fixture_.now)));
       be_unresponsive_for(from_seconds(period_s + fixture_.random.uniform(-jitter_s, jitter_s)));
     }
   }
@@ -252,8 +252,8 @@ TEST(ServerCore, does_not_move_a_twin_back_for_a_late_report) {
   const auto late_state = vda::encode(aiv.state(fixture.now - 1500ms));
   fixture.run_for(2s);
   const JsonValue before = fixture.aiv("CoSiVA/AIV1");
-  fixture.tell(aiv, "visualization", late);
-  fixture.tell(aiv, "state", late_state);
+  fixture.send(aiv, "visualization", late);
+  fixture.send(aiv, "state", late_state);
   EXPECT_EQ(*fixture.aiv("CoSiVA/AIV1").number("x"), *before.number("x"));
   EXPECT_EQ(*fixture.aiv("CoSiVA/AIV1").number("orderUpdateId"), *before.number("orderUpdateId"));
   EXPECT_THAT(fixture.server->summary_json(), HasSubstr("\"outdated\":2"));
@@ -262,7 +262,7 @@ TEST(ServerCore, does_not_move_a_twin_back_for_a_late_report) {
 TEST(ServerCore, ignores_a_retained_state) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
-  fixture.tell(aiv, "state", vda::encode(aiv.state(fixture.now)), true);
+  fixture.send(aiv, "state", vda::encode(aiv.state(fixture.now)), true);
   EXPECT_THAT(*fixture.snapshot().find("aivs")->array(), IsEmpty());
   EXPECT_TRUE(fixture.logged("retained state"));
 }
@@ -272,7 +272,7 @@ TEST(ServerCore, ignores_a_message_that_carries_another_s_name_and_says_so_once)
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   wire::State forged = aiv.state(fixture.now);
   forged.header.serial_number = "AIV2";
-  for (int i = 0; i < 5; ++i) fixture.tell(aiv, "state", vda::encode(forged));
+  for (int i = 0; i < 5; ++i) fixture.send(aiv, "state", vda::encode(forged));
   EXPECT_THAT(*fixture.snapshot().find("aivs")->array(), IsEmpty());
   EXPECT_EQ(std::ranges::count_if(fixture.logs, [](const auto& l) { return l.find("AIV2") != std::string::npos; }), 1);
 }
@@ -287,7 +287,7 @@ TEST(ServerCore, counts_the_messages_that_never_came_and_lets_header_ids_wrap) {
     state.header.header_id = id;
     fixture.now += 20ms;
     state.header.timestamp = fixture.now;
-    fixture.tell(aiv, "state", vda::encode(state));
+    fixture.send(aiv, "state", vda::encode(state));
   }
   EXPECT_THAT(fixture.server->summary_json(), HasSubstr("\"missed\":2"));
 }
@@ -322,7 +322,7 @@ TEST(ServerCore, survives_garbage_on_every_topic_and_serves_the_others) {
                                          R"({"manufacturer":1,"serialNumber":[]})"};
   for (const std::string& payload : garbage)
     for (const char* topic : {"state", "visualization", "connection", "factsheet"}) {
-      fixture.tell(aiv, topic, payload);
+      fixture.send(aiv, topic, payload);
       fixture.feed(wire::InputKind::message, std::string("uagv/v2/Acme/x1/") + topic, payload);
     }
   for (const char* topic : {"", "/", "uagv", "uagv/v2//x/state", "uagv/v3/Acme/new/state", "uagv/v2/Ac me/x/state",
@@ -339,11 +339,11 @@ TEST(ServerCore, refuses_places_and_versions_that_cannot_be) {
   FixtureVehicle& far = fixture.add("AIV1", {0, 0.5});
   wire::State state = far.state(fixture.now);
   state.position->pose.x_m = 1e6;
-  fixture.tell(far, "state", vda::encode(state));
+  fixture.send(far, "state", vda::encode(state));
   EXPECT_TRUE(fixture.logged("100 km"));
   FixtureVehicle& newer = fixture.add("AIV2", {0, 0.5});
   newer.version = "3.0.0";
-  fixture.tell(newer, "state", vda::encode(newer.state(fixture.now)));
+  fixture.send(newer, "state", vda::encode(newer.state(fixture.now)));
   EXPECT_TRUE(fixture.logged("3.0.0"));
   EXPECT_THAT(*fixture.snapshot().find("aivs")->array(), IsEmpty());
 }
@@ -433,7 +433,7 @@ TEST(ServerCore, traces_a_message_that_it_refused_with_its_text_and_the_reason) 
   ServerFixture fixture;
   FixtureVehicle& one = fixture.add("AIV1", {0, 0.5});
   const std::string broken = R"({"headerId":"seven"})";
-  fixture.tell(one, "factsheet", broken);
+  fixture.send(one, "factsheet", broken);
   const auto traces = traced(fixture, "factsheet", "CoSiVA/AIV1");
   ASSERT_THAT(traces, SizeIs(1));
   EXPECT_EQ(traces[0].text("raw"), broken);

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "cosiva/base/expect.h"
-#include "cosiva/wire/in_process/heard_intents.h"
+#include "cosiva/wire/in_process/received_intents.h"
 #include "cosiva/wire/own/v2x.h"
 
 namespace cosiva::virtual_side {
@@ -47,12 +47,12 @@ void V2xIntake::receive(const wire::Input& input) {
 }
 
 void V2xIntake::trace(AivProxy& proxy, const wire::Input& input) {
-  const auto heard = wire::heard_intent(input);
-  if (!heard || (*heard)->vehicle != proxy.id) {
+  const auto received = wire::received_intent(input);
+  if (!received || (*received)->vehicle != proxy.id) {
     ++proxy.refused;
     return;
   }
-  const wire::Intent& intent = **heard;
+  const wire::Intent& intent = **received;
   const wire::Cell cell = wire::cell_of(position(intent.pose));
   const AivProxy* nearest = nullptr;
   double nearest_m = std::numeric_limits<double>::infinity();

@@ -7,7 +7,7 @@
 
 #include "cosiva/base/expect.h"
 #include "cosiva/wire/vda5050/codec.h"
-#include "cosiva/wire/vda5050/said.h"
+#include "cosiva/wire/vda5050/typed_messages.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -81,7 +81,7 @@ void VehicleReports::receive(Registry::Address address, const wire::Input& input
                      "a retained " + std::string(to_string(address.topic)) + " is out of date; ignored");
     return;
   }
-  if (input.payload.empty() && !input.said) return;  // somebody cleared a retained message
+  if (input.payload.empty() && !input.typed) return;  // somebody cleared a retained message
   switch (address.topic) {
     case VehicleTopic::connection: on_connection(address.vehicle, input); break;
     case VehicleTopic::factsheet: on_factsheet(address.vehicle, input); break;
@@ -156,7 +156,7 @@ void VehicleReports::on_factsheet(VehicleIndex vehicle, const wire::Input& input
 }
 
 void VehicleReports::on_visualization(VehicleIndex vehicle, const wire::Input& input) {
-  const auto message = wire::vda5050::heard_visualization(input);
+  const auto message = wire::vda5050::visualization_from(input);
   if (!message) return checks_.refuse(vehicle, VehicleTopic::visualization, input, message.error());
   if (!checks_.take_header(vehicle, VehicleTopic::visualization, message->header)) return;
   AivProxy& proxy = context_.registry[vehicle];
@@ -171,7 +171,7 @@ void VehicleReports::on_visualization(VehicleIndex vehicle, const wire::Input& i
 }
 
 void VehicleReports::on_state(VehicleIndex vehicle, const wire::Input& input) {
-  auto message = wire::vda5050::heard_state(input);
+  auto message = wire::vda5050::state_from(input);
   if (!message) return checks_.refuse(vehicle, VehicleTopic::state, input, message.error());
   if (!checks_.take_header(vehicle, VehicleTopic::state, message->header)) return;
   AivProxy& proxy = context_.registry[vehicle];

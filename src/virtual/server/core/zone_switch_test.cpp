@@ -101,12 +101,12 @@ TEST(Switch, sends_one_onto_the_line_elsewhere_where_somebody_stands_in_the_way_
   fixture.each_step = [&] { touches += fixture.touches(); };
   fixture.run_for(12s);
   EXPECT_EQ(touches, 0);
-  const auto told = std::ranges::find_if(one.actions, [](const wire::InstantActions& message) {
+  const auto commanded = std::ranges::find_if(one.actions, [](const wire::InstantActions& message) {
     return message.actions.front().action_type == "joinLine";
   });
-  ASSERT_NE(told, one.actions.end());
-  EXPECT_NEAR(told->actions.front().number("y").value_or(0.0), 0.1, 1e-6);
-  EXPECT_GT(std::fabs(told->actions.front().number("x").value_or(1.0) - 1.0), 0.04);
+  ASSERT_NE(commanded, one.actions.end());
+  EXPECT_NEAR(commanded->actions.front().number("y").value_or(0.0), 0.1, 1e-6);
+  EXPECT_GT(std::fabs(commanded->actions.front().number("x").value_or(1.0) - 1.0), 0.04);
   EXPECT_FALSE(one.off_line.has_value());
   EXPECT_GT(one.driven_m, 0.5);
 }
@@ -206,7 +206,7 @@ TEST(Switch, leads_a_vehicle_of_another_make_to_the_map_as_the_standard_says) {
   factsheet.header = agv.header(fixture.now, 0);
   for (const char* action : {"downloadMap", "enableMap", "initPosition", "cancelOrder"})
     factsheet.actions.push_back({action, "", true, false, false, {}});
-  fixture.tell(agv, "factsheet", vda::encode(factsheet));
+  fixture.send(agv, "factsheet", vda::encode(factsheet));
   fixture.run_for(2s);
   agv.downloads.push_back(zone::Rtm::initialise(moved_oval("yard", "0.02"))->shared_zone());
   fixture.ask(switch_to(moved_oval("yard", "0.02")));

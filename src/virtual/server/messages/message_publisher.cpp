@@ -5,7 +5,7 @@
 #include <charconv>
 #include <utility>
 
-#include "cosiva/wire/in_process/said.h"
+#include "cosiva/wire/in_process/typed_message.h"
 #include "cosiva/wire/vda5050/codec.h"
 
 namespace cosiva::virtual_side {
@@ -25,7 +25,7 @@ MessagePublisher::SentOrder MessagePublisher::send(AivProxy& proxy, wire::Order&
   SentOrder sent = wire::typed(std::move(order));
   wire::Publish message{proxy.order_topic, {}, 0, false};
   if (as_values_)
-    message.said = sent;
+    message.typed = sent;
   else
     message.payload = wire::vda5050::encode(std::get<wire::Order>(sent->message));
   traces_.add(now_, "AIV_Server", proxy.name, "order", summary, message.topic, message.payload);

@@ -9,7 +9,7 @@
 #include "cosiva/base/time.h"
 #include "cosiva/virtual/server/messages/traces.h"
 #include "cosiva/virtual/server/registry/proxy.h"
-#include "cosiva/wire/in_process/said.h"
+#include "cosiva/wire/in_process/typed_message.h"
 #include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::virtual_side {
@@ -17,7 +17,7 @@ namespace cosiva::virtual_side {
 /// What the server says, in one place: fills in headers, encodes, publishes and traces.
 class MessagePublisher {
  public:
-  /// @param as_values  orders are passed on as values (wire/in_process/said.h)
+  /// @param as_values  orders are passed on as values (wire/in_process/typed_message.h)
   explicit MessagePublisher(Traces& traces, bool as_values = false) : traces_{traces}, as_values_{as_values} {}
   MessagePublisher(const MessagePublisher&) = delete;  // other parts refer to it
   MessagePublisher& operator=(const MessagePublisher&) = delete;
@@ -29,7 +29,7 @@ class MessagePublisher {
   }
 
   /// An order as it was sent, for sending it again; null: none.
-  using SentOrder = std::shared_ptr<const wire::Said>;
+  using SentOrder = std::shared_ptr<const wire::TypedMessage>;
   // Every message sent gets a header of its own, whose id counts the messages of its topic (VDA 5050 §6.4). One that is
   // sent again has the same content under the next id.
   [[nodiscard]] SentOrder send(AivProxy& proxy, wire::Order&& order, std::string_view summary);

@@ -124,7 +124,7 @@ void Deadlocks::follow(Deadlock& deadlock) {
 void Deadlocks::begin(Deadlock& deadlock) {
   deadlock.number = ++counters_.detected;
   deadlock.state = Deadlock::State::reported;
-  tell('w', "deadlock " + std::to_string(deadlock.number) + ": " + deadlock.reason);
+  send('w', "deadlock " + std::to_string(deadlock.number) + ": " + deadlock.reason);
   resolve(deadlock);
 }
 
@@ -171,7 +171,7 @@ bool Deadlocks::let_yield(Deadlock& deadlock, std::int32_t priority) {
       deadlock.yielded.push_back(v);
       const std::string how = registry_[v].name + " " + deed(means, cost_m);
       deadlock.how = how;
-      tell('w', "deadlock " + std::to_string(deadlock.number) + ": " + how);
+      send('w', "deadlock " + std::to_string(deadlock.number) + ": " + how);
       return true;
     }
   }
@@ -184,7 +184,7 @@ void Deadlocks::give_up(Deadlock& deadlock) {
   deadlock.tried.clear();
   if (!first) return;
   deadlock.how = "nobody in it can give way; take one of them away, or close a section";
-  tell('e', "deadlock " + std::to_string(deadlock.number) + " is unresolved: " + deadlock.reason + "; " + deadlock.how);
+  send('e', "deadlock " + std::to_string(deadlock.number) + " is unresolved: " + deadlock.reason + "; " + deadlock.how);
 }
 
 void Deadlocks::end(Deadlock& deadlock) {
@@ -195,7 +195,7 @@ void Deadlocks::end(Deadlock& deadlock) {
   ++counters_.resolved;
   counters_.longest = std::max(counters_.longest, lasted);
   for (const VehicleIndex v : deadlock.yielded) roller_.need_not_avoid(v);
-  tell('i', "deadlock " + std::to_string(deadlock.number) + " is resolved after " +
+  send('i', "deadlock " + std::to_string(deadlock.number) + " is resolved after " +
                 std::to_string(std::lround(to_seconds(lasted))) + " s: " + deadlock.how);
 }
 
@@ -208,7 +208,7 @@ void Deadlocks::forget() {
   }
 }
 
-void Deadlocks::tell(char level, const std::string& text) {
+void Deadlocks::send(char level, const std::string& text) {
   ++revision_;
   publisher_.log(level, text);
   traces_.add(publisher_.now(), "AIV_Server", "AIV_Server", "deadlock", text);

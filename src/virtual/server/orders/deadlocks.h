@@ -97,7 +97,7 @@ class Deadlocks {
   bool let_yield(Deadlock& deadlock, std::int32_t priority);
   void give_up(Deadlock& deadlock);
   void end(Deadlock& deadlock);
-  void tell(char level, const std::string& text);
+  void send(char level, const std::string& text);
   [[nodiscard]] std::vector<Wait> waits_for(const Deadlock& deadlock, VehicleIndex vehicle) const;
   [[nodiscard]] bool somebody_beside(const Deadlock& deadlock) const;
 

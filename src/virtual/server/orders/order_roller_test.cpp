@@ -150,7 +150,7 @@ TEST(OrderRoller, repeats_an_order_unchanged_until_it_is_acknowledged) {
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.loss = 1.0;
   fixture.run_for(100ms);
-  fixture.tell(aiv, "state", vda::encode(aiv.state(fixture.now)));
+  fixture.send(aiv, "state", vda::encode(aiv.state(fixture.now)));
   fixture.run_for(1500ms);
   const std::vector<wire::Order> sent = orders_to(fixture, aiv);
   ASSERT_GE(sent.size(), 3U);
@@ -290,7 +290,7 @@ TEST(OrderRoller, gives_a_vehicle_that_came_back_no_order_before_it_said_where_i
   fixture.connection(aiv, wire::ConnectionState::online);
   wire::State blind = aiv.state(fixture.now);
   blind.position.reset();
-  fixture.tell(aiv, "state", vda::encode(blind));
+  fixture.send(aiv, "state", vda::encode(blind));
   fixture.run_for(500ms);
   EXPECT_EQ(aiv.orders.size(), orders);
   aiv.alive = true;
@@ -339,7 +339,7 @@ TEST(OrderRoller, does_not_touch_an_order_over_nodes_it_does_not_know) {
   for (int i = 0; i < 30; ++i) {
     state.header.header_id++;
     state.header.timestamp = fixture.now;
-    fixture.tell(aiv, "state", vda::encode(state));
+    fixture.send(aiv, "state", vda::encode(state));
     fixture.run_for(100ms);
   }
   EXPECT_THAT(fixture.published_on(aiv.topic("order")), IsEmpty());

@@ -72,7 +72,7 @@ std::optional<VehicleIndex> Registry::add(const wire::VehicleId& id, SimTime now
   proxy.number = display_number_for(id.serial_number);
   proxy.order_topic = wire::vda_topic(id, "order", interface_name_);
   proxy.actions_topic = wire::vda_topic(id, "instantActions", interface_name_);
-  proxy.first_heard = now;
+  proxy.first_received = now;
   for (const auto topic :
        {VehicleTopic::connection, VehicleTopic::state, VehicleTopic::visualization, VehicleTopic::factsheet})
     topics_.emplace(wire::vda_topic(id, to_string(topic), interface_name_), Address{index, topic});
@@ -96,7 +96,7 @@ void Registry::renew(VehicleIndex index, SimTime now) {
   next.actions_topic = old.actions_topic;
   next.augmented = old.augmented;
   next.priority = old.priority;
-  next.first_heard = now;
+  next.first_received = now;
   next.twin = old.twin;
   next.entity = old.entity;
   next.messages = old.messages;

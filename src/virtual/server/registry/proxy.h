@@ -45,7 +45,7 @@ struct AivProxy {
   std::optional<SimTime> talk_traced;  ///< when what it says to other vehicles was shown last
   std::optional<wire::Factsheet> factsheet;
   bool factsheet_requested{false};
-  SimTime first_heard{};
+  SimTime first_received{};
 
   std::optional<wire::State> state;
   bool state_since_link{false};  ///< heard since our own link came up

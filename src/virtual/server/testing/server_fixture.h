@@ -42,21 +42,21 @@ class ServerFixture {
     if (restore && !memory.empty()) feed(wire::InputKind::restore, "", memory);
     feed(wire::InputKind::link, "", "up");
     for (const auto& vehicle : vehicles)
-      tell(*vehicle, "connection", vda::encode(vehicle->connection(now, wire::ConnectionState::online)), true);
+      send(*vehicle, "connection", vda::encode(vehicle->connection(now, wire::ConnectionState::online)), true);
   }
 
   FixtureVehicle& add(const std::string& serial, zone::TrackPosition start, const std::string& manufacturer = "CoSiVA") {
     vehicles.push_back(std::make_unique<FixtureVehicle>(zone, wire::VehicleId{manufacturer, serial}, start));
     FixtureVehicle& vehicle = *vehicles.back();
     vehicle.takes_zones = manufacturer == wire::our_manufacturer;
-    tell(vehicle, "connection", vda::encode(vehicle.connection(now, wire::ConnectionState::online)));
+    send(vehicle, "connection", vda::encode(vehicle.connection(now, wire::ConnectionState::online)));
     return vehicle;
   }
-  void tell(const FixtureVehicle& vehicle, std::string_view topic, std::string payload, bool retained = false) {
+  void send(const FixtureVehicle& vehicle, std::string_view topic, std::string payload, bool retained = false) {
     feed(wire::InputKind::message, vehicle.topic(topic), std::move(payload), retained);
   }
   void connection(FixtureVehicle& vehicle, wire::ConnectionState state) {
-    tell(vehicle, "connection", vda::encode(vehicle.connection(now, state)));
+    send(vehicle, "connection", vda::encode(vehicle.connection(now, state)));
   }
   void command(const std::string& verb, const std::string& vehicle, const std::string& id = "") {
     std::string json = R"({"command":")" + verb + R"(","vehicle":")" + vehicle + "\"";
@@ -100,11 +100,11 @@ class ServerFixture {
         if (steps_ % 50 == 0) vehicle->state_due = true;
         const SimTime sent_at = now - latency;
         if (vehicle->visualizes && steps_ % 5 == 0 && !random.chance(loss))
-          tell(*vehicle, "visualization", vda::encode(vehicle->visualization(sent_at)));
+          send(*vehicle, "visualization", vda::encode(vehicle->visualization(sent_at)));
         if (!vehicle->state_due) continue;
         vehicle->state_due = false;
         const std::string state = vda::encode(vehicle->state(sent_at));
-        if (!random.chance(loss)) tell(*vehicle, "state", state);
+        if (!random.chance(loss)) send(*vehicle, "state", state);
       }
       feed(wire::InputKind::tick, "", "");
       if (each_step) each_step();

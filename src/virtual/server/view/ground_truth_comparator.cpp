@@ -211,7 +211,7 @@ std::vector<Finding> GroundTruthComparator::find(bool unknown_senders) {
 }
 
 void GroundTruthComparator::tick(SimTime now, bool unknown_senders) {
-  if (!heard()) return;
+  if (!received()) return;
   now_ = now;
   record_twins();
   std::erase_if(detected_, [&](const auto& one) { return now_ - one.second.arrived > timeout + timeout; });
@@ -219,7 +219,7 @@ void GroundTruthComparator::tick(SimTime now, bool unknown_senders) {
 }
 
 void GroundTruthComparator::write(JsonWriter& json) const {
-  if (!heard()) {
+  if (!received()) {
     json.null();
     return;
   }
@@ -246,7 +246,7 @@ void GroundTruthComparator::write(JsonWriter& json) const {
 
 void GroundTruthComparator::fold(Digest& digest) const {
   // A run without a camera has the digest that it had before there were any.
-  if (!heard()) return;
+  if (!received()) return;
   digest.add(state());
   digest.add(detections_at_);
   for (const auto& [name, detected] : detected_) {

@@ -69,7 +69,7 @@ class GroundTruthComparator {
     std::optional<SimTime> in_field_since;
   };
 
-  [[nodiscard]] bool heard() const { return connection_ || detections_; }
+  [[nodiscard]] bool received() const { return connection_ || detections_; }
   [[nodiscard]] std::string_view state() const;
   void take(SimTime now, wire::GvsDetections detections);
   void compare(const wire::GvsDetections::Detection& detection, Sighted& detected);

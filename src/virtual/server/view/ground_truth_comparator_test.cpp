@@ -30,9 +30,9 @@ class GvsFixture : public testing::Test {
     for (const auto& [name, pose] : vehicles)
       detections.detections.push_back(
           {name, static_cast<std::uint32_t>(detections.detections.size() + 1), fixture.now - 98ms, pose, 0.001});
-    say(wire::to_json(detections));
+    publish(wire::to_json(detections));
   }
-  void say(std::string payload, bool retained = false) {
+  void publish(std::string payload, bool retained = false) {
     fixture.feed(wire::InputKind::message, "cosiva/v1/gvs/detections", std::move(payload), retained);
   }
   /// Four pictures a second of them, standing.
@@ -82,7 +82,7 @@ TEST_F(GvsFixture, holds_an_image_against_where_the_twin_was_when_it_was_taken) 
   fixture.run_for(500ms);
   ASSERT_GT(distance(then, fixture.vehicles[0]->pose()), 0.1);
   wire::GvsDetections detections{++images, at, 0.25, {{"CoSiVA/AIV1", 1, at, then, 0.001}}, {}};
-  say(wire::to_json(detections));
+  publish(wire::to_json(detections));
   ASSERT_THAT(detected(), SizeIs(1));
   EXPECT_LT(detected()[0].number("gap_m").value_or(9.0), 0.02);
 }
@@ -91,7 +91,7 @@ TEST_F(GvsFixture, compares_nothing_that_is_older_than_its_history_or_yet_to_com
   connect(wire::ConnectionState::online);
   fixture.run_for(3s);
   for (const SimDuration off : {SimDuration{-10s}, SimDuration{10s}}) {
-    say(wire::to_json(wire::GvsDetections{
+    publish(wire::to_json(wire::GvsDetections{
         ++images, fixture.now + off, 0.25, {{"CoSiVA/AIV1", 1, fixture.now + off, aiv.pose(), 0.001}}, {}}));
     ASSERT_THAT(detected(), SizeIs(1));
     EXPECT_TRUE(detected()[0].find("gap_m")->is_null());
@@ -131,7 +131,7 @@ TEST_F(GvsFixture, names_a_twin_where_the_camera_sees_nobody) {
 TEST_F(GvsFixture, misses_nobody_outside_of_what_it_sees) {
   for (int i = 0; i < 30; ++i) {
     fixture.run_for(240ms);
-    say(wire::to_json(wire::GvsDetections{++images, fixture.now, 0.25, {}, {{50, 50}, {51, 50}, {51, 51}}}));
+    publish(wire::to_json(wire::GvsDetections{++images, fixture.now, 0.25, {}, {{50, 50}, {51, 50}, {51, 51}}}));
   }
   EXPECT_EQ(gvs().text("state"), "watching");
   EXPECT_THAT(findings(), IsEmpty());
@@ -190,10 +190,10 @@ TEST_F(GvsFixture, breaks_the_contract_of_a_twin_that_is_elsewhere_than_its_vehi
 TEST_F(GvsFixture, what_cannot_be_understood_or_is_old_changes_nothing) {
   look({{"CoSiVA/AIV1", aiv.pose()}});
   const std::string before = fixture.server->snapshot_json();
-  say("{");
-  say(R"({"headerId":1})");
-  say(wire::to_json(wire::GvsDetections{9, fixture.now, 0.25, {{"CoSiVA/AIV9", 9, fixture.now, {}, 0.0}}, {}}), true);
-  say(wire::to_json(wire::GvsDetections{0, fixture.now - 1s, 0.25, {{"CoSiVA/AIV8", 8, fixture.now, {}, 0.0}}, {}}));
+  publish("{");
+  publish(R"({"headerId":1})");
+  publish(wire::to_json(wire::GvsDetections{9, fixture.now, 0.25, {{"CoSiVA/AIV9", 9, fixture.now, {}, 0.0}}, {}}), true);
+  publish(wire::to_json(wire::GvsDetections{0, fixture.now - 1s, 0.25, {{"CoSiVA/AIV8", 8, fixture.now, {}, 0.0}}, {}}));
   EXPECT_EQ(fixture.server->snapshot_json(), before);
   EXPECT_TRUE(fixture.logged("cosiva/v1/gvs/detections"));
 }
@@ -204,7 +204,7 @@ TEST_F(GvsFixture, a_flood_of_names_takes_no_more_than_its_share) {
     for (std::uint32_t n = 0; n < 200; ++n)
       detections.detections.push_back(
           {"made/up" + std::to_string(200U * static_cast<unsigned>(i) + n), n, fixture.now, {}, 0.0});
-    say(wire::to_json(detections));
+    publish(wire::to_json(detections));
     fixture.run_for(20ms);
   }
   EXPECT_THAT(detected(), SizeIs(GroundTruthComparator::detected_max));

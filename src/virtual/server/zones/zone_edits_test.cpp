@@ -194,8 +194,8 @@ TEST(ZoneEdits, two_at_once_come_back_one_after_the_other_and_change_nothing) {
   };
   act(wire::InputKind::command, "test", edit(tag_5));
   act(wire::InputKind::command, "test", edit(R"("addTags":[{"number":6,"section":"north","s":1.0}])"));
-  const wire::Effects said = std::exchange(effects, {});
-  for (const wire::Effect& effect : said)
+  const wire::Effects published = std::exchange(effects, {});
+  for (const wire::Effect& effect : published)
     if (const auto* message = std::get_if<wire::Publish>(&effect); message && message->topic == "cosiva/v1/zone/toml")
       act(wire::InputKind::message, message->topic, message->payload);
   EXPECT_EQ(fixture.server->zone_revision(), 3U);

@@ -1,4 +1,4 @@
-#include "cosiva/wire/in_process/heard_intents.h"
+#include "cosiva/wire/in_process/received_intents.h"
 
 #include <array>
 #include <cstddef>
@@ -7,12 +7,12 @@
 #include <utility>
 
 #include "cosiva/base/digest.h"
-#include "cosiva/wire/in_process/said.h"
+#include "cosiva/wire/in_process/typed_message.h"
 
 namespace cosiva::wire {
 namespace {
 
-struct Heard {
+struct KnownIntent {
   std::string json;
   std::shared_ptr<const Intent> intent;
 };
@@ -31,9 +31,9 @@ std::size_t slot_of(std::string_view json) {
 
 }  // namespace
 
-Result<std::shared_ptr<const Intent>> heard_intent(std::string_view json) {
-  static thread_local std::array<Heard, slots> heard;
-  Heard& slot = heard[slot_of(json)];
+Result<std::shared_ptr<const Intent>> received_intent(std::string_view json) {
+  static thread_local std::array<KnownIntent, slots> received;
+  KnownIntent& slot = received[slot_of(json)];
   if (slot.intent && slot.json == json) return slot.intent;
   auto intent = intent_from_json(json);
   if (!intent) return tl::unexpected(intent.error());
@@ -42,9 +42,9 @@ Result<std::shared_ptr<const Intent>> heard_intent(std::string_view json) {
   return slot.intent;
 }
 
-Result<std::shared_ptr<const Intent>> heard_intent(const Input& input) {
-  if (const auto* intent = said<Intent>(input.said)) return std::shared_ptr<const Intent>{input.said, intent};
-  return heard_intent(input.payload);
+Result<std::shared_ptr<const Intent>> received_intent(const Input& input) {
+  if (const auto* intent = typed<Intent>(input.typed)) return std::shared_ptr<const Intent>{input.typed, intent};
+  return received_intent(input.payload);
 }
 
 }  // namespace cosiva::wire

@@ -1,4 +1,4 @@
-#include "cosiva/wire/vda5050/said.h"
+#include "cosiva/wire/vda5050/typed_messages.h"
 
 #include "cosiva/wire/vda5050/codec.h"
 
@@ -16,23 +16,23 @@ struct Writer {
 
 }  // namespace
 
-Result<State> heard_state(const Input& input) {
-  if (const auto* state = said<State>(input.said)) return *state;
+Result<State> state_from(const Input& input) {
+  if (const auto* state = typed<State>(input.typed)) return *state;
   return decode_state(input.payload);
 }
 
-Result<Visualization> heard_visualization(const Input& input) {
-  if (const auto* visualization = said<Visualization>(input.said)) return *visualization;
+Result<Visualization> visualization_from(const Input& input) {
+  if (const auto* visualization = typed<Visualization>(input.typed)) return *visualization;
   return decode_visualization(input.payload);
 }
 
-Result<Order> heard_order(const Input& input) {
-  if (const auto* order = said<Order>(input.said)) return *order;
+Result<Order> order_from(const Input& input) {
+  if (const auto* order = typed<Order>(input.typed)) return *order;
   return decode_order(input.payload);
 }
 
 std::string text_of(const InProcessMessage& message) {
-  return std::visit(Writer{}, dynamic_cast<const Said&>(message).message);
+  return std::visit(Writer{}, dynamic_cast<const TypedMessage&>(message).message);
 }
 
 }  // namespace cosiva::wire::vda5050

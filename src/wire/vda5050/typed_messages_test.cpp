@@ -1,4 +1,4 @@
-#include "cosiva/wire/vda5050/said.h"
+#include "cosiva/wire/vda5050/typed_messages.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
@@ -12,18 +12,18 @@ namespace {
 constexpr auto within_a_millisecond = std::chrono::nanoseconds{123'456};
 
 Input input_of(std::string payload) { return {virtual_epoch, InputKind::message, "topic", std::move(payload), false}; }
-Input input_of(std::shared_ptr<const Said> said) {
-  return {virtual_epoch, InputKind::message, "topic", {}, false, std::move(said)};
+Input input_of(std::shared_ptr<const TypedMessage> typed) {
+  return {virtual_epoch, InputKind::message, "topic", {}, false, std::move(typed)};
 }
 
 /// What is heard of a message passed on as values is what would be read of its text.
 template <typename Message>
-void expect_heard_as_read(const std::shared_ptr<const Said>& passed, Result<Message> (*heard)(const Input&)) {
-  const auto as_values = heard(input_of(passed));
-  const auto as_text = heard(input_of(text_of(*passed)));
+void expect_received_as_read(const std::shared_ptr<const TypedMessage>& passed, Result<Message> (*received)(const Input&)) {
+  const auto as_values = received(input_of(passed));
+  const auto as_text = received(input_of(text_of(*passed)));
   ASSERT_TRUE(as_values && as_text) << to_string(as_text.error());
   EXPECT_EQ(*as_values, *as_text);
-  EXPECT_EQ(text_of(*say(Message{*as_text})), text_of(*passed));
+  EXPECT_EQ(text_of(*typed(Message{*as_text})), text_of(*passed));
 }
 
 DetectedObstacleReport detected() {
@@ -57,54 +57,54 @@ Intent intent() {
   return message;
 }
 
-TEST(Said, states_orders_and_visualizations_are_heard_as_their_texts_would_be_read) {
+TEST(TypedMessage, states_orders_and_visualizations_are_heard_as_their_texts_would_be_read) {
   EXPECT_TRUE(rc::check([](std::uint64_t seed) {
     Random random{seed, "said"};
     State state = sample::state(random);
     state.header.timestamp += within_a_millisecond;
-    expect_heard_as_read<State>(say(std::move(state)), heard_state);
+    expect_received_as_read<State>(typed(std::move(state)), state_from);
     Order order = sample::order(random);
     order.header.timestamp += within_a_millisecond;
-    expect_heard_as_read<Order>(say(std::move(order)), heard_order);
+    expect_received_as_read<Order>(typed(std::move(order)), order_from);
     Visualization visualization = sample::visualization(random);
     visualization.header.timestamp += within_a_millisecond;
-    expect_heard_as_read<Visualization>(say(std::move(visualization)), heard_visualization);
+    expect_received_as_read<Visualization>(typed(std::move(visualization)), visualization_from);
     RC_ASSERT(!::testing::Test::HasFailure());
   }));
 }
 
-TEST(Said, our_own_messages_are_heard_as_their_texts_would_be_read) {
-  expect_heard_as_read<DetectedObstacleReport>(say(detected()), heard_detected);
-  expect_heard_as_read<BoardsReport>(say(boards_report()), heard_boards_report);
-  const auto passed = say(intent());
+TEST(TypedMessage, our_own_messages_are_heard_as_their_texts_would_be_read) {
+  expect_received_as_read<DetectedObstacleReport>(typed(detected()), detected_obstacle_from);
+  expect_received_as_read<BoardsReport>(typed(boards_report()), boards_report_from);
+  const auto passed = typed(intent());
   const auto as_text = intent_from_json(text_of(*passed));
   ASSERT_TRUE(as_text) << to_string(as_text.error());
-  ASSERT_NE(said<Intent>(passed), nullptr);
-  EXPECT_EQ(*said<Intent>(passed), *as_text);
+  ASSERT_NE(typed<Intent>(passed), nullptr);
+  EXPECT_EQ(*typed<Intent>(passed), *as_text);
 }
 
-TEST(Said, no_more_is_heard_than_the_text_would_carry) {
+TEST(TypedMessage, no_more_is_heard_than_the_text_would_carry) {
   const BoardsReport whole = boards_report();
-  const auto passed = say(boards_report());
-  const auto* heard = said<BoardsReport>(passed);
-  ASSERT_NE(heard, nullptr);
-  EXPECT_EQ(heard->timestamp, virtual_epoch);
-  EXPECT_EQ(heard->ranges->board_ms, 0U);
+  const auto passed = typed(boards_report());
+  const auto* received = typed<BoardsReport>(passed);
+  ASSERT_NE(received, nullptr);
+  EXPECT_EQ(received->timestamp, virtual_epoch);
+  EXPECT_EQ(received->ranges->board_ms, 0U);
   // Without that it would be another message than the one read from the text.
   EXPECT_NE(*boards_report_from_json(to_json(whole)), whole);
 }
 
-TEST(Said, one_message_is_not_taken_for_another) {
-  const auto passed = say(detected());
-  EXPECT_EQ(said<Visualization>(passed), nullptr);
-  EXPECT_EQ(said<DetectedObstacleReport>(std::shared_ptr<const Said>{}), nullptr);
-  EXPECT_FALSE(heard_state(input_of(passed)));
+TEST(TypedMessage, one_message_is_not_taken_for_another) {
+  const auto passed = typed(detected());
+  EXPECT_EQ(typed<Visualization>(passed), nullptr);
+  EXPECT_EQ(typed<DetectedObstacleReport>(std::shared_ptr<const TypedMessage>{}), nullptr);
+  EXPECT_FALSE(state_from(input_of(passed)));
 }
 
-TEST(Said, a_text_that_is_none_is_refused_as_ever) {
-  const auto heard = heard_state(input_of(std::string{"{\"headerId\":"}));
-  ASSERT_FALSE(heard);
-  EXPECT_EQ(heard.error().code, "vda.json");
+TEST(TypedMessage, a_text_that_is_none_is_refused_as_ever) {
+  const auto received = state_from(input_of(std::string{"{\"headerId\":"}));
+  ASSERT_FALSE(received);
+  EXPECT_EQ(received.error().code, "vda.json");
 }
 
 }  // namespace

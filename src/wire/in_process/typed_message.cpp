@@ -1,4 +1,4 @@
-#include "cosiva/wire/in_process/said.h"
+#include "cosiva/wire/in_process/typed_message.h"
 
 namespace cosiva::wire {
 namespace {
@@ -25,32 +25,32 @@ Message stamped_in_header(Message&& message) {
 }
 
 template <typename Message>
-Result<Message> said_or(const Input& input, Result<Message> (*read)(std::string_view)) {
-  if (const auto* message = said<Message>(input.said)) return *message;
+Result<Message> typed_or(const Input& input, Result<Message> (*read)(std::string_view)) {
+  if (const auto* message = typed<Message>(input.typed)) return *message;
   return read(input.payload);
 }
 
 }  // namespace
 
-State as_heard(State&& message) { return stamped_in_header(std::move(message)); }
-Visualization as_heard(Visualization&& message) { return stamped_in_header(std::move(message)); }
-Intent as_heard(Intent&& message) { return stamped(std::move(message)); }
-DetectedObstacleReport as_heard(DetectedObstacleReport&& message) { return stamped(std::move(message)); }
-Order as_heard(Order&& message) { return stamped_in_header(std::move(message)); }
+State as_received(State&& message) { return stamped_in_header(std::move(message)); }
+Visualization as_received(Visualization&& message) { return stamped_in_header(std::move(message)); }
+Intent as_received(Intent&& message) { return stamped(std::move(message)); }
+DetectedObstacleReport as_received(DetectedObstacleReport&& message) { return stamped(std::move(message)); }
+Order as_received(Order&& message) { return stamped_in_header(std::move(message)); }
 
-BoardsReport as_heard(BoardsReport&& message) {
+BoardsReport as_received(BoardsReport&& message) {
   if (message.ranges) message.ranges->board_ms = 0;  // a board's own clock is nobody's business outside
   return stamped(std::move(message));
 }
 
-Result<DetectedObstacleReport> heard_detected(const Input& input) {
-  return said_or(input, detected_obstacle_from_json);
+Result<DetectedObstacleReport> detected_obstacle_from(const Input& input) {
+  return typed_or(input, detected_obstacle_from_json);
 }
-Result<BoardsReport> heard_boards_report(const Input& input) { return said_or(input, boards_report_from_json); }
+Result<BoardsReport> boards_report_from(const Input& input) { return typed_or(input, boards_report_from_json); }
 
-void Said::fold(Digest& digest) const {
+void TypedMessage::fold(Digest& digest) const {
   digest.add(std::uint64_t{message.index()});
-  digest.add(std::uint64_t{std::visit([](const auto& said) { return number_of(said); }, message)});
+  digest.add(std::uint64_t{std::visit([](const auto& typed) { return number_of(typed); }, message)});
 }
 
 }  // namespace cosiva::wire

@@ -82,20 +82,20 @@ TEST_F(TalkFixture, of_unknown_senders_liars_and_the_broker_s_memory_is_not_show
 
 TEST_F(TalkFixture, virtual_AIVs_speak_to_the_broker_and_hear_who_is_near) {
   fixture.ask(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V1"}})");
-  const auto said_by_v1 = [&] {
+  const auto published_by_v1 = [&] {
     return std::ranges::count_if(fixture.published, [](const wire::Publish& publish) {
       const auto topic = wire::parse_v2x_topic(publish.topic);
       return topic && topic->vehicle.serial_number == "V1";
     });
   };
   fixture.run_for(3s);
-  const auto alone = said_by_v1();
+  const auto alone = published_by_v1();
   EXPECT_GE(alone, 2);
   for (int i = 0; i < 15; ++i) {
     publish_intent(intent_of(first));
     fixture.run_for(200ms);
   }
-  EXPECT_GE(said_by_v1() - alone, 2 * alone) << "in company it speaks more often: it has heard somebody";
+  EXPECT_GE(published_by_v1() - alone, 2 * alone) << "in company it speaks more often: it has heard somebody";
 }
 
 }  // namespace
