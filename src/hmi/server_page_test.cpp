@@ -233,8 +233,8 @@ TEST_F(Page, sends_the_ground_truth_on_as_vehicles_and_obstacles_and_nothing_els
 
 TEST_F(Page, newcomer_after_a_time_alone_sees_what_is_now) {
   {
-    LiveClient gone{page->port()};
-    ASSERT_TRUE(loop.run_until([&] { return gone.count("key") == 1; }, timeout));
+    LiveClient leaving{page->port()};
+    ASSERT_TRUE(loop.run_until([&] { return leaving.count("key") == 1; }, timeout));
   }
   loop.run_for(100ms);  // the server sees that it is gone
   fixture.server.run_for(5s);

@@ -46,7 +46,7 @@ void Agent::on_odometry(const wire::Odometry& odometry) {
   // Without an order what it backs up is no way that it has left to go.
   if (rolled.step_m > 0.0 || (rolled.step_m < 0.0 && order().active())) progress_.advance(rolled.step_m);
   if (rolled.kind == PositionEstimator::FixKind::relocated) on_relocated();
-  joining_ = joining_ && estimator_.beside();
+  joining_ = joining_ && estimator_.near_path();
   if (back_up_.active()) back_up_.on_odometry(estimator_.travelled_m(), on_line());
   // Driving is asked for and nothing moves: PILS waits at the end of the way that it was told.
   const bool driving = decision_.drive.speed_mmps > 0 && !decision_.drive.seek && !holds_.has(Hold::line_lost);
@@ -94,7 +94,7 @@ Result<void> Agent::initialise_position(const Pose2& X_MB, std::string last_node
 }
 
 Result<void> Agent::join_line(const Pose2& X_MG) {
-  if (!estimator_.beside()) return fail("join.on_line", "it does not stand beside a line");
+  if (!estimator_.near_path()) return fail("join.on_line", "it does not stand beside a line");
   if (estimator_.manoeuvring()) return fail("join.busy", "it is on its way to a line already");
   const double far_m = distance(estimator_.pose(), X_MG);
   if (!(far_m <= join_within_m)) {
@@ -130,7 +130,7 @@ bool Agent::on_line() const {
   if (!estimator_.off_line()) return true;
   // The zone was switched, and the line is under it by chance.
   const Pose2 X_BP = inverse(estimator_.pose()) * zone_.circuit.pose_at(estimator_.track_position());
-  return estimator_.beside() && !estimator_.manoeuvring() && to_stay(to_manoeuvre(X_BP)) &&
+  return estimator_.near_path() && !estimator_.manoeuvring() && to_stay(to_manoeuvre(X_BP)) &&
          std::fabs(X_BP.heading_rad) <= on_line_rad;
 }
 
@@ -202,7 +202,7 @@ Agent::Plan Agent::plan(double room_m, double base_end_m) const {
   if (instructions_.speed_mps_max)
     target_speed.speed_mps = std::min(target_speed.speed_mps, *instructions_.speed_mps_max);
   if (!estimator_.known()) return {target_speed, {0.0, target_speed.braking_mps2}, std::nullopt};
-  if (estimator_.beside() && target_speed.speed_mps > zone_.profiles.slow.speed_mps) target_speed = zone_.profiles.slow;
+  if (estimator_.near_path() && target_speed.speed_mps > zone_.profiles.slow.speed_mps) target_speed = zone_.profiles.slow;
   // On its way to the line no order leads it, and its speed is the manoeuvre's.
   Limit limit = joining_
                     ? envelope_.limit_off_line(obstacle_m, target_speed)
@@ -228,7 +228,7 @@ wire::Drive Agent::decide() {
   if (back_up_.active()) return decide_backwards();
   constexpr double nothing = std::numeric_limits<double>::infinity();
   // What stands on the line matters to one that is on it.
-  const double sensed_m = estimator_.beside() ? nothing : watch_.ahead_m(estimator_);
+  const double sensed_m = estimator_.near_path() ? nothing : watch_.ahead_m(estimator_);
   const double base_end_m = joining_ ? nothing : order().distance_to_base_end_m();
   const Plan plan = this->plan(std::min(sensed_m, inputs_.perceived_m), base_end_m);
   auto [target_speed, limit, chosen] = plan;
@@ -255,7 +255,7 @@ wire::Drive Agent::drive(double speed_mps, const zone::SpeedProfile& kinematics)
   drive = {static_cast<std::int16_t>(milli(speed_mps, 32767.0)),
            static_cast<std::uint16_t>(milli(kinematics.acceleration_mps2, 65535.0)),
            static_cast<std::uint16_t>(milli(kinematics.braking_mps2, 65535.0)), branch, false};
-  drive.seek = estimator_.beside() && (drive.speed_mmps > 0 || estimator_.manoeuvring());
+  drive.seek = estimator_.near_path() && (drive.speed_mmps > 0 || estimator_.manoeuvring());
   // PILS sees the floor where the body is, not where it is believed: the nearest line need not be the one meant.
   if (drive.seek) drive.goal = to_manoeuvre(inverse(estimator_.pose()) * zone_.circuit.pose_at(estimator_.track_position()));
   return drive;

@@ -285,7 +285,7 @@ struct BesideFixture : GraphFixture {
 
 TEST(AgentBesideTheLine, goes_to_it_when_it_has_base_and_not_before) {
   BesideFixture fixture;
-  ASSERT_TRUE(fixture.agent.position().beside());
+  ASSERT_TRUE(fixture.agent.position().near_path());
   fixture.run(1.0);
   EXPECT_FALSE(fixture.drive.seek);
   EXPECT_FALSE(fixture.agent.holds().has(Hold::line_lost)) << "it is beside the line, and knows it";
@@ -382,7 +382,7 @@ TEST(AgentBesideTheLine, stands_where_a_manoeuvre_left_it_that_was_given_up) {
   given_up.manoeuvre.reset();
   given_up.line_lost = true;
   fixture.agent.on_odometry(given_up);
-  EXPECT_TRUE(fixture.agent.position().beside());
+  EXPECT_TRUE(fixture.agent.position().near_path());
   EXPECT_LT(distance(fixture.agent.position().pose(), there), 0.002);
   EXPECT_NEAR(fixture.agent.position().pose().heading_rad, there.heading_rad, 0.002);
   EXPECT_TRUE(fixture.agent.order().active()) << "its way still comes by here";

@@ -22,7 +22,7 @@ void ObstacleWatch::on_ranges(const PositionEstimator& position, const wire::Ran
   look_ = corridor_.look(position.outlook(), ranges);
   ahead_.add(look_.ahead_m, position.travelled_m());
   if (!one_way_ || position.off_line()) around_.add(corridor_.nearest_m(ranges), 0.0);
-  if (position.beside()) entry_.add(in_entry(position, ranges) ? 0.0 : std::numeric_limits<double>::infinity(), 0.0);
+  if (position.near_path()) entry_.add(in_entry(position, ranges) ? 0.0 : std::numeric_limits<double>::infinity(), 0.0);
 }
 
 bool ObstacleWatch::in_entry(const PositionEstimator& position, const wire::Ranges& ranges) {
@@ -35,7 +35,7 @@ bool ObstacleWatch::in_entry(const PositionEstimator& position, const wire::Rang
 }
 
 bool ObstacleWatch::may_sweep(const PositionEstimator& position, double bend_ahead_m) const {
-  if (position.beside()) return entry_.obstacle_ahead_m(0.0) > 0.0;
+  if (position.near_path()) return entry_.obstacle_ahead_m(0.0) > 0.0;
   if (one_way_ && !position.off_line()) return true;
   if (!position.off_line() && bend_ahead_m > bend_near_m) return true;
   const double corner_m = 0.5 * norm(zone_.vehicle.length_m, zone_.vehicle.width_m);

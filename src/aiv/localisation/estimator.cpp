@@ -36,7 +36,7 @@ Outlook PositionEstimator::outlook() const {
 void PositionEstimator::position_at(zone::TrackPosition track_position) {
   motion_ = AivMotion{zone_.circuit, track_position};
   known_ = true;
-  beside_ = false;
+  near_path_ = false;
   X_MO_.reset();
   // Whatever PILS is about, it began where it stands.
   if (X_OB_) X_MO_ = pose();

@@ -50,7 +50,7 @@ class PositionEstimator {
   [[nodiscard]] Pose2 pose() const;
   [[nodiscard]] const AivMotion& motion() const { return motion_; }
   /// Off the line, and near enough to go onto it at place().
-  [[nodiscard]] bool beside() const { return known_ && beside_; }
+  [[nodiscard]] bool near_path() const { return known_ && near_path_; }
   /// The pose is known, and no line is near.
   [[nodiscard]] bool away() const { return !known_ && X_MO_.has_value(); }
   /// From the circuit to where it stands, beside it or away.
@@ -190,7 +190,7 @@ class PositionEstimator {
   zone::Course course_;
   std::optional<Pose2> X_MO_;  ///< where it left the line to turn, or stands off it; nothing: on the line
   std::optional<Pose2> X_OB_;  ///< the manoeuvre as PILS tells it
-  bool beside_{false};
+  bool near_path_{false};
   double off_by_m_{};
   double strayed_m_{};              ///< rolled since it stands off the line, in no manoeuvre
   double manoeuvre_travelled_m_{};  ///< the odometer does not count during a manoeuvre

@@ -228,7 +228,7 @@ TEST(EstimateAtABend, takes_up_a_turn_that_was_persisted) {
 TEST(EstimateBesideTheLine, has_the_pose_that_it_was_told_and_the_place_that_it_goes_to) {
   Estimator estimator{diamond()};
   estimator.set_off_path({0.5, 0.2, 2.0});
-  EXPECT_TRUE(estimator.beside());
+  EXPECT_TRUE(estimator.near_path());
   EXPECT_EQ(estimator.pose(), (Pose2{0.5, 0.2, 2.0}));
   EXPECT_NEAR(estimator.off_by_m(), 0.2, 1e-9);
   EXPECT_EQ(estimator.section(), "trunk");
@@ -244,7 +244,7 @@ TEST(EstimateBesideTheLine, is_on_it_where_the_manoeuvre_ended) {
   estimator.odometry.manoeuvre = wire::Manoeuvre{200, 0, 0};
   estimator.on_odometry(estimator.odometry);
   EXPECT_NEAR(estimator.pose().y_m, 0.0, 1e-9);
-  EXPECT_TRUE(estimator.beside()) << "across the line is not on it";
+  EXPECT_TRUE(estimator.near_path()) << "across the line is not on it";
   estimator.odometry.manoeuvre = wire::Manoeuvre{200, 0, 1571};
   estimator.on_odometry(estimator.odometry);
   estimator.end();
@@ -261,7 +261,7 @@ TEST(EstimateBesideTheLine, is_beside_it_still_when_a_manoeuvre_ended_near_it_an
   estimator.on_odometry(estimator.odometry);
   estimator.odometry.line_lost = true;
   EXPECT_EQ(estimator.end().kind, FixKind::relocated);
-  EXPECT_TRUE(estimator.beside()) << "4 cm off it would wait for its line for ever";
+  EXPECT_TRUE(estimator.near_path()) << "4 cm off it would wait for its line for ever";
   EXPECT_NEAR(estimator.off_by_m(), 0.04, 1e-9);
 }
 
@@ -271,7 +271,7 @@ TEST(EstimateBesideTheLine, ignores_tags_until_it_is_on_it) {
   Estimator estimator{zone};
   estimator.set_off_path({0.5, 0.2, 0.0});
   EXPECT_EQ(estimator.on_tag(1, 0.0, 0.0).kind, FixKind::none);
-  EXPECT_TRUE(estimator.beside());
+  EXPECT_TRUE(estimator.near_path());
 }
 
 TEST(EstimateBesideTheLine, follows_a_line_when_its_wheels_roll) {
@@ -311,7 +311,7 @@ TEST(EstimateBesideTheLine, is_beside_it_where_a_way_to_the_old_zone_s_line_ende
   wire::Odometry odometry = before.odometry;  // along the old line, near a new one, and none of it on the new floor
   odometry.manoeuvre.reset();
   after.on_odometry(odometry);
-  EXPECT_TRUE(after.beside());
+  EXPECT_TRUE(after.near_path());
   EXPECT_EQ(after.pose(), is_stopped);
 }
 
@@ -322,12 +322,12 @@ TEST(EstimateBesideTheLine, keeps_pose_and_odometer_from_one_zone_to_the_next) {
   PositionEstimator after{diamond(), ideal};
   after.take_over(before);
   EXPECT_NEAR(after.pose().heading_rad, 0.6, 1e-9);
-  EXPECT_TRUE(after.beside());
+  EXPECT_TRUE(after.near_path());
   wire::Odometry odometry = before.odometry;  // the manoeuvre is given up with the old floor
   odometry.manoeuvre.reset();
   odometry.line_lost = true;
   after.on_odometry(odometry);
-  EXPECT_TRUE(after.beside());
+  EXPECT_TRUE(after.near_path());
   EXPECT_NEAR(after.pose().heading_rad, 0.6, 1e-9);
   EXPECT_EQ(after.travelled_m(), before.travelled_m());
 }

@@ -45,21 +45,21 @@ void PositionEstimator::set_off_path(const Pose2& X_MB) {
   doubt_.reset();
   const auto entry_point = zone::snap_to_path(zone_.circuit, X_MB, zone::snap_within_m + reported_off_m);
   known_ = entry_point.has_value();
-  beside_ = known_;
+  near_path_ = known_;
   if (entry_point) motion_ = AivMotion{zone_.circuit, entry_point->position};
   off_by_m_ = entry_point ? entry_point->distance_m : zone_.circuit.locate(position(X_MB)).distance_m;
   variance_m2_ = std::max(variance_m2_, model_.sigma_start_m * model_.sigma_start_m);
 }
 
 void PositionEstimator::aim(zone::TrackPosition track_position) {
-  COSIVA_EXPECT(beside_);
+  COSIVA_EXPECT(near_path_);
   motion_ = AivMotion{zone_.circuit, track_position};
   course_.clear();
 }
 
 void PositionEstimator::resume_manoeuvre(const Pose2& X_OB, std::optional<zone::SectionId> next) {
   if (!pose_known()) return;
-  if (next && known_ && !beside_) course_ = zone::Course{{motion_.current_section(), *next}};
+  if (next && known_ && !near_path_) course_ = zone::Course{{motion_.current_section(), *next}};
   if (X_OB_) return;  // PILS has told of it already
   X_MO_ = X_MO_ ? *X_MO_ * inverse(X_OB) : motion_.pose(zone_.circuit);
   X_OB_ = X_OB;
@@ -101,7 +101,7 @@ void PositionEstimator::roll_off_line(double step_m, Rolled& rolled) {
     X_MO_ = *X_MO_ * Pose2{step_m, 0.0, 0.0};
   } else if (std::fabs(strayed_m_) > follows_m) {
     X_MO_.reset();
-    beside_ = false;
+    near_path_ = false;
     rolled.step_m += shift(strayed_m_);
   }
 }
@@ -139,7 +139,7 @@ void PositionEstimator::end_manoeuvre(bool line_lost, Rolled& rolled) {
     rolled.kind = FixKind::relocated;
     return;
   }
-  const bool turning = known_ && !beside_;
+  const bool turning = known_ && !near_path_;
   if (!(turning && end_turn(turned_rad, rolled))) land(X_MB, line_lost, rolled);
 }
 
@@ -183,7 +183,7 @@ void PositionEstimator::land(const Pose2& X_MB, bool line_lost, Rolled& rolled) 
     rolled.kind = FixKind::relocated;
   } else if (known_ && line->position.section == track_position().section) {
     X_MO_.reset();
-    beside_ = false;
+    near_path_ = false;
     rolled.step_m += shift(line->position.s_m - track_position().s_m);
   } else {
     const double variance_m2 = variance_m2_;

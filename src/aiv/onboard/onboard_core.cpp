@@ -112,7 +112,7 @@ void OnboardCore::Parts::on_port(const wire::Input& input) {
   if (!board) return;
   const bool up = input.payload == "up";
   boards.on_port(*board, up);
-  if (!up) supervision.board_gone(*board);
+  if (!up) supervision.forget_board(*board);
 }
 
 void OnboardCore::Parts::on_bytes(const wire::Input& input, wire::Effects& effects) {
@@ -254,7 +254,7 @@ void OnboardCore::Parts::end_zone_switch(SimTime now, wire::Effects& effects) {
   log(effects, position.away() ? 'w' : 'i',
       "zone '" + context->zone().name + "' in force after '" + from + "'" +
           (position.away()     ? ", whose nearest way passes " + off_by + " from here: parked"
-           : position.beside() ? ", " + off_by + " beside its nearest way"
+           : position.near_path() ? ", " + off_by + " beside its nearest way"
                                : ""));
 }
 

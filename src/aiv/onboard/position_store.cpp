@@ -27,7 +27,7 @@ PersistedPosition position_of(const DrivingContext& context, std::int64_t odomet
   now_here.session = pils_session;
   now_here.paused = agent.holds().has(Hold::paused);
   now_here.imposed = agent.instructions().imposed;
-  now_here.off_line = position.away() || position.beside();
+  now_here.off_line = position.away() || position.near_path();
   now_here.manoeuvre = position.manoeuvred();
   now_here.pose = position.left_line_at() ? *position.left_line_at() : position.pose();
   if (position.known()) {

@@ -171,7 +171,7 @@ ReportFlags flags_of(const ReportSources& from) {
   flags.blocked = from.agent->decision().blocked;
   flags.wants_base = from.agent->decision().wants_base;
   flags.position_known = from.agent->position().pose_known();
-  flags.beside = from.agent->position().beside();
+  flags.near_path = from.agent->position().near_path();
   return flags;
 }
 

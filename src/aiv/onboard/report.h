@@ -44,7 +44,7 @@ struct ReportFlags {
   bool blocked{};
   bool wants_base{};
   bool position_known{};
-  bool beside{};
+  bool near_path{};
   int charge_percent{};
   unsigned boards_lost{};
   friend bool operator==(const ReportFlags&, const ReportFlags&) = default;

@@ -20,7 +20,7 @@ class Supervision {
   /// It said goodbye: another master may drive, or nobody.
   void server_left() { server_heartbeat_at_.reset(); }
   void on_board_message(SimTime now, wire::Board board) { board_message_at_[index(board)] = now; }
-  void board_gone(wire::Board board) { board_message_at_[index(board)].reset(); }
+  void forget_board(wire::Board board) { board_message_at_[index(board)].reset(); }
 
   [[nodiscard]] bool broker_lost(SimTime now) const;
   [[nodiscard]] bool server_lost(SimTime now) const { return server_heartbeat_at_ && now - *server_heartbeat_at_ > timeout_; }

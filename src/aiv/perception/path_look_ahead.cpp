@@ -43,7 +43,7 @@ void PathLookAhead::sample(const Outlook& outlook) {
   }
 }
 
-PathLookAhead::Beside PathLookAhead::beside(Point2 p_B) const {
+PathLookAhead::Beside PathLookAhead::off_path(Point2 p_B) const {
   // Every fourth point first: neighbours are no further apart than a step (and a little, where the way begins or two
   // sections meet), so only round those that are nearly as near can the nearest lie.
   constexpr std::size_t stride = 4;

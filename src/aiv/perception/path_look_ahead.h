@@ -31,7 +31,7 @@ class PathLookAhead {
     std::size_t sample;
     double distance2_m2;
   };
-  [[nodiscard]] Beside beside(Point2 p_B) const;
+  [[nodiscard]] Beside off_path(Point2 p_B) const;
   /// From the vehicle's middle along the way to the place beside p, near the sample; negative behind the middle.
   [[nodiscard]] double along_path_m(Point2 p_B, std::size_t sample) const;
 

@@ -39,7 +39,7 @@ double gap_to_vehicle_m(zone::TrackPosition here, zone::TrackPosition other) {
   return gap_m(here, vehicle(lacet4().circuit.pose_at(other)));
 }
 /// Beside the vehicle at `here`: x ahead of its middle, y to its left.
-Point2 beside(zone::TrackPosition here, double x_m, double y_m) { return lacet4().circuit.pose_at(here) * Point2{x_m, y_m}; }
+Point2 off_path(zone::TrackPosition here, double x_m, double y_m) { return lacet4().circuit.pose_at(here) * Point2{x_m, y_m}; }
 
 TEST(PerceivedWorld, without_bodies_is_free) {
   Skin skin;
@@ -52,17 +52,17 @@ TEST(PerceivedWorld, without_bodies_is_free) {
 
 TEST(PerceivedWorld, feels_a_person_on_its_way) {
   const zone::TrackPosition here = at(lacet4(), "east", 0.1);
-  EXPECT_NEAR(gap_m(here, disc(beside(here, 0.7, 0.0))), 0.7 - 0.06 - front_m, 1e-6);
-  EXPECT_NEAR(gap_m(here, disc(beside(here, 0.7, 0.08))), 0.7 - 0.06 - front_m, 1e-6);
+  EXPECT_NEAR(gap_m(here, disc(off_path(here, 0.7, 0.0))), 0.7 - 0.06 - front_m, 1e-6);
+  EXPECT_NEAR(gap_m(here, disc(off_path(here, 0.7, 0.08))), 0.7 - 0.06 - front_m, 1e-6);
 }
 
 TEST(PerceivedWorld, feels_the_part_of_a_body_that_reaches_into_its_corridor) {
   // Half the vehicle's width and the margin are 0.08 m. A disc 0.13 m off reaches 0.01 m in: its chord there is
   // shorter.
   const zone::TrackPosition here = at(lacet4(), "east", 0.1);
-  EXPECT_NEAR(gap_m(here, disc(beside(here, 0.7, 0.13))), 0.7 - std::sqrt(0.06 * 0.06 - 0.05 * 0.05) - front_m, 1e-6);
-  EXPECT_LT(gap_m(here, disc(beside(here, 0.7, -0.139))), nothing);
-  EXPECT_EQ(gap_m(here, disc(beside(here, 0.7, -0.141))), nothing);
+  EXPECT_NEAR(gap_m(here, disc(off_path(here, 0.7, 0.13))), 0.7 - std::sqrt(0.06 * 0.06 - 0.05 * 0.05) - front_m, 1e-6);
+  EXPECT_LT(gap_m(here, disc(off_path(here, 0.7, -0.139))), nothing);
+  EXPECT_EQ(gap_m(here, disc(off_path(here, 0.7, -0.141))), nothing);
 }
 
 TEST(PerceivedWorld, feels_a_vehicle_ahead_on_a_straight_an_arc_and_round_a_joint) {
@@ -100,11 +100,11 @@ TEST(PerceivedWorld, does_not_feel_behind_itself_or_beyond_its_reach) {
 TEST(PerceivedWorld, is_not_held_for_ever_by_what_touches_it_from_the_side_or_from_behind) {
   const zone::TrackPosition here = at(lacet4(), "east", 0.8);
   for (const double side : {-1.0, 1.0}) {
-    EXPECT_EQ(gap_m(here, disc(beside(here, 0.0, side * 0.1))), nothing);
-    EXPECT_EQ(gap_m(here, disc(beside(here, -0.08, side * 0.1))), nothing);
+    EXPECT_EQ(gap_m(here, disc(off_path(here, 0.0, side * 0.1))), nothing);
+    EXPECT_EQ(gap_m(here, disc(off_path(here, -0.08, side * 0.1))), nothing);
   }
-  EXPECT_EQ(gap_m(here, disc(beside(here, -0.11, 0.0))), nothing);
-  EXPECT_EQ(gap_m(here, disc(beside(here, 0.11, 0.0))), 0.0) << "in front it does";
+  EXPECT_EQ(gap_m(here, disc(off_path(here, -0.11, 0.0))), nothing);
+  EXPECT_EQ(gap_m(here, disc(off_path(here, 0.11, 0.0))), 0.0) << "in front it does";
 }
 
 TEST(PerceivedWorld, of_two_vehicles_that_overlap_the_one_before_goes) {
@@ -117,20 +117,20 @@ TEST(PerceivedWorld, of_two_vehicles_that_overlap_the_one_before_goes) {
 TEST(PerceivedWorld, feels_a_wall_across_its_way_and_not_one_along_it) {
   const zone::TrackPosition here = at(lacet4(), "east", 0.1);
   const Pose2 X_MB = lacet4().circuit.pose_at(here);
-  const Point2 across = beside(here, 0.6, 0.4);
+  const Point2 across = off_path(here, 0.6, 0.4);
   const wire::Body wall{"O1", "obstacle", across.x_m, across.y_m, X_MB.heading_rad + pi / 2, 2.0, 0.02, 0, 0};
   EXPECT_NEAR(gap_m(here, wall), 0.6 - 0.02 - front_m, 0.005);
-  const Point2 along = beside(here, 0.6, 0.15);
+  const Point2 along = off_path(here, 0.6, 0.15);
   const wire::Body rail{"O2", "obstacle", along.x_m, along.y_m, X_MB.heading_rad, 2.0, 0.02, 0, 0};
   EXPECT_EQ(gap_m(here, rail), nothing);
 }
 
 TEST(PerceivedWorld, names_the_first_of_several) {
   const zone::TrackPosition here = at(lacet4(), "east", 0.1);
-  wire::Body far = disc(beside(here, 0.9, 0.0));
+  wire::Body far = disc(off_path(here, 0.9, 0.0));
   far.id = "P2";
   Skin skin;
-  skin.receives({far, disc(beside(here, 0.5, 0.0)), disc(beside(here, 0.3, 0.5))});
+  skin.receives({far, disc(off_path(here, 0.5, 0.0)), disc(off_path(here, 0.3, 0.5))});
   const auto contact = skin.world.first(skin.now, here);
   EXPECT_EQ(contact.body, "P1");
   EXPECT_NEAR(contact.gap_m, 0.5 - 0.06 - front_m, 1e-6);
@@ -138,7 +138,7 @@ TEST(PerceivedWorld, names_the_first_of_several) {
 
 TEST(PerceivedWorld, carries_a_moving_body_on_for_half_a_second) {
   const zone::TrackPosition here = at(lacet4(), "east", 0.1);
-  const Point2 p = beside(here, 0.9, 0.0);
+  const Point2 p = off_path(here, 0.9, 0.0);
   Skin skin;
   skin.receives({disc(p, 0.06, -0.4, 0.0)});  // against the eastward way
   const double at_once_m = skin.gap_m(here);
@@ -153,11 +153,11 @@ TEST(PerceivedWorld, carries_a_moving_body_on_for_half_a_second) {
 TEST(PerceivedWorld, feels_who_walks_into_its_way_and_not_who_walked_out) {
   const zone::TrackPosition here = at(lacet4(), "east", 0.1);
   Skin skin;
-  skin.receives({disc(beside(here, 0.6, 0.2), 0.06, 0.0, -0.4)});
+  skin.receives({disc(off_path(here, 0.6, 0.2), 0.06, 0.0, -0.4)});
   EXPECT_EQ(skin.gap_m(here), nothing);
   skin.now += std::chrono::milliseconds{250};
   EXPECT_LT(skin.gap_m(here), 0.6);
-  skin.receives({disc(beside(here, 0.6, -0.1), 0.06, 0.0, -0.4)});
+  skin.receives({disc(off_path(here, 0.6, -0.1), 0.06, 0.0, -0.4)});
   EXPECT_LT(skin.gap_m(here), 0.6);
   skin.now += std::chrono::milliseconds{250};
   EXPECT_EQ(skin.gap_m(here), nothing);
@@ -166,7 +166,7 @@ TEST(PerceivedWorld, feels_who_walks_into_its_way_and_not_who_walked_out) {
 TEST(PerceivedWorld, forgets_after_a_second_without_news) {
   const zone::TrackPosition here = at(lacet4(), "east", 0.1);
   Skin skin;
-  skin.receives({disc(beside(here, 0.6, 0.0))});
+  skin.receives({disc(off_path(here, 0.6, 0.0))});
   skin.now += std::chrono::milliseconds{1000};
   skin.world.age(skin.now);
   EXPECT_LT(skin.gap_m(here), nothing);
@@ -179,7 +179,7 @@ TEST(PerceivedWorld, forgets_after_a_second_without_news) {
 TEST(PerceivedWorld, stays_known_over_a_silence_without_news) {
   const zone::TrackPosition here = at(lacet4(), "east", 0.1);
   Skin skin;
-  skin.receives({disc(beside(here, 0.6, 0.0))});
+  skin.receives({disc(off_path(here, 0.6, 0.0))});
   for (int i = 0; i < 50; ++i) {
     skin.now += std::chrono::milliseconds{100};
     skin.world.excuse_silence(skin.now);

@@ -155,10 +155,10 @@ TEST(News, are_what_others_act_upon_and_not_where_it_drives_meanwhile) {
   EXPECT_TRUE(is_news(granted.compose(), speaker)) << "it may not any more";
   EXPECT_TRUE(is_news(published, Speaker{0.1})) << "it wants no crossing";
   EXPECT_TRUE(is_news(Speaker{1.3}.compose(), speaker)) << "it comes to crossings";
-  Speaker beside{0.1};
-  beside.agent.estimator().set_off_path({0.3, 0.0, 0.5});
-  EXPECT_TRUE(is_news(published, beside));
-  EXPECT_FALSE(is_news(beside.compose(), beside));
+  Speaker neighbour{0.1};
+  neighbour.agent.estimator().set_off_path({0.3, 0.0, 0.5});
+  EXPECT_TRUE(is_news(published, neighbour));
+  EXPECT_FALSE(is_news(neighbour.compose(), neighbour));
   wire::Intent other = published;
   other.braking = !published.braking;
   EXPECT_TRUE(is_news(other, speaker));

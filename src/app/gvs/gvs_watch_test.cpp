@@ -55,15 +55,15 @@ struct Watched {
     GvsSource source;
     source.tag_side_m = camera.tag_side_m();
     source.exposure_ms = 1e3 * camera.exposure_s();
-    eye.emplace(camera.calibration(), tracker_options(source), std::map<int, std::string>{{3, "ACME/cart"}});
+    watched_camera.emplace(camera.calibration(), tracker_options(source), std::map<int, std::string>{{3, "ACME/cart"}});
   }
   wire::GvsDetections look(SimTime at) {
     const GroundTruth ground_truth = ground_truth_at(at);
     image = camera.take(ground_truth, ground_truth_at(at - 100ms));
-    return eye->see(image, at, 0.25).value();
+    return watched_camera->see(image, at, 0.25).value();
   }
   EmulatedCamera camera;
-  std::optional<GvsCamera> eye;
+  std::optional<GvsCamera> watched_camera;
   vision::Image image;
 };
 
@@ -94,9 +94,9 @@ TEST(GvsCamera, a_tag_whose_usual_aiv_carries_another_one_is_nobody_s) {
   EmulatedCamera camera = EmulatedCamera::over(lacet4().zone()).value();
   GvsSource source;
   source.tag_side_m = camera.tag_side_m();
-  GvsCamera eye{camera.calibration(), tracker_options(source), {{2, "CoSiVA/AIV1"}}};
+  GvsCamera watched_camera{camera.calibration(), tracker_options(source), {{2, "CoSiVA/AIV1"}}};
   const auto detections =
-      eye.see(camera.take(ground_truth_at(virtual_epoch), std::nullopt), virtual_epoch, 0.25).value();
+      watched_camera.see(camera.take(ground_truth_at(virtual_epoch), std::nullopt), virtual_epoch, 0.25).value();
   std::vector<std::string> names;
   for (const auto& detection : detections.detections) names.push_back(detection.vehicle);
   EXPECT_THAT(names, ElementsAre("tag 1", "CoSiVA/AIV1", "CoSiVA/AIV3", "CoSiVA/AIV4"));
@@ -106,7 +106,7 @@ TEST(GvsCamera, tells_how_much_of_the_floor_it_sees) {
   const Watched watched;
   double low = 0.0;
   double high = 0.0;
-  for (const Point2& corner : watched.eye->field()) {
+  for (const Point2& corner : watched.watched_camera->field()) {
     low = std::min({low, corner.x_m, corner.y_m});
     high = std::max({high, corner.x_m, corner.y_m});
   }
@@ -116,7 +116,7 @@ TEST(GvsCamera, tells_how_much_of_the_floor_it_sees) {
   // Who is cut off by the picture's border is not missed: a whole tag is seen at each corner.
   const vision::Calibration& calibration = watched.camera.calibration();
   const double height_m = vision::profile_of(1, calibration.markers).height_m;
-  for (const Point2& corner : watched.eye->field()) {
+  for (const Point2& corner : watched.watched_camera->field()) {
     const auto pixel = calibration.map.pixel_at(vision::detected_from(corner, height_m, calibration.camera));
     ASSERT_TRUE(pixel);
     for (const double at : {pixel->u, pixel->v}) {
@@ -131,7 +131,7 @@ TEST(GvsCamera, passes_over_an_image_that_is_not_newer_and_refuses_one_of_anothe
   ASSERT_THAT(watched.look(virtual_epoch + 1s).detections, SizeIs(4));
   EXPECT_THAT(watched.look(virtual_epoch).detections, SizeIs(0));
   EXPECT_THAT(watched.look(virtual_epoch + 2s).detections, SizeIs(4));
-  const auto refused = watched.eye->see(vision::Image::filled({64, 64}, 0), virtual_epoch + 3s, 0.25);
+  const auto refused = watched.watched_camera->see(vision::Image::filled({64, 64}, 0), virtual_epoch + 3s, 0.25);
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, HasSubstr("64 x 64"));
 }
@@ -139,7 +139,7 @@ TEST(GvsCamera, passes_over_an_image_that_is_not_newer_and_refuses_one_of_anothe
 TEST(GvsCamera, shows_a_small_image_whose_comment_says_who_is_where_on_it) {
   Watched watched;
   const wire::GvsDetections detections = watched.look(virtual_epoch);
-  const std::string shown = watched.eye->shown(watched.image, detections, {0.2, 0.12});
+  const std::string shown = watched.watched_camera->shown(watched.image, detections, {0.2, 0.12});
   const auto image = vision::read_netpbm(shown, "shown");
   ASSERT_TRUE(image);
   EXPECT_EQ(image->size, (vision::ImageSize{480, 480}));

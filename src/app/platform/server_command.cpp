@@ -155,10 +155,10 @@ int run_server(const ServerArguments& arguments) {
 
   EventLoop loop;
   virtual_side::ServerCore core{options};
-  auto eye = mqtt_options(arguments.part.broker, "cosiva-gvs" + (arguments.area.empty() ? "" : "-" + arguments.area));
-  if (!eye) return report_error(eye.error());
+  auto client_options = mqtt_options(arguments.part.broker, "cosiva-gvs" + (arguments.area.empty() ? "" : "-" + arguments.area));
+  if (!client_options) return report_error(client_options.error());
   LiveShell shell{loop, core, std::move(*live)};
-  GvsView gvs{loop, std::move(*eye)};
+  GvsView gvs{loop, std::move(*client_options)};
   PageHost host = page_host(arguments, core, shell, scenario.name);
   host.gvs_preview = [&gvs] { return gvs.look(); };
   auto page = ServerPage::open(loop, std::move(host), arguments.port, find_web_root(arguments.web_directory),

@@ -41,8 +41,8 @@ Result<Prepared> prepare(const CampaignArguments& arguments) {
   auto plan = experiments::read_campaign_plan(*text, arguments.plan_file);
   if (!plan) return tl::unexpected(plan.error());
   // A zone's file is named from where the plan lies.
-  const auto beside = std::filesystem::path(arguments.plan_file).parent_path() / plan->zone;
-  auto ring = ring_of(std::filesystem::exists(beside) ? beside.string() : plan->zone);
+  const auto local_path = std::filesystem::path(arguments.plan_file).parent_path() / plan->zone;
+  auto ring = ring_of(std::filesystem::exists(local_path) ? local_path.string() : plan->zone);
   if (!ring) return tl::unexpected(ring.error());
   auto work = CampaignWork::make(std::move(*plan), {ring->zone, ring->track});
   if (!work) {

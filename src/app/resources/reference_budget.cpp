@@ -29,7 +29,7 @@ double from_foot_m(const vision::Calibration& calibration) {
   return points > 0.0 ? std::sqrt(squares / points) : 0.0;
 }
 
-ReferencePart height_part(const vision::Calibration& calibration, const BesideCalibration& beside) {
+ReferencePart height_part(const vision::Calibration& calibration, const BesideCalibration& local_path) {
   const double camera_m = calibration.camera.height_m;
   double tag_m = 0.0;
   for (const vision::MarkerProfile& marker : calibration.markers) tag_m = std::fmax(tag_m, marker.height_m);
@@ -40,26 +40,26 @@ ReferencePart height_part(const vision::Calibration& calibration, const BesideCa
   };
   const std::string where =
       ", seen " + decimals(out_m, 2) + " m from the foot of a camera " + decimals(camera_m, 2) + " m up";
-  if (!beside.tag_height_error_m)
+  if (!local_path.tag_height_error_m)
     return {"tag height", std::nullopt,
             "not told: 1 mm of it would be " + decimals(1e3 * error_of(1e-3), 2) + " mm" + where};
-  return {"tag height", error_of(*beside.tag_height_error_m),
-          "--tag-height-error " + decimals(1e3 * *beside.tag_height_error_m, 2) + " mm" + where};
+  return {"tag height", error_of(*local_path.tag_height_error_m),
+          "--tag-height-error " + decimals(1e3 * *local_path.tag_height_error_m, 2) + " mm" + where};
 }
 
 }  // namespace
 
 experiments::ReferenceBudget budget_of(const vision::Calibration& calibration, const std::string& file,
-                                       const BesideCalibration& beside) {
+                                       const BesideCalibration& local_path) {
   experiments::ReferenceBudget budget;
   auto& parts = budget.parts;
   parts.push_back({"floor fit", calibration.block.rms_m,
                    file + ": rms of " + std::to_string(calibration.block.points) +
                        " floor points, each block left out (" + std::string(name_of(calibration.model)) + ")"});
-  if (beside.poses) {
-    const std::string many = std::to_string(beside.poses->left_out.size()) + " surveyed poses";
-    parts.push_back({"tag noise", beside.poses->stopped_m, many + ": how still a standing tag stands"});
-    parts.push_back({"height and mounting", beside.poses->rms_m, many + ", each left out: rms"});
+  if (local_path.poses) {
+    const std::string many = std::to_string(local_path.poses->left_out.size()) + " surveyed poses";
+    parts.push_back({"tag noise", local_path.poses->stopped_m, many + ": how still a standing tag stands"});
+    parts.push_back({"height and mounting", local_path.poses->rms_m, many + ", each left out: rms"});
   } else {
     parts.push_back({"tag noise", std::nullopt, "not told: let a vehicle stand, and take the spread of its fixes"});
     const bool surveyed = !calibration.markers.empty() && calibration.markers.front().surveyed;
@@ -67,9 +67,9 @@ experiments::ReferenceBudget budget_of(const vision::Calibration& calibration, c
       parts.push_back({"height and mounting", std::nullopt,
                        "not told: the rms of the surveyed poses stands in the calibration's result.json"});
     } else {
-      parts.push_back(height_part(calibration, beside));
-      parts.push_back({"mounting", beside.mount_error_m,
-                       beside.mount_error_m ? "--mount-error" : "not told: where the tag sits on its vehicle"});
+      parts.push_back(height_part(calibration, local_path));
+      parts.push_back({"mounting", local_path.mount_error_m,
+                       local_path.mount_error_m ? "--mount-error" : "not told: where the tag sits on its vehicle"});
     }
   }
   parts.push_back({"time stamp", std::nullopt,

@@ -19,7 +19,7 @@ struct BesideCalibration {
 /// Part by part; what nobody has told stands there as not told.
 /// @param file  that the calibration stands in, for the sources
 [[nodiscard]] experiments::ReferenceBudget budget_of(const vision::Calibration& calibration, const std::string& file,
-                                                     const BesideCalibration& beside);
+                                                     const BesideCalibration& local_path);
 
 /// A reference_budget.json or a calibration.json. Fails as their readers do, with the file.
 [[nodiscard]] Result<experiments::ReferenceBudget> load_reference_budget(const std::string& file);

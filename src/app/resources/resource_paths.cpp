@@ -32,13 +32,13 @@ std::string found_from(const fs::path& scenario_file, const std::string& zone) {
   std::error_code error;
   const fs::path folder = scenario_file.parent_path();
   if (looks_like_a_file(zone)) {
-    const fs::path beside = folder / zone;
-    return fs::is_regular_file(beside, error) ? beside.lexically_normal().string() : zone;
+    const fs::path local_path = folder / zone;
+    return fs::is_regular_file(local_path, error) ? local_path.lexically_normal().string() : zone;
   }
   if (find_zone_file(zone)) return zone;
   for (const std::string_view format : zone::known_formats()) {
-    const fs::path beside = folder / "../zones" / (zone + usual_ending(format));
-    if (fs::is_regular_file(beside, error)) return beside.lexically_normal().string();
+    const fs::path local_path = folder / "../zones" / (zone + usual_ending(format));
+    if (fs::is_regular_file(local_path, error)) return local_path.lexically_normal().string();
   }
   return zone;
 }
@@ -65,9 +65,9 @@ std::string own_executable() {
 std::vector<std::string> ready_folders(const std::string& kind) {
   std::vector<std::string> folders;
   if (std::string own = own_folder(kind); !own.empty()) folders.push_back(std::move(own));
-  const fs::path beside = fs::path(own_executable()).parent_path();
-  for (const fs::path& folder : {beside / "../.." / kind, fs::path(COSIVA_SOURCE_DIR) / kind,
-                                 beside / "../share/cosiva" / kind, fs::path(kind)}) {
+  const fs::path local_path = fs::path(own_executable()).parent_path();
+  for (const fs::path& folder : {local_path / "../.." / kind, fs::path(COSIVA_SOURCE_DIR) / kind,
+                                 local_path / "../share/cosiva" / kind, fs::path(kind)}) {
     // A build in its source tree finds that tree twice.
     const std::string name = folder.lexically_normal().string();
     if (std::ranges::find(folders, name) == folders.end()) folders.push_back(name);
@@ -132,8 +132,8 @@ Result<LoadedScenario> load_scenario(const std::string& name_or_file) {
 
 std::string find_web_root(const std::string& given) {
   if (!given.empty()) return given;
-  const fs::path beside = fs::path(own_executable()).parent_path();
-  for (const fs::path& folder : {fs::path(COSIVA_SOURCE_DIR) / "web/dist", beside / "../share/cosiva/web"}) {
+  const fs::path local_path = fs::path(own_executable()).parent_path();
+  for (const fs::path& folder : {fs::path(COSIVA_SOURCE_DIR) / "web/dist", local_path / "../share/cosiva/web"}) {
     std::error_code error;
     if (fs::is_regular_file(folder / "index.html", error)) return folder.lexically_normal().string();
   }

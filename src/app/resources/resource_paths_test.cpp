@@ -56,9 +56,9 @@ TEST(Scenario, that_is_missing_says_where_it_was_looked_for) {
 TEST(Scenario, finds_a_zone_that_lies_beside_it) {
   Scratch scratch;
   const std::string zone = scratch.write("mine.toml", "name = 'mine'\n");
-  const auto beside = load_scenario(scratch.write("day.toml", "name = 'day'\nzone = 'mine.toml'\n"));
-  ASSERT_TRUE(beside) << to_string(beside.error());
-  EXPECT_EQ(beside->scenario.zone, zone);
+  const auto local_path = load_scenario(scratch.write("day.toml", "name = 'day'\nzone = 'mine.toml'\n"));
+  ASSERT_TRUE(local_path) << to_string(local_path.error());
+  EXPECT_EQ(local_path->scenario.zone, zone);
   const auto ready = load_scenario(scratch.write("other.toml", "name = 'other'\nzone = 'lacet4'\n"));
   ASSERT_TRUE(ready);
   EXPECT_EQ(ready->scenario.zone, "lacet4");

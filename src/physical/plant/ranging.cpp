@@ -73,8 +73,8 @@ void RangeFan::see_edge(Point2 from, Point2 to) {
   for (std::size_t beam = 0; beam < DobsBoard::beams; ++beam) {
     const double left_from = cross(border_[beam + 1], from);
     const double left_to = cross(border_[beam + 1], to);
-    const bool beside = (right_from < 0.0 && right_to < 0.0) || (left_from > 0.0 && left_to > 0.0);
-    if (!beside) {
+    const bool neighbour = (right_from < 0.0 && right_to < 0.0) || (left_from > 0.0 && left_to > 0.0);
+    if (!neighbour) {
       double low = 0.0;
       double high = 1.0;
       if (right_from < 0.0) low = std::max(low, right_from / (right_from - right_to));

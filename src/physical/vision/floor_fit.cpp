@@ -142,9 +142,9 @@ class Bundle {
     for (int round = 0; round < rounds; ++round) {
       for (int i = 0; i < unknowns_; ++i) {
         constexpr double step = 1e-6;
-        Vector beside = at;
-        beside[i] += step;
-        residuals(beside, moved);
+        Vector neighbour = at;
+        neighbour[i] += step;
+        residuals(neighbour, moved);
         slopes.col(i) = (moved - here) / step;
       }
       const Matrix squares = slopes.transpose() * slopes;

@@ -28,15 +28,15 @@ Image doubled(const Image& image) {
   const auto [width, height] = image.size;
   Image twice = Image::filled({2 * width, 2 * height}, 0);
   // Middles of the new pixels lie a quarter beside the old ones': three parts of the nearer, one of the further.
-  const auto beside = [](std::size_t at, std::size_t count) {
+  const auto neighbour = [](std::size_t at, std::size_t count) {
     return at % 2 == 0 ? (at == 0 ? 0 : at / 2 - 1) : std::min(count - 1, at / 2 + 1);
   };
   for (std::size_t row = 0; row < 2 * height; ++row) {
     const std::size_t near_row = row / 2;
-    const std::size_t far_row = beside(row, height);
+    const std::size_t far_row = neighbour(row, height);
     for (std::size_t column = 0; column < 2 * width; ++column) {
       const std::size_t near = column / 2;
-      const std::size_t far = beside(column, width);
+      const std::size_t far = neighbour(column, width);
       const unsigned sum = 9U * image.at(near, near_row) + 3U * image.at(far, near_row) + 3U * image.at(near, far_row) +
                            image.at(far, far_row);
       twice.pixels[row * 2 * width + column] = static_cast<std::uint8_t>((sum + 8U) / 16U);

@@ -28,9 +28,9 @@ double decimate_for(const FloorMap& map, double side_m) {
   const double u = 0.5 * static_cast<double>(map.frame.width);
   const double v = 0.5 * static_cast<double>(map.frame.height);
   const auto here = map.floor_at({u, v});
-  const auto beside = map.floor_at({u + 1.0, v});
-  if (side_m <= 0.0 || !here || !beside) return 2.0;
-  const double side_px = side_m / std::max(1e-9, distance(*here, *beside));
+  const auto neighbour = map.floor_at({u + 1.0, v});
+  if (side_m <= 0.0 || !here || !neighbour) return 2.0;
+  const double side_px = side_m / std::max(1e-9, distance(*here, *neighbour));
   if (side_px >= 60.0) return 3.0;
   if (side_px >= 34.0) return 2.0;
   return side_px >= 24.0 ? 1.5 : 1.0;

@@ -121,9 +121,9 @@ TEST(Intent, may_hold_fields_that_the_reader_does_not_know_and_no_place) {
   std::string json = to_json(shown);
   json.insert(1, R"("colour":{"deep":[1]},)");
   EXPECT_EQ(intent_from_json(json).value(), shown);
-  Intent beside = shown;
-  beside.position.reset();
-  EXPECT_EQ(intent_from_json(to_json(beside)).value(), beside);
+  Intent neighbour = shown;
+  neighbour.position.reset();
+  EXPECT_EQ(intent_from_json(to_json(neighbour)).value(), neighbour);
 }
 
 /// The shown intent with one place of its text replaced; where the reader says the fault is.

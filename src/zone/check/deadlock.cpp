@@ -84,9 +84,9 @@ class Spots {
 
   /// A ring is gone round; elsewhere who cannot go on one way may take another.
   void one_part(std::span<const std::uint32_t> members) {
-    std::vector<SectionId> ring;
-    for (SectionId at = members.front(); ring.empty() || at != members.front();) {
-      ring.push_back(at);
+    std::vector<SectionId> cycle;
+    for (SectionId at = members.front(); cycle.empty() || at != members.front();) {
+      cycle.push_back(at);
       SectionId onward = no_section;
       for (const SectionId after : circuit_.next(at)) {
         if (components_.component_of(after) != components_.component_of(at)) continue;
@@ -95,7 +95,7 @@ class Spots {
       }
       at = onward;
     }
-    one_loop("the way round from " + name(members.front()), ring);
+    one_loop("the way round from " + name(members.front()), cycle);
   }
 
   void whole_part(std::span<const std::uint32_t> members) {

@@ -139,9 +139,9 @@ void ContactScan::scan(const Task& task) {
   std::optional<Contact> open;
   double nearest_square = infinity;
   double before_m = -1.0;  // the last sample that touched nothing, if any
-  const auto close = [&](double outside_m, const Line& beside) {
+  const auto close = [&](double outside_m, const Line& neighbour) {
     if (!open) return;
-    open->to_m = boundary(task, outside_m, open->to_m, beside);
+    open->to_m = boundary(task, outside_m, open->to_m, neighbour);
     contacts.push_back(*open);
     open.reset();
   };

@@ -76,9 +76,9 @@ Pose2 Nurbs::pose_at(double u) const {
   for (std::size_t i = span - degree; i < span; ++i) size_m = std::max(size_m, distance(points[i], points[i + 1]));
   double step = 1e-7 * (high - low);
   while (norm(dx, dy) * (high - low) <= 1e-9 * size_m && step < 0.1 * (high - low)) {
-    const Local beside = de_boor(*this, span, here + step < high ? here + step : here - step);
-    dx = beside.dx;
-    dy = beside.dy;
+    const Local neighbour = de_boor(*this, span, here + step < high ? here + step : here - step);
+    dx = neighbour.dx;
+    dy = neighbour.dy;
     step *= 10.0;
   }
   return {local.position.x_m, local.position.y_m, det_atan2(dy, dx)};

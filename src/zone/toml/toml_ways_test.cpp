@@ -28,7 +28,7 @@ std::string error_of(const std::string& text) {
   return zone ? "no error" : zone.error().code + " " + to_string(zone.error());
 }
 
-const std::string ring = straight("south") + half_turn("east") + straight("north") + half_turn("west");
+const std::string oval = straight("south") + half_turn("east") + straight("north") + half_turn("west");
 
 // Circuits
 // ---------------------------------------------------------------------------------------------------------
@@ -58,9 +58,9 @@ start = { x = 0, y = -5, heading_deg = 0 }
 }
 
 TEST(TomlTracks, of_one_closed_circuit_are_a_loop_only_with_a_name) {
-  EXPECT_THAT(read_zone(head + "[circuit]\nclosed = true\n" + ring)->loops, IsEmpty());
-  EXPECT_THAT(read_zone(head + "[circuit]\nname = \"r\"\nclosed = true\n" + ring)->loops, SizeIs(1));
-  EXPECT_THAT(read_zone(head + "[circuit]\nname = \"r\"\n" + ring)->loops, IsEmpty());
+  EXPECT_THAT(read_zone(head + "[circuit]\nclosed = true\n" + oval)->loops, IsEmpty());
+  EXPECT_THAT(read_zone(head + "[circuit]\nname = \"r\"\nclosed = true\n" + oval)->loops, SizeIs(1));
+  EXPECT_THAT(read_zone(head + "[circuit]\nname = \"r\"\n" + oval)->loops, IsEmpty());
 }
 
 TEST(TomlTracks, that_name_no_circuit_or_one_twice_are_refused) {
@@ -68,9 +68,9 @@ TEST(TomlTracks, that_name_no_circuit_or_one_twice_are_refused) {
               StartsWith("zone.reference test.toml:9: section[1].circuit: expected the name of a circuit"));
   EXPECT_THAT(error_of(head + "[[circuit]]\nname = \"r\"\n[[circuit]]\nname = \"r\"\n" + straight("a")),
               StartsWith("zone.duplicate test.toml:6: circuit[2].name"));
-  EXPECT_THAT(error_of(head + "[[circuit]]\nclosed = true\n" + ring), StartsWith("zone.missing"));
-  EXPECT_THAT(error_of("circuit = []\n" + head + ring), StartsWith("zone.size"));
-  EXPECT_THAT(error_of("circuit = 3\n" + head + ring), StartsWith("zone.field"));
+  EXPECT_THAT(error_of(head + "[[circuit]]\nclosed = true\n" + oval), StartsWith("zone.missing"));
+  EXPECT_THAT(error_of("circuit = []\n" + head + oval), StartsWith("zone.size"));
+  EXPECT_THAT(error_of("circuit = 3\n" + head + oval), StartsWith("zone.field"));
 }
 
 TEST(TomlTracks, of_a_closed_circuit_that_leads_elsewhere_are_refused) {
@@ -178,7 +178,7 @@ TEST(TomlTables, know_stations_from_chargers_and_lay_a_waypoint_at_each) {
 }
 
 TEST(TomlTables, take_a_loop_only_where_each_section_follows_the_one_before_and_the_first_the_last) {
-  const std::string closed = head + "[circuit]\nclosed = true\n" + ring;
+  const std::string closed = head + "[circuit]\nclosed = true\n" + oval;
   const auto zone =
       read_zone(closed + "[[loop]]\nname = \"l\"\nsections = [\"north\", \"west\", \"south\", \"east\"]\n");
   ASSERT_TRUE(zone) << to_string(zone.error());
@@ -192,18 +192,18 @@ TEST(TomlTables, take_a_loop_only_where_each_section_follows_the_one_before_and_
   EXPECT_THAT(loop("sections = []\n"), StartsWith("zone.missing"));
   EXPECT_THAT(loop(""), StartsWith("zone.missing"));
   EXPECT_THAT(loop("sections = [\"nowhere\"]\n"), StartsWith("zone.reference"));
-  EXPECT_THAT(error_of(head + "[circuit]\nname = \"l\"\nclosed = true\n" + ring +
+  EXPECT_THAT(error_of(head + "[circuit]\nname = \"l\"\nclosed = true\n" + oval +
                        "[[loop]]\nname = \"l\"\nsections = [\"south\"]\n"),
               StartsWith("zone.duplicate"));
 }
 
 TEST(TomlTables, close_sections_from_the_beginning_each_once_and_sorted) {
-  const auto zone = read_zone(head + "[closed]\nsections = [\"north\", \"south\", \"north\"]\n" + ring);
+  const auto zone = read_zone(head + "[closed]\nsections = [\"north\", \"south\", \"north\"]\n" + oval);
   ASSERT_TRUE(zone) << to_string(zone.error());
   EXPECT_THAT(zone->closed, ElementsAre(0, 2));
-  EXPECT_THAT(error_of(head + "[closed]\nsections = [\"up\"]\n" + ring),
+  EXPECT_THAT(error_of(head + "[closed]\nsections = [\"up\"]\n" + oval),
               StartsWith("zone.reference test.toml:4: closed.sections"));
-  EXPECT_THAT(error_of(head + "[closed]\nsection = [\"south\"]\n" + ring), HasSubstr("did you mean \"sections\"?"));
+  EXPECT_THAT(error_of(head + "[closed]\nsection = [\"south\"]\n" + oval), HasSubstr("did you mean \"sections\"?"));
 }
 
 TEST(TomlTables, lay_no_waypoint_between_nodes_where_they_are_told_to) {

@@ -58,11 +58,11 @@ Eigen4 eigen_of(Matrix4 m) {
   Matrix4 v{};
   for (std::size_t i = 0; i < 4; ++i) v[i][i] = 1.0;
   for (int sweep = 0; sweep < 50; ++sweep) {
-    double beside = 0.0;
+    double neighbour = 0.0;
     for (std::size_t p = 0; p < 4; ++p) {
       for (std::size_t q = p + 1; q < 4; ++q) {
         if (m[p][q] == 0.0) continue;
-        beside += m[p][q] * m[p][q];
+        neighbour += m[p][q] * m[p][q];
         const double tau = (m[q][q] - m[p][p]) / (2.0 * m[p][q]);
         const double t = (tau < 0.0 ? -1.0 : 1.0) / (std::fabs(tau) + std::sqrt(tau * tau + 1.0));
         const double c = 1.0 / std::sqrt(t * t + 1.0);
@@ -75,7 +75,7 @@ Eigen4 eigen_of(Matrix4 m) {
           std::tie(v[k][p], v[k][q]) = std::pair{c * v[k][p] - s * v[k][q], s * v[k][p] + c * v[k][q]};
       }
     }
-    if (beside == 0.0) break;
+    if (neighbour == 0.0) break;
   }
   return {{m[0][0], m[1][1], m[2][2], m[3][3]}, v};
 }

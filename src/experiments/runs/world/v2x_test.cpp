@@ -44,9 +44,9 @@ double total_distance_m(const World& world) {
 }
 
 /// So many intents that others near could hear were published.
-struct Talk {
+struct V2xRun {
   std::size_t published{0};
-  explicit Talk(World& world) {
+  explicit V2xRun(World& world) {
     world.tap([this](SimTime, const std::string&, const wire::Publish& publish) {
       if (publish.topic.starts_with(wire::v2x_topic_prefix)) ++published;
     });
@@ -93,13 +93,13 @@ TEST(V2x, gives_the_same_digest_for_the_same_seed) {
 
 TEST(V2x, goes_on_without_the_server_and_needs_no_broker_to_be_safe) {
   const auto world = world_of({.seed = 2});
-  Talk talk{*world};
+  V2xRun v2x_run{*world};
   world->run_for(20s);
   world->kill_server();
   world->run_for(2s);
-  const std::size_t before = talk.published;
+  const std::size_t before = v2x_run.published;
   world->run_for(5s);
-  EXPECT_GT(talk.published, before + 8 * 5) << "they stand and still say where";
+  EXPECT_GT(v2x_run.published, before + 8 * 5) << "they stand and still say where";
   for (std::uint32_t number = 1; number <= 8; ++number) {
     const std::string radio = R"({"vehicle":"CoSiVA/AIV)" + std::to_string(number) + R"(","loss":1})";
     world->publish({std::string(wire::plant_radio_topic), radio, 1, false});
@@ -159,10 +159,10 @@ TEST(V2x, switched_off_is_silent_and_everybody_drives_on) {
   options.aivs = 4;
   options.v2x = options.server.v2x = false;
   const auto world = *World::make(std::move(options));
-  Talk talk{*world};
+  V2xRun v2x_run{*world};
   world->command_server(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V1"}})");
   world->run_for(40s);
-  EXPECT_EQ(talk.published, 0U);
+  EXPECT_EQ(v2x_run.published, 0U);
   expect_nobody_touches(*world, "in silence");
   for (const auto& v : world->plant().vehicles()) EXPECT_GT(v.distance_m, 5.0) << "AIV" << v.number;
 }

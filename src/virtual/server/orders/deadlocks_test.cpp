@@ -240,7 +240,7 @@ std::vector<zone::TrackPosition> packed(const zone::TrafficZone& zone, const std
   return positions;
 }
 
-TEST(FullRing, is_named_when_nobody_can_resolve_it_and_moves_with_one_vehicle_less) {
+TEST(CrowdedLoop, is_named_when_nobody_can_resolve_it_and_moves_with_one_vehicle_less) {
   const std::vector<zone::SectionId> round{0, 1, 2, 3};
   for (const bool full : {true, false}) {
     ServerFixture fixture;
@@ -260,7 +260,7 @@ TEST(FullRing, is_named_when_nobody_can_resolve_it_and_moves_with_one_vehicle_le
   }
 }
 
-TEST(FullRing, opens_where_one_can_go_another_way) {
+TEST(CrowdedLoop, opens_where_one_can_go_another_way) {
   ServerFixture fixture{
       fork("[[loop]]\nname = \"round\"\nsections = [\"entry\", \"south\", \"east\", \"north\", \"west\"]\n")};
   const std::vector<zone::SectionId> round{0, 1, 2, 3, 4};
@@ -312,9 +312,9 @@ class SideBySide : public testing::Test {
  protected:
   void put(double ahead_m, double beside_m, double turned_rad) {
     fixture.add("AIV1", {0, 0.8});
-    FixtureVehicle& beside = fixture.add("AIV2", {0, 0.8 + ahead_m});
+    FixtureVehicle& neighbour = fixture.add("AIV2", {0, 0.8 + ahead_m});
     const Pose2 X_ML = fixture.zone->circuit.pose_at({0, 0.8 + ahead_m});
-    beside.put(X_ML * Pose2{0.0, beside_m, turned_rad});
+    neighbour.put(X_ML * Pose2{0.0, beside_m, turned_rad});
   }
   ServerFixture fixture;
 };

@@ -65,7 +65,7 @@ bool OrderRoller::keeps_off(const Wait& wait, zone::TrackPosition track_position
       map_->crossings_on(track_position, 0.0, occupied_crossings, traffic_.coming(wait.whom));
       return std::ranges::any_of(occupied_crossings, [&](CrossingIndex x) { return traffic_.requests(wait.who, x); });
     }
-    case WaitReason::beside:
+    case WaitReason::off_path:
     case WaitReason::eyes: break;
   }
   const Plan& theirs = plans_[wait.who];

@@ -221,10 +221,10 @@ void OrderRoller::tick(bool drive, bool send_off, SimDuration lost_after) {
   if (map_ == nullptr) return;
   lost_after_ = lost_after;
   traffic_.update();
-  beside_.clear();
+  neighbour_.clear();
   for (VehicleIndex v = 0; v < plans_.size(); ++v)
     if (registry_[v].here() && (!plans_[v].reported.position || off_line(v) || traffic_.is_in_others_crossing(v)))
-      beside_.push_back(v);
+      neighbour_.push_back(v);
   for (VehicleIndex v = 0; v < plans_.size(); ++v) {
     traffic_.update();
     step(v, drive, send_off);
@@ -342,7 +342,7 @@ void OrderRoller::extend(VehicleIndex vehicle, const Extension& from) {
       break;
     }
     if (const VehicleIndex other = off_path_obstruction(vehicle, reach_m, chain_m); other != no_vehicle) {
-      wait_for(plan, other, WaitReason::beside);
+      wait_for(plan, other, WaitReason::off_path);
       traffic_.withdraw(vehicle);  // that one may need what this one has asked for
       break;
     }

@@ -265,7 +265,7 @@ class OrderRoller {
   std::vector<Plan> plans_;
   std::vector<zone::SectionId> route_;               ///< of the vehicle at hand, after its extension's first section
   std::vector<const WaypointGraph::Stretch*> extension_;  ///< of the vehicle at hand
-  std::vector<VehicleIndex> beside_;               ///< whose bodies count, not their places
+  std::vector<VehicleIndex> neighbour_;               ///< whose bodies count, not their places
   SimDuration longest_wait_{};
   SimDuration lost_after_{};  ///< of this tick
   std::uint64_t orders_sent_{0};

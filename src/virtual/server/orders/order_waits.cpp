@@ -143,7 +143,7 @@ std::string OrderRoller::sentence(const Wait& wait) const {
                               : who + " waits for room beyond " + crossing + ", where " + whom + " is";
     case WaitReason::crossing: return who + " waits for " + crossing + ", which " + whom + " holds";
     case WaitReason::turn: return who + " waits for its turn at " + crossing + " after " + whom;
-    case WaitReason::beside: return who + " waits for " + whom + ", which stands too near its way";
+    case WaitReason::off_path: return who + " waits for " + whom + ", which stands too near its way";
     case WaitReason::eyes: return who + " sees " + whom + " in its way";
   }
   return {};

@@ -53,7 +53,7 @@ std::optional<OrderRoller::Extension> OrderRoller::first_node(VehicleIndex vehic
   if (goes_onto_line(vehicle)) {
     const auto entry_point = zone::snap_to_path(map_->circuit(), plan.reported.X_MB);
     if (!entry_point) return std::nullopt;
-    wait_for(plan, obstructs_line_entry(vehicle, entry_point->position), WaitReason::beside);
+    wait_for(plan, obstructs_line_entry(vehicle, entry_point->position), WaitReason::off_path);
     if (plan.waits_for_vehicle != no_vehicle) {
       traffic_.withdraw(vehicle);  // that one may need what this one has asked for
       return std::nullopt;
@@ -305,7 +305,7 @@ VehicleIndex OrderRoller::off_path_obstruction(VehicleIndex vehicle, double from
   const zone::VehicleShape& shape = map_->zone().vehicle;
   const Sections coming = traffic_.coming(vehicle);
   aiv::EntrySweep sweep{shape};
-  for (const VehicleIndex other : beside_) {
+  for (const VehicleIndex other : neighbour_) {
     if (other == vehicle) continue;
     const Pose2 X_MB = simulator_.image(*registry_[other].twin, publisher_.now()).X_MB;
     const std::optional<zone::TrackPosition> entry_point = comes_onto_line_at(other);
