@@ -35,7 +35,7 @@ Fleet make_fleet(const zone::Circuit& circuit, std::size_t count) {
 }
 
 void BM_move_and_pose(benchmark::State& state) {
-  const zone::Circuit circuit = fixture::mixed_ring();
+  const zone::Circuit circuit = fixture::mixed_loop();
   Fleet fleet = make_fleet(circuit, static_cast<std::size_t>(state.range(0)));
   for (auto _ : state) {
     aiv::move_all(circuit, fleet.aivs, fleet.DTT_m, fleet.poses);
@@ -47,7 +47,7 @@ void BM_move_and_pose(benchmark::State& state) {
 BENCHMARK(BM_move_and_pose)->Arg(12)->Arg(1'000)->Arg(100'000);
 
 void BM_move(benchmark::State& state) {
-  const zone::Circuit circuit = fixture::mixed_ring();
+  const zone::Circuit circuit = fixture::mixed_loop();
   Fleet fleet = make_fleet(circuit, static_cast<std::size_t>(state.range(0)));
   for (auto _ : state) {
     aiv::move_all(circuit, fleet.aivs, fleet.DTT_m, {});
@@ -60,7 +60,7 @@ BENCHMARK(BM_move)->Arg(1'000);
 
 /// A whole lap in one request: 16 sections switched in one move.
 void BM_move_one_lap(benchmark::State& state) {
-  const zone::Circuit circuit = fixture::mixed_ring();
+  const zone::Circuit circuit = fixture::mixed_loop();
   aiv::AivMotion motion{circuit, {0, 0.1}};
   const double lap_m = circuit.total_length_m();
   for (auto _ : state) benchmark::DoNotOptimize(motion.move(circuit, lap_m));

@@ -12,7 +12,7 @@ namespace cosiva::fixture {
 
 /// A closed ring of mixed sections: four times straight, clothoid in, arc, clothoid out, each corner turning a quarter.
 /// The four sides are equal, so the ring closes by symmetry; Circuit::make checks that it does.
-inline zone::Circuit mixed_ring() {
+inline zone::Circuit mixed_loop() {
   constexpr double straight_m = 1.5;
   constexpr double clothoid_m = 0.4;
   constexpr double arc_m = 0.5;

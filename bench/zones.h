@@ -23,7 +23,7 @@ inline std::shared_ptr<const estimation::Track> lacet4_track() {
   }
   const auto shared = rtm->shared_zone();
   const std::shared_ptr<const zone::Circuit> circuit(shared, &shared->circuit);
-  return std::make_shared<const estimation::Track>(*estimation::Track::of_ring(circuit));
+  return std::make_shared<const estimation::Track>(*estimation::Track::of_loop(circuit));
 }
 
 }  // namespace cosiva::fixture

@@ -59,7 +59,7 @@ std::vector<double> driven_m(const experiments::World& world) {
 }
 
 /// What keeps anybody is gone: everybody drives on.
-void settle(experiments::World& world, Outcome& outcome) {
+void sync_time(experiments::World& world, Outcome& outcome) {
   world.run_for(std::chrono::seconds{15});
   const auto before_m = driven_m(world);
   world.run_for(std::chrono::seconds{60});
@@ -97,10 +97,10 @@ Outcome run(const Plan& plan, std::uint64_t seed) {
     outcome.failure = to_string(world.error());
     return outcome;
   }
-  experiments::testing::Unrest unrest{**world, plan.zone, seed};
-  for (double s = 0.0; s < plan.minutes * 60.0; s += 1.0) unrest.second();
-  unrest.end();
-  settle(**world, outcome);
+  experiments::testing::Disturbance disturbance{**world, plan.zone, seed};
+  for (double s = 0.0; s < plan.minutes * 60.0; s += 1.0) disturbance.second();
+  disturbance.end();
+  sync_time(**world, outcome);
   evaluate(**world, outcome);
   return outcome;
 }
@@ -109,7 +109,7 @@ void print_line(const Outcome& o, std::size_t done, const Plan& plan) {
   std::printf(
       "seed %llu: %.0f m driven (slowest %.0f m), %.0f rings closed, %.0f deadlocks, %.0f resolved, longest %.1f s, "
       "longest wait %.1f s, digest %s (%zu of %llu)%s%s\n",
-      static_cast<unsigned long long>(o.seed), o.distance_m, o.slowest_m, o.deadlocks.rings, o.deadlocks.detected,
+      static_cast<unsigned long long>(o.seed), o.distance_m, o.slowest_m, o.deadlocks.cycles, o.deadlocks.detected,
       o.deadlocks.resolved, o.deadlocks.longest_s, o.deadlocks.longest_wait_s, o.digest.c_str(), done,
       static_cast<unsigned long long>(plan.seeds), o.failure.empty() ? "" : "  FAILED: ", o.failure.c_str());
   for (const std::string& line : o.reported) std::printf("  %s\n", line.c_str());
@@ -135,7 +135,7 @@ int summarise(const Plan& plan, const std::vector<Outcome>& outcomes, double too
   for (const Outcome& outcome : outcomes) {
     failed += outcome.failure.empty() ? 0U : 1U;
     collisions += outcome.collisions;
-    all.rings += outcome.deadlocks.rings;
+    all.cycles += outcome.deadlocks.cycles;
     all.detected += outcome.deadlocks.detected;
     all.resolved += outcome.deadlocks.resolved;
     all.longest_s = std::max(all.longest_s, outcome.deadlocks.longest_s);
@@ -147,7 +147,7 @@ int summarise(const Plan& plan, const std::vector<Outcome>& outcomes, double too
       "deadlocks, "
       "%.0f unresolved, longest deadlock %.1f s, longest wait %.1f s, %zu seeds failed, %.0f x real time\n",
       plan.zone.origin.c_str(), static_cast<unsigned long long>(plan.seeds), plan.aivs, plan.minutes, plan.loss * 100.0,
-      plan.convoys ? "on" : "off", collisions, all.rings, all.detected, all.detected - all.resolved, all.longest_s,
+      plan.convoys ? "on" : "off", collisions, all.cycles, all.detected, all.detected - all.resolved, all.longest_s,
       all.longest_wait_s, failed, simulated_s / took_s);
   return failed == 0 ? 0 : 1;
 }

@@ -49,7 +49,7 @@ std::shared_ptr<const estimation::Track> circle() {
   std::vector<zone::Circuit::Part> parts{{"round", std::move(*section), std::nullopt, {0}}};
   auto circuit = zone::Circuit::make("circle", std::move(parts));
   auto shared = std::make_shared<const zone::Circuit>(std::move(*circuit));
-  return std::make_shared<const estimation::Track>(*estimation::Track::of_ring(shared));
+  return std::make_shared<const estimation::Track>(*estimation::Track::of_loop(shared));
 }
 
 }  // namespace

@@ -79,8 +79,8 @@ TEST(HttpClient, hears_why_a_body_is_too_long) {
 TEST(HttpClient, reports_when_no_service_responds) {
   std::uint16_t port = 0;
   {
-    const Serving gone;
-    port = gone.port;
+    const Serving server;
+    port = server.port;
   }
   const auto response = HttpClient::make("http://127.0.0.1:" + std::to_string(port))->ask("GET", "/");
   ASSERT_FALSE(response);

@@ -62,7 +62,7 @@ LineProcess::~LineProcess() {
   ::waitpid(pid_, nullptr, 0);
 }
 
-tl::unexpected<Error> LineProcess::gone() {
+tl::unexpected<Error> LineProcess::ended() {
   int status = 0;
   std::string how = "it closed its output";
   for (int i = 0; i < 50; ++i) {
@@ -96,11 +96,11 @@ Result<void> LineProcess::exchange(bool until_line, std::chrono::milliseconds ti
     if ((watched.revents & POLLOUT) != 0) {
       const ssize_t sent = ::send(fd_, to_send_.data(), to_send_.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
       if (sent > 0) to_send_.erase(0, static_cast<std::size_t>(sent));
-      if (sent < 0 && errno != EAGAIN && errno != EINTR) return gone();
+      if (sent < 0 && errno != EAGAIN && errno != EINTR) return ended();
     }
     if ((watched.revents & (POLLIN | POLLHUP | POLLERR)) == 0) continue;
     const ssize_t got = ::recv(fd_, bytes.data(), bytes.size(), MSG_DONTWAIT);
-    if (got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR)) return gone();
+    if (got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR)) return ended();
     if (got > 0) received_.append(bytes.data(), static_cast<std::size_t>(got));
     if (received_.size() > line_max && received_.find('\n') == std::string::npos)
       return fail("process.garbage", "it said more than a megabyte without an end of line", command_);

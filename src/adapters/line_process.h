@@ -34,7 +34,7 @@ class LineProcess {
  private:
   LineProcess() = default;
   [[nodiscard]] Result<void> exchange(bool until_line, std::chrono::milliseconds timeout);
-  [[nodiscard]] tl::unexpected<Error> gone();
+  [[nodiscard]] tl::unexpected<Error> ended();
 
   std::string command_;
   pid_t pid_{-1};

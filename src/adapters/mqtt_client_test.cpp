@@ -212,11 +212,11 @@ TEST_F(Mqtt, publishing_from_within_a_message_is_fine) {
 
 TEST(MqttClient, says_once_that_nobody_answers_and_stops_at_once) {
   EventLoop loop;
-  const std::uint16_t nobody = find_free_port().value();
-  Listener listener{loop, nobody, {}};
+  const std::uint16_t no_receiver = find_free_port().value();
+  Listener listener{loop, no_receiver, {}};
   loop.run_for(500ms);
   EXPECT_EQ(listener.log.size(), 1U);
-  EXPECT_THAT(listener.log.front(), HasSubstr("127.0.0.1:" + std::to_string(nobody)));
+  EXPECT_THAT(listener.log.front(), HasSubstr("127.0.0.1:" + std::to_string(no_receiver)));
   EXPECT_TRUE(listener.links.empty());
   bool stopped = false;
   listener.client->stop([&] { stopped = true; });

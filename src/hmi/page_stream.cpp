@@ -53,7 +53,7 @@ void PageStream::join() {
 
 void PageStream::position_heartbeat() {
   ++heartbeats_;
-  if (nobody_listens()) {
+  if (no_listener()) {
     idle_ = true;
     return;
   }
@@ -66,7 +66,7 @@ void PageStream::position_heartbeat() {
 }
 
 void PageStream::changed() {
-  if (change_due_ || nobody_listens()) return;
+  if (change_due_ || no_listener()) return;
   change_due_ = true;
   change_.after(change_gathering, [this] { look_for_change(); });
 }
@@ -74,7 +74,7 @@ void PageStream::changed() {
 void PageStream::look_for_change() {
   change_due_ = false;
   const Clock::time_point now = Clock::now();
-  if (nobody_listens() || now < no_snapshot_before_) return;
+  if (no_listener() || now < no_snapshot_before_) return;
   send_zone();
   const auto revision = source_.page_revision();
   const bool waited_for = revision.waited_for != revision_.waited_for;
@@ -120,7 +120,7 @@ void PageStream::send_positions() {
 }
 
 void PageStream::ground_truth(const JsonValue& ground_truth) {
-  if (nobody_listens()) return;
+  if (no_listener()) return;
   JsonWriter json;
   json.begin_object().field("type", "ground_truth");
   for (const char* part : {"vehicles", "obstacles"}) {

@@ -51,7 +51,7 @@ class PageStream {
   void send_run();
   void send_snapshot();
   void send_positions();
-  [[nodiscard]] bool nobody_listens() const { return http_.live_clients() == 0; }
+  [[nodiscard]] bool no_listener() const { return http_.live_clients() == 0; }
   void send(Kind kind, std::string frame, bool keep) const;
 
   adapters::HttpServer& http_;

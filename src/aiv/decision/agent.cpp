@@ -42,7 +42,7 @@ void Agent::on_odometry(const wire::Odometry& odometry) {
   const auto rolled = estimator_.on_odometry(odometry);
   motion_.on_odometry(odometry);
   // Off the line there need not be one.
-  hold(Hold::line_lost, odometry.line_lost && !estimator_.off_line());
+  hold(Hold::line_lost, odometry.line_lost && !estimator_.off_path());
   // Without an order what it backs up is no way that it has left to go.
   if (rolled.step_m > 0.0 || (rolled.step_m < 0.0 && order().active())) progress_.advance(rolled.step_m);
   if (rolled.kind == PositionEstimator::FixKind::relocated) on_relocated();
@@ -84,7 +84,7 @@ Result<void> Agent::initialise_position(const Pose2& X_MB, std::string last_node
                 "no way of '" + zone_.name + "' passes within 0.25 m of the position in its direction");
   }
   // Where its sensors see no line it stands beside the one that it was told.
-  if (holds_.has(Hold::line_lost) || estimator_.off_line())
+  if (holds_.has(Hold::line_lost) || estimator_.off_path())
     estimator_.set_off_path(X_MB);
   else
     estimator_.position_at(*position);
@@ -127,7 +127,7 @@ Result<void> Agent::begin_back_up(double distance_m) {
 
 bool Agent::on_line() const {
   if (!estimator_.known()) return false;
-  if (!estimator_.off_line()) return true;
+  if (!estimator_.off_path()) return true;
   // The zone was switched, and the line is under it by chance.
   const Pose2 X_BP = inverse(estimator_.pose()) * zone_.circuit.pose_at(estimator_.track_position());
   return estimator_.near_path() && !estimator_.manoeuvring() && to_stay(to_manoeuvre(X_BP)) &&
@@ -176,7 +176,7 @@ void Agent::take_over(const Agent& before) {
   holds_ = before.holds_;
   instructions_ = before.instructions_;
   hold(Hold::zone_change, false);
-  if (estimator_.off_line()) hold(Hold::line_lost, false);
+  if (estimator_.off_path()) hold(Hold::line_lost, false);
 }
 
 Agent::Plan Agent::plan(double room_m, double base_end_m) const {
@@ -263,7 +263,7 @@ wire::Drive Agent::drive(double speed_mps, const zone::SpeedProfile& kinematics)
 
 double Agent::turn_rate_radps() const {
   if (estimator_.manoeuvring()) return motion_.manoeuvre_turn_radps();
-  if (!estimator_.known() || estimator_.off_line()) return 0.0;
+  if (!estimator_.known() || estimator_.off_path()) return 0.0;
   const zone::TrackPosition here = estimator_.track_position();
   return motion_.speed_mps() * zone_.circuit.section(here.section).curvature_at(here.s_m);
 }

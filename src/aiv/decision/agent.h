@@ -72,7 +72,7 @@ class Agent {
   [[nodiscard]] Result<void> join_line(const Pose2& X_MG);
   [[nodiscard]] bool joining() const { return joining_; }
   /// backUp: rolls back along the line, slowly and blindly: whoever tells it has looked behind it. 0 ends it. An order
-  /// ends it, too. Fails ("back_up.off_line", "back_up.order", "back_up.distance": not in [0, BackUp::distance_m_max]).
+  /// ends it, too. Fails ("back_up.off_path", "back_up.order", "back_up.distance": not in [0, BackUp::distance_m_max]).
   [[nodiscard]] Result<void> begin_back_up(double distance_m);
   [[nodiscard]] Result<OrderBook::Verdict> take_order(const wire::Order& order);
   void hold(Hold reason, bool on) { holds_.set(reason, on); }

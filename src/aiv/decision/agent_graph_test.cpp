@@ -156,7 +156,7 @@ TEST(AgentAtTheEnd, of_a_way_without_any_fork_finds_that_it_is_there_when_its_wh
   EXPECT_NEAR(fixture.agent.position().track_position().s_m, 2.0, 0.015);
 }
 
-TEST(AgentOnARing, says_the_first_branch_and_carries_no_course) {
+TEST(AgentOnALoop, says_the_first_branch_and_carries_no_course) {
   Agent agent{test::lacet4()};
   agent.estimator().position_at(at(test::lacet4(), "loop_se", 0.0));
   EXPECT_EQ(agent.decide().branch, 0);
@@ -274,8 +274,8 @@ TEST(AgentAtABend, does_not_sweep_over_what_stands_beside_it) {
 // --- beside the line ------------------------------------------------------------------------------------------------
 
 /// On the diamond's floor, at a pose 0.14 m beside the trunk and across it.
-struct BesideFixture : GraphFixture {
-  BesideFixture() : GraphFixture{diamond(), "trunk", 0.0} {
+struct OffPathFixture : GraphFixture {
+  OffPathFixture() : GraphFixture{diamond(), "trunk", 0.0} {
     const auto aslant = test::graph("aslant", {{"way", {0.5, 0.14, 1.0}, 1.0, 0.0, {}}}, {});
     world = LineWorld{aslant.circuit, {0, 0.0}};
     world.set_zone(diamond().circuit);
@@ -283,8 +283,8 @@ struct BesideFixture : GraphFixture {
   }
 };
 
-TEST(AgentBesideTheLine, goes_to_it_when_it_has_base_and_not_before) {
-  BesideFixture fixture;
+TEST(AgentOffPath, goes_to_it_when_it_has_base_and_not_before) {
+  OffPathFixture fixture;
   ASSERT_TRUE(fixture.agent.position().near_path());
   fixture.run(1.0);
   EXPECT_FALSE(fixture.drive.seek);
@@ -300,8 +300,8 @@ TEST(AgentBesideTheLine, goes_to_it_when_it_has_base_and_not_before) {
   EXPECT_THAT(fixture.traversed, ElementsAre("T1", "F", "ro"));
 }
 
-TEST(AgentBesideTheLine, waits_for_whatever_stands_between) {
-  BesideFixture fixture;
+TEST(AgentOffPath, waits_for_whatever_stands_between) {
+  OffPathFixture fixture;
   fixture.obstacles = {{0.559, 0.233}};  // 0.11 m before its middle: a corner comes by as it turns
   fixture.run(0.5);
   fixture.take(order("O-1").through({"T", "T1"}));
@@ -313,16 +313,16 @@ TEST(AgentBesideTheLine, waits_for_whatever_stands_between) {
   EXPECT_THAT(fixture.traversed, ElementsAre("T1"));
 }
 
-TEST(AgentBesideTheLine, looks_only_at_what_its_body_would_touch) {
-  BesideFixture fixture;
+TEST(AgentOffPath, looks_only_at_what_its_body_would_touch) {
+  OffPathFixture fixture;
   fixture.obstacles = {{0.567, 0.245}};  // 0.125 m before its middle, where no corner comes
   fixture.take(order("O-1").through({"T", "T1"}));
   fixture.run(15.0);
   EXPECT_THAT(fixture.traversed, ElementsAre("T1"));
 }
 
-TEST(AgentBesideTheLine, stops_half_way_for_what_it_sees_only_then) {
-  BesideFixture fixture;
+TEST(AgentOffPath, stops_half_way_for_what_it_sees_only_then) {
+  OffPathFixture fixture;
   fixture.obstacles = {{0.5, -0.05}};  // across the line, which lies behind it at first
   fixture.take(order("O-1").through({"T", "T1"}));
   fixture.run(6.0);
@@ -337,8 +337,8 @@ TEST(AgentBesideTheLine, stops_half_way_for_what_it_sees_only_then) {
   EXPECT_THAT(fixture.traversed, ElementsAre("T1"));
 }
 
-TEST(AgentBesideTheLine, joins_it_where_it_is_told_to_without_an_order) {
-  BesideFixture fixture;
+TEST(AgentOffPath, joins_it_where_it_is_told_to_without_an_order) {
+  OffPathFixture fixture;
   fixture.step();
   ASSERT_TRUE(fixture.agent.join_line({0.7, 0.0, 0.0}));
   EXPECT_TRUE(fixture.agent.joining());
@@ -353,8 +353,8 @@ TEST(AgentBesideTheLine, joins_it_where_it_is_told_to_without_an_order) {
   EXPECT_THAT(fixture.traversed, ElementsAre("T1"));
 }
 
-TEST(AgentBesideTheLine, joins_no_line_that_is_not_where_it_is_told) {
-  BesideFixture fixture;
+TEST(AgentOffPath, joins_no_line_that_is_not_where_it_is_told) {
+  OffPathFixture fixture;
   const auto code = [&](const Pose2& X_MG) {
     const auto joins = fixture.agent.join_line(X_MG);
     return joins ? std::string("none") : joins.error().code;
@@ -373,8 +373,8 @@ TEST(AgentBesideTheLine, joins_no_line_that_is_not_where_it_is_told) {
   EXPECT_EQ(code({0.7, 0.0, 0.0}), "join.on_line");
 }
 
-TEST(AgentBesideTheLine, stands_where_a_manoeuvre_left_it_that_was_given_up) {
-  BesideFixture fixture;
+TEST(AgentOffPath, stands_where_a_manoeuvre_left_it_that_was_given_up) {
+  OffPathFixture fixture;
   fixture.take(order("O-1").through({"T", "T1"}));
   ASSERT_TRUE(fixture.run_until([&] { return fixture.world.pose().heading_rad < 0.5; }, 5.0));
   const Pose2 there = fixture.world.pose();
@@ -388,7 +388,7 @@ TEST(AgentBesideTheLine, stands_where_a_manoeuvre_left_it_that_was_given_up) {
   EXPECT_TRUE(fixture.agent.order().active()) << "its way still comes by here";
 }
 
-TEST(AgentBesideTheLine, that_is_too_far_away_says_how_far_and_takes_no_order) {
+TEST(AgentOffPath, that_is_too_far_away_says_how_far_and_takes_no_order) {
   Agent agent{square()};
   agent.estimator().set_off_path({0.5, 0.5, 0.0});
   EXPECT_TRUE(agent.position().away());

@@ -40,9 +40,9 @@ std::uint8_t choose_branch(const zone::Circuit& circuit, const PositionEstimator
   // The last one rolled over, as long as it is near.
   double back_m = outlook.here.s_m;
   zone::SectionId to = outlook.here.section;
-  const auto gone = position.course().gone();
-  for (std::size_t i = gone.size(); i-- > 0 && back_m < std::min(fork_passed_m, 0.5 * (back_m + end_m));) {
-    const zone::SectionId from = gone[i];
+  const auto traversed = position.course().traversed();
+  for (std::size_t i = traversed.size(); i-- > 0 && back_m < std::min(fork_passed_m, 0.5 * (back_m + end_m));) {
+    const zone::SectionId from = traversed[i];
     if (bend_rad(circuit, from, to) != 0.0) break;  // turned: that is done
     if (circuit.next(from).size() > 1) return number(from, to);
     back_m += circuit.section(from).length_m();

@@ -71,11 +71,11 @@ TEST(CrossingLookAhead, of_one_crossing_over_a_joint_are_one_span) {
 TEST(CrossingLookAhead, end_the_search_on_a_ring_that_is_all_crossing) {
   const auto zone = with_spans({{0, 0.2, 0.9}}, {{1.0}, {1.0}, {1.0}, {1.0}}, false);
   EXPECT_NEAR(CrossingLookAhead{zone}.first({0, 0.1}, 1.0).exit_m, 0.8, 1e-12);
-  zone::TrafficZone ring = lacet4();
-  ring.crossings.clear();
-  for (zone::SectionId id = 0; id < ring.circuit.size(); ++id)
-    ring.crossings.push_back({"X", {}, {{id, 0.1, ring.circuit.section(id).length_m()}}});
-  EXPECT_GT(CrossingLookAhead{ring}.first({0, 0.05}, 1.0).exit_m, ring.circuit.total_length_m());
+  zone::TrafficZone loop = lacet4();
+  loop.crossings.clear();
+  for (zone::SectionId id = 0; id < loop.circuit.size(); ++id)
+    loop.crossings.push_back({"X", {}, {{id, 0.1, loop.circuit.section(id).length_m()}}});
+  EXPECT_GT(CrossingLookAhead{loop}.first({0, 0.05}, 1.0).exit_m, loop.circuit.total_length_m());
 }
 
 // --- the envelope -------------------------------------------------------------------------------------------------

@@ -21,7 +21,7 @@ void ObstacleWatch::on_ranges(const PositionEstimator& position, const wire::Ran
   COSIVA_EXPECT(position.known());
   look_ = corridor_.look(position.outlook(), ranges);
   ahead_.add(look_.ahead_m, position.travelled_m());
-  if (!one_way_ || position.off_line()) around_.add(corridor_.nearest_m(ranges), 0.0);
+  if (!one_way_ || position.off_path()) around_.add(corridor_.nearest_m(ranges), 0.0);
   if (position.near_path()) entry_.add(in_entry(position, ranges) ? 0.0 : std::numeric_limits<double>::infinity(), 0.0);
 }
 
@@ -36,8 +36,8 @@ bool ObstacleWatch::in_entry(const PositionEstimator& position, const wire::Rang
 
 bool ObstacleWatch::may_sweep(const PositionEstimator& position, double bend_ahead_m) const {
   if (position.near_path()) return entry_.obstacle_ahead_m(0.0) > 0.0;
-  if (one_way_ && !position.off_line()) return true;
-  if (!position.off_line() && bend_ahead_m > bend_near_m) return true;
+  if (one_way_ && !position.off_path()) return true;
+  if (!position.off_path() && bend_ahead_m > bend_near_m) return true;
   const double corner_m = 0.5 * norm(zone_.vehicle.length_m, zone_.vehicle.width_m);
   return around_.obstacle_ahead_m(0.0) > corner_m + sweep_margin_m;
 }

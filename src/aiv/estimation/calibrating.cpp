@@ -244,9 +244,9 @@ std::vector<Estimate> CalibratingSmoother::revised() {
   std::vector<State> about;
   State start_smoothed = first;
   constexpr int rounds_most = 8;
-  constexpr double settled_m = 1e-5;
+  constexpr double steady_m = 1e-5;
   double moved_m = 1.0;
-  for (int round = 0; round < rounds_most && moved_m > settled_m; ++round) {
+  for (int round = 0; round < rounds_most && moved_m > steady_m; ++round) {
     const State& from = round == 0 ? first : start;
     forwards(from, about, round == 0 ? chosen.turned : std::vector<Turned>{}, steps);
     backwards(steps, smoothed, from, start_smoothed);

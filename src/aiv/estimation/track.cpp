@@ -26,7 +26,7 @@ Result<Track> Track::make(std::shared_ptr<const zone::Circuit> circuit, std::vec
   return track;
 }
 
-Result<Track> Track::of_ring(std::shared_ptr<const zone::Circuit> circuit) {
+Result<Track> Track::of_loop(std::shared_ptr<const zone::Circuit> circuit) {
   std::vector<zone::SectionId> sections;
   zone::SectionId id = 0;
   while (id != zone::no_section && std::ranges::find(sections, id) == sections.end()) {
@@ -48,7 +48,7 @@ Result<Track> Track::round(const std::shared_ptr<const zone::TrafficZone>& zone,
   };
   const auto loop = std::ranges::find_if(zone->loops, leads);
   if (loop != zone->loops.end()) return make(circuit, loop->sections, true);
-  return of_ring(circuit);
+  return of_loop(circuit);
 }
 
 std::optional<double> Track::along_of(zone::TrackPosition position) const {

@@ -20,7 +20,7 @@ class Track {
                                           std::vector<zone::SectionId> sections, bool closed);
   /// The circuit's first loop, or round from its first section by default successors as far as that leads. Fails as
   /// make does, and ("track.loop") where `loop` is none of the zone's.
-  [[nodiscard]] static Result<Track> of_ring(std::shared_ptr<const zone::Circuit> circuit);
+  [[nodiscard]] static Result<Track> of_loop(std::shared_ptr<const zone::Circuit> circuit);
   /// The zone's first loop, or its ring where it names none: where its vehicles go round. Of one that stands on
   /// section `through`, the first loop that leads over it. Fails as make does.
   [[nodiscard]] static Result<Track> round(const std::shared_ptr<const zone::TrafficZone>& zone,

@@ -70,11 +70,11 @@ TEST(Track, of_a_ring_leaves_out_what_only_leads_into_it) {
   parts.push_back(testing::part("in", {-2.0, 0.0, 0.0}, 2.0, 0.0, {1}));
   parts.push_back(testing::part("half", {0.0, 0.0, 0.0}, pi, 1.0, {2}));
   parts.push_back(testing::part("other", parts.back().section.end(), pi, 1.0, {1}));
-  const auto ring = Track::of_ring(testing::circuit(std::move(parts)));
-  ASSERT_TRUE(ring);
-  EXPECT_TRUE(ring->closed());
-  EXPECT_NEAR(ring->length_m(), 2.0 * pi, 1e-12);
-  EXPECT_FALSE(Track::of_ring(testing::straight()->shared_circuit())->closed());
+  const auto loop = Track::of_loop(testing::circuit(std::move(parts)));
+  ASSERT_TRUE(loop);
+  EXPECT_TRUE(loop->closed());
+  EXPECT_NEAR(loop->length_m(), 2.0 * pi, 1e-12);
+  EXPECT_FALSE(Track::of_loop(testing::straight()->shared_circuit())->closed());
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ constexpr double agreement_m = 0.10;
 constexpr double same_position_m = 0.05;
 constexpr double same_position_rad = 0.2;
 /// Of the sections that it came over so many are remembered at least.
-constexpr std::size_t gone_kept = 16;
+constexpr std::size_t traversed_kept = 16;
 
 }  // namespace
 
@@ -28,7 +28,7 @@ PositionEstimator::PositionEstimator(const zone::TrafficZone& zone, EstimatorMod
 double PositionEstimator::sigma_m() const { return std::sqrt(variance_m2_); }
 
 Outlook PositionEstimator::outlook() const {
-  Outlook outlook{track_position(), course_.coming()};
+  Outlook outlook{track_position(), course_.remaining()};
   if (X_MO_) outlook.X_MB = pose();
   return outlook;
 }
@@ -55,7 +55,7 @@ std::optional<zone::TrackPosition> PositionEstimator::on_circuit(const Pose2& X_
 
 std::vector<zone::TrackPosition> PositionEstimator::same_positions() const {
   std::vector<zone::TrackPosition> positions;
-  if (!known_ || off_line()) return positions;
+  if (!known_ || off_path()) return positions;
   const Pose2 X_MB = pose();
   std::vector<zone::Circuit::Located> near;
   zone_.circuit.near(position(X_MB), same_position_m, near);
@@ -75,10 +75,10 @@ void PositionEstimator::take_same_position(zone::TrackPosition track_position) {
 void PositionEstimator::follow(const zone::Course& course) {
   if (course.here() != track_position().section) return course_.clear();
   // Where it came from is known better than where an order says it should have come from.
-  const bool driven = course_.here() == course.here() && !course_.gone().empty();
-  const auto gone = driven ? course_.gone() : course.gone();
-  const auto kept = gone.last(std::min(gone.size(), gone_kept));
-  const auto on = course.sections().subspan(course.gone().size());
+  const bool driven = course_.here() == course.here() && !course_.traversed().empty();
+  const auto traversed = driven ? course_.traversed() : course.traversed();
+  const auto kept = traversed.last(std::min(traversed.size(), traversed_kept));
+  const auto on = course.sections().subspan(course.traversed().size());
   std::vector<zone::SectionId> sections;
   sections.reserve(kept.size() + on.size());
   sections.insert(sections.end(), kept.begin(), kept.end());
@@ -107,8 +107,8 @@ double PositionEstimator::on_odometry(std::int64_t distance_um) {
 }
 
 PositionEstimator::Rolled PositionEstimator::on_odometry(const wire::Odometry& odometry) {
-  if (!odometry.manoeuvre && !off_line()) return {on_odometry(odometry.distance_um), FixKind::none};
-  return off_line(count(odometry.distance_um), odometry);
+  if (!odometry.manoeuvre && !off_path()) return {on_odometry(odometry.distance_um), FixKind::none};
+  return off_path(count(odometry.distance_um), odometry);
 }
 
 void PositionEstimator::on_odometer_reset() {
@@ -159,7 +159,7 @@ double PositionEstimator::shift_back(double distance_m) {
       motion_ = AivMotion{circuit, {here, 0.0}};
       return distance_m + left_m;
     }
-    if (!course_.gone().empty()) {
+    if (!course_.traversed().empty()) {
       course_.step_back();
     } else if (!course_.empty()) {
       std::vector<zone::SectionId> sections{before};
@@ -171,16 +171,16 @@ double PositionEstimator::shift_back(double distance_m) {
 }
 
 zone::SectionId PositionEstimator::section_before() const {
-  if (!course_.gone().empty()) return course_.gone().back();
+  if (!course_.traversed().empty()) return course_.traversed().back();
   const auto before = zone_.circuit.previous(motion_.current_section());
   return before.empty() ? zone::no_section : before.front();
 }
 
 void PositionEstimator::enter(zone::SectionId next) {
   if (!course_.empty()) {
-    if (course_.coming().empty()) course_.extend({&next, 1});
+    if (course_.remaining().empty()) course_.extend({&next, 1});
     course_.step();
-    if (course_.gone().size() >= 4 * gone_kept) course_.forget_gone(gone_kept);
+    if (course_.traversed().size() >= 4 * traversed_kept) course_.forget_traversed(traversed_kept);
   }
   motion_ = AivMotion{zone_.circuit, {next, 0.0}};
 }
@@ -188,7 +188,7 @@ void PositionEstimator::enter(zone::SectionId next) {
 double PositionEstimator::joint_gate_m() const { return std::max(model_.bend_gate_m, 3.0 * sigma_m()); }
 
 double PositionEstimator::on_stuck() {
-  if (!known_ || off_line()) return 0.0;
+  if (!known_ || off_path()) return 0.0;
   const zone::Circuit& circuit = zone_.circuit;
   double end_m = -track_position().s_m;
   for (zone::SectionLookAhead ahead = section_look_ahead(circuit, outlook());; ahead.step()) {
@@ -212,17 +212,17 @@ PositionEstimator::Fix PositionEstimator::on_tag(std::uint32_t number, double ag
     last_tag_ = number;
     last_tag_travelled_m_ = travelled_m_ - latency_m;
     // Off the line a tag says no more than that it is near, and the manoeuvre's end will say better.
-    if (off_line()) return {};
+    if (off_path()) return {};
     return on_landmark(tag->position, latency_m);
   }
-  if (!zone_.beacons || off_line()) return {};
+  if (!zone_.beacons || off_path()) return {};
   const std::optional<Point2> beacon = zone_.beacons->find(number);
   return beacon && known_ ? on_beacon(*beacon, latency_m) : Fix{};
 }
 
 std::optional<double> PositionEstimator::offset_to(zone::TrackPosition track_position, double limit_m) const {
   const zone::TrackPosition here = motion_.track_position(zone_.circuit);
-  const auto ahead_m = zone_.circuit.distance_ahead(here, track_position, limit_m, course_.coming());
+  const auto ahead_m = zone_.circuit.distance_ahead(here, track_position, limit_m, course_.remaining());
   const auto back_m = distance_back_m(track_position, limit_m);
   if (ahead_m && (!back_m || *ahead_m <= *back_m)) return *ahead_m;
   if (back_m) return -*back_m;
@@ -232,14 +232,14 @@ std::optional<double> PositionEstimator::offset_to(zone::TrackPosition track_pos
 std::optional<double> PositionEstimator::distance_back_m(zone::TrackPosition track_position, double limit_m) const {
   const zone::Circuit& circuit = zone_.circuit;
   const zone::TrackPosition here = motion_.track_position(circuit);
-  const auto gone = course_.gone();
+  const auto traversed = course_.traversed();
   double back_m = here.s_m;  // to the end of gone[i − 1]
-  for (std::size_t i = gone.size(); i-- > 0 && back_m <= limit_m; back_m += circuit.section(gone[i]).length_m()) {
-    if (gone[i] != track_position.section) continue;
-    return circuit.distance_ahead(track_position, here, limit_m, course_.sections().subspan(i + 1, gone.size() - i));
+  for (std::size_t i = traversed.size(); i-- > 0 && back_m <= limit_m; back_m += circuit.section(traversed[i]).length_m()) {
+    if (traversed[i] != track_position.section) continue;
+    return circuit.distance_ahead(track_position, here, limit_m, course_.sections().subspan(i + 1, traversed.size() - i));
   }
   // Where it came from further back than that is known, it was not there.
-  if (!gone.empty() && back_m > limit_m && track_position.section != here.section) return std::nullopt;
+  if (!traversed.empty() && back_m > limit_m && track_position.section != here.section) return std::nullopt;
   return circuit.distance_ahead(track_position, here, limit_m);
 }
 
@@ -313,12 +313,12 @@ PositionEstimator::Near PositionEstimator::sections_near(double reach_m) const {
        near.add(ahead.section()) && end_m <= reach_m && ahead.step();)
     end_m += circuit.section(ahead.section()).length_m();
   double start_m = here.s_m;
-  std::size_t gone = course_.gone().size();
+  std::size_t traversed = course_.traversed().size();
   zone::SectionId id = here.section;
   while (start_m <= reach_m && near.room()) {
     const auto before = circuit.previous(id);
-    if (gone > 0)
-      id = course_.gone()[--gone];
+    if (traversed > 0)
+      id = course_.traversed()[--traversed];
     else if (before.size() == 1)
       id = before.front();
     else

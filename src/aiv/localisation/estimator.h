@@ -58,7 +58,7 @@ class PositionEstimator {
   /// PILS is in a manoeuvre.
   [[nodiscard]] bool manoeuvring() const { return X_OB_.has_value(); }
   /// No line is under it, or need be: it turns, or stands beside or away.
-  [[nodiscard]] bool off_line() const { return X_MO_.has_value() || X_OB_.has_value(); }
+  [[nodiscard]] bool off_path() const { return X_MO_.has_value() || X_OB_.has_value(); }
   /// Where the manoeuvre began, or where it stands off the line; and how far the manoeuvre has come.
   [[nodiscard]] const std::optional<Pose2>& left_line_at() const { return X_MO_; }
   [[nodiscard]] const std::optional<Pose2>& manoeuvred() const { return X_OB_; }
@@ -143,7 +143,7 @@ class PositionEstimator {
   [[nodiscard]] zone::SectionId section_before() const;
 
   // off the line
-  Rolled off_line(double step_m, const wire::Odometry& odometry);
+  Rolled off_path(double step_m, const wire::Odometry& odometry);
   void roll_off_line(double step_m, Rolled& rolled);
   void begin_manoeuvre(Rolled& rolled);
   void end_manoeuvre(bool line_lost, Rolled& rolled);

@@ -169,7 +169,7 @@ TEST(EstimateAtABend, turns_with_it_and_is_sure_at_its_end) {
   EXPECT_EQ(end.step_m, 0.0);
   EXPECT_EQ(end.kind, FixKind::none);
   EXPECT_EQ(estimator.track_position(), at(square(), "east", 0.0));
-  EXPECT_FALSE(estimator.off_line());
+  EXPECT_FALSE(estimator.off_path());
   estimator.drive(-0.05);
   EXPECT_EQ(estimator.track_position(), at(square(), "east", 0.0)) << "nor back round it";
 }
@@ -225,7 +225,7 @@ TEST(EstimateAtABend, takes_up_a_turn_that_was_persisted) {
 
 // --- beside the line ------------------------------------------------------------------------------------------------
 
-TEST(EstimateBesideTheLine, has_the_pose_that_it_was_told_and_the_place_that_it_goes_to) {
+TEST(EstimateOffPath, has_the_pose_that_it_was_told_and_the_place_that_it_goes_to) {
   Estimator estimator{diamond()};
   estimator.set_off_path({0.5, 0.2, 2.0});
   EXPECT_TRUE(estimator.near_path());
@@ -238,7 +238,7 @@ TEST(EstimateBesideTheLine, has_the_pose_that_it_was_told_and_the_place_that_it_
   EXPECT_FALSE(estimator.known());
 }
 
-TEST(EstimateBesideTheLine, is_on_it_where_the_manoeuvre_ended) {
+TEST(EstimateOffPath, is_on_it_where_the_manoeuvre_ended) {
   Estimator estimator{diamond()};
   estimator.set_off_path({0.5, 0.2, -pi / 2.0});
   estimator.odometry.manoeuvre = wire::Manoeuvre{200, 0, 0};
@@ -248,13 +248,13 @@ TEST(EstimateBesideTheLine, is_on_it_where_the_manoeuvre_ended) {
   estimator.odometry.manoeuvre = wire::Manoeuvre{200, 0, 1571};
   estimator.on_odometry(estimator.odometry);
   estimator.end();
-  EXPECT_FALSE(estimator.off_line());
+  EXPECT_FALSE(estimator.off_path());
   EXPECT_NEAR(estimator.pose().x_m, 0.5, 1e-3);
   estimator.drive(0.2);
   EXPECT_NEAR(estimator.pose().x_m, 0.7, 1e-3);
 }
 
-TEST(EstimateBesideTheLine, is_beside_it_still_when_a_manoeuvre_ended_near_it_and_no_line_is_seen) {
+TEST(EstimateOffPath, is_beside_it_still_when_a_manoeuvre_ended_near_it_and_no_line_is_seen) {
   Estimator estimator{diamond()};
   estimator.set_off_path({0.5, 0.1, 0.0});
   estimator.odometry.manoeuvre = wire::Manoeuvre{50, -60, 0};
@@ -265,7 +265,7 @@ TEST(EstimateBesideTheLine, is_beside_it_still_when_a_manoeuvre_ended_near_it_an
   EXPECT_NEAR(estimator.off_by_m(), 0.04, 1e-9);
 }
 
-TEST(EstimateBesideTheLine, ignores_tags_until_it_is_on_it) {
+TEST(EstimateOffPath, ignores_tags_until_it_is_on_it) {
   zone::TrafficZone zone = diamond();
   zone.tags = {{1, at(zone, "tail", 1.0)}};
   Estimator estimator{zone};
@@ -274,15 +274,15 @@ TEST(EstimateBesideTheLine, ignores_tags_until_it_is_on_it) {
   EXPECT_TRUE(estimator.near_path());
 }
 
-TEST(EstimateBesideTheLine, follows_a_line_when_its_wheels_roll) {
+TEST(EstimateOffPath, follows_a_line_when_its_wheels_roll) {
   Estimator estimator{diamond()};
   estimator.set_off_path({0.5, 0.05, 0.0});
   estimator.drive(0.1);
-  EXPECT_FALSE(estimator.off_line());
+  EXPECT_FALSE(estimator.off_path());
   EXPECT_NEAR(estimator.track_position().s_m, 0.6, 1e-6);
 }
 
-TEST(EstimateBesideTheLine, begins_another_manoeuvre_where_the_last_one_ended_though_nothing_told_of_its_end) {
+TEST(EstimateOffPath, begins_another_manoeuvre_where_the_last_one_ended_though_nothing_told_of_its_end) {
   Estimator estimator{diamond()};
   estimator.set_off_path({0.5, 0.25, -pi / 2.0});
   const auto commanded = [&](wire::Manoeuvre manoeuvre) {
@@ -300,7 +300,7 @@ TEST(EstimateBesideTheLine, begins_another_manoeuvre_where_the_last_one_ended_th
   EXPECT_NEAR(commanded({0, 0, 0}).heading_rad, -pi / 2.0 + 0.6, 1e-9);
 }
 
-TEST(EstimateBesideTheLine, is_beside_it_where_a_way_to_the_old_zone_s_line_ended) {
+TEST(EstimateOffPath, is_beside_it_where_a_way_to_the_old_zone_s_line_ended) {
   Estimator before{square()};
   before.set_off_path({0.5, 0.05, 0.2});
   before.odometry.manoeuvre = wire::Manoeuvre{30, 0, 0};
@@ -315,7 +315,7 @@ TEST(EstimateBesideTheLine, is_beside_it_where_a_way_to_the_old_zone_s_line_ende
   EXPECT_EQ(after.pose(), is_stopped);
 }
 
-TEST(EstimateBesideTheLine, keeps_pose_and_odometer_from_one_zone_to_the_next) {
+TEST(EstimateOffPath, keeps_pose_and_odometer_from_one_zone_to_the_next) {
   Estimator before{square()};
   before.stopped_at("south", 1.0).along({"south", "east"});
   before.turn(0.6);

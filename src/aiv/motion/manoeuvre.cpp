@@ -71,7 +71,7 @@ Manoeuvre::Step Manoeuvre::step(double speed_mps, double dt_s) {
     step.turned_rad = sign_[leg_] * moved;
     X_SB_.heading_rad = wrap_angle(X_SB_.heading_rad + step.turned_rad);
   } else {
-    step.gone_m = moved;
+    step.moved_m = moved;
     const auto [sin, cos] = sincos(X_SB_.heading_rad);
     X_SB_.x_m += cos * moved;
     X_SB_.y_m += sin * moved;

@@ -43,7 +43,7 @@ inline constexpr double goal_within_m = 0.10;
                                                 const std::optional<wire::Manoeuvre>& goal);
 /// Told of a goal this near to where it stands, a body only turns to its heading: what is left aside the steering takes
 /// away. Nothing sweeps about where somebody stands along the line already, nor turns past the line and back; the
-/// server (OrderRoller::off_line, follow_line) counts on both.
+/// server (OrderManager::off_path, follow_line) counts on both.
 inline constexpr double stays_within_m = 0.006;
 /// Whether it was told to come onto the line just where it stands.
 [[nodiscard]] bool to_stay(const wire::Manoeuvre& goal);
@@ -62,7 +62,7 @@ class Manoeuvre {
   /// What the wheels did in a step: never both.
   struct Step {
     double turned_rad{};
-    double gone_m{};
+    double moved_m{};
   };
   /// @param speed_mps  commanded; the straight leg is no faster. 0 or less: it comes to rest where it is
   Step step(double speed_mps, double dt_s);

@@ -32,7 +32,7 @@ TEST(Manoeuvre, on_the_spot_turns_with_a_ramp_up_and_one_down) {
   for (int i = 0; i < 400; ++i) {
     const auto step = right.step(0.05, dt_s);
     EXPECT_LE(step.turned_rad, 0.0);
-    EXPECT_EQ(step.gone_m, 0.0);
+    EXPECT_EQ(step.moved_m, 0.0);
     turned_rad += step.turned_rad;
     fastest_radps = std::max(fastest_radps, std::fabs(step.turned_rad) / dt_s);
   }
@@ -49,9 +49,9 @@ TEST(Manoeuvre, turns_goes_and_turns_to_any_pose_and_ends_exactly_there) {
     for (int i = 0; i < 3000 && !manoeuvre.done(); ++i) {
       const auto step = manoeuvre.step(0.3, dt_s);
       RC_ASSERT(std::fabs(step.turned_rad) <= 1.5 * dt_s + 1e-6);
-      RC_ASSERT(step.gone_m >= 0.0 && step.gone_m <= 0.15 * dt_s + 1e-6);
-      RC_ASSERT(step.turned_rad == 0.0 || step.gone_m == 0.0);
-      summed = summed * Pose2{step.gone_m, 0.0, step.turned_rad};
+      RC_ASSERT(step.moved_m >= 0.0 && step.moved_m <= 0.15 * dt_s + 1e-6);
+      RC_ASSERT(step.turned_rad == 0.0 || step.moved_m == 0.0);
+      summed = summed * Pose2{step.moved_m, 0.0, step.turned_rad};
     }
     RC_ASSERT(manoeuvre.done());
     RC_ASSERT(distance(summed, manoeuvre.X_SB()) < 1e-9);

@@ -75,16 +75,16 @@ bool AivMotion::on_indirect_move_req(const zone::Circuit& circuit) {
   return turn(circuit, TravelDir::Event::Ev_OnIndirectMoveReq);
 }
 
-double AivMotion::shift(const zone::Circuit& circuit, double distance_m, std::span<const zone::SectionId> coming,
-                        std::span<const zone::SectionId> gone) {
-  if (direction_.is_direct() && !(coming.empty() && gone.empty())) {
+double AivMotion::shift(const zone::Circuit& circuit, double distance_m, std::span<const zone::SectionId> remaining,
+                        std::span<const zone::SectionId> traversed) {
+  if (direction_.is_direct() && !(remaining.empty() && traversed.empty())) {
     const zone::TrackPosition from = track_position(circuit);
-    const zone::TrackPosition to = circuit.advance(from, distance_m, coming, gone);
+    const zone::TrackPosition to = circuit.advance(from, distance_m, remaining, traversed);
     const bool whole = to.s_m > 0.0 && to.s_m < circuit.section(to.section).length_m();
     *this = AivMotion(circuit, to);
     if (whole) return distance_m;
     // It may have come to a dead end.
-    if (distance_m >= 0.0) return circuit.distance_ahead(from, to, distance_m, coming).value_or(distance_m);
+    if (distance_m >= 0.0) return circuit.distance_ahead(from, to, distance_m, remaining).value_or(distance_m);
     return distance_m;
   }
   if (distance_m >= 0.0) return move(circuit, distance_m);

@@ -69,8 +69,8 @@ class AivMotion {
   /// Signed move along the circuit: negative distances travel against the current direction. For corrections. Forwards
   /// through the sections of `coming`, then along default successors; backwards through `gone`, its last first.
   /// Gives the distance really travelled, with its sign.
-  double shift(const zone::Circuit& circuit, double distance_m, std::span<const zone::SectionId> coming = {},
-               std::span<const zone::SectionId> gone = {});
+  double shift(const zone::Circuit& circuit, double distance_m, std::span<const zone::SectionId> remaining = {},
+               std::span<const zone::SectionId> traversed = {});
 
   friend bool operator==(const AivMotion&, const AivMotion&) = default;
 

@@ -32,7 +32,7 @@ double whole(int low, int high, double unit) { return unit * *rc::gen::inRange(l
 
 /// Any pieces that together turn by a whole share of a full turn, as often as that share asks for: such a ring closes,
 /// because what one round of pieces is off, the others turn away.
-zone::Circuit any_ring() {
+zone::Circuit any_loop() {
   const int folds = *rc::gen::inRange(2, 6);
   const int count = *rc::gen::inRange(1, 6);
   std::vector<Piece> round;
@@ -47,9 +47,9 @@ zone::Circuit any_ring() {
   }
   const double last_m = whole(100, 2000, 1e-3);
   round.push_back({last_m, (2.0 * pi / folds - turned_rad) / last_m});
-  std::vector<Piece> ring;
-  for (int i = 0; i < folds; ++i) ring.insert(ring.end(), round.begin(), round.end());
-  return lay(ring, true);
+  std::vector<Piece> loop;
+  for (int i = 0; i < folds; ++i) loop.insert(loop.end(), round.begin(), round.end());
+  return lay(loop, true);
 }
 
 zone::TrackPosition any_position(const zone::Circuit& circuit) {
@@ -175,7 +175,7 @@ TEST(Motion, clamps_a_place_to_its_section) {
 
 TEST(Motion, gives_what_the_section_answers_to_nextAIVposition) {
   EXPECT_TRUE(rc::check([] {
-    const auto circuit = any_ring();
+    const auto circuit = any_loop();
     AivMotion aiv{circuit, any_position(circuit)};
     const double DTT = whole(0, 500, 1e-3);
     const auto& section = circuit.section(aiv.current_section());
@@ -192,7 +192,7 @@ TEST(Motion, gives_what_the_section_answers_to_nextAIVposition) {
 
 TEST(Motion, comes_back_to_its_start_after_a_lap_of_any_sections_in_any_steps) {
   EXPECT_TRUE(rc::check([] {
-    const auto circuit = any_ring();
+    const auto circuit = any_loop();
     AivMotion aiv{circuit, any_position(circuit)};
     const Pose2 start = aiv.pose(circuit);
     double left_m = circuit.total_length_m();
@@ -207,20 +207,20 @@ TEST(Motion, comes_back_to_its_start_after_a_lap_of_any_sections_in_any_steps) {
 
 TEST(Motion, travels_exactly_the_distance_requested) {
   EXPECT_TRUE(rc::check([] {
-    const auto circuit = any_ring();
+    const auto circuit = any_loop();
     AivMotion aiv{circuit, any_position(circuit)};
     const double before_m = along(circuit, aiv.track_position(circuit));
     const double requested_m = whole(0, 100'000, 1e-3);
     RC_ASSERT(aiv.move(circuit, requested_m) == requested_m);
-    const double ring_m = circuit.total_length_m();
-    const double off_m = std::remainder(along(circuit, aiv.track_position(circuit)) - before_m - requested_m, ring_m);
+    const double loop_length_m = circuit.total_length_m();
+    const double off_m = std::remainder(along(circuit, aiv.track_position(circuit)) - before_m - requested_m, loop_length_m);
     RC_ASSERT(std::fabs(off_m) < lap_m);
   }));
 }
 
 TEST(Motion, forward_then_backward_is_where_it_was) {
   EXPECT_TRUE(rc::check([] {
-    const auto circuit = any_ring();
+    const auto circuit = any_loop();
     AivMotion aiv{circuit, any_position(circuit)};
     const Pose2 start = aiv.pose(circuit);
     const auto steps_m = *rc::gen::container<std::vector<double>>(
@@ -235,7 +235,7 @@ TEST(Motion, forward_then_backward_is_where_it_was) {
 
 TEST(Motion, a_shift_and_its_opposite_cancel_and_keep_the_direction) {
   EXPECT_TRUE(rc::check([] {
-    const auto circuit = any_ring();
+    const auto circuit = any_loop();
     const TravelDir direction = *rc::gen::arbitrary<bool>() ? TravelDir::direct() : TravelDir::indirect();
     AivMotion aiv{circuit, any_position(circuit), direction};
     const Pose2 start = aiv.pose(circuit);
@@ -323,9 +323,9 @@ TEST(Motion, of_many_vehicles_in_one_pass_is_that_of_each) {
 
 TEST(AivMotion, shifts_through_the_sections_that_it_is_given_and_back_through_those_it_came_by) {
   const zone::Circuit& circuit = test::diamond().circuit;
-  const std::vector<zone::SectionId> coming{4, 5};
+  const std::vector<zone::SectionId> remaining{4, 5};
   AivMotion motion{circuit, {0, 1.9}};
-  EXPECT_NEAR(motion.shift(circuit, 0.3, coming), 0.3, 1e-12);
+  EXPECT_NEAR(motion.shift(circuit, 0.3, remaining), 0.3, 1e-12);
   EXPECT_EQ(motion.current_section(), 4U);
   EXPECT_NEAR(motion.mDTCS_m(), 0.2, 1e-12);
   AivMotion back{circuit, {7, 0.1}};

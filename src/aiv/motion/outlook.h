@@ -12,17 +12,17 @@ namespace cosiva::aiv {
 struct Outlook {
   // A place alone is an outlook, too: along default successors.
   Outlook(zone::TrackPosition at, std::span<const zone::SectionId> coming_sections = {})  // NOLINT(google-explicit-constructor)
-      : here{at}, coming{coming_sections} {}
+      : here{at}, remaining{coming_sections} {}
   Outlook(zone::SectionId section, double s_m) : here{section, s_m} {}
 
   zone::TrackPosition here;
-  std::span<const zone::SectionId> coming;  ///< after here.section; from their end default successors
+  std::span<const zone::SectionId> remaining;  ///< after here.section; from their end default successors
   /// Where the body is when that is not `here`: it turns on the spot there, or has yet to come onto the line there.
   std::optional<Pose2> X_MB{};
 };
 
 [[nodiscard]] inline zone::SectionLookAhead section_look_ahead(const zone::Circuit& circuit, const Outlook& outlook) {
-  return {circuit, outlook.here.section, outlook.coming};
+  return {circuit, outlook.here.section, outlook.remaining};
 }
 
 /// What a vehicle turns on the spot from one section to the next; 0 where it rolls on.

@@ -185,7 +185,7 @@ void ActionExecutor::end_wait(std::string_view action_type, bool reached, std::s
 
 void ActionExecutor::end_waits(const Agent& agent) {
   if (agent.motion().stopped() && agent.holds().has(Hold::paused)) end_wait(action::start_pause, true);
-  if (!agent.joining()) end_wait(action::join_line, !agent.position().off_line(), "it was given up on the way");
+  if (!agent.joining()) end_wait(action::join_line, !agent.position().off_path(), "it was given up on the way");
   if (!agent.back_up().active())
     end_wait(action::back_up, agent.back_up().completed(), "it came to an end before it was there");
   if (!agent.progress().cancelling()) end_wait(action::cancel_order, true);

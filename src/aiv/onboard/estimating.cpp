@@ -12,7 +12,7 @@ using wire::EstimateResponse;
 /// Who asks no more is gone.
 constexpr SimDuration session_max = std::chrono::minutes{1};
 /// A belief may be wrong for a moment, at a crossing; a vehicle that leaves its ring is elsewhere for good.
-constexpr double off_ring_m_max = 0.5;
+constexpr double off_loop_m_max = 0.5;
 /// Quartzes differ by less than this share.
 constexpr std::int64_t drift_divisor = 10'000;
 /// A clock was set, or counts from zero again.
@@ -185,9 +185,9 @@ void Estimating::roll(const Step& step) {
   run.stepped_at = step.at;
   if (!step.current_estimate) return;
   const std::optional<zone::TrackPosition>& track_position = step.current_estimate->position;
-  const bool on_ring = !run.track || !track_position || run.track->along_of(*track_position);
-  run.off_ring_m = on_ring ? 0.0 : run.off_ring_m + std::fabs(step.distance_m);
-  if (run.off_ring_m > off_ring_m_max && run.fault.empty()) run.fault = "it left the ring on which the session began";
+  const bool on_loop = !run.track || !track_position || run.track->along_of(*track_position);
+  run.off_loop_m = on_loop ? 0.0 : run.off_loop_m + std::fabs(step.distance_m);
+  if (run.off_loop_m > off_loop_m_max && run.fault.empty()) run.fault = "it left the ring on which the session began";
   if (step.distance_m == 0.0 && step.turn_rad == 0.0) return;
   run.travelled_m += std::fabs(step.distance_m);
   // The same bits as those who are told by the answer.

@@ -74,7 +74,7 @@ class Estimating {
     std::vector<Running> algorithms;
     std::vector<wire::EstimateResponse::Input> inputs;
     double travelled_m{0.0};
-    double off_ring_m{0.0};
+    double off_loop_m{0.0};
     SimTime stepped_at{};
     double speed_mps{0.0};
     std::string fault;

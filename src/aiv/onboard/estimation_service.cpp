@@ -12,7 +12,7 @@ std::optional<Estimating::CurrentEstimate> estimate_of(const DrivingContext& con
   const PositionEstimator& position = context.agent().position();
   if (!position.pose_known()) return std::nullopt;
   Estimating::CurrentEstimate estimate{context.shared_zone(), position.pose(), std::nullopt, position.sigma_m()};
-  if (position.known() && !position.off_line()) estimate.position = position.track_position();
+  if (position.known() && !position.off_path()) estimate.position = position.track_position();
   return estimate;
 }
 

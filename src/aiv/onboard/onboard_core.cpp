@@ -382,7 +382,7 @@ void OnboardCore::fold(Digest& digest) const {
     digest.add(std::uint64_t{agent.position().track_position().section});
     digest.add(agent.position().track_position().s_m);
   }
-  if (agent.position().off_line() && agent.position().pose_known()) {
+  if (agent.position().off_path() && agent.position().pose_known()) {
     const Pose2 X_MB = agent.position().pose();
     digest.add(X_MB.x_m);
     digest.add(X_MB.y_m);

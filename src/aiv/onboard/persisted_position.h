@@ -23,7 +23,7 @@ struct PersistedPosition {
   std::optional<Profile> imposed;  ///< and stays slow
   std::optional<Pose2> pose{};     ///< X_MB when the odometer read that; memories of old have none
   /// It stood beside the line, or away from it: the pose counts, not the place.
-  bool off_line{};
+  bool off_path{};
   /// PILS was in a manoeuvre that had come this far.
   std::optional<Pose2> manoeuvre{};
   std::optional<std::string> next{};  ///< the section that its way led to

@@ -27,7 +27,7 @@ PersistedPosition position_of(const DrivingContext& context, std::int64_t odomet
   now_here.session = pils_session;
   now_here.paused = agent.holds().has(Hold::paused);
   now_here.imposed = agent.instructions().imposed;
-  now_here.off_line = position.away() || position.near_path();
+  now_here.off_path = position.away() || position.near_path();
   now_here.manoeuvre = position.manoeuvred();
   now_here.pose = position.left_line_at() ? *position.left_line_at() : position.pose();
   if (position.known()) {
@@ -35,8 +35,8 @@ PersistedPosition position_of(const DrivingContext& context, std::int64_t odomet
     now_here.section = context.zone().circuit.part(at.section).name;
     now_here.s_m = at.s_m;
   }
-  if (const auto coming = position.course().coming(); !coming.empty())
-    now_here.next = context.zone().circuit.part(coming.front()).name;
+  if (const auto remaining = position.course().remaining(); !remaining.empty())
+    now_here.next = context.zone().circuit.part(remaining.front()).name;
   return now_here;
 }
 
@@ -102,7 +102,7 @@ bool PositionStore::restore_position(DrivingContext& context) {
   if (!(std::fabs(distance_m) <= saved_distance_m_max)) return false;
   // A position that was known before and has driven on since is no longer where it was saved.
   if (agent.position().pose_known() && std::fabs(distance_m) > off_line_distance_m_max) return false;
-  if (!restored_->off_line) {
+  if (!restored_->off_path) {
     if (const auto track_position = restored_position(circuit, distance_m)) {
       agent.estimator().position_at(*track_position);
       const auto next = restored_->next ? circuit.find(*restored_->next) : std::nullopt;

@@ -61,7 +61,7 @@ void V2xParticipant::on_intent(SimTime now, const wire::Input& input, DrivingCon
 
 Others V2xParticipant::survey(SimTime now, DrivingContext& context) const {
   const Agent& agent = context.agent();
-  if (!agent.heeds_others() || !agent.position().known() || agent.position().off_line()) return {};
+  if (!agent.heeds_others() || !agent.position().known() || agent.position().off_path()) return {};
   return context.neighbours().around(now, agent);
 }
 

@@ -66,11 +66,11 @@ struct SwitchFixture : OnboardFixture {
 };
 
 /// 0.12 m to the left of where the vehicle will stand, and turned away from it.
-zone::ZoneConfiguration track_beside(const Pose2& X_MB, const std::string& name = "track") {
+zone::ZoneConfiguration track_off_path(const Pose2& X_MB, const std::string& name = "track") {
   return track_at(X_MB * Pose2{-0.3, 0.12, 0.3}, name);
 }
 zone::ZoneConfiguration track_near_loop(const std::string& name = "track") {
-  return track_beside(lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.55)), name);
+  return track_off_path(lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.55)), name);
 }
 const std::string first = "out@0";
 
@@ -383,7 +383,7 @@ TEST(PersistedPosition, keeps_a_pose_beside_the_line_and_a_manoeuvre) {
                                                     R"("pose":{"x":1e300,"y":0,"theta":0},"off_line":true})");
   ASSERT_TRUE(damaged);
   EXPECT_FALSE(damaged->pose);
-  EXPECT_FALSE(damaged->off_line) << "without a pose the place is all there is";
+  EXPECT_FALSE(damaged->off_path) << "without a pose the place is all there is";
 }
 
 }  // namespace

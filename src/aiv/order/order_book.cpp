@@ -212,9 +212,9 @@ void OrderBook::cancel() {
 bool OrderBook::relocate(zone::TrackPosition position) {
   if (!active()) return true;
   const double left_m = targets_.back().path_m - last_node_path_m_;
-  std::vector<zone::SectionId> coming;
-  for (const Target& target : targets_) coming.insert(coming.end(), target.via.begin(), target.via.end());
-  if (const auto beyond_m = zone_.circuit.distance_ahead(last_node_position_, position, left_m, coming)) {
+  std::vector<zone::SectionId> remaining;
+  for (const Target& target : targets_) remaining.insert(remaining.end(), target.via.begin(), target.via.end());
+  if (const auto beyond_m = zone_.circuit.distance_ahead(last_node_position_, position, left_m, remaining)) {
     travelled_m_ = last_node_path_m_ + *beyond_m;
     return true;
   }

@@ -30,9 +30,9 @@ OrderBook::StartState reference(const zone::TrafficZone& zone, std::string_view 
   return {at(zone, section, s_m), true};
 }
 /// Of what is before a vehicle that stands there.
-std::vector<std::string> coming(const OrderBook& book, const zone::TrafficZone& zone, std::string_view section,
+std::vector<std::string> remaining(const OrderBook& book, const zone::TrafficZone& zone, std::string_view section,
                                 double s_m) {
-  return names(zone, book.course_from(at(zone, section, s_m)).coming());
+  return names(zone, book.course_from(at(zone, section, s_m)).remaining());
 }
 
 TEST(OrderOnAGraph, takes_the_way_that_its_nodes_name) {
@@ -41,7 +41,7 @@ TEST(OrderOnAGraph, takes_the_way_that_its_nodes_name) {
     OrderBook book{diamond()};
     const auto verdict = book.offer(order("O-1").through({"T", "F", node, "M"}), reference(diamond(), "trunk", 0.0));
     ASSERT_TRUE(verdict) << to_string(verdict.error());
-    EXPECT_EQ(coming(book, diamond(), "trunk", 0.0), route);
+    EXPECT_EQ(remaining(book, diamond(), "trunk", 0.0), route);
     EXPECT_NEAR(book.distance_to_base_end_m(), 2.0 + detour_m, 1e-9);
   }
 }
@@ -49,7 +49,7 @@ TEST(OrderOnAGraph, takes_the_way_that_its_nodes_name) {
 TEST(OrderOnAGraph, may_leave_out_nodes_between_which_there_is_only_one_shortest_way) {
   OrderBook book{diamond()};
   ASSERT_TRUE(book.offer(order("O-1").through({"T", "rd", "E"}), reference(diamond(), "trunk", 0.0)));
-  EXPECT_THAT(coming(book, diamond(), "trunk", 0.0), ElementsAre("r_up", "r_over", "r_down", "tail"));
+  EXPECT_THAT(remaining(book, diamond(), "trunk", 0.0), ElementsAre("r_up", "r_over", "r_down", "tail"));
 }
 
 TEST(OrderOnAGraph, names_the_two_nodes_that_no_way_joins) {
@@ -76,7 +76,7 @@ TEST(OrderOnAGraph, is_continued_either_way_from_a_base_that_ends_where_ways_par
     const auto verdict =
         book.offer(order("O-1", 1).from_sequence(4).through({"F", node}), reference(diamond(), "trunk", 0.5));
     ASSERT_TRUE(verdict) << to_string(verdict.error());
-    EXPECT_EQ(coming(book, diamond(), "trunk", 0.5).front(), section);
+    EXPECT_EQ(remaining(book, diamond(), "trunk", 0.5).front(), section);
     EXPECT_NEAR(book.distance_to_base_end_m(), 1.5 + pi / 4.0, 1e-9);
   }
 }
@@ -90,7 +90,7 @@ TEST(OrderOnAGraph, is_continued_either_way_by_a_vehicle_that_stands_where_they_
     const auto verdict =
         book.offer(order("O-1", 1).from_sequence(4).through({"F", node}), reference(diamond(), "trunk", 1.99));
     ASSERT_TRUE(verdict) << to_string(verdict.error());
-    EXPECT_EQ(coming(book, diamond(), "trunk", 1.99).front(), section);
+    EXPECT_EQ(remaining(book, diamond(), "trunk", 1.99).front(), section);
     EXPECT_NEAR(book.distance_to_base_end_m(), 0.01 + pi / 4.0, 1e-9);
   }
 }
@@ -98,7 +98,7 @@ TEST(OrderOnAGraph, is_continued_either_way_by_a_vehicle_that_stands_where_they_
 TEST(OrderOnAGraph, keeps_the_way_of_its_horizon_in_the_course) {
   OrderBook book{diamond()};
   ASSERT_TRUE(book.offer(order("O-1").through({"T", "T1"}).then({"F", "ro"}), reference(diamond(), "trunk", 0.2)));
-  EXPECT_THAT(coming(book, diamond(), "trunk", 0.2), ElementsAre("r_up", "r_over"));
+  EXPECT_THAT(remaining(book, diamond(), "trunk", 0.2), ElementsAre("r_up", "r_over"));
 }
 
 TEST(OrderOnAGraph, goes_by_the_edge_where_two_lead_from_node_to_node) {
@@ -107,7 +107,7 @@ TEST(OrderOnAGraph, goes_by_the_edge_where_two_lead_from_node_to_node) {
     auto text = order("O-1").through({"D", "A", "B", "C"});
     text.edge(1).edge_id = edge;
     ASSERT_TRUE(book.offer(text, reference(square(), "west", 0.0)));
-    EXPECT_THAT(coming(book, square(), "west", 0.0), ElementsAre(edge, "east", "north"));
+    EXPECT_THAT(remaining(book, square(), "west", 0.0), ElementsAre(edge, "east", "north"));
     EXPECT_NEAR(book.distance_to_base_end_m(), 2.0 + length_m, 1e-9);
   }
 }
@@ -118,7 +118,7 @@ TEST(OrderOnAGraph, goes_on_after_a_jump_along_its_way_and_not_beside_it) {
   EXPECT_FALSE(book.relocate(at(diamond(), "l_over", 0.1)));
   ASSERT_TRUE(book.relocate(at(diamond(), "r_over", 0.1)));
   EXPECT_NEAR(book.travelled_m(), 2.0 + pi / 4.0 + 0.1, 1e-9);
-  EXPECT_THAT(names(diamond(), book.course_from(at(diamond(), "r_over", 0.1)).gone()), ElementsAre("trunk", "r_up"));
+  EXPECT_THAT(names(diamond(), book.course_from(at(diamond(), "r_over", 0.1)).traversed()), ElementsAre("trunk", "r_up"));
 }
 
 TEST(OrderOnAGraph, that_comes_by_twice_knows_which_time_it_is) {
@@ -126,9 +126,9 @@ TEST(OrderOnAGraph, that_comes_by_twice_knows_which_time_it_is) {
   auto text = order("O-1").through({"A", "B", "C", "D", "A", "B", "S"});
   for (const std::size_t edge : {0U, 4U}) text.edge(edge).edge_id = "south";
   ASSERT_TRUE(book.offer(text, reference(square(), "south", 0.0)));
-  EXPECT_THAT(coming(book, square(), "south", 0.0), ElementsAre("east", "north", "west", "south", "spur"));
+  EXPECT_THAT(remaining(book, square(), "south", 0.0), ElementsAre("east", "north", "west", "south", "spur"));
   book.travelled(4.2);
-  EXPECT_THAT(coming(book, square(), "south", 0.2), ElementsAre("spur"));
+  EXPECT_THAT(remaining(book, square(), "south", 0.2), ElementsAre("spur"));
 }
 
 TEST(OrderOnAGraph, may_have_edges_of_hundreds_of_metres) {
@@ -140,7 +140,7 @@ TEST(OrderOnAGraph, may_have_edges_of_hundreds_of_metres) {
   OrderBook book{zone};
   ASSERT_TRUE(book.offer(order("O-1").through({"a", "c"}), reference(zone, "there", 200.0)));
   EXPECT_NEAR(book.distance_to_base_end_m(), 350.0, 1e-9);
-  EXPECT_THAT(coming(book, zone, "there", 200.0), ElementsAre("off"));
+  EXPECT_THAT(remaining(book, zone, "there", 200.0), ElementsAre("off"));
 }
 
 TEST(OrderOnAGraph, finds_nodes_of_other_names_by_position_on_the_way_that_leads_on) {
@@ -149,7 +149,7 @@ TEST(OrderOnAGraph, finds_nodes_of_other_names_by_position_on_the_way_that_leads
   text.node(0).position = wire::NodePosition{0.0, 0.0, {}, {}, {}, "diamond"};
   text.node(1).position = wire::NodePosition{2.0 + std::sqrt(2.0), -2.0 + std::sqrt(2.0), {}, {}, {}, "diamond"};
   ASSERT_TRUE(book.offer(text, reference(diamond(), "trunk", 0.0)));
-  EXPECT_THAT(coming(book, diamond(), "trunk", 0.0), ElementsAre("r_up", "r_over", "r_down", "tail"));
+  EXPECT_THAT(remaining(book, diamond(), "trunk", 0.0), ElementsAre("r_up", "r_over", "r_down", "tail"));
 }
 
 TEST(OrderOnAGraph, takes_no_course_on_a_ring_where_there_is_nothing_to_choose) {
@@ -162,7 +162,7 @@ TEST(CourseOfAnOrder, is_where_it_stands_when_there_never_was_one) {
   const OrderBook book{diamond()};
   const zone::Course course = book.course_from(at(diamond(), "r_over", 0.1));
   EXPECT_EQ(course.here(), at(diamond(), "r_over", 0.0).section);
-  EXPECT_THAT(course.coming(), testing::IsEmpty());
+  EXPECT_THAT(course.remaining(), testing::IsEmpty());
 }
 
 }  // namespace

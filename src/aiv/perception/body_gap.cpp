@@ -22,7 +22,7 @@ void BodyGap::look(const Outlook& outlook) {
 
 double BodyGap::disc_gap_m(Point2 p_B, double radius_m) const {
   const double half_m = 0.5 * zone_.vehicle.width_m + model_.margin_m;
-  const PathLookAhead::Beside there = path_ahead_.off_path(p_B);
+  const PathLookAhead::Offset there = path_ahead_.off_path(p_B);
   const double near_m = half_m + radius_m + path_ahead_.sample_m();
   if (!(there.distance2_m2 < near_m * near_m)) return infinite;
   const double along_m = path_ahead_.along_path_m(p_B, there.sample);

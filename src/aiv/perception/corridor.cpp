@@ -17,7 +17,7 @@ double Corridor::echo_ahead_m(double range_m, double bearing_rad, double spread_
   for (const double side : {0.0, -1.0, 1.0}) {
     const auto [sin, cos] = sincos(bearing_rad + side * spread_rad);
     const Point2 echo_B{front_m + range_m * cos, range_m * sin};
-    const PathLookAhead::Beside there = path_ahead_.off_path(echo_B);
+    const PathLookAhead::Offset there = path_ahead_.off_path(echo_B);
     if (there.distance2_m2 < near_m * near_m)
       nearest_m = std::min(nearest_m, path_ahead_.along_path_m(echo_B, there.sample) - front_m);
     // Most echoes come from other lanes: where the middle is this far off, the sides of the beam are off too.

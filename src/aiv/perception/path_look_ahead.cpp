@@ -43,7 +43,7 @@ void PathLookAhead::sample(const Outlook& outlook) {
   }
 }
 
-PathLookAhead::Beside PathLookAhead::off_path(Point2 p_B) const {
+PathLookAhead::Offset PathLookAhead::off_path(Point2 p_B) const {
   // Every fourth point first: neighbours are no further apart than a step (and a little, where the way begins or two
   // sections meet), so only round those that are nearly as near can the nearest lie.
   constexpr std::size_t stride = 4;
@@ -55,7 +55,7 @@ PathLookAhead::Beside PathLookAhead::off_path(Point2 p_B) const {
   double coarse2_m2 = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < samples_B_.size(); i += stride) coarse2_m2 = std::min(coarse2_m2, distance2(i));
   const double near_m = std::sqrt(coarse2_m2) + 1.25 * static_cast<double>(stride - 1) * sample_m_;
-  Beside nearest{0, std::numeric_limits<double>::infinity()};
+  Offset nearest{0, std::numeric_limits<double>::infinity()};
   for (std::size_t first = 0; first < samples_B_.size(); first += stride) {
     if (distance2(first) > near_m * near_m) continue;
     for (std::size_t i = first; i < std::min(first + stride, samples_B_.size()); ++i) {

@@ -27,11 +27,11 @@ class PathLookAhead {
   [[nodiscard]] double sample_m() const { return sample_m_; }
 
   /// The point of the way nearest to another point.
-  struct Beside {
+  struct Offset {
     std::size_t sample;
     double distance2_m2;
   };
-  [[nodiscard]] Beside off_path(Point2 p_B) const;
+  [[nodiscard]] Offset off_path(Point2 p_B) const;
   /// From the vehicle's middle along the way to the place beside p, near the sample; negative behind the middle.
   [[nodiscard]] double along_path_m(Point2 p_B, std::size_t sample) const;
 

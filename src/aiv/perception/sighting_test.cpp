@@ -83,7 +83,7 @@ TEST(BodyInBeams, stays_finite_with_a_wall_in_every_beam_and_with_none_at_all_be
 }
 
 /// Frames 60 ms apart.
-struct Eyes {
+struct Sensors {
   Sighting sighting;
   SimTime now{virtual_epoch};
   int reported{0};
@@ -101,48 +101,48 @@ struct Eyes {
 };
 
 TEST(Sighting, tells_a_new_virtual_object_at_once_and_then_ten_times_a_second) {
-  Eyes eyes;
-  EXPECT_TRUE(eyes.frame(0.5));
-  ASSERT_TRUE(eyes.last->obstacle);
-  EXPECT_EQ(eyes.last->clear_m, 0.5);
-  eyes.reported = 0;
-  for (int i = 0; i < 50; ++i) static_cast<void>(eyes.frame(0.5));  // three seconds
-  EXPECT_GE(eyes.reported, 24);
-  EXPECT_LE(eyes.reported, 30);
+  Sensors sensors;
+  EXPECT_TRUE(sensors.frame(0.5));
+  ASSERT_TRUE(sensors.last->obstacle);
+  EXPECT_EQ(sensors.last->clear_m, 0.5);
+  sensors.reported = 0;
+  for (int i = 0; i < 50; ++i) static_cast<void>(sensors.frame(0.5));  // three seconds
+  EXPECT_GE(sensors.reported, 24);
+  EXPECT_LE(sensors.reported, 30);
 }
 
 TEST(Sighting, tells_three_times_that_a_virtual_object_went_and_then_nothing_more) {
-  Eyes eyes;
-  static_cast<void>(eyes.frame(0.5));
+  Sensors sensors;
+  static_cast<void>(sensors.frame(0.5));
   int frames = 0;
-  while (!eyes.frame(nothing)) ASSERT_LT(++frames, 5);
-  EXPECT_FALSE(eyes.last->obstacle);
-  EXPECT_EQ(eyes.last->clear_m, 1.2) << "as far as it can tell";
-  eyes.reported = 1;
-  for (int i = 0; i < 50; ++i) static_cast<void>(eyes.frame(nothing));
-  EXPECT_EQ(eyes.reported, 3);
+  while (!sensors.frame(nothing)) ASSERT_LT(++frames, 5);
+  EXPECT_FALSE(sensors.last->obstacle);
+  EXPECT_EQ(sensors.last->clear_m, 1.2) << "as far as it can tell";
+  sensors.reported = 1;
+  for (int i = 0; i < 50; ++i) static_cast<void>(sensors.frame(nothing));
+  EXPECT_EQ(sensors.reported, 3);
 }
 
 TEST(Sighting, holds_on_to_an_object_over_two_echoes_that_do_not_come_back) {
-  Eyes eyes;
+  Sensors sensors;
   for (int i = 0; i < 60; ++i) {
-    static_cast<void>(eyes.frame(i % 3 == 0 ? 0.5 : nothing));
-    ASSERT_TRUE(eyes.last->obstacle) << i;
+    static_cast<void>(sensors.frame(i % 3 == 0 ? 0.5 : nothing));
+    ASSERT_TRUE(sensors.last->obstacle) << i;
   }
 }
 
 TEST(Sighting, tells_nothing_of_what_is_more_than_a_metre_ahead) {
-  Eyes eyes;
-  for (int i = 0; i < 10; ++i) EXPECT_FALSE(eyes.frame(1.01));
-  static_cast<void>(eyes.frame(0.99));
-  for (int i = 0; i < 5; ++i) static_cast<void>(eyes.frame(1.05));
-  EXPECT_FALSE(eyes.last->obstacle);
-  EXPECT_EQ(eyes.last->clear_m, 1.05);
+  Sensors sensors;
+  for (int i = 0; i < 10; ++i) EXPECT_FALSE(sensors.frame(1.01));
+  static_cast<void>(sensors.frame(0.99));
+  for (int i = 0; i < 5; ++i) static_cast<void>(sensors.frame(1.05));
+  EXPECT_FALSE(sensors.last->obstacle);
+  EXPECT_EQ(sensors.last->clear_m, 1.05);
 }
 
 TEST(Sighting, without_anything_ever_seen_says_nothing) {
-  Eyes eyes;
-  for (int i = 0; i < 20; ++i) EXPECT_FALSE(eyes.frame(nothing));
+  Sensors sensors;
+  for (int i = 0; i < 20; ++i) EXPECT_FALSE(sensors.frame(nothing));
 }
 
 }  // namespace

@@ -57,7 +57,7 @@ void add_crossings(const Agent& agent, const zone::TrafficZone& zone, const Cros
 /// On a line whose name can be said.
 bool has_position(const Agent& agent, const zone::TrafficZone& zone) {
   const PositionEstimator& position = agent.position();
-  return position.known() && !position.off_line() &&
+  return position.known() && !position.off_path() &&
          zone.circuit.part(position.track_position().section).name.size() <= name_bytes_max;
 }
 
@@ -91,7 +91,7 @@ bool is_news(const wire::Intent& published, const Agent& agent, const zone::Traf
              const CrossingFinder& crossing_spans) {
   if (published.braking != agent.braking() || published.map_id != zone.name || published.position.has_value() != has_position(agent, zone))
     return true;
-  if (!agent.position().known() || agent.position().off_line()) return !published.crossings.empty();
+  if (!agent.position().known() || agent.position().off_path()) return !published.crossings.empty();
   std::size_t same = 0;
   bool other = false;
   each_crossing(agent, zone, crossing_spans, [&](const CrossingSpan&, const std::string& name, bool may_enter) {
@@ -110,7 +110,7 @@ wire::Intent compose_intent(const Agent& agent, const zone::TrafficZone& zone, c
   intent.pose = {thousandths(X_MB.x_m), thousandths(X_MB.y_m), thousandths(wrap_angle(X_MB.heading_rad))};
   intent.speed_mps = thousandths(agent.motion().speed_mps());
   intent.braking = agent.braking();
-  if (!position.known() || position.off_line()) return intent;
+  if (!position.known() || position.off_path()) return intent;
   const zone::TrackPosition here = position.track_position();
   if (has_position(agent, zone))
     intent.position = wire::Intent::OnLine{zone.circuit.part(here.section).name, std::max(0.0, thousandths(here.s_m))};

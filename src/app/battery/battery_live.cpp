@@ -173,8 +173,8 @@ class LiveTest {
     bool out = false;
     bus_->stop([&] { out = true; });
     loop_.run_until([&] { return out; }, goodbye_max);
-    std::error_code gone;
-    if (!arguments_.state_file.empty()) std::filesystem::remove(arguments_.state_file, gone);
+    std::error_code missing;
+    if (!arguments_.state_file.empty()) std::filesystem::remove(arguments_.state_file, missing);
     return {};
   }
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "cosiva/app/cli/console.h"
-#include "cosiva/app/remote/broker_say.h"
+#include "cosiva/app/remote/publish_once.h"
 #include "cosiva/wire/own/battery_exchange.h"
 
 namespace cosiva::app {

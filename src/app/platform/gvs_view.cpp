@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::chrono::milliseconds request_every{500};
 /// An older one would be taken for what is.
-constexpr std::chrono::seconds image_lives{3};
+constexpr std::chrono::seconds image_lifetime{3};
 
 }  // namespace
 
@@ -22,7 +22,7 @@ GvsView::~GvsView() = default;
 std::shared_ptr<const std::string> GvsView::look() {
   const Clock::time_point now = Clock::now();
   if (now - requested_ >= request_every) ask();
-  if (image_ && now - came_ > image_lives) image_.reset();
+  if (image_ && now - came_ > image_lifetime) image_.reset();
   return image_;
 }
 

@@ -18,8 +18,8 @@ using Steady = std::chrono::steady_clock;
 
 /// Whose last lives were no longer than this together cannot live. Not judged one by one: on a machine that stands
 /// still for a second, a death is seen so much later.
-constexpr std::size_t lives_evaluated = 5;
-constexpr std::chrono::seconds lives_min{10};
+constexpr std::size_t runs_evaluated = 5;
+constexpr std::chrono::seconds starts_min{10};
 /// Who dies this soon did not get to work at all, and waits longer each time.
 constexpr std::chrono::seconds early{1};
 constexpr milliseconds backoff_first{50};
@@ -70,18 +70,18 @@ void Supervisor::died(Running& running, const ChildExit& exit) {
     print_info(name + " has ended: " + to_string(exit));
     return;
   }
-  running.lives.push_back(life);
-  if (running.lives.size() > lives_evaluated) running.lives.pop_front();
-  if (running.lives.size() == lives_evaluated &&
-      std::accumulate(running.lives.begin(), running.lives.end(), Steady::duration{}) < lives_min) {
-    print_info(name + " has ended: " + to_string(exit) + ", for the " + std::to_string(lives_evaluated) + "th time within " +
-        std::to_string(lives_min.count()) + " s of running");
+  running.runs.push_back(life);
+  if (running.runs.size() > runs_evaluated) running.runs.pop_front();
+  if (running.runs.size() == runs_evaluated &&
+      std::accumulate(running.runs.begin(), running.runs.end(), Steady::duration{}) < starts_min) {
+    print_info(name + " has ended: " + to_string(exit) + ", for the " + std::to_string(runs_evaluated) + "th time within " +
+        std::to_string(starts_min.count()) + " s of running");
     if (on_hopeless_) on_hopeless_(name);
     return;
   }
-  const auto& lives = running.lives;
+  const auto& runs = running.runs;
   const auto early_deaths =
-      std::find_if(lives.rbegin(), lives.rend(), [](Steady::duration one) { return one >= early; }) - lives.rbegin();
+      std::find_if(runs.rbegin(), runs.rend(), [](Steady::duration one) { return one >= early; }) - runs.rbegin();
   milliseconds delay = running.member.respawn_delay;
   if (early_deaths > 0) delay = std::max(delay, backoff_first * (1 << early_deaths));
   print_info(name + " has ended: " + to_string(exit) + "; starting it again" +

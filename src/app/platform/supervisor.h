@@ -49,7 +49,7 @@ class Supervisor {
     adapters::Child* child{nullptr};
     adapters::Timer respawn;
     std::chrono::steady_clock::time_point born;
-    std::deque<std::chrono::steady_clock::duration> lives;  ///< how long the last ones were
+    std::deque<std::chrono::steady_clock::duration> runs;  ///< how long the last ones were
     explicit Running(adapters::EventLoop& loop, Member m) : member{std::move(m)}, respawn{loop} {}
     [[nodiscard]] bool alive() const { return child != nullptr && child->running(); }
   };

@@ -223,11 +223,11 @@ class Up {
     if (!arguments_.convoys) append(argv, {"--convoys", "off"});
     if (arguments_.headless) append(argv, {"--headless"});
     if (!arguments_.web_directory.empty()) append(argv, {"--web", arguments_.web_directory});
-    ++server_lives_;
+    ++server_starts_;
     if (!arguments_.record_file.empty()) {
       // A server started again is another run: its journal is another file, and the first one stays as it is.
       append(argv,
-             {"--record", arguments_.record_file + (server_lives_ > 1 ? "." + std::to_string(server_lives_) : "")});
+             {"--record", arguments_.record_file + (server_starts_ > 1 ? "." + std::to_string(server_starts_) : "")});
     }
     return argv;
   }
@@ -346,7 +346,7 @@ class Up {
   std::optional<std::uint16_t> http_port_;
   std::optional<SimTime> fleet_up_at_;
   SimTime ended_at_{};
-  int server_lives_{0};
+  int server_starts_{0};
   std::int64_t scenario_began_ms_{0};
   std::uint64_t steps_done_{0};
   bool started_{false};

@@ -42,9 +42,9 @@ Result<Prepared> prepare(const CampaignArguments& arguments) {
   if (!plan) return tl::unexpected(plan.error());
   // A zone's file is named from where the plan lies.
   const auto local_path = std::filesystem::path(arguments.plan_file).parent_path() / plan->zone;
-  auto ring = ring_of(std::filesystem::exists(local_path) ? local_path.string() : plan->zone);
-  if (!ring) return tl::unexpected(ring.error());
-  auto work = CampaignWork::make(std::move(*plan), {ring->zone, ring->track});
+  auto loop = loop_of(std::filesystem::exists(local_path) ? local_path.string() : plan->zone);
+  if (!loop) return tl::unexpected(loop.error());
+  auto work = CampaignWork::make(std::move(*plan), {loop->zone, loop->track});
   if (!work) {
     work.error().location = arguments.plan_file + (work.error().location.empty() ? "" : ": " + work.error().location);
     return tl::unexpected(work.error());
@@ -78,7 +78,7 @@ class Kept {
     return written;
   }
   /// Finished: in the order of the list, so that the same plan leaves the same file.
-  [[nodiscard]] Result<void> settle(const CampaignWork& work, const std::vector<UnitRecord>& records) const {
+  [[nodiscard]] Result<void> warm_up(const CampaignWork& work, const std::vector<UnitRecord>& records) const {
     if (!file_) return {};
     std::string text = experiments::state_header(work);
     for (const UnitRecord& record : records) text += experiments::state_line(record);
@@ -153,7 +153,7 @@ int print_result(const CampaignArguments& arguments, const Prepared& prepared, c
   const auto summary = experiments::sum_up(prepared.work, records, workers);
   const CampaignResult result{prepared.work, records, summary};
   if (!arguments.out_folder.empty()) {
-    if (auto settled = kept.settle(prepared.work, records); !settled) return report_error(settled.error());
+    if (auto synchronised = kept.warm_up(prepared.work, records); !synchronised) return report_error(synchronised.error());
     if (auto written = write_all(arguments.out_folder, result, prepared.plan_text); !written)
       return report_error(written.error());
   }

@@ -228,7 +228,7 @@ experiments::Conditions conditions_of(const QualifyArguments& arguments, const e
 }
 
 /// The runs as they were lived, for all candidates: those on board say again what they said.
-Result<Runs> lived(const QualifyArguments& arguments, const LiveQualifyArguments& live,
+Result<Runs> live_run(const QualifyArguments& arguments, const LiveQualifyArguments& live,
                    std::vector<experiments::Candidate>& candidates, const estimation::Registry& registry) {
   auto options = options_of(arguments, live);
   if (!options) return tl::unexpected(options.error());
@@ -241,8 +241,8 @@ Result<Runs> lived(const QualifyArguments& arguments, const LiveQualifyArguments
   if (!server) return tl::unexpected(server.error());
   LiveTest test{*options, std::move(*server)};
   if (auto done = test.run(live.broker); !done) return tl::unexpected(done.error());
-  using Lived = std::vector<std::shared_ptr<const experiments::LivedRun>>;
-  auto kept = std::make_shared<Lived>(test.runs().take_runs());
+  using Live = std::vector<std::shared_ptr<const experiments::LiveRun>>;
+  auto kept = std::make_shared<Live>(test.runs().take_runs());
   if (kept->empty()) {
     const auto& losses = test.runs().losses();
     return fail("live.runs", losses.empty() ? "it was ended before a run was complete" : losses.back());
@@ -271,7 +271,7 @@ int run_qualify_live(const QualifyArguments& arguments, const LiveQualifyArgumen
     return report_error({"compare.few", "there are at least two to compare", "algorithms"});
   auto reference = reference_of(arguments);
   if (!reference) return report_error(reference.error());
-  const auto runs = lived(arguments, live, *candidates, registry);
+  const auto runs = live_run(arguments, live, *candidates, registry);
   if (!runs) return report_error(runs.error());
   return evaluate(arguments, *candidates, *runs, std::move(*reference));
 }

@@ -33,31 +33,31 @@ std::vector<std::vector<Point2>> lines_of(const zone::TrafficZone& zone) {
   return lines;
 }
 
-Result<void> lay_fiducials(const QualifyArguments& arguments, const Ring& ring, Simulation& simulation) {
+Result<void> lay_fiducials(const QualifyArguments& arguments, const LoopTrack& loop, Simulation& simulation) {
   if (arguments.fiducials == "pitch") return {};
   if (arguments.fiducials == "tags") {
-    simulation.fiducials = experiments::fiducials_of(*ring.track, *ring.zone);
-  } else if (ring.zone->beacons) {
-    simulation.fiducials = experiments::fiducials_of(*ring.track, *ring.zone->beacons, arguments.reach_m);
+    simulation.fiducials = experiments::fiducials_of(*loop.track, *loop.zone);
+  } else if (loop.zone->beacons) {
+    simulation.fiducials = experiments::fiducials_of(*loop.track, *loop.zone->beacons, arguments.reach_m);
   }
   if (!simulation.fiducials.empty()) return {};
   return fail("simulation.fiducials",
               "the way passes over none of its " + arguments.fiducials +
                   (arguments.fiducials == "beacons" ? " within " + decimals(1e3 * arguments.reach_m, 1) + " mm" : ""),
-              ring.zone->name);
+              loop.zone->name);
 }
 
-experiments::Conditions conditions_of(const QualifyArguments& arguments, const Ring& ring,
+experiments::Conditions conditions_of(const QualifyArguments& arguments, const LoopTrack& loop,
                                       const Simulation& simulation) {
   const auto mm = [](double metres) { return decimals(1e3 * metres, 2) + " mm"; };
-  experiments::Conditions conditions{arguments.command, "virtual time on " + ring.zone->name, {}, {}};
+  experiments::Conditions conditions{arguments.command, "virtual time on " + loop.zone->name, {}, {}};
   auto& settings = conditions.settings;
-  settings.emplace_back("zone", ring.zone->name);
+  settings.emplace_back("zone", loop.zone->name);
   settings.emplace_back("way of each run", decimals(arguments.distance_m, 1) + " m");
   settings.emplace_back("fiducials", arguments.fiducials == "pitch"
                                          ? "one every " + decimals(arguments.pitch_m, 3) + " m of the way"
                                          : std::to_string(simulation.fiducials.size()) + " " + arguments.fiducials +
-                                               " once round, " + decimals(ring.track->length_m(), 2) + " m");
+                                               " once round, " + decimals(loop.track->length_m(), 2) + " m");
   settings.emplace_back("odometry", mm(arguments.odometry_m) + " after 1 m, " + decimals(arguments.rate_hz, 1) + " Hz");
   settings.emplace_back("reading", mm(arguments.reading_m));
   settings.emplace_back("missed", decimals(100.0 * arguments.missed, 1) + " %");
@@ -65,7 +65,7 @@ experiments::Conditions conditions_of(const QualifyArguments& arguments, const R
   settings.emplace_back("survey error", mm(arguments.survey_m));
   settings.emplace_back("speed", decimals(arguments.speed_mps, 2) + " m/s");
   settings.emplace_back("seeds", "from " + std::to_string(arguments.seed));
-  conditions.lines = lines_of(*ring.zone);
+  conditions.lines = lines_of(*loop.zone);
   return conditions;
 }
 
@@ -84,7 +84,7 @@ Result<experiments::RecordingFiles> files_of(const std::string& folder) {
   return files;
 }
 
-Result<Trial> trial_of(const std::string& folder, const QualifyArguments& arguments, const std::optional<Ring>& ring,
+Result<Trial> trial_of(const std::string& folder, const QualifyArguments& arguments, const std::optional<LoopTrack>& loop,
                        experiments::Conditions& conditions) {
   const auto files = files_of(folder);
   if (!files) return tl::unexpected(files.error());
@@ -103,10 +103,10 @@ Result<Trial> trial_of(const std::string& folder, const QualifyArguments& argume
     print_info("cosiva: " + inputs);
     conditions.diagnostics.push_back(std::move(inputs));
   }
-  if (ring) {
-    trial->setting.track = ring->track;
-    const auto along_m = ring->track->foot(position(trial->setting.start), 0.5 * ring->track->length_m(),
-                                           0.5 * ring->track->length_m(), 0.5);
+  if (loop) {
+    trial->setting.track = loop->track;
+    const auto along_m = loop->track->foot(position(trial->setting.start), 0.5 * loop->track->length_m(),
+                                           0.5 * loop->track->length_m(), 0.5);
     if (!along_m) return fail("recording.line", "it does not begin on the zone's ring", folder);
     trial->setting.start_along_m = *along_m;
   }
@@ -116,11 +116,11 @@ Result<Trial> trial_of(const std::string& folder, const QualifyArguments& argume
 }  // namespace
 
 Result<Runs> virtual_runs(const QualifyArguments& arguments) {
-  auto ring = ring_of(arguments.zone.empty() ? "lacet4" : arguments.zone);
-  if (!ring) return tl::unexpected(ring.error());
+  auto loop = loop_of(arguments.zone.empty() ? "lacet4" : arguments.zone);
+  if (!loop) return tl::unexpected(loop.error());
   auto kept = std::make_shared<Simulation>();
   Simulation& simulation = *kept;
-  simulation.track = ring->track;
+  simulation.track = loop->track;
   simulation.distance_m = arguments.distance_m;
   simulation.speed_mps = arguments.speed_mps;
   simulation.odometry_hz = arguments.rate_hz;
@@ -130,12 +130,12 @@ Result<Runs> virtual_runs(const QualifyArguments& arguments) {
   simulation.scale_sigma = arguments.scale;
   simulation.sensors.distance_variance_per_m = arguments.odometry_m * arguments.odometry_m;
   simulation.sensors.fiducial_along_sigma_m = simulation.sensors.fiducial_across_sigma_m = arguments.reading_m;
-  if (auto laid = lay_fiducials(arguments, *ring, simulation); !laid) return tl::unexpected(laid.error());
+  if (auto laid = lay_fiducials(arguments, *loop, simulation); !laid) return tl::unexpected(laid.error());
   if (auto fine = experiments::check(simulation); !fine) return tl::unexpected(fine.error());
   Runs runs;
   runs.count = arguments.runs;
   runs.on_track = true;
-  runs.conditions = conditions_of(arguments, *ring, simulation);
+  runs.conditions = conditions_of(arguments, *loop, simulation);
   runs.source = [kept = kept.get(), seed = arguments.seed](std::size_t index, Trial& room) -> Result<const Trial*> {
     experiments::simulate(*kept, seed + index, room);
     return &room;
@@ -145,18 +145,18 @@ Result<Runs> virtual_runs(const QualifyArguments& arguments) {
 }
 
 Result<Runs> recorded_runs(const QualifyArguments& arguments) {
-  std::optional<Ring> ring;
+  std::optional<LoopTrack> loop;
   if (!arguments.zone.empty()) {
-    auto found = ring_of(arguments.zone);
+    auto found = loop_of(arguments.zone);
     if (!found) return tl::unexpected(found.error());
-    ring = std::move(*found);
+    loop = std::move(*found);
   }
   Runs runs;
   runs.conditions = {arguments.command, arguments.recordings.size() == 1 ? "a recording" : "recordings", {}, {}};
-  if (ring) runs.conditions.lines = lines_of(*ring->zone);
+  if (loop) runs.conditions.lines = lines_of(*loop->zone);
   auto trials = std::make_shared<std::vector<Trial>>();
   for (const std::string& folder : arguments.recordings) {
-    auto trial = trial_of(folder, arguments, ring, runs.conditions);
+    auto trial = trial_of(folder, arguments, loop, runs.conditions);
     if (!trial) return tl::unexpected(trial.error());
     const auto& sensors = trial->setting.sensors;
     runs.conditions.settings.emplace_back(folder, std::to_string(trial->moments.size()) + " moments, odometry " +
@@ -178,7 +178,7 @@ Result<Runs> recorded_runs(const QualifyArguments& arguments) {
         "be "
         "shown different with fewer than six.");
   runs.count = trials->size();
-  runs.on_track = ring.has_value();
+  runs.on_track = loop.has_value();
   runs.source = [trials = trials.get()](std::size_t index, Trial&) -> Result<const Trial*> {
     return &(*trials)[index];
   };

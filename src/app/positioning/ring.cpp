@@ -4,14 +4,14 @@
 
 namespace cosiva::app {
 
-Result<Ring> ring_of(const std::string& name_or_file) {
+Result<LoopTrack> loop_of(const std::string& name_or_file) {
   auto rtm = open_zone(name_or_file);
   if (!rtm) return tl::unexpected(rtm.error());
-  Ring ring{rtm->shared_zone(), nullptr};
-  auto track = estimation::Track::round(ring.zone);
+  LoopTrack loop{rtm->shared_zone(), nullptr};
+  auto track = estimation::Track::round(loop.zone);
   if (!track) return tl::unexpected(track.error());
-  ring.track = std::make_shared<const estimation::Track>(std::move(*track));
-  return ring;
+  loop.track = std::make_shared<const estimation::Track>(std::move(*track));
+  return loop;
 }
 
 }  // namespace cosiva::app

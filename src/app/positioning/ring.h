@@ -10,12 +10,12 @@
 namespace cosiva::app {
 
 /// Where runs in virtual time go round.
-struct Ring {
+struct LoopTrack {
   std::shared_ptr<const zone::TrafficZone> zone;
   std::shared_ptr<const estimation::Track> track;
 };
 
 /// The zone's first loop, or its ring. Fails as open_zone and Track::make do.
-[[nodiscard]] Result<Ring> ring_of(const std::string& name_or_file);
+[[nodiscard]] Result<LoopTrack> loop_of(const std::string& name_or_file);
 
 }  // namespace cosiva::app

@@ -29,7 +29,7 @@ double from_foot_m(const vision::Calibration& calibration) {
   return points > 0.0 ? std::sqrt(squares / points) : 0.0;
 }
 
-ReferencePart height_part(const vision::Calibration& calibration, const BesideCalibration& local_path) {
+ReferencePart height_part(const vision::Calibration& calibration, const CalibrationFiles& local_path) {
   const double camera_m = calibration.camera.height_m;
   double tag_m = 0.0;
   for (const vision::MarkerProfile& marker : calibration.markers) tag_m = std::fmax(tag_m, marker.height_m);
@@ -50,7 +50,7 @@ ReferencePart height_part(const vision::Calibration& calibration, const BesideCa
 }  // namespace
 
 experiments::ReferenceBudget budget_of(const vision::Calibration& calibration, const std::string& file,
-                                       const BesideCalibration& local_path) {
+                                       const CalibrationFiles& local_path) {
   experiments::ReferenceBudget budget;
   auto& parts = budget.parts;
   parts.push_back({"floor fit", calibration.block.rms_m,

@@ -10,7 +10,7 @@
 namespace cosiva::app {
 
 /// What a calibration does not know of itself.
-struct BesideCalibration {
+struct CalibrationFiles {
   std::optional<double> tag_height_error_m;
   std::optional<double> mount_error_m;
   std::optional<vision::PoseResiduals> poses;
@@ -19,7 +19,7 @@ struct BesideCalibration {
 /// Part by part; what nobody has told stands there as not told.
 /// @param file  that the calibration stands in, for the sources
 [[nodiscard]] experiments::ReferenceBudget budget_of(const vision::Calibration& calibration, const std::string& file,
-                                                     const BesideCalibration& local_path);
+                                                     const CalibrationFiles& local_path);
 
 /// A reference_budget.json or a calibration.json. Fails as their readers do, with the file.
 [[nodiscard]] Result<experiments::ReferenceBudget> load_reference_budget(const std::string& file);

@@ -23,7 +23,7 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-const std::string ring = R"(name = "ring"
+const std::string cycle = R"(name = "ring"
 format_version = 1
 [circuit]
 closed = true
@@ -84,7 +84,7 @@ TEST(ZoneCommands, that_lack_something_or_have_too_much_end_with_2) {
 
 TEST(ZoneCommands, of_a_file_of_no_known_format_name_the_known_endings) {
   Scratch scratch;
-  const std::string file = scratch.write("zone.txt", ring);
+  const std::string file = scratch.write("zone.txt", cycle);
   for (const char* command : {"check", "show", "switch"}) {
     const CommandOutput output = cosiva({"zone", command, file});
     EXPECT_EQ(output.status, 2) << command;
@@ -99,7 +99,7 @@ TEST(ZoneCommands, of_a_file_of_no_known_format_name_the_known_endings) {
 TEST(ZoneCheck, says_where_the_longest_way_without_a_tag_is) {
   Scratch scratch;
   // 2 tags on a ring of 4 + π m: behind the second lies the longer way.
-  const std::string file = scratch.write("ring.toml", ring +
+  const std::string file = scratch.write("ring.toml", cycle +
                                                           "[[tag]]\nnumber = 1\nsection = \"south\"\ns_m = 0.5\n"
                                                           "[[tag]]\nnumber = 2\nsection = \"north\"\ns_m = 0.5\n"
                                                           "[[tag]]\nnumber = 3\nsection = \"south\"\ns_m = 1.5\n");
@@ -115,7 +115,7 @@ TEST(ZoneCheck, says_where_the_longest_way_without_a_tag_is) {
 
 TEST(ZoneCheck, lists_every_fault_of_a_file_that_cannot_be_used) {
   Scratch scratch;
-  std::string text = ring;
+  std::string text = cycle;
   text.replace(text.find("closed = true"), 13, "closed = false");
   for (const char* section : {"\"east\"", "\"north\""}) {
     const std::size_t at = text.find(section);
@@ -134,7 +134,7 @@ TEST(ZoneCheck, lists_every_fault_of_a_file_that_cannot_be_used) {
 
 TEST(ZoneCheck, warns_of_what_can_be_used_all_the_same_and_ends_with_0) {
   Scratch scratch;
-  std::string text = ring;
+  std::string text = cycle;
   text.replace(text.find("closed = true"), 13, "closed = false");
   const CommandOutput output = cosiva({"zone", "check", scratch.write("open.toml", text)});
   EXPECT_EQ(output.status, 0) << output.standard_error;
@@ -197,9 +197,9 @@ TEST(ZoneConvert, refuses_what_only_reads_itself_and_unknown_endings) {
   EXPECT_EQ(cosiva({"zone", "convert", zones + "lacet4.toml", scratch / "a.txt"}).status, 2);
   EXPECT_EQ(cosiva({"zone", "convert", zones + "lacet4.toml", scratch / "a.txt", "--to", "nothing"}).status, 2);
   EXPECT_THAT(std::filesystem::is_empty(scratch.path()), true) << "nothing was written";
-  const std::string file = scratch.write("ring.toml", ring);
+  const std::string file = scratch.write("ring.toml", cycle);
   EXPECT_EQ(cosiva({"zone", "convert", file, file}).status, 2);
-  EXPECT_EQ(adapters::read_file(file).value(), ring);
+  EXPECT_EQ(adapters::read_file(file).value(), cycle);
 }
 
 TEST(ZoneGenerate, makes_a_plant_of_the_size_asked_for_the_same_each_time) {

@@ -5,7 +5,7 @@
 
 #include "cosiva/adapters/http_client.h"
 #include "cosiva/app/cli/console.h"
-#include "cosiva/app/remote/broker_say.h"
+#include "cosiva/app/remote/publish_once.h"
 #include "cosiva/app/remote/zone_switch.h"
 #include "cosiva/app/resources/resource_paths.h"
 #include "cosiva/app/resources/zone_files.h"

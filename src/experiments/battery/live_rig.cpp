@@ -131,8 +131,8 @@ void LiveRig::on_position(std::size_t vehicle, std::string_view payload) {
   if (!x || !y) return;
   Slot& slot = slots_[vehicle];
   if (slot.at) {
-    const double gone_m = distance(*slot.at, {*x, *y});
-    if (gone_m < hop_max_m) slot.odometer_m += gone_m;
+    const double traversed_m = distance(*slot.at, {*x, *y});
+    if (traversed_m < hop_max_m) slot.odometer_m += traversed_m;
   }
   slot.at = Point2{*x, *y};
 }

@@ -16,7 +16,7 @@ namespace {
 
 constexpr SimDuration half_a_second = std::chrono::milliseconds{500};
 /// A report of before the battery was changed may still be under way.
-constexpr SimDuration settle = std::chrono::seconds{2};
+constexpr SimDuration warm_up = std::chrono::seconds{2};
 
 std::string name_of(std::size_t vehicle) { return "AIV" + std::to_string(vehicle + 1); }
 
@@ -130,7 +130,7 @@ struct PlatformRig::Impl {
         slot.changed = world->now();
         continue;
       }
-      if (!slot.fresh || slot.received < slot.changed + settle) continue;
+      if (!slot.fresh || slot.received < slot.changed + warm_up) continue;
       const std::size_t battery = slot.change->battery;
       const wire::Power& power = *slot.report->power;
       slot.change.reset();

@@ -290,11 +290,11 @@ Procedure::Progress Procedure::progress(SimTime now) const {
     if (slot.phase != Phase::running) continue;
     const double from = slot.record.tag.charge;
     const double at = slot.last ? slot.last->charge : from;
-    const double gone = std::clamp((from - at) / std::max(1e-9, from - options_.floor), 0.0, 1.0);
-    ratio += gone;
-    known = known && gone > 0.01;
-    if (gone > 0.01)
-      last = std::max(last, slot.record.started + from_seconds(to_seconds(now - slot.record.started) / gone));
+    const double progress_ratio = std::clamp((from - at) / std::max(1e-9, from - options_.floor), 0.0, 1.0);
+    ratio += progress_ratio;
+    known = known && progress_ratio > 0.01;
+    if (progress_ratio > 0.01)
+      last = std::max(last, slot.record.started + from_seconds(to_seconds(now - slot.record.started) / progress_ratio));
   }
   return {ratio / static_cast<double>(slots_.size()), known ? std::optional{last} : std::nullopt};
 }

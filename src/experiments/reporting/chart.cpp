@@ -32,7 +32,7 @@ struct Range {
   }
 };
 
-Range settled(Range range, const Axis& axis) {
+Range is_steady(Range range, const Axis& axis) {
   if (!(range.from <= range.to)) range = {axis.logarithmic ? 0.1 : 0.0, 1.0};
   if (axis.from) range.from = *axis.from;
   if (axis.to) range.to = *axis.to;
@@ -280,8 +280,8 @@ std::string to_svg(const Chart& chart) {
   for (const Series& series : chart.series) take(series);
   Axis x_axis = chart.x;
   Axis y_axis = chart.y;
-  x = settled(x, x_axis);
-  y = settled(y, y_axis);
+  x = is_steady(x, x_axis);
+  y = is_steady(y, y_axis);
   if (chart.equal_scale) equalise(x_axis, x, y_axis, y);
   const Frame frame{x_axis, x, y_axis, y};
   std::string svg = begin(height_px + legend_px, chart.y.label + " over " + chart.x.label);
@@ -303,7 +303,7 @@ std::string to_svg(const Histogram& histogram) {
   COSIVA_EXPECT(histogram.bins > 0);
   Range range;
   for (const double value : histogram.values) range.take(value);
-  range = settled(range, histogram.x);
+  range = is_steady(range, histogram.x);
   std::vector<double> counts(histogram.bins, 0.0);
   const double bin = (range.to - range.from) / static_cast<double>(histogram.bins);
   for (const double value : histogram.values) {

@@ -13,14 +13,14 @@ namespace cosiva::physical {
 struct Floor {
   /// @param reach_m  radius of the antennas' field
   Floor(std::shared_ptr<const zone::TrafficZone> on, double reach_m)
-      : zone{std::move(on)}, tags{*zone, reach_m}, ring_m{ring_length_m(zone->circuit)} {}
+      : zone{std::move(on)}, tags{*zone, reach_m}, loop_length_m{loop_length_m(zone->circuit)} {}
 
   /// Length of the one ring that all sections form, or 0 where they do not.
-  [[nodiscard]] static double ring_length_m(const zone::Circuit& circuit);
+  [[nodiscard]] static double loop_length_m(const zone::Circuit& circuit);
 
   std::shared_ptr<const zone::TrafficZone> zone;  ///< its ways hold; its tags may have been edited since
   TagMap tags;                                    ///< as they are now
-  double ring_m;
+  double loop_length_m;
 };
 
 }  // namespace cosiva::physical

@@ -215,8 +215,8 @@ TEST(LineVehicle, seeks_the_line_within_reach_and_follows_it) {
       vehicle.step(&seek, dt_s);
       RC_ASSERT(vehicle.speed_mps() == 0.0);
       RC_ASSERT(vehicle.step_distance_m() == 0.0);
-      const auto [turned, gone] = vehicle.step_manoeuvre();
-      summed = summed * Pose2{gone, 0.0, turned};
+      const auto [turned, traversed] = vehicle.step_manoeuvre();
+      summed = summed * Pose2{traversed, 0.0, turned};
       manoeuvred = manoeuvred || vehicle.manoeuvre() != nullptr;
     }
     RC_ASSERT(manoeuvred);

@@ -21,8 +21,8 @@ std::string text(Point2 p) {
 
 zone::Bounds world_of(const zone::TrafficZone& zone) {
   zone::Bounds world = zone::bounds(zone::draw(zone));
-  world.low = {world.low.x_m - Obstacles::beside_world_m, world.low.y_m - Obstacles::beside_world_m};
-  world.high = {world.high.x_m + Obstacles::beside_world_m, world.high.y_m + Obstacles::beside_world_m};
+  world.low = {world.low.x_m - Obstacles::off_world_m, world.low.y_m - Obstacles::off_world_m};
+  world.high = {world.high.x_m + Obstacles::off_world_m, world.high.y_m + Obstacles::off_world_m};
   return world;
 }
 

@@ -22,7 +22,7 @@ class Obstacles {
   static constexpr std::size_t count_max = 1000;
   static constexpr double radius_m_min = 0.01;
   static constexpr double radius_m_max = 2.0;
-  static constexpr double beside_world_m = 1.0;  ///< so far off the zone's picture there is still a floor
+  static constexpr double off_world_m = 1.0;  ///< so far off the zone's picture there is still a floor
 
   struct Obstacle {
     std::string id;

@@ -27,12 +27,12 @@ class Odometer {
   /// In a manoeuvre both wheels turn as well, the same way or against each other: it reckons where that led, from
   /// nothing, and leaves the distance as it is.
   void begin_manoeuvre() { X_SB_ = {}; }
-  void add_manoeuvre(double turned_rad, double gone_m) {
-    if (turned_rad == 0.0 && gone_m == 0.0) return;
-    const double wheel_distance_m = gone_m + half_track_m * std::fabs(turned_rad);
+  void add_manoeuvre(double turned_rad, double traversed_m) {
+    if (turned_rad == 0.0 && traversed_m == 0.0) return;
+    const double wheel_distance_m = traversed_m + half_track_m * std::fabs(turned_rad);
     double scale = scale_;
     if (noise_m_per_sqrt_m_ > 0.0) scale += noise_m_per_sqrt_m_ * random_.gaussian() / std::sqrt(wheel_distance_m);
-    X_SB_ = X_SB_ * Pose2{scale * gone_m, 0.0, scale * turned_rad};
+    X_SB_ = X_SB_ * Pose2{scale * traversed_m, 0.0, scale * turned_rad};
   }
   /// Seen from where the manoeuvre began; its heading wrapped.
   // NOLINTNEXTLINE(readability-identifier-naming): frames are written so everywhere

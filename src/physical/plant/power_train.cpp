@@ -33,8 +33,8 @@ double CartModel::drive_energy_j(double distance_m, double speed_mps, double acc
   return std::max(0.0, friction_j + speeding_up_j) / drive_efficiency;
 }
 
-double CartModel::manoeuvre_energy_j(double turned_rad, double gone_m) const {
-  const double rolled_m = std::fabs(gone_m) + half_track_m * std::fabs(turned_rad);
+double CartModel::manoeuvre_energy_j(double turned_rad, double traversed_m) const {
+  const double rolled_m = std::fabs(traversed_m) + half_track_m * std::fabs(turned_rad);
   return rolling_force_n * rolled_m / drive_efficiency;
 }
 

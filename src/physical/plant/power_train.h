@@ -26,7 +26,7 @@ struct CartModel {
   /// Energy that the drive takes for one step of motion, idle load excluded [J].
   [[nodiscard]] double drive_energy_j(double distance_m, double speed_mps, double acceleration_mps2, double dt_s) const;
   /// For one step of a manoeuvre: on the spot the two wheels roll half the track's circle, each under half the weight.
-  [[nodiscard]] double manoeuvre_energy_j(double turned_rad, double gone_m) const;
+  [[nodiscard]] double manoeuvre_energy_j(double turned_rad, double traversed_m) const;
 };
 
 /// Which battery is in a cart, as the plant's command `changeBattery` puts it there.

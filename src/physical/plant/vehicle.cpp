@@ -118,9 +118,9 @@ void Vehicle::read_tags(SimTime now, Point2 before) {
 void Vehicle::step_manoeuvre() {
   if (!in_manoeuvre_) odometer_.begin_manoeuvre();
   in_manoeuvre_ = motion_.manoeuvre() != nullptr;
-  const auto [turned_rad, gone_m] = motion_.step_manoeuvre();
-  odometer_.add_manoeuvre(turned_rad, gone_m);
-  drive_energy_j_ += power_.cart().manoeuvre_energy_j(turned_rad, gone_m);
+  const auto [turned_rad, traversed_m] = motion_.step_manoeuvre();
+  odometer_.add_manoeuvre(turned_rad, traversed_m);
+  drive_energy_j_ += power_.cart().manoeuvre_energy_j(turned_rad, traversed_m);
 }
 
 void Vehicle::set_zone(std::shared_ptr<const Floor> floor) {
@@ -134,7 +134,7 @@ void Vehicle::set_zone(std::shared_ptr<const Floor> floor) {
 }
 
 std::uint32_t Vehicle::laps_here() const {
-  return floor_->ring_m > 0.0 ? static_cast<std::uint32_t>((distance_m_ - distance_before_m_) / floor_->ring_m) : 0;
+  return floor_->loop_length_m > 0.0 ? static_cast<std::uint32_t>((distance_m_ - distance_before_m_) / floor_->loop_length_m) : 0;
 }
 
 void Vehicle::book_energy(double dt_s) {
@@ -150,8 +150,8 @@ void Vehicle::book_energy(double dt_s) {
 
 void Vehicle::book_waiting(SimDuration dt) {
   constexpr double moving_mps = 0.01;
-  const auto [turned_rad, gone_m] = motion_.step_manoeuvre();
-  if (std::fabs(motion_.speed_mps()) >= moving_mps || turned_rad != 0.0 || gone_m != 0.0) {
+  const auto [turned_rad, traversed_m] = motion_.step_manoeuvre();
+  if (std::fabs(motion_.speed_mps()) >= moving_mps || turned_rad != 0.0 || traversed_m != 0.0) {
     has_moved_ = true;
     wait_ = {};
     return;

@@ -141,7 +141,7 @@ Fleet::Vehicle Fleet::holder(std::uint32_t copy, std::size_t crossing) const {
 }
 
 double Fleet::distance_m(Vehicle vehicle) const {
-  return in_->tables.state.own[vehicle].gone_m + in_->tables.state.s_m[vehicle];
+  return in_->tables.state.own[vehicle].traversed_m + in_->tables.state.s_m[vehicle];
 }
 SimDuration Fleet::waiting(Vehicle vehicle) const {
   return in_->tables.options.step * in_->tables.state.waited_steps[vehicle];

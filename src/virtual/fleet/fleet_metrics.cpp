@@ -59,7 +59,7 @@ std::uint64_t fleet_digest(const FleetTables& tables) {
     for (const auto* values : {&tables.state.leader, &tables.state.section, &tables.state.waited_steps})
       digest.add(std::uint64_t{(*values)[i]});
     const Own& own = tables.state.own[i];
-    digest.add(own.gone_m);
+    digest.add(own.traversed_m);
     for (const std::uint32_t value : {own.held_chain, own.laps}) digest.add(std::uint64_t{value});
     digest.add(static_cast<std::int64_t>(tables.state.profile[i]));
     digest.add(std::uint64_t{tables.state.mode[i]});

@@ -55,7 +55,7 @@ Result<void> Placement::put(std::span<const FleetStart> starts) {
     state_.section[i] = position.section;
     state_.own[i].began_on = position.section;
     state_.s_m[i] = position.s_m;
-    state_.own[i].gone_m = -position.s_m;
+    state_.own[i].traversed_m = -position.s_m;
   }
   copies_.push_back({static_cast<std::uint32_t>(starts.size())});
   const std::size_t count = copies_.size() - 1;

@@ -50,13 +50,13 @@ bool Presence::bring(std::uint32_t i, zone::TrackPosition position, std::int16_t
   if (!(position.s_m >= 0.0 && position.s_m <= ground_.length_m(position.section)) || !ground_.may_stop(position)) return false;
   Block& block = block_of(i);
   Own& own = state_.own[i];
-  const double driven_m = own.gone_m + state_.s_m[i];
+  const double driven_m = own.traversed_m + state_.s_m[i];
   const zone::TrackPosition was{state_.section[i], state_.s_m[i]};
   if (own.route != Fleet::none) routes_[own.route].sections.clear();
   own.route_step = 0;
   state_.section[i] = position.section;
   state_.s_m[i] = position.s_m;
-  own.gone_m = driven_m - position.s_m;
+  own.traversed_m = driven_m - position.s_m;
   state_.mode[i] = 0;
   leaders_.link(i);
   const double gap_m = leaders_.gap_m(i);
@@ -64,7 +64,7 @@ bool Presence::bring(std::uint32_t i, zone::TrackPosition position, std::int16_t
     leaders_.unlink(i);
     state_.section[i] = was.section;
     state_.s_m[i] = was.s_m;
-    own.gone_m = driven_m - was.s_m;
+    own.traversed_m = driven_m - was.s_m;
     make_absent(i);
     return false;
   }

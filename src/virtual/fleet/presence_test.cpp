@@ -25,7 +25,7 @@ void send_on(Fleet& fleet, Fleet::Vehicle vehicle, double ahead_m) {
 
 }  // namespace
 
-TEST(FleetComingGoing, one_at_its_goal_can_be_taken_away_and_whoever_waited_behind_it_drives_on) {
+TEST(FleetPresence, one_at_its_goal_can_be_taken_away_and_whoever_waited_behind_it_drives_on) {
   const Zone zone = zone_file("zones/lacet4.toml");
   auto made = fleet(zone, Fleet::spread(*zone, 4));
   EXPECT_FALSE(made.take_away(1)) << "it drives";
@@ -46,7 +46,7 @@ TEST(FleetComingGoing, one_at_its_goal_can_be_taken_away_and_whoever_waited_behi
   EXPECT_EQ(made.stuck(), 0U);
 }
 
-TEST(FleetComingGoing, nobody_is_put_where_somebody_behind_could_not_stop_or_somebody_stands) {
+TEST(FleetPresence, nobody_is_put_where_somebody_behind_could_not_stop_or_somebody_stands) {
   const Zone zone = zone_file("zones/lacet4.toml");
   auto starts = Fleet::spread(*zone, 1);
   ASSERT_EQ(starts.size(), 1U);
@@ -68,7 +68,7 @@ TEST(FleetComingGoing, nobody_is_put_where_somebody_behind_could_not_stop_or_som
   EXPECT_EQ(made.digest(), before) << "a refusal changes nothing";
 }
 
-TEST(FleetComingGoing, coming_and_going_for_an_hour_ends_in_no_collision_and_gives_the_same_digest_twice) {
+TEST(FleetPresence, coming_and_going_for_an_hour_ends_in_no_collision_and_gives_the_same_digest_twice) {
   const Zone zone = zone_file("zones/indus8.toml");
   const auto run = [&](std::size_t& came) {
     auto starts = Fleet::spread(*zone, 8);

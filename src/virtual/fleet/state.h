@@ -44,7 +44,7 @@ struct Own {
   double clear_at{far_m};             ///< up to here its way is reserved
   double chain_at{far_m};             ///< where the first section of the chain begins that it holds
   double own_mps{far_m};              ///< its own limit
-  double gone_m{};                    ///< on sections before this one, less where it began
+  double traversed_m{};                    ///< on sections before this one, less where it began
   std::uint32_t behind{Fleet::none};  ///< the next one on the same section
   std::uint32_t copy{};
   std::uint32_t line_chain{no_chain};  ///< what begins at line_at

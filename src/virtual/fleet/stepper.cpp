@@ -60,7 +60,7 @@ void Stepper::step_block(Block& block) {
       block.last - block.first > forgets_vehicles ? state_.next_mps.data() + block.first : forgotten.data();
   record_gap(block, decide(state_, numbers_, by, more, block.first, block.last, next));
   move(state_, numbers_, block.first, block.last, next);
-  settle(block);
+  warm_up(block);
   poses_.write(block.first, block.last);
 }
 
@@ -83,7 +83,7 @@ void Stepper::step_in_parts(Workers& workers, Block& block) {
       move(state_, numbers_, first, last, state_.next_mps.data() + first);
     });
   });
-  settle(block);
+  warm_up(block);
   workers.for_each(parts, [&](std::size_t part) {
     of_part(part, [&](std::uint32_t first, std::uint32_t last) { poses_.write(first, last); });
   });
@@ -96,7 +96,7 @@ void Stepper::record_gap(Block& block, double detected_m) const {
     if (state_.offset_m[i] + state_.s_m[state_.leader[i]] - state_.s_m[i] < numbers_.length_m) ++block.collisions;
 }
 
-void Stepper::settle(Block& block) {
+void Stepper::warm_up(Block& block) {
   const std::uint8_t* const events = state_.event.data();
   // Found first and seen to then: meanwhile what the latter needs is on its way from the memory.
   std::array<std::uint32_t, part_vehicles> found;

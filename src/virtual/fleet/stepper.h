@@ -28,7 +28,7 @@ class Stepper {
   void step_block(Block& block);
   void step_in_parts(Workers& workers, Block& block);
   void record_gap(Block& block, double detected_m) const;
-  void settle(Block& block);
+  void warm_up(Block& block);
   void gather_arrivals();
 
   const Numbers& numbers_;

@@ -113,15 +113,15 @@ std::size_t DetectedObstacles::pass(std::string_view vehicle, SimTime now, const
 }
 
 std::vector<std::string> DetectedObstacles::clear_through(const Pose2& X_MS, const wire::Ranges& ranges) {
-  std::vector<std::string> gone;
+  std::vector<std::string> removed;
   const Pose2 X_SM = inverse(X_MS);
   for (DetectedObstacle& obstacle : obstacles_) {
     const Look look = look_at(obstacle, X_SM, ranges);
     if (look == Look::there) obstacle.doubts = 0;
-    if (look == Look::through && ++obstacle.doubts >= doubts_max) gone.push_back(obstacle.id);
+    if (look == Look::through && ++obstacle.doubts >= doubts_max) removed.push_back(obstacle.id);
   }
-  for (const std::string& id : gone) remove(id);
-  return gone;
+  for (const std::string& id : removed) remove(id);
+  return removed;
 }
 
 void DetectedObstacles::remove(std::string_view id) {

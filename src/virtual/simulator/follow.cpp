@@ -13,21 +13,21 @@ bool follow(zone::Course& course, const zone::Circuit& circuit, zone::SectionId 
   if (course.empty()) return false;
   double skipped_m = 0.0;
   std::size_t within = 0;
-  for (const zone::SectionId next : course.coming()) {
+  for (const zone::SectionId next : course.remaining()) {
     if (skipped_m > between_reports_m) break;
     ++within;
     skipped_m += circuit.section(next).length_m();
   }
   skipped_m = 0.0;
   std::size_t back = 0;
-  for (auto gone = course.gone(); !gone.empty() && skipped_m <= between_reports_m; gone = gone.first(gone.size() - 1)) {
+  for (auto traversed = course.traversed(); !traversed.empty() && skipped_m <= between_reports_m; traversed = traversed.first(traversed.size() - 1)) {
     ++back;
-    skipped_m += circuit.section(gone.back()).length_m();
+    skipped_m += circuit.section(traversed.back()).length_m();
   }
   constexpr std::size_t kept = 8;
   constexpr std::size_t far_ahead = 64;
   const bool on = course.arrive(section, within, back) || course.arrive(section, far_ahead, back);
-  if (on) course.forget_gone(kept);
+  if (on) course.forget_traversed(kept);
   return on;
 }
 

@@ -52,7 +52,7 @@ class Simulator {
   void set_course(TwinId twin, zone::Course course) { twins_[twin].set_course(circuit(), std::move(course)); }
   /// The place so far ahead of one where the twin is shown, along its course.
   [[nodiscard]] zone::TrackPosition ahead_of(TwinId twin, zone::TrackPosition position, double distance_m) const {
-    return circuit()->advance(position, distance_m, twins_[twin].coming(position.section));
+    return circuit()->advance(position, distance_m, twins_[twin].remaining(position.section));
   }
 
   [[nodiscard]] const Twin& twin(TwinId id) const { return twins_[id]; }

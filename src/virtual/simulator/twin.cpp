@@ -53,8 +53,8 @@ Twin::Image Twin::image_at(const zone::Circuit* circuit, SimTime time) const {
     // Correcting may show it beyond the end of its base for a moment; anticipating never does.
     if (along > ahead_m_max_) along = std::max(correction, ahead_m_max_);
     aiv::AivMotion motion = motion_;
-    motion.shift(*circuit, along, coming(position_.section),
-                 on_course_ ? course_.gone() : std::span<const zone::SectionId>{});
+    motion.shift(*circuit, along, remaining(position_.section),
+                 on_course_ ? course_.traversed() : std::span<const zone::SectionId>{});
     const zone::TrackPosition track_position = motion.track_position(*circuit);
     const Pose2 on_line = circuit->pose_at(track_position);
     const double left = left_m_ + correction_.b * ratio;
@@ -94,8 +94,8 @@ zone::Circuit::Located Twin::locate(const zone::Circuit& circuit, const Pose2& X
       const bool continues = tries == 0 ? std::fabs(near.s_m - position_.s_m) < relocate_beyond_m
                                         : section.length_m() < relocate_beyond_m || near.s_m < relocate_beyond_m;
       if (inside && continues && near.distance_m < 0.1) return {{candidate, near.s_m}, near.left_m, near.distance_m};
-      const auto coming = this->coming(candidate);
-      const auto next = coming.empty() ? circuit.next(candidate) : coming;
+      const auto remaining = this->remaining(candidate);
+      const auto next = remaining.empty() ? circuit.next(candidate) : remaining;
       if (next.empty()) break;
       candidate = next.front();
     }
@@ -109,15 +109,15 @@ zone::Circuit::Located Twin::locate(const zone::Circuit& circuit, const Pose2& X
 zone::Circuit::Located Twin::prefer_course(const zone::Circuit& circuit, const Pose2& X_MB,
                                            zone::Circuit::Located located) const {
   constexpr std::size_t section_look_ahead = 3;
-  const auto coming = course_.coming();
-  const auto gone = course_.gone();
+  const auto remaining = course_.remaining();
+  const auto traversed = course_.traversed();
   std::vector<zone::SectionId> candidates;
   if (!course_.empty()) candidates.push_back(course_.here());
-  candidates.insert(candidates.end(), coming.begin(),
-                    coming.begin() + static_cast<std::ptrdiff_t>(std::min(coming.size(), section_look_ahead)));
+  candidates.insert(candidates.end(), remaining.begin(),
+                    remaining.begin() + static_cast<std::ptrdiff_t>(std::min(remaining.size(), section_look_ahead)));
   if (std::ranges::find(candidates, located.position.section) != candidates.end()) return located;
   // Where it came from counts last: where sections lie on one another it is on the one that it goes along.
-  if (!gone.empty()) candidates.push_back(gone.back());
+  if (!traversed.empty()) candidates.push_back(traversed.back());
   std::optional<zone::Circuit::Located> best;
   double best_rad = 0.0;
   for (const zone::SectionId section : candidates) {
@@ -204,13 +204,13 @@ void Twin::set_course(const zone::Circuit* circuit, zone::Course course) {
   if (circuit != nullptr && on_circuit_) measure_base(*circuit);
 }
 
-std::span<const zone::SectionId> Twin::coming(zone::SectionId section) const {
+std::span<const zone::SectionId> Twin::remaining(zone::SectionId section) const {
   if (!on_course_) return {};
-  const auto coming = course_.coming();
-  if (course_.here() == section) return coming;
-  const auto found = std::ranges::find(coming, section);
-  return found == coming.end() ? std::span<const zone::SectionId>{}
-                               : coming.subspan(static_cast<std::size_t>(found - coming.begin()) + 1);
+  const auto remaining = course_.remaining();
+  if (course_.here() == section) return remaining;
+  const auto found = std::ranges::find(remaining, section);
+  return found == remaining.end() ? std::span<const zone::SectionId>{}
+                               : remaining.subspan(static_cast<std::size_t>(found - remaining.begin()) + 1);
 }
 
 void Twin::measure_base(const zone::Circuit& circuit) {
@@ -221,7 +221,7 @@ void Twin::measure_base(const zone::Circuit& circuit) {
   if (!base_end_) return;
   if (circuit.shortest_route(*base_end_, position_, overshoot_m))
     ahead_m_max_ = 0.0;
-  else if (const auto left = circuit.distance_ahead(position_, *base_end_, far_m, coming(position_.section)))
+  else if (const auto left = circuit.distance_ahead(position_, *base_end_, far_m, remaining(position_.section)))
     ahead_m_max_ = *left;
 }
 

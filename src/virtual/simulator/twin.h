@@ -57,7 +57,7 @@ class Twin {
   /// The way that it takes; without one it is anticipated along default successors.
   void set_course(const zone::Circuit* circuit, zone::Course course);
   /// What its course holds after `section`, where that is its present section or one soon after it.
-  [[nodiscard]] std::span<const zone::SectionId> coming(zone::SectionId section) const;
+  [[nodiscard]] std::span<const zone::SectionId> remaining(zone::SectionId section) const;
 
   /// Stays where it is, off any circuit, until its next report: the zone has changed.
   void leave_circuit(const zone::Circuit* circuit, SimTime now);

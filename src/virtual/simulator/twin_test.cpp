@@ -201,7 +201,7 @@ TEST(TwinOnALane, that_came_by_a_section_long_ago_is_not_on_its_course_there) {
     parts.push_back({name, *Section::make({}, 2.0), std::nullopt, {0, 1, 2}, true});
   const Circuit circuit = *Circuit::make("lanes", std::move(parts), 10.0);
   EXPECT_FALSE(follow(course, circuit, 1)) << "6 m back";
-  EXPECT_EQ(course.gone().size(), 3U);
+  EXPECT_EQ(course.traversed().size(), 3U);
   EXPECT_TRUE(follow(course, circuit, 2)) << "near a joint it may fall back";
 }
 
@@ -214,20 +214,20 @@ TEST(TwinOnALane, takes_no_step_of_its_course_while_it_stands_beside_the_line) {
                      std::nullopt,
                      {(i + 1) % 4},
                      true});
-  const Circuit ring = *Circuit::make("ring", std::move(parts));
+  const Circuit cycle = *Circuit::make("ring", std::move(parts));
   Twin twin{"make/a", 1, 1s};
   SimTime now{virtual_epoch};
-  twin.report(&ring, now, {now, {0.0, -0.8, 0.0}, 0.0, 0.0, 0.0});
+  twin.report(&cycle, now, {now, {0.0, -0.8, 0.0}, 0.0, 0.0, 0.0});
   EXPECT_EQ(twin.reported_position().section, 0U) << "0.2 m beside it";
-  twin.set_course(&ring, zone::Course{{2, 3, 0, 1}});
+  twin.set_course(&cycle, zone::Course{{2, 3, 0, 1}});
   for (const double y_m : {-0.8, 0.8, 1.0}) {
     now += 100ms;
-    twin.report(&ring, now, {now, {0.0, y_m, pi}, 0.0, 0.0, 0.0});
+    twin.report(&cycle, now, {now, {0.0, y_m, pi}, 0.0, 0.0, 0.0});
   }
   EXPECT_EQ(twin.reported_position().section, 2U);
   for (const double x_m : {-0.9, -0.99}) {
     now += 100ms;
-    twin.report(&ring, now, {now, {x_m, 1.0, pi}, 0.3, 0.0, 0.0});
+    twin.report(&cycle, now, {now, {x_m, 1.0, pi}, 0.3, 0.0, 0.0});
   }
   EXPECT_EQ(twin.reported_position().section, 2U) << "its course leads along here, and is not past it";
 }

@@ -77,7 +77,7 @@ TEST(Check, knows_a_bend_too_tight_for_the_vehicle_from_one_too_fast_for_its_loa
 }
 
 /// A ring with a spur off it that ends, and a way onto it from outside.
-TrafficZone ring_with_spur() {
+TrafficZone loop_with_spur() {
   const Section south = section({}, 2.0);
   const Section east = section(south.end(), pi * 0.5, 2.0);
   const Section north = section(east.end(), 2.0);
@@ -90,7 +90,7 @@ TrafficZone ring_with_spur() {
 }
 
 TEST(Check, tells_dead_ends_ways_into_them_and_ways_that_nothing_leads_to) {
-  const TrafficZone zone = ring_with_spur();
+  const TrafficZone zone = loop_with_spur();
   const auto ends = of_code(zone, "zone.dead_end");
   ASSERT_THAT(ends, SizeIs(1));
   EXPECT_EQ(ends[0].position, (TrackPosition{5, 1.0}));
@@ -104,7 +104,7 @@ TEST(Check, tells_dead_ends_ways_into_them_and_ways_that_nothing_leads_to) {
 }
 
 TEST(Check, tells_stations_that_nobody_comes_to) {
-  TrafficZone zone = ring_with_spur();
+  TrafficZone zone = loop_with_spur();
   zone.stations = {{"dock", {2, 1.0}}, {"gate", {6, 0.5}}, {"end", {5, 0.5}}};
   zone.starts = {{0, 1.0}};
   const auto found = of_code(zone, "zone.unreachable");
@@ -116,7 +116,7 @@ TEST(Check, tells_stations_that_nobody_comes_to) {
 }
 
 TEST(Check, takes_closed_sections_for_gone) {
-  TrafficZone zone = ring_with_spur();
+  TrafficZone zone = loop_with_spur();
   zone.stations = {{"dock", {2, 1.0}}};
   zone.starts = {{0, 1.0}};
   EXPECT_THAT(of_code(zone, "zone.unreachable"), IsEmpty());
@@ -136,7 +136,7 @@ TEST(Check, reaches_a_station_behind_on_the_same_section_only_by_going_round) {
 }
 
 TEST(Check, tells_starts_where_no_vehicle_begins) {
-  TrafficZone zone = ring_with_spur();
+  TrafficZone zone = loop_with_spur();
   zone.waypoints = {{"w", {0, 0.0}}, {"w", {4, 0.0}}};
   zone.starts = {{0, 0.5}, {0, 0.7}, {4, 0.5}};
   zone.closed = {4};
@@ -147,7 +147,7 @@ TEST(Check, tells_starts_where_no_vehicle_begins) {
 }
 
 TEST(Check, tells_a_station_in_a_crossing) {
-  TrafficZone zone = ring_with_spur();
+  TrafficZone zone = loop_with_spur();
   zone.crossings = {{"X1", {2.0, 0.0}, {{1, 0.0, 0.3}, {4, 0.0, 0.3}}}};
   zone.stations = {{"dock", {1, 0.2}}};
   ASSERT_THAT(of_code(zone, "zone.station"), SizeIs(1));
@@ -193,7 +193,7 @@ TEST(Check, counts_what_it_does_not_list) {
 }
 
 TEST(Check, puts_errors_first_and_says_where) {
-  TrafficZone zone = ring_with_spur();
+  TrafficZone zone = loop_with_spur();
   zone.stations = {{"gate", {6, 0.5}}};
   zone.starts = {{0, 1.0}};
   const auto all = problems(zone);

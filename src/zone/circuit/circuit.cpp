@@ -152,18 +152,18 @@ double Circuit::turn_at(SectionId from, SectionId to) const {
   return std::fabs(turned_rad) <= smooth_rad ? 0.0 : turned_rad;
 }
 
-TrackPosition Circuit::advance(TrackPosition from, double distance_m, std::span<const SectionId> coming,
-                       std::span<const SectionId> gone) const {
+TrackPosition Circuit::advance(TrackPosition from, double distance_m, std::span<const SectionId> remaining,
+                       std::span<const SectionId> traversed) const {
   COSIVA_EXPECT(from.section < parts_.size() && std::isfinite(distance_m));
   double s = std::clamp(from.s_m, 0.0, section(from.section).length_m()) + distance_m;
-  SectionLookAhead ahead{*this, from.section, coming};
+  SectionLookAhead ahead{*this, from.section, remaining};
   for (double length_m = section(from.section).length_m(); s > length_m && ahead.step();) {
     s -= length_m;
     length_m = section(ahead.section()).length_m();
   }
   SectionId id = ahead.section();
-  for (std::size_t left = gone.size(); s < 0.0;) {
-    const SectionId before = left > 0 ? gone[--left] : previous(id).empty() ? no_section : previous(id).front();
+  for (std::size_t left = traversed.size(); s < 0.0;) {
+    const SectionId before = left > 0 ? traversed[--left] : previous(id).empty() ? no_section : previous(id).front();
     if (before == no_section) break;
     id = before;
     s += section(id).length_m();
@@ -172,15 +172,15 @@ TrackPosition Circuit::advance(TrackPosition from, double distance_m, std::span<
 }
 
 std::optional<double> Circuit::distance_ahead(TrackPosition from, TrackPosition to, double limit_m,
-                                              std::span<const SectionId> coming) const {
+                                              std::span<const SectionId> remaining) const {
   COSIVA_EXPECT(from.section < parts_.size() && to.section < parts_.size());
   const auto within = [limit_m](double d_m) { return d_m <= limit_m ? std::optional{d_m} : std::nullopt; };
   if (from.section == to.section && to.s_m >= from.s_m) return within(to.s_m - from.s_m);
 
   double travelled_m = section(from.section).length_m() - from.s_m;  // up to the start of the next one
-  SectionLookAhead ahead{*this, from.section, coming};
+  SectionLookAhead ahead{*this, from.section, remaining};
   // A default way that comes back to a section it has been on never gets anywhere new.
-  for (std::size_t steps = 0; steps < coming.size() + parts_.size() && travelled_m <= limit_m; ++steps) {
+  for (std::size_t steps = 0; steps < remaining.size() + parts_.size() && travelled_m <= limit_m; ++steps) {
     if (!ahead.step()) return std::nullopt;
     if (ahead.section() == to.section) return within(travelled_m + to.s_m);
     travelled_m += section(ahead.section()).length_m();

@@ -74,13 +74,13 @@ class Circuit {
 
   /// The place `distance_m` ahead: through the sections of `coming`, in order, and from its end along default
   /// successors; stops at a dead end. Negative goes back through `gone`, its last first, then along `previous`.
-  [[nodiscard]] TrackPosition advance(TrackPosition from, double distance_m, std::span<const SectionId> coming = {},
-                              std::span<const SectionId> gone = {}) const;
+  [[nodiscard]] TrackPosition advance(TrackPosition from, double distance_m, std::span<const SectionId> remaining = {},
+                              std::span<const SectionId> traversed = {}) const;
 
   /// Distance to travel forward from `from` to `to` through the sections of `coming`, which follow from.section, and
   /// from its end along default successors; nothing beyond `limit_m`.
   [[nodiscard]] std::optional<double> distance_ahead(TrackPosition from, TrackPosition to, double limit_m,
-                                                     std::span<const SectionId> coming = {}) const;
+                                                     std::span<const SectionId> remaining = {}) const;
 
   /// The shortest way from one place to another over all branches; nothing beyond `limit_m`.
   struct Route {

@@ -23,13 +23,13 @@ bool Course::arrive(SectionId section, std::size_t within, std::size_t back) {
 void Course::extend(std::span<const SectionId> more) { sections_.insert(sections_.end(), more.begin(), more.end()); }
 
 void Course::cut(std::size_t keep) {
-  if (keep < coming().size()) sections_.resize(at_ + 1 + keep);
+  if (keep < remaining().size()) sections_.resize(at_ + 1 + keep);
 }
 
-void Course::forget_gone(std::size_t keep) {
+void Course::forget_traversed(std::size_t keep) {
   if (at_ <= keep) return;
-  const std::size_t gone = at_ - keep;
-  sections_.erase(sections_.begin(), sections_.begin() + static_cast<std::ptrdiff_t>(gone));
+  const std::size_t traversed = at_ - keep;
+  sections_.erase(sections_.begin(), sections_.begin() + static_cast<std::ptrdiff_t>(traversed));
   at_ = keep;
 }
 

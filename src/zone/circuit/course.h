@@ -13,18 +13,18 @@ namespace cosiva::zone {
 /// successors. Refers to the way, which must outlive it.
 class SectionLookAhead {
  public:
-  SectionLookAhead(const Circuit& circuit, SectionId section, std::span<const SectionId> coming)
-      : circuit_{circuit}, coming_{coming}, section_{section} {}
+  SectionLookAhead(const Circuit& circuit, SectionId section, std::span<const SectionId> remaining)
+      : circuit_{circuit}, remaining_{remaining}, section_{section} {}
 
   [[nodiscard]] SectionId section() const { return section_; }
   /// What follows; no_section at a dead end.
   [[nodiscard]] SectionId next() const {
-    if (step_ < coming_.size()) return coming_[step_];
+    if (step_ < remaining_.size()) return remaining_[step_];
     const auto branches = circuit_.next(section_);
     return branches.empty() ? no_section : branches.front();
   }
   /// Whether anybody has said what follows, or there is only one way.
-  [[nodiscard]] bool decided() const { return step_ < coming_.size() || circuit_.next(section_).size() == 1; }
+  [[nodiscard]] bool decided() const { return step_ < remaining_.size() || circuit_.next(section_).size() == 1; }
   /// To the next one. False at a dead end, and nothing changed.
   bool step() {
     const SectionId after = next();
@@ -36,7 +36,7 @@ class SectionLookAhead {
 
  private:
   const Circuit& circuit_;
-  std::span<const SectionId> coming_;
+  std::span<const SectionId> remaining_;
   SectionId section_;
   std::size_t step_{0};
 };
@@ -61,18 +61,18 @@ class Course {
   void cut(std::size_t keep);
   void clear() { *this = Course{}; }
   /// Forgets what lies further back than `keep` sections.
-  void forget_gone(std::size_t keep);
+  void forget_traversed(std::size_t keep);
 
   [[nodiscard]] bool empty() const { return sections_.empty(); }
   [[nodiscard]] SectionId here() const { return sections_.empty() ? no_section : sections_[at_]; }
   /// After the present section, in order of driving.
-  [[nodiscard]] std::span<const SectionId> coming() const {
+  [[nodiscard]] std::span<const SectionId> remaining() const {
     return sections_.empty() ? std::span<const SectionId>{} : std::span{sections_}.subspan(at_ + 1);
   }
   /// The present section and those before it are the first `gone().size() + 1` of these.
   [[nodiscard]] std::span<const SectionId> sections() const { return sections_; }
   /// Before the present section, in order of driving: the last is where it came from.
-  [[nodiscard]] std::span<const SectionId> gone() const { return std::span{sections_}.first(at_); }
+  [[nodiscard]] std::span<const SectionId> traversed() const { return std::span{sections_}.first(at_); }
 
  private:
   std::vector<SectionId> sections_;

@@ -16,41 +16,41 @@ TEST(Course, that_is_empty_is_nowhere_and_arrives_nowhere) {
   Course course;
   EXPECT_TRUE(course.empty());
   EXPECT_EQ(course.here(), no_section);
-  EXPECT_THAT(course.coming(), IsEmpty());
-  EXPECT_THAT(course.gone(), IsEmpty());
+  EXPECT_THAT(course.remaining(), IsEmpty());
+  EXPECT_THAT(course.traversed(), IsEmpty());
   EXPECT_FALSE(course.arrive(3));
-  course.forget_gone(0);
+  course.forget_traversed(0);
   EXPECT_TRUE(course.empty());
 }
 
 TEST(Course, begins_on_its_first_section_and_goes_on) {
   Course course{{4, 7, 2}};
   EXPECT_EQ(course.here(), 4U);
-  EXPECT_THAT(course.coming(), ElementsAre(7, 2));
+  EXPECT_THAT(course.remaining(), ElementsAre(7, 2));
   EXPECT_TRUE(course.arrive(7));
-  EXPECT_THAT(course.gone(), ElementsAre(4));
-  EXPECT_THAT(course.coming(), ElementsAre(2));
+  EXPECT_THAT(course.traversed(), ElementsAre(4));
+  EXPECT_THAT(course.remaining(), ElementsAre(2));
 }
 
 TEST(Course, takes_a_section_that_comes_again_for_the_next_time_it_comes) {
   // A figure of eight: 0 is the middle, left 1, right 2.
   Course course{{0, 1, 0, 2, 0, 1}};
   EXPECT_TRUE(course.arrive(1));
-  EXPECT_THAT(course.gone(), ElementsAre(0));
+  EXPECT_THAT(course.traversed(), ElementsAre(0));
   EXPECT_TRUE(course.arrive(0));
-  EXPECT_THAT(course.gone(), ElementsAre(0, 1));
+  EXPECT_THAT(course.traversed(), ElementsAre(0, 1));
   EXPECT_TRUE(course.arrive(0));  // it is there already
-  EXPECT_THAT(course.gone(), ElementsAre(0, 1));
+  EXPECT_THAT(course.traversed(), ElementsAre(0, 1));
   EXPECT_TRUE(course.arrive(2));
   EXPECT_TRUE(course.arrive(1));
-  EXPECT_THAT(course.gone(), ElementsAre(0, 1, 0, 2, 0));
+  EXPECT_THAT(course.traversed(), ElementsAre(0, 1, 0, 2, 0));
 }
 
 TEST(Course, goes_back_to_the_nearest_where_nothing_of_that_name_comes) {
   Course course{{5, 6, 5, 7, 8}};
   ASSERT_TRUE(course.arrive(8));
   EXPECT_TRUE(course.arrive(5));
-  EXPECT_THAT(course.gone(), ElementsAre(5, 6));
+  EXPECT_THAT(course.traversed(), ElementsAre(5, 6));
 }
 
 TEST(Course, looks_no_further_ahead_than_it_is_told) {
@@ -69,12 +69,12 @@ TEST(Course, that_knows_no_such_section_stays_as_it_is) {
 TEST(Course, forgets_what_lies_behind_and_nothing_else) {
   Course course{{1, 2, 3, 4}};
   ASSERT_TRUE(course.arrive(3));
-  course.forget_gone(1);
-  EXPECT_THAT(course.gone(), ElementsAre(2));
+  course.forget_traversed(1);
+  EXPECT_THAT(course.traversed(), ElementsAre(2));
   EXPECT_EQ(course.here(), 3U);
-  EXPECT_THAT(course.coming(), ElementsAre(4));
-  course.forget_gone(5);
-  EXPECT_THAT(course.gone(), ElementsAre(2));
+  EXPECT_THAT(course.remaining(), ElementsAre(4));
+  course.forget_traversed(5);
+  EXPECT_THAT(course.traversed(), ElementsAre(2));
 }
 
 TEST(Course, follows_a_random_walk_through_a_random_graph_in_step) {
@@ -97,11 +97,11 @@ TEST(Course, follows_a_random_walk_through_a_random_graph_in_step) {
       }
       RC_ASSERT(course.arrive(walk[i]));
       RC_ASSERT(course.here() == walk[i]);
-      RC_ASSERT(course.gone().back() == walk[i - 1]);
-      RC_ASSERT(course.coming().size() == given - 1 - i);
+      RC_ASSERT(course.traversed().back() == walk[i - 1]);
+      RC_ASSERT(course.remaining().size() == given - 1 - i);
       if (random.chance(0.3)) {
-        course.forget_gone(1);
-        RC_ASSERT(course.gone().size() == 1U);
+        course.forget_traversed(1);
+        RC_ASSERT(course.traversed().size() == 1U);
         RC_ASSERT(course.here() == walk[i]);
       }
     }

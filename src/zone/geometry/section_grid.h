@@ -60,7 +60,7 @@ class SectionGrid {
   static constexpr double half_max = 5.0;          ///< cells looked at on each side of p
 
   [[nodiscard]] std::size_t size_of(const Block& block) const;
-  [[nodiscard]] double settled_m(const Block& block, double column_at, double row_at) const;
+  [[nodiscard]] double steady_m(const Block& block, double column_at, double row_at) const;
   template <typename Visit>
   [[nodiscard]] bool look(const Block& block, Point2 p, Headings headings, const double& limit_m,
                           const Visit& visit) const;
@@ -118,7 +118,7 @@ inline std::size_t SectionGrid::size_of(const Block& block) const {
 }
 
 /// All that lies nearer to p than this has its pieces in the block; beyond the grid's own edge there is nothing.
-inline double SectionGrid::settled_m(const Block& block, double column_at, double row_at) const {
+inline double SectionGrid::steady_m(const Block& block, double column_at, double row_at) const {
   constexpr double far = std::numeric_limits<double>::infinity();
   const double left = block.left > 0 ? column_at - static_cast<double>(block.left) : far;
   const double right = block.right < columns_ ? static_cast<double>(block.right) - column_at : far;
@@ -166,7 +166,7 @@ bool SectionGrid::visit(Point2 p, Headings headings, const double& limit_m, cons
     const auto [low, high] = cells(row_at, rows_);
     const Block block{left, right, low, high};
     if (size_of(block) > scanned_max || !look(block, p, headings, limit_m, visit)) return false;
-    if (limit_m <= settled_m(block, column_at, row_at)) return true;
+    if (limit_m <= steady_m(block, column_at, row_at)) return true;
     const double wanted = (std::max(limit_m, 0.0) + reach_m_) / cell_m_;
     half = std::max(wanted < std::numeric_limits<double>::infinity() ? wanted : 3.0 * half, 1.01 * half);
   }

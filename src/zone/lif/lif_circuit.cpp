@@ -7,7 +7,7 @@
 #include <set>
 #include <tuple>
 
-#include "cosiva/zone/lif/lif_ways.h"
+#include "cosiva/zone/lif/lif_tracks.h"
 
 namespace cosiva::zone::lif {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "cosiva/zone/opendrive/model.h"
 #include "cosiva/zone/opendrive/report.h"
-#include "cosiva/zone/opendrive/ways.h"
+#include "cosiva/zone/opendrive/tracks.h"
 
 namespace cosiva::zone::opendrive {
 

@@ -8,7 +8,7 @@
 #include "cosiva/zone/opendrive/reader.h"
 #include "cosiva/zone/opendrive/sections.h"
 #include "cosiva/zone/opendrive/short_sections.h"
-#include "cosiva/zone/opendrive/ways.h"
+#include "cosiva/zone/opendrive/tracks.h"
 #include "cosiva/zone/toml/sidecar.h"
 #include "cosiva/zone/toml/toml_edit.h"
 

@@ -79,9 +79,9 @@ void drop_crumbs(std::vector<const Geometry*>& plan, std::vector<PlanRecord>& re
         break;
       // The first keeps its place: it says where the road begins.
       stays = kept > 1 && before.arc < after.arc;
-      const double gone = stays ? left_out(plan[kept - 1], before) : left_out(plan[i], after);
+      const double removed = stays ? left_out(plan[kept - 1], before) : left_out(plan[i], after);
       if (stays) --kept;
-      records[kept - 1].slack += gone;
+      records[kept - 1].slack += removed;
     }
     if (!stays) continue;
     if (kept != i) {

@@ -7,7 +7,7 @@
 #include "cosiva/zone/circuit/circuit.h"
 #include "cosiva/zone/geometry/fit.h"
 #include "cosiva/zone/opendrive/report.h"
-#include "cosiva/zone/opendrive/ways.h"
+#include "cosiva/zone/opendrive/tracks.h"
 
 namespace cosiva::zone::opendrive {
 

@@ -21,10 +21,10 @@ const Lane* find(const LaneSection& section, int id) {
 }
 
 /// What `links` lead to beyond the section that goes: to its lanes' own links, or, without any, to the same id.
-void lead_through(std::vector<int>& links, const LaneSection& gone, std::vector<int> Lane::*onward) {
+void lead_through(std::vector<int>& links, const LaneSection& removed, std::vector<int> Lane::*onward) {
   std::vector<int> through;
   for (const int id : links) {
-    const Lane* lane = find(gone, id);
+    const Lane* lane = find(removed, id);
     if (lane == nullptr) continue;
     const auto& further = lane->*onward;
     if (further.empty())
@@ -38,13 +38,13 @@ void lead_through(std::vector<int>& links, const LaneSection& gone, std::vector<
 }
 
 /// Others know the lanes of the section that goes by their ids: what these lead to within the road.
-void rename(std::vector<std::pair<int, int>>& names, const LaneSection& gone, std::vector<int> Lane::*onward) {
+void rename(std::vector<std::pair<int, int>>& names, const LaneSection& removed, std::vector<int> Lane::*onward) {
   const auto onto = [&](int id) {
-    const Lane* lane = find(gone, id);
+    const Lane* lane = find(removed, id);
     return lane == nullptr || (lane->*onward).empty() ? id : (lane->*onward).front();
   };
   if (names.empty()) {
-    for (const auto* side : {&gone.left, &gone.right}) {
+    for (const auto* side : {&removed.left, &removed.right}) {
       for (const Lane& lane : *side) names.emplace_back(lane.id, onto(lane.id));
     }
   } else {
@@ -54,26 +54,26 @@ void rename(std::vector<std::pair<int, int>>& names, const LaneSection& gone, st
 
 /// @param after  the next section that stays; sections.size(): none
 void drop(Road& road, std::size_t index, std::size_t after_index) {
-  const LaneSection gone = std::move(road.sections[index]);
+  const LaneSection removed = std::move(road.sections[index]);
   if (index > 0) {
-    each_lane(road.sections[index - 1], [&](Lane& lane) { lead_through(lane.successors, gone, &Lane::successors); });
+    each_lane(road.sections[index - 1], [&](Lane& lane) { lead_through(lane.successors, removed, &Lane::successors); });
   } else {
-    rename(road.first_names, gone, &Lane::successors);
+    rename(road.first_names, removed, &Lane::successors);
   }
   if (after_index < road.sections.size()) {
     LaneSection& after = road.sections[after_index];
     each_lane(after, [&](Lane& lane) {
-      lead_through(lane.predecessors, gone, &Lane::predecessors);
+      lead_through(lane.predecessors, removed, &Lane::predecessors);
       // Its records count from where they always did.
-      const double later = index == 0 ? after.s - gone.s : 0.0;
+      const double later = index == 0 ? after.s - removed.s : 0.0;
       for (auto* records : {&lane.widths, &lane.borders}) {
         for (Polynomial& record : *records) record.s += later;
       }
       for (SpeedFrom& limit : lane.speeds) limit.s += later;
     });
-    if (index == 0) after.s = gone.s;
+    if (index == 0) after.s = removed.s;
   } else {
-    rename(road.last_names, gone, &Lane::predecessors);
+    rename(road.last_names, removed, &Lane::predecessors);
   }
 }
 

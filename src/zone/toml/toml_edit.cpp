@@ -56,7 +56,7 @@ class Reading {
     for (const auto& [key, value] : table) last = std::max<std::size_t>(last, value.source().end.line);
     return last;
   }
-  [[nodiscard]] Replacement lines_gone(std::size_t first, std::size_t last) const {
+  [[nodiscard]] Replacement removed_lines(std::size_t first, std::size_t last) const {
     return {line_begin(first), line_begin(last + 1), {}};
   }
 
@@ -125,22 +125,22 @@ class Editor {
   void remove_tags(const ZoneEdit& edit) {
     if (edit.remove_tags.empty()) return;
     const Reading reading{text_};
-    std::vector<Replacement> gone;
+    std::vector<Replacement> removed;
     for (const TagNumber number : edit.remove_tags) {
       const toml::table* tag = find_tag(reading, number);
       if (tag == nullptr) continue;
       if (!reading.has_header(*tag)) return refuse_listed_tags();
       // Its lines go, not those between them that hold something else: a comment is somebody's, and stays.
       const std::size_t header = tag->source().begin.line;
-      gone.push_back(reading.lines_gone(header, header));
+      removed.push_back(reading.removed_lines(header, header));
       for (const auto& [key, value] : *tag)
-        gone.push_back(reading.lines_gone(key.source().begin.line, value.source().end.line));
+        removed.push_back(reading.removed_lines(key.source().begin.line, value.source().end.line));
       // Of two blank lines around it one goes too.
       const std::size_t after = reading.last_line(*tag) + 1;
       if (reading.blank(after) && (header == 1 || reading.blank(header - 1)))
-        gone.push_back(reading.lines_gone(after, after));
+        removed.push_back(reading.removed_lines(after, after));
     }
-    apply(std::move(gone));
+    apply(std::move(removed));
   }
 
   /// Numbers and names change in place.
@@ -237,7 +237,7 @@ class Editor {
             "the priorities of this file stand in one line; write them under [priorities] to change them here");
       } else if (value != nullptr) {
         changes.push_back(
-            reading.lines_gone(table->find(vehicle)->first.source().begin.line, value->source().end.line));
+            reading.removed_lines(table->find(vehicle)->first.source().begin.line, value->source().end.line));
       } else {
         added += toml_quoted(vehicle) + " = " + std::to_string(priority) + newline;
       }

@@ -26,7 +26,7 @@ inline CampaignGround lacet4() {
     EXPECT_TRUE(rtm) << to_string(rtm.error());
     return rtm->shared_zone();
   }();
-  auto track = estimation::Track::of_ring(std::shared_ptr<const zone::Circuit>(zone, &zone->circuit));
+  auto track = estimation::Track::of_loop(std::shared_ptr<const zone::Circuit>(zone, &zone->circuit));
   EXPECT_TRUE(track) << to_string(track.error());
   return {zone, std::make_shared<const estimation::Track>(std::move(*track))};
 }

@@ -204,9 +204,9 @@ void LiveRuns::look_after(SimTime now, Slot& slot, Responses& responses) {
 void LiveRuns::complete(Slot& slot) {
   const auto zone = zones_.find(map_id_);
   if (zone == zones_.end()) return lose(slot, "it drives in zone '" + map_id_ + "', which nobody hands out");
-  auto lived = std::move(*slot.run).finish(zone->second, slot.ground_truth, options_.gap_max, without_ground_truth_);
-  if (!lived) return lose(slot, to_string(lived.error()));
-  complete_[slot.index] = std::make_shared<const LivedRun>(std::move(*lived));
+  auto live_run = std::move(*slot.run).finish(zone->second, slot.ground_truth, options_.gap_max, without_ground_truth_);
+  if (!live_run) return lose(slot, to_string(live_run.error()));
+  complete_[slot.index] = std::make_shared<const LiveRun>(std::move(*live_run));
   slot.run.reset();
   if (slot.ground_truth.size() > fixes_before)
     slot.ground_truth.erase(slot.ground_truth.begin(),
@@ -230,8 +230,8 @@ bool LiveRuns::done() const {
   return std::ranges::all_of(slots_, &Slot::lost);
 }
 
-std::vector<std::shared_ptr<const LivedRun>> LiveRuns::take_runs() {
-  std::vector<std::shared_ptr<const LivedRun>> runs;
+std::vector<std::shared_ptr<const LiveRun>> LiveRuns::take_runs() {
+  std::vector<std::shared_ptr<const LiveRun>> runs;
   runs.reserve(complete_.size());
   for (auto& [index, run] : complete_) runs.push_back(std::move(run));
   complete_.clear();

@@ -62,7 +62,7 @@ class LiveRuns {
 
   [[nodiscard]] bool done() const;
   /// Complete ones, in the order of their seeds.
-  [[nodiscard]] std::vector<std::shared_ptr<const LivedRun>> take_runs();
+  [[nodiscard]] std::vector<std::shared_ptr<const LiveRun>> take_runs();
   /// Why there are fewer than were asked for: a line per vehicle that was lost.
   [[nodiscard]] const std::vector<std::string>& losses() const { return losses_; }
   /// Answers beside which nobody said where the vehicle was.
@@ -106,7 +106,7 @@ class LiveRuns {
   LiveRunsOptions options_;
   std::vector<Slot> slots_;
   std::deque<std::size_t> to_drive_;
-  std::map<std::size_t, std::shared_ptr<const LivedRun>> complete_;
+  std::map<std::size_t, std::shared_ptr<const LiveRun>> complete_;
   std::map<std::string, std::shared_ptr<const zone::TrafficZone>, std::less<>> zones_;
   std::string map_id_;  ///< that the first answer named
   std::vector<std::string> losses_;

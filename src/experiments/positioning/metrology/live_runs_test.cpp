@@ -96,7 +96,7 @@ Trace off_board(const std::string& name, const Trial& trial) {
 }
 
 Result<Qualification> evaluated(const std::vector<std::string>& names,
-                                const std::vector<std::shared_ptr<const LivedRun>>& runs) {
+                                const std::vector<std::shared_ptr<const LiveRun>>& runs) {
   std::vector<Candidate> candidates;
   candidates.reserve(names.size());
   for (const std::string& name : names) candidates.push_back(on_board(name, "", runs));
@@ -249,7 +249,7 @@ TEST(TruePose, between_two_fixes_goes_round_the_bend_and_is_none_outside_of_them
   EXPECT_FALSE(true_pose({}, SimTime{}, milliseconds{500}));
 }
 
-TEST(LivedRun, of_an_algorithm_that_diverged_says_so_and_the_others_keep_their_results) {
+TEST(LiveRun, of_an_algorithm_that_diverged_says_so_and_the_others_keep_their_results) {
   const auto zone = zone::Rtm::initialise(zone::testing::configuration_file("lacet4.toml"))->shared_zone();
   RunLog log{"run 1", aiv(1), 1, 500, 4};
   std::vector<TrueFix> ground_truth;
@@ -271,7 +271,7 @@ TEST(LivedRun, of_an_algorithm_that_diverged_says_so_and_the_others_keep_their_r
   std::size_t without_ground_truth = 0;
   auto run = std::move(log).finish(zone, ground_truth, milliseconds{500}, without_ground_truth);
   ASSERT_TRUE(run) << to_string(run.error());
-  const std::vector<std::shared_ptr<const LivedRun>> runs{std::make_shared<const LivedRun>(std::move(*run))};
+  const std::vector<std::shared_ptr<const LiveRun>> runs{std::make_shared<const LiveRun>(std::move(*run))};
   const auto all = evaluated({"good", "bad"}, runs);
   ASSERT_TRUE(all);
   EXPECT_NEAR(all->algorithms[0].rmse_m.value, 0.003, 1e-9);

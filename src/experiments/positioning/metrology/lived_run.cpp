@@ -41,7 +41,7 @@ estimation::Estimate estimate_of(const EstimateResponse::Estimate& inputs) {
 /// Says again, input by input, what was said on board.
 class Recited final : public estimation::Algorithm {
  public:
-  Recited(std::shared_ptr<const LivedRun> run, std::size_t which) : run_{std::move(run)}, said_{&run_->published[which]} {
+  Recited(std::shared_ptr<const LiveRun> run, std::size_t which) : run_{std::move(run)}, said_{&run_->published[which]} {
     if (!said_->fault.empty()) fault_ = Error{"algorithm.on_board", said_->fault, to_string(run_->vehicle)};
   }
   void predict(const estimation::Odometry&) override { ++inputs_; }
@@ -60,7 +60,7 @@ class Recited final : public estimation::Algorithm {
   [[nodiscard]] const Error* fault() const override { return fault_ ? &*fault_ : nullptr; }
 
  private:
-  std::shared_ptr<const LivedRun> run_;
+  std::shared_ptr<const LiveRun> run_;
   const OnBoardMessage* said_;
   std::optional<Error> fault_;
   std::size_t inputs_{0};
@@ -141,7 +141,7 @@ void RunLog::add(const EstimateResponse& response) {
   run_.trial.moments.push_back({run_.trial.events.size(), 0.0, {}, travelled_m_, since_fiducial_m_, std::nullopt});
 }
 
-Result<LivedRun> RunLog::finish(const std::shared_ptr<const zone::TrafficZone>& zone,
+Result<LiveRun> RunLog::finish(const std::shared_ptr<const zone::TrafficZone>& zone,
                                 const std::vector<TrueFix>& ground_truth, SimDuration gap_max,
                                 std::size_t& without_ground_truth) && {
   estimation::Setting& setting = run_.trial.setting;
@@ -179,7 +179,7 @@ Result<LivedRun> RunLog::finish(const std::shared_ptr<const zone::TrafficZone>& 
   return std::move(run_);
 }
 
-Candidate on_board(std::string name, std::string what, const std::vector<std::shared_ptr<const LivedRun>>& runs) {
+Candidate on_board(std::string name, std::string what, const std::vector<std::shared_ptr<const LiveRun>>& runs) {
   const auto make = [name, runs](const estimation::Setting& setting) -> Result<std::unique_ptr<estimation::Algorithm>> {
     for (const auto& run : runs) {
       if (run->trial.setting.seed != setting.seed) continue;

@@ -32,13 +32,13 @@ struct OnBoardMessage {
 };
 
 /// A run on a vehicle that drives: what its algorithms were told and said, and where it was.
-struct LivedRun {
+struct LiveRun {
   Trial trial;
   wire::VehicleId vehicle;
   std::vector<OnBoardMessage> published;
 };
 
-/// A run in the making: takes answers, and makes a LivedRun of them at the end.
+/// A run in the making: takes answers, and makes a LiveRun of them at the end.
 class RunLog {
  public:
   RunLog(std::string name, wire::VehicleId vehicle, std::uint64_t seed, std::uint32_t particles, std::uint32_t horizon);
@@ -50,7 +50,7 @@ class RunLog {
   /// With the truth beside each answer: those without any are left out, and counted.
   /// @param zone  that it drove in
   /// Fails ("live.truth") where no moment is left, ("live.zone") where the run's ring is not in the zone.
-  [[nodiscard]] Result<LivedRun> finish(const std::shared_ptr<const zone::TrafficZone>& zone,
+  [[nodiscard]] Result<LiveRun> finish(const std::shared_ptr<const zone::TrafficZone>& zone,
                                         const std::vector<TrueFix>& ground_truth, SimDuration gap_max,
                                         std::size_t& without_ground_truth) &&;
 
@@ -58,7 +58,7 @@ class RunLog {
   void report(const wire::EstimateResponse::Input& input);
   void receive(const wire::EstimateResponse::Estimate& estimate, bool moment);
 
-  LivedRun run_;
+  LiveRun run_;
   std::string map_id_;
   std::optional<wire::EstimateResponse::Start> start_;
   std::vector<SimTime> stamps_;  ///< of the moments
@@ -70,6 +70,6 @@ class RunLog {
 /// An algorithm that ran on board, as one that can be qualified: it says again what it said then.
 /// @param runs  of which the setting's seed names one
 [[nodiscard]] Candidate on_board(std::string name, std::string what,
-                                 const std::vector<std::shared_ptr<const LivedRun>>& runs);
+                                 const std::vector<std::shared_ptr<const LiveRun>>& runs);
 
 }  // namespace cosiva::experiments

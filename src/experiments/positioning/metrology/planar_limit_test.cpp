@@ -99,16 +99,16 @@ struct Straight {
   Trial run;
   double step_m{0.02};
   double heading_rad{0.7};
-  double gone_m{0.0};
+  double traversed_m{0.0};
 
   void go(std::size_t steps, bool requested = true) {
     for (std::size_t i = 0; i < steps; ++i) {
       run.events.emplace_back(Odometry{step_m, 0.0, 0.05});
-      gone_m += step_m;
+      traversed_m += step_m;
       if (requested) record_moment(run, here());
     }
   }
-  [[nodiscard]] Pose2 here() const { return Pose2{1.0, -2.0, heading_rad} * Pose2{gone_m, 0.0, 0.0}; }
+  [[nodiscard]] Pose2 here() const { return Pose2{1.0, -2.0, heading_rad} * Pose2{traversed_m, 0.0, 0.0}; }
 };
 
 TEST(PlanarLimit, of_odometry_alone_on_a_straight_is_its_random_walk_and_what_the_heading_makes_of_it) {
@@ -121,7 +121,7 @@ TEST(PlanarLimit, of_odometry_alone_on_a_straight_is_its_random_walk_and_what_th
     record_moment(drive.run, drive.here());
     const double q = drive.run.setting.sensors.distance_variance_per_m * drive.step_m;
     const double t = drive.run.setting.sensors.turn_variance_per_m * drive.step_m;
-    double across_m2 = 9e-4 + drive.gone_m * drive.gone_m * 1e-4;
+    double across_m2 = 9e-4 + drive.traversed_m * drive.traversed_m * 1e-4;
     for (std::size_t k = 0; k < steps; ++k) across_m2 += t * std::pow((static_cast<double>(k) + 0.5) * drive.step_m, 2);
     const double along_m2 = 9e-4 + q * static_cast<double>(steps);
     const RunLimit limit = planar_limit_of(drive.run);
@@ -170,7 +170,7 @@ TEST(PlanarLimit, of_a_heading_nobody_knows_is_no_more_than_a_circle) {
   drive.run.setting.start_heading_sigma_rad = pi;
   drive.go(100, false);
   record_moment(drive.run, drive.here());
-  EXPECT_NEAR(planar_limit_of(drive.run).filter_m2, drive.gone_m * drive.gone_m, 1e-9);
+  EXPECT_NEAR(planar_limit_of(drive.run).filter_m2, drive.traversed_m * drive.traversed_m, 1e-9);
 }
 
 /// With a known heading and beacons read along the way it is one-dimensional and linear: Kalman's own variance.

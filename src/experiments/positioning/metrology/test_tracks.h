@@ -25,7 +25,7 @@ inline std::shared_ptr<const estimation::Track> oval(double straight_m = 3.0, do
   parts.push_back(part("west", parts.back().section.end(), pi * radius_m, 1.0 / radius_m, 0));
   auto circuit = zone::Circuit::make("oval", std::move(parts));
   EXPECT_TRUE(circuit) << to_string(circuit.error());
-  auto track = estimation::Track::of_ring(std::make_shared<const zone::Circuit>(std::move(*circuit)));
+  auto track = estimation::Track::of_loop(std::make_shared<const zone::Circuit>(std::move(*circuit)));
   EXPECT_TRUE(track) << to_string(track.error());
   return std::make_shared<const estimation::Track>(std::move(*track));
 }

@@ -115,7 +115,7 @@ double range_noise_by_surprise(const Trial& trial) {
   // Half of what is chi-squared with one degree of freedom lies below this.
   constexpr double centre = 0.4549;
   constexpr int rounds_most = 16;
-  constexpr double settled = 1.02;
+  constexpr double synchronised = 1.02;
   double noise_m = 1.0;
   for (int round = 0; round < rounds_most; ++round) {
     estimation::Setting setting = trial.setting;
@@ -134,7 +134,7 @@ double range_noise_by_surprise(const Trial& trial) {
     if (surprise.empty()) break;
     const double factor = std::clamp(std::sqrt(statistics::percentile(surprise, 0.5) / centre), 0.25, 4.0);
     noise_m = std::clamp(noise_m * factor, 1e-3, 1e3);
-    if (factor < settled && factor > 1.0 / settled) break;
+    if (factor < synchronised && factor > 1.0 / synchronised) break;
   }
   return noise_m;
 }

@@ -105,19 +105,19 @@ class Habits {
     for (std::size_t from = 0; from < steps_.size(); ++from) {
       if (steps_[from].t_s < next_s || steps_[from].duration_s > unresponsive_s_) continue;
       double passed_s = 0.0;
-      double gone_m = 0.0;
+      double traversed_m = 0.0;
       double turned_rad = 0.0;
       std::size_t to = from + 1;
       for (; to < steps_.size() && passed_s < lasts_s && steps_[to].duration_s <= unresponsive_s_; ++to) {
         passed_s += steps_[to].duration_s;
-        gone_m += steps_[to].distance_m;
+        traversed_m += steps_[to].distance_m;
         turned_rad += steps_[to].turn_rad;
       }
       if (passed_s < lasts_s) continue;
       next_s = steps_[from].t_s + 0.25 * lasts_s;
       const Rates first = rates_before(from);
       const Recording::Step& last = steps_[to - 1];
-      distance.see(0.5 * (first.speed_mps + last.distance_m / last.duration_s) * passed_s, gone_m);
+      distance.see(0.5 * (first.speed_mps + last.distance_m / last.duration_s) * passed_s, traversed_m);
       turn.see(0.5 * (first.turn_radps + last.turn_rad / last.duration_s) * passed_s, turned_rad);
     }
   }

@@ -126,9 +126,9 @@ TEST(Convoys, stand_behind_one_that_is_stopped_in_the_crossing_and_go_on_with_it
 TEST(Convoys, touch_nobody_among_persons_stops_and_lost_messages) {
   for (const std::uint64_t seed : {1U, 2U}) {
     const auto world = fleet_of(12, seed, true, "lacet4", 0.05);
-    testing::Unrest unrest{*world, testing::zone_named("lacet4"), seed};
-    for (int s = 0; s < 180; ++s) unrest.second();
-    unrest.end();
+    testing::Disturbance disturbance{*world, testing::zone_named("lacet4"), seed};
+    for (int s = 0; s < 180; ++s) disturbance.second();
+    disturbance.end();
     world->run_for(30s);
     EXPECT_FALSE(convoy_traces(*world).empty());
     EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty()) << seed;

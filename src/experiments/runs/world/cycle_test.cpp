@@ -59,9 +59,9 @@ TEST(Cycle, at_ten_hertz_nobody_is_touched_among_persons_stops_and_lost_messages
     WorldOptions options = fleet(12, 100ms, seed);
     options.network.loss = 0.05;
     const auto world = world_with(std::move(options));
-    testing::Unrest unrest{*world, testing::zone_named("lacet4"), seed};
-    for (int s = 0; s < 240; ++s) unrest.second();
-    unrest.end();
+    testing::Disturbance disturbance{*world, testing::zone_named("lacet4"), seed};
+    for (int s = 0; s < 240; ++s) disturbance.second();
+    disturbance.end();
     std::vector<double> before_m;
     for (const auto& v : world->plant().vehicles()) before_m.push_back(v.distance_m);
     world->run_for(60s);

@@ -11,7 +11,7 @@ namespace {
 using namespace std::chrono_literals;
 using testing::deadlock_metrics;
 using testing::DeadlockMetrics;
-using testing::Unrest;
+using testing::Disturbance;
 using testing::zone_named;
 
 class Unquiet : public ::testing::TestWithParam<std::tuple<const char*, std::uint64_t>> {};
@@ -26,9 +26,9 @@ TEST_P(Unquiet, area_has_no_collision_and_no_deadlock_that_stays) {
   options.as_values = true;  // the same run, sooner over
   const auto world = World::make(options);
   ASSERT_TRUE(world);
-  Unrest unrest{**world, options.zone, seed};
-  for (int s = 0; s < 600; ++s) unrest.second();
-  unrest.end();
+  Disturbance disturbance{**world, options.zone, seed};
+  for (int s = 0; s < 600; ++s) disturbance.second();
+  disturbance.end();
   (*world)->run_for(15s);
   std::vector<double> before_m;
   for (const auto& vehicle : (*world)->plant().vehicles()) before_m.push_back(vehicle.distance_m);

@@ -17,7 +17,7 @@
 
 namespace cosiva::experiments::testing {
 
-class Unrest {
+class Disturbance {
  public:
   /// How often a second something begins, and how long it lasts [s].
   struct Rates {
@@ -28,14 +28,14 @@ class Unrest {
     double lasts_max_s{12.0};
   };
 
-  Unrest(World& world, const zone::ZoneConfiguration& zone, std::uint64_t seed) : Unrest{world, zone, seed, Rates{}} {}
-  Unrest(World& world, const zone::ZoneConfiguration& zone, std::uint64_t seed, Rates rates)
+  Disturbance(World& world, const zone::ZoneConfiguration& zone, std::uint64_t seed) : Disturbance{world, zone, seed, Rates{}} {}
+  Disturbance(World& world, const zone::ZoneConfiguration& zone, std::uint64_t seed, Rates rates)
       : world_{world}, zone_{zone::Rtm::initialise(zone)->shared_zone()}, random_{seed, "unrest"}, rates_{rates} {}
 
   /// One second of the world, and what begins and ends in it.
   void second() {
     end_what_is_due();
-    if (random_.chance(rates_.stop)) stop_somebody();
+    if (random_.chance(rates_.stop)) stop_a_vehicle();
     if (random_.chance(rates_.person)) step_in(false);
     if (random_.chance(rates_.virtual_person)) step_in(true);
     world_.run_for(std::chrono::seconds{1});
@@ -64,7 +64,7 @@ class Unrest {
     std::erase_if(troubles_, [&](const Trouble& trouble) { return trouble.until <= world_.now(); });
   }
 
-  void stop_somebody() {
+  void stop_a_vehicle() {
     const auto vehicles = world_.plant().vehicles();
     const std::string name = "\"CoSiVA/AIV" + std::to_string(1 + random_.below(vehicles.size())) + "\"}";
     begin(R"({"command":"stop","vehicle":)" + name, R"({"command":"restart","vehicle":)" + name);
@@ -115,7 +115,7 @@ class Unrest {
 
 /// The server's figures of its deadlocks.
 struct DeadlockMetrics {
-  double rings{};
+  double cycles{};
   double detected{};
   double resolved{};
   double open{};

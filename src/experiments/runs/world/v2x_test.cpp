@@ -53,7 +53,7 @@ struct V2xRun {
   }
 };
 
-void expect_nobody_touches(const World& world, std::string_view when) {
+void expect_no_contact(const World& world, std::string_view when) {
   EXPECT_THAT(world.plant().collisions(), ::testing::IsEmpty()) << when;
 }
 
@@ -62,7 +62,7 @@ TEST(V2x, lost_in_part_or_whole_ends_in_no_collision_and_everybody_goes_on) {
     for (const double loss : {0.0, 0.05, 0.3, 1.0}) {
       const auto world = world_of({.seed = 3, .v2x_loss = loss, .rules = rules});
       world->run_for(60s);
-      expect_nobody_touches(*world, std::to_string(loss));
+      expect_no_contact(*world, std::to_string(loss));
       for (const auto& v : world->plant().vehicles()) EXPECT_GT(v.distance_m, 5.0) << "AIV" << v.number << ", " << loss;
     }
   }
@@ -76,7 +76,7 @@ TEST(V2x, late_doubled_and_out_of_order_ends_in_no_collision) {
   network.reorder_window = 900ms;
   const auto world = world_of({.seed = 5, .network = network});
   world->run_for(90s);
-  expect_nobody_touches(*world, "a bad network");
+  expect_no_contact(*world, "a bad network");
   for (const auto& v : world->plant().vehicles()) EXPECT_GT(v.distance_m, 5.0) << "AIV" << v.number;
 }
 
@@ -106,12 +106,12 @@ TEST(V2x, goes_on_without_the_server_and_needs_no_broker_to_be_safe) {
   }
   world->start_server();
   world->run_for(10s);
-  expect_nobody_touches(*world, "without a radio");
+  expect_no_contact(*world, "without a radio");
   world->publish({std::string(wire::plant_radio_topic), R"({"vehicle":"*","loss":0})", 1, false});
   const double before_m = total_distance_m(*world);
   world->run_for(60s);
   EXPECT_GT(total_distance_m(*world), before_m + 10.0);
-  expect_nobody_touches(*world, "with everything back");
+  expect_no_contact(*world, "with everything back");
 }
 
 TEST(V2x, of_a_liar_endangers_nobody_and_stops_nobody_for_good) {
@@ -136,7 +136,7 @@ TEST(V2x, of_a_liar_endangers_nobody_and_stops_nobody_for_good) {
     world->publish({"cosiva/v1/v2x/lacet4/0_0/CoSiVA/AIV3", "{\"headerId\":NaN", 0, false});
     world->run_for(100ms);
   }
-  expect_nobody_touches(*world, "among lies");
+  expect_no_contact(*world, "among lies");
   for (const auto& v : world->plant().vehicles()) EXPECT_GT(v.distance_m, 5.0) << "AIV" << v.number;
 }
 
@@ -163,7 +163,7 @@ TEST(V2x, switched_off_is_silent_and_everybody_drives_on) {
   world->command_server(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V1"}})");
   world->run_for(40s);
   EXPECT_EQ(v2x_run.published, 0U);
-  expect_nobody_touches(*world, "in silence");
+  expect_no_contact(*world, "in silence");
   for (const auto& v : world->plant().vehicles()) EXPECT_GT(v.distance_m, 5.0) << "AIV" << v.number;
 }
 

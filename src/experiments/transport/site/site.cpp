@@ -197,11 +197,11 @@ void SiteRun::drive(SiteZone& site_zone, std::uint64_t until_step) const {
       site_zone.left.emplace_back(transfer_point, traveller);
     }
     blocked.clear();
-    for (auto next = site_zone.coming.begin();
-         next != site_zone.coming.end() && next->due_step <= site_zone.run->steps();) {
+    for (auto next = site_zone.arrivals.begin();
+         next != site_zone.arrivals.end() && next->due_step <= site_zone.run->steps();) {
       const bool waits = std::ranges::find(blocked, next->transfer_point) != blocked.end();
       if (!waits && site_zone.run->bring(next->traveller, transfers_[next->transfer_point].enter)) {
-        next = site_zone.coming.erase(next);
+        next = site_zone.arrivals.erase(next);
         continue;
       }
       if (!waits) blocked.push_back(next->transfer_point);
@@ -248,12 +248,12 @@ void SiteRun::meet() {
       traveller.job.priority = reader.take<std::int32_t>();
       COSIVA_EXPECT(transfer_point < transfers_.size());
       site_zone_of(transfers_[transfer_point].to_zone)
-          .coming.push_back({traveller.left_step + transfers_[transfer_point].takes_steps, transfer_point, traveller});
+          .arrivals.push_back({traveller.left_step + transfers_[transfer_point].takes_steps, transfer_point, traveller});
     }
   }
   // In an order that does not depend on who told us first.
   for (SiteZone& site_zone : site_zones_)
-    std::ranges::sort(site_zone.coming, {}, [](const Coming& one) {
+    std::ranges::sort(site_zone.arrivals, {}, [](const Arrival& one) {
       return std::tuple{one.due_step, one.transfer_point, one.traveller.aiv};
     });
 }
@@ -272,9 +272,9 @@ SiteMetrics SiteRun::metrics() const {
     mine.put(f.collisions);
     Digest digest;
     digest.add(std::string_view{f.digest});
-    for (const Coming& coming : site_zone.coming) {
-      digest.add(coming.due_step);
-      digest.add(std::uint64_t{coming.traveller.aiv});
+    for (const Arrival& arrivals : site_zone.arrivals) {
+      digest.add(arrivals.due_step);
+      digest.add(std::uint64_t{arrivals.traveller.aiv});
     }
     mine.put(digest.value());
   }

@@ -44,7 +44,7 @@ class SiteRun {
     zone::TrackPosition enter;
     std::uint64_t takes_steps;
   };
-  struct Coming {
+  struct Arrival {
     std::uint64_t due_step;
     std::size_t transfer_point;
     Traveller traveller;
@@ -52,7 +52,7 @@ class SiteRun {
   struct SiteZone {  ///< a zone of this rank
     std::size_t index;
     std::unique_ptr<TrafficRun> run;
-    std::deque<Coming> coming;                            ///< by due_step, then passage, then AIV
+    std::deque<Arrival> arrivals;                            ///< by due_step, then passage, then AIV
     std::vector<std::pair<std::size_t, Traveller>> left;  ///< by passage, since the last meeting
   };
   SiteRun(SiteOptions options, Ranks& ranks) : options_{std::move(options)}, ranks_{&ranks} {}

@@ -61,7 +61,7 @@ TEST(PoissonJobs, are_refused_where_they_cannot_be) {
   EXPECT_EQ(poisson_jobs(*yard(), 0.0, 3600.0, 1).error().code, "jobs.rate");
   EXPECT_EQ(poisson_jobs(*yard(), std::nan(""), 3600.0, 1).error().code, "jobs.rate");
   EXPECT_EQ(poisson_jobs(*yard(), 1e12, 3600.0, 1).error().code, "jobs.rate");
-  EXPECT_EQ(poisson_jobs(*ring(), 10.0, 3600.0, 1).error().code, "jobs.stations");
+  EXPECT_EQ(poisson_jobs(*cycle(), 10.0, 3600.0, 1).error().code, "jobs.stations");
 }
 
 TEST(JobsFromCsv, are_read_by_their_columns_names_in_any_order_and_come_in_time) {

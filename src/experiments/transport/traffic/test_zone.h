@@ -21,7 +21,7 @@ closed = true
   auto rtm = zone::Rtm::initialise({"toml", "yard.toml", text + more, {}});
   return rtm ? rtm->shared_zone() : nullptr;
 }
-inline std::shared_ptr<const zone::TrafficZone> ring() {
+inline std::shared_ptr<const zone::TrafficZone> cycle() {
   static const auto zone = zone_of("");
   return zone;
 }

@@ -41,7 +41,7 @@ Result<TrafficRun> TrafficRun::make(TrafficOptions options) {
   if (!(options.handling_s >= 0.0)) return fail("traffic.options", "loading takes 0 s or more");
   const virtual_side::FleetOptions terms{options.step, options.rules, std::chrono::seconds{10}};
   // A zone that no fleet can drive in has room for nobody, and that would be no help.
-  if (auto nobody = Fleet::make(options.zone, terms, {}); !nobody) return tl::unexpected(nobody.error());
+  if (auto no_vehicle = Fleet::make(options.zone, terms, {}); !no_vehicle) return tl::unexpected(no_vehicle.error());
   auto starts = Fleet::spread(*options.zone, options.aivs);
   if (starts.size() < options.aivs || starts.size() + options.spare == 0) {
     return fail("traffic.room", "zone '" + options.zone->name + "' has room for " + std::to_string(starts.size()) +

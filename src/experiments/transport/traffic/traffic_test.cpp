@@ -46,7 +46,7 @@ TEST(Distribution, gives_percentiles_that_are_values) {
 }
 
 TEST(Traffic, of_one_that_circulates_is_laps_of_the_circuit_s_length_at_its_speed) {
-  const TrafficRun run = run_of(options(ring(), 1, 3600.0));
+  const TrafficRun run = run_of(options(cycle(), 1, 3600.0));
   const TrafficMetrics f = run.metrics();
   // 12 m and two half circles of 1 m: 18.28 m at the medium profile's 0.4 m/s, or the fast one's 0.5 m/s.
   const double lap_m = 12.0 + 2.0 * 3.14159265358979;
@@ -123,7 +123,7 @@ TEST(Traffic, on_a_real_zone_is_busy_safe_and_the_same_every_time) {
 }
 
 TEST(Traffic, counts_every_vehicle_second_in_some_cell) {
-  const TrafficRun run = run_of(options(ring(), 3, 100.0));
+  const TrafficRun run = run_of(options(cycle(), 3, 100.0));
   const TrafficMetrics f = run.metrics();
   double seconds = 0.0;
   for (const auto& cells : f.cells)
@@ -132,9 +132,9 @@ TEST(Traffic, counts_every_vehicle_second_in_some_cell) {
 }
 
 TEST(Traffic, is_refused_where_there_is_no_room_or_no_sense) {
-  EXPECT_EQ(TrafficRun::make(options(ring(), 5000, 10.0)).error().code, "traffic.room");
-  EXPECT_EQ(TrafficRun::make(options(ring(), 1, -1.0)).error().code, "traffic.options");
-  EXPECT_EQ(TrafficRun::make(options(ring(), 1, std::nan(""))).error().code, "traffic.options");
+  EXPECT_EQ(TrafficRun::make(options(cycle(), 5000, 10.0)).error().code, "traffic.room");
+  EXPECT_EQ(TrafficRun::make(options(cycle(), 1, -1.0)).error().code, "traffic.options");
+  EXPECT_EQ(TrafficRun::make(options(cycle(), 1, std::nan(""))).error().code, "traffic.options");
 }
 
 TEST(TrafficReport, shows_what_there_is_and_needs_no_other_file) {

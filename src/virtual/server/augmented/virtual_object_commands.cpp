@@ -190,8 +190,8 @@ Result<Point2> VirtualObjectCommands::read_point(const JsonValue& x, const JsonV
     return fail("virtual_object.position", "give a place as two numbers, in metres on the map", std::string(field));
   const Point2 p{*x.number(), *y.number()};
   const zone::Bounds on = simulator_.bounds();
-  const bool inside = p.x_m >= on.low.x_m - beside_zone_m && p.x_m <= on.high.x_m + beside_zone_m &&
-                      p.y_m >= on.low.y_m - beside_zone_m && p.y_m <= on.high.y_m + beside_zone_m;
+  const bool inside = p.x_m >= on.low.x_m - off_zone_m && p.x_m <= on.high.x_m + off_zone_m &&
+                      p.y_m >= on.low.y_m - off_zone_m && p.y_m <= on.high.y_m + off_zone_m;
   if (!inside) {
     return fail("virtual_object.position",
                 at_text(p) + " is off the zone, which reaches from " + at_text(on.low) + " to " + at_text(on.high) +

@@ -9,7 +9,7 @@
 #include "cosiva/base/digest.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
-#include "cosiva/virtual/server/orders/order_roller.h"
+#include "cosiva/virtual/server/orders/order_manager.h"
 #include "cosiva/virtual/server/registry/proxy.h"
 #include "cosiva/virtual/simulator/simulator.h"
 
@@ -45,12 +45,12 @@ class Commands {
   static constexpr SimDuration timeout{std::chrono::seconds{5}};
   static constexpr std::size_t kept_max = 200;
 
-  Commands(Registry& registry, MessagePublisher& publisher, InstantActionSender& action_sender, OrderRoller& roller,
+  Commands(Registry& registry, MessagePublisher& publisher, InstantActionSender& action_sender, OrderManager& orders,
            Simulator& simulator)
       : registry_{registry},
         publisher_{publisher},
         action_sender_{action_sender},
-        roller_{roller},
+        orders_{orders},
         simulator_{simulator} {}
 
   /// Longer commands to vehicles are refused.
@@ -98,7 +98,7 @@ class Commands {
   Registry& registry_;
   MessagePublisher& publisher_;
   InstantActionSender& action_sender_;
-  OrderRoller& roller_;
+  OrderManager& orders_;
   Simulator& simulator_;
   std::deque<Command> list_;
   std::uint64_t running_{0};

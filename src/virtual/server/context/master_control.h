@@ -4,7 +4,7 @@
 #include "cosiva/virtual/server/context/server_context.h"
 #include "cosiva/virtual/server/orders/deadlocks.h"
 #include "cosiva/virtual/server/orders/missions.h"
-#include "cosiva/virtual/server/orders/order_roller.h"
+#include "cosiva/virtual/server/orders/order_manager.h"
 #include "cosiva/virtual/server/right_of_way/traffic.h"
 #include "cosiva/virtual/server/zones/map_deployment.h"
 
@@ -17,7 +17,7 @@ struct MasterControl {
   Traffic traffic{{.convoys = served.options.convoys}};
   InstantActionSender actions{served.publisher};
   Missions missions{served.registry, served.publisher};
-  OrderRoller orders{served.registry, traffic, served.publisher, actions, missions, served.simulator};
+  OrderManager orders{served.registry, traffic, served.publisher, actions, missions, served.simulator};
   Deadlocks deadlocks{served.registry, served.publisher, served.traces, orders};
   MapDeployment maps{served.registry, served.publisher, actions};
   Commands commands{served.registry, served.publisher, actions, orders, served.simulator};

@@ -118,15 +118,15 @@ void OwnReports::forget_where_clear(VehicleIndex vehicle, double clear_m) {
                                     context_.simulator.ahead_of(*proxy.twin, *image.position, d)))
                               : image.X_MB * Point2{d, 0.0});
   }
-  std::vector<std::string> gone;
+  std::vector<std::string> removed;
   for (const DetectedObstacle& obstacle : context_.simulator.detected().obstacles()) {
     if (!DetectedObstacles::detected_by(obstacle, proxy.name)) continue;
     // In its way by half of itself at least; one beside the way would not be reported.
     const bool in_path = std::ranges::any_of(
         path, [&](Point2 p) { return distance(p, obstacle.at) <= 0.5 * (shape.width_m + obstacle.radius_m); });
-    if (in_path) gone.push_back(obstacle.id);
+    if (in_path) removed.push_back(obstacle.id);
   }
-  for (const std::string& id : gone) {
+  for (const std::string& id : removed) {
     context_.simulator.detected().remove(id);
     context_.traces.add(context_.now, "AIV_Server", "Simulator", "disappear",
                         id + ": " + proxy.name + " sees its place free");

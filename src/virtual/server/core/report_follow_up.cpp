@@ -38,7 +38,7 @@ void ReportFollowUp::initialise_position(VehicleIndex vehicle) {
                        {"mapId", context_.simulator.zone()->name}};
   const Twin& twin = context_.simulator.twin(*proxy.twin);
   if (twin.on_circuit()) {
-    if (const auto behind = zones_.map()->behind(twin.reported_position(), master_.traffic.gone(vehicle)))
+    if (const auto behind = zones_.map()->behind(twin.reported_position(), master_.traffic.traversed(vehicle)))
       action.parameters.push_back({"lastNodeId", zones_.map()->waypoint(behind->waypoint).id});
   }
   context_.publisher.log('i', proxy.name + ": does not know where it is; told its last place");

@@ -40,9 +40,9 @@ void V2xIntake::receive(const wire::Input& input) {
   const auto vehicle = context_.registry.find(wire::to_string(topic->vehicle));
   if (!vehicle) return;
   AivProxy& proxy = context_.registry[*vehicle];
-  if (proxy.talk_traced && context_.now - *proxy.talk_traced < trace_period && context_.now >= *proxy.talk_traced)
+  if (proxy.v2x_traced && context_.now - *proxy.v2x_traced < trace_period && context_.now >= *proxy.v2x_traced)
     return;
-  proxy.talk_traced = context_.now;
+  proxy.v2x_traced = context_.now;
   trace(proxy, input);
 }
 

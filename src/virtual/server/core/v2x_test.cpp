@@ -13,9 +13,9 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-class TalkFixture : public testing::Test {
+class V2xFixture : public testing::Test {
  protected:
-  TalkFixture() {
+  V2xFixture() {
     for (FixtureVehicle* vehicle : {&first, &second}) vehicle->blocked = true;
     fixture.run_for(1s);
   }
@@ -48,7 +48,7 @@ class TalkFixture : public testing::Test {
   std::uint32_t published_count{0};
 };
 
-TEST_F(TalkFixture, is_shown_from_one_vehicle_to_the_nearest_that_hears_it) {
+TEST_F(V2xFixture, is_shown_from_one_vehicle_to_the_nearest_that_hears_it) {
   wire::Intent intent = intent_of(first);
   intent.crossings = {{"X1", 0.31, 0.71, 0.9, 1.9, false}};
   publish_intent(intent);
@@ -59,7 +59,7 @@ TEST_F(TalkFixture, is_shown_from_one_vehicle_to_the_nearest_that_hears_it) {
   EXPECT_EQ(trace.text("content"), "0.400 m/s; X1 in 0.900 s, not yet its own");
 }
 
-TEST_F(TalkFixture, is_shown_once_a_second_from_each) {
+TEST_F(V2xFixture, is_shown_once_a_second_from_each) {
   for (int i = 0; i < 15; ++i) {
     publish_intent(intent_of(first));
     publish_intent(intent_of(second));
@@ -68,7 +68,7 @@ TEST_F(TalkFixture, is_shown_once_a_second_from_each) {
   EXPECT_THAT(traces(), SizeIs(6));
 }
 
-TEST_F(TalkFixture, of_unknown_senders_liars_and_the_broker_s_memory_is_not_shown) {
+TEST_F(V2xFixture, of_unknown_senders_liars_and_the_broker_s_memory_is_not_shown) {
   wire::Intent unknown_sender = intent_of(first);
   unknown_sender.vehicle.serial_number = "NOBODY";
   publish_intent(unknown_sender);
@@ -80,7 +80,7 @@ TEST_F(TalkFixture, of_unknown_senders_liars_and_the_broker_s_memory_is_not_show
   EXPECT_EQ(fixture.snapshot().find("aivs")->array()->size(), 2U) << "talk registers nobody";
 }
 
-TEST_F(TalkFixture, virtual_AIVs_speak_to_the_broker_and_hear_who_is_near) {
+TEST_F(V2xFixture, virtual_AIVs_speak_to_the_broker_and_hear_who_is_near) {
   fixture.ask(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V1"}})");
   const auto published_by_v1 = [&] {
     return std::ranges::count_if(fixture.published, [](const wire::Publish& publish) {

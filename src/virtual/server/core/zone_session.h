@@ -14,7 +14,7 @@
 #include "cosiva/virtual/server/core/twin_placement.h"
 #include "cosiva/virtual/server/core/vehicle_lifecycle.h"
 #include "cosiva/virtual/server/core/zone_change.h"
-#include "cosiva/virtual/server/right_of_way/way_map.h"
+#include "cosiva/virtual/server/right_of_way/waypoint_graph.h"
 #include "cosiva/virtual/server/zones/zone_edits.h"
 
 namespace cosiva::virtual_side {

@@ -48,7 +48,7 @@ TEST(Switch, puts_vehicles_on_the_new_ways_where_they_stand_and_loses_no_twin) {
   EXPECT_EQ(touches, 0);
   for (const FixtureVehicle* aiv : {&one, &two}) {
     EXPECT_EQ(aiv->map_id, "yard");
-    EXPECT_FALSE(aiv->off_line.has_value());
+    EXPECT_FALSE(aiv->off_path.has_value());
     EXPECT_THAT(aiv->refusals, IsEmpty());
     EXPECT_EQ(aiv->orders.back().nodes.front().position->map_id, "yard");
     EXPECT_GT(aiv->speed_mps, 0.0);
@@ -107,7 +107,7 @@ TEST(Switch, sends_one_onto_the_line_elsewhere_where_somebody_stands_in_the_way_
   ASSERT_NE(commanded, one.actions.end());
   EXPECT_NEAR(commanded->actions.front().number("y").value_or(0.0), 0.1, 1e-6);
   EXPECT_GT(std::fabs(commanded->actions.front().number("x").value_or(1.0) - 1.0), 0.04);
-  EXPECT_FALSE(one.off_line.has_value());
+  EXPECT_FALSE(one.off_path.has_value());
   EXPECT_GT(one.driven_m, 0.5);
 }
 

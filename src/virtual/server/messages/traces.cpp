@@ -48,9 +48,9 @@ Traces::Traces(std::size_t capacity, std::size_t raw_budget)
 Traces::Trace& Traces::slot(SimTime at, std::string_view from, std::string_view to, std::string_view kind,
                             std::string_view topic, std::string_view raw) {
   const auto index = static_cast<std::size_t>((next_ - 1) % capacity_);
-  if (index == ring_.size()) ring_.emplace_back();
+  if (index == buffer_.size()) buffer_.emplace_back();
   ++next_;
-  Trace& trace = ring_[index];
+  Trace& trace = buffer_[index];
   trace.at = at;
   trace.from.assign(from);
   trace.to.assign(to);
@@ -80,28 +80,28 @@ void Traces::keep(Trace& trace, std::string_view raw) {
   trace.raw_size = raw.size() > std::min(raw_max, raw_budget_) ? 0 : raw.size();
   if (trace.raw_size == 0) return;
   raw_end_ += raw.size();
-  if (raw_ring_.size() < raw_budget_) {
+  if (raw_buffer_.size() < raw_budget_) {
     const auto needed = static_cast<std::size_t>(std::min<std::uint64_t>(raw_end_, raw_budget_));
-    if (needed > raw_ring_.capacity()) raw_ring_.reserve(std::min(raw_budget_, std::max(needed, raw_max) * 2));
-    raw_ring_.resize(std::max(needed, raw_ring_.size()));
+    if (needed > raw_buffer_.capacity()) raw_buffer_.reserve(std::min(raw_budget_, std::max(needed, raw_max) * 2));
+    raw_buffer_.resize(std::max(needed, raw_buffer_.size()));
   }
   const auto begin = static_cast<std::size_t>(trace.raw_begin % raw_budget_);
   const std::size_t before_the_end = std::min(raw.size(), raw_budget_ - begin);
-  raw.copy(raw_ring_.data() + begin, before_the_end);
-  raw.substr(before_the_end).copy(raw_ring_.data(), raw.size() - before_the_end);
+  raw.copy(raw_buffer_.data() + begin, before_the_end);
+  raw.substr(before_the_end).copy(raw_buffer_.data(), raw.size() - before_the_end);
 }
 
 std::optional<std::string> Traces::raw_of(const Trace& trace) const {
   if (trace.raw_size == 0 || raw_end_ - trace.raw_begin > raw_budget_) return std::nullopt;
   const auto begin = static_cast<std::size_t>(trace.raw_begin % raw_budget_);
   const std::size_t before_the_end = std::min(trace.raw_size, raw_budget_ - begin);
-  std::string raw{raw_ring_.data() + begin, before_the_end};
-  return raw.append(raw_ring_.data(), trace.raw_size - before_the_end);
+  std::string raw{raw_buffer_.data() + begin, before_the_end};
+  return raw.append(raw_buffer_.data(), trace.raw_size - before_the_end);
 }
 
-const Traces::Trace& Traces::at(std::uint64_t n) const { return ring_[static_cast<std::size_t>((n - 1) % capacity_)]; }
+const Traces::Trace& Traces::at(std::uint64_t n) const { return buffer_[static_cast<std::size_t>((n - 1) % capacity_)]; }
 
-std::uint64_t Traces::oldest() const { return next_ - ring_.size(); }
+std::uint64_t Traces::oldest() const { return next_ - buffer_.size(); }
 
 std::string Traces::to_json(std::uint64_t after, std::size_t limit) const {
   const std::uint64_t begin = std::clamp(after, oldest(), next_);

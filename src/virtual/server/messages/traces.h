@@ -64,10 +64,10 @@ class Traces {
   [[nodiscard]] std::optional<std::string> raw_of(const Trace& trace) const;
 
   std::size_t capacity_;
-  std::vector<Trace> ring_;
+  std::vector<Trace> buffer_;
   std::uint64_t next_{1};
   std::size_t raw_budget_;
-  std::vector<char> raw_ring_;
+  std::vector<char> raw_buffer_;
   std::uint64_t raw_end_{0};  ///< bytes ever kept
 };
 

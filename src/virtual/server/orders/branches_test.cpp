@@ -76,8 +76,8 @@ TEST_F(Fork, holds_are_met_along_the_course) {
   std::vector<CrossingIndex> straight;
   std::vector<CrossingIndex> round;
   map.crossings_on({id("entry"), 0.5}, 0.9, straight);
-  const auto coming = bypass();
-  map.crossings_on({id("entry"), 0.5}, 0.9, round, Sections{coming}.subspan(1));
+  const auto remaining = bypass();
+  map.crossings_on({id("entry"), 0.5}, 0.9, round, Sections{remaining}.subspan(1));
   EXPECT_EQ(straight, round) << "the fork itself is one crossing";
   EXPECT_THAT(straight, Not(IsEmpty()));
 }

@@ -41,7 +41,7 @@ std::string_view to_string(Deadlock::State state) {
 
 void Deadlocks::tick() {
   graph_.begin(registry_.size());
-  roller_.add_waits(graph_);
+  orders_.add_waits(graph_);
   for (const Knot& knot : graph_.find_knots()) record(knot);
   if (forming_.empty() && open() == 0) return;
   for (Deadlock& deadlock : forming_) follow(deadlock);
@@ -68,7 +68,7 @@ void Deadlocks::record(const Knot& knot) {
   const SimTime now = publisher_.now();
   Deadlock* known = find(knot.members);
   if (known == nullptr) {
-    ++counters_.rings;
+    ++counters_.cycles;
     forming_.push_back({});
     known = &forming_.back();
     known->since = known->closed_since = now;
@@ -92,12 +92,12 @@ void Deadlocks::record(const Knot& knot) {
 
 std::string Deadlocks::describe(const Knot& knot) const {
   std::string text;
-  for (const Wait& wait : knot.ring) text += (text.empty() ? "" : ", ") + roller_.sentence(wait);
+  for (const Wait& wait : knot.cycle) text += (text.empty() ? "" : ", ") + orders_.sentence(wait);
   return text;
 }
 
-bool Deadlocks::somebody_beside(const Deadlock& deadlock) const {
-  return std::ranges::any_of(deadlock.members, [&](VehicleIndex v) { return roller_.is_beside(v); });
+bool Deadlocks::has_vehicle_off_path(const Deadlock& deadlock) const {
+  return std::ranges::any_of(deadlock.members, [&](VehicleIndex v) { return orders_.is_off_path(v); });
 }
 
 void Deadlocks::follow(Deadlock& deadlock) {
@@ -106,7 +106,7 @@ void Deadlocks::follow(Deadlock& deadlock) {
   const SimDuration for_long = now - deadlock.closed_since;
   switch (deadlock.state) {
     case Deadlock::State::forming:
-      if (closed && for_long >= (somebody_beside(deadlock) ? rules_.grace_beside : rules_.grace)) begin(deadlock);
+      if (closed && for_long >= (has_vehicle_off_path(deadlock) ? rules_.off_path_grace : rules_.grace)) begin(deadlock);
       return;
     case Deadlock::State::reported: break;
     case Deadlock::State::yielding:
@@ -117,7 +117,7 @@ void Deadlocks::follow(Deadlock& deadlock) {
       break;
     case Deadlock::State::resolved: return;
   }
-  const bool yields = std::ranges::any_of(deadlock.yielded, [&](VehicleIndex v) { return roller_.yields(v); });
+  const bool yields = std::ranges::any_of(deadlock.yielded, [&](VehicleIndex v) { return orders_.yields(v); });
   if (!yields && now - deadlock.detected_at > rules_.calm) end(deadlock);
 }
 
@@ -159,14 +159,14 @@ bool Deadlocks::let_yield(Deadlock& deadlock, std::int32_t priority) {
         continue;
       const auto waits = waits_for(deadlock, v);
       if (waits.empty()) continue;
-      if (const auto cost_m = roller_.can_yield(v, means, waits)) offers.push_back({*cost_m, v});
+      if (const auto cost_m = orders_.can_yield(v, means, waits)) offers.push_back({*cost_m, v});
     }
     std::ranges::sort(offers, [](const Offer& a, const Offer& b) {
       return a.cost_m != b.cost_m ? a.cost_m < b.cost_m : a.vehicle > b.vehicle;
     });
     for (const auto& [cost_m, v] : offers) {
       deadlock.tried.emplace_back(v, means);
-      if (!roller_.yield(v, means, waits_for(deadlock, v))) continue;
+      if (!orders_.yield(v, means, waits_for(deadlock, v))) continue;
       deadlock.state = Deadlock::State::yielding;
       deadlock.yielded.push_back(v);
       const std::string how = registry_[v].name + " " + deed(means, cost_m);
@@ -194,7 +194,7 @@ void Deadlocks::end(Deadlock& deadlock) {
   deadlock.ended_at = deadlock.detected_at;
   ++counters_.resolved;
   counters_.longest = std::max(counters_.longest, lasted);
-  for (const VehicleIndex v : deadlock.yielded) roller_.need_not_avoid(v);
+  for (const VehicleIndex v : deadlock.yielded) orders_.need_not_avoid(v);
   send('i', "deadlock " + std::to_string(deadlock.number) + " is resolved after " +
                 std::to_string(std::lround(to_seconds(lasted))) + " s: " + deadlock.how);
 }
@@ -224,13 +224,13 @@ std::size_t Deadlocks::open() const {
 }
 
 void Deadlocks::write_counters(JsonWriter& json) const {
-  json.field("cycles", counters_.rings)
+  json.field("cycles", counters_.cycles)
       .field("detected", counters_.detected)
       .field("resolved", counters_.resolved)
       .field("open", static_cast<std::uint64_t>(open()))
       .field("unresolved", static_cast<std::uint64_t>(unresolved()))
       .field("longest_s", to_seconds(counters_.longest))
-      .field("longest_wait_s", to_seconds(roller_.longest_wait()));
+      .field("longest_wait_s", to_seconds(orders_.longest_wait()));
 }
 
 void Deadlocks::write(JsonWriter& json) const {
@@ -258,7 +258,7 @@ void Deadlocks::write(JsonWriter& json) const {
 }
 
 void Deadlocks::fold(Digest& digest) const {
-  digest.add(counters_.rings);
+  digest.add(counters_.cycles);
   digest.add(counters_.detected);
   digest.add(counters_.resolved);
 }

@@ -12,7 +12,7 @@
 #include "cosiva/base/json_writer.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
 #include "cosiva/virtual/server/messages/traces.h"
-#include "cosiva/virtual/server/orders/order_roller.h"
+#include "cosiva/virtual/server/orders/order_manager.h"
 #include "cosiva/virtual/server/orders/wait_graph.h"
 #include "cosiva/virtual/server/registry/proxy.h"
 
@@ -22,7 +22,7 @@ struct DeadlockRules {
   /// So long a ring of waits must last to be a deadlock: messages are under way, and what they tell may undo it.
   SimDuration grace{std::chrono::seconds{2}};
   /// With somebody beside the line in it: the places that it tries by itself come first.
-  SimDuration grace_beside{std::chrono::seconds{7}};
+  SimDuration off_path_grace{std::chrono::seconds{7}};
   SimDuration flicker{std::chrono::milliseconds{600}};  ///< a ring that is away for less has been there all the time
   SimDuration calm{std::chrono::seconds{2}};            ///< without a ring among its members it is over
   SimDuration works_within{std::chrono::seconds{3}};    ///< else the next means is tried
@@ -59,8 +59,8 @@ struct Deadlock {
 /// member. When nothing is left, it is told loudly, and tried again 5 s later.
 class Deadlocks {
  public:
-  Deadlocks(Registry& registry, MessagePublisher& publisher, Traces& traces, OrderRoller& roller)
-      : registry_{registry}, publisher_{publisher}, traces_{traces}, roller_{roller} {}
+  Deadlocks(Registry& registry, MessagePublisher& publisher, Traces& traces, OrderManager& orders)
+      : registry_{registry}, publisher_{publisher}, traces_{traces}, orders_{orders} {}
 
   /// After the roller's tick.
   void tick();
@@ -68,7 +68,7 @@ class Deadlocks {
   void forget();
 
   struct Counters {
-    std::uint64_t rings{0};     ///< closed, however briefly
+    std::uint64_t cycles{0};     ///< closed, however briefly
     std::uint64_t detected{0};  ///< lasted
     std::uint64_t resolved{0};
     SimDuration longest{};  ///< from the ring's closing to its end, of those that lasted
@@ -99,12 +99,12 @@ class Deadlocks {
   void end(Deadlock& deadlock);
   void send(char level, const std::string& text);
   [[nodiscard]] std::vector<Wait> waits_for(const Deadlock& deadlock, VehicleIndex vehicle) const;
-  [[nodiscard]] bool somebody_beside(const Deadlock& deadlock) const;
+  [[nodiscard]] bool has_vehicle_off_path(const Deadlock& deadlock) const;
 
   Registry& registry_;
   MessagePublisher& publisher_;
   Traces& traces_;
-  OrderRoller& roller_;
+  OrderManager& orders_;
   DeadlockRules rules_;
   WaitGraph graph_;
   std::deque<Deadlock> forming_;

@@ -17,7 +17,7 @@ using testing::IsEmpty;
 using testing::SizeIs;
 
 struct Shown {
-  double rings;
+  double cycles;
   double detected;
   double resolved;
   double open;
@@ -72,7 +72,7 @@ class FourWay : public testing::Test {
 TEST_F(FourWay, is_detected_in_the_very_tick_and_names_all_four) {
   run_until_closed();
   const Shown now = shown(fixture);
-  EXPECT_EQ(now.rings, 1.0);
+  EXPECT_EQ(now.cycles, 1.0);
   EXPECT_EQ(now.detected, 0.0) << "it may come undone by itself";
   ASSERT_THAT(now.list, SizeIs(1));
   EXPECT_EQ(now.list[0].text("state"), "forming");
@@ -141,7 +141,7 @@ TEST_F(FourWay, that_comes_undone_by_itself_is_no_deadlock) {
   fixture.vehicles[2]->state_due = true;
   fixture.run_for(30s);
   const Shown now = shown(fixture);
-  EXPECT_GE(now.rings, 1.0);
+  EXPECT_GE(now.cycles, 1.0);
   EXPECT_EQ(now.detected, 0.0);
   EXPECT_THAT(now.list, IsEmpty());
   for (const auto& vehicle : fixture.vehicles) EXPECT_EQ(backed_up(fixture, *vehicle), 0U);

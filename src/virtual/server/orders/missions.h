@@ -15,7 +15,7 @@
 #include "cosiva/base/result.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
 #include "cosiva/virtual/server/registry/proxy.h"
-#include "cosiva/virtual/server/right_of_way/way_map.h"
+#include "cosiva/virtual/server/right_of_way/waypoint_graph.h"
 #include "cosiva/zone/routing/route.h"
 
 namespace cosiva::virtual_side {

@@ -1,10 +1,10 @@
-// OrderRoller: the nearest place on the line is not free, so a vehicle that stands beside it goes to another.
+// OrderManager: the nearest place on the line is not free, so a vehicle that stands beside it goes to another.
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "cosiva/aiv/decision/line_entry.h"
-#include "cosiva/virtual/server/orders/order_roller.h"
+#include "cosiva/virtual/server/orders/order_manager.h"
 #include "cosiva/zone/circuit/path_snap.h"
 
 namespace cosiva::virtual_side {
@@ -18,7 +18,7 @@ constexpr double free_ahead_m = 0.5;
 
 }  // namespace
 
-bool OrderRoller::joining(VehicleIndex vehicle) {
+bool OrderManager::joining(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   if (plan.join_handle == 0) return false;
   const InstantActionSender::PendingAction* pending_action = action_sender_.find(plan.join_handle);
@@ -32,20 +32,20 @@ bool OrderRoller::joining(VehicleIndex vehicle) {
   return false;
 }
 
-void OrderRoller::end_join(VehicleIndex vehicle) {
+void OrderManager::end_join(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   plan.entry_point.reset();
   if (plan.join_handle != 0) action_sender_.drop(std::exchange(plan.join_handle, 0));
 }
 
-void OrderRoller::try_other_positions(VehicleIndex vehicle) {
+void OrderManager::try_other_positions(VehicleIndex vehicle) {
   const Plan& plan = plans_[vehicle];
   if (!plan.waits_since) return;
   const SimDuration waited = publisher_.now() - *plan.waits_since;
   if (waited >= rules_.other_position_after) join_elsewhere(vehicle, waited < rules_.make_room_after, position_within_m);
 }
 
-bool OrderRoller::join_elsewhere(VehicleIndex vehicle, bool drives_on, double within_m) {
+bool OrderManager::join_elsewhere(VehicleIndex vehicle, bool drives_on, double within_m) {
   Plan& plan = plans_[vehicle];
   if (!goes_onto_line(vehicle)) return false;
   for (const zone::TrackPosition position : positions_near(vehicle, within_m)) {
@@ -67,7 +67,7 @@ bool OrderRoller::join_elsewhere(VehicleIndex vehicle, bool drives_on, double wi
   return false;
 }
 
-std::vector<zone::TrackPosition> OrderRoller::positions_near(VehicleIndex vehicle, double within_m) const {
+std::vector<zone::TrackPosition> OrderManager::positions_near(VehicleIndex vehicle, double within_m) const {
   const zone::Circuit& circuit = map_->circuit();
   const auto entry_point = zone::snap_to_path(circuit, plans_[vehicle].reported.X_MB);
   if (!entry_point) return {};
@@ -80,7 +80,7 @@ std::vector<zone::TrackPosition> OrderRoller::positions_near(VehicleIndex vehicl
   return positions;
 }
 
-bool OrderRoller::blocks_entry(VehicleIndex other, const Pose2& X_MB) const {
+bool OrderManager::blocks_entry(VehicleIndex other, const Pose2& X_MB) const {
   if (other == no_vehicle || !goes_onto_line(other)) return false;
   const Pose2& X_MO = plans_[other].reported.X_MB;
   const auto entry_point = zone::snap_to_path(map_->circuit(), X_MO);
@@ -90,7 +90,7 @@ bool OrderRoller::blocks_entry(VehicleIndex other, const Pose2& X_MB) const {
   return sweep.near_body(X_MB);
 }
 
-bool OrderRoller::is_free_entry(VehicleIndex vehicle, zone::TrackPosition position, bool drives_on) {
+bool OrderManager::is_free_entry(VehicleIndex vehicle, zone::TrackPosition position, bool drives_on) {
   if (obstructs_line_entry(vehicle, position) != no_vehicle) return false;
   traffic_.set_position(vehicle, position);
   traffic_.update();

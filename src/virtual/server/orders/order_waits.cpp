@@ -1,10 +1,10 @@
-// OrderRoller: who waits for whom, and why.
+// OrderManager: who waits for whom, and why.
 #include <algorithm>
 #include <cmath>
 
 #include "cosiva/aiv/decision/envelope.h"
 #include "cosiva/aiv/decision/line_entry.h"
-#include "cosiva/virtual/server/orders/order_roller.h"
+#include "cosiva/virtual/server/orders/order_manager.h"
 #include "cosiva/zone/circuit/path_snap.h"
 
 namespace cosiva::virtual_side {
@@ -16,19 +16,19 @@ constexpr double stopped_mps = 0.01;
 /// of it: their margin of 0.02 m, and as far as an echo is placed wrong that came from a beam's edge (0.12 rad of a
 /// range of 0.3 m), noise included.
 constexpr double detected_ahead_m = aiv::clearance_m + 0.08;
-constexpr double detected_beside_m = 0.07;
+constexpr double detected_off_path_m = 0.07;
 constexpr double look_every_m = 0.03;
 /// Before it turns on the spot it wants so much air all around.
 constexpr double detected_around_m = 0.06;
 
 }  // namespace
 
-void OrderRoller::wait_for(Plan& plan, VehicleIndex other, WaitReason why) {
+void OrderManager::wait_for(Plan& plan, VehicleIndex other, WaitReason why) {
   plan.waits_for_vehicle = other;
   plan.waits_why = why;
 }
 
-void OrderRoller::record_waiting(Plan& plan, SimTime now) {
+void OrderManager::record_waiting(Plan& plan, SimTime now) {
   // Standing before something, not merely being told early that it will have to.
   const bool waits = (plan.waits_for_crossing || plan.waits_for_vehicle != no_vehicle) && extension_.empty();
   if (!waits) {
@@ -39,7 +39,7 @@ void OrderRoller::record_waiting(Plan& plan, SimTime now) {
   longest_wait_ = std::max(longest_wait_, now - *plan.waits_since);
 }
 
-std::string OrderRoller::waits_for(VehicleIndex vehicle) const {
+std::string OrderManager::waits_for(VehicleIndex vehicle) const {
   if (vehicle >= plans_.size() || map_ == nullptr) return {};
   const Plan& plan = plans_[vehicle];
   std::string text;
@@ -52,17 +52,17 @@ std::string OrderRoller::waits_for(VehicleIndex vehicle) const {
   return text;
 }
 
-Pose2 OrderRoller::body(VehicleIndex vehicle) const {
+Pose2 OrderManager::body(VehicleIndex vehicle) const {
   return simulator_.image(*registry_[vehicle].twin, publisher_.now()).X_MB;
 }
 
-bool OrderRoller::is_stopped(VehicleIndex vehicle) const {
+bool OrderManager::is_stopped(VehicleIndex vehicle) const {
   const AivProxy& proxy = registry_[vehicle];
   return proxy.here() && proxy.state && !proxy.state->driving &&
          std::fabs(simulator_.twin(*proxy.twin).speed_mps()) < stopped_mps;
 }
 
-bool OrderRoller::is_stopped_without_reason(VehicleIndex vehicle) {
+bool OrderManager::is_stopped_without_reason(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   const AivProxy& proxy = registry_[vehicle];
   constexpr double distance_m_min = 0.10;
@@ -82,7 +82,7 @@ bool OrderRoller::is_stopped_without_reason(VehicleIndex vehicle) {
   return true;
 }
 
-void OrderRoller::add_waits(WaitGraph& graph) const {
+void OrderManager::add_waits(WaitGraph& graph) const {
   if (map_ == nullptr) return;
   for (VehicleIndex v = 0; v < plans_.size(); ++v) {
     if (!is_stopped(v)) continue;
@@ -90,7 +90,7 @@ void OrderRoller::add_waits(WaitGraph& graph) const {
     const bool has_route = plan.stage == Plan::Stage::running || plan.join_handle != 0;
     if (has_route && (registry_[v].state->field_violation || registry_[v].paused_for_body)) {
       // What it waits for at the end of its base matters once it is there.
-      graph.add({v, detected_in_path(v), WaitReason::eyes, no_crossing});
+      graph.add({v, detected_in_path(v), WaitReason::sensors, no_crossing});
       continue;
     }
     if (!plan.waits_since || plan.waits_for_vehicle == no_vehicle) continue;
@@ -98,7 +98,7 @@ void OrderRoller::add_waits(WaitGraph& graph) const {
   }
 }
 
-VehicleIndex OrderRoller::detected_in_path(VehicleIndex vehicle) const {
+VehicleIndex OrderManager::detected_in_path(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
   const zone::VehicleShape& shape = map_->zone().vehicle;
   const zone::Circuit& circuit = map_->circuit();
@@ -116,13 +116,13 @@ VehicleIndex OrderRoller::detected_in_path(VehicleIndex vehicle) const {
     if (other == vehicle || !registry_[other].here()) continue;
     const Pose2 X_MO = body(other);
     if (plan.entry_point) {
-      if (sweep.near_body(X_MO, detected_beside_m)) consider(other, distance(X_MB, X_MO));
+      if (sweep.near_body(X_MO, detected_off_path_m)) consider(other, distance(X_MB, X_MO));
       continue;
     }
     if (!plan.reported.position) continue;
     for (double ahead_m = 0.0; ahead_m < detected_ahead_m + look_every_m; ahead_m += look_every_m) {
-      const Pose2 X_MV = circuit.pose_at(circuit.advance(*plan.reported.position, ahead_m, traffic_.coming(vehicle)));
-      if (!aiv::near_bodies(shape, X_MV, X_MO, detected_beside_m)) continue;
+      const Pose2 X_MV = circuit.pose_at(circuit.advance(*plan.reported.position, ahead_m, traffic_.remaining(vehicle)));
+      if (!aiv::near_bodies(shape, X_MV, X_MO, detected_off_path_m)) continue;
       // Beside its flank already, it is not what it looks at.
       if (ahead_m > 0.0 || aiv::lies_ahead(shape, X_MB, X_MO)) consider(other, ahead_m);
       break;
@@ -133,7 +133,7 @@ VehicleIndex OrderRoller::detected_in_path(VehicleIndex vehicle) const {
   return found;
 }
 
-std::string OrderRoller::sentence(const Wait& wait) const {
+std::string OrderManager::sentence(const Wait& wait) const {
   const std::string& who = registry_[wait.who].name;
   const std::string& whom = registry_[wait.whom].name;
   const std::string crossing = wait.crossing < map_->crossing_count() ? map_->zone().crossings[wait.crossing].name : "";
@@ -144,7 +144,7 @@ std::string OrderRoller::sentence(const Wait& wait) const {
     case WaitReason::crossing: return who + " waits for " + crossing + ", which " + whom + " holds";
     case WaitReason::turn: return who + " waits for its turn at " + crossing + " after " + whom;
     case WaitReason::off_path: return who + " waits for " + whom + ", which stands too near its way";
-    case WaitReason::eyes: return who + " sees " + whom + " in its way";
+    case WaitReason::sensors: return who + " sees " + whom + " in its way";
   }
   return {};
 }

@@ -47,11 +47,11 @@ const std::vector<Knot>& WaitGraph::find_knots() {
     if (members.size() > 1) knots_.push_back({{members.begin(), members.end()}, {}});
   }
   std::ranges::sort(knots_, {}, [](const Knot& knot) { return knot.members.front(); });
-  for (Knot& knot : knots_) knot.ring = ring_through(knot.members.front());
+  for (Knot& knot : knots_) knot.cycle = cycle_through(knot.members.front());
   return knots_;
 }
 
-std::vector<Wait> WaitGraph::ring_through(VehicleIndex first) {
+std::vector<Wait> WaitGraph::cycle_through(VehicleIndex first) {
   // Breadth first, from the first member until a wait leads back to it. Each knot's vehicles are reached in one search.
   came_by_.resize(count_, no_wait);
   reached_.assign(1, first);
@@ -68,11 +68,11 @@ std::vector<Wait> WaitGraph::ring_through(VehicleIndex first) {
       }
     }
   }
-  std::vector<Wait> ring;
-  for (std::size_t at = last; at != no_wait; at = came_by_[waits_[at].who]) ring.push_back(waits_[at]);
-  std::ranges::reverse(ring);
+  std::vector<Wait> cycle;
+  for (std::size_t at = last; at != no_wait; at = came_by_[waits_[at].who]) cycle.push_back(waits_[at]);
+  std::ranges::reverse(cycle);
   for (const VehicleIndex v : reached_) came_by_[v] = no_wait;
-  return ring;
+  return cycle;
 }
 
 }  // namespace cosiva::virtual_side

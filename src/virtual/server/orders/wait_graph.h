@@ -26,7 +26,7 @@ struct Knot {
   std::vector<VehicleIndex> members;  ///< ascending; at least two
   /// The shortest ring that leads from the first member back to it, each wait beginning where the one before ends.
   /// Where everybody waits for one other, it goes through all members.
-  std::vector<Wait> ring;
+  std::vector<Wait> cycle;
 };
 
 /// Who waits for whom, at one moment. Whoever waits for several waits for all of them, so every ring is a deadlock: the
@@ -47,7 +47,7 @@ class WaitGraph {
 
  private:
   void sort_waits();
-  [[nodiscard]] std::vector<Wait> ring_through(VehicleIndex first);
+  [[nodiscard]] std::vector<Wait> cycle_through(VehicleIndex first);
 
   std::size_t count_{0};
   std::vector<Wait> waits_;

@@ -31,10 +31,10 @@ TEST(WaitGraph, has_no_knot_where_somebody_can_go) {
 }
 
 TEST(WaitGraph, names_two_that_wait_for_each_other_and_why) {
-  const auto knots = knots_of(5, {{3, 1, WaitReason::eyes}, {1, 3, WaitReason::crossing, 7}, {4, 1}});
+  const auto knots = knots_of(5, {{3, 1, WaitReason::sensors}, {1, 3, WaitReason::crossing, 7}, {4, 1}});
   ASSERT_THAT(knots, SizeIs(1));
   EXPECT_THAT(knots[0].members, ElementsAre(1U, 3U)) << "who only waits for them is not in it";
-  EXPECT_THAT(knots[0].ring, ElementsAre(Wait{1, 3, WaitReason::crossing, 7}, Wait{3, 1, WaitReason::eyes}));
+  EXPECT_THAT(knots[0].cycle, ElementsAre(Wait{1, 3, WaitReason::crossing, 7}, Wait{3, 1, WaitReason::sensors}));
 }
 
 TEST(WaitGraph, finds_several_and_is_the_same_in_whatever_order_they_came) {
@@ -42,19 +42,19 @@ TEST(WaitGraph, finds_several_and_is_the_same_in_whatever_order_they_came) {
   const auto knots = knots_of(7, waits);
   ASSERT_THAT(knots, SizeIs(2));
   EXPECT_THAT(knots[0].members, ElementsAre(0U, 2U, 4U));
-  EXPECT_THAT(knots[0].ring, ElementsAre(wait(0, 4), wait(4, 2), wait(2, 0)));
+  EXPECT_THAT(knots[0].cycle, ElementsAre(wait(0, 4), wait(4, 2), wait(2, 0)));
   EXPECT_THAT(knots[1].members, ElementsAre(5U, 6U));
   std::ranges::reverse(waits);
   const auto again = knots_of(7, waits);
   ASSERT_THAT(again, SizeIs(2));
-  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(again[i].ring, knots[i].ring);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(again[i].cycle, knots[i].cycle);
 }
 
 TEST(WaitGraph, gives_the_shortest_ring_where_somebody_waits_for_several) {
   const auto knots = knots_of(4, {wait(0, 1), wait(1, 2), wait(2, 3), wait(3, 0), wait(1, 0)});
   ASSERT_THAT(knots, SizeIs(1));
   EXPECT_THAT(knots[0].members, ElementsAre(0U, 1U, 2U, 3U));
-  EXPECT_THAT(knots[0].ring, ElementsAre(wait(0, 1), wait(1, 0)));
+  EXPECT_THAT(knots[0].cycle, ElementsAre(wait(0, 1), wait(1, 0)));
 }
 
 TEST(WaitGraph, is_used_again_without_a_trace_of_what_was) {
@@ -76,7 +76,7 @@ TEST(WaitGraph, takes_a_ring_of_a_hundred_thousand) {
   for (VehicleIndex v = 0; v < count; ++v) waits.push_back(wait(v, (v + 1) % count));
   const auto knots = knots_of(count, waits);
   ASSERT_THAT(knots, SizeIs(1));
-  EXPECT_THAT(knots[0].ring, SizeIs(count));
+  EXPECT_THAT(knots[0].cycle, SizeIs(count));
 }
 
 /// Whom each leads to, by trying until nothing is new.
@@ -97,23 +97,23 @@ TEST(WaitGraph, agrees_with_trying_everything) {
     const auto count = static_cast<std::size_t>(random.uniform(2.0, 13.0));
     std::vector<Wait> waits;
     const auto some = static_cast<std::size_t>(random.uniform(0.0, 1.5 * static_cast<double>(count)));
-    const auto anybody = [&] { return static_cast<VehicleIndex>(random.uniform(0.0, static_cast<double>(count))); };
+    const auto any_vehicle = [&] { return static_cast<VehicleIndex>(random.uniform(0.0, static_cast<double>(count))); };
     for (std::size_t i = 0; i < some; ++i) {
-      const VehicleIndex who = anybody();
-      if (const VehicleIndex whom = anybody(); who != whom) waits.push_back(wait(who, whom));
+      const VehicleIndex who = any_vehicle();
+      if (const VehicleIndex whom = any_vehicle(); who != whom) waits.push_back(wait(who, whom));
     }
     const auto reach = reach_of(count, waits);
     const auto knots = knots_of(count, waits);
     std::vector<int> knot_of(count, -1);
     for (std::size_t k = 0; k < knots.size(); ++k) {
       for (const VehicleIndex v : knots[k].members) knot_of[v] = static_cast<int>(k);
-      const auto& ring = knots[k].ring;
-      ASSERT_GE(ring.size(), 2U);
-      EXPECT_EQ(ring.front().who, knots[k].members.front());
-      for (std::size_t i = 0; i < ring.size(); ++i) {
-        EXPECT_EQ(ring[i].whom, ring[(i + 1) % ring.size()].who);
-        EXPECT_EQ(std::ranges::count(ring, ring[i].who, &Wait::who), 1);
-        EXPECT_TRUE(std::ranges::find(waits, ring[i]) != waits.end());
+      const auto& cycle = knots[k].cycle;
+      ASSERT_GE(cycle.size(), 2U);
+      EXPECT_EQ(cycle.front().who, knots[k].members.front());
+      for (std::size_t i = 0; i < cycle.size(); ++i) {
+        EXPECT_EQ(cycle[i].whom, cycle[(i + 1) % cycle.size()].who);
+        EXPECT_EQ(std::ranges::count(cycle, cycle[i].who, &Wait::who), 1);
+        EXPECT_TRUE(std::ranges::find(waits, cycle[i]) != waits.end());
       }
       ++found;
     }

@@ -42,7 +42,7 @@ struct AivProxy {
 
   std::optional<wire::ConnectionState> connection;  ///< nothing: it never said
   SimTime connection_at{};
-  std::optional<SimTime> talk_traced;  ///< when what it says to other vehicles was shown last
+  std::optional<SimTime> v2x_traced;  ///< when what it says to other vehicles was shown last
   std::optional<wire::Factsheet> factsheet;
   bool factsheet_requested{false};
   SimTime first_received{};

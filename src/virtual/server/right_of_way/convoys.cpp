@@ -93,7 +93,7 @@ bool Convoys::may_join(const Traffic& traffic, VehicleIndex vehicle, double exit
   const auto pass = std::ranges::find(passes_, leader.vehicle, &Pass::last);
   if (pass == passes_.end() || pass->row >= rules.convoy_max) return false;
   chain_.clear();
-  traffic.map().crossings_on(*position, exit_m, chain_, traffic.coming(vehicle));
+  traffic.map().crossings_on(*position, exit_m, chain_, traffic.remaining(vehicle));
   if (chain_.empty() || chain_ != pass->crossings) return false;
   const auto convoy = leaders_of(traffic, vehicle, pass->row);
   const Joining joining{vehicle, std::max(0.0, stop_m), exit_m, leader.distance_m};

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cosiva/base/digest.h"
-#include "cosiva/virtual/server/right_of_way/way_map.h"
+#include "cosiva/virtual/server/right_of_way/waypoint_graph.h"
 
 namespace cosiva::virtual_side {
 

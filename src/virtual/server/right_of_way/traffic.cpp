@@ -99,7 +99,7 @@ void Traffic::measure_base(VehicleIndex vehicle) {
   Vehicle& self = vehicles_[vehicle];
   self.base_m_max = short_base_m;
   if (self.base_end == no_waypoint || !self.position) return;
-  const auto left_m = map_->base_left(*self.position, self.base_end, std::numeric_limits<double>::max(), coming(vehicle),
+  const auto left_m = map_->base_left(*self.position, self.base_end, std::numeric_limits<double>::max(), remaining(vehicle),
                                       self.base_passed);
   self.base_m_max = std::max(short_base_m, left_m.value_or(0.0) + base_slack_m);
 }
@@ -107,29 +107,29 @@ void Traffic::measure_base(VehicleIndex vehicle) {
 std::optional<double> Traffic::base_left_m(VehicleIndex vehicle, zone::TrackPosition position) const {
   const Vehicle& self = vehicles_[vehicle];
   if (self.base_end == no_waypoint) return std::nullopt;
-  const Sections coming =
-      self.course.empty() || self.course.here() != position.section ? Sections{} : this->coming(vehicle);
-  return map_->base_left(position, self.base_end, self.base_m_max, coming, self.base_passed);
+  const Sections remaining =
+      self.course.empty() || self.course.here() != position.section ? Sections{} : this->remaining(vehicle);
+  return map_->base_left(position, self.base_end, self.base_m_max, remaining, self.base_passed);
 }
 
 Traffic::Beyond Traffic::beyond_base(VehicleIndex vehicle, zone::TrackPosition position) const {
   const zone::TrackPosition end = map_->waypoint(vehicles_[vehicle].base_end).position;
-  const Sections coming = this->coming(vehicle);
+  const Sections remaining = this->remaining(vehicle);
   const auto rolled_past = [&]() -> std::optional<Beyond> {
     const auto past = map_->circuit().shortest_route(end, position, past_m);
     if (!past) return std::nullopt;
     Beyond beyond{0, {past->sections.begin() + 1, past->sections.end()}};
-    beyond.sections.insert(beyond.sections.end(), coming.begin(), coming.end());
+    beyond.sections.insert(beyond.sections.end(), remaining.begin(), remaining.end());
     return beyond;
   };
   if (vehicles_[vehicle].base_passed) {
     if (auto beyond = rolled_past()) return *beyond;
   }
-  if (end.section == position.section && end.s_m >= position.s_m) return {0, {coming.begin(), coming.end()}};
-  const auto left_m = map_->ahead(position, end, vehicles_[vehicle].base_m_max, coming);
-  const auto found = left_m ? std::ranges::find(coming, end.section) : coming.end();
-  if (found == coming.end()) return rolled_past().value_or(Beyond{0, {}});
-  return {static_cast<std::size_t>(found - coming.begin()) + 1, {found + 1, coming.end()}};
+  if (end.section == position.section && end.s_m >= position.s_m) return {0, {remaining.begin(), remaining.end()}};
+  const auto left_m = map_->ahead(position, end, vehicles_[vehicle].base_m_max, remaining);
+  const auto found = left_m ? std::ranges::find(remaining, end.section) : remaining.end();
+  if (found == remaining.end()) return rolled_past().value_or(Beyond{0, {}});
+  return {static_cast<std::size_t>(found - remaining.begin()) + 1, {found + 1, remaining.end()}};
 }
 
 void Traffic::forget(VehicleIndex vehicle) {
@@ -150,7 +150,7 @@ void Traffic::update() {
       vehicles_[i].ahead = vehicles_[i].position ? ahead_within(i, -1.0) : Leader{};
   }
   holds_dirty_ = false;
-  settle_holds();
+  update_holds();
 }
 
 void Traffic::sort_by_position() {
@@ -180,12 +180,12 @@ Traffic::Leader Traffic::ahead_within(VehicleIndex index, double limit_m) const 
   if (!self.position) return {};
   constexpr double everywhere = std::numeric_limits<double>::infinity();
   const zone::Circuit& circuit = map_->circuit();
-  const Sections coming = this->coming(index);
+  const Sections remaining = this->remaining(index);
   Leader nearest{no_vehicle, std::max(limit_m, rules_.look_ahead_m)};
-  zone::SectionLookAhead path{circuit, self.position->section, coming};
+  zone::SectionLookAhead path{circuit, self.position->section, remaining};
   look_on(path.section(), 0.0, self.position->s_m, everywhere, index, nearest);
   double travelled_m = circuit.section(path.section()).length_m() - self.position->s_m;
-  for (std::size_t steps = 0; steps < coming.size() + circuit.size() && travelled_m <= nearest.distance_m; ++steps) {
+  for (std::size_t steps = 0; steps < remaining.size() + circuit.size() && travelled_m <= nearest.distance_m; ++steps) {
     const auto branches = circuit.next(path.section());
     if (!path.step()) break;
     // Those on another branch are in the way as long as their bodies have not parted from it.
@@ -198,13 +198,13 @@ Traffic::Leader Traffic::ahead_within(VehicleIndex index, double limit_m) const 
   return nearest;
 }
 
-void Traffic::settle_holds() {
+void Traffic::update_holds() {
   for (VehicleIndex v = 0; v < vehicles_.size(); ++v) {
     Vehicle& vehicle = vehicles_[v];
     vehicle.needs.clear();
     if (!vehicle.position) continue;
     const double base_m = base_left_m(v, *vehicle.position).value_or(0.0);
-    map_->crossings_on(*vehicle.position, base_m, vehicle.needs, coming(v));
+    map_->crossings_on(*vehicle.position, base_m, vehicle.needs, remaining(v));
   }
   for (CrossingIndex x = 0; x < holders_.size(); ++x) {
     VehicleIndex& holder = holders_[x];
@@ -226,7 +226,7 @@ bool Traffic::holds_all(VehicleIndex vehicle, double distance_m) {
   const auto& position = vehicles_[vehicle].position;
   if (!position) return false;
   scratch_.clear();
-  map_->crossings_on(*position, distance_m, scratch_, coming(vehicle));
+  map_->crossings_on(*position, distance_m, scratch_, remaining(vehicle));
   return std::ranges::all_of(scratch_, [&](CrossingIndex x) { return holders_[x] == vehicle; });
 }
 
@@ -253,13 +253,13 @@ std::optional<double> Traffic::loses_s(const Request& other, const Request& mine
     if (holder == no_vehicle || holder == other.vehicle || holder == mine.vehicle) continue;
     const zone::TrackPosition& at = *vehicles_[holder].position;
     const double base_m = base_left_m(holder, at).value_or(0.0);
-    begins_s = std::max(begins_s, map_->distance_to_exit_m(at, x, base_m, coming(holder)) / pace_mps);
+    begins_s = std::max(begins_s, map_->distance_to_exit_m(at, x, base_m, remaining(holder)) / pace_mps);
   }
   if (begins_s == 0.0) return std::nullopt;
   double out_m = 0.0;
   for (const CrossingIndex x : mine.crossings)
     if (std::ranges::find(other.crossings, x) != other.crossings.end())
-      out_m = std::max(out_m, map_->distance_to_exit_m(*vehicles_[mine.vehicle].position, x, mine.exit_m, coming(mine.vehicle)));
+      out_m = std::max(out_m, map_->distance_to_exit_m(*vehicles_[mine.vehicle].position, x, mine.exit_m, remaining(mine.vehicle)));
   return std::max(0.0, latency_s + run_s(mine.stop_m, out_m) - begins_s);
 }
 
@@ -273,11 +273,11 @@ bool Traffic::lets_by(const Request& other, const Request& mine) const {
 bool Traffic::only_follows(VehicleIndex other, VehicleIndex self, const std::vector<CrossingIndex>& crossings) {
   const auto& from = vehicles_[other].position;
   if (!from) return false;
-  const auto distance_m = map_->ahead(*from, *vehicles_[self].position, behind_m_max, coming(other));
+  const auto distance_m = map_->ahead(*from, *vehicles_[self].position, behind_m_max, remaining(other));
   if (!distance_m || *distance_m == 0.0) return false;
   // On a ring everybody follows everybody; it counts only where none of the crossings comes first.
   between_.clear();
-  map_->crossings_on(*from, *distance_m, between_, coming(other));
+  map_->crossings_on(*from, *distance_m, between_, remaining(other));
   return !ratios(between_, crossings);
 }
 
@@ -292,7 +292,7 @@ Traffic::Response Traffic::request(VehicleIndex vehicle, double exit_m, double s
   mine->stop_m = stop_m;
   mine->exit_m = exit_m;
   mine->crossings.clear();
-  map_->crossings_on(*self.position, exit_m, mine->crossings, coming(vehicle));
+  map_->crossings_on(*self.position, exit_m, mine->crossings, remaining(vehicle));
   const double room_m = exit_m + map_->zone().vehicle.length_m + rules_.room_m;
   const Leader ahead = ahead_within(vehicle, room_m);
   mine->has_room = ahead.distance_m >= room_m;

@@ -19,7 +19,7 @@ enum class WaitReason : std::uint8_t {
   crossing,  ///< that one holds a crossing, or stands in it
   turn,      ///< that one asked for a crossing before it, or goes before it by its priority
   neighbour,    ///< its body, or its way onto the line, would be too near
-  eyes,      ///< this one's own eyes make it stand before that one
+  sensors,      ///< this one's own eyes make it stand before that one
 };
 
 /// Distances that keep vehicles apart; all between the vehicles' middles, beyond one vehicle's length.
@@ -91,11 +91,11 @@ class Traffic {
   [[nodiscard]] const zone::Course& course(VehicleIndex vehicle) const { return vehicles_[vehicle].course; }
   [[nodiscard]] bool on_course(VehicleIndex vehicle) const { return vehicles_[vehicle].on_course; }
   /// After the section it is on; empty when it is off its course, or has none.
-  [[nodiscard]] Sections coming(VehicleIndex vehicle) const {
-    return vehicles_[vehicle].on_course ? vehicles_[vehicle].course.coming() : Sections{};
+  [[nodiscard]] Sections remaining(VehicleIndex vehicle) const {
+    return vehicles_[vehicle].on_course ? vehicles_[vehicle].course.remaining() : Sections{};
   }
-  [[nodiscard]] Sections gone(VehicleIndex vehicle) const {
-    return vehicles_[vehicle].on_course ? vehicles_[vehicle].course.gone() : Sections{};
+  [[nodiscard]] Sections traversed(VehicleIndex vehicle) const {
+    return vehicles_[vehicle].on_course ? vehicles_[vehicle].course.traversed() : Sections{};
   }
   /// From `place` along its course to the end of its base; nothing: it has none, or that is not where its way leads.
   [[nodiscard]] std::optional<double> base_left_m(VehicleIndex vehicle, zone::TrackPosition position) const;
@@ -200,7 +200,7 @@ class Traffic {
   void sort_by_position();
   void look_on(zone::SectionId section, double start_m, double from_s_m, double to_s_m, VehicleIndex self,
                Leader& nearest) const;
-  void settle_holds();
+  void update_holds();
   void measure_base(VehicleIndex vehicle);
   void look_again(VehicleIndex vehicle);
 

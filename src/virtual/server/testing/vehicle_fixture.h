@@ -144,7 +144,7 @@ class FixtureVehicle {
   std::set<std::string> refuses;  ///< instant actions it answers with FAILED
   bool refuse_next_order{false};
   bool takes_zones{true};         ///< from their topic, as ours do; else only when it is told by initPosition
-  std::optional<Pose2> off_line;  ///< it stands beside the circuit, and goes onto it when it is sent off
+  std::optional<Pose2> off_path;  ///< it stands beside the circuit, and goes onto it when it is sent off
   std::vector<wire::MapInfo> maps;
   std::vector<std::shared_ptr<const zone::TrafficZone>> downloads;  ///< what its master control has for it
   SimDuration clock_ahead{};
@@ -157,11 +157,11 @@ class FixtureVehicle {
   bool state_due{true};
 
   [[nodiscard]] zone::TrackPosition track_position() const { return motion.track_position(zone_->circuit); }
-  [[nodiscard]] Pose2 pose() const { return off_line ? *off_line : motion.pose(zone_->circuit); }
+  [[nodiscard]] Pose2 pose() const { return off_path ? *off_path : motion.pose(zone_->circuit); }
   [[nodiscard]] const zone::TrafficZone& zone() const { return *zone_; }
   /// Carried to where no way leads, or anywhere else.
   void put(const Pose2& X_MB) {
-    off_line = X_MB;
+    off_path = X_MB;
     if (const auto entry_point = zone::snap_to_path(zone_->circuit, X_MB))
       motion = {zone_->circuit, entry_point->position};
     book.emplace(*zone_);
@@ -205,9 +205,9 @@ class FixtureVehicle {
     const double target_m = paused || blocked || brakes || hangs_on == book->order_id()
                                 ? 0.0
                                 : std::min(left_m, cruise_mps * to_seconds(dt));
-    const double moved_m = backs_m > 0.0 ? -back(dt) : off_line ? 0.0 : drive(target_m);
+    const double moved_m = backs_m > 0.0 ? -back(dt) : off_path ? 0.0 : drive(target_m);
     driven_m += std::max(0.0, moved_m);
-    const double speed = off_line && (target_m > 0.0 || !joins.empty()) ? seek(dt) : moved_m / to_seconds(dt);
+    const double speed = off_path && (target_m > 0.0 || !joins.empty()) ? seek(dt) : moved_m / to_seconds(dt);
     if ((speed != 0.0) != (speed_mps != 0.0)) state_due = true;
     speed_mps = speed;
     if (moved_m > 0.0 && !book->travelled(moved_m).empty()) state_due = true;
@@ -262,7 +262,7 @@ class FixtureVehicle {
   double drive(double target_m) {
     if (target_m == 0.0) return 0.0;
     const zone::Course course = book->course_from(track_position());
-    return motion.shift(zone_->circuit, target_m, course.coming());
+    return motion.shift(zone_->circuit, target_m, course.remaining());
   }
 
   /// At 0.1 m/s; gives how far.
@@ -281,16 +281,16 @@ class FixtureVehicle {
   double seek(SimDuration dt) {
     const Pose2 there = motion.pose(zone_->circuit);
     const double step_m = 0.2 * to_seconds(dt);
-    const double left_m = distance(*off_line, there);
+    const double left_m = distance(*off_path, there);
     if (left_m <= step_m) {
-      off_line.reset();
+      off_path.reset();
       state_due = true;
       const auto joined = std::ranges::find(action_states, std::exchange(joins, {}), &wire::ActionState::action_id);
       if (joined != action_states.end()) joined->status = wire::ActionStatus::finished;
       return 0.0;
     }
-    off_line->x_m += (there.x_m - off_line->x_m) * step_m / left_m;
-    off_line->y_m += (there.y_m - off_line->y_m) * step_m / left_m;
+    off_path->x_m += (there.x_m - off_path->x_m) * step_m / left_m;
+    off_path->y_m += (there.y_m - off_path->y_m) * step_m / left_m;
     return 0.2;
   }
 
@@ -343,7 +343,7 @@ class FixtureVehicle {
       if (action.action_type == "stopPause") paused = false;
       if (action.action_type == "cancelOrder") book->cancel();
       on_map_action(action);
-      if (action.action_type == "joinLine" && off_line) {
+      if (action.action_type == "joinLine" && off_path) {
         const Point2 there{action.number("x").value_or(0.0), action.number("y").value_or(0.0)};
         motion = {zone_->circuit, zone_->circuit.locate(there, action.number("theta")).position};
         joins = action.action_id;

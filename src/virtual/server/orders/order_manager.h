@@ -12,12 +12,12 @@
 #include "cosiva/virtual/server/orders/wait_graph.h"
 #include "cosiva/virtual/server/registry/proxy.h"
 #include "cosiva/virtual/server/right_of_way/traffic.h"
-#include "cosiva/virtual/server/right_of_way/way_map.h"
+#include "cosiva/virtual/server/right_of_way/waypoint_graph.h"
 #include "cosiva/virtual/simulator/simulator.h"
 
 namespace cosiva::virtual_side {
 
-struct RollerRules {
+struct OrderRules {
   double base_ahead_m{1.2};  ///< as much may be driven blind when the link breaks
   std::size_t horizon{4};    ///< nodes shown beyond the base
   std::size_t base_nodes_max{16};
@@ -35,7 +35,7 @@ struct RollerRules {
   SimDuration cancel_again{std::chrono::seconds{5}};
   SimDuration unresponsive_for{std::chrono::seconds{12}};  ///< one of ours with way before it and no reason to stand
   SimDuration yield_time_max{std::chrono::seconds{12}};     ///< at most
-  double others_gone_m{0.5};                               ///< it goes on when those it gave way to have come so far
+  double others_left_m{0.5};                               ///< it goes on when those it gave way to have come so far
   double back_up_m_max{0.5};
 };
 
@@ -53,9 +53,9 @@ enum class Means : std::uint8_t {
 /// again, with the same content under a new header, until the vehicle's state acknowledges it. order_way.cpp finds the
 /// way, order_roller.cpp keeps the orders, order_join.cpp brings off-path vehicles onto the path, order_waits.cpp
 /// finds which vehicle waits for which, order_give_way.cpp resolves deadlocks.
-class OrderRoller {
+class OrderManager {
  public:
-  OrderRoller(Registry& registry, Traffic& traffic, MessagePublisher& publisher, InstantActionSender& action_sender,
+  OrderManager(Registry& registry, Traffic& traffic, MessagePublisher& publisher, InstantActionSender& action_sender,
               Missions& missions, Simulator& simulator)
       : registry_{registry},
         traffic_{traffic},
@@ -101,7 +101,7 @@ class OrderRoller {
   [[nodiscard]] SimDuration longest_wait() const { return longest_wait_; }
   /// Who cannot go on before whom, as of this tick; only of those that stand.
   void add_waits(WaitGraph& graph) const;
-  [[nodiscard]] bool is_beside(VehicleIndex vehicle) const { return goes_onto_line(vehicle); }
+  [[nodiscard]] bool is_off_path(VehicleIndex vehicle) const { return goes_onto_line(vehicle); }
   /// "CoSiVA/AIV1 waits for X3, where CoSiVA/AIV2 is".
   [[nodiscard]] std::string sentence(const Wait& wait) const;
 
@@ -204,7 +204,7 @@ class OrderRoller {
   bool regain_course(VehicleIndex vehicle);
   void take_course(VehicleIndex vehicle, zone::Course course);
   [[nodiscard]] const WaypointGraph::Stretch* next_stretch(VehicleIndex vehicle, WaypointIndex at, std::size_t passed);
-  [[nodiscard]] bool off_line(VehicleIndex vehicle) const;
+  [[nodiscard]] bool off_path(VehicleIndex vehicle) const;
   [[nodiscard]] bool goes_onto_line(VehicleIndex vehicle) const;
   [[nodiscard]] VehicleIndex obstructs_line_entry(VehicleIndex vehicle, zone::TrackPosition entry_point) const;
   /// Who stands beside the line, or is on its way to it, so that this one cannot drive on from `from_m` to `to_m`
@@ -213,7 +213,7 @@ class OrderRoller {
   /// Of one beside it: where it is to come onto it, or would if it were let in.
   [[nodiscard]] std::optional<zone::TrackPosition> comes_onto_line_at(VehicleIndex vehicle) const;
   void follow_line(VehicleIndex vehicle);
-  void stay_beside(VehicleIndex vehicle);
+  void keep_off_path(VehicleIndex vehicle);
 
   // order_join.cpp
   /// Where it is sent onto the line it goes there with a joinLine, which is not over yet.
@@ -260,7 +260,7 @@ class OrderRoller {
   InstantActionSender& action_sender_;
   Missions& missions_;
   Simulator& simulator_;
-  RollerRules rules_;
+  OrderRules rules_;
   const WaypointGraph* map_{};
   std::vector<Plan> plans_;
   std::vector<zone::SectionId> route_;               ///< of the vehicle at hand, after its extension's first section

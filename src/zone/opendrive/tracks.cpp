@@ -1,4 +1,4 @@
-#include "cosiva/zone/opendrive/ways.h"
+#include "cosiva/zone/opendrive/tracks.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "cosiva/app/remote/broker_say.h"
+#include "cosiva/app/remote/publish_once.h"
 
 #include <chrono>
 #include <string_view>

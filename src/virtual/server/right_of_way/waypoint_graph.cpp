@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/right_of_way/way_map.h"
+#include "cosiva/virtual/server/right_of_way/waypoint_graph.h"
 
 #include <algorithm>
 #include <utility>
@@ -148,10 +148,10 @@ bool WaypointGraph::is_default(WaypointIndex from, const Stretch& stretch) const
                              [&](zone::SectionId section) { return usual.step() && usual.section() == section; });
 }
 
-const WaypointGraph::Stretch* WaypointGraph::along(WaypointIndex from, Sections coming) const {
+const WaypointGraph::Stretch* WaypointGraph::along(WaypointIndex from, Sections remaining) const {
   for (const Stretch& stretch : stretches(from)) {
-    const std::size_t known = std::min(coming.size(), stretch.sections.size());
-    if (std::ranges::equal(coming.first(known), Sections{stretch.sections}.first(known))) return &stretch;
+    const std::size_t known = std::min(remaining.size(), stretch.sections.size());
+    if (std::ranges::equal(remaining.first(known), Sections{stretch.sections}.first(known))) return &stretch;
   }
   return nullptr;
 }
@@ -162,21 +162,21 @@ const WaypointGraph::Stretch& WaypointGraph::stretch(WaypointIndex from) const {
   return all.empty() ? none : all.front();
 }
 
-WaypointGraph::Chain WaypointGraph::chain(WaypointIndex stop, Sections coming, WaypointIndex goal) const {
+WaypointGraph::Chain WaypointGraph::chain(WaypointIndex stop, Sections remaining, WaypointIndex goal) const {
   Chain chain;
   Chain first;
   WaypointIndex at = stop;
   std::size_t passed = 0;
   // Waypoints are laid only where one may stand. Stretches that follow without a free one between them are one chain.
   for (std::size_t steps = 0; steps < chain_max; ++steps) {
-    const Stretch* next = along(at, coming.subspan(std::min(passed, coming.size())));
+    const Stretch* next = along(at, remaining.subspan(std::min(passed, remaining.size())));
     if (next == nullptr || !next->crosses || (steps > 0 && next->to == stop)) return chain;
     chain.exit = next->to;
     chain.length_m += next->length_m;
     if (steps == 0) first = chain;
     passed += next->sections.size();
     at = next->to;
-    if (at == goal && passed >= coming.size()) return chain;
+    if (at == goal && passed >= remaining.size()) return chain;
   }
   // Where every way crosses another there is no place to stand; then one goes from node to node.
   return first;
@@ -187,7 +187,7 @@ std::span<const WaypointIndex> WaypointGraph::find(std::string_view id) const {
   return it == by_id_.end() ? std::span<const WaypointIndex>{} : std::span{it->second};
 }
 
-std::optional<WaypointGraph::Behind> WaypointGraph::behind(zone::TrackPosition track_position, Sections gone) const {
+std::optional<WaypointGraph::Behind> WaypointGraph::behind(zone::TrackPosition track_position, Sections traversed) const {
   Behind found{no_waypoint, 0.0, {}};
   zone::SectionId section = track_position.section;
   double at_m = track_position.s_m;
@@ -200,24 +200,24 @@ std::optional<WaypointGraph::Behind> WaypointGraph::behind(zone::TrackPosition t
       return found;
     }
     const auto previous = zone_->circuit.previous(section);
-    if (gone.empty() && previous.empty()) return std::nullopt;
+    if (traversed.empty() && previous.empty()) return std::nullopt;
     found.sections.push_back(section);
     found.since_m += at_m;
-    section = gone.empty() ? previous.front() : gone.back();
-    if (!gone.empty()) gone = gone.first(gone.size() - 1);
+    section = traversed.empty() ? previous.front() : traversed.back();
+    if (!traversed.empty()) traversed = traversed.first(traversed.size() - 1);
     at_m = zone_->circuit.section(section).length_m();
   }
   return std::nullopt;
 }
 
-std::optional<WaypointGraph::FirstAhead> WaypointGraph::first_ahead(zone::TrackPosition track_position, Sections coming) const {
+std::optional<WaypointGraph::FirstAhead> WaypointGraph::first_ahead(zone::TrackPosition track_position, Sections remaining) const {
   for (WaypointIndex i = first_on_[track_position.section]; i < first_on_[track_position.section + 1]; ++i)
     if (waypoint(i).position.s_m >= track_position.s_m) return FirstAhead{i, waypoint(i).position.s_m - track_position.s_m, 0};
   double travelled_m = zone_->circuit.section(track_position.section).length_m() - track_position.s_m;
-  for (std::size_t i = 0; i < coming.size(); ++i) {
-    if (const WaypointIndex first = first_on(coming[i]); first != no_waypoint)
+  for (std::size_t i = 0; i < remaining.size(); ++i) {
+    if (const WaypointIndex first = first_on(remaining[i]); first != no_waypoint)
       return FirstAhead{first, travelled_m + waypoint(first).position.s_m, i + 1};
-    travelled_m += zone_->circuit.section(coming[i]).length_m();
+    travelled_m += zone_->circuit.section(remaining[i]).length_m();
   }
   return std::nullopt;
 }
@@ -248,15 +248,15 @@ WaypointIndex WaypointGraph::sibling_on(WaypointIndex of, zone::SectionId sectio
   return no_waypoint;
 }
 
-std::optional<double> WaypointGraph::base_left(zone::TrackPosition track_position, WaypointIndex end, double limit_m, Sections coming,
+std::optional<double> WaypointGraph::base_left(zone::TrackPosition track_position, WaypointIndex end, double limit_m, Sections remaining,
                                         bool passed) const {
   const zone::TrackPosition end_position = waypoint(end).position;
   if (!passed) {
     // Where a way comes back soon, what lies just behind may be what lies at its end.
-    if (const auto ahead_m = ahead(track_position, end_position, limit_m, coming)) return ahead_m;
+    if (const auto ahead_m = ahead(track_position, end_position, limit_m, remaining)) return ahead_m;
   }
   if (zone_->circuit.shortest_route(end_position, track_position, overshoot_m)) return 0.0;
-  return passed ? ahead(track_position, end_position, limit_m, coming) : std::nullopt;
+  return passed ? ahead(track_position, end_position, limit_m, remaining) : std::nullopt;
 }
 
 std::optional<WaypointGraph::Through> WaypointGraph::through(zone::TrackPosition track_position, std::span<const std::string_view> ids,
@@ -314,7 +314,7 @@ void WaypointGraph::spans_on(zone::SectionId section, double from_m, double to_m
 }
 
 void WaypointGraph::crossings_on(zone::TrackPosition track_position, double distance_m, std::vector<CrossingIndex>& out,
-                          Sections coming) const {
+                          Sections remaining) const {
   const zone::Circuit& circuit = zone_->circuit;
   double from_m = track_position.s_m - left_m;
   double rest_m = distance_m;
@@ -326,8 +326,8 @@ void WaypointGraph::crossings_on(zone::TrackPosition track_position, double dist
     }
   }
   double at_m = track_position.s_m;
-  zone::SectionLookAhead ahead{circuit, track_position.section, coming};
-  for (std::size_t steps = 0; steps <= coming.size() + circuit.size(); ++steps) {
+  zone::SectionLookAhead ahead{circuit, track_position.section, remaining};
+  for (std::size_t steps = 0; steps <= remaining.size() + circuit.size(); ++steps) {
     const bool first = steps == 0;
     const double end_m = circuit.section(ahead.section()).length_m();
     const double reach_m = std::min(end_m, at_m + rest_m);
@@ -339,11 +339,11 @@ void WaypointGraph::crossings_on(zone::TrackPosition track_position, double dist
   }
 }
 
-double WaypointGraph::distance_to_exit_m(zone::TrackPosition track_position, CrossingIndex crossing, double distance_m, Sections coming) const {
+double WaypointGraph::distance_to_exit_m(zone::TrackPosition track_position, CrossingIndex crossing, double distance_m, Sections remaining) const {
   double out_m = 0.0;
   double start_m = -track_position.s_m;
-  zone::SectionLookAhead ahead{zone_->circuit, track_position.section, coming};
-  for (std::size_t steps = 0; steps <= coming.size() + zone_->circuit.size() && start_m < distance_m; ++steps) {
+  zone::SectionLookAhead ahead{zone_->circuit, track_position.section, remaining};
+  for (std::size_t steps = 0; steps <= remaining.size() + zone_->circuit.size() && start_m < distance_m; ++steps) {
     for (const Span& span : spans_[ahead.section()])
       if (span.crossing == crossing && start_m + span.from_m < distance_m)
         out_m = std::max(out_m, start_m + span.to_m + left_m);

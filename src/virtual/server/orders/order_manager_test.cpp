@@ -73,7 +73,7 @@ void expect_stitched(const std::vector<wire::Order>& orders) {
   }
 }
 
-TEST(OrderRoller, sends_an_idle_vehicle_round_for_ever) {
+TEST(OrderManager, sends_an_idle_vehicle_round_for_ever) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(120s);
@@ -86,7 +86,7 @@ TEST(OrderRoller, sends_an_idle_vehicle_round_for_ever) {
   for (const wire::Order& order : aiv.orders) EXPECT_EQ(order.order_id, aiv.orders.front().order_id);
 }
 
-TEST(OrderRoller, keeps_the_base_short_and_shows_a_horizon_of_four) {
+TEST(OrderManager, keeps_the_base_short_and_shows_a_horizon_of_four) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   double longest_m = 0.0;
@@ -99,7 +99,7 @@ TEST(OrderRoller, keeps_the_base_short_and_shows_a_horizon_of_four) {
     EXPECT_EQ(std::ranges::count_if(order.nodes, [](const auto& n) { return !n.released; }), 4);
 }
 
-TEST(OrderRoller, never_lays_a_base_twice_over_one_place) {
+TEST(OrderManager, never_lays_a_base_twice_over_one_place) {
   // A ring shorter than a base may be.
   ServerFixture fixture{{"toml", "ring", R"(
 name = "ring"
@@ -133,7 +133,7 @@ angle_deg = 180
   EXPECT_THAT(aiv.refusals, IsEmpty());
 }
 
-TEST(OrderRoller, starts_an_order_at_the_waypoint_behind_the_vehicle_with_a_deviation_that_covers_the_way) {
+TEST(OrderManager, starts_an_order_at_the_waypoint_behind_the_vehicle_with_a_deviation_that_covers_the_way) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.55});
   fixture.run_for(2s);
@@ -145,7 +145,7 @@ TEST(OrderRoller, starts_an_order_at_the_waypoint_behind_the_vehicle_with_a_devi
   EXPECT_GE(*first.position->allowed_deviation_xy_m, 0.55 - waypoint->position.s_m);
 }
 
-TEST(OrderRoller, repeats_an_order_unchanged_until_it_is_acknowledged) {
+TEST(OrderManager, repeats_an_order_unchanged_until_it_is_acknowledged) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.loss = 1.0;
@@ -158,7 +158,7 @@ TEST(OrderRoller, repeats_an_order_unchanged_until_it_is_acknowledged) {
   EXPECT_EQ(sent[1].header.timestamp - sent[0].header.timestamp, 300ms) << "each says when it was sent";
 }
 
-TEST(OrderRoller, counts_every_order_message_to_a_vehicle_also_one_sent_again) {
+TEST(OrderManager, counts_every_order_message_to_a_vehicle_also_one_sent_again) {
   ServerFixture fixture;
   fixture.loss = 0.3;
   const FixtureVehicle& first = fixture.add("AIV1", {0, 0.5});
@@ -177,7 +177,7 @@ TEST(OrderRoller, counts_every_order_message_to_a_vehicle_also_one_sent_again) {
   }
 }
 
-TEST(OrderRoller, survives_a_link_that_loses_every_tenth_message) {
+TEST(OrderManager, survives_a_link_that_loses_every_tenth_message) {
   ServerFixture fixture;
   fixture.loss = 0.1;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
@@ -188,7 +188,7 @@ TEST(OrderRoller, survives_a_link_that_loses_every_tenth_message) {
   expect_stitched(orders_to(fixture, aiv));
 }
 
-TEST(OrderRoller, writes_a_vehicle_s_own_version_back_to_it) {
+TEST(OrderManager, writes_a_vehicle_s_own_version_back_to_it) {
   ServerFixture fixture;
   FixtureVehicle& unknown_sender = fixture.add("agv-7", {0, 0.5}, "Acme");
   unknown_sender.version = "2.0.0";
@@ -199,7 +199,7 @@ TEST(OrderRoller, writes_a_vehicle_s_own_version_back_to_it) {
   EXPECT_GT(unknown_sender.driven_m, 0.1);
 }
 
-TEST(OrderRoller, leaves_who_is_told_to_watch_alone) {
+TEST(OrderManager, leaves_who_is_told_to_watch_alone) {
   ServerOptions watching;
   watching.drive = false;
   ServerFixture fixture{oval(), watching};
@@ -209,7 +209,7 @@ TEST(OrderRoller, leaves_who_is_told_to_watch_alone) {
   EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").text("status"), "stopped");
 }
 
-TEST(OrderRoller, takes_an_order_over_after_a_restart_and_goes_on_with_it) {
+TEST(OrderManager, takes_an_order_over_after_a_restart_and_goes_on_with_it) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(20s);
@@ -224,7 +224,7 @@ TEST(OrderRoller, takes_an_order_over_after_a_restart_and_goes_on_with_it) {
   expect_stitched(aiv.orders);
 }
 
-TEST(OrderRoller, gives_nobody_an_order_after_a_restart_before_all_who_are_online_were_heard) {
+TEST(OrderManager, gives_nobody_an_order_after_a_restart_before_all_who_are_online_were_heard) {
   ServerFixture fixture;
   FixtureVehicle& first = fixture.add("AIV1", {0, 0.5});
   FixtureVehicle& unresponsive = fixture.add("AIV2", {2, 0.5});
@@ -235,7 +235,7 @@ TEST(OrderRoller, gives_nobody_an_order_after_a_restart_before_all_who_are_onlin
   EXPECT_FALSE(first.orders.empty()) << "but not for ever: 2 s at most";
 }
 
-TEST(OrderRoller, waits_two_seconds_after_a_refusal_and_then_makes_a_new_order) {
+TEST(OrderManager, waits_two_seconds_after_a_refusal_and_then_makes_a_new_order) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   aiv.refuse_next_order = true;
@@ -248,7 +248,7 @@ TEST(OrderRoller, waits_two_seconds_after_a_refusal_and_then_makes_a_new_order) 
   EXPECT_GT(aiv.driven_m, 0.1);
 }
 
-TEST(OrderRoller, cancels_an_active_order_whose_update_was_refused_before_it_makes_a_new_one) {
+TEST(OrderManager, cancels_an_active_order_whose_update_was_refused_before_it_makes_a_new_one) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(5s);
@@ -263,7 +263,7 @@ TEST(OrderRoller, cancels_an_active_order_whose_update_was_refused_before_it_mak
   EXPECT_GT(aiv.speed_mps, 0.0);
 }
 
-TEST(OrderRoller, gives_a_vehicle_that_restarted_without_its_order_a_new_one) {
+TEST(OrderManager, gives_a_vehicle_that_restarted_without_its_order_a_new_one) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(5s);
@@ -278,7 +278,7 @@ TEST(OrderRoller, gives_a_vehicle_that_restarted_without_its_order_a_new_one) {
   EXPECT_GT(aiv.driven_m, driven_m + 2.0);
 }
 
-TEST(OrderRoller, gives_a_vehicle_that_came_back_no_order_before_it_said_where_it_is_now) {
+TEST(OrderManager, gives_a_vehicle_that_came_back_no_order_before_it_said_where_it_is_now) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(5s);
@@ -299,7 +299,7 @@ TEST(OrderRoller, gives_a_vehicle_that_came_back_no_order_before_it_said_where_i
   EXPECT_GT(aiv.orders.size(), orders);
 }
 
-TEST(OrderRoller, sends_a_vehicle_on_that_rolled_past_the_end_of_its_base_into_the_next_section) {
+TEST(OrderManager, sends_a_vehicle_on_that_rolled_past_the_end_of_its_base_into_the_next_section) {
   ServerFixture fixture{zone_file("../e2e/areas/area_b.toml")};
   const zone::Circuit& circuit = fixture.zone->circuit;
   FixtureVehicle& other = fixture.add("AIV2", {*circuit.find("b_east"), 0.05});
@@ -319,7 +319,7 @@ TEST(OrderRoller, sends_a_vehicle_on_that_rolled_past_the_end_of_its_base_into_t
   EXPECT_THAT(aiv.refusals, IsEmpty());
 }
 
-TEST(OrderRoller, drives_a_vehicle_that_reports_only_once_a_second) {
+TEST(OrderManager, drives_a_vehicle_that_reports_only_once_a_second) {
   ServerFixture fixture;
   FixtureVehicle& slow = fixture.add("agv-7", {0, 0.5}, "Acme");
   slow.visualizes = false;  // leaves one state a second, and those at its nodes
@@ -329,7 +329,7 @@ TEST(OrderRoller, drives_a_vehicle_that_reports_only_once_a_second) {
   EXPECT_EQ(fixture.aiv("Acme/agv-7").flag("lost"), false);
 }
 
-TEST(OrderRoller, does_not_touch_an_order_over_nodes_it_does_not_know) {
+TEST(OrderManager, does_not_touch_an_order_over_nodes_it_does_not_know) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   wire::State state = aiv.state(fixture.now);
@@ -346,7 +346,7 @@ TEST(OrderRoller, does_not_touch_an_order_over_nodes_it_does_not_know) {
   EXPECT_TRUE(fixture.logged("left alone"));
 }
 
-TEST(OrderRoller, tells_a_vehicle_that_lost_its_place_where_it_was_last) {
+TEST(OrderManager, tells_a_vehicle_that_lost_its_place_where_it_was_last) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(3s);

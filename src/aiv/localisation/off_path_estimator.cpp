@@ -24,10 +24,10 @@ bool begins_again(const Pose2& X_OB, const Pose2& X_OB_next) {
   constexpr double back_m = 0.003;
   constexpr double back_rad = 0.02;
   constexpr double spot_m = 0.0005;
-  const double gone_m = norm(X_OB.x_m, X_OB.y_m);
+  const double traversed_m = norm(X_OB.x_m, X_OB.y_m);
   const double next_m = norm(X_OB_next.x_m, X_OB_next.y_m);
-  if (next_m < gone_m - back_m) return true;
-  return gone_m <= spot_m && next_m <= spot_m &&
+  if (next_m < traversed_m - back_m) return true;
+  return traversed_m <= spot_m && next_m <= spot_m &&
          std::fabs(X_OB_next.heading_rad) < std::fabs(X_OB.heading_rad) - back_rad;
 }
 
@@ -76,7 +76,7 @@ void PositionEstimator::take_over(const PositionEstimator& before) {
   if (before.pose_known()) set_off_path(before.pose());
 }
 
-PositionEstimator::Rolled PositionEstimator::off_line(double step_m, const wire::Odometry& odometry) {
+PositionEstimator::Rolled PositionEstimator::off_path(double step_m, const wire::Odometry& odometry) {
   Rolled rolled;
   const auto& manoeuvre = odometry.manoeuvre;
   // Between two manoeuvres there may have been no frame, or none that came.
@@ -148,9 +148,9 @@ bool PositionEstimator::end_turn(double turned_rad, Rolled& rolled) {
   const auto to = turned_to(turned_rad);
   if (!to || track_position().s_m < zone_.circuit.section(here).length_m()) return false;
   X_MO_.reset();
-  if (course_.coming().empty() || course_.coming().front() != *to) {
+  if (course_.remaining().empty() || course_.remaining().front() != *to) {
     // It took another way than it was told, or nobody had told any.
-    if (!course_.coming().empty()) rolled.kind = FixKind::relocated;
+    if (!course_.remaining().empty()) rolled.kind = FixKind::relocated;
     course_.cut(0);
     if (course_.empty()) course_ = zone::Course{{here}};
   }
@@ -167,8 +167,8 @@ std::optional<zone::SectionId> PositionEstimator::turned_to(double turned_rad) c
     const double bend = bend_rad(circuit, here, to);
     return bend == 0.0 ? pi : std::fabs(wrap_angle(bend - turned_rad));
   };
-  if (!course_.coming().empty() && misfit_rad(course_.coming().front()) <= model_.landed_rad)
-    return course_.coming().front();
+  if (!course_.remaining().empty() && misfit_rad(course_.remaining().front()) <= model_.landed_rad)
+    return course_.remaining().front();
   const auto branches = circuit.next(here);
   const auto best = std::ranges::min_element(branches, {}, misfit_rad);
   return best != branches.end() && misfit_rad(*best) <= model_.landed_rad ? std::optional{*best} : std::nullopt;

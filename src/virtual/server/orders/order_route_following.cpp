@@ -1,4 +1,4 @@
-// OrderRoller: where the next stretch begins, and along which way.
+// OrderManager: where the next stretch begins, and along which way.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "cosiva/aiv/decision/envelope.h"
 #include "cosiva/aiv/decision/line_entry.h"
 #include "cosiva/base/math.h"
-#include "cosiva/virtual/server/orders/order_roller.h"
+#include "cosiva/virtual/server/orders/order_manager.h"
 #include "cosiva/zone/circuit/path_snap.h"
 
 namespace cosiva::virtual_side {
@@ -28,11 +28,11 @@ constexpr double sample_m = 0.05;
 
 }  // namespace
 
-std::optional<OrderRoller::Extension> OrderRoller::start_of_extension(VehicleIndex vehicle) {
+std::optional<OrderManager::Extension> OrderManager::start_of_extension(VehicleIndex vehicle) {
   return plans_[vehicle].stage == Plan::Stage::running ? end_of_base(vehicle) : first_node(vehicle);
 }
 
-std::optional<OrderRoller::Extension> OrderRoller::end_of_base(VehicleIndex vehicle) {
+std::optional<OrderManager::Extension> OrderManager::end_of_base(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   const zone::TrackPosition track_position = *plan.reported.position;
   const bool on_course = traffic_.on_course(vehicle) || regain_course(vehicle);
@@ -48,7 +48,7 @@ std::optional<OrderRoller::Extension> OrderRoller::end_of_base(VehicleIndex vehi
   return Extension{plan.base_end, *left_m};
 }
 
-std::optional<OrderRoller::Extension> OrderRoller::first_node(VehicleIndex vehicle) {
+std::optional<OrderManager::Extension> OrderManager::first_node(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   if (goes_onto_line(vehicle)) {
     const auto entry_point = zone::snap_to_path(map_->circuit(), plan.reported.X_MB);
@@ -66,12 +66,12 @@ std::optional<OrderRoller::Extension> OrderRoller::first_node(VehicleIndex vehic
   }
   if (!plan_course(vehicle)) return std::nullopt;
   const zone::TrackPosition track_position = *plan.reported.position;
-  const Sections coming = traffic_.coming(vehicle);
-  auto behind = map_->behind(track_position, traffic_.gone(vehicle));
+  const Sections remaining = traffic_.remaining(vehicle);
+  auto behind = map_->behind(track_position, traffic_.traversed(vehicle));
   if (!behind || behind->since_m > node_far_behind_m) {
-    const auto ahead = map_->first_ahead(track_position, coming);
+    const auto ahead = map_->first_ahead(track_position, remaining);
     if (ahead && (!behind || ahead->distance_m <= node_ahead_m)) {
-      route_.assign(coming.begin() + static_cast<std::ptrdiff_t>(ahead->sections), coming.end());
+      route_.assign(remaining.begin() + static_cast<std::ptrdiff_t>(ahead->sections), remaining.end());
       if (!traffic_.holds_all(vehicle, ahead->distance_m) && !enter(vehicle, 0.0, ahead->distance_m))
         return std::nullopt;
       return Extension{ahead->waypoint, ahead->distance_m};
@@ -79,23 +79,23 @@ std::optional<OrderRoller::Extension> OrderRoller::first_node(VehicleIndex vehic
   }
   if (!behind) return std::nullopt;
   route_ = std::move(behind->sections);
-  route_.insert(route_.end(), coming.begin(), coming.end());
+  route_.insert(route_.end(), remaining.begin(), remaining.end());
   return Extension{behind->waypoint, -behind->since_m};
 }
 
-void OrderRoller::stay_beside(VehicleIndex vehicle) {
+void OrderManager::keep_off_path(VehicleIndex vehicle) {
   // Nobody asks it to be anywhere but where its body is: off_path_obstruction() keeps the others off that.
   if (!std::exchange(plans_[vehicle].entry_point, std::nullopt)) return;
   traffic_.set_position(vehicle, std::nullopt);
   traffic_.update();
 }
 
-void OrderRoller::take_course(VehicleIndex vehicle, zone::Course course) {
+void OrderManager::take_course(VehicleIndex vehicle, zone::Course course) {
   if (const auto& twin = registry_[vehicle].twin) simulator_.set_course(*twin, course);
   traffic_.set_course(vehicle, std::move(course));
 }
 
-bool OrderRoller::plan_course(VehicleIndex vehicle) {
+bool OrderManager::plan_course(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   const zone::TrackPosition track_position = *plan.reported.position;
   const std::uint64_t revision = missions_.revision(vehicle);
@@ -114,10 +114,10 @@ bool OrderRoller::plan_course(VehicleIndex vehicle) {
   const auto start = std::ranges::find(starts, sections->front(), &zone::TrackPosition::section);
   // Where it came from is where its first node lies, and where it is seen until it has turned into another way.
   std::vector<zone::SectionId> all;
-  const Sections gone = traffic_.gone(vehicle);
+  const Sections traversed = traffic_.traversed(vehicle);
   const auto before_start = map_->circuit().previous(start->section);
-  if (start == starts.begin() || (!gone.empty() && std::ranges::find(before_start, gone.back()) != before_start.end()))
-    all.assign(gone.begin(), gone.end());
+  if (start == starts.begin() || (!traversed.empty() && std::ranges::find(before_start, traversed.back()) != before_start.end()))
+    all.assign(traversed.begin(), traversed.end());
   const std::size_t before = all.size();
   all.insert(all.end(), sections->begin(), sections->end());
   take_course(vehicle, zone::Course(std::move(all), before));
@@ -129,17 +129,17 @@ bool OrderRoller::plan_course(VehicleIndex vehicle) {
   return true;
 }
 
-bool OrderRoller::past_goal(VehicleIndex vehicle) const {
+bool OrderManager::past_goal(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
   const WaypointIndex goal = missions_.goal(vehicle);
   if (plan.route_of != missions_.revision(vehicle) || goal == no_waypoint || !plan.reported.position) return false;
   const zone::TrackPosition end = map_->waypoint(goal).position;
-  const Sections coming = traffic_.coming(vehicle);
-  const bool comes_to_it = std::ranges::find(coming, end.section) != coming.end();
+  const Sections remaining = traffic_.remaining(vehicle);
+  const bool comes_to_it = std::ranges::find(remaining, end.section) != remaining.end();
   return !comes_to_it && plan.reported.position->section == end.section && plan.reported.position->s_m > end.s_m;
 }
 
-bool OrderRoller::stays_at_goal(VehicleIndex vehicle) {
+bool OrderManager::stays_at_goal(VehicleIndex vehicle) {
   const bool past = past_goal(vehicle);
   const Point2 here = position(plans_[vehicle].reported.X_MB);
   // Who stops short can come nearer. Who has gone past would have to come round again, for what its order allowed.
@@ -149,11 +149,11 @@ bool OrderRoller::stays_at_goal(VehicleIndex vehicle) {
   return missions_.is_stopped_at(vehicle, here, off_m);
 }
 
-bool OrderRoller::plan_course_again(VehicleIndex vehicle) {
+bool OrderManager::plan_course_again(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   const Traffic::Beyond beyond = traffic_.beyond_base(vehicle, *plan.reported.position);
   const zone::TrackPosition end = map_->waypoint(plan.base_end).position;
-  const Sections released = traffic_.coming(vehicle).first(beyond.keep);
+  const Sections released = traffic_.remaining(vehicle).first(beyond.keep);
   const bool ends_at_node = end.s_m == 0.0 && beyond.keep > 0;
   const bool has_siblings = ends_at_node && map_->find(map_->waypoint(plan.base_end).id).size() > 1;
   for (std::size_t i = 0; i < released.size(); ++i) {
@@ -199,7 +199,7 @@ bool OrderRoller::plan_course_again(VehicleIndex vehicle) {
   return true;
 }
 
-bool OrderRoller::regain_course(VehicleIndex vehicle) {
+bool OrderManager::regain_course(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   const zone::TrackPosition track_position = *plan.reported.position;
   const zone::TrackPosition end = map_->waypoint(plan.base_end).position;
@@ -215,7 +215,7 @@ bool OrderRoller::regain_course(VehicleIndex vehicle) {
   return true;
 }
 
-const WaypointGraph::Stretch* OrderRoller::next_stretch(VehicleIndex vehicle, WaypointIndex at, std::size_t passed) {
+const WaypointGraph::Stretch* OrderManager::next_stretch(VehicleIndex vehicle, WaypointIndex at, std::size_t passed) {
   if (plans_[vehicle].no_route || passed > route_.size()) return nullptr;
   const auto far_enough = [&] {
     double rest_m = 0.0;
@@ -236,24 +236,24 @@ const WaypointGraph::Stretch* OrderRoller::next_stretch(VehicleIndex vehicle, Wa
   return stretch != nullptr && stretch->sections.size() <= route_.size() - passed ? stretch : nullptr;
 }
 
-bool OrderRoller::off_line(VehicleIndex vehicle) const {
+bool OrderManager::off_path(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
   return plan.entry_point || plan.reported.off_m > on_line_m || std::fabs(plan.reported.heading_off_rad) > on_line_rad;
 }
 
-bool OrderRoller::goes_onto_line(VehicleIndex vehicle) const {
+bool OrderManager::goes_onto_line(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
-  return plan.entry_point || (plan.stage == Plan::Stage::none && off_line(vehicle) && registry_[vehicle].is_cosiva());
+  return plan.entry_point || (plan.stage == Plan::Stage::none && off_path(vehicle) && registry_[vehicle].is_cosiva());
 }
 
-void OrderRoller::follow_line(VehicleIndex vehicle) {
+void OrderManager::follow_line(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   if (!plan.entry_point || map_ == nullptr) return;
   ReportedPose& reported = plan.reported;
   const zone::Circuit& circuit = map_->circuit();
-  const Sections coming = traffic_.coming(vehicle);
+  const Sections remaining = traffic_.remaining(vehicle);
   std::array<zone::SectionId, 2> candidates{plan.entry_point->section,
-                                            coming.empty() ? plan.entry_point->section : coming[0]};
+                                            remaining.empty() ? plan.entry_point->section : remaining[0]};
   for (const zone::SectionId section : candidates) {
     const auto near = circuit.section(section).nearest(position(reported.X_MB));
     const double off_rad =
@@ -270,7 +270,7 @@ void OrderRoller::follow_line(VehicleIndex vehicle) {
   reported.heading_off_rad = 0.0;
 }
 
-VehicleIndex OrderRoller::obstructs_line_entry(VehicleIndex vehicle, zone::TrackPosition entry_point) const {
+VehicleIndex OrderManager::obstructs_line_entry(VehicleIndex vehicle, zone::TrackPosition entry_point) const {
   const zone::VehicleShape& shape = map_->zone().vehicle;
   const aiv::LineEntry mine{plans_[vehicle].reported.X_MB, map_->circuit().pose_at(entry_point)};
   aiv::EntrySweep sweep{shape};
@@ -288,22 +288,22 @@ VehicleIndex OrderRoller::obstructs_line_entry(VehicleIndex vehicle, zone::Track
     const auto& track_position = traffic_.track_position(other);
     if (!track_position) continue;
     const double base_m = traffic_.base_left_m(other, *track_position).value_or(0.0);
-    const Sections coming = traffic_.coming(other);
+    const Sections remaining = traffic_.remaining(other);
     for (double ahead_m = sample_m; ahead_m < base_m + sample_m; ahead_m += sample_m)
-      if (sweep.near_body(map_->circuit().pose_at(map_->circuit().advance(*track_position, std::min(ahead_m, base_m), coming))))
+      if (sweep.near_body(map_->circuit().pose_at(map_->circuit().advance(*track_position, std::min(ahead_m, base_m), remaining))))
         return other;
     const double clear_m = shape.length_m + aiv::entry_clear_m;
-    if (base_m > 0.0 && map_->ahead(*track_position, entry_point, base_m + clear_m, traffic_.coming(other))) return other;
+    if (base_m > 0.0 && map_->ahead(*track_position, entry_point, base_m + clear_m, traffic_.remaining(other))) return other;
   }
   return no_vehicle;
 }
 
-VehicleIndex OrderRoller::off_path_obstruction(VehicleIndex vehicle, double from_m, double to_m) const {
+VehicleIndex OrderManager::off_path_obstruction(VehicleIndex vehicle, double from_m, double to_m) const {
   constexpr double clear_m = 0.04;  // no less than what a vehicle's own eyes make it stop for
   const zone::TrackPosition track_position = *plans_[vehicle].reported.position;
   const zone::Circuit& circuit = map_->circuit();
   const zone::VehicleShape& shape = map_->zone().vehicle;
-  const Sections coming = traffic_.coming(vehicle);
+  const Sections remaining = traffic_.remaining(vehicle);
   aiv::EntrySweep sweep{shape};
   for (const VehicleIndex other : neighbour_) {
     if (other == vehicle) continue;
@@ -311,7 +311,7 @@ VehicleIndex OrderRoller::off_path_obstruction(VehicleIndex vehicle, double from
     const std::optional<zone::TrackPosition> entry_point = comes_onto_line_at(other);
     if (entry_point) sweep.take({X_MB, circuit.pose_at(*entry_point)});
     const auto in_path = [&](double ahead_m, double air_m) {
-      const Pose2 X_MV = circuit.pose_at(circuit.advance(track_position, ahead_m, coming));
+      const Pose2 X_MV = circuit.pose_at(circuit.advance(track_position, ahead_m, remaining));
       return entry_point ? sweep.near_body(X_MV, air_m) : aiv::near_bodies(shape, X_MV, X_MB, air_m);
     };
     // One that it has beside it already it may pass as closely.
@@ -326,7 +326,7 @@ VehicleIndex OrderRoller::off_path_obstruction(VehicleIndex vehicle, double from
   return no_vehicle;
 }
 
-std::optional<zone::TrackPosition> OrderRoller::comes_onto_line_at(VehicleIndex vehicle) const {
+std::optional<zone::TrackPosition> OrderManager::comes_onto_line_at(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
   if (plan.entry_point) return plan.entry_point;
   // Who waits to come onto the line is let in, but not for ever: it may be that it cannot.
@@ -336,7 +336,7 @@ std::optional<zone::TrackPosition> OrderRoller::comes_onto_line_at(VehicleIndex 
   return entry_point ? std::optional{entry_point->position} : std::nullopt;
 }
 
-std::string OrderRoller::blocker_at_goal(VehicleIndex vehicle) const {
+std::string OrderManager::blocker_at_goal(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
   const WaypointIndex goal = missions_.goal(vehicle);
   if (plan.waits_for_vehicle == no_vehicle || goal == no_waypoint || map_ == nullptr) return {};

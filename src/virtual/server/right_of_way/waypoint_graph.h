@@ -50,7 +50,7 @@ class WaypointGraph {
     return {stretches_.data() + first_stretch_[from], stretches_.data() + first_stretch_[from + 1]};
   }
   /// The one along `coming`; null: the way ends, or no stretch goes that way.
-  [[nodiscard]] const Stretch* along(WaypointIndex from, Sections coming) const;
+  [[nodiscard]] const Stretch* along(WaypointIndex from, Sections remaining) const;
   /// That of default successors; its `to` is no_waypoint where the way ends.
   [[nodiscard]] const Stretch& stretch(WaypointIndex from) const;
 
@@ -61,7 +61,7 @@ class WaypointGraph {
   };
   static constexpr std::size_t chain_max = 16;  ///< stretches; where every way crosses another, somebody must begin
   /// @param goal  where `coming` ends and the vehicle will stay, whatever it stands in; no_waypoint: nowhere
-  [[nodiscard]] Chain chain(WaypointIndex stop, Sections coming = {}, WaypointIndex goal = no_waypoint) const;
+  [[nodiscard]] Chain chain(WaypointIndex stop, Sections remaining = {}, WaypointIndex goal = no_waypoint) const;
 
   [[nodiscard]] const zone::Waypoint& waypoint(WaypointIndex index) const { return zone_->waypoints[index]; }
   [[nodiscard]] Point2 point(WaypointIndex index) const { return points_[index]; }
@@ -75,14 +75,14 @@ class WaypointGraph {
     double since_m;                         ///< way from it to `place`
     std::vector<zone::SectionId> sections;  ///< after its own, up to `place`'s
   };
-  [[nodiscard]] std::optional<Behind> behind(zone::TrackPosition position, Sections gone = {}) const;
+  [[nodiscard]] std::optional<Behind> behind(zone::TrackPosition position, Sections traversed = {}) const;
   /// The first waypoint at or after `place`.
   struct FirstAhead {
     WaypointIndex waypoint;
     double distance_m;
     std::size_t sections;  ///< of `coming`, up to its own
   };
-  [[nodiscard]] std::optional<FirstAhead> first_ahead(zone::TrackPosition position, Sections coming) const;
+  [[nodiscard]] std::optional<FirstAhead> first_ahead(zone::TrackPosition position, Sections remaining) const;
   /// `place`, and the starts of all sections that begin at the waypoint it stands on: where ways meet at a node, a
   /// vehicle that stands on it may leave by any of those it could have come to.
   [[nodiscard]] std::vector<zone::TrackPosition> starts(zone::TrackPosition position) const;
@@ -90,14 +90,14 @@ class WaypointGraph {
   [[nodiscard]] WaypointIndex sibling_on(WaypointIndex waypoint, zone::SectionId section) const;
 
   [[nodiscard]] std::optional<double> ahead(zone::TrackPosition from, zone::TrackPosition to, double limit_m,
-                                            Sections coming = {}) const {
-    return zone_->circuit.distance_ahead(from, to, limit_m, coming);
+                                            Sections remaining = {}) const {
+    return zone_->circuit.distance_ahead(from, to, limit_m, remaining);
   }
   /// Way from `place` to a base that ends at `end`: 0 when it stands there or a little beyond; nothing when the end is
   /// not within `limit_m` ahead.
   /// @param passed  it has said that it passed the end, so that what is just behind is not one lap ahead
   [[nodiscard]] std::optional<double> base_left(zone::TrackPosition position, WaypointIndex end, double limit_m,
-                                                Sections coming = {}, bool passed = true) const;
+                                                Sections remaining = {}, bool passed = true) const;
 
   /// The way over nodes that a vehicle at `place` reports as left to drive.
   struct Through {
@@ -113,10 +113,10 @@ class WaypointGraph {
   /// `place` or meets over the next `distance_m`. A span counts as entered 4 cm behind its start (the clearance it was
   /// found with: a vehicle that stopped a little late at its stop line is not in it) and as left 1 cm behind its end (1
   /// cm before its exit: so is one that stopped a little early there).
-  void crossings_on(zone::TrackPosition position, double distance_m, std::vector<CrossingIndex>& out, Sections coming = {}) const;
+  void crossings_on(zone::TrackPosition position, double distance_m, std::vector<CrossingIndex>& out, Sections remaining = {}) const;
   /// From `place` to where the last span of that crossing within `distance_m` is left; 0: there is none.
   [[nodiscard]] double distance_to_exit_m(zone::TrackPosition position, CrossingIndex crossing, double distance_m,
-                                 Sections coming = {}) const;
+                                 Sections remaining = {}) const;
   /// Where ways part: so far along `section` a body still is in the way of those who take another branch.
   [[nodiscard]] double parted_m(zone::SectionId section) const;
 

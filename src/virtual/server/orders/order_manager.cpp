@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/orders/order_roller.h"
+#include "cosiva/virtual/server/orders/order_manager.h"
 
 #include <algorithm>
 #include <array>
@@ -30,7 +30,7 @@ std::pair<std::string_view, std::uint32_t> base_end_of(const wire::State& state)
 
 }  // namespace
 
-void OrderRoller::set_map(const WaypointGraph* map) {
+void OrderManager::set_map(const WaypointGraph* map) {
   map_ = map;
   for (VehicleIndex v = 0; v < plans_.size(); ++v) {
     plans_[v].reported = {};
@@ -44,7 +44,7 @@ void OrderRoller::set_map(const WaypointGraph* map) {
   }
 }
 
-void OrderRoller::set_reported_pose(VehicleIndex vehicle, const ReportedPose& reported) {
+void OrderManager::set_reported_pose(VehicleIndex vehicle, const ReportedPose& reported) {
   plans_[vehicle].reported = reported;
   follow_line(vehicle);
   const ReportedPose& now = plans_[vehicle].reported;
@@ -55,7 +55,7 @@ void OrderRoller::set_reported_pose(VehicleIndex vehicle, const ReportedPose& re
   traffic_.set_position(vehicle, is_obstructing ? now.position : std::nullopt);
 }
 
-void OrderRoller::on_state(VehicleIndex vehicle, const wire::State* before) {
+void OrderManager::on_state(VehicleIndex vehicle, const wire::State* before) {
   if (map_ == nullptr) return;
   Plan& plan = plans_[vehicle];
   const wire::State& state = *registry_[vehicle].state;
@@ -75,7 +75,7 @@ void OrderRoller::on_state(VehicleIndex vehicle, const wire::State* before) {
   }
 }
 
-void OrderRoller::follow(VehicleIndex vehicle, const wire::State& state) {
+void OrderManager::follow(VehicleIndex vehicle, const wire::State& state) {
   Plan& plan = plans_[vehicle];
   if (state.order_id != plan.order_id) {
     // It has not received ours yet; but once it had, or while it follows another, ours is void.
@@ -107,7 +107,7 @@ void OrderRoller::follow(VehicleIndex vehicle, const wire::State& state) {
   adopt(vehicle, state);
 }
 
-void OrderRoller::adopt(VehicleIndex vehicle, const wire::State& state) {
+void OrderManager::adopt(VehicleIndex vehicle, const wire::State& state) {
   Plan& plan = plans_[vehicle];
   const auto [end_id, end_sequence] = base_end_of(state);
   const auto ends = map_->find(end_id);
@@ -137,7 +137,7 @@ void OrderRoller::adopt(VehicleIndex vehicle, const wire::State& state) {
                           std::to_string(plan.update_id) + ", base up to " + std::string(end_id));
 }
 
-std::optional<WaypointIndex> OrderRoller::adopt_course(VehicleIndex vehicle, const wire::State& state) {
+std::optional<WaypointIndex> OrderManager::adopt_course(VehicleIndex vehicle, const wire::State& state) {
   Plan& plan = plans_[vehicle];
   plan.route_of = 0;
   if (!plan.reported.position) return std::nullopt;
@@ -156,7 +156,7 @@ std::optional<WaypointIndex> OrderRoller::adopt_course(VehicleIndex vehicle, con
   return through->end;
 }
 
-bool OrderRoller::refused(const Plan& plan, const wire::State& state, const wire::State* before,
+bool OrderManager::refused(const Plan& plan, const wire::State& state, const wire::State* before,
                           std::string& why) const {
   for (const wire::VehicleError& error : state.errors) {
     if (std::ranges::find(refusals, error.type) == refusals.end()) continue;
@@ -175,7 +175,7 @@ bool OrderRoller::refused(const Plan& plan, const wire::State& state, const wire
   return false;
 }
 
-void OrderRoller::give_up(VehicleIndex vehicle, const wire::State& state, const std::string& why) {
+void OrderManager::give_up(VehicleIndex vehicle, const wire::State& state, const std::string& why) {
   Plan& plan = plans_[vehicle];
   publisher_.log('w', registry_[vehicle].name + ": refused order '" + plan.order_id + "' update " +
                           std::to_string(plan.update_id) + " (" + why + "); a new one follows");
@@ -186,7 +186,7 @@ void OrderRoller::give_up(VehicleIndex vehicle, const wire::State& state, const 
   plan.wait_until = publisher_.now() + rules_.after_refusal;
 }
 
-void OrderRoller::drop(Plan& plan, VehicleIndex vehicle) {
+void OrderManager::drop(Plan& plan, VehicleIndex vehicle) {
   plan.stage = Plan::Stage::none;
   plan.order_id.clear();
   plan.sent.reset();
@@ -200,7 +200,7 @@ void OrderRoller::drop(Plan& plan, VehicleIndex vehicle) {
   traffic_.set_base_end(vehicle, no_waypoint);
 }
 
-void OrderRoller::cancel(VehicleIndex vehicle) {
+void OrderManager::cancel(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   plan.stage = Plan::Stage::cancelling;
   plan.cancelled_at = publisher_.now();
@@ -210,20 +210,20 @@ void OrderRoller::cancel(VehicleIndex vehicle) {
                           std::chrono::seconds{3}, false);
 }
 
-void OrderRoller::stop_rolling(VehicleIndex vehicle) {
+void OrderManager::stop_rolling(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   if (plan.stage != Plan::Stage::running) return;
   plan.stage = Plan::Stage::cancelling;
   plan.cancelled_at = publisher_.now();
 }
 
-void OrderRoller::tick(bool drive, bool send_off, SimDuration lost_after) {
+void OrderManager::tick(bool drive, bool send_off, SimDuration lost_after) {
   if (map_ == nullptr) return;
   lost_after_ = lost_after;
   traffic_.update();
   neighbour_.clear();
   for (VehicleIndex v = 0; v < plans_.size(); ++v)
-    if (registry_[v].here() && (!plans_[v].reported.position || off_line(v) || traffic_.is_in_others_crossing(v)))
+    if (registry_[v].here() && (!plans_[v].reported.position || off_path(v) || traffic_.is_in_others_crossing(v)))
       neighbour_.push_back(v);
   for (VehicleIndex v = 0; v < plans_.size(); ++v) {
     traffic_.update();
@@ -231,7 +231,7 @@ void OrderRoller::tick(bool drive, bool send_off, SimDuration lost_after) {
   }
 }
 
-bool OrderRoller::may_roll(VehicleIndex vehicle) const {
+bool OrderManager::may_roll(VehicleIndex vehicle) const {
   const AivProxy& proxy = registry_[vehicle];
   const ReportedPose& reported = plans_[vehicle].reported;
   if (!proxy.state || !proxy.state_in_session || !proxy.online() || proxy.no_orders ||
@@ -244,7 +244,7 @@ bool OrderRoller::may_roll(VehicleIndex vehicle) const {
          state.operating_mode == wire::OperatingMode::automatic && !state.paused && state.e_stop == wire::EStop::none;
 }
 
-void OrderRoller::step(VehicleIndex vehicle, bool drive, bool send_off) {
+void OrderManager::step(VehicleIndex vehicle, bool drive, bool send_off) {
   Plan& plan = plans_[vehicle];
   AivProxy& proxy = registry_[vehicle];
   const SimTime now = publisher_.now();
@@ -282,18 +282,18 @@ void OrderRoller::step(VehicleIndex vehicle, bool drive, bool send_off) {
   const auto from = start_of_extension(vehicle);
   if (from) extend(vehicle, *from);
   if (!extension_.empty() || (from && leads_too_far(vehicle))) send(vehicle, *from);
-  if (plan.stage == Plan::Stage::none) stay_beside(vehicle);
+  if (plan.stage == Plan::Stage::none) keep_off_path(vehicle);
   record_waiting(plan, now);
   if (plan.stage == Plan::Stage::none) try_other_positions(vehicle);
 }
 
-bool OrderRoller::leads_too_far(VehicleIndex vehicle) {
+bool OrderManager::leads_too_far(VehicleIndex vehicle) {
   // What was announced beyond the base is no more where it goes; a vehicle that has more before it has not arrived.
   const Plan& plan = plans_[vehicle];
   return plan.stage == Plan::Stage::running && plan.has_horizon && next_stretch(vehicle, plan.base_end, 0) == nullptr;
 }
 
-bool OrderRoller::comes_again(VehicleIndex vehicle, const Extension& from, std::size_t passed,
+bool OrderManager::comes_again(VehicleIndex vehicle, const Extension& from, std::size_t passed,
                               const WaypointGraph::Stretch& stretch) const {
   // A base that goes twice over one place has two ends of one name.
   const Plan& plan = plans_[vehicle];
@@ -301,7 +301,7 @@ bool OrderRoller::comes_again(VehicleIndex vehicle, const Extension& from, std::
   const bool on_its_base = plan.stage == Plan::Stage::running && from.reach_m > 0.0;
   const zone::TrackPosition start = on_its_base ? *plan.reported.position : map_->waypoint(from.from).position;
   Sections released;
-  if (on_its_base) released = traffic_.coming(vehicle).first(traffic_.beyond_base(vehicle, start).keep);
+  if (on_its_base) released = traffic_.remaining(vehicle).first(traffic_.beyond_base(vehicle, start).keep);
   const Sections added = Sections{route_}.first(passed);
   const auto on_base = [&](zone::SectionId section) {
     return std::ranges::find(released, section) != released.end() || std::ranges::find(added, section) != added.end();
@@ -315,7 +315,7 @@ bool OrderRoller::comes_again(VehicleIndex vehicle, const Extension& from, std::
   });
 }
 
-void OrderRoller::extend(VehicleIndex vehicle, const Extension& from) {
+void OrderManager::extend(VehicleIndex vehicle, const Extension& from) {
   Plan& plan = plans_[vehicle];
   WaypointIndex at = from.from;
   std::size_t passed = 0;
@@ -359,7 +359,7 @@ void OrderRoller::extend(VehicleIndex vehicle, const Extension& from) {
   plan.moves_up = false;
 }
 
-bool OrderRoller::enter(VehicleIndex vehicle, double stop_m, double exit_m) {
+bool OrderManager::enter(VehicleIndex vehicle, double stop_m, double exit_m) {
   Plan& plan = plans_[vehicle];
   if (stop_m > traffic_.rules().request_within_m) return false;
   const auto response = traffic_.request(vehicle, exit_m, stop_m);
@@ -369,13 +369,13 @@ bool OrderRoller::enter(VehicleIndex vehicle, double stop_m, double exit_m) {
   return false;
 }
 
-bool OrderRoller::detects_leader(VehicleIndex vehicle, VehicleIndex ahead) const {
+bool OrderManager::detects_leader(VehicleIndex vehicle, VehicleIndex ahead) const {
   // A physical vehicle has none for a virtual one but the server's word, and what others' vehicles have is not known.
   return ahead != no_vehicle && registry_[vehicle].is_cosiva() && registry_[ahead].is_cosiva() &&
          (registry_[vehicle].augmented || !registry_[ahead].augmented);
 }
 
-bool OrderRoller::joins_convoy(VehicleIndex vehicle, const ChainAhead& chain) {
+bool OrderManager::joins_convoy(VehicleIndex vehicle, const ChainAhead& chain) {
   // Its base will not keep it off the one ahead: its eyes must.
   if (chain.next_m <= traffic_.reach_m(vehicle, chain.next_m)) return false;
   const VehicleIndex ahead = traffic_.ahead(vehicle).vehicle;
@@ -385,7 +385,7 @@ bool OrderRoller::joins_convoy(VehicleIndex vehicle, const ChainAhead& chain) {
   return traffic_.may_join(vehicle, chain.exit_m, chain.stop_m);
 }
 
-void OrderRoller::join_convoy(VehicleIndex vehicle) {
+void OrderManager::join_convoy(VehicleIndex vehicle) {
   const VehicleIndex ahead = traffic_.ahead(vehicle).vehicle;
   const auto [size, crossings] = traffic_.join(vehicle);
   std::string through;
@@ -394,7 +394,7 @@ void OrderRoller::join_convoy(VehicleIndex vehicle) {
                      "convoy of " + std::to_string(size) + " through " + through + ", behind " + registry_[ahead].name);
 }
 
-void OrderRoller::send(VehicleIndex vehicle, const Extension& from) {
+void OrderManager::send(VehicleIndex vehicle, const Extension& from) {
   Plan& plan = plans_[vehicle];
   AivProxy& proxy = registry_[vehicle];
   const bool is_new = plan.stage == Plan::Stage::none;
@@ -462,7 +462,7 @@ void OrderRoller::send(VehicleIndex vehicle, const Extension& from) {
   ++(is_new ? orders_sent_ : updates_sent_);
 }
 
-void OrderRoller::fold(Digest& digest) const {
+void OrderManager::fold(Digest& digest) const {
   for (const Plan& plan : plans_) {
     digest.add(static_cast<std::uint64_t>(plan.stage));
     digest.add(std::string_view{plan.order_id});

@@ -1,4 +1,4 @@
-#include "cosiva/zone/lif/lif_ways.h"
+#include "cosiva/zone/lif/lif_tracks.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-// OrderRoller: one vehicle lets others out of a deadlock. It moves up, gives back what it holds ahead, goes another
+// OrderManager: one vehicle lets others out of a deadlock. It moves up, gives back what it holds ahead, goes another
 // way, comes onto the line elsewhere, or backs up.
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include "cosiva/aiv/decision/envelope.h"
 #include "cosiva/aiv/decision/line_entry.h"
 #include "cosiva/base/math.h"
-#include "cosiva/virtual/server/orders/order_roller.h"
+#include "cosiva/virtual/server/orders/order_manager.h"
 #include "cosiva/zone/circuit/path_snap.h"
 
 namespace cosiva::virtual_side {
@@ -45,7 +45,7 @@ double to_body_m(const zone::VehicleShape& shape, const Pose2& X_MB, Point2 p_M)
 
 }  // namespace
 
-bool OrderRoller::has_what_to_give_back(VehicleIndex vehicle) const {
+bool OrderManager::has_what_to_give_back(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
   if (!plan.reported.position) return false;
   if (goes_onto_line(vehicle)) return plan.stage == Plan::Stage::running || plan.waits_since.has_value();
@@ -53,23 +53,23 @@ bool OrderRoller::has_what_to_give_back(VehicleIndex vehicle) const {
          traffic_.base_left_m(vehicle, *plan.reported.position).value_or(0.0) > base_left_m_min;
 }
 
-bool OrderRoller::keeps_off(const Wait& wait, zone::TrackPosition track_position) const {
+bool OrderManager::keeps_off(const Wait& wait, zone::TrackPosition track_position) const {
   const zone::Circuit& circuit = map_->circuit();
   const zone::VehicleShape& shape = map_->zone().vehicle;
-  const Pose2 X_MV = off_line(wait.whom) ? body(wait.whom) : circuit.pose_at(track_position);
+  const Pose2 X_MV = off_path(wait.whom) ? body(wait.whom) : circuit.pose_at(track_position);
   switch (wait.why) {
     case WaitReason::turn: return false;
     case WaitReason::ahead: return true;
     case WaitReason::crossing: {
       std::vector<CrossingIndex> occupied_crossings;
-      map_->crossings_on(track_position, 0.0, occupied_crossings, traffic_.coming(wait.whom));
+      map_->crossings_on(track_position, 0.0, occupied_crossings, traffic_.remaining(wait.whom));
       return std::ranges::any_of(occupied_crossings, [&](CrossingIndex x) { return traffic_.requests(wait.who, x); });
     }
     case WaitReason::off_path:
-    case WaitReason::eyes: break;
+    case WaitReason::sensors: break;
   }
   const Plan& theirs = plans_[wait.who];
-  if (off_line(wait.who)) {
+  if (off_path(wait.who)) {
     const auto entry_point = zone::snap_to_path(circuit, theirs.reported.X_MB);
     if (!theirs.entry_point && !entry_point) return true;
     aiv::EntrySweep sweep{shape};
@@ -79,13 +79,13 @@ bool OrderRoller::keeps_off(const Wait& wait, zone::TrackPosition track_position
   if (!theirs.reported.position) return true;
   const double far_m = traffic_.base_left_m(wait.who, *theirs.reported.position).value_or(0.0) + distance_before_m;
   for (double ahead_m = 0.0; ahead_m < far_m; ahead_m += distance_step_m) {
-    const Pose2 X_MW = circuit.pose_at(circuit.advance(*theirs.reported.position, ahead_m, traffic_.coming(wait.who)));
+    const Pose2 X_MW = circuit.pose_at(circuit.advance(*theirs.reported.position, ahead_m, traffic_.remaining(wait.who)));
     if (aiv::near_bodies(shape, X_MW, X_MV, path_clear_m)) return true;
   }
   return false;
 }
 
-std::optional<double> OrderRoller::can_yield(VehicleIndex vehicle, Means means, std::span<const Wait> waits) {
+std::optional<double> OrderManager::can_yield(VehicleIndex vehicle, Means means, std::span<const Wait> waits) {
   Plan& plan = plans_[vehicle];
   if (map_ == nullptr || !registry_[vehicle].here() || !plan.reported.position || plan.yielding) return std::nullopt;
   switch (means) {
@@ -98,7 +98,7 @@ std::optional<double> OrderRoller::can_yield(VehicleIndex vehicle, Means means, 
       return frees ? std::optional{0.0} : std::nullopt;
     }
     case Means::detour: {
-      if (off_line(vehicle)) return std::nullopt;
+      if (off_path(vehicle)) return std::nullopt;
       const auto around = contested(vehicle);
       const zone::TrackPosition from =
           plan.stage == Plan::Stage::running ? map_->waypoint(plan.base_end).position : *plan.reported.position;
@@ -112,7 +112,7 @@ std::optional<double> OrderRoller::can_yield(VehicleIndex vehicle, Means means, 
   return std::nullopt;
 }
 
-bool OrderRoller::yield(VehicleIndex vehicle, Means means, std::span<const Wait> waits) {
+bool OrderManager::yield(VehicleIndex vehicle, Means means, std::span<const Wait> waits) {
   Plan& plan = plans_[vehicle];
   if (means == Means::move_up) {
     plan.moves_up = true;
@@ -140,10 +140,10 @@ bool OrderRoller::yield(VehicleIndex vehicle, Means means, std::span<const Wait>
 
 // --- nearer to the one ahead ----------------------------------------------------------------------------------------
 
-bool OrderRoller::makes_room_by_moving_up(VehicleIndex vehicle, std::span<const Wait> waits) const {
+bool OrderManager::makes_room_by_moving_up(VehicleIndex vehicle, std::span<const Wait> waits) const {
   const Plan& plan = plans_[vehicle];
   const Traffic::Leader& ahead = traffic_.ahead(vehicle);
-  if (off_line(vehicle) || plan.waits_for_crossing || plan.waits_why != WaitReason::ahead ||
+  if (off_path(vehicle) || plan.waits_for_crossing || plan.waits_why != WaitReason::ahead ||
       plan.waits_for_vehicle != ahead.vehicle || !detects_leader(vehicle, ahead.vehicle))
     return false;
   const double up_m = ahead.distance_m - map_->zone().vehicle.length_m - aiv::clearance_m - detected_too_early_m;
@@ -151,10 +151,10 @@ bool OrderRoller::makes_room_by_moving_up(VehicleIndex vehicle, std::span<const 
            const auto& track_position = traffic_.track_position(wait.who);
            const Traffic::Leader& before = traffic_.ahead(wait.who);
            if (wait.why != WaitReason::ahead || !track_position || before.vehicle != vehicle) return false;
-           const Sections coming = traffic_.coming(wait.who);
+           const Sections remaining = traffic_.remaining(wait.who);
            const auto occupied_crossings = [&](double ahead_m) {
              std::vector<CrossingIndex> crossings;
-             map_->crossings_on(map_->circuit().advance(*track_position, ahead_m, coming), 0.0, crossings, coming);
+             map_->crossings_on(map_->circuit().advance(*track_position, ahead_m, remaining), 0.0, crossings, remaining);
              return !crossings.empty();
            };
            return occupied_crossings(0.0) && !occupied_crossings(std::max(0.0, before.distance_m + up_m - traffic_.stopped_m()));
@@ -163,13 +163,13 @@ bool OrderRoller::makes_room_by_moving_up(VehicleIndex vehicle, std::span<const 
 
 // --- another way ----------------------------------------------------------------------------------------------------
 
-std::vector<zone::SectionId> OrderRoller::contested(VehicleIndex vehicle) const {
+std::vector<zone::SectionId> OrderManager::contested(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
   const bool running = plan.stage == Plan::Stage::running;
   const zone::TrackPosition from = running ? map_->waypoint(plan.base_end).position : *plan.reported.position;
   const auto route = running
                        ? traffic_.beyond_base(vehicle, *plan.reported.position).sections
-                       : std::vector<zone::SectionId>(traffic_.coming(vehicle).begin(), traffic_.coming(vehicle).end());
+                       : std::vector<zone::SectionId>(traffic_.remaining(vehicle).begin(), traffic_.remaining(vehicle).end());
   // The first section of its way that it need not enter, and where what it waits for is.
   const auto& blocker = plan.waits_for_vehicle == no_vehicle ? std::nullopt : traffic_.track_position(plan.waits_for_vehicle);
   for (const zone::SectionId section : route) {
@@ -184,18 +184,18 @@ std::vector<zone::SectionId> OrderRoller::contested(VehicleIndex vehicle) const 
 
 // --- backwards ------------------------------------------------------------------------------------------------------
 
-std::optional<double> OrderRoller::distance_back_m(VehicleIndex vehicle, std::span<const Wait> waits) const {
+std::optional<double> OrderManager::distance_back_m(VehicleIndex vehicle, std::span<const Wait> waits) const {
   const Plan& plan = plans_[vehicle];
   const AivProxy& proxy = registry_[vehicle];
-  if (off_line(vehicle) || !proxy.supports("backUp").value_or(proxy.is_cosiva()) || !is_stopped(vehicle))
+  if (off_path(vehicle) || !proxy.supports("backUp").value_or(proxy.is_cosiva()) || !is_stopped(vehicle))
     return std::nullopt;
   const zone::Circuit& circuit = map_->circuit();
   const zone::TrackPosition here = *plan.reported.position;
-  const Sections gone = traffic_.gone(vehicle);
+  const Sections traversed = traffic_.traversed(vehicle);
   // Over a joint only where it knows by which way it came, and where the way does not bend sharply.
   double far_m = here.s_m;
   const auto before = circuit.previous(here.section);
-  const zone::SectionId came_from = !gone.empty()        ? gone.back()
+  const zone::SectionId came_from = !traversed.empty()        ? traversed.back()
                                     : before.size() == 1 ? before.front()
                                                          : zone::no_section;
   if (came_from != zone::no_section && circuit.turn_at(came_from, here.section) == 0.0)
@@ -203,13 +203,13 @@ std::optional<double> OrderRoller::distance_back_m(VehicleIndex vehicle, std::sp
   far_m = std::min(far_m, rules_.back_up_m_max);
 
   std::vector<CrossingIndex> occupied_crossings;
-  map_->crossings_on(here, 0.0, occupied_crossings, traffic_.coming(vehicle));
+  map_->crossings_on(here, 0.0, occupied_crossings, traffic_.remaining(vehicle));
   for (double back_m = back_step_m; back_m + back_slack_m <= far_m + 1e-9; back_m += back_step_m) {
-    const zone::TrackPosition there = circuit.advance(here, -back_m, {}, gone);
+    const zone::TrackPosition there = circuit.advance(here, -back_m, {}, traversed);
     if (std::ranges::any_of(waits, [&](const Wait& wait) { return keeps_off(wait, there); })) continue;
     // In a crossing that it was not in it would be in somebody else's way.
     std::vector<CrossingIndex> occupied_crossings;
-    map_->crossings_on(there, 0.0, occupied_crossings, traffic_.coming(vehicle));
+    map_->crossings_on(there, 0.0, occupied_crossings, traffic_.remaining(vehicle));
     const bool another = std::ranges::any_of(
         occupied_crossings, [&](CrossingIndex x) { return std::ranges::find(occupied_crossings, x) == occupied_crossings.end(); });
     if (another) continue;
@@ -219,7 +219,7 @@ std::optional<double> OrderRoller::distance_back_m(VehicleIndex vehicle, std::sp
   return std::nullopt;
 }
 
-bool OrderRoller::is_free_behind(VehicleIndex vehicle, double back_m) const {
+bool OrderManager::is_free_behind(VehicleIndex vehicle, double back_m) const {
   const zone::Circuit& circuit = map_->circuit();
   const zone::TrackPosition here = *plans_[vehicle].reported.position;
   // Whom it has beside it already it may leave as closely.
@@ -228,13 +228,13 @@ bool OrderRoller::is_free_behind(VehicleIndex vehicle, double back_m) const {
   if (clear_m <= 0.0) clear_m = 0.002;
   const double end_m = back_m + behind_beyond_m;
   for (double at_m = behind_every_m; at_m < end_m + behind_every_m; at_m += behind_every_m) {
-    const zone::TrackPosition track_position = circuit.advance(here, -std::min(at_m, end_m), {}, traffic_.gone(vehicle));
+    const zone::TrackPosition track_position = circuit.advance(here, -std::min(at_m, end_m), {}, traffic_.traversed(vehicle));
     if (near_anything(vehicle, circuit.pose_at(track_position), clear_m)) return false;
   }
   return true;
 }
 
-bool OrderRoller::near_anything(VehicleIndex vehicle, const Pose2& X_MB, double clear_m) const {
+bool OrderManager::near_anything(VehicleIndex vehicle, const Pose2& X_MB, double clear_m) const {
   const zone::VehicleShape& shape = map_->zone().vehicle;
   const zone::Circuit& circuit = map_->circuit();
   for (VehicleIndex other = 0; other < registry_.size(); ++other) {
@@ -243,7 +243,7 @@ bool OrderRoller::near_anything(VehicleIndex vehicle, const Pose2& X_MB, double 
     const auto& track_position = traffic_.track_position(other);
     const double base_m = track_position ? traffic_.base_left_m(other, *track_position).value_or(0.0) : 0.0;
     for (double ahead_m = behind_every_m; ahead_m < base_m + behind_every_m; ahead_m += behind_every_m) {
-      const zone::TrackPosition on = circuit.advance(*track_position, std::min(ahead_m, base_m), traffic_.coming(other));
+      const zone::TrackPosition on = circuit.advance(*track_position, std::min(ahead_m, base_m), traffic_.remaining(other));
       if (aiv::near_bodies(shape, X_MB, circuit.pose_at(on), clear_m)) return true;
     }
   }
@@ -259,15 +259,15 @@ bool OrderRoller::near_anything(VehicleIndex vehicle, const Pose2& X_MB, double 
 
 // --- until the others have gone -------------------------------------------------------------------------------------
 
-bool OrderRoller::continue_yielding(VehicleIndex vehicle) {
+bool OrderManager::continue_yielding(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   if (!plan.yielding) return false;
   Plan::Yielding& yielding = *plan.yielding;
-  const bool others_gone = std::ranges::all_of(yielding.others, [&](const auto& other) {
-    return !registry_[other.first].here() || distance(position(body(other.first)), other.second) > rules_.others_gone_m;
+  const bool others_have_left = std::ranges::all_of(yielding.others, [&](const auto& other) {
+    return !registry_[other.first].here() || distance(position(body(other.first)), other.second) > rules_.others_left_m;
   });
   const bool backs_up = yielding.back_m > 0.0 || yielding.handle != 0;
-  if (publisher_.now() >= yielding.until || (others_gone && !backs_up)) {
+  if (publisher_.now() >= yielding.until || (others_have_left && !backs_up)) {
     end_yielding(vehicle);
     return false;
   }
@@ -276,7 +276,7 @@ bool OrderRoller::continue_yielding(VehicleIndex vehicle) {
   return true;
 }
 
-void OrderRoller::follow_back_up(VehicleIndex vehicle, Plan::Yielding& yielding) {
+void OrderManager::follow_back_up(VehicleIndex vehicle, Plan::Yielding& yielding) {
   const auto notify = [&](double distance_m) {
     return action_sender_.send(registry_[vehicle], vehicle,
                                {{"backUp", {}, {}, wire::BlockingType::hard, {{"distance", distance_m}}}},
@@ -311,7 +311,7 @@ void OrderRoller::follow_back_up(VehicleIndex vehicle, Plan::Yielding& yielding)
   yielding.until = std::min(yielding.until, publisher_.now() + rules_.yield_time_max);
 }
 
-void OrderRoller::end_yielding(VehicleIndex vehicle) {
+void OrderManager::end_yielding(VehicleIndex vehicle) {
   auto& yielding = plans_[vehicle].yielding;
   if (yielding && yielding->handle != 0) action_sender_.drop(yielding->handle);
   yielding.reset();
