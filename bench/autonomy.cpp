@@ -35,7 +35,7 @@ struct Count {
   const char* name;
   std::size_t held{0};
   std::size_t requested{0};
-  void ask(bool holds) {
+  void send_request(bool holds) {
     ++requested;
     held += holds ? 1 : 0;
   }
@@ -57,8 +57,8 @@ void stop_early(Random& random, const Options& options, double ratio, Count& wit
   }
   if (!stopped) return;
   const double found_s = statistics::mean(ends);
-  within.ask(std::fabs(found_s - options.mean_s) <= ratio * found_s);
-  interval.ask(holds(*statistics::mean_interval(ends), options.mean_s));
+  within.send_request(std::fabs(found_s - options.mean_s) <= ratio * found_s);
+  interval.send_request(holds(*statistics::mean_interval(ends), options.mean_s));
 }
 
 int measure(const Options& options) {
@@ -93,24 +93,24 @@ int measure(const Options& options) {
       durations.push_back({std::fmin(end_s, failure_s), end_s <= failure_s});
       naive.push_back(durations.back().value);
     }
-    counts[0].ask(holds(*statistics::mean_interval(ends), options.mean_s));
-    counts[1].ask(holds(*statistics::bca(ends, {0.95, 2000, fleet + 1}), options.mean_s));
-    counts[2].ask(holds(*statistics::deviation_interval(ends), options.sd_s));
+    counts[0].send_request(holds(*statistics::mean_interval(ends), options.mean_s));
+    counts[1].send_request(holds(*statistics::bca(ends, {0.95, 2000, fleet + 1}), options.mean_s));
+    counts[2].send_request(holds(*statistics::deviation_interval(ends), options.sd_s));
     const double low_s = statistics::mean(ends) - factor * std::sqrt(statistics::sample_variance(ends));
-    counts[3].ask(low_s <= fifth_s);
-    counts[4].ask(holds(*statistics::prediction_interval(ends), random.gaussian(options.mean_s, options.sd_s)));
+    counts[3].send_request(low_s <= fifth_s);
+    counts[4].send_request(holds(*statistics::prediction_interval(ends), random.gaussian(options.mean_s, options.sd_s)));
     if (const auto fit = statistics::censored_normal(durations)) {
-      counts[5].ask(holds(fit->mean_interval, options.mean_s));
-      counts[6].ask(fit->tolerance_low <= fifth_s);
+      counts[5].send_request(holds(fit->mean_interval, options.mean_s));
+      counts[6].send_request(fit->tolerance_low <= fifth_s);
     }
     const statistics::Survival curve = statistics::kaplan_meier(durations);
-    counts[7].ask(holds(curve.band_at(options.mean_s), 0.5));
-    counts[8].ask(holds(*statistics::mean_interval(naive), options.mean_s));
+    counts[7].send_request(holds(curve.band_at(options.mean_s), 0.5));
+    counts[8].send_request(holds(*statistics::mean_interval(naive), options.mean_s));
     const statistics::Survival usual = statistics::kaplan_meier(durations, 0.95, statistics::SurvivalBand::log_log);
     for (const double ratio : {0.9, 0.75, 0.5, 0.25, 0.1}) {
       const double then_s = options.mean_s + options.sd_s * statistics::normal_quantile(1.0 - ratio);
-      counts[9].ask(holds(curve.band_at(then_s), ratio));
-      counts[10].ask(holds(usual.band_at(then_s), ratio));
+      counts[9].send_request(holds(curve.band_at(then_s), ratio));
+      counts[10].send_request(holds(usual.band_at(then_s), ratio));
     }
   }
   // Another stream, so that the rows above are what they were before these came.

@@ -83,7 +83,7 @@ struct Subject {
   }
 
   template <typename Evaluate>
-  void ask(std::size_t k, Evaluate evaluate) {
+  void send_request(std::size_t k, Evaluate evaluate) {
     std::array<double, 16> question{};
     std::array<double, 16> response{};
     for (std::size_t i = 0; i < columns.size(); ++i) question[i] = columns[i][k];
@@ -120,7 +120,7 @@ double fuzzylite_ns(std::int64_t which) {
   std::size_t count = 0;
   while (Clock::now() - start < std::chrono::milliseconds{100}) {
     for (std::size_t k = 0; k < 64; ++k)
-      requested.ask((count + k) % questions, [&](auto in, auto out) { theirs.evaluate(in, out); });
+      requested.send_request((count + k) % questions, [&](auto in, auto out) { theirs.evaluate(in, out); });
     count += 64;
   }
   ns = std::chrono::duration<double, std::nano>(Clock::now() - start).count() / static_cast<double>(count);
@@ -156,7 +156,7 @@ void BM_one_by_one(benchmark::State& state) {
   std::size_t k = 0;
   const auto start = Clock::now();
   for (auto _ : state) {
-    requested.ask(k, [&](auto in, auto out) { requested.rule_base.evaluate(in, out); });
+    requested.send_request(k, [&](auto in, auto out) { requested.rule_base.evaluate(in, out); });
     k = (k + 1) % questions;
   }
   report(state, start, 1);
@@ -168,7 +168,7 @@ void BM_fuzzylite(benchmark::State& state) {
   std::size_t k = 0;
   const auto start = Clock::now();
   for (auto _ : state) {
-    requested.ask(k, [&](auto in, auto out) { theirs.evaluate(in, out); });
+    requested.send_request(k, [&](auto in, auto out) { theirs.evaluate(in, out); });
     k = (k + 1) % questions;
   }
   report(state, start, 1);

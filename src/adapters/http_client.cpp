@@ -102,7 +102,7 @@ Result<HttpClient> HttpClient::make(std::string_view url) {
   return client;
 }
 
-Result<HttpReply> HttpClient::ask(std::string_view method, std::string_view path, std::string body,
+Result<HttpReply> HttpClient::send_request(std::string_view method, std::string_view path, std::string body,
                                   std::chrono::milliseconds timeout) const {
   http::request<http::string_body> request;
   request.version(11);

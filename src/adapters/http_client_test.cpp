@@ -58,11 +58,11 @@ TEST(HttpClient, sends_a_request_and_receives_the_response) {
   const Serving serving;
   const auto client = HttpClient::make("http://127.0.0.1:" + std::to_string(serving.port));
   ASSERT_TRUE(client);
-  const auto got = client->ask("GET", "/api/v1/x");
+  const auto got = client->send_request("GET", "/api/v1/x");
   ASSERT_TRUE(got) << to_string(got.error());
   EXPECT_EQ(got->status, 200U);
   EXPECT_EQ(got->body, "GET ");
-  const auto posted = client->ask("POST", "/api/v1/x", "{}");
+  const auto posted = client->send_request("POST", "/api/v1/x", "{}");
   ASSERT_TRUE(posted) << to_string(posted.error());
   EXPECT_EQ(posted->status, 202U);
   EXPECT_EQ(posted->body, "POST {}");
@@ -71,7 +71,7 @@ TEST(HttpClient, sends_a_request_and_receives_the_response) {
 TEST(HttpClient, hears_why_a_body_is_too_long) {
   const Serving serving;
   const auto client = HttpClient::make("http://127.0.0.1:" + std::to_string(serving.port));
-  const auto refused = client->ask("POST", "/api/v1/x", std::string(1U << 20U, 'x'));
+  const auto refused = client->send_request("POST", "/api/v1/x", std::string(1U << 20U, 'x'));
   ASSERT_TRUE(refused) << to_string(refused.error());
   EXPECT_EQ(refused->status, 413U);
 }
@@ -82,7 +82,7 @@ TEST(HttpClient, reports_when_no_service_responds) {
     const Serving server;
     port = server.port;
   }
-  const auto response = HttpClient::make("http://127.0.0.1:" + std::to_string(port))->ask("GET", "/");
+  const auto response = HttpClient::make("http://127.0.0.1:" + std::to_string(port))->send_request("GET", "/");
   ASSERT_FALSE(response);
   EXPECT_EQ(response.error().code, "http.connect");
   EXPECT_THAT(response.error().message, HasSubstr("cosiva up"));

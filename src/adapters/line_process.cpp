@@ -114,7 +114,7 @@ Result<void> LineProcess::send_line(std::string_view line, std::chrono::millisec
   return to_send_.size() < send_at ? Result<void>{} : exchange(false, timeout);
 }
 
-Result<std::string> LineProcess::ask(std::string_view line, std::chrono::milliseconds timeout) {
+Result<std::string> LineProcess::send_request(std::string_view line, std::chrono::milliseconds timeout) {
   to_send_ += line;
   to_send_ += '\n';
   if (auto done = exchange(true, timeout); !done) return tl::unexpected(done.error());

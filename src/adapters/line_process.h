@@ -29,7 +29,7 @@ class LineProcess {
   /// Sends what was told, and waits for one line. Fails ("process.gone") where it has ended, saying how;
   /// ("process.unresponsive") where it says or takes nothing for that long; ("process.garbage") on a line of more than
   /// a megabyte.
-  [[nodiscard]] Result<std::string> ask(std::string_view line, std::chrono::milliseconds timeout);
+  [[nodiscard]] Result<std::string> send_request(std::string_view line, std::chrono::milliseconds timeout);
 
  private:
   LineProcess() = default;

@@ -13,17 +13,17 @@ using std::chrono::seconds;
 std::string refusal(const std::string& command, milliseconds within = seconds{5}) {
   auto process = LineProcess::start(command);
   EXPECT_TRUE(process);
-  const auto response = (*process)->ask("hello", within);
+  const auto response = (*process)->send_request("hello", within);
   return response ? "said " + *response : response.error().code + ": " + response.error().message;
 }
 
 TEST(LineProcess, responds_line_by_line) {
   auto process = LineProcess::start("while read -r line; do echo \"<$line>\"; done");
   ASSERT_TRUE(process);
-  EXPECT_EQ((*process)->ask("one", seconds{5}).value(), "<one>");
+  EXPECT_EQ((*process)->send_request("one", seconds{5}).value(), "<one>");
   EXPECT_TRUE((*process)->send_line("two", seconds{5}));
-  EXPECT_EQ((*process)->ask("three", seconds{5}).value(), "<two>");
-  EXPECT_EQ((*process)->ask("four", seconds{5}).value(), "<three>");
+  EXPECT_EQ((*process)->send_request("three", seconds{5}).value(), "<two>");
+  EXPECT_EQ((*process)->send_request("four", seconds{5}).value(), "<three>");
 }
 
 TEST(LineProcess, that_ends_says_how) {

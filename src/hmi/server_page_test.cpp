@@ -126,7 +126,7 @@ class Page : public ::testing::Test {
   }
 
   /// One request; the answer until the server closes.
-  std::string ask(const std::string& first_line, const std::string& body = {}) {
+  std::string send_request(const std::string& first_line, const std::string& body = {}) {
     const int fd = connect_to(page->port());
     std::string request = first_line + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n";
     if (!body.empty()) request += "Content-Type: application/json\r\n";
@@ -146,24 +146,24 @@ class Page : public ::testing::Test {
 };
 
 TEST_F(Page, answers_over_http_and_refuses_with_the_reason) {
-  EXPECT_THAT(ask("GET /api/v1/zone"), StartsWith("HTTP/1.1 200"));
-  EXPECT_THAT(ask("POST /api/v1/commands", R"({"command":"slow","vehicle":"CoSiVA/AIV1"})"),
+  EXPECT_THAT(send_request("GET /api/v1/zone"), StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(send_request("POST /api/v1/commands", R"({"command":"slow","vehicle":"CoSiVA/AIV1"})"),
               StartsWith("HTTP/1.1 202"));
   for (const char* bad : {"nonsense", "[]", R"({"command":"fly","vehicle":"*"})",
                           R"({"command":"stop","vehicle":"CoSiVA/AIV99"})", R"({"command":"stop"})"}) {
-    const std::string response = ask("POST /api/v1/commands", bad);
+    const std::string response = send_request("POST /api/v1/commands", bad);
     EXPECT_THAT(response, StartsWith("HTTP/1.1 400")) << bad;
     const auto body = JsonValue::parse(body_of(response));
     ASSERT_TRUE(body && body->find("error") != nullptr) << response;
     EXPECT_NE(body->find("error")->text("message"), "");
   }
-  const std::string wrong = ask("POST /api/v1/snapshot");
+  const std::string wrong = send_request("POST /api/v1/snapshot");
   EXPECT_THAT(wrong, StartsWith("HTTP/1.1 405"));
   EXPECT_THAT(wrong, HasSubstr("Allow: GET"));
-  EXPECT_THAT(ask("GET /api/v1/zone/file"), HasSubstr("attachment; filename=\"lacet4.toml\""));
+  EXPECT_THAT(send_request("GET /api/v1/zone/file"), HasSubstr("attachment; filename=\"lacet4.toml\""));
 }
 
-TEST_F(Page, that_is_not_built_says_how_to_build_it) { EXPECT_THAT(ask("GET /"), HasSubstr("npm run build")); }
+TEST_F(Page, that_is_not_built_says_how_to_build_it) { EXPECT_THAT(send_request("GET /"), HasSubstr("npm run build")); }
 
 TEST_F(Page, newcomer_gets_zone_run_snapshot_and_key_at_once_and_in_this_order) {
   for (int i = 0; i < 2; ++i) {  // when nobody listened, and when somebody did
@@ -190,7 +190,7 @@ TEST_F(Page, sends_positions_that_build_on_the_key_and_snapshots_now_and_then) {
 TEST_F(Page, sends_a_snapshot_when_a_command_comes_to_something) {
   LiveClient client{page->port()};
   ASSERT_TRUE(loop.run_until([&] { return client.count("snapshot") == 1; }, timeout));
-  EXPECT_THAT(ask("POST /api/v1/commands", R"({"command":"slow","vehicle":"CoSiVA/AIV1"})"),
+  EXPECT_THAT(send_request("POST /api/v1/commands", R"({"command":"slow","vehicle":"CoSiVA/AIV1"})"),
               StartsWith("HTTP/1.1 202"));
   page->changed();
   const auto shows = [&](const std::string& state) {
@@ -210,7 +210,7 @@ TEST_F(Page, sends_a_snapshot_when_a_command_comes_to_something) {
 TEST_F(Page, sends_the_clock_when_it_changed) {
   LiveClient client{page->port()};
   ASSERT_TRUE(loop.run_until([&] { return client.count("run") == 1; }, timeout));
-  EXPECT_THAT(ask("PUT /api/v1/clock", R"({"running":false,"speed":4})"), StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(send_request("PUT /api/v1/clock", R"({"running":false,"speed":4})"), StartsWith("HTTP/1.1 200"));
   ASSERT_TRUE(loop.run_until([&] { return client.count("run") == 2; }, timeout));
   const auto run = JsonValue::parse(client.last("run")->bytes);
   EXPECT_EQ(run->find("run")->find("clock")->flag("running"), false);
@@ -228,7 +228,7 @@ TEST_F(Page, sends_the_ground_truth_on_as_vehicles_and_obstacles_and_nothing_els
             R"({"type":"ground_truth","vehicles":[{"number":1,"x":0.5,"y":0.25,"heading":0}],)"
             R"("obstacles":[{"id":"box1","x":1,"y":2,"radius":0.05}]})");
   EXPECT_EQ(client.count("zone"), 1U);
-  EXPECT_THAT(ask("DELETE /api/v1/plant/obstacles/box1"), StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(send_request("DELETE /api/v1/plant/obstacles/box1"), StartsWith("HTTP/1.1 200"));
 }
 
 TEST_F(Page, newcomer_after_a_time_alone_sees_what_is_now) {

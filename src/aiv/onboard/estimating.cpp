@@ -91,7 +91,7 @@ SimTime BoardClock::stamp(SimTime now, std::uint32_t board_ms) {
   return SimTime{board + *offset_};
 }
 
-void Estimating::ask(SimTime now, wire::EstimateRequest request) {
+void Estimating::on_request(SimTime now, wire::EstimateRequest request) {
   requested_at_ = now;
   const bool of_own = session_ && session_->id == request.session;
   if (last_response_ && last_response_->session == request.session && last_response_->sequence == request.sequence) {

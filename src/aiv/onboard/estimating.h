@@ -49,7 +49,7 @@ class Estimating {
 
   /// A step is of interest: somebody asks.
   [[nodiscard]] bool busy() const { return session_.has_value() || requested_.has_value(); }
-  void ask(SimTime now, wire::EstimateRequest request);
+  void on_request(SimTime now, wire::EstimateRequest request);
   void on_odometry(SimTime now, const Step& step);
   /// @param read_at  when the reader had its number
   void on_tag(std::uint32_t number, SimTime read_at, const zone::TrafficZone& zone, const Pose2& X_MB);

@@ -23,8 +23,8 @@ class Requested {
  public:
   Requested() : zone_{std::make_shared<zone::TrafficZone>(lacet4())} {}
 
-  void ask(std::uint32_t sequence, std::vector<std::string> algorithms = {}, const std::string& session = "q/1") {
-    estimating.ask(now, {session, sequence, std::move(algorithms), 1, 500, 4});
+  void request_estimate(std::uint32_t sequence, std::vector<std::string> algorithms = {}, const std::string& session = "q/1") {
+    estimating.request_estimate(now, {session, sequence, std::move(algorithms), 1, 500, 4});
   }
   void step() {
     now += milliseconds{20};
@@ -64,7 +64,7 @@ class Requested {
 
 TEST(Estimating, answers_with_the_next_odometry_where_it_began_and_then_what_each_algorithm_says) {
   Requested vehicle;
-  vehicle.ask(1, {"dead_reckoning", "ekf"});
+  vehicle.request_estimate(1, {"dead_reckoning", "ekf"});
   EXPECT_FALSE(vehicle.received());  // it is the next position that was asked for
   const EstimateResponse first = vehicle.response();
   ASSERT_TRUE(first.start);
@@ -75,7 +75,7 @@ TEST(Estimating, answers_with_the_next_odometry_where_it_began_and_then_what_eac
   vehicle.step();
   vehicle.step();
   EXPECT_FALSE(vehicle.received());  // nobody asked
-  vehicle.ask(2);
+  vehicle.request_estimate(2);
   const EstimateResponse second = vehicle.response();
   EXPECT_FALSE(second.start);
   EXPECT_EQ(second.timestamp, vehicle.now);
@@ -91,17 +91,17 @@ TEST(Estimating, answers_with_the_next_odometry_where_it_began_and_then_what_eac
 
 TEST(Estimating, says_the_same_again_to_who_did_not_hear_it_and_nothing_to_who_asks_late) {
   Requested vehicle;
-  vehicle.ask(1, {"ekf"});
+  vehicle.request_estimate(1, {"ekf"});
   vehicle.response();
-  vehicle.ask(2);
+  vehicle.request_estimate(2);
   const EstimateResponse published = vehicle.response();
   vehicle.step();
-  vehicle.ask(2);
+  vehicle.request_estimate(2);
   EXPECT_EQ(vehicle.received(), published);  // at once: it is known
-  vehicle.ask(1, {"ekf"});
+  vehicle.request_estimate(1, {"ekf"});
   vehicle.step();
   EXPECT_FALSE(vehicle.received());
-  vehicle.ask(3);
+  vehicle.request_estimate(3);
   const EstimateResponse next = vehicle.response();
   EXPECT_THAT(next.inputs, SizeIs(3)) << "nothing is told twice, and nothing is left out";
   EXPECT_NEAR(next.travelled_m - published.travelled_m, 0.03, 1e-12);
@@ -112,12 +112,12 @@ TEST(Estimating, tells_readings_as_the_antenna_has_them_and_what_each_algorithm_
   const zone::Tag& tag = *lacet4().tags.begin();
   vehicle.section = tag.position.section;
   vehicle.s_m = tag.position.s_m - 0.05;
-  vehicle.ask(1, {"dead_reckoning", "arc_kalman"});
+  vehicle.request_estimate(1, {"dead_reckoning", "arc_kalman"});
   vehicle.response();
   vehicle.step();
   vehicle.read(tag.number);
   vehicle.read(999'999);  // of no tag that there is
-  vehicle.ask(2);
+  vehicle.request_estimate(2);
   const EstimateResponse response = vehicle.response();
   ASSERT_THAT(response.inputs, SizeIs(3));
   const auto& reading = std::get<EstimateResponse::Reading>(response.inputs[1]);
@@ -132,21 +132,21 @@ TEST(Estimating, tells_readings_as_the_antenna_has_them_and_what_each_algorithm_
 
 TEST(Estimating, refuses_what_it_cannot_do_and_names_what_there_is) {
   Requested vehicle;
-  vehicle.ask(1, {"ekf", "magic"});
+  vehicle.request_estimate(1, {"ekf", "magic"});
   EXPECT_THAT(vehicle.response().fault, AllOf(HasSubstr("magic"), HasSubstr("arc_kalman")));
-  vehicle.ask(1, {"arc_smoother", "ekf"}, "q/2");
+  vehicle.request_estimate(1, {"arc_smoother", "ekf"}, "q/2");
   const EstimateResponse response = vehicle.response();
   EXPECT_THAT(response.fault, IsEmpty());
   EXPECT_THAT(response.estimates[0].fault, HasSubstr("looks back"));
   EXPECT_THAT(response.estimates[1].fault, IsEmpty());
   vehicle.known = false;
-  vehicle.ask(1, {"ekf"}, "q/3");
+  vehicle.request_estimate(1, {"ekf"}, "q/3");
   EXPECT_THAT(vehicle.response().fault, HasSubstr("where it stands"));
 }
 
 TEST(Estimating, knows_no_session_of_before_it_was_started) {
   Requested vehicle;
-  vehicle.ask(7);
+  vehicle.request_estimate(7);
   const auto response = vehicle.received();
   ASSERT_TRUE(response);
   EXPECT_THAT(response->fault, HasSubstr("started anew"));
@@ -156,16 +156,16 @@ TEST(Estimating, knows_no_session_of_before_it_was_started) {
 TEST(Estimating, ends_a_session_when_nobody_asks_or_the_zone_is_another) {
   Requested forgotten;
   forgotten.step_m = 0.0;
-  forgotten.ask(1, {"ekf"});
+  forgotten.request_estimate(1, {"ekf"});
   forgotten.response();
   for (int i = 0; i < 50 * 62; ++i) forgotten.step();
   EXPECT_FALSE(forgotten.estimating.busy());
 
   Requested switched;
-  switched.ask(1, {"ekf"});
+  switched.request_estimate(1, {"ekf"});
   switched.response();
   switched.estimating.on_zone_switched();
-  switched.ask(2);
+  switched.request_estimate(2);
   EXPECT_THAT(switched.response().fault, HasSubstr("switched"));
   EXPECT_FALSE(switched.estimating.busy());
 }
@@ -174,10 +174,10 @@ TEST(Estimating, has_a_particle_filter_that_draws_what_its_seed_says) {
   Requested one;
   Requested other;
   for (Requested* vehicle : {&one, &other}) {
-    vehicle->ask(1, {"particles"});
+    vehicle->request_estimate(1, {"particles"});
     vehicle->response();
     for (int i = 0; i < 20; ++i) vehicle->step();
-    vehicle->ask(2);
+    vehicle->request_estimate(2);
   }
   EXPECT_EQ(one.response(), other.response());
 }

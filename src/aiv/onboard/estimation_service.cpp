@@ -24,7 +24,7 @@ void EstimationService::on_request(SimTime now, std::string_view payload, Sessio
     errors_.report("request", "a request for estimates that cannot be read: " + to_string(request.error()), effects);
     return;
   }
-  estimating_.ask(now, std::move(*request));
+  estimating_.on_request(now, std::move(*request));
   publish(session, effects);
 }
 

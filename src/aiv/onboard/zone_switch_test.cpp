@@ -359,18 +359,18 @@ TEST(ZoneSwitch, is_followed_by_a_joinLine_that_takes_it_onto_the_line_without_a
 TEST(ZoneSwitch, responds_to_enableMap_and_downloadMap) {
   SwitchFixture fixture;
   fixture.run(0.5);
-  const auto ask = [&](std::string type, const std::string& id, const std::string& map) {
+  const auto request_switch = [&](std::string type, const std::string& id, const std::string& map) {
     fixture.act(std::move(type), id, {{"mapId", map}, {"mapVersion", std::string{}}});
     fixture.run(0.1);
     return fixture.action(id)->status;
   };
-  EXPECT_EQ(ask("enableMap", "a", "lacet4"), wire::ActionStatus::finished);
-  EXPECT_EQ(ask("enableMap", "b", "attic"), wire::ActionStatus::failed);
-  EXPECT_EQ(ask("downloadMap", "c", "attic"), wire::ActionStatus::failed);
-  EXPECT_EQ(ask("downloadMap", "d", "lacet4"), wire::ActionStatus::finished);
+  EXPECT_EQ(request_switch("enableMap", "a", "lacet4"), wire::ActionStatus::finished);
+  EXPECT_EQ(request_switch("enableMap", "b", "attic"), wire::ActionStatus::failed);
+  EXPECT_EQ(request_switch("downloadMap", "c", "attic"), wire::ActionStatus::failed);
+  EXPECT_EQ(request_switch("downloadMap", "d", "lacet4"), wire::ActionStatus::finished);
   fixture.set_off();
   fixture.announce(track_near_loop());
-  EXPECT_EQ(ask("enableMap", "e", "track"), wire::ActionStatus::running);
+  EXPECT_EQ(request_switch("enableMap", "e", "track"), wire::ActionStatus::running);
   fixture.run(1.0);
   EXPECT_EQ(fixture.action("e")->status, wire::ActionStatus::finished);
 }

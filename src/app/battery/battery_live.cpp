@@ -130,7 +130,7 @@ class LiveTest {
   /// In order, and each until it has been taken: a server that is not there now will be.
   void notify_server() {
     while (!commands_.empty()) {
-      const auto taken = server_.ask("POST", "/api/v1/commands", commands_.front(), command_timeout);
+      const auto taken = server_.send_request("POST", "/api/v1/commands", commands_.front(), command_timeout);
       if (!taken) {
         if (!std::exchange(waiting_, true)) print_info("the server does not answer; what it is to be told waits");
         return;

@@ -21,12 +21,12 @@ GvsView::~GvsView() = default;
 
 std::shared_ptr<const std::string> GvsView::look() {
   const Clock::time_point now = Clock::now();
-  if (now - requested_ >= request_every) ask();
+  if (now - requested_ >= request_every) send_request();
   if (image_ && now - came_ > image_lifetime) image_.reset();
   return image_;
 }
 
-void GvsView::ask() {
+void GvsView::send_request() {
   if (client_) {
     requested_ = Clock::now();
     client_->publish({std::string(wire::gvs_preview_request_topic), "{}", 0, false});
@@ -34,7 +34,7 @@ void GvsView::ask() {
   }
   adapters::MqttHandlers handlers;
   handlers.on_link = [this](bool up) {
-    if (up) ask();
+    if (up) send_request();
   };
   handlers.on_message = [this](std::string_view, std::string_view payload, bool retained) {
     if (retained) return;  // somebody's mistake: it is of long ago

@@ -23,7 +23,7 @@ class GvsView {
 
  private:
   using Clock = std::chrono::steady_clock;
-  void ask();
+  void send_request();
 
   adapters::EventLoop& loop_;
   adapters::MqttOptions options_;

@@ -135,7 +135,7 @@ estimation::Rectified ExternalAlgorithm::rectify(const estimation::Range& range)
 
 Estimate ExternalAlgorithm::estimate() const {
   if (fault_) return {};
-  const auto response = process_->ask(R"({"estimate":{}})", timeout_);
+  const auto response = process_->send_request(R"({"estimate":{}})", timeout_);
   if (!response) {
     blame(response.error());
     return {};

@@ -84,7 +84,7 @@ class LiveTest {
     if (!connected)
       return fail("mqtt.connect", "no broker answers there: is the platform running (cosiva up), is --broker its own?",
                   address);
-    const auto response = server_.ask("GET", "/api/v1/snapshot", {}, command_timeout);
+    const auto response = server_.send_request("GET", "/api/v1/snapshot", {}, command_timeout);
     if (!response)
       return fail("http.connect", "no server answers there: is the platform running (cosiva up), is --url its own?",
                   server_.url());
@@ -122,7 +122,7 @@ class LiveTest {
   void notify_server() {
     if (clock_.now() < next_notice_) return;
     while (!commands_.empty()) {
-      const auto taken = server_.ask("POST", "/api/v1/commands", commands_.front(), command_timeout);
+      const auto taken = server_.send_request("POST", "/api/v1/commands", commands_.front(), command_timeout);
       if (!taken || taken->status >= 500) {
         if (!std::exchange(waiting_, true)) print_info("cosiva: the server does not answer; what it is to be told waits");
         next_notice_ = clock_.now() + seconds{1};

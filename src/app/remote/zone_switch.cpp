@@ -22,8 +22,8 @@ std::optional<SwitchedZone> switched_in(std::string_view snapshot_json) {
   switched.snapped = static_cast<std::uint64_t>(last->number("snapped").value_or(0.0));
   switched.first_moving_ms = last->number("first_moving_ms");
   if (const JsonValue* off_route = last->find("offRoute"); off_route != nullptr && off_route->array() != nullptr)
-    for (const JsonValue& who : *off_route->array())
-      if (who.text() != nullptr) switched.off_route.push_back(*who.text());
+    for (const JsonValue& vehicle : *off_route->array())
+      if (vehicle.text() != nullptr) switched.off_route.push_back(*vehicle.text());
   if (const JsonValue* aivs = snapshot->find("aivs"); aivs != nullptr && aivs->array() != nullptr)
     switched.vehicles = aivs->array()->size();
   return switched;

@@ -26,7 +26,7 @@ std::optional<SwitchedZone> watch(const adapters::HttpClient& client, double wai
   const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(wait_s);
   std::optional<SwitchedZone> switched;
   for (;;) {
-    if (const auto response = client.ask("GET", "/api/v1/snapshot"); response && response->status == 200)
+    if (const auto response = client.send_request("GET", "/api/v1/snapshot"); response && response->status == 200)
       switched = switched_in(response->body);
     // Who is parked will not move, and who is not there neither.
     const bool nobody = switched && switched->off_route.size() >= switched->vehicles;
@@ -45,7 +45,7 @@ void report(const ZoneArguments& arguments, const std::string& name, double revi
   json.begin_object().field("zone", name).field("revision", static_cast<std::uint64_t>(revision));
   json.field("snapped", switched ? switched->snapped : 0).key("offRoute").begin_array();
   if (switched)
-    for (const std::string& who : switched->off_route) json.value(who);
+    for (const std::string& vehicle : switched->off_route) json.value(vehicle);
   json.end_array().key("first_moving_ms");
   if (switched && switched->first_moving_ms)
     json.value(*switched->first_moving_ms);
@@ -60,7 +60,7 @@ int switch_over_http(const ZoneArguments& arguments, const zone::ZoneConfigurati
   if (!client) return report_error(client.error());
   JsonWriter json;
   zone::write_json(json, configuration);
-  const auto response = client->ask("POST", "/api/v1/zone/switch", json.take(), std::chrono::seconds{120});
+  const auto response = client->send_request("POST", "/api/v1/zone/switch", json.take(), std::chrono::seconds{120});
   if (!response) return report_error(response.error());
   if (response->status != 200) {
     Error refused = refusal_in(response->body, response->status);

@@ -34,7 +34,7 @@ constexpr std::size_t questions = 1'000'000;
 constexpr double deviation_max = 1e-6;  // of an output's range
 
 /// A batch of random questions: each input over its range and a little beyond.
-std::vector<std::vector<double>> ask(const Engine& engine, std::size_t count, Random& random) {
+std::vector<std::vector<double>> evaluate_all(const Engine& engine, std::size_t count, Random& random) {
   std::vector<std::vector<double>> columns;
   for (const Variable& input : engine.inputs) {
     const double more = 0.1 * (input.maximum - input.minimum);
@@ -48,7 +48,7 @@ std::vector<std::vector<double>> ask(const Engine& engine, std::size_t count, Ra
 /// The worst difference over so many questions, as a share of each output's range.
 double worst_deviation(const RuleBase& own, Fuzzylite& theirs, std::size_t count, Random& random) {
   const Engine& engine = own.engine();
-  const auto columns = ask(engine, count, random);
+  const auto columns = evaluate_all(engine, count, random);
   std::vector<std::vector<double>> responses(engine.outputs.size(), std::vector<double>(count));
   const std::vector<std::span<const double>> inputs(columns.begin(), columns.end());
   const std::vector<std::span<double>> outputs(responses.begin(), responses.end());

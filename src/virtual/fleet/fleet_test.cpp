@@ -260,7 +260,7 @@ TEST(Fleet, stands_exactly_at_its_goal_and_says_so_once) {
   int commanded = 0;
   for (int k = 0; k < 400; ++k) {
     one.step();
-    for (const Fleet::Vehicle who : one.arrived()) commanded += who == 0 ? 1 : 0;
+    for (const Fleet::Vehicle arrived_vehicle : one.arrived()) commanded += arrived_vehicle == 0 ? 1 : 0;
   }
   EXPECT_EQ(commanded, 1);
   EXPECT_TRUE(one.is_at_goal(0));

@@ -103,8 +103,8 @@ double Circuit::total_length_m() const {
 /// Calls look(id) for all sections that head into `headings` and may come within `limit_m`, which `look` may lower; for
 /// some several times.
 template <typename Look>
-void Circuit::survey_neighbours(Point2 p, Headings headings, const double& limit_m, const Look& look) const {
-  if (!grid_.visit(p, headings, limit_m, look)) tree_.visit(p, headings, limit_m, look);
+void Circuit::survey_neighbours(Point2 p, Headings headings, const double& limit_m, const Look& visitor) const {
+  if (!grid_.visit(p, headings, limit_m, visitor)) tree_.visit(p, headings, limit_m, visitor);
 }
 
 Circuit::Located Circuit::locate(Point2 p, std::optional<double> heading_rad) const {
@@ -112,7 +112,7 @@ Circuit::Located Circuit::locate(Point2 p, std::optional<double> heading_rad) co
   constexpr double aligned_rad = pi / 3.0;
   Located best{{}, 0.0, std::numeric_limits<double>::infinity()};
   SectionId last = no_section;  // the pieces of a section come one after the other, mostly
-  const auto look = [&](SectionId id) {
+  const auto visitor = [&](SectionId id) {
     if (id == last) return;
     last = id;
     const Section::Nearest near = section(id).nearest(p);
@@ -121,12 +121,12 @@ Circuit::Located Circuit::locate(Point2 p, std::optional<double> heading_rad) co
     best = {{id, near.s_m}, near.left_m, near.distance_m};
   };
   if (heading_rad) {
-    survey_neighbours(p, headings_near(*heading_rad, aligned_rad), best.distance_m, look);
+    survey_neighbours(p, headings_near(*heading_rad, aligned_rad), best.distance_m, visitor);
     if (best.position.section != no_section) return best;
     heading_rad.reset();
     last = no_section;
   }
-  survey_neighbours(p, every_heading, best.distance_m, look);
+  survey_neighbours(p, every_heading, best.distance_m, visitor);
   return best;
 }
 

@@ -62,7 +62,7 @@ class SectionGrid {
   [[nodiscard]] std::size_t size_of(const Block& block) const;
   [[nodiscard]] double steady_m(const Block& block, double column_at, double row_at) const;
   template <typename Visit>
-  [[nodiscard]] bool look(const Block& block, Point2 p, Headings headings, const double& limit_m,
+  [[nodiscard]] bool survey_block(const Block& block, Point2 p, Headings headings, const double& limit_m,
                           const Visit& visit) const;
   void fill(std::span<const SectionPiece> pieces);
   [[nodiscard]] Record record_of(const SectionPiece& piece, double loss_m) const;
@@ -128,7 +128,7 @@ inline double SectionGrid::steady_m(const Block& block, double column_at, double
 }
 
 template <typename Visit>
-bool SectionGrid::look(const Block& block, Point2 p, Headings headings, const double& limit_m,
+bool SectionGrid::survey_block(const Block& block, Point2 p, Headings headings, const double& limit_m,
                        const Visit& visit) const {
   Candidates candidates;
   const auto x = static_cast<float>(p.x_m - origin_.x_m);
@@ -165,7 +165,7 @@ bool SectionGrid::visit(Point2 p, Headings headings, const double& limit_m, cons
     const auto [left, right] = cells(column_at, columns_);
     const auto [low, high] = cells(row_at, rows_);
     const Block block{left, right, low, high};
-    if (size_of(block) > scanned_max || !look(block, p, headings, limit_m, visit)) return false;
+    if (size_of(block) > scanned_max || !survey_block(block, p, headings, limit_m, visit)) return false;
     if (limit_m <= steady_m(block, column_at, row_at)) return true;
     const double wanted = (std::max(limit_m, 0.0) + reach_m_) / cell_m_;
     half = std::max(wanted < std::numeric_limits<double>::infinity() ? wanted : 3.0 * half, 1.01 * half);

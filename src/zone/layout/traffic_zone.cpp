@@ -31,10 +31,10 @@ std::size_t first_after(const TrafficZone& zone, SectionId id) {
 
 }  // namespace
 
-std::int32_t TrafficZone::priority_of(std::string_view who) const {
-  const auto at = std::lower_bound(priorities.begin(), priorities.end(), who,
+std::int32_t TrafficZone::priority_of(std::string_view vehicle_name) const {
+  const auto at = std::lower_bound(priorities.begin(), priorities.end(), vehicle_name,
                                    [](const auto& entry, std::string_view key) { return entry.first < key; });
-  return at == priorities.end() || at->first != who ? 0 : at->second;
+  return at == priorities.end() || at->first != vehicle_name ? 0 : at->second;
 }
 
 const Tag* TrafficZone::find_tag(TagNumber number) const {

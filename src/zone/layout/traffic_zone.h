@@ -156,7 +156,7 @@ struct TrafficZone {
   bool nodes_only{false};
 
   /// Of "manufacturer/serial"; 0 where none is given.
-  [[nodiscard]] std::int32_t priority_of(std::string_view who) const;
+  [[nodiscard]] std::int32_t priority_of(std::string_view vehicle_name) const;
   [[nodiscard]] const Tag* find_tag(TagNumber number) const;
   /// The first of this id.
   [[nodiscard]] const Waypoint* find_waypoint(std::string_view id) const;

@@ -132,10 +132,10 @@ void LiveRuns::begin(SimTime now, Slot& slot, Responses& responses) {
   // AIV.move: whoever stands goes on, and as fast as is wanted.
   responses.commands.push_back(command_json("restart", slot.vehicle, std::nullopt));
   if (options_.speed_mps) responses.commands.push_back(command_json("limit", slot.vehicle, options_.speed_mps));
-  ask(now, slot, responses);
+  send_requests(now, slot, responses);
 }
 
-void LiveRuns::ask(SimTime now, Slot& slot, Responses& responses) {
+void LiveRuns::send_requests(SimTime now, Slot& slot, Responses& responses) {
   if (slot.waiting)
     ++repeated_;
   else
@@ -198,7 +198,7 @@ void LiveRuns::look_after(SimTime now, Slot& slot, Responses& responses) {
   }
   if (const auto why = missing(now, slot)) return lose(slot, *why);
   const auto period = from_seconds(1.0 / options_.rate_hz);
-  if (now - slot.requested >= (slot.waiting ? std::max(repeat_after, period) : period)) ask(now, slot, responses);
+  if (now - slot.requested >= (slot.waiting ? std::max(repeat_after, period) : period)) send_requests(now, slot, responses);
 }
 
 void LiveRuns::complete(Slot& slot) {

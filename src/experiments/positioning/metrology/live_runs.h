@@ -96,7 +96,7 @@ class LiveRuns {
   void on_ground_truth(SimTime now, std::string_view payload);
   void on_response(SimTime now, Slot& slot, std::string_view payload);
   void begin(SimTime now, Slot& slot, Responses& responses);
-  void ask(SimTime now, Slot& slot, Responses& responses);
+  void send_requests(SimTime now, Slot& slot, Responses& responses);
   void begin_anew(Slot& slot, const std::string& why);
   void look_after(SimTime now, Slot& slot, Responses& responses);
   void complete(Slot& slot);

@@ -221,14 +221,14 @@ class Reader {
       json.begin_object().field("command", "radio").field("vehicle", vehicle).field("loss", part).end_object();
       return json.take();
     };
-    const std::string who = name == "*" ? "every vehicle" : name;
-    std::string what = loss > 0.0 ? who + " loses " + shortest(loss * 100.0) + " % of its messages"
-                                  : who + " hears and is heard again";
+    const std::string owner_name = name == "*" ? "every vehicle" : name;
+    std::string what = loss > 0.0 ? owner_name + " loses " + shortest(loss * 100.0) + " % of its messages"
+                                  : owner_name + " hears and is heard again";
     if (!fields.has("for_s")) return plan(command(loss), std::move(what), now_);
     const double for_s = fields.number("for_s", duration_range_s);
     what += " for " + shortest(for_s) + " s";
     plan(command(loss), std::move(what), now_);
-    plan(command(0.0), who + " hears and is heard again", now_ + from_seconds(for_s), true);
+    plan(command(0.0), owner_name + " hears and is heard again", now_ + from_seconds(for_s), true);
   }
 
   // --- the zone -----------------------------------------------------------------------------------------------------

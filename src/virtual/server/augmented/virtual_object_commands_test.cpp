@@ -40,8 +40,8 @@ std::vector<std::string> aivs(const ServerFixture& fixture) { return ids(*fixtur
 TEST(VirtualObjects, stand_where_they_were_put_with_names_of_their_kind) {
   ServerFixture fixture;
   EXPECT_EQ(fixture.server->next_virtual_object_id("person"), "P1");
-  fixture.ask(person(R"("x":0.5,"y":0.1)"));
-  fixture.ask(R"({"command":"add","virtualObject":{"kind":"obstacle","id":"box","x":1.5,"y":0.2,"radius":0.3}})");
+  fixture.send_command(person(R"("x":0.5,"y":0.1)"));
+  fixture.send_command(R"({"command":"add","virtualObject":{"kind":"obstacle","id":"box","x":1.5,"y":0.2,"radius":0.3}})");
   EXPECT_THAT(virtual_objects(fixture), ElementsAre("P1", "box"));
   EXPECT_EQ(fixture.server->next_virtual_object_id("person"), "P2");
   EXPECT_EQ(fixture.server->next_virtual_object_id("obstacle"), "O1");
@@ -57,24 +57,24 @@ TEST(VirtualObjects, stand_where_they_were_put_with_names_of_their_kind) {
 
 TEST(VirtualObjects, walk_their_path_move_and_go) {
   ServerFixture fixture;
-  fixture.ask(person(R"("path":[[0,0.1],[1,0.1]],"speed":0.5,"repeat":"back and forth")"));
+  fixture.send_command(person(R"("path":[[0,0.1],[1,0.1]],"speed":0.5,"repeat":"back and forth")"));
   fixture.run_for(3s);
   EXPECT_NEAR(*virtual_object(fixture, "P1").number("x"), 0.5, 1e-9);
   EXPECT_EQ(virtual_object(fixture, "P1").text("repeat"), "back and forth");
   EXPECT_THAT(*virtual_object(fixture, "P1").find("path")->array(), SizeIs(2));
-  fixture.ask(R"({"command":"move","virtualObject":{"id":"P1","x":1.5,"y":0.1}})");
+  fixture.send_command(R"({"command":"move","virtualObject":{"id":"P1","x":1.5,"y":0.1}})");
   EXPECT_EQ(*virtual_object(fixture, "P1").number("x"), 1.5);
   EXPECT_EQ(*virtual_object(fixture, "P1").number("speed"), 0.0);
-  fixture.ask(R"({"command":"move","virtualObject":{"id":"P1","path":[[1.5,0.1],[0,0.1]]}})");
+  fixture.send_command(R"({"command":"move","virtualObject":{"id":"P1","path":[[1.5,0.1],[0,0.1]]}})");
   fixture.run_for(1s);
   EXPECT_LT(*virtual_object(fixture, "P1").number("x"), 1.5) << "at the zone's slow speed, since none was said";
-  fixture.ask(R"({"command":"remove","id":"P1"})");
+  fixture.send_command(R"({"command":"remove","id":"P1"})");
   EXPECT_THAT(virtual_objects(fixture), IsEmpty());
 }
 
 TEST(VirtualObjects, that_cannot_be_are_refused_with_a_sentence_and_change_nothing) {
   ServerFixture fixture;
-  fixture.ask(person(R"("id":"P1","x":0.5,"y":0.1)"));
+  fixture.send_command(person(R"("id":"P1","x":0.5,"y":0.1)"));
   const std::vector<std::pair<std::string, std::string>> wrong{
       {person(R"("x":50,"y":0)"), "off the zone"},
       {person(R"("path":[[0,0],[0,99]])"), "path[1]"},
@@ -103,7 +103,7 @@ TEST(VirtualObjects, that_cannot_be_are_refused_with_a_sentence_and_change_nothi
   for (const auto& [json, phrase] : wrong) {
     EXPECT_THAT(fixture.refusal(json), HasSubstr(phrase)) << json;
     fixture.logs.clear();
-    fixture.ask(json);
+    fixture.send_command(json);
     EXPECT_TRUE(fixture.logged("refused")) << json;
   }
   EXPECT_THAT(virtual_objects(fixture), ElementsAre("P1"));
@@ -119,10 +119,10 @@ TEST(VirtualObjects, need_a_zone) {
 
 TEST(VirtualObjects, are_at_most_64_and_all_go_at_once) {
   ServerFixture fixture;
-  for (int i = 0; i < 64; ++i) fixture.ask(person(R"("x":0.5,"y":0.1)"));
+  for (int i = 0; i < 64; ++i) fixture.send_command(person(R"("x":0.5,"y":0.1)"));
   EXPECT_THAT(fixture.refusal(person(R"("x":0.5,"y":0.1)")), HasSubstr("remove one"));
   EXPECT_THAT(fixture.refusal(virtual_aiv("")), HasSubstr("remove one"));
-  fixture.ask(R"({"command":"remove","id":"*"})");
+  fixture.send_command(R"({"command":"remove","id":"*"})");
   EXPECT_THAT(virtual_objects(fixture), IsEmpty());
 }
 
@@ -130,7 +130,7 @@ TEST(VirtualAivs, drive_round_as_every_other_and_are_counted_apart) {
   ServerFixture fixture;
   FixtureVehicle& real = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(1s);
-  fixture.ask(virtual_aiv(R"(,"section":"north","s":1.0)"));
+  fixture.send_command(virtual_aiv(R"(,"section":"north","s":1.0)"));
   fixture.run_for(4s);
   const JsonValue first = fixture.aiv("CoSiVA.virtual/V1");
   EXPECT_EQ(first.flag("augmented"), true);
@@ -153,7 +153,7 @@ TEST(VirtualAivs, drive_round_as_every_other_and_are_counted_apart) {
 
 TEST(VirtualAivs, obey_commands_which_the_bijection_does_not_count) {
   ServerFixture fixture;
-  fixture.ask(virtual_aiv(R"(,"section":"south","s":1.0)"));
+  fixture.send_command(virtual_aiv(R"(,"section":"south","s":1.0)"));
   fixture.run_for(4s);
   fixture.command("stop", "CoSiVA.virtual/V1", "c1");
   fixture.run_for(2s);
@@ -168,7 +168,7 @@ TEST(VirtualAivs, taken_away_leave_the_table_and_the_way_and_may_come_back) {
   fixture.run_for(1s);
   fixture.command("stop", "CoSiVA/AIV1");
   fixture.run_for(1s);
-  fixture.ask(virtual_aiv(R"(,"section":"east","s":0.4)"));
+  fixture.send_command(virtual_aiv(R"(,"section":"east","s":0.4)"));
   fixture.run_for(200ms);
   fixture.command("stop", "CoSiVA.virtual/V1");
   fixture.run_for(1s);
@@ -181,7 +181,7 @@ TEST(VirtualAivs, taken_away_leave_the_table_and_the_way_and_may_come_back) {
   fixture.run_for(600ms);
   fixture.command("stop", "CoSiVA.virtual/V1", "c9");
   ASSERT_EQ(fixture.command_entry("c9").text("state"), "accepted") << "it still rolls";
-  fixture.ask(R"({"command":"remove","id":"V1"})");
+  fixture.send_command(R"({"command":"remove","id":"V1"})");
   EXPECT_THAT(aivs(fixture), ElementsAre("CoSiVA/AIV1"));
   EXPECT_EQ(fixture.command_entry("c9").text("state"), "failed");
   const auto goodbyes = fixture.published_on("uagv/v2/CoSiVA.virtual/V1/connection");
@@ -191,7 +191,7 @@ TEST(VirtualAivs, taken_away_leave_the_table_and_the_way_and_may_come_back) {
   fixture.run_for(3s);
   EXPECT_GT(real.driven_m, before_m + 0.5);
   EXPECT_THAT(fixture.refusal(R"({"command":"stop","vehicle":"CoSiVA.virtual/V1"})"), HasSubstr("no vehicle"));
-  fixture.ask(virtual_aiv(R"(,"id":"V1","section":"north","s":0.5)"));
+  fixture.send_command(virtual_aiv(R"(,"id":"V1","section":"north","s":0.5)"));
   fixture.run_for(500ms);
   EXPECT_THAT(aivs(fixture), ElementsAre("CoSiVA/AIV1", "CoSiVA.virtual/V1"));
   EXPECT_EQ(fixture.aiv("CoSiVA.virtual/V1").text("section"), "north");
@@ -201,7 +201,7 @@ TEST(VirtualAivs, go_where_there_is_most_room_when_no_place_is_said) {
   ServerFixture fixture;
   fixture.add("AIV1", {0, 1.0}).blocked = true;  // in the middle of the south side
   fixture.run_for(1s);
-  fixture.ask(virtual_aiv(""));
+  fixture.send_command(virtual_aiv(""));
   fixture.run_for(200ms);
   // By the crow's fly the ends of the oval are 1.62 m away, the other side 1.0 m.
   EXPECT_THAT(*fixture.aiv("CoSiVA.virtual/V1").text("section"), AnyOf("east", "west"));
@@ -217,7 +217,7 @@ TEST(VirtualAivs, are_refused_where_no_vehicle_may_be) {
   EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"section":"attic")")), HasSubstr("it has south, east, north, west"));
   EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"section":"south","s":2.5)")), HasSubstr("2.00 m"));
   EXPECT_EQ(fixture.refusal(virtual_aiv(R"(,"x":1.5,"y":0.2)")), "");
-  fixture.ask(virtual_aiv(R"(,"x":1.5,"y":0.2)"));
+  fixture.send_command(virtual_aiv(R"(,"x":1.5,"y":0.2)"));
   EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"id":"V1")")), HasSubstr("already"));
   EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"x":1.6,"y":0.0)")), HasSubstr("CoSiVA.virtual/V1"));
   EXPECT_THAT(fixture.refusal(R"({"command":"move","virtualObject":{"id":"V1","x":1,"y":0}})"),
@@ -231,8 +231,8 @@ TEST(VirtualAivs, are_refused_where_no_vehicle_may_be) {
 
 TEST(VirtualAivs, go_on_from_where_they_stand_when_the_ways_change) {
   ServerFixture fixture;
-  fixture.ask(virtual_aiv(R"(,"section":"west","s":1.0)"));
-  fixture.ask(virtual_aiv(R"(,"section":"south","s":1.0)"));
+  fixture.send_command(virtual_aiv(R"(,"section":"west","s":1.0)"));
+  fixture.send_command(virtual_aiv(R"(,"section":"south","s":1.0)"));
   fixture.run_for(3s);
   std::string shorter = oval().text;
   for (int i = 0; i < 2; ++i) shorter.replace(shorter.find("length_m = 2.0"), 14, "length_m = 1.0");
@@ -253,10 +253,10 @@ TEST(VirtualAivs, make_the_same_run_from_the_same_inputs) {
     ServerFixture fixture{zone_file("lacet4.toml")};
     fixture.add("AIV1", {0, 0.1});
     fixture.run_for(1s);
-    fixture.ask(virtual_aiv(""));
-    fixture.ask(person(R"("path":[[0,0],[0.5,0.5],[-0.5,0.2]],"speed":0.3,"repeat":"loop")"));
+    fixture.send_command(virtual_aiv(""));
+    fixture.send_command(person(R"("path":[[0,0],[0.5,0.5],[-0.5,0.2]],"speed":0.3,"repeat":"loop")"));
     fixture.run_for(10s);
-    fixture.ask(R"({"command":"edit","edit":{"addTags":[{"number":77,"x":0,"y":0.1}]}})");
+    fixture.send_command(R"({"command":"edit","edit":{"addTags":[{"number":77,"x":0,"y":0.1}]}})");
     fixture.run_for(5s);
     Digest digest;
     fixture.server->fold(digest);
@@ -271,7 +271,7 @@ TEST(VirtualAivs, speak_under_the_server_s_own_interface) {
   ServerOptions options;
   options.interface_name = "plant7";
   ServerFixture fixture{oval(), options};
-  fixture.ask(virtual_aiv(R"(,"section":"south","s":1.0)"));
+  fixture.send_command(virtual_aiv(R"(,"section":"south","s":1.0)"));
   fixture.run_for(3s);
   EXPECT_FALSE(fixture.published_on("plant7/v2/CoSiVA.virtual/V1/state").empty());
   EXPECT_GT(*fixture.aiv("CoSiVA.virtual/V1").number("speed"), 0.0);
@@ -279,7 +279,7 @@ TEST(VirtualAivs, speak_under_the_server_s_own_interface) {
 
 TEST(VirtualAivs, say_goodbye_with_the_server) {
   ServerFixture fixture;
-  fixture.ask(virtual_aiv(R"(,"section":"south","s":1.0)"));
+  fixture.send_command(virtual_aiv(R"(,"section":"south","s":1.0)"));
   wire::Effects effects;
   fixture.server->farewell(fixture.now, effects);
   std::vector<std::string> topics;
@@ -308,7 +308,7 @@ TEST(VirtualAivs, put_between_a_vehicle_and_its_crossing_drive_on_before_it) {
   real.blocked = true;  // it feels the virtual one before it
   fixture.run_for(100ms);
   const zone::TrackPosition ahead = fixture.zone->circuit.advance(real.track_position(), 0.45);
-  fixture.ask(virtual_aiv(",\"section\":\"" + fixture.zone->circuit.part(ahead.section).name +
+  fixture.send_command(virtual_aiv(",\"section\":\"" + fixture.zone->circuit.part(ahead.section).name +
                           "\",\"s\":" + std::to_string(ahead.s_m)));
   if (!fixture.logged("command refused")) {
     fixture.run_for(8s);
@@ -325,7 +325,7 @@ TEST(Commands, to_several_vehicles_have_an_entry_each) {
   fixture.add("AIV2", {2, 0.5});
   fixture.add("AIV3", {2, 1.5});
   fixture.run_for(2s);
-  fixture.ask(R"({"command":"stop","id":"c1","vehicles":["CoSiVA/AIV1","CoSiVA/AIV3","CoSiVA/AIV1"]})");
+  fixture.send_command(R"({"command":"stop","id":"c1","vehicles":["CoSiVA/AIV1","CoSiVA/AIV3","CoSiVA/AIV1"]})");
   fixture.run_for(1s);
   EXPECT_EQ(fixture.command_entry("c1.AIV1").text("state"), "materialised");
   EXPECT_EQ(fixture.command_entry("c1.AIV3").text("state"), "materialised");
@@ -340,13 +340,13 @@ TEST(Commands, to_several_vehicles_have_an_entry_each) {
 TEST(WorldCommands, pass_on_to_the_emulated_world_what_it_understands) {
   ServerFixture fixture;
   fixture.add("AIV1", {0, 0.5});
-  fixture.ask(R"({"command":"plant","plant":{"addObstacle":{"id":"box1","x":0.5,"y":0.2}}})");
-  fixture.ask(R"({"command":"plant","plant":{"removeObstacle":"box1"}})");
+  fixture.send_command(R"({"command":"plant","plant":{"addObstacle":{"id":"box1","x":0.5,"y":0.2}}})");
+  fixture.send_command(R"({"command":"plant","plant":{"removeObstacle":"box1"}})");
   const auto plant = fixture.published_on(wire::plant_command_topic);
   ASSERT_THAT(plant, SizeIs(2));
   EXPECT_EQ(plant[0].payload, R"({"addObstacle":{"id":"box1","x":0.5,"y":0.2,"radius":0.06}})");
   EXPECT_EQ(plant[1].payload, R"({"removeObstacle":"box1"})");
-  fixture.ask(R"({"command":"radio","vehicle":"CoSiVA/AIV1","loss":0.3})");
+  fixture.send_command(R"({"command":"radio","vehicle":"CoSiVA/AIV1","loss":0.3})");
   const auto radio = fixture.published_on(wire::plant_radio_topic);
   ASSERT_THAT(radio, SizeIs(1));
   EXPECT_EQ(wire::radio_from_json(radio[0].payload)->loss, 0.3);

@@ -25,10 +25,10 @@ class VirtualObstaclesFixture : public testing::Test {
     fixture.published.clear();
   }
   void add_person(double x, double y, const std::string& id = "P1") {
-    fixture.ask(R"({"command":"add","virtualObject":{"kind":"person","id":")" + id + R"(","x":)" + std::to_string(x) +
+    fixture.send_command(R"({"command":"add","virtualObject":{"kind":"person","id":")" + id + R"(","x":)" + std::to_string(x) +
                 ",\"y\":" + std::to_string(y) + "}}");
   }
-  void remove(const std::string& id) { fixture.ask(R"({"command":"remove","id":")" + id + "\"}"); }
+  void remove(const std::string& id) { fixture.send_command(R"({"command":"remove","id":")" + id + "\"}"); }
   [[nodiscard]] std::vector<wire::VirtualObstacles> aheads(const std::string& name = "CoSiVA/AIV1") const {
     std::vector<wire::VirtualObstacles> all;
     for (const wire::Publish& message : fixture.published_on("cosiva/v1/virtual_obstacles/" + name))
@@ -86,7 +86,7 @@ TEST_F(VirtualObstaclesFixture, tells_at_once_when_a_body_leaps_and_carries_its_
   add_person(1.2, 0.0);
   fixture.run_for(50ms);
   fixture.published.clear();
-  fixture.ask(R"({"command":"move","virtualObject":{"id":"P1","path":[[1.4,0.0],[1.4,1.0]],"speed":0.5}})");
+  fixture.send_command(R"({"command":"move","virtualObject":{"id":"P1","path":[[1.4,0.0],[1.4,1.0]],"speed":0.5}})");
   const auto commanded = aheads();
   ASSERT_THAT(commanded, SizeIs(1));
   EXPECT_NEAR(commanded[0].bodies[0].vy_mps, 0.5, 1e-9);
@@ -113,7 +113,7 @@ TEST_F(VirtualObstaclesFixture, does_not_tell_of_what_is_far_or_wholly_behind) {
 }
 
 TEST_F(VirtualObstaclesFixture, tells_when_a_walker_comes_into_reach) {
-  fixture.ask(
+  fixture.send_command(
       R"({"command":"add","virtualObject":{"kind":"person","path":[[-0.4,0.8],[-0.4,0.0],[2.4,0.0]],"speed":1.0}})");
   EXPECT_THAT(aheads(), IsEmpty()) << "behind it";
   fixture.run_for(3s);
@@ -202,7 +202,7 @@ TEST_F(VirtualObstaclesFixture, ignores_answers_to_what_it_never_said) {
 }
 
 TEST_F(VirtualObstaclesFixture, tells_a_virtual_aiv_of_physical_vehicles_and_the_others_of_it) {
-  fixture.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"south","s":1.4}})");
+  fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","section":"south","s":1.4}})");
   fixture.run_for(200ms);
   const auto commanded = aheads();
   ASSERT_FALSE(commanded.empty());
@@ -220,13 +220,13 @@ TEST_F(VirtualObstaclesFixture, tells_a_virtual_aiv_of_physical_vehicles_and_the
 }
 
 TEST_F(VirtualObstaclesFixture, stops_a_virtual_aiv_before_a_person_and_a_physical_vehicle) {
-  fixture.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"west","s":1.0}})");
+  fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","section":"west","s":1.0}})");
   fixture.run_for(20s);
   const JsonValue v1 = fixture.aiv("CoSiVA.virtual/V1");
   EXPECT_EQ(*v1.number("speed"), 0.0) << "AIV1 stands on its way";
   EXPECT_LT(*v1.number("x"), 0.3);
   add_person(1.5, 1.0, "P1");  // on the north side, before a second one
-  fixture.ask(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V2","section":"east","s":1.0}})");
+  fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V2","section":"east","s":1.0}})");
   fixture.run_for(10s);
   EXPECT_EQ(*fixture.aiv("CoSiVA.virtual/V2").number("speed"), 0.0);
   EXPECT_GT(*fixture.aiv("CoSiVA.virtual/V2").number("x"), 1.5);

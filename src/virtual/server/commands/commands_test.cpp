@@ -65,7 +65,7 @@ TEST_F(CommandFixture, restart_lets_it_go_on_and_lifts_a_limit) {
 
 TEST_F(CommandFixture, limit_holds_one_vehicle_under_a_speed_of_its_own_until_restart_lifts_it) {
   fixture.run_for(2s);
-  fixture.ask(R"({"command":"limit","speed":0.12,"vehicle":"CoSiVA/AIV1","id":"c1"})");
+  fixture.send_command(R"({"command":"limit","speed":0.12,"vehicle":"CoSiVA/AIV1","id":"c1"})");
   EXPECT_TRUE(fixture.aiv("CoSiVA/AIV1").find("speedLimit")->is_null()) << "asked for is not done";
   fixture.run_for(2s);
   EXPECT_EQ(state_of("c1"), "materialised");

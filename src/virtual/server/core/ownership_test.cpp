@@ -89,12 +89,12 @@ class ControlAreasFixture {
   void publish_owner(const std::string& area) {
     publish({"cosiva/v1/owner/" + aiv1, wire::to_json({area, 50, now, std::nullopt, std::nullopt}), 1, true});
   }
-  void ask(const std::string& area, const std::string& json) {
+  void send_command(const std::string& area, const std::string& json) {
     feed(servers[area], wire::InputKind::command, "test", json);
     flush();
   }
   void go(const std::string& area, const std::string& to) {
-    ask(area, R"({"command":"go","vehicle":")" + aiv1 + R"(","to":")" + to + "\"}");
+    send_command(area, R"({"command":"go","vehicle":")" + aiv1 + R"(","to":")" + to + "\"}");
   }
   [[nodiscard]] std::string refusal(const std::string& area, const std::string& json) {
     const auto checked = servers[area].core->check_command(json);
@@ -311,8 +311,8 @@ TEST(ControlAreas, have_the_twin_as_soon_as_the_message_is_heard_and_send_nothin
   ASSERT_TRUE(fixture.run_until([&] { return fixture.owners.size() == 2; }, 60s));
   const std::size_t by_a = fixture.sent("a");
   EXPECT_THAT(fixture.table("a"), IsEmpty()) << "the other may have heard it already: never in two tables";
-  fixture.ask("a", R"({"command":"stop","vehicle":"*"})");
-  fixture.ask("a", R"({"command":"circulate","vehicle":"*"})");
+  fixture.send_command("a", R"({"command":"stop","vehicle":"*"})");
+  fixture.send_command("a", R"({"command":"circulate","vehicle":"*"})");
   fixture.run_for(1s);
   EXPECT_EQ(fixture.sent("a"), by_a) << "whatever it is asked";
   EXPECT_FALSE(aiv.paused);
@@ -480,7 +480,7 @@ TEST(ControlAreas, drive_a_third_party_vehicle_over_as_well) {
   fixture.publish({other.topic("factsheet"), vda::encode(factsheet), 0, true});
   fixture.run_for(3s);
   EXPECT_THAT(fixture.table("b"), ElementsAre("Robots/R7"));
-  fixture.ask("b", R"({"command":"go","vehicle":"Robots/R7","to":"a/rack_a"})");
+  fixture.send_command("b", R"({"command":"go","vehicle":"Robots/R7","to":"a/rack_a"})");
   ASSERT_TRUE(fixture.run_until([&] { return fixture.table("a").size() == 2; }, 90s));
   EXPECT_THAT(fixture.table("a"), UnorderedElementsAre(aiv1, "Robots/R7"));
   ASSERT_TRUE(fixture.run_until([&] { return other.map_id == "area_a" && other.speed_mps > 0.0; }, 20s));

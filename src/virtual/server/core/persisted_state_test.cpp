@@ -16,11 +16,11 @@ const std::string edit = R"({"command":"edit","edit":{"addTags":[{"number":5,"se
 
 TEST(PersistedState, brings_back_virtual_objects_virtual_aivs_and_edits) {
   ServerFixture fixture;
-  fixture.ask(
+  fixture.send_command(
       R"({"command":"add","virtualObject":{"kind":"person","path":[[0,1.2],[2,1.2]],"speed":0.2,"repeat":"loop","radius":0.1}})");
-  fixture.ask(R"({"command":"add","virtualObject":{"kind":"obstacle","id":"box","x":1.0,"y":0.5}})");
-  fixture.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"north","s":0.3}})");
-  fixture.ask(edit);
+  fixture.send_command(R"({"command":"add","virtualObject":{"kind":"obstacle","id":"box","x":1.0,"y":0.5}})");
+  fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","section":"north","s":0.3}})");
+  fixture.send_command(edit);
   fixture.run_for(5s);
   const JsonValue before = fixture.snapshot();
   const JsonValue aiv = fixture.aiv("CoSiVA.virtual/V1");
@@ -50,16 +50,16 @@ TEST(PersistedState, is_written_when_something_changes_and_not_otherwise) {
   ServerFixture fixture;
   fixture.run_for(5s);
   EXPECT_EQ(fixture.memory, "") << "nothing to remember";
-  fixture.ask(R"({"command":"add","virtualObject":{"kind":"obstacle","x":1.0,"y":0.5}})");
+  fixture.send_command(R"({"command":"add","virtualObject":{"kind":"obstacle","x":1.0,"y":0.5}})");
   const std::string with = fixture.memory;
   EXPECT_THAT(with, HasSubstr("O1"));
-  fixture.ask(R"({"command":"remove","id":"O1"})");
+  fixture.send_command(R"({"command":"remove","id":"O1"})");
   EXPECT_THAT(fixture.memory, testing::Not(HasSubstr("O1")));
 }
 
 TEST(PersistedState, of_a_virtual_aiv_is_renewed_each_second) {
   ServerFixture fixture;
-  fixture.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"south","s":0.3}})");
+  fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","section":"south","s":0.3}})");
   fixture.run_for(5s);
   const std::string then = fixture.memory;
   fixture.run_for(900ms);
@@ -71,11 +71,11 @@ TEST(PersistedState, of_a_virtual_aiv_is_renewed_each_second) {
 
 TEST(PersistedState, survives_being_killed_twice_before_the_zone_and_the_vehicles_are_there) {
   ServerFixture fixture;
-  fixture.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"north","s":0.3}})");
+  fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","section":"north","s":0.3}})");
   fixture.run_for(1s);
   fixture.restart_server(true);
   fixture.run_for(100ms);  // not settled yet
-  fixture.ask(R"({"command":"add","virtualObject":{"kind":"obstacle","x":1.0,"y":0.5}})");
+  fixture.send_command(R"({"command":"add","virtualObject":{"kind":"obstacle","x":1.0,"y":0.5}})");
   EXPECT_THAT(fixture.memory, HasSubstr("V1"));
   fixture.restart_server(true);
   fixture.run_for(3s);
@@ -98,14 +98,14 @@ TEST(PersistedState, that_is_broken_is_said_and_left_out) {
     EXPECT_THAT(*fixture.snapshot().find("aivs")->array(), IsEmpty()) << broken;
     EXPECT_EQ(fixture.server->zone_revision(), 1U) << broken;
     EXPECT_FALSE(fixture.logs.empty());
-    fixture.ask(R"({"command":"add","virtualObject":{"kind":"obstacle","x":1.0,"y":0.5}})");
+    fixture.send_command(R"({"command":"add","virtualObject":{"kind":"obstacle","x":1.0,"y":0.5}})");
     EXPECT_THAT(*fixture.snapshot().find("virtualObjects")->array(), SizeIs(1)) << "it works on: " << broken;
   }
 }
 
 TEST(PersistedState, of_edits_waits_for_the_zone_of_the_physical_side) {
   ServerFixture fixture;
-  fixture.ask(edit);
+  fixture.send_command(edit);
   const std::string edited = fixture.server->zone_configuration()->text;
   ServerCore server{ServerOptions{}};
   wire::Effects effects;
@@ -120,10 +120,10 @@ TEST(PersistedState, of_edits_waits_for_the_zone_of_the_physical_side) {
 TEST(PersistedState, of_edits_knows_them_in_the_zone_that_the_broker_kept) {
   ServerFixture fixture;
   const std::string original = fixture.server->zone_configuration()->text;
-  fixture.ask(edit);
+  fixture.send_command(edit);
   const zone::ZoneConfiguration edited = *fixture.server->zone_configuration();
   for (const bool saved : {false, true}) {
-    if (saved) fixture.ask(R"({"command":"saved"})");
+    if (saved) fixture.send_command(R"({"command":"saved"})");
     ServerCore server{ServerOptions{}};
     wire::Effects effects;
     const auto feed = [&](wire::InputKind kind, const char* source, const std::string& payload) {
@@ -144,7 +144,7 @@ TEST(PersistedState, of_edits_knows_them_in_the_zone_that_the_broker_kept) {
 
 TEST(PersistedState, of_edits_is_left_out_on_another_zone) {
   ServerFixture fixture;
-  fixture.ask(edit);
+  fixture.send_command(edit);
   ServerFixture other{zone_file("lacet4.toml")};
   other.memory = fixture.memory;
   other.restart_server(true);
@@ -154,7 +154,7 @@ TEST(PersistedState, of_edits_is_left_out_on_another_zone) {
 
 TEST(PersistedState, puts_a_virtual_aiv_beside_its_place_when_somebody_stands_there_by_now) {
   ServerFixture fixture;
-  fixture.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"south","s":1.0}})");
+  fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","section":"south","s":1.0}})");
   fixture.run_for(100ms);
   fixture.add("AIV1", {0, 1.05}).blocked = true;
   fixture.restart_server(true);

@@ -81,7 +81,7 @@ TEST_F(V2xFixture, of_unknown_senders_liars_and_the_broker_s_memory_is_not_shown
 }
 
 TEST_F(V2xFixture, virtual_AIVs_speak_to_the_broker_and_hear_who_is_near) {
-  fixture.ask(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V1"}})");
+  fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V1"}})");
   const auto published_by_v1 = [&] {
     return std::ranges::count_if(fixture.published, [](const wire::Publish& publish) {
       const auto topic = wire::parse_v2x_topic(publish.topic);

@@ -41,7 +41,7 @@ TEST(Switch, puts_vehicles_on_the_new_ways_where_they_stand_and_loses_no_twin) {
     fewest = std::min(fewest, fixture.snapshot().find("aivs")->array()->size());
     touches += fixture.touches();
   };
-  fixture.ask(switch_to(moved_oval("yard", "0.1")));
+  fixture.send_command(switch_to(moved_oval("yard", "0.1")));
   EXPECT_EQ(zone_of(fixture).text("name"), "yard");
   fixture.run_for(8s);
   EXPECT_EQ(fewest, 2U);
@@ -71,7 +71,7 @@ TEST(Switch, parks_and_names_who_stands_too_far_from_every_new_way) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(1s);
-  fixture.ask(switch_to(moved_oval("far", "-3.0")));
+  fixture.send_command(switch_to(moved_oval("far", "-3.0")));
   const std::size_t orders = aiv.orders.size();
   fixture.run_for(5s);
   EXPECT_EQ(aiv.orders.size(), orders);
@@ -93,7 +93,7 @@ TEST(Switch, sends_one_onto_the_line_elsewhere_where_somebody_stands_in_the_way_
   fixture.run_for(1s);
   two.paused = true;
   fixture.run_for(1s);
-  fixture.ask(switch_to(moved_oval("yard", "0.1")));
+  fixture.send_command(switch_to(moved_oval("yard", "0.1")));
   // The new line is at y = 0.1; on it the one would turn into the other, which stands beside it on its other side.
   one.put({1.0, 0.0, 0.0});
   two.put({1.0, 0.255, 0.0});
@@ -119,7 +119,7 @@ TEST(Switch, to_a_zone_that_cannot_be_built_leaves_the_old_one_running_and_says_
   broken.origin = "broken.zone";
   broken.text.resize(broken.text.size() / 2);
   EXPECT_NE(fixture.refusal(switch_to(broken)), "");
-  fixture.ask(switch_to(broken));
+  fixture.send_command(switch_to(broken));
   EXPECT_EQ(zone_of(fixture).text("name"), "oval");
   EXPECT_EQ(zone_of(fixture).find("refused")->text("origin"), "broken.zone");
   EXPECT_NE(zone_of(fixture).find("refused")->text("why").value_or(""), "");
@@ -128,7 +128,7 @@ TEST(Switch, to_a_zone_that_cannot_be_built_leaves_the_old_one_running_and_says_
   EXPECT_GT(aiv.driven_m, driven_m + 1.0);
   EXPECT_THAT(fixture.refusal(switch_to(oval())), HasSubstr("in force already"));
   EXPECT_NE(fixture.refusal(R"({"command":"switch"})"), "");
-  fixture.ask(switch_to(moved_oval("good", "0.05")));
+  fixture.send_command(switch_to(moved_oval("good", "0.05")));
   EXPECT_TRUE(zone_of(fixture).find("refused")->is_null());
 }
 
@@ -136,8 +136,8 @@ TEST(Switch, twice_in_one_tick_ends_on_the_second) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(2s);
-  fixture.ask(switch_to(moved_oval("first", "0.05")));
-  fixture.ask(switch_to(moved_oval("second", "0.1")));
+  fixture.send_command(switch_to(moved_oval("first", "0.05")));
+  fixture.send_command(switch_to(moved_oval("second", "0.1")));
   fixture.run_for(6s);
   EXPECT_EQ(zone_of(fixture).text("name"), "second");
   EXPECT_EQ(aiv.map_id, "second");
@@ -156,7 +156,7 @@ TEST(Switch, in_a_crossing_and_back_again_collides_with_nobody) {
   other.text.replace(name, other.text.find('\n', name) - name, "name = \"other\"");
   for (int i = 0; i < 6; ++i) {
     fixture.run_for(7s);
-    fixture.ask(switch_to(i % 2 == 0 ? other : zone_file("lacet4.toml")));
+    fixture.send_command(switch_to(i % 2 == 0 ? other : zone_file("lacet4.toml")));
   }
   std::vector<double> driven;
   for (const auto& aiv : fixture.vehicles) driven.push_back(aiv->driven_m);
@@ -176,7 +176,7 @@ TEST(Switch, waits_for_who_still_moves_on_the_old_map_but_not_for_ever) {
   deaf.deaf_to = {"cancelOrder"};
   fixture.run_for(2s);
   deaf.cruise_mps = 0.01;  // creeps on for minutes
-  fixture.ask(switch_to(moved_oval("yard", "0.05")));
+  fixture.send_command(switch_to(moved_oval("yard", "0.05")));
   fixture.run_for(500ms);
   const std::size_t orders = good.orders.size();
   fixture.run_for(5s);
@@ -191,7 +191,7 @@ TEST(Switch, loses_no_command_on_its_way) {
   fixture.add("AIV1", {0, 0.5});
   fixture.run_for(2s);
   fixture.command("slow", "CoSiVA/AIV1", "c9");
-  fixture.ask(switch_to(moved_oval("yard", "0.05")));
+  fixture.send_command(switch_to(moved_oval("yard", "0.05")));
   fixture.run_for(4s);
   EXPECT_EQ(fixture.command_entry("c9").text("state"), "materialised");
 }
@@ -209,7 +209,7 @@ TEST(Switch, leads_a_vehicle_of_another_make_to_the_map_as_the_standard_says) {
   fixture.send(agv, "factsheet", vda::encode(factsheet));
   fixture.run_for(2s);
   agv.downloads.push_back(zone::Rtm::initialise(moved_oval("yard", "0.02"))->shared_zone());
-  fixture.ask(switch_to(moved_oval("yard", "0.02")));
+  fixture.send_command(switch_to(moved_oval("yard", "0.02")));
   fixture.run_for(15s);
   std::vector<std::string> requested;
   for (const wire::InstantActions& message : agv.actions) requested.push_back(message.actions.front().action_type);
@@ -229,8 +229,8 @@ TEST(Switch, gives_no_orders_to_a_foreign_vehicle_on_another_map) {
 
 TEST(Switch, begins_undo_anew_and_its_own_echo_is_no_news) {
   ServerFixture fixture;
-  fixture.ask(R"({"command":"edit","edit":{"addTags":[{"number":5,"section":"south","s":1.0}]}})");
-  fixture.ask(switch_to(moved_oval("yard", "0.1")));
+  fixture.send_command(R"({"command":"edit","edit":{"addTags":[{"number":5,"section":"south","s":1.0}]}})");
+  fixture.send_command(switch_to(moved_oval("yard", "0.1")));
   EXPECT_EQ(zone_of(fixture).text("name"), "yard");
   EXPECT_EQ(*fixture.snapshot().find("zoneEdits")->number("undo"), 0.0);
   EXPECT_EQ(fixture.snapshot().find("zoneEdits")->flag("unsaved"), false);
@@ -240,8 +240,8 @@ TEST(Switch, outlives_the_server_that_is_given_the_first_zone_again) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(1s);
-  fixture.ask(switch_to(moved_oval("yard", "0.1")));
-  fixture.ask(R"({"command":"edit","edit":{"addTags":[{"number":5,"section":"south","s":1.0}]}})");
+  fixture.send_command(switch_to(moved_oval("yard", "0.1")));
+  fixture.send_command(R"({"command":"edit","edit":{"addTags":[{"number":5,"section":"south","s":1.0}]}})");
   fixture.run_for(5s);
   fixture.restart_server(true);
   EXPECT_EQ(zone_of(fixture).text("name"), "yard");
@@ -283,10 +283,10 @@ TEST(RetainedZones, of_which_none_is_in_force_are_taken_the_last_one_wins) {
 
 TEST(Switch, takes_a_virtual_vehicle_along) {
   ServerFixture fixture;
-  fixture.ask(R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv","section":"south","s":0.5}})");
+  fixture.send_command(R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv","section":"south","s":0.5}})");
   fixture.run_for(4s);
   ASSERT_GT(*fixture.aiv("CoSiVA.virtual/V1").number("speed"), 0.0);
-  fixture.ask(switch_to(moved_oval("yard", "0.1")));
+  fixture.send_command(switch_to(moved_oval("yard", "0.1")));
   fixture.run_for(10s);
   const JsonValue aiv = fixture.aiv("CoSiVA.virtual/V1");
   EXPECT_EQ(aiv.text("map"), "yard");

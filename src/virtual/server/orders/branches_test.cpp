@@ -136,12 +136,12 @@ TEST(Missions, sent_back_from_where_it_arrived_it_is_where_its_order_leads_befor
   text << file.rdbuf();
   ServerFixture fixture{{"lif", "lanes", text.str()}};
   FixtureVehicle& aiv = fixture.add("AIV1", {*fixture.zone->circuit.find("N2-N1"), 8.0});
-  fixture.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"N1"})");
+  fixture.send_command(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"N1"})");
   fixture.run_for(1s);
-  fixture.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"N1"})");
+  fixture.send_command(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"N1"})");
   fixture.run_for(10s);
   EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").find("mission")->text("state"), "arrived");
-  fixture.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"N2"})");
+  fixture.send_command(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"N2"})");
   aiv.blocked = true;
   fixture.run_for(3s);
   aiv.blocked = false;
@@ -156,9 +156,9 @@ TEST(Missions, sent_back_from_where_it_arrived_it_is_where_its_order_leads_befor
 TEST(Twins, follow_the_branch_that_their_vehicle_takes) {
   ServerFixture fixture{fork()};
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.1});
-  fixture.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"dock"})");
+  fixture.send_command(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"dock"})");
   fixture.run_for(300ms);
-  fixture.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"dock"})");
+  fixture.send_command(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"dock"})");
   double worst_m = 0.0;
   fixture.each_step = [&] {
     const JsonValue shown = fixture.aiv("CoSiVA/AIV1");

@@ -131,7 +131,7 @@ void Deadlocks::begin(Deadlock& deadlock) {
 std::vector<Wait> Deadlocks::waits_for(const Deadlock& deadlock, VehicleIndex vehicle) const {
   std::vector<Wait> waits;
   for (const Wait& wait : graph_.waits())
-    if (wait.whom == vehicle && std::ranges::binary_search(deadlock.members, wait.who)) waits.push_back(wait);
+    if (wait.blocker == vehicle && std::ranges::binary_search(deadlock.members, wait.waiter)) waits.push_back(wait);
   return waits;
 }
 

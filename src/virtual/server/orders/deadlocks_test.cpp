@@ -104,7 +104,7 @@ TEST_F(FourWay, is_resolved_and_everybody_drives_on) {
 }
 
 TEST_F(FourWay, lets_the_one_with_the_lowest_priority_give_way) {
-  fixture.ask(R"({"command":"edit","edit":{"priorities":{"CoSiVA/AIV1":5,"CoSiVA/AIV3":5,"CoSiVA/AIV4":5}}})");
+  fixture.send_command(R"({"command":"edit","edit":{"priorities":{"CoSiVA/AIV1":5,"CoSiVA/AIV3":5,"CoSiVA/AIV4":5}}})");
   fixture.run_for(20s);
   EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").number("priority"), 5.0);
   ASSERT_THAT(shown(fixture).list, SizeIs(1));

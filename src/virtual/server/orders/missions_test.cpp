@@ -31,7 +31,7 @@ TEST(Missions, bring_a_vehicle_to_a_station_and_it_stands_there_until_told_other
   ServerFixture fixture{fork()};
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.1});
   fixture.run_for(300ms);
-  fixture.ask(go("dock"));
+  fixture.send_command(go("dock"));
   fixture.run_for(20s);
   EXPECT_EQ(section_of(fixture, aiv), "bypass3");
   EXPECT_NEAR(aiv.track_position().s_m, 0.5, 0.02);
@@ -41,7 +41,7 @@ TEST(Missions, bring_a_vehicle_to_a_station_and_it_stands_there_until_told_other
   const double driven_m = aiv.driven_m;
   fixture.run_for(10s);
   EXPECT_EQ(aiv.driven_m, driven_m);
-  fixture.ask(R"({"command":"circulate","vehicle":"*"})");
+  fixture.send_command(R"({"command":"circulate","vehicle":"*"})");
   fixture.run_for(10s);
   EXPECT_GT(aiv.driven_m, driven_m + 2.0);
   EXPECT_THAT(aiv.refusals, IsEmpty());
@@ -51,7 +51,7 @@ TEST(Missions, bring_a_vehicle_to_a_station_and_it_stands_there_until_told_other
 struct RollsPast : ::testing::Test {
   void go_and_roll_on(double past_m) {
     fixture.run_for(300ms);
-    fixture.ask(go("dock"));
+    fixture.send_command(go("dock"));
     fixture.run_for(300ms);
     aiv.rolls_on_m = past_m;
     for (int i = 0; i < 1000 && aiv.rolls_on_m > 0.0; ++i) fixture.run_for(20ms);
@@ -85,7 +85,7 @@ TEST(Missions, take_a_waypoint_for_a_goal_too) {
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.1});
   fixture.run_for(300ms);
   const zone::Waypoint& goal = fixture.zone->waypoints[fixture.zone->waypoint_behind({3, 2.0})];
-  fixture.ask(go(goal.id));
+  fixture.send_command(go(goal.id));
   fixture.run_for(40s);
   EXPECT_EQ(aiv.track_position().section, goal.position.section);
   EXPECT_NEAR(aiv.track_position().s_m, goal.position.s_m, 0.02);
@@ -123,7 +123,7 @@ TEST(Missions, go_round_the_zone_s_first_loop_by_default_and_a_named_one_when_to
   EXPECT_TRUE(detected.contains("bypass3"));
   EXPECT_FALSE(detected.contains("south"));
   EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").find("mission")->text("loop"), "long");
-  fixture.ask(R"({"command":"circulate","vehicle":"CoSiVA/AIV1","loop":"short"})");
+  fixture.send_command(R"({"command":"circulate","vehicle":"CoSiVA/AIV1","loop":"short"})");
   fixture.run_for(45s);
   detected.clear();
   fixture.run_for(70s);
@@ -136,14 +136,14 @@ TEST(ClosedSections, are_avoided_by_everyone_at_once_and_taken_again_when_open) 
   ServerFixture fixture{fork()};
   FixtureVehicle& aiv = fixture.add("AIV1", {3, 0.1});
   fixture.run_for(1s);
-  fixture.ask(on_section("close", "south"));
-  fixture.ask(on_section("close", "bypass1"));
+  fixture.send_command(on_section("close", "south"));
+  fixture.send_command(on_section("close", "bypass1"));
   EXPECT_THAT(*fixture.snapshot().find("zone")->find("closed")->array(), SizeIs(2));
   fixture.run_for(60s);
   EXPECT_EQ(section_of(fixture, aiv), "entry") << "it stands at the end of what is open";
   EXPECT_EQ(state_of(fixture), "no way");
   EXPECT_THAT(fixture.aiv("CoSiVA/AIV1").find("mission")->text("why").value_or(""), HasSubstr("closed"));
-  fixture.ask(on_section("open", "bypass1"));
+  fixture.send_command(on_section("open", "bypass1"));
   fixture.run_for(5s);
   EXPECT_THAT(section_of(fixture, aiv), HasSubstr("bypass"));
   std::set<std::string> detected;
@@ -159,10 +159,10 @@ TEST(ClosedSections, are_left_by_who_stands_on_one_and_not_entered_by_a_base_alr
   FixtureVehicle& before = fixture.add("AIV2", {0, 0.3});
   // Both up to where the fork lies in the second one's base.
   fixture.run_for(300ms);
-  fixture.ask(R"({"command":"go","vehicle":"CoSiVA/AIV2","to":"gate"})");
+  fixture.send_command(R"({"command":"go","vehicle":"CoSiVA/AIV2","to":"gate"})");
   for (int i = 0; i < 100 && before.book->targets().empty(); ++i) fixture.run_for(20ms);
   fixture.run_for(1s);
-  fixture.ask(on_section("close", "south"));
+  fixture.send_command(on_section("close", "south"));
   std::set<std::string> detected;
   const bool was_before = section_of(fixture, before) == "entry";
   fixture.each_step = [&] { detected.insert(section_of(fixture, before)); };
@@ -178,7 +178,7 @@ TEST(ClosedSections, of_the_configuration_are_the_first) {
   ServerFixture fixture{fork("[closed]\nsections = [\"bypass3\"]\n")};
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.1});
   fixture.run_for(300ms);
-  fixture.ask(go("dock"));
+  fixture.send_command(go("dock"));
   fixture.run_for(20s);
   EXPECT_EQ(state_of(fixture), "no way");
   EXPECT_THAT(fixture.aiv("CoSiVA/AIV1").find("mission")->text("why").value_or(""), HasSubstr("bypass3"));
@@ -190,15 +190,15 @@ TEST(Missions, wait_before_a_goal_where_another_stands_and_say_who) {
   fixture.add("AIV1", {0, 0.8});
   FixtureVehicle& second = fixture.add("AIV2", {0, 0.1});
   fixture.run_for(300ms);
-  fixture.ask(go("gate"));
+  fixture.send_command(go("gate"));
   fixture.run_for(25s);
   ASSERT_EQ(state_of(fixture), "arrived");
-  fixture.ask(go("gate", "CoSiVA/AIV2"));
+  fixture.send_command(go("gate", "CoSiVA/AIV2"));
   fixture.run_for(40s);
   EXPECT_EQ(state_of(fixture, "CoSiVA/AIV2"), "driving");
   EXPECT_EQ(fixture.aiv("CoSiVA/AIV2").find("mission")->text("why"), "CoSiVA/AIV1 stands at gate");
   EXPECT_EQ(fixture.touches(), 0);
-  fixture.ask(R"({"command":"circulate","vehicle":"CoSiVA/AIV1"})");
+  fixture.send_command(R"({"command":"circulate","vehicle":"CoSiVA/AIV1"})");
   fixture.run_for(15s);
   EXPECT_EQ(state_of(fixture, "CoSiVA/AIV2"), "arrived");
   EXPECT_THAT(second.refusals, IsEmpty());
@@ -208,8 +208,8 @@ TEST(Missions, and_closed_sections_outlive_the_server) {
   ServerFixture fixture{fork()};
   FixtureVehicle& aiv = fixture.add("AIV1", {3, 0.1});
   fixture.run_for(500ms);
-  fixture.ask(go("dock"));
-  fixture.ask(on_section("close", "south"));
+  fixture.send_command(go("dock"));
+  fixture.send_command(on_section("close", "south"));
   fixture.run_for(3s);
   fixture.restart_server(true);
   EXPECT_THAT(*fixture.snapshot().find("zone")->find("closed")->array(), SizeIs(1));

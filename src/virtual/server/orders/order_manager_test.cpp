@@ -306,7 +306,7 @@ TEST(OrderManager, sends_a_vehicle_on_that_rolled_past_the_end_of_its_base_into_
   other.blocked = true;  // where the way from the gate comes in
   FixtureVehicle& aiv = fixture.add("AIV1", {*circuit.find("gate"), 0.3});
   fixture.run_for(4s);
-  fixture.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"rack_b"})");
+  fixture.send_command(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"rack_b"})");
   fixture.run_for(4s);
   ASSERT_EQ(aiv.book->last_node_id(), "gate@580") << "20 mm before the gate's end";
   ASSERT_EQ(aiv.book->distance_to_base_end_m(), 0.0);

@@ -134,17 +134,17 @@ VehicleIndex OrderManager::detected_in_path(VehicleIndex vehicle) const {
 }
 
 std::string OrderManager::sentence(const Wait& wait) const {
-  const std::string& who = registry_[wait.who].name;
-  const std::string& whom = registry_[wait.whom].name;
+  const std::string& waiter = registry_[wait.waiter].name;
+  const std::string& blocker = registry_[wait.blocker].name;
   const std::string crossing = wait.crossing < map_->crossing_count() ? map_->zone().crossings[wait.crossing].name : "";
   switch (wait.why) {
     case WaitReason::ahead:
-      return crossing.empty() ? who + " waits for " + whom + " ahead of it"
-                              : who + " waits for room beyond " + crossing + ", where " + whom + " is";
-    case WaitReason::crossing: return who + " waits for " + crossing + ", which " + whom + " holds";
-    case WaitReason::turn: return who + " waits for its turn at " + crossing + " after " + whom;
-    case WaitReason::off_path: return who + " waits for " + whom + ", which stands too near its way";
-    case WaitReason::sensors: return who + " sees " + whom + " in its way";
+      return crossing.empty() ? waiter + " waits for " + blocker + " ahead of it"
+                              : waiter + " waits for room beyond " + crossing + ", where " + blocker + " is";
+    case WaitReason::crossing: return waiter + " waits for " + crossing + ", which " + blocker + " holds";
+    case WaitReason::turn: return waiter + " waits for its turn at " + crossing + " after " + blocker;
+    case WaitReason::off_path: return waiter + " waits for " + blocker + ", which stands too near its way";
+    case WaitReason::sensors: return waiter + " sees " + blocker + " in its way";
   }
   return {};
 }

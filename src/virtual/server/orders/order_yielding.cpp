@@ -56,30 +56,30 @@ bool OrderManager::has_what_to_give_back(VehicleIndex vehicle) const {
 bool OrderManager::keeps_off(const Wait& wait, zone::TrackPosition track_position) const {
   const zone::Circuit& circuit = map_->circuit();
   const zone::VehicleShape& shape = map_->zone().vehicle;
-  const Pose2 X_MV = off_path(wait.whom) ? body(wait.whom) : circuit.pose_at(track_position);
+  const Pose2 X_MV = off_path(wait.blocker) ? body(wait.blocker) : circuit.pose_at(track_position);
   switch (wait.why) {
     case WaitReason::turn: return false;
     case WaitReason::ahead: return true;
     case WaitReason::crossing: {
       std::vector<CrossingIndex> occupied_crossings;
-      map_->crossings_on(track_position, 0.0, occupied_crossings, traffic_.remaining(wait.whom));
-      return std::ranges::any_of(occupied_crossings, [&](CrossingIndex x) { return traffic_.requests(wait.who, x); });
+      map_->crossings_on(track_position, 0.0, occupied_crossings, traffic_.remaining(wait.blocker));
+      return std::ranges::any_of(occupied_crossings, [&](CrossingIndex x) { return traffic_.requests(wait.waiter, x); });
     }
     case WaitReason::off_path:
     case WaitReason::sensors: break;
   }
-  const Plan& theirs = plans_[wait.who];
-  if (off_path(wait.who)) {
+  const Plan& theirs = plans_[wait.waiter];
+  if (off_path(wait.waiter)) {
     const auto entry_point = zone::snap_to_path(circuit, theirs.reported.X_MB);
     if (!theirs.entry_point && !entry_point) return true;
     aiv::EntrySweep sweep{shape};
-    sweep.take({body(wait.who), circuit.pose_at(theirs.entry_point ? *theirs.entry_point : entry_point->position)});
+    sweep.take({body(wait.waiter), circuit.pose_at(theirs.entry_point ? *theirs.entry_point : entry_point->position)});
     return sweep.near_body(X_MV, path_clear_m);
   }
   if (!theirs.reported.position) return true;
-  const double far_m = traffic_.base_left_m(wait.who, *theirs.reported.position).value_or(0.0) + distance_before_m;
+  const double far_m = traffic_.base_left_m(wait.waiter, *theirs.reported.position).value_or(0.0) + distance_before_m;
   for (double ahead_m = 0.0; ahead_m < far_m; ahead_m += distance_step_m) {
-    const Pose2 X_MW = circuit.pose_at(circuit.advance(*theirs.reported.position, ahead_m, traffic_.remaining(wait.who)));
+    const Pose2 X_MW = circuit.pose_at(circuit.advance(*theirs.reported.position, ahead_m, traffic_.remaining(wait.waiter)));
     if (aiv::near_bodies(shape, X_MW, X_MV, path_clear_m)) return true;
   }
   return false;
@@ -125,7 +125,7 @@ bool OrderManager::yield(VehicleIndex vehicle, Means means, std::span<const Wait
   if (means == Means::other_position) return join_elsewhere(vehicle, false, elsewhere_within_m);
   Plan::Yielding yielding;
   yielding.until = publisher_.now() + rules_.yield_time_max;
-  for (const Wait& wait : waits) yielding.others.emplace_back(wait.who, position(body(wait.who)));
+  for (const Wait& wait : waits) yielding.others.emplace_back(wait.waiter, position(body(wait.waiter)));
   yielding.drops_order = means == Means::back_up || has_what_to_give_back(vehicle);
   if (means == Means::back_up) {
     const auto back_m = distance_back_m(vehicle, waits);
@@ -148,10 +148,10 @@ bool OrderManager::makes_room_by_moving_up(VehicleIndex vehicle, std::span<const
     return false;
   const double up_m = ahead.distance_m - map_->zone().vehicle.length_m - aiv::clearance_m - detected_too_early_m;
   return up_m > 0.0 && std::ranges::any_of(waits, [&](const Wait& wait) {
-           const auto& track_position = traffic_.track_position(wait.who);
-           const Traffic::Leader& before = traffic_.ahead(wait.who);
+           const auto& track_position = traffic_.track_position(wait.waiter);
+           const Traffic::Leader& before = traffic_.ahead(wait.waiter);
            if (wait.why != WaitReason::ahead || !track_position || before.vehicle != vehicle) return false;
-           const Sections remaining = traffic_.remaining(wait.who);
+           const Sections remaining = traffic_.remaining(wait.waiter);
            const auto occupied_crossings = [&](double ahead_m) {
              std::vector<CrossingIndex> crossings;
              map_->crossings_on(map_->circuit().advance(*track_position, ahead_m, remaining), 0.0, crossings, remaining);

@@ -17,30 +17,30 @@ void WaitGraph::begin(std::size_t count) {
 }
 
 void WaitGraph::add(const Wait& wait) {
-  if (wait.who != wait.whom && wait.who < count_ && wait.whom < count_) waits_.push_back(wait);
+  if (wait.waiter != wait.blocker && wait.waiter < count_ && wait.blocker < count_) waits_.push_back(wait);
 }
 
 void WaitGraph::sort_waits() {
-  const auto key = [](const Wait& w) { return std::tuple(w.who, w.whom, w.why, w.crossing); };
+  const auto key = [](const Wait& w) { return std::tuple(w.waiter, w.blocker, w.why, w.crossing); };
   std::ranges::sort(waits_, {}, key);
   first_.assign(count_ + 1, 0);
-  for (const Wait& wait : waits_) ++first_[wait.who + 1];
+  for (const Wait& wait : waits_) ++first_[wait.waiter + 1];
   for (std::size_t i = 0; i < count_; ++i) first_[i + 1] += first_[i];
 }
 
-std::span<const Wait> WaitGraph::waits_of(VehicleIndex who) const {
-  if (who + std::size_t{1} >= first_.size()) return {};
-  return std::span{waits_}.subspan(first_[who], first_[who + 1] - first_[who]);
+std::span<const Wait> WaitGraph::waits_of(VehicleIndex waiter) const {
+  if (waiter + std::size_t{1} >= first_.size()) return {};
+  return std::span{waits_}.subspan(first_[waiter], first_[waiter + 1] - first_[waiter]);
 }
 
 const std::vector<Knot>& WaitGraph::find_knots() {
   knots_.clear();
   sort_waits();
   if (waits_.empty()) return knots_;
-  whom_.clear();
-  for (const Wait& wait : waits_) whom_.push_back(wait.whom);
+  blockers_.clear();
+  for (const Wait& wait : waits_) blockers_.push_back(wait.blocker);
   components_.find(count_, [this](VehicleIndex v) {
-    return std::span<const VehicleIndex>{whom_}.subspan(first_[v], first_[v + 1] - first_[v]);
+    return std::span<const VehicleIndex>{blockers_}.subspan(first_[v], first_[v + 1] - first_[v]);
   });
   for (std::size_t i = 0; i < components_.size(); ++i) {
     const auto members = components_.members(i);
@@ -59,17 +59,17 @@ std::vector<Wait> WaitGraph::cycle_through(VehicleIndex first) {
   for (std::size_t i = 0; i < reached_.size() && last == no_wait; ++i) {
     const VehicleIndex v = reached_[i];
     for (std::size_t at = first_[v]; at < first_[v + 1] && last == no_wait; ++at) {
-      const VehicleIndex whom = waits_[at].whom;
-      if (whom == first) {
+      const VehicleIndex blocker = waits_[at].blocker;
+      if (blocker == first) {
         last = at;
-      } else if (components_.component_of(whom) == components_.component_of(first) && came_by_[whom] == no_wait) {
-        came_by_[whom] = at;
-        reached_.push_back(whom);
+      } else if (components_.component_of(blocker) == components_.component_of(first) && came_by_[blocker] == no_wait) {
+        came_by_[blocker] = at;
+        reached_.push_back(blocker);
       }
     }
   }
   std::vector<Wait> cycle;
-  for (std::size_t at = last; at != no_wait; at = came_by_[waits_[at].who]) cycle.push_back(waits_[at]);
+  for (std::size_t at = last; at != no_wait; at = came_by_[waits_[at].waiter]) cycle.push_back(waits_[at]);
   std::ranges::reverse(cycle);
   for (const VehicleIndex v : reached_) came_by_[v] = no_wait;
   return cycle;

@@ -14,8 +14,8 @@ inline constexpr CrossingIndex no_crossing = std::numeric_limits<CrossingIndex>:
 
 /// One vehicle cannot go on before another has gone.
 struct Wait {
-  VehicleIndex who{no_vehicle};
-  VehicleIndex whom{no_vehicle};
+  VehicleIndex waiter{no_vehicle};
+  VehicleIndex blocker{no_vehicle};
   WaitReason why{WaitReason::ahead};
   CrossingIndex crossing{no_crossing};  ///< that it is about, if any
   friend bool operator==(const Wait&, const Wait&) = default;
@@ -43,7 +43,7 @@ class WaitGraph {
 
   /// After find_knots(): sorted by who, whom and why.
   [[nodiscard]] std::span<const Wait> waits() const { return waits_; }
-  [[nodiscard]] std::span<const Wait> waits_of(VehicleIndex who) const;
+  [[nodiscard]] std::span<const Wait> waits_of(VehicleIndex waiter) const;
 
  private:
   void sort_waits();
@@ -52,7 +52,7 @@ class WaitGraph {
   std::size_t count_{0};
   std::vector<Wait> waits_;
   std::vector<std::size_t> first_;  ///< of each vehicle's waits, and one behind the last
-  std::vector<VehicleIndex> whom_;  ///< of each wait
+  std::vector<VehicleIndex> blockers_;  ///< of each wait
   StrongComponents components_;
   std::vector<std::size_t> came_by_;  ///< for the ring: the wait that led to each
   std::vector<VehicleIndex> reached_;

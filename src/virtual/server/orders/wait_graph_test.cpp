@@ -21,7 +21,7 @@ std::vector<Knot> knots_of(std::size_t count, const std::vector<Wait>& waits) {
   return graph.find_knots();
 }
 
-Wait wait(VehicleIndex who, VehicleIndex whom, WaitReason why = WaitReason::ahead) { return {who, whom, why}; }
+Wait wait(VehicleIndex waiter, VehicleIndex blocker, WaitReason why = WaitReason::ahead) { return {waiter, blocker, why}; }
 
 TEST(WaitGraph, has_no_knot_where_somebody_can_go) {
   EXPECT_THAT(knots_of(0, {}), IsEmpty());
@@ -82,7 +82,7 @@ TEST(WaitGraph, takes_a_ring_of_a_hundred_thousand) {
 /// Whom each leads to, by trying until nothing is new.
 std::vector<std::vector<bool>> reach_of(std::size_t count, const std::vector<Wait>& waits) {
   std::vector<std::vector<bool>> reach(count, std::vector<bool>(count, false));
-  for (const Wait& w : waits) reach[w.who][w.whom] = true;
+  for (const Wait& w : waits) reach[w.waiter][w.blocker] = true;
   for (std::size_t k = 0; k < count; ++k)
     for (std::size_t i = 0; i < count; ++i)
       for (std::size_t j = 0; j < count; ++j)
@@ -99,8 +99,8 @@ TEST(WaitGraph, agrees_with_trying_everything) {
     const auto some = static_cast<std::size_t>(random.uniform(0.0, 1.5 * static_cast<double>(count)));
     const auto any_vehicle = [&] { return static_cast<VehicleIndex>(random.uniform(0.0, static_cast<double>(count))); };
     for (std::size_t i = 0; i < some; ++i) {
-      const VehicleIndex who = any_vehicle();
-      if (const VehicleIndex whom = any_vehicle(); who != whom) waits.push_back(wait(who, whom));
+      const VehicleIndex waiter = any_vehicle();
+      if (const VehicleIndex blocker = any_vehicle(); waiter != blocker) waits.push_back(wait(waiter, blocker));
     }
     const auto reach = reach_of(count, waits);
     const auto knots = knots_of(count, waits);
@@ -109,10 +109,10 @@ TEST(WaitGraph, agrees_with_trying_everything) {
       for (const VehicleIndex v : knots[k].members) knot_of[v] = static_cast<int>(k);
       const auto& cycle = knots[k].cycle;
       ASSERT_GE(cycle.size(), 2U);
-      EXPECT_EQ(cycle.front().who, knots[k].members.front());
+      EXPECT_EQ(cycle.front().waiter, knots[k].members.front());
       for (std::size_t i = 0; i < cycle.size(); ++i) {
-        EXPECT_EQ(cycle[i].whom, cycle[(i + 1) % cycle.size()].who);
-        EXPECT_EQ(std::ranges::count(cycle, cycle[i].who, &Wait::who), 1);
+        EXPECT_EQ(cycle[i].blocker, cycle[(i + 1) % cycle.size()].waiter);
+        EXPECT_EQ(std::ranges::count(cycle, cycle[i].waiter, &Wait::waiter), 1);
         EXPECT_TRUE(std::ranges::find(waits, cycle[i]) != waits.end());
       }
       ++found;

@@ -26,7 +26,7 @@ class ConvoyFixture : public testing::Test {
     traffic.resize(6);
     traffic.set_time(now);
     put_stopped(0, east, 0.0);
-    ASSERT_TRUE(ask(0, east, 0.0).granted);
+    ASSERT_TRUE(request_crossing(0, east, 0.0).granted);
     give_leave(0);
     put_stopped(0, east, -inside_m);
     put_stopped(1, east, 0.0);
@@ -49,7 +49,7 @@ class ConvoyFixture : public testing::Test {
     traffic.set_base_end(vehicle, end);
     traffic.update();
   }
-  Traffic::Response ask(VehicleIndex vehicle, zone::SectionId section, double before_m) {
+  Traffic::Response request_crossing(VehicleIndex vehicle, zone::SectionId section, double before_m) {
     return traffic.request(vehicle, before_m + map.chain(stop_on(section)).length_m, before_m);
   }
   bool may_join(VehicleIndex vehicle, double before_m = 0.0) {
@@ -62,7 +62,7 @@ class ConvoyFixture : public testing::Test {
   }
   Traffic::Response come_up(VehicleIndex vehicle, zone::SectionId section, double before_m) {
     put_stopped(vehicle, section, before_m);
-    return ask(vehicle, section, before_m);
+    return request_crossing(vehicle, section, before_m);
   }
   void pass_time(SimDuration duration) {
     now += duration;
@@ -86,7 +86,7 @@ TEST_F(ConvoyFixture, has_the_measures_that_its_figures_stand_on) {
 TEST_F(ConvoyFixture, passes_the_crossing_together_without_giving_it_back_between) {
   begin(half_path_m);
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
-  EXPECT_FALSE(ask(1, east, 0.0).granted) << "without a convoy it waits till 0 is gone";
+  EXPECT_FALSE(request_crossing(1, east, 0.0).granted) << "without a convoy it waits till 0 is gone";
   ASSERT_TRUE(may_join(1));
   const Traffic::Convoy convoy = join(1);
   EXPECT_EQ(convoy.size, 2U);
@@ -94,11 +94,11 @@ TEST_F(ConvoyFixture, passes_the_crossing_together_without_giving_it_back_betwee
   EXPECT_EQ(traffic.convoys(), 1U);
 
   put_stopped(0, east, -1.0);
-  const auto response = ask(2, north, 0.0);
+  const auto response = request_crossing(2, north, 0.0);
   EXPECT_FALSE(response.granted) << "although 2 asked first";
   EXPECT_EQ(response.blocked_by, 1U);
   put_stopped(1, east, -1.0);
-  EXPECT_TRUE(ask(2, north, 0.0).granted) << "both are gone";
+  EXPECT_TRUE(request_crossing(2, north, 0.0).granted) << "both are gone";
 }
 
 TEST_F(ConvoyFixture, lets_cross_traffic_go_first_where_the_other_has_left_already) {

@@ -31,7 +31,7 @@ class CloverTraffic : public testing::Test {
     traffic.set_position(vehicle, zone::TrackPosition{section, stop_s(section) - before_m});
     traffic.update();
   }
-  Traffic::Response ask(VehicleIndex vehicle, zone::SectionId section, double before_m = 0.0) {
+  Traffic::Response request_crossing(VehicleIndex vehicle, zone::SectionId section, double before_m = 0.0) {
     return traffic.request(vehicle, before_m + map.chain(stop_on(section)).length_m);
   }
   void drive_to_exit(VehicleIndex vehicle, zone::SectionId section) {
@@ -65,17 +65,17 @@ TEST_F(CloverTraffic, finds_two_crossings_behind_each_stop_line_and_takes_them_a
 
 TEST_F(CloverTraffic, grants_a_free_chain_whole) {
   stop_before(0, 0);
-  EXPECT_TRUE(ask(0, 0).granted);
+  EXPECT_TRUE(request_crossing(0, 0).granted);
   drive_to_exit(0, 0);
   EXPECT_EQ(held_by(0), 2U);
 }
 
 TEST_F(CloverTraffic, gives_nothing_when_one_crossing_of_the_chain_is_taken) {
   stop_before(0, 0);
-  ASSERT_TRUE(ask(0, 0).granted);
+  ASSERT_TRUE(request_crossing(0, 0).granted);
   drive_to_exit(0, 0);
   stop_before(1, 2);  // crosses the first straight and the third
-  const auto response = ask(1, 2);
+  const auto response = request_crossing(1, 2);
   EXPECT_FALSE(response.granted);
   EXPECT_EQ(response.blocked_by, 0U);
   EXPECT_EQ(held_by(1), 0U) << "all or nothing";
@@ -84,21 +84,21 @@ TEST_F(CloverTraffic, gives_nothing_when_one_crossing_of_the_chain_is_taken) {
 TEST_F(CloverTraffic, lets_opposite_straights_go_together) {
   stop_before(0, 0);
   stop_before(1, 4);
-  EXPECT_TRUE(ask(0, 0).granted);
+  EXPECT_TRUE(request_crossing(0, 0).granted);
   drive_to_exit(0, 0);
-  EXPECT_TRUE(ask(1, 4).granted);
+  EXPECT_TRUE(request_crossing(1, 4).granted);
 }
 
 TEST_F(CloverTraffic, takes_back_a_grant_that_no_base_followed) {
   stop_before(0, 0);
-  ASSERT_TRUE(ask(0, 0).granted);
+  ASSERT_TRUE(request_crossing(0, 0).granted);
   traffic.update();
   EXPECT_EQ(held_by(0), 0U);
 }
 
 TEST_F(CloverTraffic, gives_a_crossing_back_as_soon_as_the_vehicle_reports_to_be_beyond_it) {
   stop_before(0, 0);
-  ASSERT_TRUE(ask(0, 0).granted);
+  ASSERT_TRUE(request_crossing(0, 0).granted);
   drive_to_exit(0, 0);
   double first_span_end_m = 10.0;
   for (const zone::Crossing& crossing : map.zone().crossings)
@@ -118,7 +118,7 @@ TEST_F(CloverTraffic, gives_a_crossing_back_as_soon_as_the_vehicle_reports_to_be
 // Where it stops there is a crossing's exit; no vehicle stops to the last micrometre.
 TEST_F(CloverTraffic, counts_one_that_stopped_a_hair_before_its_exit_as_beyond_the_crossing) {
   stop_before(0, 0);
-  ASSERT_TRUE(ask(0, 0).granted);
+  ASSERT_TRUE(request_crossing(0, 0).granted);
   drive_to_exit(0, 0);
   const double exit_s = map.waypoint(map.chain(stop_on(0)).exit).position.s_m;
   traffic.set_position(0, zone::TrackPosition{0, exit_s - 0.015});
@@ -128,7 +128,7 @@ TEST_F(CloverTraffic, counts_one_that_stopped_a_hair_before_its_exit_as_beyond_t
   traffic.update();
   EXPECT_EQ(held_by(0), 0U);
   stop_before(1, 2);
-  EXPECT_TRUE(ask(1, 2).granted);
+  EXPECT_TRUE(request_crossing(1, 2).granted);
 }
 
 /// 0 is in the eastward straight's crossings. North needs its second one, south its first; west none of them, but one
@@ -140,12 +140,12 @@ class CloverTurns : public CloverTraffic {
     traffic.set_map(&map);
     traffic.resize(3);
     stop_before(0, east);
-    ASSERT_TRUE(ask(0, east).granted);
+    ASSERT_TRUE(request_crossing(0, east).granted);
     drive_to_exit(0, east);
   }
   void refuse(VehicleIndex vehicle, zone::SectionId section, VehicleIndex because_of) {
     stop_before(vehicle, section);
-    const auto response = ask(vehicle, section);
+    const auto response = request_crossing(vehicle, section);
     EXPECT_FALSE(response.granted);
     EXPECT_EQ(response.blocked_by, because_of);
   }
@@ -159,7 +159,7 @@ TEST_F(CloverTurns, are_given_up_to_who_will_be_gone_before_they_can_be_taken) {
   begin();
   refuse(1, north, 0);
   stop_before(2, west);
-  EXPECT_TRUE(ask(2, west).granted) << "it is out of north's way when 0 is";
+  EXPECT_TRUE(request_crossing(2, west).granted) << "it is out of north's way when 0 is";
 }
 
 TEST_F(CloverTurns, are_kept_where_that_would_cost_more_than_may_be_lost) {
@@ -169,14 +169,14 @@ TEST_F(CloverTurns, are_kept_where_that_would_cost_more_than_may_be_lost) {
   begin({.lost_s_max = 1.5});
   refuse(1, south, 0);
   stop_before(2, west);
-  EXPECT_TRUE(ask(2, west).granted);
+  EXPECT_TRUE(request_crossing(2, west).granted);
 }
 
 TEST_F(CloverTurns, are_lost_for_so_long_in_all_however_many_there_are) {
   begin({.lost_s_max = 2.0});
   refuse(1, south, 0);
   stop_before(2, west);
-  ASSERT_TRUE(ask(2, west).granted);
+  ASSERT_TRUE(request_crossing(2, west).granted);
   traffic.update();  // no base follows: it is as if it were gone, and the next there
   refuse(2, west, 1);
 }
@@ -198,7 +198,7 @@ TEST_F(CloverTurns, are_kept_while_the_crossing_is_free) {
   traffic.set_position(0, std::nullopt);
   traffic.update();
   stop_before(2, west);
-  ASSERT_TRUE(ask(2, west).granted);
+  ASSERT_TRUE(request_crossing(2, west).granted);
   drive_to_exit(2, west);
   refuse(1, north, 2);
   traffic.set_position(2, std::nullopt);
@@ -212,7 +212,7 @@ TEST_F(CloverTraffic, lets_one_go_on_that_stands_in_a_crossing_for_which_another
   traffic.set_position(1, zone::TrackPosition{4, 0.6});
   traffic.update();
   traffic.set_time(SimTime{1s});
-  const auto first = ask(0, 2);
+  const auto first = request_crossing(0, 2);
   ASSERT_FALSE(first.granted) << "it asks for the crossing that the other stands in";
   EXPECT_EQ(first.blocked_by, 1U);
   traffic.set_time(SimTime{20s});
@@ -226,7 +226,7 @@ TEST_F(CloverTraffic, keeps_the_crossing_of_a_vehicle_that_stands_in_it_whatever
   EXPECT_GE(held_by(0), 1U);
   stop_before(1, 2);
   stop_before(2, 6);
-  EXPECT_FALSE(ask(1, 2).granted && ask(2, 6).granted);
+  EXPECT_FALSE(request_crossing(1, 2).granted && request_crossing(2, 6).granted);
 }
 
 TEST_F(CloverTraffic, does_not_count_a_vehicle_that_stopped_a_centimetre_late_as_standing_in_the_crossing) {
@@ -239,40 +239,40 @@ TEST_F(CloverTraffic, serves_the_first_request_first) {
   stop_before(0, 0);
   stop_before(1, 2);
   stop_before(2, 4);
-  ASSERT_TRUE(ask(0, 0).granted);
+  ASSERT_TRUE(request_crossing(0, 0).granted);
   drive_to_exit(0, 0);
-  EXPECT_FALSE(ask(1, 2).granted) << "1 asked before 2 and shares a crossing with it";
-  EXPECT_FALSE(ask(2, 4).granted);
-  EXPECT_EQ(ask(2, 4).blocked_by, 1U);
+  EXPECT_FALSE(request_crossing(1, 2).granted) << "1 asked before 2 and shares a crossing with it";
+  EXPECT_FALSE(request_crossing(2, 4).granted);
+  EXPECT_EQ(request_crossing(2, 4).blocked_by, 1U);
   traffic.set_position(0, zone::TrackPosition{0, 1.3});
   traffic.set_base_end(0, no_waypoint);
   traffic.update();
-  EXPECT_FALSE(ask(2, 4).granted) << "still after 1";
-  EXPECT_TRUE(ask(1, 2).granted);
+  EXPECT_FALSE(request_crossing(2, 4).granted) << "still after 1";
+  EXPECT_TRUE(request_crossing(1, 2).granted);
 }
 
 TEST_F(CloverTraffic, serves_the_higher_priority_before_one_that_asked_earlier) {
   stop_before(0, 0);
   stop_before(1, 2);
   stop_before(2, 4);
-  ASSERT_TRUE(ask(0, 0).granted);
+  ASSERT_TRUE(request_crossing(0, 0).granted);
   drive_to_exit(0, 0);
-  EXPECT_FALSE(ask(1, 2).granted);
-  EXPECT_FALSE(ask(2, 4).granted) << "it asked later";
+  EXPECT_FALSE(request_crossing(1, 2).granted);
+  EXPECT_FALSE(request_crossing(2, 4).granted) << "it asked later";
   traffic.set_priority(2, 5);
-  EXPECT_TRUE(ask(2, 4).granted);
+  EXPECT_TRUE(request_crossing(2, 4).granted);
 }
 
 TEST_F(CloverTraffic, lets_nobody_overtake_one_that_has_waited_ten_seconds) {
   stop_before(0, 0);
   stop_before(1, 2);
-  ASSERT_TRUE(ask(0, 0).granted);
+  ASSERT_TRUE(request_crossing(0, 0).granted);
   drive_to_exit(0, 0);
   traffic.set_time(virtual_epoch);
-  EXPECT_FALSE(ask(1, 2).granted);
+  EXPECT_FALSE(request_crossing(1, 2).granted);
   traffic.set_time(virtual_epoch + 9s);
   stop_before(2, 4, 0.3);
-  ask(2, 4, 0.3);
+  request_crossing(2, 4, 0.3);
   std::optional<CrossingIndex> both_want;
   for (CrossingIndex x = 0; x < map.crossing_count(); ++x)
     if (traffic.waiting(x).size() == 2) both_want = x;
@@ -282,7 +282,7 @@ TEST_F(CloverTraffic, lets_nobody_overtake_one_that_has_waited_ten_seconds) {
   EXPECT_THAT(traffic.waiting(*both_want), ElementsAre(2U, 1U));
   traffic.set_time(virtual_epoch + 10s);
   EXPECT_THAT(traffic.waiting(*both_want), ElementsAre(1U, 2U));
-  const auto later = ask(2, 4, 0.3);
+  const auto later = request_crossing(2, 4, 0.3);
   EXPECT_FALSE(later.granted);
   EXPECT_EQ(later.blocked_by, 1U);
 }
@@ -300,9 +300,9 @@ TEST_F(CloverTraffic, starves_nobody_beside_a_stream_of_higher_priority) {
     const zone::SectionId from = turn % 2 == 0 ? 0U : 4U;
     traffic.set_time(now);
     stop_before(other, from);
-    const bool taken = ask(other, from).granted;
+    const bool taken = request_crossing(other, from).granted;
     if (taken) drive_to_exit(other, from);
-    served = ask(0, 2).granted;
+    served = request_crossing(0, 2).granted;
     if (taken) {
       traffic.set_position(other, std::nullopt);
       traffic.set_base_end(other, no_waypoint);
@@ -315,15 +315,15 @@ TEST_F(CloverTraffic, starves_nobody_beside_a_stream_of_higher_priority) {
 
 TEST_F(CloverTraffic, lets_one_that_was_put_before_the_holder_go_first) {
   stop_before(0, 0, 0.5);
-  ASSERT_TRUE(ask(0, 0, 0.5).granted);
+  ASSERT_TRUE(request_crossing(0, 0, 0.5).granted);
   drive_to_exit(0, 0);
   ASSERT_EQ(held_by(0), 2U);
   stop_before(1, 0);  // a virtual AIV, added in its way
-  EXPECT_TRUE(ask(1, 0).granted) << "the holder can only follow it";
+  EXPECT_TRUE(request_crossing(1, 0).granted) << "the holder can only follow it";
   drive_to_exit(1, 0);
   EXPECT_EQ(held_by(1), 2U);
   stop_before(2, 2);
-  EXPECT_FALSE(ask(2, 2).granted);
+  EXPECT_FALSE(request_crossing(2, 2).granted);
   traffic.forget(1);
   traffic.update();
   EXPECT_EQ(held_by(0), 2U) << "its base still leads through them";
@@ -332,10 +332,10 @@ TEST_F(CloverTraffic, lets_one_that_was_put_before_the_holder_go_first) {
 TEST_F(CloverTraffic, does_not_let_one_go_before_a_holder_that_comes_to_the_crossing_first) {
   // On the ring everybody is somewhere ahead of everybody; but the way of 0 to 1 leads through what 1 asks for.
   stop_before(0, 0);
-  ASSERT_TRUE(ask(0, 0).granted);
+  ASSERT_TRUE(request_crossing(0, 0).granted);
   drive_to_exit(0, 0);
   stop_before(1, 2);
-  EXPECT_FALSE(ask(1, 2).granted);
+  EXPECT_FALSE(request_crossing(1, 2).granted);
 }
 
 TEST_F(CloverTraffic, keeps_priorities_over_a_change_of_the_zone) {
@@ -345,10 +345,10 @@ TEST_F(CloverTraffic, keeps_priorities_over_a_change_of_the_zone) {
   stop_before(0, 0);
   stop_before(1, 2);
   stop_before(2, 4);
-  ASSERT_TRUE(ask(0, 0).granted);
+  ASSERT_TRUE(request_crossing(0, 0).granted);
   drive_to_exit(0, 0);
-  EXPECT_FALSE(ask(1, 2).granted);
-  EXPECT_TRUE(ask(2, 4).granted);
+  EXPECT_FALSE(request_crossing(1, 2).granted);
+  EXPECT_TRUE(request_crossing(2, 4).granted);
 }
 
 TEST_F(CloverTraffic, lets_others_by_while_there_is_no_room_beyond_and_keeps_the_turn) {
@@ -356,31 +356,31 @@ TEST_F(CloverTraffic, lets_others_by_while_there_is_no_room_beyond_and_keeps_the
   traffic.set_position(2, zone::TrackPosition{2, 1.25});
   stop_before(0, 2);
   stop_before(1, 0);
-  const auto no_room = ask(0, 2);
+  const auto no_room = request_crossing(0, 2);
   EXPECT_FALSE(no_room.granted);
   EXPECT_EQ(no_room.blocked_by, 2U);
-  EXPECT_TRUE(ask(1, 0).granted);
+  EXPECT_TRUE(request_crossing(1, 0).granted);
 }
 
 TEST_F(CloverTraffic, forgets_a_request_that_is_withdrawn) {
   stop_before(0, 0);
   stop_before(1, 2);
   stop_before(2, 4);
-  ASSERT_TRUE(ask(0, 0).granted);
+  ASSERT_TRUE(request_crossing(0, 0).granted);
   drive_to_exit(0, 0);
-  EXPECT_FALSE(ask(1, 2).granted);
+  EXPECT_FALSE(request_crossing(1, 2).granted);
   traffic.withdraw(1);
-  EXPECT_TRUE(ask(2, 4).granted);
+  EXPECT_TRUE(request_crossing(2, 4).granted);
 }
 
 TEST_F(CloverTraffic, names_those_who_wait_in_order) {
   stop_before(0, 0);
   stop_before(1, 2);
   stop_before(2, 6);
-  ASSERT_TRUE(ask(0, 0).granted);
+  ASSERT_TRUE(request_crossing(0, 0).granted);
   drive_to_exit(0, 0);
-  (void)ask(2, 6);
-  (void)ask(1, 2);
+  (void)request_crossing(2, 6);
+  (void)request_crossing(1, 2);
   std::vector<VehicleIndex> all;
   for (CrossingIndex x = 0; x < map.crossing_count(); ++x)
     for (const VehicleIndex v : traffic.waiting(x)) all.push_back(v);

@@ -69,7 +69,7 @@ class ServerFixture {
   }
 
   /// A command of any kind, as JSON.
-  void ask(std::string json) { feed(wire::InputKind::command, "test", std::move(json)); }
+  void send_command(std::string json) { feed(wire::InputKind::command, "test", std::move(json)); }
   /// Why the server would refuse it; empty: it would not.
   [[nodiscard]] std::string refusal(const std::string& json) const {
     const auto checked = server->check_command(json);

@@ -101,7 +101,7 @@ TEST_F(BatteryFixture, batteryReady_goes_to_the_test_that_asked_with_what_is_usu
   request("CoSiVA/AIV1", "red");
   EXPECT_EQ(fixture.refusal(in), "");
   fixture.published.clear();
-  fixture.ask(in);
+  fixture.send_command(in);
   ASSERT_THAT(fixture.published, SizeIs(1));
   EXPECT_EQ(fixture.published[0].topic, "cosiva/v1/battery/ready/CoSiVA/AIV1");
   EXPECT_FALSE(fixture.published[0].retained);
@@ -122,7 +122,7 @@ TEST_F(BatteryFixture, batteryReady_with_a_wrong_field_is_refused_naming_it) {
   EXPECT_THAT(refusal(R"("battery":"red","type":5)"), HasSubstr("type"));
   EXPECT_THAT(fixture.refusal(R"({"command":"batteryReady","battery":"red"})"), HasSubstr("vehicle"));
   fixture.published.clear();
-  fixture.ask(R"({"command":"batteryReady","vehicle":"CoSiVA/AIV1","battery":"red","charge":-1})");
+  fixture.send_command(R"({"command":"batteryReady","vehicle":"CoSiVA/AIV1","battery":"red","charge":-1})");
   EXPECT_THAT(fixture.published, IsEmpty());
 }
 

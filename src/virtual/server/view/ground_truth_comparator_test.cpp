@@ -138,7 +138,7 @@ TEST_F(GvsFixture, misses_nobody_outside_of_what_it_sees) {
 }
 
 TEST_F(GvsFixture, a_virtual_aiv_is_seen_by_no_camera_and_missed_by_none) {
-  fixture.ask(R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv","section":")" +
+  fixture.send_command(R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv","section":")" +
               fixture.zone->circuit.part(0).name + R"(","s":1.4}})");
   watch(6s, {{"CoSiVA/AIV1", aiv.pose()}});
   ASSERT_EQ(*fixture.bijection().number("augmented"), 1.0);

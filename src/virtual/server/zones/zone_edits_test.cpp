@@ -31,7 +31,7 @@ TEST(ZoneEdits, are_in_force_at_once_and_published_retained_and_their_echo_is_no
   ServerFixture fixture;
   fixture.run_for(100ms);
   ASSERT_EQ(fixture.server->zone_revision(), 1U);
-  fixture.ask(edit(tag_5));
+  fixture.send_command(edit(tag_5));
   EXPECT_EQ(fixture.server->zone_revision(), 2U);
   EXPECT_THAT(tags(fixture), testing::ElementsAre(5.0));
   const auto zones = fixture.published_on("cosiva/v1/zone/toml");
@@ -45,42 +45,42 @@ TEST(ZoneEdits, are_in_force_at_once_and_published_retained_and_their_echo_is_no
 TEST(ZoneEdits, are_undone_and_done_again) {
   ServerFixture fixture;
   const std::string original = fixture.server->zone_configuration()->text;
-  fixture.ask(edit(tag_5));
+  fixture.send_command(edit(tag_5));
   const std::string edited = fixture.server->zone_configuration()->text;
-  fixture.ask(R"({"command":"undo"})");
+  fixture.send_command(R"({"command":"undo"})");
   EXPECT_EQ(fixture.server->zone_configuration()->text, original);
   EXPECT_EQ(fixture.server->zone_revision(), 3U);
   EXPECT_EQ(edits(fixture).flag("unsaved"), false);
   EXPECT_THAT(fixture.refusal(R"({"command":"undo"})"), HasSubstr("nothing to undo"));
-  fixture.ask(R"({"command":"redo"})");
+  fixture.send_command(R"({"command":"redo"})");
   EXPECT_EQ(fixture.server->zone_configuration()->text, edited);
   EXPECT_THAT(fixture.refusal(R"({"command":"redo"})"), HasSubstr("nothing"));
-  fixture.ask(R"({"command":"undo"})");
-  fixture.ask(edit(R"("addTags":[{"number":6,"section":"north","s":1.0}])"));
+  fixture.send_command(R"({"command":"undo"})");
+  fixture.send_command(edit(R"("addTags":[{"number":6,"section":"north","s":1.0}])"));
   EXPECT_THAT(fixture.refusal(R"({"command":"redo"})"), HasSubstr("nothing")) << "another future has begun";
 }
 
 TEST(ZoneEdits, are_undone_fifty_deep) {
   ServerFixture fixture;
   for (int i = 1; i <= 60; ++i)
-    fixture.ask(edit(R"("addTags":[{"number":)" + std::to_string(i) + R"(,"section":"south","s":)" +
+    fixture.send_command(edit(R"("addTags":[{"number":)" + std::to_string(i) + R"(,"section":"south","s":)" +
                      std::to_string(0.03 * i) + "}]"));
   EXPECT_EQ(*edits(fixture).number("undo"), 50.0);
-  for (int i = 0; i < 50; ++i) fixture.ask(R"({"command":"undo"})");
+  for (int i = 0; i < 50; ++i) fixture.send_command(R"({"command":"undo"})");
   EXPECT_THAT(tags(fixture), SizeIs(10));
   EXPECT_EQ(*edits(fixture).number("redo"), 50.0);
 }
 
 TEST(ZoneEdits, that_cannot_be_are_refused_and_change_nothing) {
   ServerFixture fixture;
-  fixture.ask(edit(tag_5));
+  fixture.send_command(edit(tag_5));
   const std::string before = fixture.server->zone_configuration()->text;
   for (const std::string& wrong :
        {edit(tag_5), edit(R"("removeTags":[99])"), edit(R"("moveTags":[{"number":99,"section":"south","s":1}])"),
         edit(R"("addTags":[{"number":6,"x":50,"y":50}])"), edit(R"("priorities":{"CoSiVA/AIV1":1000})"),
         std::string(R"({"command":"edit"})"), std::string(R"({"command":"edit","edit":[1]})"), edit("")}) {
     EXPECT_NE(fixture.refusal(wrong), "") << wrong;
-    fixture.ask(wrong);
+    fixture.send_command(wrong);
   }
   EXPECT_EQ(fixture.server->zone_configuration()->text, before);
   EXPECT_EQ(fixture.server->zone_revision(), 2U);
@@ -94,11 +94,11 @@ TEST(ZoneEdits, disturb_nothing_that_drives) {
   ServerFixture fixture{zone_file("lacet4.toml")};
   FixtureVehicle& one = fixture.add("AIV1", {0, 0.1});
   FixtureVehicle& two = fixture.add("AIV2", {3, 0.5});
-  fixture.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":")" + fixture.zone->circuit.part(6).name +
+  fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","section":")" + fixture.zone->circuit.part(6).name +
               R"(","s":0.2}})");
   fixture.run_for(10s);
   // The bench's vehicles do not feel; the pauses that the server gives them are not what is tested here.
-  fixture.ask(R"({"command":"remove","id":"V1"})");
+  fixture.send_command(R"({"command":"remove","id":"V1"})");
   fixture.run_for(5s);
   const auto held = [&] {
     std::vector<std::string> names;
@@ -111,7 +111,7 @@ TEST(ZoneEdits, disturb_nothing_that_drives) {
   const std::string order_id = one.book->order_id();
   const JsonValue before = fixture.aiv("CoSiVA/AIV1");
   const std::uint32_t tag = fixture.zone->tags.empty() ? 1 : fixture.zone->tags.front().number;
-  fixture.ask(edit("\"removeTags\":[" + std::to_string(tag) + "]"));
+  fixture.send_command(edit("\"removeTags\":[" + std::to_string(tag) + "]"));
   ASSERT_EQ(fixture.server->zone_revision(), 2U);
   const JsonValue after = fixture.aiv("CoSiVA/AIV1");
   EXPECT_EQ(*after.number("x"), *before.number("x"));
@@ -129,11 +129,11 @@ TEST(ZoneEdits, disturb_nothing_that_drives) {
 
 TEST(ZoneEdits, let_virtual_aivs_drive_on) {
   ServerFixture fixture;
-  fixture.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"south","s":0.5}})");
+  fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","section":"south","s":0.5}})");
   fixture.run_for(5s);
   const auto order = fixture.aiv("CoSiVA.virtual/V1").text("orderId");
   ASSERT_GT(*fixture.aiv("CoSiVA.virtual/V1").number("speed"), 0.1);
-  fixture.ask(edit(tag_5));
+  fixture.send_command(edit(tag_5));
   fixture.run_for(1s);
   EXPECT_GT(*fixture.aiv("CoSiVA.virtual/V1").number("speed"), 0.1);
   EXPECT_EQ(fixture.aiv("CoSiVA.virtual/V1").text("orderId"), order);
@@ -144,19 +144,19 @@ TEST(ZoneEdits, set_priorities_which_traffic_takes_at_once) {
   fixture.add("AIV1", {0, 0.5});
   fixture.run_for(500ms);
   EXPECT_EQ(*fixture.aiv("CoSiVA/AIV1").number("priority"), 0.0);
-  fixture.ask(edit(R"("priorities":{"CoSiVA/AIV1":3,"CoSiVA/AIV2":4})"));
+  fixture.send_command(edit(R"("priorities":{"CoSiVA/AIV1":3,"CoSiVA/AIV2":4})"));
   EXPECT_EQ(*fixture.aiv("CoSiVA/AIV1").number("priority"), 3.0);
   fixture.add("AIV2", {2, 0.5});
   fixture.run_for(500ms);
   EXPECT_EQ(*fixture.aiv("CoSiVA/AIV2").number("priority"), 4.0) << "known before it came";
-  fixture.ask(R"({"command":"undo"})");
+  fixture.send_command(R"({"command":"undo"})");
   EXPECT_EQ(*fixture.aiv("CoSiVA/AIV1").number("priority"), 0.0);
 }
 
 TEST(ZoneEdits, stay_when_the_physical_side_brings_its_old_file_again) {
   ServerFixture fixture;
   const zone::ZoneConfiguration original = *fixture.server->zone_configuration();
-  fixture.ask(edit(tag_5));
+  fixture.send_command(edit(tag_5));
   const std::size_t before = published_zones(fixture);
   fixture.feed(wire::InputKind::message, "cosiva/v1/zone/toml", original.text);
   EXPECT_THAT(tags(fixture), SizeIs(1));
@@ -167,7 +167,7 @@ TEST(ZoneEdits, stay_when_the_physical_side_brings_its_old_file_again) {
 
 TEST(ZoneEdits, end_with_another_zone) {
   ServerFixture fixture;
-  fixture.ask(edit(tag_5));
+  fixture.send_command(edit(tag_5));
   std::string other = oval().text;
   other.replace(other.find("\"oval\""), 6, "\"oval two\"");
   fixture.feed(wire::InputKind::message, "cosiva/v1/zone/toml", other);
@@ -178,10 +178,10 @@ TEST(ZoneEdits, end_with_another_zone) {
 
 TEST(ZoneEdits, saved_are_no_longer_unsaved) {
   ServerFixture fixture;
-  fixture.ask(edit(tag_5));
-  fixture.ask(R"({"command":"saved"})");
+  fixture.send_command(edit(tag_5));
+  fixture.send_command(R"({"command":"saved"})");
   EXPECT_EQ(edits(fixture).flag("unsaved"), false);
-  fixture.ask(R"({"command":"undo"})");
+  fixture.send_command(R"({"command":"undo"})");
   EXPECT_EQ(edits(fixture).flag("unsaved"), true) << "the file has the tag";
 }
 
