@@ -104,7 +104,7 @@ Result<Fleet> make_fleet(const Options& options, const std::shared_ptr<const zon
 class Gains {
  public:
   explicit Gains(const Fleet& fleet) : before_mps_(fleet.speed_mps().begin(), fleet.speed_mps().end()) {}
-  void look(const Fleet& fleet) {
+  void sample(const Fleet& fleet) {
     const auto now_mps = fleet.speed_mps();
     for (std::size_t v = 0; v < before_mps_.size(); ++v)
       sum_m2ps2_ += std::max(0.0, now_mps[v] * now_mps[v] - before_mps_[v] * before_mps_[v]);
@@ -141,7 +141,7 @@ Metrics measure(const Options& options, Fleet& fleet, Workers& workers) {
   double elapsed_s = 0.0;
   do {
     for (std::size_t i = 0; i < at_a_time; i += options.at_once) fleet.step(workers, options.at_once);
-    if (options.duration_s > 0.0) gains.look(fleet);
+    if (options.duration_s > 0.0) gains.sample(fleet);
     steps += at_a_time;
     elapsed_s = since(start);
   } while (options.duration_s > 0.0 ? static_cast<double>(steps) * step_s < options.duration_s

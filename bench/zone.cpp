@@ -84,7 +84,7 @@ std::vector<Pose2> poses_anywhere(const zone::Circuit& circuit, std::size_t coun
 }
 
 /// The plain reference: the nearest of all sections, of equally near ones the first.
-zone::Circuit::Located look_at_every_section(const zone::Circuit& circuit, Point2 p) {
+zone::Circuit::Located visit_every_section(const zone::Circuit& circuit, Point2 p) {
   zone::Circuit::Located best{{}, 0.0, 1e300};
   for (zone::SectionId id = 0; id < circuit.size(); ++id) {
     const auto near = circuit.section(id).nearest(p);
@@ -122,7 +122,7 @@ void locating(const zone::Circuit& circuit, const char* where, const std::vector
       "million/s");
   // As many as look at ten million sections.
   const std::size_t few = std::clamp<std::size_t>(10'000'000 / circuit.size(), 1, count);
-  const auto plainly = [&](const Pose2& X_MB) { return look_at_every_section(circuit, position(X_MB)); };
+  const auto plainly = [&](const Pose2& X_MB) { return visit_every_section(circuit, position(X_MB)); };
   for (std::size_t i = 0; i < few; ++i) {
     const Pose2& X_MB = poses[i % poses.size()];
     COSIVA_EXPECT(plainly(X_MB).position == without(X_MB).position);

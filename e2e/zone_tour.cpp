@@ -71,7 +71,7 @@ class Tour {
   /// Drives until no way leads to a section that is not driven yet.
   void run() {
     if (!world_) return;
-    look();
+    sample();
     while (failure_.empty()) {
       const auto goal = next_goal();
       if (!goal) return;
@@ -93,7 +93,7 @@ class Tour {
     std::vector<zone::SectionId> rivals;  ///< lead there, too, and are closed meanwhile
   };
 
-  void look() {
+  void sample() {
     const auto position = world_->plant().vehicles().front().position;
     if (!position) return;
     if (begun_) {
@@ -112,7 +112,7 @@ class Tour {
     for (SimDuration done{}; done < duration; done += step) {
       world_->run_for(std::min(step, duration));
       virtual_s_ += to_seconds(std::min(step, duration));
-      look();
+      sample();
     }
     if (!world_->plant().collisions().empty()) failure_ = "it collided";
   }

@@ -69,7 +69,7 @@ void Pack::age() {
   for (Cell& cell : cells_) cell.charge_per_as = 1.0 / (cell.new_capacity_ah * fade_ * seconds_per_hour);
 }
 
-void Pack::look() {
+void Pack::update() {
   source_v_ = 0.0;
   ohm_ = 0.0;
   for (std::size_t first = 0; first < cells_.size(); first += design_.parallel) {
@@ -90,7 +90,7 @@ void Pack::look() {
 }
 
 PackStep Pack::draw_power(double power_w, double ambient_c, double dt_s) {
-  look();
+  update();
   const double root_sq = source_v_ * source_v_ - 4.0 * ohm_ * power_w;
   if (root_sq < 0.0) return flow(0.0, ambient_c, dt_s, PackEvent::brown_out);
   // (e − √(e² − 4 R P)) / 2R loses its digits for small P; this form of the same root does not.
@@ -98,7 +98,7 @@ PackStep Pack::draw_power(double power_w, double ambient_c, double dt_s) {
 }
 
 PackStep Pack::draw_current(double current_a, double ambient_c, double dt_s) {
-  look();
+  update();
   // Beyond e/R even a short circuit gives no more.
   if (current_a * ohm_ > source_v_) return flow(0.0, ambient_c, dt_s, PackEvent::brown_out);
   return flow(current_a, ambient_c, dt_s, PackEvent::none);

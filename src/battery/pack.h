@@ -101,7 +101,7 @@ class Pack {
     CellRow row;
   };
 
-  void look();
+  void update();
   PackStep flow(double current_a, double ambient_c, double dt_s, PackEvent event);
   void age();
   PackEvent advance(Cell& cell, double current_a, double voltage_v, double ambient_c, double dt_s);

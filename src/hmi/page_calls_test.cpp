@@ -417,9 +417,9 @@ TEST(PageCalls, show_the_camera_s_image_as_it_came_and_say_where_there_is_none) 
   EXPECT_EQ(none.status, 404U);
   EXPECT_THAT(PageFixture::sentence(none), HasSubstr("cosiva up --gvs"));
   const auto image = std::make_shared<const std::string>("P5\n# {}\n1 1\n255\n\x80");
-  int looks = 0;
+  int checks = 0;
   PageHost host = page.host();
-  host.gvs_preview = [&] { return ++looks > 1 ? image : nullptr; };
+  host.gvs_preview = [&] { return ++checks > 1 ? image : nullptr; };
   page.calls.emplace(std::move(host));
   EXPECT_EQ(page.send_request("GET", "/api/v1/gvs/preview").status, 404U) << "the first look asks for it";
   const HttpResponse shown = page.send_request("GET", "/api/v1/gvs/preview");

@@ -68,10 +68,10 @@ void PageStream::position_heartbeat() {
 void PageStream::changed() {
   if (change_due_ || no_listener()) return;
   change_due_ = true;
-  change_.after(change_gathering, [this] { look_for_change(); });
+  change_.after(change_gathering, [this] { detect_change(); });
 }
 
-void PageStream::look_for_change() {
+void PageStream::detect_change() {
   change_due_ = false;
   const Clock::time_point now = Clock::now();
   if (no_listener() || now < no_snapshot_before_) return;

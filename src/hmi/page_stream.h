@@ -46,7 +46,7 @@ class PageStream {
   using Clock = std::chrono::steady_clock;
 
   void position_heartbeat();
-  void look_for_change();
+  void detect_change();
   void send_zone();
   void send_run();
   void send_snapshot();

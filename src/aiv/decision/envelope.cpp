@@ -71,9 +71,9 @@ CrossingLookAhead::Chain CrossingLookAhead::first(const Outlook& outlook, double
 Lateness Lateness::of(SimDuration cycle) {
   // The times that the usual ones are made of: a tick of 20 ms, and eyes that look every 60 ms.
   constexpr SimDuration usual_tick = std::chrono::milliseconds{20};
-  constexpr SimDuration usual_look = std::chrono::milliseconds{60};
+  constexpr SimDuration usual_scan = std::chrono::milliseconds{60};
   const double slower_s = to_seconds(std::max(cycle, usual_tick) - usual_tick);
-  return {reaction_s + slower_s, obstacle_reaction_s + slower_s + to_seconds(std::max(cycle, usual_look) - usual_look)};
+  return {reaction_s + slower_s, obstacle_reaction_s + slower_s + to_seconds(std::max(cycle, usual_scan) - usual_scan)};
 }
 
 Envelope::Envelope(const zone::TrafficZone& zone, Lateness late)

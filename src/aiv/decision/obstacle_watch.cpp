@@ -19,8 +19,8 @@ ObstacleWatch::ObstacleWatch(const zone::TrafficZone& zone, bool one_way)
 
 void ObstacleWatch::on_ranges(const PositionEstimator& position, const wire::Ranges& ranges) {
   COSIVA_EXPECT(position.known());
-  look_ = corridor_.look(position.outlook(), ranges);
-  ahead_.add(look_.ahead_m, position.travelled_m());
+  scan_ = corridor_.scan(position.outlook(), ranges);
+  ahead_.add(scan_.ahead_m, position.travelled_m());
   if (!one_way_ || position.off_path()) around_.add(corridor_.nearest_m(ranges), 0.0);
   if (position.near_path()) entry_.add(in_entry(position, ranges) ? 0.0 : std::numeric_limits<double>::infinity(), 0.0);
 }

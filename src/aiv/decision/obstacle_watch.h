@@ -32,7 +32,7 @@ class ObstacleWatch {
   /// @param bend_ahead_m  to the next bend where it turns on the spot
   [[nodiscard]] bool may_sweep(const PositionEstimator& position, double bend_ahead_m) const;
   /// What DOBS saw last: the nearest echo in the corridor and which beam brought it, unfiltered.
-  [[nodiscard]] const Corridor::Look& look() const { return look_; }
+  [[nodiscard]] const Corridor::Scan& scan() const { return scan_; }
   [[nodiscard]] double reach_m() const { return corridor_.reach_m(); }  ///< as Corridor::reach_m()
 
  private:
@@ -41,7 +41,7 @@ class ObstacleWatch {
   const zone::TrafficZone& zone_;
   bool one_way_;
   Corridor corridor_;
-  Corridor::Look look_;
+  Corridor::Scan scan_;
   EntrySweep sweep_;
   ObstacleFilter ahead_;
   ObstacleFilter around_;  ///< echoes near the body, whatever its path

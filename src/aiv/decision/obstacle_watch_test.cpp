@@ -35,7 +35,7 @@ TEST(ObstacleWatch, measures_from_the_vehicle_s_front) {
   EXPECT_EQ(scene.watch.ahead_m(scene.position), infinite);
   scene.see({{0.50, 0.0}}, 3);
   EXPECT_NEAR(scene.watch.ahead_m(scene.position), 0.50 - 0.5 * lacet4().vehicle.length_m, 0.01);
-  EXPECT_NEAR(scene.watch.look().ahead_m, 0.50 - 0.5 * lacet4().vehicle.length_m, 0.01);
+  EXPECT_NEAR(scene.watch.scan().ahead_m, 0.50 - 0.5 * lacet4().vehicle.length_m, 0.01);
 }
 
 TEST(ObstacleWatch, does_not_believe_one_frame_alone) {
@@ -43,7 +43,7 @@ TEST(ObstacleWatch, does_not_believe_one_frame_alone) {
   scene.see({}, 3);
   scene.see({{0.50, 0.0}});
   EXPECT_EQ(scene.watch.ahead_m(scene.position), infinite);
-  EXPECT_LT(scene.watch.look().ahead_m, infinite) << "the unfiltered look shows it";
+  EXPECT_LT(scene.watch.scan().ahead_m, infinite) << "the unfiltered look shows it";
   scene.see({{0.50, 0.0}});
   EXPECT_LT(scene.watch.ahead_m(scene.position), infinite);
 }

@@ -69,11 +69,11 @@ void CalibratingFilter::predict(const Odometry& odometry) {
     const model::Motion motion = model::motion_of(configured.sensors, hypothesis.state.mean, odometry);
     model::move(hypothesis.state, motion);
   }
-  if (hypotheses[best()].state.covariance(State::heading, State::heading) > lost_rad * lost_rad) look_round();
+  if (hypotheses[best()].state.covariance(State::heading, State::heading) > lost_rad * lost_rad) scan_headings();
   ++inputs_count;
 }
 
-void CalibratingFilter::look_round() {
+void CalibratingFilter::scan_headings() {
   const Hypothesis lost = hypotheses[best()];
   const Estimate all = estimate();
   const double variance = lost.state.covariance(State::heading, State::heading);

@@ -79,7 +79,7 @@ class CalibratingFilter : public Algorithm {
   template <typename Input>
   Rectified rectify_all(const Input& input);
   void prune();
-  void look_round();
+  void scan_headings();
   [[nodiscard]] CalibratedState start_state(double heading_rad, double heading_sigma_rad) const;
 
   Setting configured;

@@ -292,7 +292,7 @@ void OnboardCore::Parts::publish_detection(SimTime now, wire::Effects& effects) 
   const Agent& agent = context->agent();
   const zone::TrafficZone& zone = context->zone();
   const Pose2 X_BS{0.5 * zone.vehicle.length_m, 0.0, 0.0};
-  auto detection = context->sighting().on_frame(now, agent.watch().look(), *boards.ranges(),
+  auto detection = context->sighting().on_frame(now, agent.watch().scan(), *boards.ranges(),
                                                 agent.position().pose() * X_BS, agent.watch().reach_m());
   if (!detection) return;
   detection->map_id = zone.name;

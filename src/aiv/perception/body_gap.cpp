@@ -15,7 +15,7 @@ constexpr double disc_spacing_m = 0.05;
 BodyGap::BodyGap(const zone::TrafficZone& zone, Model model)
     : zone_{zone}, model_{model}, path_ahead_{zone.circuit, model.sample_m, model.reach_m} {}
 
-void BodyGap::look(const Outlook& outlook) {
+void BodyGap::update(const Outlook& outlook) {
   path_ahead_.sample(outlook);
   X_BM_ = inverse(outlook.X_MB ? *outlook.X_MB : zone_.circuit.pose_at(outlook.here));
 }

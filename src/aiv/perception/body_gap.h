@@ -22,7 +22,7 @@ class BodyGap {
   BodyGap(const zone::TrafficZone& zone, Model model);
 
   /// From where and along which way; until the next call.
-  void look(const Outlook& outlook);
+  void update(const Outlook& outlook);
   /// @param carried_s  by so much the body has moved on since it was told of
   /// @return           along the way from the vehicle's front, ≥ 0; infinite: it is not in the way ahead
   [[nodiscard]] double gap_m(const wire::Body& body, double carried_s) const;

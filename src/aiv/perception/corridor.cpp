@@ -28,9 +28,9 @@ double Corridor::echo_ahead_m(double range_m, double bearing_rad, double spread_
   return std::max(0.0, nearest_m);
 }
 
-Corridor::Look Corridor::look(const Outlook& outlook, const wire::Ranges& ranges) {
+Corridor::Scan Corridor::scan(const Outlook& outlook, const wire::Ranges& ranges) {
   const double width_rad = 0.01 * ranges.beam_width_crad;
-  Look nearest;
+  Scan nearest;
   bool sampled = false;
   for (std::size_t beam = 0; beam < ranges.range_mm.size(); ++beam) {
     if (ranges.range_mm[beam] == wire::no_echo) continue;

@@ -29,15 +29,15 @@ class Corridor {
 
   /// Distance along the way from the vehicle's front to the nearest echo in its corridor; infinite when none is.
   [[nodiscard]] double obstacle_ahead_m(const Outlook& outlook, const wire::Ranges& ranges) {
-    return look(outlook, ranges).ahead_m;
+    return scan(outlook, ranges).ahead_m;
   }
 
   /// The nearest echo in the corridor, and which beam brought it.
-  struct Look {
+  struct Scan {
     double ahead_m{std::numeric_limits<double>::infinity()};
     std::size_t beam{};
   };
-  [[nodiscard]] Look look(const Outlook& outlook, const wire::Ranges& ranges);
+  [[nodiscard]] Scan scan(const Outlook& outlook, const wire::Ranges& ranges);
   /// From the vehicle's middle to the nearest echo all around, as far as the beams look; infinite when there is none.
   /// What matters to a body that turns on the spot.
   [[nodiscard]] double nearest_m(const wire::Ranges& ranges) const;

@@ -19,7 +19,7 @@ using test::lacet4;
 constexpr double nothing = std::numeric_limits<double>::infinity();
 
 /// Thirteen beams of 0.14 rad from the front of the body; each sees the nearest of the given points in its sector.
-wire::Ranges look(const Pose2& X_MB, const std::vector<Point2>& virtual_objects) {
+wire::Ranges scan(const Pose2& X_MB, const std::vector<Point2>& virtual_objects) {
   wire::Ranges ranges{0, -84, 14, std::vector<std::uint16_t>(13, wire::no_echo)};
   const Pose2 X_BM = inverse(X_MB);
   for (const Point2& p_M : virtual_objects) {
@@ -46,7 +46,7 @@ std::vector<Point2> body(const Pose2& X_MB) {
 
 double ahead(zone::TrackPosition here, const std::vector<Point2>& virtual_objects) {
   Corridor corridor{lacet4()};
-  return corridor.obstacle_ahead_m(here, look(lacet4().circuit.pose_at(here), virtual_objects));
+  return corridor.obstacle_ahead_m(here, scan(lacet4().circuit.pose_at(here), virtual_objects));
 }
 double ahead_of_vehicle(zone::TrackPosition here, zone::TrackPosition other) {
   return ahead(here, body(lacet4().circuit.pose_at(other)));
@@ -96,8 +96,8 @@ TEST(Corridor, ends_where_the_circuit_ends) {
   zone::TrafficZone dead_end = lacet4();
   dead_end.circuit = test::lay({{0.5}}, false);
   Corridor corridor{dead_end};
-  EXPECT_NEAR(corridor.obstacle_ahead_m({0, 0.1}, look({0.1, 0.0, 0.0}, {{0.45, 0.0}})), 0.25, 0.03);
-  EXPECT_EQ(corridor.obstacle_ahead_m({0, 0.1}, look({0.1, 0.0, 0.0}, {{1.0, 0.0}})), nothing);
+  EXPECT_NEAR(corridor.obstacle_ahead_m({0, 0.1}, scan({0.1, 0.0, 0.0}, {{0.45, 0.0}})), 0.25, 0.03);
+  EXPECT_EQ(corridor.obstacle_ahead_m({0, 0.1}, scan({0.1, 0.0, 0.0}, {{1.0, 0.0}})), nothing);
 }
 
 TEST(Corridor, takes_a_touching_echo_as_no_room_at_all) {

@@ -5,7 +5,7 @@
 
 namespace cosiva::aiv {
 
-PerceivedWorld::PerceivedWorld(const zone::TrafficZone& zone, Model model) : model_{model}, gap_{zone, model.look} {}
+PerceivedWorld::PerceivedWorld(const zone::TrafficZone& zone, Model model) : model_{model}, gap_{zone, model.gap_model} {}
 
 bool PerceivedWorld::receive(SimTime now, wire::VirtualObstacles ahead) {
   const auto was_there = [this](const wire::Body& body) {
@@ -30,7 +30,7 @@ void PerceivedWorld::age(SimTime now) {
 PerceivedWorld::Contact PerceivedWorld::first(SimTime now, const Outlook& outlook) {
   Contact contact;
   if (ahead_.bodies.empty()) return contact;
-  gap_.look(outlook);
+  gap_.update(outlook);
   const double carried_s = to_seconds(std::clamp(now - received_at_, SimDuration::zero(), model_.carry_max));
   for (const wire::Body& body : ahead_.bodies) {
     const double gap_m = gap_.gap_m(body, carried_s);

@@ -19,7 +19,7 @@ namespace cosiva::aiv {
 class PerceivedWorld {
  public:
   struct Model {
-    BodyGap::Model look{};
+    BodyGap::Model gap_model{};
     SimDuration memory_span{std::chrono::seconds{1}};       ///< without news all of it is forgotten
     SimDuration carry_max{std::chrono::milliseconds{500}};  ///< a moving body is carried on no longer
   };

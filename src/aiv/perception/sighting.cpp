@@ -19,12 +19,12 @@ bool same_body(std::uint16_t a_mm, std::uint16_t b_mm) {
 
 }  // namespace
 
-wire::DetectedObstacleReport::Obstacle body_in_beams(const Corridor::Look& look, const wire::Ranges& ranges,
+wire::DetectedObstacleReport::Obstacle body_in_beams(const Corridor::Scan& scan, const wire::Ranges& ranges,
                                                           const Pose2& X_MS) {
   const auto& range_mm = ranges.range_mm;
-  std::size_t first = look.beam;
-  std::size_t last = look.beam;
-  const std::uint16_t nearest_mm = range_mm[look.beam];
+  std::size_t first = scan.beam;
+  std::size_t last = scan.beam;
+  const std::uint16_t nearest_mm = range_mm[scan.beam];
   while (first > 0 && same_body(range_mm[first - 1], nearest_mm)) --first;
   while (last + 1 < range_mm.size() && same_body(range_mm[last + 1], nearest_mm)) ++last;
   double range_m = 0.001 * nearest_mm;
@@ -40,21 +40,21 @@ wire::DetectedObstacleReport::Obstacle body_in_beams(const Corridor::Look& look,
   const auto [sin, cos] = sincos(bearing_rad);
   const double away_m = range_m + radius_m;
   const Point2 centre_M = X_MS * Point2{away_m * cos, away_m * sin};
-  return {centre_M.x_m, centre_M.y_m, radius_m, look.ahead_m};
+  return {centre_M.x_m, centre_M.y_m, radius_m, scan.ahead_m};
 }
 
-std::optional<wire::DetectedObstacleReport> Sighting::on_frame(SimTime now, const Corridor::Look& look,
+std::optional<wire::DetectedObstacleReport> Sighting::on_frame(SimTime now, const Corridor::Scan& scan,
                                                                const wire::Ranges& ranges, const Pose2& X_MS,
                                                                double reach_m) {
   wire::DetectedObstacleReport detected;
-  detected.clear_m = std::min(look.ahead_m, reach_m);
-  if (look.ahead_m <= reported_m_max) {
+  detected.clear_m = std::min(scan.ahead_m, reach_m);
+  if (scan.ahead_m <= reported_m_max) {
     const bool fresh = !there_;
     there_ = true;
     misses_ = 0;
     farewells_left_ = farewells;
     if (!fresh && !due(now)) return std::nullopt;
-    detected.obstacle = body_in_beams(look, ranges, X_MS);
+    detected.obstacle = body_in_beams(scan, ranges, X_MS);
   } else {
     if (there_ && ++misses_ < misses_max) return std::nullopt;
     const bool fresh = there_;

@@ -14,7 +14,7 @@ namespace cosiva::aiv {
 /// Where the thing stands that the beam `look.beam` hears, as far as can be told from one side: its middle lies behind
 /// its nearest point, in the middle of the beams that it fills.
 /// @param X_MS  of the sensor, in the middle of the vehicle's front
-[[nodiscard]] wire::DetectedObstacleReport::Obstacle body_in_beams(const Corridor::Look& look,
+[[nodiscard]] wire::DetectedObstacleReport::Obstacle body_in_beams(const Corridor::Scan& scan,
                                                                         const wire::Ranges& ranges, const Pose2& X_MS);
 
 /// Makes of DOBS' frames what the vehicle tells of things in its way (wire::DetectedObstacleReport): a new thing at
@@ -29,7 +29,7 @@ class Sighting {
 
   /// One frame. Gives what is to be told now, without header and map.
   /// @param reach_m  so far from its front the vehicle can tell whether its way is free
-  [[nodiscard]] std::optional<wire::DetectedObstacleReport> on_frame(SimTime now, const Corridor::Look& look,
+  [[nodiscard]] std::optional<wire::DetectedObstacleReport> on_frame(SimTime now, const Corridor::Scan& scan,
                                                                      const wire::Ranges& ranges, const Pose2& X_MS,
                                                                      double reach_m);
   void fold(Digest& digest) const;

@@ -46,7 +46,7 @@ Neighbours::Neighbours(const zone::TrafficZone& zone, wire::VehicleId self, Mode
       model_{model},
       speed_mps_max_{model.speed_ratio_max * std::max({zone.profiles.slow.speed_mps, zone.profiles.medium.speed_mps,
                                                        zone.profiles.fast.speed_mps})},
-      gap_{zone, model.look},
+      gap_{zone, model.gap_model},
       crossing_finder_{zone} {}
 
 bool Neighbours::leaps(const KnownIntent& before, SimTime now, const wire::Intent& intent) const {
@@ -114,13 +114,13 @@ Others Neighbours::around(SimTime now, const Agent& agent) {
   age(now);
   if (received_.empty()) return others;
   // It would count only where the vehicle's own senses find it.
-  if (agent.finds_body()) look_for_leader(now, agent, others);
-  look_for_rivals(now, agent, others);
+  if (agent.finds_body()) find_leader(now, agent, others);
+  find_rivals(now, agent, others);
   return others;
 }
 
-void Neighbours::look_for_leader(SimTime now, const Agent& agent, Others& others) {
-  gap_.look(agent.position().outlook());
+void Neighbours::find_leader(SimTime now, const Agent& agent, Others& others) {
+  gap_.update(agent.position().outlook());
   for (const KnownIntent& received : received_) {
     const wire::Body body = body_of(*received.intent);
     const double carried_s = to_seconds(std::min(now - received.at, model_.carry_max));
@@ -132,7 +132,7 @@ void Neighbours::look_for_leader(SimTime now, const Agent& agent, Others& others
   }
 }
 
-void Neighbours::look_for_rivals(SimTime now, const Agent& agent, Others& others) {
+void Neighbours::find_rivals(SimTime now, const Agent& agent, Others& others) {
   const double stop_m = agent.decision().crossing_ahead_m;
   if (!std::isfinite(stop_m)) return;
   crossing_finder_.ahead(agent.position().outlook(), stop_m + entry_slack_m, wire::Intent::crossings_max, ahead_);

@@ -33,7 +33,7 @@ class Neighbours {
     double near_m{2.0 * wire::v2x_cell_m + 4.0 * wire::v2x_cell_slack_m};
     double speed_ratio_max{3.0};  ///< of the zone's fastest profile; who claims more is not believed
     double leap_m{0.5};           ///< more than that beyond what that speed allows is a leap
-    BodyGap::Model look{};
+    BodyGap::Model gap_model{};
   };
   Neighbours(const zone::TrafficZone& zone, wire::VehicleId self) : Neighbours{zone, std::move(self), Model{}} {}
   Neighbours(const zone::TrafficZone& zone, wire::VehicleId self, Model model);
@@ -67,8 +67,8 @@ class Neighbours {
     SimTime at{};
   };
   [[nodiscard]] bool leaps(const KnownIntent& before, SimTime now, const wire::Intent& intent) const;
-  void look_for_leader(SimTime now, const Agent& agent, Others& others);
-  void look_for_rivals(SimTime now, const Agent& agent, Others& others);
+  void find_leader(SimTime now, const Agent& agent, Others& others);
+  void find_rivals(SimTime now, const Agent& agent, Others& others);
   [[nodiscard]] wire::Body body_of(const wire::Intent& intent) const;
 
   const zone::TrafficZone& zone_;

@@ -138,7 +138,7 @@ class Image {
       for (std::size_t column = 0; column + 1 < surface_.x.values.size(); ++column) {
         std::array<std::string, 4> points;
         std::size_t count = 0;
-        const auto look = [&](std::size_t c0, std::size_t r0, std::size_t c1, std::size_t r1) {
+        const auto sample = [&](std::size_t c0, std::size_t r0, std::size_t c1, std::size_t r1) {
           const double a = surface_.at(c0, r0) - level;
           const double b = surface_.at(c1, r1) - level;
           if ((a < 0.0) == (b < 0.0)) return;
@@ -148,10 +148,10 @@ class Image {
           };
           points[count++] = number(x_px(between(c0, c1))) + " " + number(y_px(between(r0, r1)));
         };
-        look(column, row, column + 1, row);
-        look(column + 1, row, column + 1, row + 1);
-        look(column + 1, row + 1, column, row + 1);
-        look(column, row + 1, column, row);
+        sample(column, row, column + 1, row);
+        sample(column + 1, row, column + 1, row + 1);
+        sample(column + 1, row + 1, column, row + 1);
+        sample(column, row + 1, column, row);
         for (std::size_t i = 0; i + 1 < count; i += 2) path += "M" + points[i] + "L" + points[i + 1];
       }
     }

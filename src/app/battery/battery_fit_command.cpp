@@ -177,7 +177,7 @@ int run_battery_fit(const BatteryFitArguments& arguments) {
     write_residuals(json, "residuals", fit->residuals);
     write_residuals(json, "predictions", foretold);
     json.key("diagnostics").begin_array();
-    for (const std::string& note : fit->diagnostics) json.value(note);
+    for (const std::string& diagnostic : fit->diagnostics) json.value(diagnostic);
     json.end_array().key("type").raw(battery::to_json(fit->type)).end_object();
     print(json.text());
     return exit_done;
@@ -188,7 +188,7 @@ int run_battery_fit(const BatteryFitArguments& arguments) {
   for (const auto& residual : fit->residuals) text += residual_text(residual);
   if (!foretold.empty()) text += "foretold:\n";
   for (const auto& residual : foretold) text += residual_text(residual);
-  for (const std::string& note : fit->diagnostics) text += "note: " + note + "\n";
+  for (const std::string& diagnostic : fit->diagnostics) text += "note: " + diagnostic + "\n";
   text.pop_back();
   print(text);
   return exit_done;

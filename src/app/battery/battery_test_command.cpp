@@ -34,7 +34,7 @@ class Teller {
  public:
   /// @return  whether a second has gone by
   template <typename Rig>
-  bool look(Rig& rig) {
+  bool poll(Rig& rig) {
     for (const std::string& text : rig.take_messages()) print_info(text);
     if (!ticker_.ticks()) return false;
     print_info(progress_text(rig.procedure(), rig.now()));
@@ -162,7 +162,7 @@ Result<Outcome> run_whole(const BatteryTestArguments& arguments, experiments::Wo
   Teller teller;
   while (!rig->done()) {
     rig->step();
-    teller.look(*rig);
+    teller.poll(*rig);
   }
   return Outcome{
       rig->procedure().records(), rig->ground_truth(),
@@ -189,7 +189,7 @@ Result<Outcome> run_measured(const BatteryTestArguments& arguments, experiments:
   Teller teller;
   while (!rig.done()) {
     rig.step();
-    const bool second = teller.look(rig);
+    const bool second = teller.poll(rig);
     if (file.empty() || !(second || rig.done())) continue;
     if (auto kept = adapters::write_file(file, rig.state_json()); !kept) return tl::unexpected(kept.error());
   }

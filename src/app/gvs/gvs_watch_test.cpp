@@ -57,7 +57,7 @@ struct Watched {
     source.exposure_ms = 1e3 * camera.exposure_s();
     watched_camera.emplace(camera.calibration(), tracker_options(source), std::map<int, std::string>{{3, "ACME/cart"}});
   }
-  wire::GvsDetections look(SimTime at) {
+  wire::GvsDetections detect(SimTime at) {
     const GroundTruth ground_truth = ground_truth_at(at);
     image = camera.take(ground_truth, ground_truth_at(at - 100ms));
     return watched_camera->see(image, at, 0.25).value();
@@ -71,7 +71,7 @@ TEST(GvsCamera, sees_every_vehicle_of_an_emulated_world_within_3_mm_of_where_it_
   Watched watched;
   for (int k = 0; k < 4; ++k) {
     const SimTime at = virtual_epoch + 250ms * k;
-    const wire::GvsDetections detections = watched.look(at);
+    const wire::GvsDetections detections = watched.detect(at);
     ASSERT_THAT(detections.detections, SizeIs(4));
     for (const auto& detection : detections.detections) {
       EXPECT_EQ(detection.at - at, 2ms) << "of four of exposure";
@@ -86,7 +86,7 @@ TEST(GvsCamera, sees_every_vehicle_of_an_emulated_world_within_3_mm_of_where_it_
 TEST(GvsCamera, names_vehicles_by_their_tags_and_others_as_it_was_told) {
   Watched watched;
   std::vector<std::string> names;
-  for (const auto& detection : watched.look(virtual_epoch).detections) names.push_back(detection.vehicle);
+  for (const auto& detection : watched.detect(virtual_epoch).detections) names.push_back(detection.vehicle);
   EXPECT_THAT(names, ElementsAre("CoSiVA/AIV1", "CoSiVA/AIV2", "ACME/cart", "CoSiVA/AIV4"));
 }
 
@@ -128,9 +128,9 @@ TEST(GvsCamera, tells_how_much_of_the_floor_it_sees) {
 
 TEST(GvsCamera, passes_over_an_image_that_is_not_newer_and_refuses_one_of_another_size) {
   Watched watched;
-  ASSERT_THAT(watched.look(virtual_epoch + 1s).detections, SizeIs(4));
-  EXPECT_THAT(watched.look(virtual_epoch).detections, SizeIs(0));
-  EXPECT_THAT(watched.look(virtual_epoch + 2s).detections, SizeIs(4));
+  ASSERT_THAT(watched.detect(virtual_epoch + 1s).detections, SizeIs(4));
+  EXPECT_THAT(watched.detect(virtual_epoch).detections, SizeIs(0));
+  EXPECT_THAT(watched.detect(virtual_epoch + 2s).detections, SizeIs(4));
   const auto refused = watched.watched_camera->see(vision::Image::filled({64, 64}, 0), virtual_epoch + 3s, 0.25);
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, HasSubstr("64 x 64"));
@@ -138,7 +138,7 @@ TEST(GvsCamera, passes_over_an_image_that_is_not_newer_and_refuses_one_of_anothe
 
 TEST(GvsCamera, shows_a_small_image_whose_comment_says_who_is_where_on_it) {
   Watched watched;
-  const wire::GvsDetections detections = watched.look(virtual_epoch);
+  const wire::GvsDetections detections = watched.detect(virtual_epoch);
   const std::string shown = watched.watched_camera->shown(watched.image, detections, {0.2, 0.12});
   const auto image = vision::read_netpbm(shown, "shown");
   ASSERT_TRUE(image);

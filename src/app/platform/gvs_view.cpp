@@ -19,7 +19,7 @@ GvsView::GvsView(adapters::EventLoop& loop, adapters::MqttOptions options)
     : loop_{loop}, options_{std::move(options)} {}
 GvsView::~GvsView() = default;
 
-std::shared_ptr<const std::string> GvsView::look() {
+std::shared_ptr<const std::string> GvsView::latest_image() {
   const Clock::time_point now = Clock::now();
   if (now - requested_ >= request_every) send_request();
   if (image_ && now - came_ > image_lifetime) image_.reset();

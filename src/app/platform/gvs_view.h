@@ -19,7 +19,7 @@ class GvsView {
 
   /// The last picture (wire::gvs_preview_topic), and word to the camera that somebody looks; null where none came
   /// lately.
-  [[nodiscard]] std::shared_ptr<const std::string> look();
+  [[nodiscard]] std::shared_ptr<const std::string> latest_image();
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -83,10 +83,10 @@ Result<RunPlan> plan_run(const UpArguments& arguments) {
   }
 
   if (const std::string own = own_folder("zones");
-      !looks_like_a_file(merged.zone) && !own.empty() && rtm->configuration().origin.starts_with(own + "/"))
+      !is_like_a_file(merged.zone) && !own.empty() && rtm->configuration().origin.starts_with(own + "/"))
     print_info("the zone " + merged.zone + " is your own, " + rtm->configuration().origin);
   std::string name = merged.name.empty() ? default_run_name(scenario ? scenario->name : rtm->zone().name) : merged.name;
-  std::string zone_file = looks_like_a_file(merged.zone) ? rtm->configuration().origin : std::string{};
+  std::string zone_file = is_like_a_file(merged.zone) ? rtm->configuration().origin : std::string{};
   return RunPlan{std::move(merged),        std::move(name),      std::move(*rtm), std::move(scenario),
                  std::move(scenario_file), std::move(zone_file), std::move(rules)};
 }

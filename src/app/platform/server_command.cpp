@@ -35,7 +35,7 @@ PageHost page_host(const ServerArguments& arguments, const virtual_side::ServerC
   host.scenario_name = scenario_name;
   // A zone given by its file is edited in place; a ready one, given by its name, never.
   host.zone_file = arguments.zone_file;
-  if (host.zone_file.empty() && looks_like_a_file(arguments.zone)) host.zone_file = arguments.zone;
+  if (host.zone_file.empty() && is_like_a_file(arguments.zone)) host.zone_file = arguments.zone;
   return host;
 }
 
@@ -84,11 +84,11 @@ class FleetWatch {
                      print_step(number, at, step);
                    }}},
         timer_{loop} {
-    if (fleet_ > 0) timer_.every(std::chrono::milliseconds{100}, [this] { look(); });
+    if (fleet_ > 0) timer_.every(std::chrono::milliseconds{100}, [this] { check(); });
   }
 
  private:
-  void look() {
+  void check() {
     if (!experiments::fleet_is_complete(core_, fleet_)) return;
     timer_.cancel();
     announce(arguments_.part, R"({"event":"fleet"})");
@@ -160,7 +160,7 @@ int run_server(const ServerArguments& arguments) {
   LiveShell shell{loop, core, std::move(*live)};
   GvsView gvs{loop, std::move(*client_options)};
   PageHost host = page_host(arguments, core, shell, scenario.name);
-  host.gvs_preview = [&gvs] { return gvs.look(); };
+  host.gvs_preview = [&gvs] { return gvs.check(); };
   auto page = ServerPage::open(loop, std::move(host), arguments.port, find_web_root(arguments.web_directory),
                                arguments.headless);
   if (!page) return report_error(page.error());

@@ -12,7 +12,7 @@
 namespace cosiva::app {
 namespace {
 
-constexpr std::chrono::milliseconds look_period{500};
+constexpr std::chrono::milliseconds check_period{500};
 
 bool is(const std::optional<zone::ZoneConfiguration>& known, const zone::ZoneConfiguration& read) {
   return known && known->format == read.format && known->text == read.text && known->sidecar == read.sidecar;
@@ -25,7 +25,7 @@ ZoneWatch::ZoneWatch(adapters::EventLoop& loop, std::string file, std::string si
   // What it holds now is what the run began with; only what comes after is news.
   at_rest_stamp_ = stamp();
   if (auto read = load_zone(file_, sidecar_file_)) at_rest_ = std::move(*read);
-  timer_.every(look_period, [this] { look(); });
+  timer_.every(check_period, [this] { check(); });
 }
 
 std::string ZoneWatch::stamp() const {
@@ -42,18 +42,18 @@ std::string ZoneWatch::stamp() const {
   return text;
 }
 
-void ZoneWatch::look() {
+void ZoneWatch::check() {
   std::string stamped = stamp();
-  if (stamped == at_rest_stamp_ && !settling_ && looks_in_vain_ == 0) return;
+  if (stamped == at_rest_stamp_ && !settling_ && failed_checks_ == 0) return;
   auto read = load_zone(file_, sidecar_file_);
   if (!read) {
     settling_.reset();
     // An editor may put a new file in the old one's place: one look that finds none is no news.
-    if (++looks_in_vain_ == 2)
+    if (++failed_checks_ == 2)
       handlers_.print_info("the zone's file cannot be read, so the zone stays as it is: " + to_string(read.error()));
     return;
   }
-  looks_in_vain_ = 0;
+  failed_checks_ = 0;
   const bool changed = !is(at_rest_, *read);
   // Half a file is no zone: it is taken when two looks find the same.
   if (changed && !is(settling_, *read)) {

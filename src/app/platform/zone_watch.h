@@ -23,7 +23,7 @@ class ZoneWatch {
   ZoneWatch(adapters::EventLoop& loop, std::string file, std::string sidecar_file, Handlers handlers);
 
   /// As the timer does; for tests.
-  void look();
+  void check();
 
  private:
   void take(const zone::ZoneConfiguration& read);
@@ -36,7 +36,7 @@ class ZoneWatch {
   std::optional<zone::ZoneConfiguration> at_rest_;  ///< as last read and done with
   std::string at_rest_stamp_;
   std::optional<zone::ZoneConfiguration> settling_;
-  int looks_in_vain_{0};
+  int failed_checks_{0};
   adapters::Timer timer_;
 };
 

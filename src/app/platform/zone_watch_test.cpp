@@ -29,8 +29,8 @@ class Watched : public ::testing::Test {
   Watched() { in_force = load_zone(file).value(); }
 
   void save(const std::string& text) const { scratch.write("way.toml", text); }
-  void look(int times = 1) {
-    for (int i = 0; i < times; ++i) watch.look();
+  void check(int times = 1) {
+    for (int i = 0; i < times; ++i) watch.check();
   }
 
   Scratch scratch;
@@ -52,25 +52,25 @@ class Watched : public ::testing::Test {
 };
 
 TEST_F(Watched, a_file_that_nobody_touches_is_no_news) {
-  look(5);
+  check(5);
   save(straight("2.0"));  // saved again, as it was
-  look(5);
+  check(5);
   EXPECT_THAT(given, IsEmpty());
   EXPECT_THAT(lines, IsEmpty());
 }
 
 TEST_F(Watched, a_change_is_taken_once_it_has_settled) {
   save(straight("3.0"));
-  look();
+  check();
   EXPECT_THAT(given, IsEmpty()) << "somebody may still be writing";
   save(straight("4.0"));
-  look();
+  check();
   EXPECT_THAT(given, IsEmpty());
-  look();
+  check();
   ASSERT_EQ(given.size(), 1U);
   EXPECT_EQ(in_force->text, straight("4.0"));
   EXPECT_EQ(JsonValue::parse(given[0])->text("command"), "switch");
-  look(5);
+  check(5);
   EXPECT_EQ(given.size(), 1U);
   EXPECT_THAT(lines, ElementsAre(HasSubstr("switched to it")));
 }
@@ -78,36 +78,36 @@ TEST_F(Watched, a_change_is_taken_once_it_has_settled) {
 TEST_F(Watched, what_the_page_saved_is_in_force_already) {
   in_force->text = straight("5.0");
   save(straight("5.0"));
-  look(3);
+  check(3);
   EXPECT_THAT(given, IsEmpty());
   save(straight("2.0"));  // and by hand back to what it was first
-  look(3);
+  check(3);
   EXPECT_EQ(given.size(), 1U);
 }
 
 TEST_F(Watched, a_broken_file_is_given_for_its_refusal_and_said_once) {
   save("name = 3\n");
-  look(5);
+  check(5);
   EXPECT_EQ(given.size(), 1U) << "the platform says on its page why it refuses";
   EXPECT_EQ(in_force->text, straight("2.0"));
   EXPECT_THAT(lines, ElementsAre(::testing::AllOf(HasSubstr("stays"), HasSubstr("way.toml:1"))));
   save(straight("3.0"));
-  look(2);
+  check(2);
   EXPECT_EQ(in_force->text, straight("3.0"));
 }
 
 TEST_F(Watched, a_file_that_is_away_for_a_moment_is_no_news_but_one_that_stays_away_is) {
   std::filesystem::remove(file);
-  look();
+  check();
   save(straight("2.0"));
-  look(3);
+  check(3);
   EXPECT_THAT(lines, IsEmpty());
   std::filesystem::remove(file);
-  look(5);
+  check(5);
   EXPECT_THAT(lines, ElementsAre(HasSubstr("cannot be read")));
   EXPECT_THAT(given, IsEmpty());
   save(straight("6.0"));
-  look(2);
+  check(2);
   EXPECT_EQ(in_force->text, straight("6.0"));
 }
 

@@ -8,7 +8,7 @@
 namespace cosiva::app {
 
 Result<battery::BatteryType> load_battery_type(const std::string& name_or_file) {
-  if (!looks_like_a_file(name_or_file)) {
+  if (!is_like_a_file(name_or_file)) {
     auto shipped = battery::shipped_type(name_or_file);
     if (shipped) return shipped;
     const std::string near = nearest_word(name_or_file, battery::shipped_types());

@@ -31,7 +31,7 @@ std::string environment(const char* name) {
 std::string found_from(const fs::path& scenario_file, const std::string& zone) {
   std::error_code error;
   const fs::path folder = scenario_file.parent_path();
-  if (looks_like_a_file(zone)) {
+  if (is_like_a_file(zone)) {
     const fs::path local_path = folder / zone;
     return fs::is_regular_file(local_path, error) ? local_path.lexically_normal().string() : zone;
   }
@@ -52,7 +52,7 @@ std::string own_folder(const std::string& kind) {
   return home.empty() ? std::string{} : home + "/.local/share/cosiva/" + kind;
 }
 
-bool looks_like_a_file(const std::string& name_or_file) {
+bool is_like_a_file(const std::string& name_or_file) {
   return name_or_file.find('/') != std::string::npos || fs::path(name_or_file).has_extension();
 }
 
@@ -78,7 +78,7 @@ std::vector<std::string> ready_folders(const std::string& kind) {
 Result<std::string> find_ready_file(const std::string& one, const std::string& name_or_file,
                                     const std::vector<std::string>& endings, const std::vector<std::string>& ready) {
   std::error_code error;
-  if (looks_like_a_file(name_or_file)) {
+  if (is_like_a_file(name_or_file)) {
     if (fs::is_regular_file(name_or_file, error)) return name_or_file;
     return fail(one + ".missing", "there is no such " + one + " file", name_or_file);
   }

@@ -28,7 +28,7 @@ namespace cosiva::app {
                                                   const std::vector<std::string>& endings,
                                                   const std::vector<std::string>& ready);
 /// Whether this is meant as a file's name ("my.toml", "zones/my") rather than a ready one's ("lacet4").
-[[nodiscard]] bool looks_like_a_file(const std::string& name_or_file);
+[[nodiscard]] bool is_like_a_file(const std::string& name_or_file);
 
 /// As find_zone_file, for scenarios ("showroom"). Fails ("scenario.missing").
 [[nodiscard]] Result<std::string> find_scenario_file(const std::string& name_or_file);

@@ -19,7 +19,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds look_period{50};
+constexpr milliseconds check_period{50};
 
 /// Asks until the first vehicle moves, or as long as it is worth waiting.
 std::optional<SwitchedZone> watch(const adapters::HttpClient& client, double wait_s) {
@@ -31,7 +31,7 @@ std::optional<SwitchedZone> watch(const adapters::HttpClient& client, double wai
     // Who is parked will not move, and who is not there neither.
     const bool nobody = switched && switched->off_route.size() >= switched->vehicles;
     if (nobody || (switched && switched->first_moving_ms) || std::chrono::steady_clock::now() >= until) return switched;
-    std::this_thread::sleep_for(look_period);
+    std::this_thread::sleep_for(check_period);
   }
 }
 

@@ -73,7 +73,7 @@ class StepTime {
     return is_back ? before.back() : offset_s_ + raw_s;
   }
 
-  [[nodiscard]] std::string note() const {
+  [[nodiscard]] std::string diagnostic() const {
     if (resets_ > 0) return "the time begins anew with each step: its steps are read one after the other";
     if (slips_ > 0)
       return std::to_string(slips_) + " steps begin with a sample whose time goes back: it is given the last one's";
@@ -294,11 +294,11 @@ class Reader {
             (!belongs_to_samples(in_small_letters(columns_.names[counters_at_[i]])) || logs_of_key > 1))
           one.log.name += ", " + columns_.names[counters_at_[i]] + "=" + one.first[i];
       if (!is_fine(one)) one.log.counted_ah.clear();
-      if (!columns_.note.empty())
-        one.log.diagnostics.push_back(origin_ + ": read " + columns_.note +
+      if (!columns_.diagnostic.empty())
+        one.log.diagnostics.push_back(origin_ + ": read " + columns_.diagnostic +
                                       "; its current must charge where it is positive");
-      if (const std::string note = one.clock.note(); !note.empty())
-        one.log.diagnostics.push_back(one.log.name + ": " + note);
+      if (const std::string diagnostic = one.clock.diagnostic(); !diagnostic.empty())
+        one.log.diagnostics.push_back(one.log.name + ": " + diagnostic);
       logs.push_back(std::move(one.log));
     }
     return logs;

@@ -180,7 +180,7 @@ Result<LogColumns> read_columns(std::string_view line, const std::string& locati
     columns.columns[k] = *at;
     const std::string& name = columns.names[at->at];
     if (name != quantities[k].name && name != quantities[k].label)
-      columns.note += (columns.note.empty() ? "" : ", ") + ("'" + name + "' as ") + std::string(quantities[k].name);
+      columns.diagnostic += (columns.diagnostic.empty() ? "" : ", ") + ("'" + name + "' as ") + std::string(quantities[k].name);
   }
   for (const Quantity& temperature : temperatures)
     if (!columns.temperature) columns.temperature = found(columns.names, temperature, degrees);

@@ -27,7 +27,7 @@ struct LogColumns {
   std::optional<ColumnUnit> discharged;  ///< what the tester itself counted, out [Ah] …
   std::optional<ColumnUnit> charged;     ///< … and in
   std::optional<std::size_t> step;  ///< which says that another step of the test has begun
-  std::string note{};               ///< where the names are not the format's own: how they were understood
+  std::string diagnostic{};               ///< where the names are not the format's own: how they were understood
 };
 
 /// The format's names of time, voltage and current.

@@ -53,7 +53,7 @@ TEST(Columns, of_the_format_s_own_names_need_no_word_and_come_first) {
   ASSERT_TRUE(columns);
   EXPECT_EQ(columns->columns[0].at, 1U);
   EXPECT_EQ(columns->columns[1].at, 2U);
-  EXPECT_EQ(columns->note, "");
+  EXPECT_EQ(columns->diagnostic, "");
   EXPECT_EQ(columns->temperature->at, 5U);
 }
 

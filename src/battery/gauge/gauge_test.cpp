@@ -152,12 +152,12 @@ double worst_error(const std::string& log, GaugeMethod method, double estimated,
     used_ah += samples[i].ampere * dt_s / 3600.0;
     if (samples[i].ampere < 1.0) continue;
     // Logged twice a minute; the gauge looks every second.
-    const int looks = std::max(1, static_cast<int>(dt_s));
-    for (int k = 1; k <= looks; ++k) {
+    const int updates = std::max(1, static_cast<int>(dt_s));
+    for (int k = 1; k <= updates; ++k) {
       const double volt = samples[i - 1].ampere < 1.0
                               ? samples[i].volt
-                              : samples[i - 1].volt + (samples[i].volt - samples[i - 1].volt) * k / looks;
-      gauge.see({volt, 1.01 * samples[i].ampere + 0.1, 25.0}, dt_s / looks);
+                              : samples[i - 1].volt + (samples[i].volt - samples[i - 1].volt) * k / updates;
+      gauge.see({volt, 1.01 * samples[i].ampere + 0.1, 25.0}, dt_s / updates);
     }
     if (used_ah > 15.0) worst = std::max(worst, std::fabs(gauge.reading().charge - (1.0 - used_ah / 30.5)));
   }

@@ -42,7 +42,7 @@ void CollisionWatch::sort_by_x(std::span<const BodyPose> vehicles) {
   }
 }
 
-void CollisionWatch::look(std::span<const BodyPose> vehicles, std::span<const Obstacle> obstacles,
+void CollisionWatch::detect_contacts(std::span<const BodyPose> vehicles, std::span<const Obstacle> obstacles,
                           std::vector<Pair>& began) {
   still_touching_.clear();
   sort_by_x(vehicles);

@@ -74,17 +74,17 @@ TEST(Touch, knows_a_disc_at_a_side_and_at_a_corner) {
 TEST(CollisionWatch, says_a_contact_once_until_the_bodies_part) {
   CollisionWatch watch{shape};
   std::vector<CollisionWatch::Pair> began;
-  const auto look = [&](double x) {
+  const auto detect_contacts = [&](double x) {
     const std::array bodies{at(x, 0), at(0, 0)};
     began.clear();
-    watch.look(bodies, {}, began);
+    watch.detect_contacts(bodies, {}, began);
     return began;
   };
-  EXPECT_THAT(look(0.3), IsEmpty());
-  EXPECT_THAT(look(0.19), ElementsAre(CollisionWatch::Pair{0, 1}));
-  EXPECT_THAT(look(0.18), IsEmpty());
-  EXPECT_THAT(look(0.21), IsEmpty());
-  EXPECT_THAT(look(0.19), ElementsAre(CollisionWatch::Pair{0, 1}));
+  EXPECT_THAT(detect_contacts(0.3), IsEmpty());
+  EXPECT_THAT(detect_contacts(0.19), ElementsAre(CollisionWatch::Pair{0, 1}));
+  EXPECT_THAT(detect_contacts(0.18), IsEmpty());
+  EXPECT_THAT(detect_contacts(0.21), IsEmpty());
+  EXPECT_THAT(detect_contacts(0.19), ElementsAre(CollisionWatch::Pair{0, 1}));
 }
 
 TEST(CollisionWatch, says_an_obstacle_by_its_key) {
@@ -93,8 +93,8 @@ TEST(CollisionWatch, says_an_obstacle_by_its_key) {
   const std::array bodies{at(5, 0), at(0, 0)};
   const CollisionWatch::BodyKey key = CollisionWatch::obstacle_bit + 3;
   const std::array<CollisionWatch::Obstacle, 1> obstacles{{{key, {{0.12, 0.0}, 0.05}}}};
-  watch.look(bodies, obstacles, began);
-  watch.look(bodies, obstacles, began);
+  watch.detect_contacts(bodies, obstacles, began);
+  watch.detect_contacts(bodies, obstacles, began);
   EXPECT_THAT(began, ElementsAre(CollisionWatch::Pair{1, key}));
 }
 
@@ -105,7 +105,7 @@ TEST(CollisionWatch, finds_the_pairs_that_looking_at_all_would_find) {
     CollisionWatch watch{shape};
     for (auto& body : bodies) body = at(random.uniform(0, 2), random.uniform(0, 2), random.uniform(-3, 3));
     std::vector<CollisionWatch::Pair> began;
-    watch.look(bodies, {}, began);
+    watch.detect_contacts(bodies, {}, began);
     std::sort(began.begin(), began.end());
     std::vector<CollisionWatch::Pair> all;
     for (std::size_t i = 0; i < bodies.size(); ++i) {

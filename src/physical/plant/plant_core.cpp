@@ -259,7 +259,7 @@ void PlantCore::Impl::tick(SimTime at, wire::Effects& effects) {
 
 void PlantCore::Impl::watch_contacts() {
   contacts.clear();
-  watch.look(bodies, obstacles.discs(), contacts);
+  watch.detect_contacts(bodies, obstacles.discs(), contacts);
   for (const auto& pair : contacts) collisions.push_back({now, name_of(pair.a), name_of(pair.b)});
 }
 

@@ -30,7 +30,7 @@ Scan scan_of(const BodyPose& body, std::initializer_list<BodyPose> others, std::
 double sampled(const BodyPose& body, const BodyPose& other, std::size_t beam) {
   const double centre = 0.01 * (DobsBoard::first_bearing_crad + static_cast<double>(beam) * DobsBoard::beam_width_crad);
   double nearest = 1e9;
-  const auto look = [&](Point2 p_B) {
+  const auto sense = [&](Point2 p_B) {
     Point2 p = body.to_body(other.to_map(p_B));
     p.x_m -= 0.1;
     if (std::fabs(det_atan2(p.y_m, p.x_m) - centre) <= half_beam_rad) nearest = std::min(nearest, norm(p.x_m, p.y_m));
@@ -38,10 +38,10 @@ double sampled(const BodyPose& body, const BodyPose& other, std::size_t beam) {
   constexpr int n = 2000;
   for (int i = 0; i <= n; ++i) {
     const double u = static_cast<double>(i) / n - 0.5;
-    look({0.1, 0.12 * u});
-    look({-0.1, 0.12 * u});
-    look({0.2 * u, 0.06});
-    look({0.2 * u, -0.06});
+    sense({0.1, 0.12 * u});
+    sense({-0.1, 0.12 * u});
+    sense({0.2 * u, 0.06});
+    sense({0.2 * u, -0.06});
   }
   return nearest;
 }

@@ -161,28 +161,28 @@ void Painter::draw_body(const SceneBody& body, std::vector<float>& light) const 
     return static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(most)));
   };
   // Nine looks at each pixel, each at its own ninth of the exposure: sharp edges are smooth, and what moves is blurred.
-  constexpr std::size_t looks = 9;
-  constexpr std::array<std::size_t, looks> moment{4, 0, 7, 2, 5, 8, 1, 6, 3};
-  std::array<Frame, looks> X_TM{};
+  constexpr std::size_t passes = 9;
+  constexpr std::array<std::size_t, passes> moment{4, 0, 7, 2, 5, 8, 1, 6, 3};
+  std::array<Frame, passes> X_TM{};
   const Frame X_BT{body.X_BT};
   // at_height, with what is the same for all of them.
   const double ratio = body.height_m / camera_.height_m;
   const Point2 nearer{ratio * camera_.foot.x_m, ratio * camera_.foot.y_m};
   for (std::size_t row = clip(centre->v - reach, height); row < clip(centre->v + reach, height); ++row) {
-    for (std::size_t look = 0; look < looks; ++look) {
-      const double when = (static_cast<double>(moment[look]) + 0.5) / static_cast<double>(looks);
+    for (std::size_t pass = 0; pass < passes; ++pass) {
+      const double when = (static_cast<double>(moment[pass]) + 0.5) / static_cast<double>(passes);
       const double seconds = static_cast<double>(row) * camera_.line_s + when * camera_.exposure_s;
-      X_TM[look] = Frame{inverse(body.after(seconds) * body.X_BT)};
+      X_TM[pass] = Frame{inverse(body.after(seconds) * body.X_BT)};
     }
     for (std::size_t column = clip(centre->u - reach, width); column < clip(centre->u + reach, width); ++column) {
       float sum = 0.0F;
-      for (std::size_t look = 0; look < looks; ++look) {
-        const double u = static_cast<double>(column) + (static_cast<double>(look % 3) + 0.5) / 3.0;
-        const std::size_t look_row = look / 3;
-        const double v = static_cast<double>(row) + (static_cast<double>(look_row) + 0.5) / 3.0;
+      for (std::size_t pass = 0; pass < passes; ++pass) {
+        const double u = static_cast<double>(column) + (static_cast<double>(pass % 3) + 0.5) / 3.0;
+        const std::size_t sample_row = pass / 3;
+        const double v = static_cast<double>(row) + (static_cast<double>(sample_row) + 0.5) / 3.0;
         const Point2 detected = detected_at(u, v);
         const Point2 there{(1.0 - ratio) * detected.x_m + nearer.x_m, (1.0 - ratio) * detected.y_m + nearer.y_m};
-        const Point2 on_tag = X_TM[look] * there;
+        const Point2 on_tag = X_TM[pass] * there;
         const double x = on_tag.x_m / cell_m + 5.0;
         const double y = 5.0 - on_tag.y_m / cell_m;
         if (x >= 0.0 && x < 10.0 && y >= 0.0 && y < 10.0) {
@@ -193,7 +193,7 @@ void Painter::draw_body(const SceneBody& body, std::vector<float>& light) const 
           sum += roof ? roof_light : light[row * width + column];
         }
       }
-      light[row * width + column] = sum / static_cast<float>(looks);
+      light[row * width + column] = sum / static_cast<float>(passes);
     }
   }
 }

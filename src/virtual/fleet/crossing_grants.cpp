@@ -219,7 +219,7 @@ bool CrossingGrants::has_room(std::uint32_t i, const Ground::Chain& chain) const
   const double need_m = exit_m + numbers_.length_m + room_m;
   Leaders::Found ahead{state_.leader[i], state_.offset_m[i]};
   const double own_m = ground_.length_m(state_.section[i]);
-  if (ahead.vehicle == i && need_m > own_m + numbers_.look_m) ahead = leaders_.find_ahead(i, need_m - own_m);
+  if (ahead.vehicle == i && need_m > own_m + numbers_.sensed_m) ahead = leaders_.find_ahead(i, need_m - own_m);
   return ahead.vehicle == i || ahead.offset_m + state_.s_m[ahead.vehicle] >= need_m;
 }
 
@@ -257,7 +257,7 @@ std::uint32_t CrossingGrants::blocker_of(std::uint32_t i) const {
       crossings_.data() + std::size_t{state_.own[i].copy} * ground_.zone().crossings.size();
   for (const Ground::Leave& leave : leaves)
     if (here[leave.crossing].holder != Fleet::none) return here[leave.crossing].holder;
-  return has_room(i, chain) ? i : leaders_.find_ahead(i, chain.exit_m + numbers_.look_m).vehicle;
+  return has_room(i, chain) ? i : leaders_.find_ahead(i, chain.exit_m + numbers_.sensed_m).vehicle;
 }
 
 }  // namespace cosiva::virtual_side

@@ -135,7 +135,7 @@ Fleet::Ahead Fleet::ahead(Vehicle vehicle) const {
   if (leader == vehicle) return {};
   return {leader, in_->leaders.gap_m(vehicle)};
 }
-double Fleet::look_m() const { return in_->tables.numbers.look_m; }
+double Fleet::sensed_m() const { return in_->tables.numbers.sensed_m; }
 Fleet::Vehicle Fleet::holder(std::uint32_t copy, std::size_t crossing) const {
   return in_->tables.crossings[std::size_t{copy} * zone().crossings.size() + crossing].holder;
 }

@@ -120,14 +120,14 @@ class Fleet {
   [[nodiscard]] aiv::Profile profile(Vehicle vehicle) const;  ///< what its agent has chosen last
   /// The next body ahead on its way, and the distance between the two: the arc length between their middles less
   /// occupied_m() (spacing.h), which is a vehicle's length unless the zone has very tight bends. Bodies nearer than
-  /// look_m() past the end of its section are found at least.
+  /// sensed_m() past the end of its section are found at least.
   struct Ahead {
     Vehicle vehicle{none};
     double gap_m{std::numeric_limits<double>::infinity()};
   };
   /// Also one that has just turned off to another branch, until their bodies have parted.
   [[nodiscard]] Ahead ahead(Vehicle vehicle) const;
-  [[nodiscard]] double look_m() const;  ///< so far ahead bodies count, from a vehicle's front
+  [[nodiscard]] double sensed_m() const;  ///< so far ahead bodies count, from a vehicle's front
   [[nodiscard]] Vehicle holder(std::uint32_t copy, std::size_t crossing) const;  ///< none: it is free
 
   // Figures, since the start.

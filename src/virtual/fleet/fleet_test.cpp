@@ -18,10 +18,10 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 
 /// Steps, and looks now and then whether all is well.
-void drive(Fleet& fleet, int steps, int look_every = 7) {
+void drive(Fleet& fleet, int steps, int check_every = 7) {
   for (int k = 0; k < steps; ++k) {
     fleet.step();
-    if (k % look_every == 0) {
+    if (k % check_every == 0) {
       ASSERT_NO_FATAL_FAILURE(expect_safe(fleet));
     }
   }
@@ -160,7 +160,7 @@ TEST(Fleet, knows_who_is_ahead_as_if_it_looked_at_everybody) {
       for (Fleet::Vehicle i = 0; i < many.size(); ++i) {
         const Fleet::Ahead slow = found_slowly(many, i);
         const Fleet::Ahead ahead = many.ahead(i);
-        if (slow.gap_m > many.look_m()) continue;  // nobody need know
+        if (slow.gap_m > many.sensed_m()) continue;  // nobody need know
         ASSERT_EQ(ahead.vehicle, slow.vehicle) << name << " step " << k << " vehicle " << i;
         ASSERT_NEAR(ahead.gap_m, slow.gap_m, 1e-9);
       }
@@ -180,7 +180,7 @@ TEST(Fleet, drives_as_its_agents_decide) {
       constexpr double free = std::numeric_limits<double>::infinity();
       aiv::Situation situation{many.speed_mps()[i], free, free, free, 1.0, std::nullopt};
       situation.present = present[i];
-      if (const Fleet::Ahead ahead = many.ahead(i); ahead.gap_m <= many.look_m()) {
+      if (const Fleet::Ahead ahead = many.ahead(i); ahead.gap_m <= many.sensed_m()) {
         situation.obstacle_ahead_m = ahead.gap_m;
         situation.closing_mps = many.speed_mps()[i] - many.speed_mps()[ahead.vehicle];
       }

@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t chains_max = 256;
 constexpr std::size_t chain_sections_max = 512;
 /// And so many sections are looked at for one line: in a net of lanes driven both ways there are ways without number.
-constexpr std::size_t looks_max = 1U << 14U;
+constexpr std::size_t checks_max = 1U << 14U;
 
 }  // namespace
 
@@ -116,7 +116,7 @@ Result<void> Ground::lay_lines() {
       busy_m = span.to_m;
       const auto first = static_cast<std::uint32_t>(chains_.size());
       Laying laying{{id}, {}, 0.0, span.from_m};
-      Search search{first + chains_max, looks_max};
+      Search search{first + chains_max, checks_max};
       if (!follow(laying, span.from_m, span.from_m, search) || search.is_over(chains_.size()))
         return no_stopping_position(id);
       lines_.push_back({span.from_m, first, static_cast<std::uint32_t>(chains_.size()) - first});
@@ -190,7 +190,7 @@ bool Ground::follow(Laying& laying, double from_m, double entry_m, Search& searc
       Laying on = laying;
       on.sections.push_back(branch);
       on.start_m = end_m;
-      --search.looks_left;
+      --search.checks_left;
       follows = follow(on, 0.0, entry_m, search);
     }
     if (search.is_over(chains_.size())) return false;

@@ -97,8 +97,8 @@ class Ground {
   /// What may still be looked for from one line.
   struct Search {
     std::size_t chains_most;
-    std::size_t looks_left;
-    [[nodiscard]] bool is_over(std::size_t chains) const { return chains > chains_most || looks_left == 0; }
+    std::size_t checks_left;
+    [[nodiscard]] bool is_over(std::size_t chains) const { return chains > chains_most || checks_left == 0; }
   };
   /// Follows a chain to its exit from `from_m` of its last section on; every way that it can go. False: none comes to
   /// an exit, or the search is over.

@@ -15,17 +15,17 @@ Leaders::Leaders(FleetTables& tables, const Paths& paths)
       paths_{paths} {}
 
 void Leaders::look_ahead(std::uint32_t i) {
-  const auto [vehicle, offset_m] = find_ahead(i, numbers_.look_m);
+  const auto [vehicle, offset_m] = find_ahead(i, numbers_.sensed_m);
   state_.leader[i] = vehicle;
   state_.offset_m[i] = offset_m;
 }
 
-Leaders::Found Leaders::find_ahead(std::uint32_t i, double look_m) const {
+Leaders::Found Leaders::find_ahead(std::uint32_t i, double sensed_m) const {
   const std::uint32_t copy = state_.own[i].copy;
   const zone::Circuit& circuit = ground_.circuit();
   Paths::Path path = paths_.path_of(i);
   double start_m = ground_.length_m(path.section);
-  const double end_m = start_m + look_m;
+  const double end_m = start_m + sensed_m;
   for (std::size_t steps = 0; start_m <= end_m && steps <= ground_.size(); ++steps) {
     const zone::SectionId to = paths_.beyond(path);
     if (to == zone::no_section) break;
@@ -67,7 +67,7 @@ void Leaders::update_followers(Block& block, std::uint32_t copy, zone::SectionId
         continue;
       }
       const double on_m = path_distance_m + ground_.length_m(from);
-      if (on_m > numbers_.look_m) continue;
+      if (on_m > numbers_.sensed_m) continue;
       // A section found again by a shorter path is searched again: sections behind it may only now be near enough.
       if (block.detection_search[from] == block.search && block.detected_m[from] <= on_m) continue;
       block.detection_search[from] = block.search;

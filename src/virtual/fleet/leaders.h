@@ -22,9 +22,9 @@ class Leaders {
 
   /// Finds the leader of vehicle i, the first on its section.
   void look_ahead(std::uint32_t i);
-  /// The first body on the path of vehicle i after its section, at most `look_m` behind the section's end; i itself:
+  /// The first body on the path of vehicle i after its section, at most `sensed_m` behind the section's end; i itself:
   /// there is none.
-  [[nodiscard]] Found find_ahead(std::uint32_t i, double look_m) const;
+  [[nodiscard]] Found find_ahead(std::uint32_t i, double sensed_m) const;
   /// A vehicle has entered `section`, or has cleared it for other branches; `left`, its former section, may be empty
   /// now. The first vehicles on the sections before these find their leaders again.
   void update_followers(Block& block, std::uint32_t copy, zone::SectionId section,

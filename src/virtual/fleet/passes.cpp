@@ -42,7 +42,7 @@ struct View {
 COSIVA_INLINE double lower(double a, double b) { return b < a ? b : a; }
 COSIVA_INLINE double higher(double a, double b) { return a < b ? b : a; }
 
-COSIVA_VECTOR_CLONES void see(const View& view, double length_m, double look_m, std::size_t first, std::size_t count,
+COSIVA_VECTOR_CLONES void see(const View& view, double length_m, double sensed_m, std::size_t first, std::size_t count,
                               LeaderView& detected, double* __restrict smallest) {
   const double* __restrict s = view.s_m;
   const double* __restrict v = view.v_mps;
@@ -53,7 +53,7 @@ COSIVA_VECTOR_CLONES void see(const View& view, double length_m, double look_m, 
   for (std::size_t k = 0; k < count; ++k) {
     const std::uint32_t ahead = leader[k];
     const double gap_m = offset[k] + s[ahead] - s[first + k] - length_m;
-    const bool near = gap_m <= look_m;
+    const bool near = gap_m <= sensed_m;
     detected.gap_m[k] = near ? gap_m : far_m;
     detected.closing_mps[k] = near ? v[first + k] - v[ahead] : 0.0;
     detected.halt_m[k] = halt[k] - s[first + k];
@@ -78,7 +78,7 @@ struct Rows {
   double* __restrict instruction;  ///< null: nobody is instructed
 };
 
-COSIVA_VECTOR_CLONES void ask(const PathState& branches, const Numbers& numbers, const LeaderView& detected,
+COSIVA_VECTOR_CLONES void sense(const PathState& branches, const Numbers& numbers, const LeaderView& detected,
                               std::size_t first, std::size_t count, const Rows& rows) {
   const double braking_m = numbers.braking_distance_m;
   const double medium_mps = numbers.medium_mps;
@@ -291,7 +291,7 @@ Numbers numbers_of(const zone::TrafficZone& zone, const FleetOptions& options) {
       if (input.name == "gap" || input.name == "crossing" || input.name == "base")
         range = std::max(range, input.maximum);
   const double stop_m = fastest_mps * fastest_mps / (2.0 * low) + fastest_mps * (numbers.late_s + 3.0 * numbers.dt_s);
-  numbers.look_m = std::max(range * numbers.braking_distance_m, stop_m) + aiv::clearance_m + numbers.length_m;
+  numbers.sensed_m = std::max(range * numbers.braking_distance_m, stop_m) + aiv::clearance_m + numbers.length_m;
   return numbers;
 }
 
@@ -353,7 +353,7 @@ double decide_by(const State& state, const Numbers& numbers, std::uint32_t first
   for (std::size_t at = first; at < last; at += lanes) {
     const std::size_t count = std::min(lanes, last - at);
     if (is_large) fetch_ahead(state, at + fetched_ahead);
-    see(view, numbers.length_m, numbers.look_m, at, count, detected, smallest);
+    see(view, numbers.length_m, numbers.sensed_m, at, count, detected, smallest);
     choose(detected, at, count, chosen);
     const auto by = numbers.has_limits ? limit_limited : numbers.has_caps ? limit_capped : limit_plain;
     by(limits, numbers, detected, chosen, at, count, next + (at - first));
@@ -377,7 +377,7 @@ double decide(State& state, const Numbers& numbers, const FleetRules* rules, boo
   alignas(64) Column speed;
   return decide_by(state, numbers, first, last, next,
                    [&](const LeaderView& detected, auto at, auto count, Column& chosen) {
-                     ask(branches, numbers, detected, at, count, responses.rows);
+                     sense(branches, numbers, detected, at, count, responses.rows);
                      if (more) request_more(branches, numbers, at, count, responses.rows);
                      responses.response(speed);
                      choose_fuzzy(choice.profile + at, speed, count, chosen);

@@ -37,7 +37,7 @@ void PathSurvey::survey(std::uint32_t i) {
     }
     if (line_m < far_m) break;
     const double end_m = start_m + ground_.length_m(path.section);
-    if (halt_m <= end_m || end_m - own_length_m > numbers_.look_m) break;
+    if (halt_m <= end_m || end_m - own_length_m > numbers_.sensed_m) break;
     const zone::SectionId to = paths_.next(path);
     if (to == zone::no_section || ground_.turn_rad(path.section, to) != 0.0) {
       halt_m = end_m;

@@ -112,7 +112,7 @@ bool Presence::leaves_room_behind(Block& block, std::uint32_t i) const {
         if (first != i && !can_stop(first, path_distance_m + length_m - state_.s_m[first])) return false;
         continue;
       }
-      if (path_distance_m + length_m > numbers_.look_m) continue;
+      if (path_distance_m + length_m > numbers_.sensed_m) continue;
       if (block.detection_search[from] == block.search && block.detected_m[from] <= path_distance_m + length_m) continue;
       block.detection_search[from] = block.search;
       block.detected_m[from] = path_distance_m + length_m;

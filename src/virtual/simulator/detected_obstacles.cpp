@@ -17,21 +17,21 @@ constexpr double swept_ratio = 0.8;
 /// So much further than an obstacle's far side must a beam reach that is said to go through its place.
 constexpr double through_margin_m = 0.10;
 
-enum class Look : std::uint8_t { through, hidden, there };
+enum class Inspection : std::uint8_t { through, hidden, there };
 
 /// What the beams that an obstacle would fill say of it.
-Look look_at(const DetectedObstacle& obstacle, const Pose2& X_SM, const wire::Ranges& ranges) {
+Inspection inspect_obstacle(const DetectedObstacle& obstacle, const Pose2& X_SM, const wire::Ranges& ranges) {
   const Point2 p_S = X_SM * obstacle.at;
   const double away_m = norm(p_S.x_m, p_S.y_m);
-  if (away_m > DetectedObstacles::looks_m_max || away_m <= obstacle.radius_m || ranges.beam_width_crad == 0)
-    return Look::hidden;
+  if (away_m > DetectedObstacles::checked_m_max || away_m <= obstacle.radius_m || ranges.beam_width_crad == 0)
+    return Inspection::hidden;
   const double width_rad = 0.01 * ranges.beam_width_crad;
   const double first_edge_rad = 0.01 * ranges.first_bearing_crad - 0.5 * width_rad;
   const double bearing_rad = det_atan2(p_S.y_m, p_S.x_m);
   const double half_rad = obstacle.radius_m / away_m;
   const double from = std::floor((bearing_rad - half_rad - first_edge_rad) / width_rad);
   const double to = std::floor((bearing_rad + half_rad - first_edge_rad) / width_rad);
-  if (from < 0.0 || to >= static_cast<double>(ranges.range_mm.size())) return Look::hidden;
+  if (from < 0.0 || to >= static_cast<double>(ranges.range_mm.size())) return Inspection::hidden;
   const double far_side_m = away_m + obstacle.radius_m + through_margin_m;
   const double near_side_m = away_m - obstacle.radius_m - through_margin_m;
   bool hidden = false;
@@ -39,10 +39,10 @@ Look look_at(const DetectedObstacle& obstacle, const Pose2& X_SM, const wire::Ra
     if (ranges.range_mm[i] == wire::no_echo) continue;
     const double range_m = 0.001 * ranges.range_mm[i];
     if (range_m >= far_side_m) continue;
-    if (range_m >= near_side_m) return Look::there;
+    if (range_m >= near_side_m) return Inspection::there;
     hidden = true;
   }
-  return hidden ? Look::hidden : Look::through;
+  return hidden ? Inspection::hidden : Inspection::through;
 }
 
 }  // namespace
@@ -116,9 +116,9 @@ std::vector<std::string> DetectedObstacles::clear_through(const Pose2& X_MS, con
   std::vector<std::string> removed;
   const Pose2 X_SM = inverse(X_MS);
   for (DetectedObstacle& obstacle : obstacles_) {
-    const Look look = look_at(obstacle, X_SM, ranges);
-    if (look == Look::there) obstacle.doubts = 0;
-    if (look == Look::through && ++obstacle.doubts >= doubts_max) removed.push_back(obstacle.id);
+    const Inspection inspect = inspect_obstacle(obstacle, X_SM, ranges);
+    if (inspect == Inspection::there) obstacle.doubts = 0;
+    if (inspect == Inspection::through && ++obstacle.doubts >= doubts_max) removed.push_back(obstacle.id);
   }
   for (const std::string& id : removed) remove(id);
   return removed;

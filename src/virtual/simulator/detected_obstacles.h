@@ -39,7 +39,7 @@ class DetectedObstacles {
   static constexpr std::uint16_t handles = 0x3FFF;
   /// A vehicle that saw it so recently is before it, not in it: its twin may be shown a little too far.
   static constexpr SimDuration just_detected{std::chrono::milliseconds{500}};
-  static constexpr double looks_m_max = 1.5;  ///< further away a beam is too wide to say that nothing is there
+  static constexpr double checked_m_max = 1.5;  ///< further away a beam is too wide to say that nothing is there
   static constexpr int doubts_max = 3;        ///< one echo that does not come back ends nothing
 
   /// @return  true when a twin appeared; false when one that was there was seen again

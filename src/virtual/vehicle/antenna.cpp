@@ -22,17 +22,17 @@ void Antenna::put(const zone::TrafficZone& zone, zone::TrackPosition track_posit
 
 void Antenna::move(const zone::TrafficZone& zone, zone::TrackPosition from, zone::TrackPosition to, Point2 p_from, Point2 p_to,
                    std::vector<Reading>& readings) {
-  look_at_section(to.section, p_from, p_to, readings);
-  if (from.section != to.section) look_at_section(from.section, p_from, p_to, readings);
-  if (zone.beacons) look_at_beacon(zone, p_from, p_to, readings);
+  read_section(to.section, p_from, p_to, readings);
+  if (from.section != to.section) read_section(from.section, p_from, p_to, readings);
+  if (zone.beacons) read_beacon(zone, p_from, p_to, readings);
   std::erase_if(in_field_, [&](const InReach& tag) { return distance(tag.position, p_to) > range_m; });
 }
 
-void Antenna::look_at_section(zone::SectionId section, Point2 p_from, Point2 p_to, std::vector<Reading>& readings) {
+void Antenna::read_section(zone::SectionId section, Point2 p_from, Point2 p_to, std::vector<Reading>& readings) {
   for (const InReach& tag : by_section_[section]) enter(tag, p_from, p_to, readings);
 }
 
-void Antenna::look_at_beacon(const zone::TrafficZone& zone, Point2 p_from, Point2 p_to,
+void Antenna::read_beacon(const zone::TrafficZone& zone, Point2 p_from, Point2 p_to,
                              std::vector<Reading>& readings) {
   // Beacons stand at least 5 cm apart, so that no more than one can be read at a time.
   if (const auto beacon = zone.beacons->nearest(p_to))

@@ -34,8 +34,8 @@ class Antenna {
     Point2 position;
   };
   void enter(const InReach& tag, Point2 p_from, Point2 p_to, std::vector<Reading>& readings);
-  void look_at_section(zone::SectionId section, Point2 p_from, Point2 p_to, std::vector<Reading>& readings);
-  void look_at_beacon(const zone::TrafficZone& zone, Point2 p_from, Point2 p_to, std::vector<Reading>& readings);
+  void read_section(zone::SectionId section, Point2 p_from, Point2 p_to, std::vector<Reading>& readings);
+  void read_beacon(const zone::TrafficZone& zone, Point2 p_from, Point2 p_to, std::vector<Reading>& readings);
 
   std::vector<std::vector<InReach>> by_section_;  ///< tags that an antenna on the section's line can read
   std::vector<InReach> in_field_;

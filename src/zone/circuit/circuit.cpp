@@ -102,8 +102,8 @@ double Circuit::total_length_m() const {
 
 /// Calls look(id) for all sections that head into `headings` and may come within `limit_m`, which `look` may lower; for
 /// some several times.
-template <typename Look>
-void Circuit::survey_neighbours(Point2 p, Headings headings, const double& limit_m, const Look& visitor) const {
+template <typename NeighbourVisitor>
+void Circuit::survey_neighbours(Point2 p, Headings headings, const double& limit_m, const NeighbourVisitor& visitor) const {
   if (!grid_.visit(p, headings, limit_m, visitor)) tree_.visit(p, headings, limit_m, visitor);
 }
 

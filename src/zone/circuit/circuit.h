@@ -94,8 +94,8 @@ class Circuit {
   std::vector<Part> parts_;
   std::vector<std::vector<SectionId>> previous_;
   std::vector<SectionId> by_name_;  ///< sorted by name, for find
-  template <typename Look>
-  void survey_neighbours(Point2 p, Headings headings, const double& limit_m, const Look& visitor) const;
+  template <typename NeighbourVisitor>
+  void survey_neighbours(Point2 p, Headings headings, const double& limit_m, const NeighbourVisitor& visitor) const;
 
   SectionGrid grid_;
   SectionTree tree_;  ///< of the same pieces, for where the grid does not know

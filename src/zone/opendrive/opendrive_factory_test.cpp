@@ -139,8 +139,8 @@ TEST_P(Sample, is_as_long_as_the_file_says) {
 
 TEST_P(Sample, tells_its_fit) {
   bool reported = false;
-  for (const Diagnostic& note : zone_.diagnostics)
-    reported = reported || (note.location == "lanes" && note.kind == Diagnostic::Kind::notice);
+  for (const Diagnostic& diagnostic : zone_.diagnostics)
+    reported = reported || (diagnostic.location == "lanes" && diagnostic.kind == Diagnostic::Kind::notice);
   EXPECT_TRUE(reported);
 }
 

@@ -122,12 +122,12 @@ std::string nothing_to_drive_on(const Report& report) {
   }
   if (!types.empty()) text += "; lanes of other types: " + types + " ([import] lane_types in the sidecar file chooses)";
   bool lost = false;
-  for (const Diagnostic& note : report.diagnostics()) {
-    if (note.kind != Diagnostic::Kind::lost) continue;
+  for (const Diagnostic& diagnostic : report.diagnostics()) {
+    if (diagnostic.kind != Diagnostic::Kind::lost) continue;
     lost = true;
     if (text.size() > 600) break;
-    text += "; " + note.location;
-    text += ' ' + note.text;
+    text += "; " + diagnostic.location;
+    text += ' ' + diagnostic.text;
   }
   if (types.empty() && !lost) text += "; its roads have none beside their middle line";
   return text;

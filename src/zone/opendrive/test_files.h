@@ -58,8 +58,8 @@ inline bool leads(const TrafficZone& zone, std::string_view from, std::string_vi
   return std::find(next.begin(), next.end(), *b) != next.end();
 }
 inline bool logged(const TrafficZone& zone, Diagnostic::Kind kind, std::string_view location, std::string_view text) {
-  return std::any_of(zone.diagnostics.begin(), zone.diagnostics.end(), [&](const Diagnostic& note) {
-    return note.kind == kind && note.location.find(location) != note.location.npos && note.text.find(text) != note.text.npos;
+  return std::any_of(zone.diagnostics.begin(), zone.diagnostics.end(), [&](const Diagnostic& diagnostic) {
+    return diagnostic.kind == kind && diagnostic.location.find(location) != diagnostic.location.npos && diagnostic.text.find(text) != diagnostic.text.npos;
   });
 }
 

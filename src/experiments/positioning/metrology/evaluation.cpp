@@ -66,7 +66,7 @@ class Evaluation {
         go(parts_[left[i]]);
         done[i] = 1;
       });
-      look_for_faults();
+      find_faults();
       std::vector<std::size_t> next;
       for (std::size_t i = 0; i < left.size(); ++i) {
         if (done[i] == 0 && parts_[left[i]].first_run <= no_run_) next.push_back(left[i]);
@@ -89,14 +89,14 @@ class Evaluation {
         if (part.own) runs_[index].failed = trial.error();
         continue;
       }
-      if (part.own) look_at(index, **trial);
+      if (part.own) evaluate_at(index, **trial);
       for (std::size_t i = part.first; i < part.last; ++i) evaluate(i, index, **trial, trace);
     }
   }
 
   /// Between two rounds. What is behind a fault need not be asked any more, and what is before it must: so what is
   /// named in the end is the same whatever came first.
-  void look_for_faults() {
+  void find_faults() {
     for (std::size_t index = runs_.size(); index-- > 0;) {
       if (runs_[index].failed) no_run_ = index;
       for (std::size_t i = 0; i < candidates_.size(); ++i) {
@@ -106,7 +106,7 @@ class Evaluation {
   }
 
   /// What is to say of the run itself.
-  void look_at(std::size_t index, const Trial& trial) {
+  void evaluate_at(std::size_t index, const Trial& trial) {
     EvaluatedRun& run = runs_[index];
     if (options_.alignment == Alignment::none) run.limit = limit_of_run(trial);
     run.sensors_assumed = trial.sensors_assumed;

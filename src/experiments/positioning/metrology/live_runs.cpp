@@ -181,7 +181,7 @@ std::optional<std::string> LiveRuns::missing(SimTime now, const Slot& slot) cons
   return std::nullopt;
 }
 
-void LiveRuns::look_after(SimTime now, Slot& slot, Responses& responses) {
+void LiveRuns::supervise(SimTime now, Slot& slot, Responses& responses) {
   if (!slot.run) {
     if (!to_drive_.empty()) begin(now, slot, responses);
     return;
@@ -217,7 +217,7 @@ LiveRuns::Responses LiveRuns::tick(SimTime now) {
   if (!began_) began_ = now;
   Responses responses;
   for (Slot& slot : slots_) {
-    if (!slot.lost && !given_up_) look_after(now, slot, responses);
+    if (!slot.lost && !given_up_) supervise(now, slot, responses);
   }
   responses.operator_messages = std::exchange(operator_messages_, {});
   return responses;

@@ -98,7 +98,7 @@ class LiveRuns {
   void begin(SimTime now, Slot& slot, Responses& responses);
   void send_requests(SimTime now, Slot& slot, Responses& responses);
   void begin_anew(Slot& slot, const std::string& why);
-  void look_after(SimTime now, Slot& slot, Responses& responses);
+  void supervise(SimTime now, Slot& slot, Responses& responses);
   void complete(Slot& slot);
   void lose(Slot& slot, const std::string& why);
   [[nodiscard]] std::optional<std::string> missing(SimTime now, const Slot& slot) const;

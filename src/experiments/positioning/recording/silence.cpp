@@ -157,15 +157,15 @@ void bridge_silences(Recording& recording, bool speeds) {
   }
   if (bridged + was_stopped == 0) return;
   const std::size_t often = bridged + was_stopped;
-  std::string note = "odometry is silent " + std::to_string(often) + (often == 1 ? " time" : " times") + ", for " +
+  std::string text = "odometry is silent " + std::to_string(often) + (often == 1 ? " time" : " times") + ", for " +
                      std::to_string(std::lround(longest_s)) + " s at most; ";
   if (bridged > 0)
-    note +=
+    text +=
         "the vehicle is taken to have gone on as it elsewhere does in as long, give or take what it differs from that "
         "there";
-  if (bridged > 0 && was_stopped > 0) note += "; ";
-  if (was_stopped > 0) note += "what it says next is too much for one step and is taken for all of that time";
-  recording.diagnostics.push_back(std::move(note));
+  if (bridged > 0 && was_stopped > 0) text += "; ";
+  if (was_stopped > 0) text += "what it says next is too much for one step and is taken for all of that time";
+  recording.diagnostics.push_back(std::move(text));
 }
 
 }  // namespace cosiva::experiments

@@ -32,7 +32,7 @@ std::unique_ptr<World> fleet_of(std::uint32_t aivs, std::uint64_t seed, bool con
 
 /// What the traces say of convoys: "convoy of 2 through X1 and X4, behind CoSiVA/AIV1", and to whom.
 struct ConvoyTrace {
-  std::string who;
+  std::string vehicle;
   std::string text;
 };
 std::vector<ConvoyTrace> convoy_traces(const World& world) {
@@ -147,8 +147,8 @@ TEST(Convoys, of_physical_and_virtual_AIVs_mixed_touch_nobody) {
   const auto reported = convoy_traces(*world);
   ASSERT_FALSE(reported.empty());
   for (const ConvoyTrace& one : reported) {
-    if (one.who.starts_with("CoSiVA.virtual")) continue;
-    EXPECT_THAT(one.text, ::testing::Not(::testing::HasSubstr("CoSiVA.virtual"))) << one.who << " has no eyes for it";
+    if (one.vehicle.starts_with("CoSiVA.virtual")) continue;
+    EXPECT_THAT(one.text, ::testing::Not(::testing::HasSubstr("CoSiVA.virtual"))) << one.vehicle << " has no eyes for it";
   }
   EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
 }

@@ -25,7 +25,7 @@ using std::chrono::milliseconds;
 constexpr SimDuration stream_delay = milliseconds{2};
 
 /// How often it is asked whether the fleet is complete, for a scenario to begin.
-constexpr SimDuration look_period = milliseconds{100};
+constexpr SimDuration check_period = milliseconds{100};
 
 /// In a common cycle: when the boards have been heard, a vehicle after another decides; when they have been heard, the
 /// server does.
@@ -95,7 +95,7 @@ struct World::Impl {
   std::optional<ScenarioPlayer> player;
   std::optional<SimTime> scenario_began;
   bool fleet_whole{false};  ///< since the server came up
-  SimTime next_look{};      ///< at the fleet, or for the next step
+  SimTime next_check{};      ///< at the fleet, or for the next step
   World::OnStep on_step;
 
   explicit Impl(WorldOptions o) : options{std::move(o)}, network{options.seed, options.network} {}
@@ -211,22 +211,22 @@ struct World::Impl {
     std::string configuration = virtual_side::to_json(options.server);
     start(server_id, std::make_unique<virtual_side::ServerCore>(options.server), "server", std::move(configuration));
     fleet_whole = false;
-    next_look = now + look_period;
+    next_check = now + check_period;
   }
 
   [[nodiscard]] SimTime next_event() const {
     SimTime next = ticks.empty() ? SimTime::max() : ticks.top().at;
     if (!streams.empty()) next = std::min(next, streams.front().at);
     if (const auto due_at = network.next_due()) next = std::min(next, *due_at);
-    if (player && !player->done() && actors[server_id].alive) next = std::min(next, next_look);
+    if (player && !player->done() && actors[server_id].alive) next = std::min(next, next_check);
     return next;
   }
 
   void play() {
-    if (!player || player->done() || !actors[server_id].alive || now < next_look) return;
+    if (!player || player->done() || !actors[server_id].alive || now < next_check) return;
     fleet_whole = fleet_whole || fleet_is_complete(server(), options.aivs);
     if (!fleet_whole) {
-      next_look = now + look_period;
+      next_check = now + check_period;
       return;
     }
     if (!scenario_began) player->begin(*(scenario_began = now));
@@ -234,7 +234,7 @@ struct World::Impl {
       if (on_step) on_step(now, due_step);
       feed(server_id, wire::InputKind::command, "scenario", due_step.command);
     }
-    next_look = player->next_due().value_or(SimTime::max());
+    next_check = player->next_due().value_or(SimTime::max());
   }
 
   [[nodiscard]] const virtual_side::ServerCore& server() const {
@@ -346,7 +346,7 @@ void World::command_plant(std::string json) {
 void World::play(const Scenario& scenario) {
   impl_->player.emplace(scenario);
   impl_->scenario_began.reset();
-  impl_->next_look = impl_->now;
+  impl_->next_check = impl_->now;
 }
 std::optional<SimTime> World::scenario_began() const { return impl_->scenario_began; }
 bool World::scenario_done() const { return !impl_->player || impl_->player->done(); }

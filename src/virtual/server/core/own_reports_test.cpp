@@ -188,14 +188,14 @@ TEST_F(DetectionFixture, boards_power_and_ranges_stand_in_the_snapshot_and_are_t
 
 TEST_F(DetectionFixture, it_vanishes_when_anybody_looks_through_its_place) {
   see(aiv, wire::DetectedObstacleReport::Obstacle{1.2, 0.0, 0.05, 0.6});
-  const auto look = [&](std::uint16_t mm) {
+  const auto detect = [&](std::uint16_t mm) {
     wire::BoardsReport report{1, fixture.now, {}, {}, wire::Ranges{0, -84, 14, std::vector<std::uint16_t>(13, mm)}};
     fixture.feed(wire::InputKind::message, "cosiva/v1/boards/CoSiVA/AIV1", wire::to_json(report));
     fixture.now += 500ms;
   };
-  for (int i = 0; i < 3; ++i) look(550);  // from its front, at 0.6, to the near side of the thing
+  for (int i = 0; i < 3; ++i) detect(550);  // from its front, at 0.6, to the near side of the thing
   EXPECT_THAT(obstacles(), SizeIs(1));
-  for (int i = 0; i < 3; ++i) look(wire::no_echo);
+  for (int i = 0; i < 3; ++i) detect(wire::no_echo);
   EXPECT_THAT(obstacles(), IsEmpty());
 }
 

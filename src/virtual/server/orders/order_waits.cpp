@@ -17,7 +17,7 @@ constexpr double stopped_mps = 0.01;
 /// range of 0.3 m), noise included.
 constexpr double detected_ahead_m = aiv::clearance_m + 0.08;
 constexpr double detected_off_path_m = 0.07;
-constexpr double look_every_m = 0.03;
+constexpr double check_every_m = 0.03;
 /// Before it turns on the spot it wants so much air all around.
 constexpr double detected_around_m = 0.06;
 
@@ -120,7 +120,7 @@ VehicleIndex OrderManager::detected_in_path(VehicleIndex vehicle) const {
       continue;
     }
     if (!plan.reported.position) continue;
-    for (double ahead_m = 0.0; ahead_m < detected_ahead_m + look_every_m; ahead_m += look_every_m) {
+    for (double ahead_m = 0.0; ahead_m < detected_ahead_m + check_every_m; ahead_m += check_every_m) {
       const Pose2 X_MV = circuit.pose_at(circuit.advance(*plan.reported.position, ahead_m, traffic_.remaining(vehicle)));
       if (!aiv::near_bodies(shape, X_MV, X_MO, detected_off_path_m)) continue;
       // Beside its flank already, it is not what it looks at.

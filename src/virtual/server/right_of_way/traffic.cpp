@@ -54,10 +54,10 @@ void Traffic::set_position(VehicleIndex vehicle, std::optional<zone::TrackPositi
 void Traffic::follow(VehicleIndex vehicle, zone::TrackPosition position) {
   Vehicle& self = vehicles_[vehicle];
   const bool was_on = std::exchange(self.on_course, virtual_side::follow(self.course, map_->circuit(), position.section));
-  if (was_on != self.on_course) look_again(vehicle);
+  if (was_on != self.on_course) check_again(vehicle);
 }
 
-void Traffic::look_again(VehicleIndex vehicle) {
+void Traffic::check_again(VehicleIndex vehicle) {
   holds_dirty_ = true;
   if (positions_dirty_ || map_ == nullptr) return;
   vehicles_[vehicle].ahead = vehicles_[vehicle].position ? ahead_within(vehicle, -1.0) : Leader{};
@@ -68,17 +68,17 @@ void Traffic::set_course(VehicleIndex vehicle, zone::Course course) {
   self.course = std::move(course);
   self.on_course = !self.course.empty();
   if (self.position) follow(vehicle, *self.position);
-  look_again(vehicle);
+  check_again(vehicle);
 }
 
 void Traffic::extend_course(VehicleIndex vehicle, Sections more) {
   vehicles_[vehicle].course.extend(more);
-  look_again(vehicle);
+  check_again(vehicle);
 }
 
 void Traffic::cut_course(VehicleIndex vehicle, std::size_t keep) {
   vehicles_[vehicle].course.cut(keep);
-  look_again(vehicle);
+  check_again(vehicle);
 }
 
 void Traffic::set_base_passed(VehicleIndex vehicle, bool passed) {
@@ -160,7 +160,7 @@ void Traffic::sort_by_position() {
   std::ranges::sort(by_section_);
 }
 
-void Traffic::look_on(zone::SectionId section, double start_m, double from_s_m, double to_s_m, VehicleIndex self,
+void Traffic::search_on(zone::SectionId section, double start_m, double from_s_m, double to_s_m, VehicleIndex self,
                       Leader& nearest) const {
   for (auto it = std::ranges::lower_bound(by_section_, std::pair{section, VehicleIndex{0}});
        it != by_section_.end() && it->first == section; ++it) {
@@ -183,15 +183,15 @@ Traffic::Leader Traffic::ahead_within(VehicleIndex index, double limit_m) const 
   const Sections remaining = this->remaining(index);
   Leader nearest{no_vehicle, std::max(limit_m, rules_.look_ahead_m)};
   zone::SectionLookAhead path{circuit, self.position->section, remaining};
-  look_on(path.section(), 0.0, self.position->s_m, everywhere, index, nearest);
+  search_on(path.section(), 0.0, self.position->s_m, everywhere, index, nearest);
   double travelled_m = circuit.section(path.section()).length_m() - self.position->s_m;
   for (std::size_t steps = 0; steps < remaining.size() + circuit.size() && travelled_m <= nearest.distance_m; ++steps) {
     const auto branches = circuit.next(path.section());
     if (!path.step()) break;
     // Those on another branch are in the way as long as their bodies have not parted from it.
     for (const zone::SectionId branch : branches)
-      if (branch != path.section()) look_on(branch, travelled_m, 0.0, map_->parted_m(branch), index, nearest);
-    look_on(path.section(), travelled_m, 0.0, everywhere, index, nearest);
+      if (branch != path.section()) search_on(branch, travelled_m, 0.0, map_->parted_m(branch), index, nearest);
+    search_on(path.section(), travelled_m, 0.0, everywhere, index, nearest);
     travelled_m += circuit.section(path.section()).length_m();
   }
   if (nearest.vehicle == no_vehicle) return {};
@@ -362,13 +362,13 @@ bool Traffic::requests(VehicleIndex vehicle, CrossingIndex crossing) const {
 }
 
 std::vector<VehicleIndex> Traffic::waiting(CrossingIndex crossing) const {
-  std::vector<const Request*> asking;
+  std::vector<const Request*> requesting;
   for (const Request& request : queue_)
-    if (std::ranges::find(request.crossings, crossing) != request.crossings.end()) asking.push_back(&request);
-  std::ranges::sort(asking, [this](const Request* a, const Request* b) { return goes_before(*a, *b); });
+    if (std::ranges::find(request.crossings, crossing) != request.crossings.end()) requesting.push_back(&request);
+  std::ranges::sort(requesting, [this](const Request* a, const Request* b) { return goes_before(*a, *b); });
   std::vector<VehicleIndex> vehicles;
-  vehicles.reserve(asking.size());
-  for (const Request* request : asking) vehicles.push_back(request->vehicle);
+  vehicles.reserve(requesting.size());
+  for (const Request* request : requesting) vehicles.push_back(request->vehicle);
   return vehicles;
 }
 

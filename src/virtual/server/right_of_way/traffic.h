@@ -198,11 +198,11 @@ class Traffic {
   [[nodiscard]] bool lets_by(const Request& other, const Request& mine) const;
   [[nodiscard]] bool only_follows(VehicleIndex other, VehicleIndex self, const std::vector<CrossingIndex>& crossings);
   void sort_by_position();
-  void look_on(zone::SectionId section, double start_m, double from_s_m, double to_s_m, VehicleIndex self,
+  void search_on(zone::SectionId section, double start_m, double from_s_m, double to_s_m, VehicleIndex self,
                Leader& nearest) const;
   void update_holds();
   void measure_base(VehicleIndex vehicle);
-  void look_again(VehicleIndex vehicle);
+  void check_again(VehicleIndex vehicle);
 
   TrafficRules rules_;
   const WaypointGraph* map_{};

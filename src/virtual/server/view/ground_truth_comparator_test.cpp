@@ -25,7 +25,7 @@ class GvsFixture : public testing::Test {
                  wire::to_json(wire::GvsConnection{state, fixture.now, "a camera", trouble}), true);
   }
   /// A picture that was taken a tenth of a second ago, by a camera that sees all of the oval.
-  void look(const std::vector<std::pair<std::string, Pose2>>& vehicles) {
+  void detect(const std::vector<std::pair<std::string, Pose2>>& vehicles) {
     wire::GvsDetections detections{++images, fixture.now - 100ms, 0.25, {}, {{-9, -9}, {9, -9}, {9, 9}, {-9, 9}}};
     for (const auto& [name, pose] : vehicles)
       detections.detections.push_back(
@@ -39,7 +39,7 @@ class GvsFixture : public testing::Test {
   void watch(SimDuration duration, const std::vector<std::pair<std::string, Pose2>>& vehicles) {
     for (const SimTime end = fixture.now + duration; fixture.now < end;) {
       fixture.run_for(240ms);
-      look(vehicles);
+      detect(vehicles);
     }
   }
   [[nodiscard]] JsonValue gvs() const { return *fixture.snapshot().find("gvs"); }
@@ -61,7 +61,7 @@ TEST_F(GvsFixture, measures_how_far_a_twin_is_from_where_its_vehicle_is_seen) {
   connect(wire::ConnectionState::online);
   fixture.run_for(500ms);
   const Pose2 twin = aiv.pose();
-  look({{"CoSiVA/AIV1", twin * Pose2{0.03, 0.04, 0.2}}});
+  detect({{"CoSiVA/AIV1", twin * Pose2{0.03, 0.04, 0.2}}});
   ASSERT_THAT(detected(), SizeIs(1));
   EXPECT_NEAR(detected()[0].number("gap_m").value_or(-1.0), 0.05, 1e-4);
   EXPECT_NEAR(detected()[0].number("gap_rad").value_or(-1.0), 0.2, 1e-4);
@@ -188,7 +188,7 @@ TEST_F(GvsFixture, breaks_the_contract_of_a_twin_that_is_elsewhere_than_its_vehi
 }
 
 TEST_F(GvsFixture, what_cannot_be_understood_or_is_old_changes_nothing) {
-  look({{"CoSiVA/AIV1", aiv.pose()}});
+  detect({{"CoSiVA/AIV1", aiv.pose()}});
   const std::string before = fixture.server->snapshot_json();
   publish("{");
   publish(R"({"headerId":1})");
