@@ -98,7 +98,8 @@ int measure(const Options& options) {
     counts[2].send_request(holds(*statistics::deviation_interval(ends), options.sd_s));
     const double low_s = statistics::mean(ends) - factor * std::sqrt(statistics::sample_variance(ends));
     counts[3].send_request(low_s <= fifth_s);
-    counts[4].send_request(holds(*statistics::prediction_interval(ends), random.gaussian(options.mean_s, options.sd_s)));
+    counts[4].send_request(
+        holds(*statistics::prediction_interval(ends), random.gaussian(options.mean_s, options.sd_s)));
     if (const auto fit = statistics::censored_normal(durations)) {
       counts[5].send_request(holds(fit->mean_interval, options.mean_s));
       counts[6].send_request(fit->tolerance_low <= fifth_s);

@@ -17,7 +17,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cosiva/experiments/runs/world/test_unrest.h"
+#include "cosiva/experiments/runs/world/test_disturbance.h"
 #include "cosiva/experiments/runs/world/world.h"
 #include "e2e/soak.h"
 
@@ -71,7 +71,8 @@ void sync_time(experiments::World& world, Outcome& outcome) {
 void evaluate(const experiments::World& world, Outcome& outcome) {
   outcome.digest = world.digest().hex();
   for (const auto& collision : world.plant().collisions())
-    outcome.reported.push_back("collision of " + collision.a + " and " + collision.b + " at " + to_iso8601(collision.at));
+    outcome.reported.push_back("collision of " + collision.a + " and " + collision.b + " at " +
+                               to_iso8601(collision.at));
   outcome.collisions = world.plant().collisions().size();
   if (outcome.collisions > 0) fail_with(outcome, std::to_string(outcome.collisions) + " collisions");
   outcome.deadlocks = experiments::testing::deadlock_metrics(world);

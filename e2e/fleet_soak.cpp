@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "cosiva/base/json_value.h"
-#include "cosiva/experiments/runs/world/test_unrest.h"
+#include "cosiva/experiments/runs/world/test_disturbance.h"
 #include "cosiva/experiments/runs/world/world.h"
 #include "e2e/soak.h"
 

@@ -103,7 +103,7 @@ Result<HttpClient> HttpClient::make(std::string_view url) {
 }
 
 Result<HttpReply> HttpClient::send_request(std::string_view method, std::string_view path, std::string body,
-                                  std::chrono::milliseconds timeout) const {
+                                           std::chrono::milliseconds timeout) const {
   http::request<http::string_body> request;
   request.version(11);
   request.method_string({method.data(), method.size()});

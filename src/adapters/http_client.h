@@ -24,7 +24,7 @@ class HttpClient {
   /// A body is sent as JSON; an empty one is not sent. Fails ("http.connect", "http.response") where nobody listens, or
   /// the answer does not come, whole, within `timeout`. An answer that refuses is an answer.
   [[nodiscard]] Result<HttpReply> send_request(std::string_view method, std::string_view path, std::string body = {},
-                                      std::chrono::milliseconds timeout = std::chrono::seconds{30}) const;
+                                               std::chrono::milliseconds timeout = std::chrono::seconds{30}) const;
 
   [[nodiscard]] std::string url() const { return "http://" + authority_; }
 

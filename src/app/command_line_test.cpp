@@ -13,8 +13,8 @@ namespace cosiva::app {
 namespace {
 
 using adapters::testing::Scratch;
-using fixture::cosiva;
 using fixture::CommandOutput;
+using fixture::cosiva;
 using fixture::zones;
 using ::testing::HasSubstr;
 
@@ -178,8 +178,8 @@ TEST(Replay, of_what_is_no_journal_ends_with_2_and_the_file_s_name) {
 
 TEST(VirtualTime, same_seed_same_digest_other_seed_another) {
   const auto run = [](const std::string& seed) {
-    const CommandOutput output = cosiva({"up", "--virtual-time", "--zone", zones + "lacet4.toml", "--aivs", "2", "--duration",
-                              "10", "--seed", seed, "--loss", "0.02", "--json"});
+    const CommandOutput output = cosiva({"up", "--virtual-time", "--zone", zones + "lacet4.toml", "--aivs", "2",
+                                         "--duration", "10", "--seed", seed, "--loss", "0.02", "--json"});
     EXPECT_EQ(output.status, 0) << output.standard_error << output.data;
     return JsonValue::parse(output.data)->text("digest").value_or("none");
   };
@@ -224,8 +224,8 @@ TEST(VirtualTime, plays_a_scenario_and_says_each_step) {
 
 TEST(VirtualTime, lets_the_command_line_win_over_the_scenario_and_says_so) {
   Scratch scratch;
-  const CommandOutput output = cosiva({"up", "--virtual-time", "--scenario", short_scenario(scratch), "--aivs", "1", "--seed", "5",
-                            "--duration", "1.5", "--json"});
+  const CommandOutput output = cosiva({"up", "--virtual-time", "--scenario", short_scenario(scratch), "--aivs", "1",
+                                       "--seed", "5", "--duration", "1.5", "--json"});
   EXPECT_EQ(output.status, 0) << output.standard_error;
   EXPECT_THAT(output.standard_error, HasSubstr("--aivs 1 wins over the scenario's 2"));
   EXPECT_THAT(output.standard_error, HasSubstr("--duration 1.5 s wins over the scenario's 6.0 s"));

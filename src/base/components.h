@@ -86,7 +86,7 @@ class StrongComponents {
   }
 
   std::vector<Visit> visits_;
-  std::vector<std::uint32_t> open_;                         ///< come to, and not in a component yet
+  std::vector<std::uint32_t> open_;                           ///< come to, and not in a component yet
   std::vector<std::pair<std::uint32_t, std::size_t>> trail_;  ///< the search's own stack: at whom, at which edge
   std::vector<std::uint32_t> component_;
   std::vector<std::uint32_t> members_;  ///< of all components, one after another

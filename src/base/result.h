@@ -9,9 +9,9 @@ namespace cosiva {
 /// What the world did wrong: a bad file, a stale order, a lost link. It is a value, never thrown.
 /// `place` says where (file:line, topic, field), `message` what was found and what was expected.
 struct Error {
-  std::string code;     ///< short and stable, for programs: "zone.gap", "order.outdated"
-  std::string message;  ///< for people, one sentence
-  std::string location;    ///< where it was found; may be empty
+  std::string code;      ///< short and stable, for programs: "zone.gap", "order.outdated"
+  std::string message;   ///< for people, one sentence
+  std::string location;  ///< where it was found; may be empty
 
   friend bool operator==(const Error&, const Error&) = default;
 };

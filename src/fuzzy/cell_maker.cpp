@@ -155,7 +155,8 @@ class CellMaker {
         continue;
       }
       slot_of_[value] = static_cast<std::uint16_t>(next_++);
-      cells_.steps.push_back({whole_.ops()[i], slot_of_[step.a], slot_of_[step.b], slot_of_[value], step.p, step.q, step.r});
+      cells_.steps.push_back(
+          {whole_.ops()[i], slot_of_[step.a], slot_of_[step.b], slot_of_[value], step.p, step.q, step.r});
     }
     cells_.first = {0, static_cast<std::uint32_t>(cells_.steps.size())};
     return true;
@@ -230,8 +231,8 @@ class CellMaker {
     for (const auto& some : firings) {
       each = std::max(each, some.size());
       for (const Cells::Firing& firing : some) {
-        group.is_simple = group.is_simple && firing.b == at_one() && firing.c == at_one() && firing.consequent_slot == zero &&
-                          firing.keeps == 0.0 && firing.ends == 1.0;
+        group.is_simple = group.is_simple && firing.b == at_one() && firing.c == at_one() &&
+                          firing.consequent_slot == zero && firing.keeps == 0.0 && firing.ends == 1.0;
       }
     }
     group.firings_each = static_cast<std::uint32_t>(each);
@@ -376,7 +377,7 @@ class CellMaker {
   Cells cells_;
   std::vector<std::size_t> input_of_;        ///< by value, whose range it is in
   std::vector<std::vector<double>> bounds_;  ///< by input
-  std::vector<std::uint16_t> slot_of_;          ///< by value, its place, of those that every decision works out
+  std::vector<std::uint16_t> slot_of_;       ///< by value, its place, of those that every decision works out
   std::size_t cells_left_{all_cells_max};
   std::size_t next_{};  ///< place behind those
 };

@@ -112,8 +112,9 @@ COSIVA_VECTOR_CLONES void run_cells(const Cells& cells, const double* inputs, do
     const Cells::Firing* firing =
         cells.firings.data() + group.firings_begin + cell * group.outputs * group.firings_each;
     for (const Cells::Output* const end = output + group.outputs; output != end; ++output) {
-      outputs[output->at] = response(*output, group.is_simple ? weigh_singletons(firing, group.firings_each, values.data())
-                                                              : weigh(firing, group.firings_each, values.data()));
+      outputs[output->at] =
+          response(*output, group.is_simple ? weigh_singletons(firing, group.firings_each, values.data())
+                                            : weigh(firing, group.firings_each, values.data()));
       firing += group.firings_each;
     }
   }

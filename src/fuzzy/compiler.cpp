@@ -302,7 +302,7 @@ class Compiler {
   /// Writes the steps in their order, and gives each value its place: one whose last reader is behind it gives its own
   /// to the next.
   std::vector<std::uint16_t> assign_slots(const std::vector<std::size_t>& order, const std::vector<Value>& outputs,
-                                   Program& program) const {
+                                          Program& program) const {
     const std::size_t inputs = steps_.inputs();
     constexpr std::size_t for_ever = values_max + 1;
     std::vector<std::size_t> last_read(inputs + steps_.steps().size(), keep_ == Keep::everything ? for_ever : 0);

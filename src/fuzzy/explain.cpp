@@ -93,8 +93,8 @@ Explanation RuleBase::explain(std::span<const double> inputs) const {
       const Variable& output = engine_.outputs[conclusion.output];
       const Term& term = output.terms[conclusion.term];
       const double consequent = term.shape == Shape::constant
-                              ? term.parameters[0]
-                              : values[looked_at->responses[conclusion.output][conclusion.term]];
+                                    ? term.parameters[0]
+                                    : values[looked_at->responses[conclusion.output][conclusion.term]];
       shown.ratios.push_back({output.name, term.name, consequent, 0.0});
       if (shown.fired) totals[conclusion.output] += degree;
     }

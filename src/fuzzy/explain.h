@@ -23,8 +23,8 @@ struct Explanation {
   struct Ratio {
     std::string output;
     std::string term;
-    double consequent;   ///< the term's number here
-    double ratio;  ///< of this output's answer, 0…1: its weight over those of all rules that fired
+    double consequent;  ///< the term's number here
+    double ratio;       ///< of this output's answer, 0…1: its weight over those of all rules that fired
   };
   struct Rule {
     std::size_t line;

@@ -142,7 +142,8 @@ class RuleParser {
 
   Result<std::size_t> add(Condition condition) {
     if (rule_.conditions.size() >= conditions_max)
-      return fail("rules.size", "a rule has at most 64 conditions and words between them", location_of(origin_, here()));
+      return fail("rules.size", "a rule has at most 64 conditions and words between them",
+                  location_of(origin_, here()));
     rule_.conditions.push_back(std::move(condition));
     return rule_.conditions.size() - 1;
   }

@@ -87,7 +87,9 @@ TEST(PageCalls, pass_commands_on_with_an_id_of_their_own) {
   EXPECT_THAT(page.commands, ElementsAre(R"({"id":"c1","command":"stop","vehicle":"CoSiVA/AIV1"})"));
   EXPECT_EQ(page.server.command_entry("c1").text("vehicle"), "CoSiVA/AIV1");
   page.server.command("slow", "CoSiVA/AIV2");  // somebody else's takes the next
-  EXPECT_EQ(PageFixture::field_of(page.send_request("POST", "/api/v1/commands", R"({"command":"stop","vehicle":"*"})"), "id"), "c3");
+  EXPECT_EQ(
+      PageFixture::field_of(page.send_request("POST", "/api/v1/commands", R"({"command":"stop","vehicle":"*"})"), "id"),
+      "c3");
 }
 
 TEST(PageCalls, give_a_command_to_several_if_all_are_known) {
@@ -108,7 +110,8 @@ TEST(PageCalls, refuse_a_command_to_one_that_is_away_as_not_now) {
   PageFixture page;
   page.server.kill(*page.server.vehicles[0]);
   page.server.run_for(std::chrono::seconds{2});
-  const HttpResponse response = page.send_request("POST", "/api/v1/commands", R"({"command":"stop","vehicle":"CoSiVA/AIV1"})");
+  const HttpResponse response =
+      page.send_request("POST", "/api/v1/commands", R"({"command":"stop","vehicle":"CoSiVA/AIV1"})");
   EXPECT_EQ(response.status, 409U);
   EXPECT_THAT(PageFixture::sentence(response), Not(IsEmpty()));
 }
@@ -131,9 +134,9 @@ TEST(PageCalls, add_move_and_remove_a_person) {
       page.send_request("POST", "/api/v1/virtual-objects", R"({"kind":"person","id":"mine","x":0.4,"y":0.5})");
   EXPECT_EQ(added.status, 201U) << added.body;
   EXPECT_EQ(PageFixture::field_of(added, "id"), "P1");
-  EXPECT_EQ(
-      PageFixture::field_of(page.send_request("POST", "/api/v1/virtual-objects", R"({"kind":"person","x":0.4,"y":0.6})"), "id"),
-      "P2");
+  EXPECT_EQ(PageFixture::field_of(
+                page.send_request("POST", "/api/v1/virtual-objects", R"({"kind":"person","x":0.4,"y":0.6})"), "id"),
+            "P2");
   EXPECT_EQ(page.send_request("PATCH", "/api/v1/virtual-objects/P1", R"({"x":0.5,"y":0.5})").status, 200U);
   EXPECT_EQ(page.send_request("PATCH", "/api/v1/virtual-objects/P1", R"({"x":"left"})").status, 400U);
   EXPECT_EQ(page.send_request("PATCH", "/api/v1/virtual-objects/P9", R"({"x":0.5,"y":0.5})").status, 404U);
@@ -298,7 +301,8 @@ TEST(PageCalls, switch_to_a_ready_zone_by_its_name) {
 TEST(PageCalls, read_no_file_of_this_machine_for_who_asks_for_a_zone) {
   PageFixture page;
   for (const char* name : {"zones/lacet4.toml", "/etc/passwd", "../lacet4", "lacet4.toml", ""})
-    EXPECT_EQ(page.send_request("POST", "/api/v1/zone/switch", R"({"name":")" + std::string(name) + R"("})").status, 400U)
+    EXPECT_EQ(page.send_request("POST", "/api/v1/zone/switch", R"({"name":")" + std::string(name) + R"("})").status,
+              400U)
         << name;
   EXPECT_EQ(page.send_request("POST", "/api/v1/zone/switch", R"({"name":"lacet5"})").status, 404U);
   EXPECT_THAT(page.commands, IsEmpty());
@@ -323,7 +327,8 @@ TEST(PageCalls, switch_to_a_zone_that_is_sent_whole) {
 TEST(PageCalls, keep_the_zone_when_another_cannot_be_used_and_say_why) {
   PageFixture page;
   const auto revision = page.server.server->zone_revision();
-  const HttpResponse response = page.send_request("POST", "/api/v1/zone/switch", switch_body("mine.toml", "name = 3\n"));
+  const HttpResponse response =
+      page.send_request("POST", "/api/v1/zone/switch", switch_body("mine.toml", "name = 3\n"));
   EXPECT_EQ(response.status, 422U);
   EXPECT_THAT(PageFixture::sentence(response), HasSubstr("mine.toml:1"));
   EXPECT_EQ(page.server.server->zone()->name, "lacet4");
@@ -459,8 +464,8 @@ TEST(OpenApi, examples_are_accepted_and_those_to_be_refused_are_refused) {
           JsonWriter json;
           write_json(json, *example.find("value"));
           const bool good = list == std::string("examples");
-          const HttpResponse response =
-              good ? PreparedPage{}.send_request(upper, target, json.text()) : unchanged.send_request(upper, target, json.text());
+          const HttpResponse response = good ? PreparedPage{}.send_request(upper, target, json.text())
+                                             : unchanged.send_request(upper, target, json.text());
           ++tried;
           EXPECT_NE(operation.find("responses")->find(std::to_string(response.status)), nullptr)
               << path << " answers " << response.status << ", which it does not say";

@@ -45,7 +45,8 @@ struct PageFixture {
     return host;
   }
 
-  adapters::HttpResponse send_request(const std::string& method, const std::string& target, const std::string& body = {}) {
+  adapters::HttpResponse send_request(const std::string& method, const std::string& target,
+                                      const std::string& body = {}) {
     if (!calls) calls.emplace(host());
     const std::size_t question = std::min(target.find('?'), target.size());
     const std::string path = target.substr(0, question);

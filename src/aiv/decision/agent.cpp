@@ -102,7 +102,8 @@ Result<void> Agent::join_line(const Pose2& X_MG) {
                 "that is " + std::to_string(far_m) + " m away, further than " + std::to_string(join_within_m) + " m");
   }
   const auto line = zone::snap_to_path(zone_.circuit, X_MG, join_off_m_max);
-  if (!line || std::fabs(wrap_angle(zone_.circuit.pose_at(line->position).heading_rad - X_MG.heading_rad)) > on_line_rad)
+  if (!line ||
+      std::fabs(wrap_angle(zone_.circuit.pose_at(line->position).heading_rad - X_MG.heading_rad)) > on_line_rad)
     return fail("join.no_line", "no way of '" + zone_.name + "' passes there in that direction");
   estimator_.aim(line->position);
   watch_.clear_entry();
@@ -153,7 +154,8 @@ Result<OrderBook::Verdict> Agent::take_order(const wire::Order& order) {
                                     std::to_string(estimator_.off_by_m()) + " m from the vehicle, further than " +
                                     std::to_string(zone::snap_within_m) + " m");
   }
-  OrderBook::StartState reference{estimator_.known() ? estimator_.track_position() : zone::TrackPosition{}, estimator_.known()};
+  OrderBook::StartState reference{estimator_.known() ? estimator_.track_position() : zone::TrackPosition{},
+                                  estimator_.known()};
   // With a base before it, where it stands does not matter.
   const bool needs_position = !one_way_ && !progress_.book().base_left();
   if (needs_position) reference.also = estimator_.same_positions();
@@ -202,7 +204,8 @@ Agent::Plan Agent::plan(double room_m, double base_end_m) const {
   if (instructions_.speed_mps_max)
     target_speed.speed_mps = std::min(target_speed.speed_mps, *instructions_.speed_mps_max);
   if (!estimator_.known()) return {target_speed, {0.0, target_speed.braking_mps2}, std::nullopt};
-  if (estimator_.near_path() && target_speed.speed_mps > zone_.profiles.slow.speed_mps) target_speed = zone_.profiles.slow;
+  if (estimator_.near_path() && target_speed.speed_mps > zone_.profiles.slow.speed_mps)
+    target_speed = zone_.profiles.slow;
   // On its way to the line no order leads it, and its speed is the manoeuvre's.
   Limit limit = joining_
                     ? envelope_.limit_off_line(obstacle_m, target_speed)
@@ -257,7 +260,8 @@ wire::Drive Agent::drive(double speed_mps, const zone::SpeedProfile& kinematics)
            static_cast<std::uint16_t>(milli(kinematics.braking_mps2, 65535.0)), branch, false};
   drive.seek = estimator_.near_path() && (drive.speed_mmps > 0 || estimator_.manoeuvring());
   // PILS sees the floor where the body is, not where it is believed: the nearest line need not be the one meant.
-  if (drive.seek) drive.goal = to_manoeuvre(inverse(estimator_.pose()) * zone_.circuit.pose_at(estimator_.track_position()));
+  if (drive.seek)
+    drive.goal = to_manoeuvre(inverse(estimator_.pose()) * zone_.circuit.pose_at(estimator_.track_position()));
   return drive;
 }
 

@@ -39,8 +39,8 @@ int Stations::index(std::uint32_t station) {
 
 CalibratingFilter::CalibratingFilter(Setting setting) : configured{std::move(setting)} {
   if (configured.start_heading_sigma_rad <= lost_rad) {
-    hypotheses.push_back(
-        {start_state(configured.start.heading_rad, configured.start_heading_sigma_rad), 0.0, configured.start.heading_rad});
+    hypotheses.push_back({start_state(configured.start.heading_rad, configured.start_heading_sigma_rad), 0.0,
+                          configured.start.heading_rad});
     return;
   }
   constexpr double apart_rad = 2.0 * pi / directions;
@@ -101,7 +101,8 @@ Rectified CalibratingFilter::rectify_all(const Input& input) {
   const std::size_t leader = best();
   for (std::size_t i = 0; i < hypotheses.size(); ++i) {
     Hypothesis& hypothesis = hypotheses[i];
-    const model::PredictedReading predicted = model::predicted_reading(configured.sensors, stations, hypothesis.state.mean, input);
+    const model::PredictedReading predicted =
+        model::predicted_reading(configured.sensors, stations, hypothesis.state.mean, input);
     double nis = 0.0;
     const State::Vector before = hypothesis.state.mean;
     for (int k = 0; k < predicted.count; ++k) {
@@ -184,9 +185,10 @@ void CalibratingSmoother::forwards(const State& start, const std::vector<State>&
     } else {
       step.before = now.covariance;
       const auto* reading = std::get_if<Reading>(&inputs_[i]);
-      const model::PredictedReading predicted = reading != nullptr
-                                   ? model::predicted_reading(configured.sensors, stations, before, *reading)
-                                   : model::predicted_reading(configured.sensors, stations, before, std::get<Range>(inputs_[i]));
+      const model::PredictedReading predicted =
+          reading != nullptr
+              ? model::predicted_reading(configured.sensors, stations, before, *reading)
+              : model::predicted_reading(configured.sensors, stations, before, std::get<Range>(inputs_[i]));
       for (int k = 0; k < predicted.count; ++k) {
         Measured measured = predicted.measured[static_cast<std::size_t>(k)];
         // How far off it is, the last round's result tells better than the filter could.

@@ -101,7 +101,8 @@ void carry(State& state, const State::Vector& before) {
   p.col(State::y) += dx * p.col(State::heading);
 }
 
-PredictedReading predicted_reading(const SensorModel& sensors, Stations&, const State::Vector& about, const Reading& reading) {
+PredictedReading predicted_reading(const SensorModel& sensors, Stations&, const State::Vector& about,
+                                   const Reading& reading) {
   const SinCos h = sincos(about(State::heading));
   const double dx = reading.fiducial_M.x_m - about(State::x);
   const double dy = reading.fiducial_M.y_m - about(State::y);
@@ -121,7 +122,8 @@ PredictedReading predicted_reading(const SensorModel& sensors, Stations&, const 
   return predicted;
 }
 
-PredictedReading predicted_reading(const SensorModel& sensors, Stations& stations, const State::Vector& about, const Range& range) {
+PredictedReading predicted_reading(const SensorModel& sensors, Stations& stations, const State::Vector& about,
+                                   const Range& range) {
   const double dx = about(State::x) - range.station_M.x_m;
   const double dy = about(State::y) - range.station_M.y_m;
   const double distance_m = norm(dx, dy);

@@ -31,10 +31,10 @@ struct PredictedReading {
   std::array<Measured, 2> measured;
   int count{0};
 };
-[[nodiscard]] PredictedReading predicted_reading(const SensorModel& sensors, Stations& stations, const CalibratedState::Vector& about,
-                           const Reading& reading);
-[[nodiscard]] PredictedReading predicted_reading(const SensorModel& sensors, Stations& stations, const CalibratedState::Vector& about,
-                           const Range& range);
+[[nodiscard]] PredictedReading predicted_reading(const SensorModel& sensors, Stations& stations,
+                                                 const CalibratedState::Vector& about, const Reading& reading);
+[[nodiscard]] PredictedReading predicted_reading(const SensorModel& sensors, Stations& stations,
+                                                 const CalibratedState::Vector& about, const Range& range);
 
 /// What a squared residual is worth by Student's t: 1.25 where it is nothing, less the further off it is.
 [[nodiscard]] double credit(double squared, double variance);

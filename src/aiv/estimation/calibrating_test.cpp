@@ -35,8 +35,9 @@ struct Rounds {
                     truly.turn_rad + 0.5 * drift_radps + random.gaussian(0.0, std::sqrt(v(1))), 0.5});
     const auto station = static_cast<std::uint32_t>(static_cast<std::size_t>(count++) % stations);
     const Point2 track_position{station % 2 == 0 ? -30.0 : 30.0, station < 2 ? -30.0 : 30.0};
-    filter.rectify(Range{
-        station, track_position, distance(position(ground_truth), track_position) + random.gaussian(0.0, setting.sensors.range_sigma_m)});
+    filter.rectify(
+        Range{station, track_position,
+              distance(position(ground_truth), track_position) + random.gaussian(0.0, setting.sensors.range_sigma_m)});
   }
   [[nodiscard]] double nees(const CalibratingFilter& filter) const {
     const Estimate estimate = filter.estimate();

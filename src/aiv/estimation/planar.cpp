@@ -133,7 +133,8 @@ Estimate on_track(const Track& track, const SensorModel& sensors, double along_m
 // ---- EKF
 // -------------------------------------------------------------------------------------------------------------
 
-Ekf::Ekf(Setting setting) : configured{std::move(setting)}, current_estimate{configured.start}, doubt{start_covariance(configured)} {}
+Ekf::Ekf(Setting setting)
+    : configured{std::move(setting)}, current_estimate{configured.start}, doubt{start_covariance(configured)} {}
 
 void Ekf::predict(const Odometry& odometry) {
   doubt = spread(configured.sensors, current_estimate, odometry, doubt);

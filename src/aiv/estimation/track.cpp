@@ -82,7 +82,9 @@ double Track::curvature_at(double along_m) const {
   return circuit_->section(position.section).curvature_at(position.s_m);
 }
 
-zone::SectionKind Track::kind_at(double along_m) const { return circuit_->section(position_at(along_m).section).kind(); }
+zone::SectionKind Track::kind_at(double along_m) const {
+  return circuit_->section(position_at(along_m).section).kind();
+}
 
 std::optional<double> Track::foot(Point2 p_M, double near_m, double reach_m, double beside_m) const {
   // A foot proper is at right angles to the line. Only where there is none, beyond a corner, does an end serve: else

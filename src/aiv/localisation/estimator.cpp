@@ -61,7 +61,8 @@ std::vector<zone::TrackPosition> PositionEstimator::same_positions() const {
   zone_.circuit.near(position(X_MB), same_position_m, near);
   for (const auto& [track_position, left_m, distance_m] : near) {
     const double across_rad = wrap_angle(zone_.circuit.pose_at(track_position).heading_rad - X_MB.heading_rad);
-    if (track_position.section != motion_.current_section() && std::fabs(across_rad) <= same_position_rad) positions.push_back(track_position);
+    if (track_position.section != motion_.current_section() && std::fabs(across_rad) <= same_position_rad)
+      positions.push_back(track_position);
   }
   return positions;
 }
@@ -234,9 +235,11 @@ std::optional<double> PositionEstimator::distance_back_m(zone::TrackPosition tra
   const zone::TrackPosition here = motion_.track_position(circuit);
   const auto traversed = course_.traversed();
   double back_m = here.s_m;  // to the end of gone[i − 1]
-  for (std::size_t i = traversed.size(); i-- > 0 && back_m <= limit_m; back_m += circuit.section(traversed[i]).length_m()) {
+  for (std::size_t i = traversed.size(); i-- > 0 && back_m <= limit_m;
+       back_m += circuit.section(traversed[i]).length_m()) {
     if (traversed[i] != track_position.section) continue;
-    return circuit.distance_ahead(track_position, here, limit_m, course_.sections().subspan(i + 1, traversed.size() - i));
+    return circuit.distance_ahead(track_position, here, limit_m,
+                                  course_.sections().subspan(i + 1, traversed.size() - i));
   }
   // Where it came from further back than that is known, it was not there.
   if (!traversed.empty() && back_m > limit_m && track_position.section != here.section) return std::nullopt;

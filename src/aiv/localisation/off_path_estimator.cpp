@@ -176,7 +176,8 @@ std::optional<zone::SectionId> PositionEstimator::turned_to(double turned_rad) c
 
 void PositionEstimator::land(const Pose2& X_MB, bool line_lost, Rolled& rolled) {
   const auto line = zone::snap_to_path(zone_.circuit, X_MB, model_.landed_m);
-  const double across_rad = line ? wrap_angle(zone_.circuit.pose_at(line->position).heading_rad - X_MB.heading_rad) : pi;
+  const double across_rad =
+      line ? wrap_angle(zone_.circuit.pose_at(line->position).heading_rad - X_MB.heading_rad) : pi;
   if (line_lost || std::fabs(across_rad) > model_.landed_rad) {
     // Given up on the way: it stands where that left it, be it beside a line that its sensors do not see.
     set_off_path(X_MB);

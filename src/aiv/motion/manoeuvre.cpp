@@ -18,7 +18,7 @@ Onward onward(const zone::Circuit& circuit, zone::SectionId from, std::size_t br
 }
 
 std::optional<zone::TrackPosition> sought(const zone::Circuit& circuit, const Pose2& X_MB,
-                                  const std::optional<wire::Manoeuvre>& goal) {
+                                          const std::optional<wire::Manoeuvre>& goal) {
   const auto entry_point = goal ? zone::snap_to_path(circuit, X_MB * to_pose(*goal), goal_within_m)
                                 : zone::snap_to_path(circuit, X_MB, seek_within_m);
   return entry_point ? std::optional{entry_point->position} : std::nullopt;

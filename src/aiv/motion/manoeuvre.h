@@ -40,7 +40,7 @@ inline constexpr double goal_within_m = 0.10;
 /// Where a body at X_MB that seeks comes onto the line: the nearest place (zone::snap_to_path), or the one that it was
 /// told of (wire::Drive::goal). Nothing: no line is there.
 [[nodiscard]] std::optional<zone::TrackPosition> sought(const zone::Circuit& circuit, const Pose2& X_MB,
-                                                const std::optional<wire::Manoeuvre>& goal);
+                                                        const std::optional<wire::Manoeuvre>& goal);
 /// Told of a goal this near to where it stands, a body only turns to its heading: what is left aside the steering takes
 /// away. Nothing sweeps about where somebody stands along the line already, nor turns past the line and back; the
 /// server (OrderManager::off_path, follow_line) counts on both.

@@ -213,7 +213,8 @@ TEST(Motion, travels_exactly_the_distance_requested) {
     const double requested_m = whole(0, 100'000, 1e-3);
     RC_ASSERT(aiv.move(circuit, requested_m) == requested_m);
     const double loop_length_m = circuit.total_length_m();
-    const double off_m = std::remainder(along(circuit, aiv.track_position(circuit)) - before_m - requested_m, loop_length_m);
+    const double off_m =
+        std::remainder(along(circuit, aiv.track_position(circuit)) - before_m - requested_m, loop_length_m);
     RC_ASSERT(std::fabs(off_m) < lap_m);
   }));
 }

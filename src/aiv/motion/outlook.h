@@ -11,7 +11,8 @@ namespace cosiva::aiv {
 /// Where a vehicle is and which way it will take from there. Refers to the way, which must outlive it.
 struct Outlook {
   // A place alone is an outlook, too: along default successors.
-  Outlook(zone::TrackPosition at, std::span<const zone::SectionId> coming_sections = {})  // NOLINT(google-explicit-constructor)
+  Outlook(zone::TrackPosition at,
+          std::span<const zone::SectionId> coming_sections = {})  // NOLINT(google-explicit-constructor)
       : here{at}, remaining{coming_sections} {}
   Outlook(zone::SectionId section, double s_m) : here{section, s_m} {}
 

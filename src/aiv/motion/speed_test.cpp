@@ -12,11 +12,11 @@ namespace {
 
 constexpr double nothing = std::numeric_limits<double>::infinity();
 const Situation free_path{.speed_mps = 0.3,
-                         .obstacle_ahead_m = nothing,
-                         .end_of_base_m = 1.0,
-                         .crossing_ahead_m = nothing,
-                         .charge = 1.0,
-                         .imposed = std::nullopt};
+                          .obstacle_ahead_m = nothing,
+                          .end_of_base_m = 1.0,
+                          .crossing_ahead_m = nothing,
+                          .charge = 1.0,
+                          .imposed = std::nullopt};
 
 TEST(StoppableSpeed, is_the_inverse_of_the_stopping_distance) {
   EXPECT_TRUE(rc::check([] {

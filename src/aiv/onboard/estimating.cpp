@@ -208,15 +208,16 @@ void Estimating::on_tag(std::uint32_t number, SimTime read_at, const zone::Traff
   // The algorithms stand where the last odometry was counted, which is not when the mark came into the field.
   const double since_s = to_seconds(session_->stepped_at - read_at) + model_.reading_latency_s;
   detected_B.x_m -= session_->speed_mps * since_s;
-  publish_reading({number, {fiducial_M->x_m + 0.0, fiducial_M->y_m + 0.0}, {detected_B.x_m + 0.0, detected_B.y_m + 0.0}});
+  publish_reading(
+      {number, {fiducial_M->x_m + 0.0, fiducial_M->y_m + 0.0}, {detected_B.x_m + 0.0, detected_B.y_m + 0.0}});
 }
 
 void Estimating::publish_reading(const EstimateResponse::Reading& reading) {
   session_->inputs.emplace_back(reading);
   for (Running& one : session_->algorithms) {
     if (!one.algorithm) continue;
-    one.rectified.push_back(
-        wire_sensors(one.algorithm->rectify(estimation::Reading{reading.fiducial, reading.fiducial_M, reading.detected_B})));
+    one.rectified.push_back(wire_sensors(
+        one.algorithm->rectify(estimation::Reading{reading.fiducial, reading.fiducial_M, reading.detected_B})));
   }
 }
 

@@ -23,7 +23,8 @@ class Requested {
  public:
   Requested() : zone_{std::make_shared<zone::TrafficZone>(lacet4())} {}
 
-  void request_estimate(std::uint32_t sequence, std::vector<std::string> algorithms = {}, const std::string& session = "q/1") {
+  void request_estimate(std::uint32_t sequence, std::vector<std::string> algorithms = {},
+                        const std::string& session = "q/1") {
     estimating.request_estimate(now, {session, sequence, std::move(algorithms), 1, 500, 4});
   }
   void step() {

@@ -253,9 +253,9 @@ void OnboardCore::Parts::end_zone_switch(SimTime now, wire::Effects& effects) {
   const auto off_by = std::to_string(position.off_by_m()) + " m";
   log(effects, position.away() ? 'w' : 'i',
       "zone '" + context->zone().name + "' in force after '" + from + "'" +
-          (position.away()     ? ", whose nearest way passes " + off_by + " from here: parked"
+          (position.away()        ? ", whose nearest way passes " + off_by + " from here: parked"
            : position.near_path() ? ", " + off_by + " beside its nearest way"
-                               : ""));
+                                  : ""));
 }
 
 void OnboardCore::Parts::on_tick(SimTime now, wire::Effects& effects) {

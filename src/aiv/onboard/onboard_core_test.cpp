@@ -143,7 +143,8 @@ TEST(Onboard, tells_how_sure_a_gauge_is_that_knows_it) {
   fixture.run(1.55);
   const auto reported = [&](std::uint32_t charge_ppm, std::uint16_t sd) {
     const auto permille = static_cast<std::uint16_t>(charge_ppm / 1000);
-    fixture.send_from_board(wire::Board::RALI, wire::Power{7400, 300, 250, permille, wire::Power::Gauge{charge_ppm, sd}});
+    fixture.send_from_board(wire::Board::RALI,
+                            wire::Power{7400, 300, 250, permille, wire::Power::Gauge{charge_ppm, sd}});
     fixture.run(0.15);  // another whole percent is worth a state
     return fixture.state();
   };

@@ -105,7 +105,8 @@ class OnboardFixture {
     if (alive.contains(wire::Board::DOBS) && every(6)) {
       send_from_board(wire::Board::DOBS, ranges_to(obstacles, world.pose()));
     }
-    if (alive.contains(wire::Board::RALI) && every(50)) send_from_board(wire::Board::RALI, wire::Power{7400, 300, 250, charge});
+    if (alive.contains(wire::Board::RALI) && every(50))
+      send_from_board(wire::Board::RALI, wire::Power{7400, 300, 250, charge});
     if (every(2)) feed(wire::InputKind::tick, "", "");
   }
 

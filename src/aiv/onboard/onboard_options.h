@@ -31,8 +31,8 @@ struct OnboardOptions {
   SimDuration visualization_period{std::chrono::milliseconds{100}};
   SimDuration state_period{std::chrono::seconds{1}};
   SimDuration link_timeout{std::chrono::milliseconds{500}};
-  bool as_values{
-      false};  ///< everybody is in this process: messages are passed on as values (wire/in_process/typed_message.h); not in JSON
+  bool as_values{false};  ///< everybody is in this process: messages are passed on as values
+                          ///< (wire/in_process/typed_message.h); not in JSON
 };
 [[nodiscard]] std::string to_json(const OnboardOptions& options);
 [[nodiscard]] Result<OnboardOptions> onboard_options_from_json(std::string_view json);

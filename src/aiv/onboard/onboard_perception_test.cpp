@@ -42,7 +42,7 @@ struct Driving : OnboardFixture {
 
   void receive_virtual_obstacles(std::vector<wire::Body> bodies) {
     receive(wire::own_topic(wire::virtual_obstacles_topic_prefix, me),
-         to_json(wire::VirtualObstacles{++aheads, now, "lacet4", std::move(bodies)}));
+            to_json(wire::VirtualObstacles{++aheads, now, "lacet4", std::move(bodies)}));
   }
   /// As a server does: ten times a second, for `seconds`.
   void run_with(const std::vector<wire::Body>& bodies, double seconds) {

@@ -119,7 +119,8 @@ bool PositionStore::restore_position(DrivingContext& context) {
   return true;
 }
 
-std::optional<zone::TrackPosition> PositionStore::restored_position(const zone::Circuit& circuit, double distance_m) const {
+std::optional<zone::TrackPosition> PositionStore::restored_position(const zone::Circuit& circuit,
+                                                                    double distance_m) const {
   const auto section = circuit.find(restored_->section);
   if (!section || !std::isfinite(restored_->s_m)) return std::nullopt;
   const zone::TrackPosition track_position{*section, restored_->s_m};

@@ -46,7 +46,8 @@ class PositionStore {
   void restrict(Agent& agent) const;
   /// Places the vehicle at the restored position: false where it cannot be there.
   [[nodiscard]] bool restore_position(DrivingContext& context);
-  [[nodiscard]] std::optional<zone::TrackPosition> restored_position(const zone::Circuit& circuit, double distance_m) const;
+  [[nodiscard]] std::optional<zone::TrackPosition> restored_position(const zone::Circuit& circuit,
+                                                                     double distance_m) const;
   void save(bool due, const DrivingContext& context, wire::Effects& effects);
 
   std::optional<OnboardOptions::Start> start_;

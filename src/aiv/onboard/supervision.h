@@ -23,7 +23,9 @@ class Supervision {
   void forget_board(wire::Board board) { board_message_at_[index(board)].reset(); }
 
   [[nodiscard]] bool broker_lost(SimTime now) const;
-  [[nodiscard]] bool server_lost(SimTime now) const { return server_heartbeat_at_ && now - *server_heartbeat_at_ > timeout_; }
+  [[nodiscard]] bool server_lost(SimTime now) const {
+    return server_heartbeat_at_ && now - *server_heartbeat_at_ > timeout_;
+  }
   [[nodiscard]] bool board_lost(SimTime now, wire::Board board) const;
   [[nodiscard]] bool any_board_lost(SimTime now) const;
 

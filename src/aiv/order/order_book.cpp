@@ -106,8 +106,8 @@ Result<OrderBook::Found> OrderBook::find(const wire::Order& order, const std::ve
   std::optional<Error> why;
   for (const zone::TrackPosition first : firsts) {
     auto route = router_.route(order, first);
-    const auto vehicle_m =
-        route ? distance_from_first_node(order.nodes.front(), *route, now) : Result<double>{tl::unexpected(route.error())};
+    const auto vehicle_m = route ? distance_from_first_node(order.nodes.front(), *route, now)
+                                 : Result<double>{tl::unexpected(route.error())};
     if (!vehicle_m) {
       // A way that begins elsewhere tells more than none.
       if (!why || route) why = vehicle_m.error();
@@ -122,7 +122,8 @@ Result<OrderBook::Found> OrderBook::find(const wire::Order& order, const std::ve
   return std::move(*best);
 }
 
-Result<OrderBook::Found> OrderBook::find_from_any(const wire::Order& order, const std::vector<zone::TrackPosition>& firsts,
+Result<OrderBook::Found> OrderBook::find_from_any(const wire::Order& order,
+                                                  const std::vector<zone::TrackPosition>& firsts,
                                                   const StartState& reference) const {
   auto best = find(order, firsts, reference.position);
   for (const zone::TrackPosition position : reference.also) {
@@ -187,7 +188,7 @@ void OrderBook::append(const wire::Order& order, OrderRoute&& route, double firs
 }
 
 Result<double> OrderBook::distance_from_first_node(const wire::OrderNode& node, const OrderRoute& route,
-                                              zone::TrackPosition now) const {
+                                                   zone::TrackPosition now) const {
   const double deviation_m =
       std::max(first_node_m, node.position ? node.position->allowed_deviation_xy_m.value_or(0.0) : 0.0);
   // Behind the vehicle the whole first edge counts: a vehicle that stands on it has passed the node.

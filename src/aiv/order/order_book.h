@@ -96,7 +96,7 @@ class OrderBook {
   /// An order on this circuit, and where the vehicle is on it.
   struct Found {
     OrderRoute route;
-    double vehicle_m;  ///< beyond the first node; negative: before it
+    double vehicle_m;          ///< beyond the first node; negative: before it
     zone::TrackPosition from;  ///< where the vehicle is
   };
   [[nodiscard]] Result<Verdict> offer_new(const wire::Order& order, const StartState& reference);
@@ -110,10 +110,11 @@ class OrderBook {
   /// From whichever place of its first node, where the base ends, continues the base.
   [[nodiscard]] Result<OrderRoute> find_continuation(const wire::Order& order, std::size_t kept);
   /// The place that was found for an update's first node, and the others that go by its name.
-  [[nodiscard]] std::vector<zone::TrackPosition> positions_like(zone::TrackPosition found, const wire::Order& order) const;
+  [[nodiscard]] std::vector<zone::TrackPosition> positions_like(zone::TrackPosition found,
+                                                                const wire::Order& order) const;
   /// How far the vehicle is beyond the first node; negative: before it. noRouteError where that is too far.
   [[nodiscard]] Result<double> distance_from_first_node(const wire::OrderNode& node, const OrderRoute& route,
-                                                   zone::TrackPosition now) const;
+                                                        zone::TrackPosition now) const;
   void append(const wire::Order& order, OrderRoute&& route, double first_path_m);
   [[nodiscard]] std::size_t released_count() const;
 

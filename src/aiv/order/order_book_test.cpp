@@ -85,7 +85,8 @@ TEST(NewOrder, is_refused_while_another_has_base_or_horizon_left) {
   EXPECT_EQ(book.refusal(order("O-2").through({"loop_se@0"})), "orderUpdateError");
   book.travelled(2.0 * edge_m);
   EXPECT_FALSE(book.base_left());
-  EXPECT_EQ(book.refusal(order("O-2").through({"loop_se@565"}), reference("loop_se", 2.0 * edge_m)), "orderUpdateError");
+  EXPECT_EQ(book.refusal(order("O-2").through({"loop_se@565"}), reference("loop_se", 2.0 * edge_m)),
+            "orderUpdateError");
   EXPECT_EQ(book.order_id(), "O-1");
 }
 

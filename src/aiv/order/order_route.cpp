@@ -33,7 +33,8 @@ struct Reached {
 
 /// Best of the ways to one place from the places of the node before. Equally long ones: that which passed the node
 /// before earlier, because a way over itself (a lap) comes by there twice.
-std::optional<Reached> best_route_to(zone::TrackPosition track_position, const std::vector<Reached>& before, const OrderRouter& router) {
+std::optional<Reached> best_route_to(zone::TrackPosition track_position, const std::vector<Reached>& before,
+                                     const OrderRouter& router) {
   std::optional<Reached> best;
   for (std::size_t i = 0; i < before.size(); ++i) {
     auto found = router.shortest_route(before[i].position, track_position);
@@ -148,7 +149,8 @@ Result<OrderRoute> OrderRouter::route(const wire::Order& order, zone::TrackPosit
   return route;
 }
 
-std::optional<zone::Circuit::Route> OrderRouter::shortest_route(zone::TrackPosition from, zone::TrackPosition to, double limit_m) const {
+std::optional<zone::Circuit::Route> OrderRouter::shortest_route(zone::TrackPosition from, zone::TrackPosition to,
+                                                                double limit_m) const {
   if (!one_way_) return zone_.circuit.shortest_route(from, to, limit_m);
   const auto length_m = zone_.circuit.distance_ahead(from, to, limit_m);
   return length_m ? std::optional{zone::Circuit::Route{*length_m, {}}} : std::nullopt;

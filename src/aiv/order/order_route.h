@@ -13,12 +13,12 @@ namespace cosiva::aiv {
 /// An order's way through the circuit.
 struct OrderRoute {
   struct Leg {
-    zone::TrackPosition position;                 ///< of the node that it leads to
+    zone::TrackPosition position;      ///< of the node that it leads to
     double length_m{};                 ///< from the node before
     std::vector<zone::SectionId> via;  ///< entered on it, the node's own section last; empty within one section
   };
-  zone::TrackPosition first;      ///< of the first node
-  std::vector<Leg> legs;  ///< one for each node after it
+  zone::TrackPosition first;  ///< of the first node
+  std::vector<Leg> legs;      ///< one for each node after it
   [[nodiscard]] double length_m() const;
   [[nodiscard]] std::vector<zone::SectionId> sections() const;  ///< after that of the first node
 };
@@ -37,8 +37,10 @@ class OrderRouter {
   /// The whole order from one of its first node's places. Fails with noRouteError.
   [[nodiscard]] Result<OrderRoute> route(const wire::Order& order, zone::TrackPosition first) const;
   /// The shortest way; its sections are left out on a circuit where there is nothing to choose.
-  [[nodiscard]] std::optional<zone::Circuit::Route> shortest_route(zone::TrackPosition from, zone::TrackPosition to, double limit_m) const;
-  [[nodiscard]] std::optional<zone::Circuit::Route> shortest_route(zone::TrackPosition from, zone::TrackPosition to) const {
+  [[nodiscard]] std::optional<zone::Circuit::Route> shortest_route(zone::TrackPosition from, zone::TrackPosition to,
+                                                                   double limit_m) const;
+  [[nodiscard]] std::optional<zone::Circuit::Route> shortest_route(zone::TrackPosition from,
+                                                                   zone::TrackPosition to) const {
     return shortest_route(from, to, longest_m_);
   }
   /// Nothing to choose anywhere: the sections of routes are left out.

@@ -31,13 +31,13 @@ OrderBook::StartState reference(const zone::TrafficZone& zone, std::string_view 
 }
 /// Of what is before a vehicle that stands there.
 std::vector<std::string> remaining(const OrderBook& book, const zone::TrafficZone& zone, std::string_view section,
-                                double s_m) {
+                                   double s_m) {
   return names(zone, book.course_from(at(zone, section, s_m)).remaining());
 }
 
 TEST(OrderOnAGraph, takes_the_way_that_its_nodes_name) {
   for (const auto& [node, route] : {std::pair{"ro", std::vector<std::string>{"r_up", "r_over", "r_down", "tail"}},
-                                  std::pair{"lo", std::vector<std::string>{"l_up", "l_over", "l_down", "tail"}}}) {
+                                    std::pair{"lo", std::vector<std::string>{"l_up", "l_over", "l_down", "tail"}}}) {
     OrderBook book{diamond()};
     const auto verdict = book.offer(order("O-1").through({"T", "F", node, "M"}), reference(diamond(), "trunk", 0.0));
     ASSERT_TRUE(verdict) << to_string(verdict.error());
@@ -118,7 +118,8 @@ TEST(OrderOnAGraph, goes_on_after_a_jump_along_its_way_and_not_beside_it) {
   EXPECT_FALSE(book.relocate(at(diamond(), "l_over", 0.1)));
   ASSERT_TRUE(book.relocate(at(diamond(), "r_over", 0.1)));
   EXPECT_NEAR(book.travelled_m(), 2.0 + pi / 4.0 + 0.1, 1e-9);
-  EXPECT_THAT(names(diamond(), book.course_from(at(diamond(), "r_over", 0.1)).traversed()), ElementsAre("trunk", "r_up"));
+  EXPECT_THAT(names(diamond(), book.course_from(at(diamond(), "r_over", 0.1)).traversed()),
+              ElementsAre("trunk", "r_up"));
 }
 
 TEST(OrderOnAGraph, that_comes_by_twice_knows_which_time_it_is) {
@@ -154,7 +155,8 @@ TEST(OrderOnAGraph, finds_nodes_of_other_names_by_position_on_the_way_that_leads
 
 TEST(OrderOnAGraph, takes_no_course_on_a_ring_where_there_is_nothing_to_choose) {
   OrderBook book{test::lacet4()};
-  ASSERT_TRUE(book.offer(order("O-1").through({"loop_se@0", "loop_se@283"}), reference(test::lacet4(), "loop_se", 0.0)));
+  ASSERT_TRUE(
+      book.offer(order("O-1").through({"loop_se@0", "loop_se@283"}), reference(test::lacet4(), "loop_se", 0.0)));
   EXPECT_TRUE(book.course_from(at(test::lacet4(), "loop_se", 0.0)).empty());
 }
 

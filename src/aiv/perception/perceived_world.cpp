@@ -5,7 +5,8 @@
 
 namespace cosiva::aiv {
 
-PerceivedWorld::PerceivedWorld(const zone::TrafficZone& zone, Model model) : model_{model}, gap_{zone, model.gap_model} {}
+PerceivedWorld::PerceivedWorld(const zone::TrafficZone& zone, Model model)
+    : model_{model}, gap_{zone, model.gap_model} {}
 
 bool PerceivedWorld::receive(SimTime now, wire::VirtualObstacles ahead) {
   const auto was_there = [this](const wire::Body& body) {

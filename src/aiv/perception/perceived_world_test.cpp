@@ -39,7 +39,9 @@ double gap_to_vehicle_m(zone::TrackPosition here, zone::TrackPosition other) {
   return gap_m(here, vehicle(lacet4().circuit.pose_at(other)));
 }
 /// Beside the vehicle at `here`: x ahead of its middle, y to its left.
-Point2 off_path(zone::TrackPosition here, double x_m, double y_m) { return lacet4().circuit.pose_at(here) * Point2{x_m, y_m}; }
+Point2 off_path(zone::TrackPosition here, double x_m, double y_m) {
+  return lacet4().circuit.pose_at(here) * Point2{x_m, y_m};
+}
 
 TEST(PerceivedWorld, without_bodies_is_free) {
   Skin skin;

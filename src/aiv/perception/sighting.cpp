@@ -20,7 +20,7 @@ bool same_body(std::uint16_t a_mm, std::uint16_t b_mm) {
 }  // namespace
 
 wire::DetectedObstacleReport::Obstacle body_in_beams(const Corridor::Scan& scan, const wire::Ranges& ranges,
-                                                          const Pose2& X_MS) {
+                                                     const Pose2& X_MS) {
   const auto& range_mm = ranges.range_mm;
   std::size_t first = scan.beam;
   std::size_t last = scan.beam;

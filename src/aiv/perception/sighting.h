@@ -15,7 +15,7 @@ namespace cosiva::aiv {
 /// its nearest point, in the middle of the beams that it fills.
 /// @param X_MS  of the sensor, in the middle of the vehicle's front
 [[nodiscard]] wire::DetectedObstacleReport::Obstacle body_in_beams(const Corridor::Scan& scan,
-                                                                        const wire::Ranges& ranges, const Pose2& X_MS);
+                                                                   const wire::Ranges& ranges, const Pose2& X_MS);
 
 /// Makes of DOBS' frames what the vehicle tells of things in its way (wire::DetectedObstacleReport): a new thing at
 /// once, then ten times a second, and three times that there is none any more. One echo that does not come back ends
@@ -23,7 +23,7 @@ namespace cosiva::aiv {
 class Sighting {
  public:
   static constexpr double reported_m_max = 1.0;  ///< things further ahead are not told
-  static constexpr int misses_max = 3;       ///< frames in a row without it: it is gone
+  static constexpr int misses_max = 3;           ///< frames in a row without it: it is gone
   static constexpr int farewells = 3;
   static constexpr SimDuration period = std::chrono::milliseconds{100};
 
@@ -35,7 +35,9 @@ class Sighting {
   void fold(Digest& digest) const;
 
  private:
-  [[nodiscard]] bool due(SimTime now) const { return !reported_at_ || now - *reported_at_ >= period || now < *reported_at_; }
+  [[nodiscard]] bool due(SimTime now) const {
+    return !reported_at_ || now - *reported_at_ >= period || now < *reported_at_;
+  }
 
   bool there_{false};
   int misses_{0};

@@ -45,8 +45,7 @@ TEST(BodyInBeams, lies_behind_its_nearest_point_as_far_as_it_is_big) {
         // Half a beam is what such a fan can tell sideways.
         EXPECT_LT(distance({obstacle.x_m, obstacle.y_m}, p), 0.075 * away_m + 0.04)
             << away_m << " " << bearing << " " << radius_m;
-        EXPECT_NEAR(obstacle.radius_m, radius_m, 0.07 * away_m + 0.03)
-            << away_m << " " << bearing << " " << radius_m;
+        EXPECT_NEAR(obstacle.radius_m, radius_m, 0.07 * away_m + 0.03) << away_m << " " << bearing << " " << radius_m;
       }
     }
   }

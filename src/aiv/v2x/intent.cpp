@@ -89,7 +89,8 @@ double earliest_s(double distance_m, double speed_mps, const zone::SpeedProfile&
 
 bool is_news(const wire::Intent& published, const Agent& agent, const zone::TrafficZone& zone,
              const CrossingFinder& crossing_spans) {
-  if (published.braking != agent.braking() || published.map_id != zone.name || published.position.has_value() != has_position(agent, zone))
+  if (published.braking != agent.braking() || published.map_id != zone.name ||
+      published.position.has_value() != has_position(agent, zone))
     return true;
   if (!agent.position().known() || agent.position().off_path()) return !published.crossings.empty();
   std::size_t same = 0;

@@ -72,7 +72,8 @@ TEST(EarliestArrival, is_later_further_away_and_earlier_at_speed) {
     const double distance_m = number(3.0);
     const double speed_mps = number(0.5);
     RC_ASSERT(earliest_s(distance_m + number(1.0), speed_mps, medium) >= earliest_s(distance_m, speed_mps, medium));
-    RC_ASSERT(earliest_s(distance_m, speed_mps + number(0.2), medium) <= earliest_s(distance_m, speed_mps, medium) + 1e-12);
+    RC_ASSERT(earliest_s(distance_m, speed_mps + number(0.2), medium) <=
+              earliest_s(distance_m, speed_mps, medium) + 1e-12);
   }));
 }
 

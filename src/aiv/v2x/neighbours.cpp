@@ -55,7 +55,7 @@ bool Neighbours::leaps(const KnownIntent& before, SimTime now, const wire::Inten
 }
 
 Neighbours::Verdict Neighbours::receive(SimTime now, const wire::V2xTopic& topic,
-                                     std::shared_ptr<const wire::Intent> received, Point2 own) {
+                                        std::shared_ptr<const wire::Intent> received, Point2 own) {
   const wire::Intent& intent = *received;
   if (intent.vehicle == self_ || topic.vehicle == self_) return Verdict::own;
   if (intent.map_id != zone_.name) return Verdict::other_map;

@@ -37,7 +37,8 @@ struct Ear {
   }
 
   /// Of another one at a place.
-  [[nodiscard]] wire::Intent one_at(zone::TrackPosition track_position, double speed_mps, const std::string& serial = "AIV2") {
+  [[nodiscard]] wire::Intent one_at(zone::TrackPosition track_position, double speed_mps,
+                                    const std::string& serial = "AIV2") {
     wire::Intent intent;
     intent.header_id = ++header;
     intent.map_id = "lacet4";
@@ -64,7 +65,7 @@ struct Ear {
   Verdict receive(wire::Intent intent) {
     const wire::V2xTopic topic{"lacet4", wire::cell_of(position(intent.pose)), intent.vehicle};
     return neighbours.receive(now, topic, std::make_shared<const wire::Intent>(std::move(intent)),
-                           position(agent.position().pose()));
+                              position(agent.position().pose()));
   }
   Others around() { return neighbours.around(now, agent); }
 };
@@ -122,10 +123,11 @@ TEST(Neighbours, believe_no_absurdities) {
   EXPECT_EQ(ear.receive(ear.one_at(there, 20.0)), Verdict::implausible) << "forty times the fast profile";
   EXPECT_EQ(ear.receive(ear.one_at(there, std::nan(""))), Verdict::implausible);
   const auto elsewhere = std::make_shared<const wire::Intent>(ear.one_at(there, 0.2));
-  EXPECT_EQ(ear.neighbours.receive(ear.now, {"lacet4", {2, 2}, elsewhere->vehicle}, elsewhere, {}), Verdict::implausible)
+  EXPECT_EQ(ear.neighbours.receive(ear.now, {"lacet4", {2, 2}, elsewhere->vehicle}, elsewhere, {}),
+            Verdict::implausible)
       << "it speaks in a cell where it is not";
   EXPECT_EQ(ear.neighbours.receive(ear.now, {"lacet4", wire::cell_of(position(elsewhere->pose)), {"CoSiVA", "AIV9"}},
-                                elsewhere, {}),
+                                   elsewhere, {}),
             Verdict::implausible)
       << "under another's name";
   EXPECT_TRUE(ear.neighbours.empty());
@@ -309,9 +311,9 @@ TEST(Heeding, never_goes_faster_than_the_envelope_whatever_is_said) {
       agent->perceive(gap_m);
     }
     reported.heed({.leader_gap_m = random.uniform(0.0, 1.0),
-               .leader_mps = random.uniform(-2.0, 2.0),
-               .crossing_margin_s = random.uniform(-20.0, 20.0),
-               .crossing_priority = random.uniform(-1.0, 1.0)});
+                   .leader_mps = random.uniform(-2.0, 2.0),
+                   .crossing_margin_s = random.uniform(-20.0, 20.0),
+                   .crossing_priority = random.uniform(-1.0, 1.0)});
     RC_ASSERT(reported.decide().speed_mmps <= alone.decide().speed_mmps);
   }));
 }

@@ -14,8 +14,8 @@ namespace cosiva::app {
 namespace {
 
 using adapters::testing::Scratch;
-using fixture::cosiva;
 using fixture::CommandOutput;
+using fixture::cosiva;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
@@ -134,7 +134,8 @@ TEST(AgentSurface, says_which_inputs_and_outputs_there_are) {
 
 TEST(Rules, of_virtual_time_are_those_that_were_asked_for) {
   const auto run = [](const char* rules) {
-    const CommandOutput output = cosiva({"up", "--virtual-time", "--duration", "20", "--aivs", "4", "--json", "--rules", rules});
+    const CommandOutput output =
+        cosiva({"up", "--virtual-time", "--duration", "20", "--aivs", "4", "--json", "--rules", rules});
     EXPECT_EQ(output.status, 0) << output.standard_error;
     return output.data;
   };

@@ -94,7 +94,8 @@ class Image {
     for (const aiv::AgentInput input : surface_.requested) {
       if (input == surface_.x.input || input == surface_.y.input) continue;
       const double value = surface_.others[static_cast<std::size_t>(input)];
-      fixed += (fixed.empty() ? "with " : ", ") + std::string(aiv::metadata_of(input).name) + " " + formatted(input, value);
+      fixed +=
+          (fixed.empty() ? "with " : ", ") + std::string(aiv::metadata_of(input).name) + " " + formatted(input, value);
     }
     text(plot_left, 66.0, 13.0, fill(pale_ink), fixed);
   }

@@ -17,8 +17,8 @@ namespace cosiva::app {
 namespace {
 
 using adapters::testing::Scratch;
-using fixture::cosiva;
 using fixture::CommandOutput;
+using fixture::cosiva;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
@@ -145,8 +145,8 @@ TEST(BatteryFleet, ends_itself_after_the_run_that_made_its_mean_as_sure_as_was_w
 }
 
 TEST(BatteryFit, tells_residuals_and_foretells_what_it_was_not_fitted_to) {
-  const CommandOutput output = cosiva({"battery", "fit", data("leaf_hppc_25C.csv"), "--predict", data("leaf_1C_first.csv"),
-                            "--predict", data("leaf_2C_first.csv"), "--json"});
+  const CommandOutput output = cosiva({"battery", "fit", data("leaf_hppc_25C.csv"), "--predict",
+                                       data("leaf_1C_first.csv"), "--predict", data("leaf_2C_first.csv"), "--json"});
   ASSERT_EQ(output.status, 0) << output.standard_error;
   const auto json = JsonValue::parse(output.data);
   ASSERT_TRUE(json);
@@ -321,7 +321,8 @@ TEST(BatteryCheck, says_what_is_wrong_and_where) {
 }
 
 TEST(BatteryPlan, says_how_many_it_takes_and_who_swaps_with_whom) {
-  const CommandOutput output = cosiva({"battery", "plan", "--cv", "1.4", "--half-width", "1", "--aivs", "4", "--difference", "2"});
+  const CommandOutput output =
+      cosiva({"battery", "plan", "--cv", "1.4", "--half-width", "1", "--aivs", "4", "--difference", "2"});
   EXPECT_EQ(output.status, 0);
   EXPECT_THAT(output.data, StartsWith("11 batteries for the mean to ± 1.00 %"));
   EXPECT_THAT(output.data, HasSubstr("run 4:"));

@@ -53,7 +53,8 @@ int run_battery_compare(const BatteryFilesArguments& arguments) {
   if (!second) return report_error(second.error());
   const auto found = statistics::compare(*first, *second);
   if (!found)
-    return report_error({"battery.compare", "needs two batteries of each that were seen to the end, and that differ", {}});
+    return report_error(
+        {"battery.compare", "needs two batteries of each that were seen to the end, and that differ", {}});
   if (arguments.json) {
     JsonWriter json;
     json.begin_object()

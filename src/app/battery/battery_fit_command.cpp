@@ -153,9 +153,9 @@ int run_battery_fit(const BatteryFitArguments& arguments) {
   for (const Log& log : input->foretold) {
     auto own = battery::predict(fit->type, {log});
     if (own.empty())
-      return report_error({"fit.full",
-                       "no discharge begins full, at " + decimals(fit->type.voltage_full_v, 2) + " V or a little below",
-                       log.name});
+      return report_error(
+          {"fit.full", "no discharge begins full, at " + decimals(fit->type.voltage_full_v, 2) + " V or a little below",
+           log.name});
     std::ranges::move(own, std::back_inserter(foretold));
   }
   record_foretold(*input, foretold, *fit);

@@ -138,7 +138,8 @@ class LiveTest {
       if (std::exchange(waiting_, false)) print_info("the server answers again");
       if (taken->status >= 500) return;
       if (taken->status >= 400)
-        print_info("the server refused " + commands_.front() + ": " + to_string(refusal_in(taken->body, taken->status)));
+        print_info("the server refused " + commands_.front() + ": " +
+                   to_string(refusal_in(taken->body, taken->status)));
       commands_.pop_front();
     }
   }

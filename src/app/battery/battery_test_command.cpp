@@ -172,7 +172,8 @@ Result<Outcome> run_whole(const BatteryTestArguments& arguments, experiments::Wo
 /// Batteries under the load that the whole platform was measured to take.
 Result<Outcome> run_measured(const BatteryTestArguments& arguments, experiments::WorldOptions world,
                              const VirtualRigOptions& options) {
-  print_info("the whole platform drives for " + decimals(arguments.measure_s, 0) + " s, to measure what the vehicles take");
+  print_info("the whole platform drives for " + decimals(arguments.measure_s, 0) +
+             " s, to measure what the vehicles take");
   auto loads =
       experiments::measure_loads(std::move(world), std::chrono::seconds{10}, from_seconds(arguments.measure_s));
   if (!loads) return tl::unexpected(loads.error());
@@ -275,7 +276,8 @@ int run_test(const BatteryTestArguments& arguments, const std::string& command, 
             " that were made";
   // Under a floor by count alone every battery of a type comes out alike: worth a word.
   if (options->battery.gauge != battery::GaugeMethod::kalman && options->procedure.floor > 0.0)
-    print_info("note: a gauge that only counts takes every battery's capacity for the type's; --gauge kalman or --floor 0 "
+    print_info(
+        "note: a gauge that only counts takes every battery's capacity for the type's; --gauge kalman or --floor 0 "
         "tells them apart");
   print(arguments.json ? json : text);
   return exit_done;

@@ -32,7 +32,7 @@ class Progress {
     if (!ticker_.ticks()) return;
     const double rate = done_s / real_s();
     print_info(what_ + " " + decimals(done_s, 0) + " s of " + decimals(all_s, 0) + " s, " + decimals(rate, 0) +
-        " times real time, " + decimals(std::max(all_s - done_s, 0.0) / rate, 0) + " s left");
+               " times real time, " + decimals(std::max(all_s - done_s, 0.0) / rate, 0) + " s left");
   }
   [[nodiscard]] double real_s() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();

@@ -175,8 +175,8 @@ int run_gvs_render(const GvsRenderArguments& a) {
   const auto starts = virtual_side::Fleet::spread(*zone, a.aivs);
   if (starts.size() < a.aivs) {
     return report_error({"gvs.room",
-                     "has room for " + std::to_string(starts.size()) + " AIVs, not for " + std::to_string(a.aivs),
-                     a.zone});
+                         "has room for " + std::to_string(starts.size()) + " AIVs, not for " + std::to_string(a.aivs),
+                         a.zone});
   }
   virtual_side::FleetOptions options;
   options.step = from_seconds(1.0 / a.rate_hz);

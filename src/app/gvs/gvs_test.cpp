@@ -20,8 +20,8 @@ namespace cosiva::app {
 namespace {
 
 using adapters::testing::Scratch;
-using fixture::cosiva;
 using fixture::CommandOutput;
+using fixture::cosiva;
 using ::testing::HasSubstr;
 
 const std::string data = source_dir() + "/src/physical/vision/testdata/";
@@ -35,8 +35,9 @@ JsonValue json_of(const CommandOutput& output) {
 /// A small control area, drawn once for all tests: four AIVs start and drive for two seconds, stamps 30 ms late.
 struct Bay {
   Bay() {
-    const CommandOutput output = cosiva({"gvs", "render", "--aivs", "4", "--seconds", "2", "--rate", "20", "--size", "1200",
-                              "--tag-side", "0.1", "--warm-up", "0", "--late", "30", "--out", folder.path(), "--json"});
+    const CommandOutput output =
+        cosiva({"gvs", "render", "--aivs", "4", "--seconds", "2", "--rate", "20", "--size", "1200", "--tag-side", "0.1",
+                "--warm-up", "0", "--late", "30", "--out", folder.path(), "--json"});
     EXPECT_EQ(output.status, 0) << output.standard_error;
     scene = json_of(output);
   }
@@ -61,9 +62,10 @@ const Bay& bay() {
 TEST(Gvs, rendered_calibrated_and_tracked_says_how_late_the_stamps_are_and_shifts_nothing) {
   const Scratch out;
   ASSERT_EQ(cosiva(bay().calibrate(out.path() + "/cal")).status, 0);
-  const CommandOutput output = cosiva({"gvs", "track", "--calibration", out.path() + "/cal/calibration.json", "--images",
-                            bay().file("pictures"), "--exposure", "4", "--tag-side", "0.1", "--against",
-                            bay().file("ground_truth"), "--out", out.path() + "/seen", "--json"});
+  const CommandOutput output =
+      cosiva({"gvs", "track", "--calibration", out.path() + "/cal/calibration.json", "--images", bay().file("pictures"),
+              "--exposure", "4", "--tag-side", "0.1", "--against", bay().file("ground_truth"), "--out",
+              out.path() + "/seen", "--json"});
   ASSERT_EQ(output.status, 0) << output.standard_error;
   const JsonValue json = json_of(output);
   EXPECT_EQ(json.number("fixes"), 160.0);  // four in each of forty
@@ -80,7 +82,7 @@ TEST(Gvs, rendered_calibrated_and_tracked_says_how_late_the_stamps_are_and_shift
   const std::string other = out.path() + "/other.tum";
   ASSERT_TRUE(adapters::write_file(other, adapters::read_file(out.path() + "/seen/tag_1.tum").value()));
   const CommandOutput compared = cosiva({"compare", "--reference", bay().file("truth/tag_1.tum"), "--estimate",
-                                out.path() + "/seen/tag_1.tum", "--estimate", other});
+                                         out.path() + "/seen/tag_1.tum", "--estimate", other});
   EXPECT_EQ(compared.status, 0) << compared.standard_error;
   for (const char* file : {"poses.csv", "timing.csv", "result.json", "tag_4.tum"})
     EXPECT_TRUE(std::filesystem::exists(out.path() + "/seen/" + file)) << file;
@@ -98,9 +100,9 @@ TEST(Gvs, calibrates_from_tags_that_lie_on_the_floor_as_well) {
 
 TEST(Gvs, calibrates_a_real_camera_with_its_surveyed_poses) {
   const Scratch out;
-  const CommandOutput output = cosiva({"gvs", "calibrate", "--points", data + "cpm-ips/calibration_points.csv", "--poses",
-                            data + "cpm-ips/pose_calibration.txt", "--pose-xs", "0.6,3.9", "--pose-ys", "0.6,3.4",
-                            "--model", "polynomial", "--out", out.path(), "--json"});
+  const CommandOutput output = cosiva({"gvs", "calibrate", "--points", data + "cpm-ips/calibration_points.csv",
+                                       "--poses", data + "cpm-ips/pose_calibration.txt", "--pose-xs", "0.6,3.9",
+                                       "--pose-ys", "0.6,3.4", "--model", "polynomial", "--out", out.path(), "--json"});
   ASSERT_EQ(output.status, 0) << output.standard_error;
   const JsonValue json = json_of(output);
   EXPECT_LE(json.find("poses")->number("rms_mm").value_or(9.0), 1.0);
@@ -138,8 +140,8 @@ TEST(Gvs, calibration_gives_the_budget_of_its_own_error_and_says_what_nobody_has
   // 2 mm of height, 3.2 m below the camera, a metre or two out.
   EXPECT_GT(*part(*reported, "tag height").uncertainty_m, 0.002 * 0.8 / 3.2);
   EXPECT_LT(*part(*reported, "tag height").uncertainty_m, 0.002 * 2.5 / 3.2);
-  EXPECT_EQ(reported->untold(), 2U);   // noise of tags, the clock
-  EXPECT_EQ(alone->untold(), 4U);  // height and mounting, too
+  EXPECT_EQ(reported->untold(), 2U);  // noise of tags, the clock
+  EXPECT_EQ(alone->untold(), 4U);     // height and mounting, too
   EXPECT_FALSE(part(*alone, "tag height").uncertainty_m);
   EXPECT_NE(part(*alone, "tag height").source.find("1 mm of it would be"), std::string::npos);
 }
@@ -182,7 +184,8 @@ std::vector<std::pair<int, vision::PixelPoint>> listed(const std::string& text) 
 /// is found at no size, blur, sharpening or contrast that was tried: the day it is, this test says so.
 TEST(Photographs, show_the_tags_that_are_listed_but_one) {
   const auto is_not_found = [](const std::string& name, vision::PixelPoint position) {
-    return name == "34085369442_304b6bafd9_c" && std::abs(position.u - 702.25) < 0.1 && std::abs(position.v - 114.80) < 0.1;
+    return name == "34085369442_304b6bafd9_c" && std::abs(position.u - 702.25) < 0.1 &&
+           std::abs(position.v - 114.80) < 0.1;
   };
   std::size_t missed = 0;
   for (const std::string name : {"33369213973_9d9bb4cc96_c", "34085369442_304b6bafd9_c", "34139872896_defdb2f8d9_c"}) {
@@ -196,10 +199,12 @@ TEST(Photographs, show_the_tags_that_are_listed_but_one) {
       bool there = false;
       for (const vision::DetectedTag& tag : found) {
         const vision::PixelPoint centre = tag.centre();
-        there = there || (tag.id == id && std::abs(centre.u - position.u) < 1.5 && std::abs(centre.v - position.v) < 1.5);
+        there =
+            there || (tag.id == id && std::abs(centre.u - position.u) < 1.5 && std::abs(centre.v - position.v) < 1.5);
       }
       if (!there) ++missed;
-      EXPECT_TRUE(there || is_not_found(name, position)) << name << ": tag " << id << " at " << position.u << ", " << position.v;
+      EXPECT_TRUE(there || is_not_found(name, position))
+          << name << ": tag " << id << " at " << position.u << ", " << position.v;
     }
   }
   EXPECT_EQ(missed, 1U);

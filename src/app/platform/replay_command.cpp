@@ -70,7 +70,8 @@ int run_replay(const ReplayArguments& arguments) {
   }
   if (replayed->truncated) print_info("cosiva: " + arguments.file + ": truncated: its last record is cut short");
   if (!replayed->recorded_digest) {
-    print_info("cosiva: " + arguments.file + ": the recorded run did not end cleanly, so there is no digest to compare with");
+    print_info("cosiva: " + arguments.file +
+               ": the recorded run did not end cleanly, so there is no digest to compare with");
   } else if (differ) {
     print_info("cosiva: " + arguments.file + ": the run ended with another digest, " + *replayed->recorded_digest);
   } else {

@@ -121,7 +121,8 @@ class FleetWatch {
 int run_server(const ServerArguments& arguments) {
   virtual_side::ServerOptions options;
   if (!arguments.area.empty() && !wire::valid_area_name(arguments.area))
-    return report_error({"server.area", "the name of a control area has A-Z a-z 0-9 _ . : - only, 32 at most", "--area"});
+    return report_error(
+        {"server.area", "the name of a control area has A-Z a-z 0-9 _ . : - only, 32 at most", "--area"});
   options.area = arguments.area;
   options.drive = !arguments.no_drive;
   options.v2x = arguments.v2x;
@@ -155,7 +156,8 @@ int run_server(const ServerArguments& arguments) {
 
   EventLoop loop;
   virtual_side::ServerCore core{options};
-  auto client_options = mqtt_options(arguments.part.broker, "cosiva-gvs" + (arguments.area.empty() ? "" : "-" + arguments.area));
+  auto client_options =
+      mqtt_options(arguments.part.broker, "cosiva-gvs" + (arguments.area.empty() ? "" : "-" + arguments.area));
   if (!client_options) return report_error(client_options.error());
   LiveShell shell{loop, core, std::move(*live)};
   GvsView gvs{loop, std::move(*client_options)};
@@ -175,7 +177,8 @@ int run_server(const ServerArguments& arguments) {
   const std::uint16_t port = (*page)->port();
   if (arguments.port != 0 && port != arguments.port)
     print_info("port " + std::to_string(arguments.port) + " is busy; taking " + std::to_string(port));
-  print_info((arguments.headless ? "API at http://127.0.0.1:" : "page at http://127.0.0.1:") + std::to_string(port) + "/");
+  print_info((arguments.headless ? "API at http://127.0.0.1:" : "page at http://127.0.0.1:") + std::to_string(port) +
+             "/");
   announce(arguments.part, R"({"event":"page","port":)" + std::to_string(port) + "}");
 
   std::unique_ptr<ZoneWatch> zone_watch;

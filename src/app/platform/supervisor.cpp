@@ -74,8 +74,8 @@ void Supervisor::died(Running& running, const ChildExit& exit) {
   if (running.runs.size() > runs_evaluated) running.runs.pop_front();
   if (running.runs.size() == runs_evaluated &&
       std::accumulate(running.runs.begin(), running.runs.end(), Steady::duration{}) < starts_min) {
-    print_info(name + " has ended: " + to_string(exit) + ", for the " + std::to_string(runs_evaluated) + "th time within " +
-        std::to_string(starts_min.count()) + " s of running");
+    print_info(name + " has ended: " + to_string(exit) + ", for the " + std::to_string(runs_evaluated) +
+               "th time within " + std::to_string(starts_min.count()) + " s of running");
     if (on_hopeless_) on_hopeless_(name);
     return;
   }
@@ -84,7 +84,8 @@ void Supervisor::died(Running& running, const ChildExit& exit) {
       std::find_if(runs.rbegin(), runs.rend(), [](Steady::duration one) { return one >= early; }) - runs.rbegin();
   milliseconds delay = running.member.respawn_delay;
   if (early_deaths > 0) delay = std::max(delay, backoff_first * (1 << early_deaths));
-  print_info(name + " has ended: " + to_string(exit) + "; starting it again" +
+  print_info(
+      name + " has ended: " + to_string(exit) + "; starting it again" +
       (delay >= std::chrono::seconds{1} ? " in " + decimals(static_cast<double>(delay.count()) / 1e3, 0) + " s" : ""));
   running.respawn.after(delay, [this, &running] { start_again(running); });
 }

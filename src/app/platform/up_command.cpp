@@ -261,26 +261,28 @@ class Up {
 
   void banner() const {
     if (arguments_.port != 0 && *http_port_ != arguments_.port)
-      print_info("port " + std::to_string(arguments_.port) + " is busy, so " + std::to_string(*http_port_) + " is taken");
+      print_info("port " + std::to_string(arguments_.port) + " is busy, so " + std::to_string(*http_port_) +
+                 " is taken");
     print_info("CoSiVA: " + std::to_string(arguments_.aivs) + " AIVs on " + plan_.rtm.zone().name +
-        (plan_.scenario ? ", scenario " + plan_.scenario->name : std::string{}));
-    print_info((arguments_.headless ? "  figures " : "  page    ") + url() + (arguments_.headless ? "api/v1/snapshot" : ""));
+               (plan_.scenario ? ", scenario " + plan_.scenario->name : std::string{}));
+    print_info((arguments_.headless ? "  figures " : "  page    ") + url() +
+               (arguments_.headless ? "api/v1/snapshot" : ""));
     if (arguments_.gvs)
       print_info(std::string("  camera  ") +
-          (arguments_.gvs_source.emulated() ? "the emulated world's" : "a real one's pictures") +
-          ", on the page under GVS");
+                 (arguments_.gvs_source.emulated() ? "the emulated world's" : "a real one's pictures") +
+                 ", on the page under GVS");
     print_info("  broker  " + broker_arguments_.address + (broker_ ? "  (ours; VDA 5050 under uagv/v2)" : ""));
     print_info("  logs    " + log_directory_);
     print_info(arguments_.duration_s
-            ? "  ends by itself after " + decimals(*arguments_.duration_s, 0) + " s; Ctrl-C ends it now"
-            : std::string("  Ctrl-C ends everything"));
+                   ? "  ends by itself after " + decimals(*arguments_.duration_s, 0) + " s; Ctrl-C ends it now"
+                   : std::string("  Ctrl-C ends everything"));
   }
 
   void on_hopeless(const std::string& name) {
     // Whoever only looks on may be missing.
     if (name == gvs_name)
-      return print_info("cosiva: " + name + " does not stay up, and the platform goes on without it; its log says why (" +
-                 log(name) + ")");
+      return print_info("cosiva: " + name +
+                        " does not stay up, and the platform goes on without it; its log says why (" + log(name) + ")");
     give_up(name + " does not stay up; its log says why");
   }
 
@@ -370,10 +372,11 @@ int run_up(const UpArguments& arguments) {
         {"up.gvs", "a camera watches live runs only; for pictures without one there is `cosiva gvs render`", "--gvs"});
   if (arguments.virtual_time) return run_virtual_time(arguments);
   if (arguments.loss > 0.0) {
-    return report_error({"up.loss",
-                     "messages of all are lost on purpose in virtual time only (--virtual-time); live, a scenario can "
-                     "let a vehicle's radio lose them",
-                     "--loss"});
+    return report_error(
+        {"up.loss",
+         "messages of all are lost on purpose in virtual time only (--virtual-time); live, a scenario can "
+         "let a vehicle's radio lose them",
+         "--loss"});
   }
   if (arguments.gvs) {
     if (auto checked = check_gvs_source(arguments.gvs_source, "--gvs-"); !checked) return report_error(checked.error());

@@ -147,12 +147,13 @@ int run_virtual_page(VirtualRun& run) {
   const std::uint16_t port = (*page)->port();
   if (wanted != 0 && port != wanted)
     print_info("port " + std::to_string(wanted) + " is busy, so " + std::to_string(port) + " is taken");
-  print_info("CoSiVA: " + std::to_string(plan.arguments.aivs) + " AIVs on " + plan.rtm.zone().name + " in virtual time");
-  print_info((plan.arguments.headless ? "  figures http://127.0.0.1:" : "  page    http://127.0.0.1:") + std::to_string(port) +
-      (plan.arguments.headless ? "/api/v1/snapshot" : "/"));
-  print_info(plan.arguments.duration_s
-          ? "  ends by itself after " + decimals(*plan.arguments.duration_s, 0) + " virtual seconds; Ctrl-C ends it now"
-          : std::string("  Ctrl-C ends it"));
+  print_info("CoSiVA: " + std::to_string(plan.arguments.aivs) + " AIVs on " + plan.rtm.zone().name +
+             " in virtual time");
+  print_info((plan.arguments.headless ? "  figures http://127.0.0.1:" : "  page    http://127.0.0.1:") +
+             std::to_string(port) + (plan.arguments.headless ? "/api/v1/snapshot" : "/"));
+  print_info(plan.arguments.duration_s ? "  ends by itself after " + decimals(*plan.arguments.duration_s, 0) +
+                                             " virtual seconds; Ctrl-C ends it now"
+                                       : std::string("  Ctrl-C ends it"));
   bool interrupted = false;
   loop.on_signals({SIGINT, SIGTERM, SIGHUP}, [&](int) {
     interrupted = true;

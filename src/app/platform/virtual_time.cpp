@@ -28,7 +28,8 @@ int run_to_the_end(VirtualRun& run) {
 
 int run_virtual_time(const UpArguments& arguments) {
   if (!arguments.record_file.empty())
-    return report_error({"up.record", "a run in virtual time is repeated by its seed; --record goes with a live one", {}});
+    return report_error(
+        {"up.record", "a run in virtual time is repeated by its seed; --record goes with a live one", {}});
   auto plan = plan_run(arguments);
   if (!plan) return report_error(plan.error());
   auto run = VirtualRun::make(std::move(*plan));

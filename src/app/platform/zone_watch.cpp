@@ -75,7 +75,7 @@ void ZoneWatch::take(const zone::ZoneConfiguration& read) {
   if (is(handlers_.in_force(), read)) return handlers_.print_info("the zone's file has changed; switched to it");
   const auto rtm = zone::Rtm::initialise(read);
   handlers_.print_info("the zone's file has changed, but cannot be used; the zone that was there stays" +
-                (rtm ? std::string{} : ": " + to_string(rtm.error())));
+                       (rtm ? std::string{} : ": " + to_string(rtm.error())));
 }
 
 }  // namespace cosiva::app

@@ -8,7 +8,7 @@
 #include "cosiva/adapters/thread_pool.h"
 #include "cosiva/app/cli/console.h"
 #include "cosiva/app/cli/progress.h"
-#include "cosiva/app/positioning/ring.h"
+#include "cosiva/app/positioning/loop_track.h"
 #include "cosiva/app/resources/ranks.h"
 #include "cosiva/experiments/positioning/campaign/campaign_run.h"
 #include "cosiva/experiments/positioning/campaign/result.h"
@@ -98,7 +98,7 @@ class TimeLeft {
     if (!ticker_.ticks() || run.cost_done() <= before_) return;
     const double rate = (run.cost_done() - before_) / passed_s();
     print_info("campaign " + decimals(100.0 * run.cost_done() / run.cost_all(), 0) + " % done, " +
-        decimals((run.cost_all() - run.cost_done()) / rate, 0) + " s left");
+               decimals((run.cost_all() - run.cost_done()) / rate, 0) + " s left");
   }
   [[nodiscard]] double passed_s() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
@@ -149,11 +149,12 @@ int print_amount(const CampaignArguments& arguments, const CampaignWork& work) {
 }
 
 int print_result(const CampaignArguments& arguments, const Prepared& prepared, const std::vector<UnitRecord>& records,
-                const Kept& kept, Workers& workers) {
+                 const Kept& kept, Workers& workers) {
   const auto summary = experiments::sum_up(prepared.work, records, workers);
   const CampaignResult result{prepared.work, records, summary};
   if (!arguments.out_folder.empty()) {
-    if (auto synchronised = kept.warm_up(prepared.work, records); !synchronised) return report_error(synchronised.error());
+    if (auto synchronised = kept.warm_up(prepared.work, records); !synchronised)
+      return report_error(synchronised.error());
     if (auto written = write_all(arguments.out_folder, result, prepared.plan_text); !written)
       return report_error(written.error());
   }
@@ -180,7 +181,7 @@ int run_campaign(const CampaignArguments& arguments) {
   if (!run) return speaks ? report_error(run.error()) : exit_bad_input;
   if (speaks && run->units_done() > 0)
     print_info("campaign goes on: " + std::to_string(run->units_done()) + " of " + std::to_string(work.units()) +
-        " units are finished");
+               " units are finished");
   adapters::ThreadPool workers{arguments.threads > 0 ? arguments.threads : threads_for_each_rank()};
   TimeLeft time_left{*run};
   const double cost_before = run->cost_done();
@@ -199,7 +200,7 @@ int run_campaign(const CampaignArguments& arguments) {
   const double runs = ratio * static_cast<double>(work.plan().votes());
   if (runs > 0.0)
     print_info("campaign took " + decimals(took_s, 2) + " s on " + std::to_string((*ranks)->size()) + " × " +
-        std::to_string(workers.threads()) + " threads, " + decimals(1e3 * took_s / runs, 3) + " ms a run");
+               std::to_string(workers.threads()) + " threads, " + decimals(1e3 * took_s / runs, 3) + " ms a run");
   return print_result(arguments, *prepared, run->take_records(), kept, workers);
 }
 

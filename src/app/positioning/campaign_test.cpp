@@ -14,8 +14,8 @@ namespace cosiva::app {
 namespace {
 
 using adapters::testing::Scratch;
-using fixture::cosiva;
 using fixture::CommandOutput;
+using fixture::cosiva;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -29,7 +29,7 @@ TEST(Campaign, says_how_much_there_is_to_do_and_does_nothing) {
   const CommandOutput output = cosiva({"campaign", examples + "campaign.toml", "--out", scratch / "out", "--dry-run"});
   EXPECT_EQ(output.status, 0) << output.standard_error;
   EXPECT_THAT(output.data, AllOf(HasSubstr("14 environments, 3 algorithms, 20 runs each: 840 runs of 50.0 m"),
-                               HasSubstr("pitch_m: 7 values"), HasSubstr("0 finished")));
+                                 HasSubstr("pitch_m: 7 values"), HasSubstr("0 finished")));
   EXPECT_FALSE(std::filesystem::exists(scratch / "out"));
   EXPECT_EQ(cosiva({"campaign", examples + "campaign_grid.toml", "--dry-run"}).status, 0);
 }

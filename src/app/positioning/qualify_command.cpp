@@ -100,8 +100,9 @@ int run_either(const QualifyArguments& arguments, std::size_t at_least) {
   if (!arguments.reference.empty() || !arguments.estimates.empty()) return run_trajectories(arguments);
   const auto alignment = alignment_of(arguments);
   if (alignment != experiments::Alignment::none && arguments.recordings.empty())
-    return report_error({"compare.align", "in virtual time all are told the truth's own frame: there is nothing to align",
-                     "--align " + arguments.align});
+    return report_error({"compare.align",
+                         "in virtual time all are told the truth's own frame: there is nothing to align",
+                         "--align " + arguments.align});
   if (alignment == experiments::Alignment::se3)
     return report_error({"compare.align", "a recording lies on the floor: ask for se2 or origin", "--align se3"});
   auto reference = reference_of(arguments);
@@ -121,7 +122,8 @@ bool check(const Qualification& all) {
   bool fine = true;
   for (const experiments::Qualified& one : all.algorithms) {
     if (one.failed) print_info("cosiva: " + one.name + " failed: " + to_string(*one.failed));
-    if (one.leak) print_info("cosiva: " + one.name + " is below the limit: it knows what it cannot, or the limit is wrong");
+    if (one.leak)
+      print_info("cosiva: " + one.name + " is below the limit: it knows what it cannot, or the limit is wrong");
     fine = fine && !one.failed && !one.leak;
   }
   return fine;
@@ -149,7 +151,8 @@ int evaluate(const QualifyArguments& arguments, const std::vector<experiments::C
   if (!arguments.recordings.empty())
     conditions.settings.emplace_back("seems late against the truth, first run (not corrected)", lateness_of(*all));
   if (!arguments.out_folder.empty()) {
-    if (auto written = write_all(arguments.out_folder, *all, conditions); !written) return report_error(written.error());
+    if (auto written = write_all(arguments.out_folder, *all, conditions); !written)
+      return report_error(written.error());
   }
   std::string text = arguments.json ? to_json(*all, conditions) : to_text(*all);
   while (text.ends_with('\n')) text.pop_back();  // print ends the line

@@ -124,14 +124,15 @@ class LiveTest {
     while (!commands_.empty()) {
       const auto taken = server_.send_request("POST", "/api/v1/commands", commands_.front(), command_timeout);
       if (!taken || taken->status >= 500) {
-        if (!std::exchange(waiting_, true)) print_info("cosiva: the server does not answer; what it is to be told waits");
+        if (!std::exchange(waiting_, true))
+          print_info("cosiva: the server does not answer; what it is to be told waits");
         next_notice_ = clock_.now() + seconds{1};
         return;
       }
       if (std::exchange(waiting_, false)) print_info("cosiva: the server answers again");
       if (taken->status >= 400)
         print_info("cosiva: the server refused " + commands_.front() + ": " +
-            to_string(refusal_in(taken->body, taken->status)));
+                   to_string(refusal_in(taken->body, taken->status)));
       commands_.pop_front();
     }
   }
@@ -229,7 +230,7 @@ experiments::Conditions conditions_of(const QualifyArguments& arguments, const e
 
 /// The runs as they were lived, for all candidates: those on board say again what they said.
 Result<Runs> live_run(const QualifyArguments& arguments, const LiveQualifyArguments& live,
-                   std::vector<experiments::Candidate>& candidates, const estimation::Registry& registry) {
+                      std::vector<experiments::Candidate>& candidates, const estimation::Registry& registry) {
   auto options = options_of(arguments, live);
   if (!options) return tl::unexpected(options.error());
   const auto runs_on_board = [&](const experiments::Candidate& one) {

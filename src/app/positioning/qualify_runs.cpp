@@ -6,7 +6,7 @@
 
 #include "cosiva/adapters/files.h"
 #include "cosiva/app/cli/console.h"
-#include "cosiva/app/positioning/ring.h"
+#include "cosiva/app/positioning/loop_track.h"
 #include "cosiva/experiments/positioning/metrology/simulate.h"
 #include "cosiva/experiments/positioning/recording/recording.h"
 #include "cosiva/experiments/positioning/recording/replayed.h"
@@ -84,8 +84,8 @@ Result<experiments::RecordingFiles> files_of(const std::string& folder) {
   return files;
 }
 
-Result<Trial> trial_of(const std::string& folder, const QualifyArguments& arguments, const std::optional<LoopTrack>& loop,
-                       experiments::Conditions& conditions) {
+Result<Trial> trial_of(const std::string& folder, const QualifyArguments& arguments,
+                       const std::optional<LoopTrack>& loop, experiments::Conditions& conditions) {
   const auto files = files_of(folder);
   if (!files) return tl::unexpected(files.error());
   const auto recording = experiments::read_recording(folder, *files);

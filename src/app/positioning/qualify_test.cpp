@@ -16,8 +16,8 @@ namespace cosiva::app {
 namespace {
 
 using adapters::testing::Scratch;
-using fixture::cosiva;
 using fixture::CommandOutput;
+using fixture::cosiva;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -116,7 +116,8 @@ TEST(Qualify, says_on_the_terminal_and_in_the_report_what_it_made_of_a_recording
   std::filesystem::create_directories(scratch / "drive");
   ASSERT_TRUE(adapters::write_file(scratch / "drive/odometry.csv", odometry));
   ASSERT_TRUE(adapters::write_file(scratch / "drive/groundtruth.csv", ground_truth));
-  const CommandOutput output = cosiva({"qualify", "--recording", scratch / "drive", "--out", scratch / "out", "--json"});
+  const CommandOutput output =
+      cosiva({"qualify", "--recording", scratch / "drive", "--out", scratch / "out", "--json"});
   EXPECT_EQ(output.status, 0) << output.standard_error;
   EXPECT_THAT(output.standard_error, HasSubstr("drive: the truth's heading is 180 degrees off the way it goes"));
   EXPECT_THAT(adapters::read_file(scratch / "out/report.html").value_or(""), HasSubstr("180 degrees off the way"));
@@ -148,8 +149,8 @@ TEST(Compare, of_trajectories_writes_a_report_and_what_evo_opens_and_keeps_one_t
     ASSERT_TRUE(adapters::write_file(scratch / file, text));
   const std::string out = scratch / "out";
   const CommandOutput output = cosiva({"compare", "--reference", scratch / "ground_truth.tum", "--estimate",
-                            scratch / "a/mine.tum", "--estimate", scratch / "b/mine.tum", "--estimate",
-                            scratch / "bad.tum", "--out", out, "--reference-error", "0.05", "--json"});
+                                       scratch / "a/mine.tum", "--estimate", scratch / "b/mine.tum", "--estimate",
+                                       scratch / "bad.tum", "--out", out, "--reference-error", "0.05", "--json"});
   EXPECT_EQ(output.status, 1) << output.standard_error;  // one is bad, the others have their figures
   EXPECT_THAT(output.standard_error, HasSubstr("bad.tum:1"));
   const auto read = [&](const std::string& file) { return adapters::read_file(out + "/" + file).value_or(""); };
@@ -195,8 +196,9 @@ TEST(Compare, names_the_folder_of_a_recording_that_is_bad) {
   ASSERT_TRUE(
       adapters::write_file(scratch / "lap2/odometry.csv", "time_s,delta_distance_m,delta_heading_rad\nnan,1,0\n"));
   ASSERT_TRUE(adapters::write_file(scratch / "lap2/groundtruth.csv", "time_s,x_m,y_m\n0,0,0\n"));
-  const CommandOutput output = cosiva({"compare", "--recording", source + "/src/experiments/positioning/recording/labyrinth",
-                            "--recording", scratch / "lap2"});
+  const CommandOutput output =
+      cosiva({"compare", "--recording", source + "/src/experiments/positioning/recording/labyrinth", "--recording",
+              scratch / "lap2"});
   EXPECT_EQ(output.status, 2);
   EXPECT_THAT(output.standard_error, HasSubstr("lap2/odometry.csv:2: 'nan' under time_s is no finite number"));
 }
@@ -300,8 +302,8 @@ TEST(Compare, tells_the_reference_s_budget_and_calls_what_is_below_it_unresolved
 TEST(Compare, on_the_plane_draws_the_limit_beside_each_bar) {
   const Scratch scratch;
   const std::string recorded = source + "/src/experiments/positioning/recording/labyrinth";
-  const CommandOutput output = cosiva({"compare", "dead_reckoning", "calibrating", "smoother", "--recording", recorded, "--out",
-                            scratch / "out", "--json"});
+  const CommandOutput output = cosiva({"compare", "dead_reckoning", "calibrating", "smoother", "--recording", recorded,
+                                       "--out", scratch / "out", "--json"});
   EXPECT_EQ(output.status, 0) << output.standard_error;
   const JsonValue json = json_of(output);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -315,8 +317,8 @@ TEST(Compare, on_the_plane_draws_the_limit_beside_each_bar) {
 }
 
 TEST(Compare, takes_the_python_example_as_one_of_many) {
-  const CommandOutput output = cosiva({"compare", "arc_kalman", "reset_rule", "--runs", "3", "--way", "10", "--external",
-                            "mine=python3 " + source + "/examples/estimator.py", "--json"});
+  const CommandOutput output = cosiva({"compare", "arc_kalman", "reset_rule", "--runs", "3", "--way", "10",
+                                       "--external", "mine=python3 " + source + "/examples/estimator.py", "--json"});
   EXPECT_EQ(output.status, 0) << output.standard_error;
   const JsonValue json = json_of(output);
   EXPECT_EQ(algorithm(json, 2).text("name"), "mine");

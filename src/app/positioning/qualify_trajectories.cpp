@@ -224,7 +224,8 @@ std::string to_text(const std::vector<Evaluated>& all, experiments::Alignment al
 
 int run_trajectories(const QualifyArguments& arguments) {
   if (arguments.reference.empty() || arguments.estimates.empty())
-    return report_error({"compare.trajectories", "it takes a --reference and an --estimate", "--reference, --estimate"});
+    return report_error(
+        {"compare.trajectories", "it takes a --reference and an --estimate", "--reference, --estimate"});
   for (const std::string& file : arguments.estimates) {
     if (called_ground_truth(file) && !called_ground_truth(arguments.reference))
       return report_error(

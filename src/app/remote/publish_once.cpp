@@ -15,7 +15,7 @@ constexpr std::chrono::seconds response_max{10};
 }  // namespace
 
 Result<void> publish_once(const BrokerArguments& broker, const std::string& client_name,
-                             const std::vector<wire::Publish>& messages) {
+                          const std::vector<wire::Publish>& messages) {
   auto options = mqtt_options(broker, client_name);
   if (!options) return tl::unexpected(options.error());
   const std::string address = options->host + ":" + std::to_string(options->port);

@@ -16,6 +16,6 @@ namespace cosiva::app {
 /// Errors: what mqtt_options() refuses; `mqtt.connect` where nobody answers within 10 s; `mqtt.publish` where the
 /// broker does not acknowledge within 10 s.
 [[nodiscard]] Result<void> publish_once(const BrokerArguments& broker, const std::string& client_name,
-                                           const std::vector<wire::Publish>& messages);
+                                        const std::vector<wire::Publish>& messages);
 
 }  // namespace cosiva::app

@@ -107,7 +107,8 @@ Result<zone::ZoneConfiguration> load_zone(const std::string& name_or_file, const
   zone::ZoneConfiguration configuration{std::move(*format), *file, std::move(*text), {}};
   std::error_code error;
   std::string sidecar = sidecar_file;
-  if (const auto sidecar_path = zone::sidecar_of_file(*file); sidecar_path && sidecar.empty() && fs::exists(*sidecar_path, error))
+  if (const auto sidecar_path = zone::sidecar_of_file(*file);
+      sidecar_path && sidecar.empty() && fs::exists(*sidecar_path, error))
     sidecar = *sidecar_path;
   if (sidecar.empty()) return configuration;
   auto more = adapters::read_file(sidecar);

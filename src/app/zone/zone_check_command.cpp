@@ -58,7 +58,10 @@ void write_problem(JsonWriter& json, const zone::TrafficZone& zone, const zone::
   json.begin_object();
   json.field("severity", to_string(problem.severity));
   json.field("code", problem.code).field("section", section_name(zone.circuit, problem.location.section));
-  json.field("s", problem.location.s_m).field("x", problem.at.x_m).field("y", problem.at.y_m).field("text", problem.text);
+  json.field("s", problem.location.s_m)
+      .field("x", problem.at.x_m)
+      .field("y", problem.at.y_m)
+      .field("text", problem.text);
   json.end_object();
 }
 

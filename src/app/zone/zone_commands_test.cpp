@@ -14,8 +14,8 @@ namespace cosiva::app {
 namespace {
 
 using adapters::testing::Scratch;
-using fixture::cosiva;
 using fixture::CommandOutput;
+using fixture::cosiva;
 using fixture::zones;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -148,7 +148,7 @@ TEST(ZoneCheck, warns_of_what_can_be_used_all_the_same_and_ends_with_0) {
 TEST(ZoneShow, draws_a_png_as_wide_as_asked) {
   Scratch scratch;
   const CommandOutput output = cosiva({"zone", "show", zones + "lacet4.toml", "--png", scratch / "z.png", "--svg",
-                            scratch / "z.svg", "--width", "300"});
+                                       scratch / "z.svg", "--width", "300"});
   EXPECT_EQ(output.status, 0) << output.standard_error;
   const std::string png = adapters::read_file(scratch / "z.png").value();
   ASSERT_THAT(png, StartsWith("\x89PNG"));
@@ -235,7 +235,8 @@ TEST(ZoneSwitch, of_a_platform_that_does_not_run_says_how_to_start_one) {
 
 TEST(ZoneSwitch, over_a_broker_that_is_not_there_or_of_a_bad_file_ends_with_2) {
   Scratch scratch;
-  const CommandOutput bad = cosiva({"zone", "switch", scratch.write("bad.toml", "name = 3\n"), "--broker", "127.0.0.1:1"});
+  const CommandOutput bad =
+      cosiva({"zone", "switch", scratch.write("bad.toml", "name = 3\n"), "--broker", "127.0.0.1:1"});
   EXPECT_EQ(bad.status, 2);
   EXPECT_THAT(bad.standard_error, HasSubstr("bad.toml:1"));
 }

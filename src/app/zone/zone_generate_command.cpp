@@ -33,7 +33,8 @@ int run_zone_generate(const GenerateArguments& arguments) {
   if (!rtm) return report_error(rtm.error());
   WrittenZone made{*format, arguments.out_file, {}, {}};
   if (*format == native_format) {
-    if (auto stored = write_zone(arguments.out_file, rtm->configuration()); !stored) return report_error(stored.error());
+    if (auto stored = write_zone(arguments.out_file, rtm->configuration()); !stored)
+      return report_error(stored.error());
   } else {
     auto converted = write_as(*format, arguments.out_file, rtm->zone());
     if (!converted) return report_error(converted.error());

@@ -42,8 +42,8 @@ std::string section_name(const zone::Circuit& circuit, zone::SectionId section) 
 
 std::string position_text(const zone::Circuit& circuit, zone::TrackPosition location) {
   const Pose2 X_MP = circuit.pose_at(location);
-  return circuit.part(location.section).name + " at " + decimals(location.s_m, 3) + " m, (" + decimals(X_MP.x_m, 2) + ", " +
-         decimals(X_MP.y_m, 2) + ")";
+  return circuit.part(location.section).name + " at " + decimals(location.s_m, 3) + " m, (" + decimals(X_MP.x_m, 2) +
+         ", " + decimals(X_MP.y_m, 2) + ")";
 }
 
 }  // namespace cosiva::app

@@ -36,7 +36,7 @@ std::optional<SwitchedZone> watch(const adapters::HttpClient& client, double wai
 }
 
 void report(const ZoneArguments& arguments, const std::string& name, double revision,
-          const std::optional<SwitchedZone>& switched) {
+            const std::optional<SwitchedZone>& switched) {
   if (!arguments.json) {
     print("switched to " + name + (switched ? "\n  " + to_text(*switched) : std::string{}));
     return;
@@ -69,7 +69,8 @@ int switch_over_http(const ZoneArguments& arguments, const zone::ZoneConfigurati
   }
   const auto accepted = JsonValue::parse(response->body);
   const std::string name = accepted ? accepted->text("name").value_or(configuration.origin) : configuration.origin;
-  report(arguments, name, accepted ? accepted->number("revision").value_or(0.0) : 0.0, watch(*client, arguments.wait_s));
+  report(arguments, name, accepted ? accepted->number("revision").value_or(0.0) : 0.0,
+         watch(*client, arguments.wait_s));
   return exit_done;
 }
 

@@ -197,7 +197,8 @@ class Reader {
     return book(fields, values);
   }
 
-  [[nodiscard]] std::optional<double> value_of(const std::vector<std::string_view>& fields, const ColumnUnit& location) const {
+  [[nodiscard]] std::optional<double> value_of(const std::vector<std::string_view>& fields,
+                                               const ColumnUnit& location) const {
     const auto value = field_number(fields[location.at], columns_.separator);
     if (!value) return std::nullopt;
     const double scaled = location.scale * *value + location.offset;

@@ -78,7 +78,7 @@ Name taken_apart(std::string_view written) {
 
 /// The format's own name first, then testers' in the order of the list.
 std::optional<ColumnUnit> found(const std::vector<std::string>& header, const Quantity& quantity,
-                           std::span<const Unit> units) {
+                                std::span<const Unit> units) {
   for (std::size_t i = 0; i < header.size(); ++i)
     if (header[i] == quantity.name || header[i] == quantity.label) return ColumnUnit{i};
   for (const std::string_view other : quantity.others) {
@@ -180,7 +180,8 @@ Result<LogColumns> read_columns(std::string_view line, const std::string& locati
     columns.columns[k] = *at;
     const std::string& name = columns.names[at->at];
     if (name != quantities[k].name && name != quantities[k].label)
-      columns.diagnostic += (columns.diagnostic.empty() ? "" : ", ") + ("'" + name + "' as ") + std::string(quantities[k].name);
+      columns.diagnostic +=
+          (columns.diagnostic.empty() ? "" : ", ") + ("'" + name + "' as ") + std::string(quantities[k].name);
   }
   for (const Quantity& temperature : temperatures)
     if (!columns.temperature) columns.temperature = found(columns.names, temperature, degrees);

@@ -21,13 +21,13 @@ struct ColumnUnit {
 
 struct LogColumns {
   char separator{','};
-  std::vector<std::string> names;  ///< as they are written
-  std::array<ColumnUnit, 3> columns{};   ///< of time [s], voltage [V], current [A]
+  std::vector<std::string> names;       ///< as they are written
+  std::array<ColumnUnit, 3> columns{};  ///< of time [s], voltage [V], current [A]
   std::optional<ColumnUnit> temperature;
   std::optional<ColumnUnit> discharged;  ///< what the tester itself counted, out [Ah] …
   std::optional<ColumnUnit> charged;     ///< … and in
-  std::optional<std::size_t> step;  ///< which says that another step of the test has begun
-  std::string diagnostic{};               ///< where the names are not the format's own: how they were understood
+  std::optional<std::size_t> step;       ///< which says that another step of the test has begun
+  std::string diagnostic{};              ///< where the names are not the format's own: how they were understood
 };
 
 /// The format's names of time, voltage and current.

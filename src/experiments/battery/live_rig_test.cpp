@@ -50,7 +50,7 @@ LiveRig::Responses print_report(LiveRig& rig, SimTime now, int number, double ch
   return rig.on_message(now, wire::own_topic(wire::boards_topic_prefix, aiv(number)), report(charge));
 }
 LiveRig::Responses publish_ready(LiveRig& rig, SimTime now, int number, const std::string& battery,
-                             double percent = 100.0) {
+                                 double percent = 100.0) {
   return rig.on_message(now, wire::own_topic(wire::battery_ready_topic_prefix, aiv(number)),
                         to_json(wire::BatteryReady{battery, "leaf33", 3.0, 3600.0, 22.0, percent}));
 }

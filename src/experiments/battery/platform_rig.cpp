@@ -151,9 +151,9 @@ struct PlatformRig::Impl {
       record_ground_truth(slot, vehicles[v].charge, to_seconds(now - began) - slot.ground_truth.started_s);
       if (std::exchange(slot.fresh, false)) {
         const wire::Power& power = *slot.report->power;
-        obey(procedure.on_sample(v, {slot.received, power.charge(), power.gauge ? 1e-4 * power.gauge->charge_sd_01 : 0.0,
-                                     0.001 * power.voltage_mv, 0.001 * power.current_ma, 0.1 * power.temperature_01C,
-                                     vehicles[v].distance_m}));
+        obey(procedure.on_sample(v, {slot.received, power.charge(),
+                                     power.gauge ? 1e-4 * power.gauge->charge_sd_01 : 0.0, 0.001 * power.voltage_mv,
+                                     0.001 * power.current_ma, 0.1 * power.temperature_01C, vehicles[v].distance_m}));
       }
       if (procedure.running(v) && vehicles[v].power.cut_off) obey(procedure.on_stop(now, v, StopCause::cut_off));
     }

@@ -44,7 +44,7 @@ std::optional<OneFactor> one_factor(const std::vector<std::vector<double>>& grou
   const double f = between / numerator / noise;
   const double usual_size = (n - n_squares / n) / numerator;
   return OneFactor{f, 1.0 - fisher_cdf(f, numerator, denominator), std::sqrt(noise),
-                std::sqrt(std::max(0.0, (between / numerator - noise) / usual_size))};
+                   std::sqrt(std::max(0.0, (between / numerator - noise) / usual_size))};
 }
 
 std::optional<Trend> trend(std::span<const double> x, std::span<const double> y, double level) {

@@ -43,7 +43,7 @@ void CollisionWatch::sort_by_x(std::span<const BodyPose> vehicles) {
 }
 
 void CollisionWatch::detect_contacts(std::span<const BodyPose> vehicles, std::span<const Obstacle> obstacles,
-                          std::vector<Pair>& began) {
+                                     std::vector<Pair>& began) {
   still_touching_.clear();
   sort_by_x(vehicles);
   for (std::size_t i = 0; i < by_x_.size(); ++i) {

@@ -33,7 +33,8 @@ class CollisionWatch {
   explicit CollisionWatch(const zone::VehicleShape& shape);
 
   /// Appends the contacts that began since the last look.
-  void detect_contacts(std::span<const BodyPose> vehicles, std::span<const Obstacle> obstacles, std::vector<Pair>& began);
+  void detect_contacts(std::span<const BodyPose> vehicles, std::span<const Obstacle> obstacles,
+                       std::vector<Pair>& began);
 
  private:
   void sort_by_x(std::span<const BodyPose> vehicles);

@@ -152,7 +152,8 @@ TEST(Plant, ranges_the_vehicle_ahead_and_not_the_one_behind) {
     sum += ranges.range_mm[6];
   }
   EXPECT_NEAR(sum / static_cast<double>(behind.size()), 800.0, 3.0 * 5.0 / 10.0);
-  for (const auto& ranges : fixture.received<wire::Ranges>(2)) EXPECT_THAT(ranges.range_mm, testing::Each(wire::no_echo));
+  for (const auto& ranges : fixture.received<wire::Ranges>(2))
+    EXPECT_THAT(ranges.range_mm, testing::Each(wire::no_echo));
 }
 
 TEST(Plant, puts_obstacles_where_it_is_told_and_takes_them_away) {
@@ -285,7 +286,8 @@ TEST(Plant, that_starts_later_has_other_sessions) {
   (*later)->handle({virtual_epoch + 1h, wire::InputKind::port, "1/PILS", "up"}, effects);
   (*later)->handle({virtual_epoch + 1h, wire::InputKind::tick, "", ""}, effects);
   std::vector<wire::BoardMessage> received;
-  for (const auto& effect : effects) wire::module_link::Decoder{}.feed(std::get<wire::SendBytes>(effect).bytes, received);
+  for (const auto& effect : effects)
+    wire::module_link::Decoder{}.feed(std::get<wire::SendBytes>(effect).bytes, received);
   ASSERT_FALSE(received.empty());
   EXPECT_NE(std::get<wire::Hello>(received.front()).session, fixture.received<wire::Hello>(1).front().session);
 }

@@ -70,10 +70,12 @@ std::span<const TagMap::Entry> TagMap::between(zone::SectionId section, double f
   return {first, last};
 }
 
-void TagReader::move(SimTime now, zone::TrackPosition track_position, Point2 from, Point2 to, std::vector<Reading>& readings) {
+void TagReader::move(SimTime now, zone::TrackPosition track_position, Point2 from, Point2 to,
+                     std::vector<Reading>& readings) {
   const double reach_m = map_->reach_m();
   const double window_m = reach_m + off_line_m + distance(from, to);
-  for (const TagMap::Entry& entry : map_->between(track_position.section, track_position.s_m - window_m, track_position.s_m + window_m)) {
+  for (const TagMap::Entry& entry :
+       map_->between(track_position.section, track_position.s_m - window_m, track_position.s_m + window_m)) {
     if (distance_to_path(entry.position, from, to) > reach_m) continue;
     const bool known =
         std::any_of(in_field_.begin(), in_field_.end(), [&](const InField& tag) { return tag.number == entry.number; });

@@ -30,8 +30,9 @@ SimDuration phase(std::uint32_t number, std::uint32_t ticks) { return phase_step
 
 }  // namespace
 
-Vehicle::Vehicle(std::uint32_t number, std::shared_ptr<const Floor> floor, zone::TrackPosition start, const PlantNoise& noise,
-                 std::uint64_t seed, const std::shared_ptr<const battery::CellTable>& cells, SimDuration step_max)
+Vehicle::Vehicle(std::uint32_t number, std::shared_ptr<const Floor> floor, zone::TrackPosition start,
+                 const PlantNoise& noise, std::uint64_t seed, const std::shared_ptr<const battery::CellTable>& cells,
+                 SimDuration step_max)
     : number_{number},
       step_max_{step_max},
       noise_{noise},
@@ -134,7 +135,9 @@ void Vehicle::set_zone(std::shared_ptr<const Floor> floor) {
 }
 
 std::uint32_t Vehicle::laps_here() const {
-  return floor_->loop_length_m > 0.0 ? static_cast<std::uint32_t>((distance_m_ - distance_before_m_) / floor_->loop_length_m) : 0;
+  return floor_->loop_length_m > 0.0
+             ? static_cast<std::uint32_t>((distance_m_ - distance_before_m_) / floor_->loop_length_m)
+             : 0;
 }
 
 void Vehicle::book_energy(double dt_s) {

@@ -15,7 +15,8 @@ double towards(double value, double target, double step) { return value + std::c
 
 }  // namespace
 
-LineVehicle::LineVehicle(const zone::Circuit& circuit, zone::TrackPosition start, double line_offset_sd_m, Random line_noise)
+LineVehicle::LineVehicle(const zone::Circuit& circuit, zone::TrackPosition start, double line_offset_sd_m,
+                         Random line_noise)
     : circuit_{&circuit}, line_offset_sd_m_{line_offset_sd_m}, line_random_{line_noise}, position_{start} {
   line_noise_m_ = line_random_.gaussian(0.0, line_offset_sd_m_);
   put_body(0.0, 1.0);
@@ -137,8 +138,8 @@ bool LineVehicle::to_previous() {
   const std::span<const zone::SectionId> branches = circuit_->previous(position_.section);
   const auto bends = [&](zone::SectionId id) { return circuit_->turn_at(id, position_.section) != 0.0; };
   const bool known = std::find(branches.begin(), branches.end(), came_from_) != branches.end() && !bends(came_from_);
-  const auto before =
-      known ? std::find(branches.begin(), branches.end(), came_from_) : std::find_if_not(branches.begin(), branches.end(), bends);
+  const auto before = known ? std::find(branches.begin(), branches.end(), came_from_)
+                            : std::find_if_not(branches.begin(), branches.end(), bends);
   if (before == branches.end()) return false;
   position_.section = *before;
   came_from_ = zone::no_section;

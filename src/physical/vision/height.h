@@ -69,7 +69,7 @@ struct PoseResiduals {
   double heading_rms_rad{};
   double heading_max_rad{};
   std::vector<Pose2> left_out;  ///< of each pose: where it was put, less surveyed, on the floor
-  double stopped_m{};          ///< how still a standing marker stands, mean over the poses
+  double stopped_m{};           ///< how still a standing marker stands, mean over the poses
 };
 /// @param full  A is any matrix; else a scale
 /// That the marker leans is believed where the poses left out are put better with it than without.

@@ -114,7 +114,7 @@ Result<std::vector<SurveyedPose>> read_poses(std::string_view text, const std::s
 }
 
 Result<std::vector<SurveyedPose>> read_pose_stops(std::string_view text, const std::string& file, const PoseGrid& grid,
-                                                   double leap) {
+                                                  double leap) {
   Lines lines{text};
   std::string_view line;
   std::vector<Stop> stops;

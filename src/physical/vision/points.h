@@ -28,7 +28,7 @@ struct SurveyedPose {
   Pose2 surveyed;         ///< of the vehicle's reference point [m, rad]
   Pose2 detected;         ///< of its marker, taken to lie on the floor
   std::size_t samples{};  ///< that `detected` is the mean of
-  double stopped_m{};    ///< standard deviation of one sample's place, how still the picture stands
+  double stopped_m{};     ///< standard deviation of one sample's place, how still the picture stands
 };
 
 /// A CSV file with the columns true_x, true_y, true_heading_deg, seen_x, seen_y, seen_heading_deg. Fails ("gvs.poses")
@@ -46,6 +46,6 @@ struct PoseGrid {
 /// the grid's order: y slowest, then x, heading fastest. Fails ("gvs.poses") on a bad line, and where there are not as
 /// many stands as the grid has poses.
 [[nodiscard]] Result<std::vector<SurveyedPose>> read_pose_stops(std::string_view text, const std::string& file,
-                                                                 const PoseGrid& grid, double leap = 0.4);
+                                                                const PoseGrid& grid, double leap = 0.4);
 
 }  // namespace cosiva::vision

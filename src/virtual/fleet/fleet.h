@@ -28,9 +28,9 @@ struct FleetOptions {
 
 /// Where a vehicle begins, standing.
 struct FleetStart {
-  std::uint32_t copy{0};     ///< of the zone; from one start to the next it never falls
-  zone::TrackPosition position;         ///< on no_section: it is not in the zone yet
-  std::int32_t priority{0};  ///< 0…999
+  std::uint32_t copy{0};         ///< of the zone; from one start to the next it never falls
+  zone::TrackPosition position;  ///< on no_section: it is not in the zone yet
+  std::int32_t priority{0};      ///< 0…999
 };
 
 /// A fleet that is only virtual, in a core of its own, for times far beyond real time: `step` moves all vehicles on by
@@ -112,7 +112,7 @@ class Fleet {
   [[nodiscard]] bool is_at_goal(Vehicle vehicle) const;  ///< and stands there
   [[nodiscard]] std::uint32_t copy_of(Vehicle vehicle) const;
   [[nodiscard]] zone::TrackPosition track_position(Vehicle vehicle) const;  ///< of its middle
-  [[nodiscard]] Pose2 pose(Vehicle vehicle) const;         ///< X_MB
+  [[nodiscard]] Pose2 pose(Vehicle vehicle) const;                          ///< X_MB
   [[nodiscard]] std::span<const double> x_m() const;
   [[nodiscard]] std::span<const double> y_m() const;
   [[nodiscard]] std::span<const double> heading_rad() const;  ///< in (−π, π]

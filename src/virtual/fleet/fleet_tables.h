@@ -34,7 +34,7 @@ struct FleetTables {
   std::vector<Fleet::Vehicle> arrived;  ///< each block's at the place of its vehicles, then gathered
   std::size_t arrivals{0};
   std::size_t commanded_vehicles{0};  ///< that have a goal or an instruction
-  std::uint32_t step_number{0};  ///< of the step that comes next
+  std::uint32_t step_number{0};       ///< of the step that comes next
 
   [[nodiscard]] std::size_t bytes() const;
 };

@@ -65,8 +65,10 @@ void Ground::lay_defaults() {
   for (zone::SectionId id = 0; id < size(); ++id) {
     const auto branches = circuit.next(id);
     // Nobody turns back who can go on.
-    auto best = std::ranges::find_if(branches, [&](zone::SectionId branch) { return for_ever[branch] && branch != back[id]; });
-    if (best == branches.end()) best = std::ranges::find_if(branches, [&](zone::SectionId branch) { return for_ever[branch]; });
+    auto best =
+        std::ranges::find_if(branches, [&](zone::SectionId branch) { return for_ever[branch] && branch != back[id]; });
+    if (best == branches.end())
+      best = std::ranges::find_if(branches, [&](zone::SectionId branch) { return for_ever[branch]; });
     if (!branches.empty()) default_next_[id] = best != branches.end() ? *best : branches.front();
   }
   if (zone_->loops.empty()) return;

@@ -79,7 +79,7 @@ struct Rows {
 };
 
 COSIVA_VECTOR_CLONES void sense(const PathState& branches, const Numbers& numbers, const LeaderView& detected,
-                              std::size_t first, std::size_t count, const Rows& rows) {
+                                std::size_t first, std::size_t count, const Rows& rows) {
   const double braking_m = numbers.braking_distance_m;
   const double medium_mps = numbers.medium_mps;
   const double* __restrict s = branches.s_m + first;
@@ -95,8 +95,8 @@ COSIVA_VECTOR_CLONES void sense(const PathState& branches, const Numbers& number
   }
 }
 
-COSIVA_VECTOR_CLONES void request_more(const PathState& branches, const Numbers& numbers, std::size_t first, std::size_t count,
-                                       const Rows& rows) {
+COSIVA_VECTOR_CLONES void request_more(const PathState& branches, const Numbers& numbers, std::size_t first,
+                                       std::size_t count, const Rows& rows) {
   const double braking_m = numbers.braking_distance_m;
   const double* __restrict s = branches.s_m + first;
   const double* __restrict goal = branches.goal_at + first;
@@ -176,8 +176,8 @@ COSIVA_INLINE double of_profile(double number, double stop, double slow, double 
 
 /// The envelope above the choice, and what the wheels make of it in one step.
 template <bool capped, bool limited>
-COSIVA_INLINE void limit(const Limits& limits, const Numbers& n, const LeaderView& detected,
-                         const Column& chosen, std::size_t first, std::size_t count, double* __restrict next) {
+COSIVA_INLINE void limit(const Limits& limits, const Numbers& n, const LeaderView& detected, const Column& chosen,
+                         std::size_t first, std::size_t count, double* __restrict next) {
   const double* __restrict s = limits.s_m + first;
   const double* __restrict v = limits.v_mps + first;
   const double* __restrict cap = limits.cap_mps + first;
@@ -202,7 +202,8 @@ COSIVA_INLINE void limit(const Limits& limits, const Numbers& n, const LeaderVie
     }
     speed = lower(speed, aiv::plain::stoppable_speed(path_distance_m, braking, late_s));
     // What it rolls before the brakes act is gone.
-    const double brakes = aiv::plain::brakes_hard(v[k], path_distance_m - v[k] * late_s, braking) ? hardest_mps2 : braking;
+    const double brakes =
+        aiv::plain::brakes_hard(v[k], path_distance_m - v[k] * late_s, braking) ? hardest_mps2 : braking;
     const double least = v[k] - brakes * dt_s;
     const double most = v[k] + speeding * dt_s;
     const double reached = higher(least, lower(most, speed));

@@ -17,7 +17,7 @@ namespace cosiva::virtual_side {
 struct Numbers {
   double dt_s;
   double length_m;            ///< of a vehicle on its path: occupied_m()
-  double sensed_m;              ///< bodies further ahead do not count
+  double sensed_m;            ///< bodies further ahead do not count
   double braking_distance_m;  ///< of the medium profile (agent_rules.h)
   double medium_mps;
   double late_s;        ///< how late it brakes, for lines as for bodies: one square root instead of two

@@ -49,7 +49,8 @@ Result<void> Placement::put(std::span<const FleetStart> starts) {
       ++commanded_vehicles_;
       continue;
     }
-    if (position.section >= ground_.size() || !(position.s_m >= 0.0 && position.s_m <= ground_.length_m(position.section)))
+    if (position.section >= ground_.size() ||
+        !(position.s_m >= 0.0 && position.s_m <= ground_.length_m(position.section)))
       return refuse("that is no place of the zone");
     if (!ground_.may_stop(position)) return refuse("it would stand in a crossing, or between two close to each other");
     state_.section[i] = position.section;

@@ -47,7 +47,8 @@ bool Presence::take_away(std::uint32_t i) {
 
 bool Presence::bring(std::uint32_t i, zone::TrackPosition position, std::int16_t priority) {
   if ((state_.mode[i] & Mode::absent) == 0 || position.section >= ground_.size()) return false;
-  if (!(position.s_m >= 0.0 && position.s_m <= ground_.length_m(position.section)) || !ground_.may_stop(position)) return false;
+  if (!(position.s_m >= 0.0 && position.s_m <= ground_.length_m(position.section)) || !ground_.may_stop(position))
+    return false;
   Block& block = block_of(i);
   Own& own = state_.own[i];
   const double driven_m = own.traversed_m + state_.s_m[i];
@@ -86,7 +87,8 @@ void Presence::make_absent(std::uint32_t i) {
   state_.mode[i] = Mode::sent | Mode::at_goal | Mode::absent;
   state_.v_mps[i] = 0.0;
   state_.leader[i] = i;
-  for (auto* positions : {&state_.offset_m, &state_.line_at, &state_.event_at, &state_.cap_mps}) (*positions)[i] = far_m;
+  for (auto* positions : {&state_.offset_m, &state_.line_at, &state_.event_at, &state_.cap_mps})
+    (*positions)[i] = far_m;
   state_.halt_at[i] = state_.s_m[i];
   state_.goal_at[i] = state_.s_m[i];
   state_.event[i] = 0;
@@ -113,7 +115,8 @@ bool Presence::leaves_room_behind(Block& block, std::uint32_t i) const {
         continue;
       }
       if (path_distance_m + length_m > numbers_.sensed_m) continue;
-      if (block.detection_search[from] == block.search && block.detected_m[from] <= path_distance_m + length_m) continue;
+      if (block.detection_search[from] == block.search && block.detected_m[from] <= path_distance_m + length_m)
+        continue;
       block.detection_search[from] = block.search;
       block.detected_m[from] = path_distance_m + length_m;
       block.open.push_back(from);

@@ -75,7 +75,8 @@ void SectionChanges::switch_section(Block& block, std::uint32_t i) {
   const double length_m = ground_.length_m(from);
   state_.s_m[i] -= length_m;
   state_.own[i].traversed_m += length_m;
-  for (auto* position : {&state_.halt_at, &state_.line_at, &state_.goal_at}) (*position)[i] = shifted((*position)[i], length_m);
+  for (auto* position : {&state_.halt_at, &state_.line_at, &state_.goal_at})
+    (*position)[i] = shifted((*position)[i], length_m);
   Own& own = state_.own[i];
   for (double* position : {&own.release_at, &own.clear_at, &own.chain_at}) *position = shifted(*position, length_m);
   state_.section[i] = to;

@@ -55,7 +55,8 @@ class Spread {
     if (path_distance_m >= apart_m_ || depth > 16) return true;
     return std::ranges::all_of(zone_.circuit.previous(id), [&](zone::SectionId from) {
       const double length_m = ground_.length_m(from);
-      return std::ranges::none_of(taken_[from], [&](double s_m) { return path_distance_m + length_m - s_m < apart_m_; }) &&
+      return std::ranges::none_of(taken_[from],
+                                  [&](double s_m) { return path_distance_m + length_m - s_m < apart_m_; }) &&
              is_free_behind(from, path_distance_m + length_m, depth + 1);
     });
   }

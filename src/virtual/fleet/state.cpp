@@ -4,7 +4,8 @@ namespace cosiva::virtual_side {
 
 void State::resize(std::size_t vehicles, bool limits, bool turns) {
   for (auto* numbers : {&s_m, &v_mps, &x_m, &y_m, &heading_rad}) numbers->assign(vehicles, 0.0);
-  for (auto* positions : {&offset_m, &halt_at, &line_at, &goal_at, &event_at, &cap_mps}) positions->assign(vehicles, far_m);
+  for (auto* positions : {&offset_m, &halt_at, &line_at, &goal_at, &event_at, &cap_mps})
+    positions->assign(vehicles, far_m);
   slow_at.assign(limits ? vehicles : 0, far_m);
   slow_mps.assign(limits ? vehicles : 0, 0.0);
   turn_left_rad.assign(turns ? vehicles : 0, 0.0);

@@ -22,12 +22,12 @@ template <typename T>
 
 /// What a vehicle is at, besides driving.
 enum Mode : std::uint8_t {
-  turning = 1U << 0U,   ///< on the spot, at the end of its section
-  sent = 1U << 1U,      ///< it has a goal
-  at_goal = 1U << 2U,   ///< and stands there
-  commanded = 1U << 3U,      ///< to go where it stands already: it arrives in the next step
-  requests = 1U << 4U,  ///< stands in its copy's queue
-  absent = 1U << 5U,    ///< not in the zone
+  turning = 1U << 0U,    ///< on the spot, at the end of its section
+  sent = 1U << 1U,       ///< it has a goal
+  at_goal = 1U << 2U,    ///< and stands there
+  commanded = 1U << 3U,  ///< to go where it stands already: it arrives in the next step
+  requests = 1U << 4U,   ///< stands in its copy's queue
+  absent = 1U << 5U,     ///< not in the zone
 };
 
 /// What a pass over the vehicles found that is more than arithmetic.
@@ -44,7 +44,7 @@ struct Own {
   double clear_at{far_m};             ///< up to here its way is reserved
   double chain_at{far_m};             ///< where the first section of the chain begins that it holds
   double own_mps{far_m};              ///< its own limit
-  double traversed_m{};                    ///< on sections before this one, less where it began
+  double traversed_m{};               ///< on sections before this one, less where it began
   std::uint32_t behind{Fleet::none};  ///< the next one on the same section
   std::uint32_t copy{};
   std::uint32_t line_chain{no_chain};  ///< what begins at line_at

@@ -80,7 +80,8 @@ TEST(FleetStep, asks_for_no_memory_when_goals_are_reached) {
   const zone::Router router{*zone};
   std::size_t sent = 0;
   for (Fleet::Vehicle i = 0; i < many.size(); ++i) {
-    const zone::TrackPosition goal{static_cast<zone::SectionId>((many.track_position(i).section + 3) % zone->circuit.size()), 0.2};
+    const zone::TrackPosition goal{
+        static_cast<zone::SectionId>((many.track_position(i).section + 3) % zone->circuit.size()), 0.2};
     const auto route = router.plan(many.track_position(i), goal);
     if (route && many.send(i, route->sections, goal.s_m)) ++sent;
   }

@@ -110,8 +110,9 @@ inline void expect_safe(const Fleet& fleet) {
       if (fleet.copy_of(order[k]) != fleet.copy_of(order[j])) continue;
       ASSERT_FALSE(overlap(fleet.pose(order[k]), fleet.pose(order[j]), zone.vehicle))
           << order[k] << " and " << order[j] << " at step " << fleet.steps() << ", sections "
-          << zone.circuit.part(fleet.track_position(order[k]).section).name << " " << fleet.track_position(order[k]).s_m << " and "
-          << zone.circuit.part(fleet.track_position(order[j]).section).name << " " << fleet.track_position(order[j]).s_m;
+          << zone.circuit.part(fleet.track_position(order[k]).section).name << " " << fleet.track_position(order[k]).s_m
+          << " and " << zone.circuit.part(fleet.track_position(order[j]).section).name << " "
+          << fleet.track_position(order[j]).s_m;
     }
   }
   std::vector<std::vector<std::pair<zone::CrossingSpan, std::size_t>>> spans(zone.circuit.size());

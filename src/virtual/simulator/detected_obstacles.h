@@ -40,7 +40,7 @@ class DetectedObstacles {
   /// A vehicle that saw it so recently is before it, not in it: its twin may be shown a little too far.
   static constexpr SimDuration just_detected{std::chrono::milliseconds{500}};
   static constexpr double checked_m_max = 1.5;  ///< further away a beam is too wide to say that nothing is there
-  static constexpr int doubts_max = 3;        ///< one echo that does not come back ends nothing
+  static constexpr int doubts_max = 3;          ///< one echo that does not come back ends nothing
 
   /// @return  true when a twin appeared; false when one that was there was seen again
   bool see(std::string_view vehicle, SimTime now, Point2 at, double radius_m);

@@ -20,7 +20,8 @@ bool follow(zone::Course& course, const zone::Circuit& circuit, zone::SectionId 
   }
   skipped_m = 0.0;
   std::size_t back = 0;
-  for (auto traversed = course.traversed(); !traversed.empty() && skipped_m <= between_reports_m; traversed = traversed.first(traversed.size() - 1)) {
+  for (auto traversed = course.traversed(); !traversed.empty() && skipped_m <= between_reports_m;
+       traversed = traversed.first(traversed.size() - 1)) {
     ++back;
     skipped_m += circuit.section(traversed.back()).length_m();
   }

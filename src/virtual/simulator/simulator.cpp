@@ -76,7 +76,9 @@ void Simulator::report(TwinId twin, SimTime now, const MotionReport& report) {
   if (entities_[twin]) monitor_.divergence(*entities_[twin], divergence->m, divergence->rad);
 }
 
-void Simulator::set_base_end(TwinId twin, std::optional<zone::TrackPosition> end) { twins_[twin].set_base_end(circuit(), end); }
+void Simulator::set_base_end(TwinId twin, std::optional<zone::TrackPosition> end) {
+  twins_[twin].set_base_end(circuit(), end);
+}
 
 void Simulator::fold(Digest& digest) const {
   digest.add(zone_revision_);

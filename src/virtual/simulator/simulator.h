@@ -33,9 +33,9 @@ class Simulator {
   explicit Simulator(BijectionContract contract) : monitor_{contract} {}
 
   enum class Reception {
-    same,       ///< it is the one already there
+    same,           ///< it is the one already there
     same_geometry,  ///< (re)instantiated; only tags, beacons, stations or priorities differ, so the twins drive on
-    new_zone,   ///< (re)instantiated; every twin stands beside the ways until it reports again
+    new_zone,       ///< (re)instantiated; every twin stands beside the ways until it reports again
   };
   /// Builds the zone, or fails with the factory's reason and keeps the one there is.
   [[nodiscard]] Result<Reception> receive(SimTime now, const zone::ZoneConfiguration& configuration, const Step& step);

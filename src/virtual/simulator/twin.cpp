@@ -12,7 +12,8 @@ namespace cosiva::virtual_side {
 namespace {
 
 /// How far `to` lies along the way from `from`, negative behind it; nothing further than `limit_m` either way.
-std::optional<double> signed_distance(const zone::Circuit& circuit, zone::TrackPosition from, zone::TrackPosition to, double limit_m) {
+std::optional<double> signed_distance(const zone::Circuit& circuit, zone::TrackPosition from, zone::TrackPosition to,
+                                      double limit_m) {
   if (from.section == to.section && std::fabs(to.s_m - from.s_m) <= limit_m) return to.s_m - from.s_m;
   if (const auto forward = circuit.shortest_route(from, to, limit_m)) return forward->length_m;
   if (const auto backward = circuit.shortest_route(to, from, limit_m)) return -backward->length_m;
@@ -210,7 +211,7 @@ std::span<const zone::SectionId> Twin::remaining(zone::SectionId section) const 
   if (course_.here() == section) return remaining;
   const auto found = std::ranges::find(remaining, section);
   return found == remaining.end() ? std::span<const zone::SectionId>{}
-                               : remaining.subspan(static_cast<std::size_t>(found - remaining.begin()) + 1);
+                                  : remaining.subspan(static_cast<std::size_t>(found - remaining.begin()) + 1);
 }
 
 void Twin::measure_base(const zone::Circuit& circuit) {

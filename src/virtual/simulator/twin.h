@@ -71,7 +71,7 @@ class Twin {
 
   /// Where the last report put it.
   [[nodiscard]] bool on_circuit() const { return on_circuit_; }
-  [[nodiscard]] zone::TrackPosition reported_position() const { return position_; }        ///< meaningful when on_circuit()
+  [[nodiscard]] zone::TrackPosition reported_position() const { return position_; }  ///< meaningful when on_circuit()
   [[nodiscard]] double reported_off_m() const { return off_m_; }             ///< distance to reported_position()
   [[nodiscard]] double heading_off_rad() const { return heading_off_rad_; }  ///< body against circuit
   [[nodiscard]] const MotionReport& last_report() const { return report_; }

@@ -20,8 +20,8 @@ void Antenna::put(const zone::TrafficZone& zone, zone::TrackPosition track_posit
   move(zone, track_position, track_position, p, p, unread);
 }
 
-void Antenna::move(const zone::TrafficZone& zone, zone::TrackPosition from, zone::TrackPosition to, Point2 p_from, Point2 p_to,
-                   std::vector<Reading>& readings) {
+void Antenna::move(const zone::TrafficZone& zone, zone::TrackPosition from, zone::TrackPosition to, Point2 p_from,
+                   Point2 p_to, std::vector<Reading>& readings) {
   read_section(to.section, p_from, p_to, readings);
   if (from.section != to.section) read_section(from.section, p_from, p_to, readings);
   if (zone.beacons) read_beacon(zone, p_from, p_to, readings);
@@ -32,8 +32,7 @@ void Antenna::read_section(zone::SectionId section, Point2 p_from, Point2 p_to, 
   for (const InReach& tag : by_section_[section]) enter(tag, p_from, p_to, readings);
 }
 
-void Antenna::read_beacon(const zone::TrafficZone& zone, Point2 p_from, Point2 p_to,
-                             std::vector<Reading>& readings) {
+void Antenna::read_beacon(const zone::TrafficZone& zone, Point2 p_from, Point2 p_to, std::vector<Reading>& readings) {
   // Beacons stand at least 5 cm apart, so that no more than one can be read at a time.
   if (const auto beacon = zone.beacons->nearest(p_to))
     enter({beacon->number, beacon->position}, p_from, p_to, readings);

@@ -55,8 +55,8 @@ struct VirtualAiv::Impl {
              std::move(interface_name), std::move(rules),  v2x} {}
 
   Impl(const std::shared_ptr<const zone::TrafficZone>& zone, std::string serial, std::uint32_t number,
-       zone::ZoneConfiguration configuration, zone::TrackPosition start, std::string interface_name, aiv::SpeedRules rules,
-       bool v2x)
+       zone::ZoneConfiguration configuration, zone::TrackPosition start, std::string interface_name,
+       aiv::SpeedRules rules, bool v2x)
       : boards{session_of(serial, number)},
         core{options_of(std::move(serial), number, std::move(configuration), std::move(interface_name),
                         std::move(rules), v2x, *zone, start)},
@@ -135,8 +135,8 @@ struct VirtualAiv::Impl {
   std::vector<Antenna::Reading> readings;
 };
 
-VirtualAiv::VirtualAiv(std::string serial, std::uint32_t number, zone::ZoneConfiguration zone, zone::TrackPosition start,
-                       std::string interface_name, aiv::SpeedRules rules, bool v2x)
+VirtualAiv::VirtualAiv(std::string serial, std::uint32_t number, zone::ZoneConfiguration zone,
+                       zone::TrackPosition start, std::string interface_name, aiv::SpeedRules rules, bool v2x)
     : impl_{std::make_unique<Impl>(std::move(serial), number, std::move(zone), start, std::move(interface_name),
                                    std::move(rules), v2x)} {}
 VirtualAiv::~VirtualAiv() = default;

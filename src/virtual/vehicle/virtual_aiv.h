@@ -36,8 +36,8 @@ class VirtualAiv {
   void link(SimTime now, bool up, wire::Effects& effects);
   /// A message on a topic that the on-board program subscribes to.
   void message(SimTime now, const std::string& topic, const std::string& payload, wire::Effects& effects);
-  /// With another configuration of the same ways (zone::same_geometry) it goes on driving. On other ways it comes to rest,
-  /// and is then on the new floor, its pose as it was: beside the line, until it is sent off and seeks it.
+  /// With another configuration of the same ways (zone::same_geometry) it goes on driving. On other ways it comes to
+  /// rest, and is then on the new floor, its pose as it was: beside the line, until it is sent off and seeks it.
   void zone(SimTime now, const zone::ZoneConfiguration& zone, wire::Effects& effects);
   /// Every 20 ms: body, boards, on-board program. Only Publish and Log come out.
   void tick(SimTime now, wire::Effects& effects);

@@ -50,9 +50,8 @@ void VirtualBody::adopt_next_zone() {
   constexpr double on_line_m = 1e-3;
   constexpr double on_line_rad = 1e-2;
   const auto entry_point = zone::snap_to_path(zone_->circuit, X_MS_, on_line_m);
-  lies_on_line_ =
-      entry_point &&
-      std::fabs(wrap_angle(zone_->circuit.pose_at(entry_point->position).heading_rad - X_MS_.heading_rad)) <= on_line_rad;
+  lies_on_line_ = entry_point && std::fabs(wrap_angle(zone_->circuit.pose_at(entry_point->position).heading_rad -
+                                                      X_MS_.heading_rad)) <= on_line_rad;
   if (lies_on_line_) motion_ = aiv::AivMotion{zone_->circuit, entry_point->position};
   antenna_.put(*zone_, put(), position(X_MS_));
 }

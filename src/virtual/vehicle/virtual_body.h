@@ -59,7 +59,7 @@ class VirtualBody {
   bool off_line_{false};     ///< in a manoeuvre, or put on another floor
   bool lies_on_line_{true};  ///< what the sensors say while off_line_
   std::optional<aiv::Manoeuvre> manoeuvre_;
-  Pose2 X_MS_;        ///< where it stood when the manoeuvre began, or stands on a new floor
+  Pose2 X_MS_;                ///< where it stood when the manoeuvre began, or stands on a new floor
   zone::TrackPosition goal_;  ///< where the manoeuvre ends
 };
 

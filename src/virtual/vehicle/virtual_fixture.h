@@ -54,7 +54,7 @@ class VirtualFixture {
   }
   void ahead(std::vector<wire::Body> bodies) {
     receive(wire::own_topic(wire::virtual_obstacles_topic_prefix, aiv.id()),
-         to_json(wire::VirtualObstacles{++aheads_, now, first_zone_.name, std::move(bodies)}));
+            to_json(wire::VirtualObstacles{++aheads_, now, first_zone_.name, std::move(bodies)}));
   }
   void zone(const zone::ZoneConfiguration& configuration) {
     aiv.zone(now, configuration, effects_);

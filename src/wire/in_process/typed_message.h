@@ -15,8 +15,8 @@ namespace cosiva::wire {
 
 /// What a message says, as the values that its text is written from and read into. Where everybody is in one process
 /// (experiments/runs/world) messages may be passed on so, and nobody writes or reads their texts: most of what such a
-/// run costs. What is heard is the same to the last bit, because only what survives the wire is said (as_received). On a
-/// real wire, and in journals, there are texts alone.
+/// run costs. What is heard is the same to the last bit, because only what survives the wire is said (as_received). On
+/// a real wire, and in journals, there are texts alone.
 class TypedMessage final : public InProcessMessage {
  public:
   using Message = std::variant<State, Visualization, Intent, DetectedObstacleReport, BoardsReport, Order>;

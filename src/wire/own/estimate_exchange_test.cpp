@@ -53,12 +53,13 @@ EstimateResponse some_response(Random& random) {
   const std::size_t count = random.below(30);
   for (std::size_t i = 0; i < count; ++i) {
     if (random.chance(0.8)) {
-      response.inputs.emplace_back(EstimateResponse::Odometry{random.gaussian(0, 0.01), random.gaussian(0, 0.01), 0.02});
+      response.inputs.emplace_back(
+          EstimateResponse::Odometry{random.gaussian(0, 0.01), random.gaussian(0, 0.01), 0.02});
     } else {
       ++readings;
       response.inputs.emplace_back(EstimateResponse::Reading{static_cast<std::uint32_t>(random.next()),
-                                                           {random.gaussian(0, 10), random.gaussian(0, 10)},
-                                                           {random.gaussian(0, 0.02), random.gaussian(0, 0.02)}});
+                                                             {random.gaussian(0, 10), random.gaussian(0, 10)},
+                                                             {random.gaussian(0, 0.02), random.gaussian(0, 0.02)}});
     }
   }
   for (std::size_t i = 0; i < random.below(4); ++i) response.estimates.push_back(some_estimate(random, readings));

@@ -178,13 +178,12 @@ Result<DetectedObstacleReport> detected_obstacle_from_json(std::string_view text
     in.whole("headerId", detected.header_id);
     in.time("timestamp", detected.timestamp);
     in.text("mapId", detected.map_id);
-    read_part(in, "obstacle", detected.obstacle,
-              [](Fields& fields, DetectedObstacleReport::Obstacle& obstacle) {
-                fields.number("x", -position_m_max, position_m_max, obstacle.x_m);
-                fields.number("y", -position_m_max, position_m_max, obstacle.y_m);
-                fields.number("radius", 0.0, size_m_max, obstacle.radius_m);
-                fields.number("distance", 0.0, position_m_max, obstacle.distance_m);
-              });
+    read_part(in, "obstacle", detected.obstacle, [](Fields& fields, DetectedObstacleReport::Obstacle& obstacle) {
+      fields.number("x", -position_m_max, position_m_max, obstacle.x_m);
+      fields.number("y", -position_m_max, position_m_max, obstacle.y_m);
+      fields.number("radius", 0.0, size_m_max, obstacle.radius_m);
+      fields.number("distance", 0.0, position_m_max, obstacle.distance_m);
+    });
     in.number("clear", 0.0, position_m_max, detected.clear_m);
   });
 }

@@ -53,8 +53,8 @@ DetectedObstacleReport draw_detected(Random& random) {
   DetectedObstacleReport detected{whole<std::uint32_t>(random), time(random), name(random), std::nullopt,
                                   random.uniform(0, 2)};
   if (coin(random))
-    detected.obstacle =
-        DetectedObstacleReport::Obstacle{location(random), location(random), random.uniform(0, 10), random.uniform(0, 100)};
+    detected.obstacle = DetectedObstacleReport::Obstacle{location(random), location(random), random.uniform(0, 10),
+                                                         random.uniform(0, 100)};
   return detected;
 }
 BoardsReport draw_report(Random& random) {

@@ -43,9 +43,9 @@ struct Intent {
     double s_m{};
     friend bool operator==(const OnLine&, const OnLine&) = default;
   };
-  std::optional<OnLine> position;            ///< nothing: it stands beside the line, or turns on the spot
+  std::optional<OnLine> position;         ///< nothing: it stands beside the line, or turns on the spot
   std::vector<CrossingIntent> crossings;  ///< in the order of its way, at most crossings_max
-  std::vector<std::string> route;           ///< the sections after the one it is on, at most route_max
+  std::vector<std::string> route;         ///< the sections after the one it is on, at most route_max
   static constexpr std::size_t crossings_max = 8;
   static constexpr std::size_t route_max = 8;
   friend bool operator==(const Intent&, const Intent&) = default;

@@ -197,7 +197,8 @@ TEST(V2xTopic, is_heard_by_everybody_within_a_cell_and_by_nobody_beyond_two) {
     const auto filters = v2x_filters("map", cell_of(here));
     RC_ASSERT(filters.size() == 9);
     const std::string topic = v2x_topic("map", cell_of(there), {"m", "s"});
-    const bool received = std::ranges::any_of(filters, [&](const auto& filter) { return topic_matches(filter, topic); });
+    const bool received =
+        std::ranges::any_of(filters, [&](const auto& filter) { return topic_matches(filter, topic); });
     const double apart_m = std::max(std::fabs(there.x_m - here.x_m), std::fabs(there.y_m - here.y_m));
     if (apart_m < v2x_cell_m) RC_ASSERT(received);
     if (apart_m > 2.0 * v2x_cell_m) RC_ASSERT(!received);

@@ -14,8 +14,9 @@
 
 namespace cosiva::wire {
 
-/// A message as values instead of text, between cores of one process (in_process messages, wire/in_process/typed_message.h).
-/// Only what its digest needs is known here; who sends and who receives agree on the rest.
+/// A message as values instead of text, between cores of one process (in_process messages,
+/// wire/in_process/typed_message.h). Only what its digest needs is known here; who sends and who receives agree on the
+/// rest.
 class InProcessMessage {
  public:
   virtual ~InProcessMessage() = default;

@@ -23,7 +23,8 @@ struct Fixture {
   Network::ClientId join(std::vector<std::string> filters, std::optional<Will> will = std::nullopt) {
     return network.connect(now, std::move(filters), std::move(will));
   }
-  void publish_text(Network::ClientId from, std::string topic, std::string payload, int qos = 0, bool retained = false) {
+  void publish_text(Network::ClientId from, std::string topic, std::string payload, int qos = 0,
+                    bool retained = false) {
     network.publish(now, from, {std::move(topic), std::move(payload), qos, retained});
   }
   void pass(SimDuration time) {
@@ -347,8 +348,9 @@ TEST(Network, listens_to_other_topics_while_connected_and_no_more_to_those_befor
   published_everywhere("c");
   fixture.network.listen(fixture.now, vehicle, {});
   published_everywhere("d");
-  EXPECT_THAT(fixture.received_by(vehicle), ::testing::UnorderedElementsAre("own a", "own b", "talk/1/x b", "talk/2/x b",
-                                                                         "own c", "talk/2/x c", "own d"));
+  EXPECT_THAT(
+      fixture.received_by(vehicle),
+      ::testing::UnorderedElementsAre("own a", "own b", "talk/1/x b", "talk/2/x b", "own c", "talk/2/x c", "own d"));
 }
 
 TEST(Network, gives_what_was_retained_to_who_begins_to_listen_and_only_once) {

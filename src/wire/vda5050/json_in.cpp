@@ -145,7 +145,8 @@ void Fields::count(std::string_view key, std::uint32_t& out, Need need) {
   const auto element = find(key, need);
   if (!element) return;
   double value{};
-  if (element->get(value) != simdjson::SUCCESS) return wrong_type(FieldLocation{&location_, key}, "a whole number", *element);
+  if (element->get(value) != simdjson::SUCCESS)
+    return wrong_type(FieldLocation{&location_, key}, "a whole number", *element);
   if (value != std::floor(value)) return report(key, "vda.type", "expected a whole number");
   if (!(value >= 0.0 && value <= 4294967295.0))
     return report(key, "vda.range", "out of range: 0 to 4294967295 are counts");

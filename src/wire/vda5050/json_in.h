@@ -131,7 +131,8 @@ class Fields {
  private:
   [[nodiscard]] std::optional<simdjson::dom::element> find(std::string_view key, Need need);
   [[nodiscard]] bool string(std::string_view key, std::string_view& out, Need need);
-  [[nodiscard]] bool bounded_array(simdjson::dom::element element, const FieldLocation& here, simdjson::dom::array& out);
+  [[nodiscard]] bool bounded_array(simdjson::dom::element element, const FieldLocation& here,
+                                   simdjson::dom::array& out);
   void wrong_type(const FieldLocation& here, std::string_view expected, simdjson::dom::element found);
   void unknown_word(std::string_view key, std::string_view text);
 

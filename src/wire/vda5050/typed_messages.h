@@ -6,7 +6,8 @@
 #include "cosiva/wire/in_process/typed_message.h"
 #include "cosiva/wire/runtime/core.h"
 
-/// Messages either way: as values where they were passed on so (wire/in_process/typed_message.h), else read from their text.
+/// Messages either way: as values where they were passed on so (wire/in_process/typed_message.h), else read from their
+/// text.
 namespace cosiva::wire::vda5050 {
 
 [[nodiscard]] Result<State> state_from(const Input& input);

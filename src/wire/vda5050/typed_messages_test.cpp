@@ -18,7 +18,8 @@ Input input_of(std::shared_ptr<const TypedMessage> typed) {
 
 /// What is heard of a message passed on as values is what would be read of its text.
 template <typename Message>
-void expect_received_as_read(const std::shared_ptr<const TypedMessage>& passed, Result<Message> (*received)(const Input&)) {
+void expect_received_as_read(const std::shared_ptr<const TypedMessage>& passed,
+                             Result<Message> (*received)(const Input&)) {
   const auto as_values = received(input_of(passed));
   const auto as_text = received(input_of(text_of(*passed)));
   ASSERT_TRUE(as_values && as_text) << to_string(as_text.error());

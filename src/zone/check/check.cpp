@@ -20,7 +20,8 @@ constexpr std::size_t reaching_work_max = 20'000'000;
 /// Where one can come from these places without entering a closed section; one that one stands on may be left.
 class Reachable {
  public:
-  Reachable(const TrafficZone& zone, std::span<const TrackPosition> from) : from_{from}, entered_(zone.circuit.size(), false) {
+  Reachable(const TrafficZone& zone, std::span<const TrackPosition> from)
+      : from_{from}, entered_(zone.circuit.size(), false) {
     for (const SectionId id : zone.closed) entered_[id] = true;  // as if one had been there: nobody goes
     std::vector<SectionId> open;
     const auto leave = [&](SectionId id) {
@@ -78,7 +79,8 @@ class Checker {
     auto& [count, last] = counts_[code];
     last = track_position;
     if (++count > limits_.of_one_code) return;
-    found_.push_back({severity, std::move(code), track_position, position(circuit_.pose_at(track_position)), std::move(text)});
+    found_.push_back(
+        {severity, std::move(code), track_position, position(circuit_.pose_at(track_position)), std::move(text)});
   }
 
   void count_those_left_out() {

@@ -55,8 +55,8 @@ class Spots {
   [[nodiscard]] std::string name(SectionId id) const { return "'" + circuit_.part(id).name + "'"; }
 
   void record(std::string code, TrackPosition track_position, std::string text) {
-    found_.push_back(
-        {Problem::Severity::notice, std::move(code), track_position, position(circuit_.pose_at(track_position)), std::move(text)});
+    found_.push_back({Problem::Severity::notice, std::move(code), track_position,
+                      position(circuit_.pose_at(track_position)), std::move(text)});
   }
 
   // --- how many may go round ---

@@ -103,7 +103,8 @@ double Circuit::total_length_m() const {
 /// Calls look(id) for all sections that head into `headings` and may come within `limit_m`, which `look` may lower; for
 /// some several times.
 template <typename NeighbourVisitor>
-void Circuit::survey_neighbours(Point2 p, Headings headings, const double& limit_m, const NeighbourVisitor& visitor) const {
+void Circuit::survey_neighbours(Point2 p, Headings headings, const double& limit_m,
+                                const NeighbourVisitor& visitor) const {
   if (!grid_.visit(p, headings, limit_m, visitor)) tree_.visit(p, headings, limit_m, visitor);
 }
 
@@ -116,7 +117,8 @@ Circuit::Located Circuit::locate(Point2 p, std::optional<double> heading_rad) co
     if (id == last) return;
     last = id;
     const Section::Nearest near = section(id).nearest(p);
-    if (near.distance_m > best.distance_m || (near.distance_m == best.distance_m && id >= best.position.section)) return;
+    if (near.distance_m > best.distance_m || (near.distance_m == best.distance_m && id >= best.position.section))
+      return;
     if (heading_rad && !(std::fabs(wrap_angle(section(id).heading_at(near.s_m) - *heading_rad)) <= aligned_rad)) return;
     best = {{id, near.s_m}, near.left_m, near.distance_m};
   };
@@ -153,7 +155,7 @@ double Circuit::turn_at(SectionId from, SectionId to) const {
 }
 
 TrackPosition Circuit::advance(TrackPosition from, double distance_m, std::span<const SectionId> remaining,
-                       std::span<const SectionId> traversed) const {
+                               std::span<const SectionId> traversed) const {
   COSIVA_EXPECT(from.section < parts_.size() && std::isfinite(distance_m));
   double s = std::clamp(from.s_m, 0.0, section(from.section).length_m()) + distance_m;
   SectionLookAhead ahead{*this, from.section, remaining};

@@ -75,7 +75,7 @@ class Circuit {
   /// The place `distance_m` ahead: through the sections of `coming`, in order, and from its end along default
   /// successors; stops at a dead end. Negative goes back through `gone`, its last first, then along `previous`.
   [[nodiscard]] TrackPosition advance(TrackPosition from, double distance_m, std::span<const SectionId> remaining = {},
-                              std::span<const SectionId> traversed = {}) const;
+                                      std::span<const SectionId> traversed = {}) const;
 
   /// Distance to travel forward from `from` to `to` through the sections of `coming`, which follow from.section, and
   /// from its end along default successors; nothing beyond `limit_m`.

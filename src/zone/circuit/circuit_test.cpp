@@ -208,7 +208,8 @@ TEST(Circuit, advances_along_a_chosen_way_and_back_along_it) {
   EXPECT_EQ(circuit.advance({3, 0.5}, -1.0), (TrackPosition{1, 0.5}));
   EXPECT_EQ(circuit.advance({3, 0.5}, -1.0, {}, traversed), (TrackPosition{2, 2.5}));
   EXPECT_EQ(circuit.advance({3, 0.5}, -4.0, {}, traversed), (TrackPosition{0, 0.5}));
-  EXPECT_EQ(circuit.advance({3, 0.5}, -5.0, {}, traversed), (TrackPosition{3, 0.5}));  // beyond what is known: by default
+  EXPECT_EQ(circuit.advance({3, 0.5}, -5.0, {}, traversed),
+            (TrackPosition{3, 0.5}));  // beyond what is known: by default
 }
 
 TEST(Circuit, measures_along_a_chosen_way) {

@@ -238,7 +238,9 @@ void write_goals(JsonWriter& json, const TrafficZone& zone) {
     const Pose2 pose = zone.circuit.pose_at(station.position);
     json.begin_object().field("name", station.name).field("kind", kind_name(station.kind));
     json.field("x", pose.x_m).field("y", pose.y_m);
-    json.field("section", zone.circuit.part(station.position.section).name).field("s", station.position.s_m).end_object();
+    json.field("section", zone.circuit.part(station.position.section).name)
+        .field("s", station.position.s_m)
+        .end_object();
   }
   json.end_array().key("loops").begin_array();
   for (const Loop& loop : zone.loops) json.value(loop.name);

@@ -402,7 +402,9 @@ void Plant::write_tracks(std::string& out) const {
       out.append("\ncurvature_end_per_m = ").append(text_of(track.curvature_end_per_m)).append("\n");
     } else if (track.curvature_start_per_m != 0.0) {
       out.append("kind = \"arc\"\nradius_m = ").append(text_of(std::fabs(1.0 / track.curvature_start_per_m)));
-      out.append("\nangle_deg = ").append(text_of(track.length_m * track.curvature_start_per_m * deg_per_rad)).append("\n");
+      out.append("\nangle_deg = ")
+          .append(text_of(track.length_m * track.curvature_start_per_m * deg_per_rad))
+          .append("\n");
     } else {
       out.append("kind = \"straight\"\nlength_m = ").append(text_of(track.length_m)).append("\n");
     }
@@ -422,7 +424,11 @@ void Plant::write_tracks(std::string& out) const {
 }
 
 void Plant::write_position(std::string& out, const Spot& spot) const {
-  out.append("section = \"").append(tracks_[spot.track].name).append("\"\ns_m = ").append(text_of(spot.s_m)).append("\n");
+  out.append("section = \"")
+      .append(tracks_[spot.track].name)
+      .append("\"\ns_m = ")
+      .append(text_of(spot.s_m))
+      .append("\n");
 }
 
 void Plant::write_spots(std::string& out) const {

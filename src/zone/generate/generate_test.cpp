@@ -118,7 +118,8 @@ TEST(GeneratedPlant, routes_from_any_station_to_any_other) {
   const TrafficZone zone = zone_of({.rows = 2, .aisles = 3, .bays = 2});
   const Router router{zone};
   for (const Station& from : zone.stations) {
-    for (const Station& to : zone.stations) EXPECT_TRUE(router.plan(from.position, to.position)) << from.name << to.name;
+    for (const Station& to : zone.stations)
+      EXPECT_TRUE(router.plan(from.position, to.position)) << from.name << to.name;
   }
   EXPECT_TRUE(std::ranges::all_of(router.goes_on_for_ever(), [](bool ever) { return ever; }));
 }

@@ -63,7 +63,7 @@ class SectionGrid {
   [[nodiscard]] double steady_m(const Block& block, double column_at, double row_at) const;
   template <typename Visit>
   [[nodiscard]] bool survey_block(const Block& block, Point2 p, Headings headings, const double& limit_m,
-                          const Visit& visit) const;
+                                  const Visit& visit) const;
   void fill(std::span<const SectionPiece> pieces);
   [[nodiscard]] Record record_of(const SectionPiece& piece, double loss_m) const;
   [[nodiscard]] std::size_t cell_of(Point2 p) const;
@@ -129,7 +129,7 @@ inline double SectionGrid::steady_m(const Block& block, double column_at, double
 
 template <typename Visit>
 bool SectionGrid::survey_block(const Block& block, Point2 p, Headings headings, const double& limit_m,
-                       const Visit& visit) const {
+                               const Visit& visit) const {
   Candidates candidates;
   const auto x = static_cast<float>(p.x_m - origin_.x_m);
   const auto y = static_cast<float>(p.y_m - origin_.y_m);

@@ -11,7 +11,7 @@ namespace {
 
 bool before(const Waypoint& waypoint, const TrackPosition& track_position) {
   return waypoint.position.section != track_position.section ? waypoint.position.section < track_position.section
-                                                 : waypoint.position.s_m < track_position.s_m;
+                                                             : waypoint.position.s_m < track_position.s_m;
 }
 
 // Two places this near on one section are the same place: what adding and taking away a few lengths may cost.
@@ -173,7 +173,8 @@ std::vector<Spot> spots(const TrafficZone& zone) {
   for (SectionId id = 0; id < zone.circuit.size(); ++id) {
     for (double i = 0.0; i * step_m < zone.circuit.section(id).length_m(); i += 1.0) {
       const TrackPosition track_position{id, i * step_m};
-      if (zone.may_stop(track_position)) found.push_back({track_position, position(zone.circuit.pose_at(track_position))});
+      if (zone.may_stop(track_position))
+        found.push_back({track_position, position(zone.circuit.pose_at(track_position))});
     }
   }
   return found;
@@ -207,7 +208,8 @@ bool may_begin(const TrafficZone& zone, const Spot& spot, const std::vector<Spot
     return false;
   const auto covers = [](const Crossing& crossing, const TrackPosition& track_position) {
     return std::any_of(crossing.spans.begin(), crossing.spans.end(), [&](const CrossingSpan& span) {
-      return span.section == track_position.section && span.from_m <= track_position.s_m && track_position.s_m <= span.to_m;
+      return span.section == track_position.section && span.from_m <= track_position.s_m &&
+             track_position.s_m <= span.to_m;
     });
   };
   for (const auto& entry : zone.crossings.from(std::pair{spot.position.section, -same_position_m})) {

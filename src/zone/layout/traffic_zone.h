@@ -71,7 +71,7 @@ struct Diagnostic {
   };
   Kind kind;
   std::string track_position;  ///< in the file: "road 12", "layouts[0].edges[3].trajectory"
-  std::string text;   ///< a sentence
+  std::string text;            ///< a sentence
 };
 [[nodiscard]] std::string_view to_string(Diagnostic::Kind kind);
 
@@ -142,7 +142,8 @@ struct TrafficZone {
   std::vector<Station> stations;
   Listed<Crossing, CrossingKeys> crossings;  ///< found by find_crossings
   Listed<Waypoint, WaypointKeys> waypoints;  ///< laid by lay_waypoints; sorted by (section, s)
-  std::vector<TrackPosition> starts;  ///< where vehicle 1, 2, … of an emulated fleet begin; may be shorter than the fleet
+  std::vector<TrackPosition>
+      starts;  ///< where vehicle 1, 2, … of an emulated fleet begin; may be shorter than the fleet
   /// "CoSiVA/AIV1" → 1…999, sorted by name; who is not here has 0.
   std::vector<std::pair<std::string, std::int32_t>> priorities{};
   std::vector<Loop> loops{};        ///< the first is where idle vehicles circulate; none: wherever the ways lead

@@ -182,7 +182,7 @@ class Layer {
   const Circuit& circuit_;
   const WaypointRules& rules_;
   Blocked blocked_;
-  std::vector<TrackPosition> at_;                ///< sorted
+  std::vector<TrackPosition> at_;        ///< sorted
   std::vector<std::string_view> taken_;  ///< ids of the rules, sorted
   std::vector<double> free_;             ///< of the present section
   std::vector<Laid> laid_;               ///< likewise, sorted
@@ -229,7 +229,8 @@ void Layer::lay_requested(SectionId id) {
   const double length_m = circuit_.section(id).length_m();
   std::vector<Laid> all;
   auto old = laid_.begin();
-  const auto first = std::partition_point(at_.begin(), at_.end(), [id](const TrackPosition& at) { return at.section < id; });
+  const auto first =
+      std::partition_point(at_.begin(), at_.end(), [id](const TrackPosition& at) { return at.section < id; });
   for (auto at = first; at != at_.end() && at->section == id; ++at) {
     const double s_m = std::clamp(at->s_m, 0.0, length_m);
     while (old != laid_.end() && old->s_m <= s_m) all.push_back(*old++);

@@ -312,11 +312,12 @@ void Maker::add_stations() {
             "several interaction nodes");
       }
       add_station(points.size() == 1 ? name : name + "." + std::to_string(points.size()), node,
-                    charges || station.charges);
+                  charges || station.charges);
       served.insert(point);
     }
     if (points.empty()) {
-      diagnostics_.add(lost, station.position, "no way leads to an interaction node of station '" + name + "'; not taken",
+      diagnostics_.add(lost, station.position,
+                       "no way leads to an interaction node of station '" + name + "'; not taken",
                        "station without way");
     }
   }

@@ -21,8 +21,8 @@ enum class Rotation { any, one_way, none };
 
 struct Node {
   std::string id;
-  std::string location;   ///< in the file
-  std::size_t layout;  ///< index into Document::layouts
+  std::string location;  ///< in the file
+  std::size_t layout;    ///< index into Document::layouts
   Point2 at{};
   bool charges{false};  ///< offers startCharging
 };

@@ -36,7 +36,8 @@ bool LifFields::has(std::string_view key) const { return find(key) != nullptr; }
 std::optional<std::string> LifFields::text() const {
   if (const std::string* text = value_->text()) return *text;
   if (const double* number = value_->number()) {
-    diagnostics_->add(Diagnostic::Kind::mended, location_.text(), "a number where a text belongs is taken as that text");
+    diagnostics_->add(Diagnostic::Kind::mended, location_.text(),
+                      "a number where a text belongs is taken as that text");
     return shortest(*number);
   }
   diagnostics_->add(Diagnostic::Kind::mended, location_.text(), "no text where one belongs; taken as absent");

@@ -170,7 +170,8 @@ TEST(LifFiles, chargers_are_where_charging_is_offered) {
 TEST(LifFiles, several_interaction_nodes_are_several_stations) {
   const TrafficZone zone = read_file("10.07-station-with-two-nodes.lif.json");
   EXPECT_LT(distance(position(zone.circuit.pose_at(zone.find_station("SOURCE_01")->position)), Point2{9.2, 3.4}), 1e-9);
-  EXPECT_LT(distance(position(zone.circuit.pose_at(zone.find_station("SOURCE_01.2")->position)), Point2{9.4, 3.2}), 1e-9);
+  EXPECT_LT(distance(position(zone.circuit.pose_at(zone.find_station("SOURCE_01.2")->position)), Point2{9.4, 3.2}),
+            1e-9);
 }
 
 TEST(LifFiles, the_vehicle_type_with_most_edges_is_taken_unless_the_companion_says_another) {

@@ -53,7 +53,8 @@ void record_what_is_not_taken(Report& report) {
     report.add(kind, what, "file", std::move(sentence));
   };
   add_diagnostic(Diagnostic::Kind::notice, "elevation", "records of elevation are not taken: the zone is flat");
-  add_diagnostic(Diagnostic::Kind::notice, "superelevation", "records of superelevation are not taken: the zone is flat");
+  add_diagnostic(Diagnostic::Kind::notice, "superelevation",
+                 "records of superelevation are not taken: the zone is flat");
   add_diagnostic(Diagnostic::Kind::notice, "crossfall", "records of crossfall are not taken: the zone is flat");
   add_diagnostic(Diagnostic::Kind::notice, "shape", "records of road shape are not taken: the zone is flat");
   add_diagnostic(Diagnostic::Kind::lost, "signals", "signals are not taken: vehicles do not stop at lights and signs");
@@ -62,9 +63,9 @@ void record_what_is_not_taken(Report& report) {
   add_diagnostic(Diagnostic::Kind::lost, "junctionGroup", "groups of junctions are not taken");
   add_diagnostic(Diagnostic::Kind::lost, "railroad", "railroads are not taken");
   add_diagnostic(Diagnostic::Kind::lost, "station",
-      "stations of railways and buses are not taken; the sidecar file can name stations");
+                 "stations of railways and buses are not taken; the sidecar file can name stations");
   add_diagnostic(Diagnostic::Kind::lost, "direction both",
-      "lanes are driven both ways in the file; here only in their side's direction");
+                 "lanes are driven both ways in the file; here only in their side's direction");
   add_diagnostic(Diagnostic::Kind::lost, "links to lanes not driven on", "links lead to lanes that are not driven on");
   std::string types;
   for (const auto& [type, count] : report.counted_under("lane type ")) {

@@ -140,7 +140,8 @@ Result<std::vector<Circuit::Part>> Layer::lay() {
     if (parts_.size() > sections_max)
       return fail("zone.size", "following the lanes takes more than " + std::to_string(sections_max) + " sections");
     if (length_m_ > length_max_m)
-      return fail("zone.size", "expected at most 300 km of lanes, found more up to lane '" + tracks_[id].name(network_) +
+      return fail("zone.size", "expected at most 300 km of lanes, found more up to lane '" +
+                                   tracks_[id].name(network_) +
                                    "'; [import] scale in the sidecar file makes a large network small");
     if (failures_ > failures_max)
       return fail("zone.size", "more than " + std::to_string(failures_max) +

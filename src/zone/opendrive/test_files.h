@@ -59,7 +59,8 @@ inline bool leads(const TrafficZone& zone, std::string_view from, std::string_vi
 }
 inline bool logged(const TrafficZone& zone, Diagnostic::Kind kind, std::string_view location, std::string_view text) {
   return std::any_of(zone.diagnostics.begin(), zone.diagnostics.end(), [&](const Diagnostic& diagnostic) {
-    return diagnostic.kind == kind && diagnostic.location.find(location) != diagnostic.location.npos && diagnostic.text.find(text) != diagnostic.text.npos;
+    return diagnostic.kind == kind && diagnostic.location.find(location) != diagnostic.location.npos &&
+           diagnostic.text.find(text) != diagnostic.text.npos;
   });
 }
 

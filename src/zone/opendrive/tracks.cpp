@@ -26,8 +26,8 @@ std::string lane_location(const Road& road, std::size_t section, int lane) {
 /// Reads one road's lanes.
 class RoadLanes {
  public:
-  RoadLanes(const Network& network, std::uint32_t road, const std::vector<std::string>& types, Tracks& tracks, Work& work,
-            Report& report)
+  RoadLanes(const Network& network, std::uint32_t road, const std::vector<std::string>& types, Tracks& tracks,
+            Work& work, Report& report)
       : road_{network.roads[road]}, index_{road}, types_{types}, tracks_{tracks}, work_{work}, report_{report} {}
 
   void read(std::shared_ptr<const ReferenceLine> line);
@@ -140,7 +140,7 @@ void RoadLanes::add(const Lane& lane, std::size_t section, const Pieces& inner, 
                 "lies so far inside a bend of its road that it would kink or run backwards there; cut short over " +
                     metres(cut_m) + " of the road");
   tracks_.tracks.push_back({index_, static_cast<std::uint32_t>(section), lane.id, std::move(curve),
-                        forward ? at_from : at_to, forward ? at_to : at_from, speeds(lane, from)});
+                            forward ? at_from : at_to, forward ? at_to : at_from, speeds(lane, from)});
 }
 
 /// The lane's own limits hold where it has any, the road's before them.

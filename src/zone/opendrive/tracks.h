@@ -24,7 +24,7 @@ struct Track {
   double width_entry;
   double width_exit;
   std::vector<SpeedFrom> speeds{};  ///< by the road's s, ascending
-  std::vector<TrackId> next{};        ///< ascending
+  std::vector<TrackId> next{};      ///< ascending
 
   [[nodiscard]] std::string name(const Network& network) const {  ///< "12.0.-1"
     return network.roads[road].id + '.' + std::to_string(section) + '.' + std::to_string(lane);

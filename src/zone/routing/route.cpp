@@ -100,7 +100,7 @@ std::string quoted(const Circuit& circuit, SectionId id) {
 
 /// Why no wanted section can be reached. What is wanted is called `what` ("'dock'", "the loop 'outer'").
 Error no_route(const Router& router, const Circuit& circuit, SectionId from, const std::vector<bool>& wanted,
-             const std::vector<bool>& closed, const std::string& what) {
+               const std::vector<bool>& closed, const std::string& what) {
   const std::string start = quoted(circuit, from);
   const std::vector<bool> open(circuit.size(), false);
   Search all{router, circuit, open};

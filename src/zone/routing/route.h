@@ -28,7 +28,8 @@ class Router {
 
   /// To a place. Fails ("route.none") with a sentence: whether there is no way at all, or which closed section is in
   /// it.
-  [[nodiscard]] Result<Route> plan(TrackPosition from, TrackPosition goal, std::span<const SectionId> closed = {}) const;
+  [[nodiscard]] Result<Route> plan(TrackPosition from, TrackPosition goal,
+                                   std::span<const SectionId> closed = {}) const;
   /// To the first section of a loop that is reached, and from there once round: up to the end of the section before it
   /// in the loop. Round a closed section of the loop the quickest detour is taken. Where the way begins on the loop,
   /// it begins there.

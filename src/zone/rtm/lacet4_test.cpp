@@ -129,7 +129,8 @@ TEST(Lacet4, has_beacons_over_the_whole_zone) {
 TEST(Lacet4, begins_with_four_vehicles_one_per_loop_and_has_room_for_twelve) {
   const TrafficZone zone = testing::lacet4();
   EXPECT_THAT(zone.starts, SizeIs(4));
-  for (const TrackPosition& track_position : zone.starts) EXPECT_EQ(zone.circuit.section(track_position.section).kind(), SectionKind::arc);
+  for (const TrackPosition& track_position : zone.starts)
+    EXPECT_EQ(zone.circuit.section(track_position.section).kind(), SectionKind::arc);
   EXPECT_THAT(zone.start_positions(12), SizeIs(12));
 }
 

@@ -258,7 +258,8 @@ void TomlTables::read_priorities() {
 void TomlTables::derive() {
   auto crossings = find_crossings_unless_crowded(zone_.circuit, zone_.vehicle, basics_.clearance_m);
   if (!crossings) {
-    return faults_.add({"zone.size", "the sections lie so densely on one another that nobody could drive here", tracks_});
+    return faults_.add(
+        {"zone.size", "the sections lie so densely on one another that nobody could drive here", tracks_});
   }
   zone_.clearance_m = basics_.clearance_m;
   zone_.spacing_m = basics_.spacing_m;

@@ -24,7 +24,12 @@ class TomlTables {
   /// @param ways   where faults of the ways themselves are, for messages
   TomlTables(TomlFaults& faults, const TomlFields& root, TrafficZone& zone, const Sidecar& basics, WaypointRules rules,
              std::string tracks)
-      : faults_{faults}, root_{root}, zone_{zone}, basics_{basics}, rules_{std::move(rules)}, tracks_{std::move(tracks)} {}
+      : faults_{faults},
+        root_{root},
+        zone_{zone},
+        basics_{basics},
+        rules_{std::move(rules)},
+        tracks_{std::move(tracks)} {}
 
   void read();
 

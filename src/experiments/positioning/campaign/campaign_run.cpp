@@ -115,7 +115,7 @@ Result<bool> CampaignRun::advance(Workers& workers, const TimeIsUp& time_is_up, 
 }
 
 Result<void> CampaignRun::report(const std::vector<std::optional<UnitRecord>>& mine, const std::optional<Error>& fault,
-                               const Keep& keep) {
+                                 const Keep& keep) {
   std::vector<std::size_t> units;
   std::string lines;
   for (const auto& record : mine) {

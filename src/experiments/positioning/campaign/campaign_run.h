@@ -44,8 +44,8 @@ class CampaignRun {
   CampaignRun(const CampaignWork& work, Ranks& ranks) : work_{&work}, ranks_{&ranks} {}
   [[nodiscard]] std::vector<std::size_t> ratio() const;
   void record_done(const std::vector<bool>& finished);
-  [[nodiscard]] Result<void> report(const std::vector<std::optional<UnitRecord>>& mine, const std::optional<Error>& fault,
-                                  const Keep& keep);
+  [[nodiscard]] Result<void> report(const std::vector<std::optional<UnitRecord>>& mine,
+                                    const std::optional<Error>& fault, const Keep& keep);
   [[nodiscard]] Result<void> take(const std::vector<std::string>& messages, const Keep& keep);
 
   const CampaignWork* work_;

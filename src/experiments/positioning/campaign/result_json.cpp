@@ -28,7 +28,10 @@ void write(JsonWriter& json, std::string_view name, const std::optional<Crossing
 void write_plan(JsonWriter& json, const CampaignResult& result) {
   const CampaignPlan& plan = result.work.plan();
   json.key("plan").begin_object().field("name", plan.name).field("zone", result.work.ground().zone->name);
-  json.field("runs", plan.runs).field("seed", plan.seed).field("distance_m", plan.distance_m).field("rate_hz", plan.rate_hz);
+  json.field("runs", plan.runs)
+      .field("seed", plan.seed)
+      .field("distance_m", plan.distance_m)
+      .field("rate_hz", plan.rate_hz);
   json.field("fiducials", plan.fiducials == Fiducials::grid ? "grid" : "line").field("reach_m", plan.reach_m);
   json.field("threshold_m", plan.threshold_m).field("tolerance_m", plan.tolerance_m);
   json.field("tolerance_of", plan.evaluated == Evaluated::p95 ? "p95" : "rmse");

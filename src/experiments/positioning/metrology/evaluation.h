@@ -13,7 +13,7 @@ struct Evaluated {
   std::vector<float> errors_m;     ///< a millionth of a metre is enough for a percentile
   double worth{};                  ///< of the first few runs alone, as is the next
   double nees_worth{};
-  std::vector<double> squares_m2;                   ///< of the first run alone, as is all below
+  std::vector<double> squares_m2;                        ///< of the first run alone, as is all below
   std::vector<std::pair<double, double>> over_distance;  ///< (travelled, error), thinned
   std::vector<Pose2> path;
 };

@@ -198,7 +198,8 @@ void LiveRuns::supervise(SimTime now, Slot& slot, Responses& responses) {
   }
   if (const auto why = missing(now, slot)) return lose(slot, *why);
   const auto period = from_seconds(1.0 / options_.rate_hz);
-  if (now - slot.requested >= (slot.waiting ? std::max(repeat_after, period) : period)) send_requests(now, slot, responses);
+  if (now - slot.requested >= (slot.waiting ? std::max(repeat_after, period) : period))
+    send_requests(now, slot, responses);
 }
 
 void LiveRuns::complete(Slot& slot) {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "cosiva/base/time.h"
-#include "cosiva/experiments/positioning/metrology/lived_run.h"
+#include "cosiva/experiments/positioning/metrology/live_run.h"
 #include "cosiva/wire/messages/topics.h"
 #include "cosiva/wire/own/estimate_exchange.h"
 #include "cosiva/wire/runtime/core.h"
@@ -21,7 +21,7 @@ namespace cosiva::experiments {
 struct LiveRunsOptions {
   std::vector<wire::VehicleId> vehicles;  ///< each drives one run at a time, until all are driven
   std::size_t runs{1};
-  double distance_m{100.0};                  ///< TDTmax
+  double distance_m{100.0};             ///< TDTmax
   double rate_hz{20.0};                 ///< nextEstimatedPosition so often
   std::vector<std::string> algorithms;  ///< on board
   std::uint64_t seed{1};                ///< of the first run; the others count on
@@ -33,7 +33,7 @@ struct LiveRunsOptions {
   std::string ground_truth_topic{std::string(wire::ground_truth_topic)};
   SimDuration gap_max{std::chrono::milliseconds{500}};  ///< the truth is interpolated between stamps no further apart
   SimDuration timeout{std::chrono::seconds{10}};        ///< who says nothing for so long is lost
-  SimDuration stopped_max{std::chrono::minutes{1}};    ///< and who does not move
+  SimDuration stopped_max{std::chrono::minutes{1}};     ///< and who does not move
   std::string name;                                     ///< of this test, among all that the vehicles hear
 };
 

@@ -133,7 +133,8 @@ class PlanarInformation {
   [[nodiscard]] Pose2 began_at(std::size_t until) const {
     Pose2 step_pose;
     for (std::size_t i = 0; i < until; ++i) {
-      if (const auto* odometry = std::get_if<Odometry>(&run_.events[i])) step_pose = estimation::moved(step_pose, *odometry);
+      if (const auto* odometry = std::get_if<Odometry>(&run_.events[i]))
+        step_pose = estimation::moved(step_pose, *odometry);
     }
     return drive_[0] * inverse(step_pose);
   }

@@ -83,7 +83,7 @@ struct Qualified {
   Passes passes;
   statistics::Cdf cdf;
   std::vector<std::pair<double, double>> over_distance;  ///< of the first run: (travelled, error), thinned
-  std::vector<Pose2> path;                          ///< of the first run, at every moment
+  std::vector<Pose2> path;                               ///< of the first run, at every moment
 };
 
 enum class Verdict { different, not_shown_different, unresolved };

@@ -224,7 +224,8 @@ std::vector<Simulation::Fiducial> fiducials_of(const estimation::Track& track, c
     const double end_m = s - track_position.s_m + zone.circuit.section(track_position.section).length_m();
     for (const zone::Tag& tag : zone.tags) {
       if (tag.position.section == track_position.section)
-        fiducials.push_back({tag.number, s - track_position.s_m + tag.position.s_m, position(zone.circuit.pose_at(tag.position))});
+        fiducials.push_back(
+            {tag.number, s - track_position.s_m + tag.position.s_m, position(zone.circuit.pose_at(tag.position))});
     }
     s = end_m + 1e-9;
   }

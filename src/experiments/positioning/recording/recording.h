@@ -39,10 +39,10 @@ struct Recording {
   };
 
   std::string name;
-  std::vector<Step> odometry;        ///< stamps rise
-  bool odometry_had_speeds{false};  ///< which have become distances
-  bool turns_from_wheels{false};     ///< from how differently they roll; else a gyroscope may have told them
-  std::vector<ReceivedRange> ranges;         ///< in the order of their stamps, as are readings
+  std::vector<Step> odometry;         ///< stamps rise
+  bool odometry_had_speeds{false};    ///< which have become distances
+  bool turns_from_wheels{false};      ///< from how differently they roll; else a gyroscope may have told them
+  std::vector<ReceivedRange> ranges;  ///< in the order of their stamps, as are readings
   std::vector<Sighted> readings;
   std::vector<True> ground_truth;  ///< stamps rise
   bool ground_truth_has_heading{false};

@@ -97,7 +97,8 @@ TEST(Recording, of_libRSF_that_goes_then_turns_ends_each_step_where_that_ends) {
   const std::vector<Pose2> ends{{-1.0, 0.1, 0.0}, {1.0, 0.2, 0.5 * pi}};
   for (std::size_t i = 0; i < ends.size(); ++i) {
     const Recording::Step& step = rsf->odometry[i];
-    const Pose2 step_pose = estimation::step_of({step.distance_m, step.turn_rad, step.duration_s, 0.0, 0.0, step.left_m});
+    const Pose2 step_pose =
+        estimation::step_of({step.distance_m, step.turn_rad, step.duration_s, 0.0, 0.0, step.left_m});
     EXPECT_NEAR(distance(step_pose, ends[i]), 0.0, 1e-12) << i;
     EXPECT_NEAR(step_pose.heading_rad, ends[i].heading_rad, 1e-12) << i;
   }

@@ -29,7 +29,9 @@ class GroundTruth {
   }
 
  private:
-  static Pose2 pose(const Recording::True& t) { return {t.position_M.x_m, t.position_M.y_m, wrap_angle(t.heading_rad)}; }
+  static Pose2 pose(const Recording::True& t) {
+    return {t.position_M.x_m, t.position_M.y_m, wrap_angle(t.heading_rad)};
+  }
   const std::vector<Recording::True>& ground_truth_;
   double gap_s_;
 };
@@ -49,7 +51,8 @@ class Mixer {
       if (next_s > step.t_s) break;
       roll(step, from_s, next_s);
       from_s = std::fmax(from_s, next_s);
-      auto reported = range_s <= reading_s ? report(recording_.ranges[received_++]) : report(recording_.readings[detected_++]);
+      auto reported =
+          range_s <= reading_s ? report(recording_.ranges[received_++]) : report(recording_.readings[detected_++]);
       if (!reported) return reported;
     }
     roll(step, from_s, step.t_s);

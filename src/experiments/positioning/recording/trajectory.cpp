@@ -76,7 +76,8 @@ Result<Stamped> read_line(TrajectoryFormat format, std::string_view line, double
   const std::size_t wanted = format == TrajectoryFormat::kitti ? 12 : 8;
   if (commas ? fields.size() < wanted : fields.size() != wanted)
     return fail("recording.width",
-                "here are " + std::to_string(fields.size()) + " numbers instead of " + std::to_string(wanted), location);
+                "here are " + std::to_string(fields.size()) + " numbers instead of " + std::to_string(wanted),
+                location);
   if (format == TrajectoryFormat::kitti) return read_kitti(fields, index, location);
   auto values = numbers(fields, 8, location);
   if (!values) return tl::unexpected(values.error());

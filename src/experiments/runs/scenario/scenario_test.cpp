@@ -248,8 +248,8 @@ TEST(Scenario, every_command_is_one_JSON_object_with_a_command) {
 
 struct Bad {
   std::string body;
-  std::string location;    ///< the beginning of the error's place
-  std::string message;  ///< a part of it
+  std::string location;  ///< the beginning of the error's place
+  std::string message;   ///< a part of it
 };
 
 void expect_refused(const std::vector<Bad>& all) {

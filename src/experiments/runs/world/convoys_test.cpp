@@ -7,7 +7,7 @@
 #include <string>
 
 #include "cosiva/base/json_value.h"
-#include "cosiva/experiments/runs/world/test_unrest.h"
+#include "cosiva/experiments/runs/world/test_disturbance.h"
 #include "cosiva/experiments/runs/world/test_world.h"
 
 namespace cosiva::experiments {
@@ -97,7 +97,7 @@ TEST(Convoys, are_explained_in_the_traces) {
   const auto reported = convoy_traces(*world);
   ASSERT_FALSE(reported.empty());
   EXPECT_THAT(reported.front().text, ::testing::MatchesRegex("convoy of [23] through X[1-4] and X[1-4], behind "
-                                                         "CoSiVA/AIV[0-9]+"));
+                                                             "CoSiVA/AIV[0-9]+"));
 }
 
 TEST(Convoys, stand_behind_one_that_is_stopped_in_the_crossing_and_go_on_with_it) {
@@ -148,7 +148,8 @@ TEST(Convoys, of_physical_and_virtual_AIVs_mixed_touch_nobody) {
   ASSERT_FALSE(reported.empty());
   for (const ConvoyTrace& one : reported) {
     if (one.vehicle.starts_with("CoSiVA.virtual")) continue;
-    EXPECT_THAT(one.text, ::testing::Not(::testing::HasSubstr("CoSiVA.virtual"))) << one.vehicle << " has no eyes for it";
+    EXPECT_THAT(one.text, ::testing::Not(::testing::HasSubstr("CoSiVA.virtual")))
+        << one.vehicle << " has no eyes for it";
   }
   EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
 }

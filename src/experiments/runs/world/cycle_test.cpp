@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cosiva/experiments/runs/world/test_unrest.h"
+#include "cosiva/experiments/runs/world/test_disturbance.h"
 #include "cosiva/experiments/runs/world/test_world.h"
 
 namespace cosiva::experiments {

@@ -95,7 +95,7 @@ struct World::Impl {
   std::optional<ScenarioPlayer> player;
   std::optional<SimTime> scenario_began;
   bool fleet_whole{false};  ///< since the server came up
-  SimTime next_check{};      ///< at the fleet, or for the next step
+  SimTime next_check{};     ///< at the fleet, or for the next step
   World::OnStep on_step;
 
   explicit Impl(WorldOptions o) : options{std::move(o)}, network{options.seed, options.network} {}

@@ -29,8 +29,8 @@ struct WorldOptions {
   bool v2x{true};         ///< likewise
   virtual_side::ServerOptions server;
   /// Orders and what vehicles say often are passed on as values, and nobody writes or reads their texts
-  /// (wire/in_process/typed_message.h): the same run, to the last bit of everybody's state, in three fifths of the time. A tap
-  /// sees such messages without their text.
+  /// (wire/in_process/typed_message.h): the same run, to the last bit of everybody's state, in three fifths of the
+  /// time. A tap sees such messages without their text.
   bool as_values{false};
   /// Everybody acts once in so long: the plant and its boards, then the vehicles, then the server, one after another
   /// within a hundredth of a second. Nothing: each at its own pace, as the live platform does (10 and 20 ms), and out

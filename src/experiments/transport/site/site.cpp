@@ -54,8 +54,8 @@ class MessageReader {
 };
 
 /// A passage's end by name, or the n-th stop where none is said.
-Result<zone::TrackPosition> end_in(const zone::TrafficZone& zone, const std::string& zone_name, const std::string& station,
-                           std::size_t nth) {
+Result<zone::TrackPosition> end_in(const zone::TrafficZone& zone, const std::string& zone_name,
+                                   const std::string& station, std::size_t nth) {
   if (!station.empty()) {
     const zone::Station* const found = zone.find_station(station);
     if (found != nullptr) return found->location;
@@ -179,7 +179,8 @@ Result<void> SiteRun::open_zones() {
     site_zones_.push_back(std::move(site_zone));
   }
   for (const Transfer& transfer : transfers_) {
-    if (owner_of(transfer.to_zone) != ranks_->rank() || site_zone_of(transfer.to_zone).run->fleet().may_stop(transfer.enter))
+    if (owner_of(transfer.to_zone) != ranks_->rank() ||
+        site_zone_of(transfer.to_zone).run->fleet().may_stop(transfer.enter))
       continue;
     return fail("site.transfer_point", "zone '" + options_.plan.zones[transfer.to_zone].name +
                                            "': a passage leads to a place in a crossing, where no vehicle may stand");
@@ -248,7 +249,8 @@ void SiteRun::meet() {
       traveller.job.priority = reader.take<std::int32_t>();
       COSIVA_EXPECT(transfer_point < transfers_.size());
       site_zone_of(transfers_[transfer_point].to_zone)
-          .arrivals.push_back({traveller.left_step + transfers_[transfer_point].takes_steps, transfer_point, traveller});
+          .arrivals.push_back(
+              {traveller.left_step + transfers_[transfer_point].takes_steps, transfer_point, traveller});
     }
   }
   // In an order that does not depend on who told us first.

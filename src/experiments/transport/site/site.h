@@ -52,7 +52,7 @@ class SiteRun {
   struct SiteZone {  ///< a zone of this rank
     std::size_t index;
     std::unique_ptr<TrafficRun> run;
-    std::deque<Arrival> arrivals;                            ///< by due_step, then passage, then AIV
+    std::deque<Arrival> arrivals;                         ///< by due_step, then passage, then AIV
     std::vector<std::pair<std::size_t, Traveller>> left;  ///< by passage, since the last meeting
   };
   SiteRun(SiteOptions options, Ranks& ranks) : options_{std::move(options)}, ranks_{&ranks} {}
@@ -67,7 +67,7 @@ class SiteRun {
 
   SiteOptions options_;
   Ranks* ranks_;
-  std::vector<Transfer> transfers_;                        ///< by passage
+  std::vector<Transfer> transfers_;              ///< by passage
   std::vector<std::vector<std::size_t>> exits_;  ///< by zone: passages, as its jobs count them
   std::vector<SiteZone> site_zones_;             ///< of zones one after another
   std::uint64_t meeting_steps_{10};

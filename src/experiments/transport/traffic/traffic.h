@@ -14,9 +14,9 @@ namespace cosiva::experiments {
 /// W = P·t + (c·m·g·s + ½·m·Σ max(0, v₂² − v₁²)) / η, nothing won back by braking.
 struct DriveEnergy {
   double base_load_w{2.2};  ///< P: boards and radio
-  double mass_kg{3.0};     ///< m
-  double rolling{0.03};    ///< c
-  double efficiency{0.5};  ///< η, of motors and gears
+  double mass_kg{3.0};      ///< m
+  double rolling{0.03};     ///< c
+  double efficiency{0.5};   ///< η, of motors and gears
 };
 
 /// What is the same for one zone and for many.
@@ -40,8 +40,8 @@ struct TrafficOptions : TrafficTerms {
   std::vector<Job> jobs;  ///< in the order of their times; none: everybody circulates
   // Of a zone that is one of many (experiments/transport/site):
   std::vector<zone::TrackPosition> exits;  ///< where vehicles leave it
-  std::size_t spare{0};            ///< so many more than it begins with can be in it at a time
-  std::uint32_t first_aiv{0};      ///< number of its first vehicle among all zones'
+  std::size_t spare{0};                    ///< so many more than it begins with can be in it at a time
+  std::uint32_t first_aiv{0};              ///< number of its first vehicle among all zones'
 };
 
 /// A vehicle with a load on its way from one zone to another.

@@ -97,7 +97,7 @@ bool ControlAreas::has_map(std::string_view name) const {
 }
 
 Result<Mission> ControlAreas::route_to(std::string_view to, const zone::TrafficZone& zone,
-                                     const Missions& missions) const {
+                                       const Missions& missions) const {
   const std::string name{to.substr(0, to.find('/'))};
   const std::string goal{to.substr(std::min(to.size(), name.size() + 1))};
   if (name == own_) {

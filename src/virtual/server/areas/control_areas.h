@@ -33,7 +33,7 @@ class ControlAreas {
   struct Vehicle {
     wire::VehicleId id;
     std::optional<wire::Owner> owner;  ///< the last that was heard; nothing: it is nobody's
-    bool owner_received{false};           ///< since our link came up
+    bool owner_received{false};        ///< since our link came up
     std::optional<wire::Input> connection;
     std::optional<wire::Input> factsheet;
     std::optional<Pose2> pose;  ///< as long as it is nobody's
@@ -56,7 +56,7 @@ class ControlAreas {
   /// The mission to "control area/name": to the station of `zone` that lies on a way of that control area from which
   /// `name` can be reached, the one nearest to its line. Fails with a sentence that says what to do.
   [[nodiscard]] Result<Mission> route_to(std::string_view to, const zone::TrafficZone& zone,
-                                       const Missions& missions) const;
+                                         const Missions& missions) const;
 
   /// {"name","others":[{"name","online"}]}.
   void write(JsonWriter& json) const;

@@ -24,8 +24,9 @@ bool ThirdPartyPause::in_path(VehicleIndex vehicle, const Pose2& X_MB, const Bod
   const zone::Circuit& circuit = *simulator_.circuit();
   // What touches its tail only is behind it: the way is looked at from its middle on.
   for (double d_m = 0.0; d_m <= reach_m; d_m += step_m) {
-    const Point2 p = track_position ? position(circuit.pose_at(circuit.advance(*track_position, d_m, traffic_.remaining(vehicle))))
-                           : X_MB * Point2{d_m, 0.0};
+    const Point2 p = track_position
+                         ? position(circuit.pose_at(circuit.advance(*track_position, d_m, traffic_.remaining(vehicle))))
+                         : X_MB * Point2{d_m, 0.0};
     if (distance_to(*body.body, p) <= half_width_m) return true;
   }
   return false;

@@ -32,7 +32,8 @@ class VirtualFleet {
     std::vector<std::string> listens{};  ///< topics of those near it (wire::Listen)
   };
 
-  void add(VehicleIndex vehicle, SimTime now, bool link_up, const zone::ZoneConfiguration& zone, zone::TrackPosition start);
+  void add(VehicleIndex vehicle, SimTime now, bool link_up, const zone::ZoneConfiguration& zone,
+           zone::TrackPosition start);
   void remove(VehicleIndex vehicle, SimTime now);
   [[nodiscard]] const Host* find(VehicleIndex vehicle) const;
   /// On this circuit, be it one that the vehicle has yet to change to.

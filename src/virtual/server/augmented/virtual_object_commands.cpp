@@ -264,8 +264,8 @@ Result<std::optional<zone::TrackPosition>> VirtualObjectCommands::read_section(c
     return fail("virtual_object.section", "this zone has no such section; it has " + names, "section");
   }
   zone::TrackPosition track_position{*section, 0.0};
-  if (auto read =
-          read_number(virtual_object, "s", 0.0, circuit.section(*section).length_m(), " along the section", track_position.s_m);
+  if (auto read = read_number(virtual_object, "s", 0.0, circuit.section(*section).length_m(), " along the section",
+                              track_position.s_m);
       !read)
     return tl::unexpected(read.error());
   return std::optional{track_position};
@@ -326,7 +326,8 @@ bool VirtualObjectCommands::has_room(zone::TrackPosition track_position, Point2 
 
 bool VirtualObjectCommands::has_room(zone::TrackPosition track_position) const {
   const Point2 at = position(simulator_.circuit()->pose_at(track_position));
-  return std::ranges::all_of(nearby_vehicles(), [&](const NearbyVehicle& other) { return has_room(track_position, at, other); });
+  return std::ranges::all_of(nearby_vehicles(),
+                             [&](const NearbyVehicle& other) { return has_room(track_position, at, other); });
 }
 
 Result<void> VirtualObjectCommands::check_position(zone::TrackPosition track_position) const {

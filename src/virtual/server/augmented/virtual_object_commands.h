@@ -21,7 +21,7 @@ struct VirtualObjectCommand {
   bool is_aiv{false};
   VirtualObjectKind kind{VirtualObjectKind::person};
   double radius_m{};
-  Walk walk;          ///< of a person or an obstacle
+  Walk walk;                     ///< of a person or an obstacle
   zone::TrackPosition position;  ///< of an AIV
 };
 
@@ -29,7 +29,7 @@ struct VirtualObjectCommand {
 /// nothing.
 class VirtualObjectCommands {
  public:
-  static constexpr double off_zone_m = 0.5;   ///< so far beyond the drawing's bounds a thing may stand
+  static constexpr double off_zone_m = 0.5;      ///< so far beyond the drawing's bounds a thing may stand
   static constexpr double off_circuit_m = 0.30;  ///< further from every way, a virtual AIV cannot be put
   static constexpr double radius_m_min = 0.02;
   static constexpr double radius_m_max = 1.0;

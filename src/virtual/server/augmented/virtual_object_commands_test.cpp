@@ -41,7 +41,8 @@ TEST(VirtualObjects, stand_where_they_were_put_with_names_of_their_kind) {
   ServerFixture fixture;
   EXPECT_EQ(fixture.server->next_virtual_object_id("person"), "P1");
   fixture.send_command(person(R"("x":0.5,"y":0.1)"));
-  fixture.send_command(R"({"command":"add","virtualObject":{"kind":"obstacle","id":"box","x":1.5,"y":0.2,"radius":0.3}})");
+  fixture.send_command(
+      R"({"command":"add","virtualObject":{"kind":"obstacle","id":"box","x":1.5,"y":0.2,"radius":0.3}})");
   EXPECT_THAT(virtual_objects(fixture), ElementsAre("P1", "box"));
   EXPECT_EQ(fixture.server->next_virtual_object_id("person"), "P2");
   EXPECT_EQ(fixture.server->next_virtual_object_id("obstacle"), "O1");
@@ -309,7 +310,7 @@ TEST(VirtualAivs, put_between_a_vehicle_and_its_crossing_drive_on_before_it) {
   fixture.run_for(100ms);
   const zone::TrackPosition ahead = fixture.zone->circuit.advance(real.track_position(), 0.45);
   fixture.send_command(virtual_aiv(",\"section\":\"" + fixture.zone->circuit.part(ahead.section).name +
-                          "\",\"s\":" + std::to_string(ahead.s_m)));
+                                   "\",\"s\":" + std::to_string(ahead.s_m)));
   if (!fixture.logged("command refused")) {
     fixture.run_for(8s);
     EXPECT_GT(

@@ -77,7 +77,7 @@ class VirtualObstaclePublisher {
   struct Viewer {
     std::uint32_t next_id{0};
     std::array<SimTime, sent_kept> sent{};  ///< by header id, modulo
-    std::vector<SentObject> commanded;           ///< sorted
+    std::vector<SentObject> commanded;      ///< sorted
     SimTime due{};
     int empties{0};
     std::vector<Change> changes;  ///< the last few

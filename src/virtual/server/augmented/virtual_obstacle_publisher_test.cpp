@@ -25,8 +25,8 @@ class VirtualObstaclesFixture : public testing::Test {
     fixture.published.clear();
   }
   void add_person(double x, double y, const std::string& id = "P1") {
-    fixture.send_command(R"({"command":"add","virtualObject":{"kind":"person","id":")" + id + R"(","x":)" + std::to_string(x) +
-                ",\"y\":" + std::to_string(y) + "}}");
+    fixture.send_command(R"({"command":"add","virtualObject":{"kind":"person","id":")" + id + R"(","x":)" +
+                         std::to_string(x) + ",\"y\":" + std::to_string(y) + "}}");
   }
   void remove(const std::string& id) { fixture.send_command(R"({"command":"remove","id":")" + id + "\"}"); }
   [[nodiscard]] std::vector<wire::VirtualObstacles> aheads(const std::string& name = "CoSiVA/AIV1") const {

@@ -24,9 +24,9 @@ struct ServerOptions {
   SimDuration lost_after{std::chrono::seconds{1}};  ///< no report for so long: the vehicle's link is lost
   BijectionContract contract;
   SimDuration cycle{std::chrono::milliseconds{20}};  ///< how often it looks after everything
-  bool as_values{
-      false};  ///< everybody is in this process: orders are passed on as values (wire/in_process/typed_message.h); not in JSON
-  std::size_t traces_max{20'000};  ///< of the communications kept for the page
+  bool as_values{false};                             ///< everybody is in this process: orders are passed on as values
+                                                     ///< (wire/in_process/typed_message.h); not in JSON
+  std::size_t traces_max{20'000};                    ///< of the communications kept for the page
   /// Where vehicles that download their maps find the zone's; empty: nowhere, so they are not asked to.
   std::string map_download_link;
   bool v2x{true};      ///< its virtual AIVs talk with those near them

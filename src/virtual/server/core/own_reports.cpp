@@ -82,10 +82,10 @@ void OwnReports::on_detected(VehicleIndex vehicle, const wire::Input& input) {
   AivProxy& proxy = context_.registry[vehicle];
   if (!take_stamp(proxy, proxy.detected_stamp, message->timestamp)) return;
   const auto& obstacle = message->obstacle;
-  context_.traces.add(context_.now, proxy.name, "AIV_Server", "detected_obstacle",
-                      obstacle ? "something at " + position_text(obstacle->x_m, obstacle->y_m)
-                                     : std::string("nothing in its way"),
-                      input.source, input.payload);
+  context_.traces.add(
+      context_.now, proxy.name, "AIV_Server", "detected_obstacle",
+      obstacle ? "something at " + position_text(obstacle->x_m, obstacle->y_m) : std::string("nothing in its way"),
+      input.source, input.payload);
   if (!context_.simulator.zone() || message->map_id != context_.simulator.zone()->name) {
     ++proxy.outdated;  // of a zone that is no more, or not yet
     return;
@@ -115,8 +115,8 @@ void OwnReports::forget_where_clear(VehicleIndex vehicle, double clear_m) {
   std::vector<Point2> path;
   for (double d = 0.0; d <= reach_m; d += path_step_m) {
     path.push_back(image.position ? position(context_.simulator.circuit()->pose_at(
-                                    context_.simulator.ahead_of(*proxy.twin, *image.position, d)))
-                              : image.X_MB * Point2{d, 0.0});
+                                        context_.simulator.ahead_of(*proxy.twin, *image.position, d)))
+                                  : image.X_MB * Point2{d, 0.0});
   }
   std::vector<std::string> removed;
   for (const DetectedObstacle& obstacle : context_.simulator.detected().obstacles()) {

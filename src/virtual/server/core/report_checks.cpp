@@ -44,7 +44,9 @@ void ReportChecks::refuse(VehicleIndex vehicle, VehicleTopic topic, const wire::
 
 bool ReportChecks::take_header(VehicleIndex vehicle, VehicleTopic topic, const wire::Header& header) {
   AivProxy& proxy = context_.registry[vehicle];
-  const auto differs = [](const std::string& published, const std::string& known) { return !published.empty() && published != known; };
+  const auto differs = [](const std::string& published, const std::string& known) {
+    return !published.empty() && published != known;
+  };
   if (differs(header.manufacturer, proxy.id.manufacturer) || differs(header.serial_number, proxy.id.serial_number)) {
     ++proxy.refused;
     ++context_.messages_refused;

@@ -7,7 +7,7 @@
 namespace cosiva::virtual_side {
 
 void TwinPlacement::put(VehicleIndex vehicle, SimTime at, const Pose2& pose,
-                          const std::optional<wire::Velocity>& velocity) {
+                        const std::optional<wire::Velocity>& velocity) {
   AivProxy& proxy = context_.registry[vehicle];
   if (!proxy.twin) {
     proxy.twin = context_.simulator.appear(proxy.name, proxy.number, proxy.augmented, context_.options.lost_after,
@@ -26,19 +26,22 @@ void TwinPlacement::put(VehicleIndex vehicle, SimTime at, const Pose2& pose,
   report.on_map =
       !map_ || proxy.map_id.empty() || proxy.map_id == map_->zone().name || context_.areas.has_map(proxy.map_id);
   const Twin& twin = context_.simulator.twin(*proxy.twin);
-  const std::optional<zone::TrackPosition> before = twin.on_circuit() ? std::optional{twin.reported_position()} : std::nullopt;
+  const std::optional<zone::TrackPosition> before =
+      twin.on_circuit() ? std::optional{twin.reported_position()} : std::nullopt;
   context_.simulator.report(*proxy.twin, context_.now, report);
   if (before && twin.on_circuit() && before->section != twin.reported_position().section) trace_section(proxy, *before);
   if (map_)
-    master_.orders.set_reported_pose(vehicle,
-                                {twin.reported_position(), twin.reported_off_m(), twin.heading_off_rad(), report.X_MB});
+    master_.orders.set_reported_pose(
+        vehicle, {twin.reported_position(), twin.reported_off_m(), twin.heading_off_rad(), report.X_MB});
 }
 
 void TwinPlacement::trace_section(const AivProxy& proxy, zone::TrackPosition before) {
   // The article's figure 11, traced at each new section only.
   const zone::Circuit& circuit = *context_.simulator.circuit();
   const zone::TrackPosition position = context_.simulator.twin(*proxy.twin).reported_position();
-  const auto on = [&circuit](zone::TrackPosition p) { return circuit.part(p.section).name + " " + metres_text(p.s_m) + " m"; };
+  const auto on = [&circuit](zone::TrackPosition p) {
+    return circuit.part(p.section).name + " " + metres_text(p.s_m) + " m";
+  };
   const Pose2 line = circuit.pose_at(position);
   context_.traces.add(context_.now, "Simulator", "Circuit", "nextAIVposition", proxy.name + " leaves " + on(before));
   context_.traces.add(context_.now, "Circuit", "Simulator", "position",

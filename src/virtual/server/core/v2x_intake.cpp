@@ -40,8 +40,7 @@ void V2xIntake::receive(const wire::Input& input) {
   const auto vehicle = context_.registry.find(wire::to_string(topic->vehicle));
   if (!vehicle) return;
   AivProxy& proxy = context_.registry[*vehicle];
-  if (proxy.v2x_traced && context_.now - *proxy.v2x_traced < trace_period && context_.now >= *proxy.v2x_traced)
-    return;
+  if (proxy.v2x_traced && context_.now - *proxy.v2x_traced < trace_period && context_.now >= *proxy.v2x_traced) return;
   proxy.v2x_traced = context_.now;
   trace(proxy, input);
 }

@@ -178,11 +178,14 @@ void VehicleView::write_reserved(JsonWriter& json, VehicleIndex vehicle) const {
     std::optional<double> left_m;
     const auto remaining = context_.simulator.twin(*proxy.twin).remaining(track_position->section);
     if (master_.traffic.base_end(vehicle) != no_waypoint)
-      left_m = zones_.map()->base_left(*track_position, master_.traffic.base_end(vehicle), master_.traffic.base_m_max(vehicle),
-                                       remaining, master_.traffic.base_passed(vehicle));
+      left_m =
+          zones_.map()->base_left(*track_position, master_.traffic.base_end(vehicle),
+                                  master_.traffic.base_m_max(vehicle), remaining, master_.traffic.base_passed(vehicle));
     else if (proxy.base_end)
       left_m = circuit.distance_ahead(*track_position, *proxy.base_end, strange_base_m_max, remaining);
-    const auto at = [&](double d_m) { return position(circuit.pose_at(circuit.advance(*track_position, d_m, remaining))); };
+    const auto at = [&](double d_m) {
+      return position(circuit.pose_at(circuit.advance(*track_position, d_m, remaining)));
+    };
     if (left_m && *left_m > 0.0) {
       const double step_m = std::max(reserved_step_m, *left_m / static_cast<double>(reserved_points_max));
       for (double i = 0.0; i * step_m < *left_m; i += 1.0) write_point(json, at(i * step_m));

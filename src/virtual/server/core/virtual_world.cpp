@@ -125,7 +125,7 @@ void VirtualWorld::sign_off_orphans() {
     if (!proxy.augmented || !proxy.retired || proxy.connection != wire::ConnectionState::online) continue;
     proxy.connection = wire::ConnectionState::offline;
     wire::Connection disconnected{{0, context_.now, "2.1.0", proxy.id.manufacturer, proxy.id.serial_number},
-                          wire::ConnectionState::offline};
+                                  wire::ConnectionState::offline};
     context_.publisher.publish(wire::vda_topic(proxy.id, "connection", context_.registry.interface_name()),
                                wire::vda5050::encode(disconnected), 1, true);
   }

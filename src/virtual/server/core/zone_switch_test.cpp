@@ -148,7 +148,8 @@ TEST(Switch, twice_in_one_tick_ends_on_the_second) {
 TEST(Switch, in_a_crossing_and_back_again_collides_with_nobody) {
   ServerFixture fixture{zone_file("lacet4.toml")};
   int number = 0;
-  for (const zone::TrackPosition position : fixture.zone->start_positions(6)) fixture.add("AIV" + std::to_string(++number), position);
+  for (const zone::TrackPosition position : fixture.zone->start_positions(6))
+    fixture.add("AIV" + std::to_string(++number), position);
   int touches = 0;
   fixture.each_step = [&] { touches += fixture.touches(); };
   zone::ZoneConfiguration other = zone_file("lacet4.toml");

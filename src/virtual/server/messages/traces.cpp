@@ -99,7 +99,9 @@ std::optional<std::string> Traces::raw_of(const Trace& trace) const {
   return raw.append(raw_buffer_.data(), trace.raw_size - before_the_end);
 }
 
-const Traces::Trace& Traces::at(std::uint64_t n) const { return buffer_[static_cast<std::size_t>((n - 1) % capacity_)]; }
+const Traces::Trace& Traces::at(std::uint64_t n) const {
+  return buffer_[static_cast<std::size_t>((n - 1) % capacity_)];
+}
 
 std::uint64_t Traces::oldest() const { return next_ - buffer_.size(); }
 

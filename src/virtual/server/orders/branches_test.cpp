@@ -110,7 +110,8 @@ TEST(Roaming, takes_each_branch_in_turn) {
 TEST(Roaming, of_six_over_fork_and_merge_touches_nobody_and_goes_on_after_restarts) {
   ServerFixture fixture{fork()};
   int number = 0;
-  for (const zone::TrackPosition track_position : fixture.zone->start_positions(6)) fixture.add("AIV" + std::to_string(++number), track_position);
+  for (const zone::TrackPosition track_position : fixture.zone->start_positions(6))
+    fixture.add("AIV" + std::to_string(++number), track_position);
   ASSERT_EQ(number, 6);
   fixture.loss = 0.02;
   int touches = 0;

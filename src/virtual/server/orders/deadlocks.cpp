@@ -106,7 +106,8 @@ void Deadlocks::follow(Deadlock& deadlock) {
   const SimDuration for_long = now - deadlock.closed_since;
   switch (deadlock.state) {
     case Deadlock::State::forming:
-      if (closed && for_long >= (has_vehicle_off_path(deadlock) ? rules_.off_path_grace : rules_.grace)) begin(deadlock);
+      if (closed && for_long >= (has_vehicle_off_path(deadlock) ? rules_.off_path_grace : rules_.grace))
+        begin(deadlock);
       return;
     case Deadlock::State::reported: break;
     case Deadlock::State::yielding:

@@ -34,7 +34,7 @@ struct Deadlock {
   enum class State : std::uint8_t {
     forming,     ///< the ring has closed; most open again by themselves
     reported,    ///< it has lasted
-    yielding,  ///< somebody lets the others out
+    yielding,    ///< somebody lets the others out
     unresolved,  ///< nobody can; tried again and again
     resolved,
   };
@@ -68,7 +68,7 @@ class Deadlocks {
   void forget();
 
   struct Counters {
-    std::uint64_t cycles{0};     ///< closed, however briefly
+    std::uint64_t cycles{0};    ///< closed, however briefly
     std::uint64_t detected{0};  ///< lasted
     std::uint64_t resolved{0};
     SimDuration longest{};  ///< from the ring's closing to its end, of those that lasted

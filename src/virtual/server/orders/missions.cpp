@@ -120,7 +120,8 @@ void Missions::avoid(VehicleIndex vehicle, std::vector<zone::SectionId> sections
   ++entry.revision;
 }
 
-std::optional<std::vector<zone::SectionId>> Missions::plan(VehicleIndex vehicle, std::span<const zone::TrackPosition> starts) {
+std::optional<std::vector<zone::SectionId>> Missions::plan(VehicleIndex vehicle,
+                                                           std::span<const zone::TrackPosition> starts) {
   Entry& entry = entries_[vehicle];
   entry.goal = no_waypoint;
   entry.complete = false;
@@ -198,8 +199,8 @@ std::vector<zone::SectionId> Missions::branch(Entry& entry, zone::SectionId last
   if (best == zone::no_section) {
     const std::string& name = map_->circuit().part(last).name;
     no_route(entry,
-           {"route.none",
-            next.empty() ? "the way ends with '" + name + "'" : "all that follows '" + name + "' is closed", name});
+             {"route.none",
+              next.empty() ? "the way ends with '" + name + "'" : "all that follows '" + name + "' is closed", name});
     return {};
   }
   if (next.size() > 1) entry.taken[best] = ++entry.forks;

@@ -42,7 +42,8 @@ void OrderManager::try_other_positions(VehicleIndex vehicle) {
   const Plan& plan = plans_[vehicle];
   if (!plan.waits_since) return;
   const SimDuration waited = publisher_.now() - *plan.waits_since;
-  if (waited >= rules_.other_position_after) join_elsewhere(vehicle, waited < rules_.make_room_after, position_within_m);
+  if (waited >= rules_.other_position_after)
+    join_elsewhere(vehicle, waited < rules_.make_room_after, position_within_m);
 }
 
 bool OrderManager::join_elsewhere(VehicleIndex vehicle, bool drives_on, double within_m) {

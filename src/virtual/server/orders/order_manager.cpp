@@ -157,7 +157,7 @@ std::optional<WaypointIndex> OrderManager::adopt_course(VehicleIndex vehicle, co
 }
 
 bool OrderManager::refused(const Plan& plan, const wire::State& state, const wire::State* before,
-                          std::string& why) const {
+                           std::string& why) const {
   for (const wire::VehicleError& error : state.errors) {
     if (std::ranges::find(refusals, error.type) == refusals.end()) continue;
     const auto order = reference(error, "orderId");
@@ -294,7 +294,7 @@ bool OrderManager::leads_too_far(VehicleIndex vehicle) {
 }
 
 bool OrderManager::comes_again(VehicleIndex vehicle, const Extension& from, std::size_t passed,
-                              const WaypointGraph::Stretch& stretch) const {
+                               const WaypointGraph::Stretch& stretch) const {
   // A base that goes twice over one place has two ends of one name.
   const Plan& plan = plans_[vehicle];
   // One that has rolled past the end of its base, and into the next section, comes there for the first time.

@@ -24,7 +24,7 @@ struct OrderRules {
   double deviation_m{0.10};   ///< allowedDeviationXY of every node but the first of a new order
   double arrived_m{0.06};     ///< one that stands nearer than this to its goal has arrived; past it, `deviation_m`
   double on_circuit_m{0.30};  ///< a vehicle further off is not given orders
-  double on_path_m{0.20};      ///< a vehicle nearer than this to the circuit stands in the way of others
+  double on_path_m{0.20};     ///< a vehicle nearer than this to the circuit stands in the way of others
   SimDuration resend_after{std::chrono::milliseconds{300}};
   SimDuration update_period{std::chrono::milliseconds{200}};
   SimDuration after_refusal{std::chrono::seconds{2}};
@@ -34,18 +34,18 @@ struct OrderRules {
   SimDuration join_timeout{std::chrono::seconds{15}};
   SimDuration cancel_again{std::chrono::seconds{5}};
   SimDuration unresponsive_for{std::chrono::seconds{12}};  ///< one of ours with way before it and no reason to stand
-  SimDuration yield_time_max{std::chrono::seconds{12}};     ///< at most
+  SimDuration yield_time_max{std::chrono::seconds{12}};    ///< at most
   double others_left_m{0.5};                               ///< it goes on when those it gave way to have come so far
   double back_up_m_max{0.5};
 };
 
 /// How a vehicle lets others out of a deadlock, the cheapest first.
 enum class Means : std::uint8_t {
-  move_up,      ///< comes as near to the one ahead as its eyes let it, so that the one behind it leaves a crossing
-  wait,         ///< gives back what it asked for and holds ahead, and lets the others go first
-  detour,       ///< goes another way
+  move_up,         ///< comes as near to the one ahead as its eyes let it, so that the one behind it leaves a crossing
+  wait,            ///< gives back what it asked for and holds ahead, and lets the others go first
+  detour,          ///< goes another way
   other_position,  ///< comes onto the line elsewhere
-  back_up,      ///< drives backwards along the line, and lets the others go first
+  back_up,         ///< drives backwards along the line, and lets the others go first
 };
 
 /// Rolls orders along each vehicle's mission: an idle vehicle gets a new order, whose base is then pushed forward by
@@ -56,7 +56,7 @@ enum class Means : std::uint8_t {
 class OrderManager {
  public:
   OrderManager(Registry& registry, Traffic& traffic, MessagePublisher& publisher, InstantActionSender& action_sender,
-              Missions& missions, Simulator& simulator)
+               Missions& missions, Simulator& simulator)
       : registry_{registry},
         traffic_{traffic},
         publisher_{publisher},
@@ -143,9 +143,9 @@ class OrderManager {
     std::optional<SimTime> waits_since;
     std::optional<SimTime> unresponsive_since;           ///< it stands with base before it, and says no reason
     InstantActionSender::ActionHandle cancel_handle{0};  ///< of the cancelOrder on its way; 0: none
-    std::uint64_t route_of{0};                 ///< the missions' revision that its course was planned for; 0: none
-    std::optional<zone::SectionId> no_route;   ///< there is none from here
-    std::optional<zone::TrackPosition> entry_point;  ///< where it comes onto the line
+    std::uint64_t route_of{0};                ///< the missions' revision that its course was planned for; 0: none
+    std::optional<zone::SectionId> no_route;  ///< there is none from here
+    std::optional<zone::TrackPosition> entry_point;    ///< where it comes onto the line
     InstantActionSender::ActionHandle join_handle{0};  ///< of the joinLine on its way; 0: none
     SimTime join_sent_at{};
     struct Yielding {
@@ -263,9 +263,9 @@ class OrderManager {
   OrderRules rules_;
   const WaypointGraph* map_{};
   std::vector<Plan> plans_;
-  std::vector<zone::SectionId> route_;               ///< of the vehicle at hand, after its extension's first section
+  std::vector<zone::SectionId> route_;  ///< of the vehicle at hand, after its extension's first section
   std::vector<const WaypointGraph::Stretch*> extension_;  ///< of the vehicle at hand
-  std::vector<VehicleIndex> neighbour_;               ///< whose bodies count, not their places
+  std::vector<VehicleIndex> neighbour_;                   ///< whose bodies count, not their places
   SimDuration longest_wait_{};
   SimDuration lost_after_{};  ///< of this tick
   std::uint64_t orders_sent_{0};

@@ -116,7 +116,8 @@ bool OrderManager::plan_course(VehicleIndex vehicle) {
   std::vector<zone::SectionId> all;
   const Sections traversed = traffic_.traversed(vehicle);
   const auto before_start = map_->circuit().previous(start->section);
-  if (start == starts.begin() || (!traversed.empty() && std::ranges::find(before_start, traversed.back()) != before_start.end()))
+  if (start == starts.begin() ||
+      (!traversed.empty() && std::ranges::find(before_start, traversed.back()) != before_start.end()))
     all.assign(traversed.begin(), traversed.end());
   const std::size_t before = all.size();
   all.insert(all.end(), sections->begin(), sections->end());
@@ -290,10 +291,12 @@ VehicleIndex OrderManager::obstructs_line_entry(VehicleIndex vehicle, zone::Trac
     const double base_m = traffic_.base_left_m(other, *track_position).value_or(0.0);
     const Sections remaining = traffic_.remaining(other);
     for (double ahead_m = sample_m; ahead_m < base_m + sample_m; ahead_m += sample_m)
-      if (sweep.near_body(map_->circuit().pose_at(map_->circuit().advance(*track_position, std::min(ahead_m, base_m), remaining))))
+      if (sweep.near_body(
+              map_->circuit().pose_at(map_->circuit().advance(*track_position, std::min(ahead_m, base_m), remaining))))
         return other;
     const double clear_m = shape.length_m + aiv::entry_clear_m;
-    if (base_m > 0.0 && map_->ahead(*track_position, entry_point, base_m + clear_m, traffic_.remaining(other))) return other;
+    if (base_m > 0.0 && map_->ahead(*track_position, entry_point, base_m + clear_m, traffic_.remaining(other)))
+      return other;
   }
   return no_vehicle;
 }

@@ -121,7 +121,8 @@ VehicleIndex OrderManager::detected_in_path(VehicleIndex vehicle) const {
     }
     if (!plan.reported.position) continue;
     for (double ahead_m = 0.0; ahead_m < detected_ahead_m + check_every_m; ahead_m += check_every_m) {
-      const Pose2 X_MV = circuit.pose_at(circuit.advance(*plan.reported.position, ahead_m, traffic_.remaining(vehicle)));
+      const Pose2 X_MV =
+          circuit.pose_at(circuit.advance(*plan.reported.position, ahead_m, traffic_.remaining(vehicle)));
       if (!aiv::near_bodies(shape, X_MV, X_MO, detected_off_path_m)) continue;
       // Beside its flank already, it is not what it looks at.
       if (ahead_m > 0.0 || aiv::lies_ahead(shape, X_MB, X_MO)) consider(other, ahead_m);

@@ -63,7 +63,8 @@ bool OrderManager::keeps_off(const Wait& wait, zone::TrackPosition track_positio
     case WaitReason::crossing: {
       std::vector<CrossingIndex> occupied_crossings;
       map_->crossings_on(track_position, 0.0, occupied_crossings, traffic_.remaining(wait.blocker));
-      return std::ranges::any_of(occupied_crossings, [&](CrossingIndex x) { return traffic_.requests(wait.waiter, x); });
+      return std::ranges::any_of(occupied_crossings,
+                                 [&](CrossingIndex x) { return traffic_.requests(wait.waiter, x); });
     }
     case WaitReason::off_path:
     case WaitReason::sensors: break;
@@ -79,7 +80,8 @@ bool OrderManager::keeps_off(const Wait& wait, zone::TrackPosition track_positio
   if (!theirs.reported.position) return true;
   const double far_m = traffic_.base_left_m(wait.waiter, *theirs.reported.position).value_or(0.0) + distance_before_m;
   for (double ahead_m = 0.0; ahead_m < far_m; ahead_m += distance_step_m) {
-    const Pose2 X_MW = circuit.pose_at(circuit.advance(*theirs.reported.position, ahead_m, traffic_.remaining(wait.waiter)));
+    const Pose2 X_MW =
+        circuit.pose_at(circuit.advance(*theirs.reported.position, ahead_m, traffic_.remaining(wait.waiter)));
     if (aiv::near_bodies(shape, X_MW, X_MV, path_clear_m)) return true;
   }
   return false;
@@ -154,10 +156,12 @@ bool OrderManager::makes_room_by_moving_up(VehicleIndex vehicle, std::span<const
            const Sections remaining = traffic_.remaining(wait.waiter);
            const auto occupied_crossings = [&](double ahead_m) {
              std::vector<CrossingIndex> crossings;
-             map_->crossings_on(map_->circuit().advance(*track_position, ahead_m, remaining), 0.0, crossings, remaining);
+             map_->crossings_on(map_->circuit().advance(*track_position, ahead_m, remaining), 0.0, crossings,
+                                remaining);
              return !crossings.empty();
            };
-           return occupied_crossings(0.0) && !occupied_crossings(std::max(0.0, before.distance_m + up_m - traffic_.stopped_m()));
+           return occupied_crossings(0.0) &&
+                  !occupied_crossings(std::max(0.0, before.distance_m + up_m - traffic_.stopped_m()));
          });
 }
 
@@ -167,11 +171,12 @@ std::vector<zone::SectionId> OrderManager::contested(VehicleIndex vehicle) const
   const Plan& plan = plans_[vehicle];
   const bool running = plan.stage == Plan::Stage::running;
   const zone::TrackPosition from = running ? map_->waypoint(plan.base_end).position : *plan.reported.position;
-  const auto route = running
-                       ? traffic_.beyond_base(vehicle, *plan.reported.position).sections
-                       : std::vector<zone::SectionId>(traffic_.remaining(vehicle).begin(), traffic_.remaining(vehicle).end());
+  const auto route =
+      running ? traffic_.beyond_base(vehicle, *plan.reported.position).sections
+              : std::vector<zone::SectionId>(traffic_.remaining(vehicle).begin(), traffic_.remaining(vehicle).end());
   // The first section of its way that it need not enter, and where what it waits for is.
-  const auto& blocker = plan.waits_for_vehicle == no_vehicle ? std::nullopt : traffic_.track_position(plan.waits_for_vehicle);
+  const auto& blocker =
+      plan.waits_for_vehicle == no_vehicle ? std::nullopt : traffic_.track_position(plan.waits_for_vehicle);
   for (const zone::SectionId section : route) {
     if (section == from.section) break;
     if (blocker && blocker->section == section) return {section};
@@ -195,7 +200,7 @@ std::optional<double> OrderManager::distance_back_m(VehicleIndex vehicle, std::s
   // Over a joint only where it knows by which way it came, and where the way does not bend sharply.
   double far_m = here.s_m;
   const auto before = circuit.previous(here.section);
-  const zone::SectionId came_from = !traversed.empty()        ? traversed.back()
+  const zone::SectionId came_from = !traversed.empty()   ? traversed.back()
                                     : before.size() == 1 ? before.front()
                                                          : zone::no_section;
   if (came_from != zone::no_section && circuit.turn_at(came_from, here.section) == 0.0)
@@ -210,8 +215,9 @@ std::optional<double> OrderManager::distance_back_m(VehicleIndex vehicle, std::s
     // In a crossing that it was not in it would be in somebody else's way.
     std::vector<CrossingIndex> occupied_crossings;
     map_->crossings_on(there, 0.0, occupied_crossings, traffic_.remaining(vehicle));
-    const bool another = std::ranges::any_of(
-        occupied_crossings, [&](CrossingIndex x) { return std::ranges::find(occupied_crossings, x) == occupied_crossings.end(); });
+    const bool another = std::ranges::any_of(occupied_crossings, [&](CrossingIndex x) {
+      return std::ranges::find(occupied_crossings, x) == occupied_crossings.end();
+    });
     if (another) continue;
     const double rolls_m = back_m + back_slack_m;
     return is_free_behind(vehicle, rolls_m) ? std::optional{rolls_m} : std::nullopt;
@@ -228,7 +234,8 @@ bool OrderManager::is_free_behind(VehicleIndex vehicle, double back_m) const {
   if (clear_m <= 0.0) clear_m = 0.002;
   const double end_m = back_m + behind_beyond_m;
   for (double at_m = behind_every_m; at_m < end_m + behind_every_m; at_m += behind_every_m) {
-    const zone::TrackPosition track_position = circuit.advance(here, -std::min(at_m, end_m), {}, traffic_.traversed(vehicle));
+    const zone::TrackPosition track_position =
+        circuit.advance(here, -std::min(at_m, end_m), {}, traffic_.traversed(vehicle));
     if (near_anything(vehicle, circuit.pose_at(track_position), clear_m)) return false;
   }
   return true;
@@ -243,7 +250,8 @@ bool OrderManager::near_anything(VehicleIndex vehicle, const Pose2& X_MB, double
     const auto& track_position = traffic_.track_position(other);
     const double base_m = track_position ? traffic_.base_left_m(other, *track_position).value_or(0.0) : 0.0;
     for (double ahead_m = behind_every_m; ahead_m < base_m + behind_every_m; ahead_m += behind_every_m) {
-      const zone::TrackPosition on = circuit.advance(*track_position, std::min(ahead_m, base_m), traffic_.remaining(other));
+      const zone::TrackPosition on =
+          circuit.advance(*track_position, std::min(ahead_m, base_m), traffic_.remaining(other));
       if (aiv::near_bodies(shape, X_MB, circuit.pose_at(on), clear_m)) return true;
     }
   }

@@ -51,7 +51,7 @@ class WaitGraph {
 
   std::size_t count_{0};
   std::vector<Wait> waits_;
-  std::vector<std::size_t> first_;  ///< of each vehicle's waits, and one behind the last
+  std::vector<std::size_t> first_;      ///< of each vehicle's waits, and one behind the last
   std::vector<VehicleIndex> blockers_;  ///< of each wait
   StrongComponents components_;
   std::vector<std::size_t> came_by_;  ///< for the ring: the wait that led to each

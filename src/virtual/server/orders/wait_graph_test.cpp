@@ -21,7 +21,9 @@ std::vector<Knot> knots_of(std::size_t count, const std::vector<Wait>& waits) {
   return graph.find_knots();
 }
 
-Wait wait(VehicleIndex waiter, VehicleIndex blocker, WaitReason why = WaitReason::ahead) { return {waiter, blocker, why}; }
+Wait wait(VehicleIndex waiter, VehicleIndex blocker, WaitReason why = WaitReason::ahead) {
+  return {waiter, blocker, why};
+}
 
 TEST(WaitGraph, has_no_knot_where_somebody_can_go) {
   EXPECT_THAT(knots_of(0, {}), IsEmpty());

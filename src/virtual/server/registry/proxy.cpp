@@ -52,7 +52,8 @@ std::uint32_t Registry::display_number_for(std::string_view serial) const {
   };
   std::uint64_t digits = 0;
   std::uint64_t position = 1;
-  for (std::size_t i = serial.size(); i > 0 && serial[i - 1] >= '0' && serial[i - 1] <= '9' && position <= 100'000; --i) {
+  for (std::size_t i = serial.size(); i > 0 && serial[i - 1] >= '0' && serial[i - 1] <= '9' && position <= 100'000;
+       --i) {
     digits += position * static_cast<std::uint64_t>(serial[i - 1] - '0');
     position *= 10;
   }

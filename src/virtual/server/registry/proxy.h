@@ -68,7 +68,7 @@ struct AivProxy {
 
   std::optional<std::size_t> twin;
   std::optional<zone::TrackPosition> base_end;  ///< as it said last
-  std::size_t entity{};                 ///< in the monitor
+  std::size_t entity{};                         ///< in the monitor
   bool present{false};  ///< physically: it was online and reported where it is, or reported for a while without
 
   std::optional<aiv::Profile> imposed;

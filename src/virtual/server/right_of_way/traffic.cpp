@@ -53,7 +53,8 @@ void Traffic::set_position(VehicleIndex vehicle, std::optional<zone::TrackPositi
 
 void Traffic::follow(VehicleIndex vehicle, zone::TrackPosition position) {
   Vehicle& self = vehicles_[vehicle];
-  const bool was_on = std::exchange(self.on_course, virtual_side::follow(self.course, map_->circuit(), position.section));
+  const bool was_on =
+      std::exchange(self.on_course, virtual_side::follow(self.course, map_->circuit(), position.section));
   if (was_on != self.on_course) check_again(vehicle);
 }
 
@@ -99,8 +100,8 @@ void Traffic::measure_base(VehicleIndex vehicle) {
   Vehicle& self = vehicles_[vehicle];
   self.base_m_max = short_base_m;
   if (self.base_end == no_waypoint || !self.position) return;
-  const auto left_m = map_->base_left(*self.position, self.base_end, std::numeric_limits<double>::max(), remaining(vehicle),
-                                      self.base_passed);
+  const auto left_m = map_->base_left(*self.position, self.base_end, std::numeric_limits<double>::max(),
+                                      remaining(vehicle), self.base_passed);
   self.base_m_max = std::max(short_base_m, left_m.value_or(0.0) + base_slack_m);
 }
 
@@ -161,7 +162,7 @@ void Traffic::sort_by_position() {
 }
 
 void Traffic::search_on(zone::SectionId section, double start_m, double from_s_m, double to_s_m, VehicleIndex self,
-                      Leader& nearest) const {
+                        Leader& nearest) const {
   for (auto it = std::ranges::lower_bound(by_section_, std::pair{section, VehicleIndex{0}});
        it != by_section_.end() && it->first == section; ++it) {
     const VehicleIndex other = it->second;
@@ -259,7 +260,8 @@ std::optional<double> Traffic::loses_s(const Request& other, const Request& mine
   double out_m = 0.0;
   for (const CrossingIndex x : mine.crossings)
     if (std::ranges::find(other.crossings, x) != other.crossings.end())
-      out_m = std::max(out_m, map_->distance_to_exit_m(*vehicles_[mine.vehicle].position, x, mine.exit_m, remaining(mine.vehicle)));
+      out_m = std::max(
+          out_m, map_->distance_to_exit_m(*vehicles_[mine.vehicle].position, x, mine.exit_m, remaining(mine.vehicle)));
   return std::max(0.0, latency_s + run_s(mine.stop_m, out_m) - begins_s);
 }
 
@@ -310,7 +312,8 @@ Traffic::Response Traffic::request(VehicleIndex vehicle, double exit_m, double s
         is_in_others_crossing(j) && std::ranges::all_of(vehicles_[j].needs, [&](CrossingIndex x) {
           return holders_[x] == vehicle || std::ranges::find(mine->crossings, x) == mine->crossings.end();
         });
-    if (!is_stopped_beside && !only_follows(j, vehicle, mine->crossings)) return {false, first, j, WaitReason::crossing};
+    if (!is_stopped_beside && !only_follows(j, vehicle, mine->crossings))
+      return {false, first, j, WaitReason::crossing};
   }
   if (!mine->has_room) return {false, first, ahead.vehicle, WaitReason::ahead};
   for (const Request& other : queue_) {

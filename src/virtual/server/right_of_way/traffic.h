@@ -15,11 +15,11 @@ namespace cosiva::virtual_side {
 
 /// Why one vehicle waits for another.
 enum class WaitReason : std::uint8_t {
-  ahead,     ///< that one stands before it on its way, or where it needs room beyond a crossing
-  crossing,  ///< that one holds a crossing, or stands in it
-  turn,      ///< that one asked for a crossing before it, or goes before it by its priority
-  neighbour,    ///< its body, or its way onto the line, would be too near
-  sensors,      ///< this one's own eyes make it stand before that one
+  ahead,      ///< that one stands before it on its way, or where it needs room beyond a crossing
+  crossing,   ///< that one holds a crossing, or stands in it
+  turn,       ///< that one asked for a crossing before it, or goes before it by its priority
+  neighbour,  ///< its body, or its way onto the line, would be too near
+  sensors,    ///< this one's own eyes make it stand before that one
 };
 
 /// Distances that keep vehicles apart; all between the vehicles' middles, beyond one vehicle's length.
@@ -80,7 +80,9 @@ class Traffic {
   /// It says that it has driven its base to the end; until the next base.
   void set_base_passed(VehicleIndex vehicle, bool passed);
   [[nodiscard]] WaypointIndex base_end(VehicleIndex vehicle) const { return vehicles_[vehicle].base_end; }
-  [[nodiscard]] const std::optional<zone::TrackPosition>& track_position(VehicleIndex vehicle) const { return vehicles_[vehicle].position; }
+  [[nodiscard]] const std::optional<zone::TrackPosition>& track_position(VehicleIndex vehicle) const {
+    return vehicles_[vehicle].position;
+  }
 
   void set_course(VehicleIndex vehicle, zone::Course course);
   void extend_course(VehicleIndex vehicle, Sections more);
@@ -199,7 +201,7 @@ class Traffic {
   [[nodiscard]] bool only_follows(VehicleIndex other, VehicleIndex self, const std::vector<CrossingIndex>& crossings);
   void sort_by_position();
   void search_on(zone::SectionId section, double start_m, double from_s_m, double to_s_m, VehicleIndex self,
-               Leader& nearest) const;
+                 Leader& nearest) const;
   void update_holds();
   void measure_base(VehicleIndex vehicle);
   void check_again(VehicleIndex vehicle);

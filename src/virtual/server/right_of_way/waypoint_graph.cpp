@@ -187,7 +187,8 @@ std::span<const WaypointIndex> WaypointGraph::find(std::string_view id) const {
   return it == by_id_.end() ? std::span<const WaypointIndex>{} : std::span{it->second};
 }
 
-std::optional<WaypointGraph::Behind> WaypointGraph::behind(zone::TrackPosition track_position, Sections traversed) const {
+std::optional<WaypointGraph::Behind> WaypointGraph::behind(zone::TrackPosition track_position,
+                                                           Sections traversed) const {
   Behind found{no_waypoint, 0.0, {}};
   zone::SectionId section = track_position.section;
   double at_m = track_position.s_m;
@@ -210,9 +211,11 @@ std::optional<WaypointGraph::Behind> WaypointGraph::behind(zone::TrackPosition t
   return std::nullopt;
 }
 
-std::optional<WaypointGraph::FirstAhead> WaypointGraph::first_ahead(zone::TrackPosition track_position, Sections remaining) const {
+std::optional<WaypointGraph::FirstAhead> WaypointGraph::first_ahead(zone::TrackPosition track_position,
+                                                                    Sections remaining) const {
   for (WaypointIndex i = first_on_[track_position.section]; i < first_on_[track_position.section + 1]; ++i)
-    if (waypoint(i).position.s_m >= track_position.s_m) return FirstAhead{i, waypoint(i).position.s_m - track_position.s_m, 0};
+    if (waypoint(i).position.s_m >= track_position.s_m)
+      return FirstAhead{i, waypoint(i).position.s_m - track_position.s_m, 0};
   double travelled_m = zone_->circuit.section(track_position.section).length_m() - track_position.s_m;
   for (std::size_t i = 0; i < remaining.size(); ++i) {
     if (const WaypointIndex first = first_on(remaining[i]); first != no_waypoint)
@@ -248,8 +251,8 @@ WaypointIndex WaypointGraph::sibling_on(WaypointIndex of, zone::SectionId sectio
   return no_waypoint;
 }
 
-std::optional<double> WaypointGraph::base_left(zone::TrackPosition track_position, WaypointIndex end, double limit_m, Sections remaining,
-                                        bool passed) const {
+std::optional<double> WaypointGraph::base_left(zone::TrackPosition track_position, WaypointIndex end, double limit_m,
+                                               Sections remaining, bool passed) const {
   const zone::TrackPosition end_position = waypoint(end).position;
   if (!passed) {
     // Where a way comes back soon, what lies just behind may be what lies at its end.
@@ -259,8 +262,9 @@ std::optional<double> WaypointGraph::base_left(zone::TrackPosition track_positio
   return passed ? ahead(track_position, end_position, limit_m, remaining) : std::nullopt;
 }
 
-std::optional<WaypointGraph::Through> WaypointGraph::through(zone::TrackPosition track_position, std::span<const std::string_view> ids,
-                                               std::size_t released) const {
+std::optional<WaypointGraph::Through> WaypointGraph::through(zone::TrackPosition track_position,
+                                                             std::span<const std::string_view> ids,
+                                                             std::size_t released) const {
   // Which of an id's waypoints is meant shows only at the next one: all of them are followed.
   struct Trail {
     WaypointIndex at;
@@ -288,7 +292,8 @@ std::optional<WaypointGraph::Through> WaypointGraph::through(zone::TrackPosition
       for (const Stretch& stretch : stretches(trail.at)) {
         if (waypoint(stretch.to).id != ids[i] || on.size() >= trails_max) continue;
         Trail further{stretch.to, trail.through};
-        further.through.sections.insert(further.through.sections.end(), stretch.sections.begin(), stretch.sections.end());
+        further.through.sections.insert(further.through.sections.end(), stretch.sections.begin(),
+                                        stretch.sections.end());
         on.push_back(std::move(further));
       }
     }
@@ -305,7 +310,7 @@ std::optional<WaypointGraph::Through> WaypointGraph::through(zone::TrackPosition
 }
 
 void WaypointGraph::spans_on(zone::SectionId section, double from_m, double to_m, bool stopped,
-                      std::vector<CrossingIndex>& out) const {
+                             std::vector<CrossingIndex>& out) const {
   for (const Span& span : spans_[section]) {
     const bool met = span.from_m < to_m - 1e-6 && span.to_m > from_m;
     const bool in = stopped && span.from_m + entered_m < from_m + left_m && span.to_m > from_m;
@@ -314,7 +319,7 @@ void WaypointGraph::spans_on(zone::SectionId section, double from_m, double to_m
 }
 
 void WaypointGraph::crossings_on(zone::TrackPosition track_position, double distance_m, std::vector<CrossingIndex>& out,
-                          Sections remaining) const {
+                                 Sections remaining) const {
   const zone::Circuit& circuit = zone_->circuit;
   double from_m = track_position.s_m - left_m;
   double rest_m = distance_m;
@@ -339,7 +344,8 @@ void WaypointGraph::crossings_on(zone::TrackPosition track_position, double dist
   }
 }
 
-double WaypointGraph::distance_to_exit_m(zone::TrackPosition track_position, CrossingIndex crossing, double distance_m, Sections remaining) const {
+double WaypointGraph::distance_to_exit_m(zone::TrackPosition track_position, CrossingIndex crossing, double distance_m,
+                                         Sections remaining) const {
   double out_m = 0.0;
   double start_m = -track_position.s_m;
   zone::SectionLookAhead ahead{zone_->circuit, track_position.section, remaining};

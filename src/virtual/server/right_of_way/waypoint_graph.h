@@ -113,10 +113,11 @@ class WaypointGraph {
   /// `place` or meets over the next `distance_m`. A span counts as entered 4 cm behind its start (the clearance it was
   /// found with: a vehicle that stopped a little late at its stop line is not in it) and as left 1 cm behind its end (1
   /// cm before its exit: so is one that stopped a little early there).
-  void crossings_on(zone::TrackPosition position, double distance_m, std::vector<CrossingIndex>& out, Sections remaining = {}) const;
+  void crossings_on(zone::TrackPosition position, double distance_m, std::vector<CrossingIndex>& out,
+                    Sections remaining = {}) const;
   /// From `place` to where the last span of that crossing within `distance_m` is left; 0: there is none.
   [[nodiscard]] double distance_to_exit_m(zone::TrackPosition position, CrossingIndex crossing, double distance_m,
-                                 Sections remaining = {}) const;
+                                          Sections remaining = {}) const;
   /// Where ways part: so far along `section` a body still is in the way of those who take another branch.
   [[nodiscard]] double parted_m(zone::SectionId section) const;
 

@@ -45,7 +45,8 @@ class ServerFixture {
       send(*vehicle, "connection", vda::encode(vehicle->connection(now, wire::ConnectionState::online)), true);
   }
 
-  FixtureVehicle& add(const std::string& serial, zone::TrackPosition start, const std::string& manufacturer = "CoSiVA") {
+  FixtureVehicle& add(const std::string& serial, zone::TrackPosition start,
+                      const std::string& manufacturer = "CoSiVA") {
     vehicles.push_back(std::make_unique<FixtureVehicle>(zone, wire::VehicleId{manufacturer, serial}, start));
     FixtureVehicle& vehicle = *vehicles.back();
     vehicle.takes_zones = manufacturer == wire::our_manufacturer;

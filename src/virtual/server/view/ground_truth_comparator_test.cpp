@@ -139,7 +139,7 @@ TEST_F(GvsFixture, misses_nobody_outside_of_what_it_sees) {
 
 TEST_F(GvsFixture, a_virtual_aiv_is_seen_by_no_camera_and_missed_by_none) {
   fixture.send_command(R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv","section":")" +
-              fixture.zone->circuit.part(0).name + R"(","s":1.4}})");
+                       fixture.zone->circuit.part(0).name + R"(","s":1.4}})");
   watch(6s, {{"CoSiVA/AIV1", aiv.pose()}});
   ASSERT_EQ(*fixture.bijection().number("augmented"), 1.0);
   EXPECT_THAT(findings(), IsEmpty());
@@ -192,8 +192,10 @@ TEST_F(GvsFixture, what_cannot_be_understood_or_is_old_changes_nothing) {
   const std::string before = fixture.server->snapshot_json();
   publish("{");
   publish(R"({"headerId":1})");
-  publish(wire::to_json(wire::GvsDetections{9, fixture.now, 0.25, {{"CoSiVA/AIV9", 9, fixture.now, {}, 0.0}}, {}}), true);
-  publish(wire::to_json(wire::GvsDetections{0, fixture.now - 1s, 0.25, {{"CoSiVA/AIV8", 8, fixture.now, {}, 0.0}}, {}}));
+  publish(wire::to_json(wire::GvsDetections{9, fixture.now, 0.25, {{"CoSiVA/AIV9", 9, fixture.now, {}, 0.0}}, {}}),
+          true);
+  publish(
+      wire::to_json(wire::GvsDetections{0, fixture.now - 1s, 0.25, {{"CoSiVA/AIV8", 8, fixture.now, {}, 0.0}}, {}}));
   EXPECT_EQ(fixture.server->snapshot_json(), before);
   EXPECT_TRUE(fixture.logged("cosiva/v1/gvs/detections"));
 }

@@ -64,7 +64,7 @@ TEST(ZoneEdits, are_undone_fifty_deep) {
   ServerFixture fixture;
   for (int i = 1; i <= 60; ++i)
     fixture.send_command(edit(R"("addTags":[{"number":)" + std::to_string(i) + R"(,"section":"south","s":)" +
-                     std::to_string(0.03 * i) + "}]"));
+                              std::to_string(0.03 * i) + "}]"));
   EXPECT_EQ(*edits(fixture).number("undo"), 50.0);
   for (int i = 0; i < 50; ++i) fixture.send_command(R"({"command":"undo"})");
   EXPECT_THAT(tags(fixture), SizeIs(10));
@@ -94,8 +94,8 @@ TEST(ZoneEdits, disturb_nothing_that_drives) {
   ServerFixture fixture{zone_file("lacet4.toml")};
   FixtureVehicle& one = fixture.add("AIV1", {0, 0.1});
   FixtureVehicle& two = fixture.add("AIV2", {3, 0.5});
-  fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","section":")" + fixture.zone->circuit.part(6).name +
-              R"(","s":0.2}})");
+  fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","section":")" +
+                       fixture.zone->circuit.part(6).name + R"(","s":0.2}})");
   fixture.run_for(10s);
   // The bench's vehicles do not feel; the pauses that the server gives them are not what is tested here.
   fixture.send_command(R"({"command":"remove","id":"V1"})");

@@ -1,4 +1,4 @@
-#include "cosiva/experiments/positioning/metrology/lived_run.h"
+#include "cosiva/experiments/positioning/metrology/live_run.h"
 
 #include <algorithm>
 #include <cmath>
@@ -32,8 +32,8 @@ estimation::Estimate estimate_of(const EstimateResponse::Estimate& inputs) {
   estimate.pose = inputs.X_MB;
   estimate.along_m = inputs.along_m;
   for (int i = 0; i < 9; ++i) {
-    estimate.covariance(i / 3, i % 3) =
-        inputs.covariance ? (*inputs.covariance)[static_cast<std::size_t>(i)] : std::numeric_limits<double>::quiet_NaN();
+    estimate.covariance(i / 3, i % 3) = inputs.covariance ? (*inputs.covariance)[static_cast<std::size_t>(i)]
+                                                          : std::numeric_limits<double>::quiet_NaN();
   }
   return estimate;
 }
@@ -41,7 +41,8 @@ estimation::Estimate estimate_of(const EstimateResponse::Estimate& inputs) {
 /// Says again, input by input, what was said on board.
 class Recited final : public estimation::Algorithm {
  public:
-  Recited(std::shared_ptr<const LiveRun> run, std::size_t which) : run_{std::move(run)}, said_{&run_->published[which]} {
+  Recited(std::shared_ptr<const LiveRun> run, std::size_t which)
+      : run_{std::move(run)}, said_{&run_->published[which]} {
     if (!said_->fault.empty()) fault_ = Error{"algorithm.on_board", said_->fault, to_string(run_->vehicle)};
   }
   void predict(const estimation::Odometry&) override { ++inputs_; }
@@ -120,8 +121,9 @@ void RunLog::report(const EstimateResponse::Input& input) {
 
 void RunLog::receive(const EstimateResponse::Estimate& estimate, bool moment) {
   const auto found = std::ranges::find(run_.published, estimate.algorithm, &OnBoardMessage::algorithm);
-  OnBoardMessage& published =
-      found != run_.published.end() ? *found : run_.published.emplace_back(OnBoardMessage{estimate.algorithm, {}, {}, {}});
+  OnBoardMessage& published = found != run_.published.end()
+                                  ? *found
+                                  : run_.published.emplace_back(OnBoardMessage{estimate.algorithm, {}, {}, {}});
   if (!estimate.fault.empty() && published.fault.empty()) published.fault = estimate.fault;
   for (const EstimateResponse::Rectified& one : estimate.rectified)
     published.rectified.push_back({one.accepted, one.nis, one.dimensions});
@@ -142,8 +144,8 @@ void RunLog::add(const EstimateResponse& response) {
 }
 
 Result<LiveRun> RunLog::finish(const std::shared_ptr<const zone::TrafficZone>& zone,
-                                const std::vector<TrueFix>& ground_truth, SimDuration gap_max,
-                                std::size_t& without_ground_truth) && {
+                               const std::vector<TrueFix>& ground_truth, SimDuration gap_max,
+                               std::size_t& without_ground_truth) && {
   estimation::Setting& setting = run_.trial.setting;
   if (!start_) return fail("live.response", "it never said where it began", to_string(run_.vehicle));
   setting.sensors = sensors_of(start_->sensors);

@@ -28,7 +28,8 @@ class Disturbance {
     double lasts_max_s{12.0};
   };
 
-  Disturbance(World& world, const zone::ZoneConfiguration& zone, std::uint64_t seed) : Disturbance{world, zone, seed, Rates{}} {}
+  Disturbance(World& world, const zone::ZoneConfiguration& zone, std::uint64_t seed)
+      : Disturbance{world, zone, seed, Rates{}} {}
   Disturbance(World& world, const zone::ZoneConfiguration& zone, std::uint64_t seed, Rates rates)
       : world_{world}, zone_{zone::Rtm::initialise(zone)->shared_zone()}, random_{seed, "unrest"}, rates_{rates} {}
 

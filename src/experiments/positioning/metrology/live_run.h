@@ -51,8 +51,8 @@ class RunLog {
   /// @param zone  that it drove in
   /// Fails ("live.truth") where no moment is left, ("live.zone") where the run's ring is not in the zone.
   [[nodiscard]] Result<LiveRun> finish(const std::shared_ptr<const zone::TrafficZone>& zone,
-                                        const std::vector<TrueFix>& ground_truth, SimDuration gap_max,
-                                        std::size_t& without_ground_truth) &&;
+                                       const std::vector<TrueFix>& ground_truth, SimDuration gap_max,
+                                       std::size_t& without_ground_truth) &&;
 
  private:
   void report(const wire::EstimateResponse::Input& input);

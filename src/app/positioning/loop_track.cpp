@@ -1,4 +1,4 @@
-#include "cosiva/app/positioning/ring.h"
+#include "cosiva/app/positioning/loop_track.h"
 
 #include "cosiva/app/resources/zone_files.h"
 
