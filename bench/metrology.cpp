@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
   double rate_hz = 20.0;
   std::string algorithm = "arc_kalman";
   app.add_option("--runs", runs);
-  app.add_option("--way", distance_m);
+  app.add_option("--distance", distance_m);
   app.add_option("--rate", rate_hz, "odometry per second, at 0.5 m/s");
   app.add_option("--algorithm", algorithm);
   CLI11_PARSE(app, argc, argv);

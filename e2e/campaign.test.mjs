@@ -27,7 +27,7 @@ distance_m = 100
 [vary]
 algorithm = ["arc_kalman", "reset_rule"]
 pitch_m = { from = 0.2, to = 3.2, steps = 5, log = true }
-missed_share = [0.0, 0.2, 0.4]
+missed_ratio = [0.0, 0.2, 0.4]
 `;
 const files = ['campaign.sqlite', 'campaign.state', 'cells.csv', 'report.html', 'result.json', 'runs.csv'];
 
@@ -92,10 +92,10 @@ test('what is in the way is said with what to do, and every rank ends with statu
   const folder = work_folder(t);
   const file = path.join(folder, 'plan.toml');
   const out = path.join(folder, 'out');
-  writeFileSync(file, plan.replace('runs = 300', 'runs = 2').replace('way_m = 100', 'way_m = 10'));
+  writeFileSync(file, plan.replace('runs = 300', 'runs = 2').replace('distance_m = 100', 'distance_m = 10'));
   assert.equal((await campaign(file, '--out', out)).code, 0);
   // The state of another plan.
-  writeFileSync(file, plan.replace('runs = 300', 'runs = 3').replace('way_m = 100', 'way_m = 10'));
+  writeFileSync(file, plan.replace('runs = 300', 'runs = 3').replace('distance_m = 100', 'distance_m = 10'));
   for (const tell of [() => campaign(file, '--out', out), () => on_ranks(2, file, '--out', out)]) {
     const { code, stderr } = await tell();
     assert.equal(code, 2, stderr);

@@ -144,7 +144,7 @@ test('recorded pictures of a calibrated camera are watched to their end, and the
   };
   await run('gvs', 'render', '--zone', zone_file('lacet4'), '--aivs', '2', '--size', '800', '--tag-side', '0.12', '--seconds', '3', '--rate', '5', '--out', 'area');
   await run('gvs', 'calibrate', '--points', 'area/points.csv', '--size', '800x800', '--camera-height', '3.3', '--tag-height', '0.1', '--model', 'lens', '--out', 'cal');
-  const source = ['--gvs', '--gvs-images', 'area/pictures', '--gvs-calibration', 'cal/calibration.json', '--gvs-exposure', '4', '--gvs-tag-side', '0.12'];
+  const source = ['--gvs', '--gvs-images', 'area/images', '--gvs-calibration', 'cal/calibration.json', '--gvs-exposure', '4', '--gvs-tag-side', '0.12'];
   const wrong = path.join(folder, 'wrong.json');
   writeFileSync(wrong, readFileSync(path.join(folder, 'cal/calibration.json'), 'utf8').replace('"homography"', '"homo"'));
 
@@ -160,7 +160,7 @@ test('recorded pictures of a calibrated camera are watched to their end, and the
     assert.match(finding.text, /there are no more pictures/);
     const { gvs, aivs } = await platform.snapshot();
     assert.equal(gvs.state, 'silent');
-    assert.match(gvs.source, /area\/pictures/);
+    assert.match(gvs.source, /area\/images/);
     assert.ok(aivs.every((aiv) => !aiv.lost));
   });
 });

@@ -15,7 +15,7 @@ test('cosiva compare --live', { timeout: 180_000 }, async (t) => {
   const out = path.join(platform.folder, 'out');
   const live = ['--live', '--url', platform.url, '--broker', broker];
   const names = ['dead_reckoning', 'reset_rule', 'arc_kalman', 'arc_smoother'];
-  const args = ['compare', ...names, ...live, '--vehicle', 'AIV1', '--vehicle', 'CoSiVA/AIV2', '--way', '3', '--runs', '3', '--out', out, '--json'];
+  const args = ['compare', ...names, ...live, '--vehicle', 'AIV1', '--vehicle', 'CoSiVA/AIV2', '--distance', '3', '--runs', '3', '--out', out, '--json'];
 
   // One vehicle's program dies in its run: that run is driven anew.
   const program = new Program(t, cosiva_binary(), args, { name: 'cosiva compare' });
@@ -48,10 +48,10 @@ test('cosiva compare --live', { timeout: 180_000 }, async (t) => {
   const snapshot = await platform.snapshot();
   assert.equal(snapshot.aivs.length, 2, 'no twin was lost or doubled');
 
-  const stranger = await cosiva(['qualify', ...live, '--vehicle', 'AIV9', '--way', '1', '--runs', '1', '--timeout', '2']);
+  const stranger = await cosiva(['qualify', ...live, '--vehicle', 'AIV9', '--distance', '1', '--runs', '1', '--timeout', '2']);
   assert.equal(stranger.code, 2);
   assert.match(stranger.stderr, /CoSiVA\/AIV9: it has not answered for 2 s; is it online/);
-  const elsewhere = await cosiva(['qualify', ...live, '--ground_truth', 'area/camera', '--way', '1', '--runs', '1', '--timeout', '2']);
+  const elsewhere = await cosiva(['qualify', ...live, '--ground_truth', 'area/camera', '--distance', '1', '--runs', '1', '--timeout', '2']);
   assert.equal(elsewhere.code, 2);
   assert.match(elsewhere.stderr, /nobody has said on area\/camera for 2 s where it truly is/);
 });

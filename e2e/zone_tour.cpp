@@ -203,7 +203,7 @@ class Tour {
     for (double waited_s = 0.0; failure_.empty(); waited_s += 0.5) {
       run_for(500ms);
       const std::string state = mission().state;
-      if (state == "arrived" || state == "no way") return;
+      if (state == "arrived" || state == "no route") return;
       if (waited_s <= timeout_s) continue;
       failure_ = "sent to " + goal.waypoint + " it is at " + zone_.circuit.part(here_.section).name + " after " +
                  std::to_string(waited_s) + " s, mission '" + state + "'";

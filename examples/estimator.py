@@ -39,7 +39,7 @@ class Estimator:
         y = self.y + s * reading["ahead_m"] + c * reading["left_m"]
         self.x += GAIN * (reading["x_m"] - x)
         self.y += GAIN * (reading["y_m"] - y)
-        self.variance = (1 - GAIN) ** 2 * self.variance + GAIN**2 * self.sensors["mark_along_sigma_m"] ** 2
+        self.variance = (1 - GAIN) ** 2 * self.variance + GAIN**2 * self.sensors["fiducial_along_sigma_m"] ** 2
 
     def range(self, _):
         pass  # it hears of stations, and makes nothing of it

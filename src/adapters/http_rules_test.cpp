@@ -44,9 +44,9 @@ TEST(Path, that_climbs_out_or_is_malformed_is_refused) {
 
 TEST(Segments, are_cut_before_they_are_decoded) {
   using ::testing::ElementsAre;
-  EXPECT_THAT(*path_segments("/api/v1/virtual-objects/P1"), ElementsAre("api", "v1", "virtualObjects", "P1"));
+  EXPECT_THAT(*path_segments("/api/v1/virtual-objects/P1"), ElementsAre("api", "v1", "virtual-objects", "P1"));
   EXPECT_THAT(*path_segments("/api/v1/virtual-objects/CoSiVA.virtual%2FV1"),
-              ElementsAre("api", "v1", "virtualObjects", "CoSiVA.virtual/V1"));
+              ElementsAre("api", "v1", "virtual-objects", "CoSiVA.virtual/V1"));
   EXPECT_THAT(*path_segments("/a%252Fb/c%20d/"), ElementsAre("a%2Fb", "c d"));
   EXPECT_THAT(*path_segments("/api%2Fv1/zone"), ElementsAre("api/v1", "zone"));
   EXPECT_THAT(*path_segments("/a//b"), ElementsAre("a", "", "b"));

@@ -174,7 +174,7 @@ TEST_F(Http, hands_the_api_every_method_and_names_with_slashes) {
     raw(method +
         " /api/v1/virtual-objects/CoSiVA.virtual%2FV1 HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
     EXPECT_THAT(requested, ::testing::ElementsAre(method + " /api/v1/virtual-objects/CoSiVA.virtual/V1? "));
-    EXPECT_THAT(segments, ::testing::ElementsAre("api", "v1", "virtualObjects", "CoSiVA.virtual/V1"));
+    EXPECT_THAT(segments, ::testing::ElementsAre("api", "v1", "virtual-objects", "CoSiVA.virtual/V1"));
   }
   EXPECT_THAT(get("/api/v1/virtual-objects/..%2Fx"), StartsWith("HTTP/1.1 400"));
   requested.clear();

@@ -33,7 +33,7 @@ TEST(LineProcess, that_ends_says_how) {
 }
 
 TEST(LineProcess, that_hangs_is_not_waited_for) {
-  EXPECT_EQ(refusal("sleep 60", milliseconds{100}), "process.silent: it gave no answer for 100 ms");
+  EXPECT_EQ(refusal("sleep 60", milliseconds{100}), "process.unresponsive: it gave no answer for 100 ms");
   // Takes nothing: what is told fills up, and that is an error too.
   auto process = LineProcess::start("sleep 60");
   ASSERT_TRUE(process);

@@ -153,9 +153,9 @@ void write_json(JsonWriter& json, const Explanation& explanation) {
     json.begin_object().field("line", rule.line).field("rule", rule.text).field("degree", rule.degree);
     json.field("fired", rule.fired);
     degrees("conditions", rule.conditions);
-    json.key("shares").begin_array();
+    json.key("ratios").begin_array();
     for (const Explanation::Ratio& ratio : rule.ratios) {
-      json.begin_object().field("output", ratio.output).field("term", ratio.term).field("says", ratio.consequent);
+      json.begin_object().field("output", ratio.output).field("term", ratio.term).field("consequent", ratio.consequent);
       json.field("ratio", ratio.ratio).end_object();
     }
     json.end_array().end_object();

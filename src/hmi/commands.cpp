@@ -26,7 +26,7 @@ HttpResponse removed_response(std::size_t count) {
   return json_response(json.take());
 }
 
-/// {"command":verb,"thing":{"id":…, and what the body says but its own id}}
+/// {"command":verb,"virtualObject":{"id":…, and what the body says but its own id}}
 std::string virtual_object_command(std::string_view verb, const std::string& id, const JsonValue& body) {
   JsonWriter json;
   json.begin_object().field("command", verb).key("virtualObject").begin_object().field("id", id);

@@ -25,7 +25,7 @@ class Requested {
 
   void request_estimate(std::uint32_t sequence, std::vector<std::string> algorithms = {},
                         const std::string& session = "q/1") {
-    estimating.request_estimate(now, {session, sequence, std::move(algorithms), 1, 500, 4});
+    estimating.on_request(now, {session, sequence, std::move(algorithms), 1, 500, 4});
   }
   void step() {
     now += milliseconds{20};

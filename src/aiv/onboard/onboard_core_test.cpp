@@ -197,7 +197,7 @@ TEST(Onboard, drives_its_order_and_reports_each_node) {
   fixture.run(5.0);
   EXPECT_FALSE(fixture.state().driving);
   EXPECT_THAT(fixture.state().node_states, IsEmpty());
-  EXPECT_NEAR(fixture.ground_truth.location(lacet4().circuit).s_m, 4.0 * edge_m, 0.01);
+  EXPECT_NEAR(fixture.ground_truth.track_position(lacet4().circuit).s_m, 4.0 * edge_m, 0.01);
   ASSERT_TRUE(fixture.state().position);
   EXPECT_LT(distance(fixture.state().position->pose, fixture.ground_truth.pose(lacet4().circuit)), 0.01);
   EXPECT_EQ(fixture.state().position->map_id, "lacet4");
@@ -448,7 +448,7 @@ TEST(Options, come_back_from_json_as_they_were) {
 }
 
 TEST(Options, that_make_no_sense_are_refused_by_field) {
-  const auto position = [](std::string_view json) {
+  const auto location = [](std::string_view json) {
     const auto options = onboard_options_from_json(json);
     return options ? std::string("accepted") : options.error().location;
   };

@@ -44,7 +44,7 @@ std::string to_json(const PersistedPosition& persisted) {
       .field("session", persisted.session)
       .field("paused", persisted.paused);
   write(json, "pose", persisted.pose);
-  if (persisted.off_path) json.field("off_line", true);
+  if (persisted.off_path) json.field("off_path", true);
   write(json, "manoeuvre", persisted.manoeuvre);
   if (persisted.next) json.field("next", *persisted.next);
   if (persisted.imposed) json.field("profile", to_string(*persisted.imposed));
@@ -79,7 +79,7 @@ Result<PersistedPosition> persisted_position_from_json(std::string_view json) {
                               std::nullopt,
                               std::nullopt};
   persisted.pose = pose_from(value->find("pose"));
-  persisted.off_path = value->flag("off_line").value_or(false) && persisted.pose;
+  persisted.off_path = value->flag("off_path").value_or(false) && persisted.pose;
   persisted.manoeuvre = pose_from(value->find("manoeuvre"));
   persisted.next = value->text("next");
   if (const auto profile = value->text("profile")) persisted.imposed = parse_profile(*profile);

@@ -380,7 +380,7 @@ TEST(PersistedPosition, keeps_a_pose_beside_the_line_and_a_manoeuvre) {
       "z", "s", 1.5, 7, 9, true, Profile::slow, Pose2{1.0, 2.0, 0.5}, true, Pose2{0.1, 0.0, -0.2}, "next"};
   EXPECT_EQ(persisted_position_from_json(to_json(persisted)).value(), persisted);
   const auto damaged = persisted_position_from_json(R"({"zone":"z","section":"s","s":1,"odometer_um":1,"session":1,)"
-                                                    R"("pose":{"x":1e300,"y":0,"theta":0},"off_line":true})");
+                                                    R"("pose":{"x":1e300,"y":0,"theta":0},"off_path":true})");
   ASSERT_TRUE(damaged);
   EXPECT_FALSE(damaged->pose);
   EXPECT_FALSE(damaged->off_path) << "without a pose the place is all there is";

@@ -25,10 +25,10 @@ std::string named(const wire::OrderNode& node) { return "node '" + node.node_id 
 
 /// A place that a node may mean, and the best way to it from the first node.
 struct Reached {
-  zone::TrackPosition track_position;
+  zone::TrackPosition position;
   double path_m;
   std::size_t before;  ///< which of the node before
-  zone::Circuit::Route found;
+  zone::Circuit::Route route;
 };
 
 /// Best of the ways to one place from the places of the node before. Equally long ones: that which passed the node

@@ -10,11 +10,11 @@ namespace {
 
 constexpr const char* examples =
     "Examples, the whole way without a camera:\n"
-    "  cosiva gvs render --zone lacet4 --aivs 20 --out control area            pictures, floor points, and the truth\n"
-    "  cosiva gvs calibrate --points control area/points.csv --camera-height 3.3 --camera-foot 0,0 --tag-height 0.1 "
+    "  cosiva gvs render --zone lacet4 --aivs 20 --out bay                     images, floor points, and the ground truth\n"
+    "  cosiva gvs calibrate --points bay/points.csv --camera-height 3.3 --camera-foot 0,0 --tag-height 0.1 "
     "--out cal\n"
-    "  cosiva gvs track --calibration cal/calibration.json --images control area/pictures --exposure 4 --tag-side 0.08 "
-    "--against control area/truth --out seen\n"
+    "  cosiva gvs track --calibration cal/calibration.json --images bay/images --exposure 4 --tag-side 0.08 "
+    "--against bay/ground_truth --out seen\n"
     "  cosiva compare --reference seen/tag_1.tum --estimate my_estimate.tum\n"
     "\n"
     "by a vehicle at surveyed poses, a grid of 2 x 2 places with eight headings each:\n"
@@ -42,7 +42,7 @@ void describe_render(CLI::App& command, GvsRenderArguments& a) {
       ->type_name("S")
       ->check(CLI::Range(0.001, 3600.0))
       ->capture_default_str();
-  command.add_option("--rate", a.rate_hz, "pictures per second")
+  command.add_option("--rate", a.rate_hz, "images per second")
       ->type_name("HZ")
       ->check(CLI::Range(5.0, 1000.0))
       ->capture_default_str();
@@ -101,7 +101,7 @@ void describe_calibrate(CLI::App& command, GvsCalibrateArguments& a) {
   command.add_option("--board", a.board_file, "tags that lie on the floor: CSV with id; x; y; heading_deg; side [m]")
       ->type_name("FILE")
       ->excludes(points);
-  command.add_option("--images", a.images_folder, "pictures of those tags")->type_name("DIR");
+  command.add_option("--images", a.images_folder, "images of those tags")->type_name("DIR");
   command
       .add_option("--size", a.size, "of the pictures that points were read off; a board's pictures say it themselves")
       ->type_name("WxH")
@@ -165,7 +165,7 @@ void describe_track(CLI::App& command, GvsTrackArguments& a) {
   command.add_option("--calibration", a.calibration_file, "what `gvs calibrate` wrote")->type_name("FILE")->required();
   CLI::Option* images = command
                             .add_option("--images", a.images_folder,
-                                        "pictures by their names, with stamps.csv (file,stamp_s) if there is one")
+                                        "images by their names, with stamps.csv (file,stamp_s) if there is one")
                             ->type_name("DIR");
   CLI::Option* video = command.add_option("--video", a.video_file, "a video file")->type_name("FILE")->excludes(images);
   command.add_option("--camera", a.camera, "a camera: N of /dev/videoN")
@@ -173,7 +173,7 @@ void describe_track(CLI::App& command, GvsTrackArguments& a) {
       ->check(CLI::Range(0, 255))
       ->excludes(images)
       ->excludes(video);
-  command.add_option("--rate", a.rate_hz, "pictures per second of a folder without stamps")
+  command.add_option("--rate", a.rate_hz, "images per second of a folder without stamps")
       ->type_name("HZ")
       ->check(CLI::Range(1e-3, 1e5))
       ->capture_default_str();
@@ -229,7 +229,7 @@ void add_gvs_source(CLI::App& command, GvsSource& source, const std::string& pre
       ->type_name("FILE");
   CLI::Option* images = command
                             .add_option(prefix + "images", source.images_folder,
-                                        "pictures by their names and stamps.csv, shown once at their own pace")
+                                        "images by their names and stamps.csv, shown once at their own pace")
                             ->type_name("DIR");
   CLI::Option* video = command.add_option(prefix + "video", source.video_file, "a video file, likewise")
                            ->type_name("FILE")

@@ -127,7 +127,7 @@ std::string metrics_json(const vision::Calibrated& made, const std::optional<vis
     json.field("max_mm", 1e3 * poses->max_m).field("heading_sd_deg", poses->heading_sd_rad / degree_rad);
     json.field("heading_left_out_deg", poses->heading_rms_rad / degree_rad);
     json.field("lean_deg_per_m", poses->fit.lean_per_m / degree_rad);
-    json.field("standing_mm", 1e3 * poses->stopped_m).end_object();
+    json.field("stopped_mm", 1e3 * poses->stopped_m).end_object();
   } else {
     json.null();
   }

@@ -61,7 +61,7 @@ class Render {
       persist(bodies, t_s, step_s);
       const std::string name = name_of(k);
       if (auto written =
-              adapters::write_files(a_.out_folder + "/pictures", {{name, write_pgm(painter_.paint(bodies, k))}});
+              adapters::write_files(a_.out_folder + "/images", {{name, write_pgm(painter_.paint(bodies, k))}});
           !written)
         return written;
       stamps += name + "," + number(t_s + 1e-3 * a_.late_ms) + "\n";
@@ -73,7 +73,7 @@ class Render {
 
   [[nodiscard]] std::string json() const {
     JsonWriter json{2};
-    json.begin_object().field("pictures", images_).field("aivs", fleet_.size()).field("width_px", a_.size_px);
+    json.begin_object().field("images", images_).field("aivs", fleet_.size()).field("width_px", a_.size_px);
     json.field("camera_height_m", camera_.height_m).field("camera_foot_x_m", camera_.foot.x_m);
     json.field("camera_foot_y_m", camera_.foot.y_m)
         .field("tag_height_m", a_.tag_height_m)
@@ -135,12 +135,12 @@ class Render {
   }
 
   Result<void> write_rest(const std::string& stamps) {
-    if (auto written = adapters::write_files(a_.out_folder + "/pictures", {{"stamps.csv", stamps}}); !written)
+    if (auto written = adapters::write_files(a_.out_folder + "/images", {{"stamps.csv", stamps}}); !written)
       return written;
     std::vector<std::pair<std::string, std::string>> ground_truth;
     for (std::size_t i = 0; i < ground_truth_.size(); ++i)
       ground_truth.emplace_back("tag_" + std::to_string(i + 1) + ".tum", experiments::write_tum(ground_truth_[i]));
-    if (auto written = adapters::write_files(a_.out_folder + "/truth", ground_truth); !written) return written;
+    if (auto written = adapters::write_files(a_.out_folder + "/ground_truth", ground_truth); !written) return written;
     const auto board = board_of(camera_, a_);
     std::vector<vision::SceneBody> lying;
     lying.reserve(board.size());

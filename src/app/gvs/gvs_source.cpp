@@ -28,7 +28,7 @@ Result<void> check_gvs_source(const GvsSource& source, const std::string& prefix
                 prefix + "calibration");
   }
   if (source.calibration_file.empty()) {
-    return fail("gvs.calibration", "pictures of a real camera need its calibration: what `cosiva gvs calibrate` wrote",
+    return fail("gvs.calibration", "images of a real camera need its calibration: what `cosiva gvs calibrate` wrote",
                 prefix + "calibration");
   }
   if (auto calibration = read_calibration_file(source.calibration_file); !calibration)

@@ -63,7 +63,7 @@ TEST(Gvs, rendered_calibrated_and_tracked_says_how_late_the_stamps_are_and_shift
   const Scratch out;
   ASSERT_EQ(cosiva(bay().calibrate(out.path() + "/cal")).status, 0);
   const CommandOutput output =
-      cosiva({"gvs", "track", "--calibration", out.path() + "/cal/calibration.json", "--images", bay().file("pictures"),
+      cosiva({"gvs", "track", "--calibration", out.path() + "/cal/calibration.json", "--images", bay().file("images"),
               "--exposure", "4", "--tag-side", "0.1", "--against", bay().file("ground_truth"), "--out",
               out.path() + "/seen", "--json"});
   ASSERT_EQ(output.status, 0) << output.standard_error;
@@ -81,7 +81,7 @@ TEST(Gvs, rendered_calibrated_and_tracked_says_how_late_the_stamps_are_and_shift
   }
   const std::string other = out.path() + "/other.tum";
   ASSERT_TRUE(adapters::write_file(other, adapters::read_file(out.path() + "/seen/tag_1.tum").value()));
-  const CommandOutput compared = cosiva({"compare", "--reference", bay().file("truth/tag_1.tum"), "--estimate",
+  const CommandOutput compared = cosiva({"compare", "--reference", bay().file("ground_truth/tag_1.tum"), "--estimate",
                                          out.path() + "/seen/tag_1.tum", "--estimate", other});
   EXPECT_EQ(compared.status, 0) << compared.standard_error;
   for (const char* file : {"poses.csv", "timing.csv", "result.json", "tag_4.tum"})
@@ -153,7 +153,7 @@ TEST(Gvs, rendering_gives_the_same_bytes_for_the_same_seed) {
                       out.path()})
                   .status,
               0);
-    return adapters::read_file(out.path() + "/pictures/000000.pgm").value();
+    return adapters::read_file(out.path() + "/images/000000.pgm").value();
   };
   const std::string first = frame("3");
   EXPECT_EQ(first, frame("3"));
@@ -262,7 +262,7 @@ TEST(Gvs, refuses_what_it_cannot_use_with_status_2_and_says_what_and_where) {
 TEST(Gvs, tracking_refuses_bad_folders_and_images) {
   const Scratch out;
   ASSERT_EQ(cosiva(bay().calibrate(out.path())).status, 0);
-  const std::string images = out.path() + "/pictures";
+  const std::string images = out.path() + "/images";
   std::filesystem::create_directories(images);
   const auto track = [&] {
     return cosiva({"gvs", "track", "--calibration", out.path() + "/calibration.json", "--images", images});

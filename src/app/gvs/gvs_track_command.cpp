@@ -156,7 +156,7 @@ double median_ms(const std::vector<Timing>& timing) {
 
 std::string json_of(const Tracked& tracked, const std::vector<Offset>& offsets) {
   JsonWriter json{2};
-  json.begin_object().field("pictures", tracked.metrics.images).field("fixes", tracked.metrics.fixes);
+  json.begin_object().field("images", tracked.metrics.images).field("fixes", tracked.metrics.fixes);
   json.field("lost", tracked.metrics.lost).field("strange", tracked.metrics.strange);
   json.field("median_ms", median_ms(tracked.timing)).field("uncertainty_mean_mm", 1e3 * tracked.uncertainty_mean_m);
   json.key("vehicles").begin_array();
@@ -230,7 +230,7 @@ Result<void> write_all(const std::string& folder, const Tracked& tracked, const 
     }
     files.emplace_back(trajectory.name + ".tum", experiments::write_tum(trajectory));
   }
-  std::string timing = "picture,stamp_s,fixes,processor_ms\n";
+  std::string timing = "image,stamp_s,fixes,processor_ms\n";
   for (const Timing& one : tracked.timing)
     timing +=
         one.frame + "," + number(one.stamp_s) + "," + std::to_string(one.fixes) + "," + number(one.took_ms) + "\n";

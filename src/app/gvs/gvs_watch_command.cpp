@@ -177,7 +177,7 @@ class Watch {
 
   [[nodiscard]] std::string json() const {
     JsonWriter json;
-    json.begin_object().field("source", text_).field("pictures", images_).field("fixes", detected_);
+    json.begin_object().field("source", text_).field("images", images_).field("fixes", detected_);
     json.field("trouble", trouble_).end_object();
     return json.take();
   }

@@ -220,7 +220,7 @@ struct Fed {
 };
 
 std::string images_in(const Scratch& scratch, int count) {
-  const std::string folder = scratch / "pictures";
+  const std::string folder = scratch / "images";
   std::vector<std::pair<std::string, std::string>> files;
   for (int i = 0; i < count; ++i)
     files.emplace_back(std::to_string(i) + ".pgm", write_pgm(vision::Image::filled({32, 32}, 100)));
@@ -249,9 +249,9 @@ TEST(PreviewFeed, leaves_out_what_comes_faster_than_it_is_looked_at) {
 
 TEST(PreviewFeed, says_why_there_are_none_and_takes_them_when_they_come) {
   const Scratch scratch;
-  Fed fed{scratch / "pictures"};
+  Fed fed{scratch / "images"};
   ASSERT_TRUE(fed.until([&] { return !fed.troubles.empty(); }));
-  EXPECT_THAT(fed.troubles[0], HasSubstr(scratch / "pictures"));
+  EXPECT_THAT(fed.troubles[0], HasSubstr(scratch / "images"));
   images_in(scratch, 1);
   EXPECT_TRUE(fed.until([&] { return !fed.names.empty(); }));
 }

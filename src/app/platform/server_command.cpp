@@ -49,7 +49,7 @@ std::string watched_file(const ServerArguments& arguments) {
 void report(const PartArguments& part, const std::string& text) {
   if (!part.announce) return print_info(text);
   JsonWriter json;
-  json.begin_object().field("event", "say").field("text", text).end_object();
+  json.begin_object().field("event", "print").field("text", text).end_object();
   announce(part, json.text());
 }
 

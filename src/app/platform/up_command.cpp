@@ -252,7 +252,7 @@ class Up {
     } else if (what == "step") {
       steps_done_ = static_cast<std::uint64_t>(event->number("number").value_or(0.0));
       print_info(step_line(event->number("t_s").value_or(0.0), event->text("what").value_or("")));
-    } else if (what == "say") {
+    } else if (what == "print") {
       print_info(event->text("text").value_or(""));
     }
   }

@@ -82,7 +82,7 @@ TEST(Campaign, names_what_is_in_its_way) {
   refused({"campaign", plan, "--thread", "2"}, "did you mean '--threads'?");
   refused({"campaign", scratch.write("a.toml", "[vary]\npich_m = 1\n")}, "a.toml:2: vary.pich_m: unknown key");
   refused({"campaign", scratch.write("b.toml", "zone = \"lacet5\"\n[vary]\n")}, "lacet5");
-  refused({"campaign", scratch.write("c.toml", "way_m = 0.001\n[vary]\n")}, "c.toml: it ends before odometry");
+  refused({"campaign", scratch.write("c.toml", "distance_m = 0.001\n[vary]\n")}, "c.toml: it ends before odometry");
   refused({"campaign", plan, "--out", "/proc/nothing"}, "/proc/nothing: the folder cannot be made");
   scratch.write("out/campaign.state", "something else\n");
   refused({"campaign", plan, "--out", scratch / "out"}, "campaign.state:1: this is no campaign's state");

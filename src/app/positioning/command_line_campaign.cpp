@@ -18,7 +18,7 @@ constexpr const char* examples =
     "  [vary]\n"
     "  algorithm = [\"reset_rule\", \"arc_kalman\"]\n"
     "  pitch_m = { from = 0.1, to = 4.0, steps = 6, log = true }\n"
-    "  missed_share = [0.0, 0.3]\n"
+    "  missed_ratio = [0.0, 0.3]\n"
     "\n"
     "docs/guide/metrology.md tells all that can be in it.";
 

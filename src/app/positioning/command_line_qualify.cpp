@@ -24,7 +24,7 @@ constexpr const char* compare_examples =
     "Examples:\n"
     "  cosiva compare reset_rule arc_kalman --runs 30             who is better, and is that sure\n"
     "  cosiva compare --zone indus8 --fiducials beacons --json        the usual ones, beacons as the zone has them\n"
-    "  cosiva compare --live --vehicle AIV1 --vehicle AIV2 --way 20 --runs 8    figure 17 on two vehicles that drive\n"
+    "  cosiva compare --live --vehicle AIV1 --vehicle AIV2 --distance 20 --runs 8    figure 17 on two vehicles that drive\n"
     "  cosiva compare ekf calibrating smoother --recording A --recording B\n"
     "  cosiva compare --reference ground_truth.tum --estimate a.tum --estimate b.tum\n"
     "  cosiva compare ekf smoother --recording A --reference-budget cal/reference_budget.json\n"
@@ -37,7 +37,7 @@ void add_length(CLI::App& command, const std::string& name, double& metres, cons
 void add_virtual_time(CLI::App& command, QualifyArguments& q) {
   command.add_option("--zone", q.zone, "whose ring is driven: a ready zone's name or a file; without: lacet4")
       ->type_name("NAME|FILE");
-  add_length(command, "--way", q.distance_m, "how far each run goes");
+  add_length(command, "--distance", q.distance_m, "how far each run goes");
   command.add_option("--runs", q.runs, "how many runs; each is one vote")
       ->type_name("N")
       ->check(CLI::Range(1, 1000000))
@@ -122,7 +122,7 @@ void add_live(CLI::App& command, LiveQualifyArguments& live) {
   command.add_flag(
       "--live", live.live,
       "on a platform that runs: its vehicles run the algorithms while they drive, and are asked --rate times a "
-      "second until they have gone --way");
+      "second until they have gone --distance");
   command.add_option("--url", live.url, "of its server, with --live")->type_name("URL")->capture_default_str();
   add_broker(command, live.broker, "127.0.0.1:1883; with --live");
   command.add_option("--vehicle", live.vehicles, "who drives the runs, with --live; may come again; without: AIV1")

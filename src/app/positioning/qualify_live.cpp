@@ -174,7 +174,7 @@ Result<experiments::LiveRunsOptions> options_of(const QualifyArguments& argument
                 "--particles " + std::to_string(arguments.particles));
   if (arguments.seed + arguments.runs > seed_max)
     return fail("qualify.seed", "live, seeds are less than 2^53", "--seed " + std::to_string(arguments.seed));
-  if (!(arguments.distance_m > 0.0)) return fail("qualify.way", "a way is longer than nothing", "--way");
+  if (!(arguments.distance_m > 0.0)) return fail("qualify.distance", "a way is longer than nothing", "--distance");
   if (!(arguments.rate_hz >= 0.1 && arguments.rate_hz <= 50.0))
     return fail("qualify.rate", "a vehicle is asked 0.1 to 50 times a second: it knows of odometry 50 times",
                 "--rate " + decimals(arguments.rate_hz, 2));
@@ -206,7 +206,7 @@ experiments::Conditions conditions_of(const QualifyArguments& arguments, const e
   conditions.settings = {{"zone", runs.map_id()},
                          {"vehicles", vehicles},
                          {"way of each run", decimals(options.distance_m, 1) + " m"},
-                         {"asked", decimals(options.rate_hz, 1) + " times a second"},
+                         {"requested", decimals(options.rate_hz, 1) + " times a second"},
                          {"on board", on_board.empty() ? "none" : on_board},
                          {"ground_truth", options.ground_truth_topic},
                          {"seeds", "from " + std::to_string(options.seed)}};

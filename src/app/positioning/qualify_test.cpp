@@ -34,14 +34,14 @@ const JsonValue& algorithm(const JsonValue& json, std::size_t index) {
 }
 
 TEST(Qualify, in_virtual_time_gives_the_figures_and_the_limit) {
-  const CommandOutput output = cosiva({"qualify", "arc_kalman", "--runs", "8", "--way", "40", "--json"});
+  const CommandOutput output = cosiva({"qualify", "arc_kalman", "--runs", "8", "--distance", "40", "--json"});
   EXPECT_EQ(output.status, 0) << output.standard_error;
   const JsonValue json = json_of(output);
   EXPECT_EQ(algorithm(json, 0).text("name"), "arc_kalman");
   // Beacons every half metre, 1 cm each: 8.7 mm along and 2 mm across the line.
   EXPECT_NEAR(*algorithm(json, 0).number("limit_m"), 0.0089, 3e-4);
   EXPECT_NEAR(*algorithm(json, 0).number("rmse_m"), 0.0089, 1e-3);
-  EXPECT_EQ(cosiva({"qualify", "arc_kalman", "--runs", "8", "--way", "40", "--json"}).data, output.data);
+  EXPECT_EQ(cosiva({"qualify", "arc_kalman", "--runs", "8", "--distance", "40", "--json"}).data, output.data);
 }
 
 TEST(QualifyStatistics, says_the_same_to_the_byte_on_any_number_of_threads) {
@@ -52,7 +52,7 @@ TEST(QualifyStatistics, says_the_same_to_the_byte_on_any_number_of_threads) {
     std::vector<std::string> output;
     for (const char* threads : {"1", "2", "4"}) {
       std::vector<std::string> arguments = requested;
-      if (arguments.size() > 3) arguments.insert(arguments.end(), {"--way", "10"});
+      if (arguments.size() > 3) arguments.insert(arguments.end(), {"--distance", "10"});
       arguments.insert(arguments.end(), {"--json", "--threads", threads});
       const CommandOutput one = cosiva(arguments);
       EXPECT_EQ(one.status, 0) << one.standard_error;
@@ -76,7 +76,7 @@ TEST(Qualify, lists_what_there_is) {
 
 TEST(Compare, shows_that_the_filter_is_better_than_the_article_s_rule) {
   const JsonValue json =
-      json_of(cosiva({"compare", "reset_rule", "arc_kalman", "--runs", "12", "--way", "40", "--json"}));
+      json_of(cosiva({"compare", "reset_rule", "arc_kalman", "--runs", "12", "--distance", "40", "--json"}));
   const JsonValue& comparison = json.find("comparisons")->array()->front();
   EXPECT_EQ(comparison.text("verdict"), "different");
   EXPECT_LT(*comparison.number("rmse_difference_m"), 0.0);
@@ -126,7 +126,7 @@ TEST(Qualify, says_on_the_terminal_and_in_the_report_what_it_made_of_a_recording
 
 TEST(Qualify, draws_ways_on_the_zone_s_lines) {
   const Scratch scratch;
-  EXPECT_EQ(cosiva({"qualify", "--runs", "2", "--way", "5", "--zone", "lacet4", "--out", scratch / "out"}).status, 0);
+  EXPECT_EQ(cosiva({"qualify", "--runs", "2", "--distance", "5", "--zone", "lacet4", "--out", scratch / "out"}).status, 0);
   EXPECT_THAT(adapters::read_file(scratch / "out/report.html").value_or(""), HasSubstr("class=\"line ground\""));
 }
 
@@ -245,18 +245,18 @@ TEST(Compare, refuses_an_alignment_that_means_nothing) {
   const Scratch scratch;
   const std::string line = scratch / "line.tum";
   EXPECT_TRUE(adapters::write_file(line, "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 2 0 0 0 0 0 1\n"));
-  const auto arguments = [](const std::vector<std::string>& arguments) {
+  const auto refusal = [](const std::vector<std::string>& arguments) {
     const CommandOutput output = cosiva(arguments);
     EXPECT_EQ(output.status, 2) << output.standard_error;
     return output.standard_error;
   };
-  EXPECT_THAT(arguments({"compare", "--align", "se2"}),
+  EXPECT_THAT(refusal({"compare", "--align", "se2"}),
               HasSubstr("--align se2: in virtual time all are told the truth's own frame"));
   EXPECT_THAT(
-      arguments({"qualify", "--recording", source + "/src/experiments/positioning/recording/plaza1", "--align", "se3"}),
+      refusal({"qualify", "--recording", source + "/src/experiments/positioning/recording/plaza1", "--align", "se3"}),
       HasSubstr("a recording lies on the floor"));
-  EXPECT_THAT(arguments({"compare", "--align", "sim3"}), HasSubstr("sim3"));
-  EXPECT_THAT(arguments({"compare", "--reference", line, "--estimate", line, "--align", "se3"}),
+  EXPECT_THAT(refusal({"compare", "--align", "sim3"}), HasSubstr("sim3"));
+  EXPECT_THAT(refusal({"compare", "--reference", line, "--estimate", line, "--align", "se3"}),
               HasSubstr("too near one line"));
 }
 
@@ -270,7 +270,7 @@ TEST(Compare, tells_the_reference_s_budget_and_calls_what_is_below_it_unresolved
       {"name": "time stamp", "time_s": 0.001, "speed_mps": 0.5, "source": "gvs track --against"}]})"));
   };
   const auto compared = [&] {
-    return json_of(cosiva({"compare", "reset_rule", "arc_kalman", "--runs", "12", "--way", "40", "--reference-budget",
+    return json_of(cosiva({"compare", "reset_rule", "arc_kalman", "--runs", "12", "--distance", "40", "--reference-budget",
                            budget, "--json"}));
   };
   write_budget("0.05");
@@ -317,7 +317,7 @@ TEST(Compare, on_the_plane_draws_the_limit_beside_each_bar) {
 }
 
 TEST(Compare, takes_the_python_example_as_one_of_many) {
-  const CommandOutput output = cosiva({"compare", "arc_kalman", "reset_rule", "--runs", "3", "--way", "10",
+  const CommandOutput output = cosiva({"compare", "arc_kalman", "reset_rule", "--runs", "3", "--distance", "10",
                                        "--external", "mine=python3 " + source + "/examples/estimator.py", "--json"});
   EXPECT_EQ(output.status, 0) << output.standard_error;
   const JsonValue json = json_of(output);
@@ -328,7 +328,7 @@ TEST(Compare, takes_the_python_example_as_one_of_many) {
 
 TEST(Compare, keeps_the_others_when_a_program_hangs_ends_or_talks_nonsense) {
   const CommandOutput output =
-      cosiva({"compare", "arc_kalman", "--runs", "2", "--way", "5", "--timeout", "0.3", "--external", "hangs=sleep 60",
+      cosiva({"compare", "arc_kalman", "--runs", "2", "--distance", "5", "--timeout", "0.3", "--external", "hangs=sleep 60",
               "--external", "ends=exit 4", "--external", "nonsense=while read -r line; do echo hello; done", "--json"});
   EXPECT_EQ(output.status, 1);
   const JsonValue json = json_of(output);
@@ -343,28 +343,28 @@ TEST(Compare, keeps_the_others_when_a_program_hangs_ends_or_talks_nonsense) {
 
 TEST(Compare, refuses_bad_input_with_its_place) {
   const Scratch scratch;
-  const auto arguments = [](const std::vector<std::string>& arguments) {
+  const auto refusal = [](const std::vector<std::string>& arguments) {
     const CommandOutput output = cosiva(arguments);
     EXPECT_EQ(output.status, 2) << output.standard_error;
     return output.standard_error;
   };
-  EXPECT_THAT(arguments({"qualify", "kalmann"}), HasSubstr("there is no such algorithm"));
-  EXPECT_THAT(arguments({"compare", "ekf"}), HasSubstr("at least two"));
-  EXPECT_THAT(arguments({"compare", "ekf", "ekf"}), HasSubstr("named twice"));
-  EXPECT_THAT(arguments({"qualify", "ekf", "--recording", scratch / "nowhere"}), HasSubstr("cannot read the folder"));
-  EXPECT_THAT(arguments({"qualify", "--external", "mine"}), HasSubstr("NAME=COMMAND"));
-  EXPECT_THAT(arguments({"qualify", "--way", "0"}), HasSubstr("longer than nothing"));
-  EXPECT_THAT(arguments({"qualify", "--zone", "nowhere"}), HasSubstr("nowhere"));
+  EXPECT_THAT(refusal({"qualify", "kalmann"}), HasSubstr("there is no such algorithm"));
+  EXPECT_THAT(refusal({"compare", "ekf"}), HasSubstr("at least two"));
+  EXPECT_THAT(refusal({"compare", "ekf", "ekf"}), HasSubstr("named twice"));
+  EXPECT_THAT(refusal({"qualify", "ekf", "--recording", scratch / "nowhere"}), HasSubstr("cannot read the folder"));
+  EXPECT_THAT(refusal({"qualify", "--external", "mine"}), HasSubstr("NAME=COMMAND"));
+  EXPECT_THAT(refusal({"qualify", "--distance", "0"}), HasSubstr("longer than nothing"));
+  EXPECT_THAT(refusal({"qualify", "--zone", "nowhere"}), HasSubstr("nowhere"));
   const std::string bad = scratch / "bad.tum";
   EXPECT_TRUE(adapters::write_file(bad, "0 0 0 0 0 0 0 1\nnan 0 0 0 0 0 0 1\n"));
-  EXPECT_THAT(arguments({"compare", "--reference", bad, "--estimate", bad}), HasSubstr("bad.tum:2"));
-  EXPECT_THAT(arguments({"compare", "--estimate", bad}), HasSubstr("--reference"));
-  EXPECT_THAT(arguments({"compare", "--reference-budget", scratch / "no.json"}), HasSubstr("no.json"));
-  EXPECT_THAT(arguments({"compare", "--reference-budget", bad}), HasSubstr("bad.tum"));
-  EXPECT_THAT(arguments({"compare", "--reference-budget", bad, "--reference-error", "0.01"}),
+  EXPECT_THAT(refusal({"compare", "--reference", bad, "--estimate", bad}), HasSubstr("bad.tum:2"));
+  EXPECT_THAT(refusal({"compare", "--estimate", bad}), HasSubstr("--reference"));
+  EXPECT_THAT(refusal({"compare", "--reference-budget", scratch / "no.json"}), HasSubstr("no.json"));
+  EXPECT_THAT(refusal({"compare", "--reference-budget", bad}), HasSubstr("bad.tum"));
+  EXPECT_THAT(refusal({"compare", "--reference-budget", bad, "--reference-error", "0.01"}),
               HasSubstr("give one of them"));
   EXPECT_THAT(
-      arguments({"compare", "--reference", scratch / "mine.tum", "--estimate", scratch / "groundground_truth.tum"}),
+      refusal({"compare", "--reference", scratch / "mine.tum", "--estimate", scratch / "ground_truth.tum"}),
       HasSubstr("seem to be swapped"));
 }
 

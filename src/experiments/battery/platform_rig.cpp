@@ -55,7 +55,7 @@ struct PlatformRig::Impl {
       if (!vehicle) return;
       for (std::size_t v = 0; v < slots.size(); ++v) {
         if (vehicle->serial_number != name_of(v)) continue;
-        const auto* report = wire::typed<wire::BoardsReport>(message.typed);
+        const auto* report = wire::value_as<wire::BoardsReport>(message.typed);
         if (report == nullptr || !report->power) return;
         slots[v].report = *report;
         slots[v].received = at;

@@ -30,7 +30,7 @@ void write_slot(JsonWriter& json, const ProcedureSlot& slot) {
     json.null();
   }
   json.field("first_distance_m", slot.first_distance_m);
-  json.field("heard_after_s", to_seconds(slot.received - slot.record.started));
+  json.field("received_after_s", to_seconds(slot.received - slot.record.started));
   json.key("pause_after_s");
   if (slot.pause_began)
     json.value(to_seconds(*slot.pause_began - slot.record.started));
@@ -61,7 +61,7 @@ Result<ProcedureSlot> read_slot(const JsonValue& json) {
         FloorCrossing{slot.record.started + from_seconds(seconds(*crossing, "after_s")), std::move(*crossed)};
   }
   slot.first_distance_m = seconds(json, "first_distance_m");
-  slot.received = slot.record.started + from_seconds(seconds(json, "heard_after_s"));
+  slot.received = slot.record.started + from_seconds(seconds(json, "received_after_s"));
   if (const auto pause = json.number("pause_after_s")) slot.pause_began = slot.record.started + from_seconds(*pause);
   slot.paused = from_seconds(seconds(json, "paused_s"));
   slot.ran_since_pause = from_seconds(seconds(json, "ran_s"));

@@ -145,9 +145,9 @@ TEST(Height, is_corrected_by_the_cameras_foot_and_height) {
   const auto pixel = camera.pixel_of(there, 0.10);
   const Point2 detected = camera.floor_of(*pixel).value();
   EXPECT_GT(distance(detected, there), 0.03);  // 10 cm under 3.3 m, 1.2 m from the foot: 37 mm
-  const CameraPose camera{camera.foot, camera.height_m};
-  EXPECT_LE(distance(at_height(detected, 0.10, camera), there), 1e-9);
-  EXPECT_LE(distance(detected_from(there, 0.10, camera), detected), 1e-9);
+  const CameraPose camera_pose{camera.foot, camera.height_m};
+  EXPECT_LE(distance(at_height(detected, 0.10, camera_pose), there), 1e-9);
+  EXPECT_LE(distance(detected_from(there, 0.10, camera_pose), detected), 1e-9);
 }
 
 TEST(Height, knows_the_cameras_foot_from_its_height_within_30_mm) {

@@ -27,7 +27,7 @@ Result<void> check_distinct(const Table& table, std::size_t column, const std::s
   for (std::size_t i = 1; i < all.size(); ++i)
     if (all[i].a == all[i - 1].a && all[i].b == all[i - 1].b)
       return fail("gvs.points", what + " stands in line " + std::to_string(all[i - 1].line) + " already",
-                  position_of(file, all[i].line));
+                  location_of(file, all[i].line));
   return {};
 }
 
@@ -125,7 +125,7 @@ Result<std::vector<SurveyedPose>> read_pose_stops(std::string_view text, const s
     const auto row = sample_of(line);
     if (!row) {
       return fail("gvs.poses", "expected 'x, y, cos, sin, weight' of finite numbers, found " + quoted(line),
-                  position_of(file, lines.number()));
+                  location_of(file, lines.number()));
     }
     if (stops.empty() || between(*row, before) > leap) stops.emplace_back();
     stops.back().add(*row);

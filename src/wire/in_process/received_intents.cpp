@@ -43,7 +43,7 @@ Result<std::shared_ptr<const Intent>> received_intent(std::string_view json) {
 }
 
 Result<std::shared_ptr<const Intent>> received_intent(const Input& input) {
-  if (const auto* intent = typed<Intent>(input.typed)) return std::shared_ptr<const Intent>{input.typed, intent};
+  if (const auto* intent = value_as<Intent>(input.typed)) return std::shared_ptr<const Intent>{input.typed, intent};
   return received_intent(input.payload);
 }
 

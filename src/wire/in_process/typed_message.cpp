@@ -26,7 +26,7 @@ Message stamped_in_header(Message&& message) {
 
 template <typename Message>
 Result<Message> typed_or(const Input& input, Result<Message> (*read)(std::string_view)) {
-  if (const auto* message = typed<Message>(input.typed)) return *message;
+  if (const auto* message = value_as<Message>(input.typed)) return *message;
   return read(input.payload);
 }
 

@@ -123,9 +123,9 @@ TEST(EstimateExchange, of_an_answer_that_is_bad_is_refused_with_its_field) {
     return read ? std::string{} : to_string(read.error());
   };
   ASSERT_TRUE(estimate_response_from_json(good)) << good;
-  EXPECT_THAT(refusal(R"("distance_m":0.01)", R"("distance_m":"far")"), HasSubstr("told.0.odometry.distance_m"));
-  EXPECT_THAT(refusal(R"("fiducial":7)", R"("fiducial":0.5)"), HasSubstr("told.1.reading.fiducial"));
-  EXPECT_THAT(refusal(R"({"odometry")", R"({"gyroscope")"), HasSubstr("told.0"));
+  EXPECT_THAT(refusal(R"("distance_m":0.01)", R"("distance_m":"far")"), HasSubstr("inputs.0.odometry.distance_m"));
+  EXPECT_THAT(refusal(R"("fiducial":7)", R"("fiducial":0.5)"), HasSubstr("inputs.1.reading.fiducial"));
+  EXPECT_THAT(refusal(R"({"odometry")", R"({"gyroscope")"), HasSubstr("inputs.0"));
   EXPECT_THAT(refusal(R"([0.25,)", R"([)"), HasSubstr("estimates.0.covariance"));
   EXPECT_THAT(refusal(R"([0.25,)", R"([null,)"), HasSubstr("estimates.0.covariance.0"));
   EXPECT_THAT(refusal(R"("nis":0.5)", R"("nis":-1)"), HasSubstr("estimates.0.rectified.0.nis"));

@@ -235,12 +235,12 @@ TEST(OwnMessages, refuse_a_felt_or_seen_with_wrong_fields) {
   EXPECT_EQ(fault(perceived, virtual_obstacles_ack_from_json, R"("body":"P1")", R"("body":null)"), "own.field body");
   const DetectedObstacleReport detected{3, virtual_epoch, "lacet4",
                                         DetectedObstacleReport::Obstacle{1.5, 1.25, 0.05, 0.75}, 0.5};
-  EXPECT_EQ(fault(detected, detected_obstacle_from_json, R"("x":1.5)", R"("x":1e6)"), "own.field thing.x");
+  EXPECT_EQ(fault(detected, detected_obstacle_from_json, R"("x":1.5)", R"("x":1e6)"), "own.field obstacle.x");
   EXPECT_EQ(fault(detected, detected_obstacle_from_json, R"("radius":0.05)", R"("radius":-1)"),
-            "own.field thing.radius");
+            "own.field obstacle.radius");
   EXPECT_EQ(fault(detected, detected_obstacle_from_json, R"("clear":0.5)", R"("clear":-0.5)"), "own.field clear");
   EXPECT_EQ(fault(detected, detected_obstacle_from_json, R"("obstacle":{)", R"("obstacle":7,"other":{)"),
-            "own.field thing.");
+            "own.field obstacle.");
 }
 
 TEST(OwnMessages, refuse_a_boards_report_with_wrong_fields) {

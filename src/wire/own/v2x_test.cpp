@@ -147,14 +147,14 @@ TEST(Intent, refuses_what_is_out_of_bounds_naming_the_field) {
   EXPECT_EQ(fault(R"("speed":0.4)", R"("speed":-101)"), "own.field speed");
   EXPECT_EQ(fault(R"("braking":false)", R"("braking":0)"), "own.field braking");
   EXPECT_EQ(fault(R"("priority":3)", R"("priority":1000)"), "own.field priority");
-  EXPECT_EQ(fault(R"("s":0.875)", R"("s":-1)"), "own.field place.s");
+  EXPECT_EQ(fault(R"("s":0.875)", R"("s":-1)"), "own.field position.s");
   EXPECT_EQ(fault(R"("entry":0.31)", R"("entry":-0.1)"), "own.field crossings.0.entry");
   EXPECT_EQ(fault(R"("exit":0.71)", R"("exit":0.3)"), "own.field crossings.0.exit");
   EXPECT_EQ(fault(R"("arrival":0.9)", R"("arrival":4000)"), "own.field crossings.0.arrival");
   EXPECT_EQ(fault(R"("departure":1.9)", R"("departure":0.8)"), "own.field crossings.0.departure");
   EXPECT_EQ(fault(R"("mayEnter":true)", R"("mayEnter":"yes")"), "own.field crossings.0.mayEnter");
-  EXPECT_EQ(fault(R"(["loop_se","north"])", R"(["loop_se",7])"), "own.field way.1");
-  EXPECT_EQ(fault(R"(["loop_se","north"])", "[\"" + std::string(129, 'x') + "\"]"), "own.field way.0");
+  EXPECT_EQ(fault(R"(["loop_se","north"])", R"(["loop_se",7])"), "own.field route.1");
+  EXPECT_EQ(fault(R"(["loop_se","north"])", "[\"" + std::string(129, 'x') + "\"]"), "own.field route.0");
   EXPECT_EQ(fault("2026-01-01T00:00:00.004Z", "yesterday"), "own.field timestamp");
 }
 

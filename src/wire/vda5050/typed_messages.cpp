@@ -17,17 +17,17 @@ struct Writer {
 }  // namespace
 
 Result<State> state_from(const Input& input) {
-  if (const auto* state = typed<State>(input.typed)) return *state;
+  if (const auto* state = value_as<State>(input.typed)) return *state;
   return decode_state(input.payload);
 }
 
 Result<Visualization> visualization_from(const Input& input) {
-  if (const auto* visualization = typed<Visualization>(input.typed)) return *visualization;
+  if (const auto* visualization = value_as<Visualization>(input.typed)) return *visualization;
   return decode_visualization(input.payload);
 }
 
 Result<Order> order_from(const Input& input) {
-  if (const auto* order = typed<Order>(input.typed)) return *order;
+  if (const auto* order = value_as<Order>(input.typed)) return *order;
   return decode_order(input.payload);
 }
 

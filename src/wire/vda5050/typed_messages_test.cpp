@@ -80,14 +80,14 @@ TEST(TypedMessage, our_own_messages_are_heard_as_their_texts_would_be_read) {
   const auto passed = typed(intent());
   const auto as_text = intent_from_json(text_of(*passed));
   ASSERT_TRUE(as_text) << to_string(as_text.error());
-  ASSERT_NE(typed<Intent>(passed), nullptr);
-  EXPECT_EQ(*typed<Intent>(passed), *as_text);
+  ASSERT_NE(value_as<Intent>(passed), nullptr);
+  EXPECT_EQ(*value_as<Intent>(passed), *as_text);
 }
 
 TEST(TypedMessage, no_more_is_heard_than_the_text_would_carry) {
   const BoardsReport whole = boards_report();
   const auto passed = typed(boards_report());
-  const auto* received = typed<BoardsReport>(passed);
+  const auto* received = value_as<BoardsReport>(passed);
   ASSERT_NE(received, nullptr);
   EXPECT_EQ(received->timestamp, virtual_epoch);
   EXPECT_EQ(received->ranges->board_ms, 0U);
@@ -97,8 +97,8 @@ TEST(TypedMessage, no_more_is_heard_than_the_text_would_carry) {
 
 TEST(TypedMessage, one_message_is_not_taken_for_another) {
   const auto passed = typed(detected());
-  EXPECT_EQ(typed<Visualization>(passed), nullptr);
-  EXPECT_EQ(typed<DetectedObstacleReport>(std::shared_ptr<const TypedMessage>{}), nullptr);
+  EXPECT_EQ(value_as<Visualization>(passed), nullptr);
+  EXPECT_EQ(value_as<DetectedObstacleReport>(std::shared_ptr<const TypedMessage>{}), nullptr);
   EXPECT_FALSE(state_from(input_of(passed)));
 }
 

@@ -147,7 +147,7 @@ class Checker {
         record(Severity::warning, "zone.no_return", {id, 0.0},
                "all ways from " + name(id) + " end; who drives in does not come round again");
       if (circuit_.previous(id).empty())
-        record(Severity::warning, "zone.no_way_in", {id, 0.0},
+        record(Severity::warning, "zone.unreachable", {id, 0.0},
                "no section leads to " + name(id) + "; only vehicles that start there drive on it");
     }
   }

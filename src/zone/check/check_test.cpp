@@ -98,7 +98,7 @@ TEST(Check, tells_dead_ends_ways_into_them_and_ways_that_nothing_leads_to) {
   const auto into = of_code(zone, "zone.no_return");
   ASSERT_THAT(into, SizeIs(1));
   EXPECT_EQ(into[0].position.section, 4U);
-  const auto outside = of_code(zone, "zone.no_way_in");
+  const auto outside = of_code(zone, "zone.unreachable");
   ASSERT_THAT(outside, SizeIs(1));
   EXPECT_EQ(outside[0].position.section, 6U);
 }

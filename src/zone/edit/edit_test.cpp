@@ -208,7 +208,7 @@ TEST(ZoneEdit, of_a_bad_file_or_a_bad_edit_fails_with_a_reason) {
   EXPECT_THAT(edited_text("name = ", {{}, {}, 0.2, {}}), HasSubstr("refused: zone.syntax"));
   EXPECT_THAT(edited_text(straight, {{}, {7}, {}, {}}), HasSubstr("refused: edit.tag"));
   EXPECT_THAT(edited_text(straight, {{{1, {5, 0.0}}}, {}, {}, {}}), HasSubstr("refused: edit.section"));
-  EXPECT_THAT(edited_text(straight, {{{1, at_a(2.001)}}, {}, {}, {}}), HasSubstr("refused: edit.place"));
+  EXPECT_THAT(edited_text(straight, {{{1, at_a(2.001)}}, {}, {}, {}}), HasSubstr("refused: edit.position"));
   EXPECT_THAT(edited_text(straight, {{}, {}, {}, {{"a/b", 1000}}}), HasSubstr("refused: edit.priority"));
   const auto other = edited({"cad", "x", ""}, {});
   ASSERT_FALSE(other);
@@ -316,7 +316,7 @@ ZoneEdit arbitrary_edit(const TrafficZone& zone, const std::map<TagNumber, Track
     const auto kind = *rc::gen::inRange(0, 5);
     const TagNumber number = *rc::gen::inRange<TagNumber>(1, 30);
     const bool fresh = used.insert(number).second;
-    if (kind <= 1 && fresh) edit.set_tags.push_back({number, track_position()});
+    if (kind <= 1 && fresh) edit.set_tags.push_back({number, position()});
     if (kind == 2 && fresh && tags.count(number) > 0) edit.remove_tags.push_back(number);
     if (kind == 3) edit.beacon_pitch_m = *rc::gen::inRange(50, 1000) * 1e-3;
     if (kind == 4 && edit.set_priorities.empty())

@@ -148,7 +148,7 @@ bool TrafficZone::may_stop(TrackPosition track_position) const {
 namespace {
 
 struct Spot {
-  TrackPosition track_position;
+  TrackPosition position;
   Point2 p;
 };
 

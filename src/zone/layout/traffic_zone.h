@@ -70,7 +70,7 @@ struct Diagnostic {
     notice,  ///< worth knowing, such as the worst error of a fit
   };
   Kind kind;
-  std::string track_position;  ///< in the file: "road 12", "layouts[0].edges[3].trajectory"
+  std::string location;  ///< in the file: "road 12", "layouts[0].edges[3].trajectory"
   std::string text;            ///< a sentence
 };
 [[nodiscard]] std::string_view to_string(Diagnostic::Kind kind);

@@ -116,7 +116,7 @@ void Maker::merge_nodes() {
     if (point_[i] == i) {
       cells[{level, x, y}].push_back(i);
     } else {
-      diagnostics_.add(Diagnostic::Kind::notice, node.position,
+      diagnostics_.add(Diagnostic::Kind::notice, node.location,
                        "node '" + node.id + "' lies where '" + document_.nodes[point_[i]].id +
                            "' lies; they are one point with several ids",
                        "merged nodes");
@@ -193,7 +193,7 @@ std::string Maker::unused(std::string name) {
 
 void Maker::lay(const Edge& edge) {
   if (is_lift(edge)) {
-    diagnostics_.add(lost, edge.position, "edge '" + edge.id + "' leads to another level; lifts are not taken", "lift");
+    diagnostics_.add(lost, edge.location, "edge '" + edge.id + "' leads to another level; lifts are not taken", "lift");
     return;
   }
   const std::size_t from = point_[edge.from];
@@ -201,7 +201,7 @@ void Maker::lay(const Edge& edge) {
   Track track = track_maker_.make(edge, document_.nodes[from].at, document_.nodes[to].at);
   if (track.sections.empty()) {
     if (from == to || distance(document_.nodes[from].at, document_.nodes[to].at) < same_point_m) {
-      diagnostics_.add(mended, edge.position,
+      diagnostics_.add(mended, edge.location,
                        "edge '" + edge.id + "' has no length: its nodes are one point, where vehicles turn on the spot",
                        "edge without length");
     }
@@ -229,7 +229,7 @@ void Maker::lay(const Edge& edge) {
     error_ = Error{"zone.size",
                    "a zone may have 100000 sections, be 100 km long and turn 100000 rad in all; the edges up to here "
                    "exceed it. [import] scale or layout may help",
-                   edge.position};
+                   edge.location};
     return;
   }
   leaving_[from].push_back(laid_.size());
@@ -243,7 +243,7 @@ void Maker::join() {
   for (const Laid& laid : laid_) {
     joints += leaving_[point_[laid.finish->to]].size();
     if (joints <= joints_max) continue;
-    error_ = Error{"zone.size", "expected at most 1000000 joints between edges, found more", laid.finish->position};
+    error_ = Error{"zone.size", "expected at most 1000000 joints between edges, found more", laid.finish->location};
     return;
   }
   for (std::size_t i = 0; i < laid_.size(); ++i) join_end(i);
@@ -272,7 +272,7 @@ void Maker::join_end(std::size_t index) {
     any_allowed = any_allowed || choices.back().allowed;
   }
   if (!any_allowed && !choices.empty()) {
-    diagnostics_.add(mended, laid.edge->position,
+    diagnostics_.add(mended, laid.edge->location,
                      "no way leads on from edge '" + laid.edge->id +
                          "' without a turn, which its node forbids; vehicles turn there all the same",
                      "forbidden turn");
@@ -293,7 +293,7 @@ void Maker::add_stations() {
   for (const Station& station : document_.stations) {
     std::string name = station.name;
     if (station_names_.contains(name)) {
-      diagnostics_.add(mended, station.position, "another station is called '" + name + "'; known by its id",
+      diagnostics_.add(mended, station.location, "another station is called '" + name + "'; known by its id",
                        "station names");
       name = station.id;
     }
@@ -307,7 +307,7 @@ void Maker::add_stations() {
       });
       if (points.size() == 2) {
         diagnostics_.add(
-            Diagnostic::Kind::notice, station.position,
+            Diagnostic::Kind::notice, station.location,
             "station '" + name + "' has several interaction nodes; the further ones are numbered: .2, .3 …",
             "several interaction nodes");
       }
@@ -316,7 +316,7 @@ void Maker::add_stations() {
       served.insert(point);
     }
     if (points.empty()) {
-      diagnostics_.add(lost, station.position,
+      diagnostics_.add(lost, station.location,
                        "no way leads to an interaction node of station '" + name + "'; not taken",
                        "station without way");
     }
@@ -330,7 +330,7 @@ void Maker::add_lonely_chargers(const std::set<std::size_t>& served) {
     const Node& node = document_.nodes[i];
     const std::size_t point = point_[i];
     if (!node.charges || served.contains(point) || !is_reached(point)) continue;
-    diagnostics_.add(mended, node.position,
+    diagnostics_.add(mended, node.location,
                      "node '" + node.id + "' offers startCharging but no station; it is a charger of that name",
                      "lonely charger");
     add_station(node.id, i, true);

@@ -56,7 +56,7 @@ Track TrackMaker::make(const Edge& edge, Point2 from, Point2 to) {
   if (length_m < distance_min_m) return {};
   auto section = Section::make({from.x_m, from.y_m, det_atan2(to.y_m - from.y_m, to.x_m - from.x_m)}, length_m);
   if (!section) {
-    diagnostics_.add(Diagnostic::Kind::lost, edge.position,
+    diagnostics_.add(Diagnostic::Kind::lost, edge.location,
                      "no way can be made of it: " + section.error().message + "; not taken");
     return {};
   }
@@ -79,13 +79,13 @@ bool TrackMaker::meet(Nurbs& curve, const Edge& edge, Point2 from, Point2 to) {
     kx = (w.x_m * c.x_m + w.y_m * c.y_m) / (chord_m * chord_m);
     ky = (w.y_m * c.x_m - w.x_m * c.y_m) / (chord_m * chord_m);
   } else if (chord_m >= distance_min_m || wanted_m >= distance_min_m) {
-    diagnostics_.add(Diagnostic::Kind::mended, edge.position + ".trajectory",
+    diagnostics_.add(Diagnostic::Kind::mended, edge.location + ".trajectory",
                      "the trajectory and its nodes do not belong together; a straight line from node to node instead");
     return false;
   }
   const double stretch = norm(kx, ky);
   if (!(stretch < stretch_max && stretch > 1.0 / stretch_max)) {
-    diagnostics_.add(Diagnostic::Kind::mended, edge.position + ".trajectory",
+    diagnostics_.add(Diagnostic::Kind::mended, edge.location + ".trajectory",
                      "the trajectory would have to be stretched by " + decimal(stretch, 1.0) +
                          " to meet its nodes; a straight line from node to node instead",
                      "trajectory not stretched");
@@ -97,7 +97,7 @@ bool TrackMaker::meet(Nurbs& curve, const Edge& edge, Point2 from, Point2 to) {
     p = {from.x_m + kx * x - ky * y, from.y_m + ky * x + kx * y};
   }
   if (off_m > meets_m) {
-    diagnostics_.add(Diagnostic::Kind::mended, edge.position + ".trajectory",
+    diagnostics_.add(Diagnostic::Kind::mended, edge.location + ".trajectory",
                      "the trajectory misses its nodes by " + decimal(off_m, 1.0) +
                          " m; it is moved to them, turned by " + decimal(det_atan2(ky, kx), 1.0) +
                          " rad and stretched by " + decimal(stretch, 1.0),
@@ -121,7 +121,7 @@ bool TrackMaker::follow(const Nurbs& curve, const Edge& edge, Track& track) {
   for (const double to : ends) {
     if (!follow_span(curve, from, to, track, why)) {
       track = {};
-      diagnostics_.add(Diagnostic::Kind::mended, edge.position + ".trajectory",
+      diagnostics_.add(Diagnostic::Kind::mended, edge.location + ".trajectory",
                        "the trajectory cannot be driven: " + why + "; a straight line from node to node instead",
                        "trajectory not fitted");
       return false;
@@ -131,7 +131,7 @@ bool TrackMaker::follow(const Nurbs& curve, const Edge& edge, Track& track) {
   }
   track.corner.back() = false;
   if (ends.size() > 1) {
-    diagnostics_.add(Diagnostic::Kind::mended, edge.position + ".trajectory",
+    diagnostics_.add(Diagnostic::Kind::mended, edge.location + ".trajectory",
                      "the trajectory has corners; vehicles turn on the spot there");
   }
   return true;

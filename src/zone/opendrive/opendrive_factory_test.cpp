@@ -425,7 +425,7 @@ TEST(OpenDrive, edits_go_into_the_sidecar_and_the_file_stays) {
   const auto zone = OpenDriveCircuitFactory{}.make_zone(*after);
   ASSERT_TRUE(zone) << to_string(zone.error());
   ASSERT_NE(zone->find_tag(7), nullptr);
-  EXPECT_NEAR(zone->find_tag(7)->location.s_m, 12.5, 1e-4);
+  EXPECT_NEAR(zone->find_tag(7)->position.s_m, 12.5, 1e-4);
 }
 
 TEST(OpenDrive, is_only_read) {

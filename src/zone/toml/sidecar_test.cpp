@@ -131,23 +131,23 @@ TEST(Sidecar, reads_the_import_before_the_geometry) {
 }
 
 TEST(Sidecar, that_is_wrong_is_refused_at_its_own_file_and_line) {
-  EXPECT_THAT(error_of("[vehicle\n"), StartsWith("zone.syntax plants/control area.zone.toml:1: "));
+  EXPECT_THAT(error_of("[vehicle\n"), StartsWith("zone.syntax plants/area.zone.toml:1: "));
   EXPECT_THAT(
       error_of("[import]\nscle = 2\n"),
       StartsWith(
-          "zone.unknown_key plants/control area.zone.toml:2: import.scle: unknown key; did you mean \"scale\"?"));
+          "zone.unknown_key plants/area.zone.toml:2: import.scle: unknown key; did you mean \"scale\"?"));
   EXPECT_THAT(error_of("\n[import]\nscale = 0\n"),
-              StartsWith("zone.field plants/control area.zone.toml:3: import.scale"));
+              StartsWith("zone.field plants/area.zone.toml:3: import.scale"));
   EXPECT_THAT(error_of("[[section]]\n"), StartsWith("zone.unknown_key"));
   EXPECT_THAT(error_of("format_version = 2\n"), StartsWith("zone.version"));
   EXPECT_THAT(error_of("[[tag]]\nnumber = 1\nsection = \"up\"\ns_m = 0\n"),
-              StartsWith("zone.reference plants/control area.zone.toml:3: tag[1].section"));
+              StartsWith("zone.reference plants/area.zone.toml:3: tag[1].section"));
   EXPECT_THAT(error_of("[[limit]]\nsection = \"up\"\nspeed_mps_max = 1\n"),
-              StartsWith("zone.reference plants/control area.zone.toml:1: limit[1].section"));
+              StartsWith("zone.reference plants/area.zone.toml:1: limit[1].section"));
   EXPECT_THAT(error_of("[[station]]\nname = \"dock\"\nsection = \"east\"\ns_m = 0\n"),
               HasSubstr("two stations have the name 'dock'"));
   EXPECT_THAT(error_of("[profiles.slow]\nspeed_mps = 0.5\nacceleration_mps2 = 1\nbraking_mps2 = 1\n"),
-              StartsWith("zone.field plants/control area.zone.toml"));
+              StartsWith("zone.field plants/area.zone.toml"));
 }
 
 TEST(Sidecar, takes_a_bend_too_tight_for_the_vehicle_with_a_note) {

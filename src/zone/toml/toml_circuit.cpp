@@ -296,7 +296,7 @@ std::vector<Loop> TomlTracks::loops(const Circuit& circuit) const {
                          circuit.part(round.sections.front()).name +
                          "' along the first of each 'next' does not come "
                          "back there",
-                     entries_[round.sections.front()].track_position()});
+                     entries_[round.sections.front()].location()});
         break;
       }
       loop.sections.push_back(next.front());

@@ -82,10 +82,10 @@ TrafficZone arbitrary_zone(std::uint64_t seed) {
     return TrackPosition{id, between(0.0, zone.circuit.section(id).length_m())};
   };
   for (std::uint64_t i = 0; i < random.below(4); ++i)
-    zone.tags.push_back({static_cast<TagNumber>(7 * i + 1), track_position()});
+    zone.tags.push_back({static_cast<TagNumber>(7 * i + 1), position()});
   for (std::uint64_t i = 0; i < random.below(4); ++i)
     zone.stations.push_back(
-        {"st" + std::to_string(i), track_position(), i % 2 == 0 ? StationKind::stop : StationKind::charger});
+        {"st" + std::to_string(i), position(), i % 2 == 0 ? StationKind::stop : StationKind::charger});
   if (random.below(2) == 0) zone.closed = {static_cast<SectionId>(random.below(zone.circuit.size()))};
   if (random.below(2) == 0) zone.priorities = {{"A/1", 3}, {"B/2", 999}};
   const double rotation_rad = random.below(2) == 0 ? 0.0 : between(-3.0, 3.0);

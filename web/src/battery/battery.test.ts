@@ -5,7 +5,7 @@ import type { BatteryPoint, BatterySlot, BatteryTest, Snapshot } from '../live/c
 const point = (s: number, charge: number): BatteryPoint => [s * 1000, charge, 7.4, 22];
 const slot = (change: Partial<BatterySlot> = {}): BatterySlot => ({ id: 'CoSiVA/AIV1', battery: 'red', phase: 'running', stop: null, autonomy_s: 60, charge: 81.25, ...change });
 const test = (change: Partial<BatteryTest> = {}): BatteryTest => ({
-  began_ms: 0, told_ms: 60_000, run: 1, runs: 1, floor: 20, progress: 0.25, expectedEnd_ms: 240_000, done: false, vehicles: [slot()], ...change,
+  began_ms: 0, received_ms: 60_000, run: 1, runs: 1, floor: 20, progress: 0.25, expectedEnd_ms: 240_000, done: false, vehicles: [slot()], ...change,
 });
 
 describe('a curve', () => {

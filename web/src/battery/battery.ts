@@ -110,9 +110,9 @@ export function test_text(test: BatteryTest, now_ms: number): string {
   const run = test.runs > 1 ? `Run ${test.run} of ${test.runs}` : 'The run';
   if (test.done) {
     const given_up = test.vehicles.some((slot) => slot.phase !== 'ended' || slot.stop === 'operator');
-    return `${given_up ? 'Given up' : 'Ended'} at ${format.clock(test.told_ms)}, after ${format.lasting(test.told_ms - test.began_ms)}.`;
+    return `${given_up ? 'Given up' : 'Ended'} at ${format.clock(test.received_ms)}, after ${format.lasting(test.received_ms - test.began_ms)}.`;
   }
-  if (now_ms - test.told_ms > silent_ms) return `Not heard of for ${format.lasting(now_ms - test.told_ms)}: its program is gone, or cannot reach the broker. The same command with its --state goes on.`;
+  if (now_ms - test.received_ms > silent_ms) return `Not heard of for ${format.lasting(now_ms - test.received_ms)}: its program is gone, or cannot reach the broker. The same command with its --state goes on.`;
   const wanted = test.vehicles.filter((slot) => slot.phase === 'changing').length;
   if (wanted > 0) return `${run} waits for ${wanted === 1 ? 'a battery' : `${wanted} batteries`}.`;
   if (test.expectedEnd_ms === null) return `${run} has begun; its end cannot be told yet.`;

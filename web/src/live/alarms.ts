@@ -42,7 +42,7 @@ export function causes_of(aiv: Aiv): AlarmCause[] {
     }
   }
   if (aiv.offRoute) add('offRoute', `Off-route: ${aiv.offRoute}`);
-  if (aiv.mission?.state === 'no way') add('no way', aiv.mission.why ?? `No way to ${aiv.mission.to ?? 'go on'}`);
+  if (aiv.mission?.state === 'no route') add('no route', aiv.mission.why ?? `No way to ${aiv.mission.to ?? 'go on'}`);
   for (const error of aiv.errors) add(`error ${error}`, error);
   if (here && aiv.battery !== null && aiv.battery < battery_low) add('battery', `Battery at ${format.percent(aiv.battery)}`);
   return causes;
@@ -89,7 +89,7 @@ export class AlarmBook {
     for (const { kind, id, text } of snapshot.bijection.findings ?? []) see(kind === 'no detection' ? null : id, format.serial(id), { code: kind, text });
     for (const deadlock of snapshot.deadlocks?.list ?? []) {
       const cause = { code: `deadlock ${deadlock.number}`, text: deadlock_words(deadlock) };
-      if (deadlock.state === 'standing' || deadlock.state === 'giving way' || deadlock.state === 'unresolved') see(null, 'Traffic', cause);
+      if (deadlock.state === 'confirmed' || deadlock.state === 'yielding' || deadlock.state === 'unresolved') see(null, 'Traffic', cause);
       else if (deadlock.state === 'resolved') changed = this.end_deadlock(deadlock, cause, now) || changed;
     }
     for (const change of snapshot.battery?.changes ?? []) {

@@ -53,7 +53,7 @@ export interface Mission {
   kind: 'circulate' | 'go';
   loop?: string | null;
   to?: string;
-  state: 'driving' | 'arrived' | 'no way';
+  state: 'driving' | 'arrived' | 'no route';
   why?: string | null;
 }
 
@@ -166,7 +166,7 @@ export interface Deadlock {
   /** number, from 1; 0 while the cycle is not yet confirmed, as most dissolve by themselves */
   number: number;
   since_ms: number;
-  state: 'forming' | 'standing' | 'giving way' | 'unresolved' | 'resolved';
+  state: 'forming' | 'confirmed' | 'yielding' | 'unresolved' | 'resolved';
   members: readonly string[];
   /** the waiting vehicles, and the reason of each wait */
   reason: string;
@@ -269,7 +269,7 @@ export interface BatteryChange {
 export interface BatteryTest {
   /** on the clock of the test program */
   began_ms: number;
-  told_ms: number;
+  received_ms: number;
   run: number;
   runs: number;
   /** charge at which a run ends [%] */

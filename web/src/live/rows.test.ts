@@ -27,8 +27,8 @@ describe('the rows', () => {
 
 describe('notes of missions', () => {
   it('are said of who was sent somewhere', () => {
-    const sent = (state: 'driving' | 'arrived' | 'no way') => aiv(1, { mission: { kind: 'go', to: 'dock', state } });
-    expect([sent('driving'), sent('arrived'), sent('no way')].map(mission_note)).toEqual(['to dock', 'at dock', 'no way to dock']);
+    const sent = (state: 'driving' | 'arrived' | 'no route') => aiv(1, { mission: { kind: 'go', to: 'dock', state } });
+    expect([sent('driving'), sent('arrived'), sent('no route')].map(mission_note)).toEqual(['to dock', 'at dock', 'no way to dock']);
     expect(mission_note(aiv(1, { mission: { kind: 'circulate', loop: 'outer', state: 'driving' } }))).toBe('');
     expect(mission_note(aiv(1))).toBe('');
   });

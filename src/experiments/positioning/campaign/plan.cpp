@@ -59,8 +59,8 @@ void check_fiducials(const Entry& root, const Entry& vary, const CampaignPlan& p
   if (plan.fiducials == Fiducials::line) {
     for (const Swept swept : {Swept::rotation, Swept::origin_x, Swept::origin_y})
       if (vary.has(info_of(swept).key))
-        vary.fault(info_of(swept).key, "campaign.plan", "only a grid has it: set marks = \"grid\"");
-    if (root.has("reach_m")) root.fault("reach_m", "campaign.plan", "only a grid needs it: set marks = \"grid\"");
+        vary.fault(info_of(swept).key, "campaign.plan", "only a grid has it: set fiducials = \"grid\"");
+    if (root.has("reach_m")) root.fault("reach_m", "campaign.plan", "only a grid needs it: set fiducials = \"grid\"");
   } else if (2.0 * plan.reach_m > plan.of(Swept::pitch).front()) {
     vary.fault(vary.has(info_of(Swept::pitch).key) ? info_of(Swept::pitch).key : "", "campaign.plan",
                "a reader that reaches " + shortest(plan.reach_m) + " m would see two beacons of a grid of " +

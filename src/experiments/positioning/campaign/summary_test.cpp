@@ -123,14 +123,14 @@ TEST(CampaignResult, says_the_same_as_text_json_and_page) {
   EXPECT_THAT(page, HasSubstr("The pitch that meets 9 mm"));
   EXPECT_THAT(page, HasSubstr("stroke-dasharray")) << "the limit's curve";
   EXPECT_THAT(page, HasSubstr("opacity=\"0.18\"")) << "the interval's band";
-  EXPECT_THAT(page, HasSubstr("Against the pitch, missed_share = 0.3"));
+  EXPECT_THAT(page, HasSubstr("Against the pitch, missed_ratio = 0.3"));
   EXPECT_THAT(page, HasSubstr(done.summary.digest));
   for (const char* word : {"nan", "inf<"}) EXPECT_THAT(page, Not(HasSubstr(word)));
 }
 
 TEST(CampaignResult, of_a_grid_draws_the_pitch_over_all_its_placements) {
   const Done done = done_of(
-      "runs = 3\nway_m = 10\nmarks = \"grid\"\n[vary]\nalgorithm = \"arc_kalman\"\npitch_m = [0.1, 0.2]\n"
+      "runs = 3\nway_m = 10\nfiducials = \"grid\"\n[vary]\nalgorithm = \"arc_kalman\"\npitch_m = [0.1, 0.2]\n"
       "origin_x_m = [0.0, 0.05]\nrotation_deg = [20, 40]\n");
   ASSERT_EQ(done.summary.pitches_met.size(), 1U);
   const Curve curve = curve_of(done.work, done.records, Swept::pitch, 0, {});

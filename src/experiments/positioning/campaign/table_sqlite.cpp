@@ -74,7 +74,7 @@ Result<void> fill(sqlite3* database, const Table& table) {
 
 Result<std::string> to_sqlite(const std::vector<Table>& tables) {
   sqlite3* raw = nullptr;
-  const int opened = sqlite3_open(":state:", &raw);
+  const int opened = sqlite3_open(":memory:", &raw);
   const Database database{raw};
   if (opened != SQLITE_OK) return refuse(raw);
   if (auto begun = run(raw, "BEGIN"); !begun) return tl::unexpected(begun.error());

@@ -37,7 +37,7 @@ TEST(Table, as_CSV_quotes_what_would_break_a_line_and_leaves_empty_what_is_no_nu
 /// The first column of what a query gives.
 std::vector<std::string> requested(std::string bytes, const std::string& query) {
   sqlite3* database = nullptr;
-  EXPECT_EQ(sqlite3_open(":state:", &database), SQLITE_OK);
+  EXPECT_EQ(sqlite3_open(":memory:", &database), SQLITE_OK);
   EXPECT_EQ(sqlite3_deserialize(database, "main", reinterpret_cast<unsigned char*>(bytes.data()),
                                 static_cast<sqlite3_int64>(bytes.size()), static_cast<sqlite3_int64>(bytes.size()),
                                 SQLITE_DESERIALIZE_READONLY),

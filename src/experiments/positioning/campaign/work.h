@@ -63,7 +63,7 @@ class CampaignWork {
   std::uint32_t block_{1};  ///< runs of a unit; the last of an environment may have fewer
 };
 
-/// "pitch_m = 0.5, missed_share = 0.3": of those that are swept.
+/// "pitch_m = 0.5, missed_ratio = 0.3": of those that are swept.
 [[nodiscard]] std::string to_string(const CampaignPlan& plan, const SweptValues& values);
 
 }  // namespace cosiva::experiments

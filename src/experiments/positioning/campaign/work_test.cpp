@@ -61,15 +61,15 @@ TEST(CampaignWork, of_another_plan_has_another_identity_and_a_tolerance_does_not
   auto track = estimation::Track::make(other.track->shared_circuit(), {0}, false);
   ASSERT_TRUE(track);
   other.track = std::make_shared<const estimation::Track>(std::move(*track));
-  const auto work = CampaignWork::make(plan_of("way_m = 0.5\n[vary]\n"), other);
+  const auto work = CampaignWork::make(plan_of("distance_m = 0.5\n[vary]\n"), other);
   ASSERT_TRUE(work) << to_string(work.error());
-  EXPECT_NE(work->identity(), identity("way_m = 0.5\n[vary]\n"));
+  EXPECT_NE(work->identity(), identity("distance_m = 0.5\n[vary]\n"));
 }
 
 TEST(CampaignWork, meets_a_grid_of_beacons_as_often_as_its_density_has_it) {
   // A free path meets 2·reach/pitch² beacons a metre; origins and rotations even out what the circuit's own lines do.
   const CampaignWork work = work_of(
-      "runs = 1\nway_m = 1\nmarks = \"grid\"\nreach_m = 0.02\n[vary]\nalgorithm = \"dead_reckoning\"\n"
+      "runs = 1\nway_m = 1\nfiducials = \"grid\"\nreach_m = 0.02\n[vary]\nalgorithm = \"dead_reckoning\"\n"
       "pitch_m = 0.2\norigin_x_m = [0.0, 0.05, 0.1, 0.15]\norigin_y_m = [0.02, 0.12]\nrotation_deg = [17, 31, 45]\n");
   double per_metre = 0.0;
   for (std::size_t i = 0; i < work.units(); ++i) {
@@ -84,7 +84,7 @@ TEST(CampaignWork, meets_a_grid_of_beacons_as_often_as_its_density_has_it) {
 TEST(CampaignWork, says_that_a_way_meets_no_beacon_and_goes_on) {
   // One beacon in a hundred metres, and it is not under the line.
   const auto record =
-      work_of("runs = 2\nway_m = 5\nmarks = \"grid\"\n[vary]\npitch_m = 100\norigin_x_m = 50\n").done(0);
+      work_of("runs = 2\nway_m = 5\nfiducials = \"grid\"\n[vary]\npitch_m = 100\norigin_x_m = 50\n").done(0);
   ASSERT_TRUE(record) << to_string(record.error());
   EXPECT_TRUE(std::isnan(record->fiducials.spacing_m));
   // Odometry alone, and the limit knows: both drift.
@@ -93,12 +93,12 @@ TEST(CampaignWork, says_that_a_way_meets_no_beacon_and_goes_on) {
 
 TEST(CampaignWork, refuses_an_environment_that_cannot_be_and_names_it) {
   auto steps =
-      CampaignWork::make(plan_of("way_m = 1000000\nrate_hz = 10000\n[vary]\nspeed_mps = [0.001, 50]\n"), lacet4());
+      CampaignWork::make(plan_of("distance_m = 1000000\nrate_hz = 10000\n[vary]\nspeed_mps = [0.001, 50]\n"), lacet4());
   ASSERT_FALSE(steps);
   EXPECT_EQ(steps.error().code, "simulation.length");
   EXPECT_EQ(steps.error().location, "speed_mps = 0.001");
   auto grid =
-      CampaignWork::make(plan_of("marks = \"grid\"\nreach_m = 1e-6\n[vary]\npitch_m = [1e-5, 0.5]\n"), lacet4());
+      CampaignWork::make(plan_of("fiducials = \"grid\"\nreach_m = 1e-6\n[vary]\npitch_m = [1e-5, 0.5]\n"), lacet4());
   ASSERT_FALSE(grid);
   EXPECT_EQ(grid.error().code, "campaign.grid");
 }

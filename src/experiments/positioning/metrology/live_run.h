@@ -49,7 +49,7 @@ class RunLog {
   [[nodiscard]] std::optional<SimTime> last_moment() const;
   /// With the truth beside each answer: those without any are left out, and counted.
   /// @param zone  that it drove in
-  /// Fails ("live.truth") where no moment is left, ("live.zone") where the run's ring is not in the zone.
+  /// Fails ("live.ground_truth") where no moment is left, ("live.zone") where the run's ring is not in the zone.
   [[nodiscard]] Result<LiveRun> finish(const std::shared_ptr<const zone::TrafficZone>& zone,
                                        const std::vector<TrueFix>& ground_truth, SimDuration gap_max,
                                        std::size_t& without_ground_truth) &&;

@@ -136,7 +136,7 @@ void write_fields(JsonWriter& json, const ReferenceBudget& budget) {
       json.value(*part.uncertainty_m);
     else
       json.null();
-    json.field("share_percent", budget.ratio_percent(part)).field("source", part.source).end_object();
+    json.field("percent", budget.ratio_percent(part)).field("source", part.source).end_object();
   }
   json.end_array();
 }

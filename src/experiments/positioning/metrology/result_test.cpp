@@ -163,7 +163,7 @@ TEST(Result, tells_the_reference_s_error_part_by_part_with_its_sources) {
   const auto& parts = *reference.find("parts")->array();
   ASSERT_EQ(parts.size(), 3U);
   EXPECT_EQ(parts[1].text("source"), "a ruler");
-  EXPECT_NEAR(*parts[1].number("share_percent"), 64.0, 1e-9);
+  EXPECT_NEAR(*parts[1].number("percent"), 64.0, 1e-9);
   EXPECT_TRUE(parts[2].find("uncertainty_m")->is_null());
   const auto& algorithm = json->find("algorithms")->array()->front();
   const double detected = *algorithm.number("rmse_m");

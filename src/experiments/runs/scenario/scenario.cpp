@@ -261,7 +261,7 @@ class Reader {
     return id;
   }
 
-  /// The end of {"command":…,"thing":{…: where it stands, or how it walks. Gives the words for it.
+  /// The end of {"command":…,"virtualObject":{…: where it stands, or how it walks. Gives the words for it.
   [[nodiscard]] std::string write_motion(const Entry& fields, JsonWriter& json) const {
     if (fields.has("at") == fields.has("path")) {
       fields.fault(fields.has("at") ? "path" : "", "scenario.field",

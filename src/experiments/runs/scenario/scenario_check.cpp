@@ -276,7 +276,7 @@ class Checker {
                      "the nearest way of " + zone_->name + " is " + shortest(located.distance_m) +
                          " m off; put it within " + shortest(off_path_m_max) + " m of one");
       }
-      location = located.location;
+      location = located.position;
     }
     if (!location || zone_->may_stop(*location)) return;
     const zone::Crossing* crossing = zone_->crossing_at(*location);

@@ -50,7 +50,7 @@ SitePlan read(const Entry& root) {
     plan.zones.push_back(std::move(zone));
   }
   for (const Entry& entry : root.tables("transferPoint", site_zones_max)) {
-    entry.expect_only({"from", "to", "takes_s", "both_ways"});
+    entry.expect_only({"from", "to", "takes_s", "bidirectional"});
     SitePlan::TransferPoint transfer_point;
     std::tie(transfer_point.from_zone, transfer_point.from_station) = end_of(entry.text("from", text_max));
     std::tie(transfer_point.to_zone, transfer_point.to_station) = end_of(entry.text("to", text_max));
@@ -60,7 +60,7 @@ SitePlan read(const Entry& root) {
     if (transfer_point.from_zone == transfer_point.to_zone)
       entry.fault("to", "site.value", "a passage leads into another zone, and this one back into its own");
     plan.transfer_points.push_back(transfer_point);
-    if (entry.one_of("both_ways", {"yes", "no"}, "no") == "no") continue;
+    if (entry.one_of("bidirectional", {"yes", "no"}, "no") == "no") continue;
     std::swap(transfer_point.from_zone, transfer_point.to_zone);
     std::swap(transfer_point.from_station, transfer_point.to_station);
     plan.transfer_points.push_back(std::move(transfer_point));

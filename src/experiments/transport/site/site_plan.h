@@ -33,7 +33,7 @@ struct SitePlan {
 inline constexpr std::size_t site_zones_max = 100'000;
 
 /// From a TOML file of [[zone]] (name, file, aivs) and [[passage]] (from, to: "zone" or "zone/station"; takes_s;
-/// both_ways). Fails ("site.file", "site.value", "site.key") with file, line and what is wrong.
+/// bidirectional). Fails ("site.file", "site.value", "site.key") with file, line and what is wrong.
 [[nodiscard]] Result<SitePlan> read_site_plan(std::string_view toml, std::string_view origin);
 
 /// From "lacet4,indus8" or "8*lacet4,plant1000": so many zones one behind the other, each joined with the next, and the

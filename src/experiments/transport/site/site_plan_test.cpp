@@ -16,7 +16,7 @@ file = "indus8"
 from = "area/S1"
 to = "indus8"
 takes_s = 25
-both_ways = "yes"
+bidirectional = "yes"
 )",
                                    "site.toml");
   ASSERT_TRUE(plan) << to_string(plan.error());

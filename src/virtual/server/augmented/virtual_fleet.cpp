@@ -95,7 +95,7 @@ bool VirtualFleet::from_broker(SimTime now, const wire::Input& input) {
 }
 
 void VirtualFleet::talk(SimTime now, const wire::Input& input) {
-  const auto* intent = wire::typed<wire::Intent>(input.typed);
+  const auto* intent = wire::value_as<wire::Intent>(input.typed);
   const std::string payload = intent == nullptr ? input.payload : wire::to_json(*intent);
   for (Host& host : hosts_) {
     const bool receives = std::ranges::any_of(

@@ -102,7 +102,7 @@ TEST_F(DetectionFixture, it_vanishes_when_somebody_drives_over_its_place) {
 
 TEST_F(DetectionFixture, virtual_aivs_feel_what_a_physical_one_saw_and_do_not_make_it_vanish) {
   see(aiv, wire::DetectedObstacleReport::Obstacle{1.5, 1.0, 0.05, 0.6});  // on the other side; as if it saw that far
-  fixture.send_command(R"({"command":"add","obstacle":{"kind":"aiv","section":"east","s":1.2}})");
+  fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","section":"east","s":1.2}})");
   fixture.run_for(6s);
   EXPECT_THAT(obstacles(), SizeIs(1));
   EXPECT_EQ(*fixture.aiv("CoSiVA.virtual/V1").number("speed"), 0.0);

@@ -29,10 +29,10 @@ namespace cosiva::virtual_side {
 ///   {"command":"circulate","vehicle":…|"*","loop":"outer"?}, {"command":"close","section":"east"},
 ///   {"command":"open",…}
 /// - {"command":"switch","zone":{"format","origin","text","sidecar file"?}}: another zone, while everything drives
-/// - only virtual things (A3): {"command":"add","thing":{"id":"V1","kind":"aiv","section","s"|"x","y"}},
-///   {"command":"add","thing":{"id":"P1","kind":"person"|"obstacle","x","y","radius"?,
+/// - only virtual things (A3): {"command":"add","virtualObject":{"id":"V1","kind":"aiv","section","s"|"x","y"}},
+///   {"command":"add","virtualObject":{"id":"P1","kind":"person"|"obstacle","x","y","radius"?,
 ///   "path":[[x,y]…]?,"speed"?,"repeat":"once"|"back and forth"|"loop"?}},
-///   {"command":"move","thing":{"id","x","y"|"path"…}},
+///   {"command":"move","virtualObject":{"id","x","y"|"path"…}},
 ///   {"command":"remove","id":"P1"|"*"}. Without an id in `add` the server takes next_virtual_object_id(kind).
 /// - {"command":"edit","edit":{…}} (zone::ZoneEdit), {"command":"undo"}, {"command":"redo"}: of the zone (A5);
 ///   {"command":"saved"}: zone_configuration() has been written to its file

@@ -31,8 +31,8 @@ double ms_of(SimTime time) { return static_cast<double>(time.time_since_epoch().
 std::string_view to_string(Deadlock::State state) {
   switch (state) {
     case Deadlock::State::forming: return "forming";
-    case Deadlock::State::reported: return "standing";
-    case Deadlock::State::yielding: return "giving way";
+    case Deadlock::State::reported: return "confirmed";
+    case Deadlock::State::yielding: return "yielding";
     case Deadlock::State::unresolved: return "unresolved";
     case Deadlock::State::resolved: return "resolved";
   }
@@ -74,7 +74,7 @@ void Deadlocks::record(const Knot& knot) {
     known->since = known->closed_since = now;
     known->members = knot.members;
     known->reason = describe(knot);
-    traces_.add(now, "AIV_Server", "AIV_Server", "ring", known->reason);
+    traces_.add(now, "AIV_Server", "AIV_Server", "cycle", known->reason);
   } else if (now - known->detected_at > rules_.flicker) {
     known->closed_since = now;
   }

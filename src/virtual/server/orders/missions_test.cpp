@@ -141,7 +141,7 @@ TEST(ClosedSections, are_avoided_by_everyone_at_once_and_taken_again_when_open) 
   EXPECT_THAT(*fixture.snapshot().find("zone")->find("closed")->array(), SizeIs(2));
   fixture.run_for(60s);
   EXPECT_EQ(section_of(fixture, aiv), "entry") << "it stands at the end of what is open";
-  EXPECT_EQ(state_of(fixture), "no way");
+  EXPECT_EQ(state_of(fixture), "no route");
   EXPECT_THAT(fixture.aiv("CoSiVA/AIV1").find("mission")->text("why").value_or(""), HasSubstr("closed"));
   fixture.send_command(on_section("open", "bypass1"));
   fixture.run_for(5s);
@@ -180,7 +180,7 @@ TEST(ClosedSections, of_the_configuration_are_the_first) {
   fixture.run_for(300ms);
   fixture.send_command(go("dock"));
   fixture.run_for(20s);
-  EXPECT_EQ(state_of(fixture), "no way");
+  EXPECT_EQ(state_of(fixture), "no route");
   EXPECT_THAT(fixture.aiv("CoSiVA/AIV1").find("mission")->text("why").value_or(""), HasSubstr("bypass3"));
   EXPECT_NE(section_of(fixture, aiv), "bypass3");
 }

@@ -141,7 +141,7 @@ void BatteryTestRelay::write(JsonWriter& json) const {
 }
 
 void BatteryTestRelay::write_test(JsonWriter& json) const {
-  json.begin_object().field("began_ms", ms_of(test_->began)).field("told_ms", ms_of(test_->timestamp));
+  json.begin_object().field("began_ms", ms_of(test_->began)).field("received_ms", ms_of(test_->timestamp));
   json.field("run", test_->run).field("runs", test_->runs).field("floor", test_->floor_percent);
   json.field("progress", test_->ratio).key("expectedEnd_ms");
   if (test_->expected_end)

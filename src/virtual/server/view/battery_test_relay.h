@@ -51,7 +51,7 @@ class BatteryTestRelay {
   void on_power(SimTime at, const std::string& vehicle, const wire::Power& power);
 
   /// batteryReady, for the test that asked: {"vehicle","battery","type"?,"cycles"?,"rest_s"?,"temperature"?,"charge"?}.
-  /// Fails ("battery.not_asked", "battery.<field>").
+  /// Fails ("battery.not_requested", "battery.<field>").
   [[nodiscard]] Result<wire::Publish> ready(const JsonValue& command) const;
 
   /// The snapshot's "battery": null where nothing was heard.

@@ -68,7 +68,7 @@ TEST_F(BatteryFixture, a_test_is_shown_as_it_says_it_stands) {
   const JsonValue battery_json = battery();
   const JsonValue& shown = *battery_json.find("test");
   EXPECT_EQ(shown.number("run"), 2.0);
-  EXPECT_EQ(shown.number("expectedEnd_ms"), *shown.number("told_ms") + 60'000.0);
+  EXPECT_EQ(shown.number("expectedEnd_ms"), *shown.number("received_ms") + 60'000.0);
   const JsonValue::Array& vehicles = *shown.find("vehicles")->array();
   EXPECT_EQ(vehicles[0].text("phase"), "running");
   EXPECT_TRUE(vehicles[0].find("stop")->is_null());
