@@ -1,5 +1,5 @@
-// How often the intervals and bounds that an autonomy test prints hold, over simulated fleets of known truth: without
-// and with vehicles that fail before their batteries do. Goal: nominal ± 1 percent.
+// How often the intervals and bounds of an autonomy test contain the true value, over simulated fleets of known ground
+// truth: without and with vehicles that fail before their batteries do. Goal: nominal ± 1 percent.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -45,14 +45,14 @@ bool holds(const statistics::Interval& interval, double ground_truth) {
   return interval.low <= ground_truth && ground_truth <= interval.high;
 }
 
-/// Batteries one after another until the mean is known to this share of it, as `--half-width` stops.
+/// Batteries one after another until the mean is known to this ratio of it, as `--half-width` stops.
 void stop_early(Random& random, const Options& options, double ratio, Count& within, Count& interval) {
   constexpr std::size_t longest = 2000;
   std::vector<double> ends;
   std::optional<std::size_t> stopped;
   while (!stopped && ends.size() < longest) {
     ends.push_back(random.gaussian(options.mean_s, options.sd_s));
-    // Only the last look is new: the earlier ones did not stop it.
+    // Only the last evaluation is new: the earlier ones did not stop the test.
     stopped = statistics::stops_at(ends, ratio, std::max<std::size_t>(5, ends.size()));
   }
   if (!stopped) return;
@@ -65,7 +65,7 @@ int measure(const Options& options) {
   Random random{options.seed, "bench/autonomy"};
   const double fifth_s = options.mean_s + options.sd_s * statistics::normal_quantile(0.05);
   const double factor = statistics::tolerance_factor(options.size);
-  // Failures as of radioactive atoms: so many of the fleet have failed by the time that its batteries end.
+  // Failures as of radioactive atoms: this part of the fleet has failed by the time that its batteries end.
   const double hazard = std::fabs(det_log(1.0 - options.failing)) / options.mean_s;
   Count counts[] = {{"mean, t"},
                     {"mean, BCa"},
@@ -114,7 +114,7 @@ int measure(const Options& options) {
       counts[10].send_request(holds(usual.band_at(then_s), ratio));
     }
   }
-  // Another stream, so that the rows above are what they were before these came.
+  // Another random stream, so that the rows above do not depend on these.
   Random one_by_one{options.seed, "bench/autonomy/sequential"};
   for (std::size_t test = 0; test < options.fleets; ++test) {
     stop_early(one_by_one, options, 0.01, counts[11], counts[12]);
@@ -137,17 +137,17 @@ int measure(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"Counts how often what an autonomy test prints is true"};
+  CLI::App app{"Counts how often the results of an autonomy test are true"};
   app.add_option("--fleets", options.fleets, "Simulated fleets")
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));
   app.add_option("--size", options.size, "Batteries in each")->capture_default_str()->check(CLI::Range(3, 10'000));
   app.add_option("--sd", options.sd_s, "Standard deviation of the batteries, of 3600 s")->capture_default_str();
-  app.add_option("--failing", options.failing, "Share of vehicles that fail first")
+  app.add_option("--failing", options.failing, "Ratio of vehicles that fail first")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 0.9));
   app.add_option("--seed", options.seed, "Seed of the run")->capture_default_str();
-  app.add_flag("--json", options.json, "Print the figures as JSON");
+  app.add_flag("--json", options.json, "Print the metrics as JSON");
   CLI11_PARSE(app, argc, argv);
   return measure(options);
 }

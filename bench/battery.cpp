@@ -1,4 +1,5 @@
-// How long one step of a battery's truth takes, a cell: tables, current from power, two RC pairs, heat. Goal: 50 ns.
+// How long one step of a battery's ground truth takes, for each cell: tables, current from power, two RC pairs, heat.
+// Goal: 50 ns.
 #include <benchmark/benchmark.h>
 
 #include <cstdint>
@@ -11,7 +12,7 @@ namespace {
 
 using namespace cosiva;
 
-/// items/s are cell steps: 12 packs under a load that goes up and down, renewed when they are empty.
+/// items/s are cell steps: 12 packs under a load that goes up and down, replaced when they are empty.
 void BM_step(benchmark::State& state) {
   const auto table = std::make_shared<battery::CellTable>(*battery::shipped_type("lipo850"));
   const battery::PackDesign design{static_cast<std::uint32_t>(state.range(0)),

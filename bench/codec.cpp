@@ -1,5 +1,5 @@
-// VDA 5050 JSON on the hot path: a state of about 1 kB written and read, beside simdjson's bare parse of the same bytes
-// in the same run. Compare the rows of one run; the machine moves more between runs than the code does.
+// VDA 5050 JSON on the hot path: a state of about 1 kB written and read, compared with simdjson's bare parse of the
+// same bytes in the same run. Compare the rows of one run; the machine varies more between runs than the code does.
 #include <benchmark/benchmark.h>
 #include <simdjson.h>
 
@@ -29,7 +29,7 @@ std::vector<std::string> texts() {
   return all;
 }
 
-/// Runs `work` over the samples round and round, and counts messages and bytes.
+/// Runs `work` over the samples cyclically, and counts messages and bytes.
 template <typename Samples, typename Work>
 void over(benchmark::State& state, const Samples& samples, Work work) {
   std::size_t i = 0;
@@ -56,7 +56,7 @@ void BM_decode_state(benchmark::State& state) {
 }
 BENCHMARK(BM_decode_state);
 
-/// The yardstick: simdjson's own parse into its tree, nothing taken out of it.
+/// The reference: simdjson's own parse into its tree, without reading any value.
 void BM_simdjson_parse(benchmark::State& state) {
   simdjson::dom::parser parser;
   over(state, texts(), [&parser](const std::string& text) {

@@ -1,6 +1,6 @@
-// How honest the statistics are: campaigns of simulated qualifications, where the truth is known. Counts how often a
-// run-level interval holds it, how often identical algorithms are called different, and how often a real difference is
-// found with as many runs as were announced for it.
+// Coverage of the statistics: campaigns of simulated qualifications with known ground truth. Counts how often a
+// run-level interval contains the true value, how often identical algorithms are reported as different, and how often a
+// real difference is found with as many runs as were announced for it.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
@@ -19,7 +19,7 @@ namespace {
 using namespace cosiva;
 using experiments::RunMetrics;
 
-/// Figures of one algorithm on one run; the run number is all that differs.
+/// Metrics of one algorithm on one run; only the run number differs.
 class Laboratory {
  public:
   Laboratory() {
@@ -66,13 +66,13 @@ bool holds(const std::vector<double>& runs, double ground_truth, std::uint64_t s
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Counts how often intervals hold and tests cry wolf"};
+  CLI::App app{"Counts how often intervals contain the true value and tests raise a false alarm"};
   std::size_t campaigns = 1000;
   std::size_t runs = 20;
   std::size_t ground_truth_runs = 20'000;
   app.add_option("--campaigns", campaigns);
   app.add_option("--runs", runs, "in each");
-  app.add_option("--ground-truth-runs", ground_truth_runs, "that the truth is taken from");
+  app.add_option("--ground-truth-runs", ground_truth_runs, "that the ground truth is taken from");
   CLI11_PARSE(app, argc, argv);
 
   Laboratory laboratory;
@@ -83,7 +83,7 @@ int main(int argc, char** argv) {
   std::size_t alarms = 0;
   std::size_t outside = 0;
   std::size_t decided = 0;
-  // A pilot says how many runs a real difference takes.
+  // A pilot study determines how many runs a real difference takes.
   std::vector<double> pilot;
   for (std::uint64_t i = 0; i < 400; ++i)
     pilot.push_back(std::sqrt(laboratory.run("ufir", 2'000'000'000 + i).mse_m2) -
@@ -102,7 +102,7 @@ int main(int argc, char** argv) {
       mses.push_back(f.mse_m2);
       means.push_back(f.mean_m);
       precisions.push_back(f.precision);
-      // The same algorithm under another name, on noise of its own.
+      // The same algorithm under another name, with noise of its own.
       differences.push_back(std::sqrt(laboratory.run("arc_kalman", number++).mse_m2) - std::sqrt(f.mse_m2));
     }
     for (std::size_t i = 0; i < needed; ++i, ++other)
@@ -117,9 +117,10 @@ int main(int argc, char** argv) {
   }
   const auto percent = [&](std::size_t n) { return 100.0 * static_cast<double>(n) / static_cast<double>(campaigns); };
   std::printf(
-      "%zu campaigns of %zu runs; 95 %% intervals hold the truth: rmse %.1f %%, mean %.1f %%, precision %.1f %%\n",
+      "%zu campaigns of %zu runs; 95 %% intervals contain the true value: rmse %.1f %%, mean %.1f %%, precision %.1f "
+      "%%\n",
       campaigns, runs, percent(rmse), percent(mean), percent(precision));
-  std::printf("identical algorithms: called different %.1f %%, interval of the difference beside 0 %.1f %%\n",
+  std::printf("identical algorithms: reported as different %.1f %%, interval of the difference excluding 0 %.1f %%\n",
               percent(alarms), percent(outside));
   std::printf("arc_kalman against ufir: %zu runs announced for 80 %%, shown different in %.1f %%\n", needed,
               percent(decided));

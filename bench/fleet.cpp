@@ -1,6 +1,6 @@
-// How many vehicles a second one core moves on (virtual/fleet): each perceives, decides by the fuzzy rules, moves and
-// has its pose written. By default on a clover of 144 m with twelve vehicles in each copy of it, as many copies as it
-// takes; bench/vs_sumo measures SUMO on the same circuit. Prints NAME VALUE UNIT.
+// How many vehicles a second one core moves (virtual/fleet): each perceives, decides by the fuzzy rules, moves and has
+// its pose written. By default on a clover of 144 m with twelve vehicles in each copy, with as many copies as needed;
+// bench/vs_sumo measures SUMO on the same circuit. Prints NAME VALUE UNIT.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -48,13 +48,13 @@ struct Options {
 struct Metrics {
   std::size_t vehicles;
   double ups;
-  double ups_cpu;  ///< by processor time: what else the machine does counts less
+  double ups_cpu;  ///< by processor time: other load on the machine counts less
   double ns_per_update;
   double bytes_per_vehicle;
   double mean_mps;
   double waiting_ratio;
   double gained_m2ps2;  ///< of squared speed, by all together; with a duration only
-  double loop_m;        ///< all sections of the zone; round, where it is a ring
+  double loop_m;        ///< all sections of the zone; one lap, where it is a loop
   double smallest_gap_m;
   std::uint64_t collisions;
   std::size_t stuck;
@@ -85,8 +85,8 @@ Result<Fleet> make_fleet(const Options& options, const std::shared_ptr<const zon
   auto rules = read_rules(options.rules);
   if (!rules) return tl::unexpected(rules.error());
   const std::size_t per_copy = options.per_copy == 0 ? vehicles : options.per_copy;
-  // Half as many places again as vehicles, of which each copy takes others: copies that all do the same at the same
-  // time would be guessed rightly by the processor's every branch.
+  // Half as many start positions again as vehicles, of which each copy takes others: with identical copies the
+  // processor would predict every branch.
   std::vector<virtual_side::FleetStart> positions = Fleet::spread(*zone, per_copy + per_copy / 2);
   if (positions.empty()) return fail("fleet", "no vehicle can begin in this zone");
   Random random{options.seed, "starts"};
@@ -100,7 +100,7 @@ Result<Fleet> make_fleet(const Options& options, const std::shared_ptr<const zon
   return Fleet::make(zone, {.rules = *rules}, starts);
 }
 
-/// What each has gained of squared speed since it was last looked at.
+/// The gain of squared speed of all vehicles since the last call.
 class Gains {
  public:
   explicit Gains(const Fleet& fleet) : before_mps_(fleet.speed_mps().begin(), fleet.speed_mps().end()) {}
@@ -132,7 +132,7 @@ Metrics measure(const Options& options, Fleet& fleet, Workers& workers) {
     waited -= fleet.waiting(i);
   }
   std::size_t steps = 0;
-  // A clock that is asked seldom, but whole strides.
+  // A clock that is read seldom, after whole strides.
   const std::size_t often = options.duration_s > 0.0 ? 1 : 100'000 / count / options.at_once + 1;
   const std::size_t at_a_time = often * options.at_once;
   Gains gains{fleet};
@@ -249,9 +249,9 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 1000));
   app.add_option("--seconds", options.seconds, "To measure for, each")->capture_default_str();
   app.add_option("--duration", options.duration_s, "Simulated seconds to measure, instead");
-  app.add_option("--seed", options.seed, "Of where they begin")->capture_default_str();
+  app.add_option("--seed", options.seed, "Seed of the start positions")->capture_default_str();
   app.add_option("--warm-up", options.warm_up_s, "Simulated seconds before that")->capture_default_str();
-  app.add_option("--as", options.as, "What the figures' names begin with")->capture_default_str();
+  app.add_option("--as", options.as, "Prefix of the metrics' names")->capture_default_str();
   app.add_flag("--json", options.json, "Print one JSON object a line");
   CLI11_PARSE(app, argc, argv);
   return run(options);

@@ -1,4 +1,4 @@
-// A fuzzy decision: many at once, one by one, and fuzzylite 6 on the same rules and the same questions in the same run.
+// A fuzzy decision: many at once, one by one, and fuzzylite 6 on the same rules and the same inputs in the same run.
 // `ratio` is how many times faster than fuzzylite a row is; compare the rows of one run.
 #include <benchmark/benchmark.h>
 
@@ -19,7 +19,7 @@ namespace {
 
 using namespace cosiva;
 
-/// Three inputs, fifteen rules: how large such bases often are.
+/// Three inputs, fifteen rules: a common size of such bases.
 constexpr const char* small_rules = R"(Engine: small
 InputVariable: gap
   range: 0.0 10.0
@@ -71,7 +71,7 @@ constexpr std::size_t questions = 4096;
 
 using Clock = std::chrono::steady_clock;
 
-/// One rule base, ours and theirs, and questions by input.
+/// One rule base, CoSiVA's and fuzzylite's, and its inputs by variable.
 struct Subject {
   explicit Subject(std::string rules) : text{std::move(rules)}, rule_base{*fuzzy::RuleBase::read(text, "bench")} {
     Random random{1, "questions"};
@@ -109,7 +109,7 @@ Subject& subject(std::int64_t which) {
   return which == 0 ? small : agent;
 }
 
-/// Of fuzzylite, measured in this run before anything that is compared with it.
+/// fuzzylite's time, measured in this run before the rows that are compared with it.
 double fuzzylite_ns(std::int64_t which) {
   static std::array<double, 2> known{};
   double& ns = known[static_cast<std::size_t>(which)];
@@ -181,5 +181,5 @@ BENCHMARK(BM_fuzzylite)->ArgName("agent")->Arg(0)->Arg(1);
 
 }  // namespace
 
-// fuzzylite's library has a main of its own, which would come before the benchmark library's.
+// fuzzylite's library has a main of its own, which would take precedence over the benchmark library's.
 BENCHMARK_MAIN();

@@ -1,4 +1,4 @@
-// What the global vision system takes of one core for a picture of 2048² with twenty vehicles on it.
+// The processor time of one core that the global vision system takes for an image of 2048² with twenty vehicles.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -117,11 +117,11 @@ int main(int argc, char** argv) {
       ++fixes;
     }
   }
-  std::printf("%zu x %zu, %d vehicles, %d pictures, one core (processor time):\n", size, size, vehicles, images);
+  std::printf("%zu x %zu, %d vehicles, %d images, one core (processor time):\n", size, size, vehicles, images);
   std::printf("  all known            median %6.2f ms\n", centre(knowing_ms));
-  std::printf("  and one band sought  median %6.2f ms, worst %6.2f\n", centre(searching_ms),
+  std::printf("  and a band searched  median %6.2f ms, worst %6.2f\n", centre(searching_ms),
               std::ranges::max(searching_ms));
-  std::printf("  first picture, sought whole %6.2f ms\n", first_ms);
+  std::printf("  first image, searched whole %6.2f ms\n", first_ms);
   std::printf("  %zu of %d fixes, %.3f mm rms, %.3f at most\n", fixes, vehicles * images,
               1e3 * std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, fixes))), 1e3 * worst_m);
   return fixes == static_cast<std::size_t>(vehicles) * static_cast<std::size_t>(images) ? 0 : 1;

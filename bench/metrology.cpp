@@ -1,4 +1,5 @@
-// Qualification of the arc-length filter in virtual time: runs of 100 m, simulated, estimated and judged, on one core.
+// Qualification of the arc-length filter in virtual time: runs of 100 m, simulated, estimated and evaluated, on one
+// core.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>

@@ -1,4 +1,4 @@
-// Frames between the on-board program and its boards: written, and read from a stream in the pieces a socket gives.
+// Frames between the on-board program and its boards: written, and read from a stream in pieces as from a socket.
 #include <benchmark/benchmark.h>
 
 #include <string>
@@ -37,7 +37,7 @@ void BM_encode(benchmark::State& state) {
 BENCHMARK(BM_encode);
 
 void BM_decode(benchmark::State& state) {
-  constexpr std::size_t frames = 252;  // whole rounds of the seven messages, within one count of the sequence byte
+  constexpr std::size_t frames = 252;  // whole cycles of the seven messages, within one count of the sequence byte
   const std::vector<BoardMessage> all = messages();
   module_link::Encoder encoder;
   std::string stream;

@@ -1,4 +1,4 @@
-// How many AIV moves (A30: travel, switch sections, one pose) one core makes per second, on a ring of straights, arcs
+// How many AIV moves (A30: travel, switch sections, one pose) one core makes per second, on a loop of straights, arcs
 // and clothoids. Goal: 50 million per second.
 #include <benchmark/benchmark.h>
 
@@ -19,8 +19,8 @@ struct Fleet {
   std::vector<Pose2> poses;
 };
 
-/// Vehicles all over the ring, each with a step of 0.5 to 4 cm: 0.1 to 0.8 m/s at 50 Hz, an end of section every 30
-/// moves or so.
+/// Vehicles all over the loop, each with a step of 0.5 to 4 cm: 0.1 to 0.8 m/s at 50 Hz, an end of section about every
+/// 30 moves.
 Fleet make_fleet(const zone::Circuit& circuit, std::size_t count) {
   Random random{1, "bench/motion"};
   Fleet fleet;

@@ -10,8 +10,8 @@
 
 namespace cosiva::fixture {
 
-/// A closed ring of mixed sections: four times straight, clothoid in, arc, clothoid out, each corner turning a quarter.
-/// The four sides are equal, so the ring closes by symmetry; Circuit::make checks that it does.
+/// A closed loop of mixed sections: four times straight, clothoid in, arc, clothoid out, each corner turning a quarter.
+/// The four sides are equal, so the loop closes by symmetry; Circuit::make checks the closure.
 inline zone::Circuit mixed_loop() {
   constexpr double straight_m = 1.5;
   constexpr double clothoid_m = 0.4;

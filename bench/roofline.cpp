@@ -1,8 +1,9 @@
-// How near the motion of a fleet comes to what the machine's memory allows: by one core, vehicles a second that are
-// moved on and have their poses written (virtual/fleet's own passes, decisions left out), and the bytes that takes,
-// beside how fast the same core streams bytes without doing anything worth mentioning, in turn in one run. Arrays are
-// far larger than the caches. Bytes are counted as each program means them: a place read once, a place written once.
-// Prints NAME VALUE UNIT, medians; `ratio` is motion's bytes a second over the limit's, round by round.
+// The motion of a fleet compared with the limit of the machine's memory: for one core, the vehicles a second that are
+// moved and have their poses written (virtual/fleet's own passes, without decisions), and the bytes that takes,
+// compared with the rate at which the same core streams bytes with negligible computation, alternately in one run.
+// Arrays are far larger than the caches. Bytes are counted as each program requests them: an element read once, an
+// element written once. Prints NAME VALUE UNIT, medians; `ratio` is motion's bytes a second over the limit's, round by
+// round.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -34,24 +35,24 @@ struct Options {
   bool json{false};
 };
 
-/// Processor time: what else the machine does counts less.
+/// Processor time: other load on the machine counts less.
 double cpu_s_of(const auto& work) {
   const std::clock_t start = std::clock();
   work();
   return std::max(1e-6, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
 }
 
-/// McCalpin's triad: two places read, one written, for a multiplication and an addition.
+/// McCalpin's triad: two elements read, one written, for a multiplication and an addition.
 COSIVA_VECTOR_CLONES void triad(const double* __restrict b, const double* __restrict c, double* __restrict a,
                                 std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) a[i] = b[i] + 3.0 * c[i];
 }
-/// One place read, one written.
+/// One element read, one written.
 COSIVA_VECTOR_CLONES void scale(const double* __restrict b, double* __restrict a, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) a[i] = 3.0 * b[i];
 }
 
-/// The machine's side: GB/s.
+/// The machine's limit: GB/s.
 class Streams {
  public:
   explicit Streams(std::size_t count) : a_(count, 0.0), b_(count, 1.0), c_(count, 2.0) {}
@@ -71,7 +72,7 @@ class Streams {
   std::vector<double> c_;
 };
 
-/// A fleet's arrays, without the fleet: all drive on their sections, to and fro.
+/// A fleet's arrays, without the fleet: all vehicles drive back and forth on their sections.
 class Moving {
  public:
   Moving(const zone::TrafficZone& zone, std::size_t vehicles)
@@ -98,8 +99,8 @@ class Moving {
       }
     });
   }
-  /// Of each vehicle in one step: place, speed and waiting read and written; what comes next on its way (three places),
-  /// section and mode read; events and pose written. What is decided stays in the first cache, as in the fleet.
+  /// Of each vehicle in one step: position, speed and waiting read and written; the distances ahead (three elements),
+  /// section and mode read; events and pose written. Decisions stay in the first cache, as in the fleet.
   static constexpr double bytes = 2 * (8 + 8 + 4) + 3 * 8 + 4 + 1 + 1 + 3 * 8;
   [[nodiscard]] double sum() const { return state_.x_m.front() + state_.heading_rad.back(); }
 
@@ -158,7 +159,7 @@ int run(const Options& options) {
     std::printf("roofline.motion_ups %.4g updates/s\n", ups);
     std::printf("roofline.share %.3f of_the_limit\n", median(ratio));
   }
-  // Looked at, so that nothing of it may be left out.
+  // The results are used, so that no part of the work may be optimised away.
   return moving.sum() + streams.sum() == 0.5 ? 1 : 0;
 }
 
@@ -166,7 +167,7 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"Measures how near a fleet's motion comes to the machine's streaming limit"};
+  CLI::App app{"Compares a fleet's motion with the machine's streaming limit"};
   app.add_option("--vehicles", options.vehicles, "Vehicles")->capture_default_str()->check(CLI::PositiveNumber);
   app.add_option("--rounds", options.rounds, "Turns of each")->capture_default_str()->check(CLI::PositiveNumber);
   app.add_flag("--json", options.json, "Print one JSON object");

@@ -9,7 +9,7 @@
 
 namespace cosiva::fixture {
 
-/// A state as a vehicle on the way sends it: about 1 kB of JSON. `number` makes messages differ as they do in a run.
+/// A state as a driving vehicle sends it: about 1 kB of JSON. `number` makes messages differ as they do in a run.
 inline wire::State sample_state(const wire::VehicleId& id, std::uint32_t number, SimTime at, const Pose2& X_MB,
                                 const std::string& map_id) {
   wire::State state;

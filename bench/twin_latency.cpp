@@ -1,8 +1,9 @@
-// What the platform adds to the broker: publish → twin updated, beside the same broker's bare publish → receive.
+// The latency that the platform adds to the broker's: publish → twin updated, compared with the same broker's bare
+// publish → receive.
 //
-// A private mosquitto on loopback; one publisher sends VDA 5050 states of about 1 kB by turns to a bare libmosquitto
+// A private mosquitto on loopback; one publisher sends VDA 5050 states of about 1 kB alternately to a bare libmosquitto
 // subscriber and to the server in its live shell (MQTT client, decode, proxy, twin, monitor, with its ticks running).
-// Both streams have the same payloads, rate and moment, so the machine's noise falls on both. Goal: the 99th percentile
+// Both streams have the same payloads, rate and time, so the machine's noise affects both. Goal: the 99th percentile
 // grows by less than 1 ms at 1 000 messages/s.
 #include <mosquitto.h>
 #include <sys/prctl.h>
@@ -66,7 +67,7 @@ std::optional<std::size_t> number_in(std::string_view payload) {
   return error == std::errc{} && end != first ? std::optional{number} : std::nullopt;
 }
 
-/// When each message left, and how long it took; one slot per message, so no thread waits for another.
+/// When each message was sent, and how long it took; one slot per message, so no thread waits for another.
 class Latencies {
  public:
   explicit Latencies(std::size_t count) : sent_(count), taken_(count) {}
@@ -99,7 +100,7 @@ double quantile(const std::vector<double>& sorted, double ratio) {
   return sorted[std::min(sorted.size() - 1, static_cast<std::size_t>(ratio * static_cast<double>(sorted.size())))];
 }
 
-/// A libmosquitto client with its own thread of the library's plainest loop.
+/// A libmosquitto client with its own thread and the library's simplest loop.
 class BareClient {
  public:
   BareClient(std::uint16_t port, std::string filter, std::function<void(std::string_view)> on_payload)
@@ -113,7 +114,7 @@ class BareClient {
     });
     if (mosquitto_connect(client_, "127.0.0.1", port, 60) != MOSQ_ERR_SUCCESS) return;
     if (filter_.empty()) {
-      // A publisher: let CONNACK in, then write straight from the calling thread.
+      // A publisher: receive CONNACK, then write from the calling thread.
       for (int i = 0; i < 3; ++i) mosquitto_loop(client_, 20, 1);
       ready_ = true;
       return;
@@ -147,7 +148,7 @@ class BareClient {
   std::thread thread_;
 };
 
-/// The server core as it is, but somebody looks at the clock after each message it has handled.
+/// The unchanged server core, with the clock read after each message that the core has handled.
 class WatchedServer final : public wire::Core {
  public:
   using Handled = std::function<void(const wire::Input&)>;
@@ -171,7 +172,7 @@ class WatchedServer final : public wire::Core {
   Handled handled_;
 };
 
-/// The vehicles' side: each drives round the circuit, and tells of it in turn.
+/// The vehicles: each drives along the circuit, and reports in turn.
 class Publisher {
  public:
   Publisher(const Options& options, const zone::TrafficZone& zone, std::uint16_t port)
@@ -193,7 +194,7 @@ class Publisher {
     }
   }
 
-  /// Sends `count` messages to each of the two, half a period apart.
+  /// Sends `count` messages to each of the two receivers, half a period apart.
   void run(std::size_t count, Latencies& bare, Latencies& twin) {
     prctl(PR_SET_TIMERSLACK, 1);
     const std::chrono::nanoseconds half_period{500'000'000 / options_.rate_hz};
@@ -217,7 +218,7 @@ class Publisher {
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
 
  private:
-  /// Where the vehicle is now, on its way over the zone's own waypoints.
+  /// The state of the vehicle at its present position, between the zone's own waypoints.
   [[nodiscard]] wire::State state_of(std::size_t vehicle, std::uint32_t number) const {
     const aiv::AivMotion& motion = motions_[vehicle];
     wire::State state =
@@ -244,7 +245,7 @@ class Publisher {
   std::size_t bytes_{0};
 };
 
-/// Does the twin's own page say what the message just said? Asked of a few messages only, it costs time.
+/// Whether the twin's snapshot agrees with the message. Checked for a few messages only, since it takes time.
 bool twin_reports(const virtual_side::ServerCore& core, const std::string& payload) {
   const auto state = wire::vda5050::decode_state(payload);
   const auto snapshot = JsonValue::parse(core.snapshot_json());
@@ -344,7 +345,7 @@ int measure(const Options& options) {
                        const auto number = number_in(input.payload);
                        if (!number) return;
                        twin.arrived(*number, at_ns);
-                       // The first two rounds are the vehicles' arrival.
+                       // The vehicles register in the first two rounds.
                        if (*number % 199 != 198 || *number < 2 * options.vehicles) return;
                        ++checked;
                        if (!twin_reports(core.server(), input.payload)) ++wrong;
@@ -377,7 +378,7 @@ int measure(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"Measures publish to twin updated beside the bare broker, in one run"};
+  CLI::App app{"Measures publish to twin updated compared with the bare broker, in one run"};
   app.add_option("--zone", options.zone, "Zone file")->capture_default_str();
   app.add_option("--seconds", options.seconds, "Length of the run")->capture_default_str()->check(CLI::PositiveNumber);
   app.add_option("--rate", options.rate_hz, "Messages per second")
@@ -386,7 +387,7 @@ int main(int argc, char** argv) {
   app.add_option("--vehicles", options.vehicles, "Vehicles that report")
       ->capture_default_str()
       ->check(CLI::Range(1, 100));
-  app.add_flag("--json", options.json, "Print the figures as JSON");
+  app.add_flag("--json", options.json, "Print the metrics as JSON");
   CLI11_PARSE(app, argc, argv);
   return measure(options);
 }

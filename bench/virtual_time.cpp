@@ -46,7 +46,7 @@ int measure(const Options& options) {
   const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const double cpu_s = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
 
-  // By processor time: the whole runs on one core, and what else the machine does must not count.
+  // By processor time: the whole platform runs on one core, and other load on the machine must not count.
   const double factor = options.duration_s / cpu_s;
   double driven_m = 0.0;
   for (const auto& vehicle : (*world)->plant().vehicles()) driven_m += vehicle.distance_m;
@@ -75,11 +75,11 @@ int main(int argc, char** argv) {
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
   app.add_option("--seed", options.seed, "Seed of the run")->capture_default_str();
-  app.add_option("--hz", options.hz, "Everybody acts so often, 10 to 50; 0: each at the live platform's own pace")
+  app.add_option("--hz", options.hz, "Rate of every component, 10 to 50; 0: the live platform's own rates")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 50.0));
   app.add_flag("--as-values", options.as_values, "Messages are passed on as values, without their texts");
-  app.add_flag("--json", options.json, "Print the figures as JSON");
+  app.add_flag("--json", options.json, "Print the metrics as JSON");
   CLI11_PARSE(app, argc, argv);
   return measure(options);
 }

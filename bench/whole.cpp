@@ -1,4 +1,4 @@
-// What an autonomy test costs with the whole platform in the loop (`cosiva battery fleet --whole`): plant, boards,
+// The cost of an autonomy test with the whole platform in the loop (`cosiva battery fleet --whole`): plant, boards,
 // on-board programs, network, server, simulator and procedure, in virtual time on one core. Goal: 12 AIVs for ten hours
 // at 10 Hz in 10 s.
 #include <CLI/CLI.hpp>
@@ -87,14 +87,14 @@ int main(int argc, char** argv) {
   CLI::App app{"Measures an autonomy test with the whole platform in the loop"};
   app.add_option("--zone", options.zone, "Zone file")->capture_default_str();
   app.add_option("--aivs", options.aivs, "Vehicles")->capture_default_str()->check(CLI::Range(1, 1000));
-  app.add_option("--hz", options.hz, "How often everybody acts in a second; 50: the live platform's own pace")
+  app.add_option("--hz", options.hz, "Rate of every component, per second; 50: the live platform's own rates")
       ->capture_default_str()
       ->check(CLI::Range(10.0, 50.0));
   app.add_option("--scale", options.scale, "Battery: two LiPo cells of 0.85 Ah times this; 5.2 last ten hours")
       ->capture_default_str()
       ->check(CLI::Range(0.01, 100.0));
   app.add_option("--seed", options.seed, "Seed of the run")->capture_default_str();
-  app.add_flag("--json", options.json, "Print the figures as JSON");
+  app.add_flag("--json", options.json, "Print the metrics as JSON");
   CLI11_PARSE(app, argc, argv);
   return measure(options);
 }

@@ -1,5 +1,5 @@
-// What a large zone costs: a generated plant read and checked, then located on, cut into crossings and waypoints, and
-// routed across. Goals: 1 million locates per second and core; 100 000 sections in seconds.
+// The cost of a large zone: a generated factory layout is read and checked, then located on, divided into crossings and
+// waypoints, and routed across. Goals: 1 million locates per second and core; 100 000 sections in seconds.
 #include <malloc.h>
 #include <sys/resource.h>
 
@@ -24,10 +24,10 @@
 namespace {
 
 using namespace cosiva;
-/// Processor time: it does not matter who else uses the machine.
+/// Processor time: independent of other users of the machine.
 double now_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-/// The middle of several times, in seconds.
+/// The median of several times, in seconds.
 template <typename Work>
 double median_s(int rounds, const Work& work) {
   std::vector<double> times;
@@ -45,7 +45,7 @@ double allocated_mb() {
   return static_cast<double>(info.uordblks + info.hblkhd) / 1e6;
 }
 
-/// Of the whole program, what loading needed for a while included.
+/// Of the whole program, including the memory that loading needed temporarily.
 double resident_max_mb() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -54,7 +54,7 @@ double resident_max_mb() {
 
 void row(const char* what, double value, const char* unit) { std::printf("  %-50s %10.3f %s\n", what, value, unit); }
 
-/// Poses of vehicles: beside the line by up to 5 cm, a little turned.
+/// Poses of vehicles: off the path by up to 5 cm, with a small heading error.
 std::vector<Pose2> poses_on(const zone::Circuit& circuit, std::size_t count) {
   Random random{1, "bench/zone"};
   std::vector<Pose2> poses;
@@ -66,7 +66,7 @@ std::vector<Pose2> poses_on(const zone::Circuit& circuit, std::size_t count) {
   return poses;
 }
 
-/// Poses anywhere in the plant, whichever way it goes there.
+/// Poses anywhere in the layout, with any heading.
 std::vector<Pose2> poses_anywhere(const zone::Circuit& circuit, std::size_t count) {
   zone::Box all = circuit.section(0).box();
   for (zone::SectionId id = 1; id < circuit.size(); ++id) {
@@ -83,7 +83,7 @@ std::vector<Pose2> poses_anywhere(const zone::Circuit& circuit, std::size_t coun
   return poses;
 }
 
-/// The plain reference: the nearest of all sections, of equally near ones the first.
+/// The simple reference: the nearest of all sections, of equally near ones the first.
 zone::Circuit::Located visit_every_section(const zone::Circuit& circuit, Point2 p) {
   zone::Circuit::Located best{{}, 0.0, 1e300};
   for (zone::SectionId id = 0; id < circuit.size(); ++id) {
@@ -93,10 +93,10 @@ zone::Circuit::Located visit_every_section(const zone::Circuit& circuit, Point2 
   return best;
 }
 
-/// How many answers per second, in millions; the middle of five rounds.
+/// Results per second, in millions; the median of five rounds.
 template <typename Locate>
 double million_per_s(const std::vector<Pose2>& poses, std::size_t count, const Locate& locate) {
-  double left_m = 0.0;  // so that nothing is thought away
+  double left_m = 0.0;  // so that no call is optimised away
   const double s = median_s(5, [&] {
     for (std::size_t i = 0; i < count; ++i) left_m += locate(poses[i % poses.size()]).left_m;
   });
@@ -120,14 +120,14 @@ void locating(const zone::Circuit& circuit, const char* where, const std::vector
                       return found.empty() ? zone::Circuit::Located{} : found.front();
                     }),
       "million/s");
-  // As many as look at ten million sections.
+  // The number of calls that evaluate ten million sections.
   const std::size_t few = std::clamp<std::size_t>(10'000'000 / circuit.size(), 1, count);
   const auto plainly = [&](const Pose2& X_MB) { return visit_every_section(circuit, position(X_MB)); };
   for (std::size_t i = 0; i < few; ++i) {
     const Pose2& X_MB = poses[i % poses.size()];
     COSIVA_EXPECT(plainly(X_MB).position == without(X_MB).position);
   }
-  row("  locate, without, over looking at every section", indexed / million_per_s(poses, few, plainly), "times");
+  row("  locate, without, over a search of all sections", indexed / million_per_s(poses, few, plainly), "times");
 }
 
 void routing(const zone::TrafficZone& zone, int rounds) {
@@ -174,8 +174,8 @@ bool measure(std::size_t sections, std::size_t locates) {
   row("  crossings alone", median_s(rounds, [&] { (void)zone::find_crossings(zone.circuit, zone.vehicle, 0.1); }), "s");
   row("  waypoints alone", median_s(rounds, [&] { (void)zone::lay_waypoints(zone.circuit, zone.crossings, 2.4, 1.3); }),
       "s");
-  locating(zone.circuit, "on the ways, a fleet of 1 000", poses_on(zone.circuit, 1'000), locates);
-  locating(zone.circuit, "on the ways, all over", poses_on(zone.circuit, 100'000), locates);
+  locating(zone.circuit, "on the path, a fleet of 1 000", poses_on(zone.circuit, 1'000), locates);
+  locating(zone.circuit, "on the path, everywhere", poses_on(zone.circuit, 100'000), locates);
   locating(zone.circuit, "anywhere, heading anywhere", poses_anywhere(zone.circuit, 100'000), locates);
   routing(zone, 31);
   return true;
@@ -184,11 +184,11 @@ bool measure(std::size_t sections, std::size_t locates) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"What a large zone costs"};
+  CLI::App app{"Measures the cost of a large zone"};
   std::vector<std::size_t> sections{1'000, 100'000};
   std::size_t locates = 100'000;
-  app.add_option("--sections", sections, "sizes of the plants, at most 170000 sections");
-  app.add_option("--locates", locates, "how many in each of five rounds");
+  app.add_option("--sections", sections, "sizes of the factory layouts, at most 170000 sections");
+  app.add_option("--locates", locates, "number in each of five rounds");
   CLI11_PARSE(app, argc, argv);
   for (const std::size_t size : sections) {
     if (size > 170'000 || !measure(size, locates)) return 1;

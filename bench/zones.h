@@ -12,7 +12,7 @@
 
 namespace cosiva::fixture {
 
-/// The article's circuit, once round its ring.
+/// The article's circuit, one lap of its loop.
 inline std::shared_ptr<const estimation::Track> lacet4_track() {
   std::stringstream text;
   text << std::ifstream(source_dir() + "/zones/lacet4.toml").rdbuf();

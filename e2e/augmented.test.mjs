@@ -1,5 +1,5 @@
-// What is added virtually is felt physically, and what stands physically is shown virtually (A2, A3). Judged by the plant's
-// ground truth, in which no virtual body exists.
+// Virtual objects affect physical vehicles, and physical obstacles are shown virtually (A2, A3). Evaluated with the
+// plant's ground truth, in which no virtual body exists.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { open_browser } from './lib/browser.mjs';
@@ -10,7 +10,7 @@ import { eventually, Platform } from './lib/platform.mjs';
 
 const front_m = 0.1; // half a vehicle's length
 
-test('the virtual and the physical world feel each other', { timeout: 240_000 }, async (t) => {
+test('the virtual and the physical world perceive each other', { timeout: 240_000 }, async (t) => {
   const platform = await Platform.up(t, { aivs: 2 });
   const broker_port = await platform.broker_port();
   const ground_truth = await Truth.follow(t, broker_port);
@@ -19,7 +19,7 @@ test('the virtual and the physical world feel each other', { timeout: 240_000 },
   stranger.on_message((topic, payload) => heard[topic.split('/').at(-1)]?.push({ topic, message: JSON.parse(payload.toString()) }));
   const page = await open_operator(t, await open_browser(t), platform);
 
-  /** A vehicle that drives in a loop, where no crossing and nobody else decides, with room before it. */
+  /** A vehicle that drives in a loop, where neither a crossing nor another vehicle limits it, with space before it. */
   const driving_in_a_loop = () => eventually(
     'a vehicle drives in a loop',
     async () => {
@@ -30,26 +30,26 @@ test('the virtual and the physical world feel each other', { timeout: 240_000 },
   );
   const snapshot_of = async (id) => (await platform.snapshot()).aivs.find((aiv) => aiv.id === id);
   const brakingFor = (id, virtualObject) => eventually(`${id} brakingFor ${virtualObject}`, async () => (await snapshot_of(id)).brakingFor === virtualObject, { within_ms: 3_000 });
-  /** Metres from the front of a vehicle to a place, as the plant has it. */
+  /** Metres from the front of a vehicle to a position, by the plant's ground truth. */
   const gap = (number, at) => Math.hypot(ground_truth.vehicle(number).x - at.x, ground_truth.vehicle(number).y - at.y) - front_m;
 
-  await t.test('a person before a vehicle stops it; taken away, it goes on', async () => {
+  await t.test('a person before a vehicle stops it; after the removal, the vehicle goes on', async () => {
     const aiv = await driving_in_a_loop();
-    // So near that the first virtual object it does is to brake.
+    // So near that the vehicle has to brake at once.
     const at = place(aiv.section, aiv.s + 0.5);
     const { id } = await platform.ask('POST', 'virtual-objects', { kind: 'person', x: at.x, y: at.y });
     await ground_truth.stands(aiv.number, 4_000);
-    assert.ok(gap(aiv.number, at) > 0.06 && gap(aiv.number, at) < 0.4, `it stands ${gap(aiv.number, at)} m before the person`);
+    assert.ok(gap(aiv.number, at) > 0.06 && gap(aiv.number, at) < 0.4, `the vehicle stopped ${gap(aiv.number, at)} m before the person`);
     await brakingFor(aiv.id, id);
     await page.waitForFunction((virtualObject) => /felt by AIV/.test(document.querySelector(`[data-virtualObject="${virtualObject}"]`)?.textContent ?? ''), id, { timeout: 4_000 });
     const { x, y } = ground_truth.vehicle(aiv.number);
     await ground_truth.driven(1_200);
-    assert.ok(Math.hypot(ground_truth.vehicle(aiv.number).x - x, ground_truth.vehicle(aiv.number).y - y) < 0.005, 'it keeps standing');
+    assert.ok(Math.hypot(ground_truth.vehicle(aiv.number).x - x, ground_truth.vehicle(aiv.number).y - y) < 0.005, 'the vehicle stays stopped');
     await page.getByRole('button', { name: `Remove ${id}`, exact: true }).click();
     await ground_truth.moves(aiv.number, 4_000);
   });
 
-  await t.test('a person who walks out of the way lets it go by itself', async () => {
+  await t.test('a vehicle goes on by itself when a person has walked off its path', async () => {
     const aiv = await driving_in_a_loop();
     const at = place(aiv.section, aiv.s + 0.55);
     const aside = { x: at.x + 0.5 * Math.cos(at.heading - Math.PI / 2), y: at.y + 0.5 * Math.sin(at.heading - Math.PI / 2) };
@@ -59,7 +59,7 @@ test('the virtual and the physical world feel each other', { timeout: 240_000 },
     await platform.ask('DELETE', `virtual-objects/${id}`);
   });
 
-  await t.test('a virtual AIV before a physical one makes it brake; taken out, it goes on', async () => {
+  await t.test('a virtual AIV before a physical one makes it brake; after the removal, it goes on', async () => {
     const aiv = await driving_in_a_loop();
     const at = place(aiv.section, aiv.s + 0.8);
     const { id } = await platform.ask('POST', 'virtual-objects', { kind: 'aiv', section: at.section, s: at.s });
@@ -71,16 +71,16 @@ test('the virtual and the physical world feel each other', { timeout: 240_000 },
     assert.equal(there.augmented, true);
     assert.ok(gap(aiv.number, there) - front_m > 0.02, `its front is ${gap(aiv.number, there) - front_m} m behind the virtual one`);
     assert.equal(await row(page, virtual).getByText('virtual', { exact: true }).count(), 1);
-    assert.ok(!ground_truth.latest.vehicles.some((vehicle) => vehicle.number === there.number), 'the plant knows nothing of it');
+    assert.ok(!ground_truth.latest.vehicles.some((vehicle) => vehicle.number === there.number), 'the plant does not contain it');
     await page.getByRole('button', { name: `Remove ${id}`, exact: true }).click();
     await ground_truth.moves(aiv.number, 6_000);
   });
 
-  await t.test('a stranger on the bus saw the virtual AIV as a vehicle of its own', async () => {
-    for (const kind of ['connection', 'state', 'visualization', 'order']) assert.ok(heard[kind].length > 0, `no ${kind} of it was heard`);
+  await t.test('an independent client of the bus received messages of the virtual AIV as of any vehicle', async () => {
+    for (const kind of ['connection', 'state', 'visualization', 'order']) assert.ok(heard[kind].length > 0, `no ${kind} of it was received`);
     const ends = heard.connection.map(({ message }) => message.connectionState);
     assert.equal(ends[0], 'ONLINE');
-    await eventually('it said good-bye', () => heard.connection.at(-1).message.connectionState === 'OFFLINE', { within_ms: 3_000 });
+    await eventually('it sent OFFLINE', () => heard.connection.at(-1).message.connectionState === 'OFFLINE', { within_ms: 3_000 });
     for (const { topic, message } of [...heard.state, ...heard.visualization]) {
       const [, , manufacturer, serial] = topic.split('/');
       assert.deepEqual([message.manufacturer, message.serialNumber], [manufacturer, serial]);
@@ -90,12 +90,12 @@ test('the virtual and the physical world feel each other', { timeout: 240_000 },
     assert.ok(heard.state.some(({ message }) => message.orderId !== ''), 'it drives by orders, as any vehicle');
   });
 
-  await t.test('a physical obstacle appears where it stands, with who saw it, and vanishes after it was taken away and passed', async () => {
+  await t.test('a physical obstacle appears at its position, with the vehicle that detected it, and vanishes after it was removed and passed', async () => {
     const aiv = await driving_in_a_loop();
     const at = place(aiv.section, aiv.s + 0.9);
     const { id } = await platform.ask('POST', 'plant/obstacles', { x: at.x, y: at.y, radius: 0.05 });
     const seen = await eventually('its twin is there', async () => (await platform.snapshot()).obstacles.find((one) => Math.hypot(one.x - at.x, one.y - at.y) < 0.12), { within_ms: 5_000 });
-    assert.ok(seen.detectedBy.includes(aiv.id), `seen by ${seen.detectedBy}`);
+    assert.ok(seen.detectedBy.includes(aiv.id), `detected by ${seen.detectedBy}`);
     await ground_truth.stands(aiv.number, 5_000);
     await page.waitForSelector(`[data-seen="${seen.id}"]`, { timeout: 4_000 });
     assert.match(await page.locator(`[data-seen="${seen.id}"]`).innerText(), new RegExp(`by AIV${aiv.number}`));

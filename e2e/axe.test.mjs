@@ -1,4 +1,4 @@
-// Nobody is shut out: axe finds nothing on any frame, view or dialog, light or dark.
+// Accessibility: axe finds no violation on any frame, view or dialog, light or dark.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
@@ -9,7 +9,7 @@ import { eventually, Platform } from './lib/platform.mjs';
 
 const axe_source = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 
-/** [name, how to come there, how to leave] */
+/** [name, how to open the view, how to leave it] */
 const views = [
   ['all four frames', async () => {}, async () => {}],
   ...['Supervision of AIVs', 'States of AIVs', 'Circuit', 'Traces of communications'].map((title, i) => [
@@ -51,10 +51,10 @@ const views = [
   }],
 ];
 
-test('axe finds nothing', { timeout: 240_000 }, async (t) => {
+test('axe finds no violation', { timeout: 240_000 }, async (t) => {
   const platform = await Platform.up(t);
   const browser = await open_browser(t);
-  // All that there may be: virtual objects, one that stands, one that is stopped, a command that was followed.
+  // Every kind of content: virtual objects, one obstacle, one vehicle that is stopped, a command that was executed.
   await platform.ask('POST', 'virtual-objects', { kind: 'aiv' });
   await platform.ask('POST', 'virtual-objects', { kind: 'person', x: 0.75, y: 0.75 });
   await platform.ask('POST', 'virtual-objects', { kind: 'obstacle', x: -0.75, y: 0.75 });
@@ -73,7 +73,7 @@ test('axe finds nothing', { timeout: 240_000 }, async (t) => {
           await enter(page);
           await page.waitForTimeout(250);
           const { violations, passes } = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ['violations'] }));
-          assert.ok(passes.length > 10, 'axe looked at something');
+          assert.ok(passes.length > 10, 'axe evaluated something');
           const told = violations.map(({ id, help, nodes }) => `${id}: ${help}\n${nodes.slice(0, 4).map((node) => `    ${node.html.slice(0, 160)}\n      ${node.failureSummary?.split('\n').slice(1, 3).join(' ')}`).join('\n')}`);
           await leave(page);
           assert.deepEqual(told, [], told.join('\n'));

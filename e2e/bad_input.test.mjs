@@ -1,4 +1,4 @@
-// What users get wrong, and what the world gets wrong for them: a clear word each, the right exit code, and nothing stops.
+// Errors of users and of the environment: each gets a clear message and the right exit code, and nothing stops.
 import assert from 'node:assert/strict';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { createServer } from 'node:net';
@@ -16,7 +16,8 @@ const once = (from, to) => {
   return changed;
 };
 
-// Each fault: what is wrong, the file that has it, where it must be said to be (a text of that line), and a word of why.
+// Each fault: its name, the file that has it, the location to be reported (a text of that line), and a term of the
+// reason.
 const faults = [
   ['a syntax error', once('name = "lacet4"', 'name = "lacet4'), 'name = "lacet4', /./],
   ['an unknown format version', once('format_version = 1', 'format_version = 99'), 'format_version', /format_version|version/],
@@ -29,7 +30,7 @@ const faults = [
   ['an unknown kind of section', once('kind = "arc"', 'kind = "spiral"'), 'kind = "spiral"', /kind|spiral/],
   ['an unknown field', once('width_m = 0.12', 'widht_m = 0.12'), null, /widht_m|width_m/],
   ['two sections of one name', once('name = "north"', 'name = "east"'), null, /east/],
-  ['a ring that does not close', once('angle_deg = -270', 'angle_deg = -260'), null, /clos|ends at/],
+  ['a loop that does not close', once('angle_deg = -270', 'angle_deg = -260'), null, /clos|ends at/],
   ['a tag on no section', once('section = "east"\ns_m = 1.471', 'section = "nowhere"\ns_m = 1.471'), 'section = "nowhere"', /nowhere/],
   ['a tag beyond its section', once('s_m = 1.471', 's_m = 9.5'), 's_m = 9.5', /s_m/],
   ['two tags of one number', once('number = 2', 'number = 1'), null, /number|tag/],
@@ -68,8 +69,8 @@ test('zone files with each kind of fault', { timeout: 120_000 }, async (t) => {
   });
 });
 
-test('wrong words on the command line', { timeout: 60_000 }, async (t) => {
-  await t.test('an unknown verb names the nearest', async () => {
+test('wrong arguments on the command line', { timeout: 60_000 }, async (t) => {
+  await t.test('an unknown subcommand names the nearest', async () => {
     const { code, stderr, stdout } = await cosiva(['serve']);
     assert.equal(code, 2);
     assert.match(stderr, /did you mean.*server/i);
@@ -106,7 +107,7 @@ test('a busy port is reported and another is taken', { timeout: 90_000 }, async 
     const ports = [...platform.words.matchAll(/127\.0\.0\.1:(\d+)/g)].map((match) => Number(match[1])).filter((candidate) => candidate !== port);
     return ports.length > 0 && ports;
   });
-  assert.ok(platform.words.includes(String(port)), `it says that ${port} is busy:\n${platform.words}`);
+  assert.ok(platform.words.includes(String(port)), `the output reports that ${port} is busy:\n${platform.words}`);
   const answers = await eventually('the page is served there', async () => {
     for (const candidate of other) {
       const response = await fetch(`http://127.0.0.1:${candidate}/api/v1/snapshot`, { signal: AbortSignal.timeout(500) }).catch(() => null);
@@ -117,17 +118,17 @@ test('a busy port is reported and another is taken', { timeout: 90_000 }, async 
   assert.ok(answers);
 });
 
-test('a broker that refuses is said, and tried again', { timeout: 60_000 }, async (t) => {
+test('a broker that refuses is reported, and tried again', { timeout: 60_000 }, async (t) => {
   const folder = work_folder(t);
   const nobody = await free_port();
   const server = new Program(t, cosiva_binary(), ['server', '--broker', `127.0.0.1:${nobody}`, '--port', String(await free_port())], { cwd: folder });
-  await eventually('it says so', () => server.words.includes(String(nobody)) && /refused|cannot|not reach|connect/i.test(server.words), { within_ms: 8_000 });
+  await eventually('the server reports it', () => server.words.includes(String(nobody)) && /refused|cannot|not reach|connect/i.test(server.words), { within_ms: 8_000 });
   await sleep(2_000);
   assert.ok(!server.gone, 'it goes on trying');
   await server.stop({ within_ms: 5_000 });
 });
 
-test('nonsense on the bus and on HTTP stops nothing', { timeout: 90_000 }, async (t) => {
+test('invalid messages on the bus and over HTTP stop nothing', { timeout: 90_000 }, async (t) => {
   const platform = await Platform.up(t);
   const bus = await Bus.open(t, await platform.broker_port(), []);
   const ground_truth = await Truth.follow(t, await platform.broker_port());
@@ -136,7 +137,8 @@ test('nonsense on the bus and on HTTP stops nothing', { timeout: 90_000 }, async
   const topics = ['uagv/v2/CoSiVA/AIV1/state', 'uagv/v2/CoSiVA/AIV1/order', 'uagv/v2/CoSiVA/AIV2/instantActions', 'uagv/v2/CoSiVA/AIV3/visualization', 'uagv/v2/CoSiVA/AIV9/connection', 'uagv/v2/Evil/x/state', 'cosiva/v1/server/heartbeat', 'cosiva/v1/zone/toml', 'cosiva/v1/zone/xml', 'cosiva/v1/plant/command'];
   for (const topic of topics) for (const payload of payloads) await bus.client.publishAsync(topic, payload);
   for (const topic of topics) {
-    // The broker may throw out whoever sends so much: a guest of its own each time, who does not wait for an answer.
+    // The broker may disconnect a client that sends this much: a client of its own each time, which waits for no
+    // acknowledgement.
     const guest = await Bus.open(t, await platform.broker_port(), []);
     guest.client.publish(topic, `{"a":"${'x'.repeat(3_000_000)}"}`);
     await sleep(150);

@@ -1,5 +1,5 @@
-// A fleet's battery test over the wire while everything that may die does: a vehicle's program, the server, and the test
-// itself are killed and come back, and one vehicle is lost for good. Nothing that was measured is lost.
+// A fleet's battery test over the wire while its processes die: a vehicle's program, the server, and the test itself
+// are killed and restarted, and one vehicle is lost for good. No measurement is lost.
 import assert from 'node:assert/strict';
 import { readFileSync, existsSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
@@ -7,7 +7,10 @@ import { test } from 'node:test';
 import { finally_do } from './lib/cleanup.mjs';
 import { alive, cosiva, cosiva_binary, eventually, Platform, Program, sleep, source_dir } from './lib/platform.mjs';
 
-/** The Leaf's cell, small enough to last a minute and a half, and with so little resistance that it can be emptied so fast. */
+/**
+ * The Leaf's cell, small enough to last a minute and a half, and with a resistance small enough for this rate of
+ * discharge.
+ */
 function small_battery(folder) {
   const type = JSON.parse(readFileSync(path.join(source_dir, 'batteries/leaf33.json'), 'utf8'));
   type.name = 'small';
@@ -38,14 +41,14 @@ test('cosiva battery fleet --live', { timeout: 400_000 }, async (t) => {
   await platform.kill_child(/server/i);
   await sleep(3_000);
 
-  // The test itself: what it knew at its last sample is in its file.
+  // The test itself: its state at the last sample is in its file.
   process.kill(first.pid, 'SIGKILL');
   await first.ended;
   assert.ok(existsSync(state), 'the state is there');
   const second = new Program(t, cosiva_binary(), args, { name: 'cosiva battery' });
   await eventually('it goes on', () => second.words.includes('goes on from'), { within_ms: 20_000 });
 
-  // Frozen, so that nobody starts it again: a vehicle that is not heard of any more.
+  // Frozen, so that no supervisor starts it again: a vehicle that sends nothing any more.
   const lost = await platform.child(/aiv\D*3$/i);
   process.kill(lost.pid, 'SIGSTOP');
   finally_do(t, () => alive(lost.pid) && process.kill(lost.pid, 'SIGCONT'));
@@ -63,19 +66,19 @@ test('cosiva battery fleet --live', { timeout: 400_000 }, async (t) => {
     assert.equal(one.stop, 'floor', JSON.stringify(one));
     assert.ok(Math.abs(one.charge_end - 0.4) < 0.01, `the floor: ${one.charge_end}`);
     assert.ok(one.distance_m > 1, `it drove ${one.distance_m} m`);
-    assert.ok(one.autonomy_s > by_vehicle.get('AIV3').autonomy_s, 'who was lost had been stopped earlier');
+    assert.ok(one.autonomy_s > by_vehicle.get('AIV3').autonomy_s, 'the lost vehicle had been stopped earlier');
   }
-  // Alike batteries on alike carts, although one cart's program was killed in between.
+  // Equal batteries on equal vehicles, although one vehicle's program was killed in between.
   const seconds = ends.map((one) => one.autonomy_s);
   assert.ok(Math.max(...seconds) / Math.min(...seconds) < 1.5, `autonomies ${seconds}`);
   assert.ok(!existsSync(state), 'a finished test leaves no state behind');
   assert.ok(existsSync(path.join(out, 'report.html')));
-  assert.match(readFileSync(told, 'utf8'), /put battery 1, full, into AIV1/, 'the operator was told by the command');
+  assert.match(readFileSync(told, 'utf8'), /put battery 1, full, into AIV1/, 'the operator was notified by the command');
   const snapshot = await platform.snapshot();
   assert.equal(new Set(snapshot.aivs.map((aiv) => aiv.id)).size, 4, 'no twin was lost or doubled');
 });
 
-test('cosiva battery fleet --live says what is wrong', { timeout: 120_000 }, async (t) => {
+test('cosiva battery fleet --live reports errors', { timeout: 120_000 }, async (t) => {
   const nobody = await cosiva(['battery', 'fleet', '--live', '--broker', '127.0.0.1:1', '--aivs', '2']);
   assert.equal(nobody.code, 2);
   assert.match(nobody.stderr, /no broker answers there/);

@@ -1,5 +1,5 @@
-// Somebody changes batteries by hand and says so on the page: the wanted one is an alarm and a form there, a click confirms
-// it, the run begins, and its curve grows.
+// An operator changes batteries by hand and confirms this on the page: the requested battery is an alarm and a form
+// there, a click confirms it, the run begins, and its curve grows.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
@@ -16,7 +16,7 @@ async function assert_open_to_all(page) {
   assert.deepEqual(violations.map(({ id, help, nodes }) => `${id}: ${help} ${nodes[0].html.slice(0, 160)}`), []);
 }
 
-test('an operator changes a battery, says so on the page, and watches it', { timeout: 180_000 }, async (t) => {
+test('an operator changes a battery, confirms it on the page, and watches the test', { timeout: 180_000 }, async (t) => {
   const platform = await Platform.up(t, { aivs: 1 });
   const page = await open_operator(t, await open_browser(t), platform, { reducedMotion: 'reduce' });
   const panel = page.getByTestId('battery');
@@ -44,7 +44,7 @@ test('an operator changes a battery, says so on the page, and watches it', { tim
     await assert_open_to_all(page);
   });
 
-  await t.test('one that is not full is refused, with the reason beside the form', async () => {
+  await t.test('a battery that is not full is refused, with the reason next to the form', async () => {
     const form = panel.getByTestId('battery-change');
     await form.getByText('What is known of it').click();
     await form.getByLabel('Charge [%]').fill('80');
@@ -78,7 +78,7 @@ test('an operator changes a battery, says so on the page, and watches it', { tim
     await t.test(`it can be read in ${theme}`, async () => {
       await page.emulateMedia({ colorScheme: theme, reducedMotion: 'reduce' });
       await page.evaluate((wanted) => (location.hash = `#panel=battery&theme=${wanted}`), theme);
-      // Drawn in its colours, all of it, before anybody judges them.
+      // Drawn in its colours completely, before they are evaluated.
       await page.waitForFunction((wanted) => document.documentElement.dataset.theme === wanted, theme);
       await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
       await page.waitForTimeout(400);

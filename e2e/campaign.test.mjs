@@ -1,4 +1,4 @@
-// A campaign that is killed goes on where it was, and threads and ranks change nothing in what comes out.
+// A campaign that is killed is resumed, and threads and ranks change nothing in the result.
 import assert from 'node:assert/strict';
 import { execFile, spawn } from 'node:child_process';
 import { existsSync, readFileSync, readdirSync, rmSync, statSync, writeFileSync } from 'node:fs';
@@ -7,7 +7,7 @@ import { test } from 'node:test';
 import { promisify } from 'node:util';
 import { cosiva_binary, eventually, work_folder } from './lib/platform.mjs';
 
-// What the ranks share is a file in TMPDIR, and as root Open MPI wants to be told twice that this is meant.
+// The ranks' common memory is a file in TMPDIR; as root, Open MPI requires two confirmations.
 const environment = { ...process.env, OMPI_ALLOW_RUN_AS_ROOT: '1', OMPI_ALLOW_RUN_AS_ROOT_CONFIRM: '1' };
 const run = async (program, options) => {
   try {
@@ -21,7 +21,7 @@ const binary = cosiva_binary();
 const campaign = (...options) => run(binary, ['campaign', ...options]);
 const on_ranks = (n, ...options) => run('mpirun', ['--oversubscribe', '-n', String(n), binary, 'campaign', ...options]);
 
-/** Some seconds of one core: long enough to be killed in the middle of. */
+/** A few seconds of one core: long enough to be killed before its end. */
 const plan = `runs = 300
 distance_m = 100
 [vary]
@@ -37,7 +37,7 @@ function same_files(one, other) {
     assert.ok(readFileSync(path.join(one, file)).equals(readFileSync(path.join(other, file))), `${file} differs`);
 }
 
-test('killed and started again it goes on, to the files of one that nobody has disturbed', async (t) => {
+test('killed and started again it is resumed, with the same files as an undisturbed run', async (t) => {
   const folder = work_folder(t);
   const file = path.join(folder, 'plan.toml');
   const [calm, killed] = [path.join(folder, 'calm'), path.join(folder, 'killed')];
@@ -49,13 +49,13 @@ test('killed and started again it goes on, to the files of one that nobody has d
   for (let size = 0; lives < 3; lives++) {
     const child = spawn(binary, ['campaign', file, '--out', killed, '--threads', '1'], { stdio: 'ignore' });
     const ended = new Promise((resolve) => child.on('exit', resolve));
-    // As soon as it has got on, but not so far that it is done.
+    // As soon as it has made progress, but before it is done.
     await eventually('it gets on', () => existsSync(state) && statSync(state).size > size + 1000, { within_ms: 60_000 });
     size = statSync(state).size;
     child.kill('SIGKILL');
     await ended;
     assert.ok(!existsSync(path.join(killed, 'result.json')), 'killed before its end');
-    // And its last line torn, as a full disk or a power cut would.
+    // In addition its last line is cut, as by a full disk or a power failure.
     if (lives === 1) writeFileSync(state, readFileSync(state).subarray(0, size - 7));
     if (lives === 1) size -= 7;
   }
@@ -63,13 +63,13 @@ test('killed and started again it goes on, to the files of one that nobody has d
   assert.equal(last.code, 0, last.stderr);
   assert.match(last.stderr, /goes on: \d+ of \d+ units are finished/);
   same_files(calm, killed);
-  // Finished it has nothing to do, and says the same again.
+  // A finished campaign has nothing to do, and prints the same again.
   const again = await campaign(file, '--out', killed);
   assert.equal(again.stdout, last.stdout);
   same_files(calm, killed);
 });
 
-test('any number of ranks and threads gives the same files, and only one of them speaks', async (t) => {
+test('any number of ranks and threads gives the same files, and only one of them prints', async (t) => {
   const folder = work_folder(t);
   const file = path.join(folder, 'plan.toml');
   writeFileSync(file, plan.replace('runs = 300', 'runs = 6'));
@@ -83,12 +83,12 @@ test('any number of ranks and threads gives the same files, and only one of them
     const out = path.join(folder, `ranks${ranks}`);
     const many = await on_ranks(ranks, file, '--out', out, '--threads', '1', '--json');
     assert.equal(many.code, 0, many.stderr);
-    assert.equal(JSON.parse(many.stdout).digest, JSON.parse(alone.stdout).digest); // two voices would not be one document
+    assert.equal(JSON.parse(many.stdout).digest, JSON.parse(alone.stdout).digest); // two outputs would not be one document
     same_files(one, out);
   }
 });
 
-test('what is in the way is said with what to do, and every rank ends with status 2', async (t) => {
+test('an obstacle to a campaign is reported with what to do, and every rank ends with status 2', async (t) => {
   const folder = work_folder(t);
   const file = path.join(folder, 'plan.toml');
   const out = path.join(folder, 'out');
@@ -103,7 +103,7 @@ test('what is in the way is said with what to do, and every rank ends with statu
     assert.equal(stderr.match(/another plan/g).length, 1, 'one voice');
   }
   assert.equal((await campaign(file, '--out', out, '--anew')).code, 0);
-  // A state that is damaged in its middle.
+  // A state file that is damaged in its middle part.
   const state = path.join(out, 'campaign.state');
   const bytes = readFileSync(state);
   bytes[200] ^= 1;
@@ -111,7 +111,7 @@ test('what is in the way is said with what to do, and every rank ends with statu
   const damaged = await campaign(file, '--out', out);
   assert.equal(damaged.code, 2);
   assert.match(damaged.stderr, /campaign\.state:\d+: it is damaged/);
-  // A folder that cannot be.
+  // A folder that cannot be created.
   rmSync(out, { recursive: true });
   writeFileSync(out, 'a file');
   const taken = await campaign(file, '--out', out);

@@ -1,4 +1,4 @@
-// However it ends, the platform leaves no process behind, and no file but the logs it named.
+// However the platform ends, it leaves no process behind, and no file but the logs that it named.
 import assert from 'node:assert/strict';
 import { existsSync, mkdirSync, readdirSync } from 'node:fs';
 import path from 'node:path';
@@ -16,7 +16,7 @@ for (const signal of ['SIGINT', 'SIGTERM']) {
     const { code } = await platform.stop({ signal });
     assert.ok(code === 0 || code === 130 || code === 143, `exit ${code}`);
     assert.deepEqual(family.filter(({ pid }) => alive(pid)).map(({ argv }) => argv.join(' ')), []);
-    await assert.rejects(fetch(platform.url), 'nobody answers any more');
+    await assert.rejects(fetch(platform.url), 'no server responds any more');
 
     assert.deepEqual(files_below(platform.run_dir), [], 'the run folder is empty or gone');
     const outside = files_below(folder).filter((name) => !files_below(platform.log_dir).includes(name));
@@ -25,7 +25,7 @@ for (const signal of ['SIGINT', 'SIGTERM']) {
   });
 }
 
-test('its own folders are as clean when nobody names any', { timeout: 90_000 }, async (t) => {
+test('the default folders are as clean', { timeout: 90_000 }, async (t) => {
   const folder = work_folder(t);
   const home = path.join(folder, 'home');
   const tmp = path.join(folder, 'tmp');
@@ -42,7 +42,7 @@ test('its own folders are as clean when nobody names any', { timeout: 90_000 }, 
   assert.deepEqual(new_in_tmp.filter((name) => files_below(path.join('/tmp', name)).some((file) => !file.endsWith('.log'))), []);
 });
 
-test('kill -9 of cosiva up takes its children along', { timeout: 90_000 }, async (t) => {
+test('kill -9 of cosiva up ends its children as well', { timeout: 90_000 }, async (t) => {
   const platform = await Platform.up(t);
   const family = descendants(platform.pid);
   platform.remember_family();

@@ -1,5 +1,6 @@
-// Every command of the page, once by mouse and once by keyboard alone: to one AIV, to several, to all; priorities; what is
-// added and removed. That a command was done is asked of the plant's ground truth and of the server, not of the page.
+// Every command of the page, once by mouse and once by keyboard alone: to one AIV, to several, to all; priorities;
+// objects added and removed. The execution of a command is checked with the plant's ground truth and the server, not
+// with the page.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { open_browser } from './lib/browser.mjs';
@@ -26,7 +27,7 @@ test('every command by mouse and by keyboard', { timeout: 240_000 }, async (t) =
     return virtualObjects.length === 0 && aivs.every((aiv) => !aiv.augmented || aiv.connection === 'OFFLINE');
   }, { within_ms: 8_000 });
 
-  /** Gives each verb to AIV2 and asks the world whether it was done. */
+  /** Gives each command to AIV2 and checks with the ground truth that it was executed. */
   async function each_verb(give) {
     for (const verb of verbs) {
       if (verb !== 'restart') await ground_truth.moves(2, 30_000);
@@ -40,7 +41,7 @@ test('every command by mouse and by keyboard', { timeout: 240_000 }, async (t) =
 
   await t.test('mouse: one AIV, each command', () => each_verb((verb) => page.getByRole('button', { name: `${title(verb)} AIV2`, exact: true }).click()));
 
-  await t.test('mouse: several AIVs, and nobody else', async () => {
+  await t.test('mouse: several AIVs, and no other', async () => {
     const before = await last_command(platform, id(4));
     for (const number of [1, 3]) await row(page, id(number)).getByRole('checkbox').check();
     for (const verb of ['slow', 'stop']) {
@@ -82,8 +83,8 @@ test('every command by mouse and by keyboard', { timeout: 240_000 }, async (t) =
     await page.getByRole('button', { name: 'By priority' }).click();
   });
 
-  await t.test('mouse: person, walker, obstacle and real obstacle are put where one presses, and taken away', async () => {
-    // The middles of the loops: inside the zone and in nobody's way.
+  await t.test('mouse: person, walker, obstacle and physical obstacle are placed where one presses, and removed', async () => {
+    // The centres of the loops: inside the zone and off every path.
     const spots = [['add-person', 0.75, 0.75, 'person'], ['add-obstacle', -0.75, 0.75, 'obstacle']];
     for (const [name, x, y, kind] of spots) {
       await page.getByTestId(`tool-${name}`).click();
@@ -117,7 +118,7 @@ test('every command by mouse and by keyboard', { timeout: 240_000 }, async (t) =
     await nothing_left();
   });
 
-  // From here on no mouse: a page of its own, so that nothing has the focus already.
+  // From here on no mouse: a new page, so that no element has the focus already.
   await page.close();
   const keys = await open_operator(t, browser, platform);
   const press = (...names) => names.reduce((done, name) => done.then(() => keys.keyboard.press(name)), Promise.resolve());
@@ -192,7 +193,7 @@ test('every command by mouse and by keyboard', { timeout: 240_000 }, async (t) =
       await tab_to(keys, new RegExp(`#tool-${name}$`));
       await press('Enter');
       await eventually('the map has the focus', () => keys.evaluate(() => document.activeElement?.dataset.testid === 'circuit'), { within_ms: 2_000 });
-      // From the zone's middle into a loop, clear of every way.
+      // From the zone's centre into a loop, clear of every path.
       const down = kind === 'person' ? 'ArrowUp' : 'ArrowDown';
       const { scale } = await keys.evaluate(async () => {
         const { bounds } = await (await fetch('api/v1/zone')).json();

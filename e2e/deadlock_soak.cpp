@@ -1,12 +1,12 @@
-// Traffic that never deadlocks silently: fleets in a noisy control area, over many seeds.
+// Traffic without unresolved deadlocks: fleets in a control area with disturbances, over many seeds.
 //
 //   deadlock_soak ZONE.toml [seeds] [aivs=12] [minutes] [loss=0.05] [first_seed=1] [workers=2] [convoys=on]
 //
-// 100 seeds of 30 minutes with COSIVA_LONG=1, hours on a slow machine; without it 2 of 3.
-// Each seed is one run of the whole platform in virtual time: messages are lost, vehicles are stopped and let go,
-// persons step in, some of them only virtual. At the end everything that keeps anybody is taken away, and within a
-// minute everybody must have driven on. A line for each seed, with what the server said of its deadlocks, and a line
-// for all; exit 1 when there was a collision, a deadlock that nobody resolved, or a vehicle that stood, 2 on bad usage.
+// 100 seeds of 30 minutes with COSIVA_LONG=1, hours on a slow machine; without it 2 of 3. Each seed is one run of the
+// whole platform in virtual time: messages are lost, vehicles are stopped and restarted, persons step in, some of them
+// only virtual. At the end all disturbances are removed, and within a minute every vehicle must have driven on. A line
+// for each seed, with the server's messages about its deadlocks, and a line for all; exit 1 when there was a collision,
+// a deadlock that was not resolved, or a vehicle that did not drive on, 2 on bad usage.
 
 #include <algorithm>
 #include <chrono>
@@ -45,7 +45,7 @@ struct Outcome {
   DeadlockMetrics deadlocks;
   std::string digest;
   std::string failure;
-  std::vector<std::string> reported;  ///< by the server, of deadlocks
+  std::vector<std::string> reported;  ///< by the server, about deadlocks
 };
 
 void fail_with(Outcome& outcome, const std::string& why) {
@@ -58,7 +58,7 @@ std::vector<double> driven_m(const experiments::World& world) {
   return driven;
 }
 
-/// What keeps anybody is gone: everybody drives on.
+/// All disturbances are removed: every vehicle drives on.
 void sync_time(experiments::World& world, Outcome& outcome) {
   world.run_for(std::chrono::seconds{15});
   const auto before_m = driven_m(world);
@@ -108,7 +108,7 @@ Outcome run(const Plan& plan, std::uint64_t seed) {
 
 void print_line(const Outcome& o, std::size_t done, const Plan& plan) {
   std::printf(
-      "seed %llu: %.0f m driven (slowest %.0f m), %.0f rings closed, %.0f deadlocks, %.0f resolved, longest %.1f s, "
+      "seed %llu: %.0f m driven (slowest %.0f m), %.0f cycles closed, %.0f deadlocks, %.0f resolved, longest %.1f s, "
       "longest wait %.1f s, digest %s (%zu of %llu)%s%s\n",
       static_cast<unsigned long long>(o.seed), o.distance_m, o.slowest_m, o.deadlocks.cycles, o.deadlocks.detected,
       o.deadlocks.resolved, o.deadlocks.longest_s, o.deadlocks.longest_wait_s, o.digest.c_str(), done,
@@ -144,7 +144,7 @@ int summarise(const Plan& plan, const std::vector<Outcome>& outcomes, double too
   }
   const double simulated_s = (plan.minutes * 60.0 + 75.0) * static_cast<double>(plan.seeds);
   std::printf(
-      "%s: %llu seeds x %u AIVs x %.0f min, %.0f %% loss, convoys %s: %zu collisions, %.0f rings closed, %.0f "
+      "%s: %llu seeds x %u AIVs x %.0f min, %.0f %% loss, convoys %s: %zu collisions, %.0f cycles closed, %.0f "
       "deadlocks, "
       "%.0f unresolved, longest deadlock %.1f s, longest wait %.1f s, %zu seeds failed, %.0f x real time\n",
       plan.zone.origin.c_str(), static_cast<unsigned long long>(plan.seeds), plan.aivs, plan.minutes, plan.loss * 100.0,

@@ -1,10 +1,10 @@
-// The fleet under a lossy network, over many seeds: no collision, nobody starved.
+// The fleet with a lossy network, over many seeds: no collision, and no vehicle waits for ever.
 //
 //   fleet_soak ZONE.toml [seeds=50] [aivs=12] [minutes=10] [loss=0.02] [first_seed=1] [convoys=on] [workers=cores]
 //
 // Each seed is one run of the whole platform in virtual time; every second one also has three virtual AIVs among the
-// physical ones, and two people who walk across their ways. Prints a line per seed that breaks a promise and one for
-// all; exit 1 when one was broken, 2 on bad usage. 50 seeds with COSIVA_LONG=1, however many are named.
+// physical ones, and two persons who walk across their paths. Prints a line per seed that fails and one for all; exit 1
+// when one failed, 2 on bad usage. 50 seeds with COSIVA_LONG=1, whatever number is given.
 
 #include <algorithm>
 #include <chrono>
@@ -50,7 +50,7 @@ struct Outcome {
 
 constexpr double longest_wait_allowed_s = 60.0;
 
-/// Across two loops, where nobody has to stand in a crossing for them.
+/// Across two loops, where no vehicle has to stop in a crossing for them.
 constexpr const char* people[] = {
     R"({"command":"add","virtualObject":{"kind":"person","id":"P1","path":[[0.9,-0.9],[1.6,-1.6]],"speed":0.2,"repeat":"back and forth"}})",
     R"({"command":"add","virtualObject":{"kind":"person","id":"P2","path":[[-0.9,0.9],[-1.6,1.6]],"speed":0.15,"repeat":"back and forth"}})"};

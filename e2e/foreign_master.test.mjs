@@ -1,4 +1,5 @@
-// A master control of a third party, with our server off, drives one of our AIVs over four nodes, pauses, resumes, cancels.
+// A third-party master control, without CoSiVA's server, drives a CoSiVA AIV over four nodes, pauses, resumes,
+// cancels.
 import assert from 'node:assert/strict';
 import path from 'node:path';
 import { mkdirSync } from 'node:fs';
@@ -17,7 +18,7 @@ const start = { section: 'loop_se', s: 1.2 }; // the first [[start]] of zones/la
 function order_over(circuit, index, count) {
   const nodes = Array.from({ length: count }, (_, i) => {
     const { id, x, y } = circuit.at(index, i);
-    // The vehicle stands anywhere between the first waypoint and the next.
+    // The vehicle is anywhere between the first waypoint and the next.
     const allowed = i === 0 ? { allowedDeviationXy: 0.5 } : {};
     return { nodeId: id, sequenceId: 2 * i, released: true, nodePosition: { x, y, mapId: circuit.name, ...allowed }, actions: [] };
   });
@@ -27,7 +28,7 @@ function order_over(circuit, index, count) {
   return { orderId: createUuid(), orderUpdateId: 0, nodes, edges };
 }
 
-test('a foreign master drives our AIV', { timeout: 150_000 }, async (t) => {
+test('a third-party master control drives a CoSiVA AIV', { timeout: 150_000 }, async (t) => {
   const circuit = await Circuit.load();
   const folder = work_folder(t);
   const broker = await start_broker(t, folder);
@@ -44,7 +45,7 @@ test('a foreign master drives our AIV', { timeout: 150_000 }, async (t) => {
   bus.on_message((_topic, payload) => (state = JSON.parse(payload.toString())));
   await eventually(`the AIV reports where it is\n${vehicle.words}`, () => state?.agvPosition?.positionInitialized === true);
 
-  // Ours says 2.1.0 in its headers; this library compares the whole version and would drop every message of ours.
+  // CoSiVA's headers state 2.1.0; this library compares the whole version and would drop every message of the AIV.
   const master = new MasterController(
     { interfaceName: 'uagv', transport: { brokerUrl: `mqtt://127.0.0.1:${broker.port}` }, vdaVersion: '2.0.0', topicObjectValidation: { inbound: false, outbound: true } },
     { targetAgvs: aiv },
@@ -93,7 +94,7 @@ test('a foreign master drives our AIV', { timeout: 150_000 }, async (t) => {
     await ground_truth.stands(1, 2_000);
     const goal = circuit.at(first, 4);
     const { x, y } = ground_truth.vehicle(1);
-    assert.ok(Math.hypot(x - goal.x, y - goal.y) < 0.06, `it stands ${Math.hypot(x - goal.x, y - goal.y).toFixed(3)} m from the last node`);
+    assert.ok(Math.hypot(x - goal.x, y - goal.y) < 0.06, `it stopped ${Math.hypot(x - goal.x, y - goal.y).toFixed(3)} m from the last node`);
   });
 
   let long;
@@ -102,7 +103,7 @@ test('a foreign master drives our AIV', { timeout: 150_000 }, async (t) => {
     await ground_truth.moves(1, 5_000);
     await instant('startPause');
     await ground_truth.stands(1, 2_000);
-    await eventually('its state says so', () => state.paused === true && state.driving === false, { within_ms: 2_000 });
+    await eventually('its state reports it', () => state.paused === true && state.driving === false, { within_ms: 2_000 });
     const before = ground_truth.vehicle(1).distance;
     await sleep(1_000);
     assert.ok(ground_truth.vehicle(1).distance - before < 0.005);
@@ -122,7 +123,7 @@ test('a foreign master drives our AIV', { timeout: 150_000 }, async (t) => {
     assert.deepEqual([state.nodeStates, state.edgeStates], [[], []]);
   });
 
-  await t.test('is told noOrderToCancel when there is none', async () => {
+  await t.test('receives noOrderToCancel when there is none', async () => {
     await assert.rejects(instant('cancelOrder'));
     await eventually('the state names the reason', () => state.errors.some((error) => error.errorType === 'noOrderToCancel'), { within_ms: 3_000 });
   });

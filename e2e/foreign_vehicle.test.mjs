@@ -1,4 +1,5 @@
-// A vehicle of a third party joins the zone by MQTT: it is shown, is given orders, and drives round the circuit, alone.
+// A third-party vehicle joins the zone over MQTT: it is shown, is given orders, and drives one lap of the circuit,
+// alone.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
@@ -9,12 +10,12 @@ import { follow, snapshot_of, start_foreign_vehicle, stranger } from './lib/fore
 import { notice, open_operator, row } from './lib/page.mjs';
 import { cosiva_binary, eventually, free_port, lacet4_length_m, Program, start_broker, work_folder, zone_file } from './lib/platform.mjs';
 
-test('a foreign vehicle drives a lap alone', { timeout: 180_000 }, async (t) => {
+test('a third-party vehicle drives a lap alone', { timeout: 180_000 }, async (t) => {
   const circuit = await Circuit.load();
   const broker = await start_broker(t);
   const port = await free_port();
   const bus = await Bus.open(t, broker.port, ['uagv/#']);
-  // No plant runs here: the zone's file comes as any physical side hands it over (A22).
+  // No plant runs here: the zone's file is published as by any physical side (A22).
   await bus.client.publishAsync('cosiva/v1/zone/toml', readFileSync(zone_file('lacet4')), { qos: 1, retain: true });
   new Program(t, cosiva_binary(), ['server', '--broker', broker.address, '--port', String(port)], { cwd: work_folder(t) });
   const url = `http://127.0.0.1:${port}`;
@@ -31,7 +32,7 @@ test('a foreign vehicle drives a lap alone', { timeout: 180_000 }, async (t) => 
   assert.deepEqual(orphans, []);
 });
 
-/** The page of a vehicle that nobody here built: shown like any other, stopped and let go; what it cannot do is said. */
+/** The page of a third-party vehicle: shown like any other, stopped and restarted; what it cannot do is reported. */
 async function operate(t, url) {
   const speed = async () => (await snapshot_of(url)).aivs.find(({ id }) => id === stranger).speed;
   await t.test('its page shows it, and commands it', async (t) => {
@@ -41,8 +42,8 @@ async function operate(t, url) {
     await it.getByRole('button', { name: /^Select/ }).click();
     await page.waitForFunction((id) => document.querySelector(`[data-aiv="${id}"]`).className.includes('selected'), stranger);
     await it.getByRole('button', { name: /^Stop/ }).click();
-    await eventually('it stands', async () => (await speed()) === 0, { within_ms: 5_000 });
-    await eventually('the page says so', async () => /stopped/i.test(await it.getByTestId('state').innerText()), { within_ms: 5_000 });
+    await eventually('it is stopped', async () => (await speed()) === 0, { within_ms: 5_000 });
+    await eventually('the page shows it', async () => /stopped/i.test(await it.getByTestId('state').innerText()), { within_ms: 5_000 });
     await it.getByRole('button', { name: /^Slow/ }).click();
     assert.match(await notice(page, /001/), /slow/i);
     await it.getByRole('button', { name: /^Restart/ }).click();

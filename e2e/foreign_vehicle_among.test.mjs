@@ -1,5 +1,5 @@
-// A vehicle of a third party among our own AIVs: no two bodies may ever touch on the virtual side (the plant does not know the
-// stranger).
+// A third-party vehicle among CoSiVA AIVs: no two bodies may ever touch on the virtual side (the plant does not
+// contain the third-party vehicle).
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { bodies_touch, Circuit } from './lib/circuit.mjs';
@@ -8,7 +8,7 @@ import { eventually, lacet4_length_m, Platform } from './lib/platform.mjs';
 
 const body = { length: 0.2, width: 0.12 };
 
-test('a foreign vehicle drives a lap among our own, and nobody touches anybody', { timeout: 300_000 }, async (t) => {
+test('a third-party vehicle drives a lap among CoSiVA AIVs without a collision', { timeout: 300_000 }, async (t) => {
   const circuit = await Circuit.load();
   const platform = await Platform.up(t, { aivs: 3 });
   const free = await a_place_apart(platform, circuit);
@@ -28,7 +28,7 @@ test('a foreign vehicle drives a lap among our own, and nobody touches anybody',
   for (const id of before.keys()) assert.notEqual(after.get(id), before.get(id), `${id} went on, too`);
 });
 
-/** A waypoint on a loop, a metre from everybody. */
+/** A waypoint on a loop, a metre from every vehicle. */
 async function a_place_apart(platform, circuit) {
   const { aivs } = await platform.snapshot();
   const apart = (waypoint) => Math.min(...aivs.map((aiv) => Math.hypot(aiv.x - waypoint.x, aiv.y - waypoint.y)));

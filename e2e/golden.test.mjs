@@ -1,6 +1,6 @@
-// What the platform prints, serves and publishes is what it was when the goldens were recorded: digests of runs in virtual
-// time and of the soaks, every --help, the OpenAPI document, one message of every topic. Nothing here depends on how fast
-// the machine is. scripts/golden records anew.
+// The platform's output, served documents and published messages equal the recorded goldens: digests of runs in
+// virtual time and of the soaks, every --help, the OpenAPI document, one message of every topic. Nothing depends on
+// the speed of the machine. scripts/golden records anew.
 import assert from 'node:assert/strict';
 import { createHash } from 'node:crypto';
 import { existsSync, readFileSync, readdirSync } from 'node:fs';
@@ -9,20 +9,23 @@ import { test } from 'node:test';
 import { Goldens, first_difference, spread_json } from './lib/golden.mjs';
 import { cosiva, cosiva_binary, eventually, fetched, free_port, Program, source_dir, work_folder } from './lib/platform.mjs';
 
-// The soaks take more seeds with it, whatever their arguments say.
+// With COSIVA_LONG the soaks would take more seeds, whatever their arguments are.
 delete process.env.COSIVA_LONG;
 
 const at_once = 2;
 const timeout_ms = 900_000; // minutes only on a machine that is busy with builds
 
-/** A program of the build that `cosiva` is from. Paths are relative to the sources: no output names this machine's folders. */
+/**
+ * A program of the same build as `cosiva`. Paths are relative to the sources, so that no output contains this machine's
+ * folders.
+ */
 async function run(name, args) {
   const binary = path.join(path.dirname(cosiva_binary()), name);
   assert.ok(existsSync(binary), `${binary} is not built`);
   return cosiva(args, { binary, cwd: source_dir, timeout_ms });
 }
 
-/** Calls `work` for each item, a few at a time; answers in the items' order. */
+/** Calls `work` for each item, a few at a time; returns the results in the items' order. */
 async function in_turn(items, work) {
   const answers = new Array(items.length);
   let next = 0;
@@ -79,7 +82,7 @@ for (const { name, args } of soaks) {
   test(`${name} gives the recorded digests`, { timeout: timeout_ms }, async () => {
     const { code, stdout, stderr } = await run(`e2e/${name}`, args);
     assert.match(stdout, /digest [0-9a-f]{16}/, stderr.slice(-1000));
-    // Threads end in any order, and how fast they were is the machine's.
+    // Threads end in any order, and their speed depends on the machine.
     const lines = stdout.trim().split('\n').map((line) => line.replace(/ \(\d+ of \d+\)/, '').replace(/, \d+ x real time/, ''));
     const goldens = new Goldens();
     goldens.compare(`soak_${name}.txt`, [`e2e/${name} ${args.join(' ')}: exit ${code}`, ...lines.sort()].join('\n'));
@@ -115,7 +118,7 @@ test('the server serves the recorded OpenAPI document', { timeout: timeout_ms },
   const port = await free_port();
   const folder = work_folder(t);
   const server = new Program(t, cosiva_binary(), ['up', '--virtual-time', '--page', '--headless', '--zone', path.join(source_dir, 'zones/lacet4.toml'), '--aivs', '1', '--port', String(port)], { cwd: folder });
-  const { status, text } = await eventually('the server answers', () => fetched(`http://127.0.0.1:${port}/api`, 5_000), { within_ms: 60_000 });
+  const { status, text } = await eventually('the server responds', () => fetched(`http://127.0.0.1:${port}/api`, 5_000), { within_ms: 60_000 });
   await server.stop();
   assert.equal(status, 200);
   const goldens = new Goldens();
@@ -127,7 +130,10 @@ test('the server serves the recorded OpenAPI document', { timeout: timeout_ms },
 
 const sources = readdirSync(path.join(source_dir, 'src'), { recursive: true }).sort();
 
-/** Every topic that the sources name: our own constants, VDA 5050's schemas. A area has server topics of its own. */
+/**
+ * Every topic that the sources name: CoSiVA's constants, VDA 5050's schemas. A control area has server topics of its
+ * own.
+ */
 function topics_of_the_sources() {
   const own = sources
     .filter((name) => /\.(h|cpp)$/.test(name) && !/_test\.cpp$/.test(name))
@@ -139,7 +145,7 @@ function topics_of_the_sources() {
   return [...own.filter((topic) => topic !== area), ...vda, ...of_servers.map((topic) => area + topic.slice('cosiva/v1/'.length))];
 }
 
-/** Which of them a message's topic belongs to; nothing where none. */
+/** The topic of these that a message's topic belongs to; undefined where there is none. */
 function topic_of(topics, text) {
   const vda = /^uagv\/v2\/[^/]+\/[^/]+\/(\w+)$/.exec(text);
   const wanted = vda ? `vda5050/${vda[1]}` : text.replace(/\/area\/[^/]+\//, '/area/');
@@ -153,14 +159,17 @@ const to_micro = (text) => text.replace(/-?\d+\.\d{7,}(?:e-?\d+)?/g, (number) =>
 const sha256 = (text) => createHash('sha256').update(text, 'latin1').digest('hex');
 const payload_max = 20_000;
 
-/** A trace's line with a line for each member; a picture is its beginning and the digest of all. Lines are read byte by byte. */
+/**
+ * A trace's line with a line for each member; of an image its beginning and the digest of the whole. Lines are read
+ * byte by byte.
+ */
 function sample_of(line) {
   const payload = payload_of(line);
   if (payload.length <= payload_max) return spread_json(Buffer.from(line, 'latin1').toString('utf8'));
   return `${spread_json(line.replace(payload, () => 'null'))}\n${payload.length} bytes, sha256 ${sha256(payload)}, beginning:\n${payload.slice(0, 1000).replace(/[^\x20-\x7e]/g, '.')}`;
 }
 
-/** The messages of a run by topic: how many, a digest of all, and the one that says most. */
+/** The messages of a run by topic: their number, a digest of all, and the longest one. */
 class Messages {
   constructor(topics) {
     this.topics = topics;
@@ -213,7 +222,7 @@ test('positions by camera are compared to a micrometre', () => {
   assert.equal(to_micro('"at":"2023-07-11T00:00:00.702Z","u":3.833619869833508e-4'), '"at":"2023-07-11T00:00:00.702Z","u":0.000383');
 });
 
-test('a golden that differs in one line is told by its number', () => {
+test('a golden that differs in one line is reported with its number', () => {
   assert.equal(first_difference('a\nb\nc\n', 'a\nb\nc\n'), '');
   assert.match(first_difference('a\nb\nc\n', 'a\nx\nc\n'), /2 - b\n.*2 \+ x/);
   assert.match(first_difference('a\nc\n', 'a\nb\nc\n'), /^ +2 \+ b$/);

@@ -1,5 +1,5 @@
-// A camera over a running platform: its picture on the page with the AIVs where they are, twins held against it, what it finds
-// wrong by name, and what becomes of it when it is killed or sees nothing.
+// A camera over a running platform: its image on the page with the AIVs at their positions, twins compared with it,
+// its findings by name, and the consequences when it is killed or detects nothing.
 import assert from 'node:assert/strict';
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
@@ -21,8 +21,8 @@ test('cosiva up --gvs', { timeout: 240_000 }, async (t) => {
   const platform = await Platform.up(t, { aivs: 3, args: ['--gvs'] });
   const page = await open_operator(t, await open_browser(t), platform, { reducedMotion: 'reduce' });
 
-  await t.test('each AIV is seen, and its twin is held against it', async () => {
-    const gvs = await eventually('all three are seen and compared', async () => {
+  await t.test('each AIV is detected, and its twin is compared with it', async () => {
+    const gvs = await eventually('all three are detected and compared', async () => {
       const { gvs } = await platform.snapshot();
       return gvs?.state === 'watching' && gvs.detections.length === 3 && gvs.detections.every((seen) => seen.twin && seen.gap_m !== null) && gvs;
     }, { within_ms: 30_000 });
@@ -35,7 +35,7 @@ test('cosiva up --gvs', { timeout: 240_000 }, async (t) => {
     assert.deepEqual(await findings(platform), []);
   });
 
-  await t.test('the page shows the picture, with each AIV drawn where it was found', async () => {
+  await t.test('the page shows the image, with each AIV drawn where it was detected', async () => {
     await page.getByTestId('open-gvs').click();
     const panel = page.getByTestId('gvs');
     await panel.getByTestId('gvs-picture').waitFor({ timeout: 15_000 });
@@ -50,7 +50,7 @@ test('cosiva up --gvs', { timeout: 240_000 }, async (t) => {
     const first = await look();
     assert.equal(first.width, 480);
     assert.ok(first.darkest < 60 && first.brightest > 180, `floor, lines and tags: ${JSON.stringify(first)}`);
-    await eventually('it is another picture soon', async () => (await look()).sum !== first.sum);
+    await eventually('a new image is shown soon', async () => (await look()).sum !== first.sum);
     assert.match(await panel.getByTestId('gvs-picture').getAttribute('aria-label'), /AIV1 at -?\d/);
     assert.equal(await panel.locator('[data-seen]').count(), 3);
   });
@@ -104,17 +104,17 @@ test('cosiva up --gvs', { timeout: 240_000 }, async (t) => {
     await eventually('it watches again', async () => (await platform.snapshot()).gvs.state === 'watching', { within_ms: 20_000 });
   });
 
-  await t.test('who does not look gets no picture sent', async () => {
+  await t.test('no image is sent to a closed page', async () => {
     await page.goto('about:blank');
-    // Two seconds after the last look none is sent any more, and three later the last one is too old to be shown.
+    // Two seconds after the last request none is sent any more, and three later the last one is too old to be shown.
     await sleep(6_000);
     assert.equal((await fetch(`${platform.url}/api/v1/gvs/preview`)).status, 404);
-    await eventually('asked again, it comes again', async () => (await fetch(`${platform.url}/api/v1/gvs/preview`)).status === 200, { within_ms: 8_000, every_ms: 250 });
+    await eventually('requested again, it comes again', async () => (await fetch(`${platform.url}/api/v1/gvs/preview`)).status === 200, { within_ms: 8_000, every_ms: 250 });
   });
   assert.deepEqual(page.script_errors, []);
 });
 
-test('an AIV that stands on the floor without a program has no twin, and the camera says so', { timeout: 120_000 }, async (t) => {
+test('an AIV on the floor without a program has no twin, and the camera reports it', { timeout: 120_000 }, async (t) => {
   const folder = work_folder(t);
   const broker = await start_broker(t, folder);
   const port = await free_port();
@@ -136,7 +136,7 @@ test('an AIV that stands on the floor without a program has no twin, and the cam
   }, { within_ms: 40_000, every_ms: 200 });
 });
 
-test('recorded pictures of a calibrated camera are watched to their end, and then missed', { timeout: 180_000 }, async (t) => {
+test('recorded images of a calibrated camera are processed to their end, and then missed', { timeout: 180_000 }, async (t) => {
   const folder = work_folder(t);
   const run = async (...args) => {
     const said = await cosiva(args, { cwd: folder });
@@ -148,7 +148,7 @@ test('recorded pictures of a calibrated camera are watched to their end, and the
   const wrong = path.join(folder, 'wrong.json');
   writeFileSync(wrong, readFileSync(path.join(folder, 'cal/calibration.json'), 'utf8').replace('"homography"', '"homo"'));
 
-  await t.test('a wrong calibration is said before anything is started', async () => {
+  await t.test('a wrong calibration is reported before anything is started', async () => {
     const said = await cosiva(['up', ...source.map((one, i) => (i === 4 ? wrong : one))], { cwd: folder });
     assert.equal(said.code, 2);
     assert.match(said.stderr, /wrong\.json/);

@@ -1,4 +1,5 @@
-// The minute that the platform must be able to show: four AIVs on lacet4, with commands, and how true the twin was.
+// The minute that the platform must be able to show: four AIVs on lacet4, with commands, and the accuracy of the
+// twins.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { cosiva, eventually, fetched, free_port, sleep, work_folder } from './lib/platform.mjs';
@@ -22,8 +23,8 @@ test('cosiva up --headless for a minute keeps the bijection', { timeout: 150_000
     assert.deepEqual(bijection.orphans, []);
     assert.equal(bijection.matched_ratio, 1);
   });
-  await t.test('nobody touched anybody', () => assert.equal(Array.isArray(summary.collisions) ? summary.collisions.length : summary.collisions, 0));
-  await t.test('the twin stands within 3 cm of the report', () => {
+  await t.test('no vehicle touched another', () => assert.equal(Array.isArray(summary.collisions) ? summary.collisions.length : summary.collisions, 0));
+  await t.test('the twin is within 3 cm of the report', () => {
     assert.ok(bijection.divergence_m.count > 1_000, `only ${bijection.divergence_m.count} samples`);
     assert.ok(bijection.divergence_m.p99 <= 0.03, `p99 ${bijection.divergence_m.p99} m; ${woken}`);
   });
@@ -44,11 +45,11 @@ test('cosiva up --headless for a minute keeps the bijection', { timeout: 150_000
   });
 });
 
-/** Stops, slows and restarts vehicles while the run goes on; 0 where a headless run serves no HTTP. */
+/** Stops, slows and restarts vehicles during the run; 0 where a headless run serves no HTTP. */
 async function give_commands(port) {
   const url = `http://127.0.0.1:${port}/api/v1`;
   const get = async (what) => JSON.parse((await fetched(`${url}/${what}`, 2_000)).text);
-  const there = await eventually('the platform answers', async () => (await get('snapshot')).aivs.length === 4, { within_ms: 15_000 }).catch(() => false);
+  const there = await eventually('the platform responds', async () => (await get('snapshot')).aivs.length === 4, { within_ms: 15_000 }).catch(() => false);
   if (!there) return 0;
   await sleep(5_000);
   let given = 0;
@@ -59,7 +60,7 @@ async function give_commands(port) {
   };
   const standing = async (vehicle) => (await get('snapshot')).aivs.find((aiv) => aiv.id === vehicle).status === 'stopped';
   await give('stop', 'CoSiVA/AIV1');
-  await eventually('AIV1 stands', () => standing('CoSiVA/AIV1'), { within_ms: 5_000 });
+  await eventually('AIV1 is stopped', () => standing('CoSiVA/AIV1'), { within_ms: 5_000 });
   await give('slow', 'CoSiVA/AIV3');
   await sleep(1_000);
   await give('restart', 'CoSiVA/AIV1');

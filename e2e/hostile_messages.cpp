@@ -1,11 +1,11 @@
-// Hostile messages through the whole platform while it works: a million of them by default.
+// Hostile messages through the whole platform in operation: a million of them by default.
 //
 //   hostile_messages ZONE.toml CORPUS_DIR [messages=1000000] [seed=1]
 //
-// A stranger on the broker publishes mutated VDA 5050 messages, garbage and oversized payloads on the topics of real
-// and of invented vehicles, and broken zones, while four AIVs drive in virtual time. Nothing may stop: no collision,
-// every vehicle goes on, every real twin stays matched. Prints what was sent and the run's digest; exit 1 when a
-// promise was broken.
+// An unknown sender on the broker publishes mutated VDA 5050 messages, garbage and oversized payloads on the topics of
+// real and of invented vehicles, and broken zones, while four AIVs drive in virtual time. Nothing may stop: no
+// collision, every vehicle goes on, every real twin stays matched. Prints what was sent and the run's digest; exit 1
+// when a condition was violated.
 
 #include <cstdio>
 #include <cstdlib>
@@ -62,7 +62,7 @@ class UnknownSender {
   fuzz::Mutator mutator_;
 };
 
-/// The real vehicles that are shown, online and near where the plant has them.
+/// The number of real vehicles that are shown online and near their ground truth.
 std::size_t true_twins(const experiments::World& world) {
   const auto snapshot = JsonValue::parse(world.server().snapshot_json());
   std::size_t count = 0;
@@ -117,11 +117,11 @@ int main(int argc, char** argv) {
   for (const auto& vehicle : (*world)->plant().vehicles()) slowest_m = std::min(slowest_m, vehicle.distance_m);
   const double seconds = to_seconds((*world)->now() - virtual_epoch);
   std::printf(
-      "%llu hostile messages in %.0f s: %zu collisions, slowest vehicle drove %.1f m, real twins true in %zu of %zu "
-      "looks, digest %s\n",
+      "%llu hostile messages in %.0f s: %zu collisions, slowest vehicle drove %.1f m, real twins correct in %zu of %zu "
+      "checks, digest %s\n",
       static_cast<unsigned long long>(sent), seconds, (*world)->plant().collisions().size(), slowest_m, steps_matched,
       steps, (*world)->digest().hex().c_str());
-  // Undisturbed, a vehicle makes about 0.3 m/s here, waiting included; half of it shows that nothing stopped.
+  // Undisturbed, a vehicle averages about 0.3 m/s here, waiting included; half of it shows that nothing stopped.
   const bool kept =
       (*world)->plant().collisions().empty() && slowest_m > 0.12 * seconds - 2.0 && steps_matched == steps;
   return kept ? 0 : 1;

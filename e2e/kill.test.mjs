@@ -1,4 +1,5 @@
-// kill -9 of each part in turn: what is left stops safely or goes on, what died comes back, the fleet goes on without help.
+// kill -9 of each part in turn: the other parts stop safely or go on, the killed part is restarted, the fleet goes on
+// without help.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { Truth } from './lib/bus.mjs';
@@ -8,13 +9,13 @@ const stop_ms_max = 1_700; // 500 ms until the loss is noticed, 830 ms of brakin
 const everyone = [1, 2, 3, 4];
 
 async function all_go_on(platform, ground_truth, what, within_ms = 45_000) {
-  // Distance, not speed: at any moment someone may wait before a crossing.
+  // Distance, not speed: at any time a vehicle may wait before a crossing.
   const before = new Map(ground_truth.latest.vehicles.map((vehicle) => [vehicle.number, vehicle.distance]));
   const late = () => ground_truth.latest.vehicles.filter((vehicle) => vehicle.distance - before.get(vehicle.number) <= 1);
   try {
     await eventually(`every AIV drives on after ${what}`, () => late().length === 0, { within_ms });
   } catch (error) {
-    // Whom it waits for tells more than that it waits.
+    // The vehicle that a vehicle waits for is more informative than the fact that it waits.
     const { aivs, crossings, deadlocks } = await platform.snapshot();
     const known = aivs.map(({ number, connection, status, section, s, waitsFor, fieldViolation, driving, errors }) => ({ number, connection, status, section, s, waitsFor, fieldViolation, driving, errors }));
     error.message += `\nlate: ${JSON.stringify(late())}\n${known.map((aiv) => JSON.stringify(aiv)).join('\n')}\n${JSON.stringify(crossings)}\n${JSON.stringify(deadlocks)}`;
@@ -23,7 +24,7 @@ async function all_go_on(platform, ground_truth, what, within_ms = 45_000) {
 }
 
 test('kill -9', { timeout: 300_000 }, async (t) => {
-  // Long enough to see the loss before it is repaired.
+  // Long enough to detect the loss before it is repaired.
   const platform = await Platform.up(t, { args: ['--respawn', '4'] });
   const ground_truth = await Truth.follow(t, await platform.broker_port());
   await all_go_on(platform, ground_truth, 'the start');
@@ -56,7 +57,7 @@ test('kill -9', { timeout: 300_000 }, async (t) => {
       const driven = await ground_truth.driven(1_000);
       for (const [number, metres] of driven) assert.ok(metres < 0.005, `AIV${number} drove ${metres} m without a server`);
     });
-    await eventually('the server answers again', async () => (await platform.snapshot()).aivs.length === 4, { within_ms: 20_000 });
+    await eventually('the server responds again', async () => (await platform.snapshot()).aivs.length === 4, { within_ms: 20_000 });
     await all_go_on(platform, ground_truth, 'the server came back');
     const snapshot = await platform.snapshot();
     assert.equal(new Set(snapshot.aivs.map((aiv) => aiv.id)).size, 4, 'none is lost or doubled');
@@ -65,7 +66,7 @@ test('kill -9', { timeout: 300_000 }, async (t) => {
 
   await t.test('of the server, back at once: all go on', async () => {
     await platform.kill_child(/server/i);
-    await eventually('the server answers again', async () => (await platform.snapshot()).aivs.length === 4, { within_ms: 20_000 });
+    await eventually('the server responds again', async () => (await platform.snapshot()).aivs.length === 4, { within_ms: 20_000 });
     await all_go_on(platform, ground_truth, 'the server came back');
     assert.equal(ground_truth.collisions, 0);
   });
@@ -77,8 +78,8 @@ test('kill -9', { timeout: 300_000 }, async (t) => {
       await sleep(2_500);
       for (const [number, distance] of before) lost_at.set(number, distance);
     });
-    // Without a bus the ground truth cannot be heard. The first word after it tells how far each one came meanwhile: at most what
-    // half a second and braking allow.
+    // Without a bus the ground truth cannot be received. The first message after it shows how far each vehicle has
+    // driven meanwhile: at most the distance of half a second and braking.
     await ground_truth.next();
     for (const vehicle of ground_truth.latest.vehicles) {
       const driven = vehicle.distance - lost_at.get(vehicle.number);

@@ -1,5 +1,5 @@
 // Messages that a plain run in virtual time does not contain: qualification of algorithms, battery test, a server that
-// comes back, a server among several, camera over the zone.
+// restarts, a server among several, camera over the zone.
 //
 //   message_samples ZONE.toml OUT.jsonl
 //
@@ -45,7 +45,7 @@ std::vector<wire::VehicleId> vehicles(int count) {
   return ids;
 }
 
-/// One run of the platform, of which the messages below some topics are written down.
+/// One run of the platform, of which the messages below some topics are written to the output.
 class Run {
  public:
   using Listener = std::function<void(SimTime, const wire::Publish&)>;
@@ -66,7 +66,7 @@ class Run {
   [[nodiscard]] bool made() const { return world_ != nullptr; }
   [[nodiscard]] World& world() { return *world_; }
 
-  /// A message of the part's counterpart, which the tap does not see.
+  /// A message of the part's counterpart, which the tap does not receive.
   void publish(std::string_view from, const wire::Publish& message) {
     write(world_->now(), from, message);
     world_->publish(message);
@@ -77,7 +77,7 @@ class Run {
     for (const std::string& command : reaction.commands) world_->command_server(command);
   }
 
-  /// Warnings and errors of the cores: why a part fails.
+  /// Prints warnings and errors of the cores: the reason why a part fails.
   void print_log() const {
     for (const std::string& line : world_->log()) std::fprintf(stderr, "  %s\n", line.c_str());
   }
@@ -151,7 +151,7 @@ bool battery_test(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) 
           {wire::battery_change_topic_prefix, wire::battery_ready_topic_prefix, wire::battery_test_topic}};
   if (!run.made()) return false;
   const auto filters = experiments::LiveRig::subscriptions();
-  std::vector<wire::Publish> received;  // handled after the step: a tap does not act on the world that it watches
+  std::vector<wire::Publish> received;  // handled after the step: a tap does not act on the world that it observes
   run.listener = [&](SimTime, const wire::Publish& message) {
     if (any_matches(filters, message.topic)) received.push_back(message);
   };
@@ -205,7 +205,7 @@ bool several_servers(app::TraceWriter& trace, const zone::ZoneConfiguration& zon
   return true;
 }
 
-/// The emulated camera watches two vehicles, four times a second.
+/// The emulated camera observes two vehicles, four times a second.
 bool camera(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
   const auto rtm = zone::Rtm::initialise(zone);
   if (!rtm) return false;

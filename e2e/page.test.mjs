@@ -1,5 +1,5 @@
-// The operator's page on the real platform: four AIVs move, one is stopped by a click and stands in the plant's ground truth too,
-// goes on when told to; the page says when its server is gone, and recovers by itself.
+// The operator's page on the real platform: four AIVs move, one is stopped by a click and is stopped in the plant's
+// ground truth too, and goes on when commanded; the page shows when its server is gone, and recovers by itself.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { open_browser, open_page } from './lib/browser.mjs';
@@ -24,14 +24,14 @@ test('an operator watches, stops and restarts AIVs on the page', { timeout: 180_
   await t.test('all four move, in the list and on the canvas', async () => {
     const before = await Promise.all([1, 2, 3, 4].map((number) => section(page, number)));
     const picture = await page.getByTestId('circuit').screenshot();
-    // A vehicle may stand for a while before a crossing that another holds.
+    // A vehicle may be stopped for a while before a crossing that another vehicle occupies.
     for (const number of [1, 2, 3, 4]) {
       await eventually(`AIV${number} moves in the list`, async () => (await section(page, number)) !== before[number - 1], { within_ms: 25_000 });
     }
     assert.notDeepEqual(await page.getByTestId('circuit').screenshot(), picture);
   });
 
-  await t.test('rows that are sorted by what changes hold still while somebody points at one', async () => {
+  await t.test('rows that are sorted by changing values stay in place while the pointer is on one', async () => {
     await page.keyboard.press('2');
     await page.getByRole('button', { name: /^Age/ }).click();
     const order = () => page.locator('[data-row]').evaluateAll((rows) => rows.map((one) => one.dataset.row).join(' '));
@@ -61,7 +61,7 @@ test('an operator watches, stops and restarts AIVs on the page', { timeout: 180_
     assert.ok(ground_truth.vehicle(2).distance - where < 0.005, 'it stays where it was stopped');
   });
 
-  await t.test('the command is followed until its effect is seen', async () => {
+  await t.test('the command is followed until its effect is detected', async () => {
     await page.waitForSelector('[data-aiv="CoSiVA/AIV2"] [data-command-state=materialised]', { timeout: 6_000 });
   });
 
@@ -70,12 +70,12 @@ test('an operator watches, stops and restarts AIVs on the page', { timeout: 180_
     await ground_truth.moves(2, 25_000);
   });
 
-  await t.test('Shift+Esc stops all, and Restart all asks once', async () => {
+  await t.test('Shift+Esc stops all, and Restart all requests one confirmation', async () => {
     await page.keyboard.press('Shift+Escape');
     for (const number of [1, 2, 3, 4]) await ground_truth.stands(number, 4_000);
     await page.getByTestId('restart-all').click();
     await sleep(500);
-    for (const number of [1, 2, 3, 4]) assert.ok(ground_truth.vehicle(number).speed < 0.01, 'one press alone moves nobody');
+    for (const number of [1, 2, 3, 4]) assert.ok(ground_truth.vehicle(number).speed < 0.01, 'one press alone moves no vehicle');
     await page.getByTestId('restart-all').click();
     for (const number of [1, 2, 3, 4]) await ground_truth.moves(number, 30_000);
   });
@@ -86,9 +86,9 @@ test('an operator watches, stops and restarts AIVs on the page', { timeout: 180_
     await page.waitForFunction(() => document.querySelector('[data-aiv="CoSiVA/AIV4"]').dataset.state !== 'lost', null, { timeout: 30_000 });
   });
 
-  await t.test('when the server dies the page says so, and recovers', async () => {
+  await t.test('when the server dies the page reports it, and recovers', async () => {
     await platform.kill_child(/server/i);
-    // Seen and read at once: a server that is back soon takes it away.
+    // Detected and read at once: a server that is back soon removes it.
     const banner = await page.waitForFunction(() => document.querySelector('[data-testid=banner]')?.innerText, null, { timeout: 3_000 });
     assert.match(await banner.jsonValue(), /No connection|silent/);
     await page.waitForSelector('[data-testid=link][data-phase=live]', { timeout: 30_000 });

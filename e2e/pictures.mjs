@@ -1,5 +1,5 @@
-// Takes the pictures of README and guides again, of the real platform: `node e2e/pictures.mjs` after scripts/setup test and a
-// build. On a quiet machine: what is busy shows in the figures.
+// Creates the images of README and guides again, of the real platform: `node e2e/pictures.mjs` after scripts/setup
+// test and a build. To be run on an idle machine: load affects the metrics shown.
 import { mkdirSync } from 'node:fs';
 import path from 'node:path';
 import { open_browser, open_page } from './lib/browser.mjs';
@@ -8,11 +8,11 @@ import { pathToFileURL } from 'node:url';
 
 const folder = path.join(source_dir, 'docs/images');
 mkdirSync(folder, { recursive: true });
-// What the tests' helpers expect of a test.
+// What the tests' helpers require of a test.
 const endings = [];
 const t = { after: (action) => endings.push(action), diagnostic: console.log, name: 'pictures', passed: true };
 
-/** The ready zones as they draw themselves, side by side. */
+/** The ready zones as drawn by the page, side by side. */
 async function take_zones(browser) {
   const drawn = [];
   for (const name of ['lacet4', 'indus8', 'workshop', 'crossing8']) {
@@ -46,7 +46,7 @@ async function take_reports(browser) {
   }
 }
 
-/** What the camera over the zone sees. */
+/** The image of the camera over the zone. */
 async function take_gvs(browser) {
   const platform = await Platform.up(t, { args: ['--gvs', '--name', 'gvs'] });
   const page = await open_page(t, browser, `${platform.url}/#panel=gvs`);
@@ -70,7 +70,7 @@ async function take() {
     console.log(`docs/images/${name}.png`);
   };
   const page = await open_page(t, browser, platform.url);
-  // People walk, the virtual AIV drives, and the figures of the start are behind.
+  // Persons walk, the virtual AIV drives, and the start no longer affects the metrics.
   await sleep(45_000);
   await shot(page, 'page');
   for (const [key, name, height] of [['1', 'supervision', 560], ['2', 'states', 420], ['3', 'circuit', 860], ['4', 'traces', 640]]) {

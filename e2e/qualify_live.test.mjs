@@ -1,12 +1,12 @@
-// Figures 16 and 17 on a platform that runs: real vehicle processes run the algorithms and are asked over the broker, the
-// plant says where they truly are, and what comes out has the form of any other qualification.
+// Figures 16 and 17 on a running platform: real vehicle processes run the algorithms and receive requests over the
+// broker, the plant supplies the ground truth, and the result has the form of any other qualification.
 import assert from 'node:assert/strict';
 import { existsSync, readFileSync } from 'node:fs';
 import path from 'node:path';
 import { test } from 'node:test';
 import { cosiva, cosiva_binary, eventually, free_port, Platform, Program, work_folder } from './lib/platform.mjs';
 
-/** Words of the platform itself, so that a failure tells why. */
+/** The end of the platform's output, so that a failure shows its reason. */
 const tail = (text) => text.slice(-3000);
 
 test('cosiva compare --live', { timeout: 180_000 }, async (t) => {
@@ -41,7 +41,7 @@ test('cosiva compare --live', { timeout: 180_000 }, async (t) => {
   for (const file of ['report.html', 'result.json', 'runs.csv', 'ground_truth.tum', 'arc_kalman.tum', 'arc_smoother.zip'])
     assert.ok(existsSync(path.join(out, file)), file);
   assert.deepEqual(JSON.parse(readFileSync(path.join(out, 'result.json'), 'utf8')), result);
-  // The ground truth in the file is of the circuit: lacet4 lies within 2 m of its middle.
+  // The ground truth in the file is of the circuit: lacet4 lies within 2 m of its centre.
   const ground_truth = readFileSync(path.join(out, 'ground_truth.tum'), 'utf8').trim().split('\n').map((line) => line.split(' ').map(Number));
   assert.ok(ground_truth.length > 50 && ground_truth.every(([, x, y]) => Math.hypot(x, y) < 2), 'where it was');
 
@@ -56,7 +56,7 @@ test('cosiva compare --live', { timeout: 180_000 }, async (t) => {
   assert.match(elsewhere.stderr, /nobody has said on area\/camera for 2 s where it truly is/);
 });
 
-test('cosiva qualify --live says what is wrong', { timeout: 60_000 }, async (t) => {
+test('cosiva qualify --live reports errors', { timeout: 60_000 }, async (t) => {
   const refused = async (args, pattern) => {
     const said = await cosiva(['qualify', '--live', ...args], { cwd: work_folder(t) });
     assert.equal(said.code, 2, `${args}: ${said.stderr}`);

@@ -1,11 +1,12 @@
-// A live run over MQTT is recorded; replayed in virtual time it gives the very same digest, at -O2 and at -O1 under sanitizers.
+// A live run over MQTT is recorded; replayed in virtual time it gives the same digest, at -O2 and at -O1 under
+// sanitizers.
 import assert from 'node:assert/strict';
 import { existsSync, readFileSync, truncateSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { test } from 'node:test';
 import { cosiva, cosiva_binary, cosiva_json, eventually, free_port, sleep, source_dir, work_folder } from './lib/platform.mjs';
 
-// Every build that is there: their optimisation differs, their digests must not.
+// Every existing build: their optimisation differs, their digests must not.
 const binaries = [...new Set([cosiva_binary(), ...['asan', 'debug', 'release'].map((preset) => path.join(source_dir, `build/${preset}/cosiva`)).filter(existsSync)])];
 
 test('a recorded run replays to the same digest', { timeout: 240_000 }, async (t) => {
@@ -17,7 +18,7 @@ test('a recorded run replays to the same digest', { timeout: 240_000 }, async (t
     { cwd: folder, timeout_ms: 90_000 },
   );
   // A command from outside is an input like any other.
-  await eventually('the platform answers', async () => (await fetch(`http://127.0.0.1:${port}/api/v1/snapshot`)).ok, { within_ms: 12_000 })
+  await eventually('the platform responds', async () => (await fetch(`http://127.0.0.1:${port}/api/v1/snapshot`)).ok, { within_ms: 12_000 })
     .then(() => sleep(4_000))
     .then(() => fetch(`http://127.0.0.1:${port}/api/v1/commands`, { method: 'POST', headers: { 'content-type': 'application/json' }, body: '{"command":"stop","vehicle":"CoSiVA/AIV1"}' }))
     .catch(() => t.diagnostic('headless serves no HTTP here: no command was recorded'));
@@ -42,7 +43,7 @@ test('a recorded run replays to the same digest', { timeout: 240_000 }, async (t
     assert.match(result.stderr, /damaged\.journal/);
   });
 
-  await t.test('and a journal cut short is said to be', async () => {
+  await t.test('and a truncated journal is reported as such', async () => {
     const cut = path.join(folder, 'cut.journal');
     writeFileSync(cut, readFileSync(file));
     truncateSync(cut, readFileSync(file).length - 40);

@@ -1,4 +1,4 @@
-// Many zones on one process, on threads and on MPI's ranks: one result, and one voice.
+// Many zones in one process, on threads and on MPI's ranks: one result, and one output.
 import assert from 'node:assert/strict';
 import { execFile } from 'node:child_process';
 import { writeFileSync } from 'node:fs';
@@ -7,7 +7,7 @@ import { test } from 'node:test';
 import { promisify } from 'node:util';
 import { cosiva_binary, work_folder } from './lib/platform.mjs';
 
-// What the ranks share is a file in TMPDIR, and as root Open MPI wants to be told twice that this is meant.
+// The ranks' common memory is a file in TMPDIR; as root, Open MPI requires two confirmations.
 const environment = { ...process.env, OMPI_ALLOW_RUN_AS_ROOT: '1', OMPI_ALLOW_RUN_AS_ROOT_CONFIRM: '1' };
 const run = async (program, options) => {
   try {
@@ -21,7 +21,7 @@ const binary = cosiva_binary();
 const traffic = ['traffic', '--zones', '2*lacet4,indus8,lacet4', '--aivs', '8', '--jobs-per-hour', '90', '--duration', '600'];
 const on_ranks = (n, options) => run('mpirun', ['--oversubscribe', '-n', String(n), binary, ...options]);
 
-test('any number of ranks and threads gives the digest of one process, and only one of them speaks', async () => {
+test('any number of ranks and threads gives the digest of one process, and only one of them prints', async () => {
   const one = await run(binary, [...traffic, '--json']);
   assert.equal(one.code, 0, one.stderr);
   const expected = JSON.parse(one.stdout);
@@ -33,14 +33,14 @@ test('any number of ranks and threads gives the digest of one process, and only 
   for (const ranks of [2, 4]) {
     const many = await on_ranks(ranks, [...traffic, '--json']);
     assert.equal(many.code, 0, many.stderr);
-    const told = JSON.parse(many.stdout); // two voices would not be one document
+    const told = JSON.parse(many.stdout); // two outputs would not be one document
     assert.equal(told.ranks, ranks);
     assert.equal(told.digest, expected.digest);
     assert.deepEqual(told.site, expected.site);
   }
 });
 
-test('what is wrong with a site is said with file and line, and every rank ends with status 2', async (t) => {
+test('an error in a site is reported with file and line, and every rank ends with status 2', async (t) => {
   const file = path.join(work_folder(t), 'site.toml');
   writeFileSync(file, '[[zone]]\nfile = "lacet4"\n[[zone]]\nfile = "indus8"\n[[passage]]\nfrom = "lacet4/S1"\nto = "indus9"\n');
   for (const tell of [() => run(binary, ['traffic', '--zones', file]), () => on_ranks(2, ['traffic', '--zones', file])]) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the soaks share: runs of the whole platform in virtual time, over many seeds.
+// Common to the soaks: runs of the whole platform in virtual time, over many seeds.
 
 #include <atomic>
 #include <cstdint>
@@ -21,13 +21,13 @@ inline zone::ZoneConfiguration toml_zone(const char* path) {
   return {"toml", path, text.str()};
 }
 
-/// COSIVA_LONG=1: all of it, however long it takes.
+/// COSIVA_LONG=1: the full size, however long it takes.
 inline bool wanted_whole() {
   const char* whole = std::getenv("COSIVA_LONG");
   return whole != nullptr && *whole != '\0';
 }
 
-/// Calls run(i) for each i below `count`, by several threads; which one takes which is left open.
+/// Calls run(i) for each i below `count`, on several threads, in no particular order.
 template <typename Run>
 void each(std::uint64_t count, unsigned workers, const Run& run) {
   std::atomic<std::uint64_t> next{0};

@@ -1,12 +1,12 @@
-// The traffic zone switched again and again while a fleet drives, over many seeds: nobody ever touches anybody, no twin
-// is lost, and who is not parked drives on.
+// The traffic zone is switched repeatedly while a fleet drives, over many seeds: no vehicles ever touch, no twin is
+// lost, and every vehicle that is not off-route drives on.
 //
 //   switch_soak FROM.toml TO.toml [seeds=12] [aivs=12] [switches=10] [loss=0] [first_seed=1] [workers=2]
 //
-// 400 seeds with COSIVA_LONG=1. Each seed is one run of the whole platform in virtual time; a vehicle is told to be
-// slow just before each switch, all are let go after it, and the next one comes 1 to 10 s later, at a moment of the
-// seed's own. A line for each seed that fails, and one for all with a digest of every run; exit 1 when any failed, 2 on
-// bad usage.
+// 400 seeds with COSIVA_LONG=1. Each seed is one run of the whole platform in virtual time; a vehicle is commanded to
+// drive slowly just before each switch, all are restarted after it, and the next one comes 1 to 10 s later, at a time
+// drawn from the seed. A line for each seed that fails, and one for all with a digest of every run; exit 1 when any
+// failed, 2 on bad usage.
 
 #include <chrono>
 #include <cstdio>
@@ -52,7 +52,7 @@ std::string collisions_of(const experiments::World& world) {
   return text;
 }
 
-/// Those that stand when all has had a minute to sort itself out, and are not parked.
+/// The vehicles that are stopped after a minute without further switches, and are not off-route.
 std::string left_stopped(experiments::World& world) {
   world.run_for(60s);
   std::vector<double> before_m;
@@ -63,13 +63,13 @@ std::string left_stopped(experiments::World& world) {
   for (const JsonValue& aiv : *shot->find("aivs")->array()) {
     const auto v = static_cast<std::size_t>(*aiv.number("number")) - 1;
     if (world.plant().vehicles()[v].distance_m - before_m[v] < 1.0 && !aiv.text("offRoute"))
-      text += "\n  " + *aiv.text("id") + " stands, waits for " + aiv.text("waitsFor").value_or("nobody");
+      text += "\n  " + *aiv.text("id") + " is stopped, waits for " + aiv.text("waitsFor").value_or("no vehicle");
   }
   return text;
 }
 
 struct Outcome {
-  std::string wrong;  ///< empty: nothing
+  std::string wrong;  ///< empty: no failure
   std::uint64_t digest{};
 };
 

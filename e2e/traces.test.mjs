@@ -1,5 +1,5 @@
-// Traces of communications on the real platform (A8): everything that is said is listed, can be found, read and saved; what
-// breaks the standard is marked where it does; the article's exchanges are redrawn from what was really said.
+// Traces of communications on the real platform (A8): every message is listed, can be found, read and saved; a
+// violation of the standard is shown where it occurs; the article's exchanges are redrawn from the actual messages.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
@@ -19,7 +19,7 @@ test('the communications are listed, found, read and drawn', { timeout: 180_000 
     await page.getByLabel('Search the communications').fill('');
   };
 
-  await t.test('every message that the server kept is there, from the first on', async () => {
+  await t.test('every message that the server stored is listed, from the first on', async () => {
     await eventually('they are all read', async () => (await count()) >= (await platform.get('traces?after=0&limit=1000')).next - 200, { within_ms: 8_000 });
     await table.focus();
     await page.keyboard.press('Home');
@@ -64,10 +64,10 @@ test('the communications are listed, found, read and drawn', { timeout: 180_000 
       const was = await row_there();
       await eventually('it follows', async () => (await row_there()) !== was, { within_ms: 3_000 });
       const [[first, then]] = await Promise.all([aimed(), sleep(50).then(() => page.mouse.move(...at))]);
-      assert.equal(then, first, 'it holds still while somebody aims');
+      assert.equal(then, first, 'the rows stay in place while the pointer aims');
       await page.mouse.down();
       const pressed = await row_there();
-      await sleep(1_300 * (i % 2)); // some press long
+      await sleep(1_300 * (i % 2)); // some presses are long
       await page.mouse.up();
       assert.equal(await page.getByTestId('trace-detail').getAttribute('aria-label', { timeout: 2_000 }), `Message ${pressed}`);
       await page.getByRole('button', { name: 'Close message' }).click();
@@ -83,7 +83,7 @@ test('the communications are listed, found, read and drawn', { timeout: 180_000 
     await eventually('it follows', async () => (await last()) !== was, { within_ms: 4_000 });
   });
 
-  await t.test('it shows only what one AIV says or hears, only some kinds, only some words', async () => {
+  await t.test('it shows only messages of one AIV, only some kinds, only some terms', async () => {
     await page.getByLabel('Sent or received by').selectOption('CoSiVA/AIV2');
     await eventually('only AIV2', async () => (await cells()).length > 3 && (await cells()).every(([, from, to]) => from === 'CoSiVA/AIV2' || to === 'CoSiVA/AIV2'), { within_ms: 4_000 });
     await page.getByRole('button', { name: /^Kinds/ }).click();
@@ -107,7 +107,7 @@ test('the communications are listed, found, read and drawn', { timeout: 180_000 
     assert.equal(await detail.getByTestId('schema-verdict').getAttribute('data-faults'), '0', await detail.innerText());
     assert.match(await detail.innerText(), /uagv\/v2\/CoSiVA\/AIV1\/state/);
     await detail.getByRole('button', { name: 'Changes', exact: true }).click();
-    await eventually('the changes are told', async () => /\d+ since|none but/.test(await detail.getByTestId('changes').innerText()), { within_ms: 4_000 });
+    await eventually('the changes are listed', async () => /\d+ since|none but/.test(await detail.getByTestId('changes').innerText()), { within_ms: 4_000 });
     await page.keyboard.press('Escape');
     await detail.waitFor({ state: 'detached' });
     await show_all();
@@ -117,7 +117,7 @@ test('the communications are listed, found, read and drawn', { timeout: 180_000 
     const bus = await Bus.open(t, await platform.broker_port(), []);
     const header = { headerId: 1, timestamp: new Date().toISOString(), version: '2.1.0', manufacturer: 'RobotCompany', serialNumber: '009' };
     await bus.publish('uagv/v2/RobotCompany/009/connection', { ...header, connectionState: 'ONLINE' }, { qos: 1 });
-    // All that we read of it is right; what is wrong is a part that we do not need.
+    // All fields that CoSiVA reads are right; the fault is in a part that CoSiVA does not need.
     await bus.publish('uagv/v2/RobotCompany/009/state', {
       ...header, orderId: '', orderUpdateId: 0, lastNodeId: '', lastNodeSequenceId: 0, nodeStates: [], edgeStates: [], driving: false, actionStates: [],
       batteryState: { batteryCharge: 80, charging: false }, operatingMode: 'AUTOMATIC', errors: [], safetyState: { eStop: 'NONE', fieldViolation: false }, loads: [{ weight: 'heavy' }],
@@ -150,7 +150,7 @@ test('the communications are listed, found, read and drawn', { timeout: 180_000 
     await show_all();
   });
 
-  await t.test('figure 8 is redrawn from what was said when the zone came', async () => {
+  await t.test('figure 8 is redrawn from the messages sent when the zone came', async () => {
     await page.getByRole('button', { name: 'Sequence', exact: true }).click();
     await page.getByTestId('figure').selectOption('figure 8');
     const arrows = page.getByTestId('sequence').locator('[data-arrow]');
@@ -172,7 +172,7 @@ test('the communications are listed, found, read and drawn', { timeout: 180_000 
       return all.includes('appear') && all.includes('visualization') && all;
     }, { within_ms: 6_000 });
     assert.equal(kinds[0], 'connection');
-    assert.ok(kinds.indexOf('state') < kinds.indexOf('appear'), 'it has told its state before it gets its mark');
+    assert.ok(kinds.indexOf('state') < kinds.indexOf('appear'), 'it has sent its state before it gets its display number');
     assert.deepEqual(await page.locator('[data-testid=sequence] svg.heads text').allTextContents(), [id, `proxy of ${id}`, 'AIV_Server', 'Simulator']);
     await arrows.first().click();
     await page.getByTestId('schema-verdict').waitFor({ timeout: 5_000 });
@@ -180,7 +180,7 @@ test('the communications are listed, found, read and drawn', { timeout: 180_000 
     await page.keyboard.press('Escape');
   });
 
-  await t.test('figure 11 is redrawn from the latest reports of one AIV, and saved as a picture', async () => {
+  await t.test('figure 11 is redrawn from the latest reports of one AIV, and saved as an image', async () => {
     await page.getByTestId('figure').selectOption('figure 11');
     const arrows = page.getByTestId('sequence').locator('[data-arrow]');
     await eventually('its reports', async () => (await arrows.count()) >= 2, { within_ms: 4_000 });

@@ -1,6 +1,6 @@
-// Two servers on one broker, a area each, over one floor. A vehicle goes from one area to the other and back by `go` alone:
-// it is always in exactly one server's table, but for the moment of one message, and drives by that one's orders. A server
-// that is killed has its vehicles again when it is back.
+// Two servers on one broker, one area each, over one floor. A vehicle goes from one area to the other and back by `go`
+// alone: it is always in exactly one server's table, except for the duration of one message, and drives by that
+// server's orders. A server that is killed has its vehicles again after its restart.
 import assert from 'node:assert/strict';
 import path from 'node:path';
 import { test } from 'node:test';
@@ -35,8 +35,8 @@ class Control area {
   }
 }
 
-/** Looks ten times a second whose each vehicle is. What changes between two questions is no fault: twice means that one
- *  server has it before and after the other is asked. */
+/** Queries ten times a second which server has each vehicle. A change between two queries is not a fault: twice means
+ * that one server has it before and after the query to the other one. */
 class Watch {
   constructor(areas, vehicles) {
     Object.assign(this, { areas, vehicles, looks: 0, twice: [], gaps_ms: [], since: new Map(), stopped: false });
@@ -65,7 +65,7 @@ class Watch {
     while (!this.stopped) {
       const next = Date.now() + 100;
       await this.look();
-      // Who is in no table is looked for at once, to see for how long.
+      // A vehicle that is in no table is queried again at once, to measure for how long.
       if (this.since.size === 0) await sleep(Math.max(0, next - Date.now()));
     }
   }
@@ -111,7 +111,7 @@ test('a vehicle goes from area to area and back, and never loses its twin', { ti
     throw new Error(`${error.message}\n${await tables()}\n${words()}`);
   });
 
-  await in_time('each vehicle is claimed by the area it stands in', async () => (await a.has(traveller)) && (await b.has(local)), { within_ms: 15_000 });
+  await in_time('each vehicle is claimed by the area it is in', async () => (await a.has(traveller)) && (await b.has(local)), { within_ms: 15_000 });
   assert.equal(await b.has(traveller), false);
   assert.equal(await a.has(local), false);
   await in_time('the areas know each other', async () => (await a.snapshot()).area.others.some(({ name, online }) => name === 'b' && online) && (await b.snapshot()).area.others.some(({ name, online }) => name === 'a' && online));
@@ -137,7 +137,7 @@ test('a vehicle goes from area to area and back, and never loses its twin', { ti
     const handed = owners.slice(said).find(({ id }) => id === traveller);
     assert.equal(handed.area, into.name);
     assert.deepEqual(handed.mission, { kind: 'go', name: rack });
-    await in_time(`it stands at ${rack}`, async () => {
+    await in_time(`it is stopped at ${rack}`, async () => {
       const { aivs } = await into.snapshot();
       const { mission } = aivs.find(({ id }) => id === traveller);
       return mission.to === rack && mission.state === 'arrived';
@@ -153,11 +153,11 @@ test('a vehicle goes from area to area and back, and never loses its twin', { ti
   await watch.end();
 
   const longest_ms = Math.max(0, ...watch.gaps_ms.map(({ ms }) => ms));
-  t.diagnostic(`there ${there_ms} ms, back ${back_ms} ms, ${watch.looks} looks, ${watch.gaps_ms.length} gaps, the longest ${longest_ms} ms, ${orders.length} orders`);
+  t.diagnostic(`there ${there_ms} ms, back ${back_ms} ms, ${watch.looks} queries, ${watch.gaps_ms.length} gaps, the longest ${longest_ms} ms, ${orders.length} orders`);
   assert.deepEqual(watch.twice, [], 'no vehicle is ever in both tables');
   assert.ok(longest_ms <= nobodys_ms_max, `in no table for ${longest_ms} ms`);
-  assert.ok(watch.looks > 100, `only ${watch.looks} looks`);
-  // Whose map an order is on tells whose order it is.
+  assert.ok(watch.looks > 100, `only ${watch.looks} queries`);
+  // The map of an order identifies the server that sent it.
   let area = 'a';
   const maps = orders.filter(({ serialNumber }) => serialNumber === 'AIV1').map(({ nodes }) => nodes[0].nodePosition.mapId);
   const changes = maps.filter((map, i) => i > 0 && map !== maps[i - 1]);
@@ -176,19 +176,19 @@ test('a vehicle goes from area to area and back, and never loses its twin', { ti
     const { aivs } = await b.snapshot();
     return aivs.length === 1 && aivs[0].id === local && aivs[0].connection === 'ONLINE';
   }, { within_ms: 10_000 });
-  assert.equal(await a.has(local), false, 'nobody took it meanwhile');
+  assert.equal(await a.has(local), false, 'no server took it meanwhile');
 
-  // The zone that the emulated world serves is not the one that its state_file is of.
+  // The zone that the emulated world serves is not the one that its state_file belongs to.
   await in_time('AIV2 is far from where it started', () => ground_truth.vehicle(2).y > -0.35, { within_ms: 25_000 });
   process.kill(ones[1].pid, 'SIGKILL');
   await in_time('AIV2 is gone', () => ones[1].gone);
   await ground_truth.stands(2, 3_000);
   const said = said_by_local.length;
   start_aiv(2);
-  await in_time('it says again where it is', () => said_by_local.length > said + 10);
+  await in_time('it reports its position again', () => said_by_local.length > said + 10);
   for (const { place, body } of said_by_local.slice(said)) {
     const off_m = Math.hypot(place.x - body.x, place.y - body.y);
-    assert.ok(off_m < 0.2, `it says that it is ${off_m} m from where it is: ${JSON.stringify(place)}`);
+    assert.ok(off_m < 0.2, `its reported position is ${off_m} m off: ${JSON.stringify(place)}`);
   }
   const driven = ground_truth.vehicle(2).distance;
   await in_time('it drives on', () => ground_truth.vehicle(2).distance > driven + 0.5, { within_ms: 15_000 });

@@ -1,5 +1,5 @@
-// Two pages on one platform show the same; when the server is killed both say so, recover by themselves, and what was added
-// and set is still there.
+// Two pages on one platform show the same; when the server is killed both report it, recover by themselves, and added
+// objects and settings are still there.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { open_browser } from './lib/browser.mjs';
@@ -7,7 +7,7 @@ import { Truth } from './lib/bus.mjs';
 import { aiv_row, open_operator, press_map, row } from './lib/page.mjs';
 import { eventually, Platform } from './lib/platform.mjs';
 
-test('two pages stay in step, and outlive their server', { timeout: 180_000 }, async (t) => {
+test('two pages stay synchronised, and survive a restart of their server', { timeout: 180_000 }, async (t) => {
   const platform = await Platform.up(t, { aivs: 3 });
   const ground_truth = await Truth.follow(t, await platform.broker_port());
   const browser = await open_browser(t);
@@ -50,9 +50,9 @@ test('two pages stay in step, and outlive their server', { timeout: 180_000 }, a
   });
 
   const before = await virtualObjects();
-  await t.test('both say that the server is gone', async () => {
+  await t.test('both report that the server is gone', async () => {
     assert.equal(before.length, 2);
-    // Frozen, its supervisor cannot start it again before the pages have looked.
+    // Frozen, its supervisor cannot restart it before the pages have shown the loss.
     await platform.without_supervisor(async () => {
       await platform.kill_child(/server/i);
       for (const page of [one, other]) {
@@ -60,7 +60,7 @@ test('two pages stay in step, and outlive their server', { timeout: 180_000 }, a
         assert.match(await page.getByTestId('banner').innerText(), /No connection to the server|server is silent/);
       }
       await one.getByRole('button', { name: 'Stop AIV1', exact: true }).click();
-      const said = await eventually('the page says that nothing was sent', async () => (await one.getByTestId('notice').allInnerTexts()).find((text) => /AIV1|server/.test(text)), { within_ms: 5_000 });
+      const said = await eventually('the page reports that nothing was sent', async () => (await one.getByTestId('notice').allInnerTexts()).find((text) => /AIV1|server/.test(text)), { within_ms: 5_000 });
       assert.match(said, /server does not answer|not sent/i);
     });
   });
@@ -78,7 +78,7 @@ test('two pages stay in step, and outlive their server', { timeout: 180_000 }, a
     for (const number of [1, 2, 3]) await ground_truth.moves(number, 40_000);
   });
 
-  await t.test('the traces say that the server started anew', async () => {
+  await t.test('the traces show that the server started anew', async () => {
     await one.keyboard.press('Escape');
     await one.keyboard.press('4');
     await one.getByLabel('Search the communications').fill('nobody says this');

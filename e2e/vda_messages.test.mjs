@@ -1,4 +1,4 @@
-// Every VDA 5050 message on the bus during a run, judged by the official schemas.
+// Every VDA 5050 message on the bus during a run, validated with the official schemas.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { writeFileSync } from 'node:fs';

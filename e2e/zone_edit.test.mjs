@@ -33,11 +33,11 @@ test('tags and beacons are edited on the page', { timeout: 240_000 }, async (t) 
     const renamed = await eventually('tag 77 is there', () => tag(77), { within_ms: 4_000 });
     assert.ok(Math.hypot(renamed.x - old.x, renamed.y - old.y) < 1e-6);
     assert.equal(await tag(1), undefined);
-    const aiv = await eventually('somebody passes it', async () => (await platform.snapshot()).aivs.find((one) => one.lastTag === 77), { within_ms: 40_000, every_ms: 50 });
+    const aiv = await eventually('a vehicle passes it', async () => (await platform.snapshot()).aivs.find((one) => one.lastTag === 77), { within_ms: 40_000, every_ms: 50 });
     assert.ok(aiv.section === renamed.section || aiv.sinceTag_m < 0.5, `at ${aiv.section} ${aiv.s}`);
   });
 
-  await t.test('a tag dragged on the map is felt at its new place, and rectifies there', async () => {
+  await t.test('a tag dragged on the map is read at its new position, and rectifies there', async () => {
     const old = await tag(6);
     const wanted = place(old.section, old.s + (old.s > 1 ? -0.3 : 0.3));
     const from = await pixel_of(page, platform, old.x, old.y);
@@ -52,8 +52,8 @@ test('tags and beacons are edited on the page', { timeout: 240_000 }, async (t) 
       return Math.abs(now.s - old.s) > 0.2 && now;
     }, { within_ms: 4_000 });
     assert.ok(Math.hypot(moved.x - wanted.x, moved.y - wanted.y) < 0.03, `tag 6 at ${moved.x}, ${moved.y} instead of ${wanted.x}, ${wanted.y}`);
-    const aiv = await eventually('somebody has just passed it', async () => (await platform.snapshot()).aivs.find((one) => one.lastTag === 6 && one.sinceTag_m < 0.2 && one.speed > 0.1), { within_ms: 60_000, every_ms: 30 });
-    // It says how far behind the tag is: with the tag's new place that is where it really is.
+    const aiv = await eventually('a vehicle has just passed it', async () => (await platform.snapshot()).aivs.find((one) => one.lastTag === 6 && one.sinceTag_m < 0.2 && one.speed > 0.1), { within_ms: 60_000, every_ms: 30 });
+    // The vehicle reports how far behind the tag is: with the tag's new position that gives its actual position.
     const estimated = place(moved.section, moved.s + aiv.sinceTag_m);
     const really = ground_truth.vehicle(aiv.number);
     assert.ok(Math.hypot(estimated.x - really.x, estimated.y - really.y) < 0.12, `estimated ${estimated.x}, ${estimated.y}; really ${really.x}, ${really.y}`);
@@ -102,7 +102,7 @@ test('tags and beacons are edited on the page', { timeout: 240_000 }, async (t) 
   });
 
   await t.test('it is saved with the zone, in its own file, and that file holds', async () => {
-    assert.equal(readFileSync(file, 'utf8'), original, 'nothing is written before it is asked for');
+    assert.equal(readFileSync(file, 'utf8'), original, 'nothing is written before it is requested');
     await page.waitForSelector('[data-testid=unsaved]', { timeout: 4_000 });
     await page.getByTestId('save-zone').click();
     await page.waitForSelector('[data-testid=unsaved]', { state: 'detached', timeout: 4_000 });

@@ -1,4 +1,4 @@
-// Every zone file at hand, of every format: checked, drawn, and the drawings kept to be looked at.
+// Every zone file in the repository, of every format: checked and drawn, with the drawings stored for inspection.
 import assert from 'node:assert/strict';
 import { mkdirSync, readdirSync, readFileSync } from 'node:fs';
 import path from 'node:path';
@@ -19,7 +19,7 @@ const files = folders.flatMap((folder) =>
     .map((name) => path.join(folder, name)),
 );
 
-test('there are all files of the standards\' samples', () => {
+test('all files of the standards\' samples exist', () => {
   assert.equal(files.filter((file) => file.includes('lif/testdata') && !file.includes('written') && file.endsWith('.lif.json')).length, 22);
   assert.equal(files.filter((file) => file.includes('opendrive/testdata')).length, 9);
 });

@@ -1,5 +1,6 @@
-// The operator switches the zone on the page: what it means is said before, what became of it after, and the map follows.
-// A zone that cannot be used changes nothing and says why. Sections are closed, and vehicles are sent to stations.
+// The operator switches the zone on the page: the consequences are shown before, the result after, and the map
+// follows. A zone that cannot be used changes nothing, and the reason is shown. Sections are closed, and vehicles are
+// sent to stations.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { open_browser } from './lib/browser.mjs';
@@ -22,16 +23,16 @@ test('the zone is switched on the page', { timeout: 240_000 }, async (t) => {
     const { stations } = await platform.get('zone');
     const dock = stations.find((one) => one.name === 'dock');
     await page.locator('[data-aiv="CoSiVA/AIV1"]').first().click();
-    await eventually('nobody stands on it, and its menu opens', async () => {
+    await eventually('no vehicle is on it, and its menu opens', async () => {
       const at = await pixel_of(page, platform, dock.x, dock.y);
       await page.mouse.click(at.x, at.y);
       return page.getByRole('menuitem', { name: /^Send AIV\d here$/ }).first().isVisible();
     }, { within_ms: 30_000, every_ms: 700 });
     await page.getByRole('menuitem', { name: /^Send AIV\d here$/ }).first().click();
-    await eventually('somebody is sent', async () => (await platform.snapshot()).aivs.some((one) => one.mission.kind === 'go' && one.mission.to === 'dock'), { within_ms: 5_000 });
+    await eventually('a vehicle is sent', async () => (await platform.snapshot()).aivs.some((one) => one.mission.kind === 'go' && one.mission.to === 'dock'), { within_ms: 5_000 });
   });
 
-  await t.test('it says what a switch means, and then what became of it', async () => {
+  await t.test('the consequences of a switch are shown, and then its result', async () => {
     await page.getByTestId('zone-chooser').click();
     await page.getByTestId('zone-switch-lacet4').click();
     await page.getByTestId('zone-confirm').getByText('4 AIVs stop').waitFor();
@@ -64,7 +65,7 @@ test('the zone is switched on the page', { timeout: 240_000 }, async (t) => {
     const at = await pixel_of(page, platform, x, y);
     await page.mouse.click(at.x, at.y);
     await eventually('it is closed', async () => (await zone_state()).closed.includes('loop_ne'), { within_ms: 4_000 });
-    await page.waitForTimeout(500); // the page has heard of it
+    await page.waitForTimeout(500); // the page has received it
     await page.mouse.click(at.x, at.y);
     await eventually('it is open', async () => !(await zone_state()).closed.includes('loop_ne'), { within_ms: 4_000 });
     await page.keyboard.press('Escape');

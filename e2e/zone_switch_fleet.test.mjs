@@ -1,6 +1,6 @@
-// Twelve AIVs over MQTT, their zone switched ten times while they drive: nobody restarts, nothing is lost, nothing touches.
-// COSIVA_LONG=1 spreads the ten switches over five minutes. The server keeps its last 20 000 traces, so its state_file is flat only
-// once they are there, which takes half of that; the short run has a bound instead.
+// Twelve AIVs over MQTT, their zone switched ten times while they drive: no program restarts, nothing is lost, nothing
+// touches. COSIVA_LONG=1 spreads the ten switches over five minutes. The server stores its last 20 000 traces, so its
+// memory use is constant only once they are there, which takes half of that; the short run has a bound instead.
 import assert from 'node:assert/strict';
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
@@ -17,19 +17,20 @@ function resident_mb(pid) {
   return Number(line.match(/\d+/)[0]) / 1024;
 }
 
-// Further than this from every way of a zone a vehicle is off-route there; estimated and true place differ by less than the other.
+// Further than this from every section of a zone a vehicle is off-route there; estimated and true position differ by
+// less than the other.
 const anchor_within_m = 0.3;
 const belief_m = 0.05;
 
-/** The ways of the zone in force, as polylines. */
+/** The sections of the zone in force, as polylines. */
 async function ways_in_force(platform) {
   const { primitives } = await platform.get('zone');
   const ways = primitives.filter(({ shape, layer }) => shape === 'polyline' && layer === 'road').map(({ points }) => points);
-  assert.ok(ways.length > 0, 'the zone has ways');
+  assert.ok(ways.length > 0, 'the zone has sections');
   return ways;
 }
 
-/** From a place to the nearest of the ways [m]. */
+/** Distance from a position to the nearest of the polylines [m]. */
 function off_by_m({ x, y }, ways) {
   let nearest_m = Infinity;
   for (const points of ways) {
@@ -61,7 +62,7 @@ test('twelve AIVs circulate, and their zone is switched ten times', { timeout: 5
   let commands = 0;
   for (let i = 0; i < switches; ++i) {
     const to = i % 2 === 0 ? 'indus8' : 'lacet4';
-    // A command on its way while the zone is switched must still be followed.
+    // A command in transit while the zone is switched must still be executed.
     const slow = platform.command('slow', `CoSiVA/AIV${1 + (i % aivs)}`);
     const done = await cosiva(['zone', 'switch', zone_file(to), '--url', platform.url]);
     assert.equal(done.code, 0, `${done.stdout}${done.stderr}`);
@@ -91,7 +92,7 @@ test('twelve AIVs circulate, and their zone is switched ten times', { timeout: 5
     assert.equal(ground_truth.collisions, 0, `after switch ${i + 1}`);
   }
 
-  // Whoever stands beside the new line turns and rolls over to it first, one after the other where ways meet.
+  // A vehicle off the new path turns and drives onto it first, one after the other where paths meet.
   const drove_on = new Set();
   let seen = [];
   const half = eventually('half of them drive on', async () => {
@@ -104,7 +105,7 @@ test('twelve AIVs circulate, and their zone is switched ten times', { timeout: 5
     throw new Error(`${error.message}; only ${[...drove_on]}; ${seen.map(words).join('\n')}`);
   });
 
-  assert.deepEqual(children(), family, 'nobody was restarted');
+  assert.deepEqual(children(), family, 'no program was restarted');
   const { aivs: last } = await platform.snapshot();
   const offRoute = last.filter((aiv) => aiv.offRoute).map(({ id, offRoute: why }) => `${id} ${why}`);
   await ground_truth.next();
@@ -119,16 +120,17 @@ test('twelve AIVs circulate, and their zone is switched ten times', { timeout: 5
   writeFileSync(path.join(artefacts_dir, 'zone_switch_fleet.json'), JSON.stringify(report, null, 1));
   t.diagnostic(JSON.stringify(report));
   assert.equal(commands, switches);
-  // A fifth of indus8 (4.3 of 23.7 m) is further from lacet4 than a vehicle is snapped. How many of them drive there when the
-  // last switch comes is chance, and each of them is off-route on the way of indus8, as it must be. Nobody else may be, but for
-  // a few that were still on their way onto that line.
+  // A fifth of indus8 (4.3 of 23.7 m) is further from lacet4 than a vehicle is snapped. The number of vehicles there
+  // at the last switch is random, and each of them is off-route on indus8, as it must be. No other vehicle may be,
+  // except for a few that were still driving onto that path.
   const parked_within = places.filter(({ why, off_new_m }) => why && off_new_m < anchor_within_m - belief_m);
-  assert.deepEqual(parked_within, [], `offRoute within reach of the new ways: ${words(parked_within)}`);
+  assert.deepEqual(parked_within, [], `offRoute within reach of the new sections: ${words(parked_within)}`);
   const unnamed = places.filter(({ why, off_new_m }) => !why && off_new_m > anchor_within_m + belief_m);
   assert.deepEqual(unnamed, [], `out of reach, and not named as offRoute: ${words(unnamed)}`);
   const strayed = places.filter(({ why, off_old_m }) => why && off_old_m > belief_m);
-  assert.ok(strayed.length <= aivs / 4, `too many are offRoute beside both zones' ways: ${words(strayed)}`);
-  // Who is not off-route drives on, after every switch. Vehicles beside the line may block each other: then this says who.
+  assert.ok(strayed.length <= aivs / 4, `too many are offRoute off both zones' sections: ${words(strayed)}`);
+  // A vehicle that is not off-route drives on, after every switch. Vehicles off the path may block each other: the
+  // message names them.
   if (process.env.COSIVA_LONG) driving.forEach((number, i) => assert.ok(number + parked_after[i] >= aivs, `after switch ${i + 1}: ${waiting[i]}`));
   for (const ms of first_moving_ms) assert.ok(ms < 1_000, `a twin moved on the new circuit only after ${ms} ms (${first_moving_ms})`);
   assert.ok(memory_mb.at(-1) < 64, `the server grows: ${memory_mb}`);

@@ -1,11 +1,11 @@
-// An AIV drives every section of a zone that can be reached, in virtual time, sent from one to the next by the server.
+// An AIV drives every reachable section of a zone, in virtual time, sent from one to the next by the server.
 //
 //   zone_tour [--speed M_PER_S] FILE...
 //
-// The files may be of any format; `<name>.zone.toml` beside one is its sidecar file. Of parallel sections without a
+// The files may be of any format; `<name>.zone.toml` next to one is its sidecar file. Of parallel sections without a
 // waypoint of their own, the others are closed. Where a start does not lead everywhere, the tour begins anew before a
-// section not seen yet, until that brings nothing new. Prints a line per file, with a digest of its runs; exit 1 when a
-// section was not driven although a way leads to it, or bodies touched; 2 on a file that cannot be read.
+// section not driven yet, until that brings nothing new. Prints a line per file, with a digest of its runs; exit 1 when
+// a section was not driven although a route leads to it, or bodies touched; 2 on a file that cannot be read.
 
 #include <algorithm>
 #include <cstdio>
@@ -48,7 +48,7 @@ Result<zone::ZoneConfiguration> load(const std::string& file) {
   return configuration;
 }
 
-/// One vehicle on its way over one zone.
+/// One vehicle that drives over one zone.
 class Tour {
  public:
   Tour(const zone::ZoneConfiguration& configuration, const zone::TrafficZone& zone, std::vector<bool>& driven)
@@ -68,7 +68,7 @@ class Tour {
       failure_ = to_string(made.error());
   }
 
-  /// Drives until no way leads to a section that is not driven yet.
+  /// Drives until no route leads to a section that is not driven yet.
   void run() {
     if (!world_) return;
     sample();
@@ -90,7 +90,7 @@ class Tour {
     std::string waypoint;
     zone::SectionId section;
     double length_m;
-    std::vector<zone::SectionId> rivals;  ///< lead there, too, and are closed meanwhile
+    std::vector<zone::SectionId> rivals;  ///< lead there as well, and are closed meanwhile
   };
 
   void sample() {
@@ -98,7 +98,7 @@ class Tour {
     if (!position) return;
     if (begun_) {
       const auto route = zone_.circuit.shortest_route(here_, *position, 1.0);
-      // Driven is what it has left at its end, or come to the last waypoint of.
+      // A section counts as driven when the vehicle has left it at its end, or has reached its last waypoint.
       if (route)
         for (const zone::SectionId id : route->sections) driven_[id] = driven_[id] || id != position->section;
     }
@@ -117,7 +117,7 @@ class Tour {
     if (!world_->plant().collisions().empty()) failure_ = "it collided";
   }
 
-  /// Where to be sent so as to drive the nearest section that is not driven yet.
+  /// The waypoint to be sent to so as to drive the nearest section that is not driven yet.
   [[nodiscard]] std::optional<Goal> next_goal() const {
     std::optional<Goal> best;
     for (zone::SectionId id = 0; id < zone_.circuit.size(); ++id) {
@@ -129,8 +129,8 @@ class Tour {
     return best;
   }
 
-  /// The section's own last waypoint; where it has none, or stands there, the first one that the section leads to, and
-  /// no other way.
+  /// The section's own last waypoint; where the section has none, or the vehicle is stopped there, the first one that
+  /// only this section leads to.
   [[nodiscard]] std::optional<Goal> goal_for(zone::SectionId id, double length_m) const {
     const zone::Waypoint* own = nullptr;
     for (const zone::Waypoint& waypoint : zone_.waypoints)
@@ -159,7 +159,7 @@ class Tour {
     return goal;
   }
 
-  /// Whatever else leads onto a section.
+  /// Adds the other sections that lead onto a section.
   void add_rivals(zone::SectionId id, zone::SectionId onto, std::vector<zone::SectionId>& rivals) const {
     for (const zone::SectionId before : zone_.circuit.previous(onto))
       if (before != id && std::find(rivals.begin(), rivals.end(), before) == rivals.end()) rivals.push_back(before);
@@ -175,7 +175,7 @@ class Tour {
     std::string to;
     std::string state;
   };
-  /// Empty while the server has not heard of it.
+  /// Empty while the server has not received it.
   [[nodiscard]] Mission mission() const {
     const auto snapshot = JsonValue::parse(world_->server().snapshot_json(), std::size_t{1} << 26U);
     const JsonValue* aivs = snapshot ? snapshot->find("aivs") : nullptr;
@@ -187,7 +187,7 @@ class Tour {
 
   void drive_to(const Goal& goal) {
     for (const zone::SectionId rival : goal.rivals) command("close", "section", zone_.circuit.part(rival).name);
-    // Sent off as soon as it is heard of: left to itself it roams, maybe into a dead end.
+    // Sent as soon as the server knows the vehicle: on its own it roams, maybe into a dead end.
     for (int tries = 0; tries < 2000 && mission().to != goal.waypoint; ++tries) {
       command("go", "to", goal.waypoint);
       run_for(5ms);
@@ -197,7 +197,7 @@ class Tour {
     if (!driven_[goal.section]) tried_.push_back(goal.section);
   }
 
-  /// Arrived there, or on its way into a dead end already: then another start will lead there.
+  /// Waits until the vehicle has arrived, or already drives into a dead end: then another start will lead there.
   void await(const Goal& goal) {
     const double timeout_s = 60.0 + goal.length_m / 0.1;
     for (double waited_s = 0.0; failure_.empty(); waited_s += 0.5) {
@@ -217,8 +217,8 @@ class Tour {
   const zone::TrafficZone& zone_;
   zone::Router router_;
   std::vector<bool>& driven_;
-  std::vector<double> last_m_;          ///< of each section: its last waypoint's place
-  std::vector<zone::SectionId> tried_;  ///< in vain, once for each time
+  std::vector<double> last_m_;          ///< of each section: its last waypoint's position
+  std::vector<zone::SectionId> tried_;  ///< without success, once for each attempt
   std::unique_ptr<experiments::World> world_;
   zone::TrackPosition here_;
   bool begun_{false};
@@ -226,7 +226,7 @@ class Tour {
   std::string failure_;
 };
 
-/// Text that is the first start of an emulated fleet and, where nothing is said of them, faster profiles.
+/// Adds the first start of an emulated fleet and, where the text has no profiles, faster ones.
 std::string with_start(std::string text, const std::string& section, double speed_mps) {
   if (text.find("[profiles") == std::string::npos) {
     const std::string speed = std::to_string(speed_mps);
@@ -246,7 +246,7 @@ zone::ZoneConfiguration beginning_at(zone::ZoneConfiguration configuration, cons
   return configuration;
 }
 
-/// What to drive next: a section that none leads to which is not done either; else the first.
+/// The next section to drive: one that no unfinished section leads to; else the first.
 std::optional<zone::SectionId> next_wanted(const zone::Circuit& circuit, const std::vector<bool>& done) {
   std::optional<zone::SectionId> first;
   for (zone::SectionId id = 0; id < circuit.size(); ++id) {
@@ -263,7 +263,7 @@ struct Beginning {
   zone::Rtm rtm;
 };
 
-/// At the section's start, or of the nearest before it at whose start a vehicle may stand.
+/// At the section's start, or at that of the nearest section before it where a vehicle may be stopped.
 std::optional<Beginning> beginning_before(const zone::Circuit& circuit, const zone::ZoneConfiguration& configuration,
                                           zone::SectionId wanted, double speed_mps) {
   std::vector<zone::SectionId> positions{wanted};
@@ -298,13 +298,13 @@ int tour(const std::string& file, double speed_mps) {
     const auto beginning = beginning_before(circuit, *configuration, *wanted, speed_mps);
     const auto before = std::count(driven.begin(), driven.end(), true);
     if (!beginning) {
-      done[*wanted] = true;  // given up
+      done[*wanted] = true;  // abandoned
       continue;
     }
     ++starts;
     Tour one{beginning->configuration, beginning->rtm.zone(), driven};
     one.run();
-    // On the way there it may have found others, and a dead end behind them.
+    // On its route the vehicle may have found others, and a dead end behind them.
     done[*wanted] = std::count(driven.begin(), driven.end(), true) == before;
     failure = one.failure();
     virtual_s += one.virtual_s();

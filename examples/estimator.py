@@ -1,17 +1,18 @@
 #!/usr/bin/env python3
-"""A position estimator as a program of its own: one JSON line per input on standard input, one answer per estimate.
+"""A position estimator as an external program: one JSON line per input on standard input, one response per estimate.
 
     cosiva compare arc_kalman --external "mine=python3 examples/estimator.py"
 
-It rolls along with odometry, and moves a fixed share of the way to where each reading puts it: a filter with a constant
-gain, which needs no matrices and is not far from the best one when that share is chosen well.
+The position is integrated from odometry, and each reading moves it by a fixed ratio of the distance to the position that
+the reading gives: a filter with a constant gain, which needs no matrices and is close to the best one when that ratio is
+chosen well.
 """
 
 import json
 import math
 import sys
 
-GAIN = 0.6  # share of what a reading says; near 1 it is the article's reset rule
+GAIN = 0.6  # weight of a reading; near 1 it is the article's reset rule
 
 
 class Estimator:
@@ -33,7 +34,7 @@ class Estimator:
         self.variance += self.sensors["distance_variance_per_m"] * abs(step["distance_m"])
 
     def reading(self, reading):
-        # Where the mark lies for us, against where it was surveyed.
+        # The estimated position of the fiducial, compared with the surveyed one.
         c, s = math.cos(self.heading), math.sin(self.heading)
         x = self.x + c * reading["ahead_m"] - s * reading["left_m"]
         y = self.y + s * reading["ahead_m"] + c * reading["left_m"]
@@ -42,7 +43,7 @@ class Estimator:
         self.variance = (1 - GAIN) ** 2 * self.variance + GAIN**2 * self.sensors["fiducial_along_sigma_m"] ** 2
 
     def range(self, _):
-        pass  # it hears of stations, and makes nothing of it
+        pass  # ranges to stations are not used
 
     def estimate(self, _):
         v, h = self.variance, 0.01

@@ -1,5 +1,4 @@
-// A position estimator of one's own: derive from Algorithm, register it by name, qualify it against those that are
-// there.
+// A custom position estimator: derive from Algorithm, register it by name, qualify it against the existing ones.
 #include <cstdio>
 #include <memory>
 
@@ -15,7 +14,7 @@ using namespace cosiva;
 using estimation::Algorithm;
 using estimation::Setting;
 
-/// Goes half-way to where a reading puts it.
+/// Moves by half of the distance to the position that a reading gives.
 class Halfway final : public Algorithm {
  public:
   explicit Halfway(const Setting& setting)
@@ -26,7 +25,7 @@ class Halfway final : public Algorithm {
     variance_m2_ += sensors_.distance_variance_per_m * odometry.distance_m;
   }
   estimation::Rectified rectify(const estimation::Reading& reading) override {
-    const Point2 fiducial_M = pose_ * reading.detected_B;  // where we have it
+    const Point2 fiducial_M = pose_ * reading.detected_B;  // its estimated position
     pose_.x_m += 0.5 * (reading.fiducial_M.x_m - fiducial_M.x_m);
     pose_.y_m += 0.5 * (reading.fiducial_M.y_m - fiducial_M.y_m);
     variance_m2_ = 0.25 * (variance_m2_ + sensors_.fiducial_along_sigma_m * sensors_.fiducial_along_sigma_m);
@@ -43,7 +42,7 @@ class Halfway final : public Algorithm {
   estimation::SensorModel sensors_;
 };
 
-/// A circle of 2 m to drive on.
+/// A circular loop, 2 m in radius.
 std::shared_ptr<const estimation::Track> circle() {
   auto section = zone::Section::make({0.0, -2.0, 0.0}, 4.0 * pi, 0.5);
   std::vector<zone::Circuit::Part> parts{{"round", std::move(*section), std::nullopt, {0}}};
@@ -56,7 +55,7 @@ std::shared_ptr<const estimation::Track> circle() {
 
 int main() {
   estimation::Registry registry;
-  const auto added = registry.add({"half_way", "goes half-way to every reading", false, false,
+  const auto added = registry.add({"half_way", "moves by half of the distance to every reading", false, false,
                                    [](const Setting& setting) { return std::make_unique<Halfway>(setting); }});
   if (!added) return 1;
 

@@ -14,7 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     COSIVA_EXPECT(type.error().location.starts_with("fuzz.json"));
     return 0;
   }
-  // What is accepted reads back the same, and makes a pack that no load breaks.
+  // An accepted type reads back the same, and makes a pack that withstands any load.
   COSIVA_EXPECT(battery::read_type(battery::to_json(*type), "again") == type);
   battery::Pack pack{std::make_shared<battery::CellTable>(*type), {2, 2, 1.0}, {"B", 1, true, 3.0}};
   for (const double power_w : {0.0, 1.0, 1e6, -1.0, 10.0}) {

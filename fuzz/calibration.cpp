@@ -8,7 +8,7 @@
 #include "cosiva/physical/vision/image.h"
 #include "target.h"
 
-/// Everything that the vision system reads: points, poses, boards, calibration files, pictures.
+/// Every input of the vision system: points, poses, boards, calibration files, images.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cosiva;
   using namespace cosiva::vision;
@@ -18,7 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     COSIVA_EXPECT(points.error().code == "gvs.points" && points.error().location.starts_with("fuzz"));
   } else {
     COSIVA_EXPECT(read_points(write_points(*points), "again") == points);
-    // What can be read may be no floor, and says so.
+    // Valid points may not fit a floor, and are then refused with a code.
     const auto map = fit_floor(*points, {2048, 2048}, {FloorModel::homography, 5});
     if (!map) COSIVA_EXPECT(map.error().code == "gvs.points" || map.error().code == "gvs.fit");
     if (map)

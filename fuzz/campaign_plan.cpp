@@ -1,4 +1,4 @@
-// The plan of a campaign, as its user writes it. What is read must be a grid that fits.
+// The plan of a campaign, as its user writes it. An accepted plan must be a grid within the limits.
 #include <algorithm>
 #include <cmath>
 

@@ -1,5 +1,5 @@
-// What a killed campaign left behind: as it is, behind a header, and as a line with the digest that it should have, so
-// that damage which no digest shows is met, too.
+// The state file of a killed campaign: unchanged, behind a header, and as a line with a valid digest, so that damage
+// that no digest shows is covered, too.
 #include <array>
 #include <memory>
 #include <string>
@@ -12,7 +12,7 @@ namespace {
 
 using namespace cosiva;
 
-/// A short straight; nothing is driven on it.
+/// A short straight; no run is driven on it.
 const experiments::CampaignWork& work() {
   static const experiments::CampaignWork one = [] {
     auto section = zone::Section::make({0.0, 0.0, 0.0}, 10.0);

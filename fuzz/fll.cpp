@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     COSIVA_EXPECT(base.error().location.starts_with("fuzz.fll"));
     return 0;
   }
-  // What was read can be asked, alone and together, and says why.
+  // An accepted rule base can be evaluated, singly and in batches, and explains its result.
   const fuzzy::Engine& engine = base->engine();
   std::vector<double> question;
   for (const fuzzy::Variable& input : engine.inputs)

@@ -11,7 +11,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     COSIVA_EXPECT(reader.error().code == "journal.magic");
     return 0;
   }
-  // Whatever is read, written again, is what stood there.
+  // The records read, written again, equal the input.
   std::string written;
   journal::Writer writer{[&](std::string_view piece) { written += piece; }};
   for (;;) {

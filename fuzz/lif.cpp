@@ -1,4 +1,4 @@
-// The reader of LIF files, and what our writer makes of what it reads: that must be readable again.
+// The reader of LIF files, and the writer's output for the zones read: that must be readable again.
 #include "cosiva/zone/lif/lif_factory.h"
 #include "target.h"
 

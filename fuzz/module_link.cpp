@@ -12,7 +12,7 @@ namespace link = cosiva::wire::module_link;
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view bytes = cosiva::fuzz::as_text(data, size);
 
-  // However the stream is cut into pieces, the same messages come out.
+  // The messages do not depend on how the stream is cut into pieces.
   std::vector<BoardMessage> whole;
   std::vector<BoardMessage> pieces;
   link::Decoder one;
@@ -25,7 +25,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   COSIVA_EXPECT(one.counters().frames_good == two.counters().frames_good);
   COSIVA_EXPECT(one.counters().frames_bad == two.counters().frames_bad);
 
-  // What was understood can be said again.
+  // Every decoded message can be encoded again.
   for (const BoardMessage& message : whole) {
     std::string frame = link::encode(message, 7);
     COSIVA_EXPECT(frame.size() <= link::frame_bytes_max && frame.back() == '\0');

@@ -10,9 +10,9 @@
 
 #include "cosiva/base/random.h"
 
-/// Hostile inputs made from good ones, the same for the same seed on every machine. Half of the changes know JSON and
-/// TOML (they replace whole values), half know nothing (they damage bytes), so that both the reader's grammar and what
-/// stands behind it are reached.
+/// Hostile inputs made from good ones, the same for the same seed on every machine. Half of the changes follow the
+/// syntax of JSON and TOML (they replace whole values), half damage arbitrary bytes, so that both the reader's grammar
+/// and the code behind it are reached.
 namespace cosiva::fuzz {
 
 namespace detail {
@@ -76,7 +76,7 @@ inline constexpr std::array<std::string_view, 20> tokens{"{",
 
 inline std::size_t below(Random& random, std::size_t bound) { return static_cast<std::size_t>(random.below(bound)); }
 
-/// Replaces one value, as JSON or TOML would see it: what follows a ':', '=', ',' or '[' up to the next separator.
+/// Replaces one value of JSON or TOML: the text between a ':', '=', ',' or '[' and the next separator.
 inline void replace_value(Random& random, std::string& text) {
   const std::size_t start = text.find_first_of(":=,[", below(random, text.size()));
   if (start == std::string::npos) return;
@@ -121,7 +121,7 @@ inline void damage_bytes(Random& random, std::string& text) {
 
 }  // namespace detail
 
-/// Changes `text` in one to four places. `corpus` must not be empty; the result has at most `bytes_max` bytes.
+/// Changes `text` at one to four locations. `corpus` must not be empty; the result has at most `bytes_max` bytes.
 inline void mutate(Random& random, std::string& text, std::span<const std::string> corpus, std::size_t bytes_max) {
   for (auto left = 1 + random.below(4); left > 0; --left) {
     const auto choice = random.below(8);
@@ -135,7 +135,7 @@ inline void mutate(Random& random, std::string& text, std::span<const std::strin
       detail::damage_bytes(random, text);
     }
   }
-  // Now and then deep or long: the bounds are code too.
+  // Occasionally a deep or long input: the bounds must be tested too.
   if (random.chance(0.002))
     text.insert(detail::below(random, text.size() + 1), std::string(10'000, random.chance(0.5) ? '[' : '9'));
   if (text.size() > bytes_max) text.resize(bytes_max);

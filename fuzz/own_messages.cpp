@@ -8,7 +8,7 @@
 
 namespace {
 
-/// A refusal says what and where; what is accepted is written and read back without a change.
+/// A refusal states reason and location; an accepted message is written and read back unchanged.
 template <typename Message>
 void read(cosiva::Result<Message> (*reader)(std::string_view), std::string_view text) {
   const auto message = reader(text);
@@ -17,7 +17,7 @@ void read(cosiva::Result<Message> (*reader)(std::string_view), std::string_view 
     return;
   }
   const std::string json = to_json(*message);
-  // Escapes make a text longer, so what just fits may not fit again.
+  // Escapes make a text longer, so that a text that just fits may not fit again.
   if (json.size() > 16U << 10U) return;
   const auto again = reader(json);
   COSIVA_EXPECT(again && to_json(*again) == json);

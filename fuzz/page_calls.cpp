@@ -1,5 +1,5 @@
-// The page's HTTP calls: "METHOD /path?query", a line's end, and the body. Whatever is asked, the answer is one of
-// those that the contract knows, JSON with a sentence where it is a refusal, and the server goes on.
+// The page's HTTP calls: "METHOD /path?query", a line's end, and the body. For every request the response is one of the
+// contract's, JSON with a message where it is a refusal, and the server goes on.
 #include "cosiva/hmi/page_calls.h"
 
 #include <algorithm>
@@ -48,7 +48,7 @@ constexpr const char* online =
     R"({"headerId":0,"timestamp":"2023-07-11T00:00:00.000Z","version":"2.1.0","manufacturer":"CoSiVA",)"
     R"("serialNumber":"AIV1","connectionState":"ONLINE"})";
 
-/// One zone by its name, and no folder for edits: the fuzzer touches no file.
+/// One zone by its name, and no folder for edits: the fuzzer uses no file.
 class OneZone : public app::ZoneLibrary {
  public:
   [[nodiscard]] std::vector<Entry> zones() const override { return {{"oval", "an oval"}}; }
@@ -94,7 +94,7 @@ struct Server {
       COSIVA_EXPECT(by > SimDuration::zero() && by <= std::chrono::seconds{10});
       now += by;
     };
-    host.zone_file = "/nowhere/ring.toml";  // it cannot be saved
+    host.zone_file = "/nowhere/ring.toml";  // cannot be saved
     return host;
   }
 

@@ -12,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   while (!text.empty()) {
     const std::size_t end = text.find('\n');
     const auto line = text.substr(0, end);
-    if (line.starts_with("== ") && line.size() > 3)  // no file is without a name
+    if (line.starts_with("== ") && line.size() > 3)  // every file has a name
       name = line.substr(3);
     else
       files[name].append(line).append("\n");

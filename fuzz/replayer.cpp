@@ -1,4 +1,4 @@
-// Stands in for libFuzzer where the compiler has none: runs the corpus, then mutations of it, through one target.
+// Replaces libFuzzer where the compiler has none: runs the corpus, then mutations of it, through one target.
 //
 //     fuzz_vda5050 CORPUS [MUTATIONS [SEED [FIRST]]]
 //
@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
 namespace {
 
-// What a signal handler may print, made ready before each run.
+// The text that a signal handler may print, prepared before each run.
 char where[128];
 volatile std::sig_atomic_t where_length = 0;
 

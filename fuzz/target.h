@@ -6,7 +6,7 @@
 
 #include "cosiva/base/expect.h"
 
-/// One fuzz target is one function; libFuzzer or replayer.cpp calls it. What must hold is said with COSIVA_EXPECT.
+/// One fuzz target is one function; libFuzzer or replayer.cpp calls it. Its conditions are stated with COSIVA_EXPECT.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace cosiva::fuzz {

@@ -4,7 +4,7 @@
 #include "cosiva/wire/runtime/core.h"
 #include "target.h"
 
-/// A line break parts filter and topic.
+/// A line break separates filter and topic.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   namespace wire = cosiva::wire;
   const std::string_view text = cosiva::fuzz::as_text(data, size);
@@ -15,7 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     COSIVA_EXPECT(text.ends_with(topic->rest));
   }
   if (const auto topic = wire::parse_v2x_topic(text)) {
-    // "+1" and "01" are numbers, too; what is written back is read as the same.
+    // "+1" and "01" are numbers, too; the topic written again reads as the same.
     const auto again = wire::parse_v2x_topic(wire::v2x_topic(topic->map_level, topic->cell, topic->vehicle));
     COSIVA_EXPECT(again && again->cell == topic->cell && again->vehicle == topic->vehicle);
   }

@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     COSIVA_EXPECT(std::isfinite(trajectory->poses[i].pose().heading_rad));
     COSIVA_EXPECT(i == 0 || trajectory->poses[i].t_s > trajectory->poses[i - 1].t_s);
   }
-  // What was read can be written, reads back to the same, and lies on itself.
+  // An accepted trajectory can be written, reads back the same, and has no error against itself.
   const std::string written = write_tum(*trajectory);
   const auto again = read_trajectory(TrajectoryFormat::tum, "again", written);
   COSIVA_EXPECT(again.has_value() && write_tum(*again) == written);

@@ -6,7 +6,7 @@ namespace {
 using cosiva::Result;
 namespace vda = cosiva::wire::vda5050;
 
-/// A refusal says why and where. What is accepted can be written, and what is written reads back as the same message.
+/// A refusal states reason and location. An accepted message can be written, and is read back as the same message.
 template <typename Message>
 void check(Result<Message> (*decode)(std::string_view), std::string_view json) {
   const Result<Message> message = decode(json);

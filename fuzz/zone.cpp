@@ -10,7 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     COSIVA_EXPECT(faults(configuration).front() == rtm.error());
     return 0;
   }
-  // What was read can be written, and that reads back.
+  // An accepted zone can be written, and the result reads back.
   std::vector<Diagnostic> lost;
   const auto written = rtm->circuit_factory().written(rtm->zone(), lost);
   COSIVA_EXPECT(written && lost.empty());

@@ -1,9 +1,9 @@
 #!/usr/bin/env node
 // Measures delays on a running platform, over --events of each kind:
 //   command   POST /commands → the vehicle's instantActions message on the bus, and → the vehicle's own acknowledgement
-//   brake     POST /things, a person before a driving AIV → `decided` in the vehicle's felt message, braking for it
-//   screen    a vehicle's own time of an event (a node passed, driving or not, an obstacle seen) → the live frame that shows
-//             it, in a WebSocket client, and, for a share, in a browser's next animation frame
+//   brake     POST /things, a person before a driving AIV → `decided` in the vehicle's acknowledgement, braking for it
+//   screen    a vehicle's own time of an event (a node passed, driving or not, an obstacle detected) → the live frame that shows
+//             it, in a WebSocket client, and, for a part of the events, in a browser's next animation frame
 //
 //     node bench/hmi/delays.mjs [--what command,brake,screen] [--events 1000] [--aivs 4] [--json FILE]
 //                               [--url http://127.0.0.1:8080 --broker-port 1883]   (without: starts a platform of its own)
@@ -36,7 +36,7 @@ async function ask(url, method, path, body) {
   return answer;
 }
 
-/** Waits for what `listen` hears; nothing when it does not come in time. */
+/** Waits for the message that `listen` reports; null when it does not come in time. */
 function heard(within_ms, listen) {
   return new Promise((resolve) => {
     const timer = setTimeout(() => resolve(null), within_ms);
@@ -47,7 +47,7 @@ function heard(within_ms, listen) {
   });
 }
 
-/** The page's view of the fleet, kept fresh by the live stream, with everybody who waits for something in it. */
+/** The page's view of the fleet, updated by the live stream, with the watchers that wait for a change. */
 class View extends Reader {
   watchers = new Set();
   take(data, binary) {
@@ -86,7 +86,7 @@ class Fleet {
     });
     return fleet;
   }
-  /** What `pick` makes of the first message for which it makes something. */
+  /** The result of `pick` for the first message for which it has one. */
   next(within_ms, pick) {
     let listener;
     return heard(within_ms, (done) => {
@@ -100,7 +100,7 @@ class Fleet {
 }
 
 let progress_ms = 0;
-/** One line now and then, for who waits. */
+/** One line every few seconds, for the person who waits. */
 function progress(text) {
   if (now_ms() < progress_ms) return;
   progress_ms = now_ms() + 10_000;
@@ -118,7 +118,7 @@ async function measure_commands(url, view, fleet) {
   for (let i = 0; i < options.events; ++i) {
     const vehicle = vehicles[i % vehicles.length];
     progress(`command: ${i} of ${options.events}`);
-    // Twice the same changes nothing; the next one for this vehicle is another.
+    // Repeating a command changes nothing; the next one for this vehicle is another.
     const command = verbs[Math.floor(i / vehicles.length) % verbs.length];
     let action;
     const on_bus = fleet.next(2_000, (kind, whom, message, at_ms) => {
@@ -143,7 +143,7 @@ async function measure_commands(url, view, fleet) {
   return { 'command on the bus': bus, 'command acknowledged': acknowledged, missed };
 }
 
-/** The point so far ahead on the way that the vehicle may drive; nothing where that is shorter. */
+/** The point this far ahead on the released path of the vehicle; null where that path is shorter. */
 function point_ahead(aiv, distance_m) {
   const way = [[aiv.x, aiv.y], ...aiv.reserved.slice(1)];
   for (let i = 1, done_m = 0; i < way.length; ++i) {
@@ -164,7 +164,7 @@ async function measure_brakes(url, view, fleet) {
   const answered = [];
   let missed = 0;
   const busy = new Set();
-  /** One person before one vehicle, and away again when it has braked. */
+  /** One person before one vehicle, removed again when the vehicle has braked. */
   const once = async (id) => {
     const aiv = view.aiv(id);
     const place = drives(aiv) && view.shown_ms > now_ms() - 150 ? point_ahead(aiv, options.ahead) : null;
@@ -183,7 +183,7 @@ async function measure_brakes(url, view, fleet) {
       decided.push(answer.decided_ms - start);
       answered.push(answer.at_ms - start);
     } else {
-      ++missed; // another stood nearer, or it had turned away
+      ++missed; // another body was nearer, or the vehicle had turned away
     }
     await ask(url, 'DELETE', `things/${encodeURIComponent(person)}`);
     return true;
@@ -196,12 +196,12 @@ async function measure_brakes(url, view, fleet) {
     }
     busy.delete(id);
   };
-  // One vehicle at a time would take hours; each waits for its own answer only.
+  // One vehicle at a time would take hours; each waits for its own acknowledgement only.
   await Promise.all(physical(view).map((aiv) => (busy.add(aiv.id), worker(aiv.id))));
-  return { 'brake decided': decided.slice(0, options.events), 'brake answered': answered.slice(0, options.events), missed };
+  return { 'brake decided': decided.slice(0, options.events), 'brake acknowledged': answered.slice(0, options.events), missed };
 }
 
-/** Notes in the page itself when a snapshot with an event had come, and when the next frame was drawn. */
+/** Records in the page itself when a snapshot with an event came, and when the next frame was drawn. */
 function watch_in_browser(page) {
   return page.evaluate(() => {
     window.shown = [];
@@ -220,7 +220,7 @@ function watch_in_browser(page) {
 }
 
 async function measure_screen(t, url, view, fleet) {
-  const kinds = { 'node passed': [], 'started or stopped': [], 'obstacle seen': [] };
+  const kinds = { 'node passed': [], 'started or stopped': [], 'obstacle detected': [] };
   const waiting = []; // {kind, shows(snapshot), since_ms}
   const nodes = []; // for the browser
   const last = new Map();
@@ -241,7 +241,7 @@ async function measure_screen(t, url, view, fleet) {
     if (kind === 'state') {
       last.set(vehicle, message);
       if (!before) return;
-      // What a later state has overtaken is shown by the later one: of a kind of news only the newest counts.
+      // What a later state has overtaken is shown by the later one: of one kind of event only the newest counts.
       const expect = (event, value, of_row) => {
         for (const older of waiting) if (older.kind === event && older.vehicle === vehicle) older.values.add(value);
         const values = new Set([value]);
@@ -256,8 +256,8 @@ async function measure_screen(t, url, view, fleet) {
       const { x, y } = message.thing;
       const near = (obstacle) => Math.hypot(obstacle.x - x, obstacle.y - y) < 0.2;
       const vehicle_near = view.snapshot.aivs.some((aiv) => near(aiv));
-      if (vehicle_near || view.snapshot.obstacles.some(near) || waiting.some((event) => event.kind === 'obstacle seen')) return;
-      waiting.push({ kind: 'obstacle seen', since_ms, shows: (snapshot) => snapshot.obstacles.some(near) });
+      if (vehicle_near || view.snapshot.obstacles.some(near) || waiting.some((event) => event.kind === 'obstacle detected')) return;
+      waiting.push({ kind: 'obstacle detected', since_ms, shows: (snapshot) => snapshot.obstacles.some(near) });
     }
   };
   fleet.listeners.add(listener);
@@ -270,7 +270,7 @@ async function measure_screen(t, url, view, fleet) {
     nodes.length = 0;
   }
 
-  // Obstacles in the emulated world, one after the other before whoever drives, for as long as events are wanted.
+  // Obstacles in the emulated world, one after the other before a driving vehicle, as long as events are wanted.
   let boxes = 0;
   const wanted_in_browser = page ? options.events * options.browser_share : 0;
   while (total() < options.events || (await in_browser()) < wanted_in_browser) {

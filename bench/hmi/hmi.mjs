@@ -46,7 +46,7 @@ async function metrics(session) {
   return Object.fromEntries(list.map(({ name, value }) => [name, value]));
 }
 
-/** The page, with its frames counted from inside. */
+/** The page, with a frame counter injected. */
 async function open_counted(t, browser, url) {
   const page = await browser.newPage({ viewport: { width: 1440, height: 900 } });
   const errors = [];
@@ -58,7 +58,7 @@ async function open_counted(t, browser, url) {
   return { page, session, errors };
 }
 
-/** Intervals between animation frames for so long [ms]. */
+/** Intervals between animation frames for this long [ms]. */
 function count_frames(page, ms) {
   return page.evaluate(
     (span) =>
@@ -104,7 +104,7 @@ async function measure_frames(browser, vehicles) {
 }
 
 async function heap_mb(session) {
-  // Twice: what finalisers free goes with the second.
+  // Twice: memory that finalisers free goes with the second.
   for (let i = 0; i < 2; ++i) await session.send('HeapProfiler.collectGarbage');
   return (await metrics(session)).JSHeapUsedSize / 1e6;
 }
@@ -113,7 +113,7 @@ async function measure_heap(browser) {
   return with_cleanup(async (t) => {
     const { url } = await serve(t, options.heap_vehicles);
     const { page, session, errors } = await open_counted(t, browser, url);
-    await sleep(Math.min(30_000, options.minutes * 6_000)); // what is filled once: histories, caches
+    await sleep(Math.min(30_000, options.minutes * 6_000)); // filled once: histories, caches
     const samples = [{ minute: 0, 'heap MB': await heap_mb(session) }];
     const start = Date.now();
     const steps = Math.max(1, Math.min(10, Math.round(options.minutes)));
@@ -127,7 +127,7 @@ async function measure_heap(browser) {
   });
 }
 
-/** One phase: everybody's intervals and latencies, and the server's memory second by second. */
+/** One phase: the intervals and latencies of all readers, and the server's memory second by second. */
 async function listen(readers, pid, seconds) {
   for (const reader of readers) reader.note(true);
   const memory = [];
@@ -152,7 +152,7 @@ async function measure_clients() {
     await sleep(2_000);
     const phases = { without: [], with: [] };
     let connections = 0;
-    // By turns, so that whatever else the machine does meets both.
+    // Alternately, so that other load on the machine affects both.
     for (let round = 0; round < options.rounds; ++round) {
       phases.without.push(await listen(readers, program.pid, options.seconds));
       const bad = new NeverReads(facts.port);

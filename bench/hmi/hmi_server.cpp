@@ -1,5 +1,6 @@
-// A page to measure: the real HTTP server, live stream and frames, with as many synthetic AIVs as asked for, going
-// round lacet4 (drawn larger, so that they have room). Behind the stream nothing decides anything. hmi.mjs looks at it.
+// A page to measure: the real HTTP server, live stream and frames, with the requested number of synthetic AIVs that
+// circulate on lacet4 (drawn larger, so that they have space). No core runs behind the stream. hmi.mjs measures this
+// server.
 #include <CLI/CLI.hpp>
 #include <array>
 #include <chrono>
@@ -39,7 +40,7 @@ struct Options {
   double seconds{0.0};
 };
 
-/// What is drawn as large as lacet4 with 12 AIVs on it is, by area.
+/// The scale at which the vehicles have as much area as 12 AIVs on lacet4.
 double natural_scale(std::uint32_t vehicles) { return std::max(1.0, std::sqrt(vehicles / 12.0)); }
 
 /// Copies a drawing, everything on it `scale` times as large.
@@ -64,7 +65,7 @@ void write_scaled(JsonWriter& json, const JsonValue& value, double scale) {
   }
 }
 
-/// AIVs that go round for ever, each at its own pace and on its own line beside the way.
+/// AIVs that circulate for ever, each at its own speed and with its own lateral offset from the path.
 class Fleet {
  public:
   Fleet(const zone::TrafficZone& zone, std::uint32_t count, double scale) : circuit_{zone.circuit}, scale_{scale} {
@@ -118,7 +119,7 @@ class Fleet {
   std::vector<Vehicle> vehicles_;
 };
 
-/// Everything that the contract has of one AIV, filled with something.
+/// All fields that the contract has for one AIV, with synthetic values.
 void write_vehicle(JsonWriter& json, const Fleet& fleet, std::size_t i) {
   static constexpr std::array status{"Normal", "stopped", "slow speed", "medium speed", "fast speed", "Normal"};
   const PositionRecord at = fleet.record(i);
@@ -219,7 +220,7 @@ class Fixture {
     if (request.path == "/api/v1/zones") return app::json_response(R"({"zones":[]})");
     if (request.path == "/api/v1/traces") return app::json_response(R"({"next":1,"oldest":1,"traces":[]})");
     return adapters::http_error(409, "benchmark.not_now",
-                                "this is a benchmark's server: there is nothing but a picture");
+                                "this is a benchmark's server: there is nothing but a drawing");
   }
 
   adapters::EventLoop loop_;
@@ -236,11 +237,11 @@ class Fixture {
 int main(int argc, char** argv) {
   Options options;
   CLI::App arguments{"A page to measure, with synthetic AIVs"};
-  arguments.add_option("--vehicles", options.vehicles, "how many go round")->check(CLI::Range(0U, 32'768U));
-  arguments.add_option("--scale", options.scale, "size of the zone, 1 for lacet4's own; without: one that gives room");
+  arguments.add_option("--vehicles", options.vehicles, "number of AIVs")->check(CLI::Range(0U, 32'768U));
+  arguments.add_option("--scale", options.scale, "size of the zone, 1 for lacet4's own; default: enough space for all");
   arguments.add_option("--port", options.port, "0: any free one");
   arguments.add_option("--web", options.web_root, "the page's built files");
-  arguments.add_option("--seconds", options.seconds, "end after so long; without: at a signal");
+  arguments.add_option("--seconds", options.seconds, "end after this time; default: at a signal");
   CLI11_PARSE(arguments, argc, argv);
 
   std::ifstream file{options.zone, std::ios::binary};

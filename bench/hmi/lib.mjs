@@ -1,8 +1,8 @@
-// What the page's benchmarks share: figures of a list, a table, a program that ends with its caller.
+// Common to the page's benchmarks: metrics of a list, a table, a program that ends with its caller.
 import { finally_do } from '../../e2e/lib/cleanup.mjs';
 import { writeFileSync } from 'node:fs';
 
-/** Stands in for a test: what is opened is closed when `run` ends, however it ends. */
+/** Replaces a test: resources that `run` opened are closed when `run` ends, however it ends. */
 export async function with_cleanup(run) {
   const actions = [];
   const t = { after: (action) => actions.push(action) };
@@ -35,7 +35,7 @@ export function rounded(value) {
   return value;
 }
 
-/** Rows of equal shape, as people read them. */
+/** Rows of equal shape, printed as a table. */
 export function table(title, rows) {
   if (rows.length === 0) return;
   const names = Object.keys(rows[0]);
@@ -45,7 +45,7 @@ export function table(title, rows) {
   for (const line of cells) console.log(`  ${line.map((cell, column) => (column === 0 ? cell.padEnd(widths[0]) : cell.padStart(widths[column]))).join('  ')}`);
 }
 
-/** "--name value" pairs and "--flag"s over defaults; an unknown one ends the program with what there is. */
+/** "--name value" pairs and "--flag"s over defaults; an unknown one ends the program with the list of options. */
 export function arguments_over(defaults) {
   const options = { ...defaults };
   const words = process.argv.slice(2);

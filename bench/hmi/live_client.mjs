@@ -1,4 +1,4 @@
-// Readers of the live stream, as pages are; and one that is none.
+// Readers of the live stream, like pages; and a client that never reads.
 import { createRequire } from 'node:module';
 import { connect } from 'node:net';
 import { fileURLToPath } from 'node:url';
@@ -7,7 +7,7 @@ const { WebSocket } = createRequire(fileURLToPath(new URL('../../e2e/package.jso
 
 export const now_ms = () => performance.timeOrigin + performance.now();
 
-/** A page that reads everything and notes when positions came, and how old they were. */
+/** A page that reads everything and records when positions came, and how old they were. */
 export class Reader {
   constructor(url) {
     this.intervals = [];
@@ -48,7 +48,10 @@ export class Reader {
   }
 }
 
-/** A client that asks for the stream and never reads a byte. The server drops it in the end; it comes back at once. */
+/**
+ * A client that requests the stream and never reads a byte. The server drops it in the end; the client reconnects at
+ * once.
+ */
 export class NeverReads {
   constructor(port) {
     this.port = port;

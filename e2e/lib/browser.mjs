@@ -1,4 +1,4 @@
-// Debian's chromium, headless, talking to nobody but the page.
+// Debian's chromium, headless, with connections to the page only.
 import { finally_do } from './cleanup.mjs';
 import { existsSync } from 'node:fs';
 import { chromium } from 'playwright-core';

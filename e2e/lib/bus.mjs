@@ -1,10 +1,10 @@
-// Looks at the bus from outside: the plant's ground truth, and every message that passes.
+// Observes the bus from outside: the plant's ground truth, and every message.
 import { finally_do } from './cleanup.mjs';
 import { connect } from 'mqtt';
 import { eventually, sleep } from './platform.mjs';
 
 export class Bus {
-  /** Connects and keeps connecting; `topics` are heard from now on. */
+  /** Connects and keeps connecting; `topics` are received from now on. */
   static async open(t, port, topics) {
     const bus = new Bus();
     bus.client = connect(`mqtt://127.0.0.1:${port}`, { clientId: `e2e-${process.pid}-${Math.floor(performance.now() * 1000)}`, reconnectPeriod: 200, connectTimeout: 2_000 });
@@ -12,9 +12,9 @@ export class Bus {
     bus.client.on('message', (topic, payload, packet) => {
       for (const listener of bus.listeners) listener(topic, payload, packet);
     });
-    bus.client.on('error', () => {}); // it connects again by itself
+    bus.client.on('error', () => {}); // the client connects again by itself
     finally_do(t, () => bus.client.endAsync(true));
-    await eventually('the bus answers', () => bus.client.connected, { within_ms: 5_000 });
+    await eventually('the bus responds', () => bus.client.connected, { within_ms: 5_000 });
     if (topics.length > 0) await bus.client.subscribeAsync(topics, { qos: 0 });
     return bus;
   }
@@ -28,7 +28,7 @@ export class Bus {
   }
 }
 
-/** The plant's ground truth, followed: where each vehicle really is, and every collision. */
+/** Follows the plant's ground truth: the actual position of each vehicle, and every collision. */
 export class Truth {
   static async follow(t, port) {
     const ground_truth = new Truth();
@@ -37,11 +37,11 @@ export class Truth {
     ground_truth.collisions = 0;
     const bus = await Bus.open(t, port, ['cosiva/v1/plant/ground_truth']);
     bus.on_message((_topic, payload) => ground_truth.accept(JSON.parse(payload.toString())));
-    await eventually('the plant says the ground truth', () => ground_truth.latest !== null, { within_ms: 10_000 });
+    await eventually('the plant publishes the ground truth', () => ground_truth.latest !== null, { within_ms: 10_000 });
     return ground_truth;
   }
 
-  /** Adds to each vehicle the distance it drove since this was first heard: chords of a tenth of a second. */
+  /** Adds to each vehicle the distance driven since the first message: chords of a tenth of a second. */
   accept(news) {
     for (const vehicle of news.vehicles) {
       const before = this.latest?.vehicles.find(({ number }) => number === vehicle.number);
@@ -71,10 +71,10 @@ export class Truth {
     return new Map(this.latest.vehicles.map((vehicle) => [vehicle.number, vehicle.distance - before.get(vehicle.number)]));
   }
 
-  /** Waits until `number` stands; answers how long that took [ms]. */
+  /** Waits until `number` is stopped; returns how long that took [ms]. */
   async stands(number, within_ms) {
     const start = Date.now();
-    await eventually(`AIV${number} stands in ground_truth`, () => Math.abs(this.vehicle(number).speed) < 0.01, { within_ms, every_ms: 20 });
+    await eventually(`AIV${number} is stopped in the ground truth`, () => Math.abs(this.vehicle(number).speed) < 0.01, { within_ms, every_ms: 20 });
     return Date.now() - start;
   }
 

@@ -22,7 +22,9 @@ export class Circuit {
     return best;
   }
 
-  /** The waypoint `steps` further round the ring. Sections of the native format follow each other in the file's order. */
+  /**
+   * The waypoint `steps` further along the loop. Sections of the native format follow each other in the file's order.
+   */
   at(index, steps = 0) {
     const n = this.waypoints.length;
     return this.waypoints[(((index + steps) % n) + n) % n];
@@ -34,7 +36,7 @@ export class Circuit {
   }
 }
 
-/** Do two rectangles (x, y, heading; the same length and width) touch? Separating axes. */
+/** Whether two rectangles (x, y, heading; the same length and width) touch. Separating axes. */
 export function bodies_touch(a, b, length, width) {
   const axes = [a.heading, a.heading + Math.PI / 2, b.heading, b.heading + Math.PI / 2];
   const reach = (body, axis) => (length / 2) * Math.abs(Math.cos(axis - body.heading)) + (width / 2) * Math.abs(Math.sin(axis - body.heading));

@@ -1,9 +1,9 @@
-// What a test opened is closed in reverse order, as a stack: node:test runs its `after` hooks first come, first served,
-// and would remove a folder before it ends the process that lives in it.
+// Resources that a test opened are closed in reverse order, as a stack: node:test runs its `after` hooks in the order
+// of registration, and would remove a folder before it ends the process that works in it.
 const stacks = new WeakMap();
 const patience_ms = 60_000;
 
-/** One that never ends must not keep the others from being closed. */
+/** An action that never ends must not keep the others from being executed. */
 async function within_patience(action) {
   let timer;
   const late = new Promise((_, reject) => {

@@ -1,4 +1,5 @@
-// lacet4 as the article's item A11 gives it: where a place of a section lies. Written from the numbers, not from our code.
+// lacet4 as defined by the article's item A11: the pose of a track position. Written from the numbers, not from
+// CoSiVA's code.
 const a = 0.75;
 const d = 0.15;
 const r = a - d;
@@ -21,7 +22,7 @@ export function place(section, s) {
   const centre = [x + r * Math.sin(heading), y - r * Math.cos(heading)];
   return { section, s, x: centre[0] - r * Math.sin(turned), y: centre[1] + r * Math.cos(turned), heading: turned };
 }
-/** How far it is from one place on to another, in driving direction. */
+/** Distance from one track position on to another, in driving direction. */
 export function way_between(from, to) {
   let sum = to.s - from.s;
   for (let i = order.indexOf(from.section); order[i % order.length] !== to.section; i++) sum += length_of(order[i % order.length]);

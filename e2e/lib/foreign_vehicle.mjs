@@ -1,4 +1,4 @@
-// vda-5050-lib's Virtual AGV: somebody else's vehicle, which speaks VDA 5050 2.0.0 and knows nothing of us.
+// vda-5050-lib's Virtual AGV: a third-party vehicle with VDA 5050 2.0.0 and without CoSiVA's messages.
 import assert from 'node:assert/strict';
 import vda5050 from 'vda-5050-lib';
 import { finally_do } from './cleanup.mjs';
@@ -19,21 +19,21 @@ export async function start_foreign_vehicle(t, { broker_port, circuit, waypoint,
       initialPosition: { mapId: circuit.name, x: start.x, y: start.y, theta: circuit.heading(waypoint), lastNodeId: start.id },
       vehicleSpeed: speed_mps,
       tickRate: 50,
-      // It drives straight from node to node: its heading differs from the circuit's by half an edge's turn.
+      // The AGV drives straight from node to node: its heading differs from the circuit's by half an edge's turn.
       agvNormalDeviationXyTolerance: 0.5,
       agvNormalDeviationThetaTolerance: Math.PI,
     },
   );
   await controller.start();
   finally_do(t, async () => {
-    // An order that comes between its goodbye and the end of its connection makes it throw, and never end.
+    // An order between its OFFLINE message and the end of its connection makes the library throw, and never end.
     controller._mqtt?.removeAllListeners('message');
     await controller.stop();
   });
   return controller;
 }
 
-/** Follows one twin until it has driven `distance_m`; answers the sections it was seen on. `each` sees every snapshot. */
+/** Follows one twin until it has driven `distance_m`; returns its sections. `each` is called with every snapshot. */
 export async function follow(url, id, distance_m, within_ms, each = () => {}) {
   const end = Date.now() + within_ms;
   const sections = new Set();

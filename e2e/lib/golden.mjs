@@ -1,4 +1,4 @@
-// Goldens: files that say what the platform printed, served or published when they were recorded.
+// Goldens: files with the platform's recorded output, served documents and published messages.
 import assert from 'node:assert/strict';
 import { existsSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
@@ -17,7 +17,7 @@ export class Goldens {
     this.faults = [];
   }
 
-  /** Compares one text with its golden, or records it. Every difference is collected; finish() tells them all. */
+  /** Compares one text with its golden, or records it. Every difference is collected; finish() reports them all. */
   compare(name, text) {
     const file = path.join(this.place, name);
     const whole = text.endsWith('\n') ? text : `${text}\n`;
@@ -34,7 +34,7 @@ export class Goldens {
     }
   }
 
-  /** A golden of a whole folder that nothing was compared with is stale: its subject is gone. */
+  /** A golden of a whole folder with which nothing was compared is stale: its subject no longer exists. */
   finish() {
     if (this.place !== '') {
       const folder = path.join(root, this.place);
@@ -52,7 +52,10 @@ export class Goldens {
 
 const indent = (lines) => lines.map((line) => `    ${line.length > 300 ? `${line.slice(0, 300)}…` : line}`).join('\n');
 
-/** Lines that differ, with their numbers; empty where none does. Lines inserted or removed are found again. */
+/**
+ * Lines that differ, with their numbers; empty where none does. The search resynchronises after inserted or removed
+ * lines.
+ */
 export function first_difference(golden, now) {
   if (golden === now) return '';
   const before = golden.split('\n');
@@ -76,7 +79,7 @@ export function first_difference(golden, now) {
   return indent(out);
 }
 
-/** How many lines of each differ before both go on alike. */
+/** The number of differing lines of each text before both are equal again. */
 function next_common(before, b, after, a) {
   for (let sum = 1; sum < 200; sum++) {
     for (let removed = 0; removed <= sum; removed++) {
@@ -87,7 +90,7 @@ function next_common(before, b, after, a) {
   return [before.length - b, after.length - a];
 }
 
-/** A long line is shown from shortly before the place where it differs from the other. */
+/** A long line is shown from shortly before the position where it differs from the other. */
 function around(line, other) {
   if (line.length < 200 || other === undefined) return line;
   let at = 0;
@@ -95,7 +98,7 @@ function around(line, other) {
   return at > 60 ? `…${line.slice(at - 40)}` : line;
 }
 
-/** JSON text with a line for each member, every token as it was: numbers keep their digits. */
+/** JSON text with a line for each member and unchanged tokens: numbers keep their digits. */
 export function spread_json(raw) {
   const out = [];
   let depth = 0;

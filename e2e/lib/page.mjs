@@ -1,4 +1,4 @@
-// The operator's page as a person uses it: by mouse at places of the map, or by keyboard alone.
+// The operator's page as a person uses it: by mouse at positions on the map, or by keyboard alone.
 import assert from 'node:assert/strict';
 import { open_page } from './browser.mjs';
 import { eventually } from './platform.mjs';
@@ -13,7 +13,7 @@ export async function open_operator(t, browser, platform, { hash = '', vehicles 
 export const row = (page, id) => page.locator(`[data-aiv="${id}"]`);
 export const aiv_row = (page, number) => row(page, `CoSiVA/AIV${number}`);
 
-/** The pixel of a place of the map, while all of the circuit is shown as it comes (lib/view.ts, fit). */
+/** The pixel of a position on the map, while all of the circuit is shown as at the start (lib/view.ts, fit). */
 export async function pixel_of(page, platform, x, y) {
   const { bounds } = await platform.get('zone');
   const box = await page.getByTestId('circuit').boundingBox();
@@ -27,7 +27,7 @@ export async function press_map(page, platform, x, y) {
   await page.mouse.click(at.x, at.y);
 }
 
-/** Presses Tab until the focus is on what `wanted` names: a regular expression on its accessible words. */
+/** Presses Tab until the focus is on the element that `wanted` names: a regular expression on its accessible text. */
 export async function tab_to(page, wanted, { back = false, presses_max = 160 } = {}) {
   const words = [];
   for (let i = 0; i < presses_max; i++) {
@@ -44,7 +44,7 @@ export async function tab_to(page, wanted, { back = false, presses_max = 160 } =
   assert.fail(`Tab never came to ${wanted}; it came to: ${[...new Set(words)].join(' | ')}`);
 }
 
-/** The sentence of the newest notice, which must be one for people. */
+/** The sentence of the newest notice, which must be readable for people. */
 export async function notice(page, wanted, { within_ms = 5_000 } = {}) {
   const text = await eventually(
     `a notice like ${wanted}`,
@@ -55,13 +55,13 @@ export async function notice(page, wanted, { within_ms = 5_000 } = {}) {
   return text;
 }
 
-/** What a person may be shown: no code, no braces, no "undefined". */
+/** Requirements of a text for people: no code, no braces, no "undefined". */
 export function assert_sentence(text) {
-  assert.match(text, /[a-z]{2,} [a-z(]/i, `“${text}” is no sentence`);
-  assert.doesNotMatch(text, /[{}]|undefined|NaN|\[object|Error:|HTTP \d|\bnull\b|[a-z]+\.[a-z]+_[a-z]+/, `“${text}” shows what is inside`);
+  assert.match(text, /[a-z]{2,} [a-z(]/i, `“${text}” is not a sentence`);
+  assert.doesNotMatch(text, /[{}]|undefined|NaN|\[object|Error:|HTTP \d|\bnull\b|[a-z]+\.[a-z]+_[a-z]+/, `“${text}” shows internal details`);
 }
 
-/** The last command of a vehicle as the server tells it. */
+/** The last command of a vehicle as reported by the server. */
 export async function last_command(platform, vehicle) {
   const { commands } = await platform.snapshot();
   return commands.filter((command) => command.vehicle === vehicle).at(-1);

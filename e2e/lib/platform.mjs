@@ -28,7 +28,7 @@ export function sleep(ms) {
   return new Promise((resolve) => setTimeout(resolve, ms));
 }
 
-/** What the promise answers, or `late` when it takes longer; no timer stays behind to hold the process. */
+/** The result of the promise, or `late` when it takes longer; no timer stays behind to hold the process. */
 export async function within(promise, ms, late) {
   let timer;
   const timeout = new Promise((resolve) => {
@@ -41,12 +41,12 @@ export async function within(promise, ms, late) {
   }
 }
 
-/** An error that no waiting will cure. */
+/** An error that does not go away by waiting. */
 export function hopeless(text) {
   return Object.assign(new Error(text), { hopeless: true });
 }
 
-/** Asks until `question` answers something true, and answers that. `what` is named when it never does. */
+/** Calls `question` until its result is truthy, and returns that. `what` is named when it never is. */
 export async function eventually(what, question, { within_ms = 20_000, every_ms = 50 } = {}) {
   const end = Date.now() + within_ms;
   let last;
@@ -64,7 +64,7 @@ export async function eventually(what, question, { within_ms = 20_000, every_ms 
   }
 }
 
-/** An answer whole, {status, text}. fetch's own time-out is no Error: a test's report would show nothing of it. */
+/** A complete response, {status, text}. fetch's own time-out is not an Error: a test's report would not show it. */
 export async function fetched(url, within_ms, init = {}) {
   try {
     const response = await fetch(url, { ...init, signal: AbortSignal.timeout(within_ms) });
@@ -83,7 +83,7 @@ export async function free_port() {
   return port;
 }
 
-/** A temporary folder that goes with the test; its logs are kept in artefacts/ when the test failed. */
+/** A temporary folder that is removed with the test; its logs are preserved in artefacts/ when the test failed. */
 export function work_folder(t) {
   const folder = mkdtempSync(path.join(os.tmpdir(), 'cosiva-e2e-'));
   finally_do(t, () => rmSync(folder, { recursive: true, force: true }));
@@ -112,7 +112,7 @@ export async function cosiva(args, { timeout_ms = 60_000, cwd, binary = cosiva_b
   return result;
 }
 
-/** Exit 0 and JSON on standard output, or the test fails with what the command said. */
+/** Exit 0 and JSON on standard output, or the test fails with the command's output. */
 export async function cosiva_json(args, options) {
   const result = await cosiva(args, options);
   assert.equal(result.code, 0, `cosiva ${args.join(' ')}: exit ${result.code}\n${result.stderr.slice(-3000)}\n${result.stdout.slice(-1000)}`);
@@ -142,7 +142,7 @@ export class Program {
     finally_do(t, () => this.kill_all());
   }
 
-  /** Ends it as Ctrl-C does, and waits. */
+  /** Ends the program as Ctrl-C does, and waits. */
   async stop({ within_ms = 15_000, signal = 'SIGINT' } = {}) {
     this.remember_family();
     kill(this.pid, signal);
@@ -159,7 +159,7 @@ export class Program {
   async kill_all() {
     if (!this.gone) {
       this.remember_family();
-      kill(this.pid, 'SIGCONT'); // a test may have failed while it was frozen
+      kill(this.pid, 'SIGCONT'); // a test may have failed while the program was frozen
       kill(this.pid, 'SIGTERM');
       await within(this.ended, 4_000);
     }
@@ -167,7 +167,7 @@ export class Program {
   }
 }
 
-/** `cosiva up`, ready when its page answers and all vehicles have reported. */
+/** `cosiva up`, ready when its page responds and all vehicles have reported. */
 export class Platform extends Program {
   static async up(t, { aivs = 4, zone = 'lacet4', args = [], folder = work_folder(t), port, binary = cosiva_binary(), ready = true, own_folders = false, env } = {}) {
     const http_port = port ?? (await free_port());
@@ -209,21 +209,21 @@ export class Platform extends Program {
     return aivs.find((aiv) => aiv.number === number);
   }
 
-  /** Any call of the contract: {status, body}; a body that is a string is sent as it is. */
+  /** Any call of the contract: {status, body}; a body that is a string is sent unchanged. */
   async call(method, what, body, headers = { 'content-type': 'application/json' }) {
     const init = body === undefined ? {} : { headers, body: typeof body === 'string' ? body : JSON.stringify(body) };
     const { status, text } = await fetched(`${this.url}/api/v1/${what}`, 5_000, { method, ...init });
     return { status, body: text === '' ? null : JSON.parse(text) };
   }
 
-  /** The same, which must succeed; answers the body. */
+  /** The same, which must succeed; returns the body. */
   async ask(method, what, body) {
     const answer = await this.call(method, what, body);
     assert.ok(answer.status < 300, `${method} ${what}: ${answer.status} ${JSON.stringify(answer.body)}`);
     return answer.body;
   }
 
-  /** Gives a command; answers its id, or throws with the server's reason. */
+  /** Gives a command; returns its id, or throws with the server's reason. */
   async command(command, vehicle) {
     const response = await fetch(`${this.url}/api/v1/commands`, {
       method: 'POST',
@@ -235,7 +235,7 @@ export class Platform extends Program {
     return body.id;
   }
 
-  /** {name, pid} of what `up` runs, by name. */
+  /** {name, pid} of the processes that `up` runs, by name. */
   children() {
     const value = JSON.parse(readFileSync(path.join(this.run_dir, 'children.json'), 'utf8'));
     const list = Array.isArray(value) ? value : value.children;
@@ -254,7 +254,7 @@ export class Platform extends Program {
     return child;
   }
 
-  /** Where its private broker listens. */
+  /** The port of its private broker. */
   async broker_port() {
     return eventually('the broker listens', () => {
       const broker = descendants(this.pid).find(({ argv }) => /mosquitto/.test(argv[0] ?? ''));
@@ -262,7 +262,7 @@ export class Platform extends Program {
     });
   }
 
-  /** Freezes `up` itself, so that nothing is started again while `action` looks at what is left. */
+  /** Freezes `up` itself, so that no process is restarted while `action` examines the others. */
   async without_supervisor(action) {
     process.kill(this.pid, 'SIGSTOP');
     try {

@@ -1,4 +1,4 @@
-// Processes seen through /proc: whose child is whose, who listens where. Independent of what cosiva says about itself.
+// Processes read from /proc: parents, children and listening ports. Independent of cosiva's own output.
 import { readdirSync, readFileSync, readlinkSync } from 'node:fs';
 
 /** @returns {{pid: number, parent: number, argv: string[], state: string}[]} */
@@ -8,12 +8,12 @@ export function all_processes() {
     if (!/^\d+$/.test(name)) continue;
     try {
       const stat = readFileSync(`/proc/${name}/stat`, 'utf8');
-      // The name in brackets may hold anything, brackets too: fields start after the last one.
+      // The name in brackets may contain anything, brackets too: fields start after the last one.
       const [state, parent] = stat.slice(stat.lastIndexOf(')') + 2).split(' ');
       const argv = readFileSync(`/proc/${name}/cmdline`, 'utf8').split('\0').slice(0, -1);
       processes.push({ pid: Number(name), parent: Number(parent), argv, state });
     } catch {
-      // It ended while we looked.
+      // The process ended during the scan.
     }
   }
   return processes;
@@ -44,7 +44,7 @@ export function listening_ports(pid) {
       const match = /^socket:\[(\d+)\]$/.exec(readlinkSync(`/proc/${pid}/fd/${fd}`));
       if (match) inodes.add(match[1]);
     } catch {
-      // Closed while we looked.
+      // Closed during the scan.
     }
   }
   const listen = '0A';

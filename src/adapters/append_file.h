@@ -8,20 +8,20 @@
 
 namespace cosiva::adapters {
 
-/// A file that only grows, and of which only one process at a time is the writer. What append() was given stands in it
-/// when the process is killed.
+/// A file that only grows and has one writer process at a time. Bytes given to append() are in the file even when the
+/// process is killed.
 class AppendFile {
  public:
-  /// Opens it, makes it where it is missing, and its folder too. Fails ("file.write"), and ("file.taken") where another
-  /// process has it.
+  /// Opens the file, and creates it and its folder where missing. Fails ("file.write"), and ("file.taken") where
+  /// another process has opened it.
   [[nodiscard]] static Result<std::unique_ptr<AppendFile>> open(const std::string& path);
   ~AppendFile();
   AppendFile(const AppendFile&) = delete;
   AppendFile& operator=(const AppendFile&) = delete;
 
-  /// Forgets what is behind the first `bytes`. Fails ("file.write").
+  /// Cuts the file after the first `bytes`. Fails ("file.write").
   [[nodiscard]] Result<void> cut(std::size_t bytes);
-  /// Fails ("file.write"); then some of it may stand there.
+  /// Fails ("file.write"); then a part of the bytes may be in the file.
   [[nodiscard]] Result<void> append(std::string_view bytes);
 
  private:

@@ -8,7 +8,7 @@
 namespace cosiva::adapters {
 namespace {
 
-TEST(AppendFile, grows_over_several_lives_and_can_be_cut) {
+TEST(AppendFile, grows_over_several_openings_and_can_be_cut) {
   const testing::Scratch scratch;
   const std::string path = scratch / "new/folder/state";
   {
@@ -34,7 +34,7 @@ TEST(AppendFile, has_one_writer) {
   EXPECT_TRUE(AppendFile::open(scratch / "state"));
 }
 
-TEST(AppendFile, says_where_it_cannot_write) {
+TEST(AppendFile, reports_the_path_that_cannot_be_written) {
   const auto nowhere = AppendFile::open("/proc/nothing/state");
   ASSERT_FALSE(nowhere);
   EXPECT_EQ(nowhere.error().code, "file.write");

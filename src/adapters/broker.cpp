@@ -94,7 +94,7 @@ std::string configuration(std::uint16_t port) {
                      "log_type warning\n"
                      "log_type notice\n"
                      "log_timestamp_format %Y-%m-%dT%H:%M:%S\n";
-  // Run by root it would change its user, and with it lose the wish to die with us (PR_SET_PDEATHSIG).
+  // Run by root, mosquitto would change its user and thereby lose its parent-death signal (PR_SET_PDEATHSIG).
   if (const std::string user = our_user(); !user.empty()) text += "user " + user + "\n";
   return text;
 }
@@ -142,7 +142,7 @@ Result<std::unique_ptr<PrivateBroker>> PrivateBroker::start(EventLoop& loop, Bro
     options.program = *found;
   }
   std::unique_ptr<PrivateBroker> broker{new PrivateBroker(loop, std::move(options))};
-  // Between finding a port and mosquitto taking it, someone else may: then the next one.
+  // Another process may take the port before mosquitto does: then the next port is tried.
   for (int tries = 0; tries < ports_tried_max; ++tries) {
     auto port = find_free_port();
     if (!port) return tl::unexpected(port.error());
@@ -154,7 +154,7 @@ Result<std::unique_ptr<PrivateBroker>> PrivateBroker::start(EventLoop& loop, Bro
     const bool decided = loop.run_until([&] { return ended() || accepts(*port); }, accept_max);
     if (decided && !ended()) return broker;
   }
-  return fail("broker.start", "mosquitto does not come up; its words are in its log", broker->options_.log_file);
+  return fail("broker.start", "mosquitto does not start; its log has the reason", broker->options_.log_file);
 }
 
 }  // namespace cosiva::adapters

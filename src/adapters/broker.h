@@ -12,24 +12,24 @@
 namespace cosiva::adapters {
 
 struct BrokerOptions {
-  std::string run_directory;  ///< its configuration goes here, readable by us alone
-  std::string log_file;       ///< empty: its words go to our stderr
-  std::string program;        ///< empty: looked for in PATH and /usr/sbin
+  std::string run_directory;  ///< its configuration goes here, readable by this user alone
+  std::string log_file;       ///< empty: its output goes to our stderr
+  std::string program;        ///< empty: searched in PATH and /usr/sbin
 };
 
-/// A mosquitto of our own on 127.0.0.1: nobody outside this machine reaches it, nothing it holds outlives it. Queues
-/// are unlimited, because a stalled reader must not lose messages silently, and Nagle is off at both ends.
+/// A private mosquitto on 127.0.0.1: not reachable from other machines, and without state that outlives it. Queues are
+/// unlimited, because a stalled reader must not lose messages unnoticed, and Nagle is off at both ends.
 class PrivateBroker {
  public:
-  /// Starts it on a free port and waits until it accepts. Fails ("broker.missing", "broker.start").
+  /// Starts the broker on a free port and waits until it accepts. Fails ("broker.missing", "broker.start").
   [[nodiscard]] static Result<std::unique_ptr<PrivateBroker>> start(EventLoop& loop, BrokerOptions options);
   ~PrivateBroker();
 
   [[nodiscard]] std::uint16_t port() const { return port_; }
   [[nodiscard]] Child* child() { return child_.get(); }
-  /// Called when it ends without having been asked to.
+  /// Called when the broker ends without a request to end.
   void on_exit(std::function<void(const ChildExit&)> action) { on_exit_ = std::move(action); }
-  /// Starts it again on the same port: that is where everyone looks for it. Does not wait until it accepts.
+  /// Starts the broker again on the same port, which its clients know. Does not wait until it accepts.
   [[nodiscard]] Result<void> restart();
 
  private:

@@ -54,11 +54,11 @@ struct Pipe {
   }
 };
 
-/// Runs between fork and exec: only what is safe there. Tells `failure` the errno when it cannot go on.
+/// Runs between fork and exec: only what is safe there. Writes the errno to `failure` when it cannot go on.
 [[noreturn]] void become(char* const* argv, pid_t parent, int output, int errors, int failure) {
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
-  if (::getppid() != parent) ::_exit(127);  // it died before the line above
+  if (::getppid() != parent) ::_exit(127);  // the parent died before the line above
   for (const int signal : {SIGPIPE, SIGINT, SIGTERM, SIGHUP, SIGCHLD}) ::signal(signal, SIG_DFL);
   sigset_t none;
   sigemptyset(&none);
@@ -67,7 +67,7 @@ struct Pipe {
   if (input >= 0) ::dup2(input, STDIN_FILENO);
   if (output >= 0) ::dup2(output, STDOUT_FILENO);
   if (errors >= 0) ::dup2(errors, STDERR_FILENO);
-  // Asio's sockets are not close-on-exec; a child that held our listening port would keep it from us.
+  // Asio's sockets are not close-on-exec; a child that held our listening port would block it for us.
   ::close_range(3, ~0U, CLOSE_RANGE_CLOEXEC);
   ::execvp(argv[0], argv);
   const int error = errno;
@@ -152,7 +152,7 @@ struct Child::Impl : std::enable_shared_from_this<Child::Impl> {
   }
 
   void read_lines() {
-    // A read that has begun still touches pipe and buffer when we are gone: it keeps them.
+    // A read that has begun still uses pipe and buffer after this object is destroyed: the handler keeps them.
     const auto line_read = [weak = weak_from_this(), kept = output](const ErrorCode& error, std::size_t) {
       const auto self = weak.lock();
       if (error || !self) return;
@@ -178,7 +178,7 @@ struct Child::Impl : std::enable_shared_from_this<Child::Impl> {
     pid = -1;
   }
 
-  /// The child leads its own group, so what it started itself goes with it.
+  /// The child leads its own group, so that the processes it has started end with it.
   void kill_group() const { ::kill(-pid, SIGKILL); }
 
   EventLoop& loop;

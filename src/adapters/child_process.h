@@ -22,19 +22,19 @@ struct ChildExit {
 [[nodiscard]] std::string to_string(const ChildExit& exit);
 
 struct ChildOptions {
-  std::vector<std::string> argv;  ///< argv[0] is looked up in PATH unless it holds a '/'
+  std::vector<std::string> argv;  ///< argv[0] is searched in PATH unless it has a '/'
   std::string log_file;           ///< stderr (and stdout without on_line) is appended here; empty: inherited
   std::function<void(const std::string& line)> on_line;  ///< takes stdout, line by line
   std::function<void(const ChildExit&)> on_exit;
 };
 
-/// A process of ours. It gets its own process group, so Ctrl-C in the terminal reaches only us and we end it in order,
-/// and SIGTERM when we die without a word (PR_SET_PDEATHSIG).
+/// A child process. The child has its own process group, so that Ctrl-C in the terminal reaches only the parent, which
+/// then ends the child in order, and gets SIGTERM when the parent dies without ending it (PR_SET_PDEATHSIG).
 class Child {
  public:
   /// Fails ("child.start") when the program cannot be run.
   [[nodiscard]] static Result<std::unique_ptr<Child>> start(EventLoop& loop, ChildOptions options);
-  ~Child();  ///< kills and reaps what still runs; on_exit is not called
+  ~Child();  ///< kills and reaps a process that still runs; on_exit is not called
 
   [[nodiscard]] pid_t pid() const;
   [[nodiscard]] bool running() const;

@@ -40,7 +40,7 @@ struct Fixture {
   bool until(const std::function<bool()>& done) { return loop.run_until(done, timeout); }
 };
 
-/// Tells when every process that holds it open for writing is gone, whoever reaps them and whatever /proc shows.
+/// Reports when every process that has the pipe open for writing is gone, independent of their parent and of /proc.
 class Lifeline {
  public:
   explicit Lifeline(std::string path) : path_{std::move(path)} {
@@ -50,7 +50,7 @@ class Lifeline {
   Lifeline(const Lifeline&) = delete;
   Lifeline& operator=(const Lifeline&) = delete;
 
-  /// Shell text that takes hold of it; what the shell starts afterwards holds it too.
+  /// Shell text that opens the pipe; processes that the shell starts afterwards have it open too.
   [[nodiscard]] std::string taken() const { return "exec 9>" + path_ + "; "; }
   [[nodiscard]] bool held() const {
     char byte = 0;
@@ -62,7 +62,7 @@ class Lifeline {
   int end_{-1};
 };
 
-TEST(Child, tells_how_it_ended) {
+TEST(Child, reports_how_it_ended) {
   Fixture fixture;
   const auto child = fixture.shell("exit 7");
   ASSERT_TRUE(fixture.until([&] { return fixture.exit.has_value(); }));
@@ -80,7 +80,7 @@ TEST(Child, killed_from_outside_names_the_signal) {
   EXPECT_EQ(to_string(*fixture.exit), "killed (signal 9)");
 }
 
-TEST(Child, gives_its_lines_and_logs_its_errors) {
+TEST(Child, passes_its_lines_on_and_logs_its_errors) {
   Scratch scratch;
   Fixture fixture;
   const auto child = fixture.shell("echo one; echo trouble >&2; echo two", scratch / "child.log");
@@ -89,7 +89,7 @@ TEST(Child, gives_its_lines_and_logs_its_errors) {
   EXPECT_EQ(read_file(scratch / "child.log").value(), "trouble\n");
 }
 
-TEST(Child, ends_politely_when_it_can) {
+TEST(Child, ends_on_sigterm_when_it_can) {
   Fixture fixture;
   const auto child = fixture.shell("trap 'echo bye; exit 0' TERM; echo up; while :; do sleep 0.05; done");
   ASSERT_TRUE(fixture.until([&] { return fixture.lines.size() == 1; }));
@@ -99,7 +99,7 @@ TEST(Child, ends_politely_when_it_can) {
   EXPECT_EQ(fixture.lines.back(), "bye");
 }
 
-TEST(Child, that_will_not_listen_is_killed_after_its_grace) {
+TEST(Child, that_ignores_sigterm_is_killed_after_its_grace) {
   Fixture fixture;
   const auto child = fixture.shell("trap '' TERM; echo up; while :; do sleep 0.05; done");
   ASSERT_TRUE(fixture.until([&] { return fixture.lines.size() == 1; }));
@@ -108,7 +108,7 @@ TEST(Child, that_will_not_listen_is_killed_after_its_grace) {
   EXPECT_EQ(fixture.exit->signal, SIGKILL);
 }
 
-TEST(Child, goes_with_its_owner) {
+TEST(Child, ends_with_its_owner) {
   Fixture fixture;
   auto child = fixture.shell("echo up; exec sleep 600");
   ASSERT_TRUE(fixture.until([&] { return fixture.lines.size() == 1; }));
@@ -117,7 +117,7 @@ TEST(Child, goes_with_its_owner) {
   EXPECT_EQ(::kill(pid, 0), -1);
 }
 
-TEST(Child, takes_with_it_what_it_started_itself) {
+TEST(Child, ends_with_the_processes_it_has_started) {
   Scratch scratch;
   const Lifeline lifeline{scratch / "lifeline"};
   Fixture fixture;
@@ -128,12 +128,12 @@ TEST(Child, takes_with_it_what_it_started_itself) {
   EXPECT_TRUE(fixture.until([&] { return !lifeline.held(); }));
 }
 
-TEST(Child, that_is_let_go_of_while_it_talks_is_heard_no_more) {
+TEST(Child, that_is_destroyed_while_it_writes_calls_on_line_no_more) {
   for (int round = 0; round < 20; ++round) {
     Fixture fixture;
     auto child = fixture.shell("while :; do echo on and on; done");
     ASSERT_TRUE(fixture.until([&] { return fixture.lines.size() > 10; }));
-    // What it said by now waits to be read, and a read of it has begun.
+    // Output written by now waits to be read, and a read of it has begun.
     std::this_thread::sleep_for(std::chrono::milliseconds{2});
     const std::size_t received = fixture.lines.size();
     child.reset();
@@ -153,7 +153,7 @@ TEST(Child, that_cannot_be_run_is_an_error_naming_it) {
   EXPECT_THAT(started.error().message, HasSubstr("No such file"));
 }
 
-TEST(Child, inherits_none_of_our_descriptors) {
+TEST(Child, inherits_none_of_the_parents_descriptors) {
   Fixture fixture;
   const int own = ::socket(AF_INET, SOCK_STREAM, 0);  // without close-on-exec, as Asio opens them
   ASSERT_GE(own, 3);
@@ -163,7 +163,7 @@ TEST(Child, inherits_none_of_our_descriptors) {
   EXPECT_LE(std::stoi(fixture.lines.front()), 4);  // 0, 1, 2 and the directory ls reads
 }
 
-TEST(Child, hears_no_ctrl_c_meant_for_us) {
+TEST(Child, does_not_receive_the_parents_ctrl_c) {
   Fixture fixture;
   const auto child = fixture.shell("echo up; exec sleep 600");
   ASSERT_TRUE(fixture.until([&] { return fixture.lines.size() == 1; }));
@@ -173,7 +173,7 @@ TEST(Child, hears_no_ctrl_c_meant_for_us) {
 TEST(Child, dies_with_a_parent_that_was_killed) {
   Scratch scratch;
   const Lifeline lifeline{scratch / "lifeline"};
-  // The middle process starts a child and is then killed without a chance to tidy up.
+  // The intermediate process starts a child and is then killed without a chance to clean up.
   const pid_t centre = ::fork();
   if (centre == 0) {
     Fixture fixture;

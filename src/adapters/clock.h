@@ -6,9 +6,9 @@
 
 namespace cosiva::adapters {
 
-/// Wall-clock time (UTC) for stamping inputs. It is read from the wall once, then carried on by the steady clock: it
-/// never goes back and never jumps within a process, whatever is done to the machine's clock (a step shows after the
-/// next start only). Slewing by NTP reaches both clocks.
+/// Wall-clock time (UTC) for stamping inputs. The wall clock is read once, then the steady clock carries the time on:
+/// the time never goes back and never jumps within a process, whatever is done to the machine's clock (a step shows
+/// after the next start only). Slewing by NTP reaches both clocks.
 class WallClock {
  public:
   WallClock();

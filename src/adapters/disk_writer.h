@@ -14,31 +14,31 @@ namespace cosiva::adapters {
 /// Writes all of it; the errno, or 0.
 [[nodiscard]] int write_all(int fd, std::string_view bytes);
 
-/// Writes from a thread of its own what a loop wants on a disk: one that is slow, or stands still for a second while it
-/// tidies up or another program fills it, then delays the file and nothing else.
+/// Writes a loop's bytes to a disk from a separate thread: a disk that is slow, or stalls for a second while it cleans
+/// up or another program fills it, then delays the file and nothing else.
 class DiskWriter {
  public:
   using Write = std::function<Result<void>(std::string_view bytes)>;
-  /// What may wait to be written; where a disk falls that far behind, it counts as one that cannot be written.
+  /// The most that may wait to be written; a disk that falls behind further counts as one that cannot be written.
   static constexpr std::size_t behind_max = std::size_t{64} << 20U;
 
   /// @param write     called from that thread, one batch after the other
   /// @param on_error  called from the loop, once; after a write that failed nothing more is written. May be empty
   DiskWriter(EventLoop& loop, Write write, std::function<void(const Error&)> on_error);
-  /// Waits until all is written.
+  /// Waits until everything is written.
   ~DiskWriter();
   DiskWriter(const DiskWriter&) = delete;
   DiskWriter& operator=(const DiskWriter&) = delete;
 
-  /// Behind what waits.
+  /// Appends behind the bytes that wait.
   void append(std::string_view bytes);
-  /// Waits until all is written, or cannot be.
+  /// Waits until everything is written, or writing has failed.
   void drain();
   [[nodiscard]] bool broken() const;
 
  private:
   struct Impl;
-  std::shared_ptr<Impl> impl_;  ///< shared with the error that is on its way to the loop
+  std::shared_ptr<Impl> impl_;  ///< shared with the error in transit to the loop
 };
 
 /// Fails ("file.write") with the reason.

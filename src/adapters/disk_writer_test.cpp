@@ -13,7 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 using testing::timeout;
 
-/// A disk that takes nothing until it is let.
+/// A disk that accepts nothing until it is released.
 struct Disk {
   std::promise<void> let;
   std::shared_future<void> may{let.get_future().share()};
@@ -48,7 +48,7 @@ TEST(DiskWriter, writes_what_waits_in_one_batch_and_in_order) {
   EXPECT_EQ(disk.written.back(), "last") << "the end waits for what was handed over";
 }
 
-TEST(DiskWriter, that_falls_too_far_behind_stops_with_one_error_and_takes_no_memory_without_end) {
+TEST(DiskWriter, that_falls_too_far_behind_stops_with_one_error_and_bounded_memory) {
   EventLoop loop;
   Disk disk;
   std::vector<Error> errors;
@@ -69,7 +69,7 @@ TEST(DiskWriter, that_falls_too_far_behind_stops_with_one_error_and_takes_no_mem
   EXPECT_EQ(errors.front().code, "file.slow");
 }
 
-TEST(DiskWriter, tells_its_error_from_the_loop_and_to_nobody_once_it_is_gone) {
+TEST(DiskWriter, reports_its_error_from_the_loop_and_not_after_it_is_destroyed) {
   EventLoop loop;
   int reported = 0;
   const auto failing = [](std::string_view) -> Result<void> { return fail("file.write", "no"); };

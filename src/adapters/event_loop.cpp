@@ -49,12 +49,13 @@ bool EventLoop::run_until(const std::function<bool()>& done, std::chrono::millis
   impl_->context.restart();
   const auto deadline = Steady::now() + limit;
   for (;;) {
-    // The time is read before the question: a machine that slept in between does not make us give up unasked.
+    // The time is read before the condition: a machine that slept in between does not lead to giving up without a
+    // check.
     const bool last = Steady::now() >= deadline;
     if (done()) return true;
     if (last) return false;
     impl_->context.run_one_for(std::chrono::milliseconds{20});
-    // With nothing to wait for the context stops at once: what is awaited then is outside of the loop.
+    // With nothing to wait for the context stops at once: the awaited event then comes from outside of the loop.
     if (!impl_->context.stopped()) continue;
     impl_->context.restart();
     std::this_thread::sleep_for(std::chrono::milliseconds{1});
@@ -81,7 +82,7 @@ struct Timer::Impl : std::enable_shared_from_this<Timer::Impl> {
   explicit Impl(asio::io_context& context) : timer{context} {}
 
   void arm() {
-    // The set number tells a wait that was replaced after its handler had been queued from the one that counts.
+    // The set number distinguishes a wait that was replaced after its handler had been queued from the valid one.
     timer.async_wait([self = shared_from_this(), mine = set](const boost::system::error_code& error) {
       if (!error && mine == self->set) self->fire();
     });

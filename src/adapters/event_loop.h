@@ -12,10 +12,10 @@ class io_context;
 namespace cosiva::adapters {
 
 /// The one Boost.Asio loop of a process: MQTT, sockets, HTTP, timers, signals and children all run on it, in one
-/// thread, so nothing here needs a lock. Asio's headers stay in the .cpp files.
+/// thread, so that no lock is needed. Asio's headers stay in the .cpp files.
 class EventLoop {
  public:
-  EventLoop();  ///< Also ignores SIGPIPE: a peer that left is seen by the failed write.
+  EventLoop();  ///< Also ignores SIGPIPE: a failed write shows that a peer has left.
   ~EventLoop();
   EventLoop(const EventLoop&) = delete;
   EventLoop& operator=(const EventLoop&) = delete;
@@ -23,7 +23,7 @@ class EventLoop {
   /// Handles events until stop().
   void run();
   void stop();
-  /// Handles events until `done()` says so; false when it did not within `limit`.
+  /// Handles events until `done()` is true; false when it is not within `limit`.
   bool run_until(const std::function<bool()>& done, std::chrono::milliseconds limit);
   /// Handles events for this long.
   void run_for(std::chrono::milliseconds duration);
@@ -39,7 +39,7 @@ class EventLoop {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A timer of the loop. Setting it again replaces what it was set to; destroying it cancels it.
+/// A timer of the loop. Setting it again replaces the earlier action; destroying it cancels the action.
 class Timer {
  public:
   explicit Timer(EventLoop& loop);
@@ -48,8 +48,8 @@ class Timer {
   Timer& operator=(Timer&&) noexcept;
 
   void after(std::chrono::nanoseconds delay, std::function<void()> action);
-  /// Calls `action` every `period`, the first time one period from now. Beats missed on a stalled machine are skipped,
-  /// never made up for in a burst.
+  /// Calls `action` every `period`, the first time one period from now. Periods missed on a stalled machine are
+  /// skipped, never made up for in a burst.
   void every(std::chrono::nanoseconds period, std::function<void()> action);
   void cancel();
 

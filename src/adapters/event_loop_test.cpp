@@ -14,7 +14,7 @@ namespace {
 using namespace std::chrono_literals;
 using testing::timeout;
 
-TEST(Timer, set_again_forgets_what_it_was_set_to) {
+TEST(Timer, set_again_drops_the_earlier_action) {
   EventLoop loop;
   Timer timer{loop};
   int first = 0;
@@ -37,7 +37,7 @@ TEST(Timer, destroyed_never_fires) {
   EXPECT_EQ(fired, 0);
 }
 
-TEST(Timer, beats_until_it_is_cancelled_from_its_own_beat) {
+TEST(Timer, repeats_until_it_is_cancelled_from_its_own_action) {
   EventLoop loop;
   Timer timer{loop};
   int heartbeats = 0;
@@ -49,17 +49,17 @@ TEST(Timer, beats_until_it_is_cancelled_from_its_own_beat) {
   EXPECT_EQ(heartbeats, 5);
 }
 
-TEST(Timer, skips_the_beats_a_stalled_loop_missed) {
+TEST(Timer, skips_the_periods_a_stalled_loop_missed) {
   EventLoop loop;
   Timer timer{loop};
   int heartbeats = 0;
   timer.every(20ms, [&] {
-    if (++heartbeats == 1) std::this_thread::sleep_for(210ms);  // ten beats long
+    if (++heartbeats == 1) std::this_thread::sleep_for(210ms);  // ten periods
   });
   EXPECT_TRUE(loop.run_until([&] { return heartbeats == 1; }, timeout));
   const auto stalled = std::chrono::steady_clock::now();
   EXPECT_TRUE(loop.run_until([&] { return heartbeats == 3; }, timeout));
-  // A burst of made-up beats would be here at once; two honest ones need at least one whole period.
+  // A burst of made-up periods would be over at once; two regular ones need at least one whole period.
   EXPECT_GE(std::chrono::steady_clock::now() - stalled, 20ms);
 }
 
@@ -73,7 +73,7 @@ TEST(EventLoop, hands_over_signals_one_by_one) {
   EXPECT_TRUE(loop.run_until([&] { return detected == 2; }, timeout));
 }
 
-TEST(WallClock, tells_utc_and_never_goes_back) {
+TEST(WallClock, gives_utc_and_never_goes_back) {
   const WallClock clock;
   const auto wall = std::chrono::system_clock::now().time_since_epoch();
   SimTime last = clock.now();

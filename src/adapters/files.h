@@ -15,17 +15,17 @@ namespace cosiva::adapters {
 
 /// Fails ("file.read") naming the file and the reason; "-" reads standard input.
 [[nodiscard]] Result<std::string> read_file(const std::string& path);
-/// All of it or nothing: written beside the file, then put in its place. Fails ("file.write").
+/// All of it or nothing: written to a new file, which then replaces the old one. Fails ("file.write").
 [[nodiscard]] Result<void> write_file(const std::string& path, std::string_view bytes);
 
-/// Each file by its name in the folder, which is made where it is missing. Fails ("file.write") at the first that
-/// cannot.
+/// Each file by its name in the folder, which is created where missing. Fails ("file.write") at the first file that
+/// cannot be written.
 [[nodiscard]] Result<void> write_files(const std::string& folder,
                                        const std::vector<std::pair<std::string, std::string>>& files);
 
-/// Where a journal's bytes go. They are on their way to the file at most 100 ms after append(), and in it at the end.
-/// When the disk is full, or so slow that it does not keep up, the journal stops with one clear error, and what it
-/// recorded goes on.
+/// The file of a journal's bytes, which are handed to the writer at most 100 ms after append(), and are in the file at
+/// the end. When the disk is full, or too slow to keep up, the journal stops with one clear error, and the recorded
+/// program goes on.
 class JournalFile {
  public:
   /// Fails ("journal.open"). `on_error` is called from the loop.
@@ -33,7 +33,7 @@ class JournalFile {
                                                                    std::function<void(const Error&)> on_error);
   ~JournalFile();
   void append(std::string_view bytes);
-  /// Waits until all is in the file, or cannot be.
+  /// Waits until everything is in the file, or cannot be written.
   void flush();
   [[nodiscard]] bool broken() const { return writer_.broken(); }
 

@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 using testing::Scratch;
 using testing::timeout;
 
-/// A disk that stands still: what is written here waits until somebody reads.
+/// A disk that stalls: bytes written here wait until the pipe is read.
 std::string pipe_in(const Scratch& scratch, std::string_view name) {
   std::string file = scratch / name;
   EXPECT_EQ(::mkfifo(file.c_str(), 0600), 0);
@@ -47,7 +47,7 @@ TEST(JournalFile, holds_what_was_appended_within_100_ms_and_at_the_end) {
   EXPECT_EQ(read_file(scratch / "run.journal").value(), "first-last");
 }
 
-TEST(JournalFile, where_it_cannot_be_written_is_an_error_before_anything_runs) {
+TEST(JournalFile, that_cannot_be_created_is_an_error_before_anything_runs) {
   EventLoop loop;
   const auto created = JournalFile::create(loop, "/nonexistent/run.journal", {});
   ASSERT_FALSE(created);
@@ -69,13 +69,13 @@ TEST(JournalFile, on_a_full_disk_stops_with_one_clear_error) {
   EXPECT_THAT(errors.front().message, ::testing::HasSubstr("No space left"));
 }
 
-TEST(JournalFile, goes_to_a_disk_that_stands_still_without_keeping_anybody_waiting) {
+TEST(JournalFile, on_a_stalled_disk_delays_no_caller) {
   Scratch scratch;
   const std::string file = pipe_in(scratch, "run.journal");
   const Descriptor reader{::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)};
   EventLoop loop;
   auto journal = JournalFile::create(loop, file, {}).value();
-  const std::string much(1U << 20U, 'x');  // a pipe takes 64 KiB, and then nothing until somebody reads
+  const std::string much(1U << 20U, 'x');  // a pipe takes 64 KiB, and then nothing until it is read
   journal->append(much);
   int heartbeats = 0;
   Timer timer{loop};
@@ -90,7 +90,7 @@ TEST(JournalFile, goes_to_a_disk_that_stands_still_without_keeping_anybody_waiti
 TEST(WriteFile, leaves_the_old_file_where_the_new_one_fails) {
   Scratch scratch;
   const std::string file = scratch.write("summary.json", "old");
-  std::filesystem::create_directory(scratch / "summary.json.new");  // in the way of the temporary
+  std::filesystem::create_directory(scratch / "summary.json.new");  // blocks the temporary file
   EXPECT_FALSE(write_file(file, "new"));
   EXPECT_EQ(read_file(file).value(), "old");
 }

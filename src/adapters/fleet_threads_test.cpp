@@ -1,4 +1,4 @@
-// The fleet's engine under real threads: what comes out must not depend on how many there are.
+// The fleet's engine with real threads: the result must not depend on their number.
 #include <gtest/gtest.h>
 
 #include <fstream>

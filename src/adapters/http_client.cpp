@@ -20,7 +20,7 @@ using ErrorCode = beast::error_code;
 constexpr std::size_t response_bytes_max = std::size_t{256} << 20U;
 constexpr std::chrono::seconds connect_max{5};
 
-/// One question and its answer on a connection of its own: resolve, connect, write, read, each followed by the next.
+/// One request and its response on a connection of its own: resolve, connect, write, read, each followed by the next.
 class Exchange {
  public:
   Exchange(http::request<http::string_body> request, std::chrono::milliseconds timeout)
@@ -54,7 +54,7 @@ class Exchange {
   void write() {
     stream_.expires_after(timeout_);
     http::async_write(stream_, request_, [this](ErrorCode error, std::size_t) {
-      // A server that refuses a long body may answer before it has heard all of it.
+      // A server that refuses a long body may respond before it has received all of it.
       (void)error;
       read();
     });
@@ -118,8 +118,8 @@ Result<HttpReply> HttpClient::send_request(std::string_view method, std::string_
   if (!exchange.error()) return exchange.take();
   const std::string why = exchange.error().message();
   if (!exchange.connected())
-    return fail("http.connect", "nobody answers there (" + why + "); is the platform running (cosiva up)?", url());
-  return fail("http.response", "the answer did not come: " + why, url());
+    return fail("http.connect", "no server responds there (" + why + "); is the platform running (cosiva up)?", url());
+  return fail("http.response", "no complete response: " + why, url());
 }
 
 }  // namespace cosiva::adapters

@@ -25,7 +25,7 @@ TEST(HttpClient, takes_addresses_that_have_host_and_port) {
   }
 }
 
-/// A server on a thread of its own, since the client waits for its answers.
+/// A server on a thread of its own, since the client waits for its responses.
 class Serving {
  public:
   Serving() {
@@ -68,7 +68,7 @@ TEST(HttpClient, sends_a_request_and_receives_the_response) {
   EXPECT_EQ(posted->body, "POST {}");
 }
 
-TEST(HttpClient, hears_why_a_body_is_too_long) {
+TEST(HttpClient, receives_the_reason_why_a_body_is_too_long) {
   const Serving serving;
   const auto client = HttpClient::make("http://127.0.0.1:" + std::to_string(serving.port));
   const auto refused = client->send_request("POST", "/api/v1/x", std::string(1U << 20U, 'x'));

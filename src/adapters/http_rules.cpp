@@ -109,7 +109,7 @@ std::optional<std::string> clean_path(std::string_view raw) {
 std::optional<std::vector<std::string>> path_segments(std::string_view raw) {
   if (!clean_path(raw) || !raw.starts_with('/')) return std::nullopt;
   std::vector<std::string> segments;
-  // Cut first, decoded then: a decoded slash is part of a name.
+  // Split first, then decoded: a decoded slash is part of a name.
   for (raw.remove_prefix(1); !raw.empty();) {
     const std::size_t slash = std::min(raw.find('/'), raw.size());
     segments.push_back(*decoded(raw.substr(0, slash)));
@@ -170,7 +170,7 @@ Result<StaticFile> load_static(const std::string& root, std::string_view path) {
   const fs::path base = fs::canonical(root, error);
   if (error) return not_found();
   const fs::path file = fs::canonical(base / relative, error);
-  // A link inside the root may lead out of it: what counts is where the file truly is.
+  // A link inside the root may lead out of it: the location of the link's target counts.
   const std::string prefix = base.string() == "/" ? "/" : base.string() + "/";
   if (error || !file.string().starts_with(prefix) || !fs::is_regular_file(file, error)) return not_found();
 

@@ -9,35 +9,36 @@
 
 #include "cosiva/base/result.h"
 
-/// What the web server allows and how it maps a path to a file, free of Beast so that it can be tested line by line.
+/// The rules of the web server and its mapping of paths to files, without Beast so that they can be tested line by
+/// line.
 namespace cosiva::adapters::http_rules {
 
-/// Is "localhost:8080", "127.0.0.1" or "[::1]:8080" this machine? The port may be missing or anything.
+/// Whether "localhost:8080", "127.0.0.1" or "[::1]:8080" is this machine. The port may be missing or any.
 [[nodiscard]] bool is_loopback_authority(std::string_view authority);
-/// May a page of this origin talk to us? Our own may: http, loopback, and our port or the very host it asked (`host`,
-/// which a developer's server in between passes on).
+/// Whether a page of this origin may send requests. Our own may: http, loopback, and our port or the same host as the
+/// request's (`host`, which a development server in between passes on).
 [[nodiscard]] bool is_own_origin(std::string_view origin, std::string_view host, std::uint16_t port);
 
 /// Percent-decodes a request's path. Nothing for bad escapes, a NUL, a backslash, or a ".." or "." segment.
 [[nodiscard]] std::optional<std::string> clean_path(std::string_view raw);
-/// The parts between the slashes of a path as it came, each percent-decoded once: a name may hold a slash when it is
-/// written as %2F. "/a/b%2Fc" gives {"a", "b/c"}; one slash at the end counts for nothing. Nothing where clean_path()
-/// gives nothing.
+/// The parts between the slashes of an undecoded path, each percent-decoded once: a name may contain a slash when it is
+/// written as %2F. "/a/b%2Fc" gives {"a", "b/c"}; one slash at the end is ignored. Nothing where clean_path() gives
+/// nothing.
 [[nodiscard]] std::optional<std::vector<std::string>> path_segments(std::string_view raw);
 
-/// Does a method change something? Those that only read (GET, HEAD) do not.
+/// Whether a method changes state. Those that only read (GET, HEAD) do not.
 [[nodiscard]] bool changes_state(std::string_view method);
 /// "application/json", with or without parameters.
 [[nodiscard]] bool is_json(std::string_view content_type);
 
-/// Lets so many requests a second through, and a burst after a rest. Told the time, so that it can be tested.
+/// Permits this many requests a second, and a burst after a pause. The time is a parameter, so that it can be tested.
 class RateLimit {
  public:
   using Time = std::chrono::steady_clock::time_point;
   /// @param per_second, burst  both at least 1
   RateLimit(double per_second, double burst, Time now)
       : per_second_{per_second}, burst_{burst}, left_{burst}, at_{now} {}
-  /// Counts one request; false: it is one too many.
+  /// Counts one request; false: the request is over the limit.
   [[nodiscard]] bool take(Time now);
 
  private:
@@ -57,7 +58,7 @@ struct StaticFile {
 /// The file of a clean path under root ("/" is index.html). Fails ("http.not_found"), also where a link leads out of
 /// root.
 [[nodiscard]] Result<StaticFile> load_static(const std::string& root, std::string_view path);
-/// Does If-None-Match name this tag?
+/// Whether If-None-Match names this tag.
 [[nodiscard]] bool etag_matches(std::string_view if_none_match, std::string_view etag);
 
 }  // namespace cosiva::adapters::http_rules

@@ -19,11 +19,11 @@ TEST(Host, is_own_only_by_a_loopback_name) {
     EXPECT_FALSE(is_loopback_authority(other)) << other;
 }
 
-TEST(Origin, is_ours_only_with_our_port_or_as_the_host_that_was_asked) {
+TEST(Origin, is_own_only_with_our_port_or_as_the_requested_host) {
   EXPECT_TRUE(is_own_origin("http://localhost:8080", "127.0.0.1:8080", 8080));
   EXPECT_TRUE(is_own_origin("http://127.0.0.1:8080", "localhost:8080", 8080));
   EXPECT_TRUE(is_own_origin("http://localhost", "localhost", 80));
-  EXPECT_TRUE(is_own_origin("http://localhost:5173", "localhost:5173", 8080));  // through a developer's server
+  EXPECT_TRUE(is_own_origin("http://localhost:5173", "localhost:5173", 8080));  // through a development server
   for (const char* other : {"null", "", "http://localhost:8081", "https://localhost:8080", "http://evil.example:8080",
                             "http://localhost:8080.evil.example", "http://localhost"})
     EXPECT_FALSE(is_own_origin(other, "localhost:8080", 8080)) << other;
@@ -36,13 +36,13 @@ TEST(Path, is_decoded_once) {
   EXPECT_EQ(clean_path("/a..b/.c"), "/a..b/.c");
 }
 
-TEST(Path, that_climbs_out_or_is_malformed_is_refused) {
+TEST(Path, that_leads_out_of_the_root_or_is_malformed_is_refused) {
   for (const char* bad : {"", "x", "/..", "/../etc/passwd", "/a/../../b", "/%2e%2e/etc/passwd", "/%2E./x", "/..%2fx",
                           "/a/.", "/%", "/%4", "/%zz", "/a%00b", "/..\\x", "/%5c..%5cx", "http://evil/"})
     EXPECT_FALSE(clean_path(bad)) << bad;
 }
 
-TEST(Segments, are_cut_before_they_are_decoded) {
+TEST(Segments, are_split_before_they_are_decoded) {
   using ::testing::ElementsAre;
   EXPECT_THAT(*path_segments("/api/v1/virtual-objects/P1"), ElementsAre("api", "v1", "virtual-objects", "P1"));
   EXPECT_THAT(*path_segments("/api/v1/virtual-objects/CoSiVA.virtual%2FV1"),
@@ -53,13 +53,13 @@ TEST(Segments, are_cut_before_they_are_decoded) {
   EXPECT_TRUE(path_segments("/")->empty());
 }
 
-TEST(Segments, that_climb_out_or_are_malformed_are_refused) {
+TEST(Segments, that_lead_out_of_the_root_or_are_malformed_are_refused) {
   for (const char* bad :
        {"", "x", "%2Fx", "/..", "/a/%2e%2e/b", "/a/..%2Fb", "/a/x%2F..%2Fb", "/a/%2", "/a/%00", "/a\\b"})
     EXPECT_FALSE(path_segments(bad)) << bad;
 }
 
-TEST(Json, is_told_by_its_media_type) {
+TEST(Json, is_recognised_by_its_media_type) {
   for (const char* good :
        {"application/json", "Application/JSON", "application/json; charset=utf-8", "application/json ;x"})
     EXPECT_TRUE(is_json(good)) << good;
@@ -67,7 +67,7 @@ TEST(Json, is_told_by_its_media_type) {
     EXPECT_FALSE(is_json(bad)) << bad;
 }
 
-TEST(RateLimit, lets_a_burst_through_and_then_so_many_a_second) {
+TEST(RateLimit, permits_a_burst_and_then_its_rate) {
   using namespace std::chrono_literals;
   RateLimit::Time now{};
   RateLimit limit{200.0, 400.0, now};
@@ -79,9 +79,9 @@ TEST(RateLimit, lets_a_burst_through_and_then_so_many_a_second) {
   EXPECT_EQ(passed(1000), 400);
   now += 500ms;
   EXPECT_EQ(passed(1000), 100);
-  now += 1h;  // a long rest saves up no more than a burst
+  now += 1h;  // a long pause saves up no more than a burst
   EXPECT_EQ(passed(1000), 400);
-  now -= 1s;  // a clock that went back costs nothing and gives nothing
+  now -= 1s;  // a clock that went back changes nothing
   EXPECT_EQ(passed(10), 0);
 }
 

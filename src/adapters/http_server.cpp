@@ -27,7 +27,7 @@ using ErrorCode = beast::error_code;
 using Request = http::request<http::string_body>;
 using Response = http::response<http::string_body>;
 
-/// What one client of the live stream gets, and how it is marked.
+/// One frame of the live stream for one client, and its type.
 struct Frame {
   HttpServer::LiveFrame bytes;
   bool binary{false};
@@ -36,12 +36,12 @@ struct Frame {
 constexpr std::string_view live_path = "/api/v1/live";
 constexpr std::string_view api_prefix = "/api/";
 constexpr std::uint32_t header_bytes_max = 16 * 1024;
-/// What waits in the kernel is stale by the time it is read: keep it to a few frames.
+/// Data that waits in the kernel is stale by the time it is read: the buffer holds a few frames only.
 constexpr int send_buffer_bytes = 64 * 1024;
 constexpr std::size_t live_message_bytes_max = 4 * 1024;
 constexpr std::chrono::seconds linger_max{2};
 constexpr std::size_t drained_bytes_max = 16 * 1024 * 1024;
-/// Whole files that are taken in at the same time: each may fill the memory that one may have.
+/// Whole files that are received at the same time: each may fill the memory allowed for one.
 constexpr std::size_t large_bodies_max = 2;
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
@@ -66,8 +66,7 @@ HttpResponse http_error(unsigned status, std::string_view code, std::string_view
   return {status, "application/json", json.take(), {}};
 }
 
-// --- what the sessions share
-// ------------------------------------------------------------------------------------------
+// --- common to the sessions -----------------------------------------------------------------------------------------
 
 class HttpSession;
 class LiveSession;
@@ -90,15 +89,14 @@ struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
   bool closed{false};
   std::set<HttpSession*> sessions;
   std::set<LiveSession*> live;
-  std::size_t large_bodies{0};  ///< being taken in now
+  std::size_t large_bodies{0};  ///< being received now
   std::array<Frame, live_kinds> kept;
   std::function<void()> on_join;
 };
 
 using Shared = std::shared_ptr<HttpServer::Impl>;
 
-// --- one WebSocket
-// ----------------------------------------------------------------------------------------------------
+// --- one WebSocket --------------------------------------------------------------------------------------------------
 
 class LiveSession : public std::enable_shared_from_this<LiveSession> {
  public:
@@ -117,7 +115,7 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
     limits.keep_alive_pings = true;
     socket_.set_option(limits);
     socket_.read_message_max(live_message_bytes_max);
-    socket_.auto_fragment(false);  // a frame goes out in one write, however big
+    socket_.auto_fragment(false);  // a frame is sent in one write, whatever its size
     socket_.async_accept(request, [self = shared_from_this()](const ErrorCode& error) {
       if (error) return;
       if (self->server_->on_join) self->server_->on_join();
@@ -142,7 +140,7 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
 
  private:
   void read() {
-    // The page has nothing to say here; reading is how pings, the close and the peer's end are noticed.
+    // The page sends no messages here; pings, the close and the peer's end are noticed by reading.
     socket_.async_read(incoming_, [self = shared_from_this()](const ErrorCode& error, std::size_t) {
       if (error) return self->close();
       self->incoming_.clear();
@@ -171,8 +169,7 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   bool open_{false};
 };
 
-// --- one HTTP connection
-// ----------------------------------------------------------------------------------------------
+// --- one HTTP connection --------------------------------------------------------------------------------------------
 
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
@@ -199,7 +196,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void read(std::chrono::milliseconds limit) {
     parser_.emplace();
     parser_->header_limit(header_bytes_max);
-    // What a body may have depends on where it goes; that is in the header.
+    // The limit of a body depends on its path, which is in the header.
     body_bytes_max_ = server_->options.body_bytes_max;
     parser_->body_limit(std::max(body_bytes_max_, server_->options.large_body_bytes_max));
     stream_.expires_after(limit);
@@ -213,10 +210,10 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     const HttpOptions& options = server_->options;
     const auto announced = parser_->content_length();
     const bool large = view(parser_->get().target()) == options.large_body_path && options.large_body_bytes_max > 0;
-    // One that does not announce its length may become large too.
+    // A body without an announced length may become large too.
     if (large && (parser_->chunked() || announced.value_or(0) > body_bytes_max_)) {
       if (server_->large_bodies >= large_bodies_max)
-        return refuse(http_error(503, "http.busy", "others are sending whole files just now; try again in a moment"));
+        return refuse(http_error(503, "http.busy", "other clients are sending whole files; try again in a moment"));
       large_ = true;
       ++server_->large_bodies;
       body_bytes_max_ = options.large_body_bytes_max;
@@ -256,17 +253,17 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
   [[nodiscard]] std::optional<HttpResponse> refuse_upgrade(const Request& request) const {
     if (!http_rules::is_loopback_authority(view(request[http::field::host])))
-      return http_error(403, "http.host", "this server answers to this machine's own names only");
+      return http_error(403, "http.host", "this server accepts this machine's own names only");
     const auto origin = request.find(http::field::origin);
     if (origin != request.end() &&
         !http_rules::is_own_origin(view(origin->value()), view(request[http::field::host]), server_->port))
-      return http_error(403, "http.origin", "a page from elsewhere may not listen here");
+      return http_error(403, "http.origin", "a page of another origin may not use the live stream");
     if (server_->live.size() >= server_->options.clients_max)
       return http_error(503, "http.busy", "too many pages are open");
     return std::nullopt;
   }
 
-  /// Answers what could not be read properly, and closes: what follows on this stream cannot be trusted.
+  /// Responds to a request that could not be read properly, and closes: the rest of this stream cannot be trusted.
   void refuse(HttpResponse refusal) {
     Response response{static_cast<http::status>(refusal.status), 11};
     response.set(http::field::content_type, refusal.content_type);
@@ -286,8 +283,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     });
   }
 
-  /// Closing with unread bytes would reset the connection and could take our answer with it: what still comes is read
-  /// and forgotten for a moment first.
+  /// Closing with unread bytes would reset the connection and could drop our response with it: bytes that still arrive
+  /// are read and discarded for a moment first.
   void linger() {
     ErrorCode ignored;
     stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
@@ -315,8 +312,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   std::size_t drained_bytes_{0};
 };
 
-// --- the server
-// -------------------------------------------------------------------------------------------------------
+// --- the server -----------------------------------------------------------------------------------------------------
 
 Result<void> HttpServer::Impl::listen() {
   ErrorCode error;
@@ -335,7 +331,7 @@ Result<void> HttpServer::Impl::listen() {
     ErrorCode ignored;
     acceptor.close(ignored);
   }
-  return fail("http.port", "no port from " + std::to_string(options.port) + " on could be had: " + error.message(),
+  return fail("http.port", "no port from " + std::to_string(options.port) + " on is available: " + error.message(),
               "127.0.0.1:" + std::to_string(options.port));
 }
 
@@ -345,7 +341,7 @@ void HttpServer::Impl::accept() {
     if (!self || self->closed) return;
     ErrorCode ignored;
     if (!error) socket.set_option(tcp::no_delay(true), ignored);
-    // Out of descriptors, or too many at once: the newcomer is dropped, those inside stay served.
+    // Out of descriptors, or too many clients: the new connection is dropped, the present ones stay served.
     if (!error && self->sessions.size() < self->options.clients_max)
       std::make_shared<HttpSession>(self, std::move(socket))->start();
     self->accept();
@@ -354,7 +350,7 @@ void HttpServer::Impl::accept() {
 
 namespace {
 
-/// What every answer carries.
+/// Header fields of every response.
 Response finish(const Request& request, HttpResponse plain) {
   Response response{static_cast<http::status>(plain.status), request.version()};
   response.set(http::field::content_type, plain.content_type);
@@ -368,7 +364,7 @@ Response finish(const Request& request, HttpResponse plain) {
   response.keep_alive(request.keep_alive());
   response.body() = std::move(plain.body);
   response.prepare_payload();
-  if (request.method() == http::verb::head) response.body().clear();  // its length stays announced
+  if (request.method() == http::verb::head) response.body().clear();  // the length stays announced
   return response;
 }
 
@@ -376,7 +372,7 @@ Response finish(const Request& request, HttpResponse plain) {
 
 Response HttpServer::Impl::response(const Request& request) const {
   if (!http_rules::is_loopback_authority(view(request[http::field::host])))
-    return finish(request, http_error(403, "http.host", "this server answers to this machine's own names only"));
+    return finish(request, http_error(403, "http.host", "this server accepts this machine's own names only"));
   const std::string_view target = view(request.target());
   const auto path = http_rules::clean_path(target.substr(0, target.find('?')));
   if (!path) return finish(request, http_error(400, "http.path", "this is not a path of this server"));
@@ -405,7 +401,7 @@ Response HttpServer::Impl::response(const Request& request) const {
 Response HttpServer::Impl::too_many(const Request& request) const {
   HttpResponse refusal = http_error(429, "http.rate",
                                     "more than " + std::to_string(std::lround(options.requests_per_second)) +
-                                        " requests a second came over this connection; ask less often, or listen to " +
+                                        " requests a second came over this connection; send fewer requests, or use " +
                                         std::string(live_path));
   refusal.headers.emplace_back("Retry-After", "1");
   return finish(request, std::move(refusal));
@@ -415,15 +411,15 @@ HttpResponse HttpServer::Impl::respond_to_api(const Request& request, std::strin
   const auto origin = request.find(http::field::origin);
   if (origin != request.end() &&
       !http_rules::is_own_origin(view(origin->value()), view(request[http::field::host]), port))
-    return http_error(403, "http.origin", "a page from elsewhere may not ask here");
+    return http_error(403, "http.origin", "a page of another origin may not send requests here");
 
   const std::size_t question = std::min(target.find('?'), target.size());
   const std::string_view path = target.substr(0, question);
   HttpRequest plain{std::string(view(request.method_string())), *http_rules::clean_path(path),
                     std::string(target.substr(std::min(question + 1, target.size()))), request.body(),
                     *http_rules::path_segments(path)};
-  if (plain.path == live_path) return http_error(426, "http.upgrade", "this address speaks WebSocket");
-  // A form of a page from elsewhere can post anything but JSON without asking its browser first.
+  if (plain.path == live_path) return http_error(426, "http.upgrade", "this address expects WebSocket");
+  // A form of a page of another origin can post anything but JSON without a preflight request of its browser.
   if (http_rules::changes_state(plain.method) && !plain.body.empty() &&
       !http_rules::is_json(view(request[http::field::content_type])))
     return http_error(415, "http.content_type",

@@ -17,9 +17,9 @@ namespace cosiva::adapters {
 struct HttpRequest {
   std::string method;  ///< "GET", "POST", "PUT", "PATCH", "DELETE"
   std::string path;    ///< "/api/v1/zone": percent-decoded, without query
-  std::string query;   ///< "after=3&limit=10": as it came, without '?'
+  std::string query;   ///< "after=3&limit=10": undecoded, without '?'
   std::string body;
-  /// The path's parts, each decoded by itself: "things/a%2Fb" is {"things", "a/b"}.
+  /// The path's parts, each decoded by itself: "virtual-objects/a%2Fb" is {"virtual-objects", "a/b"}.
   std::vector<std::string> segments;
   /// The value of a query parameter, or nothing.
   [[nodiscard]] std::string parameter(std::string_view name) const;
@@ -29,52 +29,52 @@ struct HttpResponse {
   unsigned status{200};
   std::string content_type{"application/json"};
   std::string body;
-  std::vector<std::pair<std::string, std::string>> headers;  ///< more of them, such as Allow
+  std::vector<std::pair<std::string, std::string>> headers;  ///< further ones, such as Allow
 };
 /// {"error":{"code","message"}} with this status.
 [[nodiscard]] HttpResponse http_error(unsigned status, std::string_view code, std::string_view message);
 
 struct HttpOptions {
   std::uint16_t port{8080};  ///< 0: any free one
-  int ports_tried{21};       ///< a busy port's successors, so many in all
-  std::string web_root;      ///< static files; empty or missing: `/` answers `page_without_web_root`
+  int ports_tried{21};       ///< a busy port's successors, up to this many in all
+  std::string web_root;      ///< static files; empty or missing: the response to `/` is `page_without_web_root`
   std::string page_without_web_root;
   std::size_t body_bytes_max{64 * 1024};
-  /// One path may be sent more, such as a whole file; of such bodies few are taken in at the same time, more are
-  /// answered 503.
+  /// Bodies for this path may be larger, such as a whole file; few of them are received at the same time, further ones
+  /// get status 503.
   std::string large_body_path;
   std::size_t large_body_bytes_max{0};
   std::size_t clients_max{512};
-  double requests_per_second{200.0};  ///< of one connection, for longer than its burst; more are answered 429
+  double requests_per_second{200.0};  ///< of one connection, for longer than its burst; further ones get status 429
   double requests_burst{400.0};
   std::chrono::milliseconds request_timeout{10'000};
   std::chrono::milliseconds idle_timeout{60'000};  ///< between requests of one connection
-  std::chrono::milliseconds live_timeout{20'000};  ///< a WebSocket peer that answers no ping for so long is gone
+  std::chrono::milliseconds live_timeout{20'000};  ///< after this long without a pong, a WebSocket peer is dropped
 };
 
-/// HTTP and WebSocket on 127.0.0.1 for the page. It serves only this machine: requests whose Host or Origin is not a
-/// loopback name are refused, so a web page from elsewhere cannot reach it through the user's browser, not even by DNS
-/// rebinding. Boost.Beast stays in the .cpp.
+/// HTTP and WebSocket on 127.0.0.1 for the page. The server serves only this machine: requests whose Host or Origin is
+/// not a loopback name are refused, so that a web page of another origin cannot reach it through the user's browser,
+/// not even by DNS rebinding. Boost.Beast stays in the .cpp.
 class HttpServer {
  public:
   struct Impl;  ///< shared with its sessions, in the .cpp only
   using Handler = std::function<HttpResponse(const HttpRequest&)>;
 
-  /// Listens. `api` answers every path under /api/. Fails ("http.port") when no port could be had.
+  /// Listens. `api` handles every path under /api/. Fails ("http.port") when no port is available.
   [[nodiscard]] static Result<std::unique_ptr<HttpServer>> listen(EventLoop& loop, HttpOptions options, Handler api);
   ~HttpServer();
 
   [[nodiscard]] std::uint16_t port() const;
   [[nodiscard]] std::size_t live_clients() const;
 
-  /// One frame of /api/v1/live, shared by all who get it.
+  /// One frame of /api/v1/live, one buffer for all its receivers.
   using LiveFrame = std::shared_ptr<const std::string>;
-  /// Frames come in kinds. Of each kind a client that reads slowly gets the newest only, lower kinds first: it holds
-  /// one frame on its way and one waiting of each kind, however long it does not read. A kept frame is also what a new
-  /// client gets first.
+  /// Each frame has a kind. A client that reads slowly gets only the newest frame of each kind, lower kinds first: for
+  /// one client the server holds one frame in transit and one waiting of each kind, however long the client does not
+  /// read. A frame stored for new clients is also the first that a new client gets.
   static constexpr std::size_t live_kinds = 6;
   void send_live(std::size_t kind, LiveFrame frame, bool binary = false, bool keep_for_new_clients = false);
-  /// Calls `action` when a client has joined, before it gets the kept frames: the moment to renew them.
+  /// Calls `action` when a client has joined, before it gets the stored frames, so that they can be renewed.
   void on_join(std::function<void()> action);
 
  private:

@@ -50,7 +50,7 @@ class Http : public ::testing::Test {
     server = std::move(*listening);
   }
 
-  /// Sends raw bytes, gives all that comes back until the server closes (or `limit`).
+  /// Sends raw bytes, returns all bytes received until the server closes (or `limit`).
   std::string raw(const std::string& bytes, std::chrono::milliseconds limit = timeout) {
     tcp::socket socket{loop.context()};
     socket.connect({asio::ip::address_v4::loopback(), server->port()});
@@ -143,7 +143,7 @@ TEST_F(Http, head_has_the_length_but_no_body) {
   EXPECT_EQ(response.find("<title>"), std::string::npos);
 }
 
-TEST_F(Http, keeps_a_connection_for_the_next_request) {
+TEST_F(Http, reuses_a_connection_for_the_next_request) {
   serve();
   const std::string one = "GET /assets/app.js HTTP/1.1\r\nHost: localhost\r\n\r\n";
   const std::string last = "GET / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
@@ -152,7 +152,7 @@ TEST_F(Http, keeps_a_connection_for_the_next_request) {
   EXPECT_THAT(responses, HasSubstr("<title>CoSiVA</title>"));
 }
 
-TEST_F(Http, hands_the_api_method_path_query_and_body) {
+TEST_F(Http, passes_method_path_query_and_body_to_the_api) {
   serve();
   const std::string response =
       raw("POST /api/v1/echo?after=3&limit=10 HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n"
@@ -167,7 +167,7 @@ TEST_F(Http, hands_the_api_method_path_query_and_body) {
   EXPECT_EQ(request.parameter("none"), "");
 }
 
-TEST_F(Http, hands_the_api_every_method_and_names_with_slashes) {
+TEST_F(Http, passes_every_method_and_names_with_slashes_to_the_api) {
   serve();
   for (const std::string method : {"GET", "POST", "PUT", "PATCH", "DELETE"}) {
     requested.clear();
@@ -182,7 +182,7 @@ TEST_F(Http, hands_the_api_every_method_and_names_with_slashes) {
   EXPECT_THAT(requested, ::testing::ElementsAre("GET /api? "));
 }
 
-TEST_F(Http, takes_bodies_as_json_only) {
+TEST_F(Http, accepts_bodies_as_json_only) {
   serve();
   const std::string head = " /api/v1/echo HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n";
   const std::string body = "Content-Length: 2\r\n\r\n{}";
@@ -195,7 +195,7 @@ TEST_F(Http, takes_bodies_as_json_only) {
               StartsWith("HTTP/1.1 202"));
 }
 
-TEST_F(Http, changes_nothing_for_a_page_from_elsewhere) {
+TEST_F(Http, changes_nothing_for_a_page_of_another_origin) {
   serve();
   for (const std::string method : {"POST", "PUT", "PATCH", "DELETE"}) {
     const std::string response = raw(method +
@@ -206,7 +206,7 @@ TEST_F(Http, changes_nothing_for_a_page_from_elsewhere) {
   EXPECT_TRUE(requested.empty());
 }
 
-TEST_F(Http, slows_a_connection_that_asks_too_often_and_no_other) {
+TEST_F(Http, limits_a_connection_with_too_many_requests_and_no_other) {
   HttpOptions options;
   options.requests_per_second = 1.0;
   options.requests_burst = 3.0;
@@ -217,11 +217,11 @@ TEST_F(Http, slows_a_connection_that_asks_too_often_and_no_other) {
   EXPECT_EQ(requested.size(), 3U);
   EXPECT_THAT(responses, HasSubstr("HTTP/1.1 429"));
   EXPECT_THAT(responses, HasSubstr("Retry-After: 1"));
-  EXPECT_THAT(responses, HasSubstr("ask less often"));
+  EXPECT_THAT(responses, HasSubstr("send fewer requests"));
   EXPECT_THAT(get("/api/v1/echo"), StartsWith("HTTP/1.1 202"));
 }
 
-TEST_F(Http, says_what_is_missing_as_json) {
+TEST_F(Http, reports_missing_paths_as_json) {
   serve();
   EXPECT_THAT(get("/api/v1/nothing"), HasSubstr(R"({"error":{"code":"http.not_found","message":"no such call"}})"));
   EXPECT_THAT(get("/nothing"), StartsWith("HTTP/1.1 404"));
@@ -229,7 +229,7 @@ TEST_F(Http, says_what_is_missing_as_json) {
   EXPECT_THAT(raw("DELETE / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"), StartsWith("HTTP/1.1 405"));
 }
 
-TEST_F(Http, without_a_built_page_says_how_to_build_it) {
+TEST_F(Http, without_a_built_page_explains_how_to_build_it) {
   HttpOptions options;
   options.web_root = scratch / "nowhere";
   options.page_without_web_root = "build me";
@@ -250,7 +250,7 @@ TEST_F(Http, refuses_names_and_origins_that_are_not_this_machine) {
   EXPECT_THAT(get("/api/v1/echo", own), StartsWith("HTTP/1.1 202"));
 }
 
-TEST_F(Http, refuses_paths_that_climb_out) {
+TEST_F(Http, refuses_paths_that_lead_out_of_the_root) {
   serve();
   for (const char* path : {"/../secret.txt", "/%2e%2e/secret.txt", "/assets/../../secret.txt", "/..%2fsecret.txt"}) {
     const std::string response = get(path);
@@ -259,7 +259,7 @@ TEST_F(Http, refuses_paths_that_climb_out) {
   }
 }
 
-TEST_F(Http, takes_a_larger_body_on_the_one_path_that_is_for_files) {
+TEST_F(Http, accepts_a_larger_body_on_the_one_path_for_files) {
   HttpOptions options;
   options.large_body_path = "/api/v1/echo";
   options.large_body_bytes_max = 100'000;
@@ -272,10 +272,10 @@ TEST_F(Http, takes_a_larger_body_on_the_one_path_that_is_for_files) {
   EXPECT_THAT(post("/api/v1/echo", 70'000), StartsWith("HTTP/1.1 202"));
   EXPECT_THAT(post("/api/v1/echo", 100'001), StartsWith("HTTP/1.1 413"));
   EXPECT_THAT(post("/api/v1/other", 70'000), StartsWith("HTTP/1.1 413"));
-  EXPECT_THAT(post("/api/v1/echo", 70'000), StartsWith("HTTP/1.1 202")) << "what was refused is forgotten";
+  EXPECT_THAT(post("/api/v1/echo", 70'000), StartsWith("HTTP/1.1 202")) << "a refused body no longer counts";
 }
 
-TEST_F(Http, takes_in_few_large_bodies_at_the_same_time) {
+TEST_F(Http, receives_few_large_bodies_at_the_same_time) {
   HttpOptions options;
   options.large_body_path = "/api/v1/echo";
   options.large_body_bytes_max = 100'000;
@@ -299,7 +299,7 @@ TEST_F(Http, takes_in_few_large_bodies_at_the_same_time) {
       StartsWith("HTTP/1.1 202"));
 }
 
-TEST_F(Http, answers_oversized_and_malformed_requests_with_their_reason_and_stays_up) {
+TEST_F(Http, responds_to_oversized_and_malformed_requests_with_their_reason_and_stays_up) {
   serve();
   const std::string head = "POST /api/v1/echo HTTP/1.1\r\nHost: localhost\r\n";
   EXPECT_THAT(raw(head + "Content-Length: 70000\r\n\r\n" + std::string(70'000, 'x')), StartsWith("HTTP/1.1 413"));
@@ -311,11 +311,11 @@ TEST_F(Http, answers_oversized_and_malformed_requests_with_their_reason_and_stay
   EXPECT_THAT(get("/"), StartsWith("HTTP/1.1 200"));
 }
 
-TEST_F(Http, lets_go_of_a_client_that_never_finishes_its_request) {
+TEST_F(Http, drops_a_client_that_never_finishes_its_request) {
   HttpOptions options;
   options.request_timeout = 100ms;
   serve(options);
-  EXPECT_EQ(raw("GET / HT"), "");  // comes back only because the server closed
+  EXPECT_EQ(raw("GET / HT"), "");  // returns only because the server closed
 }
 
 TEST_F(Http, takes_the_next_port_when_one_is_busy_and_reports_it) {
@@ -332,7 +332,7 @@ TEST_F(Http, takes_the_next_port_when_one_is_busy_and_reports_it) {
   EXPECT_EQ(none.error().code, "http.port");
 }
 
-TEST_F(Http, drops_newcomers_beyond_its_limit_and_serves_those_inside) {
+TEST_F(Http, drops_new_connections_beyond_its_limit_and_serves_the_present_ones) {
   HttpOptions options;
   options.clients_max = 2;
   serve(options);
@@ -348,7 +348,7 @@ TEST_F(Http, drops_newcomers_beyond_its_limit_and_serves_those_inside) {
   EXPECT_THAT(get("/"), StartsWith("HTTP/1.1 200"));
 }
 
-TEST_F(Http, live_client_gets_the_kept_frame_first_then_what_comes) {
+TEST_F(Http, live_client_gets_the_stored_frame_first_then_new_ones) {
   serve();
   server->send_live(0, frame("zone"), false, true);
   server->send_live(1, frame("old snapshot"));
@@ -363,7 +363,7 @@ TEST_F(Http, live_client_gets_the_kept_frame_first_then_what_comes) {
   EXPECT_THAT(page.frames, ::testing::ElementsAre("zone", "snapshot"));
 }
 
-TEST_F(Http, live_client_gets_kept_frames_in_the_order_of_their_kinds_renewed_as_it_joins) {
+TEST_F(Http, live_client_gets_stored_frames_in_the_order_of_their_kinds_renewed_as_it_joins) {
   serve();
   server->send_live(4, frame("old key"), true, true);
   server->send_live(0, frame("zone"), false, true);
@@ -378,7 +378,7 @@ TEST_F(Http, live_client_gets_kept_frames_in_the_order_of_their_kinds_renewed_as
   EXPECT_THAT(page.frames, ::testing::ElementsAre("zone", "binary:key", "binary:delta", "truth"));
 }
 
-TEST_F(Http, live_client_that_never_reads_holds_one_frame_on_its_way_and_one_of_each_kind) {
+TEST_F(Http, live_client_that_never_reads_holds_one_frame_in_transit_and_one_of_each_kind) {
   serve();
   Live stuck{loop, server->port(), "localhost", {}};
   ASSERT_TRUE(loop.run_until([&] { return stuck.opened.has_value(); }, timeout));
@@ -392,13 +392,13 @@ TEST_F(Http, live_client_that_never_reads_holds_one_frame_on_its_way_and_one_of_
   }
   const auto held = std::ranges::count_if(sent, [](const auto& weak) { return !weak.expired(); });
   EXPECT_LE(held, static_cast<std::ptrdiff_t>(HttpServer::live_kinds) + 1);
-  EXPECT_GE(held, 2);  // it does not read, so something waits
-  stuck.listen();      // once it reads, it has the newest of each kind
+  EXPECT_GE(held, 2);  // the client does not read, so a frame waits
+  stuck.listen();      // once the client reads, it gets the newest of each kind
   const std::string newest = "599" + padding;
   EXPECT_TRUE(loop.run_until([&] { return !stuck.frames.empty() && stuck.frames.back() == newest; }, timeout));
 }
 
-TEST_F(Http, live_client_from_elsewhere_is_refused) {
+TEST_F(Http, live_client_of_another_origin_is_refused) {
   serve();
   Live wrong_host{loop, server->port(), "evil.example", {}};
   Live wrong_origin{loop, server->port(), "localhost", "http://evil.example"};
@@ -420,23 +420,23 @@ TEST_F(Http, slow_live_client_misses_frames_but_gets_the_newest) {
     server->send_live(1, frame(std::to_string(i) + padding));
     ASSERT_TRUE(loop.run_until([&] { return quick.frames.size() == i + 1; }, timeout));
   }
-  slow.listen();  // 20 MB were offered to it; the kernel's buffers hold a few frames, we hold one
+  slow.listen();  // 20 MB were offered; the kernel's buffers hold a few frames, the server holds one
   const std::string newest = std::to_string(count - 1) + padding;
   ASSERT_TRUE(loop.run_until([&] { return !slow.frames.empty() && slow.frames.back() == newest; }, timeout));
   EXPECT_LT(slow.frames.size(), count);
 }
 
-TEST_F(Http, live_client_that_stops_answering_is_forgotten) {
+TEST_F(Http, live_client_that_stops_responding_is_dropped) {
   HttpOptions options;
   options.live_timeout = 200ms;
   serve(options);
   Live dead{loop, server->port(), "localhost", {}};
   ASSERT_TRUE(loop.run_until([&] { return dead.opened.has_value(); }, timeout));
-  EXPECT_EQ(server->live_clients(), 1U);  // it never reads, so it answers no ping
+  EXPECT_EQ(server->live_clients(), 1U);  // the client never reads, so it responds to no ping
   EXPECT_TRUE(loop.run_until([&] { return server->live_clients() == 0; }, timeout));
 }
 
-TEST_F(Http, live_client_that_talks_too_much_is_closed) {
+TEST_F(Http, live_client_that_sends_too_much_is_closed) {
   serve();
   Live chatty{loop, server->port(), "localhost", {}};
   ASSERT_TRUE(loop.run_until([&] { return chatty.opened.has_value(); }, timeout));
@@ -446,7 +446,7 @@ TEST_F(Http, live_client_that_talks_too_much_is_closed) {
   EXPECT_TRUE(loop.run_until([&] { return chatty.closed && server->live_clients() == 0; }, timeout));
 }
 
-TEST_F(Http, fifty_live_clients_all_hear_the_same) {
+TEST_F(Http, fifty_live_clients_all_receive_the_same) {
   serve();
   std::vector<std::unique_ptr<Live>> pages;
   for (int i = 0; i < 50; ++i) pages.push_back(std::make_unique<Live>(loop, server->port(), "127.0.0.1:8080", ""));
@@ -463,7 +463,7 @@ TEST_F(Http, fifty_live_clients_all_hear_the_same) {
   EXPECT_TRUE(loop.run_until(all_received, timeout));
 }
 
-TEST_F(Http, closes_everyone_when_it_goes) {
+TEST_F(Http, closes_all_connections_when_it_is_destroyed) {
   serve();
   Live page{loop, server->port(), "localhost", {}};
   ASSERT_TRUE(loop.run_until([&] { return page.opened.has_value(); }, timeout));

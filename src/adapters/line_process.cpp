@@ -17,7 +17,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// What is told is sent in pieces of this size: an estimator hears a dozen inputs between two questions.
+/// Lines are sent in pieces of this size: an estimator receives a dozen inputs between two requests.
 constexpr std::size_t send_at = 16U << 10U;
 constexpr std::size_t line_max = 1U << 20U;
 
@@ -38,7 +38,7 @@ Result<std::unique_ptr<LineProcess>> LineProcess::start(const std::string& comma
   std::unique_ptr<LineProcess> process{new LineProcess};
   process->command_ = command;
   std::array<int, 2> ends{};
-  // One socket both ways: unlike a pipe, writing to one that nobody reads is an error and no signal.
+  // One socket for both directions: unlike for a pipe, writing to one that is not read is an error and not a signal.
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
     return fail("process.start", std::string("no socket: ") + std::strerror(errno), command);
   process->fd_ = ends[0];
@@ -53,7 +53,7 @@ Result<std::unique_ptr<LineProcess>> LineProcess::start(const std::string& comma
 LineProcess::~LineProcess() {
   if (fd_ >= 0) ::close(fd_);
   if (pid_ <= 0) return;
-  // Its input is closed, which ends a program that reads to the end; who does not is killed with all it began.
+  // The program's input is closed, which ends a program that reads to the end; any other is killed with its children.
   for (int i = 0; i < 20 && ::waitpid(pid_, nullptr, WNOHANG) == 0; ++i) {
     if (i == 10) ::kill(-pid_, SIGTERM);
     std::this_thread::sleep_for(std::chrono::milliseconds{5});
@@ -90,7 +90,7 @@ Result<void> LineProcess::exchange(bool until_line, std::chrono::milliseconds ti
     if (ready < 0 && errno == EINTR) continue;
     if (ready <= 0)
       return fail("process.unresponsive",
-                  until_line ? "it gave no answer for " + std::to_string(timeout.count()) + " ms"
+                  until_line ? "it gave no response for " + std::to_string(timeout.count()) + " ms"
                              : "it took nothing for " + std::to_string(timeout.count()) + " ms",
                   command_);
     if ((watched.revents & POLLOUT) != 0) {
@@ -103,7 +103,7 @@ Result<void> LineProcess::exchange(bool until_line, std::chrono::milliseconds ti
     if (got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR)) return ended();
     if (got > 0) received_.append(bytes.data(), static_cast<std::size_t>(got));
     if (received_.size() > line_max && received_.find('\n') == std::string::npos)
-      return fail("process.garbage", "it said more than a megabyte without an end of line", command_);
+      return fail("process.garbage", "it wrote more than a megabyte without an end of line", command_);
   }
   return {};
 }

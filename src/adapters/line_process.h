@@ -11,9 +11,9 @@
 
 namespace cosiva::adapters {
 
-/// A program that is spoken to line by line, one answer at a time: written to its standard input, read from its
-/// standard output, both without ever waiting longer than is stated. What it says on standard error goes to ours. It
-/// runs in a process group of its own, gets SIGTERM when we die, and is killed with the object.
+/// A program that is used line by line, one response at a time: written to its standard input, read from its standard
+/// output, both without ever waiting longer than is stated. Its standard error is inherited. The program runs in a
+/// process group of its own, gets SIGTERM when the parent dies, and is killed with the object.
 class LineProcess {
  public:
   /// @param command  for /bin/sh
@@ -23,12 +23,12 @@ class LineProcess {
   LineProcess(const LineProcess&) = delete;
   LineProcess& operator=(const LineProcess&) = delete;
 
-  /// Keeps the line, and sends what is kept when there is much of it. Fails ("process.gone", "process.unresponsive") as
-  /// ask() does.
+  /// Buffers the line, and sends the buffer when it is large. Fails ("process.gone", "process.unresponsive") as ask()
+  /// does.
   [[nodiscard]] Result<void> send_line(std::string_view line, std::chrono::milliseconds timeout);
-  /// Sends what was told, and waits for one line. Fails ("process.gone") where it has ended, saying how;
-  /// ("process.unresponsive") where it says or takes nothing for that long; ("process.garbage") on a line of more than
-  /// a megabyte.
+  /// Sends the buffered lines, and waits for one line. Fails ("process.gone") where the program has ended, stating how;
+  /// ("process.unresponsive") where it writes or reads nothing for that long; ("process.garbage") on a line of more
+  /// than a megabyte.
   [[nodiscard]] Result<std::string> send_request(std::string_view line, std::chrono::milliseconds timeout);
 
  private:

@@ -34,14 +34,15 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
 
   void log(char level, const std::string& text) { log_writer.append(log_line(clock.now(), options.name, level, text)); }
 
-  // --- telling ------------------------------------------------------------------------------------------------------
+  // --- inputs
+  // ---------------------------------------------------------------------------------------------------------
 
   void record(const wire::Input& input) {
     if (writer) writer->append(input);
   }
 
-  /// Doing an effect may bring the next input at once (a publish that finds the connection broken): it waits its turn,
-  /// because the runner's effects are valid only until the next feed.
+  /// Performing an effect may produce the next input at once (a publish that finds the connection broken): that input
+  /// waits its turn, because the runner's effects are valid only until the next feed.
   void deliver(wire::InputKind kind, std::string source, std::string payload, bool flag = false) {
     if (stopped) return;
     waiting.push_back({clock.now(), kind, std::move(source), std::move(payload), flag});
@@ -65,7 +66,8 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
     });
   }
 
-  // --- acting -------------------------------------------------------------------------------------------------------
+  // --- effects
+  // --------------------------------------------------------------------------------------------------------
 
   void act(const wire::Publish& publish) {
     if (!mqtt) return;
@@ -84,7 +86,7 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
   void act(const wire::Persist& persist) {
     if (!state_file) return;
     if (auto stored = state_file->store(persist.bytes); !stored) {
-      log('e', "nothing is remembered from now on: " + to_string(stored.error()));
+      log('e', "no state is stored from now on: " + to_string(stored.error()));
       state_file.reset();
     }
   }
@@ -150,7 +152,7 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
     if (stopped) return;
     stopped = true;
     tick_timer.cancel();
-    // The digest covers what replay can repeat: every input and its effects. The farewell answers no input.
+    // The digest covers what replay can repeat: every input and its effects. The farewell belongs to no input.
     const std::string digest = runner.digest().hex();
     const SimTime at = clock.now();
     if (radio) radio->end();
@@ -178,7 +180,7 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
   OpenPorts open_ports;
   WallClock clock;
   wire::CoreRunner runner;
-  DiskWriter log_writer;  ///< on stderr: what reads our log, or the disk it goes to, must not stop us
+  DiskWriter log_writer;  ///< on stderr: the reader of the log, or its disk, must not block us
   std::unique_ptr<JournalFile> journal;
   std::optional<journal::Writer> writer;
   std::optional<StateFile> state_file;
@@ -189,7 +191,7 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
   std::uint64_t inputs{0};
   bool feeding{false};
   bool stopped{false};
-  // Last, so that they go first: their handlers speak to all of the above.
+  // Last, so that they are destroyed first: their handlers use all of the above.
   std::unique_ptr<Ports> ports;
   std::unique_ptr<MqttClient> mqtt;
 };

@@ -18,20 +18,20 @@
 namespace cosiva::adapters {
 
 struct LiveOptions {
-  std::string kind;     ///< "server", "plant" or "aiv": the source of the configure input, which replay looks at
+  std::string kind;     ///< "server", "plant" or "aiv": the source of the configure input, which replay uses
   std::string options;  ///< its payload: the core's options as JSON
   std::string name;     ///< before each line of the log: "aiv1"
   std::optional<MqttOptions> mqtt;
   std::string record_file;  ///< empty: no journal
-  std::string state_file;   ///< empty: what the core wants remembered is dropped
-  /// "CoSiVA/AIV2" for an *emulated* vehicle's program: it loses messages as wire::plant_radio_topic says; its core
-  /// never hears of it, and the journal holds what got through. Empty for everything real.
+  std::string state_file;   ///< empty: state that the core wants to persist is dropped
+  /// "CoSiVA/AIV2" for an *emulated* vehicle's program: it loses messages as described at wire::plant_radio_topic; its
+  /// core is not informed, and the journal holds the messages that got through. Empty for everything physical.
   std::string obeys_radio;
 };
 
-/// Runs one core live: tells it messages, bytes, ticks and commands with the wall clock's time, and does what it
-/// answers. Everything the core hears goes through one place, so the journal is whole. Its journal and its log, on
-/// stderr, never keep it waiting; what it remembers is kept before it says anything more.
+/// Runs one core live: feeds it messages, bytes, ticks and commands with the wall clock's time, and performs its
+/// effects. Every input of the core passes through one function, so the journal is complete. Journal and log, on
+/// stderr, never delay the core; its state is persisted before its next effects are performed.
 class LiveShell {
  public:
   using OpenPorts = std::function<Result<std::unique_ptr<Ports>>(PortHandlers)>;
@@ -39,7 +39,7 @@ class LiveShell {
   LiveShell(EventLoop& loop, wire::Core& core, LiveOptions options, OpenPorts open_ports = {});
   ~LiveShell();
 
-  /// Configures the core, recalls its memory, opens ports and connection, starts its ticks. Fails when the journal, the
+  /// Configures the core, restores its state, opens ports and connection, starts its ticks. Fails when the journal, the
   /// ports or the connection's options cannot be used.
   [[nodiscard]] Result<void> start();
   void command(const std::string& source, std::string json);

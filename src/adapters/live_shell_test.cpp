@@ -23,7 +23,7 @@ using ::testing::HasSubstr;
 using testing::Scratch;
 using testing::timeout;
 
-/// Answers what it hears: echoes messages and bytes, remembers commands, counts ticks.
+/// Responds to its inputs: echoes messages and bytes, persists commands, counts ticks.
 class EchoCore final : public wire::Core {
  public:
   void handle(const wire::Input& input, wire::Effects& effects) override {
@@ -80,7 +80,7 @@ class Shell : public ::testing::Test {
   EventLoop loop;
 };
 
-/// A pipe that takes nothing more until somebody reads.
+/// A pipe that takes nothing more until it is read.
 struct FullPipe {
   FullPipe() {
     std::array<int, 2> ends{};
@@ -113,7 +113,7 @@ struct FullPipe {
   int write_end{-1};
 };
 
-/// `fd` is `other` as long as this lives.
+/// `fd` is `other` as long as this object exists.
 class RedirectedTo {
  public:
   RedirectedTo(int fd, int other) : fd_{fd}, was_{::dup(fd)} { ::dup2(other, fd); }
@@ -129,7 +129,7 @@ class RedirectedTo {
   int was_;
 };
 
-TEST_F(Shell, tells_configure_first_then_memory_then_ticks_in_order_of_time) {
+TEST_F(Shell, feeds_configure_first_then_state_then_ticks_in_order_of_time) {
   scratch.write("state", "persisted");
   EchoCore core;
   LiveOptions with_state_file = options();
@@ -144,7 +144,7 @@ TEST_F(Shell, tells_configure_first_then_memory_then_ticks_in_order_of_time) {
   EXPECT_FALSE(core.went_back);
 }
 
-TEST_F(Shell, keeps_what_the_core_wants_persisted) {
+TEST_F(Shell, stores_the_state_that_the_core_persists) {
   EchoCore core;
   LiveOptions with_state_file = options();
   with_state_file.state_file = scratch / "state";
@@ -204,7 +204,7 @@ TEST_F(Shell, runs_a_core_over_a_real_broker_and_real_sockets_and_the_journal_re
   EXPECT_EQ(replayed->inputs, shell.inputs());
 }
 
-TEST_F(Shell, tells_the_core_when_its_broker_dies_and_when_it_is_back) {
+TEST_F(Shell, reports_to_the_core_when_its_broker_dies_and_when_it_is_back) {
   const auto broker = PrivateBroker::start(loop, {scratch.path(), scratch / "broker.log", {}}).value();
   EchoCore core;
   LiveOptions live = options();
@@ -223,7 +223,7 @@ TEST_F(Shell, tells_the_core_when_its_broker_dies_and_when_it_is_back) {
   EXPECT_THAT(links, ::testing::ElementsAre("3::up", "3::down", "3::up"));
 }
 
-TEST_F(Shell, of_an_emulated_vehicle_loses_what_the_ether_loses_and_its_core_and_journal_never_hear_why) {
+TEST_F(Shell, of_an_emulated_vehicle_loses_the_radios_messages_without_a_trace_in_core_and_journal) {
   const auto broker = PrivateBroker::start(loop, {scratch.path(), scratch / "broker.log", {}}).value();
   EchoCore core;
   LiveOptions live = options();
@@ -244,7 +244,7 @@ TEST_F(Shell, of_an_emulated_vehicle_loses_what_the_ether_loses_and_its_core_and
   const auto received = [&] { return std::ranges::count(core.received, "2:to_core:ping"); };
   ASSERT_TRUE(loop.run_until([&] { return echoes >= 3; }, timeout));
 
-  // Everything is lost: nothing comes in however long one waits, and what the core says goes nowhere.
+  // Everything is lost: no message arrives however long the test waits, and none that the core sends is delivered.
   peer->publish({"cosiva/v1/plant/radio", R"({"vehicle":"CoSiVA/AIV1","loss":1})", 1, false});
   loop.run_for(100ms);
   const auto before = received();
@@ -259,7 +259,7 @@ TEST_F(Shell, of_an_emulated_vehicle_loses_what_the_ether_loses_and_its_core_and
   stop(shell);
 }
 
-TEST_F(Shell, goes_on_when_the_disk_of_its_journal_is_full) {
+TEST_F(Shell, continues_when_the_disk_of_its_journal_is_full) {
   EchoCore core;
   LiveOptions live = options();
   live.record_file = "/dev/full";
@@ -272,11 +272,11 @@ TEST_F(Shell, goes_on_when_the_disk_of_its_journal_is_full) {
   EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("the journal stops here"));
 }
 
-TEST_F(Shell, goes_on_when_nobody_reads_its_log) {
-  FullPipe log;  // as behind a pager that waits for its reader
+TEST_F(Shell, continues_when_its_log_is_not_read) {
+  FullPipe log;  // as behind a pager that waits for its user
   EchoCore core;
   LiveOptions live = options();
-  live.record_file = "/dev/full";  // so that there is something to say
+  live.record_file = "/dev/full";  // so that there is an error to log
   LiveShell shell{loop, core, live};
   {
     const RedirectedTo stderr_is{STDERR_FILENO, log.write_end};
@@ -287,7 +287,7 @@ TEST_F(Shell, goes_on_when_nobody_reads_its_log) {
   }
 }
 
-TEST_F(Shell, does_not_start_with_a_journal_or_ports_it_cannot_have) {
+TEST_F(Shell, does_not_start_with_an_unusable_journal_or_port) {
   EchoCore core;
   LiveOptions live = options();
   live.record_file = "/nonexistent/run.journal";
@@ -298,7 +298,7 @@ TEST_F(Shell, does_not_start_with_a_journal_or_ports_it_cannot_have) {
   EXPECT_EQ(without_ports.start().error().code, "port.listen");
 }
 
-TEST_F(Shell, hears_nothing_more_once_stopped) {
+TEST_F(Shell, receives_nothing_more_once_stopped) {
   EchoCore core;
   LiveShell shell{loop, core, options()};
   ASSERT_TRUE(shell.start());

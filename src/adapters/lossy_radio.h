@@ -12,22 +12,22 @@
 
 namespace cosiva::adapters {
 
-/// The emulated ether between one emulated vehicle and the broker (wire::plant_radio_topic). It treats messages as
-/// wire::Network does in virtual time: QoS 0 is lost with the share's probability, QoS 1 comes a retry later for each
-/// loss, and in order. Loopback loses nothing by itself, so somebody has to.
+/// The emulated radio between one emulated vehicle and the broker (wire::plant_radio_topic). Messages are treated as by
+/// wire::Network in virtual time: QoS 0 is lost with the given ratio as probability, QoS 1 comes a retry later for each
+/// loss, and in order. Loopback loses nothing by itself, hence this class.
 class LossyRadio {
  public:
-  /// @param vehicle  "CoSiVA/AIV2", whom it obeys for besides "*"
+  /// @param vehicle  "CoSiVA/AIV2", the vehicle whose commands apply, in addition to "*"
   LossyRadio(EventLoop& loop, std::string vehicle);
 
-  /// Takes in what is said about the ether; false when the message is no such thing. A bad one changes nothing.
+  /// Reads a command to the radio; false when the message is not one. A bad command changes nothing.
   bool take(std::string_view topic, std::string_view payload);
   [[nodiscard]] double loss() const { return loss_; }
 
   /// Calls `deliver` at once, later, or never. Each direction keeps its own order.
   void receive(int qos, std::function<void()> deliver) { pass(incoming_, qos, std::move(deliver)); }
   void send(int qos, std::function<void()> deliver) { pass(outgoing_, qos, std::move(deliver)); }
-  /// Everything still on its way out is delivered now, and nothing is lost any more: a goodbye must get through.
+  /// Everything still in transit outwards is delivered now, and nothing is lost any more: a farewell must get through.
   void end();
 
   static constexpr std::chrono::milliseconds retry{200};
@@ -54,8 +54,8 @@ class LossyRadio {
   Lane outgoing_;
 };
 
-/// With what QoS the platform sends what a vehicle hears on this topic (docs/architecture.md, "What travels"): an MQTT
-/// client is not told how a message came.
+/// The QoS with which the platform sends messages that a vehicle receives on this topic (docs/architecture.md, "What
+/// travels"): an MQTT client does not learn the sender's QoS.
 [[nodiscard]] int qos_of_received(std::string_view topic);
 
 }  // namespace cosiva::adapters

@@ -20,7 +20,7 @@ class Radio : public ::testing::Test {
   LossyRadio radio{loop, "CoSiVA/AIV2"};
 };
 
-TEST_F(Radio, obeys_for_its_own_vehicle_and_for_all) {
+TEST_F(Radio, obeys_commands_for_its_own_vehicle_and_for_all) {
   EXPECT_TRUE(publish(R"({"vehicle":"CoSiVA/AIV1","loss":0.5})"));
   EXPECT_EQ(radio.loss(), 0.0);
   EXPECT_TRUE(publish(R"({"vehicle":"CoSiVA/AIV2","loss":0.5})"));
@@ -31,7 +31,7 @@ TEST_F(Radio, obeys_for_its_own_vehicle_and_for_all) {
   EXPECT_EQ(radio.loss(), 0.1);
 }
 
-TEST_F(Radio, leaves_the_ether_as_it_is_when_what_is_said_makes_no_sense) {
+TEST_F(Radio, ignores_invalid_commands) {
   publish(R"({"vehicle":"*","loss":0.5})");
   for (const char* bad : {"", "nonsense", R"({"vehicle":"*"})", R"({"vehicle":"*","loss":2})", R"({"loss":0.1})"}) {
     EXPECT_TRUE(publish(bad)) << bad << ": it is for the radio all the same";
@@ -48,7 +48,7 @@ TEST_F(Radio, that_is_good_passes_everything_at_once) {
   EXPECT_EQ(received, 4);
 }
 
-TEST_F(Radio, loses_its_share_of_QoS_0_both_ways) {
+TEST_F(Radio, loses_its_ratio_of_QoS_0_in_both_directions) {
   publish(R"({"vehicle":"*","loss":0.3})");
   int in = 0;
   int out = 0;
@@ -61,7 +61,7 @@ TEST_F(Radio, loses_its_share_of_QoS_0_both_ways) {
   EXPECT_NEAR(out, 7000, 250);
 }
 
-TEST_F(Radio, brings_QoS_1_later_but_whole_and_in_order) {
+TEST_F(Radio, delivers_QoS_1_later_but_complete_and_in_order) {
   publish(R"({"vehicle":"*","loss":0.5})");
   std::vector<int> received;
   for (int i = 0; i < 8; ++i) radio.receive(1, [&received, i] { received.push_back(i); });
@@ -72,7 +72,7 @@ TEST_F(Radio, brings_QoS_1_later_but_whole_and_in_order) {
   EXPECT_THAT(received, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8));
 }
 
-TEST_F(Radio, lets_the_goodbye_through) {
+TEST_F(Radio, lets_the_farewell_through) {
   publish(R"({"vehicle":"*","loss":1})");
   std::vector<std::string> published;
   radio.send(1, [&] { published.emplace_back("state"); });

@@ -24,7 +24,7 @@ constexpr milliseconds backoff_min{50};
 constexpr milliseconds backoff_max{2000};
 constexpr milliseconds misc_period{500};
 constexpr milliseconds drain_max{1000};
-/// libmosquitto reads one packet per call; so many are taken before other work of the loop gets its turn.
+/// libmosquitto reads one packet per call; this many are taken before other work of the loop gets its turn.
 constexpr int reads_per_turn = 64;
 
 void initialise_library() {
@@ -43,7 +43,7 @@ Result<MqttOptions> parse_broker_address(std::string_view text) {
   const auto bad = [&] {
     return fail("broker.address", "'" + std::string(text) + "' is not HOST:PORT, such as 127.0.0.1:1883 or [::1]:1883");
   };
-  // Without brackets an IPv6 address could not be told from a port: it is refused rather than guessed at.
+  // Without brackets an IPv6 address could not be distinguished from a port: it is refused.
   const bool bracketed = text.starts_with('[');
   const std::size_t host_end = text.find(bracketed ? ']' : ':');
   if (bracketed && host_end == std::string_view::npos) return bad();
@@ -82,7 +82,7 @@ struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
   [[nodiscard]] std::string broker() const { return options.host + ":" + std::to_string(options.port); }
 
   void log(char level, const std::string& text) {
-    if (text == last_logged) return;  // a broker that stays away is news once, not at each attempt
+    if (text == last_logged) return;  // an unreachable broker is logged once, not at each attempt
     last_logged = text;
     if (handlers.on_log) handlers.on_log(level, text);
   }
@@ -163,7 +163,7 @@ struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
     }
     watchdog.after(options.connect_timeout, [weak = weak_from_this()] {
       if (const auto self = weak.lock(); self && !self->up) {
-        self->log('w', "broker " + self->broker() + ": no answer in time; trying again");
+        self->log('w', "broker " + self->broker() + ": no response in time; trying again");
         self->drop_connection();
         self->retry_later();
       }
@@ -174,7 +174,7 @@ struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
 
   void adopt_socket() {
     // Asio gets a duplicate: libmosquitto closes its own descriptor inside its calls, and Asio must never poll a number
-    // that may already belong to something else.
+    // that may already belong to another file.
     release_socket();
     fd = ::dup(mosquitto_socket(client));
     if (fd < 0) {
@@ -214,7 +214,7 @@ struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
     if (rc != 0) {
       log('e', "broker " + broker() + " refuses: " + mosquitto_connack_string(rc));
       refused = true;
-      return;  // it closes the connection; after_library() sees that
+      return;  // the library closes the connection; after_library() detects that
     }
     became_up = true;
   }
@@ -301,7 +301,7 @@ struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
                           });
   }
 
-  /// What every call of the library may have caused, handled outside its callbacks. False when the connection is gone.
+  /// Handles the effects of a call of the library, outside its callbacks. False when the connection is gone.
   bool after_library() {
     if (busy) return fd >= 0;
     busy = true;
@@ -321,7 +321,7 @@ struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
   }
 
   void on_message(const mosquitto_message& message) {
-    const int saved = errno;  // read() looks at errno after the library's call
+    const int saved = errno;  // read() evaluates errno after the library's call
     ++counters.received;
     if (handlers.on_message && !stopping) {
       const char* payload = static_cast<const char*>(message.payload);
@@ -348,7 +348,7 @@ struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
     if (rc == MOSQ_ERR_SUCCESS) ++counters.published;
     if (fd >= 0 && mosquitto_want_write(client)) wait_write();
     if (lost) {
-      // The handlers must not hear of it from inside their own call.
+      // The handlers must not be called from inside their own call.
       loop.post([weak = weak_from_this(), mine = session] {
         if (const auto self = weak.lock(); self && mine == self->session) self->after_library();
       });
@@ -390,7 +390,7 @@ struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
   EventLoop& loop;
   MqttOptions options;
   std::vector<std::string> subscriptions;
-  std::vector<std::string> listens;  ///< likewise, for now
+  std::vector<std::string> listens;  ///< likewise, until the next call
   MqttHandlers handlers;
   mosquitto* client{nullptr};
   asio::posix::stream_descriptor descriptor;
@@ -404,7 +404,7 @@ struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
   bool first{true};
   bool up{false};
   bool became_up{false};
-  bool refused{false};  ///< said already, so its closing the connection is no news
+  bool refused{false};  ///< reported already, so the closing of the connection is not logged
   bool lost{false};
   bool writing{false};
   bool busy{false};
@@ -418,7 +418,7 @@ struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
 MqttClient::MqttClient() = default;
 
 MqttClient::~MqttClient() {
-  // Handlers belong to whoever owned us; none may run after this.
+  // Handlers belong to the owner of this object; none may run after this.
   impl_->handlers = {};
   impl_->stopping = true;
   impl_->misc_timer.cancel();

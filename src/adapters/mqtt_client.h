@@ -17,19 +17,19 @@ namespace cosiva::adapters {
 
 struct MqttTls {
   std::string ca_file;           ///< PEM; the broker's certificate must lead to it
-  std::string certificate_file;  ///< PEM of this client, with key_file; both empty: none is shown
+  std::string certificate_file;  ///< PEM of this client, with key_file; both empty: none is presented
   std::string key_file;
 };
 
 struct MqttOptions {
-  std::string host{"127.0.0.1"};  ///< an IP address where it can be one: looking a name up blocks the loop
+  std::string host{"127.0.0.1"};  ///< an IP address where possible: resolving a name blocks the loop
   std::uint16_t port{1883};
-  std::string client_name{"cosiva"};  ///< made unique with the process and a counter: a broker drops namesakes
+  std::string client_name{"cosiva"};  ///< made unique with process and counter: brokers drop clients of equal name
   std::chrono::seconds keep_alive{5};
   std::chrono::milliseconds connect_timeout{1000};
   std::optional<MqttTls> tls;
   std::string user;
-  std::string password_file;  ///< its first line; passwords never stand in arguments or the environment
+  std::string password_file;  ///< its first line; passwords are never passed in arguments or the environment
 };
 
 /// "HOST:PORT", "HOST", "[::1]:1883"; fails ("broker.address").
@@ -41,8 +41,8 @@ struct MqttHandlers {
   std::function<void(char level, const std::string& text)> on_log;  ///< may be empty
 };
 
-/// One connection to a broker, kept alive: libmosquitto inside the loop. It reconnects by itself (50 ms, doubling to
-/// 2 s), subscribes again each time, and gives an attempt up after `connect_timeout` (over TLS a broker that is down
+/// One permanent connection to a broker: libmosquitto inside the loop. The client reconnects by itself (50 ms, doubling
+/// to 2 s), subscribes again each time, and gives an attempt up after `connect_timeout` (over TLS a broker that is down
 /// would otherwise be waited for without end).
 class MqttClient {
  public:
@@ -51,18 +51,18 @@ class MqttClient {
                                                                 std::vector<std::string> subscriptions,
                                                                 const std::optional<wire::Will>& will,
                                                                 MqttHandlers handlers);
-  /// Drops the connection without a word, so the broker publishes the will, as if the process had died.
+  /// Drops the connection without DISCONNECT, so that the broker publishes the will, as if the process had died.
   ~MqttClient();
 
   void start();
   [[nodiscard]] bool connected() const;
-  /// QoS 0 is dropped while there is no connection (false); QoS 1 is kept and sent on its return.
+  /// QoS 0 is dropped while there is no connection (false); QoS 1 is queued and sent when the connection is back.
   bool publish(const wire::Publish& message);
-  /// Ends cleanly: waits (1 s at most) until everything published is out and acknowledged, says DISCONNECT, calls
+  /// Ends cleanly: waits (1 s at most) until everything published is sent and acknowledged, sends DISCONNECT, calls
   /// `done`.
   void stop(std::function<void()> done);
 
-  /// What it hears besides its subscriptions, until the next call; holds over reconnections. Only what changes is told
+  /// Filters in addition to the subscriptions, until the next call; they survive reconnections. Only changes are sent
   /// to the broker.
   void listen(std::vector<std::string> filters);
 

@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 using testing::Scratch;
 using testing::timeout;
 
-/// A client that notes down all it hears.
+/// A client that records every message received.
 struct Listener {
   std::vector<std::string> received;  ///< "topic=payload", retained ones with a '*' in front
   std::vector<bool> links;
@@ -54,7 +54,7 @@ class Mqtt : public ::testing::Test {
   bool until_connected(const Listener& listener) {
     return until([&] { return listener.client->connected(); });
   }
-  /// Subscriptions are in force once a message of one's own comes back through one.
+  /// A subscription is in force once the client's own message arrives through it.
   bool until_listening(Listener& listener, const std::string& topic) {
     if (!until_connected(listener)) return false;
     Timer again{loop};
@@ -81,7 +81,7 @@ TEST_F(Mqtt, private_broker_listens_on_loopback_and_its_configuration_is_private
   EXPECT_NE(::stat((scratch / "mosquitto.conf").c_str(), &metadata), 0);
 }
 
-TEST_F(Mqtt, listens_to_other_topics_while_connected_and_over_a_lost_connection) {
+TEST_F(Mqtt, changes_filters_while_connected_and_over_a_lost_connection) {
   Listener listener{loop, broker->port(), {"own"}};
   listener.client->listen({"talk/1/+", "talk/2/+"});  // before there is a connection
   ASSERT_TRUE(until_listening(listener, "talk/2/x"));
@@ -89,7 +89,7 @@ TEST_F(Mqtt, listens_to_other_topics_while_connected_and_over_a_lost_connection)
   ASSERT_TRUE(until_listening(listener, "talk/3/x"));
   for (const char* topic : {"talk/1/x", "talk/2/x", "own"}) listener.client->publish({topic, "a", 0, false});
   ASSERT_TRUE(until([&] { return listener.received_all(2); }));
-  EXPECT_THAT(listener.received, ElementsAre("talk/2/x=a", "own=a")) << "the first is listened to no more";
+  EXPECT_THAT(listener.received, ElementsAre("talk/2/x=a", "own=a")) << "the first filter is no longer subscribed";
 
   bool dead = false;
   broker->on_exit([&](const ChildExit&) { dead = true; });
@@ -112,7 +112,7 @@ TEST_F(Mqtt, message_arrives_as_it_was_sent) {
   EXPECT_THAT(listener.received, ElementsAre("a/b=" + bytes, "a/c="));
 }
 
-TEST_F(Mqtt, retained_message_reaches_who_comes_later_and_says_so) {
+TEST_F(Mqtt, retained_message_reaches_a_later_subscriber_with_its_flag) {
   Listener speaker{loop, broker->port(), {}};
   ASSERT_TRUE(until_connected(speaker));
   speaker.client->publish({"zone", "lacet4", 1, true});
@@ -124,7 +124,7 @@ TEST_F(Mqtt, retained_message_reaches_who_comes_later_and_says_so) {
   EXPECT_THAT(late.received, ElementsAre("*zone=lacet4"));
 }
 
-TEST_F(Mqtt, thousand_messages_in_one_go_arrive_in_order) {
+TEST_F(Mqtt, thousand_messages_at_once_arrive_in_order) {
   Listener listener{loop, broker->port(), {"flood", "flood/probe"}};
   ASSERT_TRUE(until_listening(listener, "flood/probe"));
   Listener speaker{loop, broker->port(), {}};
@@ -136,7 +136,7 @@ TEST_F(Mqtt, thousand_messages_in_one_go_arrive_in_order) {
   for (std::size_t i = 0; i < 1000; ++i) ASSERT_EQ(listener.received[i], "flood=" + std::to_string(i) + padding);
 }
 
-TEST_F(Mqtt, will_is_published_when_a_client_vanishes_but_not_when_it_says_goodbye) {
+TEST_F(Mqtt, will_is_published_when_a_client_vanishes_but_not_after_disconnect) {
   Listener listener{loop, broker->port(), {"will/#", "probe"}};
   ASSERT_TRUE(until_listening(listener, "probe"));
   auto killed = std::make_unique<Listener>(loop, broker->port(), std::vector<std::string>{},
@@ -153,7 +153,7 @@ TEST_F(Mqtt, will_is_published_when_a_client_vanishes_but_not_when_it_says_goodb
   EXPECT_THAT(listener.received, ElementsAre("will/polite=OFFLINE", "will/killed=CONNECTIONBROKEN"));
 }
 
-TEST_F(Mqtt, comes_back_by_itself_after_the_broker_was_killed) {
+TEST_F(Mqtt, reconnects_by_itself_after_the_broker_was_killed) {
   Listener listener{loop, broker->port(), {"a", "probe"}};
   ASSERT_TRUE(until_listening(listener, "probe"));
   Listener speaker{loop, broker->port(), {}};
@@ -177,7 +177,7 @@ TEST_F(Mqtt, comes_back_by_itself_after_the_broker_was_killed) {
   EXPECT_THAT(listener.received, ElementsAre("a=again"));
 }
 
-TEST_F(Mqtt, qos_1_said_without_a_connection_is_sent_on_its_return) {
+TEST_F(Mqtt, qos_1_published_without_a_connection_is_sent_on_its_return) {
   Listener listener{loop, broker->port(), {"a", "probe"}};
   Listener speaker{loop, broker->port(), {}};
   ASSERT_TRUE(until_connected(speaker));
@@ -185,13 +185,13 @@ TEST_F(Mqtt, qos_1_said_without_a_connection_is_sent_on_its_return) {
   broker->on_exit([&](const ChildExit&) { dead = true; });
   broker->child()->signal(SIGKILL);
   ASSERT_TRUE(until([&] { return dead && !speaker.client->connected(); }));
-  speaker.client->publish({"a", "kept", 1, true});  // retained: the listener may come back after it
+  speaker.client->publish({"a", "kept", 1, true});  // retained: the listener may reconnect after the publication
   ASSERT_TRUE(broker->restart());
   ASSERT_TRUE(until([&] { return listener.received_all(1); }));
   EXPECT_THAT(listener.received.front(), HasSubstr("a=kept"));
 }
 
-TEST_F(Mqtt, publishing_from_within_a_message_is_fine) {
+TEST_F(Mqtt, publishing_from_within_a_message_handler_is_permitted) {
   Listener echo{loop, broker->port(), {"probe"}};
   ASSERT_TRUE(until_listening(echo, "probe"));
   MqttOptions options;
@@ -210,7 +210,7 @@ TEST_F(Mqtt, publishing_from_within_a_message_is_fine) {
   EXPECT_TRUE(until([&] { return left == 0; }));
 }
 
-TEST(MqttClient, says_once_that_nobody_answers_and_stops_at_once) {
+TEST(MqttClient, logs_once_that_no_broker_responds_and_stops_at_once) {
   EventLoop loop;
   const std::uint16_t no_receiver = find_free_port().value();
   Listener listener{loop, no_receiver, {}};
@@ -258,8 +258,8 @@ TEST(MqttClient, names_the_options_it_cannot_use) {
   EXPECT_EQ(without_password.error().code, "mqtt.password");
 }
 
-TEST(MqttClient, gives_up_on_a_peer_that_accepts_and_says_nothing) {
-  // A listening socket whose backlog takes the connection but never answers CONNECT.
+TEST(MqttClient, gives_up_on_a_peer_that_accepts_and_sends_nothing) {
+  // A listening socket whose backlog takes the connection but never responds to CONNECT.
   Scratch scratch;
   EventLoop loop;
   const std::uint16_t port = find_free_port().value();
@@ -273,7 +273,7 @@ TEST(MqttClient, gives_up_on_a_peer_that_accepts_and_says_nothing) {
   ASSERT_TRUE(loop.run_until([&] { return ready; }, timeout));
   Listener listener{loop, port, {}};
   EXPECT_TRUE(loop.run_until([&] { return !listener.log.empty(); }, timeout));
-  EXPECT_THAT(listener.log.front(), HasSubstr("no answer in time"));
+  EXPECT_THAT(listener.log.front(), HasSubstr("no response in time"));
 }
 
 /// An authority, a broker and a client with certificates from it, made by the openssl command.
@@ -330,7 +330,7 @@ class Tls : public ::testing::Test {
   std::unique_ptr<Child> broker;
 };
 
-TEST_F(Tls, carries_messages_and_comes_back_after_the_broker_was_killed) {
+TEST_F(Tls, carries_messages_and_reconnects_after_the_broker_was_killed) {
   std::vector<std::string> received;
   MqttHandlers handlers;
   handlers.on_message = [&](std::string_view, std::string_view payload, bool) { received.emplace_back(payload); };
@@ -349,7 +349,7 @@ TEST_F(Tls, carries_messages_and_comes_back_after_the_broker_was_killed) {
   EXPECT_TRUE(loop.run_until([&] { return received.size() >= 3; }, timeout));
 }
 
-TEST_F(Tls, does_not_talk_to_a_broker_that_its_authority_does_not_know) {
+TEST_F(Tls, does_not_connect_to_a_broker_unknown_to_its_authority) {
   std::vector<std::string> log;
   MqttHandlers handlers;
   handlers.on_log = [&](char, const std::string& text) { log.push_back(text); };
@@ -369,7 +369,7 @@ TEST(BrokerAddress, is_read_in_its_usual_forms) {
   EXPECT_EQ(parse_broker_address("[::1]:1884").value().port, 1884);
 }
 
-TEST(BrokerAddress, that_makes_no_sense_is_refused) {
+TEST(BrokerAddress, that_is_invalid_is_refused) {
   for (const char* bad : {"", ":1883", "host:", "host:0", "host:65536", "host:12x", "::1", "[::1", "[::1]x", "a b:1"}) {
     const auto parsed = parse_broker_address(bad);
     ASSERT_FALSE(parsed) << bad;

@@ -15,7 +15,7 @@ struct PortHandlers {
 class Ports {
  public:
   virtual ~Ports() = default;
-  /// Bytes for a stream that is not up, or whose other side does not read, are lost as on a wire.
+  /// Bytes for a stream that is not up, or whose other side does not read, are lost as on a cable.
   virtual void send(const std::string& port, std::string_view bytes) = 0;
 };
 

@@ -18,7 +18,7 @@ namespace cosiva::adapters {
 namespace {
 
 constexpr std::string_view magic = "cosiva-memory 1 ";
-/// The least that a disk writes at once.
+/// The smallest unit that a disk writes.
 constexpr std::size_t slot_bytes_min = 4096;
 
 struct Slot {
@@ -48,7 +48,7 @@ std::optional<Slot> read_slot(std::string_view text) {
   const auto length = number_of<std::size_t>(take_word());
   if (!number || !length || line.size() == text.size()) return std::nullopt;
   const Slot slot{*number, text.substr(line.size() + 1, *length)};
-  // Its digest, its length and all else are right where it would be written so.
+  // The slot is valid if writing its content again gives the same text, with the same digest and length.
   return text.starts_with(slot_text(slot.number, slot.bytes)) ? std::optional{slot} : std::nullopt;
 }
 
@@ -59,7 +59,7 @@ std::optional<Slot> newest(std::string_view file) {
   return first;
 }
 
-/// What is remembered is text.
+/// The stored state is text.
 bool has_slots(std::string_view file) { return file.starts_with(magic) || file.find('\0') != std::string_view::npos; }
 
 }  // namespace
@@ -110,7 +110,7 @@ bool StateFile::open_as_it_is() {
 Result<void> StateFile::make_anew(std::string_view bytes) {
   close();
   const std::string text = slot_text(1, bytes);
-  // It may grow to twice of what it is.
+  // The state may grow to twice its size.
   const std::size_t slot_bytes = std::bit_ceil(std::max(slot_bytes_min, 2 * text.size()));
   std::string file(slot_bytes, '\0');
   file += text;

@@ -21,7 +21,7 @@ ino_t identity(const std::string& file) {
   return there.st_ino;
 }
 
-TEST(StateFile, gives_back_the_last_bytes_stored_while_it_is_written_and_after) {
+TEST(StateFile, restores_the_last_bytes_stored_while_it_is_written_and_after) {
   Scratch scratch;
   const std::string file = scratch / "state";
   EXPECT_FALSE(load(file));
@@ -35,7 +35,7 @@ TEST(StateFile, gives_back_the_last_bytes_stored_while_it_is_written_and_after) 
   }
 }
 
-TEST(StateFile, takes_a_file_without_slots_as_it_is) {
+TEST(StateFile, reads_a_file_without_slots_as_it_is) {
   Scratch scratch;
   const std::string file = scratch.write("state", "{\"version\":1}");
   EXPECT_EQ(load(file), "{\"version\":1}");
@@ -43,7 +43,7 @@ TEST(StateFile, takes_a_file_without_slots_as_it_is) {
   EXPECT_EQ(load(file), "newer");
 }
 
-TEST(StateFile, is_written_in_place_for_a_new_name_waits_for_the_disk) {
+TEST(StateFile, is_written_in_place_since_a_new_file_waits_for_the_disk) {
   Scratch scratch;
   const std::string file = scratch / "state";
   StateFile state_file{file};
@@ -56,7 +56,7 @@ TEST(StateFile, is_written_in_place_for_a_new_name_waits_for_the_disk) {
   EXPECT_EQ(std::filesystem::file_size(file), size);
 }
 
-TEST(StateFile, makes_room_for_what_does_not_fit) {
+TEST(StateFile, grows_for_bytes_that_do_not_fit) {
   Scratch scratch;
   const std::string file = scratch / "state";
   StateFile state_file{file};
@@ -68,7 +68,7 @@ TEST(StateFile, makes_room_for_what_does_not_fit) {
   }
 }
 
-TEST(StateFile, of_which_anything_was_lost_gives_what_was_stored_last_or_before_or_nothing) {
+TEST(StateFile, that_is_damaged_gives_the_last_bytes_or_those_before_or_nothing) {
   Scratch scratch;
   const std::string file = scratch / "state";
   StateFile state_file{file};
@@ -86,7 +86,7 @@ TEST(StateFile, of_which_anything_was_lost_gives_what_was_stored_last_or_before_
     for (const unsigned bit : {1U, 2U, 64U}) {
       std::string flipped = whole;
       flipped[at] = static_cast<char>(static_cast<unsigned char>(flipped[at]) ^ bit);
-      // A first letter that is wrong in one slot leaves the other.
+      // A wrong first character in one slot leaves the other intact.
       still_last += expect_one_of_them(flipped, at) == "last" ? 1 : 0;
     }
     std::string cut = whole;
@@ -96,7 +96,7 @@ TEST(StateFile, of_which_anything_was_lost_gives_what_was_stored_last_or_before_
   EXPECT_GT(still_last, 0);
 }
 
-TEST(StateFile, that_says_it_is_longer_than_it_is_gives_nothing) {
+TEST(StateFile, that_is_shorter_than_it_states_gives_nothing) {
   Scratch scratch;
   for (const std::string text : {"cosiva-memory 1 ", "cosiva-memory 1 1 5", "cosiva-memory 1 1 99999999999999999999 x",
                                  "cosiva-memory 1 1 18446744073709551615 0123456789abcdef\n12345",
@@ -106,7 +106,7 @@ TEST(StateFile, that_says_it_is_longer_than_it_is_gives_nothing) {
   }
 }
 
-TEST(StateFile, that_was_taken_away_is_made_anew) {
+TEST(StateFile, that_was_removed_is_created_anew) {
   Scratch scratch;
   const std::string file = scratch / "state";
   StateFile state_file{file};
@@ -116,7 +116,7 @@ TEST(StateFile, that_was_taken_away_is_made_anew) {
   EXPECT_EQ(load(file), "second");
 }
 
-TEST(StateFile, that_cannot_be_written_says_so) {
+TEST(StateFile, that_cannot_be_written_is_an_error) {
   StateFile state_file{"/nonexistent/state"};
   const auto stored = state_file.store("x");
   ASSERT_FALSE(stored);

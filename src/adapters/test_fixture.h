@@ -10,10 +10,10 @@
 
 namespace cosiva::adapters::testing {
 
-/// A deadline that only a hang can miss, also on a machine that does ten things at once.
+/// A deadline that only a hang can miss, also on a busy machine.
 inline constexpr std::chrono::seconds timeout{30};
 
-/// A directory of the test's own, gone with it.
+/// A directory of the test's own, removed at its end.
 class Scratch {
  public:
   Scratch() {

@@ -12,8 +12,8 @@
 
 namespace cosiva::adapters {
 
-/// Threads that stay, for cores that take Workers. Whoever calls for_each works along; parts are taken one by one, so
-/// that nobody waits for the slowest share.
+/// Permanent threads for cores that take Workers. The caller of for_each works as well; parts are taken one by one, so
+/// that no thread waits for the slowest part.
 class ThreadPool final : public Workers {
  public:
   /// @param threads  in all, the caller's own included; at least one

@@ -7,7 +7,7 @@
 namespace cosiva::adapters {
 namespace {
 
-TEST(ThreadPool, does_each_part_once_however_many_threads_there_are) {
+TEST(ThreadPool, executes_each_part_once_for_any_number_of_threads) {
   for (const std::size_t threads : {1U, 2U, 4U, 8U}) {
     ThreadPool pool{threads};
     EXPECT_EQ(pool.threads(), threads);
@@ -19,7 +19,7 @@ TEST(ThreadPool, does_each_part_once_however_many_threads_there_are) {
   }
 }
 
-TEST(ThreadPool, has_seen_all_parts_done_when_it_returns) {
+TEST(ThreadPool, returns_after_all_parts_are_done) {
   ThreadPool pool{4};
   std::vector<std::uint64_t> sums(64, 0);
   for (int round = 0; round < 500; ++round) pool.for_each(sums.size(), [&](std::size_t i) { sums[i] += i; });

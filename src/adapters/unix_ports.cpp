@@ -26,7 +26,7 @@ using Stream = asio::local::stream_protocol;
 using ErrorCode = boost::system::error_code;
 
 constexpr std::chrono::milliseconds reconnect_period{200};
-/// A board that does not read for so long is gone: at 50 frames a second this is over ten seconds' worth.
+/// A board that does not read for this long is gone: at 50 frames a second the buffer holds over ten seconds' data.
 constexpr std::size_t unsent_max = 64 * 1024;
 
 Result<void> check_path(const std::string& path) {
@@ -36,7 +36,7 @@ Result<void> check_path(const std::string& path) {
               path);
 }
 
-/// One connected stream. Its owner hears of bytes and of its end until close().
+/// One connected stream. The owner is notified of bytes and of the end until close().
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(Stream::socket socket, std::function<void(std::string_view)> on_bytes, std::function<void()> on_end)
@@ -90,7 +90,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     });
   }
 
-  /// The read that is under way sees the shut-down stream and ends it from the loop, not from inside send().
+  /// The pending read notices the shut-down stream and ends it from the loop, not from inside send().
   void end_later() {
     ErrorCode ignored;
     socket_.shutdown(Stream::socket::shutdown_both, ignored);
@@ -112,15 +112,14 @@ class Connection : public std::enable_shared_from_this<Connection> {
   bool writing_{false};
 };
 
-/// What both ends of a port do with a stream once it stands: hand on its bytes, and say when it came and went.
+/// Common to both ends of a connected port: passes its bytes on, and reports when the stream opened and closed.
 class Line : public std::enable_shared_from_this<Line> {
  public:
   Line(std::string port, const PortHandlers& handlers) : port_{std::move(port)}, handlers_{handlers} {}
 
-  /// Takes a stream in the place of the one before it. `after_loss` is called when it ends by itself, after the
-  /// handlers.
+  /// Replaces the stream before it. `after_loss` is called when the stream ends by itself, after the handlers.
   void carry(Stream::socket socket, std::function<void()> after_loss = {}) {
-    const auto self = shared_from_this();  // a handler may let go of its ports
+    const auto self = shared_from_this();  // a handler may destroy its ports
     if (connection_) {
       connection_->close();
       connection_.reset();
@@ -172,10 +171,11 @@ class Listener : public std::enable_shared_from_this<Listener> {
 
   Result<void> open() {
     ErrorCode error;
-    // The directory is ours (see DirectoryLock), so a socket here was left by a process that was killed.
+    // The directory belongs to this process (see DirectoryLock), so a socket here was left by a process that was
+    // killed.
     struct stat found {};
     if (::lstat(path_.c_str(), &found) == 0) {
-      if (!S_ISSOCK(found.st_mode)) return fail("port.listen", "stands in the way and is no socket", path_);
+      if (!S_ISSOCK(found.st_mode)) return fail("port.listen", "exists and is not a socket", path_);
       ::unlink(path_.c_str());
     }
     acceptor_.open(Stream(), error);
@@ -262,7 +262,7 @@ class Connector : public std::enable_shared_from_this<Connector> {
   bool closed_{false};
 };
 
-/// One process at a time serves the boards of a directory. The kernel lets go of the lock however that process ends.
+/// One process at a time serves the boards of a directory. The kernel releases the lock however that process ends.
 class DirectoryLock {
  public:
   DirectoryLock() = default;
@@ -312,7 +312,7 @@ class UnixPorts final : public Ports {
   }
 
  private:
-  DirectoryLock lock_;  // after the sockets are gone, so first here
+  DirectoryLock lock_;  // released after the sockets are destroyed, hence declared first
   std::map<std::string, std::shared_ptr<End>> ends_;
 };
 
@@ -328,7 +328,7 @@ Result<std::unique_ptr<Ports>> listen_unix_ports(EventLoop& loop, const std::str
                                                  const std::vector<std::string>& ports, const PortHandlers& handlers) {
   std::error_code error;
   std::filesystem::create_directories(directory, error);
-  if (error) return fail("port.listen", "cannot make this directory: " + error.message(), directory);
+  if (error) return fail("port.listen", "cannot create this directory: " + error.message(), directory);
   return UnixPorts<Listener>::make(loop, directory, ports, handlers);
 }
 

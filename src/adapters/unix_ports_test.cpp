@@ -50,7 +50,7 @@ class UnixPorts : public ::testing::Test {
   Side vehicle;
 };
 
-TEST_F(UnixPorts, carry_bytes_both_ways_each_on_its_own_wire) {
+TEST_F(UnixPorts, carry_bytes_in_both_directions_each_on_its_own_stream) {
   listen({"1/PILS", "1/PRAV"});
   connect({"1/PILS", "1/PRAV"});
   ASSERT_TRUE(until([&] { return boards.events.size() == 2 && vehicle.events.size() == 2; }));
@@ -75,7 +75,7 @@ TEST_F(UnixPorts, sockets_are_named_after_their_port_and_removed_at_the_end) {
   EXPECT_NE(::stat((scratch / "1-PILS.sock").c_str(), &metadata), 0);
 }
 
-TEST_F(UnixPorts, vehicle_finds_boards_that_come_later_and_come_back) {
+TEST_F(UnixPorts, vehicle_connects_to_boards_that_start_later_and_restart) {
   connect({"1/PILS"});
   loop.run_for(50ms);
   EXPECT_TRUE(vehicle.events.empty());
@@ -88,7 +88,7 @@ TEST_F(UnixPorts, vehicle_finds_boards_that_come_later_and_come_back) {
   EXPECT_THAT(vehicle.events, ElementsAre("1/PILS up", "1/PILS down", "1/PILS up"));
 }
 
-TEST_F(UnixPorts, board_sees_its_vehicle_leave_and_return) {
+TEST_F(UnixPorts, board_detects_that_its_vehicle_leaves_and_returns) {
   listen({"1/PILS"});
   connect({"1/PILS"});
   ASSERT_TRUE(until([&] { return boards.events.size() == 1; }));
@@ -99,7 +99,7 @@ TEST_F(UnixPorts, board_sees_its_vehicle_leave_and_return) {
   EXPECT_THAT(boards.events, ElementsAre("1/PILS up", "1/PILS down", "1/PILS up"));
 }
 
-TEST_F(UnixPorts, newcomer_takes_the_cable) {
+TEST_F(UnixPorts, new_peer_replaces_the_old_one) {
   listen({"1/PILS"});
   connect({"1/PILS"});
   ASSERT_TRUE(until([&] { return boards.events.size() == 1; }));
@@ -111,7 +111,7 @@ TEST_F(UnixPorts, newcomer_takes_the_cable) {
   EXPECT_THAT(boards.events, ElementsAre("1/PILS up", "1/PILS down", "1/PILS up"));
 }
 
-TEST_F(UnixPorts, peer_that_never_reads_is_dropped_and_costs_no_memory_without_end) {
+TEST_F(UnixPorts, peer_that_never_reads_is_dropped_with_bounded_memory) {
   listen({"1/PILS"});
   const int deaf = ::socket(AF_UNIX, SOCK_STREAM, 0);
   sockaddr_un address{};
@@ -129,7 +129,7 @@ TEST_F(UnixPorts, peer_that_never_reads_is_dropped_and_costs_no_memory_without_e
   ::close(deaf);
 }
 
-TEST_F(UnixPorts, leftover_of_a_killed_process_is_replaced_but_a_living_one_is_not) {
+TEST_F(UnixPorts, leftover_of_a_killed_process_is_replaced_but_a_running_one_is_not) {
   {
     const int left = ::socket(AF_UNIX, SOCK_STREAM, 0);
     sockaddr_un address{};
@@ -160,7 +160,7 @@ TEST_F(UnixPorts, what_cannot_be_a_socket_is_an_error_with_its_path) {
   EXPECT_EQ(too_long.error().code, "port.path");
 }
 
-TEST_F(UnixPorts, bytes_for_a_port_nobody_holds_are_lost_quietly) {
+TEST_F(UnixPorts, bytes_for_an_unconnected_port_are_lost_without_error) {
   listen({"1/PILS"});
   boards.ports->send("1/PILS", "into the air");
   boards.ports->send("9/PILS", "no such port");

@@ -13,11 +13,11 @@
 
 namespace cosiva::app {
 
-/// One request, taken apart.
+/// One request, parsed.
 struct Call {
   const adapters::HttpRequest& request;
-  std::vector<std::string> arguments;  ///< what stands at the pattern's {…}, in their order
-  JsonValue body;                      ///< an object, where the route wants one
+  std::vector<std::string> arguments;  ///< the path's parts at the pattern's {…}, in their order
+  JsonValue body;                      ///< an object, where the route requires one
 };
 
 /// What the calls of one page have in common: the host whose core they use, and the obstacles of an emulated world.
@@ -33,7 +33,7 @@ class CallContext {
   /// The clock of the run; the wall's where the host has none of its own.
   [[nodiscard]] PageHost::Clock clock() const;
 
-  /// The obstacles that the emulated world reports: the only ones that can be taken away.
+  /// Replaces the obstacles that the emulated world reports: the only ones that can be removed.
   void know_plant(std::set<std::string> obstacles);
   /// Whether an emulated world has reported.
   [[nodiscard]] bool has_plant() const { return plant_obstacles_.has_value(); }

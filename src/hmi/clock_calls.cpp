@@ -15,7 +15,7 @@ constexpr double step_ms_max = 10'000.0;
 
 HttpResponse walls_clock() {
   return http_error(409, "clock.not_now",
-                    "this run goes by the wall's clock, which nobody stops; start one with --virtual-time to do so");
+                    "this run uses the wall clock, which cannot be stopped; start a run with --virtual-time instead");
 }
 
 }  // namespace
@@ -24,7 +24,7 @@ HttpResponse set_clock(CallContext& context, const Call& call) {
   const JsonValue* running = call.body.find("running");
   const JsonValue* speed = call.body.find("speed");
   if (running == nullptr && speed == nullptr)
-    return http_error(400, "clock.body", R"(say "running":true or false, or "speed":4, or both)");
+    return http_error(400, "clock.body", R"(send "running":true or false, or "speed":4, or both)");
   if (running != nullptr && running->flag() == nullptr)
     return http_error(400, "clock.running", R"("running" is true or false)");
   if (speed != nullptr && (speed->number() == nullptr || *speed->number() < speed_min || *speed->number() > speed_max))
@@ -39,7 +39,7 @@ HttpResponse set_clock(CallContext& context, const Call& call) {
 HttpResponse step_clock(CallContext& context, const Call& call) {
   const auto ms = call.body.number("ms");
   if (!ms || *ms < step_ms_min || *ms > step_ms_max)
-    return http_error(400, "clock.ms", R"("ms" says how far to go, 1 to 10000 virtual milliseconds)");
+    return http_error(400, "clock.ms", R"("ms" is the step, 1 to 10000 virtual milliseconds)");
   const PageHost::Clock now = context.clock();
   if (!now.is_virtual || !context.host().step) return walls_clock();
   if (now.running) return http_error(409, "clock.not_now", "the clock runs; stop it first to go step by step");

@@ -26,7 +26,7 @@ HttpResponse removed_response(std::size_t count) {
   return json_response(json.take());
 }
 
-/// {"command":verb,"virtualObject":{"id":…, and what the body says but its own id}}
+/// {"command":verb,"virtualObject":{"id":…, and the fields of the body except its own id}}
 std::string virtual_object_command(std::string_view verb, const std::string& id, const JsonValue& body) {
   JsonWriter json;
   json.begin_object().field("command", verb).key("virtualObject").begin_object().field("id", id);
@@ -42,13 +42,13 @@ std::string remove_command(std::string_view id) {
   return json.take();
 }
 
-/// A virtual AIV is known by two names: as a thing, and as the vehicle "CoSiVA.virtual/V1".
+/// A virtual AIV has two names: its virtual object's id, and the vehicle "CoSiVA.virtual/V1".
 std::string virtual_object_id(const std::string& given) {
   const std::string prefix = std::string(wire::virtual_manufacturer) + "/";
   return given.starts_with(prefix) ? given.substr(prefix.size()) : given;
 }
 
-/// What is only virtual now: things and virtual AIVs.
+/// The number of virtual objects and virtual AIVs.
 std::size_t count_virtual(const virtual_side::ServerCore& core) {
   const auto snapshot = JsonValue::parse(core.snapshot_json(), snapshot_bytes_max);
   if (!snapshot) return 0;
@@ -88,7 +88,7 @@ HttpResponse post_battery_ready(CallContext& context, const Call& call) {
 HttpResponse add_virtual_object(CallContext& context, const Call& call) {
   const std::string kind = call.body.text("kind").value_or("");
   if (kind != "aiv" && kind != "person" && kind != "obstacle")
-    return http_error(400, "virtual_object.kind", R"(say what to add: "kind":"aiv", "person" or "obstacle")");
+    return http_error(400, "virtual_object.kind", R"(state what to add: "kind":"aiv", "person" or "obstacle")");
   const std::string id = context.host().core->next_virtual_object_id(kind);
   if (auto given = context.give(virtual_object_command("add", id, call.body)); !given) return refusal(given.error());
   return id_response(id, 201);
@@ -96,7 +96,7 @@ HttpResponse add_virtual_object(CallContext& context, const Call& call) {
 
 HttpResponse move_virtual_object(CallContext& context, const Call& call) {
   const std::string id = virtual_object_id(call.arguments[0]);
-  // Whether it could be removed tells whether it is there.
+  // Whether the object could be removed shows whether it exists.
   if (auto there = context.host().core->check_command(remove_command(id)); !there) return refusal(there.error());
   if (auto given = context.give(virtual_object_command("move", id, call.body)); !given) return refusal(given.error());
   return id_response(id, 200);
@@ -105,7 +105,7 @@ HttpResponse move_virtual_object(CallContext& context, const Call& call) {
 HttpResponse remove_virtual_object(CallContext& context, const Call& call) {
   const std::string id = virtual_object_id(call.arguments[0]);
   if (id == "*")
-    return http_error(404, "virtual_object.not_found", "DELETE /api/v1/virtual-objects takes all of them away");
+    return http_error(404, "virtual_object.not_found", "DELETE /api/v1/virtual-objects removes all of them");
   if (auto given = context.give(remove_command(id)); !given) return refusal(given.error());
   return removed_response(1);
 }
@@ -121,7 +121,7 @@ HttpResponse remove_virtual_objects(CallContext& context, const Call&) {
 HttpResponse add_plant_obstacle(CallContext& context, const Call& call) {
   if (!context.has_plant())
     return http_error(409, "plant.not_now",
-                      "no emulated world has been heard of, and a real one takes obstacles only from your hands");
+                      "no emulated world has reported; put a physical obstacle into the zone by hand");
   std::string id;
   if (const JsonValue* given = call.body.find("id")) {
     if (given->text() == nullptr || given->text()->empty())
@@ -144,7 +144,7 @@ HttpResponse add_plant_obstacle(CallContext& context, const Call& call) {
 HttpResponse remove_plant_obstacle(CallContext& context, const Call& call) {
   const std::string& id = call.arguments[0];
   if (!context.has_plant())
-    return http_error(409, "plant.not_now", "no emulated world has been heard of; take a real obstacle away by hand");
+    return http_error(409, "plant.not_now", "no emulated world has reported; remove a physical obstacle by hand");
   if (!context.in_plant(id))
     return http_error(404, "plant.not_found", "the emulated world has no obstacle '" + id + "'");
   JsonWriter json;

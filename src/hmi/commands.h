@@ -3,7 +3,7 @@
 #include "cosiva/adapters/http_server.h"
 #include "cosiva/hmi/call_context.h"
 
-/// Commands to vehicles, and what is added or taken away (docs/protocols/hmi-api.md, "Doing").
+/// Commands to vehicles, and adding and removing of objects (docs/protocols/hmi-api.md, "Doing").
 /// Each handles one call of the route table (page_calls.cpp); status and error codes are those of that document.
 namespace cosiva::app {
 

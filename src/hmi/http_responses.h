@@ -11,7 +11,8 @@ namespace cosiva::app {
 
 /// A response with a JSON body.
 [[nodiscard]] adapters::HttpResponse json_response(std::string json, unsigned status = 200);
-/// The core's refusal: 409 for what only cannot be now, 429 for one too many, 404 for what is not there, else 400.
+/// The core's refusal: 409 for a request that is only impossible at present, 429 for one too many, 404 for an unknown
+/// object, else 400.
 [[nodiscard]] adapters::HttpResponse refusal(const Error& error);
 /// Copies a value into a document that is being written.
 void write_json(JsonWriter& json, const JsonValue& value);

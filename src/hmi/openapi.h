@@ -4,7 +4,7 @@
 
 namespace cosiva::app {
 
-/// docs/protocols/openapi.json, taken into the program when it was built: `GET /api` answers it wherever it runs.
+/// docs/protocols/openapi.json, compiled into the program: the response to `GET /api`.
 [[nodiscard]] std::string_view openapi_json();
 
 }  // namespace cosiva::app

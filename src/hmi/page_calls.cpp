@@ -54,7 +54,7 @@ std::span<const PageCalls::Route> PageCalls::routes() {
 
 namespace {
 
-/// What stands at a pattern's {…}; nothing when the path is another.
+/// The path's parts at a pattern's {…}; nothing when the path does not match.
 std::optional<std::vector<std::string>> match(std::string_view pattern, const std::vector<std::string>& segments) {
   std::vector<std::string> arguments;
   std::size_t at = 0;
@@ -73,12 +73,10 @@ std::optional<std::vector<std::string>> match(std::string_view pattern, const st
 }
 
 Result<JsonValue> object_of(const std::string& body) {
-  if (body.empty())
-    return fail("http.body", "this call needs a JSON object as its body; GET /api shows what stands in it");
+  if (body.empty()) return fail("http.body", "this call needs a JSON object as its body; GET /api shows its fields");
   auto value = JsonValue::parse(body, switch_bytes_max);
   if (!value) return fail("http.body", "the body must be a JSON object; it is " + value.error().message);
-  if (value->object() == nullptr)
-    return fail("http.body", "the body must be a JSON object; GET /api shows what stands in it");
+  if (value->object() == nullptr) return fail("http.body", "the body must be a JSON object; GET /api shows its fields");
   return value;
 }
 
@@ -103,7 +101,7 @@ HttpResponse PageCalls::response(const HttpRequest& request) {
   }
   if (allowed.empty())
     return http_error(404, "http.not_found", "there is no call " + request.path + "; GET /api lists those there are");
-  HttpResponse wrong = http_error(405, "http.method", request.path + " is asked with " + allowed);
+  HttpResponse wrong = http_error(405, "http.method", request.path + " is requested with " + allowed);
   wrong.headers.emplace_back("Allow", allowed);
   return wrong;
 }

@@ -12,20 +12,20 @@
 
 namespace cosiva::app {
 
-/// A whole zone may be sent to this path; nothing else is so long. 16 MiB of a file, and some more where its bytes are
-/// escaped or a sidecar file comes along.
+/// The path for a whole zone, the only long body: 16 MiB of a file, and some more where its bytes are escaped or a
+/// sidecar file is included.
 inline constexpr std::string_view switch_path = "/api/v1/zone/switch";
 inline constexpr std::size_t switch_bytes_max = std::size_t{64} << 20U;
 
-/// The HTTP half of the page's contract, as a table of calls. It knows no socket: requests come in, answers go out.
-/// Every change is judged by the core first, so that the answer is immediate, and then given to it as a command.
+/// The HTTP half of the page's contract, as a table of calls, without sockets: requests in, responses out. Every change
+/// is checked by the core first, so that the response is immediate, and then given to the core as a command.
 class PageCalls {
  public:
   explicit PageCalls(PageHost host) : context_{std::move(host)} {}
 
   [[nodiscard]] adapters::HttpResponse response(const adapters::HttpRequest& request);
 
-  /// The obstacles that the emulated world says it has: the only ones that can be taken away.
+  /// The obstacles that the emulated world reports: the only ones that can be removed.
   void know_plant(std::set<std::string> obstacles) { context_.know_plant(std::move(obstacles)); }
 
   struct Route {
@@ -37,7 +37,7 @@ class PageCalls {
   [[nodiscard]] static std::span<const Route> routes();
 
   [[nodiscard]] const PageHost& host() const { return context_.host(); }
-  /// What its calls have in common.
+  /// The context common to its calls.
   [[nodiscard]] const CallContext& context() const { return context_; }
 
  private:

@@ -31,7 +31,7 @@ std::string allow_of(const HttpResponse& response) {
   return {};
 }
 
-TEST(PageCalls, that_do_not_exist_or_are_asked_wrongly_say_what_there_is) {
+TEST(PageCalls, that_do_not_exist_or_have_a_wrong_method_are_refused_with_the_alternatives) {
   PageFixture page;
   EXPECT_EQ(page.send_request("GET", "/api/v1/nothing").status, 404U);
   EXPECT_EQ(page.send_request("GET", "/api%2Fv1/zone").status, 404U);
@@ -42,7 +42,7 @@ TEST(PageCalls, that_do_not_exist_or_are_asked_wrongly_say_what_there_is) {
   EXPECT_THAT(PageFixture::sentence(wrong), HasSubstr("POST, DELETE"));
 }
 
-TEST(PageCalls, respond_with_what_is) {
+TEST(PageCalls, respond_with_the_present_state) {
   PageFixture page;
   for (const char* what : {"zone", "snapshot", "bijection", "run", "zones", "traces", "traces?after=3&limit=5"}) {
     const HttpResponse response = page.send_request("GET", std::string("/api/v1/") + what);
@@ -57,17 +57,17 @@ TEST(PageCalls, respond_with_what_is) {
             static_cast<double>(page.server.now.time_since_epoch().count()) / 1e6);
 }
 
-TEST(PageCalls, need_whole_numbers_of_traces) {
+TEST(PageCalls, require_whole_numbers_of_traces) {
   PageFixture page;
   EXPECT_EQ(page.send_request("GET", "/api/v1/traces?after=-1").status, 400U);
   EXPECT_EQ(page.send_request("GET", "/api/v1/traces?limit=many").status, 400U);
   EXPECT_EQ(page.send_request("GET", "/api/v1/traces/first").status, 400U);
-  EXPECT_EQ(page.send_request("GET", "/api/v1/traces/").status, 200U);  // the slash at the end counts for nothing
+  EXPECT_EQ(page.send_request("GET", "/api/v1/traces/").status, 200U);  // the slash at the end is ignored
   EXPECT_EQ(page.send_request("GET", "/api/v1/traces/999999999").status, 404U);
   EXPECT_EQ(page.send_request("GET", "/api/v1/traces/99999999999999999999999").status, 400U);
 }
 
-TEST(PageCalls, give_one_of_the_traces_whole) {
+TEST(PageCalls, return_one_of_the_traces_whole) {
   PageFixture page;
   const auto list = JsonValue::parse(page.send_request("GET", "/api/v1/traces?after=0&limit=1").body);
   const auto n = static_cast<int>(*list->find("traces")->array()->front().number("n"));
@@ -86,13 +86,13 @@ TEST(PageCalls, pass_commands_on_with_an_id_of_their_own) {
   EXPECT_EQ(PageFixture::field_of(one, "id"), "c1");
   EXPECT_THAT(page.commands, ElementsAre(R"({"id":"c1","command":"stop","vehicle":"CoSiVA/AIV1"})"));
   EXPECT_EQ(page.server.command_entry("c1").text("vehicle"), "CoSiVA/AIV1");
-  page.server.command("slow", "CoSiVA/AIV2");  // somebody else's takes the next
+  page.server.command("slow", "CoSiVA/AIV2");  // another client's command takes the next id
   EXPECT_EQ(
       PageFixture::field_of(page.send_request("POST", "/api/v1/commands", R"({"command":"stop","vehicle":"*"})"), "id"),
       "c3");
 }
 
-TEST(PageCalls, give_a_command_to_several_if_all_are_known) {
+TEST(PageCalls, give_a_command_to_several_vehicles_if_all_are_known) {
   PageFixture page;
   const std::string both = R"({"command":"slow","vehicles":["CoSiVA/AIV1","CoSiVA/AIV2"]})";
   EXPECT_EQ(PageFixture::field_of(page.send_request("POST", "/api/v1/commands", both), "id"), "c1");
@@ -106,7 +106,7 @@ TEST(PageCalls, give_a_command_to_several_if_all_are_known) {
   EXPECT_THAT(page.commands, IsEmpty());
 }
 
-TEST(PageCalls, refuse_a_command_to_one_that_is_away_as_not_now) {
+TEST(PageCalls, refuse_a_command_to_an_absent_vehicle_as_not_now) {
   PageFixture page;
   page.server.kill(*page.server.vehicles[0]);
   page.server.run_for(std::chrono::seconds{2});
@@ -116,7 +116,7 @@ TEST(PageCalls, refuse_a_command_to_one_that_is_away_as_not_now) {
   EXPECT_THAT(PageFixture::sentence(response), Not(IsEmpty()));
 }
 
-TEST(PageCalls, refuse_bodies_that_are_no_object) {
+TEST(PageCalls, refuse_bodies_that_are_not_an_object) {
   PageFixture page;
   for (const char* bad : {"", "nonsense", "[]", "5", "{", "null", "{}{}"}) {
     for (const auto& [method, path] : std::map<std::string, std::string>{{"POST", "commands"}, {"PUT", "clock"}}) {
@@ -146,7 +146,7 @@ TEST(PageCalls, add_move_and_remove_a_person) {
   EXPECT_EQ(page.send_request("DELETE", "/api/v1/virtual-objects").body, R"({"removed":0})");
 }
 
-TEST(PageCalls, know_a_virtual_aiv_by_both_its_names) {
+TEST(PageCalls, accept_both_names_of_a_virtual_aiv) {
   PageFixture page;
   const HttpResponse added = page.send_request("POST", "/api/v1/virtual-objects", R"({"kind":"aiv"})");
   ASSERT_EQ(added.status, 201U) << added.body;
@@ -155,7 +155,7 @@ TEST(PageCalls, know_a_virtual_aiv_by_both_its_names) {
   EXPECT_EQ(page.send_request("DELETE", "/api/v1/virtual-objects/V1").status, 404U);
 }
 
-TEST(PageCalls, put_obstacles_into_an_emulated_world_only) {
+TEST(PageCalls, add_obstacles_to_an_emulated_world_only) {
   PageFixture page;
   EXPECT_EQ(page.send_request("POST", "/api/v1/plant/obstacles", R"({"x":0.4,"y":0.1})").status, 409U);
   EXPECT_EQ(page.send_request("DELETE", "/api/v1/plant/obstacles/box1").status, 409U);
@@ -164,7 +164,7 @@ TEST(PageCalls, put_obstacles_into_an_emulated_world_only) {
   ASSERT_EQ(added.status, 201U) << added.body;
   EXPECT_EQ(PageFixture::field_of(added, "id"), "box2");
   EXPECT_EQ(page.commands.back(), R"({"command":"plant","plant":{"addObstacle":{"id":"box2","x":0.4,"y":0.1}}})");
-  page.calls->know_plant({"box1"});  // said before it knew
+  page.calls->know_plant({"box1"});  // reported before the world had the obstacle
   EXPECT_EQ(page.send_request("DELETE", "/api/v1/plant/obstacles/box2").body, R"({"removed":1})");
   EXPECT_EQ(page.commands.back(), R"({"command":"plant","plant":{"removeObstacle":"box2"}})");
   EXPECT_EQ(page.send_request("DELETE", "/api/v1/plant/obstacles/box7").status, 404U);
@@ -186,7 +186,7 @@ TEST(PageCalls, edit_undo_and_redo_the_zone) {
   EXPECT_EQ(page.send_request("GET", "/api/v1/zone/file").body, before);
   EXPECT_EQ(page.send_request("POST", "/api/v1/zone/redo").status, 200U);
   EXPECT_EQ(page.send_request("POST", "/api/v1/zone/edit", "{}").status, 400U);
-  for (int i = 0; i < 2; ++i) {  // put twice, they stay
+  for (int i = 0; i < 2; ++i) {  // the second request changes nothing
     const HttpResponse put = page.send_request("PUT", "/api/v1/priorities", R"({"CoSiVA/AIV1":3})");
     EXPECT_EQ(put.status, 200U);
     EXPECT_EQ(put.body, "{}");
@@ -194,7 +194,7 @@ TEST(PageCalls, edit_undo_and_redo_the_zone) {
   EXPECT_EQ(page.server.aiv("CoSiVA/AIV1").number("priority"), 3.0);
 }
 
-TEST(PageCalls, give_the_zones_file_as_a_download) {
+TEST(PageCalls, return_the_zones_file_as_a_download) {
   PageFixture page;
   const HttpResponse file = page.send_request("GET", "/api/v1/zone/file");
   EXPECT_EQ(file.content_type, "text/plain; charset=utf-8");
@@ -203,7 +203,7 @@ TEST(PageCalls, give_the_zones_file_as_a_download) {
   EXPECT_THAT(file.body, HasSubstr("name = \"lacet4\""));
 }
 
-TEST(PageCalls, save_the_zone_into_its_own_file_or_say_which_could_not_be_written) {
+TEST(PageCalls, save_the_zone_into_its_own_file_or_name_the_file_that_could_not_be_written) {
   Scratch scratch;
   PageFixture page;
   page.zone_file = scratch.write("mine.toml", "old");
@@ -242,7 +242,7 @@ TEST(PageCalls, save_a_ready_zone_into_the_users_folder_and_list_it) {
   EXPECT_EQ(titles["mine"], "My control area");
   EXPECT_THAT(current, ElementsAre("lacet4"));
 
-  scratch.write("file", "in the way");
+  scratch.write("file", "not a folder");
   ::setenv("XDG_DATA_HOME", (scratch / "file").c_str(), 1);
   const HttpResponse failed = page.send_request("POST", "/api/v1/zone/save");
   EXPECT_EQ(failed.status, 500U);
@@ -298,7 +298,7 @@ TEST(PageCalls, switch_to_a_ready_zone_by_its_name) {
     EXPECT_EQ(one.flag("current"), one.text("name") == "indus8") << *one.text("name");
 }
 
-TEST(PageCalls, read_no_file_of_this_machine_for_who_asks_for_a_zone) {
+TEST(PageCalls, read_no_file_of_this_machine_for_a_client_that_names_a_zone) {
   PageFixture page;
   for (const char* name : {"zones/lacet4.toml", "/etc/passwd", "../lacet4", "lacet4.toml", ""})
     EXPECT_EQ(page.send_request("POST", "/api/v1/zone/switch", R"({"name":")" + std::string(name) + R"("})").status,
@@ -314,7 +314,7 @@ std::string switch_body(const std::string& file, const std::string& text) {
   return json.take();
 }
 
-TEST(PageCalls, switch_to_a_zone_that_is_sent_whole) {
+TEST(PageCalls, switch_to_a_zone_that_is_sent_as_a_whole) {
   PageFixture page;
   const std::string text = adapters::read_file(source_dir() + "/zones/indus8.toml").value();
   const HttpResponse response = page.send_request("POST", "/api/v1/zone/switch", switch_body("mine.toml", text));
@@ -324,7 +324,7 @@ TEST(PageCalls, switch_to_a_zone_that_is_sent_whole) {
   EXPECT_EQ(page.send_request("POST", "/api/v1/zone/switch", switch_body("mine.txt", text)).status, 400U);
 }
 
-TEST(PageCalls, keep_the_zone_when_another_cannot_be_used_and_say_why) {
+TEST(PageCalls, preserve_the_zone_when_another_cannot_be_used_and_state_the_reason) {
   PageFixture page;
   const auto revision = page.server.server->zone_revision();
   const HttpResponse response =
@@ -336,11 +336,10 @@ TEST(PageCalls, keep_the_zone_when_another_cannot_be_used_and_say_why) {
   const auto snapshot = JsonValue::parse(page.server.server->snapshot_json());
   const JsonValue* refused = snapshot->find("zone")->find("refused");
   ASSERT_NE(refused, nullptr);
-  EXPECT_THAT(refused->text("why").value_or(""), HasSubstr("format_version"))
-      << "everybody who looks at the page sees it";
+  EXPECT_THAT(refused->text("why").value_or(""), HasSubstr("format_version")) << "the page shows it to every client";
 }
 
-TEST(PageCalls, save_into_the_run_s_file_only_while_it_is_that_zone) {
+TEST(PageCalls, save_into_the_run_s_file_only_while_its_zone_is_in_force) {
   Scratch scratch;
   ::setenv("XDG_DATA_HOME", (scratch / "data").c_str(), 1);
   PageFixture page;
@@ -355,7 +354,7 @@ TEST(PageCalls, save_into_the_run_s_file_only_while_it_is_that_zone) {
   EXPECT_EQ(PageFixture::field_of(page.send_request("POST", "/api/v1/zone/save"), "file"), page.zone_file);
 }
 
-TEST(PageCalls, suggest_where_the_beacons_could_lie) {
+TEST(PageCalls, suggest_an_origin_of_the_beacons) {
   PageFixture page;
   const HttpResponse response = page.send_request("GET", "/api/v1/zone/beacons/suggestion");
   ASSERT_EQ(response.status, 200U) << response.body;
@@ -389,7 +388,7 @@ TEST(OpenApi, describes_every_call_and_no_other) {
   EXPECT_EQ(page.send_request("GET", "/api/").body, openapi_json());
 }
 
-TEST(PageCalls, tell_a_battery_test_that_its_battery_is_in_when_it_asked_for_one) {
+TEST(PageCalls, pass_battery_ready_to_a_battery_test_that_requested_a_battery) {
   PageFixture page;
   const std::string in = R"({"vehicle":"CoSiVA/AIV1","battery":"red","charge":99.5})";
   const HttpResponse unasked = page.send_request("POST", "/api/v1/battery/ready", in);
@@ -405,7 +404,7 @@ TEST(PageCalls, tell_a_battery_test_that_its_battery_is_in_when_it_asked_for_one
   EXPECT_EQ(page.send_request("POST", "/api/v1/battery/ready", R"({"vehicle":"CoSiVA/AIV1"})").status, 400U);
 }
 
-TEST(PageCalls, draw_a_battery_s_curve_of_who_tells_of_its_battery) {
+TEST(PageCalls, return_the_battery_curve_of_a_vehicle_that_reports_its_battery) {
   PageFixture page;
   EXPECT_EQ(page.send_request("GET", "/api/v1/battery/curves/CoSiVA%2FAIV9").status, 404U);
   page.server.feed(wire::InputKind::message, "cosiva/v1/boards/CoSiVA/AIV1",
@@ -416,7 +415,7 @@ TEST(PageCalls, draw_a_battery_s_curve_of_who_tells_of_its_battery) {
   EXPECT_THAT(curve.body, HasSubstr("87,12.1,24]"));
 }
 
-TEST(PageCalls, show_the_camera_s_image_as_it_came_and_say_where_there_is_none) {
+TEST(PageCalls, return_the_camera_s_image_unchanged_and_the_reason_where_there_is_none) {
   PageFixture page;
   const HttpResponse none = page.send_request("GET", "/api/v1/gvs/preview");
   EXPECT_EQ(none.status, 404U);
@@ -426,14 +425,14 @@ TEST(PageCalls, show_the_camera_s_image_as_it_came_and_say_where_there_is_none) 
   PageHost host = page.host();
   host.gvs_preview = [&] { return ++checks > 1 ? image : nullptr; };
   page.calls.emplace(std::move(host));
-  EXPECT_EQ(page.send_request("GET", "/api/v1/gvs/preview").status, 404U) << "the first look asks for it";
+  EXPECT_EQ(page.send_request("GET", "/api/v1/gvs/preview").status, 404U) << "the first request starts the preview";
   const HttpResponse shown = page.send_request("GET", "/api/v1/gvs/preview");
   EXPECT_EQ(shown.status, 200U);
   EXPECT_EQ(shown.content_type, "image/x-portable-graymap");
   EXPECT_EQ(shown.body, *image);
 }
 
-/// A page on which everything that an example needs is there.
+/// A page with everything that an example needs.
 struct PreparedPage : PageFixture {
   PreparedPage() {
     send_request("POST", "/api/v1/virtual-objects", R"({"kind":"person","x":0.4,"y":0.5})");
@@ -444,9 +443,9 @@ struct PreparedPage : PageFixture {
   }
 };
 
-TEST(OpenApi, examples_are_accepted_and_those_to_be_refused_are_refused) {
+TEST(OpenApi, examples_are_accepted_or_refused_as_described) {
   const auto document = JsonValue::parse(openapi_json());
-  PreparedPage unchanged;  // for what is refused
+  PreparedPage unchanged;  // for requests that are refused
   std::size_t tried = 0;
   for (const auto& [path, item] : *document->find("paths")->object()) {
     for (const auto& [method, operation] : *item.object()) {
@@ -468,7 +467,7 @@ TEST(OpenApi, examples_are_accepted_and_those_to_be_refused_are_refused) {
                                              : unchanged.send_request(upper, target, json.text());
           ++tried;
           EXPECT_NE(operation.find("responses")->find(std::to_string(response.status)), nullptr)
-              << path << " answers " << response.status << ", which it does not say";
+              << path << " responds " << response.status << ", which it does not list";
           if (good) {
             EXPECT_LT(response.status, 300U) << upper << " " << target << " " << json.text() << ": " << response.body;
           } else {

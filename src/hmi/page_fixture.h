@@ -55,12 +55,12 @@ struct PageFixture {
                                   *adapters::http_rules::path_segments(path)};
     return calls->response(request);
   }
-  /// What the answer's `name` says; empty when it says nothing.
+  /// The text of the response's field `name`; empty when there is none.
   static std::string field_of(const adapters::HttpResponse& response, const char* name) {
     const auto json = JsonValue::parse(response.body);
     return json ? json->text(name).value_or("") : "";
   }
-  /// The sentence of a refusal.
+  /// The message of a refusal.
   static std::string sentence(const adapters::HttpResponse& response) {
     const auto json = JsonValue::parse(response.body);
     const JsonValue* error = json ? json->find("error") : nullptr;
@@ -70,8 +70,8 @@ struct PageFixture {
   server_fixture::ServerFixture server{server_fixture::zone_file("lacet4.toml")};
   PageHost::Clock clock{true, true, 1.0};
   std::string zone_file;
-  std::vector<std::string> commands;  ///< as the core got them
-  std::optional<PageCalls> calls;     ///< from the first question on
+  std::vector<std::string> commands;  ///< as the core received them
+  std::optional<PageCalls> calls;     ///< from the first request on
 };
 
 }  // namespace cosiva::app::fixture

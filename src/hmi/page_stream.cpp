@@ -15,16 +15,16 @@ using std::chrono::milliseconds;
 constexpr int heartbeats_per_second = 30;
 constexpr std::chrono::nanoseconds heartbeat_period{std::chrono::nanoseconds{std::chrono::seconds{1}} /
                                                     heartbeats_per_second};
-/// Above so many things every third beat only: 10 a second.
+/// Above this many objects, every third period only: 10 a second.
 constexpr std::size_t many_objects = 1000;
 constexpr std::uint64_t heartbeats_skipped_when_many = 3;
 constexpr milliseconds snapshot_period{250};
 constexpr milliseconds snapshot_period_when_many{1000};
-/// Vehicles pass tags and nodes many times a second together: what they report is gathered for so long.
+/// Together, vehicles pass tags and nodes many times a second: their reports are gathered for this long.
 constexpr milliseconds events_gathering{50};
-/// A change waits this long for others that come with it; an operator waits 20 ms at most.
+/// A change waits this long for further ones; an operator waits 20 ms at most.
 constexpr milliseconds change_gathering{8};
-/// Of the time, one part in so many goes into snapshots: those of a thousand vehicles come less often.
+/// At most one part in this many of the time goes into snapshots: those of a thousand vehicles come less often.
 constexpr int snapshot_ratio = 10;
 
 }  // namespace
@@ -41,7 +41,7 @@ void PageStream::send(Kind kind, std::string frame, bool keep) const {
 }
 
 void PageStream::join() {
-  if (!idle_) return;  // the others keep it fresh
+  if (!idle_) return;  // the other clients' frames keep it up to date
   idle_ = false;
   send_zone();
   run_.clear();
@@ -91,7 +91,7 @@ void PageStream::send_zone() {
 
 void PageStream::send_run() {
   std::string run = source_.run_json();
-  // Its time passes by itself; news is whether it runs and how fast.
+  // The run's time advances by itself; a change is whether the run goes on, and how fast.
   std::string without_time = run.substr(0, run.rfind(R"("time_ms")"));
   if (without_time == run_) return;
   run_ = std::move(without_time);
@@ -100,7 +100,7 @@ void PageStream::send_run() {
 
 void PageStream::send_snapshot() {
   const Clock::time_point start = Clock::now();
-  const std::clock_t busy = std::clock();  // our own work: what else the machine does must not stretch the rest
+  const std::clock_t busy = std::clock();  // processor time: other load on the machine must not lengthen the pause
   revision_ = source_.page_revision();
   send(snapshot_frame, R"({"type":"snapshot","snapshot":)" + source_.snapshot_json() + "}", true);
   const std::chrono::duration<double> work{static_cast<double>(std::clock() - busy) / CLOCKS_PER_SEC};

@@ -15,7 +15,7 @@
 
 namespace cosiva::app {
 
-/// What the live stream shows, so that a benchmark can show something else than a server core.
+/// The data of the live stream, so that a benchmark can supply other data than a server core's.
 struct StreamSource {
   std::function<SimTime()> now;
   std::function<std::uint64_t()> zone_revision;
@@ -26,20 +26,20 @@ struct StreamSource {
   std::function<void(SimTime now, std::vector<virtual_side::PositionRecord>& out)> positions;
 };
 
-/// The live half of the page's contract: what is sent, when, and in which order. Each frame is made once for all
-/// clients, and nothing is made while nobody listens.
+/// The live half of the page's contract: which frames are sent, when, and in which order. Each frame is made once for
+/// all clients, and none is made while no client listens.
 class PageStream {
  public:
   PageStream(adapters::EventLoop& loop, adapters::HttpServer& http, StreamSource source);
 
-  /// Somebody has joined: what is kept for newcomers is renewed if it has grown old.
+  /// A client has joined: the frames stored for new clients are renewed if they are old.
   void join();
   /// The core has handled an input.
   void changed();
-  /// Sends the emulated world's truth on; only vehicles and obstacles of it.
+  /// Sends the emulated world's ground truth on, its vehicles and obstacles only.
   void ground_truth(const JsonValue& ground_truth);
 
-  /// Kinds of live frames, in the order in which one client gets what waits for it.
+  /// Kinds of live frames, in the order in which one client gets its waiting frames.
   enum Kind : std::size_t { zone_frame, run_frame, snapshot_frame, ground_truth_frame, key_frame, delta_frame };
 
  private:
@@ -60,7 +60,7 @@ class PageStream {
   adapters::Timer heartbeat_;
   adapters::Timer change_;
   bool change_due_{false};
-  bool idle_{true};  ///< nobody listened at the last beat: what is kept is old
+  bool idle_{true};  ///< no client listened at the last period: the stored frames are old
   std::uint64_t heartbeats_{0};
 
   std::uint64_t zone_revision_{0};

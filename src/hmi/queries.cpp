@@ -17,7 +17,7 @@ using adapters::HttpResponse;
 constexpr std::uint64_t traces_limit_default = 200;
 constexpr std::uint64_t traces_limit_max = 1000;
 
-/// A whole number; `otherwise` where there is none; nothing where it is no number.
+/// A whole number; `otherwise` where the text is empty; nothing where the text is not a number.
 std::optional<std::uint64_t> number(const std::string& text, std::optional<std::uint64_t> otherwise) {
   if (text.empty()) return otherwise;
   std::uint64_t value = 0;
@@ -72,23 +72,24 @@ HttpResponse get_trace(CallContext& context, const Call& call) {
   auto found = context.host().core->trace_json(*n);
   if (!found)
     return http_error(404, "trace.not_found",
-                      "there is no trace " + std::to_string(*n) + " any more, or not yet; only the last are kept");
+                      "there is no trace " + std::to_string(*n) + " any more, or not yet; only the last are stored");
   return json_response(std::move(*found));
 }
 
 HttpResponse get_gvs_preview(CallContext& context, const Call&) {
   const auto image = context.host().gvs_preview ? context.host().gvs_preview() : nullptr;
   if (image) return {200, "image/x-portable-graymap", *image, {}};
-  return http_error(404, "gvs.no_image",
-                    "no camera has sent a picture in the last seconds; where one watches (cosiva up --gvs), it does so "
-                    "from half a second after the first question on");
+  return http_error(
+      404, "gvs.no_image",
+      "no camera has sent an image in the last seconds; where one is in operation (cosiva up --gvs), it does so "
+      "from half a second after the first request on");
 }
 
 HttpResponse get_battery_curve(CallContext& context, const Call& call) {
   auto found = context.host().core->battery_curve_json(call.arguments[0]);
   if (!found)
     return http_error(404, "battery.not_found",
-                      "'" + call.arguments[0].substr(0, 80) + "' has not told how its battery fares");
+                      "'" + call.arguments[0].substr(0, 80) + "' has not reported its battery");
   return json_response(std::move(*found));
 }
 

@@ -67,7 +67,7 @@ std::uint16_t ServerPage::port() const { return impl_->http->port(); }
 
 void ServerPage::ground_truth(const std::string& json) {
   const auto ground_truth = JsonValue::parse(json);
-  if (!ground_truth || ground_truth->object() == nullptr) return;  // anybody may publish there
+  if (!ground_truth || ground_truth->object() == nullptr) return;  // any client may publish there
   std::set<std::string> obstacles;
   if (const JsonValue* list = ground_truth->find("obstacles"); list != nullptr && list->array() != nullptr) {
     for (const JsonValue& obstacle : *list->array())

@@ -12,7 +12,7 @@
 
 namespace cosiva::app {
 
-/// Who the page speaks for: a live server, or a world in virtual time.
+/// The program behind the page: a live server, or a world in virtual time.
 struct PageHost {
   const virtual_side::ServerCore* core{};
   /// Gives the core a command as Input::command.
@@ -23,8 +23,8 @@ struct PageHost {
   std::string scenario_name;                 ///< empty: none
   /// The zone's file, when edits may be saved into it; empty: they go to the user's own folder of zones.
   std::string zone_file;
-  /// The last picture of the camera over the zone, as Netpbm's P5, and word to it that somebody looks; null: none came
-  /// lately. Empty where there is none to ask.
+  /// Requests and returns the latest image of the camera over the zone, as Netpbm's P5; null: there is no recent one.
+  /// Empty where there is no camera.
   std::function<std::shared_ptr<const std::string>()> gvs_preview;
 
   struct Clock {
@@ -35,22 +35,23 @@ struct PageHost {
   std::function<Clock()> clock;
   /// Only for virtual time; empty live. Speed 0.1…100.
   std::function<void(bool running, double speed)> set_clock;
-  std::function<void(SimDuration)> step;  ///< runs so much while the clock stands
+  std::function<void(SimDuration)> step;  ///< runs for this long while the clock is stopped
 };
 
-/// The page's contract (docs/protocols/hmi-api.md): HTTP calls, and the live stream while somebody looks.
+/// The page's contract (docs/protocols/hmi-api.md): HTTP calls, and the live stream while a client is connected.
 class ServerPage {
  public:
-  /// @param web_root  the page's built files; empty: `/` says how to build them
+  /// @param web_root  the page's built files; empty: the response to `/` explains how to build them
   [[nodiscard]] static Result<std::unique_ptr<ServerPage>> open(adapters::EventLoop& loop, PageHost host,
                                                                 std::uint16_t port, std::string web_root,
                                                                 bool headless);
   ~ServerPage();
   [[nodiscard]] std::uint16_t port() const;
-  /// What the plant says is true, for the eye only: shown beside twin and belief, never used (ground_truth_topic's
+  /// The plant's ground truth, for display only: shown next to twin and estimate, never used (ground_truth_topic's
   /// JSON).
   void ground_truth(const std::string& json);
-  /// An input has been handled; what an operator waits for (a command's state) is sent at once, not at the next beat.
+  /// An input has been handled; a change that an operator waits for (a command's state) is sent at once, not at the
+  /// next period.
   void changed();
 
  private:

@@ -32,7 +32,7 @@ int connect_to(std::uint16_t port) {
   return fd;
 }
 
-/// What has arrived, without waiting; false when the other side has closed.
+/// Reads the bytes received, without waiting; false when the other side has closed.
 bool receive(int fd, std::string& into) {
   std::array<char, 65536> buffer;
   const ssize_t got = ::recv(fd, buffer.data(), buffer.size(), MSG_DONTWAIT);
@@ -40,7 +40,7 @@ bool receive(int fd, std::string& into) {
   return got != 0;
 }
 
-/// A browser's end of the live stream, as little of WebSocket as a server's frames need.
+/// A browser's end of the live stream, with the part of WebSocket that a server's frames need.
 class LiveClient {
  public:
   struct Frame {
@@ -63,7 +63,7 @@ class LiveClient {
   LiveClient(const LiveClient&) = delete;
   LiveClient& operator=(const LiveClient&) = delete;
 
-  /// Takes in what has come.
+  /// Reads the frames received.
   const std::vector<Frame>& frames() {
     receive(fd_, bytes_);
     if (!open_) {
@@ -114,8 +114,8 @@ class LiveClient {
   std::vector<Frame> frames_;
 };
 
-/// The real server core with two vehicles behind the real HTTP server, without a broker. The core's time stands unless
-/// a test lets it go on.
+/// The real server core with two vehicles behind the real HTTP server, without a broker. The core's time stops unless a
+/// test advances it.
 class Page : public ::testing::Test {
  protected:
   Page() {
@@ -125,7 +125,7 @@ class Page : public ::testing::Test {
     fixture.server.each_step = [this] { page->changed(); };
   }
 
-  /// One request; the answer until the server closes.
+  /// One request; the response until the server closes.
   std::string send_request(const std::string& first_line, const std::string& body = {}) {
     const int fd = connect_to(page->port());
     std::string request = first_line + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n";
@@ -145,7 +145,7 @@ class Page : public ::testing::Test {
   std::vector<std::unique_ptr<LiveClient>> clients;
 };
 
-TEST_F(Page, answers_over_http_and_refuses_with_the_reason) {
+TEST_F(Page, responds_over_http_and_refuses_with_the_reason) {
   EXPECT_THAT(send_request("GET /api/v1/zone"), StartsWith("HTTP/1.1 200"));
   EXPECT_THAT(send_request("POST /api/v1/commands", R"({"command":"slow","vehicle":"CoSiVA/AIV1"})"),
               StartsWith("HTTP/1.1 202"));
@@ -163,31 +163,33 @@ TEST_F(Page, answers_over_http_and_refuses_with_the_reason) {
   EXPECT_THAT(send_request("GET /api/v1/zone/file"), HasSubstr("attachment; filename=\"lacet4.toml\""));
 }
 
-TEST_F(Page, that_is_not_built_says_how_to_build_it) { EXPECT_THAT(send_request("GET /"), HasSubstr("npm run build")); }
+TEST_F(Page, that_is_not_built_explains_how_to_build_it) {
+  EXPECT_THAT(send_request("GET /"), HasSubstr("npm run build"));
+}
 
-TEST_F(Page, newcomer_gets_zone_run_snapshot_and_key_at_once_and_in_this_order) {
-  for (int i = 0; i < 2; ++i) {  // when nobody listened, and when somebody did
+TEST_F(Page, new_client_gets_zone_run_snapshot_and_key_at_once_and_in_this_order) {
+  for (int i = 0; i < 2; ++i) {  // without and with an earlier client
     auto& client = clients.emplace_back(std::make_unique<LiveClient>(page->port()));
     ASSERT_TRUE(loop.run_until([&] { return client->count("delta") > 0; }, timeout));
-    std::vector<std::string> types;  // as each came first
+    std::vector<std::string> types;  // in the order of their first arrival
     for (const LiveClient::Frame& frame : client->frames())
       if (std::ranges::find(types, frame.type()) == types.end()) types.push_back(frame.type());
     EXPECT_THAT(types, ::testing::ElementsAre("zone", "run", "snapshot", "key", "delta"));
   }
 }
 
-TEST_F(Page, sends_positions_that_build_on_the_key_and_snapshots_now_and_then) {
+TEST_F(Page, sends_positions_based_on_the_key_and_periodic_snapshots) {
   LiveClient client{page->port()};
   ASSERT_TRUE(loop.run_until([&] { return client.count("delta") >= 10 && client.count("snapshot") >= 3; }, timeout));
   const LiveClient::Frame* key = client.last("key");
   EXPECT_EQ(key->bytes.size(), 24U + 2 * 20U);  // two vehicles
   EXPECT_EQ(client.count("zone"), 1U);
   EXPECT_EQ(client.count("run"), 1U);
-  // The core's time stands, and so do they: deltas are empty.
+  // The core's time and the vehicles are stopped: deltas are empty.
   EXPECT_EQ(client.last("delta")->bytes.size(), 24U);
 }
 
-TEST_F(Page, sends_a_snapshot_when_a_command_comes_to_something) {
+TEST_F(Page, sends_a_snapshot_when_a_command_has_an_effect) {
   LiveClient client{page->port()};
   ASSERT_TRUE(loop.run_until([&] { return client.count("snapshot") == 1; }, timeout));
   EXPECT_THAT(send_request("POST /api/v1/commands", R"({"command":"slow","vehicle":"CoSiVA/AIV1"})"),
@@ -217,7 +219,7 @@ TEST_F(Page, sends_the_clock_when_it_changed) {
   EXPECT_EQ(run->find("run")->find("clock")->number("speed"), 4.0);
 }
 
-TEST_F(Page, sends_the_ground_truth_on_as_vehicles_and_obstacles_and_nothing_else_of_it) {
+TEST_F(Page, sends_vehicles_and_obstacles_of_the_ground_truth_and_nothing_else) {
   LiveClient client{page->port()};
   ASSERT_TRUE(loop.run_until([&] { return client.count("key") == 1; }, timeout));
   for (const char* bad : {"", "nonsense", "[]", "5"}) page->ground_truth(bad);
@@ -231,12 +233,12 @@ TEST_F(Page, sends_the_ground_truth_on_as_vehicles_and_obstacles_and_nothing_els
   EXPECT_THAT(send_request("DELETE /api/v1/plant/obstacles/box1"), StartsWith("HTTP/1.1 200"));
 }
 
-TEST_F(Page, newcomer_after_a_time_alone_sees_what_is_now) {
+TEST_F(Page, new_client_after_a_pause_gets_the_present_state) {
   {
     LiveClient leaving{page->port()};
     ASSERT_TRUE(loop.run_until([&] { return leaving.count("key") == 1; }, timeout));
   }
-  loop.run_for(100ms);  // the server sees that it is gone
+  loop.run_for(100ms);  // the server detects that the client is gone
   fixture.server.run_for(5s);
   const auto now = JsonValue::parse(fixture.server.server->snapshot_json())->number("time_ms");
   LiveClient client{page->port()};

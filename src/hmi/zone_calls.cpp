@@ -21,7 +21,7 @@ HttpResponse no_zone() {
   return http_error(409, "zone.not_now", "there is no zone yet; it comes from the physical side, or with --zone");
 }
 
-/// The zone that runs, by its own name; empty while there is none.
+/// The name of the zone in force; empty while there is none.
 std::string zone_name(const virtual_side::ServerCore& core) {
   const auto zone = JsonValue::parse(core.zone_json(), zone_json_bytes_max);
   return zone ? zone->text("name").value_or("") : std::string{};
@@ -40,7 +40,7 @@ bool is_plain_name(const std::string& name) {
   return !name.empty() && name.find('/') == std::string::npos && !std::filesystem::path(name).has_extension();
 }
 
-/// A zone's name as a file's: nothing in it leads elsewhere.
+/// A zone's name as a file name: no character leads out of the folder.
 std::string file_name(std::string name, const std::string& ending) {
   for (char& c : name)
     if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '_' && c != '.') c = '_';
@@ -54,7 +54,7 @@ HttpResponse download(std::string text, const std::string& name) {
   return response;
 }
 
-/// A zone that somebody sends whole: with its format, or with its file's name, which tells that.
+/// A zone that a client sends whole: with its format, or with its file's name, which determines the format.
 Result<zone::ZoneConfiguration> given_zone(const JsonValue& body) {
   const auto file = body.text("file");
   const auto text = body.text("text");
@@ -66,7 +66,7 @@ Result<zone::ZoneConfiguration> given_zone(const JsonValue& body) {
   auto configuration = zone::zone_configuration_from_json(body);
   if (!configuration)
     configuration.error().message =
-        R"(say which: {"name":"…"} of a ready zone, {"file","text","sidecar"?}, or {"format","origin","text","sidecar"?})";
+        R"(name one: {"name":"…"} of a ready zone, {"file","text","sidecar"?}, or {"format","origin","text","sidecar"?})";
   return configuration;
 }
 
@@ -91,11 +91,12 @@ HttpResponse step_zone(CallContext& context, std::string_view direction) {
   return json_response(revision_json(context.host().core->zone_revision()));
 }
 
-/// The file that edits of this zone may be saved into: that which the run was begun with, while it is that zone.
+/// The file that edits of this zone may be saved into: the one that the run was started with, while its zone is in
+/// force.
 std::string file_at(const CallContext& context, const zone::ZoneConfiguration& configuration) {
   if (context.host().zone_file.empty() || zone::format_of_file(context.host().zone_file) != configuration.format)
     return {};
-  // After a switch to another zone the file is none of its business. One that is not there (any more) is written anew.
+  // After a switch to another zone the file must not be changed. A file that does not exist (any more) is written anew.
   auto there = context.host().zones->read(context.host().zone_file);
   if (!there) return context.host().zone_file;
   const auto rtm = zone::Rtm::initialise(std::move(*there));
@@ -131,7 +132,7 @@ HttpResponse get_zone_sidecar(CallContext& context, const Call&) {
   auto configuration = context.host().core->zone_configuration();
   if (!configuration) return http_error(404, "zone.not_found", "there is no zone yet");
   if (configuration->sidecar.empty())
-    return http_error(404, "zone.sidecar", "this zone has no sidecar file: its file says everything");
+    return http_error(404, "zone.sidecar", "this zone has no sidecar file: its own file is complete");
   return download(std::move(configuration->sidecar),
                   file_name(zone_name(*context.host().core), std::string(context.host().zones->sidecar_ending())));
 }
@@ -160,7 +161,7 @@ HttpResponse suggest_beacons(CallContext& context, const Call&) {
 HttpResponse switch_zone(CallContext& context, const Call& call) {
   Result<zone::ZoneConfiguration> configuration;
   if (const JsonValue* name = call.body.find("name")) {
-    // Only those that are ready here: whoever may talk to us must not read this machine's files with it.
+    // Only ready zones: a client must not read this machine's files with this call.
     if (name->text() == nullptr || !is_plain_name(*name->text()))
       return http_error(400, "zone.name", R"("name" is a ready zone's, as GET /api/v1/zones lists them)");
     configuration = context.host().zones->load(*name->text());
@@ -173,7 +174,8 @@ HttpResponse switch_zone(CallContext& context, const Call& call) {
   zone::write_json(json.begin_object().field("command", "switch").key("zone"), *configuration);
   json.end_object();
   std::string command = json.take();
-  // The core reads it once, however large it is, and says on the page too why it refuses; only then it is asked again.
+  // The core parses the file once, however large it is, and also publishes on the page why it refuses; only then is it
+  // queried again.
   context.host().command("http", command);
   const auto in_force = context.host().core->zone_configuration();
   if (!in_force || in_force->format != configuration->format || in_force->text != configuration->text ||
@@ -194,7 +196,7 @@ HttpResponse switch_zone(CallContext& context, const Call& call) {
 HttpResponse edit_zone(CallContext& context, const Call& call) {
   if (call.body.object()->empty())
     return http_error(400, "edit.empty",
-                      R"(say what to change: "addTags", "moveTags", "removeTags", "beaconPitch" or "priorities")");
+                      R"(state what to change: "addTags", "moveTags", "removeTags", "beaconPitch" or "priorities")");
   if (const auto given = give_edit(context, call.body); !given) return refusal(given.error());
   return json_response(revision_json(context.host().core->zone_revision()));
 }
@@ -202,7 +204,7 @@ HttpResponse edit_zone(CallContext& context, const Call& call) {
 HttpResponse put_priorities(CallContext& context, const Call& call) {
   JsonValue::Object changes;
   changes.emplace_back("priorities", call.body);
-  // Put twice, they are as they were asked to be.
+  // A second identical request changes nothing.
   if (const auto given = give_edit(context, JsonValue{std::move(changes)});
       !given && given.error().code != "edit.nothing")
     return refusal(given.error());
@@ -226,7 +228,7 @@ HttpResponse save_zone(CallContext& context, const Call&) {
     return http_error(500, "zone.save",
                       "the zone could not be written to " + file + ": " + written.error().message +
                           "; nothing is saved, the edits stay in force");
-  // What is saved is no unsaved edit any more.
+  // After saving, there are no unsaved edits.
   (void)context.give(R"({"command":"saved"})");
   JsonWriter json;
   json.begin_object().field("file", file).end_object();

@@ -3,7 +3,7 @@
 #include "cosiva/adapters/http_server.h"
 #include "cosiva/hmi/call_context.h"
 
-/// The zone's edits, its file, the zones there are, and the switch from one to another (docs/protocols/hmi-api.md).
+/// The zone's edits and file, the available zones, and the switch from one to another (docs/protocols/hmi-api.md).
 /// Each handles one call of the route table (page_calls.cpp); status and error codes are those of that document.
 namespace cosiva::app {
 

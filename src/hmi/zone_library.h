@@ -9,8 +9,8 @@
 
 namespace cosiva::app {
 
-/// The zones that a person at the page may choose by name, and the folder for edited ones. The page knows no
-/// file system of its own, so that benchmarks and fuzzers run it without one.
+/// The zones that a person at the page may choose by name, and the folder for edited ones. The page has no file system
+/// of its own, so that benchmarks and fuzzers run it without one.
 class ZoneLibrary {
  public:
   ZoneLibrary() = default;
@@ -22,26 +22,26 @@ class ZoneLibrary {
 
   struct Entry {
     std::string name;
-    std::string title;  ///< in a few words what the zone is; its name where nothing else is known
+    std::string title;  ///< a short description of the zone; its name where there is none
   };
   /// Sorted by name.
   [[nodiscard]] virtual std::vector<Entry> zones() const = 0;
   /// @param name  a plain name, never a file's: the page refuses anything that may lead elsewhere
   [[nodiscard]] virtual Result<zone::ZoneConfiguration> load(const std::string& name) const = 0;
 
-  /// A file that the run was started with, not one that a request names.
+  /// Reads the file that the run was started with, never one that a request names.
   [[nodiscard]] virtual Result<zone::ZoneConfiguration> read(const std::string& file) const = 0;
-  /// The folder for edits of a zone chosen by name, made where it is missing. Fails ("zone.folder") with a sentence for
-  /// the person who wanted to save.
+  /// The folder for edits of a zone chosen by name, created where missing. Fails ("zone.folder") with a message for the
+  /// person who wanted to save.
   [[nodiscard]] virtual Result<std::string> edits_folder() const = 0;
   /// Writes the file, and its sidecar next to it where there is one. Fails ("file.write"); then the file itself
   /// is unchanged.
   [[nodiscard]] virtual Result<void> write(const std::string& file,
                                            const zone::ZoneConfiguration& configuration) const = 0;
 
-  /// How names of files of a format usually end: ".toml".
+  /// The usual ending of the names of a format's files: ".toml".
   [[nodiscard]] virtual std::string file_ending(std::string_view format) const = 0;
-  /// How names of sidecars end.
+  /// The ending of the names of sidecar files.
   [[nodiscard]] virtual std::string_view sidecar_ending() const = 0;
 };
 

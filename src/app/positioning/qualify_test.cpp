@@ -336,7 +336,7 @@ TEST(Compare, keeps_the_others_when_a_program_hangs_ends_or_talks_nonsense) {
   EXPECT_EQ(algorithm(json, 1).find("failed")->text("code"), "process.unresponsive");
   EXPECT_EQ(algorithm(json, 2).find("failed")->text("code"), "process.gone");
   EXPECT_EQ(algorithm(json, 3).find("failed")->text("code"), "algorithm.garbage");
-  EXPECT_THAT(output.standard_error, HasSubstr("hangs failed: hangs: it gave no answer for 300 ms (in run 1)"));
+  EXPECT_THAT(output.standard_error, HasSubstr("hangs failed: hangs: it gave no response for 300 ms (in run 1)"));
   EXPECT_THAT(output.standard_error, HasSubstr("exit status 4"));
   EXPECT_THAT(output.standard_error, HasSubstr("that is no JSON: 'hello'"));
 }

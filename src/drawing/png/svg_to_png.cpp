@@ -23,7 +23,8 @@ using Owned = std::unique_ptr<T, Release>;
 
 tl::unexpected<Error> refused(GError* error) {
   const Owned<GError> owned{error};
-  return fail("picture.svg", std::string("the picture cannot be drawn: ") + (error == nullptr ? "?" : error->message));
+  return fail("picture.svg",
+              std::string("the drawing cannot be rendered: ") + (error == nullptr ? "?" : error->message));
 }
 
 cairo_status_t append(void* to, const unsigned char* bytes, unsigned int count) {
@@ -32,7 +33,7 @@ cairo_status_t append(void* to, const unsigned char* bytes, unsigned int count) 
   return CAIRO_STATUS_SUCCESS;
 }
 
-/// Height over width of a picture as it is meant to be seen; 0 where it does not say.
+/// Height over width of a drawing as intended; 0 where the drawing does not state it.
 double aspect_of(RsvgHandle* handle) {
   gboolean has_width = FALSE;
   gboolean has_height = FALSE;
@@ -51,7 +52,7 @@ Result<std::string> png_of(std::string_view svg, std::uint32_t width_px) {
   GError* error = nullptr;
   const Owned<GInputStream> stream{
       g_memory_input_stream_new_from_data(svg.data(), static_cast<gssize>(svg.size()), nullptr)};
-  // Our own picture: a large zone's is longer than what the library takes from strangers.
+  // CoSiVA's own drawing: a large zone's is longer than what the library accepts from unknown sources.
   const Owned<RsvgHandle> handle{
       rsvg_handle_new_from_stream_sync(stream.get(), nullptr, RSVG_HANDLE_FLAG_UNLIMITED, nullptr, &error)};
   if (!handle) return refused(error);
@@ -70,7 +71,7 @@ Result<std::string> png_of(std::string_view svg, std::uint32_t width_px) {
   if (rsvg_handle_render_document(handle.get(), context.get(), &viewport, &error) == FALSE) return refused(error);
   std::string png;
   if (cairo_surface_write_to_png_stream(surface.get(), append, &png) != CAIRO_STATUS_SUCCESS)
-    return fail("picture.svg", "the picture cannot be made; is there memory for it?");
+    return fail("picture.svg", "the image cannot be created; is there enough memory?");
   return png;
 }
 

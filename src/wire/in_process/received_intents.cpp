@@ -17,9 +17,11 @@ struct KnownIntent {
   std::shared_ptr<const Intent> intent;
 };
 
-/// A fleet of a hundred says no more than this before each has heard it; whoever is pushed out is read again.
+/// Large enough for a fleet of a hundred vehicles until every receiver has read each message. A message whose slot has
+/// been overwritten is parsed again.
 constexpr std::size_t slots = 64;
-/// Number, time and name stand first: they tell messages apart, and the whole text is compared before it is believed.
+/// The message's first bytes hold number, time and name, which distinguish messages; the whole text is compared before
+/// a slot is used.
 constexpr std::size_t marked_bytes = 128;
 
 std::size_t slot_of(std::string_view json) {

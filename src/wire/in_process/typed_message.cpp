@@ -39,7 +39,7 @@ DetectedObstacleReport as_received(DetectedObstacleReport&& message) { return st
 Order as_received(Order&& message) { return stamped_in_header(std::move(message)); }
 
 BoardsReport as_received(BoardsReport&& message) {
-  if (message.ranges) message.ranges->board_ms = 0;  // a board's own clock is nobody's business outside
+  if (message.ranges) message.ranges->board_ms = 0;  // a board's own clock is of no use outside the vehicle
   return stamped(std::move(message));
 }
 

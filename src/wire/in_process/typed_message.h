@@ -13,10 +13,10 @@
 
 namespace cosiva::wire {
 
-/// What a message says, as the values that its text is written from and read into. Where everybody is in one process
-/// (experiments/runs/world) messages may be passed on so, and nobody writes or reads their texts: most of what such a
-/// run costs. What is heard is the same to the last bit, because only what survives the wire is said (as_received). On
-/// a real wire, and in journals, there are texts alone.
+/// The content of a message, as the values that its text is written from and read into. Where all cores run in one
+/// process (experiments/runs/world), messages are passed on as values and their texts are neither written nor parsed,
+/// which would be most of such a run's cost. The received values are the same to the last bit, because only what
+/// survives the wire is published (as_received). A real wire and a journal carry texts only.
 class TypedMessage final : public InProcessMessage {
  public:
   using Message = std::variant<State, Visualization, Intent, DetectedObstacleReport, BoardsReport, Order>;
@@ -26,13 +26,13 @@ class TypedMessage final : public InProcessMessage {
   Message message;
 };
 
-/// The message as it would come out of its text: times to the millisecond, and without what the text leaves out.
+/// The message as its text would be read: times to the millisecond, and without the fields that the text omits.
 [[nodiscard]] State as_received(State&& message);
 [[nodiscard]] Visualization as_received(Visualization&& message);
 [[nodiscard]] Intent as_received(Intent&& message);
 [[nodiscard]] DetectedObstacleReport as_received(DetectedObstacleReport&& message);
 [[nodiscard]] BoardsReport as_received(BoardsReport&& message);
-/// @param message  its header says a version, and its angles and tolerances are the standard's
+/// @param message  its header states a version, and its angles and tolerances are within the standard's ranges
 [[nodiscard]] Order as_received(Order&& message);
 
 template <typename Message>
@@ -40,14 +40,14 @@ template <typename Message>
   return std::make_shared<const TypedMessage>(as_received(std::forward<Message>(message)));
 }
 
-/// What it says, if it was passed on as values and is such a message.
+/// The message's values, if the message was passed on as values and is of this type.
 template <typename Message>
 [[nodiscard]] const Message* value_as(const std::shared_ptr<const InProcessMessage>& by) {
   const auto* values = dynamic_cast<const TypedMessage*>(by.get());
   return values != nullptr ? std::get_if<Message>(&values->message) : nullptr;
 }
 
-// Our own messages, either way; those of VDA 5050 stand with their codec (vda5050/said.h).
+// CoSiVA's own messages, as values or as text; those of VDA 5050 are read next to their codec (vda5050/said.h).
 [[nodiscard]] Result<DetectedObstacleReport> detected_obstacle_from(const Input& input);
 [[nodiscard]] Result<BoardsReport> boards_report_from(const Input& input);
 

@@ -8,15 +8,15 @@
 #include <variant>
 #include <vector>
 
-/// What passes between the on-board program (TSVA) and its boards, as plain values (A14 to A17). Frames are below, in
-/// module_link/; the agent above never sees one.
+/// Messages between the on-board program (TSVA) and its boards, as plain values (A14 to A17). The frames belong to
+/// module_link/; the agent never handles one.
 namespace cosiva::wire {
 
 enum class Board : std::uint8_t { PILS = 1, PRAV = 2, DOBS = 3, RALI = 4 };
 inline constexpr std::array all_boards{Board::PILS, Board::PRAV, Board::DOBS, Board::RALI};
 [[nodiscard]] std::string_view to_string(Board board);
 
-/// First frame of a board after power-up or on request: who it is (A18).
+/// First frame of a board after power-up or on request: the board's identity (A18).
 struct Hello {
   Board board;
   std::uint8_t protocol_version{1};
@@ -25,7 +25,7 @@ struct Hello {
   friend bool operator==(const Hello&, const Hello&) = default;
 };
 
-/// 10 Hz both ways; a side that misses it for 500 ms takes the other as lost.
+/// Sent at 10 Hz in both directions; a side that misses it for 500 ms considers the other one lost.
 struct Heartbeat {
   std::uint32_t uptime_ms{};
   std::uint16_t frames_bad{};     ///< received with a wrong CRC, length or type since power-up
@@ -34,9 +34,9 @@ struct Heartbeat {
   friend bool operator==(const Heartbeat&, const Heartbeat&) = default;
 };
 
-/// PILS leaves the line: it turns on the spot where the line bends sharply, or looks for another line (Drive::seek).
-/// Where the body is now, seen from where it stood when this began: from its wheels, x ahead, y left. Where it is to go
-/// is told likewise (Drive::goal).
+/// PILS has left the line: it turns on the spot where the line bends sharply, or searches for another line
+/// (Drive::seek). The fields are the body's present pose in the body frame at the start of the manoeuvre, from the
+/// wheels: x forward, y left. The goal (Drive::goal) is given in the same frame.
 struct Manoeuvre {
   std::int16_t x_mm{};
   std::int16_t y_mm{};
@@ -49,22 +49,22 @@ struct Odometry {
   std::uint32_t board_ms{};
   std::int64_t distance_um{};
   std::int16_t speed_mmps{};
-  std::int16_t line_offset_01mm{};  ///< of the line from the sensor's middle, left positive, in 0.1 mm
+  std::int16_t line_offset_01mm{};  ///< of the line from the sensor's centre, left positive, in 0.1 mm
   bool line_lost{};
   std::optional<Manoeuvre> manoeuvre{};
   friend bool operator==(const Odometry&, const Odometry&) = default;
 };
-/// Nobody has said which way: PILS stops where the line forks or bends sharply.
+/// No branch is commanded: PILS stops where the line forks or bends sharply.
 inline constexpr std::uint8_t no_branch = 0xFF;
-/// TSVA → PILS: follow the line at this speed. The board stops by itself 300 ms after the last valid one.
+/// TSVA → PILS: follow the line at this speed. The board stops by itself 300 ms after the last valid frame.
 struct Drive {
   std::int16_t speed_mmps{};  ///< negative drives backwards
   std::uint16_t acceleration_mmps2{};
   std::uint16_t braking_mmps2{};
-  std::uint8_t branch{};  ///< at the next fork or sharp bend take the n-th way, 0 = default; no_branch: stop there
-  /// Off the line: go to the nearest one within reach, turn into it, and follow it. At speed 0 it waits.
+  std::uint8_t branch{};  ///< at the next fork or sharp bend take the n-th branch, 0 = default; no_branch: stop there
+  /// Off the line: drive to the nearest line within reach, turn into it, and follow it. At speed 0 the vehicle waits.
   bool seek{};
-  /// Not to the nearest: to the line that lies here, seen from where the body stands. Heard when a seek begins.
+  /// Not to the nearest line, but to the one at this pose in the frame of the stopped body. Read when a seek begins.
   std::optional<Manoeuvre> goal{};
   friend bool operator==(const Drive&, const Drive&) = default;
 };
@@ -82,10 +82,10 @@ struct Display {
   friend bool operator==(const Display&, const Display&) = default;
 };
 
-/// DOBS → TSVA, every 60 ms. Beam i looks at first_bearing + i·beam_width; each sees its own width only.
+/// DOBS → TSVA, every 60 ms. Beam i points at first_bearing + i·beam_width; each beam covers only its own width.
 struct Ranges {
   std::uint32_t board_ms{};
-  std::int16_t first_bearing_crad{};  ///< of the first beam's middle, hundredths of a radian, left positive
+  std::int16_t first_bearing_crad{};  ///< of the first beam's centre, hundredths of a radian, left positive
   std::uint16_t beam_width_crad{};
   std::vector<std::uint16_t> range_mm;  ///< from the sensor; 0xFFFF: nothing within reach. At most 32 beams
   friend bool operator==(const Ranges&, const Ranges&) = default;
@@ -94,9 +94,9 @@ inline constexpr std::uint16_t no_echo = 0xFFFF;
 
 /// RALI → TSVA, 2 Hz.
 struct Power {
-  /// What a gauge says that knows how sure it is.
+  /// Sent by a gauge that knows its own uncertainty.
   struct Gauge {
-    std::uint32_t charge_ppm{};    ///< the charge again, finer
+    std::uint32_t charge_ppm{};    ///< the charge again, at a finer resolution
     std::uint16_t charge_sd_01{};  ///< one standard deviation of its error [0.01 %]
     friend bool operator==(const Gauge&, const Gauge&) = default;
   };
@@ -105,7 +105,7 @@ struct Power {
   std::int16_t temperature_01C{};
   std::uint16_t charge_permille{};
   std::optional<Gauge> gauge{};
-  /// As finely as it was told, 0…1.
+  /// At the finest resolution sent, 0…1.
   [[nodiscard]] double charge() const { return gauge ? 1e-6 * gauge->charge_ppm : 1e-3 * charge_permille; }
   friend bool operator==(const Power&, const Power&) = default;
 };

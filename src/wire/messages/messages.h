@@ -10,8 +10,8 @@
 #include "cosiva/base/pose.h"
 #include "cosiva/base/time.h"
 
-/// The neutral messages between master control and vehicles: VDA 5050's meaning (clauses of 2.1.0), no JSON.
-/// Codecs per version live in vda5050/. Metres, radians in (−π, π], seconds, volts; percent where the standard says so.
+/// The neutral messages between master control and vehicles: VDA 5050's meaning (clauses of 2.1.0), no JSON. Codecs per
+/// version live in vda5050/. Metres, radians in (−π, π], seconds, volts; percent where the standard uses percent.
 namespace cosiva::wire {
 
 struct Header {
@@ -23,7 +23,7 @@ struct Header {
   friend bool operator==(const Header&, const Header&) = default;
 };
 
-/// A parameter's value; anything else than a number, flag or text stays as its JSON.
+/// A parameter's value that is not a number, flag or text stays as its JSON.
 struct RawJson {
   std::string text;
   friend bool operator==(const RawJson&, const RawJson&) = default;
@@ -79,7 +79,7 @@ struct OrderEdge {
   std::optional<double> max_speed_mps;
   std::optional<double> length_m;
   std::vector<Action> actions;
-  /// Optional fields of the standard that were present and that we do not honour (§6.1.1: reject, never ignore).
+  /// Optional fields of the standard that were present and that CoSiVA does not honour (§6.1.1: reject, never ignore).
   std::vector<std::string> unsupported;
   friend bool operator==(const OrderEdge&, const OrderEdge&) = default;
 };
@@ -155,7 +155,7 @@ struct Reference {
 };
 struct VehicleError {
   std::string
-      type;  ///< the standard's words: orderError, orderUpdateError, noRouteError, validationError, noOrderToCancel…
+      type;  ///< the standard's terms: orderError, orderUpdateError, noRouteError, validationError, noOrderToCancel…
   ErrorLevel level{ErrorLevel::warning};
   std::string description;
   std::vector<Reference> references;
@@ -184,7 +184,7 @@ struct MapInfo {
 /// Vehicle to master control (§6.10).
 struct State {
   Header header;
-  std::vector<MapInfo> maps;  ///< empty: the vehicle does not say
+  std::vector<MapInfo> maps;  ///< empty: the vehicle reports none
   std::string order_id;
   std::uint32_t order_update_id{};
   std::string zone_set_id;
@@ -204,11 +204,11 @@ struct State {
   std::vector<VehicleError> errors;
   std::vector<Information> information;
   EStop e_stop{EStop::none};
-  bool field_violation{};  ///< protective field: something stands in the way
+  bool field_violation{};  ///< protective field: an obstacle is inside
   friend bool operator==(const State&, const State&) = default;
 };
 
-/// Vehicle to anyone who draws (§6.13).
+/// Vehicle to any client that displays it (§6.13).
 struct Visualization {
   Header header;
   std::optional<AgvPosition> position;
@@ -223,7 +223,7 @@ struct Connection {
   friend bool operator==(const Connection&, const Connection&) = default;
 };
 
-/// What the vehicle is (§6.15). Only what CoSiVA uses; the codec fills in the rest of the required fields.
+/// The vehicle's properties (§6.15). Only what CoSiVA uses; the codec fills in the rest of the required fields.
 struct Factsheet {
   Header header;
   std::string series_name;

@@ -15,14 +15,14 @@ const Action action{"setSpeedLimit",
                      {"zone", RawJson{"[1]"}},
                      {"profile", std::string("fast")}}};
 
-TEST(ActionParameters, are_found_by_key_and_the_first_one_counts) {
+TEST(ActionParameters, are_found_by_key_and_the_first_match_counts) {
   EXPECT_EQ(action.text("profile"), "slow");
   EXPECT_EQ(action.number("maxSpeed"), 0.3);
   EXPECT_EQ(*action.find("now"), ParameterValue{true});
   EXPECT_EQ(action.find("absent"), nullptr);
 }
 
-TEST(ActionParameters, of_another_type_are_not_taken_for_what_they_are_not) {
+TEST(ActionParameters, of_another_type_are_not_converted) {
   EXPECT_EQ(action.number("profile"), std::nullopt);
   EXPECT_EQ(action.number("now"), std::nullopt);
   EXPECT_EQ(action.text("maxSpeed"), std::nullopt);

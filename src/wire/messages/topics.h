@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-/// Where messages travel. VDA 5050's own layout (§6.3): interface/majorVersion/manufacturer/serialNumber/topic.
-/// CoSiVA's own messages, which the standard has no word for, stand under cosiva/v1 and never carry a vehicle's order.
+/// Topics of the messages. VDA 5050's own layout (§6.3): interface/majorVersion/manufacturer/serialNumber/topic.
+/// CoSiVA's own messages, for which the standard has no term, are below cosiva/v1 and never carry a vehicle's order.
 namespace cosiva::wire {
 
 inline constexpr std::string_view default_interface = "uagv";
@@ -13,25 +13,27 @@ inline constexpr std::string_view our_manufacturer = "CoSiVA";
 
 /// Retained: the zone's configuration file, from the physical side; the last level is its format.
 inline constexpr std::string_view zone_topic_prefix = "cosiva/v1/zone/";
-/// Retained with a last will: {"connectionState":"ONLINE"|"OFFLINE"|"CONNECTIONBROKEN","timestamp":…} of our server.
+/// Retained with a last will: {"connectionState":"ONLINE"|"OFFLINE"|"CONNECTIONBROKEN","timestamp":…} of CoSiVA's
+/// server.
 inline constexpr std::string_view server_connection_topic = "cosiva/v1/server/connection";
-/// Every 100 ms, QoS 0: {"headerId":…,"timestamp":…}. A vehicle that has heard it once stops 500 ms after the last.
+/// Every 100 ms, QoS 0: {"headerId":…,"timestamp":…}. A vehicle that has received one stops 500 ms after the last.
 inline constexpr std::string_view server_heartbeat_topic = "cosiva/v1/server/heartbeat";
-/// The plant's truth, 10 Hz, for instruments and tests only; nothing on board and no twin subscribes to it.
+/// The plant's ground truth, 10 Hz, for instruments and tests only; no on-board program and no twin subscribes to it.
 inline constexpr std::string_view ground_truth_topic = "cosiva/v1/plant/ground_truth";
 /// Commands to the emulated world: {"addObstacle":{"id","x","y","radius"}} or {"removeObstacle":"id"}.
 inline constexpr std::string_view plant_command_topic = "cosiva/v1/plant/command";
-/// The emulated ether: {"vehicle":"CoSiVA/AIV2"|"*","loss":0.3}: an *emulated* vehicle's program then loses this share
-/// of its messages, both ways. Real vehicles do not listen.
+/// The emulated radio: {"vehicle":"CoSiVA/AIV2"|"*","loss":0.3}: an *emulated* vehicle's program then loses this ratio
+/// of its messages, in both directions. Physical vehicles do not subscribe.
 inline constexpr std::string_view plant_radio_topic = "cosiva/v1/plant/radio";
 
-/// Server → one vehicle: what of the virtual world stands near its way (wire::VirtualObstacles).
+/// Server → one vehicle: the virtual objects near its route (wire::VirtualObstacles).
 inline constexpr std::string_view virtual_obstacles_topic_prefix = "cosiva/v1/virtual_obstacles/";
-/// Vehicle → server: it has taken an Ahead into account (wire::VirtualObstaclesAck).
+/// Vehicle → server: the vehicle has taken a VirtualObstacles message into account (wire::VirtualObstaclesAck).
 inline constexpr std::string_view virtual_obstacles_ack_topic_prefix = "cosiva/v1/virtual_obstacles_ack/";
-/// Vehicle → server: the obstacle its DOBS sees in its way, or none any more (wire::DetectedObstacleReport).
+/// Vehicle → server: the obstacle that its DOBS detects in its path, or that there is none any more
+/// (wire::DetectedObstacleReport).
 inline constexpr std::string_view detected_obstacle_topic_prefix = "cosiva/v1/detected_obstacle/";
-/// Vehicle → server, twice a second: how its boards fare (wire::BoardsReport, A18).
+/// Vehicle → server, twice a second: the condition of its boards (wire::BoardsReport, A18).
 inline constexpr std::string_view boards_topic_prefix = "cosiva/v1/boards/";
 
 /// The manufacturer of vehicles that are added only virtually (A3): "CoSiVA.virtual/V1".
@@ -43,7 +45,7 @@ struct VehicleId {
   std::string serial_number;
   friend auto operator<=>(const VehicleId&, const VehicleId&) = default;
 };
-/// "manufacturer/serial", as people read it.
+/// "manufacturer/serial", for display.
 [[nodiscard]] std::string to_string(const VehicleId& id);
 
 /// The MQTT filter for all topics that many levels below a prefix: ("a/", 2) is "a/+/+".

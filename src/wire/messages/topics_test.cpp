@@ -7,7 +7,7 @@
 namespace cosiva::wire {
 namespace {
 
-TEST(VdaTopic, is_written_as_the_standard_lays_it_out) {
+TEST(VdaTopic, is_written_as_the_standard_specifies) {
   EXPECT_EQ(vda_topic({"CoSiVA", "aiv-1"}, "state"), "uagv/v2/CoSiVA/aiv-1/state");
   EXPECT_EQ(vda_topic({"RobotCompany", "001"}, "order", "twin"), "twin/v2/RobotCompany/001/order");
 }
@@ -22,7 +22,7 @@ TEST(VdaTopic, reads_back_what_it_writes) {
   EXPECT_EQ(to_string(*topic), "uagv/v2/CoSiVA/aiv-1/instantActions");
 }
 
-TEST(VdaTopic, has_exactly_five_levels_with_something_in_each) {
+TEST(VdaTopic, has_exactly_five_non_empty_levels) {
   for (const char* text : {"", "/", "uagv", "uagv/v2/m/s", "uagv/v2/m/s/state/more", "uagv/v2//s/state",
                            "/v2/m/s/state", "uagv/v2/m/s/", "////", "uagv/v2/m/s/state/"})
     EXPECT_FALSE(parse_vda_topic(text)) << text;
@@ -42,7 +42,7 @@ TEST(SerialNumber, uses_the_standards_characters_only) {
   EXPECT_FALSE(valid_serial_number(std::string(65, 'x')));
 }
 
-TEST(OwnTopic, is_a_prefix_and_the_vehicle_and_reads_back) {
+TEST(OwnTopic, is_a_prefix_and_the_vehicle_and_is_read_back) {
   const VehicleId vehicle{"CoSiVA.virtual", "V1"};
   EXPECT_EQ(own_topic(virtual_obstacles_topic_prefix, vehicle), "cosiva/v1/virtual_obstacles/CoSiVA.virtual/V1");
   for (const std::string_view prefix : {virtual_obstacles_topic_prefix, virtual_obstacles_ack_topic_prefix,
@@ -58,7 +58,7 @@ TEST(OwnTopic, names_exactly_one_vehicle) {
     EXPECT_FALSE(parse_own_topic(virtual_obstacles_topic_prefix, text)) << text;
 }
 
-TEST(PortName, says_vehicle_and_board) {
+TEST(PortName, names_vehicle_and_board) {
   EXPECT_EQ(port_name(3, Board::DOBS), "3/DOBS");
   EXPECT_EQ(to_string(Board::PILS), "PILS");
 }

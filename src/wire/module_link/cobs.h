@@ -17,7 +17,8 @@ inline constexpr std::size_t content_bytes_max = 126;
 /// @param content  at most content_bytes_max bytes (checked)
 void append_cobs(std::string& out, std::span<const std::uint8_t> content);
 
-/// The content of a frame without its delimiter; nothing where its codes do not end with it or it holds a zero.
+/// The content of a frame without its delimiter; nothing where the codes do not end with the frame or the frame holds a
+/// zero.
 struct Content {
   std::array<std::uint8_t, content_bytes_max> bytes;
   std::size_t size;

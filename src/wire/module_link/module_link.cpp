@@ -67,7 +67,7 @@ Result<Frame> decode(std::string_view frame) {
   const std::uint8_t head = content->bytes[0];
   if (head >> 4U != version) {
     return fail("link.version",
-                "the frame speaks version " + std::to_string(head >> 4U) + ", expected " + std::to_string(version));
+                "the frame has version " + std::to_string(head >> 4U) + ", expected " + std::to_string(version));
   }
   auto message = read_payload(head & 0x0FU, content->view().subspan(2, content->size - around_payload));
   if (!message) return tl::unexpected(std::move(message).error());
@@ -88,7 +88,7 @@ void Decoder::feed(std::string_view bytes, std::vector<BoardMessage>& messages) 
       return;
     }
     if (overlong_) {
-      count_bad({"link.length", "a frame went on beyond " + std::to_string(frame_max) + " bytes", {}});
+      count_bad({"link.length", "a frame is longer than " + std::to_string(frame_max) + " bytes", {}});
     } else if (frame_.empty()) {
       finish_frame(piece, messages);  // whole in these bytes: no copy
     } else {
@@ -102,7 +102,7 @@ void Decoder::feed(std::string_view bytes, std::vector<BoardMessage>& messages) 
 }
 
 void Decoder::finish_frame(std::string_view frame, std::vector<BoardMessage>& messages) {
-  if (frame.empty()) return;  // delimiters may come in rows: a sender puts some ahead to end old garbage
+  if (frame.empty()) return;  // delimiters may be repeated: a sender puts some first to end old garbage
   auto decoded = decode(frame);
   if (!decoded) {
     count_bad(std::move(decoded).error());

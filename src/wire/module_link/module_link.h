@@ -22,12 +22,12 @@ inline constexpr std::size_t beams_max = 32;         ///< of a Ranges
 [[nodiscard]] std::uint16_t crc16(std::string_view bytes);
 
 /// One frame ready for the stream, delimiter included. A text over 32 bytes loses whole characters from its end; more
-/// than 32 beams are our own bug (COSIVA_EXPECT).
+/// than 32 beams are a defect of the caller (COSIVA_EXPECT).
 [[nodiscard]] std::string encode(const BoardMessage& message, std::uint8_t sequence);
 /// The same, appended to `out`, which saves an allocation where several frames leave together.
 void append_frame(std::string& out, const BoardMessage& message, std::uint8_t sequence);
 
-/// Numbers the frames it sends.
+/// Numbers the frames that it sends.
 class Encoder {
  public:
   [[nodiscard]] std::string encode(const BoardMessage& message) { return module_link::encode(message, sequence_++); }
@@ -37,19 +37,19 @@ class Encoder {
   std::uint8_t sequence_{0};
 };
 
-/// Takes bytes in any pieces, gives the messages in them; resynchronises at the next delimiter after damage.
+/// Takes bytes in any pieces and gives the messages in them; resynchronises at the next delimiter after damage.
 class Decoder {
  public:
-  /// frames_good counts round; the two others stay at 65 535, so that trouble never looks like none.
+  /// frames_good wraps; the two others saturate at 65 535, so that a fault count never returns to zero.
   struct Counters {
     std::uint16_t frames_good{};
     std::uint16_t frames_bad{};
-    std::uint16_t frames_missed{};  ///< gaps in the sequence numbers; a Hello starts afresh and counts none
+    std::uint16_t frames_missed{};  ///< gaps in the sequence numbers; a Hello restarts the sequence and counts none
     friend bool operator==(const Counters&, const Counters&) = default;
   };
-  /// Appends what was complete. Never fails: damage is counted.
+  /// Appends the complete messages. Never fails: damage is counted.
   void feed(std::string_view bytes, std::vector<BoardMessage>& messages);
-  /// A new connection: forgets the unfinished frame and the last sequence number; the counters go on.
+  /// A new connection: discards the unfinished frame and the last sequence number; the counters go on.
   void restart();
   [[nodiscard]] const Counters& counters() const { return counters_; }
   [[nodiscard]] const std::optional<Error>& last_error() const { return last_error_; }
@@ -57,14 +57,14 @@ class Decoder {
  private:
   void finish_frame(std::string_view frame, std::vector<BoardMessage>& messages);
   void count_bad(Error error);
-  std::string frame_;     ///< the bytes since the last delimiter, when they came in pieces
-  bool overlong_{false};  ///< more came than a frame can hold: all is dropped up to the next delimiter
+  std::string frame_;     ///< the bytes since the last delimiter, when they arrived in pieces
+  bool overlong_{false};  ///< more bytes arrived than a frame can hold: all are dropped up to the next delimiter
   std::optional<std::uint8_t> last_sequence_;
   Counters counters_;
   std::optional<Error> last_error_;
 };
 
-/// What one frame without its delimiter holds.
+/// The content of one frame without its delimiter.
 /// Errors: link.cobs, link.crc, link.version, link.type, link.length, link.value.
 struct Frame {
   std::uint8_t sequence;

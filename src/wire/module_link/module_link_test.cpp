@@ -46,8 +46,8 @@ struct Golden {
   const char* hex;
 };
 
-/// Written down once, by a program in another language that shares no line with ours; docs/protocols/module-link.md
-/// shows the same bytes to whoever writes the other end.
+/// Generated once by a program in another language that has no line in common with this implementation;
+/// docs/protocols/module-link.md shows the same bytes to implementers of the other end.
 const std::vector<Golden>& golden() {
   static const std::vector<Golden> vectors{
       {"Hello", 0, Hello{Board::PILS, 1, 0xDEADBEEF, 0x01020304}, "02 11 0d 01 01 ef be ad de 04 03 02 01 72 85 00"},
@@ -126,7 +126,7 @@ rc::Gen<BoardMessage> any_message() {
           })));
 }
 
-/// The frame around a content that is right but for what the test puts wrong in it.
+/// The frame around a content that is right except for what the test puts wrong in it.
 std::string framed(std::string content) {
   const std::uint16_t crc = crc16(content);
   content.push_back(static_cast<char>(crc & 0xFFU));
@@ -157,7 +157,7 @@ TEST(Frame, of_each_message_has_the_documented_bytes) {
     EXPECT_EQ(to_hex(encode(vector.message, vector.sequence)), vector.hex) << vector.name;
 }
 
-TEST(Frame, of_the_document_reads_as_the_message) {
+TEST(Frame, of_the_document_is_read_as_the_message) {
   for (const Golden& vector : golden()) {
     const std::string bytes = from_hex(vector.hex);
     const auto frame = decode(std::string_view{bytes}.substr(0, bytes.size() - 1));
@@ -167,7 +167,7 @@ TEST(Frame, of_the_document_reads_as_the_message) {
   }
 }
 
-TEST(Frame, bytes_stand_in_the_protocol_document) {
+TEST(Frame, bytes_are_written_in_the_protocol_document) {
   std::ifstream file{source_dir() + "/docs/protocols/module-link.md"};
   const std::string document{std::istreambuf_iterator<char>{file}, {}};
   EXPECT_EQ(golden().size(), std::variant_size_v<BoardMessage> + 4) << "two of them have two forms, one three";
@@ -181,20 +181,20 @@ TEST(Frame, that_is_longest_fits_the_limit) {
   EXPECT_EQ(encode(ranges, 1).size(), 4U + 8U + 2U * 32U + 2U);  // head, CRC; beams; one COBS byte and the delimiter
 }
 
-TEST(Frame, of_a_long_text_keeps_whole_characters_only) {
+TEST(Frame, of_a_long_text_has_whole_characters_only) {
   const std::string text = std::string(31, 'a') + "é";  // 33 bytes: the cut would fall inside é
   std::vector<BoardMessage> messages;
   Decoder{}.feed(encode(Display{text}, 0), messages);
   EXPECT_THAT(messages, ElementsAre(BoardMessage{Display{std::string(31, 'a')}}));
 }
 
-TEST(Frame, with_too_many_beams_is_our_own_bug) {
+TEST(Frame, with_too_many_beams_is_a_defect_of_the_caller) {
   Ranges ranges;
   ranges.range_mm.assign(beams_max + 1, 1);
   EXPECT_DEATH(static_cast<void>(encode(ranges, 0)), "beams_max");
 }
 
-TEST(Frame, keeps_every_message) {
+TEST(Frame, preserves_every_message) {
   EXPECT_TRUE(rc::check("decode(encode(m, n)) is m, n", [] {
     const BoardMessage message = *any_message();
     const auto sequence = *rc::gen::arbitrary<std::uint8_t>();
@@ -210,7 +210,7 @@ TEST(Frame, keeps_every_message) {
 TEST(Decode, names_what_is_wrong) {
   using namespace std::string_literals;
   EXPECT_EQ(code_of(""), "link.cobs");
-  EXPECT_EQ(code_of("\x05\x01\x02"), "link.cobs");  // promises more than there is
+  EXPECT_EQ(code_of("\x05\x01\x02"), "link.cobs");  // announces more bytes than there are
   EXPECT_EQ(code_of("\x03\x01\0"s), "link.cobs");   // a zero inside
   EXPECT_EQ(code_of(std::string(200, '\1')), "link.cobs");
   EXPECT_EQ(code_of("\x03\x11\x22"), "link.length");  // no room for a CRC
@@ -220,9 +220,9 @@ TEST(Decode, names_what_is_wrong) {
   EXPECT_EQ(code_of(framed("\x19\x01")), "link.type");
 }
 
-TEST(Decode, wants_the_exact_length) {
+TEST(Decode, requires_the_exact_length) {
   for (const Golden& vector : golden()) {
-    if (std::holds_alternative<Display>(vector.message)) continue;  // its text is what is left
+    if (std::holds_alternative<Display>(vector.message)) continue;  // its text is the rest of the frame
     const std::string bytes = from_hex(vector.hex);
     const auto type = static_cast<char>(0x10U | (vector.message.index() + 1));
     for (std::size_t payload = 0; payload < 40; ++payload) {
@@ -232,15 +232,15 @@ TEST(Decode, wants_the_exact_length) {
         EXPECT_EQ(code_of(framed(content)), payload >= 8 && payload % 2 == 0 ? "none" : "link.length") << payload;
         continue;
       }
-      if (std::holds_alternative<Odometry>(vector.message)) {  // its flags, 1 all through here, say: no manoeuvre
+      if (std::holds_alternative<Odometry>(vector.message)) {  // its flags, 1 everywhere here, announce no manoeuvre
         EXPECT_EQ(code_of(framed(content)), payload == 17 ? "none" : "link.length") << payload;
         continue;
       }
-      if (std::holds_alternative<Drive>(vector.message)) {  // and: no goal
+      if (std::holds_alternative<Drive>(vector.message)) {  // and no goal
         EXPECT_EQ(code_of(framed(content)), payload == 8 ? "none" : "link.length") << payload;
         continue;
       }
-      if (std::holds_alternative<Power>(vector.message)) {  // 14 is right as well, but 0x01010101 is no charge
+      if (std::holds_alternative<Power>(vector.message)) {  // 14 is valid as well, but 0x01010101 is not a charge
         const char* expected = payload == 8 ? "none" : payload == 14 ? "link.value" : "link.length";
         EXPECT_EQ(code_of(framed(content)), expected) << payload;
         continue;
@@ -260,7 +260,7 @@ TEST(Decode, refuses_values_out_of_range) {
   EXPECT_EQ(code_of(framed("\x11\x01\x05" + nine)), "link.value");                        // no fifth board
   EXPECT_EQ(code_of(framed("\x13\x01" + std::string(16, '\1') + "\x04")), "link.value");  // no such flag
   EXPECT_EQ(code_of(framed("\x14\x01" + std::string(7, '\1') + "\x01")), "none");
-  EXPECT_EQ(code_of(framed("\x14\x01" + std::string(7, '\1') + "\x02")), "link.value");  // a goal, and no seek
+  EXPECT_EQ(code_of(framed("\x14\x01" + std::string(7, '\1') + "\x02")), "link.value");  // a goal without seek
   EXPECT_EQ(code_of(framed("\x14\x01" + std::string(7, '\1') + "\x04")), "link.value");
   EXPECT_EQ(code_of(framed("\x18\x01" + std::string(6, '\1') + "\xE8\x03")), "none");        // 1000 ‰
   EXPECT_EQ(code_of(framed("\x18\x01" + std::string(6, '\1') + "\xE9\x03")), "link.value");  // 1001 ‰
@@ -269,7 +269,7 @@ TEST(Decode, refuses_values_out_of_range) {
   EXPECT_EQ(code_of(framed(gauge + std::string("\x41\x42\x0F\0\1\0", 6))), "link.value");  // and one more
 }
 
-TEST(Decode, wants_a_manoeuvre_where_the_flags_promise_one_and_nowhere_else) {
+TEST(Decode, requires_a_manoeuvre_where_the_flags_announce_one_and_nowhere_else) {
   const std::string head(16, '\1');
   const std::string six(6, '\1');
   EXPECT_EQ(code_of(framed("\x13\x01" + head + "\x02" + six)), "none");
@@ -279,7 +279,7 @@ TEST(Decode, wants_a_manoeuvre_where_the_flags_promise_one_and_nowhere_else) {
   EXPECT_EQ(code_of(framed("\x13\x01" + head + "\x02" + six + six)), "link.length");
 }
 
-TEST(Decode, wants_a_goal_where_the_flags_promise_one_and_nowhere_else) {
+TEST(Decode, requires_a_goal_where_the_flags_announce_one_and_nowhere_else) {
   const std::string head(7, '\1');
   const std::string six(6, '\1');
   EXPECT_EQ(code_of(framed("\x14\x01" + head + "\x03" + six)), "none");
@@ -322,7 +322,7 @@ TEST(Decoder, receives_the_next_frame_after_any_garbage) {
   }));
 }
 
-TEST(Decoder, loses_at_most_the_frame_that_garbage_ran_into) {
+TEST(Decoder, loses_at_most_the_frame_that_garbage_runs_into) {
   std::vector<BoardMessage> received;
   Decoder decoder;
   decoder.feed("noise before the cable was in", received);
@@ -331,9 +331,9 @@ TEST(Decoder, loses_at_most_the_frame_that_garbage_ran_into) {
   EXPECT_EQ(decoder.counters().frames_bad, 1);
 }
 
-TEST(Decoder, never_makes_another_message_of_one_flipped_bit) {
-  // A flip in a COBS code moves zeros about, which a 16-bit CRC lets through once in 65 536 times such a frame also
-  // parses: proven here for these 500 frames, bounded by that number for all others.
+TEST(Decoder, never_makes_another_message_from_one_flipped_bit) {
+  // A flip in a COBS code moves zeros, which a 16-bit CRC lets through once in 65 536 times such a frame also parses:
+  // proven here for these 500 frames, bounded by that number for all others.
   Random random{7, "flips"};
   for (int round = 0; round < 500; ++round) {
     Ranges ranges{static_cast<std::uint32_t>(random.next()), -91, 14, {}};
@@ -367,7 +367,7 @@ TEST(Decoder, drops_what_is_longer_than_a_frame_and_counts_it_once) {
   std::vector<BoardMessage> received;
   Decoder decoder;
   for (int i = 0; i < 1000; ++i) decoder.feed(std::string(100, 'x'), received);
-  EXPECT_EQ(decoder.counters().frames_bad, 0);  // it may still go on
+  EXPECT_EQ(decoder.counters().frames_bad, 0);  // the frame may still continue
   decoder.feed(std::string_view{"\0", 1}, received);
   EXPECT_EQ(decoder.counters().frames_bad, 1);
   ASSERT_TRUE(decoder.last_error());
@@ -379,7 +379,7 @@ TEST(Decoder, drops_what_is_longer_than_a_frame_and_counts_it_once) {
 TEST(Decoder, counts_the_gaps_in_the_sequence_over_its_wrap) {
   std::vector<BoardMessage> received;
   Decoder decoder;
-  decoder.feed(encode(Drive{}, 254), received);  // the first it ever hears is no gap
+  decoder.feed(encode(Drive{}, 254), received);  // the first sequence number that the decoder receives is no gap
   decoder.feed(encode(Drive{}, 255), received);
   decoder.feed(encode(Drive{}, 0), received);
   EXPECT_EQ(decoder.counters().frames_missed, 0);
@@ -387,7 +387,7 @@ TEST(Decoder, counts_the_gaps_in_the_sequence_over_its_wrap) {
   EXPECT_EQ(decoder.counters().frames_missed, 2);
 }
 
-TEST(Decoder, takes_a_hello_as_a_new_start) {
+TEST(Decoder, restarts_the_sequence_at_a_hello) {
   std::vector<BoardMessage> received;
   Decoder decoder;
   decoder.feed(encode(Drive{}, 100), received);
@@ -396,7 +396,7 @@ TEST(Decoder, takes_a_hello_as_a_new_start) {
   EXPECT_EQ(decoder.counters().frames_missed, 0);
 }
 
-TEST(Decoder, that_restarts_forgets_the_half_frame_and_the_sequence_but_not_its_counts) {
+TEST(Decoder, that_restarts_discards_the_half_frame_and_the_sequence_but_not_its_counts) {
   std::vector<BoardMessage> received;
   Decoder decoder;
   decoder.feed(encode(Drive{}, 100), received);
@@ -406,7 +406,7 @@ TEST(Decoder, that_restarts_forgets_the_half_frame_and_the_sequence_but_not_its_
   EXPECT_EQ(decoder.counters(), (Decoder::Counters{2, 0, 0}));
 }
 
-TEST(Decoder, keeps_its_counts_of_trouble_at_the_top) {
+TEST(Decoder, saturates_its_fault_counts) {
   std::vector<BoardMessage> received;
   Decoder decoder;
   for (int i = 0; i < 70'000; ++i) decoder.feed(std::string_view{"\x05\0", 2}, received);

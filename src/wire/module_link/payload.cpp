@@ -87,7 +87,7 @@ struct Write {
 
 enum Type : std::uint8_t { hello = 1, heartbeat, odometry, drive, tag_read, display, ranges, power };
 
-/// The one right length; nothing where it varies.
+/// The only valid length; nothing where the length varies.
 std::optional<std::size_t> fixed_length(std::uint8_t type) {
   switch (type) {
     case hello:
@@ -146,7 +146,7 @@ Result<BoardMessage> read_odometry(std::span<const std::uint8_t> payload) {
   if (flags > (line_lost_flag | manoeuvre_flag)) return wrong_value("the flags", flags, "0 to 3");
   const bool has_manoeuvre = (flags & manoeuvre_flag) != 0;
   if (has_manoeuvre != (payload.size() > head))
-    return wrong_length(payload.size(), has_manoeuvre ? "23, as its flags say" : "17, as its flags say");
+    return wrong_length(payload.size(), has_manoeuvre ? "23, by its flags" : "17, by its flags");
   m.line_lost = (flags & line_lost_flag) != 0;
   if (has_manoeuvre) m.manoeuvre = read_manoeuvre(in);
   return m;
@@ -166,7 +166,7 @@ Result<BoardMessage> read_drive(std::span<const std::uint8_t> payload) {
   if (flags > (seek_flag | goal_flag) || flags == goal_flag) return wrong_value("the flags", flags, "0, 1 or 3");
   const bool has_goal = (flags & goal_flag) != 0;
   if (has_goal != (payload.size() > head))
-    return wrong_length(payload.size(), has_goal ? "14, as its flags say" : "8, as its flags say");
+    return wrong_length(payload.size(), has_goal ? "14, by its flags" : "8, by its flags");
   m.seek = (flags & seek_flag) != 0;
   if (has_goal) m.goal = read_manoeuvre(in);
   return m;

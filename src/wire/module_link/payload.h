@@ -52,7 +52,7 @@ class PayloadReader {
   std::span<const std::uint8_t> bytes_;
 };
 
-/// The message's number in the frame's first byte: its place in BoardMessage, from 1. Never reuse one.
+/// The message's number in the frame's first byte: its index in BoardMessage, from 1. Never reuse a number.
 [[nodiscard]] inline std::uint8_t type_number(const BoardMessage& message) {
   return static_cast<std::uint8_t>(message.index() + 1);
 }

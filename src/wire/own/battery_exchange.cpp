@@ -13,7 +13,7 @@ using own::read_message;
 namespace {
 
 constexpr std::array<std::string_view, 5> phase_terms{"changing", "ready", "running", "paused", "ended"};
-/// So long is one of vehicles_max vehicles, with the longest names.
+/// The size of a test of vehicles_max vehicles with the longest names.
 constexpr std::size_t test_bytes_max = 256U << 10U;
 constexpr double seconds_max = 1e9;
 

@@ -10,57 +10,58 @@
 #include "cosiva/base/time.h"
 #include "cosiva/wire/messages/topics.h"
 
-/// What a battery test says over the bus (A37): changeBattery → batteryReady → run → {rc, sendMsg} … floor. Run and
-/// stop are the server's commands, rc is in the vehicle's own reports (boards_topic_prefix); what is left is said here.
+/// The messages of a battery test (A37): changeBattery → batteryReady → run → {rc, sendMsg} … floor. Run and stop are
+/// the server's commands, rc is in the vehicle's own reports (boards_topic_prefix); the other messages are defined
+/// here.
 namespace cosiva::wire {
 
-/// Test → vehicle and whoever stands beside it, retained until it is done: BatteryChange.
+/// Test → vehicle and the person next to it, retained until the change is done: BatteryChange.
 inline constexpr std::string_view battery_change_topic_prefix = "cosiva/v1/battery/change/";
-/// Vehicle, or who changed its battery, → test: BatteryReady.
+/// Vehicle, or the program that changed its battery, → test: BatteryReady.
 inline constexpr std::string_view battery_ready_topic_prefix = "cosiva/v1/battery/ready/";
-/// Test → whoever looks on, retained, at each change and once a second: BatteryTest. The last one is kept, `done`,
-/// until another test begins.
+/// Test → any client that displays it, retained, at each change and once a second: BatteryTest. The last one, with
+/// `done`, is retained until another test begins.
 inline constexpr std::string_view battery_test_topic = "cosiva/v1/battery/test";
 
-/// changeBattery: this battery is wanted in the vehicle.
+/// changeBattery: the vehicle is to be fitted with this battery.
 struct BatteryChange {
-  std::string battery;   ///< as people call it
+  std::string battery;   ///< its name for display
   std::uint32_t run{1};  ///< of the test, from 1 on
-  std::string reason;    ///< why the one that is there may not run; empty: it is time
+  std::string reason;    ///< why the present battery may not run; empty: its run is over
   friend bool operator==(const BatteryChange&, const BatteryChange&) = default;
 };
 
-/// batteryReady: what has been put in.
+/// batteryReady: the battery that was fitted.
 struct BatteryReady {
   std::string battery;      ///< its own id
   std::string type;         ///< "leaf33"
-  double cycles{};          ///< full ones that it has gone through
-  double rest_s{};          ///< since it was charged
+  double cycles{};          ///< full ones that the battery has gone through
+  double rest_s{};          ///< since the battery was charged
   double temperature_c{};   ///< of the pack
-  double charge_percent{};  ///< as the gauge believes, 0…100
+  double charge_percent{};  ///< the gauge's estimate, 0…100
   friend bool operator==(const BatteryReady&, const BatteryReady&) = default;
 };
 
-/// Where a vehicle of a test is in the exchange.
+/// The phase of a test's vehicle in the exchange.
 enum class BatteryPhase : std::uint8_t { changing, ready, running, paused, ended };
 [[nodiscard]] std::string_view to_string(BatteryPhase phase);
 
-/// A test as it stands.
+/// The present state of a test.
 struct BatteryTest {
   SimTime timestamp{};
   SimTime began{};
   std::uint32_t run{1};  ///< from 1 on, of `runs`
   std::uint32_t runs{1};
   double floor_percent{};               ///< where a run ends
-  double ratio{};                       ///< of the way from full to the floor, 0…1, over this run's vehicles
-  std::optional<SimTime> expected_end;  ///< of this run, as it goes; nothing: too early to say
+  double ratio{};                       ///< of the discharge from full to the floor, 0…1, over this run's vehicles
+  std::optional<SimTime> expected_end;  ///< of this run, at its present rate; nothing: too early to estimate
   bool done{false};
   struct Slot {
     std::string vehicle;  ///< "CoSiVA/AIV1"
-    std::string battery;  ///< that is in it, or asked for
+    std::string battery;  ///< that is fitted or requested
     BatteryPhase phase{};
-    std::string stop;     ///< what ended it: floor, cut-off, fault, operator, lost; empty: nothing yet
-    double autonomy_s{};  ///< so far, pauses taken out
+    std::string stop;     ///< what ended the run: floor, cut-off, fault, operator, lost; empty: nothing yet
+    double autonomy_s{};  ///< so far, without pauses
     std::optional<double> charge_percent;
     friend bool operator==(const Slot&, const Slot&) = default;
   };

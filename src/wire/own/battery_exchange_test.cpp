@@ -44,7 +44,7 @@ TEST(BatteryExchange, reads_back_what_it_writes) {
   });
 }
 
-TEST(BatteryExchange, of_a_test_that_is_bad_is_refused_with_its_field) {
+TEST(BatteryExchange, refuses_a_bad_test_naming_the_field) {
   const auto refusal = [](const std::string& from, const std::string& to) {
     const BatteryTest good{{}, {}, 1, 1, 20.0, 0.5, {}, false, {{"CoSiVA/AIV1", "red", {}, "", 0.0, 87.0}}};
     std::string json = to_json(good);
@@ -64,7 +64,7 @@ TEST(BatteryExchange, of_a_test_that_is_bad_is_refused_with_its_field) {
   EXPECT_FALSE(battery_test_from_json(""));
 }
 
-TEST(BatteryExchange, that_is_bad_is_refused_with_its_field) {
+TEST(BatteryExchange, refuses_a_bad_battery_ready_naming_the_field) {
   const auto refusal = [](const std::string& json) {
     const auto ready = battery_ready_from_json(json);
     EXPECT_FALSE(ready) << json;

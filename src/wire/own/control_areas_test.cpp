@@ -10,14 +10,14 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(ServerTopics, stand_where_they_always_did_for_the_only_server_of_a_broker) {
+TEST(ServerTopics, are_the_fixed_ones_for_the_only_server_of_a_broker) {
   const ServerTopics topics = server_topics("");
   EXPECT_EQ(topics.zone_prefix, zone_topic_prefix);
   EXPECT_EQ(topics.connection, server_connection_topic);
   EXPECT_EQ(topics.heartbeat, server_heartbeat_topic);
 }
 
-TEST(ServerTopics, stand_below_the_name_of_a_hall) {
+TEST(ServerTopics, are_below_the_name_of_a_control_area) {
   const ServerTopics topics = server_topics("north");
   EXPECT_EQ(topics.zone_prefix, "cosiva/v1/area/north/zone/");
   EXPECT_EQ(topics.connection, "cosiva/v1/area/north/server/connection");
@@ -30,15 +30,15 @@ TEST(ServerTopics, stand_below_the_name_of_a_hall) {
   EXPECT_EQ(parse_area_topic(topics.zone_prefix + "lif.json")->rest, "zone/lif.json");
 }
 
-TEST(AreaTopic, has_an_area_and_something_below_it) {
+TEST(AreaTopic, has_an_area_and_at_least_one_level_below) {
   for (const char* text : {"", "cosiva/v1/area/", "cosiva/v1/area/north", "cosiva/v1/area/north/",
-                           "cosiva/v1/area//zone", "cosiva/v1/areas/north/zone", "cosiva/v1/control area/no rth/zone"})
+                           "cosiva/v1/area//zone", "cosiva/v1/areas/north/zone", "cosiva/v1/area/no rth/zone"})
     EXPECT_FALSE(parse_area_topic(text)) << text;
   EXPECT_FALSE(valid_area_name(std::string(33, 'x')));
   EXPECT_TRUE(valid_area_name(std::string(32, 'x')));
 }
 
-TEST(Owner, comes_back_from_its_json_whether_it_says_much_or_little) {
+TEST(Owner, is_read_back_from_its_json_with_all_or_only_required_fields) {
   Owner owner{"north", 7, virtual_epoch + std::chrono::milliseconds{1500}, std::nullopt, std::nullopt};
   EXPECT_EQ(*owner_from_json(to_json(owner)), owner);
   owner.pose = Pose2{1.25, -0.5, 1.5};
@@ -49,7 +49,7 @@ TEST(Owner, comes_back_from_its_json_whether_it_says_much_or_little) {
                                 R"("pose":{"x":1.25,"y":-0.5,"theta":1.5},"mission":{"kind":"go","name":"dock"}})");
 }
 
-TEST(Owner, is_refused_where_a_field_is_missing_or_wrong_and_says_which) {
+TEST(Owner, is_refused_naming_the_missing_or_wrong_field) {
   const auto fault = [](const std::string& text) {
     const auto read = owner_from_json(text);
     return read ? std::string("read") : read.error().location;

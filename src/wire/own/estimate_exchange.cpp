@@ -12,7 +12,7 @@ using own::read_message;
 
 namespace {
 
-/// So long is one with inputs_max inputs.
+/// The size of a response with inputs_max inputs.
 constexpr std::size_t response_bytes_max = 2U << 20U;
 constexpr double distance_m_max = 1e9;
 constexpr double variance_max = EstimateResponse::variance_max;
@@ -97,7 +97,7 @@ void read_covariance(Fields& in, EstimateResponse::Estimate& estimate) {
   in.list("covariance", matrix.size(), [&](const JsonValue& item, const std::string& name) {
     const double* number = item.number();
     if (number == nullptr || !(std::fabs(*number) <= variance_max)) return in.report_fault(name, "a number");
-    matrix[count++] = *number + 0.0;  // no minus zero, as everywhere
+    matrix[count++] = *number + 0.0;  // no minus zero, as in take_number
   });
   if (count != matrix.size()) in.report_fault("covariance", "nine numbers");
 }

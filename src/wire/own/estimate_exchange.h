@@ -13,9 +13,10 @@
 #include "cosiva/base/time.h"
 #include "cosiva/wire/messages/topics.h"
 
-/// nextEstimatedPosition(algorithm), figures 16 and 17 (A33, A35): whoever qualifies algorithms asks a vehicle that
-/// drives, the vehicle answers with its next step of odometry. The algorithms run on board, all on the same inputs,
-/// which are told, too: so that others may be given just these. Where the vehicle truly was, somebody else says.
+/// nextEstimatedPosition(algorithm), figures 16 and 17 (A33, A35): the instrument that qualifies algorithms sends
+/// requests to a vehicle that drives, and the vehicle responds with its next step of odometry. The algorithms run on
+/// board, all on the same inputs, which the response contains as well, so that further algorithms may be run on the
+/// same inputs. The vehicle's actual position comes from another source.
 namespace cosiva::wire {
 
 /// Instrument → vehicle: EstimateRequest.
@@ -23,23 +24,23 @@ inline constexpr std::string_view estimate_request_topic_prefix = "cosiva/v1/est
 /// Vehicle → instrument: EstimateResponse.
 inline constexpr std::string_view estimate_response_topic_prefix = "cosiva/v1/estimate/response/";
 
-/// nextEstimatedPosition. A session is one run: the first request, 1, starts its algorithms where the vehicle then
-/// believes to be. Each request that follows says that the answer before it has come; the same again says that it has
-/// not, and gets it again. Another session ends this one, and so does a minute without a request.
+/// nextEstimatedPosition. A session is one run: the first request, 1, starts its algorithms at the vehicle's estimated
+/// pose at that time. Each request that follows confirms the response before it; a repeated request states that the
+/// response was not received, and gets it again. Another session ends this one, and so does a minute without a request.
 struct EstimateRequest {
   std::string session;
   std::uint32_t sequence{1};
-  std::vector<std::string> algorithms;  ///< that run on board; heard in the first request
-  std::uint64_t seed{1};                ///< likewise, for who draws random numbers; at most 2^53
+  std::vector<std::string> algorithms;  ///< that run on board; read from the first request
+  std::uint64_t seed{1};                ///< likewise, for algorithms that draw random numbers; at most 2^53
   std::uint32_t particles{500};
   std::uint32_t horizon{4};
   static constexpr std::size_t algorithms_max = 16;
-  static constexpr std::uint32_t particles_max = 5000;  ///< on board there is other work to do
+  static constexpr std::uint32_t particles_max = 5000;  ///< the on-board program has other work to do
   static constexpr std::uint32_t horizon_max = 1000;
   friend bool operator==(const EstimateRequest&, const EstimateRequest&) = default;
 };
 
-/// What the vehicle knows of its sensors, and tells its algorithms (estimation::SensorModel has the meanings).
+/// The vehicle's properties of its sensors, as given to its algorithms (estimation::SensorModel has the meanings).
 struct EstimateSensors {
   double distance_variance_per_m{};
   double turn_variance_per_m{};
@@ -56,18 +57,18 @@ struct EstimateSensors {
 struct EstimateResponse {
   std::string session;
   std::uint32_t sequence{1};
-  SimTime timestamp{};  ///< at which its odometry was as told: the estimates are of then
+  SimTime timestamp{};  ///< the time of its odometry, which is also the time of the estimates
   std::string map_id;
-  std::string fault;     ///< why the session is over; empty: it is not
+  std::string fault;     ///< why the session is over; empty: the session goes on
   double travelled_m{};  ///< by odometry, since the session began
 
-  /// Where its algorithms began; in the first answer.
+  /// Where the vehicle's algorithms began; in the first response.
   struct Start {
     Pose2 X_MB;
     double sigma_m{};
     double heading_sigma_rad{};
-    std::optional<std::string> section;  ///< on which it stood; none: it follows no line that leads round
-    double along_m{};                    ///< along the ring through that section, from its beginning
+    std::optional<std::string> section;  ///< on which the vehicle was; none: its line is not part of a loop
+    double along_m{};                    ///< along the loop through that section, from its beginning
     EstimateSensors sensors;
     friend bool operator==(const Start&, const Start&) = default;
   };
@@ -86,9 +87,9 @@ struct EstimateResponse {
     friend bool operator==(const Reading&, const Reading&) = default;
   };
   using Input = std::variant<Odometry, Reading>;
-  std::vector<Input> inputs;  ///< since the answer before: what each algorithm has been told, in this order
+  std::vector<Input> inputs;  ///< since the response before: the inputs of each algorithm, in this order
 
-  /// What an algorithm made of a reading.
+  /// The effect of a reading on an algorithm.
   struct Rectified {
     bool accepted{false};
     std::optional<double> nis;
@@ -97,18 +98,18 @@ struct EstimateResponse {
   };
   struct Estimate {
     std::string algorithm;
-    std::string fault;  ///< why it says nothing any more; empty: it does
+    std::string fault;  ///< why there is no estimate any more; empty: there is one
     Pose2 X_MB;
-    std::optional<std::array<double, 9>> covariance;  ///< of (x, y, heading), by rows; none: it states none
+    std::optional<std::array<double, 9>> covariance;  ///< of (x, y, heading), by rows; none: the algorithm states none
     std::optional<double> along_m;
     std::vector<Rectified> rectified;  ///< one for each reading of `told`
     friend bool operator==(const Estimate&, const Estimate&) = default;
   };
-  std::vector<Estimate> estimates;  ///< in the order in which they were asked for
+  std::vector<Estimate> estimates;  ///< in the order in which they were requested
 
   static constexpr std::size_t inputs_max = 4096;
   static constexpr std::size_t fault_bytes_max = 1024;
-  /// Beyond these an estimate is none that could be told: its algorithm has diverged.
+  /// An estimate beyond these bounds is not sent: its algorithm has diverged.
   static constexpr double position_m_max = 1e5;
   static constexpr double variance_max = 1e12;
   friend bool operator==(const EstimateResponse&, const EstimateResponse&) = default;

@@ -67,7 +67,7 @@ EstimateResponse some_response(Random& random) {
 }
 
 TEST(EstimateExchange, reads_back_what_it_writes_to_the_last_bit) {
-  rc::check("any request and answer", [](std::uint64_t seed) {
+  rc::check("any request and response", [](std::uint64_t seed) {
     Random random{seed, "estimates"};
     EstimateRequest request{"qualify-1/7", 1 + static_cast<std::uint32_t>(random.below(1U << 30U)), {}, 0, 1, 1};
     request.seed = random.next() >> 11U;
@@ -81,7 +81,7 @@ TEST(EstimateExchange, reads_back_what_it_writes_to_the_last_bit) {
   });
 }
 
-TEST(EstimateExchange, of_a_request_that_is_bad_is_refused_with_its_field) {
+TEST(EstimateExchange, refuses_a_bad_request_naming_the_field) {
   const std::string good = to_json(EstimateRequest{"q/1", 3, {"ekf"}, 1, 500, 4});
   const auto refusal = [&](const std::string& from, const std::string& to) {
     std::string json = good;
@@ -97,13 +97,13 @@ TEST(EstimateExchange, of_a_request_that_is_bad_is_refused_with_its_field) {
   EXPECT_THAT(refusal(R"(["ekf"])", R"([7])"), HasSubstr("algorithms.0"));
   EXPECT_THAT(refusal(R"(["ekf"])", R"("ekf")"), HasSubstr("algorithms"));
   EXPECT_THAT(refusal(R"("seed":1)", R"("seed":-1)"), HasSubstr("seed"));
-  // A vehicle has other things to do than to move a million particles.
+  // A vehicle has no computing time for a million particles.
   EXPECT_THAT(refusal(R"("particles":500)", R"("particles":1000000)"), HasSubstr("particles"));
   EXPECT_THAT(refusal(R"("horizon":4)", R"("horizon":0)"), HasSubstr("horizon"));
   EXPECT_FALSE(estimate_request_from_json(""));
 }
 
-TEST(EstimateExchange, of_an_answer_that_is_bad_is_refused_with_its_field) {
+TEST(EstimateExchange, refuses_a_bad_response_naming_the_field) {
   EstimateResponse response;
   response.session = "q/1";
   response.start.emplace(EstimateResponse::Start{});

@@ -13,7 +13,7 @@ namespace {
 
 using namespace own;
 
-/// 256 sights of some 200 bytes.
+/// 256 detections of some 200 bytes.
 constexpr std::size_t detections_bytes_max = 96U << 10U;
 constexpr double period_s_max = 3600.0;
 
@@ -59,7 +59,7 @@ void read_corner(Fields& in, const JsonValue& item, const std::string& name, Poi
   const double* x = two ? (*pair)[0].number() : nullptr;
   const double* y = two ? (*pair)[1].number() : nullptr;
   const auto near = [](const double* m) { return m != nullptr && *m >= -position_m_max && *m <= position_m_max; };
-  if (!near(x) || !near(y)) return in.report_fault(name, "a place [x, y] within 100 km");
+  if (!near(x) || !near(y)) return in.report_fault(name, "a position [x, y] within 100 km");
   corner = {*x, *y};
 }
 

@@ -10,53 +10,53 @@
 #include "cosiva/base/time.h"
 #include "cosiva/wire/messages/messages.h"
 
-/// What GVS, the camera over the zone (A34), tells of the physical side. docs/protocols/own-messages.md.
+/// The messages of GVS, the camera over the zone (A34), about the physical side. docs/protocols/own-messages.md.
 namespace cosiva::wire {
 
-/// GVS → server, with each picture: whom the camera over the zone saw where (wire::GvsDetections, A34).
+/// GVS → server, with each image: the vehicles that the camera detected and their poses (wire::GvsDetections, A34).
 inline constexpr std::string_view gvs_detections_topic = "cosiva/v1/gvs/detections";
-/// Retained with a last will: whether that camera watches (wire::GvsConnection).
+/// Retained with a last will: whether that camera is in operation (wire::GvsConnection).
 inline constexpr std::string_view gvs_connection_topic = "cosiva/v1/gvs/connection";
-/// Server → GVS: somebody looks at its pictures, so they are sent for the next two seconds.
+/// Server → GVS: a client displays the preview, so images are sent for the next two seconds.
 inline constexpr std::string_view gvs_preview_request_topic = "cosiva/v1/gvs/preview_request";
-/// GVS → server, while somebody looks: the picture, small and grey, as Netpbm's P5; its comment says who is where on
-/// it.
+/// GVS → server, while a client displays it: the image, small and grey, as Netpbm's P5; its comment states each
+/// vehicle's position in the image.
 inline constexpr std::string_view gvs_preview_topic = "cosiva/v1/gvs/preview";
 
-/// GVS → server, QoS 0, for each of its pictures: whom it saw where.
+/// GVS → server, QoS 0, for each of its images: the detected vehicles and their poses.
 struct GvsDetections {
   std::uint32_t header_id{};
-  SimTime timestamp{};  ///< when the picture's exposure began
-  double period_s{};    ///< to the next picture
+  SimTime timestamp{};  ///< when the image's exposure began
+  double period_s{};    ///< to the next image
   struct Detection {
-    std::string vehicle;  ///< "CoSiVA/AIV1": whose tag it is
+    std::string vehicle;  ///< "CoSiVA/AIV1": the vehicle that carries the tag
     std::uint32_t tag{};
-    SimTime at{};            ///< the middle of the exposure of its own rows
+    SimTime at{};            ///< the middle of the exposure of the tag's rows
     Pose2 pose;              ///< X_MB of the vehicle, its tag's height and mount accounted for
-    double uncertainty_m{};  ///< standard, of its place
+    double uncertainty_m{};  ///< standard, of its position
     friend bool operator==(const Detection&, const Detection&) = default;
   };
   std::vector<Detection> detections;  ///< at most detections_max
-  /// What of the floor it sees so that a whole tag fits in: corners of a polygon, at most corners_max. Who is outside
-  /// is not missed.
+  /// The part of the floor where the camera detects a whole tag: corners of a polygon, at most corners_max. A vehicle
+  /// outside does not count as missing.
   std::vector<Point2> field;
   static constexpr std::size_t detections_max = 256;
   static constexpr std::size_t corners_max = 64;
   friend bool operator==(const GvsDetections&, const GvsDetections&) = default;
 };
 
-/// GVS → server, retained, QoS 1, and as its last will: whether it watches.
+/// GVS → server, retained, QoS 1, and as its last will: whether the camera is in operation.
 struct GvsConnection {
   ConnectionState state{};
   SimTime timestamp{};
-  std::string source;   ///< where its pictures come from, in words
-  std::string trouble;  ///< why none come now; empty: they do
+  std::string source;   ///< where the images come from, as text
+  std::string trouble;  ///< why none come now; empty: images come
   friend bool operator==(const GvsConnection&, const GvsConnection&) = default;
 };
 
 [[nodiscard]] std::string to_json(const GvsDetections& detections);
 [[nodiscard]] std::string to_json(const GvsConnection& connection);
-/// Both fail ("own.field", naming the field; "json.syntax") as readers of our own messages do.
+/// Both fail ("own.field", naming the field; "json.syntax") as readers of CoSiVA's own messages do.
 [[nodiscard]] Result<GvsDetections> gvs_detections_from_json(std::string_view json);
 [[nodiscard]] Result<GvsConnection> gvs_connection_from_json(std::string_view json);
 

@@ -43,19 +43,19 @@ TEST(GvsMessages, are_written_as_the_protocol_shows_and_read_back) {
   EXPECT_EQ(gvs_connection_from_json(connected_json).value(), connected);
 }
 
-TEST(GvsMessages, of_nobody_and_with_unknown_fields_are_read) {
+TEST(GvsMessages, without_detections_and_with_unknown_fields_are_read) {
   const auto read = gvs_detections_from_json(
       R"({"headerId":0,"timestamp":"2026-01-01T00:00:00Z","period":1,"detections":[],"field":[],"colour":"grey"})");
   ASSERT_TRUE(read);
   EXPECT_TRUE(read->detections.empty());
 }
 
-TEST(GvsMessages, a_heading_comes_out_within_a_turn) {
+TEST(GvsMessages, bring_a_heading_into_one_turn) {
   const auto read = gvs_detections_from_json(replaced(shown_json, R"("heading":0.5)", R"("heading":7)"));
   EXPECT_NEAR(read->detections[0].pose.heading_rad, 7.0 - 2.0 * pi, 1e-12);
 }
 
-TEST(GvsMessages, that_are_wrong_are_refused_by_the_field) {
+TEST(GvsMessages, that_are_wrong_are_refused_naming_the_field) {
   const auto refused = [](const char* from, const char* to, const char* location) {
     const auto read = gvs_detections_from_json(replaced(shown_json, from, to));
     ASSERT_FALSE(read) << to;
@@ -79,7 +79,7 @@ TEST(GvsMessages, that_are_wrong_are_refused_by_the_field) {
   EXPECT_THAT(word.error().message, HasSubstr("CONNECTIONBROKEN"));
 }
 
-TEST(GvsMessages, a_long_trouble_is_cut_between_two_characters) {
+TEST(GvsMessages, cut_a_long_trouble_text_between_two_characters) {
   GvsConnection troubled{ConnectionState::online, time_of("2026-01-01T00:00:00.000Z"), "a folder", {}};
   for (int i = 0; i < 100; ++i) troubled.trouble += "é";
   troubled.trouble.insert(0, "x");  // so that the limit of 128 bytes falls into one
@@ -88,7 +88,7 @@ TEST(GvsMessages, a_long_trouble_is_cut_between_two_characters) {
   EXPECT_EQ(read->trouble.size(), 127U);
 }
 
-TEST(GvsMessages, of_more_than_anybody_has_vehicles_are_refused) {
+TEST(GvsMessages, with_more_detections_than_allowed_are_refused) {
   GvsDetections many = shown;
   many.detections.resize(GvsDetections::detections_max, shown.detections[0]);
   EXPECT_TRUE(gvs_detections_from_json(to_json(many)));

@@ -15,8 +15,8 @@
 #include "cosiva/base/result.h"
 #include "cosiva/base/time.h"
 
-/// How readers of CoSiVA's own messages take fields (own_messages.h, v2x.h): unknown ones are left alone; a wrong type,
-/// a number out of its range or not finite, and a list that is too long are refused, naming the field ("own.field").
+/// How readers of CoSiVA's own messages take fields (own_messages.h, v2x.h): unknown ones are ignored; a wrong type, a
+/// number out of its range or not finite, and a list that is too long are refused, naming the field ("own.field").
 namespace cosiva::wire::own {
 
 inline constexpr std::size_t bytes_max = 16U << 10U;  ///< of a whole message
@@ -28,8 +28,8 @@ inline constexpr double heading_rad_max = 100.0;
 /// Whole numbers of a double are exact up to here.
 inline constexpr double whole_max = 9007199254740992.0;
 
-/// Reads the fields of one object. The first fault is kept and everything after it is empty, so that a message reads as
-/// a list of its fields, and `error` is asked once at the end.
+/// Reads the fields of one object. The first fault is stored and every later field reads as empty, so that the code of
+/// a reader is a list of its fields, and `error` is queried once at the end.
 class Fields {
  public:
   /// @param where  of this object in the message, such as "bodies.2."
@@ -47,7 +47,7 @@ class Fields {
     if (value != nullptr && take_number(*value, field, low, high, read)) out = read;
   }
   [[nodiscard]] bool has(std::string_view field) const { return json_.find(field) != nullptr; }
-  /// A number told in `unit`s, counted in whole ones inside.
+  /// A number given in `unit`s on the wire, stored as a count of whole units.
   template <std::integral T>
   void counted(std::string_view field, double unit, T& out) {
     double read = 0.0;
@@ -96,7 +96,7 @@ class Fields {
     for (std::size_t i = 0; i < items->size() && !error_; ++i)
       take((*items)[i], std::string(field) + "." + std::to_string(i));
   }
-  /// Nothing where the field is missing or null, or something was wrong before.
+  /// Nothing where the field is missing or null, or an earlier field was wrong.
   [[nodiscard]] const JsonValue* optional(std::string_view field) {
     if (error_) return nullptr;
     const JsonValue* value = json_.find(field);
@@ -125,7 +125,7 @@ class Fields {
       report_fault(field, std::string(range, static_cast<std::size_t>(length)));
       return false;
     }
-    out = *read + 0.0;  // no minus zero: it is written as "-0", an integer, and comes back as plain zero
+    out = *read + 0.0;  // no minus zero: "-0" would be read back as an integer, plain zero
     return true;
   }
 
@@ -146,7 +146,7 @@ Result<Message> read_message(std::string_view text, Read read, std::size_t longe
   return message;
 }
 
-/// Reads an object inside the message, if it is there.
+/// Reads an object inside the message, if there is one.
 template <typename Part, typename Read>
 void read_part(Fields& in, std::string_view field, std::optional<Part>& out, Read read) {
   const JsonValue* json = in.optional(field);

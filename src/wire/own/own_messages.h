@@ -10,12 +10,12 @@
 #include "cosiva/base/time.h"
 #include "cosiva/wire/messages/board.h"
 
-/// CoSiVA's own messages between server and vehicles, for what VDA 5050 has no word for (topics.h). JSON, metres,
-/// radians, m/s, ISO 8601 times. Readers take unknown fields, refuse wrong types, numbers that are not finite and lists
-/// that are too long ("own.field", naming the field); nothing that runs stops.
+/// CoSiVA's own messages between server and vehicles, for what VDA 5050 does not define (topics.h). JSON, metres,
+/// radians, m/s, ISO 8601 times. Readers accept unknown fields and refuse wrong types, numbers that are not finite and
+/// lists that are too long ("own.field", naming the field); a refused message stops nothing.
 namespace cosiva::wire {
 
-/// A body in the plane: all points within `radius_m` of a segment of `length_m` through its middle, along its heading.
+/// A body in the plane: all points within `radius_m` of a segment of `length_m` through its centre, along its heading.
 /// A disc has length 0; a vehicle of 0.20 m x 0.12 m is length 0.08, radius 0.06.
 struct Body {
   std::string id;    ///< "P1", "CoSiVA.virtual/V1"
@@ -25,15 +25,15 @@ struct Body {
   double heading_rad{};
   double length_m{};
   double radius_m{};
-  double vx_mps{};  ///< in map axes; its own motion, so that the reader may carry it on between messages
+  double vx_mps{};  ///< in map axes; its own motion, so that the reader can extrapolate it between messages
   double vy_mps{};
   friend bool operator==(const Body&, const Body&) = default;
 };
 
-/// Server → vehicle: everything only virtual that is near its way now; replaces the one before. Sent at once when a
-/// body comes, goes or leaps, every 100 ms while there is any, and five times empty after the last one went. The
-/// vehicle treats the bodies as its own obstacle detection's readings (DOBS), carries moving ones on, and forgets all
-/// of it after a second without news while its server beats.
+/// Server → vehicle: all virtual objects near its route now; replaces the message before. Sent at once when a body
+/// appears, disappears or jumps, every 100 ms while there is any, and five times empty after the last one has
+/// disappeared. The vehicle treats the bodies as readings of its own obstacle sensor (DOBS), extrapolates moving ones,
+/// and discards all of them after a second without a message while its server's heartbeat goes on.
 struct VirtualObstacles {
   std::uint32_t header_id{};
   SimTime timestamp{};
@@ -43,38 +43,40 @@ struct VirtualObstacles {
   friend bool operator==(const VirtualObstacles&, const VirtualObstacles&) = default;
 };
 
-/// Vehicle → server: the first Ahead it heard, and then every one with which somebody came or went or after which its
-/// decision changed, has been taken into account; `decided` is the time at which its motors were told. One a second is
-/// answered anyway, because answers may be lost. Where it begins or ends to brake between two of them, the last is
-/// named.
+/// Vehicle → server: a VirtualObstacles message has been taken into account. Sent for the first one received, and then
+/// for every one with which a body appeared or disappeared or after which the vehicle's decision changed; `decided` is
+/// the time of the command to its motors. One message a second is acknowledged in any case, because acknowledgements
+/// may be lost. Where the vehicle begins or ends to brake between two messages, the later acknowledgement names the
+/// last one received.
 struct VirtualObstaclesAck {
   std::uint32_t virtual_obstacles_header_id{};
   SimTime decided{};
-  bool braking{};                    ///< its speed is limited by a virtual body
-  std::string body;                  ///< by which; empty: none
-  std::optional<double> distance_m;  ///< along its way, from its front
+  bool braking{};                    ///< the speed is limited by a virtual body
+  std::string body;                  ///< the limiting body; empty: none
+  std::optional<double> distance_m;  ///< along the path, from the vehicle's front
   friend bool operator==(const VirtualObstaclesAck&, const VirtualObstaclesAck&) = default;
 };
 
-/// Vehicle → server: the nearest thing its DOBS sees in its corridor, ten times a second while there is one within
-/// 1.0 m, and three times without one after it went. Other vehicles are seen too: telling them apart is the server's.
+/// Vehicle → server: the nearest obstacle that its DOBS detects in its corridor, ten times a second while there is one
+/// within 1.0 m, and three times without one after it has disappeared. DOBS detects other vehicles too; the server
+/// distinguishes them.
 struct DetectedObstacleReport {
   std::uint32_t header_id{};
   SimTime timestamp{};
   std::string map_id;
   struct Obstacle {
-    double x_m{};  ///< of its middle, as far as can be told from one side
+    double x_m{};  ///< of its centre, as far as it can be determined from one side
     double y_m{};
-    double radius_m{};    ///< from the number of beams it fills
-    double distance_m{};  ///< along the way, from the vehicle's front
+    double radius_m{};    ///< from the number of beams that the obstacle fills
+    double distance_m{};  ///< along the path, from the vehicle's front
     friend bool operator==(const Obstacle&, const Obstacle&) = default;
   };
   std::optional<Obstacle> obstacle;
-  double clear_m{};  ///< so much of its corridor is free
+  double clear_m{};  ///< the free length of the corridor
   friend bool operator==(const DetectedObstacleReport&, const DetectedObstacleReport&) = default;
 };
 
-/// Vehicle → server: one line per board (A18), and what DOBS sees.
+/// Vehicle → server: one line per board (A18), and the ranges of DOBS.
 struct BoardsReport {
   std::uint32_t header_id{};
   SimTime timestamp{};
@@ -95,10 +97,10 @@ struct BoardsReport {
   friend bool operator==(const BoardsReport&, const BoardsReport&) = default;
 };
 
-/// The ether's condition, to emulated vehicles (plant_radio_topic).
+/// The radio's condition, to emulated vehicles (plant_radio_topic).
 struct Radio {
   std::string vehicle;  ///< "CoSiVA/AIV2" or "*"
-  double loss{};        ///< share of messages lost, 0…1
+  double loss{};        ///< ratio of messages lost, 0…1
   friend bool operator==(const Radio&, const Radio&) = default;
 };
 

@@ -96,10 +96,10 @@ bool survives_the_wire(Message (*draw)(Random&), Result<Message> (*read)(std::st
 TEST(OwnMessages, read_back_all_virtual_obstacles_they_write) {
   EXPECT_TRUE(survives_the_wire(draw_virtual_obstacles, virtual_obstacles_from_json));
 }
-TEST(OwnMessages, read_back_every_felt_they_write) {
+TEST(OwnMessages, read_back_every_virtual_obstacles_ack_they_write) {
   EXPECT_TRUE(survives_the_wire(draw_ack, virtual_obstacles_ack_from_json));
 }
-TEST(OwnMessages, read_back_every_seen_they_write) {
+TEST(OwnMessages, read_back_every_detected_obstacle_they_write) {
   EXPECT_TRUE(survives_the_wire(draw_detected, detected_obstacle_from_json));
 }
 TEST(OwnMessages, read_back_every_boards_report_they_write) {
@@ -107,9 +107,9 @@ TEST(OwnMessages, read_back_every_boards_report_they_write) {
 }
 TEST(OwnMessages, read_back_every_radio_they_write) { EXPECT_TRUE(survives_the_wire(draw_radio, radio_from_json)); }
 
-// --- what stands in docs/protocols/own-messages.md ----------------------------------------------------------------
+// --- what docs/protocols/own-messages.md shows ----------------------------------------------------------------------
 
-TEST(OwnMessages, are_written_as_their_page_shows) {
+TEST(OwnMessages, are_written_as_their_document_shows) {
   const SimTime at = parse_iso8601("2026-01-01T00:00:00.004Z").value();
   EXPECT_EQ(to_json(VirtualObstacles{7, at, "lacet4", {{"P1", "person", 0.4, -0.15, 0.0, 0.0, 0.06, 0.0, 0.1}}}),
             R"({"headerId":7,"timestamp":"2026-01-01T00:00:00.004Z","mapId":"lacet4","bodies":[{"id":"P1",)"
@@ -158,9 +158,9 @@ TEST(OwnMessages, hold_as_many_bodies_with_as_long_names_as_allowed) {
   EXPECT_EQ(virtual_obstacles_from_json(to_json(ahead)).value(), ahead);
 }
 
-// --- the bad side ---------------------------------------------------------------------------------------------------
+// --- bad messages ---------------------------------------------------------------------------------------------------
 
-/// A good message with one place of its text replaced; where the reader says the fault is.
+/// A good message with one part of its text replaced; returns the location that the reader reports.
 template <typename Message>
 std::string fault(const Message& good, Result<Message> (*read)(std::string_view), std::string_view from,
                   std::string_view to) {
@@ -213,12 +213,12 @@ TEST(OwnMessages, refuse_virtual_obstacles_of_the_wrong_shape) {
   EXPECT_THAT(virtual_obstacles_from_json(to_json(crowd)).error().message, HasSubstr("at most 32"));
 }
 
-TEST(OwnMessages, refuse_what_is_too_long_before_they_look_at_it) {
+TEST(OwnMessages, refuse_a_text_that_is_too_long_before_parsing) {
   const std::string long_one = to_json(good_virtual_obstacles) + std::string(16U << 10U, ' ');
   EXPECT_EQ(virtual_obstacles_from_json(long_one).error().code, "json.syntax");
 }
 
-TEST(OwnMessages, never_take_a_number_that_is_not_finite) {
+TEST(OwnMessages, never_accept_a_number_that_is_not_finite) {
   VirtualObstacles ahead = good_virtual_obstacles;
   ahead.bodies[0].x_m = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(virtual_obstacles_from_json(to_json(ahead))) << "written as null";
@@ -226,7 +226,7 @@ TEST(OwnMessages, never_take_a_number_that_is_not_finite) {
   EXPECT_NE(fault(good_virtual_obstacles, virtual_obstacles_from_json, R"("x":0.5)", R"("x":NaN)"), "none");
 }
 
-TEST(OwnMessages, refuse_a_felt_or_seen_with_wrong_fields) {
+TEST(OwnMessages, refuse_an_ack_or_a_detected_obstacle_with_wrong_fields) {
   const VirtualObstaclesAck perceived{7, virtual_epoch, true, "P1", 0.5};
   EXPECT_EQ(fault(perceived, virtual_obstacles_ack_from_json, R"("braking":true)", R"("braking":1)"),
             "own.field braking");
@@ -269,7 +269,7 @@ TEST(OwnMessages, refuse_a_boards_report_with_wrong_fields) {
   EXPECT_FALSE(boards_report_from_json(to_json(many)));
 }
 
-TEST(OwnMessages, refuse_a_radio_that_loses_more_than_everything) {
+TEST(OwnMessages, refuse_a_radio_with_a_loss_above_one) {
   const Radio radio{"*", 0.5};
   EXPECT_EQ(fault(radio, radio_from_json, "0.5", "1.01"), "own.field loss");
   EXPECT_EQ(fault(radio, radio_from_json, "0.5", "-0.01"), "own.field loss");

@@ -66,12 +66,12 @@ Intent draw(Random& random) {
   return intent;
 }
 
-TEST(ReceivedIntent, is_read_once_for_all_who_hear_the_same_words) {
+TEST(ReceivedIntent, is_parsed_once_for_all_receivers_of_the_same_text) {
   const auto first = received_intent(shown_json);
   ASSERT_TRUE(first);
   EXPECT_EQ(**first, shown);
-  EXPECT_EQ(received_intent(std::string(shown_json)).value(), *first) << "the very same";
-  // Whatever is heard meanwhile, each hears what was said to it.
+  EXPECT_EQ(received_intent(std::string(shown_json)).value(), *first) << "the same object";
+  // Whatever is received meanwhile, each receiver gets the message that was sent.
   Random random{11, "heard"};
   std::vector<Intent> published;
   for (int i = 0; i < 500; ++i) published.push_back(draw(random));
@@ -84,7 +84,7 @@ TEST(ReceivedIntent, is_read_once_for_all_who_hear_the_same_words) {
   EXPECT_EQ(*received_intent(shown_json).value(), shown);
 }
 
-TEST(ReceivedIntent, is_told_apart_to_the_last_byte_and_refused_each_time) {
+TEST(ReceivedIntent, is_compared_to_the_last_byte_and_refused_each_time) {
   std::string other{shown_json};
   other.replace(other.find("north"), 5, "south");
   EXPECT_EQ(received_intent(shown_json).value()->route.back(), "north");
@@ -100,7 +100,7 @@ TEST(ReceivedIntent, is_told_apart_to_the_last_byte_and_refused_each_time) {
   EXPECT_FALSE(received_intent(""));
 }
 
-TEST(Intent, is_written_as_its_page_shows) {
+TEST(Intent, is_written_as_its_document_shows) {
   EXPECT_EQ(to_json(shown), shown_json);
   EXPECT_EQ(intent_from_json(shown_json).value(), shown);
 }
@@ -117,7 +117,7 @@ TEST(Intent, reads_back_what_it_writes) {
   }));
 }
 
-TEST(Intent, may_hold_fields_that_the_reader_does_not_know_and_no_place) {
+TEST(Intent, may_hold_fields_that_the_reader_does_not_know_and_no_position) {
   std::string json = to_json(shown);
   json.insert(1, R"("colour":{"deep":[1]},)");
   EXPECT_EQ(intent_from_json(json).value(), shown);
@@ -126,7 +126,7 @@ TEST(Intent, may_hold_fields_that_the_reader_does_not_know_and_no_place) {
   EXPECT_EQ(intent_from_json(to_json(neighbour)).value(), neighbour);
 }
 
-/// The shown intent with one place of its text replaced; where the reader says the fault is.
+/// The shown intent with one part of its text replaced; returns the location that the reader reports.
 std::string fault(std::string_view from, std::string_view to) {
   std::string json{shown_json};
   const std::size_t at = json.find(from);
@@ -158,7 +158,7 @@ TEST(Intent, refuses_what_is_out_of_bounds_naming_the_field) {
   EXPECT_EQ(fault("2026-01-01T00:00:00.004Z", "yesterday"), "own.field timestamp");
 }
 
-TEST(Intent, refuses_crowded_lists_numbers_that_are_none_and_long_texts) {
+TEST(Intent, refuses_lists_that_are_too_long_invalid_numbers_and_long_texts) {
   Intent crowd = shown;
   crowd.crossings.resize(Intent::crossings_max + 1, shown.crossings.front());
   EXPECT_THAT(intent_from_json(to_json(crowd)).error().message, HasSubstr("at most 8"));
@@ -174,7 +174,7 @@ TEST(Intent, refuses_crowded_lists_numbers_that_are_none_and_long_texts) {
   for (const char* text : {"", "null", "[]", "{", "{}", "\x00\xFF"}) EXPECT_FALSE(intent_from_json(text)) << text;
 }
 
-TEST(V2xTopic, stands_under_the_cell_where_the_vehicle_is) {
+TEST(V2xTopic, is_below_the_cell_where_the_vehicle_is) {
   EXPECT_EQ(cell_of({0.1, 0.1}), (Cell{0, 0}));
   EXPECT_EQ(cell_of({-0.1, 3.0}), (Cell{-1, 1}));
   EXPECT_EQ(v2x_topic("lacet4", {-1, 1}, {"CoSiVA", "AIV1"}), "cosiva/v1/v2x/lacet4/-1_1/CoSiVA/AIV1");
@@ -189,7 +189,7 @@ TEST(V2xTopic, stands_under_the_cell_where_the_vehicle_is) {
     EXPECT_FALSE(parse_v2x_topic(no)) << no;
 }
 
-TEST(V2xTopic, is_heard_by_everybody_within_a_cell_and_by_nobody_beyond_two) {
+TEST(V2xTopic, is_received_by_each_vehicle_within_a_cell_and_by_none_beyond_two) {
   EXPECT_TRUE(rc::check([](std::uint64_t seed) {
     Random random{seed, "cells"};
     const Point2 here{random.uniform(-50, 50), random.uniform(-50, 50)};
@@ -206,7 +206,7 @@ TEST(V2xTopic, is_heard_by_everybody_within_a_cell_and_by_nobody_beyond_two) {
   }));
 }
 
-TEST(V2xTopic, says_how_far_outside_of_a_cell_somebody_is) {
+TEST(V2xTopic, gives_the_distance_of_a_point_from_a_cell) {
   EXPECT_DOUBLE_EQ(outside_cell_m({0, 0}, {3.25, 1.0}), 0.25);
   EXPECT_DOUBLE_EQ(outside_cell_m({0, 0}, {-0.5, 3.25}), 0.5);
 }

@@ -15,12 +15,12 @@
 namespace cosiva::wire {
 
 /// A message as values instead of text, between cores of one process (in_process messages,
-/// wire/in_process/typed_message.h). Only what its digest needs is known here; who sends and who receives agree on the
+/// wire/in_process/typed_message.h). This interface covers only what the digest needs; sender and receiver agree on the
 /// rest.
 class InProcessMessage {
  public:
   virtual ~InProcessMessage() = default;
-  /// Which message it is, and its number: what it says shows in the digests of those who act upon it.
+  /// The kind of message and its number; its content shows in the digests of the cores that act upon it.
   virtual void fold(Digest& digest) const = 0;
 
  protected:
@@ -31,17 +31,17 @@ class InProcessMessage {
   InProcessMessage& operator=(InProcessMessage&&) = default;
 };
 
-/// Everything a core can be told. One record type for all cores: the journal stores it, the network delivers it,
-/// replay feeds it again (DESIGN §4.1, §4.9). The numbers are the journal's, never reuse one.
+/// Every kind of input of a core. One record type for all cores: the journal stores it, the network delivers it, replay
+/// feeds it again (DESIGN §4.1, §4.9). The journal stores these numbers; never reuse one.
 enum class InputKind : std::uint8_t {
   configure = 1,  ///< first input of every core: source = what ("aiv", "plant", "server"), payload = its options (JSON)
   message = 2,    ///< from the broker: source = topic, payload = bytes, flag = retained
   link = 3,       ///< the broker connection: payload "up" or "down"
-  bytes = 4,      ///< from a byte stream: source = port name, payload = what arrived
-  port = 5,       ///< a byte stream came or went: source = port name, payload "up" or "down"
-  command = 6,    ///< from a person or program on this machine: source = who, payload = JSON
+  bytes = 4,      ///< from a byte stream: source = port name, payload = the bytes received
+  port = 5,       ///< a byte stream opened or closed: source = port name, payload "up" or "down"
+  command = 6,    ///< from a person or program on this machine: source = the sender, payload = JSON
   tick = 7,       ///< the core's own timer, every tick_period()
-  restore = 8,    ///< what Remember stored before the last stop; payload = bytes, only right after configure
+  restore = 8,    ///< what Persist stored before the last stop; payload = bytes, only right after configure
 };
 
 struct Input {
@@ -50,7 +50,7 @@ struct Input {
   std::string source;
   std::string payload;
   bool flag{false};
-  /// Of a message that was passed on as values (said.h): what it says; the payload is empty then.
+  /// The content of a message that was passed on as values (said.h); the payload is empty then.
   std::shared_ptr<const InProcessMessage> typed{};
   friend bool operator==(const Input&, const Input&) = default;
 };
@@ -60,7 +60,7 @@ struct Publish {
   std::string payload;
   int qos{0};
   bool retained{false};
-  /// What it says, where it is passed on as values (said.h); the payload is empty then.
+  /// The content, where it is passed on as values (said.h); the payload is empty then.
   std::shared_ptr<const InProcessMessage> typed{};
   friend bool operator==(const Publish&, const Publish&) = default;
 };
@@ -70,7 +70,7 @@ struct SendBytes {
   std::string bytes;
   friend bool operator==(const SendBytes&, const SendBytes&) = default;
 };
-/// Keep these few bytes over a crash of the process; each replaces the last.
+/// Store these few bytes over a crash of the process; each replaces the last.
 struct Persist {
   std::string bytes;
   friend bool operator==(const Persist&, const Persist&) = default;
@@ -81,8 +81,8 @@ struct Log {
   std::string text;
   friend bool operator==(const Log&, const Log&) = default;
 };
-/// Hear these topics from now on, too, besides subscriptions(); each replaces the last. None are heard before the
-/// first. Holds over a lost connection, until the next.
+/// Receive these topics from now on, in addition to subscriptions(); each replaces the last. None are received before
+/// the first. A lost connection changes nothing.
 struct Listen {
   std::vector<std::string> filters;
   friend bool operator==(const Listen&, const Listen&) = default;
@@ -94,29 +94,31 @@ struct Will {
   Publish message;
 };
 
-/// One deciding part of the platform: the on-board program, the plant, or the server with its simulator.
-/// It is told inputs with their time and answers effects; it owns no socket, thread, file or clock. Live processes,
-/// the virtual-time world, the fault tests and replay all drive this one interface.
+/// One deciding part of the platform: the on-board program, the plant, or the server with its simulator. A core takes
+/// inputs with their time and returns effects; it owns no socket, thread, file or clock. Live processes, the
+/// virtual-time world, the fault tests and replay all drive this interface.
 class Core {
  public:
   virtual ~Core() = default;
   virtual void handle(const Input& input, Effects& effects) = 0;
   [[nodiscard]] virtual SimDuration tick_period() const = 0;
-  [[nodiscard]] virtual std::vector<std::string> subscriptions() const = 0;  ///< MQTT topic filters, for good
+  [[nodiscard]] virtual std::vector<std::string> subscriptions() const = 0;  ///< MQTT topic filters, constant
   [[nodiscard]] virtual std::optional<Will> will() const { return std::nullopt; }
-  /// Last words before a clean end (VDA 5050: OFFLINE before DISCONNECT).
+  /// Last messages before a clean end (VDA 5050: OFFLINE before DISCONNECT).
   virtual void farewell(SimTime /*now*/, Effects& /*effects*/) {}
-  /// Folds what the core believes at the end into the run's digest.
+  /// Folds the core's state at the end into the run's digest.
   virtual void fold(Digest& digest) const = 0;
 };
 
-/// Feeds a core: first records, then lets it act, then folds what it did (the journal's rule, DESIGN §4.9).
+/// Feeds a core: first records the input, then lets the core act, then folds its effects (the journal's rule, DESIGN
+/// §4.9).
 class CoreRunner {
  public:
   using Recorder = std::function<void(const Input&)>;
   explicit CoreRunner(Core& core, Recorder recorder = {}) : core_{core}, recorder_{std::move(recorder)} {}
 
-  /// The effects stay valid until the next call. A recorder needs texts: nothing may come to it as values (checked).
+  /// The effects stay valid until the next call. A recorder needs texts: no input may be passed to it as values
+  /// (checked).
   const Effects& feed(const Input& input);
   /// Digest of all inputs' times and all effects so far, and the core's state now.
   [[nodiscard]] Digest digest() const;

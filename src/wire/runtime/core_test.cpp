@@ -19,7 +19,7 @@ TEST(TopicFilter, matches_level_by_level) {
   EXPECT_FALSE(topic_matches("", "a"));
 }
 
-TEST(TopicFilter, plus_stands_for_exactly_one_level_even_an_empty_one) {
+TEST(TopicFilter, plus_matches_exactly_one_level_even_an_empty_one) {
   EXPECT_TRUE(topic_matches("uagv/+/+/+/state", "uagv/v2/CoSiVA/1/state"));
   EXPECT_FALSE(topic_matches("uagv/+/+/state", "uagv/v2/CoSiVA/1/state"));
   EXPECT_TRUE(topic_matches("a/+", "a/"));
@@ -28,7 +28,7 @@ TEST(TopicFilter, plus_stands_for_exactly_one_level_even_an_empty_one) {
   EXPECT_FALSE(topic_matches("+", "/finance"));
 }
 
-TEST(TopicFilter, hash_stands_for_the_rest_and_for_its_parent) {
+TEST(TopicFilter, hash_matches_the_rest_and_its_parent) {
   EXPECT_TRUE(topic_matches("#", "a/b/c"));
   EXPECT_TRUE(topic_matches("sport/tennis/#", "sport/tennis/player1/ranking"));
   EXPECT_TRUE(topic_matches("sport/#", "sport"));
@@ -36,7 +36,7 @@ TEST(TopicFilter, hash_stands_for_the_rest_and_for_its_parent) {
   EXPECT_FALSE(topic_matches("sport/#", "sports"));
 }
 
-/// Answers each message with its payload, and counts what it was told.
+/// Responds to each message with its payload, and counts its inputs.
 class EchoCore final : public Core {
  public:
   void handle(const Input& input, Effects& effects) override {
@@ -83,7 +83,7 @@ TEST(RunDigest, is_equal_for_equal_runs) {
   EXPECT_EQ(digest_of({message(1ms, "x"), message(2ms, "y")}), digest_of({message(1ms, "x"), message(2ms, "y")}));
 }
 
-TEST(RunDigest, sees_order_time_effects_and_the_state_at_the_end) {
+TEST(RunDigest, depends_on_order_time_effects_and_the_state_at_the_end) {
   const std::string reference = digest_of({message(1ms, "x"), message(2ms, "y")});
   EXPECT_NE(digest_of({message(1ms, "y"), message(2ms, "x")}), reference);
   EXPECT_NE(digest_of({message(1ms, "x"), message(3ms, "y")}), reference);
@@ -100,7 +100,7 @@ TEST(RunDigest, can_be_queried_in_between_without_changing_the_end) {
   EXPECT_EQ(runner.digest().hex(), digest_of({message(1ms, "x"), message(2ms, "y")}));
 }
 
-/// Answers once with the effect it is given.
+/// Responds once with the given effect.
 class OneEffectCore final : public Core {
  public:
   explicit OneEffectCore(Effect effect) : effect_{std::move(effect)} {}
@@ -113,7 +113,7 @@ class OneEffectCore final : public Core {
   Effect effect_;
 };
 
-TEST(RunDigest, tells_every_kind_of_effect_apart_and_does_not_read_the_log) {
+TEST(RunDigest, distinguishes_every_kind_of_effect_and_does_not_read_the_log) {
   const auto digest_with = [](Effect effect) {
     OneEffectCore core{std::move(effect)};
     CoreRunner runner{core};

@@ -9,9 +9,9 @@
 namespace cosiva::wire {
 namespace {
 
-/// A link that loses everything must not hang the run: after so many tries a QoS 1 delivery goes through.
+/// A link that loses everything must not hang the run: after this many tries a QoS 1 delivery succeeds.
 constexpr int tries_max = 100;
-/// Topics come from the program itself; the bound only keeps a defect from eating the memory.
+/// Topics come from the program itself; the bound only limits the memory that a defect may take.
 constexpr std::size_t cached_topics_max = 4096;
 
 bool matches_any(const std::vector<std::string>& filters, std::string_view topic) {
@@ -87,7 +87,7 @@ void Network::publish(SimTime now, ClientId from, const Publish& message) {
     }
     return route(now, message);
   }
-  route_due(now);  // what it said before and has arrived by now comes first
+  route_due(now);  // messages sent earlier that have arrived by now come first
   const SimTime at = std::max(now + draw_radio_retries(radio_random_, client.loss), client.last_sent_due);
   if (at <= now) return route(now, message);
   client.last_sent_due = at;
@@ -148,7 +148,7 @@ bool Network::receives(const Client& client, std::string_view topic) const {
 }
 
 void Network::forget_subscribers(std::string_view filter) {
-  // Vehicles change what they listen to all the time; the other topics' subscribers stay known.
+  // Vehicles change their filters all the time; the subscribers of other topics stay cached.
   const std::string literal{filter.substr(0, filter.find_first_of("+#"))};
   auto topic = subscribers_.lower_bound(literal);
   while (topic != subscribers_.end() && topic->first.starts_with(literal)) {
@@ -195,12 +195,13 @@ void Network::schedule(SimTime now, ClientId to, const Publish& message, bool fr
       ordinary = false;
     }
   }
-  // What is late must not hold up what follows, or nothing would ever be overtaken.
+  // A late delivery must not delay those after it, or no delivery would ever be overtaken.
   if (ordinary) last_due = at;
   enqueue(at, to, message, from_retained);
   if (dice.chance(faults_.duplication)) {
     ++counters_.duplicated;
-    // A QoS 1 copy comes right behind the first, so that order holds; a QoS 0 copy may come behind later messages.
+    // A QoS 1 copy comes right behind the first, so that the order is preserved; a QoS 0 copy may come behind later
+    // messages.
     enqueue(message.qos > 0 ? at : at + draw_delay(dice), to, message, from_retained);
   }
 }

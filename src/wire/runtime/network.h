@@ -23,14 +23,14 @@ struct NetworkFaults {
   SimDuration delay_max{std::chrono::milliseconds{3}};
   SimDuration reorder_window{std::chrono::milliseconds{50}};
   SimDuration retry{std::chrono::milliseconds{200}};
-  /// Whatever travels below this prefix goes aside, as by a radio of its own: with dice and an order of its own, so
-  /// that what is said there changes nothing for the rest of a run, and the two can be compared. Empty: nothing does.
+  /// Messages below this prefix travel separately, as by a radio of their own, with their own random stream and order,
+  /// so that they change nothing for the rest of a run, and the two can be compared. Empty: there are none.
   std::string aside_prefix{};
-  double aside_loss{0.0};  ///< probability per delivery that it is lost besides
+  double aside_loss{0.0};  ///< probability per delivery of such a message that it is lost in addition
 };
 
-/// A broker in memory, for virtual time: retained messages, last will, QoS 0 and 1, and seeded faults. Sans-IO like
-/// everything else: `publish` queues, `next_due` tells when, `deliver_due` hands out.
+/// A broker in memory, for virtual time: retained messages, last will, QoS 0 and 1, and seeded faults. Without I/O like
+/// every core: `publish` queues, `next_due` gives the next time, `take_due` hands out.
 class Network {
  public:
   using ClientId = std::uint32_t;
@@ -39,7 +39,7 @@ class Network {
     SimTime at;
     std::string topic;
     std::string payload;
-    bool retained{false};  ///< sent from the broker's memory on subscribing, not live
+    bool retained{false};  ///< sent from the broker's store on subscribing, not live
     std::shared_ptr<const InProcessMessage> typed{};
   };
 
@@ -47,15 +47,15 @@ class Network {
 
   /// Subscribes at once; retained messages follow as deliveries.
   ClientId connect(SimTime now, std::vector<std::string> filters, std::optional<Will> will);
-  /// What it hears besides the filters that it connected with; replaces what it listened to before. Retained messages
-  /// of filters that are new follow as deliveries.
+  /// What the client receives in addition to the filters that it connected with; replaces the filters of the call
+  /// before. Retained messages of filters that are new follow as deliveries.
   void listen(SimTime now, ClientId client, std::vector<std::string> filters);
   void disconnect(SimTime now, ClientId client);        ///< cleanly: no will
-  void break_connection(SimTime now, ClientId client);  ///< the process died or the radio went: the will is published
+  void break_connection(SimTime now, ClientId client);  ///< the process died or the radio failed: the will is published
   void publish(SimTime now, ClientId from, const Publish& message);
-  /// The radio between this client and the broker loses that share of its messages (0…1), both ways: QoS 0 is gone,
-  /// QoS 1 comes later by a retry each time, still in order. Drawn from a stream of its own, so that a run without such
-  /// a loss is the same run as before.
+  /// The radio between this client and the broker loses this ratio of its messages (0…1), in both directions: QoS 0 is
+  /// lost, QoS 1 is late by a retry each time, still in order. Drawn from a random stream of its own, so that a run
+  /// without such a loss is the same run as before.
   void set_loss(ClientId client, double ratio);
 
   [[nodiscard]] std::optional<SimTime> next_due() const;
@@ -78,12 +78,12 @@ class Network {
     std::vector<std::string> listens;  ///< likewise, until the next listen()
     std::optional<Will> will;
     SimTime last_due{};        ///< keeps one client's ordinary deliveries in order, as TCP does
-    SimTime last_aside_due{};  ///< likewise of those that go aside
+    SimTime last_aside_due{};  ///< likewise of those that travel separately
     SimTime last_acked_due{};  ///< no QoS 1 delivery overtakes one that had to be tried again
-    double loss{0.0};          ///< of its radio alone
-    SimTime last_sent_due{};   ///< no QoS 1 message of its overtakes one still on its way to the broker
+    double loss{0.0};          ///< of this client's radio alone
+    SimTime last_sent_due{};   ///< no QoS 1 message of this client overtakes one still in transit to the broker
   };
-  /// A delivery lies still in its slot while the heap is put in order.
+  /// A delivery stays in its slot while the heap is put in order.
   struct Queued {
     SimTime at;
     std::uint64_t sequence;
@@ -94,7 +94,7 @@ class Network {
       return a.at != b.at ? a.at > b.at : a.sequence > b.sequence;
     }
   };
-  /// A message that its sender has to try again and again before the broker has it.
+  /// A message that its sender has to retry until the broker has received it.
   struct Sending {
     SimTime at;
     ClientId from;
@@ -119,12 +119,12 @@ class Network {
   NetworkFaults faults_;
   std::vector<Client> clients_;
   std::map<std::string, Publish> retained_;
-  /// Who hears a topic, found once per topic until somebody comes or goes.
+  /// The subscribers of a topic, determined once per topic until a client connects or disconnects.
   std::map<std::string, std::vector<ClientId>> subscribers_;
   std::vector<Queued> queue_;  ///< a heap, earliest first
   std::vector<Delivery> slots_;
   std::vector<std::size_t> free_slots_;
-  std::vector<Sending> sending_;  ///< by time, equal ones in the order they were said
+  std::vector<Sending> sending_;  ///< by time, equal ones in the order in which they were sent
   std::uint64_t sequence_{0};
   Counters counters_;
 };

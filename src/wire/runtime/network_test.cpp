@@ -50,7 +50,7 @@ std::vector<std::string> numbers(int count) {
   return texts;
 }
 
-TEST(Network, delivers_to_whom_it_matches_within_its_delays) {
+TEST(Network, delivers_to_matching_clients_within_its_delays) {
   Fixture fixture;
   const auto server = fixture.join({"uagv/+/+/+/state"});
   const auto vehicle = fixture.join({"uagv/v2/m/1/order"});
@@ -64,7 +64,7 @@ TEST(Network, delivers_to_whom_it_matches_within_its_delays) {
   EXPECT_FALSE(fixture.network.next_due());
 }
 
-TEST(Network, hands_out_nothing_before_its_time) {
+TEST(Network, hands_out_nothing_before_it_is_due) {
   Fixture fixture{{.delay_min = 5ms, .delay_max = 5ms}};
   const auto client = fixture.join({"#"});
   fixture.publish_text(client, "t", "x");
@@ -84,7 +84,7 @@ TEST(Network, delivers_once_where_filters_overlap_and_to_the_sender_too) {
   EXPECT_THAT(fixture.received_by(client), ElementsAre("x"));
 }
 
-TEST(Network, keeps_the_order_of_one_clients_messages) {
+TEST(Network, preserves_the_order_of_one_clients_messages) {
   Fixture fixture{{.delay_min = 0ms, .delay_max = 20ms}};
   const auto client = fixture.join({"#"});
   for (const std::string& text : numbers(100)) {
@@ -95,7 +95,7 @@ TEST(Network, keeps_the_order_of_one_clients_messages) {
   EXPECT_EQ(fixture.received_by(client), numbers(100));
 }
 
-TEST(RetainedMessage, is_sent_to_who_subscribes_later_and_marked) {
+TEST(RetainedMessage, is_sent_to_a_later_subscriber_and_flagged) {
   Fixture fixture;
   const auto vehicle = fixture.join({});
   fixture.publish_text(vehicle, "m/1/connection", "ONLINE", 1, true);
@@ -108,7 +108,7 @@ TEST(RetainedMessage, is_sent_to_who_subscribes_later_and_marked) {
   EXPECT_THAT(fixture.received_by(early), IsEmpty());
 }
 
-TEST(RetainedMessage, is_live_for_who_already_listens) {
+TEST(RetainedMessage, is_live_for_a_client_that_is_already_subscribed) {
   Fixture fixture;
   const auto client = fixture.join({"#"});
   fixture.publish_text(client, "t", "x", 1, true);
@@ -141,7 +141,7 @@ TEST(Will, is_published_when_the_connection_breaks) {
   EXPECT_THAT(fixture.received_by(late), ElementsAre("retained CONNECTIONBROKEN")) << "a will can be retained";
 }
 
-TEST(Will, is_forgotten_at_a_clean_end) {
+TEST(Will, is_discarded_at_a_clean_end) {
   Fixture fixture;
   const auto server = fixture.join({"m/#"});
   const auto vehicle = fixture.join({}, broken);
@@ -151,20 +151,20 @@ TEST(Will, is_forgotten_at_a_clean_end) {
   EXPECT_THAT(fixture.received_by(server), IsEmpty());
 }
 
-TEST(DeadClient, neither_hears_nor_is_heard) {
+TEST(DeadClient, neither_sends_nor_receives) {
   Fixture fixture;
   const auto server = fixture.join({"#"});
   const auto vehicle = fixture.join({"#"});
-  fixture.publish_text(server, "t", "on its way when the radio went");
+  fixture.publish_text(server, "t", "in transit when the radio failed");
   fixture.network.break_connection(fixture.now, vehicle);
-  fixture.publish_text(vehicle, "t", "from the grave");
-  fixture.publish_text(server, "t", "to the grave");
+  fixture.publish_text(vehicle, "t", "from a dead client");
+  fixture.publish_text(server, "t", "to a dead client");
   fixture.pass(1s);
   EXPECT_THAT(fixture.received_by(vehicle), IsEmpty());
-  EXPECT_THAT(fixture.received_by(server), ElementsAre("on its way when the radio went", "to the grave"));
+  EXPECT_THAT(fixture.received_by(server), ElementsAre("in transit when the radio failed", "to a dead client"));
 }
 
-TEST(Newcomer, hears_topics_that_were_routed_before_it_came) {
+TEST(Newcomer, receives_topics_that_were_routed_before_it_connected) {
   Fixture fixture;
   const auto first = fixture.join({"t"});
   fixture.publish_text(first, "t", "1");
@@ -176,7 +176,7 @@ TEST(Newcomer, hears_topics_that_were_routed_before_it_came) {
   EXPECT_THAT(fixture.received_by(first), ElementsAre("1", "2", "3"));
 }
 
-TEST(Qos0, loses_doubles_and_reorders_as_often_as_asked) {
+TEST(Qos0, loses_duplicates_and_reorders_as_often_as_requested) {
   constexpr int messages = 20'000;
   Fixture fixture{{.loss = 0.02, .duplication = 0.05, .reordering = 0.1}};
   const auto client = fixture.join({"t"});
@@ -212,7 +212,7 @@ TEST(Qos1, arrives_at_least_once_and_in_order_through_any_faults) {
   }));
 }
 
-TEST(Qos1, pays_a_loss_with_the_time_of_a_retry_and_goes_through_in_the_end) {
+TEST(Qos1, is_delayed_by_a_retry_for_each_loss_and_arrives_in_the_end) {
   Fixture fixture{{.loss = 1.0, .retry = 200ms}};
   const auto client = fixture.join({"t"});
   fixture.publish_text(client, "t", "lost", 0);
@@ -223,8 +223,9 @@ TEST(Qos1, pays_a_loss_with_the_time_of_a_retry_and_goes_through_in_the_end) {
   EXPECT_THAT(fixture.received_by(client), ElementsAre("stubborn"));
 }
 
-TEST(Qos1, being_tried_again_does_not_hold_up_what_needs_no_answer) {
-  // A seed-free way to see it: every QoS 1 delivery is retried, no QoS 0 one is lost in the half that gets through.
+TEST(Qos1, retries_do_not_delay_deliveries_without_acknowledgement) {
+  // Independent of the seed: every QoS 1 delivery is retried, and no QoS 0 delivery of the half that gets through is
+  // lost.
   Fixture fixture{{.loss = 0.5, .retry = 10s}};
   const auto client = fixture.join({"#"});
   for (int i = 0; i < 20; ++i) fixture.publish_text(client, "slow", "q1", 1);
@@ -233,7 +234,7 @@ TEST(Qos1, being_tried_again_does_not_hold_up_what_needs_no_answer) {
   EXPECT_THAT(fixture.received_by(client), IsSupersetOf({"q0"}));
 }
 
-TEST(Network, is_the_same_for_the_same_seed_and_another_for_another) {
+TEST(Network, is_the_same_for_the_same_seed_and_differs_for_another) {
   const auto history = [](std::uint64_t seed) {
     Fixture fixture{{.loss = 0.1, .duplication = 0.1, .reordering = 0.1}, seed};
     const auto a = fixture.join({"#"});
@@ -254,7 +255,7 @@ TEST(Network, is_the_same_for_the_same_seed_and_another_for_another) {
 
 // --- one client's radio ---------------------------------------------------------------------------------------------
 
-TEST(NetworkRadio, loses_its_share_of_one_client_s_messages_both_ways_and_nobody_else_s) {
+TEST(NetworkRadio, loses_its_ratio_of_one_client_s_messages_in_both_directions_and_no_other_client_s) {
   Fixture fixture;
   const auto near = fixture.join({"to/near"});
   const auto far = fixture.join({"to/far"});
@@ -275,7 +276,7 @@ TEST(NetworkRadio, loses_its_share_of_one_client_s_messages_both_ways_and_nobody
   EXPECT_NEAR(static_cast<double>(std::ranges::count(received, "far")), 500.0, 80.0);
 }
 
-TEST(NetworkRadio, brings_QoS_1_late_but_whole_and_in_order) {
+TEST(NetworkRadio, delivers_QoS_1_late_but_complete_and_in_order) {
   Fixture fixture;
   const auto far = fixture.join({"to/far"});
   const auto other = fixture.join({"from/far"});
@@ -292,7 +293,7 @@ TEST(NetworkRadio, brings_QoS_1_late_but_whole_and_in_order) {
   EXPECT_FALSE(fixture.network.next_due());
 }
 
-TEST(NetworkRadio, holds_up_only_its_own_client_s_QoS_1) {
+TEST(NetworkRadio, delays_only_its_own_client_s_QoS_1) {
   Fixture fixture;
   const auto far = fixture.join({});
   const auto near = fixture.join({});
@@ -305,7 +306,7 @@ TEST(NetworkRadio, holds_up_only_its_own_client_s_QoS_1) {
   EXPECT_THAT(fixture.received_by(server), ElementsAre("near"));
 }
 
-TEST(NetworkRadio, what_was_still_on_its_way_to_the_broker_dies_with_its_client) {
+TEST(NetworkRadio, drops_what_was_still_in_transit_to_the_broker_when_its_client_dies) {
   Fixture fixture;
   const auto far = fixture.join({}, Will{{"t", "will", 1, false}});
   const auto server = fixture.join({"#"});
@@ -316,12 +317,12 @@ TEST(NetworkRadio, what_was_still_on_its_way_to_the_broker_dies_with_its_client)
   EXPECT_THAT(fixture.received_by(server), ElementsAre("will"));
 }
 
-TEST(NetworkRadio, that_is_good_again_delivers_everything_and_draws_nothing_from_the_common_chance) {
+TEST(NetworkRadio, that_is_good_again_delivers_everything_and_draws_nothing_from_the_common_stream) {
   const auto run = [](bool lossy) {
     Fixture fixture{{.loss = 0.3}, 5};
     const auto client = fixture.join({"t"});
     fixture.network.set_loss(client, lossy ? 0.5 : 0.0);
-    fixture.publish_text(client, "other", "nobody listens");
+    fixture.publish_text(client, "other", "without subscriber");
     fixture.network.set_loss(client, 0.0);
     for (const auto& n : numbers(50)) {
       fixture.publish_text(client, "t", n);
@@ -332,7 +333,7 @@ TEST(NetworkRadio, that_is_good_again_delivers_everything_and_draws_nothing_from
   EXPECT_EQ(run(true), run(false));
 }
 
-TEST(Network, listens_to_other_topics_while_connected_and_no_more_to_those_before) {
+TEST(Network, changes_filters_while_connected_and_drops_those_before) {
   Fixture fixture;
   const auto vehicle = fixture.join({"own"});
   const auto other = fixture.join({});
@@ -353,7 +354,7 @@ TEST(Network, listens_to_other_topics_while_connected_and_no_more_to_those_befor
       ::testing::UnorderedElementsAre("own a", "own b", "talk/1/x b", "talk/2/x b", "own c", "talk/2/x c", "own d"));
 }
 
-TEST(Network, gives_what_was_retained_to_who_begins_to_listen_and_only_once) {
+TEST(Network, delivers_retained_messages_to_a_new_filter_only_once) {
   Fixture fixture;
   const auto vehicle = fixture.join({});
   const auto other = fixture.join({});
@@ -365,7 +366,7 @@ TEST(Network, gives_what_was_retained_to_who_begins_to_listen_and_only_once) {
   EXPECT_THAT(fixture.received_by(vehicle), ElementsAre("retained kept"));
 }
 
-TEST(Network, loses_what_goes_aside_alone_where_that_is_asked_for) {
+TEST(Network, loses_only_separate_messages_where_that_is_requested) {
   NetworkFaults faults;
   faults.aside_prefix = "talk/";
   faults.aside_loss = 1.0;
@@ -379,7 +380,7 @@ TEST(Network, loses_what_goes_aside_alone_where_that_is_asked_for) {
   EXPECT_EQ(fixture.network.counters().lost, 1U);
 }
 
-TEST(Network, carries_the_rest_as_if_nothing_went_aside) {
+TEST(Network, delivers_the_rest_as_if_there_were_no_separate_messages) {
   const auto received_orders = [](int talk) {
     NetworkFaults faults{.loss = 0.2, .duplication = 0.1, .reordering = 0.1};
     faults.aside_prefix = "talk/";

@@ -10,11 +10,11 @@
 /// JSON of VDA 5050 2.1.0, reading 2.0 peers too. Writing is strict (valid against the official schemas), reading
 /// tolerant (unknown fields pass, `instantActions` for `actions`, `allowedDeviationXy`, any number of decimals, "v2" as
 /// a version) but bounded: payloads over `payload_bytes_max`, more than `array_items_max` entries, numbers beyond ±1e9
-/// and texts longer than `text_bytes_max` are refused; only descriptions, which are for people, are cut instead.
-/// A message whose header says version 2.0 is written with the older spellings beside the current ones.
+/// and texts longer than `text_bytes_max` are refused; only descriptions, which are for display, are cut instead.
+/// A message whose header states version 2.0 is written with the older spellings in addition to the current ones.
 ///
-/// Errors carry the field's path as place ("state.nodeStates[3].sequenceId") and one of these codes: vda.json (not one
-/// JSON object), vda.size, vda.missing, vda.type, vda.range, vda.value (no word of the standard), vda.time,
+/// Errors carry the field's path as location ("state.nodeStates[3].sequenceId") and one of these codes: vda.json (not
+/// one JSON object), vda.size, vda.missing, vda.type, vda.range, vda.value (not a term of the standard), vda.time,
 /// vda.version.
 namespace cosiva::wire::vda5050 {
 

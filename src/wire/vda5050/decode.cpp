@@ -10,7 +10,7 @@ namespace cosiva::wire::vda5050 {
 namespace {
 
 void read_action(Fields& fields, Action& action) {
-  // The 2.0.0 schema of instantActions knows no actionType and calls it actionName.
+  // The 2.0.0 schema of instantActions has no actionType and names the field actionName.
   const std::string_view type_key = !fields.has("actionType") && fields.has("actionName") ? "actionName" : "actionType";
   fields.text(type_key, action.action_type, Need::required);
   fields.text("actionId", action.action_id, Need::required);
@@ -36,10 +36,10 @@ void read_node_position(Fields& fields, std::optional<NodePosition>& out) {
   });
 }
 
-/// What an edge asks that this line-guided fleet cannot do (§6.1.1: reject, never ignore). The line gives the path, so
-/// `trajectory` would be another path; heights are for lifts; a corridor asks the vehicle to plan. Turning words are
-/// kept by a body that is always tangential to the line (rotationAllowed, maxRotationSpeed, orientation 0), and the
-/// order's next node already says what `direction` would.
+/// Requirements of an edge that this line-guided fleet cannot fulfil (§6.1.1: reject, never ignore). The line gives the
+/// path, so `trajectory` would be another path; heights are for lifts; a corridor requires path planning. A body that
+/// is always tangential to the line fulfils the fields about turning (rotationAllowed, maxRotationSpeed, orientation
+/// 0), and the order's next node already determines what `direction` would.
 void read_unsupported(Fields& fields, std::vector<std::string>& unsupported) {
   for (const std::string_view key : {"trajectory", "corridor", "maxHeight", "minHeight"}) {
     if (fields.has(key)) unsupported.emplace_back(key);
@@ -48,7 +48,7 @@ void read_unsupported(Fields& fields, std::vector<std::string>& unsupported) {
   std::string orientation_type{"TANGENTIAL"};
   fields.angle("orientation", orientation_rad);
   fields.text("orientationType", orientation_type, Need::optional);
-  // A hundredth of a degree: what a peer's own arithmetic may leave of a zero.
+  // A hundredth of a degree: a peer's arithmetic may leave this much of a zero.
   constexpr double negligible_rad = 1.7e-4;
   if (orientation_rad && (orientation_type != "TANGENTIAL" || std::fabs(*orientation_rad) > negligible_rad))
     unsupported.emplace_back("orientation");

@@ -47,7 +47,7 @@ std::string location(const Result<T>& result) {
   return result ? "accepted" : result.error().location;
 }
 
-TEST(Reading, gives_what_the_standard_says) {
+TEST(Reading, gives_the_values_of_the_message) {
   const auto read = decode_order(order(
       node(
           R"(,"nodePosition":{"x":1.5,"y":-2,"theta":0.5,"allowedDeviationXY":0.1,"mapId":"m"},"nodeDescription":"?")"),
@@ -62,7 +62,7 @@ TEST(Reading, gives_what_the_standard_says) {
   EXPECT_EQ(read->edges[0], (OrderEdge{"e", 1, true, "a", "b", 0.4, 2.0, {}, {}}));
 }
 
-TEST(Reading, passes_over_fields_it_does_not_know) {
+TEST(Reading, ignores_unknown_fields) {
   EXPECT_TRUE(decode_state(state(
       R"(,"nodeStates":[],"batteryState":{"batteryCharge":80,"charging":false,"colour":3},"loads":[{}],"maps":null)")));
 }
@@ -73,7 +73,7 @@ TEST(Reading, takes_null_as_absent) {
   EXPECT_EQ(code(decode_connection("{" + header + R"(,"connectionState":null})")), "vda.missing");
 }
 
-TEST(Reading, takes_any_number_of_decimals_of_a_second) {
+TEST(Reading, accepts_any_number_of_decimals_of_a_second) {
   for (const char* decimals : {"", ".1", ".12", ".123", ".123456", ".123456789", ".1234567891234567891234"}) {
     const std::string json = R"({"timestamp":"2023-07-11T10:00:00)" + std::string(decimals) + R"(Z"})";
     EXPECT_TRUE(decode_visualization(json)) << json;
@@ -82,14 +82,14 @@ TEST(Reading, takes_any_number_of_decimals_of_a_second) {
   EXPECT_EQ(location(decode_visualization(R"({"timestamp":"yesterday"})")), "visualization.timestamp");
 }
 
-TEST(Reading, takes_any_version_two_and_no_other) {
+TEST(Reading, accepts_any_version_two_and_no_other) {
   for (const char* version : {"2", "2.0", "2.0.0", "2.1.0", "v2", "V2", "v2.1"})
     EXPECT_TRUE(decode_visualization(R"({"version":")" + std::string(version) + R"("})")) << version;
   for (const char* version : {"1.1.0", "3.0.0", "20.0", "", "two", "v", "22"})
     EXPECT_EQ(code(decode_visualization(R"({"version":")" + std::string(version) + R"("})")), "vda.version") << version;
 }
 
-TEST(Reading, needs_the_header_where_order_depends_on_it_and_not_for_drawing) {
+TEST(Reading, requires_the_header_where_order_depends_on_it_and_not_for_display) {
   EXPECT_TRUE(decode_visualization("{}"));
   EXPECT_TRUE(decode_factsheet("{}"));
   const auto connection = decode_connection(R"({"connectionState":"ONLINE"})");
@@ -97,7 +97,7 @@ TEST(Reading, needs_the_header_where_order_depends_on_it_and_not_for_drawing) {
   EXPECT_EQ(location(connection), "connection.headerId");
 }
 
-TEST(Reading, takes_instant_actions_under_the_names_older_peers_use) {
+TEST(Reading, accepts_instant_actions_under_the_names_of_older_peers) {
   const std::string old_action = R"({"actionName":"startPause","actionId":"1"})";
   for (const char* array : {"actions", "instantActions"}) {
     const auto read = decode_instant_actions(instant(array, old_action));
@@ -107,13 +107,13 @@ TEST(Reading, takes_instant_actions_under_the_names_older_peers_use) {
   EXPECT_EQ(location(decode_instant_actions("{" + header + "}")), "instantActions.actions");
 }
 
-TEST(Reading, takes_the_deviation_in_both_spellings) {
+TEST(Reading, accepts_the_deviation_in_both_spellings) {
   const auto read = decode_order(order(node(R"(,"nodePosition":{"x":0,"y":0,"allowedDeviationXy":0.7,"mapId":"m"})")));
   ASSERT_TRUE(read);
   EXPECT_EQ(read->nodes[0].position->allowed_deviation_xy_m, 0.7);
 }
 
-TEST(Writing, tells_a_peer_of_2_0_both_spellings) {
+TEST(Writing, gives_a_peer_of_2_0_both_spellings) {
   InstantActions actions{{0, {}, "2.0.0", "M", "S"}, {{"startPause", "1", "", BlockingType::none, {}}}};
   EXPECT_THAT(encode(actions), HasSubstr(R"("instantActions":[{"actionType":"startPause")"));
   EXPECT_THAT(encode(actions), HasSubstr(R"("actionName":"startPause")"));
@@ -125,12 +125,12 @@ TEST(Writing, tells_a_peer_of_2_0_both_spellings) {
   EXPECT_THAT(encode(o), HasSubstr(R"("allowedDeviationXY":0.5,"allowedDeviationXy":0.5)"));
 }
 
-TEST(Writing, says_our_version_where_none_is_given_and_the_peers_own_otherwise) {
+TEST(Writing, states_our_version_where_none_is_given_and_the_peers_own_otherwise) {
   EXPECT_THAT(encode(Connection{}), HasSubstr(R"("version":"2.1.0")"));
   EXPECT_THAT(encode(Connection{{0, {}, "v2", "", ""}, {}}), HasSubstr(R"("version":"v2")"));
 }
 
-TEST(Reading, keeps_parameters_of_any_type) {
+TEST(Reading, preserves_parameters_of_any_type) {
   const auto read = decode_instant_actions(instant(
       "actions",
       R"({"actionType":"t","actionId":"1","blockingType":"HARD","actionParameters":[{"key":"a","value":1.5},)"
@@ -144,7 +144,7 @@ TEST(Reading, keeps_parameters_of_any_type) {
             "instantActions.actions[0].actionParameters[0].value");
 }
 
-TEST(Reading, takes_the_maps_of_2_1_and_misses_none_of_a_peer_of_2_0) {
+TEST(Reading, reads_the_maps_of_2_1_and_does_not_require_them_of_a_peer_of_2_0) {
   const std::string rest = R"(,"nodeStates":[],"batteryState":{"batteryCharge":80,"charging":false})";
   EXPECT_TRUE(decode_state(state()).value().maps.empty());
   const auto read = decode_state(
@@ -158,7 +158,7 @@ TEST(Reading, takes_the_maps_of_2_1_and_misses_none_of_a_peer_of_2_0) {
             "state.maps[0].mapStatus");
 }
 
-TEST(Reading, names_the_place_of_what_is_wrong) {
+TEST(Reading, names_the_location_of_a_fault) {
   const auto read = decode_state(state(
       R"(,"batteryState":{"batteryCharge":80,"charging":false},"nodeStates":[{"nodeId":"a","sequenceId":0,"released":true},)"
       R"({"nodeId":"b","sequenceId":"two","released":true}])"));
@@ -190,7 +190,7 @@ TEST(Reading, refuses_numbers_out_of_range) {
             "vda.range");
 }
 
-TEST(Reading, brings_angles_back_into_one_turn) {
+TEST(Reading, brings_angles_into_one_turn) {
   const auto read =
       decode_visualization(visualization(R"({"x":0,"y":0,"theta":3.2,"mapId":"m","positionInitialized":true})"));
   ASSERT_TRUE(read);
@@ -214,7 +214,7 @@ TEST(Reading, is_bounded) {
   EXPECT_EQ(location(read), "order.nodes");
 }
 
-TEST(Reading, cuts_long_explanations_instead_of_losing_the_state_they_explain) {
+TEST(Reading, cuts_long_descriptions_instead_of_refusing_the_state) {
   std::string phrase;
   while (phrase.size() < text_bytes_max + 10) phrase += "\xC3\xBC\xE2\x82\xAC";
   const auto read = decode_factsheet(R"({"typeSpecification":{"seriesDescription":")" + phrase + "\"}}");
@@ -232,10 +232,10 @@ TEST(Reading, refuses_what_is_not_one_json_object) {
         R"({"a":)" + std::string(100, '[') + std::string(100, ']') + "}"})
     EXPECT_EQ(code(decode_visualization(text)), "vda.json") << text.substr(0, 20);
   EXPECT_EQ(code(decode_visualization(std::string_view{})), "vda.json");
-  EXPECT_TRUE(decode_visualization("{}")) << "and the parser works on after all that";
+  EXPECT_TRUE(decode_visualization("{}")) << "and the parser still works";
 }
 
-TEST(Reading, lists_what_an_edge_asks_and_a_line_guided_vehicle_cannot_do) {
+TEST(Reading, lists_requirements_of_an_edge_that_a_line_guided_vehicle_cannot_fulfil) {
   const auto unsupported = [](const std::string& field) {
     const auto read = decode_order(order("", edge("," + field)));
     return read ? read->edges.at(0).unsupported : std::vector<std::string>{to_string(read.error())};
@@ -247,7 +247,7 @@ TEST(Reading, lists_what_an_edge_asks_and_a_line_guided_vehicle_cannot_do) {
   EXPECT_THAT(unsupported(R"("orientation":0,"orientationType":"GLOBAL")"), ElementsAre("orientation"));
 }
 
-TEST(Reading, accepts_what_a_body_tangential_to_its_line_does_anyway) {
+TEST(Reading, accepts_requirements_that_a_body_tangential_to_its_line_fulfils) {
   const auto read = decode_order(
       order("", edge(R"(,"orientation":0.0,"orientationType":"TANGENTIAL","rotationAllowed":false,"direction":"left",)"
                      R"("maxRotationSpeed":1,"trajectory":null)")));

@@ -12,10 +12,10 @@
 namespace cosiva::wire::vda5050 {
 namespace {
 
-/// A peer of 2.0 may read the field names of its own generation only; both stand in what it is sent.
+/// A peer of 2.0 may read the field names of its own version only; a message to such a peer contains both.
 bool speaks_2_0(const Header& header) { return header.version.starts_with("2.0"); }
 
-// The schema's bounds are π rounded to eleven and nine decimals; staying inside π fits both.
+// The schema's bounds are π rounded to eleven and nine decimals; an angle within π satisfies both.
 double angle_for_wire(double angle_rad) { return std::fabs(angle_rad) <= pi ? angle_rad : wrap_angle(angle_rad); }
 
 void write_value(JsonOut& out, const ParameterValue& value) {
@@ -31,7 +31,7 @@ void write_value(JsonOut& out, const ParameterValue& value) {
   }
 }
 
-/// @param name_too  also write the type as `actionName`, as the 2.0.0 schema of instantActions has it
+/// @param name_too  also write the type as `actionName`, as in the 2.0.0 schema of instantActions
 void write_action(JsonOut& out, const Action& action, bool name_too) {
   out.open('{');
   out.field(R"("actionType":)", action.action_type).field(R"("actionId":)", action.action_id);

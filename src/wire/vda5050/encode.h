@@ -7,14 +7,14 @@
 
 namespace cosiva::wire::vda5050 {
 
-/// One JSON object, as codec.h has it.
+/// One JSON object, as described in codec.h.
 [[nodiscard]] std::string encode(const Order& message);
 [[nodiscard]] std::string encode(const InstantActions& message);
 [[nodiscard]] std::string encode(const State& message);
 [[nodiscard]] std::string encode(const Visualization& message);
 [[nodiscard]] std::string encode(const Connection& message);
 
-/// The words of the standard: "CONNECTIONBROKEN", "FINISHED", "HARD", "AUTOMATIC"…
+/// The terms of the standard: "CONNECTIONBROKEN", "FINISHED", "HARD", "AUTOMATIC"…
 [[nodiscard]] std::string_view to_string(ConnectionState state);
 [[nodiscard]] std::string_view to_string(ActionStatus status);
 [[nodiscard]] std::string_view to_string(BlockingType type);

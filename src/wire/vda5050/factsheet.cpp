@@ -106,7 +106,7 @@ std::string encode(const Factsheet& message) {
 }
 
 Result<Factsheet> decode_factsheet(std::string_view json) {
-  // Peers send half-empty factsheets until somebody configures them: take what is there.
+  // Peers send half-empty factsheets until they are configured: the fields that are present are read.
   return decode_message<Factsheet>(json, "factsheet", [](Fields& fields, Factsheet& sheet) {
     read_header(fields, sheet.header, Need::optional);
     fields.object("typeSpecification", Need::optional, [&](Fields& type) {

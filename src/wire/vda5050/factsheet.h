@@ -8,7 +8,7 @@
 
 namespace cosiva::wire::vda5050 {
 
-/// One JSON object, as codec.h has it.
+/// One JSON object, as described in codec.h.
 [[nodiscard]] std::string encode(const Factsheet& message);
 /// Fails with the codes of codec.h, and with the field's path.
 [[nodiscard]] Result<Factsheet> decode_factsheet(std::string_view json);

@@ -29,7 +29,7 @@ std::string_view cut_utf8(std::string_view text, std::size_t bytes_max) {
   return text.substr(0, bytes_max);
 }
 
-/// What a message may show of a text it refuses.
+/// The part of a refused text that a message may show.
 std::string in_quotes(std::string_view text) { return "'" + std::string(cut_utf8(text, 60)) + "'"; }
 
 bool is_version_2(std::string_view version) {
@@ -89,7 +89,7 @@ void Fields::wrong_type(const FieldLocation& here, std::string_view expected, si
 }
 
 void Fields::unknown_word(std::string_view key, std::string_view text) {
-  report(key, "vda.value", in_quotes(text) + " is no word of the standard here");
+  report(key, "vda.value", in_quotes(text) + " is not a term of the standard here");
 }
 
 bool Fields::bounded_array(simdjson::dom::element element, const FieldLocation& here, simdjson::dom::array& out) {

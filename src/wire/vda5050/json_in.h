@@ -19,7 +19,7 @@ namespace cosiva::wire::vda5050 {
 
 enum class Need { required, optional };
 
-/// Where a value stands in the message, as a chain on the stack; it becomes a text only when something is wrong.
+/// The location of a value in the message, as a chain on the stack; converted to a text only for an error.
 struct FieldLocation {
   const FieldLocation* up{};
   std::string_view key;
@@ -29,7 +29,7 @@ struct FieldLocation {
 /// "state.nodeStates[3].sequenceId"
 [[nodiscard]] std::string to_string(const FieldLocation& location);
 
-/// The first thing wrong with a message; later ones are not worth reporting.
+/// The first fault of a message; later ones are not reported.
 struct Trouble {
   std::optional<Error> error;
   void set(const FieldLocation& location, std::string_view code, std::string message) {
@@ -37,8 +37,8 @@ struct Trouble {
   }
 };
 
-/// One JSON object being read. Every call reads one field into `out`, leaves `out` alone where an optional field is
-/// absent or null, and notes the first trouble; after that all calls do nothing.
+/// One JSON object being read. Every call reads one field into `out`, leaves `out` unchanged where an optional field is
+/// absent or null, and records the first fault; after that all calls do nothing.
 class Fields {
  public:
   Fields(simdjson::dom::object object, const FieldLocation& location, Trouble& trouble)
@@ -50,12 +50,12 @@ class Fields {
 
   /// Identifiers and keys: at most `text_bytes_max` bytes.
   void text(std::string_view key, std::string& out, Need need);
-  /// Text for people only: cut at `text_bytes_max` bytes, since a long explanation must not cost the message.
+  /// Text for display only: cut at `text_bytes_max` bytes, since a long description must not cost the message.
   void description(std::string_view key, std::string& out);
   /// |number| ≤ 1e9, and at least `low`.
   void number(std::string_view key, double& out, Need need, double low = -number_max, double high = number_max);
   void number(std::string_view key, std::optional<double>& out, double low = -number_max, double high = number_max);
-  /// 0 … 2³² − 1; 3.0 counts as 3, as JSON schemas have it.
+  /// 0 … 2³² − 1; 3.0 counts as 3, as in JSON schemas.
   void count(std::string_view key, std::uint32_t& out, Need need);
   void flag(std::string_view key, bool& out, Need need);
   void timestamp(std::string_view key, SimTime& out, Need need);
@@ -107,7 +107,7 @@ class Fields {
     }
   }
 
-  /// Texts of the array under `key`, for lists of words.
+  /// Texts of the array under `key`, for lists of terms.
   template <typename Read>
   void each_text(std::string_view key, Read read) {
     const auto element = find(key, Need::optional);
@@ -141,11 +141,11 @@ class Fields {
   Trouble& trouble_;
 };
 
-/// The flat header (§6.4). A required header lacks nothing; otherwise what is there is taken. A version other than 2.x
-/// is refused either way ("vda.version").
+/// The flat header (§6.4). All fields of a required header must be present; of an optional one, those present are read.
+/// A version other than 2.x is refused in both cases ("vda.version").
 void read_header(Fields& fields, Header& header, Need need);
 
-/// Parses within the bounds of codec.h, reads the root object with `read`, and gives the message or the first trouble.
+/// Parses within the bounds of codec.h, reads the root object with `read`, and gives the message or the first fault.
 template <typename T, typename Read>
 [[nodiscard]] Result<T> decode_message(std::string_view json, std::string_view name, Read read);
 

@@ -12,8 +12,8 @@
 
 namespace cosiva::wire::vda5050 {
 
-/// Appends JSON to one string. Unlike JsonWriter it keeps no stack: the last character tells whether a comma is due,
-/// and keys come ready-made as `"name":`, which makes a state message of a kilobyte a matter of one allocation.
+/// Appends JSON to one string. Unlike JsonWriter this class keeps no stack: the last character determines whether a
+/// comma is due, and keys are passed ready-made as `"name":`. A state message of a kilobyte takes one allocation.
 class JsonOut {
  public:
   explicit JsonOut(std::size_t expected_bytes) { text_.reserve(expected_bytes); }
@@ -27,7 +27,7 @@ class JsonOut {
     text_ += bracket;
     return *this;
   }
-  /// @param quoted  the key as it stands in JSON with its colon: R"("nodeId":)"
+  /// @param quoted  the key as written in JSON with its colon: R"("nodeId":)"
   JsonOut& key(std::string_view quoted) {
     comma();
     text_ += quoted;
@@ -48,9 +48,10 @@ class JsonOut {
   JsonOut& value(const char* text) { return value(std::string_view{text}); }
   JsonOut& value(bool flag) { return raw(flag ? "true" : "false"); }
   JsonOut& value(double number) {
-    // JSON has no word for NaN, and no schema takes null instead: a message that holds one is our own defect.
+    // JSON has no representation of NaN, and no schema takes null instead: a message that holds one is a defect of
+    // CoSiVA.
     COSIVA_EXPECT(std::isfinite(number));
-    // Adding zero turns −0 into 0: readers take "-0" for an integer and drop its sign.
+    // Adding zero turns −0 into 0: readers would take "-0" for an integer and drop its sign.
     return digits(number + 0.0);
   }
   JsonOut& value(std::uint32_t number) { return digits(number); }

@@ -45,7 +45,7 @@ TEST(Codec, reads_back_every_factsheet_it_writes) {
   EXPECT_TRUE(survives_the_wire(sample::factsheet, decode_factsheet));
 }
 
-/// Runs the validator over one line per message; its answer is the exit status.
+/// Runs the validator over one line per message; its result is the exit status.
 int validate(const std::string& ndjson, const std::string& name) {
   const std::string file = testing::TempDir() + "cosiva_vda5050_" + name + ".ndjson";
   std::ofstream{file, std::ios::binary} << ndjson;
@@ -88,7 +88,7 @@ TEST(Codec, writes_valid_messages_even_from_default_ones) {
   EXPECT_EQ(validate(ndjson, "defaults"), 0);
 }
 
-TEST(Codec, writes_inside_the_schemas_bounds_what_a_caller_puts_outside) {
+TEST(Codec, brings_the_callers_values_into_the_schemas_bounds) {
   Order order;
   order.nodes.push_back({"n", 0, true, NodePosition{0, 0, 9.0, -1.0, 7.0, "m"}, {}});
   State state;
@@ -103,7 +103,7 @@ TEST(Codec, writes_inside_the_schemas_bounds_what_a_caller_puts_outside) {
             0);
 }
 
-TEST(Codec, has_a_validator_that_says_no) {
+TEST(Codec, has_a_validator_that_refuses_bad_messages) {
   EXPECT_NE(validate(line("connection", R"({"headerId":1})"), "bad"), 0);
   EXPECT_NE(validate(line("state", R"({"connectionState":"ONLINE"})"), "bad"), 0);
   EXPECT_NE(validate("", "empty"), 0);

@@ -7,8 +7,9 @@
 #include "cosiva/base/random.h"
 #include "cosiva/wire/messages/messages.h"
 
-/// Messages drawn from a stream, every optional field now there, now not: what the codec's tests encode. Everything
-/// drawn survives the wire unchanged (whole milliseconds, angles in (−π, π], no `unsupported`).
+/// Messages drawn from a random stream, each optional field sometimes present and sometimes not: the input of the
+/// codec's tests. Every drawn value survives the wire unchanged (whole milliseconds, angles in (−π, π], no
+/// `unsupported`).
 namespace cosiva::wire::vda5050::sample {
 
 template <typename T>

@@ -15,7 +15,7 @@ struct Word {
   T value;
   std::string_view text;
 };
-// clang 14, which tidies and fuzzes this, cannot deduce aggregates by itself.
+// clang 14, which is used by clang-tidy and the fuzzers, cannot deduce aggregates by itself.
 template <typename T>
 Word(T, std::string_view) -> Word<T>;
 
@@ -43,7 +43,7 @@ template <typename T, std::size_t N>
   for (const Word<T>& word : table) {
     if (word.value == value) return word.text;
   }
-  COSIVA_EXPECT(false && "an enumerator without a word");
+  COSIVA_EXPECT(false && "an enumerator without a term");
   return {};
 }
 

@@ -16,7 +16,7 @@ Input input_of(std::shared_ptr<const TypedMessage> typed) {
   return {virtual_epoch, InputKind::message, "topic", {}, false, std::move(typed)};
 }
 
-/// What is heard of a message passed on as values is what would be read of its text.
+/// The values received of a message that was passed on as values equal those read from its text.
 template <typename Message>
 void expect_received_as_read(const std::shared_ptr<const TypedMessage>& passed,
                              Result<Message> (*received)(const Input&)) {
@@ -58,7 +58,7 @@ Intent intent() {
   return message;
 }
 
-TEST(TypedMessage, states_orders_and_visualizations_are_heard_as_their_texts_would_be_read) {
+TEST(TypedMessage, states_orders_and_visualizations_are_received_as_read_from_their_texts) {
   EXPECT_TRUE(rc::check([](std::uint64_t seed) {
     Random random{seed, "said"};
     State state = sample::state(random);
@@ -74,7 +74,7 @@ TEST(TypedMessage, states_orders_and_visualizations_are_heard_as_their_texts_wou
   }));
 }
 
-TEST(TypedMessage, our_own_messages_are_heard_as_their_texts_would_be_read) {
+TEST(TypedMessage, own_messages_are_received_as_read_from_their_texts) {
   expect_received_as_read<DetectedObstacleReport>(typed(detected()), detected_obstacle_from);
   expect_received_as_read<BoardsReport>(typed(boards_report()), boards_report_from);
   const auto passed = typed(intent());
@@ -84,14 +84,14 @@ TEST(TypedMessage, our_own_messages_are_heard_as_their_texts_would_be_read) {
   EXPECT_EQ(*value_as<Intent>(passed), *as_text);
 }
 
-TEST(TypedMessage, no_more_is_heard_than_the_text_would_carry) {
+TEST(TypedMessage, no_more_is_received_than_the_text_would_carry) {
   const BoardsReport whole = boards_report();
   const auto passed = typed(boards_report());
   const auto* received = value_as<BoardsReport>(passed);
   ASSERT_NE(received, nullptr);
   EXPECT_EQ(received->timestamp, virtual_epoch);
   EXPECT_EQ(received->ranges->board_ms, 0U);
-  // Without that it would be another message than the one read from the text.
+  // Without this the message would differ from the one read from the text.
   EXPECT_NE(*boards_report_from_json(to_json(whole)), whole);
 }
 
@@ -102,7 +102,7 @@ TEST(TypedMessage, one_message_is_not_taken_for_another) {
   EXPECT_FALSE(state_from(input_of(passed)));
 }
 
-TEST(TypedMessage, a_text_that_is_none_is_refused_as_ever) {
+TEST(TypedMessage, a_bad_text_is_refused_as_usual) {
   const auto received = state_from(input_of(std::string{"{\"headerId\":"}));
   ASSERT_FALSE(received);
   EXPECT_EQ(received.error().code, "vda.json");

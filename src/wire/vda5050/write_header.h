@@ -6,7 +6,7 @@
 
 namespace cosiva::wire::vda5050 {
 
-/// The five flat fields every message starts with (§6.4). An empty version means ours.
+/// The five flat fields at the beginning of every message (§6.4). An empty version means CoSiVA's own.
 inline void write_header(JsonOut& out, const Header& header) {
   out.field(R"("headerId":)", header.header_id).field(R"("timestamp":)", to_iso8601(header.timestamp));
   out.field(R"("version":)", header.version.empty() ? version : std::string_view{header.version});
