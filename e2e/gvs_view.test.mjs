@@ -97,7 +97,7 @@ test('cosiva up --gvs', { timeout: 240_000 }, async (t) => {
     await page.getByTestId('open-alarms').click();
     process.kill(pid, 'SIGSTOP');
     try {
-      await page.getByTestId('alarms').getByText('no picture comes').waitFor({ timeout: 15_000 });
+      await page.getByTestId('alarms').getByText('no image arrives').waitFor({ timeout: 15_000 });
     } finally {
       process.kill(pid, 'SIGCONT');
     }

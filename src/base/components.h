@@ -8,11 +8,11 @@
 
 namespace cosiva {
 
-/// Strongly connected components of a directed graph (Tarjan 1972): vertices that can all be come to from each other.
-/// Kept and used again it allocates nothing.
+/// Strongly connected components of a directed graph (Tarjan 1972): vertices that can all be reached from each other. A
+/// reused object allocates nothing.
 class StrongComponents {
  public:
-  /// In time linear in vertices and edges, and never deeper in the stack for a longer way.
+  /// In time linear in vertices and edges, with a stack depth independent of the length of paths.
   /// @param count  vertices are 0 … count − 1
   /// @param next   next(vertex) is an indexable range of the vertices that its edges lead to, the same at every call
   template <class Next>
@@ -26,7 +26,7 @@ class StrongComponents {
       if (visits_[v].order == 0) visit_from(v, next);
   }
 
-  /// Each vertex is in one; those that others lead to come before the others.
+  /// Each vertex is in one component; components that are led to precede those that lead to them.
   [[nodiscard]] std::size_t size() const { return first_.size() - 1; }
   /// Ascending.
   [[nodiscard]] std::span<const std::uint32_t> members(std::size_t component) const {
@@ -36,8 +36,8 @@ class StrongComponents {
 
  private:
   struct Visit {
-    std::uint32_t order{0};  ///< in which it was come to, from 1; 0: not yet
-    std::uint32_t low{0};    ///< the earliest that it leads back to
+    std::uint32_t order{0};  ///< of the first visit, from 1; 0: not visited
+    std::uint32_t low{0};    ///< the earliest vertex that it leads back to
     bool open{false};        ///< its component is not complete yet
   };
 
@@ -86,8 +86,9 @@ class StrongComponents {
   }
 
   std::vector<Visit> visits_;
-  std::vector<std::uint32_t> open_;                           ///< come to, and not in a component yet
-  std::vector<std::pair<std::uint32_t, std::size_t>> trail_;  ///< the search's own stack: at whom, at which edge
+  std::vector<std::uint32_t> open_;                           ///< visited, and not in a component yet
+  std::vector<std::pair<std::uint32_t, std::size_t>> trail_;  ///< the search's explicit stack: vertex and index of the
+                                                              ///< edge
   std::vector<std::uint32_t> component_;
   std::vector<std::uint32_t> members_;  ///< of all components, one after another
   std::vector<std::size_t> first_{0};   ///< of each component, and one behind the last

@@ -19,7 +19,7 @@ StrongComponents components_of(const Graph& graph) {
   return components;
 }
 
-TEST(StrongComponents, are_told_with_those_that_others_lead_to_first) {
+TEST(StrongComponents, are_listed_after_those_that_they_lead_to) {
   const auto found = components_of({{1}, {2}, {0, 3}, {4}, {3}, {0}});
   ASSERT_EQ(found.size(), 3U);
   EXPECT_THAT(found.members(0), ElementsAre(3U, 4U));
@@ -29,19 +29,19 @@ TEST(StrongComponents, are_told_with_those_that_others_lead_to_first) {
     for (const std::uint32_t v : found.members(c)) EXPECT_EQ(found.component_of(v), c);
 }
 
-TEST(StrongComponents, of_nothing_are_none_and_lone_vertices_are_each_their_own) {
+TEST(StrongComponents, of_no_vertices_are_none_and_single_vertices_are_each_their_own) {
   EXPECT_EQ(components_of({}).size(), 0U);
   EXPECT_EQ(components_of({{}, {1}, {0}}).size(), 3U);
 }
 
-TEST(StrongComponents, do_not_mind_a_way_of_a_million) {
+TEST(StrongComponents, accept_a_path_of_a_million_vertices) {
   StrongComponents components;
   constexpr std::uint32_t count = 1'000'000;
   const auto next = [](std::uint32_t v) { return std::array<std::uint32_t, 1>{(v + 1) % count}; };
   components.find(count, next);
   EXPECT_EQ(components.size(), 1U);
   EXPECT_EQ(components.members(0).size(), count);
-  // And again with another graph.
+  // A second time with another graph.
   components.find(2, [](std::uint32_t) { return std::array<std::uint32_t, 0>{}; });
   EXPECT_EQ(components.size(), 2U);
 }

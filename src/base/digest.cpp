@@ -6,7 +6,7 @@ namespace cosiva {
 
 void Digest::add(std::string_view bytes) noexcept {
   add(static_cast<std::uint64_t>(bytes.size()));
-  // Words of eight bytes, the first one lowest on every machine.
+  // Words of eight bytes, little-endian on every machine.
   for (; bytes.size() >= 8; bytes.remove_prefix(8)) {
     std::uint64_t word = 0;
     std::memcpy(&word, bytes.data(), 8);

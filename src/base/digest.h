@@ -10,11 +10,11 @@
 
 namespace cosiva {
 
-/// A 64-bit fold of everything a run did: equal runs give equal digests. It proves sameness, not truth.
+/// A 64-bit hash over all events of a run: equal runs give equal digests. A digest proves identity, not correctness.
 class Digest {
  public:
   void add(std::uint64_t value) noexcept {
-    // One round of a multiply-rotate mix per word; order matters, which is what a run's history needs.
+    // One round of a multiply-rotate mix per word; the order matters, as required for a run's history.
     state_ = std::rotl(state_ ^ (value * 0x9E3779B97F4A7C15ULL), 29) * 0xBF58476D1CE4E5B9ULL;
   }
   void add(std::int64_t value) noexcept { add(static_cast<std::uint64_t>(value)); }

@@ -20,17 +20,17 @@ TEST(Digest, of_equal_histories_is_equal) {
             digest_of(std::uint64_t{1}, 2.5, std::string_view{"three"}));
 }
 
-TEST(Digest, minds_the_order) {
+TEST(Digest, depends_on_the_order) {
   EXPECT_NE(digest_of(std::uint64_t{1}, std::uint64_t{2}), digest_of(std::uint64_t{2}, std::uint64_t{1}));
 }
 
-TEST(Digest, minds_every_bit_of_a_number) {
+TEST(Digest, depends_on_every_bit_of_a_number) {
   std::set<std::uint64_t> detected{digest_of(std::uint64_t{0})};
   for (unsigned bit = 0; bit < 64; ++bit) EXPECT_TRUE(detected.insert(digest_of(std::uint64_t{1} << bit)).second);
   EXPECT_NE(digest_of(0.0), digest_of(-0.0));
 }
 
-TEST(Digest, minds_where_one_text_ends_and_the_next_begins) {
+TEST(Digest, depends_on_where_one_text_ends_and_the_next_begins) {
   EXPECT_NE(digest_of(std::string_view{"ab"}, std::string_view{"c"}),
             digest_of(std::string_view{"a"}, std::string_view{"bc"}));
   EXPECT_NE(digest_of(std::string_view{""}), Digest{}.value());
@@ -48,7 +48,7 @@ TEST(Digest, is_written_as_sixteen_hexadecimal_digits) {
   EXPECT_EQ(Digest{}.hex().size(), 16U);
 }
 
-TEST(Digest, of_a_time_is_that_of_its_nanoseconds) {
+TEST(Digest, of_a_time_equals_that_of_its_nanoseconds) {
   EXPECT_EQ(digest_of(virtual_epoch), digest_of(std::int64_t{1'689'033'600'000'000'000}));
 }
 

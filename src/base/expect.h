@@ -2,11 +2,11 @@
 
 namespace cosiva {
 
-/// Prints what was expected and where, then aborts.
+/// Prints the violated condition and its location, then aborts.
 [[noreturn]] void expectation_failed(const char* condition, const char* file, int line) noexcept;
 
 }  // namespace cosiva
 
-/// What only we can get wrong. It stays on in every build: a wrong twin is worse than a stopped one.
+/// For errors of the program itself. The check is active in every build: a wrong twin is worse than a stopped one.
 #define COSIVA_EXPECT(condition) \
   (static_cast<bool>(condition) ? void(0) : ::cosiva::expectation_failed(#condition, __FILE__, __LINE__))

@@ -10,10 +10,10 @@ namespace {
 
 constexpr std::size_t pairs = 32;
 
-/// det_log() of a normal number over 0, without a branch.
+/// det_log() of a normal number above 0, without a branch.
 __attribute__((always_inline)) inline double log_of(double x) noexcept {
   const auto bits = std::bit_cast<std::uint64_t>(x);
-  // m in [½, 1); 2^52 with the exponent in its lowest bits is a number, too.
+  // m in [½, 1); 2^52 with the exponent in its lowest bits gives the exponent as a double.
   double m = std::bit_cast<double>((bits & 0x000FFFFFFFFFFFFFULL) | 0x3FE0000000000000ULL);
   double exponent = std::bit_cast<double>((bits >> 52U) | 0x4330000000000000ULL) - 4503599627370496.0 - 1022.0;
   const bool low = m < 0.70710678118654752440;
@@ -37,7 +37,7 @@ __attribute__((always_inline)) inline double log_of(double x) noexcept {
   return exponent * ln2_high + (log_m + exponent * ln2_low);
 }
 
-/// Marsaglia's polar method, its second half: points in the unit circle become two draws each.
+/// The second half of Marsaglia's polar method: points in the unit circle become two draws each.
 COSIVA_VECTOR_CLONES
 void spread(const double* __restrict u, const double* __restrict v, const double* __restrict q,
             double* __restrict made) {

@@ -9,7 +9,8 @@
 
 namespace cosiva {
 
-/// The draws of Random{seed, stream}.gaussian(), to the bit, made many at a time: one alone waits for its logarithm.
+/// The draws of Random{seed, stream}.gaussian(), to the bit, computed many at a time: a single draw would wait for its
+/// logarithm.
 class Gaussians {
  public:
   Gaussians(std::uint64_t seed, std::string_view stream) noexcept : random_{seed, stream} {}

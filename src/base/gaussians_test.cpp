@@ -13,7 +13,7 @@ TEST(Gaussians, are_the_draws_of_the_stream_to_the_bit) {
   }
 }
 
-TEST(Gaussians, have_the_mean_and_deviation_asked_for) {
+TEST(Gaussians, have_the_requested_mean_and_deviation) {
   Random one_by_one{3, "gaussians"};
   Gaussians many{3, "gaussians"};
   for (int i = 0; i < 100; ++i) ASSERT_EQ(many.next(0.5, 2.0), one_by_one.gaussian(0.5, 2.0));

@@ -78,7 +78,7 @@ TEST(JsonWriter, writes_numbers_so_that_they_read_back_to_the_same_bits) {
   });
 }
 
-TEST(JsonWriter, writes_large_numbers_so_that_nobody_takes_them_for_whole_ones) {
+TEST(JsonWriter, writes_large_numbers_so_that_no_reader_takes_them_for_integers) {
   for (const double number : {9.2e17, 1e18, -9.21067857610312515584e20, 1e22, 1.7e308}) {
     JsonWriter json;
     json.value(number);
@@ -86,19 +86,19 @@ TEST(JsonWriter, writes_large_numbers_so_that_nobody_takes_them_for_whole_ones) 
   }
 }
 
-TEST(JsonWriter, has_no_number_for_what_is_not_finite) {
+TEST(JsonWriter, writes_null_for_non_finite_numbers) {
   JsonWriter json;
   json.begin_array().value(std::numeric_limits<double>::quiet_NaN());
   json.value(std::numeric_limits<double>::infinity()).value(-0.0).end_array();
   EXPECT_EQ(json.text(), "[null,null,-0]");
 }
 
-TEST(JsonWriter, escapes_what_must_be) {
+TEST(JsonWriter, escapes_special_characters) {
   EXPECT_EQ(as_json("a\"b\\c\n\r\t\x01\x1F"), R"("a\"b\\c\n\r\t\u0001\u001f")");
   EXPECT_EQ(as_json("é€😀"), "\"é€😀\"");
 }
 
-TEST(JsonWriter, replaces_bytes_that_are_no_utf8) {
+TEST(JsonWriter, replaces_invalid_utf8) {
   const std::string bad = "\xEF\xBF\xBD";
   EXPECT_EQ(as_json("\xFF"), '"' + bad + '"');
   EXPECT_EQ(as_json("\xC3"), '"' + bad + '"');            // truncated
@@ -109,7 +109,7 @@ TEST(JsonWriter, replaces_bytes_that_are_no_utf8) {
   EXPECT_EQ(as_json("\xC3(x"), '"' + bad + "(x\"");
 }
 
-TEST(JsonWriter, always_writes_what_a_reader_takes) {
+TEST(JsonWriter, always_writes_valid_json) {
   rc::check([] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "json_test"};
     std::string text(random.below(40), ' ');
@@ -118,7 +118,7 @@ TEST(JsonWriter, always_writes_what_a_reader_takes) {
   });
 }
 
-TEST(JsonWriterDeathTest, stops_on_misuse) {
+TEST(JsonWriterDeathTest, aborts_on_misuse) {
   EXPECT_DEATH(JsonWriter{}.begin_object().value(1), "expectation");
   EXPECT_DEATH(JsonWriter{}.begin_array().key("a"), "expectation");
   EXPECT_DEATH(JsonWriter{}.begin_array().end_object(), "expectation");
@@ -142,12 +142,12 @@ TEST(JsonValue, reads_every_kind) {
   EXPECT_EQ(value.find("a")->array()->size(), 2U);
 }
 
-TEST(JsonValue, keeps_members_in_the_order_of_the_text) {
+TEST(JsonValue, preserves_the_order_of_members) {
   const JsonValue value = parsed(R"({"b":1,"a":2})");
   EXPECT_EQ(value.object()->front().first, "b");
 }
 
-TEST(JsonValue, has_nothing_for_members_that_are_not_there_or_of_another_kind) {
+TEST(JsonValue, finds_nothing_for_members_that_are_missing_or_of_another_kind) {
   const JsonValue value = parsed(R"({"n":1,"t":"x"})");
   EXPECT_EQ(value.find("m"), nullptr);
   EXPECT_EQ(value.number("t"), std::nullopt);
@@ -156,7 +156,7 @@ TEST(JsonValue, has_nothing_for_members_that_are_not_there_or_of_another_kind) {
   EXPECT_EQ(parsed("[1]").find("n"), nullptr);
 }
 
-TEST(JsonValue, refuses_what_is_no_document) {
+TEST(JsonValue, rejects_invalid_documents) {
   for (const char* bad :
        {"", " ", "{", "[1,]", "{\"a\":}", "{'a':1}", "nul", "1 2", "{} {}", "[1", "\"\x01\"", "\"\xFF\"", "01"}) {
     const auto value = JsonValue::parse(bad);
@@ -165,7 +165,7 @@ TEST(JsonValue, refuses_what_is_no_document) {
   }
 }
 
-TEST(JsonValue, refuses_what_is_too_large_or_too_deep) {
+TEST(JsonValue, rejects_documents_that_are_too_large_or_too_deep) {
   EXPECT_TRUE(JsonValue::parse("[1,2]", 5));
   EXPECT_FALSE(JsonValue::parse("[1,2]", 4));
   EXPECT_TRUE(JsonValue::parse(std::string(60, '[') + std::string(60, ']')));

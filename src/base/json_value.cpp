@@ -8,7 +8,7 @@ namespace cosiva {
 namespace {
 
 constexpr std::size_t depth_max = 64;
-/// A parser takes some ten times its text.
+/// A parser needs about ten times the memory of its text.
 constexpr std::size_t kept_bytes_max = 16U << 10U;
 
 JsonValue convert(simdjson::dom::element element) {
@@ -41,10 +41,10 @@ JsonValue convert(simdjson::dom::element element) {
 Result<JsonValue> JsonValue::parse(std::string_view text, std::size_t bytes_max) {
   if (text.size() > bytes_max) {
     return fail("json.syntax",
-                std::to_string(text.size()) + " bytes of JSON, at most " + std::to_string(bytes_max) + " are taken");
+                std::to_string(text.size()) + " bytes of JSON, at most " + std::to_string(bytes_max) + " are accepted");
   }
   try {
-    // Kept between messages: its memory taken and given back anew would cost more than the reading of a short one.
+    // Reused between messages: allocating its memory anew would cost more than reading a short message.
     static thread_local simdjson::dom::parser kept;
     simdjson::dom::parser large;
     simdjson::dom::parser& parser = text.size() < kept_bytes_max ? kept : large;

@@ -13,7 +13,7 @@
 
 namespace cosiva {
 
-/// A small JSON document, for options, commands and memories; the wire's hot path has its own reader.
+/// A small JSON document, for options, commands and state files; the wire's hot path has its own reader.
 class JsonValue {
  public:
   using Array = std::vector<JsonValue>;
@@ -33,7 +33,7 @@ class JsonValue {
   [[nodiscard]] const Array* array() const { return std::get_if<Array>(&value_); }
   [[nodiscard]] const Object* object() const { return std::get_if<Object>(&value_); }
 
-  /// The member of this object, or nothing when there is none or this is no object.
+  /// The member of this object, or nothing if there is none or this is no object.
   [[nodiscard]] const JsonValue* find(std::string_view key) const;
   [[nodiscard]] std::optional<double> number(std::string_view key) const;
   [[nodiscard]] std::optional<std::string> text(std::string_view key) const;

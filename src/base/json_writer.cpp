@@ -8,7 +8,7 @@
 namespace cosiva {
 namespace {
 
-/// How many characters from `i` on are written as they are: ASCII, no control characters, quotes or backslashes.
+/// Number of characters from `i` on that need no escape: ASCII, no control characters, quotes or backslashes.
 std::size_t plain_length(std::string_view text, std::size_t i) {
   const std::size_t begin = i;
   for (; i < text.size(); ++i) {
@@ -18,7 +18,7 @@ std::size_t plain_length(std::string_view text, std::size_t i) {
   return i - begin;
 }
 
-/// Length of the UTF-8 sequence at `i`, or 0 where the bytes are none (overlong, surrogate, truncated).
+/// Length of the UTF-8 sequence at `i`, or 0 if the bytes are invalid (overlong, surrogate, truncated).
 std::size_t utf8_length(std::string_view text, std::size_t i) {
   const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
   const auto follows = [&](std::size_t k) { return k < text.size() && (byte(k) & 0xC0U) == 0x80U; };
@@ -46,7 +46,7 @@ void append_json_string(std::string& out, std::string_view text) {
   static constexpr char hex[] = "0123456789abcdef";
   out += '"';
   for (std::size_t i = 0; i < text.size();) {
-    // Keys and names are plain from end to end: all that needs no second look goes in at once.
+    // Keys and names usually need no escapes: all such characters are appended at once.
     if (const std::size_t plain = plain_length(text, i); plain > 0) {
       out.append(text, i, plain);
       i += plain;
@@ -100,7 +100,7 @@ void JsonWriter::before_value() {
 }
 
 JsonWriter& JsonWriter::begin_object() {
-  // A message's usual size: growing to it by doubling would copy what is there five times.
+  // The usual size of a message: growing to it by doubling would copy the text five times.
   constexpr std::size_t usual_bytes = 480;
   if (text_.empty()) text_.reserve(usual_bytes);
   before_value();
@@ -157,7 +157,7 @@ JsonWriter& JsonWriter::value(double number) {
   if (!std::isfinite(number)) return null();
   before_value();
   char buffer[32];
-  // Shortest alone would write 1e21 as a row of digits, which readers take for a whole number too large for 64 bits.
+  // The shortest form would write 1e21 as a row of digits, which readers parse as an integer too large for 64 bits.
   const auto end = std::fabs(number) < 1e18
                        ? std::to_chars(buffer, buffer + sizeof buffer, number).ptr
                        : std::to_chars(buffer, buffer + sizeof buffer, number, std::chars_format::scientific).ptr;

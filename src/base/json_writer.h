@@ -54,7 +54,7 @@ class JsonWriter {
   void newline();
 
   std::string text_;
-  std::vector<char> open_;  ///< '{' or '[' of what is not closed yet
+  std::vector<char> open_;  ///< '{' or '[' of everything still open
   bool first_{true};
   bool after_key_{false};
   int indent_;

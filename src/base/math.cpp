@@ -7,7 +7,7 @@
 namespace cosiva {
 namespace {
 
-/// atan on [0, 1] by two halvings: atan x = 2·atan(x / (1 + √(1 + x²))) brings |x| under 0.2, then the series to x^23.
+/// atan on [0, 1] by two halvings: atan x = 2·atan(x / (1 + √(1 + x²))) reduces |x| below 0.2, then the series to x^23.
 double atan_unit(double x) {
   x = x / (1.0 + std::sqrt(1.0 + x * x));
   x = x / (1.0 + std::sqrt(1.0 + x * x));
@@ -46,7 +46,7 @@ double det_log(double x) noexcept {
   }
   const double t = (m - 1.0) / (m + 1.0);
   const double z = t * t;
-  // Written out, so that the divisions are done once and for all.
+  // Written out, so that the divisions are evaluated at compile time.
   double p = 1.0 / 21.0;
   p = 1.0 / 19.0 + z * p;
   p = 1.0 / 17.0 + z * p;

@@ -6,14 +6,13 @@
 #include "cosiva/base/math.h"
 
 /// The elementary functions of base/math.h for passes over arrays: without branches or calls, so that a loop over them
-/// becomes vector instructions. They give the very bits of those there, which are made of these.
+/// becomes vector instructions. They give exactly the bits of those functions, which are implemented with them.
 namespace cosiva::plain {
 
-/// Part of the function that calls it, and so of each version of that one for wider vectors.
+/// Inlined into the calling function, and so into each of its versions for wider vectors.
 #define COSIVA_INLINE __attribute__((always_inline)) inline
 
-/// Adding 1.5·2^52 rounds a number under 2^51 to a whole one, to the nearest even, which then stands in the lowest
-/// bits.
+/// Adding 1.5·2^52 rounds a number under 2^51 to the nearest integer, halves to even, which is then in the lowest bits.
 inline constexpr double rounder = 6755399441055744.0;
 [[nodiscard]] COSIVA_INLINE double round_even(double x) noexcept { return (x + rounder) - rounder; }
 

@@ -12,7 +12,7 @@
 namespace cosiva {
 namespace {
 
-/// The promise of base/math.h, and a little for the reference's own rounding: 1 ulp + 1e-16, doubled.
+/// The accuracy stated in base/math.h, with a margin for the reference's own rounding: 1 ulp + 1e-16, doubled.
 double allowed(double reference) {
   const double next = std::nextafter(std::fabs(reference), std::numeric_limits<double>::infinity());
   return 2.0 * (next - std::fabs(reference)) + 2e-16;
@@ -23,7 +23,7 @@ void expect_close_over(double low, double high, const Own& own, const Reference&
   Random random{1, "math_test"};
   for (int i = 0; i < 200'000; ++i) {
     const double x = random.uniform(low, high);
-    // The reference in long double, so that what is measured is ours.
+    // The reference in long double, so that only the tested function's error is measured.
     const auto wanted = static_cast<double>(reference(static_cast<long double>(x)));
     ASSERT_NEAR(own(x), wanted, allowed(wanted)) << "at x = " << x;
   }
@@ -41,7 +41,7 @@ TEST(Math, sine_and_cosine_agree_with_the_library_near_zero_and_far_away) {
   }
 }
 
-TEST(Math, error_function_agrees_with_the_library_also_far_out) {
+TEST(Math, error_function_agrees_with_the_library_also_for_large_arguments) {
   for (double x = -6.0; x <= 6.0; x += 0.0037) {
     ASSERT_NEAR(det_erf(x), std::erf(x), 2e-15) << x;
     ASSERT_NEAR(det_erfc(x) / std::erfc(x), 1.0, x < 2.0 ? 1e-12 : 1e-13) << x;
@@ -52,7 +52,7 @@ TEST(Math, error_function_agrees_with_the_library_also_far_out) {
   EXPECT_EQ(det_erf(-1.3), -det_erf(1.3));
 }
 
-TEST(Math, sincos_is_both_at_once) {
+TEST(Math, sincos_gives_both_values) {
   for (const double x : {-3.0, -0.1, 0.0, 2.0, 1e5}) {
     EXPECT_EQ(sincos(x).sin, det_sin(x));
     EXPECT_EQ(sincos(x).cos, det_cos(x));
@@ -72,7 +72,7 @@ TEST(Math, sine_of_zero_is_zero_and_cosine_one) {
   EXPECT_EQ(det_sin(0.0), 0.0);
   EXPECT_EQ(det_cos(0.0), 1.0);
   EXPECT_EQ(det_sin(pi / 2.0), 1.0);
-  EXPECT_NEAR(det_cos(pi / 2.0), 6.123e-17, 1e-19);  // what pi in a double lacks of π/2
+  EXPECT_NEAR(det_cos(pi / 2.0), 6.123e-17, 1e-19);  // the rounding error of pi / 2 as a double
 }
 
 TEST(Math, atan2_agrees_with_the_library_in_all_quadrants) {
@@ -86,7 +86,7 @@ TEST(Math, atan2_agrees_with_the_library_in_all_quadrants) {
   }
 }
 
-TEST(Math, atan2_is_exact_on_the_axes_and_minds_signed_zeros) {
+TEST(Math, atan2_is_exact_on_the_axes_and_respects_signed_zeros) {
   EXPECT_EQ(det_atan2(0.0, 1.0), 0.0);
   EXPECT_EQ(det_atan2(1.0, 0.0), pi / 2.0);
   EXPECT_EQ(det_atan2(-1.0, 0.0), -pi / 2.0);
@@ -99,7 +99,7 @@ TEST(Math, atan2_is_exact_on_the_axes_and_minds_signed_zeros) {
   EXPECT_NEAR(det_atan2(1.0, 1.0), pi / 4.0, 2e-16);
 }
 
-TEST(Math, atan2_survives_the_smallest_and_the_largest) {
+TEST(Math, atan2_accepts_the_smallest_and_the_largest_numbers) {
   constexpr double tiny = std::numeric_limits<double>::denorm_min();
   constexpr double huge = std::numeric_limits<double>::max();
   for (const double y : {tiny, 1.0, huge}) {
@@ -132,7 +132,7 @@ TEST(Math, exponential_agrees_with_the_library) {
   EXPECT_EQ(det_exp(0.0), 1.0);
 }
 
-TEST(Math, logarithm_undoes_exponential) {
+TEST(Math, logarithm_inverts_exponential) {
   rc::check([] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "math_test"};
     const double x = random.uniform(-600.0, 600.0);
@@ -140,7 +140,7 @@ TEST(Math, logarithm_undoes_exponential) {
   });
 }
 
-TEST(Math, norm_is_pythagoras) {
+TEST(Math, norm_is_the_euclidean_length) {
   EXPECT_EQ(norm(3.0, -4.0), 5.0);
   EXPECT_EQ(norm(0.0, 0.0), 0.0);
 }
@@ -161,7 +161,7 @@ TEST(Math, wraps_angles_into_one_turn_open_at_minus_pi) {
   });
 }
 
-TEST(Math, wraps_angles_at_the_edge_to_the_inside) {
+TEST(Math, wraps_angles_at_the_limit_into_the_interval) {
   for (const double turns : {-3.0, -1.0, 1.0, 2.0, 1000.0}) {
     for (const double edge : {-pi, pi}) {
       double angle = edge + turns * 2.0 * pi;

@@ -18,9 +18,9 @@ bool near(const Pose2& a, const Pose2& b) {
   return distance(a, b) < 1e-13 && std::fabs(wrap_angle(a.heading_rad - b.heading_rad)) < 1e-14;
 }
 
-TEST(Pose, puts_a_point_of_the_body_on_the_map) {
+TEST(Pose, maps_a_point_of_the_body_to_the_map) {
   const Pose2 X_MB{1.0, 2.0, pi / 2.0};
-  const Point2 p_M = X_MB * Point2{3.0, 1.0};  // 3 ahead (north), 1 to the left (west)
+  const Point2 p_M = X_MB * Point2{3.0, 1.0};  // 3 forward (north), 1 to the left (west)
   EXPECT_NEAR(p_M.x_m, 0.0, 1e-15);
   EXPECT_NEAR(p_M.y_m, 5.0, 1e-15);
 }
@@ -30,7 +30,7 @@ TEST(Pose, of_a_turn_after_a_turn_is_their_sum_wrapped) {
   EXPECT_NEAR(X_AC.heading_rad, 4.0 - 2.0 * pi, 1e-15);
 }
 
-TEST(Pose, times_its_inverse_is_nothing) {
+TEST(Pose, times_its_inverse_is_the_identity) {
   rc::check([] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "pose_test"};
     const Pose2 X_AB = any_pose(random);
@@ -39,7 +39,7 @@ TEST(Pose, times_its_inverse_is_nothing) {
   });
 }
 
-TEST(Pose, products_may_be_bracketed_either_way) {
+TEST(Pose, products_are_associative) {
   rc::check([] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "pose_test"};
     const Pose2 X_AB = any_pose(random);
@@ -51,7 +51,7 @@ TEST(Pose, products_may_be_bracketed_either_way) {
   });
 }
 
-TEST(Pose, keeps_distances) {
+TEST(Pose, preserves_distances) {
   rc::check([] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "pose_test"};
     const Pose2 X_AB = any_pose(random);

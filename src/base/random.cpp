@@ -13,7 +13,7 @@ Random::Random(std::uint64_t seed, std::string_view stream) noexcept {
   Digest name;
   name.add(seed);
   name.add(stream);
-  // SplitMix64 spreads one word over the four of the state, as the generator's authors advise.
+  // SplitMix64 expands one word to the four of the state, as recommended by the generator's authors.
   std::uint64_t x = name.value();
   for (auto& word : state_) {
     x += 0x9E3779B97F4A7C15ULL;
@@ -45,8 +45,8 @@ std::uint64_t Random::below(std::uint64_t bound) noexcept {
   COSIVA_EXPECT(bound >= 1);
   for (;;) {
     const std::uint64_t draw = next();
-    // Reject the uneven tail so that every value is equally likely. It is shorter than the bound, so that hardly any
-    // draw needs it computed.
+    // Rejects the uneven tail so that all values are equally likely. The tail is shorter than the bound, so hardly any
+    // draw needs to compute it.
     if (draw >= bound || draw >= (~bound + 1) % bound) return draw % bound;
   }
 }
@@ -58,7 +58,8 @@ double Random::gaussian() noexcept {
     has_spare_ = false;
     return spare_;
   }
-  // Marsaglia's polar method: only a logarithm and a square root, both ours or IEEE-exact.
+  // Marsaglia's polar method: only a logarithm and a square root, the former from base/math.h, the latter exact by IEEE
+  // 754.
   for (;;) {
     const double u = 2.0 * uniform() - 1.0;
     const double v = 2.0 * uniform() - 1.0;

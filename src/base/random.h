@@ -6,8 +6,8 @@
 
 namespace cosiva {
 
-/// A stream of random numbers that is the same on every machine. Streams of one run differ by name, so that adding
-/// a draw in one place changes nothing elsewhere: Random{seed, "aiv3/odometry"}.
+/// A stream of random numbers that is the same on every machine. Streams of one run have different names, so that an
+/// additional draw in one of them changes no other: Random{seed, "aiv3/odometry"}.
 class Random {
  public:
   Random(std::uint64_t seed, std::string_view stream) noexcept;

@@ -18,7 +18,7 @@ std::vector<std::uint64_t> draws(std::uint64_t seed, std::string_view stream, in
   return all;
 }
 
-TEST(Random, repeats_itself_for_one_seed_and_stream) { EXPECT_EQ(draws(7, "a"), draws(7, "a")); }
+TEST(Random, is_repeatable_for_one_seed_and_stream) { EXPECT_EQ(draws(7, "a"), draws(7, "a")); }
 
 TEST(Random, differs_between_seeds_and_between_streams) {
   EXPECT_NE(draws(7, "a"), draws(8, "a"));
@@ -64,8 +64,8 @@ TEST(Random, below_reaches_every_value_and_no_other) {
   for (int i = 0; i < 100; ++i) EXPECT_EQ(random.below(1), 0U);
 }
 
-TEST(Random, below_takes_bounds_that_do_not_divide_the_range) {
-  // 3·2^62 leaves a tail of a quarter of all draws; without rejecting it the lower third would come twice as often.
+TEST(Random, below_accepts_bounds_that_do_not_divide_the_range) {
+  // 3·2^62 leaves a tail of a quarter of all draws; without rejection the lower third would occur twice as often.
   Random random{4, "below"};
   constexpr std::uint64_t bound = 3ULL << 62U;
   int lower = 0;
@@ -73,7 +73,7 @@ TEST(Random, below_takes_bounds_that_do_not_divide_the_range) {
   EXPECT_NEAR(lower, 10'000, 5 * 82);
 }
 
-TEST(Random, chance_keeps_its_promise) {
+TEST(Random, chance_has_the_given_probability) {
   Random random{5, "chance"};
   int hits = 0;
   for (int i = 0; i < 100'000; ++i) hits += random.chance(0.02) ? 1 : 0;
@@ -101,22 +101,22 @@ TEST(Random, gaussian_has_mean_deviation_and_tails_of_a_gaussian) {
   EXPECT_NEAR(beyond_two, 0.0455 * count, 5 * 94);  // P(|g| > 2) = 4.55 %
 }
 
-TEST(Random, gaussian_takes_mean_and_deviation) {
+TEST(Random, gaussian_uses_mean_and_deviation) {
   Random plain{7, "gaussian"};
   Random scaled{7, "gaussian"};
   for (int i = 0; i < 10; ++i) EXPECT_EQ(scaled.gaussian(2.0, 3.0), 2.0 + 3.0 * plain.gaussian());
 }
 
-TEST(Random, copies_go_on_alike) {
+TEST(Random, copies_continue_identically) {
   Random one{8, "copy"};
-  (void)one.gaussian();  // one of a pair is kept for the next call; the copy must keep it too
+  (void)one.gaussian();  // one of a pair is stored for the next call; the copy must store it too
   Random other = one;
   EXPECT_EQ(one.gaussian(), other.gaussian());
   EXPECT_EQ(one.next(), other.next());
 }
 
 TEST(Random, gives_the_same_numbers_on_every_machine) {
-  // Computed from the published algorithms by other means. Any change here changes every seeded run there is.
+  // Computed independently from the published algorithms. Any change here changes every seeded run.
   Random random{1, "golden"};
   EXPECT_EQ(random.next(), 9393327770204720472ULL);
   EXPECT_EQ(random.next(), 6892467071268456702ULL);

@@ -6,17 +6,17 @@
 
 namespace cosiva {
 
-/// What the world did wrong: a bad file, a stale order, a lost link. It is a value, never thrown.
-/// `place` says where (file:line, topic, field), `message` what was found and what was expected.
+/// An error from outside the program: a bad file, an outdated order, a lost link. Errors are values, never thrown.
+/// `place` states the location (file:line, topic, field), `message` what was found and what was expected.
 struct Error {
   std::string code;      ///< short and stable, for programs: "zone.gap", "order.outdated"
-  std::string message;   ///< for people, one sentence
-  std::string location;  ///< where it was found; may be empty
+  std::string message;   ///< for users, one sentence
+  std::string location;  ///< location of the fault; may be empty
 
   friend bool operator==(const Error&, const Error&) = default;
 };
 
-/// "place: message", as commands print it.
+/// "location: message", as commands print it.
 [[nodiscard]] inline std::string to_string(const Error& error) {
   return error.location.empty() ? error.message : error.location + ": " + error.message;
 }

@@ -4,8 +4,8 @@
 
 namespace cosiva {
 
-/// Where this checkout lies: what tests and benches read their zones and recordings from. A function of a library of
-/// its own (cmake/cosiva_headers.cmake), not a macro, so that compiling a test is the same in every checkout.
+/// The directory of this checkout, from which tests and benchmarks read zones and recordings. A function of a separate
+/// library (cmake/cosiva_headers.cmake), not a macro, so that compiling a test is the same in every checkout.
 [[nodiscard]] std::string source_dir();
 
 }  // namespace cosiva

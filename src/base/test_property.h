@@ -8,9 +8,9 @@
 
 namespace cosiva {
 
-/// What EXPECT and ASSERT find wrong in `checks`; empty when nothing. For properties: RapidCheck sees no failure of
-/// GoogleTest, and GoogleTest forgets none, so a property that asks HasFailure() counts every later case as failed,
-/// too, and is shrunk to one that holds.
+/// The failures of EXPECT and ASSERT in `checks`; empty if there are none. For properties: RapidCheck does not detect
+/// failures of GoogleTest, and GoogleTest keeps them, so a property that uses HasFailure() would count every later case
+/// as failed, too, and would be shrunk to a case that holds.
 template <typename Checks>
 std::string failures_of(Checks&& checks) {
   testing::TestPartResultArray found;

@@ -16,13 +16,13 @@ void fails_twice() {
   EXPECT_EQ(1, 4) << "never reached";
 }
 
-TEST(FailuresOf, names_what_fails_and_leaves_this_test_as_it_was) {
+TEST(FailuresOf, reports_failures_without_failing_this_test) {
   EXPECT_THAT(failures_of(fails_twice),
               AllOf(HasSubstr("goes on"), HasSubstr("ends"), Not(HasSubstr("holds")), Not(HasSubstr("never reached"))));
   EXPECT_FALSE(HasFailure());
 }
 
-TEST(FailuresOf, what_holds_is_empty_also_after_what_failed) {
+TEST(FailuresOf, is_empty_for_checks_that_hold_also_after_a_failure) {
   EXPECT_NE(failures_of(fails_twice), "");
   EXPECT_EQ(failures_of([] { EXPECT_EQ(1, 1); }), "");
 }

@@ -10,7 +10,7 @@
 
 namespace cosiva::testing {
 
-/// Ranks that are threads of this process.
+/// Ranks implemented as threads of this process.
 class ThreadRanks final : public Ranks {
  public:
   struct Room {

@@ -8,11 +8,11 @@
 #include <type_traits>
 #include <vector>
 
-/// Texts of lines and fields, as tables and trajectories are made of. Views stay valid as long as the text does.
+/// Text of lines and fields, as in tables and trajectories. Views are valid as long as the text.
 namespace cosiva {
 
-/// Goes through a text line by line, without the line's end and a carriage return. UTF-8's byte order mark, with which
-/// some programs begin, belongs to no line.
+/// Iterates over the lines of a text, without line ends and carriage returns. A UTF-8 BOM, which some programs write,
+/// belongs to no line.
 class Lines {
  public:
   explicit Lines(std::string_view text) : rest_{text} {
@@ -20,7 +20,7 @@ class Lines {
     if (rest_.starts_with(byte_order_mark)) rest_.remove_prefix(byte_order_mark.size());
   }
   [[nodiscard]] bool next(std::string_view& line);
-  [[nodiscard]] std::size_t number() const { return number_; }  ///< of the last one, from 1
+  [[nodiscard]] std::size_t number() const { return number_; }  ///< of the last line, from 1
 
  private:
   std::string_view rest_;
@@ -29,10 +29,10 @@ class Lines {
 
 /// Without `blanks` at both ends.
 [[nodiscard]] std::string_view trimmed(std::string_view text, std::string_view blanks = " \t");
-/// What stands between commas, trimmed; one field more than there are commas.
+/// The fields between commas, trimmed; one field more than there are commas.
 [[nodiscard]] std::vector<std::string_view> cut_at_commas(std::string_view line, std::string_view blanks = " \t");
 
-/// The whole text as a number: nothing before or behind it, no NaN and no infinity.
+/// The whole text as a number: nothing before or after it, no NaN and no infinity.
 template <class Number>
 [[nodiscard]] std::optional<Number> number_of(std::string_view text) {
   Number number{};

@@ -5,7 +5,7 @@
 namespace cosiva {
 namespace {
 
-TEST(Lines, come_without_their_ends_and_are_counted) {
+TEST(Lines, have_no_line_ends_and_are_counted) {
   Lines lines{"a\r\n\nb"};
   std::string_view line;
   ASSERT_TRUE(lines.next(line));
@@ -18,23 +18,23 @@ TEST(Lines, come_without_their_ends_and_are_counted) {
   EXPECT_FALSE(lines.next(line));
 }
 
-TEST(Lines, begin_behind_a_byte_order_mark) {
+TEST(Lines, start_after_a_bom) {
   Lines lines{"\xEF\xBB\xBFtime_s\n\xEF\xBB\xBF"};
   std::string_view line;
   ASSERT_TRUE(lines.next(line));
   EXPECT_EQ(line, "time_s");
   ASSERT_TRUE(lines.next(line));
-  EXPECT_EQ(line, "\xEF\xBB\xBF");  // in the middle of a text it is no mark
+  EXPECT_EQ(line, "\xEF\xBB\xBF");  // inside a text the bytes are no BOM
 }
 
-TEST(Fields, are_one_more_than_commas_and_trimmed_of_what_is_named) {
+TEST(Fields, are_one_more_than_commas_and_trimmed_of_the_given_blanks) {
   EXPECT_EQ(cut_at_commas(" a\t,,b c "), (std::vector<std::string_view>{"a", "", "b c"}));
   EXPECT_EQ(cut_at_commas("\"a\",b", " \""), (std::vector<std::string_view>{"a", "b"}));
   EXPECT_EQ(cut_at_commas(""), (std::vector<std::string_view>{""}));
   EXPECT_EQ(trimmed(" \t "), "");
 }
 
-TEST(NumberOf, is_the_whole_text_and_finite) {
+TEST(NumberOf, accepts_only_a_whole_finite_number) {
   EXPECT_EQ(number_of<double>("-2.5e3"), -2500.0);
   EXPECT_EQ(number_of<int>("12"), 12);
   for (const char* text : {"", " 1", "1 ", "1x", "nan", "inf", "+1", "1e999"})

@@ -5,7 +5,7 @@
 namespace cosiva {
 namespace {
 
-/// Reads exactly `digits` decimal digits at `at`; −1 where there are none.
+/// Reads exactly `digits` decimal digits at `at`; −1 if there are fewer.
 int number_at(std::string_view text, std::size_t at, std::size_t digits) {
   if (at + digits > text.size()) return -1;
   int value = 0;
@@ -16,7 +16,7 @@ int number_at(std::string_view text, std::size_t at, std::size_t digits) {
   return value;
 }
 
-/// Puts so many decimal digits of `number` at `at`, zeros in front.
+/// Writes this many decimal digits of `number` at `at`, with leading zeros.
 void put_digits(std::string& text, std::size_t at, std::size_t digits, std::integral auto number) {
   for (std::size_t i = digits; i-- > 0; number /= 10) text[at + i] = static_cast<char>('0' + number % 10);
 }
@@ -29,8 +29,8 @@ std::string to_iso8601(SimTime time) {
   const auto day = floor<days>(utc);
   const year_month_day date{day};
   const hh_mm_ss clock{utc - day};
-  // Every message carries one: printf took longer over it than the codec over the rest of a short one. Nanoseconds in
-  // 64 bits reach from 1677 to 2262, so that a year has four digits.
+  // Every message contains a time stamp: printf took longer for it than the codec for the rest of a short message.
+  // Nanoseconds in 64 bits reach from 1677 to 2262, so a year has four digits.
   std::string text = "0000-00-00T00:00:00.000Z";
   put_digits(text, 0, 4, static_cast<int>(date.year()));
   put_digits(text, 5, 2, static_cast<unsigned>(date.month()));

@@ -9,8 +9,8 @@
 
 namespace cosiva {
 
-/// Time as the core knows it: nanoseconds since 1970-01-01T00:00:00Z, told from outside and never asked for.
-/// A live shell tells the wall clock, the virtual-time shell its event queue's.
+/// Time of the core: nanoseconds since 1970-01-01T00:00:00Z, always supplied by the shell. A live shell supplies the
+/// wall clock, the virtual-time shell the time of its event queue.
 struct SimClock {
   using duration = std::chrono::nanoseconds;
   using rep = duration::rep;
@@ -23,7 +23,7 @@ struct SimClock {
 using SimTime = SimClock::time_point;
 using SimDuration = SimClock::duration;
 
-/// Where virtual time starts: 2023-07-11T00:00:00Z, the day the article appeared.
+/// Start of virtual time: 2023-07-11T00:00:00Z, the day the article appeared.
 inline constexpr SimTime virtual_epoch{std::chrono::seconds{1'689'033'600}};
 
 [[nodiscard]] constexpr double to_seconds(SimDuration duration) noexcept {
@@ -35,10 +35,10 @@ inline constexpr SimTime virtual_epoch{std::chrono::seconds{1'689'033'600}};
   return SimDuration{static_cast<std::int64_t>(seconds * 1e9 + (seconds < 0 ? -0.5 : 0.5))};
 }
 
-/// ISO 8601 in UTC with milliseconds, as VDA 5050 wants it: 2023-07-11T00:00:00.000Z.
+/// ISO 8601 in UTC with milliseconds, as required by VDA 5050: 2023-07-11T00:00:00.000Z.
 [[nodiscard]] std::string to_iso8601(SimTime time);
 
-/// Reads ISO 8601 in UTC with any number of decimals (2.1 §6.4 shows two, 3.0 three; peers send none to nine).
+/// Reads ISO 8601 in UTC with any number of decimals (2.1 §6.4 shows two, 3.0 three; other systems send zero to nine).
 [[nodiscard]] Result<SimTime> parse_iso8601(std::string_view text);
 
 }  // namespace cosiva

@@ -38,13 +38,13 @@ TEST(Time, is_read_with_any_number_of_decimals) {
   EXPECT_EQ(parsed("2023-07-11T12:30:45.123+00:00"), base + 123ms);
 }
 
-TEST(Time, knows_leap_days_and_leap_seconds) {
+TEST(Time, supports_leap_days_and_leap_seconds) {
   EXPECT_EQ(parsed("2024-02-29T00:00:00Z") + 24h, parsed("2024-03-01T00:00:00Z"));
   EXPECT_FALSE(parse_iso8601("2023-02-29T00:00:00Z"));
   EXPECT_EQ(parsed("2016-12-31T23:59:60Z"), parsed("2017-01-01T00:00:00Z"));
 }
 
-TEST(Time, that_is_none_is_refused_with_what_was_expected) {
+TEST(Time, that_is_invalid_is_rejected_with_the_expected_form) {
   for (const char* bad :
        {"", "now", "2023-07-11", "2023-07-11T12:30:45", "2023-07-11T12:30:45.", "2023-07-11T12:30:45+02:00",
         "2023-07-11 12:30:45Z", "2023-13-11T12:30:45Z", "2023-00-11T12:30:45Z", "2023-07-32T12:30:45Z",

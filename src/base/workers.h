@@ -6,9 +6,9 @@
 
 namespace cosiva {
 
-/// Somebody who does many independent parts of one job, maybe several at a time. A core that could use more than one
-/// thread takes one of these instead of having threads (docs/architecture.md); which thread does which part, and in
-/// which order, must not change what comes out.
+/// Executes many independent parts of one job, possibly several at a time. A core that can use more than one thread
+/// uses this interface instead of own threads (docs/architecture.md); the assignment of parts to threads, and their
+/// order, must not change the result.
 class Workers {
  public:
   virtual ~Workers() = default;
@@ -27,7 +27,7 @@ class Workers {
   virtual void run(std::size_t count, Call call, void* context) = 0;
 };
 
-/// Does the parts itself, one after the other.
+/// Executes the parts itself, one after the other.
 class AloneWorker final : public Workers {
  protected:
   void run(std::size_t count, Call call, void* context) override {

@@ -22,7 +22,7 @@ CellRow between(const CellRow& a, const CellRow& b, double t) {
           mix(a.slow_per_s, b.slow_per_s)};
 }
 
-/// One column of the type's tables, straight between rows.
+/// One column of the type's tables, linear between rows.
 double column(const std::vector<double>& charge, const std::vector<double>& values, double at) {
   const auto above = std::ranges::upper_bound(charge, at);
   if (above == charge.end()) return values.back();
@@ -65,7 +65,7 @@ double CellTable::heat_factor(double temperature_c) const {
 
 double CellTable::charge_of(double open_circuit_v) const {
   const auto is_below = [](const CellRow& row, double volt) { return row.open_circuit_v < volt; };
-  const auto last = rows_.end() - 1;  // the doubled one
+  const auto last = rows_.end() - 1;  // the duplicated row
   const auto above = std::lower_bound(rows_.begin(), last, open_circuit_v, is_below);
   if (above == rows_.begin()) return 0.0;
   if (above == last) return 1.0;

@@ -18,17 +18,17 @@ struct CellRow {
 };
 
 /// A type's tables on a thousand even steps of charge, where a row is found without searching. Rows of the file at
-/// whole thousandths are met exactly; what bends between two thousandths is cut off straight.
+/// whole thousandths are reproduced exactly; between two thousandths the tables are linear.
 class CellTable {
  public:
   explicit CellTable(const BatteryType& type);
 
-  /// @param charge  below 0 and above 1 the end rows hold
+  /// @param charge  below 0 and above 1 the end rows apply
   [[nodiscard]] CellRow at(double charge) const;
-  /// How much greater resistances are than at the reference temperature: exp(Ea/R (1/T − 1/T0)). Above the reference it
-  /// is 1: measured cells gain much less there than the law says.
+  /// Ratio of the resistances to those at the reference temperature: exp(Ea/R (1/T − 1/T0)). Above the reference the
+  /// factor is 1: measured cells gain much less there than the law predicts.
   [[nodiscard]] double heat_factor(double temperature_c) const;
-  /// The charge at which a rested cell shows this voltage, in [0, 1].
+  /// The charge at which a rested cell has this voltage, in [0, 1].
   [[nodiscard]] double charge_of(double open_circuit_v) const;
   [[nodiscard]] double volt_per_charge(double charge) const;  ///< dOCV/ds
   [[nodiscard]] const BatteryType& type() const { return type_; }

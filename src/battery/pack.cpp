@@ -15,8 +15,8 @@ namespace {
 
 constexpr double seconds_per_hour = 3600.0;
 
-/// e^x for x ≥ 0 as p⁴ with p the series of e^(x/4) to its fourth power. Its inverse is always in (0, 1], so that a
-/// pair is stable at any step, and e^-x within 1e-9 for steps of a tenth of its time constant.
+/// e^x for x ≥ 0 as p⁴ with p the series of e^(x/4) to its fourth power. Its inverse is always in (0, 1], so a pair is
+/// stable at any step, and e^-x is within 1e-9 for steps of a tenth of its time constant.
 double growth_of(double x) {
   const double y = 0.25 * x;
   const double p = 1.0 + y * (1.0 + y * (0.5 + y * (1.0 / 6.0 + y * (1.0 / 24.0))));
@@ -24,7 +24,7 @@ double growth_of(double x) {
   return p2 * p2;
 }
 
-/// Mean 1 and this relative standard deviation, lognormal: never negative.
+/// Lognormal with mean 1 and this relative standard deviation: never negative.
 double lognormal(Random& random, double relative_sd) {
   const double log_variance = det_log(1.0 + relative_sd * relative_sd);
   return det_exp(std::sqrt(log_variance) * random.gaussian() - 0.5 * log_variance);
@@ -51,7 +51,7 @@ Pack::Pack(std::shared_ptr<const CellTable> table, PackDesign design, PackHistor
     cell = {};
     cell.charge = 1.0;
     cell.temperature_c = temperature_c;
-    // Both are drawn whether or not they are wanted, so that one cell's numbers do not depend on the others'.
+    // Both are always drawn, so that one cell's numbers do not depend on the others'.
     const double capacity_factor = lognormal(random, type().capacity_spread);
     const double resistance_factor = lognormal(random, type().resistance_spread);
     cell.new_capacity_ah = type().capacity_ah * design_.scale * (history_.spread ? capacity_factor : 1.0);
@@ -62,7 +62,7 @@ Pack::Pack(std::shared_ptr<const CellTable> table, PackDesign design, PackHistor
 }
 
 void Pack::age() {
-  // A cell that has lost nine tenths is out of any model's reach.
+  // No model applies to a cell that has lost nine tenths.
   fade_ = std::max(0.1, 1.0 - type().capacity_fade_per_cycle * history_.cycles);
   growth_ = 1.0 + type().resistance_growth_per_cycle * history_.cycles;
   kelvin_per_j_ = 1.0 / (type().heat_capacity_j_per_k * design_.scale);
@@ -99,7 +99,7 @@ PackStep Pack::draw_power(double power_w, double ambient_c, double dt_s) {
 
 PackStep Pack::draw_current(double current_a, double ambient_c, double dt_s) {
   update();
-  // Beyond e/R even a short circuit gives no more.
+  // Beyond e/R even a short circuit delivers no more.
   if (current_a * ohm_ > source_v_) return flow(0.0, ambient_c, dt_s, PackEvent::brown_out);
   return flow(current_a, ambient_c, dt_s, PackEvent::none);
 }
@@ -136,7 +136,7 @@ PackStep Pack::flow(double current_a, double ambient_c, double dt_s, PackEvent e
 PackEvent Pack::advance(Cell& cell, double current_a, double voltage_v, double ambient_c, double dt_s) {
   const double kept = current_a < 0.0 ? type().coulombic_efficiency : 1.0;
   cell.charge = std::min(1.0, cell.charge - kept * current_a * dt_s * cell.charge_per_as);
-  // One division for both: a division costs more than all else in a line.
+  // One division for both: a division costs more than the rest of a line.
   const double fast_growth = growth_of(cell.row.fast_per_s * dt_s);
   const double slow_growth = growth_of(cell.row.slow_per_s * dt_s);
   const double both = 1.0 / (fast_growth * slow_growth);
@@ -232,7 +232,7 @@ Result<void> Pack::restore(std::string_view state_json) {
     if (found) value = *found;
     return found.has_value();
   };
-  if (json->text("id") != history_.id) return fail("battery.state", "is another battery's", "battery state 'id'");
+  if (json->text("id") != history_.id) return fail("battery.state", "belongs to another battery", "battery state 'id'");
   if (!number("cycles", other.history_.cycles) || !number("voltage_volt", other.voltage_v_) ||
       !number("current_ampere", other.current_a_) || !number("delivered_joule", other.delivered_j_) ||
       !number("lost_joule", other.lost_j_) || !number("delivered_ampere_hour", other.delivered_ah_) ||
@@ -240,7 +240,7 @@ Result<void> Pack::restore(std::string_view state_json) {
     return fail("battery.state", "a quantity is missing", "battery state");
   const JsonValue* cells = json->find("cells");
   if (cells == nullptr || cells->array() == nullptr || cells->array()->size() != cells_.size())
-    return fail("battery.state", "has another number of cells", "battery state 'cells'");
+    return fail("battery.state", "has a different number of cells", "battery state 'cells'");
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const JsonValue::Array* row = (*cells->array())[i].array();
     if (row == nullptr || row->size() != 4)

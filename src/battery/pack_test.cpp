@@ -18,7 +18,7 @@ std::shared_ptr<const CellTable> table_of(const char* name) {
 
 PackHistory plain(std::string id = "B1") { return {std::move(id), 1, false, 0.0}; }
 
-/// From full to the floor, the crossing taken between two steps.
+/// From full to the floor, interpolated between two steps.
 double seconds_to(Pack& pack, double volt, auto draw, double dt_s) {
   double before_v = pack.voltage_v();
   for (double t_s = 0.0; t_s < 1e6; t_s += dt_s) {
@@ -36,7 +36,7 @@ struct Check {
   double seconds;
 };
 
-// Chen and Rincón-Mora's cell from full to 3.0 V: their closed forms, stepped by 1 s, give these times.
+// Chen and Rincón-Mora's cell from full to 3.0 V: their closed forms, evaluated in steps of 1 s, give these times.
 TEST(PublishedCell, lasts_as_long_as_its_closed_form_at_constant_current) {
   const auto table = table_of("lipo850");
   for (const Check& check : {Check{0.17, 17708.0}, {0.425, 7049.0}, {0.85, 3498.0}, {1.7, 1721.0}}) {
@@ -59,8 +59,8 @@ TEST(PublishedCell, lasts_as_long_as_its_closed_form_at_constant_power) {
   }
 }
 
-// Measured by the meter: 3568.8 s at 30.6 A and 1762.3 s at 61.2 A, first discharges of each log.
-TEST(LeafCell, lasts_as_long_as_was_measured) {
+// Measured by the tester: 3568.8 s at 30.6 A and 1762.3 s at 61.2 A, first discharges of each log.
+TEST(LeafCell, lasts_as_long_as_measured) {
   const auto table = table_of("leaf33");
   for (const Check& check : {Check{30.6, 3568.8}, {61.2, 1762.3}}) {
     Pack pack{table, {}, plain()};
@@ -70,7 +70,7 @@ TEST(LeafCell, lasts_as_long_as_was_measured) {
   }
 }
 
-TEST(Pack, gives_a_load_the_power_that_it_asks_for) {
+TEST(Pack, delivers_the_power_that_a_load_requests) {
   Pack pack{table_of("lipo850"), {2, 1, 2.2 / 0.85}, plain()};
   for (int i = 0; i < 600; ++i) {
     const PackStep step = pack.draw_power(8.0, 22.0, 0.1);
@@ -90,12 +90,12 @@ TEST(Pack, conserves_energy_and_charge) {
     stored_j += pack.table().at(0.5 * (before + now)).open_circuit_v * (before - now) * 3600.0 * 0.85;
     before = now;
   }
-  // What is left in the two capacitors is the difference: ½ C u², a few joules.
+  // The difference is stored in the two capacitors: ½ C u², a few joules.
   EXPECT_NEAR(pack.delivered_j() + pack.lost_j(), stored_j, 1e-3 * stored_j);
   EXPECT_NEAR(pack.delivered_ah(), 0.85 * (1.0 - pack.charge()), 1e-9);
 }
 
-TEST(Pack, that_cannot_give_the_power_browns_out_as_an_event_and_recovers) {
+TEST(Pack, that_cannot_deliver_the_power_browns_out_as_an_event_and_recovers) {
   Pack pack{table_of("lipo850"), {}, plain()};
   // At most e²/4R = 4.1²/(4·0.0745) W of a rested full cell.
   const PackStep step = pack.draw_power(60.0, 25.0, 0.1);
@@ -106,7 +106,7 @@ TEST(Pack, that_cannot_give_the_power_browns_out_as_an_event_and_recovers) {
   EXPECT_EQ(pack.draw_current(60.0, 25.0, 0.1).event, PackEvent::brown_out);
 }
 
-TEST(Pack, once_empty_gives_nothing_and_takes_charge) {
+TEST(Pack, once_empty_delivers_nothing_and_accepts_charge) {
   Pack pack{table_of("lipo850"), {}, plain()};
   pack.set_charge(1e-6);
   EXPECT_EQ(pack.draw_current(0.1, 25.0, 1.0).event, PackEvent::empty);
@@ -118,7 +118,7 @@ TEST(Pack, once_empty_gives_nothing_and_takes_charge) {
   EXPECT_NEAR(pack.charge(), 0.1 * 0.999, 1e-9);  // the coulombic efficiency
 }
 
-TEST(Pack, of_equal_cells_is_one_cell_times_its_numbers) {
+TEST(Pack, of_equal_cells_equals_one_cell_times_its_numbers) {
   Pack one{table_of("leaf33"), {}, plain()};
   Pack many{table_of("leaf33"), {3, 4, 1.0}, plain()};
   for (int i = 0; i < 1000; ++i) {
@@ -130,7 +130,7 @@ TEST(Pack, of_equal_cells_is_one_cell_times_its_numbers) {
   EXPECT_NEAR(many.lost_j(), 12.0 * one.lost_j(), 1e-6 * many.lost_j());
 }
 
-TEST(Pack, scaled_lasts_as_long_at_the_scaled_load) {
+TEST(Pack, scaled_lasts_equally_long_at_the_scaled_load) {
   Pack cell{table_of("lipo850"), {}, plain()};
   Pack large{table_of("lipo850"), {1, 1, 10.0}, plain()};
   const auto until_floor = [](Pack& pack, double power_w) {
@@ -155,7 +155,7 @@ TEST(Pack, in_series_ends_with_its_weakest_cell_and_in_parallel_with_the_mean) {
   EXPECT_NEAR(ah_of({1, 8, 1.0}), 0.85, 0.85 * 0.0008);
 }
 
-TEST(Pack, differs_by_its_seed_and_by_nothing_else) {
+TEST(Pack, differs_only_by_its_seed) {
   const auto table = table_of("lipo850");
   const auto digest = [&](std::uint64_t seed) {
     Pack pack{table, {2, 2, 1.0}, {"B", seed, true, 0.0}};
@@ -168,7 +168,7 @@ TEST(Pack, differs_by_its_seed_and_by_nothing_else) {
   EXPECT_NE(digest(7), digest(8));
 }
 
-TEST(Pack, fades_and_stiffens_with_every_full_cycle) {
+TEST(Pack, loses_capacity_and_gains_resistance_with_every_full_cycle) {
   Pack pack{table_of("leaf33"), {}, plain()};
   for (int cycle = 0; cycle < 10; ++cycle) {
     pack.set_charge(1.0);
@@ -176,16 +176,16 @@ TEST(Pack, fades_and_stiffens_with_every_full_cycle) {
     for (int i = 0; i < 3599; ++i) pack.draw_current(0.5 * 30.5, 25.0, 1.0);
     pack.renew(25.0);
   }
-  // Each holds 0.4 ‰ less than the one before: 10 − 45 · 0.0004.
+  // Each holds 0.4 ‰ less than the previous one: 10 − 45 · 0.0004.
   EXPECT_NEAR(pack.cycles(), 9.982, 1e-3);
   EXPECT_NEAR(pack.capacity_ah(), 30.5 * (1.0 - 9.982 * 0.0004), 1e-5);
   EXPECT_EQ(pack.charge(), 1.0);
-  // 0.8 ‰ more resistance a cycle: a rested full cell drops 30 A × 1.86 mΩ × 1.008.
+  // 0.8 ‰ more resistance per cycle: a rested full cell drops 30 A × 1.86 mΩ × 1.008.
   const double rested_v = pack.voltage_v();
   EXPECT_NEAR(rested_v - pack.draw_current(30.0, 25.0, 1e-3).voltage_v, 30.0 * 1.86e-3 * 1.008, 1e-5);
 }
 
-TEST(Pack, is_stiffer_in_the_cold_and_no_better_in_the_heat) {
+TEST(Pack, has_more_resistance_in_the_cold_and_no_less_in_the_heat) {
   const auto kept = table_of("leaf33");
   const CellTable& table = *kept;
   EXPECT_NEAR(table.heat_factor(0.0), std::exp(20000.0 / 8.314462618 * (1.0 / 273.15 - 1.0 / 298.15)), 1e-3);
@@ -194,7 +194,7 @@ TEST(Pack, is_stiffer_in_the_cold_and_no_better_in_the_heat) {
   EXPECT_EQ(table.heat_factor(-80.0), table.heat_factor(-40.0));
 }
 
-TEST(Pack, warms_towards_what_its_losses_and_the_room_settle_at) {
+TEST(Pack, warms_towards_the_equilibrium_of_losses_and_cooling) {
   Pack pack{table_of("lipo850"), {}, plain(), 25.0};
   double heat_w = 0.0;
   for (int i = 0; i < 3000; ++i) {
@@ -205,7 +205,7 @@ TEST(Pack, warms_towards_what_its_losses_and_the_room_settle_at) {
   EXPECT_NEAR(pack.temperature_c(), 25.0 + heat_w / 0.05, 0.2);
 }
 
-TEST(Pack, at_rest_shows_its_open_circuit_voltage_again) {
+TEST(Pack, at_rest_returns_to_its_open_circuit_voltage) {
   Pack pack{table_of("leaf33"), {}, plain()};
   for (int i = 0; i < 600; ++i) pack.draw_current(30.0, 25.0, 1.0);
   const double loaded_v = pack.voltage_v();
@@ -215,7 +215,7 @@ TEST(Pack, at_rest_shows_its_open_circuit_voltage_again) {
   EXPECT_NEAR(pack.table().charge_of(pack.voltage_v()), pack.charge(), 1e-3);
 }
 
-TEST(Pack, goes_on_from_its_saved_state_to_the_same_bits) {
+TEST(Pack, continues_from_its_saved_state_to_the_same_bits) {
   Pack pack{table_of("lipo850"), {2, 2, 1.0}, {"B7", 3, true, 12.0}};
   for (int i = 0; i < 500; ++i) pack.draw_power(9.0, 20.0, 0.1);
   Pack again{table_of("lipo850"), {2, 2, 1.0}, {"B7", 3, true, 12.0}};
@@ -227,7 +227,7 @@ TEST(Pack, goes_on_from_its_saved_state_to_the_same_bits) {
   EXPECT_EQ(again.state_json(), pack.state_json());
 }
 
-TEST(Pack, refuses_a_state_that_is_not_its_own) {
+TEST(Pack, rejects_the_state_of_another_pack) {
   Pack pack{table_of("lipo850"), {}, plain("B1")};
   const auto code = [&](std::string_view json) {
     const auto done = pack.restore(json);
@@ -244,7 +244,7 @@ TEST(Pack, refuses_a_state_that_is_not_its_own) {
   EXPECT_EQ(pack.state_json(), before);
 }
 
-TEST(Pack, knows_the_charge_of_a_rested_voltage) {
+TEST(Pack, derives_the_charge_from_a_rested_voltage) {
   const auto kept = table_of("leaf33");
   const CellTable& table = *kept;
   for (const double charge : {0.0, 0.05, 0.333, 0.5, 0.98, 1.0})

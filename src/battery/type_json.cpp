@@ -30,7 +30,7 @@ struct Number {
   bool required;
   bool whole{false};
 };
-constexpr double tiny = 1e-9;  // for what must be above zero
+constexpr double tiny = 1e-9;  // for quantities that must be above zero
 constexpr std::array numbers{
     Number{"capacity_ampere_hour", &BatteryType::capacity_ah, 1e-4, 1e4, true},
     Number{"coulombic_efficiency_fraction", &BatteryType::coulombic_efficiency, 0.5, 1.0, true},
@@ -90,7 +90,7 @@ class Reader {
     if (!error_) error_ = Error{"battery.type", std::move(message), origin_ + ": '" + std::string(key) + "'"};
   }
 
-  /// A quantity's name without its unit is the commonest fault of such a file, and the one that does most harm.
+  /// A quantity's name without its unit is the most frequent and most harmful fault of such a file.
   void know_all_keys() {
     std::vector<std::string_view> known{"format", "$schema"};
     for (const Text& text : texts) known.push_back(text.key);
@@ -99,7 +99,7 @@ class Reader {
     for (std::size_t i = 0; i < json_.object()->size(); ++i) {
       const std::string& key = (*json_.object())[i].first;
       for (std::size_t j = 0; j < i; ++j)
-        if ((*json_.object())[j].first == key) return record(key, "stands here twice");
+        if ((*json_.object())[j].first == key) return record(key, "is given twice");
       if (std::ranges::find(known, key) != known.end()) continue;
       // "capacity", "capacity_mah" for "capacity_ampere_hour": the words before the unit are the same.
       const std::string stem = key.substr(0, key.rfind('_'));
@@ -121,7 +121,7 @@ class Reader {
     }
     if (found->text() == nullptr) return record(text.key, "expected a text");
     if (text.required && found->text()->find_first_not_of(" \t\n") == std::string::npos)
-      return record(text.key, "must say something");
+      return record(text.key, "must not be empty");
     type_.*text.member = *found->text();
   }
 

@@ -12,7 +12,8 @@ namespace cosiva::fuzzy {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-/// Of a group, and of an input's bounds. More would take longer to make and to fetch than they save.
+/// Limits of a group, of all cells, and of an input's boundaries. More cells would take longer to make and to fetch
+/// than they save.
 constexpr std::size_t cells_max = 512;
 constexpr std::size_t all_cells_max = 4'096;
 constexpr std::size_t bounds_max = 15;
@@ -20,10 +21,10 @@ constexpr std::size_t bounds_max = 15;
 constexpr std::size_t firings_max = 16'384;
 constexpr std::size_t steps_max = 16'384;
 
-/// As the kernel has it.
+/// Same formula as in the kernel.
 double flank_at(double x, Cells::Flank flank) { return lower(1.0, higher(0.0, (x - flank.p) * flank.q)); }
 
-/// The number at which a flank comes to 1; nothing: rounding is no explanation for its being missed.
+/// The smallest number at which a flank is 1; nothing if rounding does not explain a missing 1.
 std::optional<double> top_of(Cells::Flank flank) {
   double x = flank.p + 1.0 / flank.q;
   for (int nudge = 0; nudge < 8; ++nudge) {
@@ -33,13 +34,13 @@ std::optional<double> top_of(Cells::Flank flank) {
   return std::nullopt;
 }
 
-/// Numbers from the first to the last.
+/// Numbers from the first to the last, inclusive.
 struct Stretch {
   double first{};
   double last{};
 };
 
-/// 0 or 1 where that is what the flank is all over the stretch: it rises or falls all the way.
+/// 0 or 1 if the flank has this value on the whole interval: it is monotonic.
 std::optional<double> level(Cells::Flank flank, Stretch stretch) {
   const double first = flank_at(stretch.first, flank);
   const double last = flank_at(stretch.last, flank);
@@ -47,7 +48,7 @@ std::optional<double> level(Cells::Flank flank, Stretch stretch) {
   return first;
 }
 
-/// Marks what the marked values need, of steps each of which stands behind what it reads.
+/// Flags the inputs of flagged values; each step follows the steps that it reads.
 void flag_needed(const Steps& steps, std::vector<char>& flags) {
   for (std::size_t i = steps.steps().size(); i-- > 0;) {
     if (flags[steps.inputs() + i] == 0) continue;
@@ -93,7 +94,7 @@ class CellMaker {
     }
   }
 
-  /// Both ends of every flank are where stretches meet.
+  /// Both ends of every flank are boundaries of intervals.
   void lay_flanks() {
     std::vector<std::vector<Cells::Flank>> flanks(cells_.inputs);
     for (std::size_t i = 0; i < whole_.steps().size(); ++i) {
@@ -132,8 +133,8 @@ class CellMaker {
             at == bounds.size() ? cells_.high[input] : std::nextafter(bounds[at], -infinite)};
   }
 
-  /// What terms say where that is no number, for all cells. False: one of them might be no number, and then it counts
-  /// even where its rules do not fire.
+  /// The non-constant outputs of terms, for all cells. Returns false if one of them might be infinite or NaN, since it
+  /// would then count even if its rules do not fire.
   bool lay_first_steps() {
     std::vector<char> flags(whole_.inputs() + whole_.steps().size(), 0);
     for (const Weighing& weighing : weighings_) {
@@ -162,7 +163,7 @@ class CellMaker {
     return true;
   }
 
-  /// Outputs whose rules ask for the same inputs, with what they need.
+  /// Groups of outputs whose rules use the same inputs, with the values that they need.
   [[nodiscard]] std::vector<std::pair<std::vector<char>, std::vector<std::size_t>>> groups() const {
     std::vector<std::pair<std::vector<char>, std::vector<std::size_t>>> groups;
     const auto inputs = static_cast<std::ptrdiff_t>(whole_.inputs());
@@ -185,7 +186,7 @@ class CellMaker {
     return groups;
   }
 
-  /// Gives how much there is to do in one of its cells.
+  /// Returns the work of a decision in one of the group's cells.
   double lay_group(const std::vector<char>& needs, const std::vector<std::size_t>& outputs) {
     Cells::Group group;
     std::size_t split = 0;
@@ -222,7 +223,7 @@ class CellMaker {
            static_cast<double>(group.firings_each * outputs.size());
   }
 
-  /// As many for every cell and output: rules that never fire make up the number.
+  /// The same number for every cell and output: rules that never fire fill up the rest.
   void lay_firings(Cells::Group& group, const std::vector<std::vector<Cells::Firing>>& firings) {
     const auto zero = static_cast<std::uint16_t>(at_zero());
     group.firings_begin = static_cast<std::uint32_t>(cells_.firings.size());
@@ -243,7 +244,7 @@ class CellMaker {
     }
   }
 
-  /// The stretch that each input is on; the whole range where it is not divided.
+  /// The interval of each input; the whole range if it is not divided.
   [[nodiscard]] std::vector<Stretch> room_of(const Cells::Group& group, std::size_t cell) const {
     std::vector<Stretch> room;
     for (std::size_t i = 0; i < cells_.inputs; ++i) room.push_back({cells_.low[i], cells_.high[i]});
@@ -255,7 +256,7 @@ class CellMaker {
     return room;
   }
 
-  /// Its steps' inputs are the rows of run_cells.
+  /// The inputs of a cell's steps are the rows of run_cells.
   void lay_cell(const std::vector<Stretch>& room, const std::vector<char>& needs,
                 const std::vector<std::size_t>& outputs, std::vector<std::vector<Cells::Firing>>& firings) {
     Steps steps{std::vector<std::optional<double>>(Cells::rows * cells_.width)};
@@ -281,7 +282,7 @@ class CellMaker {
     write(steps, now, outputs, firings);
   }
 
-  /// A flank that is neither 0 nor 1 is one that run_cells works out, where there are no more than two.
+  /// A flank that is neither 0 nor 1 is computed by run_cells, if there are no more than two.
   Value edge(Steps& steps, std::size_t input, Cells::Flank flank, Stretch stretch) const {
     if (const auto all_over = level(flank, stretch)) return steps.value(*all_over);
     const std::vector<double>& bounds = bounds_[input];
@@ -309,7 +310,7 @@ class CellMaker {
     return {last->a, last->b};
   }
 
-  /// A rule that may fire in this cell, its places yet values.
+  /// A rule that may fire in this cell, with values instead of slots.
   struct Candidate {
     std::vector<Value> factors;
     double consequent;
@@ -329,7 +330,7 @@ class CellMaker {
         if (number && fired(*number) == 0.0) continue;
         const std::uint16_t consequent_slot =
             term.consequent_value ? slot_of_[*term.consequent_value] : static_cast<std::uint16_t>(at_zero());
-        // A value's own −0 stays what it is when −0 is added.
+        // Adding −0 leaves a value of −0 unchanged.
         const double consequent = term.consequent_value ? -0.0 : term.consequent;
         all.push_back({factors(steps, degree), consequent, consequent_slot, !is_first, false});
         is_first = false;
@@ -375,11 +376,11 @@ class CellMaker {
   const Steps& whole_;
   const std::vector<Weighing>& weighings_;
   Cells cells_;
-  std::vector<std::size_t> input_of_;        ///< by value, whose range it is in
+  std::vector<std::size_t> input_of_;        ///< by value: the input whose range it is limited to
   std::vector<std::vector<double>> bounds_;  ///< by input
-  std::vector<std::uint16_t> slot_of_;       ///< by value, its place, of those that every decision works out
+  std::vector<std::uint16_t> slot_of_;       ///< by value: the slot of those that every decision computes
   std::size_t cells_left_{all_cells_max};
-  std::size_t next_{};  ///< place behind those
+  std::size_t next_{};  ///< first slot behind those
 };
 
 }  // namespace

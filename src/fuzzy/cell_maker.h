@@ -9,7 +9,7 @@
 
 namespace cosiva::fuzzy {
 
-/// How an output comes from its rules: their degrees are values that steps make.
+/// How an output is computed from its rules, whose degrees are values made by steps.
 struct Weighing {
   struct Rule {
     Value degree{};
@@ -18,16 +18,16 @@ struct Weighing {
   struct Term {
     std::vector<Rule> rules;
     double consequent{};
-    std::optional<Value> consequent_value;  ///< what it says where that is no number
+    std::optional<Value> consequent_value;  ///< the term's output if it is not a constant
   };
   std::vector<Term> terms;
   bool is_average{};
   double otherwise{};
-  double low{};  ///< infinite: not locked
+  double low{};  ///< infinite: no lock-range
   double high{};
 };
 
-/// None (see Cells::pay) where the steps by themselves are less to do.
+/// Makes the cells; none (see Cells::pay) if the steps by themselves need less work.
 [[nodiscard]] Cells make_cells(const Steps& steps, const std::vector<Weighing>& outputs);
 
 }  // namespace cosiva::fuzzy

@@ -9,7 +9,7 @@
 namespace cosiva::fuzzy {
 namespace {
 
-/// A block of inputs: within their ranges, on which stretch each is, and how high its flanks are there.
+/// Limits a block of inputs to their ranges and computes each interval and the degrees of its flanks.
 COSIVA_PART inline void locate(const Cells& cells, std::size_t begin, const double* inputs, double* values,
                                std::uint64_t* stretches) {
   double x[cells_block];
@@ -49,9 +49,9 @@ COSIVA_PART inline void run_steps(const Cells& cells, Cells::StepRange range, do
   }
 }
 
-/// What the rules of a cell say of an output together.
+/// The combined result of a cell's rules for an output.
 struct Weighted {
-  double all{};  ///< to which degree they say anything
+  double all{};  ///< sum of the degrees
   double sum{};
 };
 
@@ -89,7 +89,7 @@ COSIVA_PART inline double response(const Cells::Output& output, Weighted weighte
 }  // namespace
 
 COSIVA_VECTOR_CLONES void run_cells(const Cells& cells, const double* inputs, double* outputs) {
-  // NOLINTBEGIN(cppcoreguidelines-pro-type-member-init): what is read of them has been made
+  // NOLINTBEGIN(cppcoreguidelines-pro-type-member-init): all values are written before they are read
   alignas(64) std::array<double, Cells::rows * variables_max + 2 + values_max> values;
   alignas(64) std::array<std::uint64_t, variables_max> stretches;
   // NOLINTEND(cppcoreguidelines-pro-type-member-init)

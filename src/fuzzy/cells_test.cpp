@@ -62,7 +62,7 @@ void expect_same_bits(const Both& both, const std::vector<double>& question) {
   }
 }
 
-/// What an input may be where it matters: the ends of its flanks and their neighbours, its range's, and what is none.
+/// Critical values of an input: the ends of its flanks and their neighbours, those of its range, and NaN.
 std::vector<double> sharp_points(const Variable& input) {
   std::vector<double> points{input.minimum, input.maximum, -0.0, 0.0, infinite, -infinite, no_number, 1e300, -1e300};
   for (const Term& term : input.terms)
@@ -71,7 +71,7 @@ std::vector<double> sharp_points(const Variable& input) {
   return points;
 }
 
-/// Questions at random, half of their inputs where it matters.
+/// Random inputs, half of them critical values.
 void expect_same_bits_anywhere(const Both& both, std::size_t count, std::uint64_t seed) {
   Random random{seed, "questions"};
   std::vector<std::vector<double>> sharp;
@@ -94,7 +94,7 @@ TEST(Cells, decide_by_the_agent_s_rules_with_the_bits_of_the_whole_program) {
   expect_same_bits_anywhere(both, 20'000, 1);
 }
 
-TEST(Cells, leave_few_rules_of_the_agent_s_to_look_at_and_no_other_steps) {
+TEST(Cells, leave_few_of_the_agent_s_rules_and_no_other_steps) {
   const Cells cells = Both{agent_rules()}.compiled.cells;
   EXPECT_TRUE(cells.steps.empty());
   std::size_t looked_at = 0;
@@ -115,7 +115,7 @@ TEST(Cells, decide_by_random_rules_with_the_bits_of_the_whole_program) {
   EXPECT_GT(paying, 100U);
 }
 
-TEST(Cells, divide_as_many_inputs_as_there_may_be) {
+TEST(Cells, divide_the_maximum_number_of_inputs) {
   std::string text = "Engine: wide\n";
   std::string rules;
   for (int i = 0; i < 19; ++i) {
@@ -134,7 +134,7 @@ TEST(Cells, divide_as_many_inputs_as_there_may_be) {
   expect_same_bits_anywhere(both, 2'000, 1);
 }
 
-TEST(Cells, leave_inputs_whole_where_dividing_them_all_would_make_too_many) {
+TEST(Cells, leave_inputs_undivided_if_dividing_all_would_make_too_many_cells) {
   std::string text = "Engine: deep\n";
   std::string condition;
   for (int i = 0; i < 7; ++i) {
@@ -152,7 +152,7 @@ TEST(Cells, leave_inputs_whole_where_dividing_them_all_would_make_too_many) {
   expect_same_bits_anywhere(both, 2'000, 1);
 }
 
-TEST(Cells, do_not_pay_where_a_term_that_does_not_hold_may_say_no_number) {
+TEST(Cells, do_not_pay_if_a_term_that_does_not_hold_may_be_nan) {
   RuleText rules{.input_terms = "  lock-range: false\n  term: low Ramp 10 0\n  term: high Ramp 0 10\n",
                  .output_terms = "  term: none Constant 0.0\n  term: full Linear 1.0 0.0 0.0\n"};
   EXPECT_TRUE(Both{rules.text()}.compiled.cells.pay());
@@ -160,7 +160,7 @@ TEST(Cells, do_not_pay_where_a_term_that_does_not_hold_may_say_no_number) {
   EXPECT_FALSE(Both{rules.text()}.compiled.cells.pay());
 }
 
-TEST(Cells, answer_plain_nothing_where_terms_that_do_not_hold_say_less) {
+TEST(Cells, give_plus_zero_if_terms_that_do_not_hold_are_negative) {
   const Both both{
       RuleText{.output_terms = "  term: none Linear -1.0 0.0 0.0\n  term: full Linear 0.0 -1.0 0.0\n"}.text()};
   ASSERT_TRUE(both.compiled.cells.pay());

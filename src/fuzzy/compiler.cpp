@@ -27,7 +27,7 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 Value edge(Steps& steps, Value x, double from, double to) { return steps.make(Op::edge, x, from, 1.0 / (to - from)); }
 Value complement(Steps& steps, Value a) { return steps.make(Op::complement, a); }
 
-/// From 0 at `from` to 1 at `to`; nothing where it is 1 all the way from minus infinity.
+/// From 0 at `from` to 1 at `to`; nothing if the flank is 1 from minus infinity on.
 std::optional<Value> rising(Steps& steps, Value x, double from, double to) {
   if (std::isinf(from)) return std::nullopt;
   if (from == to) return steps.make(Op::edge, x, from - tolerance, upright_slope);
@@ -64,7 +64,7 @@ Value shape(Steps& steps, Value x, const Term& term) {
     case Shape::constant:
     case Shape::linear: break;
   }
-  COSIVA_EXPECT(false);  // the reader gives inputs no such terms
+  COSIVA_EXPECT(false);  // the reader never makes such terms for inputs
   return 0;
 }
 
@@ -97,7 +97,7 @@ class Compiler {
     }
     if (auto fits = fit(); !fits) return tl::unexpected(fits.error());
     Narrowed narrowed;
-    // What is known needs no step.
+    // A known value needs no step.
     std::vector<Value> open;
     for (const Value value : outputs) {
       narrowed.known.push_back(steps_.number(value));
@@ -190,7 +190,7 @@ class Compiler {
     return values;
   }
 
-  /// Constants need no step of their own; their place means nothing.
+  /// Constants need no step of their own; their slot is unused.
   Value response(const Term& term) {
     if (term.shape == Shape::constant) return 0;
     Value sum = steps_.value(0.0);
@@ -200,7 +200,7 @@ class Compiler {
     return steps_.make(Op::add_value, sum, term.parameters.back());
   }
 
-  /// What output() makes steps of.
+  /// The input from which output() makes steps.
   [[nodiscard]] Weighing weighing(std::size_t o, const std::vector<Value>& responses,
                                   const std::vector<std::vector<Value>>& conditions) const {
     const Variable& output = engine_.outputs[o];
@@ -250,12 +250,12 @@ class Compiler {
                   : steps_.make(Op::scale, *totals[t], numbers[0]);
       }
     }
-    if (!all) sum = all = steps_.value(0.0);  // no rule speaks of it
+    if (!all) sum = all = steps_.value(0.0);  // no rule concludes this output
     const Value response = steps_.make(output.is_average ? Op::quotient : Op::if_any, *sum, *all, output.otherwise);
     return output.lock_range ? steps_.make(Op::bound, response, output.minimum, output.maximum) : response;
   }
 
-  /// Which steps count at all.
+  /// The steps that contribute to the outputs.
   [[nodiscard]] std::vector<char> wanted(const std::vector<Value>& outputs) const {
     std::vector<char> wanted(steps_.inputs() + steps_.steps().size(), keep_ == Keep::everything ? 1 : 0);
     for (const Value value : outputs) wanted[value] = 1;
@@ -267,7 +267,7 @@ class Compiler {
     return wanted;
   }
 
-  /// Puts steps of one kind together as far as what they need allows. Gives their order.
+  /// Groups steps of one kind as far as their dependencies permit. Returns their order.
   std::vector<std::size_t> schedule(const std::vector<Value>& outputs, Program& program) const {
     const std::size_t n = steps_.steps().size();
     const std::size_t inputs = steps_.inputs();
@@ -299,8 +299,7 @@ class Compiler {
     return order;
   }
 
-  /// Writes the steps in their order, and gives each value its place: one whose last reader is behind it gives its own
-  /// to the next.
+  /// Writes the steps in order and assigns a slot to each value: after the last reader of a value its slot is reused.
   std::vector<std::uint16_t> assign_slots(const std::vector<std::size_t>& order, const std::vector<Value>& outputs,
                                           Program& program) const {
     const std::size_t inputs = steps_.inputs();
@@ -346,7 +345,7 @@ class Compiler {
   const Engine& engine_;
   Keep keep_;
   Steps steps_;
-  std::vector<Value> inputs_;  ///< within their ranges
+  std::vector<Value> inputs_;  ///< limited to their ranges
   std::vector<std::vector<Value>> memberships_;
   std::vector<Weighing> weighings_;  ///< by output
 };

@@ -12,38 +12,37 @@
 
 namespace cosiva::fuzzy {
 
-/// A program, the same for decisions taken alone, and where in it stands what a person may want to see.
+/// A program, the same for single decisions, and the positions of intermediate values for explanations.
 struct Compiled {
   Program program;
   Cells cells;  ///< with Keep::responses only
   // With Keep::everything only:
-  /// Degree of each input's terms, hedges and rules' weights not counted; by input, by term.
+  /// Degree of each input's terms, without hedges and rules' weights; by input, by term.
   std::vector<std::vector<std::uint16_t>> memberships;
-  /// Degree of each node of each rule's conditions; by rule, by condition. The last is the rule's.
+  /// Degree of each node of each rule's conditions; by rule, by condition. The last one is the rule's degree.
   std::vector<std::vector<std::uint16_t>> conditions;
-  /// What each Linear term of each output says, by output, by term; for a Constant, which says its number, 0.
+  /// Output of each Linear term of each output, by output, by term; 0 for a Constant.
   std::vector<std::vector<std::uint16_t>> responses;
 };
 
 enum class Keep {
-  responses,   ///< a value's place is another's as soon as nothing asks for it any more: fewer, and so nearer ones
-  everything,  ///< each value keeps its place, to be looked at afterwards
+  responses,   ///< a value's slot is reused after its last use: fewer slots, better for the cache
+  everything,  ///< each value keeps its slot, for later inspection
 };
 
-/// What is known before anybody asks, and what of the answers is asked for.
+/// The inputs that are known in advance, and the outputs that are requested.
 struct Narrowing {
-  std::vector<std::optional<double>> inputs;  ///< by input; as it will be given, so maybe beyond its range
+  std::vector<std::optional<double>> inputs;  ///< by input; as it will be given, so possibly beyond its range
   std::vector<std::size_t> outputs;           ///< of the engine's
 };
 
-/// Equal conditions and flanks that touch are worked out once. Fails ("rules.size") where that still makes more than
-/// values_max values.
+/// Equal conditions and adjoining flanks are computed once. Fails ("rules.size") if more than values_max values remain.
 [[nodiscard]] Result<Compiled> compile(const Engine& engine, Keep keep = Keep::responses);
-/// The same numbers for the outputs that are asked for, given the inputs that are known: what follows from those alone
-/// is worked out here. Where that is all of an output, `known` has its number.
+/// The same numbers for the requested outputs, with the known inputs: everything that follows from the known inputs
+/// alone is precomputed. If that is all of an output, `known` contains its number.
 struct Narrowed {
-  Program program;                           ///< its outputs are those asked for
-  std::vector<std::optional<double>> known;  ///< by output asked for
+  Program program;                           ///< its outputs are the requested ones
+  std::vector<std::optional<double>> known;  ///< by requested output
 };
 [[nodiscard]] Result<Narrowed> compile_narrowed(const Engine& engine, const Narrowing& narrowing);
 

@@ -23,7 +23,7 @@ std::string text_of(const Condition& condition, const Variable& input) {
   return is_any ? text : text + " " + input.terms[condition.term].name;
 }
 
-/// "close 25 %, near 75 %": what it belongs to at all.
+/// "close 25 %, near 75 %": the terms with a degree above 0.
 std::string belongs_to(const Explanation::Input& input) {
   std::string text;
   for (const auto& [term, degree] : input.terms) {
@@ -53,7 +53,7 @@ std::string line_of(const Explanation::Rule& rule) {
   for (const Explanation::Ratio& ratio : rule.ratios) {
     if (!rule.fired) break;
     text += indent + "so " + ratio.output + " is " + ratio.term + " (" + fixed(ratio.consequent, 2) + ") for " +
-            fixed(100.0 * ratio.ratio, 0) + " % of its answer\n";
+            fixed(100.0 * ratio.ratio, 0) + " % of its result\n";
   }
   return text;
 }
@@ -63,7 +63,7 @@ std::string line_of(const Explanation::Rule& rule) {
 Explanation RuleBase::explain(std::span<const double> inputs) const {
   COSIVA_EXPECT(inputs.size() == engine_.inputs.size());
   const auto looked_at = compile(engine_, Keep::everything);
-  COSIVA_EXPECT(looked_at);  // as many steps as those that decide
+  COSIVA_EXPECT(looked_at);  // the same steps as in the deciding program
   std::vector<double> values(looked_at->program.values);
   std::ranges::copy(inputs, values.begin());
   run_one(looked_at->program, values.data());
@@ -71,7 +71,7 @@ Explanation RuleBase::explain(std::span<const double> inputs) const {
   Explanation explanation;
   for (std::size_t i = 0; i < engine_.inputs.size(); ++i) {
     const Variable& input = engine_.inputs[i];
-    // As the program's first steps have it: clamp keeps to the range, and no number is its lowest.
+    // Same rule as in the program's first steps: clamp limits to the range, and NaN becomes the minimum.
     const double counted = input.lock_range ? std::min(input.maximum, std::max(input.minimum, inputs[i])) : inputs[i];
     Explanation::Input shown{input.name, inputs[i], counted, {}};
     for (std::size_t t = 0; t < input.terms.size(); ++t)

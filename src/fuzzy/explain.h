@@ -17,20 +17,20 @@ struct Explanation {
   struct Input {
     std::string name;
     double value;               ///< as given
-    double counted;             ///< as the rules see it, within its range where that is locked
-    std::vector<Degree> terms;  ///< how far it belongs to each
+    double counted;             ///< as used by the rules, within its range if that is locked
+    std::vector<Degree> terms;  ///< its degree in each term
   };
   struct Ratio {
     std::string output;
     std::string term;
-    double consequent;  ///< the term's number here
-    double ratio;       ///< of this output's answer, 0…1: its weight over those of all rules that fired
+    double consequent;  ///< the term's output for these inputs
+    double ratio;       ///< of this output's value, 0…1: the rule's weight over those of all rules that fired
   };
   struct Rule {
     std::size_t line;
     std::string text;
     std::vector<Degree> conditions;  ///< the single ones, without 'and' and 'or'
-    double degree;                   ///< of all of them together, times the rule's weight
+    double degree;                   ///< of all conditions together, times the rule's weight
     bool fired;
     std::vector<Ratio> ratios;
   };
@@ -45,8 +45,8 @@ struct Explanation {
   std::vector<Output> outputs;
 };
 
-/// For people: what each input is, which rules fired, strongest first, and what came of it.
-/// @param every_rule  also those that did not fire
+/// For readers: the inputs, the rules that fired, strongest first, and the outputs. @param every_rule  includes the
+/// rules that did not fire
 [[nodiscard]] std::string to_text(const Explanation& explanation, bool every_rule = false);
 /// The same for programs, all rules in the file's order.
 void write_json(JsonWriter& json, const Explanation& explanation);

@@ -21,7 +21,7 @@ Explanation explained(double x, double y) {
   return RuleBase::read(rules.text(), "test.fll")->explain(std::array{x, y});
 }
 
-TEST(Explanation, says_of_each_rule_how_far_its_conditions_hold_and_what_it_adds) {
+TEST(Explanation, states_for_each_rule_how_far_its_conditions_hold_and_what_it_contributes) {
   const Explanation explanation = explained(5.0, 0.0);
   ASSERT_EQ(explanation.rules.size(), 2U);
   const Explanation::Rule& rule = explanation.rules[1];
@@ -35,7 +35,7 @@ TEST(Explanation, says_of_each_rule_how_far_its_conditions_hold_and_what_it_adds
   EXPECT_DOUBLE_EQ(explanation.outputs[0].value, 0.125 / 0.625);
 }
 
-TEST(Explanation, adds_up_to_the_response) {
+TEST(Explanation, adds_up_to_the_output) {
   for (const double x : {0.0, 1.0, 4.0, 9.5}) {
     const Explanation explanation = explained(x, 2.0);
     double sum = 0.0;
@@ -49,7 +49,7 @@ TEST(Explanation, adds_up_to_the_response) {
   }
 }
 
-TEST(Explanation, says_where_no_rule_fired_and_where_an_input_was_beyond_its_range) {
+TEST(Explanation, states_that_no_rule_fired_and_that_an_input_was_beyond_its_range) {
   const Explanation explanation = explained(12.0, 10.0);
   EXPECT_TRUE(explanation.outputs[0].by_default);
   EXPECT_EQ(explanation.outputs[0].value, -1.0);
@@ -58,15 +58,15 @@ TEST(Explanation, says_where_no_rule_fired_and_where_an_input_was_beyond_its_ran
   EXPECT_THAT(text, HasSubstr("no rule fired: its default"));
 }
 
-TEST(Explanation, reads_as_text_with_the_strongest_rule_first) {
+TEST(Explanation, is_written_as_text_with_the_strongest_rule_first) {
   const std::string text = to_text(explained(5.0, 0.0));
   EXPECT_THAT(text, HasSubstr("low 50 %, high 50 %"));
   EXPECT_LT(text.find("line 20"), text.find("line 21"));
   EXPECT_THAT(text, HasSubstr("because x is very high: 25 %, y is low: 100 %"));
-  EXPECT_THAT(text, HasSubstr("so out is full (1.00) for 20 % of its answer"));
+  EXPECT_THAT(text, HasSubstr("so out is full (1.00) for 20 % of its result"));
 }
 
-TEST(Explanation, reads_as_json_with_every_rule) {
+TEST(Explanation, is_written_as_json_with_every_rule) {
   JsonWriter json;
   write_json(json, explained(0.0, 0.0));
   const auto value = JsonValue::parse(json.text());

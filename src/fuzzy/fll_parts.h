@@ -7,17 +7,17 @@
 #include "cosiva/fuzzy/engine.h"
 #include "cosiva/fuzzy/fll_tokens.h"
 
-/// Limits and name searches that the reader's files have in common; only they include this.
+/// Limits and name searches common to the reader's files; only they include this header.
 namespace cosiva::fuzzy {
 
-/// What a person could still read, and what the kernel's workspace holds.
+/// Limits of readability, and of the kernel's workspace.
 inline constexpr std::size_t text_bytes_max = 1U << 20U;
 inline constexpr std::size_t variables_max = 64;
 inline constexpr std::size_t terms_max = 64;
 inline constexpr std::size_t rules_max = 512;
 inline constexpr std::size_t conditions_max = 64;
 
-/// Where the name stands among them, if it does.
+/// Index of the name, if it exists.
 template <typename T>
 [[nodiscard]] std::optional<std::size_t> find_name(const std::vector<T>& all, std::string_view name) {
   for (std::size_t i = 0; i < all.size(); ++i) {

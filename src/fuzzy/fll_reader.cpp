@@ -29,12 +29,13 @@ class Reader {
 
   Result<Engine> read(std::string_view text) {
     if (text.size() > text_bytes_max) return fail("rules.size", "a rule file has at most 1 MiB", std::string(origin_));
-    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // some editors begin a file so
+    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // some editors start a file with it
     if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
     const auto lines = split_lines(text, origin_);
     if (!lines) return tl::unexpected(lines.error());
     if (auto sorted = sort(*lines); !sorted) return tl::unexpected(sorted.error());
-    // A Linear term counts the inputs, and a rule knows all variables: whatever order they stand in.
+    // A Linear term counts the inputs, and a rule refers to all variables: so inputs come first and rules last, in any
+    // order of the file.
     for (const auto& [key, read_block] : {std::pair{"InputVariable", &Reader::input},
                                           {"OutputVariable", &Reader::output},
                                           {"RuleBlock", &Reader::rules}}) {
@@ -61,8 +62,7 @@ class Reader {
         engine_.description = std::string(line.value.text);
       } else {
         return refuse(origin_, line.key,
-                      quoted(key) +
-                          " stands before any block; a file has 'Engine: name', then blocks that begin with " +
+                      quoted(key) + " is outside any block; a file has 'Engine: name', then blocks that begin with " +
                           "InputVariable, OutputVariable and RuleBlock");
       }
     }
@@ -125,7 +125,7 @@ class Reader {
     return {};
   }
 
-  /// What inputs and outputs have alike; false: it is something else.
+  /// The lines that inputs and outputs have in common; false: another line.
   Result<bool> common(const Line& line, Variable& variable) const {
     const std::string_view key = line.key.text;
     if (key == "description") {
@@ -205,14 +205,15 @@ class Reader {
       const auto value = flag(line);
       if (!value) return tl::unexpected(value.error());
       if (!*value) return {};
-      return refuse(origin_, line.value,
-                    "lock-previous is not taken: an answer depends on its inputs alone, not on earlier ones; write " +
-                        std::string("'false', and a 'default' for where no rule fires"));
+      return refuse(
+          origin_, line.value,
+          "lock-previous is not supported: an output depends on its inputs alone, not on earlier outputs; write " +
+              std::string("'false', and a 'default' for when no rule fires"));
     }
     if (key == "aggregation") {
       constexpr std::array<std::string_view, 4> known{"none", "Maximum", "AlgebraicSum", "BoundedSum"};
       for (const std::string_view word : known) {
-        if (line.value.text == word) return {};  // means nothing for a Takagi-Sugeno output
+        if (line.value.text == word) return {};  // without meaning for a Takagi-Sugeno output
       }
       return refuse(origin_, line.value, "a Takagi-Sugeno output aggregates nothing; write 'aggregation: none'");
     }
@@ -272,7 +273,7 @@ class Reader {
     if (key == "disjunction")
       return norm(line, {Norm::maximum, Norm::algebraic_sum, Norm::bounded_sum}, norms.disjunction);
     if (key == "implication") {
-      std::optional<Norm> ignored;  // means nothing for a Takagi-Sugeno output
+      std::optional<Norm> ignored;  // without meaning for a Takagi-Sugeno output
       return norm(line, {Norm::minimum, Norm::algebraic_product, Norm::bounded_difference}, ignored);
     }
     if (key == "activation") {

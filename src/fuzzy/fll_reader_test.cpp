@@ -13,21 +13,21 @@ namespace {
 
 using testing::HasSubstr;
 
-/// "place: message" of what is wrong with a text.
+/// "location: message" of the fault of a text.
 std::string fault_of_text(const std::string& text) {
   const auto engine = read_fll(text, "my.fll");
   return engine ? "nothing" : to_string(engine.error());
 }
 std::string fault(const RuleText& rules) { return fault_of_text(rules.text()); }
 
-TEST(Fll, may_begin_with_a_byte_order_mark_and_end_its_lines_as_windows_does) {
+TEST(Fll, may_begin_with_a_bom_and_have_windows_line_ends) {
   std::string text = RuleText{}.text();
   for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += 2) text.insert(at, 1, '\r');
   EXPECT_EQ(fault_of_text("\xEF\xBB\xBF" + text), "nothing");
   EXPECT_THAT(fault_of_text("x\xEF\xBB\xBF" + text), testing::StartsWith("my.fll:1"));
 }
 
-TEST(Fll, is_read_with_remarks_descriptions_and_blocks_in_any_order) {
+TEST(Fll, is_read_with_comments_descriptions_and_blocks_in_any_order) {
   const auto engine = read_fll(
       "# a remark\nEngine: speed\ndescription: what it is for\n\n"
       "RuleBlock: rules\n  rule: if gap is far then go is yes # so be it\n"
@@ -62,7 +62,7 @@ TEST(Fll, and_binds_tighter_than_or_and_brackets_tightest) {
   EXPECT_EQ(rule.weight, 0.25);
 }
 
-TEST(Fll, rules_of_a_block_that_is_not_enabled_are_checked_and_do_not_count) {
+TEST(Fll, rules_of_a_disabled_block_are_checked_but_ignored) {
   RuleText rules;
   EXPECT_EQ(fault({.rules = rules.rules + "RuleBlock: more\n  enabled: false\n  rule: if x is low then out is full\n"}),
             "nothing");
@@ -71,7 +71,7 @@ TEST(Fll, rules_of_a_block_that_is_not_enabled_are_checked_and_do_not_count) {
       HasSubstr("'x' has no such term"));
 }
 
-TEST(FllFault, of_a_condition_names_line_column_and_what_there_is) {
+TEST(FllFault, of_a_condition_names_line_column_and_the_alternatives) {
   EXPECT_EQ(fault({.rules = "  rule: if x is lo then out is full\n"}),
             "my.fll:20:17: 'x' has no such term; expected a hedge or low or high, but found 'lo'");
   EXPECT_EQ(fault({.rules = "  rule: if z is low then out is full\n"}),
@@ -80,10 +80,10 @@ TEST(FllFault, of_a_condition_names_line_column_and_what_there_is) {
             "my.fll:20:20: expected 'and', 'or' or 'then', but the rule ends here");
   EXPECT_THAT(fault({.rules = "  rule: if (x is low then out is full\n"}), HasSubstr("my.fll:20:22: expected ')'"));
   EXPECT_THAT(fault({.rules = "  rule: if out is full then out is full\n"}),
-              HasSubstr("cannot ask for the output 'out'"));
+              HasSubstr("cannot refer to the output 'out'"));
 }
 
-TEST(FllFault, of_a_conclusion_says_what_to_write_instead) {
+TEST(FllFault, of_a_conclusion_states_what_to_write_instead) {
   EXPECT_THAT(
       fault({.rules = "  rule: if x is low then out is very full\n"}),
       HasSubstr("my.fll:20:33: a hedge such as 'very' is not taken in a conclusion; weaken the rule with 'with 0.5'"));
@@ -92,7 +92,7 @@ TEST(FllFault, of_a_conclusion_says_what_to_write_instead) {
               HasSubstr("my.fll:20:43: expected the rule's weight, from 0 to 1, but found '2'"));
 }
 
-TEST(FllFault, of_a_norm_that_is_missing_or_unknown_names_those_that_there_are) {
+TEST(FllFault, of_a_missing_or_unknown_norm_names_the_known_ones) {
   EXPECT_THAT(fault({.norms = "", .rules = "  rule: if x is low and y is low then out is full\n"}),
               HasSubstr("'and' needs a norm: write 'conjunction: AlgebraicProduct' in the RuleBlock"));
   EXPECT_THAT(fault({.norms = "  conjunction: EinsteinProduct\n"}),
@@ -100,18 +100,18 @@ TEST(FllFault, of_a_norm_that_is_missing_or_unknown_names_those_that_there_are) 
                         "AlgebraicProduct and BoundedDifference"));
 }
 
-TEST(FllFault, of_a_mamdani_file_says_how_to_write_it_for_takagi_sugeno) {
+TEST(FllFault, of_a_mamdani_file_states_how_to_write_it_for_takagi_sugeno) {
   EXPECT_THAT(fault({.output = "  defuzzifier: Centroid 100\n"}),
               HasSubstr("my.fll:13:16: the defuzzifier 'Centroid 100' is not taken: outputs are Takagi-Sugeno; write "
                         "'WeightedAverage TakagiSugeno'"));
   EXPECT_THAT(fault({.output_terms = "  term: full Triangle 0 1 2\n"}), HasSubstr("write 'Constant number'"));
   EXPECT_THAT(fault({.output = "  defuzzifier: WeightedAverage\n  lock-previous: true\n"}),
-              HasSubstr("lock-previous is not taken"));
+              HasSubstr("lock-previous is not supported"));
   EXPECT_THAT(fault({.norms = "  activation: Highest 1\n"}), HasSubstr("write 'General'"));
   EXPECT_THAT(fault({.output = ""}), HasSubstr("needs a line 'defuzzifier: WeightedAverage TakagiSugeno'"));
 }
 
-TEST(FllFault, of_a_term_names_its_shape_and_what_is_wrong_with_its_numbers) {
+TEST(FllFault, of_a_term_names_its_shape_and_the_fault_of_its_numbers) {
   EXPECT_THAT(fault({.input_terms = "  term: low Wedge 0 1\n"}), HasSubstr("my.fll:5:13: there is no shape 'Wedge'"));
   EXPECT_THAT(fault({.input_terms = "  term: low Triangle 0 1\n"}),
               HasSubstr("Triangle has 3 numbers (left, top and right)"));
@@ -126,16 +126,16 @@ TEST(FllFault, of_a_term_names_its_shape_and_what_is_wrong_with_its_numbers) {
   EXPECT_THAT(fault({.input_terms = "  term: very Ramp 0 1\n"}), HasSubstr("'very' cannot name a term"));
 }
 
-TEST(FllFault, of_a_line_that_is_none_names_what_belongs_there) {
+TEST(FllFault, of_an_invalid_line_names_what_is_expected) {
   EXPECT_EQ(fault_of_text("hello\n").substr(0, 50), "my.fll:1:1: expected 'key: value', such as 'range:");
-  EXPECT_THAT(fault_of_text("  range: 0 1\n"), HasSubstr("my.fll:1:3: 'range' stands before any block"));
+  EXPECT_THAT(fault_of_text("  range: 0 1\n"), HasSubstr("my.fll:1:3: 'range' is outside any block"));
   EXPECT_THAT(fault({.input_terms = "  terms: low Ramp 0 1\n"}), HasSubstr("my.fll:5:3: there is no 'terms' here"));
   EXPECT_THAT(fault({.input_terms = "  range: 5 1\n"}), HasSubstr("the lowest number of 'range'"));
   EXPECT_THAT(fault({.input_terms = "  enabled: yes\n"}), HasSubstr("'enabled' is true or false, but found 'yes'"));
   EXPECT_THAT(fault_of_text(""), HasSubstr("a rule file needs an InputVariable"));
 }
 
-TEST(FllFault, of_a_text_that_is_too_large_is_said_at_once) {
+TEST(FllFault, of_a_text_that_is_too_large_is_reported_at_once) {
   EXPECT_THAT(fault_of_text(std::string((1U << 20U) + 1, '#')), HasSubstr("at most 1 MiB"));
   std::string nested = "  rule: if " + std::string(20, '(') + "x is low";
   EXPECT_THAT(fault({.rules = nested + std::string(20, ')') + " then out is full\n"}),

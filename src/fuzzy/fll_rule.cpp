@@ -29,7 +29,7 @@ constexpr std::array<std::pair<std::string_view, Norm>, 6> norm_tokens{{
     {"BoundedSum", Norm::bounded_sum},
 }};
 constexpr std::array<std::string_view, 6> keywords{"if", "is", "then", "and", "or", "with"};
-/// Brackets within brackets, and hedges before one term; more is a slip or malice.
+/// Nested brackets, and hedges before one term; more is a mistake or an attack.
 constexpr int depth_max = 16;
 constexpr std::size_t hedges_max = 4;
 
@@ -73,7 +73,7 @@ class RuleParser {
     return refuse_here(message);
   }
 
-  /// Index of the condition that it made.
+  /// Returns the index of the new condition.
   Result<std::size_t> any_of(int depth) {
     return joined(Condition::Kind::any_of, "or", norms_.disjunction, "disjunction: Maximum",
                   [&] { return all_of(depth); });
@@ -119,7 +119,7 @@ class RuleParser {
     if (!input) {
       if (find_name(engine_.outputs, here().text))
         return refuse(origin_, here(),
-                      "a condition cannot ask for the output " + quoted(here().text) + ", only for inputs");
+                      "a condition cannot refer to the output " + quoted(here().text) + ", only for inputs");
       return refuse_here("expected an input (" + names_of(engine_.inputs) + ")");
     }
     condition.input = *input;
@@ -164,7 +164,7 @@ class RuleParser {
     if (!term) return refuse_here(quoted(variable.name) + " has no such term; expected " + names_of(variable.terms));
     const bool is_twice = std::any_of(rule_.conclusions.begin(), rule_.conclusions.end(),
                                       [&](const Conclusion& c) { return c.output == *output; });
-    if (is_twice) return refuse(origin_, subject, "the rule says what " + quoted(subject.text) + " is already");
+    if (is_twice) return refuse(origin_, subject, "the rule already has a conclusion about " + quoted(subject.text));
     rule_.conclusions.push_back({*output, *term});
     ++at_;
     return {};

@@ -9,20 +9,20 @@
 
 namespace cosiva::fuzzy {
 
-/// The norms that a block of rules names.
+/// The norms named by a block of rules.
 struct Norms {
   std::optional<Norm> conjunction;
   std::optional<Norm> disjunction;
 };
-/// "if … then …". The engine knows all its variables by now.
+/// Reads "if … then …". The engine already contains all variables.
 [[nodiscard]] Result<Rule> read_rule(const Word& value, const Norms& norms, const Engine& engine,
                                      std::string_view origin);
 
-/// Letters, digits, _ and .; what fuzzylite leaves as it is.
+/// Letters, digits, _ and .; the characters that fuzzylite accepts unchanged.
 [[nodiscard]] bool is_name(std::string_view text);
-/// A word that the rules' grammar uses itself.
+/// A word of the rules' grammar.
 [[nodiscard]] bool is_keyword(std::string_view text);
-/// The hedge of this word; nothing where the word is none.
+/// The hedge with this name; nothing if there is none.
 [[nodiscard]] std::optional<Hedge> parse_hedge(std::string_view text);
 
 }  // namespace cosiva::fuzzy

@@ -17,7 +17,7 @@ struct ShapeTokens {
   Shape shape;
   std::string_view word;
   std::size_t count;            ///< of parameters
-  std::string_view parameters;  ///< as a person would name them
+  std::string_view parameters;  ///< as named in messages
 };
 constexpr std::array<ShapeTokens, 13> input_shapes{{
     {Shape::triangle, "Triangle", 3, "left, top and right"},
@@ -47,7 +47,7 @@ struct Numbers {
   std::vector<Word> tokens;
 };
 
-/// The numbers behind a term's shape. Infinite ones are welcome only where the shape says so, which `check` does.
+/// The numbers after a term's shape. Infinite numbers are accepted only for some shapes, which `check` verifies.
 Result<Numbers> read_numbers(const std::vector<Word>& tokens, std::string_view origin) {
   Numbers numbers;
   for (std::size_t i = 2; i < tokens.size(); ++i) {
@@ -60,11 +60,11 @@ Result<Numbers> read_numbers(const std::vector<Word>& tokens, std::string_view o
   return numbers;
 }
 
-/// Beyond this, differences of parameters and their reciprocals could leave what a double holds.
+/// Beyond this, differences of parameters and their reciprocals could exceed the range of a double.
 constexpr double magnitude_max = 1e9;
 constexpr double width_min = 1e-9;
 
-/// Nothing, or what is wrong with a shape's parameters.
+/// Empty, or the fault of a shape's parameters.
 std::string fault_of(Shape shape, const std::vector<double>& p) {
   const bool may_be_open = shape == Shape::triangle || shape == Shape::trapezoid;
   for (std::size_t i = 0; i < p.size(); ++i) {
@@ -73,7 +73,7 @@ std::string fault_of(Shape shape, const std::vector<double>& p) {
       return may_be_open ? "its numbers lie within ±1e9; the first may be -inf, the last inf"
                          : "its numbers lie within ±1e9";
   }
-  // Nearly upright is not meant: 0.1 + 0.2 and 0.3 are the same corner.
+  // A nearly upright flank is a mistake: 0.1 + 0.2 and 0.3 are the same corner.
   const auto apart = [](double a, double b) { return std::fabs(b - a) >= width_min; };
   const auto is_step_or_edge = [&](double a, double b) { return a == b || apart(a, b); };
   switch (shape) {
@@ -106,7 +106,7 @@ std::string fault_of(Shape shape, const std::vector<double>& p) {
   return {};
 }
 
-/// Name and shape stand there, and the name can be used in rules.
+/// Name and shape are given, and the name can be used in rules.
 Result<void> check_head(const Word& value, const std::vector<Word>& tokens, std::string_view origin,
                         std::string_view example) {
   if (tokens.size() < 2)
@@ -183,7 +183,7 @@ Result<Term> read_output_term(const Word& value, std::string_view origin, std::s
   if (numbers->values.empty() || numbers->values.size() > inputs + 1) {
     return refuse(origin, tokens[1],
                   "Linear has a coefficient for each of the " + std::to_string(inputs) +
-                      " inputs, which stand before it, and a constant; found " +
+                      " inputs, which must precede it, and a constant; found " +
                       std::to_string(numbers->values.size()) + " numbers");
   }
   numbers->values.resize(inputs + 1, 0.0);

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::string_view blanks = " \t\r\v\f";
 
-/// Without blanks at both ends; the column follows.
+/// Without blanks at both ends; adjusts the column.
 Word trimmed(Word word) {
   const std::size_t from = word.text.find_first_not_of(blanks);
   if (from == std::string_view::npos) return {word.text.substr(0, 0), word.line, word.column};
@@ -42,7 +42,7 @@ Result<std::vector<Line>> split_lines(std::string_view text, std::string_view or
     if (colon == std::string_view::npos) {
       return refuse(origin, whole,
                     "expected 'key: value', such as 'range: 0.0 10.0', but found " + quoted(whole.text) +
-                        "; a remark begins with #");
+                        "; a comment begins with #");
     }
     lines.push_back(
         {trimmed({line.substr(0, colon), number, 1}), trimmed({line.substr(colon + 1), number, colon + 2})});
@@ -78,7 +78,7 @@ std::optional<double> parse_number(std::string_view text) {
   double number = 0.0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc{} || stop != text.data() + text.size() || text.empty()) return std::nullopt;
-  // One bit pattern for all that is not a number: "-nan" and "nan(7)" would each carry their own.
+  // One bit pattern for all NaNs: "-nan" and "nan(7)" would each have their own.
   return number == number ? number : std::numeric_limits<double>::quiet_NaN();  // NOLINT(misc-redundant-expression)
 }
 

@@ -10,35 +10,35 @@
 
 namespace cosiva::fuzzy {
 
-/// A piece of an FLL text that knows where it stands: line and column count from 1.
+/// A piece of an FLL text with its position: line and column count from 1.
 struct Word {
   std::string_view text;
   std::size_t line{};
   std::size_t column{};
 };
 
-/// `key: value` with the value's words; comments are gone.
+/// `key: value` with the value's words, without comments.
 struct Line {
   Word key;
-  Word value;  ///< trimmed; empty where nothing follows the colon
+  Word value;  ///< trimmed; empty if nothing follows the colon
 };
 
 /// "file:line:column".
 [[nodiscard]] std::string location_of(std::string_view origin, const Word& word);
 [[nodiscard]] tl::unexpected<Error> refuse(std::string_view origin, const Word& word, std::string message);
 
-/// All lines that say something. Fails on the first one without a colon.
+/// All non-empty lines. Fails on the first line without a colon.
 [[nodiscard]] Result<std::vector<Line>> split_lines(std::string_view text, std::string_view origin);
 /// The words of a value; ( and ) are words of their own.
 [[nodiscard]] std::vector<Word> split_tokens(const Word& value);
-/// The place just behind a value, where something is missing.
+/// The position just behind a value, where something is missing.
 [[nodiscard]] Word end_of(const Word& value);
 
 /// A number as FLL writes it, "inf" and "nan" among them.
 [[nodiscard]] std::optional<double> parse_number(std::string_view text);
 /// "'a', 'b' or 'c'", for messages.
 [[nodiscard]] std::string listed(const std::vector<std::string_view>& names, std::string_view last_joint);
-/// What was found, in quotes, cut where it is long, and printable.
+/// The text found, in quotes, truncated if long, and printable.
 [[nodiscard]] std::string quoted(std::string_view text);
 
 }  // namespace cosiva::fuzzy

@@ -5,11 +5,11 @@
 #include "cosiva/fuzzy/program.h"
 #include "cosiva/fuzzy/shapes.h"
 
-/// What each kind of step works out, written once for all who run steps: hence the same bits in all ways of running
-/// them.
+/// The formula of each kind of step, written once for all interpreters of steps, so that all of them give the same
+/// bits.
 namespace cosiva::fuzzy {
 
-/// The numbers of a step. By value: what is stored might otherwise change them, for all a compiler knows.
+/// The numbers of a step. Passed by value: to the compiler, a store might otherwise change them.
 struct Numbers {
   double p;
   double q;
@@ -80,7 +80,7 @@ COSIVA_PART inline void with_responses(Op op, const Use& use) {
     case Op::add_scaled: return use([](double a, double b, Numbers s) COSIVA_PART { return a + b * s.p; });
     case Op::quotient:
       return use([](double a, double b, Numbers s) COSIVA_PART {
-        // The division is taken in any case, so that the choice is one of values and not of ways.
+        // The division is always executed, so that the choice is between values and not between branches.
         const double ratio = (a + 0.0) / (b > 0.0 ? b : 1.0);
         return b > 0.0 ? ratio : s.p;
       });
@@ -93,7 +93,7 @@ COSIVA_PART inline void with_responses(Op op, const Use& use) {
   }
 }
 
-/// Gives `use` the formula of `op`, which makes one of a, b and a step's numbers: f(a, b, numbers).
+/// Passes the formula of `op`, a function f(a, b, numbers) of a, b and a step's numbers, to `use`.
 template <typename Use>
 COSIVA_PART inline void with_formula(Op op, const Use& use) {
   if (op <= Op::value)

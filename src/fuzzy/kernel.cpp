@@ -12,7 +12,7 @@ COSIVA_PART inline void each(double* __restrict out, const double* a, const doub
   for (std::size_t k = 0; k < width; ++k) out[k] = f(a[k], b[k]);
 }
 
-/// All steps of a run. `f` makes one of a, b and the step's numbers.
+/// All steps of a run. `f` is the formula of a, b and the step's numbers.
 template <std::size_t width, typename F>
 COSIVA_PART inline void all(const Program& program, Run run, double* values, F f) {
   const Step* const steps = program.steps.data();

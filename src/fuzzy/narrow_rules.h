@@ -12,22 +12,22 @@
 
 namespace cosiva::fuzzy {
 
-/// A rule base for one kind of question, asked very often: what some inputs are is known, and only some outputs are
-/// asked for. Answers equal those of the whole rule base; only the work for what never changes is gone. Questions and
-/// answers stand in the caller's own rows, `lanes` decisions side by side, so that nothing is copied.
+/// A rule base for one kind of frequent query: some inputs are known, and only some outputs are requested. The outputs
+/// equal those of the whole rule base; only the computation of what never changes is omitted. Inputs and outputs are in
+/// the caller's own rows, `lanes` decisions side by side, so that nothing is copied.
 class NarrowRules {
  public:
-  /// Fails ("rules.size") as RuleBase::read.
-  /// @param known    by input of the rule base: what it will always be; nothing: it is asked each time
-  /// @param outputs  of the rule base, those asked for
+  /// Fails ("rules.size") as RuleBase::read. @param known    by input of the rule base: its constant value; nothing:
+  /// given with each query
+  /// @param outputs  of the rule base, those requested
   [[nodiscard]] static Result<NarrowRules> make(const RuleBase& rules, std::vector<std::optional<double>> known,
                                                 std::vector<std::size_t> outputs);
 
-  /// How many rows of `lanes` numbers it works in. Row i takes input i; known ones are not read. Inputs do not outlast
-  /// a run.
+  /// Number of rows of `lanes` numbers that a run works in. Row i receives input i; rows of known inputs are not read.
+  /// A run overwrites the inputs.
   [[nodiscard]] std::size_t rows() const { return narrowed_.program.values; }
   void run(double (*rows)[lanes]) const { run_lanes(narrowed_.program, rows); }
-  /// The k-th output asked for is this number, whatever the inputs; nothing: its answers stand in row(k) after a run.
+  /// The k-th requested output is this number, whatever the inputs; nothing: its values are in row(k) after a run.
   [[nodiscard]] const std::optional<double>& known(std::size_t k) const { return narrowed_.known[k]; }
   [[nodiscard]] std::size_t row(std::size_t k) const { return narrowed_.program.outputs[k]; }
 

@@ -23,14 +23,15 @@ RuleBase agent_rules() {
   return std::move(*rules);
 }
 
-/// Random questions, some inputs of which never change: the narrow rules' answers and the whole rule base's.
+/// Random inputs, some of which never change: compares the outputs of the narrow rules with those of the whole rule
+/// base.
 void expect_same(const RuleBase& rules, const std::vector<std::size_t>& fixed,
                  const std::vector<std::size_t>& requested, std::uint64_t seed) {
   Random random{seed, "narrow"};
   const std::size_t inputs = rules.engine().inputs.size();
   const auto draw = [&](std::size_t i) {
     const Variable& input = rules.engine().inputs[i];
-    // Often at an end, or beyond it: there the memberships are 0 and 1.
+    // Often at an end or beyond it, where the memberships are 0 and 1.
     if (random.chance(0.4)) return random.chance(0.5) ? input.minimum : input.maximum + 1.0;
     return random.uniform(input.minimum, input.maximum);
   };
@@ -56,7 +57,7 @@ void expect_same(const RuleBase& rules, const std::vector<std::size_t>& fixed,
   }
 }
 
-TEST(NarrowRules, answer_as_the_whole_rule_base_does) {
+TEST(NarrowRules, give_the_outputs_of_the_whole_rule_base) {
   const RuleBase rules = agent_rules();
   const std::size_t inputs = rules.engine().inputs.size();
   const std::size_t outputs = rules.engine().outputs.size();
@@ -72,7 +73,7 @@ TEST(NarrowRules, answer_as_the_whole_rule_base_does) {
   }
 }
 
-TEST(NarrowRules, need_no_work_where_everything_is_known) {
+TEST(NarrowRules, need_no_work_if_everything_is_known) {
   const RuleBase rules = agent_rules();
   std::vector<std::optional<double>> known(rules.engine().inputs.size(), 0.5);
   const auto narrow = NarrowRules::make(rules, known, {0, 1});

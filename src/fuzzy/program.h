@@ -4,12 +4,12 @@
 #include <cstdint>
 #include <vector>
 
-/// A rule base as a machine runs it: a flat list of steps over numbered values.
+/// A rule base in executable form: a flat list of steps over numbered values.
 namespace cosiva::fuzzy {
 
-/// What a step makes of the values a and b and its own numbers p, q, r.
+/// The function of a step of the values a and b and its own numbers p, q, r.
 enum class Op : std::uint8_t {
-  clamp,               ///< a in [p, q]; what is no number counts as p
+  clamp,               ///< a in [p, q]; NaN becomes p
   edge,                ///< (a − p)·q, from 0 to 1
   gaussian,            ///< exp(q·(a − p)²), q < 0
   sigmoid,             ///< 1 / (1 + exp(q·(a − p)))
@@ -30,33 +30,33 @@ enum class Op : std::uint8_t {
   greatest,            ///< max(a, b)
   algebraic_sum,       ///< a + b − a·b
   bounded_sum,         ///< min(1, a + b)
-  fire,                ///< a·p, or 0 where that is below fires_from
-  add_fire,            ///< a, and b·p unless that is below fires_from
+  fire,                ///< a·p, or 0 if that is below fires_from
+  add_fire,            ///< a, plus b·p unless that is below fires_from
   add,                 ///< a + b
   add_value,           ///< a + p
   add_scaled,          ///< a + b·p
-  quotient,            ///< a / b, or p where b is 0
-  if_any,              ///< a, or p where b is 0
-  bound,               ///< a in [p, q]; what is no number stays
+  quotient,            ///< a / b, or p if b is 0
+  if_any,              ///< a, or p if b is 0
+  bound,               ///< a in [p, q]; NaN stays NaN
 };
 
-/// fuzzylite takes numbers that differ by less for the same: a rule fires from this degree on, an upright flank belongs
-/// to its term, and so far beyond it.
+/// fuzzylite treats numbers that differ by less as equal: a rule fires from this degree on, and an upright flank, with
+/// this margin beyond it, belongs to its term.
 inline constexpr double tolerance = 1e-6;
 inline constexpr double fires_from = tolerance;
-/// Values that a program has at most: the kernel's workspace is on the stack.
+/// Maximum number of values of a program: the kernel's workspace is on the stack.
 inline constexpr std::size_t values_max = 1024;
 
 struct Step {
   std::uint16_t a{};
   std::uint16_t b{};
-  std::uint16_t out{};  ///< where the result goes; neither a nor b
+  std::uint16_t out{};  ///< slot of the result; neither a nor b
   double p{};
   double q{};
   double r{};
 };
 
-/// Steps of one kind that stand together: the kind is looked up once for all of them.
+/// Consecutive steps of one kind: the kind is decoded once for all of them.
 struct Run {
   Op op{};
   std::uint16_t begin{};
@@ -64,7 +64,7 @@ struct Run {
 };
 
 struct Program {
-  std::size_t inputs{};                ///< they stand in the first values
+  std::size_t inputs{};                ///< in the first values
   std::size_t values{};                ///< that the steps work on
   std::vector<Step> steps;             ///< in order
   std::vector<Run> runs;               ///< of steps, in order

@@ -35,7 +35,7 @@ void RuleBase::evaluate(std::span<const double> inputs, std::span<double> output
   COSIVA_EXPECT(inputs.size() == engine_.inputs.size() && outputs.size() == engine_.outputs.size());
   if (cells_.pay()) return run_cells(cells_, inputs.data(), outputs.data());
   std::array<double, values_max>
-      values;  // NOLINT(cppcoreguidelines-pro-type-member-init): each is made before it is used
+      values;  // NOLINT(cppcoreguidelines-pro-type-member-init): each value is written before it is read
   std::ranges::copy(inputs, values.begin());
   run_one(program_, values.data());
   for (std::size_t o = 0; o < outputs.size(); ++o) outputs[o] = values[program_.outputs[o]];
@@ -50,7 +50,7 @@ void RuleBase::evaluate(std::span<const std::span<const double>> inputs,
   alignas(64) double values[values_max][lanes];  // NOLINT(cppcoreguidelines-pro-type-member-init): as above
   const std::vector<std::uint16_t>& responses = program_.outputs;
   std::size_t begin = 0;
-  // Whole chunks have a length that the compiler knows: their copies are a few instructions.
+  // Whole chunks have a length known to the compiler: their copies are a few instructions.
   for (; begin + lanes <= count; begin += lanes) {
     for (std::size_t i = 0; i < inputs.size(); ++i) std::copy_n(inputs[i].data() + begin, lanes, values[i]);
     run_lanes(program_, values);
@@ -61,7 +61,7 @@ void RuleBase::evaluate(std::span<const std::span<const double>> inputs,
   const std::size_t rest = count - begin;
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     std::copy_n(inputs[i].data() + begin, rest, values[i]);
-    std::fill(values[i] + rest, values[i] + lanes, 0.0);  // worked out as well, and not looked at
+    std::fill(values[i] + rest, values[i] + lanes, 0.0);  // computed as well, but not used
   }
   run_lanes(program_, values);
   for (std::size_t o = 0; o < outputs.size(); ++o) std::copy_n(values[responses[o]], rest, outputs[o].data() + begin);

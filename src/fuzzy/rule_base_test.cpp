@@ -36,7 +36,7 @@ double response(const RuleBase& base, double x, double y = 0.0) {
   return out;
 }
 
-/// The degree of one condition: it alone decides, between 0 and 1, without dividing by itself.
+/// The degree of one condition: it alone determines the output, between 0 and 1, without a division by itself.
 double degree(const std::string& condition, double x, double y = 0.0, RuleText rules = {}) {
   rules.output = "  defuzzifier: WeightedSum TakagiSugeno\n  default: 0.0\n";
   rules.rules = "  rule: if " + condition + " then out is full\n";
@@ -46,7 +46,7 @@ double membership(const std::string& term, double x) {
   return degree("x is it", x, 0.0, {.input_terms = "  lock-range: false\n  term: it " + term + "\n"});
 }
 
-TEST(Membership, of_each_shape_is_what_its_drawing_says) {
+TEST(Membership, of_each_shape_has_its_published_form) {
   EXPECT_DOUBLE_EQ(membership("Triangle 0 4 8", 1.0), 0.25);
   EXPECT_DOUBLE_EQ(membership("Triangle -inf 4 8", -1e6), 1.0);
   EXPECT_DOUBLE_EQ(membership("Trapezoid 0 2 4 8", 3.0), 1.0);
@@ -77,7 +77,7 @@ TEST(Membership, at_upright_flanks_is_all_or_nothing) {
   EXPECT_EQ(membership("Triangle 2 2 4", 2.0), 1.0);
 }
 
-TEST(Hedge, changes_a_degree_as_its_formula_says) {
+TEST(Hedge, changes_a_degree_by_its_formula) {
   EXPECT_DOUBLE_EQ(degree("x is not high", 3.0), 0.7);
   EXPECT_DOUBLE_EQ(degree("x is very high", 3.0), 0.09);
   EXPECT_DOUBLE_EQ(degree("x is somewhat high", 4.0), std::sqrt(0.4));
@@ -90,7 +90,7 @@ TEST(Hedge, changes_a_degree_as_its_formula_says) {
   EXPECT_DOUBLE_EQ(degree("x is not very high", 3.0), 0.91);
 }
 
-TEST(Norm, joins_two_degrees_as_its_formula_says) {
+TEST(Norm, joins_two_degrees_by_its_formula) {
   const auto joined = [](const char* norms, const char* word) {
     return degree(std::string("x is high ") + word + " y is high", 6.0, 7.0, {.norms = norms});
   };
@@ -116,7 +116,7 @@ TEST(RuleBase, weighs_a_rule_with_its_weight) {
   EXPECT_DOUBLE_EQ(response(base, 5.0), 0.5 / 0.75);
 }
 
-TEST(RuleBase, takes_an_output_that_is_linear_in_its_inputs) {
+TEST(RuleBase, accepts_an_output_that_is_linear_in_its_inputs) {
   const RuleBase base =
       base_of(RuleText{.output_terms = "  term: none Constant 0.0\n  term: full Linear 0.5 0.25 1.0\n",
                        .rules = "  rule: if x is any then out is full\n"}
@@ -124,12 +124,12 @@ TEST(RuleBase, takes_an_output_that_is_linear_in_its_inputs) {
   EXPECT_DOUBLE_EQ(response(base, 4.0, 2.0), 3.5);
 }
 
-TEST(RuleBase, answers_its_default_where_no_rule_fires) {
+TEST(RuleBase, gives_its_default_if_no_rule_fires) {
   EXPECT_EQ(response(base_of(RuleText{.rules = "  rule: if x is high then out is full\n"}.text()), 0.0), -1.0);
   EXPECT_EQ(response(base_of(RuleText{.rules = "  rule: if x is high then out is full\n"}.text()), 1e-6), -1.0);
 }
 
-TEST(RuleBase, keeps_an_answer_in_its_range_where_that_is_locked) {
+TEST(RuleBase, limits_an_output_to_its_locked_range) {
   const RuleBase base = base_of(RuleText{.output = "  lock-range: true\n  defuzzifier: WeightedSum\n  default: 0.0\n",
                                          .output_terms = "  term: none Constant -7.0\n  term: full Constant 9.0\n"}
                                     .text());
@@ -137,7 +137,7 @@ TEST(RuleBase, keeps_an_answer_in_its_range_where_that_is_locked) {
   EXPECT_EQ(response(base, 10.0), 1.0);
 }
 
-TEST(RuleBase, counts_what_is_beyond_a_locked_range_as_its_end_and_no_number_as_the_lowest) {
+TEST(RuleBase, limits_an_input_to_its_locked_range_and_treats_nan_as_the_minimum) {
   const RuleBase base = base_of(RuleText{}.text());
   EXPECT_EQ(response(base, 11.0), 1.0);
   EXPECT_EQ(response(base, infinite), 1.0);
@@ -145,7 +145,7 @@ TEST(RuleBase, counts_what_is_beyond_a_locked_range_as_its_end_and_no_number_as_
   EXPECT_EQ(response(base, no_number), 0.0);
 }
 
-TEST(RuleBase, never_answers_a_number_that_is_none_to_any_input_while_its_default_is_one) {
+TEST(RuleBase, never_gives_nan_for_any_input_while_its_default_is_a_number) {
   RuleText rules{.input_terms =
                      "  lock-range: false\n  term: a Gaussian 5 2\n  term: b Sigmoid 5 -2\n  term: c Bell 5 2 3.3\n"
                      "  term: d Spike 5 1\n  term: e Concave 0 5\n  term: f Cosine 5 3\n  term: g PiShape 1 2 3 4\n"
@@ -162,11 +162,11 @@ TEST(RuleBase, never_answers_a_number_that_is_none_to_any_input_while_its_defaul
   }
 }
 
-TEST(RuleBase, takes_conditions_on_an_input_that_is_not_enabled_as_not_holding) {
+TEST(RuleBase, treats_conditions_on_a_disabled_input_as_not_holding) {
   EXPECT_EQ(degree("x is high", 10.0, 0.0, {.input_terms = "  enabled: false\n  term: high Ramp 0 10\n"}), 0.0);
 }
 
-TEST(RuleBase, refuses_more_rules_than_it_can_work_with) {
+TEST(RuleBase, rejects_too_many_rules) {
   RuleText rules;
   rules.input_terms.clear();
   rules.rules.clear();
@@ -218,7 +218,7 @@ std::string curved_rules() {
       .text();
 }
 
-TEST(Decisions, taken_together_have_the_bits_of_those_taken_one_by_one) {
+TEST(Decisions, taken_together_have_the_bits_of_single_ones) {
   for (const std::string& rules : {agent_rules(), curved_rules()}) {
     const RuleBase base = base_of(rules);
     for (const std::size_t count : {std::size_t{0}, std::size_t{1}, lanes - 1, lanes, lanes + 1, std::size_t{1000}}) {
@@ -236,7 +236,8 @@ TEST(Decisions, taken_together_have_the_bits_of_those_taken_one_by_one) {
   }
 }
 
-/// What the answers are is for the tests above and fuzzylite to say; this one says that they are the same for everyone.
+/// The correct outputs are the subject of the tests above and of fuzzylite; this one tests that they are the same
+/// everywhere.
 TEST(Decisions, have_the_same_bits_with_every_compiler_processor_and_optimisation) {
   Digest digest;
   for (const std::string& rules : {agent_rules(), curved_rules()}) {
@@ -247,7 +248,7 @@ TEST(Decisions, have_the_same_bits_with_every_compiler_processor_and_optimisatio
   EXPECT_EQ(digest.hex(), "c6a93ad674ce47ef");
 }
 
-TEST(Exponential, is_within_an_ulp_or_two_of_the_true_one) {
+TEST(Exponential, is_within_an_ulp_or_two_of_the_exact_value) {
   for (double x = -690.0; x <= 690.0; x += 0.37) EXPECT_NEAR(exponential(x) / std::exp(x), 1.0, 5e-16) << x;
 }
 

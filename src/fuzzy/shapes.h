@@ -8,14 +8,14 @@
 #include "cosiva/base/math.h"
 #include "cosiva/base/math_inline.h"
 
-/// The kernel is compiled once per width of vectors; what it calls goes along only where it becomes part of it.
+/// The kernel is compiled once per width of vectors; its callees are included only if they are inlined.
 #define COSIVA_PART __attribute__((always_inline))
 
 /// The curved memberships without branches or library calls, so that a loop over them becomes vector instructions and
 /// gives the same bits on every machine. Errors stay under 1e-15.
 namespace cosiva::fuzzy {
 
-/// e^x for any x but no-numbers; beyond ±700 as at ±700.
+/// e^x for any x except NaN; limited to x = ±700.
 [[nodiscard]] COSIVA_PART inline double exponential(double x) noexcept {
   constexpr double log2_e = 1.44269504088896340736;
   constexpr double ln2_high = 6.93147180369123816490e-01;
@@ -51,7 +51,7 @@ namespace cosiva::fuzzy {
   return cosine * cosine;
 }
 
-/// t^exponent for t ≥ 0. Whole exponents, the usual ones, are multiplied out.
+/// t^exponent for t ≥ 0. Integer exponents, the usual ones, are computed by multiplication.
 [[nodiscard]] COSIVA_PART inline double bell_power(double t, double exponent) noexcept {
   const auto whole = static_cast<std::uint32_t>(exponent);
   if (static_cast<double>(whole) == exponent) {

@@ -12,7 +12,7 @@ namespace {
 
 bool is_norm(Op op) { return std::find(norm_ops.begin(), norm_ops.end(), op) != norm_ops.end(); }
 
-/// What one step makes of known numbers, by the kernel itself.
+/// The result of one step of known numbers, computed by the kernel itself.
 double worked_out(Op op, double a, double b, double p, double q, double r) {
   Program program;
   program.steps.push_back({0, 1, 2, p, q, r});
@@ -44,7 +44,7 @@ Value Steps::make(Op op, Value a, Value b, double p, double q, double r) {
   return entry->second;
 }
 
-/// A value that is the same number. A sum's −0 may become +0: the last step of every answer takes that back.
+/// An existing value with the same number. A sum's −0 may become +0: the last step of every output reverts that.
 std::optional<Value> Steps::shortened(Op op, Value a, Value b, double p, double q, double r) {
   const std::optional<double> x = numbers_[a];
   const std::optional<double> y = numbers_[b];
@@ -61,9 +61,9 @@ std::optional<Value> Steps::shortened(Op op, Value a, Value b, double p, double 
   return std::nullopt;
 }
 
-/// Of a norm one side of which is known.
+/// For a norm with one known side.
 std::optional<Value> Steps::norm_shortened(Op op, Value other, double number) {
-  // Also what a term says in numbers is multiplied, by how far its rules hold: 0 times no number is none.
+  // A term's output is also multiplied by the degree of its rules: 0 times infinity or NaN is NaN.
   if (op == Op::product && number == 0.0 && std::isfinite(traits_[other].size_max)) return value(0.0);
   if (op == Op::product) return make(Op::scale, other, number);
   if (!traits_[other].is_degree()) return std::nullopt;

@@ -13,14 +13,14 @@
 
 namespace cosiva::fuzzy {
 
-/// Number of a value: the inputs come first, then what each step makes.
+/// Index of a value: the inputs first, then the result of each step.
 using Value = std::size_t;
 
 inline constexpr std::array<Op, 6> norm_ops{Op::least,    Op::product,       Op::bounded_difference,
                                             Op::greatest, Op::algebraic_sum, Op::bounded_sum};
 
-/// Collects steps, each only once, and works out at once what follows from what is known. What it leaves out changes no
-/// bit of an answer.
+/// Collects steps, each only once, and precomputes what follows from known values. Omitted steps change no bit of an
+/// output.
 class Steps {
  public:
   struct Wide {
@@ -31,7 +31,7 @@ class Steps {
     double r;
   };
 
-  /// What holds of a value whatever the inputs are.
+  /// Properties of a value for all inputs.
   struct Traits {
     bool is_positive{};  ///< or +0
     double size_max{std::numeric_limits<double>::infinity()};
@@ -45,7 +45,7 @@ class Steps {
   Value make(Op op, Value a, Value b, double p = 0.0, double q = 0.0, double r = 0.0);
   Value make(Op op, Value a, double p = 0.0, double q = 0.0) { return make(op, a, a, p, q); }
   [[nodiscard]] Value value(double p) { return make(Op::value, 0, p); }
-  /// What will hold of an input. Before anything is made of it.
+  /// States properties of an input. To be called before any step uses it.
   void promise(Value input, Traits traits) { traits_[input] = traits; }
 
   [[nodiscard]] const std::optional<double>& number(Value value) const { return numbers_[value]; }
@@ -62,7 +62,7 @@ class Steps {
 
   using Key = std::array<std::uint64_t, 6>;
   std::size_t inputs_;
-  std::vector<std::optional<double>> numbers_;  ///< by value, of those that are known
+  std::vector<std::optional<double>> numbers_;  ///< by value, of the known values
   std::vector<Traits> traits_;                  ///< by value
   std::map<Key, Value> known_;
   std::vector<Op> ops_;

@@ -7,7 +7,7 @@
 
 namespace cosiva::fuzzy {
 
-/// FLL texts at random, of every shape, hedge and norm, for the comparison with fuzzylite. Inputs go from 0 to 100.
+/// Random FLL texts with every shape, hedge and norm, for the comparison with fuzzylite. Inputs go from 0 to 100.
 class RandomRules {
  public:
   explicit RandomRules(std::uint64_t seed) : random_{seed, "rules"} {}
@@ -105,7 +105,7 @@ class RandomRules {
 
   std::string condition() {
     std::string text = "in" + std::to_string(random_.below(inputs_)) + " is";
-    // `somewhat` last: fuzzylite takes the root of a degree a little below 0 where its tolerance left one.
+    // `somewhat` last: fuzzylite takes the root of a degree that its tolerance left a little below 0.
     constexpr std::array<std::string_view, 4> first{" not", " very", " extremely", " seldom"};
     if (random_.chance(0.1)) return text + (random_.chance(0.5) ? " any" : " not any");
     if (random_.chance(0.3)) text += one_of(first);

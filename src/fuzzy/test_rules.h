@@ -5,7 +5,7 @@
 
 namespace cosiva::fuzzy {
 
-/// A whole rule file around what a test is about.
+/// A whole rule file around the part under test.
 struct RuleText {
   std::string input_terms{"  term: low Ramp 10.0 0.0\n  term: high Ramp 0.0 10.0\n"};
   std::string output{"  defuzzifier: WeightedAverage TakagiSugeno\n  default: -1.0\n"};

@@ -7,7 +7,8 @@ namespace {
 
 using Table = std::array<std::uint32_t, 256>;
 
-// Four tables take four bytes per step, about three times as fast as one; hardware CRC would bind us to a processor.
+// Four tables process four bytes per step, about three times as fast as one; hardware CRC would require a specific
+// processor.
 constexpr std::array<Table, 4> make_tables() {
   std::array<Table, 4> tables{};
   for (std::uint32_t i = 0; i < 256; ++i) {

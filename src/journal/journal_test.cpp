@@ -33,7 +33,7 @@ TEST(Crc32c, gives_the_published_check_values) {
   EXPECT_EQ(crc32c(counting), 0x46DD794EU);
 }
 
-TEST(Crc32c, can_be_taken_piece_by_piece) {
+TEST(Crc32c, can_be_computed_piece_by_piece) {
   const std::string text = "a journal is read from front to back";
   for (std::size_t cut = 0; cut <= text.size(); ++cut)
     EXPECT_EQ(crc32c(text.substr(cut), crc32c(text.substr(0, cut))), crc32c(text));
@@ -103,7 +103,7 @@ TEST(Journal, reads_back_any_input) {
   }));
 }
 
-/// The bytes of the first block marked `hex` in a document; '#' starts a comment.
+/// The bytes of the first `hex` block in a document; '#' starts a comment.
 std::string hex_block(const std::string& file) {
   std::ifstream document{file};
   std::string bytes;
@@ -122,7 +122,7 @@ std::string hex_block(const std::string& file) {
   return bytes;
 }
 
-TEST(Journal, is_written_as_its_document_shows_byte_by_byte) {
+TEST(Journal, is_written_byte_by_byte_as_documented) {
   const std::vector<Input> run{
       {virtual_epoch, InputKind::configure, "server", R"({"zone":"lacet4"})", false},
       {virtual_epoch + 50ms, InputKind::message, "a/b", "hi", true},
@@ -152,19 +152,19 @@ TEST(Journal, cut_anywhere_gives_the_whole_records_before_the_cut) {
   }
 }
 
-TEST(Journal, notices_any_single_bit_that_flipped) {
+TEST(Journal, detects_any_single_flipped_bit) {
   const std::string whole = written(three, "0123456789abcdef");
   for (std::size_t bit = 0; bit < whole.size() * 8; ++bit) {
     std::string damaged = whole;
     damaged[bit / 8] = static_cast<char>(static_cast<unsigned char>(damaged[bit / 8]) ^ (1U << (bit % 8)));
     const ReadBack back = read_all(damaged);
-    // A longer length may point past the end, which looks like a cut; everything else is an error.
+    // A longer length may point past the end, like a truncated record; everything else is an error.
     EXPECT_TRUE(back.error || back.truncated) << bit;
     EXPECT_LE(back.inputs.size(), three.size());
   }
 }
 
-TEST(Journal, names_the_offset_of_a_damaged_record_again_and_again) {
+TEST(Journal, reports_the_offset_of_a_damaged_record_repeatedly) {
   std::string bytes = written(three);
   const std::size_t second = written({three[0]}).size();
   bytes[second + 20] = static_cast<char>(bytes[second + 20] + 1);
@@ -179,7 +179,7 @@ TEST(Journal, names_the_offset_of_a_damaged_record_again_and_again) {
   }
 }
 
-/// One record with a right checksum around any body.
+/// One record with a correct checksum around any body.
 std::string sealed(const std::string& body) {
   std::string record;
   for (unsigned i = 0; i < 4; ++i) record += static_cast<char>((body.size() >> (8U * i)) & 0xFFU);
@@ -192,7 +192,7 @@ std::string body(char kind, char flag, char source_low, const std::string& rest)
   return std::string{kind, flag} + std::string(8, '\0') + std::string{source_low, '\0'} + rest;
 }
 
-TEST(Journal, refuses_records_that_a_right_checksum_makes_no_better) {
+TEST(Journal, rejects_invalid_records_with_a_correct_checksum) {
   EXPECT_FALSE(read_all(sealed(body(7, 0, 0, ""))).error);
   EXPECT_EQ(read_all(sealed(body(0, 0, 0, ""))).error->code, "journal.kind");
   EXPECT_EQ(read_all(sealed(body(9, 0, 0, ""))).error->code, "journal.kind");
@@ -202,7 +202,7 @@ TEST(Journal, refuses_records_that_a_right_checksum_makes_no_better) {
   EXPECT_EQ(read_all("COSIVAJ1\xFF\xFF\xFF\xFF").error->code, "journal.length");
 }
 
-TEST(Journal, is_nothing_but_a_journal) {
+TEST(Journal, accepts_only_a_journal) {
   for (const char* bytes : {"", "COSIVA", "COSIVAJ2", "cosivaj1"})
     EXPECT_EQ(read_all(bytes).error->code, "journal.magic") << bytes;
 }
@@ -212,7 +212,7 @@ TEST(Journal, ends_at_its_end_record) {
   EXPECT_EQ(read_all(bytes).error->code, "journal.after_end");
 }
 
-/// Sums up what it is told; publishes the sum on every tick.
+/// Sums up its inputs; publishes the sum on every tick.
 class SumCore final : public wire::Core {
  public:
   void handle(const Input& input, wire::Effects& effects) override {
@@ -248,7 +248,7 @@ TEST(Replay, gives_the_digest_that_the_live_run_recorded) {
   EXPECT_GT(sum_at_end, 0U);
 }
 
-TEST(Replay, of_a_core_that_acts_otherwise_gives_another_digest) {
+TEST(Replay, of_a_core_that_behaves_differently_gives_another_digest) {
   class Other final : public wire::Core {
    public:
     void handle(const Input&, wire::Effects&) override {}
@@ -263,7 +263,7 @@ TEST(Replay, of_a_core_that_acts_otherwise_gives_another_digest) {
   EXPECT_NE(replayed->recorded_digest, replayed->digest);
 }
 
-TEST(Replay, of_a_run_that_was_killed_goes_as_far_as_the_record) {
+TEST(Replay, of_a_killed_run_continues_to_the_end_of_the_record) {
   const std::string bytes = recorded_run(three);
   const auto replayed = replay(std::string_view{bytes}.substr(0, bytes.size() - 1), make_sum);
   ASSERT_TRUE(replayed);
@@ -272,20 +272,20 @@ TEST(Replay, of_a_run_that_was_killed_goes_as_far_as_the_record) {
   EXPECT_EQ(replayed->inputs, 3U);
 }
 
-TEST(Replay, starts_with_the_configuration_and_with_nothing_else) {
+TEST(Replay, starts_only_with_the_configuration) {
   EXPECT_EQ(replay(written({three[1]}), make_sum).error().code, "journal.configure");
   EXPECT_EQ(replay(written({}), make_sum).error().code, "journal.configure");
   EXPECT_EQ(replay("rubbish", make_sum).error().code, "journal.magic");
 }
 
-TEST(Replay, passes_on_why_no_core_could_be_made) {
+TEST(Replay, forwards_the_reason_why_no_core_could_be_made) {
   const auto replayed =
       replay(written(three), [](const Input&) -> Result<std::unique_ptr<wire::Core>> { return fail("x.y", "no"); });
   ASSERT_FALSE(replayed);
   EXPECT_EQ(replayed.error().code, "x.y");
 }
 
-TEST(Replay, tells_of_damage_instead_of_a_digest) {
+TEST(Replay, reports_damage_instead_of_a_digest) {
   std::string bytes = recorded_run(three);
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] + 1);
   EXPECT_FALSE(replay(bytes, make_sum));

@@ -48,7 +48,7 @@ Result<std::optional<wire::Input>> Reader::next() {
   }
   const std::string_view checked = rest.substr(0, format::length_bytes + length);
   if (crc32c(checked) != get<std::uint32_t>(rest, checked.size()))
-    return damaged("journal.crc", "the record's checksum does not fit its bytes");
+    return damaged("journal.crc", "the record's checksum does not match its bytes");
 
   const std::string_view body = checked.substr(format::length_bytes);
   const auto kind = get<std::uint8_t>(body, 0);

@@ -10,14 +10,14 @@
 
 namespace cosiva::journal {
 
-/// Reads a journal's bytes from front to back. A record cut short at the end is news (`truncated`), a damaged one an
-/// error that names its offset.
+/// Reads a journal's bytes from front to back. A record cut short at the end is reported by `truncated`, a damaged one
+/// by an error that names its offset.
 class Reader {
  public:
-  /// Fails ("journal.magic") on something else than a journal.
+  /// Fails ("journal.magic") if the bytes are no journal.
   [[nodiscard]] static Result<Reader> open(std::string_view bytes);
   /// The next input; nothing at the end. Errors ("journal.crc", "journal.length", "journal.kind", "journal.flag",
-  /// "journal.after_end") name the record's offset, and come again on every further call.
+  /// "journal.after_end") name the record's offset, and are repeated on every further call.
   [[nodiscard]] Result<std::optional<wire::Input>> next();
   [[nodiscard]] const std::optional<std::string>& recorded_digest() const { return digest_; }
   [[nodiscard]] bool truncated() const { return truncated_; }

@@ -9,7 +9,7 @@
 namespace cosiva::journal {
 namespace {
 
-/// Little endian, whatever the machine.
+/// Little endian on every machine.
 template <typename T>
 void put(std::string& out, T value) {
   const auto bits = static_cast<std::uint64_t>(value);

@@ -9,8 +9,8 @@
 
 namespace cosiva::journal {
 
-/// Turns inputs into records and hands the bytes to `sink` (a file in adapters, a string in tests).
-/// Format: "COSIVAJ1", then records {u32 length, u8 kind, u8 flag, i64 time ns, u16 source length, source, payload, u32
+/// Converts inputs to records and passes the bytes to `sink` (a file in adapters, a string in tests). Format:
+/// "COSIVAJ1", then records {u32 length, u8 kind, u8 flag, i64 time ns, u16 source length, source, payload, u32
 /// CRC-32C}, little endian. The last record is `end` (kind 255) with the run's digest.
 class Writer {
  public:

@@ -66,7 +66,7 @@ TEST(TrafficCommand, names_the_section_where_no_fleet_finds_a_place_to_stand) {
   const std::string lane = source_dir() + "/src/virtual/fleet/testdata/two_way_lane.toml";
   const auto output = cosiva({"traffic", "--zone", lane, "--aivs", "1"});
   EXPECT_EQ(output.status, 2);
-  EXPECT_THAT(output.standard_error, HasSubstr("zone 'lane', section 'there': too many crossings upon one another"));
+  EXPECT_THAT(output.standard_error, HasSubstr("zone 'lane', section 'there': too many crossings close together"));
 }
 
 TEST(TrafficCommand, writes_a_report_that_can_be_looked_at) {

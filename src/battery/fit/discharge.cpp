@@ -1,4 +1,4 @@
-// From one full charge on: what was taken out, and when.
+// The charge taken out from one full charge on, and when.
 #include "cosiva/battery/fit/discharge.h"
 
 #include <algorithm>
@@ -14,9 +14,9 @@ double largest_current_a(const Log& log) {
   return largest_a;
 }
 
-/// How long before sample i the current may have changed already, where it is another than the sample before it had.
-/// A tester that writes a sample at each step of its test knows when; one that writes every minute does not: there the
-/// samples lie as far apart around the change as they do before and after it.
+/// How long before sample i the current may have changed already, if it differs from the previous sample's. A tester
+/// that writes a sample at each step of its test records the time of the change; a tester that writes every minute does
+/// not: then the samples around the change have the same distance as those before and after it.
 double change_unseen_s(const Log& log, std::size_t i) {
   const std::vector<double>& current = log.current_a;
   const auto is_alike = [](double a, double b) {
@@ -29,9 +29,9 @@ double change_unseen_s(const Log& log, std::size_t i) {
   return is_alike(dt_s, before_s) && is_alike(dt_s, after_s) ? dt_s : 0.0;
 }
 
-/// How much of what was taken out the samples leave open [As]. The begins and ends of long loads are too early as often
-/// as too late: of their differences twice the standard deviation. What was seen by one sample or two may each time be
-/// off the same way, as a pulse test repeats itself; a drive's load, which always changes, does not.
+/// Uncertainty of the charge taken out between the samples [As]. The starts and ends of long loads are too early as
+/// often as too late: twice the standard deviation of their differences. The errors of loads of one sample or two may
+/// all have the same sign, since a pulse test repeats itself; those of a drive's load, which always changes, do not.
 double open_charge_as(const Discharge& one) {
   const Log& log = *one.log;
   constexpr std::size_t brief_max = 2;
@@ -47,7 +47,7 @@ double open_charge_as(const Discharge& one) {
     const double change_as = std::fabs(log.current_a[i] - log.current_a[i - 1]) * change_unseen_s(log, i);
     if (change_as <= 0.0) continue;
     const bool was_load = std::fabs(log.current_a[i - 1]) > 0.01 * largest_a;
-    // A pulse that ends after a sample or two takes its begin along.
+    // A pulse that ends after a sample or two counts with its start.
     const bool is_brief = was_load && i - changed_at <= brief_max;
     if (is_brief) (log.current_a[i - 1] > 0.0 ? brief_as : brief_back_as) += change_as;
     (is_brief ? brief_sq : long_sq) += change_as * change_as / 12.0;
@@ -59,8 +59,8 @@ double open_charge_as(const Discharge& one) {
   return std::sqrt(brief_as * brief_as + brief_back_as * brief_back_as + 4.0 * long_sq);
 }
 
-/// What was taken out, sample by sample, and how far that may be off. The tester's own count is better, where it has
-/// one: it measures more often than it writes. One that contradicts the samples is something else.
+/// Computes the charge taken out, sample by sample, and its uncertainty. The tester's own count is better, if there is
+/// one, since testers measure more often than they write. A count that contradicts the samples is ignored.
 void count_charge(Discharge& one) {
   const Log& log = *one.log;
   const double most_ah = *std::ranges::max_element(one.used_ah);
@@ -75,7 +75,7 @@ void count_charge(Discharge& one) {
   one.is_counted = true;
 }
 
-/// The highest voltage outside of charges that put in less than a twentieth of what the log moves.
+/// The highest voltage except during charges of less than a twentieth of the charge that the log moves.
 double highest_of(const Log& log) {
   const double load_a = 0.005 * largest_current_a(log);
   const double brief_as = 0.05 * 3600.0 * charge_moved_ah(log);
@@ -104,7 +104,8 @@ std::vector<Discharge> discharges_from_full(const Log& log, double full_v, doubl
   const auto is_full = [&](std::size_t i) { return log.voltage_v[i] >= 0.99 * full_v; };
 
   std::vector<Discharge> all;
-  // At the log's begin it is full where a rest or the first sample under load says so, and it is not being charged.
+  // At the log's start the battery is full if a rest or the first sample under load shows this, and it is not being
+  // charged.
   const double rested_v = log.voltage_v.front() + std::max(0.0, log.current_a.front()) * full_ohm;
   bool full = log.current_a.front() >= -load_a && (is_full(0) || rested_v >= 0.96 * full_v);
   for (std::size_t i = 0; i < size; ++i) {
@@ -121,7 +122,7 @@ std::vector<Discharge> discharges_from_full(const Log& log, double full_v, doubl
       const double since_s = k == i ? load_on_s(one) : log.time_s[k - 1];
       used_ah += log.current_a[k] * (log.time_s[k] - since_s) / 3600.0;
       most_ah = std::max(most_ah, used_ah);
-      // A full charge of a pulse test's regeneration gives a little back; a recharge ends the discharge.
+      // After a full charge a pulse test's regeneration returns a little charge; a recharge ends the discharge.
       if (most_ah - used_ah > std::max(0.05 * most_ah, brief_ah) && log.current_a[k] < -load_a) break;
       one.used_ah.push_back(used_ah);
     }
@@ -152,7 +153,7 @@ std::vector<Log> split_at_charges(const Log& log, double full_v) {
   std::vector<Log> all;
   all.reserve(discharges.size());
   for (const Discharge& one : discharges) {
-    // From the charge's last sample on, which says that the battery is full.
+    // From the charge's last sample on, which shows that the battery is full.
     std::size_t from = one.first;
     while (from > 0 && log.current_a[from] >= 0.0) --from;
     Log part{log.name + ", discharge " + std::to_string(all.size() + 1),
@@ -210,7 +211,7 @@ double load_on_s(const Discharge& discharge) {
   const std::size_t first = discharge.first;
   const double usual_s = first + 1 < time_s.size() ? time_s[first + 1] - time_s[first] : 0.0;
   if (first == 0) return std::max(std::min(0.0, time_s[0]), time_s[0] - usual_s);
-  // A rest is logged more seldom than a load, and its last sample may lie far back.
+  // Rests are logged less often than loads, and the last sample of a rest may be long before the load.
   return std::max(time_s[first - 1], time_s[first] - usual_s);
 }
 

@@ -15,7 +15,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// What a battery of 1 Ah does under a current that depends on the time, sampled every `every_s`.
+/// The log of a battery of 1 Ah under a current that depends on the time, sampled every `every_s`.
 struct Tester {
   double every_s{10.0};
   double last_s{3600.0};
@@ -37,7 +37,7 @@ struct Tester {
   }
 };
 
-/// 20 s of 1 A in every 300 s, and 0.5 A for the last three minutes of these.
+/// 20 s of 1 A in every 300 s, and 0.5 A for the last three minutes of each.
 double pulses(double t) {
   const double within_s = std::fmod(t - 50.0, 300.0);
   if (t < 50.0) return 0.0;
@@ -49,7 +49,7 @@ double true_ah(double last_s) {
   return used_ah;
 }
 
-TEST(Charge, that_the_samples_leave_open_is_said_and_holds) {
+TEST(Charge, uncertainty_between_samples_is_reported_and_correct) {
   for (const double every_s : {10.0, 30.0, 60.0}) {
     Log log = Tester{every_s}.log(pulses);
     log.counted_ah.clear();
@@ -62,7 +62,7 @@ TEST(Charge, that_the_samples_leave_open_is_said_and_holds) {
   }
 }
 
-TEST(Charge, of_a_load_that_changes_with_each_sample_is_off_by_little_for_it_is_off_either_way) {
+TEST(Charge, uncertainty_of_a_load_that_changes_with_each_sample_is_small_because_errors_cancel) {
   const auto drive = [](double t) { return t < 60.0 ? 0.0 : 0.5 + 0.4 * std::sin(t) + 0.1 * std::sin(7.1 * t); };
   const Tester tester{1.0};
   Log log = tester.log(drive);
@@ -72,14 +72,14 @@ TEST(Charge, of_a_load_that_changes_with_each_sample_is_off_by_little_for_it_is_
   EXPECT_LT(all[0].uncertain, 0.01);
 }
 
-TEST(Charge, of_a_steady_load_leaves_nothing_open) {
+TEST(Charge, of_a_steady_load_has_no_uncertainty) {
   const Log log = Tester{60.0}.log([](double t) { return t < 120.0 ? 0.0 : 1.0; });
   const auto all = discharges_from_full(log, 4.2);
   ASSERT_EQ(all.size(), 1U);
   EXPECT_LT(all[0].uncertain, 0.02);
 }
 
-TEST(Charge, that_the_tester_counted_is_taken_from_it) {
+TEST(Charge, counted_by_the_tester_is_used) {
   const Log log = Tester{60.0}.log(pulses);
   const auto all = discharges_from_full(log, 4.2);
   ASSERT_EQ(all.size(), 1U);
@@ -88,7 +88,7 @@ TEST(Charge, that_the_tester_counted_is_taken_from_it) {
   EXPECT_NEAR(all[0].used_ah.back(), true_ah(3600.0), 1e-3);
 }
 
-TEST(Charge, whose_count_contradicts_the_samples_is_taken_from_the_samples) {
+TEST(Charge, counted_by_the_tester_is_ignored_if_it_contradicts_the_samples) {
   Log log = Tester{60.0}.log(pulses);
   for (double& counted_ah : log.counted_ah) counted_ah *= 4.0;
   const auto all = discharges_from_full(log, 4.2);
@@ -96,7 +96,7 @@ TEST(Charge, whose_count_contradicts_the_samples_is_taken_from_the_samples) {
   EXPECT_FALSE(all[0].is_counted);
 }
 
-TEST(Charge, that_is_roughly_known_is_scaled_to_a_capacity_that_is_known) {
+TEST(Charge, with_uncertainty_is_scaled_to_a_known_capacity) {
   Log log = Tester{60.0}.log(pulses);
   log.counted_ah.clear();
   auto all = discharges_from_full(log, 4.2);
@@ -104,10 +104,10 @@ TEST(Charge, that_is_roughly_known_is_scaled_to_a_capacity_that_is_known) {
   const double floor_v = lowest_under_load_v(all[0]);
   auto far = all;
   scale_to_capacity(far, 3.0 * capacity_ah, floor_v);
-  EXPECT_EQ(far[0].scale, 1.0);  // that is another battery, not a rough log
+  EXPECT_EQ(far[0].scale, 1.0);  // this is another battery, not an inaccurate log
   auto high = all;
   scale_to_capacity(high, capacity_ah, floor_v - 0.5);
-  EXPECT_EQ(high[0].scale, 1.0);  // it did not go to the end
+  EXPECT_EQ(high[0].scale, 1.0);  // not discharged to the end
   scale_to_capacity(all, capacity_ah, floor_v);
   EXPECT_NE(all[0].scale, 1.0);
   EXPECT_NEAR(*std::ranges::max_element(all[0].used_ah), capacity_ah, 1e-12);
@@ -117,7 +117,7 @@ TEST(Charge, a_tester_s_column_is_read_through_its_resets) {
   std::string text =
       "test_time_second,voltage_volt,current_ampere,step_index,discharging_capacity_ah,charging_capacity_ah\n";
   for (int t = 0; t <= 3000; t += 60) {
-    const bool second = t > 1500;  // another step: its count begins at zero
+    const bool second = t > 1500;  // another step: its count restarts at zero
     const double counted_ah = (second ? t - 1500 : t) / 3600.0;
     text += std::to_string(t) + "," + std::to_string(4.1 - 0.0003 * t) + ",-1.0," + (second ? "2," : "1,") +
             std::to_string(counted_ah) + ",0\n";
@@ -127,7 +127,7 @@ TEST(Charge, a_tester_s_column_is_read_through_its_resets) {
   EXPECT_NEAR(logs->front().counted_ah.back(), 3000.0 / 3600.0, 1e-4);
 }
 
-TEST(Charge, a_column_that_is_rounded_to_hundredths_is_no_better_than_the_samples) {
+TEST(Charge, a_column_rounded_to_hundredths_is_no_better_than_the_samples) {
   std::string text = "test_time_second,voltage_volt,current_ampere,discharging_capacity_ah,charging_capacity_ah\n";
   for (int t = 0; t <= 3000; t += 10)
     text +=
@@ -137,8 +137,8 @@ TEST(Charge, a_column_that_is_rounded_to_hundredths_is_no_better_than_the_sample
   EXPECT_TRUE(logs->front().counted_ah.empty());
 }
 
-TEST(Full, is_not_what_a_regeneration_reaches) {
-  // Charged to 4.2 V, rested, discharged; a pulse back of 10 s goes to 4.35 V.
+TEST(Full, is_not_the_voltage_that_a_regeneration_reaches) {
+  // Charged to 4.2 V, rested, discharged; a regeneration pulse of 10 s reaches 4.35 V.
   Log log{"my.csv", {}, {}, {}, {}};
   double used_ah = 1.0;
   for (int t = 0; t <= 9000; t += 10) {
@@ -164,7 +164,7 @@ Log two_discharges() {
   });
 }
 
-TEST(Log, splits_into_its_discharges_each_of_which_still_begins_full) {
+TEST(Log, is_split_into_its_discharges_each_of_which_still_begins_full) {
   const Log log = two_discharges();
   const auto parts = split_at_charges(log, 4.2);
   ASSERT_EQ(parts.size(), 2U);

@@ -14,20 +14,20 @@
 namespace cosiva::battery {
 namespace {
 
-constexpr double sample_worth_s = 2.0;     // a sample counts for the time since the last one, at most so much
-constexpr double sample_least_s = 0.5;     // faster ones are thinned out where the current is steady
+constexpr double sample_worth_s = 2.0;     // a sample's weight is the time since the last one, up to this
+constexpr double sample_least_s = 0.5;     // samples at shorter intervals are thinned out at steady current
 constexpr double ocv_growth_min_v = 1e-4;  // from row to row
 constexpr double range_min = 0.5;
 constexpr std::size_t cycles_few = 6;
 
-/// One sample as the least squares want it.
+/// One sample in the form needed for least squares.
 struct Point {
   double charge;
   double current_a;
   double voltage_v;
   double weight;
   double dt_s;
-  bool first;  ///< of its discharge: rested until then
+  bool first;  ///< of its discharge: rested before
 };
 
 struct Problem {
@@ -36,12 +36,12 @@ struct Problem {
   double capacity_ah{0.0};
   double weight{0.0};
   double current_sq{0.0};   ///< mean
-  bool one_current{false};  ///< under load: resistance and voltage then come apart at steps alone
-  std::size_t loads{0};     ///< times that a load came on …
-  std::size_t brief{0};     ///< … and was gone at the next sample
+  bool one_current{false};  ///< under load: resistance and voltage are then distinguished only at steps
+  std::size_t loads{0};     ///< number of starts of a load …
+  std::size_t brief{0};     ///< … and of those that ended by the next sample
 };
 
-/// Where a charge lies between the knots: it is (1 − t) of knot i and t of knot i + 1.
+/// Position of a charge between the knots: (1 − t) of knot i and t of knot i + 1.
 struct Hat {
   std::size_t i;
   double t;
@@ -87,7 +87,7 @@ Eigen::MatrixXd design_matrix(const Problem& problem, double fast_s, double slow
   return matrix;
 }
 
-/// Resistances prefer to be like their neighbours': where a log does not tell one, its neighbours do.
+/// Resistances tend towards those of their neighbours, which determine a resistance that a log does not.
 void add_smoothness(const Problem& problem, Eigen::MatrixXd& normal) {
   const auto n = static_cast<Eigen::Index>(problem.charge.size());
   constexpr std::array strength{1e-4, 1e-3, 1e-3};
@@ -101,14 +101,14 @@ void add_smoothness(const Problem& problem, Eigen::MatrixXd& normal) {
       normal(a, a + 1) -= lambda;
       normal(a + 1, a) -= lambda;
     }
-    // And to be nothing at all, a thousandth as strongly: two that cannot be told apart share what they are.
+    // And towards zero, a thousandth as strongly: two that cannot be distinguished divide their sum.
     for (Eigen::Index j = 0; j < n; ++j) normal((kind + 1) * n + j, (kind + 1) * n + j) += 1e-3 * lambda;
   }
   for (Eigen::Index j = 0; j < n; ++j) normal(j, j) += 1e-9 * problem.weight;
 }
 
-/// Under one current a fall of the voltage might as well be a resistance: then resistances prefer to be a lithium
-/// cell's usual ones, which at 1C take 0.13 V off in all.
+/// Under constant current a fall of the voltage may also be a resistance: then resistances tend towards those of a
+/// usual lithium cell, which at 1C cause 0.13 V in all.
 void add_usual_resistances(const Problem& problem, Eigen::MatrixXd& normal, Eigen::VectorXd& right) {
   if (!problem.one_current) return;
   const auto n = static_cast<Eigen::Index>(problem.charge.size());
@@ -126,7 +126,7 @@ void add_usual_resistances(const Problem& problem, Eigen::MatrixXd& normal, Eige
 struct Solution {
   double fast_s{};
   double slow_s{};
-  double sum_sq{std::numeric_limits<double>::infinity()};  ///< weighted, of what was fitted
+  double sum_sq{std::numeric_limits<double>::infinity()};  ///< weighted, of all fitted samples
   Eigen::VectorXd x;
 };
 
@@ -183,7 +183,7 @@ void record_loads(Problem& problem) {
   double load_a = 0.0;
   double load_sq = 0.0;
   const std::vector<Point>& points = problem.points;
-  double least_a = 0.0;  // what is less is a tester's zero
+  double least_a = 0.0;  // smaller currents are the tester's zero error
   for (const Point& point : points) least_a = std::max(least_a, 0.02 * point.current_a);
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Point& point = points[k];
@@ -209,7 +209,7 @@ Problem make_problem(const std::vector<Discharge>& discharges, const std::vector
     const Log& log = *one.log;
     double before_s = load_on_s(one);
     for (std::size_t i = one.first; i < one.last; ++i) {
-      // A fast log's samples between two steps of the current say nothing that half a second's do not.
+      // Between two steps of the current, samples at shorter intervals than half a second carry no further information.
       const bool is_steady = i > one.first && i + 1 < one.last && log.current_a[i] == log.current_a[i - 1] &&
                              log.current_a[i] == log.current_a[i + 1];
       const double dt_s = log.time_s[i] - before_s;
@@ -227,7 +227,7 @@ Problem make_problem(const std::vector<Discharge>& discharges, const std::vector
   return problem;
 }
 
-/// What the logs say of temperature while they were under load.
+/// The logs' temperatures under load.
 struct Warmth {
   double mean_c{25.0};
   double low_c{25.0};  ///< of the logs' own means
@@ -267,14 +267,14 @@ std::string few_digits(double value) {
   return {buffer.data(), error == std::errc{} ? end : buffer.data()};
 }
 
-/// A battery gives a little less to a faster load. Much less means another thing: another battery or temperature, or a
-/// tester whose current is off at one of its ranges.
+/// A battery delivers slightly less to a larger load. A large difference has another cause: another battery or
+/// temperature, or a tester with a wrong current in one of its ranges.
 void record_capacities(const std::vector<Discharge>& discharges, double floor_v,
                        std::vector<std::string>& diagnostics) {
   double least_ah = std::numeric_limits<double>::infinity();
   double most_ah = 0.0;
   for (const Discharge& one : discharges) {
-    if (lowest_under_load_v(one) > floor_v + 0.05) continue;  // it did not go to the end
+    if (lowest_under_load_v(one) > floor_v + 0.05) continue;  // not discharged to the end
     const double own_ah = *std::ranges::max_element(one.used_ah);
     least_ah = std::min(least_ah, own_ah);
     most_ah = std::max(most_ah, own_ah);
@@ -282,44 +282,46 @@ void record_capacities(const std::vector<Discharge>& discharges, double floor_v,
   constexpr double usual_ratio = 0.95;
   if (least_ah < usual_ratio * most_ah)
     diagnostics.push_back(
-        "down to the same voltage the discharges take out from " + few_digits(least_ah) + " to " + few_digits(most_ah) +
-        " Ah: if that is not one battery at rates far apart, fit what belongs together alone (--only)");
+        "down to the same voltage the discharges take out between " + few_digits(least_ah) + " and " +
+        few_digits(most_ah) +
+        " Ah: unless this is one battery at very different rates, fit each battery separately (--only)");
 }
 
-/// How well the logs tell what was taken out.
+/// Reports how accurately the logs determine the charge taken out.
 void record_charge(const std::vector<Discharge>& discharges, const Problem& problem, Fit& fit) {
   std::size_t counted = 0;
   for (const Discharge& one : discharges) {
     fit.charge_uncertain = std::max(fit.charge_uncertain, one.uncertain);
     if (one.is_counted) ++counted;
     if (one.scale != 1.0)
-      fit.diagnostics.push_back("the samples lie too far apart to tell what was taken out: their count was " +
+      fit.diagnostics.push_back("the samples are too infrequent to determine the charge taken out: their count was " +
                                 few_digits(100.0 * (1.0 / one.scale - 1.0)) +
-                                " % off the capacity given, and is scaled to it");
+                                " % off the given capacity, and is scaled to it");
   }
   if (counted > 0)
     fit.diagnostics.push_back("in " + std::to_string(counted) + " of " + std::to_string(discharges.size()) +
-                              " discharges the charge is what the tester itself counted");
+                              " discharges the charge was counted by the tester itself");
   constexpr double is_significant = 0.01;
   if (fit.charge_uncertain <= is_significant) return;
   fit.diagnostics.push_back(
-      "what was taken out, and so the capacity and every time foretold, may be off by " +
-      few_digits(100.0 * fit.charge_uncertain) + " %: nobody knows when the current changed between two samples (" +
+      "the charge taken out, and so the capacity and every predicted time, may be off by " +
+      few_digits(100.0 * fit.charge_uncertain) + " %: the current changed at unknown times between samples (" +
       std::to_string(problem.brief) + " of " + std::to_string(problem.loads) +
-      " loads were seen by one sample only, and shorter ones by none). Sample more often, let the tester write " +
-      "'discharging_capacity_ah' and 'charging_capacity_ah', or give the capacity where you know it (--capacity)");
+      " loads have one sample only, and shorter ones have none). Sample more often, let the tester write " +
+      "'discharging_capacity_ah' and 'charging_capacity_ah', or give the capacity if it is known (--capacity)");
 }
 
 void record_warmth(const Warmth& warmth, std::vector<std::string>& diagnostics) {
   if (!warmth.is_known) {
-    diagnostics.emplace_back("the logs tell no temperature: 25 °C is assumed");
+    diagnostics.emplace_back("the logs contain no temperature: 25 °C is assumed");
     return;
   }
-  diagnostics.push_back("taken at " + few_digits(warmth.mean_c) +
-                        " °C: the type's resistances are of that temperature");
+  diagnostics.push_back("measured at " + few_digits(warmth.mean_c) +
+                        " °C: the type's resistances apply to that temperature");
   if (warmth.high_c - warmth.low_c > 8.0)
-    diagnostics.push_back("the discharges' own temperatures go from " + few_digits(warmth.low_c) + " to " +
-                          few_digits(warmth.high_c) + " °C and are fitted as one: fit each temperature alone (--only)");
+    diagnostics.push_back("the discharges' own temperatures range from " + few_digits(warmth.low_c) + " to " +
+                          few_digits(warmth.high_c) +
+                          " °C and are fitted together: fit each temperature separately (--only)");
 }
 
 BatteryType make_type(const Solution& solution, const FitOptions& options, double capacity_ah, double floor_v,
@@ -351,7 +353,7 @@ BatteryType make_type(const Solution& solution, const FitOptions& options, doubl
   for (std::size_t j = 0; j < n; ++j) mean_ohm += at(1, j) / static_cast<double>(n);
   for (std::size_t j = 0; j < n; ++j) {
     type.open_circuit_v.push_back(volt += at(0, j));
-    // A file's R0 is above zero: a hundredth of the others' mean is as good as none.
+    // R0 must be above zero in a file: a hundredth of the others' mean is negligible.
     type.series_ohm.push_back(std::max({at(1, j), 0.01 * mean_ohm, 1e-8}));
     type.fast_ohm.push_back(std::max(0.0, at(2, j)));
     type.slow_ohm.push_back(std::max(0.0, at(3, j)));
@@ -367,7 +369,7 @@ double most_taken_ah(const std::vector<Discharge>& discharges) {
   return taken_ah;
 }
 
-/// What whoever reads the figures should know besides.
+/// Reports what readers of the metrics should know in addition.
 void record_all(const std::vector<Log>& logs, const std::vector<Discharge>& discharges, const Problem& problem,
                 const FitOptions& options, const Warmth& warmth, Fit& fit) {
   for (const Log& log : logs)
@@ -376,25 +378,27 @@ void record_all(const std::vector<Log>& logs, const std::vector<Discharge>& disc
         fit.diagnostics.push_back(diagnostic);
   double& largest_a = fit.largest_a;
   for (const Point& point : problem.points) largest_a = std::max(largest_a, point.current_a);
-  fit.diagnostics.push_back("fitted up to " + few_digits(largest_a) + " A: at more the type is a guess");
+  fit.diagnostics.push_back("fitted up to " + few_digits(largest_a) +
+                            " A: above this current the type is an extrapolation");
   constexpr double rate_suspicious = 50.0;
   if (largest_a > rate_suspicious * fit.type.capacity_ah)
-    fit.diagnostics.push_back("that is " + few_digits(largest_a / fit.type.capacity_ah) +
-                              "C: if the battery never gave so much, the times are not in seconds");
+    fit.diagnostics.push_back("this is " + few_digits(largest_a / fit.type.capacity_ah) +
+                              "C: if the battery never delivered so much, the times are not in seconds");
   record_charge(discharges, problem, fit);
   if (problem.one_current)
     fit.diagnostics.emplace_back(
-        "one current only: steps at its begin and end are all that tells resistance from voltage; the usual is "
+        "one current only: only the steps at its start and end distinguish resistance from voltage; the usual is "
         "assumed");
   constexpr double rms_suspicious_v = 0.03;
   if (fit.rms_v > rms_suspicious_v)
     fit.diagnostics.push_back("off by " + few_digits(1e3 * fit.rms_v) +
-                              " mV: no one battery does what these logs say; fit one battery's alone (--only)");
+                              " mV: no single battery behaves like these logs; fit each battery separately (--only)");
   record_warmth(warmth, fit.diagnostics);
-  if (options.capacity_ah <= 0.0) fit.diagnostics.emplace_back("the capacity is what the slowest discharge took out");
+  if (options.capacity_ah <= 0.0)
+    fit.diagnostics.emplace_back("the capacity is the charge that the slowest discharge took out");
   record_capacities(discharges, fit.type.voltage_floor_v, fit.diagnostics);
   fit.diagnostics.emplace_back(
-      "assumed, as no log tells it: heat capacity and loss, activation energy, fade, growth, spread");
+      "assumed, as no log determines these: heat capacity and loss, activation energy, fade, growth, spread");
 }
 
 }  // namespace
@@ -421,7 +425,7 @@ Result<Fit> fit_type(const std::vector<Log>& logs, const FitOptions& options) {
                 "--capacity");
   double moved_ah = 0.0;
   for (const Log& log : logs) moved_ah = std::max(moved_ah, charge_moved_ah(log));
-  // Over many cycles a tester's error adds up; over few it does not double what a battery holds.
+  // Over many cycles a tester's error accumulates; over few it does not double a battery's capacity.
   if (options.capacity_ah <= 0.0 && discharges.size() < cycles_few && taken_ah < range_min * moved_ah)
     return fail("fit.range",
                 "the discharges that begin full take out " + few_digits(taken_ah) + " Ah, but the log moves " +

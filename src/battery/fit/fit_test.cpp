@@ -36,8 +36,8 @@ std::vector<Log> only(const std::vector<Log>& logs, const std::vector<std::strin
   return some;
 }
 
-// Pulses at 25 °C alone, then the measured times to 3.0 V at two rates that were not in them.
-TEST(Fit, of_the_leaf_s_pulses_tells_how_long_it_lasts_at_1C_and_2C) {
+// Fits pulses at 25 °C alone; predicts the measured times to 3.0 V at two rates that were not among them.
+TEST(Fit, of_the_leaf_s_pulses_predicts_the_times_at_1C_and_2C) {
   const auto fit = fit_type(logs_of("leaf_hppc_25C.csv"), {.name = "leaf"});
   ASSERT_TRUE(fit) << to_string(fit.error());
   EXPECT_LT(fit->rms_v, 0.003);
@@ -49,7 +49,7 @@ TEST(Fit, of_the_leaf_s_pulses_tells_how_long_it_lasts_at_1C_and_2C) {
   }
 }
 
-TEST(Fit, of_two_rates_tells_a_third) {
+TEST(Fit, of_two_rates_predicts_a_third) {
   const std::vector<Log> logs = logs_of("lipo_pouch_rates_25C.csv");
   ASSERT_EQ(logs.size(), 3U);
   struct Case {
@@ -66,7 +66,7 @@ TEST(Fit, of_two_rates_tells_a_third) {
   }
 }
 
-TEST(Fit, of_one_rate_alone_tells_others_roughly_and_says_that_it_guesses) {
+TEST(Fit, of_one_rate_alone_predicts_others_roughly_and_reports_assumptions) {
   const std::vector<Log> logs = logs_of("lipo_pouch_rates_25C.csv");
   const auto fit = fit_type(only(logs, {"=0.1C"}), {.name = "pouch"});
   ASSERT_TRUE(fit) << to_string(fit.error());
@@ -78,9 +78,9 @@ TEST(Fit, of_one_rate_alone_tells_others_roughly_and_says_that_it_guesses) {
   }
 }
 
-TEST(Fit, of_one_rate_is_not_misled_by_a_tester_s_zero) {
+TEST(Fit, of_one_rate_ignores_a_tester_s_zero_error) {
   std::vector<Log> logs = only(logs_of("lipo_pouch_rates_25C.csv"), {"=0.1C"});
-  // A long rest before it, in which the tester writes a few milliamperes of nothing.
+  // A long rest before it, in which the tester writes a zero error of a few milliamperes.
   Log& log = logs.front();
   Log rested{log.name, {}, {}, {}, {}, log.origin, {}};
   for (int t = 0; t < 30000; t += 10) {
@@ -98,7 +98,7 @@ TEST(Fit, of_one_rate_is_not_misled_by_a_tester_s_zero) {
   EXPECT_THAT(fit->diagnostics, ::testing::Contains(::testing::HasSubstr("one current only")));
 }
 
-TEST(Fit, knows_the_temperature_of_its_logs) {
+TEST(Fit, uses_the_temperature_of_its_logs) {
   std::vector<Log> logs = logs_of("lipo_pouch_rates_25C.csv");
   for (Log& log : logs)
     for (double& celsius : log.temperature_c) celsius -= 40.0;
@@ -122,13 +122,13 @@ TEST(Fit, compares_a_log_that_ends_above_the_floor_at_its_own_lowest_voltage) {
   ASSERT_EQ(found.size(), 1U);
   EXPECT_GT(found[0].floor_v, 3.1);
   EXPECT_NEAR(found[0].predicted_s, found[0].measured_s, 0.02 * found[0].measured_s);
-  // And one that begins half empty does not begin full, whatever its own highest voltage is.
+  // A log that begins half empty does not begin full, whatever its own highest voltage is.
   for (auto* column : {&shorter[0].time_s, &shorter[0].voltage_v, &shorter[0].current_a, &shorter[0].temperature_c})
     column->erase(column->begin(), column->begin() + static_cast<std::ptrdiff_t>(most / 2));
   EXPECT_TRUE(predict(fit->type, shorter).empty());
 }
 
-/// What a battery of this type would have written down under pulses of 20 s and rests of 60 s, from full to empty.
+/// The log of a battery of this type under pulses of 20 s and rests of 60 s, from full to empty.
 Log synthetic(const BatteryType& type) {
   Pack pack{std::make_shared<CellTable>(type), {}, {"B", 1, false, 0.0}};
   Log log{"synthetic", {}, {}, {}, {}};
@@ -143,7 +143,7 @@ Log synthetic(const BatteryType& type) {
   return log;
 }
 
-TEST(Fit, finds_a_known_battery_again) {
+TEST(Fit, recovers_a_known_battery) {
   BatteryType known = *shipped_type("leaf33");
   known.fast_ohm.assign(known.charge.size(), 1.2e-3);
   known.slow_ohm.assign(known.charge.size(), 1.5e-3);
@@ -156,7 +156,7 @@ TEST(Fit, finds_a_known_battery_again) {
     EXPECT_NEAR(fit->type.series_ohm[j], 1.7e-3, 0.1e-3) << j;
     EXPECT_NEAR(fit->type.fast_ohm[j] + fit->type.slow_ohm[j], 2.7e-3, 0.4e-3) << j;
   }
-  // What was fitted is a type that can be written and read.
+  // The result is a type that can be written and read.
   BatteryType type = fit->type;
   type.source = "test";
   type.licence = "none";
@@ -164,7 +164,7 @@ TEST(Fit, finds_a_known_battery_again) {
   EXPECT_TRUE(again) << to_string(again.error());
 }
 
-/// The log as a recorder would have written it that looks once in so many seconds, whatever the tester does.
+/// The log resampled at a fixed interval, independent of the tester's steps.
 Log looked_at_every(double every_s, double phase_s, const Log& log) {
   Log seldom{log.name, {}, {}, {}, {}};
   std::size_t i = 1;
@@ -177,8 +177,8 @@ Log looked_at_every(double every_s, double phase_s, const Log& log) {
   return seldom;
 }
 
-// Pulses of 30 s and 10 s, seen once in a minute: nobody knows how long they were.
-TEST(Fit, of_a_log_that_was_sampled_too_seldom_says_by_how_much_it_may_be_off_and_is_not) {
+// Pulses of 30 s and 10 s, sampled once a minute: their durations are unknown.
+TEST(Fit, of_a_log_with_infrequent_samples_reports_a_correct_uncertainty) {
   const std::vector<Log> pulses = logs_of("leaf_hppc_25C.csv");
   bool is_often_wrong = false;
   for (const double phase_s : {0.0, 13.0, 25.0, 44.0}) {
@@ -191,21 +191,21 @@ TEST(Fit, of_a_log_that_was_sampled_too_seldom_says_by_how_much_it_may_be_off_an
     EXPECT_THAT(fit->diagnostics, ::testing::Contains(::testing::HasSubstr("may be off by"))) << phase_s;
     EXPECT_EQ(fit->residuals.front().uncertain, fit->charge_uncertain) << phase_s;
     is_often_wrong = is_often_wrong || std::fabs(fit->type.capacity_ah / 30.5 - 1.0) > 0.03;
-    // With the capacity, which a rated one is not but another test tells, the times are right again.
+    // With the capacity, taken from another test and not from a rating, the times are correct again.
     const auto known = fit_type({seldom}, {.name = "leaf", .capacity_ah = 30.5});
     ASSERT_TRUE(known) << to_string(known.error());
     const auto found = predict(known->type, logs_of("leaf_1C_first.csv"));
     ASSERT_EQ(found.size(), 1U);
     EXPECT_NEAR(found[0].predicted_s, found[0].measured_s, 0.02 * found[0].measured_s) << phase_s;
   }
-  EXPECT_TRUE(is_often_wrong);  // or the words above were not needed
+  EXPECT_TRUE(is_often_wrong);  // otherwise the diagnostic above would not be needed
   const auto often = fit_type(pulses, {.name = "leaf"});
   ASSERT_TRUE(often);
   EXPECT_LT(often->charge_uncertain, 0.005);
   EXPECT_THAT(often->diagnostics, ::testing::Not(::testing::Contains(::testing::HasSubstr("may be off by"))));
 }
 
-TEST(Fit, says_what_a_log_lacks) {
+TEST(Fit, reports_missing_information_of_a_log) {
   const auto code = [](const std::vector<Log>& logs, const FitOptions& options = {}) {
     const auto fit = fit_type(logs, options);
     return fit ? std::string("fitted") : fit.error().code;
@@ -228,10 +228,10 @@ TEST(Fit, says_what_a_log_lacks) {
   EXPECT_THAT(fit.error().message, ::testing::HasSubstr("but the log moves 0.997 Ah"));
 }
 
-TEST(LeastSquares, keep_at_zero_what_would_be_negative) {
+TEST(LeastSquares, clamp_negative_unknowns_to_zero) {
   Eigen::MatrixXd normal(2, 2);
   normal << 2.0, 1.0, 1.0, 2.0;
-  // Without the bound x = (5/3, −4/3); with it only the first is left: 2 x = 2.
+  // Without the bound x = (5/3, −4/3); with it only the first unknown remains: 2 x = 2.
   const Eigen::VectorXd x = nonnegative_least_squares(normal, Eigen::Vector2d{2.0, -1.0});
   EXPECT_NEAR(x(0), 1.0, 1e-12);
   EXPECT_EQ(x(1), 0.0);

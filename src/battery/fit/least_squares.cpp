@@ -36,7 +36,7 @@ Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& normal, const E
     free[static_cast<std::size_t>(best)] = true;
     for (std::size_t inner = 0; inner < size; ++inner) {
       const Eigen::VectorXd wanted = solve_free(normal, right, free);
-      // As far towards it as nobody becomes negative; who reaches zero stays there.
+      // As far as no unknown becomes negative; an unknown that reaches zero stays there.
       double step = 1.0;
       for (Eigen::Index i = 0; i < right.size(); ++i) {
         if (free[static_cast<std::size_t>(i)] && wanted(i) <= 0.0) step = std::min(step, x(i) / (x(i) - wanted(i)));

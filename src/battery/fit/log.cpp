@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t samples_min = 10;
 constexpr std::size_t series_max = 1000;
-/// The words of a column's name: "cell_id" has "cell" and "id".
+/// Whether a column's name contains one of these words: "cell_id" contains "cell" and "id".
 bool has_word(std::string_view name, std::initializer_list<std::string_view> terms) {
   while (!name.empty()) {
     const std::size_t end = std::min(name.find_first_of("_ -"), name.size());
@@ -28,11 +28,11 @@ bool has_word(std::string_view name, std::initializer_list<std::string_view> ter
 bool belongs_to_samples(std::string_view name) {
   return has_word(name, {"step", "record", "data", "point", "sample", "row", "cycle", "index"});
 }
-/// Columns that say which battery or test a sample is of: each of their values is a series.
+/// Columns that state a sample's battery or test: each of their values is a series.
 bool names_a_series(std::string_view name) {
   return !belongs_to_samples(name) && has_word(name, {"id", "cell", "series", "battery", "file", "channel"});
 }
-/// Columns that count, or that may: where one of these has changed when the time starts anew, another series begins.
+/// Columns that count, or may count: if one of these has changed when the time restarts, another series begins.
 bool may_name_a_series(std::string_view name) {
   return has_word(name, {"rate", "number", "name", "run", "cycle", "id"});
 }
@@ -44,7 +44,7 @@ std::string in_small_letters(std::string_view text) {
   return small;
 }
 
-/// A log's time where a tester begins it anew with each step of its test, or writes a step's first sample as 0.
+/// A log's time if a tester restarts it with each step of its test, or writes 0 for a step's first sample.
 class StepTime {
  public:
   [[nodiscard]] bool goes_back(double raw_s) const { return is_begun_ && raw_s < raw_s_; }
@@ -52,11 +52,11 @@ class StepTime {
   [[nodiscard]] bool is_other_step(const std::string& step) const { return step != step_; }
   [[nodiscard]] double last_s() const { return raw_s_; }
 
-  /// The time of the next sample; `before` are those until now, the last of which may turn out to be another.
+  /// The time of the next sample; `before` contains those until now, the last of which may be corrected.
   double next(double raw_s, const std::string& step, std::vector<double>& before) {
     if (!is_begun_) began_s_ = raw_s;
     const bool is_back = goes_back(raw_s);
-    if (is_doubtful_ && !is_back && raw_s >= whole_s_) {  // only that one sample's time was wrong
+    if (is_doubtful_ && !is_back && raw_s >= whole_s_) {  // only the time of that one sample was wrong
       ++slips_;
     } else if (is_doubtful_) {
       ++resets_;
@@ -74,9 +74,10 @@ class StepTime {
   }
 
   [[nodiscard]] std::string diagnostic() const {
-    if (resets_ > 0) return "the time begins anew with each step: its steps are read one after the other";
+    if (resets_ > 0) return "the time restarts with each step: the steps are read one after the other";
     if (slips_ > 0)
-      return std::to_string(slips_) + " steps begin with a sample whose time goes back: it is given the last one's";
+      return std::to_string(slips_) +
+             " steps begin with a sample whose time goes back: the previous sample's time is used";
     return {};
   }
 
@@ -84,19 +85,19 @@ class StepTime {
   bool is_begun_{false};
   bool is_doubtful_{false};  ///< the last sample's time went back
   double began_s_{0.0};
-  double raw_s_{0.0};     ///< as it was written last …
-  double whole_s_{0.0};   ///< … and before it went back
+  double raw_s_{0.0};     ///< the last one as written …
+  double whole_s_{0.0};   ///< … and the one before it went back
   double offset_s_{0.0};  ///< of a step's times
   std::string step_;
   std::size_t slips_{0};
   std::size_t resets_{0};
 };
 
-/// A tester's own count of charge, which begins at zero again with each step, with each cycle or never; some take off
-/// a charge's what flows the other way.
+/// A tester's own count of charge, which restarts at zero with each step, with each cycle or never; some testers
+/// subtract a flow in the opposite direction.
 class TesterCount {
  public:
-  /// What has come since the last sample; nothing where the field holds no number.
+  /// The increment since the last sample; 0 if the field is no number.
   double next(const std::optional<double>& count_ah) {
     if (!count_ah) return 0.0;
     const double before_ah = last_ah_.value_or(*count_ah);
@@ -109,7 +110,7 @@ class TesterCount {
   std::optional<double> last_ah_;
 };
 
-/// Of a number as it is written; plenty where it has an exponent.
+/// Of a number as written; a large number if it has an exponent.
 std::size_t digits_behind_point(std::string_view field) {
   constexpr std::size_t plenty = 12;
   if (field.find_first_of("eE") != std::string_view::npos) return plenty;
@@ -132,8 +133,7 @@ class Reader {
     std::vector<Log> logs = finished();
     for (Log& log : logs) {
       if (log.time_s.size() < samples_min)
-        return fail("log.short", "has " + std::to_string(log.time_s.size()) + " samples, too few to say anything",
-                    log.name);
+        return fail("log.short", "has " + std::to_string(log.time_s.size()) + " samples, which are too few", log.name);
       if (auto good = check_log(log); !good) return tl::unexpected(good.error());
       detect_load_changes(log);
     }
@@ -144,7 +144,7 @@ class Reader {
  private:
   [[nodiscard]] std::string here() const { return origin_ + ":" + std::to_string(lines_.number()); }
 
-  /// The first line, or the first of forty below what some testers write before their table.
+  /// The header is the first line, or, below a tester's preamble, the first valid one of forty.
   Result<void> read_header() {
     auto columns = read_columns(line_, here());
     constexpr std::size_t preamble_max = 40;
@@ -183,9 +183,10 @@ class Reader {
       const std::string_view field = fields[columns_.columns[k].at];
       const auto value = value_of(fields, columns_.columns[k]);
       if (!value)
-        return fail("log.number",
-                    std::string(wanted_columns[k]) + " is '" + std::string(field) + "', no number" + field_hint(field),
-                    here());
+        return fail(
+            "log.number",
+            std::string(wanted_columns[k]) + " is '" + std::string(field) + "', not a number" + field_hint(field),
+            here());
       values[k] = *value;
     }
     for (std::size_t i = 0; i < fields.size(); ++i) {
@@ -205,7 +206,7 @@ class Reader {
     return std::isfinite(scaled) ? std::optional{scaled} : std::nullopt;
   }
 
-  /// A series as it grows, and what its counting columns said first and last.
+  /// A series under construction, with the first and last values of its counting columns.
   struct Growing {
     Log log;
     std::string key;
@@ -215,7 +216,7 @@ class Reader {
     StepTime clock{};
     TesterCount out{};
     TesterCount in{};
-    std::size_t count_digits{0};  ///< that the tester writes of its count, behind the point
+    std::size_t count_digits{0};  ///< decimals of the tester's count
   };
 
   Result<void> book(const std::vector<std::string_view>& fields,
@@ -226,7 +227,7 @@ class Reader {
     counters.reserve(counters_at_.size());
     for (const std::size_t i : counters_at_) counters.emplace_back(fields[i]);
     const std::string step = columns_.step ? std::string(fields[*columns_.step]) : std::string{};
-    // The latest of this key: rows of several batteries may be mixed.
+    // The latest series with this key: rows of several batteries may be mixed.
     const auto found = std::ranges::find(growing_.rbegin(), growing_.rend(), key, &Growing::key);
     Growing* own = found == growing_.rend() ? nullptr : &*found;
     if (own != nullptr && own->clock.goes_back(values[0])) {
@@ -241,8 +242,8 @@ class Reader {
     }
     if (own == nullptr) {
       if (growing_.size() == series_max)
-        return fail("log.column", "columns that name a battery say more than " + std::to_string(series_max) + " names",
-                    here());
+        return fail("log.column",
+                    "columns that name a battery contain more than " + std::to_string(series_max) + " names", here());
       growing_.push_back({{origin_ + key, {}, {}, {}, {}, origin_, {}},
                           key,
                           counters,
@@ -260,7 +261,7 @@ class Reader {
   void write_down(Growing& own, const std::vector<std::string_view>& fields,
                   const std::array<double, wanted_columns.size()>& values, const std::string& step) {
     Log& log = own.log;
-    // Two samples of one instant are the two sides of a step; the time between them is nothing.
+    // Two samples of the same time are the two sides of a step; the time between them is zero.
     log.time_s.push_back(own.clock.next(values[0], step, log.time_s));
     log.voltage_v.push_back(values[1]);
     log.current_a.push_back(-values[2]);
@@ -276,7 +277,7 @@ class Reader {
     log.counted_ah.push_back((log.counted_ah.empty() ? 0.0 : log.counted_ah.back()) + out_ah);
   }
 
-  /// A count that is rounded more coarsely than one in five thousand of what it counts is no better than the samples.
+  /// A count with a resolution worse than one in five thousand of its total is no better than the samples.
   [[nodiscard]] bool is_fine(const Growing& one) const {
     if (one.log.counted_ah.empty()) return false;
     double quantum_ah = columns_.discharged->scale;
@@ -284,7 +285,7 @@ class Reader {
     return quantum_ah <= 2e-4 * charge_moved_ah(one.log);
   }
 
-  /// "rates.csv, cell_id=B1, rate=1C": also what its counting columns say where they never changed.
+  /// "rates.csv, cell_id=B1, rate=1C": includes the values of counting columns that never changed.
   [[nodiscard]] std::vector<Log> finished() {
     std::vector<Log> logs;
     logs.reserve(growing_.size());
@@ -305,7 +306,8 @@ class Reader {
     return logs;
   }
 
-  /// Names promise a range: a percentage that never comes above 1 is a fraction, and the figures would be a hundredth.
+  /// Names imply a range: a percentage that never exceeds 1 is a fraction, and the results would be too small by a
+  /// factor of a hundred.
   Result<void> check_percent() const {
     for (std::size_t i = 0; i < columns_.names.size(); ++i) {
       const auto [low, high] = ranges_[i];
@@ -323,8 +325,8 @@ class Reader {
     return {};
   }
 
-  /// A rest is logged seldom. Where its last sample lies further back than the load's samples lie apart, it is written
-  /// once more just before the load, so that the load's first sample does not count for the rest's time as well.
+  /// Rests are logged infrequently. If the last sample of a rest is further back than the load's sampling interval, it
+  /// is repeated just before the load, so that the load's first sample does not count for the rest's time as well.
   static void detect_load_changes(Log& log) {
     double largest_a = 0.0;
     for (const double current : log.current_a) largest_a = std::max(largest_a, std::fabs(current));

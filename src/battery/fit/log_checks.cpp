@@ -20,8 +20,9 @@ double largest_current_a(const Log& log) {
   return largest_a;
 }
 
-/// What nineteen of twenty keep to, or what five of them agree on: a pulse test has far more samples in its pulses than
-/// between them. Testers write less and less often as the voltage settles.
+/// The interval that nineteen of twenty do not exceed, or that five of the largest agree on: a pulse test has far more
+/// samples in its pulses than between them. Testers write less and less often as the voltage approaches its steady
+/// state.
 double usual_of(std::vector<double> values) {
   std::ranges::sort(values);
   double usual = values[values.size() - 1 - values.size() / 20];
@@ -31,10 +32,10 @@ double usual_of(std::vector<double> values) {
   return usual;
 }
 
-/// A gap under load: three times longer than usual under load, and more than 2 ‰ of all that flowed. Where a load's
-/// first sample follows on a rest, the load may have come on only then: a gap is what is far longer than that log's own
-/// rests between two samples. A charge that goes on as it was, and its voltage higher, is one charge, however seldom it
-/// was looked at.
+/// A gap under load: three times longer than usual under load, and more than 2 ‰ of all charge that flowed. If a load's
+/// first sample follows a rest, the load may have started only then: a gap is far longer than the log's own rests
+/// between two samples. A charge that continues unchanged, with a higher voltage, is one charge, whatever the sampling
+/// interval.
 Result<void> check_gaps(const Log& log) {
   std::vector<double> loaded;
   std::vector<double> rested;
@@ -57,7 +58,7 @@ Result<void> check_gaps(const Log& log) {
   for (std::size_t i = 1; i < log.time_s.size(); ++i) {
     const double dt_s = log.time_s[i] - log.time_s[i - 1];
     const bool load_comes = is_load(i) && !is_load(i - 1);
-    // Those that end a load write the rest's first sample only a rest's usual time later: no gap yet.
+    // After the end of a load testers write the rest's first sample only after a rest's usual time: this is no gap.
     const bool still_charges = is_load(i - 1) && log.current_a[i] < 0.0 && log.current_a[i - 1] < 0.0 &&
                                log.voltage_v[i] >= 0.998 * log.voltage_v[i - 1];
     if (still_charges) continue;
@@ -81,7 +82,7 @@ Result<void> check_voltages(const Log& log) {
       return fail("log.number",
                   "voltage_volt is " + short_number(volt[i]) + " at " + short_number(log.time_s[i]) + " s",
                   location(log, i));
-  // One sample far from both its neighbours, which are alike and carry the same current: a slip of the tester.
+  // One sample far from both its neighbours, which have similar voltages and the same current: an error of the tester.
   const double largest_a = largest_current_a(log);
   for (std::size_t i = 1; i + 1 < volt.size(); ++i) {
     const double apart_v = std::fabs(volt[i + 1] - volt[i - 1]);
@@ -105,7 +106,7 @@ Result<void> check_temperatures(const Log& log) {
   return {};
 }
 
-/// How the voltage goes with the charge that was taken out: -1 falls steadily, 1 rises steadily.
+/// Correlation of the voltage with the charge taken out: -1 falls steadily, 1 rises steadily.
 double fall_with_charge(const Log& log) {
   const auto count = static_cast<double>(log.voltage_v.size());
   std::vector<double> used_as{0.0};
@@ -130,8 +131,8 @@ double fall_with_charge(const Log& log) {
   return volt_sq > 0.0 && used_sq > 0.0 ? both / std::sqrt(volt_sq * used_sq) : 0.0;
 }
 
-/// A step of more discharge current lowers the voltage, and charge taken out lowers it for good. Where a tester holds
-/// the voltage and the current follows, steps say nothing.
+/// An increase of the discharge current lowers the voltage, and charge taken out lowers it permanently. If a tester
+/// holds the voltage and the current follows, steps carry no information.
 Result<void> check_sign(const Log& log) {
   double right = 0.0;
   double wrong = 0.0;
@@ -156,21 +157,23 @@ Result<void> check_sign(const Log& log) {
   constexpr double plain = 0.8;
   constexpr std::size_t few = 3;
   if (wrong_count < few && fall < -plain) return {};
-  // Steps either way in one log: a tester that writes the current's size and leaves its direction to another column.
+  // Steps of both signs in one log: a tester that writes the magnitude of the current, and its direction in another
+  // column.
   if (std::min(wrong, right) > 0.3 * std::max(wrong, right))
-    return fail("log.sign",
-                "the voltage rises with some steps of current_ampere and falls with others: it has no sign. Write what "
-                "charges as positive, what discharges as negative",
-                location(log, wrong_at));
+    return fail(
+        "log.sign",
+        "the voltage rises with some steps of current_ampere and falls with others: it has no sign. Write charging "
+        "currents as positive and discharging currents as negative",
+        location(log, wrong_at));
   if (wrong > right || (wrong == right && fall > 0.0))
     return fail("log.sign",
-                "the voltage falls where current_ampere is positive, which is to charge: it has the other sign. Turn "
-                "the column's sign round",
+                "the voltage falls at positive current_ampere, which should charge: it has the other sign. Invert "
+                "the column's sign",
                 location(log, wrong_at));
   return {};
 }
 
-/// Where the tester counted charge itself, its count and current times time must be about the same.
+/// If the tester counted charge itself, its count and current times time must be about the same.
 Result<void> check_count(const Log& log) {
   if (log.counted_ah.size() != log.time_s.size()) return {};
   double counted_ah = 0.0;
@@ -180,17 +183,17 @@ Result<void> check_count(const Log& log) {
     counted_ah += std::max(0.0, log.counted_ah[i] - log.counted_ah[i - 1]);
     flowed_ah += log.current_a[i] * (log.time_s[i] - log.time_s[i - 1]) / 3600.0;
   }
-  constexpr double most = 10.0;  // a log that is sampled seldom may be off by much
+  constexpr double most = 10.0;  // a log with infrequent samples may be off by much
   if (!(counted_ah > 0.0 && flowed_ah > 0.0) || (flowed_ah < most * counted_ah && counted_ah < most * flowed_ah))
     return {};
   return fail("log.unit",
-              "current times time makes " + short_number(flowed_ah) +
-                  " Ah, the tester's own column of what it took out " + short_number(counted_ah) +
+              "current times time is " + short_number(flowed_ah) +
+                  " Ah, the tester's own column of the charge taken out " + short_number(counted_ah) +
                   " Ah: test_time_second, current_ampere or that column has another unit",
               location(log, log.time_s.size() - 1));
 }
 
-/// Hours or minutes under the name of seconds: all that the battery gave went out within a minute of load, at 60C.
+/// Hours or minutes in a column of seconds: a whole discharge within a minute of load, at 60C.
 Result<void> check_time(const Log& log) {
   double most_as = 0.0;
   double used_as = 0.0;
@@ -202,7 +205,7 @@ Result<void> check_time(const Log& log) {
     if (log.current_a[i] > 0.0) load_s += dt_s;
   }
   const double fall_v = *std::ranges::max_element(log.voltage_v) - *std::ranges::min_element(log.voltage_v);
-  // Only where the voltage says that it went from full to empty.
+  // Only if the voltage shows a discharge from full to empty.
   if (load_s > 0.0 && load_s < 60.0 && most_as > 0.0 && fall_v > 0.15 * log.voltage_v.front())
     return fail("log.unit",
                 "discharged from full to empty in " + short_number(load_s) +
@@ -212,7 +215,7 @@ Result<void> check_time(const Log& log) {
   if (load_s > 3.0 * year_s)
     return fail("log.unit",
                 "was under load for " + short_number(load_s / year_s) +
-                    " years by test_time_second: it holds milliseconds, or was multiplied once too often",
+                    " years by test_time_second: it holds milliseconds, or was scaled twice",
                 location(log, log.time_s.size() - 1));
   return {};
 }

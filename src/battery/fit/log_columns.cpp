@@ -12,7 +12,7 @@ namespace {
 /// Around fields, and quotes.
 constexpr std::string_view blanks = " \t\r\"";
 
-/// A quantity: its machine-readable name, its label, what names it whatever its unit, and what testers call it.
+/// A quantity: its machine-readable name, its label, its stem without a unit, and testers' names for it.
 struct Quantity {
   std::string_view name;
   std::string_view label;
@@ -76,7 +76,7 @@ Name taken_apart(std::string_view written) {
   return name;
 }
 
-/// The format's own name first, then testers' in the order of the list.
+/// The format's own name first, then testers' names in the order of the list.
 std::optional<ColumnUnit> found(const std::vector<std::string>& header, const Quantity& quantity,
                                 std::span<const Unit> units) {
   for (std::size_t i = 0; i < header.size(); ++i)
@@ -99,7 +99,7 @@ std::span<const Unit> units_of(std::size_t k) {
   return amperes;
 }
 
-/// What is said of a column that is not there; `place` is the header's.
+/// The error for a missing column; `place` is the header's.
 tl::unexpected<Error> missing(const std::vector<std::string>& header, const Quantity& quantity,
                               const std::string& location) {
   const std::string wanted{quantity.name};
@@ -116,7 +116,7 @@ tl::unexpected<Error> missing(const std::vector<std::string>& header, const Quan
   if (std::ranges::count_if(header, is_number) >= 3)
     return fail("log.column",
                 "column '" + wanted +
-                    "' is missing: this line holds numbers, not names. Put a line with the columns' " +
+                    "' is missing: this line holds numbers, not names. Add a line with the columns' " +
                     "names before it",
                 location);
   constexpr std::size_t shown_max = 12;
@@ -126,7 +126,7 @@ tl::unexpected<Error> missing(const std::vector<std::string>& header, const Quan
   return fail("log.column", "column '" + wanted + "' is missing; there are " + there, location);
 }
 
-/// The one that stands most often in it; a comma where none does.
+/// The most frequent separator; a comma if there is none.
 char separator_of(std::string_view line) {
   char best = ',';
   for (const char c : {';', '\t'})
@@ -140,7 +140,7 @@ std::vector<std::string_view> cut_fields(std::string_view line, char separator) 
   std::vector<std::string_view> fields;
   bool is_quoted = false;
   std::size_t from = 0;
-  // A tab that separates is no blank around a field.
+  // A tab that separates fields is not trimmed.
   const std::string_view around = separator == '\t' ? " \r\"" : blanks;
   for (std::size_t i = 0; i < line.size(); ++i) {
     if (line[i] == '"') is_quoted = !is_quoted;
@@ -173,7 +173,7 @@ Result<LogColumns> read_columns(std::string_view line, const std::string& locati
   for (const std::string_view name : cut_fields(line, columns.separator)) columns.names.emplace_back(name);
   for (const char c : line)
     if (static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\r')
-      return fail("log.column", "is no table of text", location);
+      return fail("log.column", "is not a text table", location);
   for (std::size_t k = 0; k < quantities.size(); ++k) {
     const auto at = found(columns.names, quantities[k], units_of(k));
     if (!at) return missing(columns.names, quantities[k], location);

@@ -32,7 +32,7 @@ std::string refusal(const std::string& text) {
   return logs ? "read" : to_string(logs.error());
 }
 
-TEST(Columns, that_testers_name_in_their_own_way_are_read_in_their_units) {
+TEST(Columns, with_testers_own_names_are_read_in_their_units) {
   const std::string text = table("Data_Point,Test_Time(s),Step_Time(s),Current [mA],Ecell/mV,Aux_Temperature_1(C)",
                                  [](int t, double volt, double ampere) {
                                    return "1," + std::to_string(t) + ",0," + std::to_string(1000.0 * ampere) + "," +
@@ -47,7 +47,7 @@ TEST(Columns, that_testers_name_in_their_own_way_are_read_in_their_units) {
   EXPECT_THAT(logs->front().diagnostics, ElementsAre(HasSubstr("'Test_Time(s)' as test_time_second, 'Ecell/mV' as")));
 }
 
-TEST(Columns, of_the_format_s_own_names_need_no_word_and_come_first) {
+TEST(Columns, with_the_format_s_own_names_need_no_diagnostic_and_take_precedence) {
   const auto columns = read_columns(
       "Time(h),test_time_second,voltage_volt,Voltage(mV),current_ampere,ambient_temperature_celsius", "a:1");
   ASSERT_TRUE(columns);
@@ -64,14 +64,14 @@ TEST(Columns, in_hours_or_kelvin_become_seconds_and_degrees) {
   EXPECT_EQ(columns->temperature->offset, -273.15);
 }
 
-TEST(Columns, without_a_unit_are_refused_under_testers_names_too) {
+TEST(Columns, without_a_unit_are_rejected_also_under_testers_names) {
   const auto columns = read_columns("Time,Voltage(V),Current(A)", "my.csv:1");
   ASSERT_FALSE(columns);
   EXPECT_EQ(to_string(columns.error()),
             "my.csv:1: column 'Time' lacks its unit or has another: expected 'test_time_second'");
 }
 
-TEST(Columns, may_be_named_below_what_a_tester_says_first) {
+TEST(Columns, may_be_named_below_a_tester_s_preamble) {
   const std::string text =
       table("cell model: X\nNominal capacity, 1.0 Ah\n\ntest_time_second,voltage_volt,current_ampere", plain_row);
   const auto logs = read_logs(text, "my.csv");
@@ -79,7 +79,7 @@ TEST(Columns, may_be_named_below_what_a_tester_says_first) {
   EXPECT_EQ(logs->front().line.front(), 5U);
 }
 
-TEST(Columns, may_stand_between_semicolons_or_tabs_with_decimal_commas) {
+TEST(Columns, may_be_separated_by_semicolons_or_tabs_with_decimal_commas) {
   for (const char between : {';', '\t'}) {
     const auto row = [&](int t, double volt, double ampere) {
       std::string text = plain_row(t, volt, ampere);
@@ -94,31 +94,32 @@ TEST(Columns, may_stand_between_semicolons_or_tabs_with_decimal_commas) {
   }
 }
 
-TEST(Columns, of_numbers_alone_are_told_from_a_missing_one) {
+TEST(Columns, of_numbers_alone_are_distinguished_from_a_missing_column) {
   EXPECT_THAT(
       refusal("No,1.0,1,4.1,-91.8,REST\nNo,2.0,1,4.0,-91.8,REST\n"),
-      HasSubstr("my.csv:1: column 'test_time_second' is missing: this line holds numbers, not names. Put a line"));
+      HasSubstr("my.csv:1: column 'test_time_second' is missing: this line holds numbers, not names. Add a line"));
 }
 
-TEST(Columns, that_are_many_are_not_all_listed) {
+TEST(Columns, are_not_all_listed_if_there_are_many) {
   std::string header = "c0";
   for (int i = 1; i < 50; ++i) header += ",c" + std::to_string(i);
   EXPECT_THAT(refusal(header + "\n"), HasSubstr("c11 and 38 more"));
 }
 
-TEST(Fields, that_are_no_numbers_say_what_they_might_be) {
+TEST(Fields, that_are_no_numbers_are_rejected_with_a_hint) {
   const auto with = [](const std::string& field) {
     return table("test_time_second,voltage_volt,current_ampere", [&](int t, double volt, double ampere) {
       const std::string usual = plain_row(t, volt, ampere);
       return t == 1000 ? field + usual.substr(usual.find(',')) : usual;
     });
   };
-  EXPECT_THAT(refusal(with("0:16:40")), HasSubstr("my.csv:102: test_time_second is '0:16:40', no number: seconds are"));
-  EXPECT_THAT(refusal(with("\"1,000\"")), HasSubstr("is '1,000', no number: write it without separators"));
-  EXPECT_THAT(refusal(with("")), HasSubstr("my.csv:102: test_time_second is '', no number"));
+  EXPECT_THAT(refusal(with("0:16:40")),
+              HasSubstr("my.csv:102: test_time_second is '0:16:40', not a number: seconds are"));
+  EXPECT_THAT(refusal(with("\"1,000\"")), HasSubstr("is '1,000', not a number: write it without separators"));
+  EXPECT_THAT(refusal(with("")), HasSubstr("my.csv:102: test_time_second is '', not a number"));
 }
 
-TEST(Fields, in_quotes_keep_their_commas_and_those_that_are_empty_behind_the_header_s_are_no_fields) {
+TEST(Fields, in_quotes_keep_their_commas_and_empty_ones_beyond_the_header_are_ignored) {
   EXPECT_THAT(cut_fields("1, \"rest, long\" ,3", ','), ElementsAre("1", "rest, long", "3"));
   const std::string text = table("test_time_second,voltage_volt,current_ampere",
                                  [](int t, double v, double a) { return plain_row(t, v, a) + ", ,"; });

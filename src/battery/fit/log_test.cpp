@@ -37,7 +37,7 @@ std::string refusal(const std::string& text) {
   return logs ? "read" : to_string(logs.error());
 }
 
-TEST(Log, is_read_with_discharge_positive) {
+TEST(Log, is_read_with_positive_discharge) {
   const auto logs = read_logs(log_text(), "my.csv");
   ASSERT_TRUE(logs) << to_string(logs.error());
   ASSERT_EQ(logs->size(), 1U);
@@ -48,11 +48,11 @@ TEST(Log, is_read_with_discharge_positive) {
   EXPECT_EQ(log.current_a[0], 0.0);
 }
 
-TEST(Log, may_have_the_format_s_other_names_and_a_spreadsheet_s_mark) {
+TEST(Log, may_have_the_format_s_other_names_and_a_bom) {
   EXPECT_EQ(code_of(log_text({}, "\xEF\xBB\xBFTest Time / s,Voltage / V,Current / A")), "read");
 }
 
-TEST(Log, of_several_series_is_several) {
+TEST(Log, of_several_series_is_several_logs) {
   const auto with = [](const std::string& series) {
     return log_text([&](int, const std::string& line) { return line + "," + series; },
                     "test_time_second,voltage_volt,current_ampere,cell_id");
@@ -76,7 +76,7 @@ TEST(Log, may_have_any_other_columns) {
   EXPECT_EQ(logs->size(), 1U);
 }
 
-TEST(Log, whose_other_columns_count_its_samples_or_steps_is_one) {
+TEST(Log, is_one_series_if_other_columns_count_samples_or_steps) {
   for (const char* column : {"record_number", "data_id", "step_name", "cycle_number", "c_rate", "step_index"}) {
     const auto logs =
         read_logs(log_text([](int t, const std::string& line) { return line + "," + std::to_string(t / 10); },
@@ -88,7 +88,7 @@ TEST(Log, whose_other_columns_count_its_samples_or_steps_is_one) {
   }
 }
 
-TEST(Log, begins_anew_where_the_time_does_and_a_counter_has_changed) {
+TEST(Log, begins_another_series_if_the_time_restarts_and_a_counter_has_changed) {
   const auto with = [](const std::string& number) {
     return log_text([&](int, const std::string& line) { return line + "," + number; },
                     "test_time_second,voltage_volt,current_ampere,discharge_number");
@@ -99,10 +99,10 @@ TEST(Log, begins_anew_where_the_time_does_and_a_counter_has_changed) {
   ASSERT_TRUE(logs) << to_string(logs.error());
   ASSERT_EQ(logs->size(), 2U);
   EXPECT_EQ(logs->back().name, "my.csv, discharge_number=2");
-  EXPECT_EQ(code_of(second + rows), "log.time");  // nothing says that it is another
+  EXPECT_EQ(code_of(second + rows), "log.time");  // nothing indicates another series
 }
 
-TEST(Log, of_batteries_whose_rows_are_mixed_is_one_of_each) {
+TEST(Log, of_batteries_with_mixed_rows_is_one_log_for_each) {
   const auto logs = read_logs(log_text([](int, const std::string& line) { return line + ",B1\n" + line + ",B2"; },
                                        "test_time_second,voltage_volt,current_ampere,cell_id"),
                               "my.csv");
@@ -112,13 +112,13 @@ TEST(Log, of_batteries_whose_rows_are_mixed_is_one_of_each) {
   EXPECT_EQ(logs->front().line[1], 4U);
 }
 
-TEST(Log, of_more_batteries_than_anybody_has_is_refused) {
+TEST(Log, of_implausibly_many_batteries_is_rejected) {
   std::string text = "test_time_second,voltage_volt,current_ampere,cell_id\n";
   for (int i = 0; i < 1001; ++i) text += "1,4,-1,B" + std::to_string(i) + "\n";
-  EXPECT_EQ(refusal(text), "my.csv:1002: columns that name a battery say more than 1000 names");
+  EXPECT_EQ(refusal(text), "my.csv:1002: columns that name a battery contain more than 1000 names");
 }
 
-TEST(Log, in_hours_under_the_name_of_seconds_is_refused) {
+TEST(Log, with_hours_in_a_column_of_seconds_is_rejected) {
   const auto hours = [](int t, const std::string& line) {
     return t <= 100
                ? std::string{}
@@ -128,8 +128,8 @@ TEST(Log, in_hours_under_the_name_of_seconds_is_refused) {
   EXPECT_THAT(refusal(log_text(hours)), HasSubstr("it holds hours or minutes, not seconds"));
 }
 
-TEST(Log, without_a_sign_or_with_a_spike_is_refused_at_its_line) {
-  // Charged and discharged by turns, the current's size alone.
+TEST(Log, without_a_sign_or_with_a_spike_is_rejected_at_its_line) {
+  // Charged and discharged by turns, with the magnitude of the current only.
   const auto sizes = log_text([](int t, const std::string&) {
     const int turn = t / 100 % 4;  // rest, discharge, rest, charge
     const double volt = 3.8 + (turn == 1 ? -0.1 : turn == 3 ? 0.1 : 0.0);
@@ -142,7 +142,7 @@ TEST(Log, without_a_sign_or_with_a_spike_is_refused_at_its_line) {
   EXPECT_THAT(refusal(spike), StartsWith("my.csv:102: voltage_volt jumps from"));
 }
 
-TEST(Log, s_temperatures_may_be_missing_now_and_then_but_not_be_kelvin) {
+TEST(Log, s_temperatures_may_be_missing_occasionally_but_must_not_be_kelvin) {
   const auto warm = [](const char* even) {
     return log_text([=](int t, const std::string& line) { return line + "," + (t % 20 == 0 ? even : ""); },
                     "test_time_second,voltage_volt,current_ampere,temperature_t1_celsius");
@@ -153,25 +153,26 @@ TEST(Log, s_temperatures_may_be_missing_now_and_then_but_not_be_kelvin) {
   EXPECT_THAT(refusal(warm("298")), HasSubstr("my.csv:2: the temperature is 298 °C at 0 s; kelvin?"));
 }
 
-TEST(Log, with_a_gap_under_load_is_refused_and_says_where) {
+TEST(Log, with_a_gap_under_load_is_rejected_with_its_time) {
   const auto without = [](int from, int to) {
     return log_text([=](int t, const std::string& line) { return t > from && t < to ? std::string{} : line; });
   };
   EXPECT_THAT(refusal(without(1000, 1400)), HasSubstr("nothing between 1000 s and 1400 s, under up to 1 A"));
   EXPECT_THAT(refusal(without(1000, 1400)), StartsWith("my.csv:103:"));
   EXPECT_EQ(code_of(without(1000, 1400)), "log.gap");
-  EXPECT_EQ(code_of(without(2600, 2900)), "read");  // at rest nothing flows
-  // From a rest into a load that may have come on long ago: these rests are logged every 10 s.
+  EXPECT_EQ(code_of(without(2600, 2900)), "read");  // at rest no charge flows
+  // From a rest into a load that may have started long ago: these rests are logged every 10 s.
   const auto late = log_text([](int t, const std::string& line) {
-    const bool again = t > 1000 && t <= 1500;  // a rest amid the discharge, its end and what follows unseen
+    const bool again = t > 1000 && t <= 1500;  // a rest within the discharge, whose end and the following load are not
+                                               // sampled
     const std::string usual = again ? line.substr(0, line.rfind(',')) + ",0.0" : line;
     return t > 1400 && t < 2100 ? std::string{} : usual;
   });
   EXPECT_EQ(code_of(late), "log.gap");
-  EXPECT_EQ(code_of(without(2000, 3001)), "read");  // it just ends earlier
+  EXPECT_EQ(code_of(without(2000, 3001)), "read");  // the log ends earlier
 }
 
-TEST(Log, with_the_other_sign_is_refused) {
+TEST(Log, with_the_wrong_sign_is_rejected) {
   const auto turned = [](int, std::string line) {
     const std::size_t minus = line.find('-');
     if (minus != std::string::npos) line.erase(minus, 1);
@@ -179,7 +180,7 @@ TEST(Log, with_the_other_sign_is_refused) {
   };
   EXPECT_EQ(code_of(log_text(turned)), "log.sign");
   EXPECT_THAT(refusal(log_text(turned)), HasSubstr("it has the other sign"));
-  // Also where there is no step: under load from the first sample to the last.
+  // Also without a step: under load from the first sample to the last.
   const auto steady = [](const char* sign) {
     return log_text([=](int t, const std::string& line) {
       return t <= 100 || t > 2500 ? std::string{} : line.substr(0, line.rfind(',')) + "," + sign + "1.0";
@@ -189,7 +190,7 @@ TEST(Log, with_the_other_sign_is_refused) {
   EXPECT_EQ(code_of(steady("-")), "read");
 }
 
-TEST(Log, with_fractions_under_a_percent_is_refused_and_the_reverse) {
+TEST(Log, with_fractions_in_a_percent_column_is_rejected_and_the_reverse) {
   const auto charge = [](const char* name, double scale) {
     return log_text(
         [=](int t, const std::string& line) { return line + "," + std::to_string(scale * (1.0 - t / 3100.0)); },
@@ -202,7 +203,7 @@ TEST(Log, with_fractions_under_a_percent_is_refused_and_the_reverse) {
   EXPECT_EQ(code_of(charge("state_of_charge_fraction", 1.0)), "read");
 }
 
-TEST(Log, without_a_column_or_its_unit_is_refused) {
+TEST(Log, without_a_column_or_its_unit_is_rejected) {
   EXPECT_EQ(refusal(log_text({}, "test_time_second,voltage_volt,current_milliampere")),
             "my.csv:1: column 'current_milliampere' lacks its unit or has another: expected 'current_ampere'");
   EXPECT_THAT(refusal(log_text({}, "test_time,voltage_volt,current_ampere")), HasSubstr("'test_time' lacks its unit"));
@@ -210,7 +211,7 @@ TEST(Log, without_a_column_or_its_unit_is_refused) {
               HasSubstr("'voltage_volt' is missing; there are test_time_second, power_watt"));
 }
 
-TEST(Log, with_a_line_that_is_none_is_refused_there) {
+TEST(Log, with_an_invalid_line_is_rejected_there) {
   const auto at_1000 = [](const std::string& instead) {
     return log_text([=](int t, const std::string& line) { return t == 1000 ? instead : line; });
   };
@@ -224,7 +225,7 @@ TEST(Log, with_a_line_that_is_none_is_refused_there) {
   EXPECT_EQ(code_of("test_time_second,voltage_volt,current_ampere\n1,4,-1\n"), "log.short");
 }
 
-/// Rows of steps of 500 s, the time within each step or since the test's begin as `time` says.
+/// Rows of steps of 500 s, with the time within each step or since the test's start as given by `time`.
 std::string stepped(const std::function<std::string(int second, int step)>& time, bool with_step = true) {
   return log_text(
       [&](int t, const std::string& line) {
@@ -235,18 +236,18 @@ std::string stepped(const std::function<std::string(int second, int step)>& time
                 : "test_time_second,voltage_volt,current_ampere");
 }
 
-TEST(Log, whose_time_begins_anew_with_each_step_is_put_together) {
+TEST(Log, whose_time_restarts_with_each_step_is_joined) {
   const auto within = [](int t, int step) { return std::to_string(t - 500 * step); };
   const auto logs = read_logs(stepped(within), "my.csv");
   ASSERT_TRUE(logs) << to_string(logs.error());
   ASSERT_EQ(logs->size(), 1U);
-  // A step's first sample comes at its begin: the tenth of a minute before it is not in the file.
+  // The first sample of a step is at its start: the ten seconds before it are not in the file.
   EXPECT_NEAR(logs->front().time_s.back(), 3000.0 - 6 * 10.0, 1e-9);
-  EXPECT_THAT(logs->front().diagnostics, ::testing::ElementsAre(HasSubstr("begins anew with each step")));
-  EXPECT_EQ(code_of(stepped(within, false)), "log.time");  // nothing says that steps are the reason
+  EXPECT_THAT(logs->front().diagnostics, ::testing::ElementsAre(HasSubstr("restarts with each step")));
+  EXPECT_EQ(code_of(stepped(within, false)), "log.time");  // nothing indicates that steps are the reason
 }
 
-TEST(Log, with_a_zero_for_the_time_at_a_step_s_first_sample_is_read) {
+TEST(Log, with_time_zero_at_a_step_s_first_sample_is_read) {
   const auto zero = [](int t, int step) { return std::to_string(t == 500 * step ? 0 : t); };
   const auto logs = read_logs(stepped(zero), "my.csv");
   ASSERT_TRUE(logs) << to_string(logs.error());
@@ -257,7 +258,7 @@ TEST(Log, with_a_zero_for_the_time_at_a_step_s_first_sample_is_read) {
               ::testing::ElementsAre(HasSubstr("5 steps begin with a sample whose time goes")));
 }
 
-TEST(Log, of_a_charge_that_is_looked_at_seldom_has_no_gap) {
+TEST(Log, of_an_infrequently_sampled_charge_has_no_gap) {
   const auto charge = [](bool falls) {
     std::string text = "test_time_second,voltage_volt,current_ampere\n";
     for (int t = 0; t <= 3000; t += t < 2000 ? 10 : 500) {
@@ -267,10 +268,10 @@ TEST(Log, of_a_charge_that_is_looked_at_seldom_has_no_gap) {
     return text;
   };
   EXPECT_EQ(code_of(charge(false)), "read");
-  EXPECT_EQ(code_of(charge(true)), "log.gap");  // something happened meanwhile
+  EXPECT_EQ(code_of(charge(true)), "log.gap");  // another event happened in between
 }
 
-TEST(Log, of_a_pulse_test_may_be_sampled_a_hundred_times_faster_in_its_pulses) {
+TEST(Log, of_a_pulse_test_may_have_a_hundredfold_sampling_rate_in_its_pulses) {
   std::string text = "test_time_second,voltage_volt,current_ampere\n";
   double t = 0.0;
   double volt = 4.2;
@@ -289,24 +290,24 @@ TEST(Log, of_a_pulse_test_may_be_sampled_a_hundred_times_faster_in_its_pulses) {
   EXPECT_EQ(code_of(text), "read");
 }
 
-TEST(Log, whose_tester_holds_the_voltage_at_the_end_has_the_right_sign) {
+TEST(Log, of_a_constant_voltage_phase_has_the_right_sign) {
   const auto held = log_text([](int t, const std::string& line) {
     if (t <= 2400 || t > 2500) return t > 2500 ? std::string{} : line;
-    // The current falls away, and the voltage creeps the other way by what the tester's regulator leaves.
+    // The current decreases, and the voltage drifts in the other direction by the regulation error of the tester.
     return std::to_string(t) + "," + std::to_string(3.41 - 0.00001 * (t - 2400)) + "," +
            std::to_string(-1.0 + 0.009 * (t - 2400));
   });
   EXPECT_EQ(code_of(held), "read");
 }
 
-TEST(Log, of_many_years_is_refused) {
+TEST(Log, of_many_years_is_rejected) {
   const auto text = log_text(
       [](int t, const std::string& line) { return std::to_string(t) + "00000" + line.substr(line.find(',')); });
   EXPECT_EQ(code_of(text), "log.unit");
   EXPECT_THAT(refusal(text), HasSubstr("7.61035 years by test_time_second: it holds milliseconds"));
 }
 
-TEST(Log, whose_own_count_of_charge_is_a_thousand_times_another_is_refused) {
+TEST(Log, with_a_charge_count_in_another_unit_is_rejected) {
   const auto counted = [](double factor) {
     return log_text(
         [=](int t, const std::string& line) {
@@ -316,10 +317,10 @@ TEST(Log, whose_own_count_of_charge_is_a_thousand_times_another_is_refused) {
   };
   EXPECT_EQ(code_of(counted(1.0)), "read");
   EXPECT_EQ(code_of(counted(0.001)), "log.unit");
-  EXPECT_THAT(refusal(counted(1000.0)), HasSubstr("current times time makes 0.666667 Ah, the tester's own column"));
+  EXPECT_THAT(refusal(counted(1000.0)), HasSubstr("current times time is 0.666667 Ah, the tester's own column"));
 }
 
-TEST(Discharge, begins_full_counts_what_it_takes_and_crosses_between_samples) {
+TEST(Discharge, begins_full_counts_its_charge_and_interpolates_between_samples) {
   const auto logs = read_logs(log_text(), "my.csv");
   const auto all = discharges_from_full(logs->front(), 4.2);
   ASSERT_EQ(all.size(), 1U);
@@ -331,8 +332,8 @@ TEST(Discharge, begins_full_counts_what_it_takes_and_crosses_between_samples) {
   EXPECT_TRUE(discharges_from_full(logs->front(), 5.0).empty());
 }
 
-TEST(Discharge, after_a_rest_that_is_logged_seldom_begins_when_its_load_came) {
-  // The rest's last sample lies 60 s back, the load's lie 10 s apart.
+TEST(Discharge, after_an_infrequently_sampled_rest_begins_with_its_load) {
+  // The rest's last sample is 60 s back, those of the load are 10 s apart.
   const auto logs = read_logs(
       log_text([](int t, const std::string& line) { return t > 50 && t <= 100 ? std::string{} : line; }), "my.csv");
   ASSERT_TRUE(logs);

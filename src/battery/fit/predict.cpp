@@ -1,4 +1,4 @@
-// What a type's battery would have done under a log's current.
+// The behaviour of a type's battery under a log's current.
 #include "cosiva/battery/fit/predict.h"
 
 #include <algorithm>
@@ -37,8 +37,8 @@ class Foretelling {
                   start_s_,
                   discharge.uncertain} {}
 
-  /// Under the measured current sample by sample, up to where the floor was measured, or to the log's end; past that
-  /// under the last current.
+  /// Applies the measured current sample by sample, until the floor was measured, or to the log's end; beyond that the
+  /// last current.
   Residual run() {
     std::size_t end = discharge_.last;
     for (std::size_t i = discharge_.first; i < discharge_.last && !std::isnan(residual_.measured_s); ++i) {
@@ -87,8 +87,8 @@ class Foretelling {
     }
   }
 
-  /// To sample i under its current; or under what went out meanwhile where that is known better, and its current at the
-  /// end.
+  /// Advances to sample i under its current; or, if the charge in between is known better, under the corresponding
+  /// current, and at the end under the sample's.
   void go_on(std::size_t i) {
     const double dt_s = log_.time_s[i] - now_s_;
     constexpr double glimpse_s = 1e-3;

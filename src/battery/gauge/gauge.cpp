@@ -12,11 +12,11 @@
 namespace cosiva::battery {
 namespace {
 
-constexpr double unknown_variance = 0.09;  // a third: half full, give or take
+constexpr double unknown_variance = 0.09;  // a third: half full, with a large uncertainty
 constexpr double needs_full_sd = 0.05;
 
-/// How far the voltage after a rest still is from the open-circuit voltage's, in charge: half of the most that the
-/// Leaf's pulse test at 25 °C shows 1, 5, 15 and 30 minutes after a load, as one standard deviation.
+/// Deviation of the voltage after a rest from the open-circuit voltage, expressed as charge: half of the maximum that
+/// the Leaf's pulse test at 25 °C shows 1, 5, 15 and 30 minutes after a load, as one standard deviation.
 struct Rest {
   double seconds;
   double sd;
@@ -33,10 +33,10 @@ double rest_sd(double rested_s) {
   return a.sd + (b.sd - a.sd) * (rested_s - a.seconds) / (b.seconds - a.seconds);
 }
 
-/// What a model's voltage under load is off by lasts (it is this battery's resistance): five minutes of samples are
-/// worth one.
+/// The error of a model's voltage under load is persistent (it results from this battery's resistance): samples of five
+/// minutes have the weight of one.
 constexpr double model_error_lasts_s = 300.0;
-constexpr double model_resistance_error = 0.3;  // of R0 + R1 + R2, as a share
+constexpr double model_resistance_error = 0.3;  // of R0 + R1 + R2, as a ratio
 constexpr double model_heat_error_per_k = 0.01;
 
 double squared(double x) { return x * x; }
@@ -84,7 +84,7 @@ GaugeReading Gauge::reading() const {
   return {std::clamp(charge_, 0.0, 1.0), sd, sd > needs_full_sd};
 }
 
-/// One cell's voltage as the monitor has it: its gain, noise and half a step.
+/// Error of one cell's voltage as measured by the monitor: gain, noise and half a step.
 double Gauge::cell_error_v(double cell_v) const {
   const double noise_v =
       (options_.errors.voltage_noise_v + 0.5 * options_.errors.voltage_step_v) / options_.design.series;
@@ -97,8 +97,8 @@ void Gauge::see(const Measured& measured, double dt_s) {
   if (options_.method == GaugeMethod::kalman) filter(measured, added_variance, dt_s);
 }
 
-/// @return  what the charge's variance grew by: a gain's error, and an unknown capacity's, grow with all that was
-///          counted and an offset's with the time, so that their squares add up to the square of the whole
+/// @return  the increase of the charge's variance: the errors of a gain and of an unknown capacity grow with the
+/// counted charge, the error of an offset with the time, so that their squares add up to the square of the whole
 double Gauge::count(double current_a, double dt_s) {
   const BatteryType& type = table_->type();
   const double capacity_as = 3600.0 * type.capacity_ah * options_.design.scale * options_.design.parallel;
@@ -133,8 +133,8 @@ void Gauge::rest(const Measured& measured, double dt_s) {
   rested_s_ += dt_s;
   rest_v_ += (cell_v - rest_v_) * std::min(1.0, dt_s / rest_smoothing_s);
   if (rested_s_ < rests.front().seconds) return;
-  // Fused anew with what was known before the rest at every moment of it: samples of one rest err together, so that
-  // the later ones replace the earlier ones instead of adding to them.
+  // Combined at every moment of a rest with the estimate before the rest: the errors of samples of one rest are the
+  // same, so later samples replace the earlier ones instead of adding to them.
   const double detected = table_->charge_of(rest_v_);
   const double slope_v = std::max(1e-3, table_->volt_per_charge(detected));
   const double detected_variance = squared(rest_sd(rested_s_)) + squared(cell_error_v(cell_v) / slope_v);
@@ -166,9 +166,10 @@ void Gauge::filter(const Measured& measured, double added_variance, double dt_s)
     cov[k + 1][k + 1] += squared(model_resistance_error * (1.0 - decay[k]) * ohm[k] * cell_a);
   }
   cov[0][0] += added_variance;
-  if (rested_s_ >= rests.front().seconds) return;  // the rest has looked at this voltage already
+  if (rested_s_ >= rests.front().seconds) return;  // the rest layer has already used this voltage
 
-  // What the model does not know of its voltage grows with current and with distance from where it was measured.
+  // The model's uncertainty of its voltage grows with the current and with the distance from the conditions of its
+  // measurement.
   const double series_ohm = row.series_ohm * heat;
   const double drop_v = (series_ohm + ohm[0] + ohm[1]) * cell_a;
   const double away_k = std::fabs(measured.temperature_c - table_->type().reference_temperature_c);

@@ -14,7 +14,7 @@
 
 namespace cosiva::battery {
 
-/// Which layers a gauge uses; each takes those before it along.
+/// The layers of a gauge; each includes those before it.
 enum class GaugeMethod : std::uint8_t {
   counter,  ///< counts the charge that flows
   rest,     ///< and corrects it by the open-circuit voltage after a rest
@@ -23,30 +23,30 @@ enum class GaugeMethod : std::uint8_t {
 [[nodiscard]] std::optional<GaugeMethod> parse_method(std::string_view word);
 [[nodiscard]] std::string_view to_string(GaugeMethod method);
 
-/// What a gauge is told by its maker: of the type, never of the battery before it.
+/// The data that a gauge has from its maker: about the type, never about the individual battery.
 struct GaugeOptions {
   GaugeMethod method{GaugeMethod::rest};
   PackDesign design;
-  MonitorErrors errors;      ///< what it thinks of its monitor
-  double capacity_sd{0.01};  ///< how much a battery's capacity may differ from the type's
+  MonitorErrors errors;      ///< the gauge's assumptions about its monitor
+  double capacity_sd{0.01};  ///< relative deviation of a battery's capacity from the type's
 };
 
-/// What it believes.
+/// The gauge's estimate.
 struct GaugeReading {
   double charge;           ///< 0 empty to 1 full
   double charge_sd;        ///< one standard deviation of its error
-  bool needs_full_charge;  ///< has drifted so far that only a full charge tells it where it is
+  bool needs_full_charge;  ///< the uncertainty is so large that only a full charge restores the estimate
 };
 
-/// RALI's gauge: from a monitor's voltage, current and temperature to a charge with its standard deviation. It knows
-/// the type's tables and nothing of the battery that it looks at.
+/// RALI's gauge: computes a charge with its standard deviation from a monitor's voltage, current and temperature. The
+/// gauge has the type's tables and no access to the battery.
 class Gauge {
  public:
   Gauge(std::shared_ptr<const CellTable> table, GaugeOptions options, double charge = 1.0, double charge_sd = 0.005);
 
-  /// A battery has been put in, or the charger has finished: it is full.
+  /// A battery was inserted, or the charger has finished: the charge is full.
   void full();
-  /// A battery of unknown charge has been put in.
+  /// A battery of unknown charge was inserted.
   void unknown();
   void see(const Measured& measured, double dt_s);
 
@@ -67,14 +67,14 @@ class Gauge {
   GaugeOptions options_;
   double charge_;
   double variance_;
-  double used_{0.0};       ///< charge counted since something else than counting last told
-  double counted_s_{0.0};  ///< likewise
-  // The rest's layer: what was known when it began.
+  double used_{0.0};       ///< charge counted since the last absolute estimate
+  double counted_s_{0.0};  ///< duration of this count
+  // State of the rest layer: the estimate at the start of the rest.
   double rested_s_{0.0};
-  double rest_v_{0.0};  ///< its voltage, smoothed
+  double rest_v_{0.0};  ///< voltage at rest, smoothed
   double before_rest_{1.0};
   double variance_before_rest_{0.0};
-  // The filter's layer: a cell's voltages over its pairs, and covariance with the charge: s, u1, u2.
+  // State of the filter layer: a cell's voltages over its pairs, and the covariance with the charge: s, u1, u2.
   std::array<double, 2> pair_v_{};
   std::array<std::array<double, 3>, 3> covariance_{};
 };

@@ -18,7 +18,7 @@ namespace {
 
 std::shared_ptr<const CellTable> table_of(const char* name) { return std::make_shared<CellTable>(*shipped_type(name)); }
 
-/// A battery with its monitor and its gauge: truth on the one side, belief on the other.
+/// A battery with its monitor and its gauge: ground truth and estimate.
 struct Fixture {
   std::shared_ptr<const CellTable> table = table_of("lipo850");
   Pack pack;
@@ -39,7 +39,7 @@ struct Fixture {
   [[nodiscard]] double error() const { return gauge.reading().charge - pack.charge(); }
 };
 
-TEST(Monitor, errs_by_what_its_errors_say_and_speaks_in_its_steps) {
+TEST(Monitor, has_the_specified_errors_and_resolution) {
   double gain_sq = 0.0;
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
     Monitor monitor{MonitorErrors{}, Random{seed, "monitor"}};
@@ -56,7 +56,7 @@ TEST(Monitor, errs_by_what_its_errors_say_and_speaks_in_its_steps) {
   EXPECT_NEAR(std::sqrt(gain_sq / 400.0), std::hypot(0.02, 0.005), 0.0025);
 }
 
-TEST(Gauge, counting_knows_how_far_it_may_be_off) {
+TEST(Gauge, counting_estimates_its_uncertainty_correctly) {
   double z_sq = 0.0;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     Fixture fixture{seed, GaugeMethod::counter};
@@ -65,11 +65,12 @@ TEST(Gauge, counting_knows_how_far_it_may_be_off) {
     z_sq += z * z;
     ASSERT_LT(std::fabs(z), 5.0);
   }
-  // Its battery's weaker cell makes it a little too sure; a start of half a percent that is exact, not sure enough.
+  // The weaker cell of its battery makes it slightly overconfident; an exact start with half a percent of uncertainty,
+  // underconfident.
   EXPECT_NEAR(std::sqrt(z_sq / 300.0), 1.0, 0.2);
 }
 
-TEST(Gauge, that_counts_keeps_a_wrong_start_for_ever) {
+TEST(Gauge, counting_keeps_a_wrong_start_for_ever) {
   Fixture fixture{1, GaugeMethod::counter, 0.8, 0.2};
   fixture.run(5.0, 3600.0);
   EXPECT_NEAR(fixture.error(), -0.2, 0.03);
@@ -79,7 +80,7 @@ TEST(Gauge, that_counts_keeps_a_wrong_start_for_ever) {
   EXPECT_FALSE(fixture.gauge.reading().needs_full_charge);
 }
 
-TEST(Gauge, after_a_rest_is_right_again_the_longer_the_better) {
+TEST(Gauge, corrects_its_estimate_after_a_rest_the_better_the_longer) {
   const auto error_after = [](double rest_s) {
     double sum_sq = 0.0;
     double sd = 0.0;
@@ -93,12 +94,12 @@ TEST(Gauge, after_a_rest_is_right_again_the_longer_the_better) {
     EXPECT_LT(std::sqrt(sum_sq / 20.0), 2.5 * sd) << rest_s;
     return std::sqrt(sum_sq / 20.0);
   };
-  EXPECT_GT(error_after(30.0), 0.15);  // that was no rest yet
+  EXPECT_GT(error_after(30.0), 0.15);  // this was not a rest yet
   EXPECT_LT(error_after(300.0), 0.05);
   EXPECT_LT(error_after(1800.0), 0.03);
 }
 
-TEST(Gauge, is_not_surer_for_having_rested_twice_as_often_within_one_rest) {
+TEST(Gauge, is_not_more_certain_for_more_samples_within_one_rest) {
   Fixture fine{1, GaugeMethod::rest};
   Fixture coarse{1, GaugeMethod::rest};
   for (Fixture* fixture : {&fine, &coarse}) fixture->run(5.0, 3600.0);
@@ -107,7 +108,7 @@ TEST(Gauge, is_not_surer_for_having_rested_twice_as_often_within_one_rest) {
   EXPECT_NEAR(fine.gauge.reading().charge_sd, coarse.gauge.reading().charge_sd, 3e-4);
 }
 
-TEST(Gauge, that_filters_finds_out_of_a_wrong_start_under_load) {
+TEST(Gauge, filtering_corrects_a_wrong_start_under_load) {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     Fixture fixture{seed, GaugeMethod::kalman, 0.8, 0.2};
     fixture.run(5.0, 1800.0);
@@ -138,8 +139,8 @@ std::vector<Sample> log_of(const std::string& name) {
   return samples;
 }
 
-/// A real discharge as a monitor with 1 % too much and 0.1 A of offset would have told it, and the worst error in the
-/// second half of it.
+/// A measured discharge with a simulated monitor of 1 % gain and 0.1 A offset error; returns the largest error in its
+/// second half.
 double worst_error(const std::string& log, GaugeMethod method, double estimated, double estimated_sd) {
   MonitorErrors errors;
   errors.current_offset_sd_a = 0.1;
@@ -151,7 +152,7 @@ double worst_error(const std::string& log, GaugeMethod method, double estimated,
     const double dt_s = samples[i].t_s - samples[i - 1].t_s;
     used_ah += samples[i].ampere * dt_s / 3600.0;
     if (samples[i].ampere < 1.0) continue;
-    // Logged twice a minute; the gauge looks every second.
+    // Logged twice a minute; the gauge is updated every second.
     const int updates = std::max(1, static_cast<int>(dt_s));
     for (int k = 1; k <= updates; ++k) {
       const double volt = samples[i - 1].ampere < 1.0
@@ -164,19 +165,19 @@ double worst_error(const std::string& log, GaugeMethod method, double estimated,
   return worst;
 }
 
-TEST(Gauge, on_a_measured_discharge_filters_a_wrong_start_away) {
+TEST(Gauge, on_a_measured_discharge_corrects_a_wrong_start) {
   EXPECT_GT(worst_error("leaf_1C_first.csv", GaugeMethod::counter, 0.8, 0.2), 0.2);
   EXPECT_LT(worst_error("leaf_1C_first.csv", GaugeMethod::kalman, 0.8, 0.2), 0.05);
   EXPECT_LT(worst_error("leaf_2C_first.csv", GaugeMethod::kalman, 0.8, 0.2), 0.08);
 }
 
-TEST(Gauge, on_a_measured_discharge_filters_no_right_start_away) {
+TEST(Gauge, on_a_measured_discharge_keeps_a_correct_start) {
   EXPECT_LT(worst_error("leaf_1C_first.csv", GaugeMethod::counter, 1.0, 0.005), 0.02);
   EXPECT_LT(worst_error("leaf_1C_first.csv", GaugeMethod::kalman, 1.0, 0.005), 0.03);
   EXPECT_LT(worst_error("leaf_2C_first.csv", GaugeMethod::kalman, 1.0, 0.005), 0.03);
 }
 
-TEST(Gauge, goes_on_from_its_saved_state_to_the_same_bits) {
+TEST(Gauge, continues_from_its_saved_state_to_the_same_bits) {
   Fixture fixture{3, GaugeMethod::kalman};
   fixture.run(5.0, 100.0);
   Gauge again{fixture.table, {GaugeMethod::kalman, {2, 1, 2.2 / 0.85}, {}, 0.01}};
@@ -190,7 +191,7 @@ TEST(Gauge, goes_on_from_its_saved_state_to_the_same_bits) {
     EXPECT_FALSE(again.restore(bad)) << bad;
 }
 
-TEST(GaugeMethod, is_told_by_its_word) {
+TEST(GaugeMethod, is_parsed_from_its_name) {
   for (const GaugeMethod method : {GaugeMethod::counter, GaugeMethod::rest, GaugeMethod::kalman})
     EXPECT_EQ(parse_method(to_string(method)), method);
   EXPECT_EQ(parse_method("magic"), std::nullopt);

@@ -6,14 +6,14 @@
 
 namespace cosiva::battery {
 
-/// What a battery monitor says: nothing of this is exact.
+/// The values of a battery monitor, all with errors.
 struct Measured {
   double voltage_v;
   double current_a;  ///< positive discharges
   double temperature_c;
 };
 
-/// How far a monitor of the usual kind (a shunt and an INA219 on I²C) is off.
+/// The errors of a usual monitor (a shunt and an INA219 on I²C).
 struct MonitorErrors {
   double current_gain_sd{0.01};       ///< of each monitor, drawn once
   double current_offset_sd_a{0.005};  ///< likewise
@@ -26,11 +26,11 @@ struct MonitorErrors {
   double temperature_noise_c{0.2};
 };
 
-/// One monitor on one battery's wires: from what is true to what is said.
+/// One monitor on one battery's wires: converts true values to measured ones.
 class Monitor {
  public:
   Monitor(const MonitorErrors& errors, Random random);
-  /// Other noise from now on, with the same constant errors: a run that is cut into pieces can go on from any of them.
+  /// Other noise from now on, with the same constant errors: a run can be resumed from any of its parts.
   void renew_noise(Random random) { random_ = random; }
   [[nodiscard]] Measured measure(double voltage_v, double current_a, double temperature_c);
 

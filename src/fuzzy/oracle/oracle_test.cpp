@@ -1,4 +1,4 @@
-// The same rules read by fuzzylite 6 and by us, asked the same questions.
+// The same rules read by fuzzylite 6 and by CoSiVA, with the same inputs.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ namespace {
 #endif
 #endif
 
-// Under the sanitizers each question costs ten times as much, and the bits are the same.
+// Under the sanitizers each decision costs ten times as much, and the bits are the same.
 #ifdef COSIVA_SLOW_BUILD
 constexpr std::size_t questions = 50'000;
 #else
@@ -33,7 +33,7 @@ constexpr std::size_t questions = 1'000'000;
 #endif
 constexpr double deviation_max = 1e-6;  // of an output's range
 
-/// A batch of random questions: each input over its range and a little beyond.
+/// A batch of random inputs: each over its range and a little beyond.
 std::vector<std::vector<double>> evaluate_all(const Engine& engine, std::size_t count, Random& random) {
   std::vector<std::vector<double>> columns;
   for (const Variable& input : engine.inputs) {
@@ -45,7 +45,7 @@ std::vector<std::vector<double>> evaluate_all(const Engine& engine, std::size_t 
   return columns;
 }
 
-/// The worst difference over so many questions, as a share of each output's range.
+/// The largest difference over this many decisions, as a ratio of each output's range.
 double worst_deviation(const RuleBase& own, Fuzzylite& theirs, std::size_t count, Random& random) {
   const Engine& engine = own.engine();
   const auto columns = evaluate_all(engine, count, random);
@@ -63,14 +63,14 @@ double worst_deviation(const RuleBase& own, Fuzzylite& theirs, std::size_t count
     for (std::size_t o = 0; o < response.size(); ++o) {
       const double range = engine.outputs[o].maximum - engine.outputs[o].minimum;
       const double deviation = std::fabs(responses[o][k] - response[o]) / range;
-      // What is no number on either side is a deviation without end.
+      // NaN on either side counts as an infinite deviation.
       worst = deviation <= worst ? worst : (deviation > worst ? deviation : HUGE_VAL);
     }
   }
   return worst;
 }
 
-TEST(Fuzzylite, answers_a_million_questions_by_the_agent_s_rules_as_we_do) {
+TEST(Fuzzylite, gives_the_same_outputs_for_a_million_inputs_of_the_agent_s_rules) {
   std::ostringstream text;
   text << std::ifstream(source_dir() + "/rules/agent.fll").rdbuf();
   const auto own = RuleBase::read(text.str(), "rules/agent.fll");
@@ -100,7 +100,7 @@ TEST(Fuzzylite, agrees_on_random_rules_of_every_shape_hedge_and_norm) {
 }  // namespace
 }  // namespace cosiva::fuzzy
 
-// fuzzylite's library has a main of its own, which would come before the test library's.
+// fuzzylite's library has a main of its own, which the linker would prefer to the test library's.
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   return RUN_ALL_TESTS();

@@ -8,7 +8,7 @@
 
 namespace cosiva::fuzzy {
 
-/// fuzzylite's own engine, asked as RuleBase is. It reads the text itself.
+/// fuzzylite's own engine, with the interface of RuleBase. The engine reads the text itself.
 class Fuzzylite {
  public:
   explicit Fuzzylite(const std::string& fll) : engine_{fl::FllImporter().fromString(fll)} {

@@ -10,7 +10,7 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// From a crossing's exit to where the rear of the one ahead is at least: it must be able to leave the crossing behind.
+/// Minimum distance from a crossing's exit to the rear of the leader: the vehicle must be able to leave the crossing.
 constexpr double room_m = aiv::clearance_m + Ground::left_m + 0.01;
 
 }  // namespace
@@ -94,14 +94,14 @@ void CrossingGrants::grant_due(Block& block, std::uint32_t index) {
       return crossing.holder == Fleet::none && crossing.claimed_pass != block.pass;
     });
     if (is_open) {
-      grant(block, one.vehicle, block.now - one.requested_step);  // and the next one stands at k now
+      grant(block, one.vehicle, block.now - one.requested_step);  // the next request is at index k now
       continue;
     }
     for (const Ground::Leave& leave : leaves) here[leave.crossing].claimed_pass = block.pass;
     ++k;
   }
-  // The vehicle ahead of one that lacks room may move on at any time. All else that could change is a crossing left, a
-  // new request, or a vehicle that has waited long enough.
+  // The leader of a vehicle that lacks room may move on at any time. The only other changes are a crossing left, a new
+  // request, or a vehicle that has waited long enough.
   copy.due_step = lacks_room ? block.now : sort_step;
   copy.sort_step = sort_step;
 }
@@ -142,7 +142,7 @@ bool CrossingGrants::exchange_chain(std::uint32_t i, std::span<const zone::Secti
   for (const Ground::Leave& leave : ground_.leaves_of(ground_.chain(own.held_chain)).subspan(own.held_next))
     here[leave.crossing].holder = Fleet::none;
   own.held_next = to_come;
-  if (to_come == leaves.size()) {  // this way it is through already
+  if (to_come == leaves.size()) {  // on this route the vehicle has passed all of them
     clear_hold(i);
     recheck(copies_[own.copy]);
     return true;
@@ -157,7 +157,7 @@ bool CrossingGrants::exchange_chain(std::uint32_t i, std::span<const zone::Secti
 
 std::size_t CrossingGrants::stuck() const {
   const auto count = static_cast<std::uint32_t>(state_.s_m.size());
-  // Each vehicle waits for one other at most: where a walk from one to the next meets itself there is a circle.
+  // Each vehicle waits for at most one other: a walk along these that meets itself has found a cycle.
   std::vector<std::uint32_t> walk(count, 0);
   std::size_t in_circles = 0;
   for (std::uint32_t start = 0; start < count; ++start) {
@@ -188,7 +188,7 @@ std::span<Waiting> CrossingGrants::waiting(std::uint32_t copy) {
 }
 
 void CrossingGrants::sort_waiting(Copy& copy, std::span<Waiting> all, std::uint32_t now) {
-  // Insertion sort: the queue nearly always is in order.
+  // Insertion sort: the queue is nearly always in order.
   for (std::size_t k = 1; k < all.size(); ++k) {
     const Waiting self = all[k];
     std::size_t to = k;
@@ -214,7 +214,7 @@ bool CrossingGrants::goes_before(const Waiting& a, const Waiting& b, std::uint32
 
 bool CrossingGrants::has_room(std::uint32_t i, const Ground::Chain& chain) const {
   const double exit_m = state_.line_at[i] - chain.entry_m + chain.exit_m;
-  // A vehicle that is to stay in the crossing needs no room beyond.
+  // A vehicle whose goal is in the crossing needs no room beyond.
   if ((state_.mode[i] & Mode::sent) != 0 && state_.goal_at[i] <= exit_m) return true;
   const double need_m = exit_m + numbers_.length_m + room_m;
   Leaders::Found ahead{state_.leader[i], state_.offset_m[i]};

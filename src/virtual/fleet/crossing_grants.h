@@ -16,22 +16,23 @@ class CrossingGrants {
  public:
   CrossingGrants(FleetTables& tables, Leaders& leaders, PathSurvey& survey);
 
-  /// Puts vehicle i, which nears a stop line, into the queue of its copy.
+  /// Adds vehicle i, which approaches a stop line, to the queue of its copy.
   void request(const Block& block, std::uint32_t i);
-  /// Takes vehicle i out of the queue.
+  /// Removes vehicle i from the queue.
   void withdraw(std::uint32_t i);
   /// Vehicle i has left the next of the crossings that it holds.
   void release(std::uint32_t i);
-  /// Grants chains in copy `index` to those whose turn it is.
+  /// Grants the due chains in copy `index`.
   void grant_due(Block& block, std::uint32_t index);
   /// Sets the priority of vehicle i, in the queue as well.
   void set_priority(std::uint32_t i, std::int16_t priority);
   /// A vehicle that stays in crossings holds the chain that leads on from there by default. Another route needs other
-  /// crossings with them, and the vehicle takes those all at once. False: they are not free, or there is no such chain.
+  /// crossings as well; the vehicle takes all of those at once. Returns false if they are not free, or if there is no
+  /// such chain.
   [[nodiscard]] bool exchange_chain(std::uint32_t i, std::span<const zone::SectionId> route);
-  /// Vehicles that wait for each other in a circle.
+  /// Number of vehicles that wait for each other in a cycle.
   [[nodiscard]] std::size_t stuck() const;
-  /// The queue of `copy` is to be looked at again in the next step.
+  /// The queue of `copy` is evaluated again in the next step.
   static void recheck(Copy& copy);
 
  private:

@@ -1,4 +1,4 @@
-// Who stays in crossings and is then sent another way, where that way's crossings are behind it.
+// A vehicle that stays in crossings and is then sent along another branch, whose crossings are behind it.
 #include <gtest/gtest.h>
 
 #include "cosiva/virtual/fleet/fleet.h"
@@ -10,8 +10,8 @@ namespace {
 using namespace test;
 
 /// A lane that forks after a crossing, with another crossing close behind the fork on one branch. Both are reserved
-/// together; along the other branch the first one alone is. In a drawn zone the fork itself is a crossing too, on
-/// either branch; one made by hand may do without, and so comes to be through before the fork.
+/// together; along the other branch only the first one is. In a drawn zone the fork itself is a crossing too, on either
+/// branch; a zone made by hand may lack that crossing, so that a vehicle has passed the first one before the fork.
 ///
 ///   in ─── neck(X1) ─┬─ on(X2) ───
 ///                    └─ off ── (X3) ──
@@ -31,13 +31,13 @@ class ForkedLane : public testing::Test {
     return fleet_.send(i, route, goal_s_m);
   }
   [[nodiscard]] Fleet::Vehicle holder(std::size_t crossing) const { return fleet_.holder(0, crossing); }
-  /// Steps until it is at its goal; gives up where that takes a minute.
+  /// Steps until the vehicle is at its goal; gives up after a minute.
   [[nodiscard]] bool arrives(Fleet::Vehicle i) {
     for (int k = 0; k < 600 && !fleet_.is_at_goal(i); ++k) fleet_.step();
     return fleet_.is_at_goal(i);
   }
-  /// It stands before the fork, through the first crossing, and holds the second: that is where it was sent. The others
-  /// stay where they are.
+  /// The first vehicle is stopped at its goal before the fork, has passed the first crossing, and holds the second. The
+  /// others stay at their positions.
   void drive_to_the_fork() {
     ASSERT_TRUE(send(across_1, {id("side_1")}, 1.0));
     ASSERT_TRUE(send(across_2, {id("side_2")}, 1.0));
@@ -76,21 +76,21 @@ class ForkedLane : public testing::Test {
   }
 };
 
-TEST_F(ForkedLane, sent_along_the_branch_whose_crossings_are_behind_it_a_vehicle_holds_nothing_and_drives_on) {
+TEST_F(ForkedLane, on_a_branch_whose_crossings_are_behind_it_a_vehicle_holds_nothing_and_drives_on) {
   drive_to_the_fork();
   ASSERT_TRUE(send(across_2, {id("side_2")}, 3.3));
   EXPECT_FALSE(arrives(across_2)) << "the first one still holds the crossing";
 
   ASSERT_TRUE(send(first, {id("neck"), id("off")}, 3.5));
   for (std::size_t crossing = 0; crossing < 3; ++crossing) EXPECT_EQ(holder(crossing), Fleet::none) << crossing;
-  EXPECT_TRUE(arrives(first)) << "it can ask for what comes next";
+  EXPECT_TRUE(arrives(first)) << "it can request the next crossings";
   EXPECT_EQ(fleet_.track_position(first), (zone::TrackPosition{id("off"), 3.5}));
-  EXPECT_TRUE(fleet_.is_at_goal(across_2)) << "what was given back was free for others";
-  EXPECT_EQ(holder(1), across_2) << "and is theirs, wherever the first one drives";
+  EXPECT_TRUE(fleet_.is_at_goal(across_2)) << "returned crossings are free for others";
+  EXPECT_EQ(holder(1), across_2) << "and are theirs, wherever the first one drives";
   EXPECT_EQ(fleet_.collisions(), 0U);
 }
 
-TEST_F(ForkedLane, a_vehicle_that_keeps_to_its_branch_keeps_what_it_holds_there) {
+TEST_F(ForkedLane, a_vehicle_that_keeps_its_branch_keeps_its_crossings_there) {
   drive_to_the_fork();
   ASSERT_TRUE(send(first, {id("neck"), id("on")}, 3.5));
   EXPECT_EQ(holder(1), first);
@@ -98,11 +98,11 @@ TEST_F(ForkedLane, a_vehicle_that_keeps_to_its_branch_keeps_what_it_holds_there)
   EXPECT_EQ(holder(1), Fleet::none);
 }
 
-TEST_F(ForkedLane, sent_along_another_branch_a_vehicle_does_not_wait_for_crossings_behind_it) {
+TEST_F(ForkedLane, on_another_branch_a_vehicle_does_not_wait_for_crossings_behind_it) {
   drive_to_the_fork();
   ASSERT_TRUE(send(across_1, {id("side_1")}, 3.3));
   ASSERT_TRUE(arrives(across_1));
-  ASSERT_EQ(holder(0), across_1) << "who stays in a crossing holds it";
+  ASSERT_EQ(holder(0), across_1) << "a vehicle that stays in a crossing holds it";
   EXPECT_TRUE(send(first, {id("neck"), id("off")}, 3.5));
   EXPECT_EQ(holder(0), across_1);
   EXPECT_EQ(holder(1), Fleet::none);

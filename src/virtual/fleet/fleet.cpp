@@ -21,7 +21,7 @@
 
 namespace cosiva::virtual_side {
 
-/// Invariant: the parts work on the tables beside them, so an Inside is never moved.
+/// Invariant: the components hold references to the tables next to them, so an Impl is never moved.
 struct Fleet::Impl {
   Impl(Ground ground, const FleetOptions& options, std::optional<FleetRules> rules, std::size_t vehicles)
       : tables{std::move(ground), options}, stepper{tables, grants, changes, poses, std::move(rules), vehicles} {}

@@ -19,136 +19,139 @@
 namespace cosiva::virtual_side {
 
 struct FleetOptions {
-  SimDuration step{std::chrono::milliseconds{100}};  ///< of time, in (0, 200 ms]
-  /// By which the agents choose their speeds; null: the crisp rules.
+  SimDuration step{std::chrono::milliseconds{100}};  ///< the length of a step, in (0, 200 ms]
+  /// The rules of the agents' speed choice; null: the crisp rules.
   std::shared_ptr<const aiv::AgentRules> rules{};
-  /// A vehicle that has waited so long at a crossing is overtaken by nobody (as virtual/server's Traffic has it).
+  /// After this waiting time at a crossing no other vehicle overtakes the waiting one (as in virtual/server's Traffic).
   SimDuration overtaken_at_most{std::chrono::seconds{10}};
 };
 
-/// Where a vehicle begins, standing.
+/// Where a vehicle starts, at standstill.
 struct FleetStart {
-  std::uint32_t copy{0};         ///< of the zone; from one start to the next it never falls
-  zone::TrackPosition position;  ///< on no_section: it is not in the zone yet
+  std::uint32_t copy{0};         ///< of the zone; never decreases from one start to the next
+  zone::TrackPosition position;  ///< no_section: the vehicle is not in the zone yet
   std::int32_t priority{0};      ///< 0…999
 };
 
-/// A fleet that is only virtual, in a core of its own, for times far beyond real time: `step` moves all vehicles on by
-/// one step. They drive by the agents' own rules and formulas (src/aiv), with perfect senses and no messages; whoever
-/// wants boards, noise and VDA 5050 takes virtual/vehicle. There may be many copies of the zone, each with vehicles of
-/// its own that know nothing of the other copies.
+/// A purely virtual fleet in a core of its own, far faster than real time: `step` moves all vehicles by one step. The
+/// vehicles drive by the agents' own rules and formulas (src/aiv), with perfect sensors and without messages;
+/// virtual/vehicle models boards, noise and VDA 5050. There may be many copies of the zone, each with vehicles of its
+/// own that do not interact with other copies.
 ///
-/// Each vehicle circulates: round the zone's first loop, or where there is none along default successors (of those from
-/// which one can go on for ever); or it follows a route to a goal and stays there. Crossings are reserved in whole
-/// chains, and only with room for the vehicle beyond, so nobody ever stops in one. Who may go first is decided as in
-/// virtual/server's Traffic. What can still deadlock is a circle of vehicles each of which has no room beyond its
-/// crossing because the next of them stands there, and a goal that is on everybody's way: stuck() counts the former.
+/// Each vehicle circulates along the zone's first loop, or, in a zone without loops, along default successors (among
+/// those that can be followed for ever); or the vehicle follows a route to a goal and stays there. Crossings are
+/// reserved in whole chains, and only with room for the vehicle beyond, so no vehicle ever stops in one. The right of
+/// way is decided as in virtual/server's Traffic. Two kinds of deadlock remain: a cycle of vehicles each of which has
+/// no room beyond its crossing because the next vehicle is stopped there, and a goal on the path of all others: stuck()
+/// counts the former.
 ///
-/// The same starts and calls give the same bits, whatever the workers, the compiler and its options. A step allocates
-/// nothing. Vehicles are numbered in the order of their starts.
+/// The same starts and calls give the same bits for all workers, compilers and options. A step allocates nothing.
+/// Vehicles are numbered in the order of their starts.
 class Fleet {
  public:
   using Vehicle = std::uint32_t;
   static constexpr Vehicle none = std::numeric_limits<Vehicle>::max();
 
-  /// Fails ("fleet.start") where a start is not on the circuit, lies in a crossing or between two that are too close to
-  /// stand between, or is less than occupied_m() + aiv::clearance_m behind the next one; ("fleet.options") on options
-  /// out of range; ("fleet.zone") on a zone without sections or with chains of crossings too long to be reserved.
-  /// @param zone  shared by all copies
+  /// Fails ("fleet.start") if a start is not on the circuit, is in a crossing or between two crossings too close for a
+  /// vehicle to stop between, or is less than occupied_m() + aiv::clearance_m behind the next one; ("fleet.options") on
+  /// options out of range; ("fleet.zone") on a zone without sections or with chains of crossings too long to be
+  /// reserved. @param zone  shared by all copies
   [[nodiscard]] static Result<Fleet> make(std::shared_ptr<const zone::TrafficZone> zone, const FleetOptions& options,
                                           std::span<const FleetStart> starts);
-  /// At most `count` starts in one copy, spread over the zone; as many as there is room for.
+  /// At most `count` starts in one copy, distributed over the zone; as many as there is room for.
   [[nodiscard]] static std::vector<FleetStart> spread(const zone::TrafficZone& zone, std::size_t count,
                                                       std::uint32_t copy = 0);
   Fleet(Fleet&&) noexcept;
   Fleet& operator=(Fleet&&) noexcept;
   ~Fleet();
 
-  void step();  ///< all by itself
-  /// With whoever helps; what comes out is the same.
-  /// @param steps  so many at once: each part of the fleet that knows nothing of the others goes all of them before the
-  ///               next part begins, so that even a fleet far larger than the processor's caches is worked on in them
+  void step();  ///< in the calling thread alone
+  /// The result does not depend on the workers. @param steps  number of steps at once: each independent part of the
+  /// fleet makes all of them before the next part starts, so that even a fleet far larger than the processor's caches
+  /// is processed within them
   void step(Workers& workers, std::uint32_t steps = 1);
   [[nodiscard]] std::uint64_t steps() const;
-  [[nodiscard]] SimDuration time() const;  ///< steps() · the step's length
+  [[nodiscard]] SimDuration time() const;  ///< steps() times the length of a step
 
-  // What can be told a vehicle, between steps.
+  // Commands to vehicles, between steps.
 
-  /// Goes along `route`, the section that it is on first, each a successor of the one before, to `goal_s_m` on the last
-  /// of them, and stays there. It must begin as committed() does; the goal must not lie nearer than the vehicle can
-  /// stop, nor before the end of crossings that it holds; and it must not turn back within crossings that are reserved
-  /// together. Whose goal was in crossings holds all that the default way on from there needs; for another way the rest
-  /// must be free. False, and nothing changed: it is no such route, or not now.
+  /// Drives along `route` to `goal_s_m` on its last section and stays there. The route begins with the vehicle's
+  /// present section, and each section is a successor of the one before. The route must begin as committed() does; the
+  /// goal must not be nearer than the stopping distance, nor before the end of crossings that the vehicle holds; and
+  /// the route must not turn back within crossings that are reserved together. A vehicle whose goal was in crossings
+  /// holds all that the default path on from there needs; for another path the rest must be free. Returns false and
+  /// changes nothing if the route is invalid, or not possible now.
   [[nodiscard]] bool send(Vehicle vehicle, std::span<const zone::SectionId> route, double goal_s_m);
-  /// Circulates from where it is, once it has come to the end of what it is committed to. What it was sent for is void.
+  /// Circulates from the end of the present commitment on. A previous goal is void.
   void circulate(Vehicle vehicle);
-  /// Sections that it will drive in any case, because it could not stop before them or holds a crossing in them; the
-  /// one it is on first. A new route is planned from the end of the last of these. Of one that stands outside crossings
-  /// only the section it is on. Valid until the next call of anything that is not const.
+  /// Sections that the vehicle will drive in any case, because it could not stop before them or holds a crossing in
+  /// them; its present section first. A new route is planned from the end of the last one. For a vehicle that is
+  /// stopped outside crossings: the present section only. Valid until the next call of a non-const function.
   [[nodiscard]] std::span<const zone::SectionId> committed(Vehicle vehicle);
   void set_priority(Vehicle vehicle, std::int32_t priority);          ///< at crossings, 0…999
   void limit_speed(Vehicle vehicle, double speed_mps);                ///< > 0; infinite: no limit of its own
   void impose(Vehicle vehicle, std::optional<aiv::Profile> profile);  ///< an operator's instruction; nothing: none
 
-  /// Takes one out of the zone that stands at its goal, and whatever it was told with it. False: it does not stand
-  /// there.
+  /// Removes a vehicle that is stopped at its goal from the zone, with all its commands. Returns false if the vehicle
+  /// is not stopped at its goal.
   [[nodiscard]] bool take_away(Vehicle vehicle);
-  /// Puts one into the zone that is not in it, standing; it circulates. What it has driven and waited goes on counting.
-  /// False, and nothing changed: it is there already, the place is none to begin at, or somebody is too near, who could
-  /// not stop or whom it would stand too close to.
+  /// Adds an absent vehicle to the zone at standstill; the vehicle circulates. Its driven distance and waiting time
+  /// continue to count. Returns false and changes nothing if the vehicle is present, no vehicle may start at this track
+  /// position, or another vehicle is too near: it could not stop, or the clearance would be too small.
   [[nodiscard]] bool bring(Vehicle vehicle, zone::TrackPosition position, std::int32_t priority = 0);
-  /// Whether bring() may ever put somebody there: outside crossings, and not between two that are too close.
+  /// Whether bring() may ever add a vehicle there: outside crossings, and not between two crossings too close.
   [[nodiscard]] bool may_stop(zone::TrackPosition position) const;
-  [[nodiscard]] bool is_away(Vehicle vehicle) const;  ///< its place, pose and gap then mean nothing
+  [[nodiscard]] bool is_away(Vehicle vehicle) const;  ///< its track position, pose and gap are then meaningless
 
-  // What can be asked. Spans have one entry per vehicle and stay where they are; they show the end of the last step.
+  // Queries. Spans have one entry per vehicle and remain valid; they show the end of the last step.
 
   [[nodiscard]] std::size_t size() const;
   [[nodiscard]] std::uint32_t copies() const;
   [[nodiscard]] const zone::TrafficZone& zone() const;
-  /// Who has come to its goal in the last call of step, ascending.
+  /// The vehicles that reached their goals in the last call of step, ascending.
   [[nodiscard]] std::span<const Vehicle> arrived() const;
-  [[nodiscard]] bool has_goal(Vehicle vehicle) const;    ///< is sent somewhere, there or not
-  [[nodiscard]] bool is_at_goal(Vehicle vehicle) const;  ///< and stands there
+  [[nodiscard]] bool has_goal(Vehicle vehicle) const;    ///< was sent to a goal, reached or not
+  [[nodiscard]] bool is_at_goal(Vehicle vehicle) const;  ///< and is stopped there
   [[nodiscard]] std::uint32_t copy_of(Vehicle vehicle) const;
-  [[nodiscard]] zone::TrackPosition track_position(Vehicle vehicle) const;  ///< of its middle
+  [[nodiscard]] zone::TrackPosition track_position(Vehicle vehicle) const;  ///< of its body origin
   [[nodiscard]] Pose2 pose(Vehicle vehicle) const;                          ///< X_MB
   [[nodiscard]] std::span<const double> x_m() const;
   [[nodiscard]] std::span<const double> y_m() const;
   [[nodiscard]] std::span<const double> heading_rad() const;  ///< in (−π, π]
   [[nodiscard]] std::span<const double> speed_mps() const;
-  [[nodiscard]] aiv::Profile profile(Vehicle vehicle) const;  ///< what its agent has chosen last
-  /// The next body ahead on its way, and the distance between the two: the arc length between their middles less
-  /// occupied_m() (spacing.h), which is a vehicle's length unless the zone has very tight bends. Bodies nearer than
-  /// sensed_m() past the end of its section are found at least.
+  [[nodiscard]] aiv::Profile profile(Vehicle vehicle) const;  ///< the last choice of its agent
+  /// The next body ahead on the vehicle's path, and the distance between the two: the arc length between their body
+  /// origins less occupied_m() (spacing.h), which is a vehicle's length unless the zone has very tight bends. At least
+  /// the bodies nearer than sensed_m() past the end of the present section are found.
   struct Ahead {
     Vehicle vehicle{none};
     double gap_m{std::numeric_limits<double>::infinity()};
   };
-  /// Also one that has just turned off to another branch, until their bodies have parted.
+  /// Includes a vehicle that has just turned off to another branch, until their bodies have parted.
   [[nodiscard]] Ahead ahead(Vehicle vehicle) const;
-  [[nodiscard]] double sensed_m() const;  ///< so far ahead bodies count, from a vehicle's front
+  [[nodiscard]] double sensed_m() const;  ///< bodies count up to this distance from a vehicle's front
   [[nodiscard]] Vehicle holder(std::uint32_t copy, std::size_t crossing) const;  ///< none: it is free
 
-  // Figures, since the start.
+  // Metrics since the start.
 
   [[nodiscard]] double distance_m(Vehicle vehicle) const;
-  /// Standing without being at its goal; turning on the spot is not standing.
+  /// Time at standstill away from the goal; a turn on the spot is no standstill.
   [[nodiscard]] SimDuration waiting(Vehicle vehicle) const;
-  /// How often it has come back to the section it began on.
+  /// Number of returns to the section of the start.
   [[nodiscard]] std::uint32_t laps(Vehicle vehicle) const;
   struct CrossingMetrics {
     std::uint64_t grants{};
-    SimDuration waiting{};  ///< from asking to grant, of all who were granted it
+    SimDuration waiting{};  ///< from request to grant, of all grants
   };
   [[nodiscard]] CrossingMetrics crossing(std::size_t crossing) const;  ///< of all copies together
-  /// Time that vehicles spent on a section, of all copies together, up to now.
+  /// Time that vehicles spent on a section, of all copies together, until now.
   [[nodiscard]] SimDuration occupancy(zone::SectionId section) const;
-  [[nodiscard]] double smallest_gap_m() const;     ///< ever, from front to rear; infinite: nobody saw anybody
+  [[nodiscard]] double smallest_gap_m() const;     ///< of the whole run, from front to rear; infinite: no vehicle had a
+                                                   ///< leader
   [[nodiscard]] std::uint64_t collisions() const;  ///< vehicle-steps with a gap below 0 or in a crossing not held
-  /// Vehicles that wait for each other in a circle now: without help they never go on.
+  /// Number of vehicles that wait for each other in a cycle now: they would wait for ever.
   [[nodiscard]] std::size_t stuck() const;
-  /// Of everything that decides what comes next, and of the figures.
+  /// Of the whole state that determines the next steps, and of the metrics.
   [[nodiscard]] std::uint64_t digest() const;
   [[nodiscard]] std::size_t bytes() const;  ///< of memory, all in all
 

@@ -7,7 +7,7 @@
 
 namespace cosiva::virtual_side {
 
-// Figures of a fleet, since its start; Fleet's functions of the same names say what they mean.
+// Metrics of a fleet since its start, as documented at Fleet's functions of the same names.
 
 [[nodiscard]] Fleet::CrossingMetrics crossing_metrics(const FleetTables& tables, std::size_t crossing);
 [[nodiscard]] SimDuration occupancy(const FleetTables& tables, zone::SectionId section);

@@ -35,7 +35,7 @@ bool FleetOrders::send(std::uint32_t i, std::span<const zone::SectionId> route, 
   const auto kept = committed(i);
   const std::size_t common = std::min(kept.size(), route.size());
   if (!std::equal(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(common), route.begin())) return false;
-  // Nor may the vehicle stay short of the end of crossings that it holds: no other vehicle could pass.
+  // The vehicle must not stop before the end of crossings that it holds: no other vehicle could pass.
   if (goal_m < committed_m(i) || (kept.size() > route.size() && (state_.mode[i] & Mode::turning) != 0)) return false;
   if (!grants_.exchange_chain(i, route)) return false;
 
@@ -82,7 +82,7 @@ std::span<const zone::SectionId> FleetOrders::committed(std::uint32_t i) {
 double FleetOrders::committed_m(std::uint32_t i) const {
   const double v = state_.v_mps[i];
   double until_m = state_.s_m[i];
-  // By the weakest brakes, and the reactions generously: a step is decided upon what was seen before it.
+  // With the weakest brakes and a generous reaction time: a step is decided from the state before it.
   if (v > 0.0) until_m += v * v / (2.0 * numbers_.weakest_mps2) + v * (numbers_.late_s + 2.0 * numbers_.dt_s);
   if (state_.own[i].held_chain != no_chain) until_m = std::max(until_m, state_.own[i].clear_at);
   return until_m;
@@ -102,7 +102,7 @@ void FleetOrders::follow_anew(std::uint32_t i) {
   if (front_[list_index(ground_, state_.own[i].copy, state_.section[i])] == i) leaders_.look_ahead(i);
   const std::uint32_t requested_for = state_.own[i].line_chain;
   survey_.survey(i);
-  // A vehicle that comes to a sharp bend turns there; for one that has stopped at the bend no event is to come.
+  // At a sharp bend a vehicle turns; a vehicle already stopped at the bend gets no further event for this.
   const bool is_at_end = state_.v_mps[i] == 0.0 && state_.s_m[i] == ground_.length_m(state_.section[i]);
   if (numbers_.has_turns && is_at_end && state_.goal_at[i] > state_.s_m[i] && (state_.mode[i] & Mode::turning) == 0)
     changes_.begin_turn(i);

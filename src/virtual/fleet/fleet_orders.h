@@ -13,8 +13,7 @@
 
 namespace cosiva::virtual_side {
 
-/// Takes what vehicles are told while they drive.
-/// Invariant: a vehicle's route begins with the section that it is on.
+/// Executes commands to vehicles while they drive. Invariant: a vehicle's route begins with the section that it is on.
 class FleetOrders {
  public:
   FleetOrders(FleetTables& tables, const Paths& paths, Leaders& leaders, PathSurvey& survey, CrossingGrants& grants,
@@ -26,7 +25,7 @@ class FleetOrders {
   void circulate(std::uint32_t i);
   /// As Fleet::committed().
   std::span<const zone::SectionId> committed(std::uint32_t i);
-  /// Up to here on its path vehicle i drives in any case.
+  /// Vehicle i drives to this position on its path in any case.
   [[nodiscard]] double committed_m(std::uint32_t i) const;
 
  private:

@@ -11,35 +11,35 @@
 
 namespace cosiva::virtual_side {
 
-/// What the parts of a fleet work on: its zone, and an entry for each vehicle, section, crossing and copy. Positions
-/// along a vehicle's path are counted as State says.
+/// The data of a fleet: its zone, and an entry for each vehicle, section, crossing and copy. Positions along a
+/// vehicle's path are counted as described at State.
 struct FleetTables {
   FleetTables(Ground fleet_ground, const FleetOptions& fleet_options);
 
   struct Route {
     std::vector<zone::SectionId> sections;
-    double goal_s_m;  ///< on the last of them
+    double goal_s_m;  ///< on the last section
   };
 
   Ground ground;
   FleetOptions options;
   Numbers numbers;
   State state;
-  std::vector<Copy> copies;              ///< one more than there are
-  std::vector<std::uint32_t> front;      ///< by copy and section: the farthest vehicle on it; none
-  std::vector<std::uint32_t> rear;       ///< by copy and section: the last that entered it
+  std::vector<Copy> copies;              ///< one more entry than copies
+  std::vector<std::uint32_t> front;      ///< by copy and section: the farthest vehicle on it, or none
+  std::vector<std::uint32_t> rear;       ///< by copy and section: the vehicle that entered last
   std::vector<CrossingState> crossings;  ///< by copy and crossing
   std::vector<Block> blocks;
   std::vector<Route> routes;
-  std::vector<Fleet::Vehicle> arrived;  ///< each block's at the place of its vehicles, then gathered
+  std::vector<Fleet::Vehicle> arrived;  ///< each block writes to the range of its vehicles; then gathered
   std::size_t arrivals{0};
-  std::size_t commanded_vehicles{0};  ///< that have a goal or an instruction
-  std::uint32_t step_number{0};       ///< of the step that comes next
+  std::size_t commanded_vehicles{0};  ///< vehicles with a goal or an instruction
+  std::uint32_t step_number{0};       ///< of the next step
 
   [[nodiscard]] std::size_t bytes() const;
 };
 
-/// Where front and rear hold a section of a copy.
+/// Index into front and rear for a section of a copy.
 [[nodiscard]] inline std::size_t list_index(const Ground& ground, std::uint32_t copy, zone::SectionId section) {
   return std::size_t{copy} * ground.size() + section;
 }

@@ -17,7 +17,7 @@ using namespace test;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-/// Steps, and looks now and then whether all is well.
+/// Steps, and checks the invariants now and then.
 void drive(Fleet& fleet, int steps, int check_every = 7) {
   for (int k = 0; k < steps; ++k) {
     fleet.step();
@@ -35,7 +35,7 @@ double driven_least(const Fleet& fleet) {
   return least;
 }
 
-TEST(Fleet, goes_round_a_clover_with_crossings_without_touching) {
+TEST(Fleet, drives_round_a_clover_with_crossings_without_touching) {
   for (const bool rules : {false, true}) {
     Fleet many = fleet(zone_file("zones/lacet4.toml"), 8, rules);
     ASSERT_EQ(many.size(), 8U);
@@ -45,7 +45,7 @@ TEST(Fleet, goes_round_a_clover_with_crossings_without_touching) {
   }
 }
 
-TEST(Fleet, goes_round_a_ring_with_limits_without_touching) {
+TEST(Fleet, drives_round_a_loop_with_limits_without_touching) {
   Fleet many = fleet(zone_file("zones/indus8.toml"), 20);
   ASSERT_EQ(many.size(), 20U);
   drive(many, 3000);
@@ -80,8 +80,8 @@ TEST(Fleet, that_is_as_large_as_the_circuit_holds_does_not_collide) {
   }
 }
 
-// A plant is full of forks, merges, lay-bys and crossings.
-TEST(Fleet, goes_about_a_plant_without_touching) {
+// A factory layout has many forks, merges, lay-bys and crossings.
+TEST(Fleet, drives_through_a_factory_layout_without_touching) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     Fleet many = fleet(plant({.rows = 2, .aisles = 4, .bays = 3, .seed = seed}), 25);
     ASSERT_GT(many.size(), 10U);
@@ -89,12 +89,12 @@ TEST(Fleet, goes_about_a_plant_without_touching) {
   }
 }
 
-RC_GTEST_PROP(Fleet, touches_nobody_in_any_plant_however_full, ()) {
+RC_GTEST_PROP(Fleet, touches_no_vehicle_in_any_factory_layout_however_full, ()) {
   const zone::PlantOptions options{.rows = *rc::gen::inRange(1U, 4U),
                                    .aisles = *rc::gen::inRange(2U, 6U),
                                    .bays = *rc::gen::inRange(1U, 4U),
                                    .seed = *rc::gen::inRange<std::uint64_t>(1, 1000)};
-  // One after the other: compilers differ in which argument of a call they draw first.
+  // One after the other: compilers differ in the order in which they evaluate the arguments of a call.
   const auto count = *rc::gen::inRange<std::size_t>(1, 80);
   const bool rules = *rc::gen::arbitrary<bool>();
   Fleet many = fleet(plant(options), count, rules);
@@ -102,8 +102,8 @@ RC_GTEST_PROP(Fleet, touches_nobody_in_any_plant_however_full, ()) {
   RC_ASSERT(failures == "");
 }
 
-// A vehicle leaves a lay-by through a bend of 2.36 m, where bodies of 1.2 m by 0.8 m touch if their middles are less
-// than 1.4 m of arc length apart.
+// A vehicle leaves a lay-by through a bend of 2.36 m, where bodies of 1.2 m by 0.8 m touch if their body origins are
+// less than 1.4 m of arc length apart.
 TEST(Fleet, keeps_inner_corners_apart_in_a_tight_bend) {
   Fleet many = fleet(plant({.rows = 1, .aisles = 2, .bays = 1, .seed = 1}), 51, false);
   drive(many, 600, 5);
@@ -126,7 +126,7 @@ TEST(Fleet, may_have_no_vehicles_at_all) {
   EXPECT_EQ(empty.steps(), 1U);
 }
 
-/// The one ahead on the default way, by walking along it and looking at everybody.
+/// The leader on the default path, found by walking along it and comparing all vehicles.
 Fleet::Ahead found_slowly(const Fleet& fleet, Fleet::Vehicle self) {
   const zone::Circuit& circuit = fleet.zone().circuit;
   const zone::TrackPosition position = fleet.track_position(self);
@@ -148,7 +148,7 @@ Fleet::Ahead found_slowly(const Fleet& fleet, Fleet::Vehicle self) {
   return {};
 }
 
-TEST(Fleet, knows_who_is_ahead_as_if_it_looked_at_everybody) {
+TEST(Fleet, finds_the_same_leaders_as_a_comparison_of_all_vehicles) {
   for (const char* name : {"zones/lacet4.toml", "zones/indus8.toml", "bench/clover.toml"}) {
     const Zone zone = zone_file(name);
     std::vector<FleetStart> starts = Fleet::spread(*zone, 7, 0);
@@ -160,7 +160,7 @@ TEST(Fleet, knows_who_is_ahead_as_if_it_looked_at_everybody) {
       for (Fleet::Vehicle i = 0; i < many.size(); ++i) {
         const Fleet::Ahead slow = found_slowly(many, i);
         const Fleet::Ahead ahead = many.ahead(i);
-        if (slow.gap_m > many.sensed_m()) continue;  // nobody need know
+        if (slow.gap_m > many.sensed_m()) continue;  // too far to matter
         ASSERT_EQ(ahead.vehicle, slow.vehicle) << name << " step " << k << " vehicle " << i;
         ASSERT_NEAR(ahead.gap_m, slow.gap_m, 1e-9);
       }
@@ -168,7 +168,7 @@ TEST(Fleet, knows_who_is_ahead_as_if_it_looked_at_everybody) {
   }
 }
 
-/// What an agent of its own would choose and how fast it would be after a step, from what the fleet shows.
+/// The choice of a single agent and its speed after a step, computed from the fleet's outputs.
 TEST(Fleet, drives_as_its_agents_decide) {
   const Zone zone = zone_file("zones/indus8.toml");
   Fleet many = fleet(zone, 14);
@@ -214,7 +214,7 @@ class Backwards final : public Workers {
   }
 };
 
-TEST(Fleet, is_the_same_in_whatever_order_its_parts_are_done) {
+TEST(Fleet, does_not_depend_on_the_order_of_its_parts) {
   const Zone zone = zone_file("bench/clover.toml");
   const std::vector<FleetStart> one = Fleet::spread(*zone, 12);
   std::vector<FleetStart> starts;
@@ -230,7 +230,7 @@ TEST(Fleet, is_the_same_in_whatever_order_its_parts_are_done) {
   EXPECT_EQ(forwards.digest(), backwards.digest());
 }
 
-TEST(Fleet, of_copies_does_in_each_what_it_would_do_alone) {
+TEST(Fleet, in_several_copies_does_the_same_as_alone_in_each) {
   const Zone zone = zone_file("zones/lacet4.toml");
   const std::vector<FleetStart> one = Fleet::spread(*zone, 8);
   std::vector<FleetStart> starts;
@@ -249,7 +249,7 @@ TEST(Fleet, of_copies_does_in_each_what_it_would_do_alone) {
   }
 }
 
-TEST(Fleet, stands_exactly_at_its_goal_and_says_so_once) {
+TEST(Fleet, stops_exactly_at_its_goal_and_reports_it_once) {
   const Zone zone = zone_file("zones/indus8.toml");
   Fleet one = fleet(zone, 1);
   const zone::TrackPosition start = one.track_position(0);
@@ -268,7 +268,7 @@ TEST(Fleet, stands_exactly_at_its_goal_and_says_so_once) {
   EXPECT_EQ(one.speed_mps()[0], 0.0);
   const SimDuration waited = one.waiting(0);
   for (int k = 0; k < 50; ++k) one.step();
-  EXPECT_EQ(one.waiting(0), waited) << "who is where it was to go waits for nothing";
+  EXPECT_EQ(one.waiting(0), waited) << "a vehicle at its goal does not wait";
 
   one.circulate(0);
   for (int k = 0; k < 100; ++k) one.step();
@@ -276,7 +276,7 @@ TEST(Fleet, stands_exactly_at_its_goal_and_says_so_once) {
   EXPECT_GT(one.distance_m(0), 4.0);
 }
 
-TEST(Fleet, sent_to_where_it_stands_arrives_in_the_next_step) {
+TEST(Fleet, sent_to_its_own_position_arrives_in_the_next_step) {
   const Zone zone = zone_file("zones/indus8.toml");
   Fleet one = fleet(zone, 1);
   const zone::TrackPosition here = one.track_position(0);
@@ -288,25 +288,25 @@ TEST(Fleet, sent_to_where_it_stands_arrives_in_the_next_step) {
   EXPECT_EQ(one.track_position(0), here);
 }
 
-TEST(Fleet, refuses_ways_that_it_cannot_take) {
+TEST(Fleet, rejects_routes_that_it_cannot_take) {
   const Zone zone = zone_file("zones/indus8.toml");
   Fleet one = fleet(zone, 1);
   for (int k = 0; k < 30; ++k) one.step();
   const zone::TrackPosition here = one.track_position(0);
   const zone::SectionId next = zone->circuit.next(here.section).front();
   EXPECT_FALSE(one.send(0, {}, 0.0));
-  EXPECT_FALSE(one.send(0, std::vector{next}, 0.1)) << "it is not there";
+  EXPECT_FALSE(one.send(0, std::vector{next}, 0.1)) << "the vehicle is not there";
   EXPECT_FALSE(one.send(0, std::vector{here.section, here.section}, 0.1)) << "no successor";
   EXPECT_FALSE(one.send(0, std::vector<zone::SectionId>{here.section, 999}, 0.1));
   EXPECT_FALSE(one.send(0, std::vector{here.section, next}, 1e3)) << "beyond the end";
-  EXPECT_FALSE(one.send(0, std::vector{here.section}, here.s_m - 0.1)) << "behind it";
+  EXPECT_FALSE(one.send(0, std::vector{here.section}, here.s_m - 0.1)) << "behind the vehicle";
   EXPECT_FALSE(one.send(0, std::vector{here.section}, here.s_m + 0.01)) << "too near to stop";
   EXPECT_FALSE(one.send(0, std::vector{here.section}, std::nan("")));
   EXPECT_FALSE(one.has_goal(0));
 }
 
-TEST(Fleet, at_a_sharp_bend_stops_turns_on_the_spot_and_goes_on) {
-  // A square, whose corners are turned on the spot; the spur that is its default ends blind.
+TEST(Fleet, at_a_sharp_bend_stops_turns_on_the_spot_and_drives_on) {
+  // A square with turns on the spot at its corners; the spur that is its default successor ends blind.
   const Zone zone = std::make_shared<zone::TrafficZone>(aiv::test::square());
   Fleet one = fleet(zone, std::vector<FleetStart>{{0, {0, 0.2}}});
   ASSERT_TRUE(one.send(0, std::vector<zone::SectionId>{0, 1, 2}, 0.5));
@@ -323,11 +323,11 @@ TEST(Fleet, at_a_sharp_bend_stops_turns_on_the_spot_and_goes_on) {
     EXPECT_LE(turned_rad, aiv::ManoeuvreRates{}.turn_radps * 0.1 + 1e-9);
   }
   EXPECT_EQ(one.track_position(0), (zone::TrackPosition{2, 0.5}));
-  // A quarter at 1.5 rad/s, speeding up and braking with 3 rad/s²: 1.55 s, twice; and a little in steps of 0.1 s.
+  // A quarter turn at 1.5 rad/s, with 3 rad/s² up and down: 1.55 s, twice; and a little in steps of 0.1 s.
   EXPECT_NEAR(turning, 33, 4);
 }
 
-TEST(Fleet, stands_before_the_line_of_a_crossing_that_another_holds) {
+TEST(Fleet, stops_before_the_line_of_a_crossing_that_another_vehicle_holds) {
   const Zone zone = zone_file("bench/clover.toml");
   Fleet many = fleet(zone, 12);
   bool waited = false;
@@ -355,20 +355,20 @@ TEST(Fleet, lets_the_higher_priority_go_first) {
   EXPECT_LT(waited[1], waited[0]);
 }
 
-TEST(Fleet, counts_what_happens) {
+TEST(Fleet, counts_grants_laps_and_occupancy) {
   const Zone zone = zone_file("zones/lacet4.toml");
   Fleet many = fleet(zone, 6);
   for (int k = 0; k < 3000; ++k) many.step();
   SimDuration occupied{};
   for (zone::SectionId id = 0; id < zone->circuit.size(); ++id) occupied += many.occupancy(id);
-  EXPECT_EQ(occupied, 6 * many.time()) << "everybody is somewhere, all the time";
+  EXPECT_EQ(occupied, 6 * many.time()) << "every vehicle is on some section all the time";
   std::uint64_t grants = 0;
   for (std::size_t x = 0; x < zone->crossings.size(); ++x) grants += many.crossing(x).grants;
   for (Fleet::Vehicle i = 0; i < 6; ++i) {
     EXPECT_NEAR(many.laps(i), many.distance_m(i) / zone->circuit.total_length_m(), 1.0);
     EXPECT_LT(many.waiting(i), many.time());
   }
-  // Each lap goes twice through each of four crossings.
+  // Each lap passes each of four crossings twice.
   double laps = 0.0;
   for (Fleet::Vehicle i = 0; i < 6; ++i) laps += many.distance_m(i) / zone->circuit.total_length_m();
   EXPECT_NEAR(static_cast<double>(grants), 8.0 * laps, 8.0 * 6.0);
@@ -391,7 +391,7 @@ TEST(Fleet, obeys_an_instruction_and_a_limit_of_its_own) {
   EXPECT_EQ(two.speed_mps()[0], 0.0);
 }
 
-TEST(Fleet, refuses_starts_where_nobody_can_begin) {
+TEST(Fleet, rejects_starts_where_no_vehicle_may_start) {
   const Zone zone = zone_file("zones/lacet4.toml");
   const auto code = [&](std::vector<FleetStart> starts) {
     const auto made = Fleet::make(zone, {}, starts);
@@ -408,7 +408,7 @@ TEST(Fleet, refuses_starts_where_nobody_can_begin) {
 }
 
 TEST(Fleet, has_the_same_bits_with_every_compiler_and_optimisation) {
-  // The one golden number here: it proves sameness, the other tests truth.
+  // The only golden number here: it proves identity, the other tests correctness.
   Fleet many = fleet(zone_file("zones/lacet4.toml"), 8);
   for (int k = 0; k < 2000; ++k) many.step();
   EXPECT_EQ(many.digest(), 6142195479809546613U);

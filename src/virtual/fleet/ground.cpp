@@ -13,11 +13,11 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// So many chains may begin at one line, one for each way through, and so many sections may a chain have: a zone where
-/// everything crosses everything would have no end of them.
+/// Limits per line: the number of chains, one for each route through, and the number of sections of a chain. A zone
+/// where all paths cross each other would exceed any limit.
 constexpr std::size_t chains_max = 256;
 constexpr std::size_t chain_sections_max = 512;
-/// And so many sections are looked at for one line: in a net of lanes driven both ways there are ways without number.
+/// The number of sections examined for one line: in a net of lanes driven both ways the routes are innumerable.
 constexpr std::size_t checks_max = 1U << 14U;
 
 }  // namespace
@@ -64,7 +64,7 @@ void Ground::lay_defaults() {
   default_next_.assign(size(), zone::no_section);
   for (zone::SectionId id = 0; id < size(); ++id) {
     const auto branches = circuit.next(id);
-    // Nobody turns back who can go on.
+    // A vehicle turns back only if it cannot drive on.
     auto best =
         std::ranges::find_if(branches, [&](zone::SectionId branch) { return for_ever[branch] && branch != back[id]; });
     if (best == branches.end())
@@ -72,7 +72,7 @@ void Ground::lay_defaults() {
     if (!branches.empty()) default_next_[id] = best != branches.end() ? *best : branches.front();
   }
   if (zone_->loops.empty()) return;
-  // Round the loop, and from everywhere else to it with the fewest sections.
+  // Along the loop, and from everywhere else to it with the fewest sections.
   const std::vector<zone::SectionId>& loop = zone_->loops.front().sections;
   std::vector<bool> known(size(), false);
   std::deque<zone::SectionId> found;
@@ -149,14 +149,14 @@ tl::unexpected<Error> Ground::no_stopping_position(zone::SectionId section) cons
   const zone::SectionId back = zone::opposites(*zone_)[section];
   const std::string why =
       back == zone::no_section
-          ? "from here on vehicles find nowhere to stand between them; leave " + room + " between two of them"
-          : "it and '" + circuit().part(back).name +
-                "' are one track driven both ways, and whoever is on it finds nowhere to stand aside; let the way lead "
-                "round over sections beside the track that have " +
+          ? "from here on vehicles cannot stop between them; leave " + room + " between two of them"
+          : "this section and '" + circuit().part(back).name +
+                "' are one track driven both ways, and vehicles on it cannot stop next to it; let the route lead "
+                "over sections next to the track that have " +
                 room + " outside crossings, or give each direction a lane of its own";
   return fail("fleet.zone",
-              "too many crossings upon one another to be reserved at once: " + why +
-                  "; `cosiva zone check` lists such places (zone.single_track, deadlock.loop, deadlock.no_room)",
+              "too many crossings close together to be reserved at once: " + why +
+                  "; `cosiva zone check` lists these (zone.single_track, deadlock.loop, deadlock.no_room)",
               "zone '" + zone_->name + "', section '" + circuit().part(section).name + "'");
 }
 
@@ -186,7 +186,8 @@ bool Ground::follow(Laying& laying, double from_m, double entry_m, Search& searc
   if (laying.sections.size() >= chain_sections_max || search.is_over(chains_.size())) return false;
   bool leads_on = false;
   for (const zone::SectionId branch : branches) {
-    // Round within what it holds, there and back in a dead end for one, nobody need go; and such a chain had no end.
+    // No vehicle needs to return within the crossings that it holds, nor in and out of a dead end repeatedly; such a
+    // chain would have no end.
     bool follows = std::ranges::find(laying.sections, branch) == laying.sections.end();
     if (follows) {
       Laying on = laying;
@@ -205,7 +206,7 @@ bool Ground::follow(Laying& laying, double from_m, double entry_m, Search& searc
 void Ground::finish(const Laying& laying, double entry_m) {
   Chain chain{static_cast<std::uint32_t>(chain_sections_.size()), 0,       static_cast<std::uint32_t>(leaves_.size()),
               static_cast<std::uint32_t>(laying.leaves.size()),   entry_m, laying.exit_m};
-  // The sections up to the exit; those that were only looked at for another crossing do not matter.
+  // The sections up to the exit; sections examined only for another crossing do not count.
   double start_m = 0.0;
   for (const zone::SectionId section : laying.sections) {
     if (chain.sections > 0 && start_m >= laying.exit_m) break;

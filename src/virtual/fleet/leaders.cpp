@@ -39,7 +39,7 @@ Leaders::Found Leaders::find_ahead(std::uint32_t i, double sensed_m) const {
         if (found.vehicle == Fleet::none || state_.s_m[other] < state_.s_m[found.vehicle]) found.vehicle = other;
       }
     }
-    if (found.vehicle == i) return {i, far_m};  // all the way round, and nobody else
+    if (found.vehicle == i) return {i, far_m};  // a whole lap without another vehicle
     if (found.vehicle != Fleet::none) return found;
     start_m += ground_.length_m(to);
     Paths::advance(path, to);
@@ -68,7 +68,7 @@ void Leaders::update_followers(Block& block, std::uint32_t copy, zone::SectionId
       }
       const double on_m = path_distance_m + ground_.length_m(from);
       if (on_m > numbers_.sensed_m) continue;
-      // A section found again by a shorter path is searched again: sections behind it may only now be near enough.
+      // A section found again at a shorter distance is searched again: sections behind it may only now be near enough.
       if (block.detection_search[from] == block.search && block.detected_m[from] <= on_m) continue;
       block.detection_search[from] = block.search;
       block.detected_m[from] = on_m;

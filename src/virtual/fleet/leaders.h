@@ -9,33 +9,32 @@
 
 namespace cosiva::virtual_side {
 
-/// Keeps, for each vehicle, the body ahead of it: its leader.
-/// Invariant: the vehicles on a section are listed from the farthest to the last that entered, and every vehicle that
-/// is in the zone is on the list of its section.
+/// Stores for each vehicle the body ahead of it: its leader. Invariant: the vehicles on a section are listed from the
+/// farthest to the one that entered last, and every vehicle in the zone is on the list of its section.
 class Leaders {
  public:
   struct Found {
     std::uint32_t vehicle;
-    double offset_m;  ///< where its section begins, from the start of the follower's
+    double offset_m;  ///< start of its section, counted from the start of the follower's section
   };
   Leaders(FleetTables& tables, const Paths& paths);
 
   /// Finds the leader of vehicle i, the first on its section.
   void look_ahead(std::uint32_t i);
-  /// The first body on the path of vehicle i after its section, at most `sensed_m` behind the section's end; i itself:
-  /// there is none.
+  /// The first body on the path of vehicle i after its section, at most `sensed_m` behind the section's end; i itself
+  /// if there is none.
   [[nodiscard]] Found find_ahead(std::uint32_t i, double sensed_m) const;
   /// A vehicle has entered `section`, or has cleared it for other branches; `left`, its former section, may be empty
   /// now. The first vehicles on the sections before these find their leaders again.
   void update_followers(Block& block, std::uint32_t copy, zone::SectionId section,
                         zone::SectionId left = zone::no_section);
-  /// From vehicle i to its leader [m]; nearly far_m where it has none.
+  /// From vehicle i to its leader [m]; nearly far_m without a leader.
   [[nodiscard]] double gap_m(std::uint32_t i) const {
     return state_.offset_m[i] + state_.s_m[state_.leader[i]] - state_.s_m[i] - numbers_.length_m;
   }
-  /// Takes vehicle i off the list of its section.
+  /// Removes vehicle i from the list of its section.
   void unlink(std::uint32_t i);
-  /// Puts vehicle i on the list of its section, at its place.
+  /// Inserts vehicle i into the list of its section, in order.
   void link(std::uint32_t i);
 
  private:

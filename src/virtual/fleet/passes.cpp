@@ -13,22 +13,22 @@ namespace {
 
 using Column = double[lanes];
 
-/// Vehicles whose state stays in the processor's second cache from one step to the next.
+/// Number of vehicles whose state stays in the processor's second-level cache from one step to the next.
 constexpr std::size_t stays_near = 4096;
-/// So many vehicles before they are worked on their state is fetched.
+/// The state of vehicles is prefetched this many vehicles ahead.
 constexpr std::size_t fetched_ahead = 192;
 
-/// Slower than this is no speed: what only comes nearer and nearer stands at some time.
+/// A slower vehicle counts as stopped: an asymptotic approach must end.
 constexpr double creep_mps = 1e-4;
-/// A line is asked for so much before one would have to brake for it.
+/// A line is requested this distance before the vehicle would have to brake for it.
 constexpr double request_early_m = 0.05;
 
-/// What a vehicle sees, side by side for `lanes` of them. Aligned as a whole: a member with an alignment of its own has
-/// elements of which GCC 12 makes no vectors.
+/// The leaders of `lanes` vehicles, one column per quantity. Aligned as a whole: GCC 12 does not vectorise the elements
+/// of a member with an alignment of its own.
 struct alignas(64) LeaderView {
-  Column gap_m;  ///< from its front to the rear of the one ahead; far: nobody near
+  Column gap_m;  ///< from its front to the leader's rear; far: no leader
   Column closing_mps;
-  Column halt_m;  ///< to the next place to stop
+  Column halt_m;  ///< to the next stopping position
 };
 
 struct View {
@@ -69,13 +69,13 @@ struct PathState {
   const std::uint8_t* __restrict imposed;
 };
 
-/// Where the rules' questions go, a row each; those that they do not ask go where nobody looks.
+/// The rules' inputs, a row each; inputs that the rules do not use go to an unused row.
 struct Rows {
   double* __restrict gap;
   double* __restrict closing;
   double* __restrict crossing;
-  double* __restrict base;         ///< null: nobody has a goal
-  double* __restrict instruction;  ///< null: nobody is instructed
+  double* __restrict base;         ///< null: no vehicle has a goal
+  double* __restrict instruction;  ///< null: no vehicle has an instruction
 };
 
 COSIVA_VECTOR_CLONES void sense(const PathState& branches, const Numbers& numbers, const LeaderView& detected,
@@ -117,7 +117,7 @@ struct Choice {
   std::int8_t* __restrict profile;
 };
 
-/// The profile that the rules mean (FuzzySpeedPolicy::decide), of vehicles without goals and instructions.
+/// The profile chosen by the rules (FuzzySpeedPolicy::decide), of vehicles without goals and instructions.
 COSIVA_VECTOR_CLONES void choose_fuzzy(std::int8_t* __restrict profile, const Column& speed, std::size_t count,
                                        Column& chosen) {
   COSIVA_ROUNDS_APART
@@ -127,7 +127,7 @@ COSIVA_VECTOR_CLONES void choose_fuzzy(std::int8_t* __restrict profile, const Co
   for (std::size_t k = 0; k < count; ++k) profile[k] = static_cast<std::int8_t>(static_cast<int>(chosen[k]));
 }
 
-/// At its goal it stops, and it is never faster than instructed.
+/// A vehicle stops at its goal and is never faster than instructed.
 COSIVA_VECTOR_CLONES void choose_commanded(const Choice& choice, std::size_t first, std::size_t count, Column& chosen) {
   const double* __restrict s = choice.s_m + first;
   const double* __restrict goal = choice.goal_at + first;
@@ -162,19 +162,19 @@ COSIVA_VECTOR_CLONES void choose_crisp(const Choice& choice, const Column& gap_m
 struct Limits {
   const double* __restrict s_m;
   const double* __restrict v_mps;
-  const double* __restrict cap_mps;  ///< read only where anybody has a limit
+  const double* __restrict cap_mps;  ///< read only if some vehicle has a limit
   const double* __restrict slow_at;  ///< only in a zone with limits
   const double* __restrict slow_mps;
 };
 
-/// The value of one of four profiles, without looking it up.
+/// The value of one of four profiles, without a table look-up.
 COSIVA_INLINE double of_profile(double number, double stop, double slow, double medium, double fast) {
   const double low = number < 0.5 ? stop : slow;
   const double high = number < 2.5 ? medium : fast;
   return number < 1.5 ? low : high;
 }
 
-/// The envelope above the choice, and what the wheels make of it in one step.
+/// The envelope above the choice, and the speed that the wheels reach in one step.
 template <bool capped, bool limited>
 COSIVA_INLINE void limit(const Limits& limits, const Numbers& n, const LeaderView& detected, const Column& chosen,
                          std::size_t first, std::size_t count, double* __restrict next) {
@@ -196,12 +196,12 @@ COSIVA_INLINE void limit(const Limits& limits, const Numbers& n, const LeaderVie
     double speed = target_speed;
     if constexpr (capped) speed = lower(speed, cap[k]);
     if constexpr (limited) {
-      // What it may roll in this step is gone before it can brake.
+      // The distance that the vehicle may cover in this step before it can brake.
       const double ahead_m = limits.slow_at[first + k] - s[k] - (v[k] + speeding * dt_s) * dt_s;
       speed = lower(speed, aiv::plain::speed_before(limits.slow_mps[first + k], ahead_m, braking));
     }
     speed = lower(speed, aiv::plain::stoppable_speed(path_distance_m, braking, late_s));
-    // What it rolls before the brakes act is gone.
+    // The distance that the vehicle covers before the brakes act.
     const double brakes =
         aiv::plain::brakes_hard(v[k], path_distance_m - v[k] * late_s, braking) ? hardest_mps2 : braking;
     const double least = v[k] - brakes * dt_s;
@@ -227,7 +227,7 @@ COSIVA_VECTOR_CLONES void limit_limited(const Limits& limits, const Numbers& n, 
   limit<true, true>(limits, n, detected, chosen, first, count, next);
 }
 
-/// The lowest of what concerns say.
+/// The lowest of all concerns.
 COSIVA_VECTOR_CLONES void lowest(const double* const* __restrict rows, std::size_t count, double known,
                                  double* __restrict out) {
   for (std::size_t k = 0; k < lanes; ++k) out[k] = known;
@@ -237,7 +237,7 @@ COSIVA_VECTOR_CLONES void lowest(const double* const* __restrict rows, std::size
   }
 }
 
-/// The rules' answers for `lanes` vehicles at a time, and the rows to work them out in.
+/// The rules' outputs for `lanes` vehicles at a time, and the rows of the computation.
 class Responses {
  public:
   Responses(const FleetRules& rules, bool more) : rules_{more ? rules.all : rules.usual} {
@@ -319,8 +319,8 @@ Result<FleetRules> narrow(const aiv::AgentRules& rules) {
 
 namespace {
 
-/// A block's part of each array is hardly longer than a page, and within that the processor's own prefetching has
-/// barely begun: what the next block needs is asked for while this one is worked on.
+/// A block's part of each array is hardly longer than a page, too short for the processor's own prefetching: the data
+/// of the next block is prefetched while this one is processed.
 template <typename T>
 COSIVA_INLINE void fetch(const std::vector<T>& values, std::size_t at) {
   constexpr std::size_t line = 64 / sizeof(T);
@@ -399,7 +399,7 @@ struct Motion {
   std::uint8_t* __restrict event;
 };
 
-/// In three loops, one for each width of number: changing width within one costs more than the arithmetic.
+/// In three loops, one for each width of number: a change of width within a loop costs more than the arithmetic.
 COSIVA_VECTOR_CLONES void move_on(const Motion& motion, const Numbers& numbers, std::size_t first, std::size_t count,
                                   const double* __restrict next) {
   double* __restrict s = motion.s_m + first;
@@ -436,7 +436,7 @@ COSIVA_VECTOR_CLONES void move_on(const Motion& motion, const Numbers& numbers, 
   COSIVA_ROUNDS_APART
   for (std::size_t k = 0; k < count; ++k) {
     const std::uint8_t is_on = (mode[k] & (Mode::turning | Mode::commanded)) != 0 ? Event::goes_on : 0;
-    // Whoever has asked for its next line need not be reminded.
+    // A vehicle that has requested its next line needs no further event for this.
     const std::uint8_t old = (mode[k] & Mode::requests) != 0 ? Event::nears : 0;
     const std::uint8_t waits = (mode[k] & (Mode::turning | Mode::at_goal)) == 0 ? event[k] >> 7U : 0;
     stopped[k] = waits;

@@ -46,7 +46,7 @@ void PathSurvey::survey(std::uint32_t i) {
     start_m = end_m;
     Paths::advance(path, to);
     if (!numbers_.has_limits || ground_.limit_mps(to) >= far_m) continue;
-    // Of two limits ahead the same one counts all the way to the first: v² = l² + 2b·(d − l·t) for both.
+    // The same one of two limits ahead governs up to the first: v² = l² + 2b·(d − l·t) for both.
     const double mps = ground_.limit_mps(to);
     const double key = mps * mps + 2.0 * numbers_.weakest_mps2 * (start_m - mps * aiv::reaction_s);
     if (key >= slow_key) continue;
@@ -73,8 +73,9 @@ std::uint32_t PathSurvey::match(const Ground::Line& line, const Paths::Path& pat
 }
 
 std::uint32_t PathSurvey::find_chain(const Ground::Line& line, const Paths::Path& path) const {
-  // Of several chains the longest: where another crossing follows closely on one of two paths, its chain is longer.
-  // A route that ends before the exit is continued by default successors: a vehicle that has stayed there can go on so.
+  // The longest of several chains: if another crossing follows closely on one of two paths, its chain is longer. A
+  // route that ends before the exit is continued by default successors: a vehicle that stayed there can continue along
+  // them.
   std::uint32_t whole = no_chain;
   std::uint32_t part = no_chain;
   for (std::uint32_t c = line.first_chain; c < line.first_chain + line.chains; ++c) {

@@ -17,11 +17,11 @@ class PathSurvey {
 
   /// Finds line_at, halt_at and the limits on the path ahead of vehicle i.
   void survey(std::uint32_t i);
-  /// The chain that begins at `line` and follows `path`; no_chain: there is none.
+  /// The chain that begins at `line` and follows `path`; no_chain if there is none.
   [[nodiscard]] std::uint32_t find_chain(const Ground::Line& line, const Paths::Path& path) const;
   /// Whether each line on `route` up to `goal_s_m` on its last section has a chain that follows the route.
   [[nodiscard]] bool has_chains(std::span<const zone::SectionId> route, double goal_s_m) const;
-  /// Finds the next place where more is to be done about vehicle i than to move it.
+  /// Finds the next position where vehicle i needs more than a plain move.
   void set_event(std::uint32_t i);
 
  private:

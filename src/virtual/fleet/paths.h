@@ -20,13 +20,13 @@ class Paths {
   };
   explicit Paths(const FleetTables& tables);
 
-  /// The path of vehicle i from the section that it is on.
+  /// The path of vehicle i from its present section.
   [[nodiscard]] Path path_of(std::uint32_t i) const;
-  /// The section that follows; no_section: the route ends there, or the path does.
+  /// The next section; no_section: the route ends there, or the path does.
   [[nodiscard]] zone::SectionId next(const Path& path) const;
-  /// The section that follows, as if a route did not end with its goal: bodies beyond the goal count.
+  /// The next section, as if a route did not end with its goal: bodies beyond the goal count.
   [[nodiscard]] zone::SectionId beyond(const Path& path) const;
-  /// Goes on to `section`, which follows.
+  /// Advances to `section`, which must follow.
   static void advance(Path& path, zone::SectionId section);
 
  private:

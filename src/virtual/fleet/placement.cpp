@@ -10,8 +10,8 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// Vehicles of whole copies that are stepped together: few enough that what a step needs of them stays in the
-/// processor's second cache from one pass to the next.
+/// Number of vehicles of whole copies that are stepped together: few enough that their data stays in the processor's
+/// second-level cache from one pass to the next.
 constexpr std::uint32_t block_vehicles = 512;
 
 }  // namespace
@@ -37,7 +37,7 @@ Result<void> Placement::put(std::span<const FleetStart> starts) {
   for (std::uint32_t i = 0; i < starts.size(); ++i) {
     const auto& [copy, position, priority] = starts[i];
     const auto refuse = [&](const char* why) {
-      return fail("fleet.start", "vehicle " + std::to_string(i) + " cannot begin there: " + why, "starts");
+      return fail("fleet.start", "vehicle " + std::to_string(i) + " cannot start there: " + why, "starts");
     };
     const bool is_away = position.section == zone::no_section;
     if (i > 0 && copy < starts[i - 1].copy) return refuse("its copy comes before that of the vehicle before it");
@@ -51,8 +51,8 @@ Result<void> Placement::put(std::span<const FleetStart> starts) {
     }
     if (position.section >= ground_.size() ||
         !(position.s_m >= 0.0 && position.s_m <= ground_.length_m(position.section)))
-      return refuse("that is no place of the zone");
-    if (!ground_.may_stop(position)) return refuse("it would stand in a crossing, or between two close to each other");
+      return refuse("no such track position in the zone");
+    if (!ground_.may_stop(position)) return refuse("the position is in a crossing, or between two close to each other");
     state_.section[i] = position.section;
     state_.own[i].began_on = position.section;
     state_.s_m[i] = position.s_m;
@@ -84,7 +84,7 @@ void Placement::lay_blocks() {
     block.waited_steps.assign(ground_.zone().crossings.size(), 0);
     block.detected_m.assign(ground_.size(), 0.0);
     block.detection_search.assign(ground_.size(), 0);
-    // Each section is opened again only by a shorter way; on a real zone hardly ever.
+    // A section is opened again only at a shorter distance; on a real zone hardly ever.
     block.open.reserve(4 * ground_.size());
     if (block.last - block.first > forgets_vehicles) state_.next_mps.resize(state_.s_m.size());
     blocks_.push_back(std::move(block));
@@ -121,7 +121,7 @@ Result<void> Placement::line_up() {
     if (gap_m < aiv::clearance_m)
       return fail(
           "fleet.start",
-          "vehicle " + std::to_string(i) + " begins too close behind vehicle " + std::to_string(state_.leader[i]),
+          "vehicle " + std::to_string(i) + " starts too close behind vehicle " + std::to_string(state_.leader[i]),
           "starts");
   }
   return {};

@@ -12,13 +12,13 @@
 
 namespace cosiva::virtual_side {
 
-/// Puts a fleet's vehicles onto its zone before the first step.
-/// Invariant: the blocks hold every vehicle once, in order.
+/// Puts a fleet's vehicles into its zone before the first step. Invariant: the blocks contain every vehicle once, in
+/// order.
 class Placement {
  public:
   Placement(FleetTables& tables, Leaders& leaders, PathSurvey& survey, Presence& presence);
 
-  /// Fails ("fleet.start") as Fleet::make() says.
+  /// Fails ("fleet.start") as described at Fleet::make().
   [[nodiscard]] Result<void> put(std::span<const FleetStart> starts);
 
  private:

@@ -8,8 +8,7 @@
 
 namespace cosiva::virtual_side {
 
-/// Works out poses from places.
-/// Invariant: vehicles first…last of a call exist; their poses are written, and no others.
+/// Computes poses from track positions. Invariant: vehicles first…last of a call exist; only their poses are written.
 class PoseWriter {
  public:
   PoseWriter(FleetTables& tables, const Paths& paths);

@@ -9,7 +9,7 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// Beyond what somebody behind is committed to: its stand-off, and what rounding may take.
+/// Added to the committed distance of a following vehicle: its clearance, and a margin for rounding.
 constexpr double spare_m = aiv::clearance_m + Ground::left_m + 0.01;
 
 }  // namespace

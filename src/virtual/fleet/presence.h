@@ -13,14 +13,14 @@
 
 namespace cosiva::virtual_side {
 
-/// Takes vehicles out of the zone and puts them into it.
-/// Invariant: an absent vehicle holds no crossing and is on no section's list.
+/// Removes vehicles from the zone and adds them. Invariant: an absent vehicle holds no crossing and is on no section's
+/// list.
 class Presence {
  public:
   Presence(FleetTables& tables, Leaders& leaders, PathSurvey& survey, CrossingGrants& grants, FleetOrders& orders,
            PoseWriter& poses);
 
-  /// Takes vehicle i, which is on no list, out of the zone: to every pass it looks like one at its goal.
+  /// Removes vehicle i, which is on no list, from the zone: all passes treat an absent vehicle like one at its goal.
   void make_absent(std::uint32_t i);
   /// As Fleet::take_away().
   [[nodiscard]] bool take_away(std::uint32_t i);

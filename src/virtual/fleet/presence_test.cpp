@@ -8,7 +8,7 @@
 namespace cosiva::virtual_side::test {
 namespace {
 
-/// Sent so far ahead on a loop of one way, and stepped until it stands there.
+/// Sends a vehicle this far ahead on a one-way loop, and steps until it is stopped there.
 void send_on(Fleet& fleet, Fleet::Vehicle vehicle, double ahead_m) {
   const auto kept = fleet.committed(vehicle);
   std::vector<zone::SectionId> route(kept.begin(), kept.end());
@@ -25,10 +25,10 @@ void send_on(Fleet& fleet, Fleet::Vehicle vehicle, double ahead_m) {
 
 }  // namespace
 
-TEST(FleetPresence, one_at_its_goal_can_be_taken_away_and_whoever_waited_behind_it_drives_on) {
+TEST(FleetPresence, a_vehicle_at_its_goal_can_be_removed_and_a_vehicle_waiting_behind_it_drives_on) {
   const Zone zone = zone_file("zones/lacet4.toml");
   auto made = fleet(zone, Fleet::spread(*zone, 4));
-  EXPECT_FALSE(made.take_away(1)) << "it drives";
+  EXPECT_FALSE(made.take_away(1)) << "the vehicle drives";
   send_on(made, 1, 3.0);
   for (int i = 0; i < 600; ++i) made.step();
   const double stopped_m = made.distance_m(0);
@@ -38,7 +38,7 @@ TEST(FleetPresence, one_at_its_goal_can_be_taken_away_and_whoever_waited_behind_
   ASSERT_TRUE(made.take_away(1));
   EXPECT_TRUE(made.is_away(1));
   EXPECT_FALSE(made.is_at_goal(1));
-  EXPECT_FALSE(made.take_away(1)) << "it is away";
+  EXPECT_FALSE(made.take_away(1)) << "the vehicle is away";
   for (int i = 0; i < 300; ++i) made.step();
   EXPECT_GT(made.distance_m(0), stopped_m + 3.0);
   EXPECT_EQ(made.distance_m(1), taken_m);
@@ -46,7 +46,7 @@ TEST(FleetPresence, one_at_its_goal_can_be_taken_away_and_whoever_waited_behind_
   EXPECT_EQ(made.stuck(), 0U);
 }
 
-TEST(FleetPresence, nobody_is_put_where_somebody_behind_could_not_stop_or_somebody_stands) {
+TEST(FleetPresence, no_vehicle_is_added_where_a_follower_could_not_stop_or_a_vehicle_is_stopped) {
   const Zone zone = zone_file("zones/lacet4.toml");
   auto starts = Fleet::spread(*zone, 1);
   ASSERT_EQ(starts.size(), 1U);
@@ -54,21 +54,21 @@ TEST(FleetPresence, nobody_is_put_where_somebody_behind_could_not_stop_or_somebo
   auto made = fleet(zone, starts);
   EXPECT_TRUE(made.is_away(1));
   const std::vector<zone::SectionId> route{made.track_position(0).section};
-  EXPECT_FALSE(made.send(1, route, 0.1)) << "one that is away is sent nowhere";
+  EXPECT_FALSE(made.send(1, route, 0.1)) << "a vehicle that is away cannot be sent";
   for (int i = 0; i < 50; ++i) made.step();
   const zone::TrackPosition here = made.track_position(0);
   EXPECT_FALSE(made.bring(1, here));
   EXPECT_FALSE(made.bring(1, {here.section, here.s_m + zone->vehicle.length_m + 0.05}))
-      << "it drives and would not stop";
-  EXPECT_FALSE(made.bring(1, {here.section, 1e6})) << "no place";
+      << "the vehicle drives and would not stop";
+  EXPECT_FALSE(made.bring(1, {here.section, 1e6})) << "no such position";
   EXPECT_FALSE(made.bring(1, {zone::no_section, 0.0})) << "no section";
-  EXPECT_FALSE(made.bring(0, here)) << "it is here";
+  EXPECT_FALSE(made.bring(0, here)) << "the vehicle is present";
   const std::uint64_t before = made.digest();
   EXPECT_FALSE(made.bring(1, here));
   EXPECT_EQ(made.digest(), before) << "a refusal changes nothing";
 }
 
-TEST(FleetPresence, coming_and_going_for_an_hour_ends_in_no_collision_and_gives_the_same_digest_twice) {
+TEST(FleetPresence, an_hour_of_removals_and_additions_causes_no_collision_and_gives_the_same_digest_twice) {
   const Zone zone = zone_file("zones/indus8.toml");
   const auto run = [&](std::size_t& came) {
     auto starts = Fleet::spread(*zone, 8);
@@ -84,7 +84,7 @@ TEST(FleetPresence, coming_and_going_for_an_hour_ends_in_no_collision_and_gives_
         const auto& station = zone->stations[random.below(zone->stations.size())];
         came += made.bring(vehicle, station.position) ? 1U : 0U;
       } else if (step % 10 == 0) {
-        // Where it stands on its own section next, somewhere on it.
+        // The next goal of a stopped vehicle is somewhere on its own section.
         const auto kept = made.committed(vehicle);
         const std::vector<zone::SectionId> route(kept.begin(), kept.end());
         const double length_m = zone->circuit.section(route.back()).length_m();

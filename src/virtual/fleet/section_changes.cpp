@@ -7,7 +7,7 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// A place as seen from the start of the next section; far away stays far away.
+/// A position relative to the start of the next section; far_m stays far.
 double shifted(double at_m, double length_m) { return at_m < 0.5 * far_m ? at_m - length_m : far_m; }
 
 }  // namespace
@@ -29,7 +29,9 @@ SectionChanges::SectionChanges(FleetTables& tables, const Paths& paths, Leaders&
 void SectionChanges::handle_events(Block& block, std::uint32_t i) {
   const std::uint8_t event = state_.event[i];
   if ((event & Event::passed) != 0) {
-    if (state_.s_m[i] > state_.line_at[i]) ++block.collisions;  // in a crossing that it does not hold: never
+    if (state_.s_m[i] > state_.line_at[i])
+      ++block.collisions;  // in a crossing that it does not hold: must never
+                           // happen
     if (state_.s_m[i] > ground_.length_m(state_.section[i])) move_across(block, i);
     while (state_.s_m[i] > state_.own[i].release_at) grants_.release(i);
     if (state_.s_m[i] > ground_.parted_m(state_.section[i]) && ground_.parted_m(state_.section[i]) > 0.0)
@@ -81,7 +83,7 @@ void SectionChanges::switch_section(Block& block, std::uint32_t i) {
   for (double* position : {&own.release_at, &own.clear_at, &own.chain_at}) *position = shifted(*position, length_m);
   state_.section[i] = to;
   if (!path.route.empty()) ++state_.own[i].route_step;
-  // The goal exactly as it was sent, without the rounding of the sections before it.
+  // The goal exactly as sent, without the rounding of the sections before it.
   if (path.ends && path.step + 2 == path.route.size()) state_.goal_at[i] = routes_[state_.own[i].route].goal_s_m;
   if (to == state_.own[i].began_on) ++state_.own[i].laps;
 
@@ -99,7 +101,7 @@ void SectionChanges::switch_section(Block& block, std::uint32_t i) {
 }
 
 void SectionChanges::move_across(Block& block, std::uint32_t i) {
-  // The article's loop (A30): as many sections as it takes.
+  // The article's loop (A30): over as many sections as necessary.
   while (state_.s_m[i] > ground_.length_m(state_.section[i])) switch_section(block, i);
   survey_.survey(i);
 }
@@ -107,7 +109,7 @@ void SectionChanges::move_across(Block& block, std::uint32_t i) {
 void SectionChanges::begin_turn(std::uint32_t i) {
   const zone::SectionId from = state_.section[i];
   const zone::SectionId to = paths_.next(paths_.path_of(i));
-  if (to == zone::no_section) return;  // a dead end: it stays
+  if (to == zone::no_section) return;  // a dead end: the vehicle stays
   const double turn_rad = ground_.turn_rad(from, to);
   if (turn_rad == 0.0) return;
   state_.mode[i] |= Mode::turning;

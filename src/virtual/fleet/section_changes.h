@@ -12,16 +12,15 @@
 
 namespace cosiva::virtual_side {
 
-/// Handles what happens to vehicles at the ends of sections, at stop lines and at goals.
-/// Invariant: after its events are handled a vehicle is on its section, and the section has a successor if the vehicle
-/// goes beyond it.
+/// Handles the events of vehicles at the ends of sections, at stop lines and at goals. Invariant: after its events are
+/// handled a vehicle is on its section, and the section has a successor if the vehicle drives beyond it.
 class SectionChanges {
  public:
   SectionChanges(FleetTables& tables, const Paths& paths, Leaders& leaders, PathSurvey& survey, CrossingGrants& grants);
 
   /// Handles the events of vehicle i in this step.
   void handle_events(Block& block, std::uint32_t i);
-  /// Vehicle i, at the end of its section, begins to turn on the spot towards the next one, if a bend demands it.
+  /// Vehicle i, at the end of its section, starts to turn on the spot towards the next one if a bend requires this.
   void begin_turn(std::uint32_t i);
 
  private:

@@ -8,7 +8,7 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// What remains between inner corners in the tightest bend of a zone.
+/// Minimum gap between inner corners in the tightest bend of a zone.
 constexpr double least_gap_m = 0.01;
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace {
 
 using namespace test;
 
-/// Whether two bodies on one arc overlap whose middles are `apart_m` of arc length apart.
+/// Whether two bodies on one arc overlap, with `apart_m` of arc length between their body origins.
 bool touch_on_arc(const zone::VehicleShape& shape, double curvature_per_m, double apart_m) {
   const auto arc = zone::Section::make({}, apart_m + 1.0, curvature_per_m);
   return overlap(arc->pose_at(0.0), arc->pose_at(apart_m), shape);
@@ -45,7 +45,7 @@ TEST(Spacing, is_the_vehicle_s_length_where_bends_are_wide) {
   }
 }
 
-TEST(Spacing, keeps_bodies_apart_in_the_tightest_bend_of_a_plant) {
+TEST(Spacing, keeps_bodies_apart_in_the_tightest_bend_of_a_factory_layout) {
   const Zone zone = plant({.rows = 1, .aisles = 2, .bays = 1, .seed = 1});
   const double apart_m = occupied_m(*zone) + aiv::clearance_m;
   EXPECT_GT(occupied_m(*zone), zone->vehicle.length_m);

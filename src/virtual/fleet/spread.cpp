@@ -10,17 +10,17 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// Between two vehicles that are put down one behind the other.
+/// Between two vehicles placed one behind the other.
 constexpr double start_gap_m = aiv::clearance_m + 0.01;
 
-/// Takes places one after the other.
-/// Invariant: no two of them are nearer to each other than a vehicle and its stand-off.
+/// Takes track positions one after the other. Invariant: two of them are never nearer to each other than a vehicle's
+/// length and clearance.
 class Spread {
  public:
   Spread(const zone::TrafficZone& zone, const Ground& ground)
       : zone_{zone}, ground_{ground}, apart_m_{occupied_m(zone) + start_gap_m}, taken_(ground.size()) {}
 
-  /// As many as there is room for, at most `count`, a new one after each `every_m` of way.
+  /// As many as there is room for, at most `count`, a new one after each `every_m` of track.
   [[nodiscard]] std::vector<zone::TrackPosition> take(std::size_t count, double every_m) {
     for (auto& positions : taken_) positions.clear();
     std::vector<zone::TrackPosition> found;
@@ -76,7 +76,8 @@ std::vector<FleetStart> spread_starts(const zone::TrafficZone& zone, std::size_t
   double every_m = zone.circuit.total_length_m() / static_cast<double>(count);
   std::vector<zone::TrackPosition> positions;
   std::vector<zone::TrackPosition> best;
-  // What lies in crossings is lost, so somewhat closer each time, until they fit or stand as close as may be.
+  // Positions in crossings are lost; so the pitch is reduced until all fit, or until the vehicles are as close as
+  // permitted.
   constexpr int tries = 60;
   for (int attempt = 0; attempt < tries; ++attempt) {
     positions = spread.take(count, every_m);

@@ -10,7 +10,7 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// Vehicles of one large copy that a worker takes at a time.
+/// Number of vehicles of one large copy that a worker takes at a time.
 constexpr std::uint32_t part_vehicles = 2048;
 
 }  // namespace
@@ -98,13 +98,13 @@ void Stepper::record_gap(Block& block, double detected_m) const {
 
 void Stepper::warm_up(Block& block) {
   const std::uint8_t* const events = state_.event.data();
-  // Found first and seen to then: meanwhile what the latter needs is on its way from the memory.
+  // First found, then handled: meanwhile the data for the handling is fetched from memory.
   std::array<std::uint32_t, part_vehicles> found;
   for (std::uint32_t begin = block.first; begin < block.last; begin += part_vehicles) {
     const std::uint32_t end = std::min(block.last, begin + part_vehicles);
     std::size_t count = 0;
     for (std::uint32_t i = begin; i < end;) {
-      // Most have nothing to be seen to: eight at a time.
+      // Most vehicles have no event: check eight at a time.
       std::uint64_t eight = 0;
       if (end - i >= 8) {
         std::memcpy(&eight, events + i, 8);

@@ -12,12 +12,12 @@
 
 namespace cosiva::virtual_side {
 
-/// Makes steps: all vehicles perceive and decide, all move, and then what is more than arithmetic is done in the order
-/// of the vehicles. Invariant: between steps all blocks have made the same number of them.
+/// Makes steps: all vehicles perceive and decide, all move, and then the events are handled in the order of the
+/// vehicles. Invariant: between steps all blocks have made the same number of steps.
 class Stepper {
  public:
-  /// @param rules  by which agents choose their speeds; none: the crisp ones
-  /// @param vehicles  how many the fleet will have
+  /// @param rules  the rules of the agents' speed choice; none: the crisp ones
+  /// @param vehicles  number of vehicles of the fleet
   Stepper(FleetTables& tables, CrossingGrants& grants, SectionChanges& changes, PoseWriter& poses,
           std::optional<FleetRules> rules, std::size_t vehicles);
 

@@ -1,4 +1,4 @@
-// How a fleet steps: what several steps at once leave the same, and that none of them asks for memory.
+// The steps of a fleet: several steps at once give the same result, and no step allocates memory.
 #include <gmock/gmock.h>
 
 #include <atomic>
@@ -12,7 +12,7 @@
 
 namespace {
 
-/// Calls of `new` in this program.
+/// Number of calls of `new` in this program.
 std::atomic<std::size_t> allocations{0};
 
 void* counted(std::size_t size, std::size_t alignment = alignof(std::max_align_t)) {
@@ -24,7 +24,7 @@ void* counted(std::size_t size, std::size_t alignment = alignof(std::max_align_t
 
 }  // namespace
 
-// All of them, so that none is freed by another's counterpart.
+// All variants, so that memory is never freed by another variant's counterpart.
 void* operator new(std::size_t size) { return counted(size); }
 void* operator new[](std::size_t size) { return counted(size); }
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return counted(size); }
@@ -74,7 +74,7 @@ TEST(FleetStep, allocates_no_memory) {
   EXPECT_EQ(allocations_of(copies, 300), 0U);
 }
 
-TEST(FleetStep, asks_for_no_memory_when_goals_are_reached) {
+TEST(FleetStep, allocates_no_memory_when_goals_are_reached) {
   const Zone zone = zone_file("zones/indus8.toml");
   Fleet many = fleet(zone, 10);
   const zone::Router router{*zone};
@@ -92,7 +92,7 @@ TEST(FleetStep, asks_for_no_memory_when_goals_are_reached) {
   EXPECT_GT(arrived, 0U);
 }
 
-TEST(FleetStep, taken_several_at_once_comes_to_the_same) {
+TEST(FleetStep, gives_the_same_result_for_several_steps_at_once) {
   const Zone zone = zone_file("bench/clover.toml");
   const std::vector<FleetStart> starts = copies_of(*zone, 150, 12);
   Fleet single = fleet(zone, starts);
@@ -107,13 +107,13 @@ TEST(FleetStep, taken_several_at_once_comes_to_the_same) {
   for (zone::SectionId id = 0; id < zone->circuit.size(); ++id) EXPECT_EQ(strides.occupancy(id), single.occupancy(id));
 }
 
-TEST(FleetStep, taken_several_at_once_tells_of_every_arrival_between) {
+TEST(FleetStep, reports_every_arrival_of_several_steps_at_once) {
   const Zone zone = zone_file("zones/indus8.toml");
   std::vector<FleetStart> starts = Fleet::spread(*zone, 6, 0);
   for (const FleetStart& start : Fleet::spread(*zone, 6, 1)) starts.push_back(start);
   const auto send_all = [&](Fleet& some) {
     for (Fleet::Vehicle i = 0; i < some.size(); ++i) {
-      // The farther down the numbers the sooner there.
+      // The higher the number, the earlier the arrival.
       const zone::TrackPosition here = some.track_position(i);
       const zone::SectionId next = zone->circuit.next(here.section).front();
       EXPECT_TRUE(some.send(i, std::vector{here.section, next}, 0.5 - 0.04 * i));
@@ -139,8 +139,8 @@ TEST(FleetStep, taken_several_at_once_tells_of_every_arrival_between) {
   EXPECT_TRUE(stride.arrived().empty());
 }
 
-// The envelope's rule (aiv/motion/formulas.h): so much is left free, standing and driving.
-TEST(FleetStep, leaves_the_stand_off_free_behind_whoever_is_on_the_same_ring) {
+// The envelope's rule (aiv/motion/formulas.h): this distance is left free, at standstill and while driving.
+TEST(FleetStep, leaves_the_clearance_free_behind_each_vehicle_on_the_same_loop) {
   for (const char* name : {"zones/lacet4.toml", "zones/indus8.toml", "bench/clover.toml"}) {
     for (const bool rules : {false, true}) {
       Fleet full = fleet(zone_file(name), 1000, rules);
@@ -150,7 +150,7 @@ TEST(FleetStep, leaves_the_stand_off_free_behind_whoever_is_on_the_same_ring) {
   }
 }
 
-/// How long the first vehicle has stood at most without a break, among others of the highest priority.
+/// The longest standstill of the first vehicle without a break, among others of the highest priority.
 SimDuration longest_wait(SimDuration overtaken_at_most) {
   const Zone zone = zone_file("bench/clover.toml");
   std::vector<FleetStart> starts = Fleet::spread(*zone, 14);
@@ -170,17 +170,17 @@ SimDuration longest_wait(SimDuration overtaken_at_most) {
   return longest;
 }
 
-TEST(FleetStep, lets_nobody_overtake_who_has_waited_long_enough_at_a_crossing) {
+TEST(FleetStep, lets_no_vehicle_overtake_one_that_has_waited_long_enough_at_a_crossing) {
   const SimDuration patient = longest_wait(std::chrono::hours{1});
   const SimDuration aged = longest_wait(std::chrono::seconds{5});
   EXPECT_LT(aged, patient);
-  // Those who came before it and those in the crossing still go first: four ways, some seconds each.
+  // Vehicles that came before it and those in the crossing still go first: four branches, some seconds each.
   EXPECT_LT(aged, std::chrono::seconds{25});
 }
 
-TEST(FleetStep, takes_who_came_first_where_priorities_are_the_same) {
-  // Each crossing of one branch is granted in the order in which those asked who could use it: nobody is left waiting
-  // while others go round and round.
+TEST(FleetStep, grants_in_order_of_arrival_for_equal_priorities) {
+  // Each crossing of one branch is granted in the order of the requests that can use it: no vehicle waits while others
+  // circulate.
   Fleet many = fleet(zone_file("bench/clover.toml"), 12);
   for (int k = 0; k < 6000; ++k) many.step();
   double least = 1e9;

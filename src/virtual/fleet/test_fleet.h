@@ -1,6 +1,6 @@
 #pragma once
 
-// Fleets for this folder's tests, and what is always true of them, found out the slow way.
+// Fleets for the tests of this folder, and a slow check of their invariants.
 
 #include <gtest/gtest.h>
 
@@ -73,7 +73,7 @@ inline std::array<Point2, 4> corners(const Pose2& X_MB, const zone::VehicleShape
   return {X_MB * Point2{l, w}, X_MB * Point2{-l, w}, X_MB * Point2{-l, -w}, X_MB * Point2{l, -w}};
 }
 
-/// Whether two bodies overlap: no line of theirs has one on either side (separating axes).
+/// Whether two bodies overlap: no edge of theirs separates them (separating axes).
 inline bool overlap(const Pose2& a, const Pose2& b, const zone::VehicleShape& shape) {
   if (norm(a.x_m - b.x_m, a.y_m - b.y_m) > norm(shape.length_m, shape.width_m)) return false;
   const auto p = corners(a, shape);
@@ -96,11 +96,11 @@ inline bool overlap(const Pose2& a, const Pose2& b, const zone::VehicleShape& sh
   return true;
 }
 
-/// No bodies overlap, and whoever is in a crossing holds it.
+/// No bodies overlap, and every vehicle in a crossing holds it.
 inline void expect_safe(const Fleet& fleet) {
   const zone::TrafficZone& zone = fleet.zone();
   const auto count = static_cast<Fleet::Vehicle>(fleet.size());
-  // Along x, so that each looks only at those beside it.
+  // Sorted along x, so that each vehicle is compared only with its neighbours.
   std::vector<Fleet::Vehicle> order(count);
   for (Fleet::Vehicle i = 0; i < count; ++i) order[i] = i;
   std::ranges::sort(order, {}, [&](Fleet::Vehicle i) { return fleet.x_m()[i]; });

@@ -1,4 +1,4 @@
-// Fleets that are sent all over a zone, dead ends included.
+// Fleets that are sent throughout a zone, including dead ends.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,10 +12,10 @@ namespace {
 
 using namespace test;
 
-/// Sends everybody to random places, over and over.
+/// Sends all vehicles to random positions, again and again.
 class Wanderers {
  public:
-  /// @param to_stations  nowhere else
+  /// @param to_stations  to stations only
   Wanderers(Zone zone, std::size_t count, std::uint64_t seed, bool to_stations = false)
       : fleet_{fleet(zone, count)},
         zone_{std::move(zone)},
@@ -66,7 +66,7 @@ class Wanderers {
   std::size_t arrivals_{0};
 };
 
-TEST(Fleet, sent_all_over_a_plant_arrives_exactly_and_touches_nobody) {
+TEST(Fleet, sent_throughout_a_factory_layout_arrives_exactly_and_touches_no_vehicle) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     Wanderers wanderers{plant({.rows = 2, .aisles = 5, .bays = 3, .seed = seed}), 4 + 4 * seed, seed};
     for (int k = 0; k < 4000; ++k) {
@@ -95,7 +95,7 @@ TEST(Fleet, drives_in_and_out_of_dead_ends_where_lanes_are_driven_both_ways) {
   }
 }
 
-TEST(Fleet, is_not_sent_back_into_a_dead_end_that_it_comes_out_of) {
+TEST(Fleet, is_not_sent_back_into_a_dead_end_that_it_leaves) {
   const Zone zone = zone_file("zones/workshop.lif.json");
   const auto id = [&](const char* name) { return *zone->circuit.find(name); };
   Fleet one = fleet(zone, std::vector<FleetStart>{{0, {id("SW-S1"), 0.1}, 0}});
@@ -105,18 +105,19 @@ TEST(Fleet, is_not_sent_back_into_a_dead_end_that_it_comes_out_of) {
   EXPECT_TRUE(one.send(0, in, 0.8));
 }
 
-TEST(Fleet, is_not_made_where_there_is_nowhere_to_stand_between_crossings) {
-  // One lane, there and back: whoever is on it has reserved all of it, for ever.
+TEST(Fleet, cannot_be_made_if_vehicles_cannot_stop_between_crossings) {
+  // One lane, there and back: a vehicle on it has reserved all of it, for ever.
   const auto made = Fleet::make(zone_file("src/virtual/fleet/testdata/two_way_lane.toml"), {}, {});
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().code, "fleet.zone");
   EXPECT_THAT(made.error().location, testing::HasSubstr("section 'there'"));
-  EXPECT_THAT(made.error().message, testing::AllOf(testing::HasSubstr("it and 'back' are one track driven both ways"),
-                                                   testing::HasSubstr("lead round over sections beside the track"),
-                                                   testing::HasSubstr("zone.single_track")));
+  EXPECT_THAT(made.error().message,
+              testing::AllOf(testing::HasSubstr("this section and 'back' are one track driven both ways"),
+                             testing::HasSubstr("lead over sections next to the track"),
+                             testing::HasSubstr("zone.single_track")));
 }
 
-TEST(Fleet, is_made_on_a_track_driven_both_ways_that_leads_round_beside_it_as_the_refusal_advises) {
+TEST(Fleet, can_be_made_on_a_track_driven_both_ways_with_a_detour_as_the_error_advises) {
   const auto straight = [](const std::string& name, const std::string& start, double length_m, const char* next) {
     return "[[section]]\nname = \"" + name +
            "\"\nkind = \"straight\"\npivots = true\nlength_m = " + std::to_string(length_m) + "\nstart = { " + start +

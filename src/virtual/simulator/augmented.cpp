@@ -61,8 +61,8 @@ Walk::Motion Walk::at(SimDuration since_start) const {
       if (back) s_m = 2.0 * length_m_ - s_m;
       break;
   }
-  s_m = std::max(s_m, 0.0);  // taking away whole rounds may leave a hair less than nothing
-  // The leg that ends beyond s. One without length leads nowhere, and is never the one: its ends are equally far.
+  s_m = std::max(s_m, 0.0);  // subtracting whole rounds may leave a tiny negative number
+  // The leg that ends beyond s. A leg of length zero is never chosen, since both its ends have the same distance.
   auto end = std::ranges::upper_bound(reached_m_, s_m);
   if (end == reached_m_.end()) end = std::ranges::lower_bound(reached_m_, length_m_);
   const auto leg = static_cast<std::size_t>(end - reached_m_.begin());
@@ -82,7 +82,7 @@ Walk::Motion Walk::at(SimDuration since_start) const {
 
 const VirtualObject& Augmented::add(VirtualObject virtual_object) {
   COSIVA_EXPECT(find(virtual_object.id) == nullptr && virtual_objects_.size() < virtual_objects_max);
-  // Handles go round, so that a page does not take a new thing for the one that has just gone.
+  // Handles are assigned cyclically, so that a page does not confuse a new object with a removed one.
   const auto used = [&](std::uint16_t handle) {
     return std::ranges::find(virtual_objects_, handle, &VirtualObject::handle) != virtual_objects_.end();
   };

@@ -12,29 +12,29 @@
 
 namespace cosiva::virtual_side {
 
-/// What stands or walks in the virtual world only (A3), save AIVs.
+/// Virtual objects (A3) other than AIVs.
 enum class VirtualObjectKind : std::uint8_t { person, obstacle };
 [[nodiscard]] std::string_view to_string(VirtualObjectKind kind);
 [[nodiscard]] std::optional<VirtualObjectKind> parse_virtual_object_kind(std::string_view word);
 
-/// What a walker does at the end of its path.
+/// What a person does at the end of the path.
 enum class Repeat : std::uint8_t { once, back_and_forth, loop };
 [[nodiscard]] std::string_view to_string(Repeat repeat);  ///< "once", "back and forth", "loop"
 [[nodiscard]] std::optional<Repeat> parse_repeat(std::string_view word);
 
-/// A path of straight legs, walked at one speed: a closed form of the time since its start.
+/// A path of straight legs, walked at constant speed: a closed form of the time since the start.
 class Walk {
  public:
   static constexpr std::size_t points_max = 64;
 
   Walk() = default;
-  /// @param path       at least one point; with one, or with speed 0, it stands at the first
+  /// @param path       at least one point; with one point, or with speed 0, the object stays at the first point
   /// @param speed_mps  ≥ 0
   Walk(std::vector<Point2> path, double speed_mps, Repeat repeat);
 
   struct Motion {
     Point2 at;
-    double heading_rad{};  ///< where it goes or went last; 0 where it never went
+    double heading_rad{};  ///< direction of the present or last motion; 0 if it never moved
     double vx_mps{};
     double vy_mps{};
   };
@@ -48,7 +48,8 @@ class Walk {
   std::vector<Point2> path_{Point2{}};
   double speed_mps_{};
   Repeat repeat_{Repeat::once};
-  std::vector<double> reached_m_{0.0};  ///< way from the start to each point; for a loop, back to the first, too
+  std::vector<double> reached_m_{0.0};  ///< distance along the path from the start to each point; for a loop also back
+                                        ///< to the first point
   double length_m_{};
 };
 
@@ -58,22 +59,22 @@ struct VirtualObject {
   std::uint16_t handle{};  ///< on binary frames, from Augmented::first_handle on
   double radius_m{};
   Walk walk;
-  SimTime since{};    ///< when it was added
-  SimTime started{};  ///< when its walk began: added or moved last
+  SimTime since{};    ///< time of addition
+  SimTime started{};  ///< time when the walk began: the object was added or last moved
   [[nodiscard]] Walk::Motion at(SimTime time) const { return walk.at(time - started); }
 };
 
-/// The persons and obstacles of the virtual world, in the order in which they were added. Asking where one is changes
-/// nothing; it knows no zone and checks no places.
+/// The persons and obstacles that exist only virtually, in the order of their addition. Queries change nothing. The
+/// class knows no zone and checks no positions.
 class Augmented {
  public:
   static constexpr std::size_t virtual_objects_max = 64;
   static constexpr std::uint16_t first_handle = 0x8000;
   static constexpr std::uint16_t handles = 0x4000;
 
-  /// Its id is free and there is room (checked by the caller). The handle is given here.
+  /// Requires a free id and room for the object (checked by the caller). The function assigns the handle.
   const VirtualObject& add(VirtualObject virtual_object);
-  /// Walks from `now` on. False: there is no such thing.
+  /// The object walks from `now` on. Returns false if there is no such object.
   bool move(std::string_view id, Walk walk, SimTime now);
   bool remove(std::string_view id);
   void clear() { virtual_objects_.clear(); }

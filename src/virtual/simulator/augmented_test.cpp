@@ -11,7 +11,7 @@ namespace {
 using namespace std::chrono_literals;
 using testing::ElementsAre;
 
-TEST(Walk, of_one_point_stands_there) {
+TEST(Walk, of_one_point_stays_there) {
   const Walk walk({{1.0, 2.0}}, 0.5, Repeat::loop);
   EXPECT_FALSE(walk.walks());
   const auto at = walk.at(10s);
@@ -19,7 +19,7 @@ TEST(Walk, of_one_point_stands_there) {
   EXPECT_EQ(at.vx_mps, 0.0);
 }
 
-TEST(Walk, once_goes_along_its_legs_at_its_speed_and_stands_at_the_end) {
+TEST(Walk, once_follows_its_legs_at_its_speed_and_stops_at_the_end) {
   const Walk walk({{0.0, 0.0}, {1.0, 0.0}, {1.0, 2.0}}, 0.5, Repeat::once);
   const auto first = walk.at(1s);
   EXPECT_NEAR(first.at.x_m, 0.5, 1e-12);
@@ -31,10 +31,10 @@ TEST(Walk, once_goes_along_its_legs_at_its_speed_and_stands_at_the_end) {
   const auto end = walk.at(60s);
   EXPECT_EQ(end.at, (Point2{1.0, 2.0}));
   EXPECT_EQ(end.vy_mps, 0.0);
-  EXPECT_NEAR(end.heading_rad, 0.5 * pi, 1e-12) << "it looks where it went";
+  EXPECT_NEAR(end.heading_rad, 0.5 * pi, 1e-12) << "it faces its last direction of motion";
 }
 
-TEST(Walk, back_and_forth_returns_on_its_own_way) {
+TEST(Walk, back_and_forth_returns_on_the_same_path) {
   const Walk walk({{0.0, 0.0}, {2.0, 0.0}}, 1.0, Repeat::back_and_forth);
   EXPECT_NEAR(walk.at(3s).at.x_m, 1.0, 1e-12);
   EXPECT_NEAR(walk.at(3s).vx_mps, -1.0, 1e-12);
@@ -51,7 +51,7 @@ TEST(Walk, loop_closes_its_path_from_the_last_point_to_the_first) {
   EXPECT_NEAR(walk.at(4500ms).at.x_m, 0.5, 1e-12);
 }
 
-TEST(Walk, bears_points_that_are_given_twice_and_a_path_without_length) {
+TEST(Walk, accepts_repeated_points_and_a_path_without_length) {
   const Walk twice({{0.0, 0.0}, {0.0, 0.0}, {1.0, 0.0}, {1.0, 0.0}}, 1.0, Repeat::once);
   EXPECT_NEAR(twice.at(500ms).at.x_m, 0.5, 1e-12);
   EXPECT_NEAR(twice.at(9s).at.x_m, 1.0, 1e-12);
@@ -59,7 +59,7 @@ TEST(Walk, bears_points_that_are_given_twice_and_a_path_without_length) {
   EXPECT_EQ(nowhere.at(9s).at, (Point2{1.0, 0.0}));
 }
 
-RC_GTEST_PROP(Walk, never_jumps_and_never_leaves_its_corners, (std::vector<std::pair<int, int>> corners, int repeat)) {
+RC_GTEST_PROP(Walk, never_jumps_and_stays_within_its_bounds, (std::vector<std::pair<int, int>> corners, int repeat)) {
   std::vector<Point2> path{{0.0, 0.0}};
   for (const auto& [x, y] : corners) {
     if (path.size() == Walk::points_max) break;
@@ -76,7 +76,7 @@ RC_GTEST_PROP(Walk, never_jumps_and_never_leaves_its_corners, (std::vector<std::
   }
 }
 
-TEST(Augmented, keeps_objects_by_name_and_gives_no_handle_twice) {
+TEST(Augmented, stores_objects_by_name_and_assigns_no_handle_twice) {
   Augmented world;
   const SimTime now = virtual_epoch;
   world.add({"P1", VirtualObjectKind::person, 0, 0.06, Walk({{0.0, 0.0}}, 0.0, Repeat::once), now, now});
@@ -84,14 +84,14 @@ TEST(Augmented, keeps_objects_by_name_and_gives_no_handle_twice) {
   EXPECT_TRUE(world.remove("P1"));
   EXPECT_FALSE(world.remove("P1"));
   world.add({"O1", VirtualObjectKind::obstacle, 0, 0.06, Walk({{0.0, 0.0}}, 0.0, Repeat::once), now, now});
-  EXPECT_EQ(world.find("O1")->handle, 0x8001) << "not the one that has just been given back";
+  EXPECT_EQ(world.find("O1")->handle, 0x8001) << "not the one that has just been released";
   EXPECT_FALSE(world.move("P1", Walk{}, now));
   EXPECT_TRUE(world.move("O1", Walk({{3.0, 0.0}}, 0.0, Repeat::once), now + 5s));
   EXPECT_EQ(world.find("O1")->at(now + 6s).at.x_m, 3.0);
   EXPECT_EQ(world.find("O1")->since, now);
 }
 
-TEST(Augmented, goes_round_its_handles_without_taking_one_in_use) {
+TEST(Augmented, assigns_handles_cyclically_and_skips_those_in_use) {
   Augmented world;
   world.add({"P1", VirtualObjectKind::person, 0, 0.06, Walk{}, virtual_epoch, virtual_epoch});
   for (int i = 0; i < Augmented::handles + 3; ++i) {
@@ -102,7 +102,7 @@ TEST(Augmented, goes_round_its_handles_without_taking_one_in_use) {
   }
 }
 
-TEST(Augmented, terms_read_back) {
+TEST(Augmented, terms_are_parsed_back_from_their_text) {
   for (const Repeat repeat : {Repeat::once, Repeat::back_and_forth, Repeat::loop})
     EXPECT_EQ(parse_repeat(to_string(repeat)), repeat);
   for (const VirtualObjectKind kind : {VirtualObjectKind::person, VirtualObjectKind::obstacle})

@@ -8,12 +8,12 @@ namespace {
 // Some 10 s of reports at 10 Hz, and of ages at 50 Hz.
 constexpr std::size_t divergence_window = 200;
 constexpr std::size_t age_window = 500;
-/// Some 25 s of a camera's pictures, of which there are a few a second.
+/// Some 25 s of a camera's images, at a few images per second.
 constexpr std::size_t actual_window = 100;
 constexpr std::size_t few_window = 100;
 
-// Contracts are judged from about 2 s after a vehicle's arrival on: while its program starts, it shares the processor
-// with every other one that starts. The run's figures count those seconds all the same.
+// Contracts are evaluated from about 2 s after a vehicle's arrival on: a program that starts competes for the processor
+// with all others that start. The metrics of the run include those seconds.
 constexpr std::uint32_t settling_divergences = 20;
 constexpr std::uint32_t settling_ages = 100;
 constexpr std::uint32_t settling_actuals = 8;
@@ -229,7 +229,7 @@ void BijectionMonitor::fold(Digest& digest) const {
   digest.add(static_cast<std::uint64_t>(matched_count()));
   digest.add(std::int64_t{matched_.count()});
   digest.add(std::int64_t{held_.count()});
-  // A run without a camera has the digest that it had before there were any.
+  // The digest of a run without a camera contains nothing of the camera's findings.
   if (actual_m_.count() == 0 && findings_.empty()) return;
   actual_m_.fold(digest);
   actual_rad_.fold(digest);

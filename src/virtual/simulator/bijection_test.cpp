@@ -26,7 +26,7 @@ class Bijection : public testing::Test {
   BijectionMonitor monitor{BijectionContract{}};
 };
 
-TEST_F(Bijection, of_nothing_holds) {
+TEST_F(Bijection, without_entities_holds) {
   wait(10s);
   EXPECT_EQ(monitor.matched_ratio(), 1.0);
   EXPECT_EQ(monitor.held_ratio(), 1.0);
@@ -43,7 +43,7 @@ TEST_F(Bijection, is_counted_from_the_first_arrival_on) {
   EXPECT_DOUBLE_EQ(monitor.matched_ratio(), 0.75);
 }
 
-TEST_F(Bijection, names_orphans_on_both_sides) {
+TEST_F(Bijection, reports_entities_that_are_missing_on_either_side) {
   monitor.set_physical(monitor.entity("make/real"), true);
   monitor.set_virtual(monitor.entity("make/ghost"), true);
   const auto both = monitor.entity("make/both");
@@ -90,21 +90,21 @@ TEST_F(Bijection, measures_divergence_age_commands_and_events) {
   EXPECT_EQ(*json.find("events")->find("by_kind")->number("stop"), 0.0);
 }
 
-TEST_F(Bijection, counts_the_time_in_which_a_contract_was_broken_as_not_held) {
+TEST_F(Bijection, counts_the_time_of_a_violated_contract_as_not_held) {
   const auto a = monitor.entity("make/a");
   monitor.set_physical(a, true);
   monitor.set_virtual(a, true);
   wait(0s);
-  for (int i = 0; i < 100; ++i) monitor.age(a, 50.0);  // settled
+  for (int i = 0; i < 100; ++i) monitor.age(a, 50.0);  // end of the initial period
   wait(6s);
-  monitor.age(a, 151.0);  // the only sample judged is above 150 ms, so its p99 is
+  monitor.age(a, 151.0);  // the only evaluated sample is above 150 ms, so its p99 is
   EXPECT_FALSE(monitor.held(a).age);
   wait(2s);
   EXPECT_DOUBLE_EQ(monitor.held_ratio(), 0.75);
   EXPECT_DOUBLE_EQ(monitor.matched_ratio(), 1.0);
 }
 
-TEST_F(Bijection, counts_a_slow_start_in_its_figures_but_judges_from_two_seconds_after_the_arrival) {
+TEST_F(Bijection, includes_a_slow_start_in_its_metrics_but_evaluates_contracts_from_two_seconds_after_the_arrival) {
   const auto a = monitor.entity("make/a");
   monitor.set_physical(a, true);
   monitor.set_virtual(a, true);
@@ -131,7 +131,7 @@ TEST_F(Bijection, is_not_held_when_commands_or_events_take_too_long) {
   EXPECT_TRUE(monitor.held(a).divergence);
 }
 
-TEST_F(Bijection, measures_effects_between_the_worlds_and_holds_them_to_200_ms) {
+TEST_F(Bijection, measures_effects_between_both_sides_and_limits_them_to_200_ms) {
   const auto a = monitor.entity("make/a");
   monitor.set_physical(a, true);
   monitor.set_virtual(a, true);
@@ -151,7 +151,7 @@ TEST_F(Bijection, measures_effects_between_the_worlds_and_holds_them_to_200_ms) 
   EXPECT_EQ(*json.find("contract")->number("effect_p99_ms"), 200.0);
 }
 
-TEST_F(Bijection, counts_virtual_aivs_apart) {
+TEST_F(Bijection, counts_virtual_aivs_separately) {
   monitor.set_augmented(3);
   EXPECT_EQ(*written().number("augmented"), 3.0);
   EXPECT_EQ(*written().number("physical"), 0.0);
@@ -162,7 +162,7 @@ TEST_F(Bijection, gives_one_entity_per_name) {
   EXPECT_NE(monitor.entity("make/a"), monitor.entity("make/A"));
 }
 
-TEST_F(Bijection, is_not_matched_while_somebody_who_looks_at_both_sides_finds_otherwise) {
+TEST_F(Bijection, is_not_matched_while_an_observer_of_both_sides_reports_a_difference) {
   const auto a = monitor.entity("make/a");
   monitor.set_physical(a, true);
   monitor.set_virtual(a, true);
@@ -179,18 +179,18 @@ TEST_F(Bijection, is_not_matched_while_somebody_who_looks_at_both_sides_finds_ot
   EXPECT_EQ(findings[0].text("id"), "make/b");
 }
 
-TEST_F(Bijection, is_not_doubted_by_a_camera_that_sees_nothing_itself) {
+TEST_F(Bijection, is_not_affected_by_a_camera_without_detections) {
   const auto a = monitor.entity("make/a");
   monitor.set_physical(a, true);
   monitor.set_virtual(a, true);
-  monitor.set_findings({{Finding::Kind::no_detection, "GVS", "no picture comes", now}});
+  monitor.set_findings({{Finding::Kind::no_detection, "GVS", "no image arrives", now}});
   wait(0s);
   wait(2s);
   EXPECT_DOUBLE_EQ(monitor.matched_ratio(), 1.0);
   EXPECT_DOUBLE_EQ(monitor.held_ratio(), 1.0);
 }
 
-TEST_F(Bijection, does_not_hold_with_a_twin_that_the_camera_sees_elsewhere_after_its_first_images) {
+TEST_F(Bijection, does_not_hold_with_a_twin_that_the_camera_detects_elsewhere_after_its_first_images) {
   const auto a = monitor.entity("make/a");
   monitor.set_physical(a, true);
   monitor.set_virtual(a, true);

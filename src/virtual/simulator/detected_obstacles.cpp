@@ -8,18 +8,18 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// A new sighting's weight: late ones come from nearer by, and see better than the first.
+/// Minimum weight of a new detection: late detections come from a shorter distance and are better than the first.
 constexpr double newest_ratio = 0.3;
-/// A vehicle stops for what reaches within this of its sides; most of the obstacle's own radius counts, since it is
-/// only an estimate.
+/// A vehicle stops for a body within this distance of its sides; most of the obstacle's own radius counts, since the
+/// radius is only an estimate.
 constexpr double swept_margin_m = 0.02;
 constexpr double swept_ratio = 0.8;
-/// So much further than an obstacle's far side must a beam reach that is said to go through its place.
+/// A beam passes through an obstacle's position only if it reaches this far beyond the obstacle's far side.
 constexpr double through_margin_m = 0.10;
 
 enum class Inspection : std::uint8_t { through, hidden, there };
 
-/// What the beams that an obstacle would fill say of it.
+/// Result of the beams that the obstacle would fill.
 Inspection inspect_obstacle(const DetectedObstacle& obstacle, const Pose2& X_SM, const wire::Ranges& ranges) {
   const Point2 p_S = X_SM * obstacle.at;
   const double away_m = norm(p_S.x_m, p_S.y_m);
@@ -104,7 +104,8 @@ std::size_t DetectedObstacles::pass(std::string_view vehicle, SimTime now, const
   const Pose2 X_BM = inverse(X_MB);
   return std::erase_if(obstacles_, [&](const DetectedObstacle& obstacle) {
     const Point2 p_B = X_BM * obstacle.at;
-    // Abreast of it, and it reached into what the vehicle sweeps: it would have held the vehicle if it were there.
+    // The obstacle is abreast of the vehicle and within the vehicle's corridor: a real obstacle would have stopped the
+    // vehicle.
     const double beside_m = 0.5 * width_m + swept_margin_m + swept_ratio * obstacle.radius_m;
     if (std::fabs(p_B.x_m) > 0.5 * (length_m + obstacle.radius_m) || std::fabs(p_B.y_m) > beside_m) return false;
     const auto witness = std::ranges::find(obstacle.detected_by, vehicle, &DetectedObstacle::Witness::vehicle);

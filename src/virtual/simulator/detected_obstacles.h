@@ -12,7 +12,7 @@
 
 namespace cosiva::virtual_side {
 
-/// The twin of a physical obstacle, as vehicles saw it.
+/// The twin of a physical obstacle, as detected by vehicles.
 struct DetectedObstacle {
   struct Witness {
     std::string vehicle;
@@ -22,35 +22,38 @@ struct DetectedObstacle {
   std::uint16_t handle{};  ///< on binary frames, from DetectedObstacles::first_handle on
   Point2 at;
   double radius_m{};
-  std::vector<Witness> detected_by;  ///< in the order of their first sightings
+  std::vector<Witness> detected_by;  ///< in the order of their first detections
   SimTime first{};
   SimTime last{};
   std::uint32_t sightings{0};
-  int doubts{0};  ///< frames in a row whose beams went through its place
+  int doubts{0};  ///< consecutive frames whose beams passed through its position
 };
 
-/// Obstacles that vehicles report become twins, and vanish when their place is found free. Sightings of one thing from
-/// several sides, and by several vehicles, are merged.
+/// Obstacles that vehicles report become twins; a twin is removed when its position is found free. Detections of one
+/// obstacle from several sides, and by several vehicles, are merged.
 class DetectedObstacles {
  public:
   static constexpr double merge_within_m = 0.15;
-  static constexpr std::size_t obstacles_max = 64;  ///< beyond, the one not seen for longest gives way
+  static constexpr std::size_t obstacles_max = 64;  ///< beyond this number, the obstacle with the oldest detection is
+                                                    ///< removed
   static constexpr std::uint16_t first_handle = 0xC000;
   static constexpr std::uint16_t handles = 0x3FFF;
-  /// A vehicle that saw it so recently is before it, not in it: its twin may be shown a little too far.
+  /// A vehicle that detected the obstacle so recently is in front of it: the vehicle's twin may be shown a little too
+  /// far forward.
   static constexpr SimDuration just_detected{std::chrono::milliseconds{500}};
-  static constexpr double checked_m_max = 1.5;  ///< further away a beam is too wide to say that nothing is there
-  static constexpr int doubts_max = 3;          ///< one echo that does not come back ends nothing
+  static constexpr double checked_m_max = 1.5;  ///< beyond this distance a beam is too wide to prove that nothing is
+                                                ///< there
+  static constexpr int doubts_max = 3;          ///< a single missing echo does not remove an obstacle
 
-  /// @return  true when a twin appeared; false when one that was there was seen again
+  /// @return  true if a new twin appeared; false if an existing one was detected again
   bool see(std::string_view vehicle, SimTime now, Point2 at, double radius_m);
-  /// A vehicle's body, `length_m` × `width_m` around X_MB, is where it is: what lies there and was not seen by it just
-  /// now has gone. Gives the number of those.
+  /// Removes the obstacles within the body of a vehicle, `length_m` × `width_m` around X_MB, unless this vehicle
+  /// detected them just before. Returns the number of removed obstacles.
   std::size_t pass(std::string_view vehicle, SimTime now, const Pose2& X_MB, double length_m, double width_m);
-  /// One frame of a vehicle's obstacle detection, whoever it is: what its beams go through, three times in a row, has
-  /// gone (A2: passed again and not seen). Without this a sighting that was wrong, beside the way of every physical
-  /// vehicle, would hold a virtual one for ever. Gives the ids of those.
-  /// @param X_MS  of the sensor, in the middle of the vehicle's front
+  /// Evaluates one frame of any vehicle's obstacle detection: an obstacle is removed when the beams have passed through
+  /// its position three times in a row (A2: passed again and not detected). Without this rule, a false detection off
+  /// the paths of all physical vehicles would stop a virtual one for ever. Returns the ids of the removed obstacles.
+  /// @param X_MS  of the sensor, in the centre of the vehicle's front
   std::vector<std::string> clear_through(const Pose2& X_MS, const wire::Ranges& ranges);
   void remove(std::string_view id);
   void clear() { obstacles_.clear(); }

@@ -3,8 +3,8 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// Between two reports; on a course that comes by a section again, its next visit is further away than this, and so
-/// was its last.
+/// Maximum distance between two reports; if a course visits a section repeatedly, its next and its last visit are
+/// further away than this.
 constexpr double between_reports_m = 3.0;
 
 }  // namespace

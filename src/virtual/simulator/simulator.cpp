@@ -9,7 +9,7 @@ namespace cosiva::virtual_side {
 
 Result<Simulator::Reception> Simulator::receive(SimTime now, const zone::ZoneConfiguration& configuration,
                                                 const Step& step) {
-  // A retained configuration comes again after each reconnection.
+  // A retained configuration is received again after each reconnection.
   if (rtm_ && same_content(rtm_->configuration(), configuration)) return Reception::same;
 
   step(
@@ -22,13 +22,13 @@ Result<Simulator::Reception> Simulator::receive(SimTime now, const zone::ZoneCon
     return tl::unexpected<Error>(std::move(rtm.error()));
   }
   const zone::TrafficZone& made = rtm->zone();
-  step("Simulator", "RTM", "circuitFactory", "asks for the circuit factory");
+  step("Simulator", "RTM", "circuitFactory", "requests the circuit factory");
   step("RTM", "Simulator", "circuitFactory", rtm->circuit_factory().format());
-  step("Simulator", "CircuitFactory", "circuit", "asks for the circuit");
+  step("Simulator", "CircuitFactory", "circuit", "requests the circuit");
   step("CircuitFactory", "Simulator", "circuit",
        made.name + ": " + std::to_string(made.circuit.size()) + " sections, " + std::to_string(made.crossings.size()) +
            " crossings, " + std::to_string(made.tags.size()) + " tags");
-  step("Simulator", "Circuit", "draw", "asks it to draw itself");
+  step("Simulator", "Circuit", "draw", "requests the drawing");
   const std::vector<zone::Primitive> primitives = zone::draw(made);
   JsonWriter json;
   zone::write_json(json, made, primitives);
@@ -37,8 +37,8 @@ Result<Simulator::Reception> Simulator::receive(SimTime now, const zone::ZoneCon
   const bool drive_on = zone_ != nullptr && zone::same_geometry(*zone_, made);
   if (!drive_on) {
     for (Twin& twin : twins_) twin.leave_circuit(circuit(), now);
-    // What was seen was seen beside the old ways, and nobody looks for it there any more: it would stay for ever. Who
-    // sees it beside the new ones says so within a tenth of a second.
+    // Detections refer to the old sections, and no vehicle checks their positions any more: they would stay for ever. A
+    // vehicle that detects an obstacle near the new sections reports it within a tenth of a second.
     detected_.clear();
   }
   zone_json_ = json.take();

@@ -21,42 +21,43 @@
 
 namespace cosiva::virtual_side {
 
-/// The virtual environment. It receives a zone's configuration, instantiates the RTM, asks it for the circuit factory,
-/// the factory for the circuit, and has the circuit draw itself (A23); it holds the twins and the bijection monitor. It
-/// handles any circuit without knowing which one it is (A19).
+/// The virtual environment. The simulator receives a zone's configuration, instantiates the RTM, requests the circuit
+/// factory from the RTM and the circuit from the factory, and has the circuit draw itself (A23). The simulator owns the
+/// twins and the bijection monitor. Any circuit is handled without knowledge of its type (A19).
 class Simulator {
  public:
-  /// Told each step of A23 and each appearance (A25) as a message between two parts: from, to, kind, content.
+  /// Called for each step of A23 and each appearance (A25) as a message between two components: from, to, kind,
+  /// content.
   using Step = std::function<void(std::string_view, std::string_view, std::string_view, std::string_view)>;
   using TwinId = std::size_t;
 
   explicit Simulator(BijectionContract contract) : monitor_{contract} {}
 
   enum class Reception {
-    same,           ///< it is the one already there
+    same,           ///< the configuration equals the present one
     same_geometry,  ///< (re)instantiated; only tags, beacons, stations or priorities differ, so the twins drive on
-    new_zone,       ///< (re)instantiated; every twin stands beside the ways until it reports again
+    new_zone,       ///< (re)instantiated; every twin is off the circuit until its next report
   };
-  /// Builds the zone, or fails with the factory's reason and keeps the one there is.
+  /// Builds the zone, or fails with the factory's reason and keeps the present zone.
   [[nodiscard]] Result<Reception> receive(SimTime now, const zone::ZoneConfiguration& configuration, const Step& step);
 
-  /// First appearance of an AIV: gives it its mark (A25). Its twin shows from its first report on.
-  /// @param augmented  it has no physical side, so the monitor does not count it
+  /// First appearance of an AIV: assigns its display number (A25). The twin is shown from the first report on. @param
+  /// augmented  the AIV has no physical side, so the monitor does not count it
   TwinId appear(std::string id, std::uint32_t number, bool augmented, SimDuration extrapolate_max, const Step& step);
-  /// A virtual AIV that was taken away comes back under its name, as if it never had been anywhere.
+  /// A virtual AIV that was removed returns under its name, without any earlier report.
   void reappear(TwinId twin, SimDuration extrapolate_max, const Step& step);
-  /// Its position, said by the vehicle itself. Feeds the monitor.
+  /// The position that the vehicle itself reports. Updates the monitor.
   void report(TwinId twin, SimTime now, const MotionReport& report);
   void set_base_end(TwinId twin, std::optional<zone::TrackPosition> end);
-  /// The way that it takes.
+  /// The sections that the vehicle will take.
   void set_course(TwinId twin, zone::Course course) { twins_[twin].set_course(circuit(), std::move(course)); }
-  /// The place so far ahead of one where the twin is shown, along its course.
+  /// The track position at this distance ahead of `place`, along the twin's course.
   [[nodiscard]] zone::TrackPosition ahead_of(TwinId twin, zone::TrackPosition position, double distance_m) const {
     return circuit()->advance(position, distance_m, twins_[twin].remaining(position.section));
   }
 
   [[nodiscard]] const Twin& twin(TwinId id) const { return twins_[id]; }
-  /// Of the last report from what the twin had predicted for it; 0 before the second.
+  /// Distance of the last report from the twin's prediction for the same time; 0 before the second report.
   [[nodiscard]] double last_divergence_m(TwinId id) const { return divergences_m_[id]; }
   [[nodiscard]] std::size_t twin_count() const { return twins_.size(); }
   [[nodiscard]] Twin::Image image(TwinId id, SimTime now) const { return twins_[id].image_at(circuit(), now); }

@@ -7,7 +7,8 @@
 namespace cosiva::virtual_side {
 namespace {
 
-// A double's exponent and upper six mantissa bits are a logarithmic bucket number, without a logarithm.
+// The exponent and the upper six mantissa bits of a double form a logarithmic bucket number without computing a
+// logarithm.
 constexpr int mantissa_bits = 6;
 constexpr std::uint64_t lowest = std::bit_cast<std::uint64_t>(0x1p-24) >> (52 - mantissa_bits);
 constexpr std::uint64_t highest = std::bit_cast<std::uint64_t>(0x1p24) >> (52 - mantissa_bits);

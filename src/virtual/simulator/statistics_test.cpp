@@ -13,7 +13,7 @@
 namespace cosiva::virtual_side {
 namespace {
 
-TEST(Statistics, of_nothing_are_zero) {
+TEST(Statistics, of_no_samples_are_zero) {
   const Statistics none;
   EXPECT_EQ(none.count(), 0U);
   EXPECT_EQ(none.mean(), 0.0);
@@ -21,7 +21,7 @@ TEST(Statistics, of_nothing_are_zero) {
   EXPECT_EQ(none.max(), 0.0);
 }
 
-TEST(Statistics, of_one_to_a_hundred_are_known) {
+TEST(Statistics, of_one_to_a_hundred_are_correct) {
   Statistics hundred;
   for (int i = 100; i >= 1; --i) hundred.add(i);
   EXPECT_EQ(hundred.count(), 100U);
@@ -32,7 +32,7 @@ TEST(Statistics, of_one_to_a_hundred_are_known) {
   EXPECT_EQ(hundred.max(), 100.0);
 }
 
-TEST(Statistics, pass_over_what_is_no_number) {
+TEST(Statistics, ignore_values_that_are_not_numbers) {
   Statistics s;
   s.add(std::numeric_limits<double>::quiet_NaN());
   s.add(std::numeric_limits<double>::infinity());
@@ -41,7 +41,7 @@ TEST(Statistics, pass_over_what_is_no_number) {
   EXPECT_EQ(s.max(), 0.0);
 }
 
-TEST(Statistics, stay_within_a_hundredth_of_the_ground_truth_when_there_are_too_many_to_keep) {
+TEST(Statistics, stay_within_a_hundredth_of_the_exact_value_for_more_samples_than_are_stored) {
   rc::check("percentiles of many samples", [] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "samples"};
     Statistics s;
@@ -61,7 +61,7 @@ TEST(Statistics, stay_within_a_hundredth_of_the_ground_truth_when_there_are_too_
   });
 }
 
-TEST(Statistics, keep_huge_and_tiny_samples_in_their_outer_buckets) {
+TEST(Statistics, count_huge_and_tiny_samples_in_the_outer_buckets) {
   Statistics s;
   for (int i = 0; i < 3000; ++i) s.add(0.0);
   EXPECT_EQ(s.percentile(0.99), 0.0);
@@ -70,7 +70,7 @@ TEST(Statistics, keep_huge_and_tiny_samples_in_their_outer_buckets) {
   EXPECT_EQ(s.max(), 1e30);
 }
 
-TEST(RecentP99, is_broken_when_more_than_one_in_a_hundred_is_above) {
+TEST(RecentP99, is_violated_when_more_than_one_in_a_hundred_is_above) {
   RecentP99 recent{10.0, 200};
   EXPECT_TRUE(recent.held());
   for (int i = 0; i < 200; ++i) recent.add(5.0);
@@ -80,7 +80,7 @@ TEST(RecentP99, is_broken_when_more_than_one_in_a_hundred_is_above) {
   recent.add(11.0);
   EXPECT_FALSE(recent.held());
   for (int i = 0; i < 200; ++i) recent.add(10.0);
-  EXPECT_TRUE(recent.held()) << "what is long past no longer counts";
+  EXPECT_TRUE(recent.held()) << "old samples no longer count";
 }
 
 }  // namespace

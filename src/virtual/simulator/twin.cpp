@@ -11,7 +11,8 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// How far `to` lies along the way from `from`, negative behind it; nothing further than `limit_m` either way.
+/// The distance of `to` along the circuit from `from`, negative behind it; nothing if it exceeds `limit_m` in both
+/// directions.
 std::optional<double> signed_distance(const zone::Circuit& circuit, zone::TrackPosition from, zone::TrackPosition to,
                                       double limit_m) {
   if (from.section == to.section && std::fabs(to.s_m - from.s_m) <= limit_m) return to.s_m - from.s_m;
@@ -20,8 +21,8 @@ std::optional<double> signed_distance(const zone::Circuit& circuit, zone::TrackP
   return std::nullopt;
 }
 
-/// Bodies on two ways that meet or part are nearer to each other than this for a while: which way is meant, the course
-/// tells.
+/// On two branches that merge or fork, bodies are nearer to each other than this for a while: the course decides which
+/// branch applies.
 constexpr double same_position_m = 0.1;
 
 }  // namespace
@@ -51,7 +52,7 @@ Twin::Image Twin::image_at(const zone::Circuit* circuit, SimTime time) const {
   if (circuit != nullptr && on_circuit_) {
     const double correction = correction_.a * ratio;
     double along = along_mps_ * travel_s + correction;
-    // Correcting may show it beyond the end of its base for a moment; anticipating never does.
+    // The correction may show the twin beyond the end of its base for a moment; the extrapolation never does.
     if (along > ahead_m_max_) along = std::max(correction, ahead_m_max_);
     aiv::AivMotion motion = motion_;
     motion.shift(*circuit, along, remaining(position_.section),
@@ -65,7 +66,7 @@ Twin::Image Twin::image_at(const zone::Circuit* circuit, SimTime time) const {
     return {shown, track_position, shown_speed};
   }
 
-  // In the open: a constant twist; its chord turns half as much as its heading.
+  // Off the circuit: a constant twist; its chord turns half as much as its heading.
   double forward = report_.vx_mps.value_or(0.0) * travel_s;
   double sideways = report_.vy_mps * travel_s;
   const double length = norm(forward, sideways);
@@ -83,15 +84,16 @@ Twin::Image Twin::image_at(const zone::Circuit* circuit, SimTime time) const {
 }
 
 zone::Circuit::Located Twin::locate(const zone::Circuit& circuit, const Pose2& X_MB) const {
-  // Nearly always it is still on its section or on the next one; the whole circuit is searched only otherwise, and when
-  // its course leads elsewhere by now.
+  // The vehicle is nearly always still on its section or on the next one; otherwise, and if its course leads elsewhere
+  // by now, the whole circuit is searched.
   if (on_circuit_ && (on_course_ || course_.empty())) {
     zone::SectionId candidate = position_.section;
     for (int tries = 0; tries < 2; ++tries) {
       const zone::Section& section = circuit.section(candidate);
       const auto near = section.nearest(position(X_MB));
       const bool inside = near.s_m > 0.0 && near.s_m < section.length_m();
-      // The nearest point of a section that bends back may be another pass of it, far along: that is for the search.
+      // The nearest point of a section that bends back may belong to another pass, far along: this case is left to the
+      // search.
       const bool continues = tries == 0 ? std::fabs(near.s_m - position_.s_m) < relocate_beyond_m
                                         : section.length_m() < relocate_beyond_m || near.s_m < relocate_beyond_m;
       if (inside && continues && near.distance_m < 0.1) return {{candidate, near.s_m}, near.left_m, near.distance_m};
@@ -102,7 +104,7 @@ zone::Circuit::Located Twin::locate(const zone::Circuit& circuit, const Pose2& X
     }
   }
   zone::Circuit::Located located = circuit.locate(position(X_MB), X_MB.heading_rad);
-  // Where no way that heads its way is near, it stands beside whichever is.
+  // If no section of matching heading is near, the vehicle is off-path near the closest section of any heading.
   if (located.distance_m > circuit_within_m) located = circuit.locate(position(X_MB));
   return prefer_course(circuit, X_MB, located);
 }
@@ -117,7 +119,8 @@ zone::Circuit::Located Twin::prefer_course(const zone::Circuit& circuit, const P
   candidates.insert(candidates.end(), remaining.begin(),
                     remaining.begin() + static_cast<std::ptrdiff_t>(std::min(remaining.size(), section_look_ahead)));
   if (std::ranges::find(candidates, located.position.section) != candidates.end()) return located;
-  // Where it came from counts last: where sections lie on one another it is on the one that it goes along.
+  // The previous section is the last candidate: if sections coincide, the vehicle is on the one that its course
+  // continues along.
   if (!traversed.empty()) candidates.push_back(traversed.back());
   std::optional<zone::Circuit::Located> best;
   double best_rad = 0.0;
@@ -137,7 +140,7 @@ zone::Circuit::Located Twin::prefer_course(const zone::Circuit& circuit, const P
 void Twin::take_speed(const MotionReport& report) {
   MotionReport taken = report;
   if (!taken.vx_mps) {
-    // A vehicle that tells no velocity: the way from its last place, if that is recent.
+    // For a vehicle that reports no velocity: the distance from its last position, if that is recent.
     const double since_s = reported_ ? to_seconds(report.at - report_.at) : 0.0;
     double speed = 0.0;
     if (since_s > 1e-3 && since_s < 2.0) speed = distance(report_.X_MB, report.X_MB) / since_s;
@@ -171,7 +174,7 @@ std::optional<Twin::Divergence> Twin::report(const zone::Circuit* circuit, SimTi
     const auto located = locate(*circuit, report.X_MB);
     const double heading_off = wrap_angle(report.X_MB.heading_rad - circuit->pose_at(located.position).heading_rad);
     const SinCos off = sincos(heading_off);
-    // Across a section nothing can be anticipated along it; backwards along it, yes.
+    // Across a section the motion cannot be extrapolated along it; backwards along it, it can.
     on = report.on_map && located.distance_m <= circuit_within_m && (std::fabs(off.cos) >= 0.5 || speed_mps_ < 0.01);
     position_ = located.position;
     off_m_ = located.distance_m;
@@ -194,7 +197,7 @@ void Twin::set_base_end(const zone::Circuit* circuit, std::optional<zone::TrackP
 }
 
 void Twin::follow_course(const zone::Circuit& circuit) {
-  // Beside the line, the nearest way need not be one that it takes.
+  // Off the path, the nearest section need not be part of the course.
   if (off_m_ <= same_position_m) on_course_ = follow(course_, circuit, position_.section);
 }
 
@@ -215,7 +218,8 @@ std::span<const zone::SectionId> Twin::remaining(zone::SectionId section) const 
 }
 
 void Twin::measure_base(const zone::Circuit& circuit) {
-  // It may have rolled a little past the end; without this, the way to it would lead all round the ring.
+  // The vehicle may have coasted a little past the end; without this, the distance to the end would be that of a whole
+  // lap.
   constexpr double overshoot_m = 0.25;
   constexpr double far_m = 1e4;
   ahead_m_max_ = std::numeric_limits<double>::infinity();
@@ -235,7 +239,7 @@ void Twin::correct_from(const zone::Circuit* circuit, const Image& shown) {
     const zone::TrackPosition was =
         shown.position ? *shown.position : circuit->locate(position(shown.X_MB), shown.X_MB.heading_rad).position;
     const auto along = signed_distance(*circuit, *now.position, was, 2.0 * relocate_beyond_m);
-    if (!along) return;  // another branch of the circuit: it was shown on the wrong one
+    if (!along) return;  // another branch of the circuit: the twin was shown on the wrong one
     const Pose2 on_line = circuit->pose_at(was);
     const SinCos turn = sincos(on_line.heading_rad);
     const double left = -turn.sin * (shown.X_MB.x_m - on_line.x_m) + turn.cos * (shown.X_MB.y_m - on_line.y_m);

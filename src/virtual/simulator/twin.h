@@ -14,29 +14,32 @@
 
 namespace cosiva::virtual_side {
 
-/// What an AIV says of its motion at one instant.
+/// What an AIV reports of its motion at one instant.
 struct MotionReport {
-  SimTime at;                    ///< when it was so
+  SimTime at;                    ///< time of the measurement
   Pose2 X_MB;                    ///< in map M
-  std::optional<double> vx_mps;  ///< along the body's x; nothing: told from the last two places
+  std::optional<double> vx_mps;  ///< along the body's x; nothing: derived from the last two positions
   double vy_mps{};               ///< along the body's y
   double omega_radps{};
-  bool on_map{true};  ///< it was said of the zone that is there; else it is not anticipated along its ways
+  bool on_map{true};  ///< the report refers to the present zone; otherwise the motion is not extrapolated along its
+                      ///< sections
 };
 
-/// The image of one AIV on the virtual side (A27). Between reports it anticipates along the circuit; a report corrects
-/// it within `correction_time`, smoothly. Far from every section, or across it, it is dead-reckoned freely.
+/// The image of one AIV on the virtual side (A27). Between reports the twin is extrapolated along the circuit; a report
+/// corrects the twin smoothly within `correction_time`. Far from every section, or across a section, the twin is
+/// extrapolated by dead reckoning.
 ///
-/// The twin is a closed form of time since the last report, so asking for its pose changes nothing, and asking for
-/// the time stamp of a report that has just arrived tells what the twin had predicted for it.
+/// The twin is a closed form of the time since the last report. Queries of the pose change nothing, and a query for the
+/// time stamp of a new report gives the twin's prediction for this report.
 class Twin {
  public:
   static constexpr SimDuration correction_time{std::chrono::milliseconds{300}};
-  static constexpr double relocate_beyond_m = 0.5;  ///< a report further off than this is a new place, not an error
-  static constexpr double circuit_within_m = 0.30;  ///< nearer than this to a section, it is on it
-  static constexpr double speed_mps_max = 5.0;      ///< nobody anticipates faster, whatever was reported
+  static constexpr double relocate_beyond_m = 0.5;  ///< a report further off than this relocates the twin and counts as
+                                                    ///< no error
+  static constexpr double circuit_within_m = 0.30;  ///< maximum distance from a section of a vehicle on this section
+  static constexpr double speed_mps_max = 5.0;      ///< upper bound of the extrapolated speed, whatever the report
 
-  /// @param extrapolate_max  after so long without a report it stands still
+  /// @param extrapolate_max  after this time without a report the twin stops
   Twin(std::string id, std::uint32_t number, SimDuration extrapolate_max);
 
   [[nodiscard]] const std::string& id() const { return id_; }
@@ -46,41 +49,43 @@ class Twin {
     double m;
     double rad;
   };
-  /// Takes a report in. Gives how far the twin's prediction for `report.at` was from it; nothing at the first.
-  /// @param circuit  nullptr while there is no zone
-  /// @param now      when it arrived: the correction starts here; report.at ≤ now
+  /// Processes a report. Returns the distance of the twin's prediction for `report.at` from the report; nothing for the
+  /// first report. @param circuit  nullptr while there is no zone
+  /// @param now      time of arrival: the correction starts here; report.at ≤ now
   std::optional<Divergence> report(const zone::Circuit* circuit, SimTime now, const MotionReport& report);
 
-  /// Where its right to drive ends; nothing: not known. It is never anticipated beyond. Holds until told otherwise.
+  /// The end of the vehicle's base; nothing: not known. The twin is never extrapolated beyond. Valid until the next
+  /// call.
   void set_base_end(const zone::Circuit* circuit, std::optional<zone::TrackPosition> end);
 
-  /// The way that it takes; without one it is anticipated along default successors.
+  /// The sections that the vehicle will take; without a course the twin is extrapolated along default successors.
   void set_course(const zone::Circuit* circuit, zone::Course course);
-  /// What its course holds after `section`, where that is its present section or one soon after it.
+  /// The part of the course after `section`, if `section` is the present section of the course or follows soon after
+  /// it.
   [[nodiscard]] std::span<const zone::SectionId> remaining(zone::SectionId section) const;
 
-  /// Stays where it is, off any circuit, until its next report: the zone has changed.
+  /// The twin stays at its pose, off any circuit, until its next report: the zone has changed.
   void leave_circuit(const zone::Circuit* circuit, SimTime now);
 
   struct Image {
     Pose2 X_MB;
-    std::optional<zone::TrackPosition> position;  ///< nothing when it is off the circuit
+    std::optional<zone::TrackPosition> position;  ///< nothing if the twin is off the circuit
     double speed_mps;
   };
   [[nodiscard]] Image image_at(const zone::Circuit* circuit, SimTime time) const;
 
-  /// Where the last report put it.
+  /// State after the last report.
   [[nodiscard]] bool on_circuit() const { return on_circuit_; }
   [[nodiscard]] zone::TrackPosition reported_position() const { return position_; }  ///< meaningful when on_circuit()
   [[nodiscard]] double reported_off_m() const { return off_m_; }             ///< distance to reported_position()
-  [[nodiscard]] double heading_off_rad() const { return heading_off_rad_; }  ///< body against circuit
+  [[nodiscard]] double heading_off_rad() const { return heading_off_rad_; }  ///< of the body relative to the circuit
   [[nodiscard]] const MotionReport& last_report() const { return report_; }
   [[nodiscard]] double speed_mps() const { return speed_mps_; }  ///< last reported
 
   void fold(Digest& digest) const;
 
  private:
-  /// In the coordinates of the mode: along, left, heading on a circuit; x, y, heading in the open.
+  /// In the coordinates of the mode: along, left, heading on a circuit; x, y, heading off it.
   struct Offset {
     double a{};
     double b{};
@@ -103,9 +108,9 @@ class Twin {
   bool reported_{false};
   MotionReport report_{};
   double speed_mps_{};
-  double along_mps_{};  ///< its speed's part along the circuit, signed
+  double along_mps_{};  ///< component of its speed along the circuit, signed
   std::optional<zone::TrackPosition> base_end_;
-  double ahead_m_max_{std::numeric_limits<double>::infinity()};  ///< from the last reported place to base_end_
+  double ahead_m_max_{std::numeric_limits<double>::infinity()};  ///< from the last reported position to base_end_
 
   bool on_circuit_{false};
   aiv::AivMotion motion_;

@@ -44,17 +44,17 @@ class TwinOnOval : public testing::Test {
   [[nodiscard]] Pose2 shown(SimTime time) const { return twin.image_at(&circuit, time).X_MB; }
 };
 
-TEST_F(TwinOnOval, anticipates_along_the_arc_and_not_along_its_tangent) {
+TEST_F(TwinOnOval, is_extrapolated_along_the_arc_not_along_its_tangent) {
   report(t0, t0, {1, 0.2}, 0.3);
   const Pose2 after = shown(t0 + 500ms);
   EXPECT_LT(distance(after, circuit.pose_at({1, 0.35})), 1e-12);
-  // The tangent would have led 2 cm off the line.
+  // The tangent would have led 2 cm off the path.
   EXPECT_NEAR(distance(Point2{2.0, 0.5}, position(after)), 0.5, 1e-9);
   EXPECT_EQ(twin.image_at(&circuit, t0 + 500ms).position->section, 1U);
 }
 
-TEST_F(TwinOnOval, never_leaves_the_circuit_whatever_time_it_is_asked_for) {
-  rc::check("on the line", [&] {
+TEST_F(TwinOnOval, never_leaves_the_circuit_for_any_requested_time) {
+  rc::check("on the path", [&] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "twin"};
     Twin own{"make/b", 1, 1s};
     const auto section = static_cast<zone::SectionId>(random.below(4));
@@ -73,9 +73,9 @@ TEST_F(TwinOnOval, predicts_a_vehicle_at_constant_speed_exactly) {
   EXPECT_LT(divergence->rad, 1e-9);
 }
 
-TEST_F(TwinOnOval, measures_divergence_at_the_time_stamp_of_the_report_and_not_at_its_arrival) {
+TEST_F(TwinOnOval, measures_divergence_at_the_time_stamp_of_the_report_not_at_its_arrival) {
   report(t0, t0, {0, 0.0}, 0.3);
-  // 0.2 s later it had stopped after 0.05 m; predicted were 0.06 m. The message took 100 ms.
+  // 0.2 s later the vehicle had stopped after 0.05 m; predicted were 0.06 m. The message took 100 ms.
   const auto divergence = report(t0 + 300ms, t0 + 200ms, {0, 0.05}, 0.0);
   ASSERT_TRUE(divergence.has_value());
   EXPECT_NEAR(divergence->m, 0.01, 1e-9);
@@ -83,7 +83,7 @@ TEST_F(TwinOnOval, measures_divergence_at_the_time_stamp_of_the_report_and_not_a
 
 TEST_F(TwinOnOval, has_no_divergence_at_its_first_report) { EXPECT_FALSE(report(t0, t0, {0, 0.0}, 0.3).has_value()); }
 
-TEST_F(TwinOnOval, corrects_without_a_jump_and_is_done_within_300_ms) {
+TEST_F(TwinOnOval, corrects_without_a_jump_within_300_ms) {
   report(t0, t0, {0, 0.5}, 0.3);
   const SimTime t1 = t0 + 100ms;
   const Pose2 before = shown(t1);
@@ -99,37 +99,37 @@ TEST_F(TwinOnOval, corrects_without_a_jump_and_is_done_within_300_ms) {
   EXPECT_NEAR(done.y_m, 0.02, 1e-9);
 }
 
-TEST_F(TwinOnOval, corrects_round_a_joint_along_the_way) {
+TEST_F(TwinOnOval, corrects_across_a_joint_along_the_path) {
   report(t0, t0, {0, 1.95}, 0.0);
   report(t0 + 100ms, t0 + 100ms, {1, 0.05}, 0.0);
   for (SimTime t = t0 + 100ms; t < t0 + 400ms; t += 20ms)
     EXPECT_LT(circuit.locate(position(shown(t)), shown(t).heading_rad).distance_m, 1e-6);
 }
 
-TEST_F(TwinOnOval, moves_at_once_to_a_place_more_than_half_a_metre_away) {
+TEST_F(TwinOnOval, moves_at_once_to_a_position_more_than_half_a_metre_away) {
   report(t0, t0, {0, 0.5}, 0.3);
   report(t0 + 100ms, t0 + 100ms, {2, 0.5}, 0.3);
   EXPECT_LT(distance(shown(t0 + 100ms), circuit.pose_at({2, 0.5})), 1e-9);
 }
 
-TEST_F(TwinOnOval, stands_still_when_nothing_was_heard_for_too_long) {
+TEST_F(TwinOnOval, stops_when_no_report_was_received_for_too_long) {
   report(t0, t0, {0, 0.5}, 0.3);
   EXPECT_NEAR(shown(t0 + 1s).x_m, 0.8, 1e-9);
   EXPECT_NEAR(shown(t0 + 10s).x_m, 0.8, 1e-9);
   EXPECT_EQ(twin.image_at(&circuit, t0 + 10s).speed_mps, 0.0);
 }
 
-TEST_F(TwinOnOval, is_not_anticipated_beyond_the_end_of_its_base) {
+TEST_F(TwinOnOval, is_not_extrapolated_beyond_the_end_of_its_base) {
   report(t0, t0, {0, 0.5}, 0.3);
   twin.set_base_end(&circuit, zone::TrackPosition{0, 0.6});
   EXPECT_NEAR(shown(t0 + 900ms).x_m, 0.6, 1e-9);
   report(t0 + 400ms, t0 + 400ms, {0, 0.605}, 0.1);
-  EXPECT_NEAR(shown(t0 + 1300ms).x_m, 0.605, 1e-9) << "rolled a little over it: it stays there";
+  EXPECT_NEAR(shown(t0 + 1300ms).x_m, 0.605, 1e-9) << "coasted a little beyond: it stays there";
   twin.set_base_end(&circuit, zone::TrackPosition{1, 0.5});
   EXPECT_NEAR(shown(t0 + 1300ms).x_m, 0.605 + 0.09, 1e-9);
 }
 
-TEST_F(TwinOnOval, keeps_a_vehicle_that_drives_beside_the_line_beside_it) {
+TEST_F(TwinOnOval, keeps_the_lateral_offset_of_a_vehicle_that_drives_off_path) {
   report(t0, t0, {1, 0.2}, 0.3, 0.02);
   const auto located = circuit.locate(position(shown(t0 + 500ms)));
   EXPECT_NEAR(located.left_m, 0.02, 1e-9);
@@ -140,13 +140,13 @@ TEST_F(TwinOnOval, follows_a_vehicle_that_drives_backwards) {
   EXPECT_LT(distance(shown(t0 + 500ms), circuit.pose_at({1, 0.1})), 1e-9);
 }
 
-TEST_F(TwinOnOval, tells_the_speed_of_a_vehicle_that_says_none_from_its_places) {
+TEST_F(TwinOnOval, derives_the_speed_from_positions_if_the_vehicle_reports_none) {
   twin.report(&circuit, t0, {t0, circuit.pose_at({0, 0.5}), {}, 0.0, 0.0});
   twin.report(&circuit, t0 + 100ms, {t0 + 100ms, circuit.pose_at({0, 0.53}), {}, 0.0, 0.0});
   EXPECT_NEAR(twin.speed_mps(), 0.3, 1e-9);
 }
 
-TEST_F(TwinOnOval, reckons_freely_far_from_any_section) {
+TEST_F(TwinOnOval, uses_dead_reckoning_far_from_any_section) {
   const Pose2 far{10.0, 10.0, pi / 2.0};
   twin.report(&circuit, t0, {t0, far, 0.5, 0.0, 0.0});
   EXPECT_FALSE(twin.on_circuit());
@@ -156,22 +156,22 @@ TEST_F(TwinOnOval, reckons_freely_far_from_any_section) {
   EXPECT_NEAR(image.X_MB.y_m, 10.2, 1e-9);
 }
 
-TEST_F(TwinOnOval, reckons_freely_while_there_is_no_zone_and_takes_to_the_circuit_when_there_is) {
+TEST_F(TwinOnOval, uses_dead_reckoning_without_a_zone_and_the_circuit_as_soon_as_there_is_one) {
   twin.report(nullptr, t0, {t0, {0.5, 0.01, 0.0}, 0.3, 0.0, 0.0});
   EXPECT_NEAR(twin.image_at(nullptr, t0 + 100ms).X_MB.x_m, 0.53, 1e-9);
   twin.report(&circuit, t0 + 100ms, {t0 + 100ms, {0.53, 0.01, 0.0}, 0.3, 0.0, 0.0});
   EXPECT_TRUE(twin.on_circuit());
 }
 
-TEST_F(TwinOnOval, does_not_anticipate_along_a_section_that_it_crosses) {
+TEST_F(TwinOnOval, is_not_extrapolated_along_a_section_that_it_crosses) {
   twin.report(&circuit, t0, {t0, {1.0, 0.05, pi / 2.0}, 0.5, 0.0, 0.0});
   const Pose2 after = shown(t0 + 200ms);
   EXPECT_NEAR(after.x_m, 1.0, 1e-9);
   EXPECT_NEAR(after.y_m, 0.15, 1e-9);
 }
 
-TEST(TwinOnALane, is_on_that_of_two_sections_on_one_line_that_its_course_leads_along) {
-  // East over the one, back west over the other: what its vehicle came along lies where it goes on.
+TEST(TwinOnALane, is_on_the_one_of_two_coinciding_sections_that_its_course_leads_along) {
+  // East on one section, back west on the other: the section that the vehicle came along coincides with the next one.
   const auto part = [](const char* name, const Pose2& start, std::vector<zone::SectionId> next) {
     return Circuit::Part{name, *Section::make(start, 2.0), std::nullopt, std::move(next), true};
   };
@@ -194,7 +194,7 @@ TEST(TwinOnALane, is_on_that_of_two_sections_on_one_line_that_its_course_leads_a
   }
 }
 
-TEST(TwinOnALane, that_came_by_a_section_long_ago_is_not_on_its_course_there) {
+TEST(TwinOnALane, that_visited_a_section_long_ago_is_not_on_its_course_there) {
   zone::Course course{{1, 0, 2, 0}, 3};
   std::vector<Circuit::Part> parts;
   for (const char* name : {"a", "b", "c"})
@@ -205,8 +205,8 @@ TEST(TwinOnALane, that_came_by_a_section_long_ago_is_not_on_its_course_there) {
   EXPECT_TRUE(follow(course, circuit, 2)) << "near a joint it may fall back";
 }
 
-TEST(TwinOnALane, takes_no_step_of_its_course_while_it_stands_beside_the_line) {
-  // A ring of four: its course begins on the third, and comes by the first later on.
+TEST(TwinOnALane, does_not_advance_its_course_while_it_is_off_path) {
+  // A loop of four: its course begins on the third section and visits the first one later.
   std::vector<Circuit::Part> parts;
   for (zone::SectionId i = 0; i < 4; ++i)
     parts.push_back({"side" + std::to_string(i),
@@ -218,7 +218,7 @@ TEST(TwinOnALane, takes_no_step_of_its_course_while_it_stands_beside_the_line) {
   Twin twin{"make/a", 1, 1s};
   SimTime now{virtual_epoch};
   twin.report(&cycle, now, {now, {0.0, -0.8, 0.0}, 0.0, 0.0, 0.0});
-  EXPECT_EQ(twin.reported_position().section, 0U) << "0.2 m beside it";
+  EXPECT_EQ(twin.reported_position().section, 0U) << "0.2 m off the path";
   twin.set_course(&cycle, zone::Course{{2, 3, 0, 1}});
   for (const double y_m : {-0.8, 0.8, 1.0}) {
     now += 100ms;
@@ -229,17 +229,17 @@ TEST(TwinOnALane, takes_no_step_of_its_course_while_it_stands_beside_the_line) {
     now += 100ms;
     twin.report(&cycle, now, {now, {x_m, 1.0, pi}, 0.3, 0.0, 0.0});
   }
-  EXPECT_EQ(twin.reported_position().section, 2U) << "its course leads along here, and is not past it";
+  EXPECT_EQ(twin.reported_position().section, 2U) << "its course leads along this section and has not passed it";
 }
 
-TEST_F(TwinOnOval, believes_no_speed_that_no_vehicle_has) {
+TEST_F(TwinOnOval, limits_a_reported_speed_that_no_vehicle_has) {
   report(t0, t0, {0, 0.0}, 1e12);
   EXPECT_LE(twin.speed_mps(), Twin::speed_mps_max);
   const Pose2 pose = shown(t0 + 10s);
   EXPECT_LT(circuit.locate(position(pose), pose.heading_rad).distance_m, 1e-6);
 }
 
-TEST_F(TwinOnOval, of_one_speed_never_moves_faster_than_that_between_reports) {
+TEST_F(TwinOnOval, with_constant_speed_never_moves_faster_than_that_between_reports) {
   report(t0, t0, {0, 0.5}, 0.3);
   Pose2 last = shown(t0);
   for (SimTime t = t0; t < t0 + 2s; t += 10ms) {

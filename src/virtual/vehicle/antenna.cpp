@@ -33,13 +33,14 @@ void Antenna::read_section(zone::SectionId section, Point2 p_from, Point2 p_to, 
 }
 
 void Antenna::read_beacon(const zone::TrafficZone& zone, Point2 p_from, Point2 p_to, std::vector<Reading>& readings) {
-  // Beacons stand at least 5 cm apart, so that no more than one can be read at a time.
+  // Beacons are at least 5 cm apart, so that at most one can be read at a time.
   if (const auto beacon = zone.beacons->nearest(p_to))
     enter({beacon->number, beacon->position}, p_from, p_to, readings);
 }
 
 void Antenna::enter(const InReach& tag, Point2 p_from, Point2 p_to, std::vector<Reading>& readings) {
-  // The way's parameter t in [0, 1] at which the distance becomes `range_m`: |w·t − d|² = range², d from its start.
+  // The parameter t in [0, 1] of the move at which the distance becomes `range_m`: |w·t − d|² = range², d from its
+  // start.
   const double wx = p_to.x_m - p_from.x_m;
   const double wy = p_to.y_m - p_from.y_m;
   const double dx = tag.position.x_m - p_from.x_m;

@@ -10,21 +10,22 @@
 
 namespace cosiva::virtual_side {
 
-/// The antenna under a virtual AIV's middle: reads each tag and beacon once, when it enters the field, and misses none.
+/// The antenna under the body origin of a virtual AIV: reads each tag and beacon once, when it enters the field, and
+/// misses none.
 class Antenna {
  public:
-  static constexpr double range_m = 0.020;  ///< the on-board program counts with it
+  static constexpr double range_m = 0.020;  ///< the on-board program uses the same value
 
   struct Reading {
     zone::TagNumber number;
-    double before_end_m;  ///< so far before the end of the move it entered the field, along the way
+    double before_end_m;  ///< distance along the path from entering the field to the end of the move
   };
 
-  /// The antenna stands at p, and the zone's tags are (from now on) these. What lies in the field now does not enter
-  /// it.
+  /// Puts the antenna at p, with the tags of this zone from now on. A tag in the field at this time is not read.
   void put(const zone::TrafficZone& zone, zone::TrackPosition track_position, Point2 p);
 
-  /// The antenna moved straight from one place of the circuit to another a few centimetres away. Appends what entered.
+  /// Moves the antenna straight from one track position to another a few centimetres away. Appends the tags that
+  /// entered the field.
   void move(const zone::TrafficZone& zone, zone::TrackPosition from, zone::TrackPosition to, Point2 p_from, Point2 p_to,
             std::vector<Reading>& readings);
 
@@ -37,7 +38,7 @@ class Antenna {
   void read_section(zone::SectionId section, Point2 p_from, Point2 p_to, std::vector<Reading>& readings);
   void read_beacon(const zone::TrafficZone& zone, Point2 p_from, Point2 p_to, std::vector<Reading>& readings);
 
-  std::vector<std::vector<InReach>> by_section_;  ///< tags that an antenna on the section's line can read
+  std::vector<std::vector<InReach>> by_section_;  ///< tags that an antenna on the section can read
   std::vector<InReach> in_field_;
 };
 

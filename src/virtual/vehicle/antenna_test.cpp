@@ -15,7 +15,7 @@ using aiv::test::lacet4;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-/// One straight way of 10 m along x, with what the test puts on the floor.
+/// One straight section of 10 m along x, with the fiducials that a test puts on the floor.
 struct Floor {
   zone::TrafficZone zone = lacet4();
   Antenna antenna;
@@ -49,12 +49,12 @@ TEST(Antenna, reads_each_tag_once_as_it_passes) {
   floor.start(0.0);
   EXPECT_THAT(floor.drive_to(0.45), IsEmpty());
   EXPECT_THAT(floor.drive_to(0.5), ElementsAre(1));
-  EXPECT_THAT(floor.drive_to(0.5), IsEmpty()) << "it stands on it";
+  EXPECT_THAT(floor.drive_to(0.5), IsEmpty()) << "the antenna is on it";
   EXPECT_THAT(floor.drive_to(1.5), ElementsAre(2));
-  EXPECT_THAT(floor.drive_to(0.0), ElementsAre(2, 1)) << "and on the way back";
+  EXPECT_THAT(floor.drive_to(0.0), ElementsAre(2, 1)) << "and driving back";
 }
 
-TEST(Antenna, says_how_long_ago_the_tag_entered_the_field) {
+TEST(Antenna, reports_how_long_ago_the_tag_entered_the_field) {
   Floor floor;
   floor.zone.tags = {{1, {0, 0.5}}};
   floor.start(0.47);
@@ -64,7 +64,7 @@ TEST(Antenna, says_how_long_ago_the_tag_entered_the_field) {
   EXPECT_NEAR(readings[0].before_end_m, 0.005, 1e-9);
 }
 
-TEST(Antenna, does_not_read_what_lies_in_its_field_from_the_beginning) {
+TEST(Antenna, does_not_read_a_tag_that_is_in_its_field_from_the_beginning) {
   Floor floor;
   floor.zone.tags = {{1, {0, 0.5}}};
   floor.start(0.49);
@@ -74,7 +74,7 @@ TEST(Antenna, does_not_read_what_lies_in_its_field_from_the_beginning) {
   EXPECT_THAT(floor.drive_to(1.0), ElementsAre(2));
 }
 
-TEST(Antenna, reads_beacons_within_two_centimetres_of_its_way_only) {
+TEST(Antenna, reads_only_beacons_within_two_centimetres_of_its_path) {
   Floor floor;
   floor.zone.beacons = zone::BeaconGrid{0.30, {0.15, 0.0}, 10, 3, 1'000'000};
   floor.start(0.0);
@@ -87,7 +87,7 @@ TEST(Antenna, reads_beacons_within_two_centimetres_of_its_way_only) {
   EXPECT_THAT(floor.drive_to(1.0), IsEmpty());
 }
 
-TEST(Antenna, misses_none_at_any_speed) {
+TEST(Antenna, misses_no_tag_at_any_speed) {
   EXPECT_TRUE(rc::check([](std::uint64_t seed) {
     Random random{seed, "tags"};
     Floor floor;

@@ -6,7 +6,7 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// Stands for the hash of the image that a real board would carry.
+/// Replaces the hash of the image that a real board would carry.
 std::uint32_t firmware_hash(wire::Board board) {
   Digest digest;
   digest.add(std::string_view{"simulated board 1"});
@@ -14,7 +14,7 @@ std::uint32_t firmware_hash(wire::Board board) {
   return static_cast<std::uint32_t>(digest.value() >> 32U);
 }
 
-/// True once per period; what was late does not catch up in a burst.
+/// True once per period; late calls are not made up for in a burst.
 bool take(SimTime now, SimTime& next, SimDuration period) {
   if (now < next) return false;
   next = next + period > now ? next + period : now + period;
@@ -62,7 +62,7 @@ void SimulatedBoards::speak(SimTime now, const Measured& measured) {
     std::get<wire::Ranges>(no_echoes_).board_ms = board_ms(now);
     send(wire::Board::DOBS, no_echoes_);
   }
-  // Two full cells at rest: what is only virtual does not tire.
+  // Two full cells at rest: a virtual AIV does not discharge its battery.
   if (take(now, power_next_, std::chrono::milliseconds{500})) send(wire::Board::RALI, wire::Power{8400, 0, 220, 1000});
 }
 
@@ -83,7 +83,7 @@ void SimulatedBoards::send_odometry(SimTime now, const Measured& measured) {
 }
 
 void SimulatedBoards::send_readings(SimTime now) {
-  // The on-board program knows that a number takes its reader 20 ms, a tick; the age is what comes on top.
+  // The on-board program accounts for the reading time of 20 ms, one tick; the age is the additional delay.
   constexpr SimDuration reading = std::chrono::milliseconds{20};
   std::erase_if(readings_, [&](const Reading& tag) {
     const SimDuration age = now - tag.read_at - reading;

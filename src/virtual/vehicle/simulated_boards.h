@@ -15,11 +15,11 @@
 
 namespace cosiva::virtual_side {
 
-/// The boards of one virtual AIV, as its on-board program knows them: the frames of the module link, both ways. There
-/// are no wires between them, so nothing is ever lost or damaged.
+/// The boards of one virtual AIV, as its on-board program knows them: the frames of the module link in both directions.
+/// There are no wires, so nothing is ever lost or damaged.
 class SimulatedBoards {
  public:
-  /// PILS' motors stop by themselves this long after the last Drive.
+  /// The motors of PILS stop by themselves this long after the last Drive.
   static constexpr SimDuration drive_timeout = std::chrono::milliseconds{300};
 
   /// @param session  of this power-up
@@ -28,20 +28,21 @@ class SimulatedBoards {
   void power_up(SimTime now);
   void on_bytes(SimTime now, wire::Board board, std::string_view bytes);
 
-  /// What the boards measure of the body.
+  /// The boards' measurements of the body.
   struct Measured {
     double odometer_m;
     double speed_mps;
     bool line_lost;
-    const Pose2* manoeuvre{nullptr};  ///< where it is in one, seen from where that began
+    const Pose2* manoeuvre{nullptr};  ///< pose relative to the start of the manoeuvre, if there is one
   };
-  /// Every tick: lets each board say what is due; the bytes are at `spoken` until the next call.
+  /// Called at every tick: lets each board send its due messages; their bytes are available from `spoken` until the
+  /// next call.
   void speak(SimTime now, const Measured& measured);
   [[nodiscard]] const std::string& spoken(wire::Board board) const { return line(board).out; }
 
-  /// PRAV has read a number. It tells it at the next `speak`, as a reader that takes its while does.
+  /// PRAV has read a number. PRAV sends it with a later `speak`, delayed like that of a real reader.
   void on_tag(SimTime read_at, std::uint32_t number) { readings_.push_back({read_at, number}); }
-  /// What the motors have to do; nothing: brake.
+  /// The command to the motors; nothing: brake.
   [[nodiscard]] const wire::Drive* drive(SimTime now) const {
     return drive_ && now - driven_at_ <= drive_timeout ? &*drive_ : nullptr;
   }
@@ -51,8 +52,8 @@ class SimulatedBoards {
   struct Line {
     wire::module_link::Encoder encoder;
     wire::module_link::Decoder decoder;
-    bool hello_due{true};  ///< after power-up, or asked for
-    std::string out;       ///< keeps its room
+    bool hello_due{true};  ///< after power-up, or on request
+    std::string out;       ///< keeps its capacity
   };
   struct Reading {
     SimTime read_at;
@@ -77,7 +78,8 @@ class SimulatedBoards {
   SimTime driven_at_{};
   std::vector<Reading> readings_;
   std::vector<wire::BoardMessage> received_;
-  /// A fan that sees nothing: what is only virtual is felt through Ahead, and a second pair of eyes would disagree.
+  /// A fan without echoes: virtual objects are perceived through VirtualObstacles, and a second source would contradict
+  /// it.
   wire::BoardMessage no_echoes_{wire::Ranges{0, -84, 14, std::vector<std::uint16_t>(13, wire::no_echo)}};
 };
 

@@ -15,12 +15,12 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// A host that slept does not make its guests leap.
+/// A pause of the host does not make its virtual AIVs jump.
 constexpr SimDuration step_max = std::chrono::milliseconds{100};
 
 std::shared_ptr<const zone::TrafficZone> zone_of(const zone::ZoneConfiguration& configuration) {
   auto rtm = zone::Rtm::initialise(configuration);
-  COSIVA_EXPECT(rtm);  // the server drives in this zone already
+  COSIVA_EXPECT(rtm);  // the server already drives in this zone
   return rtm->shared_zone();
 }
 
@@ -68,7 +68,7 @@ struct VirtualAiv::Impl {
     }
   }
 
-  /// The on-board program is told first who it is, and finds its boards at once.
+  /// The on-board program is first given its identity and finds its boards at once.
   void wake(SimTime now, wire::Effects& out) {
     if (awake) return;
     awake = true;
@@ -83,8 +83,8 @@ struct VirtualAiv::Impl {
     act(input.at, out);
   }
 
-  /// What is for the boards goes there, what is for the world goes out. A memory is not kept: the server places it
-  /// anew.
+  /// Passes messages to the boards on to them, and all others out. The persisted state is dropped: the server sets the
+  /// position anew.
   void act(SimTime now, wire::Effects& out) {
     for (wire::Effect& effect : effects) {
       if (const auto* bytes = std::get_if<wire::SendBytes>(&effect)) {
@@ -128,7 +128,7 @@ struct VirtualAiv::Impl {
   bool awake{false};
   std::optional<SimTime> moved_at;
 
-  // Kept to spare allocations: a tick makes none of its own.
+  // Members to avoid allocations: a tick makes none of its own.
   std::array<wire::Input, wire::all_boards.size()> published;
   wire::Input tick{{}, wire::InputKind::tick, "", "", false};
   wire::Effects effects;
@@ -157,7 +157,7 @@ void VirtualAiv::message(SimTime now, const std::string& topic, const std::strin
 
 void VirtualAiv::zone(SimTime now, const zone::ZoneConfiguration& zone, wire::Effects& effects) {
   impl_->wake(now, effects);
-  // One that cannot be read leaves the floor as it is; the on-board program says why.
+  // An unreadable zone leaves the floor unchanged; the on-board program reports the reason.
   if (const auto rtm = zone::Rtm::initialise(zone)) impl_->body.change_floor(rtm->shared_zone());
   message(now, std::string(wire::zone_topic_prefix) + zone.format, zone::to_payload(zone), effects);
 }

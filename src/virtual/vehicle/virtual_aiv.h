@@ -13,17 +13,17 @@
 
 namespace cosiva::virtual_side {
 
-/// An AIV that exists on the virtual side only (A3): the agent of the physical ones, unchanged, behind simulated
-/// boards. It drives exactly what it is told along the circuit, reads tags and beacons as PRAV would, and feels
-/// everything else through Ahead, as physical AIVs feel it. Deterministic; it has no chance of its own.
+/// An AIV that exists on the virtual side only (A3): the unchanged agent of physical AIVs with simulated boards. The
+/// virtual AIV executes its commands exactly, reads tags and beacons like PRAV, and perceives everything else through
+/// VirtualObstacles, as physical AIVs do. Deterministic, without random numbers.
 class VirtualAiv {
  public:
   /// @param number  of its boards' ports; any, unique in the server
-  /// @param zone    one that a circuit factory made a zone of already (checked)
-  /// @param start   where it stands at first; on this zone's circuit
+  /// @param zone    a configuration from which a circuit factory has already made a zone (checked)
+  /// @param start   the initial track position on this zone's circuit
   /// @param interface_name  of its VDA 5050 topics; empty: wire::default_interface
-  /// @param rules   by what it chooses its speed; custom ones can be used (checked)
-  /// @param v2x     it talks with those near it
+  /// @param rules   the rules of its speed choice; custom ones can be used (checked)
+  /// @param v2x     whether it exchanges V2X messages with vehicles nearby
   VirtualAiv(std::string serial, std::uint32_t number, zone::ZoneConfiguration zone, zone::TrackPosition start,
              std::string interface_name = {}, aiv::SpeedRules rules = {}, bool v2x = true);
   ~VirtualAiv();
@@ -32,21 +32,22 @@ class VirtualAiv {
 
   [[nodiscard]] const wire::VehicleId& id() const;
 
-  /// The server's link: ONLINE and its factsheet follow, or silence.
+  /// The state of the server's link. If up, ONLINE and the factsheet are published; otherwise nothing is.
   void link(SimTime now, bool up, wire::Effects& effects);
   /// A message on a topic that the on-board program subscribes to.
   void message(SimTime now, const std::string& topic, const std::string& payload, wire::Effects& effects);
-  /// With another configuration of the same ways (zone::same_geometry) it goes on driving. On other ways it comes to
-  /// rest, and is then on the new floor, its pose as it was: beside the line, until it is sent off and seeks it.
+  /// With another configuration of the same geometry (zone::same_geometry) the virtual AIV continues to drive. With
+  /// another geometry it stops; its pose is then unchanged on the new floor, off the path, until it gets an order and
+  /// seeks the path.
   void zone(SimTime now, const zone::ZoneConfiguration& zone, wire::Effects& effects);
-  /// Every 20 ms: body, boards, on-board program. Only Publish and Log come out.
+  /// Called every 20 ms: body, boards, on-board program. Emits only Publish and Log.
   void tick(SimTime now, wire::Effects& effects);
-  /// It is taken away: OFFLINE.
+  /// Called at removal: publishes OFFLINE.
   void farewell(SimTime now, wire::Effects& effects);
 
   [[nodiscard]] Pose2 X_MB() const;  // NOLINT(readability-identifier-naming): frames are written so everywhere
   [[nodiscard]] double speed_mps() const;
-  /// Off the line: the nearest.
+  /// Off the path: the nearest track position.
   [[nodiscard]] zone::TrackPosition put() const;
   void fold(Digest& digest) const;
 

@@ -30,13 +30,13 @@ TEST(VirtualAiv, announces_itself_as_a_vehicle_of_its_own_manufacturer) {
   ASSERT_FALSE(fixture.states.empty());
   ASSERT_TRUE(fixture.state().position);
   EXPECT_LT(distance(fixture.state().position->pose, lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.0))), 1e-6);
-  // Somebody who looks at it as it comes is not alarmed.
+  // An observer of its appearance receives no error.
   EXPECT_THAT(fixture.states.front().errors, IsEmpty());
   EXPECT_EQ(fixture.states.front().battery.charge_percent, 100.0);
   EXPECT_THAT(fixture.strange, IsEmpty());
 }
 
-TEST(VirtualAiv, stands_while_nobody_tells_it_to_drive) {
+TEST(VirtualAiv, stays_stopped_until_it_is_commanded_to_drive) {
   Lacet4Fixture fixture{"loop_se", 0.3};
   fixture.run(3.0);
   EXPECT_EQ(fixture.aiv.put().s_m, 0.3);
@@ -63,7 +63,7 @@ TEST(VirtualAiv, drives_its_order_and_reports_the_nodes) {
   EXPECT_THAT(fixture.strange, IsEmpty());
 }
 
-TEST(VirtualAiv, reads_the_tags_it_passes_and_knows_where_it_is) {
+TEST(VirtualAiv, reads_the_tags_it_passes_and_knows_its_position) {
   Lacet4Fixture fixture{"east", 1.12};
   fixture.run(0.2);
   fixture.order({"east@1120", "east@1310", "loop_se@0", "loop_se@283", "loop_se@565"});
@@ -75,7 +75,7 @@ TEST(VirtualAiv, reads_the_tags_it_passes_and_knows_where_it_is) {
   EXPECT_LT(fixture.estimate_error_m(), 0.002);
 }
 
-TEST(VirtualAiv, believes_what_is_true_all_round_the_circuit) {
+TEST(VirtualAiv, estimates_its_position_correctly_all_round_the_circuit) {
   Lacet4Fixture fixture{"loop_se", 0.0};
   fixture.run(0.2);
   fixture.order({"loop_se@0", "loop_se@2545"});
@@ -88,7 +88,7 @@ TEST(VirtualAiv, believes_what_is_true_all_round_the_circuit) {
   EXPECT_LT(worst_m, 0.003);
 }
 
-TEST(VirtualAiv, stops_within_half_a_second_when_its_host_beats_no_more) {
+TEST(VirtualAiv, stops_within_half_a_second_without_heartbeats_of_its_host) {
   Lacet4Fixture fixture{"loop_se", 0.0};
   fixture.run(0.5);
   fixture.order({"loop_se@0", "loop_se@2545"});
@@ -102,7 +102,7 @@ TEST(VirtualAiv, stops_within_half_a_second_when_its_host_beats_no_more) {
   EXPECT_GT(fixture.aiv.speed_mps(), 0.2);
 }
 
-TEST(VirtualAiv, does_not_leap_when_its_host_slept) {
+TEST(VirtualAiv, does_not_jump_after_a_pause_of_its_host) {
   Lacet4Fixture fixture{"loop_se", 0.0};
   fixture.run(0.5);
   fixture.order(to_1131);
@@ -134,7 +134,7 @@ TEST(VirtualAiv, obeys_pause_and_speed_like_any_vehicle) {
   EXPECT_NEAR(fixture.aiv.speed_mps(), lacet4().profiles.slow.speed_mps, 1e-6);
 }
 
-TEST(VirtualAiv, stops_before_what_its_server_says_stands_ahead_and_goes_on) {
+TEST(VirtualAiv, stops_before_a_body_that_its_server_sent_and_continues) {
   Lacet4Fixture fixture{"loop_se", 0.0};
   fixture.run(0.2);
   fixture.order({"loop_se@0", "loop_se@2545"});
@@ -146,7 +146,7 @@ TEST(VirtualAiv, stops_before_what_its_server_says_stands_ahead_and_goes_on) {
     fixture.run(0.1);
   }
   EXPECT_EQ(fixture.aiv.speed_mps(), 0.0);
-  EXPECT_NEAR(0.9 - 0.06 - 0.1 - fixture.aiv.put().s_m, 0.12, 0.02) << "the stand-off of any vehicle";
+  EXPECT_NEAR(0.9 - 0.06 - 0.1 - fixture.aiv.put().s_m, 0.12, 0.02) << "the clearance of any vehicle";
   ASSERT_FALSE(fixture.felts.empty());
   EXPECT_TRUE(fixture.felts.back().braking);
   EXPECT_EQ(fixture.felts.back().body, "P1");
@@ -157,7 +157,7 @@ TEST(VirtualAiv, stops_before_what_its_server_says_stands_ahead_and_goes_on) {
   EXPECT_THAT(fixture.strange, IsEmpty());
 }
 
-TEST(VirtualAiv, tells_of_healthy_boards_that_see_nothing) {
+TEST(VirtualAiv, reports_healthy_boards_without_echoes) {
   Lacet4Fixture fixture{"loop_se", 0.0};
   fixture.run(2.0);
   ASSERT_FALSE(fixture.reports.empty());
@@ -182,7 +182,7 @@ zone::ZoneConfiguration edited(std::string_view from, std::string_view to) {
   return configuration;
 }
 
-TEST(VirtualAiv, reads_a_tag_that_was_moved_at_its_new_place_and_drives_on) {
+TEST(VirtualAiv, reads_a_moved_tag_at_its_new_position_and_drives_on) {
   Lacet4Fixture fixture{"loop_se", 1.0};
   fixture.run(0.2);
   fixture.order({"loop_se@848", "loop_se@2545"});
@@ -197,7 +197,7 @@ TEST(VirtualAiv, reads_a_tag_that_was_moved_at_its_new_place_and_drives_on) {
   EXPECT_LT(fixture.estimate_error_m(), 0.003);
 }
 
-/// The same ways, `up_m` further north, under another name.
+/// The same geometry, `up_m` further north, under another name.
 zone::ZoneConfiguration shifted(double up_m) {
   zone::ZoneConfiguration configuration = edited("name = \"lacet4\"", "name = \"moved\"");
   const std::string was = "y = -0.15";
@@ -205,17 +205,17 @@ zone::ZoneConfiguration shifted(double up_m) {
   return configuration;
 }
 
-TEST(VirtualAiv, drives_on_when_a_zone_comes_that_cannot_be_read) {
+TEST(VirtualAiv, drives_on_after_an_unreadable_zone) {
   Lacet4Fixture fixture{"loop_se", 0.0};
   fixture.run(0.2);
   fixture.order({"loop_se@0", "loop_se@2545"});
   fixture.run(1.0);
-  fixture.zone(edited("radius_m = 0.6", "radius_m = 0.61"));  // the ways do not join
+  fixture.zone(edited("radius_m = 0.6", "radius_m = 0.61"));  // the sections do not join
   fixture.run(1.5);
   EXPECT_GT(fixture.aiv.speed_mps(), 0.2);
 }
 
-TEST(VirtualAiv, comes_to_rest_when_its_ways_become_others_and_stands_beside_the_new_line) {
+TEST(VirtualAiv, stops_when_the_geometry_changes_and_is_then_off_the_new_path) {
   Lacet4Fixture fixture{"loop_se", 0.0};
   fixture.run(0.2);
   fixture.order({"loop_se@0", "loop_se@2545"});
@@ -226,7 +226,7 @@ TEST(VirtualAiv, comes_to_rest_when_its_ways_become_others_and_stands_beside_the
   EXPECT_EQ(fixture.aiv.speed_mps(), 0.0);
   const Pose2 is_stopped = fixture.aiv.X_MB();
   EXPECT_LT(distance(before, is_stopped), 0.3);
-  EXPECT_LT(lacet4().circuit.locate(position(is_stopped)).distance_m, 1e-9) << "where it came to rest on its old line";
+  EXPECT_LT(lacet4().circuit.locate(position(is_stopped)).distance_m, 1e-9) << "its stopping position on the old path";
   EXPECT_LT(fixture.estimate_error_m(), 0.005);
   EXPECT_EQ(fixture.state().position->map_id, "moved");
   EXPECT_THAT(fixture.state().node_states, IsEmpty()) << "that order was of the old map";
@@ -234,7 +234,7 @@ TEST(VirtualAiv, comes_to_rest_when_its_ways_become_others_and_stands_beside_the
   EXPECT_EQ(fixture.aiv.X_MB(), is_stopped);
 }
 
-TEST(VirtualAiv, seeks_the_new_line_and_follows_it_when_it_is_sent_off_again) {
+TEST(VirtualAiv, seeks_the_new_path_and_follows_it_with_the_next_order) {
   Lacet4Fixture fixture{"loop_se", 0.0};
   fixture.run(0.2);
   fixture.order({"loop_se@0", "loop_se@2545"});
@@ -250,7 +250,8 @@ TEST(VirtualAiv, seeks_the_new_line_and_follows_it_when_it_is_sent_off_again) {
   EXPECT_THAT(fixture.strange, IsEmpty());
 }
 
-/// Nodes a (0.5, -0.2), b (1.5, -0.2) and c (1.5, 0.8), with an edge from each to the next: at b one turns on the spot.
+/// Nodes a (0.5, -0.2), b (1.5, -0.2) and c (1.5, 0.8), with an edge from each to the next: at b a vehicle turns on the
+/// spot.
 zone::ZoneConfiguration corner() {
   std::string text = R"({"metaInformation":{"projectIdentification":"corner","creator":"test",)"
                      R"("exportTimestamp":"2024-01-01T00:00:00.00Z","lifVersion":"1.0.0"},)"
@@ -275,7 +276,7 @@ zone::ZoneConfiguration corner() {
   return {"lif", "corner.lif.json", text, "[vehicle]\nlength_m = 0.20\nwidth_m = 0.12\n"};
 }
 
-TEST(VirtualAiv, drives_a_layout_that_it_was_switched_to_and_turns_on_the_spot_at_its_nodes) {
+TEST(VirtualAiv, drives_a_layout_after_a_switch_and_turns_on_the_spot_at_its_nodes) {
   Lacet4Fixture fixture{"loop_se", 0.0};
   fixture.run(0.2);
   fixture.zone(corner());
@@ -300,7 +301,7 @@ TEST(VirtualAiv, drives_a_layout_that_it_was_switched_to_and_turns_on_the_spot_a
   EXPECT_THAT(fixture.strange, IsEmpty());
 }
 
-TEST(VirtualAiv, runs_the_same_way_every_time) {
+TEST(VirtualAiv, is_deterministic) {
   const auto run = [] {
     Lacet4Fixture fixture{"east", 1.12};
     fixture.run(0.2);
@@ -315,7 +316,7 @@ TEST(VirtualAiv, runs_the_same_way_every_time) {
   EXPECT_NE(digest, other.digest());
 }
 
-TEST(VirtualAiv, says_goodbye_when_it_is_taken_away) {
+TEST(VirtualAiv, publishes_offline_when_it_is_removed) {
   Lacet4Fixture fixture{"loop_se", 0.0};
   fixture.run(0.5);
   fixture.farewell();

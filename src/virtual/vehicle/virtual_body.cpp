@@ -10,7 +10,7 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// The motors' own braking where no command comes, or one that leaves it open.
+/// The motors' own braking if there is no command, or a command without a braking value.
 constexpr double own_braking_mps2 = 1.0;
 
 }  // namespace
@@ -46,7 +46,7 @@ void VirtualBody::adopt_next_zone() {
   zone_ = std::exchange(next_, nullptr);
   manoeuvre_.reset();
   off_line_ = true;
-  // Where the old floor and the new have a way in common it lies on it by chance, and may go on as it is.
+  // If the old and the new floor have a section in common, the body is already on the path and may continue unchanged.
   constexpr double on_line_m = 1e-3;
   constexpr double on_line_rad = 1e-2;
   const auto entry_point = zone::snap_to_path(zone_->circuit, X_MS_, on_line_m);

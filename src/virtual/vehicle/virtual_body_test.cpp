@@ -22,7 +22,7 @@ std::shared_ptr<const zone::TrafficZone> zone_of(Circuit circuit, std::vector<zo
   zone::TrafficZone zone{"z", std::move(circuit), {}, {}, std::move(tags), {}, {}, {}, {}, {}};
   return std::make_shared<const zone::TrafficZone>(std::move(zone));
 }
-/// A node at (1, 0): on to the east, or north on the spot.
+/// A node at (1, 0): straight on to the east, or a turn on the spot to the north.
 std::shared_ptr<const zone::TrafficZone> node() {
   return zone_of(*Circuit::make("node", {{"in", *Section::make({0, 0, 0}, 1.0), {}, {1, 2}, true},
                                          {"ahead", *Section::make({1, 0, 0}, 1.0), {}, {}},
@@ -38,7 +38,7 @@ std::vector<Antenna::Reading> drive(VirtualBody& body, const wire::Drive& comman
   return readings;
 }
 
-TEST(VirtualBody, follows_its_branch_and_stops_where_it_was_told_none) {
+TEST(VirtualBody, follows_its_branch_and_stops_where_no_branch_was_commanded) {
   for (const auto& [branch, section] : {std::pair{0, 1U}, {9, 2U}}) {
     VirtualBody body{node(), {0, 0.9}};
     drive(body, {50, 500, 800, static_cast<std::uint8_t>(branch)}, 6.0);
@@ -52,7 +52,7 @@ TEST(VirtualBody, follows_its_branch_and_stops_where_it_was_told_none) {
   EXPECT_EQ(body.manoeuvre(), nullptr);
 }
 
-TEST(VirtualBody, turns_on_the_spot_where_the_line_bends_and_counts_no_distance) {
+TEST(VirtualBody, turns_on_the_spot_where_the_path_bends_and_counts_no_distance) {
   VirtualBody body{node(), {0, 0.95}};
   std::vector<Antenna::Reading> readings;
   double turned_rad = 0.0;
@@ -72,7 +72,7 @@ TEST(VirtualBody, turns_on_the_spot_where_the_line_bends_and_counts_no_distance)
   EXPECT_NEAR(moves * dt_s, 1.05 + 1.55, 0.1);
 }
 
-TEST(VirtualBody, waits_in_its_turn_while_nobody_commands_it) {
+TEST(VirtualBody, pauses_its_turn_while_there_is_no_command) {
   VirtualBody body{node(), {0, 0.99}};
   drive(body, creep_north, 1.0);
   ASSERT_NE(body.manoeuvre(), nullptr);
@@ -85,7 +85,7 @@ TEST(VirtualBody, waits_in_its_turn_while_nobody_commands_it) {
   EXPECT_EQ(body.put().section, 2U);
 }
 
-TEST(VirtualBody, backs_up_to_where_its_line_begins_or_bends_and_no_further) {
+TEST(VirtualBody, backs_up_to_where_its_section_begins_or_bends_and_no_further) {
   VirtualBody body{node(), {2, 0.2}};
   drive(body, {-200, 500, 800, 0}, 4.0);
   EXPECT_EQ(body.put(), (zone::TrackPosition{2, 0.0}));
@@ -95,7 +95,7 @@ TEST(VirtualBody, backs_up_to_where_its_line_begins_or_bends_and_no_further) {
   EXPECT_EQ(smooth.put().section, 0U);
 }
 
-TEST(VirtualBody, is_on_another_floor_when_it_stands_with_its_pose_as_it_was) {
+TEST(VirtualBody, is_on_another_floor_after_standstill_with_its_pose_unchanged) {
   VirtualBody body{line({0, 0, 0}), {0, 0.5}};
   drive(body, {300, 500, 800, 0}, 2.0);
   body.change_floor(line({0, 0.1, 0}));
@@ -106,12 +106,12 @@ TEST(VirtualBody, is_on_another_floor_when_it_stands_with_its_pose_as_it_was) {
   const Pose2 is_stopped = body.X_MB();
   EXPECT_EQ(is_stopped.y_m, 0.0);
   EXPECT_TRUE(body.line_lost());
-  EXPECT_NEAR(body.put().s_m, is_stopped.x_m, 1e-9) << "the nearest place";
+  EXPECT_NEAR(body.put().s_m, is_stopped.x_m, 1e-9) << "the nearest track position";
   drive(body, {300, 500, 800, 0}, 1.0);
-  EXPECT_EQ(body.X_MB(), is_stopped) << "nobody told it to seek";
+  EXPECT_EQ(body.X_MB(), is_stopped) << "no command to seek was given";
 }
 
-TEST(VirtualBody, seeks_its_line_and_reads_what_lies_on_the_new_floor) {
+TEST(VirtualBody, seeks_its_path_and_reads_the_tags_of_the_new_floor) {
   VirtualBody body{line({0, 0, 0}, {{1, {0, 1.0}}}), {0, 0.5}};
   body.change_floor(line({0, 0.2, 0}, {{2, {0, 1.0}}}));
   drive(body, seek, 0.5);
@@ -127,8 +127,8 @@ TEST(VirtualBody, seeks_its_line_and_reads_what_lies_on_the_new_floor) {
   EXPECT_NEAR(body.distance_m(), body.X_MB().x_m - 0.5, 1e-9);
 }
 
-TEST(VirtualBody, seeks_any_line_within_reach_and_ends_on_it) {
-  EXPECT_TRUE(rc::check("it ends on the line, heading along it", [] {
+TEST(VirtualBody, seeks_any_path_within_reach_and_ends_on_it) {
+  EXPECT_TRUE(rc::check("it ends on the path, heading along it", [] {
     const Pose2 off{*rc::gen::inRange(-100, 101) * 1e-3, *rc::gen::inRange(-300, 301) * 1e-3,
                     *rc::gen::inRange(-3141, 3142) * 1e-3};
     VirtualBody body{line({0, 0, 0}), {0, 2.0}};
@@ -147,8 +147,9 @@ TEST(VirtualBody, seeks_any_line_within_reach_and_ends_on_it) {
   }));
 }
 
-// Whoever drives it always says where it believes the line to be. Asked for no room, it must not sweep about.
-TEST(VirtualBody, told_of_a_goal_where_it_stands_does_not_turn_across_the_line) {
+// A driver always states where it estimates the path to be. Without a commanded clearance the body must not sweep
+// about.
+TEST(VirtualBody, with_a_goal_at_its_own_pose_does_not_turn_across_the_path) {
   VirtualBody body{line({0, 0, 0}), {0, 0.5}};
   body.change_floor(line({0, 0.004, 0.02}));
   constexpr wire::Drive to_goal{300, 500, 800, 0, true, wire::Manoeuvre{0, 4, 20}};
@@ -162,7 +163,7 @@ TEST(VirtualBody, told_of_a_goal_where_it_stands_does_not_turn_across_the_line) 
   EXPECT_GT(body.X_MB().x_m, 0.6) << "and it drives on";
 }
 
-TEST(VirtualBody, told_of_a_goal_goes_onto_the_line_that_lies_there) {
+TEST(VirtualBody, with_a_goal_drives_onto_the_path_at_the_goal) {
   VirtualBody body{line({0, 0, 0}), {0, 0.5}};
   body.change_floor(line({0, 0.2, 0}));
   constexpr wire::Drive to_goal{300, 500, 800, 0, true, wire::Manoeuvre{300, 200, 0}};
@@ -173,7 +174,7 @@ TEST(VirtualBody, told_of_a_goal_goes_onto_the_line_that_lies_there) {
   EXPECT_LT(distance(body.X_MB(), {0.8, 0.2, 0}), 1e-9);
 }
 
-TEST(VirtualBody, finds_no_line_out_of_reach_and_stays) {
+TEST(VirtualBody, finds_no_path_out_of_reach_and_stays) {
   VirtualBody body{line({0, 0, 0}), {0, 0.5}};
   body.change_floor(line({0, 0.4, 0}));
   EXPECT_THAT(drive(body, seek, 3.0), IsEmpty());
@@ -182,7 +183,7 @@ TEST(VirtualBody, finds_no_line_out_of_reach_and_stays) {
   EXPECT_EQ(body.manoeuvre(), nullptr);
 }
 
-TEST(VirtualBody, goes_on_where_the_floors_have_the_way_in_common) {
+TEST(VirtualBody, continues_where_the_floors_have_the_section_in_common) {
   VirtualBody body{line({0, 0, 0}), {0, 0.5}};
   body.change_floor(line({-1, 0, 0}));
   drive(body, {300, 500, 800, 0}, 2.0);
@@ -191,7 +192,7 @@ TEST(VirtualBody, goes_on_where_the_floors_have_the_way_in_common) {
   EXPECT_NEAR(body.put().s_m, body.X_MB().x_m + 1.0, 1e-9);
 }
 
-TEST(VirtualBody, takes_tags_that_were_edited_at_once_and_stays_on_its_line) {
+TEST(VirtualBody, adopts_edited_tags_at_once_and_stays_on_its_path) {
   VirtualBody body{line({0, 0, 0}, {{1, {0, 1.0}}}), {0, 0.5}};
   drive(body, {300, 500, 800, 0}, 0.5);
   body.change_floor(line({0, 0, 0}, {{1, {0, 1.5}}}));

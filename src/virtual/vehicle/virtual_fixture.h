@@ -13,11 +13,11 @@
 
 namespace cosiva::virtual_side::test {
 
-/// A virtual AIV, its host's ticks, and a server that beats. Everything it publishes is decoded; what does not decode,
-/// or is meant for nobody outside, is counted.
+/// A virtual AIV, the ticks of its host, and a server that sends heartbeats. Every publication is decoded; a message
+/// that cannot be decoded, or that no other party expects, is counted.
 class VirtualFixture {
  public:
-  /// @param zone  made of the configuration; must outlive this
+  /// @param zone  made from the configuration; must outlive the fixture
   VirtualFixture(const zone::ZoneConfiguration& configuration, const zone::TrafficZone& zone, zone::TrackPosition start)
       : aiv{"V1", 1001, configuration, start}, first_zone_{zone} {
     aiv.link(now, true, effects_);
@@ -48,7 +48,8 @@ class VirtualFixture {
     text.header.serial_number = aiv.id().serial_number;
     receive(wire::vda_topic(aiv.id(), "order"), wire::vda5050::encode(text));
   }
-  /// The last waypoint of the first zone before the place where it is; another zone may have such a place, too.
+  /// The last waypoint of the first zone behind the vehicle's track position; another zone may have such a track
+  /// position, too.
   [[nodiscard]] std::string waypoint_behind() const {
     return first_zone_.waypoints[first_zone_.waypoint_behind(aiv.put())].id;
   }
@@ -66,7 +67,7 @@ class VirtualFixture {
   }
 
   [[nodiscard]] const wire::State& state() const { return states.back(); }
-  /// From where it believes it is to where it is.
+  /// Distance from the estimated to the actual position.
   [[nodiscard]] double estimate_error_m() const {
     if (visualizations.empty() || !visualizations.back().position) return 1e3;
     return distance(visualizations.back().position->pose, aiv.X_MB());
@@ -88,8 +89,8 @@ class VirtualFixture {
   std::vector<wire::BoardsReport> reports;
   std::vector<wire::Log> logs;
   std::vector<wire::Intent> intents;
-  std::vector<std::string> listens;  ///< to what it listens besides what its server hands it
-  std::vector<std::string> strange;  ///< effects that should not be
+  std::vector<std::string> listens;  ///< its subscriptions besides those that the server handles
+  std::vector<std::string> strange;  ///< unexpected effects
 
  private:
   template <typename Message>

@@ -117,7 +117,7 @@ describe('the book of alarms', () => {
     const book = new AlarmBook();
     const found = (kind: 'no twin' | 'no detection', id: string, text: string) => ({ bijection: { ...snapshot([]).bijection, findings: [{ kind, id, text, since_ms: 0 }] } });
     expect(told(book, [aiv(1)], found('no twin', 'CoSiVA/AIV7', 'the camera sees it, and it has no twin'))).toMatchObject([{ vehicle: 'CoSiVA/AIV7', name: 'AIV7', text: 'the camera sees it, and it has no twin', ended_ms: null }]);
-    const blind = told(book, [aiv(1)], found('no detection', 'GVS', 'no picture comes'));
+    const blind = told(book, [aiv(1)], found('no detection', 'GVS', 'no image arrives'));
     expect(blind).toMatchObject([{ vehicle: null, name: 'GVS', ended_ms: null }, { vehicle: 'CoSiVA/AIV7', ended_ms: 10_000 }]);
     expect(causes_of(aiv(1, { contract: { matched: true, divergence: true, age: true, actual: false } })).map((cause) => cause.code)).toEqual(['actual']);
   });

@@ -22,7 +22,7 @@ bool ThirdPartyPause::in_path(VehicleIndex vehicle, const Pose2& X_MB, const Bod
   }
   const double half_width_m = 0.5 * shape.width_m + beside_m;
   const zone::Circuit& circuit = *simulator_.circuit();
-  // What touches its tail only is behind it: the way is looked at from its middle on.
+  // The path is checked from the vehicle's body origin on: a body that touches only the tail is behind the vehicle.
   for (double d_m = 0.0; d_m <= reach_m; d_m += step_m) {
     const Point2 p = track_position
                          ? position(circuit.pose_at(circuit.advance(*track_position, d_m, traffic_.remaining(vehicle))))
@@ -46,7 +46,7 @@ void ThirdPartyPause::evaluate(VehicleIndex vehicle, const Pose2& X_MB, std::spa
   if (proxy.paused_for_body || proxy.state->paused || proxy.supports("startPause") == std::optional{false}) return;
   proxy.paused_for_body = true;
   pauses_[vehicle].body = blocking->body->id;
-  publisher_.log('i', proxy.name + ": does not feel virtual things; paused for " + blocking->body->id);
+  publisher_.log('i', proxy.name + ": does not perceive virtual objects; paused for " + blocking->body->id);
   send(vehicle, "startPause");
 }
 
@@ -60,7 +60,7 @@ void ThirdPartyPause::let_go(VehicleIndex vehicle) {
 
 void ThirdPartyPause::send(VehicleIndex vehicle, std::string action) {
   ++changes_;
-  // The one before, still unanswered and sent again, would undo this one.
+  // The previous action, unacknowledged and sent again, would undo this one.
   if (pauses_[vehicle].handle != 0) action_sender_.drop(pauses_[vehicle].handle);
   pauses_[vehicle].handle = action_sender_.send(
       registry_[vehicle], vehicle, {{std::move(action), {}, {}, wire::BlockingType::none, {}}}, timeout, false);

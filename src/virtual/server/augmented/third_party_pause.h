@@ -15,13 +15,14 @@
 
 namespace cosiva::virtual_side {
 
-/// Vehicles of other makes do not listen to Ahead. One that never answered is paused (startPause) while a virtual body
-/// stands in its way, and let go (stopPause) when that is gone; never one that somebody else paused.
+/// Third-party vehicles do not read the message VirtualObstacles. A vehicle that never acknowledged that message is
+/// paused (startPause) while a virtual body blocks its path, and released (stopPause) when the body has left. A vehicle
+/// that another party paused is never released.
 class ThirdPartyPause {
  public:
-  static constexpr double pause_within_m = 0.8;   ///< from its front
-  static constexpr double let_go_beyond_m = 1.0;  ///< so that a body at the limit does not make it stutter
-  static constexpr double beside_m = 0.02;        ///< of its sides
+  static constexpr double pause_within_m = 0.8;   ///< from the vehicle's front
+  static constexpr double let_go_beyond_m = 1.0;  ///< hysteresis: a body at the limit does not make the vehicle stutter
+  static constexpr double beside_m = 0.02;        ///< on each side of the vehicle
   static constexpr SimDuration timeout{std::chrono::seconds{5}};
 
   ThirdPartyPause(Registry& registry, Traffic& traffic, MessagePublisher& publisher, InstantActionSender& action_sender,
@@ -35,18 +36,19 @@ class ThirdPartyPause {
   void resize(std::size_t vehicles) { pauses_.resize(vehicles); }
   void set_map(const WaypointGraph* map) { map_ = map; }
 
-  /// A body that may stand in a vehicle's way.
+  /// A body that may block a vehicle's path.
   struct Body {
     const wire::Body* body;
-    bool is_aiv;  ///< traffic keeps vehicles apart: it counts only inside the base
+    bool is_aiv;  ///< traffic control keeps vehicles apart: an AIV counts only within the vehicle's base
   };
-  /// The vehicle does not feel by itself; these are near it, nearest first.
+  /// For a vehicle that does not perceive virtual objects by itself. @param bodies  those near the vehicle, nearest
+  /// first
   void evaluate(VehicleIndex vehicle, const Pose2& X_MB, std::span<const Body> bodies);
-  /// Nothing is near it any more, or it feels by itself.
+  /// Ends the pause: no body is near the vehicle any more, or the vehicle perceives virtual objects by itself.
   void let_go(VehicleIndex vehicle);
-  /// The body it is paused for; empty: none.
+  /// The body for which the vehicle is paused; empty: none.
   [[nodiscard]] const std::string& paused_for(VehicleIndex vehicle) const { return pauses_[vehicle].body; }
-  /// Grows with each pause and each end of one.
+  /// Incremented at the start and at the end of each pause.
   [[nodiscard]] std::uint64_t changes() const { return changes_; }
 
  private:
@@ -61,7 +63,7 @@ class ThirdPartyPause {
   const WaypointGraph* map_{};
   std::uint64_t changes_{0};
   struct Pause {
-    InstantActionSender::ActionHandle handle{0};  ///< of the last action for it; 0: none
+    InstantActionSender::ActionHandle handle{0};  ///< of the last action for this vehicle; 0: none
     std::string body;
   };
   std::vector<Pause> pauses_;

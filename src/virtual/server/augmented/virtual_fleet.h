@@ -14,42 +14,43 @@
 
 namespace cosiva::virtual_side {
 
-/// The virtual AIVs that live in this server (A3). What they say goes to the broker, and comes back from there like any
-/// vehicle's; orders reach them the same way. Zone, heartbeat, link and Ahead are handed to them directly.
+/// The virtual AIVs that this server hosts (A3). Their messages go to the broker and return from there like those of
+/// any vehicle; orders reach them on the same path. The server passes the zone, the heartbeat, the link state and
+/// VirtualObstacles to them directly.
 class VirtualFleet {
  public:
-  /// @param rules  by what they choose their speeds; must outlive the fleet
-  /// @param v2x    they talk with those near them
+  /// @param rules  the rules of their speed choice; must outlive the fleet
+  /// @param v2x    whether they exchange V2X messages with vehicles nearby
   VirtualFleet(Registry& registry, MessagePublisher& publisher, const aiv::SpeedRules& rules, bool v2x)
       : registry_{registry}, publisher_{publisher}, rules_{rules}, v2x_{v2x} {}
-  VirtualFleet(const VirtualFleet&) = delete;  // other parts refer to it
+  VirtualFleet(const VirtualFleet&) = delete;  // other components hold references to the fleet
   VirtualFleet& operator=(const VirtualFleet&) = delete;
 
   struct Host {
     VehicleIndex vehicle;
     SimTime since;
     VirtualAiv aiv;
-    std::vector<std::string> listens{};  ///< topics of those near it (wire::Listen)
+    std::vector<std::string> listens{};  ///< topics of the vehicles nearby (wire::Listen)
   };
 
   void add(VehicleIndex vehicle, SimTime now, bool link_up, const zone::ZoneConfiguration& zone,
            zone::TrackPosition start);
   void remove(VehicleIndex vehicle, SimTime now);
   [[nodiscard]] const Host* find(VehicleIndex vehicle) const;
-  /// On this circuit, be it one that the vehicle has yet to change to.
+  /// The track position on this circuit, even if the vehicle has yet to change to that circuit.
   [[nodiscard]] static zone::TrackPosition position_of(const Host& host, const zone::Circuit& circuit);
   [[nodiscard]] const std::deque<Host>& hosts() const { return hosts_; }
   [[nodiscard]] bool empty() const { return hosts_.empty(); }
 
   void link(SimTime now, bool up);
   void zone(SimTime now, const zone::ZoneConfiguration& zone);
-  /// To all of them, such as a heartbeat.
+  /// To all hosted AIVs, such as a heartbeat.
   void message(SimTime now, const std::string& topic, const std::string& payload);
-  /// To one of them.
+  /// To one hosted AIV.
   void message(SimTime now, VehicleIndex vehicle, const std::string& topic, const std::string& payload);
-  /// An order or instant actions from the broker; false: it is for none of them.
+  /// An order or instant actions from the broker. Returns false if the message is for none of the hosted AIVs.
   bool from_broker(SimTime now, const wire::Input& input);
-  /// What vehicles say to those near them, to those of ours that listen there and did not say it.
+  /// Passes a V2X message to the hosted AIVs that listen to its topic, except to its sender.
   void talk(SimTime now, const wire::Input& input);
   void tick(SimTime now);
   void farewell(SimTime now);

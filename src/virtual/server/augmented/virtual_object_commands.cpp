@@ -19,7 +19,7 @@ std::string at_text(Point2 p) { return "(" + metres(p.x_m) + ", " + metres(p.y_m
 
 std::string cut(std::string_view text) { return std::string(text.substr(0, 80)); }
 
-/// Reads a number in [low, high] into `out`; leaves it as it is where the field is missing.
+/// Reads a number in [low, high] into `out`; leaves `out` unchanged if the field is missing.
 Result<void> read_number(const JsonValue& json, std::string_view field, double low, double high, std::string_view unit,
                          double& out) {
   const JsonValue* found = json.find(field);
@@ -80,8 +80,8 @@ Result<VirtualObjectCommand> VirtualObjectCommands::read(const JsonValue& comman
   if (act == "remove") return read_remove(command);
   const JsonValue* virtual_object = command.find("virtualObject");
   if (virtual_object == nullptr || virtual_object->object() == nullptr)
-    return fail("virtual_object.missing", R"(say what, as {"virtualObject":{"kind":"person","x":0.5,"y":0.2}})",
-                "virtualObject");
+    return fail("virtual_object.missing",
+                R"(state what to add, as {"virtualObject":{"kind":"person","x":0.5,"y":0.2}})", "virtualObject");
   if (simulator_.zone() == nullptr)
     return fail("virtual_object.zone",
                 "there is no zone yet; wait until the physical side has sent it, then try again");
@@ -92,7 +92,7 @@ Result<VirtualObjectCommand> VirtualObjectCommands::read_remove(const JsonValue&
   VirtualObjectCommand requested;
   requested.act = VirtualObjectCommand::Act::remove;
   const auto id = command.text("id");
-  if (!id) return fail("virtual_object.id", "say which thing to remove, or * for all", "id");
+  if (!id) return fail("virtual_object.id", "give the id of the virtual object to remove, or * for all", "id");
   requested.id = *id;
   if (requested.id == "*" || simulator_.augmented().find(requested.id) != nullptr) return requested;
   if (find_aiv(requested.id) != nullptr) {
@@ -100,20 +100,19 @@ Result<VirtualObjectCommand> VirtualObjectCommands::read_remove(const JsonValue&
     return requested;
   }
   return fail("virtual_object.unknown",
-              "no virtual thing is called '" + cut(requested.id) + "'; " + known_virtual_objects(), "id");
+              "no virtual object is called '" + cut(requested.id) + "'; " + known_virtual_objects(), "id");
 }
 
 Result<void> VirtualObjectCommands::check_id(std::string_view id) const {
   if (id.empty() || id.size() > id_bytes_max || !wire::valid_serial_number(id)) {
     return fail("virtual_object.id",
-                "'" + cut(id) + "' is no name for it; use 1 to 32 of A-Z a-z 0-9 _ . : - or leave it out", "id");
+                "'" + cut(id) + "' is not a valid id; use 1 to 32 of A-Z a-z 0-9 _ . : - or leave it out", "id");
   }
   if (is_detected_id(id))
-    return fail("virtual_object.id", "S1, S2 … are the names of obstacles that vehicles see; choose another name",
-                "id");
+    return fail("virtual_object.id", "S1, S2 … are the ids of obstacles that vehicles detect; choose another id", "id");
   if (simulator_.augmented().find(id) != nullptr || find_aiv(id) != nullptr) {
     return fail("virtual_object.taken",
-                "there is a '" + cut(id) + "' already; choose another name, move that one, or remove it", "id");
+                "the id '" + cut(id) + "' is in use; choose another id, move that object, or remove it", "id");
   }
   return {};
 }
@@ -137,14 +136,14 @@ Result<VirtualObjectCommand> VirtualObjectCommands::read_add(const JsonValue& vi
   if (simulator_.augmented().virtual_objects().size() + fleet_.hosts().size() >= Augmented::virtual_objects_max) {
     return fail("virtual_object.many",
                 "there are " + std::to_string(Augmented::virtual_objects_max) +
-                    " virtual things already; remove one that is no longer needed, then try again");
+                    " virtual objects already; remove one that is no longer needed, then try again");
   }
   if (requested.is_aiv) {
     const wire::VehicleId vehicle{std::string(wire::virtual_manufacturer), requested.id};
     if (!registry_.find(wire::to_string(vehicle)) && registry_.size() >= Registry::vehicles_max)
       return fail("virtual_object.many",
                   "this server knows " + std::to_string(Registry::vehicles_max) +
-                      " vehicles already, and takes no more; add it under a name that was used before");
+                      " vehicles already and accepts no more; add it under a name that was used before");
     auto track_position = read_aiv_position(virtual_object);
     if (!track_position) return tl::unexpected(track_position.error());
     requested.position = *track_position;
@@ -165,16 +164,15 @@ Result<VirtualObjectCommand> VirtualObjectCommands::read_move(const JsonValue& v
   VirtualObjectCommand requested;
   requested.act = VirtualObjectCommand::Act::move;
   const auto id = virtual_object.text("id");
-  if (!id) return fail("virtual_object.id", "say which thing to move, by its id", "id");
+  if (!id) return fail("virtual_object.id", "give the id of the virtual object to move", "id");
   requested.id = *id;
   if (find_aiv(requested.id) != nullptr) {
-    return fail("virtual_object.aiv", "a virtual AIV drives by itself; remove it and add it where it shall start",
-                "id");
+    return fail("virtual_object.aiv", "a virtual AIV cannot be moved; remove it and add it at the new start", "id");
   }
   const VirtualObject* known = simulator_.augmented().find(requested.id);
   if (known == nullptr)
     return fail("virtual_object.unknown",
-                "no virtual thing is called '" + cut(requested.id) + "'; " + known_virtual_objects(), "id");
+                "no virtual object is called '" + cut(requested.id) + "'; " + known_virtual_objects(), "id");
   requested.kind = known->kind;
   const double usual_mps =
       known->walk.speed_mps() > 0.0 ? known->walk.speed_mps() : simulator_.zone()->profiles.slow.speed_mps;
@@ -187,15 +185,15 @@ Result<VirtualObjectCommand> VirtualObjectCommands::read_move(const JsonValue& v
 
 Result<Point2> VirtualObjectCommands::read_point(const JsonValue& x, const JsonValue& y, std::string_view field) const {
   if (x.number() == nullptr || y.number() == nullptr || !std::isfinite(*x.number()) || !std::isfinite(*y.number()))
-    return fail("virtual_object.position", "give a place as two numbers, in metres on the map", std::string(field));
+    return fail("virtual_object.position", "give a position as two numbers, in metres on the map", std::string(field));
   const Point2 p{*x.number(), *y.number()};
   const zone::Bounds on = simulator_.bounds();
   const bool inside = p.x_m >= on.low.x_m - off_zone_m && p.x_m <= on.high.x_m + off_zone_m &&
                       p.y_m >= on.low.y_m - off_zone_m && p.y_m <= on.high.y_m + off_zone_m;
   if (!inside) {
     return fail("virtual_object.position",
-                at_text(p) + " is off the zone, which reaches from " + at_text(on.low) + " to " + at_text(on.high) +
-                    "; choose a place on it or at most 0.5 m beside it",
+                at_text(p) + " is outside the zone, which reaches from " + at_text(on.low) + " to " + at_text(on.high) +
+                    "; choose a position in the zone or at most 0.5 m outside",
                 std::string(field));
   }
   return p;
@@ -228,16 +226,16 @@ Result<Walk> VirtualObjectCommands::read_walk(const JsonValue& virtual_object, b
     if (*on_path) return Walk({position(simulator_.circuit()->pose_at(**on_path))}, 0.0, Repeat::once);
     if (x == nullptr || y == nullptr) {
       return fail("virtual_object.position",
-                  may_walk ? "say where it stands (x, y) or which path it walks (path)" : "say where it stands (x, y)");
+                  may_walk ? "give a position (x, y) or a path to walk (path)" : "give a position (x, y)");
     }
     const auto point = read_point(*x, *y, "x, y");
     if (!point) return tl::unexpected(point.error());
     return Walk({*point}, 0.0, Repeat::once);
   }
   if (!may_walk)
-    return fail("virtual_object.path", "an obstacle stands still; give it a place (x, y), or add a person", "path");
+    return fail("virtual_object.path", "an obstacle does not move; give a position (x, y), or add a person", "path");
   if (x != nullptr || y != nullptr)
-    return fail("virtual_object.position", "give either a place (x, y) or a path, not both", "path");
+    return fail("virtual_object.position", "give either a position (x, y) or a path, not both", "path");
   auto points = read_path(*path);
   if (!points) return tl::unexpected(points.error());
   double speed_mps = usual.speed_mps();
@@ -281,7 +279,8 @@ Result<zone::TrackPosition> VirtualObjectCommands::read_aiv_position(const JsonV
     track_position = **named;
   } else if (x == nullptr && y == nullptr) {
     const auto free = roomiest();
-    if (!free) return fail("virtual_object.room", "no way has room for another vehicle; remove one, then try again");
+    if (!free)
+      return fail("virtual_object.room", "no section has room for another vehicle; remove one, then try again");
     return *free;
   } else {
     const JsonValue none;
@@ -290,8 +289,8 @@ Result<zone::TrackPosition> VirtualObjectCommands::read_aiv_position(const JsonV
     const auto located = simulator_.circuit()->locate(*point);
     if (located.distance_m > off_circuit_m) {
       return fail("virtual_object.off", at_text(*point) + " is " + metres(located.distance_m) +
-                                            " from the nearest way; a virtual AIV must be put within " +
-                                            metres(off_circuit_m) + " of one");
+                                            " from the circuit; a virtual AIV must be added within " +
+                                            metres(off_circuit_m) + " of a section");
     }
     track_position = located.position;
   }
@@ -318,7 +317,7 @@ bool VirtualObjectCommands::has_room(zone::TrackPosition track_position, Point2 
   const double room_m = zone::stopping_room_m(zone.vehicle);
   const double apart_m = distance(at, other.at);
   if (apart_m >= room_m) return true;
-  // Side by side on ways that do not follow each other, the bodies alone count.
+  // Between tracks that do not follow each other, only the bodies count.
   return other.position && apart_m > norm(zone.vehicle.length_m, zone.vehicle.width_m) &&
          !zone.circuit.distance_ahead(track_position, *other.position, room_m) &&
          !zone.circuit.distance_ahead(*other.position, track_position, room_m);
@@ -336,16 +335,15 @@ Result<void> VirtualObjectCommands::check_position(zone::TrackPosition track_pos
   if (!zone.may_stop(track_position)) {
     const zone::Crossing* crossing = zone.crossing_at(track_position);
     return fail("virtual_object.crossing",
-                "no vehicle may stand " +
+                "no vehicle may stop " +
                     (crossing == nullptr ? std::string("between crossings this close together")
                                          : "in crossing " + crossing->name) +
-                    "; choose a place before or behind it");
+                    "; choose a position before or behind it");
   }
   for (const NearbyVehicle& other : nearby_vehicles()) {
     if (has_room(track_position, at, other)) continue;
-    return fail("virtual_object.room", other.name + " stands " + metres(distance(at, other.at)) +
-                                           " from there; leave " + metres(zone::stopping_room_m(zone.vehicle)) +
-                                           " between two vehicles");
+    return fail("virtual_object.room", other.name + " is only " + metres(distance(at, other.at)) + " away; leave " +
+                                           metres(zone::stopping_room_m(zone.vehicle)) + " between two vehicles");
   }
   return {};
 }

@@ -13,7 +13,7 @@
 
 namespace cosiva::virtual_side {
 
-/// What somebody asks for of the virtual world (A3), read and judged.
+/// A requested change of the virtual objects (A3), read and validated.
 struct VirtualObjectCommand {
   enum class Act { add, move, remove };
   Act act{Act::add};
@@ -25,12 +25,12 @@ struct VirtualObjectCommand {
   zone::TrackPosition position;  ///< of an AIV
 };
 
-/// Reads commands about virtual things, and refuses what cannot be, with a sentence that says what to do. It changes
-/// nothing.
+/// Reads commands about virtual objects and rejects invalid ones with a message that states the remedy. Reading changes
+/// no state.
 class VirtualObjectCommands {
  public:
-  static constexpr double off_zone_m = 0.5;      ///< so far beyond the drawing's bounds a thing may stand
-  static constexpr double off_circuit_m = 0.30;  ///< further from every way, a virtual AIV cannot be put
+  static constexpr double off_zone_m = 0.5;      ///< maximum distance of a virtual object beyond the drawing's bounds
+  static constexpr double off_circuit_m = 0.30;  ///< maximum distance of a new virtual AIV from the circuit
   static constexpr double radius_m_min = 0.02;
   static constexpr double radius_m_max = 1.0;
   static constexpr double speed_mps_max = 3.0;
@@ -45,13 +45,13 @@ class VirtualObjectCommands {
   [[nodiscard]] std::string next_id(std::string_view kind) const;
   /// The virtual AIV of this serial number, or of "CoSiVA.virtual/<serial>".
   [[nodiscard]] const VirtualFleet::Host* find_aiv(std::string_view id) const;
-  /// Whether a virtual AIV may be put there: fails with the reason.
+  /// Whether a virtual AIV may be added at this track position: fails with the reason.
   [[nodiscard]] Result<void> check_position(zone::TrackPosition position) const;
-  /// Whether no vehicle is too near to stand there.
+  /// Whether every other vehicle is far enough away from this track position.
   [[nodiscard]] bool has_room(zone::TrackPosition position) const;
-  /// Where a vehicle may stand and has most room; nothing where none has any.
+  /// The permitted track position with the most room; nothing if no position has room.
   [[nodiscard]] std::optional<zone::TrackPosition> roomiest() const;
-  /// A point on the zone's drawing, or 0.5 m beside it.
+  /// A point on the zone's drawing, or at most 0.5 m outside it.
   [[nodiscard]] Result<Point2> read_point(const JsonValue& x, const JsonValue& y, std::string_view field) const;
 
  private:
@@ -75,7 +75,7 @@ class VirtualObjectCommands {
   const Registry& registry_;
   const Simulator& simulator_;
   const VirtualFleet& fleet_;
-  const MessagePublisher& publisher_;  ///< for the time
+  const MessagePublisher& publisher_;  ///< source of the current time
 };
 
 }  // namespace cosiva::virtual_side

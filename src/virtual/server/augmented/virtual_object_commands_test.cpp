@@ -1,4 +1,4 @@
-// What is added only virtually: asked for, refused, shown, and driving among the others.
+// Virtual objects: requested, rejected, displayed, and driving among other vehicles.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ std::vector<std::string> virtual_objects(const ServerFixture& fixture) {
 }
 std::vector<std::string> aivs(const ServerFixture& fixture) { return ids(*fixture.snapshot().find("aivs")); }
 
-TEST(VirtualObjects, stand_where_they_were_put_with_names_of_their_kind) {
+TEST(VirtualObjects, stay_at_their_position_with_names_of_their_kind) {
   ServerFixture fixture;
   EXPECT_EQ(fixture.server->next_virtual_object_id("person"), "P1");
   fixture.send_command(person(R"("x":0.5,"y":0.1)"));
@@ -56,7 +56,7 @@ TEST(VirtualObjects, stand_where_they_were_put_with_names_of_their_kind) {
   EXPECT_EQ(virtual_object(fixture, "box").text("kind"), "obstacle");
 }
 
-TEST(VirtualObjects, walk_their_path_move_and_go) {
+TEST(VirtualObjects, walk_their_path_are_moved_and_removed) {
   ServerFixture fixture;
   fixture.send_command(person(R"("path":[[0,0.1],[1,0.1]],"speed":0.5,"repeat":"back and forth")"));
   fixture.run_for(3s);
@@ -68,39 +68,39 @@ TEST(VirtualObjects, walk_their_path_move_and_go) {
   EXPECT_EQ(*virtual_object(fixture, "P1").number("speed"), 0.0);
   fixture.send_command(R"({"command":"move","virtualObject":{"id":"P1","path":[[1.5,0.1],[0,0.1]]}})");
   fixture.run_for(1s);
-  EXPECT_LT(*virtual_object(fixture, "P1").number("x"), 1.5) << "at the zone's slow speed, since none was said";
+  EXPECT_LT(*virtual_object(fixture, "P1").number("x"), 1.5) << "at the zone's slow speed, since the command gave none";
   fixture.send_command(R"({"command":"remove","id":"P1"})");
   EXPECT_THAT(virtual_objects(fixture), IsEmpty());
 }
 
-TEST(VirtualObjects, that_cannot_be_are_refused_with_a_sentence_and_change_nothing) {
+TEST(VirtualObjects, that_are_invalid_are_rejected_with_a_message_and_change_nothing) {
   ServerFixture fixture;
   fixture.send_command(person(R"("id":"P1","x":0.5,"y":0.1)"));
   const std::vector<std::pair<std::string, std::string>> wrong{
-      {person(R"("x":50,"y":0)"), "off the zone"},
+      {person(R"("x":50,"y":0)"), "outside the zone"},
       {person(R"("path":[[0,0],[0,99]])"), "path[1]"},
       {person(R"("path":[])"), "1 to 64 points"},
       {person(R"("path":[[0]])"), "[x,y]"},
       {person(R"("path":[[0,0],[1,0]],"x":1,"y":1)"), "not both"},
       {person(R"("x":"0","y":0)"), "two numbers"},
-      {person(R"("x":0)"), "where it stands"},
+      {person(R"("x":0)"), "give a position"},
       {person(R"("x":0,"y":0,"radius":0.01)"), "0.02 m to 1.00 m"},
       {person(R"("x":0,"y":0,"radius":1.5)"), "0.02 m to 1.00 m"},
       {person(R"("path":[[0,0],[1,0]],"speed":3.5)"), "3.00 m/s"},
       {person(R"("path":[[0,0],[1,0]],"speed":-1)"), "0.00 m"},
       {person(R"("path":[[0,0],[1,0]],"repeat":"twice")"), "back and forth"},
       {person(R"("id":"P1","x":0,"y":0)"), "already"},
-      {person(R"("id":"S1","x":0,"y":0)"), "choose another name"},
-      {person(R"("id":"a b","x":0,"y":0)"), "no name"},
-      {person(R"("id":7,"x":0,"y":0)"), "no name"},
-      {R"({"command":"add","virtualObject":{"kind":"obstacle","path":[[0,0],[1,0]]}})", "stands still"},
+      {person(R"("id":"S1","x":0,"y":0)"), "choose another id"},
+      {person(R"("id":"a b","x":0,"y":0)"), "not a valid id"},
+      {person(R"("id":7,"x":0,"y":0)"), "not a valid id"},
+      {R"({"command":"add","virtualObject":{"kind":"obstacle","path":[[0,0],[1,0]]}})", "does not move"},
       {R"({"command":"add","virtualObject":{"kind":"dragon","x":0,"y":0}})", "no kind 'dragon'"},
-      {R"({"command":"add"})", "say what"},
+      {R"({"command":"add"})", "state what"},
       {R"({"command":"move","virtualObject":{"id":"P9","x":0,"y":0}})", "there are P1"},
-      {R"({"command":"move","virtualObject":{"x":0,"y":0}})", "by its id"},
-      {R"({"command":"move","virtualObject":{"id":"P1"}})", "where it stands"},
+      {R"({"command":"move","virtualObject":{"x":0,"y":0}})", "give the id"},
+      {R"({"command":"move","virtualObject":{"id":"P1"}})", "give a position"},
       {R"({"command":"remove","id":"P9"})", "there are P1"},
-      {R"({"command":"remove"})", "which thing"}};
+      {R"({"command":"remove"})", "give the id"}};
   for (const auto& [json, phrase] : wrong) {
     EXPECT_THAT(fixture.refusal(json), HasSubstr(phrase)) << json;
     fixture.logs.clear();
@@ -108,7 +108,7 @@ TEST(VirtualObjects, that_cannot_be_are_refused_with_a_sentence_and_change_nothi
     EXPECT_TRUE(fixture.logged("refused")) << json;
   }
   EXPECT_THAT(virtual_objects(fixture), ElementsAre("P1"));
-  EXPECT_EQ(*fixture.bijection().find("commands")->number("issued"), 0.0) << "they are no commands to vehicles";
+  EXPECT_EQ(*fixture.bijection().find("commands")->number("issued"), 0.0) << "these are not commands to vehicles";
 }
 
 TEST(VirtualObjects, need_a_zone) {
@@ -118,7 +118,7 @@ TEST(VirtualObjects, need_a_zone) {
   EXPECT_THAT(checked.error().message, HasSubstr("no zone yet"));
 }
 
-TEST(VirtualObjects, are_at_most_64_and_all_go_at_once) {
+TEST(VirtualObjects, are_limited_to_64_and_can_be_removed_together) {
   ServerFixture fixture;
   for (int i = 0; i < 64; ++i) fixture.send_command(person(R"("x":0.5,"y":0.1)"));
   EXPECT_THAT(fixture.refusal(person(R"("x":0.5,"y":0.1)")), HasSubstr("remove one"));
@@ -127,7 +127,7 @@ TEST(VirtualObjects, are_at_most_64_and_all_go_at_once) {
   EXPECT_THAT(virtual_objects(fixture), IsEmpty());
 }
 
-TEST(VirtualAivs, drive_round_as_every_other_and_are_counted_apart) {
+TEST(VirtualAivs, circulate_like_other_vehicles_and_are_counted_separately) {
   ServerFixture fixture;
   FixtureVehicle& real = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(1s);
@@ -149,7 +149,7 @@ TEST(VirtualAivs, drive_round_as_every_other_and_are_counted_apart) {
   EXPECT_EQ(*metrics.number("matched"), 1.0);
   EXPECT_EQ(*metrics.number("augmented"), 1.0);
   EXPECT_EQ(*metrics.find("events")->find("by_kind")->number("arrival"), 1.0);
-  EXPECT_FALSE(fixture.published_on("uagv/v2/CoSiVA.virtual/V1/order").empty()) << "any fleet tool sees it";
+  EXPECT_FALSE(fixture.published_on("uagv/v2/CoSiVA.virtual/V1/order").empty()) << "every fleet tool receives it";
 }
 
 TEST(VirtualAivs, obey_commands_which_the_bijection_does_not_count) {
@@ -163,7 +163,7 @@ TEST(VirtualAivs, obey_commands_which_the_bijection_does_not_count) {
   EXPECT_EQ(*fixture.bijection().find("commands")->number("issued"), 0.0);
 }
 
-TEST(VirtualAivs, taken_away_leave_the_table_and_the_way_and_may_come_back) {
+TEST(VirtualAivs, that_are_removed_leave_the_table_and_the_path_and_may_be_added_again) {
   ServerFixture fixture;
   FixtureVehicle& real = fixture.add("AIV1", {0, 0.2});
   fixture.run_for(1s);
@@ -175,13 +175,13 @@ TEST(VirtualAivs, taken_away_leave_the_table_and_the_way_and_may_come_back) {
   fixture.run_for(1s);
   fixture.command("restart", "CoSiVA/AIV1");
   fixture.run_for(10s);
-  EXPECT_LT(real.pose().x_m, 2.2) << "it keeps behind";
+  EXPECT_LT(real.pose().x_m, 2.2) << "it stays behind";
   EXPECT_FALSE(real.paused) << "its base ends before the virtual one";
   EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").text("waitsFor"), "CoSiVA.virtual/V1");
   fixture.command("restart", "CoSiVA.virtual/V1");
   fixture.run_for(600ms);
   fixture.command("stop", "CoSiVA.virtual/V1", "c9");
-  ASSERT_EQ(fixture.command_entry("c9").text("state"), "accepted") << "it still rolls";
+  ASSERT_EQ(fixture.command_entry("c9").text("state"), "accepted") << "the vehicle is still coasting";
   fixture.send_command(R"({"command":"remove","id":"V1"})");
   EXPECT_THAT(aivs(fixture), ElementsAre("CoSiVA/AIV1"));
   EXPECT_EQ(fixture.command_entry("c9").text("state"), "failed");
@@ -198,22 +198,22 @@ TEST(VirtualAivs, taken_away_leave_the_table_and_the_way_and_may_come_back) {
   EXPECT_EQ(fixture.aiv("CoSiVA.virtual/V1").text("section"), "north");
 }
 
-TEST(VirtualAivs, go_where_there_is_most_room_when_no_place_is_said) {
+TEST(VirtualAivs, start_where_most_room_is_if_no_position_is_given) {
   ServerFixture fixture;
-  fixture.add("AIV1", {0, 1.0}).blocked = true;  // in the middle of the south side
+  fixture.add("AIV1", {0, 1.0}).blocked = true;  // on the centre of the south side
   fixture.run_for(1s);
   fixture.send_command(virtual_aiv(""));
   fixture.run_for(200ms);
-  // By the crow's fly the ends of the oval are 1.62 m away, the other side 1.0 m.
+  // In a straight line the ends of the oval are 1.62 m away, the other side 1.0 m.
   EXPECT_THAT(*fixture.aiv("CoSiVA.virtual/V1").text("section"), AnyOf("east", "west"));
 }
 
-TEST(VirtualAivs, are_refused_where_no_vehicle_may_be) {
+TEST(VirtualAivs, are_rejected_where_no_vehicle_may_be) {
   ServerFixture fixture;
   fixture.add("AIV1", {0, 1.0}).blocked = true;
   fixture.run_for(1s);
-  EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"x":1.0,"y":0.45)")), HasSubstr("from the nearest way"));
-  EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"x":1.2,"y":0.0)")), HasSubstr("CoSiVA/AIV1 stands 0.20 m"));
+  EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"x":1.0,"y":0.45)")), HasSubstr("from the circuit"));
+  EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"x":1.2,"y":0.0)")), HasSubstr("CoSiVA/AIV1 is only 0.20 m"));
   EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"x":1.0)")), HasSubstr("two numbers"));
   EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"section":"attic")")), HasSubstr("it has south, east, north, west"));
   EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"section":"south","s":2.5)")), HasSubstr("2.00 m"));
@@ -222,7 +222,7 @@ TEST(VirtualAivs, are_refused_where_no_vehicle_may_be) {
   EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"id":"V1")")), HasSubstr("already"));
   EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"x":1.6,"y":0.0)")), HasSubstr("CoSiVA.virtual/V1"));
   EXPECT_THAT(fixture.refusal(R"({"command":"move","virtualObject":{"id":"V1","x":1,"y":0}})"),
-              HasSubstr("drives by itself"));
+              HasSubstr("cannot be moved"));
   ServerFixture clover{zone_file("lacet4.toml")};
   const zone::Crossing& crossing = clover.zone->crossings.front();
   EXPECT_THAT(clover.refusal(virtual_aiv(",\"x\":" + std::to_string(crossing.centre.x_m) +
@@ -230,7 +230,7 @@ TEST(VirtualAivs, are_refused_where_no_vehicle_may_be) {
               AnyOf(HasSubstr("in crossing"), HasSubstr("between crossings")));
 }
 
-TEST(VirtualAivs, go_on_from_where_they_stand_when_the_ways_change) {
+TEST(VirtualAivs, continue_from_their_position_when_the_circuit_changes) {
   ServerFixture fixture;
   fixture.send_command(virtual_aiv(R"(,"section":"west","s":1.0)"));
   fixture.send_command(virtual_aiv(R"(,"section":"south","s":1.0)"));
@@ -243,8 +243,7 @@ TEST(VirtualAivs, go_on_from_where_they_stand_when_the_ways_change) {
   EXPECT_THAT(aivs(fixture), ElementsAre("CoSiVA.virtual/V1", "CoSiVA.virtual/V2"));
   EXPECT_GT(*fixture.aiv("CoSiVA.virtual/V1").number("speed"), 0.05);
   const JsonValue off_route = fixture.aiv("CoSiVA.virtual/V2");
-  EXPECT_THAT(off_route.text("offRoute").value_or(""), HasSubstr("from the nearest way"))
-      << "its way ended where it was";
+  EXPECT_THAT(off_route.text("offRoute").value_or(""), HasSubstr("from the nearest way")) << "its section ended there";
   EXPECT_EQ(*off_route.number("speed"), 0.0);
   EXPECT_EQ(*off_route.number("y"), 0.0);
 }
@@ -268,7 +267,7 @@ TEST(VirtualAivs, make_the_same_run_from_the_same_inputs) {
   EXPECT_EQ(run(), run());
 }
 
-TEST(VirtualAivs, speak_under_the_server_s_own_interface) {
+TEST(VirtualAivs, communicate_over_the_server_s_own_interface) {
   ServerOptions options;
   options.interface_name = "plant7";
   ServerFixture fixture{oval(), options};
@@ -278,7 +277,7 @@ TEST(VirtualAivs, speak_under_the_server_s_own_interface) {
   EXPECT_GT(*fixture.aiv("CoSiVA.virtual/V1").number("speed"), 0.0);
 }
 
-TEST(VirtualAivs, say_goodbye_with_the_server) {
+TEST(VirtualAivs, disconnect_with_the_server) {
   ServerFixture fixture;
   fixture.send_command(virtual_aiv(R"(,"section":"south","s":1.0)"));
   wire::Effects effects;
@@ -289,7 +288,7 @@ TEST(VirtualAivs, say_goodbye_with_the_server) {
   EXPECT_THAT(topics, ElementsAre("uagv/v2/CoSiVA.virtual/V1/connection", wire::server_connection_topic));
 }
 
-TEST(VirtualAivs, of_a_forgotten_life_are_not_shown_and_said_to_be_gone) {
+TEST(VirtualAivs, of_an_earlier_server_run_are_not_shown_and_are_reported_offline) {
   ServerFixture fixture;
   wire::Connection ghost{{3, fixture.now, "2.1.0", "CoSiVA.virtual", "V7"}, wire::ConnectionState::online};
   fixture.feed(wire::InputKind::message, "uagv/v2/CoSiVA.virtual/V7/connection", vda::encode(ghost), true);
@@ -301,12 +300,12 @@ TEST(VirtualAivs, of_a_forgotten_life_are_not_shown_and_said_to_be_gone) {
   EXPECT_TRUE(publications[0].retained);
 }
 
-TEST(VirtualAivs, put_between_a_vehicle_and_its_crossing_drive_on_before_it) {
+TEST(VirtualAivs, added_between_a_vehicle_and_its_crossing_drive_on_before_it) {
   ServerFixture fixture{zone_file("lacet4.toml")};
   FixtureVehicle& real = fixture.add("AIV1", {7, 1.5});
-  // Until its base leads through the crossings of the next straight.
+  // Until the base of the real vehicle leads through the crossings of the next straight.
   for (int i = 0; i < 2000 && real.book->distance_to_base_end_m() < 1.0; ++i) fixture.run_for(20ms);
-  real.blocked = true;  // it feels the virtual one before it
+  real.blocked = true;  // the real vehicle perceives the virtual one before it
   fixture.run_for(100ms);
   const zone::TrackPosition ahead = fixture.zone->circuit.advance(real.track_position(), 0.45);
   fixture.send_command(virtual_aiv(",\"section\":\"" + fixture.zone->circuit.part(ahead.section).name +
@@ -338,7 +337,7 @@ TEST(Commands, to_several_vehicles_have_an_entry_each) {
   EXPECT_THAT(fixture.refusal(R"({"command":"stop","vehicles":[7]})"), HasSubstr("no vehicle ''"));
 }
 
-TEST(WorldCommands, pass_on_to_the_emulated_world_what_it_understands) {
+TEST(WorldCommands, are_forwarded_to_the_emulated_plant_that_supports_them) {
   ServerFixture fixture;
   fixture.add("AIV1", {0, 0.5});
   fixture.send_command(R"({"command":"plant","plant":{"addObstacle":{"id":"box1","x":0.5,"y":0.2}}})");
@@ -353,7 +352,7 @@ TEST(WorldCommands, pass_on_to_the_emulated_world_what_it_understands) {
   EXPECT_EQ(wire::radio_from_json(radio[0].payload)->loss, 0.3);
 }
 
-TEST(WorldCommands, that_make_no_sense_are_refused) {
+TEST(WorldCommands, that_are_invalid_are_rejected) {
   ServerFixture fixture;
   EXPECT_THAT(fixture.refusal(R"({"command":"plant"})"), HasSubstr("say what"));
   EXPECT_THAT(fixture.refusal(R"({"command":"plant","plant":{}})"), HasSubstr("say what"));

@@ -10,7 +10,8 @@ namespace cosiva::virtual_side {
 namespace {
 
 constexpr std::size_t changes_max = 16;
-/// Our own vehicles answer the first one they hear at once; who has not answered three in this time never will.
+/// CoSiVA vehicles acknowledge the first message that they receive at once. A vehicle that has not acknowledged three
+/// messages within this time does not support them.
 constexpr SimDuration response_timeout{std::chrono::milliseconds{300}};
 constexpr std::uint32_t unanswered_max = 3;
 constexpr SimDuration perceived_max{std::chrono::seconds{1}};
@@ -98,7 +99,7 @@ void VirtualObstaclePublisher::update() {
   gather();
   for (VehicleIndex v = 0; v < viewers_.size(); ++v) {
     if (can_receive(v)) survey_neighbours(v);
-    // One that is away is told when it is back.
+    // A vehicle that is offline is sent the bodies when it is online again.
     const Viewer& viewer = viewers_[v];
     busy_ = busy_ || !viewer.commanded.empty() || viewer.empties > 0 || !viewer.perceives.empty() ||
             registry_[v].paused_for_body;
@@ -118,7 +119,7 @@ void VirtualObstaclePublisher::pick(VehicleIndex vehicle, const Pose2& X_MB) {
     const double half_m =
         0.5 * present.body.length_m * std::fabs(det_cos(present.body.heading_rad - X_MB.heading_rad)) +
         present.body.radius_m;
-    if (centre_m + half_m < -half_length_m) continue;  // wholly behind it
+    if (centre_m + half_m < -half_length_m) continue;  // wholly behind the viewer
     near_.push_back(&present);
   }
   std::ranges::stable_sort(near_, {}, [](const Present* p) { return p->distance_m; });
@@ -143,9 +144,10 @@ void VirtualObstaclePublisher::survey_neighbours(VehicleIndex vehicle) {
   }
   if (near_.empty() && viewer.empties == 0 && now - viewer.due > perceived_max) viewer.perceives.clear();
 
-  // One that was paused before a restart of the server stays so until it answers.
+  // A vehicle that was paused before a restart of the server stays paused until it acknowledges a message.
   const bool given_up = viewer.unanswered >= unanswered_max && now - viewer.first_sent >= response_timeout;
-  // Its answer may be lost; but who tells of its boards runs our program, which feels.
+  // An acknowledgement may be lost; but a vehicle that reports its boards runs the CoSiVA program and perceives by
+  // itself.
   const AivProxy& proxy = registry_[vehicle];
   const bool is_cosiva = viewer.acknowledged || proxy.augmented || proxy.boards;
   const bool deaf = !is_cosiva && (given_up || proxy.paused_for_body);
@@ -203,7 +205,7 @@ bool VirtualObstaclePublisher::on_virtual_obstacles_ack(VehicleIndex vehicle,
   viewer.acknowledged = true;
   const bool begins_to_brake = perceived.braking && viewer.perceives != perceived.body;
   viewer.perceives = perceived.braking ? perceived.body : std::string{};
-  // Inside the server everything is felt at once; that would only flatter the figures.
+  // Virtual AIVs in this server perceive everything at once; counting them would only improve the metrics.
   if (!registry_[vehicle].augmented) measure(viewer, perceived, decided, begins_to_brake);
   return true;
 }
@@ -220,7 +222,8 @@ void VirtualObstaclePublisher::measure(Viewer& viewer, const wire::VirtualObstac
     monitor.effect(WorldEffect::brakes, since_ms(change.since));
     was_change = true;
   }
-  // It had been told of the body before; now that walked, or the vehicle drove, near enough: how old was what it knew?
+  // The body was sent before, and now the distance fell below the braking distance: measure the age of the vehicle's
+  // information.
   if (begins_to_brake && !was_change && viewer.next_id - perceived.virtual_obstacles_header_id <= sent_kept)
     monitor.effect(WorldEffect::brakes, since_ms(viewer.sent[perceived.virtual_obstacles_header_id % sent_kept]));
 }

@@ -17,17 +17,20 @@
 
 namespace cosiva::virtual_side {
 
-/// Tells each vehicle what of the virtual world is near its way (wire::VirtualObstacles), and measures how soon it is
-/// felt. A virtual AIV, whose world is the server's, is told of physical vehicles and obstacles, too.
+/// Sends each vehicle the virtual objects near its path (wire::VirtualObstacles) and measures how soon the vehicle
+/// perceives them. A virtual AIV perceives only what the server sends, so its message contains physical vehicles and
+/// obstacles as well.
 class VirtualObstaclePublisher {
  public:
-  static constexpr double within_m = 2.0;  ///< of the twin's middle
+  static constexpr double within_m = 2.0;  ///< of the twin's body origin
   static constexpr SimDuration period{std::chrono::milliseconds{100}};
-  static constexpr int empty_last = 5;  ///< so often an empty one follows, since any may be lost
-  /// An answer to one of the next two is an answer to a change, too: the first may have been lost on the way.
+  static constexpr int empty_last = 5;  ///< number of empty messages after the last body has left, since any message
+                                        ///< may be lost
+  /// An acknowledgement of one of the next two messages acknowledges a change, too: the first message may have been
+  /// lost.
   static constexpr std::uint32_t response_within = 2;
-  static constexpr std::uint32_t known_max = 256;  ///< older ones are not known any more
-  static constexpr std::size_t sent_kept = 16;     ///< of so many is known when they were sent
+  static constexpr std::uint32_t known_max = 256;  ///< acknowledgements of older messages are rejected
+  static constexpr std::size_t sent_kept = 16;     ///< number of messages whose sending time is stored
 
   VirtualObstaclePublisher(Registry& registry, MessagePublisher& publisher, Traces& traces, Simulator& simulator,
                            VirtualFleet& fleet, ThirdPartyPause& pauses)
@@ -39,40 +42,41 @@ class VirtualObstaclePublisher {
         pauses_{pauses} {}
 
   void resize(std::size_t vehicles) { viewers_.resize(vehicles); }
-  /// After everything that may have changed the virtual world, and every tick. Costs nothing while that is empty.
+  /// Called after every possible change of the virtual objects, and at every tick. Costs nothing while there are none.
   void update();
-  /// The next update looks at everybody, even in an empty world.
+  /// The next update evaluates all vehicles, even if there is no virtual object.
   void wake() { busy_ = true; }
-  /// Takes an answer in. @param decided  on the server's clock. False: it answers nothing that was sent lately.
+  /// Processes an acknowledgement. @param decided  on the server's clock. Returns false if the acknowledgement refers
+  /// to no recent message.
   bool on_virtual_obstacles_ack(VehicleIndex vehicle, const wire::VirtualObstaclesAck& perceived, SimTime decided);
-  /// A vehicle's program has started anew: it has felt nothing yet.
+  /// A vehicle's program has restarted: the vehicle has perceived nothing yet.
   void new_session(VehicleIndex vehicle) {
     Viewer fresh;
     fresh.next_id = viewers_[vehicle].next_id;
     viewers_[vehicle] = std::move(fresh);
   }
 
-  /// The virtual body it brakes for; empty: none.
+  /// The virtual body that the vehicle brakes for; empty: none.
   [[nodiscard]] const std::string& perceives(VehicleIndex vehicle) const { return viewers_[vehicle].perceives; }
   void fold(Digest& digest) const;
 
  private:
-  /// A body of the virtual world, as all vehicles will hear of it.
+  /// A body of the virtual world, as sent to all vehicles.
   struct Present {
     wire::Body body;
-    std::uint16_t handle;  ///< unlike all others'
-    SimTime changed;       ///< came or leapt
-    VehicleIndex vehicle;  ///< no_vehicle: it is none
-    bool physical;         ///< told to virtual AIVs only
-    double distance_m{};   ///< of the viewer at hand
-    double front_m{};      ///< of its foremost point, before the viewer's middle
+    std::uint16_t handle;  ///< unique among all bodies
+    SimTime changed;       ///< time of appearance or of the last jump
+    VehicleIndex vehicle;  ///< no_vehicle: the body is no vehicle
+    bool physical;         ///< sent to virtual AIVs only
+    double distance_m{};   ///< from the current viewer
+    double front_m{};      ///< of its foremost point, measured forward from the viewer's body origin
   };
   using SentObject = std::pair<std::uint16_t, SimTime>;  ///< handle and `changed`
   struct Change {
     std::uint32_t header_id;
     SimTime since;
     bool perceived;
-    std::vector<std::string> came;  ///< not braked for yet
+    std::vector<std::string> came;  ///< the vehicle has not braked for these yet
   };
   struct Viewer {
     std::uint32_t next_id{0};
@@ -105,12 +109,12 @@ class VirtualObstaclePublisher {
   ThirdPartyPause& pauses_;
   std::vector<Viewer> viewers_;
   std::vector<Present> world_;
-  std::vector<const Present*> near_;      ///< of the viewer at hand, nearest first
+  std::vector<const Present*> near_;      ///< of the current viewer, nearest first
   std::vector<SentObject> sent_objects_;  ///< the same, sorted
-  bool busy_{false};                      ///< somebody was told of something at the last update
+  bool busy_{false};                      ///< at the last update, at least one vehicle was sent a body
 };
 
-/// The shape that the zone's vehicles have for others.
+/// The body of a vehicle of this zone, as sent to other vehicles.
 [[nodiscard]] wire::Body body_of(std::string id, const Pose2& X_MB, double speed_mps, const zone::VehicleShape& shape);
 /// Distance from `p` to the body's surface; negative inside.
 [[nodiscard]] double distance_to(const wire::Body& body, Point2 p);

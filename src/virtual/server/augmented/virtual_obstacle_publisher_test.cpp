@@ -16,7 +16,7 @@ using testing::IsEmpty;
 using testing::Not;
 using testing::SizeIs;
 
-/// One vehicle that stands at (0.5, 0) and looks along +x, on a straight of 2 m.
+/// One vehicle that is stopped at (0.5, 0) with heading +x, on a straight of 2 m.
 class VirtualObstaclesFixture : public testing::Test {
  protected:
   VirtualObstaclesFixture() {
@@ -55,7 +55,7 @@ class VirtualObstaclesFixture : public testing::Test {
   FixtureVehicle& aiv{fixture.add("AIV1", {0, 0.5})};
 };
 
-TEST_F(VirtualObstaclesFixture, tells_of_a_body_in_the_same_call_in_which_it_came) {
+TEST_F(VirtualObstaclesFixture, sends_a_body_in_the_same_call_in_which_it_appeared) {
   add_person(1.2, 0.0);
   const auto commanded = aheads();
   ASSERT_THAT(commanded, SizeIs(1));
@@ -69,7 +69,7 @@ TEST_F(VirtualObstaclesFixture, tells_of_a_body_in_the_same_call_in_which_it_cam
   EXPECT_FALSE(fixture.published_on("cosiva/v1/virtual_obstacles/CoSiVA/AIV1")[0].retained);
 }
 
-TEST_F(VirtualObstaclesFixture, repeats_it_every_100_ms_and_says_five_times_that_it_is_gone) {
+TEST_F(VirtualObstaclesFixture, repeats_a_body_every_100_ms_and_sends_five_empty_messages_after_it) {
   add_person(1.2, 0.0);
   fixture.run_for(1s);
   EXPECT_THAT(aheads(), SizeIs(11)) << "at once and ten times more";
@@ -82,7 +82,7 @@ TEST_F(VirtualObstaclesFixture, repeats_it_every_100_ms_and_says_five_times_that
   for (const wire::VirtualObstacles& ahead : commanded) EXPECT_THAT(ahead.bodies, IsEmpty());
 }
 
-TEST_F(VirtualObstaclesFixture, tells_at_once_when_a_body_leaps_and_carries_its_motion) {
+TEST_F(VirtualObstaclesFixture, sends_at_once_when_a_body_jumps_and_includes_its_motion) {
   add_person(1.2, 0.0);
   fixture.run_for(50ms);
   fixture.published.clear();
@@ -100,10 +100,10 @@ TEST_F(VirtualObstaclesFixture, counts_its_headers_up_by_one) {
   for (std::size_t i = 1; i < commanded.size(); ++i) EXPECT_EQ(commanded[i].header_id, commanded[i - 1].header_id + 1);
 }
 
-TEST_F(VirtualObstaclesFixture, does_not_tell_of_what_is_far_or_wholly_behind) {
+TEST_F(VirtualObstaclesFixture, does_not_send_bodies_that_are_far_or_wholly_behind) {
   add_person(0.3, 0.0, "behind");    // its front 0.06 m behind the tail at 0.4
-  add_person(0.5, 1.4, "left");      // beside it
-  add_person(2.45, -0.45, "ahead");  // 2.0 m from the middle, by its edge
+  add_person(0.5, 1.4, "left");      // left of the vehicle
+  add_person(2.45, -0.45, "ahead");  // 2.0 m from the body origin, by its edge
   add_person(1.0, 2.0, "far");       // 2.06 m less its radius is beyond… 2.0 m
   const auto commanded = aheads();
   ASSERT_FALSE(commanded.empty());
@@ -112,21 +112,21 @@ TEST_F(VirtualObstaclesFixture, does_not_tell_of_what_is_far_or_wholly_behind) {
   EXPECT_THAT(ids, ElementsAre("left", "ahead")) << "nearest first";
 }
 
-TEST_F(VirtualObstaclesFixture, tells_when_a_walker_comes_into_reach) {
+TEST_F(VirtualObstaclesFixture, sends_a_person_who_comes_within_range) {
   fixture.send_command(
       R"({"command":"add","virtualObject":{"kind":"person","path":[[-0.4,0.8],[-0.4,0.0],[2.4,0.0]],"speed":1.0}})");
-  EXPECT_THAT(aheads(), IsEmpty()) << "behind it";
+  EXPECT_THAT(aheads(), IsEmpty()) << "the person is behind the vehicle";
   fixture.run_for(3s);
   ASSERT_FALSE(aheads().empty());
   EXPECT_EQ(aheads().front().bodies[0].id, "P1");
 }
 
-TEST_F(VirtualObstaclesFixture, is_still_while_nothing_virtual_is_there) {
+TEST_F(VirtualObstaclesFixture, sends_nothing_while_there_is_no_virtual_object) {
   fixture.run_for(5s);
   EXPECT_THAT(aheads(), IsEmpty());
 }
 
-TEST_F(VirtualObstaclesFixture, tells_nobody_who_is_not_there) {
+TEST_F(VirtualObstaclesFixture, sends_nothing_to_a_vehicle_that_is_offline) {
   fixture.kill(aiv);
   add_person(1.2, 0.0);
   fixture.run_for(1s);
@@ -134,7 +134,7 @@ TEST_F(VirtualObstaclesFixture, tells_nobody_who_is_not_there) {
   aiv.alive = true;
   fixture.connection(aiv, wire::ConnectionState::online);
   fixture.run_for(1500ms);
-  EXPECT_THAT(aheads(), Not(IsEmpty())) << "and at once when it is back and knows where it is";
+  EXPECT_THAT(aheads(), Not(IsEmpty())) << "and at once when the vehicle is online again and knows its position";
 }
 
 TEST_F(VirtualObstaclesFixture, measures_from_the_command_to_the_decision) {
@@ -161,12 +161,12 @@ TEST_F(VirtualObstaclesFixture, counts_each_change_once_and_braking_once_per_bod
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
   remove("P1");
   response(aheads().back().header_id);
-  EXPECT_EQ(*effect("perceived_ms").number("count"), 2.0) << "its going is a change, too";
+  EXPECT_EQ(*effect("perceived_ms").number("count"), 2.0) << "a removal is a change, too";
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
   EXPECT_TRUE(fixture.aiv("CoSiVA/AIV1").find("brakingFor")->is_null());
 }
 
-TEST_F(VirtualObstaclesFixture, takes_the_answer_to_the_next_message_when_the_first_was_lost) {
+TEST_F(VirtualObstaclesFixture, accepts_the_acknowledgement_of_the_next_message_when_the_first_was_lost) {
   add_person(1.0, 0.0);
   const std::uint32_t id = aheads().back().header_id;
   fixture.run_for(100ms);
@@ -175,25 +175,25 @@ TEST_F(VirtualObstaclesFixture, takes_the_answer_to_the_next_message_when_the_fi
   EXPECT_NEAR(*effect("brakes_ms").number("max"), 100.0, 1.0);
 }
 
-TEST_F(VirtualObstaclesFixture, measures_how_old_the_news_was_where_a_vehicle_brakes_only_as_it_comes_nearer) {
+TEST_F(VirtualObstaclesFixture, measures_the_age_of_the_information_if_a_vehicle_brakes_only_when_a_body_comes_nearer) {
   add_person(1.9, 0.0);
   response(aheads().back().header_id);
   fixture.run_for(2s);
   fixture.now += 30ms;
   const wire::VirtualObstacles news = aheads().back();
-  for (int i = 0; i < 3; ++i) response(news.header_id, "P1");  // it goes on braking
+  for (int i = 0; i < 3; ++i) response(news.header_id, "P1");  // the vehicle continues to brake
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
   EXPECT_NEAR(*effect("brakes_ms").number("max"), to_seconds(fixture.now - news.timestamp) * 1e3, 1.0);
   EXPECT_GE(*effect("brakes_ms").number("max"), 29.0);
   EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").text("brakingFor"), "P1");
-  // What was sent so long ago that nobody remembers when is not judged.
+  // A message whose sending time is no longer stored is not evaluated.
   response(news.header_id);
   fixture.run_for(3s);
   response(news.header_id, "P1");
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
 }
 
-TEST_F(VirtualObstaclesFixture, ignores_answers_to_what_it_never_said) {
+TEST_F(VirtualObstaclesFixture, ignores_acknowledgements_of_messages_it_never_sent) {
   add_person(1.0, 0.0);
   response(aheads().back().header_id + 1, "P1");
   response(4'000'000'000U, "P1");
@@ -201,7 +201,7 @@ TEST_F(VirtualObstaclesFixture, ignores_answers_to_what_it_never_said) {
   EXPECT_TRUE(fixture.aiv("CoSiVA/AIV1").find("brakingFor")->is_null());
 }
 
-TEST_F(VirtualObstaclesFixture, tells_a_virtual_aiv_of_physical_vehicles_and_the_others_of_it) {
+TEST_F(VirtualObstaclesFixture, sends_physical_vehicles_to_a_virtual_aiv_and_the_virtual_aiv_to_others) {
   fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","section":"south","s":1.4}})");
   fixture.run_for(200ms);
   const auto commanded = aheads();
@@ -211,19 +211,19 @@ TEST_F(VirtualObstaclesFixture, tells_a_virtual_aiv_of_physical_vehicles_and_the
   EXPECT_NEAR(commanded.front().bodies[0].length_m, 0.08, 1e-12) << "0.20 m long, 0.12 m wide";
   EXPECT_NEAR(commanded.front().bodies[0].radius_m, 0.06, 1e-12);
   EXPECT_THAT(fixture.published_on("cosiva/v1/virtual_obstacles/CoSiVA.virtual/V1"), IsEmpty())
-      << "it is told within the server";
+      << "the server passes the message internally";
   const JsonValue traces = *JsonValue::parse(fixture.server->traces_json(1, 2000));
   bool traced = false;
   for (const JsonValue& trace : *traces.find("traces")->array())
     traced = traced || (trace.text("kind") == "ahead" && trace.text("to") == "CoSiVA.virtual/V1");
-  EXPECT_FALSE(traced) << "AIV1 stands wholly behind it";
+  EXPECT_FALSE(traced) << "AIV1 is wholly behind it";
 }
 
 TEST_F(VirtualObstaclesFixture, stops_a_virtual_aiv_before_a_person_and_a_physical_vehicle) {
   fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","section":"west","s":1.0}})");
   fixture.run_for(20s);
   const JsonValue v1 = fixture.aiv("CoSiVA.virtual/V1");
-  EXPECT_EQ(*v1.number("speed"), 0.0) << "AIV1 stands on its way";
+  EXPECT_EQ(*v1.number("speed"), 0.0) << "AIV1 is stopped on its path";
   EXPECT_LT(*v1.number("x"), 0.3);
   add_person(1.5, 1.0, "P1");  // on the north side, before a second one
   fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V2","section":"east","s":1.0}})");
@@ -236,13 +236,13 @@ TEST_F(VirtualObstaclesFixture, stops_a_virtual_aiv_before_a_person_and_a_physic
   EXPECT_LT(*fixture.aiv("CoSiVA.virtual/V2").number("x"), 1.5);
 }
 
-/// A vehicle of a third party, that never answers.
+/// A third-party vehicle that never acknowledges.
 class DeafVehicle : public VirtualObstaclesFixture {
  protected:
   DeafVehicle() { aiv.blocked = false; }
 };
 
-TEST_F(DeafVehicle, is_paused_before_a_body_in_its_way_and_let_go_when_it_is_gone) {
+TEST_F(DeafVehicle, is_paused_before_a_body_on_its_path_and_released_when_the_body_has_left) {
   fixture.run_for(1s);
   ASSERT_GT(aiv.speed_mps, 0.0);
   const double x = aiv.pose().x_m;
@@ -250,7 +250,7 @@ TEST_F(DeafVehicle, is_paused_before_a_body_in_its_way_and_let_go_when_it_is_gon
   fixture.run_for(2s);
   EXPECT_EQ(aiv.speed_mps, 0.0);
   EXPECT_TRUE(aiv.paused);
-  EXPECT_LT(aiv.pose().x_m + 0.1, x + 0.75 - 0.06) << "it stands before it";
+  EXPECT_LT(aiv.pose().x_m + 0.1, x + 0.75 - 0.06) << "the vehicle is stopped before the person";
   EXPECT_TRUE(fixture.logged("paused for P1"));
   EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").text("brakingFor"), "P1");
   remove("P1");
@@ -259,14 +259,14 @@ TEST_F(DeafVehicle, is_paused_before_a_body_in_its_way_and_let_go_when_it_is_gon
   EXPECT_GT(aiv.speed_mps, 0.0);
 }
 
-TEST_F(DeafVehicle, is_not_paused_for_a_body_beside_its_way) {
+TEST_F(DeafVehicle, is_not_paused_for_a_body_off_its_path) {
   fixture.run_for(1s);
   add_person(aiv.pose().x_m + 0.5, 0.2);
   fixture.run_for(3s);
   EXPECT_THAT(requested_of(aiv), Not(Contains("startPause")));
 }
 
-TEST_F(DeafVehicle, that_an_operator_stopped_is_not_let_go_by_us) {
+TEST_F(DeafVehicle, that_an_operator_paused_is_not_released_by_the_server) {
   fixture.run_for(1s);
   fixture.command("stop", "CoSiVA/AIV1");
   fixture.run_for(1s);
@@ -278,7 +278,7 @@ TEST_F(DeafVehicle, that_an_operator_stopped_is_not_let_go_by_us) {
   EXPECT_THAT(requested_of(aiv), Not(Contains("stopPause")));
 }
 
-TEST_F(DeafVehicle, that_an_operator_stops_while_we_hold_it_stays_stopped) {
+TEST_F(DeafVehicle, that_an_operator_pauses_during_a_pause_by_the_server_stays_paused) {
   fixture.run_for(1s);
   add_person(aiv.pose().x_m + 0.6, 0.0);
   fixture.run_for(2s);
@@ -290,7 +290,7 @@ TEST_F(DeafVehicle, that_an_operator_stops_while_we_hold_it_stays_stopped) {
   EXPECT_TRUE(aiv.paused);
 }
 
-TEST_F(DeafVehicle, that_answers_after_all_is_let_go_and_trusted) {
+TEST_F(DeafVehicle, that_acknowledges_late_is_released_and_trusted) {
   fixture.run_for(1s);
   add_person(aiv.pose().x_m + 0.6, 0.0);
   fixture.run_for(1s);
@@ -300,7 +300,7 @@ TEST_F(DeafVehicle, that_answers_after_all_is_let_go_and_trusted) {
   EXPECT_FALSE(aiv.paused);
 }
 
-TEST_F(DeafVehicle, that_tells_of_its_boards_runs_our_program_and_is_left_to_feel_by_itself) {
+TEST_F(DeafVehicle, that_reports_its_boards_runs_the_cosiva_program_and_perceives_by_itself) {
   wire::BoardsReport report{1, fixture.now, {{wire::Board::PILS, "ok", 0, 0, 0, 0, 0, 0}}, {}, {}};
   fixture.feed(wire::InputKind::message, "cosiva/v1/boards/CoSiVA/AIV1", wire::to_json(report));
   fixture.run_for(1s);
@@ -309,23 +309,23 @@ TEST_F(DeafVehicle, that_tells_of_its_boards_runs_our_program_and_is_left_to_fee
   EXPECT_FALSE(aiv.paused);
 }
 
-TEST_F(DeafVehicle, that_we_paused_is_let_go_by_the_next_life_of_the_server) {
+TEST_F(DeafVehicle, that_was_paused_is_released_after_a_restart_of_the_server) {
   fixture.run_for(1s);
   add_person(aiv.pose().x_m + 0.6, 0.0);
   fixture.run_for(3s);
   ASSERT_TRUE(aiv.paused);
   fixture.restart_server(true);
   fixture.run_for(4s);
-  EXPECT_TRUE(aiv.paused) << "the person is remembered, and still there";
+  EXPECT_TRUE(aiv.paused) << "the person is restored from the state file, and still there";
   remove("P1");
   fixture.run_for(2s);
   EXPECT_FALSE(aiv.paused);
 }
 
-TEST(Body, distance_is_to_the_nearest_point_of_its_surface) {
+TEST(Body, distance_refers_to_the_nearest_point_of_its_surface) {
   const wire::Body body = body_of("V1", {1.0, 2.0, 0.5 * pi}, 0.3, {0.20, 0.12});
   EXPECT_NEAR(body.vy_mps, 0.3, 1e-12);
-  EXPECT_NEAR(distance_to(body, {1.0, 2.5}), 0.40, 1e-12) << "its nose is 0.10 m before its middle";
+  EXPECT_NEAR(distance_to(body, {1.0, 2.5}), 0.40, 1e-12) << "its nose is 0.10 m before its centre";
   EXPECT_NEAR(distance_to(body, {1.3, 2.0}), 0.24, 1e-12);
   EXPECT_NEAR(distance_to(body, {1.0, 2.0}), -0.06, 1e-12);
 }

@@ -8,7 +8,7 @@ namespace {
 
 double ms_of(SimTime time) { return static_cast<double>(time.time_since_epoch().count()) * 1e-6; }
 
-/// So many digits as the quantity has; a float's others are noise.
+/// Rounds to the precision of the quantity; further digits of a float are noise.
 double rounded(double value, double steps_per_unit) { return std::nearbyint(value * steps_per_unit) / steps_per_unit; }
 
 void text_or_null(JsonWriter& json, std::string_view name, const std::string& text) {
@@ -19,7 +19,7 @@ void text_or_null(JsonWriter& json, std::string_view name, const std::string& te
     json.value(text);
 }
 
-/// A field of an operator's command; where it is missing or null, `out` stays.
+/// A field of an operator's command; if the field is missing or null, `out` is unchanged.
 Result<void> take(const JsonValue& command, const char* field, double low, double high, double& out) {
   const JsonValue* given = command.find(field);
   if (given == nullptr || given->is_null()) return {};
@@ -101,7 +101,7 @@ void BatteryTestRelay::on_power(SimTime at, const std::string& vehicle, const wi
 
 Result<wire::Publish> BatteryTestRelay::ready(const JsonValue& command) const {
   const std::string vehicle = command.text("vehicle").value_or("");
-  if (vehicle.empty()) return fail("battery.vehicle", "say which vehicle, as manufacturer/serial number", "vehicle");
+  if (vehicle.empty()) return fail("battery.vehicle", "give the vehicle as manufacturer/serial number", "vehicle");
   wire::BatteryReady ready{command.text("battery").value_or(""), "unknown", 0.0, 0.0, 22.0, 100.0};
   if (ready.battery.empty() || ready.battery.size() > 64)
     return fail("battery.battery", "give the battery's own id, of 1 to 64 bytes", "battery");

@@ -14,19 +14,19 @@
 
 namespace cosiva::virtual_side {
 
-/// How a vehicle's battery fared, in as many points as a picture has room for: when they are full every other one goes,
-/// and from then on they come half as often. Hence it always reaches back to its beginning, however long that is.
+/// The history of a vehicle's battery in a bounded number of points. When all points are used, every second point is
+/// removed and the sampling interval doubles, so the curve always reaches back to its beginning.
 class BatteryCurve {
  public:
   static constexpr std::size_t points_max = 240;
   struct Point {
     SimTime at{};
-    float charge_percent{};  ///< as the gauge believes
+    float charge_percent{};  ///< as estimated by the gauge
     float voltage_v{};
     float temperature_c{};
   };
   void add(const Point& point);
-  /// What was before belongs to another test.
+  /// Removes the points of an earlier test.
   void forget_before(SimTime at);
   [[nodiscard]] const std::vector<Point>& points() const { return points_; }
 
@@ -35,28 +35,29 @@ class BatteryCurve {
   SimDuration every_{std::chrono::seconds{1}};
 };
 
-/// What is heard of battery tests (A37, A38). The tests run elsewhere: here it is only known which batteries they want
-/// changed and how they stand, so that a person can be shown it, and can answer.
+/// The battery tests (A37, A38) as received in messages. The tests run elsewhere; the relay stores which battery
+/// changes the tests request and the state of each test, so that an operator can view and confirm a change.
 class BatteryTestRelay {
  public:
-  static constexpr std::size_t changes_max = 256;  ///< a flood of made-up names must not take the memory
+  static constexpr std::size_t changes_max = 256;  ///< bounds the memory if many invented names are received
 
   [[nodiscard]] static std::vector<std::string> subscriptions();
   [[nodiscard]] static bool handles(std::string_view topic) { return topic.starts_with("cosiva/v1/battery/"); }
-  /// Fails ("own.…", "json.…", "battery.many") and then keeps what it knew.
-  /// @return  in a few words, what is worth showing among the communications; empty: nothing
+  /// Fails ("own.…", "json.…", "battery.many") and then keeps its state. @return  a short summary for the traces of
+  /// communications; empty: nothing to show
   [[nodiscard]] Result<std::string> on_message(const wire::Input& input);
-  /// The broker says anew all that it keeps.
+  /// The broker sends all retained messages again.
   void link_up();
   void on_power(SimTime at, const std::string& vehicle, const wire::Power& power);
 
-  /// batteryReady, for the test that asked: {"vehicle","battery","type"?,"cycles"?,"rest_s"?,"temperature"?,"charge"?}.
-  /// Fails ("battery.not_requested", "battery.<field>").
+  /// batteryReady, for the test that requested the battery:
+  /// {"vehicle","battery","type"?,"cycles"?,"rest_s"?,"temperature"?,"charge"?}. Fails ("battery.not_requested",
+  /// "battery.<field>").
   [[nodiscard]] Result<wire::Publish> ready(const JsonValue& command) const;
 
-  /// The snapshot's "battery": null where nothing was heard.
+  /// The snapshot's "battery": null if no message about a test was received.
   void write(JsonWriter& json) const;
-  /// Nothing where the vehicle never told of its battery.
+  /// Nothing if the vehicle never reported its battery.
   [[nodiscard]] std::optional<std::string> curve_json(const std::string& vehicle) const;
 
  private:

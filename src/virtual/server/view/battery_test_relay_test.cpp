@@ -1,4 +1,4 @@
-// What the server knows of battery tests that run elsewhere.
+// The server's information about battery tests that run elsewhere.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -45,9 +45,9 @@ class BatteryFixture : public testing::Test {
   FixtureVehicle& aiv{fixture.add("AIV1", {0, 0.5})};
 };
 
-TEST_F(BatteryFixture, nothing_is_shown_until_something_was_heard) { EXPECT_TRUE(battery().is_null()); }
+TEST_F(BatteryFixture, nothing_is_shown_before_a_message_was_received) { EXPECT_TRUE(battery().is_null()); }
 
-TEST_F(BatteryFixture, a_wanted_change_is_shown_until_it_is_taken_back) {
+TEST_F(BatteryFixture, a_requested_change_is_shown_until_it_is_withdrawn) {
   request("CoSiVA/AIV1", "red");
   request("ACME/A7", "blue");
   const JsonValue::Array changes = *battery().find("changes")->array();
@@ -60,7 +60,7 @@ TEST_F(BatteryFixture, a_wanted_change_is_shown_until_it_is_taken_back) {
   EXPECT_TRUE(battery().is_null());
 }
 
-TEST_F(BatteryFixture, a_test_is_shown_as_it_says_it_stands) {
+TEST_F(BatteryFixture, a_test_is_shown_with_the_state_that_it_reports) {
   wire::BatteryTest running{fixture.now, fixture.now, 2, 4, 20.0, 0.5, fixture.now + 60s, false, {}};
   running.vehicles.push_back({"CoSiVA/AIV1", "red", wire::BatteryPhase::running, "", 12.34, 61.2345});
   running.vehicles.push_back({"CoSiVA/AIV2", "blue", wire::BatteryPhase::ended, "floor", 10.0, {}});
@@ -79,7 +79,7 @@ TEST_F(BatteryFixture, a_test_is_shown_as_it_says_it_stands) {
   EXPECT_TRUE(battery().is_null());
 }
 
-TEST_F(BatteryFixture, what_cannot_be_read_is_left_alone_with_a_word) {
+TEST_F(BatteryFixture, an_unreadable_message_is_ignored_and_logged) {
   request("CoSiVA/AIV1", "red");
   change("CoSiVA/AIV1", "{");
   fixture.feed(wire::InputKind::message, std::string(wire::battery_test_topic), R"({"run":1})");
@@ -88,14 +88,14 @@ TEST_F(BatteryFixture, what_cannot_be_read_is_left_alone_with_a_word) {
   EXPECT_THAT(fixture.logs, testing::Contains(HasSubstr("cosiva/v1/battery/test")));
 }
 
-TEST_F(BatteryFixture, made_up_names_do_not_take_the_memory) {
+TEST_F(BatteryFixture, invented_names_use_bounded_memory) {
   for (int i = 0; i < 400; ++i) request("ACME/A" + std::to_string(i), "x");
   EXPECT_THAT(*battery().find("changes")->array(), SizeIs(BatteryTestRelay::changes_max));
-  request("ACME/A7", "another");  // one that is known
+  request("ACME/A7", "another");  // a known vehicle
   EXPECT_THAT(fixture.server->snapshot_json(), HasSubstr("another"));
 }
 
-TEST_F(BatteryFixture, batteryReady_goes_to_the_test_that_asked_with_what_is_usual_where_nothing_is_said) {
+TEST_F(BatteryFixture, batteryReady_goes_to_the_requesting_test_with_defaults_for_missing_fields) {
   const std::string in = R"({"command":"batteryReady","vehicle":"CoSiVA/AIV1","battery":"red"})";
   EXPECT_THAT(fixture.refusal(in), HasSubstr("no test wants"));
   request("CoSiVA/AIV1", "red");
@@ -107,10 +107,10 @@ TEST_F(BatteryFixture, batteryReady_goes_to_the_test_that_asked_with_what_is_usu
   EXPECT_FALSE(fixture.published[0].retained);
   EXPECT_EQ(wire::battery_ready_from_json(fixture.published[0].payload),
             (wire::BatteryReady{"red", "unknown", 0.0, 0.0, 22.0, 100.0}));
-  EXPECT_THAT(*battery().find("changes")->array(), SizeIs(1)) << "the test says whether it is content";
+  EXPECT_THAT(*battery().find("changes")->array(), SizeIs(1)) << "the test reports whether the battery is accepted";
 }
 
-TEST_F(BatteryFixture, batteryReady_with_a_wrong_field_is_refused_naming_it) {
+TEST_F(BatteryFixture, batteryReady_with_a_wrong_field_is_rejected_with_the_name_of_the_field) {
   request("CoSiVA/AIV1", "red");
   const auto refusal = [&](const std::string& rest) {
     return fixture.refusal(R"({"command":"batteryReady","vehicle":"CoSiVA/AIV1",)" + rest + "}");
@@ -126,14 +126,15 @@ TEST_F(BatteryFixture, batteryReady_with_a_wrong_field_is_refused_naming_it) {
   EXPECT_THAT(fixture.published, IsEmpty());
 }
 
-TEST_F(BatteryFixture, what_the_broker_kept_is_known_again_after_a_new_connection) {
+TEST_F(BatteryFixture, retained_messages_are_restored_after_a_new_connection) {
   request("CoSiVA/AIV1", "red");
   fixture.feed(wire::InputKind::link, "", "down");
   fixture.feed(wire::InputKind::link, "", "up");
-  EXPECT_TRUE(battery().is_null()) << "it may have been taken back meanwhile; what still holds comes anew";
+  EXPECT_TRUE(battery().is_null())
+      << "requests may have been withdrawn meanwhile; the broker sends the retained ones again";
 }
 
-TEST_F(BatteryFixture, a_curve_reaches_back_to_its_beginning_however_long_it_becomes) {
+TEST_F(BatteryFixture, a_curve_reaches_back_to_its_beginning_for_any_duration) {
   EXPECT_FALSE(fixture.server->battery_curve_json("CoSiVA/AIV1"));
   fixture.run_for(1s);
   for (int i = 0; i <= 1000; ++i) {

@@ -20,7 +20,7 @@ constexpr double millimetre = 1e-3;
 constexpr unsigned augmented_bit = 4;
 constexpr unsigned blocked_bit = 8;
 
-/// Little-endian, whatever the machine is.
+/// Little-endian on every machine.
 template <std::unsigned_integral T>
 char* put(char* at, T value) {
   const std::uint64_t bits{value};

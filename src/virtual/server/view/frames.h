@@ -8,7 +8,7 @@
 
 namespace cosiva::virtual_side {
 
-/// One moving thing as the page draws it; 20 bytes on the wire (docs/protocols/hmi-api.md, "Binary frames").
+/// One moving object as the page draws it; 20 bytes on the wire (docs/protocols/hmi-api.md, "Binary frames").
 struct PositionRecord {
   enum class Kind : std::uint8_t { aiv = 0, person = 1, obstacle = 2 };
   std::uint16_t handle{};  ///< of the snapshot's "handle"
@@ -24,22 +24,22 @@ struct PositionRecord {
   float reported_dy_m{};
 };
 
-/// Makes binary frames of position records. A key frame holds all of them; a delta holds those that differ from the
-/// last key frame, so any one delta may be lost. Encoded once for all clients.
+/// Makes binary frames of position records. A key frame holds all records; a delta holds those that differ from the
+/// last key frame, so any one delta may be lost. A frame is encoded once for all clients.
 class PositionFrames {
  public:
   static constexpr std::size_t header_bytes = 24;
   static constexpr std::size_t record_bytes = 20;
 
-  /// A key frame at least this often (in frames), and whenever a handle came or went.
+  /// A key frame is made at least this often (in frames), and whenever a handle appeared or disappeared.
   explicit PositionFrames(std::uint32_t key_every = 30);
 
   struct Frame {
     std::string bytes;
     bool key;
   };
-  /// Headings are wrapped into (−π, π]; what does not fit its field stands at the field's end, and what is no number is
-  /// 0.
+  /// Headings are wrapped into (−π, π]; a value outside its field's range is clamped, and a value that is not a number
+  /// becomes 0.
   /// @param time_ms   of the server's clock, Unix milliseconds
   /// @param records   sorted by handle, each once (checked)
   [[nodiscard]] Frame encode(double time_ms, std::span<const PositionRecord> records);
@@ -54,7 +54,7 @@ class PositionFrames {
   std::uint32_t sequence_{0};
   std::uint32_t key_sequence_{0};
   bool request_key_{true};
-  // As they go over the wire: what differs is judged by what a reader would see.
+  // Encoded records: two records differ if their bytes do.
   std::vector<Record> key_;
   std::vector<Record> now_;
 };

@@ -20,13 +20,13 @@ std::uint64_t read(std::string_view bytes, std::size_t at, std::size_t count) {
   return value;
 }
 
-/// What a page keeps: the last key frame, and what it draws now.
+/// A page's state: the last key frame, and what the page draws now.
 struct Reader {
   std::uint32_t key{0};
   std::map<std::uint16_t, std::string> of_key;
   std::map<std::uint16_t, std::string> drawn;
 
-  /// False when it had to ignore the frame.
+  /// Returns false if the frame had to be ignored.
   bool take(std::string_view bytes) {
     const bool is_key = (read(bytes, 2, 2) & 1U) != 0;
     const auto builds_on = static_cast<std::uint32_t>(read(bytes, 8, 4));
@@ -50,7 +50,7 @@ struct Reader {
   }
 };
 
-/// All of these records as a key frame of a fresh encoder has them.
+/// These records, encoded as a key frame by a new encoder.
 std::map<std::uint16_t, std::string> as_key(const std::vector<PositionRecord>& records) {
   PositionFrames fresh;
   Reader reader;
@@ -58,7 +58,7 @@ std::map<std::uint16_t, std::string> as_key(const std::vector<PositionRecord>& r
   return reader.drawn;
 }
 
-TEST(PositionFrames, spell_out_every_byte_of_a_key_frame) {
+TEST(PositionFrames, specify_every_byte_of_a_key_frame) {
   PositionFrames frames;
   const std::vector<PositionRecord> records{
       {1, Kind::aiv, 3, false, true, 1.5F, -0.25F, 1.5707963F, 0.4F, 0.012F, -0.007F},
@@ -90,7 +90,7 @@ TEST(PositionFrames, spell_out_every_byte_of_a_key_frame) {
   EXPECT_EQ(frame.bytes, expected);
 }
 
-TEST(PositionFrames, delta_holds_only_what_a_reader_would_see_changed) {
+TEST(PositionFrames, delta_holds_only_what_a_reader_would_find_changed) {
   PositionFrames frames;
   std::vector<PositionRecord> records{{1}, {2}, {3}};
   (void)frames.encode(0.0, records);
@@ -107,7 +107,7 @@ TEST(PositionFrames, delta_holds_only_what_a_reader_would_see_changed) {
   EXPECT_EQ(std::bit_cast<double>(read(delta.bytes, 16, 8)), 33.0);
 }
 
-TEST(PositionFrames, are_key_frames_at_least_as_often_as_asked) {
+TEST(PositionFrames, are_key_frames_at_least_as_often_as_requested) {
   PositionFrames frames{4};
   std::string pattern;
   for (int i = 0; i < 10; ++i) pattern += frames.encode(0.0, {}).key ? 'K' : 'd';
@@ -117,7 +117,7 @@ TEST(PositionFrames, are_key_frames_at_least_as_often_as_asked) {
   EXPECT_FALSE(frames.encode(0.0, {}).key);
 }
 
-TEST(PositionFrames, make_a_key_when_a_handle_came_or_went_or_was_exchanged) {
+TEST(PositionFrames, make_a_key_frame_when_a_handle_appeared_disappeared_or_was_exchanged) {
   PositionFrames frames;
   const std::vector<PositionRecord> two{{1}, {2}};
   const std::vector<PositionRecord> one{{1}};
@@ -130,7 +130,7 @@ TEST(PositionFrames, make_a_key_when_a_handle_came_or_went_or_was_exchanged) {
   EXPECT_FALSE(frames.encode(0.0, exchanged).key);
 }
 
-TEST(PositionFrames, clamp_what_does_not_fit_and_wrap_headings) {
+TEST(PositionFrames, clamp_values_out_of_range_and_wrap_headings) {
   constexpr float infinity = std::numeric_limits<float>::infinity();
   constexpr float no_number = std::numeric_limits<float>::quiet_NaN();
   const auto fields_of = [](const PositionRecord& record) {
@@ -153,7 +153,7 @@ TEST(PositionFrames, clamp_what_does_not_fit_and_wrap_headings) {
   EXPECT_THAT(fields_of(record), ::testing::ElementsAre(0, 0, 0, 0));
 }
 
-TEST(PositionFrames, never_carry_a_place_that_is_no_number) {
+TEST(PositionFrames, never_contain_a_position_that_is_not_a_number) {
   PositionRecord record{7};
   record.x_m = std::numeric_limits<float>::quiet_NaN();
   record.y_m = -std::numeric_limits<float>::infinity();
@@ -162,7 +162,7 @@ TEST(PositionFrames, never_carry_a_place_that_is_no_number) {
   EXPECT_EQ(read(bytes, 28, 8), 0U);
 }
 
-TEST(PositionFramesDeathTest, unsorted_records_are_our_own_bug) {
+TEST(PositionFramesDeathTest, unsorted_records_violate_the_contract) {
   PositionFrames frames;
   const std::vector<PositionRecord> twice{{2}, {2}};
   const std::vector<PositionRecord> unsorted{{3}, {2}};
@@ -170,7 +170,7 @@ TEST(PositionFramesDeathTest, unsorted_records_are_our_own_bug) {
   EXPECT_DEATH((void)frames.encode(0.0, unsorted), "");
 }
 
-/// Things that move, stand, come and go.
+/// Records that move, stop, appear and disappear.
 struct Step {
   std::vector<PositionRecord> records;
 };
@@ -200,7 +200,7 @@ rc::Gen<std::vector<Step>> steps() {
   });
 }
 
-RC_GTEST_PROP(PositionFrames, any_single_delta_on_its_key_gives_exactly_what_was_encoded, ()) {
+RC_GTEST_PROP(PositionFrames, any_single_delta_applied_to_its_key_frame_gives_exactly_the_encoded_records, ()) {
   PositionFrames frames{*rc::gen::inRange<std::uint32_t>(1, 10)};
   Reader all;
   Reader keys_only;
@@ -211,14 +211,14 @@ RC_GTEST_PROP(PositionFrames, any_single_delta_on_its_key_gives_exactly_what_was
     RC_ASSERT(all.take(frame.bytes));
     RC_ASSERT(all.drawn == as_key(step.records));
     if (frame.key) keys_only.take(frame.bytes);
-    // One that missed every delta but this sees the same.
+    // A reader that missed every other delta has the same state.
     Reader late = keys_only;
     RC_ASSERT(late.take(frame.bytes));
     RC_ASSERT(late.drawn == all.drawn);
   }
 }
 
-RC_GTEST_PROP(PositionFrames, reader_without_the_key_ignores_deltas_until_the_next, ()) {
+RC_GTEST_PROP(PositionFrames, reader_without_the_key_frame_ignores_deltas_until_the_next, ()) {
   PositionFrames frames{5};
   const std::vector<PositionRecord> records{{1}, {2}};
   (void)frames.encode(0.0, records);

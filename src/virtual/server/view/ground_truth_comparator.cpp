@@ -9,12 +9,12 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// A time stamp that falls back further than any network delays is a clock that was set, not a late message.
+/// A time stamp that falls back further than any network delay means that the clock was set; the message is not late.
 constexpr SimDuration reorder_max{std::chrono::seconds{5}};
 
 double ms_of(SimTime time) { return static_cast<double>(time.time_since_epoch().count()) * 1e-6; }
 
-/// To the tenth of a millimetre: less is noise.
+/// To a tenth of a millimetre: further digits are noise.
 double rounded(double value) { return std::nearbyint(value * 1e4) * 1e-4; }
 
 void number_or_null(JsonWriter& json, std::string_view name, const std::optional<double>& number) {
@@ -25,7 +25,7 @@ void number_or_null(JsonWriter& json, std::string_view name, const std::optional
     json.null();
 }
 
-/// By how often a ray to the right crosses its border.
+/// By the number of times that a ray to the right crosses the border.
 bool inside(const std::vector<Point2>& polygon, Point2 p) {
   bool odd = false;
   for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
@@ -37,7 +37,7 @@ bool inside(const std::vector<Point2>& polygon, Point2 p) {
   return odd;
 }
 
-/// In decimetres: where it stands is for a person who looks for it, and words that change with every picture are none.
+/// In decimetres: the position helps an operator to find the vehicle, and the text must not change with every image.
 std::string position_text(const Pose2& pose) {
   const auto text = [](double m) {
     const long dm = std::lround(10.0 * m);
@@ -56,7 +56,7 @@ std::vector<std::string> GroundTruthComparator::subscriptions() {
 Result<std::string> GroundTruthComparator::on_message(SimTime now, const wire::Input& input) {
   now_ = now;
   if (input.source == wire::gvs_connection_topic) {
-    if (input.payload.empty()) {  // somebody took it off the broker
+    if (input.payload.empty()) {  // the retained message was deleted from the broker
       connection_.reset();
       return std::string{};
     }
@@ -66,7 +66,7 @@ Result<std::string> GroundTruthComparator::on_message(SimTime now, const wire::I
     connection_at_ = now;
     return std::string(state()) + (connection_->trouble.empty() ? "" : ": " + connection_->trouble);
   }
-  // Retained it would be of long ago; and the picture itself is for the page alone.
+  // A retained message would be out of date; the image itself is for the page only.
   if (input.source != wire::gvs_detections_topic || input.flag || input.payload.empty()) return std::string{};
   auto detections = wire::gvs_detections_from_json(input.payload);
   if (!detections) return tl::unexpected(detections.error());
@@ -75,7 +75,7 @@ Result<std::string> GroundTruthComparator::on_message(SimTime now, const wire::I
     return std::string{};
   const bool news = !detections_ || detections_->detections.size() != detections->detections.size();
   take(now, std::move(*detections));
-  return news ? std::to_string(detections_->detections.size()) + " in its picture" : std::string{};
+  return news ? std::to_string(detections_->detections.size()) + " in the image" : std::string{};
 }
 
 void GroundTruthComparator::take(SimTime now, wire::GvsDetections detections) {
@@ -188,11 +188,11 @@ std::vector<Finding> GroundTruthComparator::find(bool unknown_senders) {
   const std::string_view now_it = state();
   if (now_it == "ended") return findings;
   if (now_it != "watching") {
-    // It may just be coming up.
+    // The camera's program may be starting up.
     if (now_it == "unresponsive" && connection_ && now_ - std::max(connection_at_, detections_at_) <= timeout &&
         connection_->trouble.empty())
       return findings;
-    std::string text = now_it == "broken" ? "the camera's program is gone" : "no picture comes";
+    std::string text = now_it == "broken" ? "the camera's program is gone" : "no image arrives";
     if (connection_ && !connection_->trouble.empty()) text += ": " + connection_->trouble;
     findings.push_back(
         {Finding::Kind::no_detection, "GVS", std::move(text), since(Finding::Kind::no_detection, "GVS")});
@@ -245,7 +245,7 @@ void GroundTruthComparator::write(JsonWriter& json) const {
 }
 
 void GroundTruthComparator::fold(Digest& digest) const {
-  // A run without a camera has the digest that it had before there were any.
+  // The digest of a run without a camera contains nothing of this component.
   if (!received()) return;
   digest.add(state());
   digest.add(detections_at_);

@@ -17,49 +17,50 @@
 
 namespace cosiva::virtual_side {
 
-/// What the camera over the zone (GVS, A34) says of the physical side, held against the twins: how far each twin was
-/// from where its vehicle was seen at that moment, who is seen without a twin, and which twin nobody sees. It is news
-/// for the bijection monitor and for people; no twin and no order ever follows it.
+/// Compares the detections of the camera over the zone (GVS, A34) with the twins: the distance of each twin from the
+/// detected pose of its vehicle at the same moment, detected vehicles without a twin, and twins that are not detected.
+/// The results go to the bijection monitor and to the operators; no twin and no order depends on them.
 class GroundTruthComparator {
  public:
-  /// Longer than a tracker needs to find again whom it lost.
+  /// Longer than a tracker needs to find a lost vehicle again.
   static constexpr SimDuration timeout{std::chrono::seconds{3}};
-  /// Without a picture for so long, or three periods, it watches no more.
+  /// Without an image for this time, or for three periods, the camera counts as unresponsive.
   static constexpr SimDuration unresponsive_after{std::chrono::seconds{2}};
-  /// Twins are remembered for so long: a picture is looked at after it was taken.
+  /// Past poses of twins are stored for this time, since an image is evaluated some time after its exposure.
   static constexpr SimDuration history{std::chrono::seconds{2}};
-  static constexpr std::size_t detected_max = 256;  ///< a flood of made-up names must not take the memory
+  static constexpr std::size_t detected_max = 256;  ///< bounds the memory if many invented names are received
 
   GroundTruthComparator(const Registry& registry, Simulator& simulator) : registry_{registry}, simulator_{simulator} {}
 
   [[nodiscard]] static std::vector<std::string> subscriptions();
   [[nodiscard]] static bool handles(std::string_view topic) { return topic.starts_with("cosiva/v1/gvs/"); }
-  /// Fails ("own.…", "json.…") and then keeps what it knew.
-  /// @return  in a few words, what is worth showing among the communications; empty: nothing
+  /// Fails ("own.…", "json.…") and then keeps its state. @return  a short summary for the traces of communications;
+  /// empty: nothing to show
   [[nodiscard]] Result<std::string> on_message(SimTime now, const wire::Input& input);
-  /// Notes where the twins are, and what is wrong. Costs nothing where no camera was ever heard.
-  /// @param strangers  whether an AIV without a twin is ours to miss: of several control areas it may be another's
+  /// Records the poses of the twins and updates the findings. Costs nothing if no camera ever connected. @param
+  /// unknown_senders  whether an AIV without a twin is a finding: with several control areas the AIV may belong to
+  /// another one
   void tick(SimTime now, bool unknown_senders);
 
-  /// Of the physical side as it was seen last; nothing where it is not seen now.
+  /// The last detection of a vehicle; nothing if the vehicle is not detected now.
   struct Sighted {
     std::uint32_t tag{};
-    SimTime at{};       ///< when it was there
-    SimTime arrived{};  ///< when we heard of it
-    SimTime since{};    ///< from when on it has been seen again and again
+    SimTime at{};       ///< time of the exposure
+    SimTime arrived{};  ///< time of reception
+    SimTime since{};    ///< start of the uninterrupted series of detections
     Pose2 X_MB;
     double uncertainty_m{};
-    /// To its twin at that moment; nothing where there was none.
+    /// From the vehicle to its twin at that moment; nothing if there was no twin.
     std::optional<double> gap_m;
     std::optional<double> gap_rad;
   };
 
-  /// The snapshot's "gvs": null where no camera was heard of.
+  /// The snapshot's "gvs": null if no message of a camera was received.
   void write(JsonWriter& json) const;
   void fold(Digest& digest) const;
 
  private:
-  /// A twin's last places, and since when it has been where the camera looks.
+  /// The last poses of a twin, and since when the twin has been in the camera's field of view.
   struct Trail {
     struct Point {
       SimTime at;

@@ -1,4 +1,4 @@
-// The camera over the zone (GVS) held against the twins.
+// The detections of the camera over the zone (GVS) compared with the twins.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,14 +17,14 @@ using testing::SizeIs;
 class GvsFixture : public testing::Test {
  protected:
   GvsFixture() {
-    aiv.blocked = true;  // it stands, so that what is off is what the test makes so
+    aiv.blocked = true;  // the vehicle is stopped, so that only the test causes differences
     fixture.run_for(1s);
   }
   void connect(wire::ConnectionState state, const std::string& trouble = {}) {
     fixture.feed(wire::InputKind::message, "cosiva/v1/gvs/connection",
                  wire::to_json(wire::GvsConnection{state, fixture.now, "a camera", trouble}), true);
   }
-  /// A picture that was taken a tenth of a second ago, by a camera that sees all of the oval.
+  /// An image exposed a tenth of a second ago, by a camera whose field of view covers the oval.
   void detect(const std::vector<std::pair<std::string, Pose2>>& vehicles) {
     wire::GvsDetections detections{++images, fixture.now - 100ms, 0.25, {}, {{-9, -9}, {9, -9}, {9, 9}, {-9, 9}}};
     for (const auto& [name, pose] : vehicles)
@@ -35,7 +35,7 @@ class GvsFixture : public testing::Test {
   void publish(std::string payload, bool retained = false) {
     fixture.feed(wire::InputKind::message, "cosiva/v1/gvs/detections", std::move(payload), retained);
   }
-  /// Four pictures a second of them, standing.
+  /// Four images per second of these vehicles, all stopped.
   void watch(SimDuration duration, const std::vector<std::pair<std::string, Pose2>>& vehicles) {
     for (const SimTime end = fixture.now + duration; fixture.now < end;) {
       fixture.run_for(240ms);
@@ -51,13 +51,13 @@ class GvsFixture : public testing::Test {
   std::uint32_t images{0};
 };
 
-TEST_F(GvsFixture, without_a_camera_there_is_nothing_of_it) {
+TEST_F(GvsFixture, without_a_camera_there_is_no_data) {
   EXPECT_TRUE(gvs().is_null());
   EXPECT_THAT(findings(), IsEmpty());
   EXPECT_EQ(*fixture.bijection().find("actual_m")->number("count"), 0.0);
 }
 
-TEST_F(GvsFixture, measures_how_far_a_twin_is_from_where_its_vehicle_is_seen) {
+TEST_F(GvsFixture, measures_the_distance_of_a_twin_from_the_detected_vehicle) {
   connect(wire::ConnectionState::online);
   fixture.run_for(500ms);
   const Pose2 twin = aiv.pose();
@@ -72,11 +72,11 @@ TEST_F(GvsFixture, measures_how_far_a_twin_is_from_where_its_vehicle_is_seen) {
   EXPECT_NEAR(*actual.number("max"), 0.05, 1e-4);
 }
 
-TEST_F(GvsFixture, holds_an_image_against_where_the_twin_was_when_it_was_taken) {
+TEST_F(GvsFixture, compares_an_image_with_the_twin_s_pose_at_the_exposure) {
   connect(wire::ConnectionState::online);
   aiv.blocked = false;
   fixture.run_for(2s);
-  // Half a second late: at 0.3 m/s and more the twin is 15 cm further by now.
+  // Half a second late: at 0.3 m/s or more the twin has moved on by 15 cm.
   const Pose2 then = fixture.vehicles[0]->pose();
   const SimTime at = fixture.now;
   fixture.run_for(500ms);
@@ -87,7 +87,7 @@ TEST_F(GvsFixture, holds_an_image_against_where_the_twin_was_when_it_was_taken) 
   EXPECT_LT(detected()[0].number("gap_m").value_or(9.0), 0.02);
 }
 
-TEST_F(GvsFixture, compares_nothing_that_is_older_than_its_history_or_yet_to_come) {
+TEST_F(GvsFixture, compares_nothing_older_than_its_history_or_in_the_future) {
   connect(wire::ConnectionState::online);
   fixture.run_for(3s);
   for (const SimDuration off : {SimDuration{-10s}, SimDuration{10s}}) {
@@ -99,11 +99,11 @@ TEST_F(GvsFixture, compares_nothing_that_is_older_than_its_history_or_yet_to_com
   }
 }
 
-TEST_F(GvsFixture, names_an_aiv_that_has_no_twin_after_a_while_and_no_longer_when_it_has_one) {
+TEST_F(GvsFixture, reports_an_aiv_without_a_twin_after_a_while_and_until_it_has_one) {
   const zone::TrackPosition position{0, 1.5};
   const Pose2 there = fixture.zone->circuit.pose_at(position);
   watch(2s, {{"CoSiVA/AIV1", aiv.pose()}, {"CoSiVA/AIV7", there}});
-  EXPECT_THAT(findings(), IsEmpty()) << "it may be on its way";
+  EXPECT_THAT(findings(), IsEmpty()) << "its first report may be in transit";
   const double matched = *fixture.bijection().number("matched_ratio");
   watch(2s, {{"CoSiVA/AIV1", aiv.pose()}, {"CoSiVA/AIV7", there}});
   ASSERT_THAT(findings(), SizeIs(1));
@@ -116,7 +116,7 @@ TEST_F(GvsFixture, names_an_aiv_that_has_no_twin_after_a_while_and_no_longer_whe
   EXPECT_THAT(findings(), IsEmpty());
 }
 
-TEST_F(GvsFixture, names_a_twin_where_the_camera_sees_nobody) {
+TEST_F(GvsFixture, reports_a_twin_that_the_camera_does_not_detect) {
   watch(2s, {});
   EXPECT_THAT(findings(), IsEmpty());
   watch(2s, {});
@@ -128,7 +128,7 @@ TEST_F(GvsFixture, names_a_twin_where_the_camera_sees_nobody) {
   EXPECT_THAT(findings(), IsEmpty());
 }
 
-TEST_F(GvsFixture, misses_nobody_outside_of_what_it_sees) {
+TEST_F(GvsFixture, reports_no_twin_outside_the_field_of_view_as_missing) {
   for (int i = 0; i < 30; ++i) {
     fixture.run_for(240ms);
     publish(wire::to_json(wire::GvsDetections{++images, fixture.now, 0.25, {}, {{50, 50}, {51, 50}, {51, 51}}}));
@@ -137,7 +137,7 @@ TEST_F(GvsFixture, misses_nobody_outside_of_what_it_sees) {
   EXPECT_THAT(findings(), IsEmpty());
 }
 
-TEST_F(GvsFixture, a_virtual_aiv_is_seen_by_no_camera_and_missed_by_none) {
+TEST_F(GvsFixture, a_virtual_aiv_is_neither_detected_nor_missed_by_a_camera) {
   fixture.send_command(R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv","section":")" +
                        fixture.zone->circuit.part(0).name + R"(","s":1.4}})");
   watch(6s, {{"CoSiVA/AIV1", aiv.pose()}});
@@ -145,7 +145,7 @@ TEST_F(GvsFixture, a_virtual_aiv_is_seen_by_no_camera_and_missed_by_none) {
   EXPECT_THAT(findings(), IsEmpty());
 }
 
-TEST_F(GvsFixture, says_that_no_image_comes_and_why) {
+TEST_F(GvsFixture, reports_that_no_image_arrives_and_why) {
   connect(wire::ConnectionState::online);
   watch(1s, {{"CoSiVA/AIV1", aiv.pose()}});
   EXPECT_THAT(findings(), IsEmpty());
@@ -153,19 +153,19 @@ TEST_F(GvsFixture, says_that_no_image_comes_and_why) {
   EXPECT_EQ(gvs().text("state"), "unresponsive");
   connect(wire::ConnectionState::online, "/dev/video0: no camera answers there");
   fixture.run_for(100ms);
-  ASSERT_THAT(findings(), SizeIs(1)) << "neither of vehicles nor of twins is anything known now";
+  ASSERT_THAT(findings(), SizeIs(1)) << "neither vehicles nor twins are known now";
   EXPECT_EQ(findings()[0].text("kind"), "no detection");
   EXPECT_EQ(findings()[0].text("id"), "GVS");
   EXPECT_THAT(findings()[0].text("text").value(), HasSubstr("/dev/video0"));
   const double matched = *fixture.bijection().number("matched_ratio");
   fixture.run_for(5s);
-  EXPECT_GE(*fixture.bijection().number("matched_ratio"), matched) << "a blind camera proves nothing";
+  EXPECT_GE(*fixture.bijection().number("matched_ratio"), matched) << "a camera without images proves nothing";
   connect(wire::ConnectionState::online);
   watch(500ms, {{"CoSiVA/AIV1", aiv.pose()}});
   EXPECT_THAT(findings(), IsEmpty());
 }
 
-TEST_F(GvsFixture, says_that_its_program_is_gone_and_is_content_when_it_ended_on_purpose) {
+TEST_F(GvsFixture, reports_that_the_camera_program_failed_but_not_that_it_ended_normally) {
   connect(wire::ConnectionState::online);
   watch(1s, {{"CoSiVA/AIV1", aiv.pose()}});
   connect(wire::ConnectionState::connection_broken);
@@ -179,7 +179,7 @@ TEST_F(GvsFixture, says_that_its_program_is_gone_and_is_content_when_it_ended_on
   EXPECT_THAT(findings(), IsEmpty());
 }
 
-TEST_F(GvsFixture, breaks_the_contract_of_a_twin_that_is_elsewhere_than_its_vehicle) {
+TEST_F(GvsFixture, violates_the_contract_of_a_twin_far_from_its_vehicle) {
   watch(5s, {{"CoSiVA/AIV1", aiv.pose()}});
   EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").find("contract")->flag("actual"), true);
   watch(5s, {{"CoSiVA/AIV1", aiv.pose() * Pose2{0.0, 0.2, 0.0}}});
@@ -187,7 +187,7 @@ TEST_F(GvsFixture, breaks_the_contract_of_a_twin_that_is_elsewhere_than_its_vehi
   EXPECT_LT(*fixture.bijection().number("held_ratio"), 1.0);
 }
 
-TEST_F(GvsFixture, what_cannot_be_understood_or_is_old_changes_nothing) {
+TEST_F(GvsFixture, unreadable_or_old_messages_change_nothing) {
   detect({{"CoSiVA/AIV1", aiv.pose()}});
   const std::string before = fixture.server->snapshot_json();
   publish("{");
@@ -200,7 +200,7 @@ TEST_F(GvsFixture, what_cannot_be_understood_or_is_old_changes_nothing) {
   EXPECT_TRUE(fixture.logged("cosiva/v1/gvs/detections"));
 }
 
-TEST_F(GvsFixture, a_flood_of_names_takes_no_more_than_its_share) {
+TEST_F(GvsFixture, a_flood_of_names_uses_bounded_memory) {
   for (int i = 0; i < 3; ++i) {
     wire::GvsDetections detections{++images, fixture.now, 0.25, {}, {}};
     for (std::uint32_t n = 0; n < 200; ++n)
