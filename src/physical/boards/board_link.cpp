@@ -5,7 +5,7 @@
 namespace cosiva::physical {
 namespace {
 
-/// Stands for the hash of the image that a real board would carry: this build's name of it.
+/// Replaces the firmware hash of a real board: the version name of this build.
 std::uint32_t firmware_hash(wire::Board board) {
   Digest digest;
   digest.add(std::string_view{"emulated board 1"});
@@ -48,7 +48,7 @@ const std::vector<wire::BoardMessage>& BoardLink::receive(std::string_view bytes
 void BoardLink::tick(SimTime now, std::string& out) {
   const bool heartbeat = heartbeat_.take(now);
   if (!connected_) return;
-  // What the line carried before we were heard must not run into our first frame.
+  // The line's content from before the connection must not run into the first frame.
   if (fresh_) out.push_back('\0');
   fresh_ = false;
   if (hello_due_) send(wire::Hello{board_, wire::module_link::version, firmware_hash(board_), session_}, out);

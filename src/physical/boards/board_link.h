@@ -11,7 +11,7 @@
 
 namespace cosiva::physical {
 
-/// Says when something periodic is due. One that was late does not catch up in a burst.
+/// Reports when a periodic task is due. A late task does not catch up in a burst.
 class Every {
  public:
   explicit Every(SimDuration period) : period_{period} {}
@@ -25,25 +25,26 @@ class Every {
   SimTime next_{};
 };
 
-/// What all boards do alike (A18): say who they are when powered or newly connected, beat 10 times a second, number
-/// their frames, and count what arrives damaged. Sans-IO: bytes in, bytes appended to `out`.
+/// The behaviour that all boards have in common (A18): identification at power-up and on a new connection, a heartbeat
+/// 10 times a second, frame numbering, and a count of damaged frames received. Sans-IO: bytes in, bytes appended to
+/// `out`.
 class BoardLink {
  public:
   explicit BoardLink(wire::Board board);
 
-  /// @param session  random per power-up; the other side sees from it that odometers count from zero again
+  /// @param session  random per power-up; shows the other side that odometers count from zero again
   void power_up(SimTime now, std::uint32_t session);
-  /// The byte stream came or went. A board whose cable is out keeps running and says nothing.
+  /// The byte stream was opened or closed. A board whose cable is unplugged keeps running and sends nothing.
   void connect(bool up);
   [[nodiscard]] bool connected() const { return connected_; }
 
-  /// The messages in these bytes, until the next call. A Hello from the other side is a request: it is answered with
-  /// ours at the next tick.
+  /// The messages in these bytes, valid until the next call. A Hello from the other side is a request: the board sends
+  /// its own Hello at the next tick.
   [[nodiscard]] const std::vector<wire::BoardMessage>& receive(std::string_view bytes);
   void tick(SimTime now, std::string& out);
   void send(const wire::BoardMessage& message, std::string& out);
 
-  /// Milliseconds since power-up; counts round after 49 days, as on a board.
+  /// Milliseconds since power-up; wraps after 49 days, as on a board.
   [[nodiscard]] std::uint32_t board_ms(SimTime now) const;
   [[nodiscard]] wire::Board board() const { return board_; }
 
@@ -53,7 +54,7 @@ class BoardLink {
   std::uint32_t session_{};
   bool connected_{false};
   bool fresh_{false};      ///< connected since the last tick
-  bool hello_due_{false};  ///< fresh, or asked for
+  bool hello_due_{false};  ///< fresh, or requested
   Every heartbeat_{std::chrono::milliseconds{100}};
   wire::module_link::Encoder encoder_;
   wire::module_link::Decoder decoder_;

@@ -12,20 +12,21 @@
 #include "cosiva/physical/boards/board_link.h"
 #include "cosiva/wire/messages/board.h"
 
-/// The four boards of one vehicle (A14 to A17), between the world's values and the module link's frames. Each is told
-/// bytes and time and appends bytes to `out`; what it senses is handed in as plain SI values.
+/// The four boards of one vehicle (A14 to A17), between the plant's values and the module link's frames. Each board is
+/// given bytes and the time, and appends bytes to `out`; measured values are passed in as plain SI values.
 namespace cosiva::physical {
 
-/// What PILS has from its line sensors and wheel encoders.
+/// The inputs of PILS from its line sensors and wheel encoders.
 struct WheelReadings {
   double distance_m;     ///< counted by the encoders since power-up, forwards positive
   double speed_mps;      ///< negative backwards
-  double line_offset_m;  ///< of the line from the sensor's middle, left positive
+  double line_offset_m;  ///< of the line from the sensor's centre, left positive
   bool line_lost;
-  const Pose2* manoeuvre{nullptr};  ///< where its wheels took it since it left the line, if it did
+  const Pose2* manoeuvre{nullptr};  ///< the displacement by the wheels since the vehicle left the path, if it did
 };
 
-/// Line tracking (A16): odometry out at 50 Hz, Drive in; the motors stop by themselves 300 ms after the last valid one.
+/// Line tracking (A16): odometry out at 50 Hz, Drive in; the motors stop by themselves 300 ms after the last valid
+/// Drive.
 class PilsBoard {
  public:
   static constexpr SimDuration drive_timeout = std::chrono::milliseconds{300};
@@ -45,14 +46,15 @@ class PilsBoard {
   SimTime driven_at_{};
 };
 
-/// Tag reading and display control (A15): a frame per tag read, texts for AFFI in.
+/// Tag reading and display control (A15): one frame per tag read, texts for AFFI in.
 class PravBoard {
  public:
   [[nodiscard]] BoardLink& link() { return link_; }
   [[nodiscard]] const BoardLink& link() const { return link_; }
   void power_up(SimTime now, std::uint32_t session);
   void on_bytes(SimTime now, std::string_view bytes);
-  /// The reader has a tag's number since `read_at`, which may lie ahead: it is sent at the first tick from then on.
+  /// The reader has a tag's number from `read_at` on, which may be in the future: the board sends the number at the
+  /// first tick from then on.
   void on_tag(SimTime read_at, std::uint32_t number);
   void tick(SimTime now, std::string& out);
   [[nodiscard]] const std::string& display() const { return display_; }
@@ -67,7 +69,7 @@ class PravBoard {
   std::string display_;
 };
 
-/// Obstacle ranging (A17): a fan of sectors ahead of the body's front, 60 ms apart, as echoes need it.
+/// Obstacle ranging (A17): a fan of sectors in front of the body, 60 ms apart, the time that the echoes need.
 class DobsBoard {
  public:
   static constexpr std::size_t beams = 13;
@@ -79,15 +81,15 @@ class DobsBoard {
   [[nodiscard]] const BoardLink& link() const { return link_; }
   void power_up(SimTime now, std::uint32_t session, SimDuration phase);
   void on_bytes(SimTime now, std::string_view bytes);
-  /// True when the next tick sends ranges, and hence wants them.
+  /// True when the next tick sends ranges and therefore needs them.
   [[nodiscard]] bool wants_scan(SimTime now) const { return scan_.due(now); }
-  /// @param range_m  one per beam [m], negative: no echo; looked at only when wants_scan(now)
+  /// @param range_m  one per beam [m], negative: no echo; used only when wants_scan(now)
   void tick(SimTime now, std::span<const double, beams> range_m, std::string& out);
 
  private:
   BoardLink link_{wire::Board::DOBS};
   Every scan_{std::chrono::milliseconds{60}};
-  wire::BoardMessage ranges_{wire::Ranges{}};  ///< kept, so that a scan allocates nothing
+  wire::BoardMessage ranges_{wire::Ranges{}};  ///< stored, so that a scan allocates nothing
 };
 
 /// What RALI measures and counts.
@@ -95,8 +97,8 @@ struct PowerReadings {
   double voltage_v;
   double current_a;  ///< positive discharges
   double temperature_c;
-  double charge;          ///< 0…1, as the gauge believes
-  double charge_sd{0.0};  ///< of its error; 0: a gauge that does not know
+  double charge;          ///< 0…1, as the gauge estimates
+  double charge_sd{0.0};  ///< of its error; 0: the gauge gives no uncertainty
 };
 
 /// Regulated supply (A17), 2 Hz.
@@ -107,7 +109,7 @@ class RaliBoard {
   void power_up(SimTime now, std::uint32_t session, SimDuration phase);
   void on_bytes(SimTime now, std::string_view bytes);
   [[nodiscard]] bool wants_readings(SimTime now) const { return report_.due(now); }
-  /// @param readings  looked at only when wants_readings(now)
+  /// @param readings  used only when wants_readings(now)
   void tick(SimTime now, const PowerReadings& readings, std::string& out);
 
  private:

@@ -35,7 +35,7 @@ struct Listener {
   }
 };
 
-/// Runs a PRAV, the board that has the least to say, over [from, to) in ticks of 10 ms.
+/// Runs a PRAV, the board with the fewest messages, over [from, to) in ticks of 10 ms.
 void run(PravBoard& board, Listener& listener, SimTime from, SimTime to) {
   for (SimTime now = from; now < to; now += 10ms) {
     std::string out;
@@ -44,7 +44,7 @@ void run(PravBoard& board, Listener& listener, SimTime from, SimTime to) {
   }
 }
 
-TEST(Board, says_hello_first_when_the_other_side_connects) {
+TEST(Board, sends_hello_first_when_the_other_side_connects) {
   PravBoard board;
   board.power_up(start, 77);
   board.link().connect(true);
@@ -59,7 +59,7 @@ TEST(Board, says_hello_first_when_the_other_side_connects) {
   EXPECT_EQ(std::get<wire::Heartbeat>(listener.received[1]).uptime_ms, 0U);
 }
 
-TEST(Board, says_nothing_while_its_cable_is_out) {
+TEST(Board, sends_nothing_while_its_cable_is_unplugged) {
   PravBoard board;
   board.power_up(start, 77);
   Listener listener;
@@ -93,7 +93,7 @@ TEST(Board, takes_another_session_when_powered_again) {
   EXPECT_EQ(listener.all<wire::Hello>().front().session, 78U);
 }
 
-TEST(Board, answers_a_hello_with_its_own) {
+TEST(Board, sends_its_own_hello_in_response_to_a_hello) {
   PravBoard board;
   board.power_up(start, 77);
   board.link().connect(true);
@@ -105,7 +105,7 @@ TEST(Board, answers_a_hello_with_its_own) {
   EXPECT_THAT(listener.all<wire::Hello>(), SizeIs(1));
 }
 
-TEST(Board, beats_ten_times_a_second_and_reports_what_it_received_damaged) {
+TEST(Board, sends_ten_heartbeats_a_second_and_reports_damaged_frames) {
   PravBoard board;
   board.power_up(start, 77);
   board.link().connect(true);
@@ -132,7 +132,7 @@ TEST(Every, does_not_catch_up_in_a_burst) {
   EXPECT_TRUE(every.take(start + 1050ms));
 }
 
-TEST(Pils, reports_its_wheels_fifty_times_a_second) {
+TEST(Pils, reports_odometry_fifty_times_a_second) {
   PilsBoard board;
   board.power_up(start, 1, 0ms);
   board.link().connect(true);
@@ -147,7 +147,7 @@ TEST(Pils, reports_its_wheels_fifty_times_a_second) {
   EXPECT_EQ(odometry[3], (wire::Odometry{60, 1'234'568, -250, 13, false}));
 }
 
-TEST(Pils, reports_the_end_of_its_scale_for_what_is_beyond) {
+TEST(Pils, reports_the_end_of_its_scale_for_values_beyond_it) {
   PilsBoard board;
   board.power_up(start, 1, 0ms);
   board.link().connect(true);
@@ -177,7 +177,7 @@ TEST(Pils, drives_for_300_ms_after_the_last_valid_command_and_no_longer) {
   EXPECT_EQ(board.drive(start + 301ms), nullptr);
 }
 
-TEST(Prav, sends_a_tag_once_its_reader_has_it_with_its_age) {
+TEST(Prav, sends_a_tag_with_its_age_once_the_reader_has_it) {
   PravBoard board;
   board.power_up(start, 1);
   board.link().connect(true);
@@ -187,7 +187,7 @@ TEST(Prav, sends_a_tag_once_its_reader_has_it_with_its_age) {
   EXPECT_THAT(listener.all<wire::TagRead>(), ElementsAre(wire::TagRead{20, 42, 7}));
 }
 
-TEST(Prav, forgets_a_tag_that_it_could_not_send) {
+TEST(Prav, drops_a_tag_that_could_not_be_sent) {
   PravBoard board;
   board.power_up(start, 1);
   Listener listener;
@@ -246,7 +246,7 @@ TEST(Rali, reports_twice_a_second_and_never_a_charge_beyond_full) {
   EXPECT_EQ(power[0], (wire::Power{7412, 430, 225, 1000}));
 }
 
-TEST(Rali, tells_finer_what_a_gauge_knows_that_says_how_sure_it_is) {
+TEST(Rali, reports_finer_charge_from_a_gauge_that_states_its_uncertainty) {
   RaliBoard board;
   board.power_up(start, 1, 0ms);
   board.link().connect(true);

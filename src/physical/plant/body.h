@@ -5,7 +5,7 @@
 
 namespace cosiva::physical {
 
-/// A pose with its heading's sine and cosine, computed once per tick and used by ranging and collisions alike.
+/// A pose with the sine and cosine of its heading, computed once per tick and used by ranging and collision detection.
 struct BodyPose {
   Pose2 X_MB;
   double sin{0.0};
@@ -27,7 +27,7 @@ struct BodyPose {
   }
 };
 
-/// Something round that stands in the zone.
+/// A round object in the zone.
 struct Disc {
   Point2 centre;
   double radius_m;

@@ -14,7 +14,7 @@ namespace cosiva::physical {
 [[nodiscard]] bool touch(const BodyPose& a, const BodyPose& b, const zone::VehicleShape& shape);
 [[nodiscard]] bool touch(const BodyPose& body, const Disc& disc, const zone::VehicleShape& shape);
 
-/// Watches all bodies and says each contact once, when it begins; parted and met again is another.
+/// Monitors all bodies and reports each contact once, when it begins; a new contact after a separation counts again.
 class CollisionWatch {
  public:
   /// Two bodies by number: vehicles 0 … n−1 in order, obstacles by their key with the highest bit set.
@@ -32,7 +32,7 @@ class CollisionWatch {
 
   explicit CollisionWatch(const zone::VehicleShape& shape);
 
-  /// Appends the contacts that began since the last look.
+  /// Appends the contacts that began since the last call.
   void detect_contacts(std::span<const BodyPose> vehicles, std::span<const Obstacle> obstacles,
                        std::vector<Pair>& began);
 
@@ -42,7 +42,7 @@ class CollisionWatch {
 
   zone::VehicleShape shape_;
   double diagonal_m_;
-  std::vector<std::size_t> by_x_;  ///< kept between looks: nearly sorted, so that sorting costs one pass
+  std::vector<std::size_t> by_x_;  ///< kept between calls: nearly sorted, so that sorting costs one pass
   std::vector<Pair> touching_;
   std::vector<Pair> still_touching_;
 };

@@ -19,7 +19,7 @@ constexpr zone::VehicleShape shape{0.20, 0.12};
 
 BodyPose at(double x, double y, double heading = 0.0) { return BodyPose::at({x, y, heading}); }
 
-/// The slow truth: some point of a fine grid over one body lies in the other.
+/// The slow reference: some point of a fine grid over one body lies in the other.
 bool overlap_sampled(const BodyPose& a, const BodyPose& b) {
   constexpr int n = 100;
   for (int i = 0; i <= n; ++i) {
@@ -55,14 +55,14 @@ TEST(Touch, agrees_with_sampling_for_any_two_poses) {
     if (overlap_sampled(a, b)) {
       RC_ASSERT(touch(a, b, shape));
     } else {
-      // The grid is 2 mm coarse: what it misses must vanish when the bodies are that much smaller.
+      // The grid is 2 mm coarse: a contact that it misses must vanish when the bodies are that much smaller.
       constexpr zone::VehicleShape smaller{0.196, 0.116};
       RC_ASSERT(!touch(a, b, smaller));
     }
   }));
 }
 
-TEST(Touch, knows_a_disc_at_a_side_and_at_a_corner) {
+TEST(Touch, detects_a_disc_at_a_side_and_at_a_corner) {
   const BodyPose body = at(1, 1, pi / 2);
   EXPECT_TRUE(touch(body, Disc{{1.0, 1.1 + 0.0499}, 0.05}, shape));
   EXPECT_FALSE(touch(body, Disc{{1.0, 1.1 + 0.0501}, 0.05}, shape));
@@ -71,7 +71,7 @@ TEST(Touch, knows_a_disc_at_a_side_and_at_a_corner) {
   EXPECT_TRUE(touch(body, Disc{{1.0, 1.0}, 0.001}, shape));
 }
 
-TEST(CollisionWatch, says_a_contact_once_until_the_bodies_part) {
+TEST(CollisionWatch, reports_a_contact_once_until_the_bodies_part) {
   CollisionWatch watch{shape};
   std::vector<CollisionWatch::Pair> began;
   const auto detect_contacts = [&](double x) {
@@ -87,7 +87,7 @@ TEST(CollisionWatch, says_a_contact_once_until_the_bodies_part) {
   EXPECT_THAT(detect_contacts(0.19), ElementsAre(CollisionWatch::Pair{0, 1}));
 }
 
-TEST(CollisionWatch, says_an_obstacle_by_its_key) {
+TEST(CollisionWatch, reports_an_obstacle_by_its_key) {
   CollisionWatch watch{shape};
   std::vector<CollisionWatch::Pair> began;
   const std::array bodies{at(5, 0), at(0, 0)};
@@ -98,7 +98,7 @@ TEST(CollisionWatch, says_an_obstacle_by_its_key) {
   EXPECT_THAT(began, ElementsAre(CollisionWatch::Pair{1, key}));
 }
 
-TEST(CollisionWatch, finds_the_pairs_that_looking_at_all_would_find) {
+TEST(CollisionWatch, finds_the_same_pairs_as_an_exhaustive_search) {
   Random random{9, "bodies"};
   std::vector<BodyPose> bodies(40);
   for (int round = 0; round < 50; ++round) {

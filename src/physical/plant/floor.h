@@ -8,17 +8,17 @@
 
 namespace cosiva::physical {
 
-/// What is painted and laid on the floor: a zone's ways, tags and beacons. After a switch of zones each vehicle stays
-/// on the old one until it stands, so that for a moment there are two.
+/// What is painted and laid on the floor: a zone's sections, tags and beacons. After a switch of zones each vehicle
+/// remains on the old floor until it is stopped, so that two floors exist for a moment.
 struct Floor {
   /// @param reach_m  radius of the antennas' field
   Floor(std::shared_ptr<const zone::TrafficZone> on, double reach_m)
       : zone{std::move(on)}, tags{*zone, reach_m}, loop_length_m{loop_length_m(zone->circuit)} {}
 
-  /// Length of the one ring that all sections form, or 0 where they do not.
+  /// Length of the loop that all sections form together, or 0 where they do not form one.
   [[nodiscard]] static double loop_length_m(const zone::Circuit& circuit);
 
-  std::shared_ptr<const zone::TrafficZone> zone;  ///< its ways hold; its tags may have been edited since
+  std::shared_ptr<const zone::TrafficZone> zone;  ///< its sections hold; its tags may have been edited since
   TagMap tags;                                    ///< as they are now
   double loop_length_m;
 };

@@ -23,7 +23,7 @@ void drive(LineVehicle& vehicle, const DriveCommand& command, double seconds) {
   for (int i = 0; i < static_cast<int>(std::lround(seconds / dt_s)); ++i) vehicle.step(&command, dt_s);
 }
 
-/// A node at (1, 0): in from the west; from there on to the east (smoothly), or north, or back.
+/// A node at (1, 0), reached from the west; the branches lead east (smoothly), north, or back.
 Circuit node() {
   return *Circuit::make("node", {{"in", *Section::make({0, 0, 0}, 1.0), {}, {1, 2, 3}, true},
                                  {"ahead", *Section::make({1, 0, 0}, 1.0), {}, {}},
@@ -32,7 +32,7 @@ Circuit node() {
 }
 constexpr DriveCommand creep(std::size_t branch) { return {0.05, 0.5, 0.8, branch}; }
 
-TEST(LineVehicle, stops_at_a_sharp_bend_turns_on_the_spot_and_follows_the_next_way) {
+TEST(LineVehicle, stops_at_a_sharp_bend_turns_on_the_spot_and_follows_the_next_section) {
   const Circuit circuit = node();
   LineVehicle vehicle = on(circuit, {0, 0.95});
   double along_m = 0.0;
@@ -43,12 +43,12 @@ TEST(LineVehicle, stops_at_a_sharp_bend_turns_on_the_spot_and_follows_the_next_w
     along_m += vehicle.step_distance_m();
     if (vehicle.manoeuvre() != nullptr) {
       EXPECT_EQ(vehicle.speed_mps(), 0.0);
-      EXPECT_LT(distance(vehicle.body().X_MB, {1, 0, 0}), 1e-9) << "its middle stays on the joint";
+      EXPECT_LT(distance(vehicle.body().X_MB, {1, 0, 0}), 1e-9) << "its centre stays on the joint";
       EXPECT_FALSE(vehicle.line_lost());
     }
     turned_rad += vehicle.step_manoeuvre().turned_rad;
   }
-  EXPECT_NEAR(along_m, 0.05, 0.001) << "what it turns counts no distance";
+  EXPECT_NEAR(along_m, 0.05, 0.001) << "a turn adds no distance";
   EXPECT_NEAR(turned_rad, 0.5 * pi, 1e-9);
   EXPECT_EQ(vehicle.track_position(), (zone::TrackPosition{2, 0.0}));
   EXPECT_TRUE(vehicle.following());
@@ -57,7 +57,7 @@ TEST(LineVehicle, stops_at_a_sharp_bend_turns_on_the_spot_and_follows_the_next_w
   EXPECT_GT(vehicle.body().X_MB.y_m, 0.15);
 }
 
-TEST(LineVehicle, takes_the_smooth_way_of_a_node_without_stopping) {
+TEST(LineVehicle, takes_the_smooth_branch_of_a_node_without_stopping) {
   const Circuit circuit = node();
   LineVehicle vehicle = on(circuit, {0, 0.5});
   const DriveCommand command{0.5, 1.0, 1.0, 0};
@@ -69,7 +69,7 @@ TEST(LineVehicle, takes_the_smooth_way_of_a_node_without_stopping) {
   EXPECT_EQ(circuit.part(vehicle.track_position().section).name, "ahead");
 }
 
-TEST(LineVehicle, stops_where_nobody_said_which_way_and_goes_on_when_somebody_does) {
+TEST(LineVehicle, stops_where_no_branch_is_commanded_and_goes_on_when_one_is) {
   const Circuit circuit = node();
   LineVehicle vehicle = on(circuit, {0, 0.5});
   drive(vehicle, {0.5, 1.0, 1.0, wire::no_branch}, 5.0);
@@ -81,7 +81,7 @@ TEST(LineVehicle, stops_where_nobody_said_which_way_and_goes_on_when_somebody_do
   EXPECT_LT(vehicle.body().X_MB.x_m, 1.0);
 }
 
-TEST(LineVehicle, waiting_at_a_fork_rolls_nothing_however_long_it_is_told_to_go_on) {
+TEST(LineVehicle, waiting_at_a_fork_counts_no_distance_however_long_it_is_commanded_to_drive) {
   const Circuit circuit = node();
   LineVehicle vehicle = on(circuit, {0, 0.95});
   double rolled_m = 0.0;
@@ -122,12 +122,12 @@ TEST(LineVehicle, turns_only_while_it_is_commanded) {
   drive(vehicle, {-0.1, 0.5, 0.8, 1}, 0.5);
   EXPECT_LT(std::fabs(vehicle.body().X_MB.heading_rad - waits.heading_rad), 0.5);
   EXPECT_NE(vehicle.manoeuvre(), nullptr);
-  // The way was chosen when the turn began.
+  // The branch was chosen when the turn began.
   for (int i = 0; i < 300 && vehicle.manoeuvre() != nullptr; ++i) drive(vehicle, creep(2), dt_s);
   EXPECT_EQ(circuit.part(vehicle.track_position().section).name, "north");
 }
 
-TEST(LineVehicle, that_rolls_out_onto_a_bend_waits_at_it) {
+TEST(LineVehicle, that_coasts_onto_a_bend_waits_at_it) {
   const Circuit circuit = node();
   LineVehicle vehicle = on(circuit, {0, 0.9});
   drive(vehicle, {0.5, 3.0, 1.0, 1}, 0.25);
@@ -137,7 +137,7 @@ TEST(LineVehicle, that_rolls_out_onto_a_bend_waits_at_it) {
   EXPECT_EQ(vehicle.track_position().section, 0U);
 }
 
-TEST(LineVehicle, that_rolls_out_over_a_fork_keeps_to_the_branch_it_was_told) {
+TEST(LineVehicle, that_coasts_over_a_fork_keeps_to_the_commanded_branch) {
   const auto trunk = *Section::make({0, 0, 0}, 1.0);
   const Circuit circuit = *Circuit::make("fork", {{"trunk", trunk, {}, {1, 2}},
                                                   {"left", *Section::make({1, 0, 0}, 1.0, 1.0), {}, {}},
@@ -157,8 +157,8 @@ TEST(LineVehicle, backs_up_to_a_sharp_bend_and_no_further) {
   EXPECT_EQ(vehicle.speed_mps(), 0.0);
 }
 
-TEST(LineVehicle, turns_onto_the_line_as_well_as_it_is_painted) {
-  EXPECT_TRUE(rc::check("after any turn it is on the next way, with small errors", [] {
+TEST(LineVehicle, turns_onto_the_line_as_accurately_as_it_is_painted) {
+  EXPECT_TRUE(rc::check("after any turn it is on the next section, with small errors", [] {
     const double turn_rad = *rc::gen::inRange(-3100, 3101) * 1e-3;
     RC_PRE(std::fabs(turn_rad) > 2e-3);
     const Circuit circuit = *Circuit::make("bend", {{"in", *Section::make({0, 0, 0}, 1.0), {}, {1}, true},
@@ -176,13 +176,13 @@ TEST(LineVehicle, turns_onto_the_line_as_well_as_it_is_painted) {
 
 // --- another floor
 
-/// One straight way along y = 0.
+/// One straight section along y = 0.
 Circuit line() { return *Circuit::make("line", {{"line", *Section::make({-5, 0, 0}, 10.0), {}, {}}}); }
-/// One that lies at `pose` and is 4 m long.
+/// A section that begins at `pose` and is 4 m long.
 Circuit other(const Pose2& pose) { return *Circuit::make("other", {{"other", *Section::make(pose, 4.0), {}, {}}}); }
 constexpr DriveCommand seek{0.3, 0.5, 0.8, 0, true};
 
-TEST(LineVehicle, put_on_another_floor_stays_as_it_is_and_waits_off_the_line) {
+TEST(LineVehicle, put_on_another_floor_stays_in_place_and_waits_off_the_path) {
   const Circuit old = line();
   const Circuit next = other({-2, 0.2, 0.1});
   LineVehicle vehicle = on(old, {0, 5.0});
@@ -190,8 +190,8 @@ TEST(LineVehicle, put_on_another_floor_stays_as_it_is_and_waits_off_the_line) {
   vehicle.set_zone(next);
   EXPECT_TRUE(vehicle.line_lost());
   EXPECT_FALSE(vehicle.following());
-  drive(vehicle, {0.3, 0.5, 0.8, 0}, 1.0);        // not told to seek
-  drive(vehicle, {0.0, 0.5, 0.8, 0, true}, 1.0);  // told to, at no speed
+  drive(vehicle, {0.3, 0.5, 0.8, 0}, 1.0);        // not commanded to seek
+  drive(vehicle, {0.0, 0.5, 0.8, 0, true}, 1.0);  // commanded to seek, at no speed
   drive(vehicle, {-0.3, 0.5, 0.8, 0, true}, 1.0);
   for (int i = 0; i < 100; ++i) vehicle.step(nullptr, dt_s);
   EXPECT_EQ(vehicle.body().X_MB, before);
@@ -204,7 +204,7 @@ TEST(LineVehicle, seeks_the_line_within_reach_and_follows_it) {
     const double off_m = *rc::gen::inRange(-340, 341) * 1e-3;
     const double turned_rad = *rc::gen::inRange(-3141, 3142) * 1e-3;
     const Circuit old = line();
-    // A line `off_m` beside (0, 0), whose foot is 2 m from its start.
+    // A line at a lateral offset of `off_m` from (0, 0); the foot of the perpendicular is 2 m from its start.
     const Circuit next = other(Pose2{0, 0, turned_rad} * Pose2{-2.0, off_m, 0});
     LineVehicle vehicle = on(old, {0, 5.0}, 0.0005);
     const Pose2 began = vehicle.body().X_MB;
@@ -223,7 +223,7 @@ TEST(LineVehicle, seeks_the_line_within_reach_and_follows_it) {
     RC_ASSERT(vehicle.following());
     RC_ASSERT(distance(began * summed, vehicle.body().X_MB) < 1e-3);
     RC_ASSERT(std::fabs(vehicle.track_position().s_m - 2.0) < 1e-6);
-    // One that saw the line from where it stood only turned along it: steering does the rest.
+    // A vehicle that detected the line from its initial position only turned along it: steering does the rest.
     const bool saw_it = std::fabs(off_m) <= DriveTrain{}.line_lost_m && std::fabs(turned_rad) <= aiv::on_line_rad;
     RC_ASSERT(std::fabs(vehicle.lateral_error_m()) < (saw_it ? std::fabs(off_m) + 1e-9 : 0.003));
     RC_ASSERT(!vehicle.line_lost());
@@ -233,7 +233,7 @@ TEST(LineVehicle, seeks_the_line_within_reach_and_follows_it) {
   }));
 }
 
-TEST(LineVehicle, told_of_a_goal_goes_onto_the_line_that_lies_there) {
+TEST(LineVehicle, given_a_goal_drives_onto_the_line_at_that_position) {
   const Circuit old = line();
   const Circuit next = other({-2, 0.2, 0});
   const auto commanded = [&](const wire::Manoeuvre& goal) {
@@ -243,7 +243,7 @@ TEST(LineVehicle, told_of_a_goal_goes_onto_the_line_that_lies_there) {
     for (int i = 0; i < 1500 && !vehicle.following(); ++i) vehicle.step(&command, dt_s);
     return vehicle;
   };
-  // Believed 3 cm off, the line is found all the same: 0.3 m ahead, 0.2 m to the left.
+  // The line is found although its estimated position is 3 cm off: 0.3 m ahead, 0.2 m to the left.
   const LineVehicle vehicle = commanded({300, 230, 0});
   EXPECT_TRUE(vehicle.following());
   EXPECT_LT(distance(vehicle.body().X_MB, {0.3, 0.2, 0.0}), 1e-9);
@@ -264,7 +264,7 @@ TEST(LineVehicle, seeks_nothing_that_lies_beyond_its_reach) {
   EXPECT_TRUE(vehicle.line_lost());
 }
 
-TEST(LineVehicle, goes_on_where_the_new_floor_s_line_is_the_old_one_s) {
+TEST(LineVehicle, goes_on_where_the_new_floor_has_the_same_line_as_the_old_one) {
   const Circuit old = line();
   const Circuit next = other(Pose2{0, 0.003, 0.02} * Pose2{-2, 0, 0});
   LineVehicle vehicle = on(old, {0, 5.0});
@@ -277,7 +277,7 @@ TEST(LineVehicle, goes_on_where_the_new_floor_s_line_is_the_old_one_s) {
   EXPECT_NEAR(vehicle.body().X_MB.heading_rad, 0.02, 0.001);
 }
 
-TEST(LineVehicle, told_to_seek_on_the_line_makes_a_manoeuvre_that_can_be_heard_of) {
+TEST(LineVehicle, commanded_to_seek_on_the_line_makes_a_manoeuvre_that_is_reported) {
   const Circuit old = line();
   const Circuit next = other({-2, 0.0, 0.0});
   LineVehicle vehicle = on(old, {0, 5.0});
@@ -289,12 +289,12 @@ TEST(LineVehicle, told_to_seek_on_the_line_makes_a_manoeuvre_that_can_be_heard_o
   }
   EXPECT_GE(steps, 9);
   EXPECT_TRUE(vehicle.following());
-  EXPECT_GT(vehicle.speed_mps(), 0.2) << "and then it takes no more notice of the flag";
+  EXPECT_GT(vehicle.speed_mps(), 0.2) << "the flag has no effect after that";
 }
 
-TEST(LineVehicle, told_to_seek_a_little_beside_the_line_s_centre_does_not_turn_across_it) {
+TEST(LineVehicle, commanded_to_seek_slightly_off_the_line_s_centre_does_not_turn_across_it) {
   const Circuit old = line();
-  // The new line lies 8 mm aside and 0.02 rad askew: its sensors see it.
+  // The new line has an offset of 8 mm and an angle of 0.02 rad: the sensors detect it.
   const Circuit next = other(Pose2{0, 0.008, 0.02} * Pose2{-2, 0, 0});
   LineVehicle vehicle = on(old, {0, 5.0});
   vehicle.set_zone(next);
@@ -307,8 +307,9 @@ TEST(LineVehicle, told_to_seek_a_little_beside_the_line_s_centre_does_not_turn_a
   EXPECT_LT(turned_rad, 0.05);
 }
 
-// Whoever drives it always says where it believes the line to be. Asked for no room, it must not sweep about.
-TEST(LineVehicle, told_a_line_where_it_stands_on_one_does_not_turn_across_it) {
+// The on-board program always gives the line's estimated position. A seek that needs no room must not sweep over the
+// floor.
+TEST(LineVehicle, given_a_line_at_its_own_position_does_not_turn_across_it) {
   const Circuit old = line();
   const Circuit next = other(Pose2{0, 0.008, 0.02} * Pose2{-2, 0, 0});
   for (const wire::Manoeuvre goal : {wire::Manoeuvre{0, 0, 0}, {3, -4, 15}, {-4, 2, -30}}) {
@@ -325,7 +326,7 @@ TEST(LineVehicle, told_a_line_where_it_stands_on_one_does_not_turn_across_it) {
   }
 }
 
-TEST(LineVehicle, told_a_line_where_it_stands_askew_turns_to_its_heading_and_not_past_it) {
+TEST(LineVehicle, given_a_line_at_an_angle_turns_to_its_heading_and_not_past_it) {
   const Circuit old = line();
   const Circuit next = other(Pose2{0, 0.005, -1.3} * Pose2{-2, 0, 0});
   LineVehicle vehicle = on(old, {0, 5.0});
@@ -341,7 +342,7 @@ TEST(LineVehicle, told_a_line_where_it_stands_askew_turns_to_its_heading_and_not
   EXPECT_LT(std::fabs(vehicle.lateral_error_m()), 0.006);
 }
 
-TEST(LineVehicle, leaves_a_manoeuvre_that_nobody_commands_when_the_floor_becomes_another) {
+TEST(LineVehicle, abandons_a_manoeuvre_without_commands_when_the_floor_is_replaced) {
   const Circuit circuit = node();
   LineVehicle vehicle = on(circuit, {0, 0.99});
   for (int i = 0; i < 500 && vehicle.manoeuvre() == nullptr; ++i) drive(vehicle, creep(1), dt_s);
@@ -358,7 +359,7 @@ TEST(LineVehicle, leaves_a_manoeuvre_that_nobody_commands_when_the_floor_becomes
   EXPECT_NEAR(vehicle.track_position().s_m, 2.0, 1e-9);
 }
 
-TEST(LineVehicle, put_on_another_floor_while_it_moves_is_our_own_bug) {
+TEST(LineVehicle, put_on_another_floor_while_it_moves_is_an_internal_error) {
   const Circuit old = line();
   const Circuit next = other({-2, 0.2, 0});
   LineVehicle vehicle = on(old, {0, 1.0});
@@ -366,7 +367,7 @@ TEST(LineVehicle, put_on_another_floor_while_it_moves_is_our_own_bug) {
   EXPECT_DEATH(vehicle.set_zone(next), "stands");
 }
 
-TEST(Odometer, reckons_a_manoeuvre_from_where_it_began_and_leaves_the_distance) {
+TEST(Odometer, measures_a_manoeuvre_from_its_start_and_leaves_the_distance_unchanged) {
   Odometer exact{0.0, 0.0, 0.0, Random{1, "o"}};
   exact.add(1.0, 0.0);
   exact.begin_manoeuvre();
@@ -380,8 +381,8 @@ TEST(Odometer, reckons_a_manoeuvre_from_where_it_began_and_leaves_the_distance) 
   EXPECT_EQ(exact.X_SB(), Pose2{});
 }
 
-TEST(Odometer, errs_in_a_turn_as_its_wheels_do_on_their_way_round) {
-  // A quarter turn rolls each wheel 0.05 m · π/2 = 78.5 mm: σ = 3 mm · √0.0785 = 0.84 mm, over 50 mm: 16.8 mrad.
+TEST(Odometer, errs_in_a_turn_as_much_as_its_wheels_do) {
+  // In a quarter turn each wheel travels 0.05 m · π/2 = 78.5 mm: σ = 3 mm · √0.0785 = 0.84 mm, over 50 mm: 16.8 mrad.
   // The sample deviation of 400 has a relative σ of 1/√800 = 3.5 %.
   double sum_sq = 0.0;
   for (std::uint64_t seed = 0; seed < 400; ++seed) {

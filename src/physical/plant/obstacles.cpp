@@ -39,9 +39,9 @@ std::optional<Error> Obstacles::add(const JsonValue& given, std::span<const Body
   if (!id || id->empty() || id->size() > 64) return refused("give the obstacle an 'id' of 1 to 64 bytes", {});
   const auto x = given.number("x");
   const auto y = given.number("y");
-  if (!x || !y) return refused("say where the obstacle stands, as 'x' and 'y' in metres", *id);
+  if (!x || !y) return refused("give the obstacle's position, as 'x' and 'y' in metres", *id);
   const auto radius = given.number("radius");
-  if (!radius) return refused("say how large the obstacle is, as 'radius' in metres", *id);
+  if (!radius) return refused("give the obstacle's size, as 'radius' in metres", *id);
   const Disc disc{{*x, *y}, *radius};
   if (auto error = check(*id, disc, bodies)) return error;
 
@@ -50,7 +50,7 @@ std::optional<Error> Obstacles::add(const JsonValue& given, std::span<const Body
   if (at != all_.end() && at->id == *id) {
     at->disc = disc;  // moved
   } else {
-    if (all_.size() >= count_max) return refused("there are 1000 obstacles already; take one away first", *id);
+    if (all_.size() >= count_max) return refused("there are 1000 obstacles already; remove one first", *id);
     all_.insert(at, Obstacle{*id, disc, next_key_++});
   }
   record_discs();
@@ -63,14 +63,14 @@ std::optional<Error> Obstacles::check(const std::string& id, const Disc& disc, s
     return refused("give a 'radius' from 0.01 m to 2 m, not " + shortest(disc.radius_m) + " m", id);
   if (!(disc.centre.x_m >= world_.low.x_m && disc.centre.x_m <= world_.high.x_m && disc.centre.y_m >= world_.low.y_m &&
         disc.centre.y_m <= world_.high.y_m))
-    return refused("this place is off the world, which reaches from " + text(world_.low) + " to " + text(world_.high) +
-                       " m; choose one inside",
+    return refused("this position is off the floor, which reaches from " + text(world_.low) + " to " +
+                       text(world_.high) + " m; choose one inside",
                    id);
   const auto hit =
       std::find_if(bodies.begin(), bodies.end(), [&](const BodyPose& body) { return touch(body, disc, shape_); });
   if (hit == bodies.end()) return std::nullopt;
   return refused("AIV" + std::to_string(hit - bodies.begin() + 1) +
-                     " is in this place; put the obstacle beside it, or wait until it has gone",
+                     " is at this position; put the obstacle next to it, or wait until it has left",
                  id);
 }
 
@@ -78,7 +78,7 @@ std::optional<Error> Obstacles::remove(std::string_view id) {
   if (std::erase_if(all_, [&](const Obstacle& o) { return o.id == id; }) == 0) {
     std::string known;
     for (std::size_t i = 0; i < std::min<std::size_t>(all_.size(), 5); ++i) known += (i == 0 ? "" : ", ") + all_[i].id;
-    return refused("there is no obstacle of this name to take away; " +
+    return refused("there is no obstacle of this name to remove; " +
                        (known.empty() ? std::string("there is none at all")
                                       : "there " + std::string(all_.size() == 1 ? "is " : "are ") + known +
                                             (all_.size() > 5 ? ", …" : "")),

@@ -16,13 +16,13 @@
 
 namespace cosiva::physical {
 
-/// What instruments put into the emulated world: round things with a name.
+/// The obstacles that instruments put into the emulated plant: round objects with a name.
 class Obstacles {
  public:
   static constexpr std::size_t count_max = 1000;
   static constexpr double radius_m_min = 0.01;
   static constexpr double radius_m_max = 2.0;
-  static constexpr double off_world_m = 1.0;  ///< so far off the zone's picture there is still a floor
+  static constexpr double off_world_m = 1.0;  ///< there is floor up to this distance from the zone's drawing
 
   struct Obstacle {
     std::string id;
@@ -32,18 +32,18 @@ class Obstacles {
 
   explicit Obstacles(const zone::TrafficZone& zone);
 
-  /// The floor is this zone's from now on: what stands on it stays, even beside the new world.
+  /// The floor is this zone's from now on: obstacles on it stay, even off the new floor.
   void set_zone(const zone::TrafficZone& zone);
 
-  /// Puts {"id","x","y","radius"}, or moves the one of this id. Refuses ("plant.command", a sentence) a missing or
-  /// too long id, a place off the world, a radius outside 0.01…2 m, one too many, and a place on one of the vehicles:
-  /// the contact would be booked as that vehicle's collision, which it could do nothing about.
+  /// Puts {"id","x","y","radius"}, or moves the obstacle of this id. Refuses ("plant.command", a sentence) a missing or
+  /// too long id, a position off the floor, a radius outside 0.01…2 m, one obstacle too many, and a position on one of
+  /// the vehicles: the contact would count as that vehicle's collision, which the vehicle could not prevent.
   /// @param bodies  the vehicles, AIV1 first
   [[nodiscard]] std::optional<Error> add(const JsonValue& given, std::span<const BodyPose> bodies);
   [[nodiscard]] std::optional<Error> remove(std::string_view id);
 
   [[nodiscard]] const std::vector<Obstacle>& all() const { return all_; }  ///< sorted by id
-  /// The same as the watch wants them.
+  /// The same in the collision monitor's form.
   [[nodiscard]] std::span<const CollisionWatch::Obstacle> discs() const { return discs_; }
   [[nodiscard]] std::string name_of(CollisionWatch::BodyKey key) const;
 

@@ -7,8 +7,8 @@
 
 namespace cosiva::physical {
 
-/// Wheel encoders: they count what the wheels turned, not what the body moved. Worn wheels scale it, driving wheels
-/// slip when they accelerate (and slide when they brake), and the ground adds a random walk.
+/// Wheel encoders: they count the wheels' turns, not the body's motion. Wear scales the count, driven wheels slip under
+/// acceleration (and slide under braking), and the ground adds a random walk.
 class Odometer {
  public:
   Odometer(double scale_sd, double noise_m_per_sqrt_m, double slip_per_mps2, Random random)
@@ -17,15 +17,15 @@ class Odometer {
   }
 
   /// @param distance_m  that the body moved, forwards positive
-  /// @param acceleration_mps2  of the speed along its way, braking negative
+  /// @param acceleration_mps2  of the speed along the path, braking negative
   void add(double distance_m, double acceleration_mps2) {
     if (distance_m == 0.0) return;
     count_m_ += distance_m * (scale_ + slip_per_mps2_ * acceleration_mps2);
     if (noise_m_per_sqrt_m_ > 0.0)
       count_m_ += noise_m_per_sqrt_m_ * std::sqrt(std::fabs(distance_m)) * random_.gaussian();
   }
-  /// In a manoeuvre both wheels turn as well, the same way or against each other: it reckons where that led, from
-  /// nothing, and leaves the distance as it is.
+  /// In a manoeuvre both wheels turn as well, in the same direction or in opposite directions: the odometer integrates
+  /// the resulting pose from zero and leaves the distance unchanged.
   void begin_manoeuvre() { X_SB_ = {}; }
   void add_manoeuvre(double turned_rad, double traversed_m) {
     if (turned_rad == 0.0 && traversed_m == 0.0) return;
@@ -34,10 +34,10 @@ class Odometer {
     if (noise_m_per_sqrt_m_ > 0.0) scale += noise_m_per_sqrt_m_ * random_.gaussian() / std::sqrt(wheel_distance_m);
     X_SB_ = X_SB_ * Pose2{scale * traversed_m, 0.0, scale * turned_rad};
   }
-  /// Seen from where the manoeuvre began; its heading wrapped.
+  /// In the frame of the manoeuvre's start; the heading is wrapped.
   // NOLINTNEXTLINE(readability-identifier-naming): frames are written so everywhere
   [[nodiscard]] const Pose2& X_SB() const { return X_SB_; }
-  static constexpr double half_track_m = 0.05;  ///< from the body's middle to a wheel
+  static constexpr double half_track_m = 0.05;  ///< from the body's centre to a wheel
 
   [[nodiscard]] double distance_m() const { return count_m_; }
   [[nodiscard]] double scale() const { return scale_; }

@@ -19,21 +19,22 @@
 namespace cosiva::physical {
 namespace {
 
-/// Longer than this a tick was not late but the machine asleep; the vehicles stood still meanwhile.
+/// After a longer gap the tick was not late: the machine was suspended. The vehicles were stopped meanwhile.
 constexpr SimDuration tick_gap_max = std::chrono::seconds{1};
-/// However late a tick is, the control area goes on by no more than this: what boards were told meanwhile they have not
-/// heard, so everybody would drive blind, as no real vehicle does because the computer that emulates it is busy.
+/// However late a tick is, the emulated plant advances by no more than this. The boards have not received the commands
+/// sent meanwhile, so all vehicles would drive blind, which no real vehicle does because its emulating computer is
+/// busy.
 constexpr SimDuration blind_max = std::chrono::milliseconds{50};
 
-/// Of a command by hand, which may bring a zone's file with it, and of one over the broker, which need not: a zone
-/// comes on its own topic there. The largest message is a changeBattery with the whole type: lipo850 takes 5.7 kB.
+/// Of a command entered by hand, which may contain a zone file, and of a command over the broker, which need not: a
+/// zone has its own topic there. The largest message is a changeBattery with the whole type: lipo850 takes 5.7 kB.
 constexpr std::size_t command_bytes_max = 32U << 20U;
 constexpr std::size_t message_bytes_max = 64U << 10U;
 
-/// To the micrometre or microradian: what more digits would say is below the emulation's own truth.
+/// To the micrometre or microradian: more digits would be below the emulation's own accuracy.
 double rounded(double value) { return std::nearbyint(value * 1e6) * 1e-6; }
 
-/// How long a body may go straight on: as long as the usual cycle; in a slower one twice that, for half the work.
+/// How long a body may move straight on: the usual cycle; in a slower cycle twice that, for half the work.
 SimDuration step_max(const PlantOptions& options) {
   constexpr SimDuration usual = std::chrono::milliseconds{10};
   return options.cycle > 2 * usual ? 2 * usual : usual;
@@ -118,7 +119,7 @@ Result<std::unique_ptr<PlantCore>> PlantCore::make(PlantOptions options) {
   auto positions = rtm->zone().start_positions(options.vehicles);
   if (positions.size() != options.vehicles) {
     return fail("plant.vehicles", "zone '" + rtm->zone().name + "' has room for " + std::to_string(positions.size()) +
-                                      " vehicles, asked for " + std::to_string(options.vehicles));
+                                      " vehicles, requested were " + std::to_string(options.vehicles));
   }
   std::unique_ptr<PlantCore> core{new PlantCore};
   core->impl_ = std::make_unique<Impl>(std::move(options), *rtm, positions);
@@ -145,7 +146,7 @@ std::vector<std::string> PlantCore::subscriptions() const {
 }
 
 void PlantCore::farewell(SimTime /*now*/, wire::Effects& /*effects*/) {
-  // The zone stays retained on purpose: a server that comes later still learns it.
+  // The zone stays retained on purpose: a server that starts later still receives it.
 }
 
 void PlantCore::fold(Digest& digest) const {
@@ -239,7 +240,7 @@ void PlantCore::Impl::tick(SimTime at, wire::Effects& effects) {
   SimDuration dt = at - now;
   if (dt > tick_gap_max || dt < SimDuration::zero()) {
     effects.emplace_back(wire::Log{'w', "the plant's clock jumped by " + std::to_string(to_seconds(dt)) +
-                                            " s; the vehicles stood still meanwhile"});
+                                            " s; the vehicles were stopped meanwhile"});
     dt = SimDuration::zero();
   }
   dt = std::min(dt, std::max(blind_max, options.cycle));
@@ -296,7 +297,7 @@ std::string PlantCore::Impl::ground_truth_json() const {
 
 void PlantCore::Impl::take_over(const ZoneExchange::News& news) {
   options.zone = exchange.configuration();
-  // The vehicles' readers look at this very floor; from the next tick on they find the new tags.
+  // The vehicles' readers use this very floor; from the next tick on they find the new tags.
   if (news.same_geometry) {
     floor->tags = TagMap{*news.zone, options.noise.tag_range_m};
     return;
@@ -306,7 +307,7 @@ void PlantCore::Impl::take_over(const ZoneExchange::News& news) {
   change_floors();
 }
 
-/// Who stands is on the newest floor, before anybody can tell it to drive.
+/// A stopped vehicle is put on the newest floor before any command to drive can arrive.
 void PlantCore::Impl::change_floors() {
   for (Vehicle& vehicle : vehicles) {
     if (vehicle.floor() == floor) continue;
@@ -376,7 +377,7 @@ Result<Vehicle*> PlantCore::Impl::vehicle_of(const JsonValue& command) {
   return &vehicles[static_cast<std::size_t>(*number) - 1];
 }
 
-/// Who has changed it says so: batteryReady (A37).
+/// The battery changer confirms the change: batteryReady (A37).
 std::optional<Error> PlantCore::Impl::change_battery(const JsonValue& given, wire::Effects& effects) {
   const auto vehicle = vehicle_of(given);
   if (!vehicle) return vehicle.error();

@@ -14,19 +14,19 @@
 
 namespace cosiva::physical {
 
-/// One vehicle as it truly is.
+/// The ground truth of one vehicle.
 struct TrueVehicle {
   std::uint32_t number;
   Pose2 X_MB;
   double speed_mps;
-  double distance_m;    ///< driven along lines since the start
-  std::uint32_t laps;   ///< whole ones, on zones that are one ring; those of zones before count on
+  double distance_m;    ///< driven along paths since the start
+  std::uint32_t laps;   ///< complete laps, on zones that form one loop; those of earlier zones count on
   double charge;        ///< state of charge, 0…1
-  bool powered;         ///< its PILS gets valid drive commands
-  std::string display;  ///< what AFFI shows
-  /// On the line that it follows, whatever lies beside or under that; nothing in a manoeuvre.
+  bool powered;         ///< its PILS receives valid drive commands
+  std::string display;  ///< the text on AFFI
+  /// On the path that it follows, regardless of other sections next to or under that; nothing in a manoeuvre.
   std::optional<zone::TrackPosition> position;
-  /// Its battery, as it truly is, and what it takes of it.
+  /// The ground truth of its battery, and the current that the vehicle draws.
   struct Power {
     double voltage_v;
     double current_a;  ///< positive discharges
@@ -37,29 +37,30 @@ struct TrueVehicle {
   Power power;
 };
 
-/// Two bodies that touch: said once per contact.
+/// Two bodies in contact: reported once per contact.
 struct Collision {
   SimTime at;
   std::string a;  ///< "AIV1", or an obstacle's id
   std::string b;
 };
 
-/// The emulated world. Hands its zone over 300 ms after its link came up, unless the broker has one of the same ways:
-/// that one's tags, beacons and priorities are then its own (an operator's edit outlives the plant), as are later
-/// edits. One of other ways that the broker keeps from before it overrides: what is on the floor is the plant's to say.
-/// One that is sent later is a switch: it becomes the floor under each vehicle as soon as that stands, with its body,
-/// whose shape no map changes, its odometer, its battery and all obstacles as they are. Nothing is refused for having
-/// too many vehicles. A configuration that cannot be read leaves all as it is, and the log says why.
+/// The emulated plant. Publishes its zone 300 ms after its link was established, unless the broker has a zone with the
+/// same sections: the plant then adopts that zone's tags, beacons and priorities (an operator's edit outlives the
+/// plant), as well as later edits. A retained zone with other sections from an earlier run is overridden: the plant
+/// decides what is on the floor. A zone with other sections that is sent later is a switch: it becomes the floor under
+/// each vehicle as soon as that vehicle is stopped; the body, whose shape no map changes, the odometer, the battery and
+/// all obstacles stay as they are. No zone is refused because the plant has too many vehicles. A configuration that
+/// cannot be read changes nothing, and the reason is logged.
 ///
-/// Commands (plant_command_topic or Input::command): {"addObstacle":{"id","x","y","radius"}}, which also moves the one
-/// of this id; {"removeObstacle":"id"}; {"switch":{"format","origin","text","sidecar file"}}, the physical side's new
-/// zone by hand, which it then publishes; {"changeBattery":{"vehicle":1,"id":"B7",…}} (power_train.h), another battery
-/// in a cart; {"setLoad":{"vehicle":1,"factor":1.02}}, how much more than others it takes; what makes no sense is
-/// logged. Ticks once in a cycle; no board speaks more often. Ports: wire::port_name(number, board) for every vehicle,
-/// spoken from the board's side.
+/// Commands (plant_command_topic or Input::command): {"addObstacle":{"id","x","y","radius"}}, which also moves the
+/// obstacle of this id; {"removeObstacle":"id"}; {"switch":{"format","origin","text","sidecar"}}, the physical
+/// side's new zone by hand, which the plant then publishes; {"changeBattery":{"vehicle":1,"id":"B7",…}}
+/// (power_train.h), another battery in a vehicle; {"setLoad":{"vehicle":1,"factor":1.02}}, the vehicle's consumption
+/// relative to the others; an invalid command is logged. Ticks once in a cycle; no board sends more often. Ports:
+/// wire::port_name(number, board) for every vehicle, from the board's side.
 class PlantCore final : public wire::Core {
  public:
-  /// Fails when the zone's configuration is bad or cannot hold so many vehicles.
+  /// Fails when the zone's configuration is invalid or cannot hold so many vehicles.
   [[nodiscard]] static Result<std::unique_ptr<PlantCore>> make(PlantOptions options);
   ~PlantCore() override;
 
@@ -69,7 +70,7 @@ class PlantCore final : public wire::Core {
   void farewell(SimTime now, wire::Effects& effects) override;
   void fold(Digest& digest) const override;
 
-  /// With the zone as it is now: edited, or switched to.
+  /// With the present zone: edited, or switched to.
   [[nodiscard]] const PlantOptions& options() const;
   [[nodiscard]] std::vector<std::string> ports() const;
   [[nodiscard]] std::vector<TrueVehicle> vehicles() const;

@@ -28,7 +28,7 @@ using ::testing::SizeIs;
 
 constexpr wire::Drive fast{500, 800, 1000, 0};
 
-TEST(Plant, moves_a_vehicle_by_the_drive_frames_it_hears) {
+TEST(Plant, moves_a_vehicle_by_the_drive_frames_it_receives) {
   PlantFixture fixture{straight(20.0)};
   fixture.drive(1, fast);
   fixture.run_for(10s);
@@ -37,14 +37,14 @@ TEST(Plant, moves_a_vehicle_by_the_drive_frames_it_hears) {
   EXPECT_NEAR(fixture.ground_truth(1).distance_m, expected_m, 0.01);
   EXPECT_NEAR(fixture.ground_truth(1).X_MB.x_m, 0.5 + expected_m, 0.01);
   EXPECT_TRUE(fixture.ground_truth(1).powered);
-  // Without noise the odometer tells it, as of its last report.
+  // Without noise the odometer gives it, as of its last report.
   const auto odometry = fixture.received<wire::Odometry>(1);
   EXPECT_THAT(odometry, SizeIs(AllOf(Ge(499U), Le(501U))));
   EXPECT_NEAR(static_cast<double>(odometry.back().distance_um) * 1e-6, fixture.ground_truth(1).distance_m, 0.5 * 0.021);
   EXPECT_EQ(odometry.back().speed_mmps, 500);
 }
 
-TEST(Plant, lets_nobody_drive_blind_while_it_is_held_up) {
+TEST(Plant, lets_no_vehicle_drive_blind_while_it_is_held_up) {
   PlantFixture fixture{straight(20.0)};
   fixture.drive(1, fast);
   fixture.run_for(3s);
@@ -52,7 +52,7 @@ TEST(Plant, lets_nobody_drive_blind_while_it_is_held_up) {
   fixture.hold_up_for(250ms);
   EXPECT_NEAR(fixture.ground_truth(1).distance_m, before_m + 0.5 * 0.05, 1e-6);
   EXPECT_TRUE(fixture.logged.empty());
-  // What was told meanwhile is heard before it drives on.
+  // Frames sent meanwhile are received before the vehicle drives on.
   fixture.drive(1, wire::Drive{0, 800, 1000, 0});
   fixture.run_for(2s);
   EXPECT_LT(fixture.ground_truth(1).distance_m, before_m + 0.5 * 0.05 + 0.5 * 0.5 / (2.0 * 0.8) + 0.5 * 0.1);
@@ -91,11 +91,12 @@ TEST(Plant, takes_no_command_from_damaged_frames) {
     fixture.run_for(10ms);
   }
   EXPECT_EQ(fixture.ground_truth(1).distance_m, 0.0);
-  EXPECT_EQ(fixture.received<wire::Heartbeat>(1).back().frames_bad, 0);  // RALI's own heartbeat: it heard nothing bad
+  EXPECT_EQ(fixture.received<wire::Heartbeat>(1).back().frames_bad,
+            0);  // RALI's own heartbeat: it received nothing bad
   EXPECT_THAT(fixture.received<wire::Heartbeat>(1), Contains(testing::Field(&wire::Heartbeat::frames_bad, Ge(150))));
 }
 
-TEST(Plant, keeps_every_vehicle_on_its_line_over_a_lap) {
+TEST(Plant, keeps_every_vehicle_on_its_path_over_a_lap) {
   PlantFixture fixture{lacet4(), 4, PlantNoise{}};
   const auto rtm = zone::Rtm::initialise(lacet4());
   ASSERT_TRUE(rtm);
@@ -128,7 +129,7 @@ TEST(Plant, reads_the_twelve_tags_of_the_clover_and_the_beacons_it_passes) {
   EXPECT_GT(read.size(), 12U);
 }
 
-TEST(Plant, reads_a_tag_where_its_field_begins_and_as_late_as_its_reader_is) {
+TEST(Plant, reads_a_tag_where_its_field_begins_after_the_readers_latency) {
   PlantFixture fixture{straight(8.0, "0.5", "[[tag]]\nnumber = 7\nsection = \"line\"\ns_m = 4.0\n")};
   fixture.drive(1, fast);
   for (int i = 0; i < 2000 && fixture.received<wire::TagRead>(1).empty(); ++i) fixture.run_for(10ms);
@@ -156,7 +157,7 @@ TEST(Plant, ranges_the_vehicle_ahead_and_not_the_one_behind) {
     EXPECT_THAT(ranges.range_mm, testing::Each(wire::no_echo));
 }
 
-TEST(Plant, puts_obstacles_where_it_is_told_and_takes_them_away) {
+TEST(Plant, adds_and_removes_obstacles_as_commanded) {
   PlantFixture fixture{straight(8.0)};
   fixture.feed(wire::InputKind::message, std::string(wire::plant_command_topic),
                R"({"addObstacle":{"id":"box","x":1.6,"y":0.0,"radius":0.1}})");
@@ -190,8 +191,8 @@ TEST(Plant, refuses_bad_commands_with_a_sentence) {
   for (const char* radius : {"0", "-1", "0.0099", "2.01", "1e300"})
     EXPECT_THAT(refusal(obstacle("\"a\"", "2", "0", radius)), HasSubstr("0.01 m to 2 m")) << radius;
   EXPECT_THAT(refusal(obstacle("\"a\"", "2", "0", "\"1\"")), HasSubstr("'radius'"));
-  // The road is 0.18 m wide and ends at 8 m; a metre beside it the floor ends.
-  EXPECT_THAT(refusal(obstacle("\"a\"", "1e300", "0", "0.1")), HasSubstr("off the world"));
+  // The road is 0.18 m wide and ends at 8 m; the floor ends a metre off the path.
+  EXPECT_THAT(refusal(obstacle("\"a\"", "1e300", "0", "0.1")), HasSubstr("off the floor"));
   EXPECT_THAT(refusal(obstacle("\"a\"", "4", "1.1", "0.1")), HasSubstr("to (9.09, 1.09) m; choose one inside"));
   EXPECT_THAT(refusal(R"({"removeObstacle":"nobody"})"), HasSubstr("none at all"));
   fixture.logged.clear();
@@ -203,21 +204,21 @@ TEST(Plant, refuses_bad_commands_with_a_sentence) {
 TEST(Plant, puts_no_obstacle_on_a_vehicle) {
   PlantFixture fixture{straight(8.0, "0.5 5.0"), 2};
   fixture.run_for(100ms);
-  // The front stands at 5.1 m: 1 cm before it is too near for a box of 2 cm, 3 cm is not.
+  // The front is at 5.1 m: 1 cm before it is too near for a box of 2 cm, 3 cm is not.
   fixture.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":5.11,"y":0,"radius":0.02}})");
-  EXPECT_THAT(fixture.logged, ElementsAre(AllOf(HasSubstr("box: AIV2 is in this place"), HasSubstr("beside it"))));
+  EXPECT_THAT(fixture.logged, ElementsAre(AllOf(HasSubstr("box: AIV2 is at this position"), HasSubstr("next to it"))));
   fixture.logged.clear();
   fixture.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":5.13,"y":0,"radius":0.02}})");
   EXPECT_THAT(fixture.logged, IsEmpty());
-  // Nor is it moved onto one; it stays where it was.
+  // Nor is an obstacle moved onto a vehicle; it stays at its old position.
   fixture.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":0.5,"y":0,"radius":0.02}})");
-  EXPECT_THAT(fixture.logged, ElementsAre(HasSubstr("AIV1 is in this place")));
+  EXPECT_THAT(fixture.logged, ElementsAre(HasSubstr("AIV1 is at this position")));
   fixture.run_for(200ms);
   EXPECT_THAT(fixture.core().collisions(), IsEmpty());
   EXPECT_EQ(fixture.received<wire::Ranges>(2).back().range_mm[6], 10);
 }
 
-TEST(Plant, books_a_collision_once_per_contact) {
+TEST(Plant, counts_a_collision_once_per_contact) {
   PlantFixture fixture{straight(8.0, "0.5 2.0"), 2};
   fixture.drive(1, fast);
   fixture.run_for(4s);
@@ -229,7 +230,7 @@ TEST(Plant, books_a_collision_once_per_contact) {
   EXPECT_NEAR(to_seconds(hit.at - virtual_epoch), (1.3 + 0.5 * 0.5 / 1.6 + 0.025) / 0.5, 0.03);
 }
 
-TEST(Plant, books_a_collision_with_an_obstacle_by_its_name) {
+TEST(Plant, counts_a_collision_with_an_obstacle_by_its_name) {
   PlantFixture fixture{straight(8.0)};
   fixture.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":1.5,"y":0.1,"radius":0.1}})");
   fixture.drive(1, fast);
@@ -239,7 +240,7 @@ TEST(Plant, books_a_collision_with_an_obstacle_by_its_name) {
   EXPECT_EQ(fixture.core().collisions().front().b, "box");
 }
 
-TEST(Plant, gives_each_vehicle_what_its_own_ports_say) {
+TEST(Plant, gives_each_vehicle_the_frames_of_its_own_ports) {
   PlantFixture fixture{straight(20.0, "0.5 5.0"), 2};
   fixture.drive(2, fast);
   fixture.run_for(2s);
@@ -260,7 +261,7 @@ TEST(Plant, warns_of_ports_that_no_vehicle_has) {
   }
 }
 
-TEST(Plant, says_hello_on_every_port_and_keeps_odometer_and_session_over_a_crash_on_board) {
+TEST(Plant, sends_hello_on_every_port_and_keeps_odometer_and_session_over_a_crash_on_board) {
   PlantFixture fixture{straight(20.0)};
   fixture.drive(1, fast);
   fixture.run_for(2s);
@@ -307,7 +308,7 @@ TEST(Plant, drains_its_battery_by_its_work) {
 }
 
 // `cosiva battery fleet --live` sends the whole type along.
-TEST(Plant, takes_every_shipped_battery_type_over_the_broker) {
+TEST(Plant, accepts_every_shipped_battery_type_over_the_broker) {
   PlantFixture fixture{straight(8.0)};
   fixture.feed(wire::InputKind::link, "", "up");
   for (const std::string& name : battery::shipped_types()) {
@@ -350,7 +351,7 @@ TEST(Plant, publishes_the_ground_truth_ten_times_a_second) {
   EXPECT_THAT(fixture.published, IsEmpty());
 }
 
-TEST(Plant, sums_up_what_happened) {
+TEST(Plant, summarises_the_run) {
   PlantFixture fixture{straight(8.0, "0.5 2.0"), 2};
   fixture.drive(1, fast);
   fixture.run_for(4s);
@@ -363,13 +364,13 @@ TEST(Plant, sums_up_what_happened) {
               1e-12);
   ASSERT_THAT(*json->find("collisions")->array(), SizeIs(1));
   EXPECT_EQ((*json->find("collisions")->array())[0].text("b"), "AIV2");
-  EXPECT_EQ(json->number("laps"), 0.0);  // no ring
-  // Standing since 0.25 s + 0.5 s of braking + the lag; the second vehicle never moved, so it does not wait.
+  EXPECT_EQ(json->number("laps"), 0.0);  // no loop
+  // Stopped since 0.25 s + 0.5 s of braking + the lag; the second vehicle never moved, so it does not wait.
   EXPECT_NEAR(json->number("longest_wait_s").value(), 10.0 - 0.25 - 0.7, 0.2);
   EXPECT_EQ((*json->find("vehicles")->array())[1].number("longest_wait_s"), 0.0);
 }
 
-TEST(Plant, stands_still_over_a_gap_in_its_ticks) {
+TEST(Plant, is_stopped_during_a_gap_in_its_ticks) {
   PlantFixture fixture{straight(20.0)};
   fixture.drive(1, fast);
   fixture.run_for(2s);
@@ -381,7 +382,7 @@ TEST(Plant, stands_still_over_a_gap_in_its_ticks) {
   EXPECT_TRUE(std::holds_alternative<wire::Log>(effects.front()));
 }
 
-TEST(Plant, gives_equal_runs_equal_digests_and_other_seeds_others) {
+TEST(Plant, gives_equal_runs_equal_digests_and_other_seeds_other_digests) {
   const auto run = [](std::uint64_t seed) {
     PlantFixture fixture{lacet4(), 4, PlantNoise{}, seed};
     fixture.feed(wire::InputKind::link, "", "up");
@@ -393,7 +394,7 @@ TEST(Plant, gives_equal_runs_equal_digests_and_other_seeds_others) {
   EXPECT_NE(run(1), run(2));
 }
 
-TEST(Plant, moves_no_other_vehicle_s_noise_by_a_change_in_one) {
+TEST(Plant, keeps_the_noise_of_other_vehicles_when_one_vehicle_changes) {
   PlantFixture two{straight(20.0, "0.5 8.0"), 2, PlantNoise{}};
   PlantFixture one{straight(20.0, "0.5 8.0"), 2, PlantNoise{}};
   two.drive(1, fast);

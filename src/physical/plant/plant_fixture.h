@@ -25,7 +25,8 @@ inline PlantNoise unresponsive() {
   return noise;
 }
 
-/// A plant with all cables in, and the other ends of its links: it hears every board and sends Drives.
+/// A plant with all cables plugged in, and the other ends of its links: the fixture receives from every board and sends
+/// Drives.
 class PlantFixture {
  public:
   explicit PlantFixture(zone::ZoneConfiguration zone, std::uint32_t vehicles = 1, PlantNoise noise = unresponsive(),

@@ -19,7 +19,7 @@ tl::unexpected<Error> bad(const std::string& field, const std::string& expected)
   return fail("plant.options", field + " must be " + expected, "plant options");
 }
 
-/// Reads members into place, keeps the default where there is none, and remembers the first that was wrong.
+/// Reads the members, keeps the default where one is missing, and stores the first invalid one.
 class Reader {
  public:
   explicit Reader(const JsonValue& object) : object_{object} {}
@@ -54,7 +54,7 @@ class Reader {
     else
       value = static_cast<std::uint32_t>(number_given);
   }
-  /// 64 bits do not fit a JSON number, so they travel as text; a small plain number is taken too.
+  /// 64 bits do not fit a JSON number, so the value travels as text; a small plain number is accepted too.
   void seed(const char* name, std::uint64_t& value) {
     const JsonValue* member = object_.find(name);
     if (member == nullptr) return;

@@ -10,14 +10,14 @@
 
 namespace cosiva::physical {
 
-/// Imperfections of the emulated world; each can be set to zero.
+/// Imperfections of the emulated plant; each can be set to zero.
 struct PlantNoise {
   double odometry_scale_sd{0.005};  ///< per vehicle, drawn once: wheel wear
   double odometry_noise_m_per_sqrt_m{0.003};
-  double slip_per_mps2{0.002};  ///< share of the distance lost per m/s² of acceleration
+  double slip_per_mps2{0.002};  ///< part of the distance lost per m/s² of acceleration
   double line_offset_sd_m{0.0005};
   double tag_range_m{0.02};  ///< radius of the antenna's field
-  double tag_miss{0.01};     ///< probability per passage
+  double tag_miss{0.01};     ///< probability per passing of a tag
   SimDuration tag_latency_min{std::chrono::milliseconds{8}};
   SimDuration tag_latency_max{std::chrono::milliseconds{20}};
   double range_sd_m{0.005};
@@ -33,9 +33,9 @@ struct PlantOptions {
   bool publish_ground_truth{true};                   ///< for instruments, on ground_truth_topic
   SimDuration cycle{std::chrono::milliseconds{10}};  ///< bodies move in steps of at most 20 ms all the same
 };
-/// To be recorded and read back.
+/// For recording and reading back.
 [[nodiscard]] std::string to_json(const PlantOptions& options);
-/// Fails with the field that is missing or wrong.
+/// Fails with the missing or invalid field.
 [[nodiscard]] Result<PlantOptions> plant_options_from_json(std::string_view json);
 
 }  // namespace cosiva::physical

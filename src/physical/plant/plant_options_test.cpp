@@ -37,7 +37,7 @@ TEST(PlantOptions, that_are_missing_have_their_defaults) {
   EXPECT_EQ(read->cycle, 10ms);
 }
 
-TEST(PlantOptions, that_are_wrong_are_named) {
+TEST(PlantOptions, that_are_invalid_are_named) {
   const auto with = [](const std::string& member) {
     const auto read = plant_options_from_json(R"({"zone":{"format":"toml","text":""},)" + member + "}");
     return read ? std::string("accepted") : read.error().message;

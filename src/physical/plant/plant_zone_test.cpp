@@ -42,20 +42,20 @@ zone::ZoneConfiguration with(const zone::ZoneConfiguration& zone, const zone::Zo
   return *after;
 }
 
-TEST(Plant, hands_over_its_zone_retained_when_the_broker_is_there) {
+TEST(Plant, publishes_its_zone_retained_when_the_broker_is_connected) {
   PlantFixture fixture{lacet4()};
   fixture.run_for(1s);
   EXPECT_THAT(fixture.published, IsEmpty());
   fixture.feed(wire::InputKind::link, "", "up");
   fixture.run_for(290ms);
-  EXPECT_THAT(zones(fixture), IsEmpty());  // it listens first for what the broker keeps
+  EXPECT_THAT(zones(fixture), IsEmpty());  // it first receives what the broker retains
   fixture.run_for(10ms);
   EXPECT_THAT(zones(fixture), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", lacet4().text, 1, true}));
   fixture.run_for(5s);
   EXPECT_THAT(zones(fixture), SizeIs(1));
 }
 
-TEST(Plant, listens_anew_whenever_its_link_comes_up) {
+TEST(Plant, subscribes_anew_whenever_its_link_is_established) {
   PlantFixture fixture{lacet4()};
   fixture.feed(wire::InputKind::link, "", "up");
   fixture.run_for(200ms);
@@ -69,7 +69,7 @@ TEST(Plant, listens_anew_whenever_its_link_comes_up) {
   }
 }
 
-TEST(Plant, does_not_hand_over_what_the_broker_has) {
+TEST(Plant, does_not_publish_what_the_broker_has) {
   PlantFixture fixture{lacet4()};
   fixture.feed(wire::InputKind::link, "", "up");
   send_zone(fixture, lacet4().text);
@@ -78,7 +78,7 @@ TEST(Plant, does_not_hand_over_what_the_broker_has) {
   EXPECT_THAT(fixture.logged, IsEmpty());
 }
 
-TEST(Plant, that_starts_again_takes_the_edits_that_the_broker_kept) {
+TEST(Plant, that_restarts_adopts_the_edits_that_the_broker_retained) {
   PlantFixture fixture{lacet4()};
   const auto edited = with(lacet4(), {{{1, {0, 0.4}}}, {2}, 0.2, {{"CoSiVA/AIV1", 3}}});
   fixture.feed(wire::InputKind::link, "", "up");
@@ -88,14 +88,14 @@ TEST(Plant, that_starts_again_takes_the_edits_that_the_broker_kept) {
   EXPECT_THAT(zones(fixture), IsEmpty());
   EXPECT_EQ(fixture.core().options().zone.text, edited.text);
   EXPECT_THAT(fixture.logged, ElementsAre(HasSubstr("11 tags")));
-  // A broker that forgot everything is told the edited one.
+  // A broker that lost its retained messages is sent the edited zone.
   fixture.feed(wire::InputKind::link, "", "down");
   fixture.feed(wire::InputKind::link, "", "up");
   fixture.run_for(1s);
   EXPECT_THAT(zones(fixture), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", edited.text, 1, true}));
 }
 
-TEST(Plant, lets_its_readers_find_tags_where_they_are_moved_to_while_driving) {
+TEST(Plant, lets_its_readers_find_moved_tags_while_driving) {
   const auto zone = straight(20.0, "0.5",
                              "[[tag]]\nnumber = 1\nsection = \"line\"\ns_m = 5.0\n"
                              "[[tag]]\nnumber = 2\nsection = \"line\"\ns_m = 6.0\n");
@@ -115,10 +115,10 @@ TEST(Plant, lets_its_readers_find_tags_where_they_are_moved_to_while_driving) {
   // Where the antenna's field of 2 cm begins, and up to 30 ms of reader and tick later.
   EXPECT_THAT(read_at[1], AllOf(Ge(2.98), Le(2.998)));
   EXPECT_THAT(read_at[3], AllOf(Ge(3.98), Le(3.998)));
-  EXPECT_NEAR(fixture.ground_truth(1).speed_mps, 0.5, 1e-6);  // it never stopped for it
+  EXPECT_NEAR(fixture.ground_truth(1).speed_mps, 0.5, 1e-6);  // the vehicle never stopped for it
 }
 
-TEST(Plant, keeps_its_zone_when_another_or_none_is_sent) {
+TEST(Plant, keeps_its_zone_when_an_invalid_or_no_zone_is_sent) {
   PlantFixture fixture{lacet4()};
   fixture.feed(wire::InputKind::link, "", "up");
   send_zone(fixture, straight(8.0).text);
@@ -135,7 +135,7 @@ TEST(Plant, keeps_its_zone_when_another_or_none_is_sent) {
   EXPECT_EQ(fixture.core().options().zone.text, lacet4().text);
 }
 
-// --- another zone altogether
+// --- another zone
 
 /// A straight line eastward from (x, y), with a name of its own.
 zone::ZoneConfiguration straight_from(double x_m, double y_m, double length_m, const std::string& more = "") {
@@ -162,7 +162,7 @@ PlantFixture running(zone::ZoneConfiguration zone, std::uint32_t vehicles = 1) {
   return fixture;
 }
 
-TEST(PlantSwitch, lets_a_vehicle_go_on_along_its_old_line_until_it_stands) {
+TEST(PlantSwitch, lets_a_vehicle_follow_its_old_path_until_it_is_stopped) {
   PlantFixture fixture = running(straight(20.0));
   fixture.drive(1, fast);
   fixture.run_for(2s);
@@ -180,10 +180,10 @@ TEST(PlantSwitch, lets_a_vehicle_go_on_along_its_old_line_until_it_stands) {
   EXPECT_TRUE(fixture.received<wire::Odometry>(1).back().line_lost);
   fixture.drive(1, fast);
   fixture.run_for(1s);
-  EXPECT_EQ(fixture.ground_truth(1).X_MB, is_stopped) << "it has no line to follow and was not told to seek one";
+  EXPECT_EQ(fixture.ground_truth(1).X_MB, is_stopped) << "it has no line to follow and was not commanded to seek one";
 }
 
-TEST(PlantSwitch, brings_a_vehicle_that_seeks_onto_the_new_line_and_lets_it_read_what_lies_there) {
+TEST(PlantSwitch, brings_a_seeking_vehicle_onto_the_new_path_and_lets_it_read_the_tags_there) {
   PlantFixture fixture = running(straight(20.0, "5.0", "[[tag]]\nnumber = 1\nsection = \"line\"\ns_m = 6.0\n"));
   send_zone(fixture, straight_from(-5.0, 0.1, 20.0, "[[tag]]\nnumber = 2\nsection = \"line\"\ns_m = 11.0\n").text);
   fixture.run_for(100ms);
@@ -201,7 +201,7 @@ TEST(PlantSwitch, brings_a_vehicle_that_seeks_onto_the_new_line_and_lets_it_read
   for (const auto& odometry : fixture.received<wire::Odometry>(1)) last = odometry.manoeuvre.value_or(last);
   EXPECT_NEAR(last.x_mm, 0, 1);
   EXPECT_NEAR(last.y_mm, 100, 2);
-  EXPECT_NEAR(last.turned_mrad, 0, 15) << "told 20 ms before it ended, perhaps";
+  EXPECT_NEAR(last.turned_mrad, 0, 15) << "the last report may be 20 ms before its end";
   EXPECT_FALSE(fixture.received<wire::Odometry>(1).back().line_lost);
   fixture.run_for(4s);
   EXPECT_NEAR(fixture.ground_truth(1).X_MB.y_m, 0.1, 1e-3);
@@ -224,7 +224,7 @@ TEST(PlantSwitch, is_refused_with_the_reason_when_the_zone_cannot_be_read) {
   EXPECT_EQ(fixture.core().options().zone.text, straight(20.0).text);
 }
 
-TEST(PlantSwitch, by_hand_is_published_and_its_echo_is_nothing_new) {
+TEST(PlantSwitch, by_hand_is_published_and_its_echo_changes_nothing) {
   PlantFixture fixture = running(straight(20.0));
   const auto next = straight_from(-5.0, 0.1, 20.0);
   fixture.feed(wire::InputKind::command, "test", switch_command(next));
@@ -238,7 +238,7 @@ TEST(PlantSwitch, by_hand_is_published_and_its_echo_is_nothing_new) {
   EXPECT_TRUE(fixture.received<wire::Odometry>(1).back().line_lost);
 }
 
-TEST(PlantSwitch, by_hand_of_what_is_no_zone_is_refused_and_nothing_published) {
+TEST(PlantSwitch, by_hand_with_an_invalid_zone_is_refused_and_nothing_is_published) {
   PlantFixture fixture = running(straight(20.0));
   fixture.feed(wire::InputKind::command, "test", switch_command({"toml", "bad.toml", "name = 7"}));
   fixture.feed(wire::InputKind::command, "test", R"({"switch":7})");
@@ -247,7 +247,7 @@ TEST(PlantSwitch, by_hand_of_what_is_no_zone_is_refused_and_nothing_published) {
   EXPECT_EQ(fixture.core().options().zone.text, straight(20.0).text);
 }
 
-TEST(PlantSwitch, by_hand_without_a_broker_is_handed_over_when_there_is_one) {
+TEST(PlantSwitch, by_hand_without_a_broker_is_published_when_one_is_connected) {
   PlantFixture fixture{straight(20.0)};
   const auto next = straight_from(-5.0, 0.1, 20.0);
   fixture.feed(wire::InputKind::command, "test", switch_command(next));
@@ -271,7 +271,7 @@ zone::ZoneConfiguration layout() {
   return zone;
 }
 
-TEST(PlantSwitch, by_hand_to_another_format_clears_what_the_broker_kept_in_the_old_one) {
+TEST(PlantSwitch, by_hand_to_another_format_clears_the_retained_zone_of_the_old_format) {
   PlantFixture fixture = running(straight(20.0, "5.0"));
   fixture.feed(wire::InputKind::command, "test", switch_command(layout()));
   EXPECT_THAT(fixture.logged, ElementsAre(HasSubstr("switched")));
@@ -289,20 +289,20 @@ TEST(PlantSwitch, takes_a_layout_with_its_sidecar_from_the_broker) {
   fixture.run_for(100ms);
   EXPECT_TRUE(fixture.received<wire::Odometry>(1).back().line_lost);
   EXPECT_EQ(fixture.core().options().zone.sidecar, layout().sidecar);
-  EXPECT_THAT(zones(fixture), IsEmpty()) << "who publishes it clears the old one";
+  EXPECT_THAT(zones(fixture), IsEmpty()) << "its publisher clears the old one";
 }
 
-TEST(PlantSwitch, a_plant_that_starts_clears_another_format_s_zone_that_it_overrides) {
+TEST(PlantSwitch, at_the_start_clears_the_zone_of_another_format_that_it_overrides) {
   PlantFixture fixture{straight(20.0, "5.0")};
   fixture.feed(wire::InputKind::link, "", "up");
   send_zone(fixture, zone::to_payload(layout()), "lif");
-  send_zone(fixture, straight(20.0, "5.0").text);  // the broker has ours, too
+  send_zone(fixture, straight(20.0, "5.0").text);  // the broker has this plant's zone, too
   fixture.run_for(1s);
   EXPECT_THAT(zones(fixture), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", straight(20.0, "5.0").text, 1, true},
                                           wire::Publish{"cosiva/v1/zone/lif", "", 1, true}));
 }
 
-TEST(PlantSwitch, there_and_back_leaves_the_vehicle_on_its_line) {
+TEST(PlantSwitch, there_and_back_leaves_the_vehicle_on_its_path) {
   PlantFixture fixture = running(straight(20.0, "5.0"));
   send_zone(fixture, straight_from(-5.0, 0.1, 20.0).text);
   fixture.run_for(100ms);
@@ -316,7 +316,7 @@ TEST(PlantSwitch, there_and_back_leaves_the_vehicle_on_its_line) {
   EXPECT_EQ(fixture.ground_truth(1).X_MB.y_m, 0.0);
 }
 
-TEST(PlantSwitch, passes_over_a_zone_that_came_and_went_while_the_vehicle_moved) {
+TEST(PlantSwitch, skips_a_zone_that_was_replaced_while_the_vehicle_moved) {
   PlantFixture fixture = running(straight(20.0));
   fixture.drive(1, fast);
   fixture.run_for(1s);
@@ -343,17 +343,17 @@ TEST(PlantSwitch, refuses_no_zone_for_having_too_many_vehicles_and_keeps_obstacl
   EXPECT_GT(fixture.ground_truth(3).charge, charge - 1e-3);
   fixture.logged.clear();
   fixture.feed(wire::InputKind::command, "test", R"({"removeObstacle":"box"})");
-  EXPECT_THAT(fixture.logged, IsEmpty()) << "it stood there still";
+  EXPECT_THAT(fixture.logged, IsEmpty()) << "the box was still there";
   fixture.drive(1, seek);
   fixture.drive(3, seek);
   fixture.run_for(4s);
   EXPECT_NEAR(fixture.ground_truth(1).X_MB.y_m, 0.1, 1e-3);
-  EXPECT_EQ(fixture.ground_truth(3).X_MB.y_m, 0.0) << "no way is near it";
+  EXPECT_EQ(fixture.ground_truth(3).X_MB.y_m, 0.0) << "no section is near it";
 }
 
-TEST(PlantSwitch, watches_for_collisions_while_a_vehicle_goes_to_its_line) {
-  // Bodies are 0.20 m by 0.12 m: side by side, 0.25 m apart, both may stand, but one that turns and drives across the
-  // other's place touches it.
+TEST(PlantSwitch, detects_collisions_while_a_vehicle_drives_to_its_path) {
+  // Bodies are 0.20 m by 0.12 m: side by side, 0.25 m apart, both may be stopped, but a vehicle that turns and drives
+  // across the other's position touches it.
   PlantFixture fixture = running(straight(20.0, "5.0 5.5"), 2);
   send_zone(fixture, straight_from(-5.0, 0.25, 20.0).text);
   fixture.drive(1, seek);
@@ -361,7 +361,7 @@ TEST(PlantSwitch, watches_for_collisions_while_a_vehicle_goes_to_its_line) {
   EXPECT_THAT(fixture.core().collisions(), IsEmpty());
   fixture.drive(1, still);
   fixture.run_for(2s);
-  // Now the second's way to the line leads through where a box stands.
+  // Now the second vehicle's path leads through a box.
   const double x_m = fixture.ground_truth(2).X_MB.x_m;
   fixture.feed(wire::InputKind::command, "test",
                R"({"addObstacle":{"id":"box","x":)" + std::to_string(x_m) + R"(,"y":0.25,"radius":0.05}})");
@@ -372,7 +372,7 @@ TEST(PlantSwitch, watches_for_collisions_while_a_vehicle_goes_to_its_line) {
   EXPECT_EQ(fixture.core().collisions()[0].b, "box");
 }
 
-TEST(PlantSwitch, keeps_the_laps_of_the_zone_before) {
+TEST(PlantSwitch, keeps_the_laps_of_the_previous_zone) {
   PlantFixture fixture = running(lacet4());
   fixture.drive(1, fast);
   fixture.run_for(75s);  // two laps of 17.3 m, and a little
@@ -389,22 +389,22 @@ TEST(PlantSwitch, keeps_the_laps_of_the_zone_before) {
   EXPECT_EQ(fixture.ground_truth(1).laps, 3U);
 }
 
-TEST(PlantSwitch, does_not_take_over_what_the_broker_kept_and_says_so) {
+TEST(PlantSwitch, does_not_adopt_what_the_broker_retained_and_logs_it) {
   PlantFixture fixture{straight(20.0, "5.0")};
   fixture.feed(wire::InputKind::link, "", "up");
   send_zone(fixture, straight_from(-5.0, 0.1, 20.0).text);
-  EXPECT_THAT(fixture.logged, ElementsAre(AllOf(HasSubstr("the broker keeps zone 'next'"), HasSubstr("keeps its own"),
-                                                HasSubstr("hands it over"))));
+  EXPECT_THAT(fixture.logged, ElementsAre(AllOf(HasSubstr("the broker retains zone 'next'"), HasSubstr("keeps its own"),
+                                                HasSubstr("publishes it"))));
   fixture.run_for(1s);
   EXPECT_THAT(zones(fixture), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", straight(20.0, "5.0").text, 1, true}));
   EXPECT_FALSE(fixture.received<wire::Odometry>(1).back().line_lost);
-  // Sent once more, now that it runs, it is a switch.
+  // Sent once more while the plant runs, the zone is a switch.
   send_zone(fixture, straight_from(-5.0, 0.1, 20.0).text);
   fixture.run_for(100ms);
   EXPECT_TRUE(fixture.received<wire::Odometry>(1).back().line_lost);
 }
 
-TEST(PlantSwitch, makes_the_same_run_twice) {
+TEST(PlantSwitch, gives_the_same_run_twice) {
   const auto run = [] {
     PlantFixture fixture{lacet4(), 4, PlantNoise{}, 5};
     fixture.feed(wire::InputKind::link, "", "up");

@@ -9,7 +9,7 @@
 namespace cosiva::physical {
 namespace {
 
-/// Two in series of the published cell of 850 mAh, as large as the carts' own.
+/// Two of the published cells of 850 mAh in series, of the same capacity as the vehicles' own.
 constexpr battery::PackDesign usual_design{2, 1, 2.2 / 0.85};
 constexpr double seed_max = 9007199254740992.0;
 
@@ -93,7 +93,7 @@ void PowerTrain::change(const BatteryChange& change) {
   pack_.set_charge(change.charge);
   battery::GaugeOptions options{change.gauge, change.design, {}, change.type.capacity_spread};
   gauge_ = battery::Gauge{table, options};
-  // Whoever changes it says "full", or that nobody knows.
+  // The battery changer reports "full", or that the charge is unknown.
   if (change.charge < 0.999) gauge_.unknown();
   cut_off_ = false;
   measured_ = monitor_.measure(pack_.voltage_v(), 0.0, pack_.temperature_c());

@@ -14,22 +14,23 @@
 
 namespace cosiva::physical {
 
-/// What a cart takes to go and to think.
+/// The consumption of a vehicle's drive and electronics.
 struct CartModel {
   double idle_w{3.0};  ///< Raspberry Pi and boards
   double mass_kg{1.2};
   double rolling_force_n{0.6};
   double half_track_m{0.05};
-  double drive_efficiency{0.6};  ///< battery to wheel; braking gives nothing back
+  double drive_efficiency{0.6};  ///< battery to wheel; no regeneration when braking
   double ambient_c{22.0};
 
   /// Energy that the drive takes for one step of motion, idle load excluded [J].
   [[nodiscard]] double drive_energy_j(double distance_m, double speed_mps, double acceleration_mps2, double dt_s) const;
-  /// For one step of a manoeuvre: on the spot the two wheels roll half the track's circle, each under half the weight.
+  /// For one step of a manoeuvre: in a turn on the spot the two wheels travel half the track's circle, each under half
+  /// the weight.
   [[nodiscard]] double manoeuvre_energy_j(double turned_rad, double traversed_m) const;
 };
 
-/// Which battery is in a cart, as the plant's command `changeBattery` puts it there.
+/// The battery in a vehicle, as the plant's command `changeBattery` defines it.
 struct BatteryChange {
   battery::BatteryType type;
   battery::PackDesign design;
@@ -42,7 +43,8 @@ struct BatteryChange {
 /// shipped types' names, or a whole type as an object}. Fails ("plant.battery").
 [[nodiscard]] Result<BatteryChange> battery_change_from_json(const JsonValue& json);
 
-/// A cart's battery, RALI's monitor on it, and its gauge. The gauge is told what the monitor says and nothing else.
+/// A vehicle's battery, RALI's monitor on it, and its gauge. The gauge is given the monitor's readings and nothing
+/// else.
 class PowerTrain {
  public:
   /// With the usual battery: two lithium-polymer cells of 2.2 Ah in series, full.
@@ -52,19 +54,19 @@ class PowerTrain {
   /// The usual battery's table.
   [[nodiscard]] static std::shared_ptr<const battery::CellTable> usual_table();
 
-  /// Draws `energy_j` evenly over `dt_s`, besides the idle load; then the gauge looks.
+  /// Draws `energy_j` evenly over `dt_s`, besides the idle load; then updates the gauge.
   void draw(double energy_j, double dt_s);
-  /// Another battery, full unless it is said otherwise; the gauge knows that it was changed.
+  /// Another battery, full unless stated otherwise; the gauge is informed of the change.
   void change(const BatteryChange& change);
-  /// This cart takes so much more or less than others, driving and standing.
+  /// This vehicle's consumption relative to the others, driving and stopped.
   void set_load_factor(double factor) { load_factor_ = factor; }
 
-  /// The pack's protection has cut the load off: it browned out, or a cell was at its floor or empty. Until another
-  /// comes.
+  /// The pack's protection has cut the load off: a brown-out, or a cell at its minimum voltage or empty. Lasts until
+  /// the battery is changed.
   [[nodiscard]] bool cut_off() const { return cut_off_; }
   [[nodiscard]] const battery::Pack& pack() const { return pack_; }
   [[nodiscard]] const CartModel& cart() const { return cart_; }
-  [[nodiscard]] double load_w() const { return load_w_; }  ///< that it drew last
+  [[nodiscard]] double load_w() const { return load_w_; }  ///< that was drawn last
   [[nodiscard]] battery::GaugeReading gauge() const { return gauge_.reading(); }
   /// What RALI sends.
   [[nodiscard]] PowerReadings readings() const;

@@ -43,7 +43,7 @@ TEST(PowerTrain, once_cut_off_gives_nothing_until_the_battery_is_changed) {
   EXPECT_EQ(train.gauge().charge, 1.0);
 }
 
-TEST(PowerTrain, pays_friction_and_speeding_up_and_gets_nothing_back) {
+TEST(PowerTrain, consumes_energy_for_friction_and_acceleration_and_recovers_none) {
   const CartModel cart;
   EXPECT_DOUBLE_EQ(cart.drive_energy_j(2.0, 0.5, 0.0, 4.0), cart.rolling_force_n * 2.0 / cart.drive_efficiency);
   EXPECT_DOUBLE_EQ(cart.drive_energy_j(-2.0, -0.5, 0.0, 4.0), cart.drive_energy_j(2.0, 0.5, 0.0, 4.0));
@@ -58,14 +58,14 @@ TEST(PowerTrain, pays_friction_and_speeding_up_and_gets_nothing_back) {
   EXPECT_NEAR(joule, (0.5 * 1.2 * 0.25 + 0.6 * 0.25) / 0.6, 1e-3);
 }
 
-TEST(PowerTrain, takes_more_where_its_load_factor_says_so) {
+TEST(PowerTrain, consumes_more_with_a_higher_load_factor) {
   PowerTrain heavy = usual();
   heavy.set_load_factor(1.1);
   heavy.draw(0.05, 0.1);
   EXPECT_NEAR(heavy.load_w(), 1.1 * 3.5, 1e-12);
 }
 
-TEST(PowerTrain, tells_what_its_gauge_believes_and_not_what_is_true) {
+TEST(PowerTrain, reports_the_gauge_s_estimate_and_not_the_ground_truth) {
   double sum_sq = 0.0;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     PowerTrain train = usual(seed);
@@ -75,11 +75,11 @@ TEST(PowerTrain, tells_what_its_gauge_believes_and_not_what_is_true) {
     const double error = train.gauge().charge - train.pack().charge();
     sum_sq += error * error / (used * used);
   }
-  // A gain of 1 %, and an offset of 5 mA beside 0.45 A.
+  // A gain of 1 %, and an offset of 5 mA on 0.45 A.
   EXPECT_NEAR(std::sqrt(sum_sq / 100.0), 0.015, 0.005);
 }
 
-TEST(BatteryChange, may_bring_any_type) {
+TEST(BatteryChange, may_be_of_any_type) {
   const auto leaf =
       change(R"({"id":"L1","type":"leaf33","scale":0.1,"cycles":12,"seed":7,"spread":true,"gauge":"kalman"})");
   ASSERT_TRUE(leaf) << to_string(leaf.error());
@@ -93,7 +93,7 @@ TEST(BatteryChange, may_bring_any_type) {
   EXPECT_NEAR(train.pack().capacity_ah(), 3.05, 0.15);
 }
 
-TEST(BatteryChange, that_makes_no_sense_is_refused) {
+TEST(BatteryChange, that_is_invalid_is_refused) {
   EXPECT_THAT(to_string(change("{}").error()), HasSubstr("'id'"));
   EXPECT_THAT(to_string(change("[]").error()), HasSubstr("expected an object"));
   EXPECT_THAT(to_string(change(R"({"id":"B","charge":80})").error()), HasSubstr("'charge'"));

@@ -42,7 +42,7 @@ void RangeFan::take(std::size_t beam, double range_m) {
 
 void RangeFan::see(const BodyPose& other) {
   const Point2 centre = to_sensor(position(other.X_MB));
-  // All beams look forward: what is behind the sensor, or out of reach, needs no closer look.
+  // All beams point forward: a body behind the sensor, or out of reach, needs no further computation.
   if (centre.x_m < -half_diagonal_m_) return;
   const double far_m = DobsBoard::reach_m + half_diagonal_m_;
   if (dot(centre, centre) > far_m * far_m) return;
@@ -55,7 +55,7 @@ void RangeFan::see(const BodyPose& other) {
   for (std::size_t i = 0; i < corner.size(); ++i) {
     const Point2 from = corner[i];
     const Point2 to = corner[(i + 1) % corner.size()];
-    // Corners go round to the left, so the sensor sees the edges that pass it to the right.
+    // Corners are in counter-clockwise order, so the sensor detects the edges that pass it to the right.
     if (cross(from, to) >= 0.0) continue;
     outside = true;
     see_edge(from, to);
@@ -67,7 +67,7 @@ void RangeFan::see_edge(Point2 from, Point2 to) {
   const Point2 direction{to.x_m - from.x_m, to.y_m - from.y_m};
   const double length_sq = dot(direction, direction);
   const double foot = -dot(from, direction) / length_sq;
-  // Left of a border its cross product with a point is positive; along the edge it changes linearly.
+  // The cross product of a border with a point to its left is positive; along the edge it changes linearly.
   double right_from = cross(border_[0], from);
   double right_to = cross(border_[0], to);
   for (std::size_t beam = 0; beam < DobsBoard::beams; ++beam) {
@@ -100,7 +100,7 @@ void RangeFan::see(const Disc& disc) {
       take(beam, std::sqrt(distance_sq) - r);
       continue;
     }
-    // The centre is beside the sector: its nearest point within lies on one of the two borders.
+    // The centre is outside the sector: its nearest point within lies on one of the two borders.
     for (const Point2 border : {border_[beam], border_[beam + 1]}) {
       const double off = cross(border, centre);
       const double along = dot(border, centre);

@@ -11,11 +11,11 @@
 
 namespace cosiva::physical {
 
-/// One scan: per beam the range [m] from the sensor, negative where nothing answers.
+/// One scan: per beam the range [m] from the sensor, negative without an echo.
 using Scan = std::array<double, DobsBoard::beams>;
 
-/// What DOBS hears, before noise: per beam the nearest point of any body inside the beam's sector, within reach. The
-/// sensor sits in the middle of the body's front.
+/// What DOBS measures, before noise: per beam the nearest point of any body inside the beam's sector, within reach. The
+/// sensor is in the centre of the body's front.
 class RangeFan {
  public:
   explicit RangeFan(const zone::VehicleShape& shape);
@@ -26,7 +26,7 @@ class RangeFan {
   void see(const Disc& disc);
   [[nodiscard]] const Scan& ranges() const { return scan_; }
 
-  /// Adds what ultrasound does to the scan: noise on each echo, and some that do not come back.
+  /// Adds the properties of ultrasound to the scan: noise on each echo, and missing echoes.
   [[nodiscard]] static Scan measured(const Scan& exact, double sd_m, double dropout, Random& random);
 
  private:

@@ -26,7 +26,7 @@ Scan scan_of(const BodyPose& body, std::initializer_list<BodyPose> others, std::
   return fan.ranges();
 }
 
-/// The slow truth: the nearest of many points of the rectangle's border that lie in the sector.
+/// The slow reference: the nearest of many points of the rectangle's border that lie in the sector.
 double sampled(const BodyPose& body, const BodyPose& other, std::size_t beam) {
   const double centre = 0.01 * (DobsBoard::first_bearing_crad + static_cast<double>(beam) * DobsBoard::beam_width_crad);
   double nearest = 1e9;
@@ -46,24 +46,24 @@ double sampled(const BodyPose& body, const BodyPose& other, std::size_t beam) {
   return nearest;
 }
 
-TEST(RangeFan, sees_the_back_of_the_vehicle_ahead_from_its_own_front) {
+TEST(RangeFan, detects_the_back_of_the_leader_from_its_own_front) {
   const Scan scan = scan_of(at(0, 0), {at(0.7, 0)});
-  EXPECT_NEAR(scan[6], 0.5, 1e-12);  // 0.7 between middles, less two half lengths
+  EXPECT_NEAR(scan[6], 0.5, 1e-12);  // 0.7 between centres, less two half lengths
   EXPECT_LT(scan[0], 0.0);
   EXPECT_LT(scan[12], 0.0);
 }
 
-TEST(RangeFan, does_not_see_the_vehicle_behind) {
+TEST(RangeFan, does_not_detect_the_vehicle_behind) {
   EXPECT_THAT(scan_of(at(0, 0), {at(-0.3, 0), at(-0.25, 0.1, 2.0)}), Each(Lt(0.0)));
 }
 
-TEST(RangeFan, does_not_see_beyond_its_reach) {
+TEST(RangeFan, does_not_detect_beyond_its_reach) {
   EXPECT_NEAR(scan_of(at(0, 0), {at(2.19, 0)})[6], 1.99, 1e-12);
   EXPECT_THAT(scan_of(at(0, 0), {at(2.21, 0)}), Each(Lt(0.0)));
 }
 
-TEST(RangeFan, hears_the_nearest_of_a_sector_not_what_its_centre_meets) {
-  // A corner that reaches 1° into beam 7 from the left, beside the middle ray.
+TEST(RangeFan, measures_the_nearest_point_of_a_sector_not_the_one_on_its_centre_line) {
+  // A corner that reaches 1° into beam 7 from the left, off the beam's centre line.
   const double bearing = 0.14 + half_beam_rad - 0.017;
   const auto [sin, cos] = sincos(bearing);
   const BodyPose other = at(0.1 + 0.5 * cos + 0.1, 0.5 * sin + 0.06);
@@ -97,7 +97,7 @@ TEST(RangeFan, agrees_with_sampling_for_any_pose) {
   }));
 }
 
-TEST(RangeFan, sees_a_disc_ahead) {
+TEST(RangeFan, detects_a_disc_ahead) {
   // From 0.5 m a disc of 0.05 m spans asin(0.1) = ±0.1 rad: beam 6 ends at 0.07 rad, beam 7 at 0.21 rad.
   const Scan scan = scan_of(at(0, 0), {}, {{{0.6, 0.0}, 0.05}});
   EXPECT_NEAR(scan[6], 0.45, 1e-12);
@@ -106,8 +106,8 @@ TEST(RangeFan, sees_a_disc_ahead) {
   EXPECT_LT(scan[4], 0.0);
 }
 
-TEST(RangeFan, sees_the_side_of_a_disc_that_reaches_into_a_sector) {
-  // Middle at 0.5 m; a disc of 0.15 m is seen over asin(0.3) = 0.305 rad to each side.
+TEST(RangeFan, detects_the_side_of_a_disc_that_reaches_into_a_sector) {
+  // Centre at 0.5 m; a disc of 0.15 m spans asin(0.3) = 0.305 rad to each side.
   const Scan scan = scan_of(at(0, 0), {}, {{{0.6, 0.0}, 0.15}});
   EXPECT_NEAR(scan[6], 0.35, 1e-12);
   const double border = half_beam_rad;
@@ -119,7 +119,7 @@ TEST(RangeFan, sees_the_side_of_a_disc_that_reaches_into_a_sector) {
   EXPECT_LT(scan[9], 0.0);      // sector from 0.35 rad
 }
 
-TEST(RangeFan, inside_something_reads_zero) {
+TEST(RangeFan, inside_a_body_reads_zero) {
   EXPECT_THAT(scan_of(at(0, 0), {at(0.15, 0)}), Each(0.0));
   EXPECT_THAT(scan_of(at(0, 0), {}, {{{0.1, 0.0}, 0.05}}), Each(0.0));
 }
@@ -128,7 +128,7 @@ TEST(RangeFan, takes_the_nearest_of_several) {
   EXPECT_NEAR(scan_of(at(0, 0), {at(1.5, 0), at(0.7, 0), at(1.0, 0)})[6], 0.5, 1e-12);
 }
 
-TEST(MeasuredScan, has_the_noise_and_the_dropouts_it_is_told) {
+TEST(MeasuredScan, has_the_configured_noise_and_dropouts) {
   Scan exact;
   exact.fill(-1.0);
   exact[6] = 0.5;

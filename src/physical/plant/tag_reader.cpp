@@ -6,7 +6,7 @@
 namespace cosiva::physical {
 namespace {
 
-/// How far off the line the antenna may be and still be thought of: twice what line following leaves.
+/// The greatest lateral offset of the antenna that is considered: twice what line following leaves.
 constexpr double off_line_m = 0.005;
 
 double distance_to_path(Point2 p, Point2 from, Point2 to) {
@@ -43,7 +43,7 @@ void TagMap::add_tags(const zone::TrafficZone& zone, double near_m) {
 }
 
 void TagMap::add_beacons(const zone::TrafficZone& zone, double near_m) {
-  // Asking the grid along the line costs its length, not its number of beacons times sections.
+  // Querying the grid along the path costs its length, not its number of beacons times sections.
   const double step_m = std::max(near_m / 4.0, 1e-3);
   for (zone::SectionId id = 0; id < zone.circuit.size(); ++id) {
     const zone::Section& section = zone.circuit.section(id);

@@ -10,19 +10,20 @@
 
 namespace cosiva::physical {
 
-/// All tags and beacons that an antenna following the line can reach, by section and arc length: found once, so that
-/// a tick looks only at those it passes. A tag near two lines belongs to both, as a reader at a crossing finds.
+/// All tags and beacons within reach of an antenna that follows the path, by section and arc length: found once, so
+/// that a tick checks only those that the antenna passes. A tag near two sections belongs to both, as for a reader at a
+/// crossing.
 class TagMap {
  public:
   struct Entry {
-    double s_m;  ///< the nearest place on the section
+    double s_m;  ///< the nearest position on the section
     Point2 position;
     zone::TagNumber number;
   };
   /// @param reach_m  radius of the antenna's field
   TagMap(const zone::TrafficZone& zone, double reach_m);
 
-  /// Those of a section whose nearest places lie in [from, to].
+  /// Those of a section whose nearest positions lie in [from, to].
   [[nodiscard]] std::span<const Entry> between(zone::SectionId section, double from_m, double to_m) const;
   [[nodiscard]] double reach_m() const { return reach_m_; }
 
@@ -36,13 +37,13 @@ class TagMap {
 
 /// How a reader differs from a perfect one.
 struct TagReaderNoise {
-  double miss;  ///< probability per passage
+  double miss;  ///< probability per passing
   SimDuration latency_min;
   SimDuration latency_max;
 };
 
-/// PRAV's RFID module: reads each tag once per passage, when it enters the field of the antenna under the body's
-/// middle; it is ready for the same tag again when that has left the field.
+/// PRAV's RFID module: reads each tag once per passing, when the tag enters the field of the antenna under the body's
+/// centre; the module is ready for the same tag again when the tag has left the field.
 class TagReader {
  public:
   struct Reading {
@@ -53,13 +54,13 @@ class TagReader {
   /// @param map  must outlive this
   TagReader(const TagMap& map, TagReaderNoise noise, Random random) : map_{&map}, noise_{noise}, random_{random} {}
 
-  /// The floor is another from now on, and what lay in the field is gone.
+  /// The floor is replaced from now on, and the field is empty.
   /// @param map  must outlive this
   void set_zone(const TagMap& map) {
     map_ = &map;
     in_field_.clear();
   }
-  /// The antenna moved from `from` to `to`, which lies beside `place`. Appends what is read.
+  /// The antenna moved from `from` to `to`, which lies next to `place`. Appends the tags read.
   void move(SimTime now, zone::TrackPosition track_position, Point2 from, Point2 to, std::vector<Reading>& readings);
 
  private:

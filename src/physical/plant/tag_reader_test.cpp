@@ -24,7 +24,7 @@ zone::Rtm one_tag() {
   return std::move(*rtm);
 }
 
-/// Rides an antenna along y = lateral from one x to the other, one step per millisecond.
+/// Moves an antenna along y = lateral from one x to the other, one step per millisecond.
 std::vector<TagReader::Reading> ride(TagReader& reader, double from_m, double to_m, double step_m,
                                      double lateral_m = 0.0, SimTime at = start) {
   std::vector<TagReader::Reading> readings;
@@ -48,7 +48,7 @@ TEST(TagReader, reads_a_tag_once_when_it_comes_within_range) {
   EXPECT_LE(readings[0].read_at - start, 3ms);  // at 1.980
 }
 
-TEST(TagReader, reads_it_again_when_it_passes_the_next_time_only) {
+TEST(TagReader, reads_it_again_only_at_the_next_passing) {
   const auto rtm = one_tag();
   const TagMap map{rtm.zone(), 0.02};
   TagReader reader{map, perfect, Random{1, "tags"}};
@@ -58,7 +58,7 @@ TEST(TagReader, reads_it_again_when_it_passes_the_next_time_only) {
   EXPECT_THAT(ride(reader, 1.9, 2.05, 0.001), SizeIs(1));
 }
 
-TEST(TagReader, reads_nothing_beside_its_field) {
+TEST(TagReader, reads_nothing_outside_its_field) {
   const auto rtm = one_tag();
   const TagMap map{rtm.zone(), 0.02};
   TagReader reader{map, perfect, Random{1, "tags"}};
@@ -73,7 +73,7 @@ TEST(TagReader, misses_no_tag_by_stepping_over_it) {
   EXPECT_THAT(ride(reader, 1.89, 2.1, 0.015), SizeIs(1));
 }
 
-TEST(TagReader, takes_between_its_latencies) {
+TEST(TagReader, has_a_latency_within_its_limits) {
   const auto rtm = one_tag();
   const TagMap map{rtm.zone(), 0.02};
   TagReader reader{map, {0.0, 8ms, 20ms}, Random{1, "tags"}};
@@ -89,11 +89,11 @@ TEST(TagReader, takes_between_its_latencies) {
   }
   EXPECT_GE(least, 8ms);
   EXPECT_LE(most, 20ms);
-  EXPECT_LT(least, 9ms);  // and it uses the whole range: all 500 in 11 of 12 ms has odds of 1e-19
+  EXPECT_LT(least, 9ms);  // and the whole range is used: all 500 in 11 of 12 ms has odds of 1e-19
   EXPECT_GT(most, 19ms);
 }
 
-TEST(TagReader, misses_as_many_passages_as_it_is_told) {
+TEST(TagReader, misses_the_configured_ratio_of_passings) {
   const auto rtm = one_tag();
   const TagMap map{rtm.zone(), 0.02};
   TagReader reader{map, {0.1, 0ms, 0ms}, Random{3, "tags"}};
@@ -102,7 +102,7 @@ TEST(TagReader, misses_as_many_passages_as_it_is_told) {
   for (int i = 0; i < transfer_points; ++i) {
     std::vector<TagReader::Reading> readings;
     reader.move(start, {0, 1.99}, {1.97, 0}, {1.99, 0}, readings);
-    reader.move(start, {0, 2.01}, {1.99, 0}, {2.01, 0}, readings);  // a missed passage stays missed
+    reader.move(start, {0, 2.01}, {1.99, 0}, {2.01, 0}, readings);  // a missed passing stays missed
     reader.move(start, {0, 2.5}, {2.01, 0}, {2.5, 0}, readings);
     read += static_cast<int>(readings.size());
   }
@@ -110,7 +110,7 @@ TEST(TagReader, misses_as_many_passages_as_it_is_told) {
   EXPECT_NEAR(read, 3600, 76);
 }
 
-TEST(TagMap, knows_a_tag_from_every_line_that_passes_it) {
+TEST(TagMap, knows_a_tag_from_every_section_that_passes_it) {
   const auto rtm = zone::Rtm::initialise(lacet4_with_beacons_every(0.07));
   ASSERT_TRUE(rtm);
   const auto& circuit = rtm->zone().circuit;
@@ -127,7 +127,7 @@ TEST(TagMap, knows_a_tag_from_every_line_that_passes_it) {
     }
   }
   EXPECT_GE(tags, rtm->zone().tags.size());
-  // Every beacon within reach of some line, counted the slow way.
+  // Every beacon within reach of some section, counted exhaustively.
   std::size_t expected = 0;
   const auto& grid = *rtm->zone().beacons;
   for (std::uint32_t j = 0; j < grid.rows; ++j) {

@@ -8,9 +8,9 @@
 /// Zones for the tests of this folder.
 namespace cosiva::physical {
 
-/// zones/lacet4.toml as it stands.
+/// zones/lacet4.toml as it is.
 zone::ZoneConfiguration lacet4();
-/// The same with another pitch: the file's own may leave the lines without a beacon in reach.
+/// The same with another pitch: with the file's own pitch the sections may have no beacon in reach.
 zone::ZoneConfiguration lacet4_with_beacons_every(double pitch_m);
 
 inline constexpr std::string_view zone_head = R"(
@@ -36,7 +36,7 @@ start = { x = 0.0, y = 0.0, heading_deg = 0 }
 closed = false
 )";
 
-/// A straight line along +x with one vehicle per start and nothing else on it but what `more` says.
+/// A straight section along +x with one vehicle per start and nothing else on it but the content of `more`.
 inline zone::ZoneConfiguration straight(double length_m, const std::string& starts_m = "0.5",
                                         const std::string& more = "") {
   std::string text{zone_head};

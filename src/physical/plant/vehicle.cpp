@@ -24,8 +24,8 @@ DriveCommand to_command(const wire::Drive& drive) {
           drive.goal};
 }
 
-/// Boards of a fleet are not switched on in step: each vehicle reports in its own 10 ms of a cycle, which also spreads
-/// the work over the ticks.
+/// The boards of a fleet are not switched on in step: each vehicle reports in its own 10 ms of a cycle, which also
+/// spreads the work over the ticks.
 SimDuration phase(std::uint32_t number, std::uint32_t ticks) { return phase_step * (number % ticks); }
 
 }  // namespace
@@ -141,8 +141,8 @@ std::uint32_t Vehicle::laps_here() const {
 }
 
 void Vehicle::book_energy(double dt_s) {
-  // The cells' exponentials ten times a second are as good as a hundred: the charge moves by a millionth. RALI's
-  // monitor looks as often.
+  // Evaluating the cells' exponentials ten times a second is as good as a hundred: the charge changes by a millionth.
+  // RALI's monitor measures as often.
   constexpr double period_s = 0.0999;
   drive_time_s_ += dt_s;
   if (drive_time_s_ < period_s) return;
@@ -184,7 +184,7 @@ void Vehicle::speak(SimTime now, const Scan& scan, wire::Effects& effects) {
 void Vehicle::send(wire::Board board, wire::Effects& effects) {
   if (out_.empty()) return;
   effects.emplace_back(wire::SendBytes{port(board), out_});
-  out_.clear();  // keeps its room
+  out_.clear();  // keeps its capacity
 }
 
 }  // namespace cosiva::physical

@@ -19,14 +19,14 @@
 
 namespace cosiva::physical {
 
-/// One emulated AIV: its body on the line, its sensors and battery, and the four boards through which alone the
-/// on-board program knows of them.
+/// One emulated AIV: its body on the path, its sensors and battery, and the four boards, the on-board program's only
+/// access to them.
 class Vehicle {
  public:
   Vehicle(std::uint32_t number, std::shared_ptr<const Floor> floor, zone::TrackPosition start, const PlantNoise& noise,
           std::uint64_t seed, const std::shared_ptr<const battery::CellTable>& cells, SimDuration step_max);
 
-  /// Switches the boards on. Their session numbers come from the seed and the moment, so that the same plant started
+  /// Switches the boards on. Their session numbers come from the seed and the time, so that the same plant started
   /// later has others, as after a real power cut.
   void power_up(SimTime now, std::uint64_t seed);
   void connect(wire::Board board, bool up);
@@ -34,14 +34,15 @@ class Vehicle {
 
   /// Moves the body over `dt`, in steps of at most step_max.
   void move(SimTime now, SimDuration dt);
-  /// Whether the floor under it may become another: it is at rest, and nobody has it in a manoeuvre.
+  /// Whether the floor under the vehicle may be replaced: it is at rest, and in no commanded manoeuvre.
   [[nodiscard]] bool is_stopped() const { return motion_.is_stopped(); }
-  /// Another floor is to come: told to seek a line, which can only be one of that floor, it comes to rest first.
+  /// Another floor is pending: when commanded to seek a line, which can only be one of that floor, the vehicle first
+  /// comes to rest.
   void await_floor() { awaits_floor_ = true; }
-  /// Puts it on another floor, the body as it is. Only while it stands.
+  /// Puts the vehicle on another floor, the body unchanged. Only while it is stopped.
   void set_zone(std::shared_ptr<const Floor> floor);
   [[nodiscard]] bool wants_scan(SimTime now) const { return dobs_.wants_scan(now) && dobs_.link().connected(); }
-  /// Lets the boards speak. @param scan  exact ranges, looked at only when wants_scan(now)
+  /// Lets the boards send. @param scan exact ranges, used only when wants_scan(now)
   void speak(SimTime now, const Scan& scan, wire::Effects& effects);
 
   [[nodiscard]] std::uint32_t number() const { return number_; }
@@ -49,9 +50,9 @@ class Vehicle {
   [[nodiscard]] PowerTrain& power() { return power_; }
   [[nodiscard]] const PowerTrain& power() const { return power_; }
   [[nodiscard]] const std::shared_ptr<const Floor>& floor() const { return floor_; }
-  /// Along lines: what it does in manoeuvres is not counted.
+  /// Along sections: motion in manoeuvres is not counted.
   [[nodiscard]] double distance_m() const { return distance_m_; }
-  /// Whole laps, on floors that are one ring.
+  /// Complete laps, on floors that form one loop.
   [[nodiscard]] std::uint32_t laps() const { return laps_before_ + laps_here(); }
   [[nodiscard]] double longest_wait_s() const { return to_seconds(longest_wait_); }
   [[nodiscard]] bool powered(SimTime now) const { return pils_.drive(now) != nullptr && !power_.cut_off(); }
@@ -85,11 +86,11 @@ class Vehicle {
   std::array<std::string, wire::all_boards.size()> ports_;
 
   double distance_m_{0.0};
-  double distance_before_m_{0.0};  ///< on the floors before this one
+  double distance_before_m_{0.0};  ///< on the previous floors
   std::uint32_t laps_before_{0};
   bool awaits_floor_{false};
   bool in_manoeuvre_{false};
-  double drive_energy_j_{0.0};  ///< since the battery was last worked out
+  double drive_energy_j_{0.0};  ///< since the last update of the battery
   double drive_time_s_{0.0};
   bool has_moved_{false};
   SimDuration wait_{};

@@ -47,7 +47,7 @@ void LineVehicle::step(const DriveCommand* command, double dt_s) {
   lateral_m_ += step_distance_m_ * sin_error;
   move_along(step_distance_m_ * cos_error / (1.0 - kappa * lateral_m_));
   put_body(sin_error, cos_error);
-  if (manoeuvre_) X_MS_ = body_.X_MB;  // it came to a sharp bend
+  if (manoeuvre_) X_MS_ = body_.X_MB;  // the vehicle came to a sharp bend
 }
 
 bool LineVehicle::line_lost() const { return off_line_ ? !lies_on_line_ : std::fabs(lateral_m_) > train_.line_lost_m; }
@@ -84,7 +84,7 @@ void LineVehicle::steer(double dt_s) {
   if (line_offset_sd_m_ > 0.0)
     line_noise_m_ = keep * line_noise_m_ + std::sqrt(1.0 - keep * keep) * line_random_.gaussian(0.0, line_offset_sd_m_);
 
-  // Errors die out over 5 cm of way; at speed the lags allow no more than 12 rad/s.
+  // Errors decay over 5 cm of distance; at speed the lags allow no more than 12 rad/s.
   constexpr double per_m_max = 20.0;
   constexpr double radps_max = 12.0;
   constexpr double damping = 0.9;
@@ -104,7 +104,7 @@ void LineVehicle::steer(double dt_s) {
 
 void LineVehicle::move_along(double distance_m) {
   position_.s_m += distance_m;
-  // One step is a few millimetres, a section at least that: this goes round once or twice at most.
+  // One step is a few millimetres, a section at least that: this loop runs once or twice at most.
   for (;;) {
     const double length_m = circuit_->section(position_.section).length_m();
     if (position_.s_m > length_m) {
@@ -147,13 +147,13 @@ bool LineVehicle::to_previous() {
   return true;
 }
 
-/// Most sections of most circuits go on in one smooth way; a step on these costs one look at this flag.
+/// Most sections of most circuits have one smooth successor; a step on these costs one check of this flag.
 void LineVehicle::record_section() {
   const zone::Circuit::Part& part = circuit_->part(position_.section);
   may_end_here_ = part.next.size() != 1 || part.pivots;
 }
 
-/// Where the line ends or bends sharply under its branch it brakes as hard as it can, down to a creep.
+/// Where the path ends or bends sharply under its branch the vehicle brakes as hard as possible, down to a creep.
 void LineVehicle::brake_for_end(double dt_s) {
   constexpr double creep_mps = 0.02;
   const double left_m = std::max(0.0, circuit_->section(position_.section).length_m() - position_.s_m);
@@ -168,7 +168,8 @@ void LineVehicle::brake_for_end(double dt_s) {
 }
 
 void LineVehicle::stop_at_end(double s_m) {
-  // The wheels stand as soon as the body does: told to go on at a joint that it may not cross, it rolls nothing.
+  // The wheels stop as soon as the body does: commanded to drive on at a joint that it may not cross, the vehicle
+  // counts no distance.
   step_distance_m_ -= position_.s_m - s_m;
   position_.s_m = s_m;
   speed_mps_ = 0.0;
@@ -179,10 +180,10 @@ void LineVehicle::begin_turn(const aiv::Onward& onward) {
   turn_rate_radps_ = 0.0;
   off_line_ = true;
   lies_on_line_ = true;
-  // It turns until it sees the line ahead of it, and it sees no better than the line is painted.
+  // The body turns until the sensors detect the line ahead; the detection is as accurate as the line's paint.
   goal_heading_rad_ = detection_error_rad();
   manoeuvre_.emplace(Pose2{0.0, 0.0, wrap_angle(onward.turn_rad - heading_rad_ + goal_heading_rad_)});
-  // The joint stays where it was under the body: e to the left of the old line, seen along the new one.
+  // The joint stays in place under the body: e to the left of the old path, expressed along the new one.
   const auto [sin, cos] = sincos(onward.turn_rad);
   goal_ = {onward.section, std::max(0.0, sin * lateral_m_)};
   goal_lateral_m_ = cos * lateral_m_;
@@ -192,7 +193,7 @@ bool LineVehicle::begin_seek(const DriveCommand& command) {
   const auto track_position = aiv::sought(*circuit_, body_.X_MB, command.goal);
   if (!track_position) return false;
   goal_ = *track_position;
-  // On the line already it only turns along it: what is left aside the steering takes away.
+  // On the path already, the body only turns along it: steering removes the remaining offset.
   const auto here = circuit_->section(goal_.section).nearest(position(body_.X_MB));
   const Pose2 X_PB = inverse(circuit_->section(goal_.section).pose_at(here.s_m)) * body_.X_MB;
   const bool stays = (command.goal ? aiv::to_stay(*command.goal) : lies_on_line_) && lies_over(X_PB);
@@ -215,7 +216,7 @@ void LineVehicle::step_off_line(const DriveCommand* command, double dt_s) {
   step_acceleration_mps2_ = 0.0;
   step_manoeuvre_ = {};
   const double speed_mps = command == nullptr ? 0.0 : command->speed_mps;
-  if (!manoeuvre_) {  // on another floor than it came on
+  if (!manoeuvre_) {  // on another floor than at its start
     if (speed_mps > 0.0 && command->seek) {
       if (!begin_seek(*command)) return;
     } else {
@@ -249,7 +250,7 @@ void LineVehicle::set_zone(const zone::Circuit& circuit) {
   turn_rate_radps_ = 0.0;
   step_distance_m_ = 0.0;
   step_manoeuvre_ = {};
-  // It may lie on a line by chance, as where the old floor and the new have a way in common.
+  // The body may be on a path by chance, as where the old floor and the new have a section in common.
   const auto entry_point = zone::snap_to_path(circuit, body_.X_MB, train_.line_lost_m);
   position_ = entry_point ? entry_point->position : zone::TrackPosition{0, 0.0};
   const Pose2 X_PB = inverse(circuit.pose_at(position_)) * body_.X_MB;
@@ -260,12 +261,13 @@ void LineVehicle::set_zone(const zone::Circuit& circuit) {
 }
 
 bool LineVehicle::lies_over(const Pose2& X_PB) const {
-  constexpr double beyond_m = 1e-3;  // beside the line, and not beyond its end
+  constexpr double beyond_m = 1e-3;  // off the path, and not beyond its end
   return std::fabs(X_PB.x_m) <= beyond_m && std::fabs(X_PB.y_m) <= train_.line_lost_m;
 }
 
 void LineVehicle::put_body(double sin_error, double cos_error) {
-  // X_MB = X_MP · (0, e, ψ). The path's own sine and cosine follow from the body's by turning back: one sincos saved.
+  // X_MB = X_MP · (0, e, ψ). The path's own sine and cosine follow from the body's by turning back, which saves one
+  // sincos.
   const Pose2 X_MP = circuit_->pose_at(position_);
   body_ = BodyPose::at({X_MP.x_m, X_MP.y_m, wrap_angle(X_MP.heading_rad + heading_rad_)});
   const double sin_path = body_.sin * cos_error - body_.cos * sin_error;

@@ -11,74 +11,75 @@
 
 namespace cosiva::physical {
 
-/// What the emulated drive train can do; the values of a small differential-drive cart.
+/// The limits of the emulated drive train; the values of a small differential-drive vehicle.
 struct DriveTrain {
   double speed_mps_max{1.5};
   double acceleration_mps2_max{3.0};
   double braking_mps2_max{4.0};
-  double own_braking_mps2{1.0};  ///< when nobody commands, or the command leaves it open
+  double own_braking_mps2{1.0};  ///< without a command, or where the command leaves it open
   double motor_lag_s{0.05};      ///< first order, from wheel command to wheel speed
   double turn_lag_s{0.02};       ///< first order, from steering command to turn rate
   double turn_rate_radps_max{8.0};
-  double line_lost_m{0.015};  ///< half the width that the line sensors see
+  double line_lost_m{0.015};  ///< half the width that the line sensors cover
 };
 
-/// What the motors are asked for. All non-negative but the speed, which backs up when negative.
+/// The command to the motors. All values are non-negative but the speed, which is negative for backing up.
 struct DriveCommand {
   double speed_mps{};
   double acceleration_mps2{};  ///< 0: the drive train's own braking, for both
   double braking_mps2{};
-  std::size_t branch{};  ///< at a fork take the n-th way; beyond the last: the last; wire::no_branch: stop there
-  bool seek{};           ///< off the line: go to the nearest one
-  std::optional<wire::Manoeuvre> goal{};  ///< or to the one that lies here, seen from the body
+  std::size_t branch{};  ///< at a fork take the n-th branch; beyond the last: the last; wire::no_branch: stop there
+  bool seek{};           ///< off the path: go to the nearest one
+  std::optional<wire::Manoeuvre> goal{};  ///< or to the one at this position, in the body frame
 };
 
-/// A differential-drive body that PILS steers along the line. Its true state in path coordinates: the place of its
-/// middle's projection on the line, the lateral error e (left of the line) and the heading error ψ:
+/// A differential-drive body that PILS steers along the line. Its ground truth in path coordinates: the projection of
+/// its centre onto the path, the lateral error e (left of the path) and the heading error ψ:
 ///     ṡ = v cos ψ / (1 − κ e),   ė = v sin ψ,   ψ̇ = ω − κ ṡ,
-/// with ω from a proportional-derivative steering on what the line sensors see, plus the known curvature.
-/// Where the next way leaves at an angle it stops at the joint and turns on the spot. When the floor under it becomes
-/// another it stays where it is, off the line until a seek has brought it onto one (docs/protocols/module-link.md).
+/// with ω from a proportional-derivative steering on the line sensors' readings, plus the known curvature. Where the
+/// next section leaves at an angle the body stops at the joint and turns on the spot. When the floor under it is
+/// replaced the body stays in place, off-path until a seek has brought it onto a path (docs/protocols/module-link.md).
 class LineVehicle {
  public:
   /// @param circuit  must outlive this
-  /// @param line_offset_sd_m  how unevenly the line is painted and seen, correlated over 5 cm
+  /// @param line_offset_sd_m  unevenness of the line's paint and of its measurement, correlated over 5 cm
   LineVehicle(const zone::Circuit& circuit, zone::TrackPosition start, double line_offset_sd_m, Random line_noise);
 
-  /// One step of at most 20 ms. No command: the motors stop by themselves, and a fork is passed as told last.
+  /// One step of at most 20 ms. No command: the motors stop by themselves, and a fork is passed as last commanded.
   void step(const DriveCommand* command, double dt_s);
 
-  /// The floor is this one from now on; the body stays as it is, wherever the lines are. Only for one that stands.
+  /// The floor is this one from now on; the body stays in place, wherever the paths are. Only for a stopped body.
   /// @param circuit  must outlive this
   void set_zone(const zone::Circuit& circuit);
   /// Speed exactly 0, and no manoeuvre but an abandoned one.
   [[nodiscard]] bool is_stopped() const { return manoeuvre_ ? manoeuvre_->abandoned() : speed_mps_ == 0.0; }
 
   [[nodiscard]] const BodyPose& body() const { return body_; }
-  /// On the line; off it (following() is false), where it left the line, or any place of a new floor.
+  /// On the path; off-path (following() is false), where the body left the path, or any position of a new floor.
   [[nodiscard]] zone::TrackPosition track_position() const { return position_; }
-  /// Whether it follows the line: in no manoeuvre, and not waiting off the line.
+  /// Whether the body follows the path: in no manoeuvre, and not waiting off-path.
   [[nodiscard]] bool following() const { return !off_line_; }
-  /// The manoeuvre that it is in, if any.
+  /// The present manoeuvre, if any.
   [[nodiscard]] const aiv::Manoeuvre* manoeuvre() const { return manoeuvre_ ? &*manoeuvre_ : nullptr; }
-  /// Along the line; 0 in a manoeuvre.
+  /// Along the path; 0 in a manoeuvre.
   [[nodiscard]] double speed_mps() const { return speed_mps_; }
   [[nodiscard]] double lateral_error_m() const { return lateral_m_; }
   [[nodiscard]] double heading_error_rad() const { return heading_rad_; }
-  /// What the line sensors read: the line's offset from the body's middle, left positive, with their noise.
+  /// The line sensors' reading: the line's offset from the body's centre, left positive, with their noise.
   [[nodiscard]] double line_offset_m() const { return line_noise_m_ - lateral_m_; }
   [[nodiscard]] bool line_lost() const;
-  /// What the wheels rolled in the last step, forwards positive, and the speed-up |v| along the way (braking < 0).
+  /// The distance travelled by the wheels in the last step, forwards positive, and the acceleration of |v| along the
+  /// path (braking < 0).
   [[nodiscard]] double step_distance_m() const { return step_distance_m_; }
   [[nodiscard]] double step_acceleration_mps2() const { return step_acceleration_mps2_; }
-  /// What they did in the last step of a manoeuvre; not counted above.
+  /// The wheels' motion in the last step of a manoeuvre; not counted above.
   [[nodiscard]] const aiv::Manoeuvre::Step& step_manoeuvre() const { return step_manoeuvre_; }
 
  private:
   void step_off_line(const DriveCommand* command, double dt_s);
   void begin_turn(const aiv::Onward& onward);
   [[nodiscard]] bool begin_seek(const DriveCommand& command);
-  /// Whether its sensors see the line for a body that stands so, seen from the nearest place on the line.
+  /// Whether the sensors detect the line for a body in this pose, expressed from the nearest position on the path.
   [[nodiscard]] bool lies_over(const Pose2& X_PB) const;
   void end_manoeuvre();
   [[nodiscard]] double detection_error_rad();
@@ -112,15 +113,15 @@ class LineVehicle {
   double turn_blend_{1.0};
   BodyPose body_;
 
-  std::size_t branch_{0};     ///< as told last
+  std::size_t branch_{0};     ///< as last commanded
   bool may_end_here_{false};  ///< the section ends in a fork, a sharp bend, or nowhere
   bool goes_on_{false};       ///< commanded forwards
   bool off_line_{false};      ///< in a manoeuvre, or put on another floor
-  bool lies_on_line_{true};   ///< what the sensors say while off_line_
+  bool lies_on_line_{true};   ///< the sensors' reading while off_line_
   std::optional<aiv::Manoeuvre> manoeuvre_;
-  Pose2 X_MS_;  ///< where the body stood when the manoeuvre began
+  Pose2 X_MS_;  ///< the body's pose when the manoeuvre began
   aiv::Manoeuvre::Step step_manoeuvre_;
-  zone::TrackPosition goal_;  ///< where it is on the line when the manoeuvre ends, and how
+  zone::TrackPosition goal_;  ///< the body's position on the path when the manoeuvre ends, and its errors
   double goal_lateral_m_{0.0};
   double goal_heading_rad_{0.0};
 };

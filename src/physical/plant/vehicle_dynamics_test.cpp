@@ -47,7 +47,7 @@ Circuit fork() {
   return *Circuit::make("fork", {{"trunk", trunk, {}, {1, 2}}, {"left", left, {}, {}}, {"right", right, {}, {}}});
 }
 
-TEST(LineVehicle, reaches_the_speed_it_is_asked_for_with_its_acceleration_and_lag) {
+TEST(LineVehicle, reaches_the_commanded_speed_with_its_acceleration_and_lag) {
   const auto rtm = read(straight(10.0));
   LineVehicle vehicle = on(rtm.zone().circuit);
   const DriveCommand command{0.5, 0.5, 1.0, 0};
@@ -56,7 +56,7 @@ TEST(LineVehicle, reaches_the_speed_it_is_asked_for_with_its_acceleration_and_la
   EXPECT_NEAR(vehicle.speed_mps(), 0.475, 0.006);
   drive(vehicle, command, 0.5);
   EXPECT_NEAR(vehicle.speed_mps(), 0.5, 1e-4);
-  // v²/2a + v·(t − v/a) − v·τ, to one tick's way.
+  // v²/2a + v·(t − v/a) − v·τ, to one tick's distance.
   EXPECT_NEAR(vehicle.track_position().s_m, 0.25 + 0.25 - 0.025, 0.006);
 }
 
@@ -66,7 +66,7 @@ TEST(LineVehicle, stops_within_what_its_braking_and_lag_need) {
   drive(vehicle, {0.6, 1.0, 1.0, 0}, 2.0);
   const double distance_m = drift_to_rest(vehicle);
   EXPECT_EQ(vehicle.speed_mps(), 0.0);
-  EXPECT_NEAR(distance_m, 0.6 * 0.6 / 2.0 + 0.6 * 0.05, 0.006);  // one tick's way either side
+  EXPECT_NEAR(distance_m, 0.6 * 0.6 / 2.0 + 0.6 * 0.05, 0.006);  // one tick's distance either side
 }
 
 TEST(LineVehicle, takes_its_own_braking_where_the_command_leaves_it_open) {
@@ -107,7 +107,7 @@ TEST(LineVehicle, turns_round_through_standstill) {
   EXPECT_LE(fastest_change, 1.0 + 1e-9);
 }
 
-TEST(LineVehicle, stays_on_the_line_over_a_lap_at_full_speed) {
+TEST(LineVehicle, stays_on_the_path_over_a_lap_at_full_speed) {
   const auto rtm = read(lacet4());
   const Circuit& circuit = rtm.zone().circuit;
   LineVehicle vehicle = on(circuit, {0, 0.3}, 0.0005);
@@ -119,16 +119,16 @@ TEST(LineVehicle, stays_on_the_line_over_a_lap_at_full_speed) {
     travelled_m += vehicle.step_distance_m();
     worst_m = std::max(worst_m, std::fabs(vehicle.lateral_error_m()));
     ASSERT_FALSE(vehicle.line_lost());
-    // The pose is the state that dynamics speak of: the line's nearest point is lateral_error away from the body.
+    // The pose is the state of the dynamics: the path's nearest point is lateral_error away from the body.
     const auto nearest = circuit.section(vehicle.track_position().section).nearest(position(vehicle.body().X_MB));
     ASSERT_NEAR(nearest.left_m, vehicle.lateral_error_m(), 1e-6);
   }
   EXPECT_LT(worst_m, 0.002);
-  EXPECT_GT(worst_m, 1e-5);  // and it is no train on rails
+  EXPECT_GT(worst_m, 1e-5);  // and the vehicle is no train on rails
   EXPECT_NEAR(vehicle.track_position().s_m, 0.3, 0.02);
 }
 
-TEST(LineVehicle, stays_on_the_line_backwards_too) {
+TEST(LineVehicle, stays_on_the_path_backwards_too) {
   const auto rtm = read(lacet4());
   LineVehicle vehicle = on(rtm.zone().circuit, {0, 0.3}, 0.0005);
   const DriveCommand back{-0.4, 0.8, 1.0, 0};
@@ -138,7 +138,7 @@ TEST(LineVehicle, stays_on_the_line_backwards_too) {
   }
 }
 
-TEST(LineVehicle, takes_the_branch_it_is_told) {
+TEST(LineVehicle, takes_the_commanded_branch) {
   const Circuit circuit = fork();
   for (const auto& [branch, name] : {std::pair{0U, "left"}, {1U, "right"}, {7U, "right"}}) {
     LineVehicle vehicle = on(circuit);
@@ -147,7 +147,7 @@ TEST(LineVehicle, takes_the_branch_it_is_told) {
   }
 }
 
-TEST(LineVehicle, stops_at_a_dead_end_either_way) {
+TEST(LineVehicle, stops_at_a_dead_end_in_either_direction) {
   const Circuit circuit = fork();
   LineVehicle vehicle = on(circuit);
   drive(vehicle, {0.5, 1.0, 1.0, 0}, 10.0);
@@ -158,7 +158,7 @@ TEST(LineVehicle, stops_at_a_dead_end_either_way) {
   EXPECT_EQ(vehicle.speed_mps(), 0.0);
 }
 
-TEST(LineVehicle, keeps_to_the_line_at_any_speed_and_curvature_a_cart_can_drive) {
+TEST(LineVehicle, keeps_to_the_path_at_any_speed_and_curvature_a_vehicle_can_drive) {
   EXPECT_TRUE(rc::check("lateral error stays within the sensors' width", [] {
     const double speed = *rc::gen::inRange(5, 80) * 0.01;
     const double radius_m = *rc::gen::inRange(30, 300) * 0.01;
@@ -179,7 +179,7 @@ TEST(LineVehicle, keeps_to_the_line_at_any_speed_and_curvature_a_cart_can_drive)
   }));
 }
 
-TEST(Odometer, counts_the_exact_way_when_nothing_is_wrong) {
+TEST(Odometer, counts_the_exact_distance_without_errors) {
   Odometer odometer{0.0, 0.0, 0.0, Random{1, "o"}};
   for (int i = 0; i < 1000; ++i) odometer.add(0.005, 0.3);
   EXPECT_NEAR(odometer.distance_m(), 5.0, 1e-9);
@@ -187,7 +187,7 @@ TEST(Odometer, counts_the_exact_way_when_nothing_is_wrong) {
   EXPECT_NEAR(odometer.distance_m(), 0.0, 1e-9);
 }
 
-TEST(Odometer, counts_more_than_the_way_when_the_wheels_spin_and_less_when_they_slide) {
+TEST(Odometer, counts_more_than_the_distance_when_the_wheels_spin_and_less_when_they_slide) {
   Odometer spinning{0.0, 0.0, 0.002, Random{1, "o"}};
   spinning.add(1.0, 2.0);
   EXPECT_DOUBLE_EQ(spinning.distance_m(), 1.004);
@@ -196,7 +196,7 @@ TEST(Odometer, counts_more_than_the_way_when_the_wheels_spin_and_less_when_they_
   EXPECT_DOUBLE_EQ(sliding.distance_m(), 0.996);
 }
 
-TEST(Odometer, walks_off_with_the_root_of_the_way) {
+TEST(Odometer, has_an_error_that_grows_with_the_root_of_the_distance) {
   // 400 wheels over 4 m each: σ = 3 mm · √4 = 6 mm. The sample deviation of 400 has a relative σ of 1/√800 = 3.5 %.
   double sum_sq = 0.0;
   for (std::uint64_t seed = 0; seed < 400; ++seed) {

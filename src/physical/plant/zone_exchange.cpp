@@ -43,11 +43,11 @@ void ZoneExchange::publish(wire::Effects& effects) {
 
 std::optional<ZoneExchange::News> ZoneExchange::on_message(std::string_view topic, std::string_view payload, SimTime at,
                                                            wire::Effects& effects) {
-  if (payload.empty()) return std::nullopt;  // somebody cleared what the broker keeps
+  if (payload.empty()) return std::nullopt;  // another client cleared the retained zone
   auto received =
       zone::from_payload(std::string(topic.substr(wire::zone_topic_prefix.size())), std::string(topic), payload);
   if (same_content(received, own_)) {
-    due_ = due_ && !others_.empty();  // the broker has it already, or this is what we said
+    due_ = due_ && !others_.empty();  // the broker has it already, or this is the plant's own message
     return std::nullopt;
   }
   const bool listens = listens_until_ && at < *listens_until_;
@@ -59,9 +59,9 @@ std::optional<ZoneExchange::News> ZoneExchange::on_message(std::string_view topi
   if (listens && received.format != own_.format) others_.push_back(received.format);
   if (listens && !zone::same_geometry(*zone_, rtm->zone())) {
     log('w',
-        "the broker keeps zone '" + rtm->zone().name + "', whose ways are not those of '" + zone_->name +
-            "', on which this plant's vehicles stand; the plant keeps its own zone" +
-            (publish_ ? " and hands it over to everybody" : "") +
+        "the broker retains zone '" + rtm->zone().name + "', whose sections are not those of '" + zone_->name +
+            "', on which this plant's vehicles are; the plant keeps its own zone" +
+            (publish_ ? " and publishes it" : "") +
             ": to drive in the other, start the plant with that zone's file, or switch to it now",
         effects);
     return std::nullopt;
@@ -90,8 +90,8 @@ ZoneExchange::News ZoneExchange::take(zone::ZoneConfiguration given, const zone:
         effects);
   } else {
     log('i',
-        "switched from zone '" + zone_->name + "' to '" + news.zone->name +
-            "': " + std::to_string(news.zone->circuit.size()) + " sections; each vehicle is on it as soon as it stands",
+        "switched from zone '" + zone_->name + "' to '" + news.zone->name + "': " +
+            std::to_string(news.zone->circuit.size()) + " sections; each vehicle is on it as soon as it is stopped",
         effects);
   }
   own_ = std::move(given);

@@ -13,32 +13,32 @@
 
 namespace cosiva::physical {
 
-/// The zone's configuration between the plant and the broker. The plant hands its own over, retained, and takes back
-/// what comes of it: other tags, beacons or priorities on the same ways, or, while it runs, another zone altogether.
+/// The zone's configuration between the plant and the broker. The plant publishes its own, retained, and adopts later
+/// changes: other tags, beacons or priorities on the same sections, or, while the plant runs, another zone.
 class ZoneExchange {
  public:
-  /// So long a plant whose link came up listens before it hands over its own zone: what the broker keeps arrives in a
-  /// few milliseconds, and the operator's edits in it outlive the plant. A zone with other ways does not: what is
-  /// painted on the floor is the plant's to say.
+  /// A plant whose link was established waits so long before it publishes its own zone: retained messages arrive in a
+  /// few milliseconds, and the operator's edits in them outlive the plant. A retained zone with other sections is not
+  /// adopted: the plant decides what is painted on the floor.
   static constexpr SimDuration listens_for = std::chrono::milliseconds{300};
 
-  /// A zone to take over.
+  /// A zone to adopt.
   struct News {
     std::shared_ptr<const zone::TrafficZone> zone;
     bool same_geometry;  ///< only its tags, beacons, stations or priorities differ
   };
 
-  /// @param own      the configuration to hand over
+  /// @param own  the configuration to publish
   /// @param zone     the same, read
-  /// @param publish  whether to hand it over at all
+  /// @param publish  whether to publish the configuration at all
   ZoneExchange(zone::ZoneConfiguration own, std::shared_ptr<const zone::TrafficZone> zone, bool publish);
 
   void on_link(bool up, SimTime at);
-  /// A message of a zone topic. Gives the zone where it is to be taken over; what it cannot take it logs.
+  /// A message of a zone topic. Returns the zone where it is to be adopted; a zone that cannot be adopted is logged.
   [[nodiscard]] std::optional<News> on_message(std::string_view topic, std::string_view payload, SimTime at,
                                                wire::Effects& effects);
-  /// The physical side's new zone by its own hand: published retained, and what the broker kept in another format
-  /// cleared. Fails where it cannot be read; then nothing changes.
+  /// The physical side's new zone, entered by hand: published retained, and the retained zone of another format is
+  /// cleared. Fails where the zone cannot be read; then nothing changes.
   [[nodiscard]] Result<News> switch_to(zone::ZoneConfiguration given, wire::Effects& effects);
   void tick(SimTime at, wire::Effects& effects);
 
@@ -52,8 +52,8 @@ class ZoneExchange {
   std::shared_ptr<const zone::TrafficZone> zone_;
   bool publish_;
   std::optional<SimTime> listens_until_;
-  bool due_{false};                  ///< hands over when it has listened
-  std::vector<std::string> others_;  ///< formats in which the broker keeps zones that are not ours
+  bool due_{false};                  ///< publishes after the waiting time
+  std::vector<std::string> others_;  ///< formats in which the broker retains other zones
 };
 
 }  // namespace cosiva::physical

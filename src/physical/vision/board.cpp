@@ -17,7 +17,7 @@ Result<std::vector<BoardTag>> read_board(std::string_view text, const std::strin
     const std::string location = file + ":" + std::to_string(line);
     if (!(n[0] >= 0.0 && n[0] < tags_in_family) || n[0] != std::floor(n[0]))
       return fail("gvs.board", "family 36h11 has the tags 0 to " + std::to_string(tags_in_family - 1), location);
-    if (!ids.insert(static_cast<int>(n[0])).second) return fail("gvs.board", "this tag stands here twice", location);
+    if (!ids.insert(static_cast<int>(n[0])).second) return fail("gvs.board", "this tag occurs here twice", location);
     if (!(n[4] > 0.0)) return fail("gvs.board", "a tag's side is more than 0 m", location);
     board.push_back({static_cast<int>(n[0]), {n[1], n[2], wrap_angle(n[3] * pi / 180.0)}, n[4]});
   }
@@ -41,7 +41,7 @@ BoardReader::BoardReader(const std::vector<BoardTag>& board) : board_{board} {}
 
 Result<void> BoardReader::add(const Image& image) {
   if (image_ == ImageSize{}) image_ = image.size;
-  if (image.size != image_) return fail("gvs.board", "is of another size than the first picture");
+  if (image.size != image_) return fail("gvs.board", "is of another size than the first image");
   bool any = false;
   std::set<int> detected;
   for (const DetectedTag& tag : finder_.find(image, {})) {

@@ -41,7 +41,7 @@ Extent extent_of(const std::vector<FloorPoint>& points) {
   return extent;
 }
 
-/// The least step between different values, where nearly all are whole steps apart; else nothing: no grid.
+/// The smallest step between different values, where nearly all are whole steps apart; otherwise nothing: no grid.
 std::optional<double> pitch_of(std::vector<double> values) {
   std::ranges::sort(values);
   constexpr double same_m = 1e-4;
@@ -172,7 +172,7 @@ ResidualMap residual_map(const std::vector<FloorPoint>& points, const std::vecto
     for (const auto& solution : squares)
       if (map.points[at] > 0)
         map.rms_m[at] = std::max(map.rms_m[at], std::sqrt(solution[at] / static_cast<double>(map.points[at])));
-  // Squares without points know no more than their nearest neighbour that has some.
+  // A square without points takes the value of its nearest neighbour that has some.
   const std::vector<double> known = map.rms_m;
   for (std::size_t at = 0; at < known.size(); ++at) {
     if (map.points[at] > 0) continue;
@@ -200,7 +200,7 @@ Result<Calibrated> calibrate(const std::vector<FloorPoint>& points, ImageSize fr
   Calibrated result;
   std::optional<Error> refused;
   for (const FitOptions& model : models) {
-    // Enough for a fit, and for fits that leave half of them out.
+    // Enough for a fit, and for fits that leave half of the points out.
     if (all && model.model != FloorModel::homography && points.size() < 2 * points_needed(model)) continue;
     auto tried = try_model(points, frame, model, options.block_m);
     if (tried)
@@ -220,10 +220,10 @@ Result<Calibrated> calibrate(const std::vector<FloorPoint>& points, ImageSize fr
   made.block = best.block.metrics;
   made.uncertainty = residual_map(points, {&best.colour, &best.block}, options.cell_m);
   if (options.camera_height_m > 0.0) {
-    // Where the camera hangs is asked of the homography, which a lens must not have bent.
+    // The camera's position is derived from the homography, which must be free of lens distortion.
     const auto lens = fit_floor(points, frame, {FloorModel::lens, FitOptions{}.degree});
     const auto camera = camera_over(lens ? *lens : made.map, options.camera_height_m);
-    if (!camera) return fail("gvs.height", "no camera so high above this floor has such a picture");
+    if (!camera) return fail("gvs.height", "no camera so high above this floor has such an image");
     made.camera = *camera;
   }
   return result;

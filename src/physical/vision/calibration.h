@@ -8,36 +8,36 @@
 #include "cosiva/physical/vision/height.h"
 #include "cosiva/physical/vision/points.h"
 
-/// A camera's calibration: the map to the floor, how far it may be trusted and where, and how height is corrected.
+/// A camera's calibration: the map to the floor, its uncertainty over the floor, and the correction of height.
 namespace cosiva::vision {
 
-/// How far off, over many points.
+/// Size of the errors, over many points.
 struct Residuals {
   std::size_t points{};
   double rms_m{};
   double max_m{};
 };
 
-/// Of points that the fit has not seen: where each was put, less where it is.
+/// Residuals of points left out of the fit: the mapped position minus the surveyed one.
 struct LeftOut {
   Residuals metrics;
   std::vector<Point2> residuals;  ///< of all points, in their order [m]
 };
 
-/// One way of leaving points out: in which group each is. A group is judged by the fit to all others.
+/// A partition of the points for cross-validation: the group of each point. A group is evaluated by the fit to all
+/// others.
 using Groups = std::vector<std::size_t>;
-/// The two colours of a checkerboard; of points that are no grid, every second one. Says how good it is *between*
-/// points.
+/// The two colours of a checkerboard; of points that form no grid, every second one. Measures the fit *between* points.
 [[nodiscard]] Groups colours(const std::vector<FloorPoint>& points);
-/// Squares of the floor, so large: whoever judges a square has seen nothing of it. Says how good it is where points are
-/// missing. A floor smaller than four squares a side has smaller ones.
+/// Squares of the floor of this size: no point of a square takes part in the fit that evaluates the square. Measures
+/// the fit where points are missing. A floor smaller than four squares a side has smaller squares.
 [[nodiscard]] Groups blocks(const std::vector<FloorPoint>& points, double side_m);
 /// Fails as fit_floor does, where a fit without a group does.
 [[nodiscard]] Result<LeftOut> cross_validate(const std::vector<FloorPoint>& points, ImageSize frame,
                                              const FitOptions& options, const Groups& groups);
 
 /// The reference's own uncertainty over the floor: for each square the rms of left-out residuals in it (the worse of
-/// both ways of leaving out), or of its nearest square that has any.
+/// both partitions), or of the nearest square that has any.
 struct ResidualMap {
   double x0_m{};  ///< of the lower left corner
   double y0_m{};
@@ -54,7 +54,7 @@ struct ResidualMap {
 [[nodiscard]] ResidualMap residual_map(const std::vector<FloorPoint>& points,
                                        const std::vector<const LeftOut*>& left_out, double side_m);
 
-/// A camera over a floor, as a calibration file keeps it.
+/// A camera over a floor, as stored in a calibration file.
 struct Calibration {
   std::string name;
   FloorModel model{FloorModel::polynomial};
@@ -64,11 +64,11 @@ struct Calibration {
   Residuals colour;
   Residuals block;
   ResidualMap uncertainty;
-  CameraPose camera;  ///< for whoever stands above the floor
+  CameraPose camera;  ///< for objects above the floor
   std::vector<MarkerProfile> markers;
 };
 
-/// One model tried.
+/// One of the models tried.
 struct Tried {
   FitOptions options;
   Residuals fitted;
@@ -76,7 +76,7 @@ struct Tried {
   LeftOut block;
 };
 struct CalibrationOptions {
-  /// Nothing: of all that there are points enough for, the one whose left-out blocks fit best.
+  /// Nothing: of all models that have enough points, the one with the best fit to left-out blocks.
   std::vector<FitOptions> models;
   double block_m{0.8};
   double cell_m{0.25};        ///< of the residual map

@@ -41,7 +41,7 @@ void write(JsonWriter& json, const MarkerProfile& marker) {
   json.end_object();
 }
 
-/// Reads fields, and remembers the first that is not what it should be.
+/// Reads fields, and stores the first invalid one.
 class Reader {
  public:
   explicit Reader(const std::string& file) : file_{file} {}
@@ -156,7 +156,7 @@ MarkerProfile read_marker(Reader& reader, const JsonValue& from) {
     fit.shift = {shift[0], shift[1]};
     fit.lever = {lever[0], lever[1]};
     fit.turn_rad = reader.number(surveyed, "turn_rad", -7.0, 7.0);
-    if (surveyed.find("lean") != nullptr) {  // files of before have none
+    if (surveyed.find("lean") != nullptr) {  // older files have none
       const auto lean = reader.list(surveyed, "lean", 3);
       fit.lean_per_m = lean[0];
       fit.lean = {lean[1], lean[2]};

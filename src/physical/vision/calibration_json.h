@@ -8,7 +8,7 @@
 
 namespace cosiva::vision {
 
-/// The file: JSON, whose form is `docs/guide/gvs.md`'s. Reading fails ("gvs.calibration") with the field.
+/// The file: JSON in the form that `docs/guide/gvs.md` defines. Reading fails ("gvs.calibration") with the field.
 [[nodiscard]] std::string to_json(const Calibration& calibration);
 [[nodiscard]] Result<Calibration> read_calibration(std::string_view text, const std::string& file);
 

@@ -18,7 +18,7 @@ const Calibrated& cpm() {
   return calibrated;
 }
 
-// ---- The goals, on CPM Lab's floor (testdata/README.md)
+// ---- The requirements, on CPM Lab's floor (testdata/README.md)
 
 TEST(Calibration, of_a_real_floor_is_within_075_mm_rms_and_5_mm_on_the_other_colour) {
   const Residuals& off = cpm().calibration.colour;
@@ -34,8 +34,8 @@ TEST(Calibration, of_a_real_floor_is_within_1_mm_rms_and_9_mm_on_blocks_left_out
   EXPECT_LE(off.max_m, 9e-3);
 }
 
-TEST(Calibration, gives_the_known_figures_of_simpler_models_on_a_real_floor) {
-  // shared figures of the data: homography 26.8 (79) | 31.7 (108), with lens 1.45 (6.2) | 1.84 (11.1), in mm
+TEST(Calibration, gives_the_known_results_of_simpler_models_on_a_real_floor) {
+  // known results of the data: homography 26.8 (79) | 31.7 (108), with lens 1.45 (6.2) | 1.84 (11.1), in mm
   ASSERT_EQ(cpm().tried.size(), 4U);
   const Tried& plane = cpm().tried[0];
   EXPECT_NEAR(1e3 * plane.colour.metrics.rms_m, 26.8, 0.05);
@@ -59,12 +59,12 @@ TEST(Calibration, of_surveyed_poses_is_within_1_mm_and_a_quarter_degree) {
   ASSERT_EQ(poses->size(), 32U);
   const auto fit = fit_poses(*poses, true);
   ASSERT_TRUE(fit);
-  EXPECT_LE(fit->rms_m, 1.0e-3);  // each pose judged by the fit to all others
+  EXPECT_LE(fit->rms_m, 1.0e-3);  // each pose evaluated by the fit to all others
   EXPECT_LE(fit->max_m, 1.75e-3);
   EXPECT_LE(fit->heading_sd_rad / degree_rad, 0.25);
-  EXPECT_LE(fit->heading_rms_rad / degree_rad, 0.25);  // and this is each left out
-  // What leans is seen leaning away from the camera's foot, and the camera hangs over the middle of 4.5 m × 4 m. 32
-  // headings that scatter by 0.2 degrees tell it to half a metre or so.
+  EXPECT_LE(fit->heading_rms_rad / degree_rad, 0.25);  // and this with each left out
+  // A leaning marker appears to lean away from the camera's foot, and the camera is over the centre of 4.5 m × 4 m.
+  // From 32 headings that scatter by 0.2 degrees the centre follows to about half a metre.
   ASSERT_NE(fit->fit.lean_per_m, 0.0);
   EXPECT_NEAR(-fit->fit.lean.x_m / fit->fit.lean_per_m, 2.25, 0.8);
   EXPECT_NEAR(-fit->fit.lean.y_m / fit->fit.lean_per_m, 2.0, 0.8);
@@ -72,9 +72,9 @@ TEST(Calibration, of_surveyed_poses_is_within_1_mm_and_a_quarter_degree) {
   EXPECT_LE(fit->stopped_m, 0.05e-3);
 }
 
-// ---- What is kept
+// ---- Stored values
 
-TEST(Calibration, keeps_the_residual_map_as_its_uncertainty) {
+TEST(Calibration, stores_the_residual_map_as_its_uncertainty) {
   const ResidualMap& map = cpm().calibration.uncertainty;
   double mean_square = 0.0;
   std::size_t points = 0;
@@ -84,7 +84,7 @@ TEST(Calibration, keeps_the_residual_map_as_its_uncertainty) {
   }
   EXPECT_EQ(points, 1716U);
   const double rms_m = std::sqrt(mean_square / 1716.0);
-  EXPECT_GE(rms_m, cpm().calibration.block.rms_m);  // the worse of two ways of leaving out
+  EXPECT_GE(rms_m, cpm().calibration.block.rms_m);  // the worse of the two partitions
   EXPECT_LE(rms_m, 1.5 * cpm().calibration.block.rms_m);
   EXPECT_GT(map.at({2.2, 2.0}), 0.0);
   EXPECT_EQ(map.at({-10.0, -10.0}), map.rms_m[0]);  // beyond: the nearest square's
@@ -115,7 +115,7 @@ TEST(Calibration, draws_its_residual_map) {
   EXPECT_THAT(svg, HasSubstr("Left-out blocks: 0.9"));
 }
 
-TEST(FloorMap, leads_back_from_the_floor_to_the_pixel) {
+TEST(FloorMap, maps_from_the_floor_back_to_the_pixel) {
   const FloorMap& map = cpm().calibration.map;
   for (std::size_t i = 0; i < cpm_points().size(); i += 37) {
     const PixelPoint pixel = cpm_points()[i].pixel;
@@ -127,9 +127,9 @@ TEST(FloorMap, leads_back_from_the_floor_to_the_pixel) {
   EXPECT_FALSE(map.pixel_at({50.0, 0.0}));
 }
 
-// ---- Rendered floors, whose answer is known
+// ---- Rendered floors with known results
 
-TEST(Calibration, finds_a_bent_lens_that_it_has_no_model_of) {
+TEST(Calibration, fits_a_distorted_lens_that_it_has_no_model_of) {
   const SceneCamera camera;
   const auto made = calibrate(detected_corners(camera, 0.0), camera.frame, {});
   ASSERT_TRUE(made);
@@ -150,7 +150,7 @@ TEST(Height, is_corrected_by_the_cameras_foot_and_height) {
   EXPECT_LE(distance(detected_from(there, 0.10, camera_pose), detected), 1e-9);
 }
 
-TEST(Height, knows_the_cameras_foot_from_its_height_within_30_mm) {
+TEST(Height, derives_the_cameras_foot_from_its_height_within_30_mm) {
   const SceneCamera camera;
   CalibrationOptions options;
   options.camera_height_m = camera.height_m;
@@ -167,12 +167,12 @@ std::string points_error(const std::string& text) {
 }
 constexpr const char* header = "world_x; world_y; image_x; image_y;\n";
 
-TEST(Points, that_are_cut_at_anything_else_are_refused_with_their_line) {
+TEST(Points, with_another_separator_are_refused_with_their_line) {
   EXPECT_THAT(points_error("world_x world_y image_x image_y\n0 0 1 1\n"),
               HasSubstr("points.csv:1: lacks the column 'world_x'"));
   EXPECT_THAT(points_error(std::string(header) + "0, 0, 1, 1\n"),
               HasSubstr("points.csv:2: expected 4 fields cut at ';'"));
-  EXPECT_THAT(points_error(std::string(header) + "0,1; 0; 1; 1\n"), HasSubstr("decimals stand behind a point"));
+  EXPECT_THAT(points_error(std::string(header) + "0,1; 0; 1; 1\n"), HasSubstr("decimals follow a point"));
 }
 
 TEST(Points, that_are_no_finite_numbers_are_refused_with_their_line) {
@@ -182,9 +182,9 @@ TEST(Points, that_are_no_finite_numbers_are_refused_with_their_line) {
   }
 }
 
-TEST(Points, that_come_twice_or_not_at_all_are_refused) {
+TEST(Points, that_are_duplicate_or_missing_are_refused) {
   EXPECT_THAT(points_error(std::string(header) + "0; 0; 1; 1\n1; 0; 2; 1\n0; 0; 3; 1\n"),
-              HasSubstr("points.csv:4: this place"));
+              HasSubstr("points.csv:4: this position"));
   EXPECT_THAT(points_error(std::string(header) + "0; 0; 1; 1\n1; 0; 1; 1\n"), HasSubstr("points.csv:3: this pixel"));
   EXPECT_THAT(points_error(header), HasSubstr("holds no rows"));
   EXPECT_THAT(points_error(""), HasSubstr("holds no rows"));
@@ -197,7 +197,7 @@ TEST(Points, are_read_back_as_they_were_written) {
   EXPECT_EQ(read_points(write_points(points), "again").value(), points);
 }
 
-TEST(Calibration, of_too_few_points_says_how_many_it_takes) {
+TEST(Calibration, of_too_few_points_reports_how_many_it_needs) {
   const std::vector<FloorPoint> few{cpm_points().begin(), cpm_points().begin() + 5};
   const auto made = calibrate(few, cpm_image, {});
   ASSERT_FALSE(made);
@@ -214,7 +214,7 @@ TEST(Calibration, of_points_on_one_line_is_refused) {
   EXPECT_THAT(made.error().message, HasSubstr("one line"));
 }
 
-TEST(Calibration, of_points_that_no_camera_sees_so_is_refused_or_says_how_bad_it_is) {
+TEST(Calibration, of_points_that_no_camera_can_map_so_is_refused_or_reports_its_error) {
   std::vector<FloorPoint> mixed = cpm_points();
   Random random{3, "mixed"};
   for (FloorPoint& point : mixed) point.pixel = {random.uniform(0.0, 2048.0), random.uniform(0.0, 2048.0)};
@@ -255,10 +255,10 @@ TEST(Poses, of_another_number_than_the_grid_has_are_refused) {
   EXPECT_THAT(to_string(bad.error()), HasSubstr("poses.txt:1: "));
 }
 
-TEST(Poses, that_do_not_tell_height_from_mounting_are_refused) {
+TEST(Poses, that_do_not_distinguish_height_from_mounting_are_refused) {
   std::vector<SurveyedPose> same(8);
   for (std::size_t i = 0; i < same.size(); ++i) same[i] = {{1.0, 1.0, 0.1}, {1.01, 1.0, 0.1}, 1, 0.0};
-  EXPECT_THAT(fit_poses(same, false).error().message, HasSubstr("three places"));
+  EXPECT_THAT(fit_poses(same, false).error().message, HasSubstr("three positions"));
   same.resize(3);
   EXPECT_THAT(fit_poses(same, false).error().message, HasSubstr("a fit needs 6"));
 }

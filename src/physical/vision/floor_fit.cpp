@@ -12,12 +12,12 @@
 namespace cosiva::vision {
 namespace {
 
-constexpr const char* no_camera = "no camera sees these places at these pixels: are the columns what they are called?";
+constexpr const char* no_camera = "no camera maps these positions to these pixels: check the names of the columns";
 
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
-/// The points' spread across their longest direction, as a share of the spread along it.
+/// The points' spread across their longest direction, as a ratio of the spread along it.
 template <class Get>
 double thinness(const std::vector<FloorPoint>& points, const Get& get) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
@@ -104,7 +104,7 @@ class Bundle {
     at[14] = near.centre.v / near.scale_px - 0.5 * static_cast<double>(near.frame.height) / near.scale_px;
     return at;
   }
-  /// Puts the unknowns into the map, whose homography then gives metres.
+  /// Writes the unknowns into the map, whose homography then gives metres.
   void put(const Vector& at) const {
     Eigen::Matrix3d h;
     h << at[0], at[1], at[2], at[3], at[4], at[5], at[6], at[7], 1.0;
@@ -118,14 +118,14 @@ class Bundle {
     const double height = static_cast<double>(map_.frame.height);
     map_.centre = {0.5 * width + at[13] * map_.scale_px, 0.5 * height + at[14] * map_.scale_px};
   }
-  /// What remains of each point, in scales of the floor.
+  /// The residual of each point, in scales of the floor.
   void residuals(const Vector& at, Vector& out) const {
     put(at);
     out.resize(2 * static_cast<Eigen::Index>(points_.size()));
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const auto k = 2 * static_cast<Eigen::Index>(i);
       const auto floor = map_.floor_at(points_[i].pixel);
-      // Behind the horizon: so bad that no step leads there.
+      // Behind the horizon: so large that no step leads there.
       out[k] = floor ? (floor->x_m - points_[i].floor.x_m) / scaled_.size : 1e3;
       out[k + 1] = floor ? (floor->y_m - points_[i].floor.y_m) / scaled_.size : 1e3;
     }
@@ -177,7 +177,7 @@ class Bundle {
   int unknowns_;
 };
 
-/// What is left over, as a polynomial over the picture.
+/// The residuals, as a polynomial over the image.
 void fit_polynomial(const std::vector<FloorPoint>& points, std::size_t degree, FloorMap& map) {
   const std::size_t count = terms_of(degree);
   const auto rows = static_cast<Eigen::Index>(points.size());

@@ -11,12 +11,12 @@
 
 namespace cosiva::vision {
 
-/// How a camera's picture is mapped to the floor.
+/// The model that maps a camera's image to the floor.
 enum class FloorModel {
   homography,       ///< a pinhole camera: from 6 points
-  lens,             ///< and the lens, with a centre of its own: from 24 points
-  polynomial,       ///< a pinhole camera, and what it leaves over as a polynomial over the picture
-  lens_polynomial,  ///< and the lens, and what both leave over
+  lens,             ///< and the lens, with its own centre: from 24 points
+  polynomial,       ///< a pinhole camera, and its residuals as a polynomial over the image
+  lens_polynomial,  ///< and the lens, and the residuals of both
 };
 inline constexpr std::array floor_models{FloorModel::homography, FloorModel::lens, FloorModel::polynomial,
                                          FloorModel::lens_polynomial};
@@ -30,9 +30,9 @@ struct FitOptions {
 [[nodiscard]] std::size_t points_needed(const FitOptions& options);
 
 /// Least squares on the floor. Fails ("gvs.points") where there are too few points for the model, or all lie so near
-/// one line, on the floor or in the picture, that nothing is known across it; ("gvs.fit") where nothing fits: no
-/// picture of a floor.
-/// @param near  a fit to nearly the same points, from which it is found sooner
+/// one line, on the floor or in the image, that nothing is known across it; ("gvs.fit") where nothing fits: no image of
+/// a floor.
+/// @param near  a fit to nearly the same points, which shortens the search
 [[nodiscard]] Result<FloorMap> fit_floor(const std::vector<FloorPoint>& points, ImageSize frame,
                                          const FitOptions& options, const FloorMap* near = nullptr);
 

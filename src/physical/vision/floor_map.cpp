@@ -30,7 +30,7 @@ std::optional<Point2> FloorMap::floor_at(PixelPoint pixel) const {
   const auto [x, y] = undistorted(pixel);
   const auto& h = homography;
   const double w = h[6] * x + h[7] * y + h[8];
-  // Behind the horizon: the homography is scaled so that w is about one in the picture's middle.
+  // Behind the horizon: the homography is scaled so that w is about one in the image's centre.
   if (!(w > 1e-6)) return std::nullopt;
   Point2 floor{(h[0] * x + h[1] * y + h[2]) / w, (h[3] * x + h[4] * y + h[5]) / w};
   if (degree > 0) {
@@ -68,7 +68,7 @@ std::optional<PixelPoint> FloorMap::pixel_at(Point2 floor) const {
     const double ey = floor.y_m - here->y_m;
     const double du = (d * ex - b * ey) / determinant;
     const double dv = (a * ey - c * ex) / determinant;
-    // Strong distortion makes the first step too long: nobody goes further than a quarter of the picture at once.
+    // Strong distortion makes the first step too long: a step is limited to a quarter of the image.
     const double step = norm(du, dv);
     const double shorter = step > 0.25 * width ? 0.25 * width / step : 1.0;
     pixel.u += shorter * du;

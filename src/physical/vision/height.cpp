@@ -8,8 +8,8 @@
 namespace cosiva::vision {
 namespace {
 
-/// The camera's place in the floor's frame if its focal length is f (in the map's scale), by the homography's columns.
-/// Source: Zhang, A flexible new technique for camera calibration, 2000, section 3.1.
+/// The camera's position in the floor's frame if its focal length is f (in the map's scale), by the homography's
+/// columns. Source: Zhang, A flexible new technique for camera calibration, 2000, section 3.1.
 Eigen::Vector3d pose_with(const Eigen::Matrix3d& floor_to_image, double f) {
   Eigen::Matrix3d m = floor_to_image;
   m.topRows<2>() /= f;
@@ -23,7 +23,7 @@ Eigen::Vector3d pose_with(const Eigen::Matrix3d& floor_to_image, double f) {
   return -rotation.transpose() * m.col(2);
 }
 
-/// Where a direction shows after A.
+/// A direction mapped by A.
 double direction(const std::array<double, 4>& linear, double heading_rad) {
   const auto [s, c] = sincos(heading_rad);
   return det_atan2(linear[2] * c + linear[3] * s, linear[0] * c + linear[1] * s);
@@ -42,7 +42,7 @@ std::optional<double> turn_of(const std::vector<SurveyedPose>& poses, const std:
   return det_atan2(s, c);
 }
 
-/// The vehicle's heading, were the marker level.
+/// The vehicle's heading, if the marker were level.
 double level_heading(const PoseFit& fit, double detected_rad) {
   return wrap_angle(direction(fit.linear, detected_rad) + fit.turn_rad);
 }
@@ -55,7 +55,7 @@ double heading_of(const PoseFit& fit, const Pose2& detected) {
   return wrap_angle(level_heading(fit, detected.heading_rad) + lean);
 }
 
-/// Turn and, if asked for, lean: small angles, so least squares of what the turn alone leaves over.
+/// Turn and, if requested, lean: small angles, hence least squares of the residuals of the turn alone.
 bool fit_heading(const std::vector<SurveyedPose>& poses, bool leans, PoseFit& fit) {
   const auto turn = turn_of(poses, fit.linear);
   if (!turn) return false;
@@ -124,7 +124,7 @@ bool solve(const std::vector<SurveyedPose>& poses, bool full, bool leans, PoseFi
 }
 
 std::optional<PoseFit> fit_once(const std::vector<SurveyedPose>& poses, bool full, bool leans) {
-  // The lever's direction hangs on A, which is nearly the identity: three rounds and nothing moves any more.
+  // The lever's direction depends on A, which is nearly the identity: the result is stable after three rounds.
   PoseFit fit;
   for (int round = 0; round < 3; ++round)
     if (!solve(poses, full, leans, fit)) return std::nullopt;
@@ -153,7 +153,7 @@ std::optional<CameraPose> camera_over(const FloorMap& map, double height_m) {
   const double determinant = h.determinant();
   if (!std::isfinite(determinant) || determinant == 0.0 || !(height_m > 0.0)) return std::nullopt;
   const Eigen::Matrix3d back = h.inverse();
-  // The longer the lens, the higher the camera hangs that sees the same: the wanted height is between.
+  // The longer the lens, the higher the camera that shows the same floor: the wanted height is between.
   double short_f = 0.05;
   double long_f = 50.0;
   const auto height_with = [&](double f) { return std::fabs(pose_with(back, f)[2]); };
@@ -168,7 +168,7 @@ std::optional<CameraPose> camera_over(const FloorMap& map, double height_m) {
 }
 
 Pose2 PoseFit::apply(const Pose2& detected) const {
-  // The lever is seen in the same picture as the marker's direction: it leans with it.
+  // The lever is in the same image as the marker's direction: it leans with it.
   const auto [s, c] = sincos(level_heading(*this, detected.heading_rad));
   return {linear[0] * detected.x_m + linear[1] * detected.y_m + shift.x_m + c * lever.x_m - s * lever.y_m,
           linear[2] * detected.x_m + linear[3] * detected.y_m + shift.y_m + s * lever.x_m + c * lever.y_m,
@@ -193,7 +193,7 @@ Pose2 vehicle_at(const Pose2& detected, const MarkerProfile& profile, const Came
 
 namespace {
 
-/// Nothing where the poses are too few or too alike to tell.
+/// Nothing where the poses are too few or too similar for a result.
 std::optional<PoseResiduals> residuals_of(const std::vector<SurveyedPose>& poses, bool full, bool leans) {
   const auto all = fit_once(poses, full, leans);
   if (!all) return std::nullopt;
@@ -238,9 +238,10 @@ Result<PoseResiduals> fit_poses(const std::vector<SurveyedPose>& poses, bool ful
                 "holds " + std::to_string(poses.size()) + " poses, and a fit needs " + std::to_string(fewest));
   const auto level = residuals_of(poses, full, false);
   if (!level)
-    return fail("gvs.poses",
-                "do not tell a marker's height and place: drive to at least three places that are no line, "
-                "with at least three headings");
+    return fail(
+        "gvs.poses",
+        "do not determine a marker's height and position: drive to at least three positions that are not on one line, "
+        "with at least three headings");
   const auto leaning = residuals_of(poses, full, true);
   return leaning && leaning->heading_rms_rad < level->heading_rms_rad ? *leaning : *level;
 }

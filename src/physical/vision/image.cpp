@@ -46,7 +46,7 @@ unsigned byte_at(std::string_view body, std::size_t at) { return static_cast<uns
 Result<Image> read_netpbm(std::string_view bytes, const std::string& file) {
   const bool grey = bytes.starts_with("P5");
   if (!grey && !bytes.starts_with("P6"))
-    return fail("gvs.image", "is no Netpbm picture: expected P5 or P6 at its beginning", file);
+    return fail("gvs.image", "is no Netpbm image: expected P5 or P6 at its beginning", file);
   Header header{bytes};
   const auto width = header.number();
   const auto height = header.number();

@@ -12,7 +12,7 @@
 
 namespace cosiva::vision {
 
-/// A grey picture, a byte per pixel, row by row from above.
+/// A grey image, a byte per pixel, row by row from above.
 struct Image {
   ImageSize size;
   std::vector<std::uint8_t> pixels;  ///< size.width · size.height
@@ -24,8 +24,8 @@ struct Image {
   friend bool operator==(const Image&, const Image&) = default;
 };
 
-/// Netpbm's P5 (grey) and P6 (colour, made grey as 0.299 R + 0.587 G + 0.114 B), with 8 or 16 bits. Fails
-/// ("gvs.image") on any other format, on sizes that are none, and where the file ends too early.
+/// Netpbm's P5 (grey) and P6 (colour, converted to grey as 0.299 R + 0.587 G + 0.114 B), with 8 or 16 bits. Fails
+/// ("gvs.image") on any other format, on invalid sizes, and where the file ends too early.
 [[nodiscard]] Result<Image> read_netpbm(std::string_view bytes, const std::string& file);
 /// As P5.
 [[nodiscard]] std::string write_pgm(const Image& image);

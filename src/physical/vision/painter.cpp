@@ -14,12 +14,12 @@ constexpr float line_light = 45.0F;
 constexpr float roof_light = 100.0F;
 constexpr float black = 25.0F;
 constexpr float white = 215.0F;
-/// No floor there: the lens folds or looks past the horizon.
+/// No floor there: the lens folds, or the pixel is above the horizon.
 constexpr float nowhere = 1e9F;
 
 double smooth(double t) { return t * t * (3.0 - 2.0 * t); }
 
-/// Patches of light and dark, as floors have: value noise over squares of 0.4 m.
+/// Patches of light and dark, as real floors have: value noise over squares of 0.4 m.
 class Patches {
  public:
   explicit Patches(std::uint64_t seed) {
@@ -58,7 +58,7 @@ double distance_to(Point2 p, Point2 a, Point2 b) {
   return norm(p.x_m - a.x_m - along * dx, p.y_m - a.y_m - along * dy);
 }
 
-/// A pose whose sine and cosine are known: each is used for thousands of places.
+/// A pose with known sine and cosine: each is used for thousands of positions.
 struct Frame {
   explicit Frame(const Pose2& pose) : at{position(pose)}, turn{sincos(pose.heading_rad)} {}
   Frame() = default;
@@ -160,12 +160,13 @@ void Painter::draw_body(const SceneBody& body, std::vector<float>& light) const 
   const auto clip = [](double at, std::size_t most) {
     return static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(most)));
   };
-  // Nine looks at each pixel, each at its own ninth of the exposure: sharp edges are smooth, and what moves is blurred.
+  // Nine samples of each pixel, each at its own ninth of the exposure: sharp edges are smoothed, and moving objects are
+  // blurred.
   constexpr std::size_t passes = 9;
   constexpr std::array<std::size_t, passes> moment{4, 0, 7, 2, 5, 8, 1, 6, 3};
   std::array<Frame, passes> X_TM{};
   const Frame X_BT{body.X_BT};
-  // at_height, with what is the same for all of them.
+  // at_height, with the factors that all of them have in common.
   const double ratio = body.height_m / camera_.height_m;
   const Point2 nearer{ratio * camera_.foot.x_m, ratio * camera_.foot.y_m};
   for (std::size_t row = clip(centre->v - reach, height); row < clip(centre->v + reach, height); ++row) {
@@ -207,7 +208,7 @@ Image Painter::paint(const std::vector<SceneBody>& bodies, std::uint64_t number)
   const double far2 = camera_.principal.u * camera_.principal.u + camera_.principal.v * camera_.principal.v;
   const auto mask = noise_.size() - 1;
   for (std::size_t row = 0; row < height; ++row) {
-    // Each row takes the drawn noise from a place of its own on, in steps of its own.
+    // Each row takes the generated noise from a position of its own on, in steps of its own.
     const std::size_t from = random.next() & mask;
     const std::size_t step = (random.next() & mask) | 1U;
     const double y = static_cast<double>(row) + 0.5 - camera_.principal.v;

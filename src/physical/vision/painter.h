@@ -9,12 +9,12 @@
 
 namespace cosiva::vision {
 
-/// Takes pictures. The same camera, lines, seed, bodies and number give the same bytes everywhere.
+/// Renders images. The same camera, lines, seed, bodies and number give the same bytes on every machine.
 class Painter {
  public:
   Painter(const SceneCamera& camera, const std::vector<SceneLine>& lines, std::uint64_t seed);
   /// Row r is exposed from the stamp + r·line_s on, for exposure_s.
-  /// @param number  of the picture, for its noise
+  /// @param number  of the image, for its noise
   [[nodiscard]] Image paint(const std::vector<SceneBody>& bodies, std::uint64_t number) const;
   [[nodiscard]] const SceneCamera& camera() const { return camera_; }
 
@@ -30,9 +30,9 @@ class Painter {
 
   SceneCamera camera_;
   std::uint64_t seed_;
-  std::vector<Sighted> corner_;  ///< where on the floor each pixel's upper left corner looks; one more than pixels
+  std::vector<Sighted> corner_;  ///< the floor position of each pixel's upper left corner; one more than pixels
   std::vector<float> floor_;     ///< light of the bare floor, per pixel
-  std::vector<float> noise_;     ///< drawn once, and shuffled for each picture
+  std::vector<float> noise_;     ///< generated once, and shuffled for each image
 };
 
 }  // namespace cosiva::vision

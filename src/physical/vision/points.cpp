@@ -14,7 +14,7 @@
 namespace cosiva::vision {
 namespace {
 
-/// The line of a point that comes a second time, by its floor or by its pixel.
+/// The line of a duplicate point, by its floor position or by its pixel.
 Result<void> check_distinct(const Table& table, std::size_t column, const std::string& what, const std::string& file) {
   struct At {
     double a, b;
@@ -26,14 +26,14 @@ Result<void> check_distinct(const Table& table, std::size_t column, const std::s
                     [](const At& l, const At& r) { return std::tie(l.a, l.b, l.line) < std::tie(r.a, r.b, r.line); });
   for (std::size_t i = 1; i < all.size(); ++i)
     if (all[i].a == all[i - 1].a && all[i].b == all[i - 1].b)
-      return fail("gvs.points", what + " stands in line " + std::to_string(all[i - 1].line) + " already",
-                  location_of(file, all[i].line));
+      return fail("gvs.points", what + " is in line " + std::to_string(all[i - 1].line) + " already",
+                  position_of(file, all[i].line));
   return {};
 }
 
 constexpr double degree_rad = pi / 180.0;
 
-/// Sums of one stand.
+/// Sums over one pose's samples.
 class Stop {
  public:
   void add(const std::array<double, 4>& row) {
@@ -80,7 +80,7 @@ double between(const std::array<double, 4>& a, const std::array<double, 4>& b) {
 Result<std::vector<FloorPoint>> read_points(std::string_view text, const std::string& file) {
   const auto table = read_table(text, {"world_x", "world_y", "image_x", "image_y"}, "gvs.points", file);
   if (!table) return tl::unexpected(table.error());
-  if (auto distinct = check_distinct(*table, 0, "this place of the floor", file); !distinct)
+  if (auto distinct = check_distinct(*table, 0, "this position on the floor", file); !distinct)
     return tl::unexpected(distinct.error());
   if (auto distinct = check_distinct(*table, 2, "this pixel", file); !distinct) return tl::unexpected(distinct.error());
   std::vector<FloorPoint> points;
@@ -134,7 +134,7 @@ Result<std::vector<SurveyedPose>> read_pose_stops(std::string_view text, const s
   const std::size_t expected = grid.xs_m.size() * grid.ys_m.size() * grid.headings_rad.size();
   if (stops.size() != expected || expected == 0) {
     return fail("gvs.poses",
-                "shows " + std::to_string(stops.size()) + " stands, and the grid has " + std::to_string(expected) +
+                "shows " + std::to_string(stops.size()) + " poses, and the grid has " + std::to_string(expected) +
                     " poses (" + std::to_string(grid.ys_m.size()) + " y, " + std::to_string(grid.xs_m.size()) + " x, " +
                     std::to_string(grid.headings_rad.size()) + " headings)",
                 file);

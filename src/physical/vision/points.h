@@ -7,28 +7,28 @@
 #include "cosiva/base/result.h"
 #include "cosiva/physical/vision/floor_map.h"
 
-/// What a calibration is made from: places of the floor whose pixels are known, and vehicles at surveyed poses.
+/// The inputs of a calibration: floor positions with known pixels, and vehicles at surveyed poses.
 namespace cosiva::vision {
 
 struct FloorPoint {
   Point2 floor;      ///< surveyed [m]
-  PixelPoint pixel;  ///< seen
+  PixelPoint pixel;  ///< detected
   friend bool operator==(const FloorPoint&, const FloorPoint&) = default;
 };
 
-/// A CSV file whose first line names its columns world_x, world_y [m], image_x, image_y [px], in any order, cut at
-/// semicolons or commas (one of the two throughout; a separator may end the line). Comments begin with '#'. Fails
-/// ("gvs.points") with file and line on a column that is missing or comes twice, on a line of another width, on what is
-/// no finite number, on one pixel or one place that comes twice, and on a file without points.
+/// A CSV file whose first line names its columns world_x, world_y [m], image_x, image_y [px], in any order, separated
+/// by semicolons or commas (one of the two throughout; a separator may end the line). Comments begin with '#'. Fails
+/// ("gvs.points") with file and line on a missing or duplicate column, on a line of another width, on a value that is
+/// no finite number, on a duplicate pixel or position, and on a file without points.
 [[nodiscard]] Result<std::vector<FloorPoint>> read_points(std::string_view text, const std::string& file);
 [[nodiscard]] std::string write_points(const std::vector<FloorPoint>& points);
 
-/// What the camera said of a vehicle that stood still at a surveyed pose, averaged over its samples.
+/// The camera's measurement of a vehicle that was stopped at a surveyed pose, averaged over its samples.
 struct SurveyedPose {
   Pose2 surveyed;         ///< of the vehicle's reference point [m, rad]
-  Pose2 detected;         ///< of its marker, taken to lie on the floor
+  Pose2 detected;         ///< of its marker, assumed to lie on the floor
   std::size_t samples{};  ///< that `detected` is the mean of
-  double stopped_m{};     ///< standard deviation of one sample's place, how still the picture stands
+  double stopped_m{};     ///< standard deviation of one sample's position: the stability of the image
 };
 
 /// A CSV file with the columns true_x, true_y, true_heading_deg, seen_x, seen_y, seen_heading_deg. Fails ("gvs.poses")
@@ -41,10 +41,10 @@ struct PoseGrid {
   std::vector<double> ys_m;
   std::vector<double> headings_rad;
 };
-/// Lines "x, y, cos, sin, weight," of samples, one stand after the other, without a word on which is which (CPM Lab's
-/// ips_pose_calibration): two rows further apart than `leap` in (x, y, cos, sin) are of two stands, and stands are in
-/// the grid's order: y slowest, then x, heading fastest. Fails ("gvs.poses") on a bad line, and where there are not as
-/// many stands as the grid has poses.
+/// Lines "x, y, cos, sin, weight," of samples, one pose after the other, without a separator between the poses (CPM
+/// Lab's ips_pose_calibration): two rows further apart than `leap` in (x, y, cos, sin) are of two poses, and the poses
+/// are in the grid's order: y slowest, then x, heading fastest. Fails ("gvs.poses") on a bad line, and where the number
+/// of poses is not that of the grid.
 [[nodiscard]] Result<std::vector<SurveyedPose>> read_pose_stops(std::string_view text, const std::string& file,
                                                                 const PoseGrid& grid, double leap = 0.4);
 

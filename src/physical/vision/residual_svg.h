@@ -7,7 +7,7 @@
 
 namespace cosiva::vision {
 
-/// The residual map as a picture: how large left-out residuals are over the floor, and each as an arrow, enlarged.
+/// The residual map as an SVG drawing: the size of left-out residuals over the floor, and each as an arrow, enlarged.
 [[nodiscard]] std::string residual_svg(const std::vector<FloorPoint>& points, const Calibrated& calibrated);
 
 }  // namespace cosiva::vision

@@ -14,7 +14,7 @@ Rotation rotation_of(const SceneCamera& camera) {
   const auto [sy, cy] = sincos(camera.yaw_rad);
   const auto [sa, ca] = sincos(camera.tilt_x_rad);
   const auto [sb, cb] = sincos(camera.tilt_y_rad);
-  // Plumb: right is (cos yaw, sin yaw, 0), down in the picture is (sin yaw, −cos yaw, 0), away is (0, 0, −1).
+  // Plumb: right is (cos yaw, sin yaw, 0), down in the image is (sin yaw, −cos yaw, 0), away is (0, 0, −1).
   const std::array<double, 9> plumb{cy, sy, 0.0, sy, -cy, 0.0, 0.0, 0.0, -1.0};
   const std::array<double, 9> tilt{cb, sa * sb, ca * sb, 0.0, ca, -sa, -sb, sa * cb, ca * cb};
   Rotation rotation{};
@@ -24,7 +24,7 @@ Rotation rotation_of(const SceneCamera& camera) {
   return rotation;
 }
 
-/// Brown's model, and how it grows along the radius: where it shrinks, the lens folds and shows nothing more.
+/// Brown's model, and its growth along the radius: where it shrinks, the lens folds and shows nothing more.
 struct Bent {
   double x;
   double y;
@@ -57,7 +57,7 @@ std::optional<Point2> SceneCamera::floor_of(PixelPoint pixel) const {
   const double wanted_y = (pixel.v - principal.v) / focal_px;
   double x = wanted_x;
   double y = wanted_y;
-  // A fixed point, as everywhere: the lens moves little, so what it moves by hardly changes.
+  // A fixed point: the lens's displacement is small, so its change is smaller still.
   constexpr int rounds = 40;
   for (int round = 0; round < rounds; ++round) {
     const Bent bent = bend(x, y, lens);

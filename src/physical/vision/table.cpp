@@ -79,7 +79,7 @@ Result<std::vector<double>> read_row(std::string_view line, const Header& header
       const bool comma = fields[at].find(',') != std::string_view::npos;
       return fail(code,
                   "expected a finite number within a million, found " + quoted(fields[at]) +
-                      (comma ? "; decimals stand behind a point" : ""),
+                      (comma ? "; decimals follow a point" : ""),
                   location);
     }
     numbers.push_back(*number);

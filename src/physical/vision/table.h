@@ -6,26 +6,26 @@
 
 #include "cosiva/base/result.h"
 
-/// Tables of numbers as the vision system's files have them. Only this folder includes it.
+/// Tables of numbers in the vision system's files. Only this folder includes this header.
 namespace cosiva::vision {
 
-/// Where in which file: "points.csv:12".
+/// File and line: "points.csv:12".
 [[nodiscard]] std::string location_of(const std::string& file, std::size_t line);
 /// Fields between separators; one separator at the line's end begins no further field.
 [[nodiscard]] std::vector<std::string_view> cut(std::string_view line, char separator);
-/// For messages, not too long.
+/// For messages, shortened.
 [[nodiscard]] std::string quoted(std::string_view field);
 
 /// Rows of finite numbers within a million.
 struct Table {
   struct Row {
     std::size_t line;
-    std::vector<double> numbers;  ///< in the order of the columns that were asked for
+    std::vector<double> numbers;  ///< in the order of the requested columns
   };
   std::vector<Row> rows;
 };
-/// The first line that is no comment ('#') must name `columns`, in any order, cut at semicolons or commas; more may
-/// stand there. Fails (`code`) with file and line.
+/// The first line that is no comment ('#') must name `columns`, in any order, separated by semicolons or commas;
+/// further columns are allowed. Fails (`code`) with file and line.
 [[nodiscard]] Result<Table> read_table(std::string_view text, const std::vector<std::string_view>& columns,
                                        const std::string& code, const std::string& file);
 

@@ -15,7 +15,7 @@ extern "C" {
 namespace cosiva::vision {
 namespace {
 
-/// Nearer to each other than a share of the tag: the same one.
+/// Two tags nearer to each other than this ratio of the tag's size are the same one.
 bool same(const DetectedTag& a, const DetectedTag& b) {
   const PixelPoint p = a.centre();
   const PixelPoint q = b.centre();
@@ -23,11 +23,12 @@ bool same(const DetectedTag& a, const DetectedTag& b) {
   return a.id == b.id && norm(p.u - q.u, p.v - q.v) < 0.5 * side;
 }
 
-/// Twice as wide and high, smoothly: a tag of 12 px has too few along an edge to fit a line to, and then has enough.
+/// Twice as wide and high, smoothly: a tag of 12 px has too few pixels along an edge for a line fit, and enough after
+/// that.
 Image doubled(const Image& image) {
   const auto [width, height] = image.size;
   Image twice = Image::filled({2 * width, 2 * height}, 0);
-  // Middles of the new pixels lie a quarter beside the old ones': three parts of the nearer, one of the further.
+  // Centres of the new pixels lie a quarter pixel from the old ones': three parts of the nearer, one of the further.
   const auto neighbour = [](std::size_t at, std::size_t count) {
     return at % 2 == 0 ? (at == 0 ? 0 : at / 2 - 1) : std::min(count - 1, at / 2 + 1);
   };
@@ -95,7 +96,7 @@ std::vector<DetectedTag> TagFinder::find(const Image& image, const Window& windo
   if (window.size.width < least_px || window.size.height < least_px) return {};
   in_->detector->quad_decimate = static_cast<float>(how.decimate);
   in_->detector->quad_sigma = static_cast<float>(how.sigma);
-  // The library reads only; its type knows no constant picture.
+  // The library reads only; its type has no constant image.
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast)
   auto* const first = const_cast<std::uint8_t*>(image.pixels.data()) + window.row * image.size.width + window.column;
   image_u8_t part = {static_cast<std::int32_t>(window.size.width), static_cast<std::int32_t>(window.size.height),

@@ -12,7 +12,7 @@
 #include "cosiva/physical/vision/calibration.h"
 #include "cosiva/physical/vision/scene.h"
 
-/// What tests of the vision system share.
+/// Fixture of the vision system's tests.
 namespace cosiva::vision {
 
 inline constexpr double degree_rad = pi / 180.0;
@@ -37,7 +37,7 @@ inline PoseGrid cpm_grid() {
   return grid;
 }
 
-/// Floor corners as a scene's camera shows them, read off with a little noise.
+/// Floor corners as a scene's camera shows them, measured with a little noise.
 inline std::vector<FloorPoint> detected_corners(const SceneCamera& camera, double noise_px = 0.05) {
   std::vector<FloorPoint> points;
   Random random{7, "corners"};

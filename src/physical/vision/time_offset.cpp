@@ -30,7 +30,7 @@ std::optional<State> at(const std::vector<Timed>& reference, double t_s) {
                {dx / span_s, dy / span_s}};
 }
 
-/// Sums of the normal equations of: seen − reference(t − τ) = R·lever − v·dτ.
+/// Sums of the normal equations of: detected − reference(t − τ) = R·lever − v·dτ.
 struct Sums {
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
   Eigen::Vector3d pulls = Eigen::Vector3d::Zero();
@@ -54,7 +54,7 @@ struct Sums {
     left -= other.left;
     pairs -= other.pairs;
   }
-  /// What remains after the best lever, with no shift in time or with the best one.
+  /// The residual after the best lever, with no shift in time or with the best one.
   [[nodiscard]] double rms(const Eigen::Vector3d& x) const {
     const double sum = left - 2.0 * x.dot(pulls) + x.dot(squares * x);
     return std::sqrt(std::max(0.0, sum) / static_cast<double>(pairs));
@@ -88,7 +88,7 @@ Sums total(const std::vector<Sums>& blocks) {
   return all;
 }
 
-/// How much of the velocity no lever explains: as a share. 0: an offset and a lever look the same.
+/// The part of the velocity that no lever explains, as a ratio. 0: an offset and a lever look the same.
 double separability(const Sums& sums) {
   const double all = sums.squares(0, 0);
   if (!(all > 1e-9)) return 0.0;
@@ -105,16 +105,17 @@ Result<TimeOffset> time_offset(const std::vector<Timed>& detected, const std::ve
   Sums sums = total(sums_at(detected, reference, 0.0));
   if (sums.pairs < fewest) {
     return fail("gvs.offset", "only " + std::to_string(sums.pairs) + " stamps lie within the reference's times; " +
-                                  std::to_string(fewest) + " tell an offset");
+                                  std::to_string(fewest) + " determine an offset");
   }
   if (separability(sums) < 0.005)
-    return fail("gvs.offset", "speed never changes enough: an offset in time looks like a lever on the vehicle");
+    return fail("gvs.offset",
+                "speed never changes enough: an offset in time cannot be distinguished from a lever on the vehicle");
   TimeOffset found;
   found.pairs = sums.pairs;
   found.before_rms_m = sums.rms(sums.lever_alone());
   std::vector<Sums> parts;
   Eigen::Vector3d x = Eigen::Vector3d::Zero();
-  // Where the reference bends, its line at one time is not its line at another: a few rounds.
+  // Where the reference bends, its line at one time is not its line at another: a few iterations.
   for (int round = 0; round < 8; ++round) {
     parts = sums_at(detected, reference, found.offset_s);
     sums = total(parts);

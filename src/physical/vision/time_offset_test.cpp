@@ -9,7 +9,7 @@
 namespace cosiva::vision {
 namespace {
 
-/// A vehicle that hurries and dawdles round a circle of 1 m.
+/// A vehicle that drives round a circle of 1 m at varying speed.
 Pose2 there(double t_s) {
   const double distance_m = 0.35 * t_s - 0.15 * det_cos(1.3 * t_s);
   const auto [s, c] = sincos(distance_m);
@@ -48,7 +48,7 @@ TEST(TimeOffset, is_found_whatever_else_is_shifted) {
   }
 }
 
-TEST(TimeOffset, that_nothing_tells_from_a_lever_is_refused) {
+TEST(TimeOffset, that_cannot_be_distinguished_from_a_lever_is_refused) {
   std::vector<Timed> steady;
   for (int i = 0; i < 100; ++i) steady.push_back({0.1 * i, {0.05 * i, 0.0, 0.0}});
   const auto found = time_offset(steady, steady);
@@ -56,7 +56,7 @@ TEST(TimeOffset, that_nothing_tells_from_a_lever_is_refused) {
   EXPECT_THAT(found.error().message, testing::HasSubstr("speed never changes"));
 }
 
-TEST(TimeOffset, of_what_never_meets_is_refused) {
+TEST(TimeOffset, of_series_that_do_not_overlap_is_refused) {
   const auto found = time_offset(detected(0.0, {}, 0.0), {{0.0, {}}, {0.1, {}}});
   ASSERT_FALSE(found);
   EXPECT_THAT(found.error().message, testing::HasSubstr("only 0 stamps"));

@@ -10,7 +10,7 @@
 namespace cosiva::vision {
 namespace {
 
-constexpr int missed_max = 5;  ///< pictures in a row; then it is looked for everywhere again
+constexpr int missed_max = 5;  ///< consecutive images; then the whole image is searched again
 /// Standard deviation of a tag's centre by libapriltag with refined edges, 24 to 40 px wide, noise of two grey levels.
 constexpr double tag_noise_px = 0.08;
 
@@ -18,12 +18,12 @@ TagFinder::How closely() { return {}; }
 TagFinder::How from_afar(double decimate) {
   TagFinder::How how;
   how.decimate = decimate;
-  how.sigma = 0.8;  // noise makes thousands of tiny regions otherwise, and a search ten times as long
+  how.sigma = 0.8;  // otherwise noise makes thousands of tiny regions, and the search takes ten times as long
   return how;
 }
 
-/// Tags need some 16 px in the smaller picture; the library knows these steps. Of unknown tags it is taken that they
-/// are 36 px or more.
+/// Tags need some 16 px in the smaller image; the library supports these steps. Unknown tags are assumed to be 36 px or
+/// more.
 double decimate_for(const FloorMap& map, double side_m) {
   const double u = 0.5 * static_cast<double>(map.frame.width);
   const double v = 0.5 * static_cast<double>(map.frame.height);
@@ -56,7 +56,8 @@ std::optional<TagOnFloor> tag_on_floor(const DetectedTag& tag, const FloorMap& m
     centre.x_m += 0.25 * corner->x_m;
     centre.y_m += 0.25 * corner->y_m;
   }
-  // The square nearest to the four: its turn is the mean of theirs, its side the mean of their distances along it.
+  // The square nearest to the four corners: its turn is the mean of theirs, its side the mean of their distances along
+  // it.
   constexpr std::array<Point2, 4> square{Point2{-1, -1}, Point2{1, -1}, Point2{1, 1}, Point2{-1, 1}};
   double along = 0.0;
   double across = 0.0;
@@ -86,7 +87,7 @@ Window Tracker::around(const Followed& followed, double stamp_s, double margin) 
   const double dt_s = stamp_s - followed.detected_s;
   const double u = followed.centre.u + dt_s * followed.per_s.u;
   const double v = followed.centre.v + dt_s * followed.per_s.v;
-  // The white margin is a quarter of the side; the rest is for what the prediction does not know.
+  // The white margin is a quarter of the side; the rest covers the prediction's uncertainty.
   const double half = 1.25 * followed.radius_px + margin;
   const auto low = [&](double at, std::size_t most) {
     return static_cast<std::size_t>(std::clamp(at - half, 0.0, static_cast<double>(most)));
@@ -102,7 +103,7 @@ Window Tracker::around(const Followed& followed, double stamp_s, double margin) 
 
 std::optional<DetectedTag> Tracker::find_again(const Image& image, int id, const Followed& followed, double stamp_s) {
   const double dt_s = stamp_s - followed.detected_s;
-  // First where it should be. Then as far as it can have got since.
+  // First at the predicted position. Then in the region that the tag can have reached since.
   const double px_per_m = options_.side_m > 0.0 ? followed.radius_px / (0.7071 * options_.side_m) : 1000.0;
   const double farthest = std::min(px_per_m * options_.speed_mps_max * dt_s, 400.0);
   const double near =
@@ -121,7 +122,7 @@ bool Tracker::is_welcome(const DetectedTag& tag) const {
     return false;
   if (options_.side_m <= 0.0) return true;
   const auto there = tag_on_floor(tag, calibration_.map);
-  // Above the floor it seems larger, by at most a third; farther off it is no tag of ours.
+  // A tag above the floor appears larger, by at most a third; a larger deviation is another system's tag.
   return there && there->side_m > 0.85 * options_.side_m && there->side_m < 1.4 * options_.side_m;
 }
 
@@ -131,7 +132,7 @@ void Tracker::search(const Image& image, double stamp_s, std::map<int, DetectedT
   if (everybody) return;
   Window window{0, 0, image.size};
   if (metrics_.images > 0) {
-    // Bands overlap by as much as a tag is wide, and nobody lies between two.
+    // Bands overlap by the width of a tag, so that no tag lies between two.
     const std::size_t step = (image.size.height + options_.bands - 1) / options_.bands;
     constexpr std::size_t overlap = 80;
     window.row = std::min(band_ * step, image.size.height);
@@ -140,12 +141,12 @@ void Tracker::search(const Image& image, double stamp_s, std::map<int, DetectedT
   }
   std::set<int> found;
   for (const DetectedTag& far : finder_.find(image, window, from_afar(options_.search_decimate))) {
-    if (detected.contains(far.id) && !found.contains(far.id)) continue;  // it is followed
+    if (detected.contains(far.id) && !found.contains(far.id)) continue;  // followed already
     if (!is_welcome(far) || found.contains(far.id)) {
       ++metrics_.strange;
       continue;
     }
-    // Corners of the smaller picture are coarser: look again, closely.
+    // Corners of the smaller image are coarser: a second detection at full resolution.
     Followed there{far.centre(), {}, radius_of(far), stamp_s, false, 0};
     for (const DetectedTag& near : finder_.find(image, around(there, stamp_s, 8.0), closely())) {
       if (near.id != far.id) continue;

@@ -11,45 +11,47 @@
 
 namespace cosiva::vision {
 
-/// Where a vehicle truly was.
+/// The actual pose of a vehicle.
 struct Fix {
   int tag{};
-  double t_s{};            ///< the middle of its own rows' exposure, by the camera's clock
+  double t_s{};            ///< the middle instant of its own rows' exposure, by the camera's clock
   Pose2 X_MB{};            ///< of the vehicle
-  double uncertainty_m{};  ///< standard, of its place: what the calibration leaves here, and the tag's noise
+  double uncertainty_m{};  ///< standard uncertainty of its position: the calibration's there, and the tag's noise
   PixelPoint centre;       ///< of its tag
 };
 
 struct TrackerOptions {
   double exposure_s{0.0};
   double line_s{0.0};  ///< from a row's beginning to the next one's; 0: a global shutter
-  double side_m{0.0};  ///< of the tags' black square: another size is somebody else's. 0: any
-  /// Tags to be expected; when all are followed nobody searches any more. Empty: any, and the search never ends.
+  double side_m{0.0};  ///< of the tags' black square: another size is another system's tag. 0: any
+  /// The expected tags; when all are followed the search ends. Empty: any, and the search never ends.
   std::vector<int> expected;
-  /// The picture that unknown tags are looked for in is so much smaller. 0: as much as leaves tags of side_m enough.
+  /// Unknown tags are searched in an image reduced by this factor. 0: the factor that leaves enough pixels for tags of
+  /// side_m.
   double search_decimate{0.0};
-  std::size_t bands{16};      ///< a search goes through the picture in so many pictures
-  double speed_mps_max{2.0};  ///< nobody is faster: further apart from one picture to the next is another tag
+  std::size_t bands{16};      ///< a search of the whole image takes so many images
+  double speed_mps_max{2.0};  ///< no vehicle is faster: a detection further away in the next image is another tag
 };
 
-/// Finds the vehicles in one picture after the other. Whoever was in the last one is looked for where it should be, in
-/// a window at full resolution; who is not known yet, in a band of the picture at a time (in the first one everywhere).
+/// Finds the vehicles in a sequence of images. A vehicle that was in the last image is searched at its predicted
+/// position, in a window at full resolution; an unknown vehicle, in one band of the image at a time (everywhere in the
+/// first image).
 class Tracker {
  public:
   Tracker(const Calibration& calibration, const TrackerOptions& options);
 
-  /// @param stamp_s  when the exposure of the first row began, by the camera's clock; it rises (checked)
-  /// Fails ("gvs.image") on a picture of another size than the calibration's.
+  /// @param stamp_s  start of the first row's exposure, by the camera's clock; it rises (checked)
+  /// Fails ("gvs.image") on an image of another size than the calibration's.
   [[nodiscard]] Result<std::vector<Fix>> see(const Image& image, double stamp_s);
 
   struct Metrics {
     std::size_t images{};
     std::size_t fixes{};
-    std::size_t lost{};     ///< times that somebody followed was not found
-    std::size_t strange{};  ///< tags that were none of the expected, of another size, or twice in a picture
+    std::size_t lost{};     ///< how often a followed tag was not found
+    std::size_t strange{};  ///< tags that were not expected, of another size, or twice in an image
   };
   [[nodiscard]] const Metrics& metrics() const { return metrics_; }
-  /// Those that are followed now.
+  /// The tags that are followed now.
   [[nodiscard]] std::vector<int> followed() const;
 
  private:
@@ -77,8 +79,8 @@ class Tracker {
   Metrics metrics_;
 };
 
-/// The pose of a square tag, taken to lie on the floor, and the side that it then has. Nothing where a corner looks
-/// past the floor.
+/// The pose of a square tag, assumed to lie on the floor, and the resulting side. Nothing where a corner is beyond the
+/// horizon.
 struct TagOnFloor {
   Pose2 pose;
   double side_m;

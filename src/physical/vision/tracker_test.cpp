@@ -15,7 +15,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// 1024 px under the roof: what holds for it holds for the larger one, and it is drawn four times as fast.
+/// 1024 px under the roof: the results hold for the larger image too, and rendering is four times as fast.
 SceneCamera small_camera() {
   SceneCamera camera;
   camera.frame = {1024, 1024};
@@ -66,7 +66,7 @@ struct Evaluated {
   double rms_m{}, max_m{}, heading_rms_rad{}, heading_max_rad{};
 };
 
-/// Drives `bodies` before the camera and compares each fix with where its vehicle truly was at the fix's own time.
+/// Drives `bodies` before the camera and compares each fix with the vehicle's ground truth at the fix's own time.
 Evaluated evaluate(const SceneCamera& camera, Calibration calibration, const std::vector<SceneBody>& bodies,
                    int images) {
   calibration.markers[0].X_BT = bodies[0].X_BT;
@@ -107,7 +107,7 @@ TEST(Gvs, follows_twenty_vehicles_within_2_mm_and_a_third_of_a_degree) {
 TEST(Gvs, follows_them_with_a_rolling_shutter_and_motion_blur_too) {
   SceneCamera camera = small_camera();
   camera.exposure_s = 0.008;
-  camera.line_s = 20e-6;  // 20 ms from top to bottom: 10 mm at 0.5 m/s, were it not accounted for
+  camera.line_s = 20e-6;  // 20 ms from top to bottom: 10 mm at 0.5 m/s without compensation
   const Evaluated evaluated = evaluate(camera, calibration_of(camera), fleet(8, 0.10), 6);
   EXPECT_EQ(evaluated.fixes, 48U);
   EXPECT_LE(evaluated.max_m, 2e-3);
@@ -120,7 +120,7 @@ TEST(Gvs, without_height_correction_would_be_tens_of_millimetres_off) {
   EXPECT_GT(evaluate(camera, flat, fleet(8, 0.10), 2).max_m, 0.02);
 }
 
-TEST(Gvs, sees_in_dim_and_glaring_light) {
+TEST(Gvs, detects_in_dim_and_glaring_light) {
   for (const double brightness : {0.35, 1.3}) {
     SceneCamera camera = small_camera();
     camera.brightness = brightness;
@@ -129,7 +129,7 @@ TEST(Gvs, sees_in_dim_and_glaring_light) {
   }
 }
 
-TEST(Tracker, finds_who_comes_later_and_forgets_who_goes) {
+TEST(Tracker, finds_vehicles_that_come_later_and_drops_those_that_leave) {
   const SceneCamera camera = small_camera();
   const Painter painter{camera, {}, 5};
   Tracker tracker{calibration_of(camera), options_for(camera, 0.10)};
@@ -148,7 +148,7 @@ TEST(Tracker, finds_who_comes_later_and_forgets_who_goes) {
   EXPECT_GT(tracker.metrics().lost, 0U);
 }
 
-TEST(Tracker, takes_no_tag_that_is_not_expected_or_of_another_size) {
+TEST(Tracker, accepts_no_tag_that_is_not_expected_or_of_another_size) {
   const SceneCamera camera = small_camera();
   const Painter painter{camera, {}, 5};
   std::vector<SceneBody> bodies = fleet(3, 0.10);
@@ -170,12 +170,12 @@ TEST(Tracker, refuses_an_image_of_another_size) {
   EXPECT_THAT(fixes.error().message, HasSubstr("is 640 x 480 pixels large, and the calibration is for 1024 x 1024"));
 }
 
-TEST(Tracker, sees_nothing_in_an_empty_image) {
+TEST(Tracker, detects_nothing_in_an_empty_image) {
   Tracker tracker{calibration_of(small_camera()), {}};
   EXPECT_TRUE(tracker.see(Image::filled({1024, 1024}, 128), 0.0)->empty());
 }
 
-// ---- Pictures
+// ---- Images
 
 TEST(Painter, gives_the_same_bytes_for_the_same_seed_and_others_for_another) {
   SceneCamera camera = small_camera();
@@ -189,7 +189,7 @@ TEST(Painter, gives_the_same_bytes_for_the_same_seed_and_others_for_another) {
   EXPECT_NE(first, (Painter{camera, {}, 5}.paint(bodies, 4)));
 }
 
-TEST(Painter, shows_a_place_at_the_pixel_that_looks_at_it) {
+TEST(Painter, shows_a_floor_position_at_the_pixel_that_maps_to_it) {
   const SceneCamera camera;
   for (const Point2 position : {Point2{0.0, 0.0}, Point2{1.2, -1.1}, Point2{-1.3, 1.3}}) {
     const auto pixel = camera.pixel_of(position, 0.0);
@@ -206,13 +206,13 @@ TEST(Frame, is_read_as_it_was_written) {
   EXPECT_EQ(read_netpbm("P5\n# a remark\n1 1\n65535\n" + std::string("\x80\x00", 2), "d.pgm")->pixels[0], 128);
 }
 
-TEST(Frame, that_is_truncated_or_none_is_refused_with_what_is_missing) {
+TEST(Frame, that_is_truncated_or_invalid_is_refused_with_the_missing_part) {
   const auto error = [](std::string_view bytes) { return to_string(read_netpbm(bytes, "a.pgm").error()); };
   const std::string good = write_pgm(Image::filled({4, 4}, 9));
   EXPECT_THAT(error(good.substr(0, good.size() - 1)),
               HasSubstr("a.pgm: ends too early: 4 x 4 pixels need 16 bytes, there are 15"));
   for (std::size_t cut = 0; cut < good.size(); ++cut) EXPECT_FALSE(read_netpbm(good.substr(0, cut), "a.pgm"));
-  EXPECT_THAT(error("\x89PNG"), HasSubstr("no Netpbm picture"));
+  EXPECT_THAT(error("\x89PNG"), HasSubstr("no Netpbm image"));
   EXPECT_THAT(error("P5 0 4 255 "), HasSubstr("has no size"));
   EXPECT_THAT(error("P5 99999999999999999999 4 255 "), HasSubstr("has no size"));
   EXPECT_THAT(error("P5 30000 30000 255 x"), HasSubstr("ends too early"));

@@ -14,15 +14,16 @@
 namespace cosiva::zone {
 namespace {
 
-// Stations times sections: what asking every station for every other may cost.
+// Stations times sections: the limit of the work for checking every station from every other.
 constexpr std::size_t reaching_work_max = 20'000'000;
 
-/// Where one can come from these places without entering a closed section; one that one stands on may be left.
+/// The positions that can be reached from these without entering a closed section; a closed section that a vehicle is
+/// on may be left.
 class Reachable {
  public:
   Reachable(const TrafficZone& zone, std::span<const TrackPosition> from)
       : from_{from}, entered_(zone.circuit.size(), false) {
-    for (const SectionId id : zone.closed) entered_[id] = true;  // as if one had been there: nobody goes
+    for (const SectionId id : zone.closed) entered_[id] = true;  // as if visited: no vehicle goes there
     std::vector<SectionId> open;
     const auto leave = [&](SectionId id) {
       for (const SectionId after : zone.circuit.next(id)) {
@@ -107,7 +108,7 @@ class Checker {
         const double kink_rad = std::fabs(wrap_angle(start.heading_rad - end.heading_rad));
         if (kink_rad > limits_.kink_rad && !circuit_.part(id).pivots)
           record(Severity::error, "circuit.kink", end_of(id),
-                 "the way turns by " + metres_text(kink_rad / rad_per_deg) + "° at once from " + name(id) + " to " +
+                 "the path turns by " + metres_text(kink_rad / rad_per_deg) + "° at once from " + name(id) + " to " +
                      name(after) + "; round it, or let vehicles turn on the spot there");
       }
     }
@@ -145,7 +146,7 @@ class Checker {
                "nothing follows " + name(id) + "; a vehicle that drives to its end stays there");
       else if (!goes_on[id])
         record(Severity::warning, "zone.no_return", {id, 0.0},
-               "all ways from " + name(id) + " end; who drives in does not come round again");
+               "all routes from " + name(id) + " end; a vehicle that drives in cannot return");
       if (circuit_.previous(id).empty())
         record(Severity::warning, "zone.unreachable", {id, 0.0},
                "no section leads to " + name(id) + "; only vehicles that start there drive on it");
@@ -158,14 +159,15 @@ class Checker {
     for (const Station& station : all) {
       if (const Crossing* crossing = zone_.crossing_at(station.position))
         record(Severity::warning, "zone.station", station.position,
-               "who stands at station '" + station.name + "' holds up everybody at crossing " + crossing->name);
+               "a vehicle at station '" + station.name + "' blocks all others at crossing " + crossing->name);
       if (!zone_.starts.empty() && !reached.reaches(station.position))
         record(Severity::error, "zone.unreachable", station.position,
                "station '" + station.name + "' cannot be reached from any of the starts");
     }
-    // From every other station, as long as that does not take minutes.
+    // From every other station, as long as the search does not take minutes.
     const std::size_t requested = std::min(all.size(), reaching_work_max / (circuit_.size() + all.size()) + 1);
-    std::vector<std::pair<std::size_t, std::size_t>> cut_off(all.size());  // from how many, and the first of them
+    // the number of stations, and the first of them
+    std::vector<std::pair<std::size_t, std::size_t>> cut_off(all.size());
     for (std::size_t from = 0; from < requested; ++from) {
       const Reachable onward{zone_, std::span{&all[from].position, 1}};
       for (std::size_t to = 0; to < all.size(); ++to)
@@ -189,7 +191,7 @@ class Checker {
       const bool free = std::none_of(taken.begin(), taken.end(), [&](Point2 q) { return distance(p, q) < room_m; });
       const std::string which = "start " + std::to_string(taken.size() + 1);
       if (zone_.crossing_at(start) != nullptr || !zone_.may_stop(start))
-        record(Severity::error, "zone.start", start, which + " lies where no vehicle may stand");
+        record(Severity::error, "zone.start", start, which + " lies where no vehicle may stop");
       else if (!free)
         record(Severity::warning, "zone.start", start,
                which + " is nearer than " + metres(room_m) + " to one before it; no vehicle begins here");
@@ -203,13 +205,13 @@ class Checker {
     const Stretch stretch = longest_unread(zone_);
     if (!stretch.endless && stretch.length_m <= limits_.unread_max_m) return;
     record(Severity::warning, "zone.unread", stretch.from,
-           stretch.endless ? "one can drive round for ever without a tag or a beacon, " + metres(stretch.length_m) +
+           stretch.endless ? "a vehicle can circulate for ever without a tag or a beacon, " + metres(stretch.length_m) +
                                  " each time; lay a tag"
                            : "there is neither tag nor beacon for " + metres(stretch.length_m) + " from here to " +
                                  name(stretch.to.section) + "; expected one every " + metres(limits_.unread_max_m));
   }
 
-  /// Two sections with the same line, driven against each other.
+  /// Two sections with the same path, driven in opposite directions.
   void single_tracks() {
     const std::vector<SectionId> other = opposites(zone_);
     for (SectionId id = 0; id < circuit_.size(); ++id) {

@@ -20,7 +20,7 @@ TrafficZone zone_of(std::vector<Circuit::Part> parts, double gap_m = 1e-3, doubl
   EXPECT_TRUE(circuit) << to_string(circuit.error());
   TrafficZone zone{"z", std::move(*circuit), {}, {}, {}, {}, {}, {}, {}, {}};
   zone.profiles = {{0.15, 0.3, 0.6}, {0.30, 0.5, 0.8}, {0.50, 0.8, 1.0}};
-  zone.beacons = BeaconGrid{0.05, {-50.0, -50.0}, 3000, 3000};  // nothing is ever unread
+  zone.beacons = BeaconGrid{0.05, {-50.0, -50.0}, 3000, 3000};  // no distance counts as unread
   return zone;
 }
 
@@ -31,13 +31,13 @@ std::vector<Problem> of_code(const TrafficZone& zone, std::string_view code, con
   return found;
 }
 
-TEST(Check, has_nothing_to_say_of_the_ready_zones) {
+TEST(Check, has_no_findings_in_the_ready_zones) {
   for (const char* name : {"lacet4.toml", "indus8.toml"})
     for (const Problem& problem : problems(testing::zone_file(name)))
       ADD_FAILURE() << to_string(problem, testing::zone_file(name));
 }
 
-TEST(Check, finds_every_gap_and_every_kink_of_a_circuit_that_was_joined_loosely) {
+TEST(Check, finds_every_gap_and_every_kink_of_a_loosely_joined_circuit) {
   const Section a = section({}, 1.0);
   const Section b = section({1.004, 0.0, 0.0}, 1.0);
   const Section c = section({2.004, 0.0, 0.01}, 1.0);
@@ -53,14 +53,14 @@ TEST(Check, finds_every_gap_and_every_kink_of_a_circuit_that_was_joined_loosely)
   EXPECT_THAT(kinks[0].text, HasSubstr("0.573°"));
 }
 
-TEST(Check, takes_a_turn_on_the_spot_for_no_kink) {
+TEST(Check, counts_no_turn_on_the_spot_as_a_kink) {
   Circuit::Part stem = part("a", section({}, 1.0), {1});
   stem.pivots = true;
   const TrafficZone zone = zone_of({stem, part("b", section({1.0, 0.0, pi / 2.0}, 1.0))});
   EXPECT_THAT(of_code(zone, "circuit.kink"), IsEmpty());
 }
 
-TEST(Check, knows_a_bend_too_tight_for_the_vehicle_from_one_too_fast_for_its_load) {
+TEST(Check, distinguishes_a_bend_too_tight_for_the_vehicle_from_one_too_fast_for_its_load) {
   TrafficZone zone = zone_of({part("a", section({}, 0.1, 1.0 / 0.059))});
   EXPECT_THAT(of_code(zone, "zone.vehicle"), SizeIs(1));
   // 0.5 m/s on a radius of 0.2 m: 1.25 m/s²; √(1.0 · 0.2) = 0.447 m/s is slow enough.
@@ -76,7 +76,7 @@ TEST(Check, knows_a_bend_too_tight_for_the_vehicle_from_one_too_fast_for_its_loa
   EXPECT_THAT(of_code(zone_of({slow}), "zone.speed"), IsEmpty());
 }
 
-/// A ring with a spur off it that ends, and a way onto it from outside.
+/// A loop with a spur off it that ends, and a section onto it from outside.
 TrafficZone loop_with_spur() {
   const Section south = section({}, 2.0);
   const Section east = section(south.end(), pi * 0.5, 2.0);
@@ -89,7 +89,7 @@ TrafficZone loop_with_spur() {
                   part("west", west, {0}), part("spur", spur, {5}), part("far", far), part("ramp", ramp, {0})});
 }
 
-TEST(Check, tells_dead_ends_ways_into_them_and_ways_that_nothing_leads_to) {
+TEST(Check, reports_dead_ends_sections_into_them_and_sections_that_no_other_leads_to) {
   const TrafficZone zone = loop_with_spur();
   const auto ends = of_code(zone, "zone.dead_end");
   ASSERT_THAT(ends, SizeIs(1));
@@ -103,7 +103,7 @@ TEST(Check, tells_dead_ends_ways_into_them_and_ways_that_nothing_leads_to) {
   EXPECT_EQ(outside[0].position.section, 6U);
 }
 
-TEST(Check, tells_stations_that_nobody_comes_to) {
+TEST(Check, reports_stations_that_no_vehicle_can_reach) {
   TrafficZone zone = loop_with_spur();
   zone.stations = {{"dock", {2, 1.0}}, {"gate", {6, 0.5}}, {"end", {5, 0.5}}};
   zone.starts = {{0, 1.0}};
@@ -115,14 +115,14 @@ TEST(Check, tells_stations_that_nobody_comes_to) {
   EXPECT_THAT(found[2].text, HasSubstr("station 'gate' cannot be reached from station 'dock' and 1 other"));
 }
 
-TEST(Check, takes_closed_sections_for_gone) {
+TEST(Check, counts_closed_sections_as_absent) {
   TrafficZone zone = loop_with_spur();
   zone.stations = {{"dock", {2, 1.0}}};
   zone.starts = {{0, 1.0}};
   EXPECT_THAT(of_code(zone, "zone.unreachable"), IsEmpty());
   zone.closed = {1};
   EXPECT_THAT(of_code(zone, "zone.unreachable"), SizeIs(1));
-  // Who stands on a closed section may leave it.
+  // A vehicle on a closed section may leave it.
   zone.closed = {0};
   EXPECT_THAT(of_code(zone, "zone.unreachable"), IsEmpty());
 }
@@ -135,7 +135,7 @@ TEST(Check, reaches_a_station_behind_on_the_same_section_only_by_going_round) {
   EXPECT_THAT(found[0].text, HasSubstr("'first' cannot be reached from station 'second'"));
 }
 
-TEST(Check, tells_starts_where_no_vehicle_begins) {
+TEST(Check, reports_starts_where_no_vehicle_begins) {
   TrafficZone zone = loop_with_spur();
   zone.waypoints = {{"w", {0, 0.0}}, {"w", {4, 0.0}}};
   zone.starts = {{0, 0.5}, {0, 0.7}, {4, 0.5}};
@@ -146,7 +146,7 @@ TEST(Check, tells_starts_where_no_vehicle_begins) {
   EXPECT_THAT(found[1].text, HasSubstr("start 3 lies on a closed section"));
 }
 
-TEST(Check, tells_a_station_in_a_crossing) {
+TEST(Check, reports_a_station_in_a_crossing) {
   TrafficZone zone = loop_with_spur();
   zone.crossings = {{"X1", {2.0, 0.0}, {{1, 0.0, 0.3}, {4, 0.0, 0.3}}}};
   zone.stations = {{"dock", {1, 0.2}}};
@@ -154,7 +154,7 @@ TEST(Check, tells_a_station_in_a_crossing) {
   EXPECT_THAT(of_code(zone, "zone.station")[0].text, HasSubstr("crossing X1"));
 }
 
-TEST(Check, tells_the_longest_way_without_tag_or_beacon) {
+TEST(Check, reports_the_longest_distance_without_tag_or_beacon) {
   TrafficZone zone = zone_of({part("a", section({}, 12.0))});
   zone.beacons.reset();
   zone.tags = {{1, {0, 2.0}}, {2, {0, 9.0}}};
@@ -167,7 +167,7 @@ TEST(Check, tells_the_longest_way_without_tag_or_beacon) {
   EXPECT_THAT(of_code(zone, "zone.unread", {.unread_max_m = 3.0}), SizeIs(1));
 }
 
-TEST(Check, tells_a_track_that_is_driven_both_ways) {
+TEST(Check, reports_a_track_that_is_driven_both_ways) {
   const Section there = section({}, 3.0);
   const Section back = section({3.0, 0.0, pi}, 3.0);
   Circuit::Part out = part("there", there, {1});
@@ -176,7 +176,7 @@ TEST(Check, tells_a_track_that_is_driven_both_ways) {
   const auto found = of_code(zone_of({out, home}), "zone.single_track");
   ASSERT_THAT(found, SizeIs(1));
   EXPECT_THAT(found[0].text, HasSubstr("'back' and 'there' are one track of 3.00 m"));
-  // An arc out and a straight back have the same ends, but are two ways.
+  // An arc out and a straight back have the same ends, but are two tracks.
   const Section bow = section({}, pi, 1.0);
   Circuit::Part round = part("bow", bow, {1});
   Circuit::Part chord = part("chord", section({0.0, 2.0, -pi / 2.0}, 2.0), {0});
@@ -184,7 +184,7 @@ TEST(Check, tells_a_track_that_is_driven_both_ways) {
   EXPECT_THAT(of_code(zone_of({round, chord}), "zone.single_track"), IsEmpty());
 }
 
-TEST(Check, counts_what_it_does_not_list) {
+TEST(Check, counts_findings_that_it_does_not_list) {
   std::vector<Circuit::Part> parts;
   for (int i = 0; i < 7; ++i) parts.push_back(part("s" + std::to_string(i), section({0.0, 1.0 * i, 0.0}, 1.0)));
   const auto ends = of_code(zone_of(std::move(parts)), "zone.dead_end", {.of_one_code = 3});
@@ -192,7 +192,7 @@ TEST(Check, counts_what_it_does_not_list) {
   EXPECT_THAT(ends[3].text, HasSubstr("and 4 more"));
 }
 
-TEST(Check, puts_errors_first_and_says_where) {
+TEST(Check, lists_errors_first_and_names_their_location) {
   TrafficZone zone = loop_with_spur();
   zone.stations = {{"gate", {6, 0.5}}};
   zone.starts = {{0, 1.0}};

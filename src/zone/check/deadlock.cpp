@@ -14,10 +14,10 @@
 namespace cosiva::zone {
 namespace {
 
-/// Of several alike so many are named.
+/// The number of similar findings that are named.
 constexpr std::size_t named_max = 5;
 
-/// Whether places keep `room_m` from each other all the way round `round_m`, taking as many as that allows from
+/// Whether positions keep `room_m` from each other all the way round `round_m`, taking as many as that allows from
 /// `first`.
 std::size_t packed_from(std::span<const double> positions_m, std::size_t first, double round_m, double room_m) {
   std::size_t count = 1;
@@ -59,7 +59,7 @@ class Spots {
                       position(circuit_.pose_at(track_position)), std::move(text)});
   }
 
-  // --- how many may go round ---
+  // --- how many vehicles fit on a loop ---
 
   void loops() {
     for (const Loop& loop : zone_.loops) one_loop("loop '" + loop.name + "'", loop.sections);
@@ -77,12 +77,12 @@ class Spots {
   void one_loop(const std::string& what, const std::vector<SectionId>& sections) {
     const std::size_t most = vehicles_going_round(zone_, sections);
     record("deadlock.loop", {sections.front(), 0.0},
-           what + (most == 0 ? " has no place where a vehicle can wait outside crossings"
-                             : " has room for " + vehicles(most) + " that go round; with " + std::to_string(most + 1) +
-                                   " nobody in it can move"));
+           what + (most == 0 ? " has no position where a vehicle can wait outside crossings"
+                             : " has room for " + vehicles(most) + " to circulate; with " + std::to_string(most + 1) +
+                                   " no vehicle in it can move"));
   }
 
-  /// A ring is gone round; elsewhere who cannot go on one way may take another.
+  /// A loop is followed all round; elsewhere a vehicle that is blocked on one branch may take another.
   void one_part(std::span<const std::uint32_t> members) {
     std::vector<SectionId> cycle;
     for (SectionId at = members.front(); cycle.empty() || at != members.front();) {
@@ -95,7 +95,7 @@ class Spots {
       }
       at = onward;
     }
-    one_loop("the way round from " + name(members.front()), cycle);
+    one_loop("the loop from " + name(members.front()), cycle);
   }
 
   void whole_part(std::span<const std::uint32_t> members) {
@@ -108,8 +108,8 @@ class Spots {
     const std::size_t most = positions > 0 ? positions - 1 : 0;
     record("deadlock.loop", {members.front(), 0.0},
            "the " + std::to_string(members.size()) + " sections that lead round from " + name(members.front()) +
-               " have places for at most " + vehicles(positions) + " to wait; with more than " + std::to_string(most) +
-               " nobody in them can move");
+               " have waiting positions for at most " + vehicles(positions) + "; with more than " +
+               std::to_string(most) + " no vehicle in them can move");
   }
 
   static std::string vehicles(std::size_t count) {
@@ -121,8 +121,8 @@ class Spots {
   [[nodiscard]] bool without_room(SectionId id) const { return rests_[id] == 0; }
 
   void rows_without_room() {
-    // Of the ways on from a section only those count that give no room either. Who turns round in a dead end comes back
-    // over what it holds already.
+    // Of the successors of a section only those count that have no room either. A vehicle that turns round in a dead
+    // end returns over sections that it holds already.
     std::vector<SectionId> onward;
     std::vector<std::size_t> first(circuit_.size() + 1, 0);
     for (SectionId id = 0; id < circuit_.size(); ++id) {
@@ -135,7 +135,7 @@ class Spots {
       return std::span<const SectionId>{onward}.subspan(first[id], first[id + 1] - first[id]);
     };
     components_.find(circuit_.size(), next);
-    // Those that others lead to come first: the longest row from each is known when it is asked for.
+    // Predecessors come first: the longest row from each is known when it is needed.
     std::vector<std::size_t> row(circuit_.size(), 0);
     for (std::size_t c = 0; c < components_.size(); ++c) {
       const auto members = components_.members(c);
@@ -144,8 +144,8 @@ class Spots {
       const auto branches = next(id);
       if (members.size() > 1 || std::find(branches.begin(), branches.end(), id) != branches.end()) {
         record("deadlock.no_room", {id, 0.0},
-               "one can go round from " + name(id) + " over " + std::to_string(members.size()) +
-                   " sections without a place to wait between crossings; vehicles stand in crossings there, and each "
+               "a vehicle can go round from " + name(id) + " over " + std::to_string(members.size()) +
+                   " sections without a waiting position between crossings; vehicles stop in crossings there, and each "
                    "may hold what the next one needs: leave more room between two of them");
         for (const SectionId member : members) row[member] = 0;
         continue;
@@ -156,7 +156,7 @@ class Spots {
     long_rows(row);
   }
 
-  /// Told once for each row, where it begins.
+  /// Reported once for each row, where the row begins.
   void long_rows(const std::vector<std::size_t>& row) {
     for (SectionId id = 0; id < circuit_.size(); ++id) {
       if (row[id] <= reserved_at_once_max) continue;
@@ -164,14 +164,14 @@ class Spots {
       if (std::any_of(before.begin(), before.end(), [&](SectionId b) { return row[b] > row[id]; })) continue;
       record("deadlock.no_room", {id, 0.0},
              "from " + name(id) + " on crossings follow each other over " + std::to_string(row[id]) +
-                 " stretches without a place to wait; more than " + std::to_string(reserved_at_once_max) +
-                 " are not reserved at once, so vehicles stand in crossings there");
+                 " stretches without a waiting position; more than " + std::to_string(reserved_at_once_max) +
+                 " are not reserved at once, so vehicles stop in crossings there");
     }
   }
 
-  // --- there and back on one line ---
+  // --- there and back on one track ---
 
-  /// What follows a section if one does not turn round at its end; no_section where ways part, or it ends.
+  /// The successor of a section without a turn at its end; no_section at a fork, or where the section ends.
   [[nodiscard]] SectionId straight_on(SectionId id) const {
     SectionId found = no_section;
     for (const SectionId after : circuit_.next(id)) {
@@ -182,7 +182,8 @@ class Spots {
     return found;
   }
 
-  /// The next section of the same track driven both ways; no_section where one may leave it, or it ends.
+  /// The next section of the same track driven both ways; no_section where a vehicle may leave the track, or where it
+  /// ends.
   [[nodiscard]] SectionId along_track(SectionId id) const {
     const SectionId after = straight_on(id);
     if (after == no_section || opposite_[after] == no_section) return no_section;
@@ -193,7 +194,7 @@ class Spots {
     std::vector<bool> done(circuit_.size(), false);
     for (SectionId id = 0; id < circuit_.size(); ++id) {
       if (done[id] || opposite_[id] == no_section) continue;
-      // Its beginning: as far back as the track goes, seen from the other side.
+      // Its beginning: as far back as the track goes, in the opposite direction.
       SectionId at = id;
       for (SectionId back = along_track(opposite_[at]); back != no_section && opposite_[back] != id;
            back = along_track(opposite_[at]))
@@ -217,7 +218,7 @@ class Spots {
     record("deadlock.single_track", {waits_on, 0.0},
            (first == last ? name(first) + " is" : name(first) + " to " + name(last) + " are") + " one track of " +
                metres_text(length_m) + " m driven both ways, and a vehicle may stop on " + name(waits_on) +
-               " while another comes the other way; there is no place to pass");
+               " while another comes from the other direction; there is no room to pass");
   }
 
   void dead_ends() {
@@ -230,14 +231,15 @@ class Spots {
     std::string names;
     for (std::size_t i = 0; i < std::min(named_max, ends.size()); ++i) names += (i > 0 ? ", " : "") + name(ends[i]);
     if (ends.size() > named_max) names += " and " + std::to_string(ends.size() - named_max) + " more";
-    record("deadlock.dead_end", {ends.front(), 0.0},
-           names + " can only be left the way one came in; who waits to get in must leave the way out free");
+    record(
+        "deadlock.dead_end", {ends.front(), 0.0},
+        names + " can only be left in the direction of entry; a vehicle that waits to enter must leave the exit free");
   }
 
   const TrafficZone& zone_;
   const Circuit& circuit_;
   std::vector<SectionId> opposite_;
-  std::vector<std::size_t> rests_;      ///< on each section: waypoints where one may wait
+  std::vector<std::size_t> rests_;      ///< on each section: waypoints where a vehicle may wait
   std::vector<std::size_t> stretches_;  ///< waypoints of any kind
   StrongComponents components_;
   std::vector<Problem> found_;
@@ -282,7 +284,7 @@ std::size_t vehicles_going_round(const TrafficZone& zone, const std::vector<Sect
   }
   if (positions_m.empty()) return 0;
   const double room_m = stopping_room_m(zone.vehicle);
-  // The tightest row begins at one of the first places that a vehicle takes away from each other.
+  // The tightest row begins at one of the first positions that a vehicle takes away from each other.
   std::size_t most = 0;
   for (std::size_t first = 0; first < positions_m.size() && positions_m[first] < positions_m.front() + room_m; ++first)
     most = std::max(most, packed_from(positions_m, first, round_m, room_m));

@@ -46,7 +46,7 @@ TrafficZone oval(double straight_m) {
       {part("south", south, {1}), part("east", east, {2}), part("north", north, {3}), part("west", west, {0})});
 }
 
-TEST(DeadlockSpots, tell_how_many_vehicles_a_ring_has_room_for) {
+TEST(DeadlockSpots, report_how_many_vehicles_a_loop_has_room_for) {
   const TrafficZone zone = oval(3.0);
   const auto found = of_code(zone, "deadlock.loop");
   ASSERT_THAT(found, SizeIs(1));
@@ -57,11 +57,11 @@ TEST(DeadlockSpots, tell_how_many_vehicles_a_ring_has_room_for) {
   EXPECT_LE(most, 29U);
   EXPECT_GE(most, 14U);
   EXPECT_THAT(found[0].text, HasSubstr("room for " + std::to_string(most) + " vehicles"));
-  EXPECT_THAT(found[0].text, HasSubstr("with " + std::to_string(most + 1) + " nobody in it can move"));
+  EXPECT_THAT(found[0].text, HasSubstr("with " + std::to_string(most + 1) + " no vehicle in it can move"));
   EXPECT_THAT(deadlock_spots(zone), SizeIs(1));
 }
 
-TEST(DeadlockSpots, count_places_a_vehicle_s_length_and_gap_apart_all_the_way_round) {
+TEST(DeadlockSpots, count_positions_a_vehicle_s_length_and_gap_apart_all_the_way_round) {
   TrafficZone zone = oval(3.0);
   const double round_m = zone.circuit.total_length_m();
   const auto with_positions = [&](std::vector<double> on_south) {
@@ -73,7 +73,7 @@ TEST(DeadlockSpots, count_places_a_vehicle_s_length_and_gap_apart_all_the_way_ro
   };
   ASSERT_GT(round_m, 9.0);
   EXPECT_EQ(with_positions({}), 0U);
-  EXPECT_EQ(with_positions({1.0}), 0U) << "the only place: whoever leaves it must come back to it";
+  EXPECT_EQ(with_positions({1.0}), 0U) << "the only position: a vehicle that leaves it must come back to it";
   EXPECT_EQ(with_positions({1.0, 1.3}), 1U);
   EXPECT_EQ(with_positions({1.0, 1.2}), 0U) << "too near for two";
   EXPECT_EQ(with_positions({1.0, 1.2, 1.4, 1.6}), 1U);
@@ -89,7 +89,7 @@ TEST(DeadlockSpots, are_counted_for_each_named_loop_and_not_for_the_rest) {
   EXPECT_EQ(found[0].position.section, 2U);
 }
 
-TEST(DeadlockSpots, of_a_part_with_branches_are_its_places) {
+TEST(DeadlockSpots, of_a_part_with_branches_are_its_positions) {
   const Section south = section({}, 2.0);
   const Section east = section(south.end(), pi * 0.5, 2.0);
   const Section north = section(east.end(), 2.0);
@@ -105,10 +105,10 @@ TEST(DeadlockSpots, of_a_part_with_branches_are_its_places) {
   EXPECT_THAT(found[0].text, HasSubstr("the 7 sections that lead round from 'south'"));
 }
 
-TEST(DeadlockSpots, are_rings_of_crossings_without_room_between_them) {
+TEST(DeadlockSpots, are_cycles_of_crossings_without_room_between_them) {
   TrafficZone zone = oval(3.0);
   EXPECT_THAT(of_code(zone, "deadlock.no_room"), IsEmpty());
-  // One crossing beside another all the way round, as where four ways cross in too small a square.
+  // One crossing next to another all the way round, as where four sections cross in too small a square.
   std::vector<Crossing> crossings;
   for (SectionId id = 0; id < 4; ++id) {
     const double length_m = zone.circuit.section(id).length_m();
@@ -117,8 +117,8 @@ TEST(DeadlockSpots, are_rings_of_crossings_without_room_between_them) {
   zone.crossings = crossings;
   const auto found = of_code(zone, "deadlock.no_room");
   ASSERT_THAT(found, SizeIs(1));
-  EXPECT_THAT(found[0].text, HasSubstr("over 4 sections without a place to wait"));
-  EXPECT_THAT(of_code(zone, "deadlock.loop")[0].text, HasSubstr("no place where a vehicle can wait"));
+  EXPECT_THAT(found[0].text, HasSubstr("over 4 sections without a waiting position"));
+  EXPECT_THAT(of_code(zone, "deadlock.loop")[0].text, HasSubstr("no position where a vehicle can wait"));
 }
 
 TEST(DeadlockSpots, are_rows_of_crossings_longer_than_is_reserved_at_once) {
@@ -145,7 +145,7 @@ TEST(DeadlockSpots, are_rows_of_crossings_longer_than_is_reserved_at_once) {
   EXPECT_THAT(found[0].text, HasSubstr("over 20 stretches"));
 }
 
-/// There and back on one line of three sections, with turns on the spot at both ends.
+/// There and back on one track of three sections, with turns on the spot at both ends.
 TrafficZone there_and_back() {
   const auto piece = [](const char* name, const Section& line, std::vector<SectionId> next) {
     Circuit::Part made = part(name, line, std::move(next));
@@ -158,12 +158,13 @@ TrafficZone there_and_back() {
                   piece("a back", section({1.0, 0.0, pi}, 1.0), {0})});
 }
 
-TEST(DeadlockSpots, are_tracks_driven_both_ways_where_one_may_stop) {
+TEST(DeadlockSpots, are_tracks_driven_both_ways_where_a_vehicle_may_stop) {
   TrafficZone zone = there_and_back();
   EXPECT_EQ(opposites(zone), (std::vector<SectionId>{5, 4, 3, 2, 1, 0}));
   EXPECT_THAT(of_code(zone, "deadlock.single_track"), IsEmpty()) << "reserved from end to end";
-  EXPECT_THAT(of_code(zone, "deadlock.no_room"), IsEmpty()) << "who turns round holds the way back already";
-  // As where a format says that one may stop there.
+  EXPECT_THAT(of_code(zone, "deadlock.no_room"), IsEmpty())
+      << "a vehicle that turns round holds the return path already";
+  // As where a format declares that a vehicle may stop there.
   zone.crossings = std::vector<Crossing>{};
   zone.waypoints = std::vector<Waypoint>{{"b", {1, 0.5}}};
   const auto found = of_code(zone, "deadlock.single_track");
@@ -171,10 +172,10 @@ TEST(DeadlockSpots, are_tracks_driven_both_ways_where_one_may_stop) {
   EXPECT_THAT(found[0].text, HasSubstr("one track of 3.00 m driven both ways"));
 }
 
-TEST(DeadlockSpots, are_ends_that_one_leaves_the_way_one_came) {
+TEST(DeadlockSpots, are_ends_that_are_left_in_the_direction_of_entry) {
   const auto found = of_code(there_and_back(), "deadlock.dead_end");
   ASSERT_THAT(found, SizeIs(1));
-  EXPECT_THAT(found[0].text, HasSubstr("'c', 'a back' can only be left the way one came in"));
+  EXPECT_THAT(found[0].text, HasSubstr("'c', 'a back' can only be left in the direction of entry"));
 }
 
 TEST(DeadlockSpots, of_the_ready_zones_are_how_many_they_have_room_for) {

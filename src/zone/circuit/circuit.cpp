@@ -101,7 +101,7 @@ double Circuit::total_length_m() const {
 }
 
 /// Calls look(id) for all sections that head into `headings` and may come within `limit_m`, which `look` may lower; for
-/// some several times.
+/// some sections several times.
 template <typename NeighbourVisitor>
 void Circuit::survey_neighbours(Point2 p, Headings headings, const double& limit_m,
                                 const NeighbourVisitor& visitor) const {
@@ -181,7 +181,7 @@ std::optional<double> Circuit::distance_ahead(TrackPosition from, TrackPosition 
 
   double travelled_m = section(from.section).length_m() - from.s_m;  // up to the start of the next one
   SectionLookAhead ahead{*this, from.section, remaining};
-  // A default way that comes back to a section it has been on never gets anywhere new.
+  // A default successor that returns to a visited section never leads anywhere new.
   for (std::size_t steps = 0; steps < remaining.size() + parts_.size() && travelled_m <= limit_m; ++steps) {
     if (!ahead.step()) return std::nullopt;
     if (ahead.section() == to.section) return within(travelled_m + to.s_m);
@@ -196,9 +196,9 @@ std::optional<Circuit::Route> Circuit::shortest_route(TrackPosition from, TrackP
     if (to.s_m - from.s_m > limit_m) return std::nullopt;
     return Route{to.s_m - from.s_m, {from.section}};
   }
-  // Dijkstra over the few sections within the limit, in a map: nothing of the circuit's size is made.
+  // Dijkstra over the few sections within the limit, in a map: nothing of the circuit's size is allocated.
   struct Reached {
-    double start_m;  // travelled when it begins
+    double start_m;  // distance travelled when it begins
     SectionId via;   // from.section's own beginning is not reached, its end is left
     bool done;
   };

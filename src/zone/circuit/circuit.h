@@ -18,29 +18,28 @@ namespace cosiva::zone {
 using SectionId = std::uint32_t;  ///< index into the circuit's sections
 inline constexpr SectionId no_section = ~SectionId{0};
 
-/// A place on a circuit: arc length s along a section.
+/// A position on a circuit: arc length s along a section.
 struct TrackPosition {
   SectionId section{no_section};
   double s_m{};
   friend bool operator==(const TrackPosition&, const TrackPosition&) = default;
 };
 
-/// A directed graph of sections (DESIGN §4.3). The article's closed circuit is a ring.
+/// A directed graph of sections (DESIGN §4.3). The article's closed circuit is a loop.
 class Circuit {
  public:
   struct Part {
     std::string name;
     Section section;
     std::optional<double> speed_mps_max;  ///< limit on this section, if any
-    std::vector<SectionId> next;          ///< what may follow; the first is the default
-    bool pivots{false};  ///< at its end vehicles turn on the spot where what follows leaves at an angle
+    std::vector<SectionId> next;          ///< possible successors; the first is the default
+    bool pivots{false};  ///< at its end vehicles turn on the spot where the successor leaves at an angle
   };
 
-  /// Joins the parts. An error's place is the name of the section at fault. Fails ("circuit.gap", "circuit.kink") where
-  /// a next section does not start where this one ends: position within `gap_m`, heading within `kink_rad` unless the
-  /// section pivots;
-  /// ("circuit.duplicate") on equal names; ("circuit.next") on a successor that is none of the parts;
-  /// ("circuit.empty").
+  /// Joins the parts. An error's location is the name of the section at fault. Fails ("circuit.gap", "circuit.kink")
+  /// where a next section does not start where this one ends: position within `gap_m`, heading within `kink_rad` unless
+  /// the section pivots; ("circuit.duplicate") on equal names; ("circuit.next") on a successor that is none of the
+  /// parts; ("circuit.empty").
   [[nodiscard]] static Result<Circuit> make(std::string name, std::vector<Part> parts, double gap_m = 1e-3,
                                             double kink_rad = 1e-3);
 
@@ -53,14 +52,14 @@ class Circuit {
   [[nodiscard]] std::span<const SectionId> next(SectionId id) const { return parts_[id].next; }
   [[nodiscard]] std::span<const SectionId> previous(SectionId id) const { return previous_[id]; }
   [[nodiscard]] double total_length_m() const;
-  /// What a vehicle turns on the spot between the end of `from` and the start of `to`, (−π, π], left positive; 0 where
-  /// the way goes on within `smooth_rad`.
+  /// The turn of a vehicle on the spot between the end of `from` and the start of `to`, (−π, π], left positive; 0 where
+  /// the path goes on within `smooth_rad`.
   [[nodiscard]] double turn_at(SectionId from, SectionId to) const;
   static constexpr double smooth_rad = 1e-3;
 
   [[nodiscard]] Pose2 pose_at(TrackPosition position) const { return section(position.section).pose_at(position.s_m); }
 
-  /// The place nearest to p over all sections; `heading_rad` (if given) breaks ties where sections cross: only those
+  /// The position nearest to p over all sections; `heading_rad` (if given) breaks ties where sections cross: only those
   /// within π/3 of it count, unless none is. Of several equally near the lowest id.
   struct Located {
     TrackPosition position;
@@ -68,11 +67,11 @@ class Circuit {
     double distance_m;
   };
   [[nodiscard]] Located locate(Point2 p, std::optional<double> heading_rad = std::nullopt) const;
-  /// All sections that pass within `within_m` of p, each at its place nearest to p; sorted by distance, then id. What
-  /// was in `out` goes; its memory is used again.
+  /// All sections that pass within `within_m` of p, each at its position nearest to p; sorted by distance, then id. The
+  /// content of `out` is replaced; its memory is reused.
   void near(Point2 p, double within_m, std::vector<Located>& out) const;
 
-  /// The place `distance_m` ahead: through the sections of `coming`, in order, and from its end along default
+  /// The position `distance_m` ahead: through the sections of `coming`, in order, and from its end along default
   /// successors; stops at a dead end. Negative goes back through `gone`, its last first, then along `previous`.
   [[nodiscard]] TrackPosition advance(TrackPosition from, double distance_m, std::span<const SectionId> remaining = {},
                                       std::span<const SectionId> traversed = {}) const;
@@ -82,7 +81,7 @@ class Circuit {
   [[nodiscard]] std::optional<double> distance_ahead(TrackPosition from, TrackPosition to, double limit_m,
                                                      std::span<const SectionId> remaining = {}) const;
 
-  /// The shortest way from one place to another over all branches; nothing beyond `limit_m`.
+  /// The shortest route from one position to another over all branches; nothing beyond `limit_m`.
   struct Route {
     double length_m{};
     std::vector<SectionId> sections;  ///< from.section first, to.section last
@@ -98,7 +97,7 @@ class Circuit {
   void survey_neighbours(Point2 p, Headings headings, const double& limit_m, const NeighbourVisitor& visitor) const;
 
   SectionGrid grid_;
-  SectionTree tree_;  ///< of the same pieces, for where the grid does not know
+  SectionTree tree_;  ///< of the same pieces, for queries that the grid cannot resolve
 };
 
 }  // namespace cosiva::zone

@@ -23,7 +23,7 @@ std::string code_of(std::vector<Circuit::Part> parts) {
   return made ? "made" : made.error().code;
 }
 
-TEST(Circuit, knows_what_follows_and_what_precedes_each_section) {
+TEST(Circuit, knows_successors_and_predecessors_of_each_section) {
   const Circuit circuit = track();
   EXPECT_THAT(circuit.next(0), ElementsAre(1));
   EXPECT_THAT(circuit.previous(0), ElementsAre(3));
@@ -38,7 +38,7 @@ TEST(Circuit, finds_sections_by_name) {
   EXPECT_EQ(circuit.find(""), std::nullopt);
 }
 
-TEST(Circuit, of_no_section_is_refused) { EXPECT_EQ(code_of({}), "circuit.empty"); }
+TEST(Circuit, without_a_section_is_refused) { EXPECT_EQ(code_of({}), "circuit.empty"); }
 
 TEST(Circuit, with_two_sections_of_one_name_is_refused) {
   const auto made =
@@ -48,7 +48,7 @@ TEST(Circuit, with_two_sections_of_one_name_is_refused) {
   EXPECT_EQ(made.error().location, "a");
 }
 
-TEST(Circuit, with_a_gap_is_refused_and_says_where_and_how_wide) {
+TEST(Circuit, with_a_gap_is_refused_with_its_location_and_width) {
   const auto made = Circuit::make("bad", {part("a", section({}, 1.0), {1}), part("b", section({1.0, 0.2, 0.0}, 1.0))});
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().code, "circuit.gap");
@@ -63,13 +63,13 @@ TEST(Circuit, tolerates_gaps_of_less_than_a_millimetre) {
 
 TEST(Circuit, with_a_kink_is_refused) {
   EXPECT_EQ(code_of({part("a", section({}, 1.0), {1}), part("b", section({1.0, 0.0, 0.01}, 1.0))}), "circuit.kink");
-  // ±π are one heading, whichever side of it the two ends come from.
+  // ±π are one heading, from whichever side of it the two ends approach.
   EXPECT_EQ(
       code_of({part("a", section({0.0, 0.0, pi - 1e-5}, 1.0), {1}), part("b", section({-1.0, 1e-5, -pi + 1e-5}, 1.0))}),
       "made");
 }
 
-TEST(Circuit, followed_by_a_section_that_is_not_there_is_refused) {
+TEST(Circuit, followed_by_a_missing_section_is_refused) {
   EXPECT_EQ(code_of({part("a", section({}, 1.0), {7})}), "circuit.next");
 }
 
@@ -95,7 +95,7 @@ TEST(Circuit, stops_at_dead_ends) {
   EXPECT_EQ(circuit.advance({0, 1.0}, -5.0), (TrackPosition{0, 0.0}));
 }
 
-TEST(Circuit, distance_ahead_is_the_way_round) {
+TEST(Circuit, distance_ahead_is_the_distance_round_the_loop) {
   const Circuit circuit = track();
   const double lap_m = circuit.total_length_m();
   EXPECT_DOUBLE_EQ(circuit.distance_ahead({0, 0.5}, {0, 1.5}, 100.0).value(), 1.0);
@@ -124,27 +124,27 @@ TEST(Circuit, distance_ahead_undoes_advance) {
   });
 }
 
-TEST(Circuit, locates_the_nearest_place_of_all_sections) {
+TEST(Circuit, locates_the_nearest_position_of_all_sections) {
   const Circuit circuit = track();
-  const auto located = circuit.locate({1.0, 0.9});  // above the middle of the field: north is nearer
+  const auto located = circuit.locate({1.0, 0.9});  // above the centre of the field: north is nearer
   EXPECT_EQ(located.position.section, 2U);
   EXPECT_NEAR(located.position.s_m, 1.0, 1e-12);
   EXPECT_NEAR(located.left_m, 0.1, 1e-12);  // north runs west, its left is the field
   EXPECT_NEAR(located.distance_m, 0.1, 1e-12);
 }
 
-TEST(Circuit, locate_tells_crossing_ways_apart_by_heading) {
+TEST(Circuit, locate_distinguishes_crossing_sections_by_heading) {
   const Circuit cross = testing::circuit(
       {part("east", section({-1.0, 0.0, 0.0}, 2.0)), part("north", section({0.0, -1.0, pi / 2.0}, 2.0))});
   const Point2 p{0.05, 0.02};
   EXPECT_EQ(cross.locate(p).position.section, 0U);
   EXPECT_EQ(cross.locate(p, 0.1).position.section, 0U);
   EXPECT_EQ(cross.locate(p, pi / 2.0 - 0.5).position.section, 1U);
-  // Against every way: then only distance counts.
+  // Against every direction of travel: then only distance counts.
   EXPECT_EQ(cross.locate(p, -3.0 * pi / 4.0).position.section, 0U);
 }
 
-TEST(Circuit, locates_every_place_where_it_is) {
+TEST(Circuit, locates_every_position_at_itself) {
   const Circuit circuit = track();
   rc::check([&] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "circuit_test"};
@@ -156,8 +156,8 @@ TEST(Circuit, locates_every_place_where_it_is) {
   });
 }
 
-// Ways with branches
-// ----------------------------------------------------------------------------------------------------
+// Sections with branches
+// ------------------------------------------------------------------------------------------------
 
 /// stem → left → end, or stem → right, which is longer, → end.
 Circuit diamond() {
@@ -166,7 +166,7 @@ Circuit diamond() {
       part("right", section({1.0, 0.0, 0.0}, 3.0), {3}), part("end", section({2.0, 0.0, pi / 2.0}, 1.0), {0})};
   for (auto& one : parts) one.pivots = true;
   parts[2].section = section({1.0, 0.0, pi / 2.0}, 3.0, 2.0 * pi / 3.0);  // once round
-  auto made = Circuit::make("diamond", parts, 10.0);                      // where ends lie does not matter here
+  auto made = Circuit::make("diamond", parts, 10.0);                      // the positions of ends do not matter here
   EXPECT_TRUE(made);
   return std::move(*made);
 }
@@ -185,7 +185,7 @@ TEST(Circuit, turns_on_the_spot_only_where_headings_differ) {
   EXPECT_DOUBLE_EQ(std::fabs(back.turn_at(0, 1)), pi);
 }
 
-TEST(Circuit, refuses_a_kink_where_nobody_turns_on_the_spot_and_takes_it_where_they_do) {
+TEST(Circuit, refuses_a_kink_without_a_pivot_and_accepts_it_with_one) {
   auto corner = [](bool pivots) {
     std::vector<Circuit::Part> parts{part("a", section({}, 1.0), {1}), part("b", section({1.0, 0.0, 1.0}, 1.0))};
     parts[0].pivots = pivots;
@@ -198,7 +198,7 @@ TEST(Circuit, refuses_a_kink_where_nobody_turns_on_the_spot_and_takes_it_where_t
   EXPECT_EQ(code_of(gap), "circuit.gap");
 }
 
-TEST(Circuit, advances_along_a_chosen_way_and_back_along_it) {
+TEST(Circuit, advances_along_a_chosen_route_and_back_along_it) {
   const Circuit circuit = diamond();
   const SectionId right[] = {2, 3};
   EXPECT_EQ(circuit.advance({0, 0.5}, 1.0), (TrackPosition{1, 0.5}));
@@ -209,10 +209,10 @@ TEST(Circuit, advances_along_a_chosen_way_and_back_along_it) {
   EXPECT_EQ(circuit.advance({3, 0.5}, -1.0, {}, traversed), (TrackPosition{2, 2.5}));
   EXPECT_EQ(circuit.advance({3, 0.5}, -4.0, {}, traversed), (TrackPosition{0, 0.5}));
   EXPECT_EQ(circuit.advance({3, 0.5}, -5.0, {}, traversed),
-            (TrackPosition{3, 0.5}));  // beyond what is known: by default
+            (TrackPosition{3, 0.5}));  // beyond the known route: by default
 }
 
-TEST(Circuit, measures_along_a_chosen_way) {
+TEST(Circuit, measures_along_a_chosen_route) {
   const Circuit circuit = diamond();
   const SectionId right[] = {2, 3};
   EXPECT_DOUBLE_EQ(circuit.distance_ahead({0, 0.5}, {3, 0.5}, 10.0).value(), 2.0);
@@ -221,7 +221,7 @@ TEST(Circuit, measures_along_a_chosen_way) {
   EXPECT_DOUBLE_EQ(circuit.distance_ahead({0, 0.5}, {2, 0.5}, 10.0, right).value(), 1.0);
 }
 
-TEST(Circuit, finds_the_shortest_way_over_all_branches) {
+TEST(Circuit, finds_the_shortest_route_over_all_branches) {
   const Circuit circuit = diamond();
   const auto left = circuit.shortest_route({0, 0.5}, {3, 0.5}, 10.0);
   ASSERT_TRUE(left);

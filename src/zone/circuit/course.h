@@ -9,21 +9,21 @@
 
 namespace cosiva::zone {
 
-/// Goes from section to section along a way: through `coming`, which follows `section`, and from its end along default
-/// successors. Refers to the way, which must outlive it.
+/// Steps from section to section along a route: through `coming`, which follows `section`, and from its end along
+/// default successors. Refers to the route, which must outlive it.
 class SectionLookAhead {
  public:
   SectionLookAhead(const Circuit& circuit, SectionId section, std::span<const SectionId> remaining)
       : circuit_{circuit}, remaining_{remaining}, section_{section} {}
 
   [[nodiscard]] SectionId section() const { return section_; }
-  /// What follows; no_section at a dead end.
+  /// The successor; no_section at a dead end.
   [[nodiscard]] SectionId next() const {
     if (step_ < remaining_.size()) return remaining_[step_];
     const auto branches = circuit_.next(section_);
     return branches.empty() ? no_section : branches.front();
   }
-  /// Whether anybody has said what follows, or there is only one way.
+  /// Whether the successor is on the route, or the only one.
   [[nodiscard]] bool decided() const { return step_ < remaining_.size() || circuit_.next(section_).size() == 1; }
   /// To the next one. False at a dead end, and nothing changed.
   bool step() {
@@ -41,15 +41,16 @@ class SectionLookAhead {
   std::size_t step_{0};
 };
 
-/// The way that somebody takes through the circuit: a row of sections, each a successor of the one before, and which of
-/// them it is on. Where the row ends, default successors go on. An empty course is: default successors, always.
+/// A vehicle's route through the circuit: a sequence of sections, each a successor of the one before, and the present
+/// one among them. From the end of the sequence default successors follow. An empty course is: default successors,
+/// always.
 class Course {
  public:
   Course() = default;
-  /// Is on sections[at], at first on sections.front().
+  /// Begins on sections[at], by default on sections.front().
   explicit Course(std::vector<SectionId> sections, std::size_t at = 0) : sections_{std::move(sections)}, at_{at} {}
 
-  /// It is on `section` now: the next of that name on the course, at most `within` sections on, else the nearest back,
+  /// Moves to `section`: the next of that name on the course, at most `within` sections on, otherwise the nearest back,
   /// at most `back` sections. False, and nothing changed: that section is not on the course, or not so near.
   bool arrive(SectionId section, std::size_t within = 64, std::size_t back = std::numeric_limits<std::size_t>::max());
   /// To the first of coming(), and to the last of gone(); there must be one.
@@ -57,10 +58,10 @@ class Course {
   void step_back() { --at_; }
   /// Appends what comes after the last section.
   void extend(std::span<const SectionId> more);
-  /// Forgets what comes after the next `keep` sections.
+  /// Drops the sections after the next `keep` ones.
   void cut(std::size_t keep);
   void clear() { *this = Course{}; }
-  /// Forgets what lies further back than `keep` sections.
+  /// Drops the sections further back than `keep` sections.
   void forget_traversed(std::size_t keep);
 
   [[nodiscard]] bool empty() const { return sections_.empty(); }
@@ -71,7 +72,7 @@ class Course {
   }
   /// The present section and those before it are the first `gone().size() + 1` of these.
   [[nodiscard]] std::span<const SectionId> sections() const { return sections_; }
-  /// Before the present section, in order of driving: the last is where it came from.
+  /// Before the present section, in order of driving: the last is the one that led here.
   [[nodiscard]] std::span<const SectionId> traversed() const { return std::span{sections_}.first(at_); }
 
  private:

@@ -33,27 +33,27 @@ TEST(Course, begins_on_its_first_section_and_goes_on) {
 }
 
 TEST(Course, takes_a_section_that_comes_again_for_the_next_time_it_comes) {
-  // A figure of eight: 0 is the middle, left 1, right 2.
+  // A figure of eight: 0 is the centre, left 1, right 2.
   Course course{{0, 1, 0, 2, 0, 1}};
   EXPECT_TRUE(course.arrive(1));
   EXPECT_THAT(course.traversed(), ElementsAre(0));
   EXPECT_TRUE(course.arrive(0));
   EXPECT_THAT(course.traversed(), ElementsAre(0, 1));
-  EXPECT_TRUE(course.arrive(0));  // it is there already
+  EXPECT_TRUE(course.arrive(0));  // already reached
   EXPECT_THAT(course.traversed(), ElementsAre(0, 1));
   EXPECT_TRUE(course.arrive(2));
   EXPECT_TRUE(course.arrive(1));
   EXPECT_THAT(course.traversed(), ElementsAre(0, 1, 0, 2, 0));
 }
 
-TEST(Course, goes_back_to_the_nearest_where_nothing_of_that_name_comes) {
+TEST(Course, goes_back_to_the_nearest_where_no_section_of_that_name_follows) {
   Course course{{5, 6, 5, 7, 8}};
   ASSERT_TRUE(course.arrive(8));
   EXPECT_TRUE(course.arrive(5));
   EXPECT_THAT(course.traversed(), ElementsAre(5, 6));
 }
 
-TEST(Course, looks_no_further_ahead_than_it_is_told) {
+TEST(Course, searches_no_further_ahead_than_its_limit) {
   Course course{{1, 2, 3, 4}};
   EXPECT_FALSE(course.arrive(4, 2));
   EXPECT_EQ(course.here(), 1U);
@@ -66,7 +66,7 @@ TEST(Course, that_knows_no_such_section_stays_as_it_is) {
   EXPECT_EQ(course.here(), 1U);
 }
 
-TEST(Course, forgets_what_lies_behind_and_nothing_else) {
+TEST(Course, drops_the_sections_behind_and_nothing_else) {
   Course course{{1, 2, 3, 4}};
   ASSERT_TRUE(course.arrive(3));
   course.forget_traversed(1);
@@ -90,7 +90,7 @@ TEST(Course, follows_a_random_walk_through_a_random_graph_in_step) {
     Course course{{walk[0]}};
     std::size_t given = 1;
     for (std::size_t i = 1; i < walk.size(); ++i) {
-      // What comes is known for a few sections only, and never so many that nothing is.
+      // The next few sections are known, never so many that none is unknown.
       while (given <= i || (given < walk.size() && random.chance(0.5))) {
         const SectionId more[] = {walk[given++]};
         course.extend(more);

@@ -7,7 +7,7 @@
 namespace cosiva::zone {
 namespace {
 
-// Whoever comes to a corner sharper than this does not merely follow the one that turns there: it is in its way.
+// A vehicle that enters a corner sharper than this does not merely follow the one that turns there: it obstructs it.
 constexpr double follow_turn_max_rad = pi / 4.0;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 

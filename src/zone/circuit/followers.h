@@ -7,16 +7,17 @@
 
 namespace cosiva::zone {
 
-/// Which sections begin near after the end of which: whoever drives there follows, and is not in the way.
+/// The sections that begin near after the end of each section: a vehicle that drives there follows, and does not
+/// obstruct.
 class Followers {
  public:
   explicit Followers(const Circuit& circuit) : circuit_{circuit} {}
 
-  /// Of every section, finds those that begin within `follow_m` of its end. Each step takes from `work_left` what it
-  /// costs; false, and unfinished, when that is not enough.
+  /// Of every section, finds those that begin within `follow_m` of its end. Each step takes its cost from `work_left`;
+  /// false, and unfinished, when the work is not enough.
   [[nodiscard]] bool find(double follow_m, std::size_t& work_left);
 
-  /// Whether one goes on from `before` to `after` so nearly straight that one merely follows.
+  /// Whether `after` continues `before` so nearly straight that a vehicle merely follows.
   [[nodiscard]] bool follows(SectionId before, SectionId after) const;
   /// From the end of one section to the start of the other [m]; infinity where that is none of those found.
   [[nodiscard]] double gap_m(SectionId before, SectionId after) const;

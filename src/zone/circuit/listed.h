@@ -10,11 +10,11 @@
 
 namespace cosiva::zone {
 
-/// Values in the order in which they were given, found by key without looking at all of them. It is read like the
-/// std::vector that it converts from and to; values are put in and taken out, but never changed in place, because an
-/// index stands beside them. Whoever has many gathers them in a vector first: push_back moves part of the index.
+/// Values in the order in which they were given, found by key without a linear search. Read like the std::vector that
+/// it converts from and to; values are inserted and removed, but never changed in place, because of the index next to
+/// them. To insert many values, gather them in a vector first: push_back moves part of the index.
 ///
-/// `Keys` says what a value is found by: `count(value)` keys, the i-th of which is `key(value, i)`.
+/// `Keys` defines the keys of a value: `count(value)` keys, the i-th of which is `key(value, i)`.
 template <typename Value, typename Keys>
 class Listed {
  public:
@@ -56,7 +56,7 @@ class Listed {
       entries_.insert(after, {position, part});
     }
   }
-  /// Puts another value in place of values[i].
+  /// Replaces values[i] by another value.
   void replace(std::size_t i, Value value) {
     values_[i] = std::move(value);
     sort();

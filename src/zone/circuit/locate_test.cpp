@@ -1,4 +1,4 @@
-// Circuit::locate and near: whatever index they use, they answer as if they looked at every section.
+// Circuit::locate and near: whatever index they use, their results are those of a search over every section.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
@@ -20,7 +20,7 @@ using testing::part;
 using testing::section;
 using testing::track;
 
-/// Sections of all kinds, here and there, some on one another.
+/// Sections of all kinds, at random positions, some on one another.
 Circuit scattered(Random& random, std::size_t size, double extent_m) {
   std::vector<Circuit::Part> parts;
   for (std::size_t i = 0; i < size; ++i) {
@@ -31,12 +31,12 @@ Circuit scattered(Random& random, std::size_t size, double extent_m) {
     const double rate_per_m2 = random.chance(0.7) ? 0.0 : random.uniform(-0.5, 0.5);
     auto made = Section::make(start, length_m, bend_per_m, rate_per_m2);
     parts.push_back(part("s" + std::to_string(2 * i), *made));
-    if (random.chance(0.2)) parts.push_back(part("s" + std::to_string(2 * i + 1), *made));  // its twin, as near as it
+    if (random.chance(0.2)) parts.push_back(part("s" + std::to_string(2 * i + 1), *made));  // its twin, equally near
   }
   return testing::circuit(std::move(parts));
 }
 
-/// By looking at every section.
+/// By a search over every section.
 Circuit::Located brute_force(const Circuit& circuit, Point2 p, std::optional<double> heading_rad) {
   Circuit::Located any{{}, 0.0, 1e300};
   Circuit::Located aligned = any;
@@ -73,7 +73,7 @@ bool locates_exactly(const Circuit& circuit, Point2 p, double heading_rad, doubl
          std::equal(near.begin(), near.end(), all.begin(), all.end(), same);
 }
 
-TEST(Locate, answers_exactly_as_looking_at_every_section_would) {
+TEST(Locate, equals_a_search_over_every_section) {
   EXPECT_TRUE(rc::check([] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "locate_test"};
     const double extent_m = random.chance(0.5) ? 3.0 : 100.0;
@@ -85,7 +85,7 @@ TEST(Locate, answers_exactly_as_looking_at_every_section_would) {
   }));
 }
 
-TEST(Locate, answers_exactly_on_the_ways_at_their_ends_and_far_outside) {
+TEST(Locate, is_exact_on_the_sections_at_their_ends_and_far_outside) {
   EXPECT_TRUE(rc::check([] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "locate_test/places"};
     const double extent_m = random.chance(0.5) ? 10.0 : 300.0;
@@ -102,7 +102,7 @@ TEST(Locate, answers_exactly_on_the_ways_at_their_ends_and_far_outside) {
   }));
 }
 
-TEST(Locate, answers_exactly_where_a_crowd_lies_in_one_corner_of_a_huge_zone) {
+TEST(Locate, is_exact_where_many_sections_lie_in_one_corner_of_a_huge_zone) {
   EXPECT_TRUE(rc::check([] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "locate_test/crowd"};
     const double far_m = random.chance(0.5) ? 1e4 : 1e8;
@@ -134,7 +134,7 @@ TEST(Locate, gives_the_lowest_id_of_equally_near_sections) {
   EXPECT_EQ(circuit.locate({-1.0, 0.0}, 0.5).position, (TrackPosition{0, 0.0}));
 }
 
-TEST(Locate, passes_by_all_that_head_elsewhere_however_near) {
+TEST(Locate, ignores_all_sections_that_head_elsewhere_however_near) {
   std::vector<Circuit::Part> parts;
   for (int i = 0; i < 200; ++i)
     parts.push_back(part("north" + std::to_string(i), section({1.0 * i, 0.0, pi / 2.0}, 10.0)));

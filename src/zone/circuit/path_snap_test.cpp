@@ -9,7 +9,7 @@ Circuit::Part straight(std::string name, const Pose2& start, double length_m) {
   return {std::move(name), *Section::make(start, length_m), std::nullopt, {}, false};
 }
 
-/// A way east along y = 0 and one north along x = 1, which cross; and one west, 0.2 m above the first.
+/// A section east along y = 0 and one north along x = 1, which cross; and one west, 0.2 m above the first.
 Circuit crossing_paths() {
   std::vector<Circuit::Part> parts;
   parts.push_back(straight("east", {0.0, 0.0, 0.0}, 2.0));
@@ -18,7 +18,7 @@ Circuit crossing_paths() {
   return *Circuit::make("ways", std::move(parts));
 }
 
-TEST(PathSnap, is_the_nearest_place_of_the_way_that_heads_as_the_vehicle_does) {
+TEST(PathSnap, is_the_nearest_position_of_the_section_with_the_vehicle_s_heading) {
   const Circuit circuit = crossing_paths();
   const auto east = snap_to_path(circuit, {0.99, 0.01, 0.1});
   ASSERT_TRUE(east);
@@ -30,9 +30,9 @@ TEST(PathSnap, is_the_nearest_place_of_the_way_that_heads_as_the_vehicle_does) {
   EXPECT_EQ(north->position.section, 1U);
 }
 
-TEST(PathSnap, is_the_nearest_way_whatever_its_heading_where_the_others_are_further_than_a_turn_is_worth) {
+TEST(PathSnap, is_the_nearest_section_whatever_its_heading_where_the_others_are_further_than_a_turn_is_worth) {
   const Circuit circuit = crossing_paths();
-  // Half a turn is worth 0.157 m: 0.02 m from the way west and 0.18 m from the way east, heading east.
+  // Half a turn is worth 0.157 m: 0.02 m from the section west and 0.18 m from the section east, heading east.
   const auto close = snap_to_path(circuit, {1.6, 0.19, 0.0});
   ASSERT_TRUE(close);
   EXPECT_EQ(close->position.section, 2U);
@@ -41,7 +41,7 @@ TEST(PathSnap, is_the_nearest_way_whatever_its_heading_where_the_others_are_furt
   EXPECT_EQ(between->position.section, 0U) << "0.13 m beats 0.07 + 0.157 m";
 }
 
-TEST(PathSnap, is_none_beyond_its_reach_and_a_ways_end_counts) {
+TEST(PathSnap, is_none_beyond_its_reach_and_includes_a_section_s_end) {
   const Circuit circuit = crossing_paths();
   EXPECT_FALSE(snap_to_path(circuit, {0.5, -0.31, 0.0}));
   EXPECT_TRUE(snap_to_path(circuit, {0.5, -0.30, 0.0}));
@@ -52,7 +52,7 @@ TEST(PathSnap, is_none_beyond_its_reach_and_a_ways_end_counts) {
   EXPECT_FALSE(snap_to_path(circuit, {-0.2, 0.1, 0.0}, 0.2));
 }
 
-TEST(PathSnap, is_the_lower_section_where_two_ways_begin_as_one) {
+TEST(PathSnap, is_the_lower_section_where_two_begin_as_one) {
   std::vector<Circuit::Part> parts;
   parts.push_back(straight("a", {0.0, 0.0, 0.0}, 1.0));
   parts.push_back(straight("b", {0.0, 0.0, 0.0}, 2.0));

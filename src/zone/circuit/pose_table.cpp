@@ -7,7 +7,7 @@
 namespace cosiva::zone {
 namespace {
 
-/// wrap_angle without its division: at the very border it may turn the other way round first, and then back.
+/// wrap_angle without its division: at the very border the angle may turn the other way round first, and then back.
 COSIVA_INLINE double wrapped(double angle_rad) {
   constexpr double per_turn = 1.0 / (2.0 * pi);
   const double turns = plain::round_even(angle_rad * per_turn);
@@ -32,7 +32,7 @@ COSIVA_VECTOR_CLONES void constant_curvature(const double* __restrict rows, cons
   }
 }
 
-/// Arcs flatter than this have their centre so far off that it would cost digits.
+/// The centre of a flatter arc is so far away that it would cost digits.
 constexpr double flat_per_m = 1e-4;
 
 }  // namespace

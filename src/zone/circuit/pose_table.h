@@ -8,17 +8,17 @@
 
 namespace cosiva::zone {
 
-/// A circuit's geometry side by side, for the poses of many vehicles in one pass. Straights and arcs are the same to
-/// it, so that there is nothing to branch on: from a centre C, or a straight's start, with R = 1/κ, or 0 on a straight,
+/// A circuit's geometry side by side, for the poses of many vehicles in one pass. Straights and arcs have the same
+/// form, so that no branch is needed: from a centre C, or a straight's start, with R = 1/κ, or 0 on a straight,
 ///     θ(s) = θ₀ + κs,   p(s) = C + R·(sin θ, −cos θ) + l·(cos θ, sin θ),   l = s on a straight, else 0.
-/// Clothoids, and arcs that are nearly straight, are asked one by one.
+/// Clothoids, and arcs that are nearly straight, are evaluated one by one.
 class PoseTable {
  public:
   /// @param circuit  must outlive the table
   explicit PoseTable(const Circuit& circuit);
 
-  /// X_MP of places, one entry each: within 1e-11 m and rad of Circuit::pose_at, and the same bits
-  /// on every machine.
+  /// X_MP of track positions, one entry each: within 1e-11 m and rad of Circuit::pose_at, and the same bits on every
+  /// machine.
   /// @param s_m  in [0, length]
   void poses(std::span<const SectionId> sections, std::span<const double> s_m, std::span<double> x_m,
              std::span<double> y_m, std::span<double> heading_rad) const;
@@ -26,7 +26,7 @@ class PoseTable {
 
  private:
   const Circuit* circuit_;
-  /// Eight numbers a section, in one line of the cache: C.x, C.y, R, θ₀, κ.
+  /// Eight numbers a section, in one cache line: C.x, C.y, R, θ₀, κ.
   static constexpr std::size_t stride = 8;
   std::vector<double> rows_;
   bool none_special_{true};

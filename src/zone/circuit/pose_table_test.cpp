@@ -9,7 +9,7 @@
 namespace cosiva::zone {
 namespace {
 
-/// Poses at random places of a circuit, all at once and one by one.
+/// Poses at random positions of a circuit, all at once and one by one.
 void expect_same(const Circuit& circuit) {
   const PoseTable table{circuit};
   Random random{1, "pose_table"};
@@ -35,7 +35,7 @@ void expect_same(const Circuit& circuit) {
   }
 }
 
-TEST(PoseTable, gives_the_poses_that_sections_give) {
+TEST(PoseTable, gives_the_poses_of_sections) {
   expect_same(testing::lacet4().circuit);
   expect_same(testing::zone_file("indus8.toml").circuit);
 }

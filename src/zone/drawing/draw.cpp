@@ -8,12 +8,12 @@ namespace cosiva::zone {
 namespace {
 
 constexpr double sagitta_min_m = 0.0005;
-// A picture of more than these is a grey haze that takes a browser seconds; all of it stays in the zone.
+// A drawing with more of these is a grey haze that takes a browser seconds; all of them stay in the zone.
 constexpr std::uint64_t beacons_drawn_max = 10'000;
 constexpr std::size_t names_drawn_max = 3'000;
 constexpr double points_drawn_max = 300'000.0;
 
-/// Sizes of a picture follow the vehicle, so that a yard of lorries and a table of toys look alike.
+/// Sizes in a drawing follow the vehicle, so that a yard of lorries and a table of toys look alike.
 struct Sizes {
   explicit Sizes(const VehicleShape& vehicle)
       : road_m{vehicle.width_m * 1.5},
@@ -36,7 +36,7 @@ double parts_of(const Section& section, double sagitta_m) {
   return std::max(1.0, std::ceil(section.length_m() / chord_m));
 }
 
-/// As fine as is seen, but coarser where that made too many points in all.
+/// As fine as is visible, but coarser where that would give too many points in all.
 double sagitta_of(const Circuit& circuit) {
   double points = 0.0;
   for (SectionId id = 0; id < circuit.size(); ++id) points += parts_of(circuit.section(id), sagitta_min_m) + 1.0;
@@ -54,7 +54,7 @@ std::vector<Point2> trace(const Section& section, double sagitta_m) {
 
 std::string kind_name(StationKind kind) { return kind == StationKind::charger ? "charger" : "stop"; }
 
-/// A shape given in a body frame, put on the map.
+/// A shape given in a body frame, transformed to the map.
 std::vector<Point2> placed(const Pose2& X_MB, std::initializer_list<Point2> points_B) {
   std::vector<Point2> points;
   for (const Point2& p_B : points_B) points.push_back(X_MB * p_B);
@@ -91,7 +91,7 @@ class Painter {
     const double sagitta_m = sagitta_of(zone_.circuit);
     for (SectionId id = 0; id < zone_.circuit.size(); ++id)
       traces.push_back(trace(zone_.circuit.section(id), sagitta_m));
-    // All bands under all lines, so that no road covers another's middle.
+    // All bands under all centre lines, so that no road covers another's centre line.
     for (SectionId id = 0; id < traces.size(); ++id)
       add(Shape::polyline, "road", traces[id], sizes_.road_m, zone_.circuit.part(id).name);
     for (SectionId id = 0; id < traces.size(); ++id) {
@@ -100,7 +100,7 @@ class Painter {
     }
   }
 
-  /// Once at each place, however many ways end there.
+  /// Once at each position, however many sections end there.
   void pivots() {
     std::set<std::pair<double, double>> drawn;
     for (SectionId id = 0; id < zone_.circuit.size(); ++id) {
@@ -115,7 +115,7 @@ class Painter {
 
   void crossings() {
     for (const Crossing& crossing : zone_.crossings) {
-      // A box across the roads, turned like the first way through it.
+      // A box across the roads, turned like the first section through it.
       const CrossingSpan& span = crossing.spans.front();
       Pose2 X_MC = zone_.circuit.pose_at({span.section, 0.5 * (span.from_m + span.to_m)});
       X_MC.x_m = crossing.centre.x_m;
@@ -149,7 +149,7 @@ class Painter {
     for (const Station& station : zone_.stations) {
       const Pose2 X_MP = zone_.circuit.pose_at(station.position);
       const double h = sizes_.station_m;
-      // A charger stands on its corner.
+      // A charger is drawn on its corner.
       const double r = 1.4 * h;
       auto outline = station.kind == StationKind::charger ? placed(X_MP, {{r, 0.0}, {0.0, r}, {-r, 0.0}, {0.0, -r}})
                                                           : placed(X_MP, {{-h, -h}, {h, -h}, {h, h}, {-h, h}});
@@ -166,7 +166,7 @@ class Painter {
       // An arrow needs room; short pieces are followed by others that have it.
       const double arrow_m = sizes_.arrow_m;
       if (section.length_m() < 6.0 * arrow_m) continue;
-      // A quarter of the way: the middle of a way is where crossings and tags like to be.
+      // A quarter of the section: its centre is where crossings and tags often lie.
       const Pose2 X_MP = section.pose_at(0.25 * section.length_m());
       add(Shape::polygon, "section",
           placed(X_MP, {{arrow_m, 0.0},
@@ -174,7 +174,7 @@ class Painter {
                         {-0.2 * arrow_m, 0.0},
                         {-0.6 * arrow_m, -0.6 * arrow_m}}),
           0.0, {}, X_MP.heading_rad);
-      // Names stand inside the bend, where the road leaves room; beside a straight on its right.
+      // Names are inside the bend, where the road leaves room; on a straight at its right.
       const double side = section.curvature_at(0.0) > 0.0 ? 1.0 : -1.0;
       const double beside_m = 0.5 * sizes_.road_m + 1.6 * sizes_.text_m;
       const Pose2 X_MT = section.pose_at(0.125 * section.length_m());
@@ -207,7 +207,7 @@ std::string_view shape_name(Primitive::Shape shape) {
   return "unknown";
 }
 
-/// What the page edits and names, beside the drawing it need not understand.
+/// The data that the page edits and names, next to the drawing, which it need not interpret.
 void write_metadata(JsonWriter& json, const TrafficZone& zone) {
   json.key("sections").begin_array();
   for (SectionId id = 0; id < zone.circuit.size(); ++id) {
@@ -231,7 +231,7 @@ void write_metadata(JsonWriter& json, const TrafficZone& zone) {
   json.field("columns", grid.columns).field("rows", grid.rows).end_object();
 }
 
-/// Where vehicles may be sent, and what the reader had to say.
+/// The destinations of vehicles, and the reader's diagnostics.
 void write_goals(JsonWriter& json, const TrafficZone& zone) {
   json.key("stations").begin_array();
   for (const Station& station : zone.stations) {
@@ -252,7 +252,7 @@ void write_goals(JsonWriter& json, const TrafficZone& zone) {
   json.end_array();
 }
 
-/// To 0.01 mm, which is all that a picture is worth.
+/// To 0.01 mm, the resolution that a drawing needs.
 void write_point(JsonWriter& json, Point2 p) {
   const auto rounded = [](double value_m) { return std::nearbyint(value_m * 1e5) / 1e5; };
   json.begin_array().value(rounded(p.x_m)).value(rounded(p.y_m)).end_array();
@@ -266,7 +266,7 @@ Bounds bounds(const std::vector<Primitive>& primitives) {
   Bounds all;
   bool first = true;
   for (const Primitive& primitive : primitives) {
-    // A stroke reaches half its width, a disc its radius; text is not worth widening a picture for.
+    // A stroke reaches half its width, a disc its radius; text does not widen a drawing.
     double reach_m = 0.0;
     if (primitive.shape == Primitive::Shape::polyline) reach_m = 0.5 * primitive.size_m;
     if (primitive.shape == Primitive::Shape::disc) reach_m = primitive.size_m;

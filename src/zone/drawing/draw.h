@@ -9,7 +9,7 @@
 
 namespace cosiva::zone {
 
-/// What a blind display can draw without knowing what it shows (A19): shapes on named layers, in map metres.
+/// Shapes that a display can draw without interpreting them (A19): on named layers, in map metres.
 struct Primitive {
   enum class Shape { polyline, polygon, disc, text };
   Shape shape;
@@ -17,14 +17,14 @@ struct Primitive {
   std::string layer;
   std::vector<Point2> points;
   double size_m{};    ///< stroke width, disc radius or text height
-  std::string label;  ///< text to write or to show on hover; may be empty
+  std::string label;  ///< text to draw or to show on hover; may be empty
   double heading_rad{};
-  std::string kind{};  ///< of one layer's several: "straight", "arc", "clothoid"; "stop", "charger"; else empty
+  std::string kind{};  ///< of a layer with several kinds: "straight", "arc", "clothoid"; "stop", "charger"; else empty
 };
 
-/// The zone draws itself: road bands, centre lines, crossings, tags, beacons, stations, places to turn on the spot;
-/// curves to within 0.5 mm. Of a zone so large that nobody could read them names are left out, and its curves are as
-/// fine as some hundred thousand points allow.
+/// The drawing of a zone: road bands, centre lines, crossings, tags, beacons, stations, pivots; curves to within 0.5
+/// mm. In a zone so large that names would be illegible they are left out, and its curves are as fine as some hundred
+/// thousand points allow.
 [[nodiscard]] std::vector<Primitive> draw(const TrafficZone& zone);
 
 struct Bounds {
@@ -37,7 +37,7 @@ struct Bounds {
 /// "primitives":[{"shape","layer","kind"?,"points":[[x,y]…],"size_m","label","heading"}…] to 0.01 mm,
 /// "sections":[{"name","length_m"}…],"tags":[{"number","section","s","x","y"}…],
 /// "beacons":{"pitch_m","origin":[x,y],"rotation","columns","rows"} or null,
-/// "stations":[{"name","kind","x","y","section","s"}…],"loops":[name…],"notes":[{"kind","place","text"}…]}
+/// "stations":[{"name","kind","x","y","section","s"}…],"loops":[name…],"diagnostics":[{"kind","location","text"}…]}
 /// The beacons' origin is their first one, about which they are turned.
 void write_json(JsonWriter& json, const TrafficZone& zone, const std::vector<Primitive>& primitives);
 

@@ -31,7 +31,7 @@ double distance_to_chords(const std::vector<Point2>& points, Point2 p) {
   return least_m;
 }
 
-TEST(Draw, shows_everything_that_the_zone_has) {
+TEST(Draw, shows_all_elements_of_the_zone) {
   const TrafficZone zone = testing::lacet4();
   std::map<std::string, std::size_t> count;
   for (const Primitive& primitive : draw(zone)) ++count[primitive.layer];
@@ -153,7 +153,7 @@ TEST(Draw, writes_the_metadata_that_the_page_edits) {
   EXPECT_TRUE(JsonValue::parse(without.text())->find("beacons")->is_null());
 }
 
-/// Everything that a picture can show: a fork, a turn on the spot, every kind of section and station, a closed one.
+/// Everything that a drawing can show: a fork, a turn on the spot, every kind of section and station, a closed one.
 TrafficZone motley() {
   auto read = testing::read_zone(R"(name = "motley"
 format_version = 1
@@ -208,7 +208,7 @@ cover = "zone"
   return std::move(*read);
 }
 
-TEST(Draw, tells_kinds_of_sections_and_stations_apart) {
+TEST(Draw, distinguishes_kinds_of_sections_and_stations) {
   std::map<std::string, std::size_t> kinds;
   for (const Primitive& primitive : draw(motley()))
     if (primitive.layer == "line" || primitive.layer == "station") ++kinds[primitive.kind];
@@ -282,7 +282,7 @@ TEST(Svg, shows_kinds_chargers_pivots_and_closed_sections_and_names_them) {
   EXPECT_THAT(to_svg(zone, draw(zone)), Not(HasSubstr("closed")));
 }
 
-TEST(Svg, shows_the_ways_of_a_ground_of_a_kilometre) {
+TEST(Svg, shows_the_sections_of_a_ground_of_a_kilometre) {
   std::vector<Circuit::Part> parts;
   parts.push_back({"long", *Section::make({}, 1000.0), std::nullopt, {}});
   const TrafficZone zone{
@@ -290,7 +290,7 @@ TEST(Svg, shows_the_ways_of_a_ground_of_a_kilometre) {
   const std::string svg = to_svg(zone, draw(zone));
   EXPECT_THAT(svg, HasSubstr(" stroke-width=\"4.5\" stroke-linecap=\"round\"><title>long</title>"));
   EXPECT_THAT(svg, HasSubstr(" stroke-width=\"1.4\""));
-  // A name of a tenth of a pixel would only hide the way.
+  // A name of a tenth of a pixel would only hide the section.
   EXPECT_THAT(svg, Not(HasSubstr(">long</text>")));
 }
 
@@ -305,7 +305,8 @@ TEST(Svg, is_an_image_with_every_layer_a_legend_and_a_scale) {
   EXPECT_THAT(svg, HasSubstr("17.31 m"));
   EXPECT_EQ(svg.find("=\"nan"), std::string::npos);
   EXPECT_EQ(svg.find(",nan"), std::string::npos);
-  EXPECT_THAT(svg, Not(HasSubstr("http://www.w3.org/1999/xlink")));  // nothing to fetch: it stands alone
+  // no external resources: the file is self-contained
+  EXPECT_THAT(svg, Not(HasSubstr("http://www.w3.org/1999/xlink")));
 }
 
 TEST(Svg, has_y_pointing_up) {

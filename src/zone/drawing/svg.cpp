@@ -1,4 +1,4 @@
-// to_svg: the picture of a zone as a file that any browser opens.
+// to_svg: the drawing of a zone as a file that any browser opens.
 #include "cosiva/zone/drawing/svg.h"
 
 #include <algorithm>
@@ -14,14 +14,14 @@ constexpr double margin_px = 36.0;
 constexpr double head_px = 56.0;
 constexpr double foot_px = 64.0;
 constexpr double row_px = 24.0;   // of the legend
-constexpr double bar_px = 240.0;  // the scale bar's share of the foot, with its text
+constexpr double bar_px = 240.0;  // the scale bar's part of the foot, with its text
 
-// Longer pictures of names than this are gathered into few shapes, or a browser takes minutes.
+// More names than this are merged into few shapes, or a browser takes minutes.
 constexpr std::size_t titled_max = 5'000;
 
 struct Style {
   std::string_view layer;
-  std::string_view kind;  ///< of one layer's several; empty: any
+  std::string_view kind;  ///< of a layer with several kinds; empty: any
   std::string_view fill;
   std::string_view stroke;
   std::string_view name;  ///< in the legend; empty: not there
@@ -48,7 +48,7 @@ constexpr std::array<Style, 14> styles{{
 constexpr std::size_t closed_style = 2;
 static_assert(styles[closed_style].layer == "closed");
 
-/// The first that fits: those of a kind stand before those of any.
+/// The first that fits: those of one kind come before those of any.
 const Style* style_of(const Primitive& primitive) {
   const auto at = std::find_if(styles.begin(), styles.end(), [&](const Style& style) {
     return style.layer == primitive.layer && (style.kind.empty() || style.kind == primitive.kind);
@@ -58,7 +58,7 @@ const Style* style_of(const Primitive& primitive) {
 
 constexpr double text_least_px = 4.0;
 
-/// A ground of hundreds of metres leaves a way less than a pixel: it is drawn as wide as can still be seen.
+/// A ground of hundreds of metres leaves a section less than a pixel: it is drawn as wide as can still be seen.
 double least_px(const Style& style) {
   if (style.layer == "road") return 4.5;
   if (style.layer == "closed") return 4.0;
@@ -84,7 +84,7 @@ std::string escaped(std::string_view text) {
       case '>': out += "&gt;"; break;
       case '"': out += "&quot;"; break;
       default:
-        if (static_cast<unsigned char>(c) >= 0x20) out += c;  // XML 1.0 has no way to say most control characters
+        if (static_cast<unsigned char>(c) >= 0x20) out += c;  // XML 1.0 cannot express most control characters
     }
   }
   return out;
@@ -145,7 +145,7 @@ class Svg {
              count(zone_.crossings.size(), "crossing") + ", " + count(zone_.tags.size(), "tag"));
   }
 
-  /// The roads of closed sections, by their names: hatched they are drawn once more.
+  /// The roads of closed sections, by their names: they are drawn once more, hatched.
   void find_closed() {
     std::vector<std::string_view> names;
     for (const SectionId id : zone_.closed) names.push_back(zone_.circuit.part(id).name);
@@ -192,7 +192,7 @@ class Svg {
     switch (primitive.shape) {
       case Primitive::Shape::polyline:
         out_ += "<polyline" + points(primitive) + " stroke-width=\"" + number(size_px) + "\"";
-        // The dash is four strokes long: a line to follow, not a wall. Closed is a fence across the road.
+        // The dash is four strokes long: a line to follow, not a wall. A closed section is a fence across the road.
         if (style.layer == "line" && !widened)
           out_ += " stroke-dasharray=\"" + number(4.0 * size_px) + " " + number(3.0 * size_px) + "\"";
         else if (style.layer == "closed")
@@ -211,7 +211,7 @@ class Svg {
         break;
       }
       case Primitive::Shape::text: {
-        // What nobody could read would only hide the way under its halo; the name stands in the title of its line.
+        // An illegible name would only hide the section under its halo; the name is in the title of its line.
         if (size_px < text_least_px) break;
         const std::string at = xy(primitive.points.front());
         const auto comma = at.find(',');
@@ -225,7 +225,7 @@ class Svg {
     }
   }
 
-  /// The middle of a name, moved so that none of it hangs over the picture's edge.
+  /// The centre of a name, moved so that no part of it extends beyond the drawing's edge.
   [[nodiscard]] double inside_px(const Primitive& name, double size_px) const {
     constexpr double letter = 0.56;  // of the size, on average
     const double half_px = 0.5 * letter * size_px * static_cast<double>(name.label.size());
@@ -245,7 +245,7 @@ class Svg {
     double row;
   };
 
-  /// What is drawn, from left to right in as many rows as it takes beside the scale bar.
+  /// The legend, from left to right in as many rows as it takes next to the scale bar.
   void lay_legend() {
     double x_px = margin_px;
     for (std::size_t i = 0; i < styles.size(); ++i) {

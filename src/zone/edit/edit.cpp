@@ -26,7 +26,7 @@ std::optional<Error> remove_tag(TrafficZone& zone, TagNumber number) {
 
 std::optional<Error> set_tag(TrafficZone& zone, const ZoneEdit::TagPosition& set) {
   if (set.number < 1 || set.number > tag_number_max)
-    return Error{"edit.number", "a tag's number goes from 1 to 4000000000", name_of(set.number)};
+    return Error{"edit.number", "a tag's number is from 1 to 4000000000", name_of(set.number)};
   if (set.position.section >= zone.circuit.size())
     return Error{"edit.section", "name a section of this zone for the tag", name_of(set.number)};
   const double length_m = zone.circuit.section(set.position.section).length_m();
@@ -43,7 +43,7 @@ std::optional<Error> set_tag(TrafficZone& zone, const ZoneEdit::TagPosition& set
   return std::nullopt;
 }
 
-/// Where the edit puts the beacons; what it leaves out stays.
+/// The beacons' position after the edit; missing values stay.
 std::optional<Error> set_beacons(TrafficZone& zone, const ZoneEdit& edit) {
   if (!edit.beacon_pitch_m && !edit.beacon_origin && !edit.beacon_rotation_rad) return std::nullopt;
   if (!zone.beacons)
@@ -51,16 +51,17 @@ std::optional<Error> set_beacons(TrafficZone& zone, const ZoneEdit& edit) {
   BeaconGrid grid = *zone.beacons;
   if (edit.beacon_pitch_m) grid.pitch_m = rounded_m(*edit.beacon_pitch_m);
   if (edit.beacon_pitch_m && !(grid.pitch_m >= pitch_min_m && grid.pitch_m <= pitch_max_m))
-    return Error{"edit.pitch", "beacons may stand 0.05 m to 10 m apart; choose a pitch between", "beacons"};
+    return Error{"edit.pitch", "beacons may be 0.05 m to 10 m apart; choose a pitch between", "beacons"};
   if (edit.beacon_origin) {
     const Point2 origin{rounded_m(edit.beacon_origin->x_m), rounded_m(edit.beacon_origin->y_m)};
     if (!(std::fabs(origin.x_m) <= origin_max_m && std::fabs(origin.y_m) <= origin_max_m))
-      return Error{"edit.origin", "the beacons' origin may lie within 1000 km; choose one near the ways", "beacons"};
+      return Error{"edit.origin", "the beacons' origin may lie within 1000 km; choose one near the sections",
+                   "beacons"};
     (grid.covers_through ? *grid.covers_through : grid.origin) = origin;
   }
   if (edit.beacon_rotation_rad) {
     if (!(std::fabs(*edit.beacon_rotation_rad) <= 2.0 * pi))
-      return Error{"edit.rotation", "turn the beacons by at most once round, 2π either way", "beacons"};
+      return Error{"edit.rotation", "turn the beacons by at most one full turn, 2π in either direction", "beacons"};
     grid.rotation_rad = rounded_rad(*edit.beacon_rotation_rad);
   }
   if (grid.covers_through) {
@@ -96,7 +97,7 @@ std::optional<Error> set_priority(TrafficZone& zone, const std::string& vehicle,
   return std::nullopt;
 }
 
-/// What stands twice in the edit, sets and removals together.
+/// Duplicates in the edit, sets and removals together.
 std::optional<std::string> named_twice(const ZoneEdit& edit) {
   std::vector<std::string> names;
   for (const TagNumber number : edit.remove_tags) names.push_back(name_of(number));
@@ -142,7 +143,7 @@ std::optional<std::string> wrong_vehicle_name(std::string_view name) {
 
 Result<TrafficZone> with_edit(TrafficZone zone, const ZoneEdit& edit) {
   if (const auto name = named_twice(edit))
-    return fail("edit.twice", *name + " stands in this edit twice; say once what becomes of it", *name);
+    return fail("edit.twice", *name + " occurs in this edit twice; give it once", *name);
   std::optional<Error> error;
   for (const TagNumber number : edit.remove_tags)
     if (!error) error = remove_tag(zone, number);
@@ -152,7 +153,7 @@ Result<TrafficZone> with_edit(TrafficZone zone, const ZoneEdit& edit) {
   for (const auto& [vehicle, priority] : edit.set_priorities)
     if (!error) error = set_priority(zone, vehicle, priority);
   if (error) return tl::unexpected(std::move(*error));
-  // Last, for another pitch gives the beacons other numbers.
+  // Last, because another pitch gives the beacons other numbers.
   for (const Tag& tag : zone.tags) {
     if (zone.beacons && zone.beacons->find(tag.number))
       return fail("edit.number",
@@ -167,7 +168,7 @@ bool same_geometry(const TrafficZone& a, const TrafficZone& b) {
   if (a.name != b.name || a.circuit.size() != b.circuit.size()) return false;
   for (SectionId id = 0; id < a.circuit.size(); ++id)
     if (!same_section(a.circuit.part(id), b.circuit.part(id))) return false;
-  // Crossings and waypoints also follow from the clearance and the spacing that the file asks for.
+  // Crossings and waypoints also follow from the clearance and the spacing that the file requests.
   return a.vehicle.length_m == b.vehicle.length_m && a.vehicle.width_m == b.vehicle.width_m &&
          same_profile(a.profiles.slow, b.profiles.slow) && same_profile(a.profiles.medium, b.profiles.medium) &&
          same_profile(a.profiles.fast, b.profiles.fast) &&
@@ -182,26 +183,26 @@ std::optional<std::string> difference(const TrafficZone& wanted, const TrafficZo
     return x.name == y.name && x.kind == y.kind && same(x.position, y.position);
   };
   const auto same_loop = [](const Loop& x, const Loop& y) { return x.name == y.name && x.sections == y.sections; };
-  if (!same_geometry(wanted, found)) return "its ways are others";
+  if (!same_geometry(wanted, found)) return "its sections differ";
   if (!std::equal(wanted.tags.begin(), wanted.tags.end(), found.tags.begin(), found.tags.end(), same_tag))
-    return "its tags are others";
-  if (wanted.beacons.has_value() != found.beacons.has_value()) return "its beacons are others";
+    return "its tags differ";
+  if (wanted.beacons.has_value() != found.beacons.has_value()) return "its beacons differ";
   if (wanted.beacons) {
     const BeaconGrid& x = *wanted.beacons;
     const BeaconGrid& y = *found.beacons;
     if (x.pitch_m != y.pitch_m || x.origin != y.origin || x.columns != y.columns || x.rows != y.rows ||
         x.first_number != y.first_number || x.rotation_rad != y.rotation_rad || x.covers_through != y.covers_through)
-      return "its beacons are others";
+      return "its beacons differ";
   }
   if (!std::equal(wanted.stations.begin(), wanted.stations.end(), found.stations.begin(), found.stations.end(),
                   same_station) ||
       wanted.starts != found.starts)
-    return "its stations or starts are others";
+    return "its stations or starts differ";
   if (!std::equal(wanted.loops.begin(), wanted.loops.end(), found.loops.begin(), found.loops.end(), same_loop) ||
       wanted.closed != found.closed)
-    return "its loops or closed sections are others";
-  if (wanted.edges_are_sections != found.edges_are_sections) return "its edges' names are others";
-  if (wanted.priorities != found.priorities) return "its priorities are others";
+    return "its loops or closed sections differ";
+  if (wanted.edges_are_sections != found.edges_are_sections) return "its edges' names differ";
+  if (wanted.priorities != found.priorities) return "its priorities differ";
   return std::nullopt;
 }
 

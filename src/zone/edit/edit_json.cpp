@@ -10,7 +10,7 @@
 namespace cosiva::zone {
 namespace {
 
-// Further from every way no antenna would ever read it: the click meant something else.
+// Further from every section no antenna would ever read the tag: the click meant something else.
 constexpr double off_path_m_max = 0.30;
 
 std::optional<TagNumber> tag_number(const JsonValue& json) {
@@ -95,10 +95,11 @@ class Reader {
       const auto located = zone_.circuit.locate({*x_m, *y_m});
       if (located.distance_m <= off_path_m_max) return located.position;
       fault("edit.position",
-            "this is " + metres_text(located.distance_m) + " m from the nearest way; put the tag within 0.30 m of one",
+            "this is " + metres_text(located.distance_m) +
+                " m from the nearest section; put the tag within 0.30 m of one",
             name);
     } else {
-      fault("edit.position", "say where: 'x' and 'y' in metres, or 'section' and 's'", name);
+      fault("edit.position", "give the position: 'x' and 'y' in metres, or 'section' and 's'", name);
     }
     return std::nullopt;
   }
@@ -125,7 +126,7 @@ class Reader {
     const JsonValue* given = json_.find("beacons");
     if (given == nullptr) return;
     if (given->object() == nullptr || given->object()->empty())
-      return fault("edit.field", R"(say where the beacons lie, such as {"pitch":0.3,"origin":[0,0],"rotation":0})",
+      return fault("edit.field", R"(give the beacons' position, such as {"pitch":0.3,"origin":[0,0],"rotation":0})",
                    "beacons");
     for (const auto& [key, value] : *given->object()) {
       if (key == "pitch")
@@ -138,7 +139,7 @@ class Reader {
         fault("edit.field", "beacons have a pitch, an origin and a rotation; this is none", key.substr(0, 64));
     }
     if (json_.find("beaconPitch") != nullptr && given->find("pitch") != nullptr)
-      fault("edit.twice", "the beacons' pitch stands in this edit twice", "beacons");
+      fault("edit.twice", "the beacons' pitch occurs in this edit twice", "beacons");
   }
 
   void read_number(const JsonValue& value, std::optional<double>& out, std::string code, std::string message) {

@@ -19,7 +19,7 @@ using testing::file;
 using testing::parsed;
 using testing::straight;
 
-/// The edit that the page's JSON asks of a zone, or the refusal's code.
+/// The edit that the page's JSON requests of a zone, or the refusal's code.
 Result<ZoneEdit> from_json(const std::string& json, const TrafficZone& zone) {
   const auto value = JsonValue::parse(json);
   EXPECT_TRUE(value) << json;
@@ -30,10 +30,10 @@ std::string code_of(const std::string& json, const TrafficZone& zone = testing::
   return edit ? "none" : edit.error().code;
 }
 
-// What the page sends
-// ---------------------------------------------------------------------------------------------------------
+// The page's edits
+// -------------------------------------------------------------------------------------------------------------
 
-TEST(ZoneEditJson, puts_a_tag_at_the_nearest_place_of_the_circuit) {
+TEST(ZoneEditJson, puts_a_tag_at_the_nearest_position_of_the_circuit) {
   const TrafficZone zone = testing::lacet4();
   // "east" runs from (-0.75, -0.15) eastward; "loop_ne" lies far away.
   const auto edit = from_json(R"({"addTags":[{"number":40,"x":0.35,"y":-0.30}]})", zone);
@@ -57,7 +57,7 @@ TEST(ZoneEditJson, reads_everything_that_an_edit_may_hold) {
   EXPECT_THAT(edit->set_priorities, ElementsAre(Pair("CoSiVA/AIV1", 3), Pair("Other/7", 0)));
 }
 
-TEST(ZoneEditJson, refuses_what_cannot_be_with_a_code_each) {
+TEST(ZoneEditJson, refuses_each_impossible_edit_with_its_code) {
   EXPECT_EQ(code_of("[]"), "edit.syntax");
   EXPECT_EQ(code_of("{}"), "edit.empty");
   EXPECT_EQ(code_of(R"({"addTag":[]})"), "edit.field");
@@ -93,7 +93,7 @@ TEST(ZoneEditJson, refuses_what_cannot_be_with_a_code_each) {
   EXPECT_EQ(code_of(R"({"priorities":{"a/b":1,"a/b":2}})"), "edit.twice");
 }
 
-TEST(ZoneEditJson, reads_any_part_of_where_the_beacons_lie) {
+TEST(ZoneEditJson, reads_any_part_of_the_beacons_position) {
   const TrafficZone zone = testing::lacet4();
   const auto all = from_json(R"({"beacons":{"pitch":0.3,"origin":[0.1,-0.2],"rotation":0.26}})", zone);
   ASSERT_TRUE(all) << to_string(all.error());
@@ -106,7 +106,7 @@ TEST(ZoneEditJson, reads_any_part_of_where_the_beacons_lie) {
   EXPECT_FALSE(one->beacon_origin);
 }
 
-TEST(ZoneEditJson, refuses_beacons_that_cannot_lie_so) {
+TEST(ZoneEditJson, refuses_impossible_positions_of_beacons) {
   EXPECT_EQ(code_of(R"({"beacons":0.3})"), "edit.field");
   EXPECT_EQ(code_of(R"({"beacons":{}})"), "edit.field");
   EXPECT_EQ(code_of(R"({"beacons":{"pich":0.3}})"), "edit.field");
@@ -120,7 +120,7 @@ TEST(ZoneEditJson, refuses_beacons_that_cannot_lie_so) {
   EXPECT_EQ(code_of(R"({"beacons":{"rotation":0.1}})", parsed(file(straight))), "edit.beacons");
 }
 
-TEST(ZoneEditJson, knows_a_tag_30_cm_off_every_way_from_one_just_near_enough) {
+TEST(ZoneEditJson, distinguishes_a_tag_30_cm_off_every_section_from_one_just_near_enough) {
   const TrafficZone zone = parsed(file(straight));
   EXPECT_EQ(code_of(R"({"addTags":[{"number":1,"x":1.0,"y":0.2999}]})", zone), "none");
   EXPECT_EQ(code_of(R"({"addTags":[{"number":1,"x":1.0,"y":-0.3001}]})", zone), "edit.position");
@@ -143,8 +143,9 @@ cover = "zone"
   EXPECT_EQ(code_of(R"({"beaconPitch":0.5})", zone), "none");
 }
 
-TEST(ZoneEditJson, sees_that_a_narrower_pitch_takes_a_tags_number) {
-  // Round 2 m of way stand 3 by 3 beacons at 10 m, numbers 100 to 108; at 0.5 m it is 7 by 3, up to 120.
+TEST(ZoneEditJson, detects_that_a_narrower_pitch_takes_a_tags_number) {
+  // Along 2 m of track a pitch of 10 m gives 3 by 3 beacons, numbers 100 to 108; a pitch of 0.5 m gives 7 by 3, up to
+  // 120.
   const TrafficZone zone = parsed(file(straight + R"(
 [beacons]
 pitch_m = 10.0

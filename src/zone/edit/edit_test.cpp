@@ -33,7 +33,7 @@ std::string edited_text(const std::string& text, const ZoneEdit& edit) {
 
 constexpr TrackPosition at_a(double s_m) { return {0, s_m}; }
 
-TEST(ZoneEdit, moves_a_tag_by_its_two_values_alone) {
+TEST(ZoneEdit, moves_a_tag_by_changing_its_two_values_alone) {
   const std::string before = straight + R"(
 # by the gate
 [[tag]]   # one
@@ -77,7 +77,7 @@ TEST(ZoneEdit, adds_the_first_tag_at_the_end_even_of_a_file_without_a_last_newli
           "\n[[tag]]\nnumber = 2\nsection = \"a\"\ns_m = 1.00\n\n[[tag]]\nnumber = 3\nsection = \"a\"\ns_m = 1.50\n");
 }
 
-TEST(ZoneEdit, takes_a_tags_lines_and_one_blank_line_but_no_comment) {
+TEST(ZoneEdit, removes_a_tags_lines_and_one_blank_line_but_no_comment) {
   const std::string before = straight + R"(
 [[tag]]
 number = 1
@@ -125,7 +125,7 @@ TEST(ZoneEdit, changes_only_the_number_of_the_beacons_pitch) {
 
 TEST(ZoneEdit, keeps_the_number_of_beacons_that_a_file_counts_itself) {
   const std::string before = straight + "beacons = { pitch_m = 1, columns = 3, rows = 2 } # few\n";
-  // An inline table belongs to the section here, so it must stand at the top.
+  // An inline table belongs to the section here, so it must be at the top.
   const std::string top = "beacons = { pitch_m = 1, columns = 3, rows = 2 } # few\n" + straight;
   EXPECT_EQ(edited_text(top, {{}, {}, 0.5, {}}),
             "beacons = { pitch_m = 0.50, columns = 3, rows = 2 } # few\n" + straight);
@@ -140,7 +140,7 @@ ZoneEdit beacons(std::optional<double> pitch_m, std::optional<Point2> origin, st
   return edit;
 }
 
-TEST(ZoneEdit, writes_origin_and_rotation_where_they_stand_or_behind_the_pitch) {
+TEST(ZoneEdit, writes_origin_and_rotation_in_place_or_behind_the_pitch) {
   const std::string before = straight + "[beacons]   # ours\npitch_m = 0.5 # wide\ncover = \"zone\"\n";
   const std::string once = edited_text(before, beacons({}, Point2{0.15, -0.20004}, pi / 6.0));
   EXPECT_EQ(once, straight +
@@ -155,7 +155,7 @@ TEST(ZoneEdit, writes_origin_and_rotation_where_they_stand_or_behind_the_pitch) 
   EXPECT_EQ(zone.beacons->covers_through, (Point2{0.15, -0.2}));
 }
 
-TEST(ZoneEdit, moves_beacons_that_stand_in_one_line_or_end_the_file) {
+TEST(ZoneEdit, moves_beacons_that_are_written_in_one_line_or_end_the_file) {
   const std::string one_line = "beacons = { pitch_m = 1, columns = 3, rows = 2 } # few\n" + straight;
   EXPECT_EQ(edited_text(one_line, beacons({}, Point2{0.5, 0.0}, {})),
             "beacons = { pitch_m = 1, origin = [0.50, 0.00], columns = 3, rows = 2 } # few\n" + straight);
@@ -176,7 +176,7 @@ TEST(ZoneEdit, makes_the_priorities_when_they_are_missing_and_keeps_them_in_orde
   EXPECT_EQ(three, straight + "\n[priorities]\n# end\n");
 }
 
-TEST(ZoneEdit, keeps_the_line_ends_of_a_file_from_elsewhere) {
+TEST(ZoneEdit, keeps_the_line_ends_of_another_system) {
   std::string crlf;
   for (const char c : straight + "[[tag]]\nnumber = 1\nsection = \"a\"\ns_m = 0.5\n")
     crlf += c == '\n' ? "\r\n" : std::string(1, c);
@@ -193,7 +193,7 @@ TEST(ZoneEdit, counts_bytes_where_the_file_has_other_letters_than_ascii) {
   EXPECT_THAT(after, HasSubstr("section = \"a\" # über\ns_m = 0.25\n"));
 }
 
-TEST(ZoneEdit, refuses_to_rewrite_tags_that_stand_in_a_list_but_moves_them) {
+TEST(ZoneEdit, refuses_to_rewrite_tags_written_in_a_list_but_moves_them) {
   const std::string before = "tag = [ { number = 1, section = \"a\", s_m = 0.5 } ]\n" + straight;
   EXPECT_THAT(edited_text(before, {{{1, at_a(1.0)}}, {}, {}, {}}), HasSubstr("s_m = 1.00 }"));
   EXPECT_THAT(edited_text(before, {{{2, at_a(1.0)}}, {}, {}, {}}), HasSubstr("refused: edit.format"));
@@ -237,8 +237,7 @@ TEST(ZoneEdit, rounds_no_tag_off_its_section) {
   EXPECT_EQ(parsed(*after).find_tag(50)->position, (TrackPosition{loop, 2.8274}));
 }
 
-// Same ways
-// ---------------------------------------------------------------------------------------------------------
+// Same sections -----------------------------------------------------------------------------------------------------
 
 TEST(SameGeometry, are_those_that_a_running_vehicle_need_not_notice) {
   const TrafficZone zone = testing::lacet4();
@@ -260,7 +259,7 @@ TEST(SameGeometry, differ_in_a_length_a_name_a_speed_a_body_or_a_clearance) {
                                  {"[vehicle]", "[waypoints]\nspacing_m = 0.25\n[vehicle]"},
                                  {"kind = \"straight\"", "kind = \"straight\"\nspeed_mps_max = 0.2"}}) {
     ZoneConfiguration other = given;
-    // The dock stands on loop_se as do tags; a section's new name must reach them too.
+    // The dock is on loop_se, as are tags; a section's new name must reach them too.
     for (auto at = other.text.find(from); at != std::string::npos;
          at = other.text.find(from, at + std::string(to).size())) {
       other.text.replace(at, std::string(from).size(), to);
@@ -281,7 +280,7 @@ TEST(Priorities, are_read_sorted_and_without_zeros) {
   EXPECT_EQ(zone.priority_of(""), 0);
 }
 
-TEST(Priorities, that_make_no_sense_are_refused_with_their_line) {
+TEST(Priorities, that_are_invalid_are_refused_with_their_line) {
   for (const char* bad :
        {"\"A/1\" = 1000", "\"A/1\" = -1", "\"A/1\" = 1.5", "\"A/1\" = \"3\"", "A1 = 3", "\"A/\" = 3"}) {
     const auto zone = testing::read_zone(straight + "[priorities]\n" + bad + "\n");
@@ -326,7 +325,7 @@ ZoneEdit arbitrary_edit(const TrafficZone& zone, const std::map<TagNumber, Track
   return edit;
 }
 
-TEST(ZoneEdit, of_any_kind_in_any_order_leaves_just_what_was_wanted_and_every_comment) {
+TEST(ZoneEdit, of_any_kind_in_any_order_leaves_exactly_the_wanted_zone_and_every_comment) {
   const ZoneConfiguration start = lacet4_file();
   const TrafficZone first = parsed(start);
   const auto logged = comments(start.text);

@@ -21,10 +21,10 @@ constexpr double deg_per_rad = 180.0 / pi;
 constexpr std::size_t sections_max = 200'000;
 constexpr double clearance_m = 0.10;
 
-/// To a micrometre: a thousandth of what a joint may gape, and short to read.
+/// To a micrometre: a thousandth of a joint's allowed gap, and short to read.
 double rounded(double value) { return std::nearbyint(value * 1e6) / 1e6; }
 
-/// At most 0.6 m/s, and slow enough for what loads bear, in whole centimetres per second.
+/// At most 0.6 m/s, and slow enough for loads, in whole centimetres per second.
 double bend_mps(double curvature_per_m) {
   const double borne_mps = std::sqrt(CheckLimits{}.lateral_mps2 / std::fabs(curvature_per_m));
   return std::min(0.6, std::floor(borne_mps * 100.0) / 100.0);
@@ -36,7 +36,7 @@ std::string text_of(double value) {
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, shown == 0.0 ? 0.0 : shown).ptr};
 }
 
-/// One section of the file to be.
+/// One section of the file to be written.
 struct Track {
   std::string name;
   Pose2 start;
@@ -58,7 +58,7 @@ struct Stop {
   bool charger;
 };
 
-/// Everything is as large as the vehicle wants it.
+/// All dimensions are in proportion to the vehicle's.
 struct Scale {
   explicit Scale(const VehicleShape& vehicle)
       : unit_m{std::max(vehicle.length_m, 1.2 * vehicle.width_m)},
@@ -69,9 +69,9 @@ struct Scale {
         turn_half_m{0.5 * pi / turn_curvature_per_m} {}
 
   double unit_m;
-  double bay_offset_m;          ///< from the middle of an aisle to that of a bay
+  double bay_offset_m;          ///< from the centre of an aisle to that of a bay
   double ease_radius_m;         ///< two arcs of 45° lead into a bay
-  double ease_m;                ///< and take this much of the aisle
+  double ease_m;                ///< and occupy this much of the aisle
   double turn_curvature_per_m;  ///< a quarter turn is two clothoids, up to this and back
   double turn_half_m;           ///< the length of each
   [[nodiscard]] double bay_m() const { return 3.5 * unit_m; }
@@ -87,7 +87,7 @@ class Plant {
   std::string text();
 
  private:
-  /// Where a lane is left or joined, by the way that leaves or the last that joins.
+  /// Where a branch leaves or joins a lane: the section that leaves or the last one that joins.
   struct Junction {
     double x_m;
     bool joins;
@@ -100,7 +100,8 @@ class Plant {
   struct Row {
     std::vector<Junction> top;
     std::vector<Junction> bottom;
-    std::size_t east_in, east_out, west_in, west_out;  // first and last way of what joins the lanes at either end
+    // first and last section of the branch that joins the lanes at either end
+    std::size_t east_in, east_out, west_in, west_out;
     std::vector<std::size_t> top_tracks, bottom_tracks, west_tracks, east_tracks;
   };
 
@@ -131,9 +132,9 @@ class Plant {
   const PlantOptions& options_;
   Scale scale_;
   Random random_;
-  double turn_m_{};   ///< what a quarter turn takes of either lane
+  double turn_m_{};   ///< the part of either lane that a quarter turn occupies
   double aisle_m_{};  ///< from lane to lane
-  double west_m_{};   ///< where the ways at the ends of the rows lie
+  double west_m_{};   ///< where the sections at the ends of the rows lie
   double east_m_{};
   double cross_west_m_{};  ///< where neighbouring rows lead to each other
   double cross_east_m_{};
@@ -168,7 +169,7 @@ Plant::Strip Plant::quarter_right(const std::string& name, const Pose2& start) {
   return {in, out};
 }
 
-/// A lay-by: two arcs aside, a straight with the station in its middle, two arcs back.
+/// A lay-by: two arcs aside, a straight with the station in its centre, two arcs back.
 Plant::Strip Plant::bay(const std::string& name, const Pose2& start, double straight_m, bool left, bool charger) {
   const double turn_rad = left ? 0.25 * pi : -0.25 * pi;
   const double radius_m = scale_.ease_radius_m;
@@ -187,7 +188,7 @@ Plant::Strip Plant::bay(const std::string& name, const Pose2& start, double stra
   return {first, last};
 }
 
-/// A straight way of `length_m` with bays beside it: "a1b2" passes bay 2 of strip a1, "a1c2" leads up to it.
+/// A straight aisle of `length_m` with bays on its side: "a1b2" passes bay 2 of strip a1, "a1c2" leads up to it.
 Plant::Strip Plant::strip(const std::string& name, const Pose2& start, double length_m, std::uint32_t bays,
                           double ratio, bool chargers) {
   Strip all{tracks_.size(), tracks_.size()};
@@ -236,7 +237,7 @@ void Plant::aisle(Row& row, std::uint32_t number, double x_m, double bottom_m, b
   to.push_back({north ? x_m + turn_m_ : x_m - turn_m_, true, out.last});
 }
 
-/// The ways from lane to lane at both ends of a row, the eastern one with chargers.
+/// The sections from lane to lane at both ends of a row, the eastern one with chargers.
 void Plant::ends(Row& row, std::size_t number, double bottom_m) {
   const double top_m = bottom_m + aisle_m_;
   const double length_m = aisle_m_ - 2.0 * turn_m_;
@@ -247,7 +248,7 @@ void Plant::ends(Row& row, std::size_t number, double bottom_m) {
     const Strip out = quarter_right(name + "y", along(begins, length_m));
     join(in.last, inside.first);
     join(inside.last, out.first);
-    // The loop round the row passes the chargers by.
+    // The loop round the row bypasses the chargers.
     for (std::size_t track = in.first; track != out.last; track = tracks_[track].next.front()) round.push_back(track);
     round.push_back(out.last);
     return Strip{in.first, out.last};
@@ -263,7 +264,7 @@ void Plant::ends(Row& row, std::size_t number, double bottom_m) {
   row.west_out = west.last;
 }
 
-/// A lane, cut wherever it is left or joined.
+/// A lane, cut at every branch that leaves or joins it.
 void Plant::lane(std::vector<Junction> junctions, const std::string& name, const Pose2& start, double length_m,
                  std::vector<std::size_t>& tracks) {
   const bool east = start.heading_rad == 0.0;
@@ -290,8 +291,9 @@ void Plant::lane(std::vector<Junction> junctions, const std::string& name, const
   if (joining) join(*joining, tracks.back());
 }
 
-/// At equal distances along every way, so that nobody drives further than `unread_max_m` without one: half of a pitch
-/// lies before a way's first tag and behind its last, and a way too short for one lies between two that are not.
+/// At equal distances along every section, so that no vehicle drives further than `unread_max_m` without a tag: half a
+/// pitch lies before a section's first tag and behind its last, and a section too short for one lies between two that
+/// are not.
 void Plant::lay_tags() {
   const double pitch_m = std::min(0.8 * CheckLimits{}.unread_max_m, 4.0 * scale_.unit_m);
   const double too_short_m = 0.25 * pitch_m;
@@ -471,7 +473,7 @@ Result<std::string> generate_plant(const PlantOptions& options) {
   if (options.aisles < 1 || options.aisles > 10'000) return out_of_range("expected 1 to 10000 aisles per row");
   if (options.bays > 10'000) return out_of_range("expected at most 10000 bays per aisle");
   if (!(options.bay_ratio >= 0.0 && options.bay_ratio <= 1.0))
-    return out_of_range("expected a share of bays from 0 to 1");
+    return out_of_range("expected a ratio of bays from 0 to 1");
   if (plant_sections_max(options) > sections_max) {
     return out_of_range("these rows, aisles and bays may make " + std::to_string(plant_sections_max(options)) +
                         " sections; expected at most " + std::to_string(sections_max));

@@ -7,8 +7,9 @@
 
 namespace cosiva::zone {
 
-/// The plant as a zone file in the native format (docs/guide/zones.md). Every section can be reached from every other.
-/// The same options give the same bytes. Fails ("generate.options") on numbers out of range, saying which.
+/// The factory layout as a zone file in the native format (docs/guide/zones.md). Every section can be reached from
+/// every other. The same options give the same bytes. Fails ("generate.options") on numbers out of range, naming the
+/// number.
 [[nodiscard]] Result<std::string> generate_plant(const PlantOptions& options);
 
 }  // namespace cosiva::zone

@@ -60,7 +60,7 @@ void expect_good(const TrafficZone& zone) {
   }
 }
 
-TEST(GeneratedPlant, is_by_default_a_thousand_sections_and_more_and_all_of_it_can_be_driven) {
+TEST(GeneratedPlant, has_by_default_over_a_thousand_sections_and_all_of_them_can_be_driven) {
   const TrafficZone zone = zone_of({});
   EXPECT_GT(zone.circuit.size(), 1000U);
   expect_good(zone);
@@ -74,7 +74,7 @@ TEST(GeneratedPlant, is_by_default_a_thousand_sections_and_more_and_all_of_it_ca
   EXPECT_GT(zone.tags.size(), 300U);
 }
 
-TEST(GeneratedPlant, has_ways_of_all_kinds_branches_and_merges) {
+TEST(GeneratedPlant, has_sections_of_all_kinds_branches_and_merges) {
   const TrafficZone zone = zone_of({.rows = 2, .aisles = 2, .bays = 2});
   std::size_t kinds[3] = {0, 0, 0};
   std::size_t branches = 0;
@@ -101,7 +101,7 @@ TEST(GeneratedPlant, is_the_same_for_the_same_options_and_another_for_another_se
   EXPECT_NE(*generate_plant({.seed = 5}), *generate_plant({.seed = 6}));
 }
 
-TEST(GeneratedPlant, is_as_large_as_asked_for_and_not_much_larger) {
+TEST(GeneratedPlant, is_as_large_as_requested_and_not_much_larger) {
   for (const std::size_t sections : {1'000U, 20'000U, 100'000U, 170'000U}) {
     const auto text = generate_plant(plant_of_size(sections));
     ASSERT_TRUE(text) << to_string(text.error());

@@ -12,7 +12,7 @@ std::size_t plant_sections_max(const PlantOptions& options) {
 
 PlantOptions plant_of_size(std::size_t sections) {
   COSIVA_EXPECT(sections <= 170'000);
-  // A little more than asked for, because which bays there are is drawn.
+  // A little more than requested, because the bays are drawn at random.
   const std::size_t wanted = sections + sections / 50;
   const auto held = [](const PlantOptions& options) {
     return static_cast<std::size_t>(static_cast<double>(plant_sections_max(options)) * options.bay_ratio);
@@ -22,7 +22,7 @@ PlantOptions plant_of_size(std::size_t sections) {
   options.aisles = 2;
   options.bays = 2;
   while (held(options) < wanted) {
-    // As wide as high, more or less: an aisle is nine lengths from the next, a bay twelve from the next.
+    // About as wide as high: an aisle is nine lengths from the next, a bay twelve from the next.
     const double wide = 9.0 * options.aisles;
     const double high = options.rows * (12.0 * options.bays + 12.0);
     if (wide < high)

@@ -11,15 +11,15 @@ namespace {
 
 constexpr double piece_min_m = 1e-6;  // Section's own least length
 constexpr double kink_max_rad = 0.2;
-// A piece whose chord nearly vanishes against its length has no direction to start from.
+// A piece whose chord nearly vanishes against its length has no initial direction.
 constexpr double piece_turn_max_rad = 1.75 * pi;
-// Between two samples more than this is no bend that 32 samples show.
+// A larger turn between two samples is no bend that 32 samples resolve.
 constexpr double sample_turn_max_rad = 0.5;
 constexpr int samples = 32;
 constexpr double fillet_radius_m = 0.3;  // of a rounded kink, where the tolerance leaves room for it
-// A straight line or an arc is taken where it misses by this share of the tolerance: a file's own rounding.
+// A straight line or an arc is accepted where it deviates by this ratio of the tolerance: a file's own rounding.
 constexpr double simple_ratio = 0.01;
-// Joints this close need no correction: the next piece begins where the curve does, not where the last one ended.
+// Joints this close need no correction: the next piece begins on the curve, not at the last one's end.
 constexpr double joint_exact = 5e-10;
 
 std::string position_text(const Pose2& pose) {
@@ -30,7 +30,7 @@ bool finite(const Pose2& pose) {
   return std::isfinite(pose.x_m) && std::isfinite(pose.y_m) && std::fabs(pose.heading_rad) <= 1e6;
 }
 
-/// Shape of a section without its place.
+/// Shape of a section without its position.
 struct Shape {
   double length_m;
   double curvature_per_m;
@@ -65,9 +65,9 @@ Moments moments(double bend, double turn, double phi) {
   return sum;
 }
 
-/// G¹ Hermite: the clothoid from one pose to the place of another, that turns `turn_rad` on its way. After E.
+/// G¹ Hermite: the clothoid from one pose to another position, that turns `turn_rad` along its length. After E.
 /// Bertolazzi and M. Frego, "G1 fitting with clothoids" (2015): with the chord along x and of length 1, one unknown is
-/// left, the share A of the turn that is quadratic, and the sine's integral must vanish.
+/// left, the quadratic part A of the turn, and the sine's integral must vanish.
 std::optional<Shape> hermite(const Pose2& from, const Pose2& to, double turn_rad) {
   const double chord_m = distance(from, to);
   if (chord_m < piece_min_m) return std::nullopt;
@@ -87,7 +87,7 @@ std::optional<Shape> hermite(const Pose2& from, const Pose2& to, double turn_rad
   return Shape{length_m, (turn_rad - bend) / length_m, 2.0 * bend / (length_m * length_m)};
 }
 
-/// The arc that turns this much over this chord; a straight line where it does not turn.
+/// The arc with this turn over this chord; a straight line where there is no turn.
 Shape arc_over(double chord_m, double turn_rad) {
   if (std::fabs(turn_rad) < 1e-12) return {chord_m, 0.0, 0.0};
   const double length_m = chord_m * (0.5 * turn_rad) / det_sin(0.5 * turn_rad);
@@ -98,12 +98,12 @@ Shape arc_over(double chord_m, double turn_rad) {
 struct Stretch {
   double from;
   double to;
-  bool rounds;  ///< over a kink: no heading to keep to
+  bool rounds;  ///< across a kink: no heading to keep to
   std::vector<Pose2> poses{};
   double chords_m{};     ///< length of the polygon through the samples
   double chord_max_m{};  ///< longest side of it
   double turn_rad{};
-  double turn_max_rad{};  ///< most between two samples
+  double turn_max_rad{};  ///< greatest distance between two samples
 };
 
 struct Miss {
@@ -140,9 +140,9 @@ void Fitter::stop(const Pose2& at, std::string what) {
   error_ = Error{"fit.curve", "the curve " + std::move(what) + " near " + position_text(at), ""};
 }
 
-/// How far to both sides of a kink its rounding reaches: a fillet with tangents this long misses the corner by
-/// tangent·tan(kink/4), and half of what there is on each side is left to the neighbours. No more than it takes is
-/// rounded: a tenth of what the tolerance allows, or what leaves a bend that a small vehicle can follow.
+/// The reach of a kink's rounding to both sides: a fillet with tangents this long misses the corner by
+/// tangent·tan(kink/4), and half of the length on each side is left to the neighbours. The rounding is no larger than
+/// necessary: a tenth of the tolerance, or enough for a bend that a small vehicle can follow.
 std::optional<std::pair<double, double>> Fitter::window(double before, double at, double after, double kink_rad,
                                                         double jump_m) const {
   const double most_m = kink_rad > 0.0 ? 3.2 * tolerance_.position_m / kink_rad : 1e9;
@@ -160,7 +160,7 @@ std::optional<std::pair<double, double>> Fitter::window(double before, double at
 }
 
 std::vector<Stretch> Fitter::stretches() {
-  // Breaks nearer to each other than a piece can be told from its joints are one.
+  // Breaks so near to each other that a piece between them could not be distinguished from its joints are one break.
   const auto near = [this](double u, double v) {
     return distance(curve_.at(u), curve_.at(v)) < 2.0 * tolerance_.position_m;
   };
@@ -193,7 +193,7 @@ std::vector<Stretch> Fitter::stretches() {
   return all;
 }
 
-/// False where the curve is not finite, which ends it all.
+/// False where the curve is not finite, which ends the whole fit.
 bool Fitter::sample(Stretch& stretch) {
   stretch.poses.resize(samples + 1);
   for (int i = 0; i <= samples; ++i) {
@@ -224,7 +224,7 @@ Miss Fitter::miss(const Stretch& stretch, const Section& section) const {
   for (std::size_t i = 0; i < stretch.poses.size(); ++i) {
     const Pose2& pose = stretch.poses[i];
     if (i > 0) s += distance(stretch.poses[i - 1], pose);
-    // Newton to the foot of the perpendicular; the running sum of chords starts it close by.
+    // Newton to the foot of the perpendicular; the running sum of chords gives a close start.
     Pose2 foot;
     for (int round = 0; round < 4; ++round) {
       s = std::clamp(s, 0.0, section.length_m());
@@ -242,12 +242,12 @@ Miss Fitter::miss(const Stretch& stretch, const Section& section) const {
     worst.position_m = std::max(worst.position_m, distance(foot, pose));
     worst.heading_rad = std::max(worst.heading_rad, std::fabs(wrap_angle(foot.heading_rad - pose.heading_rad)));
   }
-  // An arc may end too early or too late by more than it is beside the curve anywhere.
+  // An arc may end too early or too late by more than its deviation from the curve anywhere.
   worst.position_m = std::max(worst.position_m, distance(section.end(), stretch.poses.back()));
   return worst;
 }
 
-/// Appends the section if it keeps to the stretch within the tolerance.
+/// Appends the section if it follows the stretch within the tolerance.
 bool Fitter::tries(const Stretch& stretch, const Pose2& start, const Shape& shape, FitTolerance tolerance) {
   auto section = Section::make(start, shape.length_m, shape.curvature_per_m, shape.rate_per_m2);
   if (!section) return false;
@@ -264,11 +264,12 @@ bool Fitter::tries(const Stretch& stretch, const Pose2& start, const Shape& shap
 /// False where the stretch must be cut in two.
 bool Fitter::take(const Stretch& stretch) {
   if (stretch.turn_max_rad > sample_turn_max_rad || std::fabs(stretch.turn_rad) > piece_turn_max_rad) return false;
-  // Half of the way between two samples is a jump, or so nearly one that the samples say nothing.
+  // A chord longer than half of the polygon is a jump, or so nearly one that the samples carry no information.
   if (stretch.chord_max_m > std::max(0.5 * stretch.chords_m, tolerance_.position_m)) return false;
   const Pose2& target = stretch.poses.back();
   Pose2 start = stretch.poses.front();
-  // Each piece begins where the one before it ended, and ends on the curve: what little one misses, the next mends.
+  // Each piece begins at the end of the one before it, and ends on the curve: the next piece corrects a small
+  // deviation.
   if (!fit_.sections.empty()) {
     const Pose2& end = fit_.sections.back().end();
     const double off_rad = wrap_angle(end.heading_rad - start.heading_rad);
@@ -298,10 +299,10 @@ Result<Fit> Fitter::run() {
     ahead.pop_back();
     if (!(stretch.to > stretch.from) || !sample(stretch)) continue;
 
-    // What is too short to be a section is left to the next, or the last, whose end it moves by less than a micrometre.
+    // A piece too short to be a section is left to the next, or the last, whose end it moves by less than a micrometre.
     const bool stub = stretch.chords_m < 2.0 * piece_min_m;
     if (stub && stretch.turn_max_rad <= kink_max_rad) continue;
-    // A kink that was not announced is met here: cut down to where its rounding stays within the tolerance.
+    // An unannounced kink is found here: cut down until its rounding stays within the tolerance.
     if (stretch.chords_m < 2.0 * tolerance_.position_m && std::fabs(stretch.turn_rad) <= kink_max_rad)
       stretch.rounds = true;
     if (take(stretch)) continue;

@@ -15,7 +15,7 @@ namespace {
 
 double heading_between(const Pose2& a, const Pose2& b) { return std::fabs(wrap_angle(a.heading_rad - b.heading_rad)); }
 
-/// What holds of every fit: joints exact, ends on the curve, and the length that is said.
+/// Invariants of every fit: exact joints, ends on the curve, and the reported length.
 void expect_sound(const Fit& fit, const PlaneCurve& curve) {
   double length_m = 0.0;
   for (std::size_t i = 0; i < fit.sections.size(); ++i) {
@@ -33,7 +33,7 @@ struct Worst {
   double position_m{};
   double heading_rad{};
 };
-/// Independent of the fit's own measuring: many points, each against every section.
+/// Independent of the fit's own measurement: many points, each against every section.
 Worst worst_of(const Fit& fit, const PlaneCurve& curve, int points = 1000) {
   Worst worst;
   for (int i = 0; i <= points; ++i) {
@@ -44,7 +44,7 @@ Worst worst_of(const Fit& fit, const PlaneCurve& curve, int points = 1000) {
       if (distance(section.box(), position(pose)) > nearest_m) continue;
       const auto near = section.nearest(position(pose));
       const double off_rad = heading_between(section.pose_at(near.s_m), pose);
-      // Where the curve crosses itself, the branch that heads the same way is meant.
+      // Where the curve crosses itself, the branch with the same heading is meant.
       if (near.distance_m < nearest_m && off_rad < 1.0) {
         nearest_m = near.distance_m;
         heading_rad = off_rad;
@@ -93,7 +93,7 @@ rc::Gen<double> between(double low, double high) {
   return rc::gen::map(rc::gen::inRange(0, 1'000'001), [=](int n) { return low + (high - low) * n * 1e-6; });
 }
 
-TEST(Fit, a_straight_line_comes_out_as_one_straight_section) {
+TEST(Fit, returns_a_straight_line_as_one_straight_section) {
   const auto result = fit(of_section(made({3.0, -2.0, 0.7}, 123.456, 0.0, 0.0)));
   ASSERT_TRUE(result);
   ASSERT_EQ(result->sections.size(), 1U);
@@ -101,7 +101,7 @@ TEST(Fit, a_straight_line_comes_out_as_one_straight_section) {
   EXPECT_NEAR(result->length_m, 123.456, 1e-9);
 }
 
-TEST(Fit, an_arc_comes_out_as_one_arc) {
+TEST(Fit, returns_an_arc_as_one_arc) {
   for (const double turn : {0.01, 1.0, -3.0, 4.7, -5.4}) {
     const auto result = fit(of_section(made({3.0, -2.0, 2.9}, 20.0, turn / 20.0, 0.0)));
     ASSERT_TRUE(result);
@@ -112,14 +112,14 @@ TEST(Fit, an_arc_comes_out_as_one_arc) {
   }
 }
 
-TEST(Fit, a_full_circle_comes_out_as_two_arcs) {
+TEST(Fit, returns_a_full_circle_as_two_arcs) {
   const auto result = fit(of_section(made({0.0, 0.0, 0.0}, 2.0 * pi * 5.0, 0.2, 0.0)));
   ASSERT_TRUE(result);
   EXPECT_EQ(result->sections.size(), 2U);
   EXPECT_NEAR(result->length_m, 10.0 * pi, 1e-8);
 }
 
-TEST(Fit, a_spiral_comes_out_as_one_clothoid) {
+TEST(Fit, returns_a_spiral_as_one_clothoid) {
   // The spiral of an OpenDRIVE sample: 100 m from a curvature of 0.025 to 0.0125 per metre; and others.
   for (const auto& [start, end] : {std::pair{0.025, 0.0125}, {0.0, 0.03}, {-0.02, 0.02}, {0.04, -0.01}}) {
     const auto result = fit(of_section(made({1.0, 2.0, -2.0}, 100.0, start, (end - start) / 100.0)));
@@ -131,7 +131,7 @@ TEST(Fit, a_spiral_comes_out_as_one_clothoid) {
   }
 }
 
-TEST(Fit, a_chain_of_shapes_has_a_section_for_each) {
+TEST(Fit, returns_a_section_for_each_shape_of_a_chain) {
   const Section line = made({0.0, 0.0, 0.5}, 10.0, 0.0, 0.0);
   const Section ease = made(line.end(), 5.0, 0.0, 0.02);
   const Section bend = made(ease.end(), 12.0, 0.1, 0.0);
@@ -161,9 +161,10 @@ double turned_rad(const Fit& fit) {
   return sum;
 }
 
-/// How far the length of a fit can be from that of its curve, when the curve is at most `position_m` beside the fit and
-/// heads at most `heading_rad` off it. With the curve's point of arc length t at s along the fit and d to its left, and
-/// φ between the headings, the part of the curve's motion along the fit is cos φ dt = (1 − κ(s)·d) ds. Its integral:
+/// The greatest difference between the length of a fit and that of its curve, when the curve is within `position_m` of
+/// the fit and its heading within `heading_rad`. With the curve's point of arc length t at s along the fit and d to its
+/// left, and φ between the headings, the part of the curve's motion along the fit is cos φ dt = (1 − κ(s)·d) ds. Its
+/// integral:
 ///   length of the fit − length of the curve = ∫κ·d ds − ∫(1 − cos φ) dt.
 /// Two concentric arcs have all of the first term, so a fraction of the length, such as 1e-4, bounds no fit: arcs over
 /// 1 rad with radii of 5 m and 5.01 m are 1 cm apart, head the same way, and differ by 2e-3 of their length.
@@ -175,7 +176,7 @@ double length_slack_m(const Fit& fit, double curve_length_m, double position_m, 
 /// A cubic and its fit, measured independently.
 struct Followed {
   Fit fit;
-  std::string unsound;  ///< what expect_sound says of it
+  std::string unsound;  ///< reported by expect_sound
   Worst worst;
   double length_off_m{};
   double length_slack_m{};
@@ -194,7 +195,7 @@ std::optional<Followed> followed(const Cubic& cubic, FitTolerance tolerance) {
 
 TEST(Fit, may_be_longer_than_a_cubic_by_more_than_a_ten_thousandth_though_it_follows) {
   // RapidCheck's seed 17581653954441381326. The fit keeps to 5.39 mm and 5.41 mrad and is 2.7 mm longer than the 24.3 m
-  // of the curve, which turns 1.66 rad: an offset of 5.39 mm all along would make 8.9 mm.
+  // of the curve, which turns 1.66 rad: an offset of 5.39 mm over the whole length would make 8.9 mm.
   const Cubic cubic{{-1000.0, 16.02604, -25.11036, 1.28538}, {0.0, 10.49994, 0.67596, 8.88618}};
   const FitTolerance tolerance{0.00539, 0.00541};
   const auto found = followed(cubic, tolerance);
@@ -211,7 +212,7 @@ RC_GTEST_PROP(Fit, follows_any_cubic_within_its_tolerance, ()) {
   cubic.x[1] = *between(5.0, 50.0);
   for (double* c : {&cubic.x[2], &cubic.x[3], &cubic.y[1], &cubic.y[2], &cubic.y[3]}) *c = *between(-30.0, 30.0);
   cubic.x[0] = *between(-1e3, 1e3);
-  // A cusp, or nearly one, is no way to drive; it has a test of its own.
+  // A cusp, or nearly one, cannot be driven; a test of its own covers it.
   for (int i = 0; i <= 100; ++i) {
     const double u = i * 0.01;
     RC_PRE(std::hypot(cubic.x[1] + u * (2.0 * cubic.x[2] + 3.0 * u * cubic.x[3]),
@@ -228,8 +229,8 @@ RC_GTEST_PROP(Fit, follows_any_cubic_within_its_tolerance, ()) {
   RC_ASSERT(found->fit.sections.size() <= 150U);
 }
 
-TEST(Fit, a_clothoid_whose_arc_would_end_elsewhere_is_no_arc) {
-  // RapidCheck's seed 13131578387147359744. The arc with its ends' headings is nowhere more than 8.4 µm beside it, yet
+TEST(Fit, refuses_an_arc_for_a_clothoid_that_would_end_elsewhere) {
+  // RapidCheck's seed 13131578387147359744. The arc with its ends' headings deviates nowhere by more than 8.4 µm, yet
   // ends 11.8 µm from its end: its chord is turned by 7 µrad, and across the chord is mostly along the arc there.
   constexpr double length_m = 1.94838355;
   const double start = -1.974644 / length_m;
@@ -242,7 +243,7 @@ TEST(Fit, a_clothoid_whose_arc_would_end_elsewhere_is_no_arc) {
   EXPECT_LT(distance(result->sections[0].end(), section.end()), 1e-9);
 }
 
-RC_GTEST_PROP(Fit, gives_any_section_back, ()) {
+RC_GTEST_PROP(Fit, returns_any_section_unchanged, ()) {
   const double length_m = *between(0.05, 300.0);
   const double start = *between(-2.0, 2.0) / length_m;
   const double end = *between(-2.0, 2.0) / length_m;
@@ -255,7 +256,7 @@ RC_GTEST_PROP(Fit, gives_any_section_back, ()) {
   RC_ASSERT(distance(result->sections[0].end(), section.end()) < 1e-5);
 }
 
-TEST(Fit, a_cubic_of_a_real_road_takes_few_pieces) {
+TEST(Fit, fits_a_cubic_of_a_real_road_with_few_pieces) {
   // A 100 m S-bend with 10 m to the side.
   const PlaneCurve curve = of({{0.0, 100.0, 0.0, 0.0}, {0.0, 0.0, 30.0, -20.0}});
   const auto result = fit(curve);
@@ -323,8 +324,8 @@ TEST(Fit, refuses_what_is_no_smooth_curve) {
   EXPECT_EQ(code_of({[](double u) { return Pose2{u, 0.0, std::sin(1e9 * u)}; }, 0.0, 1e3, {}}), "fit.curve");
 }
 
-TEST(Fit, a_file_s_rounding_does_not_bend_its_lines) {
-  // Two lines whose headings and places are written with seven digits.
+TEST(Fit, is_not_bent_by_a_file_s_rounding) {
+  // Two lines whose headings and positions are written with seven digits.
   const auto at = [](double u) {
     if (u < 50.0) return Pose2{u * std::cos(0.7853982), u * std::sin(0.7853982), 0.7853982};
     return Pose2{35.3553391 + (u - 50.0) * std::cos(0.7853981), 35.3553391 + (u - 50.0) * std::sin(0.7853981),

@@ -11,13 +11,13 @@ namespace cosiva::zone {
 namespace {
 
 constexpr double piece_turn_max_rad = 0.5;
-// Half a piece away from its middle, the curvature's change alone may turn this much.
+// Half a piece away from its centre, the curvature's change alone may turn this much.
 constexpr double piece_bend_max_rad = 0.015;
-constexpr double length_min_m = 1e-6;  // shorter ones overflow the powers of their curvature and serve nobody
+constexpr double length_min_m = 1e-6;  // shorter sections overflow the powers of their curvature and have no use
 constexpr double length_max_m = 1e5;
 constexpr double turned_max_rad = 1e4;
 
-// Below this turn an arc's centre is so far away that p − centre loses digits that matter; the search does not.
+// Below this turn an arc's centre is so far away that p − centre loses significant digits; the search does not.
 constexpr double arc_turn_min_rad = 0.05;
 
 double dot(const SinCos& direction, double x, double y) { return direction.cos * x + direction.sin * y; }
@@ -53,7 +53,7 @@ Result<Section> Section::make(const Pose2& start, double length_m, double curvat
        {start.x_m, start.y_m, start.heading_rad, length_m, curvature_per_m, curvature_rate_per_m2}) {
     if (!std::isfinite(number)) return fail("section.invalid", "a section's numbers must be finite");
   }
-  // Beyond 1e6 rad the sine's own promise ends; nobody means such a heading.
+  // Beyond 1e6 rad the sine's own accuracy ends; such a heading is a mistake.
   if (std::fabs(start.heading_rad) > 1e6) return fail("section.invalid", "a section's heading is beyond 1e6 rad");
   if (length_m < length_min_m || length_m > length_max_m) {
     return fail("section.invalid",
@@ -90,11 +90,10 @@ double Section::curvature_max_per_m() const {
   return std::max(std::fabs(curvature_per_m_), std::fabs(curvature_at(length_m_)));
 }
 
-/// z(u) = ∫ exp(i(θm + κm·v + κ₁·v²/2)) dv from 0 to u, as a Taylor series about the middle of each piece. With f the
-/// integrand over exp(iθm), f' = i(κm + κ₁·v)·f gives f_{n+1} = i(κm·f_n + κ₁·f_{n−1})/(n + 1), and
-/// z_{n+1} = f_n/(n + 1). Where the curvature is constant, the thirteenth term at 0.25 rad is under
-/// 1e-16 of the radius; where it changes, κ₁·v²/2 turns alone when κm is small, and 0.015 rad of it keep the terms left
-/// out under 1e-13 of the piece.
+/// z(u) = ∫ exp(i(θm + κm·v + κ₁·v²/2)) dv from 0 to u, as a Taylor series about the centre of each piece. With f the
+/// integrand over exp(iθm), f' = i(κm + κ₁·v)·f gives f_{n+1} = i(κm·f_n + κ₁·f_{n−1})/(n + 1), and z_{n+1} = f_n/(n +
+/// 1). Where the curvature is constant, the thirteenth term at 0.25 rad is under 1e-16 of the radius; where it changes,
+/// κ₁·v²/2 turns alone when κm is small, and 0.015 rad of it keep the omitted terms under 1e-13 of the piece.
 void Section::lay_pieces() {
   using Complex = std::complex<double>;
   const double turn_rad = curvature_max_per_m() * length_m_;
@@ -126,7 +125,7 @@ void Section::lay_pieces() {
       before = f;
       f = Complex{-g.imag(), g.real()} / order;
     }
-    // The pieces hang on each other: each begins exactly where the one before it ends.
+    // The pieces form a chain: each begins exactly at the end of the one before it.
     const Point2 back = piece.at(-0.5 * piece_m);
     piece.x[0] = from.x_m - back.x_m;
     piece.y[0] = from.y_m - back.y_m;
@@ -136,7 +135,7 @@ void Section::lay_pieces() {
 
 Section::NextPosition Section::nextAIVposition(double mDTCS_m, double DTT_m) const {
   COSIVA_EXPECT(mDTCS_m >= 0.0 && DTT_m >= 0.0);
-  // The section conservation condition (A31): what is left of this section decides how much of DTT it can take.
+  // The section conservation condition (A31): the rest of this section limits the part of DTT travelled on it.
   const double left_m = std::max(length_m_ - mDTCS_m, 0.0);
   if (DTT_m <= left_m) return {pose_at(mDTCS_m + DTT_m), DTT_m};
   return {end_, left_m};
@@ -192,7 +191,8 @@ Section::Nearest Section::nearest_on_arc(Point2 p) const {
   const Point2 centre{start_.x_m - radius_m * direction_.sin, start_.y_m + radius_m * direction_.cos};
   const double x = p.x_m - centre.x_m;
   const double y = p.y_m - centre.y_m;
-  // The spoke to the start has direction (sin θ, −cos θ)·R; turn from it to the spoke to p, the way the arc turns.
+  // The spoke to the start has direction (sin θ, −cos θ)·R; turn from it to the spoke to p, in the direction of the
+  // arc.
   const double sign = radius_m > 0.0 ? 1.0 : -1.0;
   const double across = sign * (direction_.sin * x - direction_.cos * y);
   const double ahead = dot(direction_, x, y);
@@ -210,7 +210,7 @@ Section::Nearest Section::nearest_on_arc(Point2 p) const {
   return at_end.distance_m < at_start.distance_m ? at_end : at_start;
 }
 
-/// One Newton step on (p − P(s))·T(s) = 0; it takes away what rounding the centre and the angle left.
+/// One Newton step on (p − P(s))·T(s) = 0 removes the rounding errors of the centre and the angle.
 double Section::polish(Point2 p, double s_m, double low_m, double high_m) const {
   const Pose2 pose = pose_at(s_m);
   const SinCos direction = sincos(pose.heading_rad);
@@ -221,7 +221,8 @@ double Section::polish(Point2 p, double s_m, double low_m, double high_m) const 
   return std::clamp(s_m + dot(direction, x, y) / slope, low_m, high_m);
 }
 
-/// Samples a quarter of a piece apart, then bisection helped by Newton around each sample that no neighbour beats.
+/// Samples a quarter of a piece apart, then bisection helped by Newton around each sample at least as good as its
+/// neighbours.
 Section::Nearest Section::nearest_by_search(Point2 p) const {
   const std::size_t count = 4 * pieces_.size();
   const double step_m = length_m_ / static_cast<double>(count);

@@ -17,7 +17,7 @@ struct Box {
   Point2 high;
   friend bool operator==(const Box&, const Box&) = default;
 };
-/// How far p is outside the box; 0 inside.
+/// Distance of p from the box; 0 inside.
 [[nodiscard]] double distance(const Box& box, Point2 p) noexcept;
 
 enum class SectionKind { straight, arc, clothoid };
@@ -44,7 +44,7 @@ class Section {
   /// X_MP at arc length s ∈ [0, L] (clamped). Heading is that of increasing s, in (−π, π]. On an arc this is the
   /// article's equation (1), on straights along x and y its equations (2) and (3).
   [[nodiscard]] Pose2 pose_at(double s_m) const;
-  /// That of pose_at(s), to the same bits, without the way to it.
+  /// The heading of pose_at(s), to the same bits, without computing the position.
   [[nodiscard]] double heading_at(double s_m) const;
   [[nodiscard]] double curvature_at(double s_m) const;
   [[nodiscard]] double curvature_rate_per_m2() const { return curvature_rate_per_m2_; }  ///< κ₁
@@ -58,7 +58,7 @@ class Section {
   };
   [[nodiscard]] NextPosition nextAIVposition(double mDTCS_m, double DTT_m) const;
 
-  /// The point of this section nearest to p: its arc length, and how far p is to the left of it (negative: right)
+  /// The point of this section nearest to p: its arc length, and the distance of p to the left of it (negative: right)
   /// there.
   struct Nearest {
     double s_m;
@@ -94,7 +94,8 @@ class Section {
   [[nodiscard]] Nearest nearest_by_search(Point2 p) const;
   [[nodiscard]] double polish(Point2 p, double s_m, double low_m, double high_m) const;
 
-  // First what says where the nearest place is, side by side: on a large circuit it comes from afar.
+  // First the members for the search of the nearest position, side by side: on a large circuit they are loaded from far
+  // away.
   Pose2 start_;
   SinCos direction_{};  ///< of the heading at the start
   double length_m_{};
@@ -106,7 +107,7 @@ class Section {
   Box box_;
 };
 
-// The hot path of everything that moves, so it stands here for the compiler to see through.
+// The hot path of every moving body, hence defined here for inlining.
 
 inline Point2 Section::Piece::at(double u_m) const noexcept {
   // Even and odd powers apart: two short chains of multiplications instead of one long one.
@@ -132,7 +133,7 @@ inline double Section::heading_at(double s_m) const {
 }
 
 inline Pose2 Section::pose_at(double s_m) const {
-  // Written so that a NaN, which no caller should send, becomes 0 rather than an index.
+  // Written so that a NaN, which no caller should pass, becomes 0 rather than an index.
   const double s = s_m > 0.0 ? std::min(s_m, length_m_) : 0.0;
   const Point2 p = position_at(s);
   return {p.x_m, p.y_m, heading_at(s)};

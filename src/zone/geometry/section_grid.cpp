@@ -6,12 +6,12 @@ namespace cosiva::zone {
 namespace {
 
 // In a larger zone single precision would lose too much for a grid to be of use; further from the map's origin double
-// precision loses more than a hair.
+// precision loses more than the margins allow.
 constexpr double extent_max_m = 1e7;
 constexpr double coordinate_max_m = 1e8;
-// Of the zone's extent: ten times what single precision loses of a place in it.
+// Of the zone's extent: ten times the rounding of a position in it in single precision.
 constexpr double loss_ratio = 1.2e-6;
-// What rounding may lose of a distance in double precision, and more.
+// An upper bound of the rounding of a distance in double precision.
 constexpr double hair_m = 1e-6;
 constexpr double pieces_per_cell = 1.0;
 
@@ -60,7 +60,7 @@ SectionGrid::Record SectionGrid::record_of(const SectionPiece& piece, double los
   const double x = piece.to.x_m - piece.from.x_m;
   const double y = piece.to.y_m - piece.from.y_m;
   const double square = x * x + y * y;
-  // Of a chord so short that its square's inverse would be huge, one end stands for all of it.
+  // Of a chord so short that its square's inverse would be huge, one end represents all of it.
   const double shortest_m = 1e-6;
   const bool is_point = square < shortest_m * shortest_m;
   Record record{};

@@ -14,24 +14,24 @@
 
 namespace cosiva::zone {
 
-/// Finds the sections near a point where that is easy, and says where it is not: a grid of square cells, each piece in
-/// the one that holds its middle. A question reads the pieces of four cells, which lie in two runs of memory, where a
-/// tree follows one pointer after the other. There are hardly more cells than pieces. Where very many pieces crowd
-/// together, or what is looked for lies far away, it says so, and a tree must be asked.
+/// Finds the sections near a point where that is easy, and reports where it is not: a grid of square cells, each piece
+/// in the cell that holds its centre. A query reads the pieces of four cells, which lie in two contiguous blocks of
+/// memory, where a tree follows one pointer after the other. There are hardly more cells than pieces. Where very many
+/// pieces are close together, or the result is far away, the grid reports that a tree must be queried.
 class SectionGrid {
  public:
   SectionGrid() = default;
   explicit SectionGrid(std::span<const SectionPiece> pieces);
 
   /// Calls visit(id) once for each section with a piece that heads into `headings`, lies around p and may come within
-  /// `limit_m` of it, nearest first, more or less. `limit_m` is read again after each call: whoever looks for the
-  /// nearest lowers it. True: no other such section comes within what `limit_m` is then. False: others may.
+  /// `limit_m` of it, nearest first, more or less. `limit_m` is read again after each call: a search for the nearest
+  /// lowers it. True: no other such section comes within the `limit_m` of that moment. False: others may.
   template <typename Visit>
   [[nodiscard]] bool visit(Point2 p, Headings headings, const double& limit_m, const Visit& visit) const;
 
  private:
   static constexpr std::size_t crowd = 64;  ///< candidates at once
-  /// A piece in single precision, from `origin_`; `bulge_m` covers what is lost by that.
+  /// A piece in single precision, from `origin_`; `bulge_m` covers the rounding.
   struct Record {
     float from_x, from_y, along_x, along_y;
     float per_square;  ///< 1 over the chord's length squared, 0 for a point
@@ -41,7 +41,7 @@ class SectionGrid {
 
     [[nodiscard]] float least_m(float x, float y) const;
   };
-  /// What stands around a point, to be taken nearest first.
+  /// The pieces around a point, to be taken nearest first.
   struct Candidates {
     std::array<float, crowd> least_m;
     std::array<std::uint32_t, crowd> section;
@@ -57,7 +57,7 @@ class SectionGrid {
     std::size_t left, right, low, high;
   };
   static constexpr std::size_t scanned_max = 256;  ///< records of a block
-  static constexpr double half_max = 5.0;          ///< cells looked at on each side of p
+  static constexpr double half_max = 5.0;          ///< cells searched on each side of p
 
   [[nodiscard]] std::size_t size_of(const Block& block) const;
   [[nodiscard]] double steady_m(const Block& block, double column_at, double row_at) const;
@@ -70,7 +70,7 @@ class SectionGrid {
 
   Point2 origin_;  ///< the lowest corner
   double cell_m_{1.0};
-  double reach_m_{0.0};  ///< no piece reaches further from its middle
+  double reach_m_{0.0};  ///< no piece reaches further from its centre
   std::size_t columns_{0};
   std::size_t rows_{0};
   std::vector<Record> records_;       ///< row by row, cell by cell
@@ -117,7 +117,7 @@ inline std::size_t SectionGrid::size_of(const Block& block) const {
   return size;
 }
 
-/// All that lies nearer to p than this has its pieces in the block; beyond the grid's own edge there is nothing.
+/// All pieces nearer to p than this are in the block; beyond the grid's own edge there is nothing.
 inline double SectionGrid::steady_m(const Block& block, double column_at, double row_at) const {
   constexpr double far = std::numeric_limits<double>::infinity();
   const double left = block.left > 0 ? column_at - static_cast<double>(block.left) : far;
@@ -155,7 +155,7 @@ bool SectionGrid::visit(Point2 p, Headings headings, const double& limit_m, cons
   if (!(column_at >= 0.0 && column_at < static_cast<double>(columns_) && row_at >= 0.0 &&
         row_at < static_cast<double>(rows_)))
     return false;
-  // The four cells around p first, more while there is nothing, then as many as something nearer may hide in.
+  // The four cells around p first, more while they are empty, then as many as may hold a nearer piece.
   double half = 0.5;
   while (half <= half_max) {
     const auto cells = [half](double at, std::size_t count) {

@@ -9,7 +9,7 @@ namespace cosiva::zone {
 namespace {
 
 constexpr double piece_turn_max_rad = 0.5;
-// Far more than rounding moves anything by, and nothing beside a vehicle.
+// Far more than any rounding, and negligible for a vehicle.
 constexpr double margin_m = 1e-7;
 constexpr double margin_rad = 1e-6;
 

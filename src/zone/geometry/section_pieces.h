@@ -16,13 +16,13 @@ inline constexpr Headings every_heading = ~Headings{0};
 /// All headings within `half_width_rad` of this one, and a little more.
 [[nodiscard]] Headings headings_near(double heading_rad, double half_width_rad);
 
-/// The stretch of a section within `bulge_m` of a chord: what an index of sections is made of.
+/// The stretch of a section within `bulge_m` of a chord: the element of an index of sections.
 struct SectionPiece {
   Point2 from;
   Point2 to;
   double bulge_m;
   std::uint32_t section;
-  Headings headings;  ///< which ways it heads
+  Headings headings;  ///< the directions of its headings
 
   /// False only where all of it is further than `limit_m` from p.
   [[nodiscard]] bool may_come_within(double limit_m, Point2 p) const;

@@ -24,7 +24,8 @@ void expect_near(const Pose2& a, const Pose2& b, double tolerance) {
   EXPECT_NEAR(wrap_angle(a.heading_rad - b.heading_rad), 0.0, tolerance);
 }
 
-/// Where a curve of linear curvature is after s, by Simpson's rule over many small steps: slow and beyond doubt.
+/// The end of a curve of linear curvature after s, by Simpson's rule over many small steps: a slow but certain
+/// reference.
 Pose2 integrate(const Pose2& start, double s_m, double curvature, double rate) {
   const auto heading = [&](long double s) {
     return static_cast<long double>(start.heading_rad) + s * (curvature + 0.5L * rate * s);
@@ -43,7 +44,7 @@ Pose2 integrate(const Pose2& start, double s_m, double curvature, double rate) {
           wrap_angle(static_cast<double>(heading(s_m)))};
 }
 
-/// Draws for one case of a property. Its values are spread evenly from the first case on, as rapidcheck's are not.
+/// Random draws for one case of a property. Its values are spread evenly from the first case on, unlike rapidcheck's.
 Random any() { return Random{*rc::gen::arbitrary<std::uint64_t>(), "section_test"}; }
 
 /// A section of any kind, up to about two turns.
@@ -118,7 +119,7 @@ TEST(Section, arc_of_several_turns_stays_within_a_picometre_of_its_circle) {
   }
 }
 
-TEST(Section, that_hardly_bends_keeps_its_digits) {
+TEST(Section, of_very_small_curvature_keeps_its_digits) {
   // Offset of an arc of radius 1e9 m after 40 m: s²/2R = 0.8 µm, to 1e-15 m.
   const Section arc = make({0.0, 0.0, 0.0}, 40.0, 1e-9);
   EXPECT_NEAR(arc.end().y_m, 8e-7, 1e-15);
@@ -158,7 +159,7 @@ TEST(Section, has_no_step_between_its_pieces) {
   }
 }
 
-TEST(Section, clamps_what_lies_beyond_its_ends) {
+TEST(Section, clamps_positions_beyond_its_ends) {
   const Section arc = make({0.0, 0.0, 0.0}, 1.0, 0.5);
   EXPECT_EQ(arc.pose_at(-1.0), arc.start());
   EXPECT_EQ(arc.pose_at(2.0), arc.end());
@@ -215,7 +216,7 @@ TEST(Section, takes_the_whole_distance_while_it_lasts) {
   EXPECT_EQ(next.pose.x_m, 0.75);
 }
 
-TEST(Section, takes_only_what_is_left_of_it) {
+TEST(Section, takes_only_the_rest_of_its_length) {
   const Section section = make({0.0, 0.0, 0.0}, 1.0);
   const auto next = section.nextAIVposition(0.75, 0.5);
   EXPECT_EQ(next.DT_m, 0.25);
@@ -233,7 +234,7 @@ TEST(Section, takes_nothing_at_its_end_and_everything_up_to_it) {
 
 TEST(Section, nearest_of_its_own_point_is_that_point) {
   rc::check([] {
-    // At most a turn of 6 rad: a curve that meets itself has two answers.
+    // At most a turn of 6 rad: a curve that meets itself has two nearest points.
     Random random = any();
     const auto between = [&](double low, double high) { return random.uniform(low, high); };
     const Pose2 start{between(-5.0, 5.0), between(-5.0, 5.0), between(-3.1, 3.1)};
@@ -262,7 +263,7 @@ TEST(Section, nearest_is_never_beaten_by_a_sample) {
   });
 }
 
-TEST(Section, nearest_tells_left_from_right) {
+TEST(Section, nearest_distinguishes_left_from_right) {
   const Section straight = make({0.0, 0.0, 0.0}, 2.0);
   EXPECT_EQ(straight.nearest({1.0, 0.3}).left_m, 0.3);
   EXPECT_EQ(straight.nearest({1.0, -0.3}).left_m, -0.3);
@@ -291,9 +292,9 @@ TEST(Section, nearest_to_the_centre_of_an_arc_is_a_radius_away) {
   EXPECT_NEAR(near.left_m, 0.6, 1e-12);
 }
 
-// What is no section --------------------------------------------------------------------------------------------------
+// Invalid sections ----------------------------------------------------------------------------------------------------
 
-TEST(Section, refuses_numbers_that_are_none) {
+TEST(Section, refuses_values_that_are_no_numbers) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   constexpr double infinity = std::numeric_limits<double>::infinity();
   for (const double bad : {nan, infinity, -infinity}) {

@@ -8,7 +8,7 @@
 namespace cosiva::zone {
 namespace {
 
-/// Where a cell of a 65536 × 65536 grid comes on the Hilbert curve.
+/// The position of a cell of a 65536 × 65536 grid on the Hilbert curve.
 std::uint64_t hilbert(std::uint32_t x, std::uint32_t y) {
   std::uint64_t along = 0;
   for (std::uint32_t side = 1U << 15U; side > 0; side >>= 1U) {
@@ -29,7 +29,7 @@ std::uint64_t hilbert(std::uint32_t x, std::uint32_t y) {
 }  // namespace
 
 void SectionTree::enclose(Node& node, std::uint32_t child, const SectionPiece& piece) const {
-  // A millionth outwards covers what single precision loses, of the box and of whoever asks.
+  // A millionth outwards covers the rounding to single precision, of the box and of the query.
   const auto down = [](double x) { return static_cast<float>(x - 1e-6 * (1.0 + std::fabs(x))); };
   const auto up = [](double x) { return static_cast<float>(x + 1e-6 * (1.0 + std::fabs(x))); };
   node.low_x[child] = down(std::min(piece.from.x_m, piece.to.x_m) - piece.bulge_m);

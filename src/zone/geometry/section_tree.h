@@ -12,9 +12,9 @@
 
 namespace cosiva::zone {
 
-/// Finds the sections near a point without looking at all of them: a packed R-tree over short pieces of them, laid
-/// along a Hilbert curve. Besides its box each node knows which way its pieces head, so that looking for sections of
-/// one direction passes by all others; that, and queries that allocate nothing, are why it is not Boost.Geometry's.
+/// Finds the sections near a point without a linear search: a packed R-tree over short pieces of them, laid along a
+/// Hilbert curve. Besides its box each node stores the headings of its pieces, so that a search for sections of one
+/// direction skips all others; this, and queries without allocation, are the reasons not to use Boost.Geometry's.
 class SectionTree {
  public:
   SectionTree() = default;
@@ -22,18 +22,18 @@ class SectionTree {
   explicit SectionTree(std::vector<SectionPiece> pieces);
 
   /// Calls visit(id) for the section of every piece that heads into `headings` and that may come within `limit_m` of p:
-  /// nothing nearer is left out, some are further, an id may come several times, in no order that means anything.
-  /// `limit_m` is read again after each call: whoever looks for the nearest lowers it.
+  /// nothing nearer is left out, some are further, an id may come several times, in no particular order. `limit_m` is
+  /// read again after each call: a search for the nearest lowers it.
   template <typename Visit>
   void visit(Point2 p, Headings headings, const double& limit_m, Visit&& visit) const;
 
  private:
   static constexpr std::uint32_t fan_out = 4;
-  static constexpr std::size_t depth_max = 20;  // 4^19 pieces are more than a file can say
+  static constexpr std::size_t depth_max = 20;  // 4^19 pieces are more than a file can hold
 
   using Four [[gnu::vector_size(fan_out * sizeof(float))]] = float;
   /// The boxes of four children side by side, for the processor to compare at once; in single precision, rounded
-  /// outwards. Children that are not there have a box that nothing is near to.
+  /// outwards. Missing children have a box that nothing is near to.
   struct Node {
     Four low_x, low_y, high_x, high_y;
     std::array<Headings, fan_out> headings;
@@ -60,7 +60,7 @@ void SectionTree::visit(Point2 p, Headings headings, const double& limit_m, Visi
   if (nodes_.empty()) return;
   const auto p_x = static_cast<float>(p.x_m);
   const auto p_y = static_cast<float>(p.y_m);
-  // Single precision keeps seven digits: what it loses is far less than this.
+  // Single precision keeps seven digits: the rounding is far less than this.
   const auto limit_square = [&] { return static_cast<float>(std::min(limit_m * limit_m, 1e37)) * 1.0001F + 1e-12F; };
   // Depth first, the nearest child first: at most all children but one of each level wait.
   std::array<Entry, depth_max * fan_out> waiting;

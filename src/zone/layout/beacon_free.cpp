@@ -1,4 +1,4 @@
-// The longest way without a beacon, and where the beacons had better lie.
+// The longest distance without a beacon, and better positions for the beacons.
 #include "cosiva/zone/layout/beacon_free.h"
 
 #include <algorithm>
@@ -12,18 +12,18 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double sagitta_max_m = 1e-4;
-/// A beacon just at a joint belongs to both of its sides, whatever rounding says.
+/// A beacon just at a joint belongs to both of its sides, whatever the rounding.
 constexpr double same_position_m = 1e-9;
-/// Chords looked at in a whole search, about a second's work.
+/// Chords examined in a whole search, about a second's work.
 constexpr double work_max = 2e7;
 constexpr std::size_t searched_chords_max = 200'000;
 
-/// What is read on one section, in the order of driving.
+/// The tags or beacons read on one section, in the order of driving.
 struct Reads {
   std::vector<double> s_m;
 };
 
-/// The longest way between reads over all branches.
+/// The longest distance between reads over all branches.
 class DistanceToReads {
  public:
   DistanceToReads(const Circuit& circuit, const std::vector<Reads>& reads)
@@ -49,7 +49,7 @@ class DistanceToReads {
 
  private:
   static constexpr double unknown = -1.0;
-  static constexpr double open = -2.0;  // on the way that is being followed
+  static constexpr double open = -2.0;  // on the path that is being followed
 
   void record(double length_m, TrackPosition from, TrackPosition to) {
     if (length_m > longest_.length_m) longest_ = {length_m, from, to, false};
@@ -64,7 +64,7 @@ class DistanceToReads {
 
   using Stack = std::vector<std::pair<SectionId, std::size_t>>;  // a section, and which of its branches comes next
 
-  /// Known at once where something is read on it, else to be followed.
+  /// Known at once where a tag or beacon is read on it, otherwise to be followed.
   void enter(SectionId id, Stack& stack) {
     if (!reads_[id].s_m.empty()) {
       ahead_m_[id] = reads_[id].s_m.front();
@@ -74,7 +74,7 @@ class DistanceToReads {
     stack.emplace_back(id, 0);
   }
 
-  /// From the start of each section to the next read, by the worst branch; depth first, on a stack of its own.
+  /// From the start of each section to the next read, by the worst branch; depth first, on an explicit stack.
   void look_ahead(SectionId first) {
     if (ahead_m_[first] != unknown) return;
     Stack stack;
@@ -121,7 +121,8 @@ class DistanceToReads {
   Stretch longest_;
 };
 
-/// All ways as short straight pieces in the frame of a matrix, to ask where beacons are read for one origin or another.
+/// All sections as short straight pieces in the frame of a matrix, to compute where beacons are read for one origin or
+/// another.
 class Chords {
  public:
   Chords(const TrafficZone& zone, double reach_m)
@@ -140,7 +141,7 @@ class Chords {
   [[nodiscard]] std::size_t size() const { return chords_.size(); }
   [[nodiscard]] const SinCos& turn() const { return turn_; }
 
-  /// Where beacons are read when the matrix lies `offset` further along its own axes.
+  /// The positions where beacons are read when the matrix is shifted by `offset` along its own axes.
   void read(Point2 offset, std::vector<Reads>& reads) const {
     reads.resize(circuit_.size());
     for (SectionId id = 0; id < circuit_.size(); ++id) {
@@ -207,7 +208,7 @@ class Chords {
         read_beacon(id, index, {offset.x_m + i * pitch_m, offset.y_m + j * pitch_m}, s_m);
   }
 
-  /// A beacon is read once, where the line is nearest to it: on a chord, or where two meet at an angle.
+  /// A beacon is read once, where the path is nearest to it: on a chord, or where two meet at an angle.
   void read_beacon(SectionId id, std::size_t index, Point2 beacon, std::vector<double>& s_m) const {
     const Chord& chord = chords_[index];
     double at_m = along_m(chord, beacon);
@@ -232,8 +233,8 @@ class Chords {
   std::vector<std::size_t> begin_;  ///< of each section's chords
 };
 
-/// A suggestion must hold although beacons are laid, and lines driven, a little beside where they should be: what
-/// passes by within this share of the reach counts while origins are compared.
+/// A suggestion must hold although beacons are laid, and paths driven, with a small lateral offset: only beacons within
+/// this ratio of the reach count while origins are compared.
 constexpr double surely_read = 0.9;
 
 /// Tries origins and keeps the best; of equal ones the first.
@@ -270,7 +271,7 @@ class Search {
 
   void consider(Point2 offset) {
     const double length_m = longest_m(sure_, offset);
-    // A micrometre less is no reason to move beacons.
+    // A gain of less than a micrometre is no reason to move beacons.
     if (length_m < best_m_ - 1e-6) {
       best_m_ = length_m;
       best_ = offset;
@@ -293,14 +294,14 @@ class Search {
 
   const TrafficZone& zone_;
   Chords chords_;
-  Chords sure_;  ///< with the part of the reach that counts
+  Chords sure_;  ///< with the counting part of the reach
   double reach_m_;
   std::vector<Reads> reads_;
   Point2 best_{};
   double best_m_{infinite};
 };
 
-/// Beside what is read of beacons already.
+/// Adds the reads of tags to the present ones of beacons.
 void read_tags(const TrafficZone& zone, std::vector<Reads>& reads) {
   for (const Tag& tag : zone.tags) reads[tag.position.section].s_m.push_back(tag.position.s_m);
   for (Reads& one : reads) std::sort(one.s_m.begin(), one.s_m.end());

@@ -35,7 +35,7 @@ std::optional<Point2> BeaconGrid::find(TagNumber number) const {
 
 std::optional<BeaconGrid::Near> BeaconGrid::nearest(Point2 p) const {
   if (columns == 0 || rows == 0) return std::nullopt;
-  // An upright matrix, which most are, is asked with every move of every vehicle: no sine for it.
+  // An upright matrix, the usual case, is queried with every move of every vehicle: no sine for it.
   const Point2 p_G =
       rotation_rad == 0.0 ? Point2{p.x_m - origin.x_m, p.y_m - origin.y_m} : unturned(origin, sincos(rotation_rad), p);
   const double i = p_G.x_m / pitch_m;
@@ -59,7 +59,7 @@ struct Extent {
   }
 };
 
-/// Of all ways, in the frame of a matrix that passes through `through`; of an upright one, in the map's.
+/// Of all sections, in the frame of a matrix that passes through `through`; of an upright one, in the map's.
 Extent extent(const Circuit& circuit, Point2 through, double rotation_rad) {
   Extent all;
   const SinCos turn = sincos(rotation_rad);

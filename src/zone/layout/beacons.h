@@ -7,8 +7,8 @@
 
 namespace cosiva::zone {
 
-/// A grid that passes through `through`, turned by `rotation_rad`, and covers every way and half a vehicle beside it.
-/// Nothing when that takes more than `beacons_max` beacons.
+/// A grid that passes through `through`, turned by `rotation_rad`, and covers every section and half a vehicle on each
+/// side of it. Nothing when that takes more than `beacons_max` beacons.
 [[nodiscard]] std::optional<BeaconGrid> covering_grid(const Circuit& circuit, const VehicleShape& shape, double pitch_m,
                                                       Point2 through, std::uint32_t beacons_max,
                                                       double rotation_rad = 0.0);

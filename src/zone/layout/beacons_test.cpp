@@ -25,8 +25,8 @@ BeaconGrid grid(double pitch_m, Point2 origin, double rotation_rad = 0.0) {
   return made;
 }
 
-// Where they stand
-// ---------------------------------------------------------------------------------------------------------
+// Positions of the beacons
+// -------------------------------------------------------------------------------------------------
 
 TEST(BeaconGrid, turned_by_90_degrees_has_its_columns_northward) {
   const BeaconGrid turned = grid(0.5, {1.0, 2.0}, pi / 2.0);
@@ -55,7 +55,7 @@ TEST(BeaconGrid, finds_the_nearest_of_a_turned_matrix_and_nothing_beyond_its_edg
   EXPECT_FALSE(turned.nearest({last.x_m + 0.21 * std::cos(0.3), last.y_m + 0.21 * std::sin(0.3)}));
 }
 
-TEST(CoveringGrid, turned_covers_every_way_and_passes_through_its_point) {
+TEST(CoveringGrid, turned_covers_every_section_and_passes_through_its_point) {
   const TrafficZone zone = testing::lacet4();
   for (const double rotation_rad : {0.0, 0.2, pi / 4.0, 1.4, -2.0}) {
     const auto covering = covering_grid(zone.circuit, zone.vehicle, 0.25, {0.1, 0.05}, 100'000, rotation_rad);
@@ -64,7 +64,7 @@ TEST(CoveringGrid, turned_covers_every_way_and_passes_through_its_point) {
       for (double s = 0.0; s <= zone.circuit.section(id).length_m(); s += 0.05)
         EXPECT_TRUE(covering->nearest(position(zone.circuit.pose_at({id, s})))) << rotation_rad;
     EXPECT_LT(distance(covering->nearest({0.1, 0.05})->position, {0.1, 0.05}), 1e-12) << rotation_rad;
-    // Not many more than it takes: 2.7 m square, and its diagonal where it is turned.
+    // Not many more than necessary: 2.7 m square, and its diagonal where the matrix is turned.
     EXPECT_LE(covering->columns * covering->rows, 20U * 20U);
   }
 }
@@ -81,15 +81,15 @@ TEST(BeaconFree, parallel_straight_meets_one_at_every_pitch_or_never) {
   EXPECT_NEAR(longest_beacon_free(zone, 0.03).length_m, 0.30, 1e-9);
 }
 
-TEST(BeaconFree, names_the_places_between_which_it_lies) {
+TEST(BeaconFree, names_the_positions_between_which_it_lies) {
   TrafficZone zone = straight_zone();
-  // The way's end has 6 − 5·1.1 = 0.5 m behind the last, its beginning none: 1.1 m lie between two.
+  // The section's end has 6 − 5·1.1 = 0.5 m behind the last, its beginning none: 1.1 m lie between two.
   zone.beacons = grid(1.1, {0.0, 0.0});
   const Stretch longest = longest_beacon_free(zone);
   EXPECT_NEAR(longest.length_m, 1.1, 1e-9);
   EXPECT_NEAR(longest.to.s_m - longest.from.s_m, 1.1, 1e-9);
   EXPECT_FALSE(longest.endless);
-  // Beginning and end of a way count: nothing was read before.
+  // Beginning and end of a section count: nothing was read before.
   zone.beacons = grid(4.0, {1.5, 0.0});
   EXPECT_NEAR(longest_beacon_free(zone).length_m, 4.0, 1e-9);
   zone.beacons = BeaconGrid{4.0, {4.5, 0.0}, 1, 1};
@@ -97,12 +97,12 @@ TEST(BeaconFree, names_the_places_between_which_it_lies) {
   EXPECT_EQ(longest_beacon_free(zone).from, (TrackPosition{0, 0.0}));
 }
 
-TEST(BeaconFree, oblique_straight_meets_one_where_the_lattice_says) {
+TEST(BeaconFree, oblique_straight_meets_one_at_the_lattice_points) {
   // 45° through the origin of a matrix of 0.3 m: one at every diagonal.
   TrafficZone zone = zone_of(testing::circuit({part("a", section({0.0, 0.0, pi / 4.0}, 6.0))}));
   zone.beacons = grid(0.30, {0.0, 0.0});
   EXPECT_NEAR(longest_beacon_free(zone).length_m, 0.30 * std::sqrt(2.0), 1e-9);
-  // The same matrix, turned as the way is, is parallel to it.
+  // The same matrix, turned as the section is, is parallel to it.
   zone.beacons = grid(0.30, {0.0, 0.0}, pi / 4.0);
   EXPECT_NEAR(longest_beacon_free(zone).length_m, 0.30, 1e-9);
 }
@@ -120,7 +120,7 @@ TEST(BeaconFree, runs_on_over_joints_to_the_worst_branch) {
   EXPECT_EQ(longest.to, (TrackPosition{2, 3.0}));
 }
 
-TEST(BeaconFree, round_without_any_is_endless) {
+TEST(BeaconFree, loop_without_any_is_endless) {
   TrafficZone zone = zone_of(testing::track(2.0, 0.5));
   const double round_m = 4.0 + pi;
   for (const bool far_away : {false, true}) {
@@ -129,7 +129,7 @@ TEST(BeaconFree, round_without_any_is_endless) {
     EXPECT_TRUE(longest.endless);
     EXPECT_NEAR(longest.length_m, round_m, 1e-9);
   }
-  // One beacon on it: once round from itself to itself.
+  // One beacon on the loop: one lap from the beacon to itself.
   zone.beacons = BeaconGrid{0.3, {1.0, 0.0}, 1, 1};
   const Stretch longest = longest_beacon_free(zone);
   EXPECT_FALSE(longest.endless);
@@ -151,7 +151,7 @@ TEST(BeaconFree, reads_on_curves_too) {
   EXPECT_NEAR(longest_beacon_free(zone, 0.01).length_m, pi / 2.0, 1e-3);
 }
 
-TEST(TagFree, stretch_of_lacet4_is_a_twelfth_of_its_round) {
+TEST(TagFree, stretch_of_lacet4_is_a_twelfth_of_its_loop) {
   const TrafficZone zone = testing::lacet4();
   EXPECT_NEAR(longest_tag_free(zone).length_m, zone.circuit.total_length_m() / 12.0, 0.002);
   TrafficZone bare = zone;
@@ -159,12 +159,12 @@ TEST(TagFree, stretch_of_lacet4_is_a_twelfth_of_its_round) {
   EXPECT_TRUE(longest_tag_free(bare).endless);
 }
 
-// Where they had better stand
-// ---------------------------------------------------------------------------------------------------------
+// Better positions
+// -------------------------------------------------------------------------------------------------------------
 
 TEST(SuggestedOrigin, puts_the_beacons_under_a_parallel_straight) {
   TrafficZone zone = straight_zone();
-  zone.beacons = grid(0.30, {-3.0, -3.15});  // the line runs half way between two rows
+  zone.beacons = grid(0.30, {-3.0, -3.15});  // the line runs half the distance between two rows
   const auto better = suggest_origin(zone);
   ASSERT_TRUE(better);
   EXPECT_NEAR(better->before_m, 6.0, 1e-9);
@@ -184,7 +184,7 @@ TEST(SuggestedOrigin, leaves_a_matrix_where_none_is_better) {
   EXPECT_FALSE(suggest_origin(zone));
 }
 
-TEST(SuggestedOrigin, of_a_real_zone_is_as_good_as_it_says_in_its_file_too) {
+TEST(SuggestedOrigin, of_a_real_zone_is_as_good_as_reported_when_written_to_its_file) {
   TrafficZone zone = testing::lacet4();
   for (const double rotation_rad : {0.0, 0.25}) {
     for (const double pitch_m : {0.20, 0.30, 0.45}) {
@@ -200,7 +200,7 @@ TEST(SuggestedOrigin, of_a_real_zone_is_as_good_as_it_says_in_its_file_too) {
   }
 }
 
-TEST(SuggestedOrigin, holds_for_beacons_that_are_laid_a_millimetre_beside_it) {
+TEST(SuggestedOrigin, holds_for_beacons_that_are_laid_a_millimetre_off) {
   TrafficZone zone = testing::lacet4();
   zone.beacons = covering_grid(zone.circuit, zone.vehicle, 0.30, {0.02, 0.11}, 100'000, 0.0);
   const auto better = suggest_origin(zone);

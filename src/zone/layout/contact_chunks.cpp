@@ -6,7 +6,7 @@
 namespace cosiva::zone {
 namespace {
 
-constexpr double chunk_max_m = 0.25;  // ways are compared chunk by chunk
+constexpr double chunk_max_m = 0.25;  // sections are compared chunk by chunk
 
 }  // namespace
 
@@ -33,7 +33,7 @@ void Chunks::cut(const Circuit& circuit, const ContactRules& rules) {
       chunk.centre = position(section.pose_at(0.5 * (chunk.from_m + chunk.to_m)));
       chunk.start = section.pose_at(chunk.from_m) * Point2{-chunk.before_m, 0.0};
       chunk.end = section.pose_at(chunk.to_m) * Point2{chunk.after_m, 0.0};
-      // A curve strays from its chord by at most ⅛·h²·max|κ|; what sticks out is straight, but turned against it.
+      // A curve deviates from its chord by at most ⅛·h²·max|κ|; the overhang is straight, but turned against it.
       const double length_m = chunk.to_m - chunk.from_m;
       const double turn_rad = std::min(bend_per_m * length_m, pi);
       chunk.bulge_m = std::min(0.125 * bend_per_m * length_m * length_m, length_m) +

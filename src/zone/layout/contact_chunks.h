@@ -12,7 +12,7 @@
 
 namespace cosiva::zone {
 
-/// A short stretch of a section, and beyond an open end what a vehicle standing there sticks out.
+/// A short stretch of a section, and beyond an open end the overhang of a vehicle that is stopped there.
 struct Chunk {
   SectionId section;
   double from_m;
@@ -20,16 +20,16 @@ struct Chunk {
   double before_m;  ///< straight on before from_m, 0 but at an open start
   double after_m;
   Point2 centre;
-  Point2 start;  ///< of its chord, what sticks out included
+  Point2 start;  ///< of its chord, overhang included
   Point2 end;
-  double bulge_m;     ///< how far the chunk strays from its chord
-  double sideways_m;  ///< how far a body's ends leave the chord because it turns
+  double bulge_m;     ///< the chunk's deviation from its chord
+  double sideways_m;  ///< the deviation of a body's ends from the chord because it turns
 
-  /// All of it lies within this of its middle.
+  /// All of it lies within this distance of its centre.
   [[nodiscard]] double radius_m() const { return 0.5 * (to_m - from_m) + std::max(before_m, after_m); }
 };
 
-/// The ways of a circuit cut into chunks, those of a section one after the other, and found by where they lie.
+/// The sections of a circuit cut into chunks, those of a section one after the other, and found by their position.
 class Chunks {
  public:
   Chunks(const Circuit& circuit, const ContactRules& rules);
@@ -39,8 +39,8 @@ class Chunks {
   /// The first chunk of a section; one past the last of all for the section past the last.
   [[nodiscard]] std::uint32_t first_of(SectionId section) const { return first_[section]; }
 
-  /// Calls visit(chunk's index), until it is false, for all chunks in the cells around p, in no order that means
-  /// anything: all that may come within reach of p are among them.
+  /// Calls visit(chunk's index), until it is false, for all chunks in the cells around p, in no particular order: all
+  /// that may come within reach of p are among them.
   template <typename Visit>
   void visit_around(Point2 p, const Visit& visit);
 
@@ -57,7 +57,7 @@ class Chunks {
   std::vector<std::uint32_t> first_;
   double cell_m_{1.0};
   std::vector<Entry> cells_;  ///< sorted
-  /// Where in `cells_` the three columns around `home_` are: who asks along a way asks mostly from the same cell.
+  /// The three columns around `home_` in `cells_`: queries along a section are mostly in the same cell.
   Cell home_{};
   std::array<std::pair<std::size_t, std::size_t>, 3> around_{};
   bool looked_{false};

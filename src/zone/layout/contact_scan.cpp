@@ -8,7 +8,7 @@
 namespace cosiva::zone {
 namespace {
 
-constexpr double refined_m = 1e-5;  // a contact's ends are found to this, outward
+constexpr double refined_m = 1e-5;  // a contact's ends are found to this accuracy, outward
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -25,7 +25,7 @@ void ContactScan::along(SectionId on, SectionId other, std::span<const Pair> pai
   scan({on, other, rules_.near_m, may_follow, ahead_m, behind_m});
 }
 
-/// Whoever turns on the spot sweeps a disc.
+/// A vehicle that turns on the spot sweeps a disc.
 void ContactScan::turn(SectionId on, SectionId turning, std::span<const std::uint32_t> near) {
   const auto next = circuit_.next(turning);
   const bool sharp =
@@ -39,7 +39,7 @@ void ContactScan::turn(SectionId on, SectionId turning, std::span<const std::uin
   line_.samples.assign(1, {end_m, centre, 0});
   line_before_.samples = line_.samples;
   const std::size_t first = contacts.size();
-  // Who comes from behind follows, who is ahead on the only way is followed; but not round a sharp corner.
+  // A vehicle from behind follows, one ahead on the only successor is followed; but not round a sharp corner.
   const double behind_m = next.size() == 1 ? followers_.gap_m(turning, on) : infinity;
   scan({on, turning, rules_.disc_m, !sharp, followers_.gap_m(on, turning), behind_m});
   const std::size_t last = contacts.size();
@@ -58,7 +58,7 @@ bool ContactScan::follow_each_other(const Task& task, double s_m, double other_s
          other_rest_m + task.behind_gap_m + s_m <= rules_.follow_m;
 }
 
-/// How far p is outside the body, squared.
+/// Distance of p from the body, squared.
 double ContactScan::beyond_square(const Body& body, Point2 p) const {
   const auto [sine, cosine] = body.direction;
   const double x = p.x_m - body.p.x_m;
@@ -68,8 +68,8 @@ double ContactScan::beyond_square(const Body& body, Point2 p) const {
   return beyond_x * beyond_x + beyond_y * beyond_y;
 }
 
-/// After a sample at `far_m` from something, so many are still further than `near_m` from it, each being at most a step
-/// from the one before. A hair less, so that rounding skips nothing.
+/// After a sample at `far_m` from a body, the number of samples that are still further than `near_m` from it, each
+/// being at most a step from the one before. Rounded down slightly, so that rounding skips nothing.
 std::size_t ContactScan::steps_between(double far_m, double near_m) const {
   const double steps = (far_m - near_m) * steps_per_m_ - 1e-6;
   return steps > 1.0 ? static_cast<std::size_t>(steps) : 0;
@@ -89,7 +89,7 @@ bool ContactScan::touches(const Task& task, double s_m, const Line& line) const 
   return false;
 }
 
-/// Grows `contact` by what a body touches; false when it touches nothing.
+/// Extends `contact` by what a body touches; false when it touches nothing.
 bool ContactScan::grow(Contact& contact, double& nearest_square, const Task& task, const Body& body,
                        const Line& line) const {
   bool touched = false;
@@ -100,7 +100,7 @@ bool ContactScan::grow(Contact& contact, double& nearest_square, const Task& tas
     const double y = sample.p.y_m - body.p.y_m;
     const double square = x * x + y * y;
     if (touched && square >= nearest_square && contact.other_from_m <= sample.s_m && sample.s_m <= contact.other_to_m) {
-      // Nothing new here, nor after it before one may be nearer or lies beyond what is known to be touched.
+      // Nothing new here, nor after it before a sample may be nearer or lies beyond the stretch known to be touched.
       std::size_t skip = std::min(steps_between(std::sqrt(square), nearest_m), sample.more);
       while (skip > 0 && line.samples[i + skip].s_m > contact.other_to_m) skip /= 2;
       i += skip;
@@ -124,7 +124,7 @@ bool ContactScan::grow(Contact& contact, double& nearest_square, const Task& tas
   return touched;
 }
 
-/// Where touching begins, between a place that touches nothing and one that does; on the safe side.
+/// The start of touching, between a position that touches nothing and one that does; on the safe side.
 double ContactScan::boundary(const Task& task, double outside_m, double inside_m, const Line& line) const {
   while (std::fabs(outside_m - inside_m) > refined_m) {
     const double centre_m = 0.5 * (outside_m + inside_m);
@@ -146,7 +146,7 @@ void ContactScan::scan(const Task& task) {
     open.reset();
   };
 
-  double end_m = -1.0;  // of the chunk before, to see whether chunks follow each other without a hole
+  double end_m = -1.0;  // of the chunk before, to detect whether chunks follow each other without a hole
   for (const std::uint32_t index : mine_) {
     const Chunk& chunk = chunks_[index];
     if (!pairs_.empty()) lay_line(index);
@@ -174,7 +174,7 @@ void ContactScan::scan(const Task& task) {
   line_before_.parts.clear();
 }
 
-/// Appends samples of a chunk, with what sticks out of it.
+/// Appends samples of a chunk, with its overhang.
 void ContactScan::sample(const Chunk& chunk, std::vector<Sample>& samples) const {
   const Section& section = circuit_.section(chunk.section);
   const double length_m = chunk.to_m - chunk.from_m;
@@ -191,14 +191,14 @@ void ContactScan::sample(const Chunk& chunk, std::vector<Sample>& samples) const
     samples.push_back({s, position(section.pose_at(s)), 0});
   }
   if (chunk.after_m > 0.0) stick_out(chunk.to_m, 1.0, chunk.after_m);
-  // What sticks out before the start goes the other way; nothing is skipped from there.
+  // The overhang before the start runs in the other direction; nothing is skipped from there.
   for (std::size_t i = first; i < samples.size(); ++i) {
     if (samples[i].s_m > chunk.from_m || chunk.before_m == 0.0) samples[i].more = samples.size() - 1 - i;
   }
 }
 
-/// Fills `line_` with the samples of all chunks near chunk `mine`, and takes those pairs away. Most of them were near
-/// the chunk before, too: these are copied.
+/// Fills `line_` with the samples of all chunks near chunk `mine`, and removes those pairs. Most of them were near the
+/// chunk before, too: these are copied.
 void ContactScan::lay_line(std::uint32_t mine) {
   line_.samples.clear();
   line_.parts.clear();
@@ -219,7 +219,7 @@ void ContactScan::lay_line(std::uint32_t mine) {
   }
 }
 
-/// `near`, if any, has the same direction on a straight way, which then need not be found again.
+/// `near`, if any, has the same direction on a straight section, which then need not be computed again.
 ContactScan::Body ContactScan::body_at(SectionId on, double s_m, const Body* near) const {
   const Pose2 X_MB = circuit_.section(on).pose_at(s_m);
   const bool same = near != nullptr && near->heading_rad == X_MB.heading_rad;

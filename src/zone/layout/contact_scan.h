@@ -14,7 +14,7 @@
 
 namespace cosiva::zone {
 
-/// Goes along stretches of one way, a body at every sample, and finds where it touches another way.
+/// Scans stretches of one section, a body at every sample, and finds where it touches another section.
 class ContactScan {
  public:
   ContactScan(const Circuit& circuit, const ContactRules& rules, const Chunks& chunks, const Followers& followers)
@@ -32,8 +32,8 @@ class ContactScan {
   };
   /// Contacts of bodies on `on` with vehicles on `other`. The pairs are of chunks of these two, at least one, sorted.
   void along(SectionId on, SectionId other, std::span<const Pair> pairs);
-  /// Contacts, both ways, of bodies on `on` with who turns on the spot at the end of `turning`. `near`: chunks of `on`,
-  /// at least one, sorted.
+  /// Contacts, in both directions, of bodies on `on` with a vehicle that turns on the spot at the end of `turning`.
+  /// `near`: chunks of `on`, at least one, sorted.
   void turn(SectionId on, SectionId turning, std::span<const std::uint32_t> near);
 
   /// All found since.
@@ -62,7 +62,7 @@ class ContactScan {
     double heading_rad;
     SinCos direction;
   };
-  /// What is looked for in one scan.
+  /// The parameters of one scan.
   struct Task {
     SectionId on;
     SectionId other;
@@ -91,12 +91,12 @@ class ContactScan {
   const Chunks& chunks_;
   const Followers& followers_;
   double steps_per_m_;
-  // Of the present scan; members, so that their memory is used again.
-  std::vector<std::uint32_t> mine_;  ///< the chunks to go along
-  std::span<const Pair> pairs_;      ///< what lies beside them, unless the line stays the same
+  // Of the present scan; members, so that their memory is reused.
+  std::vector<std::uint32_t> mine_;  ///< the chunks to scan
+  std::span<const Pair> pairs_;      ///< the chunks near them, unless the line stays the same
   std::vector<Body> bodies_;
-  Line line_;         ///< beside the present chunk
-  Line line_before_;  ///< beside the one before
+  Line line_;         ///< near the present chunk
+  Line line_before_;  ///< near the one before
 };
 
 }  // namespace cosiva::zone

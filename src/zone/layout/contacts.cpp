@@ -1,4 +1,4 @@
-// find_contacts: where the bodies of vehicles on different ways could touch.
+// find_contacts: where the bodies of vehicles on different sections could touch.
 #include "cosiva/zone/layout/contacts.h"
 
 #include <algorithm>
@@ -12,14 +12,14 @@
 namespace cosiva::zone {
 namespace {
 
-constexpr double step_max_m = 0.005;  // between samples along a way
-// Pairs of chunks to look at, and to scan sample by sample: a few seconds' work, and as much again for each chunk as
-// ways that lie side by side or run both ways may take.
+constexpr double step_max_m = 0.005;  // between samples along a section
+// Pairs of chunks to examine, and to scan sample by sample: a few seconds' work, and as much again for each chunk as
+// sections that run side by side or in both directions may take.
 constexpr std::size_t near_max = 20'000'000;
 constexpr std::size_t near_per_chunk_max = 200;
 constexpr std::size_t scan_max = 500'000;
 constexpr std::size_t scan_per_chunk_max = 10;
-// Far more than rounding moves a place by.
+// Far more than rounding moves a position by.
 constexpr double hair_m = 1e-9;
 
 double cross(Point2 a, Point2 b) { return a.x_m * b.y_m - a.y_m * b.x_m; }
@@ -48,7 +48,7 @@ class Finder {
   Finder(const Circuit& circuit, const ContactRules& rules)
       : circuit_{circuit}, rules_{rules}, chunks_{circuit, rules}, followers_{circuit} {}
 
-  /// Whether there is more to do than is allowed. To be asked first.
+  /// Whether the work exceeds its limit. To be checked first.
   [[nodiscard]] bool too_many();
   [[nodiscard]] std::vector<Contact> contacts();
 
@@ -64,7 +64,7 @@ class Finder {
   const ContactRules& rules_;
   Chunks chunks_;
   Followers followers_;
-  std::size_t near_left_{0};  ///< what of the allowed work is left
+  std::size_t near_left_{0};  ///< the rest of the allowed work
   std::size_t scans_left_{0};
   std::vector<ContactScan::Pair> pairs_;  ///< of the present section's chunks
   std::vector<std::uint32_t> near_turn_;  ///< chunks near the present section's end
@@ -75,7 +75,7 @@ void Finder::allow() {
   scans_left_ = scan_max + scan_per_chunk_max * chunks_.size();
 }
 
-/// Whether all of both chunks lies on one way that turns so little that whoever is near follows: then chord ≥
+/// Whether all of both chunks lies on one track that turns so little that a vehicle nearby follows: then chord ≥
 /// arc·cos(turn/2) keeps those apart that are further than `follow_m` along it, and there is nothing to scan.
 bool Finder::one_gentle_path(const Chunk& a, const Chunk& b) const {
   const auto bend = [&](const Chunk& chunk) { return circuit_.section(chunk.section).curvature_max_per_m(); };
@@ -94,7 +94,7 @@ bool Finder::one_gentle_path(const Chunk& a, const Chunk& b) const {
   return joined(a, b) || joined(b, a);
 }
 
-/// Whether wherever on the two chunks two vehicles are, one follows the other: then there is nothing to scan.
+/// Whether of two vehicles anywhere on the two chunks one follows the other: then there is nothing to scan.
 bool Finder::all_follow(const Chunk& a, const Chunk& b) const {
   const double follow_m = rules_.follow_m - hair_m;
   if (a.section == b.section && std::max(a.to_m - b.from_m, b.to_m - a.from_m) <= follow_m) return true;
@@ -105,7 +105,8 @@ bool Finder::all_follow(const Chunk& a, const Chunk& b) const {
   return behind(a, b) || behind(b, a);
 }
 
-/// By the chords: a body whose middle is on one chunk reaches half its length beyond it and half its width beside it.
+/// By the chords: a body whose centre is on one chunk reaches half its length beyond it and half its width to each side
+/// of it.
 bool Finder::may_touch(const Chunk& body, const Chunk& line) const {
   const double chord_m = distance(body.start, body.end);
   const double out_m = rules_.half_length_m;
@@ -140,7 +141,7 @@ bool Finder::find_pairs(SectionId on) {
   return few;
 }
 
-/// Fills `near_turn_` with the chunks near a section's end where vehicles turn on the spot; none where none does.
+/// Fills `near_turn_` with the chunks near a section's end where vehicles turn on the spot; none where they do not.
 /// False: too many in all.
 bool Finder::find_near_turn(SectionId turning) {
   near_turn_.clear();
@@ -210,7 +211,7 @@ ContactRules::ContactRules(const VehicleShape& shape, double clearance)
 
 std::optional<std::vector<Contact>> find_contacts(const Circuit& circuit, const ContactRules& rules) {
   Finder finder{circuit, rules};
-  // Counted first: scanning what will be given up takes a hundred times as long.
+  // Counted first: a scan that will be abandoned takes a hundred times as long.
   if (finder.too_many()) return std::nullopt;
   return finder.contacts();
 }

@@ -9,7 +9,7 @@
 
 namespace cosiva::zone {
 
-/// Where on `on` the body of a vehicle comes too near to a vehicle on `other`.
+/// The part of `on` where the body of a vehicle comes too near to a vehicle on `other`.
 struct Contact {
   SectionId on;
   SectionId other;
@@ -20,23 +20,23 @@ struct Contact {
   Point2 position;  ///< halfway between the two centre lines, where they are nearest
 };
 
-/// What find_crossings looks for, and what bounds it.
+/// The criteria of find_crossings, and their bounds.
 struct ContactRules {
   ContactRules(const VehicleShape& shape, double clearance);
 
   double half_length_m;
   double half_width_m;
   double near_m;    ///< a body's edge this near to a centre line may touch a vehicle there
-  double disc_m;    ///< a body's edge this near to the middle of a vehicle that turns on the spot may touch it
-  double reach_m;   ///< further than this from a body's middle nothing is that near
-  double follow_m;  ///< along one way, vehicles this near follow each other; that is no crossing
-  double step_m;    ///< between samples along a way
+  double disc_m;    ///< a body's edge this near to the centre of a vehicle that turns on the spot may touch it
+  double reach_m;   ///< further than this from a body's centre nothing is that near
+  double follow_m;  ///< along one section, vehicles this near follow each other; that is no crossing
+  double step_m;    ///< between samples along a section
 };
 
-/// All contacts, sorted by (on, other, from). Nothing when the ways lie so densely on one another that it would take
-/// minutes: the work that is allowed grows with the length of the ways, so that it bounds their density.
+/// All contacts, sorted by (on, other, from). Nothing when the sections lie so densely on one another that it would
+/// take minutes: the allowed work grows with the length of the sections, so that it bounds their density.
 [[nodiscard]] std::optional<std::vector<Contact>> find_contacts(const Circuit& circuit, const ContactRules& rules);
-/// Whether find_contacts would give nothing, found out without scanning.
+/// Whether find_contacts would give nothing, determined without scanning.
 [[nodiscard]] bool too_many_contacts(const Circuit& circuit, const ContactRules& rules);
 
 }  // namespace cosiva::zone

@@ -26,7 +26,7 @@ class Groups {
   void join(std::size_t a, std::size_t b) {
     a = find(a);
     b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);  // the lowest index stands for the group, so order never matters
+    parent_[std::max(a, b)] = std::min(a, b);  // the lowest index represents the group, so order never matters
   }
 
  private:
@@ -69,9 +69,9 @@ void Grouping::join_counterparts() {
   }
 }
 
-/// Whether the two ways lie on or beside one another for so long that no one place is where they meet, such as one way
-/// and the way back. Then they share no crossing with whatever else meets at either end: a net of two-way roads would
-/// become one single crossing.
+/// Whether the two sections overlap or run side by side for so long that no single position is where they meet, such as
+/// the two directions of a track. Then they have no crossing in common with other sections that meet at either end: a
+/// net of two-way roads would become one single crossing.
 bool Grouping::runs_along(const Contact& contact) const {
   if (contact.on == contact.other) return false;
   const Section& on = circuit_.section(contact.on);
@@ -88,7 +88,7 @@ bool Grouping::runs_along(const Contact& contact) const {
     const double s = contact.from_m + length_m * static_cast<double>(i) / (count - 1);
     apart_m[i] = other.nearest(position(on.pose_at(s))).distance_m;
   }
-  // Ways that part slowly are a hair apart for a while, too, but not for longer than a place is wide.
+  // Sections that part slowly are close together for a while, too, but not for longer than a crossing is wide.
   const double near_m = *std::min_element(apart_m.begin(), apart_m.end()) + 0.01 * rules_.near_m;
   const auto is_near = [near_m](double apart) { return apart <= near_m; };
   const auto first = std::find_if(apart_m.begin(), apart_m.end(), is_near) - apart_m.begin();
@@ -96,10 +96,11 @@ bool Grouping::runs_along(const Contact& contact) const {
   return length_m * static_cast<double>(last - first) / (count - 1) > one_position_m;
 }
 
-/// Contacts belong together when they lie at one place.
+/// Contacts belong together when they are at one position.
 void Grouping::join_positions() {
   const double one_position_m = 2.0 * rules_.near_m;
-  // Cells so small that all within one are at one place: however many lie there, they are joined in one pass.
+  // Cells so small that all contacts within one are at one position: however many there are, they are joined in one
+  // pass.
   const double cell_m = 0.7 * one_position_m;
   using Cell = std::pair<std::int64_t, std::int64_t>;
   const auto cell_of = [&](Point2 p) {
@@ -126,7 +127,7 @@ void Grouping::join_positions() {
     const Cell cell = first->first;
     auto end = first;
     for (; end != entries.end() && end->first == cell; ++end) groups_.join(first->second, end->second);
-    // One place reaches into the second cell on; those before this one have looked already.
+    // One position reaches into the second cell on; the cells before this one have been searched already.
     for (std::int64_t column = 0; column <= 2; ++column) {
       for (std::int64_t row = column == 0 ? 1 : -2; row <= 2; ++row) {
         const Cell other{cell.first + column, cell.second + row};
@@ -154,8 +155,8 @@ void unite(std::vector<CrossingSpan>& spans) {
   spans = std::move(united);
 }
 
-/// A way that ends beside another is touched there without its own vehicles ever touching back with their middle's
-/// reach: then what is touched, and half a vehicle around it, is the span.
+/// A section that ends next to another is touched there without its own vehicles ever touching back within their
+/// centre's reach: then the touched stretch, and half a vehicle around it, is the span.
 void Grouping::response(std::vector<CrossingSpan>& spans, const std::vector<std::size_t>& together) const {
   const std::size_t own = spans.size();
   for (const std::size_t i : together) {
@@ -196,7 +197,7 @@ std::vector<Crossing> Grouping::gather() {
   for (const auto& together : members) {
     if (!together.empty()) crossings.push_back(crossing_of(together));
   }
-  // Named in the order in which the sections come to them.
+  // Numbered in the order in which the sections reach them.
   std::stable_sort(crossings.begin(), crossings.end(),
                    [](const Crossing& a, const Crossing& b) { return in_order(a.spans.front(), b.spans.front()); });
   for (std::size_t i = 0; i < crossings.size(); ++i) crossings[i].name = "X" + std::to_string(i + 1);

@@ -20,7 +20,7 @@ constexpr double clearance_m = 0.04;
 /// A body's edge this near to a centre line may touch a vehicle on it.
 constexpr double near_m = 0.5 * 0.12 + clearance_m;
 
-/// How far the outlines of two bodies are apart; 0 where they overlap. By corners against edges, both ways.
+/// The distance between the outlines of two bodies; 0 where they overlap. By corners against edges, in both directions.
 double gap_between_bodies(const Pose2& X_MA, const Pose2& X_MB) {
   const auto outside = [](const Pose2& X_MB_, const Pose2& X_MA_) {
     double least_m = 1e9;
@@ -66,7 +66,7 @@ void expect_every_touch_is_in_a_crossing(const Circuit& circuit, const std::vect
   }
 }
 
-TEST(Crossings, of_two_straights_at_right_angles_reach_a_body_and_a_way_around) {
+TEST(Crossings, of_two_straights_at_right_angles_reach_a_body_and_a_section_around) {
   const Circuit circuit = testing::circuit(
       {part("east", section({-1.0, 0.0, 0.0}, 2.0)), part("north", section({0.0, -1.0, pi / 2.0}, 2.0))});
   const auto crossings = find_crossings(circuit, vehicle, clearance_m);
@@ -76,7 +76,7 @@ TEST(Crossings, of_two_straights_at_right_angles_reach_a_body_and_a_way_around) 
   EXPECT_NEAR(crossings[0].centre.y_m, 0.0, 1e-3);
   ASSERT_THAT(crossings[0].spans, SizeIs(2));
   for (const CrossingSpan& span : crossings[0].spans) {
-    // Half a body's length and the way's half width with its clearance, on either side of the middle.
+    // Half a body's length and the section's half width with its clearance, on either side of the centre.
     EXPECT_NEAR(span.from_m, 1.0 - (0.10 + near_m), 2e-5);
     EXPECT_NEAR(span.to_m, 1.0 + (0.10 + near_m), 2e-5);
   }
@@ -94,8 +94,8 @@ TEST(Crossings, at_a_slant_are_longer) {
   expect_every_touch_is_in_a_crossing(circuit, crossings);
 }
 
-TEST(Crossings, are_none_where_ways_keep_their_distance) {
-  const double apart_m = 0.12 + clearance_m;  // body edge to centre line: near, and a hair more
+TEST(Crossings, are_none_where_sections_keep_their_distance) {
+  const double apart_m = 0.12 + clearance_m;  // body edge to centre line: near, and slightly more
   const auto lanes = [&](double y_m) {
     return testing::circuit({part("a", section({0.0, 0.0, 0.0}, 1.0)), part("b", section({1.0, y_m, pi}, 1.0))});
   };
@@ -103,7 +103,7 @@ TEST(Crossings, are_none_where_ways_keep_their_distance) {
   EXPECT_THAT(find_crossings(lanes(apart_m - 1e-3), vehicle, clearance_m), SizeIs(1));
 }
 
-TEST(Crossings, are_none_on_a_ring_that_does_not_meet_itself) {
+TEST(Crossings, are_none_on_a_loop_that_does_not_meet_itself) {
   EXPECT_THAT(find_crossings(testing::track(), vehicle, clearance_m), IsEmpty());
 }
 
@@ -128,7 +128,7 @@ TEST(Crossings, at_a_fork_keep_the_branches_apart_until_they_part) {
   expect_every_touch_is_in_a_crossing(fork, crossings);
 }
 
-TEST(Crossings, at_a_merge_begin_where_the_ways_come_together) {
+TEST(Crossings, at_a_merge_begin_where_the_sections_come_together) {
   const Section trunk = section({0.0, 0.0, 0.0}, 1.0);
   // Both branches end at the origin heading east, one from above, one from below.
   const Section above = section({-std::sin(1.5), 1.0 - std::cos(1.5), -1.5}, 1.5, 1.0);
@@ -144,14 +144,14 @@ TEST(Crossings, at_a_merge_begin_where_the_ways_come_together) {
 }
 
 TEST(Crossings, of_a_section_with_itself_are_found) {
-  // Once and a tenth round a circle: the overlap is a way that vehicles share, a whole lap apart.
+  // Once and a tenth round a circle: the overlap is a stretch with two vehicles a whole lap apart.
   const Circuit spiral = testing::circuit({part("spiral", section({0.0, 0.0, 0.0}, 1.1 * 2.0 * pi * 0.5, 2.0))});
   const auto crossings = find_crossings(spiral, vehicle, clearance_m);
   ASSERT_THAT(crossings, SizeIs(1));
   expect_every_touch_is_in_a_crossing(spiral, crossings);
 }
 
-TEST(Crossings, of_three_ways_at_one_place_are_one) {
+TEST(Crossings, of_three_sections_at_one_position_are_one) {
   std::vector<Circuit::Part> parts;
   for (int i = 0; i < 3; ++i) {
     const double angle = i * pi / 3.0;
@@ -164,7 +164,7 @@ TEST(Crossings, of_three_ways_at_one_place_are_one) {
   expect_every_touch_is_in_a_crossing(star, crossings);
 }
 
-TEST(Crossings, where_the_crossed_way_has_a_joint_are_still_one) {
+TEST(Crossings, where_the_crossed_section_has_a_joint_are_still_one) {
   for (const double joint_x : {-0.15, -0.05, 0.0, 0.08, 0.15}) {
     const Section west = section({-1.0, 0.0, 0.0}, 1.0 + joint_x);
     const Circuit circuit = testing::circuit({part("west", west, {1}), part("east", section(west.end(), 1.0 - joint_x)),
@@ -175,11 +175,12 @@ TEST(Crossings, where_the_crossed_way_has_a_joint_are_still_one) {
   }
 }
 
-TEST(Crossings, beside_a_dead_end_cover_the_vehicle_that_stands_there) {
+TEST(Crossings, at_a_dead_end_cover_the_vehicle_that_is_stopped_there) {
   const Circuit circuit = testing::circuit(
       {part("stub", section({-1.0, 0.0, 0.0}, 0.78)), part("north", section({0.0, -1.0, pi / 2.0}, 2.0))});
   const auto crossings = find_crossings(circuit, vehicle, clearance_m);
-  // At its end the vehicle's nose is 0.12 m before the way; a passing body's edge comes to 0.06 m. They do not touch.
+  // At its end the vehicle's nose is 0.12 m before the section; a passing body's edge comes to 0.06 m. They do not
+  // touch.
   expect_every_touch_is_in_a_crossing(circuit, crossings);
   const Circuit longer = testing::circuit(
       {part("stub", section({-1.0, 0.0, 0.0}, 0.86)), part("north", section({0.0, -1.0, pi / 2.0}, 2.0))});
@@ -192,7 +193,7 @@ TEST(Crossings, beside_a_dead_end_cover_the_vehicle_that_stands_there) {
 // Nets of nodes where vehicles turn on the spot
 // ----------------------------------------------------------------------------------------------------
 
-/// Every node leads on to every section that begins there, back too.
+/// Every node leads on to every section that begins there, also back.
 Circuit net(const std::vector<Point2>& nodes, const std::vector<std::pair<std::size_t, std::size_t>>& edges) {
   std::vector<Circuit::Part> parts;
   for (const auto& [from, to] : edges) {
@@ -220,11 +221,11 @@ TEST(Crossings, of_a_two_way_chain_are_one_per_edge_and_one_per_node) {
   const auto crossings = find_crossings(chain, vehicle, clearance_m);
   EXPECT_THAT(crossings, SizeIs(5));
   expect_every_touch_is_in_a_crossing(chain, crossings);
-  // Far apart means nothing in common: in the middle of one edge, and of the other.
+  // Far apart there is no common crossing: in the middle of one edge, and of the other.
   EXPECT_THAT(crossings_over(crossings, {0, 1.0}), SizeIs(1));
   EXPECT_THAT(crossings_over(crossings, {2, 1.0}), SizeIs(1));
   EXPECT_NE(crossings_over(crossings, {0, 1.0}), crossings_over(crossings, {2, 1.0}));
-  // The way and the way back are one along their whole length.
+  // The two directions are one crossing along their whole length.
   for (const double s : {0.0, 0.5, 1.5, 2.0}) {
     const auto there = crossings_over(crossings, {0, s});
     EXPECT_THAT(there, ::testing::Contains(crossings_over(crossings, {1, 1.0}).front())) << s;
@@ -275,8 +276,8 @@ TEST(Crossings, of_two_edges_that_part_in_between_are_one_at_either_end) {
   expect_every_touch_is_in_a_crossing(circuit, crossings);
 }
 
-TEST(Crossings, where_a_vehicle_turns_on_the_spot_hold_whatever_its_disc_touches) {
-  // A corner of 90°, and a straight way that passes 0.18 m from it: a body there, 0.12 m wide, leaves 0.12 m to the
+TEST(Crossings, where_a_vehicle_turns_on_the_spot_hold_all_that_its_disc_touches) {
+  // A corner of 90°, and a straight section that passes 0.18 m from it: a body there, 0.12 m wide, leaves 0.12 m to the
   // corner. That is free for a vehicle at rest (half a width of 0.06 m and 0.04 m of air), but not for one that turns:
   // half its diagonal is 0.117 m.
   const auto circuit_with = [](bool pivots, double beside_m) {
@@ -290,8 +291,8 @@ TEST(Crossings, where_a_vehicle_turns_on_the_spot_hold_whatever_its_disc_touches
   const Circuit corner = circuit_with(true, 0.18);
   const auto crossings = find_crossings(corner, vehicle, clearance_m);
   const double disc_m = norm(0.10, 0.06);
-  // Wherever a body on any way comes nearer to the corner than the disc and the clearance, it shares a crossing with
-  // the vehicle that turns at the end of "in".
+  // Wherever a body on any section comes nearer to the corner than the disc and the clearance, it has a crossing in
+  // common with the vehicle that turns at the end of "in".
   for (SectionId id = 0; id < corner.size(); ++id) {
     for (double s = 0.0; s <= corner.section(id).length_m(); s += 0.01) {
       const Point2 p = inverse(corner.pose_at({id, s})) * Point2{0.0, 0.0};
@@ -324,7 +325,7 @@ TEST(Crossings, where_a_vehicle_turns_at_the_end_of_a_one_way_street_keep_the_ne
   }
 }
 
-TEST(Crossings, of_many_honest_ways_are_found_and_of_a_heap_are_not) {
+TEST(Crossings, of_many_regular_sections_are_found_and_of_a_heap_are_not) {
   std::vector<Circuit::Part> lanes;
   for (int i = 0; i < 3000; ++i) lanes.push_back(part("l" + std::to_string(i), section({0.0, 0.3 * i, 0.0}, 5.0)));
   const Circuit honest = testing::circuit(std::move(lanes));

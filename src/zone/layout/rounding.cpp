@@ -13,7 +13,7 @@ double rounded_rad(double angle_rad) { return rounded_deg(angle_rad) * rad_per_d
 TrackPosition position_as_written(const Circuit& circuit, TrackPosition position) {
   const double length_m = circuit.section(position.section).length_m();
   position.s_m = rounded_m(position.s_m);
-  // Rounding must not lead off the section's end.
+  // Rounding must not move the position off the section's end.
   if (position.s_m > length_m) position.s_m = std::floor(length_m * 1e4) / 1e4;
   return position;
 }

@@ -14,10 +14,10 @@ bool before(const Waypoint& waypoint, const TrackPosition& track_position) {
                                                              : waypoint.position.s_m < track_position.s_m;
 }
 
-// Two places this near on one section are the same place: what adding and taking away a few lengths may cost.
+// Two positions this near on one section are the same position: the rounding of adding and subtracting a few lengths.
 constexpr double same_position_m = 1e-9;
 
-/// The first waypoint of the default way after section `id`, none of whose own is left.
+/// The first waypoint of the default route after section `id`, none of whose own is left.
 std::size_t first_after(const TrafficZone& zone, SectionId id) {
   for (std::size_t steps = 0; steps < zone.circuit.size(); ++steps) {
     if (zone.circuit.next(id).empty()) break;
@@ -123,7 +123,7 @@ std::size_t TrafficZone::next_waypoint(std::size_t index) const {
 
 bool TrafficZone::may_stop(TrackPosition track_position) const {
   COSIVA_EXPECT(track_position.section < circuit.size());
-  // A vehicle stands between a waypoint behind it and no crossing since.
+  // A vehicle may stop between a waypoint behind it and no crossing since.
   SectionId id = track_position.section;
   double s = track_position.s_m;
   for (std::size_t steps = 0; steps <= circuit.size(); ++steps) {
@@ -152,7 +152,7 @@ struct Spot {
   Point2 p;
 };
 
-/// Whether two vehicles have room: apart by the crow's fly, or side by side on ways that do not follow each other.
+/// Whether two vehicles have room: apart in a straight line, or side by side on sections that do not follow each other.
 bool apart(const TrafficZone& zone, const Spot& a, const Spot& b) {
   const double room_m = stopping_room_m(zone.vehicle);
   const double apart_m = distance(a.p, b.p);
@@ -166,7 +166,7 @@ bool fits(const TrafficZone& zone, const Spot& spot, const std::vector<Spot>& ta
   return std::all_of(taken.begin(), taken.end(), [&](const Spot& other) { return apart(zone, spot, other); });
 }
 
-/// Everywhere a vehicle may stand, every 5 cm (coarser on large zones).
+/// All positions where a vehicle may stop, every 5 cm (coarser on large zones).
 std::vector<Spot> spots(const TrafficZone& zone) {
   const double step_m = std::max(0.05, zone.circuit.total_length_m() / 20'000.0);
   std::vector<Spot> found;
@@ -199,7 +199,7 @@ void spread(const TrafficZone& zone, const std::vector<Spot>& free, std::size_t 
   }
 }
 
-/// Whether a vehicle may begin where it may not stand otherwise: on a waypoint inside a crossing that no other is in.
+/// Whether a vehicle may begin where it may not stop otherwise: on a waypoint inside a crossing that no other is in.
 bool may_begin(const TrafficZone& zone, const Spot& spot, const std::vector<Spot>& taken) {
   constexpr double near_m = 0.02;
   const auto at = zone.waypoint_behind({spot.position.section, spot.position.s_m + near_m});
@@ -236,14 +236,14 @@ std::vector<TrackPosition> TrafficZone::start_positions(std::size_t count) const
     const auto free = spots(*this);
     spread(*this, free, count, taken);
     if (taken.size() < count) {
-      // Spreading wastes room when there is little: then one behind the other, as close as may be.
+      // Spreading wastes room when there is little: then one behind the other, as close as possible.
       std::vector<Spot> packed = fixed;
       for (const Spot& spot : free) {
         if (packed.size() < count && fits(*this, spot, packed)) packed.push_back(spot);
       }
       if (packed.size() > taken.size()) taken = std::move(packed);
     }
-    // In a net of two-way roads every place lies in some crossing, and its nodes are where vehicles begin.
+    // In a net of two-way roads every position lies in some crossing, and its nodes are where vehicles begin.
     for (std::size_t i = 0; i < waypoints.size() && taken.size() < count; ++i) {
       const Spot spot{waypoints[i].position, position(circuit.pose_at(waypoints[i].position))};
       if (!may_stop(spot.position) && may_begin(*this, spot, taken)) taken.push_back(spot);

@@ -24,19 +24,19 @@ struct Tag {
   TrackPosition position;
 };
 
-/// Beacons in a matrix over the zone, whatever the circuit (A21). Beacon (i, j) stands at origin + (i·pitch, j·pitch),
-/// and reads as tag number first_number + j·columns + i.
+/// Beacons in a matrix over the zone, independent of the circuit (A21). Beacon (i, j) is at origin + (i·pitch,
+/// j·pitch), and is read as tag number first_number + j·columns + i.
 struct BeaconGrid {
   double pitch_m;
   Point2 origin;
   std::uint32_t columns;
   std::uint32_t rows;
   TagNumber first_number{1'000'000};
-  /// Given: the grid passes through this point and has as many beacons as it takes to cover every way, so that another
-  /// pitch makes another number of them.
+  /// Given: the grid passes through this point and has as many beacons as necessary to cover every section, so that
+  /// another pitch makes another number of them.
   std::optional<Point2> covers_through{};
-  /// The matrix is turned by this about its origin, left positive: column i, row j stands at
-  /// origin + pitch·(i·(cos, sin) + j·(−sin, cos)).
+  /// The matrix is turned by this angle about its origin, left positive: column i, row j is at origin + pitch·(i·(cos,
+  /// sin) + j·(−sin, cos)).
   double rotation_rad{0.0};
 
   [[nodiscard]] Point2 at(std::uint32_t column, std::uint32_t row) const;
@@ -56,17 +56,17 @@ struct Station {
   StationKind kind{StationKind::stop};
 };
 
-/// A named way round: each section follows the one before it, the first the last.
+/// A named loop: each section follows the one before it, the first the last.
 struct Loop {
   std::string name;
   std::vector<SectionId> sections;
 };
 
-/// What a reader has to say about its file without refusing it.
+/// A diagnostic of a reader about its file, without refusal.
 struct Diagnostic {
   enum class Kind {
-    mended,  ///< it broke its format's rules; what was made of it
-    lost,    ///< something that a zone cannot say, or that is not taken from this format
+    mended,  ///< the file broke its format's rules; the text states the interpretation
+    lost,    ///< data that a zone cannot express, or that is not read from this format
     notice,  ///< worth knowing, such as the worst error of a fit
   };
   Kind kind;
@@ -75,7 +75,7 @@ struct Diagnostic {
 };
 [[nodiscard]] std::string_view to_string(Diagnostic::Kind kind);
 
-/// The body that crossings and gaps are computed for. The body frame's origin is its middle.
+/// The body that crossings and gaps are computed for. The body frame's origin is its centre.
 struct VehicleShape {
   double length_m{0.20};
   double width_m{0.12};
@@ -93,7 +93,7 @@ struct SpeedProfiles {
   SpeedProfile fast;
 };
 
-/// Where two ways meet: while a vehicle's middle is in one span, a vehicle in another span may touch it.
+/// An area where sections meet: while a vehicle's body origin is in one span, a vehicle in another span may touch it.
 struct CrossingSpan {
   SectionId section;
   double from_m;
@@ -105,14 +105,14 @@ struct Crossing {
   std::vector<CrossingSpan> spans;
 };
 
-/// A node of the VDA 5050 graph: a place where an order may start, turn, or end. None lies inside a crossing but those
-/// that the zone's format or its stations put there: a vehicle goes to such a one only because it is sent there.
+/// A node of the VDA 5050 graph: a position where an order may start, turn, or end. None lies inside a crossing except
+/// those that the zone's format or its stations put there: a vehicle goes to such a node only as a destination.
 struct Waypoint {
-  std::string id;  ///< several may share one where ways part or meet: the same point, on several sections
+  std::string id;  ///< several may have one in common where sections part or meet: the same point, on several sections
   TrackPosition position;
 };
 
-/// What tags, waypoints and crossings are found by: their numbers, their ids, where their spans begin.
+/// The keys of tags, waypoints and crossings: their numbers, their ids, the begin of their spans.
 struct TagKeys {
   static std::size_t count(const Tag&) { return 1; }
   static TagNumber key(const Tag& tag, std::size_t) { return tag.number; }
@@ -128,10 +128,10 @@ struct CrossingKeys {
   }
 };
 
-/// What an AIV is worth to others at a crossing: 0…999, higher goes first.
+/// The priority of an AIV at a crossing: 0…999, higher goes first.
 inline constexpr std::int32_t priority_max = 999;
 
-/// Everything the traffic zone is. A value: built once, then only read.
+/// All data of the traffic zone. A value: built once, then only read.
 struct TrafficZone {
   std::string name;
   Circuit circuit;
@@ -144,14 +144,14 @@ struct TrafficZone {
   Listed<Waypoint, WaypointKeys> waypoints;  ///< laid by lay_waypoints; sorted by (section, s)
   std::vector<TrackPosition>
       starts;  ///< where vehicle 1, 2, … of an emulated fleet begin; may be shorter than the fleet
-  /// "CoSiVA/AIV1" → 1…999, sorted by name; who is not here has 0.
+  /// "CoSiVA/AIV1" → 1…999, sorted by name; a vehicle without an entry has 0.
   std::vector<std::pair<std::string, std::int32_t>> priorities{};
-  std::vector<Loop> loops{};        ///< the first is where idle vehicles circulate; none: wherever the ways lead
+  std::vector<Loop> loops{};        ///< the first is where idle vehicles circulate; none: along default successors
   std::vector<SectionId> closed{};  ///< closed from the beginning; sorted
   std::vector<Diagnostic> diagnostics{};
   /// The format names its edges: a stretch that is one whole section has that section's name as its edge's id.
   bool edges_are_sections{false};
-  /// What crossings and waypoints were found with, for whoever writes the zone down.
+  /// The rules for crossings and waypoints, for the writers of the zone.
   double clearance_m{0.04};
   double spacing_m{0.30};
   bool nodes_only{false};
@@ -165,25 +165,25 @@ struct TrafficZone {
   [[nodiscard]] std::vector<std::size_t> find_waypoints(std::string_view id) const;
   [[nodiscard]] const Station* find_station(std::string_view name) const;
   [[nodiscard]] const Loop* find_loop(std::string_view name) const;
-  /// The crossing that has a span over this place, if any; the first of several.
+  /// The crossing that has a span over this position, if any; the first of several.
   [[nodiscard]] const Crossing* crossing_at(TrackPosition track_position) const;
 
   /// Index of the first waypoint at or after `place`, following default successors from its section; waypoints.size()
-  /// where the way ends first. So for the next two, too.
+  /// where the path ends first. Likewise for the next two functions.
   [[nodiscard]] std::size_t waypoint_ahead(TrackPosition track_position) const;
   /// Index of the last waypoint at or before `place` (following `previous` backwards).
   [[nodiscard]] std::size_t waypoint_behind(TrackPosition track_position) const;
   /// The waypoint that follows waypoints[index] along default successors.
   [[nodiscard]] std::size_t next_waypoint(std::size_t index) const;
-  /// Whether a vehicle may stand here: outside every crossing, and not between two too close together to stand between.
+  /// Whether a vehicle may stop here: outside every crossing, and not between two too close together to stop between.
   [[nodiscard]] bool may_stop(TrackPosition track_position) const;
-  /// Places for `count` vehicles: `starts` first, then spread evenly; all where a vehicle may stand, and with room
+  /// Positions for `count` vehicles: `starts` first, then spread evenly; all where a vehicle may stop, and with room
   /// between them. Where that does not suffice, waypoints inside crossings serve, in each crossing one vehicle. Fewer
   /// than `count` when the zone cannot hold them.
   [[nodiscard]] std::vector<TrackPosition> start_positions(std::size_t count) const;
 };
 
-/// Way that a standing vehicle takes: its length and 0.1 m.
+/// The length of path that a stopped vehicle occupies: its length and 0.1 m.
 [[nodiscard]] constexpr double stopping_room_m(const VehicleShape& shape) { return shape.length_m + 0.1; }
 
 }  // namespace cosiva::zone

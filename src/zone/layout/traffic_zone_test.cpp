@@ -35,7 +35,7 @@ TEST(BeaconGrid, numbers_its_beacons_row_by_row) {
   EXPECT_EQ(grid.find(111), (Point2{0.5, 3.0}));
 }
 
-TEST(BeaconGrid, knows_no_other_numbers) {
+TEST(BeaconGrid, has_no_other_numbers) {
   for (const TagNumber number : {0U, 99U, 112U, ~0U}) EXPECT_EQ(grid.find(number), std::nullopt);
   EXPECT_EQ((BeaconGrid{0.5, {}, 0, 3, 100}.find(100)), std::nullopt);
 }
@@ -69,7 +69,7 @@ TEST(TrafficZone, finds_waypoints_by_id_and_no_others) {
     EXPECT_EQ(zone.find_waypoint(none), nullptr) << none;
 }
 
-TEST(TrafficZone, looks_ahead_and_behind_along_the_way) {
+TEST(TrafficZone, searches_ahead_and_behind_along_the_path) {
   const TrafficZone zone = track_zone();  // 2 m straights in seven parts of 286 mm
   EXPECT_EQ(id_at(zone, zone.waypoint_ahead({0, 0.3})), "south@571");
   EXPECT_EQ(id_at(zone, zone.waypoint_behind({0, 0.3})), "south@286");
@@ -78,14 +78,14 @@ TEST(TrafficZone, looks_ahead_and_behind_along_the_way) {
   EXPECT_EQ(id_at(zone, zone.waypoint_behind({0, 0.0})), "south@0");
 }
 
-TEST(TrafficZone, stands_on_a_waypoint_in_spite_of_rounding) {
+TEST(TrafficZone, is_on_a_waypoint_in_spite_of_rounding) {
   const TrafficZone zone = track_zone();
   const double s = zone.find_waypoint("south@571")->position.s_m;
   EXPECT_EQ(id_at(zone, zone.waypoint_ahead({0, s + 1e-12})), "south@571");
   EXPECT_EQ(id_at(zone, zone.waypoint_behind({0, s - 1e-12})), "south@571");
 }
 
-TEST(TrafficZone, next_waypoint_goes_round_and_comes_back) {
+TEST(TrafficZone, next_waypoint_follows_the_loop_and_comes_back) {
   const TrafficZone zone = track_zone();
   std::size_t at = 0;
   for (std::size_t i = 0; i < zone.waypoints.size(); ++i) at = zone.next_waypoint(at);
@@ -93,7 +93,7 @@ TEST(TrafficZone, next_waypoint_goes_round_and_comes_back) {
   EXPECT_EQ(id_at(zone, zone.next_waypoint(zone.waypoints.size() - 1)), "south@0");
 }
 
-TEST(TrafficZone, without_waypoints_ahead_says_so) {
+TEST(TrafficZone, without_waypoints_ahead_reports_none) {
   TrafficZone zone{
       "line", testing::circuit({testing::part("a", testing::section({}, 1.0))}), {}, {}, {}, {}, {}, {}, {}, {}};
   EXPECT_EQ(zone.waypoint_ahead({0, 0.5}), 0U);
@@ -103,10 +103,10 @@ TEST(TrafficZone, without_waypoints_ahead_says_so) {
   EXPECT_EQ(zone.next_waypoint(0), 1U);
 }
 
-// Where vehicles stand
-// ----------------------------------------------------------------------------------------------------
+// Where vehicles stop
+// -----------------------------------------------------------------------------------------------------
 
-TEST(TrafficZone, lets_no_vehicle_stand_in_a_crossing_or_between_two_that_are_too_close) {
+TEST(TrafficZone, lets_no_vehicle_stop_in_a_crossing_or_between_two_that_are_too_close) {
   const TrafficZone zone = testing::lacet4();
   const SectionId east = zone.circuit.find("east").value();
   EXPECT_TRUE(zone.may_stop({east, 0.2}));
@@ -115,7 +115,7 @@ TEST(TrafficZone, lets_no_vehicle_stand_in_a_crossing_or_between_two_that_are_to
   EXPECT_FALSE(zone.may_stop({east, 1.1}));
   EXPECT_TRUE(zone.may_stop({east, 1.2}));
 
-  // 0.2 m free between two spans: outside both, and still no place to stand.
+  // 0.2 m free between two spans: outside both, but too short for stopping.
   const TrafficZone narrow = track_zone({{"X1", {}, {{0, 0.5, 0.8}}}, {"X2", {}, {{0, 1.0, 1.2}}}});
   EXPECT_EQ(narrow.crossing_at({0, 0.9}), nullptr);
   EXPECT_FALSE(narrow.may_stop({0, 0.9}));
@@ -147,11 +147,11 @@ TEST(TrafficZone, spreads_vehicles_evenly_when_no_start_is_given) {
   const TrafficZone zone = track_zone();
   const auto positions = zone.start_positions(2);
   ASSERT_THAT(positions, SizeIs(2));
-  // The track is 3 m by 1 m: two vehicles as far apart as it goes.
+  // The track is 3 m by 1 m: two vehicles as far apart as possible.
   EXPECT_GT(distance(zone.circuit.pose_at(positions[0]), zone.circuit.pose_at(positions[1])), 2.0);
 }
 
-TEST(TrafficZone, starts_fewer_vehicles_than_asked_when_it_is_full) {
+TEST(TrafficZone, starts_fewer_vehicles_than_requested_when_it_is_full) {
   const TrafficZone zone = track_zone();  // 7.14 m, 0.3 m for each
   const auto positions = zone.start_positions(1000);
   EXPECT_GE(positions.size(), 16U);
@@ -159,14 +159,14 @@ TEST(TrafficZone, starts_fewer_vehicles_than_asked_when_it_is_full) {
   expect_room(zone, positions);
 }
 
-TEST(TrafficZone, skips_starts_where_vehicles_would_stand_in_each_other) {
+TEST(TrafficZone, skips_starts_where_vehicles_would_overlap) {
   TrafficZone zone = track_zone({{"X1", {}, {{0, 0.5, 0.8}}}});
   zone.starts = {{0, 0.1}, {0, 0.2}, {0, 0.6}, {2, 1.0}};
   const auto positions = zone.start_positions(2);
   EXPECT_THAT(positions, ::testing::ElementsAre(TrackPosition{0, 0.1}, TrackPosition{2, 1.0}));
 }
 
-TEST(TrafficZone, begins_on_waypoints_inside_crossings_where_there_is_no_other_place) {
+TEST(TrafficZone, begins_on_waypoints_inside_crossings_where_there_is_no_other_position) {
   TrafficZone zone =
       track_zone({{"X1", {}, {{0, 0.0, 2.0}, {1, 0.0, 1.7}}}, {"X2", {}, {{2, 0.0, 2.0}, {3, 0.0, 1.7}}}});
   EXPECT_THAT(zone.start_positions(3), SizeIs(0));
@@ -179,7 +179,7 @@ TEST(TrafficZone, begins_on_waypoints_inside_crossings_where_there_is_no_other_p
   EXPECT_THAT(zone.start_positions(3), ::testing::ElementsAre(TrackPosition{3, 0.0}, TrackPosition{0, 0.0}));
 }
 
-TEST(TrafficZone, finds_what_is_put_in_and_no_longer_what_is_taken_out) {
+TEST(TrafficZone, finds_inserted_elements_and_no_removed_ones) {
   TrafficZone zone = track_zone();
   for (const TagNumber number : {5U, 3U, 9U, 1U}) zone.tags.push_back({number, {0, 0.1 * number}});
   for (const TagNumber number : {5U, 3U, 9U, 1U}) EXPECT_EQ(zone.find_tag(number)->number, number);
@@ -195,7 +195,7 @@ TEST(TrafficZone, finds_what_is_put_in_and_no_longer_what_is_taken_out) {
   EXPECT_NE(copy.find_tag(9), nullptr);
 }
 
-TEST(TrafficZone, names_the_first_of_several_crossings_over_a_place) {
+TEST(TrafficZone, names_the_first_of_several_crossings_over_a_position) {
   const TrafficZone zone = track_zone({{"X1", {}, {{0, 0.5, 1.0}, {2, 0.0, 0.1}}}, {"X2", {}, {{0, 0.2, 1.5}}}});
   EXPECT_EQ(zone.crossing_at({0, 0.1}), nullptr);
   EXPECT_EQ(zone.crossing_at({0, 0.3})->name, "X2");

@@ -39,12 +39,13 @@ void unite(std::vector<Stretch>& stretches) {
 
 enum class Side { ahead, behind };
 
-/// Lets each of `left_m` run out along the circuit: what is left of it where each section begins in that way (its start
-/// when going ahead, its end when going behind), −1 where it does not come. Runs on through sections that `passes`.
+/// Lets each of `left_m` run out along the circuit: the rest of it where each section begins in that direction (its
+/// start when going ahead, its end when going behind), −1 where it is not reached. Runs on through sections that
+/// `passes`.
 template <typename Passes>
 std::vector<double> run_out(const Circuit& circuit, Side side, const std::vector<std::pair<double, SectionId>>& left_m,
                             const Passes& passes) {
-  // Largest first, so that each section is expanded once however many ways lead to it.
+  // Largest first, so that each section is expanded once however many paths lead to it.
   std::vector<double> left_at(circuit.size(), -1.0);
   std::priority_queue<std::pair<double, SectionId>> queue(left_m.begin(), left_m.end());
   while (!queue.empty()) {
@@ -60,8 +61,8 @@ std::vector<double> run_out(const Circuit& circuit, Side side, const std::vector
   return left_at;
 }
 
-/// Where no waypoint may lie, section by section: the spans with their margins, and what lies between two spans too
-/// close together to stand between, also across joints.
+/// The stretches without waypoints, section by section: the spans with their margins, and the stretches between two
+/// spans too close together to stop between, also across joints.
 class Blocked {
  public:
   Blocked(const Circuit& circuit, const std::vector<Crossing>& crossings, double room_m)
@@ -109,7 +110,7 @@ class Blocked {
   }
 
   void bridge_gaps(double gap_m) {
-    // What is left of the gap where each section begins, coming from the nearest blocked stretch on either side.
+    // The rest of the gap where each section begins, from the nearest blocked stretch on either side.
     std::vector<std::pair<double, SectionId>> ahead;
     std::vector<std::pair<double, SectionId>> behind;
     for (SectionId id = 0; id < stretches_.size(); ++id) {
@@ -152,13 +153,13 @@ void lay(std::vector<double>& positions, double from_m, double to_m, double spac
   positions.push_back(from_m);
   const double length_m = to_m - from_m;
   if (length_m < merge_m) return;
-  // The small grace keeps 1.5 m at 0.3 m in five parts when rounding makes the quotient 5.000000001.
+  // The small margin keeps 1.5 m at 0.3 m in five parts when rounding makes the quotient 5.000000001.
   const double parts = std::max(1.0, std::ceil(length_m / spacing_m - 1e-9));
   for (double i = 1.0; i < parts; i += 1.0) positions.push_back(from_m + length_m * (i / parts));
   positions.push_back(to_m);
 }
 
-/// A waypoint of one section, before it has its id.
+/// A waypoint of one section, before its id is assigned.
 struct Laid {
   double s_m;
   const std::string* id{nullptr};  ///< of its own, if any
@@ -206,7 +207,8 @@ void Layer::lay_free(SectionId id) {
     if (stretch.from_m > from_m) lay(free_, from_m, stretch.from_m, spacing_m);
     from_m = stretch.to_m;
   }
-  // The end of a section is the start of those that follow, and theirs to mark; a dead end has nobody else.
+  // The waypoint at a section's end is the one at the start of its successors, which create it; a dead end has no
+  // successors.
   const bool followed = !circuit_.next(id).empty();
   if (from_m < length_m && !(followed && from_m > 0.0 && length_m - from_m < merge_m)) {
     lay(free_, from_m, length_m, spacing_m);
@@ -216,7 +218,7 @@ void Layer::lay_free(SectionId id) {
   for (const double s : free_) laid_.push_back({s});
 }
 
-/// What lies too near to a place with an id of its own gives way to it.
+/// A waypoint too near to a position with an id of its own is dropped.
 void Layer::name(double s_m, const std::string* id) {
   if (id == nullptr) return;
   std::erase_if(laid_, [&](const Laid& laid) { return laid.id == nullptr && std::fabs(laid.s_m - s_m) < merge_m; });
@@ -224,7 +226,7 @@ void Layer::name(double s_m, const std::string* id) {
   laid_.insert(after, {s_m, id});
 }
 
-/// Both lists are sorted: one pass, however many are asked for.
+/// Both lists are sorted: one pass, however many are requested.
 void Layer::lay_requested(SectionId id) {
   const double length_m = circuit_.section(id).length_m();
   std::vector<Laid> all;
@@ -245,7 +247,7 @@ void Layer::lay_requested(SectionId id) {
 std::string Layer::id_at(SectionId id, double s_m) const {
   const auto millimetres = static_cast<long long>(std::floor(s_m * 1000.0 + 0.5));
   std::string name = circuit_.part(id).name + "@" + std::to_string(millimetres);
-  // A format's own ids may look like ours, and mean another point.
+  // A format's own ids may look like generated ones, and mean another point.
   while (std::binary_search(taken_.begin(), taken_.end(), std::string_view{name})) name += '+';
   return name;
 }

@@ -28,10 +28,10 @@ Circuit line() {
   return testing::circuit({part("a", first, {1}), part("b", section(first.end(), 1.0))});
 }
 
-/// A crossing over one stretch; who crosses there does not matter to waypoints.
+/// A crossing over one stretch; the crossing section does not matter to waypoints.
 Crossing crossing(SectionId on, double from_m, double to_m) { return {"X", {}, {{on, from_m, to_m}}}; }
 
-TEST(Waypoints, mark_joints_and_what_lies_between_them) {
+TEST(Waypoints, lie_at_joints_and_between_them) {
   EXPECT_THAT(ids(lay_waypoints(line(), {}, 0.5)), ElementsAre("a@0", "a@500", "b@0", "b@500", "b@1000"));
 }
 
@@ -45,27 +45,27 @@ TEST(Waypoints, lie_at_stop_lines_and_exits_two_centimetres_off_the_crossing) {
               ElementsAre("a@0", "a@380", "a@620", "b@0", "b@500", "b@1000"));
 }
 
-TEST(Waypoints, do_not_lie_where_a_vehicle_cannot_stand_between_crossings) {
-  // 0.25 m free: too short for a standing vehicle of 0.2 m and its 0.1 m; 0.35 m is enough.
+TEST(Waypoints, do_not_lie_where_a_vehicle_cannot_stop_between_crossings) {
+  // 0.25 m free: too short for a stopped vehicle of 0.2 m and its 0.1 m; 0.35 m is enough.
   EXPECT_THAT(ids(lay_waypoints(line(), {crossing(0, 0.2, 0.3), crossing(0, 0.55, 0.7)}, 0.5)),
               ElementsAre("a@0", "a@180", "a@720", "b@0", "b@500", "b@1000"));
   EXPECT_THAT(ids(lay_waypoints(line(), {crossing(0, 0.2, 0.3), crossing(0, 0.65, 0.7)}, 0.5)),
               ElementsAre("a@0", "a@180", "a@320", "a@630", "a@720", "b@0", "b@500", "b@1000"));
 }
 
-TEST(Waypoints, mind_crossings_on_both_sides_of_a_joint) {
+TEST(Waypoints, respect_crossings_on_both_sides_of_a_joint) {
   EXPECT_THAT(ids(lay_waypoints(line(), {crossing(0, 0.7, 0.9), crossing(1, 0.1, 0.3)}, 0.5)),
               ElementsAre("a@0", "a@340", "a@680", "b@320", "b@660", "b@1000"));
 }
 
-TEST(Waypoints, mind_crossings_with_a_short_section_between) {
+TEST(Waypoints, respect_crossings_with_a_short_section_between) {
   const Section first = section({}, 1.0);
   const Section second = section(first.end(), 0.1);
   const Circuit circuit =
       testing::circuit({part("a", first, {1}), part("short", second, {2}), part("c", section(second.end(), 1.0))});
   EXPECT_THAT(ids(lay_waypoints(circuit, {crossing(0, 0.5, 0.95), crossing(2, 0.05, 0.5)}, 1.0)),
               ElementsAre("a@0", "a@480", "c@520", "c@1000"));
-  // With room enough before the second crossing the joint behind the first is a place to stand.
+  // With room enough before the second crossing a vehicle may stop at the joint behind the first.
   EXPECT_THAT(ids(lay_waypoints(circuit, {crossing(0, 0.5, 0.95), crossing(2, 0.55, 0.7)}, 1.0)),
               ElementsAre("a@0", "a@480", "a@970", "short@0", "c@0", "c@530", "c@720", "c@1000"));
 }
@@ -75,7 +75,7 @@ TEST(Waypoints, put_the_stop_line_on_the_section_before_when_the_crossing_begins
   EXPECT_THAT(ids(lay_waypoints(line(), {crossing(0, 0.6, 1.0)}, 1.0)), ElementsAre("a@0", "a@580", "b@20", "b@1000"));
 }
 
-TEST(Waypoints, at_a_fork_stand_before_the_stem_ends) {
+TEST(Waypoints, at_a_fork_lie_before_the_stem_ends) {
   const Section stem = section({}, 1.0);
   const Circuit fork = testing::circuit({part("stem", stem, {1, 2}), part("left", section(stem.end(), 2.0, 1.0)),
                                          part("right", section(stem.end(), 2.0, -1.0))});
@@ -85,10 +85,10 @@ TEST(Waypoints, at_a_fork_stand_before_the_stem_ends) {
     EXPECT_TRUE(waypoint.position.section == 0 || waypoint.position.s_m > 0.3) << waypoint.id;
 }
 
-// What stations and formats ask for
-// ------------------------------------------------------------------------------------------------------
+// Waypoints requested by stations and formats
+// -------------------------------------------------------------------------------------------
 
-TEST(Waypoints, lie_at_asked_places_too_and_inside_crossings) {
+TEST(Waypoints, lie_at_requested_positions_too_and_inside_crossings) {
   WaypointRules rules;
   rules.spacing_m = 1.0;
   rules.at = {{1, 0.25}, {0, 0.5}};
@@ -96,7 +96,7 @@ TEST(Waypoints, lie_at_asked_places_too_and_inside_crossings) {
               ElementsAre("a@0", "a@380", "a@500", "a@620", "b@0", "b@250", "b@1000"));
 }
 
-TEST(Waypoints, nearer_than_two_centimetres_to_an_asked_place_serve) {
+TEST(Waypoints, nearer_than_two_centimetres_to_a_requested_position_serve) {
   WaypointRules rules;
   rules.spacing_m = 0.5;
   rules.at = {{0, 0.481}, {0, 0.519}, {0, 0.3}, {0, 0.31}, {0, 0.321}, {1, 1.0}, {1, 0.0}};
@@ -124,7 +124,7 @@ TEST(Waypoints, of_nodes_only_have_none_in_between) {
               ElementsAre("a@0", "a@380", "a@620", "b@0", "b@1000"));
 }
 
-TEST(Waypoints, share_a_nodes_id_on_all_sections_that_begin_there_and_are_all_found) {
+TEST(Waypoints, have_a_node_s_id_on_all_sections_that_begin_there_and_are_all_found) {
   const Section stem = section({}, 1.0);
   TrafficZone zone{"z",
                    testing::circuit({part("stem", stem, {1, 2}), part("left", section(stem.end(), 2.0, 1.0)),
@@ -169,7 +169,7 @@ TEST(Waypoints, have_ids_of_their_own_in_order_of_section_and_arc_length) {
   }
 }
 
-TEST(Waypoints, keep_out_of_every_crossing_whatever_the_ways_and_the_vehicle) {
+TEST(Waypoints, keep_out_of_every_crossing_whatever_the_sections_and_the_vehicle) {
   rc::check([] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "waypoints_test"};
     std::vector<Circuit::Part> parts;

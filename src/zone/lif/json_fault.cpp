@@ -9,7 +9,7 @@ namespace {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// Goes through the text once, without recursion.
+/// Scans the text once, without recursion.
 class Scanner {
  public:
   Scanner(std::string_view text, std::size_t depth_max) : text_{text}, depth_max_{depth_max} {}
@@ -87,7 +87,7 @@ class Scanner {
     if (here() >= ' ' && here() <= '~')
       what_ += std::string("'") + here() + "'";
     else
-      what_ += "no character that may stand here";
+      what_ += "no character that is allowed here";
   }
 
   void take(char c, Want then) {
@@ -199,14 +199,14 @@ class Scanner {
     }
     if (!good) {
       at_ = begin;
-      what_ = "no number as JSON writes one";
+      what_ = "no valid JSON number";
       return;
     }
     double read = 0.0;
     const auto [stop, error] = std::from_chars(text_.data() + begin, text_.data() + at_, read);
     if (error != std::errc{} && text_.substr(begin, at_ - begin).find_first_of("eE") != std::string_view::npos) {
       at_ = begin;
-      what_ = "a number that is too large to be one";
+      what_ = "a number that is too large";
       return;
     }
     done();

@@ -7,7 +7,7 @@
 
 namespace cosiva::zone::lif {
 
-/// Where a text stops being JSON, for people who mend it by hand: the fast parser says only that it does.
+/// The position where a text is no longer JSON, for manual repair: the fast parser only reports that there is a fault.
 struct JsonFault {
   std::size_t line;    ///< from 1
   std::size_t column;  ///< in bytes, from 1

@@ -1,4 +1,4 @@
-// What is wrong with files, and what is said of it.
+// Faulty files, and the errors and diagnostics about them.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -36,7 +36,7 @@ const Plan two{{"A 0 0", "B 2 0"}, {"A B", "B A"}};
 
 // Refused ---------------------------------------------------------------------------------------------------------
 
-TEST(LifErrors, name_line_and_column_of_what_is_no_json) {
+TEST(LifErrors, name_line_and_column_of_a_json_fault) {
   EXPECT_THAT(error_of("{\n \"layouts\": [\n  {\"nodes\" []}]}"),
               StartsWith("plant.lif.json: line 3, column 12: not JSON: expected ':', found '['"));
   EXPECT_THAT(error_of(two.text().substr(0, 200)), HasSubstr("not JSON"));
@@ -51,39 +51,39 @@ TEST(LifErrors, name_line_and_column_of_what_is_no_json) {
               HasSubstr("UTF-8"));
 }
 
-TEST(LifErrors, of_what_is_nested_too_deep_come_quickly) {
+TEST(LifErrors, about_too_deep_nesting_come_quickly) {
   EXPECT_THAT(error_of(std::string(100'000, '[')), HasSubstr("nested deeper than 64"));
   std::string objects;
   for (int i = 0; i < 100'000; ++i) objects += "{\"a\":";
   EXPECT_EQ(code_of(objects), "zone.syntax");
 }
 
-TEST(LifErrors, of_what_is_too_large_come_before_it_is_read) {
+TEST(LifErrors, about_too_large_files_come_before_they_are_read) {
   EXPECT_EQ(code_of(std::string((64U << 20U) + 1, ' ')), "zone.size");
   EXPECT_EQ(code_of("[" + std::string(13'000'000, ',') + "]"), "zone.size");
 }
 
-TEST(LifErrors, name_the_location_of_ids_that_two_have) {
+TEST(LifErrors, name_the_location_of_duplicate_ids) {
   EXPECT_EQ(error_of(Plan{{"A 0 0", "B 2 0", "A 3 0"}, {"A B"}}.text()),
             "plant.lif.json: layouts[0].nodes[2].nodeId: two nodes have the id 'A'");
   EXPECT_EQ(error_of(Plan{{"A 0 0", "B 2 0"}, {"A B", "A B"}}.text()),
             "plant.lif.json: layouts[0].edges[1].edgeId: two edges have the id 'A-B'");
 }
 
-TEST(LifErrors, tell_a_later_version_by_its_origins) {
+TEST(LifErrors, recognise_a_later_version_by_its_origins) {
   const std::string later =
       error_of(json("{'metaInformation':{'lifVersion':'2.0.0'},'origins':[{'originId':'o','layouts':[]}]}"));
   EXPECT_THAT(later, StartsWith("plant.lif.json: origins: "));
   EXPECT_THAT(later, HasSubstr("version 2.0"));
 }
 
-TEST(LifErrors, of_layouts_that_share_ids_say_how_to_take_one) {
+TEST(LifErrors, about_layouts_with_common_ids_state_how_to_take_one) {
   const std::string layout = "{'layoutId':'L1','nodes':[{'nodeId':'A','nodePosition':{'x':0,'y':0}}],'edges':[]}";
   const std::string both = json("{'layouts':[" + layout + "," + layout + "]}");
   EXPECT_THAT(error_of(both), HasSubstr("layouts[1].nodes[0].nodeId: two nodes have the id 'A', as layouts may not"));
 }
 
-TEST(LifErrors, say_why_nothing_is_left) {
+TEST(LifErrors, state_why_nothing_is_left) {
   EXPECT_EQ(code_of("{}"), "zone.missing");
   EXPECT_EQ(code_of("[]"), "zone.missing");
   EXPECT_EQ(code_of(json("{'layouts':[]}")), "zone.missing");
@@ -91,7 +91,7 @@ TEST(LifErrors, say_why_nothing_is_left) {
   const std::string dangling = error_of(Plan{{"A 0 0", "B 2 0"}, {"A C"}}.text());
   EXPECT_THAT(dangling, HasSubstr("no edge is left"));
   EXPECT_THAT(dangling, HasSubstr("layouts[0].edges[0].endNodeId: there is no node 'C'"));
-  // A field that is not taken is no reason; nodes that lie nowhere are.
+  // An ignored field is no reason; nodes without a position are.
   const std::string flat =
       json("{'layouts':[{'layoutId':'L','layoutName':'yard','nodes':[{'nodeId':'A','x':0,'y':0}],'edges':[]}]}");
   EXPECT_THAT(error_of(flat), HasSubstr("layouts[0].nodes[0].nodePosition: a node without a position"));
@@ -126,7 +126,7 @@ TEST(LifLosses, edges_to_nowhere_are_lost_and_named) {
   EXPECT_EQ(diagnostic_at(zone, "layouts[0].edges[2].startNodeId")->kind, Diagnostic::Kind::lost);
 }
 
-TEST(LifLosses, nodes_without_a_place_are_lost_with_their_edges) {
+TEST(LifLosses, nodes_without_a_position_are_lost_with_their_edges) {
   const std::string text =
       replaced(Plan{{"A 0 0", "B 2 0", "C 3 0"}, {"A B", "B C"}}.text(), "\"x\":3", "\"x\":\"far\"");
   const TrafficZone zone = zone_of(text);
@@ -135,7 +135,7 @@ TEST(LifLosses, nodes_without_a_place_are_lost_with_their_edges) {
   EXPECT_EQ(diagnostic_at(zone, "layouts[0].nodes[2].nodePosition")->kind, Diagnostic::Kind::lost);
 }
 
-TEST(LifLosses, stations_that_no_way_leads_to_are_lost) {
+TEST(LifLosses, stations_that_no_edge_leads_to_are_lost) {
   Plan plan{{"A 0 0", "B 2 0", "C 9 9"}, {"A B"}};
   plan.stations = "[{'stationId':'S','interactionNodeIds':['C','X']}]";
   const TrafficZone zone = zone_of(plan.text());
@@ -144,7 +144,7 @@ TEST(LifLosses, stations_that_no_way_leads_to_are_lost) {
   EXPECT_EQ(diagnostic_at(zone, "layouts[0].stations[0].interactionNodeIds[1]")->kind, Diagnostic::Kind::lost);
 }
 
-TEST(LifLosses, fields_that_lif_does_not_know_are_named) {
+TEST(LifLosses, fields_unknown_to_lif_are_named) {
   const TrafficZone zone = zone_of(replaced(two.text(), "\"edgeId\":\"A-B\"", "\"edgeId\":\"A-B\",\"colour\":\"red\""));
   ASSERT_NE(diagnostic_at(zone, "layouts[0].edges[0].colour"), nullptr);
   EXPECT_EQ(diagnostic_at(zone, "layouts[0].edges[0].colour")->kind, Diagnostic::Kind::lost);
@@ -155,12 +155,12 @@ TEST(LifLosses, a_thousand_kinds_of_diagnostics_are_no_more_than_two_hundred) {
   for (int i = 0; i < 1000; ++i) fields += "\"f" + std::to_string(i) + "\":1,";
   const TrafficZone zone = zone_of(replaced(two.text(), "\"edgeId\":\"A-B\"", fields + "\"edgeId\":\"A-B\""));
   EXPECT_LE(zone.diagnostics.size(), 203U);
-  EXPECT_NE(diagnostic_with(zone, "more to say"), nullptr);
+  EXPECT_NE(diagnostic_with(zone, "further diagnostics"), nullptr);
 }
 
 // Mended ----------------------------------------------------------------------------------------------------------
 
-TEST(LifMendings, numbers_as_texts_and_texts_as_numbers_are_taken) {
+TEST(LifMendings, numbers_as_texts_and_texts_as_numbers_are_accepted) {
   std::string text = two.text();
   text = replaced(text, "\"x\":2", "\"x\":\"2,5\"");
   text = replaced(text, "\"lifVersion\":\"1.0.0\"", "\"lifVersion\":1");
@@ -178,13 +178,13 @@ TEST(LifMendings, ids_may_be_numbers) {
   EXPECT_EQ(zone_of(text).find_waypoints("2").size(), 1U);
 }
 
-TEST(LifMendings, a_byte_order_mark_and_nulls_do_no_harm) {
+TEST(LifMendings, a_byte_order_mark_and_nulls_are_harmless) {
   std::string text = replaced(two.text(), "\"stations\":[]", "\"stations\":null,\"layoutName\":null");
   text = replaced(text, "\"rotationAllowed\":false", "\"rotationAllowed\":null,\"trajectory\":null,\"maxSpeed\":null");
   EXPECT_EQ(zone_of("\xEF\xBB\xBF" + text).circuit.size(), 2U);
 }
 
-TEST(LifMendings, who_names_no_vehicle_type_means_all) {
+TEST(LifMendings, missing_vehicle_types_mean_all) {
   std::string text = two.text();
   const std::string open = "[{\"vehicleTypeId\":\"T\"}]";
   text = replaced(text, "\"vehicleTypeNodeProperties\":" + open, "\"vehicleTypeNodeProperties\":[]");
@@ -221,14 +221,14 @@ std::vector<std::string> after(const TrafficZone& zone, std::string_view edge) {
   return names;
 }
 
-TEST(LifJoints, the_straightest_way_on_is_the_default_and_turning_back_the_last) {
+TEST(LifJoints, the_straightest_branch_is_the_default_and_turning_back_the_last) {
   const TrafficZone zone =
       zone_of(Plan{{"A 0 0", "B 1 0", "C 2 0.1", "D 1 1", "E 0.5 1"}, {"A B", "B A", "B D", "B E", "B C"}}.text());
   EXPECT_THAT(after(zone, "A-B"), ::testing::ElementsAre("B-C", "B-D", "B-E", "B-A"));
   EXPECT_TRUE(zone.circuit.part(*zone.circuit.find("A-B")).pivots);
 }
 
-TEST(LifJoints, a_node_that_forbids_turning_lets_only_go_straight_on) {
+TEST(LifJoints, a_node_that_forbids_turning_lets_vehicles_go_straight_on_only) {
   const Plan plan{{"A 0 0", "B 1 0", "C 2 0", "D 1 1"}, {"A B 'rotationAtEndNodeAllowed':'NONE'", "B C", "B D", "B A"}};
   const TrafficZone zone = zone_of(plan.text());
   EXPECT_THAT(after(zone, "A-B"), ::testing::ElementsAre("B-C"));
@@ -239,7 +239,7 @@ TEST(LifJoints, a_node_that_forbids_turning_lets_only_go_straight_on) {
   EXPECT_THAT(after(zone_of(leaving.text()), "A-B"), ::testing::ElementsAre("B-C", "B-A"));
 }
 
-TEST(LifJoints, a_node_that_would_be_the_end_lets_turn_all_the_same) {
+TEST(LifJoints, a_node_that_would_be_the_end_allows_turning_all_the_same) {
   const TrafficZone zone =
       zone_of(Plan{{"A 0 0", "B 1 0", "D 1 1"}, {"A B 'rotationAtEndNodeAllowed':'NONE'", "B D"}}.text());
   EXPECT_THAT(after(zone, "A-B"), ::testing::ElementsAre("B-D"));
@@ -291,19 +291,19 @@ TEST(LifTrajectories, with_wrong_knots_get_even_ones) {
     EXPECT_EQ(diagnostic_at(zone, trajectory_location + ".knotVector")->kind, Diagnostic::Kind::mended) << knots;
     EXPECT_LT(zone.circuit.locate({2.0, 0.5}).distance_m, 1e-3);
   }
-  // Without the outermost ones, as some programs write them, they are plain.
+  // Without the outermost ones, as some programs write them, they are valid.
   const TrafficZone zone = with_trajectory(
       "{'degree':2,'knotVector':[0,0,1,1],'controlPoints':[{'x':0,'y':0},{'x':2,'y':1},{'x':4,'y':0}]}");
   EXPECT_THAT(diagnostic_at(zone, trajectory_location + ".knotVector")->text, HasSubstr("doubled"));
 }
 
-TEST(LifTrajectories, that_make_no_sense_become_straight_lines) {
+TEST(LifTrajectories, that_are_invalid_become_straight_lines) {
   const std::string none[] = {
       "{'knotVector':[0,1],'controlPoints':[{'x':0,'y':0}]}",
       "{'controlPoints':[{'x':0,'y':0},{'x':'a','y':1},{'x':4,'y':0}]}",
       // The ends meet, but the nodes do not.
       "{'degree':2,'knotVector':[0,0,0,1,1,1],'controlPoints':[{'x':0,'y':0},{'x':2,'y':1},{'x':0,'y':0}]}",
-      // A speck that would have to be blown up.
+      // A trajectory that is tiny and would have to be enlarged.
       "{'degree':2,'knotVector':[0,0,0,1,1,1],'controlPoints':[{'x':0,'y':0},{'x':0.01,'y':0.01},{'x':0.02,'y':0}]}",
   };
   for (const std::string& trajectory : none) {
@@ -324,7 +324,7 @@ TEST(LifTrajectories, with_huge_coordinates_knots_and_weights_do_no_harm) {
                         "],'controlPoints':[{'x':0,'y':0},{'x':1,'y':1},{'x':2,'y':1},{'x':4,'y':0}]}");
 }
 
-TEST(LifTrajectories, that_meet_their_nodes_to_a_millimetre_are_moved_silently) {
+TEST(LifTrajectories, that_meet_their_nodes_to_a_millimetre_are_moved_without_a_diagnostic) {
   const TrafficZone zone = with_trajectory(
       "{'degree':2,'knotVector':[0,0,0,1,1,1],'controlPoints':[{'x':0.0005,'y':0},{'x':2,'y':1},{'x':4,'y':0.0005}]}");
   EXPECT_EQ(diagnostic_at(zone, trajectory_location), nullptr);
@@ -339,7 +339,7 @@ TEST(JsonFault, is_none_in_a_good_text) {
     EXPECT_FALSE(find_json_fault(text)) << text;
 }
 
-TEST(JsonFault, is_found_where_it_is) {
+TEST(JsonFault, is_found_at_its_position) {
   const auto at = [](std::string_view text) {
     const auto fault = find_json_fault(text);
     return fault ? std::to_string(fault->line) + ":" + std::to_string(fault->column) + " " + fault->what : "none";
@@ -347,8 +347,8 @@ TEST(JsonFault, is_found_where_it_is) {
   EXPECT_EQ(at("[1,]"), "1:4 expected a value, found ']'");
   EXPECT_EQ(at("{\"a\":1,}"), "1:8 expected a name in quotes, found '}'");
   EXPECT_EQ(at("{\"a\":1\n\"b\":2}"), "2:1 expected ',' or '}', found '\"'");
-  EXPECT_EQ(at("[01]"), "1:2 no number as JSON writes one");
-  EXPECT_EQ(at("[1.]"), "1:2 no number as JSON writes one");
+  EXPECT_EQ(at("[01]"), "1:2 no valid JSON number");
+  EXPECT_EQ(at("[1.]"), "1:2 no valid JSON number");
   EXPECT_EQ(at("[\"a\nb\"]"), "1:4 a line break or control character within a text in quotes");
   EXPECT_EQ(at("[\"abc"), "1:2 a text in quotes that never ends");
   EXPECT_EQ(at("[\"\\x\"]"), "1:3 a backslash that begins no escape");

@@ -15,9 +15,10 @@ namespace {
 constexpr auto mended = Diagnostic::Kind::mended;
 constexpr auto lost = Diagnostic::Kind::lost;
 
-/// Nodes this close are one point: nobody places a vehicle better.
+/// Nodes this close are one point: no vehicle is positioned more accurately.
 constexpr double same_point_m = 1e-3;
-/// A kink that a vehicle takes where its node forbids to turn: files have their coordinates rounded to centimetres.
+/// A kink that a vehicle drives over where its node forbids to turn: files have their coordinates rounded to
+/// centimetres.
 constexpr double straight_on_rad = 0.1;
 constexpr double turns_back_rad = 0.75 * pi;
 constexpr std::size_t sections_max = 100'000;
@@ -49,8 +50,8 @@ class Maker {
 
   /// An edge that has become sections.
   struct Laid {
-    const Edge* edge;    ///< it begins with
-    const Edge* finish;  ///< it ends with: the same, but where pieces are one section again
+    const Edge* edge;    ///< its first edge
+    const Edge* finish;  ///< its last edge: the same, except where pieces form one section again
     SectionId first;
     SectionId last;
   };
@@ -59,7 +60,7 @@ class Maker {
   LifDiagnostics& diagnostics_;
   TrackMaker track_maker_;
   std::optional<Error> error_;
-  std::vector<std::size_t> point_;  ///< by node: the node whose point it shares, itself where it is the first there
+  std::vector<std::size_t> point_;  ///< by node: the node whose point it has, itself where it is the first there
   std::vector<Laid> laid_;
   std::vector<std::vector<std::size_t>> leaving_;   ///< by point: indices into laid_
   std::vector<std::vector<std::size_t>> arriving_;  ///< likewise
@@ -132,7 +133,8 @@ bool Maker::is_lift(const Edge& edge) const {
   return from && to && *from != *to;
 }
 
-/// Edges X, X.2, X.3 … that all say they are X, each from where the one before it ends and nothing else leads.
+/// Edges X, X.2, X.3 … that all name X as their section, each from the end of the one before it, where no other edge
+/// leads.
 void Maker::find_pieces() {
   std::map<std::string_view, const Edge*> by_id;
   std::vector<std::size_t> ends(document_.nodes.size());  // by point
@@ -156,7 +158,7 @@ void Maker::find_pieces() {
   }
 }
 
-/// The section that an edge and the pieces after it are; its own way where they are none.
+/// The section that an edge and the pieces after it form; the edge's own geometry where they form none.
 Track Maker::rejoined(Track track, const Edge& edge) {
   std::vector<const Edge*> pieces;
   std::vector<double> ends_m;
@@ -238,7 +240,7 @@ void Maker::lay(const Edge& edge) {
 }
 
 void Maker::join() {
-  // Before any is made: at a node where thousands meet they are millions.
+  // Checked before any is made: at a node where thousands meet they are millions.
   std::size_t joints = 0;
   for (const Laid& laid : laid_) {
     joints += leaving_[point_[laid.finish->to]].size();
@@ -272,8 +274,8 @@ void Maker::join_end(std::size_t index) {
     any_allowed = any_allowed || choices.back().allowed;
   }
   if (!any_allowed && !choices.empty()) {
-    diagnostics_.add(mended, laid.edge->location,
-                     "no way leads on from edge '" + laid.edge->id +
+    diagnostics_.add(mended, laid.edge->position,
+                     "no path leads on from edge '" + laid.edge->id +
                          "' without a turn, which its node forbids; vehicles turn there all the same",
                      "forbidden turn");
   }
@@ -293,7 +295,7 @@ void Maker::add_stations() {
   for (const Station& station : document_.stations) {
     std::string name = station.name;
     if (station_names_.contains(name)) {
-      diagnostics_.add(mended, station.location, "another station is called '" + name + "'; known by its id",
+      diagnostics_.add(mended, station.position, "another station is called '" + name + "'; identified by its id",
                        "station names");
       name = station.id;
     }
@@ -316,15 +318,15 @@ void Maker::add_stations() {
       served.insert(point);
     }
     if (points.empty()) {
-      diagnostics_.add(lost, station.location,
-                       "no way leads to an interaction node of station '" + name + "'; not taken",
-                       "station without way");
+      diagnostics_.add(lost, station.position,
+                       "no edge leads to an interaction node of station '" + name + "'; not taken",
+                       "station without edge");
     }
   }
   add_lonely_chargers(served);
 }
 
-/// Where vehicles can charge they must be able to be sent.
+/// Chargers must be reachable as destinations.
 void Maker::add_lonely_chargers(const std::set<std::size_t>& served) {
   for (std::size_t i = 0; i < document_.nodes.size(); ++i) {
     const Node& node = document_.nodes[i];
@@ -337,7 +339,8 @@ void Maker::add_lonely_chargers(const std::set<std::size_t>& served) {
   }
 }
 
-/// At the end of the first way to the node itself, else to its point, else where the first way from there begins.
+/// At the end of the first section to the node itself, else to its point, else where the first section from there
+/// begins.
 void Maker::add_station(const std::string& name, std::size_t node, bool charges) {
   std::string unique = name;
   while (!station_names_.insert(unique).second) unique += '\'';

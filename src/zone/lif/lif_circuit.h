@@ -11,7 +11,7 @@
 
 namespace cosiva::zone::lif {
 
-/// The ways of a document, joined at its nodes.
+/// The sections of a document, joined at its nodes.
 struct Tracks {
   std::vector<Circuit::Part> parts;
   std::vector<std::string> start_ids;  ///< by section: its node's id; empty inside a trajectory

@@ -3,7 +3,7 @@
 namespace cosiva::zone::lif {
 namespace {
 
-/// Kinds of notes; a file that makes up field names could have one each.
+/// Kinds of diagnostics; a file with invented field names could have one for each.
 constexpr std::size_t sorts_max = 200;
 constexpr std::size_t locations_named = 3;
 
@@ -39,7 +39,7 @@ void LifDiagnostics::add(Diagnostic::Kind kind, std::string location, std::strin
       return;
     }
     kind = Diagnostic::Kind::notice;
-    text = "there is more to say about this file than fits here";
+    text = "the further diagnostics of this file do not fit here";
   }
   index_.emplace(std::move(sort), all_.size());
   all_.push_back({{kind, std::move(location), std::move(text)}, 1, {}});

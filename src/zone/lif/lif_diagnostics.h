@@ -11,8 +11,8 @@
 
 namespace cosiva::zone::lif {
 
-/// Where something stands in a file, as people say it: layouts[0].edges[3].startNodeId. A chain of stack objects, so
-/// that a text is made only when somebody asks.
+/// A location in a file, in readable form: layouts[0].edges[3].startNodeId. A chain of stack objects, so that a text is
+/// made only when it is needed.
 struct JsonLocation {
   const JsonLocation* outer{};
   std::string_view key{};  ///< of an object's member; empty: item `index` of a list. Of the outermost: its whole text
@@ -21,11 +21,11 @@ struct JsonLocation {
   [[nodiscard]] std::string text() const;
 };
 
-/// What is said of a file. The same thing said of many places becomes one note that counts them, so that a plant of a
-/// hundred thousand edges has a report that somebody reads.
+/// The diagnostics of a file. The same diagnostic at many locations becomes one that counts them, so that the report on
+/// a layout of a hundred thousand edges stays readable.
 class LifDiagnostics {
  public:
-  /// @param sort  what makes two notes the same; empty: the text
+  /// @param sort  the key by which two diagnostics are the same; empty: the text
   void add(Diagnostic::Kind kind, std::string location, std::string text, std::string sort = {});
   /// In the order of their first appearance.
   [[nodiscard]] std::vector<Diagnostic> take() const;
@@ -34,7 +34,7 @@ class LifDiagnostics {
   struct Sorted {
     Diagnostic first;
     std::size_t count;
-    std::string others;  ///< the places of the next few
+    std::string others;  ///< the locations of the next few
   };
   std::vector<Sorted> all_;
   std::map<std::string, std::size_t> index_;

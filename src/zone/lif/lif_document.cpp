@@ -16,7 +16,7 @@ namespace {
 constexpr auto mended = Diagnostic::Kind::mended;
 constexpr auto lost = Diagnostic::Kind::lost;
 
-/// Beyond this a file's origin is moved: positions travel as numbers that keep a millimetre up to here.
+/// Beyond this a file's origin is moved: positions are sent as numbers that keep a millimetre up to here.
 constexpr double coordinate_max_m = 1e5;
 constexpr double any_coordinate_max_m = 1e9;
 constexpr double speed_max_mps = 100.0;
@@ -25,13 +25,13 @@ using TypeId = std::uint32_t;
 
 /// Vehicle types that may use a node or an edge.
 struct Types {
-  bool all{false};            ///< the file does not say
+  bool all{false};            ///< not given in the file
   std::vector<TypeId> ids{};  ///< sorted
 
   [[nodiscard]] bool has(TypeId id) const { return all || std::binary_search(ids.begin(), ids.end(), id); }
 };
 
-/// Ids are shown to people and travel in messages.
+/// Ids are displayed and sent in messages.
 std::string printable(std::string text) {
   for (char& c : text) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
@@ -45,7 +45,7 @@ class Reader {
   Result<Document> read(const JsonValue& json);
 
  private:
-  /// What is read of an item before the vehicle type is chosen.
+  /// The data of an item that are read before the vehicle type is chosen.
   struct Item {
     const JsonValue* value;
     Types types;
@@ -71,7 +71,7 @@ class Reader {
   void drop_closed();
   void move_origin();
   void stop(std::string code, std::string message, std::string location);
-  /// Layouts that share their ids cannot be one zone, but each alone can.
+  /// Layouts with common ids cannot be one zone, but each alone can.
   [[nodiscard]] const char* one_layout_hint() const {
     return document_.layouts.size() > 1 ? ", as layouts may not; [import] layout in the sidecar file takes one alone"
                                         : "";
@@ -160,10 +160,10 @@ void Reader::read_meta(const LifFields& root) {
   const auto version = meta.text("lifVersion");
   if (version && !version->starts_with("1."))
     meta.record(mended, "lifVersion",
-                "the file says version '" + printable(version->substr(0, 40)) + "'; read as 1.0.0");
+                "the file has version '" + printable(version->substr(0, 40)) + "'; read as 1.0.0");
 }
 
-/// Its nodes; false: it is not taken.
+/// Its nodes; false: the layout is not taken.
 bool Reader::read_layout(const LifFields& layout) {
   layout.known(
       {"layoutId", "layoutName", "layoutVersion", "layoutLevelId", "layoutDescription", "nodes", "edges", "stations"});
@@ -180,7 +180,7 @@ bool Reader::read_layout(const LifFields& layout) {
   }
   if (!id) layout.record(mended, "layoutId", "a layout without an id; taken all the same");
   if (!layout.has("layoutVersion"))
-    layout.record(mended, "layoutVersion", "'layoutVersion' is missing; nobody needs it");
+    layout.record(mended, "layoutVersion", "'layoutVersion' is missing; it is not needed");
   lose(layout, "layoutName", "a zone has one name only");
   lose(layout, "layoutDescription", "a zone has none");
   document_.layouts.push_back({id.value_or(""), layout.text("layoutLevelId")});
@@ -226,8 +226,8 @@ void Reader::read_node(const LifFields& node) {
     return stop("zone.duplicate", "two nodes have the id '" + printable(*id) + "'" + one_layout_hint(),
                 node.location("nodeId"));
 
-  lose(node, "nodeName", "a node is known by its id");
-  lose(node, "nodeDescription", "a node is known by its id");
+  lose(node, "nodeName", "a node is identified by its id");
+  lose(node, "nodeDescription", "a node is identified by its id");
   if (node.text("mapId").value_or(document_.project) != document_.project)
     lose(node, "mapId", "in orders the map's id is the zone's name");
   document_.nodes.push_back({printable(*id),
@@ -271,10 +271,10 @@ void Reader::read_edge(const LifFields& edge) {
 
   std::string section = edge.text("edgeName").value_or("");
   if (section.empty() || (*id != section && !id->starts_with(section + "."))) {
-    lose(edge, "edgeName", "an edge is known by its id");
+    lose(edge, "edgeName", "an edge is identified by its id");
     section.clear();
   }
-  lose(edge, "edgeDescription", "an edge is known by its id");
+  lose(edge, "edgeDescription", "an edge is identified by its id");
   document_.edges.push_back({printable(*id), edge.location(), *from, *to});
   document_.edges.back().section = std::move(section);
   edge_items_.push_back({edge.value(), read_types(edge, "vehicleTypeEdgeProperties")});
@@ -292,18 +292,18 @@ void Reader::read_station(const LifFields& station) {
       if (const auto index = find_node(node, {}, *name)) read.nodes.push_back(*index);
     }
   });
-  // Not in LIF 1.0, but some write it as 2.0 will have it.
+  // Not in LIF 1.0, but some programs write the field as 2.0 will define it.
   if (const auto type = station.text("stationType")) {
     read.charges = type->starts_with("CHARG");
     station.record(mended, "stationType",
-                   "'stationType' is no field of LIF 1.0; taken where it says CHARGING, else without meaning");
+                   "'stationType' is no field of LIF 1.0; used where it is CHARGING, otherwise ignored");
   }
-  lose(station, "stationDescription", "a station is known by its name");
+  lose(station, "stationDescription", "a station is identified by its name");
   (void)station.number("stationHeight");
   lose(station, "stationHeight", "a zone is flat");
   const LifFields position = station.object("stationPosition");
   position.known({"x", "y", "theta"});
-  lose(station, "stationPosition", "a station lies where vehicles stand, at its interaction nodes");
+  lose(station, "stationPosition", "a station lies where vehicles stop, at its interaction nodes");
   document_.stations.push_back(std::move(read));
 }
 
@@ -391,14 +391,14 @@ void Reader::read_node_properties(std::size_t index) {
     properties.known({"vehicleTypeId", "theta", "actions"});
     if (const auto theta = properties.number("theta"); theta && std::fabs(*theta) > 2.0 * pi + 1e-6)
       properties.record(mended, "theta", "an angle beyond ±2π must be meant in degrees");
-    lose(properties, "theta", "vehicles stand as their way comes in");
+    lose(properties, "theta", "a stopped vehicle has the heading of its path");
     bool others = false;
     properties.each("actions", [&](const LifFields& action) {
       const auto type = action.text("actionType").value_or("");
       if (type == "startCharging") node.charges = true;
       if (type != "startCharging" && type != "stopCharging") others = true;
     });
-    if (others) lose(properties, "actions", "vehicles do nothing at nodes but stand, turn and charge");
+    if (others) lose(properties, "actions", "vehicles do nothing at nodes but stop, turn and charge");
   });
 }
 
@@ -407,7 +407,7 @@ Rotation Reader::read_rotation(const LifFields& fields, std::string_view key) {
   if (!word || *word == "BOTH") return Rotation::any;
   if (*word == "NONE") return Rotation::none;
   if (*word == "CW" || *word == "CCW") {
-    fields.record(lost, key, "turning one way only is not kept: vehicles turn the shorter way");
+    fields.record(lost, key, "turning in one direction only is not supported: vehicles turn in the shorter direction");
     return Rotation::one_way;
   }
   fields.record(mended, key,
@@ -426,11 +426,12 @@ void Reader::read_edge_properties(std::size_t index) {
       properties.record(mended, "vehicleOrientation", "an angle beyond ±2π must be meant in degrees");
     if (orientation != 0.0 || properties.text("orientationType").value_or("TANGENTIAL") != "TANGENTIAL")
       properties.record(lost, "vehicleOrientation",
-                        "another orientation than along the way is not kept: vehicles drive forwards");
+                        "another orientation than along the path is not supported: vehicles drive forwards");
     if (!properties.has("rotationAllowed"))
-      properties.record(mended, "rotationAllowed", "'rotationAllowed' is missing; nobody turns on edges anyway");
+      properties.record(mended, "rotationAllowed",
+                        "'rotationAllowed' is missing; vehicles do not turn on edges anyway");
     else if (properties.flag("rotationAllowed").value_or(false))
-      properties.record(lost, "rotationAllowed", "turning while driving is not kept: vehicles turn at nodes only");
+      properties.record(lost, "rotationAllowed", "turning while driving is not supported: vehicles turn at nodes only");
     edge.leaving = read_rotation(properties, "rotationAtStartNodeAllowed");
     edge.arriving = read_rotation(properties, "rotationAtEndNodeAllowed");
     if (const auto speed = properties.number("maxSpeed")) {
@@ -451,7 +452,7 @@ void Reader::read_edge_properties(std::size_t index) {
   });
 }
 
-/// Keeps all nodes, so that indices stay; only edges and stations' nodes go.
+/// Keeps all nodes, so that indices stay valid; only edges and stations' nodes are removed.
 void Reader::drop_closed() {
   std::vector<Edge> kept;
   for (std::size_t i = 0; i < document_.edges.size(); ++i) {
@@ -472,7 +473,7 @@ void Reader::move_origin() {
   }
   const auto far = [](Point2 p) { return std::max(std::fabs(p.x_m), std::fabs(p.y_m)) > coordinate_max_m; };
   if (!far(low) && !far(high)) return;
-  // Whole kilometres, so that people can still compare.
+  // Whole kilometres, so that coordinates remain easy to compare.
   const auto kilometres = [](double a, double b) { return 1000.0 * std::round(0.5 * (a + b) / 1000.0); };
   const Point2 origin{kilometres(low.x_m, high.x_m), kilometres(low.y_m, high.y_m)};
   for (Node& node : document_.nodes) node.at = {node.at.x_m - origin.x_m, node.at.y_m - origin.y_m};

@@ -16,7 +16,7 @@ namespace cosiva::zone::lif {
 inline constexpr std::size_t edges_max = 100'000;
 inline constexpr std::size_t nodes_max = 1'000'000;
 
-/// How a vehicle may turn on the spot at one end of an edge.
+/// The permitted turn of a vehicle on the spot at one end of an edge.
 enum class Rotation { any, one_way, none };
 
 struct Node {
@@ -34,7 +34,7 @@ struct Edge {
   std::size_t to;
   Rotation leaving{Rotation::any};   ///< at `from`
   Rotation arriving{Rotation::any};  ///< at `to`
-  std::string section{};  ///< the one that it is a piece of, as our writer says it: edgeName of X, X.2, X.3 …
+  std::string section{};  ///< the edge of which it is a piece, as our writer names it: edgeName of X, X.2, X.3 …
   std::optional<double> speed_mps_max{};
   std::optional<Nurbs> trajectory{};
 };
@@ -44,7 +44,7 @@ struct Station {
   std::string name;
   std::string location;
   std::vector<std::size_t> nodes;
-  bool charges{false};  ///< it says so itself
+  bool charges{false};  ///< from its own field
 };
 
 struct Layout {
@@ -52,8 +52,8 @@ struct Layout {
   std::optional<std::string> level;
 };
 
-/// What of a LIF file vehicles of one type may use. Node and edge ids are unique, and coordinates small enough to be
-/// driven in.
+/// The part of a LIF file that vehicles of one type may use. Node and edge ids are unique, and coordinates small enough
+/// to be driven in.
 struct Document {
   std::string project;
   std::vector<Layout> layouts;
@@ -62,15 +62,15 @@ struct Document {
   std::vector<Station> stations;
 };
 
-/// What to take of a file.
+/// The part of a file to read.
 struct Selection {
   std::optional<std::string> vehicle_type;  ///< none: the one for which there are most edges
   std::optional<std::string> layout;        ///< by id or name; none: all
   double scale{1.0};                        ///< metres per unit of the file's coordinates
 };
 
-/// Reads leniently: what is amiss with an item is noted and mended, or the item is lost. An error's place is one in the
-/// file, without its name. Fails ("zone.missing") where there are no layouts, ("zone.duplicate") on two nodes or edges
+/// Reads leniently: a faulty item is repaired with a diagnostic, or lost. An error's location is one in the file,
+/// without the file's name. Fails ("zone.missing") where there are no layouts, ("zone.duplicate") on two nodes or edges
 /// of one id, ("zone.size") on too many, ("zone.field") where the selection finds nothing.
 [[nodiscard]] Result<Document> read_document(const JsonValue& json, const Selection& selection,
                                              LifDiagnostics& diagnostics);

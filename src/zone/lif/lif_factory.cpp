@@ -14,7 +14,7 @@
 namespace cosiva::zone {
 namespace {
 
-/// Values in one file: it bounds the memory that a small hostile one asks for. A hundred thousand edges have four
+/// Values in one file: bounds the memory that a small hostile file can request. A hundred thousand edges have four
 /// million.
 constexpr std::ptrdiff_t values_max = 12'000'000;
 
@@ -66,7 +66,7 @@ Result<TrafficZone> LifCircuitFactory::make_zone(const ZoneConfiguration& config
   if (!document) return failed(document.error());
   auto tracks = lif::make_tracks(*document, {sidecar->tolerance_m, sidecar->tolerance_rad}, diagnostics);
   if (!tracks) {
-    // What was lost before says why nothing is left; a field that is not taken does not, and begins with its name.
+    // The items lost before explain why nothing is left; an ignored field does not, and begins with its name.
     Error error = tracks.error();
     for (const Diagnostic& diagnostic : diagnostics.take()) {
       if (error.code == "circuit.empty" && diagnostic.kind == Diagnostic::Kind::lost &&

@@ -12,7 +12,7 @@ std::string shortest(double value) {
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
 }
 
-/// "0.55", also "0,55" as some offices write it.
+/// "0.55", also "0,55" with a decimal comma.
 std::optional<double> number_in(std::string text) {
   std::replace(text.begin(), text.end(), ',', '.');
   const auto begin = text.find_first_not_of(" \t+");
@@ -80,7 +80,7 @@ std::optional<bool> LifFields::flag(std::string_view key) const {
   if (const double* number = value->number(); number != nullptr && (*number == 0.0 || *number == 1.0))
     meant = *number == 1.0;
   record(Diagnostic::Kind::mended, key,
-         meant ? "neither true nor false, but it says which" : "neither true nor false; taken as absent");
+         meant ? "neither true nor false, but its meaning is clear" : "neither true nor false; taken as absent");
   return meant;
 }
 

@@ -11,8 +11,8 @@
 
 namespace cosiva::zone::lif {
 
-/// One object of a file, read field by field and never refused: what is written in another way than the standard wants
-/// is taken if its meaning is plain, and noted. A field that is absent or null is not there.
+/// One object of a file, read field by field and never refused: a value in another form than the standard's is accepted
+/// if its meaning is clear, with a diagnostic. A field that is absent or null does not exist.
 class LifFields {
  public:
   /// @param value  of any kind; only an object has fields
@@ -21,23 +21,23 @@ class LifFields {
 
   [[nodiscard]] bool is_object() const { return value_->object() != nullptr; }
   [[nodiscard]] const JsonValue* value() const { return value_; }
-  /// This item itself, where it is a text (or a number, which is taken for one).
+  /// This item itself, where it is a text (or a number, which is converted to one).
   [[nodiscard]] std::optional<std::string> text() const;
-  /// This item itself, where it is a finite number (or a text that says one).
+  /// This item itself, where it is a finite number (or a text that contains one).
   [[nodiscard]] std::optional<double> number() const;
 
   [[nodiscard]] bool has(std::string_view key) const;
   [[nodiscard]] std::optional<std::string> text(std::string_view key) const;
   [[nodiscard]] std::optional<double> number(std::string_view key) const;
   [[nodiscard]] std::optional<bool> flag(std::string_view key) const;
-  /// Of no fields where it is absent.
+  /// Without fields where it is absent.
   [[nodiscard]] LifFields object(std::string_view key) const;
-  /// Calls `visit(item)` for each; a single object stands for a list of one. How many there were; nothing where the
-  /// list is absent.
+  /// Calls `visit(item)` for each; a single object counts as a list of one. Returns the number of items; nothing where
+  /// the list is absent.
   template <typename Visit>
   std::optional<std::size_t> each(std::string_view key, const Visit& visit) const;
 
-  /// Notes all other fields as lost.
+  /// Reports all other fields as lost.
   void known(std::initializer_list<std::string_view> keys) const;
   void record(Diagnostic::Kind kind, std::string_view key, std::string text, std::string sort = {}) const;
   [[nodiscard]] std::string location(std::string_view key = {}) const;

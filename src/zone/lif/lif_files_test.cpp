@@ -1,4 +1,4 @@
-// What is made of the standard's own examples and of other people's files.
+// The zones that the standard's own examples and third-party files become.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -12,7 +12,7 @@ using namespace testing;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// What a file must become; lengths are sums of distances between its nodes.
+/// The expected zone of a file; lengths are sums of distances between its nodes.
 struct Expected {
   const char* file;
   std::size_t sections;
@@ -50,7 +50,7 @@ const Expected all_files[] = {
 
 class LifFile : public ::testing::TestWithParam<Expected> {};
 
-TEST_P(LifFile, becomes_a_zone_with_all_its_ways) {
+TEST_P(LifFile, becomes_a_zone_with_all_its_sections) {
   const Expected& expected = GetParam();
   const TrafficZone zone = read_file(expected.file);
   EXPECT_EQ(zone.circuit.size(), expected.sections);
@@ -73,7 +73,7 @@ TEST(LifFiles, are_22_and_all_are_read) {
   EXPECT_EQ(count, 22U);
 }
 
-TEST(LifFiles, report_mended) {
+TEST(LifFiles, report_what_was_repaired) {
   const TrafficZone zone = read_file("10.06-station-with-one-node.lif.json");
   const Diagnostic* version = diagnostic_at(zone, "metaInformation.lifVersion");
   ASSERT_NE(version, nullptr);
@@ -87,7 +87,7 @@ TEST(LifFiles, report_mended) {
             Diagnostic::Kind::mended);
 }
 
-TEST(LifFiles, report_lost) {
+TEST(LifFiles, report_what_is_lost) {
   const TrafficZone orientation = read_file("10.02-bidirectional-edge.lif.json");
   const Diagnostic* diagnostic =
       diagnostic_at(orientation, "layouts[0].edges[1].vehicleTypeEdgeProperties[0].vehicleOrientation");
@@ -99,10 +99,11 @@ TEST(LifFiles, report_lost) {
             nullptr);
   EXPECT_NE(diagnostic_with(read_file("10.18-manufacturer-specific-action-on-an-edge.lif.json"), "on edges but drive"),
             nullptr);
-  EXPECT_NE(diagnostic_with(read_file("10.03-counter-clockwise-rotation-on-node.lif.json"), "one way only"), nullptr);
+  EXPECT_NE(diagnostic_with(read_file("10.03-counter-clockwise-rotation-on-node.lif.json"), "in one direction only"),
+            nullptr);
 }
 
-TEST(LifFiles, a_note_stands_for_all_of_its_sort) {
+TEST(LifFiles, one_diagnostic_covers_all_of_its_kind) {
   const TrafficZone zone = read_file("kit-ifl-lab.lif.json");
   const Diagnostic* diagnostic = diagnostic_at(zone, "layouts[0].nodes[0].mapId");
   ASSERT_NE(diagnostic, nullptr);
@@ -122,14 +123,14 @@ TEST(LifFiles, a_real_laboratory_has_its_stations_and_chargers) {
   EXPECT_NE(diagnostic_with(zone, "'stationType'"), nullptr);
 }
 
-TEST(LifFiles, waypoints_have_the_ids_of_nodes_which_several_sections_share) {
+TEST(LifFiles, waypoints_have_the_ids_of_nodes_common_to_several_sections) {
   const TrafficZone zone = read_file("kit-ifl-lab.lif.json");
   const auto at_n9 = zone.find_waypoints("N9");
   ASSERT_EQ(at_n9.size(), 3U);  // E5, E6 and E15 leave there
   for (const std::size_t index : at_n9) {
     EXPECT_LT(distance(position(zone.circuit.pose_at(zone.waypoints[index].position)), Point2{-3.0, 0.0}), 1e-9);
   }
-  // Nothing follows at N2: the ends of both edges have its id.
+  // No edge leaves N2: the ends of both edges have its id.
   EXPECT_EQ(zone.find_waypoints("N2").size(), 2U);
 }
 
@@ -174,7 +175,7 @@ TEST(LifFiles, several_interaction_nodes_are_several_stations) {
             1e-9);
 }
 
-TEST(LifFiles, the_vehicle_type_with_most_edges_is_taken_unless_the_companion_says_another) {
+TEST(LifFiles, the_vehicle_type_with_most_edges_is_taken_unless_the_sidecar_names_another) {
   const std::string file = "10.08-station-with-two-nodes-restricted-for-different-vehicle-type.lif.json";
   EXPECT_TRUE(read_file(file).circuit.find("N1-N2"));
   const TrafficZone other = read_file(file, "[import]\nvehicle_type = \"Vehicle_Type_2\"\n");
@@ -235,7 +236,7 @@ TEST(LifFiles, a_trajectory_that_misses_its_nodes_is_moved_and_stretched) {
   EXPECT_NE(diagnostic_with(zone, "followed within"), nullptr);
 }
 
-TEST(LifFiles, a_parsers_fixture_of_faults_is_read_too) {
+TEST(LifFiles, a_third_party_fixture_of_faults_is_read_too) {
   const TrafficZone zone = read_file("continua-example.lif.json", "[import]\nvehicle_type = \"vehicle-001\"\n");
   const auto edge = zone.circuit.find("edge-001");
   ASSERT_TRUE(edge);
@@ -246,7 +247,7 @@ TEST(LifFiles, a_parsers_fixture_of_faults_is_read_too) {
   EXPECT_EQ(diagnostic_at(zone, trajectory + ".degree")->kind, Diagnostic::Kind::mended);
   EXPECT_EQ(diagnostic_at(zone, trajectory + ".knotVector")->kind, Diagnostic::Kind::mended);
   EXPECT_EQ(diagnostic_at(zone, trajectory + ".controlPoints[1].weight")->kind, Diagnostic::Kind::mended);
-  // Its one way leads to a node that is closed to it.
+  // Its one edge leads to a node that is closed to it.
   EXPECT_NE(diagnostic_with(zone, "all nodes are open"), nullptr);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Files for this folder's tests, and short ways to read and make them.
+// Files for this folder's tests, and short functions to read and make them.
 
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ inline TrafficZone read_file(const std::string& name, std::string sidecar = {}) 
   return std::move(*zone);
 }
 
-/// One of zones/, with what stands beside it.
+/// One of zones/, with its sidecar file.
 inline ZoneConfiguration ready_zone(std::string format, const std::string& name) {
   const std::filesystem::path folder = source_dir() + "/zones";
   ZoneConfiguration configuration{std::move(format), name, file_text(folder / name), {}};
@@ -47,14 +47,14 @@ inline ZoneConfiguration ready_zone(std::string format, const std::string& name)
   return configuration;
 }
 
-/// The first note at this place of the file; nothing where none is.
+/// The first diagnostic at this location of the file; nothing where none is.
 inline const Diagnostic* diagnostic_at(const TrafficZone& zone, std::string_view location) {
   const auto found = std::find_if(zone.diagnostics.begin(), zone.diagnostics.end(),
                                   [location](const Diagnostic& diagnostic) { return diagnostic.location == location; });
   return found == zone.diagnostics.end() ? nullptr : &*found;
 }
 
-/// The first note with these words in it.
+/// The first diagnostic that contains this text.
 inline const Diagnostic* diagnostic_with(const TrafficZone& zone, std::string_view tokens) {
   const auto found = std::find_if(
       zone.diagnostics.begin(), zone.diagnostics.end(),

@@ -1,4 +1,4 @@
-// Zones written as LIF, and read again.
+// Zones written as LIF, and read back.
 #include <gmock/gmock.h>
 #include <rapidcheck.h>
 
@@ -64,7 +64,7 @@ void expect_same_geometry(const Circuit& a, const Circuit& b) {
   }
 }
 
-/// Likewise, and with the same tags, stations, starts, loops and whatever else.
+/// Likewise, and with the same tags, stations, starts, loops and other elements.
 void expect_same(const TrafficZone& a, const TrafficZone& b) {
   EXPECT_EQ(a.name, b.name);
   expect_same_geometry(a.circuit, b.circuit);
@@ -101,7 +101,8 @@ void expect_same(const TrafficZone& a, const TrafficZone& b) {
   EXPECT_EQ(a.crossings.size(), b.crossings.size());
 }
 
-// A main way with a fork, a merge and a dead end; every kind of section; what follows "in" is not in the file's order.
+// A main track with a fork, a merge and a dead end; every kind of section; the successor of "in" is not in the file's
+// order.
 const char* const yard = R"(name = "yard"
 format_version = 1
 [[section]]
@@ -153,7 +154,7 @@ s_m = 1.0
 "CoSiVA/AIV2" = 5
 )";
 
-TEST(LifRoundTrip, keeps_forks_merges_dead_ends_limits_and_which_way_is_the_default) {
+TEST(LifRoundTrip, keeps_forks_merges_dead_ends_limits_and_the_default_branch) {
   const TrafficZone zone = native(yard);
   std::vector<Diagnostic> lost;
   const TrafficZone again = read(written(zone, &lost));
@@ -162,7 +163,7 @@ TEST(LifRoundTrip, keeps_forks_merges_dead_ends_limits_and_which_way_is_the_defa
   for (const Diagnostic& diagnostic : lost) EXPECT_FALSE(diagnostic.location.starts_with("section")) << diagnostic.text;
 }
 
-TEST(LifRoundTrip, keeps_the_ready_ring) {
+TEST(LifRoundTrip, keeps_the_ready_loop) {
   auto zone = TomlCircuitFactory{}.make_zone(ready_zone("toml", "lacet4.toml"));
   ASSERT_TRUE(zone) << to_string(zone.error());
   expect_same(*zone, read(written(*zone)));
@@ -174,7 +175,7 @@ TEST(LifRoundTrip, keeps_the_ready_net) {
   expect_same(*zone, read(written(*zone)));
 }
 
-TEST(LifRoundTrip, keeps_a_plant_that_was_read_from_it) {
+TEST(LifRoundTrip, keeps_a_factory_layout_that_was_read_from_it) {
   const TrafficZone zone = read(ready_zone("lif", "workshop.lif.json"));
   const ZoneConfiguration once = written(zone);
   const TrafficZone again = read(once);
@@ -184,7 +185,7 @@ TEST(LifRoundTrip, keeps_a_plant_that_was_read_from_it) {
   EXPECT_EQ(written(again).sidecar, once.sidecar);
 }
 
-TEST(LifWriter, cuts_a_section_at_its_stations_so_that_other_programs_see_them) {
+TEST(LifWriter, cuts_a_section_at_its_stations_so_that_other_programs_read_them) {
   const ZoneConfiguration file = written(native(yard));
   const auto json = JsonValue::parse(file.text);
   ASSERT_TRUE(json);
@@ -203,7 +204,7 @@ TEST(LifWriter, cuts_a_section_at_its_stations_so_that_other_programs_see_them) 
   }
 }
 
-TEST(LifWriter, offers_charging_where_a_charger_is) {
+TEST(LifWriter, offers_charging_at_a_charger) {
   TrafficZone zone = native(yard);
   zone.stations[0].kind = StationKind::charger;
   const ZoneConfiguration file = written(zone);
@@ -212,8 +213,9 @@ TEST(LifWriter, offers_charging_where_a_charger_is) {
   EXPECT_THAT(written(native(yard)).text, ::testing::Not(HasSubstr("startCharging")));
 }
 
-TEST(LifWriter, writes_what_was_approved) {
-  // Regenerate with: COSIVA_APPROVE=1 zone_lif_test. scripts/validate_lif.py holds it against the official schema.
+TEST(LifWriter, writes_the_approved_text) {
+  // Regenerate with: COSIVA_APPROVE=1 zone_lif_test. scripts/validate_lif.py checks the file against the official
+  // schema.
   const auto path = testdata() / "written" / "yard.lif.json";
   const ZoneConfiguration file = written(native(yard));
   if (std::getenv("COSIVA_APPROVE") != nullptr) {
@@ -223,11 +225,11 @@ TEST(LifWriter, writes_what_was_approved) {
   EXPECT_EQ(file.text, file_text(path));
 }
 
-TEST(LifWriter, says_what_lif_cannot_say) {
+TEST(LifWriter, reports_what_lif_cannot_express) {
   std::vector<Diagnostic> lost;
   (void)written(native(yard), &lost);
   EXPECT_THAT(lost, Contains(Field(&Diagnostic::text, HasSubstr("tags, priorities, the vehicle's measures"))));
-  // A full circle begins and ends at one node, and a curve that turns so far is read in pieces.
+  // A full circle begins and ends at one node, and a curve with so large a turn is read in pieces.
   const TrafficZone circle = native(R"(name = "circle"
 format_version = 1
 [circuit]
@@ -244,8 +246,8 @@ angle_deg = 360
   EXPECT_THAT(lost, Contains(Field(&Diagnostic::text, HasSubstr("becomes several sections"))));
 }
 
-TEST(LifWriter, says_where_nodes_join_what_the_zone_keeps_apart) {
-  // Two ways meet in a point, where one may not change to the other.
+TEST(LifWriter, reports_where_nodes_join_sections_that_the_zone_keeps_apart) {
+  // Two sections meet at a point where a vehicle may not change from one to the other.
   const TrafficZone zone = native(R"(name = "apart"
 format_version = 1
 [[section]]
@@ -266,7 +268,8 @@ next = []
 )");
   std::vector<Diagnostic> lost;
   (void)written(zone, &lost);
-  EXPECT_THAT(lost, Contains(Field(&Diagnostic::text, HasSubstr("is followed by b, which LIF can only say as b, c"))));
+  EXPECT_THAT(lost,
+              Contains(Field(&Diagnostic::text, HasSubstr("is followed by b, which LIF can only express as b, c"))));
 }
 
 TEST(LifRoundTrip, keeps_any_chain_of_sections_within_a_millimetre) {

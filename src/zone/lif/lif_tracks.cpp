@@ -7,15 +7,15 @@
 namespace cosiva::zone::lif {
 namespace {
 
-/// Nodes nearer than this are one point: no way leads from one to the other.
+/// Nodes nearer than this are one point: no section leads from one to the other.
 constexpr double distance_min_m = 1e-3;
 /// A trajectory this close to its nodes meets them.
 constexpr double meets_m = 1e-3;
-/// One that must be stretched further is another curve.
+/// A trajectory that must be stretched further is another curve.
 constexpr double stretch_max = 20.0;
 /// A trajectory may kink this much and be rounded; where it kinks more, vehicles turn on the spot.
 constexpr double kink_max_rad = 0.15;
-/// What one trajectory's fit may cost, of what all may.
+/// The limit of the work for one trajectory's fit, of the limit for all.
 constexpr double work_of_one = 1e8;
 constexpr int checks_per_span = 24;
 
@@ -41,7 +41,7 @@ bool is_straight(const Nurbs& curve) {
   return true;
 }
 
-/// A step of the parameter that no vehicle notices.
+/// A step of the parameter too small to matter to a vehicle.
 double hair_of(const Nurbs& curve) { return 1e-9 * (curve.to() - curve.from()); }
 
 }  // namespace
@@ -56,8 +56,8 @@ Track TrackMaker::make(const Edge& edge, Point2 from, Point2 to) {
   if (length_m < distance_min_m) return {};
   auto section = Section::make({from.x_m, from.y_m, det_atan2(to.y_m - from.y_m, to.x_m - from.x_m)}, length_m);
   if (!section) {
-    diagnostics_.add(Diagnostic::Kind::lost, edge.location,
-                     "no way can be made of it: " + section.error().message + "; not taken");
+    diagnostics_.add(Diagnostic::Kind::lost, edge.position,
+                     "no path can be made of it: " + section.error().message + "; not taken");
     return {};
   }
   return {{std::move(*section)}, {false}};
@@ -144,12 +144,12 @@ bool TrackMaker::follow_span(const Nurbs& curve, double from, double to, Track& 
   PlaneCurve plane;
   plane.from = from;
   plane.to = to;
-  // At a corner the curve has the direction of the way on, but this stretch ends before it.
+  // At a corner the curve has the direction of its continuation, but this stretch ends before it.
   const double last = to < curve.to() ? to - hair_of(curve) : to;
   plane.at = [&](double u) {
     budget -= cost;
     if (budget > 0.0) return curve.pose_at(std::min(u, last));
-    // Not finite ends the fit.
+    // A value that is not finite ends the fit.
     return Pose2{std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0};
   };
   std::vector<Nurbs::Knot> knots;
@@ -157,7 +157,7 @@ bool TrackMaker::follow_span(const Nurbs& curve, double from, double to, Track& 
     if (knot.u > from && knot.u < to) knots.push_back(knot);
   }
 
-  // A file's curve is often one arc or clothoid in several spans: first as one, and looked at closely.
+  // A file's curve is often one arc or clothoid in several spans: first tried as one, with dense samples.
   Result<Fit> made = fit(plane, tolerance_);
   bool close = made && made->sections.size() == 1;
   if (close && !knots.empty()) {

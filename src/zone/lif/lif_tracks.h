@@ -13,23 +13,23 @@
 
 namespace cosiva::zone::lif {
 
-/// What an edge is driven on: sections end to end, from its one node to its other.
+/// The path of an edge: sections end to end, from its one node to its other.
 struct Track {
   std::vector<Section> sections;
-  std::vector<bool> corner;  ///< by section: vehicles turn on the spot at its end, before the way's next section
+  std::vector<bool> corner;  ///< by section: vehicles turn on the spot at its end, before the edge's next section
 };
 
-/// Makes ways of edges, within a tolerance, and notes how.
+/// Makes paths of edges, within a tolerance, with diagnostics.
 class TrackMaker {
  public:
   TrackMaker(FitTolerance tolerance, LifDiagnostics& diagnostics) : tolerance_{tolerance}, diagnostics_{diagnostics} {}
 
   /// A straight line, or the trajectory: moved, turned and stretched where it does not meet the nodes, a straight line
-  /// again where that would not do. No sections where the nodes are one point and the trajectory does not lead round.
+  /// where that is not possible. No sections where the nodes are one point and the trajectory is not a loop.
   [[nodiscard]] Track make(const Edge& edge, Point2 from, Point2 to);
   /// One section along sections that lie end to end, within the tolerance; nothing where there is none.
   [[nodiscard]] std::optional<Section> as_one(const std::vector<Section>& sections) const;
-  /// Notes what the fits of all ways came to.
+  /// Reports the results of all fits.
   void record_worst();
 
  private:

@@ -114,7 +114,7 @@ ZoneConfiguration Writer::write() {
           sidecar_text(zone_, {.limits = false, .stations = false, .closed = true})};
 }
 
-/// After the waypoint that lies there, so that orders name the same places as before.
+/// After the waypoint there, so that orders name the same positions as before.
 void Writer::name_nodes() {
   std::map<SectionId, std::string> starts;
   std::map<SectionId, std::string> finishes;
@@ -123,7 +123,7 @@ void Writer::name_nodes() {
     if (at.position.s_m <= at_node_m) starts.emplace(at.position.section, at.id);
     if (length_m - at.position.s_m <= at_node_m) finishes.emplace(at.position.section, at.id);
   }
-  // Starts first: a joint lies where what follows begins.
+  // Starts first: a joint lies where the successor begins.
   for (SectionId id = 0; id < zone_.circuit.size(); ++id) {
     const auto known = starts.find(id);
     name(ends_.node(Ends::start(id)), known != starts.end() ? known->second : zone_.circuit.part(id).name + "@0",
@@ -147,7 +147,7 @@ void Writer::name(std::size_t node, std::string id, Point2 at) {
   there->second = {std::move(id), at, false};
 }
 
-/// The node at a place; between a section's ends one is made, and the section becomes several edges.
+/// The node at a position; between a section's ends a node is made, and the section becomes several edges.
 std::size_t Writer::node_at(TrackPosition track_position) {
   const Section& section = zone_.circuit.section(track_position.section);
   if (track_position.s_m <= at_node_m) return ends_.node(Ends::start(track_position.section));
@@ -171,8 +171,8 @@ void Writer::add_stations() {
   }
 }
 
-/// Where two edges leave a node equally straight the first in the file is the default: this is the order in which every
-/// section's successors come as the zone has them, wherever there is one, and else that of the zone.
+/// Where two edges leave a node equally straight the first in the file is the default: this order keeps every section's
+/// successors in the zone's order, wherever such an order exists, and is otherwise that of the zone.
 std::vector<SectionId> Writer::edges_in_order() const {
   const auto size = static_cast<SectionId>(zone_.circuit.size());
   std::vector<std::vector<SectionId>> after(size);
@@ -232,7 +232,7 @@ void Writer::write_nodes() {
   json_.end_array();
 }
 
-/// Cut at the stations on it. That its edges share a name tells our reader that they are one section.
+/// Cut at the stations on it. The common name of its edges shows our reader that they are one section.
 void Writer::write_section(SectionId id) {
   const Section& section = zone_.circuit.section(id);
   const std::size_t finish = ends_.node(Ends::end(id));
@@ -244,7 +244,7 @@ void Writer::write_section(SectionId id) {
   const double rate = (section.curvature_at(section.length_m()) - section.curvature_at(0.0)) / section.length_m();
   const auto piece = [&](double to_m, std::size_t to) {
     auto made = Section::make(section.pose_at(from_m), to_m - from_m, section.curvature_at(from_m), rate);
-    COSIVA_EXPECT(made.has_value());  // a millimetre of a section is one
+    COSIVA_EXPECT(made.has_value());  // a millimetre is enough for a section
     write_edge(id, *made, number++, from, to);
     from = to;
     from_m = to_m;
@@ -313,12 +313,12 @@ void Writer::report_sidecar() {
     if (!names.empty()) names += ", ";
     names += name;
   }
-  lost_.push_back({Diagnostic::Kind::lost, "zone", "LIF has no place for " + names + "; the sidecar file has"});
+  lost_.push_back({Diagnostic::Kind::lost, "zone", "LIF cannot express " + names + "; the sidecar file can"});
   lost_.push_back(
       {Diagnostic::Kind::notice, "metaInformation.exportTimestamp", "is the same in every file written here"});
 }
 
-/// Reads what was written, and says where it is not what the zone is.
+/// Reads the written file back, and reports where it differs from the zone.
 void Writer::compare(const std::string& text) {
   const auto differs = [this](const std::string& section, std::string what) {
     lost_.push_back({Diagnostic::Kind::lost, "section '" + section + "'", std::move(what)});
@@ -334,7 +334,7 @@ void Writer::compare(const std::string& text) {
     const std::string& name = zone_.circuit.part(id).name;
     const auto found = again->circuit.find(name);
     if (!found) {
-      differs(name, "is not there any more");
+      differs(name, "is missing");
       continue;
     }
     const double shorter_m = zone_.circuit.section(id).length_m() - again->circuit.section(*found).length_m();
@@ -346,7 +346,7 @@ void Writer::compare(const std::string& text) {
     const std::string before = names(zone_.circuit, id);
     if (now == before) continue;
     std::string what = "is followed by ";
-    differs(name, what.append(before).append(", which LIF can only say as ").append(now));
+    differs(name, what.append(before).append(", which LIF can only express as ").append(now));
   }
 }
 

@@ -18,7 +18,7 @@ struct Homogeneous {
 
 struct Local {
   Point2 position;
-  double dx;  ///< d place / du
+  double dx;  ///< d position / du
   double dy;
 };
 
@@ -69,7 +69,7 @@ Pose2 Nurbs::pose_at(double u) const {
   const Local local = de_boor(*this, span, here);
   double dx = local.dx;
   double dy = local.dy;
-  // Where the derivative vanishes, the direction is the limit of those beside it, within the span.
+  // Where the derivative vanishes, the direction is the limit of those next to it, within the span.
   const double low = knots[span];
   const double high = knots[span + 1];
   double size_m = 0.0;

@@ -20,8 +20,8 @@ struct Nurbs {
   [[nodiscard]] double from() const { return knots[degree]; }
   [[nodiscard]] double to() const { return knots[points.size()]; }
 
-  /// Position and direction (of growing u) at u in [from(), to()] (clamped); where the curve rests for a moment, as at
-  /// doubled end points, the direction is that of the way on from there. At a corner it is that of the way on.
+  /// Position and direction (of growing u) at u in [from(), to()] (clamped); where the derivative vanishes, as at
+  /// doubled end points, the direction is that of the continuation. At a corner it is that of the continuation.
   [[nodiscard]] Pose2 pose_at(double u) const;
 
   /// Where neighbouring spans meet, ascending, and whether the direction may jump there.

@@ -31,7 +31,7 @@ Nurbs arc(const Section& section) {
   const auto pieces = static_cast<std::size_t>(std::floor(turn_rad / quarter_rad)) + 1;
   const double half_rad = 0.5 * turn_rad / static_cast<double>(pieces);
   const SinCos half = sincos(half_rad);
-  // Of weights only the proportions count: 1, cos, 1 … is as good as 1/cos, 1, 1/cos ….
+  // Of weights only the ratios count: 1, cos, 1 … is as good as 1/cos, 1, 1/cos ….
   const double tangent_m = half.sin / half.cos / std::fabs(curvature);
 
   Nurbs curve{2, piecewise_knots(pieces, 2), {}, {}};
@@ -67,7 +67,8 @@ bool keeps_to(const Nurbs& curve, const Section& section, std::size_t pieces) {
   for (std::size_t i = 1; i < checks; ++i) {
     const double u = static_cast<double>(i) / static_cast<double>(checks);
     const Pose2 pose = curve.pose_at(u);
-    // The curve runs nearly at constant speed: its parameter is nearly the arc length, and Newton does the rest.
+    // The curve runs nearly at constant speed: its parameter is nearly the arc length, and Newton's method corrects the
+    // rest.
     double s = u * section.length_m();
     Pose2 foot;
     for (int round = 0; round < 3; ++round) {

@@ -35,7 +35,7 @@ Point2 by_definition(const Nurbs& curve, double u) {
   return {x / w, y / w};
 }
 
-TEST(Nurbs, is_what_its_definition_says) {
+TEST(Nurbs, equals_its_definition) {
   rc::check([] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "nurbs"};
     const auto degree = 1 + static_cast<std::size_t>(random.below(5));
@@ -85,7 +85,7 @@ TEST(Nurbs, begins_and_ends_on_its_first_and_last_point_with_clamped_knots) {
   EXPECT_EQ(curve.pose_at(2.0), curve.pose_at(1.0));
 }
 
-TEST(Nurbs, has_a_direction_where_doubled_points_make_it_rest) {
+TEST(Nurbs, has_a_direction_where_doubled_points_stop_it) {
   const Nurbs curve{3, clamped_uniform_knots(4, 3), {{0, 0}, {0, 0}, {1, 1}, {1, 1}}, {1, 1, 1, 1}};
   EXPECT_NEAR(curve.pose_at(0.0).heading_rad, pi / 4.0, 1e-6);
   EXPECT_NEAR(curve.pose_at(1.0).heading_rad, pi / 4.0, 1e-6);

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t cells = 32;
 
-/// Where a table of arc lengths over equal cells of p reaches `arc`: the cell.
+/// The cell in which a table of arc lengths over equal cells of p reaches `arc`.
 std::size_t cell_at(const std::vector<double>& table, double arc) {
   const auto above = std::upper_bound(table.begin() + 1, table.end() - 1, arc);
   return static_cast<std::size_t>(above - table.begin()) - 1;

@@ -5,8 +5,8 @@
 
 namespace cosiva::zone::opendrive {
 
-/// A correction that is whole at one end of a stretch and gone `over` metres away: Hermite's quintic, so that it adds
-/// no curvature at either end. x is the distance from the end where it is whole, and slopes are by x.
+/// A correction that is full at one end of a stretch and zero `over` metres away: Hermite's quintic, so that it adds no
+/// curvature at either end. x is the distance from the end with the full correction, and slopes are by x.
 struct Easing {
   double shift{};
   double slope{};
@@ -32,9 +32,9 @@ struct Easing {
   }
 };
 
-/// How far a correction by `shift` metres and `slope` radians reaches, in metres of the file, if there is room: so far
-/// that a small shift turns nobody by more than a milliradian, and that a slope moves nobody by more than half a
-/// millimetre; both give way where that would be too far, or too sharp for a road.
+/// The reach of a correction by `shift` metres and `slope` radians, in metres of the file, if there is room: so far
+/// that a small shift changes the heading by at most a milliradian, and that a slope moves the line by at most half a
+/// millimetre; both limits are relaxed where that would be too far, or too sharp for a road.
 [[nodiscard]] inline double easing_reach(double shift, double slope) {
   shift = std::fabs(shift);
   slope = std::fabs(slope);
@@ -45,8 +45,8 @@ struct Easing {
   return std::max(for_shift, std::min(for_slope, for_corner));
 }
 
-/// What joints may leave open, of records and of lanes: more is not bent to meet. Roads drawn as polygons have corners
-/// of a right angle; lanes that are linked go on nearly straight.
+/// The greatest gap and kink at joints of records and of lanes: a larger one is not bent to meet. Roads drawn as
+/// polygons have corners of a right angle; linked lanes continue nearly straight.
 inline constexpr double gap_max_m = 2.0;
 inline constexpr double corner_max_rad = 1.6;
 inline constexpr double kink_max_rad = 0.8;

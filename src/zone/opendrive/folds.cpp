@@ -8,20 +8,22 @@
 namespace cosiva::zone::opendrive {
 namespace {
 
-constexpr double room_min = 0.2;       // of the bend's radius: nearer to its centre than this, a lane folds
-constexpr double aslant_min = 0.3;     // of its way must lead along the road; else its width leads it across
+constexpr double room_min = 0.2;  // of the bend's radius: nearer to its centre than this, a lane folds
+// ratio of its length that must lead along the road; otherwise its width leads it across
+constexpr double aslant_min = 0.3;
 constexpr double kink_min_rad = 0.1;   // more is a corner
 constexpr double step_m = 0.25;        // between two samples
 constexpr double samples_max = 4'000;  // of one lane
-constexpr double radius_good_m = 2.0;  // a bridge this gentle, or as gentle as the lane is aside, reaches far enough
-constexpr double radius_min_m = 0.15;  // none at all is better than a tighter one
+// a bridge with this radius, or one as large as the lane's lateral offset, reaches far enough
+constexpr double radius_good_m = 2.0;
+constexpr double radius_min_m = 0.15;  // no bridge is better than a tighter one
 constexpr double reach_max_m = 30.0;   // to each side of a fold
 
 double corner_between(Point2 a, Point2 b) {
   return std::fabs(wrap_angle(det_atan2(b.y_m, b.x_m) - det_atan2(a.y_m, a.x_m)));
 }
 
-/// A lane beside its reference line, before anything is cut.
+/// A lane at an offset from its reference line, before anything is cut.
 class Folding {
  public:
   Folding(const ReferenceLine& line, const Lateral& lateral, double from, double to)
@@ -39,7 +41,7 @@ class Folding {
   double to_;
 };
 
-/// Where the lane itself has folded it is left, and met, along the reference line.
+/// Where the lane itself has folded, the bridge leaves and meets it along the reference line.
 Bridge Folding::bridge(double from, double to) const {
   const auto heading = [&](double s, const LanePoint& point_there) {
     const Point2 d = point_there.folds() ? line_.at(s).d : point_there.d;
@@ -49,7 +51,7 @@ Bridge Folding::bridge(double from, double to) const {
   const LanePoint two = lane_point(line_, lateral_, to);
   const double start = heading(from, one);
   const double end = heading(to, two);
-  // The handles of a cubic that is all but an arc.
+  // The handles of a cubic that is nearly an arc.
   const double quarter = det_cos(0.25 * wrap_angle(end - start));
   const double handle_m = distance(one.p, two.p) / std::max(quarter * quarter, 0.25);
   const SinCos at_start = sincos(start);
@@ -76,7 +78,7 @@ std::optional<Bridge> Folding::bridge_over(double from, double to) const {
   return best;
 }
 
-/// Stretches of s in which the lane folds; those near to each other are one.
+/// Stretches of s in which the lane folds; stretches near to each other are merged.
 std::vector<std::pair<double, double>> Folding::folds(std::size_t& work) const {
   if (work == 0) return {};
   const double step = std::max({step_m, (to_ - from_) / samples_max, 1e-6});
@@ -117,7 +119,7 @@ LanePoint lane_point(const ReferenceLine& line, const Lateral& lateral, double s
   if (!(v > 1e-12)) return {jet.p, {1.0, 0.0}};
   const Point2 along{jet.d.x_m / v, jet.d.y_m / v};
   const Point2 left{-along.y_m, along.x_m};
-  // LanePoint a bend the way is longer or shorter: the normal turns with the tangent.
+  // Along a bend the lane is longer or shorter than the line: the normal turns with the tangent.
   const double turn = (jet.dd.x_m * left.x_m + jet.dd.y_m * left.y_m) / v;
   return {{jet.p.x_m + t * left.x_m, jet.p.y_m + t * left.y_m},
           {(v - t * turn) * along.x_m + slope * left.x_m, (v - t * turn) * along.y_m + slope * left.y_m},

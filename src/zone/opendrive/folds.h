@@ -9,18 +9,18 @@
 
 namespace cosiva::zone::opendrive {
 
-/// LanePoint the reference line: the point, its derivative by s, and how far the lane is from folding there: 1 on the
-/// line, 0 at the centre of the line's bend, negative beyond.
+/// A lane's point at an offset from the reference line: the point, its derivative by s, and the lane's distance from
+/// folding there: 1 on the line, 0 at the centre of the line's bend, negative beyond.
 struct LanePoint {
   Point2 p;
   Point2 d;
   double room{1.0};
-  double along{1.0};  ///< share of the derivative that leads along the line
+  double along{1.0};  ///< part of the derivative that leads along the line
   [[nodiscard]] bool folds() const;
 };
 [[nodiscard]] LanePoint lane_point(const ReferenceLine& line, const Lateral& lateral, double s);
 
-/// A cubic between two places of the lane, with its derivatives there by u = 0 … 1.
+/// A cubic between two positions of the lane, with its derivatives there by u = 0 … 1.
 struct Bridge {
   double from{};
   double to{};

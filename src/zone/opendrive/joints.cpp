@@ -7,13 +7,13 @@
 namespace cosiva::zone::opendrive {
 namespace {
 
-// Ends this close are left as they are: the circuit asks for a millimetre and a milliradian.
+// Ends this close are left as they are: the circuit requires a millimetre and a milliradian.
 constexpr double free_m = 5e-6;
 constexpr double free_rad = 2e-5;
 constexpr double worth_a_diagnostic = 1e-3;  // metres or radians
 constexpr double short_track_m = 1.0;
 
-/// Ends of ways: 2·way is where it is entered, 2·way + 1 where it is left.
+/// Ends of tracks: 2·way is where a track is entered, 2·way + 1 where it is left.
 using EndId = std::size_t;
 EndId entry_of(TrackId track) { return 2 * std::size_t{track}; }
 EndId exit_of(TrackId track) { return 2 * std::size_t{track} + 1; }
@@ -40,7 +40,7 @@ class Joiner {
   [[nodiscard]] double width(EndId end) const {
     return end % 2 == 0 ? track_of(end).width_entry : track_of(end).width_exit;
   }
-  /// How much an end stays where it is: wide lanes do, and those that have no room to be bent in.
+  /// The weight of an end's position: high for wide lanes, and for those that have no room to be bent in.
   [[nodiscard]] double weight(EndId end) const {
     return width(end) * width(end) * (track_of(end).curve.span() < short_track_m ? 100.0 : 1.0);
   }
@@ -60,8 +60,8 @@ EndId Joiner::root(EndId end) {
   return end;
 }
 
-/// Whether one would have to be bent too much to reach the other. It is the narrower that gives way, since a lane that
-/// begins with no width begins at its neighbour's edge.
+/// Whether one would have to be bent too much to reach the other. The narrower one is moved, since a lane that begins
+/// with no width begins at its neighbour's edge.
 bool Joiner::apart(TrackId from, TrackId to) {
   const Pose2& exit = poses_[exit_of(from)];
   const Pose2& entry = poses_[entry_of(to)];

@@ -6,7 +6,7 @@
 
 namespace cosiva::zone::opendrive {
 
-/// Moves ends of linked ways to where they meet; unlinks those that are too far apart.
+/// Moves ends of linked tracks to where they meet; unlinks those that are too far apart.
 void join_tracks(const Network& network, Tracks& tracks, Report& report);
 
 }  // namespace cosiva::zone::opendrive

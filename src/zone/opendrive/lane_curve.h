@@ -24,16 +24,16 @@ class LaneCurve {
   [[nodiscard]] double from() const { return from_; }
   [[nodiscard]] double to() const { return to_; }
   [[nodiscard]] double span() const { return to_ - from_; }  ///< in s
-  /// Where it is at the road's s, and where it heads when driven.
+  /// The position at the road's s, and the heading in the direction of travel.
   [[nodiscard]] Pose2 pose_at(double s) const;
 
   /// Moves its entry (or exit) to `target`, and eases back over at most `reach_m`.
   void move_end(bool entry, const Pose2& target, double reach_m);
 
   /// Inside a bend that is tighter than the lane's distance from the reference line, the lane would run backwards: such
-  /// stretches are cut short by a curve between their ends.
+  /// stretches are replaced by a curve between their ends.
   /// @param work  samples that may still be taken for this; counted down
-  /// @return how much of it was replaced, in s
+  /// @return the replaced length, in s
   double cut_folds(std::size_t& work);
 
   /// For fit(): the parameter runs with the direction of travel, and both coordinates are `scale` times the file's.

@@ -10,7 +10,7 @@ constexpr double near_min_m = 1e-3;
 constexpr double near_max_m = 0.05;
 constexpr double jump_free_m = 1e-6;
 constexpr double kink_free = 1e-6;
-constexpr double lengths_of_jump = 20.0;  // that a jump takes to be smoothed
+constexpr double lengths_of_jump = 20.0;  // needed to smooth a jump
 constexpr double short_max_m = 1.0;
 
 }  // namespace
@@ -50,7 +50,7 @@ Pieces sum(const Pieces& left, double a, const Pieces& right, double b, double n
   Pieces total;
   for (const double s : starts) {
     if (!total.empty() && s - total.back().s <= near) continue;
-    // Starts that close together are one, and what begins at the later one holds.
+    // Starts that close together are merged, and the record that begins at the later one holds.
     const Polynomial one = moved(piece_at(left, s + near), s);
     const Polynomial two = moved(piece_at(right, s + near), s);
     total.push_back({s, a * one.a + b * two.a, a * one.b + b * two.b, a * one.c + b * two.c, a * one.d + b * two.d});
@@ -60,7 +60,7 @@ Pieces sum(const Pieces& left, double a, const Pieces& right, double b, double n
 
 namespace {
 
-/// A piece too short for the jump at its start or end to be smoothed within it gives way to its neighbours.
+/// A piece too short for the jump at its start or end to be smoothed within it is merged with its neighbours.
 void drop_short_jumps(Pieces& pieces, double to) {
   std::size_t kept = 1;  // so many of those before i stay
   for (std::size_t i = 1; i < pieces.size(); ++i) {
@@ -74,7 +74,7 @@ void drop_short_jumps(Pieces& pieces, double to) {
       const double room = std::min(length_before, length_after);
       if (jump <= jump_free_m || room > std::min(lengths_of_jump * jump, short_max_m)) break;
       stays = length_before < length_after;
-      // Where the first gives way, the next begins in its place.
+      // Where the first is dropped, the next begins in its place.
       if (stays && kept == 1) after = moved(after, before.s);
       if (stays) --kept;
     }

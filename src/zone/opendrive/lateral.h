@@ -12,16 +12,16 @@ namespace cosiva::zone::opendrive {
 using Pieces = std::vector<Polynomial>;
 
 /// Records that begin this near to each other, or to an end of their lane section, begin together: 5 cm, or a tenth of
-/// the section. What is shorter is an exporter's crumb.
+/// the section. A shorter record is an artefact of the exporter.
 [[nodiscard]] double nearness(double from, double to);
-/// Those of a file's records that hold between two values of s, the first from there on.
-/// @param before  whether what holds before the first record is its first value; else it is 0
+/// The file's records that hold between two values of s, the first from there on.
+/// @param before  whether the first record's first value also holds before it; otherwise 0 does
 [[nodiscard]] Pieces holding(std::vector<Polynomial> records, double from, double to, bool before);
 /// a·left + b·right.
 [[nodiscard]] Pieces sum(const Pieces& left, double a, const Pieces& right, double b, double near);
 [[nodiscard]] const Polynomial& piece_at(const Pieces& pieces, double s);
 
-/// Where a lane's centre line runs beside the reference line: pieces whose jumps and kinks are smoothed.
+/// The offset of a lane's centre line from the reference line: pieces whose jumps and kinks are smoothed.
 class Lateral {
  public:
   /// Nothing where it jumps further than can be smoothed.

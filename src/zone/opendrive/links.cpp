@@ -6,13 +6,13 @@
 namespace cosiva::zone::opendrive {
 namespace {
 
-// Ends that nobody linked belong together when they are this close.
+// Ends without a link belong together when they are this close.
 constexpr double meets_m = 0.01;
 constexpr double meets_rad = 0.01;
-// A link to an end this far off is taken to mean the other one, if that is this close.
+// A link to an end this far off is assumed to mean the other one, if that is this close.
 constexpr double contact_far_m = 2.0;
 constexpr double contact_near_m = 0.5;
-// A hostile file may heap its ends on one place; real ones have a handful there.
+// A hostile file may put many ends at one position; real ones have a handful there.
 constexpr std::size_t pairs_max = 2'000'000;
 
 class Linker {
@@ -71,7 +71,7 @@ void Linker::link(const Tracks::End& a, const Tracks::End& b, const std::string&
                            "leads to lane " + std::to_string(end.lane) + " of road '" + network_.roads[end.road].id +
                                "', which is not there");
     }
-    // From a lane that is not driven on to another such is nobody's loss.
+    // A link between two lanes that are not driven on is no loss.
     if (one != no_track || two != no_track) report_.count("links to lanes not driven on");
     return;
   }
@@ -145,7 +145,7 @@ void Linker::link_road(std::uint32_t index, bool at_start) {
   }
 }
 
-/// Which end of the incoming road is nearer to where the connecting road begins.
+/// The end of the incoming road that is nearer to where the connecting road begins.
 bool Linker::start_faces(std::uint32_t incoming, std::uint32_t connecting, bool at_start) const {
   const auto& in = tracks_.lines[incoming];
   const auto& out = tracks_.lines[connecting];
@@ -178,7 +178,7 @@ void Linker::link_connection(const Junction& junction, const Connection& connect
 }
 
 void Linker::join_if_met(TrackId from, TrackId to) {
-  // What is hardly longer than this meets everything, itself too.
+  // A road hardly longer than this meets everything, itself too.
   for (const TrackId track : {from, to}) {
     if (tracks_.tracks[track].curve.span() < 5.0 * meets_m) return;
   }
@@ -187,9 +187,9 @@ void Linker::join_if_met(TrackId from, TrackId to) {
   if (distance(exit, entry) > meets_m || std::fabs(wrap_angle(exit.heading_rad - entry.heading_rad)) > meets_rad)
     return;
   tracks_.tracks[from].next.push_back(to);
-  report_.add(Diagnostic::Kind::mended, "ends that meet without a link",
-              "lane '" + tracks_.tracks[from].name(network_) + "'",
-              "ends where '" + tracks_.tracks[to].name(network_) + "' begins, though no link says so; joined");
+  report_.add(
+      Diagnostic::Kind::mended, "ends that meet without a link", "lane '" + tracks_.tracks[from].name(network_) + "'",
+      "ends where '" + tracks_.tracks[to].name(network_) + "' begins, although the file has no such link; joined");
 }
 
 void Linker::link_what_meets() {
@@ -209,8 +209,8 @@ void Linker::link_what_meets() {
          at != entries.end() && at->first <= x + meets_m; ++at) {
       if (followed[from] && led_to[at->second]) continue;
       if (++pairs > pairs_max)
-        return report_.add(Diagnostic::Kind::lost, "ends heaped on one place", "file",
-                           "so many lanes end at the same places that those without a link are not all joined");
+        return report_.add(Diagnostic::Kind::lost, "many ends at one position", "file",
+                           "so many lanes end at the same positions that those without a link are not all joined");
       join_if_met(from, at->second);
     }
   }

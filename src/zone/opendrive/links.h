@@ -6,7 +6,7 @@
 
 namespace cosiva::zone::opendrive {
 
-/// Fills `next`: from the file's links, and from ends that meet though no link says so.
+/// Fills `next`: from the file's links, and from ends that meet without a link.
 void link_tracks(const Network& network, Tracks& tracks, Report& report);
 
 }  // namespace cosiva::zone::opendrive

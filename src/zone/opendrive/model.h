@@ -9,8 +9,8 @@
 
 #include "cosiva/base/pose.h"
 
-/// What a road network file says, as plain values: in its own units (metres of the file, before any scale), in its own
-/// words, checked number by number, not yet as a whole.
+/// The content of a road network file, as plain values: in its own units (metres of the file, before any scale), in its
+/// own terms, checked number by number, not yet as a whole.
 namespace cosiva::zone::opendrive {
 
 /// a + b·ds + c·ds² + d·ds³ from s on.
@@ -58,7 +58,7 @@ struct SpeedFrom {
 struct Lane {
   int id{};
   std::string type;
-  bool reversed{false};  ///< driven against what its side and the road's rule say
+  bool reversed{false};  ///< driven against the direction given by its side and the road's rule
   std::vector<Polynomial> widths{};
   std::vector<Polynomial> borders{};
   std::vector<SpeedFrom> speeds{};
@@ -81,7 +81,7 @@ struct RoadLink {
 struct Road {
   std::string id;
   double length{};
-  std::string junction{};  ///< whose connecting road it is; empty: none
+  std::string junction{};  ///< the junction whose connecting road it is; empty: none
   bool left_hand{false};   ///< traffic keeps left
   std::optional<RoadLink> predecessor{};
   std::optional<RoadLink> successor{};
@@ -89,8 +89,8 @@ struct Road {
   std::vector<Geometry> plan{};
   std::vector<Polynomial> offsets{};
   std::vector<LaneSection> sections{};
-  /// Where its first (last) lane sections are not taken: by which lanes of those that are, the ids at its ends are
-  /// meant.
+  /// Where its first (last) lane sections are not taken: the lanes of the remaining sections that replace the ids at
+  /// its ends.
   std::vector<std::pair<int, int>> first_names{};
   std::vector<std::pair<int, int>> last_names{};
   std::string location;

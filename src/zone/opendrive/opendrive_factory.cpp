@@ -16,7 +16,7 @@ namespace cosiva::zone {
 namespace opendrive {
 namespace {
 
-/// Lanes for vehicles, by the words of versions 1.1 to 1.8.
+/// Lanes for vehicles, by the terms of versions 1.1 to 1.8.
 const std::vector<std::string>& driven_lane_types() {
   static const std::vector<std::string> types{"driving",  "entry",   "exit",          "onRamp",   "offRamp",
                                               "taxi",     "bus",     "HOV",           "slipLane", "bidirectional",
@@ -76,8 +76,8 @@ void record_what_is_not_taken(Report& report) {
     report.add(Diagnostic::Kind::notice, "lane types", "file", "lanes that are not driven on: " + types);
 }
 
-/// The header's name, or one that the text alone decides: vehicles know the map by it, and a file that has travelled is
-/// called otherwise on every machine.
+/// The header's name, or one derived from the text alone: vehicles identify the map by it, and a file's name may differ
+/// on every machine.
 std::string name_of(const Network& network, std::string_view text) {
   std::string name;
   for (const char c : network.name.substr(0, 64)) {

@@ -80,8 +80,8 @@ TEST_P(Sample, has_a_section_for_every_driving_lane) {
   EXPECT_GT(lanes, 0U);
 }
 
-/// A lane beside a line of length L that turns Δθ in all is L − t·Δθ long, t to the left, whatever its shape. Only
-/// for constant t; from the file's own numbers alone.
+/// A lane at an offset from a line of length L that turns Δθ in all is L − t·Δθ long, t to the left, whatever its
+/// shape. Only for constant t; from the file's own numbers alone.
 double expected_length(const pugi::xml_document& tree) {
   double total = 0.0;
   for (const auto road : tree.document_element().children("road")) {
@@ -129,15 +129,15 @@ double expected_length(const pugi::xml_document& tree) {
   return total;
 }
 
-TEST_P(Sample, is_as_long_as_the_file_says) {
+TEST_P(Sample, has_the_lengths_given_in_the_file) {
   // Widths vary in one of them; there the mean lane keeps its distance only nearly.
   const bool varies = std::string(GetParam()).find("Complex") != std::string::npos;
-  // Shares of bends differ between the lane sections of one road; over all of them they add up again.
+  // The parts of bends differ between the lane sections of one road; over all of them they add up again.
   const double expected = expected_length(tree_);
   EXPECT_NEAR(zone_.circuit.total_length_m() / expected, 1.0, varies ? 2e-3 : 1e-4);
 }
 
-TEST_P(Sample, tells_its_fit) {
+TEST_P(Sample, reports_its_fit) {
   bool reported = false;
   for (const Diagnostic& diagnostic : zone_.diagnostics)
     reported = reported || (diagnostic.location == "lanes" && diagnostic.kind == Diagnostic::Kind::notice);
@@ -149,7 +149,7 @@ INSTANTIATE_TEST_SUITE_P(Official, Sample, ::testing::ValuesIn(samples), [](cons
   return name.substr(name.find('/') + 1);
 });
 
-TEST(OpenDrive, rings_of_the_samples_close) {
+TEST(OpenDrive, loops_of_the_samples_close) {
   for (const char* sample :
        {"esmini/velodrome", "maliput/Roundabout", "maliput/LoopRoadPedestrianCrosswalk", "maliput/Crossing8Course"}) {
     const TrafficZone zone = zone_of(read_file(samples_folder + sample + ".xodr"));
@@ -178,7 +178,7 @@ TEST(OpenDrive, a_three_way_junction_leads_from_each_arm_to_the_two_others) {
   EXPECT_EQ(zone.circuit.part(zone.circuit.next(id).front()).name, "5.0.-1");
 }
 
-TEST(OpenDrive, lanes_lie_beside_the_reference_line_and_run_as_traffic_does) {
+TEST(OpenDrive, lanes_lie_at_their_offset_from_the_reference_line_and_run_with_the_traffic) {
   const std::string plan = line(0.0, 0.0, 0.0, 0.0, 20.0);
   const std::string lanes = "<laneOffset a=\"0.5\"/>" + section(0.0, lane(1) + lane(2, R"(<width a="2"/>)"), lane(-1));
   const TrafficZone right = zone_of(file(road("7", 20.0, plan, lanes)));
@@ -193,7 +193,7 @@ TEST(OpenDrive, lanes_lie_beside_the_reference_line_and_run_as_traffic_does) {
   EXPECT_NEAR(section_of(left, "7.0.1").start().x_m, 0.0, 1e-12);
 }
 
-TEST(OpenDrive, an_arc_beside_an_arc_is_an_arc) {
+TEST(OpenDrive, an_arc_next_to_an_arc_is_an_arc) {
   const TrafficZone zone = zone_of(file(
       road("1", 20.0, line(0.0, 0.0, 0.0, 0.0, 20.0, "<arc curvature=\"0.1\"/>"), section(0.0, lane(1), lane(-1)))));
   EXPECT_EQ(section_of(zone, "1.0.-1").kind(), SectionKind::arc);
@@ -232,7 +232,7 @@ TEST(OpenDrive, a_lane_that_begins_without_width_leaves_its_neighbour_smoothly) 
   EXPECT_TRUE(logged(zone, Diagnostic::Kind::mended, "lane '1.1.-2'", "1.50 m"));
 }
 
-TEST(OpenDrive, lanes_too_far_apart_are_not_joined_and_it_says_so) {
+TEST(OpenDrive, lanes_too_far_apart_are_not_joined_and_are_reported) {
   const std::string lanes = section(0.0, "", lane(-1, R"(<link><successor id="-2"/></link><width a="3"/>)")) +
                             section(40.0, "", lane(-1) + lane(-2));
   const TrafficZone zone = zone_of(file(road("1", 100.0, line(0.0, 0.0, 0.0, 0.0, 100.0), lanes)));
@@ -240,7 +240,7 @@ TEST(OpenDrive, lanes_too_far_apart_are_not_joined_and_it_says_so) {
   EXPECT_TRUE(logged(zone, Diagnostic::Kind::lost, "lane '1.0.-1'", "too much to bend"));
 }
 
-TEST(OpenDrive, a_crumb_of_a_lane_section_is_swept_up_and_links_lead_through_it) {
+TEST(OpenDrive, a_tiny_lane_section_is_removed_and_links_lead_through_it) {
   const std::string both = R"(<link><predecessor id="-1"/><successor id="-1"/></link><width a="3"/>)";
   const std::string lanes =
       section(0.0, "", lane(-1, both)) + section(50.0, "", lane(-1, both)) + section(50.003, "", lane(-1, both));
@@ -250,14 +250,14 @@ TEST(OpenDrive, a_crumb_of_a_lane_section_is_swept_up_and_links_lead_through_it)
   EXPECT_NEAR(zone.circuit.total_length_m(), 100.0, 1e-9);
 }
 
-TEST(OpenDrive, roads_that_meet_without_a_link_are_joined_with_a_note) {
+TEST(OpenDrive, roads_that_meet_without_a_link_are_joined_with_a_diagnostic) {
   const TrafficZone zone = zone_of(file(road("1", 20.0, line(0.0, 0.0, 0.0, 0.0, 20.0), section(0.0, "", lane(-1))) +
                                         road("2", 20.0, line(0.0, 20.0, 0.0, 0.0, 20.0), section(0.0, "", lane(-1)))));
   EXPECT_TRUE(leads(zone, "1.0.-1", "2.0.-1"));
-  EXPECT_TRUE(logged(zone, Diagnostic::Kind::mended, "1.0.-1", "no link says so"));
+  EXPECT_TRUE(logged(zone, Diagnostic::Kind::mended, "1.0.-1", "the file has no such link"));
 }
 
-TEST(OpenDrive, contact_points_say_which_ends_meet) {
+TEST(OpenDrive, contact_points_define_which_ends_meet) {
   // Road 2 runs towards road 1, so that its left lane continues road 1's right one.
   const std::string one = road("1", 20.0, line(0.0, 0.0, 0.0, 0.0, 20.0),
                                section(0.0, "", lane(-1, R"(<link><successor id="1"/></link><width a="3"/>)")),
@@ -268,7 +268,7 @@ TEST(OpenDrive, contact_points_say_which_ends_meet) {
   EXPECT_NEAR(section_of(zone, "2.0.1").end().x_m, 40.0, 1e-9);
 }
 
-TEST(OpenDrive, limits_hold_from_where_they_are_said_in_any_unit) {
+TEST(OpenDrive, limits_hold_from_their_position_in_any_unit) {
   const std::string speeds = R"(<speed sOffset="0" max="36" unit="km/h"/><speed sOffset="8" max="10" unit="mph"/>)";
   const TrafficZone zone = zone_of(
       file(road("1", 20.0, line(0.0, 0.0, 0.0, 0.0, 20.0), section(0.0, lane(1), lane(-1, "<width a=\"3\"/>" + speeds)),
@@ -297,7 +297,7 @@ TEST(OpenDrive, the_sidecar_scales_names_and_chooses_lanes) {
   EXPECT_THAT(bad.error().location, HasSubstr("test.zone.toml"));
 }
 
-TEST(OpenDrive, what_is_not_taken_is_told) {
+TEST(OpenDrive, ignored_elements_are_reported) {
   const std::string more =
       R"(<elevationProfile><elevation s="0" a="3" b="0.1"/></elevationProfile><signals><signal id="1"/><signal id="2"/></signals>)"
       R"(<objects><object id="1"/></objects>)";
@@ -314,7 +314,7 @@ TEST(OpenDrive, what_is_not_taken_is_told) {
   EXPECT_TRUE(logged(zone, Diagnostic::Kind::lost, "lane -1", "both ways"));
 }
 
-TEST(OpenDrive, dangling_links_are_lost_with_their_place) {
+TEST(OpenDrive, dangling_links_are_lost_with_their_location) {
   const std::string lanes = section(0.0, "", lane(-1, R"(<link><successor id="-4"/></link><width a="3"/>)"));
   const TrafficZone zone = zone_of(file(road("1", 20.0, line(0.0, 0.0, 0.0, 0.0, 20.0), lanes,
                                              R"(<link><successor elementType="road" elementId="1" contactPoint="start"/>
@@ -338,10 +338,10 @@ struct Bad {
   const char* what;
   std::string text;
   const char* code;
-  const char* message;  ///< in the whole message, with its place
+  const char* message;  ///< in the whole message, with its location
 };
 
-TEST(OpenDrive, bad_files_are_refused_with_their_place) {
+TEST(OpenDrive, bad_files_are_refused_with_their_location) {
   const std::string plan = line(0.0, 0.0, 0.0, 0.0, 20.0);
   const std::string lanes = section(0.0, "", lane(-1));
   const auto with_plan = [&](const std::string& geometry) { return file(road("12", 20.0, geometry, lanes)); };
@@ -386,7 +386,7 @@ TEST(OpenDrive, bad_files_are_refused_with_their_place) {
 }
 
 TEST(OpenDrive, hostile_files_cost_little) {
-  // Entities are not expanded: a billion laughs stay a few letters.
+  // Entities are not expanded: a "billion laughs" file stays small.
   std::string laughs = "<?xml version=\"1.0\"?>\n<!DOCTYPE x [<!ENTITY a \"ha\">";
   for (char c = 'b'; c < 'k'; ++c) {
     laughs += std::string("<!ENTITY ") + c + " \"";
@@ -414,7 +414,7 @@ TEST(OpenDrive, hostile_files_cost_little) {
             "zone.size");
 }
 
-TEST(OpenDrive, edits_go_into_the_sidecar_and_the_file_stays) {
+TEST(OpenDrive, edits_are_written_into_the_sidecar_and_the_file_stays) {
   const ZoneConfiguration before{"opendrive", "test.xodr",
                                  file(road("1", 20.0, line(0.0, 0.0, 0.0, 0.0, 20.0), section(0.0, "", lane(-1)))), ""};
   ZoneEdit edit;

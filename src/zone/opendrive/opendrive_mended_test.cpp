@@ -5,11 +5,11 @@
 
 #include "cosiva/zone/opendrive/test_files.h"
 
-/// What real files get wrong, or draw so that no vehicle could follow it, and what is made of it.
+/// Typical faults of real files, or shapes that no vehicle could follow, and their repair.
 namespace cosiva::zone {
 namespace {
 
-/// All sections of a lane, by the names that they have: "1.0.-1", "1.0.-1.2", …
+/// All sections of a lane, by their names: "1.0.-1", "1.0.-1.2", …
 std::vector<const Section*> sections_of(const TrafficZone& zone, const std::string& lane) {
   std::vector<const Section*> all;
   for (SectionId id = 0; id < zone.circuit.size(); ++id) {
@@ -58,8 +58,8 @@ TEST(OpenDriveMended, a_lane_inside_too_tight_a_bend_is_cut_short_instead_of_fol
   EXPECT_FALSE(logged(zone, Diagnostic::Kind::mended, "lane 1", "run backwards"));
 }
 
-TEST(OpenDriveMended, a_lane_aslant_of_its_road_turns_no_corner_where_the_road_begins_to_bend) {
-  // It widens by a fifth of its way, and lies at four fifths of the bend's radius.
+TEST(OpenDriveMended, a_lane_at_an_angle_to_its_road_has_no_corner_where_the_road_begins_to_bend) {
+  // The lane widens by a fifth of its length, and lies at four fifths of the bend's radius.
   const std::string bend = line(20.0, 20.0, 0.0, 0.0, 5.0 * pi, "<arc curvature=\"0.1\"/>");
   const std::string plan = line(0.0, 0.0, 0.0, 0.0, 20.0) + bend;
   const std::string lanes = section(0.0, lane(1, R"(<width a="12" b="0.2"/>)"), "");
@@ -70,8 +70,8 @@ TEST(OpenDriveMended, a_lane_aslant_of_its_road_turns_no_corner_where_the_road_b
   EXPECT_TRUE(logged(zone, Diagnostic::Kind::mended, "lane 1", "would kink or run backwards"));
 }
 
-TEST(OpenDriveMended, a_link_to_the_wrong_end_of_a_road_is_put_right) {
-  // Road 2 runs towards road 1, and its end lies there; the link says its start.
+TEST(OpenDriveMended, a_link_to_the_wrong_end_of_a_road_is_corrected) {
+  // Road 2 runs towards road 1, and its end lies there; the link names its start.
   const std::string one = road("1", 20.0, line(0.0, 0.0, 0.0, 0.0, 20.0),
                                section(0.0, "", lane(-1, R"(<link><successor id="1"/></link><width a="3"/>)")),
                                R"(<link><successor elementType="road" elementId="2" contactPoint="start"/></link>)");
@@ -81,18 +81,18 @@ TEST(OpenDriveMended, a_link_to_the_wrong_end_of_a_road_is_put_right) {
   EXPECT_TRUE(logged(zone, Diagnostic::Kind::mended, "road 1, link/successor", "its other end is only"));
 }
 
-TEST(OpenDriveMended, a_lane_lies_on_the_side_of_its_id_wherever_it_stands) {
+TEST(OpenDriveMended, a_lane_lies_on_the_side_of_its_id_wherever_it_is_written) {
   const std::string plan = line(0.0, 0.0, 0.0, 0.0, 20.0);
   const TrafficZone zone = zone_of(file(road("5", 20.0, plan, section(0.0, lane(-1), lane(0) + lane(1)))));
   EXPECT_NEAR(section_of(zone, "5.0.-1").start().y_m, -1.5, 1e-12);
   EXPECT_NEAR(section_of(zone, "5.0.1").start().y_m, 1.5, 1e-12);
   EXPECT_TRUE(
       logged(zone, Diagnostic::Kind::mended, "road 5, lanes/laneSection/left/lane[-1]", "right of the reference line"));
-  EXPECT_TRUE(logged(zone, Diagnostic::Kind::lost, "road 5, lanes/laneSection/right/lane[0]", "middle line"));
+  EXPECT_TRUE(logged(zone, Diagnostic::Kind::lost, "road 5, lanes/laneSection/right/lane[0]", "centre line"));
   EXPECT_EQ(zone.circuit.size(), 2U);
 }
 
-TEST(OpenDriveMended, a_width_that_jumps_in_a_crumb_of_a_record_is_smoothed_beside_it) {
+TEST(OpenDriveMended, a_width_that_jumps_in_a_tiny_record_is_smoothed_next_to_it) {
   const std::string widths =
       R"(<width sOffset="0" a="3"/><width sOffset="20" a="3.1"/><width sOffset="20.08" a="3.2"/>)";
   const std::string plan = line(0.0, 0.0, 0.0, 0.0, 40.0);
@@ -141,7 +141,7 @@ TEST(OpenDriveMended, a_byte_order_mark_and_the_line_ends_of_another_system_are_
   }
   EXPECT_EQ(zone_of(crlf).circuit.size(), 1U);
   EXPECT_EQ(zone_of(wide).circuit.size(), 1U);
-  // A place is still told, by line where lines can be told.
+  // The location is still reported, by line where lines can be counted.
   EXPECT_THAT(to_string(read(crlf + "<a").error()), ::testing::HasSubstr("test.xodr:4"));
 }
 

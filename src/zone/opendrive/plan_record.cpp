@@ -37,7 +37,7 @@ std::optional<PlanRecord> make_record(const Geometry& geometry, Report& report) 
                      (was_normalized ? "arcLength" : "normalized"));
     }
   }
-  if (!path) return lost("its polynomials stand still, or lead further than 100 km");
+  if (!path) return lost("its polynomials do not move, or lead further than 100 km");
   const double arc = path->length();
   return PlanRecord{0.0, 1.0, arc, std::move(*path)};
 }
@@ -77,7 +77,7 @@ void drop_crumbs(std::vector<const Geometry*>& plan, std::vector<PlanRecord>& re
       if (std::min(before.arc, after.arc) > crumb_max_m ||
           can_close(before, raw(before, before.arc), raw(after, 0.0), after))
         break;
-      // The first keeps its place: it says where the road begins.
+      // The first record stays in place: the road begins there.
       stays = kept > 1 && before.arc < after.arc;
       const double removed = stays ? left_out(plan[kept - 1], before) : left_out(plan[i], after);
       if (stays) --kept;

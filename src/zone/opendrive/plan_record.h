@@ -21,19 +21,19 @@ struct PlanRecord {
     Easing y;
   };
   double from;    ///< s
-  double factor;  ///< arc length by s: how far the file's two lengths disagree
+  double factor;  ///< arc length by s: the ratio of the file's two lengths
   double arc;     ///< its length
   std::variant<Section, CubicPath> path;
-  double slack{0.0};  ///< of its length against its s: what stood behind it is left out, or it is redrawn
+  double slack{0.0};  ///< of its length against its s: its successor is left out, or the record is redrawn
   std::optional<Eased> at_start{};
   std::optional<Eased> at_end{};
 };
 
-/// Shorter records are an exporter's crumbs: their neighbours meet without them. [m]
+/// Shorter records are artefacts of the exporter: their neighbours meet without them. [m]
 inline constexpr double record_min_m = 5e-3;
 
-/// A file's record as a curve from s = 0 on, without corrections. Nothing, and a note why, where its polynomials do not
-/// move or lead further than 100 km.
+/// A file's record as a curve from s = 0 on, without corrections. Nothing, and a diagnostic with the reason, where its
+/// polynomials do not move or lead further than 100 km.
 [[nodiscard]] std::optional<PlanRecord> make_record(const Geometry& geometry, Report& report);
 
 /// The record's curve at the road's s, by s, without corrections.

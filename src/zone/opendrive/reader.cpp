@@ -73,7 +73,7 @@ Result<Network> Reader::read() {
   return network;
 }
 
-/// Where an element stands among its like costs a walk along them, so it is only asked for what will be shown.
+/// The index of an element among its siblings costs a walk along them, so it is only computed for display.
 void Reader::record(Diagnostic::Kind kind, std::string_view topic, pugi::xml_node node, std::string text) {
   report_.add(kind, topic, report_.full(topic) ? std::string{} : XmlFile::path(node), std::move(text));
 }
@@ -134,7 +134,7 @@ std::optional<RoadLink> Reader::read_link(pugi::xml_node node) {
   link.at_start = contact == "start";
   if (link.junction || contact == "start" || contact == "end") return link;
   record(Diagnostic::Kind::mended, "links without a contact point", node,
-         "does not say at which end of the road; lanes are joined where their ends meet");
+         "does not state the end of the road; lanes are joined where their ends meet");
   return std::nullopt;
 }
 
@@ -180,7 +180,7 @@ Cubics Reader::read_cubics(pugi::xml_node node) {
   return cubics;
 }
 
-/// @param from  the attribute with where it begins; none: at 0
+/// @param from  the attribute with the start; none: at 0
 Polynomial Reader::read_polynomial(pugi::xml_node node, const char* from) {
   return {*from == '\0' ? 0.0 : file_.number(node, from, station, 0.0), file_.number(node, "a", coefficient, 0.0),
           file_.number(node, "b", coefficient, 0.0), file_.number(node, "c", coefficient, 0.0),
@@ -225,7 +225,7 @@ LaneSection Reader::read_lane_section(pugi::xml_node node) {
   return section;
 }
 
-/// @param sign  of the ids on the side under which it stands; another is believed, and said
+/// @param sign  of the ids on this side; another sign is accepted, with a diagnostic
 Lane Reader::read_lane(pugi::xml_node node, int sign) {
   Lane lane;
   const auto id = file_.whole(node, "id");
@@ -233,9 +233,9 @@ Lane Reader::read_lane(pugi::xml_node node, int sign) {
   lane.id = id.value_or(sign);
   if (lane.id * sign <= 0)
     record(lane.id == 0 ? Diagnostic::Kind::lost : Diagnostic::Kind::mended, "lanes on the wrong side", node,
-           lane.id == 0 ? "stands for the middle line, which has no width and belongs under center; not taken"
+           lane.id == 0 ? "is the centre line, which has no width and belongs under center; not taken"
                         : std::string("lies ") + (sign > 0 ? "right" : "left") +
-                              " of the reference line by its id, though it stands under the other side");
+                              " of the reference line by its id, although it is listed under the other side");
   lane.type = std::string(std::string_view(node.attribute("type").value()).substr(0, 40));
   if (lane.type.empty()) lane.type = "none";
   const std::string_view direction = node.attribute("direction").value();
@@ -257,7 +257,7 @@ Junction Reader::read_junction(pugi::xml_node node) {
   junction.id = id_of(node, junction_ids_);
   if (std::strcmp(node.attribute("type").value(), "virtual") == 0)
     record(Diagnostic::Kind::lost, "virtual junctions", node,
-           "is a virtual junction: ways that leave a road in its middle are not taken");
+           "is a virtual junction: branches between the ends of a road are not taken");
   for (const auto connection : node.children("connection")) {
     if (file_.error()) break;
     std::string location = "junction " + junction.id;

@@ -8,12 +8,13 @@
 namespace cosiva::zone::opendrive {
 namespace {
 
-// What a file's own rounding leaves open at a joint stays: fit() bridges it without bending a line for it.
+// Gaps by a file's own rounding at a joint stay: fit() bridges them without bending a line.
 constexpr double gap_free_m = 5e-6;
 constexpr double kink_free_rad = 5e-7;
 constexpr double worth_a_diagnostic = 1e-4;  // metres or radians
 
-/// Whether the parameter's range and the length contradict each other, and it is the length that fits what comes next.
+/// Whether the parameter's range and the length contradict each other, and the length is the one that fits the next
+/// record.
 bool goes_on_too_long(const PlanRecord& record, const Geometry& geometry, const Pose2* next) {
   const auto* path = std::get_if<CubicPath>(&record.path);
   if (path == nullptr || record.arc <= geometry.length + std::max(0.01, 0.01 * geometry.length)) return false;
@@ -37,7 +38,7 @@ std::optional<ReferenceLine> ReferenceLine::make(const Road& road, Report& repor
   if (!std::is_sorted(plan.begin(), plan.end(), by_s)) {
     std::stable_sort(plan.begin(), plan.end(), by_s);
     report.add(Diagnostic::Kind::mended, "plan views out of order", road.location,
-               "its geometry records do not stand in the order of their s; they are taken in that order");
+               "its geometry records are not in the order of their s; they are taken in that order");
   }
   std::vector<PlanRecord> records;
   for (std::size_t i = 0; i < plan.size(); ++i) {
@@ -45,7 +46,7 @@ std::optional<ReferenceLine> ReferenceLine::make(const Road& road, Report& repor
     if (!record) return std::nullopt;
     if (goes_on_too_long(*record, *plan[i], i + 1 < plan.size() ? &plan[i + 1]->start : nullptr)) {
       report.add(Diagnostic::Kind::mended, "records that go on beyond their length", plan[i]->location,
-                 "its polynomials lead on for " + metres(record->arc) + "; they are taken as far as its length says, " +
+                 "its polynomials lead on for " + metres(record->arc) + "; they are taken up to its length, " +
                      metres(plan[i]->length));
       record->arc = plan[i]->length;
     }
@@ -61,7 +62,7 @@ std::optional<ReferenceLine> ReferenceLine::make(const Road& road, Report& repor
   return line;
 }
 
-/// Says from where to where along the road's s each record runs.
+/// Computes the range of each record along the road's s.
 void ReferenceLine::lay(const Road& road, const std::vector<const Geometry*>& plan, std::vector<PlanRecord> records,
                         Report& report) {
   double s = plan.front()->s;
@@ -69,7 +70,7 @@ void ReferenceLine::lay(const Road& road, const std::vector<const Geometry*>& pl
     PlanRecord& record = records[i];
     const double until = i + 1 < plan.size() ? plan[i + 1]->s : std::max(road.length, plan[i]->s);
     const double published = until - plan[i]->s;
-    // A hundredth is rounding, or a sloppy spline; more is a contradiction, and the shape is trusted.
+    // A hundredth is rounding, or an inaccurate spline; more is a contradiction, and the shape is trusted.
     const double off_m = std::fabs(published - record.arc) - 1.5 * record.slack;
     const bool plausible = off_m <= std::max(0.01, 0.01 * record.arc) && published > 0.5 * record_min_m;
     if (!plausible || off_m > 1e-3 + 1e-4 * record.arc) {
@@ -85,7 +86,7 @@ void ReferenceLine::lay(const Road& road, const std::vector<const Geometry*>& pl
   }
 }
 
-/// Both records give way by half, over some metres.
+/// Both records are moved by half, over some metres.
 bool ReferenceLine::close_joint(std::size_t index, const std::string& location, Report& report) {
   PlanRecord& before = records_[index];
   PlanRecord& after = records_[index + 1];

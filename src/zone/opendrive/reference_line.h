@@ -10,10 +10,11 @@
 
 namespace cosiva::zone::opendrive {
 
-/// A road's plan view as one curve over s: what its records leave open at their joints is closed.
+/// A road's plan view as one curve over s: gaps of its records at their joints are closed.
 class ReferenceLine {
  public:
-  /// Nothing, and a note why, where the road has no such line: no records, a gap or a corner too great to close.
+  /// Nothing, and a diagnostic with the reason, where the road has no such line: no records, a gap or a corner too
+  /// great to close.
   [[nodiscard]] static std::optional<ReferenceLine> make(const Road& road, Report& report);
 
   [[nodiscard]] double from() const { return records_.front().from; }  ///< s of its start

@@ -90,7 +90,7 @@ TEST(ReferenceLine, of_cubics_runs_by_arc_length) {
       line_of(road_of({{0.0, {}, length, Cubics{u, v, Cubics::Range::normalized}, ""}}, length), report);
   for (const double ratio : {0.1, 0.35, 0.5, 0.77, 0.999})
     EXPECT_LT(distance(line.at(ratio * length).p, walked(at, 1.0, ratio * length)), 1e-4) << ratio;
-  // It leaves along (bU, bV), whatever hdg says.
+  // The curve leaves along (bU, bV), whatever hdg is.
   EXPECT_NEAR(heading_of(line.at(0.0)), std::atan2(2.0, 40.0), 1e-12);
   EXPECT_TRUE(report.diagnostics().empty());
 }
@@ -137,7 +137,7 @@ TEST(ReferenceLine, has_derivatives_that_are_those_of_its_points) {
   const Polynomial v{0.0, 0.0, 2.0, 8.0, -4.0};
   const double length = length_of([&](double p) { return Point2{u.at(p), v.at(p)}; }, 1.0);
   Report report;
-  // With a kink of 20 mrad at the joint, so that what smooths it is differentiated, too.
+  // With a kink of 20 mrad at the joint, so that its smoothing is differentiated, too.
   const double bend = std::atan2(v.slope_at(1.0), u.slope_at(1.0)) + 0.02;
   const ReferenceLine line = line_of(road_of({{0.0, {}, length, Cubics{u, v, Cubics::Range::normalized}, ""},
                                               {length, {u.at(1.0), v.at(1.0), bend}, 30.0, Clothoid{0.0, 0.02}, ""}},
@@ -155,7 +155,7 @@ TEST(ReferenceLine, has_derivatives_that_are_those_of_its_points) {
   }
 }
 
-TEST(ReferenceLine, closes_small_gaps_and_kinks_and_says_so) {
+TEST(ReferenceLine, closes_small_gaps_and_kinks_and_reports_them) {
   Report report;
   const ReferenceLine line = line_of(road_of({{0.0, {0.0, 0.0, 0.0}, 20.0, Clothoid{}, "first"},
                                               {20.0, {20.01, 0.02, 0.05}, 20.0, Clothoid{}, "second"}},
@@ -170,7 +170,7 @@ TEST(ReferenceLine, closes_small_gaps_and_kinks_and_says_so) {
   EXPECT_EQ(report.diagnostics()[0].location, "second");
 }
 
-TEST(ReferenceLine, is_not_there_across_a_corner_or_a_gap_and_says_so) {
+TEST(ReferenceLine, is_missing_across_a_corner_or_a_gap_and_this_is_reported) {
   for (const Pose2& second : {Pose2{20.0, 0.0, 1.7}, Pose2{25.0, 0.0, 0.0}}) {
     Report report;
     const auto line = ReferenceLine::make(
@@ -228,7 +228,7 @@ TEST(ReferenceLine, leads_through_short_records_that_miss_each_other) {
   EXPECT_EQ(report.diagnostics()[0].kind, Diagnostic::Kind::mended);
 }
 
-TEST(ReferenceLine, leaves_many_crumbs_out_in_no_time) {
+TEST(ReferenceLine, removes_many_tiny_records_quickly) {
   Report report;
   std::vector<Geometry> plan{{0.0, {}, 20.0, Clothoid{}, "first"}};
   for (int i = 0; i < 20'000; ++i) plan.push_back({20.0, {1e3, 1e3, 0.1 * i}, 0.01, Clothoid{}, "crumb"});
@@ -236,7 +236,7 @@ TEST(ReferenceLine, leaves_many_crumbs_out_in_no_time) {
   EXPECT_NEAR(line_of(road_of(plan, 40.0), report).length(), 40.0, 1e-9);
 }
 
-TEST(ReferenceLine, leaves_a_crumb_out_that_meets_nobody) {
+TEST(ReferenceLine, removes_a_tiny_record_that_meets_no_other) {
   Report report;
   const ReferenceLine line = line_of(road_of({{0.0, {}, 20.0, Clothoid{}, "first"},
                                               {20.0, {20.0, 0.05, 3.0}, 0.06, Clothoid{}, "crumb"},
@@ -259,7 +259,7 @@ TEST(ReferenceLine, trusts_a_shape_whose_s_contradicts_it) {
   EXPECT_FALSE(report.diagnostics().empty());
 }
 
-TEST(ReferenceLine, takes_crumbs_out) {
+TEST(ReferenceLine, removes_tiny_records) {
   Report report;
   const ReferenceLine line = line_of(road_of({{0.0, {}, 20.0, Clothoid{}, ""},
                                               {20.0, {20.0, 0.0, 0.0}, 1e-9, Clothoid{}, ""},
@@ -270,7 +270,7 @@ TEST(ReferenceLine, takes_crumbs_out) {
   EXPECT_TRUE(report.diagnostics().empty());
 }
 
-TEST(Easing, is_whole_at_its_end_and_gone_with_slope_and_bend_at_the_other) {
+TEST(Easing, is_full_at_its_end_and_zero_with_slope_and_bend_at_the_other) {
   const Easing easing{0.3, -0.1, 4.0};
   EXPECT_DOUBLE_EQ(easing.at(0.0), 0.3);
   EXPECT_DOUBLE_EQ(easing.slope_at(0.0), -0.1);

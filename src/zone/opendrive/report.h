@@ -9,17 +9,16 @@
 
 namespace cosiva::zone::opendrive {
 
-/// What there is to say about a file without refusing it. Of what says the same again and again only the first few are
-/// kept, and the rest counted.
+/// The diagnostics of a file without refusal. Of similar ones only the first few are kept, and the rest counted.
 class Report {
  public:
-  /// @param topic  what is alike, as a plural: "lanes that …"
+  /// @param topic  the common property, as a plural: "lanes that …"
   void add(Diagnostic::Kind kind, std::string_view topic, std::string location, std::string text);
   /// Whether no more of this topic will be kept.
   [[nodiscard]] bool full(std::string_view topic) const;
   void count(std::string_view what, std::size_t more = 1) { counts_[std::string(what)] += more; }
   [[nodiscard]] std::size_t counted(std::string_view what) const;
-  /// What begins with `prefix`, without it, and how often it was counted.
+  /// The topics that begin with `prefix`, without the prefix, and their counts.
   [[nodiscard]] std::vector<std::pair<std::string, std::size_t>> counted_under(std::string_view prefix) const;
   [[nodiscard]] std::vector<Diagnostic> diagnostics() const;
 
@@ -30,7 +29,7 @@ class Report {
   std::map<std::string, std::size_t, std::less<>> counts_;
 };
 
-/// A length in the unit that people would say it in.
+/// A length in a readable unit.
 [[nodiscard]] std::string metres(double value);
 
 }  // namespace cosiva::zone::opendrive

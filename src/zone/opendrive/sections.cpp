@@ -7,9 +7,9 @@ namespace cosiva::zone::opendrive {
 namespace {
 
 constexpr std::size_t sections_max = 100'000;
-constexpr double length_max_m = 3e5;       // of all lanes: a city's; a polynomial that runs away asks for more
+constexpr double length_max_m = 3e5;       // of all lanes: a city's; a diverging polynomial needs more
 constexpr std::size_t pieces_max = 5'000;  // of one lane between two lane sections
-// Lanes that no sections follow cost the most; a file with more of them is no road network.
+// Lanes without sections cost the most; a file with more of them is no road network.
 constexpr std::size_t failures_max = 50;
 
 struct Run {
@@ -72,7 +72,7 @@ void Layer::add_parts(const Track& track, std::vector<Section> sections, double 
     Circuit::Part part{name, std::move(sections[i]), std::nullopt, {}};
     if (i > 0) part.name += '.' + std::to_string(i + 1);
     if (i + 1 < sections.size()) part.next.push_back(static_cast<SectionId>(parts_.size() + 1));
-    // Limits begin where sections do, so any place well inside tells.
+    // Limits begin where sections do, so any position well inside will do.
     const double ratio = (before_m + 0.5 * part.section.length_m()) / length_m;
     const double s = track.curve.from() + track.curve.span() * (track.curve.forward() ? ratio : 1.0 - ratio);
     if (const auto limit = limit_at(track, s)) part.speed_mps_max = scale_ * *limit;
@@ -92,7 +92,7 @@ std::optional<double> Layer::limit_at(const Track& track, double s) const {
 void Layer::link(TrackId id) {
   if (runs_[id].last == no_section) return;
   Circuit::Part& part = parts_[runs_[id].last];
-  // The straightest way on is the default.
+  // The straightest successor is the default.
   const auto turn = [&](TrackId to) {
     const LaneCurve& curve = tracks_[to].curve;
     return std::fabs(wrap_angle(curve.exit().heading_rad - curve.entry().heading_rad));
@@ -113,7 +113,7 @@ void Layer::link(TrackId id) {
   }
 }
 
-/// Which lanes there are instead, and what was lost on the way.
+/// Reports the lanes present instead, and the lost ones.
 std::string nothing_to_drive_on(const Report& report) {
   std::string text = "there is no lane that can be driven on";
   std::string types;
@@ -129,7 +129,7 @@ std::string nothing_to_drive_on(const Report& report) {
     text += "; " + diagnostic.location;
     text += ' ' + diagnostic.text;
   }
-  if (types.empty() && !lost) text += "; its roads have none beside their middle line";
+  if (types.empty() && !lost) text += "; its roads have none but their centre line";
   return text;
 }
 

@@ -11,7 +11,7 @@
 
 namespace cosiva::zone::opendrive {
 
-/// The ways as sections, joined as the ways are: "12.0.-1", and "12.0.-1.2" for the second piece. `scale` turns the
+/// The tracks as sections, joined as the tracks are: "12.0.-1", and "12.0.-1.2" for the second piece. `scale` turns the
 /// file's lengths into metres; the tolerance is of the result. Fails ("zone.size") beyond 100 000 sections,
 /// ("circuit.empty") where nothing can be driven on.
 [[nodiscard]] Result<std::vector<Circuit::Part>> lay_sections(const Network& network, const Tracks& tracks,

@@ -5,7 +5,7 @@
 namespace cosiva::zone::opendrive {
 namespace {
 
-// Exporters leave lane sections of a few millimetres behind, where nobody can be said to have been.
+// Exporters leave lane sections of a few millimetres behind, too short for any vehicle.
 constexpr double short_m = 0.05;
 
 template <typename Visit>
@@ -20,7 +20,7 @@ const Lane* find(const LaneSection& section, int id) {
   return at == side.end() ? nullptr : &*at;
 }
 
-/// What `links` lead to beyond the section that goes: to its lanes' own links, or, without any, to the same id.
+/// The lanes that `links` lead to beyond the removed section: its lanes' own links, or, without any, the same id.
 void lead_through(std::vector<int>& links, const LaneSection& removed, std::vector<int> Lane::*onward) {
   std::vector<int> through;
   for (const int id : links) {
@@ -37,7 +37,7 @@ void lead_through(std::vector<int>& links, const LaneSection& removed, std::vect
   links = std::move(through);
 }
 
-/// Others know the lanes of the section that goes by their ids: what these lead to within the road.
+/// Others refer to the lanes of the removed section by their ids: what these lead to within the road.
 void rename(std::vector<std::pair<int, int>>& names, const LaneSection& removed, std::vector<int> Lane::*onward) {
   const auto onto = [&](int id) {
     const Lane* lane = find(removed, id);
@@ -64,7 +64,7 @@ void drop(Road& road, std::size_t index, std::size_t after_index) {
     LaneSection& after = road.sections[after_index];
     each_lane(after, [&](Lane& lane) {
       lead_through(lane.predecessors, removed, &Lane::predecessors);
-      // Its records count from where they always did.
+      // Its records count from the same position as before.
       const double later = index == 0 ? after.s - removed.s : 0.0;
       for (auto* records : {&lane.widths, &lane.borders}) {
         for (Polynomial& record : *records) record.s += later;
@@ -104,7 +104,7 @@ void drop_short_sections(Network& network, Report& report) {
     }
     road.sections = std::move(kept);
     report.add(Diagnostic::Kind::mended, "roads with lane sections of less than 5 cm", road.location,
-               "has lane sections of less than 5 cm; their neighbours take their place");
+               "has lane sections of less than 5 cm; their neighbours replace them");
   }
 }
 

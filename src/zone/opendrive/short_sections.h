@@ -5,8 +5,8 @@
 
 namespace cosiva::zone::opendrive {
 
-/// Takes lane sections of less than 5 cm out: the one before, or at a road's beginning the one behind, takes their
-/// place, and links lead through them.
+/// Removes lane sections of less than 5 cm: the one before, or at a road's beginning the one behind, replaces them, and
+/// links lead through them.
 void drop_short_sections(Network& network, Report& report);
 
 }  // namespace cosiva::zone::opendrive

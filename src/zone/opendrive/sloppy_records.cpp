@@ -28,8 +28,8 @@ bool sloppy(const Joint& joint, double arc_m) {
   return joint.gap_m() > gap_ratio * arc_m || (kink > kink_least_rad && kink * arc_m < kink_times_m);
 }
 
-/// Of the circle through three places, in the middle one. A file's own headings there are as sloppy as its places: some
-/// write where the next place lies.
+/// The heading of the circle through three positions, in the middle one. A file's own headings there are as inaccurate
+/// as its positions: some exporters write the direction to the next position.
 double heading_through(const Pose2& before, const Pose2& at, const Pose2& after) {
   const double first = det_atan2(at.y_m - before.y_m, at.x_m - before.x_m);
   const double turn = wrap_angle(det_atan2(after.y_m - at.y_m, after.x_m - at.x_m) - first);
@@ -38,7 +38,7 @@ double heading_through(const Pose2& before, const Pose2& at, const Pose2& after)
   return first + ratio * turn;
 }
 
-/// A cubic from pose to pose, all but an arc where an arc leads there.
+/// A cubic from pose to pose, nearly an arc where an arc leads there.
 std::optional<CubicPath> curve_between(const Pose2& from, const Pose2& to) {
   const double turn = wrap_angle(to.heading_rad - from.heading_rad);
   const SinCos start = sincos(from.heading_rad);
@@ -68,8 +68,8 @@ void redraw_sloppy_records(const std::vector<const Geometry*>& plan, std::vector
     for (const std::size_t at : {i, i + 1})
       if (sloppy(joints[i], records[at].arc)) redrawn[at] = true;
   }
-  // Where each record begins, and the last one ends. A record that is not redrawn stays in place, and its neighbour
-  // meets it.
+  // The start of each record, and the end of the last one. A record that is not redrawn stays in place, and its
+  // neighbour meets it.
   std::vector<Pose2> positions{pose_of(raw(records.front(), 0.0))};
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const bool both = redrawn[i] && redrawn[i + 1];
@@ -95,7 +95,7 @@ void redraw_sloppy_records(const std::vector<const Geometry*>& plan, std::vector
     }
     report.add(Diagnostic::Kind::mended, "short records that do not meet", plan[i]->location,
                "misses its neighbours by up to " + metres(gap_m) + " and " + std::to_string(kink_rad) +
-                   " rad, and is short; a curve leads through the places where they should meet");
+                   " rad, and is short; a curve leads through the positions where they should meet");
   }
 }
 

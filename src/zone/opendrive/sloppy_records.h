@@ -9,8 +9,9 @@
 namespace cosiva::zone::opendrive {
 
 /// Exporters that cut a curve into records of a metre and miss each one's end by centimetres, or draw the curve as a
-/// polygon, leave nothing that could be eased within such a record: it would swing from side to side. This leads the
-/// line through the places where the records meet instead, and notes each record that is redrawn.
+/// polygon, leave nothing that could be eased within such a record: the line would swing from side to side. This
+/// function leads the line through the positions where the records meet instead, with a diagnostic for each redrawn
+/// record.
 /// @param plan  the file's record of each of `records`, at least one
 void redraw_sloppy_records(const std::vector<const Geometry*>& plan, std::vector<PlanRecord>& records, Report& report);
 

@@ -9,7 +9,7 @@
 
 #include "cosiva/zone/opendrive/opendrive_factory.h"
 
-/// Small road networks for tests, made of the few things that a test is about, and what to ask of their zones.
+/// Small road networks for tests, made of the few elements that a test needs, and queries on their zones.
 namespace cosiva::zone {
 
 inline Result<TrafficZone> read(const std::string& text, const std::string& sidecar = {}) {

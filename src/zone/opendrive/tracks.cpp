@@ -9,13 +9,13 @@ namespace {
 
 constexpr double section_min_m = 1e-3;
 constexpr double width_min_m = 0.01;
-// Of all lanes together: a file may pile up records, and each lane has those of all lanes further in.
+// Of all lanes together: a file may contain many records, and each lane has those of all lanes further in.
 constexpr std::size_t pieces_max = 10'000'000;
 
-/// Spent so far, and left, over all roads.
+/// Work used so far, and the remaining work, over all roads.
 struct Work {
   std::size_t pieces{0};
-  std::size_t samples{20'000'000};  ///< for folds; a file of 5000 km of lanes has none looked for any more
+  std::size_t samples{20'000'000};  ///< for folds; in a file with more than 5000 km of lanes the search ends
 };
 
 std::string lane_location(const Road& road, std::size_t section, int lane) {
@@ -53,7 +53,7 @@ void RoadLanes::read(std::shared_ptr<const ReferenceLine> line) {
   const auto& sections = road_.sections;
   const double first = road_.plan.front().s;
   for (std::size_t i = 0; i < sections.size(); ++i) {
-    // A hair's breadth before the first section is no gap.
+    // A gap of a hair's breadth before the first section is ignored.
     const double from = i == 0 && sections[i].s < first + 0.01 ? first : sections[i].s;
     const double to = std::min(i + 1 < sections.size() ? sections[i + 1].s : line_->length(), line_->length());
     if (i > 0 && sections[i].s < sections[i - 1].s)
@@ -98,10 +98,10 @@ Pieces RoadLanes::outer_border(const Lane& lane, const Pieces& inner, int sign, 
   }
   if (first > 0.05 && !records.empty())
     report_.add(Diagnostic::Kind::mended, "lanes whose width begins late", lane_location(road_, section, lane.id),
-                "says nothing of its width in its first " + metres(first) + "; it is as wide there as it is then");
+                "has no width in its first " + metres(first) + "; the first width after that is used there");
   const Pieces published = holding(std::move(records), from, to, true);
   if (by_width) return sum(inner, 1.0, published, sign, nearness(from, to));
-  // A border is measured from lane 0, and some write it without its sign.
+  // A border is measured from lane 0, and some exporters write it without its sign.
   const double centre = 0.5 * (from + to);
   const double there = piece_at(published, centre).at(centre - piece_at(published, centre).s);
   const double facing = there * sign < 0.0 ? -1.0 : 1.0;
@@ -143,7 +143,7 @@ void RoadLanes::add(const Lane& lane, std::size_t section, const Pieces& inner, 
                             forward ? at_from : at_to, forward ? at_to : at_from, speeds(lane, from)});
 }
 
-/// The lane's own limits hold where it has any, the road's before them.
+/// The lane's own limits take precedence over the road's.
 std::vector<SpeedFrom> RoadLanes::speeds(const Lane& lane, double from) const {
   std::vector<SpeedFrom> own = lane.speeds;
   for (SpeedFrom& limit : own) limit.s += from;  // sOffset counts from the lane section

@@ -15,7 +15,7 @@ namespace cosiva::zone::opendrive {
 using TrackId = std::uint32_t;
 inline constexpr TrackId no_track = ~TrackId{0};
 
-/// One lane of one lane section that is driven on.
+/// One lane of one lane section that vehicles drive on.
 struct Track {
   std::uint32_t road;
   std::uint32_t section;
@@ -31,9 +31,9 @@ struct Track {
   }
 };
 
-/// Roads as they lie, and the ways on them, by (road, section, lane).
+/// Roads, and the tracks on them, by (road, section, lane).
 struct Tracks {
-  std::vector<std::shared_ptr<const ReferenceLine>> lines;  ///< by road; none where it cannot be followed
+  std::vector<std::shared_ptr<const ReferenceLine>> lines;  ///< by road; none where the road cannot be followed
   std::vector<Track> tracks;
 
   /// A lane's end, by the road's s.
@@ -46,7 +46,7 @@ struct Tracks {
   [[nodiscard]] TrackId find(const End& end) const;
 };
 
-/// @param lane_types  which lanes are driven on
+/// @param lane_types  the lanes that vehicles drive on
 [[nodiscard]] Tracks find_tracks(const Network& network, const std::vector<std::string>& lane_types, Report& report);
 
 }  // namespace cosiva::zone::opendrive

@@ -11,21 +11,21 @@ namespace cosiva::zone::opendrive {
 namespace {
 
 constexpr std::size_t bytes_max = std::size_t{64} << 20U;
-// A tree costs some 70 bytes an element and 40 an attribute: what a file of "<a/>" could ask for is cut off here. Real
-// files of the greatest size have a quarter of these.
+// A tree costs some 70 bytes an element and 40 an attribute: this limits the memory for a file of "<a/>". Real files of
+// the greatest size have a quarter of these.
 constexpr std::ptrdiff_t elements_max = 2'000'000;
 constexpr std::ptrdiff_t attributes_max = 8'000'000;
 
 constexpr std::string_view blanks = " \t\r\n";
 
-/// Without strtod, which asks the locale what a decimal point is.
+/// Without strtod, whose decimal point depends on the locale.
 std::optional<double> parsed(std::string_view text) {
   text = trimmed(text, blanks);
   if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
   double value = 0.0;
   const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (end != text.data() + text.size()) return std::nullopt;
-  // Out of range is too great, or so small that it is 0; the exponent's sign tells which.
+  // Out of range is too great, or so small that it is 0; the exponent's sign shows which.
   if (fault == std::errc::result_out_of_range)
     return text.find("e-") != std::string_view::npos || text.find("E-") != std::string_view::npos ? std::optional{0.0}
                                                                                                   : std::nullopt;

@@ -11,24 +11,24 @@
 
 namespace cosiva::zone::opendrive {
 
-/// What a number must be, and how to say so.
+/// The required range of a number, and its description for messages.
 struct Range {
   std::string_view what;
   double low;
   double high;
 };
 
-/// A file as a tree, and the first thing wrong in it. Reading goes on with stand-in values, so that the reader stays
-/// straight-line code; whoever reads asks `error()` before trusting what was read.
+/// A file as a tree, and its first fault. Reading goes on with stand-in values, so that the reader stays straight-line
+/// code; the reader checks `error()` before using the result.
 class XmlFile {
  public:
-  /// Fails ("zone.size") beyond 64 MiB, 2 million elements or 8 million attributes, ("zone.syntax") on what is no XML.
+  /// Fails ("zone.size") beyond 64 MiB, 2 million elements or 8 million attributes, ("zone.syntax") on invalid XML.
   /// Entities that a file declares are not expanded, and nothing outside the file is read.
   [[nodiscard]] static Result<std::unique_ptr<XmlFile>> parse(std::string_view origin, std::string_view text);
 
   [[nodiscard]] pugi::xml_node root() const { return document_.document_element(); }
 
-  /// Without a fallback the attribute must be there. Elements with a bad one are faulted.
+  /// Without a fallback the attribute is required. Elements with a bad one are reported as faults.
   [[nodiscard]] double number(pugi::xml_node node, const char* name, const Range& range,
                               std::optional<double> fallback = std::nullopt);
   [[nodiscard]] std::optional<int> whole(pugi::xml_node node, const char* name);

@@ -13,7 +13,7 @@
 namespace cosiva::zone {
 namespace {
 
-// Two places this near on one section are the same place, whichever is ahead by rounding.
+// Two positions this near on one section are the same position, whichever is ahead by rounding.
 constexpr double same_position_m = 1e-6;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -26,15 +26,15 @@ std::vector<bool> marked(const Circuit& circuit, std::span<const SectionId> sect
   return flags;
 }
 
-/// The quickest ways from the end of one section to the starts of others.
+/// The quickest routes from the end of one section to the starts of others.
 class Search {
  public:
   Search(const Router& router, const Circuit& circuit, const std::vector<bool>& closed)
       : router_{router}, circuit_{circuit}, closed_{closed}, reached_(circuit.size()) {}
 
-  /// Looks on until a section of `wanted` is reached: that section, or no_section.
+  /// Continues until a section of `wanted` is reached: that section, or no_section.
   SectionId run(SectionId from, const std::vector<bool>& wanted);
-  /// The sections after the one it began with, up to `to`.
+  /// The sections after the first one, up to `to`.
   [[nodiscard]] std::vector<SectionId> route_to(SectionId to) const;
   [[nodiscard]] std::size_t reached_count() const { return count_; }
   [[nodiscard]] SectionId farthest() const { return farthest_; }
@@ -98,7 +98,7 @@ std::string quoted(const Circuit& circuit, SectionId id) {
   return text.append(circuit.part(id).name).append("'");
 }
 
-/// Why no wanted section can be reached. What is wanted is called `what` ("'dock'", "the loop 'outer'").
+/// The reason why no wanted section can be reached. `what` names the goal ("'dock'", "the loop 'outer'").
 Error no_route(const Router& router, const Circuit& circuit, SectionId from, const std::vector<bool>& wanted,
                const std::vector<bool>& closed, const std::string& what) {
   const std::string start = quoted(circuit, from);
@@ -106,21 +106,21 @@ Error no_route(const Router& router, const Circuit& circuit, SectionId from, con
   Search all{router, circuit, open};
   const SectionId found = all.run(from, wanted);
   if (found != no_section) {
-    // Open it all, and see what the quickest way would have come through.
+    // With all sections open, the closed ones on the quickest route are the obstacles.
     std::string names;
     for (const SectionId id : all.route_to(found)) {
       if (closed[id]) names.append(names.empty() ? "" : ", ").append(quoted(circuit, id));
     }
     return {"route.none",
-            "every way from " + start + " to " + what + " leads over closed sections; the quickest over " + names +
+            "every route from " + start + " to " + what + " leads over closed sections; the quickest over " + names +
                 "; open one of them",
             circuit.part(from).name};
   }
-  std::string text = "no way leads from " + start + " to " + what;
+  std::string text = "no route leads from " + start + " to " + what;
   if (all.reached_count() == 0)
     text += ": nothing follows " + start;
   else
-    text += ": the ways from there reach " + std::to_string(all.reached_count()) + " sections, the last of them " +
+    text += ": the routes from there reach " + std::to_string(all.reached_count()) + " sections, the last of them " +
             quoted(circuit, all.farthest());
   return {"route.none", text, circuit.part(from).name};
 }
@@ -141,7 +141,7 @@ double Router::turn_time_s(SectionId from, SectionId to) const {
 
 namespace {
 
-/// Length and time of a way that begins and ends somewhere on its first and last section.
+/// Length and time of a route that begins and ends somewhere on its first and last section.
 Route measured(const Router& router, const Circuit& circuit, std::vector<SectionId> sections, double from_m,
                double to_m) {
   Route route{std::move(sections), 0.0, 0.0};
@@ -223,7 +223,8 @@ Result<Route> Router::plan(TrackPosition from, const Loop& loop, std::span<const
   return measured(*this, circuit, std::move(sections), from.s_m, end_m);
 }
 
-/// Whoever leads nowhere but to dead ends is one itself: they are taken away, one after the other, until nobody is.
+/// A section that leads only to dead ends is one itself: such sections are removed, one after the other, until none is
+/// left.
 std::vector<bool> Router::goes_on_for_ever(std::span<const SectionId> closed) const {
   const Circuit& circuit = zone_->circuit;
   const std::vector<bool> closed_flags = marked(circuit, closed);
@@ -238,7 +239,7 @@ std::vector<bool> Router::goes_on_for_ever(std::span<const SectionId> closed) co
     const SectionId id = dead.back();
     dead.pop_back();
     alive[id] = false;
-    if (closed_flags[id]) continue;  // nobody counts on entering it
+    if (closed_flags[id]) continue;  // no predecessor depends on entering it
     for (const SectionId before : circuit.previous(id)) {
       if (--branches[before] == 0) dead.push_back(before);
     }

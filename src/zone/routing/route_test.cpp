@@ -48,7 +48,7 @@ TEST(Router, goes_straight_on_within_one_section) {
   EXPECT_DOUBLE_EQ(route->time_s, 4.0);  // 0.5 m/s
 }
 
-TEST(Router, goes_all_the_way_round_to_a_place_behind) {
+TEST(Router, goes_all_the_way_round_to_a_position_behind) {
   const TrafficZone zone = zone_of(fork_and_merge());
   const auto route = Router{zone}.plan({1, 3.0}, {1, 1.0});
   ASSERT_TRUE(route);
@@ -56,7 +56,7 @@ TEST(Router, goes_all_the_way_round_to_a_place_behind) {
   EXPECT_DOUBLE_EQ(route->length_m, 1.0 + 6.0 + 2.0 + 1.0);
 }
 
-TEST(Router, stays_where_it_is_when_only_rounding_puts_the_goal_behind) {
+TEST(Router, stays_in_place_when_only_rounding_puts_the_goal_behind) {
   const TrafficZone zone = zone_of(fork_and_merge());
   const auto route = Router{zone}.plan({1, 1.0 + 1e-12}, {1, 1.0});
   ASSERT_TRUE(route);
@@ -64,7 +64,7 @@ TEST(Router, stays_where_it_is_when_only_rounding_puts_the_goal_behind) {
   EXPECT_EQ(route->length_m, 0.0);
 }
 
-TEST(Router, takes_the_way_of_less_time_not_of_less_length) {
+TEST(Router, takes_the_route_of_less_time_not_of_less_length) {
   auto parts = fork_and_merge();
   const TrafficZone fast = zone_of(parts);
   EXPECT_THAT(Router{fast}.plan({0, 0.0}, {4, 0.0})->sections, ElementsAre(0, 1, 4));
@@ -83,17 +83,17 @@ TEST(Router, counts_turns_on_the_spot) {
   EXPECT_NEAR(route->time_s, pi / pivot_rate_radps + 2.0, 1e-12);
 }
 
-TEST(Router, never_enters_a_closed_section_but_leaves_one_it_stands_on) {
+TEST(Router, never_enters_a_closed_section_but_leaves_the_one_it_begins_on) {
   const TrafficZone zone = zone_of(fork_and_merge());
   const Router router{zone};
   const SectionId straight[] = {1};
   EXPECT_THAT(router.plan({0, 0.0}, {4, 0.0}, straight)->sections, ElementsAre(0, 2, 3, 4));
   EXPECT_THAT(router.plan({1, 1.0}, {4, 0.0}, straight)->sections, ElementsAre(1, 4));
-  EXPECT_TRUE(router.plan({1, 1.0}, {1, 2.0}, straight));   // ahead on the one it stands on
-  EXPECT_FALSE(router.plan({1, 2.0}, {1, 1.0}, straight));  // it would have to come back in
+  EXPECT_TRUE(router.plan({1, 1.0}, {1, 2.0}, straight));   // ahead on the starting section
+  EXPECT_FALSE(router.plan({1, 2.0}, {1, 1.0}, straight));  // the route would have to come back in
 }
 
-TEST(Router, says_which_closed_section_is_in_the_way) {
+TEST(Router, reports_which_closed_section_is_on_the_route) {
   const TrafficZone zone = zone_of(fork_and_merge());
   const SectionId both[] = {1, 3};
   const auto route = Router{zone}.plan({0, 0.0}, {4, 0.0}, both);
@@ -101,10 +101,10 @@ TEST(Router, says_which_closed_section_is_in_the_way) {
   EXPECT_EQ(route.error().code, "route.none");
   EXPECT_EQ(route.error().location, "stem");
   EXPECT_THAT(route.error().message, AllOf(HasSubstr("closed"), HasSubstr("'straight'"), HasSubstr("'back'")));
-  EXPECT_THAT(route.error().message, ::testing::Not(HasSubstr("'in'")));  // not on the quickest way
+  EXPECT_THAT(route.error().message, ::testing::Not(HasSubstr("'in'")));  // not on the quickest route
 }
 
-TEST(Router, says_that_the_goal_itself_is_closed) {
+TEST(Router, reports_that_the_goal_itself_is_closed) {
   const TrafficZone zone = zone_of(fork_and_merge());
   const SectionId back[] = {4};
   const auto route = Router{zone}.plan({0, 0.0}, {4, 1.0}, back);
@@ -112,16 +112,16 @@ TEST(Router, says_that_the_goal_itself_is_closed) {
   EXPECT_THAT(route.error().message, AllOf(HasSubstr("'back'"), HasSubstr("is closed")));
 }
 
-TEST(Router, says_how_far_one_comes_where_no_way_leads) {
+TEST(Router, reports_how_far_a_vehicle_gets_where_no_route_leads) {
   const TrafficZone line = zone_of({part("a", section({}, 1.0), {1}), part("b", section({1.0, 0.0, 0.0}, 1.0))});
   const Router router{line};
   const auto back = router.plan({1, 0.5}, {0, 0.5});
   ASSERT_FALSE(back);
-  EXPECT_EQ(back.error().message, "no way leads from 'b' to 'a': nothing follows 'b'");
+  EXPECT_EQ(back.error().message, "no route leads from 'b' to 'a': nothing follows 'b'");
   const auto round = router.plan({0, 0.5}, {0, 0.2});
   ASSERT_FALSE(round);
   EXPECT_EQ(round.error().message,
-            "no way leads from 'a' to 'a': the ways from there reach 1 sections, the last of them 'b'");
+            "no route leads from 'a' to 'a': the routes from there reach 1 sections, the last of them 'b'");
 }
 
 TEST(Router, decides_equal_times_by_the_lower_section) {
@@ -141,7 +141,7 @@ TEST(Router, decides_equal_times_by_the_lower_section) {
 // Loops
 // ------------------------------------------------------------------------------------------------------
 
-TEST(Router, joins_a_loop_where_it_is_reached_first_and_goes_once_round) {
+TEST(Router, joins_a_loop_at_the_first_section_reached_and_goes_round_once) {
   auto parts = fork_and_merge();
   const Pose2 stem = parts[0].section.start();
   parts.push_back(part("yard", section({stem.x_m - 1.0, stem.y_m, 0.0}, 1.0), {0}));
@@ -168,7 +168,7 @@ TEST(Router, goes_round_a_closed_section_of_a_loop) {
 // Dead ends
 // ------------------------------------------------------------------------------------------------------
 
-TEST(Router, knows_from_where_one_goes_on_for_ever) {
+TEST(Router, knows_the_sections_from_which_a_vehicle_drives_on_for_ever) {
   auto parts = fork_and_merge();
   parts[0].next.push_back(5);
   parts.push_back(part("spur", section({2.0, 0.0, 1.0}, 1.0), {6}));
@@ -179,7 +179,7 @@ TEST(Router, knows_from_where_one_goes_on_for_ever) {
   EXPECT_THAT(router.goes_on_for_ever(), ElementsAre(true, true, true, true, true, false, false));
   const SectionId back[] = {4};
   EXPECT_THAT(router.goes_on_for_ever(back), ElementsAre(false, false, false, false, false, false, false));
-  const SectionId straight[] = {1};  // who stands on it leaves it, and goes on for ever
+  const SectionId straight[] = {1};  // a vehicle on it leaves it, and drives on for ever
   EXPECT_THAT(router.goes_on_for_ever(straight), ElementsAre(true, true, true, true, true, false, false));
 }
 
@@ -232,7 +232,7 @@ TEST(Router, is_never_beaten_and_never_leaves_the_graph) {
     const auto from = static_cast<SectionId>(random.below(size));
     const auto times = all_times(zone, router, from, is_closed);
     for (SectionId to = 0; to < size; ++to) {
-      // From the end of the one to the start of the other, so that even the own section must be come back to.
+      // From the end of the one to the start of the other, so that even the starting section must be reached again.
       const auto route = router.plan({from, zone.circuit.section(from).length_m()}, {to, 0.0}, closed);
       RC_ASSERT(route.has_value() == std::isfinite(times[to]));
       if (!route) continue;
@@ -257,7 +257,7 @@ TEST(Router, goes_on_for_ever_exactly_where_a_walk_of_any_length_exists) {
     for (SectionId id = 0; id < size; ++id)
       if (random.chance(0.15)) closed.push_back(id);
     const auto is_closed = [&](SectionId id) { return std::find(closed.begin(), closed.end(), id) != closed.end(); };
-    // A walk of as many steps as there are sections comes twice to one of them.
+    // A walk of as many steps as there are sections visits one of them twice.
     std::vector<bool> walks(size, true);
     for (std::size_t steps = 0; steps <= size; ++steps) {
       std::vector<bool> longer(size, false);

@@ -14,7 +14,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-/// Places spread evenly over a zone's ways.
+/// Positions spread evenly over a zone's sections.
 std::vector<Point2> positions(const TrafficZone& zone, std::size_t count) {
   std::vector<Point2> found;
   const double step_m = zone.circuit.total_length_m() / static_cast<double>(count);
@@ -26,7 +26,7 @@ std::vector<Point2> positions(const TrafficZone& zone, std::size_t count) {
   return found;
 }
 
-TEST(Indus8, has_eight_parallel_aisles_joined_by_u_turns_and_a_way_back) {
+TEST(Indus8, has_eight_parallel_aisles_joined_by_u_turns_and_a_return_section) {
   const TrafficZone zone = testing::zone_file("indus8.toml");
   ASSERT_EQ(zone.circuit.size(), 18U);
   for (int k = 1; k <= 8; ++k) {
@@ -42,7 +42,7 @@ TEST(Indus8, has_eight_parallel_aisles_joined_by_u_turns_and_a_way_back) {
   }
 }
 
-TEST(Indus8, is_one_round_of_23_66_m_that_closes_within_a_picometre) {
+TEST(Indus8, is_one_loop_of_23_66_m_that_closes_within_a_picometre) {
   const TrafficZone zone = testing::zone_file("indus8.toml");
   EXPECT_NEAR(zone.circuit.total_length_m(), 6 * 2.08 + 2 * 2.18 + 7 * pi * 0.18 + pi * 0.3 + 1.92, 1e-9);
   for (SectionId id = 0; id < 18; ++id) EXPECT_THAT(zone.circuit.next(id), ElementsAre((id + 1) % 18));
@@ -58,7 +58,7 @@ TEST(Indus8, has_tags_beacons_stations_and_a_charger) {
   const TrafficZone zone = testing::zone_file("indus8.toml");
   EXPECT_THAT(zone.tags, SizeIs(18));
   EXPECT_NEAR(longest_tag_free(zone).length_m, 2.08 - 0.60, 1e-9);
-  // Every aisle and the way back lie on the matrix; the longest stretch leads round a corner.
+  // Every aisle and the return section lie on the matrix; the longest stretch leads round a corner.
   EXPECT_LT(longest_beacon_free(zone).length_m, 0.9);
   ASSERT_THAT(zone.stations, SizeIs(6));
   EXPECT_EQ(zone.find_station("shelf_a")->kind, StationKind::stop);
@@ -77,7 +77,7 @@ TEST(Indus8, begins_with_four_vehicles_and_has_room_for_twelve) {
   EXPECT_THAT(zone.start_positions(12), SizeIs(12));
 }
 
-TEST(Indus8, drives_what_lacet4_drives) {
+TEST(Indus8, supports_the_same_vehicles_as_lacet4) {
   const TrafficZone zone = testing::zone_file("indus8.toml");
   const TrafficZone lacet4 = testing::lacet4();
   EXPECT_EQ(zone.vehicle.length_m, lacet4.vehicle.length_m);
@@ -85,7 +85,7 @@ TEST(Indus8, drives_what_lacet4_drives) {
   EXPECT_EQ(zone.profiles.fast.speed_mps, lacet4.profiles.fast.speed_mps);
 }
 
-TEST(Indus8, has_a_way_within_30_cm_of_every_place_of_lacet4) {
+TEST(Indus8, has_a_section_within_30_cm_of_every_position_of_lacet4) {
   const TrafficZone zone = testing::zone_file("indus8.toml");
   double worst_m = 0.0;
   for (const Point2& p : positions(testing::lacet4(), 1000))
@@ -93,8 +93,8 @@ TEST(Indus8, has_a_way_within_30_cm_of_every_place_of_lacet4) {
   EXPECT_LT(worst_m, 0.30);
 }
 
-TEST(Indus8, is_within_30_cm_of_lacet4_but_inside_its_loops_and_between_its_arms) {
-  // A loop's middle is 0.60 m from its rim, so no aisle there can be nearer everywhere.
+TEST(Indus8, is_within_30_cm_of_lacet4_except_inside_its_loops_and_between_its_arms) {
+  // A loop's centre is 0.60 m from its rim, so no aisle there can be nearer everywhere.
   const TrafficZone lacet4 = testing::lacet4();
   std::size_t near = 0;
   const auto all = positions(testing::zone_file("indus8.toml"), 1000);

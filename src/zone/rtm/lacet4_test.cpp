@@ -32,7 +32,7 @@ TEST(Lacet4, is_17_31_m_long) {
   EXPECT_NEAR(length_m, 17.31, 0.005);
 }
 
-TEST(Lacet4, runs_its_straights_where_the_article_is_fixed_to_have_them) {
+TEST(Lacet4, has_its_straights_at_the_positions_fixed_for_the_article) {
   const TrafficZone zone = testing::lacet4();
   const auto expect_centre = [&](std::string_view name, const Pose2& X_MP) {
     const auto id = zone.circuit.find(name);
@@ -95,7 +95,7 @@ TEST(Lacet4, has_twelve_tags_three_per_quadrant) {
   EXPECT_THAT(per_quadrant, ::testing::Each(3));
 }
 
-TEST(Lacet4, has_no_stretch_without_tag_longer_than_it_must) {
+TEST(Lacet4, has_no_unnecessarily_long_stretch_without_tag) {
   const TrafficZone zone = testing::lacet4();
   for (std::size_t i = 0; i < 12; ++i) {
     const auto stretch_m = zone.circuit.distance_ahead(zone.tags[i].position, zone.tags[(i + 1) % 12].position, 100.0);
@@ -135,7 +135,7 @@ TEST(Lacet4, begins_with_four_vehicles_one_per_loop_and_has_room_for_twelve) {
 }
 
 TEST(Lacet4, lays_no_waypoint_between_its_crossings) {
-  // Straights cross two others 0.3 m apart: a vehicle of 0.2 m cannot stand between.
+  // Straights cross two others 0.3 m apart: a vehicle of 0.2 m cannot stop between.
   const TrafficZone zone = testing::lacet4();
   for (const Waypoint& waypoint : zone.waypoints) {
     if (zone.circuit.section(waypoint.position.section).kind() != SectionKind::straight) continue;

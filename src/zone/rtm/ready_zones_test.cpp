@@ -47,8 +47,8 @@ TEST(ReadyZones, are_named_as_their_files_and_hold_twelve_vehicles) {
   }
 }
 
-// What is driven both ways, and stations where vehicles are in the way, are what a workshop is like.
-TEST(ReadyZones, have_nothing_wrong_with_them) {
+// Tracks driven both ways, and stations where vehicles obstruct others, are typical of a workshop.
+TEST(ReadyZones, have_no_faults) {
   for (const ZoneConfiguration& configuration : ready_zones()) {
     const auto rtm = Rtm::initialise(configuration);
     ASSERT_TRUE(rtm) << to_string(rtm.error());
@@ -59,7 +59,7 @@ TEST(ReadyZones, have_nothing_wrong_with_them) {
   }
 }
 
-TEST(ReadyZones, have_no_place_where_vehicles_come_to_wait_for_each_other_but_when_they_are_full) {
+TEST(ReadyZones, have_no_position_where_vehicles_come_to_wait_for_each_other_unless_they_are_full) {
   for (const ZoneConfiguration& configuration : ready_zones()) {
     const auto rtm = Rtm::initialise(configuration);
     ASSERT_TRUE(rtm) << to_string(rtm.error());
@@ -67,7 +67,7 @@ TEST(ReadyZones, have_no_place_where_vehicles_come_to_wait_for_each_other_but_wh
     for (const Problem& spot : deadlock_spots(rtm->zone())) {
       EXPECT_EQ(spot.severity, Problem::Severity::notice);
       if (spot.code == "deadlock.loop") ++loops;
-      // A workshop's stations are left the way one came.
+      // A workshop's stations are left in the direction of entry.
       const bool expected = spot.code == "deadlock.loop" || spot.code == "deadlock.dead_end";
       EXPECT_TRUE(expected) << configuration.origin << ": " << to_string(spot, rtm->zone());
     }

@@ -13,7 +13,7 @@
 
 namespace cosiva::zone {
 
-/// All formats that there are.
+/// All supported formats.
 [[nodiscard]] std::vector<std::string_view> known_formats();
 /// The factory of a format; fails ("zone.format") naming the known ones.
 [[nodiscard]] Result<const CircuitFactory*> circuit_factory_for(std::string_view format);
@@ -22,19 +22,20 @@ namespace cosiva::zone {
 /// ones.
 [[nodiscard]] Result<std::string> format_of_file(std::string_view file_name);
 
-/// "plant.zone.toml": the name of the file that says what the format of "plant.lif.json" or "plant.xodr" cannot;
-/// nothing for a file whose format needs none.
+/// "plant.zone.toml": the name of the sidecar file of "plant.lif.json" or "plant.xodr", for data that their formats
+/// cannot express; nothing for a file whose format needs none.
 [[nodiscard]] std::optional<std::string> sidecar_of_file(std::string_view file_name);
 
-/// Everything wrong with it, at most a hundred faults, each with its place; nothing where Rtm::initialise takes it.
+/// Every fault of the configuration, at most a hundred, each with its location; nothing where Rtm::initialise accepts
+/// it.
 [[nodiscard]] std::vector<Error> faults(const ZoneConfiguration& configuration);
 
-/// The configuration's text with the edit in it; the rest of the file, comments too, stays as it is. Fails where the
-/// format has no such thing.
+/// The configuration's text with the edit in it; the rest of the file, comments too, stays unchanged. Fails where the
+/// format cannot express the edit.
 [[nodiscard]] Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration, const ZoneEdit& edit);
 
 /// The real-time module (A22): a file on the physical side, a queryable object on the virtual one. It initialises
-/// itself from the configuration and answers requests about zone, circuit and sections.
+/// itself from the configuration and serves requests about zone, circuit and sections.
 class Rtm {
  public:
   [[nodiscard]] static Result<Rtm> initialise(ZoneConfiguration configuration);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Zones for this folder's tests, and short ways to make them.
+// Zones for this folder's tests, and short functions to make them.
 
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ inline Circuit circuit(std::vector<Circuit::Part> parts) {
   return std::move(*made);
 }
 
-/// Two straights and two half circles: a running track, once round anticlockwise.
+/// Two straights and two half circles: a running track, driven anticlockwise.
 inline Circuit track(double straight_m = 2.0, double radius_m = 0.5) {
   const Section south = section({0.0, 0.0, 0.0}, straight_m);
   const Section east = section(south.end(), pi * radius_m, 1.0 / radius_m);
@@ -41,7 +41,7 @@ inline Circuit track(double straight_m = 2.0, double radius_m = 0.5) {
       {part("south", south, {1}), part("east", east, {2}), part("north", north, {3}), part("west", west, {0})});
 }
 
-/// Six lines, so that what a test adds begins on line 7.
+/// Six lines, so that a test's addition begins on line 7.
 inline const std::string straight = R"(name = "z"
 format_version = 1
 [[section]]
@@ -56,7 +56,7 @@ inline Result<TrafficZone> read_zone(const std::string& text) {
   return rtm->zone();
 }
 
-/// A file of zones/ with its sidecar file, if it has one, as the whole program would read it.
+/// A file of zones/ with its sidecar file, if it has one, as the program reads it.
 inline ZoneConfiguration configuration_file(const std::string& file_name) {
   const auto bytes = [](const std::string& path) {
     std::ifstream file(path);

@@ -48,7 +48,7 @@ void read_text(const ZoneConfiguration& configuration, TomlFaults& faults,
   parse_toml(configuration.sidecar, faults, read);
 }
 
-/// The circuit with these limits on its sections; it was joined already, so nothing about its joints is asked again.
+/// The circuit with these limits on its sections; the circuit was joined already, so its joints are not checked again.
 Result<Circuit> limited(const Circuit& circuit, const std::vector<Sidecar::Limit>& limits) {
   std::vector<Circuit::Part> parts;
   parts.reserve(circuit.size());
@@ -123,7 +123,7 @@ std::string sidecar_file(std::string_view file_name) {
   const auto dot = file_name.rfind('.');
   if (dot != std::string_view::npos && (slash == std::string_view::npos || dot > slash + 1))
     file_name = file_name.substr(0, dot);
-  // "plant.lif.json" is named twice after what it is.
+  // "plant.lif.json" has two endings that name its format.
   if (file_name.ends_with(".lif")) file_name.remove_suffix(4);
   return std::string(file_name) + ".zone.toml";
 }

@@ -12,17 +12,17 @@
 
 namespace cosiva::zone {
 
-/// Of vehicles that nobody described.
+/// Of vehicles without a description.
 inline constexpr SpeedProfiles default_profiles{{0.15, 0.3, 0.6}, {0.30, 0.5, 0.8}, {0.50, 0.8, 1.0}};
 
-/// What the TOML beside a file of another format says before its geometry is read. Nothing is there: the defaults.
+/// The content of the sidecar file that is read before the geometry. Missing values: the defaults.
 struct Sidecar {
   std::optional<std::string> name;  ///< the zone's, instead of the one that the format gives
   std::optional<VehicleShape> vehicle;
   std::optional<SpeedProfiles> profiles;
   double clearance_m{0.04};        ///< [crossings]
   double spacing_m{0.30};          ///< [waypoints]
-  std::optional<bool> nodes_only;  ///< [waypoints]; nothing said: as the format wants
+  std::optional<bool> nodes_only;  ///< [waypoints]; no value: as the format requires
 
   bool edges_are_sections{false};  ///< [waypoints]
 
@@ -38,20 +38,21 @@ struct Sidecar {
   double scale{1.0};                                   ///< metres per unit of the file
   double tolerance_m{1e-3};                            ///< of fits
   double tolerance_rad{1e-3};                          ///< of fits
-  std::optional<std::string> layout;                   ///< which one of a file that holds several
-  std::optional<std::string> vehicle_type;             ///< which one's edges and properties are taken
-  std::optional<std::vector<std::string>> lane_types;  ///< of a road's lanes, which are driven on
+  std::optional<std::string> layout;                   ///< the selected one of a file that holds several
+  std::optional<std::string> vehicle_type;             ///< the type whose edges and properties are taken
+  std::optional<std::vector<std::string>> lane_types;  ///< the types of a road's lanes that vehicles drive on
 };
 
-/// Reads what the geometry needs of `configuration.sidecar file`; an empty one is a good one. Errors are those of a
-/// native file, at the sidecar file's name (sidecar_file) and line.
+/// Reads the data for the geometry from `configuration.sidecar`; an empty text is valid. Errors are those of a native
+/// file, at the sidecar file's name (sidecar_file) and line.
 [[nodiscard]] Result<Sidecar> read_sidecar(const ZoneConfiguration& configuration);
 
-/// The rest of the sidecar file, once `zone` has its name and circuit: gives it vehicle and profiles (the defaults
-/// where `sidecar` has none), then [[limit]] [beacons] [[tag]] [[station]] [[loop]] [closed] [priorities], crossings,
-/// waypoints, [[start]]. Stations, loops, closed sections and notes that the format has put there itself stay, first.
-/// A bend that is too tight for the vehicle is noted, not refused: the file is somebody else's.
-/// @param sidecar file  as it was read, with what the file itself says put in where the sidecar file says nothing
+/// The rest of the sidecar file, once `zone` has its name and circuit: gives the zone vehicle and profiles (the
+/// defaults where `sidecar` has none), then [[limit]] [beacons] [[tag]] [[station]] [[loop]] [closed] [priorities],
+/// crossings, waypoints, [[start]]. Stations, loops, closed sections and diagnostics that the format has put there
+/// itself stay, first. A bend that is too tight for the vehicle leaves a diagnostic, and is not refused: the file may
+/// be a third party's.
+/// @param sidecar    as it was read, completed by the values of the file itself where the sidecar file has none
 /// @param rules      of the waypoints that the format declares (start_ids, end_ids, at); the rest of it comes from here
 /// Fails as make_zone does: "zone.reference", "zone.duplicate", "zone.size", "zone.vehicle" …
 [[nodiscard]] Result<void> furnish(TrafficZone& zone, const ZoneConfiguration& configuration, const Sidecar& sidecar,

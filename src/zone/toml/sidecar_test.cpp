@@ -17,7 +17,7 @@ using ::testing::Pair;
 using ::testing::SizeIs;
 using ::testing::StartsWith;
 
-/// A format whose every file is a running track with a dock, and which leaves all else to its sidecar file.
+/// A format whose every file is a running track with a dock, and which leaves everything else to its sidecar file.
 class TrackFactory final : public CircuitFactory {
  public:
   std::string_view format() const override { return "track"; }
@@ -58,7 +58,7 @@ TEST(Sidecar, that_is_empty_leaves_the_defaults) {
   EXPECT_FALSE(zone->beacons);
 }
 
-TEST(Sidecar, says_all_that_the_format_cannot) {
+TEST(Sidecar, adds_all_that_the_format_cannot_express) {
   const auto zone = read(R"(name = "area"
 [import]
 scale = 2.0
@@ -130,8 +130,8 @@ TEST(Sidecar, reads_the_import_before_the_geometry) {
   EXPECT_EQ(sidecar->vehicle_type, "AMR");
 }
 
-TEST(Sidecar, that_is_wrong_is_refused_at_its_own_file_and_line) {
-  EXPECT_THAT(error_of("[vehicle\n"), StartsWith("zone.syntax plants/area.zone.toml:1: "));
+TEST(Sidecar, that_is_wrong_is_refused_with_its_own_file_and_line) {
+  EXPECT_THAT(error_of("[vehicle\n"), StartsWith("zone.syntax plants/control area.zone.toml:1: "));
   EXPECT_THAT(
       error_of("[import]\nscle = 2\n"),
       StartsWith(
@@ -150,7 +150,7 @@ TEST(Sidecar, that_is_wrong_is_refused_at_its_own_file_and_line) {
               StartsWith("zone.field plants/area.zone.toml"));
 }
 
-TEST(Sidecar, takes_a_bend_too_tight_for_the_vehicle_with_a_note) {
+TEST(Sidecar, accepts_a_bend_too_tight_for_the_vehicle_with_a_diagnostic) {
   const auto zone = read("[vehicle]\nlength_m = 0.5\nwidth_m = 1.2\n");
   ASSERT_TRUE(zone) << to_string(zone.error());
   ASSERT_THAT(zone->diagnostics, SizeIs(2));
@@ -158,7 +158,7 @@ TEST(Sidecar, takes_a_bend_too_tight_for_the_vehicle_with_a_note) {
   EXPECT_EQ(zone->diagnostics[0].location, "section 'east'");
 }
 
-TEST(Sidecar, takes_edits_and_is_made_where_there_is_none) {
+TEST(Sidecar, takes_edits_and_is_created_where_there_is_none) {
   const TrackFactory factory;
   ZoneEdit edit;
   edit.set_tags = {{3, {1, 0.5}}};
@@ -175,7 +175,7 @@ TEST(Sidecar, takes_edits_and_is_made_where_there_is_none) {
   EXPECT_EQ(moved->sidecar, "# ours\n[beacons]\npitch_m = 0.5\norigin = [0.25, 0.00]\ncover = \"zone\"\n");
 }
 
-TEST(SidecarFile, stands_beside_the_file_it_speaks_of) {
+TEST(SidecarFile, has_a_name_derived_from_the_file_it_belongs_to) {
   EXPECT_EQ(sidecar_file("plants/area.lif.json"), "plants/area.zone.toml");
   EXPECT_EQ(sidecar_file("plants.d/area.xodr"), "plants.d/area.zone.toml");
   EXPECT_EQ(sidecar_file("plants.d/area"), "plants.d/area.zone.toml");

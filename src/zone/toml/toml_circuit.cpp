@@ -11,11 +11,11 @@
 namespace cosiva::zone {
 namespace {
 
-// The whole zone may turn this much: it bounds the memory that a small file can ask for.
+// The whole zone may turn this much: bounds the memory that a small file can request.
 constexpr double turned_max_rad = 4e5;
 constexpr double length_max_m = 1e6;
 constexpr std::size_t circuits_max = 100;
-// More ways than this from one place are no fork.
+// More branches than this at one position are no fork.
 constexpr std::size_t successors_max = 64;
 
 constexpr NumberRange turn_deg{"degrees to turn, positive to the left", -572957.0, 572957.0};
@@ -35,7 +35,7 @@ std::optional<Circuit> TomlTracks::read() {
   if (!faults_.any()) read_sections();
   if (!faults_.any()) read_successors();
   if (!faults_.any()) check_vehicle_fits();
-  // Joints are looked at even where a bend is too tight: whoever mends a file wants to know of both.
+  // Joints are checked even where a bend is too tight, so that both faults are reported.
   const bool readable = !faults_.any() || faults_.first().code == "zone.vehicle";
   return readable ? join() : std::nullopt;
 }
@@ -106,7 +106,7 @@ void TomlTracks::read_section(const TomlFields& fields) {
   circuit.follows = section->end();
 }
 
-/// Without a name it is that of the section before it in the file.
+/// Without a name the section has that of the section before it in the file.
 void TomlTracks::read_circuit_of(const TomlFields& fields) {
   const auto name = fields.optional_name("circuit");
   if (!name || faults_.any()) return;
@@ -202,7 +202,7 @@ void TomlTracks::add_successor(SectionId id, std::string_view name, std::string_
         key, "zone.reference",
         "expected names of sections, found \"" + std::string(name.substr(0, 64)) + "\", which is none");
   if (std::find(next.begin(), next.end(), at->second) != next.end())
-    return entries_[said_by].fault(key, "zone.duplicate", "\"" + std::string(name) + "\" stands here twice");
+    return entries_[said_by].fault(key, "zone.duplicate", "\"" + std::string(name) + "\" occurs here twice");
   if (next.size() >= successors_max)
     return entries_[said_by].fault(key, "zone.size",
                                    "expected at most " + std::to_string(successors_max) + " sections after one");
@@ -226,7 +226,7 @@ void TomlTracks::read_successors() {
       }
     }
   }
-  // Branches come after what a section says itself: its default stays.
+  // Branches come after a section's own successor, which stays the default.
   for (SectionId id = 0; id < parts_.size() && !faults_.any(); ++id)
     if (from_[id] != no_section) add_successor(from_[id], parts_[id].name, "from", id);
 }
@@ -257,14 +257,14 @@ std::optional<Circuit> TomlTracks::join() {
     COSIVA_EXPECT(faults_.any());
     return std::nullopt;
   }
-  // The circuit knows the section at fault by name; the last of that name is the one that came too late.
+  // The circuit reports the section at fault by name; the last of that name is the duplicate.
   const auto found = std::find(names.rbegin(), names.rend(), error.location);
   const auto index = found == names.rend() ? std::size_t{0} : static_cast<std::size_t>(names.rend() - found) - 1;
   entries_[index].fault("name", error.code, error.message);
   return std::nullopt;
 }
 
-/// Asks the circuit joint by joint, for it stops at the first bad one.
+/// Checks the circuit joint by joint, because Circuit::make stops at the first bad one.
 void TomlTracks::list_bad_joints() const {
   for (SectionId id = 0; id < parts_.size(); ++id) {
     for (const SectionId after : parts_[id].next) {
@@ -292,7 +292,7 @@ std::vector<Loop> TomlTracks::loops(const Circuit& circuit) const {
       if (!next.empty() && next.front() == round.sections.front()) break;
       if (next.empty() || loop.sections.size() > circuit.size()) {
         faults_.add({"zone.loop",
-                     "the circuit '" + round.name + "' is closed, but the way from its section '" +
+                     "the circuit '" + round.name + "' is closed, but the path from its section '" +
                          circuit.part(round.sections.front()).name +
                          "' along the first of each 'next' does not come "
                          "back there",

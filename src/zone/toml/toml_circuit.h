@@ -16,7 +16,7 @@ namespace cosiva::zone {
 struct TomlCircuit {
   std::string name;  ///< empty: the only one, which need not have any
   bool closed{false};
-  Pose2 follows;                      ///< where its next section begins
+  Pose2 follows;                      ///< the start of its next section
   std::vector<SectionId> sections{};  ///< in the file's order
 };
 
@@ -26,10 +26,10 @@ class TomlTracks {
   TomlTracks(TomlFaults& faults, const TomlFields& root, std::string name, const VehicleShape& vehicle)
       : faults_{faults}, root_{root}, name_{std::move(name)}, vehicle_{vehicle} {}
 
-  /// Nothing after leaving faults: where ends do not meet, or bends are too tight, all those places.
+  /// Nothing after leaving faults: gaps between ends, or bends that are too tight, all of them.
   [[nodiscard]] std::optional<Circuit> read();
 
-  /// What named closed circuits are. One that does not come round leaves a fault.
+  /// The loops of named closed circuits. A circuit that does not close leaves a fault.
   [[nodiscard]] std::vector<Loop> loops(const Circuit& circuit) const;
   /// Ids of waypoints that sections name.
   [[nodiscard]] WaypointRules rules() const { return rules_; }
@@ -39,7 +39,7 @@ class TomlTracks {
   void read_sections();
   void read_section(const TomlFields& fields);
   void read_circuit_of(const TomlFields& fields);
-  /// Where the section begins: at `start`, at the end of the section `from`, or where its circuit has come to.
+  /// The start of the section: at `start`, at the end of the section `from`, or at the present end of its circuit.
   [[nodiscard]] Pose2 start_of(const TomlFields& fields, const TomlCircuit& circuit);
   [[nodiscard]] std::optional<Section> read_shape(const TomlFields& fields, const Pose2& follows) const;
   void read_waypoint_ids(const TomlFields& fields, SectionId id);

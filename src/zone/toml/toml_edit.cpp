@@ -1,6 +1,6 @@
-// Edits a zone's TOML as a person would: by its text, so that comments and layout stay. toml++ tells where things
-// stand; only the bytes of what changes are touched. Each step reads the text anew, for the one before it has moved
-// things.
+// Edits a zone's TOML as text, like a person would, so that comments and layout stay. toml++ reports the positions of
+// values; only the bytes of changed values are touched. Each step parses the text anew, because the step before it has
+// shifted positions.
 #include "cosiva/zone/toml/toml_edit.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ struct Replacement {
   std::string text;
 };
 
-/// One reading of the text: where its nodes stand in bytes.
+/// One reading of the text, with the positions of its nodes in bytes.
 class Reading {
  public:
   explicit Reading(std::string_view text) : text_{text}, root_{toml::parse(text)} {
@@ -45,7 +45,7 @@ class Reading {
   [[nodiscard]] Replacement replace(const toml::node& value, std::string text) const {
     return {offset(value.source().begin), offset(value.source().end), std::move(text)};
   }
-  /// Whether this table stands under its own [header] or [[header]].
+  /// Whether this table has its own [header] or [[header]].
   [[nodiscard]] bool has_header(const toml::node& table) const {
     const std::size_t at = offset(table.source().begin);
     return table.is_table() && at < text_.size() && text_[at] == '[';
@@ -119,7 +119,7 @@ class Editor {
   }
 
   void refuse_listed_tags() {
-    refuse("the tags of this file stand in a list; write each under its own [[tag]] to add or take away some");
+    refuse("the tags of this file are in a list; write each under its own [[tag]] to add or remove some");
   }
 
   void remove_tags(const ZoneEdit& edit) {
@@ -130,12 +130,12 @@ class Editor {
       const toml::table* tag = find_tag(reading, number);
       if (tag == nullptr) continue;
       if (!reading.has_header(*tag)) return refuse_listed_tags();
-      // Its lines go, not those between them that hold something else: a comment is somebody's, and stays.
+      // Its lines are removed, not those between them with other content: a comment stays.
       const std::size_t header = tag->source().begin.line;
       removed.push_back(reading.removed_lines(header, header));
       for (const auto& [key, value] : *tag)
         removed.push_back(reading.removed_lines(key.source().begin.line, value.source().end.line));
-      // Of two blank lines around it one goes too.
+      // Of two blank lines around it one is removed too.
       const std::size_t after = reading.last_line(*tag) + 1;
       if (reading.blank(after) && (header == 1 || reading.blank(header - 1)))
         removed.push_back(reading.removed_lines(after, after));
@@ -158,7 +158,7 @@ class Editor {
     apply(std::move(changes));
   }
 
-  /// What is not there yet comes behind the pitch, which is always there.
+  /// A missing value is inserted behind the pitch, which always exists.
   void set_beacons(const ZoneEdit& edit) {
     const Reading reading{text_};
     const auto* beacons = reading.root().get_as<toml::table>("beacons");
@@ -180,7 +180,7 @@ class Editor {
     if (edit.beacon_origin)
       set("origin", "[" + metres_text(edit.beacon_origin->x_m) + ", " + metres_text(edit.beacon_origin->y_m) + "]");
     if (edit.beacon_rotation_rad) {
-      // A file may say it in radians; then it goes on to.
+      // A file may give the angle in radians; the edit keeps the unit.
       if (beacons->contains("rotation_rad"))
         set("rotation_rad", toml_number(rounded_rad(*edit.beacon_rotation_rad)));
       else
@@ -233,8 +233,7 @@ class Editor {
       if (value != nullptr && priority > 0) {
         changes.push_back(reading.replace(*value, std::to_string(priority)));
       } else if (table != nullptr && !has_header) {
-        return refuse(
-            "the priorities of this file stand in one line; write them under [priorities] to change them here");
+        return refuse("the priorities of this file are in one line; write them under [priorities] to change them here");
       } else if (value != nullptr) {
         changes.push_back(
             reading.removed_lines(table->find(vehicle)->first.source().begin.line, value->source().end.line));
@@ -242,7 +241,7 @@ class Editor {
         added += toml_quoted(vehicle) + " = " + std::to_string(priority) + newline;
       }
     }
-    // Before what stands further up in the text moves it.
+    // Before an insertion further up in the text shifts it.
     if (!added.empty() && table != nullptr)
       insert_lines(reading.line_begin(reading.last_line(*table) + 1), added, newline);
     apply(std::move(changes));
@@ -279,7 +278,7 @@ class Editor {
 
 namespace {
 
-/// Edits that part of the configuration which is ours, and looks whether it came out as it should.
+/// Edits one text of the configuration, and checks the result.
 Result<ZoneConfiguration> edited_in(std::string ZoneConfiguration::*part, const std::string& origin,
                                     const CircuitFactory& factory, const ZoneConfiguration& configuration,
                                     const ZoneEdit& edit) {

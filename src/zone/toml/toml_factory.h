@@ -14,7 +14,7 @@ class TomlCircuitFactory final : public CircuitFactory {
   [[nodiscard]] std::vector<std::string_view> file_endings() const override { return {".toml"}; }
   [[nodiscard]] Result<TrafficZone> make_zone(const ZoneConfiguration& configuration) const override;
   [[nodiscard]] std::vector<Error> faults(const ZoneConfiguration& configuration) const override;
-  /// Reads back as the same zone, to the last bit; only its notes are not in it.
+  /// Reads back as the same zone, to the last bit, except for its diagnostics.
   [[nodiscard]] Result<ZoneConfiguration> written(const TrafficZone& zone,
                                                   std::vector<Diagnostic>& lost) const override;
   [[nodiscard]] Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration,

@@ -36,8 +36,8 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(at, from.size(), to);
 }
 
-// What it reads
-// ---------------------------------------------------------------------------------------------------------
+// What the factory reads
+// ------------------------------------------------------------------------------------------------
 
 TEST(TomlZone, needs_no_more_than_a_name_and_a_section) {
   const auto zone = read_zone(straight);
@@ -167,7 +167,7 @@ TEST(TomlZone, covers_the_zone_with_beacons_of_any_pitch) {
   }
 }
 
-TEST(TomlZone, in_the_guide_is_a_zone_with_everything_in_it) {
+TEST(TomlZone, in_the_guide_is_a_zone_with_all_elements) {
   std::ifstream file(source_dir() + "/docs/guide/zones.md");
   std::stringstream guide;
   guide << file.rdbuf();
@@ -185,10 +185,10 @@ TEST(TomlZone, in_the_guide_is_a_zone_with_everything_in_it) {
   EXPECT_NEAR(std::fabs(zone->circuit.section(4).start().heading_rad), pi, 1e-6);
 }
 
-// What it refuses, and how it says so
-// -----------------------------------------------------------------------------------
+// Refusals and their messages
+// ---------------------------------------------------------------------------------------------
 
-TEST(TomlZone, says_file_line_field_what_was_expected_and_what_was_found) {
+TEST(TomlZone, reports_file_line_field_expected_and_found_value) {
   EXPECT_EQ(error_of(replaced(straight, "2.0", "\"abc\"")),
             "test.toml:6: section[1].length_m: expected a positive number of metres, at most 100000, found \"abc\"");
 }
@@ -219,7 +219,7 @@ TEST(TomlZone, with_an_unknown_key_names_the_nearest_known_one) {
   EXPECT_THAT(error_of(straight + "radius_m = 1.0\n"), HasSubstr("section[1].radius_m: unknown key"));
 }
 
-TEST(TomlZone, with_numbers_that_are_none_or_out_of_range_is_refused) {
+TEST(TomlZone, with_invalid_or_out_of_range_numbers_is_refused) {
   for (const char* bad : {"nan", "inf", "-inf", "0.0", "-2.0", "1e9", "true", "[2.0]", "{ m = 2.0 }", "1979-05-27"})
     EXPECT_THAT(error_of(replaced(straight, "2.0", bad)), StartsWith("test.toml:6: section[1].length_m: expected"))
         << bad;
@@ -250,7 +250,7 @@ TEST(TomlZone, with_names_or_numbers_twice_is_refused_at_the_second) {
   EXPECT_EQ(code_of(straight + "next = [\"a\", \"a\"]\n"), "zone.duplicate");
 }
 
-TEST(TomlZone, that_refers_to_a_section_that_is_not_there_is_refused) {
+TEST(TomlZone, that_refers_to_a_missing_section_is_refused) {
   EXPECT_THAT(error_of(straight + "next = [\"b\"]\n"),
               StartsWith("test.toml:7: section[1].next: expected names of sections, found \"b\""));
   EXPECT_THAT(error_of(straight + "[[tag]]\nnumber = 1\nsection = \"b\"\ns_m = 0\n"),
@@ -266,7 +266,7 @@ TEST(TomlZone, with_a_gap_or_a_kink_is_refused_at_the_section_before_it) {
   EXPECT_EQ(code_of(straight + "[circuit]\nclosed = true\n"), "circuit.gap");
 }
 
-TEST(TomlZone, with_a_place_beyond_its_section_is_refused) {
+TEST(TomlZone, with_a_position_beyond_its_section_is_refused) {
   EXPECT_EQ(error_of(straight + "[[tag]]\nnumber = 1\nsection = \"a\"\ns_m = 2.1\n"),
             "test.toml:10: tag[1].s_m: expected metres along 'a' from 0 to its length, 2, found 2.1");
   EXPECT_EQ(code_of(straight + "[[station]]\nname = \"d\"\nsection = \"a\"\ns_m = -0.1\n"), "zone.field");
@@ -301,7 +301,7 @@ TEST(TomlZone, that_starts_a_vehicle_in_a_crossing_is_refused) {
                             "start = { x = 1, y = -1, heading_deg = 90 }\n";
   EXPECT_EQ(code_of(cross + "[[start]]\nsection = \"a\"\ns_m = 0.2\n"), "none");
   EXPECT_THAT(error_of(cross + "[[start]]\nsection = \"a\"\ns_m = 1.0\n"),
-              HasSubstr("start[1].s_m: expected a place outside"));
+              HasSubstr("start[1].s_m: expected a position outside"));
 }
 
 TEST(TomlZone, that_is_too_large_is_refused_before_it_is_read) {
@@ -311,7 +311,7 @@ TEST(TomlZone, that_is_too_large_is_refused_before_it_is_read) {
   EXPECT_EQ(code_of(many + "]\n"), "zone.size");
 }
 
-TEST(TomlZone, that_asks_for_more_memory_than_it_is_worth_is_refused) {
+TEST(TomlZone, that_requests_more_memory_than_it_needs_is_refused) {
   const std::string arc = R"([[section]]
 name = "@"
 kind = "arc"
@@ -325,7 +325,7 @@ angle_deg = 500000
   EXPECT_EQ(code_of(straight + "[beacons]\npitch_m = 1\ncolumns = 100000\nrows = 100000\n"), "zone.size");
 }
 
-TEST(TomlZone, with_sections_heaped_on_one_another_is_refused) {
+TEST(TomlZone, with_many_overlapping_sections_is_refused) {
   std::string text = "name = \"z\"\nformat_version = 1\n";
   for (int i = 0; i < 3000; ++i)
     text += "[[section]]\nname = \"" + std::to_string(i) + "\"\nkind = \"straight\"\nlength_m = 1\nnext = []\n" +

@@ -15,14 +15,14 @@
 
 namespace cosiva::zone {
 
-/// What is wrong with a file. Reading goes on with stand-in values, so that the reader stays straight-line code;
-/// whoever reads asks `any()` before trusting what was read.
+/// The faults of a file. Reading goes on with stand-in values, so that the reader stays straight-line code; the reader
+/// checks `any()` before using the result.
 class TomlFaults {
  public:
   explicit TomlFaults(std::string origin) : origin_{std::move(origin)} {}
 
   void add(std::string code, std::uint32_t line, std::string_view path, std::string message);
-  /// Of something that stands elsewhere than in this file.
+  /// Of an item in another file.
   void add(Error error);
   [[nodiscard]] bool any() const { return !all_.empty(); }
   [[nodiscard]] const Error& first() const { return all_.front(); }
@@ -43,7 +43,7 @@ class TomlFaults {
 /// The shortest text that reads back to the same number, and is a TOML number.
 [[nodiscard]] std::string toml_number(double value);
 
-/// What a number must be, and how to say so.
+/// The required range of a number, and its description for messages.
 struct NumberRange {
   std::string_view what;  ///< "a positive number of metres"
   double low;
@@ -51,7 +51,7 @@ struct NumberRange {
   bool low_allowed{true};
 };
 
-/// One table of a file, read field by field. Each read reports what it expected and what it found, with file, line and
+/// One table of a file, read field by field. Each read reports the expected and the found value, with file, line and
 /// field path. Entries of an array of tables are counted from 1, as people count them: section[3].radius_m.
 class TomlFields {
  public:
@@ -61,12 +61,12 @@ class TomlFields {
   [[nodiscard]] bool has(std::string_view key) const { return table_->contains(key); }
   /// Whether the field is an array, such as of tables.
   [[nodiscard]] bool is_list(std::string_view key) const;
-  /// All keys there are, sorted.
+  /// All keys, sorted.
   [[nodiscard]] std::vector<std::string> keys() const;
-  /// Faults any other key, naming the nearest of these.
+  /// Reports any other key as a fault, naming the nearest of these.
   void expect_only(std::initializer_list<std::string_view> keys) const;
 
-  /// Without a fallback the field must be there.
+  /// Without a fallback the field is required.
   [[nodiscard]] double number(std::string_view key, const NumberRange& range,
                               std::optional<double> fallback = std::nullopt) const;
   [[nodiscard]] std::uint32_t whole(std::string_view key, std::uint32_t low, std::uint32_t high,
@@ -92,7 +92,7 @@ class TomlFields {
   [[nodiscard]] std::string path(std::string_view key = {}) const;
 
  private:
-  /// Gives the field's node, or nothing after faulting a missing one (unless `optional`).
+  /// Returns the field's node, or nothing after reporting a missing one (unless `optional`).
   [[nodiscard]] const toml::node* find(std::string_view key, std::string_view expected, bool optional) const;
   void expected(std::string_view key, std::string_view what, const toml::node& found) const;
 

@@ -1,13 +1,14 @@
 #pragma once
 
-// toml++ as a compiled library: its implementation stands in toml_fields.cpp alone, which halves the build of the rest.
+// toml++ as a compiled library: its implementation is in toml_fields.cpp alone, which halves the build of the rest.
 #define TOML_HEADER_ONLY 0
 
-// What a file holds must never stop the program. Version 3.3.0 has two ways to, both found by fuzz/zone.cpp:
-// it asserts that a table header's key starts well ("[{…" does not) just before it reports that very fault as an error,
+// The content of a file must never stop the program. Version 3.3.0 has two such faults, both found by fuzz/zone.cpp:
+// the parser asserts that a table header's key starts well ("[{…" does not) just before it reports that very fault as
+// an error.
 #define TOML_ASSERT(expression) static_cast<void>(0)
-// and it takes some characters above ASCII, such as '±' where a key should stand, for impossible when it asks whether
-// they are spaces: they are not.
+// The parser also treats some characters above ASCII, such as '±' in place of a key, as impossible when it checks for
+// spaces, which they are not.
 #include <toml++/impl/preprocessor.h>
 #pragma push_macro("TOML_UNREACHABLE")
 #undef TOML_UNREACHABLE

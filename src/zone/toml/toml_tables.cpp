@@ -13,7 +13,7 @@ namespace cosiva::zone {
 namespace {
 
 constexpr std::uint32_t beacons_max = 1'000'000;
-// Far beyond any plant, but what stands on the ways is looked through one by one here and there.
+// Far beyond any factory, but some functions search the elements of the zone linearly.
 constexpr std::size_t tags_max = 200'000;
 constexpr std::size_t stations_max = 20'000;
 constexpr std::size_t starts_max = 10'000;
@@ -224,7 +224,7 @@ void TomlTables::read_loops() {
       return fields.fault("sections", "zone.loop",
                           "'" + zone_.circuit.part(after).name + "' does not follow '" +
                               zone_.circuit.part(loop.sections[i]).name +
-                              "'; expected a round in which each section follows the one before, and the first the "
+                              "'; expected a loop in which each section follows the one before, and the first the "
                               "last");
     }
     zone_.loops.push_back(std::move(loop));
@@ -259,7 +259,7 @@ void TomlTables::derive() {
   auto crossings = find_crossings_unless_crowded(zone_.circuit, zone_.vehicle, basics_.clearance_m);
   if (!crossings) {
     return faults_.add(
-        {"zone.size", "the sections lie so densely on one another that nobody could drive here", tracks_});
+        {"zone.size", "the sections lie so densely on one another that no vehicle could drive here", tracks_});
   }
   zone_.clearance_m = basics_.clearance_m;
   zone_.spacing_m = basics_.spacing_m;
@@ -280,14 +280,15 @@ void TomlTables::read_starts() {
     const auto position = read_position(fields);
     if (faults_.any() || !position) return;
     const Crossing* crossing = zone_.crossing_at(*position);
-    if (on_waypoint(zone_, *position)) crossing = nullptr;  // where the file has a node or a station, one may stand
+    if (on_waypoint(zone_, *position)) crossing = nullptr;  // a vehicle may stop where the file has a node or a station
     if (crossing != nullptr) {
       return fields.fault("s_m", "zone.start",
-                          "expected a place outside every crossing, found one inside " + crossing->name);
+                          "expected a position outside every crossing, found one inside " + crossing->name);
     }
     if (!zone_.may_stop(*position) && !on_waypoint(zone_, *position)) {
-      return fields.fault("s_m", "zone.start",
-                          "expected a place where a vehicle may stand, found one between crossings too close together");
+      return fields.fault(
+          "s_m", "zone.start",
+          "expected a position where a vehicle may stop, found one between crossings too close together");
     }
     zone_.starts.push_back(*position);
   }

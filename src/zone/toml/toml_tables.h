@@ -7,21 +7,21 @@
 #include "cosiva/zone/toml/sidecar.h"
 #include "cosiva/zone/toml/toml_fields.h"
 
-/// The tables that a native file and the sidecar file of another format's have in common.
+/// The tables that a native file and the sidecar file of another format have in common.
 namespace cosiva::zone {
 
-/// Parses and reads: whatever is wrong with the text becomes a fault, and nothing is thrown on.
+/// Parses and reads: any fault in the text becomes a reported fault, and no exception leaves the function.
 /// @param read  called with the root table, unless the text is no TOML
 void parse_toml(std::string_view text, TomlFaults& faults, const std::function<void(const TomlFields& root)>& read);
 
 /// [vehicle] [profiles] [crossings] [waypoints]
 void read_basics(const TomlFields& root, Sidecar& basics);
 
-/// All that stands on a circuit and follows from it. Each step may leave a fault, which ends the reading.
+/// All elements on a circuit and the data derived from it. Each step may leave a fault, which ends the reading.
 class TomlTables {
  public:
   /// @param rules  of the format's own waypoints; spacing, room and stations come from here
-  /// @param ways   where faults of the ways themselves are, for messages
+  /// @param ways   location of faults in the sections themselves, for messages
   TomlTables(TomlFaults& faults, const TomlFields& root, TrafficZone& zone, const Sidecar& basics, WaypointRules rules,
              std::string tracks)
       : faults_{faults},

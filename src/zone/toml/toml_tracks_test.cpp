@@ -1,4 +1,5 @@
-// Circuits, branches, pivots, loops, closed sections, stations by kind: what makes a plant out of a ring.
+// Circuits, branches, pivots, loops, closed sections, stations by kind: the elements that turn a single loop into a
+// factory.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -94,7 +95,7 @@ TEST(TomlTracks, branch_off_from_the_end_of_another) {
   EXPECT_EQ(circuit.section(2).start(), circuit.section(0).end());
 }
 
-TEST(TomlTracks, that_branch_off_from_what_comes_later_or_is_none_are_refused) {
+TEST(TomlTracks, that_branch_off_from_a_later_or_missing_section_are_refused) {
   EXPECT_THAT(error_of(head + straight("a", "from = \"b\"\n") + straight("b")),
               StartsWith("zone.reference test.toml:7: section[1].from: expected the name of a section further up"));
   EXPECT_THAT(error_of(head + straight("a", "from = \"a\"\n")), StartsWith("zone.reference"));
@@ -122,16 +123,16 @@ TEST(TomlTracks, turn_at_once_only_where_they_pivot) {
   EXPECT_NEAR(zone->circuit.turn_at(0, 1), pi / 2.0, 1e-12);
 }
 
-TEST(TomlTracks, that_fork_into_more_ways_than_a_fork_has_are_refused) {
+TEST(TomlTracks, that_fork_into_more_branches_than_allowed_are_refused) {
   std::string text = head + straight("a");
   for (int i = 0; i < 65; ++i) text += straight("b" + std::to_string(i), "from = \"a\"\n");
   EXPECT_THAT(error_of(text), StartsWith("zone.size"));
 }
 
-// Shapes and angles said otherwise
-// ---------------------------------------------------------------------------------------------------------
+// Shapes and angles in other forms
+// ------------------------------------------------------------------------------------------------------------
 
-TEST(TomlTracks, say_arcs_and_clothoids_in_two_ways_but_not_in_both) {
+TEST(TomlTracks, define_arcs_and_clothoids_in_two_forms_but_not_in_both) {
   const auto zone = read_zone(head + R"([[section]]
 name = "a"
 kind = "arc"
@@ -159,10 +160,9 @@ start = { x = 0, y = 0, heading_rad = 0.5 }
               HasSubstr("expected radians within ±6.28"));
 }
 
-// What stands on them
-// ---------------------------------------------------------------------------------------------------------
+// Elements on the sections --------------------------------------------------------------------------------------------
 
-TEST(TomlTables, know_stations_from_chargers_and_lay_a_waypoint_at_each) {
+TEST(TomlTables, distinguish_stations_from_chargers_and_lay_a_waypoint_at_each) {
   const auto zone = read_zone(head + straight("a") +
                               "[[station]]\nname = \"dock\"\nsection = \"a\"\ns_m = 0.73\n"
                               "[[station]]\nname = \"plug\"\nkind = \"charger\"\nsection = \"a\"\ns_m = 1.11\n"
@@ -206,7 +206,7 @@ TEST(TomlTables, close_sections_from_the_beginning_each_once_and_sorted) {
   EXPECT_THAT(error_of(head + "[closed]\nsection = [\"south\"]\n" + oval), HasSubstr("did you mean \"sections\"?"));
 }
 
-TEST(TomlTables, lay_no_waypoint_between_nodes_where_they_are_told_to) {
+TEST(TomlTables, lay_no_waypoint_between_nodes_with_nodes_only) {
   const auto zone = read_zone(head + "[waypoints]\nnodes_only = true\n" + straight("a") + straight("b"));
   ASSERT_TRUE(zone) << to_string(zone.error());
   EXPECT_TRUE(zone->nodes_only);
@@ -235,14 +235,14 @@ TEST(TomlTables, turn_the_beacons) {
               HasSubstr("beacons.rotation_deg: expected degrees within ±360, found 400"));
 }
 
-TEST(TomlTables, of_more_than_anybody_lays_are_refused) {
+TEST(TomlTables, of_more_than_the_limit_are_refused) {
   std::string text = head + straight("a");
   for (int i = 0; i <= 10'000; ++i) text += "[[start]]\nsection = \"a\"\ns_m = 1\n";
   EXPECT_THAT(error_of(text), StartsWith("zone.size"));
 }
 
-// All that is wrong
-// ---------------------------------------------------------------------------------------------------------
+// All faults
+// ------------------------------------------------------------------------------------------------------------
 
 TEST(TomlFaults, list_every_gap_and_kink_and_bend_that_is_too_tight) {
   const std::string text = head + straight("a") + straight("b", "start = { x = 2.5, y = 0, heading_deg = 0 }\n") +
@@ -259,7 +259,7 @@ TEST(TomlFaults, list_every_gap_and_kink_and_bend_that_is_too_tight) {
   EXPECT_EQ(Rtm::initialise(configuration).error(), all[0]);
 }
 
-TEST(TomlFaults, are_none_of_a_good_file_and_one_of_an_unknown_format) {
+TEST(TomlFaults, are_none_for_a_good_file_and_one_for_an_unknown_format) {
   EXPECT_THAT(faults({"toml", "test.toml", head + straight("a")}), IsEmpty());
   EXPECT_THAT(faults({"toml", "test.toml", "name ="}), SizeIs(1));
   ASSERT_THAT(faults({"cad", "test.cad", ""}), SizeIs(1));

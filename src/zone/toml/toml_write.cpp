@@ -1,4 +1,4 @@
-// Writes a zone down as its readers want it, and so that they read the same zone, to the last bit.
+// Writes a zone in the form that its readers require, so that they read the same zone, to the last bit.
 #include "cosiva/zone/toml/toml_write.h"
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace cosiva::zone {
 namespace {
 
-/// A decimal near `guess` that `read` takes for `wanted`: what rounding cost is at most a few last digits.
+/// A decimal near `guess` that `read` converts to `wanted`: rounding costs at most a few last digits.
 template <typename Read>
 std::optional<double> reads_as(double wanted, double guess, const Read& read) {
   double above = guess;
@@ -192,7 +192,7 @@ void Writer::sections() {
     if (part.speed_mps_max) number("speed_mps_max", *part.speed_mps_max);
     if (part.pivots) line("pivots", "true");
     waypoint_ids(id);
-    // The next in the file follows where nothing else is said, and nothing follows the last.
+    // The next section in the file follows by default, and nothing follows the last.
     const bool as_read = id + 1 < circuit.size() ? part.next == std::vector<SectionId>{id + 1} : part.next.empty();
     if (!as_read) line("next", names(part.next));
   }
@@ -204,7 +204,7 @@ void Writer::shape(const Section& section) {
   const double rate_per_m2 = section.curvature_rate_per_m2();
   line("kind", "\"" + std::string(to_string(section.kind())) + "\"");
   if (section.kind() == SectionKind::arc) {
-    // As people say it, where that is the very same arc.
+    // In the usual form, where that is the very same arc.
     const double side = curvature_per_m < 0.0 ? -1.0 : 1.0;
     const auto radius_m = reads_as(curvature_per_m, side / curvature_per_m, [&](double r) { return side / r; });
     const double guess_deg = radius_m ? length_m / *radius_m / rad_per_deg : 0.0;
@@ -228,7 +228,7 @@ void Writer::shape(const Section& section) {
 }
 
 void Writer::waypoint_ids(SectionId id) {
-  // Ids of our own making say where they are; any other is the format's, and must be written down.
+  // Generated ids contain their position; any other is the format's, and must be written.
   const std::string& name = zone_.circuit.part(id).name;
   const double length_m = zone_.circuit.section(id).length_m();
   const auto [first, last] =
@@ -242,7 +242,7 @@ void Writer::waypoint_ids(SectionId id) {
   }
 }
 
-/// What cannot be written: the first of it.
+/// The first value that cannot be written.
 std::optional<Error> unwritable(const TrafficZone& zone) {
   std::vector<std::string_view> names{zone.name};
   for (SectionId id = 0; id < zone.circuit.size(); ++id) names.push_back(zone.circuit.part(id).name);

@@ -10,8 +10,8 @@ namespace cosiva::zone {
 /// The zone as the text of a native file. Fails ("zone.write") on a name that no file can hold.
 [[nodiscard]] Result<std::string> native_text(const TrafficZone& zone);
 
-/// For CircuitFactory::written: a sidecar file that says of the zone what another format cannot. Limits, stations and
-/// closed sections are among it only where asked for.
+/// For CircuitFactory::written: a sidecar file with the zone's data that another format cannot express. Limits,
+/// stations and closed sections are included only where requested.
 struct SidecarParts {
   bool limits{true};
   bool stations{true};

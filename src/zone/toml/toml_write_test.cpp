@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-/// The zone as it reads back from what was written; nothing may be lost.
+/// The zone as it reads back from the written text; nothing may be lost.
 TrafficZone written_and_read(const TrafficZone& zone) {
   std::vector<Diagnostic> lost;
   const auto written = TomlCircuitFactory{}.written(zone, lost);
@@ -39,7 +39,7 @@ TEST(TomlWriter, writes_the_ready_zones_so_that_they_read_back_the_same) {
   }
 }
 
-TEST(TomlWriter, says_what_people_say_where_that_is_the_same) {
+TEST(TomlWriter, uses_the_usual_form_where_it_gives_the_same_value) {
   std::vector<Diagnostic> lost;
   const std::string text = TomlCircuitFactory{}.written(testing::lacet4(), lost)->text;
   EXPECT_THAT(text, HasSubstr("kind = \"arc\"\nradius_m = 0.6\nangle_deg = -270\n"));
@@ -48,7 +48,7 @@ TEST(TomlWriter, says_what_people_say_where_that_is_the_same) {
   EXPECT_THAT(text, Not(HasSubstr("_rad")));
 }
 
-/// Sections of any shape and any numbers, end to end or elsewhere, with everything that can stand on them.
+/// Sections of any shape and any numbers, end to end or elsewhere, with all elements that can be on them.
 TrafficZone arbitrary_zone(std::uint64_t seed) {
   Random random{seed, "toml_write_test"};
   const auto between = [&](double low, double high) { return low + (high - low) * random.uniform(); };
@@ -133,7 +133,7 @@ TEST(TomlWriter, refuses_a_name_that_no_file_can_hold) {
   EXPECT_EQ(written.error().code, "zone.write");
 }
 
-TEST(SidecarWriter, says_what_other_formats_cannot) {
+TEST(SidecarWriter, writes_what_other_formats_cannot_express) {
   TrafficZone zone = testing::zone_file("indus8.toml");
   const std::string all = sidecar_text(zone);
   for (const char* table :
