@@ -27,7 +27,7 @@ const refusals = [
   ['a walk of no points', 'POST', 'virtual-objects', { kind: 'person', path: [] }, 400, /points/],
   ['a walk that leaves the zone', 'POST', 'virtual-objects', { kind: 'person', path: [[0.75, 0.75], [99, 0]] }, 400, /zone|between|from/],
   ['an obstacle that walks', 'POST', 'virtual-objects', { kind: 'obstacle', path: [[0.75, 0.75], [0.7, 0.7]] }, 400, /does not move/],
-  ['a virtual AIV beside the circuit', 'POST', 'virtual-objects', { kind: 'aiv', x: 0.75, y: 0.75 }, 400, /way|circuit/],
+  ['a virtual AIV off the circuit', 'POST', 'virtual-objects', { kind: 'aiv', x: 0.75, y: 0.75 }, 400, /way|circuit/],
   ['a virtual AIV on an unknown section', 'POST', 'virtual-objects', { kind: 'aiv', section: 'moon', s: 0 }, 400, /east/],
   ['moving what is not there', 'PATCH', 'virtual-objects/P99', { x: 0.7, y: 0.7 }, 404, /P99/],
   ['removing what is not there', 'DELETE', 'virtual-objects/P99', undefined, 404, /P99/],

@@ -64,7 +64,7 @@ std::optional<VehicleEffect> vehicle_effect(std::span<const BatteryRun> records,
         {one.first, values.size(), statistics::mean(values), std::sqrt(statistics::sample_variance(values))});
     groups.push_back(std::move(values));
   }
-  const auto variance = statistics::one_way(groups);
+  const auto variance = statistics::one_factor(groups);
   if (!variance) return std::nullopt;
   effect.variance = *variance;
   return effect;

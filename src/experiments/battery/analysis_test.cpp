@@ -89,7 +89,7 @@ TEST(Autonomy, goes_with_the_tester_s_channel_more_than_with_the_cell) {
   for (const Cell& cell : hg2())
     if (cell.series == "fleet_first_run" && (cell.channel == 7 || cell.channel == 8))
       by_channel[cell.channel].push_back(cell.seconds);
-  const auto channels = statistics::one_way({by_channel[7], by_channel[8]});
+  const auto channels = statistics::one_factor({by_channel[7], by_channel[8]});
   EXPECT_NEAR(channels->f, 404.0, 2.0);
   EXPECT_LT(channels->p, 5e-5);
   const auto difference = statistics::compare(by_channel[7], by_channel[8]);

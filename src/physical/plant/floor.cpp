@@ -2,7 +2,7 @@
 
 namespace cosiva::physical {
 
-double Floor::loop_length_m(const zone::Circuit& circuit) {
+double Floor::length_of_loop_m(const zone::Circuit& circuit) {
   zone::SectionId at = 0;
   for (std::size_t i = 0; i < circuit.size(); ++i) {
     if (circuit.next(at).size() != 1 || circuit.previous(at).size() != 1) return 0.0;

@@ -13,10 +13,10 @@ namespace cosiva::physical {
 struct Floor {
   /// @param reach_m  radius of the antennas' field
   Floor(std::shared_ptr<const zone::TrafficZone> on, double reach_m)
-      : zone{std::move(on)}, tags{*zone, reach_m}, loop_length_m{loop_length_m(zone->circuit)} {}
+      : zone{std::move(on)}, tags{*zone, reach_m}, loop_length_m{length_of_loop_m(zone->circuit)} {}
 
   /// Length of the loop that all sections form together, or 0 where they do not form one.
-  [[nodiscard]] static double loop_length_m(const zone::Circuit& circuit);
+  [[nodiscard]] static double length_of_loop_m(const zone::Circuit& circuit);
 
   std::shared_ptr<const zone::TrafficZone> zone;  ///< its sections hold; its tags may have been edited since
   TagMap tags;                                    ///< as they are now

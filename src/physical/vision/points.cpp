@@ -27,7 +27,7 @@ Result<void> check_distinct(const Table& table, std::size_t column, const std::s
   for (std::size_t i = 1; i < all.size(); ++i)
     if (all[i].a == all[i - 1].a && all[i].b == all[i - 1].b)
       return fail("gvs.points", what + " is in line " + std::to_string(all[i - 1].line) + " already",
-                  position_of(file, all[i].line));
+                  location_of(file, all[i].line));
   return {};
 }
 

@@ -28,7 +28,7 @@ struct Floor {
   }
   void start(double s_m) {
     x_m = s_m;
-    antenna.track_position(zone, {0, s_m}, {s_m, 0.0});
+    antenna.put(zone, {0, s_m}, {s_m, 0.0});
   }
   std::vector<zone::TagNumber> drive_to(double s_m, double step_m = 0.008) {
     std::vector<Antenna::Reading> readings;

@@ -180,7 +180,7 @@ void VirtualAiv::farewell(SimTime now, wire::Effects& effects) {
 
 Pose2 VirtualAiv::X_MB() const { return impl_->body.X_MB(); }
 double VirtualAiv::speed_mps() const { return impl_->body.speed_mps(); }
-zone::TrackPosition VirtualAiv::put() const { return impl_->body.put(); }
+zone::TrackPosition VirtualAiv::track_position() const { return impl_->body.track_position(); }
 
 void VirtualAiv::fold(Digest& digest) const {
   const Impl& in = *impl_;

@@ -48,7 +48,7 @@ class VirtualAiv {
   [[nodiscard]] Pose2 X_MB() const;  // NOLINT(readability-identifier-naming): frames are written so everywhere
   [[nodiscard]] double speed_mps() const;
   /// Off the path: the nearest track position.
-  [[nodiscard]] zone::TrackPosition put() const;
+  [[nodiscard]] zone::TrackPosition track_position() const;
   void fold(Digest& digest) const;
 
  private:

@@ -39,7 +39,7 @@ TEST(VirtualAiv, announces_itself_as_a_vehicle_of_its_own_manufacturer) {
 TEST(VirtualAiv, stays_stopped_until_it_is_commanded_to_drive) {
   Lacet4Fixture fixture{"loop_se", 0.3};
   fixture.run(3.0);
-  EXPECT_EQ(fixture.aiv.put().s_m, 0.3);
+  EXPECT_EQ(fixture.aiv.track_position().s_m, 0.3);
   EXPECT_EQ(fixture.aiv.speed_mps(), 0.0);
 }
 
@@ -57,7 +57,7 @@ TEST(VirtualAiv, drives_its_order_and_reports_the_nodes) {
   }
   EXPECT_NEAR(fastest_mps, lacet4().profiles.medium.speed_mps, 1e-6);
   EXPECT_EQ(fixture.aiv.speed_mps(), 0.0);
-  EXPECT_NEAR(fixture.aiv.put().s_m, 1.131, 0.01);
+  EXPECT_NEAR(fixture.aiv.track_position().s_m, 1.131, 0.01);
   EXPECT_EQ(fixture.state().last_node_id, "loop_se@1131");
   EXPECT_THAT(fixture.state().node_states, IsEmpty());
   EXPECT_THAT(fixture.strange, IsEmpty());
@@ -107,10 +107,10 @@ TEST(VirtualAiv, does_not_jump_after_a_pause_of_its_host) {
   fixture.run(0.5);
   fixture.order(to_1131);
   fixture.run(1.5);
-  const double before_m = fixture.aiv.put().s_m;
+  const double before_m = fixture.aiv.track_position().s_m;
   fixture.now += std::chrono::seconds{10};
   fixture.step();
-  EXPECT_LT(fixture.aiv.put().s_m - before_m, 0.05);
+  EXPECT_LT(fixture.aiv.track_position().s_m - before_m, 0.05);
 }
 
 TEST(VirtualAiv, obeys_pause_and_speed_like_any_vehicle) {
@@ -146,7 +146,7 @@ TEST(VirtualAiv, stops_before_a_body_that_its_server_sent_and_continues) {
     fixture.run(0.1);
   }
   EXPECT_EQ(fixture.aiv.speed_mps(), 0.0);
-  EXPECT_NEAR(0.9 - 0.06 - 0.1 - fixture.aiv.put().s_m, 0.12, 0.02) << "the clearance of any vehicle";
+  EXPECT_NEAR(0.9 - 0.06 - 0.1 - fixture.aiv.track_position().s_m, 0.12, 0.02) << "the clearance of any vehicle";
   ASSERT_FALSE(fixture.felts.empty());
   EXPECT_TRUE(fixture.felts.back().braking);
   EXPECT_EQ(fixture.felts.back().body, "P1");
@@ -188,7 +188,7 @@ TEST(VirtualAiv, reads_a_moved_tag_at_its_new_position_and_drives_on) {
   fixture.order({"loop_se@848", "loop_se@2545"});
   fixture.run(0.5);
   fixture.zone(edited("s_m = 1.4137", "s_m = 1.9000"));
-  ASSERT_TRUE(fixture.run_until([&] { return fixture.aiv.put().s_m > 1.6; }, 5.0));
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.aiv.track_position().s_m > 1.6; }, 5.0));
   EXPECT_GT(fixture.aiv.speed_mps(), 0.2);
   for (const auto& information : fixture.state().information) EXPECT_NE(information.type, "lastTag");
   fixture.run(3.0);

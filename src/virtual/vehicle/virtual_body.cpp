@@ -17,7 +17,7 @@ constexpr double own_braking_mps2 = 1.0;
 
 VirtualBody::VirtualBody(std::shared_ptr<const zone::TrafficZone> zone, zone::TrackPosition start)
     : zone_{std::move(zone)}, motion_{zone_->circuit, start} {
-  antenna_.put(*zone_, put(), position(X_MB()));
+  antenna_.put(*zone_, track_position(), position(X_MB()));
 }
 
 Pose2 VirtualBody::X_MB() const {
@@ -25,8 +25,8 @@ Pose2 VirtualBody::X_MB() const {
   return manoeuvre_ ? X_MS_ * manoeuvre_->X_SB() : X_MS_;
 }
 
-zone::TrackPosition VirtualBody::put() const {
-  if (!off_line_ || lies_on_line_) return motion_.put(zone_->circuit);
+zone::TrackPosition VirtualBody::track_position() const {
+  if (!off_line_ || lies_on_line_) return motion_.track_position(zone_->circuit);
   const Pose2 pose = X_MB();
   return zone_->circuit.locate(position(pose), pose.heading_rad).position;
 }
@@ -38,7 +38,7 @@ void VirtualBody::change_floor(std::shared_ptr<const zone::TrafficZone> zone) {
   }
   next_.reset();
   zone_ = std::move(zone);
-  antenna_.put(*zone_, put(), position(X_MB()));
+  antenna_.put(*zone_, track_position(), position(X_MB()));
 }
 
 void VirtualBody::adopt_next_zone() {
@@ -53,7 +53,7 @@ void VirtualBody::adopt_next_zone() {
   lies_on_line_ = entry_point && std::fabs(wrap_angle(zone_->circuit.pose_at(entry_point->position).heading_rad -
                                                       X_MS_.heading_rad)) <= on_line_rad;
   if (lies_on_line_) motion_ = aiv::AivMotion{zone_->circuit, entry_point->position};
-  antenna_.put(*zone_, put(), position(X_MS_));
+  antenna_.put(*zone_, track_position(), position(X_MS_));
 }
 
 void VirtualBody::move(const wire::Drive* drive, double dt_s, std::vector<Antenna::Reading>& readings) {
@@ -64,13 +64,13 @@ void VirtualBody::move(const wire::Drive* drive, double dt_s, std::vector<Antenn
   change_speed(drive, dt_s);
   const double wanted_m = 0.5 * (before_mps + speed_mps_) * dt_s;
   if (wanted_m == 0.0) return;
-  const zone::TrackPosition from = put();
+  const zone::TrackPosition from = track_position();
   const Point2 p_from = position(X_MB());
   if (wanted_m > 0.0)
     roll(wanted_m, drive != nullptr && drive->speed_mmps > 0);
   else
     roll_back(wanted_m);
-  antenna_.move(*zone_, from, motion_.put(zone_->circuit), p_from, position(motion_.pose(zone_->circuit)), readings);
+  antenna_.move(*zone_, from, motion_.track_position(zone_->circuit), p_from, position(motion_.pose(zone_->circuit)), readings);
 }
 
 void VirtualBody::change_speed(const wire::Drive* drive, double dt_s) {
@@ -84,7 +84,7 @@ void VirtualBody::change_speed(const wire::Drive* drive, double dt_s) {
 void VirtualBody::roll(double wanted_m, bool goes_on) {
   const zone::Circuit& circuit = zone_->circuit;
   for (double left_m = wanted_m;;) {
-    const zone::TrackPosition here = motion_.put(circuit);
+    const zone::TrackPosition here = motion_.track_position(circuit);
     const double room_m = circuit.section(here.section).length_m() - here.s_m;
     if (left_m <= room_m) {
       distance_m_ += motion_.move(circuit, left_m);
@@ -108,7 +108,7 @@ void VirtualBody::roll(double wanted_m, bool goes_on) {
 
 void VirtualBody::roll_back(double wanted_m) {
   const zone::Circuit& circuit = zone_->circuit;
-  const zone::TrackPosition here = motion_.put(circuit);
+  const zone::TrackPosition here = motion_.track_position(circuit);
   const auto branches = circuit.previous(here.section);
   const bool ends = branches.empty() || circuit.turn_at(branches.front(), here.section) != 0.0;
   if (-wanted_m <= here.s_m || !ends) {

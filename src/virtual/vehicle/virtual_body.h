@@ -30,7 +30,7 @@ class VirtualBody {
 
   [[nodiscard]] Pose2 X_MB() const;  // NOLINT(readability-identifier-naming): frames are written so everywhere
   /// On the path the present track position, in a turn that of the joint; off the path the nearest one of the floor.
-  [[nodiscard]] zone::TrackPosition put() const;
+  [[nodiscard]] zone::TrackPosition track_position() const;
   [[nodiscard]] double speed_mps() const { return manoeuvre_ ? manoeuvre_->speed_mps() : speed_mps_; }
   /// As counted by the odometer: along sections, not in manoeuvres.
   [[nodiscard]] double distance_m() const { return distance_m_; }

@@ -42,11 +42,11 @@ TEST(VirtualBody, follows_its_branch_and_stops_where_no_branch_was_commanded) {
   for (const auto& [branch, section] : {std::pair{0, 1U}, {9, 2U}}) {
     VirtualBody body{node(), {0, 0.9}};
     drive(body, {50, 500, 800, static_cast<std::uint8_t>(branch)}, 6.0);
-    EXPECT_EQ(body.put().section, section);
+    EXPECT_EQ(body.track_position().section, section);
   }
   VirtualBody body{node(), {0, 0.5}};
   drive(body, {400, 500, 800, wire::no_branch}, 5.0);
-  EXPECT_EQ(body.put(), (zone::TrackPosition{0, 1.0}));
+  EXPECT_EQ(body.track_position(), (zone::TrackPosition{0, 1.0}));
   EXPECT_EQ(body.speed_mps(), 0.0);
   EXPECT_NEAR(body.distance_m(), 0.5, 1e-12);
   EXPECT_EQ(body.manoeuvre(), nullptr);
@@ -57,7 +57,7 @@ TEST(VirtualBody, turns_on_the_spot_where_the_path_bends_and_counts_no_distance)
   std::vector<Antenna::Reading> readings;
   double turned_rad = 0.0;
   int moves = 0;
-  for (; moves < 1000 && body.put().section != 2; ++moves) {
+  for (; moves < 1000 && body.track_position().section != 2; ++moves) {
     body.move(&creep_north, dt_s, readings);
     if (body.manoeuvre() == nullptr) continue;
     turned_rad = body.manoeuvre()->heading_rad;
@@ -82,17 +82,17 @@ TEST(VirtualBody, pauses_its_turn_while_there_is_no_command) {
   for (int i = 0; i < 50; ++i) body.move(nullptr, dt_s, readings);
   EXPECT_EQ(body.X_MB(), waits);
   drive(body, creep_north, 3.0);
-  EXPECT_EQ(body.put().section, 2U);
+  EXPECT_EQ(body.track_position().section, 2U);
 }
 
 TEST(VirtualBody, backs_up_to_where_its_section_begins_or_bends_and_no_further) {
   VirtualBody body{node(), {2, 0.2}};
   drive(body, {-200, 500, 800, 0}, 4.0);
-  EXPECT_EQ(body.put(), (zone::TrackPosition{2, 0.0}));
+  EXPECT_EQ(body.track_position(), (zone::TrackPosition{2, 0.0}));
   EXPECT_NEAR(body.distance_m(), -0.2, 1e-12);
   VirtualBody smooth{node(), {1, 0.2}};
   drive(smooth, {-200, 500, 800, 0}, 2.0);
-  EXPECT_EQ(smooth.put().section, 0U);
+  EXPECT_EQ(smooth.track_position().section, 0U);
 }
 
 TEST(VirtualBody, is_on_another_floor_after_standstill_with_its_pose_unchanged) {
@@ -106,7 +106,7 @@ TEST(VirtualBody, is_on_another_floor_after_standstill_with_its_pose_unchanged) 
   const Pose2 is_stopped = body.X_MB();
   EXPECT_EQ(is_stopped.y_m, 0.0);
   EXPECT_TRUE(body.line_lost());
-  EXPECT_NEAR(body.put().s_m, is_stopped.x_m, 1e-9) << "the nearest track position";
+  EXPECT_NEAR(body.track_position().s_m, is_stopped.x_m, 1e-9) << "the nearest track position";
   drive(body, {300, 500, 800, 0}, 1.0);
   EXPECT_EQ(body.X_MB(), is_stopped) << "no command to seek was given";
 }
@@ -189,7 +189,7 @@ TEST(VirtualBody, continues_where_the_floors_have_the_section_in_common) {
   drive(body, {300, 500, 800, 0}, 2.0);
   EXPECT_FALSE(body.line_lost());
   EXPECT_GT(body.X_MB().x_m, 0.9);
-  EXPECT_NEAR(body.put().s_m, body.X_MB().x_m + 1.0, 1e-9);
+  EXPECT_NEAR(body.track_position().s_m, body.X_MB().x_m + 1.0, 1e-9);
 }
 
 TEST(VirtualBody, adopts_edited_tags_at_once_and_stays_on_its_path) {
@@ -198,7 +198,7 @@ TEST(VirtualBody, adopts_edited_tags_at_once_and_stays_on_its_path) {
   body.change_floor(line({0, 0, 0}, {{1, {0, 1.5}}}));
   EXPECT_FALSE(body.line_lost());
   EXPECT_THAT(drive(body, {300, 500, 800, 0}, 2.0), IsEmpty());
-  EXPECT_GT(body.put().s_m, 1.1);
+  EXPECT_GT(body.track_position().s_m, 1.1);
   EXPECT_EQ(drive(body, {300, 500, 800, 0}, 2.0).size(), 1U);
 }
 

@@ -51,7 +51,7 @@ class VirtualFixture {
   /// The last waypoint of the first zone behind the vehicle's track position; another zone may have such a track
   /// position, too.
   [[nodiscard]] std::string waypoint_behind() const {
-    return first_zone_.waypoints[first_zone_.waypoint_behind(aiv.put())].id;
+    return first_zone_.waypoints[first_zone_.waypoint_behind(aiv.track_position())].id;
   }
   void ahead(std::vector<wire::Body> bodies) {
     receive(wire::own_topic(wire::virtual_obstacles_topic_prefix, aiv.id()),

@@ -274,7 +274,7 @@ void Maker::join_end(std::size_t index) {
     any_allowed = any_allowed || choices.back().allowed;
   }
   if (!any_allowed && !choices.empty()) {
-    diagnostics_.add(mended, laid.edge->position,
+    diagnostics_.add(mended, laid.edge->location,
                      "no path leads on from edge '" + laid.edge->id +
                          "' without a turn, which its node forbids; vehicles turn there all the same",
                      "forbidden turn");
@@ -295,7 +295,7 @@ void Maker::add_stations() {
   for (const Station& station : document_.stations) {
     std::string name = station.name;
     if (station_names_.contains(name)) {
-      diagnostics_.add(mended, station.position, "another station is called '" + name + "'; identified by its id",
+      diagnostics_.add(mended, station.location, "another station is called '" + name + "'; identified by its id",
                        "station names");
       name = station.id;
     }
@@ -318,7 +318,7 @@ void Maker::add_stations() {
       served.insert(point);
     }
     if (points.empty()) {
-      diagnostics_.add(lost, station.position,
+      diagnostics_.add(lost, station.location,
                        "no edge leads to an interaction node of station '" + name + "'; not taken",
                        "station without edge");
     }

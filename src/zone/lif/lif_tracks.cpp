@@ -56,7 +56,7 @@ Track TrackMaker::make(const Edge& edge, Point2 from, Point2 to) {
   if (length_m < distance_min_m) return {};
   auto section = Section::make({from.x_m, from.y_m, det_atan2(to.y_m - from.y_m, to.x_m - from.x_m)}, length_m);
   if (!section) {
-    diagnostics_.add(Diagnostic::Kind::lost, edge.position,
+    diagnostics_.add(Diagnostic::Kind::lost, edge.location,
                      "no path can be made of it: " + section.error().message + "; not taken");
     return {};
   }

@@ -131,7 +131,7 @@ TEST(Sidecar, reads_the_import_before_the_geometry) {
 }
 
 TEST(Sidecar, that_is_wrong_is_refused_with_its_own_file_and_line) {
-  EXPECT_THAT(error_of("[vehicle\n"), StartsWith("zone.syntax plants/control area.zone.toml:1: "));
+  EXPECT_THAT(error_of("[vehicle\n"), StartsWith("zone.syntax plants/area.zone.toml:1: "));
   EXPECT_THAT(
       error_of("[import]\nscle = 2\n"),
       StartsWith(

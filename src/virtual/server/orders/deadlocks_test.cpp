@@ -178,8 +178,8 @@ TEST_P(Overshot, vehicle_goes_first_when_the_one_that_its_nose_stops_gives_the_c
   fixture.each_step = [&] {
     touches += fixture.touches();
     // Its eyes; the other's look the other way.
-    const bool near = std::fabs(other.put().s_m - 0.9) < 0.32 && other.put().section == 6 && nose.put().section == 0 &&
-                      nose.put().s_m < 1.0;
+    const bool near = std::fabs(other.track_position().s_m - 0.9) < 0.32 && other.track_position().section == 6 && nose.track_position().section == 0 &&
+                      nose.track_position().s_m < 1.0;
     if (near != other.blocked) other.state_due = true;
     other.blocked = near;
     if (near && nose.paused) {

@@ -154,14 +154,14 @@ bool OrderManager::makes_room_by_moving_up(VehicleIndex vehicle, std::span<const
            const Traffic::Leader& before = traffic_.ahead(wait.waiter);
            if (wait.why != WaitReason::ahead || !track_position || before.vehicle != vehicle) return false;
            const Sections remaining = traffic_.remaining(wait.waiter);
-           const auto occupied_crossings = [&](double ahead_m) {
+           const auto is_in_crossing = [&](double ahead_m) {
              std::vector<CrossingIndex> crossings;
              map_->crossings_on(map_->circuit().advance(*track_position, ahead_m, remaining), 0.0, crossings,
                                 remaining);
              return !crossings.empty();
            };
-           return occupied_crossings(0.0) &&
-                  !occupied_crossings(std::max(0.0, before.distance_m + up_m - traffic_.stopped_m()));
+           return is_in_crossing(0.0) &&
+                  !is_in_crossing(std::max(0.0, before.distance_m + up_m - traffic_.stopped_m()));
          });
 }
 
@@ -213,9 +213,9 @@ std::optional<double> OrderManager::distance_back_m(VehicleIndex vehicle, std::s
     const zone::TrackPosition there = circuit.advance(here, -back_m, {}, traversed);
     if (std::ranges::any_of(waits, [&](const Wait& wait) { return keeps_off(wait, there); })) continue;
     // In a crossing that it was not in it would be in somebody else's way.
-    std::vector<CrossingIndex> occupied_crossings;
-    map_->crossings_on(there, 0.0, occupied_crossings, traffic_.remaining(vehicle));
-    const bool another = std::ranges::any_of(occupied_crossings, [&](CrossingIndex x) {
+    std::vector<CrossingIndex> crossings_there;
+    map_->crossings_on(there, 0.0, crossings_there, traffic_.remaining(vehicle));
+    const bool another = std::ranges::any_of(crossings_there, [&](CrossingIndex x) {
       return std::ranges::find(occupied_crossings, x) == occupied_crossings.end();
     });
     if (another) continue;

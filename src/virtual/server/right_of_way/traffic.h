@@ -18,7 +18,7 @@ enum class WaitReason : std::uint8_t {
   ahead,      ///< that one stands before it on its way, or where it needs room beyond a crossing
   crossing,   ///< that one holds a crossing, or stands in it
   turn,       ///< that one asked for a crossing before it, or goes before it by its priority
-  neighbour,  ///< its body, or its way onto the line, would be too near
+  off_path,  ///< its body, or its way onto the line, would be too near
   sensors,    ///< this one's own eyes make it stand before that one
 };
 

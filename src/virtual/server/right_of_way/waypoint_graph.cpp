@@ -268,7 +268,7 @@ std::optional<WaypointGraph::Through> WaypointGraph::through(zone::TrackPosition
   // Which of an id's waypoints is meant shows only at the next one: all of them are followed.
   struct Trail {
     WaypointIndex at;
-    Through start;
+    Through through;
   };
   constexpr std::size_t trails_max = 64;
   std::vector<Trail> trails;
