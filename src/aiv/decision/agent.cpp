@@ -14,16 +14,16 @@ namespace cosiva::aiv {
 namespace {
 
 constexpr double off_circuit_m_max = 0.25;
-/// What stands before it and what says that it drives there are one body when they are no further apart: two positions'
-/// errors, and what the other drove since it spoke.
+/// A detected body and a vehicle that reports its pose are one body when they are no further apart than this: the
+/// errors of two positions, and the distance that the other vehicle has driven since its report.
 constexpr double same_body_m = 0.10;
-/// Having stopped before an obstacle it goes on only when this much more room is there: echoes are noisy.
+/// A vehicle that has stopped before an obstacle continues only with this much more free distance: echoes are noisy.
 constexpr double resume_room_m = 0.05;
 constexpr double base_warning_m = 0.30;
-/// It says that it brakes for what it feels from this much on, and until it is less than that.
+/// Braking for a virtual body is reported from this difference of speeds on, and until it is less than the second one.
 constexpr double perceived_begins_mps = 0.01;
 constexpr double perceived_ends_mps = 0.002;
-/// So far it goes to join a line, and so near to the pose that it was told the line must lie.
+/// Largest distance to the pose at which to join a path, and largest distance of that pose from the path.
 constexpr double join_within_m = 0.70;
 constexpr double join_off_m_max = 0.02;
 
@@ -41,21 +41,21 @@ Agent::Agent(const zone::TrafficZone& zone, std::unique_ptr<SpeedPolicy> speed_p
 void Agent::on_odometry(const wire::Odometry& odometry) {
   const auto rolled = estimator_.on_odometry(odometry);
   motion_.on_odometry(odometry);
-  // Off the line there need not be one.
+  // Off the path there need not be a line.
   hold(Hold::line_lost, odometry.line_lost && !estimator_.off_path());
-  // Without an order what it backs up is no way that it has left to go.
+  // Without an order a distance backed up is not part of a remaining route.
   if (rolled.step_m > 0.0 || (rolled.step_m < 0.0 && order().active())) progress_.advance(rolled.step_m);
   if (rolled.kind == PositionEstimator::FixKind::relocated) on_relocated();
   joining_ = joining_ && estimator_.near_path();
   if (back_up_.active()) back_up_.on_odometry(estimator_.travelled_m(), on_line());
-  // Driving is asked for and nothing moves: PILS waits at the end of the way that it was told.
+  // Driving is commanded and the vehicle does not move: PILS waits at the end of the commanded route.
   const bool driving = decision_.drive.speed_mmps > 0 && !decision_.drive.seek && !holds_.has(Hold::line_lost);
   if (!motion_.stuck(driving, estimator_.travelled_m())) return;
   if (const double correction_m = estimator_.on_stuck(); correction_m != 0.0) progress_.advance(correction_m);
 }
 
 PositionEstimator::Fix Agent::on_tag(const wire::TagRead& tag) {
-  // Driving backwards the antenna's field comes from the other side; so short a way needs no fix.
+  // When driving backwards the antenna's field comes from the other side; so short a distance needs no fix.
   if (back_up_.active()) return {};
   const auto fix = estimator_.on_tag(tag.number, 0.001 * tag.age_ms, motion_.speed_mps());
   if (fix.kind == PositionEstimator::FixKind::corrected) progress_.advance(fix.correction_m);
@@ -77,13 +77,13 @@ void Agent::on_ranges(const wire::Ranges& ranges) {
 
 Result<void> Agent::initialise_position(const Pose2& X_MB, std::string last_node_id) {
   if (order().active() || !motion_.stopped())
-    return fail("position.busy", "a position is initialised only while the vehicle stands without an order");
+    return fail("position.busy", "a position is initialised only while the vehicle is stopped without an order");
   const auto position = estimator_.on_circuit(X_MB, off_circuit_m_max);
   if (!position) {
     return fail("position.off_circuit",
-                "no way of '" + zone_.name + "' passes within 0.25 m of the position in its direction");
+                "no path of '" + zone_.name + "' passes within 0.25 m of the position in its direction");
   }
-  // Where its sensors see no line it stands beside the one that it was told.
+  // Where its sensors detect no line the vehicle is off-path, near the given position.
   if (holds_.has(Hold::line_lost) || estimator_.off_path())
     estimator_.set_off_path(X_MB);
   else
@@ -94,17 +94,17 @@ Result<void> Agent::initialise_position(const Pose2& X_MB, std::string last_node
 }
 
 Result<void> Agent::join_line(const Pose2& X_MG) {
-  if (!estimator_.near_path()) return fail("join.on_line", "it does not stand beside a line");
-  if (estimator_.manoeuvring()) return fail("join.busy", "it is on its way to a line already");
+  if (!estimator_.near_path()) return fail("join.on_line", "the vehicle is not off-path");
+  if (estimator_.manoeuvring()) return fail("join.busy", "the vehicle is joining a path already");
   const double far_m = distance(estimator_.pose(), X_MG);
   if (!(far_m <= join_within_m)) {
-    return fail("join.too_far",
-                "that is " + std::to_string(far_m) + " m away, further than " + std::to_string(join_within_m) + " m");
+    return fail("join.too_far", "the pose is " + std::to_string(far_m) + " m away, further than " +
+                                    std::to_string(join_within_m) + " m");
   }
   const auto line = zone::snap_to_path(zone_.circuit, X_MG, join_off_m_max);
   if (!line ||
       std::fabs(wrap_angle(zone_.circuit.pose_at(line->position).heading_rad - X_MG.heading_rad)) > on_line_rad)
-    return fail("join.no_line", "no way of '" + zone_.name + "' passes there in that direction");
+    return fail("join.no_line", "no path of '" + zone_.name + "' passes there in that direction");
   estimator_.aim(line->position);
   watch_.clear_entry();
   joining_ = true;
@@ -113,15 +113,16 @@ Result<void> Agent::join_line(const Pose2& X_MG) {
 
 Result<void> Agent::begin_back_up(double distance_m) {
   if (!(distance_m >= 0.0 && distance_m <= BackUp::distance_m_max)) {
-    return fail("back_up.distance", "it backs up at most " + std::to_string(BackUp::distance_m_max) + " m, not " +
-                                        std::to_string(distance_m) + " m");
+    return fail("back_up.distance", "a vehicle backs up at most " + std::to_string(BackUp::distance_m_max) +
+                                        " m, not " + std::to_string(distance_m) + " m");
   }
   if (distance_m == 0.0) {
     back_up_.end();
     return {};
   }
-  if (!on_line()) return fail("back_up.off_line", "it does not stand on a line");
-  if (order().active() || progress_.cancelling()) return fail("back_up.order", "it has an order; cancel that first");
+  if (!on_line()) return fail("back_up.off_line", "the vehicle is not on a path");
+  if (order().active() || progress_.cancelling())
+    return fail("back_up.order", "the vehicle has an order, which has to be cancelled first");
   back_up_.begin(distance_m, estimator_.travelled_m());
   return {};
 }
@@ -129,7 +130,7 @@ Result<void> Agent::begin_back_up(double distance_m) {
 bool Agent::on_line() const {
   if (!estimator_.known()) return false;
   if (!estimator_.off_path()) return true;
-  // The zone was switched, and the line is under it by chance.
+  // The zone was switched, and a path of the new zone is under the vehicle by chance.
   const Pose2 X_BP = inverse(estimator_.pose()) * zone_.circuit.pose_at(estimator_.track_position());
   return estimator_.near_path() && !estimator_.manoeuvring() && to_stay(to_manoeuvre(X_BP)) &&
          std::fabs(X_BP.heading_rad) <= on_line_rad;
@@ -150,13 +151,13 @@ wire::Drive Agent::decide_backwards() {
 
 Result<OrderBook::Verdict> Agent::take_order(const wire::Order& order) {
   if (!progress_.cancelling() && estimator_.away()) {
-    return fail("noRouteError", "the nearest way of '" + zone_.name + "' passes " +
+    return fail("noRouteError", "the nearest path of '" + zone_.name + "' passes " +
                                     std::to_string(estimator_.off_by_m()) + " m from the vehicle, further than " +
                                     std::to_string(zone::snap_within_m) + " m");
   }
   OrderBook::StartState reference{estimator_.known() ? estimator_.track_position() : zone::TrackPosition{},
                                   estimator_.known()};
-  // With a base before it, where it stands does not matter.
+  // With a remaining base the vehicle's position does not matter.
   const bool needs_position = !one_way_ && !progress_.book().base_left();
   if (needs_position) reference.also = estimator_.same_positions();
   auto verdict = progress_.offer(order, reference);
@@ -182,7 +183,7 @@ void Agent::take_over(const Agent& before) {
 }
 
 Agent::Plan Agent::plan(double room_m, double base_end_m) const {
-  // Once it stands for something it goes on only when there is clearly more room.
+  // A vehicle that has stopped for an obstacle continues only with clearly more free distance.
   const double obstacle_m = decision_.blocked && room_m < clearance_m + resume_room_m ? 0.0 : room_m;
   const bool may_drive = !holds_.any() && !progress_.cancelling() && estimator_.known();
   const bool leader_detected =
@@ -206,7 +207,7 @@ Agent::Plan Agent::plan(double room_m, double base_end_m) const {
   if (!estimator_.known()) return {target_speed, {0.0, target_speed.braking_mps2}, std::nullopt};
   if (estimator_.near_path() && target_speed.speed_mps > zone_.profiles.slow.speed_mps)
     target_speed = zone_.profiles.slow;
-  // On its way to the line no order leads it, and its speed is the manoeuvre's.
+  // While the vehicle joins the path no order leads it, and its speed is the manoeuvre's.
   Limit limit = joining_
                     ? envelope_.limit_off_line(obstacle_m, target_speed)
                     : envelope_.limit({estimator_.outlook(), motion_.speed_mps(), obstacle_m, order()}, target_speed);
@@ -230,7 +231,7 @@ wire::Drive Agent::decide() {
   }
   if (back_up_.active()) return decide_backwards();
   constexpr double nothing = std::numeric_limits<double>::infinity();
-  // What stands on the line matters to one that is on it.
+  // An obstacle on the path matters only to a vehicle that is on the path.
   const double sensed_m = estimator_.near_path() ? nothing : watch_.ahead_m(estimator_);
   const double base_end_m = joining_ ? nothing : order().distance_to_base_end_m();
   const Plan plan = this->plan(std::min(sensed_m, inputs_.perceived_m), base_end_m);
@@ -259,7 +260,8 @@ wire::Drive Agent::drive(double speed_mps, const zone::SpeedProfile& kinematics)
            static_cast<std::uint16_t>(milli(kinematics.acceleration_mps2, 65535.0)),
            static_cast<std::uint16_t>(milli(kinematics.braking_mps2, 65535.0)), branch, false};
   drive.seek = estimator_.near_path() && (drive.speed_mmps > 0 || estimator_.manoeuvring());
-  // PILS sees the floor where the body is, not where it is believed: the nearest line need not be the one meant.
+  // PILS detects the floor at the body's actual pose, not at the estimated one: the nearest path need not be the
+  // intended one.
   if (drive.seek)
     drive.goal = to_manoeuvre(inverse(estimator_.pose()) * zone_.circuit.pose_at(estimator_.track_position()));
   return drive;

@@ -1,4 +1,4 @@
-// The agent on graphs: forks, bends on the spot, and lines that it has yet to come onto.
+// The agent on graphs: forks, bends on the spot, and paths that it has yet to join.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -76,7 +76,7 @@ struct GraphFixture {
 
 // --- forks ----------------------------------------------------------------------------------------------------------
 
-TEST(AgentAtAFork, takes_the_way_of_its_order_whichever_it_is) {
+TEST(AgentAtAFork, takes_either_branch_as_its_order_requires) {
   for (const auto& [node, over] : {std::pair{"ro", "r_over"}, std::pair{"lo", "l_over"}}) {
     GraphFixture fixture{diamond(), "trunk", 1.0};
     fixture.take(order("O-1").through({"T1", "F", node}));
@@ -89,7 +89,7 @@ TEST(AgentAtAFork, takes_the_way_of_its_order_whichever_it_is) {
   }
 }
 
-TEST(AgentAtAFork, says_the_branch_only_when_its_base_leads_over_it) {
+TEST(AgentAtAFork, commands_the_branch_only_when_its_base_leads_over_it) {
   GraphFixture fixture{diamond(), "trunk", 1.0};
   EXPECT_EQ(fixture.drive.branch, wire::no_branch);
   fixture.take(order("O-1").through({"T1", "F"}).then({"ro"}));
@@ -105,16 +105,16 @@ TEST(AgentAtAFork, says_the_branch_only_when_its_base_leads_over_it) {
   EXPECT_LT(distance(fixture.world.pose(), fixture.zone.circuit.pose_at(at(fixture.zone, "r_over", 0.0))), 0.015);
 }
 
-TEST(AgentAtAFork, keeps_its_branch_until_its_body_is_over_it_too) {
-  // It believes 6 cm more than is true: at the fork it is not there yet.
+TEST(AgentAtAFork, keeps_its_branch_until_its_body_has_passed_the_fork) {
+  // The estimate is 6 cm too far: at the fork the body is not there yet.
   GraphFixture fixture{diamond(), "trunk", 1.0, 0.06};
   fixture.take(order("O-1").through({"T1", "F", "ro", "rd"}));
   fixture.run(15.0);
   EXPECT_EQ(fixture.section().substr(0, 1), "r");
 }
 
-TEST(AgentAtAFork, finds_that_it_is_there_when_its_wheels_stop) {
-  // It believes 4 cm less than is true: PILS stops at the fork, and the base ends there.
+TEST(AgentAtAFork, corrects_its_position_when_its_wheels_stop_at_the_fork) {
+  // The estimate is 4 cm short: PILS stops at the fork, and the base ends there.
   GraphFixture fixture{diamond(), "trunk", 1.0, -0.04};
   fixture.take(order("O-1").through({"T1", "F"}));
   fixture.run(10.0);
@@ -122,7 +122,7 @@ TEST(AgentAtAFork, finds_that_it_is_there_when_its_wheels_stop) {
   EXPECT_LT(distance(fixture.agent.position().pose(), fixture.world.pose()), 0.002);
 }
 
-TEST(AgentAtAFork, believes_a_little_more_than_it_has_driven_and_still_takes_an_order_along_the_other_way) {
+TEST(AgentAtAFork, accepts_an_order_along_the_other_branch_despite_a_small_overestimate) {
   Agent agent{diamond()};
   agent.estimator().position_at(at(diamond(), "l_up", 0.005));
   const auto verdict = agent.take_order(order("O-1").through({"T1", "F", "ro"}));
@@ -135,7 +135,7 @@ TEST(AgentAtAFork, believes_a_little_more_than_it_has_driven_and_still_takes_an_
   EXPECT_FALSE(beyond.take_order(order("O-1").through({"T1", "F", "ro"})));
 }
 
-TEST(AgentOnTwoSections, of_the_same_line_takes_an_order_along_either) {
+TEST(AgentOnTwoSections, that_coincide_accepts_an_order_along_either) {
   for (const auto& [estimated, node, edge] : {std::tuple{"there", "tt", "there_too"}, {"there_too", "t", "there"}}) {
     Agent agent{test::there_and_back()};
     agent.estimator().position_at(at(test::there_and_back(), estimated, 0.2));
@@ -147,7 +147,7 @@ TEST(AgentOnTwoSections, of_the_same_line_takes_an_order_along_either) {
   }
 }
 
-TEST(AgentAtTheEnd, of_a_way_without_any_fork_finds_that_it_is_there_when_its_wheels_stop) {
+TEST(AgentAtTheEnd, of_a_path_without_forks_corrects_its_position_when_its_wheels_stop) {
   const zone::TrafficZone zone = test::graph("line", {{"only", {}, 2.0, 0.0, {}}}, {{"O", {0, 0.0}}, {"X", {0, 2.0}}});
   GraphFixture fixture{zone, "only", 1.0, -0.06};
   fixture.take(order("O-1").through({"O", "X"}));
@@ -156,7 +156,7 @@ TEST(AgentAtTheEnd, of_a_way_without_any_fork_finds_that_it_is_there_when_its_wh
   EXPECT_NEAR(fixture.agent.position().track_position().s_m, 2.0, 0.015);
 }
 
-TEST(AgentOnALoop, says_the_first_branch_and_carries_no_course) {
+TEST(AgentOnALoop, commands_the_first_branch_and_has_no_course) {
   Agent agent{test::lacet4()};
   agent.estimator().position_at(at(test::lacet4(), "loop_se", 0.0));
   EXPECT_EQ(agent.decide().branch, 0);
@@ -167,14 +167,14 @@ TEST(AgentOnALoop, says_the_first_branch_and_carries_no_course) {
 
 // --- bends on the spot ----------------------------------------------------------------------------------------------
 
-/// Once round, from a corner.
+/// One lap, from a corner.
 wire::Order round() {
   auto text = order("O-1").through({"A", "B", "C", "D", "A"});
   text.edge(0).edge_id = "south";
   return text;
 }
 
-TEST(AgentAtABend, goes_round_a_square) {
+TEST(AgentAtABend, drives_round_a_square) {
   GraphFixture fixture{square(), "south", 0.0};
   fixture.take(round());
   fixture.run(60.0);
@@ -186,7 +186,7 @@ TEST(AgentAtABend, goes_round_a_square) {
   EXPECT_LE(fixture.bend_speed_mps, bend_creep_mps + 0.005);
 }
 
-TEST(AgentAtABend, is_driving_while_it_turns_and_knows_how_far_it_has_turned) {
+TEST(AgentAtABend, is_driving_while_it_turns_and_measures_its_turn) {
   GraphFixture fixture{square(), "south", 0.5};
   auto text = order("O-1").through({"A", "B", "C"});
   text.edge(0).edge_id = "south";
@@ -201,10 +201,11 @@ TEST(AgentAtABend, is_driving_while_it_turns_and_knows_how_far_it_has_turned) {
     fixture.step();
   }
   EXPECT_NEAR(turned_rad, 1.5, 0.1);
-  EXPECT_EQ(fixture.agent.position().track_position(), at(square(), "east", 0.0)) << "a turn's end is a sure place";
+  EXPECT_EQ(fixture.agent.position().track_position(), at(square(), "east", 0.0))
+      << "the end of a turn is a certain position";
 }
 
-TEST(AgentAtABend, goes_straight_on_where_its_order_does) {
+TEST(AgentAtABend, drives_straight_on_where_its_order_does) {
   GraphFixture fixture{square(), "south", 0.5};
   auto text = order("O-1").through({"A", "B", "S"});
   text.edge(0).edge_id = "south";
@@ -215,7 +216,7 @@ TEST(AgentAtABend, goes_straight_on_where_its_order_does) {
   EXPECT_EQ(fixture.section(), "spur");
 }
 
-TEST(AgentAtABend, is_put_right_by_it) {
+TEST(AgentAtABend, is_rectified_by_the_turn) {
   for (const double estimated_ahead_m : {-0.08, 0.08}) {
     GraphFixture fixture{square(), "south", 0.5, estimated_ahead_m};
     auto text = order("O-1").through({"A", "B", "C"});
@@ -229,7 +230,7 @@ TEST(AgentAtABend, is_put_right_by_it) {
   }
 }
 
-TEST(AgentAtABend, that_is_paused_in_it_goes_on_turning_later) {
+TEST(AgentAtABend, that_is_paused_during_the_turn_continues_it_later) {
   GraphFixture fixture{square(), "south", 0.8};
   fixture.take(round());
   ASSERT_TRUE(fixture.run_until([&] { return fixture.world.pose().heading_rad > 0.5; }, 10.0));
@@ -243,7 +244,7 @@ TEST(AgentAtABend, that_is_paused_in_it_goes_on_turning_later) {
   EXPECT_EQ(fixture.section(), "east");
 }
 
-TEST(AgentAtABend, that_loses_its_order_in_it_takes_another_from_there) {
+TEST(AgentAtABend, that_loses_its_order_during_the_turn_accepts_another_from_there) {
   GraphFixture fixture{square(), "south", 0.8};
   fixture.take(round());
   ASSERT_TRUE(fixture.run_until([&] { return fixture.world.pose().heading_rad > 0.5; }, 10.0));
@@ -257,12 +258,12 @@ TEST(AgentAtABend, that_loses_its_order_in_it_takes_another_from_there) {
   EXPECT_THAT(fixture.traversed, ElementsAre("C"));
 }
 
-TEST(AgentAtABend, does_not_sweep_over_what_stands_beside_it) {
+TEST(AgentAtABend, does_not_sweep_over_an_adjacent_obstacle) {
   GraphFixture fixture{square(), "south", 0.5};
   auto text = order("O-1").through({"A", "B", "C"});
   text.edge(0).edge_id = "south";
   fixture.take(text);
-  fixture.obstacles = {{1.135, -0.02}};  // beyond the corner, not in the way round it
+  fixture.obstacles = {{1.135, -0.02}};  // beyond the corner, not on the path round it
   fixture.run(10.0);
   EXPECT_EQ(fixture.turns, 0);
   EXPECT_TRUE(fixture.agent.decision().blocked);
@@ -271,9 +272,9 @@ TEST(AgentAtABend, does_not_sweep_over_what_stands_beside_it) {
   EXPECT_EQ(fixture.turns, 1);
 }
 
-// --- beside the line ------------------------------------------------------------------------------------------------
+// --- off the path ---------------------------------------------------------------------------------------------------
 
-/// On the diamond's floor, at a pose 0.14 m beside the trunk and across it.
+/// On the diamond's floor, at a pose 0.14 m off the trunk and across it.
 struct OffPathFixture : GraphFixture {
   OffPathFixture() : GraphFixture{diamond(), "trunk", 0.0} {
     const auto aslant = test::graph("aslant", {{"way", {0.5, 0.14, 1.0}, 1.0, 0.0, {}}}, {});
@@ -283,12 +284,12 @@ struct OffPathFixture : GraphFixture {
   }
 };
 
-TEST(AgentOffPath, goes_to_it_when_it_has_base_and_not_before) {
+TEST(AgentOffPath, joins_the_path_when_it_has_base_and_not_before) {
   OffPathFixture fixture;
   ASSERT_TRUE(fixture.agent.position().near_path());
   fixture.run(1.0);
   EXPECT_FALSE(fixture.drive.seek);
-  EXPECT_FALSE(fixture.agent.holds().has(Hold::line_lost)) << "it is beside the line, and knows it";
+  EXPECT_FALSE(fixture.agent.holds().has(Hold::line_lost)) << "the vehicle is known to be off-path";
   fixture.take(order("O-1").through({"T", "T1", "F", "ro"}));
   fixture.step();
   EXPECT_TRUE(fixture.drive.seek);
@@ -300,9 +301,9 @@ TEST(AgentOffPath, goes_to_it_when_it_has_base_and_not_before) {
   EXPECT_THAT(fixture.traversed, ElementsAre("T1", "F", "ro"));
 }
 
-TEST(AgentOffPath, waits_for_whatever_stands_between) {
+TEST(AgentOffPath, waits_for_an_obstacle_between_vehicle_and_path) {
   OffPathFixture fixture;
-  fixture.obstacles = {{0.559, 0.233}};  // 0.11 m before its middle: a corner comes by as it turns
+  fixture.obstacles = {{0.559, 0.233}};  // 0.11 m before the body origin: a corner passes there during the turn
   fixture.run(0.5);
   fixture.take(order("O-1").through({"T", "T1"}));
   fixture.run(3.0);
@@ -313,17 +314,17 @@ TEST(AgentOffPath, waits_for_whatever_stands_between) {
   EXPECT_THAT(fixture.traversed, ElementsAre("T1"));
 }
 
-TEST(AgentOffPath, looks_only_at_what_its_body_would_touch) {
+TEST(AgentOffPath, considers_only_obstacles_that_its_body_would_touch) {
   OffPathFixture fixture;
-  fixture.obstacles = {{0.567, 0.245}};  // 0.125 m before its middle, where no corner comes
+  fixture.obstacles = {{0.567, 0.245}};  // 0.125 m before the body origin, where no corner passes
   fixture.take(order("O-1").through({"T", "T1"}));
   fixture.run(15.0);
   EXPECT_THAT(fixture.traversed, ElementsAre("T1"));
 }
 
-TEST(AgentOffPath, stops_half_way_for_what_it_sees_only_then) {
+TEST(AgentOffPath, stops_during_the_manoeuvre_for_an_obstacle_detected_only_then) {
   OffPathFixture fixture;
-  fixture.obstacles = {{0.5, -0.05}};  // across the line, which lies behind it at first
+  fixture.obstacles = {{0.5, -0.05}};  // across the path, which lies behind the vehicle at first
   fixture.take(order("O-1").through({"T", "T1"}));
   fixture.run(6.0);
   EXPECT_TRUE(fixture.world.manoeuvring());
@@ -337,7 +338,7 @@ TEST(AgentOffPath, stops_half_way_for_what_it_sees_only_then) {
   EXPECT_THAT(fixture.traversed, ElementsAre("T1"));
 }
 
-TEST(AgentOffPath, joins_it_where_it_is_told_to_without_an_order) {
+TEST(AgentOffPath, joins_the_path_at_a_commanded_pose_without_an_order) {
   OffPathFixture fixture;
   fixture.step();
   ASSERT_TRUE(fixture.agent.join_line({0.7, 0.0, 0.0}));
@@ -347,13 +348,13 @@ TEST(AgentOffPath, joins_it_where_it_is_told_to_without_an_order) {
   EXPECT_FALSE(fixture.agent.joining());
   EXPECT_NEAR(fixture.world.track_position().s_m, 0.7, 0.002);
   EXPECT_LT(fixture.pose_error_m, 0.01);
-  EXPECT_EQ(fixture.drive.speed_mmps, 0) << "and waits there";
+  EXPECT_EQ(fixture.drive.speed_mmps, 0) << "the vehicle waits there";
   fixture.take(order("O-1").through({"T", "T1"}));
   fixture.run(10.0);
   EXPECT_THAT(fixture.traversed, ElementsAre("T1"));
 }
 
-TEST(AgentOffPath, joins_no_line_that_is_not_where_it_is_told) {
+TEST(AgentOffPath, joins_no_path_that_is_not_at_the_commanded_pose) {
   OffPathFixture fixture;
   const auto code = [&](const Pose2& X_MG) {
     const auto joins = fixture.agent.join_line(X_MG);
@@ -361,7 +362,7 @@ TEST(AgentOffPath, joins_no_line_that_is_not_where_it_is_told) {
   };
   fixture.step();
   EXPECT_EQ(code({0.7, 0.05, 0.0}), "join.no_line");
-  EXPECT_EQ(code({0.7, 0.0, 2.0}), "join.no_line") << "the line leads another way there";
+  EXPECT_EQ(code({0.7, 0.0, 2.0}), "join.no_line") << "the path has another direction there";
   EXPECT_EQ(code({0.5, -0.6, 0.0}), "join.too_far");
   EXPECT_EQ(code({std::nan(""), 0.0, 0.0}), "join.too_far");
   EXPECT_FALSE(fixture.agent.joining());
@@ -373,7 +374,7 @@ TEST(AgentOffPath, joins_no_line_that_is_not_where_it_is_told) {
   EXPECT_EQ(code({0.7, 0.0, 0.0}), "join.on_line");
 }
 
-TEST(AgentOffPath, stands_where_a_manoeuvre_left_it_that_was_given_up) {
+TEST(AgentOffPath, stays_where_an_abandoned_manoeuvre_left_it) {
   OffPathFixture fixture;
   fixture.take(order("O-1").through({"T", "T1"}));
   ASSERT_TRUE(fixture.run_until([&] { return fixture.world.pose().heading_rad < 0.5; }, 5.0));
@@ -385,10 +386,10 @@ TEST(AgentOffPath, stands_where_a_manoeuvre_left_it_that_was_given_up) {
   EXPECT_TRUE(fixture.agent.position().near_path());
   EXPECT_LT(distance(fixture.agent.position().pose(), there), 0.002);
   EXPECT_NEAR(fixture.agent.position().pose().heading_rad, there.heading_rad, 0.002);
-  EXPECT_TRUE(fixture.agent.order().active()) << "its way still comes by here";
+  EXPECT_TRUE(fixture.agent.order().active()) << "its route still passes here";
 }
 
-TEST(AgentOffPath, that_is_too_far_away_says_how_far_and_takes_no_order) {
+TEST(AgentOffPath, that_is_too_far_away_refuses_an_order_with_the_distance) {
   Agent agent{square()};
   agent.estimator().set_off_path({0.5, 0.5, 0.0});
   EXPECT_TRUE(agent.position().away());

@@ -13,14 +13,14 @@ namespace cosiva::aiv {
 namespace {
 
 constexpr std::array<AgentInputInfo, agent_input_count> all_metadata{{
-    {"instruction", "", "what the operator asks for: 0 stop, 1 slow, 2 medium, 3 fast, 4 nothing", no_instruction},
-    {"gap", "braking distances", "free way to where it would stand before the next body", 10.0},
-    {"closing", "% of the medium speed", "how fast that way shrinks; below 0 it grows", 0.0},
-    {"base", "braking distances", "way to where its right to drive ends", 10.0},
-    {"crossing", "braking distances", "way to the next crossing that it may not enter yet", 10.0},
-    {"margin", "s", "by how much it is at that crossing before the other one", 10.0},
-    {"priority", "", "its own against the other one's: -1 lower, 0 the same, 1 higher", 0.0},
-    {"charge", "%", "its battery's state of charge", 100.0},
+    {"instruction", "", "the operator's instruction: 0 stop, 1 slow, 2 medium, 3 fast, 4 none", no_instruction},
+    {"gap", "braking distances", "free distance up to the stopping point before the next body", 10.0},
+    {"closing", "% of the medium speed", "rate at which that distance shrinks; below 0 it grows", 0.0},
+    {"base", "braking distances", "distance to the end of the base", 10.0},
+    {"crossing", "braking distances", "distance to the next crossing that the vehicle may not enter yet", 10.0},
+    {"margin", "s", "time by which the vehicle is at that crossing before the other vehicle", 10.0},
+    {"priority", "", "own priority against the other vehicle's: -1 lower, 0 the same, 1 higher", 0.0},
+    {"charge", "%", "state of charge of the battery", 100.0},
 }};
 constexpr std::string_view go_name = "go";
 
@@ -43,7 +43,7 @@ Result<std::vector<AgentInput>> known_inputs(const fuzzy::Engine& engine, std::s
       std::string names;
       for (const AgentInputInfo& metadata : all_metadata)
         names += (names.empty() ? "" : ", ") + std::string(metadata.name);
-      return refuse(origin, variable, "an agent knows no '" + variable.name + "'; it knows " + names);
+      return refuse(origin, variable, "an agent has no input '" + variable.name + "'; its inputs are " + names);
     }
     inputs.push_back(*input);
   }
@@ -67,7 +67,7 @@ double braking_distance_m(const zone::SpeedProfiles& profiles) {
 
 AgentInputs inputs_of(const Situation& situation, const zone::SpeedProfiles& profiles) {
   const double braking_m = braking_distance_m(profiles);
-  // Nothing is closed in on where nothing is; what is not known to move stands.
+  // Without an obstacle there is no closing speed; an obstacle of unknown motion counts as stopped.
   const bool is_free = std::isinf(situation.obstacle_ahead_m);
   const double closing_mps = is_free ? 0.0 : situation.closing_mps.value_or(situation.speed_mps);
   return {situation.imposed ? static_cast<double>(*situation.imposed) : no_instruction,
@@ -92,25 +92,25 @@ Result<std::shared_ptr<const AgentRules>> AgentRules::read(std::string_view fll,
   if (!inputs) return tl::unexpected(inputs.error());
   for (const fuzzy::Variable& output : base->engine().outputs) {
     if (!std::isfinite(output.otherwise))
-      return refuse(origin, output, "'" + output.name + "' needs a 'default': what it is where no rule fires");
+      return refuse(origin, output, "'" + output.name + "' needs a 'default': its value where no rule fires");
   }
   const auto go = base->find_output(go_name);
   if (base->engine().outputs.size() == (go ? 1U : 0U))
-    return refuse(origin, base->engine().outputs.front(), "besides 'go' an output has to say how fast it may go");
+    return refuse(origin, base->engine().outputs.front(), "an output other than 'go' has to limit the speed");
   return std::shared_ptr<const AgentRules>(new AgentRules{std::move(*base), std::move(*inputs), go});
 }
 
 std::shared_ptr<const AgentRules> AgentRules::built_in() {
   static const std::shared_ptr<const AgentRules> rules = [] {
     auto read = AgentRules::read(built_in_rules_text(), "rules/agent.fll");
-    COSIVA_EXPECT(read);  // a test reads it as well
+    COSIVA_EXPECT(read);  // also read by a test
     return *read;
   }();
   return rules;
 }
 
 AgentDecision AgentRules::decide(const AgentInputs& inputs, std::optional<Profile> present) const {
-  // An agent knows eight inputs, each of them once; FLL has at most 64 variables.
+  // An agent has eight inputs, each of them once; FLL has at most 64 variables.
   std::array<double, agent_input_count> question{};
   for (std::size_t i = 0; i < inputs_.size(); ++i) question[i] = inputs[static_cast<std::size_t>(inputs_[i])];
   std::array<double, 64> responses{};

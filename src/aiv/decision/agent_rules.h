@@ -16,54 +16,54 @@
 
 namespace cosiva::aiv {
 
-/// What an agent's rules may ask for. Their numbers' meaning stands in rules/agent.fll and docs/guide/agents.md.
+/// The inputs of an agent's rules. rules/agent.fll and docs/guide/agents.md define their numbers.
 enum class AgentInput { instruction, gap, closing, base, crossing, margin, priority, charge };
 inline constexpr std::size_t agent_input_count = 8;
 struct AgentInputInfo {
   std::string_view name;     ///< in the rules
-  std::string_view unit;     ///< of the rules' number; empty: it has none
+  std::string_view unit;     ///< of the rules' number; empty: none
   std::string_view meaning;  ///< for people
-  double free;               ///< its value on a free way, when nothing is known or in the way
+  double free;               ///< value on a free path, and where the input is not known
 };
 [[nodiscard]] const AgentInputInfo& metadata_of(AgentInput input);
 
-/// One number per AgentInput, as the rules count it.
+/// One number per AgentInput, in the unit of the rules.
 using AgentInputs = std::array<double, agent_input_count>;
-/// A free way, fully charged, no instruction, nobody else near.
+/// A free path, fully charged, no instruction, no other vehicle near.
 [[nodiscard]] AgentInputs free_path_inputs();
-/// What the rules are asked in this situation. Ways count in braking distances of the medium profile: a figure that did
-/// not change with its own effect.
+/// The inputs of the rules in this situation. Distances count in braking distances of the medium profile, a unit that
+/// does not change with the choice.
 [[nodiscard]] AgentInputs inputs_of(const Situation& situation, const zone::SpeedProfiles& profiles);
-/// The way in which the medium profile stops, reaction included [m].
+/// The distance in which the medium profile stops, reaction included [m].
 [[nodiscard]] double braking_distance_m(const zone::SpeedProfiles& profiles);
 
 struct AgentDecision {
   Profile profile;
-  double speed;                           ///< 0 stop … 3 fast, before it is rounded: the lowest concern's
+  double speed;                           ///< 0 stop … 3 fast, before rounding: the lowest concern's
   std::optional<std::size_t> decided_by;  ///< that concern, an output of the rules
-  double go;                              ///< what the rules say of the next crossing, 0 yield … 1 go
+  double go;                              ///< the rules' output for the next crossing, 0 yield … 1 go
   [[nodiscard]] bool goes() const { return go > 0.5; }
 };
 
-/// Fuzzy rules that an agent can decide by (A10): each output but `go` is a concern that says how fast it may go, the
-/// lowest decides. Never changes; any number of agents share it.
+/// Fuzzy rules that an agent can decide by (A10): each output but `go` is a concern with an upper limit of the speed;
+/// the lowest limit decides. Immutable; any number of agents may use the same rules.
 class AgentRules {
  public:
-  /// Fails as fuzzy::RuleBase::read, and ("rules.agent") with file and line on a variable that no agent knows, on an
-  /// output without a finite default, and where no output says how fast to go.
+  /// Fails as fuzzy::RuleBase::read, and ("rules.agent") with file and line on a variable that is no AgentInput, on an
+  /// output without a finite default, and where no output limits the speed.
   [[nodiscard]] static Result<std::shared_ptr<const AgentRules>> read(std::string_view fll, std::string_view origin);
-  /// Those that come with the platform.
+  /// The rules that come with the platform.
   [[nodiscard]] static std::shared_ptr<const AgentRules> built_in();
 
-  /// @param present  the profile that it drives by; it is left only where another one is clearly meant, so that an
-  ///                 answer on the border of two does not make it change its mind with every echo. Nothing: the nearest
+  /// @param present  the present profile, which is left only where another profile is clearly meant, so that a result
+  ///                 on the border of two profiles does not alternate with every echo. Nothing: the nearest profile
   [[nodiscard]] AgentDecision decide(const AgentInputs& inputs, std::optional<Profile> present = std::nullopt) const;
   [[nodiscard]] fuzzy::Explanation explain(const AgentInputs& inputs) const;
 
   [[nodiscard]] const fuzzy::RuleBase& base() const { return base_; }
   /// The rule base's inputs, in its order.
   [[nodiscard]] std::span<const AgentInput> inputs() const { return inputs_; }
-  /// Which of its outputs says whether to go first, and is no concern; nothing: none does.
+  /// The output that decides whether to go first, and is no concern; nothing: there is none.
   [[nodiscard]] std::optional<std::size_t> go() const { return go_; }
 
  private:
@@ -81,14 +81,14 @@ class AgentRules {
 /// rules/agent.fll.
 [[nodiscard]] std::string_view built_in_rules_text();
 
-/// Chooses by fuzzy rules. What may not be fuzzy is not: at the end of its base it stops, and never is it faster than
-/// what the operator has asked for.
+/// Chooses by fuzzy rules. Two limits are crisp: at the end of its base the vehicle stops, and it is never faster than
+/// the operator's instruction.
 class FuzzySpeedPolicy final : public SpeedPolicy {
  public:
   FuzzySpeedPolicy(std::shared_ptr<const AgentRules> rules, const zone::SpeedProfiles& profiles);
 
   [[nodiscard]] Profile choose(const Situation& situation) const override { return decide(situation).profile; }
-  /// The same, with what the rules say of the next crossing.
+  /// The same, with the rules' output for the next crossing.
   [[nodiscard]] AgentDecision decide(const Situation& situation) const;
 
  private:

@@ -35,7 +35,7 @@ AgentDecision decision(const Situation& situation) {
 }
 Profile choice(const Situation& situation) { return decision(situation).profile; }
 
-/// Anything that an agent may come into.
+/// Any situation of an agent.
 Situation any_situation() {
   const auto number = [](double low, double high) { return low + (high - low) * 1e-4 * *rc::gen::inRange(0, 10'001); };
   Situation situation = free_path();
@@ -54,7 +54,7 @@ Situation any_situation() {
 
 TEST(FuzzyChoice, is_medium_on_a_free_path) { EXPECT_EQ(choice(free_path()), Profile::medium); }
 
-TEST(FuzzyChoice, an_AIV_close_behind_a_slower_one_goes_slower) {
+TEST(FuzzyChoice, an_AIV_close_behind_a_slower_one_slows_down) {
   Situation situation = free_path();
   situation.obstacle_ahead_m = 0.25;
   situation.closing_mps = 0.1;
@@ -68,13 +68,13 @@ TEST(FuzzyChoice, an_AIV_close_behind_one_that_pulls_away_keeps_its_speed) {
   EXPECT_EQ(choice(situation), Profile::medium);
 }
 
-TEST(FuzzyChoice, what_is_not_known_to_move_counts_as_standing) {
+TEST(FuzzyChoice, an_obstacle_of_unknown_motion_counts_as_stopped) {
   Situation situation = free_path();
   situation.obstacle_ahead_m = 0.25;
   EXPECT_EQ(choice(situation), Profile::slow);
 }
 
-TEST(FuzzyChoice, obeys_the_operator_where_nothing_speaks_against_it) {
+TEST(FuzzyChoice, obeys_the_operator_where_no_concern_is_lower) {
   Situation situation = free_path();
   for (const Profile imposed : {Profile::stop, Profile::slow, Profile::medium, Profile::fast}) {
     situation.imposed = imposed;
@@ -82,7 +82,7 @@ TEST(FuzzyChoice, obeys_the_operator_where_nothing_speaks_against_it) {
   }
 }
 
-TEST(FuzzyChoice, hurries_for_an_operator_neither_into_another_one_nor_towards_the_end_of_its_base) {
+TEST(FuzzyChoice, does_not_hurry_into_a_vehicle_or_the_end_of_its_base_for_an_operator) {
   Situation situation = free_path();
   situation.imposed = Profile::fast;
   situation.obstacle_ahead_m = 0.2;
@@ -99,7 +99,7 @@ TEST(FuzzyChoice, is_slow_with_a_low_battery) {
   EXPECT_EQ(choice(situation), Profile::slow);
 }
 
-TEST(FuzzyChoice, stops_without_a_base_whatever_else) {
+TEST(FuzzyChoice, stops_without_a_base_in_any_situation) {
   EXPECT_TRUE(rc::check([] {
     Situation situation = any_situation();
     situation.end_of_base_m = -0.01 * *rc::gen::inRange(0, 100);
@@ -107,7 +107,7 @@ TEST(FuzzyChoice, stops_without_a_base_whatever_else) {
   }));
 }
 
-TEST(FuzzyChoice, is_never_faster_than_the_operator_wants) {
+TEST(FuzzyChoice, is_never_faster_than_the_instruction) {
   EXPECT_TRUE(rc::check([] {
     Situation situation = any_situation();
     situation.imposed = static_cast<Profile>(*rc::gen::inRange(0, 4));
@@ -120,7 +120,7 @@ TEST(FuzzyChoice, is_never_slower_with_more_room_in_front) {
     const Situation nearer = any_situation();
     Situation farther = nearer;
     farther.obstacle_ahead_m += 0.01 * *rc::gen::inRange(0, 300);
-    // On a free way nothing closes in: that is more room as well.
+    // On a free path nothing closes in: that is more room as well.
     RC_ASSERT(choice(farther) >= choice(nearer));
   }));
 }
@@ -146,13 +146,13 @@ TEST(FuzzyChoice, without_an_instruction_and_a_rival_at_a_crossing_is_never_slow
     Situation situation = any_situation();
     situation.imposed.reset();
     situation.crossing_margin_s = nothing;
-    // From where it stands, or on from what the crisp one would have it do.
+    // From standstill, or continuing from the choice of the crisp policy.
     if (situation.present) situation.present = CrispSpeedPolicy{}.choose(situation);
     RC_ASSERT(choice(situation) >= CrispSpeedPolicy{}.choose(situation));
   }));
 }
 
-TEST(FuzzyChoice, does_not_change_its_mind_with_every_echo) {
+TEST(FuzzyChoice, does_not_change_its_choice_with_every_echo) {
   Situation situation = free_path();
   situation.obstacle_ahead_m = 0.28;  // between slow and medium
   situation.present = choice(situation);
@@ -162,7 +162,7 @@ TEST(FuzzyChoice, does_not_change_its_mind_with_every_echo) {
   }
 }
 
-TEST(FuzzyChoice, at_a_crossing_goes_with_ample_time_and_gives_way_when_late) {
+TEST(FuzzyChoice, at_a_crossing_goes_with_ample_time_and_yields_when_late) {
   Situation situation = free_path();
   situation.crossing_ahead_m = 0.2;
   EXPECT_TRUE(decision(situation).goes());
@@ -173,7 +173,7 @@ TEST(FuzzyChoice, at_a_crossing_goes_with_ample_time_and_gives_way_when_late) {
   EXPECT_EQ(choice(situation), Profile::slow);
 }
 
-TEST(FuzzyChoice, at_a_crossing_lets_priority_decide_when_it_is_tight) {
+TEST(FuzzyChoice, at_a_crossing_lets_priority_decide_when_the_margin_is_small) {
   Situation situation = free_path();
   situation.crossing_ahead_m = 0.2;
   situation.crossing_margin_s = 0.0;
@@ -185,7 +185,7 @@ TEST(FuzzyChoice, at_a_crossing_lets_priority_decide_when_it_is_tight) {
   EXPECT_FALSE(decision(situation).goes());
 }
 
-TEST(FuzzyChoice, of_two_who_see_each_other_the_same_way_never_sends_both_first) {
+TEST(FuzzyChoice, never_lets_two_vehicles_with_the_same_view_both_go_first) {
   EXPECT_TRUE(rc::check([] {
     Situation mine = free_path();
     mine.crossing_ahead_m = 0.01 * *rc::gen::inRange(0, 30);
@@ -198,8 +198,7 @@ TEST(FuzzyChoice, of_two_who_see_each_other_the_same_way_never_sends_both_first)
   }));
 }
 
-// ---- a drive up to a standing body, and behind a slower one
-// ----------------------------------------------------------
+// ---- approach to a stopped body, and behind a slower one ----------------------------------------------------------
 
 struct Drive {
   double distance_m{};
@@ -207,7 +206,7 @@ struct Drive {
   double nearest_m{1e9};
 };
 
-/// 20 s towards a body that starts 3 m ahead and moves at `body_mps`, by the chooser under the envelope's law.
+/// 20 s towards a body that starts 3 m ahead and moves at `body_mps`, by the speed policy under the envelope's law.
 Drive drive(const SpeedPolicy& speed_policy, double body_mps) {
   constexpr double dt_s = 0.02;
   Drive drive;
@@ -234,7 +233,7 @@ Drive drive(const SpeedPolicy& speed_policy, double body_mps) {
   return drive;
 }
 
-TEST(FuzzyDrive, comes_as_far_as_the_crisp_one_with_no_more_changes_of_profile) {
+TEST(FuzzyDrive, advances_as_far_as_the_crisp_policy_with_no_more_changes_of_profile) {
   const FuzzySpeedPolicy fuzzy{AgentRules::built_in(), profiles};
   for (const double body_mps : {0.0, 0.05, 0.1, 0.2, 0.3}) {
     const Drive own = drive(fuzzy, body_mps);
@@ -245,22 +244,21 @@ TEST(FuzzyDrive, comes_as_far_as_the_crisp_one_with_no_more_changes_of_profile) 
   }
 }
 
-// ---- rule files
-// ------------------------------------------------------------------------------------------------------
+// ---- rule files ----------------------------------------------------------------------------------------------------
 
 std::string fault(const std::string& fll) {
   const auto rules = AgentRules::read(fll, "my.fll");
   return rules ? "nothing" : to_string(rules.error());
 }
 
-TEST(AgentRules, that_come_with_the_platform_are_the_file_that_is_edited) {
+TEST(AgentRules, that_are_built_in_equal_the_rule_file) {
   std::ostringstream text;
   text << std::ifstream(source_dir() + "/rules/agent.fll").rdbuf();
   EXPECT_EQ(built_in_rules_text(), text.str());
   EXPECT_EQ(fault(text.str()), "nothing");
 }
 
-TEST(AgentRules, may_leave_out_what_they_do_not_ask_for) {
+TEST(AgentRules, may_omit_inputs) {
   const auto rules = AgentRules::read(
       "InputVariable: gap\n  range: 0 10\n  term: near Ramp 2 1\n  term: far Ramp 1 2\nOutputVariable: pace\n"
       "  default: 1\n  defuzzifier: WeightedAverage\n  term: slow Constant 1\n  term: fast Constant 3\nRuleBlock:\n"
@@ -269,30 +267,30 @@ TEST(AgentRules, may_leave_out_what_they_do_not_ask_for) {
   ASSERT_TRUE(rules) << to_string(rules.error());
   EXPECT_EQ((*rules)->decide(free_path_inputs()).profile, Profile::fast);
   EXPECT_TRUE((*rules)->decide(free_path_inputs()).goes());
-  // Rules that ask for no instruction do not set one aside.
+  // Rules without the input `instruction` do not cancel an instruction.
   Situation situation = free_path();
   situation.imposed = Profile::slow;
   EXPECT_EQ(FuzzySpeedPolicy(*rules, profiles).choose(situation), Profile::slow);
 }
 
-TEST(AgentRules, with_a_variable_that_no_agent_knows_are_refused_with_its_line) {
+TEST(AgentRules, with_an_unknown_variable_are_refused_with_its_line) {
   std::string text(built_in_rules_text());
   for (std::size_t at = 0; (at = text.find("charge", at)) != std::string::npos; at += 7) text.replace(at, 6, "voltage");
-  EXPECT_THAT(fault(text),
-              testing::MatchesRegex("my.fll:[0-9]+: an agent knows no 'voltage'; it knows instruction, gap.*"));
+  EXPECT_THAT(fault(text), testing::MatchesRegex(
+                               "my.fll:[0-9]+: an agent has no input 'voltage'; its inputs are instruction, gap.*"));
 }
 
-TEST(AgentRules, without_a_word_on_speed_or_without_a_default_are_refused) {
+TEST(AgentRules, without_a_speed_output_or_without_a_default_are_refused) {
   const std::string head = "InputVariable: gap\n  range: 0 10\n  term: near Ramp 2 1\nOutputVariable: ";
   const std::string tail =
       "\n  defuzzifier: WeightedAverage\n  term: a Constant 1\nRuleBlock:\n  rule: if gap is near then ";
   EXPECT_EQ(fault(head + "go\n  default: 0" + tail + "go is a\n"),
-            "my.fll:4: besides 'go' an output has to say how fast it may go");
+            "my.fll:4: an output other than 'go' has to limit the speed");
   EXPECT_EQ(fault(head + "pace" + tail + "pace is a\n"),
-            "my.fll:4: 'pace' needs a 'default': what it is where no rule fires");
+            "my.fll:4: 'pace' needs a 'default': its value where no rule fires");
 }
 
-TEST(SpeedRules, come_back_from_json_as_they_went) {
+TEST(SpeedRules, survive_a_json_round_trip) {
   for (const SpeedRules& rules : {SpeedRules{}, SpeedRules{SpeedRules::Kind::fuzzy, {}, {}},
                                   SpeedRules{SpeedRules::Kind::custom, "my.fll", std::string(built_in_rules_text())}}) {
     JsonWriter json;

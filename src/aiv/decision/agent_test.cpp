@@ -75,7 +75,7 @@ struct AgentFixture {
 constexpr double edge_m = 0.282743338823;
 const auto to_565 = [] { return order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@565"}); };
 
-/// Wants medium, and writes down what it is told of its last choice.
+/// Chooses medium, and records the last choice that it is given.
 class RecordingPolicy final : public SpeedPolicy {
  public:
   explicit RecordingPolicy(std::vector<std::optional<Profile>>& present) : present_{present} {}
@@ -88,7 +88,7 @@ class RecordingPolicy final : public SpeedPolicy {
   std::vector<std::optional<Profile>>& present_;
 };
 
-TEST(Agent, tells_its_policy_what_it_drives_by_and_nothing_after_it_had_to_stand) {
+TEST(Agent, gives_its_policy_the_last_choice_and_none_after_a_stop) {
   std::vector<std::optional<Profile>> present;
   Agent agent{lacet4(), std::make_unique<RecordingPolicy>(present)};
   agent.estimator().position_at(at(lacet4(), "loop_se", 0.0));
@@ -102,7 +102,7 @@ TEST(Agent, tells_its_policy_what_it_drives_by_and_nothing_after_it_had_to_stand
   EXPECT_THAT(present, ElementsAre(std::nullopt, Profile::medium, std::nullopt));
 }
 
-TEST(Agent, stays_without_an_order) {
+TEST(Agent, does_not_drive_without_an_order) {
   AgentFixture fixture{"loop_se", 0.0};
   fixture.run(3.0);
   EXPECT_EQ(fixture.travelled_m, 0.0);
@@ -121,7 +121,7 @@ TEST(Agent, follows_its_order_and_stops_on_the_last_node_of_its_base) {
   EXPECT_LE(fixture.hardest_braking_mps2, lacet4().profiles.medium.braking_mps2 + 0.03) << "a smooth stop";
 }
 
-TEST(Agent, goes_on_without_stopping_when_its_base_is_extended_in_time) {
+TEST(Agent, continues_without_a_stop_when_its_base_is_extended_in_time) {
   AgentFixture fixture{"loop_se", 0.0};
   fixture.take(to_565().then({"loop_se@848"}));
   ASSERT_TRUE(fixture.run_until([&] { return fixture.agent.decision().wants_base; }, 5.0));
@@ -136,14 +136,14 @@ TEST(Agent, goes_on_without_stopping_when_its_base_is_extended_in_time) {
   EXPECT_GT(slowest_mps, 0.25);
 }
 
-TEST(Agent, asks_for_base_only_when_more_is_announced) {
+TEST(Agent, requests_base_only_when_more_is_announced) {
   AgentFixture fixture{"loop_se", 0.0};
   fixture.take(to_565());
   fixture.run(8.0);
   EXPECT_FALSE(fixture.agent.decision().wants_base);
 }
 
-TEST(Agent, stands_while_anything_holds_it_and_goes_on_by_itself) {
+TEST(Agent, is_stopped_during_any_hold_and_continues_by_itself) {
   for (const Hold reason : {Hold::paused, Hold::broker_lost, Hold::server_lost, Hold::board_lost, Hold::board_faulty}) {
     AgentFixture fixture{"loop_se", 0.0};
     fixture.take(order("O-1").through({"loop_se@0", "loop_se@565", "loop_se@1131", "loop_se@1696"}));
@@ -159,7 +159,7 @@ TEST(Agent, stands_while_anything_holds_it_and_goes_on_by_itself) {
   }
 }
 
-TEST(Agent, stands_when_it_loses_the_line) {
+TEST(Agent, stops_when_it_loses_the_line) {
   AgentFixture fixture{"loop_se", 0.0};
   fixture.take(to_565());
   wire::Odometry lost;
@@ -168,13 +168,13 @@ TEST(Agent, stands_when_it_loses_the_line) {
   EXPECT_EQ(fixture.agent.decide().speed_mmps, 0);
 }
 
-TEST(Agent, that_knows_no_place_does_not_drive_and_takes_no_order) {
+TEST(Agent, without_a_known_position_does_not_drive_and_accepts_no_order) {
   Agent agent{lacet4()};
   EXPECT_EQ(agent.take_order(to_565()).error().code, "noRouteError");
   EXPECT_EQ(agent.decide().speed_mmps, 0);
 }
 
-TEST(Agent, stops_before_an_obstacle_and_goes_on_when_it_is_gone) {
+TEST(Agent, stops_before_an_obstacle_and_continues_when_it_is_removed) {
   AgentFixture fixture{"loop_se", 0.0};
   fixture.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
   fixture.run(1.0);
@@ -190,7 +190,7 @@ TEST(Agent, stops_before_an_obstacle_and_goes_on_when_it_is_gone) {
   EXPECT_NEAR(fixture.s_m(), 4.0 * edge_m, 0.01);
 }
 
-TEST(Agent, does_not_touch_an_obstacle_that_appears_half_a_metre_ahead_at_full_speed) {
+TEST(Agent, does_not_touch_an_obstacle_that_appears_half_a_metre_away_at_full_speed) {
   AgentFixture fixture{"loop_se", 0.0};
   fixture.agent.instructions().imposed = Profile::fast;
   fixture.take(order("O-1").through({"loop_se@0", "loop_se@1979"}));
@@ -203,9 +203,9 @@ TEST(Agent, does_not_touch_an_obstacle_that_appears_half_a_metre_ahead_at_full_s
   EXPECT_GT(obstacle_s_m - fixture.s_m() - 0.1, 0.08);
 }
 
-// --- what is only virtual -----------------------------------------------------------------------------------------
+// --- virtual bodies -------------------------------------------------------------------------------------------------
 
-TEST(Agent, stops_before_what_it_feels_as_before_an_obstacle_and_goes_on_when_it_is_gone) {
+TEST(Agent, stops_before_a_virtual_body_as_before_an_obstacle_and_continues_when_it_is_removed) {
   AgentFixture fixture{"loop_se", 0.0};
   fixture.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
   fixture.run(1.0);
@@ -218,7 +218,7 @@ TEST(Agent, stops_before_what_it_feels_as_before_an_obstacle_and_goes_on_when_it
   EXPECT_TRUE(fixture.agent.decision().blocked);
   EXPECT_TRUE(fixture.agent.decision().braking_for_virtual);
   EXPECT_NEAR(0.9 - fixture.s_m() - 0.1, clearance_m, 0.02);
-  EXPECT_LE(fixture.hardest_braking_mps2, lacet4().profiles.medium.braking_mps2 + 0.03) << "it was told in time";
+  EXPECT_LE(fixture.hardest_braking_mps2, lacet4().profiles.medium.braking_mps2 + 0.03) << "the body was known in time";
   fixture.agent.perceive(std::numeric_limits<double>::infinity());
   fixture.run(4.0);
   EXPECT_FALSE(fixture.agent.decision().blocked);
@@ -226,7 +226,7 @@ TEST(Agent, stops_before_what_it_feels_as_before_an_obstacle_and_goes_on_when_it
   EXPECT_NEAR(fixture.s_m(), 4.0 * edge_m, 0.01);
 }
 
-TEST(Agent, brakes_for_the_nearer_of_what_it_sees_and_feels) {
+TEST(Agent, brakes_for_the_nearer_of_a_detected_and_a_virtual_body) {
   AgentFixture fixture{"loop_se", 0.0};
   fixture.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
   fixture.obstacles = {position(lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.6)))};
@@ -241,11 +241,11 @@ TEST(Agent, brakes_for_the_nearer_of_what_it_sees_and_feels) {
     fixture.agent.perceive(0.9 - fixture.s_m() - 0.1);
     fixture.step();
   }
-  EXPECT_NEAR(0.9 - fixture.s_m() - 0.1, clearance_m, 0.02) << "the virtual one";
+  EXPECT_NEAR(0.9 - fixture.s_m() - 0.1, clearance_m, 0.02) << "the virtual body";
   EXPECT_TRUE(fixture.agent.decision().braking_for_virtual);
 }
 
-TEST(Agent, does_not_brake_for_what_it_feels_beyond_its_base_or_while_something_else_holds_it) {
+TEST(Agent, does_not_brake_for_a_virtual_body_beyond_its_base_or_during_a_hold) {
   AgentFixture fixture{"loop_se", 0.0};
   fixture.take(to_565());
   for (int i = 0; i < 400; ++i) {
@@ -268,7 +268,7 @@ TEST(Agent, does_not_brake_for_what_it_feels_beyond_its_base_or_while_something_
   EXPECT_EQ(paused.travelled_m, 0.0);
 }
 
-TEST(Agent, does_not_stutter_behind_what_moves_back_and_forth_by_a_few_centimetres) {
+TEST(Agent, does_not_stutter_behind_a_body_that_moves_back_and_forth_by_a_few_centimetres) {
   AgentFixture fixture{"loop_se", 0.0};
   fixture.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
   int starts = 0;
@@ -325,7 +325,7 @@ TEST(Agent, waits_at_the_stop_line_until_the_base_leads_through_the_crossing) {
   EXPECT_NEAR(fixture.s_m(), 1.12, 0.01);
 }
 
-TEST(Agent, cancelling_brakes_and_drops_the_order_when_it_stands) {
+TEST(Agent, cancelling_brakes_and_drops_the_order_at_standstill) {
   AgentFixture fixture{"loop_se", 0.0};
   fixture.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
   fixture.run(1.5);
@@ -348,7 +348,7 @@ TEST(Agent, tag_corrections_move_the_order_along) {
   EXPECT_NEAR(fixture.agent.order().distance_to_base_end_m(), before_m - fix.correction_m, 1e-12);
 }
 
-TEST(Agent, drops_an_order_that_a_tag_shows_it_is_not_on) {
+TEST(Agent, drops_an_order_that_a_tag_contradicts) {
   AgentFixture fixture{"east", 0.10};
   fixture.take(order("O-1").through({"east@0", "east@190", "east@380"}));
   fixture.agent.on_tag({0, 7, 0});
@@ -358,7 +358,7 @@ TEST(Agent, drops_an_order_that_a_tag_shows_it_is_not_on) {
   EXPECT_EQ(fixture.agent.position().track_position().section, 4U);
 }
 
-TEST(Agent, takes_a_position_only_when_it_stands_without_an_order_and_it_lies_on_the_circuit) {
+TEST(Agent, accepts_a_position_only_on_the_circuit_and_at_standstill_without_an_order) {
   AgentFixture fixture{"east", 0.10};
   EXPECT_EQ(fixture.agent.initialise_position({5.0, 5.0, 0.0}, "").error().code, "position.off_circuit");
   EXPECT_TRUE(fixture.agent.initialise_position({-0.5, -0.14, 0.05}, "dock"));

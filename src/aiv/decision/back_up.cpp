@@ -9,7 +9,7 @@ namespace cosiva::aiv {
 namespace {
 
 constexpr double back_up_mps = 0.10;
-/// A backUp takes so many readings at most, 50 a second, and ends so much before its end.
+/// Largest number of readings of a backUp, 50 a second, and distance before its end at which it ends.
 constexpr int readings_max = 750;
 constexpr double ends_m = 0.005;
 

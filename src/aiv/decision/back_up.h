@@ -6,8 +6,9 @@
 
 namespace cosiva::aiv {
 
-/// One backUp: the vehicle rolls back along the line, slowly and blindly; the sender of the action has looked behind
-/// it. Invariant: while it is active its end lies no further back than back_up_m_max.
+/// One backUp: the vehicle drives backwards along the path, slowly and without sensing; the sender of the action has
+/// checked the floor behind the vehicle. Invariant: while the backUp is active its end lies no further back than
+/// distance_m_max.
 class BackUp {
  public:
   static constexpr double distance_m_max = 0.5;
@@ -16,11 +17,11 @@ class BackUp {
   /// @param travelled_m  the vehicle's own odometer, now
   void begin(double distance_m, double travelled_m);
   void end() { end_at_m_.reset(); }
-  /// After a reading: ends it at its end, off the line, or when it takes too long.
+  /// After a reading: ends the backUp at its end, off the path, or when it takes too long.
   void on_odometry(double travelled_m, bool on_line);
 
   [[nodiscard]] bool active() const { return end_at_m_.has_value(); }
-  [[nodiscard]] bool completed() const { return completed_; }  ///< the last one came as far as it was told
+  [[nodiscard]] bool completed() const { return completed_; }  ///< the last backUp reached its commanded end
   /// The speed, ≥ 0, from which the vehicle still stops at the end: v = √(2bs), at most 0.1 m/s. Only while active.
   [[nodiscard]] double speed_mps(const zone::SpeedProfile& slow, double travelled_m) const;
 

@@ -24,7 +24,7 @@ TEST(BackUp, is_completed_within_five_millimetres_of_its_end) {
   EXPECT_TRUE(back_up.completed());
 }
 
-TEST(BackUp, ends_uncompleted_off_the_line) {
+TEST(BackUp, ends_uncompleted_off_the_path) {
   BackUp back_up;
   back_up.begin(0.20, 1.0);
   back_up.on_odometry(0.9, false);
@@ -42,7 +42,7 @@ TEST(BackUp, ends_uncompleted_after_fifteen_seconds_of_readings) {
   EXPECT_FALSE(back_up.completed());
 }
 
-TEST(BackUp, that_begins_again_forgets_that_the_one_before_was_completed) {
+TEST(BackUp, that_begins_again_is_no_longer_completed) {
   BackUp back_up;
   back_up.begin(0.1, 1.0);
   back_up.on_odometry(0.9, true);
@@ -53,7 +53,7 @@ TEST(BackUp, that_begins_again_forgets_that_the_one_before_was_completed) {
   EXPECT_FALSE(back_up.active());
 }
 
-TEST(BackUp, goes_at_a_tenth_of_a_metre_per_second_and_slows_down_to_stop_at_its_end) {
+TEST(BackUp, drives_at_a_tenth_of_a_metre_per_second_and_slows_down_to_stop_at_its_end) {
   BackUp back_up;
   back_up.begin(0.20, 1.0);
   EXPECT_EQ(back_up.speed_mps(slow(), 1.0), 0.10);

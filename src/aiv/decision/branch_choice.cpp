@@ -7,9 +7,10 @@
 namespace cosiva::aiv {
 namespace {
 
-/// A fork counts as the next until the vehicle is so far beyond it: its body may be behind its belief.
+/// A fork counts as the next one until the vehicle is this far beyond it: the body may be behind its estimated
+/// position.
 constexpr double fork_passed_m = 0.10;
-/// Forks further ahead than this are not looked for.
+/// Largest distance ahead within which forks are searched for.
 constexpr double fork_ahead_m = 3.0;
 /// Rounding between the order's path and the joint's.
 constexpr double rounding_m = 0.005;
@@ -37,13 +38,13 @@ std::uint8_t choose_branch(const zone::Circuit& circuit, const PositionEstimator
     if (decides || end_m > fork_ahead_m || !ahead.step()) break;
   }
 
-  // The last one rolled over, as long as it is near.
+  // The last fork passed, as long as it is near.
   double back_m = outlook.here.s_m;
   zone::SectionId to = outlook.here.section;
   const auto traversed = position.course().traversed();
   for (std::size_t i = traversed.size(); i-- > 0 && back_m < std::min(fork_passed_m, 0.5 * (back_m + end_m));) {
     const zone::SectionId from = traversed[i];
-    if (bend_rad(circuit, from, to) != 0.0) break;  // turned: that is done
+    if (bend_rad(circuit, from, to) != 0.0) break;  // that turn is done
     if (circuit.next(from).size() > 1) return number(from, to);
     back_m += circuit.section(from).length_m();
     to = from;

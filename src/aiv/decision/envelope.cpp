@@ -8,11 +8,12 @@
 namespace cosiva::aiv {
 namespace {
 
-/// The last of the way to a bend is crept: PILS turns where it sees the joint, wherever we believe it.
+/// The last part of the path to a bend is driven at creep speed: PILS turns where it detects the joint, whatever the
+/// estimate.
 constexpr double bend_margin_m = 0.015;
-/// Rounding between the order's way and the crossing's.
+/// Rounding between the distances of the order and of the crossing.
 constexpr double rounding_m = 0.005;
-/// How far past its stopping distance the vehicle looks.
+/// Look-ahead beyond the vehicle's stopping distance.
 constexpr double look_ahead_m = 0.5;
 
 using plain::speed_before;
@@ -41,10 +42,10 @@ CrossingLookAhead::CrossingLookAhead(const zone::TrafficZone& zone)
 CrossingLookAhead::Chain CrossingLookAhead::first(const Outlook& outlook, double reach_m) const {
   Chain chain;
   bool found = false;
-  double start_m = -outlook.here.s_m;  // of the present section, seen from here
-  double busy_until_m = 0.0;           // the end of the span that the vehicle stands in
+  double start_m = -outlook.here.s_m;  // of the present section, relative to the vehicle
+  double busy_until_m = 0.0;           // the end of the span that the vehicle is in
   zone::SectionLookAhead ahead = section_look_ahead(circuit_, outlook);
-  // Twice round is more than any chain needs; it ends the search on a ring that is one chain.
+  // Two rounds are more than any chain needs; this limit ends the search on a loop that is one chain.
   for (std::size_t steps = 0; steps < 2 * circuit_.size(); ++steps) {
     for (const Span& span : spans_[ahead.section()]) {
       const double from_m = start_m + span.from_m;
@@ -53,7 +54,7 @@ CrossingLookAhead::Chain CrossingLookAhead::first(const Outlook& outlook, double
         if (from_m - chain.exit_m >= gap_m_) return chain;
         chain.exit_m = std::max(chain.exit_m, to_m);
       } else if (from_m <= busy_until_m) {
-        // Entered already, or the same crossing goes on over the joint of two sections.
+        // Entered already, or the same crossing continues over the joint of two sections.
         if (to_m > 0.0) busy_until_m = std::max(busy_until_m, to_m);
       } else {
         if (from_m > reach_m) return chain;
@@ -69,7 +70,7 @@ CrossingLookAhead::Chain CrossingLookAhead::first(const Outlook& outlook, double
 }
 
 Lateness Lateness::of(SimDuration cycle) {
-  // The times that the usual ones are made of: a tick of 20 ms, and eyes that look every 60 ms.
+  // The parts of the usual delays: a tick of 20 ms, and a frame of the obstacle sensor every 60 ms.
   constexpr SimDuration usual_tick = std::chrono::milliseconds{20};
   constexpr SimDuration usual_scan = std::chrono::milliseconds{60};
   const double slower_s = to_seconds(std::max(cycle, usual_tick) - usual_tick);
@@ -121,7 +122,7 @@ Limit Envelope::limit(const View& view, const zone::SpeedProfile& target_speed) 
     limit.by_obstacle = true;
   }
   // A base, a crossing or an obstacle that came nearer than the profile can brake for (a slower profile has weaker
-  // brakes): then all the brakes there are.
+  // brakes): the vehicle brakes as hard as possible.
   const double hard_m = std::min(end_m, obstacle_m);
   if (speed > 0.0 && plain::brakes_hard(speed, hard_m, braking)) limit.braking_mps2 = braking_mps2_max_;
   return limit;
@@ -161,7 +162,7 @@ double Envelope::bend_ahead_m(const Outlook& outlook, double reach_m) const {
 
 double Envelope::edge_limit_mps(const View& view, const zone::SpeedProfile& target_speed) const {
   double limit_mps = std::numeric_limits<double>::infinity();
-  double starts_m = 0.0;  // of the edge, seen from here
+  double starts_m = 0.0;  // of the edge, relative to the vehicle
   for (const OrderBook::Target& target : view.order.targets()) {
     if (target.max_speed_mps)
       limit_mps = std::min(limit_mps, speed_before(*target.max_speed_mps, starts_m, target_speed.braking_mps2));

@@ -12,18 +12,18 @@
 
 namespace cosiva::aiv {
 
-/// Where crossings lie on the way ahead. Those that follow each other too closely for a vehicle to stand between count
-/// as one: a chain.
+/// Where crossings lie on the path ahead. Crossings that follow each other too closely for a vehicle to stop between
+/// count as one: a chain.
 class CrossingLookAhead {
  public:
   explicit CrossingLookAhead(const zone::TrafficZone& zone);
 
-  /// The first chain that the vehicle's middle has not entered yet; distances along its way.
+  /// The first chain that the body origin has not entered yet; distances along the path.
   struct Chain {
     double entry_m{std::numeric_limits<double>::infinity()};  ///< ≥ 0
     double exit_m{std::numeric_limits<double>::infinity()};
   };
-  /// Looks `reach_m` ahead for an entry; a chain found is followed to its exit however long it is.
+  /// Searches for an entry up to `reach_m` ahead; a chain found is followed to its exit whatever its length.
   [[nodiscard]] Chain first(const Outlook& outlook, double reach_m) const;
 
  private:
@@ -36,23 +36,23 @@ class CrossingLookAhead {
   std::vector<std::vector<Span>> spans_;  ///< by section, merged, in order of s
 };
 
-/// How fast it comes to a bend on the spot.
+/// Speed of the approach to a bend on the spot.
 inline constexpr double bend_creep_mps = 0.05;
 
-/// How fast the vehicle may go, whatever its agent wishes (DESIGN §4.5): crisp, and it can only lower.
+/// Upper limit of the vehicle's speed, whatever the agent's target (DESIGN §4.5): crisp, and only lowering.
 struct Limit {
   double speed_mps;           ///< ≥ 0
   double braking_mps2;        ///< the profile's, or the hardest where the profile's does not suffice any more
-  bool by_obstacle{false};    ///< an obstacle is what limits
-  double crossing_ahead_m{};  ///< to the next crossing it may not enter yet; infinite when none is near
+  bool by_obstacle{false};    ///< the limit is due to an obstacle
+  double crossing_ahead_m{};  ///< to the next crossing that the vehicle may not enter yet; infinite when none is near
   double bend_ahead_m{std::numeric_limits<double>::infinity()};  ///< to the next bend on the spot, if one is near
 };
 
-/// How late what it decides shows at the wheels; its envelope allows for that much.
+/// Delay until a decision takes effect at the wheels; the envelope allows for this delay.
 struct Lateness {
   double command_s{reaction_s};
   double obstacle_s{obstacle_reaction_s};
-  /// Of a vehicle that decides, and whose boards speak, once in `cycle`.
+  /// Of a vehicle that decides, and whose boards report, once in `cycle`.
   [[nodiscard]] static Lateness of(SimDuration cycle);
 };
 
@@ -66,15 +66,15 @@ class Envelope {
     double obstacle_ahead_m;  ///< from the vehicle's front; infinite: none
     const OrderBook& order;
   };
-  /// @param wish  the profile's kinematics; its speed may be lower than the profile's
+  /// @param target_speed  the profile's kinematics; its speed may be lower than the profile's
   [[nodiscard]] Limit limit(const View& view, const zone::SpeedProfile& target_speed) const;
-  /// Of one that joins a line: only what it feels before it limits.
+  /// Of a vehicle that joins a path: only a perceived obstacle ahead limits the speed.
   [[nodiscard]] Limit limit_off_line(double obstacle_ahead_m, const zone::SpeedProfile& target_speed) const;
 
  private:
   [[nodiscard]] double section_limit_mps(const View& view, const zone::SpeedProfile& target_speed,
                                          double reach_m) const;
-  /// To the first joint on the way where the vehicle turns on the spot; infinite beyond reach.
+  /// To the first joint on the path where the vehicle turns on the spot; infinite beyond reach.
   [[nodiscard]] double bend_ahead_m(const Outlook& outlook, double reach_m) const;
   [[nodiscard]] double edge_limit_mps(const View& view, const zone::SpeedProfile& target_speed) const;
 

@@ -21,14 +21,14 @@ constexpr double nothing = std::numeric_limits<double>::infinity();
 
 // --- crossings ----------------------------------------------------------------------------------------------------
 
-TEST(CrossingLookAhead, takes_the_two_of_a_straight_as_one) {
+TEST(CrossingLookAhead, takes_the_two_crossings_of_a_straight_as_one) {
   const CrossingLookAhead crossings{lacet4()};
   const auto chain = crossings.first(at(lacet4(), "east", 0.1), 1.0);
   EXPECT_NEAR(chain.entry_m, 0.3, 0.001);
   EXPECT_NEAR(chain.exit_m, 1.0, 0.001);
 }
 
-TEST(CrossingLookAhead, sees_over_the_joint_of_two_sections) {
+TEST(CrossingLookAhead, finds_crossings_beyond_the_joint_of_two_sections) {
   const CrossingLookAhead crossings{lacet4()};
   const auto chain = crossings.first(at(lacet4(), "loop_se", 2.7), 1.0);
   EXPECT_NEAR(chain.entry_m, 0.9 * pi - 2.7 + 0.4, 0.001);
@@ -51,24 +51,24 @@ zone::TrafficZone with_spans(std::vector<zone::CrossingSpan> spans, std::vector<
   return zone;
 }
 
-TEST(CrossingLookAhead, are_apart_when_a_vehicle_can_stand_between) {
-  // The vehicle is 0.2 m long; 0.3 m is the room to stand.
+TEST(CrossingLookAhead, keeps_crossings_separate_when_a_vehicle_can_stop_between) {
+  // The vehicle is 0.2 m long and needs 0.3 m to stop between crossings.
   const auto near = with_spans({{0, 1.0, 1.5}, {0, 1.79, 2.0}}, {{5.0}}, false);
   EXPECT_NEAR(CrossingLookAhead{near}.first({0, 0.5}, 1.0).exit_m, 1.5, 1e-12);
   const auto far = with_spans({{0, 1.0, 1.5}, {0, 1.81, 2.0}}, {{5.0}}, false);
   EXPECT_NEAR(CrossingLookAhead{far}.first({0, 0.5}, 1.0).exit_m, 1.0, 1e-12);
 }
 
-TEST(CrossingLookAhead, of_one_crossing_over_a_joint_are_one_span) {
+TEST(CrossingLookAhead, joins_the_spans_of_one_crossing_over_a_joint) {
   const auto zone = with_spans({{0, 0.8, 1.0}, {1, 0.0, 0.3}}, {{1.0}, {5.0}}, false);
   const CrossingLookAhead crossings{zone};
   const auto chain = crossings.first({0, 0.5}, 1.0);
   EXPECT_NEAR(chain.entry_m, 0.3, 1e-12);
   EXPECT_NEAR(chain.exit_m, 0.8, 1e-12);
-  EXPECT_EQ(crossings.first({0, 0.9}, 1.0).entry_m, nothing) << "it is in the crossing already";
+  EXPECT_EQ(crossings.first({0, 0.9}, 1.0).entry_m, nothing) << "the vehicle is in the crossing already";
 }
 
-TEST(CrossingLookAhead, end_the_search_on_a_ring_that_is_all_crossing) {
+TEST(CrossingLookAhead, ends_the_search_on_a_loop_that_is_all_crossing) {
   const auto zone = with_spans({{0, 0.2, 0.9}}, {{1.0}, {1.0}, {1.0}, {1.0}}, false);
   EXPECT_NEAR(CrossingLookAhead{zone}.first({0, 0.1}, 1.0).exit_m, 0.8, 1e-12);
   zone::TrafficZone loop = lacet4();
@@ -93,7 +93,7 @@ struct Scene {
   }
 };
 
-TEST(Envelope, leaves_the_target_speed_alone_on_a_free_way) {
+TEST(Envelope, leaves_the_target_speed_unchanged_on_a_free_path) {
   const Scene scene{"loop_se", 0.0, order("O").through({"loop_se@0", "loop_se@283", "loop_se@1131"})};
   EXPECT_EQ(scene.limit().speed_mps, target_speed.speed_mps);
   EXPECT_EQ(scene.limit().braking_mps2, target_speed.braking_mps2);
@@ -105,11 +105,11 @@ TEST(Envelope, lets_the_vehicle_stop_at_the_end_of_its_base) {
   EXPECT_NEAR(scene.limit().speed_mps, stoppable_speed(0.282743 - 0.2, 0.8, 0.08), 1e-5);
 }
 
-TEST(Envelope, allows_for_as_much_lateness_as_its_vehicle_s_cycle_brings) {
+TEST(Envelope, allows_for_the_delay_of_the_vehicle_s_cycle) {
   using namespace std::chrono_literals;
   EXPECT_EQ(Lateness::of(20ms).command_s, 0.08);
   EXPECT_EQ(Lateness::of(20ms).obstacle_s, 0.15);
-  // Eighty milliseconds more between two decisions, and forty between two looks.
+  // Eighty milliseconds more between two decisions, and forty between two frames of the obstacle sensor.
   const Lateness late = Lateness::of(100ms);
   EXPECT_NEAR(late.command_s, 0.16, 1e-12);
   EXPECT_NEAR(late.obstacle_s, 0.27, 1e-12);
@@ -128,7 +128,7 @@ TEST(Envelope, is_zero_without_an_order) {
 }
 
 TEST(Envelope, stops_before_a_crossing_that_the_base_does_not_lead_through) {
-  // The base ends in the middle of the two crossings, and more is announced: somebody else may hold them.
+  // The base ends between the two crossings, and more is announced: another vehicle may hold them.
   auto into = order("O").through({"east@190", "centre"}).then({"east@1120"});
   into.node(1).position = wire::NodePosition{0.0, -0.15, {}, {}, {}, ""};
   const Scene scene{"east", 0.30, into};
@@ -142,7 +142,7 @@ TEST(Envelope, enters_a_crossing_that_the_base_leads_through) {
   EXPECT_EQ(scene.limit().crossing_ahead_m, nothing);
 }
 
-TEST(Envelope, enters_a_crossing_that_is_the_order_s_very_end) {
+TEST(Envelope, enters_a_crossing_at_the_end_of_the_order) {
   auto into = order("O").through({"east@190", "centre"});
   into.node(1).position = wire::NodePosition{0.0, -0.15, {}, {}, {}, ""};
   const Scene scene{"east", 0.30, into};
@@ -166,7 +166,8 @@ TEST(Envelope, obeys_an_edge_s_speed_limit_and_brakes_for_the_next_one_s) {
   auto limited = order("O").through({"loop_se@0", "loop_se@283", "loop_se@565", "loop_se@1131"});
   limited.edge(1).max_speed_mps = 0.1;
   EXPECT_EQ((Scene{"loop_se", 0.0, limited}.limit().speed_mps), target_speed.speed_mps);
-  // 5 cm before the edge: what may be had by braking down to 0.1 m/s over them, less the reaction's way.
+  // 5 cm before the edge: the speed from which these 5 cm, less the reaction's distance, suffice to brake down to 0.1
+  // m/s.
   const double before_mps = (Scene{"loop_se", 0.2327, limited}.limit().speed_mps);
   EXPECT_NEAR(before_mps, std::sqrt(0.01 + 1.6 * (0.05 - 0.008)), 1e-3);
   auto on_it = order("O").through({"loop_se@283", "loop_se@565", "loop_se@1131"});

@@ -8,7 +8,7 @@ namespace cosiva::aiv {
 /// A reason for which a vehicle stops although its order would let it go. Several may be in force at once.
 enum class Hold : std::uint8_t {
   paused = 1U << 0U,        ///< startPause
-  broker_lost = 1U << 1U,   ///< the vehicle hears nothing from outside
+  broker_lost = 1U << 1U,   ///< no message arrives from outside
   server_lost = 1U << 2U,   ///< a server whose heartbeat the vehicle has received sends none any more
   board_lost = 1U << 3U,    ///< the vehicle cannot sense or act
   board_faulty = 1U << 4U,  ///< a board that drives the vehicle reports that it is broken

@@ -9,8 +9,8 @@
 namespace cosiva::aiv {
 namespace {
 
-/// Reports are as wrong as this: a foot so near may lie anywhere round the vehicle, one so far behind it on either
-/// side.
+/// Error of reports: a foot this near may lie in any direction from the vehicle, and a foot this nearly behind it on
+/// either side.
 constexpr double unsure_m = 0.03;
 constexpr double unsure_rad = 0.3;
 
@@ -55,14 +55,14 @@ Box box(const Pose2& X_MB, const zone::VehicleShape& shape, double more_m) {
   return {X_MB, 0.5 * shape.length_m + more_m, 0.5 * shape.width_m + more_m};
 }
 
-/// How far a box reaches from its middle along the axes of a frame in which it is turned by `heading_rad`.
+/// Extent of a box from its centre along the axes of a frame in which it is turned by `heading_rad`.
 Point2 reach(const Box& box, double heading_rad) {
   const auto [sin, cos] = sincos(heading_rad);
   return {std::fabs(cos) * box.half_length_m + std::fabs(sin) * box.half_width_m,
           std::fabs(sin) * box.half_length_m + std::fabs(cos) * box.half_width_m};
 }
 
-/// Whether one of a's sides lies between the two.
+/// Whether one of a's sides separates the two.
 bool parted_by_sides_of(const Box& a, const Box& b) {
   const Pose2 X_AB = inverse(a.X_MB) * b.X_MB;
   const Point2 b_reach = reach(b, X_AB.heading_rad);
@@ -71,7 +71,7 @@ bool parted_by_sides_of(const Box& a, const Box& b) {
 
 bool touch(const Box& a, const Box& b) { return !parted_by_sides_of(a, b) && !parted_by_sides_of(b, a); }
 
-/// Turning once round where it stands, whichever way.
+/// One full turn on the spot, in either direction.
 bool touched_turning(Point2 centre, const zone::VehicleShape& shape, const Box& other, double clear_m) {
   const Point2 p = inverse(other.X_MB) * centre;
   const double dx = std::max(0.0, std::fabs(p.x_m) - other.half_length_m);
@@ -107,7 +107,7 @@ void EntrySweep::take_rest(const LineEntry& entry, const Pose2& X_OB) {
   take(entry);
   turns_either_direction_ = false;
   const Pose2 X_MB = entry.from * X_OB;
-  constexpr double m_per_rad = 0.1;  // a corner's
+  constexpr double m_per_rad = 0.1;  // at a corner
   const auto off_m = [&](const Pose2& X_MS) {
     return distance(X_MS, X_MB) + m_per_rad * std::fabs(wrap_angle(X_MS.heading_rad - X_MB.heading_rad));
   };

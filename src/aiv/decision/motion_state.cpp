@@ -9,11 +9,11 @@
 namespace cosiva::aiv {
 namespace {
 
-/// Readings in a row under that before the vehicle counts as stopped: one alone may be a jerk's zero crossing.
+/// Consecutive readings under that before the vehicle counts as stopped: one alone may be a jerk's zero crossing.
 constexpr int stopped_readings = 2;
-/// Readings in a row without any progress before a manoeuvre counts as interrupted.
+/// Consecutive readings without any progress before a manoeuvre counts as interrupted.
 constexpr int still_readings_max = 5;
-/// And before a vehicle that is told to drive counts as waiting at a joint.
+/// Likewise before a vehicle that is commanded to drive counts as waiting at a joint.
 constexpr int stuck_readings_max = 25;
 constexpr double stuck_m = 0.0005;
 
@@ -53,7 +53,7 @@ bool MotionState::stuck(bool driving, double travelled_m) {
 }
 
 void MotionState::take_over(const MotionState& before) {
-  COSIVA_EXPECT(slow_readings_ >= stopped_readings);  // the other zone's vehicle has not moved in this one
+  COSIVA_EXPECT(slow_readings_ >= stopped_readings);  // the vehicle has not moved in this zone yet
   const int stuck_readings = stuck_readings_;
   const double stuck_travelled_m = stuck_travelled_m_;
   const double turn_radps = turn_radps_;

@@ -12,14 +12,13 @@ namespace cosiva::aiv {
 class MotionState {
  public:
   void on_odometry(const wire::Odometry& odometry);
-  /// Nothing more is known of the speed; the motors stop by themselves.
   void on_odometry_lost();
-  /// Whether the vehicle has been told to drive for half a second of readings without any progress, as one that waits
-  /// at a joint for its branch. Counts anew after that.
-  /// @param driving      the motors are told to drive along the line, and a line is there
+  /// Whether the vehicle has been commanded to drive for half a second of readings without any progress, as a vehicle
+  /// that waits at a joint for its branch. The count restarts after that.
+  /// @param driving      the motors are commanded to drive along the path, and a line is under the sensors
   /// @param travelled_m  of the vehicle's own odometer
   [[nodiscard]] bool stuck(bool driving, double travelled_m);
-  /// Goes on as `before`, which was in another zone; what counts progress begins anew.
+  /// Continues from `before`, the state in another zone; the measurement of progress restarts.
   void take_over(const MotionState& before);
 
   [[nodiscard]] double speed_mps() const { return speed_mps_; }  ///< signed: negative while backing up

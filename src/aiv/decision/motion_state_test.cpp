@@ -39,7 +39,7 @@ TEST(MotionState, has_stopped_where_the_odometer_is_lost) {
   EXPECT_EQ(motion.speed_mps(), 0.0);
 }
 
-TEST(MotionState, turns_as_fast_as_its_manoeuvre_goes_on) {
+TEST(MotionState, turns_at_the_rate_of_its_manoeuvre) {
   MotionState motion;
   motion.on_odometry(turned(0, 1000));
   motion.on_odometry(turned(40, 1020));
@@ -47,12 +47,12 @@ TEST(MotionState, turns_as_fast_as_its_manoeuvre_goes_on) {
   motion.on_odometry(turned(40, 1040));
   EXPECT_EQ(motion.manoeuvre_turn_radps(), 0.0);
   motion.on_odometry(turned(80, 3000));
-  EXPECT_EQ(motion.manoeuvre_turn_radps(), 0.0) << "a second and more between readings says nothing";
+  EXPECT_EQ(motion.manoeuvre_turn_radps(), 0.0) << "readings a second apart give no rate";
   motion.on_odometry(at_speed(100));
   EXPECT_FALSE(motion.has_manoeuvre());
 }
 
-TEST(MotionState, has_stopped_in_a_manoeuvre_only_when_that_has_not_gone_on_for_five_readings) {
+TEST(MotionState, has_stopped_in_a_manoeuvre_only_after_five_readings_without_progress) {
   MotionState motion;
   motion.on_odometry(turned(10, 0));
   for (int k = 1; k <= 4; ++k) {
@@ -73,7 +73,7 @@ TEST(MotionState, is_stuck_after_25_readings_without_progress_and_then_counts_an
   }
 }
 
-TEST(MotionState, is_not_stuck_while_it_creeps_or_is_not_to_drive) {
+TEST(MotionState, is_not_stuck_while_it_creeps_or_is_not_commanded_to_drive) {
   MotionState motion;
   for (int k = 0; k < 100; ++k) EXPECT_FALSE(motion.stuck(true, 0.0006 * k));
   for (int k = 0; k < 100; ++k) EXPECT_FALSE(motion.stuck(false, 0.06));
@@ -81,7 +81,7 @@ TEST(MotionState, is_not_stuck_while_it_creeps_or_is_not_to_drive) {
   for (int k = 0; k < 100; ++k) EXPECT_FALSE(motion.stuck(true, 0.06)) << "in a manoeuvre";
 }
 
-TEST(MotionState, goes_on_in_another_zone_as_it_was) {
+TEST(MotionState, keeps_its_state_in_another_zone) {
   MotionState before;
   before.on_odometry(at_speed(3));
   before.on_odometry(at_speed(3));
@@ -90,7 +90,7 @@ TEST(MotionState, goes_on_in_another_zone_as_it_was) {
   after.take_over(before);
   EXPECT_EQ(after.speed_mps(), 0.003);
   EXPECT_TRUE(after.stopped());
-  for (int k = 0; k < 24; ++k) EXPECT_FALSE(after.stuck(true, 0.0)) << "what counts progress begins anew";
+  for (int k = 0; k < 24; ++k) EXPECT_FALSE(after.stuck(true, 0.0)) << "the measurement of progress restarts";
 }
 
 }  // namespace

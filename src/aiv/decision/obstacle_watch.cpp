@@ -7,9 +7,9 @@
 namespace cosiva::aiv {
 namespace {
 
-/// Air around a body that turns on the spot.
+/// Clearance around a body that turns on the spot.
 constexpr double sweep_margin_m = 0.05;
-/// A bend this near ahead may begin at any moment.
+/// At a bend this near ahead the turn may begin at any moment.
 constexpr double bend_near_m = 0.03;
 
 }  // namespace

@@ -8,8 +8,7 @@
 
 namespace cosiva::aiv {
 
-/// What the vehicle's ranges show of obstacles: on its path, around it, and where its body will be while it goes onto
-/// the line.
+/// Obstacles in the vehicle's ranges: on its path, around it, and where its body will be while it joins the path.
 /// Invariant: echoes count only from a known position on.
 class ObstacleWatch {
  public:
@@ -19,19 +18,19 @@ class ObstacleWatch {
 
   /// @param position  known
   void on_ranges(const PositionEstimator& position, const wire::Ranges& ranges);
-  /// The vehicle believes to be elsewhere: earlier frames mean nothing there.
+  /// The estimated position has jumped: earlier frames have no meaning there.
   void clear_ahead() { ahead_.clear(); }
-  /// The vehicle goes onto the line at another pose.
+  /// The vehicle joins the path at another pose.
   void clear_entry() { entry_.clear(); }
 
-  /// From its front along its path to the nearest body, filtered; infinite: none.
+  /// From the vehicle's front along its path to the nearest body, filtered; infinite: none.
   [[nodiscard]] double ahead_m(const PositionEstimator& position) const {
     return ahead_.obstacle_ahead_m(position.travelled_m());
   }
-  /// Whether the body may move sideways where it is: turn on the spot, or go onto the line.
-  /// @param bend_ahead_m  to the next bend where it turns on the spot
+  /// Whether the body may move sideways where it is: turn on the spot, or join the path.
+  /// @param bend_ahead_m  to the next bend where the vehicle turns on the spot
   [[nodiscard]] bool may_sweep(const PositionEstimator& position, double bend_ahead_m) const;
-  /// What DOBS saw last: the nearest echo in the corridor and which beam brought it, unfiltered.
+  /// The last detection of DOBS: the nearest echo in the corridor and the beam that measured it, unfiltered.
   [[nodiscard]] const Corridor::Scan& scan() const { return scan_; }
   [[nodiscard]] double reach_m() const { return corridor_.reach_m(); }  ///< as Corridor::reach_m()
 
@@ -45,7 +44,7 @@ class ObstacleWatch {
   EntrySweep sweep_;
   ObstacleFilter ahead_;
   ObstacleFilter around_;  ///< echoes near the body, whatever its path
-  ObstacleFilter entry_;   ///< 0: one where the body will be on its way to the line
+  ObstacleFilter entry_;   ///< 0: an echo where the body will be while it joins the path
 };
 
 }  // namespace cosiva::aiv

@@ -17,7 +17,7 @@ using test::ranges_to;
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// A vehicle that has stopped on the straight `east`, and what it sees.
+/// A vehicle that is stopped on the straight `east`, and its ranges.
 struct Scene {
   PositionEstimator position{lacet4()};
   ObstacleWatch watch;
@@ -38,24 +38,24 @@ TEST(ObstacleWatch, measures_from_the_vehicle_s_front) {
   EXPECT_NEAR(scene.watch.scan().ahead_m, 0.50 - 0.5 * lacet4().vehicle.length_m, 0.01);
 }
 
-TEST(ObstacleWatch, does_not_believe_one_frame_alone) {
+TEST(ObstacleWatch, does_not_accept_one_frame_alone) {
   Scene scene;
   scene.see({}, 3);
   scene.see({{0.50, 0.0}});
   EXPECT_EQ(scene.watch.ahead_m(scene.position), infinite);
-  EXPECT_LT(scene.watch.scan().ahead_m, infinite) << "the unfiltered look shows it";
+  EXPECT_LT(scene.watch.scan().ahead_m, infinite) << "the unfiltered detection contains the obstacle";
   scene.see({{0.50, 0.0}});
   EXPECT_LT(scene.watch.ahead_m(scene.position), infinite);
 }
 
-TEST(ObstacleWatch, forgets_earlier_frames_where_the_vehicle_is_elsewhere) {
+TEST(ObstacleWatch, discards_earlier_frames_after_a_jump_of_the_position) {
   Scene scene;
   scene.see({{0.50, 0.0}}, 3);
   scene.watch.clear_ahead();
   EXPECT_EQ(scene.watch.ahead_m(scene.position), infinite);
 }
 
-TEST(ObstacleWatch, forbids_a_turn_on_the_spot_beside_a_body_unless_no_bend_is_near) {
+TEST(ObstacleWatch, forbids_a_turn_on_the_spot_next_to_a_body_unless_no_bend_is_near) {
   Scene scene{false};
   const double corner_m = 0.5 * std::hypot(lacet4().vehicle.length_m, lacet4().vehicle.width_m);
   scene.see({{corner_m + 0.03, 0.0}}, 3);

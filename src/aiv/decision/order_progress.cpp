@@ -9,7 +9,7 @@
 namespace cosiva::aiv {
 
 Result<OrderBook::Verdict> OrderProgress::offer(const wire::Order& order, const OrderBook::StartState& reference) {
-  if (cancelling_) return fail("orderUpdateError", "the order before it is being cancelled");
+  if (cancelling_) return fail("orderUpdateError", "the previous order is being cancelled");
   return book_.offer(order, reference);
 }
 

@@ -18,8 +18,8 @@ class OrderProgress {
   [[nodiscard]] Result<OrderBook::Verdict> offer(const wire::Order& order, const OrderBook::StartState& reference);
   /// The vehicle has come `distance_m` further; negative: a correction backwards.
   void advance(double distance_m);
-  /// The vehicle finds itself at `place`; null: nowhere. True: an order is active and goes on from there. An order that
-  /// does not contain the place is dropped, and take_lost() says so.
+  /// The estimated position has jumped to `place`; null: there is none. True: an order is active and continues from
+  /// there. An order that does not contain the position is dropped, and take_lost() reports it.
   [[nodiscard]] bool relocate(const zone::TrackPosition* position);
   /// False: there is no order to cancel.
   [[nodiscard]] bool begin_cancel();

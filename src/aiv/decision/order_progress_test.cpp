@@ -33,11 +33,11 @@ TEST(OrderProgress, collects_traversed_nodes_until_they_are_taken) {
   progress.advance(0.0);
   progress.advance(0.30);
   progress.advance(0.30);
-  EXPECT_THAT(progress.traversed(), ElementsAre("loop_se@283", "loop_se@565")) << "the first one was passed already";
+  EXPECT_THAT(progress.traversed(), ElementsAre("loop_se@283", "loop_se@565")) << "the first node was passed already";
   EXPECT_THAT(progress.traversed(), IsEmpty());
 }
 
-TEST(OrderProgress, takes_no_order_while_a_cancellation_is_pending) {
+TEST(OrderProgress, accepts_no_order_while_a_cancellation_is_pending) {
   Progress progress;
   ASSERT_TRUE(progress.begin_cancel());
   const auto refused = progress.offer(order("O-2").through({"loop_se@0", "loop_se@283"}), Progress::start());
@@ -62,7 +62,7 @@ TEST(OrderProgress, cancels_once_when_requested_twice) {
   EXPECT_TRUE(progress.begin_cancel());
 }
 
-TEST(OrderProgress, goes_on_from_another_place_of_its_order) {
+TEST(OrderProgress, continues_from_another_position_of_its_order) {
   Progress progress;
   const zone::TrackPosition further = at(lacet4(), "loop_se", 0.40);
   EXPECT_TRUE(progress.relocate(&further));
@@ -70,7 +70,7 @@ TEST(OrderProgress, goes_on_from_another_place_of_its_order) {
   EXPECT_TRUE(progress.book().active());
 }
 
-TEST(OrderProgress, is_lost_once_where_the_place_is_not_on_the_order) {
+TEST(OrderProgress, is_lost_once_where_the_position_is_not_on_the_order) {
   Progress progress;
   const zone::TrackPosition elsewhere = at(lacet4(), "east", 0.1);
   EXPECT_FALSE(progress.relocate(&elsewhere));

@@ -6,14 +6,14 @@
 
 namespace cosiva::aiv {
 
-/// Who wants a crossing, as far as it matters for who goes first.
+/// A vehicle's request for a crossing, as far as it matters for the right of way.
 struct Claim {
   std::int32_t priority;
   SimDuration waited;
 };
 
 /// Whether `a` goes before `b`, which has come later or at the same time: by priority, and among equals in the order of
-/// asking; but one that has waited `overtaken_at_most` is overtaken by nobody.
+/// their requests; but no vehicle overtakes one that has waited `overtaken_at_most`.
 [[nodiscard]] constexpr bool keeps_its_turn(const Claim& a, const Claim& b, SimDuration overtaken_at_most) {
   const bool a_waited = a.waited >= overtaken_at_most;
   const bool b_waited = b.waited >= overtaken_at_most;

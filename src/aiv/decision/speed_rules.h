@@ -11,7 +11,7 @@
 
 namespace cosiva::aiv {
 
-/// By what an agent chooses its speed; a value that options carry.
+/// The rules by which an agent chooses its speed; a value that options carry.
 struct SpeedRules {
   enum class Kind {
     crisp,   ///< CrispSpeedPolicy

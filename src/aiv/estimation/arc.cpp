@@ -9,9 +9,9 @@
 namespace cosiva::estimation {
 namespace {
 
-/// A reading further off than this many standard deviations is strange.
+/// A reading further off than this many standard deviations contradicts the estimate.
 constexpr double gate_sigmas = 6.0;
-/// Two strange readings agree when they differ by less than this, beyond what odometry allows.
+/// Two contradicting readings agree when they differ by less than this, beyond the tolerance of odometry.
 constexpr double agree_m = 0.05;
 
 double fiducial_variance(const Setting& setting) {
@@ -45,7 +45,7 @@ Estimate DeadReckoning::estimate() const {
 std::optional<DeadReckoning::Detection> DeadReckoning::see(const Reading& reading) {
   if (!configured.track) return std::nullopt;
   const double gate_m = gate_sigmas * std::sqrt(p_m2 + fiducial_variance(configured));
-  // The foot of a mark on another branch of the line may lie near; the belief says which is meant.
+  // The foot of a fiducial on another branch of the path may lie near; the estimate selects the intended one.
   const double reach_m = std::fmax(1.0, 2.0 * gate_m);
   const auto foot_m = configured.track->foot(reading.fiducial_M, s_m + reading.detected_B.x_m, reach_m);
   if (!foot_m) return std::nullopt;
@@ -58,7 +58,7 @@ std::optional<DeadReckoning::Detection> DeadReckoning::see(const Reading& readin
   doubt_m_ = detection.innovation_m;
   doubting_ = !agree;
   if (!agree) return std::nullopt;
-  // Twice the same news: the belief was wrong, and its variance with it.
+  // Two readings agree: the estimate was wrong, and its variance too.
   p_m2 = std::fmax(p_m2, detection.innovation_m * detection.innovation_m);
   return detection;
 }
@@ -165,7 +165,7 @@ void UnbiasedFir::average() {
   p_m2 = fiducial_variance(configured) / n;
   for (std::size_t i = 0; i < snaps_.size(); ++i) {
     s_m += snaps_[i].along_m / n;
-    // The way since a reading lies in all the older ones, too: what has rolled since i is shared by 0…i.
+    // The distance since a reading is part of all the older ones, too: 0…i have the distance driven since i in common.
     const double shared = 2.0 * static_cast<double>(i) + 1.0;
     p_m2 += configured.sensors.distance_variance_per_m * snaps_[i].rolled_m * shared / (n * n);
   }

@@ -5,11 +5,11 @@
 
 #include "cosiva/aiv/estimation/algorithm.h"
 
-/// The estimators that go along a track: their state is an arc length.
+/// The estimators along a track: their state is an arc length.
 namespace cosiva::estimation {
 
-/// Follows the sections' own equations (1) to (3) with what odometry counted, and believes nothing else: the article's
-/// predictor, and what the others are measured against. In the open it follows arcs of circles.
+/// Follows the sections' own equations (1) to (3) with odometry alone: the article's predictor, and the reference for
+/// the other algorithms. In the open it follows arcs of circles.
 class DeadReckoning : public Algorithm {
  public:
   explicit DeadReckoning(Setting setting);
@@ -19,8 +19,8 @@ class DeadReckoning : public Algorithm {
   [[nodiscard]] Estimate estimate() const override;
 
  protected:
-  /// Where on the track the mark that was read puts the vehicle, and how far that is from the belief; nothing: nowhere
-  /// near. Two strange readings that agree move the search to them.
+  /// The vehicle's arc length according to a fiducial that was read, and its difference from the estimate; nothing: the
+  /// fiducial is not near. Two contradicting readings that agree with each other move the search to them.
   struct Detection {
     double along_m;
     double innovation_m;
@@ -34,11 +34,11 @@ class DeadReckoning : public Algorithm {
  private:
   Pose2 pose_;  ///< in the open
   Matrix3 covariance_;
-  double doubt_m_{};  ///< along the track from the belief to where the last strange reading would put it
+  double doubt_m_{};  ///< along the track from the estimate to the position by the last contradicting reading
   bool doubting_{false};
 };
 
-/// The article's own rule: dead reckoning, and the mark's place on every reading.
+/// The article's own rule: dead reckoning, and the fiducial's position on every reading.
 class ResetRule final : public DeadReckoning {
  public:
   using DeadReckoning::DeadReckoning;
@@ -46,8 +46,8 @@ class ResetRule final : public DeadReckoning {
   Rectified rectify(const Reading& reading) override;
 };
 
-/// A Kalman filter of the arc length: optimal where the line is followed and the noise is Gaussian. The speed is not in
-/// its state: odometry tells distances, whose errors know nothing of the speed.
+/// A Kalman filter of the arc length: optimal where the path is followed and the noise is Gaussian. The speed is no
+/// state: odometry measures distances, whose errors do not depend on the speed.
 /// Source: R. E. Kalman, A New Approach to Linear Filtering and Prediction Problems, J. Basic Eng. 82 (1960).
 class ArcKalman : public DeadReckoning {
  public:
@@ -56,8 +56,8 @@ class ArcKalman : public DeadReckoning {
   Rectified rectify(const Reading& reading) override;
 };
 
-/// Likewise with the odometer's scale as a second state: wheels wear, and a wrong scale is a bias that no amount of
-/// readings takes from a filter that does not know of it.
+/// Likewise with the odometer's scale as a second state: wheels wear, and a wrong scale is a bias that no number of
+/// readings removes from a filter without this state.
 class ArcKalmanScale final : public DeadReckoning {
  public:
   explicit ArcKalmanScale(Setting setting);
@@ -72,7 +72,7 @@ class ArcKalmanScale final : public DeadReckoning {
   double scale_variance_;
 };
 
-/// Looks back over the whole run: the arc-length Kalman filter forwards, then the smoother of Rauch, Tung and Striebel
+/// A smoother over the whole run: the arc-length Kalman filter forwards, then the smoother of Rauch, Tung and Striebel
 /// backwards. Source: Maximum Likelihood Estimates of Linear Dynamic Systems, AIAA Journal 3 (1965).
 class ArcSmoother final : public ArcKalman {
  public:
@@ -92,11 +92,11 @@ class ArcSmoother final : public ArcKalman {
   std::vector<Moment> moments_;
 };
 
-/// The unbiased FIR filter on the track: the mean of where each of the last readings, moved on by odometry, puts the
-/// vehicle. It needs no noise figures but for the covariance that it states.
+/// The unbiased FIR filter on the track: the mean of the arc lengths by the last readings, each moved on by odometry.
+/// The filter needs no noise parameters except for the covariance that it states.
 /// Source: J. Pomarico-Franquiz, Y. S. Shmaliy, Accurate Self-Localization in RFID Tag Information Grids Using FIR
-/// Filtering, IEEE Trans. Industrial Informatics 10 (2014); of their extended filter what is left where the state is an
-/// arc length and the model linear, since its gain is then 1/n.
+/// Filtering, IEEE Trans. Industrial Informatics 10 (2014); their extended filter reduced to an arc length as state and
+/// a linear model, where its gain is 1/n.
 class UnbiasedFir final : public DeadReckoning {
  public:
   using DeadReckoning::DeadReckoning;
@@ -107,8 +107,8 @@ class UnbiasedFir final : public DeadReckoning {
  private:
   void average();
   struct PathSnap {
-    double along_m;      ///< where this reading alone puts the vehicle now
-    double rolled_m{0};  ///< since
+    double along_m;      ///< the vehicle's present arc length by this reading alone
+    double rolled_m{0};  ///< since the reading
   };
   std::deque<PathSnap> snaps_;
 };

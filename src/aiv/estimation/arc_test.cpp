@@ -24,7 +24,7 @@ Reading at(double x_m, double y_m = 0.0, double detected_ahead_m = 0.0) {
 }
 double variance(const Algorithm& algorithm) { return algorithm.estimate().covariance(0, 0); }
 
-TEST(DeadReckoning, follows_the_sections_equations_and_grows_unsure) {
+TEST(DeadReckoning, follows_the_sections_equations_and_grows_uncertain) {
   DeadReckoning algorithm{setting_on(testing::oval(), 0.0)};
   algorithm.predict({3.0, 0.0, 1.0});
   EXPECT_NEAR(algorithm.estimate().pose.x_m, 3.0, 1e-12);
@@ -32,7 +32,7 @@ TEST(DeadReckoning, follows_the_sections_equations_and_grows_unsure) {
   EXPECT_NEAR(algorithm.estimate().pose.x_m, 3.8, 1e-9);
   EXPECT_NEAR(algorithm.estimate().pose.y_m, 0.8, 1e-9);
   EXPECT_NEAR(algorithm.estimate().pose.heading_rad, 0.5 * pi, 1e-9);
-  // Along the line, which goes north there: q times the way.
+  // Along the path, which leads north there: q times the distance.
   EXPECT_NEAR(algorithm.estimate().covariance(1, 1), 1e-4 * (3.0 + pi * 0.4), 1e-12);
   algorithm.rectify(at(0.0));
   EXPECT_NEAR(algorithm.estimate().pose.y_m, 0.8, 1e-9);
@@ -55,7 +55,7 @@ TEST(ResetRule, is_where_the_fiducial_is) {
   EXPECT_NEAR(variance(algorithm), 1e-4, 1e-15);
 }
 
-TEST(ArcKalman, weighs_estimate_and_mark_by_their_variances) {
+TEST(ArcKalman, weighs_estimate_and_fiducial_by_their_variances) {
   ArcKalman algorithm{setting_on(testing::straight())};
   algorithm.predict({2.0, 0.0, 1.0});
   // P = 4e-4 + 2e-4, R = 1e-4: gain 6/7.
@@ -65,7 +65,7 @@ TEST(ArcKalman, weighs_estimate_and_mark_by_their_variances) {
   EXPECT_NEAR(*rectified.nis, 0.035 * 0.035 / 7e-4, 1e-9);
 }
 
-TEST(ArcKalman, doubts_one_strange_mark_and_believes_two_that_agree) {
+TEST(ArcKalman, refuses_one_contradicting_fiducial_and_accepts_two_that_agree) {
   ArcKalman algorithm{setting_on(testing::straight())};
   algorithm.predict({2.0, 0.0, 1.0});
   EXPECT_FALSE(algorithm.rectify(at(2.6)).accepted);
@@ -75,7 +75,7 @@ TEST(ArcKalman, doubts_one_strange_mark_and_believes_two_that_agree) {
   EXPECT_NEAR(algorithm.estimate().pose.x_m, 3.6, 0.01);
 }
 
-TEST(ArcKalman, does_not_take_a_mark_that_is_nowhere_near) {
+TEST(ArcKalman, refuses_a_fiducial_that_is_far_away) {
   ArcKalman algorithm{setting_on(testing::straight())};
   EXPECT_FALSE(algorithm.rectify(at(9.0)).accepted);
   EXPECT_FALSE(algorithm.rectify(at(0.0, 0.5)).accepted);
@@ -92,12 +92,12 @@ TEST(ArcKalmanScale, finds_the_scale_of_a_worn_wheel) {
   EXPECT_NEAR(algorithm.scale_error(), 0.03, 1e-3);
 }
 
-TEST(ArcSmoother, carries_a_mark_back_to_where_it_had_not_been_read_yet) {
+TEST(ArcSmoother, applies_a_reading_to_earlier_estimates) {
   ArcSmoother algorithm{setting_on(testing::straight(), 0.0)};
   algorithm.predict({1.0, 0.0, 1.0});
   algorithm.predict({1.0, 0.0, 1.0});
   algorithm.rectify(at(2.03));
-  // Q = 2e-4, R = 1e-4: two thirds of 3 cm at the end, and half of that half-way.
+  // Q = 2e-4, R = 1e-4: two thirds of 3 cm at the end, and half of that at the midpoint.
   const auto revised = algorithm.revised();
   ASSERT_EQ(revised.size(), 2U);
   EXPECT_NEAR(revised[1].pose.x_m, 2.02, 1e-12);
@@ -106,7 +106,7 @@ TEST(ArcSmoother, carries_a_mark_back_to_where_it_had_not_been_read_yet) {
   EXPECT_NEAR(revised[0].covariance(0, 0), 1e-4 * 2e-4 / 3e-4, 1e-15);
 }
 
-TEST(UnbiasedFir, is_the_mean_of_what_its_last_readings_say) {
+TEST(UnbiasedFir, is_the_mean_by_its_last_readings) {
   Setting setting = setting_on(testing::straight(), 0.05);
   setting.horizon = 2;
   UnbiasedFir algorithm{setting};
@@ -117,13 +117,13 @@ TEST(UnbiasedFir, is_the_mean_of_what_its_last_readings_say) {
   algorithm.rectify(at(2.06));
   EXPECT_NEAR(algorithm.estimate().pose.x_m, 2.08, 1e-12);
   algorithm.predict({1.0, 0.0, 1.0});
-  algorithm.rectify(at(3.06));  // the first is forgotten
+  algorithm.rectify(at(3.06));  // the first reading is dropped
   EXPECT_NEAR(algorithm.estimate().pose.x_m, 3.06, 1e-12);
   // R/2, and the last metre in one of two.
   EXPECT_NEAR(variance(algorithm), 0.5e-4 + 0.25 * 1e-4, 1e-15);
 }
 
-TEST(Registry, has_the_ten_and_says_what_it_has_not) {
+TEST(Registry, has_the_built_in_algorithms_and_refuses_unknown_ones) {
   const Registry registry;
   EXPECT_GE(registry.all().size(), 10U);
   EXPECT_EQ(registry.find("kalman").error().code, "algorithm.unknown");
@@ -136,7 +136,7 @@ TEST(Registry, has_the_ten_and_says_what_it_has_not) {
   EXPECT_TRUE(registry.make("ekf", {}));
 }
 
-TEST(Registry, takes_another_under_a_name_of_its_own) {
+TEST(Registry, accepts_another_algorithm_under_a_new_name) {
   Registry registry;
   const auto make = [](const Setting& s) -> std::unique_ptr<Algorithm> { return std::make_unique<ResetRule>(s); };
   EXPECT_TRUE(registry.add({"mine", "like the article", true, false, make}));

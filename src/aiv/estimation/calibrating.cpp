@@ -14,11 +14,11 @@ namespace {
 
 using State = CalibratedState;
 
-/// Directions that are tried where none is known, evenly round.
+/// Directions that are tried where none is known, evenly spaced.
 constexpr int directions = 24;
 /// A hypothesis this much less likely than the best is dropped: e^-12, one in 160 000.
 constexpr double hopeless = 12.0;
-/// Who is less sure of its heading than this does not know it.
+/// A heading less certain than this is unknown.
 constexpr double lost_rad = 1.0;
 
 }  // namespace
@@ -84,7 +84,7 @@ void CalibratingFilter::scan_headings() {
     const double by_rad = i * apart_rad;
     one.state.mean(State::heading) += by_rad;
     one.state.mean.head<2>() = Vector2(all.pose.x_m, all.pose.y_m);
-    // Where it is has not much to do any more with where it looks.
+    // The position no longer depends much on the heading.
     one.state.covariance.row(State::heading).setZero();
     one.state.covariance.col(State::heading).setZero();
     one.state.covariance(State::heading, State::heading) = 0.25 * apart_rad * apart_rad;
@@ -112,7 +112,7 @@ Rectified CalibratingFilter::rectify_all(const Input& input) {
       hypothesis.log_weight += update.log_likelihood;
       nis += update.nis;
     }
-    // A mark under the reader tells the place itself; only ranges leave a direction untold.
+    // A fiducial under the reader measures the position itself; only ranges leave a direction unobserved.
     if constexpr (std::is_same_v<Input, Range>) model::carry(hypothesis.state, before);
     if (i == leader) rectified = {predicted.count > 0, nis, predicted.count};
   }
@@ -151,8 +151,7 @@ Estimate CalibratingFilter::estimate() const {
   return {{m(0), m(1), wrap_angle(m(2))}, covariance, std::nullopt};
 }
 
-// ---- smoother
-// --------------------------------------------------------------------------------------------------------
+// ---- smoother ------------------------------------------------------------------------------------------------------
 
 void CalibratingSmoother::predict(const Odometry& odometry) {
   CalibratingFilter::predict(odometry);
@@ -174,7 +173,7 @@ void CalibratingSmoother::forwards(const State& start, const std::vector<State>&
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
     Step& step = steps[i];
     step.measured_count = 0;
-    // Linearised about the last round's result where there is one, else about what is known now.
+    // Linearised about the last round's result where there is one, otherwise about the present state.
     const State::Vector before = about.empty() ? now.mean : about[i].mean;
     if (const auto* odometry = std::get_if<Odometry>(&inputs_[i])) {
       model::Motion motion = model::motion_of(configured.sensors, before, *odometry);
@@ -191,12 +190,12 @@ void CalibratingSmoother::forwards(const State& start, const std::vector<State>&
               : model::predicted_reading(configured.sensors, stations, before, std::get<Range>(inputs_[i]));
       for (int k = 0; k < predicted.count; ++k) {
         Measured measured = predicted.measured[static_cast<std::size_t>(k)];
-        // How far off it is, the last round's result tells better than the filter could.
+        // The last round's result gives the residual better than the filter could.
         if (!about.empty())
           measured.variance /= model::credit(measured.residual * measured.residual, measured.variance);
         measured.residual -= measured.slope.dot(now.mean - before);
         measured.variance = model::update(now, measured, !about.empty()).variance;
-        // The innovation against the state just before; the backward pass wants both.
+        // The innovation against the state just before; the backward pass needs both.
         step.measured[static_cast<std::size_t>(k)] = measured;
       }
       step.measured_count = predicted.count;
@@ -236,10 +235,10 @@ void CalibratingSmoother::backwards(const std::vector<Step>& steps, std::vector<
 std::vector<Estimate> CalibratingSmoother::revised() {
   const Hypothesis& chosen = hypotheses[best()];
   const bool knows = configured.start_heading_sigma_rad <= lost_rad;
-  // Where nothing has told its heading there is no drive to linearise about: what was said at the time stands.
+  // Without any information on the heading there is no drive to linearise about: the estimates of estimate() remain.
   if (!knows && estimate().covariance(2, 2) > lost_rad * lost_rad) return {};
   const State start = start_state(chosen.start_heading_rad, knows ? configured.start_heading_sigma_rad : pi);
-  // The first round needs a heading to linearise about, and takes the hypothesis'; the others have one.
+  // The first round needs a heading to linearise about, and takes the hypothesis'; the other rounds have one.
   const State first = start_state(chosen.start_heading_rad, knows ? configured.start_heading_sigma_rad : 0.13);
   std::vector<Step> steps(inputs_.size());
   std::vector<State> smoothed(inputs_.size());
@@ -252,11 +251,11 @@ std::vector<Estimate> CalibratingSmoother::revised() {
     const State& from = round == 0 ? first : start;
     forwards(from, about, round == 0 ? chosen.turned : std::vector<Turned>{}, steps);
     backwards(steps, smoothed, from, start_smoothed);
-    // Settled when nothing moved since the last round, which is what this one was linearised about.
+    // Converged when no state has moved since the last round, about whose result this round was linearised.
     moved_m = about.empty() ? 1.0 : 0.0;
     for (std::size_t i = 1; i < about.size(); ++i)
       moved_m = std::fmax(moved_m, (about[i].mean - smoothed[i - 1].mean).head<2>().lpNorm<Eigen::Infinity>());
-    // What an input is linearised about is the state before it.
+    // An input is linearised about the state before it.
     about.clear();
     about.push_back(start_smoothed);
     about.insert(about.end(), smoothed.begin(), smoothed.end() - (smoothed.empty() ? 0 : 1));

@@ -7,13 +7,13 @@
 
 #include "cosiva/aiv/estimation/algorithm.h"
 
-/// Estimation on the plane that doubts its sensors: their scales and biases are states, outliers count less, and a
-/// heading that nobody told is looked for.
+/// Estimation on the plane with uncertain sensors: their scales and biases are states, outliers count less, and an
+/// unknown heading is searched for.
 namespace cosiva::estimation {
 
 /// The state: x, y, heading (unwrapped), odometry's distance scale and turn scale, the ranges' scale and common bias,
-/// one bias for each of the first eight stations, which changes as the vehicle goes (a Gauss-Markov process), and at
-/// the end what a gyroscope counts as turning that is none [rad/s].
+/// one bias for each of the first eight stations, which changes as the vehicle moves (a Gauss-Markov process), and at
+/// the end a gyroscope's offset [rad/s].
 struct CalibratedState {
   static constexpr int size_max = 16;
   static constexpr int common_size = 7;
@@ -27,10 +27,10 @@ struct CalibratedState {
   [[nodiscard]] Estimate estimate() const;
 };
 
-/// Which station has which bias. Stations come as they are first heard.
+/// Which station has which bias. Stations are numbered in the order of their first ranges.
 class Stations {
  public:
-  /// Its place in the state; −1 for the ninth and later, which share the common bias alone.
+  /// The station's index in the state; −1 for the ninth and later ones, which have the common bias alone.
   [[nodiscard]] int index(std::uint32_t station);
   [[nodiscard]] int count() const { return count_; }
   static constexpr int count_max = CalibratedState::turn_drift - CalibratedState::common_size;
@@ -40,16 +40,16 @@ class Stations {
   int count_{0};
 };
 
-/// One linear piece of what a reading or a range says: `expected` at the state `about`, and its slope there.
+/// One linear component of a reading or a range: `expected` at the state `about`, and its slope there.
 struct Measured {
   CalibratedState::Vector slope;
   double residual;  ///< measured − expected at the point of linearisation
   double variance;  ///< of the noise
 };
 
-/// The extended Kalman filter of that state. Ranges and readings are believed after Student's t with four degrees of
-/// freedom rather than Gauss: what is far off counts less, nothing is refused for ever. Where the heading is unknown at
-/// the start, or was lost on the way, several filters begin, one per direction, and what they see decides (a Gaussian
+/// The extended Kalman filter of that state. Ranges and readings are weighted by Student's t with four degrees of
+/// freedom instead of a Gaussian: outliers count less, and no input is refused for ever. Where the heading is unknown
+/// at the start, or was lost later, several filters start, one per direction, and the measurements decide (a Gaussian
 /// sum filter).
 /// Sources: Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation (2001),
 /// augmented states; D. L. Alspach, H. W. Sorenson, IEEE TAC 17 (1972), Gaussian sums.
@@ -64,9 +64,9 @@ class CalibratingFilter : public Algorithm {
   [[nodiscard]] const CalibratedState& state() const { return hypotheses[best()].state; }
 
  protected:
-  /// A direction that was tried when the heading was lost on the way.
+  /// A direction that was tried when the heading had been lost.
   struct Turned {
-    std::size_t input;  ///< after which, counted from 0
+    std::size_t input;  ///< after this input, counted from 0
     double by_rad;
   };
   struct Hypothesis {
@@ -88,10 +88,10 @@ class CalibratingFilter : public Algorithm {
   std::size_t inputs_count{0};
 };
 
-/// Looks back over the whole run with the same model: forwards and backwards, linearised anew about what came out,
-/// until it settles: a Gauss-Newton solution of the run's factor graph. Sources: G. J. Bierman, Fixed Interval
-/// Smoothing with Discrete Measurements, Int. J. Control 18 (1973), the backward pass, which inverts nothing; B. M.
-/// Bell, The Iterated Kalman Smoother as a Gauss-Newton Method, SIAM J. Opt. 4 (1994).
+/// A smoother over the whole run with the same model: forwards and backwards, linearised anew about the result, until
+/// convergence: a Gauss-Newton solution of the run's factor graph. Sources: G. J. Bierman, Fixed Interval Smoothing
+/// with Discrete Measurements, Int. J. Control 18 (1973), the backward pass, which inverts nothing; B. M. Bell, The
+/// Iterated Kalman Smoother as a Gauss-Newton Method, SIAM J. Opt. 4 (1994).
 class CalibratingSmoother final : public CalibratingFilter {
  public:
   using CalibratingFilter::CalibratingFilter;
@@ -102,15 +102,15 @@ class CalibratingSmoother final : public CalibratingFilter {
 
  private:
   using Input = std::variant<Odometry, Reading, Range>;
-  /// One event of the forward pass: the state after it, and what the backward pass needs of it.
+  /// One event of the forward pass: the state after it, and the input of the backward pass.
   struct Step {
     CalibratedState state;
-    std::array<Measured, 2> measured;  ///< of a reading two, of a range one
+    std::array<Measured, 2> measured;  ///< two of a reading, one of a range
     int measured_count{0};
     CalibratedState::Matrix before;  ///< covariance before those
     CalibratedState::Matrix motion;  ///< of odometry: slope of the new state in the old one
   };
-  /// @param turned  of the first round, which has nothing yet to linearise about
+  /// @param turned  of the first round, which has no result yet to linearise about
   void forwards(const CalibratedState& start, const std::vector<CalibratedState>& about,
                 const std::vector<Turned>& turned, std::vector<Step>& steps);
   static void backwards(const std::vector<Step>& steps, std::vector<CalibratedState>& smoothed,

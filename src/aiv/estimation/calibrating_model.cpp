@@ -35,7 +35,7 @@ State start_state(const Setting& setting, double heading_rad, double heading_sig
 
 Motion motion_of(const SensorModel& sensors, const State::Vector& about, const Odometry& odometry) {
   const Eigen::Index n = about.size();
-  // A gyroscope's offset drifts whether one moves or not. Wheels that stand say exactly nothing, and mean it.
+  // A gyroscope's offset drifts whether the vehicle moves or not. Stopped wheels count exactly zero, without an error.
   const double drifts_s = odometry.turn_rad != 0.0 ? odometry.duration_s : 0.0;
   // Counted = (1 + scale)·true + drift, to first order.
   const Odometry truly{odometry.distance_m * (1.0 - about(State::distance_scale)),
@@ -73,7 +73,7 @@ Motion motion_of(const SensorModel& sensors, const State::Vector& about, const O
   const Pose2 from{about(State::x), about(State::y), about(State::heading)};
   motion.noise.topLeftCorner<3, 3>() = spread(sensors, from, truly, Matrix3::Zero());
 
-  // A station's bias forgets itself with the way, towards nothing.
+  // A station's bias decays with the distance, towards zero.
   const double keeps = det_exp(-std::fabs(d) / sensors.range_station_length_m);
   for (Eigen::Index i = State::common_size; i < State::turn_drift; ++i) {
     motion.offset(i) *= keeps;
@@ -156,7 +156,7 @@ Update update(State& state, const Measured& measured, bool as_set) {
   const double known = measured.slope.dot(ph);
   const double expected = known + measured.variance;
   const double nis = measured.residual * measured.residual / expected;
-  // Student's t as a Gauss whose variance is what the innovation makes likely; near ones stay as they are told.
+  // Student's t as a Gaussian with the variance that the innovation makes likely; near values keep the stated variance.
   double variance = measured.variance;
   if (!as_set) variance /= std::fmin(1.0, credit(measured.residual * measured.residual, expected));
   const double s = known + variance;
@@ -173,7 +173,7 @@ Update update(State& state, const Measured& measured, bool as_set) {
 
 void back_through(const State::Matrix& before, std::span<const Measured> measured, State::Vector& lambda,
                   State::Matrix& big) {
-  // The covariances between the measurements are made again, then gone through backwards.
+  // The covariances between the measurements are computed again, then used backwards.
   std::array<State::Matrix, 2> at{before, before};
   if (measured.size() == 2) {
     const State::Vector ph = before.lazyProduct(measured[0].slope);

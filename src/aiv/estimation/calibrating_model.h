@@ -5,7 +5,7 @@
 
 #include "cosiva/aiv/estimation/calibrating.h"
 
-/// The model behind the calibrating filter and smoother: how the state moves, and what readings and ranges say of it.
+/// The model behind the calibrating filter and smoother: motion of the state, and measurement by readings and ranges.
 namespace cosiva::estimation::model {
 
 [[nodiscard]] CalibratedState start_state(const Setting& setting, double heading_rad, double heading_sigma_rad);
@@ -21,10 +21,10 @@ struct Motion {
 /// Of a state whose mean is already in motion.offset.
 void move(CalibratedState& state, const Motion& motion);
 
-/// What a correction has moved: the covariance keeps what it knows of the error as a motion of the plane, (x, y) and
-/// the turn about the map's origin, rather than of x and y with the heading apart. Else directions that nothing has
-/// told, such as round the only station, seem to be told by each correction along the way. Source: A. Barrau, S.
-/// Bonnabel, The Invariant Extended Kalman Filter as a Stable Observer, IEEE TAC 62 (2017).
+/// After a correction: the covariance represents the error as a motion of the plane, (x, y) and the turn about the
+/// map's origin, rather than as x and y with a separate heading. Otherwise directions without any information, such as
+/// the angle about a single station, seem to gain information from each correction. Source: A. Barrau, S. Bonnabel, The
+/// Invariant Extended Kalman Filter as a Stable Observer, IEEE TAC 62 (2017).
 void carry(CalibratedState& state, const CalibratedState::Vector& before);
 
 struct PredictedReading {
@@ -36,15 +36,15 @@ struct PredictedReading {
 [[nodiscard]] PredictedReading predicted_reading(const SensorModel& sensors, Stations& stations,
                                                  const CalibratedState::Vector& about, const Range& range);
 
-/// What a squared residual is worth by Student's t: 1.25 where it is nothing, less the further off it is.
+/// The weight of a squared residual by Student's t: 1.25 where it is zero, less the larger it is.
 [[nodiscard]] double credit(double squared, double variance);
 
 struct Update {
   double nis;
   double log_likelihood;
-  double variance;  ///< of the noise, as it was believed
+  double variance;  ///< of the noise, as it was used
 };
-/// @param as_set  the noise is believed as it is; else it is larger for what is far off
+/// @param as_set  the noise is used as stated; otherwise it is enlarged for outliers
 Update update(CalibratedState& state, const Measured& measured, bool as_set);
 
 /// The backward pass through measurements taken one after the other from a state of this covariance: λ and Λ after them

@@ -12,7 +12,7 @@
 namespace cosiva::estimation {
 namespace {
 
-/// A vehicle that goes round a circle of 20 m, five rounds of it with as many stations as are asked for.
+/// A vehicle that drives five laps of a circle of 20 m with the requested number of stations.
 struct Rounds {
   Setting setting;
   double drift_radps{0.0};
@@ -46,7 +46,7 @@ struct Rounds {
   }
 };
 
-TEST(Calibrating, finds_a_gyroscope_s_offset_and_does_not_look_for_one_where_none_is_expected) {
+TEST(Calibrating, estimates_a_gyroscope_s_offset_only_where_one_is_expected) {
   for (const double expected_radps : {0.005, 0.0}) {
     Rounds rounds;
     rounds.drift_radps = 0.008;
@@ -69,7 +69,7 @@ TEST(Calibrating, finds_a_gyroscope_s_offset_and_does_not_look_for_one_where_non
   }
 }
 
-TEST(Calibrating, loses_its_heading_to_a_gyroscope_while_it_stands_but_not_to_wheels_that_stand) {
+TEST(Calibrating, loses_its_heading_at_standstill_with_a_gyroscope_but_not_with_wheels) {
   Setting setting;
   setting.sensors.turn_drift_sigma_radps = 0.005;
   CalibratingFilter gyroscope{setting};
@@ -78,17 +78,17 @@ TEST(Calibrating, loses_its_heading_to_a_gyroscope_while_it_stands_but_not_to_wh
     gyroscope.predict({0.0, i % 2 == 0 ? 1e-5 : -1e-5, 0.1});
     wheels.predict({0.0, 0.0, 0.1});
   }
-  // A minute of 0.005 rad/s, and the start's own doubt.
+  // A minute of 0.005 rad/s, and the uncertainty of the start.
   EXPECT_NEAR(std::sqrt(gyroscope.estimate().covariance(2, 2)), 0.3, 0.01);
   EXPECT_NEAR(std::sqrt(wheels.estimate().covariance(2, 2)), setting.start_heading_sigma_rad, 1e-9);
 }
 
-TEST(Calibrating, looks_all_round_again_when_its_heading_was_lost_on_the_way_and_who_looks_back_knows_where_it_went) {
+TEST(Calibrating, searches_all_directions_after_the_loss_of_its_heading_and_the_smoother_recovers_the_poses) {
   Rounds rounds;
   CalibratingSmoother smoother{rounds.setting};
   Random random{5, "lost"};
   for (int i = 0; i < 100; ++i) rounds.step(smoother, random);
-  // Nothing was counted while it turned about on the spot.
+  // No motion was counted while the vehicle turned about on the spot.
   rounds.ground_truth.heading_rad = wrap_angle(rounds.ground_truth.heading_rad + pi);
   smoother.predict({0.0, 0.0, 5.0, 1e-4, 4.0});
   EXPECT_GT(smoother.estimate().covariance(2, 2), 1.0);
@@ -105,16 +105,16 @@ TEST(Calibrating, looks_all_round_again_when_its_heading_was_lost_on_the_way_and
     EXPECT_LT(distance(revised[101 + i].pose, ground_truths[i]), 0.3) << "after " << i;
 }
 
-TEST(Planar, step_of_who_goes_sideways_is_the_arc_of_that) {
-  // A quarter of a circle of 2 m about a point behind it, its face to the outside.
+TEST(Planar, step_of_a_sideways_motion_is_its_arc) {
+  // A quarter of a circle of 2 m about a point behind the vehicle, which faces outwards.
   const Pose2 end = moved({0.0, 0.0, 0.0}, {0.0, 0.5 * pi, 1.0, 0.0, 0.0, pi});
   EXPECT_NEAR(end.x_m, -2.0, 1e-12);
   EXPECT_NEAR(end.y_m, 2.0, 1e-12);
   EXPECT_NEAR(end.heading_rad, 0.5 * pi, 1e-12);
 }
 
-TEST(Planar, who_goes_sideways_doubts_its_way_as_who_goes_as_far_straight_on) {
-  // Both along x: one with its face to it, one with its right side.
+TEST(Planar, sideways_motion_is_as_uncertain_as_straight_motion_of_the_same_length) {
+  // Both along x: one vehicle faces it, the other has it on its right side.
   Setting setting;
   setting.sensors.distance_variance_per_m = 1e-2;
   Setting turned = setting;
@@ -140,7 +140,7 @@ TEST(Planar, who_goes_sideways_doubts_its_way_as_who_goes_as_far_straight_on) {
   }
 }
 
-TEST(Calibrating, does_not_grow_sure_of_the_way_round_the_only_station_that_it_hears) {
+TEST(Calibrating, does_not_become_certain_of_the_angle_about_its_only_station) {
   double sum = 0.0;
   std::size_t count = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -158,7 +158,7 @@ TEST(Calibrating, does_not_grow_sure_of_the_way_round_the_only_station_that_it_h
       ++count;
     }
   }
-  // 3.8 for who corrects x, y and the heading apart; 2 would be quite honest.
+  // 3.8 for a filter that corrects x, y and the heading separately; 2 would be consistent.
   EXPECT_LT(sum / static_cast<double>(count), 3.3);
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// The one way to Eigen. Its results must be the same on every machine: no vector instructions (their width, and fused
-// multiply-adds, change the last bits), no threads. Nothing under another licence than MPL-2.0 comes in.
+// The only include of Eigen. Its results must be the same on every machine: no vector instructions (their width, and
+// fused multiply-adds, change the last bits), no threads. Nothing under another licence than MPL-2.0 comes in.
 #define EIGEN_MPL2_ONLY
 #define EIGEN_DONT_VECTORIZE
 #define EIGEN_DONT_PARALLELIZE
@@ -15,7 +15,7 @@ using Vector3 = Eigen::Vector3d;
 using Matrix2 = Eigen::Matrix2d;
 using Matrix3 = Eigen::Matrix3d;
 
-/// Rounding makes a covariance a little lopsided, and a lopsided one ends negative.
+/// Rounding makes a covariance slightly asymmetric, and an asymmetric covariance ends up with a negative variance.
 template <typename Matrix>
 void make_symmetric(Matrix& m) {
   for (Eigen::Index i = 0; i < m.rows(); ++i) {

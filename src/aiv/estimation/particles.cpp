@@ -9,7 +9,7 @@
 namespace cosiva::estimation {
 namespace {
 
-/// One reading in so many is of a mark that is not there, or of the wrong one.
+/// Ratio of readings of a fiducial that does not exist, or of the wrong one.
 constexpr double wrong_ratio = 0.01;
 
 }  // namespace
@@ -50,7 +50,7 @@ void ParticleFilter::predict(const Odometry& odometry) {
     const double step_m = odometry.distance_m + sigma_m * random_.gaussian();
     particle.along_m += step_m;
     particle.position.s_m += step_m;
-    // Over as many joints as it takes; where ways part, each guess takes one.
+    // Over as many joints as necessary; at a fork each particle takes one branch.
     while (particle.position.s_m > circuit.section(particle.position.section).length_m()) {
       const auto next = circuit.next(particle.position.section);
       const double length_m = circuit.section(particle.position.section).length_m();
@@ -90,7 +90,7 @@ void ParticleFilter::weigh(const Likelihood& likelihood) {
 }
 
 void ParticleFilter::resample() {
-  // Systematically: one random number, and as many evenly spaced places in the sum of weights.
+  // Systematic: one random number, and as many evenly spaced positions in the sum of weights.
   drawn_.clear();
   const auto n = static_cast<double>(particles_.size());
   const double first = random_.uniform();
@@ -110,7 +110,7 @@ void ParticleFilter::resample() {
 
 Rectified ParticleFilter::rectify(const Reading& reading) {
   const SensorModel& sensors = setting_.sensors;
-  // Across, the guesses stand on the line and the vehicle near it.
+  // Laterally, the particles are on the path and the vehicle near it.
   const double across =
       sensors.fiducial_across_sigma_m * sensors.fiducial_across_sigma_m + sensors.line_sigma_m * sensors.line_sigma_m;
   const double along = sensors.fiducial_along_sigma_m * sensors.fiducial_along_sigma_m;

@@ -7,17 +7,17 @@
 
 namespace cosiva::estimation {
 
-/// Many guesses, each a place on the graph of sections: for who does not know where it starts, takes branches that
-/// nobody has told, or reads marks that are not what they seem. Sources: M. S. Arulampalam et al., A Tutorial on
-/// Particle Filters, IEEE Trans. Signal Processing 50 (2002); of maps as graphs F. Gustafsson et al., Particle Filters
-/// for Positioning, Navigation and Tracking, same volume.
+/// Particles, each a position on the graph of sections: for a vehicle whose start is unknown, whose branches are not
+/// given, or whose readings may be of the wrong fiducials. Sources: M. S. Arulampalam et al., A Tutorial on Particle
+/// Filters, IEEE Trans. Signal Processing 50 (2002); of maps as graphs F. Gustafsson et al., Particle Filters for
+/// Positioning, Navigation and Tracking, same volume.
 class ParticleFilter final : public Algorithm {
  public:
   explicit ParticleFilter(Setting setting);
   void predict(const Odometry& odometry) override;
   Rectified rectify(const Reading& reading) override;
   Rectified rectify(const Range& range) override;
-  /// Mean and covariance of all guesses. `along_m` counts from the start, for who knew it.
+  /// Mean and covariance of all particles. `along_m` counts from a known start.
   [[nodiscard]] Estimate estimate() const override;
 
  private:

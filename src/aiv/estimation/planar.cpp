@@ -9,7 +9,7 @@
 namespace cosiva::estimation {
 namespace {
 
-/// sin(x)/x and (1 − cos x)/x, without dividing by nothing.
+/// sin(x)/x and (1 − cos x)/x, without dividing by zero.
 struct ArcShape {
   double ahead;
   double aside;
@@ -29,7 +29,7 @@ Matrix2 rotation(double angle_rad) {
 
 Vector2 vector(Point2 p) { return {p.x_m, p.y_m}; }
 
-/// Where a pose would have a mark, in the body's frame.
+/// Position of a fiducial in the body's frame, for a given pose.
 Vector2 detected_from(double x_m, double y_m, double heading_rad, Point2 fiducial_M) {
   const SinCos h = sincos(heading_rad);
   const double dx = fiducial_M.x_m - x_m;
@@ -123,15 +123,14 @@ Estimate on_track(const Track& track, const SensorModel& sensors, double along_m
   c(0, 0) = variance_m2 * h.cos * h.cos + across * h.sin * h.sin;
   c(1, 1) = variance_m2 * h.sin * h.sin + across * h.cos * h.cos;
   c(0, 1) = c(1, 0) = (variance_m2 - across) * h.sin * h.cos;
-  // In a bend whoever is wrong about the way is wrong about the heading.
+  // In a bend an error of the arc length is an error of the heading.
   c(0, 2) = c(2, 0) = variance_m2 * curvature * h.cos;
   c(1, 2) = c(2, 1) = variance_m2 * curvature * h.sin;
   c(2, 2) = variance_m2 * curvature * curvature + sensors.line_heading_sigma_rad * sensors.line_heading_sigma_rad;
   return estimate;
 }
 
-// ---- EKF
-// -------------------------------------------------------------------------------------------------------------
+// ---- EKF -----------------------------------------------------------------------------------------------------------
 
 Ekf::Ekf(Setting setting)
     : configured{std::move(setting)}, current_estimate{configured.start}, doubt{start_covariance(configured)} {}
@@ -154,7 +153,7 @@ Rectified Ekf::rectify(const Reading& reading) {
   if (!(nis <= gate_2)) return {false, nis, 2};
   const Eigen::Matrix<double, 3, 2> gain = doubt * h.transpose() * inverse_of(s);
   add_to(current_estimate, gain * innovation);
-  // Joseph's form: stays positive whatever rounding does.
+  // Joseph's form: stays positive despite rounding.
   const Matrix3 rest = Matrix3::Identity() - gain * h;
   doubt = rest * doubt * rest.transpose() + gain * fiducial_covariance(configured.sensors) * gain.transpose();
   make_symmetric(doubt);
@@ -180,15 +179,14 @@ Rectified Ekf::rectify(const Range& range) {
   return {true, nis, 1};
 }
 
-// ---- UKF
-// -------------------------------------------------------------------------------------------------------------
+// ---- UKF -----------------------------------------------------------------------------------------------------------
 
 namespace {
 
 constexpr int points = 7;
 using Sigma = Eigen::Matrix<double, 3, points>;
 
-/// The mean and three pairs about it, as deviations; all but the first weigh alike.
+/// The mean and three pairs about it, as deviations; all but the first have equal weights.
 Sigma deviations(const Matrix3& covariance) {
   const Eigen::LLT<Matrix3> root(covariance + 1e-18 * Matrix3::Identity());
   const Matrix3 l = root.matrixL();
@@ -200,7 +198,7 @@ Sigma deviations(const Matrix3& covariance) {
   }
   return all;
 }
-/// κ = 0, for which the middle one counts nothing: n = 3 directions of √3 standard deviations.
+/// κ = 0, for which the central point has no weight: n = 3 directions of √3 standard deviations.
 double weight(int i) { return i == 0 ? 0.0 : 1.0 / 6.0; }
 
 }  // namespace
@@ -214,7 +212,7 @@ void Ukf::predict(const Odometry& odometry) {
     const Pose2 from{current_estimate.x_m + about(0, i), current_estimate.y_m + about(1, i),
                      current_estimate.heading_rad + about(2, i)};
     const Pose2 to = moved(from, odometry);
-    // Deviations from the middle one, so that headings need no wrapping.
+    // Deviations from the central point, so that headings need no wrapping.
     after.col(i) = Vector3(to.x_m - centre.x_m, to.y_m - centre.y_m, about(2, i));
     mean += weight(i) * after.col(i);
   }
@@ -276,8 +274,7 @@ Rectified Ukf::rectify(const Range& range) {
   return {true, nis, 1};
 }
 
-// ---- invariant EKF
-// ---------------------------------------------------------------------------------------------------
+// ---- invariant EKF -------------------------------------------------------------------------------------------------
 
 namespace {
 
@@ -308,7 +305,7 @@ Estimate InvariantEkf::estimate() const {
 }
 
 void InvariantEkf::predict(const Odometry& odometry) {
-  // The error itself does not change; what is new comes in as the step's noise, carried into the map.
+  // The error itself does not change; the step's noise is added, transformed into the map.
   const Matrix3 noise = spread(setting_.sensors, pose_, odometry, Matrix3::Zero());
   pose_ = moved(pose_, odometry);
   const Matrix3 t = from_pose(pose_);

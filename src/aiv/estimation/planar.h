@@ -2,7 +2,7 @@
 
 #include "cosiva/aiv/estimation/algorithm.h"
 
-/// The estimators of a pose on the plane. They know no line.
+/// The estimators of a pose on the plane, without a path.
 namespace cosiva::estimation {
 
 /// One step of odometry along an arc of a circle, the article's equation (1), of which (2) and (3) are the cases
@@ -11,22 +11,22 @@ namespace cosiva::estimation {
 /// That step on its own: X_BB' of equation (1).
 [[nodiscard]] Pose2 step_of(const Odometry& odometry);
 [[nodiscard]] Matrix3 start_covariance(const Setting& setting);
-/// What odometry's noise makes of a pose's covariance in one step from `X_MB`, to first order.
+/// A pose's covariance after one step from `X_MB` with odometry's noise, to first order.
 [[nodiscard]] Matrix3 spread(const SensorModel& sensors, const Pose2& X_MB, const Odometry& odometry,
                              const Matrix3& covariance);
-/// Variances of distance and turn of one step.
-/// How far a step goes, and in which direction from the body's: straight ahead for who cannot go sideways, whose way is
-/// negative backwards.
+/// Length of a step, and its direction relative to the body's: straight ahead for a vehicle that cannot move sideways,
+/// whose length is negative backwards.
 struct StepCourse {
   double distance_m;
   double aside_rad;
 };
 [[nodiscard]] StepCourse course_of(const Odometry& odometry);
+/// Variances of distance and turn of one step.
 [[nodiscard]] Vector2 step_variances(const SensorModel& sensors, const Odometry& odometry);
-/// The pose that an arc length means, and what its variance and the line's make of the covariance.
+/// The pose at an arc length, with the covariance due to the variances of the arc length and of the lateral offset.
 [[nodiscard]] Estimate on_track(const Track& track, const SensorModel& sensors, double along_m, double variance_m2);
-/// Of a range of about so much, for who does not estimate what ranges have in common: it is noise to him, and drawn
-/// anew each time, which it is not.
+/// Of a range of about this length, for a filter that does not estimate the errors common to ranges: the filter treats
+/// them as noise that is drawn anew each time, which they are not.
 [[nodiscard]] double range_variance(const SensorModel& sensors, double range_m);
 /// Of a reading, (along, across).
 [[nodiscard]] Matrix2 fiducial_covariance(const SensorModel& sensors);
@@ -35,9 +35,9 @@ struct StepCourse {
 inline constexpr double gate_1 = 10.828;
 inline constexpr double gate_2 = 13.816;
 
-/// The extended Kalman filter of (x, y, heading) with gating, the field's default. Once its gate refuses what is right
-/// it drifts off for ever: kept as it is, to show that. Source: S. Thrun, W. Burgard, D. Fox, Probabilistic Robotics
-/// (2005), chapter 7.
+/// The extended Kalman filter of (x, y, heading) with gating, the usual choice in robotics. Once its gate refuses
+/// correct measurements the filter diverges for good; it is included unchanged to demonstrate that. Source: S. Thrun,
+/// W. Burgard, D. Fox, Probabilistic Robotics (2005), chapter 7.
 class Ekf : public Algorithm {
  public:
   explicit Ekf(Setting setting);
@@ -63,8 +63,8 @@ class Ukf final : public Ekf {
 };
 
 /// The right-invariant extended Kalman filter on SE(2): its error obeys an equation that does not depend on the
-/// estimate, so it does not grow sure of headings that nobody has seen. Source: A. Barrau, S. Bonnabel, The Invariant
-/// Extended Kalman Filter as a Stable Observer, IEEE TAC 62 (2017).
+/// estimate, so the filter does not become certain of an unobserved heading. Source: A. Barrau, S. Bonnabel, The
+/// Invariant Extended Kalman Filter as a Stable Observer, IEEE TAC 62 (2017).
 class InvariantEkf final : public Algorithm {
  public:
   explicit InvariantEkf(Setting setting);

@@ -15,7 +15,8 @@
 namespace cosiva::estimation {
 namespace {
 
-/// A vehicle that goes round a circle of 2 m with Gaussian noise, and hears four stations in the corners.
+/// A vehicle that drives round a circle of 2 m with Gaussian noise, and measures ranges to four stations in the
+/// corners.
 struct Round {
   Setting setting;
   double bias_m{0.0};
@@ -60,7 +61,7 @@ Round round_at_its_start() {
   return round;
 }
 
-/// Whose ranges have nothing in common, and it is known.
+/// Ranges without common errors, and a sensor model that states so.
 Round round_without_biases() {
   Round round = round_at_its_start();
   estimation::SensorModel& sensors = round.setting.sensors;
@@ -72,7 +73,7 @@ double mean(const std::vector<double>& v) {
   return std::accumulate(v.begin(), v.end(), 0.0) / static_cast<double>(v.size());
 }
 
-TEST(Planar, filters_of_the_pose_are_consistent_where_the_noise_is_what_they_think) {
+TEST(Planar, filters_of_the_pose_are_consistent_where_the_noise_is_as_modelled) {
   const Registry registry;
   for (const char* name : {"ekf", "ukf", "iekf"}) {
     for (const bool ranges : {true, false}) {
@@ -84,7 +85,7 @@ TEST(Planar, filters_of_the_pose_are_consistent_where_the_noise_is_what_they_thi
         worst = std::fmax(worst, round.rmse(*algorithm, seed, 600, ranges, &nees));
       }
       EXPECT_LT(worst, 0.06) << name;
-      EXPECT_NEAR(mean(nees), 2.0, 0.5) << name << (ranges ? " by ranges" : " by marks");
+      EXPECT_NEAR(mean(nees), 2.0, 0.5) << name << (ranges ? " by ranges" : " by fiducials");
     }
   }
 }
@@ -102,19 +103,20 @@ TEST(Planar, filters_agree_where_everything_is_nearly_linear) {
   EXPECT_NEAR(ekf.estimate().covariance(0, 0) / iekf.estimate().covariance(0, 0), 1.0, 0.1);
 }
 
-TEST(InvariantEkf, does_not_grow_sure_of_a_heading_that_nobody_has_seen) {
-  // One mark, seen again and again without moving: it tells where the vehicle is about the mark, never the whole pose.
+TEST(InvariantEkf, does_not_become_certain_of_an_unobserved_heading) {
+  // One fiducial, read again and again without motion: the readings give the position relative to the fiducial, never
+  // the whole pose.
   Setting setting;
   setting.start_sigma_m = 1.0;
   setting.start_heading_sigma_rad = 0.5;
   InvariantEkf iekf{setting};
   const double before = iekf.estimate().covariance(2, 2);
-  // Straight beneath it, so that no turn of the body would show.
+  // Directly below the reader, so that no turn of the body is observable.
   for (int i = 0; i < 50; ++i) iekf.rectify(Reading{1, {0.0, 0.0}, {0.0, 0.0}});
   EXPECT_NEAR(iekf.estimate().covariance(2, 2), before, 1e-9);
 }
 
-TEST(Ekf, refuses_what_its_gate_does_not_let_in) {
+TEST(Ekf, refuses_measurements_outside_its_gate) {
   Ekf ekf{round_at_its_start().setting};
   const Rectified rectified = ekf.rectify(Range{1, {-4.0, 0.0}, 9.0});
   EXPECT_FALSE(rectified.accepted);
@@ -122,35 +124,35 @@ TEST(Ekf, refuses_what_its_gate_does_not_let_in) {
   EXPECT_EQ(ekf.estimate().pose.x_m, 2.0);
 }
 
-TEST(Calibrating, finds_what_all_ranges_have_in_common) {
+TEST(Calibrating, estimates_the_errors_common_to_all_ranges) {
   Round round = round_at_its_start();
   round.bias_m = 0.3;
   round.setting.sensors.range_common_sigma_m = 0.3;
   CalibratingFilter calibrating{round.setting};
   EXPECT_LT(round.rmse(calibrating, 5), 0.08);
-  // Bias and scale can hardly be told apart where all stations are about 5 m away; what they make together can.
+  // Bias and scale can hardly be separated where all stations are about 5 m away; their common effect is observable.
   const auto& mean = calibrating.state().mean;
   EXPECT_NEAR(mean(CalibratedState::range_common) + 5.0 * mean(CalibratedState::range_scale), 0.3, 0.12);
 }
 
-TEST(Calibrating, smoother_that_nobody_has_told_its_heading_says_no_more_than_the_filter) {
+TEST(Calibrating, smoother_with_an_unknown_heading_adds_nothing_to_the_filter) {
   Setting setting;
   setting.start_heading_sigma_rad = 3.0;
   CalibratingSmoother smoother{setting};
   for (int i = 0; i < 100; ++i) smoother.predict({0.1, 0.01, 0.1});
-  // Ten metres into an unknown direction: anywhere on a circle, and it says so.
+  // Ten metres into an unknown direction: anywhere on a circle, as the covariance states.
   EXPECT_TRUE(smoother.revised().empty());
   EXPECT_GT(smoother.estimate().covariance(0, 0), 10.0);
   EXPECT_GT(smoother.estimate().covariance(1, 1), 10.0);
 }
 
-TEST(Calibrating, smoother_is_better_than_the_filter_and_honest) {
+TEST(Calibrating, smoother_is_better_than_the_filter_and_consistent) {
   double filter = 0.0;
   double smoothed = 0.0;
   std::vector<double> nees;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     Round round = round_at_its_start();
-    // Biases as the model expects them: some, in the mean none; and none where it expects none.
+    // Biases as the model expects them: present, with mean zero; and none where the model expects none.
     Random biases{seed, "biases"};
     round.bias_m = biases.gaussian(0.0, round.setting.sensors.range_common_sigma_m);
     round.scale = 1.0 + biases.gaussian(0.0, round.setting.sensors.range_scale_sigma);
@@ -174,20 +176,20 @@ TEST(Calibrating, smoother_is_better_than_the_filter_and_honest) {
   EXPECT_NEAR(mean(nees), 2.0, 0.7);
 }
 
-TEST(Calibrating, finds_a_heading_that_nobody_told) {
+TEST(Calibrating, finds_an_unknown_heading) {
   Round round = round_at_its_start();
   round.setting.start_heading_sigma_rad = pi;
-  round.setting.start.heading_rad = 0.0;  // means nothing
+  round.setting.start.heading_rad = 0.0;  // ignored
   CalibratingSmoother algorithm{round.setting};
   EXPECT_GT(algorithm.estimate().covariance(2, 2), 1.0);
   round.rmse(algorithm, 2, 200);
   EXPECT_NEAR(wrap_angle(algorithm.estimate().pose.heading_rad - round.ground_truth.heading_rad), 0.0, 0.1);
   EXPECT_LT(distance(algorithm.estimate().pose, round.ground_truth), 0.1);
-  // And who looks back knows it from the beginning.
+  // The smoother knows the heading from the beginning.
   EXPECT_NEAR(wrap_angle(algorithm.revised()[1].pose.heading_rad - 0.5 * pi - 0.05), 0.0, 0.1);
 }
 
-TEST(Calibrating, is_not_thrown_off_by_one_wild_range) {
+TEST(Calibrating, is_robust_against_one_outlier_range) {
   Round round = round_at_its_start();
   CalibratingFilter calm{round.setting};
   round.rmse(calm, 4, 200);
@@ -196,7 +198,7 @@ TEST(Calibrating, is_not_thrown_off_by_one_wild_range) {
   EXPECT_LT(distance(calm.estimate().pose, before), 0.02);
 }
 
-TEST(Particles, find_where_they_are_on_a_circuit_that_they_know) {
+TEST(Particles, find_the_position_on_a_known_circuit) {
   Setting setting;
   setting.track = testing::oval();
   setting.start_known = false;
@@ -216,7 +218,7 @@ TEST(Particles, find_where_they_are_on_a_circuit_that_they_know) {
   EXPECT_LT(distance(particles.estimate().pose, setting.track->pose_at(along_m)), 0.04);
 }
 
-TEST(Particles, take_both_branches_until_a_mark_tells) {
+TEST(Particles, take_both_branches_until_a_fiducial_decides) {
   std::vector<zone::Circuit::Part> parts;
   parts.push_back(testing::part("stem", {0.0, 0.0, 0.0}, 1.0, 0.0, {1, 2}));
   parts.push_back(testing::part("on", {1.0, 0.0, 0.0}, 3.0, 0.0, {}));

@@ -26,7 +26,7 @@ bool well_named(std::string_view name) {
 Registry::Registry() {
   all_ = {
       {"dead_reckoning", "odometry alone, along the sections (equations 1 to 3)", false, false, made<DeadReckoning>},
-      {"reset_rule", "the article's: dead reckoning, and the mark's place on every reading", true, false,
+      {"reset_rule", "the article's: dead reckoning, and the fiducial's position on every reading", true, false,
        made<ResetRule>},
       {"arc_kalman", "Kalman filter of the arc length", true, false, made<ArcKalman>},
       {"arc_kalman_scale", "the same with the odometer's scale as a state", true, false, made<ArcKalmanScale>},
@@ -34,12 +34,12 @@ Registry::Registry() {
       {"ukf", "unscented Kalman filter of the pose, with a gate", false, false, made<Ukf>},
       {"iekf", "invariant extended Kalman filter on SE(2)", false, false, made<InvariantEkf>},
       {"particles", "particle filter on the graph of sections", true, false, made<ParticleFilter>},
-      {"arc_smoother", "Rauch-Tung-Striebel smoother of the arc length; looks back over the whole run", true, true,
+      {"arc_smoother", "Rauch-Tung-Striebel smoother of the arc length, over the whole run", true, true,
        made<ArcSmoother>},
       {"ufir", "unbiased FIR filter over the last readings", true, false, made<UnbiasedFir>},
-      {"calibrating", "EKF that estimates scales and biases, doubts outliers, and looks for its heading", false, false,
-       made<CalibratingFilter>},
-      {"smoother", "the same over the whole run, forwards and backwards until it settles", false, true,
+      {"calibrating", "EKF that estimates scales and biases, reduces outliers, and searches for its heading", false,
+       false, made<CalibratingFilter>},
+      {"smoother", "the same over the whole run, forwards and backwards until convergence", false, true,
        made<CalibratingSmoother>},
   };
 }
@@ -63,9 +63,9 @@ Result<std::unique_ptr<Algorithm>> Registry::make(std::string_view name, const S
   const auto found = find(name);
   if (!found) return tl::unexpected(found.error());
   if ((*found)->needs_track && !setting.track)
-    return fail("algorithm.track", "it goes along a line, and there is none here", std::string(name));
+    return fail("algorithm.track", "the algorithm needs a track, and there is none here", std::string(name));
   if (!setting.start_known && name != "particles")
-    return fail("algorithm.start", "it has to know where it starts; particles does without", std::string(name));
+    return fail("algorithm.start", "the algorithm needs a known start; only particles does without", std::string(name));
   return (*found)->make(setting);
 }
 

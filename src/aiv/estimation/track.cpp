@@ -34,7 +34,7 @@ Result<Track> Track::of_loop(std::shared_ptr<const zone::Circuit> circuit) {
     const auto next = circuit->next(id);
     id = next.empty() ? zone::no_section : next.front();
   }
-  // What leads into the round, once, is no part of it.
+  // The sections that only lead into the loop are no part of it.
   const bool closed = id != zone::no_section;
   if (closed) sections.erase(sections.begin(), std::ranges::find(sections, id));
   return make(std::move(circuit), std::move(sections), closed);
@@ -87,8 +87,8 @@ zone::SectionKind Track::kind_at(double along_m) const {
 }
 
 std::optional<double> Track::foot(Point2 p_M, double near_m, double reach_m, double beside_m) const {
-  // A foot proper is at right angles to the line. Only where there is none, beyond a corner, does an end serve: else
-  // the end of the section before would always seem a little nearer to a belief that lags behind.
+  // A proper foot is at right angles to the path. Only where there is none, beyond a corner, does an end serve:
+  // otherwise the end of the section before would always seem a little nearer to an estimate that lags behind.
   std::optional<double> proper;
   std::optional<double> end;
   const double laps = closed_ ? std::floor((near_m - reach_m) / length_m()) : 0.0;

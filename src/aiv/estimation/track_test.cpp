@@ -24,22 +24,22 @@ TEST(Track, that_ends_goes_no_further) {
   EXPECT_EQ(straight->pose_at(-1.0).x_m, 0.0);
 }
 
-TEST(Track, finds_the_foot_of_a_point_in_the_round_that_is_meant) {
+TEST(Track, finds_the_foot_of_a_point_in_the_intended_round) {
   const auto oval = testing::oval();
   EXPECT_NEAR(*oval->foot({2.0, 0.03}, 2.3, 1.0), 2.0, 1e-12);
   EXPECT_NEAR(*oval->foot({2.0, 0.03}, oval->length_m() + 1.8, 1.0), oval->length_m() + 2.0, 1e-9);
-  EXPECT_FALSE(oval->foot({2.0, 0.3}, 2.0, 1.0));  // beside the line
-  EXPECT_FALSE(oval->foot({2.0, 0.0}, 5.0, 1.0));  // further along than one looks
+  EXPECT_FALSE(oval->foot({2.0, 0.3}, 2.0, 1.0));  // off the path
+  EXPECT_FALSE(oval->foot({2.0, 0.0}, 5.0, 1.0));  // beyond the reach
 }
 
-TEST(Track, knows_how_far_along_a_place_lies_and_that_it_does_not_lead_to_another) {
+TEST(Track, gives_the_arc_length_of_a_position_and_none_for_a_position_off_the_track) {
   const auto circuit = testing::oval_circuit();
   const auto half = testing::track(circuit, {1, 2}, false);
   EXPECT_NEAR(*half->along_of({2, 0.5}), pi * 0.8 + 0.5, 1e-12);
   EXPECT_FALSE(half->along_of({0, 0.5}));
 }
 
-TEST(Track, goes_round_the_loop_that_the_vehicle_stands_on_and_the_first_where_nobody_says) {
+TEST(Track, follows_the_loop_under_the_vehicle_and_by_default_the_first_one) {
   auto zone = std::make_shared<zone::TrafficZone>(
       zone::TrafficZone{"test", *testing::oval_circuit(), {}, {}, {}, {}, {}, {}, {}, {}});
   EXPECT_NEAR(Track::round(zone)->length_m(), 6.0 + 1.6 * pi, 1e-12);
@@ -51,7 +51,7 @@ TEST(Track, goes_round_the_loop_that_the_vehicle_stands_on_and_the_first_where_n
 }
 
 TEST(Track, prefers_a_foot_at_right_angles_to_the_end_of_the_section_before) {
-  // 5 cm beyond the joint; the belief is still before it, and so is the end that would be nearer.
+  // 5 cm beyond the joint; the estimate is still before it, and so is the end that would be nearer.
   const auto oval = testing::oval();
   const Point2 fiducial = position(oval->pose_at(3.05));
   EXPECT_NEAR(*oval->foot(fiducial, 2.98, 1.0), 3.05, 1e-9);
@@ -65,7 +65,7 @@ TEST(Track, of_sections_that_do_not_follow_each_other_is_refused) {
   EXPECT_TRUE(Track::make(circuit, {0, 1}, false));
 }
 
-TEST(Track, of_a_ring_leaves_out_what_only_leads_into_it) {
+TEST(Track, of_a_loop_omits_sections_that_only_lead_into_it) {
   std::vector<zone::Circuit::Part> parts;
   parts.push_back(testing::part("in", {-2.0, 0.0, 0.0}, 2.0, 0.0, {1}));
   parts.push_back(testing::part("half", {0.0, 0.0, 0.0}, pi, 1.0, {2}));

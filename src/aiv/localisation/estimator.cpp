@@ -8,16 +8,17 @@
 namespace cosiva::aiv {
 namespace {
 
-/// Over another lane's tag: the antenna reads what lies this near to the vehicle's middle, whichever way it belongs to.
+/// Over another lane's tag: the antenna reads a tag this near to the body origin, whatever section the tag belongs to.
 constexpr double under_vehicle_m = 0.08;
-/// A tag whose own section would have it so much further off than the way below it lies on a lane driven both ways.
+/// A tag whose own section is this much further off than the section below the vehicle lies on a lane driven in both
+/// directions.
 constexpr double opposite_m = 0.10;
-/// Two beacons that contradict the belief agree with each other when the way between them fits the odometer this well.
+/// Two beacons that contradict the estimate agree when the distance between them fits the odometer this well.
 constexpr double agreement_m = 0.10;
-/// Places so near to each other, in directions so alike, are one to a vehicle that stands there.
+/// Positions this near to each other, with directions this similar, are one position to a stopped vehicle.
 constexpr double same_position_m = 0.05;
 constexpr double same_position_rad = 0.2;
-/// Of the sections that it came over so many are remembered at least.
+/// Minimum number of traversed sections that are stored.
 constexpr std::size_t traversed_kept = 16;
 
 }  // namespace
@@ -38,7 +39,7 @@ void PositionEstimator::position_at(zone::TrackPosition track_position) {
   known_ = true;
   near_path_ = false;
   X_MO_.reset();
-  // Whatever PILS is about, it began where it stands.
+  // A manoeuvre of PILS in progress began where the vehicle is.
   if (X_OB_) X_MO_ = pose();
   if (!course_.arrive(track_position.section)) course_.clear();
   variance_m2_ = model_.sigma_start_m * model_.sigma_start_m;
@@ -75,7 +76,7 @@ void PositionEstimator::take_same_position(zone::TrackPosition track_position) {
 
 void PositionEstimator::follow(const zone::Course& course) {
   if (course.here() != track_position().section) return course_.clear();
-  // Where it came from is known better than where an order says it should have come from.
+  // The sections actually traversed are more reliable than those assumed by an order.
   const bool driven = course_.here() == course.here() && !course_.traversed().empty();
   const auto traversed = driven ? course_.traversed() : course.traversed();
   const auto kept = traversed.last(std::min(traversed.size(), traversed_kept));
@@ -199,7 +200,7 @@ double PositionEstimator::on_stuck() {
     const bool only_branch = circuit.next(id).size() == 1 && bend_rad(circuit, id, ahead.next()) == 0.0;
     if (!only_branch) break;
   }
-  // A hair less, so that rounding does not carry it over the joint.
+  // Slightly less, so that rounding does not carry the estimate over the joint.
   constexpr double hair_m = 1e-6;
   variance_m2_ = model_.sigma_start_m * model_.sigma_start_m;
   return end_m > hair_m ? shift(end_m - hair_m) : 0.0;
@@ -212,7 +213,7 @@ PositionEstimator::Fix PositionEstimator::on_tag(std::uint32_t number, double ag
   if (const zone::Tag* tag = zone_.find_tag(number)) {
     last_tag_ = number;
     last_tag_travelled_m_ = travelled_m_ - latency_m;
-    // Off the line a tag says no more than that it is near, and the manoeuvre's end will say better.
+    // Off the path a tag shows only that it is near; the manoeuvre's end will give a better fix.
     if (off_path()) return {};
     return on_landmark(tag->position, latency_m);
   }
@@ -241,7 +242,7 @@ std::optional<double> PositionEstimator::distance_back_m(zone::TrackPosition tra
     return circuit.distance_ahead(track_position, here, limit_m,
                                   course_.sections().subspan(i + 1, traversed.size() - i));
   }
-  // Where it came from further back than that is known, it was not there.
+  // The traversed sections are known further back than that, and the position is not on them.
   if (!traversed.empty() && back_m > limit_m && track_position.section != here.section) return std::nullopt;
   return circuit.distance_ahead(track_position, here, limit_m);
 }
@@ -252,18 +253,19 @@ PositionEstimator::Fix PositionEstimator::jump_to(zone::TrackPosition track_posi
 }
 
 PositionEstimator::Fix PositionEstimator::on_landmark(zone::TrackPosition track_position, double latency_m) {
-  // It was read at the rim of the field that the vehicle drives into: ahead of the antenna, not under it.
+  // The tag was read at the rim of the field that the vehicle drives into: ahead of the antenna, not under it.
   const zone::TrackPosition here = zone_.circuit.advance(track_position, latency_m - model_.antenna_range_m);
   if (!known_) return jump_to(here);
   const std::optional<double> offset_m = offset_to(here, model_.tag_gate_m);
   const Point2 tag = position(zone_.circuit.pose_at(track_position));
   if (!offset_m) {
-    // On a crossing the antenna also reads the tag of the lane it crosses: that one tells where we are, not on which
-    // way.
+    // On a crossing the antenna also reads the tag of the other lane: this tag shows where the vehicle is, but not on
+    // which section.
     const bool crossed = distance(tag, position(pose())) <= under_vehicle_m;
     return crossed ? on_beacon(tag, latency_m) : jump_to(here);
   }
-  // Likewise on its way back along a lane driven both ways: the tag's own section lies behind it, the tag before it.
+  // Likewise on the return along a lane driven in both directions: the tag's own section lies behind the vehicle, the
+  // tag before it.
   const auto foot = foot_of(tag);
   if (foot && std::fabs(foot->offset_m + latency_m) + opposite_m < std::fabs(*offset_m))
     return on_beacon(tag, latency_m);
@@ -286,7 +288,7 @@ PositionEstimator::Fix PositionEstimator::on_beacon(Point2 beacon, double latenc
 }
 
 std::optional<PositionEstimator::Foot> PositionEstimator::foot_of(Point2 fiducial) const {
-  // Sections further along than the gate cannot hold it.
+  // Sections further along than the gate cannot contain the foot.
   const Near sections = sections_near(model_.beacon_gate_m);
   std::optional<Foot> best;
   double best_m = under_vehicle_m;
@@ -329,7 +331,7 @@ PositionEstimator::Near PositionEstimator::sections_near(double reach_m) const {
     near.add(id);
     start_m += circuit.section(id).length_m();
   }
-  // Where ways merge and it is not known which one it took, all of them count.
+  // At a merge whose traversed branch is unknown all branches count.
   if (start_m <= reach_m)
     for (const zone::SectionId before : circuit.previous(id)) near.add(before);
   near.sort();
@@ -341,7 +343,7 @@ PositionEstimator::Fix PositionEstimator::on_strange_beacon(Point2 beacon, doubl
   doubt_ = Sighting{beacon, travelled_m_};
   if (!before || before->beacon == beacon) return {FixKind::outlier, 0.0};
   const double distance_m = std::fabs(travelled_m_ - before->travelled_m);
-  // A curved way is longer than the straight line between its ends, never shorter.
+  // A curved path is longer than the straight line between its ends, never shorter.
   const double apart_m = distance(before->beacon, beacon);
   if (apart_m > distance_m + agreement_m || distance_m > 1.6 * apart_m + agreement_m) return {FixKind::outlier, 0.0};
   const double heading_rad = det_atan2(beacon.y_m - before->beacon.y_m, beacon.x_m - before->beacon.x_m);

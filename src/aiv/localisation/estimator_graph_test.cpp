@@ -1,4 +1,4 @@
-// The belief on graphs: along a course, at forks and merges, and off the line.
+// The estimate on graphs: along a course, at forks and merges, and off the path.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ using test::there_and_back;
 
 constexpr EstimatorModel ideal{.antenna_range_m = 0.0, .reading_latency_s = 0.0};
 
-/// What PILS says, and what is believed of it.
+/// Reports of PILS, and the resulting estimate.
 struct Estimator : PositionEstimator {
   const zone::TrafficZone& zone;
   wire::Odometry odometry;
@@ -61,7 +61,7 @@ TEST(EstimateOnAGraph, follows_its_course_over_a_fork) {
   EXPECT_NEAR(estimator.track_position().s_m, 0.2, 1e-9);
 }
 
-TEST(EstimateOnAGraph, waits_at_a_fork_that_nobody_has_decided) {
+TEST(EstimateOnAGraph, waits_at_an_undecided_fork) {
   Estimator estimator{diamond()};
   EXPECT_NEAR(estimator.stopped_at("trunk", 1.9).drive(0.3), 0.1, 1e-9);
   EXPECT_EQ(estimator.track_position(), at(diamond(), "trunk", 2.0));
@@ -69,13 +69,13 @@ TEST(EstimateOnAGraph, waits_at_a_fork_that_nobody_has_decided) {
   EXPECT_EQ(estimator.section(), "r_up");
 }
 
-TEST(EstimateOnAGraph, goes_on_over_joints_where_there_is_nothing_to_choose) {
+TEST(EstimateOnAGraph, continues_over_joints_without_branches) {
   Estimator estimator{diamond()};
   estimator.stopped_at("r_up", 0.5).drive(1.0);
   EXPECT_EQ(estimator.section(), "r_over");
 }
 
-TEST(EstimateOnAGraph, goes_back_over_a_merge_where_it_came_from) {
+TEST(EstimateOnAGraph, goes_back_over_a_merge_along_the_traversed_branch) {
   for (const char* side : {"l", "r"}) {
     const std::string down = std::string(side) + "_down";
     Estimator estimator{diamond()};
@@ -87,7 +87,7 @@ TEST(EstimateOnAGraph, goes_back_over_a_merge_where_it_came_from) {
   }
 }
 
-TEST(EstimateOnAGraph, is_corrected_by_a_tag_on_its_way_and_jumps_to_one_on_another) {
+TEST(EstimateOnAGraph, is_corrected_by_a_tag_on_its_route_and_jumps_to_one_on_another) {
   zone::TrafficZone zone = diamond();
   zone.tags = {
       {1, at(zone, "r_down", pi / 4.0 - 0.03)}, {2, at(zone, "l_down", pi / 4.0 - 0.20)}, {3, at(zone, "r_up", 0.1)}};
@@ -99,7 +99,7 @@ TEST(EstimateOnAGraph, is_corrected_by_a_tag_on_its_way_and_jumps_to_one_on_anot
   EXPECT_NEAR(back.correction_m, -0.05, 5e-6);  // the odometer counts micrometres
   EXPECT_EQ(estimator.section(), "r_down");
   estimator.drive(0.1);
-  EXPECT_EQ(estimator.on_tag(2, 0.0, 0.0).kind, FixKind::relocated) << "it did not come that way";
+  EXPECT_EQ(estimator.on_tag(2, 0.0, 0.0).kind, FixKind::relocated) << "that section was not traversed";
   EXPECT_EQ(estimator.section(), "l_down");
 
   estimator.stopped_at("trunk", 1.95).along({"trunk", "r_up"});
@@ -109,7 +109,7 @@ TEST(EstimateOnAGraph, is_corrected_by_a_tag_on_its_way_and_jumps_to_one_on_anot
   EXPECT_EQ(estimator.section(), "r_up");
 }
 
-TEST(EstimateOnAGraph, is_corrected_by_a_beacon_beside_its_own_branch) {
+TEST(EstimateOnAGraph, is_corrected_by_a_beacon_next_to_its_own_branch) {
   zone::TrafficZone zone = diamond();
   const Point2 beacon = position(zone.circuit.pose_at(at(zone, "r_up", 0.30)));
   zone.beacons = zone::BeaconGrid{1.0, beacon, 1, 1};
@@ -121,7 +121,7 @@ TEST(EstimateOnAGraph, is_corrected_by_a_beacon_beside_its_own_branch) {
   EXPECT_NEAR(fix.correction_m, 0.05, 1e-6);
 }
 
-TEST(EstimateOnAGraph, on_its_way_back_along_a_lane_is_put_right_by_the_tags_of_the_way_there) {
+TEST(EstimateOnAGraph, on_the_return_along_a_lane_is_rectified_by_the_tags_of_the_outward_lane) {
   zone::TrafficZone zone = there_and_back();
   zone.tags = {{1, at(zone, "there", 0.7)}};
   Estimator estimator{zone};
@@ -131,11 +131,11 @@ TEST(EstimateOnAGraph, on_its_way_back_along_a_lane_is_put_right_by_the_tags_of_
   estimator.drive(0.28);
   const auto fix = estimator.on_tag(1, 0.0, 0.0);
   EXPECT_EQ(fix.kind, FixKind::corrected);
-  EXPECT_NEAR(fix.correction_m, 0.02, 1e-5) << "not back round the bend to where it came over it before";
+  EXPECT_NEAR(fix.correction_m, 0.02, 1e-5) << "not back round the bend to the first passing of the tag";
   EXPECT_EQ(estimator.track_position().section, at(zone, "back", 0.0).section);
 }
 
-TEST(EstimateOnAGraph, after_a_long_way_without_a_mark_looks_further_for_the_joint_where_it_waits) {
+TEST(EstimateOnAGraph, after_a_long_distance_without_a_fix_searches_further_for_the_joint_where_it_waits) {
   for (const double driven_m : {0.2, 40.0}) {
     Estimator estimator{diamond()};
     estimator.stopped_at("trunk", 1.0);
@@ -150,17 +150,17 @@ TEST(EstimateOnAGraph, after_a_long_way_without_a_mark_looks_further_for_the_joi
 
 // --- bends ----------------------------------------------------------------------------------------------------------
 
-TEST(EstimateAtABend, does_not_go_round_it_before_it_turns) {
+TEST(EstimateAtABend, does_not_pass_the_bend_before_the_turn) {
   Estimator estimator{square()};
   estimator.stopped_at("south", 0.95).along({"south", "east"}).drive(0.1);
   EXPECT_EQ(estimator.track_position(), at(square(), "south", 1.0));
   EXPECT_EQ(estimator.pose().heading_rad, 0.0);
 }
 
-TEST(EstimateAtABend, turns_with_it_and_is_sure_at_its_end) {
+TEST(EstimateAtABend, turns_with_the_vehicle_and_is_certain_at_the_end) {
   Estimator estimator{square()};
   estimator.stopped_at("south", 0.9).along({"south", "east", "north"});
-  EXPECT_NEAR(estimator.turn(0.0).step_m, 0.1, 1e-9) << "who turns is at the joint";
+  EXPECT_NEAR(estimator.turn(0.0).step_m, 0.1, 1e-9) << "a vehicle that turns is at the joint";
   estimator.turn(0.7);
   EXPECT_NEAR(estimator.pose().heading_rad, 0.7, 1e-9);
   EXPECT_NEAR(estimator.pose().x_m, 1.0, 1e-9);
@@ -171,16 +171,16 @@ TEST(EstimateAtABend, turns_with_it_and_is_sure_at_its_end) {
   EXPECT_EQ(estimator.track_position(), at(square(), "east", 0.0));
   EXPECT_FALSE(estimator.off_path());
   estimator.drive(-0.05);
-  EXPECT_EQ(estimator.track_position(), at(square(), "east", 0.0)) << "nor back round it";
+  EXPECT_EQ(estimator.track_position(), at(square(), "east", 0.0)) << "nor back round the bend";
 }
 
-TEST(EstimateAtABend, tells_two_turns_apart_between_which_every_frame_was_lost) {
+TEST(EstimateAtABend, distinguishes_two_turns_between_which_every_frame_was_lost) {
   zone::TrafficZone zone = square();
   Estimator estimator{zone};
   estimator.stopped_at("south", 1.0).along({"south", "east", "north", "west"});
   estimator.turn(0.5);
   estimator.turn(1.57);
-  estimator.odometry.distance_um += 480'000;  // and then the next turn begins, a little short of it by the odometer
+  estimator.odometry.distance_um += 480'000;  // then the next turn begins, a little short of the joint by the odometer
   estimator.turn(0.01);
   estimator.odometry.distance_um += 480'000;
   estimator.turn(0.02);
@@ -188,7 +188,7 @@ TEST(EstimateAtABend, tells_two_turns_apart_between_which_every_frame_was_lost) 
   EXPECT_TRUE(estimator.manoeuvring());
 }
 
-TEST(EstimateAtABend, finds_that_it_turned_into_another_way_than_told) {
+TEST(EstimateAtABend, finds_that_it_turned_into_another_branch_than_commanded) {
   Estimator estimator{square()};
   estimator.stopped_at("west", 1.0).along({"west", "south"});
   estimator.turn(0.5);
@@ -197,7 +197,7 @@ TEST(EstimateAtABend, finds_that_it_turned_into_another_way_than_told) {
   EXPECT_EQ(estimator.section(), "bow");
 }
 
-TEST(EstimateAtABend, knows_nothing_of_a_turn_before_it_knows_where) {
+TEST(EstimateAtABend, ignores_a_turn_while_its_position_is_unknown) {
   Estimator estimator{square()};
   estimator.turn(0.5);
   EXPECT_FALSE(estimator.pose_known());
@@ -205,13 +205,13 @@ TEST(EstimateAtABend, knows_nothing_of_a_turn_before_it_knows_where) {
   EXPECT_FALSE(estimator.pose_known());
   estimator.turn(0.4);
   estimator.stopped_at("south", 1.0);
-  EXPECT_NEAR(estimator.pose().heading_rad, 0.4, 1e-9) << "told in the middle of it where that is";
+  EXPECT_NEAR(estimator.pose().heading_rad, 0.4, 1e-9) << "the position is given during the turn";
   estimator.turn(pi / 2.0);
   estimator.end();
   EXPECT_EQ(estimator.section(), "east");
 }
 
-TEST(EstimateAtABend, takes_up_a_turn_that_was_persisted) {
+TEST(EstimateAtABend, resumes_a_persisted_turn) {
   for (const bool ended_meanwhile : {false, true}) {
     Estimator estimator{square()};
     estimator.stopped_at("south", 1.0);
@@ -223,9 +223,9 @@ TEST(EstimateAtABend, takes_up_a_turn_that_was_persisted) {
   }
 }
 
-// --- beside the line ------------------------------------------------------------------------------------------------
+// --- off the path ---------------------------------------------------------------------------------------------------
 
-TEST(EstimateOffPath, has_the_pose_that_it_was_told_and_the_place_that_it_goes_to) {
+TEST(EstimateOffPath, has_the_given_pose_and_the_position_where_it_joins) {
   Estimator estimator{diamond()};
   estimator.set_off_path({0.5, 0.2, 2.0});
   EXPECT_TRUE(estimator.near_path());
@@ -238,13 +238,13 @@ TEST(EstimateOffPath, has_the_pose_that_it_was_told_and_the_place_that_it_goes_t
   EXPECT_FALSE(estimator.known());
 }
 
-TEST(EstimateOffPath, is_on_it_where_the_manoeuvre_ended) {
+TEST(EstimateOffPath, is_on_the_path_where_the_manoeuvre_ended) {
   Estimator estimator{diamond()};
   estimator.set_off_path({0.5, 0.2, -pi / 2.0});
   estimator.odometry.manoeuvre = wire::Manoeuvre{200, 0, 0};
   estimator.on_odometry(estimator.odometry);
   EXPECT_NEAR(estimator.pose().y_m, 0.0, 1e-9);
-  EXPECT_TRUE(estimator.near_path()) << "across the line is not on it";
+  EXPECT_TRUE(estimator.near_path()) << "across the path is not on it";
   estimator.odometry.manoeuvre = wire::Manoeuvre{200, 0, 1571};
   estimator.on_odometry(estimator.odometry);
   estimator.end();
@@ -254,18 +254,18 @@ TEST(EstimateOffPath, is_on_it_where_the_manoeuvre_ended) {
   EXPECT_NEAR(estimator.pose().x_m, 0.7, 1e-3);
 }
 
-TEST(EstimateOffPath, is_beside_it_still_when_a_manoeuvre_ended_near_it_and_no_line_is_seen) {
+TEST(EstimateOffPath, stays_off_path_when_a_manoeuvre_ended_near_it_and_no_line_is_detected) {
   Estimator estimator{diamond()};
   estimator.set_off_path({0.5, 0.1, 0.0});
   estimator.odometry.manoeuvre = wire::Manoeuvre{50, -60, 0};
   estimator.on_odometry(estimator.odometry);
   estimator.odometry.line_lost = true;
   EXPECT_EQ(estimator.end().kind, FixKind::relocated);
-  EXPECT_TRUE(estimator.near_path()) << "4 cm off it would wait for its line for ever";
+  EXPECT_TRUE(estimator.near_path()) << "4 cm off, the vehicle would wait for its line for ever";
   EXPECT_NEAR(estimator.off_by_m(), 0.04, 1e-9);
 }
 
-TEST(EstimateOffPath, ignores_tags_until_it_is_on_it) {
+TEST(EstimateOffPath, ignores_tags_until_it_is_on_the_path) {
   zone::TrafficZone zone = diamond();
   zone.tags = {{1, at(zone, "tail", 1.0)}};
   Estimator estimator{zone};
@@ -274,7 +274,7 @@ TEST(EstimateOffPath, ignores_tags_until_it_is_on_it) {
   EXPECT_TRUE(estimator.near_path());
 }
 
-TEST(EstimateOffPath, follows_a_line_when_its_wheels_roll) {
+TEST(EstimateOffPath, follows_the_path_when_its_wheels_move) {
   Estimator estimator{diamond()};
   estimator.set_off_path({0.5, 0.05, 0.0});
   estimator.drive(0.1);
@@ -282,7 +282,7 @@ TEST(EstimateOffPath, follows_a_line_when_its_wheels_roll) {
   EXPECT_NEAR(estimator.track_position().s_m, 0.6, 1e-6);
 }
 
-TEST(EstimateOffPath, begins_another_manoeuvre_where_the_last_one_ended_though_nothing_told_of_its_end) {
+TEST(EstimateOffPath, begins_another_manoeuvre_where_the_last_one_ended_without_a_report_of_its_end) {
   Estimator estimator{diamond()};
   estimator.set_off_path({0.5, 0.25, -pi / 2.0});
   const auto commanded = [&](wire::Manoeuvre manoeuvre) {
@@ -290,17 +290,17 @@ TEST(EstimateOffPath, begins_another_manoeuvre_where_the_last_one_ended_though_n
     estimator.on_odometry(estimator.odometry);
     return estimator.pose();
   };
-  // Straight on, and a new one from there.
+  // Straight on, and a new manoeuvre from there.
   EXPECT_LT(distance(commanded({100, 0, 0}), {0.5, 0.15, 0.0}), 1e-9);
   EXPECT_LT(distance(commanded({0, 0, 10}), {0.5, 0.15, 0.0}), 1e-9);
-  // Round on the spot, and another round from there.
+  // A turn on the spot, and another turn from there.
   EXPECT_NEAR(commanded({0, 0, 600}).heading_rad, -pi / 2.0 + 0.6, 1e-9);
   EXPECT_NEAR(commanded({0, 0, 5}).heading_rad, -pi / 2.0 + 0.605, 1e-9);
-  // What wheels shake is none.
+  // Vibration of the wheels is no new manoeuvre.
   EXPECT_NEAR(commanded({0, 0, 0}).heading_rad, -pi / 2.0 + 0.6, 1e-9);
 }
 
-TEST(EstimateOffPath, is_beside_it_where_a_way_to_the_old_zone_s_line_ended) {
+TEST(EstimateOffPath, is_off_path_where_a_manoeuvre_to_a_path_of_the_old_zone_ended) {
   Estimator before{square()};
   before.set_off_path({0.5, 0.05, 0.2});
   before.odometry.manoeuvre = wire::Manoeuvre{30, 0, 0};
@@ -308,7 +308,7 @@ TEST(EstimateOffPath, is_beside_it_where_a_way_to_the_old_zone_s_line_ended) {
   PositionEstimator after{diamond(), ideal};
   after.take_over(before);
   const Pose2 is_stopped = after.pose();
-  wire::Odometry odometry = before.odometry;  // along the old line, near a new one, and none of it on the new floor
+  wire::Odometry odometry = before.odometry;  // along the old path and near a new one; no manoeuvre on the new floor
   odometry.manoeuvre.reset();
   after.on_odometry(odometry);
   EXPECT_TRUE(after.near_path());
@@ -323,7 +323,7 @@ TEST(EstimateOffPath, keeps_pose_and_odometer_from_one_zone_to_the_next) {
   after.take_over(before);
   EXPECT_NEAR(after.pose().heading_rad, 0.6, 1e-9);
   EXPECT_TRUE(after.near_path());
-  wire::Odometry odometry = before.odometry;  // the manoeuvre is given up with the old floor
+  wire::Odometry odometry = before.odometry;  // the manoeuvre is abandoned with the old floor
   odometry.manoeuvre.reset();
   odometry.line_lost = true;
   after.on_odometry(odometry);

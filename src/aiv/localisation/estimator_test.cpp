@@ -15,7 +15,7 @@ using FixKind = PositionEstimator::FixKind;
 using test::at;
 using test::lacet4;
 
-/// No latency and no antenna field: the fix is exactly the tag's place.
+/// No latency and no antenna field: the fix is exactly the tag's position.
 constexpr EstimatorModel ideal{.antenna_range_m = 0.0, .reading_latency_s = 0.0};
 
 struct Estimator : PositionEstimator {
@@ -34,7 +34,7 @@ struct Estimator : PositionEstimator {
 
 std::uint32_t beacon_near(Point2 p) { return lacet4().beacons->nearest(p)->number; }
 
-TEST(Estimate, is_nothing_until_somebody_tells_a_place) {
+TEST(Estimate, is_unknown_until_a_position_is_given) {
   Estimator estimator;
   estimator.drive(0.4);
   EXPECT_FALSE(estimator.known());
@@ -50,7 +50,7 @@ TEST(Estimate, follows_the_odometer_round_the_circuit) {
   EXPECT_NEAR(estimator.track_position().s_m, 0.2, 1e-9);
 }
 
-TEST(Estimate, starts_at_whatever_the_odometer_says_first) {
+TEST(Estimate, starts_at_the_first_reading_of_the_odometer) {
   Estimator estimator;
   estimator.stopped_at("east", 1.0);
   EXPECT_EQ(estimator.on_odometry(123'456'789), 0.0);
@@ -67,24 +67,24 @@ TEST(Estimate, does_not_jump_when_the_board_counts_from_zero_again) {
   EXPECT_EQ(estimator.on_odometry(std::numeric_limits<std::int64_t>::max()), -1e-6) << "one step round the counter";
 }
 
-TEST(Estimate, doubts_more_the_further_it_went) {
+TEST(Estimate, grows_less_certain_with_the_distance) {
   Estimator estimator;
   estimator.stopped_at("east", 0.0);
   const double start_m = estimator.sigma_m();
   estimator.drive(1.0);
   EXPECT_NEAR(estimator.sigma_m(), std::sqrt(start_m * start_m + 1e-4), 1e-9);
-  estimator.on_tag(1, 0.0, 0.0);  // stands at 1.471
+  estimator.on_tag(1, 0.0, 0.0);  // the tag is at 1.471
   EXPECT_LT(estimator.sigma_m(), start_m);
 }
 
-TEST(Tag, sets_the_place_of_a_vehicle_that_knows_nothing) {
+TEST(Tag, sets_an_unknown_position) {
   Estimator estimator;
   EXPECT_EQ(estimator.on_tag(5, 0.0, 0.0).kind, FixKind::relocated);
   EXPECT_EQ(estimator.track_position(), at(lacet4(), "loop_ne", 1.4137));
   EXPECT_EQ(estimator.last_tag(), 5U);
 }
 
-TEST(Tag, rectifies_the_estimate_and_tells_by_how_much) {
+TEST(Tag, rectifies_the_estimate_and_returns_the_correction) {
   Estimator estimator;
   estimator.stopped_at("east", 1.40);
   const auto fix = estimator.on_tag(1, 0.0, 0.0);
@@ -95,7 +95,7 @@ TEST(Tag, rectifies_the_estimate_and_tells_by_how_much) {
   EXPECT_NEAR(estimator.track_position().s_m, 1.471, 1e-9);
 }
 
-TEST(Tag, counts_the_way_driven_since_it_was_read) {
+TEST(Tag, counts_the_distance_driven_since_it_was_read) {
   Estimator estimator{EstimatorModel{.antenna_range_m = 0.02, .reading_latency_s = 0.01}};
   estimator.stopped_at("east", 1.40);
   estimator.on_tag(1, 0.040, 0.5);
@@ -109,14 +109,14 @@ TEST(Tag, far_from_the_estimate_relocates_at_once) {
   EXPECT_EQ(estimator.track_position(), at(lacet4(), "west", 1.471));
 }
 
-TEST(Tag, of_unknown_number_says_nothing) {
+TEST(Tag, of_unknown_number_is_ignored) {
   Estimator estimator;
   EXPECT_EQ(estimator.on_tag(999, 0.0, 0.0).kind, FixKind::none);
   EXPECT_FALSE(estimator.known());
   EXPECT_EQ(estimator.last_tag(), std::nullopt);
 }
 
-TEST(Tag, leaves_the_way_since_it_in_the_report) {
+TEST(Tag, leaves_the_distance_since_the_tag_in_the_report) {
   Estimator estimator;
   estimator.stopped_at("east", 1.47);
   estimator.on_tag(1, 0.0, 0.0);
@@ -124,7 +124,7 @@ TEST(Tag, leaves_the_way_since_it_in_the_report) {
   EXPECT_NEAR(estimator.since_last_tag_m(), 0.3, 1e-9);
 }
 
-TEST(Beacon, rectifies_along_the_way_it_lies_beside) {
+TEST(Beacon, rectifies_along_the_adjacent_section) {
   // The beacon at (1.0, -0.25) lies 4.5 cm from the loop in the south-east.
   const auto foot = lacet4().circuit.section(1).nearest({1.0, -0.25});
   ASSERT_LT(foot.distance_m, 0.08);
@@ -136,14 +136,14 @@ TEST(Beacon, rectifies_along_the_way_it_lies_beside) {
   EXPECT_EQ(estimator.last_tag(), std::nullopt) << "a beacon is no tag of the circuit";
 }
 
-TEST(Beacon, says_nothing_to_a_vehicle_that_knows_nothing) {
+TEST(Beacon, is_ignored_while_the_position_is_unknown) {
   Estimator estimator;
   EXPECT_EQ(estimator.on_tag(beacon_near({1.0, -0.25}), 0.0, 0.0).kind, FixKind::none);
   EXPECT_FALSE(estimator.known());
 }
 
 TEST(Beacon, that_contradicts_the_estimate_is_an_outlier_and_two_that_agree_relocate) {
-  // Truly on the loop in the south-east, believed in the north-west.
+  // Actually on the loop in the south-east, estimated in the north-west.
   const Point2 first{1.0, -0.25};
   const Point2 second{1.25, -0.5};
   const auto& loop = lacet4().circuit.section(1);
@@ -167,7 +167,7 @@ TEST(Beacon, outliers_that_do_not_agree_stay_outliers) {
   EXPECT_EQ(estimator.track_position().section, 5U);
 }
 
-TEST(Pose, is_taken_to_the_circuit_only_near_it_and_along_it) {
+TEST(Pose, is_snapped_to_the_circuit_only_near_it_and_along_it) {
   Estimator estimator;
   const auto on = estimator.on_circuit({-0.5, -0.10, 0.1}, 0.25);
   ASSERT_TRUE(on);

@@ -1,4 +1,4 @@
-// Off the line: the vehicle turns on the spot, looks for a line, or stands where there is none.
+// Off the path: the vehicle turns on the spot, seeks a path, or is stopped where there is none.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -12,14 +12,14 @@
 namespace cosiva::aiv {
 namespace {
 
-/// An odometer that has rolled further than this does not belong to the manoeuvre in which it stood still.
+/// An odometer that has advanced further than this does not belong to the manoeuvre during which it did not count.
 constexpr double still_m = 0.002;
-/// Who decides that it is near enough to a way has been told its pose, rounded.
+/// The sender that considers the vehicle near enough to a path knows the vehicle's pose in rounded form.
 constexpr double reported_off_m = 0.005;
-/// Beside the line it has found one when its wheels roll this far in no manoeuvre.
+/// An off-path vehicle has found a path when its wheels move this far in no manoeuvre.
 constexpr double follows_m = 0.010;
 
-/// A manoeuvre only turns on from where it began, and goes on away from there: one that is less far is another.
+/// A manoeuvre only turns further from its start, and moves further away from it: a smaller value is another manoeuvre.
 bool begins_again(const Pose2& X_OB, const Pose2& X_OB_next) {
   constexpr double back_m = 0.003;
   constexpr double back_rad = 0.02;
@@ -60,7 +60,7 @@ void PositionEstimator::aim(zone::TrackPosition track_position) {
 void PositionEstimator::resume_manoeuvre(const Pose2& X_OB, std::optional<zone::SectionId> next) {
   if (!pose_known()) return;
   if (next && known_ && !near_path_) course_ = zone::Course{{motion_.current_section(), *next}};
-  if (X_OB_) return;  // PILS has told of it already
+  if (X_OB_) return;  // PILS has reported the manoeuvre already
   X_MO_ = X_MO_ ? *X_MO_ * inverse(X_OB) : motion_.pose(zone_.circuit);
   X_OB_ = X_OB;
   manoeuvre_travelled_m_ = travelled_m_;
@@ -79,7 +79,7 @@ void PositionEstimator::take_over(const PositionEstimator& before) {
 PositionEstimator::Rolled PositionEstimator::off_path(double step_m, const wire::Odometry& odometry) {
   Rolled rolled;
   const auto& manoeuvre = odometry.manoeuvre;
-  // Between two manoeuvres there may have been no frame, or none that came.
+  // Between two manoeuvres there may have been no frame, or none that arrived.
   const bool another = std::fabs(travelled_m_ - manoeuvre_travelled_m_) > still_m ||
                        (X_OB_ && manoeuvre && begins_again(*X_OB_, to_pose(*manoeuvre)));
   if (X_OB_ && (!manoeuvre || another)) end_manoeuvre(odometry.line_lost && !manoeuvre, rolled);
@@ -109,7 +109,7 @@ void PositionEstimator::roll_off_line(double step_m, Rolled& rolled) {
 void PositionEstimator::begin_manoeuvre(Rolled& rolled) {
   manoeuvre_travelled_m_ = travelled_m_;
   if (!known_ || X_MO_) return;
-  // It turns where the line bends, so it is there.
+  // The vehicle turns where the path bends, and is therefore at the bend.
   const zone::Circuit& circuit = zone_.circuit;
   double end_m = -track_position().s_m;
   for (zone::SectionLookAhead ahead = section_look_ahead(circuit, outlook());;) {
@@ -118,7 +118,7 @@ void PositionEstimator::begin_manoeuvre(Rolled& rolled) {
     if (end_m > joint_gate_m()) break;
     const auto bends = [&](zone::SectionId to) { return bend_rad(circuit, id, to) != 0.0; };
     if (ahead.decided() ? bends(ahead.next()) : std::ranges::any_of(circuit.next(id), bends)) {
-      constexpr double hair_m = 1e-6;  // the joint itself holds it back
+      constexpr double hair_m = 1e-6;  // the joint itself stops the estimate
       rolled.step_m += shift(end_m + hair_m);
       break;
     }
@@ -133,7 +133,7 @@ void PositionEstimator::end_manoeuvre(bool line_lost, Rolled& rolled) {
   X_OB_.reset();
   const bool on_old_floor = std::exchange(on_old_floor_, false);
   if (!X_MO_) return;
-  // What ends the way to a line of the old zone is on no line of this one, be it near one.
+  // The end of a manoeuvre to a path of the old zone is on no path of this zone, even near one.
   if (on_old_floor) {
     set_off_path(X_MB);
     rolled.kind = FixKind::relocated;
@@ -149,7 +149,7 @@ bool PositionEstimator::end_turn(double turned_rad, Rolled& rolled) {
   if (!to || track_position().s_m < zone_.circuit.section(here).length_m()) return false;
   X_MO_.reset();
   if (course_.remaining().empty() || course_.remaining().front() != *to) {
-    // It took another way than it was told, or nobody had told any.
+    // PILS took another branch than the commanded one, or none was commanded.
     if (!course_.remaining().empty()) rolled.kind = FixKind::relocated;
     course_.cut(0);
     if (course_.empty()) course_ = zone::Course{{here}};
@@ -179,7 +179,8 @@ void PositionEstimator::land(const Pose2& X_MB, bool line_lost, Rolled& rolled) 
   const double across_rad =
       line ? wrap_angle(zone_.circuit.pose_at(line->position).heading_rad - X_MB.heading_rad) : pi;
   if (line_lost || std::fabs(across_rad) > model_.landed_rad) {
-    // Given up on the way: it stands where that left it, be it beside a line that its sensors do not see.
+    // Abandoned before its end: the vehicle is where the manoeuvre left it, possibly near a path that its sensors do
+    // not detect.
     set_off_path(X_MB);
     rolled.kind = FixKind::relocated;
   } else if (known_ && line->position.section == track_position().section) {

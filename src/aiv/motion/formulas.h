@@ -5,22 +5,23 @@
 #include "cosiva/base/math_inline.h"
 #include "cosiva/zone/layout/traffic_zone.h"
 
-/// The agent's and the envelope's arithmetic, number by number and without branches: one vehicle's agent asks it for
-/// one answer, and passes over whole fleets (virtual/fleet) become vector instructions. Nothing is decided anywhere
-/// else.
+/// The arithmetic of the agent and the envelope, number by number and without branches: the agent of one vehicle calls
+/// a function for one result, and a pass over a whole fleet (virtual/fleet) becomes vector instructions. No decision is
+/// computed anywhere else.
 namespace cosiva::aiv {
 
-/// From a command's tick to wheels that obey it: our tick, the board's cycle, and the age of the odometry.
+/// Delay until the wheels obey a command: the tick of the on-board program, the board's cycle, and the age of the
+/// odometry.
 inline constexpr double reaction_s = 0.08;
-/// An obstacle is believed at its second frame out of three, 60 ms apart.
+/// An obstacle is accepted at its second frame out of three, 60 ms apart.
 inline constexpr double obstacle_reaction_s = 0.15;
-/// Before the stop line: standing accuracy, so that not even an overshoot enters the crossing.
+/// Distance from the stop line at standstill: the stopping accuracy, so that not even an overshoot enters the crossing.
 inline constexpr double stop_line_m = 0.01;
-/// Left free between the front of a vehicle and what stands before it.
+/// Clearance between the front of a vehicle and the obstacle ahead of it.
 inline constexpr double clearance_m = 0.12;
-/// Slower than this it counts as standing.
+/// A vehicle below this speed counts as stopped.
 inline constexpr double stopped_mps = 0.01;
-/// Figures of the rules for what is not there: no instruction.
+/// Value of a rule input that is absent: no instruction.
 inline constexpr double no_instruction = 4.0;
 
 namespace plain {
@@ -32,20 +33,21 @@ namespace plain {
   return 2.0 * d / (late_s + std::sqrt(late_s * late_s + 2.0 * d / braking_mps2));
 }
 
-/// Highest speed now that reaches a place `ahead_m` away at no more than `limit_mps`.
+/// Highest speed now that reaches a position `ahead_m` away at no more than `limit_mps`.
 [[nodiscard]] COSIVA_INLINE double speed_before(double limit_mps, double ahead_m, double braking_mps2) noexcept {
   const double path_distance_m = ahead_m - limit_mps * reaction_s;
   const double d_m = path_distance_m > 0.0 ? path_distance_m : 0.0;
   return std::sqrt(limit_mps * limit_mps + 2.0 * braking_mps2 * d_m);
 }
 
-/// Whether `braking_mps2` does not suffice any more to stop within `path_distance_m`: then all the brakes there are.
+/// Whether `braking_mps2` no longer suffices to stop within `path_distance_m`; the vehicle then brakes as hard as
+/// possible.
 [[nodiscard]] COSIVA_INLINE bool brakes_hard(double speed_mps, double path_distance_m, double braking_mps2) noexcept {
   const double d_m = path_distance_m > 0.0 ? path_distance_m : 0.0;
   return speed_mps * speed_mps > 2.0 * braking_mps2 * d_m;
 }
 
-/// The rules' `gap`: what is left before it would stand, in braking distances (agent_rules.h).
+/// The rules' `gap`: the distance that remains before the vehicle has to stop, in braking distances (agent_rules.h).
 [[nodiscard]] COSIVA_INLINE double gap_input(double obstacle_ahead_m, double braking_distance_m) noexcept {
   return (obstacle_ahead_m - clearance_m) / braking_distance_m;
 }
@@ -61,7 +63,7 @@ namespace plain {
 /// nearest_profile (agent_rules.h), profiles as numbers 0…3.
 /// @param present  below 0: none
 [[nodiscard]] COSIVA_INLINE double nearest_profile(double speed, double present) noexcept {
-  // How far an answer must be from the present profile before another one is taken; a half is where the next begins.
+  // A result nearer than this to the present profile keeps the present profile; the next profile begins at a half.
   constexpr double stays_within = 0.7;
   const double low = speed < 0.5 ? 0.0 : 1.0;
   const double high = speed < 2.5 ? 2.0 : 3.0;
@@ -69,16 +71,16 @@ namespace plain {
   return ((present >= 0.0) & (std::fabs(speed - present) < stays_within)) ? present : nearest;
 }
 
-/// What the crisp rules choose among moving profiles, as a number; stop at the end of the base, and an instruction,
-/// come before. Far obstacles are followed at the profile's own speed; near ones, and a battery that wants to get home,
-/// ask for calm.
+/// The choice of the crisp rules among the moving profiles, as a number; the stop at the end of the base and an
+/// instruction take precedence. Distant obstacles are followed at the profile's own speed; near obstacles and a low
+/// charge select the slow profile.
 [[nodiscard]] COSIVA_INLINE double crisp_profile(double charge, double obstacle_ahead_m) noexcept {
   constexpr double near_m = 0.35;
   constexpr double low_charge = 0.10;
   return ((charge < low_charge) | (obstacle_ahead_m < near_m)) ? 1.0 : 2.0;
 }
 
-/// The rate of a leg of a manoeuvre after the next step, from which it can still stop in time: rate·dt + rate²/2a =
+/// The rate of a manoeuvre's leg after the next step, from which the leg can still stop in time: rate·dt + rate²/2a =
 /// left (Manoeuvre::step).
 [[nodiscard]] COSIVA_INLINE double manoeuvre_rate(double rate, double most, double left, double per_s2,
                                                   double dt_s) noexcept {

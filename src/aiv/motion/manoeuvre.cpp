@@ -79,7 +79,7 @@ Manoeuvre::Step Manoeuvre::step(double speed_mps, double dt_s) {
   if (left > 0.0) return step;
   rate_ = 0.0;
   while (leg_ < legs && left_[leg_] == 0.0) ++leg_;
-  if (leg_ == legs) X_SB_ = X_SG_;  // what rounding left over
+  if (leg_ == legs) X_SB_ = X_SG_;  // removes the rounding error
   return step;
 }
 

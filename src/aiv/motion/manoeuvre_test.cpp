@@ -12,7 +12,7 @@ namespace {
 
 constexpr double dt_s = 0.01;
 
-/// Steps until it is done, at most a minute; the time it took.
+/// Steps until the manoeuvre is done, at most a minute; returns the duration.
 double finish(Manoeuvre& manoeuvre, double speed_mps = 0.3) {
   for (int i = 1; i <= 6000; ++i) {
     manoeuvre.step(speed_mps, dt_s);
@@ -40,8 +40,8 @@ TEST(Manoeuvre, on_the_spot_turns_with_a_ramp_up_and_one_down) {
   EXPECT_NEAR(fastest_radps, 1.5, 1e-9);
 }
 
-TEST(Manoeuvre, turns_goes_and_turns_to_any_pose_and_ends_exactly_there) {
-  EXPECT_TRUE(rc::check("it ends at the goal, with no rate above its own", [] {
+TEST(Manoeuvre, turns_drives_and_turns_to_any_pose_and_ends_exactly_there) {
+  EXPECT_TRUE(rc::check("ends at the goal, with no rate above its limits", [] {
     const Pose2 goal{*rc::gen::inRange(-350, 350) * 1e-3, *rc::gen::inRange(-350, 350) * 1e-3,
                      *rc::gen::inRange(-3141, 3142) * 1e-3};
     Manoeuvre manoeuvre{goal};
@@ -55,17 +55,17 @@ TEST(Manoeuvre, turns_goes_and_turns_to_any_pose_and_ends_exactly_there) {
     }
     RC_ASSERT(manoeuvre.done());
     RC_ASSERT(distance(summed, manoeuvre.X_SB()) < 1e-9);
-    RC_ASSERT(distance(summed, goal) < 6e-4);  // half a millimetre it does not drive
+    RC_ASSERT(distance(summed, goal) < 6e-4);  // less than half a millimetre is not driven
     RC_ASSERT(std::fabs(wrap_angle(summed.heading_rad - goal.heading_rad)) < 1e-9);
   }));
 }
 
-TEST(Manoeuvre, waits_where_it_is_while_nobody_commands_it_and_goes_on) {
+TEST(Manoeuvre, waits_without_commands_and_then_continues) {
   Manoeuvre manoeuvre{{0.2, 0.2, 0.0}};
   for (int i = 0; i < 50; ++i) manoeuvre.step(0.1, dt_s);
   for (int i = 0; i < 29; ++i) manoeuvre.step(0.0, dt_s);
   EXPECT_FALSE(manoeuvre.abandoned());
-  for (int i = 0; i < 30; ++i) manoeuvre.step(-0.1, dt_s);  // nor does backwards mean anything here
+  for (int i = 0; i < 30; ++i) manoeuvre.step(-0.1, dt_s);  // a backward command has no effect here either
   EXPECT_TRUE(manoeuvre.abandoned());
   const Pose2 waits = manoeuvre.X_SB();
   EXPECT_GT(waits.heading_rad, 0.2);
@@ -78,7 +78,7 @@ TEST(Manoeuvre, waits_where_it_is_while_nobody_commands_it_and_goes_on) {
   EXPECT_EQ(manoeuvre.X_SB(), (Pose2{0.2, 0.2, 0.0}));
 }
 
-TEST(Manoeuvre, keeps_to_the_commanded_speed_where_that_is_slower_than_its_own) {
+TEST(Manoeuvre, keeps_to_a_commanded_speed_below_its_own) {
   Manoeuvre manoeuvre{{0.3, 0.0, 0.0}};
   double fastest_mps = 0.0;
   for (int i = 0; i < 600; ++i) {
@@ -89,7 +89,7 @@ TEST(Manoeuvre, keeps_to_the_commanded_speed_where_that_is_slower_than_its_own) 
   EXPECT_TRUE(manoeuvre.done());
 }
 
-TEST(Manoeuvre, that_has_nowhere_to_go_still_lasts_long_enough_to_be_heard_of) {
+TEST(Manoeuvre, without_a_distance_still_lasts_its_minimum_duration) {
   Manoeuvre manoeuvre{{}};
   manoeuvre.step(0.1, dt_s);
   EXPECT_FALSE(manoeuvre.done());
@@ -97,7 +97,7 @@ TEST(Manoeuvre, that_has_nowhere_to_go_still_lasts_long_enough_to_be_heard_of) {
   EXPECT_EQ(manoeuvre.X_SB(), Pose2{});
 }
 
-/// An edge east, from whose end ways lead on: straight, to the left at a right angle; and one east that only goes on.
+/// An edge east whose end branches, straight and left at a right angle; and an edge east with a single successor.
 zone::Circuit node() {
   using zone::Section;
   const auto in = *Section::make({0, 0, 0}, 1.0);
@@ -109,7 +109,7 @@ zone::Circuit node() {
                                        {"on", *Section::make({2, 0, 0}, 1.0), {}, {}}});
 }
 
-TEST(Onward, is_the_branch_told_with_the_turn_that_it_takes) {
+TEST(Onward, is_the_commanded_branch_with_its_turn) {
   const zone::Circuit circuit = node();
   EXPECT_EQ(onward(circuit, 0, 0).section, 1U);
   EXPECT_EQ(onward(circuit, 0, 0).turn_rad, 0.0);
@@ -118,11 +118,11 @@ TEST(Onward, is_the_branch_told_with_the_turn_that_it_takes) {
   EXPECT_EQ(onward(circuit, 0, 7).section, 2U) << "beyond the last: the last";
 }
 
-TEST(Onward, is_nowhere_at_a_dead_end_and_where_nobody_said_which_way) {
+TEST(Onward, is_none_at_a_dead_end_and_at_a_fork_without_a_branch) {
   const zone::Circuit circuit = node();
   EXPECT_EQ(onward(circuit, 2, 0).section, zone::no_section);
   EXPECT_EQ(onward(circuit, 0, wire::no_branch).section, zone::no_section);
-  EXPECT_EQ(onward(circuit, 1, wire::no_branch).section, 3U) << "where there is no choice none is needed";
+  EXPECT_EQ(onward(circuit, 1, wire::no_branch).section, 3U) << "a single successor needs no branch";
 }
 
 }  // namespace

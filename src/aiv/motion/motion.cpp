@@ -43,7 +43,7 @@ double AivMotion::move_across(const zone::Circuit& circuit, double DTT_m, std::s
   for (;;) {
     const double length_m = circuit.section(section_).length_m();
     const double reached_m = mDTCS_m_ + left_to_travel_m;
-    if (reached_m <= length_m) {  // phase c: the section takes it all
+    if (reached_m <= length_m) {  // phase c: the move ends on this section
       mDTCS_m_ = reached_m;
       return DTT_m;
     }
@@ -83,7 +83,7 @@ double AivMotion::shift(const zone::Circuit& circuit, double distance_m, std::sp
     const bool whole = to.s_m > 0.0 && to.s_m < circuit.section(to.section).length_m();
     *this = AivMotion(circuit, to);
     if (whole) return distance_m;
-    // It may have come to a dead end.
+    // The move may have ended at a dead end.
     if (distance_m >= 0.0) return circuit.distance_ahead(from, to, distance_m, remaining).value_or(distance_m);
     return distance_m;
   }

@@ -9,8 +9,8 @@
 
 namespace cosiva::aiv {
 
-/// Travel direction, reified (A32, figure 13): it answers what follows, where a section starts, and what becomes of a
-/// request to move the other way. Two states: St_DirectTravelDir (default) and St_IndirectTravelDir.
+/// Travel direction, reified (A32, figure 13): determines which section follows, where a section starts, and the effect
+/// of a request to move in the other direction. Two states: St_DirectTravelDir (default) and St_IndirectTravelDir.
 class TravelDir {
  public:
   enum class State { St_DirectTravelDir, St_IndirectTravelDir };
@@ -42,8 +42,9 @@ class TravelDir {
   State state_{State::St_DirectTravelDir};
 };
 
-/// The route memory of an AIV (A28): which section, how far travelled on it (mDTCS), in which direction.
-/// Geometry stays in circuit and sections. A value: the plant's truth, the on-board belief, and the twin each own one.
+/// The route memory of an AIV (A28): the section, the distance travelled on the section (mDTCS), and the direction.
+/// Geometry stays in circuit and sections. A value: the plant's ground truth, the on-board estimate, and the twin each
+/// own one.
 class AivMotion {
  public:
   AivMotion() = default;
@@ -57,25 +58,26 @@ class AivMotion {
   /// X_MB with the body's x axis along increasing s, in either direction: reversing does not turn the vehicle.
   [[nodiscard]] Pose2 pose(const zone::Circuit& circuit) const;
 
-  /// A30: travels DTT ≥ 0 over as many sections as it takes. Gives the distance really travelled: less than asked only
-  /// at a dead end. DTT is at most 1e9 m: the loop walks every section it passes. At a fork the `branch`-th successor
-  /// is taken (0: the default; too large: the last).
+  /// A30: travels DTT ≥ 0 over as many sections as necessary. Returns the distance actually travelled: less than DTT
+  /// only at a dead end. DTT is at most 1e9 m, because the loop visits every section passed. At a fork the `branch`-th
+  /// successor is taken (0: the default; too large: the last).
   double move(const zone::Circuit& circuit, double DTT_m, std::size_t branch = 0);
 
-  /// A32: on a change mDTCS is mirrored first (L − mDTCS), then the state; the position stays. True when it changed.
+  /// A32: on a change mDTCS is mirrored first (L − mDTCS), then the state; the position stays. True on a change.
   bool on_direct_move_req(const zone::Circuit& circuit);
   bool on_indirect_move_req(const zone::Circuit& circuit);
 
-  /// Signed move along the circuit: negative distances travel against the current direction. For corrections. Forwards
-  /// through the sections of `coming`, then along default successors; backwards through `gone`, its last first.
-  /// Gives the distance really travelled, with its sign.
+  /// Signed move along the circuit, for corrections: negative distances travel against the current direction. Forwards
+  /// through the sections of `coming`, then along default successors; backwards through `gone`, the last section first.
+  /// Returns the distance actually travelled, with its sign.
   double shift(const zone::Circuit& circuit, double distance_m, std::span<const zone::SectionId> remaining = {},
                std::span<const zone::SectionId> traversed = {});
 
   friend bool operator==(const AivMotion&, const AivMotion&) = default;
 
  private:
-  /// Phase b of figure 14, as often as sections are too short: called when the section conservation condition fails.
+  /// Phase b of figure 14, once for each section that is too short; called when the section conservation condition
+  /// fails.
   double move_across(const zone::Circuit& circuit, double DTT_m, std::size_t branch);
   /// Mirrors mDTCS, then lets the direction change its state (figure 13).
   bool turn(const zone::Circuit& circuit, TravelDir::Event event);
@@ -85,11 +87,12 @@ class AivMotion {
   TravelDir direction_;
 };
 
-/// One pass over many AIVs: each travels its own distance; `poses` (same length, may be empty) receives where they are.
+/// One pass over many AIVs: each travels its own distance; `poses` (same length, may be empty) receives their poses.
 void move_all(const zone::Circuit& circuit, std::span<AivMotion> aivs, std::span<const double> DTT_m,
               std::span<Pose2> poses);
 
-// The usual move stays on its section (phases a and c only); it is inlined, because a fleet makes millions of them.
+// The usual move stays on its section (phases a and c only). The function is inlined because a fleet makes millions of
+// moves.
 inline double AivMotion::move(const zone::Circuit& circuit, double DTT_m, std::size_t branch) {
   COSIVA_EXPECT(DTT_m >= 0.0);
   const double length_m = circuit.section(section_).length_m();

@@ -30,8 +30,8 @@ zone::Circuit stadium() {
 
 double whole(int low, int high, double unit) { return unit * *rc::gen::inRange(low, high); }
 
-/// Any pieces that together turn by a whole share of a full turn, as often as that share asks for: such a ring closes,
-/// because what one round of pieces is off, the others turn away.
+/// Arbitrary pieces that together turn by an integer fraction of a full turn, repeated as often as that fraction
+/// requires: such a loop closes, because the repetitions cancel the offset of one round of pieces.
 zone::Circuit any_loop() {
   const int folds = *rc::gen::inRange(2, 6);
   const int count = *rc::gen::inRange(1, 6);
@@ -57,7 +57,7 @@ zone::TrackPosition any_position(const zone::Circuit& circuit) {
   return {id, circuit.section(id).length_m() * whole(0, 1001, 1e-3)};
 }
 
-/// Way from the start of the first section, round the ring.
+/// Distance from the start of the first section, along the loop.
 double along(const zone::Circuit& circuit, zone::TrackPosition position) {
   double s_m = position.s_m;
   for (zone::SectionId id = 0; id < position.section; ++id) s_m += circuit.section(id).length_m();
@@ -99,7 +99,7 @@ TEST(Motion, follows_equation_3_on_a_vertical_section) {
 
 // --- the flowchart of figure 14 -----------------------------------------------------------------------------------
 
-TEST(Motion, goes_through_phases_a_and_c_while_the_section_takes_it_all) {
+TEST(Motion, goes_through_phases_a_and_c_while_the_move_ends_on_its_section) {
   const auto circuit = stadium();
   AivMotion aiv{circuit, {0, 0.5}};
   EXPECT_EQ(aiv.move(circuit, 1.0), 1.0);
@@ -134,7 +134,7 @@ TEST(Motion, passes_several_short_sections_in_one_move) {
   EXPECT_EQ(aiv.mDTCS_m(), 0.0625);
 }
 
-TEST(Motion, goes_round_a_ring_many_times_in_one_move) {
+TEST(Motion, drives_many_laps_of_a_loop_in_one_move) {
   const auto circuit = stadium();
   AivMotion aiv{circuit, {0, 0.5}};
   const Pose2 before = aiv.pose(circuit);
@@ -144,7 +144,7 @@ TEST(Motion, goes_round_a_ring_many_times_in_one_move) {
   EXPECT_NEAR(distance(aiv.pose(circuit), before), 0.0, 1e-8);  // a thousand laps of rounding
 }
 
-TEST(Motion, travels_less_than_asked_only_at_a_dead_end) {
+TEST(Motion, travels_less_than_requested_only_at_a_dead_end) {
   const auto circuit = lay({{1.0}, {0.5}}, false);
   AivMotion aiv{circuit, {0, 0.25}};
   EXPECT_EQ(aiv.move(circuit, 5.0), 1.25);
@@ -153,7 +153,7 @@ TEST(Motion, travels_less_than_asked_only_at_a_dead_end) {
   EXPECT_EQ(aiv.move(circuit, 1.0), 0.0);
 }
 
-TEST(Motion, takes_the_asked_way_at_a_fork_and_the_last_one_when_there_are_fewer) {
+TEST(Motion, takes_the_requested_branch_at_a_fork_and_the_last_one_when_there_are_fewer) {
   const Pose2 fork{1.0, 0.0, 0.0};
   std::vector<zone::Circuit::Part> parts;
   parts.push_back({"stem", zone::Section::make({}, 1.0).value(), std::nullopt, {1, 2}});
@@ -167,13 +167,13 @@ TEST(Motion, takes_the_asked_way_at_a_fork_and_the_last_one_when_there_are_fewer
   }
 }
 
-TEST(Motion, clamps_a_place_to_its_section) {
+TEST(Motion, clamps_a_position_to_its_section) {
   const auto circuit = stadium();
   EXPECT_EQ((AivMotion{circuit, {0, 9.0}}.mDTCS_m()), 2.0);
   EXPECT_EQ((AivMotion{circuit, {0, -1.0}}.mDTCS_m()), 0.0);
 }
 
-TEST(Motion, gives_what_the_section_answers_to_nextAIVposition) {
+TEST(Motion, agrees_with_nextAIVposition_of_the_section) {
   EXPECT_TRUE(rc::check([] {
     const auto circuit = any_loop();
     AivMotion aiv{circuit, any_position(circuit)};
@@ -182,7 +182,7 @@ TEST(Motion, gives_what_the_section_answers_to_nextAIVposition) {
     const auto next = section.nextAIVposition(aiv.mDTCS_m(), DTT);
     const auto before = aiv.current_section();
     aiv.move(circuit, DTT);
-    if (next.DT_m < DTT) return;  // phase b: the section could not take it all
+    if (next.DT_m < DTT) return;  // phase b: the move continues beyond the section
     RC_ASSERT(aiv.current_section() == before);
     RC_ASSERT(distance(aiv.pose(circuit), next.pose) < 1e-12);
   }));
@@ -190,7 +190,7 @@ TEST(Motion, gives_what_the_section_answers_to_nextAIVposition) {
 
 // --- properties ---------------------------------------------------------------------------------------------------
 
-TEST(Motion, comes_back_to_its_start_after_a_lap_of_any_sections_in_any_steps) {
+TEST(Motion, returns_to_its_start_after_a_lap_of_any_sections_in_any_steps) {
   EXPECT_TRUE(rc::check([] {
     const auto circuit = any_loop();
     AivMotion aiv{circuit, any_position(circuit)};
@@ -219,7 +219,7 @@ TEST(Motion, travels_exactly_the_distance_requested) {
   }));
 }
 
-TEST(Motion, forward_then_backward_is_where_it_was) {
+TEST(Motion, forward_then_backward_returns_to_the_start) {
   EXPECT_TRUE(rc::check([] {
     const auto circuit = any_loop();
     AivMotion aiv{circuit, any_position(circuit)};
@@ -284,7 +284,7 @@ TEST(TravelDirection, is_direct_by_default) {
   EXPECT_EQ(TravelDir{}, TravelDir::direct());
 }
 
-TEST(TravelDirection, tells_next_section_and_start_of_section) {
+TEST(TravelDirection, gives_next_section_and_start_of_section) {
   const auto circuit = stadium();
   EXPECT_EQ(TravelDir::direct().next_section(circuit, 3), 0U);
   EXPECT_EQ(TravelDir::indirect().next_section(circuit, 0), 3U);
@@ -295,7 +295,7 @@ TEST(TravelDirection, tells_next_section_and_start_of_section) {
   EXPECT_EQ(TravelDir::indirect().next_section(open, 0), zone::no_section);
 }
 
-TEST(TravelDirection, lets_a_reversing_vehicle_face_where_it_faced) {
+TEST(TravelDirection, keeps_the_heading_of_a_reversing_vehicle) {
   const auto circuit = stadium();
   AivMotion aiv{circuit, {0, 1.0}, TravelDir::indirect()};
   EXPECT_EQ(aiv.mDTCS_m(), 1.0);
@@ -303,7 +303,7 @@ TEST(TravelDirection, lets_a_reversing_vehicle_face_where_it_faced) {
   EXPECT_EQ(aiv.pose(circuit), (Pose2{0.75, 0.0, 0.0}));
 }
 
-TEST(Motion, of_many_vehicles_in_one_pass_is_that_of_each) {
+TEST(Motion, of_many_vehicles_in_one_pass_equals_the_single_moves) {
   const auto circuit = stadium();
   std::vector<AivMotion> fleet;
   std::vector<double> DTT_m;
@@ -322,7 +322,7 @@ TEST(Motion, of_many_vehicles_in_one_pass_is_that_of_each) {
   move_all(circuit, fleet, DTT_m, {});
 }
 
-TEST(AivMotion, shifts_through_the_sections_that_it_is_given_and_back_through_those_it_came_by) {
+TEST(AivMotion, shifts_forwards_through_given_sections_and_back_through_traversed_ones) {
   const zone::Circuit& circuit = test::diamond().circuit;
   const std::vector<zone::SectionId> remaining{4, 5};
   AivMotion motion{circuit, {0, 1.9}};
@@ -333,7 +333,7 @@ TEST(AivMotion, shifts_through_the_sections_that_it_is_given_and_back_through_th
   EXPECT_NEAR(back.shift(circuit, -0.2, {}, std::vector<zone::SectionId>{5, 6}), -0.2, 1e-12);
   EXPECT_EQ(back.current_section(), 6U);
   AivMotion end{circuit, {7, 1.9}};
-  EXPECT_NEAR(end.shift(circuit, 0.5, {}, std::vector<zone::SectionId>{6}), 0.1, 1e-12) << "there the way ends";
+  EXPECT_NEAR(end.shift(circuit, 0.5, {}, std::vector<zone::SectionId>{6}), 0.1, 1e-12) << "the route ends there";
 }
 
 }  // namespace

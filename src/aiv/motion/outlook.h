@@ -8,17 +8,18 @@
 
 namespace cosiva::aiv {
 
-/// Where a vehicle is and which way it will take from there. Refers to the way, which must outlive it.
+/// The position of a vehicle and its route from there. Refers to the list of sections, which must outlive the outlook.
 struct Outlook {
-  // A place alone is an outlook, too: along default successors.
+  // A position alone is an outlook, too: along default successors.
   Outlook(zone::TrackPosition at,
           std::span<const zone::SectionId> coming_sections = {})  // NOLINT(google-explicit-constructor)
       : here{at}, remaining{coming_sections} {}
   Outlook(zone::SectionId section, double s_m) : here{section, s_m} {}
 
   zone::TrackPosition here;
-  std::span<const zone::SectionId> remaining;  ///< after here.section; from their end default successors
-  /// Where the body is when that is not `here`: it turns on the spot there, or has yet to come onto the line there.
+  std::span<const zone::SectionId> remaining;  ///< after here.section; beyond their end default successors
+  /// The pose of the body where it differs from `here`: the body turns on the spot there, or has yet to join the path
+  /// there.
   std::optional<Pose2> X_MB{};
 };
 
@@ -26,12 +27,13 @@ struct Outlook {
   return {circuit, outlook.here.section, outlook.remaining};
 }
 
-/// What a vehicle turns on the spot from one section to the next; 0 where it rolls on.
+/// The angle that a vehicle turns on the spot from one section to the next; 0 where the vehicle continues without a
+/// turn.
 [[nodiscard]] inline double bend_rad(const zone::Circuit& circuit, zone::SectionId from, zone::SectionId to) {
   return circuit.part(from).pivots ? circuit.turn_at(from, to) : 0.0;
 }
 
-/// Whether there is nothing to choose and nothing to turn at: each section has at most one before and one after it.
+/// Whether the circuit has no branches and no turns on the spot: each section has at most one before and one after it.
 [[nodiscard]] inline bool one_way_only(const zone::Circuit& circuit) {
   for (zone::SectionId id = 0; id < circuit.size(); ++id) {
     const auto branches = circuit.next(id);

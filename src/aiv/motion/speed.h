@@ -14,44 +14,47 @@ enum class Profile { stop, slow, medium, fast };
 /// Speed, acceleration and braking of a profile; stop has speed 0 and the medium profile's braking.
 [[nodiscard]] zone::SpeedProfile kinematics(const zone::SpeedProfiles& profiles, Profile profile);
 
-/// The five states an operator sees (A7).
+/// The five states that an operator is shown (A7).
 enum class Status { normal, stopped, slow_speed, medium_speed, fast_speed };
 [[nodiscard]] std::string_view to_string(Status status);  ///< "Normal", "stopped", "slow speed", …
-/// Stopped when standing (|v| < 1 cm/s); the imposed profile's when one is imposed; else Normal.
+/// Stopped at standstill (|v| < 1 cm/s); the imposed profile's status when a profile is imposed; otherwise Normal.
 [[nodiscard]] Status status_of(double speed_mps, std::optional<Profile> imposed);
 
-/// What the agent perceives when it chooses a speed; distances along its path [m], infinite when there is nothing.
+/// The input of the agent's choice of a speed; distances along the path [m], infinite when there is no such object.
 struct Situation {
   double speed_mps;
-  double obstacle_ahead_m;         ///< from the vehicle's front to what its sensors see in its corridor
-  double end_of_base_m;            ///< to where its right to drive ends
-  double crossing_ahead_m;         ///< to the next crossing it may not yet enter
+  double obstacle_ahead_m;         ///< from the vehicle's front to the obstacle detected in the corridor
+  double end_of_base_m;            ///< to the end of the released part of the order
+  double crossing_ahead_m;         ///< to the next crossing that the vehicle may not enter yet
   double charge;                   ///< state of charge, 0…1
   std::optional<Profile> imposed;  ///< an instruction from the operator
-  /// How fast the way to what its sensors see shrinks; nothing: not known, so it counts as standing.
+  /// Rate at which the distance to the detected obstacle shrinks; nothing: not known, so the obstacle counts as
+  /// stopped.
   std::optional<double> closing_mps{};
-  /// By how much it would be at that crossing before the other one who wants it [s]; below 0: after. Infinite: nobody
-  /// else is known to want it.
+  /// Time by which the vehicle would reach that crossing before the other vehicle that requests it [s]; below 0: after
+  /// that vehicle. Infinite: no other vehicle is known to request the crossing.
   double crossing_margin_s{std::numeric_limits<double>::infinity()};
-  double crossing_priority{0.0};     ///< its own against the other one's there, −1 lower … 1 higher
-  std::optional<Profile> present{};  ///< what it has chosen last; nothing: it stood, or just began
+  double crossing_priority{0.0};     ///< own priority against the other vehicle's there, −1 lower … 1 higher
+  std::optional<Profile> present{};  ///< the last choice; nothing: the vehicle was stopped or has just started
 };
 
-/// What those near say (Neighbours), as far as it matters to the next decision.
+/// What vehicles nearby report (Neighbours), as far as it matters to the next decision.
 struct Others {
-  double leader_gap_m{std::numeric_limits<double>::infinity()};  ///< from its front to the first of them on its way
-  std::optional<double> leader_mps{};                            ///< that one's speed along this one's way
-  double crossing_margin_s{std::numeric_limits<double>::infinity()};  ///< as Situation's
+  double leader_gap_m{std::numeric_limits<double>::infinity()};  ///< from the vehicle's front to the first of them on
+                                                                 ///< its path
+  std::optional<double> leader_mps{};                            ///< that vehicle's speed along this vehicle's path
+  double crossing_margin_s{std::numeric_limits<double>::infinity()};  ///< as in Situation
   double crossing_priority{0.0};
 };
 
-/// Chooses among the profiles, crisp here or fuzzy (agent_rules.h), behind one interface (A10). What it chooses is a
-/// wish: the envelope above it may only lower it. It keeps nothing in mind: the same situation, the same choice.
+/// Chooses among the profiles, crisp here or fuzzy (agent_rules.h), behind one interface (A10). The choice is a target,
+/// which the envelope may only lower. The policy has no state: equal situations give equal choices.
 class SpeedPolicy {
  public:
   virtual ~SpeedPolicy() = default;
   [[nodiscard]] virtual Profile choose(const Situation& situation) const = 0;
-  /// Whether it makes anything of what others say (closing, margin, priority): who does not is spared the work.
+  /// Whether the policy uses reports of other vehicles (closing, margin, priority); false saves the agent the
+  /// evaluation.
   [[nodiscard]] virtual bool heeds_others() const { return true; }
 };
 class CrispSpeedPolicy final : public SpeedPolicy {

@@ -28,13 +28,13 @@ TEST(StoppableSpeed, is_the_inverse_of_the_stopping_distance) {
   }));
 }
 
-TEST(StoppableSpeed, is_zero_without_room_and_boundless_without_an_end) {
+TEST(StoppableSpeed, is_zero_without_distance_and_unbounded_for_an_unlimited_distance) {
   EXPECT_EQ(stoppable_speed(0.0, 1.0, 0.1), 0.0);
   EXPECT_EQ(stoppable_speed(-1.0, 1.0, 0.1), 0.0);
   EXPECT_EQ(stoppable_speed(nothing, 1.0, 0.1), nothing);
 }
 
-TEST(Profiles, have_their_terms_and_nothing_else_has) {
+TEST(Profiles, are_parsed_from_their_exact_terms_only) {
   for (const Profile profile : {Profile::stop, Profile::slow, Profile::medium, Profile::fast})
     EXPECT_EQ(parse_profile(to_string(profile)), profile);
   EXPECT_EQ(parse_profile("Slow"), std::nullopt);
@@ -67,7 +67,7 @@ TEST(CrispChoice, obeys_the_operator) {
   }
 }
 
-TEST(CrispChoice, stops_without_a_base_whatever_the_operator_wants) {
+TEST(CrispChoice, stops_without_a_base_whatever_the_operator_imposes) {
   Situation situation = free_path;
   situation.imposed = Profile::fast;
   situation.end_of_base_m = 0.0;

@@ -76,7 +76,8 @@ void ActionExecutor::fail(const Call& call, std::string why) {
 void ActionExecutor::start_pause(const Call& call) {
   call.context.agent().hold(Hold::paused, true);
   run(call.action);
-  // An operator pressed Stop: the motors must not wait for the next tick, up to 100 ms at the slowest pace.
+  // An operator has stopped the vehicle: the motors must not wait for the next tick, up to 100 ms with the longest
+  // cycle.
   parts_.drive_cycle.run(call.now, call.context, call.effects);
   end_waits(call.context.agent());
   parts_.positions.request_save();
@@ -168,7 +169,8 @@ void ActionExecutor::enable_map(const Call& call) {
     if (map.enabled || type == action::download_map) return finish(call.action);
     return run(call.action);  // ends with the switch
   }
-  fail(call, "map '" + *map_id + "' is not here; it comes with a message on " + parts_.server.topics().zone_prefix);
+  fail(call,
+       "map '" + *map_id + "' is not available; maps arrive with a message on " + parts_.server.topics().zone_prefix);
 }
 
 void ActionExecutor::request_factsheet(const Call& call) {
@@ -185,9 +187,10 @@ void ActionExecutor::end_wait(std::string_view action_type, bool reached, std::s
 
 void ActionExecutor::end_waits(const Agent& agent) {
   if (agent.motion().stopped() && agent.holds().has(Hold::paused)) end_wait(action::start_pause, true);
-  if (!agent.joining()) end_wait(action::join_line, !agent.position().off_path(), "it was given up on the way");
+  if (!agent.joining())
+    end_wait(action::join_line, !agent.position().off_path(), "abandoned before the vehicle was on the path");
   if (!agent.back_up().active())
-    end_wait(action::back_up, agent.back_up().completed(), "it came to an end before it was there");
+    end_wait(action::back_up, agent.back_up().completed(), "ended before the commanded distance");
   if (!agent.progress().cancelling()) end_wait(action::cancel_order, true);
   COSIVA_EXPECT(agent.progress().cancelling() || !book_.running(action::cancel_order));
   COSIVA_EXPECT(agent.joining() || !book_.running(action::join_line));

@@ -16,9 +16,9 @@
 
 namespace cosiva::aiv {
 
-/// Performs instant actions (VDA 5050 2.1 §6.8) and keeps the book of them.
+/// Performs instant actions (VDA 5050 2.1 §6.8) and records their states.
 ///
-/// Invariant: after end_waits() cancelOrder, joinLine and backUp run only while the agent is still at it.
+/// Invariant: after end_waits() cancelOrder, joinLine and backUp run only while the agent still performs them.
 class ActionExecutor {
  public:
   /// The other parts of the vehicle that actions act upon. All outlive the executor.
@@ -58,7 +58,7 @@ class ActionExecutor {
   void run(const wire::Action& action);
   void fail(const wire::Action& action, std::string type, std::string why, wire::Effects& effects);
   void fail(const Call& call, std::string why);
-  /// Ends an action that runs, as soon as the vehicle is no longer at it.
+  /// Ends an action that runs, as soon as the vehicle no longer performs it.
   void end_wait(std::string_view action_type, bool reached, std::string_view failure = {});
 
   void start_pause(const Call& call);
@@ -70,7 +70,7 @@ class ActionExecutor {
   void join_line(const Call& call);
   void back_up(const Call& call);
   void request_factsheet(const Call& call);
-  /// Parameters x, y and theta; fails the action where they are no numbers.
+  /// Parameters x, y and theta; fails the action where they are not numbers.
   [[nodiscard]] std::optional<Pose2> pose_of(const Call& call);
 
   Parts parts_;

@@ -26,7 +26,7 @@ TEST_F(ActionExecutorTest, performs_each_type_of_the_factsheet) {
   }
 }
 
-TEST_F(ActionExecutorTest, fails_what_it_does_not_support_with_a_warning) {
+TEST_F(ActionExecutorTest, fails_unsupported_actions_with_a_warning) {
   act("fly", "a", &context);
   EXPECT_EQ(last_status(), ActionStatus::failed);
   ASSERT_EQ(reporter.warnings().all().size(), 1U);

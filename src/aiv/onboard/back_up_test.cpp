@@ -1,4 +1,4 @@
-// backUp, an instant action of ours: a vehicle lets others out of a deadlock.
+// backUp, an instant action of CoSiVA: a vehicle lets others out of a deadlock.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ using test::lacet4;
 using test::OnboardFixture;
 using test::order;
 
-/// Stands a little beyond the start of a section, so that backing up may lead over the joint.
+/// Is stopped a little beyond the start of a section, so that backing up may lead over the joint.
 struct BackUpFixture : OnboardFixture {
   BackUpFixture() : BackUpFixture{0.30} {}
   explicit BackUpFixture(double s_m)
@@ -27,7 +27,7 @@ struct BackUpFixture : OnboardFixture {
   [[nodiscard]] double s_m() const { return world.track_position().s_m; }
 };
 
-TEST(BackUp, rolls_back_slowly_as_far_as_it_is_told_and_knows_where_it_is) {
+TEST(BackUp, moves_slowly_by_the_commanded_distance_and_updates_the_position) {
   BackUpFixture fixture;
   EXPECT_EQ(fixture.back_up("b1", 0.20), wire::ActionStatus::running);
   double fastest_mps = 0.0;
@@ -51,7 +51,7 @@ TEST(BackUp, leads_over_a_joint) {
   EXPECT_LT(distance(fixture.state().position->pose, fixture.world.pose()), 0.005);
 }
 
-TEST(BackUp, is_refused_with_an_order_and_when_it_makes_no_sense) {
+TEST(BackUp, is_refused_with_an_order_and_with_invalid_parameters) {
   BackUpFixture fixture;
   EXPECT_EQ(fixture.back_up("far", 0.6), wire::ActionStatus::failed);
   EXPECT_EQ(fixture.back_up("forwards", -0.1), wire::ActionStatus::failed);
@@ -80,7 +80,7 @@ TEST(BackUp, is_ended_by_zero_by_an_order_and_by_another) {
   EXPECT_EQ(fixture.state().last_node_id, "loop_se@283");
 }
 
-TEST(BackUp, waits_while_it_is_paused_and_gives_up_in_the_end) {
+TEST(BackUp, waits_during_a_pause_and_is_abandoned_in_the_end) {
   BackUpFixture fixture;
   EXPECT_EQ(fixture.back_up("b1", 0.20), wire::ActionStatus::running);
   fixture.act("startPause", "p1");
@@ -95,7 +95,7 @@ TEST(BackUp, waits_while_it_is_paused_and_gives_up_in_the_end) {
   EXPECT_EQ(fixture.s_m(), paused_m);
 }
 
-TEST(BackUp, stands_in_the_factsheet) {
+TEST(BackUp, is_listed_in_the_factsheet) {
   BackUpFixture fixture;
   fixture.act("factsheetRequest", "f1");
   fixture.run(0.2);

@@ -37,7 +37,7 @@ void BoardsLink::on_port(wire::Board board, bool up) {
 
 const std::vector<wire::BoardMessage>& BoardsLink::on_bytes(wire::Board board, std::string_view bytes) {
   Link& of = link(board);
-  of.health.connected = true;  // who speaks is there, whatever the shell said
+  of.health.connected = true;  // a board that sends is connected, whatever the shell reported
   received_.clear();
   of.decoder.feed(bytes, received_);
   of.frames_good += received_.size();

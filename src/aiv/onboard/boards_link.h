@@ -15,8 +15,8 @@
 
 namespace cosiva::aiv {
 
-/// One module link per board: frames here, values above. Knows which boards have answered, in what health (A18), and
-/// their last readings that are reported as they are.
+/// One module link per board: frames on the boards' side, values on the vehicle's side. Records which boards have
+/// responded, their health (A18), and those of their last readings that are reported unchanged.
 ///
 /// Invariant: there is a new obstacle reading only where there is one at all.
 class BoardsLink {
@@ -26,9 +26,9 @@ class BoardsLink {
   [[nodiscard]] std::optional<wire::Board> board_of(std::string_view port) const;
   [[nodiscard]] std::vector<std::string> ports() const;
 
-  /// A byte stream came or went. A fresh one starts without remains of the old one's last frame.
+  /// A byte stream has opened or closed. A new stream starts without remains of the old stream's last frame.
   void on_port(wire::Board board, bool up);
-  /// The messages in these bytes; the reference stays good until the next call.
+  /// The messages in these bytes; the reference is valid until the next call.
   [[nodiscard]] const std::vector<wire::BoardMessage>& on_bytes(wire::Board board, std::string_view bytes);
 
   /// The program starts: its uptime counts from now.
@@ -65,7 +65,7 @@ class BoardsLink {
     wire::module_link::Encoder encoder;
     wire::module_link::Decoder decoder;
     Health health;
-    std::uint64_t frames_good{0};  ///< the decoder's own count goes round
+    std::uint64_t frames_good{0};  ///< the decoder's own count wraps
   };
   [[nodiscard]] Link& link(wire::Board board) { return links_[index(board)]; }
   [[nodiscard]] const Link& link(wire::Board board) const { return links_[index(board)]; }

@@ -1,4 +1,4 @@
-// Several servers on one broker: the vehicle obeys the one whose it is.
+// Several servers on one broker: the vehicle obeys the server of its control area.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ struct ControlAreaFixture : OnboardFixture {
   [[nodiscard]] std::string map_id() const { return state().position->map_id; }
 };
 
-TEST(ControlArea, listens_to_the_server_whose_it_is_and_takes_its_zone_where_it_stands) {
+TEST(ControlArea, subscribes_to_its_own_server_and_enters_its_zone_at_the_same_pose) {
   ControlAreaFixture fixture;
   fixture.run(0.5);
   EXPECT_EQ(fixture.map_id(), "lacet4");
@@ -51,19 +51,19 @@ TEST(ControlArea, listens_to_the_server_whose_it_is_and_takes_its_zone_where_it_
   fixture.zone_of("north");
   fixture.run(0.5);
   EXPECT_EQ(fixture.map_id(), "north");
-  EXPECT_LT(distance(before, *fixture.core->estimated_pose()), 0.001) << "all control areas share a frame";
+  EXPECT_LT(distance(before, *fixture.core->estimated_pose()), 0.001) << "all control areas have one frame in common";
   EXPECT_THAT(fixture.error_types(), IsEmpty());
   fixture.order(test::order("N-1").through({"loop_se@0", "loop_se@283", "loop_se@565"}));
   fixture.run(1.5);
   EXPECT_GT(fixture.speed_mps, 0.1);
 }
 
-TEST(ControlArea, takes_no_zone_but_its_own_server_s) {
+TEST(ControlArea, accepts_no_zone_but_its_own_server_s) {
   ControlAreaFixture fixture;
   fixture.run(0.5);
   fixture.zone_of("north");
   fixture.run(0.5);
-  EXPECT_EQ(fixture.map_id(), "lacet4") << "it is nobody's";
+  EXPECT_EQ(fixture.map_id(), "lacet4") << "the vehicle belongs to no area";
   fixture.owner("south");
   fixture.zone_of("north");
   zone::ZoneConfiguration plain = lacet4_configuration();
@@ -73,7 +73,7 @@ TEST(ControlArea, takes_no_zone_but_its_own_server_s) {
   EXPECT_EQ(fixture.map_id(), "lacet4");
 }
 
-TEST(ControlArea, changes_from_one_server_to_the_other_and_heeds_the_new_one_s_heartbeat_only) {
+TEST(ControlArea, changes_servers_and_supervises_the_heartbeat_of_the_new_one_only) {
   ControlAreaFixture fixture;
   fixture.run(0.5);
   fixture.owner("north");
@@ -83,20 +83,21 @@ TEST(ControlArea, changes_from_one_server_to_the_other_and_heeds_the_new_one_s_h
   fixture.zone_of("south");
   fixture.run(1.0);
   EXPECT_EQ(fixture.map_id(), "south");
-  EXPECT_THAT(fixture.error_types(), Not(Contains("serverLost"))) << "the old one's silence is nothing to it";
+  EXPECT_THAT(fixture.error_types(), Not(Contains("serverLost"))) << "the old server's heartbeat does not matter";
   EXPECT_THAT(fixture.listens, Not(Contains(HasSubstr("north"))));
   fixture.heartbeat_of("south", 0.5);
   fixture.heartbeat_of("north", 1.0);
-  EXPECT_THAT(fixture.error_types(), Contains("serverLost")) << "its own has fallen silent, whatever the other says";
+  EXPECT_THAT(fixture.error_types(), Contains("serverLost"))
+      << "its own server's heartbeat has stopped, whatever the other server sends";
   fixture.receive("cosiva/v1/area/north/server/connection", R"({"connectionState":"OFFLINE"})");
   fixture.run(0.2);
   EXPECT_THAT(fixture.error_types(), Contains("serverLost"));
   fixture.receive("cosiva/v1/area/south/server/connection", R"({"connectionState":"OFFLINE"})");
   fixture.run(0.2);
-  EXPECT_THAT(fixture.error_types(), Not(Contains("serverLost"))) << "it said goodbye";
+  EXPECT_THAT(fixture.error_types(), Not(Contains("serverLost"))) << "the server went offline cleanly";
 }
 
-TEST(ControlArea, brakes_on_the_old_zone_before_it_takes_the_new_server_s) {
+TEST(ControlArea, brakes_on_the_old_zone_before_it_enters_the_new_server_s) {
   ControlAreaFixture fixture;
   fixture.run(0.5);
   fixture.order(test::order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@565", "loop_se@848", "loop_se@1131"}));
@@ -109,10 +110,10 @@ TEST(ControlArea, brakes_on_the_old_zone_before_it_takes_the_new_server_s) {
   ASSERT_TRUE(fixture.run_until([&] { return fixture.map_id() == "north"; }, 3.0));
   EXPECT_EQ(fixture.speed_mps, 0.0);
   EXPECT_THAT(fixture.state().order_id, testing::AnyOf("", "O-1"));
-  EXPECT_THAT(fixture.state().node_states, IsEmpty()) << "what the old server ordered is over";
+  EXPECT_THAT(fixture.state().node_states, IsEmpty()) << "the old server's order is over";
 }
 
-TEST(ControlArea, stays_where_it_is_when_its_owner_cannot_be_read_and_says_so) {
+TEST(ControlArea, does_not_change_when_the_owner_cannot_be_read_and_logs_it) {
   ControlAreaFixture fixture;
   fixture.run(0.5);
   fixture.owner("north");
@@ -121,11 +122,11 @@ TEST(ControlArea, stays_where_it_is_when_its_owner_cannot_be_read_and_says_so) {
   fixture.run(0.5);
   EXPECT_EQ(fixture.map_id(), "north");
   EXPECT_TRUE(std::ranges::any_of(fixture.logs, [](const wire::Log& line) {
-    return line.text.find("whose this vehicle is") != std::string::npos;
+    return line.text.find("the owner of this vehicle") != std::string::npos;
   }));
 }
 
-TEST(ControlArea, is_nobody_s_again_when_its_owner_is_taken_off_the_broker) {
+TEST(ControlArea, ends_when_the_owner_is_removed_from_the_broker) {
   ControlAreaFixture fixture;
   fixture.run(0.5);
   fixture.owner("north");
@@ -133,12 +134,12 @@ TEST(ControlArea, is_nobody_s_again_when_its_owner_is_taken_off_the_broker) {
   fixture.heartbeat_of("north", 0.5);
   fixture.receive(owner_topic, "", true);
   fixture.run(1.0);
-  EXPECT_EQ(fixture.map_id(), "north") << "it stays on the map it has";
+  EXPECT_EQ(fixture.map_id(), "north") << "the map in force stays";
   EXPECT_THAT(fixture.error_types(), Not(Contains("serverLost")));
   EXPECT_THAT(fixture.listens, Not(Contains(HasSubstr("area"))));
 }
 
-TEST(ControlArea, knows_its_place_again_after_a_crash_before_it_reports_one_of_another_zone) {
+TEST(ControlArea, restores_its_position_after_a_crash_before_it_reports_one_of_another_zone) {
   ControlAreaFixture fixture;
   fixture.run(0.5);
   fixture.owner("north");
@@ -152,19 +153,19 @@ TEST(ControlArea, knows_its_place_again_after_a_crash_before_it_reports_one_of_a
   ControlAreaFixture::Setup setup = fixture.reborn();
   setup.zone_notified = false;
   ControlAreaFixture again{setup};
-  // As the broker hands them out: in the order of its subscriptions.
+  // As the broker delivers them: in the order of its subscriptions.
   ASSERT_EQ(again.core->subscriptions().front(), owner_topic);
   again.owner("north");
   again.receive("cosiva/v1/zone/toml", zone::to_payload(lacet4_configuration()), true);
   again.run(0.3);
-  EXPECT_FALSE(again.core->estimated_pose()) << "the floor is not what its memory is of";
+  EXPECT_FALSE(again.core->estimated_pose()) << "the saved position is of another zone";
   again.zone_of("north");
   again.run(0.3);
   ASSERT_TRUE(again.core->estimated_pose());
   EXPECT_LT(distance(*again.core->estimated_pose(), was_stopped), 0.02);
 }
 
-TEST(ControlArea, keeps_hearing_its_neighbours_while_it_changes_servers) {
+TEST(ControlArea, keeps_its_v2x_subscriptions_while_it_changes_servers) {
   ControlAreaFixture fixture;
   fixture.run(0.5);
   ASSERT_THAT(fixture.listens, Contains(HasSubstr("v2x")));
@@ -173,7 +174,7 @@ TEST(ControlArea, keeps_hearing_its_neighbours_while_it_changes_servers) {
   fixture.zone_of("north");
   fixture.run(0.5);
   EXPECT_THAT(fixture.listens, AllOf(Contains(HasSubstr("v2x")), Contains("cosiva/v1/area/north/zone/+")))
-      << "nor is its server forgotten when it listens around on the new map";
+      << "the server's topics stay subscribed on the new map";
 }
 
 }  // namespace

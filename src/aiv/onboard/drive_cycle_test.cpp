@@ -33,7 +33,7 @@ TEST_F(DriveCycleTest, holds_for_each_link_that_is_lost_and_no_longer) {
   cycle.run(SimTime{}, context, effects);
   EXPECT_TRUE(context.agent().holds().has(Hold::broker_lost));
   EXPECT_TRUE(context.agent().holds().has(Hold::board_lost));
-  EXPECT_FALSE(context.agent().holds().has(Hold::server_lost)) << "no server was heard yet";
+  EXPECT_FALSE(context.agent().holds().has(Hold::server_lost)) << "no heartbeat was received yet";
   supervision.broker(SimTime{}, true);
   for (const wire::Board board : wire::all_boards) supervision.on_board_message(SimTime{}, board);
   supervision.on_server_heartbeat(SimTime{});

@@ -31,7 +31,7 @@ DrivingContext::DrivingContext(const zone::TrafficZone& zone, const OnboardOptio
 
 void DrivingContext::adopt_fiducials(const zone::TrafficZone& edited) {
   COSIVA_EXPECT(zone::same_geometry(*zone_, edited));
-  // Field by field into the same object: all parts look tags and beacons up in this object when one is read.
+  // Field by field into the same object: all parts find tags and beacons in this object when one is read.
   zone_->tags = edited.tags;
   zone_->beacons = edited.beacons;
   zone_->stations = edited.stations;

@@ -9,9 +9,9 @@
 
 namespace cosiva::aiv {
 
-/// Logs faulty messages with one line per kind of fault: a sender that errs does so ten times a second.
+/// Logs faulty messages with one line per kind of fault: a faulty sender repeats its fault ten times a second.
 ///
-/// Invariant: each kind is kept once, and at most `kinds_max` kinds are.
+/// Invariant: each kind is stored once, and at most `kinds_max` kinds are stored.
 class ErrorLog {
  public:
   static constexpr std::size_t kinds_max = 16;

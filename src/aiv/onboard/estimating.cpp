@@ -9,17 +9,17 @@ namespace {
 
 using wire::EstimateResponse;
 
-/// Who asks no more is gone.
+/// A session without a request for this time is over.
 constexpr SimDuration session_max = std::chrono::minutes{1};
-/// A belief may be wrong for a moment, at a crossing; a vehicle that leaves its ring is elsewhere for good.
+/// An estimate may be wrong for a moment, at a crossing; a vehicle that leaves its loop is elsewhere for good.
 constexpr double off_loop_m_max = 0.5;
-/// Quartzes differ by less than this share.
+/// The drift of quartz clocks is less than one part in this number.
 constexpr std::int64_t drift_divisor = 10'000;
-/// A clock was set, or counts from zero again.
+/// A larger change of the offset means that a clock was set, or restarted from zero.
 constexpr SimDuration leap = std::chrono::seconds{1};
-/// The vehicle knows its heading as well as that of its line.
+/// The vehicle's heading is as certain as its path's.
 constexpr double start_heading_sigma_rad = 0.02;
-/// Looking the way of a line that passes a mark.
+/// Largest heading error against a path that passes a fiducial.
 constexpr double along_rad_max = pi / 3.0;
 
 std::string shortened(std::string text) {
@@ -33,7 +33,8 @@ wire::EstimateSensors wire_sensors(const estimation::SensorModel& sensors) {
           sensors.fiducial_across_sigma_m, sensors.line_sigma_m,        sensors.line_heading_sigma_rad};
 }
 
-/// A mark as the antenna has it when it comes into the field: at the rim, as far aside as the line passes it.
+/// Position of a fiducial when it enters the antenna's field: at the rim, with the lateral offset at which the path
+/// passes it.
 Point2 at_rim(const zone::Circuit& circuit, Point2 fiducial_M, const Pose2& X_MB, double range_m) {
   std::vector<zone::Circuit::Located> lines;
   circuit.near(fiducial_M, range_m, lines);
@@ -41,11 +42,11 @@ Point2 at_rim(const zone::Circuit& circuit, Point2 fiducial_M, const Pose2& X_MB
     if (std::fabs(wrap_angle(circuit.pose_at(track_position).heading_rad - X_MB.heading_rad)) > along_rad_max) continue;
     return {std::sqrt(std::fmax(range_m * range_m - left_m * left_m, 0.0)), left_m};
   }
-  // Of no line that it may follow: what a disc says on average of what enters it anywhere.
+  // On no path that the vehicle may follow: the mean over all points at which a fiducial may enter a disc.
   return {0.25 * pi * range_m, 0.0};
 }
 
-/// Nothing where nobody could be told of it: it has left every place there is.
+/// Nothing where the estimate cannot be transmitted: it has left the range of positions.
 std::optional<EstimateResponse::Estimate> wire_sensors(const estimation::Estimate& estimate) {
   const Pose2& X_MB = estimate.pose;
   const auto placed = [](double v) { return std::fabs(v) <= EstimateResponse::position_m_max; };
@@ -95,16 +96,17 @@ void Estimating::on_request(SimTime now, wire::EstimateRequest request) {
   requested_at_ = now;
   const bool of_own = session_ && session_->id == request.session;
   if (last_response_ && last_response_->session == request.session && last_response_->sequence == request.sequence) {
-    due_ = true;  // it did not come
+    due_ = true;  // the response was lost
   } else if (of_own) {
-    // Any other was under way for long, and means nothing any more.
+    // Any other request was delayed for long, and has no meaning any more.
     if (request.sequence == session_->acknowledged + 1) requested_ = std::move(request);
   } else if (request.sequence == 1) {
     requested_ = std::move(request);
   } else {
-    refuse(request, now,
-           "this vehicle's program knows of no such session: it was started anew, was not asked for long, or somebody "
-           "else began another");
+    refuse(
+        request, now,
+        "this vehicle's program has no such session: the program was restarted, no request came for long, or another "
+        "client began a session");
   }
 }
 
@@ -115,8 +117,8 @@ void Estimating::on_odometry(SimTime now, const Step& step) {
   if (!requested_) return;
   const wire::EstimateRequest request = *std::exchange(requested_, std::nullopt);
   if (!session_ || session_->id != request.session) {
-    if (request.sequence != 1) return refuse(request, step.at, "the session ended before it was answered");
-    if (!step.current_estimate) return refuse(request, step.at, "it does not know where it stands");
+    if (request.sequence != 1) return refuse(request, step.at, "the session ended before its response");
+    if (!step.current_estimate) return refuse(request, step.at, "the vehicle's position is not known");
     begin(request, step);
     if (!session_) return;
   }
@@ -129,7 +131,7 @@ std::optional<Estimating::Running> Estimating::start(const std::string& name, co
   if (!known) return std::nullopt;
   Running running{name, nullptr, {}, {}};
   if ((*known)->backtracks) {
-    running.fault = "it looks back over a whole run: nothing for use on board";
+    running.fault = "the algorithm needs a whole run: not for use on board";
     return running;
   }
   auto made = registry_.make(name, setting);
@@ -187,10 +189,11 @@ void Estimating::roll(const Step& step) {
   const std::optional<zone::TrackPosition>& track_position = step.current_estimate->position;
   const bool on_loop = !run.track || !track_position || run.track->along_of(*track_position);
   run.off_loop_m = on_loop ? 0.0 : run.off_loop_m + std::fabs(step.distance_m);
-  if (run.off_loop_m > off_loop_m_max && run.fault.empty()) run.fault = "it left the ring on which the session began";
+  if (run.off_loop_m > off_loop_m_max && run.fault.empty())
+    run.fault = "the vehicle left the loop on which the session began";
   if (step.distance_m == 0.0 && step.turn_rad == 0.0) return;
   run.travelled_m += std::fabs(step.distance_m);
-  // The same bits as those who are told by the answer.
+  // Bit for bit the values in the response.
   const EstimateResponse::Odometry odometry{step.distance_m + 0.0, step.turn_rad + 0.0, std::fmax(duration_s, 0.0)};
   run.inputs.emplace_back(odometry);
   for (Running& one : run.algorithms)
@@ -198,14 +201,14 @@ void Estimating::roll(const Step& step) {
 }
 
 void Estimating::on_tag(std::uint32_t number, SimTime read_at, const zone::TrafficZone& zone, const Pose2& X_MB) {
-  // Driving backwards the field comes from the other side; so short a way needs no reading.
+  // When driving backwards the field comes from the other side; so short a distance needs no reading.
   if (!session_ || session_->speed_mps < 0.0 || session_->inputs.size() >= EstimateResponse::inputs_max) return;
   std::optional<Point2> fiducial_M;
   if (const zone::Tag* tag = zone.find_tag(number)) fiducial_M = position(zone.circuit.pose_at(tag->position));
   if (!fiducial_M && zone.beacons) fiducial_M = zone.beacons->find(number);
   if (!fiducial_M) return;
   Point2 detected_B = at_rim(zone.circuit, *fiducial_M, X_MB, model_.antenna_range_m);
-  // The algorithms stand where the last odometry was counted, which is not when the mark came into the field.
+  // The algorithms are at the last odometry, which is not the moment when the fiducial came into the field.
   const double since_s = to_seconds(session_->stepped_at - read_at) + model_.reading_latency_s;
   detected_B.x_m -= session_->speed_mps * since_s;
   publish_reading(
@@ -235,7 +238,7 @@ void Estimating::response(SimTime at) {
   for (Running& one : run.algorithms) {
     auto inputs = one.algorithm ? wire_sensors(one.algorithm->estimate()) : std::nullopt;
     if (one.algorithm && !inputs) {
-      one.fault = "it has diverged: what it says is no place any more";
+      one.fault = "the algorithm has diverged: its estimate is not a valid position";
       one.algorithm.reset();
     }
     EstimateResponse::Estimate estimate = inputs ? std::move(*inputs) : EstimateResponse::Estimate{};

@@ -15,59 +15,59 @@
 
 namespace cosiva::aiv {
 
-/// When a board's reading was taken, in our own time: its clock counts from its power-up, and its frames take a while.
-/// The fastest frame so far tells how the two clocks stand.
+/// The time of a board's reading in the program's own time: the board's clock counts from its power-up, and its frames
+/// arrive with a delay. The fastest frame so far determines the offset of the two clocks.
 class BoardClock {
  public:
   [[nodiscard]] SimTime stamp(SimTime now, std::uint32_t board_ms);
 
  private:
-  std::optional<SimDuration> offset_;  ///< our time less the board's
+  std::optional<SimDuration> offset_;  ///< own time less the board's
   SimTime received_{};
 };
 
-/// nextEstimatedPosition(algorithm) on board (A33, A35): algorithms that are asked for by name run beside the
-/// vehicle's own belief, which they neither read (but where they begin) nor change, all on the same inputs. A request
-/// is answered with the next odometry.
+/// nextEstimatedPosition(algorithm) on board (A33, A35): algorithms that are requested by name run next to the
+/// vehicle's own estimate, which they neither read (except for their start) nor change, all on the same inputs. The
+/// response to a request follows with the next odometry.
 class Estimating {
  public:
-  /// What the vehicle knows when a session begins.
+  /// The vehicle's estimate when a session begins.
   struct CurrentEstimate {
     std::shared_ptr<const zone::TrafficZone> zone;
     Pose2 X_MB;
-    std::optional<zone::TrackPosition> position;  ///< none: it is on no line
+    std::optional<zone::TrackPosition> position;  ///< none: the vehicle is on no path
     double sigma_m{};
   };
-  /// A step of odometry, once the vehicle's own belief has taken it.
+  /// A step of odometry, after the vehicle's own estimate has taken it.
   struct Step {
     SimTime at{};  ///< of the board's reading
     double distance_m{};
     double turn_rad{};
     double speed_mps{};
-    std::optional<CurrentEstimate> current_estimate;  ///< where it is now; none: nobody knows
+    std::optional<CurrentEstimate> current_estimate;  ///< the present estimate; none: not known
   };
 
-  /// A step is of interest: somebody asks.
+  /// A step is of interest: estimates are requested.
   [[nodiscard]] bool busy() const { return session_.has_value() || requested_.has_value(); }
   void on_request(SimTime now, wire::EstimateRequest request);
   void on_odometry(SimTime now, const Step& step);
-  /// @param read_at  when the reader had its number
+  /// @param read_at  when the reader received the number
   void on_tag(std::uint32_t number, SimTime read_at, const zone::TrafficZone& zone, const Pose2& X_MB);
-  /// Other ways hold: its algorithms know nothing of those.
+  /// Other sections are in force, which the algorithms do not know.
   void on_zone_switched();
-  /// What is to be said now, if anything.
+  /// The response that is due now, if any.
   [[nodiscard]] std::optional<std::string> take_response();
 
  private:
   struct Running {
     std::string name;
-    std::unique_ptr<estimation::Algorithm> algorithm;  ///< none: it failed
+    std::unique_ptr<estimation::Algorithm> algorithm;  ///< none: the algorithm failed
     std::string fault;
     std::vector<wire::EstimateResponse::Rectified> rectified;
   };
   struct Run {
     std::string id;
-    std::uint32_t acknowledged{0};  ///< sequence of the last answer
+    std::uint32_t acknowledged{0};  ///< sequence of the last response
     std::string map_id;
     std::shared_ptr<const estimation::Track> track;
     wire::EstimateResponse::Start start;
@@ -90,9 +90,9 @@ class Estimating {
   estimation::Registry registry_;
   EstimatorModel model_;
   std::optional<Run> session_;
-  std::optional<wire::EstimateRequest> requested_;  ///< and not answered yet
+  std::optional<wire::EstimateRequest> requested_;  ///< without a response yet
   SimTime requested_at_{};
-  /// The last answer, for who asks again.
+  /// The last response, for a repeated request.
   struct Responded {
     std::string session;
     std::uint32_t sequence{};
@@ -102,8 +102,8 @@ class Estimating {
   bool due_{false};
 };
 
-/// What the vehicle's sensors are worth, as it tells every algorithm: wheels to 3 mm after a metre and 0.5 % in scale,
-/// a reading at the rim of the antenna's field to 2.5 mm along and 2 mm across, the line to 1 mm.
+/// Quality of the vehicle's sensors, as given to every algorithm: wheels to 3 mm after a metre and 0.5 % in scale, a
+/// reading at the rim of the antenna's field to 2.5 mm along and 2 mm across, the path to 1 mm.
 [[nodiscard]] estimation::SensorModel data_sheet();
 
 }  // namespace cosiva::aiv

@@ -18,7 +18,7 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using wire::EstimateResponse;
 
-/// A vehicle that drives along lacet4's first section at 0.5 m/s, and is asked.
+/// A vehicle that drives along lacet4's first section at 0.5 m/s, and receives requests.
 class Requested {
  public:
   Requested() : zone_{std::make_shared<zone::TrafficZone>(lacet4())} {}
@@ -33,7 +33,7 @@ class Requested {
     estimating.on_odometry(now, {now, step_m, 0.0, 0.5, known ? std::optional{current_estimate()} : std::nullopt});
   }
   void read(zone::TagNumber number) { estimating.on_tag(number, now, *zone_, current_estimate().X_MB); }
-  /// The answer that is due now.
+  /// The response that is due now.
   std::optional<EstimateResponse> received() {
     const auto json = estimating.take_response();
     if (!json) return std::nullopt;
@@ -63,10 +63,10 @@ class Requested {
   std::shared_ptr<zone::TrafficZone> zone_;
 };
 
-TEST(Estimating, answers_with_the_next_odometry_where_it_began_and_then_what_each_algorithm_says) {
+TEST(Estimating, responds_with_the_next_odometry_first_with_the_start_and_then_with_the_estimate_of_each_algorithm) {
   Requested vehicle;
   vehicle.request_estimate(1, {"dead_reckoning", "ekf"});
-  EXPECT_FALSE(vehicle.received());  // it is the next position that was asked for
+  EXPECT_FALSE(vehicle.received());  // the request is for the next position
   const EstimateResponse first = vehicle.response();
   ASSERT_TRUE(first.start);
   EXPECT_EQ(first.start->section, "east");
@@ -75,7 +75,7 @@ TEST(Estimating, answers_with_the_next_odometry_where_it_began_and_then_what_eac
   EXPECT_THAT(first.inputs, IsEmpty());
   vehicle.step();
   vehicle.step();
-  EXPECT_FALSE(vehicle.received());  // nobody asked
+  EXPECT_FALSE(vehicle.received());  // there is no request
   vehicle.request_estimate(2);
   const EstimateResponse second = vehicle.response();
   EXPECT_FALSE(second.start);
@@ -90,7 +90,7 @@ TEST(Estimating, answers_with_the_next_odometry_where_it_began_and_then_what_eac
   }
 }
 
-TEST(Estimating, says_the_same_again_to_who_did_not_hear_it_and_nothing_to_who_asks_late) {
+TEST(Estimating, repeats_a_lost_response_and_ignores_a_late_request) {
   Requested vehicle;
   vehicle.request_estimate(1, {"ekf"});
   vehicle.response();
@@ -98,17 +98,17 @@ TEST(Estimating, says_the_same_again_to_who_did_not_hear_it_and_nothing_to_who_a
   const EstimateResponse published = vehicle.response();
   vehicle.step();
   vehicle.request_estimate(2);
-  EXPECT_EQ(vehicle.received(), published);  // at once: it is known
+  EXPECT_EQ(vehicle.received(), published);  // at once: the response is stored
   vehicle.request_estimate(1, {"ekf"});
   vehicle.step();
   EXPECT_FALSE(vehicle.received());
   vehicle.request_estimate(3);
   const EstimateResponse next = vehicle.response();
-  EXPECT_THAT(next.inputs, SizeIs(3)) << "nothing is told twice, and nothing is left out";
+  EXPECT_THAT(next.inputs, SizeIs(3)) << "no input is repeated, and none is left out";
   EXPECT_NEAR(next.travelled_m - published.travelled_m, 0.03, 1e-12);
 }
 
-TEST(Estimating, tells_readings_as_the_antenna_has_them_and_what_each_algorithm_makes_of_them) {
+TEST(Estimating, reports_readings_as_the_antenna_measures_them_and_the_result_of_each_algorithm) {
   Requested vehicle;
   const zone::Tag& tag = *lacet4().tags.begin();
   vehicle.section = tag.position.section;
@@ -117,13 +117,13 @@ TEST(Estimating, tells_readings_as_the_antenna_has_them_and_what_each_algorithm_
   vehicle.response();
   vehicle.step();
   vehicle.read(tag.number);
-  vehicle.read(999'999);  // of no tag that there is
+  vehicle.read(999'999);  // not a tag of the zone
   vehicle.request_estimate(2);
   const EstimateResponse response = vehicle.response();
   ASSERT_THAT(response.inputs, SizeIs(3));
   const auto& reading = std::get<EstimateResponse::Reading>(response.inputs[1]);
   EXPECT_EQ(reading.fiducial, tag.number);
-  // At the rim, 2 cm ahead, 20 ms before its number was there: 1 cm at 0.5 m/s.
+  // At the rim, 2 cm ahead, 20 ms before the number was read: 1 cm at 0.5 m/s.
   EXPECT_NEAR(reading.detected_B.x_m, 0.01, 1e-9);
   EXPECT_NEAR(reading.detected_B.y_m, 0.0, 1e-9);
   EXPECT_THAT(response.estimates[0].rectified, SizeIs(1));
@@ -131,30 +131,30 @@ TEST(Estimating, tells_readings_as_the_antenna_has_them_and_what_each_algorithm_
   EXPECT_TRUE(response.estimates[1].rectified[0].accepted);
 }
 
-TEST(Estimating, refuses_what_it_cannot_do_and_names_what_there_is) {
+TEST(Estimating, refuses_impossible_requests_and_names_the_existing_algorithms) {
   Requested vehicle;
   vehicle.request_estimate(1, {"ekf", "magic"});
   EXPECT_THAT(vehicle.response().fault, AllOf(HasSubstr("magic"), HasSubstr("arc_kalman")));
   vehicle.request_estimate(1, {"arc_smoother", "ekf"}, "q/2");
   const EstimateResponse response = vehicle.response();
   EXPECT_THAT(response.fault, IsEmpty());
-  EXPECT_THAT(response.estimates[0].fault, HasSubstr("looks back"));
+  EXPECT_THAT(response.estimates[0].fault, HasSubstr("needs a whole run"));
   EXPECT_THAT(response.estimates[1].fault, IsEmpty());
   vehicle.known = false;
   vehicle.request_estimate(1, {"ekf"}, "q/3");
-  EXPECT_THAT(vehicle.response().fault, HasSubstr("where it stands"));
+  EXPECT_THAT(vehicle.response().fault, HasSubstr("position is not known"));
 }
 
-TEST(Estimating, knows_no_session_of_before_it_was_started) {
+TEST(Estimating, refuses_a_session_from_before_its_start) {
   Requested vehicle;
   vehicle.request_estimate(7);
   const auto response = vehicle.received();
   ASSERT_TRUE(response);
-  EXPECT_THAT(response->fault, HasSubstr("started anew"));
+  EXPECT_THAT(response->fault, HasSubstr("restarted"));
   EXPECT_EQ(response->sequence, 7U);
 }
 
-TEST(Estimating, ends_a_session_when_nobody_asks_or_the_zone_is_another) {
+TEST(Estimating, ends_a_session_without_requests_or_after_a_zone_switch) {
   Requested forgotten;
   forgotten.step_m = 0.0;
   forgotten.request_estimate(1, {"ekf"});
@@ -171,7 +171,7 @@ TEST(Estimating, ends_a_session_when_nobody_asks_or_the_zone_is_another) {
   EXPECT_FALSE(switched.estimating.busy());
 }
 
-TEST(Estimating, has_a_particle_filter_that_draws_what_its_seed_says) {
+TEST(Estimating, has_a_particle_filter_that_its_seed_determines) {
   Requested one;
   Requested other;
   for (Requested* vehicle : {&one, &other}) {
@@ -183,13 +183,13 @@ TEST(Estimating, has_a_particle_filter_that_draws_what_its_seed_says) {
   EXPECT_EQ(one.response(), other.response());
 }
 
-TEST(BoardClock, knows_when_a_reading_was_taken_however_late_its_frame_comes) {
+TEST(BoardClock, dates_a_reading_correctly_whatever_the_delay_of_its_frame) {
   BoardClock clock;
   const SimTime power_up{std::chrono::hours{24}};
   const auto received_after = [&](std::uint32_t board_ms, milliseconds late) {
     return clock.stamp(power_up + milliseconds{board_ms} + late, board_ms) - (power_up + milliseconds{board_ms});
   };
-  EXPECT_EQ(received_after(1000, milliseconds{5}), milliseconds{5});  // it knows no better yet
+  EXPECT_EQ(received_after(1000, milliseconds{5}), milliseconds{5});  // there is no better offset yet
   EXPECT_EQ(received_after(1020, milliseconds{1}), milliseconds{1});
   EXPECT_LT(received_after(1040, milliseconds{30}) - milliseconds{1}, std::chrono::microseconds{10});
   EXPECT_LT(received_after(1060, milliseconds{300}) - milliseconds{1}, std::chrono::microseconds{50});

@@ -40,7 +40,7 @@ void EstimationService::on_odometry(SimTime now, const wire::Odometry& odometry,
   Estimating::Step step{at, position.travelled_m() - travelled_m, 0.0, 1e-3 * odometry.speed_mmps,
                         estimate_of(context)};
   if (before && step.current_estimate) {
-    // There is no gyroscope: on its line the vehicle turns as the line does, elsewhere as its wheels report.
+    // There is no gyroscope: on its path the vehicle turns as the path does, elsewhere as its wheels report.
     step.turn_rad = wrap_angle(step.current_estimate->X_MB.heading_rad - before->X_MB.heading_rad);
     if (position.manoeuvring()) step.distance_m = (inverse(before->X_MB) * step.current_estimate->X_MB).x_m;
   }

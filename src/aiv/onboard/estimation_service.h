@@ -10,7 +10,7 @@
 namespace cosiva::aiv {
 
 /// Joins the algorithms under qualification (figures 16 and 17) to the vehicle: requests from the broker, readings of
-/// the boards, answers to the broker.
+/// the boards, responses to the broker.
 ///
 /// Invariant: the agent takes each odometry once, before the algorithms do, and no reading is dated after its arrival.
 class EstimationService {

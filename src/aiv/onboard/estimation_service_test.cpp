@@ -36,7 +36,7 @@ TEST_F(EstimationServiceTest, logs_a_request_that_cannot_be_read_once) {
   EXPECT_EQ(effects.size(), 1U);
 }
 
-TEST_F(EstimationServiceTest, answers_a_request_with_the_next_odometry) {
+TEST_F(EstimationServiceTest, responds_to_a_request_with_the_next_odometry) {
   wire::EstimateRequest request;
   request.session = "s";
   request.sequence = 1;

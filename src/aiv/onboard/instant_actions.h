@@ -10,21 +10,21 @@
 
 namespace cosiva::aiv {
 
-/// The instant actions heard of and how they went (VDA 5050 2.1 §6.8, §6.11). The list is bounded, and a repeated
-/// actionId is the repair of a lost message: it is known, and not done again.
+/// The received instant actions and their states (VDA 5050 2.1 §6.8, §6.11). The list is bounded. A repeated actionId
+/// is the repair of a lost message: the action is known, and not performed again.
 class InstantActionBook {
  public:
   static constexpr std::size_t shown_max = 32;    ///< states in actionStates
-  static constexpr std::size_t recent_max = 128;  ///< ids that are not done twice
+  static constexpr std::size_t recent_max = 128;  ///< ids that are not performed twice
 
-  /// False when this actionId was seen before.
+  /// False when this actionId was received before.
   [[nodiscard]] bool begin(const wire::Action& action);
   void set(std::string_view action_id, wire::ActionStatus status, std::string result_description = {});
   /// Ends all running actions of a type; of all types where that is empty.
   void end_running(std::string_view action_type, wire::ActionStatus status, std::string_view result_description = {});
   [[nodiscard]] bool running(std::string_view action_type) const;
 
-  /// 2.1 keeps the states until the next order. What still runs stays, and the last setSpeedLimit, because it is in
+  /// 2.1 preserves the states until the next order. Running actions stay, and the last setSpeedLimit, because it is in
   /// force beyond the order.
   void on_new_order();
 
@@ -35,7 +35,7 @@ class InstantActionBook {
   std::deque<std::string> detected_;
 };
 
-/// The types that this vehicle knows.
+/// The types that this vehicle supports.
 namespace action {
 inline constexpr std::string_view start_pause = "startPause";
 inline constexpr std::string_view stop_pause = "stopPause";

@@ -23,7 +23,7 @@
 namespace cosiva::aiv {
 namespace {
 
-/// Longer than a board takes to answer, and than RALI takes between two readings.
+/// Longer than a board needs to respond, and than RALI needs between two readings.
 constexpr SimDuration starting_up_max = std::chrono::milliseconds{700};
 
 void log(wire::Effects& effects, char level, std::string text) {
@@ -32,7 +32,7 @@ void log(wire::Effects& effects, char level, std::string text) {
 
 }  // namespace
 
-/// The parts of the program, and which input goes to which of them.
+/// The parts of the program, and the dispatch of inputs to them.
 struct OnboardCore::Parts {
   explicit Parts(OnboardOptions o)
       : options{std::move(o)},
@@ -69,7 +69,7 @@ struct OnboardCore::Parts {
   /// Subscribes to all topics besides subscriptions().
   void subscribe(wire::Effects& effects) const;
   void publish_detection(SimTime now, wire::Effects& effects);
-  /// The boards answer a moment after the program: reported at once, their silence would raise six false alarms.
+  /// The boards respond a moment after the program: reported at once, their absence would raise six false alarms.
   [[nodiscard]] bool starting_up(SimTime now) const;
   [[nodiscard]] ReportSources sources(SimTime now) const;
 
@@ -92,7 +92,7 @@ struct OnboardCore::Parts {
 
 void OnboardCore::Parts::on_restore(const wire::Input& input, wire::Effects& effects) {
   auto restored = persisted_position_from_json(input.payload);
-  if (!restored) return log(effects, 'w', "memory not used: " + to_string(restored.error()));
+  if (!restored) return log(effects, 'w', "saved position not used: " + to_string(restored.error()));
   positions.restore(std::move(*restored), context.get());
 }
 
@@ -122,7 +122,7 @@ void OnboardCore::Parts::on_bytes(const wire::Input& input, wire::Effects& effec
     supervision.on_board_message(input.at, *board);
     std::visit(
         [&](const auto& m) {
-          // Heartbeats are the link's, and commands are no messages of a board.
+          // Heartbeats belong to the link, and commands are not messages of a board.
           if constexpr (requires { on_board(input.at, m); }) on_board(input.at, m);
         },
         message);
@@ -194,7 +194,7 @@ void OnboardCore::Parts::on_virtual_bodies(const wire::Input& input, wire::Effec
 
 void OnboardCore::Parts::on_owner(const wire::Input& input, wire::Effects& effects) {
   if (!server.on_owner(input.payload, effects)) return;
-  // Nothing was heard of the new server yet, and the virtual bodies of the old one are gone.
+  // No message of the new server has arrived yet, and the virtual bodies of the old server no longer exist.
   supervision.server_left();
   if (context) context->virtual_bodies().forget();
   perception.request_response();
@@ -205,7 +205,7 @@ void OnboardCore::Parts::on_server_connection(const wire::Input& input, wire::Ef
   constexpr std::size_t bytes_max = 4096;
   const auto json = JsonValue::parse(input.payload, bytes_max);
   const auto state = json ? json->text("connectionState") : std::nullopt;
-  if (!state) return log(effects, 'w', "the server's connection message says nothing");
+  if (!state) return log(effects, 'w', "the server's connection message has no connectionState");
   if (*state != wire::vda5050::to_string(wire::ConnectionState::offline)) return;
   supervision.server_left();
   if (context) context->virtual_bodies().forget();
@@ -253,8 +253,8 @@ void OnboardCore::Parts::end_zone_switch(SimTime now, wire::Effects& effects) {
   const auto off_by = std::to_string(position.off_by_m()) + " m";
   log(effects, position.away() ? 'w' : 'i',
       "zone '" + context->zone().name + "' in force after '" + from + "'" +
-          (position.away()        ? ", whose nearest way passes " + off_by + " from here: parked"
-           : position.near_path() ? ", " + off_by + " beside its nearest way"
+          (position.away()        ? ", whose nearest path passes " + off_by + " from here: off-route"
+           : position.near_path() ? ", " + off_by + " off its nearest path"
                                   : ""));
 }
 
@@ -267,7 +267,7 @@ void OnboardCore::Parts::on_tick(SimTime now, wire::Effects& effects) {
     Agent& agent = context->agent();
     if (!agent.progress().take_traversed().empty()) reporter.request_report();
     if (agent.progress().take_lost()) {
-      reporter.refuse("orderError", "order", "the vehicle found itself off its order's way and dropped it",
+      reporter.refuse("orderError", "order", "the vehicle was found off its order's route and dropped the order",
                       {{"orderId", agent.order().order_id()}}, effects);
     }
     positions.on_tick(now, *context, effects);
@@ -346,7 +346,7 @@ void OnboardCore::handle(const wire::Input& input, wire::Effects& effects) {
 }
 
 std::vector<std::string> OnboardCore::subscriptions() const {
-  // The owner comes first: of the zones that a broker retains, the owner's is the one that a restored position is of.
+  // The owner comes first: of the zones that a broker retains, a restored position belongs to the owner's.
   const Session& session = parts_->session;
   return {session.owner_topic(),
           session.order_topic(),

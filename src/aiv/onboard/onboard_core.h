@@ -28,10 +28,10 @@ class OnboardCore final : public wire::Core {
   void fold(Digest& digest) const override;
 
   [[nodiscard]] const OnboardOptions& options() const;
-  /// What Remember would have said last, where messages pass as values and nobody is told; empty: nothing yet.
+  /// The position that was saved last, where messages pass as values and no effect is emitted; empty: none yet.
   [[nodiscard]] std::string persisted_bytes() const;
   [[nodiscard]] std::vector<std::string> ports() const;
-  /// What the vehicle believes; nothing until its position is known. For experiments and tests.
+  /// The estimated pose; nothing until the position is known. For experiments and tests.
   [[nodiscard]] std::optional<Pose2> estimated_pose() const;
   [[nodiscard]] double estimated_speed_mps() const;
 

@@ -28,9 +28,9 @@ test::OrderText to_1131() {
   return order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@565", "loop_se@848", "loop_se@1131"});
 }
 
-// --- telling the world about itself -------------------------------------------------------------------------------
+// --- messages of the vehicle --------------------------------------------------------------------------------------
 
-TEST(Onboard, announces_itself_when_the_broker_comes) {
+TEST(Onboard, announces_itself_when_the_broker_is_connected) {
   OnboardFixture fixture;
   ASSERT_THAT(fixture.connections, SizeIs(1));
   EXPECT_EQ(fixture.connections[0].state, wire::ConnectionState::online);
@@ -44,7 +44,7 @@ TEST(Onboard, announces_itself_when_the_broker_comes) {
   EXPECT_THAT(fixture.factsheets[0].actions, SizeIs(10));
 }
 
-TEST(Onboard, tells_its_state_first_when_its_boards_have_answered) {
+TEST(Onboard, publishes_its_first_state_when_its_boards_have_responded) {
   OnboardFixture fixture;
   EXPECT_THAT(fixture.states, IsEmpty());
   ASSERT_TRUE(fixture.run_until([&] { return !fixture.states.empty(); }, 0.65));
@@ -52,7 +52,7 @@ TEST(Onboard, tells_its_state_first_when_its_boards_have_answered) {
   EXPECT_EQ(fixture.state().battery.charge_percent, 90.0);
 }
 
-TEST(Onboard, whose_board_never_answers_says_so_after_700_ms) {
+TEST(Onboard, reports_a_board_that_never_responds_after_700_ms) {
   OnboardFixture::Setup setup;
   setup.boards_up = false;
   OnboardFixture fixture{setup};
@@ -66,7 +66,7 @@ TEST(Onboard, whose_board_never_answers_says_so_after_700_ms) {
   EXPECT_FALSE(fixture.boards_reports.empty());
 }
 
-TEST(Onboard, leaves_a_will_that_says_the_connection_broke) {
+TEST(Onboard, leaves_a_will_that_reports_a_broken_connection) {
   OnboardFixture fixture;
   const auto will = fixture.core->will();
   ASSERT_TRUE(will);
@@ -76,7 +76,7 @@ TEST(Onboard, leaves_a_will_that_says_the_connection_broke) {
   EXPECT_EQ(wire::vda5050::decode_connection(will->message.payload)->state, wire::ConnectionState::connection_broken);
 }
 
-TEST(Onboard, says_offline_at_a_clean_end) {
+TEST(Onboard, publishes_offline_at_a_clean_end) {
   OnboardFixture fixture;
   fixture.run(0.5);
   fixture.farewell();
@@ -84,7 +84,7 @@ TEST(Onboard, says_offline_at_a_clean_end) {
   EXPECT_TRUE(fixture.published.back().retained);
 }
 
-TEST(Onboard, sends_a_state_every_second_and_its_place_every_100_ms) {
+TEST(Onboard, sends_a_state_every_second_and_its_position_every_100_ms) {
   OnboardFixture fixture;
   fixture.run(2.0);
   const auto states = fixture.states.size();
@@ -103,7 +103,7 @@ TEST(Onboard, counts_headers_per_topic_without_gap) {
     EXPECT_EQ(fixture.visualizations[i].header.header_id, i);
 }
 
-TEST(Onboard, publishes_nothing_while_the_broker_is_away_and_starts_anew_when_it_is_back) {
+TEST(Onboard, publishes_nothing_while_the_broker_is_away_and_restarts_when_it_is_back) {
   OnboardFixture fixture;
   fixture.run(1.0);
   fixture.link(false);
@@ -115,7 +115,7 @@ TEST(Onboard, publishes_nothing_while_the_broker_is_away_and_starts_anew_when_it
   EXPECT_THAT(fixture.factsheets, SizeIs(2));
 }
 
-TEST(Onboard, subscribes_to_what_concerns_it) {
+TEST(Onboard, subscribes_to_its_topics) {
   EXPECT_THAT(
       OnboardFixture{}.core->subscriptions(),
       ElementsAre("cosiva/v1/owner/CoSiVA/AIV1", "uagv/v2/CoSiVA/AIV1/order", "uagv/v2/CoSiVA/AIV1/instantActions",
@@ -123,7 +123,7 @@ TEST(Onboard, subscribes_to_what_concerns_it) {
                   "cosiva/v1/server/heartbeat", "cosiva/v1/server/connection", "cosiva/v1/zone/+"));
 }
 
-TEST(Onboard, tells_battery_boards_and_last_tag) {
+TEST(Onboard, reports_battery_boards_and_last_tag) {
   OnboardFixture fixture;
   fixture.run(1.0);
   fixture.send_from_board(wire::Board::PRAV, wire::TagRead{0, 1, 0});
@@ -138,14 +138,14 @@ TEST(Onboard, tells_battery_boards_and_last_tag) {
   EXPECT_THAT(fixture.state().information[1].references, Contains(wire::Reference{"DOBS", "ok"}));
 }
 
-TEST(Onboard, tells_how_sure_a_gauge_is_that_knows_it) {
+TEST(Onboard, reports_the_uncertainty_of_a_gauge_that_has_one) {
   OnboardFixture fixture;
   fixture.run(1.55);
   const auto reported = [&](std::uint32_t charge_ppm, std::uint16_t sd) {
     const auto permille = static_cast<std::uint16_t>(charge_ppm / 1000);
     fixture.send_from_board(wire::Board::RALI,
                             wire::Power{7400, 300, 250, permille, wire::Power::Gauge{charge_ppm, sd}});
-    fixture.run(0.15);  // another whole percent is worth a state
+    fixture.run(0.15);  // another whole percent causes a state
     return fixture.state();
   };
   const wire::State sure = reported(871'234, 135);
@@ -162,7 +162,7 @@ TEST(Onboard, sends_a_state_on_each_whole_percent_of_charge) {
   fixture.run(1.45);
   EXPECT_EQ(fixture.state().battery.charge_percent, 90.0);
   fixture.charge = 889;
-  fixture.run(0.15);  // the gauge speaks twice a second
+  fixture.run(0.15);  // the gauge reports twice a second
   EXPECT_NEAR(fixture.state().battery.charge_percent, 88.9, 1e-9);
   fixture.charge = 50;
   fixture.run(1.0);
@@ -203,7 +203,7 @@ TEST(Onboard, drives_its_order_and_reports_each_node) {
   EXPECT_EQ(fixture.state().position->map_id, "lacet4");
 }
 
-TEST(Onboard, merges_events_and_never_sends_states_faster_than_it_said) {
+TEST(Onboard, merges_events_and_never_sends_states_faster_than_its_minimum_interval) {
   OnboardFixture fixture;
   fixture.order(to_1131());
   fixture.run(6.0);
@@ -211,7 +211,7 @@ TEST(Onboard, merges_events_and_never_sends_states_faster_than_it_said) {
     EXPECT_GE(fixture.state_times[i] - fixture.state_times[i - 1], milliseconds{50});
 }
 
-TEST(Onboard, acknowledges_an_order_that_comes_again_without_a_warning) {
+TEST(Onboard, acknowledges_a_repeated_order_without_a_warning) {
   OnboardFixture fixture;
   fixture.run(0.5);
   fixture.order(to_1131());
@@ -238,7 +238,7 @@ TEST(Onboard, keeps_a_refusal_s_warning_until_a_new_order_is_accepted) {
   EXPECT_THAT(fixture.error_types(), IsEmpty());
 }
 
-TEST(Onboard, follows_an_order_in_spite_of_late_updates_and_forgets_their_warning_at_the_next_good_one) {
+TEST(Onboard, follows_an_order_in_spite_of_late_updates_and_removes_their_warning_at_the_next_accepted_one) {
   OnboardFixture fixture;
   fixture.run(0.5);
   fixture.order(to_1131());
@@ -253,7 +253,7 @@ TEST(Onboard, follows_an_order_in_spite_of_late_updates_and_forgets_their_warnin
   EXPECT_TRUE(fixture.state().driving);
 }
 
-TEST(Onboard, refuses_what_is_not_for_it_or_not_its_language) {
+TEST(Onboard, refuses_messages_for_other_vehicles_or_of_other_versions) {
   const auto refused = [](const std::function<void(wire::Order&)>& spoil) {
     OnboardFixture fixture;
     fixture.run(0.5);
@@ -269,7 +269,7 @@ TEST(Onboard, refuses_what_is_not_for_it_or_not_its_language) {
   EXPECT_THAT(refused([](wire::Order& o) { o.header.version = "2.0.0"; }), ElementsAre("accepted"));
 }
 
-TEST(Onboard, warns_of_malformed_messages_and_goes_on) {
+TEST(Onboard, warns_of_malformed_messages_and_continues) {
   OnboardFixture fixture;
   fixture.run(0.5);
   fixture.order(to_1131());
@@ -306,7 +306,7 @@ TEST(Onboard, every_message_it_publishes_decodes) {
   EXPECT_THAT(fixture.undecodable, IsEmpty());
 }
 
-// --- zone, place and memory ---------------------------------------------------------------------------------------
+// --- zone, position and state file --------------------------------------------------------------------------------
 
 TEST(Onboard, waits_for_the_zone_from_the_broker) {
   OnboardFixture fixture{{.zone_notified = false}};
@@ -327,7 +327,7 @@ TEST(Onboard, waits_for_the_zone_from_the_broker) {
   EXPECT_TRUE(fixture.state().driving);
 }
 
-TEST(Onboard, does_not_know_where_it_is_until_a_tag_tells) {
+TEST(Onboard, has_no_position_until_a_tag_is_read) {
   OnboardFixture fixture{{.start = std::nullopt}};
   fixture.run(0.5);
   EXPECT_FALSE(fixture.state().position);
@@ -340,7 +340,7 @@ TEST(Onboard, does_not_know_where_it_is_until_a_tag_tells) {
   EXPECT_TRUE(fixture.core->estimated_pose());
 }
 
-TEST(Onboard, takes_initPosition) {
+TEST(Onboard, accepts_initPosition) {
   OnboardFixture fixture{{.start = std::nullopt}};
   fixture.run(0.5);
   fixture.act("initPosition", "bad-1", {{"x", -0.5}, {"y", -0.15}});
@@ -369,7 +369,7 @@ TEST(Onboard, restores_its_position_after_a_crash) {
   before.run(2.0);
   ASSERT_FALSE(before.persisted.empty());
   auto setup = before.reborn();
-  setup.odometer_m += 0.07;  // it rolled on while nobody listened
+  setup.odometer_m += 0.07;  // it moved on while the program was down
   setup.ground_truth = lacet4().circuit.advance(setup.ground_truth, 0.07);
   OnboardFixture after{setup};
   after.run(0.2);
@@ -395,7 +395,7 @@ TEST(Onboard, does_not_trust_a_persisted_position_of_another_odometer_or_zone) {
   other_zone.persisted = to_json(persisted);
   OnboardFixture elsewhere{other_zone};
   elsewhere.run(0.5);
-  ASSERT_TRUE(elsewhere.core->estimated_pose()) << "then the start it was told counts";
+  ASSERT_TRUE(elsewhere.core->estimated_pose()) << "the configured start counts then";
   EXPECT_LT(distance(*elsewhere.core->estimated_pose(), lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.0))), 1e-9);
 }
 
@@ -424,7 +424,7 @@ TEST(Onboard, stays_paused_and_slow_over_a_crash) {
 
 // --- options ------------------------------------------------------------------------------------------------------
 
-TEST(Options, come_back_from_json_as_they_were) {
+TEST(Options, survive_a_json_round_trip) {
   OnboardOptions options;
   options.number = 7;
   options.id = {"Maker", "S-7"};
@@ -444,11 +444,11 @@ TEST(Options, come_back_from_json_as_they_were) {
   EXPECT_EQ(back->rules, options.rules);
   EXPECT_FALSE(onboard_options_from_json(to_json(OnboardOptions{}))->zone);
   EXPECT_TRUE(onboard_options_from_json(to_json(OnboardOptions{}))->v2x);
-  EXPECT_FALSE(onboard_options_from_json("{}")->v2x) << "a journal from before there was any";
+  EXPECT_FALSE(onboard_options_from_json("{}")->v2x) << "a journal from before V2X";
 }
 
-TEST(Options, that_make_no_sense_are_refused_by_field) {
-  const auto location = [](std::string_view json) {
+TEST(Options, that_are_invalid_are_refused_by_field) {
+  const auto position = [](std::string_view json) {
     const auto options = onboard_options_from_json(json);
     return options ? std::string("accepted") : options.error().location;
   };
@@ -467,7 +467,7 @@ TEST(Onboard, has_a_port_for_each_board) {
   EXPECT_THAT(OnboardFixture{}.core->ports(), ElementsAre("1/PILS", "1/PRAV", "1/DOBS", "1/RALI"));
 }
 
-TEST(Onboard, does_the_same_twice) {
+TEST(Onboard, is_deterministic) {
   const auto digest = [] {
     OnboardFixture fixture;
     fixture.run(0.5);

@@ -21,8 +21,9 @@
 
 namespace cosiva::aiv::test {
 
-/// A vehicle's program between four boards and a broker, all of them played here: exact wheels, eyes for point
-/// obstacles, tags on demand. Everything that the program publishes is decoded; a message that does not decode fails.
+/// A vehicle's program between four boards and a broker, all of them simulated here: exact wheels, an obstacle sensor
+/// for point obstacles, tags on demand. Every message that the program publishes is decoded; a message that does not
+/// decode fails.
 class OnboardFixture {
  public:
   struct Setup {
@@ -32,7 +33,7 @@ class OnboardFixture {
     std::uint32_t session{77};
     zone::TrackPosition ground_truth{at(lacet4(), "loop_se", 0.0)};
     double odometer_m{0.0};
-    std::optional<zone::ZoneConfiguration> zone{};  ///< told at first; lacet4 without
+    std::optional<zone::ZoneConfiguration> zone{};  ///< announced at first; lacet4 without
     const zone::Circuit* floor{&lacet4().circuit};
     bool boards_up{true};
     bool broker_up{true};
@@ -62,7 +63,7 @@ class OnboardFixture {
     feed(wire::InputKind::port, wire::port_name(1, board), "up");
     send_from_board(board, wire::Hello{board, 1, 0xF00D, session_});
   }
-  /// The board stops answering; its cable stays.
+  /// The board stops responding; its cable stays.
   void silence(wire::Board board) { alive.erase(board); }
   void send_from_board(wire::Board board, const wire::BoardMessage& message) {
     feed(wire::InputKind::bytes, wire::port_name(1, board), encoders_[board].encode(message));
@@ -110,7 +111,8 @@ class OnboardFixture {
     if (every(2)) feed(wire::InputKind::tick, "", "");
   }
 
-  // --- what it did --------------------------------------------------------------------------------------------------
+  // --- outputs of the program
+  // -----------------------------------------------------------------------------------------
 
   void feed(wire::InputKind kind, std::string source, std::string payload, bool flag = false) {
     effects_.clear();
@@ -124,7 +126,7 @@ class OnboardFixture {
   }
 
   [[nodiscard]] const wire::State& state() const { return states.back(); }
-  /// A new process of the same vehicle, with what the old one remembered.
+  /// A new process of the same vehicle, with the state that the old process saved.
   [[nodiscard]] Setup reborn() const {
     Setup setup;
     setup.persisted = persisted;
@@ -132,7 +134,7 @@ class OnboardFixture {
     setup.odometer_m = world.odometer_m;
     return setup;
   }
-  /// The last that its motors were told.
+  /// The last command to the motors.
   [[nodiscard]] const wire::Drive& last_drive() const { return *drive_; }
   [[nodiscard]] std::vector<std::string> error_types() const {
     std::vector<std::string> types;
@@ -169,14 +171,14 @@ class OnboardFixture {
   std::vector<wire::DetectedObstacleReport> sightings;
   std::vector<wire::BoardsReport> boards_reports;
   std::vector<wire::Intent> intents;
-  std::vector<std::string> listens;  ///< to what it listens besides its subscriptions
+  std::vector<std::string> listens;  ///< filters besides the subscriptions
   std::vector<SimTime> state_times;
   std::vector<std::string> displayed;
   std::string persisted;
   std::vector<wire::Log> logs;
   std::vector<std::string> undecodable;
   int drives{0};
-  int requests{0};  ///< Hello asked for
+  int requests{0};  ///< for Hello
 
  private:
   void roll(double dt) {

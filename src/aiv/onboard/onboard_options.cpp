@@ -91,7 +91,7 @@ Result<OnboardOptions> onboard_options_from_json(std::string_view json) {
     if (!read) return tl::unexpected(read.error());
     options.rules = std::move(*read);
   }
-  // Without the field: from before vehicles talked.
+  // Without the field: a journal from before V2X.
   options.v2x = value->flag("v2x").value_or(false);
   for (auto read : {read_ms(*value, "cycle_ms", options.cycle),
                     read_ms(*value, "visualization_period_ms", options.visualization_period),

@@ -1,4 +1,4 @@
-// What is only virtual and felt all the same, what it tells of what it sees and of its boards, and edits of the zone.
+// Virtual bodies, the vehicle's reports of detected obstacles and of its boards, and edits of the zone.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ const wire::VehicleId me{"CoSiVA", "AIV1"};
 constexpr double radius_m = 0.06;
 constexpr double front_m = 0.10;
 
-/// On its way along the loop in the south-east, at medium speed, with a server that beats.
+/// Drives along the loop in the south-east, at medium speed, with a server that sends heartbeats.
 struct Driving : OnboardFixture {
   Driving() {
     server_heartbeats = true;
@@ -61,7 +61,7 @@ struct Driving : OnboardFixture {
   std::uint32_t aheads{0};
 };
 
-// --- Ahead and Felt -----------------------------------------------------------------------------------------------
+// --- virtual obstacles and their acknowledgement ------------------------------------------------------------------
 
 TEST(Perception, the_first_virtual_obstacles_are_acknowledged_even_when_empty) {
   Driving fixture;
@@ -75,12 +75,12 @@ TEST(Perception, the_first_virtual_obstacles_are_acknowledged_even_when_empty) {
   EXPECT_THAT(fixture.felts, SizeIs(3)) << "nothing changed: once a second, since one may be lost";
 }
 
-TEST(Perception, a_body_on_the_way_is_decided_on_at_once) {
+TEST(Perception, a_body_on_the_path_causes_a_decision_at_once) {
   Driving fixture;
   fixture.receive_virtual_obstacles({});
   const int drives = fixture.drives;
   fixture.receive_virtual_obstacles({Driving::person(fixture.s_m() + 0.4)});
-  EXPECT_EQ(fixture.drives, drives + 1) << "its motors were told before anything else happened";
+  EXPECT_EQ(fixture.drives, drives + 1) << "the motors received a command at once";
   ASSERT_THAT(fixture.felts, SizeIs(2));
   EXPECT_EQ(fixture.felts[1].virtual_obstacles_header_id, 2U);
   EXPECT_EQ(fixture.felts[1].decided, fixture.now);
@@ -90,7 +90,7 @@ TEST(Perception, a_body_on_the_way_is_decided_on_at_once) {
   EXPECT_NEAR(*fixture.felts[1].distance_m, 0.4 - radius_m - front_m, 0.03);
 }
 
-TEST(Perception, it_stops_before_a_person_and_goes_on_when_the_person_is_gone) {
+TEST(Perception, stops_the_vehicle_before_a_person_until_the_person_is_removed) {
   Driving fixture;
   const double person_s_m = fixture.s_m() + 0.5;
   fixture.run_with({Driving::person(person_s_m)}, 3.0);
@@ -107,7 +107,7 @@ TEST(Perception, it_stops_before_a_person_and_goes_on_when_the_person_is_gone) {
   EXPECT_FALSE(fixture.state().field_violation);
 }
 
-TEST(Perception, a_body_far_ahead_is_felt_without_braking_until_it_comes_near) {
+TEST(Perception, a_distant_body_is_perceived_without_braking_until_it_is_near) {
   Driving fixture;
   const std::vector<wire::Body> bodies{Driving::person(fixture.s_m() + 1.2)};
   fixture.receive_virtual_obstacles(bodies);
@@ -123,7 +123,7 @@ TEST(Perception, a_body_far_ahead_is_felt_without_braking_until_it_comes_near) {
   EXPECT_EQ(fixture.speed_mps, 0.0);
 }
 
-TEST(Perception, who_comes_or_goes_is_answered_though_it_does_not_brake) {
+TEST(Perception, an_added_or_removed_body_is_acknowledged_without_braking) {
   Driving fixture;
   const wire::Body far = Driving::person(fixture.s_m() + 1.2);
   fixture.receive_virtual_obstacles({});
@@ -132,13 +132,13 @@ TEST(Perception, who_comes_or_goes_is_answered_though_it_does_not_brake) {
   ASSERT_THAT(fixture.felts, SizeIs(2));
   fixture.receive_virtual_obstacles({Driving::person(fixture.s_m() + 1.25, "P2"), far});
   fixture.receive_virtual_obstacles({far, Driving::person(fixture.s_m() + 1.25, "P2")});
-  ASSERT_THAT(fixture.felts, SizeIs(3)) << "their order is no news";
+  ASSERT_THAT(fixture.felts, SizeIs(3)) << "their order is not a change";
   fixture.receive_virtual_obstacles({});
   ASSERT_THAT(fixture.felts, SizeIs(4));
   EXPECT_EQ(fixture.felts.back().virtual_obstacles_header_id, 6U);
 }
 
-TEST(Perception, is_told_again_when_the_broker_is_back) {
+TEST(Perception, is_acknowledged_again_when_the_broker_is_back) {
   Driving fixture;
   fixture.receive_virtual_obstacles({});
   fixture.link(false);
@@ -147,7 +147,7 @@ TEST(Perception, is_told_again_when_the_broker_is_back) {
   EXPECT_THAT(fixture.felts, SizeIs(2));
 }
 
-TEST(Perception, another_body_that_comes_before_the_first_is_answered) {
+TEST(Perception, another_body_in_front_of_the_first_is_acknowledged) {
   Driving fixture;
   const double there_m = fixture.s_m() + 0.6;
   fixture.run_with({Driving::person(there_m)}, 3.0);
@@ -156,12 +156,12 @@ TEST(Perception, another_body_that_comes_before_the_first_is_answered) {
   EXPECT_EQ(fixture.felts.back().virtual_obstacles_header_id, fixture.aheads);
 }
 
-TEST(Perception, a_person_who_walks_across_makes_it_stop_once_and_go_once) {
+TEST(Perception, a_person_walking_across_causes_one_stop_and_one_start) {
   Driving fixture;
   const Pose2 X_MP = lacet4().circuit.pose_at(at(lacet4(), "loop_se", fixture.s_m() + 0.8));
   int stops = 0;
   bool was_stopped = false;
-  for (int i = 0; i < 500; ++i) {  // from 0.4 m right of the way to 0.8 m left of it, at 0.24 m/s
+  for (int i = 0; i < 500; ++i) {  // from 0.4 m right of the path to 0.8 m left of it, at 0.24 m/s
     if (i % 10 == 0) {
       const Point2 p = X_MP * Point2{0.0, -0.4 + 0.0024 * i};
       const Point2 ahead = X_MP * Point2{0.0, 1.0};
@@ -179,7 +179,7 @@ TEST(Perception, a_person_who_walks_across_makes_it_stop_once_and_go_once) {
   EXPECT_FALSE(fixture.felts.back().braking);
 }
 
-TEST(Perception, is_forgotten_after_a_second_without_news_and_that_is_told) {
+TEST(Perception, expires_after_a_second_without_messages_and_this_is_acknowledged) {
   Driving fixture;
   fixture.run_with({Driving::person(fixture.s_m() + 0.5)}, 3.0);
   fixture.run(0.8);
@@ -189,10 +189,10 @@ TEST(Perception, is_forgotten_after_a_second_without_news_and_that_is_told) {
   EXPECT_FALSE(fixture.felts.back().braking);
   const std::size_t before = fixture.felts.size();
   fixture.receive_virtual_obstacles({});
-  EXPECT_THAT(fixture.felts, SizeIs(before + 1)) << "the first one of a new beginning is answered";
+  EXPECT_THAT(fixture.felts, SizeIs(before + 1)) << "the first message after that is acknowledged";
 }
 
-TEST(Perception, is_forgotten_when_the_server_leaves) {
+TEST(Perception, ends_when_the_server_leaves) {
   Driving fixture;
   fixture.run_with({Driving::person(fixture.s_m() + 0.5)}, 3.0);
   EXPECT_EQ(fixture.speed_mps, 0.0);
@@ -202,7 +202,7 @@ TEST(Perception, is_forgotten_when_the_server_leaves) {
   EXPECT_GT(fixture.speed_mps, 0.0);
 }
 
-TEST(Perception, outlasts_a_server_that_died_and_came_back) {
+TEST(Perception, outlasts_a_restart_of_the_server) {
   Driving fixture;
   fixture.run_with({Driving::person(fixture.s_m() + 0.5)}, 3.0);
   fixture.server_heartbeats = false;
@@ -210,10 +210,10 @@ TEST(Perception, outlasts_a_server_that_died_and_came_back) {
   EXPECT_EQ(fixture.speed_mps, 0.0);
   fixture.server_heartbeats = true;
   fixture.run(0.9);
-  EXPECT_EQ(fixture.speed_mps, 0.0) << "the new one had no time yet to say what stands there";
+  EXPECT_EQ(fixture.speed_mps, 0.0) << "the new server had no time yet to publish its bodies";
   fixture.aheads = 0;
   fixture.receive_virtual_obstacles({Driving::person(fixture.s_m() + 0.3)});
-  EXPECT_EQ(fixture.felts.back().virtual_obstacles_header_id, 1U) << "a new server hears that this vehicle feels";
+  EXPECT_EQ(fixture.felts.back().virtual_obstacles_header_id, 1U) << "a new server receives an acknowledgement";
 }
 
 TEST(Perception, malformed_virtual_obstacles_are_refused_with_one_line_per_kind_and_change_nothing) {
@@ -236,10 +236,10 @@ TEST(Perception, malformed_virtual_obstacles_are_refused_with_one_line_per_kind_
     EXPECT_EQ(perceived->body, "P1");
   const auto warnings = fixture.warnings();
   EXPECT_THAT(warnings, SizeIs(3)) << "not JSON, a field, another map";
-  for (const std::string& text : warnings) EXPECT_THAT(text, HasSubstr("ahead not used"));
+  for (const std::string& text : warnings) EXPECT_THAT(text, HasSubstr("virtual obstacles not used"));
 }
 
-TEST(Perception, complains_of_at_most_sixteen_kinds_of_fault) {
+TEST(Perception, logs_at_most_sixteen_kinds_of_fault) {
   Driving fixture;
   for (int i = 0; i < 32; ++i) {
     wire::VirtualObstacles ahead{1, fixture.now, "lacet4", std::vector<wire::Body>(32, Driving::person(0.5))};
@@ -249,7 +249,7 @@ TEST(Perception, complains_of_at_most_sixteen_kinds_of_fault) {
   EXPECT_THAT(fixture.warnings(), SizeIs(16));
 }
 
-TEST(Perception, hears_neither_what_is_retained_nor_what_is_for_another) {
+TEST(Perception, ignores_retained_messages_and_messages_for_other_vehicles) {
   Driving fixture;
   const std::string text =
       to_json(wire::VirtualObstacles{1, fixture.now, "lacet4", {Driving::person(fixture.s_m() + 0.4)}});
@@ -260,7 +260,7 @@ TEST(Perception, hears_neither_what_is_retained_nor_what_is_for_another) {
   EXPECT_GT(fixture.speed_mps, 0.39);
 }
 
-TEST(Perception, before_there_is_a_zone_or_a_place_harms_nothing) {
+TEST(Perception, before_a_zone_or_a_position_is_known_is_harmless) {
   OnboardFixture::Setup setup;
   setup.zone_notified = false;
   OnboardFixture no_zone{setup};
@@ -277,9 +277,9 @@ TEST(Perception, before_there_is_a_zone_or_a_place_harms_nothing) {
   EXPECT_FALSE(no_position.felts[0].braking);
 }
 
-// --- Seen -----------------------------------------------------------------------------------------------------------
+// --- detected obstacles ---------------------------------------------------------------------------------------------
 
-TEST(Seeing, tells_where_the_obstacle_in_its_way_stands) {
+TEST(Seeing, reports_the_location_of_the_obstacle_on_its_path) {
   Driving fixture;
   const Point2 p = Driving::on_loop(fixture.s_m() + 0.7);
   fixture.obstacles = {p};
@@ -294,10 +294,10 @@ TEST(Seeing, tells_where_the_obstacle_in_its_way_stands) {
   EXPECT_EQ(detected.clear_m, detected.obstacle->distance_m);
   const std::size_t before = fixture.sightings.size();
   fixture.run(2.0);
-  EXPECT_GE(fixture.sightings.size() - before, 15U) << "it stands and goes on telling";
+  EXPECT_GE(fixture.sightings.size() - before, 15U) << "the stopped vehicle continues to report";
 }
 
-TEST(Seeing, tells_three_times_that_it_went_and_nothing_while_there_is_nothing) {
+TEST(Seeing, reports_the_end_of_a_detection_three_times_and_then_nothing) {
   Driving fixture;
   EXPECT_THAT(fixture.sightings, IsEmpty());
   fixture.obstacles = {Driving::on_loop(fixture.s_m() + 0.7)};
@@ -311,7 +311,7 @@ TEST(Seeing, tells_three_times_that_it_went_and_nothing_while_there_is_nothing) 
   EXPECT_NEAR(fixture.sightings.back().clear_m, 1.2, 1e-9);
 }
 
-TEST(Seeing, does_not_tell_of_the_neighbouring_lane) {
+TEST(Seeing, does_not_report_the_neighbouring_lane) {
   Driving fixture;
   const Pose2 X_MP = lacet4().circuit.pose_at(at(lacet4(), "loop_se", fixture.s_m() + 0.6));
   fixture.obstacles = {X_MP * Point2{0.0, 0.3}, X_MP * Point2{0.0, -0.3}};
@@ -319,10 +319,9 @@ TEST(Seeing, does_not_tell_of_the_neighbouring_lane) {
   EXPECT_THAT(fixture.sightings, IsEmpty());
 }
 
-// --- boards
-// -----------------------------------------------------------------------------------------------------------
+// --- boards ---------------------------------------------------------------------------------------------------------
 
-TEST(BoardsReport, comes_twice_a_second_with_every_board) {
+TEST(BoardsReport, is_published_twice_a_second_with_every_board) {
   OnboardFixture fixture;
   fixture.run(3.0);
   EXPECT_GE(fixture.boards_reports.size(), 6U);
@@ -334,7 +333,7 @@ TEST(BoardsReport, comes_twice_a_second_with_every_board) {
     EXPECT_EQ(line.firmware_hash, 0xF00DU);
     EXPECT_EQ(line.frames_bad, 0U);
   }
-  // PILS: 50 odometries and 10 beats a second.
+  // PILS: 50 odometries and 10 heartbeats a second.
   EXPECT_NEAR(static_cast<double>(report.boards[0].frames), 60.0 * to_seconds(report.timestamp - virtual_epoch), 5.0);
   ASSERT_TRUE(report.power);
   EXPECT_EQ(report.power->voltage_mv, 7400);
@@ -343,14 +342,14 @@ TEST(BoardsReport, comes_twice_a_second_with_every_board) {
   EXPECT_EQ(report.header_id + 1, fixture.boards_reports.size());
 }
 
-TEST(BoardsReport, counts_damage_on_both_sides_and_names_who_is_lost_or_faulty) {
+TEST(BoardsReport, counts_damage_on_both_sides_and_names_lost_and_faulty_boards) {
   OnboardFixture fixture;
   fixture.run(1.0);
   fixture.feed(wire::InputKind::bytes, wire::port_name(1, wire::Board::PILS), std::string("\x01garbage\x00", 9));
   fixture.send_from_board(wire::Board::PILS, wire::Heartbeat{4711, 3, 2, 0});
   fixture.silence(wire::Board::PRAV);
   fixture.self_test[wire::Board::DOBS] = 7;
-  // Its next beat would tell of no damage: what it says last counts.
+  // Its next heartbeat would report no damage: its last report counts.
   fixture.silence(wire::Board::PILS);
   fixture.run(1.0);
   const auto& lines = fixture.boards_reports.back().boards;
@@ -364,7 +363,7 @@ TEST(BoardsReport, counts_damage_on_both_sides_and_names_who_is_lost_or_faulty) 
   EXPECT_EQ(lines[3].health, "ok");
 }
 
-TEST(BoardsReport, goes_on_without_a_zone_and_stops_without_a_broker) {
+TEST(BoardsReport, continues_without_a_zone_and_stops_without_a_broker) {
   OnboardFixture::Setup setup;
   setup.zone_notified = false;
   OnboardFixture fixture{setup};
@@ -376,8 +375,7 @@ TEST(BoardsReport, goes_on_without_a_zone_and_stops_without_a_broker) {
   EXPECT_EQ(fixture.boards_reports.size(), before);
 }
 
-// --- edits of the zone
-// ------------------------------------------------------------------------------------------------
+// --- edits of the zone ----------------------------------------------------------------------------------------------
 
 std::string edited(std::string_view from, std::string_view to) {
   std::string text = test::lacet4_configuration().text;
@@ -386,12 +384,12 @@ std::string edited(std::string_view from, std::string_view to) {
   return text.replace(at, from.size(), to);
 }
 
-TEST(ZoneEdit, a_tag_that_was_moved_rectifies_at_its_new_place_while_it_drives) {
+TEST(ZoneEdit, a_moved_tag_rectifies_at_its_new_position_while_the_vehicle_drives) {
   Driving fixture;
-  // Tag 2 stands 1.4137 m along the loop; from now on it is said to stand 0.05 m earlier.
+  // Tag 2 is located 1.4137 m along the loop; from now on its configured position is 0.05 m earlier.
   fixture.receive("cosiva/v1/zone/toml", edited("s_m = 1.4137", "s_m = 1.3637"), true);
   EXPECT_THAT(fixture.warnings(), IsEmpty());
-  EXPECT_GT(fixture.speed_mps, 0.39) << "nothing stops for that";
+  EXPECT_GT(fixture.speed_mps, 0.39) << "an edit does not stop the vehicle";
   fixture.run_until([&] { return fixture.s_m() >= 1.3637; }, 5.0);
   fixture.send_from_board(wire::Board::PRAV, wire::TagRead{0, 2, 0});
   const auto estimated = fixture.core->estimated_pose();
@@ -405,7 +403,8 @@ TEST(ZoneEdit, a_tag_that_was_moved_rectifies_at_its_new_place_while_it_drives) 
 }
 
 TEST(ZoneEdit, another_beacon_pitch_is_in_force_at_once) {
-  // Northwards at x = 0.15 the way meets beacons of the old grid at y = 0.15 + 0.30 n; of the new one at 0.15 + 0.25 n.
+  // Northwards at x = 0.15 the path meets beacons of the old grid at y = 0.15 + 0.30 n; of the new one at 0.15 + 0.25
+  // n.
   const auto corrected = [](bool edit) {
     OnboardFixture::Setup setup;
     setup.start = OnboardOptions::Start{"north", 0.50};
@@ -427,17 +426,17 @@ TEST(ZoneEdit, another_beacon_pitch_is_in_force_at_once) {
   EXPECT_LT(corrected(true), 0.005);
 }
 
-TEST(ZoneEdit, one_that_is_no_zone_is_refused_and_nothing_stops_for_it) {
+TEST(ZoneEdit, an_invalid_zone_is_refused_and_does_not_stop_the_vehicle) {
   Driving fixture;
   fixture.receive("cosiva/v1/zone/toml", "this is no zone", true);
   fixture.receive("cosiva/v1/zone/toml", "", true);
   const auto warnings = fixture.warnings();
-  ASSERT_THAT(warnings, SizeIs(1)) << "a cleared topic says nothing";
+  ASSERT_THAT(warnings, SizeIs(1)) << "a cleared topic has no effect";
   EXPECT_THAT(warnings[0], HasSubstr("not used"));
   fixture.run(0.3);
   EXPECT_GT(fixture.speed_mps, 0.39);
   fixture.receive("cosiva/v1/zone/toml", test::lacet4_configuration().text, true);
-  EXPECT_THAT(fixture.warnings(), SizeIs(1)) << "its own zone again is no news";
+  EXPECT_THAT(fixture.warnings(), SizeIs(1)) << "the zone in force again is not a change";
 }
 
 }  // namespace

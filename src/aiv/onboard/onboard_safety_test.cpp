@@ -1,4 +1,4 @@
-// What makes a vehicle stop, and go on: instant actions, obstacles, and silence of those it depends on.
+// What makes a vehicle stop and continue: instant actions, obstacles, and the loss of links.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ using wire::ActionStatus;
 
 constexpr double medium_mps = 0.4;  // of lacet4's medium profile
 
-/// On its way along the loop in the south-east, at medium speed.
+/// Drives along the loop in the south-east, at medium speed.
 struct Driving : OnboardFixture {
   Driving() {
     run(0.5);
@@ -55,7 +55,7 @@ TEST(InstantActions, pause_and_resume) {
   EXPECT_NEAR(fixture.speed_mps, medium_mps, 0.01);
 }
 
-TEST(InstantActions, a_pause_tells_the_motors_before_anything_else_happens) {
+TEST(InstantActions, a_pause_commands_the_motors_at_once) {
   Driving fixture;
   const int drives = fixture.drives;
   ASSERT_GT(fixture.last_drive().speed_mmps, 0);
@@ -64,7 +64,7 @@ TEST(InstantActions, a_pause_tells_the_motors_before_anything_else_happens) {
   EXPECT_EQ(fixture.last_drive().speed_mmps, 0);
 }
 
-TEST(InstantActions, a_resume_overtakes_a_pause_that_did_not_stand_yet) {
+TEST(InstantActions, a_resume_overtakes_a_pause_before_the_standstill) {
   Driving fixture;
   fixture.act("startPause", "p");
   fixture.act("stopPause", "r");
@@ -73,7 +73,7 @@ TEST(InstantActions, a_resume_overtakes_a_pause_that_did_not_stand_yet) {
   EXPECT_EQ(fixture.action("r")->status, ActionStatus::finished);
 }
 
-TEST(InstantActions, cancelOrder_finishes_when_the_vehicle_stands) {
+TEST(InstantActions, cancelOrder_finishes_when_the_vehicle_has_stopped) {
   Driving fixture;
   fixture.act("cancelOrder", "c");
   fixture.run(0.1);
@@ -115,7 +115,7 @@ TEST(InstantActions, set_a_speed_limit_and_lift_it) {
   EXPECT_EQ(fixture.action("s3")->result_description, "normal");
 }
 
-TEST(InstantActions, that_make_no_sense_fail_with_a_reason) {
+TEST(InstantActions, that_are_invalid_fail_with_a_reason) {
   OnboardFixture fixture;
   fixture.run(0.5);
   fixture.act("setSpeedLimit", "a", {{"profile", std::string("warp")}});
@@ -132,7 +132,7 @@ TEST(InstantActions, that_make_no_sense_fail_with_a_reason) {
   EXPECT_THAT(fixture.error_types(), Contains("instantActionError"));
 }
 
-TEST(InstantActions, that_come_again_are_not_done_again) {
+TEST(InstantActions, that_are_repeated_are_not_performed_again) {
   Driving fixture;
   fixture.act("startPause", "p");
   fixture.run(0.5);
@@ -144,7 +144,7 @@ TEST(InstantActions, that_come_again_are_not_done_again) {
   EXPECT_NEAR(fixture.speed_mps, medium_mps, 0.01);
 }
 
-TEST(InstantActions, are_forgotten_at_a_new_order_but_for_the_speed_limit_in_force) {
+TEST(InstantActions, are_removed_at_a_new_order_except_for_the_speed_limit_in_force) {
   OnboardFixture fixture;
   fixture.run(0.5);
   fixture.act("setSpeedLimit", "s1", {{"profile", std::string("fast")}});
@@ -158,7 +158,7 @@ TEST(InstantActions, are_forgotten_at_a_new_order_but_for_the_speed_limit_in_for
   EXPECT_EQ(fixture.state().action_states[0].action_id, "s2");
 }
 
-TEST(InstantActions, states_are_bounded_and_what_runs_is_kept) {
+TEST(InstantActions, states_are_bounded_and_running_ones_stay) {
   InstantActionBook book;
   ASSERT_TRUE(book.begin({"cancelOrder", "running", "", wire::BlockingType::none, {}}));
   book.set("running", ActionStatus::running);
@@ -170,7 +170,7 @@ TEST(InstantActions, states_are_bounded_and_what_runs_is_kept) {
   EXPECT_EQ(book.states().size(), InstantActionBook::shown_max);
   EXPECT_TRUE(book.running("cancelOrder"));
   EXPECT_FALSE(book.begin({"stateRequest", "a499", "", wire::BlockingType::none, {}}));
-  book.set("never heard of", ActionStatus::failed);
+  book.set("of no action", ActionStatus::failed);
 }
 
 TEST(Warnings, do_not_pile_up) {
@@ -184,7 +184,7 @@ TEST(Warnings, do_not_pile_up) {
 
 // --- obstacles ----------------------------------------------------------------------------------------------------
 
-TEST(Obstacle, in_the_way_stops_the_vehicle_and_shows_in_its_state_until_it_is_gone) {
+TEST(Obstacle, on_the_path_stops_the_vehicle_and_shows_in_its_state_until_it_is_removed) {
   Driving fixture;
   fixture.obstacles = {position(lacet4().circuit.pose_at(at(lacet4(), "loop_se", 1.0)))};
   fixture.run(5.0);
@@ -197,7 +197,7 @@ TEST(Obstacle, in_the_way_stops_the_vehicle_and_shows_in_its_state_until_it_is_g
   EXPECT_GT(fixture.speed_mps, 0.25);
 }
 
-// --- silence ------------------------------------------------------------------------------------------------------
+// --- loss of links ------------------------------------------------------------------------------------------------
 
 TEST(Silence, of_the_broker_stops_the_vehicle_after_half_a_second) {
   Driving fixture;
@@ -208,10 +208,10 @@ TEST(Silence, of_the_broker_stops_the_vehicle_after_half_a_second) {
   EXPECT_EQ(fixture.speed_mps, 0.0);
   fixture.link(true);
   fixture.run(1.0);
-  EXPECT_GT(fixture.speed_mps, 0.25) << "it goes on by itself";
+  EXPECT_GT(fixture.speed_mps, 0.25) << "the vehicle continues by itself";
 }
 
-TEST(Silence, of_a_server_once_heard_stops_the_vehicle_until_it_is_back) {
+TEST(Silence, of_a_known_server_stops_the_vehicle_until_it_is_back) {
   Driving fixture;
   fixture.server_heartbeats = true;
   fixture.run(0.5);
@@ -227,9 +227,9 @@ TEST(Silence, of_a_server_once_heard_stops_the_vehicle_until_it_is_back) {
   EXPECT_THAT(fixture.error_types(), IsEmpty());
 }
 
-TEST(Silence, of_a_server_that_said_goodbye_or_never_spoke_is_nothing) {
+TEST(Silence, of_a_server_that_went_offline_or_never_published_has_no_effect) {
   Driving fixture;
-  fixture.receive(wire::server_heartbeat_topic, "{}", true);  // a retained one is not a beat
+  fixture.receive(wire::server_heartbeat_topic, "{}", true);  // a retained heartbeat does not count
   fixture.run(0.7);
   EXPECT_GT(fixture.speed_mps, 0.25);
   fixture.server_heartbeats = true;
@@ -275,7 +275,7 @@ TEST(Silence, of_a_cable_pulled_out_counts_at_once) {
   EXPECT_THAT(fixture.error_types(), ElementsAre("boardLost"));
 }
 
-TEST(Fault, of_wheels_or_eyes_stops_the_vehicle_but_not_of_the_power_gauge) {
+TEST(Fault, of_wheels_or_obstacle_sensor_stops_the_vehicle_but_not_of_the_power_gauge) {
   Driving fixture;
   fixture.self_test[wire::Board::RALI] = 3;
   fixture.run(0.5);
@@ -287,7 +287,7 @@ TEST(Fault, of_wheels_or_eyes_stops_the_vehicle_but_not_of_the_power_gauge) {
   EXPECT_THAT(fixture.state().information.back().references, Contains(wire::Reference{"DOBS", "faulty"}));
 }
 
-TEST(Boards, that_did_not_say_who_they_are_are_asked) {
+TEST(Boards, that_have_not_identified_themselves_receive_a_request) {
   OnboardFixture fixture{{.boards_up = false}};
   fixture.feed(wire::InputKind::port, "1/PILS", "up");
   fixture.run(0.25);
@@ -305,7 +305,7 @@ TEST(Boards, are_driven_at_least_every_100_ms) {
   EXPECT_GE(fixture.drives - before, 49);
 }
 
-TEST(Boards, that_restart_let_the_vehicle_keep_its_place) {
+TEST(Boards, that_restart_do_not_change_the_position) {
   Driving fixture;
   fixture.act("startPause", "p");
   fixture.run(1.0);
@@ -317,7 +317,7 @@ TEST(Boards, that_restart_let_the_vehicle_keep_its_place) {
 
 // --- supervision alone --------------------------------------------------------------------------------------------
 
-TEST(Supervision, misses_everybody_at_first_but_a_server) {
+TEST(Supervision, reports_every_link_but_the_server_as_lost_at_first) {
   const Supervision supervision{milliseconds{500}};
   const SimTime now = virtual_epoch;
   EXPECT_TRUE(supervision.broker_lost(now));
@@ -325,11 +325,11 @@ TEST(Supervision, misses_everybody_at_first_but_a_server) {
   EXPECT_FALSE(supervision.server_lost(now));
 }
 
-TEST(Supervision, counts_from_when_it_last_heard) {
+TEST(Supervision, counts_from_the_last_message) {
   Supervision supervision{milliseconds{500}};
   const SimTime now = virtual_epoch;
   supervision.broker(now, true);
-  EXPECT_FALSE(supervision.broker_lost(now + std::chrono::hours{1})) << "an open connection needs no words";
+  EXPECT_FALSE(supervision.broker_lost(now + std::chrono::hours{1})) << "an open connection needs no messages";
   supervision.broker(now + milliseconds{100}, false);
   EXPECT_FALSE(supervision.broker_lost(now + milliseconds{600}));
   EXPECT_TRUE(supervision.broker_lost(now + milliseconds{601}));

@@ -1,4 +1,5 @@
-// Talk with those near: what the on-board program says, where it listens, and what it takes (docs/protocols/v2x.md).
+// V2X: the intents that the on-board program publishes, its subscriptions, and the intents that it accepts
+// (docs/protocols/v2x.md).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -32,7 +33,7 @@ struct Talking : OnboardFixture {
   void receive_intent(const wire::Intent& intent, bool retained = false) {
     receive(wire::v2x_topic("lacet4", wire::cell_of(position(intent.pose)), intent.vehicle), to_json(intent), retained);
   }
-  /// With somebody who speaks five times a second near by.
+  /// With a vehicle nearby that publishes five times a second.
   void run_in_company(double seconds) {
     for (int i = 0; i < static_cast<int>(seconds * 5.0); ++i) {
       receive_intent(from("AIV2", at(lacet4(), "loop_se", 1.5)));
@@ -52,7 +53,7 @@ struct Talking : OnboardFixture {
   std::uint32_t published_count{0};
 };
 
-TEST(OnboardV2x, listens_to_the_cells_around_it_as_soon_as_it_knows_where_it_is) {
+TEST(OnboardV2x, subscribes_to_the_cells_around_it_as_soon_as_its_position_is_known) {
   const Talking fixture;
   EXPECT_EQ(fixture.listens, wire::v2x_filters("lacet4", wire::cell_of(position(fixture.world.pose()))));
   OnboardFixture lost{{.start = std::nullopt}};
@@ -61,22 +62,22 @@ TEST(OnboardV2x, listens_to_the_cells_around_it_as_soon_as_it_knows_where_it_is)
   EXPECT_THAT(lost.intents, IsEmpty());
 }
 
-TEST(OnboardV2x, says_nothing_and_hears_nobody_when_it_is_switched_off) {
+TEST(OnboardV2x, neither_publishes_nor_receives_when_it_is_switched_off) {
   Talking fixture{{.v2x = false}};
   fixture.run_in_company(3.0);
   fixture.receive("cosiva/v1/v2x/lacet4/0_0/CoSiVA/AIV2", "no JSON");
   fixture.run(1.0);
   EXPECT_THAT(fixture.listens, IsEmpty());
   EXPECT_THAT(fixture.intents, IsEmpty());
-  EXPECT_EQ(fixture.warnings(), Talking{}.warnings()) << "it did not even read it";
+  EXPECT_EQ(fixture.warnings(), Talking{}.warnings()) << "the message was not even read";
 }
 
-TEST(OnboardV2x, speaks_once_a_second_alone_and_more_often_in_company) {
+TEST(OnboardV2x, publishes_once_a_second_alone_and_more_often_near_others) {
   Talking fixture;
   const std::size_t before = fixture.intents.size();
   fixture.run(5.0);
   EXPECT_EQ(fixture.intents.size() - before, 5U);
-  EXPECT_EQ(fixture.published_in_company(4.0), 8U) << "it stands";
+  EXPECT_EQ(fixture.published_in_company(4.0), 8U) << "the vehicle is stopped";
   fixture.server_heartbeats = true;
   fixture.order(test::order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@2545"}));
   const std::size_t moving = fixture.published_in_company(3.0);
@@ -94,7 +95,7 @@ TEST(OnboardV2x, responds_to_a_newcomer_at_once) {
   EXPECT_EQ(fixture.intents.size(), before + 1);
 }
 
-TEST(OnboardV2x, says_who_and_where_it_is_and_counts_its_messages) {
+TEST(OnboardV2x, publishes_its_identity_and_position_and_counts_its_messages) {
   Talking fixture;
   fixture.run(3.0);
   ASSERT_GE(fixture.intents.size(), 3U);
@@ -108,7 +109,7 @@ TEST(OnboardV2x, says_who_and_where_it_is_and_counts_its_messages) {
   }));
 }
 
-TEST(OnboardV2x, tells_at_once_when_it_begins_to_brake) {
+TEST(OnboardV2x, publishes_at_once_when_it_begins_to_brake) {
   Talking fixture;
   fixture.server_heartbeats = true;
   fixture.order(test::order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@2545"}));
@@ -118,7 +119,7 @@ TEST(OnboardV2x, tells_at_once_when_it_begins_to_brake) {
   EXPECT_TRUE(fixture.run_until([&] { return fixture.intents.back().braking; }, 0.2));
 }
 
-TEST(OnboardV2x, counts_lies_and_logs_each_kind_once) {
+TEST(OnboardV2x, counts_refused_intents_and_logs_each_kind_once) {
   Talking fixture;
   const std::size_t before = fixture.warnings();
   for (int i = 0; i < 100; ++i) {
@@ -133,7 +134,7 @@ TEST(OnboardV2x, counts_lies_and_logs_each_kind_once) {
   }
   EXPECT_EQ(fixture.warnings(), before + 3);
   EXPECT_TRUE(std::ranges::any_of(fixture.logs, [](const wire::Log& line) {
-    return line.text.find("no vehicle can be there") != std::string::npos;
+    return line.text.find("the reported pose or speed is impossible") != std::string::npos;
   }));
 }
 
@@ -148,7 +149,7 @@ TEST(OnboardV2x, is_not_disturbed_by_its_own_messages_or_retained_ones) {
   EXPECT_EQ(fixture.intents.size(), published_count + 5) << "as if alone";
 }
 
-TEST(OnboardV2x, speaks_in_another_cell_when_it_has_come_there) {
+TEST(OnboardV2x, publishes_in_another_cell_when_it_has_entered_it) {
   Talking fixture;
   fixture.server_heartbeats = true;
   const auto first = fixture.listens;

@@ -32,7 +32,7 @@ void OrderReceiver::on_order(const wire::Input& input, DrivingContext* context, 
   const bool repeated =
       order->order_id == agent.order().order_id() && order->order_update_id == agent.order().order_update_id();
   if (const auto& pending = parts_.zones.pending(); pending && !repeated)
-    return refuse("noRouteError", "zone '" + pending->zone().name + "' follows as soon as it stands");
+    return refuse("noRouteError", "zone '" + pending->zone().name + "' follows as soon as the vehicle has stopped");
 
   const auto verdict = agent.take_order(*order);
   reporter.request_report();  // the state's orderUpdateId is the only
@@ -51,7 +51,7 @@ void OrderReceiver::accept(const wire::Order& order, OrderBook::Verdict verdict,
   } else if (verdict == OrderBook::Verdict::accepted_update) {
     parts_.reporter.on_order_update();
   }
-  // At a slow pace a tick is far away, and other vehicles may wait for this one to go.
+  // With a long cycle the next tick is far away, and other vehicles may wait for this one to drive.
   if (cycle_ > usual_cycle && verdict != OrderBook::Verdict::ignored_same)
     parts_.drive_cycle.run(now, context, effects);
 }

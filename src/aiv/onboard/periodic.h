@@ -6,7 +6,7 @@
 
 namespace cosiva::aiv {
 
-/// Tells when something periodic is due. A clock that jumped does not bring a burst.
+/// Reports when a periodic event is due. A jump of the clock causes no burst.
 class Periodic {
  public:
   explicit Periodic(SimDuration period) : period_{period} {}

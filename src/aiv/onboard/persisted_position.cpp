@@ -61,7 +61,7 @@ Result<PersistedPosition> persisted_position_from_json(std::string_view json) {
   const auto odometer_um = value->number("odometer_um");
   const auto session = value->number("session");
   if (!zone || !section || !s_m || !odometer_um || !session)
-    return fail("state.field", "a memory holds zone, section, s, odometer_um and session");
+    return fail("state.field", "a saved position has zone, section, s, odometer_um and session");
   const auto whole = [](double number, double low, double high) {
     return number >= low && number <= high && std::floor(number) == number;
   };

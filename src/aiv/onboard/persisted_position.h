@@ -11,26 +11,26 @@
 
 namespace cosiva::aiv {
 
-/// What a vehicle keeps over a crash of its program. The odometer counts on in its board meanwhile, so place and
-/// odometer together tell where it stands now, as long as the board's session is the same.
+/// What a vehicle preserves over a crash of its program. The odometer continues to count in its board meanwhile, so
+/// position and odometer together give the present position, as long as the board's session is the same.
 struct PersistedPosition {
   std::string zone;
   std::string section;
   double s_m{};
   std::int64_t odometer_um{};
   std::uint32_t session{};
-  bool paused{};                   ///< somebody stopped it: it stays stopped
-  std::optional<Profile> imposed;  ///< and stays slow
-  std::optional<Pose2> pose{};     ///< X_MB when the odometer read that; memories of old have none
-  /// It stood beside the line, or away from it: the pose counts, not the place.
+  bool paused{};                   ///< the vehicle was paused: it stays stopped
+  std::optional<Profile> imposed;  ///< the imposed profile stays in force
+  std::optional<Pose2> pose{};     ///< X_MB when the odometer had that reading; old files have none
+  /// The vehicle was off-path, or away from all paths: the pose counts, not the position.
   bool off_path{};
   /// PILS was in a manoeuvre that had come this far.
   std::optional<Pose2> manoeuvre{};
-  std::optional<std::string> next{};  ///< the section that its way led to
+  std::optional<std::string> next{};  ///< the section that the route led to
   friend bool operator==(const PersistedPosition&, const PersistedPosition&) = default;
 };
 [[nodiscard]] std::string to_json(const PersistedPosition& persisted);
-/// Fails with code "memory.*" on what is no memory.
+/// Fails with code "state.*" where the text is not a persisted position.
 [[nodiscard]] Result<PersistedPosition> persisted_position_from_json(std::string_view json);
 
 }  // namespace cosiva::aiv

@@ -12,9 +12,9 @@ namespace {
 constexpr SimDuration save_period = std::chrono::milliseconds{100};
 /// A saved position whose odometer differs by more is not of this drive.
 constexpr double saved_distance_m_max = 100.0;
-/// A body off the line that has moved further than this is no longer where it was.
+/// An off-path body that has moved further than this is no longer where it was.
 constexpr double off_line_distance_m_max = 0.005;
-/// A section lies where it lay when the position was saved.
+/// A section within these tolerances lies where it lay when the position was saved.
 constexpr double same_position_m = 0.02;
 constexpr double same_heading_rad = 0.05;
 
@@ -111,7 +111,7 @@ bool PositionStore::restore_position(DrivingContext& context) {
     }
   }
   if (!restored_->pose || std::fabs(distance_m) > off_line_distance_m_max) return false;
-  // What PILS reports of a manoeuvre now is younger than what was saved.
+  // PILS's present report of a manoeuvre is newer than the saved one.
   const auto& manoeuvred = agent.position().manoeuvred();
   const Pose2 X_OB = manoeuvred ? *manoeuvred : restored_->manoeuvre.value_or(Pose2{});
   agent.estimator().set_off_path(*restored_->pose * X_OB);

@@ -12,7 +12,7 @@
 
 namespace cosiva::aiv {
 
-/// Where the vehicle is when its program starts, and what the program saves of that for its next start.
+/// The vehicle's position when its program starts, and what the program saves of it for the next start.
 ///
 /// Invariant: a saved position names the PILS session whose odometer it was read from. A restored position is used at
 /// most once, and never with the odometer of another session.
@@ -22,19 +22,19 @@ class PositionStore {
 
   /// What the program saved before its restart. Pause and imposed profile hold at once.
   void restore(PersistedPosition restored, DrivingContext* context);
-  /// True: PILS has powered up anew since its last hello, so that its odometer counts from another origin.
+  /// True: PILS has restarted since its last hello, so that its odometer counts from another origin.
   [[nodiscard]] bool on_pils_hello(std::uint32_t session);
   /// The first zone is in force.
   void on_first_zone(DrivingContext& context, wire::Effects& effects);
   /// Another zone is in force: the configured start is of the zone before.
   void on_zone_switched(DrivingContext& context);
-  /// Finds the position if nothing better is known: the restored one first, because a vehicle that drove is no longer
-  /// where it was started; then the configured start.
+  /// Finds the position if no better one is known: the restored one first, because a vehicle that has driven is no
+  /// longer at its start; then the configured start.
   void find_position(DrivingContext& context);
-  /// An operator told the position: what was restored is void.
+  /// An operator has given the position: the restored position is void.
   void discard_restored();
 
-  /// Something is to be saved that the odometer does not show.
+  /// A change has to be saved that the odometer does not show.
   void request_save() { requested_ = true; }
   /// Saves what has changed: periodically, as soon as the vehicle stops, and on request.
   void on_tick(SimTime now, const DrivingContext& context, wire::Effects& effects);
@@ -44,7 +44,7 @@ class PositionStore {
 
  private:
   void restrict(Agent& agent) const;
-  /// Places the vehicle at the restored position: false where it cannot be there.
+  /// Sets the estimate to the restored position: false where it is impossible.
   [[nodiscard]] bool restore_position(DrivingContext& context);
   [[nodiscard]] std::optional<zone::TrackPosition> restored_position(const zone::Circuit& circuit,
                                                                      double distance_m) const;

@@ -53,7 +53,7 @@ TEST_F(PositionStoreTest, does_not_use_a_restored_position_of_another_odometer) 
   EXPECT_DOUBLE_EQ(s_m(), 0.1) << "the configured start";
 }
 
-TEST_F(PositionStoreTest, notices_that_PILS_powered_up_anew) {
+TEST_F(PositionStoreTest, detects_a_restart_of_PILS) {
   PositionStore positions{options};
   EXPECT_FALSE(positions.on_pils_hello(7));
   EXPECT_FALSE(positions.on_pils_hello(7));

@@ -30,30 +30,31 @@ wire::VehicleError condition(std::string type, std::string description, std::vec
   return {std::move(type), wire::ErrorLevel::warning, std::move(description), std::move(references)};
 }
 
-/// What is wrong now, and goes by itself when it is mended.
+/// Present faults, which disappear by themselves when they are repaired.
 void add_conditions(const ReportSources& from, std::vector<wire::VehicleError>& errors) {
   for (const wire::Board board : wire::all_boards) {
     const std::string name{to_string(board)};
     if (from.supervision.board_lost(from.now, board)) {
-      errors.push_back(condition("boardLost", name + " does not answer", {{"board", name}}));
+      errors.push_back(condition("boardLost", name + " does not respond", {{"board", name}}));
     } else if (const auto code = from.boards.health(board).self_test; code != 0) {
       errors.push_back(condition("boardFaulty", name + " reports fault " + std::to_string(code), {{"board", name}}));
     }
   }
   if (!from.zone_refused.empty()) errors.push_back(condition("zoneError", from.zone_refused));
   if (from.agent == nullptr) {
-    errors.push_back(condition("zoneUnknown", "no zone configuration has come yet"));
+    errors.push_back(condition("zoneUnknown", "no zone configuration has arrived yet"));
     return;
   }
   if (from.agent->holds().has(Hold::server_lost))
     errors.push_back(condition("serverLost", "the server's heartbeat stopped"));
   if (from.agent->holds().has(Hold::line_lost)) errors.push_back(condition("lineLost", "no line under the sensors"));
   const PositionEstimator& estimator = from.agent->position();
-  if (!estimator.pose_known()) errors.push_back(condition("positionUnknown", "nobody told where it stands"));
+  if (!estimator.pose_known()) errors.push_back(condition("positionUnknown", "the vehicle's position is not known"));
   if (estimator.away()) {
     const std::string off = in_three_decimals(estimator.off_by_m());
-    errors.push_back(condition("offCircuit", "the nearest way passes " + off +
-                                                 " away: it stays here until somebody moves it and tells where"));
+    errors.push_back(
+        condition("offCircuit", "the nearest path passes " + off +
+                                    " away: the vehicle stays here until it is moved and its position is given"));
   }
   if (from.agent->charge() < battery_low) errors.push_back(condition("batteryLowError", "less than 10 % charge"));
 }
@@ -72,11 +73,11 @@ wire::Information boards_information(const ReportSources& from) {
 }
 
 double percent_of(const wire::Power& power) {
-  // In the units in which it was told: 0.1 · 789 would be 78.9000…01.
+  // In the units of the message: 0.1 · 789 would be 78.9000…01.
   return power.gauge ? power.gauge->charge_ppm / 10'000.0 : 0.1 * power.charge_permille;
 }
 
-/// How sure the gauge is of the charge, which the standard has no field for.
+/// The gauge's uncertainty of the charge, for which the standard has no field.
 wire::Information gauge_information(const wire::Power::Gauge& gauge) {
   constexpr std::uint16_t needs_full_charge = 500;  // 5 %: it has drifted so far that only a full charge helps
   return {"battery",

@@ -14,12 +14,12 @@
 
 namespace cosiva::aiv {
 
-/// What a state is told from; all of it belongs to the on-board core.
+/// The sources of a state message; all of them belong to the on-board core.
 struct ReportSources {
   SimTime now;
   const Agent* agent;                      ///< null while there is no zone
-  const std::vector<wire::MapInfo>& maps;  ///< the one in force first; none while there is no zone
-  const std::string& zone_refused;         ///< why the last zone that came is not used; empty: it is
+  const std::vector<wire::MapInfo>& maps;  ///< the map in force first; none while there is no zone
+  const std::string& zone_refused;         ///< why the zone announced last is not used; empty: it is
   const BoardsLink& boards;
   const Supervision& supervision;
   const InstantActionBook& actions;
@@ -28,16 +28,16 @@ struct ReportSources {
 };
 
 [[nodiscard]] wire::State compose_state(const ReportSources& sources);
-/// How its boards fare, for the page's eyes (A18); without header.
-/// @param ranges  the last that DOBS sent
+/// Health of the boards, for the page (A18); without header.
+/// @param ranges  the last from DOBS
 [[nodiscard]] wire::BoardsReport compose_boards_report(const ReportSources& sources,
                                                        const std::optional<wire::Ranges>& ranges);
 [[nodiscard]] wire::Visualization compose_visualization(const Agent& agent, const std::string& map_id);
 
-/// What AFFI shows: who it is and how it fares, in 32 bytes.
+/// The text on AFFI: name and status of the vehicle, in 32 bytes.
 [[nodiscard]] std::string display_text(const std::string& serial_number, const Agent& agent);
 
-/// The flags whose change is worth a state of its own (VDA 5050 2.1 §6.10); compared from tick to tick.
+/// The flags whose change causes a state of its own (VDA 5050 2.1 §6.10); compared from tick to tick.
 struct ReportFlags {
   std::uint8_t holds{};
   bool driving{};

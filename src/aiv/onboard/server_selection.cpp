@@ -13,14 +13,14 @@ bool ServerSelection::on_owner(std::string_view payload, wire::Effects& effects)
     auto owner = wire::owner_from_json(payload);
     if (!owner) {
       effects.emplace_back(
-          wire::Log{'w', "whose this vehicle is cannot be read, so nothing changes: " + to_string(owner.error())});
+          wire::Log{'w', "the owner of this vehicle cannot be read, so nothing changes: " + to_string(owner.error())});
       return false;
     }
     next = std::move(owner->area);
   }
   if (next == area_) return false;
-  effects.emplace_back(
-      wire::Log{'i', next.empty() ? std::string("is nobody's any more") : "is control area " + next + "'s"});
+  effects.emplace_back(wire::Log{
+      'i', next.empty() ? std::string("belongs to no control area any more") : "belongs to control area " + next});
   area_ = std::move(next);
   topics_ = wire::server_topics(area_);
   COSIVA_EXPECT(area_.empty() == (topics_.heartbeat == wire::server_heartbeat_topic));

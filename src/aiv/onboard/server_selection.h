@@ -9,7 +9,7 @@
 
 namespace cosiva::aiv {
 
-/// The server that the vehicle obeys where several servers share a broker: its owner names the control area, and the
+/// The server that the vehicle obeys where one broker serves several servers: its owner names the control area, and the
 /// zone, heartbeat and connection of that area's server count, of no other.
 ///
 /// Invariant: topics() are those of the broker's only server exactly while no area is selected.

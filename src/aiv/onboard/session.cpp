@@ -143,21 +143,21 @@ wire::Factsheet make_factsheet(const zone::TrafficZone& zone, const SessionTimin
   const auto number = [](std::string key) { return wire::Parameter{std::move(key), std::string("NUMBER")}; };
   const auto text = [](std::string key) { return wire::Parameter{std::move(key), std::string("STRING")}; };
   sheet.actions = {
-      instant(action::start_pause, "stops and stays until stopPause"),
-      instant(action::stop_pause, "goes on"),
-      instant(action::cancel_order, "stops and forgets the order"),
-      instant(action::init_position, "tells the vehicle where it stands",
+      instant(action::start_pause, "stops the vehicle until stopPause"),
+      instant(action::stop_pause, "ends the pause"),
+      instant(action::cancel_order, "stops the vehicle and discards the order"),
+      instant(action::init_position, "sets the vehicle's position",
               {number("x"), number("y"), number("theta"), text("mapId"), text("lastNodeId")}),
       instant(action::state_request, "sends a state at once"),
       instant(action::factsheet_request, "sends the factsheet"),
       instant(action::set_speed_limit,
               "imposes a speed: profile slow, medium, fast or normal (none); or maxSpeed in m/s",
               {text("profile"), number("maxSpeed")}),
-      instant(action::enable_map, "says whether this map is in force; maps come by themselves",
+      instant(action::enable_map, "reports whether this map is in force; maps arrive by themselves",
               {text("mapId"), text("mapVersion")}),
-      instant(action::join_line, "goes onto the line at a pose that lies along it; for one that stands beside it",
+      instant(action::join_line, "joins the path at a pose that lies along it; for an off-path vehicle",
               {number("x"), number("y"), number("theta")}),
-      instant(action::back_up, "rolls back along the line, by at most 0.5 m, without looking; 0 stops it",
+      instant(action::back_up, "backs up along the path, by at most 0.5 m, without sensing; 0 stops the vehicle",
               {number("distance")}),
   };
   return sheet;

@@ -16,10 +16,10 @@
 namespace cosiva::aiv {
 
 /// The vehicle's end of VDA 5050: topics, headers counted per topic, retained flags and quality of service (§6.2, §6.4,
-/// §6.14, §6.15). While the broker is away nothing is published: a state that waits is an old state.
+/// §6.14, §6.15). While the broker is away nothing is published, because a state that waits would be outdated.
 class Session {
  public:
-  /// @param as_values  what comes often is passed on as values (wire/in_process/typed_message.h)
+  /// @param as_values  frequent messages are passed on as values (wire/in_process/typed_message.h)
   Session(wire::VehicleId id, std::string_view interface_name, bool as_values = false);
 
   [[nodiscard]] const std::string& order_topic() const { return order_topic_; }
@@ -39,16 +39,16 @@ class Session {
   void publish(SimTime now, wire::Visualization&& visualization, wire::Effects& effects);
   void publish(SimTime now, wire::Factsheet&& factsheet, wire::Effects& effects);
 
-  // Our own (wire/own/own_messages.h), QoS 0 all of them; headers are counted here, too.
+  // CoSiVA's own messages (wire/own/own_messages.h), all of them with QoS 0; headers are counted here, too.
   void publish(const wire::VirtualObstaclesAck& perceived, wire::Effects& effects);
   void publish(SimTime now, wire::DetectedObstacleReport&& detected, wire::Effects& effects);
   void publish(SimTime now, wire::BoardsReport&& report, wire::Effects& effects);
-  /// wire::EstimateResponse, written when it was due: it is said again to who did not hear it.
+  /// wire::EstimateResponse, encoded when it was due: it is sent again when its request is repeated.
   void publish_estimate(std::string&& json, wire::Effects& effects) const;
-  /// To those near this cell of the intent's map.
+  /// To vehicles near this cell of the intent's map.
   void publish(SimTime now, wire::Cell cell, wire::Intent&& intent, wire::Effects& effects);
 
-  /// A message meant for this vehicle, in a version it speaks (2.x)? Error code: validationError.
+  /// Whether the message is meant for this vehicle, in a version that it supports (2.x). Error code: validationError.
   [[nodiscard]] Result<void> accepts(const wire::Header& header) const;
 
  private:

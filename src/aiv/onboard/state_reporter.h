@@ -24,7 +24,7 @@ class StateReporter {
  public:
   explicit StateReporter(const OnboardOptions& options);
 
-  /// Something has happened that the server has to know: a state follows as soon as one may.
+  /// An event that the server has to know: a state follows as soon as permitted.
   void request_report() { requested_ = true; }
   /// Refuses a message of the server: a log line, a warning in the following states.
   void refuse(std::string type, std::string_view topic, std::string why, std::vector<wire::Reference> references,
@@ -35,7 +35,7 @@ class StateReporter {
   /// Requests a state where a flag has changed since the last call.
   void compare_flags(const ReportFlags& flags);
 
-  /// @param starting_up  the boards have not answered yet: the first state waits for them
+  /// @param starting_up  the boards have not responded yet: the first state waits for them
   void publish_state(const ReportSources& sources, bool starting_up, Session& session, wire::Effects& effects);
   void publish_visualization(SimTime now, const DrivingContext& context, Session& session, wire::Effects& effects);
   void publish_boards_report(const ReportSources& sources, const std::optional<wire::Ranges>& ranges, Session& session,

@@ -9,15 +9,15 @@
 
 namespace cosiva::aiv {
 
-/// Who must be heard for the vehicle to drive (the vehicle's promise 3): its broker, its four boards, and a server it
-/// has once heard a heartbeat of.
+/// The links that the vehicle needs in order to drive (the vehicle's promise 3): its broker, its four boards, and a
+/// server from its first heartbeat on.
 class Supervision {
  public:
   explicit Supervision(SimDuration timeout) : timeout_{timeout} {}
 
   void broker(SimTime now, bool up);
   void on_server_heartbeat(SimTime now) { server_heartbeat_at_ = now; }
-  /// It said goodbye: another master may drive, or nobody.
+  /// The server went offline cleanly: another master may drive the vehicle, or none.
   void server_left() { server_heartbeat_at_.reset(); }
   void on_board_message(SimTime now, wire::Board board) { board_message_at_[index(board)] = now; }
   void forget_board(wire::Board board) { board_message_at_[index(board)].reset(); }

@@ -10,7 +10,7 @@
 namespace cosiva::aiv {
 namespace {
 
-/// No other vehicle is near: just often enough that a vehicle which arrives is found in time.
+/// No other vehicle is near: just often enough that an arriving vehicle is found in time.
 constexpr SimDuration alone_period = std::chrono::seconds{1};
 constexpr SimDuration moving_period = std::chrono::milliseconds{200};
 constexpr SimDuration stopped_period = std::chrono::milliseconds{500};
@@ -53,7 +53,7 @@ void V2xParticipant::on_intent(SimTime now, const wire::Input& input, DrivingCon
   const auto verdict = context.neighbours().receive(now, *topic, std::move(*intent), here);
   using enum Neighbours::Verdict;
   if (verdict == first) requested_ = true;
-  // The network repeats and overtakes, and the vehicle's own intents come back where it subscribes: no fault.
+  // The network repeats and reorders messages, and the vehicle's own intents come back by its subscriptions: no fault.
   const bool own_intent = verdict == own && topic->vehicle == id_;
   if (verdict == taken || verdict == first || verdict == old || own_intent) return;
   refuse(std::string(to_string(verdict)), std::string(to_string(verdict)));

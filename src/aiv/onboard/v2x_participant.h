@@ -21,7 +21,7 @@ class V2xParticipant {
   /// @param enabled  false: it neither publishes nor accepts intents
   V2xParticipant(wire::VehicleId id, bool enabled);
 
-  /// True when the vehicle has come to another cell, so that filters() are others.
+  /// True when the vehicle has entered another cell, so that filters() have changed.
   [[nodiscard]] bool update_cell(const DrivingContext& context);
   /// Topics of the cells around the vehicle; none before its pose is known.
   [[nodiscard]] std::vector<std::string> filters() const;

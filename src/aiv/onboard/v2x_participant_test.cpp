@@ -38,7 +38,7 @@ TEST_F(V2xParticipantTest, subscribes_around_its_cell_once_it_knows_its_pose) {
 }
 
 TEST_F(V2xParticipantTest, publishes_once_a_second_while_it_is_alone) {
-  EXPECT_EQ(intents_at(0), 0U) << "it has no cell yet";
+  EXPECT_EQ(intents_at(0), 0U) << "there is no cell yet";
   ASSERT_TRUE(v2x.update_cell(context));
   EXPECT_EQ(intents_at(0), 1U);
   EXPECT_EQ(intents_at(990), 0U);

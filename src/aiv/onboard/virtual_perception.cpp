@@ -17,15 +17,16 @@ bool VirtualPerception::on_bodies(SimTime now, const wire::Input& input, Driving
                                   wire::Effects& effects) {
   if (input.flag) return false;  // a retained list is of unknown age
   const auto refuse = [&](std::string kind, const std::string& why) {
-    errors_.report(std::move(kind), "ahead not used: " + why, effects);
+    errors_.report(std::move(kind), "virtual obstacles not used: " + why, effects);
     return false;
   };
   auto list = wire::virtual_obstacles_from_json(input.payload);
   if (!list) return refuse(list.error().code + " " + list.error().location, to_string(list.error()));
   const std::string& map_id = context.zone().name;
-  if (list->map_id != map_id) return refuse("map", "it is of map '" + list->map_id + "', this is '" + map_id + "'");
-  // A number that runs backwards is another server's, which does not know yet that this vehicle perceives virtual
-  // bodies. And any response may have been lost in transit.
+  if (list->map_id != map_id)
+    return refuse("map", "the list is of map '" + list->map_id + "', this is '" + map_id + "'");
+  // A decreasing number is another server's, which does not know yet that this vehicle perceives virtual bodies. And
+  // any response may have been lost in transit.
   PerceivedWorld& bodies = context.virtual_bodies();
   const bool first = !bodies.informed() || list->header_id < bodies.header_id();
   const bool expired = now - response_.decided >= response_period_max || now < response_.decided;
@@ -45,7 +46,7 @@ void VirtualPerception::acknowledge(SimTime now, const DrivingContext& context, 
 
 void VirtualPerception::update(SimTime now, bool server_lost, DrivingContext& context) {
   PerceivedWorld& bodies = context.virtual_bodies();
-  // A vehicle without its server cannot learn that a body went; it is stopped.
+  // A vehicle without its server cannot learn that a body has disappeared; the vehicle is stopped.
   if (server_lost)
     bodies.excuse_silence(now);
   else

@@ -32,7 +32,7 @@ struct VirtualPerceptionTest : ::testing::Test {
   }
 };
 
-TEST_F(VirtualPerceptionTest, acknowledges_the_first_list_and_then_only_news) {
+TEST_F(VirtualPerceptionTest, acknowledges_the_first_list_and_then_only_changes) {
   EXPECT_TRUE(list(5));
   EXPECT_EQ(effects.size(), 1U);
   EXPECT_TRUE(list(6));
@@ -43,7 +43,7 @@ TEST_F(VirtualPerceptionTest, acknowledges_the_first_list_and_then_only_news) {
   EXPECT_EQ(effects.size(), 1U) << "a response was requested";
 }
 
-TEST_F(VirtualPerceptionTest, takes_a_number_that_runs_backwards_for_another_server_s) {
+TEST_F(VirtualPerceptionTest, takes_a_decreasing_number_for_another_server_s) {
   EXPECT_TRUE(list(5));
   now += std::chrono::milliseconds{100};
   EXPECT_TRUE(list(1));

@@ -9,15 +9,15 @@
 
 namespace cosiva::aiv {
 
-/// Refusals, kept in the state's errors until a new order is accepted (VDA 5050 2.1 §6.6.4; trap 10). Bounded, newest
-/// last; one that comes again does not pile up.
+/// Refusals, listed in the state's errors until a new order is accepted (VDA 5050 2.1 §6.6.4; trap 10). Bounded, newest
+/// last; a repeated warning is listed once.
 class Warnings {
  public:
   static constexpr std::size_t count_max = 16;
 
   void add(std::string type, std::string description, std::vector<wire::Reference> references = {});
   void on_new_order() { all_.clear(); }
-  /// An accepted update settles what was said of its forerunners: a rolling order may never be followed by a new one.
+  /// An accepted update removes the warnings about its forerunners: a rolling order may never be followed by a new one.
   void on_update();
   [[nodiscard]] const std::vector<wire::VehicleError>& all() const { return all_; }
 

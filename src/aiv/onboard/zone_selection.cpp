@@ -31,7 +31,7 @@ ZoneSelection::Decision ZoneSelection::on_announced(zone::ZoneConfiguration anno
     return {Verdict::edited, std::move(*rtm)};
   }
   effects.emplace_back(wire::Log{
-      'i', "zone '" + rtm->zone().name + "' follows '" + in_force->name + "' as soon as this vehicle stands"});
+      'i', "zone '" + rtm->zone().name + "' follows '" + in_force->name + "' as soon as this vehicle has stopped"});
   pending_ = std::move(*rtm);
   list_maps();
   return {Verdict::pending, std::nullopt};

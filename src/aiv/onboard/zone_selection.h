@@ -18,11 +18,11 @@ namespace cosiva::aiv {
 class ZoneSelection {
  public:
   enum class Verdict {
-    unchanged,   ///< what was announced is in force or pending already
-    refused,     ///< it is no zone; refusal() gives the reason
-    first,       ///< it can be put in force, as no other is
+    unchanged,   ///< the announced zone is in force or pending already
+    refused,     ///< the announcement is no zone; refusal() gives the reason
+    first,       ///< the zone can be put in force, because no other is
     edited,      ///< the circuit in force with other fiducials: in force at once
-    pending,     ///< another circuit: it waits until the vehicle has stopped
+    pending,     ///< another circuit: the zone waits until the vehicle has stopped
     called_off,  ///< the zone in force again, before the vehicle had stopped
   };
   struct Decision {

@@ -37,7 +37,7 @@ TEST_F(ZoneSelectionTest, lists_the_zone_in_force_and_then_the_pending_one) {
   EXPECT_EQ(zones.maps().size(), 1U);
   EXPECT_EQ(announce(test::lacet4_configuration()), unchanged);
   EXPECT_EQ(announce(renamed()), pending);
-  EXPECT_EQ(announce(renamed()), unchanged) << "it is pending already";
+  EXPECT_EQ(announce(renamed()), unchanged) << "the zone is pending already";
   ASSERT_EQ(zones.maps().size(), 2U);
   EXPECT_TRUE(zones.maps()[0].enabled);
   EXPECT_EQ(zones.maps()[1].map_id, "other");
@@ -56,14 +56,14 @@ TEST_F(ZoneSelectionTest, calls_a_switch_off_when_the_zone_in_force_is_announced
   EXPECT_EQ(zones.maps().size(), 1U);
 }
 
-TEST_F(ZoneSelectionTest, takes_other_fiducials_at_once) {
+TEST_F(ZoneSelectionTest, adopts_other_fiducials_at_once) {
   enter();
   ASSERT_EQ(announce(renamed()), pending);
   EXPECT_EQ(announce(changed("s_m = 1.4137", "s_m = 1.3637")), edited);
   EXPECT_FALSE(zones.pending()) << "the last announcement counts";
 }
 
-TEST_F(ZoneSelectionTest, refuses_what_is_no_zone_and_keeps_what_is_pending) {
+TEST_F(ZoneSelectionTest, refuses_an_invalid_zone_and_keeps_the_pending_one) {
   enter();
   ASSERT_EQ(announce(renamed()), pending);
   EXPECT_EQ(announce({"toml", "x.toml", "no zone"}), refused);

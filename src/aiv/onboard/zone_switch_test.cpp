@@ -20,7 +20,7 @@ using ::testing::Not;
 
 constexpr double edge_m = 0.282743338823;
 
-/// A running track that begins at a pose, and goes on ahead of it for a metre and a half.
+/// An oval track that begins at a pose, and continues ahead of it for a metre and a half.
 zone::ZoneConfiguration track_at(const Pose2& start, const std::string& name) {
   constexpr double degrees = 180.0 / pi;
   std::ostringstream text;
@@ -41,7 +41,7 @@ struct SwitchFixture : OnboardFixture {
   void announce(const zone::ZoneConfiguration& zone) {
     receive(std::string(wire::zone_topic_prefix) + zone.format, zone::to_payload(zone), true);
   }
-  /// The vehicle hears of it, and the floor changes under it as soon as it stands.
+  /// The vehicle receives the zone, and the floor changes under the vehicle as soon as it has stopped.
   void switch_to(const zone::ZoneConfiguration& zone) {
     announce(zone);
     ASSERT_TRUE(run_until([&] { return speed_mps == 0.0 && !world.manoeuvring(); }, 3.0));
@@ -65,7 +65,7 @@ struct SwitchFixture : OnboardFixture {
   double pose_error_m() const { return distance(*core->estimated_pose(), world.pose()); }
 };
 
-/// 0.12 m to the left of where the vehicle will stand, and turned away from it.
+/// 0.12 m to the left of the vehicle's stopping position, and turned away from it.
 zone::ZoneConfiguration track_off_path(const Pose2& X_MB, const std::string& name = "track") {
   return track_at(X_MB * Pose2{-0.3, 0.12, 0.3}, name);
 }
@@ -74,7 +74,7 @@ zone::ZoneConfiguration track_near_loop(const std::string& name = "track") {
 }
 const std::string first = "out@0";
 
-TEST(ZoneSwitch, brakes_on_the_old_zone_and_stands_on_the_new_one_where_it_stood) {
+TEST(ZoneSwitch, brakes_on_the_old_zone_and_keeps_its_pose_on_the_new_one) {
   SwitchFixture fixture;
   fixture.set_off();
   fixture.announce(track_near_loop());
@@ -96,13 +96,13 @@ TEST(ZoneSwitch, brakes_on_the_old_zone_and_stands_on_the_new_one_where_it_stood
   EXPECT_LT(distance(state.position->pose, is_stopped), 0.005);
   EXPECT_NEAR(state.position->pose.heading_rad, is_stopped.heading_rad, 0.01);
   EXPECT_THAT(state.node_states, IsEmpty());
-  EXPECT_EQ(state.order_id, "O-1") << "kept until there is a new one";
+  EXPECT_EQ(state.order_id, "O-1") << "preserved until there is a new order";
   EXPECT_THAT(fixture.error_types(), Not(Contains("lineLost")));
   EXPECT_EQ(fixture.visualizations.back().position->map_id, "track");
   EXPECT_THAT(fixture.undecodable, IsEmpty());
 }
 
-TEST(ZoneSwitch, is_followed_by_a_drive_to_the_new_line_and_along_it) {
+TEST(ZoneSwitch, is_followed_by_a_drive_to_the_new_path_and_along_it) {
   SwitchFixture fixture;
   fixture.set_off();
   fixture.switch_to(track_near_loop());
@@ -122,7 +122,7 @@ TEST(ZoneSwitch, is_followed_by_a_drive_to_the_new_line_and_along_it) {
   EXPECT_LT(fixture.pose_error_m(), 0.01);
 }
 
-TEST(ZoneSwitch, drops_what_comes_late_for_the_old_zone) {
+TEST(ZoneSwitch, drops_late_messages_for_the_old_zone) {
   SwitchFixture fixture;
   fixture.set_off();
   fixture.switch_to(track_near_loop());
@@ -133,7 +133,7 @@ TEST(ZoneSwitch, drops_what_comes_late_for_the_old_zone) {
   EXPECT_THAT(fixture.error_types(), Contains("orderUpdateError"));
 }
 
-TEST(ZoneSwitch, takes_no_order_until_it_is_done) {
+TEST(ZoneSwitch, accepts_no_order_until_it_is_done) {
   SwitchFixture fixture;
   fixture.set_off();
   fixture.announce(track_near_loop());
@@ -156,12 +156,12 @@ TEST(ZoneSwitch, keeps_pause_and_speed_limit) {
   EXPECT_TRUE(persisted_position_from_json(fixture.persisted)->paused);
 }
 
-TEST(ZoneSwitch, to_a_broken_configuration_is_none) {
+TEST(ZoneSwitch, to_an_invalid_configuration_does_not_happen) {
   SwitchFixture fixture;
   fixture.set_off();
   fixture.announce({"toml", "x", "name = 7"});
   fixture.run(0.5);
-  EXPECT_GT(fixture.speed_mps, 0.2) << "nothing stops for that";
+  EXPECT_GT(fixture.speed_mps, 0.2) << "an invalid configuration does not stop the vehicle";
   EXPECT_THAT(fixture.error_types(), Contains("zoneError"));
   fixture.announce({"nonsense", "x", "name = 7"});
   fixture.run(0.5);
@@ -169,7 +169,7 @@ TEST(ZoneSwitch, to_a_broken_configuration_is_none) {
   EXPECT_EQ(fixture.state().position->map_id, "lacet4");
   fixture.announce(lacet4_configuration());
   fixture.run(0.5);
-  EXPECT_THAT(fixture.error_types(), Not(Contains("zoneError"))) << "the last one is good";
+  EXPECT_THAT(fixture.error_types(), Not(Contains("zoneError"))) << "the last configuration is valid";
 }
 
 TEST(ZoneSwitch, ignores_a_cleared_topic) {
@@ -181,7 +181,7 @@ TEST(ZoneSwitch, ignores_a_cleared_topic) {
   EXPECT_GT(fixture.speed_mps, 0.2);
 }
 
-TEST(ZoneSwitch, back_before_it_stood_is_none_and_it_drives_on) {
+TEST(ZoneSwitch, back_before_the_standstill_is_called_off_and_the_vehicle_drives_on) {
   SwitchFixture fixture;
   fixture.set_off();
   fixture.announce(track_near_loop());
@@ -193,7 +193,7 @@ TEST(ZoneSwitch, back_before_it_stood_is_none_and_it_drives_on) {
   EXPECT_FALSE(fixture.state().node_states.empty());
 }
 
-TEST(ZoneSwitch, twice_quickly_ends_on_the_last) {
+TEST(ZoneSwitch, twice_in_quick_succession_ends_on_the_last) {
   SwitchFixture fixture;
   fixture.set_off();
   fixture.announce(track_near_loop("one"));
@@ -222,7 +222,7 @@ TEST(ZoneSwitch, back_and_forth_ends_where_it_began) {
   EXPECT_LT(fixture.pose_error_m(), 0.01);
 }
 
-TEST(ZoneSwitch, of_the_same_name_with_other_ways_is_one) {
+TEST(ZoneSwitch, to_other_sections_under_the_same_name_takes_place) {
   SwitchFixture fixture;
   fixture.set_off();
   const std::string version = fixture.state().maps.front().map_version;
@@ -232,7 +232,7 @@ TEST(ZoneSwitch, of_the_same_name_with_other_ways_is_one) {
   EXPECT_THAT(fixture.state().node_states, IsEmpty());
 }
 
-TEST(ZoneSwitch, to_one_that_is_far_away_parks_it_until_another_comes) {
+TEST(ZoneSwitch, to_a_distant_zone_leaves_the_vehicle_off_route_until_the_next_one) {
   SwitchFixture fixture;
   fixture.set_off();
   const Pose2 is_stopped = lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.5));
@@ -249,7 +249,7 @@ TEST(ZoneSwitch, to_one_that_is_far_away_parks_it_until_another_comes) {
   EXPECT_THAT(fixture.error_types(), Not(Contains("offCircuit")));
 }
 
-TEST(ZoneSwitch, is_remembered_over_a_crash_beside_the_line) {
+TEST(ZoneSwitch, is_persisted_over_a_crash_off_the_path) {
   SwitchFixture fixture;
   fixture.set_off();
   fixture.switch_to(track_near_loop());
@@ -277,7 +277,7 @@ TEST(ZoneSwitch, is_restored_by_a_program_that_was_started_with_the_old_zone) {
   EXPECT_LT(after.pose_error_m(), 0.005);
 }
 
-TEST(ZoneSwitch, is_restored_halfway_to_the_line) {
+TEST(ZoneSwitch, is_restored_halfway_to_the_path) {
   SwitchFixture fixture;
   fixture.set_off();
   fixture.switch_to(track_near_loop());
@@ -305,8 +305,8 @@ TEST(ZoneSwitch, is_restored_halfway_to_the_line) {
   EXPECT_LT(after.pose_error_m(), 0.01);
 }
 
-// Two that a switch left side by side: one of them gets out of the other's way as it would have before.
-TEST(ZoneSwitch, that_leaves_a_line_under_it_lets_it_back_up_along_it) {
+// Two vehicles that a switch left next to each other: one of them makes room for the other as before the switch.
+TEST(ZoneSwitch, that_leaves_a_path_under_the_vehicle_permits_backing_up_along_it) {
   SwitchFixture fixture;
   fixture.run(0.5);
   fixture.switch_to(track_at(fixture.world.pose() * Pose2{-0.8, 0.0, 0.0}, "track"));
@@ -318,7 +318,7 @@ TEST(ZoneSwitch, that_leaves_a_line_under_it_lets_it_back_up_along_it) {
   EXPECT_LT(fixture.pose_error_m(), 0.01);
 }
 
-TEST(ZoneSwitch, that_leaves_no_line_under_it_lets_it_back_up_nowhere) {
+TEST(ZoneSwitch, that_leaves_no_path_under_the_vehicle_permits_no_backing_up) {
   SwitchFixture fixture;
   fixture.run(0.5);
   fixture.switch_to(track_at(fixture.world.pose() * Pose2{-0.8, 0.01, 0.0}, "track"));
@@ -332,7 +332,7 @@ TEST(ZoneSwitch, that_leaves_no_line_under_it_lets_it_back_up_nowhere) {
   EXPECT_EQ(fixture.speed_mps, 0.0);
 }
 
-TEST(ZoneSwitch, is_followed_by_a_joinLine_that_takes_it_onto_the_line_without_an_order) {
+TEST(ZoneSwitch, is_followed_by_a_joinLine_onto_the_path_without_an_order) {
   SwitchFixture fixture;
   fixture.set_off();
   fixture.switch_to(track_near_loop());
@@ -347,13 +347,13 @@ TEST(ZoneSwitch, is_followed_by_a_joinLine_that_takes_it_onto_the_line_without_a
   EXPECT_EQ(fixture.action("nowhere")->status, wire::ActionStatus::failed);
   EXPECT_EQ(join("there", fixture.floor().circuit.pose_at({0, 0.5})), wire::ActionStatus::running);
   EXPECT_EQ(join("elsewhere", fixture.floor().circuit.pose_at({0, 0.2})), wire::ActionStatus::failed)
-      << "it is on its way";
+      << "the vehicle is joining already";
   fixture.run(8.0);
   EXPECT_EQ(fixture.action("there")->status, wire::ActionStatus::finished);
   ASSERT_TRUE(fixture.world.on_line());
   EXPECT_NEAR(fixture.world.track_position().s_m, 0.5, 0.01);
   EXPECT_EQ(join("again", fixture.floor().circuit.pose_at({0, 0.7})), wire::ActionStatus::failed)
-      << "it is on the line";
+      << "the vehicle is on the path";
 }
 
 TEST(ZoneSwitch, responds_to_enableMap_and_downloadMap) {
@@ -375,7 +375,7 @@ TEST(ZoneSwitch, responds_to_enableMap_and_downloadMap) {
   EXPECT_EQ(fixture.action("e")->status, wire::ActionStatus::finished);
 }
 
-TEST(PersistedPosition, keeps_a_pose_beside_the_line_and_a_manoeuvre) {
+TEST(PersistedPosition, keeps_an_off_path_pose_and_a_manoeuvre) {
   PersistedPosition persisted{
       "z", "s", 1.5, 7, 9, true, Profile::slow, Pose2{1.0, 2.0, 0.5}, true, Pose2{0.1, 0.0, -0.2}, "next"};
   EXPECT_EQ(persisted_position_from_json(to_json(persisted)).value(), persisted);
@@ -383,7 +383,7 @@ TEST(PersistedPosition, keeps_a_pose_beside_the_line_and_a_manoeuvre) {
                                                     R"("pose":{"x":1e300,"y":0,"theta":0},"off_path":true})");
   ASSERT_TRUE(damaged);
   EXPECT_FALSE(damaged->pose);
-  EXPECT_FALSE(damaged->off_path) << "without a pose the place is all there is";
+  EXPECT_FALSE(damaged->off_path) << "without a pose only the position is known";
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 namespace cosiva::aiv {
 namespace {
 
-/// Two spans of one crossing that meet at a joint are one passage.
+/// Two spans of one crossing that meet at a joint are one span.
 constexpr double joint_m = 1e-6;
 
 }  // namespace
@@ -22,10 +22,10 @@ CrossingFinder::CrossingFinder(const zone::TrafficZone& zone)
 void CrossingFinder::ahead(const Outlook& outlook, double reach_m, std::size_t count_max,
                            std::vector<CrossingSpan>& out) const {
   out.clear();
-  double start_m = -outlook.here.s_m;  // of the present section, seen from here
-  double chained_to_m = reach_m;       // so far a crossing still counts
+  double start_m = -outlook.here.s_m;  // of the present section, relative to the vehicle
+  double chained_to_m = reach_m;       // up to here a crossing still counts
   zone::SectionLookAhead ahead = section_look_ahead(circuit_, outlook);
-  // Twice round is more than any chain needs; it ends the search on a ring that is one chain.
+  // Two rounds are more than any chain needs; this limit ends the search on a loop that is one chain.
   for (std::size_t steps = 0; steps < 2 * circuit_.size() && start_m <= chained_to_m; ++steps) {
     for (const Span& span : spans_[ahead.section()]) {
       const double from_m = start_m + span.from_m;

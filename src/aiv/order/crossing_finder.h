@@ -8,21 +8,21 @@
 
 namespace cosiva::aiv {
 
-/// One crossing on the way ahead, with its zone's index. Distances from the vehicle's middle, along its way.
+/// One crossing on the path ahead, with its index in the zone. Distances from the body origin, along the path.
 struct CrossingSpan {
   std::size_t crossing;
-  double entry_m;         ///< 0 where it is inside
+  double entry_m;         ///< 0 where the vehicle is inside
   double exit_m;          ///< > 0
-  double chain_exit_m{};  ///< of the last crossing that follows too closely to stand before it
+  double chain_exit_m{};  ///< of the last crossing that follows too closely to stop before it
 };
 
-/// Which crossings a vehicle comes to, by name, where CrossingLookAhead tells only that there is one.
+/// Which crossings a vehicle approaches, by name, where CrossingLookAhead finds only that there is one.
 class CrossingFinder {
  public:
   explicit CrossingFinder(const zone::TrafficZone& zone);
 
-  /// Those that the vehicle is in or enters within `reach_m`, and those chained to them, in the order of their entries;
-  /// at most `count_max`. Replaces what was in `out`.
+  /// The crossings that the vehicle is in or enters within `reach_m`, and those chained to them, in the order of their
+  /// entries; at most `count_max`. Replaces the contents of `out`.
   void ahead(const Outlook& outlook, double reach_m, std::size_t count_max, std::vector<CrossingSpan>& out) const;
 
  private:

@@ -9,13 +9,13 @@
 namespace cosiva::aiv {
 namespace {
 
-/// How far from the first node a vehicle still counts as standing on it when the order states no deviation.
+/// Distance from the first node within which a vehicle counts as located at it when the order states no deviation.
 constexpr double first_node_m = 0.10;
-/// Standing accuracy at the end of the base.
+/// Accuracy at standstill at the end of the base.
 constexpr double arrival_m = 0.015;
-/// Places of one node lie equally far along a way.
+/// Tolerance of the distances along a route to different positions of one node.
 constexpr double same_path_m = 1e-3;
-/// The vehicle's way along the order and its place on the circuit agree this well.
+/// Tolerance between the vehicle's progress along the order and its position on the circuit.
 constexpr double same_position_m = 0.10;
 
 std::string named(const wire::OrderNode& node) { return "node '" + node.node_id + "'"; }
@@ -30,7 +30,7 @@ OrderBook::OrderBook(const zone::TrafficZone& zone, std::vector<std::string> sup
     : zone_{zone}, supported_actions_{std::move(supported_actions)}, router_{zone} {}
 
 Result<OrderBook::Verdict> OrderBook::offer(const wire::Order& order, const StartState& reference) {
-  // A repeated message is silence even when its base has long been driven, so it comes before everything else.
+  // A repeated message is ignored even when its base has long been driven; this check therefore precedes all others.
   const bool same_order = !order_id_.empty() && order.order_id == order_id_;
   if (same_order && order.order_update_id == order_update_id_) return Verdict::ignored_same;
   if (auto checked = check_shape(order); !checked) return tl::unexpected(std::move(checked.error()));
@@ -40,7 +40,7 @@ Result<OrderBook::Verdict> OrderBook::offer(const wire::Order& order, const Star
   }
   if (auto checked = check_abilities(order, supported_actions_); !checked)
     return tl::unexpected(std::move(checked.error()));
-  if (!reference.position_known) return fail("noRouteError", "the vehicle does not know where it is");
+  if (!reference.position_known) return fail("noRouteError", "the vehicle's position is not known");
   return same_order ? offer_update(order, reference) : offer_new(order, reference);
 }
 
@@ -57,7 +57,7 @@ Result<OrderBook::Verdict> OrderBook::offer_new(const wire::Order& order, const 
   targets_.clear();
   edges_.clear();
   travelled_m_ = found->vehicle_m;
-  base_end_path_m_ = found->vehicle_m;  // a first node alone is a place to be at, not to drive to
+  base_end_path_m_ = found->vehicle_m;  // a first node alone is not driven to
   last_node_id_ = order.nodes.front().node_id;
   last_node_sequence_id_ = order.nodes.front().sequence_id;
   last_node_path_m_ = 0.0;
@@ -70,7 +70,7 @@ Result<OrderBook::Verdict> OrderBook::offer_new(const wire::Order& order, const 
 Result<OrderBook::Verdict> OrderBook::offer_update(const wire::Order& order, const StartState& reference) {
   if (cancelled_) return fail("orderUpdateError", "order '" + order_id_ + "' was cancelled");
 
-  // The stitch: the last node of the base, not of the horizon (trap 4); where no base is left, the last node passed.
+  // The stitch: the last node of the base, not of the horizon (trap 4); without a remaining base, the last node passed.
   const std::size_t kept = released_count();
   const bool on_base = kept > 0;
   const std::string& node_id = on_base ? targets_[kept - 1].node.node_id : last_node_id_;
@@ -87,7 +87,7 @@ Result<OrderBook::Verdict> OrderBook::offer_update(const wire::Order& order, con
     edges_.resize(kept);
     append(order, std::move(*route), targets_.back().path_m);
   } else {
-    // It may have been moved by hand since it arrived.
+    // The vehicle may have been moved by hand since its arrival.
     auto found = find_from_any(order, positions_like(last_node_position_, order), reference);
     if (!found) return tl::unexpected(std::move(found.error()));
     targets_.clear();
@@ -109,7 +109,7 @@ Result<OrderBook::Found> OrderBook::find(const wire::Order& order, const std::ve
     const auto vehicle_m = route ? distance_from_first_node(order.nodes.front(), *route, now)
                                  : Result<double>{tl::unexpected(route.error())};
     if (!vehicle_m) {
-      // A way that begins elsewhere tells more than none.
+      // The error of a route that starts elsewhere is more specific than the lack of a route.
       if (!why || route) why = vehicle_m.error();
       continue;
     }
@@ -153,7 +153,7 @@ Result<OrderRoute> OrderBook::find_continuation(const wire::Order& order, std::s
   for (const zone::TrackPosition position : positions_like(stitch.position, order)) {
     const bool same = position == stitch.position;
     auto found_route = same ? std::nullopt : router_.shortest_route(before, position, path_distance_m + same_path_m);
-    // Another place of the node, equally far along the base: that of another way out of it.
+    // Another position of the node, equally far along the base: that of another branch out of it.
     if (!same && (!found_route || found_route->length_m < path_distance_m - same_path_m)) continue;
     auto route = router_.route(order, position);
     if (!route) {
@@ -191,7 +191,7 @@ Result<double> OrderBook::distance_from_first_node(const wire::OrderNode& node, 
                                                    zone::TrackPosition now) const {
   const double deviation_m =
       std::max(first_node_m, node.position ? node.position->allowed_deviation_xy_m.value_or(0.0) : 0.0);
-  // Behind the vehicle the whole first edge counts: a vehicle that stands on it has passed the node.
+  // Behind the vehicle the whole first edge counts: a vehicle on this edge has passed the node.
   const double first_edge_m = route.legs.empty() ? 0.0 : route.legs.front().length_m;
   const double longest_m = router_.longest_m();
   const auto beyond_m = zone_.circuit.distance_ahead(
@@ -228,11 +228,11 @@ bool OrderBook::relocate(zone::TrackPosition position) {
 
 zone::Course OrderBook::course_from(zone::TrackPosition here) const {
   if (router_.one_way()) return {};
-  if (last_node_position_.section == zone::no_section) return zone::Course{{here.section}};  // it never had an order
+  if (last_node_position_.section == zone::no_section) return zone::Course{{here.section}};  // no order so far
   std::vector<zone::SectionId> sections{last_node_position_.section};
   for (const Target& target : targets_) sections.insert(sections.end(), target.via.begin(), target.via.end());
 
-  // A way may come over a section more than once: the one that fits how far the vehicle has come.
+  // A route may use a section more than once: the use that fits the distance travelled is taken.
   const double since_m = travelled_m_ - last_node_path_m_;
   double start_m = -last_node_position_.s_m;
   std::size_t at = sections.size();
@@ -247,7 +247,7 @@ zone::Course OrderBook::course_from(zone::TrackPosition here) const {
   }
   if (at < sections.size()) return zone::Course{std::move(sections), at};
 
-  // Before the first node, then, or nowhere near.
+  // The vehicle is before the first node, or nowhere near.
   const auto found_route = router_.shortest_route(here, last_node_position_, std::fabs(since_m) + same_position_m);
   if (!found_route) return zone::Course{{here.section}};
   std::vector<zone::SectionId> all = found_route->sections;
@@ -259,7 +259,7 @@ void OrderBook::set_last_node(std::string node_id) {
   if (active()) return;
   last_node_id_ = std::move(node_id);
   last_node_sequence_id_ = 0;
-  cancelled_ = true;  // whatever it followed, it does not stand where that ended
+  cancelled_ = true;  // the vehicle is not where its last order ended
 }
 
 void OrderBook::take_over_ids(const OrderBook& before) {
@@ -279,7 +279,7 @@ std::vector<wire::OrderNode> OrderBook::travelled(double distance_m) {
   std::size_t passed = 0;
   for (; passed < targets_.size(); ++passed) {
     const Target& target = targets_[passed];
-    // Not even a vehicle pushed past the end of its base traverses what was never released.
+    // Even a vehicle pushed past the end of its base does not traverse a node that was never released.
     if (!target.node.released) break;
     const bool base_ends_here = passed + 1 == targets_.size() || !targets_[passed + 1].node.released;
     if (travelled_m_ < target.path_m - (base_ends_here ? arrival_m : 0.0)) break;

@@ -66,7 +66,7 @@ TEST(NewOrder, is_accepted_and_its_first_node_is_the_last_node) {
   EXPECT_TRUE(book.horizon_left());
 }
 
-TEST(NewOrder, of_one_node_and_no_edge_is_legal_and_done_at_once) {
+TEST(NewOrder, of_one_node_and_no_edge_is_valid_and_finished_at_once) {
   Book book;
   EXPECT_EQ(book.offer(order("O-1").through({"loop_se@0"}), start), Verdict::accepted_new);
   EXPECT_FALSE(book.active());
@@ -74,12 +74,12 @@ TEST(NewOrder, of_one_node_and_no_edge_is_legal_and_done_at_once) {
   EXPECT_EQ(book.distance_to_base_end_m(), 0.0);
 }
 
-TEST(NewOrder, needs_a_vehicle_that_knows_where_it_is) {
+TEST(NewOrder, needs_a_known_position) {
   Book book;
   EXPECT_EQ(book.refusal(usual(), {start.position, false}), "noRouteError");
 }
 
-TEST(NewOrder, is_refused_while_another_has_base_or_horizon_left) {
+TEST(NewOrder, is_refused_while_the_present_order_has_base_or_horizon_left) {
   Book book;
   ASSERT_TRUE(book.offer(usual(), start));
   EXPECT_EQ(book.refusal(order("O-2").through({"loop_se@0"})), "orderUpdateError");
@@ -90,7 +90,7 @@ TEST(NewOrder, is_refused_while_another_has_base_or_horizon_left) {
   EXPECT_EQ(book.order_id(), "O-1");
 }
 
-TEST(NewOrder, is_accepted_when_the_one_before_is_finished) {
+TEST(NewOrder, is_accepted_when_the_previous_order_is_finished) {
   Book book;
   ASSERT_TRUE(book.offer(order("O-1").through({"loop_se@0", "loop_se@283"}), start));
   book.travelled(edge_m);
@@ -107,14 +107,14 @@ TEST(FirstNode, may_lie_on_the_edge_behind_the_vehicle) {
   EXPECT_NEAR(book.distance_to_base_end_m(), 2.0 * edge_m - 0.25, 1e-9);
 }
 
-TEST(FirstNode, may_lie_a_little_ahead) {
+TEST(FirstNode, may_lie_a_little_in_front_of_the_vehicle) {
   Book book;
   ASSERT_TRUE(book.offer(usual(), reference("east", 1.45)));
   EXPECT_NEAR(book.distance_to_base_end_m(), 2.0 * edge_m + 0.05, 1e-9);
   EXPECT_EQ(book.since_last_node_m(), 0.0);
 }
 
-TEST(FirstNode, may_lie_as_far_as_its_allowed_deviation_says) {
+TEST(FirstNode, may_lie_within_its_allowed_deviation) {
   auto wide = usual();
   wide.node(0).position = wire::NodePosition{0.75, -0.15, {}, 0.5, {}, "lacet4"};
   Book book;
@@ -135,7 +135,7 @@ TEST(FirstNode, with_a_wide_deviation_lets_nodes_behind_the_vehicle_be_traversed
   EXPECT_THAT(ids(book.travelled(0.0)), ElementsAre("loop_se@283"));
 }
 
-// --- what is refused, and as what ---------------------------------------------------------------------------------
+// --- refusals and their error types -------------------------------------------------------------------------------
 
 struct BadOrder {
   const char* what;
@@ -192,7 +192,7 @@ const BadOrder bad_orders[] = {
      }},
     {"another map", "noRouteError",
      [](OrderText& o) { o.node(1).position = wire::NodePosition{1.022, -0.215, {}, {}, {}, "attic"}; }},
-    {"a known node at another place", "noRouteError",
+    {"a known node at another position", "noRouteError",
      [](OrderText& o) { o.node(1).position = wire::NodePosition{0.0, 0.0, {}, {}, {}, "lacet4"}; }},
     {"an edge field that cannot be honoured", "orderError",
      [](OrderText& o) { o.edge(0).unsupported = {"trajectory"}; }},
@@ -217,29 +217,29 @@ TEST(Refusals, name_the_field) {
   EXPECT_EQ(verdict.error().location, "edges[0].trajectory");
 }
 
-TEST(Actions, that_the_vehicle_knows_are_accepted) {
+TEST(Actions, that_the_vehicle_supports_are_accepted) {
   OrderBook book{lacet4(), {"pick"}};
   auto with_action = usual();
   with_action.node(1).actions = {{"pick", "a1", "", wire::BlockingType::hard, {}}};
   EXPECT_TRUE(book.offer(with_action, start));
 }
 
-// --- nodes of other people's maps ---------------------------------------------------------------------------------
+// --- nodes of third-party maps ------------------------------------------------------------------------------------
 
 TEST(UnknownNodes, are_found_on_the_circuit_by_their_position) {
   Book book;
   auto foreign = order("F-1").through({"a", "b", "c"});
-  // On the first straight, its crossing point with the way south, and 10 cm beside the straight.
+  // On the first straight, its crossing point with the lane south, and 10 cm off the straight.
   foreign.node(0).position = wire::NodePosition{-0.65, -0.15, {}, {}, {}, ""};
   foreign.node(1).position = wire::NodePosition{-0.15, -0.15, {}, {}, {}, "lacet4"};
   foreign.node(2).position = wire::NodePosition{0.50, -0.25, {}, {}, {}, "lacet4"};
   ASSERT_EQ(book.refusal(foreign, reference("east", 0.1)), "accepted");
-  EXPECT_EQ(book.targets()[0].position.section, 0U) << "the way that the order goes on, not the one that crosses it";
+  EXPECT_EQ(book.targets()[0].position.section, 0U) << "the section on which the order continues, not the crossing one";
   EXPECT_NEAR(book.targets()[0].path_m, 0.5, 1e-9);
   EXPECT_NEAR(book.targets()[1].path_m, 1.15, 1e-9);
 }
 
-TEST(UnknownNodes, that_look_the_other_way_are_not_on_the_circuit) {
+TEST(UnknownNodes, with_opposite_heading_are_not_on_the_circuit) {
   auto foreign = order("F-1").through({"a"});
   foreign.node(0).position = wire::NodePosition{-0.65, -0.15, 3.1, {}, {}, ""};
   EXPECT_EQ(Book{}.refusal(foreign, reference("east", 0.1)), "noRouteError");
@@ -308,7 +308,7 @@ TEST(Update, whose_first_node_has_another_number_is_refused) {
   EXPECT_EQ(book.refusal(order("O-1", 1).from_sequence(6).through({"loop_se@565", "loop_se@848"})), "orderUpdateError");
 }
 
-TEST(Update, older_than_the_one_followed_is_refused_and_the_order_goes_on) {
+TEST(Update, older_than_the_present_one_is_refused_and_the_order_continues) {
   Book book;
   ASSERT_TRUE(book.offer(usual(), start));
   ASSERT_TRUE(book.offer(extension(5), start));
@@ -317,7 +317,7 @@ TEST(Update, older_than_the_one_followed_is_refused_and_the_order_goes_on) {
   EXPECT_TRUE(book.active());
 }
 
-TEST(Update, that_arrives_twice_is_accepted_once_and_ignored_then) {
+TEST(Update, that_arrives_twice_is_accepted_once_and_then_ignored) {
   Book book;
   ASSERT_TRUE(book.offer(usual(), start));
   ASSERT_TRUE(book.offer(extension(), start));
@@ -335,7 +335,7 @@ TEST(Update, of_a_finished_order_starts_at_its_last_node) {
   EXPECT_NEAR(book.distance_to_base_end_m(), 2.0 * edge_m + 0.004, 1e-9);
 }
 
-TEST(Update, of_a_finished_order_is_refused_when_the_vehicle_was_carried_away) {
+TEST(Update, of_a_finished_order_is_refused_when_the_vehicle_was_moved_away) {
   Book book;
   ASSERT_TRUE(book.offer(order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@565"}), start));
   book.travelled(2.0 * edge_m);
@@ -354,7 +354,7 @@ TEST(Update, of_a_cancelled_order_is_refused) {
 TEST(Traversal, takes_nodes_and_the_edges_before_them_out_of_the_states) {
   Book book;
   ASSERT_TRUE(book.offer(usual(), start));
-  EXPECT_THAT(ids(book.travelled(edge_m - 0.01)), IsEmpty()) << "a node on the way is traversed when passed";
+  EXPECT_THAT(ids(book.travelled(edge_m - 0.01)), IsEmpty()) << "a node on the route is traversed when passed";
   EXPECT_THAT(ids(book.travelled(0.01 + 1e-9)), ElementsAre("loop_se@283"));
   EXPECT_EQ(book.last_node_id(), "loop_se@283");
   EXPECT_EQ(book.last_node_sequence_id(), 2U);
@@ -368,7 +368,7 @@ TEST(Traversal, of_the_end_of_the_base_counts_15_mm_before) {
   ASSERT_TRUE(book.offer(usual(), start));
   EXPECT_THAT(ids(book.travelled(2.0 * edge_m - 0.016)), ElementsAre("loop_se@283"));
   EXPECT_THAT(ids(book.travelled(0.002)), ElementsAre("loop_se@565"));
-  EXPECT_NEAR(book.distance_to_base_end_m(), 0.014, 1e-9) << "the rest of the way is still its to drive";
+  EXPECT_NEAR(book.distance_to_base_end_m(), 0.014, 1e-9) << "the remaining distance may still be driven";
 }
 
 TEST(Traversal, never_goes_beyond_what_is_released) {
@@ -384,7 +384,7 @@ TEST(Traversal, may_pass_several_nodes_at_once_in_order) {
   EXPECT_THAT(ids(book.travelled(2.0 * edge_m)), ElementsAre("loop_se@283", "loop_se@565"));
 }
 
-TEST(Cancel, keeps_the_ids_and_forgets_the_rest) {
+TEST(Cancel, keeps_the_ids_and_discards_the_rest) {
   Book book;
   ASSERT_TRUE(book.offer(usual(), start));
   book.travelled(0.1);
@@ -396,7 +396,7 @@ TEST(Cancel, keeps_the_ids_and_forgets_the_rest) {
   EXPECT_EQ(book.refusal(order("O-2").through({"loop_se@0", "loop_se@283"}), reference("loop_se", 0.1)), "accepted");
 }
 
-TEST(SpeedLimit, is_that_of_the_edge_under_the_vehicle) {
+TEST(SpeedLimit, is_that_of_the_current_edge) {
   Book book;
   auto limited = usual();
   limited.edge(1).max_speed_mps = 0.2;
@@ -406,7 +406,7 @@ TEST(SpeedLimit, is_that_of_the_edge_under_the_vehicle) {
   EXPECT_EQ(book.speed_limit_mps(), 0.2);
 }
 
-TEST(Relocation, on_the_order_s_way_goes_on_from_there) {
+TEST(Relocation, on_the_route_of_the_order_continues_from_there) {
   Book book;
   ASSERT_TRUE(book.offer(usual(), start));
   EXPECT_TRUE(book.relocate(at(lacet4(), "loop_se", 0.4)));
@@ -422,7 +422,7 @@ TEST(Relocation, elsewhere_changes_nothing) {
   EXPECT_NEAR(book.distance_to_base_end_m(), 2.0 * edge_m, 1e-9);
 }
 
-TEST(RollingOrder, goes_round_for_ever_in_bounded_space) {
+TEST(RollingOrder, repeats_its_loop_in_bounded_space) {
   const auto& zone = lacet4();
   Book book;
   std::size_t waypoint = zone.waypoint_ahead(start.position);

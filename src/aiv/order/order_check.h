@@ -8,12 +8,12 @@
 
 namespace cosiva::aiv {
 
-/// What an order must be whatever the vehicle and its circuit are (VDA 5050 2.1 §6.6.1, §6.6.2): ids present, sequence
-/// numbers without gaps over nodes and edges, edges that join their neighbours, a released prefix. Error code:
-/// validationError, with the field as place.
+/// Requirements on an order that are independent of vehicle and circuit (VDA 5050 2.1 §6.6.1, §6.6.2): ids present,
+/// sequence numbers without gaps over nodes and edges, edges that join their neighbours, a released prefix. Error code:
+/// validationError, with the field as location.
 [[nodiscard]] Result<void> check_shape(const wire::Order& order);
 
-/// What this vehicle can do (§6.1.1: a field that cannot be honoured refuses the order). Error code: orderError.
+/// Limits of this vehicle (§6.1.1: a field that cannot be honoured refuses the order). Error code: orderError.
 [[nodiscard]] Result<void> check_abilities(const wire::Order& order, std::span<const std::string> supported_actions);
 
 }  // namespace cosiva::aiv

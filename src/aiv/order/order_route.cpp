@@ -11,28 +11,28 @@
 namespace cosiva::aiv {
 namespace {
 
-/// A node that we do not know by name is ours when it lies this near to the circuit.
+/// Largest distance from the circuit at which a node with an unknown id is located on the circuit.
 constexpr double node_off_circuit_m_max = 0.25;
-/// Ways that pass a node equally near (crossings, joints) are told apart by the way to go, not by their last
+/// Sections that pass a node equally near (crossings, joints) are distinguished by the route, not by their last
 /// millimetre.
 constexpr double node_tie_m = 0.05;
-/// More places than that go by no node's position.
+/// Largest number of positions that match one node's nodePosition.
 constexpr std::size_t positions_max = 16;
-/// Room for rounding in a lap's length.
+/// Tolerance for rounding in a lap's length.
 constexpr double lap_rounding_m = 1e-6;
 
 std::string named(const wire::OrderNode& node) { return "node '" + node.node_id + "'"; }
 
-/// A place that a node may mean, and the best way to it from the first node.
+/// A position that a node may refer to, and the best route to it from the first node.
 struct Reached {
   zone::TrackPosition position;
   double path_m;
-  std::size_t before;  ///< which of the node before
-  zone::Circuit::Route route;
+  std::size_t before;  ///< index of the position of the node before
+  zone::Circuit::Route found;
 };
 
-/// Best of the ways to one place from the places of the node before. Equally long ones: that which passed the node
-/// before earlier, because a way over itself (a lap) comes by there twice.
+/// Best of the routes to one position from the positions of the node before. Among equally long routes: the one that
+/// passed the node before earlier, because a route over itself (a lap) passes that node twice.
 std::optional<Reached> best_route_to(zone::TrackPosition track_position, const std::vector<Reached>& before,
                                      const OrderRouter& router) {
   std::optional<Reached> best;
@@ -78,7 +78,7 @@ Result<std::vector<zone::TrackPosition>> OrderRouter::positions_of(const wire::O
     if (!at || distance(position(zone_.circuit.pose_at(track_position)), {at->x_m, at->y_m}) <= node_off_circuit_m_max)
       positions.push_back(track_position);
   }
-  if (positions.empty()) return fail("noRouteError", named(node) + " does not lie where its nodePosition says");
+  if (positions.empty()) return fail("noRouteError", named(node) + " does not lie at its nodePosition");
   return positions;
 }
 
@@ -131,7 +131,7 @@ Result<OrderRoute> OrderRouter::route(const wire::Order& order, zone::TrackPosit
     }
     if (here.empty()) {
       return fail("noRouteError",
-                  "no way along the circuit from " + named(order.nodes[i - 1]) + " to " + named(order.nodes[i]));
+                  "no route along the circuit from " + named(order.nodes[i - 1]) + " to " + named(order.nodes[i]));
     }
     reached.push_back(std::move(here));
   }

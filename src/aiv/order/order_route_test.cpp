@@ -29,13 +29,13 @@ std::vector<std::string> names(const zone::TrafficZone& zone, std::span<const zo
 OrderBook::StartState reference(const zone::TrafficZone& zone, std::string_view section, double s_m) {
   return {at(zone, section, s_m), true};
 }
-/// Of what is before a vehicle that stands there.
+/// Sections ahead of a vehicle at this position.
 std::vector<std::string> remaining(const OrderBook& book, const zone::TrafficZone& zone, std::string_view section,
                                    double s_m) {
   return names(zone, book.course_from(at(zone, section, s_m)).remaining());
 }
 
-TEST(OrderOnAGraph, takes_the_way_that_its_nodes_name) {
+TEST(OrderOnAGraph, follows_the_route_through_its_nodes) {
   for (const auto& [node, route] : {std::pair{"ro", std::vector<std::string>{"r_up", "r_over", "r_down", "tail"}},
                                     std::pair{"lo", std::vector<std::string>{"l_up", "l_over", "l_down", "tail"}}}) {
     OrderBook book{diamond()};
@@ -46,13 +46,13 @@ TEST(OrderOnAGraph, takes_the_way_that_its_nodes_name) {
   }
 }
 
-TEST(OrderOnAGraph, may_leave_out_nodes_between_which_there_is_only_one_shortest_way) {
+TEST(OrderOnAGraph, may_omit_nodes_where_the_shortest_route_is_unique) {
   OrderBook book{diamond()};
   ASSERT_TRUE(book.offer(order("O-1").through({"T", "rd", "E"}), reference(diamond(), "trunk", 0.0)));
   EXPECT_THAT(remaining(book, diamond(), "trunk", 0.0), ElementsAre("r_up", "r_over", "r_down", "tail"));
 }
 
-TEST(OrderOnAGraph, names_the_two_nodes_that_no_way_joins) {
+TEST(OrderOnAGraph, names_the_two_nodes_without_a_route_between_them) {
   OrderBook book{diamond()};
   const auto verdict = book.offer(order("O-1").through({"T", "lo", "rd"}), reference(diamond(), "trunk", 0.0));
   ASSERT_FALSE(verdict);
@@ -61,14 +61,14 @@ TEST(OrderOnAGraph, names_the_two_nodes_that_no_way_joins) {
   EXPECT_FALSE(book.active());
 }
 
-TEST(OrderOnAGraph, is_refused_where_the_vehicle_is_on_the_other_way) {
+TEST(OrderOnAGraph, is_refused_where_the_vehicle_is_on_the_other_branch) {
   OrderBook book{diamond()};
   const auto verdict = book.offer(order("O-1").through({"F", "ro", "M"}), reference(diamond(), "l_up", 0.3));
   ASSERT_FALSE(verdict);
   EXPECT_EQ(verdict.error().code, "noRouteError");
 }
 
-TEST(OrderOnAGraph, is_continued_either_way_from_a_base_that_ends_where_ways_part) {
+TEST(OrderOnAGraph, is_continued_into_either_branch_from_a_base_that_ends_at_a_fork) {
   for (const auto& [node, section] : {std::pair{"ro", "r_up"}, std::pair{"lo", "l_up"}}) {
     OrderBook book{diamond()};
     ASSERT_TRUE(book.offer(order("O-1").through({"T", "T1", "F"}), reference(diamond(), "trunk", 0.0)));
@@ -81,11 +81,11 @@ TEST(OrderOnAGraph, is_continued_either_way_from_a_base_that_ends_where_ways_par
   }
 }
 
-TEST(OrderOnAGraph, is_continued_either_way_by_a_vehicle_that_stands_where_they_part) {
+TEST(OrderOnAGraph, is_continued_into_either_branch_by_a_vehicle_stopped_at_the_fork) {
   for (const auto& [node, section] : {std::pair{"ro", "r_up"}, std::pair{"lo", "l_up"}}) {
     OrderBook book{diamond()};
     ASSERT_TRUE(book.offer(order("O-1").through({"T", "T1", "F"}), reference(diamond(), "trunk", 0.0)));
-    EXPECT_EQ(book.travelled(1.99).size(), 2U) << "a vehicle stands on a node 15 mm before it";
+    EXPECT_EQ(book.travelled(1.99).size(), 2U) << "a vehicle has arrived at a node 15 mm before it";
     EXPECT_FALSE(book.active());
     const auto verdict =
         book.offer(order("O-1", 1).from_sequence(4).through({"F", node}), reference(diamond(), "trunk", 1.99));
@@ -95,13 +95,13 @@ TEST(OrderOnAGraph, is_continued_either_way_by_a_vehicle_that_stands_where_they_
   }
 }
 
-TEST(OrderOnAGraph, keeps_the_way_of_its_horizon_in_the_course) {
+TEST(OrderOnAGraph, keeps_the_route_of_its_horizon_in_the_course) {
   OrderBook book{diamond()};
   ASSERT_TRUE(book.offer(order("O-1").through({"T", "T1"}).then({"F", "ro"}), reference(diamond(), "trunk", 0.2)));
   EXPECT_THAT(remaining(book, diamond(), "trunk", 0.2), ElementsAre("r_up", "r_over"));
 }
 
-TEST(OrderOnAGraph, goes_by_the_edge_where_two_lead_from_node_to_node) {
+TEST(OrderOnAGraph, follows_the_named_edge_where_two_edges_connect_the_same_nodes) {
   for (const auto& [edge, length_m] : {std::pair{"south", 1.0}, std::pair{"bow", pi / 3.0}}) {
     OrderBook book{square()};
     auto text = order("O-1").through({"D", "A", "B", "C"});
@@ -112,7 +112,7 @@ TEST(OrderOnAGraph, goes_by_the_edge_where_two_lead_from_node_to_node) {
   }
 }
 
-TEST(OrderOnAGraph, goes_on_after_a_jump_along_its_way_and_not_beside_it) {
+TEST(OrderOnAGraph, continues_after_a_jump_along_its_route_and_not_off_it) {
   OrderBook book{diamond()};
   ASSERT_TRUE(book.offer(order("O-1").through({"T", "F", "ro", "M"}), reference(diamond(), "trunk", 0.0)));
   EXPECT_FALSE(book.relocate(at(diamond(), "l_over", 0.1)));
@@ -122,7 +122,7 @@ TEST(OrderOnAGraph, goes_on_after_a_jump_along_its_way_and_not_beside_it) {
               ElementsAre("trunk", "r_up"));
 }
 
-TEST(OrderOnAGraph, that_comes_by_twice_knows_which_time_it_is) {
+TEST(OrderOnAGraph, that_passes_a_section_twice_distinguishes_both_passes) {
   OrderBook book{square()};
   auto text = order("O-1").through({"A", "B", "C", "D", "A", "B", "S"});
   for (const std::size_t edge : {0U, 4U}) text.edge(edge).edge_id = "south";
@@ -144,7 +144,7 @@ TEST(OrderOnAGraph, may_have_edges_of_hundreds_of_metres) {
   EXPECT_THAT(remaining(book, zone, "there", 200.0), ElementsAre("off"));
 }
 
-TEST(OrderOnAGraph, finds_nodes_of_other_names_by_position_on_the_way_that_leads_on) {
+TEST(OrderOnAGraph, finds_unknown_nodes_by_position_on_the_branch_that_continues) {
   OrderBook book{diamond()};
   auto text = order("O-1").through({"here", "there", "M"});
   text.node(0).position = wire::NodePosition{0.0, 0.0, {}, {}, {}, "diamond"};
@@ -153,14 +153,14 @@ TEST(OrderOnAGraph, finds_nodes_of_other_names_by_position_on_the_way_that_leads
   EXPECT_THAT(remaining(book, diamond(), "trunk", 0.0), ElementsAre("r_up", "r_over", "r_down", "tail"));
 }
 
-TEST(OrderOnAGraph, takes_no_course_on_a_ring_where_there_is_nothing_to_choose) {
+TEST(OrderOnAGraph, takes_no_course_on_a_loop_without_branches) {
   OrderBook book{test::lacet4()};
   ASSERT_TRUE(
       book.offer(order("O-1").through({"loop_se@0", "loop_se@283"}), reference(test::lacet4(), "loop_se", 0.0)));
   EXPECT_TRUE(book.course_from(at(test::lacet4(), "loop_se", 0.0)).empty());
 }
 
-TEST(CourseOfAnOrder, is_where_it_stands_when_there_never_was_one) {
+TEST(CourseOfAnOrder, is_the_present_section_when_there_was_no_order) {
   const OrderBook book{diamond()};
   const zone::Course course = book.course_from(at(diamond(), "r_over", 0.1));
   EXPECT_EQ(course.here(), at(diamond(), "r_over", 0.0).section);

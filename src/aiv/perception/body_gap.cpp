@@ -7,7 +7,7 @@ namespace cosiva::aiv {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-/// A long body is felt as discs on its middle line, no further apart than this.
+/// A long body is evaluated as discs on its centre line, no further apart than this.
 constexpr double disc_spacing_m = 0.05;
 
 }  // namespace
@@ -26,11 +26,11 @@ double BodyGap::disc_gap_m(Point2 p_B, double radius_m) const {
   const double near_m = half_m + radius_m + path_ahead_.sample_m();
   if (!(there.distance2_m2 < near_m * near_m)) return infinite;
   const double along_m = path_ahead_.along_path_m(p_B, there.sample);
-  // Beyond the last sample the way is not known any more, and behind the middle nothing holds the vehicle.
+  // Beyond the last sample the path is unknown, and a body behind the body origin does not hold the vehicle.
   if (along_m <= 0.0 || along_m > path_ahead_.length_m() + 0.5 * path_ahead_.sample_m()) return infinite;
   const double beyond_m = along_m - static_cast<double>(there.sample) * path_ahead_.sample_m();
   const double beside_m = std::sqrt(std::max(0.0, there.distance2_m2 - beyond_m * beyond_m));
-  // How far the disc's part inside the corridor reaches along the way, to either side of its middle.
+  // Extent along the path of the disc's part inside the corridor, to either side of the disc's centre.
   const double outside_m = std::max(0.0, beside_m - half_m);
   if (outside_m > radius_m) return infinite;
   const double extent_m = std::sqrt(radius_m * radius_m - outside_m * outside_m);
@@ -50,7 +50,8 @@ double BodyGap::gap_m(const wire::Body& body, double carried_s) const {
     const Point2 p_B{centre_B.x_m + along_m * cos, centre_B.y_m + along_m * sin};
     nearest_m = std::min(nearest_m, disc_gap_m(p_B, body.radius_m));
   }
-  // Whoever is touched by something mostly behind it drives away from it; two that feel each other do not both wait.
+  // A vehicle touched by a body that is mostly behind it drives away from that body; of two vehicles that perceive each
+  // other, only one waits.
   if (nearest_m <= 0.0 && centre_B.x_m <= 0.0) return infinite;
   return nearest_m;
 }

@@ -9,9 +9,8 @@
 
 namespace cosiva::aiv {
 
-/// How far bodies that the vehicle only knows of stand from its front along its way: in the same corridor that Corridor
-/// looks through. What is only virtual (PerceivedWorld) and what other vehicles say of themselves (Neighbours) are
-/// judged by it.
+/// Distance from the vehicle's front along its path to bodies that the vehicle knows only from messages, in the same
+/// corridor that Corridor evaluates. Used for virtual bodies (PerceivedWorld) and for other vehicles (Neighbours).
 class BodyGap {
  public:
   struct Model {
@@ -21,14 +20,14 @@ class BodyGap {
   };
   BodyGap(const zone::TrafficZone& zone, Model model);
 
-  /// From where and along which way; until the next call.
+  /// Sets position and path for gap_m(), until the next call.
   void update(const Outlook& outlook);
-  /// @param carried_s  by so much the body has moved on since it was told of
-  /// @return           along the way from the vehicle's front, ≥ 0; infinite: it is not in the way ahead
+  /// @param carried_s  time since the report of the body, over which its motion is extrapolated
+  /// @return           along the path from the vehicle's front, ≥ 0; infinite: the body is not on the path ahead
   [[nodiscard]] double gap_m(const wire::Body& body, double carried_s) const;
 
  private:
-  /// To one disc; infinite where it is outside the corridor or not ahead of the middle.
+  /// To one disc; infinite where the disc is outside the corridor or not ahead of the body origin.
   [[nodiscard]] double disc_gap_m(Point2 p_B, double radius_m) const;
 
   const zone::TrafficZone& zone_;

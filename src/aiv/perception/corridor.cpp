@@ -11,7 +11,7 @@ Corridor::Corridor(const zone::TrafficZone& zone, Model model)
 double Corridor::echo_ahead_m(double range_m, double bearing_rad, double spread_rad) const {
   const double front_m = 0.5 * zone_.vehicle.length_m;
   const double half_m = 0.5 * zone_.vehicle.width_m + model_.margin_m;
-  // A point beside the way is at most half a step from a sample's normal.
+  // A point next to the path is at most half a step from a sample's normal.
   const double near_m = norm(half_m, 0.5 * model_.sample_m);
   double nearest_m = std::numeric_limits<double>::infinity();
   for (const double side : {0.0, -1.0, 1.0}) {
@@ -20,11 +20,12 @@ double Corridor::echo_ahead_m(double range_m, double bearing_rad, double spread_
     const PathLookAhead::Offset there = path_ahead_.off_path(echo_B);
     if (there.distance2_m2 < near_m * near_m)
       nearest_m = std::min(nearest_m, path_ahead_.along_path_m(echo_B, there.sample) - front_m);
-    // Most echoes come from other lanes: where the middle is this far off, the sides of the beam are off too.
+    // Most echoes come from other lanes: where the centre of the beam is this far off, the sides of the beam are off
+    // too.
     const double spread_m = near_m + spread_rad * range_m;
     if (side == 0.0 && there.distance2_m2 > spread_m * spread_m) break;
   }
-  // Beside the body or behind its front is no obstacle ahead, but one that touches.
+  // An echo next to the body or behind its front is not an obstacle ahead but a contact.
   return std::max(0.0, nearest_m);
 }
 
@@ -56,7 +57,7 @@ double Corridor::nearest_m(const wire::Ranges& ranges) const {
   double nearest_m = std::numeric_limits<double>::infinity();
   for (std::size_t beam = 0; beam < ranges.range_mm.size(); ++beam) {
     if (ranges.range_mm[beam] == wire::no_echo) continue;
-    // The middle is further away than the front's sensor, for any beam ahead.
+    // The body origin is further away than the sensor at the front, for any beam ahead.
     if (0.001 * ranges.range_mm[beam] > nearest_m) continue;
     const Point2 echo_B = echo(ranges, beam);
     nearest_m = std::min(nearest_m, norm(echo_B.x_m, echo_B.y_m));

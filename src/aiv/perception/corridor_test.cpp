@@ -18,7 +18,7 @@ using test::lacet4;
 
 constexpr double nothing = std::numeric_limits<double>::infinity();
 
-/// Thirteen beams of 0.14 rad from the front of the body; each sees the nearest of the given points in its sector.
+/// Thirteen beams of 0.14 rad from the front of the body; each measures the nearest of the given points in its sector.
 wire::Ranges scan(const Pose2& X_MB, const std::vector<Point2>& virtual_objects) {
   wire::Ranges ranges{0, -84, 14, std::vector<std::uint16_t>(13, wire::no_echo)};
   const Pose2 X_BM = inverse(X_MB);
@@ -54,11 +54,11 @@ double ahead_of_vehicle(zone::TrackPosition here, zone::TrackPosition other) {
 
 TEST(Corridor, without_echoes_is_free) { EXPECT_EQ(ahead(at(lacet4(), "east", 0.1), {}), nothing); }
 
-TEST(Corridor, sees_a_vehicle_ahead_on_a_straight) {
+TEST(Corridor, detects_the_leader_on_a_straight) {
   EXPECT_NEAR(ahead_of_vehicle(at(lacet4(), "east", 0.1), at(lacet4(), "east", 0.8)), 0.5, 0.03);
 }
 
-TEST(Corridor, sees_a_vehicle_ahead_on_an_arc) {
+TEST(Corridor, detects_the_leader_on_an_arc) {
   for (const double gap_m : {0.15, 0.3, 0.45, 0.6}) {
     const double detected_m =
         ahead_of_vehicle(at(lacet4(), "loop_se", 0.8), at(lacet4(), "loop_se", 0.8 + 0.2 + gap_m));
@@ -66,28 +66,28 @@ TEST(Corridor, sees_a_vehicle_ahead_on_an_arc) {
   }
 }
 
-TEST(Corridor, sees_round_the_joint_of_two_sections) {
+TEST(Corridor, detects_the_leader_beyond_the_joint_of_two_sections) {
   EXPECT_NEAR(ahead_of_vehicle(at(lacet4(), "east", 1.4), at(lacet4(), "loop_se", 0.4)), 0.3, 0.04);
 }
 
-TEST(Corridor, does_not_see_the_neighbouring_lane) {
-  // Lanes of opposite ways run 0.30 m apart: y = -0.15 eastward, y = +0.15 westward.
+TEST(Corridor, ignores_the_neighbouring_lane) {
+  // Lanes of opposite directions are 0.30 m apart: y = -0.15 eastward, y = +0.15 westward.
   for (int mm = 0; mm <= 1500; mm += 20)
     EXPECT_EQ(ahead_of_vehicle(at(lacet4(), "east", 0.5), at(lacet4(), "west", 1e-3 * mm)), nothing) << mm;
 }
 
-TEST(Corridor, does_not_see_who_waits_at_the_stop_line_of_a_crossing_lane) {
+TEST(Corridor, ignores_a_vehicle_at_the_stop_line_of_a_crossing_lane) {
   for (int mm = 300; mm <= 650; mm += 10) {
     const double detected_m = ahead_of_vehicle(at(lacet4(), "south", 1e-3 * mm), at(lacet4(), "east", 0.38));
     EXPECT_GT(detected_m, 0.4) << mm;
   }
 }
 
-TEST(Corridor, sees_who_stands_in_the_crossing) {
+TEST(Corridor, detects_a_vehicle_in_the_crossing) {
   EXPECT_NEAR(ahead_of_vehicle(at(lacet4(), "south", 0.4), at(lacet4(), "east", 0.6)), 0.34, 0.04);
 }
 
-TEST(Corridor, does_not_see_behind_or_beyond_its_reach) {
+TEST(Corridor, ignores_bodies_behind_or_beyond_its_reach) {
   EXPECT_EQ(ahead_of_vehicle(at(lacet4(), "east", 0.8), at(lacet4(), "east", 0.3)), nothing);
   EXPECT_EQ(ahead_of_vehicle(at(lacet4(), "loop_sw", 2.7), at(lacet4(), "east", 1.45)), nothing);
 }
@@ -100,7 +100,7 @@ TEST(Corridor, ends_where_the_circuit_ends) {
   EXPECT_EQ(corridor.obstacle_ahead_m({0, 0.1}, scan({0.1, 0.0, 0.0}, {{1.0, 0.0}})), nothing);
 }
 
-TEST(Corridor, takes_a_touching_echo_as_no_room_at_all) {
+TEST(Corridor, takes_a_touching_echo_as_zero_distance) {
   const wire::Ranges ranges{0, 0, 14, {0}};
   Corridor corridor{lacet4()};
   EXPECT_NEAR(corridor.obstacle_ahead_m(at(lacet4(), "east", 0.1), ranges), 0.0, 0.02);
@@ -119,7 +119,7 @@ TEST(ObstacleFilter, survives_one_echo_missed_and_one_too_many) {
   EXPECT_EQ(filter.obstacle_ahead_m(0.0), nothing);
 }
 
-TEST(ObstacleFilter, believes_the_second_frame_of_a_new_obstacle_and_of_its_going) {
+TEST(ObstacleFilter, accepts_the_second_frame_of_a_new_obstacle_and_of_its_disappearance) {
   ObstacleFilter filter;
   filter.add(0.5, 0.0);
   EXPECT_EQ(filter.obstacle_ahead_m(0.0), nothing);

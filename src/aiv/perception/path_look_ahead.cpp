@@ -44,8 +44,8 @@ void PathLookAhead::sample(const Outlook& outlook) {
 }
 
 PathLookAhead::Offset PathLookAhead::off_path(Point2 p_B) const {
-  // Every fourth point first: neighbours are no further apart than a step (and a little, where the way begins or two
-  // sections meet), so only round those that are nearly as near can the nearest lie.
+  // Every fourth point first: adjacent points are no further apart than a step (and a little, where the path begins or
+  // two sections meet), so the nearest point lies around one of the coarse points that are nearly as near.
   constexpr std::size_t stride = 4;
   const auto distance2 = [&](std::size_t i) {
     const double x_m = samples_B_[i].x_m - p_B.x_m;

@@ -14,33 +14,35 @@
 
 namespace cosiva::aiv {
 
-/// What the vehicle is told of the virtual world near its way (wire::VirtualObstacles), as its skin would feel it:
-/// where the first body stands in the corridor that Corridor looks through, too.
+/// The virtual bodies near the vehicle's path, as received (wire::VirtualObstacles), and the distance to the first of
+/// them in the corridor that Corridor evaluates, too.
 class PerceivedWorld {
  public:
   struct Model {
     BodyGap::Model gap_model{};
-    SimDuration memory_span{std::chrono::seconds{1}};       ///< without news all of it is forgotten
-    SimDuration carry_max{std::chrono::milliseconds{500}};  ///< a moving body is carried on no longer
+    SimDuration memory_span{std::chrono::seconds{1}};       ///< without a message for this time all bodies are
+                                                            ///< discarded
+    SimDuration carry_max{std::chrono::milliseconds{500}};  ///< longest extrapolation of a moving body
   };
   explicit PerceivedWorld(const zone::TrafficZone& zone) : PerceivedWorld{zone, Model{}} {}
   PerceivedWorld(const zone::TrafficZone& zone, Model model);
 
-  /// Replaces what was heard before. True when somebody came or went since.
+  /// Replaces the bodies received before. True when a body has been added or has disappeared.
   bool receive(SimTime now, wire::VirtualObstacles ahead);
-  /// Nobody could have told anything since: the memory counts from now on. What moves is not carried on any longer.
+  /// No message could have arrived since: the memory span counts from now on. The extrapolation of bodies is not
+  /// extended.
   void excuse_silence(SimTime now) { news_at_ = news_at_ ? std::optional{now} : std::nullopt; }
   void forget();
-  /// Forgets what is too old.
+  /// Discards bodies that are too old.
   void age(SimTime now);
-  /// Something was heard and is not forgotten; it may have been that there is nothing.
+  /// A message has been received and has not expired; it may have listed no bodies.
   [[nodiscard]] bool informed() const { return news_at_.has_value(); }
-  /// Of the last Ahead, remembered or not.
+  /// Of the last VirtualObstacles, expired or not.
   [[nodiscard]] std::uint32_t header_id() const { return ahead_.header_id; }
 
   /// The first body in the corridor. No body: gap infinite, id empty.
   struct Contact {
-    double gap_m{std::numeric_limits<double>::infinity()};  ///< along the way, from the vehicle's front; ≥ 0
+    double gap_m{std::numeric_limits<double>::infinity()};  ///< along the path, from the vehicle's front; ≥ 0
     std::string_view body;                                  ///< until the next hear() or forget()
   };
   [[nodiscard]] Contact first(SimTime now, const Outlook& outlook);
@@ -52,7 +54,7 @@ class PerceivedWorld {
   BodyGap gap_;
   wire::VirtualObstacles ahead_;
   SimTime received_at_{};
-  std::optional<SimTime> news_at_;  ///< what the memory counts from; nothing: it knows nothing
+  std::optional<SimTime> news_at_;  ///< start of the memory span; nothing: no message is in force
 };
 
 }  // namespace cosiva::aiv

@@ -21,7 +21,7 @@ constexpr double front_m = 0.10;  ///< half the vehicle
 wire::Body disc(Point2 p, double radius_m = 0.06, double vx_mps = 0.0, double vy_mps = 0.0) {
   return {"P1", "person", p.x_m, p.y_m, 0.0, 0.0, radius_m, vx_mps, vy_mps};
 }
-/// A vehicle of ours as a body: 0.20 m x 0.12 m.
+/// A CoSiVA vehicle as a body: 0.20 m x 0.12 m.
 wire::Body vehicle(const Pose2& X_MB) { return {"V1", "aiv", X_MB.x_m, X_MB.y_m, X_MB.heading_rad, 0.08, 0.06, 0, 0}; }
 
 struct Skin {
@@ -38,7 +38,7 @@ double gap_m(zone::TrackPosition here, const wire::Body& body) { return Skin{}.r
 double gap_to_vehicle_m(zone::TrackPosition here, zone::TrackPosition other) {
   return gap_m(here, vehicle(lacet4().circuit.pose_at(other)));
 }
-/// Beside the vehicle at `here`: x ahead of its middle, y to its left.
+/// Relative to the vehicle at `here`: x ahead of its body origin, y to its left.
 Point2 off_path(zone::TrackPosition here, double x_m, double y_m) {
   return lacet4().circuit.pose_at(here) * Point2{x_m, y_m};
 }
@@ -52,13 +52,13 @@ TEST(PerceivedWorld, without_bodies_is_free) {
   EXPECT_EQ(skin.gap_m(at(lacet4(), "east", 0.1)), nothing);
 }
 
-TEST(PerceivedWorld, feels_a_person_on_its_way) {
+TEST(PerceivedWorld, perceives_a_person_on_its_path) {
   const zone::TrackPosition here = at(lacet4(), "east", 0.1);
   EXPECT_NEAR(gap_m(here, disc(off_path(here, 0.7, 0.0))), 0.7 - 0.06 - front_m, 1e-6);
   EXPECT_NEAR(gap_m(here, disc(off_path(here, 0.7, 0.08))), 0.7 - 0.06 - front_m, 1e-6);
 }
 
-TEST(PerceivedWorld, feels_the_part_of_a_body_that_reaches_into_its_corridor) {
+TEST(PerceivedWorld, perceives_the_part_of_a_body_that_reaches_into_its_corridor) {
   // Half the vehicle's width and the margin are 0.08 m. A disc 0.13 m off reaches 0.01 m in: its chord there is
   // shorter.
   const zone::TrackPosition here = at(lacet4(), "east", 0.1);
@@ -67,7 +67,7 @@ TEST(PerceivedWorld, feels_the_part_of_a_body_that_reaches_into_its_corridor) {
   EXPECT_EQ(gap_m(here, disc(off_path(here, 0.7, -0.141))), nothing);
 }
 
-TEST(PerceivedWorld, feels_a_vehicle_ahead_on_a_straight_an_arc_and_round_a_joint) {
+TEST(PerceivedWorld, perceives_the_leader_on_a_straight_an_arc_and_beyond_a_joint) {
   for (const double gap : {0.15, 0.3, 0.45, 0.6, 0.9}) {
     EXPECT_NEAR(gap_to_vehicle_m(at(lacet4(), "east", 0.1), at(lacet4(), "east", 0.3 + gap)), gap, 1e-6) << gap;
     EXPECT_NEAR(gap_to_vehicle_m(at(lacet4(), "loop_se", 0.8), at(lacet4(), "loop_se", 1.0 + gap)), gap, 0.01) << gap;
@@ -75,8 +75,8 @@ TEST(PerceivedWorld, feels_a_vehicle_ahead_on_a_straight_an_arc_and_round_a_join
   EXPECT_NEAR(gap_to_vehicle_m(at(lacet4(), "east", 1.4), at(lacet4(), "loop_se", 0.4)), 0.3, 0.01);
 }
 
-TEST(PerceivedWorld, does_not_feel_the_neighbouring_lane) {
-  // Lanes of opposite ways run 0.30 m apart: y = -0.15 eastward, y = +0.15 westward.
+TEST(PerceivedWorld, ignores_the_neighbouring_lane) {
+  // Lanes of opposite directions are 0.30 m apart: y = -0.15 eastward, y = +0.15 westward.
   for (int mm = 0; mm <= 1500; mm += 20) {
     const zone::TrackPosition there = at(lacet4(), "west", 1e-3 * mm);
     EXPECT_EQ(gap_to_vehicle_m(at(lacet4(), "east", 0.5), there), nothing) << mm;
@@ -84,39 +84,39 @@ TEST(PerceivedWorld, does_not_feel_the_neighbouring_lane) {
   }
 }
 
-TEST(PerceivedWorld, does_not_feel_who_waits_at_the_stop_line_of_a_crossing_lane) {
+TEST(PerceivedWorld, ignores_a_vehicle_at_the_stop_line_of_a_crossing_lane) {
   for (int mm = 300; mm <= 650; mm += 10)
     EXPECT_GT(gap_to_vehicle_m(at(lacet4(), "south", 1e-3 * mm), at(lacet4(), "east", 0.38)), 0.4) << mm;
 }
 
-TEST(PerceivedWorld, feels_who_stands_in_the_crossing) {
+TEST(PerceivedWorld, perceives_a_vehicle_in_the_crossing) {
   EXPECT_NEAR(gap_to_vehicle_m(at(lacet4(), "south", 0.4), at(lacet4(), "east", 0.6)), 0.34, 0.02);
 }
 
-TEST(PerceivedWorld, does_not_feel_behind_itself_or_beyond_its_reach) {
+TEST(PerceivedWorld, ignores_bodies_behind_or_beyond_its_reach) {
   EXPECT_EQ(gap_to_vehicle_m(at(lacet4(), "east", 0.8), at(lacet4(), "east", 0.5)), nothing);
   EXPECT_EQ(gap_to_vehicle_m(at(lacet4(), "east", 0.8), at(lacet4(), "east", 0.79)), nothing) << "mostly behind it";
   EXPECT_EQ(gap_to_vehicle_m(at(lacet4(), "loop_se", 0.1), at(lacet4(), "loop_se", 1.6)), nothing);
 }
 
-TEST(PerceivedWorld, is_not_held_for_ever_by_what_touches_it_from_the_side_or_from_behind) {
+TEST(PerceivedWorld, is_not_held_for_ever_by_a_contact_from_the_side_or_from_behind) {
   const zone::TrackPosition here = at(lacet4(), "east", 0.8);
   for (const double side : {-1.0, 1.0}) {
     EXPECT_EQ(gap_m(here, disc(off_path(here, 0.0, side * 0.1))), nothing);
     EXPECT_EQ(gap_m(here, disc(off_path(here, -0.08, side * 0.1))), nothing);
   }
   EXPECT_EQ(gap_m(here, disc(off_path(here, -0.11, 0.0))), nothing);
-  EXPECT_EQ(gap_m(here, disc(off_path(here, 0.11, 0.0))), 0.0) << "in front it does";
+  EXPECT_EQ(gap_m(here, disc(off_path(here, 0.11, 0.0))), 0.0) << "a contact in front holds the vehicle";
 }
 
-TEST(PerceivedWorld, of_two_vehicles_that_overlap_the_one_before_goes) {
+TEST(PerceivedWorld, lets_the_front_one_of_two_overlapping_vehicles_drive) {
   const zone::TrackPosition rear = at(lacet4(), "east", 0.80);
   const zone::TrackPosition fore = at(lacet4(), "east", 0.83);
   EXPECT_EQ(gap_to_vehicle_m(rear, fore), 0.0);
   EXPECT_EQ(gap_to_vehicle_m(fore, rear), nothing);
 }
 
-TEST(PerceivedWorld, feels_a_wall_across_its_way_and_not_one_along_it) {
+TEST(PerceivedWorld, perceives_a_wall_across_its_path_and_not_one_along_it) {
   const zone::TrackPosition here = at(lacet4(), "east", 0.1);
   const Pose2 X_MB = lacet4().circuit.pose_at(here);
   const Point2 across = off_path(here, 0.6, 0.4);
@@ -138,21 +138,21 @@ TEST(PerceivedWorld, names_the_first_of_several) {
   EXPECT_NEAR(contact.gap_m, 0.5 - 0.06 - front_m, 1e-6);
 }
 
-TEST(PerceivedWorld, carries_a_moving_body_on_for_half_a_second) {
+TEST(PerceivedWorld, extrapolates_a_moving_body_for_half_a_second) {
   const zone::TrackPosition here = at(lacet4(), "east", 0.1);
   const Point2 p = off_path(here, 0.9, 0.0);
   Skin skin;
-  skin.receives({disc(p, 0.06, -0.4, 0.0)});  // against the eastward way
+  skin.receives({disc(p, 0.06, -0.4, 0.0)});  // against the eastward direction
   const double at_once_m = skin.gap_m(here);
   skin.now += std::chrono::milliseconds{250};
-  EXPECT_NEAR(skin.gap_m(here), at_once_m - 0.1, 1e-6) << "it approaches";
+  EXPECT_NEAR(skin.gap_m(here), at_once_m - 0.1, 1e-6) << "the body approaches";
   skin.now += std::chrono::milliseconds{250};
   EXPECT_NEAR(skin.gap_m(here), at_once_m - 0.2, 1e-6);
   skin.now += std::chrono::milliseconds{250};
-  EXPECT_NEAR(skin.gap_m(here), at_once_m - 0.2, 1e-6) << "and then nobody knows";
+  EXPECT_NEAR(skin.gap_m(here), at_once_m - 0.2, 1e-6) << "no further extrapolation";
 }
 
-TEST(PerceivedWorld, feels_who_walks_into_its_way_and_not_who_walked_out) {
+TEST(PerceivedWorld, perceives_a_person_walking_into_its_path_and_not_one_walking_out) {
   const zone::TrackPosition here = at(lacet4(), "east", 0.1);
   Skin skin;
   skin.receives({disc(off_path(here, 0.6, 0.2), 0.06, 0.0, -0.4)});
@@ -165,7 +165,7 @@ TEST(PerceivedWorld, feels_who_walks_into_its_way_and_not_who_walked_out) {
   EXPECT_EQ(skin.gap_m(here), nothing);
 }
 
-TEST(PerceivedWorld, forgets_after_a_second_without_news) {
+TEST(PerceivedWorld, discards_bodies_after_a_second_without_messages) {
   const zone::TrackPosition here = at(lacet4(), "east", 0.1);
   Skin skin;
   skin.receives({disc(off_path(here, 0.6, 0.0))});
@@ -178,7 +178,7 @@ TEST(PerceivedWorld, forgets_after_a_second_without_news) {
   EXPECT_FALSE(skin.world.informed());
 }
 
-TEST(PerceivedWorld, stays_known_over_a_silence_without_news) {
+TEST(PerceivedWorld, keeps_bodies_while_no_message_can_arrive) {
   const zone::TrackPosition here = at(lacet4(), "east", 0.1);
   Skin skin;
   skin.receives({disc(off_path(here, 0.6, 0.0))});
@@ -191,7 +191,7 @@ TEST(PerceivedWorld, stays_known_over_a_silence_without_news) {
   EXPECT_LT(skin.gap_m(here), nothing);
   skin.world.forget();
   skin.world.excuse_silence(skin.now);
-  EXPECT_FALSE(skin.world.informed()) << "an excuse is no news";
+  EXPECT_FALSE(skin.world.informed()) << "an excuse is not a message";
 }
 
 TEST(PerceivedWorld, ends_where_the_circuit_ends) {
@@ -204,7 +204,7 @@ TEST(PerceivedWorld, ends_where_the_circuit_ends) {
   EXPECT_EQ(world.first(virtual_epoch, {0, 0.1}).gap_m, nothing);
 }
 
-TEST(PerceivedWorld, gives_a_sane_gap_whatever_stands_around) {
+TEST(PerceivedWorld, gives_a_valid_gap_for_any_bodies) {
   EXPECT_TRUE(rc::check([](std::uint64_t seed) {
     Random random{seed, "bodies"};
     Skin skin;

@@ -7,8 +7,8 @@
 namespace cosiva::aiv {
 namespace {
 
-/// Neighbouring beams hear the same thing when their ranges differ from the nearest one's by no more. Two things side
-/// by side that are taken for one would have a middle where nothing is.
+/// Neighbouring beams detect the same body when their ranges differ from the nearest one's by no more than this. Two
+/// adjacent bodies that are taken for one would have a centre where there is none of them.
 constexpr int same_body_mm = 50;
 constexpr double radius_m_min = 0.02;
 constexpr double radius_m_max = 0.15;
@@ -32,8 +32,8 @@ wire::DetectedObstacleReport::Obstacle body_in_beams(const Corridor::Scan& scan,
 
   const double width_rad = 0.01 * ranges.beam_width_crad;
   const double bearing_rad = 0.01 * ranges.first_bearing_crad + 0.5 * width_rad * static_cast<double>(first + last);
-  // A disc of radius r, its middle R = range + r away, spans 2·asin(r/R); of the beams that it touches the two outer
-  // ones are half filled on average.
+  // A disc of radius r, its centre R = range + r away, spans 2·asin(r/R); of the beams that the disc touches, the two
+  // outer ones are half filled on average.
   const double half_rad = std::min(0.5 * width_rad * static_cast<double>(last - first), 0.25 * pi);
   const double ratio = det_sin(half_rad);
   const double radius_m = std::clamp(range_m * ratio / (1.0 - ratio), radius_m_min, radius_m_max);

@@ -11,24 +11,25 @@
 
 namespace cosiva::aiv {
 
-/// Where the thing stands that the beam `look.beam` hears, as far as can be told from one side: its middle lies behind
-/// its nearest point, in the middle of the beams that it fills.
-/// @param X_MS  of the sensor, in the middle of the vehicle's front
+/// Estimated location of the body that the beam `look.beam` detects, as far as one side of the body shows it: its
+/// centre lies behind its nearest point, at the centre of the beams that it fills.
+/// @param X_MS  of the sensor, at the centre of the vehicle's front
 [[nodiscard]] wire::DetectedObstacleReport::Obstacle body_in_beams(const Corridor::Scan& scan,
                                                                    const wire::Ranges& ranges, const Pose2& X_MS);
 
-/// Makes of DOBS' frames what the vehicle tells of things in its way (wire::DetectedObstacleReport): a new thing at
-/// once, then ten times a second, and three times that there is none any more. One echo that does not come back ends
-/// nothing.
+/// Derives the vehicle's reports of obstacles on its path (wire::DetectedObstacleReport) from the frames of DOBS: a new
+/// obstacle at once, then ten times a second, and three times that there is none any more. One missing echo does not
+/// end a detection.
 class Sighting {
  public:
-  static constexpr double reported_m_max = 1.0;  ///< things further ahead are not told
-  static constexpr int misses_max = 3;           ///< frames in a row without it: it is gone
+  static constexpr double reported_m_max = 1.0;  ///< obstacles further ahead are not reported
+  static constexpr int misses_max = 3;  ///< consecutive frames without the obstacle, after which it is no longer
+                                        ///< detected
   static constexpr int farewells = 3;
   static constexpr SimDuration period = std::chrono::milliseconds{100};
 
-  /// One frame. Gives what is to be told now, without header and map.
-  /// @param reach_m  so far from its front the vehicle can tell whether its way is free
+  /// One frame. Returns the report to be sent now, without header and map.
+  /// @param reach_m  distance from the vehicle's front up to which its sensors can establish that the path is free
   [[nodiscard]] std::optional<wire::DetectedObstacleReport> on_frame(SimTime now, const Corridor::Scan& scan,
                                                                      const wire::Ranges& ranges, const Pose2& X_MS,
                                                                      double reach_m);

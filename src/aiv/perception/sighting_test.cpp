@@ -14,7 +14,7 @@ constexpr int centre = 6;  ///< of thirteen beams
 
 wire::Ranges no_ranges() { return {0, -84, 14, std::vector<std::uint16_t>(13, wire::no_echo)}; }
 
-/// What a fan of sectors at the origin hears of a disc at p: per beam the nearest point of it in the beam's sector.
+/// What a fan of sectors at the origin measures of a disc at p: per beam the disc's nearest point in the beam's sector.
 wire::Ranges fan_on(Point2 p, double radius_m) {
   wire::Ranges ranges = no_ranges();
   for (std::size_t beam = 0; beam < 13; ++beam) {
@@ -35,14 +35,14 @@ std::size_t nearest_beam(const wire::Ranges& ranges) {
   return static_cast<std::size_t>(nearest - ranges.range_mm.begin());
 }
 
-TEST(BodyInBeams, lies_behind_its_nearest_point_as_far_as_it_is_big) {
+TEST(BodyInBeams, lies_behind_its_nearest_point_by_its_radius) {
   for (const double away_m : {0.25, 0.4, 0.6, 0.9}) {
     for (const double bearing : {-0.3, -0.1, 0.0, 0.15, 0.4}) {
       for (const double radius_m : {0.03, 0.06, 0.10}) {
         const Point2 p{away_m * std::cos(bearing), away_m * std::sin(bearing)};
         const wire::Ranges ranges = fan_on(p, radius_m);
         const auto obstacle = body_in_beams({0.3, nearest_beam(ranges)}, ranges, {});
-        // Half a beam is what such a fan can tell sideways.
+        // The lateral resolution of such a fan is half a beam.
         EXPECT_LT(distance({obstacle.x_m, obstacle.y_m}, p), 0.075 * away_m + 0.04)
             << away_m << " " << bearing << " " << radius_m;
         EXPECT_NEAR(obstacle.radius_m, radius_m, 0.07 * away_m + 0.03) << away_m << " " << bearing << " " << radius_m;
@@ -51,7 +51,7 @@ TEST(BodyInBeams, lies_behind_its_nearest_point_as_far_as_it_is_big) {
   }
 }
 
-TEST(BodyInBeams, is_told_in_the_maps_frame) {
+TEST(BodyInBeams, is_reported_in_the_map_frame) {
   wire::Ranges ranges = no_ranges();
   ranges.range_mm[centre] = 400;
   const auto obstacle = body_in_beams({0.4, centre}, ranges, {1.0, 2.0, pi / 2});
@@ -60,7 +60,7 @@ TEST(BodyInBeams, is_told_in_the_maps_frame) {
   EXPECT_EQ(obstacle.distance_m, 0.4);
 }
 
-TEST(BodyInBeams, does_not_grow_by_what_stands_behind_it) {
+TEST(BodyInBeams, does_not_grow_by_a_body_behind_it) {
   wire::Ranges ranges = no_ranges();
   ranges.range_mm[centre] = 400;
   const double alone_m = body_in_beams({0.4, centre}, ranges, {}).radius_m;
@@ -99,7 +99,7 @@ struct Sensors {
   }
 };
 
-TEST(Sighting, tells_a_new_virtual_object_at_once_and_then_ten_times_a_second) {
+TEST(Sighting, reports_a_new_obstacle_at_once_and_then_ten_times_a_second) {
   Sensors sensors;
   EXPECT_TRUE(sensors.frame(0.5));
   ASSERT_TRUE(sensors.last->obstacle);
@@ -110,19 +110,19 @@ TEST(Sighting, tells_a_new_virtual_object_at_once_and_then_ten_times_a_second) {
   EXPECT_LE(sensors.reported, 30);
 }
 
-TEST(Sighting, tells_three_times_that_a_virtual_object_went_and_then_nothing_more) {
+TEST(Sighting, reports_the_end_of_a_detection_three_times_and_then_nothing) {
   Sensors sensors;
   static_cast<void>(sensors.frame(0.5));
   int frames = 0;
   while (!sensors.frame(nothing)) ASSERT_LT(++frames, 5);
   EXPECT_FALSE(sensors.last->obstacle);
-  EXPECT_EQ(sensors.last->clear_m, 1.2) << "as far as it can tell";
+  EXPECT_EQ(sensors.last->clear_m, 1.2) << "the whole reach";
   sensors.reported = 1;
   for (int i = 0; i < 50; ++i) static_cast<void>(sensors.frame(nothing));
   EXPECT_EQ(sensors.reported, 3);
 }
 
-TEST(Sighting, holds_on_to_an_object_over_two_echoes_that_do_not_come_back) {
+TEST(Sighting, keeps_an_obstacle_over_two_missing_echoes) {
   Sensors sensors;
   for (int i = 0; i < 60; ++i) {
     static_cast<void>(sensors.frame(i % 3 == 0 ? 0.5 : nothing));
@@ -130,7 +130,7 @@ TEST(Sighting, holds_on_to_an_object_over_two_echoes_that_do_not_come_back) {
   }
 }
 
-TEST(Sighting, tells_nothing_of_what_is_more_than_a_metre_ahead) {
+TEST(Sighting, reports_no_obstacle_more_than_a_metre_away) {
   Sensors sensors;
   for (int i = 0; i < 10; ++i) EXPECT_FALSE(sensors.frame(1.01));
   static_cast<void>(sensors.frame(0.99));
@@ -139,7 +139,7 @@ TEST(Sighting, tells_nothing_of_what_is_more_than_a_metre_ahead) {
   EXPECT_EQ(sensors.last->clear_m, 1.05);
 }
 
-TEST(Sighting, without_anything_ever_seen_says_nothing) {
+TEST(Sighting, reports_nothing_before_a_first_detection) {
   Sensors sensors;
   for (int i = 0; i < 20; ++i) EXPECT_FALSE(sensors.frame(nothing));
 }

@@ -42,8 +42,8 @@ inline zone::TrafficZone graph(std::string name, const std::vector<GraphPart>& p
   return zone;
 }
 
-/// A trunk that parts into two ways round, `l_…` and `r_…`, which meet again before the tail. The node "F" lies where
-/// they part, "M" where they meet. Everything is 1 m radius; the left way is the default.
+/// A trunk that forks into two branches, `l_…` and `r_…`, which merge again before the tail. The node "F" lies at the
+/// fork, "M" at the merge. All radii are 1 m; the left branch is the default.
 inline const zone::TrafficZone& diamond() {
   static const zone::TrafficZone zone = [] {
     constexpr double eighth = pi / 4.0;
@@ -80,8 +80,8 @@ inline const zone::TrafficZone& diamond() {
   return zone;
 }
 
-/// A square of 1 m, driven anticlockwise with a turn of a quarter at each corner; at the first one a spur goes straight
-/// on, which is the default. Beside the first side lies a bow from corner to corner.
+/// A square of 1 m, driven anticlockwise with a turn of a quarter at each corner; at the first corner a spur leads
+/// straight on, which is the default. Next to the first side a bow leads from corner to corner.
 inline const zone::TrafficZone& square() {
   static const zone::TrafficZone zone = [] {
     auto made = graph("square",
@@ -104,8 +104,8 @@ inline const zone::TrafficZone& square() {
   return zone;
 }
 
-/// A lane of 1 m that is driven both ways, with a turn round at either end; beside it on the way there another section
-/// lies on the very same line. Nodes "W" and "E".
+/// A lane of 1 m that is driven in both directions, with a turn round at either end; another section coincides with the
+/// outward lane. Nodes "W" and "E".
 inline const zone::TrafficZone& there_and_back() {
   static const zone::TrafficZone zone = [] {
     auto made = graph("there_and_back",

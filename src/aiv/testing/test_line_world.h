@@ -13,13 +13,13 @@
 
 namespace cosiva::aiv::test {
 
-/// A body on the floor, and a PILS that follows the line exactly: it takes the branch that it is told, turns on the
-/// spot where the line bends, seeks, and counts its wheels' turns.
+/// A body on the floor, and a PILS that follows the path exactly: it takes the commanded branch, turns on the spot
+/// where the path bends, seeks, and counts the turns of its wheels.
 class LineWorld {
  public:
   LineWorld(const zone::Circuit& floor, zone::TrackPosition position) : ground_truth{floor, position}, floor_{&floor} {}
 
-  /// @param drive  null: nobody commands, it brakes
+  /// @param drive  null: there is no command, the body brakes
   void step(const wire::Drive* drive, double dt_s) {
     const double wanted_mps = drive != nullptr ? 1e-3 * drive->speed_mmps : 0.0;
     if (off_) return step_off_line(drive, wanted_mps, dt_s);
@@ -30,7 +30,7 @@ class LineWorld {
     roll(0.5 * (before + speed_mps) * dt_s, drive != nullptr ? drive->branch : branch_);
   }
 
-  /// Another floor under the same body, which stands.
+  /// Replaces the floor under the same body, which is stopped.
   void set_zone(const zone::Circuit& floor) {
     off_ = Off{pose(), {}, {}};
     floor_ = &floor;
@@ -53,7 +53,7 @@ class LineWorld {
     return odometry;
   }
 
-  AivMotion ground_truth;  ///< on the line
+  AivMotion ground_truth;  ///< on the path
   double speed_mps{0.0};
   double odometer_m{0.0};
 
@@ -86,7 +86,7 @@ class LineWorld {
     }
   }
 
-  /// By chance, where it stands on another floor.
+  /// A path that is under the body on another floor by chance.
   [[nodiscard]] std::optional<zone::TrackPosition> line_under() const {
     const auto entry_point = zone::snap_to_path(*floor_, off_->X_MS, 0.001);
     const bool along =

@@ -10,8 +10,8 @@
 
 namespace cosiva::aiv::test {
 
-/// What a fan of 13 beams, 0.14 rad apart, 0.1 m before the middle of a vehicle standing at `X_MB`, reads of point
-/// obstacles given in the zone's frame [m]. Sees 2 m far, through everything nearer.
+/// The readings of a fan of 13 beams, 0.14 rad apart, 0.1 m before the body origin of a vehicle stopped at `X_MB`, of
+/// point obstacles given in the zone's frame [m]. The beams reach 2 m, and obstacles do not hide each other.
 inline wire::Ranges ranges_to(const std::vector<Point2>& obstacles_M, const Pose2& X_MB) {
   wire::Ranges ranges{0, -84, 14, std::vector<std::uint16_t>(13, wire::no_echo)};
   const Pose2 X_BM = inverse(X_MB);

@@ -22,7 +22,7 @@ inline zone::ZoneConfiguration lacet4_configuration() {
   return {"toml", path, text.str()};
 }
 
-/// The clover of A11, as every vehicle gets it.
+/// The clover of A11, as every vehicle receives it.
 inline const zone::TrafficZone& lacet4() {
   static const std::shared_ptr<const zone::TrafficZone> zone = [] {
     auto rtm = zone::Rtm::initialise(lacet4_configuration());
@@ -36,7 +36,7 @@ inline zone::TrackPosition at(const zone::TrafficZone& zone, std::string_view se
   return {zone.circuit.find(section).value(), s_m};
 }
 
-/// One piece of a circuit to be: its shape without its place.
+/// One piece of a future circuit: its shape without its position.
 struct Piece {
   double length_m;
   double curvature_per_m{0.0};

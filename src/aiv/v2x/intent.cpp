@@ -6,15 +6,15 @@
 namespace cosiva::aiv {
 namespace {
 
-/// Rounding between the order's way and the crossing's, as in the envelope.
+/// Rounding between the distances of the order and of the crossing, as in the envelope.
 constexpr double rounding_m = 0.005;
 constexpr double duration_s_max = 3600.0;
-/// No name on the wire is longer; a zone may have longer ones.
+/// No name in a message is longer; a zone may have longer ones.
 constexpr std::size_t name_bytes_max = 128;
 
 double thousandths(double value) { return std::nearbyint(1e3 * value) / 1e3 + 0.0; }
 
-/// How fast it may go where nothing is in its way.
+/// Speed profile of the vehicle on a free path.
 zone::SpeedProfile pace_of(const Agent& agent, const zone::TrafficZone& zone) {
   const Profile imposed = agent.instructions().imposed.value_or(Profile::medium);
   zone::SpeedProfile pace = kinematics(zone.profiles, imposed == Profile::stop ? Profile::medium : imposed);
@@ -23,7 +23,7 @@ zone::SpeedProfile pace_of(const Agent& agent, const zone::TrafficZone& zone) {
   return pace;
 }
 
-/// Calls `take(passage, name, may_enter)` for each crossing that the vehicle has to speak of, in their order.
+/// Calls `take(crossing_span, name, may_enter)` for each crossing that the intent has to list, in their order.
 template <typename Take>
 void each_crossing(const Agent& agent, const zone::TrafficZone& zone, const CrossingFinder& crossing_spans, Take take) {
   const OrderBook& order = agent.order();
@@ -54,7 +54,7 @@ void add_crossings(const Agent& agent, const zone::TrafficZone& zone, const Cros
       });
 }
 
-/// On a line whose name can be said.
+/// On the path, on a section whose name is short enough for a message.
 bool has_position(const Agent& agent, const zone::TrafficZone& zone) {
   const PositionEstimator& position = agent.position();
   return position.known() && !position.off_path() &&

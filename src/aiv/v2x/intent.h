@@ -6,22 +6,23 @@
 
 namespace cosiva::aiv {
 
-/// So far ahead a vehicle says which crossings it comes to.
+/// Distance ahead within which a vehicle lists the crossings that it approaches.
 inline constexpr double intent_reach_m = 3.0;
 
-/// The shortest time in which a vehicle comes so far, from its speed now and speeding up as `by` says [s].
-/// @param by  its speed is positive, as its acceleration
+/// The shortest time in which a vehicle covers the distance, from its present speed and with the acceleration of `by`
+/// [s].
+/// @param by  its speed and its acceleration are positive
 [[nodiscard]] double earliest_s(double distance_m, double speed_mps, const zone::SpeedProfile& by);
 
-/// What the vehicle has to say of itself now, but for header and identity. Lengths and times are rounded to
-/// thousandths. Only for one whose pose is known. One that is held or has no order names the crossings that are its own
-/// already, and wants none.
+/// The vehicle's present intent, without header and identity. Lengths and times are rounded to thousandths. The
+/// vehicle's pose must be known. A vehicle that is held or has no order lists the crossings that are already its own,
+/// and requests none.
 [[nodiscard]] wire::Intent compose_intent(const Agent& agent, const zone::TrafficZone& zone,
                                           const CrossingFinder& crossing_spans);
 
-/// Whether compose_intent would say something else now that others act upon at once: whether it brakes, its map,
-/// whether it is on a line, and which crossings it comes to or may enter. Asked fifty times a second, so it composes
-/// nothing.
+/// Whether compose_intent would now differ from `said` in what other vehicles react to at once: whether the vehicle
+/// brakes, its map, whether it is on the path, and which crossings it approaches or may enter. The function is called
+/// fifty times a second and therefore composes nothing.
 [[nodiscard]] bool is_news(const wire::Intent& published, const Agent& agent, const zone::TrafficZone& zone,
                            const CrossingFinder& crossing_spans);
 

@@ -26,9 +26,9 @@ std::vector<CrossingSpan> ahead_of(zone::TrackPosition here, double reach_m, std
   return out;
 }
 
-// The clover's straights are 1.5 m long and cross others 0.6 m and 0.9 m from their starts, too close to stand between.
+// The clover's straights are 1.5 m long and cross others 0.6 m and 0.9 m from their starts, too close to stop between.
 
-TEST(CrossingFinder, name_the_two_crossings_of_a_straight_as_one_chain) {
+TEST(CrossingFinder, finds_the_two_crossings_of_a_straight_as_one_chain) {
   const auto ahead = ahead_of(at(lacet4(), "east", 0.1), 1.0);
   ASSERT_THAT(ahead, SizeIs(2));
   EXPECT_GT(ahead[0].entry_m, 0.25);
@@ -41,14 +41,14 @@ TEST(CrossingFinder, name_the_two_crossings_of_a_straight_as_one_chain) {
   EXPECT_NE(ahead[0].crossing, ahead[1].crossing);
 }
 
-TEST(CrossingFinder, follow_a_chain_beyond_their_reach_and_see_none_before_it) {
+TEST(CrossingFinder, follows_a_chain_beyond_its_reach_and_finds_none_outside_it) {
   EXPECT_THAT(ahead_of(at(lacet4(), "east", 0.1), 0.35), SizeIs(2));
   EXPECT_THAT(ahead_of(at(lacet4(), "east", 0.1), 0.10), IsEmpty());
-  EXPECT_THAT(ahead_of(at(lacet4(), "east", 1.2), 1.0), IsEmpty()) << "behind it";
+  EXPECT_THAT(ahead_of(at(lacet4(), "east", 1.2), 1.0), IsEmpty()) << "behind the vehicle";
   EXPECT_THAT(ahead_of(at(lacet4(), "east", 0.1), 3.0, 1), SizeIs(1));
 }
 
-TEST(CrossingFinder, begin_where_the_vehicle_is_when_it_is_inside) {
+TEST(CrossingFinder, begins_at_the_vehicle_inside_a_crossing) {
   const auto ahead = ahead_of(at(lacet4(), "east", 0.6), 0.1);
   ASSERT_THAT(ahead, SizeIs(2));
   EXPECT_EQ(ahead[0].entry_m, 0.0);
@@ -59,8 +59,8 @@ TEST(EarliestArrival, follows_from_speed_and_acceleration) {
   EXPECT_EQ(earliest_s(0.0, 0.3, medium), 0.0);
   EXPECT_EQ(earliest_s(-1.0, 0.3, medium), 0.0);
   EXPECT_DOUBLE_EQ(earliest_s(0.8, 0.4, medium), 2.0);
-  EXPECT_DOUBLE_EQ(earliest_s(0.8, 0.5, medium), 1.6) << "who is faster is not counted slower";
-  // From standing 0.8 s and 0.16 m until 0.4 m/s is reached.
+  EXPECT_DOUBLE_EQ(earliest_s(0.8, 0.5, medium), 1.6) << "a faster vehicle is not counted as slower";
+  // From standstill 0.8 s and 0.16 m until 0.4 m/s is reached.
   EXPECT_NEAR(earliest_s(0.16, 0.0, medium), 0.8, 1e-12);
   EXPECT_NEAR(earliest_s(0.56, 0.0, medium), 1.8, 1e-12);
   EXPECT_NEAR(earliest_s(0.04, 0.0, medium), 0.4, 1e-12);
@@ -90,7 +90,7 @@ struct Speaker {
   [[nodiscard]] wire::Intent compose() const { return compose_intent(agent, lacet4(), crossing_spans); }
 };
 
-TEST(ComposeIntent, says_where_it_is_and_what_comes) {
+TEST(ComposeIntent, states_the_position_and_the_next_crossings) {
   const wire::Intent intent =
       Speaker{0.1}.take(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})).compose();
   EXPECT_EQ(intent.map_id, "lacet4");
@@ -105,7 +105,7 @@ TEST(ComposeIntent, says_where_it_is_and_what_comes) {
   EXPECT_TRUE(wire::intent_from_json(to_json(intent)) || intent.vehicle.serial_number.empty());
 }
 
-TEST(ComposeIntent, says_so_when_its_base_leads_through) {
+TEST(ComposeIntent, states_that_the_vehicle_may_enter_when_its_base_leads_through) {
   const wire::Intent intent =
       Speaker{0.1}.take(order("O-1").through({"east@0", "east@380", "east@1120", "east@1310"})).compose();
   ASSERT_GE(intent.crossings.size(), 2U);
@@ -113,7 +113,7 @@ TEST(ComposeIntent, says_so_when_its_base_leads_through) {
   EXPECT_TRUE(intent.crossings[1].may_enter);
 }
 
-TEST(ComposeIntent, wants_no_crossing_while_it_is_held_or_has_no_order) {
+TEST(ComposeIntent, requests_no_crossing_while_the_vehicle_is_held_or_has_no_order) {
   EXPECT_THAT(Speaker{0.1}.compose().crossings, IsEmpty());
   Speaker paused{0.1};
   paused.take(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"}));
@@ -121,12 +121,12 @@ TEST(ComposeIntent, wants_no_crossing_while_it_is_held_or_has_no_order) {
   EXPECT_THAT(paused.compose().crossings, IsEmpty());
   Speaker inside{0.6};
   const auto crossings = inside.compose().crossings;
-  ASSERT_FALSE(crossings.empty()) << "where it stands nobody passes, whatever it wants";
+  ASSERT_FALSE(crossings.empty()) << "the crossing under the vehicle is listed in any case";
   EXPECT_TRUE(crossings[0].may_enter);
   EXPECT_EQ(crossings[0].entry_m, 0.0);
 }
 
-TEST(ComposeIntent, of_one_beside_the_line_says_only_where_it_is) {
+TEST(ComposeIntent, of_an_off_path_vehicle_states_only_its_pose) {
   Speaker speaker{0.1};
   speaker.agent.estimator().set_off_path({0.3, 0.0, 0.5});
   const wire::Intent intent = speaker.compose();
@@ -139,7 +139,7 @@ bool is_news(const wire::Intent& published, const Speaker& speaker) {
   return aiv::is_news(published, speaker.agent, lacet4(), speaker.crossing_spans);
 }
 
-TEST(News, are_what_others_act_upon_and_not_where_it_drives_meanwhile) {
+TEST(News, are_changes_that_others_react_to_and_not_the_progress_on_the_path) {
   const auto up_to_crossing = order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"});
   Speaker speaker{0.1};
   speaker.take(up_to_crossing);
@@ -152,10 +152,10 @@ TEST(News, are_what_others_act_upon_and_not_where_it_drives_meanwhile) {
 
   Speaker granted{0.1};
   granted.take(order("O-1").through({"east@0", "east@380", "east@1120", "east@1310"}));
-  EXPECT_TRUE(is_news(published, granted)) << "it may enter";
-  EXPECT_TRUE(is_news(granted.compose(), speaker)) << "it may not any more";
-  EXPECT_TRUE(is_news(published, Speaker{0.1})) << "it wants no crossing";
-  EXPECT_TRUE(is_news(Speaker{1.3}.compose(), speaker)) << "it comes to crossings";
+  EXPECT_TRUE(is_news(published, granted)) << "the vehicle may enter";
+  EXPECT_TRUE(is_news(granted.compose(), speaker)) << "the vehicle may no longer enter";
+  EXPECT_TRUE(is_news(published, Speaker{0.1})) << "no crossing is requested";
+  EXPECT_TRUE(is_news(Speaker{1.3}.compose(), speaker)) << "the vehicle approaches crossings";
   Speaker neighbour{0.1};
   neighbour.agent.estimator().set_off_path({0.3, 0.0, 0.5});
   EXPECT_TRUE(is_news(published, neighbour));

@@ -9,11 +9,12 @@ namespace cosiva::aiv {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-/// A vehicle may be so far outside of the cell under which it speaks: its slack, and what it has driven since.
+/// Largest distance of a vehicle from the cell in which it publishes: the slack, and the distance driven since.
 constexpr double outside_cell_m_max = 2.0 * wire::v2x_cell_slack_m;
-/// Over so short a while a body's way is straight; how fast the gap to it changes says how fast it goes along ours.
+/// Over so short a time a body's path is straight; the change of the gap to the body gives its speed along the own
+/// path.
 constexpr double glance_s = 0.1;
-/// The envelope's and ours may differ by rounding where a chain begins.
+/// The envelope and the crossing finder may differ by rounding in where a chain begins.
 constexpr double entry_slack_m = 0.05;
 constexpr double rests_mps = 0.02;
 
@@ -29,13 +30,13 @@ double sign_of(double x) { return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : 0.0; }
 std::string_view to_string(Neighbours::Verdict verdict) {
   switch (verdict) {
     case Neighbours::Verdict::taken: return "taken";
-    case Neighbours::Verdict::first: return "heard for the first time";
+    case Neighbours::Verdict::first: return "received for the first time";
     case Neighbours::Verdict::old: return "old";
-    case Neighbours::Verdict::own: return "it bears this vehicle's own name";
-    case Neighbours::Verdict::other_map: return "it is of another map";
-    case Neighbours::Verdict::far: return "it comes from further off than anybody is heard";
-    case Neighbours::Verdict::implausible: return "no vehicle can be there, or be as fast as it says";
-    case Neighbours::Verdict::crowded: return "more vehicles are near than are listened to";
+    case Neighbours::Verdict::own: return "published under this vehicle's own name";
+    case Neighbours::Verdict::other_map: return "published for another map";
+    case Neighbours::Verdict::far: return "published from beyond the range of reception";
+    case Neighbours::Verdict::implausible: return "the reported pose or speed is impossible";
+    case Neighbours::Verdict::crowded: return "more vehicles are near than are stored";
   }
   return "?";
 }
@@ -72,7 +73,7 @@ Neighbours::Verdict Neighbours::receive(SimTime now, const wire::V2xTopic& topic
   if (known != received_.end() && known->intent->vehicle == intent.vehicle) {
     if (!newer(intent.header_id, known->intent->header_id)) return Verdict::old;
     if (leaps(*known, now, intent)) {
-      // Two speak under one name, or one lies: neither is known to be right.
+      // Two senders use one name, or one reports a false pose: neither is known to be right.
       received_.erase(known);
       return Verdict::implausible;
     }
@@ -91,7 +92,7 @@ Neighbours::Verdict Neighbours::receive(SimTime now, const wire::V2xTopic& topic
 }
 
 void Neighbours::age(SimTime now) {
-  // One that came after now is of a clock that was set back.
+  // An intent received later than now is from before the clock was set back.
   std::erase_if(received_, [&](const KnownIntent& h) { return now - h.at > model_.memory_span || h.at > now; });
 }
 
@@ -113,7 +114,7 @@ Others Neighbours::around(SimTime now, const Agent& agent) {
   Others others;
   age(now);
   if (received_.empty()) return others;
-  // It would count only where the vehicle's own senses find it.
+  // A leader counts only where the vehicle itself perceives a body.
   if (agent.finds_body()) find_leader(now, agent, others);
   find_rivals(now, agent, others);
   return others;
@@ -157,14 +158,14 @@ void Neighbours::find_rivals(SimTime now, const Agent& agent, Others& others) {
       may_enter = may_enter || crossing.may_enter;
     }
     if (!std::isfinite(arrival_s)) continue;
-    // Who would find the crossing free again even if it came up slowly has no reason to be slow.
+    // A vehicle that finds the crossing free again even after a slow approach has no reason to be slow.
     const double wait_s = departure_s - slow_s;
     if (wait_s <= 0.0) continue;
-    // Whoever may enter goes first, whatever the times say; of two equals who may not yet, the one that is there first.
+    // A vehicle that may enter goes first, whatever the times; of two equal vehicles that may not yet, the earlier one.
     const double priority = may_enter ? -1.0 : sign_of(own_priority - static_cast<double>(received.intent->priority));
     const double margin_s = may_enter ? -wait_s : arrival_s - own_s;
     if (priority == 0.0 && margin_s >= 0.0) continue;
-    // Whoever stands before a crossing waits for a third one, or for room beyond; it may wait for long.
+    // A vehicle that is stopped before a crossing waits for a third one, or for room beyond, possibly for long.
     if (!may_enter && std::fabs(received.intent->speed_mps) < rests_mps) continue;
     if (margin_s >= others.crossing_margin_s) continue;
     others.crossing_margin_s = margin_s;

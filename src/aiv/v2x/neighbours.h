@@ -19,20 +19,21 @@
 
 namespace cosiva::aiv {
 
-/// What those near a vehicle have said of themselves (wire::Intent), for a second after they said it, and what follows
-/// from it for the vehicle: who drives before it and who else wants its next crossing. Strangers are not trusted: their
-/// clocks are not read, what cannot be is refused, and at most `count_max` are kept. What is left may make a vehicle
-/// slower or let it come up to a crossing in better time; whether it may go somewhere is never asked here.
+/// The intents (wire::Intent) of vehicles nearby, stored for a second after receipt, and their consequences for this
+/// vehicle: its leader, and the other vehicle that requests its next crossing. Senders are not trusted: their clocks
+/// are not read, impossible messages are refused, and at most `count_max` are stored. Accepted intents may slow a
+/// vehicle down or let it approach a crossing at a better time; they never decide whether the vehicle may drive
+/// somewhere.
 class Neighbours {
  public:
   struct Model {
-    SimDuration memory_span{std::chrono::seconds{1}};       ///< since it arrived
-    SimDuration carry_max{std::chrono::milliseconds{500}};  ///< a pose is carried on no longer
+    SimDuration memory_span{std::chrono::seconds{1}};       ///< since receipt
+    SimDuration carry_max{std::chrono::milliseconds{500}};  ///< longest extrapolation of a pose
     std::size_t count_max{32};
-    /// Nobody further off along an axis can be heard: two cells, both sides' slack, and what they drive meanwhile.
+    /// Largest distance along an axis to a sender: two cells, both sides' slack, and the distance driven meanwhile.
     double near_m{2.0 * wire::v2x_cell_m + 4.0 * wire::v2x_cell_slack_m};
-    double speed_ratio_max{3.0};  ///< of the zone's fastest profile; who claims more is not believed
-    double leap_m{0.5};           ///< more than that beyond what that speed allows is a leap
+    double speed_ratio_max{3.0};  ///< of the zone's fastest profile; a higher reported speed is implausible
+    double leap_m{0.5};           ///< a larger distance beyond what that speed allows is a leap
     BodyGap::Model gap_model{};
   };
   Neighbours(const zone::TrafficZone& zone, wire::VehicleId self) : Neighbours{zone, std::move(self), Model{}} {}
@@ -40,30 +41,30 @@ class Neighbours {
 
   enum class Verdict : std::uint8_t {
     taken,
-    first,  ///< taken, and nobody had been heard of this name
-    old,    ///< no newer than what is known: repeated, or overtaken on the way
-    own,    ///< its own name
+    first,  ///< taken, and the first intent of this sender
+    old,    ///< no newer than the stored intent: repeated, or overtaken in transit
+    own,    ///< the vehicle's own name
     other_map,
-    far,          ///< nobody could have heard it from there
-    implausible,  ///< a speed or a leap that no vehicle here can do; what was known of it is forgotten
-    crowded,      ///< one more than are kept, and none of those is further away
+    far,          ///< the message could not have been received from there
+    implausible,  ///< a speed or a leap that no vehicle here is capable of; the sender's stored intent is discarded
+    crowded,      ///< the maximum number is stored, and none of those is further away
   };
-  /// @param topic  under which it came; who speaks under another name or cell than his own is not believed
-  /// @param own    where this vehicle is
+  /// @param topic  of the message; a sender that publishes under another name or cell than its own is refused
+  /// @param own    position of this vehicle
   Verdict receive(SimTime now, const wire::V2xTopic& topic, std::shared_ptr<const wire::Intent> intent, Point2 own);
   void age(SimTime now);
   void forget() { received_.clear(); }
   [[nodiscard]] std::size_t size() const { return received_.size(); }
   [[nodiscard]] bool empty() const { return received_.empty(); }
 
-  /// @param agent  whose place is known and on the line
+  /// @param agent  its position is known and on the path
   [[nodiscard]] Others around(SimTime now, const Agent& agent);
 
   void fold(Digest& digest) const;
 
  private:
   struct KnownIntent {
-    std::shared_ptr<const wire::Intent> intent;  ///< never none; others may have heard the same
+    std::shared_ptr<const wire::Intent> intent;  ///< never null; other receivers may refer to the same
     SimTime at{};
   };
   [[nodiscard]] bool leaps(const KnownIntent& before, SimTime now, const wire::Intent& intent) const;

@@ -23,7 +23,8 @@ using Verdict = Neighbours::Verdict;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 const wire::VehicleId me{"CoSiVA", "AIV1"};
 
-/// One that comes up to the crossings of the clover's eastward straight and may not enter them yet, and what it hears.
+/// A vehicle that approaches the crossings of the clover's eastward straight and may not enter them yet, and the
+/// intents that it receives.
 struct Ear {
   Agent agent{lacet4()};
   Neighbours neighbours{lacet4(), me};
@@ -36,7 +37,7 @@ struct Ear {
     static_cast<void>(agent.decide());
   }
 
-  /// Of another one at a place.
+  /// Of another vehicle at this position.
   [[nodiscard]] wire::Intent one_at(zone::TrackPosition track_position, double speed_mps,
                                     const std::string& serial = "AIV2") {
     wire::Intent intent;
@@ -47,7 +48,7 @@ struct Ear {
     intent.speed_mps = speed_mps;
     return intent;
   }
-  /// One that comes to the same crossings from the south.
+  /// Of a vehicle that approaches the same crossings from the south.
   [[nodiscard]] wire::Intent rival(double arrival_s, bool may_enter, double departure_s,
                                    const std::string& serial = "AIV2") {
     wire::Intent intent = one_at(at(lacet4(), "north", 0.2), 0.3, serial);
@@ -70,7 +71,7 @@ struct Ear {
   Others around() { return neighbours.around(now, agent); }
 };
 
-TEST(Neighbours, keep_the_newest_of_each_and_forget_it_after_a_second) {
+TEST(Neighbours, keep_the_newest_intent_of_each_vehicle_for_a_second) {
   Ear ear;
   EXPECT_EQ(ear.receive(ear.one_at(at(lacet4(), "east", 0.5), 0.2)), Verdict::first);
   ear.now += 200ms;
@@ -84,7 +85,7 @@ TEST(Neighbours, keep_the_newest_of_each_and_forget_it_after_a_second) {
   EXPECT_TRUE(ear.neighbours.empty());
 }
 
-TEST(Neighbours, take_what_comes_twice_or_late_for_what_it_is) {
+TEST(Neighbours, recognise_repeated_and_late_intents) {
   Ear ear;
   const wire::Intent first = ear.one_at(at(lacet4(), "east", 0.5), 0.2);
   const wire::Intent second = ear.one_at(at(lacet4(), "east", 0.54), 0.2);
@@ -99,7 +100,7 @@ TEST(Neighbours, take_what_comes_twice_or_late_for_what_it_is) {
   EXPECT_EQ(other.receive(wrapped), Verdict::taken) << "the counter wraps";
 }
 
-TEST(Neighbours, do_not_read_anybody_s_clock) {
+TEST(Neighbours, do_not_read_the_clocks_of_senders) {
   Ear ear;
   wire::Intent intent = ear.one_at(at(lacet4(), "east", 0.5), 0.2);
   intent.timestamp = ear.now + std::chrono::hours{24 * 365};
@@ -109,7 +110,7 @@ TEST(Neighbours, do_not_read_anybody_s_clock) {
   EXPECT_TRUE(ear.neighbours.empty());
 }
 
-TEST(Neighbours, believe_no_absurdities) {
+TEST(Neighbours, refuse_implausible_intents) {
   Ear ear;
   const zone::TrackPosition there = at(lacet4(), "east", 0.5);
   wire::Intent own = ear.one_at(there, 0.2, "AIV1");
@@ -125,23 +126,23 @@ TEST(Neighbours, believe_no_absurdities) {
   const auto elsewhere = std::make_shared<const wire::Intent>(ear.one_at(there, 0.2));
   EXPECT_EQ(ear.neighbours.receive(ear.now, {"lacet4", {2, 2}, elsewhere->vehicle}, elsewhere, {}),
             Verdict::implausible)
-      << "it speaks in a cell where it is not";
+      << "published in a cell in which the sender is not";
   EXPECT_EQ(ear.neighbours.receive(ear.now, {"lacet4", wire::cell_of(position(elsewhere->pose)), {"CoSiVA", "AIV9"}},
                                    elsewhere, {}),
             Verdict::implausible)
-      << "under another's name";
+      << "under the name of another vehicle";
   EXPECT_TRUE(ear.neighbours.empty());
 }
 
-TEST(Neighbours, forget_one_that_leaps) {
+TEST(Neighbours, discard_a_vehicle_that_leaps) {
   Ear ear;
   EXPECT_EQ(ear.receive(ear.one_at(at(lacet4(), "east", 0.5), 0.2)), Verdict::first);
   ear.now += 200ms;
   EXPECT_EQ(ear.receive(ear.one_at(at(lacet4(), "west", 0.1), 0.2)), Verdict::implausible);
-  EXPECT_TRUE(ear.neighbours.empty()) << "which of the two is right nobody knows";
+  EXPECT_TRUE(ear.neighbours.empty()) << "neither of the two is known to be right";
 }
 
-TEST(Neighbours, keep_the_nearest_of_a_crowd) {
+TEST(Neighbours, keep_the_nearest_of_too_many_vehicles) {
   Ear ear;
   const Point2 here = position(ear.agent.position().pose());
   for (int i = 0; i < 5000; ++i) {
@@ -155,10 +156,10 @@ TEST(Neighbours, keep_the_nearest_of_a_crowd) {
   EXPECT_EQ(ear.neighbours.size(), 32U);
 }
 
-TEST(Neighbours, say_how_fast_the_one_ahead_drives) {
+TEST(Neighbours, give_the_speed_of_the_leader) {
   Ear ear;
   ear.receive(ear.one_at(at(lacet4(), "east", 0.6), 0.25));
-  EXPECT_EQ(ear.around().leader_gap_m, infinite) << "nothing is seen";
+  EXPECT_EQ(ear.around().leader_gap_m, infinite) << "no body is detected";
   ear.agent.perceive(0.3);
   const Others others = ear.around();
   EXPECT_NEAR(others.leader_gap_m, 0.5 - 0.2, 0.01);
@@ -166,7 +167,7 @@ TEST(Neighbours, say_how_fast_the_one_ahead_drives) {
   EXPECT_NEAR(*others.leader_mps, 0.25, 0.02);
 }
 
-TEST(Neighbours, carry_the_one_ahead_on_for_half_a_second_at_most) {
+TEST(Neighbours, extrapolate_the_leader_for_half_a_second_at_most) {
   Ear ear;
   ear.agent.perceive(0.3);
   ear.receive(ear.one_at(at(lacet4(), "east", 0.6), 0.2));
@@ -176,7 +177,7 @@ TEST(Neighbours, carry_the_one_ahead_on_for_half_a_second_at_most) {
   EXPECT_NEAR(ear.around().leader_gap_m, 0.3 + 0.1, 0.01);
 }
 
-TEST(Neighbours, know_no_leader_beside_the_way_or_behind) {
+TEST(Neighbours, find_no_leader_off_the_path_or_behind) {
   Ear ear{0.1};
   ear.agent.perceive(0.3);
   ear.receive(ear.one_at(at(lacet4(), "loop_sw", 2.7), 0.3));
@@ -184,7 +185,7 @@ TEST(Neighbours, know_no_leader_beside_the_way_or_behind) {
   EXPECT_EQ(ear.around().leader_gap_m, infinite);
 }
 
-TEST(Neighbours, say_by_how_much_a_rival_is_first) {
+TEST(Neighbours, give_the_margin_of_a_rival) {
   Ear ear;
   const double own_s = earliest_s(ear.agent.decision().crossing_ahead_m, 0.0, lacet4().profiles.medium);
   wire::Intent higher = ear.rival(own_s + 1.5, false, own_s + 3.0);
@@ -192,19 +193,19 @@ TEST(Neighbours, say_by_how_much_a_rival_is_first) {
   ear.receive(higher);
   EXPECT_NEAR(ear.around().crossing_margin_s, 1.5, 1e-9);
   ear.now += 500ms;
-  EXPECT_NEAR(ear.around().crossing_margin_s, 1.0, 1e-9) << "it comes nearer while it is silent";
+  EXPECT_NEAR(ear.around().crossing_margin_s, 1.0, 1e-9) << "the rival comes nearer between its messages";
   ear.receive(ear.rival(own_s - 1.0, false, own_s + 3.0, "AIV3"));
-  EXPECT_NEAR(ear.around().crossing_margin_s, -1.0, 1e-9) << "the most pressing one counts";
+  EXPECT_NEAR(ear.around().crossing_margin_s, -1.0, 1e-9) << "the most urgent rival counts";
 }
 
-TEST(Neighbours, let_the_first_of_two_equals_come_up_as_if_alone) {
+TEST(Neighbours, let_the_first_of_two_equals_approach_as_if_alone) {
   Ear ear;
   const double own_s = earliest_s(ear.agent.decision().crossing_ahead_m, 0.0, lacet4().profiles.medium);
   ear.receive(ear.rival(own_s + 0.5, false, own_s + 3.0));
   EXPECT_EQ(ear.around().crossing_margin_s, infinite);
 }
 
-TEST(Neighbours, do_not_wait_for_one_that_stands_and_may_not_enter) {
+TEST(Neighbours, do_not_wait_for_a_stopped_vehicle_that_may_not_enter) {
   Ear ear;
   wire::Intent is_stopped = ear.rival(0.1, false, 9.0);
   is_stopped.speed_mps = 0.0;
@@ -212,30 +213,30 @@ TEST(Neighbours, do_not_wait_for_one_that_stands_and_may_not_enter) {
   EXPECT_EQ(ear.around().crossing_margin_s, infinite);
 }
 
-TEST(Neighbours, give_way_to_who_may_enter_only_as_long_as_it_is_in_the_way) {
+TEST(Neighbours, yield_to_a_vehicle_that_may_enter_only_while_it_obstructs) {
   const double slow_s = Ear{}.agent.decision().crossing_ahead_m / lacet4().profiles.slow.speed_mps;
   Ear early;
   early.receive(early.rival(0.2, true, slow_s - 0.1));
-  EXPECT_EQ(early.around().crossing_margin_s, infinite) << "gone before this one is there, even slowly";
+  EXPECT_EQ(early.around().crossing_margin_s, infinite) << "the rival has left before the vehicle arrives, even slowly";
   Ear late;
   late.receive(late.rival(0.2, true, slow_s + 1.0));
   EXPECT_NEAR(late.around().crossing_margin_s, -1.0, 1e-9);
   EXPECT_EQ(late.around().crossing_priority, -1.0);
 }
 
-TEST(Neighbours, weigh_priorities_and_other_crossings_do_not_matter) {
+TEST(Neighbours, weigh_priorities_and_ignore_other_crossings) {
   Ear ear;
   wire::Intent rival = ear.rival(2.0, false, 3.0);
   rival.priority = 5;
   ear.receive(rival);
   EXPECT_EQ(ear.around().crossing_priority, -1.0);
   Ear other;
-  rival.crossings.front().name = "no crossing of this way";
+  rival.crossings.front().name = "no crossing of this path";
   other.receive(rival);
   EXPECT_EQ(other.around().crossing_margin_s, infinite);
 }
 
-TEST(Neighbours, matter_to_nobody_who_may_enter) {
+TEST(Neighbours, do_not_matter_to_a_vehicle_that_may_enter) {
   Ear ear;
   EXPECT_TRUE(
       ear.agent.take_order(order("O-1", 1).from_sequence(4).through({"east@380", "east@1120"}).then({"east@1310"})));
@@ -245,8 +246,8 @@ TEST(Neighbours, matter_to_nobody_who_may_enter) {
   EXPECT_EQ(ear.around().crossing_margin_s, infinite);
 }
 
-/// Whatever anybody says, nothing that comes out is dangerous: numbers are numbers, and the memory is bounded.
-TEST(Neighbours, take_any_intent_that_can_be_decoded) {
+/// For any intents all results are safe: every number is valid, and the number of stored intents is bounded.
+TEST(Neighbours, handle_any_intent_that_can_be_decoded) {
   EXPECT_TRUE(rc::check([](std::uint64_t seed) {
     Random random{seed, "lies"};
     Ear ear;
@@ -268,37 +269,36 @@ TEST(Neighbours, take_any_intent_that_can_be_decoded) {
   }));
 }
 
-// --- what the agent makes of it
-// ---------------------------------------------------------------------------------------
+// --- use of the results by the agent ------------------------------------------------------------------------------
 
-/// Notes what it was asked, and chooses medium.
+/// Records the situation it is called with, and chooses medium.
 struct Requested final : SpeedPolicy {
   explicit Requested(Situation& out) : situation{out} {}
   [[nodiscard]] Profile choose(const Situation& requested) const override {
-    if (std::isfinite(requested.obstacle_ahead_m)) situation = requested;  // not what it would do without the body
+    if (std::isfinite(requested.obstacle_ahead_m)) situation = requested;  // not the evaluation without the body
     return Profile::medium;
   }
   Situation& situation;
 };
 
-TEST(Heeding, believes_a_leader_only_where_its_senses_find_a_body) {
+TEST(Heeding, accepts_a_leader_only_where_its_sensors_detect_a_body) {
   Situation requested{};
   Agent agent{lacet4(), std::make_unique<Requested>(requested)};
   agent.estimator().position_at(at(lacet4(), "east", 0.1));
   EXPECT_TRUE(agent.take_order(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})));
   agent.heed({.leader_gap_m = 0.40, .leader_mps = 0.25});
   static_cast<void>(agent.decide());
-  EXPECT_FALSE(requested.closing_mps) << "nothing is seen there";
+  EXPECT_FALSE(requested.closing_mps) << "no body is detected there";
   agent.perceive(0.45);
   static_cast<void>(agent.decide());
   ASSERT_TRUE(requested.closing_mps);
   EXPECT_NEAR(*requested.closing_mps, -0.25, 1e-9);
   agent.perceive(0.20);
   static_cast<void>(agent.decide());
-  EXPECT_FALSE(requested.closing_mps) << "what stands there is somebody else";
+  EXPECT_FALSE(requested.closing_mps) << "the detected body is another one";
 }
 
-TEST(Heeding, never_goes_faster_than_the_envelope_whatever_is_said) {
+TEST(Heeding, never_drives_faster_than_the_envelope_for_any_intents) {
   EXPECT_TRUE(rc::check([](std::uint64_t seed) {
     Random random{seed, "heeding"};
     Agent reported{lacet4()};
