@@ -20,8 +20,8 @@ struct PageFixture {
     const auto position = [&](const char* section, double s_m) {
       return zone::TrackPosition{*server.zone->circuit.find(section), s_m};
     };
-    server.add("AIV1", track_position("east", 0.5));
-    server.add("AIV2", track_position("west", 0.5));
+    server.add("AIV1", position("east", 0.5));
+    server.add("AIV2", position("west", 0.5));
     server.run_for(std::chrono::seconds{3});
   }
 

@@ -448,7 +448,7 @@ TEST(Options, survive_a_json_round_trip) {
 }
 
 TEST(Options, that_are_invalid_are_refused_by_field) {
-  const auto position = [](std::string_view json) {
+  const auto location = [](std::string_view json) {
     const auto options = onboard_options_from_json(json);
     return options ? std::string("accepted") : options.error().location;
   };

@@ -28,7 +28,7 @@ struct Reached {
   zone::TrackPosition position;
   double path_m;
   std::size_t before;  ///< index of the position of the node before
-  zone::Circuit::Route found;
+  zone::Circuit::Route route;
 };
 
 /// Best of the routes to one position from the positions of the node before. Among equally long routes: the one that

@@ -38,7 +38,7 @@ struct Fleet::Impl {
   Stepper stepper;
 };
 
-Fleet::Fleet(std::unique_ptr<Impl> inside) : in_{std::move(inside)} {}
+Fleet::Fleet(std::unique_ptr<Impl> impl) : in_{std::move(impl)} {}
 Fleet::Fleet(Fleet&&) noexcept = default;
 Fleet& Fleet::operator=(Fleet&&) noexcept = default;
 Fleet::~Fleet() = default;
@@ -59,11 +59,11 @@ Result<Fleet> Fleet::make(std::shared_ptr<const zone::TrafficZone> zone, const F
     if (!narrowed) return tl::unexpected(narrowed.error());
     rules = std::move(*narrowed);
   }
-  auto inside = std::make_unique<Impl>(std::move(*ground), options, std::move(rules), starts.size());
-  Placement placement{inside->tables, inside->leaders, inside->survey, inside->presence};
-  if (auto placed = placement.track_position(starts); !placed) return tl::unexpected(placed.error());
-  inside->poses.write(0, static_cast<std::uint32_t>(starts.size()));
-  return Fleet{std::move(inside)};
+  auto impl = std::make_unique<Impl>(std::move(*ground), options, std::move(rules), starts.size());
+  Placement placement{impl->tables, impl->leaders, impl->survey, impl->presence};
+  if (auto placed = placement.put(starts); !placed) return tl::unexpected(placed.error());
+  impl->poses.write(0, static_cast<std::uint32_t>(starts.size()));
+  return Fleet{std::move(impl)};
 }
 
 void Fleet::step() {
