@@ -162,7 +162,7 @@ int run_server(const ServerArguments& arguments) {
   LiveShell shell{loop, core, std::move(*live)};
   GvsView gvs{loop, std::move(*client_options)};
   PageHost host = page_host(arguments, core, shell, scenario.name);
-  host.gvs_preview = [&gvs] { return gvs.check(); };
+  host.gvs_preview = [&gvs] { return gvs.latest_image(); };
   auto page = ServerPage::open(loop, std::move(host), arguments.port, find_web_root(arguments.web_directory),
                                arguments.headless);
   if (!page) return report_error(page.error());
