@@ -190,7 +190,7 @@ export class Motion {
       if (command.state !== 'accepted' || !aiv) continue;
       const seen = command.command === 'stop' ? aiv.speed < 0.01 : aiv.speed > 0.05 || command.command === 'cancel';
       if (seen) Object.assign(command, { state: 'materialised', materialised_ms: age });
-      else if (age > 5000) Object.assign(command, { state: 'failed', reason: 'not seen within 5 s' });
+      else if (age > 5000) Object.assign(command, { state: 'failed', reason: 'not observed within 5 s' });
     }
     if (this.commands.length > 200) this.commands.splice(0, 100);
   }

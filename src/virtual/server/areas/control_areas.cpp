@@ -77,7 +77,7 @@ Result<void> ControlAreas::on_area(wire::AreaTopic topic, const wire::Input& inp
     return {};
   }
   constexpr std::string_view zone = "zone/";
-  // As everywhere: an empty one takes a format's topic off the broker, and is no zone.
+  // As for every retained topic, an empty message clears the topic at the broker and is no zone.
   if (!topic.rest.starts_with(zone) || input.payload.empty()) return {};
   const auto rtm = zone::Rtm::initialise(
       zone::from_payload(std::string(topic.rest.substr(zone.size())), input.source, input.payload));
@@ -108,13 +108,13 @@ Result<Mission> ControlAreas::route_to(std::string_view to, const zone::TrafficZ
   if (area == areas_.end()) {
     std::string known;
     for (const auto& [other, entry] : areas_) known += (known.empty() ? "; there are " : ", ") + other;
-    return fail("mission.area", "no control area '" + cut(name) + "' has been heard of" + known, "to");
+    return fail("mission.area", "no control area '" + cut(name) + "' is known" + known, "to");
   }
   if (!area->second.online)
-    return fail("mission.area", "the server of control area '" + cut(name) + "' is silent; start it, then try again",
-                "to");
+    return fail("mission.area",
+                "the server of control area '" + cut(name) + "' does not respond; start it, then try again", "to");
   if (!area->second.zone)
-    return fail("mission.area", "control area '" + cut(name) + "' has not said which zone it has; try again", "to");
+    return fail("mission.area", "control area '" + cut(name) + "' has not published its zone; try again", "to");
   const zone::TrafficZone& there = *area->second.zone;
   const auto end = position_of(there, goal);
   if (!end)
@@ -134,8 +134,8 @@ Result<Mission> ControlAreas::route_to(std::string_view to, const zone::TrafficZ
   }
   if (best == nullptr) {
     return fail("mission.to",
-                "no station of this control area lies on a way of control area '" + cut(name) + "' that leads to '" +
-                    cut(goal) + "'; lay one where the two control areas meet",
+                "no station of this control area is on a section of control area '" + cut(name) +
+                    "' with a route to '" + cut(goal) + "'; define one where the two control areas meet",
                 "to");
   }
   return Mission{Mission::Kind::go, best->name, std::string(to)};

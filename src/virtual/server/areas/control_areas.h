@@ -17,44 +17,46 @@
 
 namespace cosiva::virtual_side {
 
-/// Several servers on one broker, one for each control area: what the others say of theirs, and whose each vehicle is.
-/// The class only keeps what was received; Ownership (virtual/server/core) claims, takes over and lets go.
+/// Several servers on one broker, one for each control area: what the other servers publish, and the owner of each
+/// vehicle. The class only stores what was received; Ownership (virtual/server/core) claims, takes over and releases
+/// vehicles.
 class ControlAreas {
  public:
-  static constexpr std::size_t vehicles_max = 4096;  ///< a flood of made-up names must not take the memory
+  static constexpr std::size_t vehicles_max = 4096;  ///< limits the memory that a flood of invented names can occupy
   static constexpr std::size_t areas_max = 256;
 
-  /// @param own  empty: the only server of its broker, and every vehicle is its own
+  /// @param own  empty: this is the only server of its broker and owns every vehicle
   explicit ControlAreas(std::string own) : own_{std::move(own)} {}
   [[nodiscard]] bool several() const { return !own_.empty(); }
   [[nodiscard]] const std::string& own() const { return own_; }
 
-  /// What is known of a vehicle whosever it is: as much as its next owner needs.
+  /// What is known of a vehicle of any owner: as much as the next owner needs.
   struct Vehicle {
     wire::VehicleId id;
-    std::optional<wire::Owner> owner;  ///< the last that was heard; nothing: it is nobody's
-    bool owner_received{false};        ///< since our link came up
+    std::optional<wire::Owner> owner;  ///< as last received; nothing: no server owns the vehicle
+    bool owner_received{false};        ///< received since the link came up
     std::optional<wire::Input> connection;
     std::optional<wire::Input> factsheet;
-    std::optional<Pose2> pose;  ///< as long as it is nobody's
+    std::optional<Pose2> pose;  ///< while no server owns the vehicle
     SimTime pose_since{};
     SimTime pose_at{};
     std::optional<SimTime> claimed_at;
   };
   [[nodiscard]] bool owns(const wire::VehicleId& id) const;
-  /// Nothing: there are too many.
+  /// Null: there are too many vehicles.
   [[nodiscard]] Vehicle* vehicle(const wire::VehicleId& id);
   [[nodiscard]] auto& vehicles() { return vehicles_; }  ///< by name
-  /// A message of a vehicle's, on the topic's last level; where it stands is kept while it is nobody's.
+  /// Takes a message of a vehicle. The vehicle's pose is stored while no server owns the vehicle.
+  /// @param topic  the topic's last level
   void overhear(Vehicle& vehicle, std::string_view topic, const wire::Input& input);
   void link_up();
 
-  /// What another server says about itself. Fails where its zone cannot be built.
+  /// Takes what another server publishes about itself. Fails where its zone cannot be built.
   [[nodiscard]] Result<void> on_area(wire::AreaTopic topic, const wire::Input& input);
   [[nodiscard]] bool is_there(std::string_view area) const;
   [[nodiscard]] bool has_map(std::string_view name) const;
-  /// The mission to "control area/name": to the station of `zone` that lies on a way of that control area from which
-  /// `name` can be reached, the one nearest to its line. Fails with a sentence that says what to do.
+  /// The mission to "area/name": to the station of `zone` on a section of that control area from which `name` can be
+  /// reached, and of these to the station nearest to that area's path. Fails with a message that states what to do.
   [[nodiscard]] Result<Mission> route_to(std::string_view to, const zone::TrafficZone& zone,
                                          const Missions& missions) const;
 
@@ -68,7 +70,7 @@ class ControlAreas {
     std::shared_ptr<const zone::TrafficZone> zone;
   };
   std::string own_;
-  std::map<std::string, ControlArea, std::less<>> areas_;  ///< the others
+  std::map<std::string, ControlArea, std::less<>> areas_;  ///< the other control areas
   std::map<std::string, Vehicle, std::less<>> vehicles_;
 };
 

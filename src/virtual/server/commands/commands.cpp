@@ -70,7 +70,8 @@ Result<Commands::Requested> Commands::read(const Result<JsonValue>& value) const
   requested.id = cut(value->text("id").value_or(""));
   const auto verb = value->text("command");
   if (!verb)
-    return fail("command.missing", "say which command: stop, slow, medium, fast, limit, restart or cancel", "command");
+    return fail("command.missing", "state which command: stop, slow, medium, fast, limit, restart or cancel",
+                "command");
   requested.command_text = cut(*verb);
   if (const JsonValue* list = value->find("vehicles"); list != nullptr && !list->is_null()) {
     if (list->array() == nullptr || list->array()->empty() || list->array()->size() > vehicles_named_max)
@@ -81,7 +82,7 @@ Result<Commands::Requested> Commands::read(const Result<JsonValue>& value) const
   } else {
     const auto vehicle = value->text("vehicle");
     if (!vehicle)
-      return fail("command.vehicle", "say which vehicle, as manufacturer/serial number, or * for all", "vehicle");
+      return fail("command.vehicle", "state which vehicle, as manufacturer/serial number, or * for all", "vehicle");
     requested.vehicle_names.push_back(cut(*vehicle));
     requested.several = *vehicle == "*";
   }
@@ -90,8 +91,7 @@ Result<Commands::Requested> Commands::read(const Result<JsonValue>& value) const
   if (requested.verb == OperatorCommandKind::limit) {
     requested.speed_mps = value->number("speed").value_or(0.0);
     if (!(requested.speed_mps > 0.0 && requested.speed_mps <= limit_mps_max))
-      return fail("command.speed", "say how fast it may drive at most, above 0 and up to 5 m/s, as \"speed\":0.25",
-                  "speed");
+      return fail("command.speed", "state the maximum speed, above 0 and up to 5 m/s, as \"speed\":0.25", "speed");
   }
   return requested;
 }
@@ -119,17 +119,17 @@ Result<void> Commands::validate_request(const Requested& requested) const {
         "command");
   }
   if (requested.all()) {
-    if (addressed(requested).empty()) return fail("command.vehicle", "no vehicle has been heard of yet", "vehicle");
+    if (addressed(requested).empty()) return fail("command.vehicle", "no vehicle is known yet", "vehicle");
     return {};
   }
   for (const std::string& name : requested.vehicle_names) {
     const auto vehicle = registry_.find(name);
     if (!vehicle || registry_[*vehicle].retired) {
-      return fail("command.vehicle",
-                  "no vehicle '" + name + "' has been heard of; name it as manufacturer/serial number", "vehicle");
+      return fail("command.vehicle", "no vehicle '" + name + "' is known; name it as manufacturer/serial number",
+                  "vehicle");
     }
   }
-  // Of several, those that can follow do; the others' entries say why they cannot.
+  // Of several vehicles, those that can execute the command do so; the entries of the others state the reason.
   if (requested.several) return {};
   if (auto reason = impossible(*registry_.find(requested.vehicle_names.front()), *requested.verb))
     return fail("command.impossible", std::move(*reason), "vehicle");
@@ -201,7 +201,7 @@ void Commands::begin(Command command) {
   std::vector<wire::Action> actions;
   switch (verb) {
     case OperatorCommandKind::stop:
-      proxy.paused_for_body = false;  // from now on it stands because somebody wants it to
+      proxy.paused_for_body = false;  // from now on the vehicle is stopped by the operator
       actions.push_back(action("startPause"));
       break;
     case OperatorCommandKind::restart:
@@ -232,7 +232,7 @@ void Commands::begin(Command command) {
 }
 
 void Commands::supersede(const Command& by) {
-  // Otherwise the older one, sent again because its answer was lost, would undo the newer.
+  // Otherwise the older command, repeated because its acknowledgement was lost, would revert the newer one.
   const auto overtakes = [&](OperatorCommandKind older) {
     if (older == *by.verb || *by.verb == OperatorCommandKind::restart) return true;
     return (sets_speed(older) && sets_speed(*by.verb)) ||
@@ -240,7 +240,7 @@ void Commands::supersede(const Command& by) {
   };
   for (Command& older : list_) {
     if (older.vehicle == by.vehicle && older.open() && overtakes(*older.verb))
-      fail_command(older, "overtaken by " + by.id + " (" + std::string(to_string(*by.verb)) + ")");
+      fail_command(older, "superseded by " + by.id + " (" + std::string(to_string(*by.verb)) + ")");
   }
 }
 
@@ -252,7 +252,7 @@ bool Commands::effect_observed(const Command& command) const {
   switch (*command.verb) {
     case OperatorCommandKind::stop: return state.paused && !state.driving && speed_mps < stopped_mps;
     case OperatorCommandKind::restart: {
-      // A limit asked for after it is not its failure.
+      // A limit requested after the restart does not make the restart fail.
       const bool limited_since = std::ranges::any_of(list_, [&](const Command& other) {
         return other.vehicle == command.vehicle && other.at >= command.at && other.verb && profile_of(*other.verb);
       });
@@ -284,7 +284,7 @@ void Commands::evaluate(Command& command) {
   }
   for (const auto& progress : pending_action->actions) {
     if (progress.status != wire::ActionStatus::failed) continue;
-    std::string reason = "the vehicle refused it";
+    std::string reason = "the vehicle refused the command";
     if (!progress.result.empty()) reason += ": " + progress.result;
     for (const wire::VehicleError& error : registry_[command.vehicle].state->errors) {
       const bool about = std::ranges::any_of(error.references, [&](const wire::Reference& r) {
@@ -306,8 +306,8 @@ void Commands::tick() {
   const SimTime now = publisher_.now();
   for (Command& command : list_) {
     if (!command.open() || now - command.at < timeout) continue;
-    fail_command(command, command.accepted_at ? "accepted, but its effect was not seen within 5 s"
-                                              : "the vehicle did not answer within 5 s");
+    fail_command(command, command.accepted_at ? "accepted, but its effect was not observed within 5 s"
+                                              : "the vehicle did not respond within 5 s");
   }
 }
 
@@ -342,7 +342,7 @@ void Commands::fail_command(Command& command, std::string reason) {
 
 void Commands::keep(Command command) {
   list_.push_back(std::move(command));
-  // Open ones end within 5 s, so the oldest are closed unless somebody floods; those are followed no longer.
+  // Open commands end within 5 s, so the oldest are closed unless the server is flooded; then they fail.
   while (list_.size() > kept_max) {
     if (list_.front().open()) fail_command(list_.front(), "too many commands at once");
     list_.pop_front();

@@ -15,7 +15,7 @@
 
 namespace cosiva::virtual_side {
 
-/// What an operator can ask of a vehicle (A6).
+/// What an operator can command a vehicle to do (A6).
 enum class OperatorCommandKind : std::uint8_t { stop, slow, medium, fast, limit, restart, cancel };
 [[nodiscard]] std::string_view to_string(OperatorCommandKind verb);
 
@@ -26,7 +26,7 @@ struct Command {
   std::string id;
   VehicleIndex vehicle{no_vehicle};
   std::string vehicle_name;
-  std::string command_text;  ///< as asked, even when nobody knows such a verb
+  std::string command_text;  ///< as requested, even when the command is unknown
   std::optional<OperatorCommandKind> verb;
   double speed_mps{};  ///< of `limit`
   CommandState state{CommandState::issued};
@@ -38,8 +38,8 @@ struct Command {
   [[nodiscard]] bool open() const { return state == CommandState::issued || state == CommandState::accepted; }
 };
 
-/// Follows each command until its effect is seen on the vehicle: issued → accepted (its actions stand in the state) →
-/// materialised (the vehicle does it), or failed with the reason.
+/// Tracks each command until its effect is observed on the vehicle: issued → accepted (the state lists its actions) →
+/// materialised (the vehicle shows the effect), or failed with the reason.
 class Commands {
  public:
   static constexpr SimDuration timeout{std::chrono::seconds{5}};
@@ -56,15 +56,15 @@ class Commands {
   /// Longer commands to vehicles are refused.
   static constexpr std::size_t bytes_max = 64U << 10U;
 
-  /// @param command  as it was parsed, or why it could not be
+  /// @param command  the parsed command, or the parser's error
   [[nodiscard]] Result<void> check(const Result<JsonValue>& command) const;
   void issue(const Result<JsonValue>& json);
   void on_state(VehicleIndex vehicle);
   void tick();
-  /// It has been taken away: what is open for it fails.
+  /// The vehicle has been removed: its open commands fail.
   void forget(VehicleIndex vehicle, const std::string& reason);
 
-  /// The id that the next command gets that brings none.
+  /// The id of the next command that has none of its own.
   [[nodiscard]] std::string next_free_id() const { return "c" + std::to_string(running_ + 1); }
   [[nodiscard]] const std::deque<Command>& list() const { return list_; }  ///< oldest first
   void fold(Digest& digest) const;
@@ -76,13 +76,13 @@ class Commands {
     std::vector<std::string> vehicle_names;  ///< or "*" alone
     std::optional<OperatorCommandKind> verb;
     double speed_mps{};   ///< of `limit`
-    bool several{false};  ///< given as a list, or all: an entry each
+    bool several{false};  ///< given as a list or as all: one entry for each vehicle
     [[nodiscard]] bool all() const { return several && vehicle_names.front() == "*"; }
   };
   [[nodiscard]] Result<Requested> read(const Result<JsonValue>& value) const;
   [[nodiscard]] Result<void> validate_request(const Requested& requested) const;
   [[nodiscard]] std::vector<VehicleIndex> addressed(const Requested& requested) const;
-  /// The monitor, where the command is for a vehicle that it counts.
+  /// The monitor; null where the command is for a vehicle that the monitor does not count.
   [[nodiscard]] BijectionMonitor* monitor_of(const Command& command);
   [[nodiscard]] std::string next_id(const std::string& wanted);
   void begin(Command command);

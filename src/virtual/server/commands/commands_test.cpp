@@ -35,7 +35,7 @@ class CommandFixture : public testing::Test {
   FixtureVehicle& aiv{fixture.add("AIV1", {0, 0.5})};
 };
 
-TEST_F(CommandFixture, stop_is_issued_accepted_and_materialised_when_the_vehicle_stands) {
+TEST_F(CommandFixture, stop_is_issued_accepted_and_materialised_when_the_vehicle_is_stopped) {
   ASSERT_GT(aiv.speed_mps, 0.0);
   fixture.command("stop", "CoSiVA/AIV1", "c1");
   EXPECT_EQ(state_of("c1"), "issued");
@@ -48,7 +48,7 @@ TEST_F(CommandFixture, stop_is_issued_accepted_and_materialised_when_the_vehicle
   EXPECT_LE(*entry.number("materialised_ms"), 1000.0);
 }
 
-TEST_F(CommandFixture, restart_lets_it_go_on_and_lifts_a_limit) {
+TEST_F(CommandFixture, restart_resumes_driving_and_lifts_a_limit) {
   fixture.command("slow", "CoSiVA/AIV1", "c1");
   fixture.run_for(1s);
   EXPECT_EQ(state_of("c1"), "materialised");
@@ -63,10 +63,10 @@ TEST_F(CommandFixture, restart_lets_it_go_on_and_lifts_a_limit) {
   EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").text("status"), "Normal");
 }
 
-TEST_F(CommandFixture, limit_holds_one_vehicle_under_a_speed_of_its_own_until_restart_lifts_it) {
+TEST_F(CommandFixture, limit_restricts_the_speed_of_one_vehicle_until_restart_lifts_it) {
   fixture.run_for(2s);
   fixture.send_command(R"({"command":"limit","speed":0.12,"vehicle":"CoSiVA/AIV1","id":"c1"})");
-  EXPECT_TRUE(fixture.aiv("CoSiVA/AIV1").find("speedLimit")->is_null()) << "asked for is not done";
+  EXPECT_TRUE(fixture.aiv("CoSiVA/AIV1").find("speedLimit")->is_null()) << "requested, but not yet in effect";
   fixture.run_for(2s);
   EXPECT_EQ(state_of("c1"), "materialised");
   EXPECT_NEAR(aiv.speed_mps, 0.12, 1e-9);
@@ -81,14 +81,14 @@ TEST_F(CommandFixture, limit_holds_one_vehicle_under_a_speed_of_its_own_until_re
   EXPECT_TRUE(fixture.aiv("CoSiVA/AIV1").find("speedLimit")->is_null());
 }
 
-TEST_F(CommandFixture, limit_needs_a_speed_that_makes_sense) {
+TEST_F(CommandFixture, limit_needs_a_valid_speed) {
   for (const char* speed : {"", R"("speed":0,)", R"("speed":-0.1,)", R"("speed":5.1,)", R"("speed":"fast",)"})
     EXPECT_THAT(fixture.refusal(R"({"command":"limit",)" + std::string(speed) + R"("vehicle":"CoSiVA/AIV1"})"),
-                HasSubstr("say how fast"))
+                HasSubstr("maximum speed"))
         << speed;
 }
 
-TEST_F(CommandFixture, the_imposed_speed_is_known_again_after_a_restart_of_the_server) {
+TEST_F(CommandFixture, the_imposed_speed_is_restored_after_a_restart_of_the_server) {
   fixture.command("fast", "CoSiVA/AIV1");
   fixture.run_for(2s);
   fixture.restart_server();
@@ -108,7 +108,7 @@ TEST_F(CommandFixture, cancel_ends_the_order_and_none_follows_until_restart) {
   EXPECT_GT(aiv.speed_mps, 0.0);
 }
 
-TEST_F(CommandFixture, all_means_every_vehicle_with_an_entry_each) {
+TEST_F(CommandFixture, all_addresses_every_vehicle_with_one_entry_each) {
   fixture.add("AIV2", {2, 0.5});
   fixture.run_for(2s);
   fixture.command("stop", "*", "c9");
@@ -118,7 +118,7 @@ TEST_F(CommandFixture, all_means_every_vehicle_with_an_entry_each) {
   EXPECT_EQ(*fixture.bijection().find("commands")->number("materialised"), 2.0);
 }
 
-TEST_F(CommandFixture, an_action_that_is_not_answered_is_repeated_with_the_same_id_and_fails_after_five_seconds) {
+TEST_F(CommandFixture, an_unacknowledged_action_is_repeated_with_the_same_id_and_fails_after_five_seconds) {
   aiv.deaf_to = {"startPause"};
   const std::size_t before = aiv.actions.size();
   fixture.command("stop", "CoSiVA/AIV1", "c1");
@@ -132,10 +132,10 @@ TEST_F(CommandFixture, an_action_that_is_not_answered_is_repeated_with_the_same_
   EXPECT_EQ(state_of("c1"), "failed");
   EXPECT_THAT(reason_of("c1"), HasSubstr("within 5 s"));
   fixture.run_for(2s);
-  EXPECT_EQ(aiv.actions.size() - before, sent) << "and no more";
+  EXPECT_EQ(aiv.actions.size() - before, sent) << "no repetition after the failure";
 }
 
-TEST_F(CommandFixture, every_message_of_actions_to_a_vehicle_counts_also_one_sent_again) {
+TEST_F(CommandFixture, every_instant_actions_message_increments_the_header_id_even_when_repeated) {
   aiv.deaf_to = {"startPause"};
   fixture.command("stop", "CoSiVA/AIV1", "c1");
   fixture.run_for(2s);
@@ -168,8 +168,8 @@ TEST_F(CommandFixture, a_refused_action_fails_with_the_vehicle_s_reason) {
   EXPECT_THAT(reason_of("c1"), HasSubstr("not supported"));
 }
 
-TEST_F(CommandFixture, a_refusal_counts_for_nothing_when_the_effect_is_there) {
-  // Some vehicles answer a second pause with FAILED, although they stand paused.
+TEST_F(CommandFixture, a_refusal_is_ignored_when_the_effect_is_observed) {
+  // Some vehicles report FAILED for a second pause, although they are paused.
   aiv.paused = true;
   aiv.refuses = {"startPause"};
   fixture.run_for(1s);
@@ -178,14 +178,14 @@ TEST_F(CommandFixture, a_refusal_counts_for_nothing_when_the_effect_is_there) {
   EXPECT_EQ(state_of("c1"), "materialised");
 }
 
-TEST_F(CommandFixture, accepted_without_effect_fails_and_says_so) {
+TEST_F(CommandFixture, accepted_without_effect_fails_with_that_reason) {
   aiv.fakes = {"startPause"};
   fixture.command("stop", "CoSiVA/AIV1", "c1");
   fixture.run_for(4s);
   EXPECT_EQ(state_of("c1"), "accepted");
   fixture.run_for(2s);
   EXPECT_EQ(state_of("c1"), "failed");
-  EXPECT_THAT(reason_of("c1"), HasSubstr("effect was not seen"));
+  EXPECT_THAT(reason_of("c1"), HasSubstr("effect was not observed"));
 }
 
 TEST_F(CommandFixture, a_speed_that_the_factsheet_does_not_list_is_refused_at_once) {
@@ -198,7 +198,7 @@ TEST_F(CommandFixture, a_speed_that_the_factsheet_does_not_list_is_refused_at_on
   EXPECT_EQ(error_of(R"({"command":"slow","vehicle":"CoSiVA/AIV1"})"), "");
 }
 
-TEST_F(CommandFixture, an_absent_vehicle_is_refused_with_what_to_do) {
+TEST_F(CommandFixture, a_command_to_an_absent_vehicle_is_refused_with_advice) {
   fixture.kill(aiv);
   EXPECT_THAT(error_of(R"({"command":"stop","vehicle":"CoSiVA/AIV1"})"), HasSubstr("switch it on"));
   fixture.command("stop", "CoSiVA/AIV1", "c1");
@@ -206,7 +206,7 @@ TEST_F(CommandFixture, an_absent_vehicle_is_refused_with_what_to_do) {
   EXPECT_TRUE(fixture.logged("c1"));
 }
 
-TEST_F(CommandFixture, nonsense_is_refused_with_a_sentence) {
+TEST_F(CommandFixture, invalid_input_is_refused_with_an_error_message) {
   EXPECT_THAT(error_of("no json"), HasSubstr("JSON object"));
   EXPECT_THAT(error_of("[1]"), HasSubstr("JSON object"));
   EXPECT_THAT(error_of(R"({"vehicle":"*"})"), HasSubstr("which command"));
@@ -219,20 +219,20 @@ TEST_F(CommandFixture, nonsense_is_refused_with_a_sentence) {
   EXPECT_EQ(*fixture.bijection().find("commands")->number("failed"), 2.0);
 }
 
-TEST_F(CommandFixture, a_newer_command_overtakes_one_that_it_contradicts) {
+TEST_F(CommandFixture, a_newer_command_supersedes_a_contradicting_one) {
   aiv.deaf_to = {"startPause"};
   fixture.command("stop", "CoSiVA/AIV1", "c1");
   fixture.run_for(1s);
   fixture.command("restart", "CoSiVA/AIV1", "c2");
   EXPECT_EQ(state_of("c1"), "failed");
-  EXPECT_THAT(reason_of("c1"), HasSubstr("overtaken by c2"));
+  EXPECT_THAT(reason_of("c1"), HasSubstr("superseded by c2"));
   aiv.deaf_to = {};
   fixture.run_for(2s);
   EXPECT_EQ(state_of("c2"), "materialised");
   EXPECT_GT(aiv.speed_mps, 0.0) << "the lost stop is not sent any more";
 }
 
-TEST_F(CommandFixture, a_paused_vehicle_gets_no_crossing_and_no_longer_base) {
+TEST_F(CommandFixture, a_paused_vehicle_is_granted_no_crossing_and_no_base_extension) {
   fixture.command("stop", "CoSiVA/AIV1");
   fixture.run_for(1s);
   const std::size_t orders = aiv.orders.size();

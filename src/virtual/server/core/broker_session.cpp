@@ -32,7 +32,7 @@ void BrokerSession::on_link(bool up) {
   augmented_.hosted.link(context_.now, up);
   if (up) return came_up();
   zones_.link_went_down();
-  context_.publisher.log('w', "lost the broker; vehicles stop by themselves until it is back");
+  context_.publisher.log('w', "lost the connection to the broker; vehicles stop by themselves until it is restored");
 }
 
 void BrokerSession::came_up() {
@@ -107,7 +107,7 @@ std::vector<std::string> BrokerSession::subscriptions() const {
   std::ranges::move(BatteryTestRelay::subscriptions(), std::back_inserter(filters));
   std::ranges::move(GroundTruthComparator::subscriptions(), std::back_inserter(filters));
   if (!context_.areas.several()) return filters;
-  // The zone comes with those of the other areas.
+  // The server's own zone is received with the zones of the other areas.
   std::erase(filters, wire::topics_below(wire::zone_topic_prefix, 1));
   const std::string area{wire::area_topic_prefix};
   filters.insert(filters.end(),

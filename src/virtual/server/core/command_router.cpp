@@ -33,7 +33,7 @@ CommandRouter::Request CommandRouter::parse(std::string_view json) {
   Request request{JsonValue::parse(json, command_bytes_max), {}};
   if (request.json) request.name = request.json->text("command").value_or("");
   request.kind = kind_of(request.name);
-  // A command to vehicles brings no zone, and may be no longer than it needs to be.
+  // A command to vehicles contains no zone, so its length is limited.
   if (request.kind == Kind::vehicles && json.size() > Commands::bytes_max)
     request.json = JsonValue::parse(json, Commands::bytes_max);
   return request;
@@ -90,7 +90,7 @@ Result<OperatorCommand> CommandRouter::read(const Request& request) const {
 Result<OperatorCommand> CommandRouter::read_object(const Request& request) const {
   if (context_.areas.several() && request.name == "add" && adds_virtual_aiv(*request.json)) {
     return fail(std::string(no_virtual_aivs),
-                "a virtual AIV cannot be added where several control areas share a broker; persons and obstacles can",
+                "a virtual AIV cannot be added where several control areas use one broker; persons and obstacles can",
                 "kind");
   }
   auto object = augmented_.objects.read(*request.json);

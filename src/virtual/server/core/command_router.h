@@ -40,11 +40,11 @@ struct MissionCommand {
   JsonValue json;
 };
 
-/// A command of an operator, parsed and validated: what is left is to execute it. Commands to vehicles are none of
-/// these; Commands lists even those that it refuses.
+/// A command of an operator, parsed and validated, ready to be executed. Commands to vehicles are none of these;
+/// Commands lists even those that it refuses.
 using OperatorCommand = std::variant<VirtualObjectCommand, EditCommand, SwitchCommand, MessageCommand, MissionCommand>;
 
-/// The commands of operators: each is parsed and validated once, then executed by the part that it is for.
+/// Routes the commands of operators: each is parsed and validated once, then executed by the part that handles it.
 /// Invariant: no part executes a command that was not validated, and a refused command changes nothing but the lists
 /// that show the refusal.
 class CommandRouter {
@@ -63,9 +63,9 @@ class CommandRouter {
   void run(std::string_view json);
 
  private:
-  /// For which part a command is.
+  /// The part that executes a command.
   enum class Kind { object, edit, zone_switch, mission, world, battery, vehicles };
-  /// A command as it came, parsed.
+  /// A received command, parsed.
   struct Request {
     Result<JsonValue> json;
     std::string name;  ///< empty: the command has none

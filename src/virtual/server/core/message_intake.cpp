@@ -21,7 +21,7 @@ void MessageIntake::receive(const wire::Input& input) {
 }
 
 void MessageIntake::on_battery(const wire::Input& input) {
-  // Shown in every control area: a battery is changed anywhere.
+  // Shown in every control area: a battery can be changed anywhere.
   const auto news = instruments_.batteries.on_message(input);
   if (!news) return refuse_unknown_sender(context_, input.source, to_string(news.error()));
   if (!news->empty())
@@ -35,7 +35,7 @@ void MessageIntake::on_gvs(const wire::Input& input) {
 }
 
 void MessageIntake::on_zone(const wire::Input& input) {
-  // An empty retained message takes a zone off the broker; the one in force stays.
+  // An empty retained message clears a zone at the broker; the zone in force stays.
   if (input.payload.empty()) return;
   const std::string format = input.source.substr(context_.topics.zone_prefix.size());
   zones_.receive(zone::from_payload(format, input.source, input.payload),

@@ -10,8 +10,9 @@
 
 namespace cosiva::virtual_side {
 
-/// Hands each message of the broker to the one part that it is for.
-/// Invariant: a message that registers no vehicle and is for no part changes nothing but the count of refused messages.
+/// Passes each message of the broker to the one part that handles it.
+/// Invariant: a message that registers no vehicle and is handled by no part changes nothing but the count of refused
+/// messages.
 class MessageIntake {
  public:
   MessageIntake(ServerContext& context, AugmentedParts& augmented, InstrumentParts& instruments, Ownership& ownership,

@@ -11,10 +11,11 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// Of a known vehicle's body: what is seen nearer is that vehicle, and errors of two places. Besides, what is seen may
-/// have its middle anywhere in the beams that it fills, as uncertain as its radius.
+/// Margin around a known vehicle's body: an obstacle detected within this distance is that vehicle; the margin covers
+/// the errors of two positions. In addition, the centre of a detected obstacle may be anywhere in the beams that the
+/// obstacle fills: its uncertainty equals its radius.
 constexpr double vehicle_margin_m = 0.10;
-/// A time stamp that falls back further than any network delays is a clock that was set, not a late message.
+/// A time stamp that goes back further than any network delay indicates a clock that was set, not a late message.
 constexpr SimDuration reorder_max{std::chrono::seconds{5}};
 constexpr double path_step_m = 0.04;
 constexpr double clear_m_max = 3.0;
@@ -50,7 +51,7 @@ void OwnReports::on_acknowledged(VehicleIndex vehicle, const wire::Input& input)
   const auto perceived = wire::virtual_obstacles_ack_from_json(input.payload);
   if (!perceived) return checks_.refuse(vehicle, VehicleTopic::perceived, input, perceived.error());
   AivProxy& proxy = context_.registry[vehicle];
-  std::string summary = "ahead " + std::to_string(perceived->virtual_obstacles_header_id) + ": ";
+  std::string summary = "virtual obstacles " + std::to_string(perceived->virtual_obstacles_header_id) + ": ";
   summary += perceived->braking ? "brakes for " + perceived->body : std::string("nothing to brake for");
   context_.traces.add(context_.now, proxy.name, "AIV_Server", "virtual_obstacles_ack", summary, input.source,
                       input.payload);
@@ -59,8 +60,8 @@ void OwnReports::on_acknowledged(VehicleIndex vehicle, const wire::Input& input)
     ++proxy.outdated;
 }
 
-/// A late word is of a vehicle that has driven on: its body counts where its twin is shown, where it last reported
-/// itself, and where it was when it was seen.
+/// A late report may be about a vehicle that has driven on: the vehicle's body counts at its twin's pose, at its last
+/// reported pose, and at its pose at detection time.
 bool OwnReports::is_vehicle(VehicleIndex observer, Point2 p, double radius_m, SimTime detected_at) const {
   const zone::VehicleShape& shape = context_.simulator.zone()->vehicle;
   const auto touches = [&](const Pose2& X_MB) { return outside_m(X_MB, shape, p) <= vehicle_margin_m + radius_m; };
@@ -84,10 +85,10 @@ void OwnReports::on_detected(VehicleIndex vehicle, const wire::Input& input) {
   const auto& obstacle = message->obstacle;
   context_.traces.add(
       context_.now, proxy.name, "AIV_Server", "detected_obstacle",
-      obstacle ? "something at " + position_text(obstacle->x_m, obstacle->y_m) : std::string("nothing in its way"),
+      obstacle ? "obstacle at " + position_text(obstacle->x_m, obstacle->y_m) : std::string("no obstacle in its path"),
       input.source, input.payload);
   if (!context_.simulator.zone() || message->map_id != context_.simulator.zone()->name) {
-    ++proxy.outdated;  // of a zone that is no more, or not yet
+    ++proxy.outdated;  // of a zone that is not in force any more, or not yet
     return;
   }
   if (!obstacle) {
@@ -121,7 +122,7 @@ void OwnReports::forget_where_clear(VehicleIndex vehicle, double clear_m) {
   std::vector<std::string> removed;
   for (const DetectedObstacle& obstacle : context_.simulator.detected().obstacles()) {
     if (!DetectedObstacles::detected_by(obstacle, proxy.name)) continue;
-    // In its way by half of itself at least; one beside the way would not be reported.
+    // At least half of the obstacle is in the path; an obstacle next to the path would not be reported.
     const bool in_path = std::ranges::any_of(
         path, [&](Point2 p) { return distance(p, obstacle.at) <= 0.5 * (shape.width_m + obstacle.radius_m); });
     if (in_path) removed.push_back(obstacle.id);
@@ -129,7 +130,7 @@ void OwnReports::forget_where_clear(VehicleIndex vehicle, double clear_m) {
   for (const std::string& id : removed) {
     context_.simulator.detected().remove(id);
     context_.traces.add(context_.now, "AIV_Server", "Simulator", "disappear",
-                        id + ": " + proxy.name + " sees its place free");
+                        id + ": " + proxy.name + " detects no obstacle there");
   }
 }
 
@@ -141,7 +142,7 @@ void OwnReports::clear_through(VehicleIndex vehicle, const wire::Ranges& ranges)
   const Pose2 X_MS = X_MB * Pose2{0.5 * context_.simulator.zone()->vehicle.length_m, 0.0, 0.0};
   for (const std::string& id : context_.simulator.detected().clear_through(X_MS, ranges))
     context_.traces.add(context_.now, "AIV_Server", "Simulator", "disappear",
-                        id + ": " + proxy.name + " looks through its place");
+                        id + ": " + proxy.name + " measures beyond its position");
 }
 
 void OwnReports::on_boards(VehicleIndex vehicle, const wire::Input& input) {
@@ -150,7 +151,7 @@ void OwnReports::on_boards(VehicleIndex vehicle, const wire::Input& input) {
   AivProxy& proxy = context_.registry[vehicle];
   if (!take_stamp(proxy, proxy.boards_stamp, report->timestamp)) return;
   const std::string health = health_of(*report);
-  // Twice a second from each would drown the rest; what changes is news.
+  // Two traces a second from each vehicle would obscure the others; only changes are traced.
   if (!proxy.boards || health_of(*proxy.boards) != health) {
     context_.traces.add(context_.now, proxy.name, "AIV_Server", "boards", health, input.source, input.payload);
   }

@@ -11,7 +11,7 @@ namespace cosiva::virtual_side {
 
 /// What CoSiVA vehicles report beyond VDA 5050: the virtual obstacle that they brake for, the obstacles that they
 /// detect, the state of their boards.
-/// Invariant: a detected obstacle is shown only where no other vehicle can be.
+/// Invariant: a detected obstacle is shown only at a position where no other vehicle can be.
 class OwnReports {
  public:
   OwnReports(ServerContext& context, AugmentedParts& augmented, InstrumentParts& instruments, ReportChecks& checks)

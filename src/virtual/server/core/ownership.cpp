@@ -8,7 +8,7 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// So long a vehicle has to be there before a server claims it: a retained owner is received first.
+/// Time that a vehicle has to be present before a server claims it: a retained owner is received first.
 constexpr SimDuration claim_after{std::chrono::seconds{1}};
 /// An owner that has been published and not been received back is published again after this time.
 constexpr SimDuration publish_again{std::chrono::seconds{2}};
@@ -54,7 +54,7 @@ bool Ownership::receive(const wire::Input& input) {
   for (const auto prefix :
        {wire::virtual_obstacles_ack_topic_prefix, wire::detected_obstacle_topic_prefix, wire::boards_topic_prefix})
     if (!id) id = wire::parse_own_topic(prefix, input.source);
-  // Names that VDA 5050 does not allow are refused where all messages are.
+  // Names that VDA 5050 does not permit are refused where all messages are refused.
   if (!id || !wire::valid_serial_number(id->manufacturer) || !wire::valid_serial_number(id->serial_number))
     return false;
   if (id->manufacturer == wire::virtual_manufacturer) return true;
@@ -71,22 +71,22 @@ void Ownership::on_owner(const wire::VehicleId& id, const wire::Input& input) {
     auto owner = wire::owner_from_json(input.payload);
     if (!owner) {
       context_.publisher.log(
-          'w', wire::to_string(id) + ": who owns it cannot be read, so nothing changes: " + to_string(owner.error()));
+          'w', wire::to_string(id) + ": its owner cannot be read, so nothing changes: " + to_string(owner.error()));
       return;
     }
     now_owner = std::move(*owner);
   }
   const std::string name = wire::to_string(id);
   context_.traces.add(context_.now, now_owner ? std::string_view{now_owner->area} : std::string_view{"operator"}, name,
-                      "owner", now_owner ? "it is control area " + now_owner->area + "'s" : "it is nobody's",
-                      input.source, input.payload);
+                      "owner", now_owner ? "owned by control area " + now_owner->area : "no owner", input.source,
+                      input.payload);
   const bool was_own = context_.areas.owns(id);
   vehicle->owner = std::move(now_owner);
   vehicle->owner_received = true;
   vehicle->claimed_at.reset();
   vehicle->pose.reset();
   const bool is_own = context_.areas.owns(id);
-  // A retained owner is of the past: the vehicle itself reports where it is.
+  // A retained owner is outdated: the vehicle itself reports its position.
   if (is_own && !was_own) take_over(*vehicle, input.flag);
   if (was_own && !is_own) let_go(*context_.registry.find(name), vehicle->owner ? vehicle->owner->area : std::string{});
 }
@@ -97,7 +97,8 @@ void Ownership::take_over(ControlAreas::Vehicle& vehicle, bool retained) {
   COSIVA_EXPECT(context_.areas.owns(vehicle.id));
   const auto index = vehicles_.begin_life(vehicle.id);
   if (!index) {
-    context_.publisher.log('e', name + ": is this control area's, but it is one more than the vehicles a server takes");
+    context_.publisher.log(
+        'e', name + ": belongs to this control area, but exceeds the number of vehicles that a server accepts");
     return;
   }
   AivProxy& proxy = context_.registry[*index];
@@ -110,11 +111,11 @@ void Ownership::take_over(ControlAreas::Vehicle& vehicle, bool retained) {
     twins_.set_present(proxy);
     twins_.put(*index, context_.now, *owner.pose, wire::Velocity{});
   }
-  context_.publisher.log('i', name + ": is this control area's");
+  context_.publisher.log('i', name + ": belongs to this control area");
   context_.state_stale = true;
   if (!owner.mission) return;
   give_mission(*index, *owner.mission);
-  // From here on this server remembers the mission: after a restart it must not begin again.
+  // From here on this server persists the mission: the mission must not begin again after a restart.
   publish_owner(vehicle, {context_.areas.own(), 0, context_.now, owner.pose, std::nullopt});
 }
 
@@ -128,9 +129,9 @@ void Ownership::let_go(VehicleIndex vehicle, const std::string& area) {
   COSIVA_EXPECT(!context_.areas.owns(context_.registry[vehicle].id));
   const std::string& name = context_.registry[vehicle].name;
   vehicles_.retire(vehicle,
-                   area.empty() ? name + " is nobody's any more" : name + " is control area " + area + "'s now");
+                   area.empty() ? name + " has no owner any more" : name + " belongs to control area " + area + " now");
   context_.publisher.log(
-      'i', name + ": let go" + (area.empty() ? std::string{} : "; it is control area " + area + "'s now"));
+      'i', name + ": released" + (area.empty() ? std::string{} : "; it belongs to control area " + area + " now"));
 }
 
 void Ownership::publish_owner(const ControlAreas::Vehicle& vehicle, wire::Owner owner) {
@@ -174,8 +175,8 @@ void Ownership::hand_over_arrived() {
     if (!there || !proxy.state || !is_stopped_without_order(*proxy.state) || !context_.areas.is_there(area)) continue;
     ControlAreas::Vehicle* vehicle = context_.areas.vehicle(proxy.id);
     if (vehicle == nullptr) continue;
-    // The vehicle stays this area's until both servers receive the new owner, in either order. So this server stops
-    // showing it now: for one message at most the vehicle is in no table, and never in two.
+    // The vehicle belongs to this area until both servers receive the new owner, in either order. Therefore this server
+    // stops showing it now: the vehicle is in no table for at most one message, and never in two.
     proxy.handed_over = {proxy.handed_over ? proxy.handed_over->first : context_.now, context_.now};
     publish_owner(*vehicle,
                   {area, 0, context_.now, proxy.reported, wire::Owner::Mission{"go", beyond.substr(area.size() + 1)}});

@@ -11,10 +11,10 @@
 
 namespace cosiva::virtual_side {
 
-/// Several control areas on one broker: claims a vehicle that no area owns, takes over one that has become this area's,
-/// hands on one that has arrived, and lets go one that another area owns.
-/// Invariant: the server drives the vehicles that its own area owns and no others; of the other vehicles no message
-/// goes beyond this class.
+/// Several control areas on one broker: claims a vehicle that no area owns, takes over a vehicle that has become this
+/// area's, hands over a vehicle that has arrived, and releases a vehicle that another area owns.
+/// Invariant: the server drives the vehicles that its own area owns and no others; messages of other vehicles are not
+/// passed on by this class.
 class Ownership {
  public:
   Ownership(ServerContext& context, MasterControl& master, VehicleLifecycle& vehicles, TwinPlacement& twins,

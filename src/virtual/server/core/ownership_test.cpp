@@ -1,4 +1,4 @@
-// Several servers on one broker: claims, handover, and who sends what to whom.
+// Several servers on one broker: claims, handover, and which server sends messages to which vehicle.
 #include "cosiva/virtual/server/areas/control_areas.h"
 
 #include <gmock/gmock.h>
@@ -25,8 +25,8 @@ zone::ZoneConfiguration area_file(const std::string& name) { return zone_file(".
 
 const std::string aiv1 = "CoSiVA/AIV1";
 
-/// The servers of control areas a and b on one broker that keeps what is retained, and the bench's vehicles on their
-/// floor. Two straights at y = ±0.29 m, a gate of 0.6 m between them at y = 0 that begins at x = 1.307 m.
+/// The servers of control areas a and b on one broker that stores retained messages, and the fixture's vehicles on
+/// their floor. Two straights at y = ±0.29 m, and between them a gate of 0.6 m at y = 0 that begins at x = 1.307 m.
 class ControlAreasFixture {
  public:
   explicit ControlAreasFixture(std::vector<std::string> areas = {"a", "b"}) {
@@ -38,14 +38,14 @@ class ControlAreasFixture {
     std::string memory;
     std::vector<std::string> logs;
     std::vector<wire::Publish> published;
-    bool deaf_to_owners{false};  ///< what it should hear of them waits
+    bool deaf_to_owners{false};  ///< messages about owners are delayed
     std::vector<wire::Publish> waiting;
   };
   std::map<std::string, Server> servers;
   std::map<std::string, zone::ZoneConfiguration> zone_of{{"a", area_file("area_a")}, {"b", area_file("area_b")}};
   std::vector<std::unique_ptr<FixtureVehicle>> vehicles;
-  std::map<std::string, wire::Publish> kept;  ///< by the broker
-  bool loses_owners{false};                   ///< the broker does
+  std::map<std::string, wire::Publish> kept;  ///< retained by the broker
+  bool loses_owners{false};                   ///< the broker loses owner messages
   std::vector<wire::Owner> owners;            ///< of AIV1
   SimTime now{virtual_epoch};
   std::function<void()> each_step;
@@ -150,7 +150,7 @@ class ControlAreasFixture {
     if (one.find("mission") == nullptr) return "none";
     return one.find("mission")->text("to").value_or("round") + ", " + *one.find("mission")->text("state");
   }
-  /// Of orders and instant actions for AIV1.
+  /// Number of orders and instant actions for AIV1.
   [[nodiscard]] std::size_t sent(const std::string& area) const {
     return static_cast<std::size_t>(std::ranges::count_if(servers.at(area).published, [](const wire::Publish& p) {
       return p.topic == "uagv/v2/" + aiv1 + "/order" || p.topic == "uagv/v2/" + aiv1 + "/instantActions";
@@ -199,7 +199,7 @@ class ControlAreasFixture {
           continue;
         const wire::Owner owner = *wire::owner_from_json(message.payload);
         if (wire::to_string(vehicle->id) == aiv1) owners.push_back(owner);
-        // As our program does: the zone of its owner, as soon as it stands; here it stands.
+        // Like a CoSiVA vehicle: takes the zone of its owner as soon as the vehicle is stopped; here it is stopped.
         const auto zone = zone::Rtm::initialise(zone_of.at(owner.area))->shared_zone();
         if (vehicle->id.manufacturer == wire::our_manufacturer && vehicle->map_id != zone->name) vehicle->take(zone);
       }
@@ -211,11 +211,11 @@ class ControlAreasFixture {
   std::uint64_t steps_{0};
 };
 
-TEST(ControlAreas, claim_a_vehicle_that_is_nobody_s_where_it_stands_and_only_there) {
+TEST(ControlAreas, claim_a_vehicle_without_owner_in_the_area_where_it_is_and_only_there) {
   ControlAreasFixture fixture;
   fixture.in_a();
   fixture.run_for(900ms);
-  EXPECT_THAT(fixture.owners, IsEmpty()) << "whose it is may yet be heard";
+  EXPECT_THAT(fixture.owners, IsEmpty()) << "its owner may still be received";
   fixture.run_for(600ms);
   ASSERT_THAT(fixture.published_areas(), ElementsAre("a"));
   EXPECT_EQ(fixture.owners[0].sequence, 1U);
@@ -225,11 +225,11 @@ TEST(ControlAreas, claim_a_vehicle_that_is_nobody_s_where_it_stands_and_only_the
   fixture.run_for(5s);
   EXPECT_THAT(fixture.table("b"), IsEmpty());
   EXPECT_GT(fixture.sent("a"), 0U);
-  EXPECT_EQ(fixture.sent("b"), 0U) << "not its own";
-  EXPECT_EQ(fixture.owners.size(), 1U) << "said once";
+  EXPECT_EQ(fixture.sent("b"), 0U) << "not its own vehicle";
+  EXPECT_EQ(fixture.owners.size(), 1U) << "published once";
 }
 
-TEST(ControlAreas, claim_nobody_who_stands_on_none_of_their_ways) {
+TEST(ControlAreas, claim_no_vehicle_that_is_off_all_their_paths) {
   ControlAreasFixture fixture;
   fixture.add("AIV1", {1.6, 5.0, 0.0});
   fixture.run_for(5s);
@@ -237,13 +237,13 @@ TEST(ControlAreas, claim_nobody_who_stands_on_none_of_their_ways) {
   EXPECT_THAT(fixture.table("a"), IsEmpty());
 }
 
-TEST(ControlAreas, leave_a_vehicle_alone_whose_owner_is_heard_late) {
+TEST(ControlAreas, do_not_claim_a_vehicle_whose_owner_is_received_late) {
   ControlAreasFixture fixture{{"a"}};
   fixture.in_a();
   fixture.run_for(800ms);
   fixture.publish_owner("b");
   fixture.run_for(5s);
-  EXPECT_THAT(fixture.published_areas(), ElementsAre("b")) << "its server is away, and it is its all the same";
+  EXPECT_THAT(fixture.published_areas(), ElementsAre("b")) << "its server is absent, and still owns the vehicle";
   EXPECT_THAT(fixture.table("a"), IsEmpty());
   EXPECT_EQ(fixture.sent("a"), 0U);
 }
@@ -252,16 +252,16 @@ TEST(ControlAreas, agree_on_the_last_message_where_two_claim_at_once) {
   ControlAreasFixture fixture;
   fixture.add("AIV1", {1.6, 0.0, 0.0});  // in the gate
   fixture.run_for(2s);
-  ASSERT_THAT(fixture.published_areas(), ElementsAre("a", "b")) << "neither has heard the other before it spoke";
+  ASSERT_THAT(fixture.published_areas(), ElementsAre("a", "b")) << "neither received the other's claim before its own";
   EXPECT_THAT(fixture.table("a"), IsEmpty());
   EXPECT_THAT(fixture.table("b"), ElementsAre(aiv1));
   const std::size_t by_a = fixture.sent("a");
   fixture.run_for(5s);
   EXPECT_EQ(fixture.sent("a"), by_a);
-  EXPECT_THAT(fixture.published_areas(), SizeIs(2)) << "and leave it at that";
+  EXPECT_THAT(fixture.published_areas(), SizeIs(2)) << "and no further claims";
 }
 
-TEST(ControlAreas, hand_a_vehicle_over_where_they_meet_and_it_is_in_exactly_one_table_throughout) {
+TEST(ControlAreas, hand_a_vehicle_over_where_they_meet_while_it_is_always_in_exactly_one_table) {
   ControlAreasFixture fixture;
   FixtureVehicle& aiv = fixture.in_a();
   fixture.run_for(2s);
@@ -288,11 +288,11 @@ TEST(ControlAreas, hand_a_vehicle_over_where_they_meet_and_it_is_in_exactly_one_
     EXPECT_FALSE(crossing.text("heldBy")) << *crossing.text("name");
   ASSERT_TRUE(fixture.run_until([&] { return fixture.mission("b") == "rack_b, arrived"; }, 40s))
       << fixture.mission("b");
-  EXPECT_EQ(fixture.sent("a"), by_a) << "the old server is silent";
+  EXPECT_EQ(fixture.sent("a"), by_a) << "the old server sends nothing";
   EXPECT_EQ(neither, 0);
   EXPECT_EQ(both, 0);
   EXPECT_THAT(aiv.refusals, IsEmpty());
-  EXPECT_FALSE(fixture.owners.back().mission) << "said once: whoever starts again must not begin it again";
+  EXPECT_FALSE(fixture.owners.back().mission) << "published once: a restarted server must not begin it again";
 
   fixture.go("b", "a/rack_a");
   ASSERT_TRUE(fixture.run_until([&] { return fixture.mission("a") == "rack_a, arrived"; }, 60s))
@@ -301,7 +301,7 @@ TEST(ControlAreas, hand_a_vehicle_over_where_they_meet_and_it_is_in_exactly_one_
   EXPECT_EQ(both, 0);
 }
 
-TEST(ControlAreas, have_the_twin_as_soon_as_the_message_is_heard_and_send_nothing_after_it_is_said) {
+TEST(ControlAreas, have_the_twin_as_soon_as_the_owner_is_received_and_send_nothing_after_publishing_it) {
   ControlAreasFixture fixture;
   FixtureVehicle& aiv = fixture.in_a();
   fixture.run_for(2s);
@@ -310,13 +310,14 @@ TEST(ControlAreas, have_the_twin_as_soon_as_the_message_is_heard_and_send_nothin
   fixture.servers["b"].deaf_to_owners = true;
   ASSERT_TRUE(fixture.run_until([&] { return fixture.owners.size() == 2; }, 60s));
   const std::size_t by_a = fixture.sent("a");
-  EXPECT_THAT(fixture.table("a"), IsEmpty()) << "the other may have heard it already: never in two tables";
+  EXPECT_THAT(fixture.table("a"), IsEmpty()) << "the other may have received it already: never in two tables";
   fixture.send_command("a", R"({"command":"stop","vehicle":"*"})");
   fixture.send_command("a", R"({"command":"circulate","vehicle":"*"})");
   fixture.run_for(1s);
-  EXPECT_EQ(fixture.sent("a"), by_a) << "whatever it is asked";
+  EXPECT_EQ(fixture.sent("a"), by_a) << "regardless of the commands";
   EXPECT_FALSE(aiv.paused);
-  EXPECT_THAT(fixture.table("a"), ElementsAre(aiv1)) << "nothing has come of it in a second: it is still a's";
+  EXPECT_THAT(fixture.table("a"), ElementsAre(aiv1))
+      << "the handover has not succeeded within a second: still owned by a";
   EXPECT_EQ(fixture.sent("b"), 0U);
 
   fixture.receive_again("b");
@@ -332,14 +333,14 @@ TEST(ControlAreas, have_the_twin_as_soon_as_the_message_is_heard_and_send_nothin
   EXPECT_EQ(fixture.sent("a"), by_a);
 }
 
-TEST(ControlAreas, say_a_handover_again_that_did_not_come_back) {
+TEST(ControlAreas, publish_a_handover_again_that_was_not_received_back) {
   ControlAreasFixture fixture;
   fixture.in_a();
   fixture.run_for(2s);
   fixture.go("a", "b/rack_b");
   fixture.loses_owners = true;
   fixture.run_for(60s);
-  EXPECT_THAT(fixture.table("a"), ElementsAre(aiv1)) << "nobody has heard of it";
+  EXPECT_THAT(fixture.table("a"), ElementsAre(aiv1)) << "no server has received it";
   EXPECT_THAT(fixture.table("b"), IsEmpty());
   fixture.loses_owners = false;
   fixture.run_for(3s);
@@ -347,7 +348,7 @@ TEST(ControlAreas, say_a_handover_again_that_did_not_come_back) {
   EXPECT_THAT(fixture.table("b"), ElementsAre(aiv1));
 }
 
-TEST(ControlAreas, keep_the_vehicles_of_a_server_that_dies_until_it_is_back) {
+TEST(ControlAreas, leave_the_vehicles_of_a_failed_server_to_it_until_it_returns) {
   ControlAreasFixture fixture;
   FixtureVehicle& aiv = fixture.in_a();
   fixture.run_for(3s);
@@ -358,14 +359,14 @@ TEST(ControlAreas, keep_the_vehicles_of_a_server_that_dies_until_it_is_back) {
   fixture.start("a");
   fixture.run_for(400ms);
   EXPECT_THAT(fixture.table("a"), ElementsAre(aiv1));
-  EXPECT_NEAR(*fixture.aiv("a").number("x"), aiv.pose().x_m, 0.1) << "where it is, not where it was claimed";
+  EXPECT_NEAR(*fixture.aiv("a").number("x"), aiv.pose().x_m, 0.1) << "the present position, not the claimed one";
   const double driven_m = aiv.driven_m;
   fixture.run_for(5s);
   EXPECT_GT(aiv.driven_m, driven_m + 0.5);
   EXPECT_THAT(fixture.published_areas(), ElementsAre("a")) << "there was nothing to claim";
 }
 
-TEST(ControlAreas, know_the_way_to_another_hall_again_after_a_crash) {
+TEST(ControlAreas, restore_the_mission_to_another_area_after_a_crash) {
   ControlAreasFixture fixture;
   fixture.in_a();
   fixture.run_for(2s);
@@ -377,7 +378,7 @@ TEST(ControlAreas, know_the_way_to_another_hall_again_after_a_crash) {
       << fixture.mission("a");
 }
 
-TEST(ControlAreas, wait_where_they_meet_for_a_server_that_has_died) {
+TEST(ControlAreas, wait_where_they_meet_for_a_server_that_has_failed) {
   ControlAreasFixture fixture;
   fixture.in_a();
   fixture.run_for(2s);
@@ -390,7 +391,7 @@ TEST(ControlAreas, wait_where_they_meet_for_a_server_that_has_died) {
   ASSERT_TRUE(fixture.run_until([&] { return fixture.mission("b") == "rack_b, arrived"; }, 40s));
 }
 
-TEST(ControlAreas, say_again_whose_a_vehicle_is_when_the_broker_has_forgotten) {
+TEST(ControlAreas, publish_the_owner_again_when_the_broker_has_lost_it) {
   ControlAreasFixture fixture;
   fixture.in_a();
   fixture.run_for(3s);
@@ -408,7 +409,7 @@ TEST(ControlAreas, say_again_whose_a_vehicle_is_when_the_broker_has_forgotten) {
   EXPECT_THAT(fixture.table("b"), IsEmpty());
 }
 
-TEST(ControlAreas, let_a_vehicle_go_that_is_made_nobody_s_and_claim_it_again) {
+TEST(ControlAreas, release_a_vehicle_whose_owner_is_cleared_and_claim_it_again) {
   ControlAreasFixture fixture;
   fixture.in_a();
   fixture.run_for(2s);
@@ -418,7 +419,7 @@ TEST(ControlAreas, let_a_vehicle_go_that_is_made_nobody_s_and_claim_it_again) {
   EXPECT_THAT(fixture.table("a"), ElementsAre(aiv1));
 }
 
-TEST(ControlAreas, leave_everything_as_it_is_where_an_owner_cannot_be_read) {
+TEST(ControlAreas, change_nothing_where_an_owner_cannot_be_read) {
   ControlAreasFixture fixture;
   fixture.in_a();
   fixture.run_for(2s);
@@ -431,23 +432,23 @@ TEST(ControlAreas, leave_everything_as_it_is_where_an_owner_cannot_be_read) {
   EXPECT_THAT(fixture.table("b"), IsEmpty());
 }
 
-TEST(ControlAreas, refuse_to_send_a_vehicle_where_no_way_leads_and_say_why) {
+TEST(ControlAreas, refuse_to_send_a_vehicle_where_no_route_leads_and_state_the_reason) {
   ControlAreasFixture fixture;
   fixture.in_a();
   fixture.run_for(2s);
-  EXPECT_THAT(fixture.refusal_to_go("a", "c/rack"), HasSubstr("no control area 'c' has been heard of; there are b"));
+  EXPECT_THAT(fixture.refusal_to_go("a", "c/rack"), HasSubstr("no control area 'c' is known; there are b"));
   EXPECT_THAT(fixture.refusal_to_go("a", "b/rack"), HasSubstr("no station or waypoint 'rack'"));
   EXPECT_THAT(fixture.refusal_to_go("a", "b/"), HasSubstr("no station or waypoint ''"));
   EXPECT_THAT(fixture.refusal_to_go("a", "/rack"), HasSubstr("no control area ''"));
   EXPECT_EQ(fixture.refusal_to_go("a", "a/rack_a"), "");
   EXPECT_THAT(fixture.refusal_to_go("a", "a/rack_b"), HasSubstr("in this control area"));
   EXPECT_THAT(fixture.refusal_to_go("b", "b/rack_b"), HasSubstr("no vehicle 'CoSiVA/AIV1'"))
-      << "it is not this control area's";
+      << "it does not belong to this control area";
   EXPECT_THAT(fixture.refusal("a", R"({"command":"add","virtualObject":{"kind":"aiv","section":"a_far","s":1.0}})"),
               HasSubstr("virtual AIV"));
   EXPECT_EQ(fixture.refusal("a", R"({"command":"add","virtualObject":{"kind":"person","x":1.0,"y":1.0}})"), "");
   fixture.kill("b");
-  EXPECT_THAT(fixture.refusal_to_go("a", "b/rack_b"), HasSubstr("silent"));
+  EXPECT_THAT(fixture.refusal_to_go("a", "b/rack_b"), HasSubstr("does not respond"));
 }
 
 TEST(ControlAreas, refuse_to_send_a_vehicle_to_an_area_that_they_do_not_meet) {
@@ -463,16 +464,16 @@ TEST(ControlAreas, refuse_to_send_a_vehicle_to_an_area_that_they_do_not_meet) {
   fixture.in_a();
   fixture.run_for(2s);
   EXPECT_THAT(fixture.refusal_to_go("a", "b/rack_b"),
-              HasSubstr("no station of this control area lies on a way of control area 'b'"));
+              HasSubstr("no station of this control area is on a section of control area 'b'"));
 }
 
-TEST(ControlAreas, drive_a_third_party_vehicle_over_as_well) {
+TEST(ControlAreas, hand_over_a_third_party_vehicle_as_well) {
   ControlAreasFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0.3, 0.29289322, 0.0}, "CoSiVA");
   FixtureVehicle& other = fixture.add("R7", {2.0, -1.49289322, pi}, "Robots");
   for (const std::string name : {"area_a", "area_b"})
     other.downloads.push_back(zone::Rtm::initialise(area_file(name))->shared_zone());
-  // Said once, while it is nobody's: whoever owns it later must know it all the same.
+  // Published once, while no server owns the vehicle: its later owner must know the factsheet nevertheless.
   wire::Factsheet factsheet;
   factsheet.header = other.header(fixture.now, 0);
   for (const char* action : {"downloadMap", "enableMap", "initPosition", "cancelOrder"})
@@ -488,7 +489,7 @@ TEST(ControlAreas, drive_a_third_party_vehicle_over_as_well) {
   EXPECT_THAT(aiv.refusals, IsEmpty());
 }
 
-TEST(ControlAreas, are_nothing_to_the_only_server_of_its_broker) {
+TEST(ControlAreas, do_not_concern_the_only_server_of_its_broker) {
   ServerCore server{ServerOptions{}};
   for (const std::string& filter : server.subscriptions()) {
     EXPECT_THAT(filter, testing::Not(HasSubstr("owner")));

@@ -96,7 +96,7 @@ std::string PersistedState::to_json() const {
 void PersistedState::persist_if_stale() {
   const bool moves = !augmented_.hosted.empty() && context_.now >= due_at_;
   if (!context_.state_stale && !moves) return;
-  // Until a zone is in force, the state file alone holds its edits.
+  // Until a zone is in force, only the state file contains its edits.
   if (zones_.awaits_zone_to_restore()) return;
   context_.state_stale = false;
   due_at_ = context_.now + persist_period;
@@ -110,7 +110,7 @@ void PersistedState::persist_if_stale() {
 void PersistedState::restore(std::string_view bytes) {
   const auto state = JsonValue::parse(bytes);
   if (!state || state->number("version") != std::optional{1.0}) {
-    context_.publisher.log('w', "what was remembered of the virtual world cannot be read; it starts empty" +
+    context_.publisher.log('w', "the persisted state of the virtual world cannot be read; it starts empty" +
                                     (state ? std::string{} : ": " + state.error().message));
     return;
   }
@@ -123,8 +123,8 @@ void PersistedState::restore(std::string_view bytes) {
   }
   const JsonValue* zone = state->find("zone");
   zones_.restore(zone == nullptr ? std::nullopt : std::optional{*zone}, std::move(given_zone));
-  context_.publisher.log('i', "remembered " + std::to_string(context_.simulator.augmented().virtual_objects().size()) +
-                                  " virtual things and " + std::to_string(world_.restored_count()) + " virtual AIVs");
+  context_.publisher.log('i', "restored " + std::to_string(context_.simulator.augmented().virtual_objects().size()) +
+                                  " virtual objects and " + std::to_string(world_.restored_count()) + " virtual AIVs");
 }
 
 void PersistedState::restore_world(const JsonValue& state) {
@@ -138,7 +138,7 @@ void PersistedState::restore_world(const JsonValue& state) {
     if (virtual_object && context_.simulator.augmented().find(virtual_object->id) == nullptr)
       context_.simulator.augmented().add(std::move(*virtual_object));
     else
-      context_.publisher.log('w', "a remembered virtual thing cannot be read; it is left out");
+      context_.publisher.log('w', "a persisted virtual object cannot be read; it is skipped");
   });
   each("aivs", Augmented::virtual_objects_max, [&](const JsonValue& json) {
     const auto id = json.text("id");
@@ -146,7 +146,7 @@ void PersistedState::restore_world(const JsonValue& state) {
     if (id && section && wire::valid_serial_number(*id) && in(json.number("s"), 0.0, position_m_max))
       world_.restore({*id, *section, *json.number("s")});
     else
-      context_.publisher.log('w', "a remembered virtual AIV cannot be read; it is left out");
+      context_.publisher.log('w', "a persisted virtual AIV cannot be read; it is skipped");
   });
   each("paused", names_max, [&](const JsonValue& json) {
     if (json.text() != nullptr) vehicles_.restore_pause(*json.text());

@@ -14,16 +14,17 @@
 
 namespace cosiva::virtual_side {
 
-/// What the server's state file holds over a crash of the process: the virtual world, the zone's edits, the missions.
-/// Invariant: a state is persisted only when it differs from the last one, and never before what the file held of the
-/// zone has been restored.
+/// The content of the server's state file, which survives a crash of the process: the virtual world, the zone's edits,
+/// the missions.
+/// Invariant: a state is persisted only when it differs from the last one, and never before the zone data of the file
+/// have been restored.
 class PersistedState {
  public:
   PersistedState(ServerContext& context, MasterControl& master, const AugmentedParts& augmented,
                  VehicleLifecycle& vehicles, ZoneSession& zones, VirtualWorld& world)
       : context_{context}, master_{master}, augmented_{augmented}, vehicles_{vehicles}, zones_{zones}, world_{world} {}
 
-  /// Hands the parts what the state file held; what cannot be read is logged and left out.
+  /// Restores the parts from the content of the state file; unreadable items are logged and skipped.
   void restore(std::string_view bytes);
   /// After each input.
   void persist_if_stale();

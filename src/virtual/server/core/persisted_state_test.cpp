@@ -1,4 +1,4 @@
-// What the server knows again after it was killed.
+// The state that the server restores after it was killed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ using testing::SizeIs;
 
 const std::string edit = R"({"command":"edit","edit":{"addTags":[{"number":5,"section":"south","s":1.0}]}})";
 
-TEST(PersistedState, brings_back_virtual_objects_virtual_aivs_and_edits) {
+TEST(PersistedState, restores_virtual_objects_virtual_aivs_and_edits) {
   ServerFixture fixture;
   fixture.send_command(
       R"({"command":"add","virtualObject":{"kind":"person","path":[[0,1.2],[2,1.2]],"speed":0.2,"repeat":"loop","radius":0.1}})");
@@ -32,7 +32,7 @@ TEST(PersistedState, brings_back_virtual_objects_virtual_aivs_and_edits) {
     const JsonValue& is = (*after.find("virtualObjects")->array())[i];
     for (const char* field : {"id", "kind", "repeat"}) EXPECT_EQ(is.text(field), was.text(field));
     for (const char* field : {"x", "y", "heading", "radius", "speed", "since_ms"})
-      EXPECT_EQ(is.number(field), was.number(field)) << "walks on as if nothing had been: " << field;
+      EXPECT_EQ(is.number(field), was.number(field)) << "continues as without a restart: " << field;
   }
   EXPECT_EQ(*after.find("zoneEdits")->number("undo"), 1.0) << "back to the file";
   EXPECT_EQ(after.find("zoneEdits")->flag("unsaved"), true);
@@ -41,7 +41,7 @@ TEST(PersistedState, brings_back_virtual_objects_virtual_aivs_and_edits) {
   const JsonValue again = fixture.aiv("CoSiVA.virtual/V1");
   ASSERT_FALSE(again.is_null());
   const double moved_m = norm(*again.number("x") - *aiv.number("x"), *again.number("y") - *aiv.number("y"));
-  EXPECT_LT(moved_m, 1.0) << "near where it was at most a second before";
+  EXPECT_LT(moved_m, 1.0) << "near its position of at most a second before";
   fixture.run_for(4s);
   EXPECT_GT(*fixture.aiv("CoSiVA.virtual/V1").number("speed"), 0.1) << "and it drives";
 }
@@ -49,7 +49,7 @@ TEST(PersistedState, brings_back_virtual_objects_virtual_aivs_and_edits) {
 TEST(PersistedState, is_written_when_something_changes_and_not_otherwise) {
   ServerFixture fixture;
   fixture.run_for(5s);
-  EXPECT_EQ(fixture.memory, "") << "nothing to remember";
+  EXPECT_EQ(fixture.memory, "") << "nothing to persist";
   fixture.send_command(R"({"command":"add","virtualObject":{"kind":"obstacle","x":1.0,"y":0.5}})");
   const std::string with = fixture.memory;
   EXPECT_THAT(with, HasSubstr("O1"));
@@ -69,12 +69,12 @@ TEST(PersistedState, of_a_virtual_aiv_is_renewed_each_second) {
   EXPECT_NE(fixture.memory, soon);
 }
 
-TEST(PersistedState, survives_being_killed_twice_before_the_zone_and_the_vehicles_are_there) {
+TEST(PersistedState, survives_two_kills_before_the_zone_and_the_vehicles_are_known) {
   ServerFixture fixture;
   fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","section":"north","s":0.3}})");
   fixture.run_for(1s);
   fixture.restart_server(true);
-  fixture.run_for(100ms);  // not settled yet
+  fixture.run_for(100ms);  // startup synchronisation is not done yet
   fixture.send_command(R"({"command":"add","virtualObject":{"kind":"obstacle","x":1.0,"y":0.5}})");
   EXPECT_THAT(fixture.memory, HasSubstr("V1"));
   fixture.restart_server(true);
@@ -82,7 +82,7 @@ TEST(PersistedState, survives_being_killed_twice_before_the_zone_and_the_vehicle
   EXPECT_FALSE(fixture.aiv("CoSiVA.virtual/V1").is_null());
 }
 
-TEST(PersistedState, that_is_broken_is_said_and_left_out) {
+TEST(PersistedState, that_is_malformed_is_logged_and_skipped) {
   for (const std::string& broken :
        {std::string("rubbish"), std::string("[]"), std::string("{}"), std::string(R"({"version":2})"),
         std::string(R"({"version":1,"virtualObjects":7,"aivs":{},"paused":"x","zone":[]})"),
@@ -99,7 +99,7 @@ TEST(PersistedState, that_is_broken_is_said_and_left_out) {
     EXPECT_EQ(fixture.server->zone_revision(), 1U) << broken;
     EXPECT_FALSE(fixture.logs.empty());
     fixture.send_command(R"({"command":"add","virtualObject":{"kind":"obstacle","x":1.0,"y":0.5}})");
-    EXPECT_THAT(*fixture.snapshot().find("virtualObjects")->array(), SizeIs(1)) << "it works on: " << broken;
+    EXPECT_THAT(*fixture.snapshot().find("virtualObjects")->array(), SizeIs(1)) << "it continues to work: " << broken;
   }
 }
 
@@ -117,7 +117,7 @@ TEST(PersistedState, of_edits_waits_for_the_zone_of_the_physical_side) {
   EXPECT_EQ(server.zone_configuration()->text, edited);
 }
 
-TEST(PersistedState, of_edits_knows_them_in_the_zone_that_the_broker_kept) {
+TEST(PersistedState, of_edits_recognises_them_in_the_zone_that_the_broker_retained) {
   ServerFixture fixture;
   const std::string original = fixture.server->zone_configuration()->text;
   fixture.send_command(edit);
@@ -136,13 +136,13 @@ TEST(PersistedState, of_edits_knows_them_in_the_zone_that_the_broker_kept) {
     EXPECT_EQ(snapshot.find("zoneEdits")->flag("unsaved"), !saved);
     EXPECT_EQ(snapshot.find("zoneEdits")->number("undo"), 1.0);
     feed(wire::InputKind::message, "cosiva/v1/zone/toml", original);
-    EXPECT_EQ(server.zone_configuration()->text, edited.text) << "a physical side that starts again brings its file";
+    EXPECT_EQ(server.zone_configuration()->text, edited.text) << "a restarted physical side publishes its file";
     feed(wire::InputKind::command, "test", R"({"command":"undo"})");
     EXPECT_EQ(server.zone_configuration()->text, original);
   }
 }
 
-TEST(PersistedState, of_edits_is_left_out_on_another_zone) {
+TEST(PersistedState, of_edits_is_skipped_on_another_zone) {
   ServerFixture fixture;
   fixture.send_command(edit);
   ServerFixture other{zone_file("lacet4.toml")};
@@ -152,7 +152,7 @@ TEST(PersistedState, of_edits_is_left_out_on_another_zone) {
   EXPECT_TRUE(other.logged("edits"));
 }
 
-TEST(PersistedState, puts_a_virtual_aiv_beside_its_place_when_somebody_stands_there_by_now) {
+TEST(PersistedState, puts_a_virtual_aiv_next_to_its_position_when_that_is_occupied) {
   ServerFixture fixture;
   fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","section":"south","s":1.0}})");
   fixture.run_for(100ms);

@@ -44,7 +44,7 @@ void PositionView::positions(SimTime now, std::vector<PositionRecord>& out) cons
     const Pose2 X_MO{obstacle.at.x_m, obstacle.at.y_m, 0.0};
     out.push_back(record_of(obstacle.handle, PositionRecord::Kind::obstacle, X_MO, 0.0));
   }
-  // Handles are given round and round, so the newest object may have the smallest.
+  // Handles are reused cyclically, so the newest object may have the smallest one.
   std::ranges::sort(out, {}, &PositionRecord::handle);
 }
 

@@ -9,13 +9,13 @@
 
 namespace cosiva::virtual_side {
 
-/// What the page's animation reads 30 times a second: no text, and no memory beyond the list itself.
+/// The data that the HMI's animation reads 30 times a second: no text, and no memory besides the list itself.
 class PositionView {
  public:
   PositionView(const ServerContext& context, const AugmentedParts& augmented)
       : context_{context}, augmented_{augmented} {}
 
-  /// Everything that moves or may move, sorted by handle, at the time of the last input carried on to `now`.
+  /// All objects that move or may move, sorted by handle, at the time of the last input, extrapolated to `now`.
   void positions(SimTime now, std::vector<PositionRecord>& out) const;
 
  private:

@@ -37,9 +37,9 @@ void ReportChecks::refuse(VehicleIndex vehicle, VehicleTopic topic, const wire::
   ++context_.messages_refused;
   context_.traces.add(context_.now, proxy.name, "AIV_Server", to_string(topic), "refused: " + to_string(error),
                       input.source, input.payload);
-  log_once(
-      proxy, unreadable << static_cast<std::uint32_t>(topic), 'w',
-      std::string(to_string(topic)) + " message refused: " + to_string(error) + " (said once; the rest is counted)");
+  log_once(proxy, unreadable << static_cast<std::uint32_t>(topic), 'w',
+           std::string(to_string(topic)) + " message refused: " + to_string(error) +
+               " (logged once; further ones are counted)");
 }
 
 bool ReportChecks::take_header(VehicleIndex vehicle, VehicleTopic topic, const wire::Header& header) {
@@ -51,7 +51,7 @@ bool ReportChecks::take_header(VehicleIndex vehicle, VehicleTopic topic, const w
     ++proxy.refused;
     ++context_.messages_refused;
     log_once(proxy, identity, 'w',
-             "a message on its topic says it is from '" + header.manufacturer.substr(0, 64) + "/" +
+             "a message on its topic states the sender '" + header.manufacturer.substr(0, 64) + "/" +
                  header.serial_number.substr(0, 64) + "'; ignored");
     return false;
   }
@@ -60,7 +60,7 @@ bool ReportChecks::take_header(VehicleIndex vehicle, VehicleTopic topic, const w
       ++proxy.refused;
       ++context_.messages_refused;
       log_once(proxy, version, 'w',
-               "speaks version '" + header.version.substr(0, 32) + "'; this server reads 2.x; ignored");
+               "uses version '" + header.version.substr(0, 32) + "'; this server reads 2.x; ignored");
       return false;
     }
     proxy.version = header.version;

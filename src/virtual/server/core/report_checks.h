@@ -8,8 +8,8 @@
 
 namespace cosiva::virtual_side {
 
-/// What is checked of every message of a vehicle: its header, its time stamp, whether it can be read. A message that
-/// fails is counted, and the reason is logged once for each vehicle.
+/// The checks of every message of a vehicle: header, time stamp, readability. A message that fails is counted, and the
+/// reason is logged once for each vehicle.
 /// Invariant: a time on the server's clock that comes from a vehicle's time stamp is never later than now.
 class ReportChecks {
  public:

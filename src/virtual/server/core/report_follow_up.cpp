@@ -41,7 +41,7 @@ void ReportFollowUp::initialise_position(VehicleIndex vehicle) {
     if (const auto behind = zones_.map()->behind(twin.reported_position(), master_.traffic.traversed(vehicle)))
       action.parameters.push_back({"lastNodeId", zones_.map()->waypoint(behind->waypoint).id});
   }
-  context_.publisher.log('i', proxy.name + ": does not know where it is; told its last place");
+  context_.publisher.log('i', proxy.name + ": has lost its position; sent its last known position");
   master_.actions.send(proxy, vehicle, {std::move(action)}, std::chrono::seconds{2}, false);
 }
 

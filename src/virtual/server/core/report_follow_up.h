@@ -7,7 +7,7 @@
 namespace cosiva::virtual_side {
 
 /// The instant actions that follow from what a vehicle's reports lack: initPosition where the vehicle has lost its
-/// position, factsheetRequest where no factsheet came.
+/// position, factsheetRequest where no factsheet has been received.
 /// Invariant: no request is sent before the startup synchronisation is done, and a factsheet is requested once in a
 /// session of the vehicle.
 class ReportFollowUp {

@@ -82,7 +82,7 @@ void ServerCore::Impl::account_for_cycle() {
   if (ticked_at) monitor.late(std::max(0.0, to_seconds(context.now - *ticked_at - context.options.cycle) * 1e3));
   ticked_at = context.now;
   for (const AivProxy& proxy : context.registry) {
-    // A vehicle that went offline by itself owes no reports.
+    // A vehicle that reported OFFLINE is not expected to report.
     if (proxy.present && !proxy.augmented && proxy.connection != wire::ConnectionState::offline)
       monitor.age(proxy.entity, to_seconds(context.now - proxy.reported_at) * 1e3);
   }
@@ -108,7 +108,7 @@ void ServerCore::handle(const wire::Input& input, wire::Effects& effects) {
     case wire::InputKind::restore: impl.persisted.restore(input.payload); break;
     case wire::InputKind::configure:
     case wire::InputKind::bytes:
-    case wire::InputKind::port: break;  // the options came with the construction, and the server has no streams
+    case wire::InputKind::port: break;  // the options are given at construction, and the server has no streams
   }
   impl.persisted.persist_if_stale();
   COSIVA_EXPECT(context.now == input.at && context.publisher.now() == input.at);

@@ -22,7 +22,7 @@ std::vector<std::string> kinds(const ServerFixture& fixture, const std::string& 
   return found;
 }
 
-TEST(ServerCore, says_online_heartbeats_and_the_zone_when_its_link_comes_up) {
+TEST(ServerCore, publishes_online_heartbeats_and_the_zone_when_its_link_comes_up) {
   ServerFixture fixture;
   const auto connection = fixture.published_on(wire::server_connection_topic);
   ASSERT_THAT(connection, SizeIs(1));
@@ -38,7 +38,7 @@ TEST(ServerCore, says_online_heartbeats_and_the_zone_when_its_link_comes_up) {
       << "at the first tick and at 100, 200 … 1000 ms";
 }
 
-TEST(ServerCore, leaves_a_will_and_says_goodbye) {
+TEST(ServerCore, has_a_last_will_and_publishes_offline_at_the_end) {
   ServerFixture fixture;
   const auto will = fixture.server->will();
   ASSERT_TRUE(will.has_value());
@@ -50,7 +50,7 @@ TEST(ServerCore, leaves_a_will_and_says_goodbye) {
   EXPECT_EQ(JsonValue::parse(std::get<wire::Publish>(effects[0]).payload)->text("connectionState"), "OFFLINE");
 }
 
-TEST(ServerCore, subscribes_to_what_vehicles_say_under_its_interface_and_to_zones) {
+TEST(ServerCore, subscribes_to_the_topics_of_vehicles_under_its_interface_and_to_zones) {
   ServerOptions options;
   options.interface_name = "plant7";
   EXPECT_THAT(ServerCore{options}.subscriptions(),
@@ -73,7 +73,7 @@ TEST(ServerCore, builds_the_zone_in_the_article_s_order_and_shows_each_step) {
   EXPECT_EQ(JsonValue::parse(fixture.server->zone_json())->text("name"), "oval");
 }
 
-TEST(ServerCore, takes_the_zone_from_the_physical_side_and_does_not_build_the_same_twice) {
+TEST(ServerCore, takes_the_zone_from_the_physical_side_and_does_not_build_the_same_zone_twice) {
   ServerCore server{ServerOptions{}};
   wire::Effects effects;
   EXPECT_EQ(server.zone_json(), "null");
@@ -84,7 +84,7 @@ TEST(ServerCore, takes_the_zone_from_the_physical_side_and_does_not_build_the_sa
   EXPECT_EQ(server.zone_revision(), 1U);
 }
 
-TEST(ServerCore, keeps_its_zone_when_a_bad_one_arrives) {
+TEST(ServerCore, keeps_its_zone_when_an_invalid_one_arrives) {
   ServerFixture fixture;
   fixture.feed(wire::InputKind::message, "cosiva/v1/zone/toml", "name = ");
   fixture.feed(wire::InputKind::message, "cosiva/v1/zone/clay", "tablets");
@@ -93,7 +93,7 @@ TEST(ServerCore, keeps_its_zone_when_a_bad_one_arrives) {
   EXPECT_TRUE(fixture.logged("zone configuration refused"));
 }
 
-TEST(ServerCore, changes_the_zone_while_vehicles_drive_and_goes_on_on_the_new_one) {
+TEST(ServerCore, switches_the_zone_while_vehicles_drive_and_continues_on_the_new_one) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(5s);
@@ -107,7 +107,7 @@ TEST(ServerCore, changes_the_zone_while_vehicles_drive_and_goes_on_on_the_new_on
   EXPECT_EQ(*fixture.bijection().number("matched"), 1.0);
 }
 
-TEST(ServerCore, registers_a_vehicle_at_its_first_message_and_shows_its_twin_at_its_first_place) {
+TEST(ServerCore, registers_a_vehicle_at_its_first_message_and_shows_its_twin_at_its_first_position) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV7", {0, 0.5});
   EXPECT_EQ(*fixture.bijection().number("virtual"), 0.0);
@@ -123,7 +123,7 @@ TEST(ServerCore, registers_a_vehicle_at_its_first_message_and_shows_its_twin_at_
   EXPECT_THAT(kinds(fixture, "AIV_Server"), testing::Contains("Simulator.appear"));
 }
 
-TEST(ServerCore, gives_display_numbers_by_serial_number_and_none_twice) {
+TEST(ServerCore, assigns_unique_display_numbers_by_serial_number) {
   ServerFixture fixture;
   for (const auto& [make, serial] : {std::pair{"CoSiVA", "AIV3"}, {"Acme", "truck-3"}, {"Acme", "nameless"}}) {
     FixtureVehicle& aiv = fixture.add(serial, {0, 0.5}, make);
@@ -134,7 +134,7 @@ TEST(ServerCore, gives_display_numbers_by_serial_number_and_none_twice) {
   EXPECT_EQ(*fixture.aiv("Acme/nameless").number("number"), 2.0);
 }
 
-TEST(ServerCore, names_a_vehicle_that_does_not_know_its_place_as_an_orphan) {
+TEST(ServerCore, reports_a_vehicle_without_a_known_position_as_an_orphan) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   aiv.position_known = false;
@@ -148,10 +148,10 @@ TEST(ServerCore, names_a_vehicle_that_does_not_know_its_place_as_an_orphan) {
   EXPECT_EQ(*metrics.number("matched_ratio"), 0.0);
 }
 
-TEST(ServerCore, tells_how_late_its_machine_woke_it) {
+TEST(ServerCore, reports_how_late_its_cycle_ran) {
   ServerFixture fixture;
   fixture.run_for(2s);
-  EXPECT_EQ(fixture.bijection().find("late_ms")->number("max"), 0.0) << "its cycle is the bench's step";
+  EXPECT_EQ(fixture.bijection().find("late_ms")->number("max"), 0.0) << "its cycle equals the fixture's step";
   fixture.now += 480ms;
   fixture.run_for(2s);
   EXPECT_NEAR(*fixture.bijection().find("late_ms")->number("max"), 480.0, 1e-6);
@@ -169,7 +169,7 @@ TEST(ServerCore, shows_a_broken_connection_at_once_and_keeps_the_twin) {
   EXPECT_GT(*fixture.aiv("CoSiVA/AIV1").number("age_ms"), 9000.0);
 }
 
-TEST(ServerCore, marks_a_silent_vehicle_as_lost_after_a_second_and_stops_its_twin) {
+TEST(ServerCore, shows_an_unresponsive_vehicle_as_lost_after_a_second_and_stops_its_twin) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(5s);
@@ -182,15 +182,15 @@ TEST(ServerCore, marks_a_silent_vehicle_as_lost_after_a_second_and_stops_its_twi
   const JsonValue then = fixture.aiv("CoSiVA/AIV1");
   fixture.run_for(5s);
   EXPECT_EQ(*fixture.aiv("CoSiVA/AIV1").number("x"), *then.number("x"));
-  EXPECT_LE(std::fabs(*then.number("x") - x0), 0.3 * 1.0 + 0.05) << "anticipated for a second at most";
+  EXPECT_LE(std::fabs(*then.number("x") - x0), 0.3 * 1.0 + 0.05) << "extrapolated for a second at most";
   EXPECT_EQ(then.find("contract")->flag("age"), false);
 }
 
-/// A vehicle of a third party that only says its state, and how much of its time it is shown as lost.
+/// A third-party vehicle that publishes only its state, and the ratio of the time for which it is shown as lost.
 class SlowReporter {
  public:
   SlowReporter() : vehicle_{fixture_.add("agv-7", {0, 0.5}, "Acme")} {
-    vehicle_.alive = false;  // the bench does not report for it
+    vehicle_.alive = false;  // the fixture does not report for it
     fixture_.each_step = [this] {
       if (const auto lost = fixture_.aiv("Acme/agv-7").flag("lost")) ++(*lost ? steps_lost_ : steps_live_);
     };
@@ -214,7 +214,7 @@ class SlowReporter {
   std::uint64_t steps_live_{0};
 };
 
-TEST(ServerCore, never_shows_a_vehicle_as_lost_that_keeps_to_a_slow_rate) {
+TEST(ServerCore, never_shows_a_vehicle_with_a_constant_slow_rate_as_lost) {
   for (const double period_s : {1.2, 2.0, 3.0}) {
     for (const double jitter_s : {0.0, 0.3 * period_s}) {
       SlowReporter vehicle;
@@ -227,7 +227,7 @@ TEST(ServerCore, never_shows_a_vehicle_as_lost_that_keeps_to_a_slow_rate) {
 TEST(ServerCore, shows_a_slow_vehicle_as_lost_after_three_of_its_usual_gaps) {
   for (const double period_s : {1.2, 2.0, 3.0}) {
     SlowReporter vehicle;
-    vehicle.report_for(180s, period_s);  // and silent for one gap already
+    vehicle.report_for(180s, period_s);  // and one gap without a report already
     vehicle.be_unresponsive_for(from_seconds(1.9 * period_s));
     EXPECT_FALSE(vehicle.lost()) << period_s;
     vehicle.be_unresponsive_for(from_seconds(0.2 * period_s));
@@ -235,7 +235,7 @@ TEST(ServerCore, shows_a_slow_vehicle_as_lost_after_three_of_its_usual_gaps) {
   }
 }
 
-TEST(ServerCore, believes_a_vehicle_that_goes_on_reporting_after_a_stale_will) {
+TEST(ServerCore, treats_a_vehicle_that_reports_after_a_stale_last_will_as_online) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(3s);
@@ -267,7 +267,7 @@ TEST(ServerCore, ignores_a_retained_state) {
   EXPECT_TRUE(fixture.logged("retained state"));
 }
 
-TEST(ServerCore, ignores_a_message_that_carries_another_s_name_and_says_so_once) {
+TEST(ServerCore, ignores_a_message_with_another_vehicle_s_name_and_logs_that_once) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   wire::State forged = aiv.state(fixture.now);
@@ -277,7 +277,7 @@ TEST(ServerCore, ignores_a_message_that_carries_another_s_name_and_says_so_once)
   EXPECT_EQ(std::ranges::count_if(fixture.logs, [](const auto& l) { return l.find("AIV2") != std::string::npos; }), 1);
 }
 
-TEST(ServerCore, counts_the_messages_that_never_came_and_lets_header_ids_wrap) {
+TEST(ServerCore, counts_lost_messages_and_lets_header_ids_wrap) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   std::uint32_t id = 0xFFFFFFFEU;
@@ -292,7 +292,7 @@ TEST(ServerCore, counts_the_messages_that_never_came_and_lets_header_ids_wrap) {
   EXPECT_THAT(fixture.server->summary_json(), HasSubstr("\"missed\":2"));
 }
 
-TEST(ServerCore, anticipates_by_arrival_when_a_vehicle_s_clock_is_wrong) {
+TEST(ServerCore, extrapolates_from_the_arrival_when_a_vehicle_s_clock_is_wrong) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   aiv.clock_ahead = -100s;
@@ -307,7 +307,7 @@ TEST(ServerCore, anticipates_by_arrival_when_a_vehicle_s_clock_is_wrong) {
       HasSubstr("clock"));
 }
 
-TEST(ServerCore, survives_garbage_on_every_topic_and_serves_the_others) {
+TEST(ServerCore, tolerates_malformed_messages_on_every_topic_and_serves_valid_ones) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(2s);
@@ -334,7 +334,7 @@ TEST(ServerCore, survives_garbage_on_every_topic_and_serves_the_others) {
   EXPECT_TRUE(fixture.logged("v3"));
 }
 
-TEST(ServerCore, refuses_places_and_versions_that_cannot_be) {
+TEST(ServerCore, refuses_impossible_positions_and_versions) {
   ServerFixture fixture;
   FixtureVehicle& far = fixture.add("AIV1", {0, 0.5});
   wire::State state = far.state(fixture.now);
@@ -348,7 +348,7 @@ TEST(ServerCore, refuses_places_and_versions_that_cannot_be) {
   EXPECT_THAT(*fixture.snapshot().find("aivs")->array(), IsEmpty());
 }
 
-TEST(ServerCore, takes_no_more_vehicles_than_it_can_hold) {
+TEST(ServerCore, accepts_no_more_vehicles_than_its_limit) {
   ServerFixture fixture;
   for (int i = 0; i < 1000; ++i)
     fixture.feed(
@@ -386,13 +386,13 @@ TEST(ServerCore, holds_the_bijection_of_a_driving_vehicle) {
   const JsonValue metrics = fixture.bijection();
   EXPECT_EQ(*metrics.number("matched_ratio"), 1.0);
   EXPECT_GT(*metrics.number("held_ratio"), 0.99);
-  // At constant speed on the line the prediction is exact; only starts differ.
+  // At constant speed on the path the prediction is exact; only starts differ.
   EXPECT_LT(*metrics.find("divergence_m")->number("p50"), 1e-3);
   EXPECT_LT(*metrics.find("divergence_m")->number("p99"), 0.01);
   EXPECT_LE(*metrics.find("age_ms")->number("p99"), 150.0);
 }
 
-TEST(ServerCore, asks_once_for_a_factsheet_it_was_not_given) {
+TEST(ServerCore, requests_a_missing_factsheet_once) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(10s);
@@ -401,7 +401,7 @@ TEST(ServerCore, asks_once_for_a_factsheet_it_was_not_given) {
       1);
 }
 
-TEST(ServerCore, numbers_its_traces_for_ever_and_keeps_the_last) {
+TEST(ServerCore, numbers_its_traces_permanently_and_stores_the_latest) {
   ServerOptions options;
   options.traces_max = 50;
   ServerFixture fixture{oval(), options};
@@ -417,7 +417,7 @@ TEST(ServerCore, numbers_its_traces_for_ever_and_keeps_the_last) {
   EXPECT_THAT(*one.find("traces")->array(), SizeIs(2));
 }
 
-/// Those of this kind, and the whole of each.
+/// The traces of this kind, each with its raw content.
 std::vector<JsonValue> traced(const ServerFixture& fixture, std::string_view kind, std::string_view from) {
   std::vector<JsonValue> found;
   const JsonValue all = *JsonValue::parse(fixture.server->traces_json(0, 100'000));
@@ -429,7 +429,7 @@ std::vector<JsonValue> traced(const ServerFixture& fixture, std::string_view kin
   return found;
 }
 
-TEST(ServerCore, traces_a_message_that_it_refused_with_its_text_and_the_reason) {
+TEST(ServerCore, traces_a_refused_message_with_its_text_and_the_reason) {
   ServerFixture fixture;
   FixtureVehicle& one = fixture.add("AIV1", {0, 0.5});
   const std::string broken = R"({"headerId":"seven"})";
@@ -441,10 +441,10 @@ TEST(ServerCore, traces_a_message_that_it_refused_with_its_text_and_the_reason) 
   EXPECT_THAT(*traces[0].text("content"), HasSubstr("headerId"));
 }
 
-TEST(ServerCore, traces_what_the_sections_answer_where_a_twin_comes_to_a_new_one) {
+TEST(ServerCore, traces_the_responses_of_the_sections_where_a_twin_enters_a_new_one) {
   ServerFixture fixture;
   fixture.add("AIV1", {0, 1.5});
-  fixture.run_for(5s);  // at 0.3 m/s to beyond the end of the first, 2 m long, and on the half circle of 1.57 m
+  fixture.run_for(5s);  // at 0.3 m/s beyond the end of the first section, 2 m long, onto the half circle of 1.57 m
   const auto requested = traced(fixture, "nextAIVposition", "Simulator");
   const auto acknowledged = traced(fixture, "position", "Circuit");
   ASSERT_THAT(requested, SizeIs(1));
@@ -453,7 +453,7 @@ TEST(ServerCore, traces_what_the_sections_answer_where_a_twin_comes_to_a_new_one
   EXPECT_THAT(*acknowledged[0].text("content"), testing::StartsWith("CoSiVA/AIV1 on east 0.0"));
 }
 
-TEST(ServerCore, does_the_same_for_the_same_inputs) {
+TEST(ServerCore, gives_the_same_digest_for_the_same_inputs) {
   const auto run = [] {
     ServerFixture fixture{zone_file("lacet4.toml")};
     fixture.loss = 0.05;
@@ -470,7 +470,7 @@ TEST(ServerCore, does_the_same_for_the_same_inputs) {
   EXPECT_EQ(run(), run());
 }
 
-TEST(ServerOptions, survive_their_json) {
+TEST(ServerOptions, are_preserved_by_their_json) {
   ServerOptions options;
   options.interface_name = "plant7";
   options.zone = oval();
@@ -489,7 +489,7 @@ TEST(ServerOptions, survive_their_json) {
   EXPECT_EQ(ServerCore{*back}.tick_period(), 100ms);
 }
 
-TEST(ServerOptions, of_a_journal_from_before_there_were_V2X_and_convoys_have_neither) {
+TEST(ServerOptions, of_a_journal_older_than_V2X_and_convoys_have_neither) {
   EXPECT_FALSE(server_options_from_json("{}")->v2x);
   EXPECT_FALSE(server_options_from_json("{}")->convoys);
   EXPECT_TRUE(server_options_from_json(to_json(ServerOptions{}))->v2x);
@@ -498,12 +498,12 @@ TEST(ServerOptions, of_a_journal_from_before_there_were_V2X_and_convoys_have_nei
   EXPECT_TRUE(server_options_from_json(to_json(together))->convoys);
 }
 
-TEST(ServerOptions, of_a_journal_from_before_there_were_rules_have_crisp_virtual_AIVs) {
+TEST(ServerOptions, of_a_journal_older_than_rules_have_crisp_virtual_AIVs) {
   EXPECT_EQ(server_options_from_json("{}")->virtual_rules, aiv::SpeedRules{});
   EXPECT_EQ(server_options_from_json(to_json(ServerOptions{}))->virtual_rules.kind, aiv::SpeedRules::Kind::fuzzy);
 }
 
-TEST(ServerOptions, refuse_what_makes_no_sense_and_name_the_field) {
+TEST(ServerOptions, refuse_invalid_values_and_name_the_field) {
   for (const auto& [json, field] : {std::pair{R"({"lost_after_ms":-1})", "lost_after_ms"},
                                     {R"({"cycle_ms":0.5})", "cycle_ms"},
                                     {R"({"traces_max":"many"})", "traces_max"},

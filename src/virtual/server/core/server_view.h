@@ -15,7 +15,7 @@
 
 namespace cosiva::virtual_side {
 
-/// What the page and the summary of a run read of the server (docs/protocols/hmi-api.md).
+/// The server's data for the HMI and for the summary of a run (docs/protocols/hmi-api.md).
 class ServerView {
  public:
   ServerView(const ServerContext& context, const MasterControl& master, const AugmentedParts& augmented,

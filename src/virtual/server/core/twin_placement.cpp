@@ -22,7 +22,7 @@ void TwinPlacement::put(VehicleIndex vehicle, SimTime at, const Pose2& pose,
     report.vy_mps = velocity->vy_mps;
     report.omega_radps = velocity->omega_radps;
   }
-  // All control areas share one frame: a pose on the map of another area holds on this one as well.
+  // All control areas use one frame: a pose on the map of another area is valid on this map as well.
   report.on_map =
       !map_ || proxy.map_id.empty() || proxy.map_id == map_->zone().name || context_.areas.has_map(proxy.map_id);
   const Twin& twin = context_.simulator.twin(*proxy.twin);
@@ -36,7 +36,7 @@ void TwinPlacement::put(VehicleIndex vehicle, SimTime at, const Pose2& pose,
 }
 
 void TwinPlacement::trace_section(const AivProxy& proxy, zone::TrackPosition before) {
-  // The article's figure 11, traced at each new section only.
+  // Figure 11 of the article, traced only at each new section.
   const zone::Circuit& circuit = *context_.simulator.circuit();
   const zone::TrackPosition position = context_.simulator.twin(*proxy.twin).reported_position();
   const auto on = [&circuit](zone::TrackPosition p) {

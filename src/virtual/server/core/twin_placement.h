@@ -9,9 +9,9 @@
 
 namespace cosiva::virtual_side {
 
-/// Places the twin of a vehicle where the vehicle reported itself, and hands what follows from that to the order
-/// manager and to the bijection monitor.
-/// Invariant: a vehicle gets its twin with its first pose, and keeps that twin for ever.
+/// Moves the twin of a vehicle to the pose that the vehicle reported, and informs the order manager and the bijection
+/// monitor.
+/// Invariant: a vehicle gets its twin with its first pose, and retains that twin.
 class TwinPlacement {
  public:
   TwinPlacement(ServerContext& context, MasterControl& master) : context_{context}, master_{master} {}
@@ -22,7 +22,7 @@ class TwinPlacement {
   void put(VehicleIndex vehicle, SimTime at, const Pose2& pose, const std::optional<wire::Velocity>& velocity);
   /// The twin may drive to the end of the base that the vehicle's last state lists.
   void apply_base_end(VehicleIndex vehicle);
-  /// The vehicle is there physically, from now on.
+  /// The vehicle is present physically from now on.
   void set_present(AivProxy& proxy);
   /// Counts an event of a physical vehicle with the time that passed since it was reported.
   void record_event(const AivProxy& proxy, PhysicalEvent kind, SimTime reported_at);

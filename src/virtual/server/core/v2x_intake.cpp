@@ -11,7 +11,7 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// Five a second from each would drown the rest.
+/// Five traces a second from each vehicle would obscure the others.
 constexpr SimDuration trace_period{std::chrono::seconds{1}};
 
 /// "0.40 m/s, brakes; X1 in 0.9 s, its own".
@@ -36,7 +36,7 @@ void V2xIntake::receive(const wire::Input& input) {
   COSIVA_EXPECT(context_.registry.size() == vehicles);
   const auto topic = wire::parse_v2x_topic(input.source);
   if (!topic) return;
-  // A vehicle that is known by its V2X messages alone is none of this server's.
+  // A vehicle that is known only by its V2X messages does not belong to this server.
   const auto vehicle = context_.registry.find(wire::to_string(topic->vehicle));
   if (!vehicle) return;
   AivProxy& proxy = context_.registry[*vehicle];

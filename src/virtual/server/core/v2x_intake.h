@@ -7,7 +7,7 @@ namespace cosiva::virtual_side {
 
 /// The intake of V2X messages between vehicles (A3, A10). The server takes no part in them: the virtual AIVs, which run
 /// in this process, receive them here, and some are traced.
-/// Invariant: a V2X message registers no vehicle, so made-up names cost the server nothing.
+/// Invariant: a V2X message registers no vehicle, so invented names occupy no memory of the server.
 class V2xIntake {
  public:
   V2xIntake(ServerContext& context, AugmentedParts& augmented) : context_{context}, augmented_{augmented} {}

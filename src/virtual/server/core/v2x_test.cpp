@@ -1,4 +1,4 @@
-// What vehicles say to each other: virtual AIVs hear it, and the page shows it.
+// V2X messages between vehicles: virtual AIVs receive them, and the HMI shows them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -48,7 +48,7 @@ class V2xFixture : public testing::Test {
   std::uint32_t published_count{0};
 };
 
-TEST_F(V2xFixture, is_shown_from_one_vehicle_to_the_nearest_that_hears_it) {
+TEST_F(V2xFixture, is_shown_from_one_vehicle_to_the_nearest_receiver) {
   wire::Intent intent = intent_of(first);
   intent.crossings = {{"X1", 0.31, 0.71, 0.9, 1.9, false}};
   publish_intent(intent);
@@ -59,7 +59,7 @@ TEST_F(V2xFixture, is_shown_from_one_vehicle_to_the_nearest_that_hears_it) {
   EXPECT_EQ(trace.text("content"), "0.400 m/s; X1 in 0.900 s, not yet its own");
 }
 
-TEST_F(V2xFixture, is_shown_once_a_second_from_each) {
+TEST_F(V2xFixture, is_shown_once_a_second_from_each_vehicle) {
   for (int i = 0; i < 15; ++i) {
     publish_intent(intent_of(first));
     publish_intent(intent_of(second));
@@ -68,7 +68,7 @@ TEST_F(V2xFixture, is_shown_once_a_second_from_each) {
   EXPECT_THAT(traces(), SizeIs(6));
 }
 
-TEST_F(V2xFixture, of_unknown_senders_liars_and_the_broker_s_memory_is_not_shown) {
+TEST_F(V2xFixture, of_unknown_senders_with_false_names_or_retained_is_not_shown) {
   wire::Intent unknown_sender = intent_of(first);
   unknown_sender.vehicle.serial_number = "NOBODY";
   publish_intent(unknown_sender);
@@ -77,10 +77,10 @@ TEST_F(V2xFixture, of_unknown_senders_liars_and_the_broker_s_memory_is_not_shown
   fixture.feed(wire::InputKind::message, "cosiva/v1/v2x/oval/0_0/CoSiVA/AIV2", to_json(intent_of(first)));
   fixture.feed(wire::InputKind::message, "cosiva/v1/v2x/nonsense", "{}");
   EXPECT_THAT(traces(), IsEmpty());
-  EXPECT_EQ(fixture.snapshot().find("aivs")->array()->size(), 2U) << "talk registers nobody";
+  EXPECT_EQ(fixture.snapshot().find("aivs")->array()->size(), 2U) << "V2X messages register no vehicle";
 }
 
-TEST_F(V2xFixture, virtual_AIVs_speak_to_the_broker_and_hear_who_is_near) {
+TEST_F(V2xFixture, virtual_AIVs_publish_to_the_broker_and_receive_from_nearby_vehicles) {
   fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V1"}})");
   const auto published_by_v1 = [&] {
     return std::ranges::count_if(fixture.published, [](const wire::Publish& publish) {
@@ -95,7 +95,8 @@ TEST_F(V2xFixture, virtual_AIVs_speak_to_the_broker_and_hear_who_is_near) {
     publish_intent(intent_of(first));
     fixture.run_for(200ms);
   }
-  EXPECT_GE(published_by_v1() - alone, 2 * alone) << "in company it speaks more often: it has heard somebody";
+  EXPECT_GE(published_by_v1() - alone, 2 * alone)
+      << "with another vehicle nearby it publishes more often: it has received messages";
 }
 
 }  // namespace

@@ -66,9 +66,9 @@ void VehicleLifecycle::retire(VehicleIndex vehicle, const std::string& reason) {
   proxy.handed_over.reset();
   master_.traffic.forget(vehicle);
   master_.orders.forget(vehicle);
-  // The mission of a virtual AIV stays until the AIV is added again (begin_life): the digest of a run contains the
-  // missions of all vehicles, retired ones included, and a mission dropped here would change the digests of recorded
-  // runs. The monitor counts no virtual AIV, and the summary of a run lists it as present.
+  // The mission of a virtual AIV is retained until the AIV is added again (begin_life): the digest of a run contains
+  // the missions of all vehicles, retired ones included, and a mission dropped here would change the digests of
+  // recorded runs. The monitor counts no virtual AIV, and the summary of a run lists it as present.
   if (!proxy.augmented) {
     proxy.present = false;
     context_.simulator.monitor().set_physical(proxy.entity, false);

@@ -10,22 +10,22 @@
 
 namespace cosiva::virtual_side {
 
-/// From the registration of a vehicle to its retirement: here alone a vehicle gets its rows in all parts of
-/// the server, and where all parts forget the vehicle.
-/// Invariant: each part that keeps a row per vehicle has one for every vehicle of the registry, and a vehicle that has
-/// just been retired has no order and no open command.
+/// The lifecycle of vehicles from registration to retirement: only this class adds a vehicle's rows to all parts of the
+/// server, and removes the vehicle from all parts.
+/// Invariant: each part with a row per vehicle has one for every vehicle of the registry, and a vehicle that has just
+/// been retired has no order and no open command.
 class VehicleLifecycle {
  public:
   VehicleLifecycle(ServerContext& context, MasterControl& master, AugmentedParts& augmented)
       : context_{context}, master_{master}, augmented_{augmented} {}
 
-  /// A vehicle that was received for the first time. Nothing: the server takes no more vehicles.
+  /// Registers a vehicle whose first message was received. Nothing: the server accepts no more vehicles.
   std::optional<VehicleIndex> register_vehicle(const wire::VehicleId& id);
   /// Registers a vehicle, or renews one that was retired: from now on the server drives the vehicle. Nothing: the
-  /// server takes no more vehicles.
+  /// server accepts no more vehicles.
   std::optional<VehicleIndex> begin_life(const wire::VehicleId& id);
-  /// The vehicle leaves the table and the traffic; its name may come back.
-  /// @param reason  why its open commands fail
+  /// Removes the vehicle from the table and the traffic; a vehicle of the same name may return.
+  /// @param reason  of the failure of its open commands
   void retire(VehicleIndex vehicle, const std::string& reason);
 
   /// Gives each vehicle the priority that the zone in force gives its name.

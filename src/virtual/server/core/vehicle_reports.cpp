@@ -12,9 +12,10 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// A time stamp that falls back further than any network delays is a clock that was set, not a late message.
+/// A time stamp that goes back further than any network delay indicates a clock that was set, not a late message.
 constexpr SimDuration reorder_max{std::chrono::seconds{5}};
-/// A vehicle that goes on reporting so long after its last will was published is there: the will was of an old session.
+/// A vehicle that still reports this long after the publication of its last will is connected: the will was of an old
+/// session.
 constexpr SimDuration will_outlived{std::chrono::seconds{2}};
 constexpr SimDuration arrival_timeout{std::chrono::seconds{1}};
 constexpr double coordinate_m_max = 1e5;
@@ -33,7 +34,7 @@ std::optional<Number> number_in(const std::vector<wire::Reference>& references, 
 std::string summary_of(const wire::State& state) {
   std::string text = "order '" + state.order_id + "' update " + std::to_string(state.order_update_id) + ", node " +
                      state.last_node_id + " (" + std::to_string(state.last_node_sequence_id) + ")";
-  text += state.driving ? ", driving" : ", standing";
+  text += state.driving ? ", driving" : ", stopped";
   if (state.paused) text += ", paused";
   if (state.field_violation) text += ", field violation";
   for (const wire::VehicleError& error : state.errors) text += ", " + error.type;
@@ -57,13 +58,13 @@ std::optional<Registry::Address> VehicleReports::address_of(const std::string& t
   if (!kind) return std::nullopt;
   std::string fault;
   if (parsed->major_version != "v2")
-    fault = "speaks '" + parsed->major_version + "'; this server speaks v2";
+    fault = "uses '" + parsed->major_version + "'; this server uses v2";
   else if (!wire::valid_serial_number(parsed->vehicle.serial_number) ||
            !wire::valid_serial_number(parsed->vehicle.manufacturer))
-    fault = "has a name with characters that VDA 5050 does not allow";
+    fault = "has a name with characters that VDA 5050 does not permit";
   if (fault.empty()) {
     if (const auto index = vehicles_.register_vehicle(parsed->vehicle)) return Registry::Address{*index, *kind};
-    fault = "is one more than the " + std::to_string(Registry::vehicles_max) + " vehicles a server takes";
+    fault = "exceeds the limit of " + std::to_string(Registry::vehicles_max) + " vehicles of a server";
   }
   refuse_unknown_sender(context_, topic, "it " + fault);
   return std::nullopt;
@@ -75,13 +76,13 @@ void VehicleReports::receive(Registry::Address address, const wire::Input& input
   if (proxy.retired) return on_retired(proxy, address.topic, input);
   const bool moving = address.topic != VehicleTopic::connection && address.topic != VehicleTopic::factsheet;
   if (input.flag && moving) {
-    // §6.2: only connection and factsheet are retained. An old state would put the twin where the vehicle once was.
+    // §6.2: only connection and factsheet are retained. An old state would move the twin to an outdated position.
     ++proxy.refused;
     checks_.log_once(proxy, ReportChecks::retained, 'w',
                      "a retained " + std::string(to_string(address.topic)) + " is out of date; ignored");
     return;
   }
-  if (input.payload.empty() && !input.typed) return;  // somebody cleared a retained message
+  if (input.payload.empty() && !input.typed) return;  // a retained message was cleared
   switch (address.topic) {
     case VehicleTopic::connection: on_connection(address.vehicle, input); break;
     case VehicleTopic::factsheet: on_factsheet(address.vehicle, input); break;
@@ -94,7 +95,7 @@ void VehicleReports::receive(Registry::Address address, const wire::Input& input
 }
 
 void VehicleReports::on_retired(AivProxy& proxy, VehicleTopic topic, const wire::Input& input) {
-  // A message that was under way when the vehicle was retired: of it, only the connection counts.
+  // A message that was in transit when the vehicle was retired: only a connection message counts.
   if (topic != VehicleTopic::connection) return;
   if (const auto message = wire::vda5050::decode_connection(input.payload)) proxy.connection = message->state;
 }
@@ -103,13 +104,14 @@ void VehicleReports::on_report(VehicleIndex vehicle, SimTime reported_at) {
   AivProxy& proxy = context_.registry[vehicle];
   COSIVA_EXPECT(!proxy.retired);
   if (!proxy.online() && context_.now - proxy.connection_at > will_outlived) {
-    context_.publisher.log('i', proxy.name + ": goes on reporting; taken as connected");
+    context_.publisher.log('i', proxy.name + ": continues to report; treated as connected");
     proxy.connection = wire::ConnectionState::online;
     proxy.connection_at = context_.now;
   }
   proxy.reports.on_report(context_.now);
   proxy.reported_at = std::max(proxy.reported_at, reported_at);
-  // A vehicle that has just been switched on may need a moment to find its place; one that does not is an orphan.
+  // A vehicle that has just been switched on may need some time to find its position; a vehicle that does not is an
+  // orphan.
   if (proxy.online() && context_.now - *proxy.reports.first() > arrival_timeout) twins_.set_present(proxy);
 }
 
@@ -127,13 +129,13 @@ void VehicleReports::on_connection(VehicleIndex vehicle, const wire::Input& inpu
 }
 
 void VehicleReports::begin_session(VehicleIndex vehicle) {
-  // Header ids and perhaps time stamps begin anew, and the vehicle has forgotten the speed it was given.
+  // Header ids and possibly time stamps start again, and the vehicle has lost its imposed speed.
   AivProxy& proxy = context_.registry[vehicle];
   proxy.last_header_id = {};
   proxy.position_stamp.reset();
   proxy.state_stamp.reset();
   proxy.imposed.reset();
-  // The vehicle has yet to report where it is now.
+  // The vehicle has not reported its present position yet.
   proxy.state_in_session = false;
   proxy.position_known = false;
   proxy.position_lost_since.reset();
@@ -209,7 +211,7 @@ std::optional<SimTime> VehicleReports::fresh_position_stamp(AivProxy& proxy, con
   if (!proxy.position_stamp) return stamp;
   const SimDuration back = *proxy.position_stamp - stamp;
   if (back < SimDuration::zero() || back >= reorder_max) return stamp;
-  // State and visualization of one instant say the same; an older one must not take the twin back.
+  // State and visualization of one instant contain the same position; an older one must not move the twin back.
   if (back > SimDuration::zero()) ++proxy.outdated;
   return std::nullopt;
 }
@@ -228,7 +230,7 @@ void VehicleReports::on_position(VehicleIndex vehicle, SimTime stamp, const wire
   const Pose2& pose = position.pose;
   if (!(std::fabs(pose.x_m) <= coordinate_m_max && std::fabs(pose.y_m) <= coordinate_m_max)) {
     ++proxy.refused;
-    checks_.log_once(proxy, ReportChecks::position, 'w', "reports a place more than 100 km away; ignored");
+    checks_.log_once(proxy, ReportChecks::position, 'w', "reports a position more than 100 km away; ignored");
     return;
   }
   proxy.position_known = true;

@@ -14,10 +14,10 @@
 
 namespace cosiva::virtual_side {
 
-/// The intake of what vehicles report over VDA 5050: connection, factsheet, state and visualization, and what becomes
-/// of them in the registry, the twins, the orders and the commands.
-/// Invariant: a retired vehicle changes nothing but its connection, and the time that a vehicle last reported at never
-/// goes back.
+/// The intake of the messages that vehicles publish over VDA 5050: connection, factsheet, state and visualization, and
+/// their effects on the registry, the twins, the orders and the commands.
+/// Invariant: a retired vehicle changes nothing but its connection, and the time of a vehicle's last report never
+/// decreases.
 class VehicleReports {
  public:
   VehicleReports(ServerContext& context, MasterControl& master, AugmentedParts& augmented, InstrumentParts& instruments,
@@ -30,7 +30,7 @@ class VehicleReports {
         checks_{context},
         own_{context, augmented, instruments, checks_} {}
 
-  /// False: the topic is no vehicle's, or of one that the server does not take.
+  /// False: the topic belongs to no vehicle, or to a vehicle that the server does not accept.
   bool receive(const wire::Input& input);
   void receive(Registry::Address address, const wire::Input& input);
   /// Counts a report: once per message, whatever the message carries.
@@ -45,7 +45,7 @@ class VehicleReports {
   void on_factsheet(VehicleIndex vehicle, const wire::Input& input);
   void on_state(VehicleIndex vehicle, const wire::Input& input);
   void on_visualization(VehicleIndex vehicle, const wire::Input& input);
-  /// When a position was taken, on the vehicle's own clock; nothing where a newer or the same one is known.
+  /// When a position was measured, on the vehicle's own clock; nothing where the same or a newer position is known.
   [[nodiscard]] std::optional<SimTime> fresh_position_stamp(AivProxy& proxy, const wire::Header& header) const;
   void on_position(VehicleIndex vehicle, SimTime stamp, const wire::AgvPosition& position,
                    const std::optional<wire::Velocity>& velocity);

@@ -11,10 +11,10 @@ namespace cosiva::virtual_side {
 namespace {
 
 constexpr double reserved_step_m = 0.1;
-constexpr double strange_base_m_max = 8.0;        ///< of an order that is not ours
-constexpr std::size_t reserved_points_max = 400;  ///< of a base longer than 40 m fewer are drawn
+constexpr double strange_base_m_max = 8.0;        ///< of an order that this server did not send
+constexpr std::size_t reserved_points_max = 400;  ///< a base longer than 40 m is drawn with a larger step
 
-/// A tenth of a millimetre is more than anybody can see.
+/// Rounds to a tenth of a millimetre, which is finer than the display resolves.
 double drawn(double m) { return std::nearbyint(m * 1e4) / 1e4; }
 
 void write_pose(JsonWriter& json, const Pose2& pose) {
@@ -165,7 +165,7 @@ void VehicleView::write_agent(JsonWriter& json, VehicleIndex vehicle, bool lost)
   for (const wire::VehicleError& error : state.errors)
     json.value(error.description.empty() ? error.type : error.type + ": " + error.description);
   if (proxy.clock_off_s != 0.0) json.value("clock: off by " + std::to_string(proxy.clock_off_s) + " s");
-  if (const std::string why = zones_.change().off_route(vehicle); !why.empty()) json.value("parked: it " + why);
+  if (const std::string why = zones_.change().off_route(vehicle); !why.empty()) json.value("off-route: it " + why);
   json.end_array();
 }
 

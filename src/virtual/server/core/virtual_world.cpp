@@ -10,7 +10,7 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// The restored position of a virtual AIV is up to a second old; another vehicle may be there by now.
+/// The restored position of a virtual AIV is up to a second old; another vehicle may occupy that position now.
 constexpr double restored_shift_m = 1.0;
 constexpr double restored_step_m = 0.05;
 
@@ -72,8 +72,8 @@ void VirtualWorld::remove_aiv(VehicleIndex vehicle) {
   COSIVA_EXPECT(augmented_.hosted.find(vehicle) == nullptr);
   context_.simulator.monitor().set_augmented(augmented_.hosted.hosts().size());
   const std::string& name = context_.registry[vehicle].name;
-  vehicles_.retire(vehicle, name + " has been taken away");
-  context_.publisher.log('i', name + ": taken away");
+  vehicles_.retire(vehicle, name + " has been removed");
+  context_.publisher.log('i', name + ": removed");
 }
 
 void VirtualWorld::put_restored() {
@@ -83,8 +83,8 @@ void VirtualWorld::put_restored() {
     auto found = room_near(aiv);
     if (!found) found = augmented_.objects.roomiest();
     if (!found || !add_aiv(aiv.serial, *found))
-      context_.publisher.log('w',
-                             "virtual AIV " + aiv.serial + " is remembered, but no way has room for it; add it again");
+      context_.publisher.log(
+          'w', "virtual AIV " + aiv.serial + " cannot be restored, as no section has room for it; add it again");
   }
   context_.state_stale = true;
 }
@@ -94,7 +94,7 @@ std::optional<zone::TrackPosition> VirtualWorld::room_near(const RestoredAiv& ai
   const auto section = circuit.find(aiv.section);
   if (!section) return std::nullopt;
   const zone::TrackPosition was{*section, std::clamp(aiv.s_m, 0.0, circuit.section(*section).length_m())};
-  // The AIV may be where it was even inside a crossing: it had been let in.
+  // The AIV may return to its previous position even inside a crossing: the crossing had been granted.
   if (augmented_.objects.has_room(was)) return was;
   for (double d = restored_step_m; d <= restored_shift_m; d += restored_step_m) {
     for (const double shift : {d, -d}) {
@@ -148,7 +148,7 @@ void VirtualWorld::remove_passed_obstacles() {
     const Pose2 X_MB = context_.simulator.image(*proxy.twin, context_.now).X_MB;
     if (detected.pass(proxy.name, context_.now, X_MB, shape.length_m, shape.width_m) == 0) continue;
     context_.traces.add(context_.now, proxy.name, "Simulator", "passed",
-                        "an obstacle is gone: it drove over its place");
+                        "an obstacle is removed: the vehicle drove over its position");
   }
 }
 

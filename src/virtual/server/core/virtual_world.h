@@ -11,8 +11,8 @@
 
 namespace cosiva::virtual_side {
 
-/// What is added only virtually (A3): persons, obstacles and virtual AIVs, as operators add, move and remove them, and
-/// as the state file restores them.
+/// The objects that are added only virtually (A3): persons, obstacles and virtual AIVs, as operators add, move and
+/// remove them, and as the state file restores them.
 /// Invariant: the monitor counts as many virtual AIVs as run in this process, and each of them is a vehicle of the
 /// registry that is not retired.
 class VirtualWorld {
@@ -28,17 +28,17 @@ class VirtualWorld {
   };
 
   void follow(const VirtualObjectCommand& command);
-  /// After everything that may have changed the virtual world: sends each vehicle what is near its path.
+  /// To be called after every possible change of the virtual world: sends each vehicle the bodies near its path.
   void update();
-  /// In each cycle: obstacles that a vehicle has driven through are gone.
+  /// In each cycle: removes obstacles that a vehicle has driven through.
   void remove_passed_obstacles();
-  /// Virtual AIVs of an earlier process that ended without a goodbye: only this server can report them offline.
+  /// Virtual AIVs of an earlier process that ended without signing off: only this server can report them offline.
   void sign_off_orphans();
 
   void restore(RestoredAiv aiv) { restored_.push_back(std::move(aiv)); }
-  /// Adds the restored virtual AIVs, each as near as there is room to where it was.
+  /// Adds the restored virtual AIVs, each as near to its previous position as there is room.
   void put_restored();
-  /// The restored virtual AIVs do not come back.
+  /// Discards the restored virtual AIVs.
   void drop_restored() { restored_.clear(); }
   [[nodiscard]] std::size_t restored_count() const { return restored_.size(); }
   /// The state file's "aivs".
@@ -47,7 +47,7 @@ class VirtualWorld {
  private:
   bool add_aiv(const std::string& serial, zone::TrackPosition position);
   void remove_aiv(VehicleIndex vehicle);
-  /// @param id  "*" means everything
+  /// @param id  "*" means all
   void remove(const std::string& id, bool is_aiv);
   [[nodiscard]] std::optional<zone::TrackPosition> room_near(const RestoredAiv& aiv) const;
 

@@ -32,7 +32,8 @@ Result<std::string> plant_json(const JsonValue& plant, const AugmentedParts& aug
   const JsonValue* added = plant.find("addObstacle");
   if (added == nullptr || added->object() == nullptr) {
     return fail("plant.missing",
-                R"(say what, as {"addObstacle":{"id":"box1","x":0.5,"y":0.2}} or {"removeObstacle":"box1"})", "plant");
+                R"(state what to do, as {"addObstacle":{"id":"box1","x":0.5,"y":0.2}} or {"removeObstacle":"box1"})",
+                "plant");
   }
   auto id = obstacle_id(added->text("id"));
   if (!id) return id;
@@ -60,7 +61,7 @@ Result<wire::Publish> read_world_command(const JsonValue& command, const ServerC
                                          const AugmentedParts& augmented) {
   if (command.text("command") == "plant") {
     const JsonValue* plant = command.find("plant");
-    if (plant == nullptr) return fail("plant.missing", "say what to do in the emulated world, as \"plant\"", "plant");
+    if (plant == nullptr) return fail("plant.missing", "state what to do in the emulated world, as \"plant\"", "plant");
     if (!context.simulator.zone())
       return fail("plant.zone", "there is no zone yet; wait until the physical side has sent it, then try again");
     auto json =
@@ -72,11 +73,11 @@ Result<wire::Publish> read_world_command(const JsonValue& command, const ServerC
   if (radio.vehicle != "*" && !context.registry.find(radio.vehicle)) {
     return fail("radio.vehicle",
                 "no vehicle '" + radio.vehicle.substr(0, 80) +
-                    "' has been heard of; name it as manufacturer/serial number, or * for all",
+                    "' is known; name it as manufacturer/serial number, or * for all",
                 "vehicle");
   }
   if (!(radio.loss >= 0.0 && radio.loss <= 1.0))
-    return fail("radio.loss", "give the share of messages that is lost, from 0 to 1", "loss");
+    return fail("radio.loss", "give the ratio of lost messages, from 0 to 1", "loss");
   return wire::Publish{std::string(wire::plant_radio_topic), wire::to_json(radio), 1, false};
 }
 

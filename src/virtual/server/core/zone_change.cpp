@@ -8,7 +8,7 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// A CoSiVA vehicle that has not reported the new map so long after a change is not waited for any more.
+/// The server does not wait any longer for a CoSiVA vehicle that has not reported the new map this long after a change.
 constexpr SimDuration change_timeout{std::chrono::seconds{10}};
 constexpr double moving_mps = 0.01;
 
@@ -57,8 +57,8 @@ std::string ZoneChange::off_route(VehicleIndex vehicle) const {
     return "is on map '" + proxy.map_id.substr(0, 80) + "', not on '" + name + "'; it gets no orders until it is";
   const Twin& twin = context_.simulator.twin(*proxy.twin);
   if (twin.reported_off_m() <= zone::snap_within_m) return {};
-  return "stands " + metres_text(twin.reported_off_m()) + " m from the nearest way of '" + name + "'; put it within " +
-         metres_text(zone::snap_within_m) + " m of one";
+  return "is " + metres_text(twin.reported_off_m()) + " m from the nearest section of '" + name +
+         "'; move it to within " + metres_text(zone::snap_within_m) + " m of one";
 }
 
 void ZoneChange::follow() {
@@ -94,7 +94,7 @@ void ZoneChange::count_vehicles() {
       continue;
     }
     last_->off_route.push_back(proxy.name);
-    context_.publisher.log('w', proxy.name + ": parked: it " + why);
+    context_.publisher.log('w', proxy.name + ": off-route: it " + why);
   }
 }
 

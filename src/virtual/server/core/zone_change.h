@@ -24,7 +24,7 @@ class ZoneChange {
   void set_map(const WaypointGraph* map) { map_ = map; }
   /// The zone in force has just replaced the zone named `from`.
   void begin(std::string from);
-  /// No zone has been changed: what happened before is not shown.
+  /// No zone has been changed: earlier changes are not shown.
   void clear() { last_.reset(); }
   /// In each cycle: deploys the map to third-party vehicles, and follows the vehicles to the new zone.
   void follow();
@@ -37,7 +37,7 @@ class ZoneChange {
   void write(JsonWriter& json) const;
 
  private:
-  /// The last time that the zone became another one while vehicles were there.
+  /// The last switch of the zone while vehicles were present.
   struct Change {
     SimTime at{};
     std::string from;

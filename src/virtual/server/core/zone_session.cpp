@@ -25,7 +25,7 @@ void ZoneSession::receive(const zone::ZoneConfiguration& configuration, Source s
   switch (arrival) {
     case ZoneEdits::Arrival::echo: return;
     case ZoneEdits::Arrival::stale:
-      // A physical side that was started again brings its file; what was edited since is in force all the same.
+      // A restarted physical side publishes its file; the edits made since then remain in force.
       if (edits_.edited(context_.simulator)) publish();
       return;
     case ZoneEdits::Arrival::news: break;
@@ -38,8 +38,8 @@ void ZoneSession::receive(const zone::ZoneConfiguration& configuration, Source s
 }
 
 bool ZoneSession::waits_for_others(const zone::ZoneConfiguration& configuration, Source source) {
-  // A broker may keep one configuration for each format. They come in any order: where the one in force is among them
-  // the others are left from before, else the last one counts.
+  // A broker may retain one configuration for each format. They are received in any order: where the one in force is
+  // among them, the others are outdated; otherwise the last one counts.
   if (source != Source::retained || context_.simulator.configuration() == nullptr ||
       context_.now - context_.link.up_since() >= retained_within)
     return false;
@@ -51,8 +51,8 @@ void ZoneSession::take_waiting() {
   if (!waiting_ || context_.now - context_.link.up_since() < retained_within) return;
   const zone::ZoneConfiguration configuration = *std::exchange(waiting_, std::nullopt);
   if (!confirmed_) return receive(configuration, Source::published);
-  context_.publisher.log('w', "the broker keeps another zone besides the one in force, on " + configuration.origin +
-                                  "; it is left alone. Clear that topic, or switch to it");
+  context_.publisher.log('w', "the broker retains another zone besides the one in force, on " + configuration.origin +
+                                  "; it is ignored. Clear that topic, or switch to it");
 }
 
 void ZoneSession::link_came_up() {
@@ -93,7 +93,7 @@ void ZoneSession::drive_on(const std::shared_ptr<const zone::TrafficZone>& zone)
 }
 
 void ZoneSession::start_over(const std::shared_ptr<const zone::TrafficZone>& zone) {
-  // Every part drops its references into the old map before that goes.
+  // Every part drops its references into the old map before the map is destroyed.
   const std::string from = map_ ? map_->zone().name : std::string{};
   master_.deadlocks.forget();
   notify_all(nullptr);
@@ -104,7 +104,7 @@ void ZoneSession::start_over(const std::shared_ptr<const zone::TrafficZone>& zon
   for (VehicleIndex v = 0; v < context_.registry.size(); ++v) {
     AivProxy& proxy = context_.registry[v];
     if (!proxy.here() || !proxy.reported || !proxy.position_known) continue;
-    // Until its next report, the vehicle is shown on the new zone where it was last, stopped.
+    // Until its next report, the vehicle is shown on the new zone at its last position, stopped.
     twins_.put(v, context_.now, *proxy.reported, wire::Velocity{});
   }
 }
@@ -158,7 +158,7 @@ void ZoneSession::switch_to(const zone::ZoneConfiguration& wanted) {
 Result<zone::ZoneConfiguration> ZoneSession::wanted_by(const JsonValue& command) const {
   const JsonValue* zone = command.find("zone");
   if (zone == nullptr)
-    return fail("switch.zone", R"(say which zone, as {"zone":{"format":…,"origin":…,"text":…}})", "zone");
+    return fail("switch.zone", R"(state which zone, as {"zone":{"format":…,"origin":…,"text":…}})", "zone");
   auto configuration = zone::zone_configuration_from_json(*zone);
   if (!configuration) return configuration;
   if (context_.simulator.configuration() != nullptr &&
@@ -171,8 +171,8 @@ Result<zone::ZoneConfiguration> ZoneSession::wanted_by(const JsonValue& command)
 
 void ZoneSession::refuse(const std::string& origin, const std::string& why) {
   refused_ = Refused{context_.now, origin, why};
-  context_.publisher.log(
-      'e', "zone configuration refused: " + why + (context_.simulator.zone() ? "; the zone that was there stays" : ""));
+  context_.publisher.log('e', "zone configuration refused: " + why +
+                                  (context_.simulator.zone() ? "; the previous zone stays in force" : ""));
 }
 
 void ZoneSession::restore(std::optional<JsonValue> edited, std::optional<zone::ZoneConfiguration> given) {
@@ -185,7 +185,7 @@ void ZoneSession::restore_now() {
   if (!restored_zone_) return;
   const JsonValue memory = std::move(*std::exchange(restored_zone_, std::nullopt));
   ZoneEdits::Restored restored = ZoneEdits::restored(memory, *context_.simulator.configuration());
-  // The edited zone had replaced the one that the options bring at every start.
+  // The edited zone had replaced the one that the options give at every start.
   const auto given = std::exchange(restored_given_, std::nullopt);
   if (restored.fit == ZoneEdits::Restored::Fit::another && given && context_.options.zone &&
       same_content(*given, *context_.options.zone) && same_content(*given, *context_.simulator.configuration())) {
@@ -196,7 +196,7 @@ void ZoneSession::restore_now() {
     restored.fit = ZoneEdits::Restored::Fit::base;
   }
   if (restored.fit == ZoneEdits::Restored::Fit::another) {
-    context_.publisher.log('w', "the zone is another one than the remembered edits were made on; they are left out");
+    context_.publisher.log('w', "the zone is not the one that the persisted edits were made on; they are skipped");
     return;
   }
   const bool to_be_taken = restored.fit == ZoneEdits::Restored::Fit::base;
@@ -207,7 +207,7 @@ void ZoneSession::restore_now() {
 
 void ZoneSession::write_state(JsonWriter& json) const {
   if (switched_here_ || edits_.edited(context_.simulator)) edits_.write_persisted(json.key("zone"), context_.simulator);
-  // After a restart the options bring the zone from before the switch: that one must not replace this one.
+  // After a restart the options give the zone from before the switch, which must not replace this one.
   if (switched_here_ && context_.options.zone) zone::write_json(json.key("given"), *context_.options.zone);
 }
 

@@ -19,10 +19,10 @@
 
 namespace cosiva::virtual_side {
 
-/// The zone in force: which configurations of the broker, of an operator and of the state file replace it, its
-/// edits, and the waypoint graph that all parts drive by.
-/// Invariant: exactly one zone is in force once the first one was taken, the waypoint graph is that zone's, and every
-/// part has the same graph. A configuration that cannot be built changes nothing but the refusal that is shown.
+/// The zone in force: which configurations of the broker, of an operator and of the state file replace it, its edits,
+/// and the waypoint graph that all parts drive by.
+/// Invariant: exactly one zone is in force after the first one has been taken, the waypoint graph is that zone's, and
+/// every part has the same graph. A configuration that cannot be built changes nothing but the refusal that is shown.
 class ZoneSession {
  public:
   ZoneSession(ServerContext& context, MasterControl& master, AugmentedParts& augmented, VehicleLifecycle& vehicles,
@@ -34,31 +34,31 @@ class ZoneSession {
         twins_{twins},
         change_{context, master} {}
 
-  /// How a configuration came: from the options, published just now, or retained by the broker.
+  /// The source of a configuration: from the options, published just now, or retained by the broker.
   enum class Source { given, published, retained };
   void receive(const zone::ZoneConfiguration& configuration, Source source);
   void link_went_down() { edits_.link_lost(); }
   void link_came_up();
   /// Publishes the zone where no other program serves it.
   void publish_own();
-  /// In each cycle: a configuration that waits for the other retained ones is taken when they have had their time.
+  /// In each cycle: takes a configuration that waits for the other retained ones when their time has elapsed.
   void take_waiting();
 
-  /// The configuration that the command "switch" would bring into force. Fails with a sentence that says what to do.
+  /// The configuration that the command "switch" would bring into force. Fails with a message that states what to do.
   [[nodiscard]] Result<zone::ZoneConfiguration> wanted_by(const JsonValue& command) const;
-  /// @param wanted  what wanted_by() gave
+  /// @param wanted  the result of wanted_by()
   void switch_to(const zone::ZoneConfiguration& wanted);
   /// The refusal is shown until the next zone is taken.
   void refuse(const std::string& origin, const std::string& why);
-  /// Follows "edit", "undo", "redo" or "saved".
-  /// @param after  the configuration that edits().after() gave for the command
+  /// Executes "edit", "undo", "redo" or "saved".
+  /// @param after  the result of edits().after() for the command
   void apply_edit(const std::string& name, const zone::ZoneConfiguration& after);
 
-  /// Takes what the state file holds of the zone, as soon as a zone is in force.
+  /// Takes the zone data of the state file as soon as a zone is in force.
   /// @param edited  the zone in force with its edits, as write_state() wrote it
   /// @param given   the zone of the options that another one had replaced
   void restore(std::optional<JsonValue> edited, std::optional<zone::ZoneConfiguration> given);
-  /// What the state file holds of the zone has not been taken yet: a new state file would lose it.
+  /// The zone data of the state file have not been taken yet: a new state file would lose them.
   [[nodiscard]] bool awaits_zone_to_restore() const { return restored_zone_.has_value(); }
   /// The state file's "zone" and "given"; nothing where a new server would have the same zone.
   void write_state(JsonWriter& json) const;
@@ -94,8 +94,8 @@ class ZoneSession {
   ZoneEdits edits_;
   std::optional<WaypointGraph> map_;
   std::optional<Refused> refused_;
-  bool switched_here_{false};  ///< the zone in force came by a command: no other program serves it
-  /// Retained configurations of a new connection: each waits until all of them are there.
+  bool switched_here_{false};  ///< the zone in force was set by a command: no other program serves it
+  /// Retained configurations of a new connection: each waits until all of them have been received.
   std::optional<zone::ZoneConfiguration> waiting_;
   bool confirmed_{false};  ///< the zone in force is among the retained ones
   std::optional<JsonValue> restored_zone_;

@@ -1,4 +1,4 @@
-// From one zone to another while vehicles drive.
+// Switching from one zone to another while vehicles drive.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ zone::ZoneConfiguration moved_oval(const std::string& name, const std::string& y
   return configuration;
 }
 
-TEST(Switch, puts_vehicles_on_the_new_ways_where_they_stand_and_loses_no_twin) {
+TEST(Switch, snaps_vehicles_to_the_new_path_where_they_are_and_loses_no_twin) {
   ServerFixture fixture;
   FixtureVehicle& one = fixture.add("AIV1", {0, 0.5});
   FixtureVehicle& two = fixture.add("AIV2", {2, 0.5});
@@ -67,7 +67,7 @@ TEST(Switch, puts_vehicles_on_the_new_ways_where_they_stand_and_loses_no_twin) {
   EXPECT_EQ(published.back().payload, moved_oval("yard", "0.1").text);
 }
 
-TEST(Switch, parks_and_names_who_stands_too_far_from_every_new_way) {
+TEST(Switch, reports_vehicles_too_far_from_every_new_section_as_off_route) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(1s);
@@ -75,18 +75,18 @@ TEST(Switch, parks_and_names_who_stands_too_far_from_every_new_way) {
   const std::size_t orders = aiv.orders.size();
   fixture.run_for(5s);
   EXPECT_EQ(aiv.orders.size(), orders);
-  EXPECT_THAT(fixture.aiv("CoSiVA/AIV1").text("offRoute").value_or(""), HasSubstr("from the nearest way of 'far'"));
+  EXPECT_THAT(fixture.aiv("CoSiVA/AIV1").text("offRoute").value_or(""), HasSubstr("from the nearest section of 'far'"));
   const JsonValue zone = zone_of(fixture);
   ASSERT_THAT(*zone.find("switched")->find("offRoute")->array(), SizeIs(1));
   EXPECT_TRUE(zone.find("switched")->find("first_moving_ms")->is_null());
-  EXPECT_TRUE(fixture.logged("parked: it stands"));
+  EXPECT_TRUE(fixture.logged("off-route: it is"));
   aiv.put({1.0, -2.9, 0.4});
   fixture.run_for(5s);
   EXPECT_TRUE(fixture.aiv("CoSiVA/AIV1").find("offRoute")->is_null());
-  EXPECT_GT(aiv.driven_m, 0.2) << "somebody put it near a way";
+  EXPECT_GT(aiv.driven_m, 0.2) << "it was moved close to a section";
 }
 
-TEST(Switch, sends_one_onto_the_line_elsewhere_where_somebody_stands_in_the_way_of_the_nearest_place) {
+TEST(Switch, lets_a_vehicle_join_the_path_elsewhere_where_another_obstructs_the_nearest_position) {
   ServerFixture fixture;
   FixtureVehicle& one = fixture.add("AIV1", {0, 0.5});
   FixtureVehicle& two = fixture.add("AIV2", {2, 0.5});
@@ -94,7 +94,8 @@ TEST(Switch, sends_one_onto_the_line_elsewhere_where_somebody_stands_in_the_way_
   two.paused = true;
   fixture.run_for(1s);
   fixture.send_command(switch_to(moved_oval("yard", "0.1")));
-  // The new line is at y = 0.1; on it the one would turn into the other, which stands beside it on its other side.
+  // The new path is at y = 0.1; while turning onto it, the first vehicle would hit the second one, which is next to the
+  // path on the other side.
   one.put({1.0, 0.0, 0.0});
   two.put({1.0, 0.255, 0.0});
   int touches = 0;
@@ -111,7 +112,7 @@ TEST(Switch, sends_one_onto_the_line_elsewhere_where_somebody_stands_in_the_way_
   EXPECT_GT(one.driven_m, 0.5);
 }
 
-TEST(Switch, to_a_zone_that_cannot_be_built_leaves_the_old_one_running_and_says_why) {
+TEST(Switch, to_a_zone_that_cannot_be_built_leaves_the_old_one_in_force_and_reports_the_reason) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(2s);
@@ -145,7 +146,7 @@ TEST(Switch, twice_in_one_tick_ends_on_the_second) {
   EXPECT_GT(aiv.speed_mps, 0.0);
 }
 
-TEST(Switch, in_a_crossing_and_back_again_collides_with_nobody) {
+TEST(Switch, in_a_crossing_and_back_again_causes_no_contact) {
   ServerFixture fixture{zone_file("lacet4.toml")};
   int number = 0;
   for (const zone::TrackPosition position : fixture.zone->start_positions(6))
@@ -169,25 +170,25 @@ TEST(Switch, in_a_crossing_and_back_again_collides_with_nobody) {
   }
 }
 
-TEST(Switch, waits_for_who_still_moves_on_the_old_map_but_not_for_ever) {
+TEST(Switch, waits_a_limited_time_for_a_vehicle_that_still_moves_on_the_old_map) {
   ServerFixture fixture;
   FixtureVehicle& good = fixture.add("AIV1", {0, 0.5});
   FixtureVehicle& deaf = fixture.add("AIV2", {2, 0.5});
   deaf.takes_zones = false;
   deaf.deaf_to = {"cancelOrder"};
   fixture.run_for(2s);
-  deaf.cruise_mps = 0.01;  // creeps on for minutes
+  deaf.cruise_mps = 0.01;  // creeps for minutes
   fixture.send_command(switch_to(moved_oval("yard", "0.05")));
   fixture.run_for(500ms);
   const std::size_t orders = good.orders.size();
   fixture.run_for(5s);
-  EXPECT_EQ(good.orders.size(), orders) << "one still moves";
+  EXPECT_EQ(good.orders.size(), orders) << "one vehicle still moves";
   fixture.run_for(8s);
   EXPECT_GT(good.orders.size(), orders);
   EXPECT_THAT(fixture.aiv("CoSiVA/AIV2").text("offRoute").value_or(""), HasSubstr("is on map 'oval'"));
 }
 
-TEST(Switch, loses_no_command_on_its_way) {
+TEST(Switch, loses_no_pending_command) {
   ServerFixture fixture;
   fixture.add("AIV1", {0, 0.5});
   fixture.run_for(2s);
@@ -197,7 +198,7 @@ TEST(Switch, loses_no_command_on_its_way) {
   EXPECT_EQ(fixture.command_entry("c9").text("state"), "materialised");
 }
 
-TEST(Switch, leads_a_vehicle_of_another_make_to_the_map_as_the_standard_says) {
+TEST(Switch, deploys_the_map_to_a_third_party_vehicle_as_the_standard_specifies) {
   ServerOptions options;
   options.map_download_link = "http://example.test/zone";
   ServerFixture fixture{oval(), options};
@@ -218,7 +219,7 @@ TEST(Switch, leads_a_vehicle_of_another_make_to_the_map_as_the_standard_says) {
   EXPECT_EQ(agv.map_id, "yard");
 }
 
-TEST(Switch, gives_no_orders_to_a_foreign_vehicle_on_another_map) {
+TEST(Switch, sends_no_orders_to_a_third_party_vehicle_on_another_map) {
   ServerFixture fixture;
   FixtureVehicle& agv = fixture.add("agv-7", {0, 0.5}, "Acme");
   agv.map_id = "floor 1";
@@ -228,7 +229,7 @@ TEST(Switch, gives_no_orders_to_a_foreign_vehicle_on_another_map) {
   EXPECT_EQ(fixture.aiv("Acme/agv-7").text("map"), "floor 1");
 }
 
-TEST(Switch, begins_undo_anew_and_its_own_echo_is_no_news) {
+TEST(Switch, clears_the_undo_list_and_ignores_its_own_echo) {
   ServerFixture fixture;
   fixture.send_command(R"({"command":"edit","edit":{"addTags":[{"number":5,"section":"south","s":1.0}]}})");
   fixture.send_command(switch_to(moved_oval("yard", "0.1")));
@@ -237,7 +238,7 @@ TEST(Switch, begins_undo_anew_and_its_own_echo_is_no_news) {
   EXPECT_EQ(fixture.snapshot().find("zoneEdits")->flag("unsaved"), false);
 }
 
-TEST(Switch, outlives_the_server_that_is_given_the_first_zone_again) {
+TEST(Switch, persists_over_a_restart_of_the_server_with_the_first_zone) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(1s);
@@ -253,7 +254,7 @@ TEST(Switch, outlives_the_server_that_is_given_the_first_zone_again) {
   EXPECT_THAT(aiv.refusals, IsEmpty());
 }
 
-TEST(RetainedZones, of_two_formats_the_one_in_force_is_no_news_whichever_comes_first) {
+TEST(RetainedZones, of_two_formats_do_not_replace_the_one_in_force_in_either_order) {
   for (const bool in_force_first : {true, false}) {
     ServerFixture fixture;
     fixture.run_for(1s);
@@ -267,11 +268,11 @@ TEST(RetainedZones, of_two_formats_the_one_in_force_is_no_news_whichever_comes_f
     if (!in_force_first) retained(oval());
     fixture.run_for(1s);
     EXPECT_EQ(zone_of(fixture).text("name"), "oval");
-    EXPECT_TRUE(fixture.logged("keeps another zone"));
+    EXPECT_TRUE(fixture.logged("retains another zone"));
   }
 }
 
-TEST(RetainedZones, of_which_none_is_in_force_are_taken_the_last_one_wins) {
+TEST(RetainedZones, of_which_none_is_in_force_are_replaced_by_the_last_one) {
   ServerFixture fixture;
   fixture.run_for(1s);
   fixture.feed(wire::InputKind::link, "", "down");

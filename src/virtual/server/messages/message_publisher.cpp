@@ -11,7 +11,7 @@
 namespace cosiva::virtual_side {
 namespace {
 
-constexpr std::string_view same_again = "the same again: not acknowledged within 300 ms";
+constexpr std::string_view same_again = "repeated: not acknowledged within 300 ms";
 
 }  // namespace
 

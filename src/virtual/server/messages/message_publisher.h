@@ -14,31 +14,31 @@
 
 namespace cosiva::virtual_side {
 
-/// What the server says, in one place: fills in headers, encodes, publishes and traces.
+/// Publishes all messages of the server: fills in headers, encodes, publishes and traces.
 class MessagePublisher {
  public:
   /// @param as_values  orders are passed on as values (wire/in_process/typed_message.h)
   explicit MessagePublisher(Traces& traces, bool as_values = false) : traces_{traces}, as_values_{as_values} {}
-  MessagePublisher(const MessagePublisher&) = delete;  // other parts refer to it
+  MessagePublisher(const MessagePublisher&) = delete;  // other components hold references to it
   MessagePublisher& operator=(const MessagePublisher&) = delete;
 
-  /// Where everything goes until the next call.
+  /// Sets the time and the effects of all messages until the next call.
   void open(SimTime now, wire::Effects& effects) {
     now_ = now;
     effects_ = &effects;
   }
 
-  /// An order as it was sent, for sending it again; null: none.
+  /// An order as it was sent, for repetition; null: none.
   using SentOrder = std::shared_ptr<const wire::TypedMessage>;
-  // Every message sent gets a header of its own, whose id counts the messages of its topic (VDA 5050 §6.4). One that is
-  // sent again has the same content under the next id.
+  // Every message gets its own header, whose id counts the messages of its topic (VDA 5050 §6.4). A repeated message
+  // has the same content and the next id.
   [[nodiscard]] SentOrder send(AivProxy& proxy, wire::Order&& order, std::string_view summary);
   void send(AivProxy& proxy, wire::InstantActions& actions);
   void send_again(AivProxy& proxy, SentOrder& order);
   void send_again(AivProxy& proxy, wire::InstantActions& actions);
   void publish(std::string topic, std::string payload, int qos, bool retained);
   void log(char level, std::string text);
-  /// What the server decided about a vehicle, which is no message.
+  /// Traces a decision of the server about a vehicle; no message is sent.
   void explain(const AivProxy& proxy, std::string_view kind, std::string_view content) {
     traces_.add(now_, "AIV_Server", proxy.name, kind, content);
   }
@@ -49,7 +49,7 @@ class MessagePublisher {
  private:
   [[nodiscard]] wire::Header header(const AivProxy& proxy, std::uint32_t id) const;
   void publish(AivProxy& proxy, wire::InstantActions& actions, std::string_view summary);
-  /// @param header_id  the topic's next one: only a message that leaves counts
+  /// @param header_id  of the topic; incremented only when the message is published
   void send_numbered(const AivProxy& proxy, std::uint32_t& header_id, wire::Publish message);
 
   Traces& traces_;
@@ -58,15 +58,14 @@ class MessagePublisher {
   SimTime now_{};
 };
 
-/// Instant actions on their way: each is sent again, with the same action id, every 300 ms until the vehicle's state
-/// lists it.
+/// Pending instant actions: each is repeated with the same action id every 300 ms until the vehicle's state lists it.
 class InstantActionSender {
  public:
   using ActionHandle = std::uint64_t;
   static constexpr SimDuration resend_after{std::chrono::milliseconds{300}};
 
   explicit InstantActionSender(MessagePublisher& publisher) : publisher_{publisher} {}
-  InstantActionSender(const InstantActionSender&) = delete;  // other parts refer to it
+  InstantActionSender(const InstantActionSender&) = delete;  // other components hold references to it
   InstantActionSender& operator=(const InstantActionSender&) = delete;
 
   struct Progress {
@@ -82,19 +81,19 @@ class InstantActionSender {
     std::vector<Progress> actions;
     SimTime sent_at{};
     SimTime until{};
-    bool kept{false};  ///< somebody follows it and will drop it
+    bool kept{false};  ///< the caller follows the action and will drop it
     [[nodiscard]] bool acknowledged() const;
   };
 
-  /// Gives every action its id and sends them in one message.
-  /// @param patience  how long it is sent again; zero: once only
-  /// @param keep      the caller follows the letter and drops it
+  /// Assigns an id to every action and sends all actions in one message.
+  /// @param timeout  how long the message is repeated; zero: sent only once
+  /// @param keep     the caller follows the action and drops it
   ActionHandle send(AivProxy& proxy, VehicleIndex vehicle, std::vector<wire::Action> actions, SimDuration timeout,
                     bool keep);
   [[nodiscard]] const PendingAction* find(ActionHandle handle) const;
   void drop(ActionHandle handle);
   void on_state(VehicleIndex vehicle, const wire::State& state);
-  /// It has been taken away: nothing is sent to it any more.
+  /// The vehicle has been removed: nothing more is sent to it.
   void forget(VehicleIndex vehicle);
   void tick(Registry& registry, bool link_up);
 

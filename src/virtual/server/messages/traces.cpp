@@ -37,7 +37,7 @@ std::string text_of(const Pose2& pose, double speed_mps) {
 
 std::string metres_text(double m) {
   std::array<char, 32> text{};
-  const double shown = rounded(std::clamp(m, -1e9, 1e9));  // fits the text, whatever somebody reports
+  const double shown = rounded(std::clamp(m, -1e9, 1e9));  // fits the text for any reported value
   const auto end = std::to_chars(text.data(), text.data() + text.size(), shown, std::chars_format::fixed, 3);
   return {text.data(), end.ptr};
 }

@@ -31,20 +31,20 @@ TEST(Traces, write_lengths_to_the_millimetre) {
   EXPECT_EQ(metres_text(1e300), "1000000000.000");
 }
 
-TEST(Traces, say_when_they_were_as_milliseconds_of_unix_time) {
+TEST(Traces, state_their_time_as_milliseconds_of_unix_time) {
   Traces traces{10};
   traces.add(virtual_epoch + 1500us, "a", "b", "c", "d");
   const JsonValue all = *JsonValue::parse(traces.to_json(0, 10));
   ASSERT_THAT(*all.find("traces")->array(), SizeIs(1));
   const JsonValue& trace = all.find("traces")->array()->front();
-  // Nanoseconds since 1970 leave a double a quarter of a microsecond.
+  // A double resolves the nanoseconds since 1970 to a quarter of a microsecond.
   EXPECT_NEAR(trace.number("time_ms").value(), to_seconds(virtual_epoch.time_since_epoch()) * 1e3 + 1.5, 1e-3);
   EXPECT_EQ(trace.number("n"), 1.0);
   EXPECT_EQ(trace.text("content"), "d");
   EXPECT_EQ(trace.find("time"), nullptr);
 }
 
-TEST(Traces, tell_which_is_the_oldest_still_there) {
+TEST(Traces, report_the_oldest_number_that_is_stored) {
   Traces traces{3};
   EXPECT_EQ(traces.oldest(), 1U);
   for (int i = 1; i <= 5; ++i) add(traces, std::to_string(i));
@@ -58,7 +58,7 @@ TEST(Traces, tell_which_is_the_oldest_still_there) {
   EXPECT_EQ(later.number("next"), 6.0);
 }
 
-TEST(Traces, keep_a_message_with_its_topic_and_its_text_byte_for_byte) {
+TEST(Traces, store_a_message_with_its_topic_and_its_text_byte_for_byte) {
   Traces traces{10};
   const std::string text = R"({"headerId":1,"note":"a \"quoted\" ü"})";
   add(traces, "driving", text);
@@ -70,7 +70,7 @@ TEST(Traces, keep_a_message_with_its_topic_and_its_text_byte_for_byte) {
   EXPECT_EQ(trace.text("kind"), "state");
 }
 
-TEST(Traces, keep_a_position_with_its_text_too) {
+TEST(Traces, store_a_position_with_its_text) {
   Traces traces{10};
   traces.add_position(virtual_epoch, "a", "b", "visualization", {1.0, 2.0, 0.5}, 0.25, "t", "{}");
   const JsonValue trace = one(traces, 1);
@@ -78,7 +78,7 @@ TEST(Traces, keep_a_position_with_its_text_too) {
   EXPECT_EQ(trace.text("raw"), "{}");
 }
 
-TEST(Traces, have_no_one_of_a_number_that_is_not_there_yet_or_no_longer) {
+TEST(Traces, have_no_entry_for_a_future_or_overwritten_number) {
   Traces traces{2};
   EXPECT_FALSE(traces.one_json(0));
   EXPECT_FALSE(traces.one_json(1));
@@ -91,24 +91,24 @@ TEST(Traces, have_no_one_of_a_number_that_is_not_there_yet_or_no_longer) {
   EXPECT_FALSE(traces.one_json(~std::uint64_t{0}));
 }
 
-TEST(Traces, have_no_text_where_there_never_was_a_message) {
+TEST(Traces, have_no_text_where_there_was_no_message) {
   Traces traces{2};
   traces.add(virtual_epoch, "Simulator", "RTM", "request", "zone");
   EXPECT_EQ(one(traces, 1).text("topic"), "");
   EXPECT_TRUE(one(traces, 1).find("raw")->is_null());
 }
 
-TEST(Traces, keep_as_many_texts_as_their_budget_holds_the_newest) {
+TEST(Traces, store_the_newest_texts_within_their_budget) {
   Traces traces{100, 10};
   for (int i = 0; i < 8; ++i) add(traces, "", std::string(4, static_cast<char>('a' + i)));
-  // Ten bytes hold two texts of four; the third last has lost two of its bytes.
+  // Ten bytes hold two texts of four; the third last text has lost two of its bytes.
   EXPECT_EQ(raw(traces, 8), "hhhh");
   EXPECT_EQ(raw(traces, 7), "gggg");
   for (std::uint64_t n = 1; n <= 6; ++n) EXPECT_TRUE(one(traces, n).find("raw")->is_null()) << n;
 }
 
-TEST(Traces, hold_texts_across_the_end_of_their_ring) {
-  // Whatever the lengths, what is said to be kept is what was given.
+TEST(Traces, store_texts_across_the_end_of_the_ring_buffer) {
+  // For all lengths, a text that is reported as stored equals the given text.
   for (const std::size_t budget : {std::size_t{7}, std::size_t{64}, std::size_t{1000}}) {
     Traces traces{50, budget};
     std::vector<std::string> given;
@@ -127,7 +127,7 @@ TEST(Traces, hold_texts_across_the_end_of_their_ring) {
   }
 }
 
-TEST(Traces, keep_no_text_that_is_too_long_and_lose_none_for_it) {
+TEST(Traces, store_no_text_that_is_too_long_and_lose_no_other_text) {
   Traces traces{10};
   add(traces, "short", "{}");
   add(traces, std::string(1000, 'x'), std::string(Traces::raw_max + 1, 'x'));
@@ -138,7 +138,7 @@ TEST(Traces, keep_no_text_that_is_too_long_and_lose_none_for_it) {
   EXPECT_EQ(raw(traces, 3), std::string(Traces::raw_max, 'y'));
 }
 
-TEST(Traces, without_a_budget_keep_no_text) {
+TEST(Traces, without_a_budget_store_no_text) {
   Traces traces{10, 0};
   add(traces, "a", "{}");
   EXPECT_TRUE(one(traces, 1).find("raw")->is_null());

@@ -1,4 +1,4 @@
-// Ways that part: the map of them, who is ahead of whom, and which way a vehicle is sent.
+// Forks: their stretches, the leader of each vehicle, and the branch that a vehicle is sent along.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -40,14 +40,14 @@ TEST_F(Fork, has_a_stretch_for_each_branch_the_default_one_first) {
   ASSERT_THAT(stretches, SizeIs(2));
   EXPECT_EQ(stretches[0].sections.front(), id("south"));
   EXPECT_EQ(stretches[1].sections.front(), id("bypass1"));
-  EXPECT_TRUE(stretches[0].crosses && stretches[1].crosses) << "bodies touch where ways part";
+  EXPECT_TRUE(stretches[0].crosses && stretches[1].crosses) << "bodies touch at a fork";
   EXPECT_NE(stretches[0].edge_id, stretches[1].edge_id);
   const auto route = bypass();
   EXPECT_EQ(map.along(before_fork(), std::span{route}.subspan(1)), &stretches[1]);
   EXPECT_EQ(map.along(before_fork(), {}), &stretches[0]);
 }
 
-TEST_F(Fork, finds_the_way_over_nodes_that_a_vehicle_reports) {
+TEST_F(Fork, finds_the_route_over_nodes_that_a_vehicle_reports) {
   const auto& stretch = map.stretches(before_fork())[1];
   const std::vector<std::string_view> ids{map.waypoint(before_fork()).id, map.waypoint(stretch.to).id};
   const auto route = map.through({id("entry"), map.waypoint(before_fork()).position.s_m - 0.3}, ids, 2);
@@ -57,7 +57,7 @@ TEST_F(Fork, finds_the_way_over_nodes_that_a_vehicle_reports) {
   EXPECT_FALSE(map.through({id("north"), 0.1}, std::vector<std::string_view>{"nowhere"}, 1).has_value());
 }
 
-TEST_F(Fork, nobody_is_ahead_on_the_other_branch_once_the_bodies_have_parted) {
+TEST_F(Fork, no_vehicle_is_ahead_on_the_other_branch_once_the_bodies_are_clear) {
   traffic.set_position(0, zone::TrackPosition{id("entry"), 0.5});
   traffic.set_course(0, zone::Course(bypass()));
   traffic.set_position(1, zone::TrackPosition{id("south"), 1.2});
@@ -72,7 +72,7 @@ TEST_F(Fork, nobody_is_ahead_on_the_other_branch_once_the_bodies_have_parted) {
   EXPECT_EQ(traffic.ahead(0).vehicle, 1U) << "on its own branch";
 }
 
-TEST_F(Fork, holds_are_met_along_the_course) {
+TEST_F(Fork, crossings_are_found_along_the_course) {
   std::vector<CrossingIndex> straight;
   std::vector<CrossingIndex> round;
   map.crossings_on({id("entry"), 0.5}, 0.9, straight);
@@ -82,7 +82,7 @@ TEST_F(Fork, holds_are_met_along_the_course) {
   EXPECT_THAT(straight, Not(IsEmpty()));
 }
 
-TEST_F(Fork, looks_as_far_as_a_base_is_to_reach) {
+TEST_F(Fork, leader_is_searched_as_far_as_a_base_is_to_reach) {
   traffic.set_position(0, zone::TrackPosition{id("entry"), 0.0});
   traffic.set_position(1, zone::TrackPosition{id("west"), 1.0});
   traffic.update();
@@ -90,7 +90,7 @@ TEST_F(Fork, looks_as_far_as_a_base_is_to_reach) {
   EXPECT_EQ(traffic.ahead_within(0, 12.0).vehicle, 1U);
 }
 
-TEST(Roaming, takes_each_branch_in_turn) {
+TEST(Roaming, takes_the_branches_alternately) {
   ServerFixture fixture{fork()};
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.1});
   std::vector<zone::SectionId> taken;
@@ -107,7 +107,7 @@ TEST(Roaming, takes_each_branch_in_turn) {
   EXPECT_THAT(fixture.bijection().number("matched"), testing::Optional(1.0));
 }
 
-TEST(Roaming, of_six_over_fork_and_merge_touches_nobody_and_goes_on_after_restarts) {
+TEST(Roaming, of_six_vehicles_over_fork_and_merge_is_without_contact_and_continues_after_restarts) {
   ServerFixture fixture{fork()};
   int number = 0;
   for (const zone::TrackPosition track_position : fixture.zone->start_positions(6))
@@ -130,7 +130,7 @@ TEST(Roaming, of_six_over_fork_and_merge_touches_nobody_and_goes_on_after_restar
   }
 }
 
-TEST(Missions, sent_back_from_where_it_arrived_it_is_where_its_order_leads_before_it_has_turned) {
+TEST(Missions, sent_back_from_the_goal_are_on_route_before_the_vehicle_has_turned) {
   // Two-way edges in a row, N0 to N4, 5 or 10 m each.
   std::ifstream file{source_dir() + "/src/zone/lif/testdata/10.11-multiple-edges-with-load-restrictions.lif.json"};
   std::stringstream text;

@@ -11,10 +11,10 @@ constexpr std::array all_means{Means::move_up, Means::wait, Means::detour, Means
 
 std::string deed(Means means, double cost_m) {
   switch (means) {
-    case Means::move_up: return "moves up to the one ahead and lets the one behind it out of a crossing";
-    case Means::wait: return "gives back what it holds ahead and lets the others go first";
-    case Means::detour: return "goes another way";
-    case Means::other_position: return "goes onto the line elsewhere";
+    case Means::move_up: return "moves up to its leader and lets its follower out of a crossing";
+    case Means::wait: return "releases what it holds ahead and lets the others go first";
+    case Means::detour: return "takes another route";
+    case Means::other_position: return "joins the path at another position";
     case Means::back_up: return "backs up " + std::to_string(std::lround(cost_m * 100.0)) + " cm";
   }
   return {};
@@ -80,7 +80,7 @@ void Deadlocks::record(const Knot& knot) {
   }
   known->detected_at = now;
   if (known->members == knot.members) return;
-  // It has grown, or another has come out of it; whoever gives way in it stays one of its own.
+  // The cycle has grown, or another one has developed from it; a vehicle that yields remains a member.
   std::vector<VehicleIndex> members = knot.members;
   for (const VehicleIndex v : known->yielded)
     if (!std::ranges::binary_search(members, v)) members.insert(std::ranges::lower_bound(members, v), v);
@@ -184,13 +184,13 @@ void Deadlocks::give_up(Deadlock& deadlock) {
   deadlock.state = Deadlock::State::unresolved;
   deadlock.tried.clear();
   if (!first) return;
-  deadlock.how = "nobody in it can give way; take one of them away, or close a section";
+  deadlock.how = "none of its vehicles can yield; remove one of them, or close a section";
   send('e', "deadlock " + std::to_string(deadlock.number) + " is unresolved: " + deadlock.reason + "; " + deadlock.how);
 }
 
 void Deadlocks::end(Deadlock& deadlock) {
   const SimDuration lasted = deadlock.detected_at - deadlock.since;
-  if (deadlock.state != Deadlock::State::yielding) deadlock.how = "it came undone by itself";
+  if (deadlock.state != Deadlock::State::yielding) deadlock.how = "it dissolved by itself";
   deadlock.state = Deadlock::State::resolved;
   deadlock.ended_at = deadlock.detected_at;
   ++counters_.resolved;
@@ -205,7 +205,7 @@ void Deadlocks::forget() {
   for (Deadlock& deadlock : list_) {
     if (deadlock.state == Deadlock::State::resolved) continue;
     end(deadlock);
-    deadlock.how = "the zone became another";
+    deadlock.how = "the zone was switched";
   }
 }
 

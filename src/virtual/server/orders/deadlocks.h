@@ -19,75 +19,75 @@
 namespace cosiva::virtual_side {
 
 struct DeadlockRules {
-  /// So long a ring of waits must last to be a deadlock: messages are under way, and what they tell may undo it.
+  /// Time that a cycle of waits must last to be a deadlock: pending messages may dissolve the cycle.
   SimDuration grace{std::chrono::seconds{2}};
-  /// With somebody beside the line in it: the places that it tries by itself come first.
+  /// The same for a cycle with an off-path vehicle: the vehicle first tries other positions by itself.
   SimDuration off_path_grace{std::chrono::seconds{7}};
-  SimDuration flicker{std::chrono::milliseconds{600}};  ///< a ring that is away for less has been there all the time
-  SimDuration calm{std::chrono::seconds{2}};            ///< without a ring among its members it is over
-  SimDuration works_within{std::chrono::seconds{3}};    ///< else the next means is tried
-  SimDuration again_after{std::chrono::seconds{5}};     ///< when nothing has helped
+  SimDuration flicker{std::chrono::milliseconds{600}};  ///< a cycle that is open for less counts as closed throughout
+  SimDuration calm{std::chrono::seconds{2}};  ///< without a cycle among its members for this time it is resolved
+  SimDuration works_within{std::chrono::seconds{3}};  ///< otherwise the next means is tried
+  SimDuration again_after{std::chrono::seconds{5}};   ///< when no means has helped
 };
 
-/// A ring of vehicles that wait for each other, and what became of it.
+/// A cycle of vehicles that wait for each other, and its resolution.
 struct Deadlock {
   enum class State : std::uint8_t {
-    forming,     ///< the ring has closed; most open again by themselves
-    reported,    ///< it has lasted
-    yielding,    ///< somebody lets the others out
-    unresolved,  ///< nobody can; tried again and again
+    forming,     ///< the cycle has closed; most cycles dissolve by themselves
+    reported,    ///< the cycle has lasted
+    yielding,    ///< a vehicle yields to the others
+    unresolved,  ///< no vehicle can yield; retried periodically
     resolved,
   };
-  std::uint64_t number{};  ///< from 1, of those that lasted; 0 while it forms
+  std::uint64_t number{};  ///< from 1, counting those that lasted; 0 while forming
   State state{State::forming};
   std::vector<VehicleIndex> members;  ///< ascending
-  SimTime since{};                    ///< the ring closed
-  SimTime closed_since{};             ///< it is closed without a break, or since somebody began to give way
-  SimTime detected_at{};              ///< closed
-  std::string reason;                 ///< who waits for whom and why, one sentence with commas
-  std::string how;                    ///< what was done, the last means last
+  SimTime since{};                    ///< when the cycle closed
+  SimTime closed_since{};             ///< closed without a break since then, or since a vehicle began to yield
+  SimTime detected_at{};              ///< when the cycle was last closed
+  std::string reason;                 ///< which vehicle waits for which and why, one sentence with commas
+  std::string how;                    ///< the means that was applied last
   std::optional<SimTime> ended_at;
   std::vector<std::pair<VehicleIndex, Means>> tried;
   std::vector<VehicleIndex> yielded;
 };
 [[nodiscard]] std::string_view to_string(Deadlock::State state);
 
-/// Finds deadlocks in the tick in which their ring closes, names them, and has them resolved by the stated rule: of the
-/// members the one with the lowest priority gives way, by the cheapest means that will let the others out (Means); of
-/// equals the one with the cheapest means, then the one that comes less far back, then the one registered last. Who
-/// cannot give way is passed over. When the ring is still closed 3 s later, the next means is tried, then the next
-/// member. When nothing is left, it is told loudly, and tried again 5 s later.
+/// Detects deadlocks in the tick in which their cycle closes, describes them, and resolves them by this rule: the
+/// member with the lowest priority yields, by the cheapest means that lets the others out (Means); of equal priorities
+/// the vehicle with the cheapest means, then the vehicle that backs up the least, then the vehicle registered last. A
+/// vehicle that cannot yield is skipped. When the cycle is still closed 3 s later, the next means is tried, then the
+/// next member. When no means is left, the deadlock is logged as an error, and resolution is retried 5 s later.
 class Deadlocks {
  public:
   Deadlocks(Registry& registry, MessagePublisher& publisher, Traces& traces, OrderManager& orders)
       : registry_{registry}, publisher_{publisher}, traces_{traces}, orders_{orders} {}
 
-  /// After the roller's tick.
+  /// To be called after OrderManager::tick().
   void tick();
-  /// Another zone: everybody waits for something else.
+  /// The zone was switched: all waits are void.
   void forget();
 
   struct Counters {
-    std::uint64_t cycles{0};    ///< closed, however briefly
-    std::uint64_t detected{0};  ///< lasted
+    std::uint64_t cycles{0};    ///< cycles that closed, however briefly
+    std::uint64_t detected{0};  ///< cycles that lasted
     std::uint64_t resolved{0};
-    SimDuration longest{};  ///< from the ring's closing to its end, of those that lasted
+    SimDuration longest{};  ///< from the closing of the cycle to its end, of those that lasted
   };
   [[nodiscard]] const Counters& counters() const { return counters_; }
-  /// Those that last, and the last ones that are over; oldest first. Without those that form.
+  /// The open deadlocks and the latest resolved ones, oldest first; without those that are forming.
   [[nodiscard]] const std::deque<Deadlock>& list() const { return list_; }
-  [[nodiscard]] std::size_t unresolved() const;  ///< that nobody could resolve so far
-  [[nodiscard]] std::size_t open() const;        ///< that last
-  /// {"rings","detected","resolved","open","unresolved","longest_s","longest_wait_s"}: figures alone.
+  [[nodiscard]] std::size_t unresolved() const;  ///< that no vehicle could resolve so far
+  [[nodiscard]] std::size_t open() const;        ///< detected and not resolved
+  /// {"cycles","detected","resolved","open","unresolved","longest_s","longest_wait_s"}: metrics only.
   void write_counters(JsonWriter& json) const;
   /// The same, and "list": [{"number","since_ms","state","members","reason","how","ended_ms"}…].
   void write(JsonWriter& json) const;
-  /// Grows with everything that a page shows of them.
+  /// Increases with every change that the HMI shows.
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
   void fold(Digest& digest) const;
 
  private:
-  static constexpr std::size_t kept_max = 20;  ///< of those that are over
+  static constexpr std::size_t kept_max = 20;  ///< of resolved deadlocks
   void record(const Knot& knot);
   [[nodiscard]] Deadlock* find(const std::vector<VehicleIndex>& members);
   [[nodiscard]] std::string describe(const Knot& knot) const;

@@ -44,16 +44,17 @@ std::size_t backed_up(const ServerFixture& fixture, const FixtureVehicle& vehicl
   return count;
 }
 
-/// Four vehicles on the clover, each in the first crossing of its straight, which is the second one of another's.
+/// Four vehicles on the clover, each in the first crossing of its straight, which is the second crossing of another
+/// straight.
 class FourWay : public testing::Test {
  protected:
   FourWay() : FourWay{std::string(wire::our_manufacturer)} {}
-  /// @param maker  of the last two
+  /// @param maker  manufacturer of the last two
   explicit FourWay(const std::string& maker) {
     for (const zone::SectionId straight : {0U, 2U, 4U, 6U})
       fixture.add("AIV" + std::to_string(straight / 2 + 1), {straight, 0.6}, straight < 4 ? "CoSiVA" : maker);
   }
-  /// Until all four have been told what they wait for.
+  /// Runs until the snapshot states for all four vehicles what they wait for.
   void run_until_closed() {
     for (int i = 0; i < 200; ++i) {
       fixture.run_for(20ms);
@@ -69,11 +70,11 @@ class FourWay : public testing::Test {
   ServerFixture fixture{zone_file("lacet4.toml")};
 };
 
-TEST_F(FourWay, is_detected_in_the_very_tick_and_names_all_four) {
+TEST_F(FourWay, is_detected_in_the_tick_in_which_it_closes_and_names_all_four) {
   run_until_closed();
   const Shown now = shown(fixture);
   EXPECT_EQ(now.cycles, 1.0);
-  EXPECT_EQ(now.detected, 0.0) << "it may come undone by itself";
+  EXPECT_EQ(now.detected, 0.0) << "it may dissolve by itself";
   ASSERT_THAT(now.list, SizeIs(1));
   EXPECT_EQ(now.list[0].text("state"), "forming");
   EXPECT_THAT(members(now.list[0]), ElementsAre("CoSiVA/AIV1", "CoSiVA/AIV2", "CoSiVA/AIV3", "CoSiVA/AIV4"));
@@ -82,7 +83,7 @@ TEST_F(FourWay, is_detected_in_the_very_tick_and_names_all_four) {
                             HasSubstr("CoSiVA/AIV3 waits for X"), HasSubstr("CoSiVA/AIV4 waits for X")));
 }
 
-TEST_F(FourWay, is_resolved_and_everybody_drives_on) {
+TEST_F(FourWay, is_resolved_and_all_vehicles_continue) {
   int touches = 0;
   fixture.each_step = [&] { touches += fixture.touches(); };
   fixture.run_for(60s);
@@ -103,7 +104,7 @@ TEST_F(FourWay, is_resolved_and_everybody_drives_on) {
   EXPECT_TRUE(fixture.logged("deadlock 1 is resolved"));
 }
 
-TEST_F(FourWay, lets_the_one_with_the_lowest_priority_give_way) {
+TEST_F(FourWay, lets_the_vehicle_with_the_lowest_priority_yield) {
   fixture.send_command(R"({"command":"edit","edit":{"priorities":{"CoSiVA/AIV1":5,"CoSiVA/AIV3":5,"CoSiVA/AIV4":5}}})");
   fixture.run_for(20s);
   EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").number("priority"), 5.0);
@@ -111,7 +112,7 @@ TEST_F(FourWay, lets_the_one_with_the_lowest_priority_give_way) {
   EXPECT_THAT(*shown(fixture).list[0].text("how"), HasSubstr("AIV2 backs up "));
 }
 
-TEST_F(FourWay, is_tried_with_the_next_when_one_does_not_do_it) {
+TEST_F(FourWay, is_resolved_by_the_next_vehicle_when_one_fails) {
   fixture.vehicles[3]->refuses.insert("backUp");
   fixture.run_for(60s);
   EXPECT_GT(backed_up(fixture, *fixture.vehicles[3]), 0U);
@@ -120,23 +121,23 @@ TEST_F(FourWay, is_tried_with_the_next_when_one_does_not_do_it) {
   for (const auto& vehicle : fixture.vehicles) EXPECT_GT(vehicle->driven_m, 5.0) << vehicle->id.serial_number;
 }
 
-TEST_F(FourWay, that_nobody_can_resolve_is_told_loudly_and_tried_again) {
+TEST_F(FourWay, that_no_vehicle_can_resolve_is_logged_as_an_error_and_retried) {
   for (const auto& vehicle : fixture.vehicles) vehicle->refuses.insert("backUp");
   fixture.run_for(90s);
   ASSERT_THAT(shown(fixture).list, SizeIs(1));
   EXPECT_EQ(shown(fixture).open, 1.0);
   EXPECT_TRUE(fixture.logged("deadlock 1 is unresolved"));
-  // Somebody sees to it.
+  // The vehicles accept the action from now on.
   for (const auto& vehicle : fixture.vehicles) vehicle->refuses.clear();
   fixture.run_for(90s);
   EXPECT_EQ(shown(fixture).resolved, 1.0);
   for (const auto& vehicle : fixture.vehicles) EXPECT_GT(vehicle->driven_m, 5.0) << vehicle->id.serial_number;
 }
 
-TEST_F(FourWay, that_comes_undone_by_itself_is_no_deadlock) {
+TEST_F(FourWay, that_dissolves_by_itself_is_no_deadlock) {
   run_until_closed();
   fixture.run_for(1s);
-  // Somebody carries one of them away.
+  // One of the vehicles is carried away.
   fixture.vehicles[2]->motion = {fixture.zone->circuit, {5, 0.5}};
   fixture.vehicles[2]->state_due = true;
   fixture.run_for(30s);
@@ -147,7 +148,7 @@ TEST_F(FourWay, that_comes_undone_by_itself_is_no_deadlock) {
   for (const auto& vehicle : fixture.vehicles) EXPECT_EQ(backed_up(fixture, *vehicle), 0U);
 }
 
-/// The last two are of a third party, and cannot back up.
+/// The last two are third-party vehicles, which cannot back up.
 class FourWayWithForeigners : public FourWay {
  protected:
   FourWayWithForeigners() : FourWay{"Acme"} {}
@@ -161,25 +162,25 @@ TEST_F(FourWayWithForeigners, is_resolved_by_a_cosiva_vehicle) {
   for (const auto& vehicle : fixture.vehicles) EXPECT_GT(vehicle->driven_m, 5.0) << vehicle->id.serial_number;
 }
 
-// It may not have been in the crossing, but its nose is in the way of whoever is: well into it, or so little beyond its
-// stop line that only beams of 8 degrees take it for a part of the way.
+// The vehicle does not hold the crossing, but its front end obstructs the vehicle that does: either well inside the
+// crossing, or so little beyond its stop line that only beams of 8 degrees detect it as in the path.
 class Overshot : public ::testing::TestWithParam<double> {};
 
-TEST_P(Overshot, vehicle_goes_first_when_the_one_that_its_nose_stops_gives_the_crossing_back) {
+TEST_P(Overshot, vehicle_goes_first_when_the_vehicle_that_it_obstructs_releases_the_crossing) {
   ServerFixture fixture{zone_file("lacet4.toml")};
   double stop_m = 0.0;
   for (const zone::Waypoint& waypoint : fixture.zone->waypoints)
     if (waypoint.position.section == 0 && waypoint.position.s_m < 0.5) stop_m = waypoint.position.s_m;
   FixtureVehicle& nose = fixture.add("AIV1", {0, stop_m + GetParam()});
   nose.paused = true;
-  // Across the first crossing of the other's straight, which is the second of its own.
+  // In the crossing that is the first one of the other straight and the second one of its own.
   FixtureVehicle& other = fixture.add("AIV2", {6, 0.2});
   int touches = 0;
   fixture.each_step = [&] {
     touches += fixture.touches();
-    // Its eyes; the other's look the other way.
-    const bool near = std::fabs(other.track_position().s_m - 0.9) < 0.32 && other.track_position().section == 6 && nose.track_position().section == 0 &&
-                      nose.track_position().s_m < 1.0;
+    // Emulates its obstacle sensor; the sensor of the other vehicle faces in another direction.
+    const bool near = std::fabs(other.put().s_m - 0.9) < 0.32 && other.put().section == 6 && nose.put().section == 0 &&
+                      nose.put().s_m < 1.0;
     if (near != other.blocked) other.state_due = true;
     other.blocked = near;
     if (near && nose.paused) {
@@ -193,8 +194,8 @@ TEST_P(Overshot, vehicle_goes_first_when_the_one_that_its_nose_stops_gives_the_c
   const JsonValue deadlock = shown(fixture).list[0];
   EXPECT_THAT(*deadlock.text("reason"),
               AllOf(HasSubstr("CoSiVA/AIV1 waits for X"), HasSubstr("which CoSiVA/AIV2 holds"),
-                    HasSubstr("CoSiVA/AIV2 sees CoSiVA/AIV1 in its way")));
-  EXPECT_EQ(deadlock.text("how"), "CoSiVA/AIV2 gives back what it holds ahead and lets the others go first");
+                    HasSubstr("CoSiVA/AIV2 detects CoSiVA/AIV1 in its path")));
+  EXPECT_EQ(deadlock.text("how"), "CoSiVA/AIV2 releases what it holds ahead and lets the others go first");
   EXPECT_EQ(deadlock.text("state"), "resolved");
   EXPECT_GT(nose.driven_m, 3.0);
   EXPECT_GT(other.driven_m, 3.0);
@@ -202,7 +203,7 @@ TEST_P(Overshot, vehicle_goes_first_when_the_one_that_its_nose_stops_gives_the_c
 
 INSTANTIATE_TEST_SUITE_P(Metres, Overshot, ::testing::Values(0.035, 0.005));
 
-TEST(UnresponsiveVehicle, that_stands_with_way_before_it_is_given_a_new_order) {
+TEST(UnresponsiveVehicle, that_is_stopped_with_base_ahead_is_given_a_new_order) {
   ServerFixture fixture;
   FixtureVehicle& is_cosiva = fixture.add("AIV1", {0, 0.5});
   FixtureVehicle& foreign = fixture.add("AGV1", {2, 0.5}, "Acme");
@@ -213,11 +214,12 @@ TEST(UnresponsiveVehicle, that_stands_with_way_before_it_is_given_a_new_order) {
   EXPECT_EQ(is_cosiva.driven_m, before_m);
   fixture.run_for(10s);
   EXPECT_GT(is_cosiva.driven_m, before_m + 0.5);
-  EXPECT_TRUE(fixture.logged("CoSiVA/AIV1: stands with way before it and says no reason"));
-  EXPECT_FALSE(fixture.logged("Acme/AGV1: stands with way before it")) << "it may have reasons of its own";
+  EXPECT_TRUE(fixture.logged("CoSiVA/AIV1: is stopped with base ahead and reports no reason"));
+  EXPECT_FALSE(fixture.logged("Acme/AGV1: is stopped with base ahead"))
+      << "a third-party vehicle may have other reasons";
 }
 
-/// Places of vehicles that stand one behind the other at waypoints, as many as there is room for.
+/// Track positions of vehicles stopped one behind the other at waypoints, as many as there is room for.
 std::vector<zone::TrackPosition> packed(const zone::TrafficZone& zone, const std::vector<zone::SectionId>& round) {
   std::vector<zone::TrackPosition> positions;
   double start_m = 0.0;
@@ -240,12 +242,12 @@ std::vector<zone::TrackPosition> packed(const zone::TrafficZone& zone, const std
   return positions;
 }
 
-TEST(CrowdedLoop, is_named_when_nobody_can_resolve_it_and_moves_with_one_vehicle_less) {
+TEST(CrowdedLoop, is_reported_as_unresolved_and_moves_with_one_vehicle_less) {
   const std::vector<zone::SectionId> round{0, 1, 2, 3};
   for (const bool full : {true, false}) {
     ServerFixture fixture;
     auto positions = packed(*fixture.zone, round);
-    // What cosiva zone check says that there is room for.
+    // The number that `cosiva zone check` reports, plus one.
     ASSERT_EQ(positions.size(), zone::vehicles_going_round(*fixture.zone, round) + 1);
     if (!full) positions.pop_back();
     for (std::size_t i = 0; i < positions.size(); ++i) fixture.add("AIV" + std::to_string(i + 1), positions[i]);
@@ -260,7 +262,7 @@ TEST(CrowdedLoop, is_named_when_nobody_can_resolve_it_and_moves_with_one_vehicle
   }
 }
 
-TEST(CrowdedLoop, opens_where_one_can_go_another_way) {
+TEST(CrowdedLoop, opens_where_a_vehicle_can_take_another_route) {
   ServerFixture fixture{
       fork("[[loop]]\nname = \"round\"\nsections = [\"entry\", \"south\", \"east\", \"north\", \"west\"]\n")};
   const std::vector<zone::SectionId> round{0, 1, 2, 3, 4};
@@ -273,14 +275,15 @@ TEST(CrowdedLoop, opens_where_one_can_go_another_way) {
   const Shown now = shown(fixture);
   EXPECT_GE(now.detected, 1.0);
   EXPECT_EQ(now.open, 0.0);
-  EXPECT_TRUE(fixture.logged("goes another way"));
+  EXPECT_TRUE(fixture.logged("takes another route"));
   for (const auto& vehicle : fixture.vehicles) EXPECT_GT(vehicle->driven_m, 0.5) << vehicle->id.serial_number;
 }
 
-/// The north-western loop of the clover is full: each of those in it stands at a waypoint, and the next one is too near
-/// to the one ahead. Who waits at its end needs the crossing where the first of them all stands, without room to leave
-/// it: the one before it stopped short of its room.
-TEST(FullLoop, that_ends_in_a_crossing_opens_when_the_one_beyond_it_moves_up) {
+/// The north-western loop of the clover is full: each vehicle in the loop is stopped at a waypoint, and the next
+/// waypoint is too close to its leader. The vehicle that waits at the loop's end needs the crossing in which the
+/// frontmost vehicle of the queue is stopped without room to leave: that vehicle's leader stopped before making enough
+/// room.
+TEST(FullLoop, that_ends_in_a_crossing_opens_when_the_vehicle_beyond_it_moves_up) {
   ServerFixture fixture{zone_file("lacet4.toml")};
   constexpr zone::SectionId west = 4;
   constexpr zone::SectionId loop = 5;
@@ -301,13 +304,13 @@ TEST(FullLoop, that_ends_in_a_crossing_opens_when_the_one_beyond_it_moves_up) {
   ASSERT_GE(shown(fixture).list.size(), 1U);
   EXPECT_THAT(*shown(fixture).list[0].text("reason"), HasSubstr("CoSiVA/AIV9 waits for X4, which CoSiVA/AIV1 holds"));
   EXPECT_EQ(shown(fixture).list[0].text("how"),
-            "CoSiVA/AIV2 moves up to the one ahead and lets the one behind it out of a crossing");
+            "CoSiVA/AIV2 moves up to its leader and lets its follower out of a crossing");
   EXPECT_EQ(shown(fixture).open, 0.0);
   EXPECT_GT(in_crossing.driven_m, 3.0);
   EXPECT_GT(at_end.driven_m, 3.0);
 }
 
-/// One on the line, and one beside it so near that neither lets the other go.
+/// An on-path vehicle and an off-path vehicle so close to each other that neither can drive.
 class SideBySide : public testing::Test {
  protected:
   void put(double ahead_m, double beside_m, double turned_rad) {
@@ -319,8 +322,8 @@ class SideBySide : public testing::Test {
   ServerFixture fixture;
 };
 
-TEST_F(SideBySide, is_resolved_by_the_one_on_the_line_which_backs_up) {
-  // Its tail would sweep over the other's nose on its way to any place near.
+TEST_F(SideBySide, is_resolved_by_the_on_path_vehicle_which_backs_up) {
+  // Its rear end would sweep over the other vehicle's front end on its path to any position nearby.
   put(0.15, 0.17, 0.3);
   int touches = 0;
   fixture.each_step = [&] { touches += fixture.touches(); };
@@ -332,11 +335,11 @@ TEST_F(SideBySide, is_resolved_by_the_one_on_the_line_which_backs_up) {
   for (const auto& vehicle : fixture.vehicles) EXPECT_GT(vehicle->driven_m, 3.0) << vehicle->id.serial_number;
 }
 
-TEST_F(SideBySide, a_few_millimetres_apart_is_backed_out_of_as_well) {
+TEST_F(SideBySide, a_few_millimetres_apart_is_resolved_by_backing_up) {
   put(0.15, 0.150, 0.3);
   fixture.run_for(60s);
   EXPECT_EQ(shown(fixture).open, 0.0);
-  // One that stopped at once, having somebody so near, would be told to back up no further.
+  // A vehicle that stopped at once because of the close vehicle would not be commanded to back up again.
   EXPECT_EQ(backed_up(fixture, *fixture.vehicles[0]), 1U);
   for (const auto& vehicle : fixture.vehicles) EXPECT_GT(vehicle->driven_m, 3.0) << vehicle->id.serial_number;
 }

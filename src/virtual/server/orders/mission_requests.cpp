@@ -1,4 +1,4 @@
-// What is asked of Missions, and what they keep over a crash of the server.
+// Requests to Missions, and the state of Missions that persists over a crash of the server.
 #include <algorithm>
 #include <utility>
 
@@ -9,12 +9,12 @@ namespace cosiva::virtual_side {
 namespace {
 
 constexpr std::size_t name_bytes_max = 200;
-constexpr std::size_t likened_max = 5000;  ///< of more names than this none is compared
+constexpr std::size_t likened_max = 5000;  ///< with more names than this, no similar names are listed
 constexpr std::size_t shown_max = 3;
 
 std::string cut(std::string_view text) { return std::string(text.substr(0, 80)); }
 
-/// "; the nearest are dock, deck and duck", or what else there is to say.
+/// "; the nearest are dock, deck and duck", or the reason for an empty list.
 std::string nearest_names(std::string_view requested, const std::vector<std::string_view>& names,
                           std::string_view of_what) {
   if (names.empty()) return "; this zone has no " + std::string(of_what);
@@ -64,14 +64,13 @@ Result<std::vector<VehicleIndex>> Missions::addressed(const JsonValue& command) 
     const auto vehicle = registry_.find(name);
     if (!vehicle || registry_[*vehicle].retired) {
       return fail("mission.vehicle",
-                  name.empty()
-                      ? std::string("say which vehicle, as manufacturer/serial number, or * for all")
-                      : "no vehicle '" + cut(name) + "' has been heard of; name it as manufacturer/serial number",
+                  name.empty() ? std::string("state which vehicle, as manufacturer/serial number, or * for all")
+                               : "no vehicle '" + cut(name) + "' is known; name it as manufacturer/serial number",
                   "vehicle");
     }
     vehicles.push_back(*vehicle);
   }
-  if (vehicles.empty()) return fail("mission.vehicle", "no vehicle has been heard of yet", "vehicle");
+  if (vehicles.empty()) return fail("mission.vehicle", "no vehicle is known yet", "vehicle");
   return vehicles;
 }
 
@@ -87,14 +86,15 @@ Result<void> Missions::check_mission(const JsonValue& command, std::string_view 
   }
   const std::string to = command.text("to").value_or("");
   if (to.empty() || to.size() > name_bytes_max)
-    return fail("mission.to", "say where to, as the name of a station or waypoint", "to");
+    return fail("mission.to", "state the destination, as the name of a station or waypoint", "to");
   if (!goals(to).empty()) return {};
   if (abroad_ && to.find('/') != std::string::npos) {
     const auto leads = abroad_(to);
     return leads ? Result<void>{} : tl::unexpected(leads.error());
   }
   if (zone.find_station(to) != nullptr)
-    return fail("mission.to", "no way of this zone comes to a stop at '" + cut(to) + "'; lay it on one", "to");
+    return fail("mission.to",
+                "no section of this zone has a stopping point at '" + cut(to) + "'; move it onto a section", "to");
   for (const zone::Station& station : zone.stations) names.push_back(station.name);
   if (names.empty()) {
     for (const zone::Waypoint& waypoint : zone.waypoints)
@@ -106,7 +106,7 @@ Result<void> Missions::check_mission(const JsonValue& command, std::string_view 
 
 Result<void> Missions::check_section(const JsonValue& command, std::string_view verb) const {
   const std::string name = command.text("section").value_or("");
-  if (name.empty()) return fail("mission.section", "say which section to " + std::string(verb), "section");
+  if (name.empty()) return fail("mission.section", "state which section to " + std::string(verb), "section");
   const zone::Circuit& circuit = map_->circuit();
   const auto section = circuit.find(name);
   if (!section) {

@@ -10,7 +10,7 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// A station has a waypoint; that was rounded at most by this.
+/// Maximum distance between a station and its waypoint, which is rounded.
 constexpr double station_m = 0.02;
 
 }  // namespace
@@ -33,7 +33,8 @@ void Missions::set_map(const WaypointGraph* map) {
   for (VehicleIndex v = 0; v < entries_.size(); ++v) {
     Mission& mission = entries_[v].mission;
     if (known(mission)) continue;
-    publisher_.log('w', registry_[v].name + ": this zone has no '" + mission.name + "'; it goes its usual way");
+    publisher_.log('w',
+                   registry_[v].name + ": this zone has no '" + mission.name + "'; it follows its default mission");
     mission = {};
   }
   restore_for_zone();
@@ -155,7 +156,7 @@ std::optional<std::vector<zone::SectionId>> Missions::plan(VehicleIndex vehicle,
   }
   if (!best) {
     no_route(entry, error.value_or(Error{"route.none", "the zone has no '" + entry.mission.name + "' any more", ""}));
-    publisher_.log('w', registry_[vehicle].name + ": no way: " + entry.why);
+    publisher_.log('w', registry_[vehicle].name + ": no route: " + entry.why);
     return std::nullopt;
   }
   entry.complete = entry.mission.kind == Mission::Kind::go;
@@ -181,7 +182,7 @@ std::vector<zone::SectionId> Missions::more(VehicleIndex vehicle, zone::SectionI
 zone::SectionId Missions::least_recent(const Entry& entry, Sections choice) const {
   const auto worth = [&](zone::SectionId section) {
     const auto taken = entry.taken.find(section);
-    // Ways that lead into a dead end come last, whenever they were taken.
+    // Branches that lead into a dead end come last, regardless of when they were taken.
     constexpr auto dead_end = std::numeric_limits<std::uint64_t>::max() / 2;
     return (taken == entry.taken.end() ? 0 : taken->second) + (for_ever_[section] ? 0 : dead_end);
   };
@@ -198,9 +199,10 @@ std::vector<zone::SectionId> Missions::branch(Entry& entry, zone::SectionId last
   const zone::SectionId best = least_recent(entry, next);
   if (best == zone::no_section) {
     const std::string& name = map_->circuit().part(last).name;
-    no_route(entry,
-             {"route.none",
-              next.empty() ? "the way ends with '" + name + "'" : "all that follows '" + name + "' is closed", name});
+    no_route(
+        entry,
+        {"route.none",
+         next.empty() ? "the path ends with '" + name + "'" : "every section after '" + name + "' is closed", name});
     return {};
   }
   if (next.size() > 1) entry.taken[best] = ++entry.forks;
@@ -223,7 +225,7 @@ bool Missions::is_stopped_at(VehicleIndex vehicle, Point2 p, double off_m) {
   entry.why.clear();
   entry.complete = true;
   publisher_.log('i', registry_[vehicle].name + ": arrived at " + entry.mission.name +
-                          (entry.mission.beyond.empty() ? "" : ", on its way to " + entry.mission.beyond));
+                          (entry.mission.beyond.empty() ? "" : ", continuing to " + entry.mission.beyond));
   return true;
 }
 
@@ -272,8 +274,8 @@ void Missions::write(JsonWriter& json, VehicleIndex vehicle, std::string_view wa
     json.value(loop->name);
   else
     json.null();
-  constexpr std::array<std::string_view, 3> terms{"driving", "arrived", "no route"};
-  // Where two control areas meet it has not arrived yet.
+  constexpr std::array<std::string_view, 3> terms{"driving", "arrived", "no way"};
+  // At the station where two control areas meet, the vehicle has not arrived yet.
   const bool waits = entry.state == State::arrived && !entry.mission.beyond.empty();
   json.field("state", waits ? terms[0] : terms[static_cast<std::size_t>(entry.state)]).key("why");
   if (!entry.why.empty())
@@ -281,7 +283,7 @@ void Missions::write(JsonWriter& json, VehicleIndex vehicle, std::string_view wa
   else if (waits)
     json.value("waits at " + entry.mission.name + " for the server of the other control area");
   else if (go && !waits_for.empty())
-    json.value(std::string(waits_for) + " stands at " + entry.mission.name);
+    json.value(std::string(waits_for) + " is stopped at " + entry.mission.name);
   else
     json.null();
   json.end_object();

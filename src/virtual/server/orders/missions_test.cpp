@@ -27,7 +27,7 @@ std::string section_of(const ServerFixture& fixture, const FixtureVehicle& aiv) 
   return fixture.zone->circuit.part(aiv.track_position().section).name;
 }
 
-TEST(Missions, bring_a_vehicle_to_a_station_and_it_stands_there_until_told_otherwise) {
+TEST(Missions, bring_a_vehicle_to_a_station_where_it_stays_until_the_next_command) {
   ServerFixture fixture{fork()};
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.1});
   fixture.run_for(300ms);
@@ -47,7 +47,7 @@ TEST(Missions, bring_a_vehicle_to_a_station_and_it_stands_there_until_told_other
   EXPECT_THAT(aiv.refusals, IsEmpty());
 }
 
-/// One that is to go to the dock, which is 0.5 m along bypass3.
+/// A vehicle with a mission to the dock, which is 0.5 m along bypass3.
 struct RollsPast : ::testing::Test {
   void go_and_roll_on(double past_m) {
     fixture.run_for(300ms);
@@ -62,25 +62,25 @@ struct RollsPast : ::testing::Test {
   FixtureVehicle& aiv{fixture.add("AIV1", {0, 0.1})};
 };
 
-TEST_F(RollsPast, and_comes_to_its_goal_again) {
+TEST_F(RollsPast, and_drives_to_its_goal_again) {
   go_and_roll_on(0.15);
   EXPECT_EQ(state_of(fixture), "driving");
   fixture.run_for(60s);
-  EXPECT_GT(aiv.driven_m, 10.0) << "once round, as there is no way back";
+  EXPECT_GT(aiv.driven_m, 10.0) << "one lap, as the vehicle cannot return directly";
   EXPECT_EQ(state_of(fixture), "arrived");
   EXPECT_NEAR(aiv.track_position().s_m, 0.5, 0.02);
   EXPECT_THAT(aiv.refusals, IsEmpty());
 }
 
-TEST_F(RollsPast, and_has_arrived_where_that_is_no_more_than_its_order_allows) {
+TEST_F(RollsPast, and_has_arrived_within_the_deviation_that_its_order_allows) {
   go_and_roll_on(0.09);
-  EXPECT_EQ(state_of(fixture), "driving") << "it has not come to stand yet";
+  EXPECT_EQ(state_of(fixture), "driving") << "it has not stopped yet";
   fixture.run_for(1s);
   EXPECT_EQ(state_of(fixture), "arrived");
   EXPECT_EQ(aiv.orders.back().nodes.back().position->allowed_deviation_xy_m, 0.1);
 }
 
-TEST(Missions, take_a_waypoint_for_a_goal_too) {
+TEST(Missions, accept_a_waypoint_as_goal) {
   ServerFixture fixture{fork()};
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.1});
   fixture.run_for(300ms);
@@ -92,14 +92,14 @@ TEST(Missions, take_a_waypoint_for_a_goal_too) {
   EXPECT_EQ(state_of(fixture), "arrived");
 }
 
-TEST(Missions, are_refused_with_a_sentence_that_names_what_is_like_it) {
+TEST(Missions, are_refused_with_a_message_that_lists_similar_names) {
   ServerFixture fixture{fork()};
   fixture.add("AIV1", {0, 0.1});
   fixture.run_for(300ms);
   EXPECT_THAT(fixture.refusal(go("duck")), HasSubstr("dock"));
-  EXPECT_THAT(fixture.refusal(go("")), HasSubstr("say where to"));
+  EXPECT_THAT(fixture.refusal(go("")), HasSubstr("state the destination"));
   EXPECT_THAT(fixture.refusal(go("dock", "CoSiVA/AIV9")), HasSubstr("no vehicle 'CoSiVA/AIV9'"));
-  EXPECT_THAT(fixture.refusal(R"({"command":"go","to":"dock"})"), HasSubstr("say which vehicle"));
+  EXPECT_THAT(fixture.refusal(R"({"command":"go","to":"dock"})"), HasSubstr("state which vehicle"));
   EXPECT_THAT(fixture.refusal(R"({"command":"circulate","vehicle":"*","loop":"outer"})"), HasSubstr("no loops"));
   EXPECT_THAT(fixture.refusal(on_section("close", "soth")), HasSubstr("south"));
   EXPECT_THAT(fixture.refusal(on_section("open", "south")), HasSubstr("open already"));
@@ -109,7 +109,7 @@ TEST(Missions, are_refused_with_a_sentence_that_names_what_is_like_it) {
   EXPECT_THAT(nowhere.check_command(go("dock")).error().message, HasSubstr("no zone yet"));
 }
 
-TEST(Missions, go_round_the_zone_s_first_loop_by_default_and_a_named_one_when_told) {
+TEST(Missions, circulate_on_the_zone_s_first_loop_by_default_and_on_a_named_one_on_command) {
   const std::string loops =
       "[[loop]]\nname = \"long\"\nsections = [\"entry\", \"bypass1\", \"bypass2\", \"bypass3\", \"bypass4\", "
       "\"bypass5\","
@@ -132,7 +132,7 @@ TEST(Missions, go_round_the_zone_s_first_loop_by_default_and_a_named_one_when_to
   EXPECT_THAT(aiv.refusals, IsEmpty());
 }
 
-TEST(ClosedSections, are_avoided_by_everyone_at_once_and_taken_again_when_open) {
+TEST(ClosedSections, are_avoided_by_all_vehicles_at_once_and_used_again_when_open) {
   ServerFixture fixture{fork()};
   FixtureVehicle& aiv = fixture.add("AIV1", {3, 0.1});
   fixture.run_for(1s);
@@ -140,8 +140,8 @@ TEST(ClosedSections, are_avoided_by_everyone_at_once_and_taken_again_when_open) 
   fixture.send_command(on_section("close", "bypass1"));
   EXPECT_THAT(*fixture.snapshot().find("zone")->find("closed")->array(), SizeIs(2));
   fixture.run_for(60s);
-  EXPECT_EQ(section_of(fixture, aiv), "entry") << "it stands at the end of what is open";
-  EXPECT_EQ(state_of(fixture), "no route");
+  EXPECT_EQ(section_of(fixture, aiv), "entry") << "it is stopped at the end of the open sections";
+  EXPECT_EQ(state_of(fixture), "no way");
   EXPECT_THAT(fixture.aiv("CoSiVA/AIV1").find("mission")->text("why").value_or(""), HasSubstr("closed"));
   fixture.send_command(on_section("open", "bypass1"));
   fixture.run_for(5s);
@@ -153,11 +153,11 @@ TEST(ClosedSections, are_avoided_by_everyone_at_once_and_taken_again_when_open) 
   EXPECT_THAT(aiv.refusals, IsEmpty());
 }
 
-TEST(ClosedSections, are_left_by_who_stands_on_one_and_not_entered_by_a_base_already_released) {
+TEST(ClosedSections, are_left_by_a_vehicle_on_one_and_not_entered_by_a_base_already_released) {
   ServerFixture fixture{fork()};
   FixtureVehicle& inside = fixture.add("AIV1", {1, 1.2});
   FixtureVehicle& before = fixture.add("AIV2", {0, 0.3});
-  // Both up to where the fork lies in the second one's base.
+  // Both vehicles drive until the fork is within the base of the second one.
   fixture.run_for(300ms);
   fixture.send_command(R"({"command":"go","vehicle":"CoSiVA/AIV2","to":"gate"})");
   for (int i = 0; i < 100 && before.book->targets().empty(); ++i) fixture.run_for(20ms);
@@ -174,7 +174,7 @@ TEST(ClosedSections, are_left_by_who_stands_on_one_and_not_entered_by_a_base_alr
   EXPECT_EQ(state_of(fixture, "CoSiVA/AIV2"), "arrived");
 }
 
-TEST(ClosedSections, of_the_configuration_are_the_first) {
+TEST(ClosedSections, are_taken_from_the_configuration) {
   ServerFixture fixture{fork("[closed]\nsections = [\"bypass3\"]\n")};
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.1});
   fixture.run_for(300ms);
@@ -185,7 +185,7 @@ TEST(ClosedSections, of_the_configuration_are_the_first) {
   EXPECT_NE(section_of(fixture, aiv), "bypass3");
 }
 
-TEST(Missions, wait_before_a_goal_where_another_stands_and_say_who) {
+TEST(Missions, wait_before_an_occupied_goal_and_report_the_other_vehicle) {
   ServerFixture fixture{fork()};
   fixture.add("AIV1", {0, 0.8});
   FixtureVehicle& second = fixture.add("AIV2", {0, 0.1});
@@ -196,7 +196,7 @@ TEST(Missions, wait_before_a_goal_where_another_stands_and_say_who) {
   fixture.send_command(go("gate", "CoSiVA/AIV2"));
   fixture.run_for(40s);
   EXPECT_EQ(state_of(fixture, "CoSiVA/AIV2"), "driving");
-  EXPECT_EQ(fixture.aiv("CoSiVA/AIV2").find("mission")->text("why"), "CoSiVA/AIV1 stands at gate");
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV2").find("mission")->text("why"), "CoSiVA/AIV1 is stopped at gate");
   EXPECT_EQ(fixture.touches(), 0);
   fixture.send_command(R"({"command":"circulate","vehicle":"CoSiVA/AIV1"})");
   fixture.run_for(15s);
@@ -204,7 +204,7 @@ TEST(Missions, wait_before_a_goal_where_another_stands_and_say_who) {
   EXPECT_THAT(second.refusals, IsEmpty());
 }
 
-TEST(Missions, and_closed_sections_outlive_the_server) {
+TEST(Missions, and_closed_sections_persist_over_a_restart_of_the_server) {
   ServerFixture fixture{fork()};
   FixtureVehicle& aiv = fixture.add("AIV1", {3, 0.1});
   fixture.run_for(500ms);

@@ -1,4 +1,4 @@
-// OrderManager: the nearest place on the line is not free, so a vehicle that stands beside it goes to another.
+// OrderManager: the nearest position on the path is not free, so an off-path vehicle drives to another one.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -10,10 +10,10 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// Places that are tried lie so far apart along the line, and so far from the nearest one.
+/// Spacing of the tried positions along the path, and their maximum distance from the nearest one.
 constexpr double sample_every_m = 0.05;
 constexpr double position_within_m = 0.45;
-/// So far ahead of it the way is to be free.
+/// Distance ahead of the entry position within which the path has to be free.
 constexpr double free_ahead_m = 0.5;
 
 }  // namespace
@@ -27,7 +27,7 @@ bool OrderManager::joining(VehicleIndex vehicle) {
   const bool over = status == wire::ActionStatus::finished || status == wire::ActionStatus::failed;
   if (!over && publisher_.now() - plan.join_sent_at < rules_.join_timeout) return true;
   if (status == wire::ActionStatus::failed && pending_action != nullptr)
-    publisher_.log('w', registry_[vehicle].name + ": did not join the line: " + pending_action->actions.front().result);
+    publisher_.log('w', registry_[vehicle].name + ": did not join the path: " + pending_action->actions.front().result);
   end_join(vehicle);
   return false;
 }

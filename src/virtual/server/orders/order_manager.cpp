@@ -10,7 +10,7 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// Beyond a third of a half turn it does not stand along its section, and cannot follow it.
+/// With a heading error beyond this a vehicle is not aligned with its section and cannot follow it.
 constexpr double heading_off_rad_max = pi / 3.0;
 
 constexpr std::array<std::string_view, 4> refusals{"orderError", "orderUpdateError", "noRouteError", "validationError"};
@@ -21,7 +21,7 @@ std::optional<std::string_view> reference(const wire::VehicleError& error, std::
   return it->value;
 }
 
-/// Where the vehicle says its base ends: the last released node that is left, else the last it passed.
+/// The end of the base that the vehicle reports: the last remaining released node, otherwise the last passed node.
 std::pair<std::string_view, std::uint32_t> base_end_of(const wire::State& state) {
   for (auto node = state.node_states.rbegin(); node != state.node_states.rend(); ++node)
     if (node->released) return {node->node_id, node->sequence_id};
@@ -39,7 +39,7 @@ void OrderManager::set_map(const WaypointGraph* map) {
     plans_[v].no_route.reset();
     end_join(v);
     end_yielding(v);
-    // What was ordered on the old zone leads nowhere on the new one.
+    // An order on the old zone is not valid on the new one.
     if (plans_[v].stage == Plan::Stage::running) cancel(v);
   }
 }
@@ -48,7 +48,7 @@ void OrderManager::set_reported_pose(VehicleIndex vehicle, const ReportedPose& r
   plans_[vehicle].reported = reported;
   follow_line(vehicle);
   const ReportedPose& now = plans_[vehicle].reported;
-  // One of ours that is to go onto the line keeps others off by its body, until it is sent.
+  // A CoSiVA vehicle that is to join the path keeps others away by its body until it is sent.
   const bool is_obstructing =
       now.position && (plans_[vehicle].entry_point || (now.off_m <= rules_.on_path_m && !goes_onto_line(vehicle)));
   if (now.position) traffic_.follow(vehicle, *now.position);
@@ -78,7 +78,8 @@ void OrderManager::on_state(VehicleIndex vehicle, const wire::State* before) {
 void OrderManager::follow(VehicleIndex vehicle, const wire::State& state) {
   Plan& plan = plans_[vehicle];
   if (state.order_id != plan.order_id) {
-    // It has not received ours yet; but once it had, or while it follows another, ours is void.
+    // The vehicle has not received this order yet; but if it had received it, or follows another order, this order is
+    // void.
     if (!plan.ever_acknowledged && state.node_states.empty()) return;
     drop(plan, vehicle);
     if (!state.node_states.empty()) adopt(vehicle, state);
@@ -92,7 +93,7 @@ void OrderManager::follow(VehicleIndex vehicle, const wire::State& state) {
   const auto [end_id, end_sequence] = base_end_of(state);
   const bool same_end = state.order_update_id == plan.update_id && end_sequence == plan.base_end_sequence;
   if (state.node_states.empty()) {
-    // Cancelled by somebody, forgotten in a restart, or driven to a dead end.
+    // The order was cancelled by another sender, lost in a restart, or driven to a dead end.
     const bool route_continues = !map_->stretches(plan.base_end).empty();
     if (route_continues || same_end) drop(plan, vehicle);
     return;
@@ -103,7 +104,7 @@ void OrderManager::follow(VehicleIndex vehicle, const wire::State& state) {
     return;
   }
   publisher_.log('w', registry_[vehicle].name + ": follows update " + std::to_string(state.order_update_id) +
-                          " up to " + std::string(end_id) + ", which we did not send; taking it over");
+                          " up to " + std::string(end_id) + ", which this server did not send; taking it over");
   adopt(vehicle, state);
 }
 
@@ -150,7 +151,7 @@ std::optional<WaypointIndex> OrderManager::adopt_course(VehicleIndex vehicle, co
   if (released == 0) return std::nullopt;
   auto through = map_->through(*plan.reported.position, ids, released);
   if (!through) return std::nullopt;
-  // What lies beyond its base is for its mission to say.
+  // The mission determines the course beyond the base.
   through->sections.resize(through->to_end);
   take_course(vehicle, zone::Course(std::move(through->sections)));
   return through->end;
@@ -165,7 +166,7 @@ bool OrderManager::refused(const Plan& plan, const wire::State& state, const wir
     if (order) {
       if (*order != plan.order_id || (update && *update != std::to_string(plan.update_id))) continue;
     } else if (before != nullptr && std::ranges::find(before->errors, error) != before->errors.end()) {
-      continue;  // an old warning is no news (it stays until a new order is accepted)
+      continue;  // an old warning (it remains until a new order is accepted)
     } else if (state.order_id == plan.order_id && state.order_update_id >= plan.update_id) {
       continue;
     }
@@ -195,7 +196,7 @@ void OrderManager::drop(Plan& plan, VehicleIndex vehicle) {
   plan.base_end = no_waypoint;
   plan.moves_up = false;
   end_join(vehicle);
-  // Sent again, it would take the next order.
+  // A repeated cancelOrder would cancel the next order.
   if (plan.cancel_handle != 0) action_sender_.drop(std::exchange(plan.cancel_handle, 0));
   traffic_.set_base_end(vehicle, no_waypoint);
 }
@@ -260,7 +261,8 @@ void OrderManager::step(VehicleIndex vehicle, bool drive, bool send_off) {
     cancel(vehicle);
 
   if (plan.stage == Plan::Stage::running && is_stopped_without_reason(vehicle)) {
-    publisher_.log('w', proxy.name + ": stands with way before it and says no reason; cancelled, a new order follows");
+    publisher_.log('w',
+                   proxy.name + ": is stopped with base ahead and reports no reason; cancelled, a new order follows");
     cancel(vehicle);
   }
 
@@ -271,7 +273,7 @@ void OrderManager::step(VehicleIndex vehicle, bool drive, bool send_off) {
   const bool keeps_still = continue_yielding(vehicle);
   if (!drive || plan.stage == Plan::Stage::cancelling || busy_elsewhere || stays || keeps_still || !may_roll(vehicle) ||
       now < plan.wait_until) {
-    traffic_.withdraw(vehicle);  // who cannot use its turn must not block the others
+    traffic_.withdraw(vehicle);  // a vehicle that cannot use its turn must not block others
     plan.waits_since.reset();
     return;
   }
@@ -288,16 +290,16 @@ void OrderManager::step(VehicleIndex vehicle, bool drive, bool send_off) {
 }
 
 bool OrderManager::leads_too_far(VehicleIndex vehicle) {
-  // What was announced beyond the base is no more where it goes; a vehicle that has more before it has not arrived.
+  // The vehicle no longer follows the announced horizon; a vehicle with a horizon does not count as arrived.
   const Plan& plan = plans_[vehicle];
   return plan.stage == Plan::Stage::running && plan.has_horizon && next_stretch(vehicle, plan.base_end, 0) == nullptr;
 }
 
 bool OrderManager::comes_again(VehicleIndex vehicle, const Extension& from, std::size_t passed,
                                const WaypointGraph::Stretch& stretch) const {
-  // A base that goes twice over one place has two ends of one name.
+  // A base that passes one position twice has two ends of the same name.
   const Plan& plan = plans_[vehicle];
-  // One that has rolled past the end of its base, and into the next section, comes there for the first time.
+  // A vehicle that has passed the end of its base and is in the next section reaches that section for the first time.
   const bool on_its_base = plan.stage == Plan::Stage::running && from.reach_m > 0.0;
   const zone::TrackPosition start = on_its_base ? *plan.reported.position : map_->waypoint(from.from).position;
   Sections released;
@@ -306,7 +308,7 @@ bool OrderManager::comes_again(VehicleIndex vehicle, const Extension& from, std:
   const auto on_base = [&](zone::SectionId section) {
     return std::ranges::find(released, section) != released.end() || std::ranges::find(added, section) != added.end();
   };
-  // Back on the section where it is, it may come up to where it is.
+  // On the return to its present section the base may reach up to its present position.
   const zone::TrackPosition end = map_->waypoint(stretch.to).position;
   const bool beyond_start = end.section != start.section || end.s_m >= start.s_m;
   if (stretch.sections.empty()) return end.section == start.section && on_base(start.section) && beyond_start;
@@ -320,8 +322,8 @@ void OrderManager::extend(VehicleIndex vehicle, const Extension& from) {
   WaypointIndex at = from.from;
   std::size_t passed = 0;
   double reach_m = from.reach_m;
-  double in_convoy_m = 0.0;   // so far the one ahead has the same crossings, and leave to be gone
-  double must_reach_m = 0.0;  // a granted chain is released whole: nobody stands in a crossing for lack of base
+  double in_convoy_m = 0.0;   // up to here the leader holds the same crossings and has a base to leave them
+  double must_reach_m = 0.0;  // a granted chain is released as a whole: no vehicle stops in a crossing for lack of base
   while (extension_.size() < rules_.base_nodes_max && (reach_m < rules_.base_ahead_m || reach_m < must_reach_m)) {
     const WaypointGraph::Stretch* stretch = next_stretch(vehicle, at, passed);
     if (stretch == nullptr) break;
@@ -343,7 +345,7 @@ void OrderManager::extend(VehicleIndex vehicle, const Extension& from) {
     }
     if (const VehicleIndex other = off_path_obstruction(vehicle, reach_m, chain_m); other != no_vehicle) {
       wait_for(plan, other, WaitReason::off_path);
-      traffic_.withdraw(vehicle);  // that one may need what this one has asked for
+      traffic_.withdraw(vehicle);  // the other vehicle may need the crossings that this vehicle has requested
       break;
     }
     if (enters) {
@@ -370,17 +372,18 @@ bool OrderManager::enter(VehicleIndex vehicle, double stop_m, double exit_m) {
 }
 
 bool OrderManager::detects_leader(VehicleIndex vehicle, VehicleIndex ahead) const {
-  // A physical vehicle has none for a virtual one but the server's word, and what others' vehicles have is not known.
+  // A physical vehicle does not detect a virtual one by its own sensor, and the sensors of third-party vehicles are
+  // unknown.
   return ahead != no_vehicle && registry_[vehicle].is_cosiva() && registry_[ahead].is_cosiva() &&
          (registry_[vehicle].augmented || !registry_[ahead].augmented);
 }
 
 bool OrderManager::joins_convoy(VehicleIndex vehicle, const ChainAhead& chain) {
-  // Its base will not keep it off the one ahead: its eyes must.
+  // The base does not keep the vehicle away from its leader: its obstacle sensor must.
   if (chain.next_m <= traffic_.reach_m(vehicle, chain.next_m)) return false;
   const VehicleIndex ahead = traffic_.ahead(vehicle).vehicle;
   if (!detects_leader(vehicle, ahead)) return false;
-  // Whoever stands there by order will not make room soon.
+  // A vehicle that is stopped by command will not make room soon.
   if (!may_roll(ahead) || yields(ahead)) return false;
   return traffic_.may_join(vehicle, chain.exit_m, chain.stop_m);
 }

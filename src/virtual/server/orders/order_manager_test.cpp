@@ -13,7 +13,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-/// The order under another header.
+/// The order with another header.
 wire::Order content_of(wire::Order order, const wire::Header& header) {
   order.header = header;
   return order;
@@ -26,13 +26,13 @@ std::vector<wire::Order> orders_to(const ServerFixture& fixture, const FixtureVe
   return orders;
 }
 
-/// What VDA 5050 2.1 §6.6 asks of a sequence of orders, checked on the wire, message by message.
+/// The requirements of VDA 5050 2.1 §6.6 on a sequence of orders, checked message by message.
 void expect_stitched(const std::vector<wire::Order>& orders) {
   std::string order_id;
   std::uint32_t update_id = 0;
   const wire::OrderNode* base_end = nullptr;
   const wire::Order* before = nullptr;
-  std::uint32_t header_id = 0;  // of the message before; a server that was started again counts anew
+  std::uint32_t header_id = 0;  // of the previous message; a restarted server starts counting again
   for (const wire::Order& order : orders) {
     const std::uint32_t header_id_before = std::exchange(header_id, order.header.header_id);
     ASSERT_EQ(order.edges.size() + 1, order.nodes.size());
@@ -48,12 +48,12 @@ void expect_stitched(const std::vector<wire::Order>& orders) {
       EXPECT_EQ(edge.start_node_id, order.nodes[i - 1].node_id);
       EXPECT_EQ(edge.end_node_id, order.nodes[i].node_id);
       EXPECT_EQ(edge.edge_id, edge.start_node_id + "-" + edge.end_node_id);
-      EXPECT_TRUE(order.nodes[i - 1].released || !order.nodes[i].released) << "nothing released behind the horizon";
+      EXPECT_TRUE(order.nodes[i - 1].released || !order.nodes[i].released) << "no released node after the horizon";
       EXPECT_EQ(edge.released, order.nodes[i].released);
     }
     if (before != nullptr && order.order_id == before->order_id && order.order_update_id == before->order_update_id) {
-      EXPECT_EQ(order, content_of(*before, order.header)) << "sent again unchanged";
-      EXPECT_GT(order.header.header_id, header_id_before) << "but as a message of its own";
+      EXPECT_EQ(order, content_of(*before, order.header)) << "repeated unchanged";
+      EXPECT_GT(order.header.header_id, header_id_before) << "but with its own header";
       continue;
     }
     if (order.order_id != order_id) {
@@ -63,7 +63,7 @@ void expect_stitched(const std::vector<wire::Order>& orders) {
       ASSERT_NE(base_end, nullptr);
       EXPECT_EQ(order.nodes[0].node_id, base_end->node_id);
       EXPECT_EQ(order.nodes[0].sequence_id, base_end->sequence_id);
-      EXPECT_TRUE(order.nodes.size() > 1 && order.nodes[1].released) << "an update makes the base longer";
+      EXPECT_TRUE(order.nodes.size() > 1 && order.nodes[1].released) << "an update extends the base";
     }
     order_id = order.order_id;
     update_id = order.order_update_id;
@@ -73,12 +73,12 @@ void expect_stitched(const std::vector<wire::Order>& orders) {
   }
 }
 
-TEST(OrderManager, sends_an_idle_vehicle_round_for_ever) {
+TEST(OrderManager, lets_an_idle_vehicle_circulate_permanently) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(120s);
   EXPECT_THAT(aiv.refusals, IsEmpty());
-  // 0.3 m/s for 120 s, less the first second of settling: five laps of 7.14 m and no stop on the way.
+  // 0.3 m/s for 120 s, minus the first second of startup: five laps of 7.14 m without a stop.
   EXPECT_GT(aiv.driven_m, 34.5);
   expect_stitched(aiv.orders);
   EXPECT_EQ(aiv.orders.front().order_update_id, 0U);
@@ -86,21 +86,21 @@ TEST(OrderManager, sends_an_idle_vehicle_round_for_ever) {
   for (const wire::Order& order : aiv.orders) EXPECT_EQ(order.order_id, aiv.orders.front().order_id);
 }
 
-TEST(OrderManager, keeps_the_base_short_and_shows_a_horizon_of_four) {
+TEST(OrderManager, limits_the_base_and_announces_a_horizon_of_four) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   double longest_m = 0.0;
   fixture.each_step = [&] { longest_m = std::max(longest_m, aiv.book->distance_to_base_end_m()); };
   fixture.run_for(30s);
-  // 1.2 m ahead, and at most one stretch (0.3 m) over it.
+  // 1.2 m ahead, and at most one stretch (0.3 m) more.
   EXPECT_GT(longest_m, 1.0);
   EXPECT_LE(longest_m, 1.5 + 0.02);
   for (const wire::Order& order : aiv.orders)
     EXPECT_EQ(std::ranges::count_if(order.nodes, [](const auto& n) { return !n.released; }), 4);
 }
 
-TEST(OrderManager, never_lays_a_base_twice_over_one_place) {
-  // A ring shorter than a base may be.
+TEST(OrderManager, never_lays_a_base_twice_over_one_position) {
+  // A loop shorter than the maximum base.
   ServerFixture fixture{{"toml", "ring", R"(
 name = "ring"
 format_version = 1
@@ -133,7 +133,7 @@ angle_deg = 180
   EXPECT_THAT(aiv.refusals, IsEmpty());
 }
 
-TEST(OrderManager, starts_an_order_at_the_waypoint_behind_the_vehicle_with_a_deviation_that_covers_the_way) {
+TEST(OrderManager, starts_an_order_at_the_waypoint_behind_the_vehicle_with_a_deviation_that_covers_the_distance) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.55});
   fixture.run_for(2s);
@@ -155,10 +155,10 @@ TEST(OrderManager, repeats_an_order_unchanged_until_it_is_acknowledged) {
   const std::vector<wire::Order> sent = orders_to(fixture, aiv);
   ASSERT_GE(sent.size(), 3U);
   for (const wire::Order& order : sent) EXPECT_EQ(order, content_of(sent.front(), order.header));
-  EXPECT_EQ(sent[1].header.timestamp - sent[0].header.timestamp, 300ms) << "each says when it was sent";
+  EXPECT_EQ(sent[1].header.timestamp - sent[0].header.timestamp, 300ms) << "each has its own time stamp";
 }
 
-TEST(OrderManager, counts_every_order_message_to_a_vehicle_also_one_sent_again) {
+TEST(OrderManager, counts_every_order_message_to_a_vehicle_including_repetitions) {
   ServerFixture fixture;
   fixture.loss = 0.3;
   const FixtureVehicle& first = fixture.add("AIV1", {0, 0.5});
@@ -184,11 +184,12 @@ TEST(OrderManager, survives_a_link_that_loses_every_tenth_message) {
   fixture.run_for(120s);
   EXPECT_THAT(aiv.refusals, IsEmpty());
   EXPECT_GT(aiv.driven_m, 30.0);
-  // What was lost stays lost on the vehicle's side, so only what the server published is a complete sequence.
+  // Lost messages are missing on the vehicle's side, so only the messages that the server published are a complete
+  // sequence.
   expect_stitched(orders_to(fixture, aiv));
 }
 
-TEST(OrderManager, writes_a_vehicle_s_own_version_back_to_it) {
+TEST(OrderManager, sends_a_vehicle_its_own_protocol_version) {
   ServerFixture fixture;
   FixtureVehicle& unknown_sender = fixture.add("agv-7", {0, 0.5}, "Acme");
   unknown_sender.version = "2.0.0";
@@ -199,7 +200,7 @@ TEST(OrderManager, writes_a_vehicle_s_own_version_back_to_it) {
   EXPECT_GT(unknown_sender.driven_m, 0.1);
 }
 
-TEST(OrderManager, leaves_who_is_told_to_watch_alone) {
+TEST(OrderManager, sends_no_orders_when_the_server_only_observes) {
   ServerOptions watching;
   watching.drive = false;
   ServerFixture fixture{oval(), watching};
@@ -209,7 +210,7 @@ TEST(OrderManager, leaves_who_is_told_to_watch_alone) {
   EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").text("status"), "stopped");
 }
 
-TEST(OrderManager, takes_an_order_over_after_a_restart_and_goes_on_with_it) {
+TEST(OrderManager, takes_over_an_order_after_a_restart_and_continues_it) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(20s);
@@ -224,7 +225,7 @@ TEST(OrderManager, takes_an_order_over_after_a_restart_and_goes_on_with_it) {
   expect_stitched(aiv.orders);
 }
 
-TEST(OrderManager, gives_nobody_an_order_after_a_restart_before_all_who_are_online_were_heard) {
+TEST(OrderManager, sends_no_order_after_a_restart_before_all_online_vehicles_have_reported) {
   ServerFixture fixture;
   FixtureVehicle& first = fixture.add("AIV1", {0, 0.5});
   FixtureVehicle& unresponsive = fixture.add("AIV2", {2, 0.5});
@@ -232,10 +233,10 @@ TEST(OrderManager, gives_nobody_an_order_after_a_restart_before_all_who_are_onli
   fixture.run_for(1500ms);
   EXPECT_THAT(first.orders, IsEmpty());
   fixture.run_for(1s);
-  EXPECT_FALSE(first.orders.empty()) << "but not for ever: 2 s at most";
+  EXPECT_FALSE(first.orders.empty()) << "after 2 s at most";
 }
 
-TEST(OrderManager, waits_two_seconds_after_a_refusal_and_then_makes_a_new_order) {
+TEST(OrderManager, waits_two_seconds_after_a_refusal_and_then_sends_a_new_order) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   aiv.refuse_next_order = true;
@@ -248,7 +249,7 @@ TEST(OrderManager, waits_two_seconds_after_a_refusal_and_then_makes_a_new_order)
   EXPECT_GT(aiv.driven_m, 0.1);
 }
 
-TEST(OrderManager, cancels_an_active_order_whose_update_was_refused_before_it_makes_a_new_one) {
+TEST(OrderManager, cancels_an_active_order_with_a_refused_update_before_sending_a_new_one) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(5s);
@@ -263,7 +264,7 @@ TEST(OrderManager, cancels_an_active_order_whose_update_was_refused_before_it_ma
   EXPECT_GT(aiv.speed_mps, 0.0);
 }
 
-TEST(OrderManager, gives_a_vehicle_that_restarted_without_its_order_a_new_one) {
+TEST(OrderManager, sends_a_new_order_to_a_vehicle_that_restarted_without_its_order) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(5s);
@@ -278,7 +279,7 @@ TEST(OrderManager, gives_a_vehicle_that_restarted_without_its_order_a_new_one) {
   EXPECT_GT(aiv.driven_m, driven_m + 2.0);
 }
 
-TEST(OrderManager, gives_a_vehicle_that_came_back_no_order_before_it_said_where_it_is_now) {
+TEST(OrderManager, sends_no_order_to_a_returned_vehicle_before_it_reports_its_position) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(5s);
@@ -299,11 +300,11 @@ TEST(OrderManager, gives_a_vehicle_that_came_back_no_order_before_it_said_where_
   EXPECT_GT(aiv.orders.size(), orders);
 }
 
-TEST(OrderManager, sends_a_vehicle_on_that_rolled_past_the_end_of_its_base_into_the_next_section) {
+TEST(OrderManager, extends_the_base_of_a_vehicle_that_passed_its_end_into_the_next_section) {
   ServerFixture fixture{zone_file("../e2e/areas/area_b.toml")};
   const zone::Circuit& circuit = fixture.zone->circuit;
   FixtureVehicle& other = fixture.add("AIV2", {*circuit.find("b_east"), 0.05});
-  other.blocked = true;  // where the way from the gate comes in
+  other.blocked = true;  // where the path from the gate merges
   FixtureVehicle& aiv = fixture.add("AIV1", {*circuit.find("gate"), 0.3});
   fixture.run_for(4s);
   fixture.send_command(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"rack_b"})");
@@ -322,14 +323,14 @@ TEST(OrderManager, sends_a_vehicle_on_that_rolled_past_the_end_of_its_base_into_
 TEST(OrderManager, drives_a_vehicle_that_reports_only_once_a_second) {
   ServerFixture fixture;
   FixtureVehicle& slow = fixture.add("agv-7", {0, 0.5}, "Acme");
-  slow.visualizes = false;  // leaves one state a second, and those at its nodes
+  slow.visualizes = false;  // only one state per second, and the states at its nodes
   fixture.run_for(60s);
   EXPECT_THAT(slow.refusals, IsEmpty());
   EXPECT_GT(slow.driven_m, 17.0);
   EXPECT_EQ(fixture.aiv("Acme/agv-7").flag("lost"), false);
 }
 
-TEST(OrderManager, does_not_touch_an_order_over_nodes_it_does_not_know) {
+TEST(OrderManager, does_not_modify_an_order_over_unknown_nodes) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   wire::State state = aiv.state(fixture.now);
@@ -346,7 +347,7 @@ TEST(OrderManager, does_not_touch_an_order_over_nodes_it_does_not_know) {
   EXPECT_TRUE(fixture.logged("left alone"));
 }
 
-TEST(OrderManager, tells_a_vehicle_that_lost_its_place_where_it_was_last) {
+TEST(OrderManager, sends_the_last_known_position_to_a_vehicle_that_lost_its_position) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(3s);

@@ -1,4 +1,4 @@
-// OrderManager: where the next stretch begins, and along which way.
+// OrderManager: where the next stretch begins, and along which route.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,17 +13,17 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// A vehicle is on the line when it is so near to it, and heads along it.
+/// A vehicle is on the path within this distance and this heading error.
 constexpr double on_line_m = 0.005;
 constexpr double on_line_rad = 0.2;
-/// A first node so little ahead serves better than one that lies far behind.
+/// A first node within this distance ahead is preferred to a node far behind.
 constexpr double node_ahead_m = 0.10;
 constexpr double node_far_behind_m = 1.0;
 constexpr double past_base_m = 0.25;
-/// The way is planned so far beyond what is released, and for so many sections.
+/// The route is planned this far beyond the released part, and for this number of sections.
 constexpr double planned_m = 8.0;
 constexpr std::size_t planned_sections = 8;
-/// A way is looked at every so far for what stands beside it.
+/// Sampling distance along a path for the search of off-path bodies.
 constexpr double sample_m = 0.05;
 
 }  // namespace
@@ -38,7 +38,7 @@ std::optional<OrderManager::Extension> OrderManager::end_of_base(VehicleIndex ve
   const bool on_course = traffic_.on_course(vehicle) || regain_course(vehicle);
   const auto left_m = on_course ? traffic_.base_left_m(vehicle, track_position) : std::nullopt;
   if (!left_m) {
-    publisher_.log('w', registry_[vehicle].name + ": is not where its order leads; cancelled, a new one follows");
+    publisher_.log('w', registry_[vehicle].name + ": is not on the route of its order; cancelled, a new one follows");
     cancel(vehicle);
     plan.wait_until = publisher_.now() + rules_.after_refusal;
     return std::nullopt;
@@ -55,7 +55,7 @@ std::optional<OrderManager::Extension> OrderManager::first_node(VehicleIndex veh
     if (!entry_point) return std::nullopt;
     wait_for(plan, obstructs_line_entry(vehicle, entry_point->position), WaitReason::off_path);
     if (plan.waits_for_vehicle != no_vehicle) {
-      traffic_.withdraw(vehicle);  // that one may need what this one has asked for
+      traffic_.withdraw(vehicle);  // the other vehicle may need the crossings that this vehicle has requested
       return std::nullopt;
     }
     plan.entry_point = entry_point->position;
@@ -84,7 +84,7 @@ std::optional<OrderManager::Extension> OrderManager::first_node(VehicleIndex veh
 }
 
 void OrderManager::keep_off_path(VehicleIndex vehicle) {
-  // Nobody asks it to be anywhere but where its body is: off_path_obstruction() keeps the others off that.
+  // The vehicle stays where its body is: off_path_obstruction() keeps the other vehicles away from the body.
   if (!std::exchange(plans_[vehicle].entry_point, std::nullopt)) return;
   traffic_.set_position(vehicle, std::nullopt);
   traffic_.update();
@@ -112,7 +112,8 @@ bool OrderManager::plan_course(VehicleIndex vehicle) {
     return false;
   }
   const auto start = std::ranges::find(starts, sections->front(), &zone::TrackPosition::section);
-  // Where it came from is where its first node lies, and where it is seen until it has turned into another way.
+  // The section that the vehicle came from contains its first node, and its position until it has turned into another
+  // section.
   std::vector<zone::SectionId> all;
   const Sections traversed = traffic_.traversed(vehicle);
   const auto before_start = map_->circuit().previous(start->section);
@@ -143,10 +144,12 @@ bool OrderManager::past_goal(VehicleIndex vehicle) const {
 bool OrderManager::stays_at_goal(VehicleIndex vehicle) {
   const bool past = past_goal(vehicle);
   const Point2 here = position(plans_[vehicle].reported.X_MB);
-  // Who stops short can come nearer. Who has gone past would have to come round again, for what its order allowed.
+  // A vehicle that stops short can drive nearer. A vehicle that has passed the goal would have to drive another lap,
+  // because of a deviation that its order allowed.
   const double off_m = past ? rules_.deviation_m : rules_.arrived_m;
   const auto& state = registry_[vehicle].state;
-  if (state && state->driving) return past || missions_.is_at(vehicle, here, off_m);  // where it will stand, time tells
+  if (state && state->driving)
+    return past || missions_.is_at(vehicle, here, off_m);  // its final position is not known yet
   return missions_.is_stopped_at(vehicle, here, off_m);
 }
 
@@ -169,7 +172,7 @@ bool OrderManager::plan_course_again(VehicleIndex vehicle) {
   WaypointIndex base_end = no_waypoint;
   std::size_t keep = beyond.keep;
   if (has_siblings) {
-    // At a node where ways part it may still take any of them.
+    // At a fork the vehicle may still take any branch.
     const zone::SectionId before = keep > 1 ? released[keep - 2] : traffic_.course(vehicle).here();
     const std::array from{zone::TrackPosition{before, map_->circuit().section(before).length_m()}};
     sections = missions_.plan(vehicle, from);
@@ -282,7 +285,7 @@ VehicleIndex OrderManager::obstructs_line_entry(VehicleIndex vehicle, zone::Trac
     const Pose2 X_MB = simulator_.image(*proxy.twin, publisher_.now()).X_MB;
     if (sweep.near_body(X_MB)) return other;
     const Plan& theirs = plans_[other];
-    // One that is on its way to the line itself, or whose base leads over the place.
+    // Another vehicle that is joining the path, or whose base leads over the entry position.
     if (theirs.entry_point && (theirs.stage == Plan::Stage::running || theirs.join_handle != 0) &&
         aiv::near_entry(mine, shape, {X_MB, map_->circuit().pose_at(*theirs.entry_point)}))
       return other;
@@ -302,7 +305,7 @@ VehicleIndex OrderManager::obstructs_line_entry(VehicleIndex vehicle, zone::Trac
 }
 
 VehicleIndex OrderManager::off_path_obstruction(VehicleIndex vehicle, double from_m, double to_m) const {
-  constexpr double clear_m = 0.04;  // no less than what a vehicle's own eyes make it stop for
+  constexpr double clear_m = 0.04;  // not less than the clearance at which a vehicle's own obstacle sensor stops it
   const zone::TrackPosition track_position = *plans_[vehicle].reported.position;
   const zone::Circuit& circuit = map_->circuit();
   const zone::VehicleShape& shape = map_->zone().vehicle;
@@ -317,10 +320,11 @@ VehicleIndex OrderManager::off_path_obstruction(VehicleIndex vehicle, double fro
       const Pose2 X_MV = circuit.pose_at(circuit.advance(track_position, ahead_m, remaining));
       return entry_point ? sweep.near_body(X_MV, air_m) : aiv::near_bodies(shape, X_MV, X_MB, air_m);
     };
-    // One that it has beside it already it may pass as closely.
+    // The vehicle may pass a body that is already next to it at the present clearance.
     const bool ahead = aiv::lies_ahead(shape, circuit.pose_at(track_position), X_MB);
     const double free_m = !ahead && in_path(0.0, clear_m) ? 0.0 : clear_m;
-    // It stops short of a body by itself, and what of its base it cannot drive would keep that one from moving.
+    // The vehicle stops before a body by itself, and the part of its base that it cannot drive would block the other
+    // vehicle.
     const double end_m = to_m + aiv::clearance_m;
     for (double ahead_m = std::max(0.0, from_m); ahead_m < end_m; ahead_m += sample_m)
       if (in_path(ahead_m, free_m)) return other;
@@ -332,7 +336,7 @@ VehicleIndex OrderManager::off_path_obstruction(VehicleIndex vehicle, double fro
 std::optional<zone::TrackPosition> OrderManager::comes_onto_line_at(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
   if (plan.entry_point) return plan.entry_point;
-  // Who waits to come onto the line is let in, but not for ever: it may be that it cannot.
+  // A vehicle that waits to join the path is let in, but only for a limited time: it may be unable to join.
   if (!plan.waits_since || publisher_.now() - *plan.waits_since > rules_.let_in_for || !goes_onto_line(vehicle))
     return {};
   const auto entry_point = zone::snap_to_path(map_->circuit(), plan.reported.X_MB);

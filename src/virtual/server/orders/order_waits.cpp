@@ -1,4 +1,4 @@
-// OrderManager: who waits for whom, and why.
+// OrderManager: which vehicle waits for which, and why.
 #include <algorithm>
 #include <cmath>
 
@@ -11,14 +11,14 @@ namespace cosiva::virtual_side {
 namespace {
 
 constexpr double stopped_mps = 0.01;
-/// What a vehicle's eyes make it stand before lies no further ahead than this, nor further from the body's way: where
-/// it stops, what more room it wants to go on, and what reports are wrong by; beside its way, what eyes take for a part
-/// of it: their margin of 0.02 m, and as far as an echo is placed wrong that came from a beam's edge (0.12 rad of a
-/// range of 0.3 m), noise included.
+/// A body that stops a vehicle by its obstacle sensor is no further ahead than this, nor further from the body's path.
+/// Ahead: the stopping distance, the additional room required to continue, and the error of reports. To the side: the
+/// tolerance within which the sensor counts an echo as in the path, which is its margin of 0.02 m plus the position
+/// error of an echo from a beam's edge (0.12 rad at a range of 0.3 m), noise included.
 constexpr double detected_ahead_m = aiv::clearance_m + 0.08;
 constexpr double detected_off_path_m = 0.07;
 constexpr double check_every_m = 0.03;
-/// Before it turns on the spot it wants so much air all around.
+/// Clearance on all sides that a vehicle requires before it turns on the spot.
 constexpr double detected_around_m = 0.06;
 
 }  // namespace
@@ -29,7 +29,7 @@ void OrderManager::wait_for(Plan& plan, VehicleIndex other, WaitReason why) {
 }
 
 void OrderManager::record_waiting(Plan& plan, SimTime now) {
-  // Standing before something, not merely being told early that it will have to.
+  // The vehicle is blocked now, not merely informed early that it will be.
   const bool waits = (plan.waits_for_crossing || plan.waits_for_vehicle != no_vehicle) && extension_.empty();
   if (!waits) {
     plan.waits_since.reset();
@@ -67,7 +67,7 @@ bool OrderManager::is_stopped_without_reason(VehicleIndex vehicle) {
   const AivProxy& proxy = registry_[vehicle];
   constexpr double distance_m_min = 0.10;
   const wire::State& state = *proxy.state;
-  // Those of other makes may have reasons of their own.
+  // Third-party vehicles may have other reasons.
   const bool unresponsive = proxy.is_cosiva() && is_stopped(vehicle) && !state.field_violation && !state.paused &&
                             !proxy.paused_for_body && state.errors.empty() && state.e_stop == wire::EStop::none &&
                             plan.reported.position &&
@@ -89,7 +89,7 @@ void OrderManager::add_waits(WaitGraph& graph) const {
     const Plan& plan = plans_[v];
     const bool has_route = plan.stage == Plan::Stage::running || plan.join_handle != 0;
     if (has_route && (registry_[v].state->field_violation || registry_[v].paused_for_body)) {
-      // What it waits for at the end of its base matters once it is there.
+      // A wait at the end of its base matters only when the vehicle has arrived there.
       graph.add({v, detected_in_path(v), WaitReason::sensors, no_crossing});
       continue;
     }
@@ -124,11 +124,11 @@ VehicleIndex OrderManager::detected_in_path(VehicleIndex vehicle) const {
       const Pose2 X_MV =
           circuit.pose_at(circuit.advance(*plan.reported.position, ahead_m, traffic_.remaining(vehicle)));
       if (!aiv::near_bodies(shape, X_MV, X_MO, detected_off_path_m)) continue;
-      // Beside its flank already, it is not what it looks at.
+      // A body already next to its side is not what the sensor detects.
       if (ahead_m > 0.0 || aiv::lies_ahead(shape, X_MB, X_MO)) consider(other, ahead_m);
       break;
     }
-    // Half a metre: any body on the way is nearer than one that only keeps it from turning.
+    // Half a metre: any body on the path is nearer than a body that only prevents turning.
     if (aiv::near_bodies(shape, X_MB, X_MO, detected_around_m)) consider(other, 0.5 + distance(X_MB, X_MO));
   }
   return found;
@@ -144,8 +144,8 @@ std::string OrderManager::sentence(const Wait& wait) const {
                               : waiter + " waits for room beyond " + crossing + ", where " + blocker + " is";
     case WaitReason::crossing: return waiter + " waits for " + crossing + ", which " + blocker + " holds";
     case WaitReason::turn: return waiter + " waits for its turn at " + crossing + " after " + blocker;
-    case WaitReason::off_path: return waiter + " waits for " + blocker + ", which stands too near its way";
-    case WaitReason::sensors: return waiter + " sees " + blocker + " in its way";
+    case WaitReason::off_path: return waiter + " waits for " + blocker + ", which is too close to its path";
+    case WaitReason::sensors: return waiter + " detects " + blocker + " in its path";
   }
   return {};
 }

@@ -1,5 +1,5 @@
-// OrderManager: one vehicle lets others out of a deadlock. It moves up, gives back what it holds ahead, goes another
-// way, comes onto the line elsewhere, or backs up.
+// OrderManager: one vehicle lets others out of a deadlock. The vehicle moves up, releases what it holds ahead, takes
+// another route, joins the path at another position, or backs up.
 #include <algorithm>
 #include <cmath>
 
@@ -12,30 +12,31 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// Less of a base than this is nothing to give back.
+/// A shorter base than this is not worth releasing.
 constexpr double base_left_m_min = 0.02;
-/// A vehicle that goes onto the line there may look so far for a place: its own joinLine goes no further.
+/// Distance within which a vehicle that joins the path searches for a position: the limit of its own joinLine.
 constexpr double elsewhere_within_m = 0.60;
-/// It backs up in steps, a little further than must be, and looks behind itself a little further still.
+/// The distance to back up is searched in steps, with a small margin, and the space behind is checked slightly further.
 constexpr double back_step_m = 0.025;
 constexpr double back_slack_m = 0.02;
 constexpr double behind_every_m = 0.02;
 constexpr double behind_beyond_m = 0.04;
-/// Air around a body that backs up blindly.
+/// Clearance around a body that backs up without a rear sensor.
 constexpr double behind_clear_m = 0.03;
-/// It stops when anything comes nearer than this on its way, or than it stood beside it: by reports, which may be
-/// wrong.
+/// A vehicle that backs up stops when any body is nearer than this, or nearer than at the start; by reports, which may
+/// be inaccurate.
 constexpr double back_clear_m = 0.005;
 constexpr double back_clear_m_min = -0.02;
-/// What stands in another's way is looked for so far along it: the next stretch or chain, and where that one stops.
+/// Distance along another vehicle's path within which obstructing bodies are searched: the next stretch or chain, and
+/// the stopping distance.
 constexpr double distance_before_m = 0.70 + aiv::clearance_m;
 constexpr double distance_step_m = 0.03;
 constexpr double path_clear_m = 0.04;
-/// Its eyes may make it stand so much earlier than it should before the one ahead.
+/// The obstacle sensor may stop a vehicle this much too early behind its leader.
 constexpr double detected_too_early_m = 0.03;
 constexpr SimDuration back_up_timeout{std::chrono::seconds{10}};
 
-/// From a point to a body's edge; 0 inside.
+/// Distance from a point to the edge of a body; 0 inside.
 double to_body_m(const zone::VehicleShape& shape, const Pose2& X_MB, Point2 p_M) {
   const Pose2 X_BM = inverse(X_MB);
   const Point2 p_B = X_BM * p_M;
@@ -140,7 +141,7 @@ bool OrderManager::yield(VehicleIndex vehicle, Means means, std::span<const Wait
   return true;
 }
 
-// --- nearer to the one ahead ----------------------------------------------------------------------------------------
+// --- closer to the leader -------------------------------------------------------------------------------------------
 
 bool OrderManager::makes_room_by_moving_up(VehicleIndex vehicle, std::span<const Wait> waits) const {
   const Plan& plan = plans_[vehicle];
@@ -165,7 +166,7 @@ bool OrderManager::makes_room_by_moving_up(VehicleIndex vehicle, std::span<const
          });
 }
 
-// --- another way ----------------------------------------------------------------------------------------------------
+// --- another route --------------------------------------------------------------------------------------------------
 
 std::vector<zone::SectionId> OrderManager::contested(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
@@ -174,7 +175,7 @@ std::vector<zone::SectionId> OrderManager::contested(VehicleIndex vehicle) const
   const auto route =
       running ? traffic_.beyond_base(vehicle, *plan.reported.position).sections
               : std::vector<zone::SectionId>(traffic_.remaining(vehicle).begin(), traffic_.remaining(vehicle).end());
-  // The first section of its way that it need not enter, and where what it waits for is.
+  // The first section of its route that it need not enter and that contains what it waits for.
   const auto& blocker =
       plan.waits_for_vehicle == no_vehicle ? std::nullopt : traffic_.track_position(plan.waits_for_vehicle);
   for (const zone::SectionId section : route) {
@@ -197,7 +198,7 @@ std::optional<double> OrderManager::distance_back_m(VehicleIndex vehicle, std::s
   const zone::Circuit& circuit = map_->circuit();
   const zone::TrackPosition here = *plan.reported.position;
   const Sections traversed = traffic_.traversed(vehicle);
-  // Over a joint only where it knows by which way it came, and where the way does not bend sharply.
+  // Over a joint only where the section that it came from is known, and where the path does not bend sharply.
   double far_m = here.s_m;
   const auto before = circuit.previous(here.section);
   const zone::SectionId came_from = !traversed.empty()   ? traversed.back()
@@ -212,10 +213,10 @@ std::optional<double> OrderManager::distance_back_m(VehicleIndex vehicle, std::s
   for (double back_m = back_step_m; back_m + back_slack_m <= far_m + 1e-9; back_m += back_step_m) {
     const zone::TrackPosition there = circuit.advance(here, -back_m, {}, traversed);
     if (std::ranges::any_of(waits, [&](const Wait& wait) { return keeps_off(wait, there); })) continue;
-    // In a crossing that it was not in it would be in somebody else's way.
-    std::vector<CrossingIndex> crossings_there;
-    map_->crossings_on(there, 0.0, crossings_there, traffic_.remaining(vehicle));
-    const bool another = std::ranges::any_of(crossings_there, [&](CrossingIndex x) {
+    // In a crossing that the vehicle was not in, it would obstruct other vehicles.
+    std::vector<CrossingIndex> occupied_crossings;
+    map_->crossings_on(there, 0.0, occupied_crossings, traffic_.remaining(vehicle));
+    const bool another = std::ranges::any_of(occupied_crossings, [&](CrossingIndex x) {
       return std::ranges::find(occupied_crossings, x) == occupied_crossings.end();
     });
     if (another) continue;
@@ -228,7 +229,7 @@ std::optional<double> OrderManager::distance_back_m(VehicleIndex vehicle, std::s
 bool OrderManager::is_free_behind(VehicleIndex vehicle, double back_m) const {
   const zone::Circuit& circuit = map_->circuit();
   const zone::TrackPosition here = *plans_[vehicle].reported.position;
-  // Whom it has beside it already it may leave as closely.
+  // The vehicle may move away from a body that is already close at the present clearance.
   double clear_m = behind_clear_m;
   while (clear_m > 0.0 && near_anything(vehicle, body(vehicle), clear_m)) clear_m -= 0.01;
   if (clear_m <= 0.0) clear_m = 0.002;
@@ -265,7 +266,7 @@ bool OrderManager::near_anything(VehicleIndex vehicle, const Pose2& X_MB, double
          std::ranges::any_of(detected, [&](const DetectedObstacle& one) { return near_disc(one.at, one.radius_m); });
 }
 
-// --- until the others have gone -------------------------------------------------------------------------------------
+// --- until the others have left -------------------------------------------------------------------------------------
 
 bool OrderManager::continue_yielding(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
@@ -292,8 +293,8 @@ void OrderManager::follow_back_up(VehicleIndex vehicle, Plan::Yielding& yielding
   };
   if (yielding.handle == 0) {
     if (!is_stopped(vehicle)) return;
-    if (!is_free_behind(vehicle, yielding.back_m)) return;  // whoever came there may go again; it has its time
-    // Whom it has beside it already it may leave as closely.
+    if (!is_free_behind(vehicle, yielding.back_m)) return;  // a vehicle there may leave again before the timeout
+    // The vehicle may move away from a body that is already close at the present clearance.
     yielding.clear_m = back_clear_m;
     while (yielding.clear_m > back_clear_m_min && near_anything(vehicle, body(vehicle), yielding.clear_m))
       yielding.clear_m -= 0.001;

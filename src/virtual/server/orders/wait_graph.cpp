@@ -52,7 +52,8 @@ const std::vector<Knot>& WaitGraph::find_knots() {
 }
 
 std::vector<Wait> WaitGraph::cycle_through(VehicleIndex first) {
-  // Breadth first, from the first member until a wait leads back to it. Each knot's vehicles are reached in one search.
+  // Breadth-first search from the first member until a wait leads back to that member. One search reaches all vehicles
+  // of a knot.
   came_by_.resize(count_, no_wait);
   reached_.assign(1, first);
   std::size_t last = no_wait;

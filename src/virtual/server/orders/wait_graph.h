@@ -12,36 +12,36 @@ namespace cosiva::virtual_side {
 
 inline constexpr CrossingIndex no_crossing = std::numeric_limits<CrossingIndex>::max();
 
-/// One vehicle cannot go on before another has gone.
+/// One vehicle cannot continue before another has left.
 struct Wait {
   VehicleIndex waiter{no_vehicle};
   VehicleIndex blocker{no_vehicle};
   WaitReason why{WaitReason::ahead};
-  CrossingIndex crossing{no_crossing};  ///< that it is about, if any
+  CrossingIndex crossing{no_crossing};  ///< that causes the wait, if any
   friend bool operator==(const Wait&, const Wait&) = default;
 };
 
-/// Vehicles that wait for each other in a ring: none of them can go on before all others have.
+/// Vehicles that wait for each other in a cycle: none of them can continue before all others have.
 struct Knot {
   std::vector<VehicleIndex> members;  ///< ascending; at least two
-  /// The shortest ring that leads from the first member back to it, each wait beginning where the one before ends.
-  /// Where everybody waits for one other, it goes through all members.
+  /// The shortest cycle from the first member back to that member; each wait begins where the previous one ends. Where
+  /// each vehicle waits for one other only, the cycle contains all members.
   std::vector<Wait> cycle;
 };
 
-/// Who waits for whom, at one moment. Whoever waits for several waits for all of them, so every ring is a deadlock: the
-/// knots are the strongly connected components of more than one vehicle.
+/// The wait-for graph at one moment. A vehicle that waits for several vehicles waits for all of them, so every cycle is
+/// a deadlock: the knots are the strongly connected components of more than one vehicle.
 class WaitGraph {
  public:
-  /// Empties it, for vehicles 0 … count − 1; keeps its memory.
+  /// Clears the graph for vehicles 0 … count − 1; retains the allocated memory.
   void begin(std::size_t count);
-  /// Both within the count, and not the same (ignored otherwise: nobody waits for itself).
+  /// Adds a wait between two different vehicles below `count`; other waits are ignored, as no vehicle waits for itself.
   void add(const Wait& wait);
-  /// All knots, by their first members. In time linear in vehicles and waits; the same for the same waits in whatever
-  /// order they came.
+  /// All knots, sorted by their first members. Takes time linear in vehicles and waits; the result does not depend on
+  /// the order in which the waits were added.
   [[nodiscard]] const std::vector<Knot>& find_knots();
 
-  /// After find_knots(): sorted by who, whom and why.
+  /// To be called after find_knots(): sorted by who, whom and why.
   [[nodiscard]] std::span<const Wait> waits() const { return waits_; }
   [[nodiscard]] std::span<const Wait> waits_of(VehicleIndex waiter) const;
 
@@ -51,10 +51,10 @@ class WaitGraph {
 
   std::size_t count_{0};
   std::vector<Wait> waits_;
-  std::vector<std::size_t> first_;      ///< of each vehicle's waits, and one behind the last
+  std::vector<std::size_t> first_;      ///< of each vehicle's waits, plus one past the end
   std::vector<VehicleIndex> blockers_;  ///< of each wait
   StrongComponents components_;
-  std::vector<std::size_t> came_by_;  ///< for the ring: the wait that led to each
+  std::vector<std::size_t> came_by_;  ///< for the cycle: the wait that led to each vehicle
   std::vector<VehicleIndex> reached_;
   std::vector<Knot> knots_;
 };

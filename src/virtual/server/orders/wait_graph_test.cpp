@@ -25,21 +25,22 @@ Wait wait(VehicleIndex waiter, VehicleIndex blocker, WaitReason why = WaitReason
   return {waiter, blocker, why};
 }
 
-TEST(WaitGraph, has_no_knot_where_somebody_can_go) {
+TEST(WaitGraph, has_no_knot_where_a_vehicle_can_continue) {
   EXPECT_THAT(knots_of(0, {}), IsEmpty());
   EXPECT_THAT(knots_of(4, {wait(0, 1), wait(1, 2), wait(2, 3)}), IsEmpty());
   EXPECT_THAT(knots_of(3, {wait(0, 2), wait(1, 2)}), IsEmpty());
-  EXPECT_THAT(knots_of(2, {wait(0, 0), wait(1, 7)}), IsEmpty()) << "nobody waits for itself, or for who is not there";
+  EXPECT_THAT(knots_of(2, {wait(0, 0), wait(1, 7)}), IsEmpty())
+      << "no vehicle waits for itself or for an unknown vehicle";
 }
 
-TEST(WaitGraph, names_two_that_wait_for_each_other_and_why) {
+TEST(WaitGraph, returns_two_vehicles_that_wait_for_each_other_and_the_reasons) {
   const auto knots = knots_of(5, {{3, 1, WaitReason::sensors}, {1, 3, WaitReason::crossing, 7}, {4, 1}});
   ASSERT_THAT(knots, SizeIs(1));
-  EXPECT_THAT(knots[0].members, ElementsAre(1U, 3U)) << "who only waits for them is not in it";
+  EXPECT_THAT(knots[0].members, ElementsAre(1U, 3U)) << "a vehicle that only waits for them is not a member";
   EXPECT_THAT(knots[0].cycle, ElementsAre(Wait{1, 3, WaitReason::crossing, 7}, Wait{3, 1, WaitReason::sensors}));
 }
 
-TEST(WaitGraph, finds_several_and_is_the_same_in_whatever_order_they_came) {
+TEST(WaitGraph, finds_several_knots_independent_of_the_order_of_the_waits) {
   std::vector<Wait> waits{wait(0, 4), wait(4, 2), wait(2, 0), wait(5, 6), wait(6, 5), wait(1, 0), wait(3, 6)};
   const auto knots = knots_of(7, waits);
   ASSERT_THAT(knots, SizeIs(2));
@@ -52,14 +53,14 @@ TEST(WaitGraph, finds_several_and_is_the_same_in_whatever_order_they_came) {
   for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(again[i].cycle, knots[i].cycle);
 }
 
-TEST(WaitGraph, gives_the_shortest_ring_where_somebody_waits_for_several) {
+TEST(WaitGraph, returns_the_shortest_cycle_where_a_vehicle_waits_for_several) {
   const auto knots = knots_of(4, {wait(0, 1), wait(1, 2), wait(2, 3), wait(3, 0), wait(1, 0)});
   ASSERT_THAT(knots, SizeIs(1));
   EXPECT_THAT(knots[0].members, ElementsAre(0U, 1U, 2U, 3U));
   EXPECT_THAT(knots[0].cycle, ElementsAre(wait(0, 1), wait(1, 0)));
 }
 
-TEST(WaitGraph, is_used_again_without_a_trace_of_what_was) {
+TEST(WaitGraph, is_reused_without_previous_waits) {
   WaitGraph graph;
   graph.begin(4);
   graph.add(wait(0, 1));
@@ -72,7 +73,7 @@ TEST(WaitGraph, is_used_again_without_a_trace_of_what_was) {
   EXPECT_THAT(graph.waits_of(9), IsEmpty());
 }
 
-TEST(WaitGraph, takes_a_ring_of_a_hundred_thousand) {
+TEST(WaitGraph, handles_a_cycle_of_a_hundred_thousand) {
   constexpr VehicleIndex count = 100'000;
   std::vector<Wait> waits;
   for (VehicleIndex v = 0; v < count; ++v) waits.push_back(wait(v, (v + 1) % count));
@@ -81,7 +82,7 @@ TEST(WaitGraph, takes_a_ring_of_a_hundred_thousand) {
   EXPECT_THAT(knots[0].cycle, SizeIs(count));
 }
 
-/// Whom each leads to, by trying until nothing is new.
+/// The vehicles that each vehicle waits for, directly or indirectly, by exhaustive search.
 std::vector<std::vector<bool>> reach_of(std::size_t count, const std::vector<Wait>& waits) {
   std::vector<std::vector<bool>> reach(count, std::vector<bool>(count, false));
   for (const Wait& w : waits) reach[w.waiter][w.blocker] = true;
@@ -92,7 +93,7 @@ std::vector<std::vector<bool>> reach_of(std::size_t count, const std::vector<Wai
   return reach;
 }
 
-TEST(WaitGraph, agrees_with_trying_everything) {
+TEST(WaitGraph, agrees_with_exhaustive_search) {
   Random random{11, "wait graph"};
   std::size_t found = 0;
   for (int round = 0; round < 2000; ++round) {

@@ -18,14 +18,15 @@ ReportClock reported_at(std::initializer_list<SimDuration> times) {
   return clock;
 }
 
-/// The clock of a vehicle that has reported steadily for so long that its rate is known; the last time at the epoch.
+/// The clock of a vehicle that has reported at a constant rate until the rate is known; the last report is at the
+/// epoch.
 ReportClock steady(SimDuration gap) {
   ReportClock clock;
   for (int i = 200; i >= 0; --i) clock.on_report(virtual_epoch - i * gap);
   return clock;
 }
 
-TEST(ReportClock, of_a_vehicle_that_never_reported_has_nothing_to_lose) {
+TEST(ReportClock, never_counts_a_vehicle_without_reports_as_lost) {
   const ReportClock clock;
   EXPECT_FALSE(clock.first());
   EXPECT_FALSE(clock.lost(virtual_epoch + 1h, after));
@@ -37,7 +38,7 @@ TEST(ReportClock, knows_first_and_last_report) {
   EXPECT_EQ(clock.last(), virtual_epoch + 4s);
 }
 
-TEST(ReportClock, takes_a_vehicle_that_reported_once_for_the_slowest) {
+TEST(ReportClock, assumes_the_slowest_rate_after_a_single_report) {
   EXPECT_EQ(reported_at({0s}).usual_gap(), ReportClock::gap_max);
 }
 
@@ -47,7 +48,7 @@ TEST(ReportClock, takes_the_mean_of_the_first_gaps) {
   EXPECT_EQ(reported_at({0s, 1s, 4s, 7s}).usual_gap(), 3s) << "5, 1, 3 and 3";
 }
 
-TEST(ReportClock, settles_at_the_gap_that_a_vehicle_keeps) {
+TEST(ReportClock, converges_to_a_constant_gap) {
   for (const SimDuration gap : {SimDuration{100ms}, SimDuration{2s}, SimDuration{4900ms}})
     EXPECT_NEAR(to_seconds(steady(gap).usual_gap()), to_seconds(gap), 1e-6);
 }
@@ -60,7 +61,7 @@ TEST(ReportClock, follows_a_rate_that_changes_by_a_tenth_per_report) {
   EXPECT_NEAR(to_seconds(clock.usual_gap()), 1.99, 1e-6);
 }
 
-TEST(ReportClock, does_not_take_an_absence_for_a_rate) {
+TEST(ReportClock, does_not_count_an_absence_as_a_gap) {
   ReportClock clock = steady(2s);
   const SimDuration before = clock.usual_gap();
   clock.on_report(virtual_epoch + ReportClock::gap_max);
@@ -75,15 +76,16 @@ TEST(ReportClock, waits_for_three_usual_gaps_and_no_longer) {
   EXPECT_TRUE(clock.lost(virtual_epoch + 6001ms, after));
 }
 
-TEST(ReportClock, waits_as_long_as_it_is_told_where_reports_come_often) {
+TEST(ReportClock, waits_for_at_least_the_given_time_where_reports_are_frequent) {
   const ReportClock clock = steady(100ms);
   EXPECT_EQ(clock.longest_silence(after), after);
   EXPECT_FALSE(clock.lost(virtual_epoch + after, after));
   EXPECT_TRUE(clock.lost(virtual_epoch + after + 1ms, after));
 }
 
-TEST(ReportClock, accepts_messages_that_come_in_pairs_from_the_first_on) {
-  // State and visualization of one instant: the gaps of 0 s and 3 s have a mean of 1.5 s, and three of those last.
+TEST(ReportClock, accepts_messages_in_pairs_from_the_first_pair) {
+  // State and visualization of one instant: the gaps of 0 s and 3 s have a mean of 1.5 s, and three of these exceed 3
+  // s.
   ReportClock clock;
   for (int i = 0; i < 100; ++i) {
     const SimTime now = virtual_epoch + i * 3s;

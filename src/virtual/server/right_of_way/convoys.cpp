@@ -8,9 +8,9 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// One behind the other with less between them than this is of the same convoy.
+/// A vehicle that follows another with a smaller gap than this belongs to the same convoy.
 constexpr double convoy_gap_m = 0.70;
-/// These guesses are no finer; where it makes no difference, turns count.
+/// The estimates are no more precise than this; below this gain the order of requests decides.
 constexpr double gain_s_min = 0.1;
 
 bool ratios(const std::vector<CrossingIndex>& a, const std::vector<CrossingIndex>& b) {
@@ -32,7 +32,8 @@ std::vector<VehicleIndex> leaders_of(const Traffic& traffic, VehicleIndex vehicl
 }
 
 bool has_room_beyond(const Traffic& traffic, double leader_m, double exit_m, const std::vector<VehicleIndex>& convoy) {
-  // From the front on: for good each stands at the end of its own base, or where its eyes keep it behind the one ahead.
+  // From the front vehicle on: each vehicle finally stops at the end of its own base, or where its obstacle sensor
+  // keeps it behind its leader.
   const double apart_m = traffic.map().zone().vehicle.length_m + traffic.rules().room_m;
   double at_m = leader_m;
   for (std::size_t i = 0; i + 1 < convoy.size(); ++i) at_m += traffic.ahead(convoy[i]).distance_m;
@@ -102,7 +103,7 @@ bool Convoys::may_join(const Traffic& traffic, VehicleIndex vehicle, double exit
 }
 
 bool Convoys::is_kept_by(const Traffic& traffic, const std::vector<VehicleIndex>& convoy, VehicleIndex joining) const {
-  // The one ahead may have left the first crossing already: then somebody else may be in it.
+  // The leader may have left the first crossing already: then another vehicle may be in that crossing.
   for (const CrossingIndex x : chain_)
     if (traffic.holder(x) != no_vehicle && traffic.holder(x) != joining && !contains(convoy, traffic.holder(x)))
       return false;

@@ -16,40 +16,41 @@ inline constexpr VehicleIndex no_vehicle = std::numeric_limits<VehicleIndex>::ma
 
 class Traffic;
 
-/// The vehicles that pass a chain of crossings together, and whether another one may join them (traffic.h has the
-/// rules). Invariant: no crossing is in the chains of two passes.
+/// The vehicles that pass a chain of crossings together, and whether another vehicle may join them (traffic.h states
+/// the rules).
+/// Invariant: no crossing is in the chains of two passes.
 class Convoys {
  public:
-  /// A chain that was given, and the last vehicle that was given it.
+  /// A granted chain, and the last vehicle that was granted the chain.
   struct Pass {
     VehicleIndex last;
     std::vector<CrossingIndex> crossings;
-    std::size_t row;  ///< so many pass it together
+    std::size_t row;  ///< number of vehicles that pass the chain together
   };
 
-  /// Forgets every pass.
+  /// Discards all passes.
   void clear() { passes_.clear(); }
-  /// A vehicle was given a chain of crossings.
+  /// Records that a vehicle was granted a chain of crossings.
   void record_pass(VehicleIndex vehicle, const std::vector<CrossingIndex>& crossings);
-  /// Whether a vehicle may pass a chain in convoy with the one ahead, whatever the turns.
+  /// Whether a vehicle may pass a chain in convoy with its leader, regardless of the order of requests.
   /// @param exit_m  from the vehicle's position to the chain's exit
   /// @param stop_m  from the vehicle's position to the chain's stop line
   [[nodiscard]] bool may_join(const Traffic& traffic, VehicleIndex vehicle, double exit_m, double stop_m);
-  /// A vehicle joins the pass of the one ahead, which has one (checked).
+  /// Adds a vehicle to the pass of its leader, which has a pass (checked).
   const Pass& join(VehicleIndex leader, VehicleIndex vehicle);
-  /// What the others lose by the convoy that may_join() found last [s].
+  /// The time that the other vehicles lose by the convoy that may_join() found last [s].
   [[nodiscard]] const std::vector<std::pair<VehicleIndex, double>>& losing() const { return losing_; }
-  /// How often a vehicle joined.
+  /// Number of times that a vehicle joined a pass.
   [[nodiscard]] std::uint64_t count() const { return count_; }
   void fold(Digest& digest) const;
 
  private:
-  /// A vehicle that would join: all distances from its own position.
+  /// A vehicle that would join; all distances are measured from its own position.
   struct Joining {
     VehicleIndex vehicle;
     double stop_m;
     double exit_m;
-    double leader_m;  ///< to the one ahead
+    double leader_m;  ///< to its leader
   };
   [[nodiscard]] bool is_kept_by(const Traffic& traffic, const std::vector<VehicleIndex>& convoy,
                                 VehicleIndex joining) const;

@@ -1,4 +1,4 @@
-// Convoys through the clover's crossings: when it pays they go, and nobody starves for it.
+// Convoys through the clover's crossings: vehicles form one when this saves time, and no vehicle starves.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,16 +10,17 @@ namespace {
 
 using namespace fixture;
 
-/// Vehicle 0 is in the crossings of the eastward straight, 1 stands at its stop line behind it, and 2 comes up the
-/// northward straight, which crosses it; 4 the southward one. Sections 0, 2 and 6. From stop line to exit it is 0.74 m:
-/// 1.85 s at the medium speed, and 0.4 s more for who has to speed up.
+/// Vehicle 0 is in the crossings of the eastward straight (section 0), and vehicle 1 is stopped at the stop line behind
+/// it. Vehicle 2 approaches on the northward straight (section 2), and vehicle 4 on the southward one (section 6). The
+/// distance from stop line to exit is 0.74 m: 1.85 s at the medium speed, and 0.4 s more for a vehicle that has to
+/// accelerate.
 class ConvoyFixture : public testing::Test {
  protected:
   static constexpr zone::SectionId east = 0;
   static constexpr zone::SectionId north = 2;
   static constexpr zone::SectionId south = 6;
 
-  /// @param inside_m  so far 0 is beyond the stop line
+  /// @param inside_m  distance of vehicle 0 beyond the stop line
   void begin(double inside_m, const TrafficRules& rules = {}) {
     traffic = Traffic{rules};
     traffic.set_map(&map);
@@ -42,7 +43,7 @@ class ConvoyFixture : public testing::Test {
     traffic.set_position(vehicle, map.circuit().advance(stop, -before_m));
     traffic.update();
   }
-  /// A base as far as that many waypoints beyond the exit.
+  /// Gives a base that ends this number of waypoints beyond the exit.
   void give_leave(VehicleIndex vehicle, int waypoints = 4) {
     WaypointIndex end = exit_of(east);
     for (int i = 0; i < waypoints; ++i) end = map.stretch(end).to;
@@ -71,22 +72,22 @@ class ConvoyFixture : public testing::Test {
 
   static constexpr double chain_m = 0.74;
   static constexpr double half_path_m = 0.35;
-  static constexpr double at_exit_m = 0.728;  // all but out
+  static constexpr double at_exit_m = 0.728;  // almost out
 
   WaypointGraph map{zone::Rtm::initialise(zone_file("lacet4.toml"))->shared_zone()};
   Traffic traffic;
   SimTime now{virtual_epoch};
 };
 
-TEST_F(ConvoyFixture, has_the_measures_that_its_figures_stand_on) {
+TEST_F(ConvoyFixture, has_the_chain_lengths_that_the_expected_times_are_based_on) {
   EXPECT_NEAR(map.chain(stop_on(east)).length_m, chain_m, 5e-4);
   EXPECT_NEAR(map.chain(stop_on(north)).length_m, chain_m, 5e-4);
 }
 
-TEST_F(ConvoyFixture, passes_the_crossing_together_without_giving_it_back_between) {
+TEST_F(ConvoyFixture, passes_the_crossing_without_releasing_it_in_between) {
   begin(half_path_m);
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
-  EXPECT_FALSE(request_crossing(1, east, 0.0).granted) << "without a convoy it waits till 0 is gone";
+  EXPECT_FALSE(request_crossing(1, east, 0.0).granted) << "without a convoy it waits until 0 has left";
   ASSERT_TRUE(may_join(1));
   const Traffic::Convoy convoy = join(1);
   EXPECT_EQ(convoy.size, 2U);
@@ -95,26 +96,26 @@ TEST_F(ConvoyFixture, passes_the_crossing_together_without_giving_it_back_betwee
 
   put_stopped(0, east, -1.0);
   const auto response = request_crossing(2, north, 0.0);
-  EXPECT_FALSE(response.granted) << "although 2 asked first";
+  EXPECT_FALSE(response.granted) << "although 2 requested first";
   EXPECT_EQ(response.blocked_by, 1U);
   put_stopped(1, east, -1.0);
-  EXPECT_TRUE(request_crossing(2, north, 0.0).granted) << "both are gone";
+  EXPECT_TRUE(request_crossing(2, north, 0.0).granted) << "both have left";
 }
 
-TEST_F(ConvoyFixture, lets_cross_traffic_go_first_where_the_other_has_left_already) {
+TEST_F(ConvoyFixture, lets_cross_traffic_go_first_where_the_leader_has_almost_left) {
   begin(at_exit_m);
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
   EXPECT_FALSE(may_join(1)) << "1 would save no more than 2 would lose: 2.5 s";
 }
 
-TEST_F(ConvoyFixture, counts_all_that_come_behind) {
+TEST_F(ConvoyFixture, counts_all_vehicles_that_follow) {
   begin(at_exit_m);
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
   put_stopped(3, east, 0.35);
   EXPECT_TRUE(may_join(1)) << "two save 2.5 s each, 2 loses it once";
 }
 
-TEST_F(ConvoyFixture, counts_all_that_wait) {
+TEST_F(ConvoyFixture, counts_all_vehicles_that_wait) {
   begin(0.42);
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
   EXPECT_TRUE(may_join(1)) << "1 saves 3.35 s, 2 loses 1.75 s";
@@ -122,15 +123,15 @@ TEST_F(ConvoyFixture, counts_all_that_wait) {
   EXPECT_FALSE(may_join(1)) << "and 4 as much";
 }
 
-TEST_F(ConvoyFixture, goes_where_nobody_waits) {
+TEST_F(ConvoyFixture, is_formed_where_no_vehicle_waits) {
   begin(half_path_m);
   EXPECT_TRUE(may_join(1));
-  EXPECT_TRUE(may_join(1)) << "asking changes nothing";
+  EXPECT_TRUE(may_join(1)) << "the query changes nothing";
   put_stopped(1, east, 0.8);
-  EXPECT_FALSE(may_join(1, 0.8)) << "too far off to ask";
+  EXPECT_FALSE(may_join(1, 0.8)) << "too far from the stop line to request";
 }
 
-TEST_F(ConvoyFixture, is_off_where_it_is_switched_off) {
+TEST_F(ConvoyFixture, is_not_formed_when_convoys_are_disabled) {
   begin(half_path_m, {.convoys = false});
   EXPECT_FALSE(may_join(1));
 }
@@ -141,10 +142,10 @@ TEST_F(ConvoyFixture, never_goes_before_a_higher_priority) {
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
   EXPECT_FALSE(may_join(1));
   traffic.set_priority(1, 1);
-  EXPECT_TRUE(may_join(1)) << "equals";
+  EXPECT_TRUE(may_join(1)) << "equal priorities";
 }
 
-TEST_F(ConvoyFixture, never_goes_before_one_that_has_waited_ten_seconds) {
+TEST_F(ConvoyFixture, never_goes_before_a_vehicle_that_has_waited_ten_seconds) {
   begin(half_path_m);
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
   pass_time(9900ms);
@@ -153,7 +154,7 @@ TEST_F(ConvoyFixture, never_goes_before_one_that_has_waited_ten_seconds) {
   EXPECT_FALSE(may_join(1));
 }
 
-TEST_F(ConvoyFixture, is_no_longer_than_three) {
+TEST_F(ConvoyFixture, has_at_most_three_members) {
   begin(half_path_m);
   ASSERT_TRUE(may_join(1));
   join(1);
@@ -172,39 +173,39 @@ TEST_F(ConvoyFixture, is_no_longer_than_three) {
   }
 }
 
-TEST_F(ConvoyFixture, follows_nobody_who_has_no_leave_to_make_room) {
+TEST_F(ConvoyFixture, does_not_follow_a_leader_whose_base_leaves_no_room) {
   begin(half_path_m);
   give_leave(0, 0);
-  EXPECT_FALSE(may_join(1)) << "it would come to stand in the crossing";
+  EXPECT_FALSE(may_join(1)) << "it would stop in the crossing";
   give_leave(0, 4);
   EXPECT_TRUE(may_join(1));
 }
 
-TEST_F(ConvoyFixture, counts_on_no_leave_that_one_of_the_convoy_has_not_got_yet) {
+TEST_F(ConvoyFixture, relies_only_on_bases_that_its_members_already_have) {
   begin(at_exit_m);
   ASSERT_TRUE(may_join(1));
   join(1);
   put_stopped(0, east, -1.0);
   put_stopped(1, east, -0.45);
   put_stopped(3, east, 0.0);
-  EXPECT_FALSE(may_join(3)) << "1 may come to stand at the exit, whatever 0 does";
+  EXPECT_FALSE(may_join(3)) << "1 may stop at the exit, whatever 0 does";
   give_leave(1, 2);
   EXPECT_TRUE(may_join(3));
   put_stopped(0, east, -0.85);
   give_leave(0, 1);
-  EXPECT_FALSE(may_join(3)) << "where 0 may stand for good there is no room for 1 and 3";
+  EXPECT_FALSE(may_join(3)) << "where 0 finally stops there is no room for 1 and 3";
 }
 
-TEST_F(ConvoyFixture, counts_where_its_eyes_make_the_leader_stand) {
+TEST_F(ConvoyFixture, accounts_for_the_obstacle_sensor_that_stops_the_leader) {
   begin(half_path_m);
   give_leave(0, 2);  // 0.38 m beyond the exit
   put_stopped(5, east, -chain_m - 0.68);
-  EXPECT_FALSE(may_join(1)) << "the base ends behind 5, but 0 stops a little earlier";
+  EXPECT_FALSE(may_join(1)) << "the base ends behind 5, but 0 stops slightly earlier";
   put_stopped(5, east, -chain_m - 0.75);
   EXPECT_TRUE(may_join(1));
 }
 
-TEST_F(ConvoyFixture, costs_nobody_more_than_may_be_lost_in_all) {
+TEST_F(ConvoyFixture, costs_no_vehicle_more_than_the_total_loss_limit) {
   begin(half_path_m, {.lost_s_max = 1.5});
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
   EXPECT_FALSE(may_join(1)) << "2 would lose 1.58 s";
@@ -216,17 +217,17 @@ TEST_F(ConvoyFixture, costs_nobody_more_than_may_be_lost_in_all) {
   give_leave(1);
   put_stopped(1, east, -half_path_m);
   put_stopped(3, east, 0.0);
-  EXPECT_FALSE(may_join(3)) << "as much again";
+  EXPECT_FALSE(may_join(3)) << "2 would lose the same time again";
 }
 
-TEST_F(ConvoyFixture, is_broken_by_who_got_the_crossing_between) {
+TEST_F(ConvoyFixture, is_interrupted_by_a_vehicle_granted_the_crossing_in_between) {
   begin(half_path_m);
-  put_stopped(0, east, -0.65);  // out of the first crossing, in the second one still
+  put_stopped(0, east, -0.65);  // out of the first crossing, still in the second one
   ASSERT_TRUE(come_up(4, south, 0.0).granted);
   EXPECT_FALSE(may_join(1));
 }
 
-TEST_F(ConvoyFixture, is_none_behind_one_that_is_before_its_stop_line_still) {
+TEST_F(ConvoyFixture, is_not_formed_behind_a_leader_still_before_its_stop_line) {
   begin(half_path_m);
   put_stopped(1, east, 0.35);
   EXPECT_TRUE(may_join(1, 0.35));

@@ -13,11 +13,11 @@ namespace {
 /// A base shorter than this is not measured.
 constexpr double short_base_m = 8.0;
 constexpr double base_slack_m = 0.5;
-/// So far behind somebody is looked for who only follows.
+/// The distance behind a vehicle within which a vehicle that only follows is searched for.
 constexpr double behind_m_max = 8.0;
 constexpr double past_m = 0.25;
 
-/// Nearer to its stop line than this it stands, or nearly so, and has to speed up.
+/// A vehicle nearer to its stop line than this is stopped, or nearly so, and has to accelerate.
 constexpr double stopped_before_m = 0.10;
 
 bool ratios(const std::vector<CrossingIndex>& a, const std::vector<CrossingIndex>& b) {
@@ -169,7 +169,7 @@ void Traffic::search_on(zone::SectionId section, double start_m, double from_s_m
     const double s_m = vehicles_[other].position->s_m;
     const double distance_m = start_m + (s_m - from_s_m);
     if (other == self || s_m < from_s_m || s_m > to_s_m || distance_m > nearest.distance_m) continue;
-    // Two at the very same place: the lower number is taken to be the one in front, so that one of them can leave.
+    // Of two vehicles at exactly the same position the lower number counts as the leader, so that it can leave.
     if (distance_m == 0.0 && other > self) continue;
     nearest = {other, distance_m};
   }
@@ -189,7 +189,7 @@ Traffic::Leader Traffic::ahead_within(VehicleIndex index, double limit_m) const 
   for (std::size_t steps = 0; steps < remaining.size() + circuit.size() && travelled_m <= nearest.distance_m; ++steps) {
     const auto branches = circuit.next(path.section());
     if (!path.step()) break;
-    // Those on another branch are in the way as long as their bodies have not parted from it.
+    // Vehicles on another branch obstruct the path as long as their bodies are not clear of it.
     for (const zone::SectionId branch : branches)
       if (branch != path.section()) search_on(branch, travelled_m, 0.0, map_->parted_m(branch), index, nearest);
     search_on(path.section(), travelled_m, 0.0, everywhere, index, nearest);
@@ -235,7 +235,7 @@ bool Traffic::goes_before(const Request& a, const Request& b) const {
   const auto claim = [&](const Request& request) {
     return aiv::Claim{vehicles_[request.vehicle].priority, now_ - request.since};
   };
-  // The queue is in the order of asking.
+  // The queue is in the order of the requests.
   if (&a < &b) return aiv::keeps_its_turn(claim(a), claim(b), rules_.overtaken_at_most);
   return &a != &b && !aiv::keeps_its_turn(claim(b), claim(a), rules_.overtaken_at_most);
 }
@@ -277,7 +277,7 @@ bool Traffic::only_follows(VehicleIndex other, VehicleIndex self, const std::vec
   if (!from) return false;
   const auto distance_m = map_->ahead(*from, *vehicles_[self].position, behind_m_max, remaining(other));
   if (!distance_m || *distance_m == 0.0) return false;
-  // On a ring everybody follows everybody; it counts only where none of the crossings comes first.
+  // On a loop every vehicle follows every other; following counts only where none of the crossings lies between.
   between_.clear();
   map_->crossings_on(*from, *distance_m, between_, remaining(other));
   return !ratios(between_, crossings);
@@ -305,7 +305,7 @@ Traffic::Response Traffic::request(VehicleIndex vehicle, double exit_m, double s
     if (holder != no_vehicle && holder != vehicle && !only_follows(holder, vehicle, mine->crossings))
       return {false, x, holder, WaitReason::crossing};
   }
-  // Somebody may stand in a crossing that a third one holds; it holds nothing, but it is there.
+  // A vehicle may be stopped in a crossing that a third vehicle holds; it holds nothing, but occupies the crossing.
   for (VehicleIndex j = 0; j < vehicles_.size(); ++j) {
     if (j == vehicle || !ratios(vehicles_[j].needs, mine->crossings)) continue;
     const bool is_stopped_beside =
@@ -317,8 +317,8 @@ Traffic::Response Traffic::request(VehicleIndex vehicle, double exit_m, double s
   }
   if (!mine->has_room) return {false, first, ahead.vehicle, WaitReason::ahead};
   for (const Request& other : queue_) {
-    // Who has no room beyond could not use its turn; it keeps it, but lets others by. Who waits for a crossing that
-    // this one is in cannot have its turn before this one has gone.
+    // A vehicle without room beyond the crossing could not use its turn: it retains its turn, but lets others pass. A
+    // vehicle that waits for a crossing that this vehicle is in cannot go before this one has left.
     const bool waits_for_this =
         std::ranges::any_of(other.crossings, [&](CrossingIndex x) { return holders_[x] == vehicle; });
     if (other.vehicle != vehicle && other.has_room && !waits_for_this && goes_before(other, *mine) &&
@@ -332,7 +332,7 @@ Traffic::Response Traffic::request(VehicleIndex vehicle, double exit_m, double s
   for (const CrossingIndex x : mine->crossings) holders_[x] = vehicle;
   convoys_.record_pass(mine->vehicle, mine->crossings);
   queue_.erase(mine);
-  holds_dirty_ = true;  // a grant that no base follows is taken back by the next update
+  holds_dirty_ = true;  // a grant that no base follows is revoked by the next update
   return {true, first, no_vehicle, WaitReason::crossing};
 }
 

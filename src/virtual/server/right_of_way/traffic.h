@@ -15,69 +15,73 @@ namespace cosiva::virtual_side {
 
 /// Why one vehicle waits for another.
 enum class WaitReason : std::uint8_t {
-  ahead,      ///< that one stands before it on its way, or where it needs room beyond a crossing
-  crossing,   ///< that one holds a crossing, or stands in it
-  turn,       ///< that one asked for a crossing before it, or goes before it by its priority
-  off_path,  ///< its body, or its way onto the line, would be too near
-  sensors,    ///< this one's own eyes make it stand before that one
+  ahead,      ///< the other vehicle is ahead on its path, or where it needs room beyond a crossing
+  crossing,   ///< the other vehicle holds a crossing, or is in it
+  turn,       ///< the other vehicle requested a crossing earlier, or has the higher priority
+  neighbour,  ///< the other vehicle's body, or its path onto the circuit, would be too close
+  sensors,    ///< the vehicle's own obstacle sensor stops it in front of the other
 };
 
-/// Distances that keep vehicles apart; all between the vehicles' middles, beyond one vehicle's length.
+/// Distances that keep vehicles apart; all are between the vehicles' body origins, in addition to one vehicle length.
 struct TrafficRules {
   double gap_m{0.10};            ///< from the end of a base to the vehicle ahead
   double room_m{0.15};           ///< from a crossing's exit to the vehicle ahead
-  double request_within_m{0.7};  ///< of the stop line: nearer than this, a crossing is asked for
-  double look_ahead_m{6.0};      ///< for the vehicle ahead, unless a base is to reach further
-  SimDuration overtaken_at_most{std::chrono::seconds{10}};  ///< one that has asked for so long is overtaken by nobody
-  double lost_s_max{5.0};     ///< what one that asks loses at most, in all, by those who go before it out of their turn
-  bool convoys{true};         ///< several of one way may pass a chain together, when it pays
-  std::size_t convoy_max{3};  ///< so many in a row
+  double request_within_m{0.7};  ///< distance to the stop line from which on a crossing is requested
+  double look_ahead_m{6.0};      ///< for the leader, unless a base is to reach further
+  SimDuration overtaken_at_most{std::chrono::seconds{10}};  ///< an older request is not overtaken
+  double lost_s_max{5.0};     ///< maximum total time that a request loses to vehicles that go before it out of turn
+  bool convoys{true};         ///< several vehicles of one direction may pass a chain together when this saves time
+  std::size_t convoy_max{3};  ///< maximum number in a row
 };
 
-/// Who may go where: the vehicle ahead, and the crossings (release is reservation).
+/// Decides which vehicle may drive where: the leader of each vehicle, and the crossings (release is reservation).
 ///
-/// What a vehicle holds follows from where it last said it was and from the base it was given: every crossing on the
-/// way between. So nothing has to be given back by hand, a crossing lost in a restart is found again, and a vehicle
-/// that stands in one holds it whatever happened. New crossings are granted in whole chains or not at all, so nobody
-/// holds one while waiting for the next. Of those that ask, the higher priority goes first, and among equals who asked
-/// first; but a request that has waited `overtaken_at_most` is overtaken by nobody, so nobody starves either.
+/// The crossings that a vehicle holds follow from its last reported position and from the base it was given: every
+/// crossing on the path between. Therefore no crossing has to be released explicitly, holds are found again after a
+/// restart, and a vehicle that is stopped in a crossing always holds it. New crossings are granted in whole chains or
+/// not at all, so no vehicle holds one crossing while waiting for the next. Of several requests, the one of the vehicle
+/// with the higher priority goes first, and among equal priorities the earlier request; but a request that has waited
+/// `overtaken_at_most` is not overtaken, so no vehicle starves.
 ///
-/// A vehicle may be put between another and the crossing that the other holds already (virtual AIVs are). The other can
-/// only follow it, so it goes first: what somebody behind it on the same way holds or asks for keeps nobody back.
+/// A vehicle may be placed between another vehicle and the crossing that the other already holds (virtual AIVs are).
+/// The other can only follow, so the placed vehicle goes first: crossings that are held or requested by a vehicle
+/// behind it on the same path do not block it.
 ///
-/// Convoys: the one directly behind the last that was given a chain, at most `request_within_m` before its stop line,
-/// may pass it together with that one, without its being given back between them. There must be room for it beyond
-/// whatever those ahead do: each of them may come to stand for good at the end of the base that it has, or behind the
-/// one ahead. And it must pay: the seconds that all those together lose who ask for the chain must be fewer than the
-/// seconds that it would lose by waiting for them, times the members of the convoy still to come (it and those directly
-/// behind it). At most `convoy_max` go in a row, never before a higher priority, and never before a request that has
-/// waited `overtaken_at_most` or would lose more than `lost_s_max` in all.
+/// Convoys: the vehicle directly behind the last one that was granted a chain, at most `request_within_m` before its
+/// stop line, may pass the chain together with its leader, without a release of the chain between them. There must be
+/// room for the vehicle beyond the chain, whatever the vehicles ahead do: each of them may finally stop at the end of
+/// its present base, or behind its leader. In addition, the convoy must save time: the total time that all vehicles
+/// requesting the chain lose must be less than the time that the joining vehicle would lose by waiting for them,
+/// multiplied by the number of convoy members still to come (that vehicle and those directly behind it). At most
+/// `convoy_max` vehicles go in a row, never before a higher priority, and never before a request that has waited
+/// `overtaken_at_most` or would lose more than `lost_s_max` in total.
 ///
-/// With convoys, one that has to wait for a third one anyway also lets others by who will be gone by then, or cost it
-/// no more than what is left of its `lost_s_max`. Without that, opposite ways that have come out of step pass one after
-/// the other for ever, where they could pass together.
+/// With convoys, a vehicle that has to wait for a third vehicle also lets other vehicles pass that will have left by
+/// then, or that cost it no more than the remainder of its `lost_s_max`. Without this rule, vehicles of opposite
+/// directions that are out of step would pass one after the other permanently, where they could pass together.
 ///
-/// Each vehicle looks along its own course; without one, along default successors. Of two that took different branches
-/// neither is ahead of the other once their bodies have parted.
+/// The leader of a vehicle is searched for along its own course; without a course, along default successors. Of two
+/// vehicles that took different branches neither is ahead of the other once their bodies are clear of each other.
 ///
-/// Invariant: each crossing has at most one holder, which is one of the vehicles.
+/// Invariant: each crossing has at most one holder, and the holder is one of the vehicles.
 class Traffic {
  public:
   explicit Traffic(TrafficRules rules = {}) : rules_{rules} {}
 
   [[nodiscard]] const TrafficRules& rules() const { return rules_; }
-  void set_map(const WaypointGraph* map);  ///< forgets every place, course, hold and request
+  void set_map(const WaypointGraph* map);  ///< discards all positions, courses, holds and requests
   void resize(std::size_t vehicles);
 
-  /// The last reported place; nothing: it is not on the way of others.
+  /// The last reported track position; nothing: the vehicle is not on the path of others.
   void set_position(VehicleIndex vehicle, std::optional<zone::TrackPosition> position);
   void set_priority(VehicleIndex vehicle, std::int32_t priority) { vehicles_[vehicle].priority = priority; }
   void set_time(SimTime now) { now_ = now; }
-  /// It has been taken away.
+  /// The vehicle has been removed.
   void forget(VehicleIndex vehicle);
-  /// The end of the base it was given, whether it has said so or not; no_waypoint: none.
+  /// The end of the base that was sent to the vehicle, whether or not the vehicle has reported the base; no_waypoint:
+  /// none.
   void set_base_end(VehicleIndex vehicle, WaypointIndex end);
-  /// It says that it has driven its base to the end; until the next base.
+  /// The vehicle reports that it has reached the end of its base; valid until the next base.
   void set_base_passed(VehicleIndex vehicle, bool passed);
   [[nodiscard]] WaypointIndex base_end(VehicleIndex vehicle) const { return vehicles_[vehicle].base_end; }
   [[nodiscard]] const std::optional<zone::TrackPosition>& track_position(VehicleIndex vehicle) const {
@@ -86,31 +90,32 @@ class Traffic {
 
   void set_course(VehicleIndex vehicle, zone::Course course);
   void extend_course(VehicleIndex vehicle, Sections more);
-  /// Keeps the next `keep` sections of what is to come.
+  /// Retains the next `keep` sections of coming().
   void cut_course(VehicleIndex vehicle, std::size_t keep);
-  /// It is there, whether in the way of others or not.
+  /// The vehicle's track position, whether or not the vehicle is on the path of others.
   void follow(VehicleIndex vehicle, zone::TrackPosition position);
   [[nodiscard]] const zone::Course& course(VehicleIndex vehicle) const { return vehicles_[vehicle].course; }
   [[nodiscard]] bool on_course(VehicleIndex vehicle) const { return vehicles_[vehicle].on_course; }
-  /// After the section it is on; empty when it is off its course, or has none.
+  /// The sections of the course after the present one; empty when the vehicle is off its course or has none.
   [[nodiscard]] Sections remaining(VehicleIndex vehicle) const {
     return vehicles_[vehicle].on_course ? vehicles_[vehicle].course.remaining() : Sections{};
   }
   [[nodiscard]] Sections traversed(VehicleIndex vehicle) const {
     return vehicles_[vehicle].on_course ? vehicles_[vehicle].course.traversed() : Sections{};
   }
-  /// From `place` along its course to the end of its base; nothing: it has none, or that is not where its way leads.
+  /// From `place` along the vehicle's course to the end of its base; nothing: the vehicle has no base, or its course
+  /// does not lead to that end.
   [[nodiscard]] std::optional<double> base_left_m(VehicleIndex vehicle, zone::TrackPosition position) const;
-  /// What its course holds beyond the end of its base.
+  /// The part of a vehicle's course beyond the end of its base.
   struct Beyond {
     std::size_t keep;                       ///< sections of coming() up to the one that the base ends on
-    std::vector<zone::SectionId> sections;  ///< after that one
+    std::vector<zone::SectionId> sections;  ///< after that section
   };
   [[nodiscard]] Beyond beyond_base(VehicleIndex vehicle, zone::TrackPosition position) const;
   [[nodiscard]] bool base_passed(VehicleIndex vehicle) const { return vehicles_[vehicle].base_passed; }
   [[nodiscard]] double base_m_max(VehicleIndex vehicle) const { return vehicles_[vehicle].base_m_max; }
 
-  /// Works out vehicles ahead and holds from places, courses and bases; call after changes and before asking.
+  /// Computes leaders and holds from positions, courses and bases; to be called after changes and before queries.
   void update();
 
   struct Leader {
@@ -118,40 +123,41 @@ class Traffic {
     double distance_m{std::numeric_limits<double>::infinity()};
   };
   [[nodiscard]] const Leader& ahead(VehicleIndex vehicle) const { return vehicles_[vehicle].ahead; }
-  /// Looks as far as `limit_m`, be it further than usual.
+  /// Searches as far as `limit_m`, even when this is further than usual.
   [[nodiscard]] Leader ahead_within(VehicleIndex vehicle, double limit_m) const;
-  /// How far the end of a base may reach from the vehicle's last reported place, where it is to reach `wanted_m`.
+  /// How far the end of a base may be from the vehicle's last reported position, when `wanted_m` is wanted.
   [[nodiscard]] double reach_m(VehicleIndex vehicle, double wanted_m = 0.0) const;
   [[nodiscard]] bool holds_all(VehicleIndex vehicle, double distance_m);
 
   struct Response {
     bool granted{false};
-    CrossingIndex waits_for{0};           ///< the first that is not free, when a crossing is what it waits for
-    VehicleIndex blocked_by{no_vehicle};  ///< who holds it, stands in the way beyond, or asked earlier
+    CrossingIndex waits_for{0};  ///< the first crossing that is not free, when the vehicle waits for a crossing
+    VehicleIndex blocked_by{no_vehicle};  ///< holds it, obstructs the path beyond, or requested earlier
     WaitReason why{WaitReason::crossing};
   };
-  /// Asks for all crossings up to the exit of a chain, `exit_m` ahead of the vehicle's place; its stop line is `stop_m`
-  /// ahead. The first asking fixes its turn. Of those that stand in one crossing together its holder may leave it:
-  /// whether body passes body is for who asks to see.
+  /// Requests all crossings up to the exit of a chain, `exit_m` ahead of the vehicle's position; the chain's stop line
+  /// is `stop_m` ahead. The first request determines the vehicle's turn. Of several vehicles in one crossing its holder
+  /// may leave it: the caller has to check that the bodies pass each other.
   Response request(VehicleIndex vehicle, double exit_m, double stop_m = 0.0);
-  /// Whether it may pass that chain in convoy with the one ahead, whatever the turns. Its base then reaches beyond that
-  /// one's place: its own eyes keep it apart.
+  /// Whether the vehicle may pass that chain in convoy with its leader, regardless of the order of requests. Its base
+  /// then reaches beyond its leader's position: its own obstacle sensor keeps the distance.
   [[nodiscard]] bool may_join(VehicleIndex vehicle, double exit_m, double stop_m);
   struct Convoy {
-    std::size_t size;  ///< with who joined last
+    std::size_t size;  ///< including the vehicle that joined last
     std::vector<CrossingIndex> crossings;
   };
-  /// It joins it (it may: checked). A base has to follow.
+  /// The vehicle joins the convoy (may_join() holds: checked). A base has to follow.
   Convoy join(VehicleIndex vehicle);
   void withdraw(VehicleIndex vehicle);
   [[nodiscard]] bool requests(VehicleIndex vehicle, CrossingIndex crossing) const;
-  /// It stands, without a base, in a crossing that somebody else holds, as may be after a switch of zones.
+  /// The vehicle is stopped, without a base, in a crossing that another vehicle holds; possible after a switch of
+  /// zones.
   [[nodiscard]] bool is_in_others_crossing(VehicleIndex vehicle) const;
 
   [[nodiscard]] VehicleIndex holder(CrossingIndex crossing) const { return holders_[crossing]; }
-  /// Who waits for a crossing, in the order in which they will be served.
+  /// The vehicles that wait for a crossing, in the order in which they will be served.
   [[nodiscard]] std::vector<VehicleIndex> waiting(CrossingIndex crossing) const;
-  /// How often somebody joined one.
+  /// Number of times that a vehicle joined a convoy.
   [[nodiscard]] std::uint64_t convoys() const { return convoys_.count(); }
   [[nodiscard]] double stopped_m() const;  ///< a vehicle's length and the gap
 
@@ -162,21 +168,22 @@ class Traffic {
     bool has_room{false};
     double stop_m{0.0};
     double exit_m{0.0};
-    double lost_s{0.0};  ///< by those who were let by, as guessed when they were
+    double lost_s{0.0};  ///< to vehicles that were let pass, as estimated at that time
   };
   /// The open requests for crossings, oldest first.
   [[nodiscard]] const std::vector<Request>& requests() const { return queue_; }
   [[nodiscard]] bool has_waited(const Request& request) const {
     return now_ - request.since >= rules_.overtaken_at_most;
   }
-  /// From a vehicle's report over its order to its wheels.
+  /// From a vehicle's report through its order to its wheels.
   static constexpr double latency_s = 0.3;
-  /// Of one that asks: to its stop line, which is `stop_m` ahead, and so far, at the medium speed.
+  /// The time for `length_m` at the medium speed, plus the acceleration time of a vehicle that is stopped at its stop
+  /// line, `stop_m` ahead.
   [[nodiscard]] double run_s(double stop_m, double length_m) const;
   [[nodiscard]] const WaypointGraph& map() const { return *map_; }
   [[nodiscard]] VehicleIndex vehicle_count() const { return static_cast<VehicleIndex>(vehicles_.size()); }
   [[nodiscard]] std::int32_t priority(VehicleIndex vehicle) const { return vehicles_[vehicle].priority; }
-  /// The crossings up to the end of its base.
+  /// The crossings up to the end of the vehicle's base.
   [[nodiscard]] const std::vector<CrossingIndex>& needs(VehicleIndex vehicle) const { return vehicles_[vehicle].needs; }
 
   void fold(Digest& digest) const;
@@ -188,14 +195,14 @@ class Traffic {
     bool on_course{false};
     WaypointIndex base_end{no_waypoint};
     bool base_passed{false};
-    double base_m_max{};  ///< how long the base can be at most; one that seems longer has been driven to its end
+    double base_m_max{};  ///< maximum length of the base; a base that seems longer has been driven to its end
     Leader ahead;
     std::vector<CrossingIndex> needs;
     std::int32_t priority{0};
   };
   [[nodiscard]] bool goes_before(const Request& a, const Request& b) const;
-  /// Of `other`, whose turn is before and who waits for a third one: so long it waits for `mine` beyond that. Nothing:
-  /// it waits for no third one.
+  /// The time that `other`, whose turn is earlier and which waits for a third vehicle, would wait for `mine` in
+  /// addition. Nothing: `other` waits for no third vehicle.
   [[nodiscard]] std::optional<double> loses_s(const Request& other, const Request& mine) const;
   [[nodiscard]] bool lets_by(const Request& other, const Request& mine) const;
   [[nodiscard]] bool only_follows(VehicleIndex other, VehicleIndex self, const std::vector<CrossingIndex>& crossings);
@@ -209,7 +216,7 @@ class Traffic {
   TrafficRules rules_;
   const WaypointGraph* map_{};
   std::vector<Vehicle> vehicles_;
-  std::vector<std::pair<zone::SectionId, VehicleIndex>> by_section_;  ///< those with a place, sorted
+  std::vector<std::pair<zone::SectionId, VehicleIndex>> by_section_;  ///< the vehicles with a position, sorted
   std::vector<VehicleIndex> holders_;                                 ///< by crossing
   std::vector<Request> queue_;                                        ///< oldest first
   Convoys convoys_;

@@ -13,7 +13,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 
 /// The clover has four straights of 1.5 m that cross pairwise 0.6 m and 0.9 m from their starts; sections 0, 2, 4, 6.
-/// Nobody is let by, and there are no convoys.
+/// No vehicle lets another pass out of turn, and there are no convoys.
 class CloverTraffic : public testing::Test {
  protected:
   CloverTraffic() {
@@ -48,7 +48,7 @@ class CloverTraffic : public testing::Test {
   Traffic traffic{{.convoys = false}};
 };
 
-TEST_F(CloverTraffic, finds_two_crossings_behind_each_stop_line_and_takes_them_as_one) {
+TEST_F(CloverTraffic, finds_two_crossings_behind_each_stop_line_and_treats_them_as_one) {
   ASSERT_EQ(map.crossing_count(), 4U);
   for (const zone::SectionId straight : {0U, 2U, 4U, 6U}) {
     const WaypointIndex stop = stop_on(straight);
@@ -56,21 +56,21 @@ TEST_F(CloverTraffic, finds_two_crossings_behind_each_stop_line_and_takes_them_a
     std::vector<CrossingIndex> met;
     map.crossings_on(map.waypoint(stop).position, map.chain(stop).length_m, met);
     EXPECT_EQ(met.size(), 2U);
-    // Bodies 0.20 m × 0.12 m touch within 0.16 m of the middle of a crossing, plus clearance: 0.6 − 0.20 > s > 0.9 +
+    // Bodies 0.20 m × 0.12 m touch within 0.16 m of the centre of a crossing, plus clearance: 0.6 − 0.20 > s > 0.9 +
     // 0.20.
     EXPECT_LT(map.waypoint(stop).position.s_m, 0.44);
     EXPECT_GT(map.waypoint(map.chain(stop).exit).position.s_m, 1.06);
   }
 }
 
-TEST_F(CloverTraffic, grants_a_free_chain_whole) {
+TEST_F(CloverTraffic, grants_a_free_chain_as_a_whole) {
   stop_before(0, 0);
   EXPECT_TRUE(request_crossing(0, 0).granted);
   drive_to_exit(0, 0);
   EXPECT_EQ(held_by(0), 2U);
 }
 
-TEST_F(CloverTraffic, gives_nothing_when_one_crossing_of_the_chain_is_taken) {
+TEST_F(CloverTraffic, grants_nothing_when_one_crossing_of_the_chain_is_held) {
   stop_before(0, 0);
   ASSERT_TRUE(request_crossing(0, 0).granted);
   drive_to_exit(0, 0);
@@ -89,14 +89,14 @@ TEST_F(CloverTraffic, lets_opposite_straights_go_together) {
   EXPECT_TRUE(request_crossing(1, 4).granted);
 }
 
-TEST_F(CloverTraffic, takes_back_a_grant_that_no_base_followed) {
+TEST_F(CloverTraffic, revokes_a_grant_that_no_base_followed) {
   stop_before(0, 0);
   ASSERT_TRUE(request_crossing(0, 0).granted);
   traffic.update();
   EXPECT_EQ(held_by(0), 0U);
 }
 
-TEST_F(CloverTraffic, gives_a_crossing_back_as_soon_as_the_vehicle_reports_to_be_beyond_it) {
+TEST_F(CloverTraffic, releases_a_crossing_as_soon_as_the_vehicle_reports_a_position_beyond_it) {
   stop_before(0, 0);
   ASSERT_TRUE(request_crossing(0, 0).granted);
   drive_to_exit(0, 0);
@@ -106,7 +106,7 @@ TEST_F(CloverTraffic, gives_a_crossing_back_as_soon_as_the_vehicle_reports_to_be
       if (span.section == 0) first_span_end_m = std::min(first_span_end_m, span.to_m);
   traffic.set_position(0, zone::TrackPosition{0, first_span_end_m});
   traffic.update();
-  EXPECT_EQ(held_by(0), 2U) << "not at its very end: 1 cm more";
+  EXPECT_EQ(held_by(0), 2U) << "left only 1 cm beyond its end";
   traffic.set_position(0, zone::TrackPosition{0, first_span_end_m + 0.03});
   traffic.update();
   EXPECT_EQ(held_by(0), 1U);
@@ -115,8 +115,8 @@ TEST_F(CloverTraffic, gives_a_crossing_back_as_soon_as_the_vehicle_reports_to_be
   EXPECT_EQ(held_by(0), 0U);
 }
 
-// Where it stops there is a crossing's exit; no vehicle stops to the last micrometre.
-TEST_F(CloverTraffic, counts_one_that_stopped_a_hair_before_its_exit_as_beyond_the_crossing) {
+// The vehicle stops at a crossing's exit, and no vehicle stops with an accuracy of a micrometre.
+TEST_F(CloverTraffic, counts_a_vehicle_stopped_slightly_before_the_exit_as_beyond_the_crossing) {
   stop_before(0, 0);
   ASSERT_TRUE(request_crossing(0, 0).granted);
   drive_to_exit(0, 0);
@@ -131,8 +131,8 @@ TEST_F(CloverTraffic, counts_one_that_stopped_a_hair_before_its_exit_as_beyond_t
   EXPECT_TRUE(request_crossing(1, 2).granted);
 }
 
-/// 0 is in the eastward straight's crossings. North needs its second one, south its first; west none of them, but one
-/// of each of the other two.
+/// Vehicle 0 is in the crossings of the eastward straight. The northward straight needs the second of these crossings,
+/// the southward straight the first; the westward straight needs neither, but one crossing of each of the other two.
 class CloverTurns : public CloverTraffic {
  protected:
   void begin(const TrafficRules& rules = {}) {
@@ -155,33 +155,33 @@ class CloverTurns : public CloverTraffic {
   static constexpr zone::SectionId south = 6;
 };
 
-TEST_F(CloverTurns, are_given_up_to_who_will_be_gone_before_they_can_be_taken) {
+TEST_F(CloverTurns, are_yielded_to_a_vehicle_that_will_have_left_before_they_can_be_used) {
   begin();
   refuse(1, north, 0);
   stop_before(2, west);
-  EXPECT_TRUE(request_crossing(2, west).granted) << "it is out of north's way when 0 is";
+  EXPECT_TRUE(request_crossing(2, west).granted) << "it has cleared north's path when 0 has";
 }
 
-TEST_F(CloverTurns, are_kept_where_that_would_cost_more_than_may_be_lost) {
+TEST_F(CloverTurns, are_retained_where_yielding_would_exceed_the_loss_limit) {
   begin({.lost_s_max = 1.0});
   refuse(1, south, 0);
-  refuse(2, west, 1);  // south could begin 1.45 s before west is out of its way
+  refuse(2, west, 1);  // south could begin 1.45 s before west has cleared its path
   begin({.lost_s_max = 1.5});
   refuse(1, south, 0);
   stop_before(2, west);
   EXPECT_TRUE(request_crossing(2, west).granted);
 }
 
-TEST_F(CloverTurns, are_lost_for_so_long_in_all_however_many_there_are) {
+TEST_F(CloverTurns, are_yielded_up_to_the_loss_limit_in_total) {
   begin({.lost_s_max = 2.0});
   refuse(1, south, 0);
   stop_before(2, west);
   ASSERT_TRUE(request_crossing(2, west).granted);
-  traffic.update();  // no base follows: it is as if it were gone, and the next there
+  traffic.update();  // no base follows: as if the vehicle had left and the next had arrived
   refuse(2, west, 1);
 }
 
-TEST_F(CloverTurns, are_not_given_up_to_lower_priorities_nor_after_ten_seconds) {
+TEST_F(CloverTurns, are_not_yielded_to_lower_priorities_nor_after_ten_seconds) {
   begin();
   traffic.set_priority(1, 1);
   refuse(1, north, 0);
@@ -193,7 +193,7 @@ TEST_F(CloverTurns, are_not_given_up_to_lower_priorities_nor_after_ten_seconds) 
   refuse(2, west, 1);
 }
 
-TEST_F(CloverTurns, are_kept_while_the_crossing_is_free) {
+TEST_F(CloverTurns, are_retained_while_the_crossing_is_free) {
   begin();
   traffic.set_position(0, std::nullopt);
   traffic.update();
@@ -207,20 +207,20 @@ TEST_F(CloverTurns, are_kept_while_the_crossing_is_free) {
   refuse(0, east, 1);
 }
 
-TEST_F(CloverTraffic, lets_one_go_on_that_stands_in_a_crossing_for_which_another_asked_before_it) {
+TEST_F(CloverTraffic, lets_a_vehicle_stopped_in_a_crossing_leave_although_another_requested_it_earlier) {
   stop_before(0, 2);
   traffic.set_position(1, zone::TrackPosition{4, 0.6});
   traffic.update();
   traffic.set_time(SimTime{1s});
   const auto first = request_crossing(0, 2);
-  ASSERT_FALSE(first.granted) << "it asks for the crossing that the other stands in";
+  ASSERT_FALSE(first.granted) << "it requests the crossing that the other is stopped in";
   EXPECT_EQ(first.blocked_by, 1U);
   traffic.set_time(SimTime{20s});
-  // Far beyond any turn's patience: the one that asked first can still not go before the other has.
+  // Long after `overtaken_at_most`: the vehicle that requested first still cannot go before the other has left.
   EXPECT_TRUE(traffic.request(1, 1.2 - 0.6).granted);
 }
 
-TEST_F(CloverTraffic, keeps_the_crossing_of_a_vehicle_that_stands_in_it_whatever_happened) {
+TEST_F(CloverTraffic, always_holds_the_crossing_for_a_vehicle_that_is_stopped_in_it) {
   traffic.set_position(0, zone::TrackPosition{0, 0.6});
   traffic.update();
   EXPECT_GE(held_by(0), 1U);
@@ -229,7 +229,7 @@ TEST_F(CloverTraffic, keeps_the_crossing_of_a_vehicle_that_stands_in_it_whatever
   EXPECT_FALSE(request_crossing(1, 2).granted && request_crossing(2, 6).granted);
 }
 
-TEST_F(CloverTraffic, does_not_count_a_vehicle_that_stopped_a_centimetre_late_as_standing_in_the_crossing) {
+TEST_F(CloverTraffic, does_not_count_a_vehicle_that_stopped_a_centimetre_late_as_in_the_crossing) {
   traffic.set_position(0, zone::TrackPosition{0, stop_s(0) + 0.03});
   traffic.update();
   EXPECT_EQ(held_by(0), 0U);
@@ -241,7 +241,7 @@ TEST_F(CloverTraffic, serves_the_first_request_first) {
   stop_before(2, 4);
   ASSERT_TRUE(request_crossing(0, 0).granted);
   drive_to_exit(0, 0);
-  EXPECT_FALSE(request_crossing(1, 2).granted) << "1 asked before 2 and shares a crossing with it";
+  EXPECT_FALSE(request_crossing(1, 2).granted) << "1 requested before 2 and has a crossing in common with it";
   EXPECT_FALSE(request_crossing(2, 4).granted);
   EXPECT_EQ(request_crossing(2, 4).blocked_by, 1U);
   traffic.set_position(0, zone::TrackPosition{0, 1.3});
@@ -251,19 +251,19 @@ TEST_F(CloverTraffic, serves_the_first_request_first) {
   EXPECT_TRUE(request_crossing(1, 2).granted);
 }
 
-TEST_F(CloverTraffic, serves_the_higher_priority_before_one_that_asked_earlier) {
+TEST_F(CloverTraffic, serves_the_higher_priority_before_an_earlier_request) {
   stop_before(0, 0);
   stop_before(1, 2);
   stop_before(2, 4);
   ASSERT_TRUE(request_crossing(0, 0).granted);
   drive_to_exit(0, 0);
   EXPECT_FALSE(request_crossing(1, 2).granted);
-  EXPECT_FALSE(request_crossing(2, 4).granted) << "it asked later";
+  EXPECT_FALSE(request_crossing(2, 4).granted) << "it requested later";
   traffic.set_priority(2, 5);
   EXPECT_TRUE(request_crossing(2, 4).granted);
 }
 
-TEST_F(CloverTraffic, lets_nobody_overtake_one_that_has_waited_ten_seconds) {
+TEST_F(CloverTraffic, lets_no_vehicle_overtake_one_that_has_waited_ten_seconds) {
   stop_before(0, 0);
   stop_before(1, 2);
   ASSERT_TRUE(request_crossing(0, 0).granted);
@@ -287,14 +287,14 @@ TEST_F(CloverTraffic, lets_nobody_overtake_one_that_has_waited_ten_seconds) {
   EXPECT_EQ(later.blocked_by, 1U);
 }
 
-TEST_F(CloverTraffic, starves_nobody_beside_a_stream_of_higher_priority) {
+TEST_F(CloverTraffic, starves_no_vehicle_next_to_a_stream_of_higher_priority) {
   traffic.set_priority(1, 999);
   traffic.set_priority(2, 999);
-  stop_before(0, 2);  // of no priority; 0 and 4 cross its way
+  stop_before(0, 2);  // without priority; straights 0 and 4 cross its path
   SimTime now = virtual_epoch;
   SimDuration waited{};
   bool served = false;
-  // Two others take turns: as one leaves the crossings, the next one asks.
+  // Two other vehicles alternate: as one leaves the crossings, the next one requests them.
   for (int turn = 0; turn < 60 && !served; ++turn, now += 1s, waited += 1s) {
     const VehicleIndex other = 1 + static_cast<VehicleIndex>(turn % 2);
     const zone::SectionId from = turn % 2 == 0 ? 0U : 4U;
@@ -313,12 +313,12 @@ TEST_F(CloverTraffic, starves_nobody_beside_a_stream_of_higher_priority) {
   EXPECT_LE(waited, 12s);
 }
 
-TEST_F(CloverTraffic, lets_one_that_was_put_before_the_holder_go_first) {
+TEST_F(CloverTraffic, lets_a_vehicle_placed_in_front_of_the_holder_go_first) {
   stop_before(0, 0, 0.5);
   ASSERT_TRUE(request_crossing(0, 0, 0.5).granted);
   drive_to_exit(0, 0);
   ASSERT_EQ(held_by(0), 2U);
-  stop_before(1, 0);  // a virtual AIV, added in its way
+  stop_before(1, 0);  // a virtual AIV, added on its path
   EXPECT_TRUE(request_crossing(1, 0).granted) << "the holder can only follow it";
   drive_to_exit(1, 0);
   EXPECT_EQ(held_by(1), 2U);
@@ -329,8 +329,9 @@ TEST_F(CloverTraffic, lets_one_that_was_put_before_the_holder_go_first) {
   EXPECT_EQ(held_by(0), 2U) << "its base still leads through them";
 }
 
-TEST_F(CloverTraffic, does_not_let_one_go_before_a_holder_that_comes_to_the_crossing_first) {
-  // On the ring everybody is somewhere ahead of everybody; but the way of 0 to 1 leads through what 1 asks for.
+TEST_F(CloverTraffic, does_not_let_a_vehicle_go_before_a_holder_that_reaches_the_crossing_first) {
+  // On the loop every vehicle is ahead of every other; but the path from 0 to 1 leads through the crossings that 1
+  // requests.
   stop_before(0, 0);
   ASSERT_TRUE(request_crossing(0, 0).granted);
   drive_to_exit(0, 0);
@@ -338,7 +339,7 @@ TEST_F(CloverTraffic, does_not_let_one_go_before_a_holder_that_comes_to_the_cros
   EXPECT_FALSE(request_crossing(1, 2).granted);
 }
 
-TEST_F(CloverTraffic, keeps_priorities_over_a_change_of_the_zone) {
+TEST_F(CloverTraffic, preserves_priorities_over_a_change_of_the_zone) {
   traffic.set_priority(2, 7);
   traffic.set_map(nullptr);
   traffic.set_map(&map);
@@ -351,8 +352,8 @@ TEST_F(CloverTraffic, keeps_priorities_over_a_change_of_the_zone) {
   EXPECT_TRUE(request_crossing(2, 4).granted);
 }
 
-TEST_F(CloverTraffic, lets_others_by_while_there_is_no_room_beyond_and_keeps_the_turn) {
-  // A vehicle stands just beyond the exit of the north-bound straight.
+TEST_F(CloverTraffic, lets_others_pass_while_there_is_no_room_beyond_and_retains_the_turn) {
+  // A vehicle is stopped just beyond the exit of the northward straight.
   traffic.set_position(2, zone::TrackPosition{2, 1.25});
   stop_before(0, 2);
   stop_before(1, 0);
@@ -362,7 +363,7 @@ TEST_F(CloverTraffic, lets_others_by_while_there_is_no_room_beyond_and_keeps_the
   EXPECT_TRUE(request_crossing(1, 0).granted);
 }
 
-TEST_F(CloverTraffic, forgets_a_request_that_is_withdrawn) {
+TEST_F(CloverTraffic, removes_a_withdrawn_request) {
   stop_before(0, 0);
   stop_before(1, 2);
   stop_before(2, 4);
@@ -373,7 +374,7 @@ TEST_F(CloverTraffic, forgets_a_request_that_is_withdrawn) {
   EXPECT_TRUE(request_crossing(2, 4).granted);
 }
 
-TEST_F(CloverTraffic, names_those_who_wait_in_order) {
+TEST_F(CloverTraffic, lists_the_waiting_vehicles_of_each_crossing) {
   stop_before(0, 0);
   stop_before(1, 2);
   stop_before(2, 6);
@@ -387,7 +388,7 @@ TEST_F(CloverTraffic, names_those_who_wait_in_order) {
   EXPECT_THAT(all, testing::UnorderedElementsAre(1, 1, 2, 2));
 }
 
-TEST_F(CloverTraffic, reaches_no_nearer_than_a_gap_behind_the_vehicle_ahead) {
+TEST_F(CloverTraffic, lets_a_base_reach_no_nearer_than_a_gap_behind_the_leader) {
   traffic.set_position(0, zone::TrackPosition{1, 0.5});
   traffic.set_position(1, zone::TrackPosition{1, 1.5});
   traffic.update();
@@ -414,7 +415,7 @@ struct Fleet {
   int touches{0};
 };
 
-TEST(Fleet, of_twelve_circulates_without_touching_on_a_lossy_link) {
+TEST(Fleet, of_twelve_vehicles_circulates_without_contact_on_a_lossy_link) {
   Fleet fleet{12, 0.02};
   ASSERT_EQ(fleet.fixture.vehicles.size(), 12U);
   fleet.fixture.run_for(120s);
@@ -425,7 +426,7 @@ TEST(Fleet, of_twelve_circulates_without_touching_on_a_lossy_link) {
   }
 }
 
-TEST(Fleet, goes_round_a_vehicle_that_died_on_a_loop_by_waiting_behind_it_and_goes_on_when_it_is_back) {
+TEST(Fleet, waits_behind_a_vehicle_that_failed_on_a_loop_and_continues_when_it_returns) {
   Fleet fleet{4};
   fleet.fixture.run_for(10s);
   FixtureVehicle& dead = *fleet.fixture.vehicles[0];
@@ -443,7 +444,7 @@ TEST(Fleet, goes_round_a_vehicle_that_died_on_a_loop_by_waiting_behind_it_and_go
   for (std::size_t i = 0; i < 4; ++i) EXPECT_GT(fleet.fixture.vehicles[i]->driven_m, driven[i] + 3.0);
 }
 
-TEST(Fleet, goes_on_after_the_server_restarts_with_vehicles_in_the_crossings) {
+TEST(Fleet, continues_after_the_server_restarts_with_vehicles_in_the_crossings) {
   Fleet fleet{8, 0.02};
   for (int i = 0; i < 5; ++i) {
     fleet.fixture.run_for(8s);

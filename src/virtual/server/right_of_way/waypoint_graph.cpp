@@ -10,10 +10,10 @@ namespace {
 
 constexpr double entered_m = 0.04;
 constexpr double left_m = 0.01;
-constexpr double late_m = 0.02;  ///< one that stands so far into a span stopped late before it
+constexpr double late_m = 0.02;  ///< a vehicle this far into a span stopped late in front of the span
 constexpr double overshoot_m = 0.25;
-constexpr double at_node_m = 0.05;  ///< a vehicle nearer than this to a waypoint stands on it
-/// Sections without a waypoint between two of them, as far as anybody has one; a hostile file has more.
+constexpr double at_node_m = 0.05;  ///< a vehicle nearer than this to a waypoint is on the waypoint
+/// Limit of the sections without a waypoint that are searched; only a malicious file has more.
 constexpr std::size_t searched_max = 4096;
 
 void add_once(std::vector<CrossingIndex>& out, CrossingIndex crossing) {
@@ -85,7 +85,8 @@ void WaypointGraph::lay_stretches_from(WaypointIndex from) {
     stretches_.push_back({from + 1, waypoint(from + 1).position.s_m - start.s_m, {}, false, {}, {}});
     return;
   }
-  // To each section once, by the shortest way: an order names nodes, and between two of them that is the one meant.
+  // Each section is reached once, by the shortest route: an order names nodes, and the shortest route between two nodes
+  // is the intended one.
   struct Reached {
     zone::SectionId section;
     double start_m;
@@ -167,7 +168,7 @@ WaypointGraph::Chain WaypointGraph::chain(WaypointIndex stop, Sections remaining
   Chain first;
   WaypointIndex at = stop;
   std::size_t passed = 0;
-  // Waypoints are laid only where one may stand. Stretches that follow without a free one between them are one chain.
+  // Waypoints exist only where a vehicle may stop. Consecutive stretches without a free one between them are one chain.
   for (std::size_t steps = 0; steps < chain_max; ++steps) {
     const Stretch* next = along(at, remaining.subspan(std::min(passed, remaining.size())));
     if (next == nullptr || !next->crosses || (steps > 0 && next->to == stop)) return chain;
@@ -178,7 +179,7 @@ WaypointGraph::Chain WaypointGraph::chain(WaypointIndex stop, Sections remaining
     at = next->to;
     if (at == goal && passed >= remaining.size()) return chain;
   }
-  // Where every way crosses another there is no place to stand; then one goes from node to node.
+  // Where every path crosses another there is no position to stop at; then vehicles drive from node to node.
   return first;
 }
 
@@ -255,7 +256,7 @@ std::optional<double> WaypointGraph::base_left(zone::TrackPosition track_positio
                                                Sections remaining, bool passed) const {
   const zone::TrackPosition end_position = waypoint(end).position;
   if (!passed) {
-    // Where a way comes back soon, what lies just behind may be what lies at its end.
+    // On a short loop, a position just behind the vehicle may also be at the end of its path.
     if (const auto ahead_m = ahead(track_position, end_position, limit_m, remaining)) return ahead_m;
   }
   if (zone_->circuit.shortest_route(end_position, track_position, overshoot_m)) return 0.0;
@@ -265,7 +266,7 @@ std::optional<double> WaypointGraph::base_left(zone::TrackPosition track_positio
 std::optional<WaypointGraph::Through> WaypointGraph::through(zone::TrackPosition track_position,
                                                              std::span<const std::string_view> ids,
                                                              std::size_t released) const {
-  // Which of an id's waypoints is meant shows only at the next one: all of them are followed.
+  // The next id determines which of an id's waypoints is meant: all of them are followed.
   struct Trail {
     WaypointIndex at;
     Through through;
@@ -298,7 +299,7 @@ std::optional<WaypointGraph::Through> WaypointGraph::through(zone::TrackPosition
       }
     }
     if (on.empty()) {
-      // The horizon may lead where this zone does not know; the base must not.
+      // The horizon may lead to nodes unknown to this zone; the base must not.
       if (i < released) return std::nullopt;
       break;
     }
@@ -323,7 +324,7 @@ void WaypointGraph::crossings_on(zone::TrackPosition track_position, double dist
   const zone::Circuit& circuit = zone_->circuit;
   double from_m = track_position.s_m - left_m;
   double rest_m = distance_m;
-  // What was left just behind the joint still counts by its 2 cm.
+  // A crossing that was left just behind the joint of two sections still counts for its 2 cm.
   if (from_m < 0.0) {
     for (const zone::SectionId before : circuit.previous(track_position.section)) {
       const double end_m = circuit.section(before).length_m();
@@ -336,7 +337,7 @@ void WaypointGraph::crossings_on(zone::TrackPosition track_position, double dist
     const bool first = steps == 0;
     const double end_m = circuit.section(ahead.section()).length_m();
     const double reach_m = std::min(end_m, at_m + rest_m);
-    // Without way to go, only what it stands in counts.
+    // Without a remaining distance, only the crossings that the vehicle is in count.
     spans_on(ahead.section(), first ? from_m : at_m, rest_m > 0.0 ? reach_m : at_m - late_m, first, out);
     rest_m -= end_m - at_m;
     if (rest_m <= 0.0 || !ahead.step()) return;

@@ -24,7 +24,7 @@ std::optional<wire::Action> MapDeployment::next_action(VehicleIndex vehicle, con
     return action("downloadMap", {{"mapId", map.id}, {"mapVersion", map.version}, {"mapDownloadLink", map.link}});
   if (known != maps.end() && !known->enabled && can("enableMap"))
     return action("enableMap", {{"mapId", map.id}, {"mapVersion", known->map_version}});
-  // One that says nothing of maps may know this one all the same; one that lists them without it does not.
+  // A vehicle that reports no maps may still know this one; a vehicle that lists maps without this one does not.
   if ((known != maps.end() || maps.empty()) && can("initPosition") && proxy.reported) {
     return action("initPosition", {{"x", proxy.reported->x_m},
                                    {"y", proxy.reported->y_m},
@@ -46,7 +46,7 @@ bool MapDeployment::in_progress(Step& step) const {
   if (!done && publisher_.now() - step.sent_at < timeout) return true;
   const bool finished = pending_action != nullptr && !pending_action->actions.empty() &&
                         pending_action->actions.front().status == wire::ActionStatus::finished;
-  // Its next state may still be from before; and what failed is not asked for all the time.
+  // The next state may have been sent before the action; and a failed action is not requested continuously.
   step.not_before = publisher_.now() + (finished ? SimDuration{std::chrono::seconds{1}} : again_after);
   action_sender_.drop(std::exchange(step.handle, 0));
   return false;
@@ -56,11 +56,11 @@ void MapDeployment::step(VehicleIndex vehicle, const Map& map) {
   AivProxy& proxy = registry_[vehicle];
   Step& step = steps_[vehicle];
   if (!proxy.state || !proxy.online() || in_progress(step) || publisher_.now() < step.not_before) return;
-  // On an order of the old map it would be asked for too much at once.
+  // A vehicle that still drives an order of the old map finishes that order first.
   if (!proxy.state->node_states.empty() || proxy.state->driving) return;
   auto action = next_action(vehicle, map);
   if (!action) return;
-  publisher_.log('i', proxy.name + ": is on map '" + proxy.map_id + "'; asked for " + action->action_type + " of '" +
+  publisher_.log('i', proxy.name + ": is on map '" + proxy.map_id + "'; requested " + action->action_type + " of '" +
                           map.id + "'");
   step.sent_at = publisher_.now();
   step.handle = action_sender_.send(proxy, vehicle, {std::move(*action)}, timeout, true);

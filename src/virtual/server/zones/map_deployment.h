@@ -8,8 +8,9 @@
 
 namespace cosiva::virtual_side {
 
-/// Leads vehicles of other makes to the zone's map as VDA 5050 2.1 wants it (§6.7): downloadMap, enableMap,
-/// initPosition, each where the factsheet lists it, one after the other. Our own take the configuration from its topic.
+/// Deploys the zone's map to third-party vehicles as VDA 5050 2.1 (§6.7) specifies: downloadMap, enableMap,
+/// initPosition, one after the other, each where the factsheet lists it. CoSiVA vehicles take the configuration from
+/// its topic.
 class MapDeployment {
  public:
   static constexpr SimDuration timeout{std::chrono::seconds{10}};
@@ -19,19 +20,19 @@ class MapDeployment {
       : registry_{registry}, publisher_{publisher}, action_sender_{action_sender} {}
 
   void resize(std::size_t vehicles) { steps_.resize(vehicles); }
-  /// The zone is another one; what was asked for before is not followed any more.
+  /// The zone has changed; earlier requests are not followed any more.
   void begin();
   struct Map {
     std::string id;
     std::string version;
     std::string link;  ///< empty: it cannot be downloaded
   };
-  /// For a vehicle that reports another map than this.
+  /// Takes the next step for a vehicle that reports another map than `map`.
   void step(VehicleIndex vehicle, const Map& map);
 
  private:
   struct Step {
-    InstantActionSender::ActionHandle handle{0};  ///< 0: nothing is under way
+    InstantActionSender::ActionHandle handle{0};  ///< 0: no action is pending
     SimTime sent_at{};
     SimTime not_before{};
   };

@@ -26,13 +26,13 @@ Result<zone::ZoneConfiguration> ZoneEdits::after(const JsonValue& command, const
   }
   const JsonValue* wanted = command.find("edit");
   if (wanted == nullptr || wanted->object() == nullptr)
-    return fail("edit.missing", R"(say what to change, as {"edit":{"removeTags":[7]}})", "edit");
+    return fail("edit.missing", R"(state what to change, as {"edit":{"removeTags":[7]}})", "edit");
   const auto edit = zone::zone_edit_from_json(*wanted, *simulator.zone());
   if (!edit) return tl::unexpected(edit.error());
   auto made = zone::edited(*simulator.configuration(), *edit);
   if (!made) return made;
   if (same_content(*made, *simulator.configuration())) return fail("edit.nothing", "this edit changes nothing", "edit");
-  // What we publish, everybody must be able to build.
+  // Every receiver must be able to build what the server publishes.
   if (auto rtm = zone::Rtm::initialise(*made); !rtm) return tl::unexpected(rtm.error());
   return made;
 }
@@ -73,8 +73,9 @@ void ZoneEdits::begin(const zone::ZoneConfiguration& configuration, Origin origi
   saved_ = configuration;
   undo_.clear();
   redo_.clear();
-  // What was published before a zone from the broker and comes back after it is in force again: the broker's order
-  // counts for everybody. One of our own comes back after all that we published before it.
+  // A configuration that was published before a zone from the broker, and is received back after that zone, is in force
+  // again: the broker's order applies to all clients. The server's own zone is received back after everything that the
+  // server published before.
   if (origin == Origin::broker) expected_.clear();
 }
 

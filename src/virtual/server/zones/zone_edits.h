@@ -14,34 +14,34 @@
 
 namespace cosiva::virtual_side {
 
-/// The edits of the zone that runs (A5): what is undone and done again, and which of the configurations that arrive are
-/// news. It keeps whole configurations, so that undoing needs no understanding of them.
+/// The edits of the zone in force (A5): undo and redo, and which of the received configurations are new. The class
+/// stores whole configurations, so that undo does not depend on their content.
 class ZoneEdits {
  public:
   static constexpr std::size_t depth = 50;
 
   [[nodiscard]] static bool handles(std::string_view command);  ///< "edit", "undo", "redo" or "saved"
 
-  /// The configuration that would be in force after a command. Fails with a sentence that says what to do.
+  /// The configuration that would be in force after a command. Fails with a message that states what to do.
   [[nodiscard]] Result<zone::ZoneConfiguration> after(const JsonValue& command, const Simulator& simulator) const;
-  /// The command has been followed: `before` was in force.
+  /// The command has been executed; `before` was in force until then.
   void done(std::string_view command, zone::ZoneConfiguration before);
   void saved(const zone::ZoneConfiguration& now_in_force);
 
-  /// What a configuration from the broker is.
+  /// Classification of a configuration from the broker.
   enum class Arrival {
-    news,   ///< to be taken; the edits of the one before end with it
-    echo,   ///< what we published ourselves comes back
-    stale,  ///< the one that our edits began from, from somebody who does not know of them
+    news,   ///< to be taken; ends the edits of the previous configuration
+    echo,   ///< published by this server and received back
+    stale,  ///< the configuration that the edits began from, from a sender without knowledge of the edits
   };
   [[nodiscard]] Arrival arrives(const zone::ZoneConfiguration& configuration);
   void published(const zone::ZoneConfiguration& configuration);
   void link_lost() { expected_.clear(); }
   enum class Origin {
-    broker,  ///< it came from there
-    own,     ///< we publish it next
+    broker,  ///< received from the broker
+    own,     ///< to be published by this server
   };
-  /// A new zone: nothing to undo.
+  /// A new zone is in force: there is nothing to undo.
   void begin(const zone::ZoneConfiguration& configuration, Origin origin);
 
   [[nodiscard]] std::size_t undo_count() const { return undo_.size(); }
@@ -49,13 +49,13 @@ class ZoneEdits {
   [[nodiscard]] bool unsaved(const Simulator& simulator) const;
   [[nodiscard]] bool edited(const Simulator& simulator) const;
 
-  /// {"base","made","saved"}: what is in force, and the configuration it was made from.
+  /// {"base","made","saved"}: the configuration in force, and the one it was made from.
   void write_persisted(JsonWriter& json, const Simulator& simulator) const;
-  /// What was remembered, against the configuration that is in force now.
+  /// The persisted edits, compared with the configuration in force.
   struct Restored {
     enum class Fit {
-      base,     ///< it is the one that the edits were made on; they are to be taken again
-      made,     ///< it holds the edits: the broker kept what we published
+      base,  ///< the configuration in force is the one that the edits were made on; the edits are to be applied again
+      made,  ///< the configuration in force contains the edits: the broker retained what was published
       another,  ///< the edits belong to another zone
     };
     Fit fit{Fit::another};
@@ -64,7 +64,7 @@ class ZoneEdits {
     bool saved{false};
   };
   [[nodiscard]] static Restored restored(const JsonValue& memory, const zone::ZoneConfiguration& in_force);
-  /// The edits are in force again: one step of undoing leads back to where they began.
+  /// The edits are in force again: one undo step leads back to the configuration they began from.
   void restore(Restored restored);
   void fold(Digest& digest) const;
 
@@ -75,7 +75,7 @@ class ZoneEdits {
   std::optional<zone::ZoneConfiguration> saved_;
   std::deque<zone::ZoneConfiguration> undo_;
   std::deque<zone::ZoneConfiguration> redo_;
-  std::deque<zone::ZoneConfiguration> expected_;  ///< published, and not come back yet
+  std::deque<zone::ZoneConfiguration> expected_;  ///< published, and not received back yet
 };
 
 }  // namespace cosiva::virtual_side

@@ -27,7 +27,7 @@ std::vector<double> tags(const ServerFixture& fixture) {
 JsonValue edits(const ServerFixture& fixture) { return *fixture.snapshot().find("zoneEdits"); }
 std::size_t published_zones(const ServerFixture& fixture) { return fixture.published_on("cosiva/v1/zone/toml").size(); }
 
-TEST(ZoneEdits, are_in_force_at_once_and_published_retained_and_their_echo_is_no_news) {
+TEST(ZoneEdits, are_in_force_at_once_and_published_retained_and_their_echo_changes_nothing) {
   ServerFixture fixture;
   fixture.run_for(100ms);
   ASSERT_EQ(fixture.server->zone_revision(), 1U);
@@ -35,14 +35,14 @@ TEST(ZoneEdits, are_in_force_at_once_and_published_retained_and_their_echo_is_no
   EXPECT_EQ(fixture.server->zone_revision(), 2U);
   EXPECT_THAT(tags(fixture), testing::ElementsAre(5.0));
   const auto zones = fixture.published_on("cosiva/v1/zone/toml");
-  ASSERT_THAT(zones, SizeIs(2)) << "the first at the beginning";
+  ASSERT_THAT(zones, SizeIs(2)) << "the first one at startup";
   EXPECT_TRUE(zones[1].retained);
   EXPECT_EQ(zones[1].payload, fixture.server->zone_configuration()->text);
   EXPECT_EQ(*edits(fixture).number("undo"), 1.0);
   EXPECT_EQ(edits(fixture).flag("unsaved"), true);
 }
 
-TEST(ZoneEdits, are_undone_and_done_again) {
+TEST(ZoneEdits, are_undone_and_redone) {
   ServerFixture fixture;
   const std::string original = fixture.server->zone_configuration()->text;
   fixture.send_command(edit(tag_5));
@@ -57,10 +57,10 @@ TEST(ZoneEdits, are_undone_and_done_again) {
   EXPECT_THAT(fixture.refusal(R"({"command":"redo"})"), HasSubstr("nothing"));
   fixture.send_command(R"({"command":"undo"})");
   fixture.send_command(edit(R"("addTags":[{"number":6,"section":"north","s":1.0}])"));
-  EXPECT_THAT(fixture.refusal(R"({"command":"redo"})"), HasSubstr("nothing")) << "another future has begun";
+  EXPECT_THAT(fixture.refusal(R"({"command":"redo"})"), HasSubstr("nothing")) << "a new edit discards the undone ones";
 }
 
-TEST(ZoneEdits, are_undone_fifty_deep) {
+TEST(ZoneEdits, are_undone_up_to_fifty_steps) {
   ServerFixture fixture;
   for (int i = 1; i <= 60; ++i)
     fixture.send_command(edit(R"("addTags":[{"number":)" + std::to_string(i) + R"(,"section":"south","s":)" +
@@ -71,7 +71,7 @@ TEST(ZoneEdits, are_undone_fifty_deep) {
   EXPECT_EQ(*edits(fixture).number("redo"), 50.0);
 }
 
-TEST(ZoneEdits, that_cannot_be_are_refused_and_change_nothing) {
+TEST(ZoneEdits, that_are_invalid_are_refused_and_change_nothing) {
   ServerFixture fixture;
   fixture.send_command(edit(tag_5));
   const std::string before = fixture.server->zone_configuration()->text;
@@ -90,14 +90,14 @@ TEST(ZoneEdits, that_cannot_be_are_refused_and_change_nothing) {
   EXPECT_FALSE(nowhere.zone_configuration().has_value());
 }
 
-TEST(ZoneEdits, disturb_nothing_that_drives) {
+TEST(ZoneEdits, do_not_disturb_driving_vehicles) {
   ServerFixture fixture{zone_file("lacet4.toml")};
   FixtureVehicle& one = fixture.add("AIV1", {0, 0.1});
   FixtureVehicle& two = fixture.add("AIV2", {3, 0.5});
   fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","section":")" +
                        fixture.zone->circuit.part(6).name + R"(","s":0.2}})");
   fixture.run_for(10s);
-  // The bench's vehicles do not feel; the pauses that the server gives them are not what is tested here.
+  // The fixture's vehicles perceive no virtual objects; the pauses that the server sends for this are not tested here.
   fixture.send_command(R"({"command":"remove","id":"V1"})");
   fixture.run_for(5s);
   const auto held = [&] {
@@ -120,14 +120,14 @@ TEST(ZoneEdits, disturb_nothing_that_drives) {
   EXPECT_EQ(held(), holds);
   const double driven_m = one.driven_m + two.driven_m;
   fixture.run_for(5s);
-  EXPECT_EQ(one.book->order_id(), order_id) << "the same order goes on";
+  EXPECT_EQ(one.book->order_id(), order_id) << "the same order continues";
   EXPECT_GT(one.driven_m + two.driven_m, driven_m + 1.5);
   EXPECT_THAT(one.refusals, IsEmpty());
   for (const wire::InstantActions& message : one.actions)
     for (const wire::Action& action : message.actions) EXPECT_NE(action.action_type, "cancelOrder");
 }
 
-TEST(ZoneEdits, let_virtual_aivs_drive_on) {
+TEST(ZoneEdits, do_not_stop_virtual_aivs) {
   ServerFixture fixture;
   fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","section":"south","s":0.5}})");
   fixture.run_for(5s);
@@ -139,7 +139,7 @@ TEST(ZoneEdits, let_virtual_aivs_drive_on) {
   EXPECT_EQ(fixture.aiv("CoSiVA.virtual/V1").text("orderId"), order);
 }
 
-TEST(ZoneEdits, set_priorities_which_traffic_takes_at_once) {
+TEST(ZoneEdits, set_priorities_that_apply_at_once) {
   ServerFixture fixture;
   fixture.add("AIV1", {0, 0.5});
   fixture.run_for(500ms);
@@ -148,12 +148,12 @@ TEST(ZoneEdits, set_priorities_which_traffic_takes_at_once) {
   EXPECT_EQ(*fixture.aiv("CoSiVA/AIV1").number("priority"), 3.0);
   fixture.add("AIV2", {2, 0.5});
   fixture.run_for(500ms);
-  EXPECT_EQ(*fixture.aiv("CoSiVA/AIV2").number("priority"), 4.0) << "known before it came";
+  EXPECT_EQ(*fixture.aiv("CoSiVA/AIV2").number("priority"), 4.0) << "configured before the vehicle reported";
   fixture.send_command(R"({"command":"undo"})");
   EXPECT_EQ(*fixture.aiv("CoSiVA/AIV1").number("priority"), 0.0);
 }
 
-TEST(ZoneEdits, stay_when_the_physical_side_brings_its_old_file_again) {
+TEST(ZoneEdits, are_preserved_when_the_physical_side_publishes_its_old_file_again) {
   ServerFixture fixture;
   const zone::ZoneConfiguration original = *fixture.server->zone_configuration();
   fixture.send_command(edit(tag_5));
@@ -161,7 +161,7 @@ TEST(ZoneEdits, stay_when_the_physical_side_brings_its_old_file_again) {
   fixture.feed(wire::InputKind::message, "cosiva/v1/zone/toml", original.text);
   EXPECT_THAT(tags(fixture), SizeIs(1));
   EXPECT_EQ(fixture.server->zone_revision(), 2U);
-  ASSERT_EQ(published_zones(fixture), before + 1) << "everybody is told again";
+  ASSERT_EQ(published_zones(fixture), before + 1) << "the edited zone is published again";
   EXPECT_EQ(fixture.published_on("cosiva/v1/zone/toml").back().payload, fixture.server->zone_configuration()->text);
 }
 
@@ -185,7 +185,7 @@ TEST(ZoneEdits, saved_are_no_longer_unsaved) {
   EXPECT_EQ(edits(fixture).flag("unsaved"), true) << "the file has the tag";
 }
 
-TEST(ZoneEdits, two_at_once_come_back_one_after_the_other_and_change_nothing) {
+TEST(ZoneEdits, received_back_one_after_the_other_change_nothing) {
   ServerFixture fixture;
   fixture.run_for(100ms);
   wire::Effects effects;
