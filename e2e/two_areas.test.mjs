@@ -10,7 +10,7 @@ import { cosiva_binary, eventually, fetched, free_port, Program, sleep, source_d
 const nobodys_ms_max = 200;
 const zone = (name) => path.join(source_dir, 'e2e/areas', `${name}.toml`);
 
-class Control area {
+class ControlArea {
   constructor(t, folder, name, broker, port) {
     Object.assign(this, { t, folder, name, broker, port, url: `http://127.0.0.1:${port}` });
     this.start();
@@ -93,8 +93,8 @@ test('a vehicle goes from area to area and back, and never loses its twin', { ti
   });
   const sockets = path.join(folder, 'boards');
   new Program(t, cosiva_binary(), ['plant', '--zone', zone('floor'), '--vehicles', '2', '--sockets', sockets, '--broker', address], { cwd: folder });
-  const a = new Control area(t, folder, 'a', address, await free_port());
-  const b = new Control area(t, folder, 'b', address, await free_port());
+  const a = new ControlArea(t, folder, 'a', address, await free_port());
+  const b = new ControlArea(t, folder, 'b', address, await free_port());
   ground_truth = await Truth.follow(t, port);
   const starts = ['a_far:2.3', 'b_far:2.3'];
   const ones = [];

@@ -99,7 +99,7 @@ void describe_server(CLI::App& command, ServerArguments& server) {
       ->capture_default_str();
   command
       .add_option("--area", server.area,
-                  "name of this server's control area, where several share a broker (docs/guide/control areas.md)")
+                  "name of this server's control area, where several share a broker (docs/guide/control_areas.md)")
       ->type_name("NAME");
   command.add_option("--zone", server.zone, "traffic zone, when no plant serves it")->type_name("NAME|FILE");
   command.add_flag("--watch", server.watch,

@@ -85,15 +85,15 @@ describe('the book of alarms', () => {
   const deadlocks = (change: Partial<Deadlock>): Partial<Snapshot> => ({
     deadlocks: {
       cycles: 1, detected: 1, resolved: 0, open: 1, unresolved: 0, longest_s: 0, longest_wait_s: 0,
-      list: [{ number: 1, since_ms: 10_000, state: 'standing', members: ['CoSiVA/AIV1', 'CoSiVA/AIV2'], reason: 'CoSiVA/AIV1 waits for X1, which CoSiVA/AIV2 holds, CoSiVA/AIV2 detects CoSiVA/AIV1 in its path', how: '', ended_ms: null, ...change }],
+      list: [{ number: 1, since_ms: 10_000, state: 'confirmed', members: ['CoSiVA/AIV1', 'CoSiVA/AIV2'], reason: 'CoSiVA/AIV1 waits for X1, which CoSiVA/AIV2 holds, CoSiVA/AIV2 detects CoSiVA/AIV1 in its path', how: '', ended_ms: null, ...change }],
     },
   });
 
   it('tells a deadlock in words, from its beginning to its end', () => {
     const book = new AlarmBook();
     expect(told(book, [aiv(1)], deadlocks({ number: 0, state: 'forming' }))).toEqual([]);
-    const standing = told(book, [aiv(1)], deadlocks({}));
-    expect(standing).toMatchObject([{ name: 'Traffic', ended_ms: null, text: 'Deadlock: AIV1 waits for X1, which AIV2 holds, AIV2 detects AIV1 in its path' }]);
+    const confirmed = told(book, [aiv(1)], deadlocks({}));
+    expect(confirmed).toMatchObject([{ name: 'Traffic', ended_ms: null, text: 'Deadlock: AIV1 waits for X1, which AIV2 holds, AIV2 detects AIV1 in its path' }]);
     const how = 'CoSiVA/AIV1 backs up 10 cm';
     expect(told(book, [aiv(1)], { ...deadlocks({ state: 'unresolved', how }), time_ms: 14_000 })[0]?.text).toMatch(/^Deadlock, unresolved: .*\. AIV1 backs up 10 cm$/);
     const over = told(book, [aiv(1)], { ...deadlocks({ state: 'resolved', how, ended_ms: 15_000 }), time_ms: 16_000 });

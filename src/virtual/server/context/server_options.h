@@ -15,7 +15,7 @@ namespace cosiva::virtual_side {
 
 struct ServerOptions {
   std::string interface_name;  ///< empty: wire::default_interface
-  /// Of several servers on one broker, the name of the control area that this one's zone is (wire/own/control areas.h);
+  /// Of several servers on one broker, the name of the control area that this one's zone is (wire/own/control_areas.h);
   /// empty: the only one.
   std::string area;
   /// The zone, when no physical side serves it; published retained so that vehicles get it too.

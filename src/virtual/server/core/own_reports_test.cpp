@@ -104,7 +104,7 @@ TEST_F(DetectionFixture, an_obstacle_disappears_when_a_vehicle_drives_over_its_p
 TEST_F(DetectionFixture, virtual_aivs_perceive_an_obstacle_of_a_physical_one_and_do_not_remove_it) {
   see(aiv, wire::DetectedObstacleReport::Obstacle{1.5, 1.0, 0.05,
                                                   0.6});  // on the other side; as if the sensor had that range
-  fixture.send_command(R"({"command":"add","obstacle":{"kind":"aiv","section":"east","s":1.2}})");
+  fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","section":"east","s":1.2}})");
   fixture.run_for(6s);
   EXPECT_THAT(obstacles(), SizeIs(1));
   EXPECT_EQ(*fixture.aiv("CoSiVA.virtual/V1").number("speed"), 0.0);

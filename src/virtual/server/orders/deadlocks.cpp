@@ -20,7 +20,7 @@ std::string deed(Means means, double cost_m) {
   return {};
 }
 
-bool ratio(const std::vector<VehicleIndex>& a, const std::vector<VehicleIndex>& b) {
+bool intersect(const std::vector<VehicleIndex>& a, const std::vector<VehicleIndex>& b) {
   return std::ranges::any_of(a, [&](VehicleIndex v) { return std::ranges::binary_search(b, v); });
 }
 
@@ -60,7 +60,7 @@ void Deadlocks::tick() {
 Deadlock* Deadlocks::find(const std::vector<VehicleIndex>& members) {
   for (auto* all : {&list_, &forming_})
     for (Deadlock& deadlock : *all)
-      if (deadlock.state != Deadlock::State::resolved && ratio(deadlock.members, members)) return &deadlock;
+      if (deadlock.state != Deadlock::State::resolved && intersect(deadlock.members, members)) return &deadlock;
   return nullptr;
 }
 

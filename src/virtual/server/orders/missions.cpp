@@ -274,7 +274,7 @@ void Missions::write(JsonWriter& json, VehicleIndex vehicle, std::string_view wa
     json.value(loop->name);
   else
     json.null();
-  constexpr std::array<std::string_view, 3> terms{"driving", "arrived", "no way"};
+  constexpr std::array<std::string_view, 3> terms{"driving", "arrived", "no route"};
   // At the station where two control areas meet, the vehicle has not arrived yet.
   const bool waits = entry.state == State::arrived && !entry.mission.beyond.empty();
   json.field("state", waits ? terms[0] : terms[static_cast<std::size_t>(entry.state)]).key("why");

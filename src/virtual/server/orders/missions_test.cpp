@@ -141,7 +141,7 @@ TEST(ClosedSections, are_avoided_by_all_vehicles_at_once_and_used_again_when_ope
   EXPECT_THAT(*fixture.snapshot().find("zone")->find("closed")->array(), SizeIs(2));
   fixture.run_for(60s);
   EXPECT_EQ(section_of(fixture, aiv), "entry") << "it is stopped at the end of the open sections";
-  EXPECT_EQ(state_of(fixture), "no way");
+  EXPECT_EQ(state_of(fixture), "no route");
   EXPECT_THAT(fixture.aiv("CoSiVA/AIV1").find("mission")->text("why").value_or(""), HasSubstr("closed"));
   fixture.send_command(on_section("open", "bypass1"));
   fixture.run_for(5s);

@@ -214,9 +214,9 @@ std::optional<double> OrderManager::distance_back_m(VehicleIndex vehicle, std::s
     const zone::TrackPosition there = circuit.advance(here, -back_m, {}, traversed);
     if (std::ranges::any_of(waits, [&](const Wait& wait) { return keeps_off(wait, there); })) continue;
     // In a crossing that the vehicle was not in, it would obstruct other vehicles.
-    std::vector<CrossingIndex> occupied_crossings;
-    map_->crossings_on(there, 0.0, occupied_crossings, traffic_.remaining(vehicle));
-    const bool another = std::ranges::any_of(occupied_crossings, [&](CrossingIndex x) {
+    std::vector<CrossingIndex> crossings_there;
+    map_->crossings_on(there, 0.0, crossings_there, traffic_.remaining(vehicle));
+    const bool another = std::ranges::any_of(crossings_there, [&](CrossingIndex x) {
       return std::ranges::find(occupied_crossings, x) == occupied_crossings.end();
     });
     if (another) continue;

@@ -13,7 +13,7 @@ constexpr double convoy_gap_m = 0.70;
 /// The estimates are no more precise than this; below this gain the order of requests decides.
 constexpr double gain_s_min = 0.1;
 
-bool ratios(const std::vector<CrossingIndex>& a, const std::vector<CrossingIndex>& b) {
+bool intersect(const std::vector<CrossingIndex>& a, const std::vector<CrossingIndex>& b) {
   return std::ranges::any_of(a, [&](CrossingIndex x) { return std::ranges::find(b, x) != b.end(); });
 }
 
@@ -64,7 +64,7 @@ std::size_t members_from(const Traffic& traffic, VehicleIndex vehicle, std::size
 }  // namespace
 
 void Convoys::record_pass(VehicleIndex vehicle, const std::vector<CrossingIndex>& crossings) {
-  std::erase_if(passes_, [&](const Pass& pass) { return ratios(pass.crossings, crossings); });
+  std::erase_if(passes_, [&](const Pass& pass) { return intersect(pass.crossings, crossings); });
   passes_.push_back({vehicle, crossings, 1});
 }
 
@@ -108,7 +108,7 @@ bool Convoys::is_kept_by(const Traffic& traffic, const std::vector<VehicleIndex>
     if (traffic.holder(x) != no_vehicle && traffic.holder(x) != joining && !contains(convoy, traffic.holder(x)))
       return false;
   for (VehicleIndex j = 0; j < traffic.vehicle_count(); ++j)
-    if (j != joining && !contains(convoy, j) && ratios(traffic.needs(j), chain_)) return false;
+    if (j != joining && !contains(convoy, j) && intersect(traffic.needs(j), chain_)) return false;
   return true;
 }
 
@@ -123,7 +123,7 @@ bool Convoys::convoy_pays(const Traffic& traffic, const Joining& joining, std::s
   double lost_s = 0.0;
   losing_.clear();
   for (const Traffic::Request& other : traffic.requests()) {
-    if (other.vehicle == joining.vehicle || !other.has_room || !ratios(other.crossings, chain_)) continue;
+    if (other.vehicle == joining.vehicle || !other.has_room || !intersect(other.crossings, chain_)) continue;
     if (traffic.has_waited(other) || traffic.priority(other.vehicle) > traffic.priority(joining.vehicle)) return false;
     const double begins_s = std::max(other.stop_m / pace.speed_mps, clear_s);
     const double loses_s = std::max(0.0, ends_s + Traffic::latency_s - begins_s);

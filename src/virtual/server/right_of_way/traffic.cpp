@@ -20,7 +20,7 @@ constexpr double past_m = 0.25;
 /// A vehicle nearer to its stop line than this is stopped, or nearly so, and has to accelerate.
 constexpr double stopped_before_m = 0.10;
 
-bool ratios(const std::vector<CrossingIndex>& a, const std::vector<CrossingIndex>& b) {
+bool intersect(const std::vector<CrossingIndex>& a, const std::vector<CrossingIndex>& b) {
   return std::ranges::any_of(a, [&](CrossingIndex x) { return std::ranges::find(b, x) != b.end(); });
 }
 
@@ -280,7 +280,7 @@ bool Traffic::only_follows(VehicleIndex other, VehicleIndex self, const std::vec
   // On a loop every vehicle follows every other; following counts only where none of the crossings lies between.
   between_.clear();
   map_->crossings_on(*from, *distance_m, between_, remaining(other));
-  return !ratios(between_, crossings);
+  return !intersect(between_, crossings);
 }
 
 Traffic::Response Traffic::request(VehicleIndex vehicle, double exit_m, double stop_m) {
@@ -307,7 +307,7 @@ Traffic::Response Traffic::request(VehicleIndex vehicle, double exit_m, double s
   }
   // A vehicle may be stopped in a crossing that a third vehicle holds; it holds nothing, but occupies the crossing.
   for (VehicleIndex j = 0; j < vehicles_.size(); ++j) {
-    if (j == vehicle || !ratios(vehicles_[j].needs, mine->crossings)) continue;
+    if (j == vehicle || !intersect(vehicles_[j].needs, mine->crossings)) continue;
     const bool is_stopped_beside =
         is_in_others_crossing(j) && std::ranges::all_of(vehicles_[j].needs, [&](CrossingIndex x) {
           return holders_[x] == vehicle || std::ranges::find(mine->crossings, x) == mine->crossings.end();
@@ -322,12 +322,12 @@ Traffic::Response Traffic::request(VehicleIndex vehicle, double exit_m, double s
     const bool waits_for_this =
         std::ranges::any_of(other.crossings, [&](CrossingIndex x) { return holders_[x] == vehicle; });
     if (other.vehicle != vehicle && other.has_room && !waits_for_this && goes_before(other, *mine) &&
-        ratios(other.crossings, mine->crossings) && !only_follows(other.vehicle, vehicle, mine->crossings) &&
+        intersect(other.crossings, mine->crossings) && !only_follows(other.vehicle, vehicle, mine->crossings) &&
         !lets_by(other, *mine))
       return {false, first, other.vehicle, WaitReason::turn};
   }
   for (Request& other : queue_)
-    if (rules_.convoys && &other != &*mine && goes_before(other, *mine) && ratios(other.crossings, mine->crossings))
+    if (rules_.convoys && &other != &*mine && goes_before(other, *mine) && intersect(other.crossings, mine->crossings))
       other.lost_s += loses_s(other, *mine).value_or(0.0);
   for (const CrossingIndex x : mine->crossings) holders_[x] = vehicle;
   convoys_.record_pass(mine->vehicle, mine->crossings);

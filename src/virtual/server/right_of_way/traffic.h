@@ -18,7 +18,7 @@ enum class WaitReason : std::uint8_t {
   ahead,      ///< the other vehicle is ahead on its path, or where it needs room beyond a crossing
   crossing,   ///< the other vehicle holds a crossing, or is in it
   turn,       ///< the other vehicle requested a crossing earlier, or has the higher priority
-  neighbour,  ///< the other vehicle's body, or its path onto the circuit, would be too close
+  off_path,  ///< the other vehicle's body, or its path onto the circuit, would be too close
   sensors,    ///< the vehicle's own obstacle sensor stops it in front of the other
 };
 
