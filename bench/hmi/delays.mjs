@@ -1,7 +1,7 @@
 #!/usr/bin/env node
 // Measures delays on a running platform, over --events of each kind:
 //   command   POST /commands → the vehicle's instantActions message on the bus, and → the vehicle's own acknowledgement
-//   brake     POST /things, a person before a driving AIV → `decided` in the vehicle's acknowledgement, braking for it
+//   brake     POST /virtual-objects, a person before a driving AIV → `decided` in the vehicle's acknowledgement, braking for it
 //   screen    a vehicle's own time of an event (a node passed, driving or not, an obstacle detected) → the live frame that shows
 //             it, in a WebSocket client, and, for a part of the events, in a browser's next animation frame
 //
@@ -157,7 +157,7 @@ function point_ahead(aiv, distance_m) {
   return null;
 }
 
-const drives = (aiv) => aiv && aiv.driving && !aiv.paused && !aiv.feels && aiv.speed > 0.1 && aiv.contract.matched;
+const drives = (aiv) => aiv && aiv.driving && !aiv.paused && !aiv.brakingFor && aiv.speed > 0.1 && aiv.contract.matched;
 
 async function measure_brakes(url, view, fleet) {
   const decided = [];
@@ -177,7 +177,7 @@ async function measure_brakes(url, view, fleet) {
     );
     progress(`brake: ${decided.length} of ${options.events}`);
     const start = now_ms();
-    person = (await ask(url, 'POST', 'things', { kind: 'person', ...place })).id;
+    person = (await ask(url, 'POST', 'virtual-objects', { kind: 'person', ...place })).id;
     const answer = await felt;
     if (answer && answer.body === person) {
       decided.push(answer.decided_ms - start);
@@ -185,7 +185,7 @@ async function measure_brakes(url, view, fleet) {
     } else {
       ++missed; // another body was nearer, or the vehicle had turned away
     }
-    await ask(url, 'DELETE', `things/${encodeURIComponent(person)}`);
+    await ask(url, 'DELETE', `virtual-objects/${encodeURIComponent(person)}`);
     return true;
   };
   const give_up = Date.now() + options.events * 6_000 + 30_000;

@@ -67,7 +67,7 @@ export class MockBatteries {
     return {
       changes: wanted.map((slot) => ({ vehicle: this.vehicle(slot).id, battery: slot.battery, run: 1, reason: slot.reason, since_ms: slot.since })),
       test: {
-        began_ms: this.began, told_ms: this.ended ?? now, run: 1, runs: 1, floor, share,
+        began_ms: this.began, received_ms: this.ended ?? now, run: 1, runs: 1, floor, share,
         expectedEnd_ms: running && this.ended === null && share > 0.01 ? there[0].started + run_ms * 1.1 : null, done: this.ended !== null,
         vehicles: there.map((slot) => ({
           id: this.vehicle(slot).id, battery: slot.battery, phase: slot.phase, stop: slot.phase === 'ended' ? 'floor' : null,
