@@ -170,15 +170,15 @@ async function measure_brakes(url, view, fleet) {
     const place = drives(aiv) && view.shown_ms > now_ms() - 150 ? point_ahead(aiv, options.ahead) : null;
     if (!place) return false;
     let person;
-    const felt = fleet.next(2_000, (kind, whom, message, at_ms) =>
-      kind === 'felt' && whom === id && message.braking && (person === undefined || message.body === person)
+    const acknowledged = fleet.next(2_000, (kind, whom, message, at_ms) =>
+      kind === 'virtual_obstacles_ack' && whom === id && message.braking && (person === undefined || message.body === person)
         ? { body: message.body, decided_ms: Date.parse(message.decided), at_ms }
         : undefined,
     );
     progress(`brake: ${decided.length} of ${options.events}`);
     const start = now_ms();
     person = (await ask(url, 'POST', 'virtual-objects', { kind: 'person', ...place })).id;
-    const answer = await felt;
+    const answer = await acknowledged;
     if (answer && answer.body === person) {
       decided.push(answer.decided_ms - start);
       answered.push(answer.at_ms - start);
@@ -252,7 +252,7 @@ async function measure_screen(t, url, view, fleet) {
         nodes.push({ id: vehicle, node: message.lastNodeId, since_ms });
       }
       if (before.driving !== message.driving) expect('started or stopped', message.driving, (aiv) => aiv.driving);
-    } else if (kind === 'seen' && message.thing) {
+    } else if (kind === 'detected_obstacle' && message.obstacle) {
       const { x, y } = message.thing;
       const near = (obstacle) => Math.hypot(obstacle.x - x, obstacle.y - y) < 0.2;
       const vehicle_near = view.snapshot.aivs.some((aiv) => near(aiv));

@@ -62,13 +62,13 @@ export class MockBatteries {
     const now = this.world.now;
     const there = this.slots.filter((slot) => this.vehicle(slot));
     const running = there.every((slot) => slot.phase === 'running' || slot.phase === 'ended');
-    const share = there.reduce((sum, slot) => sum + (slot.phase === 'ended' ? 1 : slot.started === null ? 0 : (100 - this.vehicle(slot).battery) / (100 - floor)), 0) / Math.max(1, there.length);
+    const progress = there.reduce((sum, slot) => sum + (slot.phase === 'ended' ? 1 : slot.started === null ? 0 : (100 - this.vehicle(slot).battery) / (100 - floor)), 0) / Math.max(1, there.length);
     const wanted = there.filter((slot) => slot.phase === 'changing');
     return {
       changes: wanted.map((slot) => ({ vehicle: this.vehicle(slot).id, battery: slot.battery, run: 1, reason: slot.reason, since_ms: slot.since })),
       test: {
-        began_ms: this.began, received_ms: this.ended ?? now, run: 1, runs: 1, floor, share,
-        expectedEnd_ms: running && this.ended === null && share > 0.01 ? there[0].started + run_ms * 1.1 : null, done: this.ended !== null,
+        began_ms: this.began, received_ms: this.ended ?? now, run: 1, runs: 1, floor, progress,
+        expectedEnd_ms: running && this.ended === null && progress > 0.01 ? there[0].started + run_ms * 1.1 : null, done: this.ended !== null,
         vehicles: there.map((slot) => ({
           id: this.vehicle(slot).id, battery: slot.battery, phase: slot.phase, stop: slot.phase === 'ended' ? 'floor' : null,
           autonomy_s: slot.started === null ? 0 : ((slot.at ?? now) - slot.started) / 1000, charge: slot.phase === 'changing' ? null : slot.started === null ? 100 : this.vehicle(slot).battery,
