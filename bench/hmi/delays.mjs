@@ -253,7 +253,7 @@ async function measure_screen(t, url, view, fleet) {
       }
       if (before.driving !== message.driving) expect('started or stopped', message.driving, (aiv) => aiv.driving);
     } else if (kind === 'detected_obstacle' && message.obstacle) {
-      const { x, y } = message.thing;
+      const { x, y } = message.obstacle;
       const near = (obstacle) => Math.hypot(obstacle.x - x, obstacle.y - y) < 0.2;
       const vehicle_near = view.snapshot.aivs.some((aiv) => near(aiv));
       if (vehicle_near || view.snapshot.obstacles.some(near) || waiting.some((event) => event.kind === 'obstacle detected')) return;
