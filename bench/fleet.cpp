@@ -19,7 +19,7 @@
 #include "cosiva/base/digest.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/random.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/virtual/fleet/fleet.h"
 #include "cosiva/zone/rtm/rtm.h"
 

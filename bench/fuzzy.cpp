@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "cosiva/base/random.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/fuzzy/oracle/test_fuzzylite.h"
 #include "cosiva/fuzzy/rule_base.h"
 

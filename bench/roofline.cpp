@@ -17,7 +17,7 @@
 
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/random.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/base/vector_clones.h"
 #include "cosiva/virtual/fleet/passes.h"
 #include "cosiva/virtual/fleet/state.h"

@@ -34,7 +34,7 @@
 #include "cosiva/adapters/mqtt_client.h"
 #include "cosiva/aiv/motion/motion.h"
 #include "cosiva/base/json_value.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/virtual/server/core/server_core.h"
 #include "cosiva/wire/vda5050/codec.h"
 

@@ -9,7 +9,7 @@
 #include <iterator>
 #include <string>
 
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/experiments/runs/world/world.h"
 
 namespace {

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "cosiva/aiv/estimation/track.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/zone/rtm/rtm.h"
 
 namespace cosiva::fixture {

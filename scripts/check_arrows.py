@@ -135,8 +135,8 @@ def check_graph(modules, problems):
 
 
 def is_test(file):
-    """Tests, and what only tests use: thing_test.cpp, test_things.h, thing_bench.h, testing/."""
-    return bool(re.search(r"(^|/)test_[^/]*$|_test\.cpp$|_bench\.(h|cpp)$|(^|/)testing/", file))
+    """Tests, and what only tests use: thing_test.cpp, test_things.h, thing_fixture.h, testing/."""
+    return bool(re.search(r"(^|/)test_[^/]*$|_test\.cpp$|_fixture\.(h|cpp)$|(^|/)testing/", file))
 
 
 def check_includes(src, modules, problems):

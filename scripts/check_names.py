@@ -66,8 +66,8 @@ def code_only(text):
 
 
 def is_test(path):
-    """Tests, and what only tests use: thing_test.cpp, test_things.h, thing_bench.h, testing/, thing.test.ts."""
-    return path.parent.name == "testing" or bool(re.search(r"^test_|_test\.cpp$|_bench\.(h|cpp)$|\.test\.ts$", path.name))
+    """Tests, and what only tests use: thing_test.cpp, test_things.h, thing_fixture.h, testing/, thing.test.ts."""
+    return path.parent.name == "testing" or bool(re.search(r"^test_|_test\.cpp$|_fixture\.(h|cpp)$|\.test\.ts$", path.name))
 
 
 def sources(folder, suffixes):

@@ -13,7 +13,7 @@ invariant  A class with private data and a public function that changes it state
            class (the word "invariant"), and one of its functions asserts with COSIVA_EXPECT. Functions of nested classes
            count. Only functions defined in a .cpp make the rule apply. The value is the number of missing parts, 1 or 2.
 
-Tests count for nothing: *_test.cpp, test_*, *_bench.*, *_fixture.*, and all below testdata/ and testing/. Plain value structs
+Tests count for nothing: *_test.cpp, test_*, *_fixture.*, and all below testdata/ and testing/. Plain value structs
 may have any number of members: a struct, not nested in a private section, without private section and without functions
 other than operators, static and defaulted ones. They mirror a file, a message or a command line.
 
@@ -31,7 +31,7 @@ import ratchet
 from cpp_source import Source, UnreadableSource
 
 SOURCES_MAX, LINES_MAX, SPREAD_MAX, FUNCTIONS_MAX, MEMBERS_MAX = 25, 4000, 2, 25, 15
-TEST = re.compile(r"(^|/)test_[^/]*$|_(test|bench|fixture)\.(h|cpp)$|(^|/)(testdata|testing)/")
+TEST = re.compile(r"(^|/)test_[^/]*$|_(test|fixture)\.(h|cpp)$|(^|/)(testdata|testing)/")
 MAKES_TARGET = re.compile(r"^\s*(?:cosiva_module|add_library|add_executable)\(", re.MULTILINE)
 PLUGIN = re.compile(r"\badd_library\(\s*\S+\s+MODULE\b([^)]*)\)")
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]+"(?:cosiva/)?([^"]+)"', re.MULTILINE)

@@ -19,7 +19,7 @@
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/random.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/hmi/http_responses.h"
 #include "cosiva/hmi/page_calls.h"
 #include "cosiva/hmi/page_stream.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cosiva/adapters/thread_pool.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/virtual/fleet/fleet.h"
 #include "cosiva/zone/generate/generate.h"
 #include "cosiva/zone/generate/plant_size.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cosiva/app/command_line.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 
 /// For tests: the command as somebody types it, and what it says.
 namespace cosiva::app::fixture {

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/battery/type_json.h"
 
 namespace cosiva::battery {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "cosiva/base/random.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/fuzzy/compiler.h"
 #include "cosiva/fuzzy/fll_reader.h"
 #include "cosiva/fuzzy/kernel.h"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "cosiva/base/random.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 
 namespace cosiva::fuzzy {
 namespace {

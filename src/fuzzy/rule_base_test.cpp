@@ -13,7 +13,7 @@
 
 #include "cosiva/base/digest.h"
 #include "cosiva/base/random.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/fuzzy/kernel.h"
 #include "cosiva/fuzzy/shapes.h"
 #include "cosiva/fuzzy/test_rules.h"

@@ -9,7 +9,7 @@
 
 #include "cosiva/adapters/files.h"
 #include "cosiva/adapters/test_fixture.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/hmi/http_responses.h"
 #include "cosiva/hmi/openapi.h"
 #include "cosiva/hmi/page_fixture.h"

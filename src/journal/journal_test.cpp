@@ -12,7 +12,7 @@
 #include <sstream>
 
 #include "cosiva/base/random.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/journal/crc32c.h"
 
 namespace cosiva::journal {

@@ -12,7 +12,7 @@
 
 #include "cosiva/aiv/decision/envelope.h"
 #include "cosiva/aiv/decision/speed_rules.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 
 namespace cosiva::aiv {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/zone/rtm/rtm.h"
 
 /// Zones and circuits that the tests of aiv and aiv/onboard drive on.

@@ -12,7 +12,7 @@
 #include "cosiva/app/gvs/images.h"
 #include "cosiva/app/resources/reference_budget.h"
 #include "cosiva/base/json_value.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/base/text.h"
 #include "cosiva/physical/vision/tags.h"
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "cosiva/adapters/test_fixture.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 
 namespace cosiva::app {
 namespace {

@@ -10,7 +10,7 @@
 #include "cosiva/adapters/files.h"
 #include "cosiva/adapters/test_fixture.h"
 #include "cosiva/base/json_value.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 
 namespace cosiva::app {
 namespace {

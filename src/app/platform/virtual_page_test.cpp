@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 
 namespace cosiva::app {
 namespace {

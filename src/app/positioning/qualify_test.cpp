@@ -10,7 +10,7 @@
 #include "cosiva/app/command_line_fixture.h"
 #include "cosiva/app/positioning/external_algorithm.h"
 #include "cosiva/base/json_value.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 
 namespace cosiva::app {
 namespace {

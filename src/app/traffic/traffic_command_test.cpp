@@ -7,7 +7,7 @@
 #include "cosiva/adapters/test_fixture.h"
 #include "cosiva/app/command_line_fixture.h"
 #include "cosiva/base/json_value.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 
 namespace cosiva::app {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/battery/cell_table.h"
 #include "cosiva/battery/fit/least_squares.h"
 #include "cosiva/battery/fit/predict.h"

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/battery/cell_table.h"
 
 namespace cosiva::battery {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "cosiva/base/json_value.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/experiments/battery/autonomy_output.h"
 #include "cosiva/experiments/battery/autonomy_report.h"
 

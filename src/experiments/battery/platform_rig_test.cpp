@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/experiments/battery/analysis.h"
 #include "cosiva/experiments/battery/load_profile.h"
 

@@ -7,7 +7,7 @@
 #include <iterator>
 #include <string>
 
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/experiments/battery/analysis.h"
 
 namespace cosiva::experiments {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "cosiva/base/random.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/fuzzy/oracle/test_fuzzylite.h"
 #include "cosiva/fuzzy/rule_base.h"
 #include "cosiva/fuzzy/test_random_rules.h"

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 
 namespace cosiva::physical {
 

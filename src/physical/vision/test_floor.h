@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "cosiva/base/random.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/physical/vision/calibration.h"
 #include "cosiva/physical/vision/scene.h"
 

@@ -17,7 +17,7 @@
 
 #include "cosiva/aiv/motion/formulas.h"
 #include "cosiva/base/math.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/virtual/fleet/fleet.h"
 #include "cosiva/zone/generate/generate.h"
 #include "cosiva/zone/rtm/rtm.h"

@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "cosiva/base/random.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 
 namespace cosiva::wire::module_link {
 namespace {

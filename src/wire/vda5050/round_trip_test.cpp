@@ -8,7 +8,7 @@
 #include <functional>
 
 #include "cosiva/base/json_writer.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/wire/messages/topics.h"
 #include "cosiva/wire/vda5050/codec.h"
 #include "cosiva/wire/vda5050/sample_messages.h"

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/zone/lif/lif_factory.h"
 #include "cosiva/zone/toml/sidecar.h"
 

@@ -11,7 +11,7 @@
 #include <set>
 #include <sstream>
 
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/zone/edit/edit.h"
 #include "cosiva/zone/opendrive/test_files.h"
 

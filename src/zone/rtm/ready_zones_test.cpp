@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/zone/check/check.h"
 #include "cosiva/zone/check/deadlock.h"
 #include "cosiva/zone/rtm/rtm.h"

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/zone/rtm/rtm.h"
 
 namespace cosiva::zone::testing {

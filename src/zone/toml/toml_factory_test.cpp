@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "cosiva/base/random.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/zone/testing/test_zones.h"
 
 namespace cosiva::zone {

@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/experiments/positioning/campaign/work.h"
 #include "cosiva/zone/rtm/rtm.h"
 

@@ -7,7 +7,7 @@
 #include <sstream>
 #include <string>
 
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/experiments/positioning/recording/recording.h"
 
 namespace cosiva::experiments::testing {

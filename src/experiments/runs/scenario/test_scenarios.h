@@ -5,7 +5,7 @@
 #include <sstream>
 #include <string>
 
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/experiments/runs/scenario/scenario.h"
 #include "cosiva/zone/rtm/rtm.h"
 

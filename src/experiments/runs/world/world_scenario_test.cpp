@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "cosiva/base/json_value.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/experiments/runs/world/world.h"
 #include "cosiva/wire/messages/topics.h"
 #include "cosiva/wire/own/own_messages.h"

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "cosiva/base/json_value.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/base/test_ranks.h"
 #include "cosiva/zone/rtm/rtm.h"
 

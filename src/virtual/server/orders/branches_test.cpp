@@ -5,7 +5,7 @@
 #include <ranges>
 #include <set>
 
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/virtual/server/right_of_way/traffic.h"
 #include "cosiva/virtual/server/testing/server_fixture.h"
 

@@ -13,7 +13,7 @@
 #include "cosiva/aiv/motion/motion.h"
 #include "cosiva/aiv/order/order_book.h"
 #include "cosiva/base/math.h"
-#include "cosiva/base/test_places.h"
+#include "cosiva/base/test_paths.h"
 #include "cosiva/wire/messages/topics.h"
 #include "cosiva/wire/vda5050/codec.h"
 #include "cosiva/zone/circuit/path_snap.h"
