@@ -76,8 +76,8 @@ class Up {
     if (auto started = add("server", server_stage, [this] { return server_argv(); }); !started) return started;
     const auto positions = plan_.rtm.zone().start_positions(arguments_.aivs);
     for (std::uint32_t number = 1; number <= arguments_.aivs; ++number) {
-      const zone::TrackPosition location = positions[number - 1];
-      const std::string start = plan_.rtm.zone().circuit.part(location.section).name + ":" + number_text(location.s_m);
+      const zone::TrackPosition start_position = positions[number - 1];
+      const std::string start = plan_.rtm.zone().circuit.part(start_position.section).name + ":" + number_text(start_position.s_m);
       const auto argv = [this, number, start] { return aiv_argv(number, start); };
       if (auto started = add("aiv" + std::to_string(number), aiv_stage, argv); !started) return started;
     }

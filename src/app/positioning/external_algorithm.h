@@ -30,7 +30,7 @@ class ExternalAlgorithm final : public estimation::Algorithm {
  private:
   ExternalAlgorithm(std::string name, std::unique_ptr<adapters::LineProcess> process,
                     std::chrono::milliseconds timeout);
-  void send(const std::string& line);
+  void send_line(const std::string& line);
   void blame(const Error& error) const;
 
   std::string name_;

@@ -34,8 +34,8 @@ void write_stretch(JsonWriter& json, const zone::Circuit& circuit, const std::op
     return;
   }
   json.begin_object().field("length_m", stretch->length_m).field("endless", stretch->endless);
-  for (const auto& [name, location] : {std::pair{"from", stretch->from}, {"to", stretch->to}}) {
-    json.key(name).begin_object().field("section", circuit.part(location.section).name).field("s", location.s_m);
+  for (const auto& [name, end] : {std::pair{"from", stretch->from}, {"to", stretch->to}}) {
+    json.key(name).begin_object().field("section", circuit.part(end.section).name).field("s", end.s_m);
     json.end_object();
   }
   json.end_object();
@@ -57,8 +57,8 @@ std::string origin_text(const zone::OriginSuggestion& suggestion) {
 void write_problem(JsonWriter& json, const zone::TrafficZone& zone, const zone::Problem& problem) {
   json.begin_object();
   json.field("severity", to_string(problem.severity));
-  json.field("code", problem.code).field("section", section_name(zone.circuit, problem.location.section));
-  json.field("s", problem.location.s_m)
+  json.field("code", problem.code).field("section", section_name(zone.circuit, problem.position.section));
+  json.field("s", problem.position.s_m)
       .field("x", problem.at.x_m)
       .field("y", problem.at.y_m)
       .field("text", problem.text);
@@ -69,10 +69,10 @@ void write_waypoints(JsonWriter& json, const zone::TrafficZone& zone) {
   json.begin_array();
   // The nodes that a foreign master control may send a vehicle to, in driving order along each section.
   for (const zone::Waypoint& waypoint : zone.waypoints) {
-    const Pose2 X_MW = zone.circuit.pose_at(waypoint.location);
+    const Pose2 X_MW = zone.circuit.pose_at(waypoint.position);
     json.begin_object().field("id", waypoint.id).field("x", X_MW.x_m).field("y", X_MW.y_m);
-    json.field("heading", X_MW.heading_rad).field("section", zone.circuit.part(waypoint.location.section).name);
-    json.field("s", waypoint.location.s_m).end_object();
+    json.field("heading", X_MW.heading_rad).field("section", zone.circuit.part(waypoint.position.section).name);
+    json.field("s", waypoint.position.s_m).end_object();
   }
   json.end_array();
 }

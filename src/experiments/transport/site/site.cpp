@@ -58,13 +58,13 @@ Result<zone::TrackPosition> end_in(const zone::TrafficZone& zone, const std::str
                                    const std::string& station, std::size_t nth) {
   if (!station.empty()) {
     const zone::Station* const found = zone.find_station(station);
-    if (found != nullptr) return found->location;
+    if (found != nullptr) return found->position;
     return fail("site.transfer_point", "zone '" + zone_name + "' has no station '" + station + "' for a passage");
   }
   const auto stops = stops_of(zone);
   if (stops.empty())
     return fail("site.transfer_point", "zone '" + zone_name + "' has no station where a passage could begin or end");
-  return zone.stations[stops[std::min(nth, stops.size() - 1)]].location;
+  return zone.stations[stops[std::min(nth, stops.size() - 1)]].position;
 }
 
 /// An error of one rank is everybody's: nobody may wait for one that has gone.
