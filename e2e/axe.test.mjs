@@ -26,7 +26,7 @@ const views = [
     await page.getByTestId('tool-edit-tags').click();
     await page.getByTestId('tag-choice').selectOption('3');
   }, (page) => page.getByLabel('Close the tags').click()],
-  ['walk tool', (page) => page.getByTestId('tool-draw-walk').click(), (page) => page.getByLabel('Put the tool away').click()],
+  ['walk tool', (page) => page.getByTestId('tool-draw-walk').click(), (page) => page.getByLabel('End the tool').click()],
   ['menu of the map', async (page) => {
     await page.getByTestId('circuit').focus();
     await page.keyboard.press('Shift+F10');

@@ -37,7 +37,7 @@ test('an operator changes a battery, confirms it on the page, and watches the te
 
   await t.test('a wanted battery is an alarm, whatever the page shows', async () => {
     await page.getByTestId('open-alarms').click();
-    await page.getByTestId('alarms').getByText('Battery red is wanted in it').waitFor({ timeout: 30_000 });
+    await page.getByTestId('alarms').getByText('Battery red is requested').waitFor({ timeout: 30_000 });
     await page.getByTestId('open-battery').click();
     await panel.getByTestId('battery-change').waitFor({ timeout: 5_000 });
     await eventually('the test is shown to wait', async () => (await slot.getAttribute('data-phase')) === 'changing');
@@ -46,16 +46,16 @@ test('an operator changes a battery, confirms it on the page, and watches the te
 
   await t.test('a battery that is not full is refused, with the reason next to the form', async () => {
     const form = panel.getByTestId('battery-change');
-    await form.getByText('What is known of it').click();
+    await form.getByText('Battery details').click();
     await form.getByLabel('Charge [%]').fill('80');
     await form.getByRole('button', { name: /battery red, AIV1/ }).click();
-    await panel.getByText(/may not run: it is not full: 80/).waitFor({ timeout: 5_000 });
+    await panel.getByText(/was refused: it is not full: 80/).waitFor({ timeout: 5_000 });
   });
 
   await t.test('a click confirms the right one, and the run begins', async () => {
     const form = panel.getByTestId('battery-change');
     // The form may have been drawn anew since.
-    if (!(await form.getByLabel('Charge [%]').isVisible())) await form.getByText('What is known of it').click();
+    if (!(await form.getByLabel('Charge [%]').isVisible())) await form.getByText('Battery details').click();
     await form.getByLabel('Charge [%]').fill('100');
     await eventually('the button is free', () => form.getByRole('button', { name: /battery red, AIV1/ }).isEnabled());
     await form.getByRole('button', { name: /battery red, AIV1/ }).click();

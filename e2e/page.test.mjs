@@ -90,7 +90,7 @@ test('an operator watches, stops and restarts AIVs on the page', { timeout: 180_
     await platform.kill_child(/server/i);
     // Detected and read at once: a server that is back soon removes it.
     const banner = await page.waitForFunction(() => document.querySelector('[data-testid=banner]')?.innerText, null, { timeout: 3_000 });
-    assert.match(await banner.jsonValue(), /No connection|silent/);
+    assert.match(await banner.jsonValue(), /No connection|unresponsive/);
     await page.waitForSelector('[data-testid=link][data-phase=live]', { timeout: 30_000 });
     await page.waitForSelector('[data-testid=banner]', { state: 'detached', timeout: 5_000 });
     for (const number of [1, 2, 3, 4]) await ground_truth.moves(number, 40_000);

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The scripts around the compiler, tested: which sources share a unit, what clang-tidy looks at, which units are slow."""
+"""Tests of the build scripts: grouping of sources into units, input of clang-tidy, list of slow units."""
 
 import os
 import pathlib
@@ -23,44 +23,44 @@ class UnityGroups(unittest.TestCase):
     def groups(self, *texts, most=12):
         return unity_groups.groups_of(texts, most)
 
-    def test_sources_whose_helpers_have_different_names_share_a_unit(self):
+    def test_sources_with_different_helper_names_are_in_one_unit(self):
         self.assertEqual(self.groups(source("int one() { return 1; }"), source("int two() { return 2; }")), [0, 0])
 
-    def test_sources_that_both_declare_a_name_do_not(self):
+    def test_sources_that_declare_the_same_name_are_in_different_units(self):
         for own in ("int helper() { return 1; }", "constexpr int helper = 1;", "struct helper {};", "class helper : B {};",
                     "enum class helper { a };", "template <class T>\nT helper(const T& t) { return t; }", "int helper[2];",
                     "using helper = int;", "std::vector<int> helper{1};"):
             with self.subTest(own):
                 self.assertEqual(self.groups(source(own), source("int other();"), source(own)), [0, 0, 1])
 
-    def test_a_later_source_that_uses_the_name_of_an_earlier_ones_helper_is_kept_apart(self):
+    def test_a_later_source_using_the_name_of_an_earlier_helper_is_separated(self):
         self.assertEqual(self.groups(source("double step;"), source("", "void f() { double step = 1.0; }")), [0, 1])
         self.assertEqual(self.groups(source("", "void f() { double step = 1.0; }"), source("double step;")), [0, 0])
 
     def test_a_macro_counts_as_a_name(self):
         self.assertEqual(self.groups("#define LIMIT 3\n", source("", "int LIMIT_OF(int LIMIT);")), [0, 1])
 
-    def test_members_names_of_std_comments_and_strings_clash_with_nothing(self):
+    def test_members_std_names_comments_and_strings_do_not_clash(self):
         own = source("int find() { return 1; }\nint size;")
         rest = 'int f() { return v.size() + p->size + std::find(v); /* find */ }  // size\nauto t = "find";'
         self.assertEqual(self.groups(own, source("", rest)), [0, 0])
 
-    def test_what_a_helpers_body_declares_is_its_own(self):
+    def test_local_declarations_of_a_helper_do_not_clash(self):
         self.assertEqual(self.groups(source("int f() { int inner = 1; return inner; }"), source("", "int g(int inner);")), [0, 0])
 
-    def test_test_cases_share_a_unit(self):
+    def test_test_cases_are_in_one_unit(self):
         self.assertEqual(self.groups(source('TEST(A, b) { EXPECT_EQ(1, 1); }'), source('TEST(A, c) { EXPECT_EQ(1, 1); }')), [0, 0])
 
-    def test_a_unit_holds_no_more_than_it_may(self):
+    def test_a_unit_has_a_maximum_size(self):
         self.assertEqual(self.groups(*["int x;"] * 5, most=2), [0, 0, 1, 1, 2])
 
-    def test_a_source_that_a_librarys_templates_make_slow_counts_for_several(self):
+    def test_a_source_with_slow_library_templates_counts_as_several(self):
         slow = "Eigen::Vector2d x;"
         self.assertEqual(self.groups(slow, slow, slow, slow, "int x;", most=13), [0, 0, 1, 1, 0])
 
 
 class TidyTasks(unittest.TestCase):
-    """What clang-tidy is run over: sources a to f are compiled as one unit, g by itself."""
+    """The input of clang-tidy: sources a to f are compiled as one unit, g separately."""
 
     def setUp(self):
         self.unit = tidy.ROOT / "build/unity_x.cxx"
@@ -72,31 +72,31 @@ class TidyTasks(unittest.TestCase):
         tasks = tidy.tasks_for(self.sources, {self.unit: {}}, files, lambda name: name in known)
         return sorted((task.path.stem, *task.passes) for task in tasks)
 
-    def test_cold_it_looks_at_the_unit_and_at_what_is_in_none(self):
+    def test_without_cache_units_and_separate_sources_are_checked(self):
         units = tuple(f"{name}.unit" for name in "abcdef")
         self.assertEqual(self.runs(), [("g", "g"), ("unity_x", *units)])
 
-    def test_a_source_that_differs_from_main_is_looked_at_by_itself_whatever_its_unit_told(self):
+    def test_a_source_that_differs_from_main_is_checked_separately(self):
         known = {f"{name}.unit" for name in "abcdef"} | {"g"}
         self.assertEqual(self.runs("b", known), [("b", "b")])
         self.assertEqual(self.runs("b", known | {"b"}), [])
 
-    def test_a_small_unit_of_which_all_is_new_is_looked_at_whole(self):
+    def test_a_small_unit_of_new_sources_is_checked_as_a_whole(self):
         sources, units = self.sources, ("a.unit", "b.unit")
         self.sources = [source for source in sources if source.path.stem in "ab"]
         self.assertEqual(self.runs(), [("unity_x", *units)])
         self.sources = sources
 
-    def test_few_new_sources_of_a_unit_are_looked_at_one_by_one(self):
+    def test_few_new_sources_of_a_unit_are_checked_separately(self):
         known = {f"{name}.unit" for name in "abcd"} | {"g"}
         self.assertEqual(self.runs("", known), [("e", "e"), ("f", "f")])
 
-    def test_a_unit_whose_sources_all_passed_by_themselves_is_left_out(self):
+    def test_a_unit_whose_sources_all_passed_separately_is_skipped(self):
         self.assertEqual(self.runs("", set("abcdefg")), [])
 
 
 class SlowestUnits(unittest.TestCase):
-    def test_they_are_named_slowest_first_by_what_the_compiler_took_since_then(self):
+    def test_units_are_listed_by_compile_time_since_a_given_time(self):
         with tempfile.TemporaryDirectory() as folder:
             build = pathlib.Path(folder) / "release"
             build.mkdir()

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Runs ctest, and judges it: what tests say of milliseconds and of patience holds on a machine that runs.
+"""Runs ctest, and evaluates its result: limits of time apply only while the machine is not suspended.
 
     scripts/cases.py --test-dir build/release -j 2 -E '^e2e'
 
-Where a test fails, and a witness saw that the machine itself stood still meanwhile (a virtual machine whose host has no time
-for it), it is run again by itself once the machine runs. One that fails on a machine that runs has failed. Tests that are
-skipped or disabled count as failed. Closes with "N passed, N failed"; exit code 1 when anything failed."""
+If a test fails while the machine itself was suspended (a virtual machine whose host has no time for it), as observed by
+a witness thread, the test is repeated alone once the machine runs. A test that fails without a suspension has failed.
+Skipped or disabled tests count as failed. Ends with "N passed, N failed"; exit code 1 if anything failed."""
 
 import os
 import re
@@ -17,20 +17,20 @@ import xml.etree.ElementTree
 
 from witness import Witness
 
-STILL_MS = 200  # in all, no long test minds less,
-STILL_SHARE = 0.05  # and no short one less than this share of it
-QUIET_S = 15  # with next to no standing still, before a test is run again
-QUIET_STILL_MS = 50  # a machine is never quite still
+STILL_MS = 200  # a suspension up to this total affects no long test,
+STILL_SHARE = 0.05  # and one up to this ratio of its duration no short test
+QUIET_S = 15  # with almost no suspension, before a test is repeated
+QUIET_STILL_MS = 50  # a machine is never completely undisturbed
 TRIES = 6
-SLOWEST = 20  # cases that are named with their times
-PATIENCE_S = 1200  # for all that is run again; bad minutes of a host were seen four in a row
+SLOWEST = 20  # number of cases listed with their times
+PATIENCE_S = 1200  # for all repetitions; a host was overloaded for up to four consecutive minutes
 
 START = re.compile(r"\s*Start\s+(\d+): (.*)")
 END = re.compile(r"\s*\d+/\d+ Test\s+#(\d+): .*? (?=\.{3})")
 
 
 class Case:
-    """A test: its name, what ctest's report says of it, and for how long the machine stood still the while."""
+    """A test: its name, its result in ctest's report, and the duration of suspensions during the test."""
 
     def __init__(self, name, element, span, witness):
         self.name = name
@@ -43,7 +43,7 @@ class Case:
 
 
 def run_ctest(arguments, witness, on_line):
-    """Its cases, by name; none where ctest could not even report."""
+    """The cases by name; none if ctest wrote no report."""
     began, spans = {}, {}
     with tempfile.TemporaryDirectory() as folder:
         report = os.path.join(folder, "report.xml")
@@ -69,35 +69,35 @@ class Judge:
         self.arguments, self.witness, self.say = arguments, witness, say
 
     def judge(self):
-        """How many passed and failed."""
+        """The numbers of passed and failed cases."""
         cases = run_ctest(self.arguments, self.witness, self._progress)
         if not cases:
-            self.say("ctest has run nothing\n")
+            self.say("ctest has run no tests\n")
             return 0, 1
         slowest = sorted(cases.values(), key=lambda case: -case.seconds)[:SLOWEST]
         self.say("The slowest:\n" + "".join(f"{case.seconds:8.1f} s  {case.name}\n" for case in slowest))
         self._again(cases)
         failed = [case for case in cases.values() if not case.passed]
         for case in failed:
-            self.say(f"\n--- {case.name}; the machine stood still for {case.still_ms:.0f} ms of it\n{case.output}\n")
+            self.say(f"\n--- {case.name}; the machine was suspended for {case.still_ms:.0f} ms of it\n{case.output}\n")
         if failed:
             self.say("The following tests FAILED:\n" + "".join(f"\t{case.name} (Failed)\n" for case in failed))
         return len(cases) - len(failed), len(failed)
 
     def _progress(self, line):
-        """Of ctest's lines, those that say how far it is; what failed is judged, and told in full, at the end."""
+        """Prints ctest's progress; failures are evaluated, and reported completely, at the end."""
         if match := END.match(line):
-            self.say(f"{match[0]}... to be judged\n" if "***" in line else line)
+            self.say(f"{match[0]}... to be evaluated\n" if "***" in line else line)
 
     def _again(self, cases):
-        """Runs again, as often as it helps, what failed while the machine stood still."""
+        """Repeats tests that failed while the machine was suspended."""
         end = time.monotonic() + PATIENCE_S
         for name in [name for name, case in cases.items() if not case.passed]:
             for _ in range(1, TRIES):
                 case = cases[name]
                 if case.passed or not case.ran or not case.excused or time.monotonic() > end:
                     break
-                self.say(f"once more, for the machine stood still for {case.still_ms:.0f} ms of it: {name}\n")
+                self.say(f"repeated, because the machine was suspended for {case.still_ms:.0f} ms of it: {name}\n")
                 self.until_the_machine_runs(end)
                 cases[name] = self._alone(name) or case
 

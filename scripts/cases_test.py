@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The judge of the tests (cases.py), judged: what fails is run again where the machine stood still, and nowhere else."""
+"""Tests of cases.py: a failed test is repeated if the machine was suspended, and not otherwise."""
 
 import os
 import pathlib
@@ -17,7 +17,7 @@ COUNTED = 'printf x >>"$0.$1"; test $(wc -c <"$0.$1") -ge "$1" || { echo "not ye
 
 
 class Still:
-    """A witness that saw everything stand still for so long, or one thing after the other for so long."""
+    """A witness that reports suspensions of the given durations, the last one repeatedly."""
 
     def __init__(self, *ms):
         self.ms = list(ms)
@@ -37,7 +37,7 @@ class Judged(unittest.TestCase):
         self.folder = pathlib.Path(scratch.name)
 
     def judge(self, goods, still_ms, *arguments, extra=""):
-        """Tests that pass at their `goods`-th run: (passed, failed), what was said, and how often each ran."""
+        """Tests that pass at their `goods`-th run: (passed, failed), the output, and how often each ran."""
         tests = "".join(f'add_test("some: passes at run {good}." sh -c [==[{COUNTED}]==] "{self.folder}/ran" {good})\n' for good in goods)
         (self.folder / "CTestTestfile.cmake").write_text(tests + extra)
         said = []
@@ -45,7 +45,7 @@ class Judged(unittest.TestCase):
         runs = [len(file.read_text()) for good in goods if (file := self.folder / f"ran.{good}").exists()]
         return counts, "".join(said), runs
 
-    def test_what_passes_is_run_once_wherever(self):
+    def test_a_passing_test_is_run_once_also_on_a_suspended_machine(self):
         for still_ms, folder in ((0, "ran"), (1e6, "still")):
             with self.subTest(folder):
                 (self.folder / folder).mkdir()
@@ -53,61 +53,61 @@ class Judged(unittest.TestCase):
                 counts, _, runs = self.judge([1], still_ms)
                 self.assertEqual((counts, runs), ((1, 0), [1]))
 
-    def test_what_fails_on_a_machine_that_runs_has_failed_and_says_why(self):
+    def test_a_failure_without_suspension_counts_and_is_reported_with_its_output(self):
         counts, said, runs = self.judge([1, 2], 0)
         self.assertEqual((counts, runs), ((1, 1), [1, 1]))
         self.assertIn("not yet, as <said>", said)
         self.assertIn("FAILED:\n\tsome: passes at run 2. (Failed)", said)
 
-    def test_what_fails_where_the_machine_stood_still_is_run_again_alone(self):
+    def test_a_failure_during_a_suspension_is_repeated_alone(self):
         counts, said, runs = self.judge([1, 3], cases.STILL_MS + 1)
         self.assertEqual((counts, runs), ((2, 0), [1, 3]))
-        self.assertIn(": some: passes at run 3. ... to be judged\n", said)
-        self.assertIn("once more, for the machine stood still for 201 ms of it: some: passes at run 3.", said)
+        self.assertIn(": some: passes at run 3. ... to be evaluated\n", said)
+        self.assertIn("repeated, because the machine was suspended for 201 ms of it: some: passes at run 3.", said)
         self.assertNotIn("Failed", said)
         self.assertNotIn("not yet", said)
 
-    def test_a_short_one_minds_what_a_long_one_does_not(self):
+    def test_a_short_test_is_more_sensitive_to_suspensions_than_a_long_one(self):
         sleeps = 'add_test(long sh -c "sleep 4.5; exit 1")\n'
         counts, said, runs = self.judge([2], cases.STILL_MS - 1, extra=sleeps)
         self.assertEqual((counts, runs), ((1, 1), [2]))
         self.assertIn("199 ms of it: some: passes at run 2.", said)
         self.assertNotIn("of it: long", said)
 
-    def test_it_is_run_six_times_at_most(self):
+    def test_a_test_is_run_six_times_at_most(self):
         counts, _, runs = self.judge([99], cases.STILL_MS + 1)
         self.assertEqual((counts, runs), ((0, 1), [6]))
 
-    def test_it_is_run_again_when_the_machine_runs(self):
+    def test_a_repetition_waits_until_the_machine_runs(self):
         with unittest.mock.patch.multiple(cases, QUIET_STILL_MS=50, QUIET_S=0.1):
             witness = Still(60, 51, 70, 50, 60)
             cases.Judge([], witness, print).until_the_machine_runs(time.monotonic() + 60)
             self.assertEqual(witness.ms, [60])
-            cases.Judge([], Still(60), print).until_the_machine_runs(time.monotonic() + 0.2)  # it does not, and patience ends
+            cases.Judge([], Still(60), print).until_the_machine_runs(time.monotonic() + 0.2)  # it does not, until the timeout
 
-    def test_with_no_patience_left_nothing_is_run_again(self):
+    def test_after_the_timeout_no_test_is_repeated(self):
         cases.PATIENCE_S = -1
         counts, _, runs = self.judge([99], cases.STILL_MS + 1)
         self.assertEqual((counts, runs), ((0, 1), [1]))
 
-    def test_who_is_skipped_or_disabled_or_cannot_run_has_failed(self):
+    def test_skipped_disabled_and_unstartable_tests_have_failed(self):
         skipped = 'add_test(skipped sh -c "exit 77")\nset_tests_properties(skipped PROPERTIES SKIP_RETURN_CODE 77)\n'
         disabled = 'add_test(disabled true)\nset_tests_properties(disabled PROPERTIES DISABLED ON)\n'
         nobody = 'add_test(nobody /nonexistent)\n'
         counts, said, _ = self.judge([1], 1e6, extra=skipped + disabled + nobody)
         self.assertEqual(counts, (1, 3))
-        self.assertNotIn("once more", said)
+        self.assertNotIn("repeated", said)
 
-    def test_of_a_run_that_found_no_tests_one_has_failed(self):
+    def test_a_run_without_tests_counts_as_one_failure(self):
         self.assertEqual(self.judge([1], 0, "-R", "nothing")[0], (0, 1))
 
-    def test_one_that_hangs_is_ended_and_has_failed(self):
+    def test_a_hanging_test_is_ended_and_has_failed(self):
         hangs = 'add_test(hangs sleep 60)\nset_tests_properties(hangs PROPERTIES TIMEOUT 1)\n'
         self.assertEqual(self.judge([1], 0, extra=hangs)[0], (1, 1))
 
 
 class Witnessed(unittest.TestCase):
-    def test_the_witness_tells_for_how_long_nobody_ran(self):
+    def test_the_witness_measures_the_duration_of_a_suspension(self):
         witness = Witness()
         time.sleep(0.3)
         since = time.monotonic()
@@ -119,7 +119,7 @@ class Witnessed(unittest.TestCase):
         self.assertLess(witness.still_ms(since, until), 1e3 * (until - since))
         self.assertEqual(witness.still_ms(since - 1000, since - 999), 0)
 
-    def test_of_several_cpus_the_one_that_stood_still_longest_counts(self):
+    def test_the_cpu_with_the_longest_suspension_counts(self):
         witness = Witness()
         witness.stills = [(0, 1.0, 1.5), (1, 1.2, 1.5), (0, 3.0, 4.0), (1, 3.0, 4.5)]
         self.assertAlmostEqual(witness.still_ms(1.25, 3.5), 750)

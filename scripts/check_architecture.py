@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""The pictures of the architecture say what the link lists say.
+"""The diagrams of the architecture agree with the link lists.
 
 docs/architecture.md opens with a diagram of the top folders of src/ and their arrows, docs/modules.md lists every module with
 the first paragraph of its README and the modules that it may include. Both are generated from the cosiva_module(...) calls;
-this check fails where a document says something else, or a module has no README. --write writes them anew, --self-test
-judges small good and bad trees.
+this check fails if a document differs, or a module has no README. --write regenerates them, --self-test checks small good
+and bad trees.
 """
 
 import pathlib
@@ -22,7 +22,7 @@ def top(module):
 
 
 def arrows_of(modules):
-    """{folder: folders that it uses}, tests left out, without those that another arrow already implies."""
+    """{folder: folders that it uses}, without tests and without arrows implied by others."""
     uses = {top(name): set() for name in modules if not name.endswith(("testing", "oracle"))}
     for name, module in modules.items():
         for target in module.links["PUBLIC"] + module.links["PRIVATE"]:
@@ -75,12 +75,12 @@ def table(src, modules, problems):
 
 
 def wanted(root, problems):
-    """{document: its text as it should be}"""
+    """{document: its expected text}"""
     modules = check_arrows.read_modules(root / "src", [])
     page = root / "docs/architecture.md"
     text = page.read_text() if page.exists() else ""
     if BEGIN not in text or END not in text:
-        problems.append("docs/architecture.md: has no place for the diagram")
+        problems.append("docs/architecture.md: lacks the markers of the diagram")
     else:
         text = text[: text.index(BEGIN)] + diagram(modules) + text[text.index(END) + len(END) :]
     return modules, {page: text, root / "docs/modules.md": table(root / "src", modules, problems)}
@@ -91,7 +91,7 @@ def check(root):
     modules, documents = wanted(root, problems)
     for path, text in documents.items():
         if not path.exists() or path.read_text().rstrip() != text.rstrip():
-            problems.append(f"{path.relative_to(root)}: says something else than the link lists; --write writes it anew")
+            problems.append(f"{path.relative_to(root)}: differs from the link lists; --write regenerates it")
     return modules, problems
 
 
@@ -111,10 +111,10 @@ GOOD = {
     + "| `src/zone/circuit` | The graph. | base |",
 }
 BAD = [
-    ({"src/wire/CMakeLists.txt": "cosiva_module(wire PUBLIC base)"}, "docs/architecture.md: says something else"),
-    ({"src/wire/README.md": "# wire\nOther."}, "docs/modules.md: says something else"),
+    ({"src/wire/CMakeLists.txt": "cosiva_module(wire PUBLIC base)"}, "docs/architecture.md: differs from the link lists"),
+    ({"src/wire/README.md": "# wire\nOther."}, "docs/modules.md: differs from the link lists"),
     ({"src/zone/rtm/CMakeLists.txt": "cosiva_module(zone/rtm PUBLIC base)"}, "src/zone/rtm: has no README.md"),
-    ({"docs/architecture.md": "# Architecture"}, "has no place for the diagram"),
+    ({"docs/architecture.md": "# Architecture"}, "lacks the markers of the diagram"),
 ]
 
 

@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
-"""The arrows between modules: every #include in src/ must be declared in the module's link list.
+"""The dependencies between modules: every #include in src/ must be declared in the module's link list.
 
 Reads the cosiva_module(...) calls of src/**/CMakeLists.txt and every #include of src/, and fails on
-  - an include of a module that the including module's list does not name (a list of lists is not enough: what a file
-    includes, its module declares), and on a target that the list names although no file includes it;
-  - an include of a header that its module does not declare public (HEADERS), and on a public header that is not there;
-  - a public header that includes what its module declares only PRIVATE;
+  - an include of a module that the including module's list does not name (indirect declarations do not count), and on a
+    declared target that no file includes;
+  - an include of a header that its module does not declare public (HEADERS), and on a public header that does not exist;
+  - a public header that includes a module declared only PRIVATE;
   - an include that is not written "cosiva/<module>/x.h";
   - a library's header (simdjson, toml++, mosquitto, Boost, CLI11) where the list does not name the library;
-  - links set behind cosiva_module's back, circles, and an include of src/app from outside it;
-  - a way from the physical side to the virtual one or back, however long: they only meet in zone, aiv and wire.
-Tests may also use what TEST names, and include any header of another module. With --self-test the check judges small
-bad trees, each of which must fail.
+  - links set without cosiva_module, cycles, and an include of src/app from outside it;
+  - a dependency, direct or not, between the physical and the virtual side: their common modules are zone, aiv and wire.
+Tests may also use the modules in TEST, and include any header of another module. --self-test checks small bad trees, each
+of which must fail.
 """
 
 import pathlib
@@ -24,7 +24,7 @@ import checker
 CALL = re.compile(r"\bcosiva_module\(([^)]*)\)", re.DOTALL)
 PREFIX = "cosiva/"
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]+(?:"([^"]+)"|<([^>]+)>)', re.MULTILINE)
-# Headers of libraries that only the folders which declare them may touch.
+# Headers of libraries that only modules which declare them may include.
 LIBRARIES = {
     "simdjson": "simdjson::simdjson",
     "toml++": "tomlplusplus::tomlplusplus",
@@ -64,12 +64,12 @@ def read_modules(src, problems):
         calls = CALL.findall(text)
         own = "cosiva_" + folder.replace("/", "_")
         if re.search(rf"\btarget_(link_libraries|include_directories)\(\s*{own}\b", text):
-            problems.append(f"{path}: links are the arrows, so they go into cosiva_module(...) and nowhere else")
+            problems.append(f"{path}: links are declared in cosiva_module(...) and nowhere else")
         for call in calls:
             words = call.split()
             module = Module(words[0])
             if module.name != folder:
-                problems.append(f"{path}: declares the module {module.name}, but stands in {folder}")
+                problems.append(f"{path}: declares the module {module.name}, but is in {folder}")
             scope = None
             for word in words[1:]:
                 if word in module.links or word in ("HEADERS", "EXCEPT"):
@@ -79,7 +79,7 @@ def read_modules(src, problems):
                 elif scope == "HEADERS":
                     module.headers.append(word)
                     if not (path.parent / word).exists():
-                        problems.append(f"{path}: the public header {word} is not there")
+                        problems.append(f"{path}: the public header {word} does not exist")
                 elif scope == "EXCEPT":
                     module.excepted.append(word)
                 else:
@@ -100,7 +100,7 @@ def in_app(module):
 
 
 def reach(modules, start, scopes=("PUBLIC", "PRIVATE")):
-    """All modules that can be got to from `start`, with the way there."""
+    """All modules reachable from `start`, with the path to each."""
     ways = {start: [start]}
     todo = [start]
     while todo:
@@ -120,12 +120,12 @@ def check_graph(modules, problems):
                 if in_app(target) and not in_app(name) and scope != "TEST":
                     problems.append(f"{name}: only app may use {target}")
                 elif "::" not in target and "$" not in target and target not in modules:
-                    problems.append(f"{name}: {scope} names {target}, which is no module")
+                    problems.append(f"{name}: {scope} names {target}, which is not a module")
         ways = reach(modules, name)
         for target in [t for t in module.links["PUBLIC"] + module.links["PRIVATE"] if t in modules]:
             back = reach(modules, target).get(name)
             if back:
-                problems.append(f"{name}: goes round in a circle: {' -> '.join([name] + back)}")
+                problems.append(f"{name}: is part of a cycle: {' -> '.join([name] + back)}")
         side = name.split("/")[0]
         for other in SIDES:
             if side in SIDES and side != other:
@@ -135,7 +135,7 @@ def check_graph(modules, problems):
 
 
 def is_test(file):
-    """Tests, and what only tests use: thing_test.cpp, test_things.h, thing_fixture.h, testing/."""
+    """Tests and their utilities: x_test.cpp, test_x.h, x_fixture.h, testing/."""
     return bool(re.search(r"(^|/)test_[^/]*$|_test\.cpp$|_fixture\.(h|cpp)$|(^|/)testing/", file))
 
 
@@ -170,7 +170,7 @@ def check_includes(src, modules, problems):
             if target is None:
                 continue
             if not target.startswith(PREFIX) or target.removeprefix(PREFIX) not in includes:
-                problems.append(f'{where}: "{target}" is no "cosiva/<module>/x.h" of src/ (libraries go in <>)')
+                problems.append(f'{where}: "{target}" is not a "cosiva/<module>/x.h" of src/ (libraries are included with <>)')
                 continue
             target = target.removeprefix(PREFIX)
             there = owner(modules, target)
@@ -182,7 +182,7 @@ def check_includes(src, modules, problems):
             elif there == here and not test and file in public and target not in public:
                 problems.append(f"{where}: the public header {file} includes {target}, which is not public")
             elif not test and file in public and there != here and there not in module.links["PUBLIC"]:
-                problems.append(f"{where}: others see this header, so {here} must declare {there} PUBLIC")
+                problems.append(f"{where}: this header is public, therefore {here} must declare {there} PUBLIC")
     for name, module in modules.items():
         for target in [t for scope in module.links.values() for t in scope if t in modules and t not in used[name]]:
             problems.append(f"{name}: declares {target}, which no file of it includes")
@@ -227,16 +227,16 @@ GOOD = {
     "app/c.cpp": '#include "cosiva/physical/plant/p.h"\n#include "cosiva/virtual/server/s.h"\n#include <CLI/CLI.hpp>\n'
         '#include "cosiva/app/gvs/g.h"',
 }
-# What is changed in the good tree, and a piece of the complaint that must follow.
+# Changes of the good tree, and a part of the expected message.
 BAD = [
     ({"zone/circuit/z.cpp": '#include "cosiva/wire/w.h"'}, "does not declare wire"),
     # Reached through wire, not declared.
     ({"physical/plant/p.h": '#include "cosiva/zone/circuit/z.h"'}, "does not declare zone/circuit"),
-    ({"zone/circuit/z.h": '#include "base/a.h"'}, 'is no "cosiva/<module>/x.h"'),
-    ({"zone/circuit/z.cpp": '#include "z.h"'}, 'is no "cosiva/<module>/x.h"'),
+    ({"zone/circuit/z.h": '#include "base/a.h"'}, 'is not a "cosiva/<module>/x.h"'),
+    ({"zone/circuit/z.cpp": '#include "z.h"'}, 'is not a "cosiva/<module>/x.h"'),
     ({"zone/circuit/z.cpp": '#include "cosiva/base/hidden.h"'}, "is not among the public headers"),
     ({"base/a.h": '#include "cosiva/base/hidden.h"'}, "which is not public"),
-    ({"base/CMakeLists.txt": "cosiva_module(base HEADERS a.h gone.h)"}, "the public header gone.h is not there"),
+    ({"base/CMakeLists.txt": "cosiva_module(base HEADERS a.h gone.h)"}, "the public header gone.h does not exist"),
     ({"virtual/server/s.h": ""}, "declares wire, which no file of it includes"),
     ({"base/b.cpp": "#include <simdjson.h>"}, "does not declare simdjson::simdjson"),
     ({"wire/w.h": "#include <boost/asio.hpp>"}, "does not declare Boost::headers"),
@@ -252,14 +252,14 @@ BAD = [
         },
         "virtual/server -> between -> physical/plant",
     ),
-    ({"base/CMakeLists.txt": "cosiva_module(base PRIVATE zone/circuit)"}, "goes round in a circle"),
+    ({"base/CMakeLists.txt": "cosiva_module(base PRIVATE zone/circuit)"}, "is part of a cycle"),
     (
         {"zone/circuit/CMakeLists.txt": "cosiva_module(zone/circuit HEADERS z.h PRIVATE base simdjson::simdjson)"},
         "declare base PUBLIC",
     ),
     (
         {"zone/circuit/CMakeLists.txt": "cosiva_module(zone/circuit PUBLIC base nowhere TEST wire)"},
-        "which is no module",
+        "which is not a module",
     ),
     (
         {
@@ -268,7 +268,7 @@ BAD = [
         },
         "only app may use app/gvs",
     ),
-    ({"wire/w.h": '#include "cosiva/zone/gone.h"'}, 'is no "cosiva/<module>/x.h"'),
+    ({"wire/w.h": '#include "cosiva/zone/gone.h"'}, 'is not a "cosiva/<module>/x.h"'),
     (
         {"wire/CMakeLists.txt": "cosiva_module(wire PUBLIC zone/circuit)\ntarget_link_libraries(cosiva_wire app)"},
         "nowhere else",

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Every file, folder, test and link that the documents name exists.
+"""Every file, folder, test and link named by the documents exists.
 
 In *.md of the root folder and docs/**/*.md:
   - a path in backquotes that starts at one of our top folders (`src/zone/geometry/section.h`), * is a wildcard;
-  - the target of a relative link or picture;
-  - in docs/paper-map.md also every `Suite.test` in backquotes, which must stand as TEST(Suite, test) in src/ or e2e/.
-With --self-test it judges small good and bad documents.
+  - the target of a relative link or image;
+  - in docs/paper-map.md also every `Suite.test` in backquotes, which must exist as TEST(Suite, test) in src/ or e2e/.
+--self-test checks small good and bad documents.
 """
 
 import pathlib
@@ -19,7 +19,7 @@ PATH = re.compile(rf"`({TOPS}(?:/[\w.*@+-]+)+/?)(?::\d+)?`")
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
 TEST_NAME = re.compile(r"`([A-Z]\w*)\.([a-zA-Z]\w*)`")
 TEST_CASE = re.compile(r"\b(?:TEST|TEST_F|TEST_P|TYPED_TEST|RC_GTEST_PROP|RC_GTEST_FIXTURE_PROP)\(\s*(\w+),\s*(\w+)")
-# Made by building or testing, so not in a fresh checkout.
+# Created by building or testing, therefore not in a fresh checkout.
 MADE = ("web/dist", "e2e/artefacts")
 
 
@@ -35,7 +35,7 @@ def check(root):
                     problems.append(f"{where}: there is no {path}")
             for target in LINK.findall(line):
                 if "://" not in target and not target.startswith("mailto:") and not (document.parent / target).exists():
-                    problems.append(f"{where}: the link to {target} leads nowhere")
+                    problems.append(f"{where}: the link target {target} does not exist")
             if name == "docs/paper-map.md":
                 if tests is None:
                     files = [*(root / "src").rglob("*.cpp"), *(root / "e2e").glob("*.cpp")]
@@ -58,8 +58,8 @@ GOOD = {
 }
 BAD = [
     ({"README.md": "see `src/zone/gone.h`"}, "README.md:1: there is no src/zone/gone.h"),
-    ({"README.md": "\n[x](docs/gone.md)"}, "README.md:2: the link to docs/gone.md"),
-    ({"README.md": "![x](docs/images/gone.png)"}, "docs/images/gone.png leads nowhere"),
+    ({"README.md": "\n[x](docs/gone.md)"}, "README.md:2: the link target docs/gone.md"),
+    ({"README.md": "![x](docs/images/gone.png)"}, "docs/images/gone.png does not exist"),
     ({"docs/guide/g.md": "`src/nothing/*.h`"}, "there is no src/nothing/*.h"),
     ({"docs/paper-map.md": "`Section.is_gone`"}, "no TEST(Section, is_gone)"),
 ]

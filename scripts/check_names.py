@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""What may not be named, and where.
+"""Names that are not permitted in certain folders.
 
-blind   src/virtual and the page's sources name no ready zone, zone format or vehicle make (A19): they handle what they
-        are handed. Tests may, they have to hand them something.
-pure    the cores (all of src/ but adapters, hmi and app) use no elementary function, random number or hash order that could
-        differ between machines, and no thread, clock, file or socket: same inputs, same bits (docs/architecture.md).
+blind   src/virtual and the page's sources name no ready zone, zone format or vehicle make (A19): they process any input.
+        Tests may, since they have to provide an input.
+pure    the cores (all of src/ except adapters, hmi and app) use no elementary function, random number or hash order that
+        could differ between machines, and no thread, clock, file or socket: bit-identical results (docs/architecture.md).
         Tests may: they compare with libm and read files.
 
-With --self-test it judges small good and bad files.
+--self-test checks small good and bad files.
 """
 
 import pathlib
@@ -23,7 +23,7 @@ CONCRETE = (
 
 
 def concrete(root):
-    """CONCRETE and the name of whatever zone comes with the platform."""
+    """CONCRETE and the names of all included zones."""
     zones = {file.name.partition(".")[0] for file in root.glob("zones/*") if file.suffix != ".LICENSE"}
     return re.compile("|".join([CONCRETE, *(rf"\b{re.escape(zone)}\b" for zone in sorted(zones))]), re.IGNORECASE)
 
@@ -40,21 +40,21 @@ SHELL_HEADERS = (
 IMPURE = [
     (re.compile(rf"\bstd::({MATH})[fl]?\b"), "differs in its last bit between machines; base/math.h has its own"),
     (re.compile(r"\bstd::(rand|srand|random_device|mt19937|minstd_rand|\w+_distribution|shuffle|sample)\b|\brand\(\)"),
-     "is another on every library; base/random.h has streams"),
+     "differs between libraries; base/random.h has streams"),
     (re.compile(r"\bstd::(jthread|thread|async|mutex|atomic|condition_variable|future|promise)\b"),
-     "a core runs where it is called"),
+     "a core runs in the thread of its caller"),
     (re.compile(r"\b(system_clock|steady_clock|high_resolution_clock|utc_clock)\b"
-                r"|\b(clock_gettime|gettimeofday|localtime|mktime)\b|\bstd::time\("), "a core is told the time"),
+                r"|\b(clock_gettime|gettimeofday|localtime|mktime)\b|\bstd::time\("), "a core is given the time"),
     (re.compile(r"\bstd::([io]?fstream|filesystem|cout|cin|cerr|clog)\b|\b(fopen|getenv|system|popen|fork|socket)\("),
-     "a core touches nothing of the machine"),
-    (re.compile(r"\bstd::hash\b"), "is another on every library; base/digest.h is ours"),
-    (re.compile(rf"^\s*#\s*include\s*<({SHELL_HEADERS})>", re.MULTILINE), "belongs in the outer ring"),
+     "a core uses no resource of the machine"),
+    (re.compile(r"\bstd::hash\b"), "differs between libraries; base/digest.h replaces it"),
+    (re.compile(rf"^\s*#\s*include\s*<({SHELL_HEADERS})>", re.MULTILINE), "belongs in a shell"),
 ]
 # A bare call of a libm name; unless the folder declares a function of its own by that name, such as `void log(…)`.
 BARE = re.compile(rf"(?:\breturn\s+|(?<![\w\s.:>&*~])\s*|\s[-+*/]\s+)(?<![\w.:>])({MATH})[fl]?\(")
 DECLARED = re.compile(rf"^[ \t]*(?:\[\[\w+\]\] |static |inline |constexpr )*(?!return\b)[\w:<>]+[&*]? ({MATH})\(", re.M)
 UNORDERED = re.compile(r"\bunordered_(?:multi)?(?:map|set)\s*<[^;{}()]*>\s+(\w+)")
-# The house's own elementary functions are written here and only here; a failed expectation speaks on stderr.
+# CoSiVA's own elementary functions are written here and only here; a failed expectation is printed to stderr.
 PURE_EXCEPT = {"base/math.cpp", "base/math.h", "base/expect.cpp"}
 SHELLS = {"adapters", "app", "hmi"}
 
@@ -102,13 +102,13 @@ def check_pure(root, problems):
         for match in [m for m in BARE.finditer(text) if m.group(1) not in own]:
             line = text.count("\n", 0, match.start(1)) + 1
             problems.append(f"{where}:{line}: {match.group(1)}(: looks like libm; base/math.h has its own")
-        # Looking something up in a hash map is fine, going through one is not. A header's members count in its source.
+        # A lookup in a hash map is permitted, iterating over it is not. A header's members count in its source.
         twin = path.with_suffix(".h")
         header = code_only(twin.read_text()) if twin.exists() else ""
         for member in sorted({*UNORDERED.findall(text), *UNORDERED.findall(header)}):
             for match in re.finditer(rf"\bfor\s*\([^;)]*:\s*(?:\w+(?:\.|->))*{member}\b|\b{member}\.c?begin\(", text):
                 line = text.count("\n", 0, match.start()) + 1
-                problems.append(f"{where}:{line}: goes through '{member}' in hash order")
+                problems.append(f"{where}:{line}: iterates over '{member}' in hash order")
     return len(files)
 
 
@@ -147,20 +147,20 @@ BAD = [
     ({"src/zone/x.cpp": "double y = 2.0 * tan(1.0);"}, "tan("),
     ({"src/zone/x.cpp": "f(cos(1.0));"}, "cos("),
     ({"src/aiv/x.cpp": "std::uniform_real_distribution<double> d;"}, "uniform_real_distribution"),
-    ({"src/physical/plant/x.cpp": "#include <random>"}, "belongs in the outer ring"),
+    ({"src/physical/plant/x.cpp": "#include <random>"}, "belongs in a shell"),
     ({"src/wire/x.cpp": "// fine\n#include <sys/socket.h>"}, "src/wire/x.cpp:2"),
-    ({"src/wire/x.cpp": "std::jthread t;"}, "a core runs where it is called"),
-    ({"src/journal/x.cpp": "auto t = std::chrono::steady_clock::now();"}, "a core is told the time"),
-    ({"src/journal/x.cpp": "std::ofstream out;"}, "touches nothing of the machine"),
-    ({"src/experiments/runs/world/x.cpp": 'getenv("HOME");'}, "touches nothing of the machine"),
+    ({"src/wire/x.cpp": "std::jthread t;"}, "a core runs in the thread of its caller"),
+    ({"src/journal/x.cpp": "auto t = std::chrono::steady_clock::now();"}, "a core is given the time"),
+    ({"src/journal/x.cpp": "std::ofstream out;"}, "uses no resource of the machine"),
+    ({"src/experiments/runs/world/x.cpp": 'getenv("HOME");'}, "uses no resource of the machine"),
     (
         {
             "src/virtual/server/y.h": "struct Y { std::unordered_map<std::string, int> all_; };",
             "src/virtual/server/y.cpp": "void f() { for (const auto& [k, v] : all_) use(k); }",
         },
-        "goes through 'all_' in hash order",
+        "iterates over 'all_' in hash order",
     ),
-    ({"src/aiv/x.cpp": "std::unordered_set<int> seen; auto i = seen.begin();"}, "goes through 'seen' in hash order"),
+    ({"src/aiv/x.cpp": "std::unordered_set<int> seen; auto i = seen.begin();"}, "iterates over 'seen' in hash order"),
 ]
 
 

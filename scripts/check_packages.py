@@ -2,12 +2,12 @@
 """The npm lock files of web/ and e2e/ are complete, so that `npm ci` can install from them.
 
 A registry that does not serve an optional package (another operating system's build of a bundler) makes `npm install`
-write a lock file without that package; `npm ci` refuses such a file on every machine. No network is needed here:
+write a lock file without that package; `npm ci` refuses such a file on every machine. No network is needed:
   - the first entry of package-lock.json repeats the dependencies of package.json;
-  - every dependency of a locked package, optional ones included, is locked too;
-  - what `overrides` pins is locked at that version;
+  - every dependency of a locked package, including optional ones, is locked too;
+  - packages pinned by `overrides` are locked at that version;
   - every locked package has an integrity value, and names no registry but the public default.
-With --self-test the check judges small good and bad folders.
+With --self-test the check evaluates small good and bad folders.
 """
 
 import json
@@ -21,7 +21,7 @@ ASKED = ("dependencies", "devDependencies", "optionalDependencies")
 
 
 def found_from(packages, path, name):
-    """Where Node finds `name` from the package at `path`: beside it, then in every folder above; None if nowhere."""
+    """Where Node finds `name` from the package at `path`: in its folder, then in every folder above; None if nowhere."""
     while True:
         candidate = f"{path}/node_modules/{name}" if path else f"node_modules/{name}"
         if candidate in packages:

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""The arrows between the page's features: every import in web/src must be declared in web/src/README.md.
+"""The dependencies between the page's features: every import in web/src must be declared in web/src/README.md.
 
 The table of web/src/README.md has a row per feature, "| `map` | `commands`, `shell`, `live` |". The check fails on
   - an import of another feature that the feature's row does not name, and a row that names a feature never imported;
   - a folder without a row, and a row without a folder;
   - arrows that form a cycle;
-  - a feature that imports a file of web/src itself (App.svelte and main.ts put the features together);
-  - a file outside every feature, except those, and an import that leads out of web/src, except the VDA 5050 schemas.
-Tests are held to the same arrows. With --self-test the check judges small good and bad trees.
+  - a feature that imports a file of web/src itself (App.svelte and main.ts combine the features);
+  - a file outside every feature, except those, and an import from outside web/src, except the VDA 5050 schemas.
+The same rules apply to tests. With --self-test the check evaluates small good and bad trees.
 """
 
 import posixpath
@@ -48,7 +48,7 @@ def cycle_in(arrows):
 
 
 def imports_of(path, text):
-    """(line, file it names, relative to web/src; a leading ../ leads out of it) for each relative import."""
+    """(line, imported file, relative to web/src; a leading ../ is outside of it) for each relative import."""
     for match in IMPORT.finditer(text):
         line = text.count("\n", 0, match.start(2)) + 1
         yield line, posixpath.normpath(posixpath.join(posixpath.dirname(path), match.group(2)))

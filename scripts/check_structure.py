@@ -1,25 +1,25 @@
 #!/usr/bin/env python3
-"""The sizes of modules and classes in src/, and where a class lives.
+"""The sizes of modules and classes in src/, and the location of classes.
 
 sources    A module has at most 25 .cpp files.
 lines      A module has at most 4 000 lines in its .h and .cpp files.
-header     x.cpp has x.h beside it; main.cpp and the sources of plugins (add_library(… MODULE …)) have none.
+header     x.cpp has x.h in the same folder; main.cpp and the sources of plugins (add_library(… MODULE …)) have none.
 spread     The member functions of a class are defined in one .cpp, two at most.
-shared     A nested class that is defined outside its class (struct Outer::Inner {…}), and anything called Inside or Impl,
+shared     A nested class that is defined outside its class (struct Outer::Inner {…}), and any class called Inside or Impl,
            is used by one .cpp.
-functions  A class has at most 25 member functions: all that are declared, but not those defaulted or deleted, nor friends.
+functions  A class has at most 25 declared member functions, without defaulted or deleted ones and friends.
 members    A class has at most 15 data members, static ones not counted.
-invariant  A class with private data and a public function that changes it states its invariant in the comment above the
+invariant  A class with private data and a public function that changes these states its invariant in the comment above the
            class (the word "invariant"), and one of its functions asserts with COSIVA_EXPECT. Functions of nested classes
            count. Only functions defined in a .cpp make the rule apply. The value is the number of missing parts, 1 or 2.
 
-Tests count for nothing: *_test.cpp, test_*, *_fixture.*, and all below testdata/ and testing/. Plain value structs
+Tests are not counted: *_test.cpp, test_*, *_fixture.*, and all below testdata/ and testing/. Plain value structs
 may have any number of members: a struct, not nested in a private section, without private section and without functions
 other than operators, static and defaulted ones. They mirror a file, a message or a command line.
 
-A module is the nearest folder above a file whose CMakeLists.txt makes a library or program. Exceptions stand in
-scripts/structure_allowed.txt, which may only shrink (scripts/ratchet.py). --write shrinks it, --measure writes it anew,
---self-test judges small good and bad trees.
+A module is the nearest folder above a file whose CMakeLists.txt makes a library or program. Exceptions are
+listed in scripts/structure_allowed.txt, which may only shrink (scripts/ratchet.py). --write shrinks the list, --measure
+rewrites it, --self-test checks small good and bad trees.
 """
 
 import pathlib
@@ -66,7 +66,7 @@ class File:
 
 @dataclass
 class Type:
-    """A class with all that belongs to it in other files."""
+    """A class with its parts in other files."""
 
     name: str
     made: object
@@ -179,7 +179,7 @@ def measure_modules(files, plugins, found):
     for file in files:
         is_entry = file.name in plugins or file.name.endswith("/main.cpp")
         if not file.is_header and not is_entry and file.name.removesuffix(".cpp") + ".h" not in names:
-            found["header", file.name] = (1, f"src/{file.name}: has no header of its name beside it")
+            found["header", file.name] = (1, f"src/{file.name}: has no header of its name in its folder")
 
 
 def users_of(type_, files):
@@ -301,7 +301,7 @@ int free_function(int x) { return x; }
 
 
 def judge_reader():
-    """The reader on a sample of hard declarations."""
+    """Tests the reader on a sample of difficult declarations."""
     source = Source(HARD_SAMPLE)
     classes = {made.name: made for made in source.classes}
     hard = classes.get("Hard")
@@ -383,7 +383,7 @@ BAD = [
     ({LIST: "cap header 1\nheader app/old.cpp 2 a reason"}, "shrink the entry from 2 to 1"),
     ({LIST: "cap header 1\nheader app/old.cpp 1"}, "an entry is RULE NAME VALUE REASON"),
     ({LIST: "cap header 1\nheader app/old.cpp 1 a\nheader app/old.cpp 1 b"}, "is listed twice"),
-    ({LIST: "heder app/old.cpp 1 a reason"}, "'heder' is no rule"),
+    ({LIST: "heder app/old.cpp 1 a reason"}, "'heder' is not a rule"),
     ({"src/app/old.h": ""}, "header app/old.cpp: the entry is no longer needed"),
     ({"src/zone/limits.h": class_of(27, 0), LIST: GOOD[LIST] + "\ncap functions 1\nfunctions zone:Big 26 a reason"},
      "Big has 27 functions, at most 25; structure_allowed.txt allows 26"),
@@ -391,7 +391,7 @@ BAD = [
 
 
 def judge_rewriting():
-    """--write shrinks and never adds; --measure adds and keeps the reasons, also of what moved to another module."""
+    """--write shrinks and never adds; --measure adds and keeps the reasons, also of entries moved to another module."""
     measured = {("functions", "zone/edit:A"): (30, ""), ("functions", "zone:B"): (40, "")}
     allowed = ratchet.AllowList({("functions", "zone:A"): (31, "why"), ("functions", "zone:B"): (41, "b")}, {"functions": 2})
     shrunk = ratchet.shrunk(measured, allowed)

@@ -1,5 +1,5 @@
-"""What the checks of the house share: each judges a tree of files, and judges known bad trees first (--self-test), so that
-none can rot into a yes."""
+"""Common code of the repository's checks: each evaluates a tree of files, and known bad trees in its self-test
+(--self-test), so that no check becomes ineffective unnoticed."""
 
 import argparse
 import pathlib
@@ -17,7 +17,7 @@ def judge(check, tree, under="."):
 
 
 def self_test(name, check, good, bad, under="."):
-    """`good` must pass; each of `bad`, (change to good, piece of the complaint that must follow), must not."""
+    """`good` must pass; each of `bad`, (change to good, part of the expected message), must not."""
     failures = [f"a good tree was refused: {problem}" for problem in judge(check, good, under)]
     for change, complaint in bad:
         problems = judge(check, good | change, under)
@@ -25,15 +25,15 @@ def self_test(name, check, good, bad, under="."):
             failures.append(f"{change} should be refused with '{complaint}', got {problems}")
     for failure in failures:
         print(failure)
-    print(f"{name}, self-test: {1 + len(bad)} trees judged, {len(failures)} wrongly")
+    print(f"{name}, self-test: {1 + len(bad)} trees checked, {len(failures)} wrong")
     return 1 if failures else 0
 
 
 def main(name, description, what, check, good, bad, under="."):
-    """The command line of a check. `check(root)` gives what it looked at and the problems; `what` names the former."""
+    """The command line of a check. `check(root)` returns the checked items and the problems; `what` names the items."""
     parser = argparse.ArgumentParser(description=description.splitlines()[0])
     parser.add_argument("--root", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parent.parent)
-    parser.add_argument("--self-test", action="store_true", help="judge known good and bad trees instead")
+    parser.add_argument("--self-test", action="store_true", help="check known good and bad trees instead")
     arguments = parser.parse_args()
     if arguments.self_test:
         return self_test(name, check, good, bad, under)

@@ -9,7 +9,7 @@ import bisect
 import re
 from dataclasses import dataclass, field
 
-# Each alternative begins with a plain character, which lets the search skip what is none of them. The quotes in 1'000 and
+# Each alternative begins with a literal character, which lets the search skip all other text. The quotes in 1'000 and
 # 0xff'ff are digit separators.
 LEXEME = re.compile(
     r"//(?:\\\n|[^\n])*"
@@ -55,7 +55,7 @@ NEITHER = re.compile(r"(friend|using|typedef|static_assert|concept|extern)\b")
 
 
 class UnreadableSource(Exception):
-    """Brackets that do not match: the file is not what this reader understands."""
+    """Brackets that do not match: this reader does not support the file."""
 
 
 @dataclass
@@ -80,7 +80,7 @@ class Class:
     line: int
     comment: str
     out_of_line: bool  # struct Outer::Inner {…}
-    access: str  # where it is nested; "public" at namespace scope
+    access: str  # of the enclosing section; "public" at namespace scope
     in_namespace: bool
     has_bases: bool
     hidden: bool = False  # in an unnamed namespace
@@ -164,7 +164,7 @@ class Source:
                 break
             line_start = self.text.rfind("\n", 0, start) + 1
             if self.text[line_start:start].strip():
-                break  # beside the code of the line before
+                break  # a trailing comment of the previous line
             lines.append(self.text[start:end])
             position, i = start, i - 1
         return "\n".join(reversed(lines))
@@ -172,7 +172,7 @@ class Source:
     # ---- declarations ------------------------------------------------------------------------------------------------
 
     def _flat(self, start, end):
-        """The text between, brackets emptied: `void f(int x) {…}` is `void f() {}`."""
+        """The text between the positions, with empty brackets: `void f(int x) {…}` is `void f() {}`."""
         code, pieces, i = self.code, [], start
         while True:
             match = STOP.search(code, i, end)
@@ -204,7 +204,7 @@ class Source:
                 return i
 
     def _ends_with_block(self, start, opening, after, end):
-        """Whether a statement that began at `start` is over with the block {…} that ends before `after`."""
+        """Whether a statement that began at `start` ends with the block {…} that ends before `after`."""
         rest = FOLLOWING.match(self.code, after, end)
         following = rest.group(1)
         if following in (";", ",", "{", "(", ".", "+", "-", "*", "/", "?", "|", "&", "<", ">", "="):
@@ -276,7 +276,7 @@ class Source:
         self._read_scope(opening + 1, self.pair[opening], made, hidden)
 
     def _as_function(self, flat, start, stop, access):
-        """The function that is declared here; None: something else is."""
+        """The function that is declared here; None: not a function."""
         cut = CUT.search(flat)
         limit = cut.start() if cut else len(flat)
         if "(*)" in flat[:limit]:

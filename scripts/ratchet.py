@@ -1,4 +1,4 @@
-"""Allow-lists that may only shrink, for checks that count what the tree should not have.
+"""Allow-lists that may only shrink, for checks that count violations in the tree.
 
 A list is a text file. `cap RULE N` fixes how many entries a rule may have. Each other line is one exception:
 
@@ -6,7 +6,7 @@ A list is a text file. `cap RULE N` fixes how many entries a rule may have. Each
 
 The check fails when a violation has no entry, when a value grew, when a value fell below its entry, when an entry is no
 longer needed, and when the number of entries differs from the cap. `--write` lowers values and caps and removes entries;
-nothing but `--measure` adds any.
+only `--measure` adds entries.
 """
 
 import argparse
@@ -34,7 +34,7 @@ def read(path, rules, problems):
         if words[0] == "cap" and len(words) == 3 and words[1] in rules and words[2].isdigit():
             allowed.caps[words[1]] = int(words[2])
         elif words[0] not in rules:
-            problems.append(f"{where}: '{words[0]}' is no rule")
+            problems.append(f"{where}: '{words[0]}' is not a rule")
         elif len(words) < 4 or not words[2].isdigit():
             problems.append(f"{where}: an entry is RULE NAME VALUE REASON")
         elif (words[0], words[1]) in allowed.entries:
@@ -68,7 +68,7 @@ def compare(measured, allowed, rules, file_name):
 
 
 def shrunk(measured, allowed):
-    """The list with values lowered to what was measured, and without entries that nothing needs."""
+    """The list with values lowered to the measured ones, and without unneeded entries."""
     kept = {
         key: (min(value, measured[key][0]), reason) for key, (value, reason) in allowed.entries.items() if key in measured
     }
@@ -89,7 +89,7 @@ def last_part(name):
 
 
 def measured_anew(measured, allowed, reasons):
-    """A list of all that was measured. Reasons stay with their entries, also with entries whose module changed."""
+    """A list of all measured violations. Entries keep their reasons, also if their module changed."""
     by_last_part = {(rule, last_part(name)): reason for (rule, name), (_, reason) in allowed.entries.items()}
     entries = {}
     for (rule, name), (value, _) in measured.items():
@@ -110,13 +110,13 @@ def text_of(allowed, rules, head):
 
 @dataclass
 class Ratchet:
-    """A check with such a list. `measure(root, problems)` gives (number of things read, measured)."""
+    """A check with such a list. `measure(root, problems)` returns (number of items read, measured)."""
 
     name: str
     what: str
     rules: dict  # rule: reason that --measure writes
     head: str
-    file: str  # of the list, below the root
+    file: str  # path of the list below the root
     measure: object
 
     def check(self, root):
@@ -138,9 +138,9 @@ class Ratchet:
     def main(self, description, good, bad, more_self_tests=()):
         parser = argparse.ArgumentParser(description=description.splitlines()[0])
         parser.add_argument("--root", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parent.parent)
-        parser.add_argument("--self-test", action="store_true", help="judge known good and bad trees instead")
-        parser.add_argument("--write", action="store_true", help="lower the allow-list to what is measured; adds nothing")
-        parser.add_argument("--measure", action="store_true", help="write the allow-list anew, after a deliberate move")
+        parser.add_argument("--self-test", action="store_true", help="check known good and bad trees instead")
+        parser.add_argument("--write", action="store_true", help="lower the allow-list to the measured values; adds nothing")
+        parser.add_argument("--measure", action="store_true", help="rewrite the allow-list, after a deliberate move")
         arguments = parser.parse_args()
         if arguments.self_test:
             failures = [failure for test in more_self_tests for failure in test()]

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Names the units that took the compiler longest, and fails when one took too long.
+"""Lists the units with the longest compile times, and fails if one took too long.
 
     scripts/slowest_units.py [--since FILE] [--limit SECONDS] BUILD…
 
-cmake/compile writes beside every object how many seconds of the processor it took (what ccache knew already took none). A
-unit over the limit keeps one core busy while the others have nothing left to do, and whoever edits it waits for it: split
-it, or keep the templates that cost it in one source. --since: only what was compiled after that file was written."""
+cmake/compile writes the processor seconds of every object to a file next to it (none if ccache had the result). A unit
+over the limit keeps one core busy while the others are idle, and delays every edit: split the unit, or concentrate the
+expensive templates in one source. --since: only units compiled after that file was written."""
 
 import argparse
 import pathlib
@@ -17,7 +17,7 @@ SHOWN = 10
 
 
 def seconds_in(text):
-    """The children's time, as the shell's `times` writes it: the shell's own on one line, its children's on the next."""
+    """The children's time, as printed by the shell's `times`: the shell's own on one line, its children's on the next."""
     return sum(60 * int(minutes) + float(seconds) for minutes, seconds in SECONDS.findall(text.splitlines()[1]))
 
 
@@ -34,7 +34,7 @@ def slowest(builds, since):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--since", type=pathlib.Path)
-    parser.add_argument("--limit", type=float, default=60.0, help="seconds of the processor that one unit may take")
+    parser.add_argument("--limit", type=float, default=60.0, help="processor seconds that one unit may take")
     parser.add_argument("builds", nargs="+", type=pathlib.Path)
     arguments = parser.parse_args()
     units = slowest(arguments.builds, arguments.since.stat().st_mtime if arguments.since else 0.0)

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """Validates battery types against their schema, docs/protocols/battery-type.schema.json.
 
-Looks at the files named, or else at those that are ours. Prints the faults of each with their places and ends with 1
-where there is any. --self-test spoils one of ours in known ways: each must be found.
+Checks the given files, or by default those of the repository. Prints the faults of each with their locations and exits
+with 1 if there is any. --self-test modifies a valid file in known ways: each fault must be found.
 """
 import argparse
 import copy
@@ -42,14 +42,14 @@ def self_test(judge):
         bad = copy.deepcopy(good)
         spoil(bad)
         wrongly += 0 if faults(judge, bad) else 1
-    print(f"self-test: {len(spoilers) + 1} files judged, {wrongly} wrongly")
+    print(f"self-test: {len(spoilers) + 1} files checked, {wrongly} wrong")
     return 1 if wrongly else 0
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("files", nargs="*", type=pathlib.Path, help="battery types; none: ours")
-    parser.add_argument("--self-test", action="store_true", help="judge files that are known")
+    parser.add_argument("files", nargs="*", type=pathlib.Path, help="battery types; default: those of the repository")
+    parser.add_argument("--self-test", action="store_true", help="check known files")
     arguments = parser.parse_args()
     judge = validator()
     if arguments.self_test:

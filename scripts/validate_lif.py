@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """Validates LIF files against the official schema of LIF 1.0.
 
-Looks at the files named, or else at those that are ours: the plants in zones/ and what our writer has written. Prints
-the first faults of each with their places and ends with 1 where there is any. --self-test judges files that are known:
-two of other people's that are valid, and the standard's own examples, which are not.
+Checks the given files, or by default those of the repository: the layouts in zones/ and the output of CoSiVA's writer.
+Prints the first faults of each with their locations and exits with 1 if there is any. --self-test checks known files:
+two valid ones of other projects, and the standard's own examples, which are invalid.
 """
 import argparse
 import json
@@ -42,14 +42,14 @@ def self_test(validator):
         if bool(found) == (path.name in KNOWN_GOOD):
             wrongly += 1
             print(f"{path.name} should be {'valid' if found else 'refused'}: {found[:1]}", file=sys.stderr)
-    print(f"self-test: {len(files)} files judged, {wrongly} wrongly")
+    print(f"self-test: {len(files)} files checked, {wrongly} wrong")
     return 1 if wrongly or not files else 0
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("files", nargs="*", type=pathlib.Path, help="LIF files; none: ours")
-    parser.add_argument("--self-test", action="store_true", help="judge files that are known")
+    parser.add_argument("files", nargs="*", type=pathlib.Path, help="LIF files; default: those of the repository")
+    parser.add_argument("--self-test", action="store_true", help="check known files")
     arguments = parser.parse_args()
     validator = load_validator()
     if arguments.self_test:
@@ -62,7 +62,7 @@ def main():
         for fault in found[:5]:
             print(fault, file=sys.stderr)
     print(f"{len(files) - bad} valid, {bad} bad")
-    # No file at all would be a check that cannot fail.
+    # Without any file the check could not fail.
     return 1 if bad or not files else 0
 
 

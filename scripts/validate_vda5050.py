@@ -1,12 +1,12 @@
 #!/usr/bin/python3
 """Validates VDA 5050 messages against the official 2.1.0 schemas.
 
-Reads one JSON object per line, {"topic": ..., "payload": ...}, from the files named or from standard input. The last
+Reads one JSON object per line, {"topic": ..., "payload": ...}, from the given files or from standard input. The last
 level of the topic (order, instantActions, state, visualization, connection, factsheet) chooses the schema; a line of
 any other topic is an error unless --skip-others is given. The payload is the message, or its text. Prints the first
-fault of each bad line with its place and ends with 1; a good run prints how many messages were valid of each kind.
+fault of each bad line with its location and exits with 1; a good run prints the number of valid messages of each kind.
 
-Faults of the schemas themselves, mended in memory because the document is right where they differ (2.1.0, clause 6):
+Faults of the schemas themselves, corrected in memory because the document takes precedence (2.1.0, clause 6):
   state      actionStatus lacks PAUSED (document 6.11 has it)
   factsheet  blockingTypes puts the enum on the array instead of on its items, so that no list passes
 """
@@ -57,7 +57,7 @@ def validate_line(line, validators, skip_others):
     if kind not in validators:
         if skip_others:
             return None
-        raise ValueError(f"topic '{record['topic']}' is none of VDA 5050's: {', '.join(KINDS)}")
+        raise ValueError(f"topic '{record['topic']}' is not a topic of VDA 5050: {', '.join(KINDS)}")
     payload = record["payload"]
     message = json.loads(payload) if isinstance(payload, str) else payload
     errors = sorted(validators[kind].iter_errors(message), key=lambda e: list(map(str, e.absolute_path)))
@@ -68,8 +68,8 @@ def validate_line(line, validators, skip_others):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("files", nargs="*", help="NDJSON files; none: standard input")
-    parser.add_argument("--skip-others", action="store_true", help="pass over topics that are not VDA 5050's")
+    parser.add_argument("files", nargs="*", help="NDJSON files; default: standard input")
+    parser.add_argument("--skip-others", action="store_true", help="skip topics that are not part of VDA 5050")
     arguments = parser.parse_args()
 
     validators = {kind: load_validator(kind) for kind in KINDS}
@@ -88,7 +88,7 @@ def main():
                     bad += 1
                     print(f"{name}:{number}: {fault}", file=sys.stderr)
     print(f"{sum(counts.values())} valid, {bad} bad: " + ", ".join(f"{k} {n}" for k, n in sorted(counts.items())))
-    # No message at all would be a check that cannot fail.
+    # Without any message the check could not fail.
     return 1 if bad or not counts else 0
 
 

@@ -1,5 +1,5 @@
-"""Witnesses whether the machine runs: one thread per CPU sleeps 10 ms again and again, before everything else where it may
-(as root: nothing that a tested program does makes it late then; a host that takes the CPU away does)."""
+"""Measures whether the machine is suspended: one thread per CPU repeatedly sleeps 10 ms, with the highest priority if
+permitted (as root a tested program cannot delay the thread then; only a host that withdraws the CPU can)."""
 
 import os
 import threading
@@ -10,7 +10,7 @@ LATE_S = 0.020
 
 
 class Witness:
-    """Remembers when a CPU did not run: (cpu, from, until), by time.monotonic()."""
+    """Records when a CPU did not run: (cpu, from, until), by time.monotonic()."""
 
     def __init__(self):
         self.stills = []
@@ -18,12 +18,12 @@ class Witness:
             threading.Thread(target=self._watch, args=(cpu,), daemon=True).start()
 
     def _watch(self, cpu):
-        # Each of these is for this thread alone.
+        # Each of these calls affects this thread only.
         os.sched_setaffinity(0, {cpu})
         try:
             os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
         except OSError:
-            pass  # then a busy machine counts as one that stands still
+            pass  # then a busy machine counts as suspended
         while True:
             due = time.monotonic() + PERIOD_S
             time.sleep(PERIOD_S)
@@ -32,7 +32,7 @@ class Witness:
                 self.stills.append((cpu, due, now))
 
     def still_ms(self, since, until):
-        """For how long of this time it stood still: that CPU which did so longest."""
+        """For how long of this time the machine was suspended: the maximum over the CPUs."""
         still = {}
         for cpu, begin, end in self.stills:
             still[cpu] = still.get(cpu, 0) + max(0, min(end, until) - max(begin, since))

@@ -262,8 +262,8 @@ export class World extends Motion {
   tag_place(edit) {
     if (!Number.isInteger(edit.number) || edit.number < 1) throw new Refusal(400, 'edit.number', 'A tag has a whole number from 1 on.');
     const place = edit.section !== undefined ? place_of(this.circuit, edit.section, edit.s) : nearest_place(this.circuit, edit.x, edit.y);
-    if (!place) throw new Refusal(400, 'edit.place', `Section ${edit.section} has no such place.`);
-    if (place.off > 0.3) throw new Refusal(400, 'edit.place', `Tag ${edit.number} would lie ${place.off.toFixed(2)} m from every way; put it within 0.30 m of one.`);
+    if (!place) throw new Refusal(400, 'edit.position', `Section ${edit.section} has no such place.`);
+    if (place.off > 0.3) throw new Refusal(400, 'edit.position', `Tag ${edit.number} would lie ${place.off.toFixed(2)} m from every way; put it within 0.30 m of one.`);
     return { number: edit.number, track: place.track, distance: place.distance };
   }
   edit_zone(edit) {

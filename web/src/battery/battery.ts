@@ -96,7 +96,7 @@ const stop_text: Record<string, string> = {
   floor: 'at the floor', 'cut-off': 'cut off by itself', fault: 'by a fault', operator: 'by the operator', lost: 'lost: known to last longer',
 };
 export function phase_text({ phase, stop }: BatterySlot): string {
-  if (phase === 'changing') return 'battery wanted';
+  if (phase === 'changing') return 'battery requested';
   if (phase === 'ready') return 'ready, waits for the others';
   if (phase === 'ended') return `ended${stop ? ` ${stop_text[stop] ?? stop}` : ''}`;
   return phase;
@@ -112,9 +112,9 @@ export function test_text(test: BatteryTest, now_ms: number): string {
     const given_up = test.vehicles.some((slot) => slot.phase !== 'ended' || slot.stop === 'operator');
     return `${given_up ? 'Given up' : 'Ended'} at ${format.clock(test.received_ms)}, after ${format.lasting(test.received_ms - test.began_ms)}.`;
   }
-  if (now_ms - test.received_ms > silent_ms) return `Not heard of for ${format.lasting(now_ms - test.received_ms)}: its program is gone, or cannot reach the broker. The same command with its --state goes on.`;
+  if (now_ms - test.received_ms > silent_ms) return `No message for ${format.lasting(now_ms - test.received_ms)}: its program has ended, or cannot reach the broker. The same command with its --state continues the test.`;
   const wanted = test.vehicles.filter((slot) => slot.phase === 'changing').length;
   if (wanted > 0) return `${run} waits for ${wanted === 1 ? 'a battery' : `${wanted} batteries`}.`;
-  if (test.expectedEnd_ms === null) return `${run} has begun; its end cannot be told yet.`;
+  if (test.expectedEnd_ms === null) return `${run} has begun; its end is not known yet.`;
   return `${run} should end at ${format.clock(test.expectedEnd_ms)}, in ${format.lasting(test.expectedEnd_ms - now_ms)}.`;
 }

@@ -13,6 +13,6 @@ export const operator_commands: readonly OperatorCommand[] = [
   { command: 'slow', word: 'Slow', what: 'Slow speed', path: 'M2.5 4.5h11L8 13.5z' },
   { command: 'medium', word: 'Medium', what: 'Medium speed', path: 'M8 2.5L13.5 8L8 13.5L2.5 8z' },
   { command: 'fast', word: 'Fast', what: 'Fast speed', path: 'M8 2.5l5.5 9h-11z' },
-  { command: 'restart', word: 'Restart', what: 'Go on, with no speed imposed', path: 'M4.5 3l8.5 5l-8.5 5z' },
+  { command: 'restart', word: 'Restart', what: 'Continue, without a speed limit', path: 'M4.5 3l8.5 5l-8.5 5z' },
   { command: 'stop', word: 'Stop', what: 'Stop', path: 'M3.5 3.5h9v9h-9z' },
 ];

@@ -15,24 +15,24 @@ describe('the list of commands', () => {
     expect(first('slow aiv1')).toBe('Slow AIV1');
     expect(search(entries, 'stop aiv2')[0]?.doing).toEqual({ kind: 'command', command: 'stop', vehicles: ['CoSiVA/AIV2'] });
   });
-  it('finds by a few letters', () => {
+  it('finds a command by a few letters', () => {
     expect(first('stopall')).toBe('Stop all AIVs');
     expect(first('staiv2')).toBe('Stop AIV2');
     expect(first('st a2')).toBe('Stop AIV2');
     expect(first('followv1')).toBe('Follow V1');
   });
-  it('removes what is virtual only', () => {
+  it('offers removal of virtual objects only', () => {
     expect(first('remove v1')).toBe('Remove V1');
     expect(first('remove p1')).toBe('Remove P1');
     expect(entries.some((entry) => entry.text === 'Remove AIV1')).toBe(false);
   });
-  it('shows the first when nothing is typed, and nothing when nothing fits', () => {
+  it('shows the first commands without input, and none without a match', () => {
     expect(search(entries, '')[0]?.text).toBe('Stop all AIVs');
     expect(search(entries, 'qqqq')).toEqual([]);
   });
-  it('prefers letters that stand together', () => expect(score_of('Stop AIV1', 'stop')!).toBeGreaterThan(score_of('Show the whole topic', 'stop') ?? -Infinity));
-  it('has each key once', () => expect(new Set(entries.map((entry) => entry.key)).size).toBe(entries.length));
-  it('stays quick with a thousand vehicles', () => {
+  it('prefers adjacent letters', () => expect(score_of('Stop AIV1', 'stop')!).toBeGreaterThan(score_of('Show the whole topic', 'stop') ?? -Infinity));
+  it('has unique keys', () => expect(new Set(entries.map((entry) => entry.key)).size).toBe(entries.length));
+  it('is fast with a thousand vehicles', () => {
     const many = entries_of(Array.from({ length: 1_000 }, (_, i) => ({ id: `CoSiVA/AIV${i}`, name: `AIV${i}`, augmented: false })), []);
     expect(search(many, 'restart aiv777')[0]?.text).toBe('Restart AIV777');
   });
@@ -47,7 +47,7 @@ describe('missions in the list of commands', () => {
     expect(search(entries, 'close section east')[0]?.text).toBe('Close section east');
     expect(search(entries, 'open section west')[0]?.text).toBe('Open section west');
   });
-  it('of a large zone are listed for those that are chosen', () => {
+  it('of a large zone are listed for the chosen vehicles', () => {
     const stations = Array.from({ length: 300 }, (_, i) => `s${i}`);
     const vehicles = Array.from({ length: 50 }, (_, i) => ({ id: `CoSiVA/AIV${i}`, name: `AIV${i}`, augmented: false }));
     const entries = entries_of(vehicles, [], { stations, loops: [], sections: [], closed: [], targets: ['CoSiVA/AIV7'] });

@@ -12,15 +12,15 @@ function file(header: string, pixels: number[]): ArrayBuffer {
   return bytes.buffer;
 }
 
-describe('the camera’s picture', () => {
-  it('is read with what its comment says', () => {
+describe('the preview of the camera', () => {
+  it('is decoded together with its comment', () => {
     const picture = picture_of(file(`P5\n# ${JSON.stringify(comment)}\n3 2\n255\n`, [0, 1, 2, 10, 20, 255]));
     expect(picture).toMatchObject({ width: 3, height: 2, ...comment });
     expect([...picture!.grey]).toEqual([0, 1, 2, 10, 20, 255]);
     expect([...rgba_of(picture!).slice(12)]).toEqual([10, 10, 10, 255, 20, 20, 20, 255, 255, 255, 255, 255]);
   });
 
-  it('is none where its header is another’s, its comment says nothing, or it ends too early', () => {
+  it('is null for another header, an empty comment, or a truncated image', () => {
     const good = `P5\n# ${JSON.stringify(comment)}\n3 2\n255\n`;
     for (const [header, pixels] of [
       [good.replace('P5', 'P6'), 6],
@@ -38,13 +38,13 @@ describe('the camera’s picture', () => {
     }
   });
 
-  it('is told in words to who does not see it', () => {
-    expect(curve_text({ width: 1, height: 1, grey: new Uint8Array(1), ...comment })).toBe('The camera’s picture: AIV1 at 0.13, -0.50 m');
-    expect(curve_text({ width: 1, height: 1, grey: new Uint8Array(1), timestamp: '', detections: [] })).toBe('The camera’s picture: no AIV on it');
-    expect(curve_text(null)).toBe('No picture of the camera');
+  it('has a text alternative for screen readers', () => {
+    expect(curve_text({ width: 1, height: 1, grey: new Uint8Array(1), ...comment })).toBe('Image of the camera: AIV1 at 0.13, -0.50 m');
+    expect(curve_text({ width: 1, height: 1, grey: new Uint8Array(1), timestamp: '', detections: [] })).toBe('Image of the camera: no AIV detected');
+    expect(curve_text(null)).toBe('No image of the camera');
   });
 
-  it('has its outlines as paths, and names above them or, at its upper border, below', () => {
+  it('has its outlines as paths, with names above them or, at the upper border, below', () => {
     expect(path_of(detection.outline, true)).toBe('M10 20L14 20L14 30L10 30Z');
     expect(path_of([[1, 2]], false)).toBe('');
     expect(name_place({ ...detection, outline: [[10, 40], [20, 60]] }, 100)).toEqual([15, 34]);

@@ -81,8 +81,8 @@ export const millimetres_of = (m: number | null): string => (m === null ? '–' 
 
 /** The text alternative of the image, for screen readers. */
 export function curve_text(picture: Picture | null): string {
-  if (!picture) return 'No picture of the camera';
-  if (picture.detections.length === 0) return 'The camera’s picture: no AIV on it';
+  if (!picture) return 'No image of the camera';
+  if (picture.detections.length === 0) return 'Image of the camera: no AIV detected';
   const each = picture.detections.map((detection) => `${detection.vehicle.slice(detection.vehicle.indexOf('/') + 1)} at ${detection.x.toFixed(2)}, ${detection.y.toFixed(2)} m`);
-  return `The camera’s picture: ${each.join('; ')}`;
+  return `Image of the camera: ${each.join('; ')}`;
 }

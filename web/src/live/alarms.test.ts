@@ -12,25 +12,25 @@ function told(book: AlarmBook, aivs: Aiv[], change: Partial<Snapshot> = {}) {
   return book.list();
 }
 
-describe('what is abnormal', () => {
-  it('is nothing about a vehicle that is well, or that waits its turn', () => {
+describe('abnormal conditions', () => {
+  it('exclude a vehicle without faults and one that waits for its turn', () => {
     expect(causes_of(aiv(1))).toEqual([]);
     expect(causes_of(aiv(1, { status: 'stopped', waitsFor: 'X2' }))).toEqual([]);
   });
 
-  it('is a board that is lost or faulty, and a battery nearly empty', () => {
+  it('include a lost or faulty board and a low battery', () => {
     const texts = causes_of(aiv(1, { boards: [board('faulty', 3)], battery: 12 })).map((cause) => cause.text);
     expect(texts).toEqual(['Board DOBS faulty, self-test 3', 'Battery at 12\u202f%']);
   });
 
-  it('is the broken link alone, not what follows from it', () => {
+  it('include a broken link alone, without its consequences', () => {
     const gone = aiv(1, { connection: 'CONNECTIONBROKEN', lost: true, battery: 3, boards: [board('lost')] });
     expect(causes_of(gone).map((cause) => cause.code)).toEqual(['broken']);
   });
 });
 
-describe('the book of alarms', () => {
-  it('keeps one entry while a trouble lasts, whatever its figures', () => {
+describe('the alarm list', () => {
+  it('keeps one entry while a condition lasts, whatever its values', () => {
     const book = new AlarmBook();
     told(book, [aiv(1, { lost: true, age_ms: 1_000 })]);
     const [one, ...more] = told(book, [aiv(1, { lost: true, age_ms: 2_000 })], { time_ms: 11_000 });
@@ -38,16 +38,16 @@ describe('the book of alarms', () => {
     expect(one).toMatchObject({ since_ms: 10_000, text: 'No report for 2.0\u202fs', ended_ms: null, acknowledged: false });
   });
 
-  it('says which battery a test wants in which vehicle, until it is there', () => {
+  it('names the battery that a test requests for a vehicle, until it is installed', () => {
     const book = new AlarmBook();
     const change = { vehicle: 'CoSiVA/AIV1', battery: 'red', run: 1, reason: '', since_ms: 10_000 };
-    expect(told(book, [aiv(1)], { battery: { changes: [change], test: null } })[0]).toMatchObject({ name: 'AIV1', text: 'Battery red is wanted in it', ended_ms: null });
+    expect(told(book, [aiv(1)], { battery: { changes: [change], test: null } })[0]).toMatchObject({ name: 'AIV1', text: 'Battery red is requested', ended_ms: null });
     const refused = { ...change, reason: 'it is not full: 80 %' };
-    expect(told(book, [aiv(1)], { battery: { changes: [refused], test: null } })).toMatchObject([{ text: 'Battery red is wanted in it: it is not full: 80 %' }]);
+    expect(told(book, [aiv(1)], { battery: { changes: [refused], test: null } })).toMatchObject([{ text: 'Battery red is requested: it is not full: 80 %' }]);
     expect(told(book, [aiv(1)], { time_ms: 15_000, battery: null })[0]).toMatchObject({ ended_ms: 15_000 });
   });
 
-  it('keeps what is over until somebody has seen it', () => {
+  it('keeps an ended alarm until it is acknowledged', () => {
     const book = new AlarmBook();
     told(book, [aiv(1, { connection: 'CONNECTIONBROKEN' })]);
     const [over] = told(book, [aiv(1)], { time_ms: 15_000 });
@@ -56,7 +56,7 @@ describe('the book of alarms', () => {
     expect(book.list()).toEqual([]);
   });
 
-  it('keeps what was seen while it lasts, below the others, and drops it when it is over', () => {
+  it('keeps an acknowledged alarm below the others while its condition lasts, and then removes it', () => {
     const book = new AlarmBook();
     const [first] = told(book, [aiv(1, { connection: 'CONNECTIONBROKEN' })]);
     book.acknowledge(first!.key);
@@ -65,7 +65,7 @@ describe('the book of alarms', () => {
     expect(told(book, [aiv(1), aiv(2, { battery: 5 })], { time_ms: 12_000 }).map((alarm) => alarm.name)).toEqual(['AIV2']);
   });
 
-  it('is new when the trouble comes again', () => {
+  it('adds a new entry when a condition recurs', () => {
     const book = new AlarmBook();
     told(book, [aiv(1, { lost: true })]);
     book.acknowledge('*');
@@ -73,7 +73,7 @@ describe('the book of alarms', () => {
     expect(told(book, [aiv(1, { lost: true })], { time_ms: 12_000 })).toMatchObject([{ since_ms: 12_000, acknowledged: false }]);
   });
 
-  it('tells a failed command once, with its reason', () => {
+  it('reports a failed command once, with its reason', () => {
     const book = new AlarmBook();
     const commands = [command({ state: 'failed', reason: 'offline' })];
     const [one] = told(book, [aiv(1)], { commands });
@@ -89,7 +89,7 @@ describe('the book of alarms', () => {
     },
   });
 
-  it('tells a deadlock in words, from its beginning to its end', () => {
+  it('describes a deadlock from its beginning to its end', () => {
     const book = new AlarmBook();
     expect(told(book, [aiv(1)], deadlocks({ number: 0, state: 'forming' }))).toEqual([]);
     const confirmed = told(book, [aiv(1)], deadlocks({}));
@@ -102,18 +102,18 @@ describe('the book of alarms', () => {
     expect(told(book, [aiv(1)], { ...deadlocks({ state: 'resolved', how, ended_ms: 15_000 }), time_ms: 17_000 })).toEqual([]);
   });
 
-  it('tells a deadlock that was over between two looks, and none of long ago', () => {
+  it('reports a deadlock that ended between two snapshots, and none of long ago', () => {
     expect(told(new AlarmBook(), [aiv(1)], { ...deadlocks({ state: 'resolved', ended_ms: 12_000 }), time_ms: 13_000 })).toHaveLength(1);
     expect(told(new AlarmBook(), [aiv(1)], { ...deadlocks({ state: 'resolved', ended_ms: 12_000 }), time_ms: 99_000 })).toEqual([]);
   });
 
-  it('names both sides of a broken pairing', () => {
+  it('names both sides of a violated bijection', () => {
     const now = snapshot([aiv(1)]);
     const bijection = { ...now.bijection, orphans: [{ side: 'virtual' as const, id: 'CoSiVA/AIV9' }] };
     expect(told(new AlarmBook(), [aiv(1)], { bijection })).toMatchObject([{ name: 'AIV9', text: 'A twin without a vehicle' }]);
   });
 
-  it('holds what the camera over the zone finds, of the AIV it is about or of the camera itself, and ends with it', () => {
+  it('contains the findings of the camera over the zone, about an AIV or the camera itself, until they end', () => {
     const book = new AlarmBook();
     const found = (kind: 'no twin' | 'no detection', id: string, text: string) => ({ bijection: { ...snapshot([]).bijection, findings: [{ kind, id, text, since_ms: 0 }] } });
     expect(told(book, [aiv(1)], found('no twin', 'CoSiVA/AIV7', 'the camera sees it, and it has no twin'))).toMatchObject([{ vehicle: 'CoSiVA/AIV7', name: 'AIV7', text: 'the camera sees it, and it has no twin', ended_ms: null }]);
@@ -122,7 +122,7 @@ describe('the book of alarms', () => {
     expect(causes_of(aiv(1, { contract: { matched: true, divergence: true, age: true, actual: false } })).map((cause) => cause.code)).toEqual(['actual']);
   });
 
-  it('holds no more than it can, however long the page is open', () => {
+  it('has a bounded length, however long the page is open', () => {
     const book = new AlarmBook();
     for (let n = 0; n < 1_000; n++) told(book, [aiv(1)], { commands: [command({ id: `c${n}`, state: 'failed', time_ms: n })] });
     const kept = book.list();
@@ -132,21 +132,21 @@ describe('the book of alarms', () => {
 });
 
 describe('the alarms of a row', () => {
-  it('are silent about a vehicle that is well', () => expect(alarms_of(aiv(1))).toEqual([]));
+  it('are empty for a vehicle without faults', () => expect(alarms_of(aiv(1))).toEqual([]));
 
-  it('name the broken link once, not its consequences', () => {
+  it('name the broken link once, without its consequences', () => {
     const broken = aiv(1, { connection: 'CONNECTIONBROKEN', lost: true, contract: { matched: true, divergence: false, age: false } });
     expect(alarms_of(broken)).toEqual(['Connection broken']);
   });
 
-  it('name a broken contract', () => {
+  it('name a violated contract', () => {
     const far = aiv(1, { divergence_m: 0.05, contract: { matched: true, divergence: false, age: true } });
     expect(alarms_of(far)[0]).toContain('Divergence');
   });
 });
 
 describe('missions', () => {
-  it('that cannot be followed are abnormal, and so is an off-route vehicle', () => {
+  it('without a route are abnormal, and so is an off-route vehicle', () => {
     expect(causes_of(aiv(1, { mission: { kind: 'go', to: 'dock', state: 'no route', why: 'east is closed' } })).map((one) => one.text)).toEqual(['east is closed']);
     expect(causes_of(aiv(1, { offRoute: 'it stands 0.8 m beside every way' })).map((one) => one.text)).toEqual(['Off-route: it stands 0.8 m beside every way']);
   });

@@ -30,19 +30,19 @@ export function causes_of(aiv: Aiv): AlarmCause[] {
   const here = !aiv.lost && aiv.connection === 'ONLINE';
   if (aiv.connection === 'CONNECTIONBROKEN') add('broken', 'Connection broken');
   else if (aiv.lost && aiv.connection === 'ONLINE') add('unresponsive', `No report for ${format.duration(aiv.age_ms)}`);
-  if (!aiv.contract.matched) add('matched', 'No twin for it');
+  if (!aiv.contract.matched) add('matched', 'No twin');
   if (here) {
     // The contract covers the last ten seconds; the current values may be within the limits again.
-    if (!aiv.contract.divergence) add('divergence', 'Divergence out of contract lately');
-    if (aiv.contract.actual === false) add('actual', 'Elsewhere than the camera sees it, lately');
-    if (!aiv.contract.age) add('age', 'Age of reports out of contract lately');
+    if (!aiv.contract.divergence) add('divergence', 'Divergence recently above the contractual limit');
+    if (aiv.contract.actual === false) add('actual', 'Recently deviating from the measurement of the camera');
+    if (!aiv.contract.age) add('age', 'Age of reports recently above the contractual limit');
     for (const board of aiv.boards ?? []) {
       if (board.health === 'lost') add(`board ${board.board}`, `Board ${board.board} lost`);
       if (board.health === 'faulty') add(`board ${board.board}`, `Board ${board.board} faulty${board.selfTest ? `, self-test ${board.selfTest}` : ''}`);
     }
   }
   if (aiv.offRoute) add('offRoute', `Off-route: ${aiv.offRoute}`);
-  if (aiv.mission?.state === 'no route') add('no route', aiv.mission.why ?? `No way to ${aiv.mission.to ?? 'go on'}`);
+  if (aiv.mission?.state === 'no route') add('no route', aiv.mission.why ?? `No route to ${aiv.mission.to ?? 'the next section'}`);
   for (const error of aiv.errors) add(`error ${error}`, error);
   if (here && aiv.battery !== null && aiv.battery < battery_low) add('battery', `Battery at ${format.percent(aiv.battery)}`);
   return causes;
@@ -94,7 +94,7 @@ export class AlarmBook {
     }
     for (const change of snapshot.battery?.changes ?? []) {
       const why = change.reason ? `: ${change.reason}` : '';
-      see(change.vehicle, format.serial(change.vehicle), { code: 'battery change', text: `Battery ${change.battery} is wanted in it${why}` });
+      see(change.vehicle, format.serial(change.vehicle), { code: 'battery change', text: `Battery ${change.battery} is requested${why}` });
     }
     const refused = snapshot.zone?.refused;
     if (refused) {

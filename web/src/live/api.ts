@@ -21,7 +21,7 @@ export async function call<T>(method: string, path: string, body?: unknown, wait
     const said = (value as { error?: { message?: unknown } } | undefined)?.error?.message;
     return { ok: false, status: response.status, sentence: typeof said === 'string' ? said : `The server refused it (${response.status}).` };
   } catch {
-    return { ok: false, status: 0, sentence: 'The server does not answer. It may be starting again; try in a moment.' };
+    return { ok: false, status: 0, sentence: 'The server does not respond. It may be restarting; try again in a moment.' };
   }
 }
 

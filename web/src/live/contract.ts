@@ -344,7 +344,7 @@ export interface Run {
   clock: { kind: 'wall' | 'virtual'; running: boolean; speed: number; time_ms: number };
 }
 
-/** Ground ground truth of the emulated world; shown beside the twins and used for no decision. */
+/** Ground truth of the emulated plant; shown together with the twins and used for no decision. */
 export interface GroundTruth {
   vehicles: readonly ({ number: number } & Pose)[];
   obstacles: readonly { id: string; x: number; y: number; radius: number }[];

@@ -15,7 +15,7 @@ const decoder_with_key = () => {
 };
 
 describe('a key frame', () => {
-  it('tells of everything, in its order, in metres and radians', () => {
+  it('contains all objects, in order, in metres and radians', () => {
     const frame = decoder_with_key().write()!;
     expect(frame.count).toBe(3);
     expect(frame.time_ms).toBe(1000);
@@ -23,7 +23,7 @@ describe('a key frame', () => {
     expect([...frame.words]).toEqual([0, 2 << 8, 7, 12, 32768, 1]);
   });
 
-  it('replaces all that was before it', () => {
+  it('replaces the previous frames', () => {
     const decoder = decoder_with_key();
     decoder.take(sample_frame(true, 2, 2, 1033, [{ handle: 7, x: 9, y: 9 }]));
     const frame = decoder.write()!;
@@ -31,7 +31,7 @@ describe('a key frame', () => {
     expect([...frame.words]).toEqual([7, 0]);
   });
 
-  it('may hold nothing', () => {
+  it('may be empty', () => {
     const decoder = new FrameDecoder();
     expect(decoder.take(sample_frame(true, 1, 1, 0, []))).toBe(true);
     expect(decoder.write()!.count).toBe(0);
@@ -39,7 +39,7 @@ describe('a key frame', () => {
 });
 
 describe('a delta frame', () => {
-  it('changes what it names and leaves the rest as in the key', () => {
+  it('changes the listed objects and leaves the others as in the key frame', () => {
     const decoder = decoder_with_key();
     decoder.take(sample_frame(false, 2, 1, 1033, [{ handle: 7, x: 3.5, y: 4 }]));
     const frame = decoder.write()!;
@@ -48,7 +48,7 @@ describe('a delta frame', () => {
     expect([frame.values[0], frame.values[6], frame.values[12]]).toEqual([1, 3.5, 5]);
   });
 
-  it('builds on the key and not on the delta before it, so that any one may be missed', () => {
+  it('is based on the key frame and not on the previous delta, so that any delta may be missed', () => {
     const decoder = decoder_with_key();
     decoder.take(sample_frame(false, 2, 1, 1033, [{ handle: 0, x: 100, y: 2 }]));
     decoder.write();
@@ -57,7 +57,7 @@ describe('a delta frame', () => {
     expect([frame.values[0], frame.values[6]!.toFixed(1)]).toEqual([1, '3.6']);
   });
 
-  it('is refused without the key that it builds on', () => {
+  it('is rejected without its key frame', () => {
     expect(new FrameDecoder().take(sample_frame(false, 2, 1, 0, []))).toBe(false);
     const decoder = decoder_with_key();
     decoder.write();
@@ -65,7 +65,7 @@ describe('a delta frame', () => {
     expect(decoder.write()).toBeNull();
   });
 
-  it('does not bring in virtual objects that the key does not have', () => {
+  it('does not add virtual objects that are not in the key frame', () => {
     const decoder = decoder_with_key();
     decoder.take(sample_frame(false, 2, 1, 0, [{ handle: 55, x: 8, y: 8 }]));
     expect(decoder.write()!.count).toBe(3);
@@ -73,7 +73,7 @@ describe('a delta frame', () => {
 });
 
 describe('the decoder', () => {
-  it('gives each picture once', () => {
+  it('returns each frame once', () => {
     const decoder = decoder_with_key();
     expect(decoder.ready).toBe(true);
     expect(decoder.write()).not.toBeNull();
@@ -81,21 +81,21 @@ describe('the decoder', () => {
     expect(decoder.write()).toBeNull();
   });
 
-  it('writes into the memory it is given, if that is large enough', () => {
+  it('writes into the given memory if it is large enough', () => {
     const room = new ArrayBuffer(bytes_for(3));
     expect(decoder_with_key().write(room)!.buffer).toBe(room);
     const small = new ArrayBuffer(8);
     expect(decoder_with_key().write(small)!.buffer).not.toBe(small);
   });
 
-  it('forgets its key when the connection is new', () => {
+  it('discards its key frame on a new connection', () => {
     const decoder = decoder_with_key();
     decoder.reset();
     expect(decoder.write()).toBeNull();
     expect(decoder.take(sample_frame(false, 2, 1, 0, []))).toBe(false);
   });
 
-  it('refuses what is damaged, cut short or of another version', () => {
+  it('rejects damaged, truncated and other-version frames', () => {
     const decoder = new FrameDecoder();
     const wrong = (change: (bytes: Uint8Array) => void) => {
       const bytes = key();
@@ -110,7 +110,7 @@ describe('the decoder', () => {
     expect(wrong((bytes) => bytes.fill(255, 16, 24))).toBe(false);
   });
 
-  it('leaves out a virtual object without a place, or named twice', () => {
+  it('omits a virtual object without a position, or listed twice', () => {
     const decoder = new FrameDecoder();
     decoder.take(sample_frame(true, 1, 1, 0, [{ handle: 1, x: NaN, y: 0 }, { handle: 2, x: 1, y: 1 }, { handle: 2, x: 2, y: 2 }]));
     const frame = decoder.write()!;
@@ -118,13 +118,13 @@ describe('the decoder', () => {
     expect(frame.words[0]).toBe(2);
   });
 
-  it('keeps the last place of a virtual object whose next one is no place', () => {
+  it('keeps the last position of a virtual object whose next position is invalid', () => {
     const decoder = decoder_with_key();
     decoder.take(sample_frame(false, 2, 1, 0, [{ handle: 0, x: Infinity, y: 0 }]));
     expect(decoder.write()!.values[0]).toBe(1);
   });
 
-  it('reads a status it does not know as the last one it knows', () => {
+  it('maps an unknown status to the last known one', () => {
     const decoder = new FrameDecoder();
     decoder.take(sample_frame(true, 1, 1, 0, [{ handle: 1, x: 0, y: 0, status: 99 }]));
     expect(decoder.write()!.words[1]! >> 8).toBe(5);

@@ -10,7 +10,7 @@ export interface PositionFrame {
   count: number;
   /** six values per record: x, y [m], heading [rad], speed [m/s], offset from the twin to the last report x, y [m] */
   values: Float32Array;
-  /** two per record: the handle, then the look */
+  /** two per record: the handle, then the appearance */
   words: Uint16Array;
 }
 
@@ -23,7 +23,7 @@ const version = 1;
 /** A frame with more records than there are handles is damaged. */
 export const records_max = 65_536;
 
-/** The look of a record: kind in bits 0-1, augmented, blocked, and the status from bit 8 on. */
+/** The appearance of a record: kind in bits 0-1, augmented, blocked, and the status from bit 8 on. */
 export const look_kind_mask = 3;
 export const look_augmented = 4;
 export const look_blocked = 8;

@@ -11,13 +11,13 @@ describe('the link', () => {
     expect(link_after(opened, at('frame', 20)).phase).toBe('live');
   });
 
-  it('notices a server that hangs without closing', () => {
+  it('detects a server that hangs without closing', () => {
     const live: Link = { phase: 'live', since_ms: 0 };
     expect(link_after(live, at('tick', 1_900, 1_000)).phase).toBe('live');
     expect(link_after(live, at('tick', 2_100, 1_000))).toEqual({ phase: 'unresponsive', since_ms: 1_000 });
   });
 
-  it('counts the loss from its start, over all attempts', () => {
+  it('measures the loss from its start, over all attempts', () => {
     let link = link_after({ phase: 'live', since_ms: 0 }, at('closed', 5_000));
     link = link_after(link, at('opened', 6_000));
     link = link_after(link, at('closed', 6_500));

@@ -29,7 +29,7 @@ export class Platform {
   readonly positions = new Positions();
   /** the newest snapshot, for code that paints each frame; deliberately not reactive */
   latest: Snapshot | null = null;
-  /** the newest ground truth of the emulated world; null without one; deliberately not reactive */
+  /** the newest ground truth of the emulated plant; null without one; deliberately not reactive */
   ground_truth: GroundTruth | null = null;
 
   zone = $state.raw<Zone | null>(null);
@@ -40,7 +40,7 @@ export class Platform {
   rows = $state.raw<readonly Row[]>([]);
   virtualObjects = $state.raw<readonly VirtualObject[]>([]);
   obstacles = $state.raw<readonly DetectedObstacle[]>([]);
-  /** physical obstacles of the emulated world that can be removed */
+  /** physical obstacles of the emulated plant that can be removed */
   plant_obstacles = $state.raw<GroundTruth['obstacles']>([]);
   /** newest first; includes commands that have left the snapshot */
   commands = $state.raw<readonly Command[]>([]);
@@ -51,7 +51,7 @@ export class Platform {
   /** time of the page, updated four times a second */
   now_ms = $state(performance.now());
   server_ms = $state<number | null>(null);
-  /** id of the AIV or virtual object that the map marks and that single commands address */
+  /** id of the AIV or virtual object that the map highlights and that single commands address */
   selected = $state<string | null>(null);
   /** id of the object under the pointer, on the map or in a list */
   hovered = $state<string | null>(null);

@@ -25,14 +25,14 @@ function drive(positions: Positions, frames: number, late: (i: number) => number
 }
 
 describe('positions between frames', () => {
-  it('run evenly, one frame behind', () => {
+  it('progress evenly, one frame interval behind', () => {
     const positions = new Positions();
     drive(positions, 60, () => 4, (page_ms, x) => {
       if (page_ms > 300) expect(Math.abs(x - (page_ms - 37) / 1000)).toBeLessThan(0.018);
     });
   });
 
-  it('never go back while the vehicle goes forward, however the frames arrive', () => {
+  it('never go back while the vehicle drives forward, however the frames arrive', () => {
     const positions = new Positions();
     let last = -1;
     drive(positions, 90, (i) => ((i * 7) % 5) * 6, (_, x) => {
@@ -41,7 +41,7 @@ describe('positions between frames', () => {
     });
   });
 
-  it('move as evenly in time that runs four times as fast', () => {
+  it('progress as evenly with virtual time at four times the speed', () => {
     const positions = new Positions();
     const steps: number[] = [];
     for (let i = 0; i < 60; i++) {
@@ -54,7 +54,7 @@ describe('positions between frames', () => {
     for (const step of steps) expect(step).toBeCloseTo((0.04 * 16) / 33, 2);
   });
 
-  it('go on for a moment when a frame is late, then stand', () => {
+  it('are extrapolated briefly when a frame is late, then stop', () => {
     const positions = new Positions();
     for (let i = 0; i < 10; i++) {
       positions.accept(frame(i * 33, at(i * 0.033)), i * 33);
@@ -72,7 +72,7 @@ describe('positions between frames', () => {
     expect(positions.x[0]).toBe(stands);
   });
 
-  it('turn the short way', () => {
+  it('rotate by the smaller angle', () => {
     const positions = new Positions();
     positions.accept(frame(0, at(0, 3.1)), 0);
     positions.sample(0);
@@ -85,7 +85,7 @@ describe('positions between frames', () => {
     expect(short_turn(20 * Math.PI, 1)).toBeCloseTo(1);
   });
 
-  it('do not glide to a place far away', () => {
+  it('are not interpolated to a distant position', () => {
     const positions = new Positions();
     positions.accept(frame(0, at(0)), 0);
     positions.sample(0);
@@ -96,7 +96,7 @@ describe('positions between frames', () => {
     expect(positions.x[0]).toBe(2);
   });
 
-  it('do not glide for long after the page slept', () => {
+  it('are not interpolated after the page was suspended', () => {
     const positions = new Positions();
     for (let i = 0; i < 5; i++) positions.accept(frame(i * 33, at(0)), i * 33);
     positions.sample(140);
@@ -107,7 +107,7 @@ describe('positions between frames', () => {
 });
 
 describe('the slots', () => {
-  it('follow their virtual objects when others come and go', () => {
+  it('follow their virtual objects when others appear and disappear', () => {
     const positions = new Positions();
     positions.accept(frame(0, at(0.1), { handle: 9, x: 1, y: 1 }), 0);
     positions.sample(0);
@@ -125,7 +125,7 @@ describe('the slots', () => {
     expect(positions.count).toBe(1);
   });
 
-  it('stay where they are while the virtual objects stay the same', () => {
+  it('do not change while the virtual objects are the same', () => {
     const positions = new Positions();
     drive(positions, 5, () => 0);
     expect(positions.revision).toBe(1);
@@ -134,7 +134,7 @@ describe('the slots', () => {
     expect(positions.x).toBe(x);
   });
 
-  it('hold large fleets', () => {
+  it('support large fleets', () => {
     const positions = new Positions();
     const fleet = Array.from({ length: 10_000 }, (_, handle) => ({ handle, x: handle, y: 0 }));
     positions.accept(frame(0, ...fleet), 0);
@@ -145,7 +145,7 @@ describe('the slots', () => {
 });
 
 describe('frames out of order', () => {
-  it('are passed over, unless the connection is new', () => {
+  it('are ignored, except after a new connection', () => {
     const positions = new Positions();
     const old = frame(0, at(0));
     positions.accept(frame(33, at(0.3)), 0);

@@ -60,7 +60,7 @@ function note_of(aiv: Aiv): string {
 /** The text of a mission to a station; empty for a circulating vehicle, which is the default. */
 export function mission_note({ mission }: Aiv): string {
   if (!mission || mission.kind !== 'go') return '';
-  if (mission.state === 'no route') return `no way to ${mission.to}`;
+  if (mission.state === 'no route') return `no route to ${mission.to}`;
   return mission.state === 'arrived' ? `at ${mission.to}` : `to ${mission.to}`;
 }
 

@@ -1,8 +1,8 @@
-// Runs, pauses and steps the platform's virtual time. A platform on the wall's clock refuses with a notice.
+// Runs, pauses and steps the platform's virtual time. A platform on the wall clock refuses with a notice.
 import { api } from './api';
 import type { Platform } from './platform.svelte';
 
-const live_time = 'This platform runs on the wall\u2019s clock. Only virtual time can be paused and stepped; start one with `cosiva up --virtual-time`.';
+const live_time = 'This platform runs on the wall clock. Only virtual time can be paused and stepped; start one with `cosiva up --virtual-time`.';
 
 export async function play(platform: Platform, running?: boolean): Promise<void> {
   const clock = platform.run?.clock;

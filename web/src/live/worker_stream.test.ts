@@ -44,7 +44,7 @@ describe('the stream', () => {
     vi.useRealTimers();
   });
 
-  it('hands over one text at a time, and of those that came meanwhile the newest of each kind', () => {
+  it('delivers one text at a time, and of those received meanwhile the newest of each type', () => {
     const { sockets, events, stream, kinds } = bench();
     sockets[0]!.open();
     sockets[0]!.text({ type: 'zone', zone: null });
@@ -57,7 +57,7 @@ describe('the stream', () => {
     expect(last.kind === 'message' && last.message.type === 'snapshot' && last.message.snapshot.time_ms).toBe(3);
   });
 
-  it('hands over one picture at a time, and then the newest, in memory that comes back', () => {
+  it('delivers one frame at a time, then the newest, in reused memory', () => {
     const { sockets, events, stream } = bench();
     sockets[0]!.open();
     for (const x of [1, 2, 3]) sockets[0]!.bytes(key(x, x));
@@ -72,7 +72,7 @@ describe('the stream', () => {
     expect(events).toHaveLength(3);
   });
 
-  it('cuts a large table into pieces', () => {
+  it('splits a large snapshot into parts', () => {
     const { sockets, events, stream, kinds } = bench();
     sockets[0]!.open();
     sockets[0]!.text(snapshot(7, 2 * part_size + 5));
@@ -82,7 +82,7 @@ describe('the stream', () => {
     expect(parts).toEqual([[part_size, null], [part_size, null], [5, 7]]);
   });
 
-  it('passes over what it does not know', () => {
+  it('ignores unknown messages', () => {
     const { sockets, kinds } = bench();
     sockets[0]!.open();
     sockets[0]!.text('not JSON');
@@ -94,7 +94,7 @@ describe('the stream', () => {
     expect(type_of('[]')).toBeNull();
   });
 
-  it('comes back by itself, after longer and longer pauses, and believes no old key', () => {
+  it('reconnects with increasing delays, and requires a new key frame', () => {
     const { sockets, events, kinds } = bench();
     sockets[0]!.open();
     sockets[0]!.bytes(key(1, 1));
@@ -113,7 +113,7 @@ describe('the stream', () => {
     expect(events.filter((event) => event.kind === 'positions')).toHaveLength(1);
   });
 
-  it('gives an attempt up that hangs, and a line that has fallen silent', () => {
+  it('abandons an attempt without a response, and a connection without messages', () => {
     const { sockets } = bench();
     vi.advanceTimersByTime(4_000);
     expect(sockets[0]!.closed).toBe(true);
@@ -126,7 +126,7 @@ describe('the stream', () => {
     expect(sockets[1]!.closed).toBe(true);
   });
 
-  it('stays closed when it was told to close', () => {
+  it('stays closed after close', () => {
     const { sockets, stream, kinds } = bench();
     sockets[0]!.open();
     stream.close();

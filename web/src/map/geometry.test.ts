@@ -5,28 +5,28 @@ import { field } from './zone_sample';
 
 const corner: Point[] = [[0, 0], [3, 0], [3, 4]];
 
-describe('a line of straight pieces', () => {
-  it('is as long as its pieces', () => {
+describe('a polyline', () => {
+  it('has the length of its pieces', () => {
     expect(path_length(corner)).toBe(7);
     expect(path_length([[1, 1]])).toBe(0);
     expect(path_length([])).toBe(0);
   });
 
-  it('has a nearest place within a piece, at a corner and before its start', () => {
+  it('has a nearest point within a piece, at a corner and before its start', () => {
     expect(nearest_on_line(corner, 1, 1)).toEqual({ x: 1, y: 0, distance: 1, along: 1 });
     expect(nearest_on_line(corner, 4, -1)).toMatchObject({ x: 3, y: 0, along: 3 });
     expect(nearest_on_line(corner, -3, 4)).toMatchObject({ x: 0, y: 0, distance: 5, along: 0 });
     expect(nearest_on_line(corner, 2, 3)).toEqual({ x: 3, y: 3, distance: 1, along: 6 });
   });
 
-  it('may be a point, stand twice in the same place, or be nothing', () => {
+  it('may be a single point, contain a point twice, or be empty', () => {
     expect(nearest_on_line([[1, 1]], 1, 3)).toEqual({ x: 1, y: 1, distance: 2, along: 0 });
     expect(nearest_on_line([[1, 1], [1, 1], [2, 1]], 2, 1)).toMatchObject({ distance: 0, along: 1 });
     expect(nearest_on_line([], 0, 0)).toBeNull();
   });
 });
 
-describe('the ways of a zone', () => {
+describe('the paths of a zone', () => {
   const zone = {
     primitives: [
       { shape: 'polyline', layer: 'road', points: [[0, 0], [10, 0]], size_m: 0.2, label: 'east' },
@@ -43,7 +43,7 @@ describe('the ways of a zone', () => {
 });
 
 describe('a polygon', () => {
-  it('knows its inside, with a dent in it too', () => {
+  it('contains its interior, also with a concave corner', () => {
     const dented: Point[] = [[0, 0], [4, 0], [4, 4], [2, 1], [0, 4]];
     expect(inside(dented, 1, 1)).toBe(true);
     expect(inside(dented, 2, 2)).toBe(false);
@@ -51,16 +51,16 @@ describe('a polygon', () => {
   });
 });
 
-describe('points drawn by hand', () => {
-  it('are one where they are too near', () => {
+describe('hand-drawn points', () => {
+  it('are merged if they are too close', () => {
     expect(spread_out([[0, 0], [0.001, 0], [1, 0], [1, 0]], 0.01)).toEqual([[0, 0], [1, 0]]);
     expect(spread_out([], 1)).toEqual([]);
   });
 });
 
-describe('the way under a point', () => {
+describe('the path under a point', () => {
   const zone = field(20);
-  it('is the one that a look at every way finds', () => {
+  it('equals the result of a search over all paths', () => {
     for (let i = 0; i < 300; i++) {
       const x = ((i * 37) % 211) / 10;
       const y = ((i * 53) % 223) / 10;
@@ -68,7 +68,7 @@ describe('the way under a point', () => {
       expect(nearest_on_ways(zone, x, y)!.distance).toBeCloseTo(Math.min(...all), 12);
     }
   });
-  it('is nothing beside all roads', () => {
+  it('is null away from all roads', () => {
     expect(section_at(zone, 3.2, 4.05, 0)).toBe('w83');
     expect(section_at(zone, 3.2, 4.5, 0)).toBe(null);
   });

@@ -43,19 +43,19 @@ const at = (given: Field, x: number, y: number, prefer_tags = false) => {
   return hit && `${hit.kind} ${hit.id}`;
 };
 
-describe('what lies under a point', () => {
+describe('the object under a point', () => {
   it('is a station, on the ground', () => {
     expect(at(field(), 9.03, 0.02)).toBe('station dock');
     expect(at({ ...field(), hidden: new Set(['station']) }, 9.03, 0.02)).toBe(null);
   });
 
-  it('is the nearest body, before what is drawn on the ground', () => {
+  it('is the nearest body, before objects on the ground', () => {
     expect(at(field(), 0.03, 0)).toBe('aiv CoSiVA/AIV1');
     expect(at(field(), 0.19, 0)).toBe('person P1');
     expect(at(field(), 2.04, 0)).toBe('seen S1');
   });
 
-  it('is the tag, while tags are edited', () => {
+  it('is the tag while tags are edited', () => {
     expect(at(field(), 0.05, 0, true)).toBe('tag 3');
     expect(at(field(), 3.01, 0)).toBe('tag 4');
   });
@@ -67,12 +67,12 @@ describe('what lies under a point', () => {
     expect(at(field(), 9, 9)).toBeNull();
   });
 
-  it('is not what its layer hides', () => {
+  it('is not an object of a hidden layer', () => {
     const hidden = new Set(['persons', 'obstacles', 'tag', 'crossing']);
     for (const [x, y] of [[0.31, 0], [2, 0], [3, 0], [6, 0], [4.5, 4.5]] as const) expect(at({ ...field(), hidden }, x, y)).toBeNull();
   });
 
-  it('may be moved when it is only virtual', () => {
+  it('can be moved if it is virtual', () => {
     const given = field();
     expect(hit_at(given, 0, 0, 0)?.movable).toBe(false);
     expect(hit_at(given, 1, 0, 0)?.movable).toBe(true);
@@ -90,12 +90,12 @@ describe('the index', () => {
     expect(index.radius(49152)).toBe(0.05);
   });
 
-  it('closes the way of a person that walks in a loop', () => {
+  it('closes the path of a person that walks in a loop', () => {
     const entry = field().index.by_id.get('P1');
     expect(entry?.kind === 'person' && [...entry.path!]).toEqual([0, 0, 1, 0, 1, 1, 0, 0]);
   });
 
-  it('keeps an entry while its vehicle stays, and forgets it with the vehicle', () => {
+  it('keeps an entry while its vehicle exists, and removes it with the vehicle', () => {
     const index = new MapIndex();
     index.accept(snapshot);
     const before = index.by_id.get('CoSiVA/AIV1');
@@ -105,7 +105,7 @@ describe('the index', () => {
     expect(index.by_handle.has(1)).toBe(false);
   });
 
-  it('marks virtual AIVs apart from physical ones of the same number', () => {
+  it('distinguishes virtual AIVs from physical ones of the same number', () => {
     expect(snapshot.aivs.map(mark_of)).toEqual(['1', 'V1']);
   });
 });

@@ -127,7 +127,7 @@ export class Marks {
       } else {
         const reach = Math.max(index.radius(positions.handle[i]!) * view.scale, 6);
         const age_s = entry.kind === 'seen' ? Math.max(0, Math.round((marked.server_ms - entry.seen.last_ms) / 1000)) : 0;
-        const text = entry.kind === 'seen' ? `${entry.id} · seen ${age_s < 1 ? 'now' : age_s < 120 ? `${age_s} s ago` : `${Math.round(age_s / 60)} min ago`}` : entry.id;
+        const text = entry.kind === 'seen' ? `${entry.id} · detected ${age_s < 1 ? 'now' : age_s < 120 ? `${age_s} s ago` : `${Math.round(age_s / 60)} min ago`}` : entry.id;
         this.word(text, px, py - reach - 9, (look & look_augmented) !== 0 ? colours.virtual : colours.ink, colours);
       }
     }
@@ -147,7 +147,7 @@ export class Marks {
     context.fillText(text, px, py);
   }
 
-  /** Physical obstacles of the emulated world, dotted, whether an AIV has detected them or not. */
+  /** Physical obstacles of the emulated plant, dotted, whether an AIV has detected them or not. */
   private plant_obstacles({ ground_truth, view }: Marked, colours: Colours): void {
     const { context } = this;
     for (const { id, x, y, radius } of ground_truth?.obstacles ?? []) {
@@ -284,7 +284,7 @@ export class Marks {
     }
   }
 
-  /** Marks the position on the circuit that a press would use. */
+  /** Highlights the position on the circuit that a press would use. */
   private snap(tool: ToolName, at: Point, zone: Zone, screen: (point: Point) => Pixel, colours: Colours): void {
     const place = nearest_on_ways(zone, at[0], at[1]);
     if (!place || (tool === 'edit tags' && place.distance > tag_reach_m / 2)) return;

@@ -16,16 +16,16 @@ const flight_ms = 450;
 
 /** Layers of the page, besides those of the zone. */
 export const own_layers = [
-  { name: 'reserved', word: 'Reserved ways' },
+  { name: 'reserved', word: 'Reserved paths' },
   { name: 'crossings', word: 'Held crossings' },
   { name: 'trails', word: 'Trails' },
-  { name: 'persons', word: 'Persons and their ways' },
+  { name: 'persons', word: 'Persons and their paths' },
   { name: 'obstacles', word: 'Obstacles' },
-  { name: 'opinions', word: 'Belief, twin and ground_truth' },
+  { name: 'opinions', word: 'Estimate, twin and ground truth' },
   { name: 'ranges', word: 'Sensor range' },
 ] as const;
 export const zone_words: Readonly<Record<string, string>> = {
-  road: 'Ways', line: 'Centre lines', crossing: 'Crossings', tag: 'RFID tags', beacon: 'Beacons', station: 'Stations', pivot: 'Turning places', section: 'Sections and directions', label: 'Names',
+  road: 'Sections', line: 'Centre lines', crossing: 'Crossings', tag: 'RFID tags', beacon: 'Beacons', station: 'Stations', pivot: 'Turning positions', section: 'Section names and directions', label: 'Names',
 };
 const off_at_first: readonly string[] = ['opinions', 'ranges'];
 

@@ -21,7 +21,7 @@ beforeEach(() => {
 });
 
 describe('one pointer', () => {
-  it('presses, even when it trembles', () => {
+  it('presses, even with slight movements', () => {
     const gestures = bench();
     gestures.down(1, at(10, 10));
     gestures.move(1, at(12, 11));
@@ -29,7 +29,7 @@ describe('one pointer', () => {
     expect(told).toEqual(['press 12,11']);
   });
 
-  it('drags the map and presses nothing then', () => {
+  it('drags the map without a press', () => {
     const gestures = bench();
     gestures.down(1, at(10, 10));
     gestures.move(1, at(20, 10));
@@ -38,7 +38,7 @@ describe('one pointer', () => {
     expect(told).toEqual(['pan 10,0', 'pan -10,0']);
   });
 
-  it('drags what it took hold of, and drops it', () => {
+  it('drags the object that it holds, and drops it', () => {
     holds = true;
     const gestures = bench();
     gestures.down(1, at(10, 10));
@@ -48,7 +48,7 @@ describe('one pointer', () => {
     expect(told).toEqual(['drag 30,10', 'drop 30,12']);
   });
 
-  it('leaves everything in its place when the drag is broken off', () => {
+  it('restores everything when the drag is cancelled', () => {
     holds = true;
     const gestures = bench();
     gestures.down(1, at(10, 10));
@@ -58,7 +58,7 @@ describe('one pointer', () => {
     expect(told).toEqual(['drag 30,10', 'back']);
   });
 
-  it('presses what it took hold of when it does not move', () => {
+  it('presses the object that it holds if it does not move', () => {
     holds = true;
     const gestures = bench();
     gestures.down(1, at(10, 10));
@@ -66,7 +66,7 @@ describe('one pointer', () => {
     expect(told).toEqual(['press 10,10']);
   });
 
-  it('that was cancelled does nothing', () => {
+  it('has no effect after a cancellation', () => {
     const gestures = bench();
     gestures.down(1, at(1, 1));
     gestures.up(1, at(1, 1), true);
@@ -76,7 +76,7 @@ describe('one pointer', () => {
 });
 
 describe('two pointers', () => {
-  it('pinch and move the map', () => {
+  it('zoom and move the map', () => {
     const gestures = bench();
     gestures.down(1, at(0, 0));
     gestures.down(2, at(100, 0));
@@ -86,7 +86,7 @@ describe('two pointers', () => {
     expect(told).toEqual(['pinch 2', 'pan 50,0']);
   });
 
-  it('put back what the first one took', () => {
+  it('restore what the first one dragged', () => {
     holds = true;
     const gestures = bench();
     gestures.down(1, at(0, 0));

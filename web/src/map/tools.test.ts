@@ -10,35 +10,35 @@ const zone = {
 } as unknown as Zone;
 const tag_hit: Hit = { kind: 'tag', id: '3', x: 3, y: 0, movable: false };
 
-describe('a tool that puts one virtual object somewhere', () => {
-  it('does so at the first press, and is done', () => {
+describe('a tool that adds one virtual object', () => {
+  it('adds it at the first press, and ends', () => {
     for (const tool of ['add aiv', 'add person', 'add obstacle', 'add plant obstacle', 'move object'] as const) {
       expect(press(tool, empty_sketch, [1, 2], null, zone)).toEqual({ sketch: empty_sketch, doing: { what: tool, at: [1, 2] }, done: true });
     }
   });
 });
 
-describe('a walk', () => {
+describe('a walking path', () => {
   it('grows by each press and ends with the path', () => {
     let sketch = press('draw walk', empty_sketch, [0, 0], null, zone).sketch;
     sketch = press('draw walk', sketch, [1, 0], null, zone).sketch;
     expect(finish('draw walk', sketch)).toEqual({ sketch: empty_sketch, doing: { what: 'add walk', path: [[0, 0], [1, 0]] }, done: true });
   });
 
-  it('takes a double press for one point', () => {
+  it('treats a double press as one point', () => {
     let sketch = press('draw walk', empty_sketch, [0, 0], null, zone).sketch;
     sketch = press('draw walk', sketch, [0.001, 0], null, zone).sketch;
     expect(sketch.points).toHaveLength(1);
   });
 
-  it('is not ended before it goes anywhere; the page says what is missing', () => {
+  it('does not end with fewer than two points; the page states what is missing', () => {
     expect(finish('draw walk', empty_sketch).doing).toMatchObject({ what: 'say' });
     const one = press('draw walk', empty_sketch, [0, 0], null, zone).sketch;
     expect(finish('draw walk', one)).toMatchObject({ sketch: one, doing: { what: 'say' } });
     expect(finish('draw walk', one).done).toBeUndefined();
   });
 
-  it('is drawn with Enter too, and ended by Enter twice in one place', () => {
+  it('can be drawn with Enter, and ended by Enter twice at one position', () => {
     let sketch = enter('draw walk', empty_sketch, [0, 0], null, zone).sketch;
     sketch = enter('draw walk', sketch, [1, 0], null, zone).sketch;
     expect(enter('draw walk', sketch, [1, 0], null, zone).doing).toEqual({ what: 'add walk', path: [[0, 0], [1, 0]] });
@@ -50,17 +50,17 @@ describe('a walk', () => {
   });
 });
 
-describe('the tags', () => {
-  it('are chosen by a press', () => {
+describe('tags', () => {
+  it('are selected by a press', () => {
     expect(press('edit tags', empty_sketch, [3, 0], tag_hit, zone)).toEqual({ sketch: { points: [], tag: 3 } });
   });
 
-  it('are laid on the way that is pressed, with the next free number', () => {
+  it('are added on the pressed path, with the next free number', () => {
     const step = press('edit tags', empty_sketch, [5, 0.1], null, zone);
     expect(step).toEqual({ sketch: { points: [], tag: 2 }, doing: { what: 'edit zone', edit: { addTags: [{ number: 2, x: 5, y: 0 }] } } });
   });
 
-  it('are let go by a press beside every way', () => {
+  it('are deselected by a press away from every path', () => {
     expect(press('edit tags', { points: [], tag: 3 }, [5, 2], null, zone)).toEqual({ sketch: { points: [], tag: null } });
     expect(press('edit tags', empty_sketch, [5, 2], null, null)).toEqual({ sketch: empty_sketch });
   });
@@ -70,25 +70,25 @@ describe('the tags', () => {
     expect(drop_tag(3, [4, 0.5], zone)).toMatchObject({ place: null, doing: { what: 'say' } });
   });
 
-  it('are taken away by Delete, when one is chosen', () => {
+  it('are removed by Delete, when one is selected', () => {
     expect(erase('edit tags', { points: [], tag: 3 })).toEqual({ sketch: { points: [], tag: null }, doing: { what: 'edit zone', edit: { removeTags: [3] } } });
     expect(erase('edit tags', empty_sketch)).toEqual({ sketch: empty_sketch });
   });
 
-  it('get another number in their place, if it is free and a number', () => {
+  it('can be renumbered in position, if the number is free and valid', () => {
     expect(renumber(zone, 3, 7)).toEqual({ what: 'edit zone', edit: { removeTags: [3], addTags: [{ number: 7, section: 'east', s: 3 }] } });
     for (const to of [1, 0, 1.5, NaN]) expect(renumber(zone, 3, to)).toMatchObject({ what: 'say' });
     expect(renumber(zone, 99, 5)).toMatchObject({ what: 'say' });
   });
 
-  it('count from one, in gaps first', () => {
+  it('are numbered from one, with gaps first', () => {
     expect(next_tag_number(zone)).toBe(2);
     expect(next_tag_number({ ...zone, tags: [] })).toBe(1);
   });
 });
 
-describe('a measure', () => {
-  it('tells the length of all pieces and starts anew with Enter', () => {
+describe('the measuring tool', () => {
+  it('gives the length of all pieces and restarts with Enter', () => {
     const points = [[0, 0], [3, 0], [3, 4]] as const;
     expect(hint('measure', { points, tag: null }, null)).toContain('7.000 m');
     expect(finish('measure', { points, tag: null })).toEqual({ sketch: empty_sketch });
@@ -96,7 +96,7 @@ describe('a measure', () => {
 });
 
 describe('the hint', () => {
-  it('says something for every tool but looking', () => {
+  it('exists for every tool except the default one', () => {
     expect(hint('look', empty_sketch, null)).toBe('');
     for (const tool of ['add aiv', 'add person', 'draw walk', 'add obstacle', 'add plant obstacle', 'edit tags', 'measure'] as const) {
       expect(hint(tool, empty_sketch, null)).toMatch(/^Press .*\.$/);
@@ -105,8 +105,8 @@ describe('the hint', () => {
   });
 });
 
-describe('the tool that closes sections', () => {
-  it('closes the one under the pointer, and nothing beside', () => {
+describe('the tool for closing sections', () => {
+  it('closes the section under the pointer, and nothing elsewhere', () => {
     const zone = field(3);
     expect(press('close sections', empty_sketch, [1.2, 1.02], null, zone).doing).toEqual({ what: 'close or open', section: 'w4' });
     expect(press('close sections', empty_sketch, [1.2, 1.6], null, zone).doing).toBeUndefined();

@@ -70,8 +70,8 @@ function press_tag(sketch: Sketch, at: Point, hit: Hit | null, zone: Zone | null
 export function finish(tool: ToolName, sketch: Sketch): Step {
   if (tool === 'measure') return { sketch: empty_sketch };
   if (tool !== 'draw walk') return { sketch };
-  if (sketch.points.length === 0) return { sketch, doing: { what: 'say', text: 'Press on the map where the walk begins, then where it goes.' } };
-  if (sketch.points.length === 1) return { sketch, doing: { what: 'say', text: 'A walk needs a second point: press where the person goes.' } };
+  if (sketch.points.length === 0) return { sketch, doing: { what: 'say', text: 'Press the start of the walk on the map, then its next points.' } };
+  if (sketch.points.length === 1) return { sketch, doing: { what: 'say', text: 'A walk needs a second point: press the next point of the path.' } };
   return { sketch: empty_sketch, doing: { what: 'add walk', path: sketch.points }, done: true };
 }
 
@@ -88,14 +88,14 @@ export function erase(tool: ToolName, sketch: Sketch): Step {
 export function drop_tag(number: number, at: Point, zone: Zone): { place: Point | null; doing: Doing } {
   const place = nearest_on_ways(zone, at[0], at[1]);
   if (!place || place.distance > tag_reach_m) {
-    return { place: null, doing: { what: 'say', text: `Tag ${number} stays where it is: a tag lies on a way, and there is none within ${tag_reach_m} m of that place.` } };
+    return { place: null, doing: { what: 'say', text: `Tag ${number} was not moved: a tag must be on a path, and there is none within ${tag_reach_m} m of that position.` } };
   }
   return { place: [place.x, place.y], doing: { what: 'edit zone', edit: { moveTags: [{ number, x: place.x, y: place.y }] } } };
 }
 
 export function renumber(zone: Zone, from: number, to: number): Doing {
   const tag = zone.tags.find((one) => one.number === from);
-  if (!tag) return { what: 'say', text: `There is no tag ${from} any more.` };
+  if (!tag) return { what: 'say', text: `Tag ${from} no longer exists.` };
   if (!Number.isInteger(to) || to < 1) return { what: 'say', text: 'A tag has a whole number from 1 on.' };
   if (zone.tags.some((one) => one.number === to)) return { what: 'say', text: `There is a tag ${to} already. Choose another number.` };
   return { what: 'edit zone', edit: { removeTags: [from], addTags: [{ number: to, section: tag.section, s: tag.s }] } };
@@ -114,29 +114,29 @@ export function hint(tool: ToolName, sketch: Sketch, target: string | null): str
     case 'look':
       return '';
     case 'add aiv':
-      return 'Press on the circuit where the virtual AIV starts.';
+      return 'Press the start of the virtual AIV on the circuit.';
     case 'add person':
-      return 'Press where the person stands.';
+      return 'Press the position of the person.';
     case 'add obstacle':
-      return 'Press where the virtual obstacle lies.';
+      return 'Press the position of the virtual obstacle.';
     case 'add plant obstacle':
-      return 'Press where the physical obstacle lies; AIVs see it when they come near.';
+      return 'Press the position of the physical obstacle; AIVs detect it when they come near.';
     case 'move object':
       return `Press where ${target?.slice(target.indexOf('/') + 1) ?? 'it'} goes.`;
     case 'draw walk':
       return sketch.points.length === 0 ? 'Press where the walk begins.' : sketch.points.length === 1 ? 'Press where the person goes next.' : `${sketch.points.length} points, ${path_length(sketch.points).toFixed(2)} m. Press once more, or end with a double press or Enter.`;
     case 'edit tags':
-      return sketch.tag === null ? 'Press a tag to choose it, or a way to lay a new one.' : `Tag ${sketch.tag}: drag it along the circuit, or press Delete to take it away.`;
+      return sketch.tag === null ? 'Press a tag to select it, or a path to add a new one.' : `Tag ${sketch.tag}: drag it along the circuit, or press Delete to remove it.`;
     case 'close sections':
-      return 'Press a way to close it: nobody enters it any more, and who was to takes another. Press it again to open it.';
+      return 'Press a section to close it: no vehicle enters it any more, and affected vehicles get another route. Press it again to open it.';
     case 'measure':
-      return sketch.points.length < 2 ? 'Press two points or more; the distances stand beside them.' : `${path_length(sketch.points).toFixed(3)} m in all. Enter starts anew.`;
+      return sketch.points.length < 2 ? 'Press two points or more; the distances are shown next to them.' : `${path_length(sketch.points).toFixed(3)} m in total. Enter restarts.`;
   }
 }
 
-/** The keyboard alternative, shown beside the hint while the map has the focus. */
+/** The keyboard alternative, shown next to the hint while the map has the focus. */
 export function keys_hint(tool: ToolName): string {
-  const ends = tool === 'draw walk' ? ', twice in one place to end' : tool === 'measure' ? ', twice in one place to start anew' : '';
+  const ends = tool === 'draw walk' ? ', twice at one position to end' : tool === 'measure' ? ', twice at one position to restart' : '';
   return `Arrow keys move the cross, with Shift finely; Enter presses${ends}.`;
 }
 

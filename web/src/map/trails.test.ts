@@ -14,7 +14,7 @@ function show(positions: Positions, records: { handle: number; x: number; kind?:
 }
 
 describe('trails', () => {
-  it('are short, and end where the vehicle is', () => {
+  it('are short, and end at the vehicle', () => {
     const positions = new Positions();
     const trails = new Trails();
     for (let i = 0; i < 300; i++) {
@@ -26,7 +26,7 @@ describe('trails', () => {
     expect(trail.points[2 * trail.count - 2]).toBeCloseTo(299 * 0.02);
   });
 
-  it('do not grow while a vehicle stands, and start anew where it is put elsewhere', () => {
+  it('do not grow while a vehicle is stopped, and restart after a relocation', () => {
     const positions = new Positions();
     const trails = new Trails();
     for (const x of [0, 0.001, 0.02, 3]) {
@@ -47,7 +47,7 @@ describe('trails', () => {
     expect(trails.get(5)).toBeUndefined();
   });
 
-  it('of large fleets are kept for the chosen vehicle only', () => {
+  it('of large fleets are stored for the chosen vehicle only', () => {
     const positions = new Positions();
     const trails = new Trails();
     show(positions, Array.from({ length: trails_max + 1 }, (_, handle) => ({ handle, x: handle })));

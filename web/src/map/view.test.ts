@@ -11,7 +11,7 @@ describe('the view', () => {
     expect(to_screen(view, size, 2, 2)).toEqual({ px: 500, py: 300 });
   });
 
-  it('comes back to the same map point', () => {
+  it('converts to the screen and back to the same map point', () => {
     const view = { x: -0.3, y: 0.7, scale: 251 };
     const { px, py } = to_screen(view, size, 0.123, -0.456);
     const back = to_map(view, size, px, py);
@@ -19,7 +19,7 @@ describe('the view', () => {
     expect(back.y).toBeCloseTo(-0.456, 12);
   });
 
-  it('fits all of the zone inside the margins', () => {
+  it('fits the whole zone inside the margins', () => {
     const view = fit([-1.4, -1.4, 1.4, 1.4], size, 20);
     const low = to_screen(view, size, -1.4, -1.4);
     const high = to_screen(view, size, 1.4, 1.4);
@@ -28,12 +28,12 @@ describe('the view', () => {
     expect(low.px).toBeGreaterThan(20);
   });
 
-  it('survives a zone without extent and a window without size', () => {
+  it('is valid for a zone without extent and a window without size', () => {
     expect(Number.isFinite(fit([0, 0, 0, 0], size).scale)).toBe(true);
     expect(fit([0, 0, 1, 1], { width: 0, height: 0 }).scale).toBeGreaterThan(0);
   });
 
-  it('keeps what is under the cursor under it while zooming', () => {
+  it('keeps the point under the cursor while zooming', () => {
     const view = { x: 0, y: 0, scale: 200 };
     const before = to_map(view, size, 650, 120);
     const after = to_map(zoom_at(view, size, 650, 120, 1.7), size, 650, 120);
@@ -48,7 +48,7 @@ describe('the view', () => {
     expect(zoomed.x).toBeCloseTo(0.4, 12);
   });
 
-  it('pans with the hand', () => {
+  it('pans with the pointer', () => {
     const view = pan({ x: 0, y: 0, scale: 100 }, 50, 20);
     expect(view.x).toBeCloseTo(-0.5);
     expect(view.y).toBeCloseTo(0.2);
@@ -61,8 +61,8 @@ describe('the view', () => {
   });
 });
 
-describe('the way from one view to another', () => {
-  it('leads the eye: it begins and ends where it should, and zooms by equal factors', () => {
+describe('the transition from one view to another', () => {
+  it('starts and ends at the given views, and zooms by equal factors', () => {
     const from = { x: 0, y: 0, scale: 100 };
     const to = { x: 4, y: -2, scale: 25 };
     expect(between(from, to, 0)).toEqual({ x: 0, y: 0, scale: expect.closeTo(100, 9) });

@@ -51,14 +51,14 @@ describe('vehicles', () => {
     expect(quads.corner(0, 0).style & 0xff).toBe(2);
   });
 
-  it('that look up the map point up on the screen', () => {
+  it('heading up the map point up on the screen', () => {
     quads.bodies(positions({ handle: 0, x: 0, y: 0, heading: Math.PI / 2 }), show, () => 0.1);
     const front = quads.corner(0, 1);
     expect(front.along).toBeGreaterThan(0);
     expect(front.py).toBeLessThan(600 - 40);
   });
 
-  it('out of sight cost nothing', () => {
+  it('outside the view cost nothing', () => {
     quads.bodies(positions({ handle: 0, x: 50, y: 0 }, { handle: 1, x: 0, y: -50 }, { handle: 2, x: 0, y: 0 }), show, () => 0.1);
     expect(quads.told.quads).toBe(1);
   });
@@ -69,13 +69,13 @@ describe('vehicles', () => {
     expect(quads.told).toEqual({ quads: 4, from: 0, to: 4, spots: 5 });
   });
 
-  it('by the thousand find room', () => {
+  it('are supported by the thousand', () => {
     quads.bodies(positions(...Array.from({ length: 9_000 }, (_, handle) => ({ handle, x: 0, y: 0 }))), show, () => 0.1);
     expect(quads.told.quads).toBe(9_000);
     expect(quads.corner(8_999, 0).tint).toBe(1);
   });
 
-  it('lie above the bands and below the persons', () => {
+  it('are drawn above the bands and below the persons', () => {
     quads.band([0, 0, 1, 0], 2, 0.1, 1, '#000000', 1);
     quads.bodies(positions({ handle: 0, x: 0, y: 0 }, { handle: 1, kind: 1, flags: 4, x: 0, y: 0 }), show, () => 0.1);
     expect(quads.told).toMatchObject({ from: 1, to: 2 });
@@ -84,7 +84,7 @@ describe('vehicles', () => {
   });
 });
 
-describe('what is switched off', () => {
+describe('a hidden layer', () => {
   it('is not drawn', () => {
     const both = positions({ handle: 1, kind: 1, x: 0, y: 0 }, { handle: 2, kind: 2, x: 0, y: 0 });
     quads.bodies(both, { persons: false, obstacles: false }, () => 0.1);
@@ -101,7 +101,7 @@ describe('a band', () => {
     expect(place(quads.corner(0, 2))).toEqual(place(quads.corner(1, 3)));
   });
 
-  it('passes over points that lie on each other, and is nothing without two', () => {
+  it('skips coincident points, and is empty with fewer than two', () => {
     quads.band([0, 0, 0, 0, 1, 0], 3, 0.2, 1, '#000000', 1);
     expect(quads.told.quads).toBe(1);
     quads.band([0, 0], 1, 0.2, 1, '#000000', 1);

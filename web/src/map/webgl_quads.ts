@@ -125,7 +125,7 @@ export class Quads {
     this.round(px, py, r, (look & look_augmented) !== 0 ? packed(colours.virtual) : tint, 1);
     this.round(px, py, r - Math.max(1.5 * ratio, 0.16 * r), tint, 1);
     const light = packed(colours.ground);
-    // A person's head marks the heading; an obstacle has a bar.
+    // A person's head shows the heading; an obstacle has a bar.
     if (person) this.round(px + 0.3 * r * c, py + 0.3 * r * s, 0.34 * r, light, 1);
     else for (const off of [-0.28 * r, 0.28 * r]) this.dash(px + off - 0.4 * r, py + off + 0.4 * r, px + off + 0.4 * r, py + off - 0.4 * r, 0.09 * r, light, 0.75);
   }

@@ -3,18 +3,18 @@ import type { Primitive } from '../live/contract';
 import { gathered } from './zone_picture';
 import { field } from './zone_sample';
 
-describe('a large zone’s picture', () => {
-  it('gathers what is painted alike, and loses nothing', () => {
+describe('the drawing of a large zone', () => {
+  it('merges primitives of the same style, and loses none', () => {
     const zone = field(30);
     const groups = gathered(zone.primitives, zone.bounds);
     expect(groups.length).toBeLessThanOrEqual(144);
     expect(groups.flat().map((one) => one.label).sort()).toEqual(zone.primitives.map((one) => one.label).sort());
   });
-  it('leaves a small one as it is', () => {
+  it('is unchanged for a small zone', () => {
     const zone = field(4);
     expect(gathered(zone.primitives, zone.bounds)).toEqual(zone.primitives.map((one) => [one]));
   });
-  it('keeps one layer below the next', () => {
+  it('preserves the order of the layers', () => {
     const below = field(30).primitives;
     const above = below.map((one): Primitive => ({ ...one, layer: 'line' }));
     const layers = gathered([...below, ...above], [0, 0, 30, 30]).map((group) => group[0]!.layer);

@@ -17,7 +17,7 @@ describe('rows under the pointer', () => {
     vi.unstubAllGlobals();
   });
 
-  it('hold still while it moves, and go on when it lies there', () => {
+  it('are fixed while the pointer moves, and updated when it rests', () => {
     const aim = new Aim((now) => (held = now));
     expect(held).toBe(false);
     aim.move();
@@ -29,14 +29,14 @@ describe('rows under the pointer', () => {
     vi.advanceTimersByTime(1);
     expect(held).toBe(false);
   });
-  it('go on at once when it leaves', () => {
+  it('are updated as soon as the pointer leaves', () => {
     const aim = new Aim((now) => (held = now));
     aim.move();
     aim.leave();
     expect(held).toBe(false);
     expect(vi.getTimerCount()).toBe(0);
   });
-  it('hold still as long as it is pressed, wherever it goes, and until the click has come', () => {
+  it('are fixed while the pointer is pressed, wherever it moves, and until the click', () => {
     const aim = new Aim((now) => (held = now));
     aim.press();
     vi.advanceTimersByTime(60_000);

@@ -8,7 +8,7 @@ const button = { tagName: 'BUTTON', getAttribute: () => null } as unknown as Eve
 const typing = { tagName: 'TEXTAREA' } as unknown as EventTarget;
 
 describe('keys', () => {
-  it('stop all from anywhere, even while typing', () => {
+  it('stop all from anywhere, even during text input', () => {
     expect(key_action(press('Escape', { shiftKey: true }))).toBe('stop all');
     expect(key_action(press('Escape', { shiftKey: true, target: typing }))).toBe('stop all');
   });
@@ -18,25 +18,25 @@ describe('keys', () => {
     expect(key_action(press('s', { repeat: true }))).toBeNull();
   });
 
-  it("leave the browser's own shortcuts and typed text alone", () => {
+  it("do not affect shortcuts of the browser and text input", () => {
     expect(key_action(press('s', { ctrlKey: true }))).toBeNull();
     expect(key_action(press('s', { target: typing }))).toBeNull();
     expect(key_action(press('s'))).toBe('stop selected');
   });
 
-  it('let Space press the button that has the focus', () => {
+  it('let Space press the focused button', () => {
     expect(key_action(press(' '))).toBe('play');
     expect(key_action(press(' ', { target: button }))).toBeNull();
   });
 
-  it('open the list of commands with Ctrl K, also while typing, and select with k alone', () => {
+  it('open the list of commands with Ctrl K, also during text input, and select with k alone', () => {
     expect(key_action(press('k', { ctrlKey: true, target: typing }))).toBe('palette');
     expect(key_action(press('K', { metaKey: true }))).toBe('palette');
     expect(key_action(press('k'))).toBe('previous');
     expect(key_action(press('k', { target: typing }))).toBeNull();
   });
 
-  it('can be switched off where a single character acts alone', () => {
+  it('can be disabled where a single character acts alone', () => {
     for (const key of ['s', 'j', '/', ' ', '1', '?', '+']) expect(key_action(press(key), false)).toBeNull();
     expect(key_action(press('Home'), false)).toBe('fit');
     expect(key_action(press('Escape'), false)).toBe('close');
@@ -44,25 +44,25 @@ describe('keys', () => {
     expect(key_action(press('k', { ctrlKey: true }), false)).toBe('palette');
   });
 
-  it('fill the page with each frame by its number', () => {
+  it('maximise each frame by its number', () => {
     expect(['1', '2', '3', '4'].map((key) => key_action(press(key)))).toEqual(['frame 1', 'frame 2', 'frame 3', 'frame 4']);
   });
 
-  it('repeat where motion is asked for, and only there', () => {
+  it('repeat for motion only', () => {
     expect(key_action(press('ArrowLeft', { repeat: true }))).toBe('left');
     expect(key_action(press('1', { repeat: true }))).toBeNull();
   });
 
-  it('mean one virtual object each', () => {
+  it('select one virtual object each', () => {
     const seen = bindings.flatMap((one) => one.keys.map((key) => `${one.ctrl ? 'ctrl ' : ''}${one.shift ? 'shift ' : ''}${key}`));
     expect(new Set(seen).size).toBe(seen.length);
   });
 
-  it('are printed as the caps say', () => {
+  it('are shown as their caps are labelled', () => {
     expect(key_of('stop all')).toBe('Shift Esc');
     expect(key_of('play')).toBe('Space');
     expect(key_of('follow')).toBe('f');
   });
 
-  it('do nothing when unknown', () => expect(key_action(press('q'))).toBeNull());
+  it('have no effect when unknown', () => expect(key_action(press('q'))).toBeNull());
 });

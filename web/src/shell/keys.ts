@@ -60,7 +60,7 @@ export const bindings: readonly Binding[] = [
   { keys: ['k'], ctrl: true, action: 'palette', what: 'list of all commands', group: 'Page', printed: 'Ctrl K' },
   { keys: ['t'], action: 'theme', what: 'light, dark, or as the system', group: 'Page' },
   { keys: ['?'], action: 'help', what: 'this help', group: 'Page' },
-  { keys: ['Escape'], action: 'close', what: 'close, put the tool away, undo the choice', group: 'Page', printed: 'Esc' },
+  { keys: ['Escape'], action: 'close', what: 'close, end the tool, clear the selection', group: 'Page', printed: 'Esc' },
 ];
 
 export interface KeyPress {

@@ -64,7 +64,7 @@ class Layout {
       this.borders = { ...default_borders, ...borders };
       this.columns = (kept['columns'] as Record<string, boolean> | undefined) ?? {};
       this.letters = kept['letters'] !== false;
-      // A wide screen has room for a panel beside the four frames.
+      // A wide screen has room for a panel next to the four frames.
       const persisted = kept['panel'] as PanelName | null | undefined;
       this.panel = persisted === undefined ? (innerWidth >= 1_700 ? 'bijection' : null) : persisted;
       this.supervision_order = kept['order'] === 'priority' ? 'priority' : 'number';

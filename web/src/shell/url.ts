@@ -18,7 +18,7 @@ export const panel_titles: Readonly<Record<PanelName, string>> = {
   alarms: 'Alarms',
   boards: 'Boards',
   battery: 'Batteries',
-  gvs: 'GVS: what the camera sees',
+  gvs: 'GVS: image of the camera',
   log: 'Log of commands',
 };
 

@@ -11,8 +11,8 @@ export function sorted_out(names: readonly string[]): { zone: number; sidecar: n
   const beside = (name: string) => /\.zone\.[^.]+$/.test(name);
   const own = names.flatMap((name, i) => (beside(name) ? [] : [i]));
   const sidecars = names.flatMap((name, i) => (beside(name) ? [i] : []));
-  if (own.length === 0) return 'Choose the zone’s own file too; this one only says what that cannot.';
-  if (own.length > 1 || sidecars.length > 1) return 'Choose one zone, and what stands beside it: two files at most.';
+  if (own.length === 0) return 'Choose the zone file too; this one is only its sidecar file.';
+  if (own.length > 1 || sidecars.length > 1) return 'Choose one zone file and its sidecar file: two files at most.';
   return { zone: own[0]!, sidecar: sidecars[0] ?? null };
 }
 

@@ -14,14 +14,14 @@ function bijection(change: Partial<Bijection> = {}): Bijection {
   };
 }
 
-describe('bijection figures', () => {
+describe('bijection metrics', () => {
   const verdicts = (b: Bijection) => Object.fromEntries(figures_of(b).map((f) => [f.key, f.verdict]));
 
-  it('are kept in a good run', () => {
+  it('are within the limits in a good run', () => {
     expect(verdicts(bijection())).toEqual({ matched: 'kept', divergence: 'kept', age: 'kept', commands: 'kept', events: 'kept', perceived: 'kept', brakes: 'kept', shown: 'kept' });
   });
 
-  it('break on an orphan, on drift, on age and on a failed command', () => {
+  it('are violated by an orphan, drift, age and a failed command', () => {
     const bad = bijection({
       matched: 3, virtual: 3, orphans: [{ side: 'physical', id: 'CoSiVA/AIV4' }], divergence_m: statistics(0.031), age_ms: statistics(151),
       commands: { issued: 1, accepted: 0, materialised: 0, failed: 1, latency_ms: statistics(0, 0) },
@@ -30,7 +30,7 @@ describe('bijection figures', () => {
     expect(verdicts(bad)).toEqual({ matched: 'broken', divergence: 'broken', age: 'broken', commands: 'broken', events: 'kept', perceived: 'broken', brakes: 'kept', shown: 'open' });
   });
 
-  it('stay open while nothing was measured', () => {
+  it('are undecided while nothing was measured', () => {
     const fresh = bijection({
       physical: 0, virtual: 0, matched: 0, divergence_m: statistics(0, 0), age_ms: statistics(0, 0),
       commands: { issued: 0, accepted: 0, materialised: 0, failed: 0, latency_ms: statistics(0, 0) },
@@ -40,12 +40,12 @@ describe('bijection figures', () => {
     expect(new Set(Object.values(verdicts(fresh)))).toEqual(new Set(['open']));
   });
 
-  it('leave out the effects of a server that does not tell them', () => {
+  it('omit effects that the server does not report', () => {
     const { effects: _, ...older } = bijection();
     expect(Object.keys(verdicts(older as Bijection))).toEqual(['matched', 'divergence', 'age', 'commands', 'events']);
   });
 
-  it("use the server's limits when it says them", () => {
+  it("use the limits of the server if it reports them", () => {
     expect(verdicts(bijection({ contract: { divergence_p99_m: 0.01 } }))['divergence']).toBe('broken');
   });
 });

@@ -81,7 +81,7 @@ function effects_of(bijection: Bijection, limits: ContractLimits): Figure[] {
   const words = [
     ['perceived', 'Virtual perceived p99', effects.perceived_ms, 'change to decision'],
     ['brakes', 'Virtual braked for p99', effects.brakes_ms, 'change to braking'],
-    ['shown', 'Obstacle shown p99', effects.shown_ms, 'seen to shown'],
+    ['shown', 'Obstacle shown p99', effects.shown_ms, 'detection to display'],
   ] as const;
   return words.flatMap(([key, label, figure, what]) => {
     if (!figure || figure.count === undefined) return [];

@@ -8,18 +8,18 @@ const names = (list: readonly { name: string }[]) => list.map((row) => row.name)
 describe('sorting', () => {
   const fleet = rows(aiv(1, { battery: 50 }), aiv(2, { battery: null }), aiv(3, { battery: 9 }));
 
-  it('goes up, then down', () => {
+  it('is ascending, then descending', () => {
     expect(sort_after('number', 'battery')).toBe('battery');
     expect(sort_after('battery', 'battery')).toBe('-battery');
     expect(sort_after('-battery', 'battery')).toBe('battery');
   });
   it('is by value, not by text: 9 % is less than 50 %', () => expect(names(sorted(fleet, 'battery'))).toEqual(['AIV3', 'AIV1', 'AIV2']));
-  it('leaves the unknown at the end both ways', () => expect(names(sorted(fleet, '-battery'))).toEqual(['AIV1', 'AIV3', 'AIV2']));
-  it('keeps the order of equals, and of an unknown column', () => {
+  it('puts unknown values last in both directions', () => expect(names(sorted(fleet, '-battery'))).toEqual(['AIV1', 'AIV3', 'AIV2']));
+  it('preserves the order of equal values, and of an unknown column', () => {
     expect(names(sorted(fleet, 'connection'))).toEqual(['AIV1', 'AIV2', 'AIV3']);
     expect(names(sorted(fleet, '-colour'))).toEqual(['AIV1', 'AIV2', 'AIV3']);
   });
-  it('stays as it was while somebody points: new values, one gone, two that came', () => {
+  it('keeps the order while the pointer is on the table: new values, one vehicle removed, two added', () => {
     const before = sorted(fleet, 'battery'); // 3, 1, 2
     const after = rows(aiv(5, { battery: 1 }), aiv(1, { battery: 2 }), aiv(4, { battery: 3 }), aiv(3, { battery: 60 }));
     expect(names(sorted_like(before, after))).toEqual(['AIV3', 'AIV1', ...names(after).filter((name) => /[45]/.test(name))]);
@@ -31,39 +31,39 @@ describe('sorting', () => {
 });
 
 describe('columns', () => {
-  it('are all there when there is room', () => expect(columns_in(5_000, {})).toHaveLength(columns.length));
-  it('leave in the order of their importance, never the first three', () => {
+  it('are all shown if there is room', () => expect(columns_in(5_000, {})).toHaveLength(columns.length));
+  it('are hidden in the order of their importance, never the first three', () => {
     expect(columns_in(0, {}).map((one) => one.key)).toEqual(['number', 'name', 'state']);
     const some = columns_in(800, {}).map((one) => one.key);
     expect(some).toContain('battery');
     expect(some).not.toContain('position');
   });
-  it('stay or go as somebody chose', () => {
+  it('are shown or hidden as chosen by the user', () => {
     const chosen = columns_in(0, { position: true, state: false }).map((one) => one.key);
     expect(chosen).toEqual(['number', 'name', 'position']);
   });
 });
 
 describe('cells', () => {
-  it('say what holds a vehicle, the virtual before the rest', () => {
+  it('name what stops a vehicle, virtual objects first', () => {
     const [brakingFor, waits, sees, free] = rows(aiv(1, { brakingFor: 'P1', waitsFor: 'X1' }), aiv(2, { waitsFor: 'X2, CoSiVA/AIV4' }), aiv(3, { fieldViolation: true }), aiv(4));
     expect([brakingFor, waits, sees, free].map((row) => holds_of(row!))).toEqual(['brakingFor P1', 'waits for X2, AIV4', 'obstacle ahead', '']);
   });
-  it('name what of the contract is broken', () => {
+  it('name the violated part of the contract', () => {
     const [row] = rows(aiv(1, { contract: { matched: true, divergence: false, age: false } }));
     expect(contract_of(row!)).toBe('not divergence, age');
   });
-  it('measure the reserved way along its bends', () => {
+  it('give the length of the reserved path along its bends', () => {
     const [row] = rows(aiv(1, { reserved: [[0, 0], [0.3, 0], [0.3, 0.4]] }));
     expect(reserved_length(row!)).toBeCloseTo(0.7);
   });
-  it('have a colour only where they are abnormal', () => {
+  it('are coloured only if abnormal', () => {
     const [well, far, low] = rows(aiv(1), aiv(2, { divergence_m: 0.031 }), aiv(3, { battery: 19 }));
     expect(columns.filter((one) => abnormal(one, well!))).toEqual([]);
     expect(abnormal(column('divergence'), far!)).toBe(true);
     expect(abnormal(column('battery'), low!)).toBe(true);
   });
-  it('show no divergence of a vehicle that is lost: there is nothing to compare', () => {
+  it('show no divergence of a lost vehicle, since there is nothing to compare', () => {
     const [row] = rows(aiv(1, { lost: true, divergence_m: 3 }));
     expect(column('divergence').text(row!)).toBe('–');
     expect(abnormal(column('divergence'), row!)).toBe(false);
@@ -79,16 +79,16 @@ describe('missions', () => {
 });
 
 describe('CSV', () => {
-  it('has a head, exact values and a line per row', () => {
+  it('has a header, exact values and a line per row', () => {
     const lines = csv_of(rows(aiv(1, { speed: 0.123456 }))).trimEnd().split('\r\n');
     expect(lines).toHaveLength(2);
     expect(lines[0]).toMatch(/^number,id,state,speed_mps,/);
     expect(lines[1]).toContain('CoSiVA/AIV1');
     expect(lines[1]).toContain('0.123456');
   });
-  it('quotes what has commas, quotes or ends of lines', () => {
+  it('quotes values with commas, quotes or line ends', () => {
     const text = csv_of(rows(aiv(1, { orderId: 'a "b", c' })));
     expect(text).toContain('"a ""b"", c');
   });
-  it('never hands a formula to a spreadsheet', () => expect(csv_of(rows(aiv(1, { id: '=HYPERLINK("x")/y' })))).toContain(`"'=HYPERLINK(""x"")/y"`));
+  it('never contains a formula for a spreadsheet', () => expect(csv_of(rows(aiv(1, { id: '=HYPERLINK("x")/y' })))).toContain(`"'=HYPERLINK(""x"")/y"`));
 });

@@ -18,7 +18,7 @@ export interface Column {
   order(row: Row): string | number | null;
   /** the exported value, if it is more exact than the text */
   exact?(row: Row): string | number | null;
-  /** history drawn beside the text, over the last minute */
+  /** history drawn next to the text, over the last minute */
   series?: Series;
   /** columns of rank 1 are always shown; on a narrow table the highest ranks are hidden first */
   rank: number;
@@ -69,12 +69,12 @@ export const columns: readonly Column[] = [
   { key: 'battery', title: 'Battery', what: 'Battery', width_px: 62, number: true, rank: 3, text: (row) => format.percent(row.aiv.battery), order: (row) => row.aiv.battery, exact: (row) => row.aiv.battery },
   { key: 'divergence', title: 'Divergence', what: 'Distance of the twin from the report, with its last minute', width_px: 116, number: true, rank: 2, series: 'divergence', text: (row) => (lost(row) ? format.none : format.length(row.aiv.divergence_m)), order: (row) => (lost(row) ? null : row.aiv.divergence_m), exact: (row) => row.aiv.divergence_m },
   { key: 'age', title: 'Age', what: 'Age of the last report, with its last minute', width_px: 104, number: true, rank: 3, series: 'age', text: (row) => (lost(row) ? format.lasting(row.aiv.age_ms) : format.duration(row.aiv.age_ms)), order: (row) => row.aiv.age_ms, exact: (row) => row.aiv.age_ms },
-  { key: 'holds', title: 'Waits, brakingFor', what: 'What holds it: a crossing, a vehicle, a virtual body', width_px: 120, rank: 4, text: holds_of, order: (row) => holds_of(row) || null },
-  { key: 'mission', title: 'Mission', what: 'Where it was sent, or that it circulates', width_px: 110, rank: 5, text: mission_of, order: (row) => mission_of(row) || null },
+  { key: 'holds', title: 'Waits, brakingFor', what: 'Cause of a stop: a crossing, a vehicle, a virtual body', width_px: 120, rank: 4, text: holds_of, order: (row) => holds_of(row) || null },
+  { key: 'mission', title: 'Mission', what: 'Its destination, or that it circulates', width_px: 110, rank: 5, text: mission_of, order: (row) => mission_of(row) || null },
   { key: 'connection', title: 'Link', what: 'Connection', width_px: 64, rank: 5, text: (row) => connection_words[row.aiv.connection], order: (row) => row.aiv.connection },
   { key: 'contract', title: 'Contract', what: 'Contract of the bijection over the last ten seconds', width_px: 84, rank: 4, text: contract_of, order: contract_of },
   { key: 'order', title: 'Order', what: 'Order and update', width_px: 110, rank: 6, text: (row) => (row.aiv.orderId === '' ? 'none' : `${row.aiv.orderId} · ${row.aiv.orderUpdateId}`), order: (row) => row.aiv.orderId || null },
-  { key: 'reserved', title: 'Reserved', what: 'Length of the way that is kept free before it', width_px: 72, number: true, rank: 6, text: (row) => (reserved_length(row) === 0 ? format.none : format.metres(reserved_length(row))), order: reserved_length, exact: reserved_length },
+  { key: 'reserved', title: 'Reserved', what: 'Length of the path reserved ahead of it', width_px: 72, number: true, rank: 6, text: (row) => (reserved_length(row) === 0 ? format.none : format.metres(reserved_length(row))), order: reserved_length, exact: reserved_length },
   { key: 'priority', title: 'Priority', what: 'Priority at crossings', width_px: 64, number: true, rank: 7, text: (row) => String(row.aiv.priority), order: (row) => row.aiv.priority },
   { key: 'position', title: 'Position', what: 'Position of the twin, x and y [m]', width_px: 116, number: true, rank: 8, text: (row) => `${row.aiv.x.toFixed(3)}, ${row.aiv.y.toFixed(3)}`, order: (row) => row.aiv.x },
 ];

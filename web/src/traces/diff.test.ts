@@ -2,23 +2,23 @@ import { describe, expect, it } from 'vitest';
 import { diff } from './diff';
 import { lines_of } from './json_lines';
 
-describe('what changed', () => {
-  it('is nothing between equals, however they are nested', () => {
+describe('the difference', () => {
+  it('is empty between equal messages, however they are nested', () => {
     const value = { a: [1, { b: null }], c: 'x' };
     expect(diff(value, structuredClone(value))).toEqual([]);
   });
-  it('is told by path, with the older value', () => {
+  it('is listed by path, with the older value', () => {
     expect(diff({ a: { b: 1 }, gone: true }, { a: { b: 2 }, fresh: [] })).toEqual([
       { path: 'a.b', what: 'changed', was: 1, within: 'a.b' },
       { path: 'fresh', what: 'added', within: 'fresh' },
       { path: 'gone', what: 'removed', was: true, within: '' },
     ]);
   });
-  it('a change of kind is a change of the whole value', () => {
+  it('of kind is a difference of the whole value', () => {
     expect(diff({ a: [1] }, { a: { 0: 1 } })).toEqual([{ path: 'a', what: 'changed', was: [1], within: 'a' }]);
     expect(diff({ a: null }, { a: {} })).toEqual([{ path: 'a', what: 'changed', was: null, within: 'a' }]);
   });
-  it('nodes that moved up in the list have not changed: those before them are gone', () => {
+  it('excludes nodes that moved up in the list after earlier ones were removed', () => {
     const node = (id: string, sequenceId: number, released = true) => ({ nodeId: id, sequenceId, released });
     const older = { nodeStates: [node('a', 0), node('b', 2), node('c', 4, false)] };
     const newer = { nodeStates: [node('b', 2), node('c', 4), node('d', 6)] };
@@ -28,7 +28,7 @@ describe('what changed', () => {
       { path: 'nodeStates[0]', what: 'removed', was: node('a', 0), within: 'nodeStates' },
     ]);
   });
-  it('entries that cannot be told apart are compared place by place', () => {
+  it('between indistinguishable entries is determined by index', () => {
     expect(diff([1, 2, 3], [1, 5])).toEqual([
       { path: '[1]', what: 'changed', was: 2, within: '[1]' },
       { path: '[2]', what: 'removed', was: 3, within: '' },
@@ -41,19 +41,19 @@ describe('what changed', () => {
 describe('a message as lines', () => {
   const text = (value: Parameters<typeof lines_of>[0], apart?: Set<string>) => lines_of(value, apart).map((line) => '  '.repeat(line.depth) + line.tokens.map((token) => token.text).join(''));
 
-  it('keeps short flat values on one line, and is JSON again when put together', () => {
+  it('keeps short flat values on one line, and is valid JSON when joined', () => {
     const value = { id: 'a', at: { x: 0.25, y: -1 }, list: [], nodes: [{ nodeId: 'n1', actions: [{ actionId: 'p' }] }] };
     expect(text(value)).toEqual(['{', '  "id": "a",', '  "at": {"x": 0.25, "y": -1},', '  "list": [],', '  "nodes": [', '    {', '      "nodeId": "n1",', '      "actions": [', '        {"actionId": "p"}', '      ]', '    }', '  ]', '}']);
     expect(JSON.parse(text(value).join('\n'))).toEqual(value);
   });
-  it('opens what something is to be marked in', () => {
+  it('expands the parts that contain a highlighted value', () => {
     expect(text({ at: { x: 1, y: 2 } }, new Set(['at.y']))).toEqual(['{', '  "at": {', '    "x": 1,', '    "y": 2', '  }', '}']);
     expect(lines_of({ at: { x: 1, y: 2 } }, new Set(['at.y'])).map((line) => line.path)).toEqual(['', 'at', 'at.x', 'at.y', null, null]);
   });
-  it('quotes what needs quoting', () => {
+  it('quotes where required', () => {
     expect(text({ 'a"b': 'line\nbreak' })).toEqual(['{', '  "a\\"b": "line\\nbreak"', '}']);
   });
-  it('shows a message that is no object at all', () => {
+  it('supports a message that is not an object', () => {
     expect(text('word')).toEqual(['"word"']);
     expect(text(null)).toEqual(['null']);
     expect(text([])).toEqual(['[]']);

@@ -53,7 +53,7 @@ export class TraceFeed {
     const again = answer.traces[0];
     const other_server = known && (answer.next < this.next || (again?.n === this.next - 1 && again.time_ms !== this.last_time_ms));
     if (other_server) {
-      this.store.note('The server started anew; its messages are numbered from 1 again.', this.last_time_ms);
+      this.store.note('The server was restarted; its messages are numbered from 1 again.', this.last_time_ms);
       this.next = 0;
       return true;
     }
@@ -73,6 +73,6 @@ export class TraceFeed {
   private gap(count: number, known: boolean, time_ms: number): void {
     const messages = `${count.toLocaleString('en')} ${count === 1 ? 'message' : 'messages'}`;
     const was_or_were = count === 1 ? 'was' : 'were';
-    this.store.note(known ? `${messages} ${was_or_were} not kept: overwritten before this page read them.` : `${messages} before these ${was_or_were} not kept by the server.`, time_ms);
+    this.store.note(known ? `${messages} ${was_or_were} lost: overwritten before this page read them.` : `${messages} before these ${was_or_were} no longer stored by the server.`, time_ms);
   }
 }

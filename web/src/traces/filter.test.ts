@@ -34,7 +34,7 @@ function search_all(rows: MatchingRows): void {
 }
 const filter = (more: Partial<Filter>): Filter => ({ ...no_filter, ...more });
 
-describe('rows that match', () => {
+describe('matching rows', () => {
   it.each<[string, Partial<Filter>]>([
     ['one agent, sender or receiver', { agent: 'CoSiVA/AIV2' }],
     ['kinds left out', { kinds_off: new Set(['heartbeat', 'visualization']) }],
@@ -45,13 +45,13 @@ describe('rows that match', () => {
     ['nothing that there is', { text: 'zeppelin' }],
   ])('are those with %s', (_, more) => {
     const store = filled(2 * chunk_rows + 300);
-    store.note('12 messages were not kept.', 1);
+    store.note('12 messages were lost.', 1);
     const rows = new MatchingRows(store, filter(more));
     search_all(rows);
     expect(places(rows)).toEqual(expected(store, filter(more)));
   });
 
-  it('do not take a word that begins in one message and ends in the next', () => {
+  it('exclude a word that begins in one message and ends in the next', () => {
     const store = new TraceStore();
     store.append({ ...trace(1), content: 'ab' });
     store.append({ ...trace(2), content: 'cdabc' });
@@ -61,7 +61,7 @@ describe('rows that match', () => {
     expect(places(rows)).toEqual([1]);
   });
 
-  it('are found though a letter grows when it is lowered', () => {
+  it('are found even if a letter becomes longer in lower case', () => {
     const store = new TraceStore();
     for (let n = 1; n <= chunk_rows; n++) store.append({ ...trace(n), content: n === 9 ? 'İstanbul' : n === 10 ? 'needle' : 'hay' });
     const rows = new MatchingRows(store, filter({ text: 'needle' }));
@@ -69,7 +69,7 @@ describe('rows that match', () => {
     expect(places(rows)).toEqual([9]);
   });
 
-  it('come newest first, slice by slice, and the list is in order all the while', () => {
+  it('are found newest first, slice by slice, with the list always in order', () => {
     const store = filled(5 * chunk_rows);
     const rows = new MatchingRows(store, filter({ agent: 'CoSiVA/AIV1' }));
     expect(rows.progress).toBe(0);
@@ -82,7 +82,7 @@ describe('rows that match', () => {
     expect(places(rows)).toEqual([...places(rows)].sort((a, b) => a - b));
   });
 
-  it('grow at the end with what arrives, also while the search is under way, names unheard of included', () => {
+  it('are appended for new messages, also during a search, including new names', () => {
     const store = filled(3 * chunk_rows);
     const wanted = filter({ text: 'aiv' });
     const rows = new MatchingRows(store, wanted);
@@ -92,7 +92,7 @@ describe('rows that match', () => {
     expect(places(rows)).toEqual(expected(store, wanted));
   });
 
-  it('leave at the front with what the store forgets', () => {
+  it('are removed with the rows that the store drops', () => {
     const store = filled(2 * chunk_rows, 2 * chunk_rows);
     const wanted = filter({ agent: 'CoSiVA/AIV2' });
     const rows = new MatchingRows(store, wanted);
@@ -104,7 +104,7 @@ describe('rows that match', () => {
     }
   });
 
-  it('can be asked for the row at a place, or the first after it', () => {
+  it('can be queried for the row at an index, or the first after it', () => {
     const store = filled(500);
     const rows = new MatchingRows(store, filter({ agent: 'CoSiVA/AIV1' }));
     search_all(rows);
@@ -113,19 +113,19 @@ describe('rows that match', () => {
 });
 
 describe('other lists', () => {
-  it('all rows are the store', () => {
+  it('contain all rows of the store', () => {
     const store = filled(10);
     const rows = new AllRows(store);
     expect([rows.length, rows.at(3), rows.index_of(3), rows.index_of(99)]).toEqual([10, 3, 3, 10]);
   });
-  it('named rows lose those that are no longer kept', () => {
+  it('of names lose rows that are no longer stored', () => {
     const store = filled(2 * chunk_rows, chunk_rows);
     const rows = new NamedRows([5, store.first + 1, store.first + 9], store);
     expect(places(rows)).toEqual([store.first + 1, store.first + 9]);
     expect(rows.index_of(store.first + 2)).toBe(1);
     expect(new NamedRows([], store).length).toBe(0);
   });
-  it('no filter filters nothing', () => {
+  it('without a filter contain everything', () => {
     expect(filters(no_filter)).toBe(false);
     expect(filters(filter({ text: '  ' }))).toBe(false);
     expect(filters(filter({ text: 'a' }))).toBe(true);

@@ -104,7 +104,7 @@ export class Matcher {
     this.search_text = filter.text.toLowerCase().split(/\s+/).filter((word) => word !== '');
   }
 
-  /** Calls `found` with the sequence number of each matching row of a chunk, in order. Notes always match, as they mark gaps. */
+  /** Calls `found` with the sequence number of each matching row of a chunk, in order. Notes always match, as they indicate gaps. */
   scan(chunk: Chunk, base: number, begin: number, end: number, found: (seq: number) => void): void {
     this.learn_names();
     const { agent, between } = this.filter;

@@ -28,29 +28,29 @@ function mended_for_examples(kind: VdaKind): JsonObject {
 }
 
 describe('the official schemas', () => {
-  it.each(vda_kinds)('%s uses no keyword that the validator would pass over', (kind) => {
+  it.each(vda_kinds)('%s uses no keyword that the validator ignores', (kind) => {
     expect(unknown_keywords(file_of(kind))).toEqual([]);
   });
-  it('an unknown keyword is found wherever it hides', () => {
+  it('contain no unknown keyword at any depth', () => {
     expect(unknown_keywords({ properties: { a: { items: { contains: {} } } }, oneOf: [{ multipleOf: 2 }] })).toEqual(['contains', 'multipleOf']);
   });
-  it.each(vda_kinds)('%s takes the smallest message made from its own examples', async (kind) => {
+  it.each(vda_kinds)('%s accepts the smallest message made from its own examples', async (kind) => {
     expect(await vda_faults(kind, message(kind))).toEqual([]);
   });
-  it.each(vda_kinds)('%s misses each field that it requires', async (kind) => {
+  it.each(vda_kinds)('%s reports each missing required field', async (kind) => {
     for (const name of (file_of(kind)['required'] as string[] | undefined) ?? []) {
       const { [name]: _left_out, ...rest } = message(kind);
       expect(await vda_faults(kind, rest)).toEqual([{ path: '', sentence: `“${name}” is missing; it is required here.` }]);
     }
   });
-  it.each(vda_kinds)('%s refuses each field with a value of the wrong type', async (kind) => {
+  it.each(vda_kinds)('%s rejects each field with a value of the wrong type', async (kind) => {
     for (const [name, value] of Object.entries(message(kind))) {
       const wrong: Json = typeof value === 'object' ? 'word' : {};
       const faults = await vda_faults(kind, { ...message(kind), [name]: wrong });
       expect(faults.map((fault) => fault.path), name).toContain(name);
     }
   });
-  it('are mended where the document is right: PAUSED is a status, blocking types are a list', async () => {
+  it('are corrected where the document is right: PAUSED is a status, blocking types are a list', async () => {
     const state = message('state');
     const paused = { ...state, actionStates: [{ actionId: 'a', actionType: 'startPause', actionStatus: 'PAUSED' }] };
     expect(await vda_faults('state', paused)).toEqual([]);
@@ -58,8 +58,8 @@ describe('the official schemas', () => {
   });
 });
 
-describe('faults', () => {
-  it('are told with the place where they are, deep inside', async () => {
+describe('schema errors', () => {
+  it('have the path of their location, at any depth', async () => {
     const order = message('order');
     const node = (order['nodes'] as JsonObject[])[0]!;
     const bad = { ...order, nodes: [node, { ...node, nodePosition: { x: 'left', y: 0, mapId: 'm', theta: 4 } }] };
@@ -68,7 +68,7 @@ describe('faults', () => {
       { path: 'nodes[1].nodePosition.theta', sentence: 'must be at most 3.14159265359, and is 4.' },
     ]);
   });
-  it('name the choices of an enumeration', async () => {
+  it('list the values of an enumeration', async () => {
     const faults = await vda_faults('connection', { ...message('connection'), connectionState: 'ONLIN' });
     expect(faults[0]).toEqual({ path: 'connectionState', sentence: 'must be one of "ONLINE", "OFFLINE", "CONNECTIONBROKEN", and is "ONLIN".' });
   });
@@ -78,36 +78,36 @@ describe('faults', () => {
     ['a minimum', { minimum: 0 }, -1, 'must be at least 0, and is -1.'],
     ['a minimum that is not reached', { exclusiveMinimum: 0 }, 0, 'must be more than 0, and is 0.'],
     ['a maximum that is not reached', { exclusiveMaximum: 9 }, 9, 'must be less than 9, and is 9.'],
-    ['a pattern', { pattern: '^[0-9]+$' }, 'x', 'must look like ^[0-9]+$, and is "x".'],
+    ['a pattern', { pattern: '^[0-9]+$' }, 'x', 'must match ^[0-9]+$, and is "x".'],
     ['a shortest text', { minLength: 2 }, 'é', 'must have at least 2 characters, and has 1.'],
     ['a longest text', { maxLength: 1 }, 'ab', 'must have at most 1 characters, and has 2.'],
     ['a shortest list', { minItems: 1 }, [], 'must have at least 1 entries, and has 0.'],
     ['a longest list', { maxItems: 1 }, [1, 2], 'must have at most 1 entries, and has 2.'],
     ['different entries', { uniqueItems: true }, [1, 1], 'must not have the same entry twice.'],
     ['a constant', { const: 'a' }, 'b', 'must be "a", and is "b".'],
-    ['one of several forms', { anyOf: [{ type: 'string' }, { minimum: 5 }] }, 3, 'fits none of the forms that the schema allows.'],
-    ['exactly one of several forms', { oneOf: [{ minimum: 0 }, { minimum: 1 }] }, 3, 'must fit exactly one of the forms that the schema allows, and fits 2.'],
+    ['one of several forms', { anyOf: [{ type: 'string' }, { minimum: 5 }] }, 3, 'matches none of the forms that the schema allows.'],
+    ['exactly one of several forms', { oneOf: [{ minimum: 0 }, { minimum: 1 }] }, 3, 'must match exactly one of the forms that the schema allows, and matches 2.'],
     ['a time', { format: 'date-time' }, 'yesterday', 'must be a time like 1991-03-11T11:40:03.12Z, and is "yesterday".'],
   ])('against %s', (_, schema, value, sentence) => {
     expect(validate(schema, value)).toEqual([{ path: '', sentence }]);
   });
-  it('tell of fields that are not foreseen only where the schema forbids them', () => {
+  it('include unknown fields only where the schema forbids them', () => {
     const value = { a: 1, b: 2 };
     expect(validate({ properties: { a: {} } }, value)).toEqual([]);
-    expect(validate({ properties: { a: {} }, additionalProperties: false }, value)).toEqual([{ path: 'b', sentence: 'is not foreseen by the schema.' }]);
+    expect(validate({ properties: { a: {} }, additionalProperties: false }, value)).toEqual([{ path: 'b', sentence: 'is not defined by the schema.' }]);
     expect(validate({ properties: { a: {} }, additionalProperties: { type: 'string' } }, value)).toEqual([{ path: 'b', sentence: 'must be a string, and is 2.' }]);
   });
-  it('take a field called like a part of every object for what it is', () => {
+  it('treat a field named like a built-in property as a field', () => {
     expect(validate({ type: 'object', required: ['toString'], properties: {} }, {})).toHaveLength(1);
   });
-  it('a reference to nothing is the schema’s error', () => {
-    expect(() => validate({ $ref: '#/definitions/none' }, 1)).toThrow(/does not hold/);
+  it('include a reference without a target', () => {
+    expect(() => validate({ $ref: '#/definitions/none' }, 1)).toThrow(/does not contain/);
   });
 });
 
-describe('times', () => {
-  it.each(['1991-03-11T11:40:03.12Z', '2024-02-29T23:59:60Z', '2026-01-01T00:00:00+01:00'])('%s is one', (text) => expect(is_date_time(text)).toBe(true));
-  it.each(['2023-02-29T00:00:00Z', '2026-13-01T00:00:00Z', '2026-01-01 00:00:00Z', '2026-01-01T24:00:00Z', '2026-01-01T00:00:00', ''])('%s is none', (text) => expect(is_date_time(text)).toBe(false));
+describe('timestamps', () => {
+  it.each(['1991-03-11T11:40:03.12Z', '2024-02-29T23:59:60Z', '2026-01-01T00:00:00+01:00'])('%s is valid', (text) => expect(is_date_time(text)).toBe(true));
+  it.each(['2023-02-29T00:00:00Z', '2026-13-01T00:00:00Z', '2026-01-01 00:00:00Z', '2026-01-01T24:00:00Z', '2026-01-01T00:00:00', ''])('%s is invalid', (text) => expect(is_date_time(text)).toBe(false));
 });
 
 describe('the schema of a topic', () => {

@@ -73,7 +73,7 @@ class Validation {
   ) {}
 
   check(schema: Json, value: Json, path: string): void {
-    if (schema === false) return this.fault(path, 'must not be here.');
+    if (schema === false) return this.fault(path, 'is not permitted here.');
     if (!is_object(schema)) return;
     if (typeof schema['$ref'] === 'string') this.check(this.resolve(schema['$ref']), value, path);
     const types = schema['type'] === undefined ? [] : [schema['type']].flat().map(String);
@@ -97,7 +97,7 @@ class Validation {
     for (const step of ref.replace(/^#\/?/, '').split('/').filter((part) => part !== '')) {
       node = is_object(node) ? node[step.replaceAll('~1', '/').replaceAll('~0', '~')] : undefined;
     }
-    if (!ref.startsWith('#') || node === undefined) throw new Error(`the schema refers to ${ref}, which it does not hold`);
+    if (!ref.startsWith('#') || node === undefined) throw new Error(`the schema refers to ${ref}, which it does not contain`);
     return node;
   }
 
@@ -109,9 +109,9 @@ class Validation {
     for (const part of (schema['allOf'] as readonly Json[] | undefined) ?? []) this.check(part, value, path);
     const count = (parts: readonly Json[]) => parts.filter((part) => this.passes(part, value)).length;
     const any = schema['anyOf'] as readonly Json[] | undefined;
-    if (any && count(any) === 0) this.fault(path, 'fits none of the forms that the schema allows.');
+    if (any && count(any) === 0) this.fault(path, 'matches none of the forms that the schema allows.');
     const one = schema['oneOf'] as readonly Json[] | undefined;
-    if (one && count(one) !== 1) this.fault(path, `must fit exactly one of the forms that the schema allows, and fits ${count(one)}.`);
+    if (one && count(one) !== 1) this.fault(path, `must match exactly one of the forms that the schema allows, and matches ${count(one)}.`);
   }
 
   private passes(schema: Json, value: Json): boolean {
@@ -136,7 +136,7 @@ class Validation {
     const { minLength, maxLength, pattern, format } = schema;
     if (typeof minLength === 'number' && length < minLength) this.fault(path, `must have at least ${minLength} characters, and has ${length}.`);
     if (typeof maxLength === 'number' && length > maxLength) this.fault(path, `must have at most ${maxLength} characters, and has ${length}.`);
-    if (typeof pattern === 'string' && !new RegExp(pattern, 'u').test(value)) this.fault(path, `must look like ${pattern}, and is ${shown(value)}.`);
+    if (typeof pattern === 'string' && !new RegExp(pattern, 'u').test(value)) this.fault(path, `must match ${pattern}, and is ${shown(value)}.`);
     if (format === 'date-time' && !is_date_time(value)) this.fault(path, `must be a time like 1991-03-11T11:40:03.12Z, and is ${shown(value)}.`);
   }
 
@@ -155,7 +155,7 @@ class Validation {
     const properties = (schema['properties'] ?? {}) as JsonObject;
     for (const [name, one] of Object.entries(value)) {
       if (Object.hasOwn(properties, name)) this.check(properties[name]!, one, join(path, name));
-      else if (schema['additionalProperties'] === false) this.fault(join(path, name), 'is not foreseen by the schema.');
+      else if (schema['additionalProperties'] === false) this.fault(join(path, name), 'is not defined by the schema.');
       else if (schema['additionalProperties'] !== undefined) this.check(schema['additionalProperties'], one, join(path, name));
     }
   }

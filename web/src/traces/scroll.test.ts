@@ -2,7 +2,7 @@ import { describe, expect, it } from 'vitest';
 import { Scroll, tall_max_px } from './scroll';
 
 describe('scrolling', () => {
-  it('shows the rows in sight and not one more than needed', () => {
+  it('shows the visible rows and not one more than needed', () => {
     const scroll = new Scroll(1000, 24, 240);
     expect(scroll.rows_at(0)).toEqual({ first: 0, last: 11, shift_px: 0 });
     expect(scroll.rows_at(36)).toEqual({ first: 1, last: 13, shift_px: 12 });
@@ -18,7 +18,7 @@ describe('scrolling', () => {
     expect(lowest * scroll.scale).toBeCloseTo(scroll.end_px, 3);
     expect(scroll.rows_at(lowest * scroll.scale).last).toBe(1_000_000);
   });
-  it('moves only as far as a row needs to be in sight', () => {
+  it('moves only as far as needed to make a row visible', () => {
     const scroll = new Scroll(100, 20, 100);
     expect(scroll.to_show(3, 0)).toBe(0);
     expect(scroll.to_show(5, 0)).toBe(20);

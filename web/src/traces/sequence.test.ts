@@ -36,7 +36,7 @@ describe('the article’s exchanges', () => {
     const store = told(...zone_exchange, beat, ['AIV_Server', 'Simulator', 'zoneConfiguration'], ['Simulator', 'RTM', 'initialise'], ['RTM', 'Simulator', 'refused', 'no circuit'], ['Simulator', 'Circuit', 'draw']);
     expect(kinds_of(store, find_figure(store, 'figure 8')!.seqs)).toEqual(['zone', 'zoneConfiguration', 'initialise', 'refused'].slice(1));
   });
-  it('figure 9 goes from coming on the air over the mark to the first reports, through the proxy', () => {
+  it('figure 9 goes from the arrival over the display number to the first reports, through the proxy', () => {
     const store = told(
       ['CoSiVA/AIV2', 'AIV_Server', 'connection', 'ONLINE'], ['CoSiVA/AIV1', 'AIV_Server', 'state'], ['CoSiVA/AIV2', 'AIV_Server', 'state'],
       ['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV2 gets display number 2'], ['AIV_Server', 'CoSiVA/AIV2', 'order'], beat, ['CoSiVA/AIV2', 'AIV_Server', 'visualization'],
@@ -46,13 +46,13 @@ describe('the article’s exchanges', () => {
     expect(found.proxies).toBe(true);
     expect(found.agents).toEqual(['CoSiVA/AIV2', 'AIV_Server', 'Simulator']);
   });
-  it('figure 9 is of the AIV that is asked for; an obstacle that appears is none', () => {
+  it('figure 9 is of the requested AIV; an appearing obstacle is not included', () => {
     const store = told(['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV1 gets display number 1'], ['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV2 is back under display number 2'], ['AIV_Server', 'Simulator', 'appear', 'S1: an obstacle at 1, 2']);
     expect(find_figure(store, 'figure 9')!.seqs[0]).toBe(1);
     expect(find_figure(store, 'figure 9', 'CoSiVA/AIV1')!.seqs[0]).toBe(0);
     expect(find_figure(store, 'figure 9', 'CoSiVA/AIV7')).toBeNull();
   });
-  it('figure 11 is the report that took a twin to a new section, what the section answered, and the reports around it', () => {
+  it('figure 11 is the report that moved a twin to a new section, the response of the section, and the reports around it', () => {
     const report = (who: string): Said => [`CoSiVA/${who}`, 'AIV_Server', 'visualization', '{"x":1}'];
     const asks = (who: string): Said => ['Simulator', 'Circuit', 'nextAIVposition', `CoSiVA/${who} leaves south 0.994 m`];
     const answers = (who: string): Said => ['Circuit', 'Simulator', 'position', `CoSiVA/${who} on east 0.012 m: 1.000, 0.012`];
@@ -62,12 +62,12 @@ describe('the article’s exchanges', () => {
     expect(any.seqs).toEqual([2, 6, 7, 9]);
     expect(any.agents).toEqual(['CoSiVA/AIV2', 'AIV_Server', 'Simulator', 'Circuit']);
   });
-  it('figure 11 is the last three reports where no section has answered yet', () => {
+  it('figure 11 is the last three reports if no section has responded yet', () => {
     const report: Said = ['CoSiVA/AIV1', 'AIV_Server', 'visualization', '{"x":1}'];
     const store = told(report, report, ['CoSiVA/AIV1', 'AIV_Server', 'virtual_obstacles_ack', 'nothing'], report, report);
     expect(find_figure(store, 'figure 11')!.seqs).toEqual([1, 3, 4]);
   });
-  it('figure 9 holds neither what vehicles say to each other nor their convoys', () => {
+  it('figure 9 contains neither V2X messages nor convoys', () => {
     const store = told(
       ['CoSiVA/AIV1', 'AIV_Server', 'connection', 'ONLINE'], ['CoSiVA/AIV1', 'CoSiVA/AIV2', 'V2X', '0.400 m/s'],
       ['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV1 gets display number 1'], ['CoSiVA/AIV2', 'CoSiVA/AIV1', 'V2X', '0.400 m/s'],
@@ -75,29 +75,29 @@ describe('the article’s exchanges', () => {
     );
     expect(find_figure(store, 'figure 9', 'CoSiVA/AIV1')!.seqs).toEqual([0, 2, 5]);
   });
-  it('figure 11 holds nothing that vehicles say to each other', () => {
+  it('figure 11 contains no V2X messages', () => {
     const report: Said = ['CoSiVA/AIV1', 'AIV_Server', 'visualization', '{"x":1}'];
     const store = told(report, ['CoSiVA/AIV1', 'CoSiVA/AIV2', 'V2X', '0.400 m/s'], report, report);
     expect(find_figure(store, 'figure 11')!.seqs).toEqual([0, 2, 3]);
   });
-  it('nothing is found where nothing was said', () => {
+  it('are not found without messages', () => {
     for (const name of ['figure 8', 'figure 9', 'figure 11'] as const) expect(find_figure(told(beat), name)).toBeNull();
   });
 });
 
 describe('the layout', () => {
-  it('puts people and vehicles left, the circuit right, numbers in their order', () => {
+  it('puts persons and vehicles left, the circuit right, numbers in their order', () => {
     expect(in_order(['Circuit', 'CoSiVA/AIV10', 'AIV_Server', 'CoSiVA.virtual/V1', 'operator', 'CoSiVA/AIV2', '*', 'Simulator'])).toEqual(['operator', 'CoSiVA/AIV2', 'CoSiVA/AIV10', 'CoSiVA.virtual/V1', 'AIV_Server', 'Simulator', 'Circuit', '*']);
   });
-  it('calls ours by their serial number and others by their whole name', () => {
+  it('names CoSiVA vehicles by their serial number and others by their full name', () => {
     expect(['CoSiVA/AIV1', 'CoSiVA.virtual/V1', 'RobotCompany/001', '*'].map(agent_label)).toEqual(['AIV1', 'V1', 'RobotCompany/001', 'everybody']);
   });
-  it('lifelines keep their distance, and the diagram grows wider instead', () => {
+  it('widens the diagram to keep the distance between lifelines', () => {
     const { lines, width_px } = lifelines(['CoSiVA/AIV1', 'AIV_Server', 'Simulator', 'RTM', 'CircuitFactory', 'Circuit'], 400, false);
     for (let i = 1; i < lines.length; i++) expect(lines[i]!.x - lines[i - 1]!.x).toBeGreaterThanOrEqual(112);
     expect(width_px).toBeGreaterThan(lines.at(-1)!.x + 50);
   });
-  it('an arrow goes from sender to receiver; by way of the proxy the radio part is the outer one', () => {
+  it('draws an arrow from sender to receiver; via the proxy the radio part is the outer one', () => {
     const store = told(['CoSiVA/AIV1', 'AIV_Server', 'state'], ['AIV_Server', 'CoSiVA/AIV1', 'order'], ['AIV_Server', 'Simulator', 'appear'], ['RTM', 'Simulator', 'x']);
     const { lines } = lifelines(['CoSiVA/AIV1', 'AIV_Server', 'Simulator'], 900, true);
     const x = Object.fromEntries(lines.map((line) => [line.name, line.x]));
@@ -108,14 +108,14 @@ describe('the layout', () => {
     expect(arrow_of(store, 3, lines).legs).toEqual([]);
     expect(span_of(arrow_of(store, 0, lines)).length).toBeCloseTo(x['AIV_Server']! - x['CoSiVA/AIV1']!, 9);
   });
-  it('a message to oneself is a loop', () => {
+  it('draws a message to its own sender as a loop', () => {
     expect(path_of(50, 50, 20)).toContain('q');
     expect(path_of(50, 90, 20)).toBe('M50 20L89 20');
   });
-  it('the search_text fit over their arrow', () => {
+  it('fits the texts over their arrows', () => {
     expect(words_of({ kind: 'order', content: 'x'.repeat(500) }, 200).length).toBeLessThanOrEqual(31);
   });
-  it('the file is well formed whatever was said', () => {
+  it('gives a well-formed file for any content', () => {
     const store = told(['CoSiVA/<b>&"', 'AIV_Server', 'state', '</svg><script>']);
     const { lines, width_px } = lifelines(['CoSiVA/<b>&"', 'AIV_Server'], 600, false);
     const svg = svg_of('A & B', lines, [arrow_of(store, 0, lines)], width_px, { ground: '#fff', ink: '#000', quiet: '#555', line: '#999', accent: '#00f' });
@@ -127,22 +127,22 @@ describe('the layout', () => {
 });
 
 describe('communications as text', () => {
-  it('flat JSON reads as search_text, the rest stands as it came', () => {
+  it('show flat JSON as text, and other content unchanged', () => {
     expect(summary_of('{"x":-0.68249,"y":1,"speed":0.3}')).toBe('x −0.682, y 1, speed 0.300');
     expect(summary_of('{"a":{"b":1}}')).toBe('{"a":{"b":1}}');
     expect(summary_of('{"cut off')).toBe('{"cut off');
     expect(summary_of('plain')).toBe('plain');
   });
-  it('CSV quotes what needs it and disarms formulas', () => {
+  it('are quoted in CSV where needed, with formulas disarmed', () => {
     const row = { n: 1, time_ms: 0, from: '=cmd()', to: 'a,b', kind: 'say "x"', content: 'two\nlines' };
     expect(csv_line(row)).toBe('1,1970-01-01T00:00:00.000Z,\'=cmd(),"a,b","say ""x""","two\nlines"\r\n');
   });
-  it('NDJSON is one message a line, also with a clock far off', () => {
+  it('are one message per line in NDJSON, also with a clock far off', () => {
     const row = { n: 1, time_ms: 1e300, from: 'a', to: 'b', kind: 'c', content: 'two\nlines' };
     expect(JSON.parse(ndjson_line(row))).toMatchObject(row);
     expect(ndjson_line(row).trimEnd()).not.toContain('\n');
   });
-  it('an export takes its slices, leaves notes out, and does not grow with what comes meanwhile', async () => {
+  it('are exported in slices, without notes, and without messages that arrive meanwhile', async () => {
     const store = new TraceStore();
     for (let n = 1; n <= 1000; n++) store.append({ n, time_ms: n, from: 'a', to: 'b', kind: 'c', content: '' });
     store.note('gap', 0);
@@ -157,7 +157,7 @@ describe('communications as text', () => {
     const lines = (await file.blob().text()).trimEnd().split('\n').map((line) => (JSON.parse(line) as { n: number }).n);
     expect(lines).toEqual(Array.from({ length: 1000 }, (_, i) => i + 1));
   });
-  it('an export of nothing is done at once', () => {
+  it('are exported at once if there are none', () => {
     const store = new TraceStore();
     expect(new Export(store, new AllRows(store), 'csv').go_on(() => true)).toBe(true);
   });

@@ -112,19 +112,19 @@ export const figures: readonly Figure[] = [
   {
     name: 'figure 8',
     title: 'Figure 8: the circuit is created and displayed',
-    says: 'The server hands the zone’s configuration to the simulator, which makes the RTM, asks it for the circuit factory, that for the circuit, and the circuit to draw itself.',
-    missing: 'No zone has been instantiated within the messages that are kept. It happens once at the start, and after every edit of the zone.',
+    says: 'The server passes the zone’s configuration to the simulator, which creates the RTM and requests the circuit factory from it, the circuit from the factory, and the drawing from the circuit.',
+    missing: 'No zone has been instantiated within the stored messages. This happens once at the start, and after every edit of the zone.',
   },
   {
     name: 'figure 9',
     title: 'Figure 9: an AIV starts',
-    says: 'An AIV comes on the air; its reports pass through its proxy to the server, which tells the simulator to give it a mark and a place; then it reports at regular intervals.',
-    missing: 'No AIV has appeared within the messages that are kept. Add a virtual AIV, or switch one on.',
+    says: 'An AIV connects; its reports pass through its proxy to the server, which makes the simulator assign a display number and a position; then it reports at regular intervals.',
+    missing: 'No AIV has appeared within the stored messages. Add a virtual AIV, or switch one on.',
   },
   {
     name: 'figure 11',
     title: 'Figure 11: a position is updated',
-    says: 'A report arrives, and the simulator moves the twin along the circuit’s sections. What a section answers is traced where the twin comes to a new one.',
+    says: 'A report arrives, and the simulator moves the twin along the circuit’s sections. The response of a section is traced when the twin enters a new one.',
     missing: 'No AIV has reported a position yet.',
   },
 ];

@@ -7,7 +7,7 @@ import { chunk_rows, Names, note_kind, TraceStore } from './store';
 const trace = (n: number, more: Partial<Trace> = {}): Trace => ({ n, time_ms: 1000 + 10 * n, from: 'CoSiVA/AIV1', to: 'AIV_Server', kind: 'state', content: `message ${n}`, ...more });
 
 describe('the store', () => {
-  it('gives back every row as it came, across full chunks and the open one', () => {
+  it('returns every row unchanged, across full chunks and the open one', () => {
     const store = new TraceStore();
     const count = 2 * chunk_rows + 17;
     for (let n = 1; n <= count; n++) store.append(trace(n, { content: n % 7 === 0 ? '' : `é ${n}`, kind: n % 2 ? 'state' : 'order' }));
@@ -17,7 +17,7 @@ describe('the store', () => {
     }
   });
 
-  it('drops the oldest beyond its bound, keeps at least as many as it promises, and places stay true', () => {
+  it('drops the oldest rows beyond its bound, keeps at least the promised number, and keeps indices valid', () => {
     const store = new TraceStore(2 * chunk_rows);
     // The extremes are compared once: 82 000 calls of expect() took seconds on a busy machine.
     let least_spare = Infinity;
@@ -36,7 +36,7 @@ describe('the store', () => {
     expect(store.holds(store.end)).toBe(false);
   });
 
-  it('counts what the kept rows carry, and forgets who is gone', () => {
+  it('counts the names of the stored rows, and discards unused ones', () => {
     const store = new TraceStore(chunk_rows);
     for (let n = 1; n <= chunk_rows; n++) store.append(trace(n, { from: 'CoSiVA/AIV9' }));
     for (let n = chunk_rows + 1; n <= 2 * chunk_rows; n++) store.append(trace(n));
@@ -44,7 +44,7 @@ describe('the store', () => {
     expect(store.kinds.counted()).toEqual([{ name: 'state', rows: chunk_rows }]);
   });
 
-  it('finds the newest row of a kind, a sender and a receiver, before a place', () => {
+  it('finds the newest row of a kind, a sender and a receiver, before an index', () => {
     const store = new TraceStore();
     store.append(trace(1, { kind: 'order', from: 'AIV_Server', to: 'CoSiVA/AIV1' }));
     store.append(trace(2, { kind: 'order', from: 'AIV_Server', to: 'CoSiVA/AIV2' }));
@@ -56,7 +56,7 @@ describe('the store', () => {
     expect(store.find_last({ kind: 'draw' })).toBe(-1);
   });
 
-  it('counts names to a bound and calls the others "…"', () => {
+  it('counts names up to a bound and the others as "…"', () => {
     const names = new Names(3);
     expect([names.id('a'), names.id('b'), names.id('c'), names.id('d'), names.id('a')]).toEqual([1, 2, 3, 3, 1]);
     expect(names.name(3)).toBe('…');
@@ -96,7 +96,7 @@ const notes = (store: TraceStore) => Array.from({ length: store.length }, (_, i)
 const numbers = (store: TraceStore) => Array.from({ length: store.length }, (_, i) => store.n(i)).filter((n) => n > 0);
 
 describe('the feed', () => {
-  it('reads every message once, in order, and catches up by a thousand at a time', async () => {
+  it('reads every message once, in order, and catches up in steps of a thousand', async () => {
     const server = new Server(20_000);
     const store = new TraceStore();
     const feed = new TraceFeed(store, server.ask);
@@ -109,7 +109,7 @@ describe('the feed', () => {
     expect(notes(store)).toEqual([]);
   });
 
-  it('says how many were overwritten before they were read', async () => {
+  it('reports how many messages were overwritten before they were read', async () => {
     const server = new Server(50);
     const store = new TraceStore();
     const feed = new TraceFeed(store, server.ask);
@@ -117,7 +117,7 @@ describe('the feed', () => {
     await feed.poll();
     server.say(177);
     await feed.poll();
-    expect(notes(store)).toEqual(['10 messages before these were not kept by the server.', '127 messages were not kept: overwritten before this page read them.']);
+    expect(notes(store)).toEqual(['10 messages before these were no longer stored by the server.', '127 messages were lost: overwritten before this page read them.']);
     expect(numbers(store).at(-1)).toBe(237);
   });
 
@@ -129,7 +129,7 @@ describe('the feed', () => {
     await feed.poll();
     server.say(5);
     await feed.poll();
-    expect(notes(store)).toEqual(['1 message was not kept: overwritten before this page read them.']);
+    expect(notes(store)).toEqual(['1 message was lost: overwritten before this page read them.']);
   });
 
   it.each([
@@ -146,25 +146,25 @@ describe('the feed', () => {
     server.say(said);
     await feed.poll();
     await feed.poll();
-    expect(notes(store)).toEqual(['The server started anew; its messages are numbered from 1 again.']);
+    expect(notes(store)).toEqual(['The server was restarted; its messages are numbered from 1 again.']);
     expect(numbers(store)).toEqual([...Array.from({ length: 40 }, (_x, i) => i + 1), ...Array.from({ length: said }, (_x, i) => i + 1)]);
   });
 
-  it('says why nothing comes while the server is away, and goes on where it was', async () => {
+  it('reports why no messages arrive while the server is away, and resumes', async () => {
     const server = new Server(20_000);
     const store = new TraceStore();
     let away = true;
-    const feed = new TraceFeed(store, (after, limit) => (away ? Promise.resolve({ ok: false, status: 0, sentence: 'The server does not answer.' }) : server.ask(after, limit)));
+    const feed = new TraceFeed(store, (after, limit) => (away ? Promise.resolve({ ok: false, status: 0, sentence: 'The server does not respond.' }) : server.ask(after, limit)));
     server.say(3);
     expect(await feed.poll()).toBe(false);
-    expect(feed.trouble).toBe('The server does not answer.');
+    expect(feed.trouble).toBe('The server does not respond.');
     away = false;
     await feed.poll();
     expect(feed.trouble).toBeNull();
     expect(numbers(store)).toEqual([1, 2, 3]);
   });
 
-  it('waits for the answer under way instead of asking twice', async () => {
+  it('waits for the pending response instead of requesting twice', async () => {
     const server = new Server(100);
     const store = new TraceStore();
     const feed = new TraceFeed(store, server.ask);
