@@ -46,7 +46,7 @@ test('cosiva battery fleet --live', { timeout: 400_000 }, async (t) => {
   await first.ended;
   assert.ok(existsSync(state), 'the state is there');
   const second = new Program(t, cosiva_binary(), args, { name: 'cosiva battery' });
-  await eventually('it goes on', () => second.words.includes('goes on from'), { within_ms: 20_000 });
+  await eventually('it goes on', () => second.words.includes('continues from'), { within_ms: 20_000 });
 
   // Frozen, so that no supervisor starts it again: a vehicle that sends nothing any more.
   const lost = await platform.child(/aiv\D*3$/i);
@@ -81,7 +81,7 @@ test('cosiva battery fleet --live', { timeout: 400_000 }, async (t) => {
 test('cosiva battery fleet --live reports errors', { timeout: 120_000 }, async (t) => {
   const nobody = await cosiva(['battery', 'fleet', '--live', '--broker', '127.0.0.1:1', '--aivs', '2']);
   assert.equal(nobody.code, 2);
-  assert.match(nobody.stderr, /no broker answers there/);
+  assert.match(nobody.stderr, /no broker responds at this address/);
   const whole = await cosiva(['battery', 'fleet', '--live', '--whole']);
   assert.equal(whole.code, 2);
   assert.match(whole.stderr, /--whole/);

@@ -99,7 +99,7 @@ test('an obstacle to a campaign is reported with what to do, and every rank ends
   for (const tell of [() => campaign(file, '--out', out), () => on_ranks(2, file, '--out', out)]) {
     const { code, stderr } = await tell();
     assert.equal(code, 2, stderr);
-    assert.match(stderr, /campaign\.state:1: it belongs to a campaign of another plan, .*--anew/);
+    assert.match(stderr, /campaign\.state:1: the state is of a campaign with another plan, .*--anew/);
     assert.equal(stderr.match(/another plan/g).length, 1, 'one voice');
   }
   assert.equal((await campaign(file, '--out', out, '--anew')).code, 0);
@@ -110,8 +110,8 @@ test('an obstacle to a campaign is reported with what to do, and every rank ends
   writeFileSync(state, bytes);
   const damaged = await campaign(file, '--out', out);
   assert.equal(damaged.code, 2);
-  assert.match(damaged.stderr, /campaign\.state:\d+: it is damaged/);
-  // A folder that cannot be created.
+  assert.match(damaged.stderr, /campaign\.state:\d+: the state is damaged/);
+  // A folder that cannot be.
   rmSync(out, { recursive: true });
   writeFileSync(out, 'a file');
   const taken = await campaign(file, '--out', out);

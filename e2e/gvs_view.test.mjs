@@ -157,7 +157,7 @@ test('recorded images of a calibrated camera are processed to their end, and the
   await t.test('the platform goes on when they end', async () => {
     const platform = await Platform.up(t, { aivs: 1, folder, args: source });
     const finding = await eventually('their end is named', async () => (await findings(platform)).find(({ kind }) => kind === 'no detection'), { within_ms: 40_000, every_ms: 100 });
-    assert.match(finding.text, /there are no more pictures/);
+    assert.match(finding.text, /there are no more images/);
     const { gvs, aivs } = await platform.snapshot();
     assert.equal(gvs.state, 'silent');
     assert.match(gvs.source, /area\/images/);

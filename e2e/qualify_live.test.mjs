@@ -25,7 +25,7 @@ test('cosiva compare --live', { timeout: 180_000 }, async (t) => {
   await platform.kill_child(/aiv\D*2$/i);
   const { code } = await program.ended;
   assert.equal(code, 0, tail(program.words));
-  assert.match(program.words, /CoSiVA\/AIV2 drives run \d anew: /);
+  assert.match(program.words, /CoSiVA\/AIV2 repeats run \d: /);
 
   const result = JSON.parse(stdout);
   assert.equal(result.what, 'live on lacet4');
@@ -50,10 +50,10 @@ test('cosiva compare --live', { timeout: 180_000 }, async (t) => {
 
   const stranger = await cosiva(['qualify', ...live, '--vehicle', 'AIV9', '--distance', '1', '--runs', '1', '--timeout', '2']);
   assert.equal(stranger.code, 2);
-  assert.match(stranger.stderr, /CoSiVA\/AIV9: it has not answered for 2 s; is it online/);
-  const elsewhere = await cosiva(['qualify', ...live, '--ground_truth', 'area/camera', '--distance', '1', '--runs', '1', '--timeout', '2']);
+  assert.match(stranger.stderr, /CoSiVA\/AIV9: no response for 2 s; the vehicle may be offline/);
+  const elsewhere = await cosiva(['qualify', ...live, '--ground-truth', 'site/camera', '--distance', '1', '--runs', '1', '--timeout', '2']);
   assert.equal(elsewhere.code, 2);
-  assert.match(elsewhere.stderr, /nobody has said on area\/camera for 2 s where it truly is/);
+  assert.match(elsewhere.stderr, /no actual position of the vehicle on site\/camera for 2 s/);
 });
 
 test('cosiva qualify --live reports errors', { timeout: 60_000 }, async (t) => {
@@ -63,14 +63,14 @@ test('cosiva qualify --live reports errors', { timeout: 60_000 }, async (t) => {
     assert.match(said.stderr, pattern, `${args}`);
   };
   await refused(['magic'], /magic: there is no such algorithm; there are dead_reckoning, .*ufir/);
-  await refused(['ekf', '--pitch', '0.3'], /--pitch: it means nothing with --live/);
-  await refused(['ekf', '--recording', 'somewhere'], /--recording: it means nothing with --live/);
+  await refused(['ekf', '--pitch', '0.3'], /--pitch: the option has no meaning with --live/);
+  await refused(['ekf', '--recording', 'somewhere'], /--recording: the option has no meaning with --live/);
   await refused(['ekf', '--vehicle', 'no/such/name'], /AIV3, or MANUFACTURER\/SERIAL/);
-  await refused(['ekf', '--vehicle', 'AIV1', '--vehicle', 'CoSiVA/AIV1'], /named twice/);
+  await refused(['ekf', '--vehicle', 'AIV1', '--vehicle', 'CoSiVA/AIV1'], /given twice/);
   await refused(['particles', '--particles', '9000'], /on board there are at most 5000/);
   await refused(['ekf', '--rate', '1000'], /0\.1 to 50 times a second/);
-  await refused(['ekf', '--broker', `127.0.0.1:${await free_port()}`], /no broker answers there: is the platform running/);
+  await refused(['ekf', '--broker', `127.0.0.1:${await free_port()}`], /no broker responds at this address: is the platform running/);
   const few = await cosiva(['compare', '--live', 'ekf']);
   assert.equal(few.code, 2);
-  assert.match(few.stderr, /at least two to compare/);
+  assert.match(few.stderr, /a comparison needs at least two/);
 });

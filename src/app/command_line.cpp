@@ -23,13 +23,13 @@ constexpr const char* about =
     "CoSiVA: a fleet of autonomous industrial vehicles and its virtual twin, in step.\n"
     "\n"
     "  cosiva up                                      four AIVs on lacet4, with their page on http://127.0.0.1:8080\n"
-    "  cosiva up --scenario showroom                   the same, and something to look at\n"
+    "  cosiva up --scenario showroom                   the same, with a varied scenario\n"
     "  cosiva up --virtual-time --duration 600 --json  ten minutes in seconds, the same digest every time\n"
     "  cosiva traffic --zone indus8 --jobs-per-hour 60 an hour of transport jobs in a second, with a heat map";
 
 constexpr const char* exit_codes = "Exit status: 0 done, 1 the run's own checks failed, 2 bad usage or bad input.";
 
-/// All options of a verb, for the "did you mean".
+/// All options of a subcommand, for "did you mean".
 std::vector<std::string> option_names(const CLI::App& command) {
   std::vector<std::string> names;
   for (const CLI::Option* option : command.get_options()) {
@@ -38,7 +38,7 @@ std::vector<std::string> option_names(const CLI::App& command) {
   return names;
 }
 
-/// As one types it, such as `cosiva zone check`.
+/// The command as typed, such as `cosiva zone check`.
 std::string typed(const CLI::App& command) {
   return command.get_parent() == nullptr ? "cosiva" : typed(*command.get_parent()) + " " + command.get_name();
 }
@@ -46,7 +46,7 @@ std::string typed(const CLI::App& command) {
 int refuse(const std::string& message, const CLI::App& command) {
   const std::string name = typed(command);
   print_info(name + ": " + message);
-  print_info("`" + name + " --help` tells what there is");
+  print_info("`" + name + " --help` lists the options");
   return exit_bad_input;
 }
 
@@ -54,7 +54,8 @@ int refuse_unknown(const CLI::App& root) {
   const CLI::App* command = &root;
   while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
   std::vector<std::string> unknown = root.remaining(true);
-  // What follows an unknown verb, and the value after an unknown option, are unknown too; that is no second news.
+  // The arguments after an unknown subcommand, and the value after an unknown option, are unknown as well; only the
+  // first error is reported.
   const auto is_option = [](const std::string& word) { return word.starts_with('-'); };
   if (std::ranges::any_of(unknown, is_option)) {
     std::erase_if(unknown, [&](const std::string& word) { return !is_option(word); });
@@ -124,16 +125,19 @@ int run_command_line(int argc, const char* const* argv) {
   if (const auto status = run_agent_command(agent_commands, agent)) return *status;
   if (const auto status = run_battery_command(battery_commands, battery)) return *status;
   if (battery_commands.battery->parsed())
-    return refuse("say what to do: sampled, fleet, fit, ready, plan, discharge, analyse, compare or check",
+    return refuse("a subcommand is missing: sampled, fleet, fit, ready, plan, discharge, analyse, compare or check",
                   *battery_commands.battery);
   if (const auto status = run_qualify_command(qualify_commands, qualify, argc, argv)) return *status;
   if (const auto status = run_gvs_command(gvs_commands, gvs)) return *status;
-  if (gvs_commands.gvs->parsed()) return refuse("say what to do: calibrate, track, render or watch", *gvs_commands.gvs);
-  if (agent_commands.agent->parsed()) return refuse("say what to do: explain or surface", *agent_commands.agent);
+  if (gvs_commands.gvs->parsed())
+    return refuse("a subcommand is missing: calibrate, track, render or watch", *gvs_commands.gvs);
+  if (agent_commands.agent->parsed())
+    return refuse("a subcommand is missing: explain or surface", *agent_commands.agent);
   if (const auto status = run_scenario_command(scenario_commands, scenario)) return *status;
-  if (scenario_commands.scenario->parsed()) return refuse("say what to do: check or list", *scenario_commands.scenario);
+  if (scenario_commands.scenario->parsed())
+    return refuse("a subcommand is missing: check or list", *scenario_commands.scenario);
   if (zone_commands.zone->parsed())
-    return refuse("say what to do: check, show, convert, generate or switch", *zone_commands.zone);
+    return refuse("a subcommand is missing: check, show, convert, generate or switch", *zone_commands.zone);
   print(root.help());
   return exit_done;
 }

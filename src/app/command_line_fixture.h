@@ -9,7 +9,7 @@
 #include "cosiva/app/command_line.h"
 #include "cosiva/base/test_paths.h"
 
-/// For tests: the command as somebody types it, and what it says.
+/// For tests: runs the command as typed, and captures its output.
 namespace cosiva::app::fixture {
 
 struct CommandOutput {

@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 
 const std::string scenarios = source_dir() + "/scenarios/";
 
-TEST(CommandLine, bare_shows_what_there_is_with_two_examples) {
+TEST(CommandLine, without_arguments_shows_its_subcommands_with_two_examples) {
   const CommandOutput output = cosiva({});
   EXPECT_EQ(output.status, 0);
   EXPECT_THAT(output.data, HasSubstr("cosiva up "));
@@ -41,7 +41,7 @@ TEST(CommandLine, help_of_each_command_goes_to_standard_output) {
   EXPECT_THAT(cosiva({"--version"}).data, HasSubstr("cosiva 0."));
 }
 
-TEST(CommandLine, wrong_terms_end_with_2_and_the_nearest_right_one) {
+TEST(CommandLine, wrong_terms_end_with_2_and_the_nearest_valid_term) {
   const CommandOutput command = cosiva({"serve"});
   EXPECT_EQ(command.status, 2);
   EXPECT_THAT(command.standard_error, HasSubstr("did you mean 'server'?"));
@@ -87,7 +87,7 @@ TEST(CommandLine, values_out_of_range_or_missing_end_with_2) {
   }
 }
 
-TEST(ZoneCheck, tells_what_the_ready_zone_holds) {
+TEST(ZoneCheck, prints_the_contents_of_a_ready_zone) {
   const CommandOutput output = cosiva({"zone", "check", zones + "lacet4.toml", "--json"});
   ASSERT_EQ(output.status, 0) << output.standard_error;
   const auto metadata = JsonValue::parse(output.data);
@@ -96,12 +96,12 @@ TEST(ZoneCheck, tells_what_the_ready_zone_holds) {
   EXPECT_EQ(metadata->number("sections"), 8.0);
   EXPECT_EQ(metadata->number("tags"), 12.0);
   EXPECT_NEAR(*metadata->number("length_m"), 4 * 1.5 + 4 * 1.5 * 3.14159265358979 * 0.6, 1e-9);
-  // 12 tags on a ring: the longest way without one is at least their mean distance.
+  // 12 tags on a loop: the longest distance without a tag is at least their mean distance.
   EXPECT_GE(*metadata->number("longest_tag_free_m"), *metadata->number("length_m") / 12.0);
   EXPECT_LT(*metadata->number("longest_tag_free_m"), 3.0);
 }
 
-TEST(ZoneCheck, of_a_bad_file_names_file_and_line) {
+TEST(ZoneCheck, names_file_and_line_of_a_bad_file) {
   Scratch scratch;
   const std::string file =
       scratch.write("bad.toml", "name = \"x\"\nformat_version = 1\n[[section]]\nkind = \"spiral\"\n");
@@ -118,7 +118,7 @@ TEST(ZoneShow, draws_into_a_file_or_to_standard_output) {
   EXPECT_EQ(cosiva({"zone", "show", zones + "lacet4.toml", "--svg", "/nonexistent/z.svg"}).status, 2);
 }
 
-TEST(ScenarioCheck, shows_what_happens_when_as_a_timeline_and_as_json) {
+TEST(ScenarioCheck, prints_the_timeline_as_text_and_as_json) {
   const CommandOutput people = cosiva({"scenario", "check", scenarios + "laboratory.toml"});
   ASSERT_EQ(people.status, 0) << people.standard_error;
   EXPECT_THAT(people.data, HasSubstr("laboratory: good\n"));
@@ -130,12 +130,12 @@ TEST(ScenarioCheck, shows_what_happens_when_as_a_timeline_and_as_json) {
   EXPECT_EQ(json->text("scenario"), "laboratory");
   EXPECT_EQ(json->number("duration_s"), 120.0);
   const auto& steps = *json->find("steps")->array();
-  EXPECT_EQ(steps.size(), 10U) << "nine, and the end of the radio's loss";
+  EXPECT_EQ(steps.size(), 10U) << "nine, and the end of the message loss";
   EXPECT_EQ(steps[0].number("t_s"), 10.0);
   EXPECT_EQ(steps[0].find("command")->text("command"), "add");
 }
 
-TEST(ScenarioCheck, of_a_bad_file_names_file_line_and_field) {
+TEST(ScenarioCheck, names_file_line_and_field_of_a_bad_file) {
   Scratch scratch;
   const std::string file =
       scratch.write("bad.toml", "name = \"x\"\n[[at]]\nt_s = 1\ncommand = \"stpo\"\nvehicle = \"*\"\n");
@@ -146,7 +146,7 @@ TEST(ScenarioCheck, of_a_bad_file_names_file_line_and_field) {
   EXPECT_EQ(output.data, "");
 }
 
-TEST(ScenarioCheck, of_one_that_does_not_fit_its_zone_says_so_too) {
+TEST(ScenarioCheck, reports_a_scenario_that_does_not_fit_its_zone) {
   Scratch scratch;
   const std::string file =
       scratch.write("off.toml", "name = \"x\"\nzone = \"" + zones +
@@ -159,7 +159,7 @@ TEST(ScenarioCheck, of_one_that_does_not_fit_its_zone_says_so_too) {
   }
 }
 
-TEST(ScenarioList, names_those_that_are_ready_here) {
+TEST(ScenarioList, names_the_ready_scenarios) {
   const CommandOutput output = cosiva({"scenario", "list", "--json"});
   EXPECT_EQ(output.status, 0);
   const auto json = JsonValue::parse(output.data);
@@ -167,7 +167,7 @@ TEST(ScenarioList, names_those_that_are_ready_here) {
   EXPECT_NE(json->find("scenarios")->array(), nullptr);
 }
 
-TEST(Replay, of_what_is_no_journal_ends_with_2_and_the_file_s_name) {
+TEST(Replay, of_a_file_that_is_no_journal_ends_with_2_and_its_name) {
   Scratch scratch;
   const std::string file = scratch.write("not.journal", "hello");
   const CommandOutput output = cosiva({"replay", file});
@@ -176,7 +176,7 @@ TEST(Replay, of_what_is_no_journal_ends_with_2_and_the_file_s_name) {
   EXPECT_EQ(cosiva({"replay", "/nonexistent"}).status, 2);
 }
 
-TEST(VirtualTime, same_seed_same_digest_other_seed_another) {
+TEST(VirtualTime, gives_equal_digests_for_equal_seeds_only) {
   const auto run = [](const std::string& seed) {
     const CommandOutput output = cosiva({"up", "--virtual-time", "--zone", zones + "lacet4.toml", "--aivs", "2",
                                          "--duration", "10", "--seed", seed, "--loss", "0.02", "--json"});
@@ -208,7 +208,7 @@ std::string short_scenario(const Scratch& scratch) {
                            "\"stop\"\nvehicle = \"AIV1\"\n");
 }
 
-TEST(VirtualTime, plays_a_scenario_and_says_each_step) {
+TEST(VirtualTime, plays_a_scenario_and_prints_each_step) {
   Scratch scratch;
   const CommandOutput output = cosiva({"up", "--virtual-time", "--scenario", short_scenario(scratch), "--json"});
   EXPECT_EQ(output.status, 0) << output.standard_error;
@@ -222,15 +222,15 @@ TEST(VirtualTime, plays_a_scenario_and_says_each_step) {
   EXPECT_EQ(run->find("bijection")->find("commands")->number("issued"), 1.0);
 }
 
-TEST(VirtualTime, lets_the_command_line_win_over_the_scenario_and_says_so) {
+TEST(VirtualTime, prefers_the_command_line_to_the_scenario_and_reports_it) {
   Scratch scratch;
   const CommandOutput output = cosiva({"up", "--virtual-time", "--scenario", short_scenario(scratch), "--aivs", "1",
                                        "--seed", "5", "--duration", "1.5", "--json"});
   EXPECT_EQ(output.status, 0) << output.standard_error;
-  EXPECT_THAT(output.standard_error, HasSubstr("--aivs 1 wins over the scenario's 2"));
-  EXPECT_THAT(output.standard_error, HasSubstr("--duration 1.5 s wins over the scenario's 6.0 s"));
-  EXPECT_THAT(output.standard_error, ::testing::Not(HasSubstr("--seed"))) << "they agree";
-  EXPECT_THAT(output.standard_error, ::testing::Not(HasSubstr("AIV1: stop"))) << "it was cut short before";
+  EXPECT_THAT(output.standard_error, HasSubstr("--aivs 1 overrides the scenario's 2"));
+  EXPECT_THAT(output.standard_error, HasSubstr("--duration 1.5 s overrides the scenario's 6.0 s"));
+  EXPECT_THAT(output.standard_error, ::testing::Not(HasSubstr("--seed"))) << "both agree";
+  EXPECT_THAT(output.standard_error, ::testing::Not(HasSubstr("AIV1: stop"))) << "the run ends before this step";
   EXPECT_EQ(JsonValue::parse(output.data)->number("aivs"), 1.0);
 }
 

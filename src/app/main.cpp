@@ -7,7 +7,7 @@ int main(int argc, char** argv) {
   try {
     return cosiva::app::run_command_line(argc, argv);
   } catch (const std::exception& error) {
-    // Only what we did not foresee gets here, such as memory running out.
+    // Only unforeseen errors arrive here, such as exhausted memory.
     std::fprintf(stderr, "cosiva: %s\n", error.what());
     return 1;
   }

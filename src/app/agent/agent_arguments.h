@@ -9,17 +9,17 @@
 /// The options of `cosiva agent`.
 namespace cosiva::app {
 
-/// Of the verbs of `agent`.
+/// Arguments of the subcommands of `agent`.
 struct AgentArguments {
   std::string rules{"fuzzy"};  ///< fuzzy or a file
   bool json{false};
   aiv::AgentInputs inputs{aiv::free_path_inputs()};
-  std::string instruction{"none"};  ///< a profile's word, or none
-  std::optional<double> speed_mps;  ///< its own, towards what stands; nothing: `closing` says it
-  std::string zone{"lacet4"};       ///< whose medium speed that counts by
+  std::string instruction{"none"};  ///< the name of a profile, or none
+  std::optional<double> speed_mps;  ///< own speed towards a stopped body; empty: `closing` is used
+  std::string zone{"lacet4"};       ///< the zone whose medium speed is the reference of speed_mps
 
   // explain
-  std::string present;  ///< a profile's word; empty: none
+  std::string present;  ///< the name of a profile; empty: none
   bool every_rule{false};
 
   // surface

@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-/// The built-in rules with one text put in another's place, as a file.
+/// Writes the built-in rules, with one text replaced by another, to a file.
 std::string edited(const Scratch& scratch, const std::string& from, const std::string& to) {
   std::string text(aiv::built_in_rules_text());
   text.replace(text.find(from), from.size(), to);
@@ -29,7 +29,7 @@ std::string edited(const Scratch& scratch, const std::string& from, const std::s
   return file;
 }
 
-TEST(AgentExplain, says_the_decision_the_rules_that_fired_and_why) {
+TEST(AgentExplain, prints_the_decision_the_fired_rules_and_the_reason) {
   const CommandOutput output = cosiva({"agent", "explain", "--gap", "0.75", "--closing", "60"});
   EXPECT_EQ(output.status, 0);
   EXPECT_THAT(output.data, StartsWith("decision: slow (1.25 of"));
@@ -41,14 +41,14 @@ TEST(AgentExplain, says_the_decision_the_rules_that_fired_and_why) {
   EXPECT_THAT(cosiva({"agent", "explain", "--all"}).data, HasSubstr("charge is low then"));
 }
 
-TEST(AgentExplain, takes_its_own_speed_for_how_fast_it_comes_up_to_what_stands) {
+TEST(AgentExplain, takes_its_own_speed_as_the_closing_speed_towards_a_stopped_body) {
   // On lacet4 medium is 0.4 m/s.
   EXPECT_EQ(cosiva({"agent", "explain", "--gap", "0.9", "--speed", "0.1"}).data,
             cosiva({"agent", "explain", "--gap", "0.9", "--closing", "25"}).data);
   EXPECT_EQ(cosiva({"agent", "explain", "--gap", "0.9", "--speed", "0.1", "--zone", "workshop", "--json"}).data,
             cosiva({"agent", "explain", "--gap", "0.9", "--closing", "33.333333333333336", "--json"}).data);
   EXPECT_EQ(cosiva({"agent", "explain", "--speed", "0.4"}).data, cosiva({"agent", "explain"}).data)
-      << "nothing is there";
+      << "no body is ahead";
   EXPECT_EQ(cosiva({"agent", "surface", "--y", "charge", "--gap", "2", "--speed", "0.4"}).status, 0);
   EXPECT_EQ(cosiva({"agent", "explain", "--speed", "-1"}).status, 2);
   EXPECT_EQ(cosiva({"agent", "explain", "--gap", "1", "--speed", "1", "--zone", "nowhere"}).status, 2);
@@ -58,7 +58,7 @@ TEST(AgentExplain, takes_its_own_speed_for_how_fast_it_comes_up_to_what_stands) 
   EXPECT_THAT(both.standard_error, HasSubstr("`cosiva agent explain --help`"));
 }
 
-TEST(AgentExplain, says_it_as_json_too) {
+TEST(AgentExplain, prints_the_same_as_json) {
   const CommandOutput output = cosiva({"agent", "explain", "--instruction", "slow", "--json"});
   const auto json = JsonValue::parse(output.data);
   ASSERT_TRUE(json) << output.data;
@@ -68,19 +68,19 @@ TEST(AgentExplain, says_it_as_json_too) {
   EXPECT_EQ(json->find("explanation")->find("rules")->array()->size(), 23U);
 }
 
-TEST(AgentExplain, keeps_the_profile_that_it_drives_by_near_a_border) {
+TEST(AgentExplain, keeps_the_present_profile_near_a_border) {
   EXPECT_THAT(cosiva({"agent", "explain", "--gap", "0.9"}).data, StartsWith("decision: slow"));
   EXPECT_THAT(cosiva({"agent", "explain", "--gap", "0.9", "--present", "medium"}).data, StartsWith("decision: medium"));
 }
 
-TEST(AgentExplain, of_an_edited_file_follows_the_edit) {
+TEST(AgentExplain, follows_the_edit_of_an_edited_file) {
   const Scratch scratch;
   const std::string file = edited(scratch, "if instruction is none then by_instruction is medium",
                                   "if instruction is none then by_instruction is fast");
   EXPECT_THAT(cosiva({"agent", "explain", "--rules", file}).data, StartsWith("decision: fast"));
 }
 
-TEST(AgentRules, that_are_bad_end_every_command_with_2_and_their_line) {
+TEST(AgentRules, with_errors_end_every_command_with_2_and_their_line) {
   const Scratch scratch;
   const std::string file = edited(scratch, "if charge is low then", "if charge is lw then");
   const std::vector<std::vector<std::string>> commands{{"agent", "explain"},
@@ -100,7 +100,7 @@ TEST(AgentRules, that_are_bad_end_every_command_with_2_and_their_line) {
   EXPECT_EQ(cosiva({"agent", "explain", "--rules", scratch / "gone.fll"}).status, 2);
 }
 
-TEST(AgentSurface, is_a_map_of_letters_in_the_terminal) {
+TEST(AgentSurface, is_printed_as_a_map_of_letters_in_the_terminal) {
   const CommandOutput output = cosiva({"agent", "surface", "--x", "gap", "--y", "charge"});
   EXPECT_EQ(output.status, 0);
   EXPECT_THAT(output.data, StartsWith("speed over gap [braking distances] and charge [%]"));
@@ -122,7 +122,7 @@ TEST(AgentSurface, is_drawn_into_a_file) {
   EXPECT_THAT(*adapters::read_file(scratch / "s.png"), StartsWith("\x89PNG"));
 }
 
-TEST(AgentSurface, says_which_inputs_and_outputs_there_are) {
+TEST(AgentSurface, names_the_available_inputs_and_outputs) {
   EXPECT_THAT(cosiva({"agent", "surface", "--x", "gapp"}).standard_error,
               HasSubstr("--x: the rules have no input 'gapp'; they have instruction, gap,"));
   EXPECT_THAT(cosiva({"agent", "surface", "--of", "joy"}).standard_error, HasSubstr("there are speed, by_instruction"));
@@ -132,7 +132,7 @@ TEST(AgentSurface, says_which_inputs_and_outputs_there_are) {
   EXPECT_EQ(cosiva({"agent", "explain", "--instruction", "hurry"}).status, 2);
 }
 
-TEST(Rules, of_virtual_time_are_those_that_were_asked_for) {
+TEST(Rules, of_virtual_time_are_those_that_were_requested) {
   const auto run = [](const char* rules) {
     const CommandOutput output =
         cosiva({"up", "--virtual-time", "--duration", "20", "--aivs", "4", "--json", "--rules", rules});

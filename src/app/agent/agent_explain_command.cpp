@@ -16,7 +16,7 @@ std::string decision_text(const aiv::AgentRules& rules, const aiv::AgentDecision
                      " of 0 stop, 1 slow, 2 medium, 3 fast)";
   if (decision.decided_by) text += ", because of " + rules.base().engine().outputs[*decision.decided_by].name;
   if (rules.base().find_output("go"))
-    text += std::string("; at the crossing it ") + (decision.goes() ? "goes" : "gives way");
+    text += std::string("; at the crossing it ") + (decision.goes() ? "goes" : "yields");
   return text;
 }
 
@@ -45,7 +45,7 @@ int run_agent_explain(const AgentArguments& arguments) {
   std::optional<aiv::Profile> present;
   if (!arguments.present.empty()) {
     present = aiv::parse_profile(arguments.present);
-    if (!present) return report_error({"agent.present", "it is stop, slow, medium or fast", "--present"});
+    if (!present) return report_error({"agent.present", "expected stop, slow, medium or fast", "--present"});
   }
   const aiv::AgentDecision decision = (*rules)->decide(*inputs, present);
   const fuzzy::Explanation explanation = (*rules)->explain(*inputs);

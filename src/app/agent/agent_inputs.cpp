@@ -8,7 +8,7 @@ namespace cosiva::app {
 Result<aiv::AgentInputs> inputs_from(const AgentArguments& arguments) {
   aiv::AgentInputs inputs = arguments.inputs;
   const double gap = inputs[static_cast<std::size_t>(aiv::AgentInput::gap)];
-  // Nothing is closed in on where nothing is.
+  // Without a body ahead the closing speed stays zero.
   if (arguments.speed_mps && gap < aiv::metadata_of(aiv::AgentInput::gap).free) {
     const auto rtm = open_zone(arguments.zone);
     if (!rtm) return tl::unexpected(rtm.error());
@@ -18,7 +18,7 @@ Result<aiv::AgentInputs> inputs_from(const AgentArguments& arguments) {
   double& instruction = inputs[static_cast<std::size_t>(aiv::AgentInput::instruction)];
   if (arguments.instruction == "none") return inputs;
   const auto profile = aiv::parse_profile(arguments.instruction);
-  if (!profile) return fail("agent.instruction", "it is stop, slow, medium, fast or none", "--instruction");
+  if (!profile) return fail("agent.instruction", "expected stop, slow, medium, fast or none", "--instruction");
   instruction = static_cast<double>(*profile);
   return inputs;
 }

@@ -6,8 +6,8 @@
 
 namespace cosiva::app {
 
-/// The inputs as the command line gave them: what the operator asks for from its word, the speed of closing in from
-/// metres per second. Fails ("agent.instruction") on an unknown word, and as open_zone does.
+/// The agent's inputs from the command line: the operator's instruction from its name, the closing speed from metres
+/// per second. Fails ("agent.instruction") on an unknown name, and as open_zone does.
 [[nodiscard]] Result<aiv::AgentInputs> inputs_from(const AgentArguments& arguments);
 
 }  // namespace cosiva::app

@@ -21,8 +21,8 @@ int run_agent_surface(const AgentArguments& arguments) {
   const std::string& out = arguments.out_file;
   const bool is_drawn = !out.empty();
   if (is_drawn && !out.ends_with(".svg") && !out.ends_with(".png"))
-    return report_error({"agent.out", "a picture's name ends with .svg or .png", out});
-  // A terminal has fewer fields than a picture, and a program wants round steps.
+    return report_error({"agent.out", "the name of an image file ends with .svg or .png", out});
+  // A terminal has fewer fields than an image, and programs prefer round steps.
   const std::size_t columns = is_drawn ? 161 : arguments.json ? 41 : 65;
   const std::size_t rows = is_drawn ? 121 : arguments.json ? 41 : 21;
   const auto surface = make_surface(**rules, arguments.x, arguments.y, arguments.of, *inputs, columns, rows);

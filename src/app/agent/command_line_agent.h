@@ -8,7 +8,7 @@
 /// The options of `cosiva agent`.
 namespace cosiva::app {
 
-/// `cosiva agent` and its verbs.
+/// `cosiva agent` and its subcommands.
 struct AgentCommands {
   CLI::App* agent;
   CLI::App* explain;
@@ -17,7 +17,7 @@ struct AgentCommands {
 
 [[nodiscard]] AgentCommands describe_agent(CLI::App& root, AgentArguments& agent);
 
-/// The exit status of the one that was asked for, if any.
+/// The exit status of the requested subcommand, if any.
 [[nodiscard]] std::optional<int> run_agent_command(const AgentCommands& commands, const AgentArguments& agent);
 
 }  // namespace cosiva::app

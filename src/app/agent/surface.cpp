@@ -1,4 +1,4 @@
-// What rules say over two of their inputs: worked out, in words and as JSON. surface_picture.cpp draws it.
+// The output of rules over two of their inputs: computed, and written as text and as JSON. surface_svg.cpp draws it.
 #include "cosiva/app/agent/surface.h"
 
 #include <algorithm>
@@ -38,7 +38,7 @@ Result<Surface::Axis> make_axis(const aiv::AgentRules& rules, const std::string&
   return axis;
 }
 
-/// Everything at once: the columns of all inputs in, those of all outputs out.
+/// Evaluates all fields in one call: the columns of all inputs in, those of all outputs out.
 std::vector<std::vector<double>> evaluate(const aiv::AgentRules& rules, const Surface& surface) {
   const std::size_t columns = surface.x.values.size();
   const std::size_t count = columns * surface.y.values.size();

@@ -9,11 +9,11 @@
 
 namespace cosiva::app {
 
-/// What an agent's rules say over two of their inputs, the others as they are.
+/// The output of an agent's rules over two of their inputs; the other inputs are fixed.
 struct Surface {
   struct Axis {
     aiv::AgentInput input;
-    std::vector<double> values;  ///< rising evenly over the rules' range
+    std::vector<double> values;  ///< rising evenly over the range of the rules
   };
   Axis x;
   Axis y;
@@ -29,8 +29,8 @@ struct Surface {
 };
 
 /// @param of  "speed": the lowest concern, which decides; or an output's name
-/// Fails ("agent.surface") on an input that the rules have not, on one twice, on one whose range has no ends, and on an
-/// output that they have not.
+/// Fails ("agent.surface") on an unknown input or output, on the same input twice, and on an input whose range is
+/// unbounded.
 [[nodiscard]] Result<Surface> make_surface(const aiv::AgentRules& rules, const std::string& x, const std::string& y,
                                            const std::string& of, const aiv::AgentInputs& others, std::size_t columns,
                                            std::size_t rows);

@@ -21,7 +21,7 @@ constexpr int shades = 48;
 constexpr const char* ink = "#1d2730";
 constexpr const char* pale_ink = "#44525f";
 
-/// From calm to quick, told apart in lightness alone as well.
+/// From slow to fast; the colours also differ in lightness.
 constexpr std::array<std::array<double, 3>, 4> colours{
     {{75, 45, 110}, {50, 105, 155}, {85, 175, 150}, {245, 225, 120}}};
 
@@ -78,7 +78,7 @@ class Image {
     return std::string(metadata.name) + (metadata.unit.empty() ? "" : " [" + std::string(metadata.unit) + "]");
   }
 
-  /// An instruction is a word to people.
+  /// Prints an instruction as its name.
   static std::string formatted(aiv::AgentInput input, double value) {
     if (input != aiv::AgentInput::instruction) return number(value);
     if (value > 3.5) return "none";
@@ -110,7 +110,7 @@ class Image {
     return static_cast<int>(std::lround((level - surface_.low) / (surface_.high - surface_.low) * shades));
   }
 
-  /// A field around each point; equal neighbours in a row are one.
+  /// Draws a field around each point; equal neighbours in a row become one rectangle.
   void fields() {
     out_ += "<svg x=\"" + number(plot_left) + "\" y=\"" + number(plot_top) + "\" width=\"" + number(plot_width) +
             "\" height=\"" + number(plot_height) + "\" viewBox=\"" + number(plot_left) + " " + number(plot_top) + " " +
@@ -132,7 +132,8 @@ class Image {
     out_ += "</svg>\n";
   }
 
-  /// Where the level is crossed, field by field: each edge of a field that has it on both sides gives a point.
+  /// Draws where the level is crossed, field by field: each edge of a field whose ends lie on both sides of the level
+  /// gives a point.
   void contour(double level) {
     std::string path;
     for (std::size_t row = 0; row + 1 < surface_.y.values.size(); ++row) {

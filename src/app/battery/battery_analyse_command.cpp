@@ -49,17 +49,17 @@ Result<std::vector<RecordedSeries>> load(const BatteryAnalyseArguments& argument
     if (std::ranges::find(arguments.only, one.name) != arguments.only.end()) wanted.push_back(std::move(one));
   }
   if (wanted.size() != arguments.only.size())
-    return fail("recorded.series", "not all of these series are there; there are " + there, "--only");
+    return fail("recorded.series", "not all of these series exist; available: " + there, "--only");
   return wanted;
 }
 
-/// "6=2000": battery 6 ended after 2000 s by something else.
+/// "6=2000": battery 6 was ended after 2000 s by another cause.
 Result<void> end_early(std::vector<RecordedSeries>& all, const std::vector<std::string>& failed) {
   for (const std::string& one : failed) {
     const std::size_t at = one.rfind('=');
     const auto after_s = at == std::string::npos ? std::nullopt : number_of<double>(one.substr(at + 1));
     if (!after_s) return fail("recorded.failed", "'" + one + "' is not BATTERY=SECONDS", "--failed");
-    if (all.size() != 1) return fail("recorded.failed", "say with --only of which series", "--failed");
+    if (all.size() != 1) return fail("recorded.failed", "select one series with --only", "--failed");
     if (auto done = experiments::end_early(all.front(), one.substr(0, at), *after_s); !done) return done;
   }
   return {};

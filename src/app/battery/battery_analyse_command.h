@@ -9,8 +9,8 @@ namespace cosiva::app {
 /// The options of `cosiva battery analyse`.
 struct BatteryAnalyseArguments {
   std::vector<std::string> files;   ///< tables, or results of tests
-  std::vector<std::string> only;    ///< series of them; none: all
-  std::vector<std::string> failed;  ///< BATTERY=SECONDS: as if it had failed then
+  std::vector<std::string> only;    ///< series of the files; none: all
+  std::vector<std::string> failed;  ///< BATTERY=SECONDS: evaluated as if the battery's vehicle had failed at this time
   std::string time;                 ///< columns; empty: the usual names
   std::string battery;
   std::string vehicle;
@@ -21,8 +21,8 @@ struct BatteryAnalyseArguments {
   bool json{false};
 };
 
-/// `cosiva battery analyse`: tests that were made before, here or by others. Gives the exit status: 0 done, 1 the run's
-/// own checks failed, 2 bad usage or bad input.
+/// `cosiva battery analyse`: evaluates tests that were made before, with CoSiVA or elsewhere. Gives the exit status: 0
+/// done, 1 the run's own checks failed, 2 bad usage or bad input.
 int run_battery_analyse(const BatteryAnalyseArguments& arguments);
 
 }  // namespace cosiva::app

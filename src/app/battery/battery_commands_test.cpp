@@ -38,7 +38,7 @@ TEST(BatterySampled, gives_the_autonomy_and_its_drift) {
   EXPECT_THAT(output.standard_error, HasSubstr("run 3: put battery 1, full, into AIV1"));
 }
 
-TEST(BatteryFleet, writes_report_result_and_curves_and_gives_the_same_again) {
+TEST(BatteryFleet, writes_report_result_and_curves_and_repeats_them_exactly) {
   const Scratch scratch;
   const std::string out = scratch / "report";
   const auto run = [&](const std::string& to) {
@@ -61,13 +61,13 @@ TEST(BatteryFleet, writes_report_result_and_curves_and_gives_the_same_again) {
   EXPECT_EQ(*adapters::read_file(out + "/result.json"), output.data.substr(0, output.data.find('\n')));
   EXPECT_THAT(*adapters::read_file(out + "/curves.csv"), StartsWith("battery_id,run,vehicle,test_time_second"));
   EXPECT_EQ(run(scratch / "again").data, output.data);
-  // The curves are logs like others: a pack's type can be fitted to them.
+  // The curves have the format of other logs: a pack's type can be fitted to them.
   const CommandOutput fit = cosiva({"battery", "fit", out + "/curves.csv", "--json"});
   EXPECT_EQ(fit.status, 0) << fit.standard_error;
   EXPECT_LT(*JsonValue::parse(fit.data)->number("rms_v"), 0.05);
 }
 
-TEST(BatteryFleet, may_have_the_whole_platform_in_the_loop) {
+TEST(BatteryFleet, can_run_with_the_whole_platform_in_the_loop) {
   const CommandOutput output = cosiva(
       {"battery", "fleet", "--aivs", "2", "--whole", "--scale", "0.3", "--series", "2", "--floor", "80", "--json"});
   ASSERT_EQ(output.status, 0) << output.standard_error;
@@ -75,7 +75,7 @@ TEST(BatteryFleet, may_have_the_whole_platform_in_the_loop) {
   EXPECT_EQ(cosiva({"battery", "fleet", "--aivs", "2", "--whole", "--state", "x"}).status, 2);
 }
 
-TEST(BatteryFleet, says_at_what_pace_the_whole_platform_was_in_the_loop) {
+TEST(BatteryFleet, reports_the_rate_of_the_whole_platform_in_the_loop) {
   const std::vector<std::string> command{"battery", "fleet",    "--aivs", "2",       "--whole", "--scale",
                                          "0.3",     "--series", "2",      "--floor", "90",      "--json"};
   const auto with = [&](std::vector<std::string> more) {
@@ -96,25 +96,25 @@ TEST(BatteryFleet, says_at_what_pace_the_whole_platform_was_in_the_loop) {
   EXPECT_THAT(nothing_to_pace.standard_error, HasSubstr("--whole"));
 }
 
-TEST(BatteryFleet, goes_on_from_its_state_and_refuses_another_s) {
+TEST(BatteryFleet, continues_from_its_state_and_refuses_the_state_of_another_test) {
   const Scratch scratch;
   const std::string state = scratch / "state";
   const std::vector<std::string> command{"battery", "fleet", "--aivs", "2",       "--measure", "20",
                                          "--scale", "0.5",   "--json", "--state", state};
   const CommandOutput first = cosiva(command);
   ASSERT_EQ(first.status, 0) << first.standard_error;
-  const CommandOutput again = cosiva(command);  // it was done: nothing is driven anew
+  const CommandOutput again = cosiva(command);  // the test is finished: no run is repeated
   EXPECT_EQ(again.data, first.data);
-  EXPECT_THAT(again.standard_error, HasSubstr("goes on from"));
+  EXPECT_THAT(again.standard_error, HasSubstr("continues from"));
   std::vector<std::string> other = command;
   other.insert(other.end(), {"--seed", "9"});
   EXPECT_EQ(cosiva(other).status, 2);
   EXPECT_THAT(cosiva(other).standard_error, HasSubstr("another test's"));
 }
 
-TEST(BatteryTest, refuses_what_makes_no_sense) {
+TEST(BatteryTest, refuses_invalid_options) {
   EXPECT_THAT(cosiva({"battery", "fleet", "--floor", "0.2"}).standard_error,
-              HasSubstr("looks like a fraction; give percent, such as 20.0"));
+              HasSubstr("seems to be a fraction; give percent, such as 20.0"));
   EXPECT_EQ(cosiva({"battery", "fleet", "--floor", "0.2"}).status, 2);
   EXPECT_EQ(cosiva({"battery", "fleet", "--floor", "120"}).status, 2);
   EXPECT_EQ(cosiva({"battery", "fleet", "--floor", "99"}).status, 2);
@@ -128,7 +128,7 @@ TEST(BatteryTest, refuses_what_makes_no_sense) {
   EXPECT_EQ(cosiva({"battery"}).status, 2);
 }
 
-TEST(BatteryFleet, ends_itself_after_the_run_that_made_its_mean_as_sure_as_was_wanted) {
+TEST(BatteryFleet, ends_after_the_run_that_reached_the_requested_certainty_of_the_mean) {
   const auto fleet = [](const char* half_width) {
     return cosiva({"battery", "fleet", "--aivs", "5", "--repeat", "3", "--measure", "20", "--scale", "0.3",
                    "--half-width", half_width});
@@ -144,7 +144,7 @@ TEST(BatteryFleet, ends_itself_after_the_run_that_made_its_mean_as_sure_as_was_w
   EXPECT_THAT(strict.data, HasSubstr("the mean is not known to 0.01 % yet"));
 }
 
-TEST(BatteryFit, tells_residuals_and_foretells_what_it_was_not_fitted_to) {
+TEST(BatteryFit, reports_residuals_and_predicts_logs_that_were_not_fitted) {
   const CommandOutput output = cosiva({"battery", "fit", data("leaf_hppc_25C.csv"), "--predict",
                                        data("leaf_1C_first.csv"), "--predict", data("leaf_2C_first.csv"), "--json"});
   ASSERT_EQ(output.status, 0) << output.standard_error;
@@ -159,9 +159,10 @@ TEST(BatteryFit, tells_residuals_and_foretells_what_it_was_not_fitted_to) {
   EXPECT_THAT(series.data, HasSubstr("note: assumed"));
 }
 
-TEST(BatteryFit, holds_a_discharge_out_of_a_file_that_has_several) {
+TEST(BatteryFit, excludes_one_discharge_of_a_file_with_several) {
   const Scratch scratch;
-  // Two rates in one file, as a tester writes them: charged in between, under its own names, in milliamperes.
+  // Two rates in one file, as a tester writes them: charged in between, with the tester's column names, in
+  // milliamperes.
   std::string text = "Test_Time(s),Voltage(V),Current(mA)\n";
   double at_s = 0.0;
   double used_ah = 0.0;
@@ -192,11 +193,11 @@ TEST(BatteryFit, holds_a_discharge_out_of_a_file_that_has_several) {
   EXPECT_TRUE(json->number("charge_uncertain_percent"));
   const std::string standard_error = cosiva({"battery", "fit", file, "--predict", "discharge 2"}).data;
   EXPECT_THAT(standard_error, HasSubstr("'Current(mA)' as current_ampere"));
-  EXPECT_THAT(standard_error, HasSubstr("foretold at 2.0 times the largest current"));
+  EXPECT_THAT(standard_error, HasSubstr("predicted at 2.0 times the largest current"));
   EXPECT_EQ(cosiva({"battery", "fit", file, "--predict", "discharge 4"}).status, 2);
 }
 
-TEST(BatteryFit, writes_a_type_that_can_be_used) {
+TEST(BatteryFit, writes_a_usable_type) {
   const Scratch scratch;
   const std::string file = scratch / "mine.json";
   EXPECT_THAT(cosiva({"battery", "fit", data("leaf_hppc_25C.csv"), "--out", file}).standard_error,
@@ -212,7 +213,7 @@ TEST(BatteryFit, writes_a_type_that_can_be_used) {
   EXPECT_THAT(cosiva({"battery", "check", file, "leaf33"}).data, HasSubstr("good: mine, 30.5"));
 }
 
-TEST(BatteryFit, refuses_logs_that_would_mislead) {
+TEST(BatteryFit, refuses_misleading_logs) {
   const Scratch scratch;
   const auto refused = [&](const std::string& text) {
     const std::string file = scratch / "log.csv";
@@ -231,7 +232,7 @@ TEST(BatteryFit, refuses_logs_that_would_mislead) {
 }
 
 // Chen and Rincón-Mora's closed form, and the Leaf's measured times (ORNL, doi 10.5281/zenodo.2580327), to 3.0 V.
-TEST(BatteryDischarge, tells_the_published_and_the_measured_times) {
+TEST(BatteryDischarge, reports_the_published_and_the_measured_times) {
   const auto seconds = [](const std::vector<std::string>& load) {
     std::vector<std::string> command{"battery", "discharge", "--floor", "3.0", "--json"};
     command.insert(command.end(), load.begin(), load.end());
@@ -245,7 +246,7 @@ TEST(BatteryDischarge, tells_the_published_and_the_measured_times) {
   EXPECT_NEAR(seconds({"lipo850", "--power", "2"}), 5564.0, 0.002 * 5564.0);
   EXPECT_NEAR(seconds({"leaf33", "--current", "30.6"}), 3568.8, 0.005 * 3568.8);
   EXPECT_NEAR(seconds({"leaf33", "--current", "61.2"}), 1762.3, 0.005 * 1762.3);
-  // Two of half the size side by side are one.
+  // Two cells of half the size in parallel equal one.
   EXPECT_NEAR(seconds({"leaf33", "--current", "30.6", "--parallel", "2", "--scale", "0.5"}), 3560.0, 10.0);
   EXPECT_THAT(cosiva({"battery", "discharge", "leaf33"}).data, HasSubstr("Peukert's exponent between them 1.0"));
   EXPECT_THAT(cosiva({"battery", "discharge", "lipo850", "--power", "500"}).data, HasSubstr("ends by brown-out"));
@@ -253,7 +254,7 @@ TEST(BatteryDischarge, tells_the_published_and_the_measured_times) {
   EXPECT_EQ(cosiva({"battery", "discharge", "leaf33", "--current", "-1"}).status, 2);
 }
 
-TEST(BatteryDischarge, writes_logs_that_a_fit_finds_the_battery_in_again) {
+TEST(BatteryDischarge, writes_logs_from_which_a_fit_recovers_the_battery) {
   const Scratch scratch;
   for (const char* rate : {"0.2", "1", "2"})
     ASSERT_EQ(
@@ -269,7 +270,7 @@ TEST(BatteryDischarge, writes_logs_that_a_fit_finds_the_battery_in_again) {
   EXPECT_EQ(cosiva({"battery", "discharge", "leaf33", "--csv", scratch / "all.csv"}).status, 2);  // of which load?
 }
 
-TEST(BatteryAnalyse, says_of_others_measurements_what_was_published_of_them) {
+TEST(BatteryAnalyse, reproduces_the_published_metrics_of_third_party_measurements) {
   const std::string csv = data("lghg2_fleet_figures.csv");
   const CommandOutput both = cosiva({"battery", "analyse", csv});
   ASSERT_EQ(both.status, 0) << both.standard_error;
@@ -290,7 +291,7 @@ TEST(BatteryAnalyse, says_of_others_measurements_what_was_published_of_them) {
   EXPECT_EQ(cosiva({"battery", "analyse", "gone.csv"}).status, 2);
 }
 
-TEST(BatteryAnalyse, takes_results_of_our_own_tests_together_and_writes_a_report) {
+TEST(BatteryAnalyse, combines_results_of_own_tests_and_writes_a_report) {
   const Scratch scratch;
   const auto fleet = [&](const char* seed) {
     const std::string file = scratch / (std::string(seed) + ".json");
@@ -310,7 +311,7 @@ TEST(BatteryAnalyse, takes_results_of_our_own_tests_together_and_writes_a_report
   EXPECT_THAT(*adapters::read_file(out + "/report.html"), HasSubstr("Statement"));
 }
 
-TEST(BatteryCheck, says_what_is_wrong_and_where) {
+TEST(BatteryCheck, reports_what_is_wrong_and_where) {
   const Scratch scratch;
   std::string text = battery::to_json(*battery::shipped_type("leaf33"));
   text.replace(text.find("capacity_ampere_hour"), 20, "capacity");
@@ -320,18 +321,18 @@ TEST(BatteryCheck, says_what_is_wrong_and_where) {
   EXPECT_THAT(output.data, HasSubstr("bad.json: 'capacity': lacks its unit"));
 }
 
-TEST(BatteryPlan, says_how_many_it_takes_and_who_swaps_with_whom) {
+TEST(BatteryPlan, reports_how_many_batteries_a_test_needs_and_the_swaps) {
   const CommandOutput output =
       cosiva({"battery", "plan", "--cv", "1.4", "--half-width", "1", "--aivs", "4", "--difference", "2"});
   EXPECT_EQ(output.status, 0);
   EXPECT_THAT(output.data, StartsWith("11 batteries for the mean to ± 1.00 %"));
   EXPECT_THAT(output.data, HasSubstr("run 4:"));
-  EXPECT_THAT(output.data, HasSubstr("of each type to see a difference of 2.00 %"));
+  EXPECT_THAT(output.data, HasSubstr("of each type to detect a difference of 2.00 %"));
   const auto json = JsonValue::parse(cosiva({"battery", "plan", "--cv", "0.3", "--json"}).data);
   EXPECT_EQ(json->number("batteries"), 3.0);
 }
 
-TEST(BatteryCompare, says_which_lasts_longer_and_how_sure_that_is) {
+TEST(BatteryCompare, reports_which_battery_lasts_longer_and_how_certain_that_is) {
   const Scratch scratch;
   const auto result = [&](const std::string& name, double mean) {
     std::string text = R"({"batteries":[)";

@@ -13,7 +13,7 @@
 namespace cosiva::app {
 namespace {
 
-/// What a result's batteries lasted, each by the mean of its runs that ended.
+/// The autonomy of each battery of a result, as the mean of its runs that ended.
 Result<std::vector<double>> autonomies(const std::string& file) {
   auto text = adapters::read_file(file);
   if (!text) return tl::unexpected(text.error());
@@ -53,8 +53,7 @@ int run_battery_compare(const BatteryFilesArguments& arguments) {
   if (!second) return report_error(second.error());
   const auto found = statistics::compare(*first, *second);
   if (!found)
-    return report_error(
-        {"battery.compare", "needs two batteries of each that were seen to the end, and that differ", {}});
+    return report_error({"battery.compare", "needs two batteries of each that ran to the end, and that differ", {}});
   if (arguments.json) {
     JsonWriter json;
     json.begin_object()
@@ -76,7 +75,7 @@ int run_battery_compare(const BatteryFilesArguments& arguments) {
         decimals(found->interval.low, 1) + " to " + decimals(found->interval.high, 1) + " s (Welch, p " +
         decimals(found->p, 4) + ")\neffect size " + decimals(found->effect, 2) +
         " standard deviations (Hedges), power " + decimals(100.0 * found->power, 0) + " %; " +
-        std::to_string(found->needed) + " of each would see it with a chance of 80 %");
+        std::to_string(found->needed) + " of each would detect it with a chance of 80 %");
   return exit_done;
 }
 

@@ -4,8 +4,8 @@
 
 namespace cosiva::app {
 
-/// `cosiva battery compare`: two results of battery tests, whose batteries are compared. Gives the exit status: 0 done,
-/// 1 the run's own checks failed, 2 bad usage or bad input.
+/// `cosiva battery compare`: compares the batteries of two results of battery tests. Gives the exit status: 0 done, 1
+/// the run's own checks failed, 2 bad usage or bad input.
 /// @param arguments  with two files
 int run_battery_compare(const BatteryFilesArguments& arguments);
 

@@ -21,8 +21,8 @@ namespace cosiva::app {
 namespace {
 
 struct Load {
-  double current_a;  ///< or, where it is NaN, …
-  double power_w;    ///< … this
+  double current_a;  ///< the load; where NaN, power_w is
+  double power_w;    ///< the load where current_a is NaN
   [[nodiscard]] bool is_power() const { return std::isnan(current_a); }
 };
 
@@ -38,7 +38,8 @@ struct Discharged {
 
 constexpr double longest_s = 1e7;
 
-/// From full and rested to the floor, its crossing taken between two steps. `csv` grows by a line for each second.
+/// Discharges a full and rested battery to the floor, whose crossing is interpolated between two steps. `csv` grows by
+/// a line for each second.
 Discharged discharge(const battery::BatteryType& type, const BatteryDischargeArguments& arguments, const Load& load,
                      double floor_v, std::string* csv) {
   const battery::PackDesign design{arguments.series, arguments.parallel, arguments.scale};
@@ -96,7 +97,7 @@ std::string text_of(const Discharged& one, double capacity_ah) {
          " at " + decimals(one.temperature_end_c, 1) + " °C";
 }
 
-/// Peukert's exponent between the slowest and the fastest current: a derived figure, never an input.
+/// Peukert's exponent between the slowest and the fastest current: a derived value, never an input.
 std::string peukert_text(const std::vector<Discharged>& all) {
   const Discharged* slow = nullptr;
   const Discharged* fast = nullptr;
@@ -121,7 +122,7 @@ int run_battery_discharge(const BatteryDischargeArguments& arguments) {
   const std::vector<Load> loads = loads_of(arguments, capacity_ah);
   if (!arguments.csv_file.empty() && loads.size() != 1)
     return report_error(
-        {"battery.discharge", "a log is of one load; say which with --current, --power or --rate", "--csv"});
+        {"battery.discharge", "a log has one load; select it with --current, --power or --rate", "--csv"});
   std::string csv = "test_time_second,voltage_volt,current_ampere,temperature_t1_celsius\n";
   std::vector<Discharged> all;
   all.reserve(loads.size());
@@ -133,7 +134,7 @@ int run_battery_discharge(const BatteryDischargeArguments& arguments) {
   }
   if (!arguments.json) {
     std::string text = type->name + ", " + decimals(capacity_ah, 3) + " Ah, from full to " + decimals(floor_v, 3) +
-                       " V at " + decimals(arguments.ambient_c, 1) + " °C around it:";
+                       " V at " + decimals(arguments.ambient_c, 1) + " °C ambient temperature:";
     for (const Discharged& one : all) text += "\n" + text_of(one, capacity_ah);
     print(text + peukert_text(all));
     return exit_done;

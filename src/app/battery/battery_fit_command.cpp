@@ -26,7 +26,7 @@ Result<std::vector<Log>> load_logs(const std::string& file) {
 }
 
 bool holds_one(const std::string& name, const std::vector<std::string>& parts) {
-  // "rate=1C" is not meant to find "rate=0.1C", nor "rate=1C2".
+  // "rate=1C" does not match "rate=0.1C" or "rate=1C2".
   return std::ranges::any_of(parts, [&](const std::string& part) {
     for (std::size_t at = name.find(part); at != std::string::npos; at = name.find(part, at + 1)) {
       const std::size_t end = at + part.size();
@@ -40,10 +40,10 @@ bool holds_one(const std::string& name, const std::vector<std::string>& parts) {
 struct FitInput {
   std::vector<Log> fitted;
   std::vector<Log> foretold;
-  double full_v{0.0};  ///< of a full battery; 0: the logs tell
+  double full_v{0.0};  ///< of a full battery; 0: derived from the logs
 };
 
-/// The logs of these files; each discharge that begins full as one of its own where a discharge is spoken of.
+/// The logs of these files; where a discharge is selected, each discharge that begins full is a log of its own.
 Result<std::vector<Log>> load_all(const std::vector<std::string>& files, bool each_discharge, double& full_v) {
   std::vector<Log> all;
   for (const std::string& file : files) {
@@ -73,7 +73,7 @@ Result<FitInput> load_input(const BatteryFitArguments& arguments) {
   full_v = 0.0;
   auto logs = load_all(arguments.files, each_discharge, full_v);
   if (!logs) return tl::unexpected(logs.error());
-  if (each_discharge) input.full_v = full_v;  // the charges that say so are in none of the parts
+  if (each_discharge) input.full_v = full_v;  // the charges that show it are in none of the parts
   std::vector<bool> found(series.size(), false);
   for (Log& log : *logs) {
     for (std::size_t i = 0; i < series.size(); ++i) found[i] = found[i] || holds_one(log.name, {series[i]});
@@ -88,7 +88,7 @@ Result<FitInput> load_input(const BatteryFitArguments& arguments) {
   return input;
 }
 
-/// What is worth saying of what was foretold beyond the fit's own notes.
+/// Diagnostics of the predictions that the fit's own diagnostics do not contain.
 void record_foretold(const FitInput& input, const std::vector<battery::Residual>& foretold, battery::Fit& fit) {
   const auto record = [&](std::string text) {
     if (std::ranges::find(fit.diagnostics, text) == fit.diagnostics.end()) fit.diagnostics.push_back(std::move(text));
@@ -99,8 +99,8 @@ void record_foretold(const FitInput& input, const std::vector<battery::Residual>
   double most_a = 0.0;
   for (const battery::Residual& one : foretold) most_a = std::max(most_a, one.current_a);
   if (most_a > far * fit.largest_a)
-    record("foretold at " + decimals(most_a / fit.largest_a, 1) +
-           " times the largest current that was fitted: near empty a battery may give less than that tells; fit a "
+    record("predicted at " + decimals(most_a / fit.largest_a, 1) +
+           " times the largest current that was fitted: near empty a battery may give less than predicted; fit a "
            "faster log");
 }
 
@@ -111,11 +111,11 @@ std::string residual_text(const battery::Residual& residual) {
                      decimals(100.0 * residual.worst_at_charge, 1) + " %";
   if (std::isfinite(residual.measured_s) && std::isfinite(residual.predicted_s))
     text += "; to " + decimals(residual.floor_v, 3) + " V " + decimals(residual.measured_s, 1) + " s measured, " +
-            decimals(residual.predicted_s, 1) + " s foretold (" +
+            decimals(residual.predicted_s, 1) + " s predicted (" +
             decimals(100.0 * (residual.predicted_s / residual.measured_s - 1.0), 2) + " %)";
   constexpr double is_significant = 0.01;
   if (residual.uncertain > is_significant)
-    text += "; its samples leave " + decimals(100.0 * residual.uncertain, 1) + " % of its charge open";
+    text += "; " + decimals(100.0 * residual.uncertain, 1) + " % of its charge is not resolved by its samples";
   return text + "\n";
 }
 
@@ -136,7 +136,7 @@ int run_battery_fit(const BatteryFitArguments& arguments) {
   const auto input = load_input(arguments);
   if (!input) return report_error(input.error());
   if (!arguments.out_file.empty() && arguments.licence.empty())
-    return report_error({"fit.licence", "a type's file must say the licence of what it rests on", "--licence"});
+    return report_error({"fit.licence", "a type's file must state the licence of its data", "--licence"});
   battery::FitOptions options;
   options.name = arguments.name;
   options.licence = arguments.licence.empty() ? "not given" : arguments.licence;
@@ -160,7 +160,7 @@ int run_battery_fit(const BatteryFitArguments& arguments) {
   }
   record_foretold(*input, foretold, *fit);
   if (!arguments.out_file.empty()) {
-    // Nothing is written that could not be read again.
+    // Only a file that can be read again is written.
     const std::string file = battery::to_json(fit->type);
     if (const auto good = battery::read_type(file, arguments.out_file); !good) return report_error(good.error());
     if (auto written = adapters::write_file(arguments.out_file, file); !written) return report_error(written.error());

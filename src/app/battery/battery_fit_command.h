@@ -8,8 +8,8 @@ namespace cosiva::app {
 /// The options of `cosiva battery fit`.
 struct BatteryFitArguments {
   std::vector<std::string> files;
-  std::vector<std::string> series;   ///< only those whose name holds one of these; empty: all
-  std::vector<std::string> predict;  ///< logs, or series of the files, that are not fitted but foretold
+  std::vector<std::string> series;   ///< only those whose name contains one of these; empty: all
+  std::vector<std::string> predict;  ///< logs, or series of the files, that are predicted instead of fitted
   std::string name{"fitted"};
   std::string source;
   std::string licence;
@@ -19,7 +19,7 @@ struct BatteryFitArguments {
   bool json{false};
 };
 
-/// `cosiva battery fit`: a battery type from logs of a tester. Gives the exit status: 0 done, 1 the run's own checks
+/// `cosiva battery fit`: fits a battery type to a tester's logs. Gives the exit status: 0 done, 1 the run's own checks
 /// failed, 2 bad usage or bad input.
 int run_battery_fit(const BatteryFitArguments& arguments);
 

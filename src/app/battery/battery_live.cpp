@@ -1,4 +1,4 @@
-// Battery tests on a platform that runs, over its broker and its server's API.
+// Battery tests on a running platform, over its broker and its server's API.
 #include "cosiva/app/battery/battery_live.h"
 
 #include <algorithm>
@@ -31,9 +31,9 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr milliseconds tick_period{250};
-/// Whoever looks on is told so often, besides each change.
+/// Period of the battery test's status message, which is also sent at each change.
 constexpr seconds notice_period{1};
-/// A server that was killed is back within a few seconds; what is said to it meanwhile waits.
+/// A server that was killed is back within a few seconds; commands to it wait meanwhile.
 constexpr milliseconds command_timeout{2000};
 constexpr seconds fleet_max{60};
 constexpr seconds goodbye_max{10};
@@ -47,8 +47,9 @@ class LiveTest {
     if (auto there = open(); !there) return there;
     loop_.on_signals({SIGINT, SIGTERM}, [this](int) { interrupted_ = true; });
     loop_.run_until([this] { return rig_.complete() || interrupted_; }, fleet_max);
-    if (interrupted_) return fail("battery.interrupted", "it was ended before it began", {});
-    if (!rig_.complete()) return fail("battery.fleet", "nothing was heard for a minute of " + rig_.missing(), address_);
+    if (interrupted_) return fail("battery.interrupted", "the test was ended before its start", {});
+    if (!rig_.complete())
+      return fail("battery.fleet", "no message was received for a minute from " + rig_.missing(), address_);
     if (auto begun = begin(); !begun) return begun;
     heartbeat_.every(tick_period, [this] { heartbeat(); });
     loop_.run();
@@ -77,7 +78,7 @@ class LiveTest {
     bool connected = false;
     loop_.run_until([&] { return connected = bus_->connected(); }, seconds{10});
     if (connected) return {};
-    return fail("mqtt.connect", "no broker answers there", address_);
+    return fail("mqtt.connect", "no broker responds at this address", address_);
   }
 
   Result<void> begin() {
@@ -90,7 +91,7 @@ class LiveTest {
     if (!saved) return tl::unexpected(saved.error());
     auto responses = rig_.restore(clock_.now(), *saved);
     if (!responses) return fail(responses.error().code, responses.error().message, file);
-    print_info("goes on from " + file);
+    print_info("continues from " + file);
     response(std::move(*responses));
     return {};
   }
@@ -121,21 +122,21 @@ class LiveTest {
     saved_ = false;
   }
 
-  /// The operator's page, through the server: how the test stands. Kept by the broker, also when it is over.
+  /// Publishes the status of the test for the operator's page, retained by the broker, also after the end of the test.
   void notify_observers() {
     reported_at_ = clock_.now();
     bus_->publish({std::string(wire::battery_test_topic), to_json(rig_.test(reported_at_)), 1, true});
   }
 
-  /// In order, and each until it has been taken: a server that is not there now will be.
+  /// Sends the commands in order, each until the server has accepted it; a server that is restarting is retried.
   void notify_server() {
     while (!commands_.empty()) {
       const auto taken = server_.send_request("POST", "/api/v1/commands", commands_.front(), command_timeout);
       if (!taken) {
-        if (!std::exchange(waiting_, true)) print_info("the server does not answer; what it is to be told waits");
+        if (!std::exchange(waiting_, true)) print_info("the server does not respond; commands to it wait");
         return;
       }
-      if (std::exchange(waiting_, false)) print_info("the server answers again");
+      if (std::exchange(waiting_, false)) print_info("the server responds again");
       if (taken->status >= 500) return;
       if (taken->status >= 400)
         print_info("the server refused " + commands_.front() + ": " +
@@ -148,13 +149,13 @@ class LiveTest {
     saved_ = true;
     if (arguments_.state_file.empty() || ended_) return;
     if (auto kept = adapters::write_file(arguments_.state_file, rig_.state_json()); !kept && !reported_error_) {
-      // The test goes on: only a crash would now cost it something.
+      // The test continues: a failed save only matters after a crash.
       reported_error_ = true;
       print_info("warning: " + to_string(kept.error()));
     }
   }
 
-  /// The operator's own command, with the words as its last argument; it may take as long as it likes.
+  /// Runs the operator's own command with the message as its last argument; its duration is not limited.
   void notify(const std::string& operator_messages) {
     if (arguments_.notify.empty()) return;
     adapters::ChildOptions options;

@@ -8,9 +8,10 @@
 
 namespace cosiva::app {
 
-/// Runs a test on the platform that `arguments.live` names, to its end or until somebody interrupts it (what runs then
-/// is known to last longer). Its state is saved at each sample where there is a file for it, and taken up from there.
-/// Fails where no broker answers, no vehicle speaks within a minute, or the state cannot be read or written.
+/// Runs a test on the platform that `arguments.live` names, to its end or until the operator interrupts it (running
+/// batteries are then booked as lasting longer). The state is saved at each sample where a state file is given, and the
+/// test continues from it. Fails where no broker responds, no vehicle reports within a minute, or the state cannot be
+/// read or written.
 [[nodiscard]] Result<std::vector<experiments::BatteryRun>> run_live(const BatteryTestArguments& arguments,
                                                                     experiments::LiveRigOptions options);
 

@@ -43,7 +43,7 @@ int run_battery_plan(const BatteryPlanArguments& arguments) {
                      decimals(100.0 * statistics::ratio_above_smallest(size), 0) +
                      " % of all last longer than the shortest, with 95 % confidence";
   if (each > 0)
-    text += "\n" + std::to_string(each) + " of each type to see a difference of " +
+    text += "\n" + std::to_string(each) + " of each type to detect a difference of " +
             decimals(arguments.difference_percent, 2) + " % with a chance of 80 %";
   for (std::size_t run = 0; run < square.size(); ++run) {
     text += "\nrun " + std::to_string(run + 1) + ":";

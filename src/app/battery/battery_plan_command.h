@@ -8,8 +8,8 @@ namespace cosiva::app {
 struct BatteryPlanArguments {
   double cv_percent{1.4};
   double half_width_percent{1.0};
-  double difference_percent{0.0};  ///< between two types; 0: not asked
-  std::size_t aivs{0};             ///< the square for so many; 0: not asked
+  double difference_percent{0.0};  ///< between two types; 0: not requested
+  std::size_t aivs{0};             ///< number of AIVs of the Latin square; 0: not requested
   bool json{false};
 };
 

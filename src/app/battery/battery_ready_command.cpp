@@ -15,7 +15,7 @@ int run_battery_ready(const BatteryReadyArguments& arguments) {
           ? wire::VehicleId{std::string(wire::our_manufacturer), arguments.vehicle}
           : wire::VehicleId{arguments.vehicle.substr(0, slash), arguments.vehicle.substr(slash + 1)};
   if (id.manufacturer.empty() || !wire::valid_serial_number(id.serial_number))
-    return report_error({"battery.vehicle", "say AIV3, or MANUFACTURER/SERIAL", arguments.vehicle});
+    return report_error({"battery.vehicle", "expected AIV3, or MANUFACTURER/SERIAL", arguments.vehicle});
   BrokerArguments broker = arguments.broker;
   if (broker.address.empty()) broker.address = "127.0.0.1:1883";
   const wire::BatteryReady ready{arguments.battery, arguments.type,          arguments.cycles,

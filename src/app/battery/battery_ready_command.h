@@ -18,8 +18,8 @@ struct BatteryReadyArguments {
   BrokerArguments broker;
 };
 
-/// `cosiva battery ready`: batteryReady, as the person who changed the battery says it. Gives the exit status: 0 done,
-/// 1 the run's own checks failed, 2 bad usage or bad input.
+/// `cosiva battery ready`: publishes batteryReady for the person who changed the battery. Gives the exit status: 0
+/// done, 1 the run's own checks failed, 2 bad usage or bad input.
 int run_battery_ready(const BatteryReadyArguments& arguments);
 
 }  // namespace cosiva::app

@@ -26,13 +26,13 @@ namespace {
 using experiments::VirtualRig;
 using experiments::VirtualRigOptions;
 
-/// The live platform's own pace: vehicles and server act so often in a second, boards and motion at paces of their own.
+/// The rate of the live platform's vehicles and server; boards and motion have rates of their own.
 constexpr double live_hz = 50.0;
 
-/// What the operator is told at once, and once a second by the wall how far it is and until when.
+/// Prints operator messages at once, and the progress with its expected end once per second of real time.
 class Teller {
  public:
-  /// @return  whether a second has gone by
+  /// @return  whether a second has passed
   template <typename Rig>
   bool poll(Rig& rig) {
     for (const std::string& text : rig.take_messages()) print_info(text);
@@ -53,8 +53,8 @@ Result<VirtualRigOptions> rig_options(const BatteryTestArguments& arguments, std
   if (!floor) return tl::unexpected(floor.error());
   if (*floor >= 0.97) return fail("battery.floor", "leave something to discharge", "--floor");
   const auto gauge = battery::parse_method(arguments.gauge);
-  if (!gauge) return fail("battery.gauge", "it is counter, rest or kalman", "--gauge");
-  // The carts' own battery is two of these in series, larger: what somebody gets who names nothing.
+  if (!gauge) return fail("battery.gauge", "expected counter, rest or kalman", "--gauge");
+  // The carts' own battery is two of these in series, with a larger capacity: the default where no type is named.
   const bool usual =
       arguments.type == "lipo850" && arguments.series == 0 && arguments.parallel == 0 && arguments.scale == 0.0;
   options.battery.design =
@@ -102,7 +102,7 @@ Result<experiments::WorldOptions> world_options(const BatteryTestArguments& argu
   return world;
 }
 
-/// What a finished test leaves behind, whichever way it was run.
+/// Prints and writes the results of a finished test of any kind.
 struct Outcome {
   std::vector<experiments::BatteryRun> records;
   std::vector<experiments::TrueEnd> ground_truth;
@@ -148,7 +148,7 @@ Result<void> write_report(const BatteryTestArguments& arguments, const std::stri
        {"report.html", experiments::report_html(metrics, outcome.records, outcome.ground_truth, metadata)}});
 }
 
-/// The whole platform to the end.
+/// Runs a test with the whole platform in the loop to the end.
 Result<Outcome> run_whole(const BatteryTestArguments& arguments, experiments::WorldOptions world,
                           const VirtualRigOptions& options) {
   if (!arguments.state_file.empty())
@@ -169,11 +169,11 @@ Result<Outcome> run_whole(const BatteryTestArguments& arguments, experiments::Wo
       "AIVs driving on " + arguments.zone + ", the whole platform in the loop at " + decimals(hz, 0) + " Hz"};
 }
 
-/// Batteries under the load that the whole platform was measured to take.
+/// Runs a test under the load that was measured on the whole platform.
 Result<Outcome> run_measured(const BatteryTestArguments& arguments, experiments::WorldOptions world,
                              const VirtualRigOptions& options) {
   print_info("the whole platform drives for " + decimals(arguments.measure_s, 0) +
-             " s, to measure what the vehicles take");
+             " s, to measure the load of the vehicles");
   auto loads =
       experiments::measure_loads(std::move(world), std::chrono::seconds{10}, from_seconds(arguments.measure_s));
   if (!loads) return tl::unexpected(loads.error());
@@ -185,7 +185,7 @@ Result<Outcome> run_measured(const BatteryTestArguments& arguments, experiments:
     auto saved = adapters::read_file(file);
     if (!saved) return tl::unexpected(saved.error());
     if (auto done = rig.restore(*saved); !done) return fail(done.error().code, done.error().message, file);
-    print_info("goes on from " + file);
+    print_info("continues from " + file);
   }
   Teller teller;
   while (!rig.done()) {
@@ -199,14 +199,12 @@ Result<Outcome> run_measured(const BatteryTestArguments& arguments, experiments:
                      " s of the whole platform, " + decimals(mean_w, 2) + " W on average, again and again"};
 }
 
-/// Vehicles that drive on a platform of their own, by its wire.
+/// Runs a test with vehicles of a running platform, over its broker.
 Result<Outcome> run_on_platform(const BatteryTestArguments& arguments, const VirtualRigOptions& options) {
-  if (arguments.hz) return fail("battery.live", "a platform that runs has its own pace; leave --hz out", "--hz");
+  if (arguments.hz) return fail("battery.live", "a running platform has its own rate; leave --hz out", "--hz");
   if (arguments.whole || arguments.failures_per_hour > 0.0)
     return fail("battery.live",
-                "a platform that runs has its own whole and its own failures; leave --whole and "
-                "--failures out",
-                "--live");
+                "a running platform is whole and has its own failures; leave --whole and --failures out", "--live");
   experiments::LiveRigOptions live;
   live.procedure = options.procedure;
   live.procedure.lost_after = from_seconds(arguments.lost_after_s);
@@ -246,7 +244,7 @@ Result<Outcome> run_somehow(const BatteryTestArguments& arguments, const Virtual
   auto world = world_options(arguments, vehicles);
   if (!world) return tl::unexpected(world.error());
   if (arguments.hz && !arguments.whole)
-    return fail("battery.hz", "is the pace of the whole platform in the loop; add --whole or leave --hz out", "--hz");
+    return fail("battery.hz", "is the rate of the whole platform in the loop; add --whole or leave --hz out", "--hz");
   return arguments.whole ? run_whole(arguments, std::move(*world), options)
                          : run_measured(arguments, std::move(*world), options);
 }
@@ -274,11 +272,11 @@ int run_test(const BatteryTestArguments& arguments, const std::string& command, 
   if (half_width > 0.0 && metrics.stopped_after && metrics.runs < arguments.repeat)
     text += ", nor more runs than the " + std::to_string(metrics.runs) + " of " + std::to_string(arguments.repeat) +
             " that were made";
-  // Under a floor by count alone every battery of a type comes out alike: worth a word.
+  // With a floor by charge counting alone, all batteries of a type have equal results: worth a message.
   if (options->battery.gauge != battery::GaugeMethod::kalman && options->procedure.floor > 0.0)
     print_info(
-        "note: a gauge that only counts takes every battery's capacity for the type's; --gauge kalman or --floor 0 "
-        "tells them apart");
+        "note: a gauge that only counts assumes the type's capacity for every battery; --gauge kalman or --floor 0 "
+        "distinguishes them");
   print(arguments.json ? json : text);
   return exit_done;
 }

@@ -9,7 +9,7 @@
 
 namespace cosiva::app {
 
-/// "run 1 of 4: 37 %, its end in 12 min", as both kinds of tests say it.
+/// "run 1 of 4: 37 %, its end in 12 min", for tests in virtual time and on a running platform.
 [[nodiscard]] std::string progress_text(const experiments::Procedure& procedure, SimTime now);
 
 /// Whether the wanted half width of the mean was reached, and after how many batteries.

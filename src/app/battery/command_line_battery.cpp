@@ -1,4 +1,4 @@
-// The options of `cosiva battery` and its verbs, and what their help says.
+// The options of `cosiva battery` and its subcommands, with their help texts.
 #include "cosiva/app/battery/command_line_battery.h"
 
 #include "cosiva/app/battery/battery_check_command.h"
@@ -13,14 +13,14 @@ constexpr const char* battery_examples =
     "Examples:\n"
     "  cosiva battery sampled --repeat 4                          one battery, four times: autonomy and its drift\n"
     "  cosiva battery fleet --aivs 12 --out report                twelve at once, with a report\n"
-    "  cosiva battery fleet --aivs 4 --repeat 4 --swap            tells battery from vehicle\n"
-    "  cosiva battery fleet --live --broker 127.0.0.1:1883 --state test.json   on a platform that runs (`cosiva up`)\n"
-    "  cosiva battery plan --cv 1.4 --half-width 1 --aivs 4       how many batteries it takes, who swaps with whom\n"
+    "  cosiva battery fleet --aivs 4 --repeat 4 --swap            separates battery from vehicle\n"
+    "  cosiva battery fleet --live --broker 127.0.0.1:1883 --state test.json   on a running platform (`cosiva up`)\n"
+    "  cosiva battery plan --cv 1.4 --half-width 1 --aivs 4       how many batteries it takes, and the swaps\n"
     "  cosiva battery analyse durations.csv                       what may be claimed from tests made elsewhere\n"
     "  cosiva battery discharge leaf33 --rate 1                   how long a type lasts under a load\n"
     "  cosiva battery fit pulses.csv --predict 2C.csv --name mine --licence CC-BY-4.0 --out mine.json\n"
     "\n"
-    "docs/guide/batteries.md tells more; every verb has its own --help.";
+    "docs/guide/batteries.md explains more; every subcommand has its own --help.";
 
 constexpr const char* sampled_examples =
     "The article's exchange (A37): changeBattery, batteryReady, run, then {rc, sendMsg} until rc stays below the "
@@ -34,26 +34,26 @@ constexpr const char* sampled_examples =
     "  cosiva battery sampled --live --by-hand --vehicle ACME/A1 --battery red --state red.json   real hardware";
 
 constexpr const char* fleet_examples =
-    "All run when the last is ready; AT is the mean of equation (4), with what it is worth beside it (A38).\n"
+    "All run when the last is ready; AT is the mean of equation (4), with its uncertainty (A38).\n"
     "\n"
     "Examples:\n"
     "  cosiva battery fleet --aivs 12 --out report                report.html, result.json, curves.csv\n"
-    "  cosiva battery fleet --aivs 4 --repeat 4 --swap            shares of variance: battery, vehicle, run, rest\n"
+    "  cosiva battery fleet --aivs 4 --repeat 4 --swap            variance by cause: battery, vehicle, run, rest\n"
     "  cosiva battery fleet --aivs 12 --failures 0.05             vehicles fail: censored, never counted as ends\n"
     "  cosiva battery fleet --aivs 12 --half-width 1              after how many batteries the mean is known to 1 %\n"
     "  cosiva battery fleet --aivs 6 --repeat 8 --half-width 1    runs are repeated until it is, eight times at most\n"
-    "  cosiva battery fleet --live --broker 127.0.0.1:1883 --state test.json   on a platform that runs (`cosiva up`)";
+    "  cosiva battery fleet --live --broker 127.0.0.1:1883 --state test.json   on a running platform (`cosiva up`)";
 
 constexpr const char* fit_examples =
-    "A pulse test from full to empty is best; constant discharges at two rates do. One rate alone does not tell\n"
+    "A pulse test from full to empty is best; constant discharges at two rates do. One rate alone does not separate\n"
     "resistance from voltage. A discharge must begin full; + charges, as in the Battery Data Format. Columns:\n"
     "test_time_second, voltage_volt, current_ampere; or a tester's own, where they name their unit, as Test_Time(s),\n"
     "Voltage(V), Current(mA). Where the tester counted charge itself (discharging_capacity_ah, charging_capacity_ah),\n"
-    "its count is used. Where samples lie too far apart to tell the charge, the words say by how much it may be off:\n"
-    "--capacity, where it is known, mends that.\n"
+    "its count is used. Where samples lie too far apart to derive the charge, the output states its possible error:\n"
+    "--capacity, where known, corrects that.\n"
     "\n"
     "Examples:\n"
-    "  cosiva battery fit pulses.csv --predict 1C.csv --predict 2C.csv   how far off what was not fitted\n"
+    "  cosiva battery fit pulses.csv --predict 1C.csv --predict 2C.csv   error of logs that were not fitted\n"
     "  cosiva battery fit rates.csv --predict rate=2C             hold one series out\n"
     "  cosiva battery fit rates.csv --only rate=0.1C --only rate=1C --floor 3.0\n"
     "  cosiva battery fit all.csv --predict 'discharge 3'         a file's discharges are numbered as they come\n"
@@ -72,18 +72,18 @@ constexpr const char* analyse_examples =
     "  cosiva battery analyse durations.csv --only first_run --json > a.json && cosiva battery compare a.json b.json";
 
 constexpr const char* discharge_examples =
-    "The very model that tests run on, alone: constant current or power, from full and rested to the voltage floor.\n"
+    "The model that tests use, alone: constant current or power, from full and rested to the voltage floor.\n"
     "\n"
     "Examples:\n"
     "  cosiva battery discharge leaf33                            at C/5, C/2, 1C and 2C, with Peukert's exponent\n"
     "  cosiva battery discharge leaf33 --current 30.6 --floor 3.0 measured: 3568.8 s\n"
-    "  cosiva battery discharge lipo850 --power 1 --power 2       constant power, as a vehicle asks for it\n"
+    "  cosiva battery discharge lipo850 --power 1 --power 2       constant power, as a vehicle draws it\n"
     "  cosiva battery discharge mine.json --rate 1 --csv 1C.csv   as a log in the Battery Data Format's columns";
 
 constexpr const char* plan_examples =
     "Examples:\n"
     "  cosiva battery plan --cv 1.4 --half-width 1                how many batteries for a mean known to 1 %\n"
-    "  cosiva battery plan --cv 1.4 --difference 2                how many of each type to see a difference of 2 %\n"
+    "  cosiva battery plan --cv 1.4 --difference 2                how many of each type to detect a difference of 2 %\n"
     "  cosiva battery plan --aivs 4                               a Latin square: which battery on which AIV, run by "
     "run";
 
@@ -97,7 +97,7 @@ constexpr const char* ready_examples =
     "Examples:\n"
     "  cosiva battery ready ACME/A1 red --type leaf33 --cycles 12 --rest 3600 --temperature 23.5\n"
     "\n"
-    "A battery that is not full, not in its type's temperature band, or not the one asked for is refused by the test.";
+    "A battery that is not full, not in its type's temperature band, or not the requested one is refused by the test.";
 
 constexpr const char* check_examples =
     "Examples:\n"
@@ -105,27 +105,27 @@ constexpr const char* check_examples =
     "\n"
     "The form is docs/protocols/battery-type.schema.json. Exit 2 where one is bad.";
 
-/// On a platform that runs, instead of in virtual time.
+/// Options of tests on a running platform, instead of in virtual time.
 void add_live_options(CLI::App& command, BatteryTestArguments& test) {
-  command.add_flag("--live", test.live, "on a platform that runs, by its wire, instead of in virtual time");
+  command.add_flag("--live", test.live, "on a running platform, over its broker, instead of in virtual time");
   command.add_option("--url", test.url, "of its server, with --live")->type_name("URL")->capture_default_str();
   add_broker(command, test.broker, "127.0.0.1:1883; with --live");
   command.add_option("--vehicle", test.vehicles, "whose batteries are tested; without: AIV1, AIV2 …")
       ->type_name("MANUFACTURER/SERIAL");
-  command.add_option("--battery", test.batteries, "what people call each battery, in the vehicles' order")
-      ->type_name("ID");
+  command.add_option("--battery", test.batteries, "name of each battery, in the vehicles' order")->type_name("ID");
   command.add_flag(
       "--by-hand", test.by_hand,
-      "people change the batteries, and say so with `cosiva battery ready`; without, the plant is told to");
-  command.add_option("--park", test.park, "a station where who has ended goes, with --by-hand; without, it stands")
+      "operators change the batteries and confirm with `cosiva battery ready`; without: the plant changes them");
+  command
+      .add_option("--park", test.park, "station for vehicles whose run has ended, with --by-hand; without: they stop")
       ->type_name("STATION");
-  command.add_option("--lost-after", test.lost_after_s, "without a word from it a vehicle is lost [s]")
+  command.add_option("--lost-after", test.lost_after_s, "a vehicle without reports for this time is lost [s]")
       ->type_name("S")
       ->check(CLI::Range(2.0, 86400.0))
       ->capture_default_str();
   command
       .add_option("--notify", test.notify,
-                  "told what the operator is told, as the last argument of this shell command (live tests)")
+                  "shell command that is run with each operator message as its last argument (live tests)")
       ->type_name("COMMAND");
 }
 
@@ -139,13 +139,13 @@ void add_test_options(CLI::App& command, BatteryTestArguments& test) {
   command.add_option("--series", test.series, "cells in series; without: the type's")
       ->type_name("N")
       ->check(CLI::Range(1, 100));
-  command.add_option("--parallel", test.parallel, "cells beside each other; without: the type's")
+  command.add_option("--parallel", test.parallel, "cells in parallel; without: the type's")
       ->type_name("N")
       ->check(CLI::Range(1, 100));
   command.add_option("--scale", test.scale, "cells of another size: capacity times this")
       ->type_name("X")
       ->check(CLI::Range(1e-4, 1e4));
-  command.add_option("--gauge", test.gauge, "counter, rest or kalman: what the vehicles' gauges do")
+  command.add_option("--gauge", test.gauge, "counter, rest or kalman: method of the vehicles' gauges")
       ->type_name("WORD")
       ->capture_default_str();
   command.add_option("--floor", test.floor_percent, "charge at which a run ends [%]")
@@ -160,7 +160,7 @@ void add_test_options(CLI::App& command, BatteryTestArguments& test) {
   command.add_option("--failures", test.failures_per_hour, "other failures, of a vehicle in an hour")
       ->type_name("RATE")
       ->check(CLI::Range(0.0, 1000.0));
-  command.add_option("--load-spread", test.load_sd_percent, "how much vehicles differ in what they take [%]")
+  command.add_option("--load-spread", test.load_sd_percent, "standard deviation of the load between vehicles [%]")
       ->type_name("PERCENT")
       ->check(CLI::Range(0.0, 30.0))
       ->capture_default_str();
@@ -168,7 +168,7 @@ void add_test_options(CLI::App& command, BatteryTestArguments& test) {
       ->type_name("C")
       ->check(CLI::Range(-30.0, 60.0))
       ->capture_default_str();
-  command.add_option("--measure", test.measure_s, "so long the whole platform drives to measure the load [s]")
+  command.add_option("--measure", test.measure_s, "duration of the whole platform's run that measures the load [s]")
       ->type_name("S")
       ->check(CLI::Range(10.0, 36000.0))
       ->capture_default_str();
@@ -177,14 +177,15 @@ void add_test_options(CLI::App& command, BatteryTestArguments& test) {
   command
       .add_option(
           "--hz", test.hz,
-          "with --whole: everybody acts so often in a second; 50 is the live platform's own pace, and what it is "
-          "without. At 10 it takes three fifths of the time, and crowded vehicles wait a little longer for each other")
+          "with --whole: actions of each component per second; 50 is the live platform's rate, and the default. "
+          "At 10 the test takes three fifths of the time, and vehicles in dense traffic wait slightly longer")
       ->type_name("N")
       ->check(CLI::Range(10.0, 50.0));
   add_rules(command, test.rules, "how the AIVs choose their speed (docs/guide/agents.md); without: crisp");
-  command.add_option("--state", test.state_file, "saved while it runs; where it is there, the test goes on from it")
+  command.add_option("--state", test.state_file, "saved during the test; an existing file is continued")
       ->type_name("FILE");
-  command.add_option("--out", test.out_directory, "report.html, result.json and curves.csv go there")->type_name("DIR");
+  command.add_option("--out", test.out_directory, "folder for report.html, result.json and curves.csv")
+      ->type_name("DIR");
   command.add_option("--seed", test.seed, "fixes every random draw")->type_name("S")->capture_default_str();
   command.add_flag("--json", test.json, "print the result as JSON");
   add_live_options(command, test);
@@ -194,15 +195,13 @@ void describe_ready(CLI::App& command, BatteryReadyArguments& ready) {
   command.add_option("vehicle", ready.vehicle, "AIV3, or MANUFACTURER/SERIAL")->type_name("VEHICLE")->required();
   command.add_option("battery", ready.battery, "the battery's own id")->type_name("ID")->required();
   command.add_option("--type", ready.type, "its type")->type_name("NAME")->capture_default_str();
-  command.add_option("--cycles", ready.cycles, "full ones that it has gone through")
-      ->type_name("N")
-      ->check(CLI::NonNegativeNumber);
+  command.add_option("--cycles", ready.cycles, "full cycles so far")->type_name("N")->check(CLI::NonNegativeNumber);
   command.add_option("--rest", ready.rest_s, "since it was charged [s]")->type_name("S")->check(CLI::NonNegativeNumber);
   command.add_option("--temperature", ready.temperature_c, "of the pack [°C]")
       ->type_name("C")
       ->check(CLI::Range(-100.0, 200.0))
       ->capture_default_str();
-  command.add_option("--charge", ready.charge_percent, "as far as is known [%]")
+  command.add_option("--charge", ready.charge_percent, "if known [%]")
       ->type_name("PERCENT")
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
@@ -211,20 +210,22 @@ void describe_ready(CLI::App& command, BatteryReadyArguments& ready) {
 
 void describe_fit(CLI::App& command, BatteryFitArguments& fit) {
   command.add_option("files", fit.files, "logs with the Battery Data Format's columns")->type_name("CSV")->required();
-  command.add_option("--only", fit.series, "only the series whose name holds this: rate=1C, discharge 2")
+  command.add_option("--only", fit.series, "only the series whose name contains this: rate=1C, discharge 2")
       ->type_name("TEXT");
-  command.add_option("--predict", fit.predict, "not fitted but foretold: another log, or series whose name holds this")
+  command
+      .add_option("--predict", fit.predict, "predicted, not fitted: another log, or series whose name contains this")
       ->type_name("CSV|TEXT");
   command.add_option("--name", fit.name, "of the type")->type_name("TEXT")->capture_default_str();
-  command.add_option("--source", fit.source, "who measured it; without: the files' names")->type_name("TEXT");
-  command.add_option("--licence", fit.licence, "of the logs; a type's file must say it")->type_name("TEXT");
+  command.add_option("--source", fit.source, "origin of the measurements; without: the files' names")
+      ->type_name("TEXT");
+  command.add_option("--licence", fit.licence, "of the logs; a type's file must state it")->type_name("TEXT");
   command.add_option("--capacity", fit.capacity_ah, "of a cell [Ah]; without: what the slowest discharge took out")
       ->type_name("AH")
       ->check(CLI::PositiveNumber);
   command.add_option("--floor", fit.floor_v, "where a discharge ends [V]; without: the lowest voltage under load")
       ->type_name("V")
       ->check(CLI::PositiveNumber);
-  command.add_option("--out", fit.out_file, "the type goes there")->type_name("FILE");
+  command.add_option("--out", fit.out_file, "output file of the type")->type_name("FILE");
   command.add_flag("--json", fit.json, "print the result as JSON");
 }
 
@@ -244,7 +245,7 @@ void describe_discharge(CLI::App& command, BatteryDischargeArguments& discharge)
   command.add_option("--floor", discharge.floor_v, "of a cell [V]; without: the type's")
       ->type_name("V")
       ->check(CLI::PositiveNumber);
-  command.add_option("--ambient", discharge.ambient_c, "temperature around it, and its own at first [°C]")
+  command.add_option("--ambient", discharge.ambient_c, "ambient temperature, and initial temperature of the pack [°C]")
       ->type_name("C")
       ->check(CLI::Range(-40.0, 85.0))
       ->capture_default_str();
@@ -253,13 +254,12 @@ void describe_discharge(CLI::App& command, BatteryDischargeArguments& discharge)
       ->check(CLI::Range(0.001, 10.0))
       ->capture_default_str();
   command.add_option("--series", discharge.series, "cells in series")->type_name("N")->check(CLI::Range(1, 100));
-  command.add_option("--parallel", discharge.parallel, "cells beside each other")
-      ->type_name("N")
-      ->check(CLI::Range(1, 100));
+  command.add_option("--parallel", discharge.parallel, "cells in parallel")->type_name("N")->check(CLI::Range(1, 100));
   command.add_option("--scale", discharge.scale, "cells of another size: capacity times this")
       ->type_name("X")
       ->check(CLI::Range(1e-4, 1e4));
-  command.add_option("--csv", discharge.csv_file, "time, voltage, current and temperature go there; of one load")
+  command
+      .add_option("--csv", discharge.csv_file, "output file of time, voltage, current and temperature; for one load")
       ->type_name("FILE");
   command.add_flag("--json", discharge.json, "print the result as JSON");
 }
@@ -270,7 +270,8 @@ void describe_analyse(CLI::App& command, BatteryAnalyseArguments& analyse) {
       ->required();
   command.add_option("--only", analyse.only, "only this series of them")->type_name("SERIES");
   command
-      .add_option("--failed", analyse.failed, "as if this battery's first run had been ended then by something else")
+      .add_option("--failed", analyse.failed,
+                  "as if this battery's first run had been ended at this time by another cause")
       ->type_name("BATTERY=SECONDS");
   command.add_option("--time", analyse.time, "column: how long it lasted, such as time_to_2V5_second")
       ->type_name("COLUMN");
@@ -279,7 +280,7 @@ void describe_analyse(CLI::App& command, BatteryAnalyseArguments& analyse) {
   command.add_option("--run", analyse.run, "column: which of its runs, from 1")->type_name("COLUMN");
   command
       .add_option("--half-width", analyse.half_width_percent,
-                  "say after how many batteries the mean is known to this [%]")
+                  "report after how many batteries the mean is known to this [%]")
       ->type_name("PERCENT")
       ->check(CLI::Range(0.001, 100.0));
   command.add_option("--out", analyse.out_directory, "report.html and result.json go there")->type_name("DIR");
@@ -287,7 +288,7 @@ void describe_analyse(CLI::App& command, BatteryAnalyseArguments& analyse) {
   command.add_flag("--json", analyse.json, "print the result as JSON; of several series, a list of them");
 }
 
-/// A verb's own words after its options.
+/// Sets the help texts that follow a subcommand's options.
 void teach(const BatteryCommands& commands) {
   commands.battery->footer(battery_examples);
   commands.sampled->footer(sampled_examples);
@@ -314,16 +315,16 @@ BatteryCommands describe_battery(CLI::App& root, BatteryArguments& battery) {
       commands.battery->add_subcommand("fleet", "N AIVs on one circuit, each with its battery, all at once");
   commands.fit = commands.battery->add_subcommand("fit", "Make a battery type of a tester's logs");
   commands.ready =
-      commands.battery->add_subcommand("ready", "Say that a battery has been put into a vehicle (live tests)");
-  commands.plan =
-      commands.battery->add_subcommand("plan", "Say how many batteries a claim takes, and who swaps with whom");
+      commands.battery->add_subcommand("ready", "Confirm that a battery has been put into a vehicle (live tests)");
+  commands.plan = commands.battery->add_subcommand(
+      "plan", "Compute how many batteries a claim needs, and the swaps between vehicles");
   commands.analyse = commands.battery->add_subcommand(
       "analyse", "What may be claimed from tests that were made before, here or elsewhere");
   commands.discharge =
-      commands.battery->add_subcommand("discharge", "Say how long a type's battery lasts under a load");
+      commands.battery->add_subcommand("discharge", "Compute how long a type's battery lasts under a load");
   commands.compare = commands.battery->add_subcommand("compare", "Compare the batteries of two results");
   commands.check =
-      commands.battery->add_subcommand("check", "Say whether files are battery types, or what is wrong with them");
+      commands.battery->add_subcommand("check", "Check whether files are valid battery types, and report errors");
   for (CLI::App* command : {commands.sampled, commands.fleet}) {
     add_test_options(*command, battery.test);
     command->add_option("--repeat", battery.test.repeat, "runs of each battery")
@@ -337,9 +338,10 @@ BatteryCommands describe_battery(CLI::App& root, BatteryArguments& battery) {
       ->capture_default_str();
   commands.fleet->add_flag("--swap", battery.test.swap, "batteries change vehicles from run to run, by a Latin square");
   commands.fleet
-      ->add_option("--half-width", battery.test.half_width_percent,
-                   "the mean is wanted to this [%]: says after how many batteries it was known, and makes no further "
-                   "run of --repeat then")
+      ->add_option(
+          "--half-width", battery.test.half_width_percent,
+          "requested half width of the mean [%]: reports after how many batteries it was reached, and makes no further "
+          "run of --repeat then")
       ->type_name("PERCENT");
   describe_fit(*commands.fit, battery.fit);
   describe_ready(*commands.ready, battery.ready);
@@ -355,10 +357,10 @@ BatteryCommands describe_battery(CLI::App& root, BatteryArguments& battery) {
       ->capture_default_str();
   commands.plan
       ->add_option("--difference", battery.plan.difference_percent,
-                   "between two types, that a comparison should see [%]")
+                   "between two types, that a comparison should detect [%]")
       ->type_name("PERCENT")
       ->check(CLI::Range(0.001, 100.0));
-  commands.plan->add_option("--aivs", battery.plan.aivs, "print the square for so many")
+  commands.plan->add_option("--aivs", battery.plan.aivs, "print the square for this number of AIVs")
       ->type_name("N")
       ->check(CLI::Range(2, 200));
   commands.plan->add_flag("--json", battery.plan.json, "print the result as JSON");

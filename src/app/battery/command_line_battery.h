@@ -14,7 +14,7 @@
 /// The options of `cosiva battery`.
 namespace cosiva::app {
 
-/// `cosiva battery` and its verbs.
+/// `cosiva battery` and its subcommands.
 struct BatteryArguments {
   BatteryFitArguments fit;
   BatteryReadyArguments ready;
@@ -41,7 +41,7 @@ struct BatteryCommands {
 
 [[nodiscard]] BatteryCommands describe_battery(CLI::App& root, BatteryArguments& battery);
 
-/// The exit status of the one that was asked for, if any.
+/// The exit status of the requested subcommand, if any.
 [[nodiscard]] std::optional<int> run_battery_command(const BatteryCommands& commands, const BatteryArguments& battery);
 
 }  // namespace cosiva::app

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-/// What the command lines of several verbs have in common, as plain values.
+/// Arguments that several subcommands have in common, as plain values.
 namespace cosiva::app {
 
 struct BrokerArguments {
@@ -15,7 +15,7 @@ struct BrokerArguments {
   std::string password_file;
 };
 
-/// What all parts that run alone have in common.
+/// Arguments that all parts running alone have in common.
 struct PartArguments {
   BrokerArguments broker;
   std::string record_file;

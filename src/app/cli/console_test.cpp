@@ -5,7 +5,7 @@
 namespace cosiva::app {
 namespace {
 
-TEST(NearestWord, is_what_was_probably_meant) {
+TEST(NearestWord, is_the_nearest_candidate_of_a_typing_error) {
   const std::vector<std::string> commands{"up", "server", "plant", "aiv", "replay", "zone"};
   EXPECT_EQ(nearest_word("serve", commands), "server");
   EXPECT_EQ(nearest_word("relpay", commands), "replay");
@@ -13,18 +13,18 @@ TEST(NearestWord, is_what_was_probably_meant) {
   EXPECT_EQ(nearest_word("--duraton", {"--duration", "--json"}), "--duration");
 }
 
-TEST(NearestWord, is_none_where_nothing_is_near) {
+TEST(NearestWord, is_empty_without_a_near_candidate) {
   EXPECT_EQ(nearest_word("dance", {"server", "replay"}), "");
   EXPECT_EQ(nearest_word("x", {}), "");
 }
 
-TEST(Decimals, round_as_people_expect) {
+TEST(Decimals, round_to_the_requested_digits) {
   EXPECT_EQ(decimals(1.25, 1), "1.2");
   EXPECT_EQ(decimals(0.9996, 3), "1.000");
   EXPECT_EQ(decimals(12.0, 0), "12");
 }
 
-TEST(StepLine, puts_the_times_under_each_other) {
+TEST(StepLine, aligns_the_times) {
   EXPECT_EQ(step_line(1.25, "x"), "     1.2 s  x");
   EXPECT_EQ(step_line(12345.0, "y"), " 12345.0 s  y");
 }

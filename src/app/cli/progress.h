@@ -9,7 +9,7 @@
 
 namespace cosiva::app {
 
-/// True once a second of real time, for those who tell how far they are.
+/// True once per second of real time, for progress messages.
 class SecondsTicker {
  public:
   [[nodiscard]] bool ticks() {
@@ -23,7 +23,7 @@ class SecondsTicker {
   std::chrono::steady_clock::time_point last_{std::chrono::steady_clock::now()};
 };
 
-/// One line a second of real time for runs in virtual time that take longer.
+/// Prints one line per second of real time during runs in virtual time that take longer.
 class Progress {
  public:
   explicit Progress(std::string what = "virtual time") : what_{std::move(what)} {}

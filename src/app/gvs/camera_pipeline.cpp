@@ -14,14 +14,14 @@
 namespace cosiva::app {
 namespace {
 
-/// Of unknown tags so many are looked for at a time that all of the picture was searched after two seconds.
+/// The search for unknown tags, one band of the image at a time, covers the whole image in this time [s].
 constexpr double search_s = 2.0;
-/// Nobody is missed whose tag may be cut off by the picture's border.
+/// A tag closer to the image's border than this may be cut off, and is not reported as missing.
 constexpr double border_px = 40.0;
-/// Of so many vehicles a person sees who is where; and a broker's longest message holds no more beside the picture.
+/// Beyond this number vehicles are indistinguishable for an operator, and exceed a broker's longest message.
 constexpr std::size_t shown_max = 100;
 
-/// The border of what is seen, a few places on each side: a lens bends it.
+/// The border of the observed floor, a few points on each side, because a lens bends the border.
 std::vector<Point2> field_of(const vision::Calibration& calibration) {
   constexpr int per_side = 6;
   const double width = static_cast<double>(calibration.map.frame.width) - 2.0 * border_px;
@@ -34,7 +34,7 @@ std::vector<Point2> field_of(const vision::Calibration& calibration) {
       const std::array<std::array<double, 2>, 4> at{
           {{along, 0.0}, {1.0, along}, {1.0 - along, 1.0}, {0.0, 1.0 - along}}};
       const auto [u, v] = at[static_cast<std::size_t>(side)];
-      // Where the map ends the border is left out, and less is seen.
+      // Where the map ends the border is left out, and the observed area is smaller.
       if (const auto floor = calibration.map.floor_at({border_px + u * width, border_px + v * height}))
         field.push_back(vision::at_height(*floor, height_m, calibration.camera));
     }
@@ -47,7 +47,7 @@ void write_pixel(JsonWriter& json, const vision::PixelPoint& pixel) {
   json.begin_array().value(tenth(pixel.u)).value(tenth(pixel.v)).end_array();
 }
 
-/// Each pixel the mean of a square of `by` × `by`.
+/// Each pixel is the mean of a square of `by` × `by` pixels.
 vision::Image smaller(const vision::Image& image, std::size_t by) {
   const vision::ImageSize size{image.size.width / by, image.size.height / by};
   vision::Image small = vision::Image::filled(size, 0);
@@ -79,7 +79,7 @@ Result<std::map<int, std::string>> read_vehicle_names(const std::vector<std::str
           "gvs.vehicle",
           "expected TAG=MANUFACTURER/SERIAL such as 7=CoSiVA/AIV1, with a tag from 0 to 586; found '" + one + "'");
     if (!names.emplace(*tag, name).second)
-      return fail("gvs.vehicle", "tag " + std::to_string(*tag) + " is said to be on two vehicles");
+      return fail("gvs.vehicle", "tag " + std::to_string(*tag) + " is assigned to two vehicles");
   }
   return names;
 }
@@ -104,7 +104,7 @@ std::string GvsCamera::name_of(int tag) const {
   const auto named = names_.find(tag);
   if (named != names_.end()) return named->second;
   std::string usual = std::string(wire::our_manufacturer) + "/AIV" + std::to_string(tag);
-  // That one carries another tag: who carries this one is not known.
+  // The usual AIV of this tag has another tag: the carrier of this tag is unknown.
   const bool taken = std::ranges::any_of(names_, [&](const auto& one) { return one.second == usual; });
   return taken ? "tag " + std::to_string(tag) : usual;
 }
@@ -113,7 +113,7 @@ Result<wire::GvsDetections> GvsCamera::see(const vision::Image& image, SimTime b
   wire::GvsDetections detections{header_id_, began, period_s, {}, field_};
   if (first_ && began <= last_) return detections;
   if (!first_) first_ = began;
-  // Counted from its first picture: of a time since 1970 a double keeps a quarter of a microsecond only.
+  // Counted from the first image: of a time since 1970 a double would resolve a quarter of a microsecond only.
   const auto fixes = tracker_.see(image, to_seconds(began - *first_));
   if (!fixes) return tl::unexpected(fixes.error());
   last_ = began;

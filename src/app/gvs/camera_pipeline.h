@@ -14,24 +14,25 @@
 
 namespace cosiva::app {
 
-/// From pictures to what is said of them on the bus: vehicles found, named and stamped by our clock, and the small
-/// picture for people. It knows no camera, no broker and no clock.
+/// Turns images into the published detections: vehicles found, named and stamped by our clock, and the small preview
+/// image for display. The pipeline knows no camera, no broker and no clock.
 class GvsCamera {
  public:
-  /// The page's picture is at most so wide and high: grey, 230 kB.
+  /// Largest width and height of the preview image: grey, 230 kB.
   static constexpr std::size_t shown_px_max = 480;
 
   GvsCamera(vision::Calibration calibration, const vision::TrackerOptions& options, std::map<int, std::string> names);
 
-  /// Fails ("gvs.image") on a picture of another size than the calibration's.
-  /// @param began  when the exposure of its first row began; it rises (others are passed over: nothing is seen)
+  /// Fails ("gvs.image") on an image of another size than the calibration's.
+  /// @param began  when the exposure of the image's first row began; must rise (other images are ignored without
+  /// detections)
   [[nodiscard]] Result<wire::GvsDetections> see(const vision::Image& image, SimTime began, double period_s);
-  /// The last picture that was seen, smaller, as Netpbm's P5. Its comment says where its vehicles are on it:
-  /// {"timestamp","sights":[{"vehicle","tag","x","y","heading","outline":[[u,v]…],"nose":[u,v]}]}.
+  /// The last processed image, smaller, as Netpbm's P5. Its comment lists the vehicles' positions in the image:
+  /// {"timestamp","detections":[{"vehicle","tag","x","y","heading","outline":[[u,v]…],"nose":[u,v]}]}.
   /// @param body  whose outline is drawn
   [[nodiscard]] std::string shown(const vision::Image& image, const wire::GvsDetections& detections,
                                   const zone::VehicleShape& body) const;
-  /// What of the floor it sees so that a whole tag fits in.
+  /// The part of the floor that the camera observes such that a whole tag is in the image.
   [[nodiscard]] const std::vector<Point2>& field() const { return field_; }
 
  private:
@@ -47,9 +48,9 @@ class GvsCamera {
   std::uint32_t header_id_{0};
 };
 
-/// "7=CoSiVA/AIV1" …; a tag that nobody names is `AIV <tag>` of ours. Fails ("gvs.vehicle").
+/// "7=CoSiVA/AIV1" …; a tag without a given name is `AIV <tag>`, a CoSiVA vehicle. Fails ("gvs.vehicle").
 [[nodiscard]] Result<std::map<int, std::string>> read_vehicle_names(const std::vector<std::string>& given);
-/// What a tracker is told of this source.
+/// The tracker's options for this source.
 [[nodiscard]] vision::TrackerOptions tracker_options(const GvsSource& source);
 
 }  // namespace cosiva::app

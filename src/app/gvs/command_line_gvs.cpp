@@ -1,4 +1,4 @@
-// The options of `cosiva gvs`, and what their help says.
+// The options of `cosiva gvs`, with their help texts.
 #include "cosiva/app/gvs/command_line_gvs.h"
 
 #include "cosiva/app/cli/common_options.h"
@@ -9,32 +9,32 @@ namespace cosiva::app {
 namespace {
 
 constexpr const char* examples =
-    "Examples, the whole way without a camera:\n"
-    "  cosiva gvs render --zone lacet4 --aivs 20 --out bay                     images, floor points, and the ground truth\n"
-    "  cosiva gvs calibrate --points bay/points.csv --camera-height 3.3 --camera-foot 0,0 --tag-height 0.1 "
-    "--out cal\n"
+    "Examples, the complete procedure without a camera:\n"
+    "  cosiva gvs render --zone lacet4 --aivs 20 --out bay                 images, floor points, and the ground truth\n"
+    "  cosiva gvs calibrate --points bay/points.csv --camera-height 3.3 --camera-foot 0,0 --tag-height 0.1 --out cal\n"
     "  cosiva gvs track --calibration cal/calibration.json --images bay/images --exposure 4 --tag-side 0.08 "
     "--against bay/ground_truth --out seen\n"
     "  cosiva compare --reference seen/tag_1.tum --estimate my_estimate.tum\n"
     "\n"
-    "by a vehicle at surveyed poses, a grid of 2 x 2 places with eight headings each:\n"
+    "by a vehicle at surveyed poses, a grid of 2 x 2 positions with eight headings each:\n"
     "  cosiva gvs calibrate --points floor.csv --poses stands.txt --pose-xs 0.6,3.9 --pose-ys 0.6,3.4 --out cal\n"
     "\n"
-    "and on a platform that runs:\n"
+    "and on a running platform:\n"
     "  cosiva up --gvs\n"
     "  cosiva up --gvs --gvs-camera 0 --gvs-calibration cal/calibration.json --gvs-exposure 4 --gvs-tag-side 0.08\n"
     "\n"
-    "docs/guide/gvs.md tells how to do it with a real one.";
+    "docs/guide/gvs.md explains the procedure with a real camera.";
 
 void describe_render(CLI::App& command, GvsRenderArguments& a) {
-  command.add_option("--zone", a.zone, "where they drive: a ready zone's name or a file")
+  command.add_option("--zone", a.zone, "where the AIVs drive: a ready zone's name or a file")
       ->type_name("NAME|FILE")
       ->capture_default_str();
   command.add_option("--aivs", a.aivs, "how many; AIV n carries tag n of family 36h11")
       ->type_name("N")
       ->check(CLI::Range(1, 80))
       ->capture_default_str();
-  command.add_option("--warm-up", a.warm_up_s, "seconds of driving before, that are not shown; at first all stand")
+  command
+      .add_option("--warm-up", a.warm_up_s, "seconds of driving that are not rendered; all AIVs start at standstill")
       ->type_name("S")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
@@ -46,7 +46,7 @@ void describe_render(CLI::App& command, GvsRenderArguments& a) {
       ->type_name("HZ")
       ->check(CLI::Range(5.0, 1000.0))
       ->capture_default_str();
-  command.add_option("--size", a.size_px, "width and height of the pictures")
+  command.add_option("--size", a.size_px, "width and height of the images")
       ->type_name("PX")
       ->check(CLI::Range(128, 8192))
       ->capture_default_str();
@@ -62,7 +62,7 @@ void describe_render(CLI::App& command, GvsRenderArguments& a) {
       ->type_name("M")
       ->check(CLI::Range(0.01, 5.0))
       ->capture_default_str();
-  command.add_option("--exposure", a.exposure_ms, "what moves meanwhile is blurred")
+  command.add_option("--exposure", a.exposure_ms, "motion during the exposure is blurred")
       ->type_name("MS")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
@@ -80,7 +80,7 @@ void describe_render(CLI::App& command, GvsRenderArguments& a) {
       ->type_name("RATIO")
       ->check(CLI::Range(0.01, 10.0))
       ->capture_default_str();
-  command.add_option("--late", a.late_ms, "the stamps are so late, for trying `track --against`")
+  command.add_option("--late", a.late_ms, "delay of the stamps, for trying `track --against`")
       ->type_name("MS")
       ->check(CLI::Range(-1000.0, 1000.0))
       ->capture_default_str();
@@ -98,15 +98,15 @@ void describe_calibrate(CLI::App& command, GvsCalibrateArguments& a) {
       command
           .add_option("--points", a.points_file, "floor points: CSV with world_x; world_y [m]; image_x; image_y [px]")
           ->type_name("FILE");
-  command.add_option("--board", a.board_file, "tags that lie on the floor: CSV with id; x; y; heading_deg; side [m]")
+  command.add_option("--board", a.board_file, "tags on the floor: CSV with id; x; y; heading_deg; side [m]")
       ->type_name("FILE")
       ->excludes(points);
   command.add_option("--images", a.images_folder, "images of those tags")->type_name("DIR");
   command
-      .add_option("--size", a.size, "of the pictures that points were read off; a board's pictures say it themselves")
+      .add_option("--size", a.size, "of the images that the points were read from; a board's images contain their size")
       ->type_name("WxH")
       ->capture_default_str();
-  command.add_option("--model", a.model, "of the floor; best: the one whose left-out blocks fit best")
+  command.add_option("--model", a.model, "of the floor; best: the model whose left-out blocks fit best")
       ->check(CLI::IsMember({"best", "homography", "lens", "polynomial", "lens_polynomial"}))
       ->capture_default_str();
   command.add_option("--degree", a.degree, "of a polynomial")
@@ -123,7 +123,8 @@ void describe_calibrate(CLI::App& command, GvsCalibrateArguments& a) {
       ->type_name("M")
       ->check(CLI::Range(0.1, 1000.0));
   command
-      .add_option("--camera-foot", a.camera_foot_m, "the place straight below it, by a plumb line; without: worked out")
+      .add_option("--camera-foot", a.camera_foot_m,
+                  "the position vertically below it, by a plumb line; without: computed")
       ->type_name("X,Y")
       ->delimiter(',')
       ->expected(2);
@@ -132,13 +133,13 @@ void describe_calibrate(CLI::App& command, GvsCalibrateArguments& a) {
       ->check(CLI::Range(0.0, 100.0));
   command
       .add_option("--tag-height-error", a.tag_height_error_m,
-                  "how sure that height is, as a standard deviation: it goes into reference_budget.json")
+                  "standard deviation of that height, for reference_budget.json")
       ->type_name("M")
       ->check(CLI::Range(0.0, 1.0));
-  command.add_option("--mount-error", a.mount_error_m, "likewise of where the tag sits on its vehicle")
+  command.add_option("--mount-error", a.mount_error_m, "standard deviation of the tag's position on its vehicle")
       ->type_name("M")
       ->check(CLI::Range(0.0, 1.0));
-  command.add_option("--mount", a.mount, "where the tag sits on its vehicle: x forward, y left [m], heading [degrees]")
+  command.add_option("--mount", a.mount, "the tag's pose on its vehicle: x forward, y left [m], heading [degrees]")
       ->type_name("X,Y,DEG")
       ->delimiter(',')
       ->expected(3);
@@ -146,9 +147,9 @@ void describe_calibrate(CLI::App& command, GvsCalibrateArguments& a) {
       .add_option(
           "--poses", a.poses_file,
           "a vehicle at surveyed poses: CSV true_x; true_y; true_heading_deg; seen_x; seen_y; seen_heading_deg, or, "
-          "with --pose-xs, samples x, y, cos, sin, 1 one stand after the other")
+          "with --pose-xs, samples x, y, cos, sin, 1, one pose after the other")
       ->type_name("FILE");
-  command.add_option("--pose-xs", a.pose_xs_m, "of a grid of stands: y slowest, then x, heading fastest")
+  command.add_option("--pose-xs", a.pose_xs_m, "of a grid of poses: y slowest, then x, heading fastest")
       ->type_name("X,X")
       ->delimiter(',');
   command.add_option("--pose-ys", a.pose_ys_m, "of that grid")->type_name("Y,Y")->delimiter(',');
@@ -158,15 +159,16 @@ void describe_calibrate(CLI::App& command, GvsCalibrateArguments& a) {
       ->capture_default_str();
   command.add_option("--name", a.name, "of the camera")->type_name("TEXT");
   command.add_option("--out", a.out_folder, "writes calibration.json, residual_map.svg, report.html")->type_name("DIR");
-  command.add_flag("--json", a.json, "print the figures as JSON");
+  command.add_flag("--json", a.json, "print the metrics as JSON");
 }
 
 void describe_track(CLI::App& command, GvsTrackArguments& a) {
   command.add_option("--calibration", a.calibration_file, "what `gvs calibrate` wrote")->type_name("FILE")->required();
-  CLI::Option* images = command
-                            .add_option("--images", a.images_folder,
-                                        "images by their names, with stamps.csv (file,stamp_s) if there is one")
-                            ->type_name("DIR");
+  CLI::Option* images =
+      command
+          .add_option("--images", a.images_folder,
+                      "images in the order of their names, with stamps.csv (file,stamp_s) if there is one")
+          ->type_name("DIR");
   CLI::Option* video = command.add_option("--video", a.video_file, "a video file")->type_name("FILE")->excludes(images);
   command.add_option("--camera", a.camera, "a camera: N of /dev/videoN")
       ->type_name("N")
@@ -177,10 +179,10 @@ void describe_track(CLI::App& command, GvsTrackArguments& a) {
       ->type_name("HZ")
       ->check(CLI::Range(1e-3, 1e5))
       ->capture_default_str();
-  command.add_option("--image-count", a.images_max, "no more than so many; 0: all")
+  command.add_option("--image-count", a.images_max, "maximum number of images; 0: all")
       ->type_name("N")
       ->capture_default_str();
-  command.add_option("--exposure", a.exposure_ms, "of a row: fixes are stamped in its middle")
+  command.add_option("--exposure", a.exposure_ms, "of a row: fixes are stamped at mid-exposure")
       ->type_name("MS")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
@@ -188,37 +190,40 @@ void describe_track(CLI::App& command, GvsTrackArguments& a) {
       ->type_name("US")
       ->check(CLI::Range(0.0, 1e5))
       ->capture_default_str();
-  command.add_option("--tag-side", a.tag_side_m, "of the black square; other sizes are no vehicles. Without: any")
+  command
+      .add_option("--tag-side", a.tag_side_m, "of the black square; tags of other sizes are not vehicles. Without: any")
       ->type_name("M")
       ->check(CLI::Range(0.005, 10.0));
   command
-      .add_option("--expect", a.expected, "tags of the vehicles; when all are followed, nobody searches. Without: any")
+      .add_option("--expect", a.expected, "tags of the vehicles; the search pauses while all are tracked. Without: any")
       ->type_name("N,N")
       ->delimiter(',')
       ->check(CLI::Range(0, vision::tags_in_family - 1));
   command
       .add_option("--against", a.against,
-                  "a trajectory of one vehicle, or a folder of tag_N.tum: how late the camera's stamps are; nothing is "
-                  "shifted by it. May come again")
+                  "a trajectory of one vehicle, or a folder of tag_N.tum: estimates the delay of the camera's stamps; "
+                  "no pose is "
+                  "shifted by it. May be repeated")
       ->type_name("N=FILE|DIR")
       ->allow_extra_args(false);
   command.add_option("--out", a.out_folder, "writes poses.csv, tag_N.tum, timing.csv, result.json")->type_name("DIR");
-  command.add_flag("--json", a.json, "print the figures as JSON");
+  command.add_flag("--json", a.json, "print the metrics as JSON");
 }
 
-/// What it has in common with the platform's other parts; it keeps no journal, since it decides nothing.
+/// The options in common with the platform's other parts; the camera records no journal, because it decides
+/// nothing.
 void add_watch_part(CLI::App& command, PartArguments& part) {
   add_broker(command, part.broker, "127.0.0.1:1883");
-  command.add_option("--duration", part.duration_s, "end by itself after so many seconds")
+  command.add_option("--duration", part.duration_s, "end after this number of seconds")
       ->type_name("S")
       ->check(CLI::Range(0.001, 1e9));
-  command.add_flag("--json", part.json, "print what was seen at the end as JSON");
+  command.add_flag("--json", part.json, "print the number of detections at the end as JSON");
   command.add_flag("--announce", part.announce)->group("");
 }
 
 constexpr const char* watch_examples =
     "Examples:\n"
-    "  cosiva gvs watch --broker 127.0.0.1:1883             the emulated world's camera, beside a plant that runs\n"
+    "  cosiva gvs watch --broker 127.0.0.1:1883             the emulated world's camera, with a running plant\n"
     "  cosiva gvs watch --camera 0 --calibration cal/calibration.json --exposure 4 --tag-side 0.08 --vehicle "
     "12=CoSiVA/AIV1";
 
@@ -227,49 +232,52 @@ constexpr const char* watch_examples =
 void add_gvs_source(CLI::App& command, GvsSource& source, const std::string& prefix) {
   command.add_option(prefix + "calibration", source.calibration_file, "of a real camera: what `gvs calibrate` wrote")
       ->type_name("FILE");
-  CLI::Option* images = command
-                            .add_option(prefix + "images", source.images_folder,
-                                        "images by their names and stamps.csv, shown once at their own pace")
-                            ->type_name("DIR");
-  CLI::Option* video = command.add_option(prefix + "video", source.video_file, "a video file, likewise")
-                           ->type_name("FILE")
-                           ->excludes(images);
+  CLI::Option* images =
+      command
+          .add_option(prefix + "images", source.images_folder,
+                      "images in the order of their names, with stamps.csv, shown once at their recorded rate")
+          ->type_name("DIR");
+  CLI::Option* video =
+      command.add_option(prefix + "video", source.video_file, "a video file, shown once at its recorded rate")
+          ->type_name("FILE")
+          ->excludes(images);
   command.add_option(prefix + "camera", source.camera, "a camera: N of /dev/videoN")
       ->type_name("N")
       ->check(CLI::Range(0, 255))
       ->excludes(images)
       ->excludes(video);
-  command.add_option(prefix + "rate", source.rate_hz, "so many pictures a second are looked at")
+  command.add_option(prefix + "rate", source.rate_hz, "number of images that are processed per second")
       ->type_name("HZ")
       ->check(CLI::Range(0.1, 100.0))
       ->capture_default_str();
-  command.add_option(prefix + "exposure", source.exposure_ms, "of a row: vehicles are stamped in its middle")
+  command.add_option(prefix + "exposure", source.exposure_ms, "of a row: vehicles are stamped at mid-exposure")
       ->type_name("MS")
       ->check(CLI::Range(0.0, 1000.0));
   command.add_option(prefix + "line", source.line_us, "rolling shutter: from a row's beginning to the next one's")
       ->type_name("US")
       ->check(CLI::Range(0.0, 1e5));
-  command.add_option(prefix + "tag-side", source.tag_side_m, "of the black square; other sizes are no vehicles")
+  command
+      .add_option(prefix + "tag-side", source.tag_side_m, "of the black square; tags of other sizes are not vehicles")
       ->type_name("M")
       ->check(CLI::Range(0.005, 10.0));
   command
       .add_option(prefix + "vehicle", source.vehicles,
-                  "whose tag it is, such as 7=CoSiVA/AIV1; without: tag n is CoSiVA/AIVn's. May come again")
+                  "vehicle of a tag, such as 7=CoSiVA/AIV1; without: tag n is CoSiVA/AIVn's. May be repeated")
       ->type_name("TAG=NAME")
       ->allow_extra_args(false);
 }
 
 GvsCommands describe_gvs(CLI::App& root, GvsArguments& gvs) {
   GvsCommands commands{};
-  commands.gvs = root.add_subcommand("gvs", "Global vision: where vehicles truly are, by a camera over the zone");
-  commands.calibrate =
-      commands.gvs->add_subcommand("calibrate", "Fit lens and floor, judged by points that the fit has not seen");
+  commands.gvs = root.add_subcommand("gvs", "Global vision: the vehicles' actual positions, by a camera over the zone");
+  commands.calibrate = commands.gvs->add_subcommand(
+      "calibrate", "Fit lens and floor, evaluated by points that were left out of the fit");
   commands.track =
-      commands.gvs->add_subcommand("track", "Follow vehicles by their tags, in pictures, a video or a camera");
+      commands.gvs->add_subcommand("track", "Track vehicles by their tags, in images, a video or a camera");
   commands.render =
-      commands.gvs->add_subcommand("render", "Take the emulated world's pictures, with the truth beside them");
+      commands.gvs->add_subcommand("render", "Render images of the emulated world, with the ground truth");
   commands.watch = commands.gvs->add_subcommand(
-      "watch", "Watch a running platform, and tell it where each vehicle truly is; `cosiva up --gvs` runs it");
+      "watch", "Watch a running platform, and publish each vehicle's actual position; `cosiva up --gvs` runs it");
   commands.gvs->require_subcommand(0, 1);
   add_gvs_source(*commands.watch, gvs.watch.source, "--");
   add_watch_part(*commands.watch, gvs.watch.part);

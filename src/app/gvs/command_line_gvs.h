@@ -19,7 +19,7 @@ struct GvsArguments {
   GvsWatchArguments watch;
 };
 
-/// `cosiva gvs` and its verbs.
+/// `cosiva gvs` and its subcommands.
 struct GvsCommands {
   CLI::App* gvs;
   CLI::App* watch;
@@ -30,10 +30,10 @@ struct GvsCommands {
 
 [[nodiscard]] GvsCommands describe_gvs(CLI::App& root, GvsArguments& gvs);
 
-/// The exit status of the one that was asked for, if any.
+/// The exit status of the requested subcommand, if any.
 [[nodiscard]] std::optional<int> run_gvs_command(const GvsCommands& commands, const GvsArguments& gvs);
 
-/// Where a running platform's pictures come from: --gvs-… of `up`, the same without gvs of `gvs watch`.
+/// Options of a running platform's image source: --gvs-… of `up`, the same without gvs of `gvs watch`.
 void add_gvs_source(CLI::App& command, GvsSource& source, const std::string& prefix);
 
 }  // namespace cosiva::app

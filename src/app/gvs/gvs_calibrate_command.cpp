@@ -51,14 +51,14 @@ Result<Material> points_of(const GvsCalibrateArguments& a) {
       continue;
     return fail("gvs.points",
                 "the pixel (" + decimals(point.pixel.u, 1) + ", " + decimals(point.pixel.v, 1) +
-                    ") lies outside a picture of " + a.size + "; --size says how large it is",
+                    ") lies outside an image of " + a.size + "; --size is the image's size",
                 a.points_file);
   }
   return Material{std::move(*points), *frame};
 }
 
 Result<Material> board_of(const GvsCalibrateArguments& a) {
-  if (a.images_folder.empty()) return fail("gvs.board", "a board needs --images, pictures of it", "--board");
+  if (a.images_folder.empty()) return fail("gvs.board", "a board needs --images, images of it", "--board");
   const auto text = adapters::read_file(a.board_file);
   if (!text) return tl::unexpected(text.error());
   const auto board = vision::read_board(*text, a.board_file);
@@ -88,7 +88,7 @@ Result<std::vector<vision::SurveyedPose>> poses_of(const GvsCalibrateArguments& 
   return vision::read_pose_stops(*text, a.poses_file, grid);
 }
 
-/// A full matrix or a scale, whichever puts left-out poses nearer.
+/// Fits a full matrix and a scale, and chooses the fit with the smaller error of left-out poses.
 Result<vision::PoseResiduals> fit_of(const GvsCalibrateArguments& a) {
   const auto poses = poses_of(a);
   if (!poses) return tl::unexpected(poses.error());
@@ -176,14 +176,14 @@ std::string page_of(const vision::Calibrated& made, const std::optional<vision::
                    {decimals(1e3 * best.block.metrics.rms_m, 2) + " mm", "rms on left-out blocks"},
                    {decimals(1e3 * best.block.metrics.max_m, 1) + " mm", "at most, there"},
                    {std::string(name_of(best.options.model)), "model chosen"}});
-  report.heading("Where it may be trusted, and how far")
-      .figure(map, "Every point was judged by a fit that had not seen it.");
+  report.heading("Where the calibration is valid, and its error")
+      .figure(map, "Every point was evaluated by a fit that did not contain it.");
   std::vector<std::vector<std::string>> rows;
   for (const vision::Tried& tried : made.tried)
     rows.push_back({std::string(name_of(tried.options.model)), both(tried.fitted), both(tried.colour.metrics),
                     both(tried.block.metrics)});
   report.heading("Models tried").table({"model", "fitted, rms (max) mm", "other colour", "left-out block"}, rows);
-  report.paragraph("The print's or the survey's own error is not seen here: it is the same in all points.");
+  report.paragraph("The print's or the survey's own error is not visible here: it is equal in all points.");
   if (poses)
     report.heading("Surveyed poses").paragraph(text_of(made, poses).substr(text_of(made, poses).rfind('\n') + 1));
   return report.html();
@@ -201,8 +201,9 @@ vision::MarkerProfile marker_of(const GvsCalibrateArguments& a, const std::optio
 
 int run_gvs_calibrate(const GvsCalibrateArguments& a) {
   if (a.points_file.empty() && a.board_file.empty())
-    return report_error(
-        {"gvs.points", "say what to calibrate from: --points FILE, or --board FILE --images DIR", "gvs calibrate"});
+    return report_error({"gvs.points",
+                         "the input of the calibration is missing: --points FILE, or --board FILE --images DIR",
+                         "gvs calibrate"});
   const auto material = a.points_file.empty() ? board_of(a) : points_of(a);
   if (!material) return report_error(material.error());
   vision::CalibrationOptions options;

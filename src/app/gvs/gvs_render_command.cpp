@@ -23,7 +23,7 @@ SceneChoice choice_of(const GvsRenderArguments& a) {
   return {a.size_px, a.height_m, a.tag_height_m, a.exposure_ms, a.rolling_ms, a.noise_grey, a.brightness};
 }
 
-/// Tags spread over the floor, each 40 px wide or as large as a vehicle's.
+/// Tags spread over the floor, each 40 px wide or as large as a vehicle's tag.
 std::vector<vision::BoardTag> board_of(const vision::SceneCamera& camera, const GvsRenderArguments& a) {
   constexpr int half = 5;
   constexpr int first_id = 200;
@@ -83,7 +83,7 @@ class Render {
     return json.take();
   }
   [[nodiscard]] std::string phrase() const {
-    std::string text = std::to_string(images_) + " pictures of " + std::to_string(fleet_.size()) + " AIVs, tags " +
+    std::string text = std::to_string(images_) + " images of " + std::to_string(fleet_.size()) + " AIVs, tags " +
                        decimals(tag_px(), 0) + " px wide; a camera " + decimals(camera_.height_m, 2) + " m above (" +
                        decimals(camera_.foot.x_m, 3) + ", " + decimals(camera_.foot.y_m, 3) + ")";
     if (tag_px() < 24.0) text += "\ntags under 24 px are missed: a larger --size or --tag-side, or a smaller zone";
@@ -106,7 +106,8 @@ class Render {
     return a_.tag_side_m * camera_.focal_px / (camera_.height_m - a_.tag_height_m);
   }
 
-  /// Where all are now, and how they move so that they are where the fleet has them one step later. The fleet steps.
+  /// Steps the fleet; returns all bodies at their pose before the step, moving so that they reach their pose after the
+  /// step.
   std::vector<vision::SceneBody> bodies_until_next(double step_s) {
     std::vector<vision::SceneBody> bodies(fleet_.size());
     const zone::VehicleShape shape = zone_->vehicle;

@@ -26,8 +26,8 @@ struct GvsRenderArguments {
   bool json{false};
 };
 
-/// `cosiva gvs render`: images of the emulated world, with what is true in them. Gives the exit status: 0 done, 1 the
-/// run's own checks failed, 2 bad usage or bad input.
+/// `cosiva gvs render`: renders images of the emulated world, with the ground truth. Gives the exit status: 0 done, 1
+/// the run's own checks failed, 2 bad usage or bad input.
 int run_gvs_render(const GvsRenderArguments& arguments);
 
 }  // namespace cosiva::app

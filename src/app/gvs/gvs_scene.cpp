@@ -37,7 +37,8 @@ vision::SceneCamera camera_over(const zone::Bounds& bounds, const SceneChoice& c
   camera.principal = {half_px * 1.004, half_px * 0.996};
   camera.tilt_x_rad = 0.004;
   camera.tilt_y_rad = -0.006;
-  // As bent at the corners whatever its angle: a long lens has as much to hide as a short one.
+  // The distortion at the corners is the same whatever the lens's angle, so that a long lens has as much to correct as
+  // a short one.
   const double corner = 1.414 * half_m / choice.height_m;
   camera.lens = {-0.11 / (corner * corner), 0.03 / (corner * corner * corner * corner), 0.0, 4e-4, -3e-4};
   camera.exposure_s = 1e-3 * choice.exposure_ms;
@@ -105,7 +106,7 @@ EmulatedCamera::EmulatedCamera(vision::Calibration calibration, vision::Painter 
 Result<EmulatedCamera> EmulatedCamera::over(const zone::TrafficZone& zone) {
   const auto primitives = zone::draw(zone);
   const zone::Bounds whole = zone::bounds(primitives);
-  // As large as its white margin leaves on the roof: 9 of 12 cm.
+  // As large as the tag's white margin on the roof allows: 9 of 12 cm.
   const double side_m = 0.75 * zone.vehicle.width_m;
   const double half_m_max = 0.5 * size_px * side_m / tag_px_min;
   const double half_m = std::min(half_side_m(whole), half_m_max);

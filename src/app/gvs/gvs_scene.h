@@ -15,10 +15,10 @@
 #include "cosiva/zone/drawing/draw.h"
 #include "cosiva/zone/layout/traffic_zone.h"
 
-/// The emulated world before a camera: what `cosiva gvs render` draws, and what a platform without a real one looks at.
+/// The emulated world as a camera's scene: for `cosiva gvs render`, and for a platform without a real camera.
 namespace cosiva::app {
 
-/// What a camera in the middle above a zone is made of, as far as it can be chosen.
+/// The selectable properties of a camera above the centre of a zone.
 struct SceneChoice {
   std::uint32_t size_px{1024};
   double height_m{3.3};
@@ -28,14 +28,14 @@ struct SceneChoice {
   double noise_grey{2.0};
   double brightness{1.0};
 };
-/// One whose lens is as long as it takes to see all of it.
+/// A camera whose focal length is the longest that shows all of the area.
 [[nodiscard]] vision::SceneCamera camera_over(const zone::Bounds& bounds, const SceneChoice& choice);
 /// The painted lines of a zone's drawing.
 [[nodiscard]] std::vector<vision::SceneLine> lines_of(const std::vector<zone::Primitive>& primitives);
-/// Corners that one would read off a printed grid: 0.1 m apart on floors that a room has.
+/// The corners of a printed grid as read off an image: 0.1 m apart on floors of a room's size.
 [[nodiscard]] std::vector<vision::FloorPoint> corners_of(const vision::SceneCamera& camera, std::uint64_t seed);
 
-/// A vehicle as the plant says it truly is (wire::ground_truth_topic).
+/// A vehicle's ground truth from the plant (wire::ground_truth_topic).
 struct TruthfulVehicle {
   std::uint32_t number{};
   Pose2 X_MB{};
@@ -45,24 +45,24 @@ struct GroundTruth {
   SimTime at{};
   std::vector<TruthfulVehicle> vehicles;
 };
-/// Nothing where this is no truth: anybody may publish there.
+/// Nothing where the message is no ground truth: any client may publish on the topic.
 [[nodiscard]] std::optional<GroundTruth> read_plant_ground_truth(const std::string& json);
 
-/// The emulated world's camera over a running plant's zone. What it knows is what a real one's owner would know: it is
-/// calibrated from floor corners, and gives pictures. AIV n carries tag n.
+/// The emulated world's camera over a running plant's zone. Its knowledge is that of a real camera's owner: the camera
+/// is calibrated from floor corners, and delivers images. AIV n carries tag n.
 class EmulatedCamera {
  public:
-  static constexpr std::uint32_t size_px = 960;  ///< half of it is what the page shows
-  static constexpr double tag_px_min = 24.0;     ///< where tags would be smaller it looks at the zone's middle alone
+  static constexpr std::uint32_t size_px = 960;  ///< the page shows half of it
+  static constexpr double tag_px_min = 24.0;     ///< with smaller tags the camera observes only the centre of the zone
 
   /// Fails as vision::calibrate does.
   [[nodiscard]] static Result<EmulatedCamera> over(const zone::TrafficZone& zone);
   [[nodiscard]] const vision::Calibration& calibration() const { return calibration_; }
   [[nodiscard]] double tag_side_m() const { return tag_side_m_; }
   [[nodiscard]] double exposure_s() const { return painter_.camera().exposure_s; }
-  /// How much of the floor is in its picture, from side to side.
+  /// Width of the floor in the image, from side to side.
   [[nodiscard]] double width_m() const { return width_m_; }
-  /// Of all at that moment. Vehicles turn as they did since the truth before.
+  /// Renders all vehicles at that moment. Vehicles turn as they did since the previous ground truth.
   [[nodiscard]] vision::Image take(const GroundTruth& ground_truth, const std::optional<GroundTruth>& before);
 
  private:

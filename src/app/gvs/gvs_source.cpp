@@ -17,18 +17,18 @@ Result<void> check_gvs_source(const GvsSource& source, const std::string& prefix
   if (source.emulated()) {
     if (source.exposure_ms > 0.0 || source.line_us > 0.0 || source.tag_side_m > 0.0 || !source.vehicles.empty()) {
       return fail("gvs.images",
-                  "exposure, line, tag-side and vehicle are of a real camera; the emulated world's is known. Say " +
+                  "exposure, line, tag-side and vehicle are of a real camera; the emulated world's is known. Give " +
                       prefix + "images DIR, " + prefix + "video FILE or " + prefix + "camera N",
                   prefix + "camera");
     }
     if (source.calibration_file.empty()) return {};
     return fail("gvs.images",
-                "whose pictures? Say " + prefix + "images DIR, " + prefix + "video FILE or " + prefix +
-                    "camera N; the emulated world's camera needs no calibration",
+                "the source of the images is missing. Give " + prefix + "images DIR, " + prefix + "video FILE or " +
+                    prefix + "camera N; the emulated world's camera needs no calibration",
                 prefix + "calibration");
   }
   if (source.calibration_file.empty()) {
-    return fail("gvs.calibration", "images of a real camera need its calibration: what `cosiva gvs calibrate` wrote",
+    return fail("gvs.calibration", "images of a real camera need its calibration, written by `cosiva gvs calibrate`",
                 prefix + "calibration");
   }
   if (auto calibration = read_calibration_file(source.calibration_file); !calibration)

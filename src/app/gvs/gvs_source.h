@@ -9,8 +9,8 @@
 
 namespace cosiva::app {
 
-/// Where a running platform's pictures come from, and what is known of them, as the command line said it
-/// (`cosiva gvs watch`, `cosiva up --gvs`).
+/// The image source of a running platform and its properties, as given on the command line (`cosiva gvs watch`, `cosiva
+/// up --gvs`).
 struct GvsSource {
   std::string calibration_file;  ///< empty: the emulated world's own camera
   std::string images_folder;
@@ -25,9 +25,9 @@ struct GvsSource {
   [[nodiscard]] bool emulated() const { return images_folder.empty() && video_file.empty() && !camera; }
 };
 
-/// Whether the source's files and its camera are there and can be read, without using any yet. Fails ("gvs.images",
-/// "gvs.calibration") with the option that is wrong.
-/// @param prefix  of its options, for messages: "--", or "--gvs-" for `up`
+/// Checks that the source's files and its camera exist and can be read, without using any. Fails ("gvs.images",
+/// "gvs.calibration") with the wrong option.
+/// @param prefix  of the options, for messages: "--", or "--gvs-" for `up`
 [[nodiscard]] Result<void> check_gvs_source(const GvsSource& source, const std::string& prefix);
 
 }  // namespace cosiva::app

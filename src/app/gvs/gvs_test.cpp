@@ -57,9 +57,9 @@ const Bay& bay() {
   return bay;
 }
 
-// ---- The whole way
+// ---- The complete procedure
 
-TEST(Gvs, rendered_calibrated_and_tracked_says_how_late_the_stamps_are_and_shifts_nothing) {
+TEST(Gvs, rendered_calibrated_and_tracked_reports_the_stamps_delay_and_shifts_no_pose) {
   const Scratch out;
   ASSERT_EQ(cosiva(bay().calibrate(out.path() + "/cal")).status, 0);
   const CommandOutput output =
@@ -73,7 +73,7 @@ TEST(Gvs, rendered_calibrated_and_tracked_says_how_late_the_stamps_are_and_shift
   const JsonValue& offset = *json.find("time_offset");
   EXPECT_EQ(offset.flag("applied"), false);
   EXPECT_NEAR(offset.number("late_ms").value_or(0.0), 30.0, 3.0);
-  // Were it taken out, they would lie on the truth; as it is, they are where the camera stamped them.
+  // With the delay removed the poses would equal the ground truth; they stay at the camera's stamps.
   for (const JsonValue& vehicle : *offset.find("vehicles")->array()) {
     if (!vehicle.number("late_ms")) continue;
     EXPECT_LE(vehicle.number("rms_without_offset_mm").value_or(9.0), 2.0);
@@ -88,7 +88,7 @@ TEST(Gvs, rendered_calibrated_and_tracked_says_how_late_the_stamps_are_and_shift
     EXPECT_TRUE(std::filesystem::exists(out.path() + "/seen/" + file)) << file;
 }
 
-TEST(Gvs, calibrates_from_tags_that_lie_on_the_floor_as_well) {
+TEST(Gvs, calibrates_from_tags_on_the_floor) {
   const CommandOutput output =
       cosiva({"gvs", "calibrate", "--board", bay().file("board.csv"), "--images", bay().file("board"), "--json"});
   ASSERT_EQ(output.status, 0) << output.standard_error;
@@ -110,7 +110,7 @@ TEST(Gvs, calibrates_a_real_camera_with_its_surveyed_poses) {
   EXPECT_LE(json.find("poses")->number("heading_left_out_deg").value_or(9.0), 0.25);
   for (const char* file : {"calibration.json", "residual_map.svg", "report.html", "result.json"})
     EXPECT_TRUE(std::filesystem::exists(out.path() + "/" + file)) << file;
-  // What is known of the truth that it gives, part by part: the poses that were left out tell height and mounting.
+  // The known parts of the ground truth's uncertainty: the left-out poses yield height and mounting.
   const auto budget = load_reference_budget(out.path() + "/reference_budget.json");
   ASSERT_TRUE(budget) << to_string(budget.error());
   ASSERT_EQ(budget->parts.size(), 4U);
@@ -121,7 +121,7 @@ TEST(Gvs, calibrates_a_real_camera_with_its_surveyed_poses) {
   EXPECT_EQ(budget->untold(), 1U);  // the clock
 }
 
-TEST(Gvs, calibration_gives_the_budget_of_its_own_error_and_says_what_nobody_has_told) {
+TEST(Gvs, calibration_gives_its_own_error_budget_and_names_unknown_parts) {
   const Scratch out;
   std::vector<std::string> standard_error = bay().calibrate(out.path() + "/cal");
   standard_error.insert(standard_error.end(), {"--tag-height-error", "0.002", "--mount-error", "0.003"});
@@ -141,7 +141,7 @@ TEST(Gvs, calibration_gives_the_budget_of_its_own_error_and_says_what_nobody_has
   EXPECT_GT(*part(*reported, "tag height").uncertainty_m, 0.002 * 0.8 / 3.2);
   EXPECT_LT(*part(*reported, "tag height").uncertainty_m, 0.002 * 2.5 / 3.2);
   EXPECT_EQ(reported->untold(), 2U);  // noise of tags, the clock
-  EXPECT_EQ(alone->untold(), 4U);     // height and mounting, too
+  EXPECT_EQ(alone->untold(), 4U);     // also height and mounting
   EXPECT_FALSE(part(*alone, "tag height").uncertainty_m);
   EXPECT_NE(part(*alone, "tag height").source.find("1 mm of it would be"), std::string::npos);
 }
@@ -162,7 +162,7 @@ TEST(Gvs, rendering_gives_the_same_bytes_for_the_same_seed) {
 
 // ---- Photographs, by OpenCV
 
-/// The listed corners' middles: "id, (x y), (x y), (x y), (x y)".
+/// The centres of the listed corners: "id, (x y), (x y), (x y), (x y)".
 std::vector<std::pair<int, vision::PixelPoint>> listed(const std::string& text) {
   std::vector<std::pair<int, vision::PixelPoint>> tags;
   Lines lines{text};
@@ -180,9 +180,9 @@ std::vector<std::pair<int, vision::PixelPoint>> listed(const std::string& text) 
   return tags;
 }
 
-/// The list is an earlier library's own output; 46 of its 47 tags are found by Debian's apriltag 3.3.0. The other one
-/// is found at no size, blur, sharpening or contrast that was tried: the day it is, this test says so.
-TEST(Photographs, show_the_tags_that_are_listed_but_one) {
+/// The list is an earlier library's own output; 46 of its 47 tags are found by Debian's apriltag 3.3.0. The other tag
+/// is found at no size, blur, sharpening or contrast that was tried; this test fails when it is found.
+TEST(Photographs, show_all_listed_tags_but_one) {
   const auto is_not_found = [](const std::string& name, vision::PixelPoint position) {
     return name == "34085369442_304b6bafd9_c" && std::abs(position.u - 702.25) < 0.1 &&
            std::abs(position.v - 114.80) < 0.1;
@@ -210,20 +210,20 @@ TEST(Photographs, show_the_tags_that_are_listed_but_one) {
   EXPECT_EQ(missed, 1U);
 }
 
-TEST(Photographs, that_are_truncated_or_none_are_refused_with_their_name) {
+TEST(Photographs, that_are_truncated_or_invalid_are_refused_with_their_name) {
   const Scratch folder;
   const std::string file = folder.path() + "/broken.jpg";
-  ASSERT_TRUE(adapters::write_file(file, "no picture"));
+  ASSERT_TRUE(adapters::write_file(file, "no image"));
   const auto image = read_image(file);
   ASSERT_FALSE(image);
-  EXPECT_THAT(to_string(image.error()), HasSubstr("broken.jpg: is no picture"));
+  EXPECT_THAT(to_string(image.error()), HasSubstr("broken.jpg: is no image"));
   ASSERT_TRUE(adapters::write_file(file, ""));
   EXPECT_FALSE(read_image(file));
 }
 
 // ---- Bad input
 
-TEST(Gvs, refuses_what_it_cannot_use_with_status_2_and_says_what_and_where) {
+TEST(Gvs, refuses_invalid_input_with_2_and_names_what_and_where) {
   const Scratch out;
   const std::string empty = out.path() + "/empty";
   std::filesystem::create_directories(empty);
@@ -235,16 +235,16 @@ TEST(Gvs, refuses_what_it_cannot_use_with_status_2_and_says_what_and_where) {
     std::string message;
   };
   const std::vector<Case> cases{
-      {{"gvs"}, "say what to do: calibrate, track, render or watch"},
+      {{"gvs"}, "a subcommand is missing: calibrate, track, render or watch"},
       {{"gvs", "calibrate"}, "--points FILE, or --board FILE"},
       {{"gvs", "calibrate", "--points", out.path() + "/none.csv"}, "none.csv"},
       {{"gvs", "calibrate", "--points", out.path() + "/three.csv"}, "three.csv: holds 3 points"},
       {{"gvs", "calibrate", "--points", data + "cpm-ips/calibration_points.csv", "--size", "640x480"},
-       "lies outside a picture of 640x480"},
+       "lies outside an image of 640x480"},
       {{"gvs", "calibrate", "--points", data + "cpm-ips/calibration_points.csv", "--size", "wide"}, "expected a size"},
       {{"gvs", "calibrate", "--board", bay().file("board.csv")}, "needs --images"},
       {{"gvs", "calibrate", "--board", bay().file("points.csv"), "--images", empty}, "lacks the column 'id'"},
-      {{"gvs", "calibrate", "--board", bay().file("board.csv"), "--images", empty}, "holds no pictures"},
+      {{"gvs", "calibrate", "--board", bay().file("board.csv"), "--images", empty}, "contains no images"},
       {{"gvs", "track"}, "--calibration is required"},
       {{"gvs", "track", "--calibration", out.path() + "/cal.json", "--images", empty},
        "cal.json: expected a JSON object"},
@@ -267,7 +267,7 @@ TEST(Gvs, tracking_refuses_bad_folders_and_images) {
   const auto track = [&] {
     return cosiva({"gvs", "track", "--calibration", out.path() + "/calibration.json", "--images", images});
   };
-  EXPECT_THAT(track().standard_error, HasSubstr("holds no pictures"));
+  EXPECT_THAT(track().standard_error, HasSubstr("contains no images"));
   ASSERT_TRUE(adapters::write_file(images + "/a.pgm", "P5\n1200 1200\n255\ntoo short"));
   CommandOutput output = track();
   EXPECT_EQ(output.status, 2);
@@ -277,7 +277,7 @@ TEST(Gvs, tracking_refuses_bad_folders_and_images) {
   ASSERT_TRUE(adapters::write_file(images + "/a.pgm", write_pgm(vision::Image::filled({1200, 1200}, 7))));
   output = track();
   EXPECT_EQ(output.status, 1);
-  EXPECT_THAT(output.standard_error, HasSubstr("no vehicle was seen"));
+  EXPECT_THAT(output.standard_error, HasSubstr("no vehicle was detected"));
   ASSERT_TRUE(adapters::write_file(images + "/stamps.csv", "file,stamp_s\nb.pgm,0\n"));
   EXPECT_THAT(track().standard_error, HasSubstr("has no stamp for"));
   ASSERT_TRUE(adapters::write_file(images + "/stamps.csv", "file,stamp_s\na.pgm,soon\n"));

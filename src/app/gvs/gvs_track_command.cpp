@@ -26,7 +26,7 @@ struct Timing {
   std::string frame;
   double stamp_s;
   std::size_t fixes;
-  double took_ms;  ///< of a processor
+  double took_ms;  ///< processor time
 };
 
 struct Tracked {
@@ -42,7 +42,8 @@ Result<std::unique_ptr<ImageSource>> source_of(const GvsTrackArguments& a) {
   if (!a.images_folder.empty()) return folder_images(a.images_folder, a.rate_hz);
   if (!a.video_file.empty()) return video_images(a.video_file);
   if (a.camera) return camera_images(*a.camera);
-  return fail("gvs.images", "say where pictures come from: --images DIR, --video FILE or --camera N", "gvs track");
+  return fail("gvs.images", "the source of the images is missing: --images DIR, --video FILE or --camera N",
+              "gvs track");
 }
 
 Result<Tracked> track(const GvsTrackArguments& a, const vision::Calibration& calibration, ImageSource& images) {
@@ -70,7 +71,7 @@ Result<Tracked> track(const GvsTrackArguments& a, const vision::Calibration& cal
       tracked.fixes[fix.tag].push_back(fix);
       tracked.uncertainty_mean_m += fix.uncertainty_m;
     }
-    if (ticker.ticks()) print_info("cosiva: " + std::to_string(tracked.timing.size()) + " pictures");
+    if (ticker.ticks()) print_info("cosiva: " + std::to_string(tracked.timing.size()) + " images");
   }
   tracked.metrics = tracker.metrics();
   if (tracked.metrics.fixes > 0) tracked.uncertainty_mean_m /= static_cast<double>(tracked.metrics.fixes);
@@ -92,7 +93,7 @@ Result<std::vector<vision::Timed>> reference_of(const std::string& file) {
   return timed;
 }
 
-/// Which tag's reference stands in which file.
+/// The file of each tag's reference.
 Result<std::map<int, std::string>> references_of(const GvsTrackArguments& a, const Tracked& tracked) {
   std::map<int, std::string> files;
   for (const std::string& against : a.against) {
@@ -109,11 +110,11 @@ Result<std::map<int, std::string>> references_of(const GvsTrackArguments& a, con
     if (equals == std::string::npos || !tag)
       return fail("gvs.against", "expected TAG=FILE or a folder of tag_N.tum, found '" + against + "'", "--against");
     if (!tracked.fixes.contains(*tag))
-      return fail("gvs.against", "tag " + std::to_string(*tag) + " was never seen", "--against");
+      return fail("gvs.against", "tag " + std::to_string(*tag) + " was never detected", "--against");
     files[*tag] = against.substr(equals + 1);
   }
   if (files.empty() && !a.against.empty())
-    return fail("gvs.against", "holds no tag_N.tum of a tag that was seen", a.against[0]);
+    return fail("gvs.against", "holds no tag_N.tum of a detected tag", a.against[0]);
   return files;
 }
 
@@ -131,7 +132,7 @@ Result<std::vector<Offset>> offsets_of(const GvsTrackArguments& a, const Tracked
   return offsets;
 }
 
-/// All vehicles' offsets as one, each with the weight of its certainty; nothing where none could be told.
+/// The mean offset of all vehicles, weighted by certainty; nothing where no offset could be estimated.
 std::optional<std::pair<double, double>> mean_offset(const std::vector<Offset>& offsets) {
   double weights = 0.0;
   double sum = 0.0;
@@ -188,13 +189,13 @@ std::string json_of(const Tracked& tracked, const std::vector<Offset>& offsets) 
 
 std::string text_of(const Tracked& tracked, const std::vector<Offset>& offsets) {
   std::string text = std::to_string(tracked.fixes.size()) + " vehicles, " + std::to_string(tracked.metrics.fixes) +
-                     " fixes in " + std::to_string(tracked.metrics.images) + " pictures; " +
-                     decimals(median_ms(tracked.timing), 1) + " ms of a processor per picture (median)\n";
+                     " fixes in " + std::to_string(tracked.metrics.images) + " images; " +
+                     decimals(median_ms(tracked.timing), 1) + " ms of processor time per image (median)\n";
   text += "uncertainty " + decimals(1e3 * tracked.uncertainty_mean_m, 2) + " mm on average (calibration and tags); " +
-          std::to_string(tracked.metrics.lost) + " times one was not found again, " +
-          std::to_string(tracked.metrics.strange) + " tags that were none";
+          std::to_string(tracked.metrics.lost) + " times a vehicle was lost, " +
+          std::to_string(tracked.metrics.strange) + " false tags";
   if (const auto mean = mean_offset(offsets)) {
-    text += "\nstamps are late by " + decimals(1e3 * mean->first, 2) + " ± " + decimals(1e3 * mean->second, 2) +
+    text += "\nstamps are delayed by " + decimals(1e3 * mean->first, 2) + " ± " + decimals(1e3 * mean->second, 2) +
             " ms against the references; not applied: poses are as the camera stamped them";
   }
   for (const Offset& offset : offsets) {
@@ -203,7 +204,7 @@ std::string text_of(const Tracked& tracked, const std::vector<Offset>& offsets) 
         offset.found
             ? decimals(1e3 * offset.found->offset_s, 2) + " ± " + decimals(1e3 * offset.found->standard_error_s, 2) +
                   " ms; off by " + decimals(1e3 * offset.found->before_rms_m, 2) + " mm rms, " +
-                  decimals(1e3 * offset.found->after_rms_m, 2) + " were it taken out; lever " +
+                  decimals(1e3 * offset.found->after_rms_m, 2) + " with the delay removed; lever " +
                   decimals(1e3 * offset.found->lever.x_m, 1) + ", " + decimals(1e3 * offset.found->lever.y_m, 1) + " mm"
             : offset.found.error().message;
   }
@@ -221,7 +222,7 @@ Result<void> write_all(const std::string& folder, const Tracked& tracked, const 
   for (const auto& [tag, fixes] : tracked.fixes) {
     experiments::Trajectory trajectory{"tag_" + std::to_string(tag), {}};
     for (const vision::Fix& fix : fixes) {
-      // Two rows of a rolling shutter may be seen at one time; a trajectory's stamps rise.
+      // Two rows of a rolling shutter may have the same time; a trajectory's stamps must rise.
       if (!trajectory.poses.empty() && !(fix.t_s > trajectory.poses.back().t_s)) continue;
       trajectory.poses.push_back(experiments::stamped(fix.t_s, fix.X_MB));
       poses += number(fix.t_s) + "," + std::to_string(tag) + "," + number(fix.X_MB.x_m) + "," + number(fix.X_MB.y_m) +
@@ -259,9 +260,9 @@ int run_gvs_track(const GvsTrackArguments& a) {
     print_info("written into " + a.out_folder);
   }
   print(a.json ? result : text_of(*tracked, *offsets));
-  // Its own check: pictures that show nobody prove nothing.
+  // The run's own check: images without a vehicle prove nothing.
   if (tracked->metrics.fixes == 0) {
-    print_info("cosiva: no vehicle was seen in any picture");
+    print_info("cosiva: no vehicle was detected in any image");
     return exit_check_failed;
   }
   return exit_done;

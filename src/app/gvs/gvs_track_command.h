@@ -24,8 +24,8 @@ struct GvsTrackArguments {
   bool json{false};
 };
 
-/// `cosiva gvs track`: the vehicles in recorded images. Gives the exit status: 0 done, 1 the run's own checks failed, 2
-/// bad usage or bad input.
+/// `cosiva gvs track`: tracks the vehicles in recorded images. Gives the exit status: 0 done, 1 the run's own checks
+/// failed, 2 bad usage or bad input.
 int run_gvs_track(const GvsTrackArguments& arguments);
 
 }  // namespace cosiva::app

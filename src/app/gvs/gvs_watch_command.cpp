@@ -28,13 +28,13 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// Somebody who looks says so twice a second.
+/// A preview request comes twice per second while a client displays the preview.
 constexpr SimDuration looked_for{std::chrono::seconds{2}};
-/// An emulated world that says nothing for so long is gone.
+/// An emulated world without messages for this time is treated as absent.
 constexpr SimDuration ground_truth_missed_after{std::chrono::seconds{2}};
 
 std::string text_of(const GvsSource& source) {
-  if (!source.images_folder.empty()) return "the pictures of " + source.images_folder;
+  if (!source.images_folder.empty()) return "the images of " + source.images_folder;
   if (!source.video_file.empty()) return "the video " + source.video_file;
   return "the camera /dev/video" + std::to_string(source.camera.value_or(0));
 }
@@ -53,11 +53,12 @@ class Watch {
     if (calibration) camera_.emplace(std::move(*calibration), tracker_options(source_), names_);
     if (auto connected = connect(); !connected) return report_error(connected.error());
     loop_.on_signals({SIGINT, SIGTERM, SIGHUP}, [this](int) {
-      if (std::exchange(interrupted_, true)) return loop_.stop();  // asked twice: at once, without a goodbye
+      if (std::exchange(interrupted_, true))
+        return loop_.stop();  // second signal: end at once, without a final message
       end();
     });
     if (arguments_.part.duration_s) duration_.after(from_seconds(*arguments_.part.duration_s), [this] { end(); });
-    // A zone with none of the emulated world's truth is no world.
+    // A zone without ground truth is not the emulated world.
     ground_truth_received_ = clock_.now();
     heartbeat_.every(milliseconds{500}, [this] { check_for_ground_truth(); });
     if (!source_.emulated()) open_feed();
@@ -65,7 +66,7 @@ class Watch {
     loop_.run();
     feed_.reset();
     if (arguments_.part.json) print(json());
-    // Its own check: who watched for so long and saw nobody has shown nothing.
+    // The run's own check: a watch without any detection proves nothing.
     return detected_ == 0 && !interrupted_ ? exit_check_failed : exit_done;
   }
 
@@ -111,12 +112,12 @@ class Watch {
     }
   }
 
-  /// The zone says how large vehicles are, and to an emulated camera what there is to look at.
+  /// The zone defines the vehicles' size, and the scene of an emulated camera.
   void take_zone(const std::string& topic, std::string_view payload) {
     const auto configuration = zone::from_payload(topic.substr(wire::zone_topic_prefix.size()), topic, payload);
     if (zone_ && same_content(*zone_, configuration)) return;
     const auto rtm = zone::Rtm::initialise(configuration);
-    if (!rtm) return;  // the server says why; the zone that was there stays
+    if (!rtm) return;  // the server reports the error; the present zone stays
     zone_ = configuration;
     body_ = rtm->zone().vehicle;
     if (!source_.emulated()) return;
@@ -143,7 +144,7 @@ class Watch {
 
   void check_for_ground_truth() {
     if (source_.emulated() && clock_.now() - ground_truth_received_ > ground_truth_missed_after)
-      set_trouble("the emulated world (cosiva plant) says nothing");
+      set_trouble("the emulated world (cosiva plant) sends nothing");
   }
 
   void take(const vision::Image& image, SimTime began) {
@@ -161,7 +162,7 @@ class Watch {
   void set_trouble(const std::string& why) {
     if (why == trouble_) return;
     trouble_ = why;
-    print_info(why.empty() ? "cosiva gvs: pictures come" : "cosiva gvs: " + why);
+    print_info(why.empty() ? "cosiva gvs: images arrive" : "cosiva gvs: " + why);
     publish_connection(wire::ConnectionState::online);
   }
 
@@ -210,7 +211,7 @@ class Watch {
 
 int run_gvs_watch(const GvsWatchArguments& arguments) {
   const GvsSource& source = arguments.source;
-  // For `up`, which has looked at all of it, a camera that is not there just now may come back.
+  // `up` has checked the source before; a camera that is absent at this moment may come back.
   if (!arguments.part.announce) {
     if (auto checked = check_gvs_source(source, "--"); !checked) return report_error(checked.error());
   }

@@ -11,8 +11,8 @@ struct GvsWatchArguments {
   GvsSource source;
 };
 
-/// `cosiva gvs watch`: says on the broker where a running platform's AIVs truly are. Gives the exit status: 0 done, 1
-/// the run's own checks failed, 2 bad usage or bad input.
+/// `cosiva gvs watch`: publishes the actual positions of a running platform's AIVs on the broker. Gives the exit
+/// status: 0 done, 1 the run's own checks failed, 2 bad usage or bad input.
 int run_gvs_watch(const GvsWatchArguments& arguments);
 
 }  // namespace cosiva::app

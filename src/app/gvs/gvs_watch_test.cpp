@@ -1,4 +1,4 @@
-// A camera over a running platform: what it says of its pictures, and what it shows.
+// A camera over a running platform: what it publishes about its images, and the preview.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ constexpr double degree_rad = pi / 180.0;
 
 zone::Rtm lacet4() { return std::move(open_zone(fixture::zones + "lacet4.toml").value()); }
 
-/// Four vehicles that drive and turn over lacet4, as a plant says it.
+/// Four vehicles that drive and turn over lacet4, as published by a plant.
 GroundTruth ground_truth_at(SimTime at) {
   GroundTruth ground_truth{at, {}};
   const double t_s = to_seconds(at - virtual_epoch);
@@ -67,14 +67,14 @@ struct Watched {
   vision::Image image;
 };
 
-TEST(GvsCamera, sees_every_vehicle_of_an_emulated_world_within_3_mm_of_where_it_is_in_mid_exposure) {
+TEST(GvsCamera, detects_every_vehicle_of_an_emulated_world_within_3_mm_of_its_position_at_mid_exposure) {
   Watched watched;
   for (int k = 0; k < 4; ++k) {
     const SimTime at = virtual_epoch + 250ms * k;
     const wire::GvsDetections detections = watched.detect(at);
     ASSERT_THAT(detections.detections, SizeIs(4));
     for (const auto& detection : detections.detections) {
-      EXPECT_EQ(detection.at - at, 2ms) << "of four of exposure";
+      EXPECT_EQ(detection.at - at, 2ms) << "half of the exposure of 4 ms";
       const auto ground_truth = ground_truth_at(detection.at).vehicles[detection.tag - 1];
       EXPECT_LT(distance(detection.pose, ground_truth.X_MB), 0.003) << "AIV" << detection.tag;
       EXPECT_LT(std::fabs(wrap_angle(detection.pose.heading_rad - ground_truth.X_MB.heading_rad)), 0.5 * degree_rad);
@@ -83,14 +83,14 @@ TEST(GvsCamera, sees_every_vehicle_of_an_emulated_world_within_3_mm_of_where_it_
   }
 }
 
-TEST(GvsCamera, names_vehicles_by_their_tags_and_others_as_it_was_told) {
+TEST(GvsCamera, names_vehicles_by_their_tags_and_others_as_configured) {
   Watched watched;
   std::vector<std::string> names;
   for (const auto& detection : watched.detect(virtual_epoch).detections) names.push_back(detection.vehicle);
   EXPECT_THAT(names, ElementsAre("CoSiVA/AIV1", "CoSiVA/AIV2", "ACME/cart", "CoSiVA/AIV4"));
 }
 
-TEST(GvsCamera, a_tag_whose_usual_aiv_carries_another_one_is_nobody_s) {
+TEST(GvsCamera, a_tag_whose_usual_aiv_carries_another_tag_belongs_to_no_vehicle) {
   EmulatedCamera camera = EmulatedCamera::over(lacet4().zone()).value();
   GvsSource source;
   source.tag_side_m = camera.tag_side_m();
@@ -102,7 +102,7 @@ TEST(GvsCamera, a_tag_whose_usual_aiv_carries_another_one_is_nobody_s) {
   EXPECT_THAT(names, ElementsAre("tag 1", "CoSiVA/AIV1", "CoSiVA/AIV3", "CoSiVA/AIV4"));
 }
 
-TEST(GvsCamera, tells_how_much_of_the_floor_it_sees) {
+TEST(GvsCamera, reports_the_observed_part_of_the_floor) {
   const Watched watched;
   double low = 0.0;
   double high = 0.0;
@@ -113,7 +113,7 @@ TEST(GvsCamera, tells_how_much_of_the_floor_it_sees) {
   const double half_m = 0.5 * watched.camera.width_m();
   EXPECT_NEAR(low, -half_m, 0.25 * half_m);
   EXPECT_NEAR(high, half_m, 0.25 * half_m);
-  // Who is cut off by the picture's border is not missed: a whole tag is seen at each corner.
+  // A vehicle that the image's border cuts off is not reported as missing: a whole tag is detected at each corner.
   const vision::Calibration& calibration = watched.camera.calibration();
   const double height_m = vision::profile_of(1, calibration.markers).height_m;
   for (const Point2& corner : watched.watched_camera->field()) {
@@ -126,7 +126,7 @@ TEST(GvsCamera, tells_how_much_of_the_floor_it_sees) {
   }
 }
 
-TEST(GvsCamera, passes_over_an_image_that_is_not_newer_and_refuses_one_of_another_size) {
+TEST(GvsCamera, ignores_an_image_that_is_not_newer_and_refuses_another_size) {
   Watched watched;
   ASSERT_THAT(watched.detect(virtual_epoch + 1s).detections, SizeIs(4));
   EXPECT_THAT(watched.detect(virtual_epoch).detections, SizeIs(0));
@@ -136,7 +136,7 @@ TEST(GvsCamera, passes_over_an_image_that_is_not_newer_and_refuses_one_of_anothe
   EXPECT_THAT(refused.error().message, HasSubstr("64 x 64"));
 }
 
-TEST(GvsCamera, shows_a_small_image_whose_comment_says_who_is_where_on_it) {
+TEST(GvsCamera, shows_a_preview_image_whose_comment_lists_the_vehicles_positions) {
   Watched watched;
   const wire::GvsDetections detections = watched.detect(virtual_epoch);
   const std::string shown = watched.watched_camera->shown(watched.image, detections, {0.2, 0.12});
@@ -158,7 +158,7 @@ TEST(GvsCamera, shows_a_small_image_whose_comment_says_who_is_where_on_it) {
       u += 0.25 * *(*corner.array())[0].number();
       v += 0.25 * *(*corner.array())[1].number();
     }
-    // The AIV's middle is its tag's, black and white; the floor beside is neither.
+    // The AIV's centre is its tag's, black and white; the floor next to the AIV is neither.
     const auto at = [&](double du, double dv) {
       return int{image->at(static_cast<std::size_t>(u + du), static_cast<std::size_t>(v + dv))};
     };
@@ -175,7 +175,7 @@ TEST(GvsCamera, shows_a_small_image_whose_comment_says_who_is_where_on_it) {
   }
 }
 
-TEST(GvsCamera, a_zone_too_large_for_the_image_is_seen_in_its_centre_with_tags_that_can_be_read) {
+TEST(GvsCamera, observes_the_centre_of_a_zone_too_large_for_the_image_with_readable_tags) {
   const auto rtm = open_zone(fixture::zones + "plant1000.toml");
   ASSERT_TRUE(rtm);
   const auto camera = EmulatedCamera::over(rtm->zone());
@@ -184,7 +184,7 @@ TEST(GvsCamera, a_zone_too_large_for_the_image_is_seen_in_its_centre_with_tags_t
   EXPECT_GE(px_per_m * camera->tag_side_m(), EmulatedCamera::tag_px_min - 1e-9);
 }
 
-TEST(GroundTruth, is_read_from_what_a_plant_says_and_from_nothing_else) {
+TEST(GroundTruth, is_read_from_a_plant_s_message_and_from_no_other) {
   const auto ground_truth = read_plant_ground_truth(
       R"({"timestamp":"2026-01-01T00:00:00.100Z","vehicles":[{"number":2,"x":1,"y":2,"heading":0.5,"speed":0.3}],"obstacles":[]})");
   ASSERT_TRUE(ground_truth);
@@ -200,7 +200,7 @@ TEST(GroundTruth, is_read_from_what_a_plant_says_and_from_nothing_else) {
     EXPECT_FALSE(read_plant_ground_truth(other)) << other;
 }
 
-// ---- Pictures for a loop
+// ---- Images for a loop
 
 struct Fed {
   explicit Fed(std::string folder, double rate_hz = 100.0)
@@ -228,7 +228,7 @@ std::string images_in(const Scratch& scratch, int count) {
   return folder;
 }
 
-TEST(PreviewFeed, gives_recorded_images_at_their_own_pace_and_says_when_there_are_no_more) {
+TEST(PreviewFeed, delivers_recorded_images_at_their_recorded_rate_and_reports_their_end) {
   const Scratch scratch;
   Fed fed{images_in(scratch, 5)};
   const auto began = std::chrono::steady_clock::now();
@@ -236,10 +236,10 @@ TEST(PreviewFeed, gives_recorded_images_at_their_own_pace_and_says_when_there_ar
   EXPECT_GE(std::chrono::steady_clock::now() - began, 190ms) << "five, a twentieth of a second apart";
   EXPECT_THAT(fed.names, ElementsAre("0.pgm", "1.pgm", "2.pgm", "3.pgm", "4.pgm"));
   EXPECT_NEAR(to_seconds(fed.stamps[4] - fed.stamps[0]), 0.2, 1e-6);
-  EXPECT_THAT(fed.troubles, ElementsAre("there are no more pictures"));
+  EXPECT_THAT(fed.troubles, ElementsAre("there are no more images"));
 }
 
-TEST(PreviewFeed, leaves_out_what_comes_faster_than_it_is_looked_at) {
+TEST(PreviewFeed, drops_images_that_arrive_faster_than_they_are_processed) {
   const Scratch scratch;
   Fed fed{images_in(scratch, 12), 5.0};
   ASSERT_TRUE(fed.until([&] { return !fed.troubles.empty(); }));
@@ -247,7 +247,7 @@ TEST(PreviewFeed, leaves_out_what_comes_faster_than_it_is_looked_at) {
   EXPECT_GE(fed.names.size(), 3U);
 }
 
-TEST(PreviewFeed, says_why_there_are_none_and_takes_them_when_they_come) {
+TEST(PreviewFeed, reports_why_there_are_no_images_and_delivers_them_once_available) {
   const Scratch scratch;
   Fed fed{scratch / "images"};
   ASSERT_TRUE(fed.until([&] { return !fed.troubles.empty(); }));
@@ -256,7 +256,7 @@ TEST(PreviewFeed, says_why_there_are_none_and_takes_them_when_they_come) {
   EXPECT_TRUE(fed.until([&] { return !fed.names.empty(); }));
 }
 
-TEST(PreviewFeed, says_which_image_cannot_be_read) {
+TEST(PreviewFeed, reports_which_image_cannot_be_read) {
   const Scratch scratch;
   const std::string folder = images_in(scratch, 1);
   ASSERT_TRUE(adapters::write_file(folder + "/1.pgm", "P5\n8 8\n255\nshort"));
@@ -265,9 +265,9 @@ TEST(PreviewFeed, says_which_image_cannot_be_read) {
   EXPECT_THAT(fed.troubles[0], HasSubstr("1.pgm"));
 }
 
-// ---- What is asked wrongly is said before anything is started
+// ---- Invalid options are reported before anything is started
 
-TEST(GvsWatch, refuses_what_it_cannot_use_with_2_and_the_option) {
+TEST(GvsWatch, refuses_invalid_input_with_2_and_names_the_option) {
   const Scratch scratch;
   const std::string bad = scratch.write("bad.json", R"({"name":"x"})");
   const std::string folder = images_in(scratch, 1);
@@ -301,7 +301,7 @@ TEST(GvsWatch, refuses_a_camera_that_is_not_there_and_a_folder_without_images) {
   std::filesystem::create_directories(scratch / "empty");
   const auto empty = cosiva({"gvs", "watch", "--calibration", calibration, "--images", scratch / "empty"});
   EXPECT_EQ(empty.status, 2);
-  EXPECT_THAT(empty.standard_error, HasSubstr("holds no pictures"));
+  EXPECT_THAT(empty.standard_error, HasSubstr("contains no images"));
 }
 
 }  // namespace

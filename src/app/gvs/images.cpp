@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Opened at the first need, from beside the command (a test's, from beside its build's command); it stays open.
+/// Opened at the first use, from the command's folder (of a test: from its build's command); stays open.
 Result<const Opencv*> opencv(const std::string& needed_for) {
   static const Opencv* loaded = nullptr;
   if (loaded != nullptr) return loaded;
@@ -36,13 +36,13 @@ Result<const Opencv*> opencv(const std::string& needed_for) {
     }
     using Get = const Opencv* (*)();
     if (const auto get = reinterpret_cast<Get>(dlsym(opened, "cosiva_opencv"))) return loaded = get();
-    why = "it is of another version";
+    why = "the library is of another version";
   }
   return fail(
       "opencv.missing",
-      needed_for + " is read by OpenCV, which cannot be used here: " + why +
+      needed_for + " is read by OpenCV, which is not available: " + why +
           "; are libopencv-core-dev, libopencv-imgcodecs-dev and libopencv-videoio-dev installed and cosiva built "
-          "since? PGM and PPM pictures need none",
+          "since? PGM and PPM images do not need OpenCV",
       (self / "cosiva_opencv.so").string());
 }
 
@@ -103,7 +103,7 @@ class StreamImages final : public ImageSource {
     Frame frame;
     if (!stream_->next(frame.image, frame.stamp_s)) return std::optional<Frame>{};
     frame.name = std::to_string(number_++);
-    // A stamp that does not rise (a driver without one) would be no time at all.
+    // A stamp that does not rise (a driver without stamps) would be no time at all.
     if (number_ > 1 && !(frame.stamp_s > before_s_)) frame.stamp_s = before_s_ + 1e-3;
     before_s_ = frame.stamp_s;
     return std::optional<Frame>{std::move(frame)};
@@ -125,7 +125,7 @@ Result<vision::Image> read_image(const std::string& file) {
   if (!library) return tl::unexpected(library.error());
   vision::Image image;
   if (bytes->empty() || !(*library)->decode(*bytes, image))
-    return fail("gvs.image", "is no picture that OpenCV can read, or is truncated", file);
+    return fail("gvs.image", "is no image that OpenCV can read, or is truncated", file);
   return image;
 }
 
@@ -135,7 +135,7 @@ Result<std::unique_ptr<ImageSource>> folder_images(const std::string& folder, do
   for (const auto& entry : fs::directory_iterator(folder, error))
     if (is_image(ending_of(entry.path()))) files.push_back(entry.path().string());
   if (error) return fail("gvs.images", "cannot be read: " + error.message(), folder);
-  if (files.empty()) return fail("gvs.images", "holds no pictures (pgm, ppm, png, jpg, bmp, tif, webp)", folder);
+  if (files.empty()) return fail("gvs.images", "contains no images (pgm, ppm, png, jpg, bmp, tif, webp)", folder);
   std::ranges::sort(files);
   const std::string stamps_file = (fs::path(folder) / "stamps.csv").string();
   std::vector<FolderImages::One> all;
@@ -146,7 +146,7 @@ Result<std::unique_ptr<ImageSource>> folder_images(const std::string& folder, do
       const auto found = stamps->find(fs::path(file).filename().string());
       if (found == stamps->end()) return fail("gvs.images", "has no stamp for '" + file + "'", stamps_file);
       if (!all.empty() && !(found->second > all.back().stamp_s))
-        return fail("gvs.images", "the stamp of '" + file + "' is not later than that of the picture before",
+        return fail("gvs.images", "the stamp of '" + file + "' is not later than that of the previous image",
                     stamps_file);
       all.push_back({file, found->second});
     }
@@ -170,7 +170,7 @@ Result<std::unique_ptr<ImageSource>> camera_images(std::uint32_t number) {
   const auto library = opencv("a camera");
   if (!library) return tl::unexpected(library.error());
   auto stream = (*library)->open_camera(static_cast<int>(number));
-  if (!stream) return fail("gvs.images", "no camera answers there", "/dev/video" + std::to_string(number));
+  if (!stream) return fail("gvs.images", "no camera responds there", "/dev/video" + std::to_string(number));
   return std::make_unique<StreamImages>(std::move(stream));
 }
 

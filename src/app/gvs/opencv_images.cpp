@@ -1,5 +1,5 @@
-// Pictures by OpenCV (Apache-2.0), as a library of its own: opened only where one is asked for that we cannot read
-// ourselves, because a command linked with OpenCV would take a tenth of a second longer to start, each time.
+// Images by OpenCV (Apache-2.0), as a separate library: opened only for an image that CoSiVA cannot read itself,
+// because a command linked with OpenCV would take a tenth of a second longer to start, each time.
 #include "cosiva/app/gvs/opencv_images.h"
 
 #include <chrono>
@@ -14,7 +14,7 @@ namespace {
 using cosiva::app::OpencvStream;
 using cosiva::vision::Image;
 
-/// Grey, whatever it was: 0.299 R + 0.587 G + 0.114 B, as read_netpbm has it.
+/// Converts any image to grey: 0.299 R + 0.587 G + 0.114 B, as read_netpbm does.
 bool to_grey(const cv::Mat& from, Image& image) {
   if (from.empty() || from.depth() != CV_8U) return false;
   const int channels = from.channels();
@@ -38,7 +38,7 @@ class FrameStream final : public OpencvStream {
   bool next(Image& image, double& stamp_s) override {
     cv::Mat frame;
     if (!capture_.read(frame) || !to_grey(frame, image)) return false;
-    // V4L2: the driver's stamp; a file: its own time. Where neither says anything, when it came.
+    // V4L2: the driver's stamp; a file: its own time. Without either: the time of arrival.
     const double container_s = 1e-3 * capture_.get(cv::CAP_PROP_POS_MSEC);
     const auto now = std::chrono::steady_clock::now().time_since_epoch();
     stamp_s = container_s > 0.0 || number_ == 0 ? container_s : std::chrono::duration<double>(now).count();

@@ -20,7 +20,7 @@ PreviewFeed::~PreviewFeed() {
     ending_ = true;
   }
   ended_.notify_all();
-  // A camera that hangs answers within its driver's own patience.
+  // A camera that hangs responds within its driver's own timeout.
   thread_.join();
 }
 
@@ -38,7 +38,7 @@ void PreviewFeed::run() {
     } else {
       trouble(to_string(images.error()));
     }
-    // A recording that has been shown is over; only what is live comes back.
+    // A recording that has been shown is over; only a live source is opened again.
     if (images && options_.recorded) return;
     if (!wait_until(clock_.now() + open_again)) return;
   }
@@ -48,12 +48,12 @@ void PreviewFeed::read(ImageSource& images) {
   for (;;) {
     auto frame = images.next();
     if (!frame) return trouble(to_string(frame.error()));
-    if (!*frame) return trouble(options_.recorded ? "there are no more pictures" : "the camera gives no picture");
+    if (!*frame) return trouble(options_.recorded ? "there are no more images" : "the camera delivers no image");
     const SimTime began = by_our_clock((*frame)->stamp_s);
     if (!wait_until(options_.recorded ? began : SimTime{})) return;
     if (began < due_ || in_flight_ > 0) continue;
     const SimDuration period = from_seconds(1.0 / options_.rate_hz);
-    due_ = std::max(due_ + period, began + period / 2);  // so many a second, whatever the source's own rate
+    due_ = std::max(due_ + period, began + period / 2);  // the requested rate, whatever the source's own rate
     hand_over(std::move(**frame), began);
   }
 }
@@ -67,7 +67,7 @@ SimTime PreviewFeed::by_our_clock(double stamp_s) {
     }
     return first_at_ + from_seconds(stamp_s - *first_stamp_s_);
   }
-  // Its clock began at another moment; of all delays from exposure to here the least is the nearest to none.
+  // The camera's clock began at another moment; of all delays from exposure to arrival the smallest is nearest to zero.
   const double offset_s = to_seconds(now.time_since_epoch()) - stamp_s;
   offset_s_ = std::min(offset_s_.value_or(offset_s), offset_s);
   return SimTime{from_seconds(stamp_s + *offset_s_)};

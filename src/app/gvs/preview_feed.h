@@ -15,20 +15,20 @@
 
 namespace cosiva::app {
 
-/// Pictures for a loop, from a source that may block: read in a thread of their own, so many a second, the newest only.
-/// A source that fails is opened again every two seconds.
+/// Images for a loop, from a source that may block: read in a thread of their own, at a given rate, the newest image
+/// only. A source that fails is opened again every two seconds.
 class PreviewFeed {
  public:
   struct Options {
     std::function<Result<std::unique_ptr<ImageSource>>()> open;
-    /// It would give all pictures at once, as files do: each is waited for as long as its stamp says.
+    /// Files would deliver all images at once: each image is delayed until its stamp.
     bool recorded{false};
     double rate_hz{4.0};
   };
   struct Handlers {
     /// @param began  when the exposure of its first row began, by our clock
     std::function<void(const Frame& frame, SimTime began)> on_image;
-    /// Why there are none now, each time that changes.
+    /// Why there are no images now, each time the reason changes.
     std::function<void(const std::string& why)> on_trouble;
   };
   /// Handlers are called from the loop.
@@ -43,7 +43,7 @@ class PreviewFeed {
   void trouble(const std::string& why);
   void hand_over(Frame frame, SimTime began);
   [[nodiscard]] SimTime by_our_clock(double stamp_s);
-  /// False: it is to end.
+  /// False: the thread is to end.
   bool wait_until(SimTime time);
 
   adapters::EventLoop& loop_;
@@ -51,11 +51,11 @@ class PreviewFeed {
   Handlers handlers_;
   adapters::WallClock clock_;
   SimTime due_{};
-  std::optional<double> first_stamp_s_;  ///< of the source that is open
+  std::optional<double> first_stamp_s_;  ///< of the open source
   SimTime first_at_{};
-  std::optional<double> offset_s_;  ///< our clock less the camera's, at the least delay so far
+  std::optional<double> offset_s_;  ///< our clock minus the camera's, at the least delay so far
   std::string trouble_;
-  std::atomic<int> in_flight_{0};  ///< to the loop: who is busy gets no second one
+  std::atomic<int> in_flight_{0};  ///< images handed over to the loop: a busy loop gets no second image
   bool ending_{false};
   std::mutex mutex_;
   std::condition_variable ended_;

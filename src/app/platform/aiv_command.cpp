@@ -18,7 +18,7 @@ using adapters::EventLoop;
 using adapters::LiveShell;
 using adapters::PortHandlers;
 
-/// "section:s", as `--start` has it.
+/// "section:s", as in `--start`.
 Result<aiv::OnboardOptions::Start> parse_start(const std::string& text) {
   const std::size_t colon = text.rfind(':');
   double s_m = 0.0;

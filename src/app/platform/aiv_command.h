@@ -14,7 +14,7 @@ struct AivArguments {
   std::string serial;  ///< empty: "AIV<number>"
   std::string sockets_directory;
   std::string zone;   ///< empty: from the broker
-  std::string start;  ///< "section:s"; empty: not known until a tag or an initPosition tells
+  std::string start;  ///< "section:s"; empty: unknown until a tag or an initPosition defines the position
   std::string state_file;
   bool emulated{false};        ///< its radio is the emulated world's
   std::string rules{"crisp"};  ///< crisp, fuzzy or a file

@@ -1,4 +1,4 @@
-// The options of the platform and its parts, and what their help says.
+// The options of the platform and its parts, with their help texts.
 #include "cosiva/app/platform/command_line_platform.h"
 
 #include <string>
@@ -17,84 +17,84 @@ CLI::Option* add_seconds(CLI::App& command, const std::string& name, std::option
 
 void add_part(CLI::App& command, PartArguments& part) {
   add_broker(command, part.broker, "127.0.0.1:1883");
-  command.add_option("--record", part.record_file, "write everything this part is told to a journal (see `replay`)")
+  command.add_option("--record", part.record_file, "record all inputs of this part in a journal (see `replay`)")
       ->type_name("FILE");
-  command.add_option("--summary", part.summary_file, "write the figures at the end to a JSON file")->type_name("FILE");
-  command.add_flag("--json", part.json, "print the figures at the end as JSON");
-  add_seconds(command, "--duration", part.duration_s, "end by itself after so many seconds");
+  command.add_option("--summary", part.summary_file, "write the metrics at the end to a JSON file")->type_name("FILE");
+  command.add_flag("--json", part.json, "print the metrics at the end as JSON");
+  add_seconds(command, "--duration", part.duration_s, "end after this number of seconds");
   command.add_flag("--announce", part.announce)->group("");
 }
 
 constexpr const char* up_examples =
     "Examples:\n"
     "  cosiva up --aivs 8                                   eight AIVs, until Ctrl-C\n"
-    "  cosiva up --scenario laboratory                      what happens when stands in a file (cosiva scenario list)\n"
-    "  cosiva up --scenario my.toml --aivs 2 --duration 60  the command line wins over the file\n"
+    "  cosiva up --scenario laboratory                      events over time from a file (cosiva scenario list)\n"
+    "  cosiva up --scenario my.toml --aivs 2 --duration 60  the command line overrides the file\n"
     "  cosiva up --virtual-time --scenario rush_hour --json the same in seconds, the same digest every time\n"
     "  cosiva up --virtual-time --page --speed 10           the page at ten times real time; stop and step it there\n"
-    "  cosiva up --gvs                                      a camera over the zone says where each AIV truly is";
+    "  cosiva up --gvs                                      a camera over the zone measures each AIV's position";
 
 void describe_up(CLI::App& command, UpArguments& up) {
   command.footer(up_examples);
   command
       .add_option("--scenario", up.scenario,
-                  "what happens when: a ready one's name or a file (docs/guide/scenarios.md)")
+                  "events over time: a ready scenario's name or a file (docs/guide/scenarios.md)")
       ->type_name("NAME|FILE");
   command.add_option("--name", up.name, "of the run, shown on the page; without: scenario or zone, date and time")
       ->type_name("TEXT");
   command.add_option("--zone", up.zone, "traffic zone: a ready one's name or a file")
       ->type_name("NAME|FILE")
       ->capture_default_str();
-  command.add_flag("--watch", up.watch, "switch to the zone's file whenever it is saved, while everything runs");
+  command.add_flag("--watch", up.watch, "switch to the zone's file whenever it is saved, during the run");
   command.add_option("--aivs", up.aivs, "how many vehicles")
       ->type_name("N")
       ->check(CLI::Range(1, 200))
       ->capture_default_str();
-  command.add_flag("--headless", up.headless, "no page; the figures stay on /api/v1");
-  add_seconds(command, "--duration", up.duration_s, "end so many seconds after the fleet is up, with a summary");
+  command.add_flag("--headless", up.headless, "no page; /api/v1 remains available");
+  add_seconds(command, "--duration", up.duration_s, "end this number of seconds after the fleet is up, with a summary");
   command.add_flag("--json", up.json, "print the summary as JSON");
   command.add_option("--seed", up.seed, "fixes every random draw of the emulated world")
       ->type_name("S")
       ->capture_default_str();
-  command.add_option("--port", up.port, "of the page on 127.0.0.1; if busy, the next free one is taken")
+  command.add_option("--port", up.port, "of the page on 127.0.0.1; if busy, the next free port is used")
       ->type_name("PORT")
       ->capture_default_str();
-  command.add_option("--record", up.record_file, "write everything the server is told to a journal (see `replay`)")
+  command.add_option("--record", up.record_file, "record all inputs of the server in a journal (see `replay`)")
       ->type_name("FILE");
-  command.add_option("--log-dir", up.log_directory, "where the logs go; they are kept")->type_name("DIR");
-  command.add_option("--run-dir", up.run_directory, "where sockets and other passing things go; cleared at the end")
+  command.add_option("--log-dir", up.log_directory, "folder of the logs; it is not deleted")->type_name("DIR");
+  command.add_option("--run-dir", up.run_directory, "folder of sockets and other temporary files; cleared at the end")
       ->type_name("DIR");
-  command.add_option("--respawn", up.respawn_s, "start an AIV that died again after so many seconds; 0: never")
+  command.add_option("--respawn", up.respawn_s, "restart an AIV that died after this number of seconds; 0: never")
       ->type_name("S")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   command.add_flag("--virtual-time", up.virtual_time,
-                   "all in one process, as fast as the machine can, bit for bit the same each time");
-  command.add_flag("--page", up.page, "with --virtual-time: at a speed that a person can follow, with the page");
+                   "all in one process, as fast as possible, bit for bit the same each time");
+  command.add_flag("--page", up.page, "with --virtual-time: at an adjustable speed, with the page");
   command.add_option("--speed", up.speed, "with --page: virtual seconds per second to begin with; without: 1")
       ->type_name("X")
       ->check(CLI::Range(0.1, 100.0));
-  command.add_option("--loss", up.loss, "share of messages lost, with --virtual-time")
+  command.add_option("--loss", up.loss, "ratio of lost messages, with --virtual-time")
       ->type_name("P")
       ->check(CLI::Range(0.0, 0.9));
-  add_switch(command, "--v2x", up.v2x, "AIVs tell those near them what they are about to do");
-  add_switch(command, "--convoys", up.convoys, "several of one way pass a crossing together, when it pays");
-  CLI::Option* gvs =
-      command.add_flag("--gvs", up.gvs,
-                       "a camera over the zone watches, says where each AIV truly is, and is shown on the "
-                       "page (docs/guide/gvs.md); without more: the emulated world's");
+  add_switch(command, "--v2x", up.v2x, "AIVs send V2X messages about their intent to AIVs nearby");
+  add_switch(command, "--convoys", up.convoys,
+             "several AIVs of the same direction pass a crossing as a convoy, when that saves time");
+  CLI::Option* gvs = command.add_flag("--gvs", up.gvs,
+                                      "a camera over the zone measures each AIV's position, and is shown on the "
+                                      "page (docs/guide/gvs.md); without further options: the emulated world's");
   add_gvs_source(command, up.gvs_source, "--gvs-");
   for (const char* name :
        {"calibration", "images", "video", "camera", "rate", "exposure", "line", "tag-side", "vehicle"})
     command.get_option(std::string("--gvs-") + name)->needs(gvs);
-  add_rules(command, up.rules, "how all AIVs choose their speed; without: crisp, and fuzzy for virtual ones");
+  add_rules(command, up.rules, "how all AIVs choose their speed; without: crisp, and fuzzy for virtual AIVs");
   command.add_option("--trace-messages", up.trace_file, "write every message as a JSON line")->type_name("FILE");
   command.add_option("--web", up.web_directory, "the page's built files, if not web/dist")->type_name("DIR");
   add_broker(command, up.broker, "a private one is started on 127.0.0.1");
 }
 
 void describe_server(CLI::App& command, ServerArguments& server) {
-  command.add_option("--port", server.port, "of the page on 127.0.0.1; if busy, the next free one is taken")
+  command.add_option("--port", server.port, "of the page on 127.0.0.1; if busy, the next free port is used")
       ->type_name("PORT")
       ->capture_default_str();
   command
@@ -102,24 +102,24 @@ void describe_server(CLI::App& command, ServerArguments& server) {
                   "name of this server's control area, where several share a broker (docs/guide/control_areas.md)")
       ->type_name("NAME");
   command.add_option("--zone", server.zone, "traffic zone, when no plant serves it")->type_name("NAME|FILE");
-  command.add_flag("--watch", server.watch,
-                   "with --zone: switch to its file whenever it is saved, while everything runs");
+  command.add_flag("--watch", server.watch, "with --zone: switch to its file whenever it is saved, during the run");
   command
       .add_option("--map-link", server.map_link,
-                  "where vehicles of other makes download the zone's file; without: from our page's address")
+                  "where third-party vehicles download the zone's file; without: from our page's address")
       ->type_name("URL");
-  command.add_flag("--no-drive", server.no_drive, "only watch: another master control gives the orders");
-  add_switch(command, "--v2x", server.v2x, "its virtual AIVs tell those near them what they are about to do");
-  add_switch(command, "--convoys", server.convoys, "several of one way pass a crossing together, when it pays");
-  command.add_flag("--headless", server.headless, "no page; the figures stay on /api/v1");
+  command.add_flag("--no-drive", server.no_drive, "monitor only: another master control gives the orders");
+  add_switch(command, "--v2x", server.v2x, "its virtual AIVs send V2X messages about their intent to AIVs nearby");
+  add_switch(command, "--convoys", server.convoys,
+             "several AIVs of the same direction pass a crossing as a convoy, when that saves time");
+  command.add_flag("--headless", server.headless, "no page; /api/v1 remains available");
   command.add_option("--web", server.web_directory, "the page's built files, if not web/dist")->type_name("DIR");
-  command.add_option("--state-file", server.state_file, "keeps what was added, priorities and edits over a crash")
+  command.add_option("--state-file", server.state_file, "preserves additions, priorities and edits over a crash")
       ->type_name("FILE");
-  command.add_option("--scenario", server.scenario, "what happens when, once its AIVs are there")
+  command.add_option("--scenario", server.scenario, "events over time, once its AIVs are present")
       ->type_name("NAME|FILE");
   command.add_option("--name", server.name, "of the run, shown on the page")->type_name("TEXT");
   add_rules(command, server.rules, "how its virtual AIVs choose their speed; without: fuzzy");
-  command.add_flag("--emulated", server.emulated, "there is a plant: the page may show what is true there");
+  command.add_flag("--emulated", server.emulated, "there is a plant: the page may show its ground truth");
   command.add_option("--fleet", server.fleet)->group("");
   command.add_option("--zone-file", server.zone_file)->group("");
   command.add_option("--watch-file", server.watch_file)->group("");
@@ -127,7 +127,7 @@ void describe_server(CLI::App& command, ServerArguments& server) {
   command.add_option("--scenario-steps-done", server.steps_done)->group("");
   command.footer(
       "Example, a server for vehicles of your own on your own broker:\n"
-      "  cosiva server --zone my.toml --broker 10.0.0.5:1883 --state-file server.memory\n"
+      "  cosiva server --zone my.toml --broker 10.0.0.5:1883 --state-file server.state\n"
       "Two control areas on one broker:\n"
       "  cosiva server --area north --zone north.toml --port 8080\n"
       "  cosiva server --area south --zone south.toml --port 8081");
@@ -147,29 +147,29 @@ void describe_plant(CLI::App& command, PlantArguments& plant) {
       ->required();
   command.add_option("--seed", plant.seed, "fixes every random draw")->type_name("S")->capture_default_str();
   command.footer(
-      "Example, two vehicles' worlds for two on-board programs:\n"
+      "Example, the worlds of two vehicles for two on-board programs:\n"
       "  cosiva plant --zone lacet4 --vehicles 2 --sockets /tmp/boards");
   add_part(command, plant.part);
 }
 
 void describe_aiv(CLI::App& command, AivArguments& aiv) {
-  command.add_option("--number", aiv.number, "its number, which its boards' sockets carry")
+  command.add_option("--number", aiv.number, "its number, part of its boards' socket names")
       ->type_name("N")
       ->check(CLI::Range(1, 1'000'000))
       ->required();
   command.add_option("--sockets", aiv.sockets_directory, "folder of the boards' sockets")->type_name("DIR")->required();
   command.add_option("--serial", aiv.serial, "its serial number; without: AIV<number>")->type_name("TEXT");
   command.add_option("--zone", aiv.zone, "traffic zone; without: from the broker")->type_name("NAME|FILE");
-  command.add_option("--start", aiv.start, "where it stands at first, such as east:0.85; without: it waits to be told")
+  command.add_option("--start", aiv.start, "initial position, such as east:0.85; without: waits for a position")
       ->type_name("SECTION:S");
-  command.add_option("--state-file", aiv.state_file, "keeps its place over a crash; wins over --start")
+  command.add_option("--state-file", aiv.state_file, "preserves its position over a crash; overrides --start")
       ->type_name("FILE");
   add_rules(command, aiv.rules, "how it chooses its speed (docs/guide/agents.md); without: crisp");
-  add_switch(command, "--v2x", aiv.v2x, "it tells those near it what it is about to do");
+  add_switch(command, "--v2x", aiv.v2x, "sends V2X messages about its intent to AIVs nearby");
   command.add_flag("--emulated", aiv.emulated,
-                   "its radio is the emulated world's, which scenarios can let lose messages");
+                   "its radio is the emulated world's, where scenarios can cause message loss");
   command.footer(
-      "Example, a program for the first of a plant's vehicles:\n"
+      "Example, the program of the first of a plant's vehicles:\n"
       "  cosiva aiv --number 1 --sockets /tmp/boards --start east:0.85");
   add_part(command, aiv.part);
 }
@@ -208,10 +208,10 @@ std::optional<int> run_platform_command(const PlatformCommands& commands, Platfo
 
 ScenarioCommands describe_scenario(CLI::App& root, ScenarioArguments& scenario) {
   ScenarioCommands commands{};
-  commands.scenario = root.add_subcommand("scenario", "Look at scenarios: what happens when");
-  commands.check = commands.scenario->add_subcommand(
-      "check", "Say what a scenario holds, step by step, or what is wrong with it and where");
-  commands.list = commands.scenario->add_subcommand("list", "Say which scenarios are ready");
+  commands.scenario = root.add_subcommand("scenario", "Inspect scenarios: events over time");
+  commands.check =
+      commands.scenario->add_subcommand("check", "Print a scenario's steps, or its errors with their location");
+  commands.list = commands.scenario->add_subcommand("list", "List the ready scenarios");
   commands.scenario->require_subcommand(0, 1);
   commands.scenario->footer("Example:\n  cosiva scenario check showroom");
   commands.check->add_option("scenario", scenario.scenario, "a ready scenario's name or a file")

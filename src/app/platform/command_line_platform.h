@@ -29,17 +29,17 @@ struct PlatformCommands {
   CLI::App* replay;
 };
 [[nodiscard]] PlatformCommands describe_platform(CLI::App& root, PlatformArguments& platform);
-/// The exit status of the one that was asked for, if any.
+/// The exit status of the requested subcommand, if any.
 [[nodiscard]] std::optional<int> run_platform_command(const PlatformCommands& commands, PlatformArguments& platform);
 
-/// `cosiva scenario` and its verbs.
+/// `cosiva scenario` and its subcommands.
 struct ScenarioCommands {
   CLI::App* scenario;
   CLI::App* check;
   CLI::App* list;
 };
 [[nodiscard]] ScenarioCommands describe_scenario(CLI::App& root, ScenarioArguments& scenario);
-/// The exit status of the one that was asked for, if any.
+/// The exit status of the requested subcommand, if any.
 [[nodiscard]] std::optional<int> run_scenario_command(const ScenarioCommands& commands,
                                                       const ScenarioArguments& scenario);
 

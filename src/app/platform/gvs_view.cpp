@@ -10,7 +10,7 @@ namespace cosiva::app {
 namespace {
 
 constexpr std::chrono::milliseconds request_every{500};
-/// An older one would be taken for what is.
+/// An older image would be taken for the present one.
 constexpr std::chrono::seconds image_lifetime{3};
 
 }  // namespace
@@ -37,7 +37,7 @@ void GvsView::send_request() {
     if (up) send_request();
   };
   handlers.on_message = [this](std::string_view, std::string_view payload, bool retained) {
-    if (retained) return;  // somebody's mistake: it is of long ago
+    if (retained) return;  // A retained image is a publisher's mistake: the image is outdated.
     came_ = Clock::now();
     image_ = std::make_shared<const std::string>(payload);
   };

@@ -10,15 +10,15 @@
 
 namespace cosiva::app {
 
-/// The picture of the camera over the zone, for the eye only: over a connection of its own, so that nothing of it can
-/// reach the server's core, and only while somebody looks.
+/// The preview of the camera over the zone, for display only: received over a connection of its own, so that no preview
+/// can reach the server's core, and only while a client displays the preview.
 class GvsView {
  public:
   GvsView(adapters::EventLoop& loop, adapters::MqttOptions options);
   ~GvsView();
 
-  /// The last picture (wire::gvs_preview_topic), and word to the camera that somebody looks; null where none came
-  /// lately.
+  /// The last preview (wire::gvs_preview_topic); each call also requests further previews from the camera. Null where
+  /// no recent preview was received.
   [[nodiscard]] std::shared_ptr<const std::string> latest_image();
 
  private:
@@ -27,7 +27,7 @@ class GvsView {
 
   adapters::EventLoop& loop_;
   adapters::MqttOptions options_;
-  std::unique_ptr<adapters::MqttClient> client_;  ///< from the first look on
+  std::unique_ptr<adapters::MqttClient> client_;  ///< from the first preview request on
   Clock::time_point requested_{};
   Clock::time_point came_{};
   std::shared_ptr<const std::string> image_;

@@ -27,7 +27,7 @@ class Live : public ::testing::Test {
     return {[this](std::string command) { given.push_back(std::move(command)); },
             [this](std::uint64_t number, SimDuration at, const experiments::Scenario::Step& step) {
               numbers.push_back(number);
-              EXPECT_GE(at, step.at) << "never before its time";
+              EXPECT_GE(at, step.at) << "no step is played early";
             }};
   }
 
@@ -37,7 +37,7 @@ class Live : public ::testing::Test {
   std::vector<std::uint64_t> numbers;
 };
 
-TEST_F(Live, plays_nothing_before_the_fleet_is_there_and_then_each_step_once_in_order) {
+TEST_F(Live, plays_nothing_before_the_fleet_is_complete_and_then_each_step_once_in_order) {
   LiveScenario live{loop, scenario(), 0, handlers()};
   loop.run_for(150ms);
   EXPECT_THAT(given, IsEmpty());
@@ -50,14 +50,14 @@ TEST_F(Live, plays_nothing_before_the_fleet_is_there_and_then_each_step_once_in_
   EXPECT_THAT(numbers, ElementsAre(1, 2, 3));
 }
 
-TEST_F(Live, goes_on_after_the_steps_that_an_earlier_life_played) {
+TEST_F(Live, continues_after_the_steps_that_a_previous_run_played) {
   LiveScenario live{loop, scenario(), 2, handlers()};
   live.begin(clock.now() - 10s);
-  EXPECT_THAT(given, ElementsAre(R"({"command":"remove","id":"c"})")) << "late is better than never";
+  EXPECT_THAT(given, ElementsAre(R"({"command":"remove","id":"c"})")) << "an overdue step is played late";
   EXPECT_THAT(numbers, ElementsAre(3));
 }
 
-TEST_F(Live, that_was_played_to_the_end_before_plays_nothing_more) {
+TEST_F(Live, plays_no_step_after_a_previous_run_played_all) {
   for (const std::uint64_t done : {3U, 30U}) {
     LiveScenario live{loop, scenario(), done, handlers()};
     live.begin(clock.now() - 10s);

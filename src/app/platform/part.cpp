@@ -28,7 +28,7 @@ Part::Part(adapters::EventLoop& loop, adapters::LiveShell& shell, std::string ki
 int Part::run() {
   if (auto started = shell_.start(); !started) return report_error(started.error());
   loop_.on_signals({SIGINT, SIGTERM, SIGHUP}, [this](int) {
-    // Asked twice, it goes at once.
+    // A second signal ends the part at once.
     if (ending_) {
       loop_.stop();
     } else {

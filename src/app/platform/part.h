@@ -15,7 +15,7 @@ namespace cosiva::app {
 /// One part (server, plant, vehicle) running alone in its process until a signal or its duration ends it.
 class Part {
  public:
-  /// @param summary  the core's figures at the end, as JSON
+  /// @param summary  the core's metrics at the end, as JSON
   Part(adapters::EventLoop& loop, adapters::LiveShell& shell, std::string kind, const PartArguments& arguments,
        std::function<std::string()> summary);
 
@@ -39,15 +39,15 @@ class Part {
   int status_{0};
 };
 
-/// One event for `up`, as a JSON line on standard output.
+/// Prints one event for `up`, as a JSON line on standard output.
 void announce(const PartArguments& arguments, const std::string& json);
 
-/// Reads and checks the zone, so that a bad file is said here and not by a core later. Fails as load_zone and
-/// zone::Rtm::initialise do.
+/// Reads and checks the zone, so that a bad file is reported at the start and not by a core later. Fails as load_zone
+/// and zone::Rtm::initialise do.
 /// @param name_or_file  a ready zone's name or a file
 [[nodiscard]] Result<zone::ZoneConfiguration> load_good_zone(const std::string& name_or_file);
 
-/// What a live shell needs of a part. Fails as mqtt_options does.
+/// The options of a part's live shell. Fails as mqtt_options does.
 /// @param kind     of the core: "server", "plant" or "aiv"
 /// @param name     of the part on the broker
 /// @param options  the core's, as JSON

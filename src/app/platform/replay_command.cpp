@@ -16,7 +16,7 @@ namespace {
 
 using MadeCore = Result<std::unique_ptr<wire::Core>>;
 
-/// The core that a journal's first record asks for, with the options it was run with.
+/// Makes the core that a journal's first record names, with the recorded options.
 MadeCore make_core(const wire::Input& configure) {
   if (configure.source == "server") {
     auto options = virtual_side::server_options_from_json(configure.payload);
@@ -35,7 +35,8 @@ MadeCore make_core(const wire::Input& configure) {
     if (!options) return tl::unexpected(options.error());
     return std::make_unique<aiv::OnboardCore>(std::move(*options));
   }
-  return fail("journal.kind", "it was recorded by '" + configure.source + "', which this version does not know");
+  return fail("journal.kind",
+              "the journal was recorded by '" + configure.source + "', which this version does not know");
 }
 
 }  // namespace
@@ -71,11 +72,11 @@ int run_replay(const ReplayArguments& arguments) {
   if (replayed->truncated) print_info("cosiva: " + arguments.file + ": truncated: its last record is cut short");
   if (!replayed->recorded_digest) {
     print_info("cosiva: " + arguments.file +
-               ": the recorded run did not end cleanly, so there is no digest to compare with");
+               ": the recorded run did not end cleanly, and left no digest to compare with");
   } else if (differ) {
     print_info("cosiva: " + arguments.file + ": the run ended with another digest, " + *replayed->recorded_digest);
   } else {
-    print_info("the digest is the one that the run ended with");
+    print_info("the digest equals that of the recorded run");
   }
   return differ ? exit_check_failed : exit_done;
 }

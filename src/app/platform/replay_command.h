@@ -10,8 +10,8 @@ struct ReplayArguments {
   bool json{false};
 };
 
-/// `cosiva replay`: a journal again, and whether the digest is that of the recorded run. Gives the exit status: 0 done,
-/// 1 the run's own checks failed, 2 bad usage or bad input.
+/// `cosiva replay`: replays a journal, and compares the digest with that of the recorded run. Gives the exit status: 0
+/// done, 1 the run's own checks failed, 2 bad usage or bad input.
 int run_replay(const ReplayArguments& arguments);
 
 }  // namespace cosiva::app

@@ -18,10 +18,10 @@ std::string absolute(const std::string& file) {
 }
 
 void report_precedence(const std::string& what, const std::string& given, const std::string& scenario_s) {
-  if (given != scenario_s) print_info("--" + what + " " + given + " wins over the scenario's " + scenario_s);
+  if (given != scenario_s) print_info("--" + what + " " + given + " overrides the scenario's " + scenario_s);
 }
 
-/// The scenario's word counts where the command line said nothing.
+/// The scenario's value is used where the command line has none.
 void merge(UpArguments& arguments, const experiments::Scenario& scenario) {
   const UpArguments::Given& given = arguments.given;
   if (given.zone)
@@ -74,7 +74,7 @@ Result<RunPlan> plan_run(const UpArguments& arguments) {
                 "--aivs");
   }
   if (scenario) {
-    // It is judged as it will run. A run cut short on the command line is no fault of the file's.
+    // The scenario is validated as it will run. A run that the command line shortens is no error of the file.
     experiments::Scenario evaluated = *scenario;
     evaluated.aivs = merged.aivs;
     if (merged.given.duration) evaluated.duration_s.reset();
@@ -84,7 +84,7 @@ Result<RunPlan> plan_run(const UpArguments& arguments) {
 
   if (const std::string own = own_folder("zones");
       !is_like_a_file(merged.zone) && !own.empty() && rtm->configuration().origin.starts_with(own + "/"))
-    print_info("the zone " + merged.zone + " is your own, " + rtm->configuration().origin);
+    print_info("the zone " + merged.zone + " is your own: " + rtm->configuration().origin);
   std::string name = merged.name.empty() ? default_run_name(scenario ? scenario->name : rtm->zone().name) : merged.name;
   std::string zone_file = is_like_a_file(merged.zone) ? rtm->configuration().origin : std::string{};
   return RunPlan{std::move(merged),        std::move(name),      std::move(*rtm), std::move(scenario),

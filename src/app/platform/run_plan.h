@@ -11,19 +11,19 @@
 
 namespace cosiva::app {
 
-/// A run of the whole platform as the command line and its scenario ask for it together, all of it checked.
+/// A run of the whole platform as requested by the command line and its scenario together, fully checked.
 struct RunPlan {
   UpArguments arguments;  ///< zone, aivs, seed and duration are the scenario's, unless given on the command line
   std::string name;
   zone::Rtm rtm;
   std::optional<experiments::Scenario> scenario;
   std::string scenario_file;
-  std::string zone_file;  ///< where edits may be saved: the file that was named; empty where a ready zone was
-  std::optional<aiv::SpeedRules> rules;  ///< of all AIVs; nothing: each kind its own
+  std::string zone_file;                 ///< where edits may be saved: the given file; empty for a ready zone
+  std::optional<aiv::SpeedRules> rules;  ///< of all AIVs; nothing: each kind has its own
 };
 
-/// Fails on a scenario or a zone that is missing or bad, on a scenario that does not fit, on too many vehicles. Where
-/// the command line wins over the scenario, it is said.
+/// Fails on a scenario or a zone that is missing or bad, on a scenario that does not fit, on too many vehicles. Prints
+/// each option of the command line that overrides the scenario.
 [[nodiscard]] Result<RunPlan> plan_run(const UpArguments& arguments);
 
 }  // namespace cosiva::app

@@ -24,7 +24,7 @@ std::string day(const Scratch& scratch, const std::string& more = {}) {
   return scratch.write("day.toml", "name = \"day\"\nzone = \"" + lacet4 + "\"\naivs = 3\nseed = 8\n" + more);
 }
 
-TEST(RunPlan, without_a_scenario_is_what_the_command_line_says) {
+TEST(RunPlan, without_a_scenario_follows_the_command_line) {
   UpArguments arguments;
   arguments.zone = lacet4;
   arguments.aivs = 2;
@@ -33,10 +33,10 @@ TEST(RunPlan, without_a_scenario_is_what_the_command_line_says) {
   EXPECT_FALSE(plan->scenario);
   EXPECT_EQ(plan->arguments.aivs, 2U);
   EXPECT_THAT(plan->name, StartsWith("lacet4, "));
-  EXPECT_EQ(plan->zone_file, lacet4) << "given as a file, it may be saved into";
+  EXPECT_EQ(plan->zone_file, lacet4) << "a zone given as a file may be saved into it";
 }
 
-TEST(RunPlan, takes_from_the_scenario_what_the_command_line_leaves_open) {
+TEST(RunPlan, takes_missing_options_from_the_scenario) {
   Scratch scratch;
   UpArguments arguments = with_scenario(day(scratch, "duration_s = 30\n"));
   arguments.name = "Thursday";
@@ -49,7 +49,7 @@ TEST(RunPlan, takes_from_the_scenario_what_the_command_line_leaves_open) {
   EXPECT_EQ(plan->scenario->name, "day");
 }
 
-TEST(RunPlan, the_command_line_wins) {
+TEST(RunPlan, prefers_the_command_line_to_the_scenario) {
   Scratch scratch;
   UpArguments arguments = with_scenario(day(scratch, "duration_s = 30\n[[at]]\nt_s = 20\nremove = \"*\"\n"));
   arguments.aivs = 5;
@@ -59,15 +59,15 @@ TEST(RunPlan, the_command_line_wins) {
   ::testing::internal::CaptureStderr();
   const auto plan = plan_run(arguments);
   const std::string standard_error = ::testing::internal::GetCapturedStderr();
-  ASSERT_TRUE(plan) << to_string(plan.error()) << ": cut short is not wrong";
+  ASSERT_TRUE(plan) << to_string(plan.error()) << ": a shortened run is valid";
   EXPECT_EQ(plan->arguments.aivs, 5U);
   EXPECT_EQ(plan->arguments.seed, 9U);
   EXPECT_EQ(plan->arguments.duration_s, 10.0);
-  EXPECT_THAT(standard_error, HasSubstr("--aivs 5 wins over the scenario's 3"));
-  EXPECT_THAT(standard_error, HasSubstr("--seed 9 wins over the scenario's 8"));
+  EXPECT_THAT(standard_error, HasSubstr("--aivs 5 overrides the scenario's 3"));
+  EXPECT_THAT(standard_error, HasSubstr("--seed 9 overrides the scenario's 8"));
 }
 
-TEST(RunPlan, with_fewer_AIVs_than_the_scenario_speaks_of_is_refused) {
+TEST(RunPlan, with_fewer_AIVs_than_the_scenario_names_is_refused) {
   Scratch scratch;
   UpArguments arguments = with_scenario(day(scratch, "[[at]]\nt_s = 1\ncommand = \"stop\"\nvehicle = \"AIV3\"\n"));
   EXPECT_TRUE(plan_run(arguments));
@@ -80,7 +80,7 @@ TEST(RunPlan, with_fewer_AIVs_than_the_scenario_speaks_of_is_refused) {
   EXPECT_THAT(plan.error().message, HasSubstr("this scenario has AIV1 to AIV2"));
 }
 
-TEST(RunPlan, with_a_zone_or_scenario_that_is_not_there_or_bad_is_refused) {
+TEST(RunPlan, with_a_missing_or_invalid_zone_or_scenario_is_refused) {
   Scratch scratch;
   EXPECT_EQ(plan_run(with_scenario("/nonexistent/day.toml")).error().code, "scenario.missing");
   EXPECT_EQ(plan_run(with_scenario(scratch.write("bad.toml", "nam = 1\n"))).error().code, "scenario.unknown_key");

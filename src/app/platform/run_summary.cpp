@@ -35,7 +35,7 @@ std::string millis(const JsonValue& metrics, std::string_view of, double scale, 
   return p99 ? decimals(*p99 * scale, 1) + unit : std::string("unknown");
 }
 
-/// What was only virtual, in a line of its own; empty where nothing was.
+/// The metrics of virtual objects, in a separate line; empty where there were none.
 std::string augmented(const JsonValue& bijection) {
   const double aivs = bijection.number("augmented").value_or(0.0);
   const JsonValue* effects = bijection.find("effects");
@@ -48,30 +48,30 @@ std::string augmented(const JsonValue& bijection) {
   const auto figure = [&](std::string_view of, const char* phrase) {
     if (count(of) > 0.0) text += ", " + decimals(count(of), 0) + " times " + phrase + millis(*effects, of, 1.0, " ms");
   };
-  figure("perceived_ms", "felt in p99 ");
+  figure("perceived_ms", "perceived in p99 ");
   figure("brakes_ms", "braked for in p99 ");
   figure("shown_ms", "an obstacle shown in p99 ");
   return text;
 }
 
-/// In a line of its own where it matters: the figures are the machine's then, too.
+/// In a separate line where the delay is significant: then the metrics also reflect the machine.
 std::string late(const JsonValue& bijection) {
   constexpr double significant_ms = 20.0;
   const JsonValue* spread = bijection.find("late_ms");
   if (spread == nullptr || spread->number("p99").value_or(0.0) < significant_ms) return {};
-  return "\nthis machine was busy or stood still: the server woke up to " +
+  return "\nthis machine was busy or stalled: the server woke up to " +
          decimals(spread->number("max").value_or(0.0), 0) + " ms late (p99 " +
-         millis(bijection, "late_ms", 1.0, " ms") + "), which is in these figures";
+         millis(bijection, "late_ms", 1.0, " ms") + "), which is included in these metrics";
 }
 
-/// "matched 4 of 4". Vehicles of other programs may have come to the same broker: of all that are on either side, and
-/// of those asked for that are on none, so many are matched.
+/// "matched 4 of 4". Third-party vehicles may use the same broker: the total counts all vehicles that are present on
+/// either side, and the requested vehicles that are on neither.
 std::string matched_text(const JsonValue& bijection, std::uint32_t requested_for) {
   const auto counted = [&](const char* what) { return bijection.number(what).value_or(0.0); };
   const double present = counted("physical") + counted("virtual") - counted("matched");
   const double wanted = requested_for;
   std::string text = "matched " + decimals(counted("matched"), 0) + " of " + decimals(std::max(present, wanted), 0);
-  if (present > wanted) text += " (" + decimals(present - wanted, 0) + " more than asked for)";
+  if (present > wanted) text += " (" + decimals(present - wanted, 0) + " more than requested)";
   return text;
 }
 
@@ -92,7 +92,7 @@ Result<RunSummary> summarise(const RunMetadata& metadata, std::string_view serve
   const JsonValue* bijection = server ? server->find("bijection") : nullptr;
   const JsonValue* collisions = plant ? plant->find("collisions") : nullptr;
   if (bijection == nullptr || collisions == nullptr || collisions->array() == nullptr)
-    return fail("run.summary", "a part of the platform left no summary; its log says why");
+    return fail("run.summary", "a part of the platform left no summary; see its log");
 
   RunSummary run;
   const std::size_t touched = collisions->array()->size();

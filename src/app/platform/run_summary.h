@@ -8,13 +8,13 @@
 
 namespace cosiva::app {
 
-/// What a run of the whole platform gave, from the summaries of its parts.
+/// The results of a run of the whole platform, from the summaries of its parts.
 struct RunSummary {
   std::string
       json;  ///< {"bijection","aivs","collisions","laps","longest_wait_s","deadlocks","digest","duration_s","zone","seed","scenario"?}
-  std::string text;    ///< the same for people: two lines, and a third where something was only virtual
-  bool collided{};     ///< some vehicle touched something
-  bool all_matched{};  ///< every vehicle asked for had exactly one twin at the end, and nothing else was there
+  std::string text;    ///< the same as text: two lines, and a third where there were virtual objects
+  bool collided{};     ///< some vehicle touched another body
+  bool all_matched{};  ///< every requested vehicle had exactly one twin at the end, and no other vehicle was present
 };
 
 struct RunMetadata {
@@ -26,7 +26,7 @@ struct RunMetadata {
   std::string scenario;  ///< empty: none
 };
 
-/// Fails ("run.summary") when a summary is not what its core writes.
+/// Fails ("run.summary") when a summary does not have the format that its core writes.
 [[nodiscard]] Result<RunSummary> summarise(const RunMetadata& metadata, std::string_view server_summary,
                                            std::string_view plant_summary);
 

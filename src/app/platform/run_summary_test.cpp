@@ -19,7 +19,7 @@ std::string server(int physical, int twins, int matched) {
 const std::string calm_plant = R"({"vehicles":[],"collisions":[],"laps":7,"longest_wait_s":3.5})";
 const RunMetadata metadata{"lacet4", 2, 9, 60.0, "0123456789abcdef", ""};
 
-TEST(RunSummary, puts_the_parts_figures_under_the_names_that_programs_read) {
+TEST(RunSummary, writes_the_parts_metrics_under_the_documented_names) {
   const auto run = summarise(metadata, server(2, 2, 2), calm_plant);
   ASSERT_TRUE(run);
   EXPECT_EQ(run->json,
@@ -31,7 +31,7 @@ TEST(RunSummary, puts_the_parts_figures_under_the_names_that_programs_read) {
   EXPECT_THAT(run->text, HasSubstr("matched 2 of 2, divergence p99 4.2 mm, age p99 101.5 ms"));
 }
 
-TEST(RunSummary, tells_a_missing_vehicle_from_one_too_many) {
+TEST(RunSummary, distinguishes_a_missing_vehicle_from_an_extra_vehicle) {
   EXPECT_FALSE(summarise(metadata, server(1, 1, 1), calm_plant)->all_matched);
   EXPECT_FALSE(summarise(metadata, server(2, 3, 2), calm_plant)->all_matched);
   EXPECT_FALSE(summarise(metadata, server(3, 3, 3), calm_plant)->all_matched);
@@ -41,8 +41,8 @@ TEST(RunSummary, never_matches_more_vehicles_than_it_counts) {
   const auto text = [](int physical, int twins, int matched) {
     return summarise(metadata, server(physical, twins, matched), calm_plant)->text;
   };
-  EXPECT_THAT(text(4, 4, 4), HasSubstr(": matched 4 of 4 (2 more than asked for), divergence"));
-  EXPECT_THAT(text(2, 3, 2), HasSubstr(": matched 2 of 3 (1 more than asked for), divergence"));
+  EXPECT_THAT(text(4, 4, 4), HasSubstr(": matched 4 of 4 (2 more than requested), divergence"));
+  EXPECT_THAT(text(2, 3, 2), HasSubstr(": matched 2 of 3 (1 more than requested), divergence"));
   EXPECT_THAT(text(1, 1, 1), HasSubstr(": matched 1 of 2, divergence"));
   EXPECT_THAT(text(2, 1, 1), HasSubstr(": matched 1 of 2, divergence"));
 }
@@ -54,7 +54,7 @@ TEST(RunSummary, counts_collisions) {
   EXPECT_EQ(JsonValue::parse(run->json)->number("collisions"), 1.0);
 }
 
-TEST(RunSummary, tells_of_deadlocks_and_of_those_that_nobody_resolved) {
+TEST(RunSummary, reports_deadlocks_and_unresolved_deadlocks) {
   const auto with = [](const std::string& deadlocks) {
     std::string text = server(2, 2, 2);
     text.insert(text.size() - 1, R"(,"deadlocks":)" + deadlocks);
@@ -66,7 +66,7 @@ TEST(RunSummary, tells_of_deadlocks_and_of_those_that_nobody_resolved) {
   EXPECT_THAT(with(R"({"detected":3,"open":1})").text, HasSubstr("3 deadlocks (1 not resolved)"));
 }
 
-TEST(RunSummary, of_a_part_that_left_none_is_an_error) {
+TEST(RunSummary, of_a_part_without_summary_is_an_error) {
   for (const char* bad : {"", "{}", "nonsense", R"({"collisions":3})"}) {
     const auto run = summarise(metadata, server(2, 2, 2), bad);
     ASSERT_FALSE(run) << bad;
@@ -75,7 +75,7 @@ TEST(RunSummary, of_a_part_that_left_none_is_an_error) {
   EXPECT_FALSE(summarise(metadata, "{}", calm_plant));
 }
 
-TEST(RunSummary, tells_what_was_only_virtual_in_a_line_of_its_own) {
+TEST(RunSummary, reports_virtual_objects_in_a_separate_line) {
   EXPECT_EQ(std::ranges::count(summarise(metadata, server(2, 2, 2), calm_plant)->text, '\n'), 1);
   const auto run = summarise(metadata,
                              R"({"bijection":{"physical":2,"virtual":2,"matched":2,"augmented":3,"effects":{)"
@@ -83,11 +83,12 @@ TEST(RunSummary, tells_what_was_only_virtual_in_a_line_of_its_own) {
                              R"("shown_ms":{"count":0}}}})",
                              calm_plant);
   ASSERT_TRUE(run);
-  EXPECT_THAT(run->text, HasSubstr("\n3 virtual AIVs, 7 times felt in p99 12.5 ms, 2 times braked for in p99 20.0 ms"));
+  EXPECT_THAT(run->text,
+              HasSubstr("\n3 virtual AIVs, 7 times perceived in p99 12.5 ms, 2 times braked for in p99 20.0 ms"));
   EXPECT_THAT(run->text, ::testing::Not(HasSubstr("shown")));
 }
 
-TEST(RunSummary, says_that_the_machine_was_late_where_it_was) {
+TEST(RunSummary, reports_that_the_machine_was_late) {
   const auto text = [](const char* late_ms) {
     return summarise(metadata,
                      R"({"bijection":{"physical":2,"virtual":2,"matched":2,"late_ms":)" + std::string(late_ms) + "}}",
@@ -95,11 +96,11 @@ TEST(RunSummary, says_that_the_machine_was_late_where_it_was) {
         ->text;
   };
   EXPECT_THAT(text(R"({"count":9,"p99":120.5,"max":585.2})"),
-              HasSubstr("\nthis machine was busy or stood still: the server woke up to 585 ms late (p99 120.5 ms)"));
+              HasSubstr("\nthis machine was busy or stalled: the server woke up to 585 ms late (p99 120.5 ms)"));
   EXPECT_THAT(text(R"({"count":9,"p99":4.0,"max":585.2})"), ::testing::Not(HasSubstr("late")));
 }
 
-TEST(RunSummary, names_the_scenario_where_there_was_one) {
+TEST(RunSummary, names_the_scenario_if_there_was_one) {
   RunMetadata with = metadata;
   with.scenario = "showroom";
   EXPECT_EQ(JsonValue::parse(summarise(with, server(2, 2, 2), calm_plant)->json)->text("scenario"), "showroom");

@@ -12,7 +12,7 @@
 namespace cosiva::app {
 namespace {
 
-/// The scenario and that it fits its zone.
+/// Loads a scenario, and checks that it fits its zone.
 Result<LoadedScenario> load_checked(const std::string& name_or_file) {
   auto loaded = load_scenario(name_or_file);
   if (!loaded) return loaded;
@@ -20,7 +20,7 @@ Result<LoadedScenario> load_checked(const std::string& name_or_file) {
   if (!rtm) return tl::unexpected(rtm.error());
   if (auto good = experiments::check(loaded->scenario, rtm->zone(), loaded->file); !good)
     return tl::unexpected(good.error());
-  loaded->scenario.zone = rtm->zone().name;  // people know it by its name, wherever its file was found
+  loaded->scenario.zone = rtm->zone().name;  // the zone's name is printed, wherever its file was found
   return loaded;
 }
 
@@ -40,7 +40,7 @@ std::string json_of(const LoadedScenario& loaded) {
   for (const auto& step : scenario.steps) {
     json.begin_object().field("t_s", to_seconds(step.at)).field("what", step.what).field("line", step.line);
     json.key("command");
-    // A switch's command holds a whole file, which nobody wants to see here.
+    // A switch command contains a whole file, which is not printed.
     if (step.zone.empty())
       json.raw(step.command);
     else
@@ -51,7 +51,7 @@ std::string json_of(const LoadedScenario& loaded) {
   return json.take();
 }
 
-/// One line for each step, as it will happen.
+/// Prints one line for each step, in the order of execution.
 std::string timeline(const experiments::Scenario& scenario) {
   std::string text = scenario.name + ": good\n";
   std::string_view rest{scenario.description};
@@ -62,7 +62,7 @@ std::string timeline(const experiments::Scenario& scenario) {
   }
   text += "  " + std::to_string(scenario.aivs) + (scenario.aivs == 1 ? " AIV on " : " AIVs on ") + scenario.zone +
           ", seed " + std::to_string(scenario.seed) +
-          (scenario.duration_s ? ", " + decimals(*scenario.duration_s, 0) + " s" : ", until somebody ends it");
+          (scenario.duration_s ? ", " + decimals(*scenario.duration_s, 0) + " s" : ", until it is ended");
   for (const auto& step : scenario.steps) {
     text += "\n" + step_line(to_seconds(step.at), step.what);
   }
@@ -87,7 +87,7 @@ int run_scenario_list(const ScenarioArguments& arguments) {
   std::string text;
   for (const std::string& name : names) {
     const auto loaded = load_scenario(name);
-    // One bad file among them hides none of the others.
+    // One bad file does not hide the others.
     const std::string what = loaded ? first_line(loaded->scenario.description) : to_string(loaded.error());
     json.begin_object().field("name", name).field("description", what).field("good", loaded.has_value()).end_object();
     if (!text.empty()) text += '\n';
@@ -97,7 +97,7 @@ int run_scenario_list(const ScenarioArguments& arguments) {
   if (arguments.json) {
     print(json.text());
   } else if (names.empty()) {
-    print_info("there are no ready scenarios here; `cosiva up --scenario FILE` takes your own");
+    print_info("there are no ready scenarios; `cosiva up --scenario FILE` runs a scenario of your own");
   } else {
     print(text);
   }

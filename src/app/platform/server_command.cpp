@@ -39,13 +39,13 @@ PageHost page_host(const ServerArguments& arguments, const virtual_side::ServerC
   return host;
 }
 
-/// The zone's file, when it is to be watched; the one that `up` names, or our own zone's.
+/// The zone file to watch: the file that `up` names, or our own zone's.
 std::string watched_file(const ServerArguments& arguments) {
   if (!arguments.watch_file.empty()) return arguments.watch_file;
   return arguments.watch ? find_zone_file(arguments.zone).value_or("") : std::string{};
 }
 
-/// Says it to who started this part: to `up`, or to the person before the terminal.
+/// Reports a text to the program that started this part: to `up`, or on the terminal.
 void report(const PartArguments& part, const std::string& text) {
   if (!part.announce) return print_info(text);
   JsonWriter json;
@@ -53,8 +53,8 @@ void report(const PartArguments& part, const std::string& text) {
   announce(part, json.text());
 }
 
-/// Listens to what an emulated world says is true, for the eye only: a connection of its own, so that nothing of it can
-/// reach the core.
+/// Receives the ground truth of an emulated world, for display only: over a connection of its own, so that none
+/// of it can reach the core.
 Result<std::unique_ptr<adapters::MqttClient>> ground_truth_for(EventLoop& loop, const PartArguments& part,
                                                                ServerPage& page, const std::string& area) {
   auto mqtt = mqtt_options(part.broker, "cosiva-instrument" + (area.empty() ? "" : "-" + area));
@@ -68,7 +68,7 @@ Result<std::unique_ptr<adapters::MqttClient>> ground_truth_for(EventLoop& loop, 
                                     std::move(handlers));
 }
 
-/// Waits until the fleet is complete: says so to `up`, and begins the scenario.
+/// Waits until the fleet is complete, announces this to `up`, and begins the scenario.
 class FleetWatch {
  public:
   FleetWatch(EventLoop& loop, const virtual_side::ServerCore& core, LiveShell& shell, const ServerArguments& arguments,
@@ -128,12 +128,11 @@ int run_server(const ServerArguments& arguments) {
   options.v2x = arguments.v2x;
   options.convoys = arguments.convoys;
   options.map_download_link = arguments.map_link;
-  // We speak to this machine only; vehicles elsewhere need the file where they can reach it.
+  // The server listens on this machine only; vehicles elsewhere need an address from which they can download the file.
   if (options.map_download_link.empty() && arguments.port != 0)
     options.map_download_link = "http://127.0.0.1:" + std::to_string(arguments.port) + "/api/v1/zone/file";
   if (arguments.watch && arguments.zone.empty())
-    return report_error(
-        {"server.watch", "without a zone of its own there is no file to watch; add --zone FILE", "--watch"});
+    return report_error({"server.watch", "without --zone there is no file to watch; add --zone FILE", "--watch"});
   if (!arguments.zone.empty()) {
     auto zone = load_good_zone(arguments.zone);
     if (!zone) return report_error(zone.error());
@@ -148,7 +147,7 @@ int run_server(const ServerArguments& arguments) {
     if (!loaded) return report_error(loaded.error());
     scenario = std::move(loaded->scenario);
   }
-  // Two clients of one name would take the broker from each other.
+  // Two clients with the same name would disconnect each other from the broker.
   const std::string client = arguments.area.empty() ? "server" : "server-" + arguments.area;
   auto live = live_options(arguments.part, "server", client, virtual_side::to_json(options));
   if (!live) return report_error(live.error());

@@ -16,11 +16,11 @@ using adapters::ChildExit;
 using std::chrono::milliseconds;
 using Steady = std::chrono::steady_clock;
 
-/// Whose last lives were no longer than this together cannot live. Not judged one by one: on a machine that stands
-/// still for a second, a death is seen so much later.
+/// A member whose last runs were together no longer than this is given up. Runs are not evaluated one by one: on a
+/// machine that stalls for a second, each death is detected that much later.
 constexpr std::size_t runs_evaluated = 5;
 constexpr std::chrono::seconds starts_min{10};
-/// Who dies this soon did not get to work at all, and waits longer each time.
+/// A member that dies this soon did not start up at all, and its restart is delayed longer each time.
 constexpr std::chrono::seconds early{1};
 constexpr milliseconds backoff_first{50};
 
@@ -127,7 +127,7 @@ void Supervisor::record_children() const {
       json.begin_object().field("name", running->member.name).field("pid", running->child->pid()).end_object();
   }
   json.end_array().end_object();
-  // Only a convenience for people and tests: not being able to write it stops nothing.
+  // The file is only a convenience for operators and tests: a failed write stops nothing.
   static_cast<void>(adapters::write_file(children_file_, json.text()));
 }
 

@@ -13,21 +13,22 @@
 
 namespace cosiva::app {
 
-/// Keeps a set of processes running: starts again what dies, gives up on what cannot live, and ends all in order.
+/// Keeps a set of processes running: restarts members that die, gives up members that die repeatedly, and ends all in
+/// order.
 class Supervisor {
  public:
   using OnExit = std::function<void(const adapters::ChildExit&)>;
   struct Member {
     std::string name;
-    int stage{0};  ///< ended in ascending order; the next stage waits until this one is gone
-    /// Starts it (again) and says what it is; the child's owner lives in the function.
+    int stage{0};  ///< ended in ascending order; the next stage is ended when this stage has ended
+    /// Starts the process (again) and returns it; the child's owner is stored in the function.
     std::function<Result<adapters::Child*>(OnExit)> launch;
     bool respawns{true};
     std::chrono::milliseconds respawn_delay{0};
   };
 
-  /// @param children_file  kept up to date: {"children":[{"name","pid"}…]}
-  /// @param on_hopeless    told once whose last five lives were shorter than ten seconds together
+  /// @param children_file  always up to date: {"children":[{"name","pid"}…]}
+  /// @param on_hopeless    called with a member whose last five runs were together shorter than ten seconds
   Supervisor(adapters::EventLoop& loop, std::string children_file, std::function<void(const std::string&)> on_hopeless);
   ~Supervisor();
 
@@ -35,7 +36,7 @@ class Supervisor {
   [[nodiscard]] Result<void> add(Member member);
   void end(std::function<void()> done);
 
-  /// A process of ours whose program is `argv()` each time it starts.
+  /// A launcher of a CoSiVA process whose command line is `argv()` at each start.
   struct Program {
     std::string log_file;
     std::function<std::vector<std::string>()> argv;
@@ -49,7 +50,7 @@ class Supervisor {
     adapters::Child* child{nullptr};
     adapters::Timer respawn;
     std::chrono::steady_clock::time_point born;
-    std::deque<std::chrono::steady_clock::duration> runs;  ///< how long the last ones were
+    std::deque<std::chrono::steady_clock::duration> runs;  ///< durations of the last runs
     explicit Running(adapters::EventLoop& loop, Member m) : member{std::move(m)}, respawn{loop} {}
     [[nodiscard]] bool alive() const { return child != nullptr && child->running(); }
   };

@@ -57,7 +57,7 @@ class Supervised : public ::testing::Test {
   Supervisor supervisor{loop, scratch / "children.json", [this](const std::string& name) { hopeless.push_back(name); }};
 };
 
-TEST_F(Supervised, killed_member_is_started_again_and_noted) {
+TEST_F(Supervised, restarts_and_records_a_killed_member) {
   add("server", "echo up; exec sleep 600");
   ASSERT_TRUE(until([&] { return lines.size() == 1; }));
   const pid_t first = logged().at(0);
@@ -69,7 +69,7 @@ TEST_F(Supervised, killed_member_is_started_again_and_noted) {
   EXPECT_TRUE(logged().empty());
 }
 
-TEST_F(Supervised, member_with_a_delay_waits_for_it) {
+TEST_F(Supervised, restarts_a_member_after_its_delay) {
   add("aiv1", "echo up; exec sleep 600", 0, true, 300ms);
   ASSERT_TRUE(until([&] { return lines.size() == 1; }));
   const auto killed = std::chrono::steady_clock::now();
@@ -79,7 +79,7 @@ TEST_F(Supervised, member_with_a_delay_waits_for_it) {
   EXPECT_TRUE(end());
 }
 
-TEST_F(Supervised, member_that_must_not_come_back_stays_away) {
+TEST_F(Supervised, does_not_restart_a_member_without_respawn) {
   add("aiv1", "echo up; exec sleep 600", 0, false);
   ASSERT_TRUE(until([&] { return lines.size() == 1; }));
   ::kill(logged().at(0), SIGKILL);
@@ -89,7 +89,7 @@ TEST_F(Supervised, member_that_must_not_come_back_stays_away) {
   EXPECT_TRUE(end());
 }
 
-TEST_F(Supervised, member_that_cannot_live_is_given_up) {
+TEST_F(Supervised, gives_up_a_member_that_dies_repeatedly) {
   add("plant", "exit 2");
   ASSERT_TRUE(until([&] { return !hopeless.empty(); }));
   EXPECT_THAT(hopeless, ElementsAre("plant"));
@@ -97,7 +97,7 @@ TEST_F(Supervised, member_that_cannot_live_is_given_up) {
   EXPECT_TRUE(end());
 }
 
-TEST_F(Supervised, member_that_cannot_live_is_given_up_however_late_its_deaths_are_seen) {
+TEST_F(Supervised, gives_up_a_member_however_late_its_deaths_are_detected) {
   on_line = [this] {
     if (lines.size() == 2) std::this_thread::sleep_for(1200ms);
   };
@@ -107,7 +107,7 @@ TEST_F(Supervised, member_that_cannot_live_is_given_up_however_late_its_deaths_a
   EXPECT_TRUE(end());
 }
 
-TEST_F(Supervised, end_goes_stage_by_stage) {
+TEST_F(Supervised, ends_stage_by_stage) {
   const std::string polite = "trap 'echo bye $NAME; exit 0' TERM; echo up; while :; do sleep 0.02; done";
   add("broker", "NAME=broker; " + polite, 2);
   add("server", "NAME=server; " + polite, 0);
@@ -119,7 +119,7 @@ TEST_F(Supervised, end_goes_stage_by_stage) {
               ElementsAre("bye server", "bye aiv1", "bye broker"));
 }
 
-TEST_F(Supervised, end_while_someone_waits_to_be_started_again_starts_nobody) {
+TEST_F(Supervised, ends_without_restarting_a_member_that_waits_for_it) {
   add("aiv1", "echo up; exec sleep 600", 0, true, 200ms);
   ASSERT_TRUE(until([&] { return lines.size() == 1; }));
   ::kill(logged().at(0), SIGKILL);

@@ -10,8 +10,8 @@
 
 namespace cosiva::app {
 
-/// Every message of a run as one JSON line: {"time","from","topic","retained","payload"}. A payload that is no JSON is
-/// written as a text.
+/// Writes every message of a run as one JSON line: {"time","from","topic","retained","payload"}. A payload that is not
+/// JSON is written as a string.
 class TraceWriter {
  public:
   /// Fails ("trace.open").

@@ -11,9 +11,9 @@ namespace cosiva::app {
 
 /// The options of `cosiva up`.
 struct UpArguments {
-  std::string scenario;  ///< a ready one's name or a file; empty: none
+  std::string scenario;  ///< name of a ready scenario, or a file; empty: none
   std::string name;      ///< of the run; empty: default_run_name
-  /// What the command line said itself: it wins over the scenario.
+  /// Options given on the command line, which override the scenario.
   struct Given {
     bool zone{false};
     bool aivs{false};
@@ -42,7 +42,7 @@ struct UpArguments {
   std::string web_directory;
   bool v2x{true};
   bool convoys{true};
-  bool gvs{false};  ///< a camera watches
+  bool gvs{false};  ///< a camera observes the zone
   GvsSource gvs_source;
   std::string rules;  ///< crisp, fuzzy or a file; empty: crisp for physical AIVs, fuzzy for virtual ones
 };

@@ -30,8 +30,8 @@ using adapters::EventLoop;
 using adapters::Timer;
 using std::chrono::milliseconds;
 
-/// The order of the end: the server first, so that its figures are of a living fleet; the broker last, so that everyone
-/// can say goodbye.
+/// The order in which parts are ended: the server first, so that its metrics are of the complete fleet; the broker
+/// last, so that every part can disconnect.
 enum Stage : int { server_stage, aiv_stage, plant_stage, broker_stage };
 
 constexpr std::chrono::seconds arrival_max{60};
@@ -55,7 +55,7 @@ class Up {
 
   int run() {
     loop_.on_signals({SIGINT, SIGTERM, SIGHUP}, [this](int) {
-      if (ending_) return loop_.stop();  // asked twice: at once, without goodbyes
+      if (ending_) return loop_.stop();  // second signal: at once, without disconnecting
       interrupted_ = true;
       if (started_) end();
     });
@@ -77,7 +77,8 @@ class Up {
     const auto positions = plan_.rtm.zone().start_positions(arguments_.aivs);
     for (std::uint32_t number = 1; number <= arguments_.aivs; ++number) {
       const zone::TrackPosition start_position = positions[number - 1];
-      const std::string start = plan_.rtm.zone().circuit.part(start_position.section).name + ":" + number_text(start_position.s_m);
+      const std::string start =
+          plan_.rtm.zone().circuit.part(start_position.section).name + ":" + number_text(start_position.s_m);
       const auto argv = [this, number, start] { return aiv_argv(number, start); };
       if (auto started = add("aiv" + std::to_string(number), aiv_stage, argv); !started) return started;
     }
@@ -85,7 +86,7 @@ class Up {
       if (auto started = add(gvs_name, plant_stage, [this] { return gvs_argv(); }); !started) return started;
     }
     if (arguments_.duration_s)
-      arrival_.after(arrival_max, [this] { give_up("not all vehicles arrived within a minute; their logs say why"); });
+      arrival_.after(arrival_max, [this] { give_up("not all vehicles arrived within a minute; see their logs"); });
     return {};
   }
 
@@ -111,7 +112,7 @@ class Up {
     return supervisor_.add(std::move(member));
   }
 
-  /// Listens to everything on the bus, as one more client that says nothing.
+  /// Subscribes to all topics, as one more client that publishes nothing.
   Result<void> start_trace() {
     if (arguments_.trace_file.empty()) return {};
     auto opened = TraceWriter::create(arguments_.trace_file);
@@ -214,7 +215,7 @@ class Up {
     if (arguments_.watch) append(argv, {"--watch-file", plan_.rtm.configuration().origin});
     if (plan_.scenario) append(argv, {"--scenario", plan_.scenario_file});
     if (scenario_began_ms_ > 0) {
-      // A server started again goes on with the scenario where the last one stopped.
+      // A restarted server continues the scenario where the last run stopped.
       append(argv, {"--scenario-began", std::to_string(scenario_began_ms_)});
       append(argv, {"--scenario-steps-done", std::to_string(steps_done_)});
     }
@@ -225,7 +226,7 @@ class Up {
     if (!arguments_.web_directory.empty()) append(argv, {"--web", arguments_.web_directory});
     ++server_starts_;
     if (!arguments_.record_file.empty()) {
-      // A server started again is another run: its journal is another file, and the first one stays as it is.
+      // A restarted server is another run with another journal file; the first journal stays unchanged.
       append(argv,
              {"--record", arguments_.record_file + (server_starts_ > 1 ? "." + std::to_string(server_starts_) : "")});
     }
@@ -269,21 +270,20 @@ class Up {
                (arguments_.headless ? "api/v1/snapshot" : ""));
     if (arguments_.gvs)
       print_info(std::string("  camera  ") +
-                 (arguments_.gvs_source.emulated() ? "the emulated world's" : "a real one's pictures") +
+                 (arguments_.gvs_source.emulated() ? "the emulated world's" : "images of a real camera") +
                  ", on the page under GVS");
-    print_info("  broker  " + broker_arguments_.address + (broker_ ? "  (ours; VDA 5050 under uagv/v2)" : ""));
+    print_info("  broker  " + broker_arguments_.address + (broker_ ? "  (private; VDA 5050 under uagv/v2)" : ""));
     print_info("  logs    " + log_directory_);
-    print_info(arguments_.duration_s
-                   ? "  ends by itself after " + decimals(*arguments_.duration_s, 0) + " s; Ctrl-C ends it now"
-                   : std::string("  Ctrl-C ends everything"));
+    print_info(arguments_.duration_s ? "  ends after " + decimals(*arguments_.duration_s, 0) + " s; Ctrl-C ends it now"
+                                     : std::string("  Ctrl-C ends everything"));
   }
 
   void on_hopeless(const std::string& name) {
-    // Whoever only looks on may be missing.
+    // A part that only observes may be missing.
     if (name == gvs_name)
-      return print_info("cosiva: " + name +
-                        " does not stay up, and the platform goes on without it; its log says why (" + log(name) + ")");
-    give_up(name + " does not stay up; its log says why");
+      return print_info("cosiva: " + name + " does not stay up, and the platform continues without it; see its log (" +
+                        log(name) + ")");
+    give_up(name + " does not stay up; see its log");
   }
 
   void give_up(const std::string& why) {
@@ -318,15 +318,15 @@ class Up {
     }
     print_info("the logs are in " + log_directory_);
     if (failed_ || !run || run->collided) return interrupted_ && !run ? exit_done : exit_check_failed;
-    // A run that a person ended early promised nothing about who would be there.
+    // For a run that the operator ended early, no complete fleet is required.
     return interrupted_ || run->all_matched ? exit_done : exit_check_failed;
   }
 
-  /// The core's own figures from a part's summary file.
+  /// The core's own metrics from a part's summary file.
   [[nodiscard]] std::string part_summary(const std::string& file) const {
     const auto text = adapters::read_file(run_ / file);
     if (!text) return "{}";
-    // {"kind":…,"summary":{…}}: the summary is the last member, and nothing of it needs to be understood here.
+    // {"kind":…,"summary":{…}}: the summary is the last member, and is copied without parsing.
     const std::size_t at = text->find("\"summary\":");
     if (at == std::string::npos || text->empty()) return "{}";
     return text->substr(at + 10, text->size() - at - 11);
@@ -361,34 +361,33 @@ class Up {
 
 int run_up(const UpArguments& arguments) {
   if (arguments.page && !arguments.virtual_time)
-    return report_error({"up.page", "a live run has its page anyway; --page goes with --virtual-time", "--page"});
+    return report_error({"up.page", "a live run always has its page; --page is for --virtual-time", "--page"});
   if (arguments.speed && !arguments.page)
     return report_error(
-        {"up.speed", "only a page in virtual time has a speed: --virtual-time --page --speed X", "--speed"});
+        {"up.speed", "--speed is for a page in virtual time: --virtual-time --page --speed X", "--speed"});
   if (arguments.watch && arguments.virtual_time && !arguments.page)
-    return report_error({"up.watch", "a run as fast as the machine can has no time for edits; add --page", "--watch"});
+    return report_error({"up.watch", "a run as fast as possible has no time for edits; add --page", "--watch"});
   if (arguments.virtual_time && arguments.gvs)
     return report_error(
-        {"up.gvs", "a camera watches live runs only; for pictures without one there is `cosiva gvs render`", "--gvs"});
+        {"up.gvs", "a camera observes live runs only; without a live run, `cosiva gvs render` makes images", "--gvs"});
   if (arguments.virtual_time) return run_virtual_time(arguments);
   if (arguments.loss > 0.0) {
-    return report_error(
-        {"up.loss",
-         "messages of all are lost on purpose in virtual time only (--virtual-time); live, a scenario can "
-         "let a vehicle's radio lose them",
-         "--loss"});
+    return report_error({"up.loss",
+                         "--loss is for virtual time (--virtual-time); in a live run a scenario can "
+                         "cause message loss at a vehicle",
+                         "--loss"});
   }
   if (arguments.gvs) {
     if (auto checked = check_gvs_source(arguments.gvs_source, "--gvs-"); !checked) return report_error(checked.error());
   }
-  // Everything that can be wrong with what was asked is said before anything is started.
+  // All errors of the options are reported before any part is started.
   auto plan = plan_run(arguments);
   if (!plan) return report_error(plan.error());
   if (auto broker = mqtt_options(arguments.broker, "cosiva"); !broker) return report_error(broker.error());
   const std::string logs = arguments.log_directory.empty() ? default_log_directory() : arguments.log_directory;
   std::error_code error;
   std::filesystem::create_directories(logs, error);
-  if (error) return report_error({"up.logs", "cannot make this folder: " + error.message(), logs});
+  if (error) return report_error({"up.logs", "cannot create this folder: " + error.message(), logs});
   auto run = RunDirectory::create(arguments.run_directory.empty() ? default_run_directory() : arguments.run_directory);
   if (!run) return report_error(run.error());
   return Up{std::move(*plan), std::move(*run), logs}.run();

@@ -23,7 +23,7 @@ using namespace std::chrono_literals;
 
 constexpr std::chrono::seconds timeout{120};
 
-/// The built command as its user meets it: arguments in, words and data out, processes and files around it.
+/// The built command as its user runs it: arguments in, messages and data out, processes and files around it.
 class Command {
  public:
   Command(adapters::EventLoop& loop, const Scratch& scratch, std::vector<std::string> arguments)
@@ -80,7 +80,7 @@ class UpTest : public ::testing::Test {
   adapters::EventLoop loop;
 };
 
-TEST_F(UpTest, runs_the_platform_for_a_while_and_sums_up_and_its_journal_replays) {
+TEST_F(UpTest, runs_the_platform_prints_a_summary_and_replays_its_journal) {
   Command run{loop, scratch, up({"--duration", "3", "--json", "--record", scratch / "run.journal"})};
   ASSERT_TRUE(run.ends()) << run.standard_error();
   EXPECT_EQ(run.exit->status, 0) << run.standard_error() << run.data;
@@ -98,7 +98,7 @@ TEST_F(UpTest, runs_the_platform_for_a_while_and_sums_up_and_its_journal_replays
   EXPECT_EQ(JsonValue::parse(replay.data)->text("digest"), summary->text("digest"));
 }
 
-TEST_F(UpTest, ends_in_order_when_asked_and_leaves_only_logs) {
+TEST_F(UpTest, ends_in_order_on_a_signal_and_leaves_only_logs) {
   Command run{loop, scratch, up({})};
   ASSERT_TRUE(run.prints("all 2 AIVs are up")) << run.standard_error();
   const auto family = children();
@@ -111,7 +111,7 @@ TEST_F(UpTest, ends_in_order_when_asked_and_leaves_only_logs) {
   EXPECT_TRUE(std::filesystem::exists(scratch / "log/aiv1.log"));
 }
 
-TEST_F(UpTest, starts_again_whoever_is_killed_and_the_fleet_is_whole_at_the_end) {
+TEST_F(UpTest, restarts_each_killed_part_and_has_a_complete_fleet_at_the_end) {
   Command run{loop, scratch, up({"--respawn", "0.2", "--duration", "20", "--json"})};
   ASSERT_TRUE(run.prints("all 2 AIVs are up")) << run.standard_error();
   const auto first = children();
@@ -128,7 +128,7 @@ TEST_F(UpTest, starts_again_whoever_is_killed_and_the_fleet_is_whole_at_the_end)
   EXPECT_EQ(run.exit->status, 0) << run.standard_error() << run.data;
 }
 
-TEST_F(UpTest, plays_a_scenario_and_a_server_killed_meanwhile_goes_on_with_it) {
+TEST_F(UpTest, continues_a_scenario_after_its_server_was_killed) {
   const std::string file = scratch.write("day.toml",
                                          "name = \"day\"\naivs = 1\nduration_s = 12\n"
                                          "[[at]]\nt_s = 0.5\nperson = { id = \"P1\", at = [0, 1.2] }\n"
@@ -136,8 +136,8 @@ TEST_F(UpTest, plays_a_scenario_and_a_server_killed_meanwhile_goes_on_with_it) {
                                          "[[at]]\nt_s = 4\ncommand = \"fast\"\nvehicle = \"V1\"\n");
   Command run{loop, scratch, up({"--scenario", file, "--json"})};
   ASSERT_TRUE(run.prints(" s  virtual AIV V1 joins")) << run.standard_error();
-  EXPECT_THAT(run.standard_error(), HasSubstr("--aivs 2 wins over the scenario's 1"));
-  // Time for the new AIV to be remembered, and less than there is before the next step.
+  EXPECT_THAT(run.standard_error(), HasSubstr("--aivs 2 overrides the scenario's 1"));
+  // Time for the new AIV to be persisted, and less than there is before the next step.
   loop.run_for(500ms);
   ::kill(children().at("server"), SIGKILL);
   ASSERT_TRUE(run.prints("  V1: fast")) << run.standard_error();
@@ -145,15 +145,15 @@ TEST_F(UpTest, plays_a_scenario_and_a_server_killed_meanwhile_goes_on_with_it) {
   ASSERT_TRUE(run.ends());
   EXPECT_EQ(run.exit->status, 0) << run.standard_error() << run.data;
   const std::string standard_error = run.standard_error();
-  for (const char* step : {"P1 stands", "V1 joins", "V1: fast"})
+  for (const char* step : {"P1 is at", "V1 joins", "V1: fast"})
     EXPECT_EQ(standard_error.find(step), standard_error.rfind(step)) << step << " is played once";
   const auto summary = JsonValue::parse(run.data);
   ASSERT_TRUE(summary) << run.data;
   EXPECT_EQ(summary->text("scenario"), "day");
-  EXPECT_EQ(summary->find("bijection")->number("augmented"), 1.0) << "it was remembered over the crash";
+  EXPECT_EQ(summary->find("bijection")->number("augmented"), 1.0) << "the AIV was restored after the crash";
 }
 
-TEST_F(UpTest, in_virtual_time_with_its_page_runs_until_somebody_ends_it_and_sums_up) {
+TEST_F(UpTest, in_virtual_time_with_its_page_runs_until_it_is_ended_and_prints_a_summary) {
   Command run{loop, scratch, up({"--virtual-time", "--page", "--speed", "5", "--json"})};
   ASSERT_TRUE(run.prints("Ctrl-C ends it")) << run.standard_error();
   loop.run_for(300ms);
@@ -165,7 +165,7 @@ TEST_F(UpTest, in_virtual_time_with_its_page_runs_until_somebody_ends_it_and_sum
   EXPECT_GT(summary->number("duration_s").value_or(0.0), 0.0);
 }
 
-TEST_F(UpTest, refuses_a_bad_scenario_before_anything_is_started) {
+TEST_F(UpTest, refuses_a_bad_scenario_before_starting_any_part) {
   Command run{loop, scratch, up({"--scenario", scratch.write("bad.toml", "name = 1\n")})};
   ASSERT_TRUE(run.ends());
   EXPECT_EQ(run.exit->status, 2);
@@ -173,7 +173,7 @@ TEST_F(UpTest, refuses_a_bad_scenario_before_anything_is_started) {
   EXPECT_FALSE(std::filesystem::exists(scratch / "run"));
 }
 
-TEST_F(UpTest, takes_another_port_when_the_wanted_one_is_busy_and_says_so) {
+TEST_F(UpTest, uses_another_port_when_the_requested_port_is_busy_and_reports_it) {
   Command first{loop, scratch, up({})};
   ASSERT_TRUE(first.prints("figures http://127.0.0.1:")) << first.standard_error();
   const std::string standard_error = first.standard_error();
@@ -191,7 +191,7 @@ TEST_F(UpTest, takes_another_port_when_the_wanted_one_is_busy_and_says_so) {
   }
 }
 
-TEST_F(UpTest, parts_record_their_own_journals_and_both_replay) {
+TEST_F(UpTest, records_a_journal_per_part_and_replays_both) {
   auto broker = adapters::PrivateBroker::start(loop, {scratch.path(), scratch / "broker.log", {}}).value();
   const std::string address = "127.0.0.1:" + std::to_string(broker->port());
   Scratch plant_log;

@@ -15,14 +15,14 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds heartbeat_period{20};
-/// So much of a beat the world may take; the rest is the page's, or it would answer nobody.
+/// The longest part of a heartbeat period that the world may use; the rest is for the page's requests.
 constexpr milliseconds busy_max{14};
-/// The world goes in pieces so small that the bound above is kept.
+/// The world is run in pieces this short, so that the bound above holds.
 constexpr SimDuration piece = milliseconds{10};
-/// A stalled machine does not make up for more than this.
+/// A stalled machine does not catch up more than this.
 constexpr milliseconds late_max{100};
 constexpr milliseconds measure_period{1000};
-/// Who reaches this share of the speed asked for reaches it: the measure itself is not finer.
+/// From this ratio of the requested speed on, the speed counts as reached: the measurement is not finer.
 constexpr double as_requested = 0.95;
 
 }  // namespace
@@ -80,7 +80,7 @@ PageHost VirtualPage::host() {
 }
 
 PageHost::Clock VirtualPage::clock() const {
-  // What this machine reaches is shown where it is less than what was asked for.
+  // The reached speed is shown where it is less than the requested speed.
   return {true, running_, reached_ < speed_ * as_requested ? reached_ : speed_};
 }
 
@@ -130,7 +130,7 @@ void VirtualPage::measure(Steady::time_point now) {
   if (now - measured_since_ < measure_period) return;
   const double real_s = std::chrono::duration<double>(now - measured_since_).count();
   const double rate = to_seconds(run_.world().now() - measured_from_) / real_s;
-  // One figure behind the point is all that a person can use.
+  // One decimal is sufficient for display.
   reached_ = std::round(rate * 10.0) / 10.0;
   measured_since_ = now;
   measured_from_ = run_.world().now();
@@ -151,9 +151,9 @@ int run_virtual_page(VirtualRun& run) {
              " in virtual time");
   print_info((plan.arguments.headless ? "  figures http://127.0.0.1:" : "  page    http://127.0.0.1:") +
              std::to_string(port) + (plan.arguments.headless ? "/api/v1/snapshot" : "/"));
-  print_info(plan.arguments.duration_s ? "  ends by itself after " + decimals(*plan.arguments.duration_s, 0) +
-                                             " virtual seconds; Ctrl-C ends it now"
-                                       : std::string("  Ctrl-C ends it"));
+  print_info(plan.arguments.duration_s
+                 ? "  ends after " + decimals(*plan.arguments.duration_s, 0) + " virtual seconds; Ctrl-C ends it now"
+                 : std::string("  Ctrl-C ends it"));
   bool interrupted = false;
   loop.on_signals({SIGINT, SIGTERM, SIGHUP}, [&](int) {
     interrupted = true;

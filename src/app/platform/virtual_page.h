@@ -11,17 +11,17 @@
 
 namespace cosiva::app {
 
-/// A world in virtual time behind the page: one event loop for both, so no lock. The clock can be stopped, stepped and
-/// given another speed from the page.
+/// A world in virtual time behind the page: one event loop for both, and therefore no lock. The page can stop and step
+/// the clock and change its speed.
 class VirtualPage {
  public:
-  /// @param ended  told when the run's duration is over
+  /// @param ended  called when the run's duration is over
   [[nodiscard]] static Result<std::unique_ptr<VirtualPage>> open(adapters::EventLoop& loop, VirtualRun& run,
                                                                  std::function<void()> ended);
   [[nodiscard]] std::uint16_t port() const { return page_->port(); }
   [[nodiscard]] PageHost::Clock clock() const;
   void set_clock(bool running, double speed);
-  /// Runs so much while the clock stands; ends at the run's end.
+  /// Runs for this duration while the clock is stopped; ends at the run's end.
   void step(SimDuration duration);
 
  private:
@@ -30,7 +30,7 @@ class VirtualPage {
   [[nodiscard]] PageHost host();
   void command(std::string json);
   void heartbeat();
-  /// Up to the run's end; false when that is reached.
+  /// Runs at most to the run's end; returns false when the end is reached.
   bool run_for(SimDuration duration);
   void measure(Steady::time_point now);
 
@@ -49,7 +49,7 @@ class VirtualPage {
   bool reported_slow_{false};
 };
 
-/// `up --virtual-time --page`: until its duration, Ctrl-C or a signal ends it. Gives the exit status.
+/// Runs `up --virtual-time --page` until its duration, Ctrl-C or a signal ends it. Gives the exit status.
 int run_virtual_page(VirtualRun& run);
 
 }  // namespace cosiva::app

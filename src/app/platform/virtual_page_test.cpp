@@ -37,7 +37,7 @@ class Virtual : public ::testing::Test {
   int ended{0};
 };
 
-TEST_F(Virtual, time_goes_by_itself_until_it_is_stopped) {
+TEST_F(Virtual, time_runs_until_it_is_stopped) {
   const auto page = open();
   EXPECT_NE(page->port(), 0);
   EXPECT_TRUE(page->clock().is_virtual);
@@ -50,7 +50,7 @@ TEST_F(Virtual, time_goes_by_itself_until_it_is_stopped) {
   EXPECT_EQ(run->elapsed(), stopped_at);
 }
 
-TEST_F(Virtual, a_step_goes_exactly_so_far_and_no_further) {
+TEST_F(Virtual, a_step_has_exactly_its_duration) {
   const auto page = open();
   page->set_clock(false, 1.0);
   const SimDuration before = run->elapsed();
@@ -59,7 +59,7 @@ TEST_F(Virtual, a_step_goes_exactly_so_far_and_no_further) {
   EXPECT_EQ(run->elapsed(), before + 1234ms);
 }
 
-TEST_F(Virtual, more_speed_than_the_machine_has_keeps_the_page_alive_and_is_told) {
+TEST_F(Virtual, more_speed_than_the_machine_reaches_keeps_the_page_responsive_and_is_reported) {
   const auto page = open(std::nullopt, 100.0);
   EXPECT_EQ(page->clock().speed, 100.0);
   bool acknowledged = false;
@@ -76,14 +76,14 @@ TEST_F(Virtual, ends_exactly_at_its_duration_and_only_once) {
   ASSERT_TRUE(loop.run_until([&] { return ended > 0; }, timeout));
   EXPECT_EQ(run->elapsed(), 1500ms);
   page->set_clock(true, 1.0);
-  EXPECT_FALSE(page->clock().running) << "what is over does not run again";
+  EXPECT_FALSE(page->clock().running) << "a finished run does not start again";
   page->step(1s);
   loop.run_for(50ms);
   EXPECT_EQ(run->elapsed(), 1500ms);
   EXPECT_EQ(ended, 1);
 }
 
-TEST_F(Virtual, a_step_over_the_end_stops_there) {
+TEST_F(Virtual, a_step_beyond_the_end_stops_at_the_end) {
   const auto page = open(2.0);
   page->set_clock(false, 1.0);
   page->step(10s);

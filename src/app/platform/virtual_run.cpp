@@ -48,7 +48,7 @@ double VirtualRun::duration_s_default() const {
 
 std::optional<SimTime> VirtualRun::end() const {
   if (!plan_.arguments.duration_s) return std::nullopt;
-  // A fleet that never gets complete still ends.
+  // A fleet that never becomes complete still ends.
   const SimTime from = plan_.scenario ? world_->scenario_began().value_or(start_) : start_;
   return from + from_seconds(*plan_.arguments.duration_s);
 }

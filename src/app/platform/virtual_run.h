@@ -11,8 +11,8 @@
 
 namespace cosiva::app {
 
-/// The whole platform in this process and in virtual time, with its trace and its scenario: what the run as fast as the
-/// machine can and the run with a page have in common.
+/// The whole platform in this process and in virtual time, with its trace and its scenario: common to runs as fast as
+/// possible and runs with a page.
 class VirtualRun {
  public:
   [[nodiscard]] static Result<std::unique_ptr<VirtualRun>> make(RunPlan plan);
@@ -21,16 +21,16 @@ class VirtualRun {
   [[nodiscard]] const RunPlan& plan() const { return plan_; }
   /// Virtual time since the start.
   [[nodiscard]] SimDuration elapsed() const { return world_->now() - start_; }
-  /// When it is over: its duration after the scenario began, or after the start where there is none. Nothing where it
-  /// goes on until somebody ends it.
+  /// The end of the run: its duration after the beginning of the scenario, or after the start without a scenario.
+  /// Nothing where the run has no end of its own.
   [[nodiscard]] std::optional<SimTime> end() const;
-  /// So long it lasts where nobody said: a minute, or until ten seconds after the scenario's last step.
+  /// The default duration: a minute, or until ten seconds after the scenario's last step.
   [[nodiscard]] double duration_s_default() const;
   void set_duration(double duration_s) { plan_.arguments.duration_s = duration_s; }
-  /// Also told of each message, after the trace.
+  /// Sets a handler that is called with each message, after the trace.
   void also_tap(experiments::World::Tap tap) { more_ = std::move(tap); }
 
-  /// Prints the summary; gives the exit status. A run that a person ended early promised no fleet.
+  /// Prints the summary; gives the exit status. For a run that the operator ended early, no complete fleet is required.
   int finish(bool interrupted) const;
 
  private:

@@ -13,7 +13,7 @@ namespace {
 
 constexpr SimDuration step = std::chrono::milliseconds{500};
 
-/// As fast as the machine can.
+/// Runs as fast as possible.
 int run_to_the_end(VirtualRun& run) {
   if (!run.plan().arguments.duration_s) run.set_duration(run.duration_s_default());
   Progress progress;
@@ -28,8 +28,7 @@ int run_to_the_end(VirtualRun& run) {
 
 int run_virtual_time(const UpArguments& arguments) {
   if (!arguments.record_file.empty())
-    return report_error(
-        {"up.record", "a run in virtual time is repeated by its seed; --record goes with a live one", {}});
+    return report_error({"up.record", "a run in virtual time is repeated by its seed; --record is for live runs", {}});
   auto plan = plan_run(arguments);
   if (!plan) return report_error(plan.error());
   auto run = VirtualRun::make(std::move(*plan));

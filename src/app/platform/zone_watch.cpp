@@ -22,7 +22,7 @@ bool is(const std::optional<zone::ZoneConfiguration>& known, const zone::ZoneCon
 
 ZoneWatch::ZoneWatch(adapters::EventLoop& loop, std::string file, std::string sidecar_file, Handlers handlers)
     : file_{std::move(file)}, sidecar_file_{std::move(sidecar_file)}, handlers_{std::move(handlers)}, timer_{loop} {
-  // What it holds now is what the run began with; only what comes after is news.
+  // The present content is that of the run's start; only later changes are handled.
   at_rest_stamp_ = stamp();
   if (auto read = load_zone(file_, sidecar_file_)) at_rest_ = std::move(*read);
   timer_.every(check_period, [this] { check(); });
@@ -48,14 +48,14 @@ void ZoneWatch::check() {
   auto read = load_zone(file_, sidecar_file_);
   if (!read) {
     settling_.reset();
-    // An editor may put a new file in the old one's place: one look that finds none is no news.
+    // An editor may replace the file by a new one: one check that finds no file is not reported.
     if (++failed_checks_ == 2)
       handlers_.print_info("the zone's file cannot be read, so the zone stays as it is: " + to_string(read.error()));
     return;
   }
   failed_checks_ = 0;
   const bool changed = !is(at_rest_, *read);
-  // Half a file is no zone: it is taken when two looks find the same.
+  // A half-written file is no zone: the file is used when two checks find the same content.
   if (changed && !is(settling_, *read)) {
     settling_ = std::move(*read);
     return;
@@ -74,7 +74,7 @@ void ZoneWatch::take(const zone::ZoneConfiguration& read) {
   handlers_.give(json.take());
   if (is(handlers_.in_force(), read)) return handlers_.print_info("the zone's file has changed; switched to it");
   const auto rtm = zone::Rtm::initialise(read);
-  handlers_.print_info("the zone's file has changed, but cannot be used; the zone that was there stays" +
+  handlers_.print_info("the zone's file has changed, but cannot be used; the present zone stays" +
                        (rtm ? std::string{} : ": " + to_string(rtm.error())));
 }
 

@@ -10,30 +10,32 @@
 
 namespace cosiva::app {
 
-/// Looks twice a second whether the file of a zone, or its sidecar file, holds something else than what is in force,
-/// and switches to that once it has settled. What the page saved is in force already, so that is no change.
+/// Checks twice per second whether the file of a zone, or its sidecar file, differs from the zone in force, and
+/// switches to its content once the file no longer changes. Content that the page saved is in force already, and
+/// therefore no change.
 class ZoneWatch {
  public:
   struct Handlers {
     std::function<std::optional<zone::ZoneConfiguration>()> in_force;
-    std::function<void(std::string command)> give;  ///< to the core, which judges it and says why it refuses
+    std::function<void(std::string command)>
+        give;  ///< to the core, which validates the zone and reports why it is refused
     std::function<void(const std::string& text)> print_info;
   };
-  /// @param sidecar_file  empty: the one beside the file
+  /// @param sidecar_file  empty: the sidecar file next to the zone's file
   ZoneWatch(adapters::EventLoop& loop, std::string file, std::string sidecar_file, Handlers handlers);
 
-  /// As the timer does; for tests.
+  /// One check, as by the timer; for tests.
   void check();
 
  private:
   void take(const zone::ZoneConfiguration& read);
-  /// Sizes and times of both files; the same as before: nobody has written them.
+  /// Sizes and times of both files; unchanged values mean that no program has written the files.
   [[nodiscard]] std::string stamp() const;
 
   std::string file_;
   std::string sidecar_file_;
   Handlers handlers_;
-  std::optional<zone::ZoneConfiguration> at_rest_;  ///< as last read and done with
+  std::optional<zone::ZoneConfiguration> at_rest_;  ///< content of the last completed check
   std::string at_rest_stamp_;
   std::optional<zone::ZoneConfiguration> settling_;
   int failed_checks_{0};

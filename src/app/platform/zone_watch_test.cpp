@@ -23,7 +23,7 @@ std::string straight(const std::string& length) {
          "\nnext = []\n";
 }
 
-/// A core that takes whatever can be read, and a file that somebody edits.
+/// A core that accepts any readable zone, and a file that is edited.
 class Watched : public ::testing::Test {
  protected:
   Watched() { in_force = load_zone(file).value(); }
@@ -51,18 +51,18 @@ class Watched : public ::testing::Test {
                    [this](const std::string& text) { lines.push_back(text); }}};
 };
 
-TEST_F(Watched, a_file_that_nobody_touches_is_no_news) {
+TEST_F(Watched, an_unchanged_file_is_not_reported) {
   check(5);
-  save(straight("2.0"));  // saved again, as it was
+  save(straight("2.0"));  // saved again without a change
   check(5);
   EXPECT_THAT(given, IsEmpty());
   EXPECT_THAT(lines, IsEmpty());
 }
 
-TEST_F(Watched, a_change_is_taken_once_it_has_settled) {
+TEST_F(Watched, a_change_is_applied_once_the_file_no_longer_changes) {
   save(straight("3.0"));
   check();
-  EXPECT_THAT(given, IsEmpty()) << "somebody may still be writing";
+  EXPECT_THAT(given, IsEmpty()) << "a program may still be writing";
   save(straight("4.0"));
   check();
   EXPECT_THAT(given, IsEmpty());
@@ -75,20 +75,20 @@ TEST_F(Watched, a_change_is_taken_once_it_has_settled) {
   EXPECT_THAT(lines, ElementsAre(HasSubstr("switched to it")));
 }
 
-TEST_F(Watched, what_the_page_saved_is_in_force_already) {
+TEST_F(Watched, content_that_the_page_saved_is_in_force_already) {
   in_force->text = straight("5.0");
   save(straight("5.0"));
   check(3);
   EXPECT_THAT(given, IsEmpty());
-  save(straight("2.0"));  // and by hand back to what it was first
+  save(straight("2.0"));  // and edited back to its original content
   check(3);
   EXPECT_EQ(given.size(), 1U);
 }
 
-TEST_F(Watched, a_broken_file_is_given_for_its_refusal_and_said_once) {
+TEST_F(Watched, a_broken_file_is_passed_on_for_its_refusal_and_reported_once) {
   save("name = 3\n");
   check(5);
-  EXPECT_EQ(given.size(), 1U) << "the platform says on its page why it refuses";
+  EXPECT_EQ(given.size(), 1U) << "the platform reports the reason on its page";
   EXPECT_EQ(in_force->text, straight("2.0"));
   EXPECT_THAT(lines, ElementsAre(::testing::AllOf(HasSubstr("stays"), HasSubstr("way.toml:1"))));
   save(straight("3.0"));
@@ -96,7 +96,7 @@ TEST_F(Watched, a_broken_file_is_given_for_its_refusal_and_said_once) {
   EXPECT_EQ(in_force->text, straight("3.0"));
 }
 
-TEST_F(Watched, a_file_that_is_away_for_a_moment_is_no_news_but_one_that_stays_away_is) {
+TEST_F(Watched, a_briefly_missing_file_is_not_reported_but_a_missing_file_is) {
   std::filesystem::remove(file);
   check();
   save(straight("2.0"));

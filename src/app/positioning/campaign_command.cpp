@@ -27,7 +27,7 @@ using experiments::CampaignRun;
 using experiments::CampaignWork;
 using experiments::UnitRecord;
 
-/// After so long all ranks tell each other, and finished units are kept: what is lost with a killed process.
+/// Period after which all ranks synchronise and finished units are stored: the most work that a killed process loses.
 constexpr std::chrono::milliseconds round_time{500};
 
 struct Prepared {
@@ -40,7 +40,7 @@ Result<Prepared> prepare(const CampaignArguments& arguments) {
   if (!text) return tl::unexpected(text.error());
   auto plan = experiments::read_campaign_plan(*text, arguments.plan_file);
   if (!plan) return tl::unexpected(plan.error());
-  // A zone's file is named from where the plan lies.
+  // A zone file's path is relative to the plan's folder.
   const auto local_path = std::filesystem::path(arguments.plan_file).parent_path() / plan->zone;
   auto loop = loop_of(std::filesystem::exists(local_path) ? local_path.string() : plan->zone);
   if (!loop) return tl::unexpected(loop.error());
@@ -52,10 +52,10 @@ Result<Prepared> prepare(const CampaignArguments& arguments) {
   return Prepared{std::move(*text), std::move(*work)};
 }
 
-/// What rank 0 keeps in the folder while the campaign goes on.
+/// The files that rank 0 keeps in the folder while the campaign runs.
 class Kept {
  public:
-  /// Reads what is finished already.
+  /// Reads the units that are already finished.
   Result<std::vector<UnitRecord>> open(const CampaignArguments& arguments, const CampaignWork& work) {
     if (arguments.out_folder.empty()) return std::vector<UnitRecord>{};
     path_ = (std::filesystem::path(arguments.out_folder) / "campaign.state").string();
@@ -74,10 +74,11 @@ class Kept {
   [[nodiscard]] Result<void> append(std::string_view lines) {
     if (!file_) return {};
     auto written = file_->append(lines);
-    if (!written) written.error().message += "; what is finished is kept, start it again when there is room";
+    if (!written)
+      written.error().message += "; finished units are preserved, start the campaign again when there is space";
     return written;
   }
-  /// Finished: in the order of the list, so that the same plan leaves the same file.
+  /// All units are finished: writes them in the order of the list, so that the same plan makes the same file.
   [[nodiscard]] Result<void> warm_up(const CampaignWork& work, const std::vector<UnitRecord>& records) const {
     if (!file_) return {};
     std::string text = experiments::state_header(work);
@@ -90,7 +91,7 @@ class Kept {
   std::unique_ptr<adapters::AppendFile> file_;
 };
 
-/// "campaign 43 % done, 12 s left" once a second.
+/// Prints "campaign 43 % done, 12 s left" once per second.
 class TimeLeft {
  public:
   explicit TimeLeft(const CampaignRun& run) : before_{run.cost_done()} {}
@@ -167,7 +168,7 @@ int print_result(const CampaignArguments& arguments, const Prepared& prepared, c
 }  // namespace
 
 int run_campaign(const CampaignArguments& arguments) {
-  // What can be wrong in files is found before MPI begins: then each rank can end by itself.
+  // File errors are found before MPI begins, because then each rank can end by itself.
   const auto prepared = prepare(arguments);
   if (!prepared) return report_error(prepared.error());
   const CampaignWork& work = prepared->work;
@@ -180,7 +181,7 @@ int run_campaign(const CampaignArguments& arguments) {
   auto run = CampaignRun::make(work, std::move(known), **ranks);
   if (!run) return speaks ? report_error(run.error()) : exit_bad_input;
   if (speaks && run->units_done() > 0)
-    print_info("campaign goes on: " + std::to_string(run->units_done()) + " of " + std::to_string(work.units()) +
+    print_info("campaign continues: " + std::to_string(run->units_done()) + " of " + std::to_string(work.units()) +
                " units are finished");
   adapters::ThreadPool workers{arguments.threads > 0 ? arguments.threads : threads_for_each_rank()};
   TimeLeft time_left{*run};

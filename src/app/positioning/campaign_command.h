@@ -8,8 +8,8 @@ namespace cosiva::app {
 /// The options of `cosiva campaign`.
 struct CampaignArguments {
   std::string plan_file;
-  std::string out_folder;    ///< empty: nothing is written, nothing is kept
-  std::uint32_t threads{0};  ///< 0: as many as there are cores
+  std::string out_folder;    ///< empty: nothing is written or stored
+  std::uint32_t threads{0};  ///< 0: one per core
   bool json{false};
   bool anew{false};
   bool dry_run{false};

@@ -22,9 +22,9 @@ using ::testing::Not;
 
 const std::string examples = source_dir() + "/examples/";
 const std::string small =
-    "runs = 3\nway_m = 10\n[vary]\nalgorithm = [\"arc_kalman\", \"ekf\"]\npitch_m = [0.5, 1.0, 2.0]\n";
+    "runs = 3\ndistance_m = 10\n[vary]\nalgorithm = [\"arc_kalman\", \"ekf\"]\npitch_m = [0.5, 1.0, 2.0]\n";
 
-TEST(Campaign, says_how_much_there_is_to_do_and_does_nothing) {
+TEST(Campaign, dry_run_prints_the_amount_of_work_and_does_nothing) {
   const Scratch scratch;
   const CommandOutput output = cosiva({"campaign", examples + "campaign.toml", "--out", scratch / "out", "--dry-run"});
   EXPECT_EQ(output.status, 0) << output.standard_error;
@@ -34,7 +34,7 @@ TEST(Campaign, says_how_much_there_is_to_do_and_does_nothing) {
   EXPECT_EQ(cosiva({"campaign", examples + "campaign_grid.toml", "--dry-run"}).status, 0);
 }
 
-TEST(Campaign, writes_report_tables_and_database_and_says_the_same_again_at_once) {
+TEST(Campaign, writes_report_tables_and_database_and_repeats_the_result_at_once) {
   const Scratch scratch;
   const std::string plan = scratch.write("plan.toml", small);
   const CommandOutput output = cosiva({"campaign", plan, "--out", scratch / "out", "--json"});
@@ -49,11 +49,11 @@ TEST(Campaign, writes_report_tables_and_database_and_says_the_same_again_at_once
   const CommandOutput again = cosiva({"campaign", plan, "--out", scratch / "out", "--json"});
   EXPECT_EQ(again.data, output.data);
   EXPECT_THAT(again.standard_error, AllOf(HasSubstr("3 of 3 units"), Not(HasSubstr("ms a run"))));
-  EXPECT_EQ(cosiva({"campaign", plan, "--json", "--threads", "3"}).data, output.data) << "without a folder, too";
+  EXPECT_EQ(cosiva({"campaign", plan, "--json", "--threads", "3"}).data, output.data) << "also without a folder";
   EXPECT_THAT(cosiva({"campaign", plan, "--out", scratch / "out", "--dry-run"}).data, HasSubstr("3 finished"));
 }
 
-TEST(Campaign, refuses_the_state_of_another_plan_until_told_to_forget_it) {
+TEST(Campaign, refuses_the_state_of_another_plan_unless_started_anew) {
   const Scratch scratch;
   const std::string plan = scratch.write("plan.toml", small);
   EXPECT_EQ(cosiva({"campaign", plan, "--out", scratch / "out"}).status, 0);
@@ -63,12 +63,12 @@ TEST(Campaign, refuses_the_state_of_another_plan_until_told_to_forget_it) {
   EXPECT_THAT(output.standard_error,
               AllOf(HasSubstr("campaign.state:1"), HasSubstr("another plan"), HasSubstr("--anew")));
   EXPECT_EQ(cosiva({"campaign", plan, "--out", scratch / "out", "--anew"}).status, 0);
-  // A tolerance changes no run: what is finished stays.
+  // A tolerance changes no run: finished units stay valid.
   scratch.write("plan.toml", "tolerance_m = 0.02\nseed = 5\n" + small);
   EXPECT_THAT(cosiva({"campaign", plan, "--out", scratch / "out"}).standard_error, HasSubstr("units are finished"));
 }
 
-TEST(Campaign, names_what_is_in_its_way) {
+TEST(Campaign, names_errors_of_plan_options_and_folder) {
   const Scratch scratch;
   const std::string plan = scratch.write("plan.toml", small);
   const auto refused = [](const std::vector<std::string>& standard_error, const std::string& what) {
@@ -82,7 +82,8 @@ TEST(Campaign, names_what_is_in_its_way) {
   refused({"campaign", plan, "--thread", "2"}, "did you mean '--threads'?");
   refused({"campaign", scratch.write("a.toml", "[vary]\npich_m = 1\n")}, "a.toml:2: vary.pich_m: unknown key");
   refused({"campaign", scratch.write("b.toml", "zone = \"lacet5\"\n[vary]\n")}, "lacet5");
-  refused({"campaign", scratch.write("c.toml", "distance_m = 0.001\n[vary]\n")}, "c.toml: it ends before odometry");
+  refused({"campaign", scratch.write("c.toml", "distance_m = 0.001\n[vary]\n")},
+          "c.toml: the run ends before the first odometry");
   refused({"campaign", plan, "--out", "/proc/nothing"}, "/proc/nothing: the folder cannot be made");
   scratch.write("out/campaign.state", "something else\n");
   refused({"campaign", plan, "--out", scratch / "out"}, "campaign.state:1: this is no campaign's state");
@@ -90,7 +91,7 @@ TEST(Campaign, names_what_is_in_its_way) {
   refused({"campaign", plan, "--out", scratch / "busy"}, "another process is writing it");
 }
 
-TEST(Campaign, takes_a_zone_s_file_from_beside_its_plan) {
+TEST(Campaign, finds_a_zone_file_relative_to_its_plan) {
   const Scratch scratch;
   const auto zone = adapters::read_file(fixture::zones + "lacet4.toml");
   ASSERT_TRUE(zone);

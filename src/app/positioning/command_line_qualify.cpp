@@ -1,4 +1,4 @@
-// The options of `cosiva qualify` and `cosiva compare`, and what their help says.
+// The options of `cosiva qualify` and `cosiva compare`, with their help texts.
 #include "cosiva/app/positioning/command_line_qualify.h"
 
 #include "cosiva/app/cli/common_options.h"
@@ -10,21 +10,22 @@ namespace {
 
 constexpr const char* qualify_examples =
     "Examples:\n"
-    "  cosiva qualify arc_kalman --pitch 0.5 --runs 100           in virtual time, with the limit beside it\n"
-    "  cosiva qualify calibrating --recording plaza1 --out DIR    on what was recorded, with a report\n"
-    "  cosiva qualify arc_kalman --live --broker 127.0.0.1:1883    on a platform that runs (`cosiva up`), by its "
+    "  cosiva qualify arc_kalman --pitch 0.5 --runs 100           in virtual time, with the limit\n"
+    "  cosiva qualify calibrating --recording plaza1 --out DIR    on a recording, with a report\n"
+    "  cosiva qualify arc_kalman --live --broker 127.0.0.1:1883    on a running platform (`cosiva up`), over its "
     "vehicles\n"
     "  cosiva qualify mine --external \"mine=python3 mine.py\"      any program that speaks JSON lines\n"
-    "  cosiva qualify all --runs 500 --threads 4                  no more of this machine than that; same result\n"
-    "  cosiva qualify --list                                      which algorithms there are\n"
+    "  cosiva qualify all --runs 500 --threads 4                  at most four threads; same result\n"
+    "  cosiva qualify --list                                      lists the algorithms\n"
     "\n"
-    "docs/guide/metrology.md tells what the figures mean.";
+    "docs/guide/metrology.md explains the metrics.";
 
 constexpr const char* compare_examples =
     "Examples:\n"
-    "  cosiva compare reset_rule arc_kalman --runs 30             who is better, and is that sure\n"
-    "  cosiva compare --zone indus8 --fiducials beacons --json        the usual ones, beacons as the zone has them\n"
-    "  cosiva compare --live --vehicle AIV1 --vehicle AIV2 --distance 20 --runs 8    figure 17 on two vehicles that drive\n"
+    "  cosiva compare reset_rule arc_kalman --runs 30             which is better, and how certain that is\n"
+    "  cosiva compare --zone indus8 --fiducials beacons --json        the usual algorithms, with the zone's beacons\n"
+    "  cosiva compare --live --vehicle AIV1 --vehicle AIV2 --distance 20 --runs 8    figure 17 on two driving "
+    "vehicles\n"
     "  cosiva compare ekf calibrating smoother --recording A --recording B\n"
     "  cosiva compare --reference ground_truth.tum --estimate a.tum --estimate b.tum\n"
     "  cosiva compare ekf smoother --recording A --reference-budget cal/reference_budget.json\n"
@@ -35,85 +36,90 @@ void add_length(CLI::App& command, const std::string& name, double& metres, cons
 }
 
 void add_virtual_time(CLI::App& command, QualifyArguments& q) {
-  command.add_option("--zone", q.zone, "whose ring is driven: a ready zone's name or a file; without: lacet4")
+  command.add_option("--zone", q.zone, "whose loop is driven: a ready zone's name or a file; without: lacet4")
       ->type_name("NAME|FILE");
-  add_length(command, "--distance", q.distance_m, "how far each run goes");
+  add_length(command, "--distance", q.distance_m, "length of each run");
   command.add_option("--runs", q.runs, "how many runs; each is one vote")
       ->type_name("N")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  command.add_option("--seed", q.seed, "of the first run; the others count on")->type_name("N")->capture_default_str();
+  command.add_option("--seed", q.seed, "of the first run; the following runs count up")
+      ->type_name("N")
+      ->capture_default_str();
   command
       .add_option("--fiducials", q.fiducials, "what is read: a beacon every --pitch, the zone's tags, or its beacons")
       ->check(CLI::IsMember({"pitch", "tags", "beacons"}))
       ->capture_default_str();
-  add_length(command, "--pitch", q.pitch_m, "between beacons along the way");
-  add_length(command, "--reach", q.reach_m, "within which the line passes a beacon that is read");
+  add_length(command, "--pitch", q.pitch_m, "between beacons along the path");
+  add_length(command, "--reach", q.reach_m, "greatest distance between the path and a beacon that is read");
   command.add_option("--speed", q.speed_mps, "of the vehicle")->type_name("M/S")->capture_default_str();
   command.add_option("--rate", q.rate_hz, "odometry per second; each is an iteration")
       ->type_name("HZ")
       ->capture_default_str();
   add_length(command, "--odometry-noise", q.odometry_m, "standard deviation of odometry after one metre");
   add_length(command, "--reading-noise", q.reading_m, "standard deviation of a reading");
-  command.add_option("--missed", q.missed, "share of beacons that are not read")
+  command.add_option("--missed", q.missed, "ratio of beacons that are not read")
       ->check(CLI::Range(0.0, 0.99))
       ->capture_default_str();
   command.add_option("--scale-error", q.scale, "standard deviation of the odometer's scale, a draw per run")
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
-  add_length(command, "--survey-error", q.survey_m, "standard deviation of where beacons really lie");
+  add_length(command, "--survey-error", q.survey_m, "standard deviation of the beacons' actual positions");
   command.add_option("--particles", q.particles, "of the particle filter")->check(CLI::Range(10, 1000000));
-  command.add_option("--horizon", q.horizon, "readings that the unbiased FIR filter looks back")
+  command.add_option("--horizon", q.horizon, "number of readings that the unbiased FIR filter uses")
       ->check(CLI::Range(1, 1000));
 }
 
 void add_evaluation(CLI::App& command, QualifyArguments& q) {
-  add_length(command, "--threshold", q.threshold_m, "of the precision: the share of iterations with an error under it");
+  add_length(command, "--threshold", q.threshold_m, "of the precision: the ratio of iterations with an error below it");
   add_length(command, "--tolerance", q.tolerance_m, "a run passes when no error exceeds it");
-  command.add_option("--reliability", q.reliability, "that passes in a row should show")
+  command.add_option("--reliability", q.reliability, "that consecutive passes should show")
       ->check(CLI::Range(0.01, 0.9999));
   command.add_option("--confidence", q.confidence, "with which they should")->check(CLI::Range(0.01, 0.9999));
-  command.add_option("--reference-error", q.reference_m, "standard uncertainty of the truth itself, as one figure")
+  command
+      .add_option("--reference-error", q.reference_m, "standard uncertainty of the ground truth itself, as one value")
       ->type_name("M")
       ->check(CLI::Range(0.0, 1e3));
   command
       .add_option(
           "--reference-budget", q.reference_budget,
-          "the same part by part with sources, all told in the result: reference_budget.json or calibration.json "
+          "the same part by part with sources, all printed in the result: reference_budget.json or calibration.json "
           "of gvs calibrate; differences below it are called unresolved")
       ->type_name("FILE");
 }
 
 void add_others(CLI::App& command, QualifyArguments& q) {
   command
-      .add_option("--recording", q.recordings, "a folder with odometry, readings or ranges, and truth; may come again")
+      .add_option("--recording", q.recordings,
+                  "a folder with odometry, readings or ranges, and ground truth; may be repeated")
       ->type_name("DIR")
       ->allow_extra_args(false);
-  command.add_option("--gap", q.gap_s, "the truth is interpolated between stamps no further apart")
+  command.add_option("--gap", q.gap_s, "greatest distance of stamps between which the ground truth is interpolated")
       ->type_name("S")
       ->check(CLI::Range(1e-6, 1e6))
       ->capture_default_str();
-  command.add_option("--external", q.external, "an algorithm in a program of its own; may come again")
+  command.add_option("--external", q.external, "an algorithm in a program of its own; may be repeated")
       ->type_name("NAME=COMMAND")
       ->allow_extra_args(false);
-  command.add_option("--timeout", q.timeout_s, "how long to wait for its answer")
+  command.add_option("--timeout", q.timeout_s, "timeout of its response")
       ->type_name("S")
       ->check(CLI::Range(0.001, 1e5))
       ->capture_default_str();
-  command.add_option("--reference", q.reference, "a trajectory (TUM, KITTI or EuRoC) to judge --estimate by")
+  command.add_option("--reference", q.reference, "a trajectory (TUM, KITTI or EuRoC) to evaluate --estimate against")
       ->type_name("FILE");
-  command.add_option("--estimate", q.estimates, "a trajectory; may come again")
+  command.add_option("--estimate", q.estimates, "a trajectory; may be repeated")
       ->type_name("FILE")
       ->allow_extra_args(false);
-  command.add_option("--associate", q.associate, "which poses belong together; nearest is evo's rule, within 10 ms")
+  command.add_option("--associate", q.associate, "how poses are paired; nearest is evo's rule, within 10 ms")
       ->check(CLI::IsMember({"interpolate", "nearest"}))
       ->capture_default_str();
   command
-      .add_option(
-          "--align", q.align,
-          "moves estimates onto the truth before they are judged, and says so: se2 turns about the vertical and "
-          "shifts, by least squares; origin puts the first pose on the truth's; se3, of trajectories, is evo's "
-          "--align. Where the frame is surveyed that hides errors")
+      .add_option("--align", q.align,
+                  "aligns estimates with the ground truth before they are evaluated, and reports it: se2 turns about "
+                  "the vertical and "
+                  "shifts, by least squares; origin moves the first pose onto that of the ground truth; se3, of "
+                  "trajectories, is evo's "
+                  "--align. Where the frame is surveyed that hides errors")
       ->check(CLI::IsMember({"none", "se2", "se3", "origin"}))
       ->capture_default_str();
 }
@@ -121,20 +127,20 @@ void add_others(CLI::App& command, QualifyArguments& q) {
 void add_live(CLI::App& command, LiveQualifyArguments& live) {
   command.add_flag(
       "--live", live.live,
-      "on a platform that runs: its vehicles run the algorithms while they drive, and are asked --rate times a "
-      "second until they have gone --distance");
+      "on a running platform: its vehicles run the algorithms while they drive, and receive --rate requests per "
+      "second until they have driven --distance");
   command.add_option("--url", live.url, "of its server, with --live")->type_name("URL")->capture_default_str();
   add_broker(command, live.broker, "127.0.0.1:1883; with --live");
-  command.add_option("--vehicle", live.vehicles, "who drives the runs, with --live; may come again; without: AIV1")
+  command.add_option("--vehicle", live.vehicles, "vehicle of the runs, with --live; may be repeated; without: AIV1")
       ->type_name("AIV|MANUFACTURER/SERIAL")
       ->allow_extra_args(false);
   command
       .add_option("--ground-truth", live.ground_truth_topic,
-                  "where it is said where they truly are; without: cosiva/v1/plant/ground_truth")
+                  "topic of the vehicles' actual positions; without: cosiva/v1/plant/ground_truth")
       ->type_name("TOPIC");
 }
 
-/// What is a property of a simulation or of a file is none of a platform that runs.
+/// The options of a simulation or of a file have no meaning on a running platform.
 std::optional<std::string> useless_live(const CLI::App& command) {
   for (const char* name :
        {"--zone", "--fiducials", "--pitch", "--reach", "--odometry-noise", "--reading-noise", "--missed",
@@ -146,7 +152,7 @@ std::optional<std::string> useless_live(const CLI::App& command) {
 
 int run_live(const CLI::App& command, const QualifyArguments& q, LiveQualifyArguments& live, std::size_t at_least) {
   if (const auto useless = useless_live(command))
-    return report_error({"qualify.live", "it means nothing with --live: the platform is as it is", *useless});
+    return report_error({"qualify.live", "the option has no meaning with --live", *useless});
   live.speed_given = command.get_option("--speed")->count() > 0;
   return run_qualify_live(q, live, at_least);
 }
@@ -155,16 +161,15 @@ int run_live(const CLI::App& command, const QualifyArguments& q, LiveQualifyArgu
 
 QualifyCommands describe_qualify(CLI::App& root, QualifyArguments& q) {
   QualifyCommands commands{nullptr, nullptr, std::make_shared<LiveQualifyArguments>()};
-  commands.qualify =
-      root.add_subcommand("qualify", "Say how good a position estimator is, with intervals and its limit");
-  commands.compare = root.add_subcommand("compare", "Say which position estimators differ, on the same runs");
+  commands.qualify = root.add_subcommand("qualify", "Qualify a position estimator, with intervals and its limit");
+  commands.compare = root.add_subcommand("compare", "Compare position estimators, on the same runs");
   for (CLI::App* command : {commands.qualify, commands.compare}) {
     command->add_option("algorithms", q.algorithms, "their names (--list), or all")->type_name("NAME");
-    command->add_flag("--list", q.list, "say which algorithms there are");
+    command->add_flag("--list", q.list, "list the algorithms");
     command->add_flag("--json", q.json, "print the result as JSON");
     command->add_option("--out", q.out_folder, "writes report.html, result.json, TUM and CSV files, and zips for evo")
         ->type_name("DIR");
-    command->add_option("--threads", q.threads, "how many work on it, with the same result; without: one for each core")
+    command->add_option("--threads", q.threads, "number of threads, with the same result; without: one for each core")
         ->type_name("N")
         ->check(CLI::Range(1, 1024));
     add_virtual_time(*command, q);
@@ -183,7 +188,7 @@ std::optional<int> run_qualify_command(const QualifyCommands& commands, QualifyA
   q.command = "cosiva";
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
-    // Not how many worked on it: the result is the same, and says the same.
+    // The number of threads is left out: the result, and therefore the report, does not depend on it.
     if (word == "--threads") ++i;
     if (word.starts_with("--threads")) continue;
     q.command += word.find(' ') == std::string::npos ? " " + word : " '" + word + "'";

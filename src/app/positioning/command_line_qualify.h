@@ -19,7 +19,7 @@ struct QualifyCommands {
 
 [[nodiscard]] QualifyCommands describe_qualify(CLI::App& root, QualifyArguments& qualify);
 
-/// The exit status of the one that was asked for, if any.
+/// The exit status of the requested subcommand, if any.
 [[nodiscard]] std::optional<int> run_qualify_command(const QualifyCommands& commands, QualifyArguments& qualify,
                                                      int argc, const char* const* argv);
 

@@ -58,13 +58,13 @@ std::string start_line(const estimation::Setting& setting) {
 
 Result<Estimate> read_estimate(const std::string& line) {
   const auto json = JsonValue::parse(line);
-  if (!json) return garbage("that is no JSON", line);
+  if (!json) return garbage("the response is no JSON", line);
   const auto x_m = json->number("x_m");
   const auto y_m = json->number("y_m");
   const auto heading_rad = json->number("heading_rad");
   if (!x_m || !y_m || !heading_rad) return garbage("an estimate has x_m, y_m and heading_rad", line);
   if (!(std::fabs(*x_m) < 1e9) || !(std::fabs(*y_m) < 1e9) || !(std::fabs(*heading_rad) < 1e6))
-    return garbage("nothing is there", line);
+    return garbage("the response is empty", line);
   Estimate estimate{{*x_m, *y_m, wrap_angle(*heading_rad)}, {}, std::nullopt};
   estimate.covariance.fill(std::numeric_limits<double>::quiet_NaN());
   const JsonValue* covariance = json->find("covariance");
@@ -107,7 +107,7 @@ void ExternalAlgorithm::predict(const estimation::Odometry& odometry) {
   JsonWriter json;
   json.begin_object().key("odometry").begin_object().field("distance_m", odometry.distance_m);
   json.field("turn_rad", odometry.turn_rad).field("duration_s", odometry.duration_s);
-  // What few have is told of those alone, so that all others are told what they always were.
+  // Fields that few recordings have are sent only where present, so that all other messages stay unchanged.
   if (odometry.left_m != 0.0) json.field("left_m", odometry.left_m);
   if (odometry.distance_variance_m2 > 0.0) json.field("distance_variance_m2", odometry.distance_variance_m2);
   if (odometry.turn_variance_rad2 > 0.0) json.field("turn_variance_rad2", odometry.turn_variance_rad2);

@@ -10,12 +10,12 @@
 
 namespace cosiva::app {
 
-/// An algorithm that is a program of its own, in any language: it reads one JSON line per input and answers one per
-/// estimate (docs/guide/metrology.md has the lines). When it hangs, ends or answers garbage, that is its fault(), and
-/// nobody else's.
+/// An algorithm that is a separate program, in any language: the program reads one JSON line per input and responds
+/// with one per estimate (docs/guide/metrology.md lists the lines). When the program hangs, ends or sends an invalid
+/// response, that is its fault(), and no other algorithm is affected.
 class ExternalAlgorithm final : public estimation::Algorithm {
  public:
-  /// Starts the program and tells it the setting. Fails as LineProcess does.
+  /// Starts the program and sends the setting. Fails as LineProcess does.
   [[nodiscard]] static Result<std::unique_ptr<estimation::Algorithm>> start(const std::string& name,
                                                                             const std::string& command,
                                                                             const estimation::Setting& setting,
@@ -39,8 +39,8 @@ class ExternalAlgorithm final : public estimation::Algorithm {
   mutable std::optional<Error> fault_;
 };
 
-/// What it answers: {"x_m":…,"y_m":…,"heading_rad":…} and, where it states one, "covariance": nine numbers by rows of
-/// (x, y, heading). Fails ("algorithm.garbage") with what was said.
+/// Reads the program's response: {"x_m":…,"y_m":…,"heading_rad":…} and, where the algorithm states one, "covariance":
+/// nine numbers by rows of (x, y, heading). Fails ("algorithm.garbage") with the response.
 [[nodiscard]] Result<estimation::Estimate> read_estimate(const std::string& line);
 
 }  // namespace cosiva::app

@@ -9,13 +9,13 @@
 
 namespace cosiva::app {
 
-/// Where runs in virtual time go round.
+/// The loop that runs in virtual time drive along.
 struct LoopTrack {
   std::shared_ptr<const zone::TrafficZone> zone;
   std::shared_ptr<const estimation::Track> track;
 };
 
-/// The zone's first loop, or its ring. Fails as open_zone and Track::make do.
+/// The zone's first declared loop, or its circuit where that is a loop. Fails as open_zone and Track::make do.
 [[nodiscard]] Result<LoopTrack> loop_of(const std::string& name_or_file);
 
 }  // namespace cosiva::app

@@ -8,14 +8,14 @@
 /// The options of `cosiva qualify` and `cosiva compare`.
 namespace cosiva::app {
 
-/// Of `qualify` and `compare`.
+/// Arguments of `qualify` and `compare`.
 struct QualifyArguments {
-  std::vector<std::string> algorithms;  ///< names, or "all"; empty: what suits
+  std::vector<std::string> algorithms;  ///< names, or "all"; empty: those suitable
   bool list{false};
   bool json{false};
   std::string out_folder;
-  std::string command;       ///< as it was typed, for the report
-  std::uint32_t threads{0};  ///< 0: as many as there are cores
+  std::string command;       ///< as typed, for the report
+  std::uint32_t threads{0};  ///< 0: one per core
 
   // virtual time
   std::string zone;  ///< empty: lacet4; with recordings: none
@@ -35,7 +35,7 @@ struct QualifyArguments {
   std::uint32_t particles{500};
   std::uint32_t horizon{4};
 
-  // judging
+  // evaluation
   double threshold_m{0.01};
   double tolerance_m{0.05};
   double reliability{0.95};
@@ -43,7 +43,7 @@ struct QualifyArguments {
   std::optional<double> reference_m;
   std::string reference_budget;  ///< a file: reference_budget.json or a calibration.json
 
-  // others'
+  // third-party data and programs
   std::vector<std::string> recordings;
   double gap_s{0.5};
   std::vector<std::string> external;  ///< NAME=COMMAND

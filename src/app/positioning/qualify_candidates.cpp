@@ -25,7 +25,7 @@ Candidate candidate_of(const estimation::Registry& registry, const estimation::R
 Result<Candidate> external_of(const std::string& text, std::chrono::milliseconds timeout) {
   const std::size_t equals = text.find('=');
   if (equals == 0 || equals == std::string::npos || equals + 1 == text.size())
-    return fail("algorithm.external", "it is NAME=COMMAND, such as \"mine=python3 mine.py\"", "--external " + text);
+    return fail("algorithm.external", "expected NAME=COMMAND, such as \"mine=python3 mine.py\"", "--external " + text);
   const std::string name = text.substr(0, equals);
   const std::string command = text.substr(equals + 1);
   const auto make = [name, command, timeout](const estimation::Setting& setting) {
@@ -54,7 +54,7 @@ Result<experiments::ReferenceBudget> reference_of(const QualifyArguments& argume
     return budget;
   }
   if (arguments.reference_m)
-    return fail("compare.reference", "it says part by part what the other says as one figure: give one of them",
+    return fail("compare.reference", "both options state the same uncertainty: give one of them",
                 "--reference-budget, --reference-error");
   return load_reference_budget(arguments.reference_budget);
 }
@@ -68,10 +68,10 @@ Result<std::vector<Candidate>> candidates_of(const QualifyArguments& arguments, 
   for (const std::string& text : arguments.external) {
     auto external = external_of(text, std::chrono::milliseconds{static_cast<int>(1e3 * arguments.timeout_s)});
     if (!external) return tl::unexpected(external.error());
-    // Its name may stand among the others', to say where it belongs.
+    // An external program's name may be among the other names, to define its position in the list.
     std::erase(names, external->name);
     if (registry.find(external->name))
-      return fail("algorithm.duplicate", "one that comes with the platform has this name", external->name);
+      return fail("algorithm.duplicate", "an algorithm of the platform has this name", external->name);
     externals.push_back(std::move(*external));
   }
   if (arguments.algorithms.empty() && (externals.empty() || !usual.empty())) names = usual;
@@ -88,7 +88,7 @@ Result<std::vector<Candidate>> candidates_of(const QualifyArguments& arguments, 
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
       if (candidates[i].name == candidates[k].name)
-        return fail("algorithm.duplicate", "it is named twice", candidates[i].name);
+        return fail("algorithm.duplicate", "the name is given twice", candidates[i].name);
     }
   }
   return candidates;

@@ -9,25 +9,25 @@
 
 namespace cosiva::app {
 
-/// Those that were asked for, by name or as programs; where nobody was, those that suit. Fails ("algorithm.unknown"),
+/// The requested algorithms, by name or as programs; without any, the suitable ones. Fails ("algorithm.unknown"),
 /// ("algorithm.external") on what is not NAME=COMMAND, ("algorithm.duplicate").
-/// @param on_track  there is a line to follow
-/// @param usual     what is taken where no names are given
+/// @param on_track  there is a path to follow
+/// @param usual     the algorithms that are used where no names are given
 [[nodiscard]] Result<std::vector<experiments::Candidate>> candidates_of(const QualifyArguments& arguments,
                                                                         const estimation::Registry& registry,
                                                                         bool on_track,
                                                                         const std::vector<std::string>& usual);
 
-/// How many `--threads` asks for: without it as many as there are cores.
+/// The number of threads that `--threads` requests; without the option, one per core.
 [[nodiscard]] std::size_t threads_for(const QualifyArguments& arguments);
-/// What `--align` asks for.
+/// The alignment that `--align` requests.
 [[nodiscard]] experiments::Alignment alignment_of(const QualifyArguments& arguments);
 
-/// Of `--reference-budget` or `--reference-error`; nothing where neither is given. Fails as reading does, and
-/// ("compare.reference") where both are.
+/// The budget of `--reference-budget` or `--reference-error`; empty where neither is given. Fails as reading does, and
+/// ("compare.reference") where both are given.
 [[nodiscard]] Result<experiments::ReferenceBudget> reference_of(const QualifyArguments& arguments);
 
-/// What is taken where nobody was named: one that suits to qualify, or all that it makes sense to compare.
+/// The algorithms that are used where none is named: one that suits to qualify, or all that can be compared reasonably.
 [[nodiscard]] std::vector<std::string> usual_algorithms(const QualifyArguments& arguments, bool on_track,
                                                         std::size_t at_least);
 

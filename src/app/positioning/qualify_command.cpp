@@ -29,18 +29,18 @@ int list_algorithms(const estimation::Registry& registry, bool as_json) {
     json.begin_object().field("name", one.name).field("what", one.what).field("needs_track", one.needs_track);
     json.field("backtracks", one.backtracks).end_object();
     text += (text.empty() ? "" : "\n") + one.name + std::string(18 - std::min<std::size_t>(17, one.name.size()), ' ') +
-            one.what + (one.needs_track ? "; needs a line" : "");
+            one.what + (one.needs_track ? "; needs a path" : "");
   }
   json.end_array().end_object();
   print(as_json ? json.text() : text);
   return exit_done;
 }
 
-/// "12 of 30 runs" once a second, for what takes longer than one.
+/// Prints "12 of 30 runs" once per second, during longer evaluations.
 class RunsDone {
  public:
   explicit RunsDone(std::size_t runs) : runs_{runs} {}
-  /// Whoever works on it stops now and then to have this told.
+  /// Whether the evaluation is to pause, so that the progress can be printed.
   [[nodiscard]] bool time_is_up() const { return std::chrono::steady_clock::now() >= until_; }
   void at(std::size_t done) {
     until_ = std::chrono::steady_clock::now() + round_time;
@@ -78,8 +78,8 @@ Result<void> write_all(const std::string& folder, const Qualification& all, cons
   return {};
 }
 
-/// How late each estimate seems against the truth, over the first run: told, and nothing is shifted by it. A truth with
-/// a clock of its own is an error along the way that no algorithm can help.
+/// The delay of each estimate against the ground truth, over the first run: reported, and not corrected. A ground truth
+/// with a clock of its own causes an error along the path that no algorithm can avoid.
 std::string lateness_of(const Qualification& all) {
   std::string text;
   for (const experiments::Qualified& one : all.algorithms) {
@@ -101,10 +101,10 @@ int run_either(const QualifyArguments& arguments, std::size_t at_least) {
   const auto alignment = alignment_of(arguments);
   if (alignment != experiments::Alignment::none && arguments.recordings.empty())
     return report_error({"compare.align",
-                         "in virtual time all are told the truth's own frame: there is nothing to align",
+                         "in virtual time all algorithms use the ground truth's frame: there is nothing to align",
                          "--align " + arguments.align});
   if (alignment == experiments::Alignment::se3)
-    return report_error({"compare.align", "a recording lies on the floor: ask for se2 or origin", "--align se3"});
+    return report_error({"compare.align", "a recording is planar: use se2 or origin", "--align se3"});
   auto reference = reference_of(arguments);
   if (!reference) return report_error(reference.error());
   auto runs = arguments.recordings.empty() ? virtual_runs(arguments) : recorded_runs(arguments);
@@ -113,17 +113,18 @@ int run_either(const QualifyArguments& arguments, std::size_t at_least) {
       candidates_of(arguments, registry, runs->on_track, usual_algorithms(arguments, runs->on_track, at_least));
   if (!candidates) return report_error(candidates.error());
   if (candidates->size() < at_least)
-    return report_error({"compare.few", "there are at least two to compare", "algorithms"});
+    return report_error({"compare.few", "a comparison needs at least two", "algorithms"});
   return evaluate(arguments, *candidates, *runs, std::move(*reference));
 }
 
-/// Its own checks: everybody answered, and nobody is better than can be.
+/// The run's own checks: every algorithm responded, and no algorithm is better than the limit.
 bool check(const Qualification& all) {
   bool fine = true;
   for (const experiments::Qualified& one : all.algorithms) {
     if (one.failed) print_info("cosiva: " + one.name + " failed: " + to_string(*one.failed));
     if (one.leak)
-      print_info("cosiva: " + one.name + " is below the limit: it knows what it cannot, or the limit is wrong");
+      print_info("cosiva: " + one.name +
+                 " is below the limit: the algorithm uses information that it cannot have, or the limit is wrong");
     fine = fine && !one.failed && !one.leak;
   }
   return fine;
@@ -149,7 +150,8 @@ int evaluate(const QualifyArguments& arguments, const std::vector<experiments::C
   if (!all) return report_error(all.error());
   experiments::Conditions conditions = runs.conditions;
   if (!arguments.recordings.empty())
-    conditions.settings.emplace_back("seems late against the truth, first run (not corrected)", lateness_of(*all));
+    conditions.settings.emplace_back("estimated delay against the ground truth, first run (not corrected)",
+                                     lateness_of(*all));
   if (!arguments.out_folder.empty()) {
     if (auto written = write_all(arguments.out_folder, *all, conditions); !written)
       return report_error(written.error());

@@ -13,7 +13,7 @@ namespace cosiva::app {
 int run_qualify(const QualifyArguments& arguments);
 int run_compare(const QualifyArguments& arguments);
 
-/// Qualifies the candidates on the runs, prints and writes what is found. Gives the exit status.
+/// Qualifies the candidates on the runs, prints and writes the results. Gives the exit status.
 int evaluate(const QualifyArguments& arguments, const std::vector<experiments::Candidate>& candidates, const Runs& runs,
              experiments::ReferenceBudget reference);
 

@@ -1,4 +1,4 @@
-// `cosiva qualify --live` and `cosiva compare --live`: on a platform that runs, over its broker and its server's API.
+// `cosiva qualify --live` and `cosiva compare --live`: on a running platform, over its broker and its server's API.
 #include "cosiva/app/positioning/qualify_live.h"
 
 #include <unistd.h>
@@ -33,14 +33,14 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr milliseconds tick_period{5};
-/// A server that was killed is back within a few seconds; what is said to it meanwhile waits.
+/// A server that was killed is back within a few seconds; commands to it wait meanwhile.
 constexpr milliseconds command_timeout{1000};
 constexpr seconds connect_max{5};
 constexpr seconds goodbye_max{5};
-/// Of random numbers that JSON carries whole.
+/// Random numbers that JSON represents exactly.
 constexpr std::uint64_t seed_max = std::uint64_t{1} << 53U;
 
-/// One test: the bus, the server, and what has to be said to them.
+/// One test: the bus, the server, and the messages and commands to send.
 class LiveTest {
  public:
   LiveTest(experiments::LiveRunsOptions options, adapters::HttpClient server)
@@ -82,11 +82,13 @@ class LiveTest {
     bool connected = false;
     loop_.run_until([&] { return connected = bus_->connected(); }, connect_max);
     if (!connected)
-      return fail("mqtt.connect", "no broker answers there: is the platform running (cosiva up), is --broker its own?",
+      return fail("mqtt.connect",
+                  "no broker responds at this address: is the platform running (cosiva up), is --broker its own?",
                   address);
     const auto response = server_.send_request("GET", "/api/v1/snapshot", {}, command_timeout);
     if (!response)
-      return fail("http.connect", "no server answers there: is the platform running (cosiva up), is --url its own?",
+      return fail("http.connect",
+                  "no server responds at this address: is the platform running (cosiva up), is --url its own?",
                   server_.url());
     return {};
   }
@@ -100,7 +102,7 @@ class LiveTest {
     if (payload.empty()) return;
     const auto format = topic.substr(name + std::string_view{"/zone/"}.size());
     auto rtm = zone::Rtm::initialise(zone::from_payload(std::string(format), std::string(topic), payload));
-    if (rtm) runs_.on_zone(rtm->shared_zone());  // one that nobody can read is in force nowhere
+    if (rtm) runs_.on_zone(rtm->shared_zone());  // a zone that cannot be read is in force on no vehicle
   }
 
   void heartbeat() {
@@ -113,23 +115,22 @@ class LiveTest {
     if (!ticker_.ticks()) return;
     const LiveRuns::Progress progress = runs_.progress(clock_.now());
     std::string text = "cosiva: " + std::to_string(progress.complete) + " of " + std::to_string(runs_requested_) +
-                       " runs, " + decimals(100.0 * progress.ratio, 0) + " % of the way";
+                       " runs, " + decimals(100.0 * progress.ratio, 0) + " % of the distance";
     if (progress.left_s) text += ", " + experiments::duration_text(*progress.left_s) + " left";
     print_info(text);
   }
 
-  /// In order, and each until it has been taken: a server that is not there now will be.
+  /// Sends the commands in order, each until the server has accepted it; a server that is restarting is retried.
   void notify_server() {
     if (clock_.now() < next_notice_) return;
     while (!commands_.empty()) {
       const auto taken = server_.send_request("POST", "/api/v1/commands", commands_.front(), command_timeout);
       if (!taken || taken->status >= 500) {
-        if (!std::exchange(waiting_, true))
-          print_info("cosiva: the server does not answer; what it is to be told waits");
+        if (!std::exchange(waiting_, true)) print_info("cosiva: the server does not respond; commands to it wait");
         next_notice_ = clock_.now() + seconds{1};
         return;
       }
-      if (std::exchange(waiting_, false)) print_info("cosiva: the server answers again");
+      if (std::exchange(waiting_, false)) print_info("cosiva: the server responds again");
       if (taken->status >= 400)
         print_info("cosiva: the server refused " + commands_.front() + ": " +
                    to_string(refusal_in(taken->body, taken->status)));
@@ -158,8 +159,9 @@ Result<std::vector<wire::VehicleId>> vehicles_of(const LiveQualifyArguments& liv
     wire::VehicleId id = slash == std::string::npos ? wire::VehicleId{std::string(wire::our_manufacturer), name}
                                                     : wire::VehicleId{name.substr(0, slash), name.substr(slash + 1)};
     if (id.manufacturer.empty() || !wire::valid_serial_number(id.serial_number))
-      return fail("qualify.vehicle", "say AIV3, or MANUFACTURER/SERIAL", name);
-    if (std::ranges::find(vehicles, id) != vehicles.end()) return fail("qualify.vehicle", "it is named twice", name);
+      return fail("qualify.vehicle", "expected AIV3, or MANUFACTURER/SERIAL", name);
+    if (std::ranges::find(vehicles, id) != vehicles.end())
+      return fail("qualify.vehicle", "the vehicle is given twice", name);
     vehicles.push_back(std::move(id));
   }
   return vehicles;
@@ -174,11 +176,12 @@ Result<experiments::LiveRunsOptions> options_of(const QualifyArguments& argument
                 "--particles " + std::to_string(arguments.particles));
   if (arguments.seed + arguments.runs > seed_max)
     return fail("qualify.seed", "live, seeds are less than 2^53", "--seed " + std::to_string(arguments.seed));
-  if (!(arguments.distance_m > 0.0)) return fail("qualify.distance", "a way is longer than nothing", "--distance");
+  if (!(arguments.distance_m > 0.0)) return fail("qualify.distance", "a distance must be more than 0", "--distance");
   if (!(arguments.rate_hz >= 0.1 && arguments.rate_hz <= 50.0))
-    return fail("qualify.rate", "a vehicle is asked 0.1 to 50 times a second: it knows of odometry 50 times",
+    return fail("qualify.rate", "a vehicle accepts 0.1 to 50 requests per second: its odometry has 50 Hz",
                 "--rate " + decimals(arguments.rate_hz, 2));
-  if (live.speed_given && !(arguments.speed_mps > 0.0)) return fail("qualify.speed", "it has to move", "--speed");
+  if (live.speed_given && !(arguments.speed_mps > 0.0))
+    return fail("qualify.speed", "a speed must be more than 0", "--speed");
   experiments::LiveRunsOptions options;
   options.vehicles = std::move(*vehicles);
   options.runs = arguments.runs;
@@ -205,30 +208,30 @@ experiments::Conditions conditions_of(const QualifyArguments& arguments, const e
   for (const auto& name : options.algorithms) on_board += (on_board.empty() ? "" : ", ") + name;
   conditions.settings = {{"zone", runs.map_id()},
                          {"vehicles", vehicles},
-                         {"way of each run", decimals(options.distance_m, 1) + " m"},
-                         {"requested", decimals(options.rate_hz, 1) + " times a second"},
+                         {"distance of each run", decimals(options.distance_m, 1) + " m"},
+                         {"requests", decimals(options.rate_hz, 1) + " per second"},
                          {"on board", on_board.empty() ? "none" : on_board},
                          {"ground_truth", options.ground_truth_topic},
                          {"seeds", "from " + std::to_string(options.seed)}};
   if (options.speed_mps) conditions.settings.emplace_back("speed", decimals(*options.speed_mps, 2) + " m/s");
   auto& diagnostics = conditions.diagnostics;
   diagnostics.emplace_back(
-      "Odometry has no gyroscope: turns are those of the line where the vehicle's own program believes to be on it. "
-      "The limit is that of the sensors as the vehicle's data sheet has them: who is below it has better ones.");
+      "Odometry has no gyroscope: turns are those of the path while the vehicle's own estimate is on the path. "
+      "The limit is that of the sensors in the vehicle's data sheet: an algorithm below the limit had better sensors.");
   if (complete < options.runs)
     diagnostics.push_back("Only " + std::to_string(complete) + " of " + std::to_string(options.runs) +
                           " runs are complete.");
   for (const std::string& loss : runs.losses()) diagnostics.push_back("Lost " + loss + ".");
   if (runs.repeated() > 0)
     diagnostics.push_back(std::to_string(runs.repeated()) +
-                          " requests were sent again: they or their answers were lost.");
+                          " requests were sent again: they or their responses were lost.");
   if (runs.without_ground_truth() > 0)
     diagnostics.push_back(std::to_string(runs.without_ground_truth()) +
-                          " answers are left out: nobody said where the vehicle was then.");
+                          " responses are left out: the vehicle's actual position at that time is unknown.");
   return conditions;
 }
 
-/// The runs as they were lived, for all candidates: those on board say again what they said.
+/// The recorded live runs, for all candidates: the algorithms on board repeat their recorded responses.
 Result<Runs> live_run(const QualifyArguments& arguments, const LiveQualifyArguments& live,
                       std::vector<experiments::Candidate>& candidates, const estimation::Registry& registry) {
   auto options = options_of(arguments, live);
@@ -246,7 +249,7 @@ Result<Runs> live_run(const QualifyArguments& arguments, const LiveQualifyArgume
   auto kept = std::make_shared<Live>(test.runs().take_runs());
   if (kept->empty()) {
     const auto& losses = test.runs().losses();
-    return fail("live.runs", losses.empty() ? "it was ended before a run was complete" : losses.back());
+    return fail("live.runs", losses.empty() ? "the test was ended before a run was complete" : losses.back());
   }
   for (auto& one : candidates)
     if (runs_on_board(one)) one = experiments::on_board(one.name, one.what, *kept);
@@ -269,7 +272,7 @@ int run_qualify_live(const QualifyArguments& arguments, const LiveQualifyArgumen
   auto candidates = candidates_of(arguments, registry, true, usual_algorithms(arguments, true, at_least));
   if (!candidates) return report_error(candidates.error());
   if (candidates->size() < at_least)
-    return report_error({"compare.few", "there are at least two to compare", "algorithms"});
+    return report_error({"compare.few", "a comparison needs at least two", "algorithms"});
   auto reference = reference_of(arguments);
   if (!reference) return report_error(reference.error());
   const auto runs = live_run(arguments, live, *candidates, registry);

@@ -17,7 +17,8 @@ namespace {
 using experiments::Simulation;
 using experiments::Trial;
 
-/// The middle line of each of the zone's sections: straights by their ends, others closely enough for a page.
+/// The centre line of each of the zone's sections: straights by their ends, others with a resolution sufficient for a
+/// page.
 std::vector<std::vector<Point2>> lines_of(const zone::TrafficZone& zone) {
   constexpr double apart_m = 0.1;
   constexpr double most = 200.0;
@@ -42,7 +43,7 @@ Result<void> lay_fiducials(const QualifyArguments& arguments, const LoopTrack& l
   }
   if (!simulation.fiducials.empty()) return {};
   return fail("simulation.fiducials",
-              "the way passes over none of its " + arguments.fiducials +
+              "the path passes over none of its " + arguments.fiducials +
                   (arguments.fiducials == "beacons" ? " within " + decimals(1e3 * arguments.reach_m, 1) + " mm" : ""),
               loop.zone->name);
 }
@@ -53,11 +54,11 @@ experiments::Conditions conditions_of(const QualifyArguments& arguments, const L
   experiments::Conditions conditions{arguments.command, "virtual time on " + loop.zone->name, {}, {}};
   auto& settings = conditions.settings;
   settings.emplace_back("zone", loop.zone->name);
-  settings.emplace_back("way of each run", decimals(arguments.distance_m, 1) + " m");
+  settings.emplace_back("distance of each run", decimals(arguments.distance_m, 1) + " m");
   settings.emplace_back("fiducials", arguments.fiducials == "pitch"
-                                         ? "one every " + decimals(arguments.pitch_m, 3) + " m of the way"
+                                         ? "one every " + decimals(arguments.pitch_m, 3) + " m of the path"
                                          : std::to_string(simulation.fiducials.size()) + " " + arguments.fiducials +
-                                               " once round, " + decimals(loop.track->length_m(), 2) + " m");
+                                               " per loop of " + decimals(loop.track->length_m(), 2) + " m");
   settings.emplace_back("odometry", mm(arguments.odometry_m) + " after 1 m, " + decimals(arguments.rate_hz, 1) + " Hz");
   settings.emplace_back("reading", mm(arguments.reading_m));
   settings.emplace_back("missed", decimals(100.0 * arguments.missed, 1) + " %");
@@ -69,7 +70,7 @@ experiments::Conditions conditions_of(const QualifyArguments& arguments, const L
   return conditions;
 }
 
-/// Files of a folder that a recording may consist of.
+/// The files of a folder that a recording may consist of.
 Result<experiments::RecordingFiles> files_of(const std::string& folder) {
   std::error_code error;
   experiments::RecordingFiles files;
@@ -90,7 +91,7 @@ Result<Trial> trial_of(const std::string& folder, const QualifyArguments& argume
   if (!files) return tl::unexpected(files.error());
   const auto recording = experiments::read_recording(folder, *files);
   if (!recording) {
-    // There may be several folders with files of the same names.
+    // Several folders may contain files of the same names.
     Error error = recording.error();
     if (!error.location.starts_with(folder)) error.location = (std::filesystem::path(folder) / error.location).string();
     return tl::unexpected(std::move(error));
@@ -99,7 +100,7 @@ Result<Trial> trial_of(const std::string& folder, const QualifyArguments& argume
   if (!trial) return trial;
   for (const std::string& diagnostic : recording->diagnostics) {
     std::string inputs = std::string(folder).append(": ").append(diagnostic).append(".");
-    // What was made of a recording is no matter for the report alone: it may be a mistake in the files.
+    // Diagnostics of a recording are also printed: they may indicate errors in the files.
     print_info("cosiva: " + inputs);
     conditions.diagnostics.push_back(std::move(inputs));
   }
@@ -107,7 +108,7 @@ Result<Trial> trial_of(const std::string& folder, const QualifyArguments& argume
     trial->setting.track = loop->track;
     const auto along_m = loop->track->foot(position(trial->setting.start), 0.5 * loop->track->length_m(),
                                            0.5 * loop->track->length_m(), 0.5);
-    if (!along_m) return fail("recording.line", "it does not begin on the zone's ring", folder);
+    if (!along_m) return fail("recording.line", "the recording does not begin on the zone's loop", folder);
     trial->setting.start_along_m = *along_m;
   }
   return trial;
@@ -166,17 +167,17 @@ Result<Runs> recorded_runs(const QualifyArguments& arguments) {
     if (trial->sensors_assumed)
       runs.conditions.diagnostics.push_back(
           folder +
-          " has no sensors.csv: the limit is that of the figures assumed, and who is below "
-          "it is no leak, but shows that "
+          " has no sensors.csv: the limit is that of the assumed values, and an algorithm below "
+          "the limit is no leak, but shows that "
           "the sensors are better than that.");
     trials->push_back(std::move(*trial));
   }
-  runs.conditions.settings.emplace_back("longest gap of the truth", decimals(arguments.gap_s, 3) + " s");
+  runs.conditions.settings.emplace_back("longest gap of the ground truth", decimals(arguments.gap_s, 3) + " s");
   if (arguments.recordings.size() == 1)
     runs.conditions.diagnostics.emplace_back(
-        "One run is one vote: its interval tells how this drive might have gone, not how others will, and nothing can "
+        "One run is one vote: its interval describes variations of this drive, not other drives, and no difference can "
         "be "
-        "shown different with fewer than six.");
+        "shown with fewer than six.");
   runs.count = trials->size();
   runs.on_track = loop.has_value();
   runs.source = [trials = trials.get()](std::size_t index, Trial&) -> Result<const Trial*> {

@@ -10,12 +10,12 @@
 
 namespace cosiva::app {
 
-/// Where runs come from: made in virtual time, read from folders, or lived on a platform that runs.
+/// Sources of runs: simulated in virtual time, read from folders, or recorded live on a running platform.
 struct Runs {
   experiments::TrialSource source;
   std::size_t count{};
   bool on_track{};
-  bool complete{true};  ///< as many as were asked for
+  bool complete{true};  ///< as many as requested
   experiments::Conditions conditions;
   std::shared_ptr<void> kept;  ///< what the source refers to
 };

@@ -33,18 +33,18 @@ const JsonValue& algorithm(const JsonValue& json, std::size_t index) {
   return (*json.find("algorithms")->array())[index];
 }
 
-TEST(Qualify, in_virtual_time_gives_the_figures_and_the_limit) {
+TEST(Qualify, in_virtual_time_gives_the_metrics_and_the_limit) {
   const CommandOutput output = cosiva({"qualify", "arc_kalman", "--runs", "8", "--distance", "40", "--json"});
   EXPECT_EQ(output.status, 0) << output.standard_error;
   const JsonValue json = json_of(output);
   EXPECT_EQ(algorithm(json, 0).text("name"), "arc_kalman");
-  // Beacons every half metre, 1 cm each: 8.7 mm along and 2 mm across the line.
+  // Beacons every half metre, 1 cm each: 8.7 mm along and 2 mm across the path.
   EXPECT_NEAR(*algorithm(json, 0).number("limit_m"), 0.0089, 3e-4);
   EXPECT_NEAR(*algorithm(json, 0).number("rmse_m"), 0.0089, 1e-3);
   EXPECT_EQ(cosiva({"qualify", "arc_kalman", "--runs", "8", "--distance", "40", "--json"}).data, output.data);
 }
 
-TEST(QualifyStatistics, says_the_same_to_the_byte_on_any_number_of_threads) {
+TEST(QualifyStatistics, gives_the_same_bytes_on_any_number_of_threads) {
   const std::string recorded = source + "/src/experiments/positioning/recording/labyrinth";
   for (const std::vector<std::string>& requested :
        {std::vector<std::string>{"compare", "reset_rule", "arc_kalman", "particles", "arc_smoother", "--runs", "20"},
@@ -66,7 +66,7 @@ TEST(QualifyStatistics, says_the_same_to_the_byte_on_any_number_of_threads) {
   EXPECT_EQ(cosiva({"qualify", "--threads", "0"}).status, 2);
 }
 
-TEST(Qualify, lists_what_there_is) {
+TEST(Qualify, lists_the_algorithms) {
   const CommandOutput output = cosiva({"qualify", "--list"});
   EXPECT_EQ(output.status, 0);
   for (const char* name : {"dead_reckoning", "reset_rule", "arc_kalman", "arc_kalman_scale", "ekf", "ukf", "iekf",
@@ -82,31 +82,32 @@ TEST(Compare, shows_that_the_filter_is_better_than_the_article_s_rule) {
   EXPECT_LT(*comparison.number("rmse_difference_m"), 0.0);
 }
 
-TEST(Compare, on_a_recording_reads_it_and_writes_its_report) {
+TEST(Compare, reads_a_recording_and_writes_its_report) {
   const Scratch scratch;
   const std::string out = scratch / "out";
   const std::string recorded = source + "/src/experiments/positioning/recording/plaza1";
-  // A name after the folder is an algorithm's, and no second folder.
+  // A name after the folder is an algorithm's, and not a second folder.
   const CommandOutput output =
       cosiva({"compare", "dead_reckoning", "--recording", recorded, "calibrating", "--out", out, "--json"});
   EXPECT_EQ(output.status, 0) << output.standard_error;
   const JsonValue json = json_of(output);
   EXPECT_LT(*algorithm(json, 1).number("rmse_m"), 0.45);
   EXPECT_FALSE(algorithm(json, 1).find("rmse_interval_m")->is_null());
-  EXPECT_THAT(json.find("conditions")->text("seems late against the truth, first run (not corrected)").value_or(""),
-              HasSubstr("calibrating "));
+  EXPECT_THAT(
+      json.find("conditions")->text("estimated delay against the ground truth, first run (not corrected)").value_or(""),
+      HasSubstr("calibrating "));
   for (const char* file :
        {"report.html", "result.json", "runs.csv", "ground_truth.tum", "calibrating.tum", "calibrating.zip"})
     EXPECT_TRUE(std::filesystem::exists(out + "/" + file)) << file;
-  // What was written can be judged again, and comes to the same figure.
+  // The written files can be evaluated again, with the same result.
   const JsonValue again = json_of(
       cosiva({"compare", "--reference", out + "/ground_truth.tum", "--estimate", out + "/calibrating.tum", "--json"}));
   EXPECT_NEAR(*algorithm(again, 0).number("rmse_m"), *algorithm(json, 1).number("rmse_m"), 1e-12);
 }
 
-TEST(Qualify, says_on_the_terminal_and_in_the_report_what_it_made_of_a_recording_that_cannot_be_quite_so) {
+TEST(Qualify, reports_a_corrected_recording_on_the_terminal_and_in_the_report) {
   const Scratch scratch;
-  // Straight on along x, and the truth's heading looks back.
+  // Straight on along x, with the ground truth's heading backwards.
   std::string odometry = "time_s,delta_distance_m,delta_heading_rad\n";
   std::string ground_truth = "time_s,x_m,y_m,heading_rad\n0,0,0,3.1416\n";
   for (int i = 1; i <= 200; ++i) {
@@ -119,18 +120,21 @@ TEST(Qualify, says_on_the_terminal_and_in_the_report_what_it_made_of_a_recording
   const CommandOutput output =
       cosiva({"qualify", "--recording", scratch / "drive", "--out", scratch / "out", "--json"});
   EXPECT_EQ(output.status, 0) << output.standard_error;
-  EXPECT_THAT(output.standard_error, HasSubstr("drive: the truth's heading is 180 degrees off the way it goes"));
-  EXPECT_THAT(adapters::read_file(scratch / "out/report.html").value_or(""), HasSubstr("180 degrees off the way"));
+  EXPECT_THAT(output.standard_error,
+              HasSubstr("drive: the ground truth's heading is 180 degrees off the direction of motion"));
+  EXPECT_THAT(adapters::read_file(scratch / "out/report.html").value_or(""),
+              HasSubstr("180 degrees off the direction of motion"));
   EXPECT_LT(*algorithm(json_of(output), 0).number("rmse_m"), 0.01);
 }
 
-TEST(Qualify, draws_ways_on_the_zone_s_lines) {
+TEST(Qualify, draws_paths_on_the_zone_s_sections) {
   const Scratch scratch;
-  EXPECT_EQ(cosiva({"qualify", "--runs", "2", "--distance", "5", "--zone", "lacet4", "--out", scratch / "out"}).status, 0);
+  EXPECT_EQ(cosiva({"qualify", "--runs", "2", "--distance", "5", "--zone", "lacet4", "--out", scratch / "out"}).status,
+            0);
   EXPECT_THAT(adapters::read_file(scratch / "out/report.html").value_or(""), HasSubstr("class=\"line ground\""));
 }
 
-TEST(Compare, of_trajectories_writes_a_report_and_what_evo_opens_and_keeps_one_that_is_bad_out_of_it) {
+TEST(Compare, of_trajectories_writes_a_report_and_evo_files_without_a_bad_file) {
   const Scratch scratch;
   const auto tum = [](double off_m) {
     std::string text;
@@ -151,10 +155,10 @@ TEST(Compare, of_trajectories_writes_a_report_and_what_evo_opens_and_keeps_one_t
   const CommandOutput output = cosiva({"compare", "--reference", scratch / "ground_truth.tum", "--estimate",
                                        scratch / "a/mine.tum", "--estimate", scratch / "b/mine.tum", "--estimate",
                                        scratch / "bad.tum", "--out", out, "--reference-error", "0.05", "--json"});
-  EXPECT_EQ(output.status, 1) << output.standard_error;  // one is bad, the others have their figures
+  EXPECT_EQ(output.status, 1) << output.standard_error;  // one file is bad, the others have their metrics
   EXPECT_THAT(output.standard_error, HasSubstr("bad.tum:1"));
   const auto read = [&](const std::string& file) { return adapters::read_file(out + "/" + file).value_or(""); };
-  // Two files of one name are told apart.
+  // Two files with the same name are distinguished.
   EXPECT_EQ(algorithm(json_of(output), 1).text("name"), "mine_2");
   EXPECT_EQ(read("result.json"), output.data);
   const std::string page = read("report.html");
@@ -167,13 +171,13 @@ TEST(Compare, of_trajectories_writes_a_report_and_what_evo_opens_and_keeps_one_t
   EXPECT_THAT(errors, HasSubstr("\nmine_2,0,0.03"));
   for (const char* zip : {"mine.zip", "mine_2.zip"}) EXPECT_THAT(read(zip), HasSubstr("error_array.npy")) << zip;
   EXPECT_FALSE(std::filesystem::exists(out + "/bad.zip"));
-  // What was written is judged the same.
+  // The written files are evaluated with the same result.
   const JsonValue again =
       json_of(cosiva({"compare", "--reference", out + "/reference.tum", "--estimate", out + "/mine_2.tum", "--json"}));
   EXPECT_NEAR(*algorithm(again, 0).number("rmse_m"), 0.03, 1e-9);
 }
 
-TEST(Compare, of_a_reference_and_an_estimate_whose_names_say_that_they_are_swapped_is_refused) {
+TEST(Compare, refuses_a_reference_and_an_estimate_that_their_names_show_as_swapped) {
   const Scratch scratch;
   const std::string line = "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n";
   for (const char* file : {"est.tum", "gt.tum", "latest_test.tum", "my_estimate.tum", "a.tum"})
@@ -190,7 +194,7 @@ TEST(Compare, of_a_reference_and_an_estimate_whose_names_say_that_they_are_swapp
   EXPECT_EQ(evaluated("est.tum", "my_estimate.tum"), 0);  // one estimate against another
 }
 
-TEST(Compare, names_the_folder_of_a_recording_that_is_bad) {
+TEST(Compare, names_the_folder_of_a_bad_recording) {
   const Scratch scratch;
   std::filesystem::create_directories(scratch / "lap2");
   ASSERT_TRUE(
@@ -203,7 +207,7 @@ TEST(Compare, names_the_folder_of_a_recording_that_is_bad) {
   EXPECT_THAT(output.standard_error, HasSubstr("lap2/odometry.csv:2: 'nan' under time_s is no finite number"));
 }
 
-TEST(Compare, aligns_when_it_is_asked_to_and_says_so) {
+TEST(Compare, aligns_on_request_and_reports_it) {
   const Scratch scratch;
   std::string ground_truth;
   std::string off;
@@ -231,17 +235,17 @@ TEST(Compare, aligns_when_it_is_asked_to_and_says_so) {
   EXPECT_LT(*algorithm(evaluated("se3"), 0).number("rmse_m"), 1e-6);
   EXPECT_THAT(cosiva({"compare", "--reference", reference, "--estimate", estimate, "--align", "se2"}).data,
               HasSubstr("Aligned (se2): estimates were turned about the vertical"));
-  // Of a recording, whose truth here has no heading.
+  // Of a recording, whose ground truth here has no heading.
   const std::string recorded = source + "/src/experiments/positioning/recording/labyrinth";
   const JsonValue drive =
       json_of(cosiva({"qualify", "calibrating", "--recording", recorded, "--align", "se2", "--json"}));
   EXPECT_EQ(drive.text("align"), "se2");
   EXPECT_EQ(algorithm(drive, 0).find("alignment_by_run")->array()->size(), 1U);
   EXPECT_THAT(cosiva({"qualify", "calibrating", "--recording", recorded, "--align", "origin"}).standard_error,
-              HasSubstr("the truth has no heading"));
+              HasSubstr("the ground truth has no heading"));
 }
 
-TEST(Compare, refuses_an_alignment_that_means_nothing) {
+TEST(Compare, refuses_a_meaningless_alignment) {
   const Scratch scratch;
   const std::string line = scratch / "line.tum";
   EXPECT_TRUE(adapters::write_file(line, "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 2 0 0 0 0 0 1\n"));
@@ -251,16 +255,16 @@ TEST(Compare, refuses_an_alignment_that_means_nothing) {
     return output.standard_error;
   };
   EXPECT_THAT(refusal({"compare", "--align", "se2"}),
-              HasSubstr("--align se2: in virtual time all are told the truth's own frame"));
+              HasSubstr("--align se2: in virtual time all algorithms use the ground truth's frame"));
   EXPECT_THAT(
       refusal({"qualify", "--recording", source + "/src/experiments/positioning/recording/plaza1", "--align", "se3"}),
-      HasSubstr("a recording lies on the floor"));
+      HasSubstr("a recording is planar"));
   EXPECT_THAT(refusal({"compare", "--align", "sim3"}), HasSubstr("sim3"));
   EXPECT_THAT(refusal({"compare", "--reference", line, "--estimate", line, "--align", "se3"}),
               HasSubstr("too near one line"));
 }
 
-TEST(Compare, tells_the_reference_s_budget_and_calls_what_is_below_it_unresolved) {
+TEST(Compare, prints_the_reference_s_budget_and_calls_smaller_differences_unresolved) {
   const Scratch scratch;
   const std::string budget = scratch / "reference_budget.json";
   const auto write_budget = [&](const std::string& metres) {
@@ -270,8 +274,8 @@ TEST(Compare, tells_the_reference_s_budget_and_calls_what_is_below_it_unresolved
       {"name": "time stamp", "time_s": 0.001, "speed_mps": 0.5, "source": "gvs track --against"}]})"));
   };
   const auto compared = [&] {
-    return json_of(cosiva({"compare", "reset_rule", "arc_kalman", "--runs", "12", "--distance", "40", "--reference-budget",
-                           budget, "--json"}));
+    return json_of(cosiva({"compare", "reset_rule", "arc_kalman", "--runs", "12", "--distance", "40",
+                           "--reference-budget", budget, "--json"}));
   };
   write_budget("0.05");
   const JsonValue coarse = compared();
@@ -280,7 +284,8 @@ TEST(Compare, tells_the_reference_s_budget_and_calls_what_is_below_it_unresolved
   EXPECT_EQ(coarse.find("reference")->find("parts")->array()->back().text("source"), "gvs track --against");
   write_budget("0.0001");
   EXPECT_EQ(compared().find("comparisons")->array()->front().text("verdict"), "different");
-  // Of trajectories, too: two estimates a millimetre apart, judged by a truth that is good to five.
+  // For trajectories as well: two estimates a millimetre apart, evaluated against a ground truth with an uncertainty of
+  // five.
   const auto line = [&](const std::string& name, const std::string& y) {
     std::string text;
     for (int i = 0; i < 20; ++i) text += std::to_string(i) + " " + std::to_string(i) + " " + y + " 0 0 0 0 1\n";
@@ -299,7 +304,7 @@ TEST(Compare, tells_the_reference_s_budget_and_calls_what_is_below_it_unresolved
   EXPECT_NEAR(*algorithm(evaluated, 0).number("rmse_without_reference_m"), std::sqrt(0.013 * 0.013 - 25.25e-6), 1e-9);
 }
 
-TEST(Compare, on_the_plane_draws_the_limit_beside_each_bar) {
+TEST(Compare, on_the_plane_draws_the_limit_of_each_bar) {
   const Scratch scratch;
   const std::string recorded = source + "/src/experiments/positioning/recording/labyrinth";
   const CommandOutput output = cosiva({"compare", "dead_reckoning", "calibrating", "smoother", "--recording", recorded,
@@ -311,12 +316,12 @@ TEST(Compare, on_the_plane_draws_the_limit_beside_each_bar) {
     EXPECT_TRUE(algorithm(json, i).number("gap_percent"));
     EXPECT_EQ(algorithm(json, i).flag("limit_assumed"), true);
   }
-  // Who looks back has the lower one.
+  // A smoother has the lower limit.
   EXPECT_EQ(*algorithm(json, 0).number("limit_m"), *algorithm(json, 1).number("limit_m"));
   EXPECT_LT(*algorithm(json, 2).number("limit_m"), *algorithm(json, 1).number("limit_m"));
 }
 
-TEST(Compare, takes_the_python_example_as_one_of_many) {
+TEST(Compare, runs_the_python_example_as_one_of_several) {
   const CommandOutput output = cosiva({"compare", "arc_kalman", "reset_rule", "--runs", "3", "--distance", "10",
                                        "--external", "mine=python3 " + source + "/examples/estimator.py", "--json"});
   EXPECT_EQ(output.status, 0) << output.standard_error;
@@ -326,10 +331,10 @@ TEST(Compare, takes_the_python_example_as_one_of_many) {
   EXPECT_EQ(json.find("comparisons")->array()->size(), 3U);
 }
 
-TEST(Compare, keeps_the_others_when_a_program_hangs_ends_or_talks_nonsense) {
-  const CommandOutput output =
-      cosiva({"compare", "arc_kalman", "--runs", "2", "--distance", "5", "--timeout", "0.3", "--external", "hangs=sleep 60",
-              "--external", "ends=exit 4", "--external", "nonsense=while read -r line; do echo hello; done", "--json"});
+TEST(Compare, continues_with_the_others_when_a_program_hangs_ends_or_sends_nonsense) {
+  const CommandOutput output = cosiva({"compare", "arc_kalman", "--runs", "2", "--distance", "5", "--timeout", "0.3",
+                                       "--external", "hangs=sleep 60", "--external", "ends=exit 4", "--external",
+                                       "nonsense=while read -r line; do echo hello; done", "--json"});
   EXPECT_EQ(output.status, 1);
   const JsonValue json = json_of(output);
   EXPECT_TRUE(algorithm(json, 0).number("rmse_m"));
@@ -338,10 +343,10 @@ TEST(Compare, keeps_the_others_when_a_program_hangs_ends_or_talks_nonsense) {
   EXPECT_EQ(algorithm(json, 3).find("failed")->text("code"), "algorithm.garbage");
   EXPECT_THAT(output.standard_error, HasSubstr("hangs failed: hangs: it gave no response for 300 ms (in run 1)"));
   EXPECT_THAT(output.standard_error, HasSubstr("exit status 4"));
-  EXPECT_THAT(output.standard_error, HasSubstr("that is no JSON: 'hello'"));
+  EXPECT_THAT(output.standard_error, HasSubstr("the response is no JSON: 'hello'"));
 }
 
-TEST(Compare, refuses_bad_input_with_its_place) {
+TEST(Compare, refuses_bad_input_with_its_location) {
   const Scratch scratch;
   const auto refusal = [](const std::vector<std::string>& arguments) {
     const CommandOutput output = cosiva(arguments);
@@ -350,10 +355,10 @@ TEST(Compare, refuses_bad_input_with_its_place) {
   };
   EXPECT_THAT(refusal({"qualify", "kalmann"}), HasSubstr("there is no such algorithm"));
   EXPECT_THAT(refusal({"compare", "ekf"}), HasSubstr("at least two"));
-  EXPECT_THAT(refusal({"compare", "ekf", "ekf"}), HasSubstr("named twice"));
+  EXPECT_THAT(refusal({"compare", "ekf", "ekf"}), HasSubstr("given twice"));
   EXPECT_THAT(refusal({"qualify", "ekf", "--recording", scratch / "nowhere"}), HasSubstr("cannot read the folder"));
   EXPECT_THAT(refusal({"qualify", "--external", "mine"}), HasSubstr("NAME=COMMAND"));
-  EXPECT_THAT(refusal({"qualify", "--distance", "0"}), HasSubstr("longer than nothing"));
+  EXPECT_THAT(refusal({"qualify", "--distance", "0"}), HasSubstr("must be more than 0"));
   EXPECT_THAT(refusal({"qualify", "--zone", "nowhere"}), HasSubstr("nowhere"));
   const std::string bad = scratch / "bad.tum";
   EXPECT_TRUE(adapters::write_file(bad, "0 0 0 0 0 0 0 1\nnan 0 0 0 0 0 0 1\n"));
@@ -363,12 +368,11 @@ TEST(Compare, refuses_bad_input_with_its_place) {
   EXPECT_THAT(refusal({"compare", "--reference-budget", bad}), HasSubstr("bad.tum"));
   EXPECT_THAT(refusal({"compare", "--reference-budget", bad, "--reference-error", "0.01"}),
               HasSubstr("give one of them"));
-  EXPECT_THAT(
-      refusal({"compare", "--reference", scratch / "mine.tum", "--estimate", scratch / "ground_truth.tum"}),
-      HasSubstr("seem to be swapped"));
+  EXPECT_THAT(refusal({"compare", "--reference", scratch / "mine.tum", "--estimate", scratch / "ground_truth.tum"}),
+              HasSubstr("seem to be swapped"));
 }
 
-TEST(ExternalEstimate, is_a_pose_and_where_it_states_one_a_covariance) {
+TEST(ExternalEstimate, is_a_pose_and_an_optional_covariance) {
   const auto plain = read_estimate(R"({"x_m":1,"y_m":2,"heading_rad":7})");
   ASSERT_TRUE(plain);
   EXPECT_NEAR(plain->pose.heading_rad, 7.0 - 2.0 * pi, 1e-12);

@@ -28,7 +28,7 @@ Result<Trajectory> load(const std::string& file) {
   return experiments::read_trajectory(file, *bytes);
 }
 
-/// The words of a file's name in small letters: what stands between anything but letters.
+/// The parts of a file's name in small letters, separated by anything but letters.
 std::vector<std::string> text_of(const std::string& file) {
   std::vector<std::string> tokens(1);
   for (const char c : std::filesystem::path(file).filename().string()) {
@@ -41,7 +41,7 @@ std::vector<std::string> text_of(const std::string& file) {
   return tokens;
 }
 
-/// Whether a file's name says that a truth is in it.
+/// Whether a file's name indicates a ground truth.
 bool called_ground_truth(const std::string& file) {
   return std::ranges::any_of(text_of(file), [](const std::string& word) {
     return word == "gt" || word == "ref" || word.find("ground_truth") != std::string::npos ||
@@ -49,7 +49,7 @@ bool called_ground_truth(const std::string& file) {
   });
 }
 
-/// Whether it says that somebody has estimated what is in it.
+/// Whether a file's name indicates an estimate.
 bool called_estimate(const std::string& file) {
   return std::ranges::any_of(text_of(file),
                              [](const std::string& word) { return word == "est" || word.starts_with("estimat"); });
@@ -116,7 +116,7 @@ void write(JsonWriter& json, const experiments::RigidMotion& motion) {
   json.end_array().end_object();
 }
 
-/// Files of two programs may have the same name in different folders, and one may be called like the reference's copy.
+/// Files of two programs may have the same name in different folders, and one may be named like the reference's copy.
 void name_apart(std::vector<Evaluated>& all) {
   std::vector<std::string> taken{"reference"};
   for (Evaluated& one : all) {
@@ -201,11 +201,11 @@ std::string to_text(const std::vector<Evaluated>& all, experiments::Alignment al
     text += one.name + ": rmse " + decimals(one.ape.rmse, 4) + " m";
     if (one.interval)
       text += " (" + decimals(one.interval->interval.low, 4) + " to " + decimals(one.interval->interval.high, 4) +
-              "; worth " + decimals(one.interval->effective_size, 0) + " independent errors)";
+              "; equivalent to " + decimals(one.interval->effective_size, 0) + " independent errors)";
     text += ", mean " + decimals(one.ape.mean, 4) + ", median " + decimals(one.ape.median, 4) + ", p95 " +
             decimals(one.p95_m, 4) + ", max " + decimals(one.ape.max, 4) + "; " + std::to_string(one.ape.pairs) +
-            " pairs, " + std::to_string(one.unpaired) + " poses without one; it seems " +
-            decimals(1e3 * one.offset_s, 1) + " ms late (not corrected)";
+            " pairs, " + std::to_string(one.unpaired) + " poses without a pair; estimated delay " +
+            decimals(1e3 * one.offset_s, 1) + " ms (not corrected)";
     if (one.alignment)
       text += "; turned by " + decimals(one.alignment->turn_rad() * 180.0 / pi, 3) + " degrees, shifted by (" +
               decimals(one.alignment->shift_m[0], 4) + ", " + decimals(one.alignment->shift_m[1], 4) + ", " +
@@ -225,7 +225,7 @@ std::string to_text(const std::vector<Evaluated>& all, experiments::Alignment al
 int run_trajectories(const QualifyArguments& arguments) {
   if (arguments.reference.empty() || arguments.estimates.empty())
     return report_error(
-        {"compare.trajectories", "it takes a --reference and an --estimate", "--reference, --estimate"});
+        {"compare.trajectories", "both --reference and --estimate are required", "--reference, --estimate"});
   for (const std::string& file : arguments.estimates) {
     if (called_ground_truth(file) && !called_ground_truth(arguments.reference))
       return report_error(

@@ -4,8 +4,8 @@
 
 namespace cosiva::app {
 
-/// Of `--reference` and `--estimate`: figures of trajectories that others have estimated. Gives the exit
-/// status.
+/// Evaluates `--reference` and `--estimate`: metrics of trajectories that third-party programs have estimated. Gives
+/// the exit status.
 int run_trajectories(const QualifyArguments& arguments);
 
 }  // namespace cosiva::app

@@ -23,12 +23,12 @@ using experiments::Report;
 using experiments::Series;
 using experiments::Stamped;
 
-/// Colours of a chart, one of which is the reference's.
+/// The colours of a chart, one of which is the reference's.
 constexpr std::size_t drawn_most = 5;
 
 std::string mm(double metres) { return readable(1e3 * metres, 2); }
 
-/// As few digits as read back to the same number.
+/// The fewest digits that read back to the same number.
 std::string shortest(double value) {
   std::array<char, 32> digits{};
   return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr};
@@ -57,7 +57,7 @@ std::vector<double> times_of(const EvaluatedTrajectory& one) {
   return times;
 }
 
-/// Those with figures, the best first.
+/// The estimates with metrics, the best first.
 std::vector<const EvaluatedTrajectory*> best_of(const std::vector<EvaluatedTrajectory>& all) {
   std::vector<const EvaluatedTrajectory*> ones;
   for (const EvaluatedTrajectory& one : all) {
@@ -71,7 +71,7 @@ std::vector<const EvaluatedTrajectory*> best_of(const std::vector<EvaluatedTraje
 void add_metrics(Report& report, const std::vector<EvaluatedTrajectory>& all,
                  const experiments::Trajectory& reference) {
   Chart error{{"time [s]", {}, {}}, {"error [mm]", 0.0, {}}, {}};
-  Chart distribution{{"error [mm]", 0.0, {}}, {"share of pairs", 0.0, 1.0}, {}};
+  Chart distribution{{"error [mm]", 0.0, {}}, {"ratio of pairs", 0.0, 1.0}, {}};
   Chart map{{"x [m]", {}, {}}, {"y [m]", {}, {}}, {}};
   map.equal_scale = true;
   Series ground_truth{"reference", {}, {}, Series::Form::line};
@@ -115,7 +115,7 @@ void add_table(Report& report, const std::vector<EvaluatedTrajectory>& all) {
                     readable(1e3 * one.offset_s, 1)});
   }
   report.table({"estimate", "rmse [mm]", "mean [mm]", "median [mm]", "p95 [mm]", "max [mm]", "precision [%]",
-                "pairs (poses without)", "seems late [ms]"},
+                "pairs (poses without)", "delay [ms]"},
                rows);
 }
 
@@ -133,26 +133,26 @@ void add_comparisons(Report& report, const std::vector<EvaluatedTrajectory>& all
   report.heading("Against each other");
   report.table({"difference", "rmse [mm]", "verdict"}, rows);
   report.paragraph(
-      "One run is one vote, and one vote shows nothing different, however many poses it has. Unresolved: less than the "
+      "One run is one vote, and one vote shows no difference, however many poses it has. Unresolved: less than the "
       "reference's own uncertainty.");
 }
 
 std::string page_of(const std::vector<EvaluatedTrajectory>& all, const experiments::Trajectory& reference,
                     const QualifyArguments& arguments, const experiments::ReferenceBudget& budget) {
-  Report report{"Trajectories, judged", "against " + arguments.reference};
+  Report report{"Trajectories, evaluated", "against " + arguments.reference};
   if (const auto best = best_of(all); !best.empty())
     report.metadata({{mm(best[0]->ape.rmse) + " mm", "least rmse: " + best[0]->name, false},
                      {std::to_string(best[0]->ape.pairs), "pairs of it", false}});
   add_table(report, all);
   report.paragraph(
       "Of the distance in space between paired poses. Brackets: 95 % interval of this run, by blocks as long as its "
-      "errors are alike. Precision: the share of pairs with an error under " +
-      mm(arguments.threshold_m) +
-      " mm. How late it seems is told by errors along the way, and nothing is shifted by it.");
+      "errors are correlated. Precision: the ratio of pairs with an error below " +
+      mm(arguments.threshold_m) + " mm. The delay is estimated from errors along the path, and not corrected.");
   const auto alignment = alignment_of(arguments);
   if (alignment != experiments::Alignment::none)
-    report.paragraph("Aligned (" + arguments.align + "), as was asked for: estimates were " +
-                     std::string(text_of(alignment)) + ". The figures tell the shape of ways, not where they lie.");
+    report.paragraph("Aligned (" + arguments.align + "), as requested: estimates were " +
+                     std::string(text_of(alignment)) +
+                     ". The metrics describe the shape of paths, not their position.");
   add_metrics(report, all, reference);
   add_comparisons(report, all, budget);
   report.heading("Conditions");
@@ -161,7 +161,7 @@ std::string page_of(const std::vector<EvaluatedTrajectory>& all, const experimen
                {{"paired by", nearest ? "the nearest stamp, within 10 ms" : "interpolating the reference"},
                 {"longest gap of the reference", nearest ? "–" : readable(arguments.gap_s, 3) + " s"},
                 {"alignment", arguments.align},
-                {"the reference's own error", budget.parts.empty() ? "not told" : text_of(budget) + " [mm]"}});
+                {"the reference's own error", budget.parts.empty() ? "not given" : text_of(budget) + " [mm]"}});
   report.verbatim(arguments.command);
   return report.html();
 }

@@ -12,9 +12,9 @@
 
 namespace cosiva::app {
 
-/// One `--estimate`, held against the `--reference`.
+/// One `--estimate`, evaluated against the `--reference`.
 struct EvaluatedTrajectory {
-  std::string name;  ///< its file's, without folder and ending; no two have the same
+  std::string name;  ///< the file's name without folder and ending; unique
   std::optional<Error> failed;
   experiments::ApeMetrics ape;
   double variance_m2{};
@@ -27,12 +27,13 @@ struct EvaluatedTrajectory {
   std::vector<experiments::Pair> pairs;  ///< after the alignment
 };
 
-/// Two on the same stamps: one run, that can show nothing different; but it can show that nothing could be seen.
+/// Two estimates on the same stamps: a single run cannot show a difference, but it can show that a difference would not
+/// be detectable.
 [[nodiscard]] bool unresolved(const EvaluatedTrajectory& a, const EvaluatedTrajectory& b,
                               const experiments::ReferenceBudget& reference);
 
-/// What `--out` gets: report.html, result.json, errors.csv with a line per pair, the reference and each estimate as TUM
-/// (as they were judged, aligned where that was asked for), and a zip for evo of each.
+/// The files of `--out`: report.html, result.json, errors.csv with a line per pair, the reference and each estimate as
+/// TUM (as evaluated, aligned where requested), and a zip file for evo of each.
 /// @param json  the result as JSON
 [[nodiscard]] Result<void> write_trajectories(const std::vector<EvaluatedTrajectory>& all,
                                               const experiments::Trajectory& reference,

@@ -28,7 +28,7 @@ Result<void> publish_once(const BrokerArguments& broker, const std::string& clie
   (*client)->start();
   bool connected = false;
   loop.run_until([&] { return connected = (*client)->connected(); }, response_max);
-  if (!connected) return fail("mqtt.connect", "no broker answers there", address);
+  if (!connected) return fail("mqtt.connect", "no broker responds at this address", address);
   for (const wire::Publish& message : messages) (*client)->publish(message);
   bool out = false;
   (*client)->stop([&] { out = true; });

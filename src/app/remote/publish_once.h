@@ -9,11 +9,11 @@
 
 namespace cosiva::app {
 
-/// Connects, says these messages in their order, and goes. Done only once the broker has acknowledged each that asks
-/// for it (QoS 1), so that a command which ends well has been heard.
+/// Connects, publishes these messages in order, and disconnects. Returns only after the broker has acknowledged each
+/// message with QoS 1, so that the messages of a successful command have been received.
 ///
-/// @param client_name  a word for the broker's log
-/// Errors: what mqtt_options() refuses; `mqtt.connect` where nobody answers within 10 s; `mqtt.publish` where the
+/// @param client_name  a name for the broker's log
+/// Errors: those of mqtt_options(); `mqtt.connect` where no broker responds within 10 s; `mqtt.publish` where the
 /// broker does not acknowledge within 10 s.
 [[nodiscard]] Result<void> publish_once(const BrokerArguments& broker, const std::string& client_name,
                                         const std::vector<wire::Publish>& messages);

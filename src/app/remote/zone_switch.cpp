@@ -31,20 +31,21 @@ std::optional<SwitchedZone> switched_in(std::string_view snapshot_json) {
 
 std::string to_text(const SwitchedZone& switched) {
   std::string text =
-      std::to_string(switched.snapped) + " anchored, " + std::to_string(switched.off_route.size()) + " parked";
+      std::to_string(switched.snapped) + " snapped, " + std::to_string(switched.off_route.size()) + " off-route";
   for (std::size_t i = 0; i < switched.off_route.size(); ++i)
     text += (i == 0 ? ": " : ", ") + serial_of(switched.off_route[i]);
   if (switched.first_moving_ms)
     return text + "; the first moved after " + decimals(*switched.first_moving_ms, 0) + " ms";
   if (switched.vehicles == 0) return text + "; there are no vehicles";
-  return text + (switched.off_route.size() >= switched.vehicles ? "; nobody can drive on" : "; nobody has moved yet");
+  return text +
+         (switched.off_route.size() >= switched.vehicles ? "; no vehicle can continue" : "; no vehicle has moved yet");
 }
 
 Error refusal_in(std::string_view body, unsigned status) {
   const auto json = JsonValue::parse(body);
   const JsonValue* error = json ? json->find("error") : nullptr;
   const auto message = error == nullptr ? std::nullopt : error->text("message");
-  if (!message) return {"http.status", "the platform answered with status " + std::to_string(status), {}};
+  if (!message) return {"http.status", "the platform responded with status " + std::to_string(status), {}};
   return {error->text("code").value_or(""), *message, {}};
 }
 

@@ -24,7 +24,7 @@ Result<battery::BatteryType> load_battery_type(const std::string& name_or_file) 
 Result<double> ratio_of_percent(double percent, const std::string& option) {
   if (percent > 0.0 && percent < 1.0)
     return fail("battery.percent",
-                decimals(percent, 3) + " looks like a fraction; give percent, such as " + decimals(100.0 * percent, 1),
+                decimals(percent, 3) + " seems to be a fraction; give percent, such as " + decimals(100.0 * percent, 1),
                 option);
   if (!(percent >= 0.0 && percent <= 100.0)) return fail("battery.percent", "give percent, from 0 to 100", option);
   return 0.01 * percent;

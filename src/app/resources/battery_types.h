@@ -10,8 +10,8 @@ namespace cosiva::app {
 /// A shipped type by its name ("lipo850"), or one from a file ("mine.json").
 [[nodiscard]] Result<battery::BatteryType> load_battery_type(const std::string& name_or_file);
 
-/// A percentage as the command line gave it, as a share. Fails ("battery.percent") beyond 0 to 100, and between 0 and
-/// 1, where somebody meant a fraction.
+/// A percentage from the command line, as a ratio. Fails ("battery.percent") outside 0 to 100, and between 0 and 1,
+/// where a ratio was probably meant.
 [[nodiscard]] Result<double> ratio_of_percent(double percent, const std::string& option);
 
 }  // namespace cosiva::app

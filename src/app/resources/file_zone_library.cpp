@@ -24,8 +24,8 @@ Result<std::string> FileZoneLibrary::edits_folder() const {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error)
-    return fail("zone.folder", "the folder " + folder + " could not be made (" + error.message() +
-                                   "); nothing is saved, the edits stay in force");
+    return fail("zone.folder", "the folder " + folder + " could not be created (" + error.message() +
+                                   "); nothing is saved, the edits remain in force");
   return folder;
 }
 

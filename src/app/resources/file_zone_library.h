@@ -8,7 +8,7 @@
 
 namespace cosiva::app {
 
-/// The page's zones as files on this machine (zone_files.h): the ready ones, and the user's own folder for edits.
+/// The page's zones as files on this machine (zone_files.h): the ready zones, and the user's own folder for edits.
 class FileZoneLibrary : public ZoneLibrary {
  public:
   [[nodiscard]] std::vector<Entry> zones() const override;

@@ -37,7 +37,7 @@ TEST_F(FileZoneLibraryTest, lists_ready_zones_by_name_with_their_titles_and_load
   EXPECT_EQ(library_.load("lacet5").error().code, "zone.missing");
 }
 
-TEST_F(FileZoneLibraryTest, keeps_edits_in_the_users_own_folder_where_the_name_finds_them) {
+TEST_F(FileZoneLibraryTest, saves_edits_in_the_users_own_folder_where_the_name_finds_them) {
   const auto folder = library_.edits_folder();
   ASSERT_TRUE(folder);
   EXPECT_EQ(*folder, scratch_ / "data/cosiva/zones");
@@ -58,8 +58,8 @@ TEST_F(FileZoneLibraryTest, writes_sidecars_under_their_own_ending) {
             "name = 'depot'\n");
 }
 
-TEST_F(FileZoneLibraryTest, names_the_folder_that_could_not_be_made) {
-  scratch_.write("file", "in the way");
+TEST_F(FileZoneLibraryTest, names_the_folder_that_could_not_be_created) {
+  scratch_.write("file", "a file");
   ::setenv("XDG_DATA_HOME", (scratch_ / "file").c_str(), 1);
   const auto folder = library_.edits_folder();
   ASSERT_FALSE(folder);

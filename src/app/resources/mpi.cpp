@@ -1,5 +1,5 @@
-// The ranks of an MPI run, as a library of its own that is opened only where mpirun or Slurm has started us: a command
-// linked with MPI would take 10 ms longer to start, each time.
+// The ranks of an MPI run, as a separate library that is opened only where mpirun or Slurm has started the process: a
+// command linked with MPI would take 10 ms longer to start, each time.
 #include <mpi.h>
 
 #include <numeric>
@@ -11,7 +11,8 @@
 
 namespace {
 
-/// MPI's own error handler stands: it ends all ranks with a message, which is right, because none can go on alone.
+/// MPI's own error handler stays installed: the handler ends all ranks with a message, because no rank can continue
+/// alone.
 class MpiRanks final : public cosiva::Ranks {
  public:
   MpiRanks() {
@@ -44,7 +45,7 @@ class MpiRanks final : public cosiva::Ranks {
   }
 
  private:
-  /// Where each rank's letter lies among all of them, as MPI wants it.
+  /// Sizes and offsets of the ranks' messages in the joint buffer, as MPI expects them.
   struct Box {
     explicit Box(std::size_t count) : sizes(count), at(count) {}
     const int* starts() {
@@ -62,5 +63,5 @@ class MpiRanks final : public cosiva::Ranks {
 }  // namespace
 
 extern "C" cosiva::Ranks* cosiva_start_ranks();
-/// The caller's, to be deleted before it ends.
+/// The caller owns the result, and deletes it before the program ends.
 extern "C" cosiva::Ranks* cosiva_start_ranks() { return new MpiRanks; }

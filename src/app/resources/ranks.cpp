@@ -11,7 +11,7 @@
 namespace cosiva::app {
 namespace {
 
-/// Each launcher says how many it has started in a variable of its own.
+/// Each launcher publishes the number of started processes in its own environment variable.
 bool has_sidecars() {
   for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_SIZE", "SLURM_STEP_NUM_TASKS"}) {
     const char* const count = std::getenv(name);
@@ -23,7 +23,7 @@ bool has_sidecars() {
 }  // namespace
 
 std::size_t threads_for_each_rank() {
-  // Where the launcher has bound each process to cores of its own, only those are counted here.
+  // Where the launcher has bound each process to cores of its own, only those cores are counted here.
   const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
   for (const char* name : {"OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS", "SLURM_NTASKS_PER_NODE"}) {
     const char* const count = std::getenv(name);
@@ -38,12 +38,12 @@ Result<std::unique_ptr<Ranks>> start_ranks() {
   std::error_code error;
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
   const std::string library = (self.parent_path() / "cosiva_mpi.so").string();
-  // It stays open: MPI does not bear being closed.
+  // The library stays open: MPI cannot be closed and reopened.
   void* const opened = dlopen(library.c_str(), RTLD_NOW | RTLD_GLOBAL);
   if (opened == nullptr) {
     const char* const why = dlerror();
     return fail("mpi.missing",
-                std::string("several processes were started together, but MPI cannot be used: ") +
+                std::string("several processes were started together, but MPI is not available: ") +
                     (why != nullptr ? why : "no reason given") +
                     "; is libopenmpi-dev installed and cosiva built since?",
                 library);

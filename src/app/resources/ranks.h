@@ -8,11 +8,11 @@
 
 namespace cosiva::app {
 
-/// All that mpirun or Slurm has started together with us; one where neither has. Fails ("mpi.missing") where they have,
-/// and this build has no MPI.
+/// All processes that mpirun or Slurm has started together with this one; one rank where neither has. Fails
+/// ("mpi.missing") where there are several processes, and this build has no MPI.
 [[nodiscard]] Result<std::unique_ptr<Ranks>> start_ranks();
 
-/// How many threads each of them should use so that together they use all cores of this machine that they may; at least
+/// How many threads each of them should use so that together they use all available cores of this machine; at least
 /// one.
 [[nodiscard]] std::size_t threads_for_each_rank();
 

@@ -12,7 +12,7 @@ namespace {
 
 using experiments::ReferencePart;
 
-/// Of the floor that it was calibrated on: root mean square of the distance to the camera's foot.
+/// Root mean square of the distance between the calibrated floor points and the camera's foot.
 double from_foot_m(const vision::Calibration& calibration) {
   const vision::ResidualMap& map = calibration.uncertainty;
   double squares = 0.0;
@@ -39,10 +39,10 @@ ReferencePart height_part(const vision::Calibration& calibration, const Calibrat
     return experiments::height_uncertainty_m(out_m, height_error_m, tag_m, camera_m);
   };
   const std::string where =
-      ", seen " + decimals(out_m, 2) + " m from the foot of a camera " + decimals(camera_m, 2) + " m up";
+      ", observed " + decimals(out_m, 2) + " m from the foot of a camera " + decimals(camera_m, 2) + " m up";
   if (!local_path.tag_height_error_m)
     return {"tag height", std::nullopt,
-            "not told: 1 mm of it would be " + decimals(1e3 * error_of(1e-3), 2) + " mm" + where};
+            "not given: 1 mm of it would be " + decimals(1e3 * error_of(1e-3), 2) + " mm" + where};
   return {"tag height", error_of(*local_path.tag_height_error_m),
           "--tag-height-error " + decimals(1e3 * *local_path.tag_height_error_m, 2) + " mm" + where};
 }
@@ -58,22 +58,22 @@ experiments::ReferenceBudget budget_of(const vision::Calibration& calibration, c
                        " floor points, each block left out (" + std::string(name_of(calibration.model)) + ")"});
   if (local_path.poses) {
     const std::string many = std::to_string(local_path.poses->left_out.size()) + " surveyed poses";
-    parts.push_back({"tag noise", local_path.poses->stopped_m, many + ": how still a standing tag stands"});
+    parts.push_back({"tag noise", local_path.poses->stopped_m, many + ": spread of a stationary tag's fixes"});
     parts.push_back({"height and mounting", local_path.poses->rms_m, many + ", each left out: rms"});
   } else {
-    parts.push_back({"tag noise", std::nullopt, "not told: let a vehicle stand, and take the spread of its fixes"});
+    parts.push_back({"tag noise", std::nullopt, "not given: the spread of the fixes of a stopped vehicle"});
     const bool surveyed = !calibration.markers.empty() && calibration.markers.front().surveyed;
     if (surveyed) {
       parts.push_back({"height and mounting", std::nullopt,
-                       "not told: the rms of the surveyed poses stands in the calibration's result.json"});
+                       "not given: the rms of the surveyed poses is in the calibration's result.json"});
     } else {
       parts.push_back(height_part(calibration, local_path));
       parts.push_back({"mounting", local_path.mount_error_m,
-                       local_path.mount_error_m ? "--mount-error" : "not told: where the tag sits on its vehicle"});
+                       local_path.mount_error_m ? "--mount-error" : "not given: the tag's position on its vehicle"});
     }
   }
   parts.push_back({"time stamp", std::nullopt,
-                   "not told: gvs track --against gives the clock's offset and its standard error, times the speed"});
+                   "not given: gvs track --against gives the clock's offset and its standard error, times the speed"});
   return budget;
 }
 

@@ -26,8 +26,8 @@ std::string environment(const char* name) {
   return value == nullptr ? std::string{} : std::string(value);
 }
 
-/// A zone's name or file in a scenario, so that it is found from anywhere: a file of its own stands beside the
-/// scenario; a name nobody knows may stand in the zones that came with it.
+/// Resolves a scenario's zone name or file, so that the zone is found from any folder: a file next to the scenario; an
+/// unknown name in the zones that came with the scenario.
 std::string found_from(const fs::path& scenario_file, const std::string& zone) {
   std::error_code error;
   const fs::path folder = scenario_file.parent_path();
@@ -68,7 +68,7 @@ std::vector<std::string> ready_folders(const std::string& kind) {
   const fs::path local_path = fs::path(own_executable()).parent_path();
   for (const fs::path& folder : {local_path / "../.." / kind, fs::path(COSIVA_SOURCE_DIR) / kind,
                                  local_path / "../share/cosiva" / kind, fs::path(kind)}) {
-    // A build in its source tree finds that tree twice.
+    // A build in its source tree finds the same folder twice.
     const std::string name = folder.lexically_normal().string();
     if (std::ranges::find(folders, name) == folders.end()) folders.push_back(name);
   }
@@ -83,7 +83,7 @@ Result<std::string> find_ready_file(const std::string& one, const std::string& n
     return fail(one + ".missing", "there is no such " + one + " file", name_or_file);
   }
   std::vector<std::string> folders = ready_folders(one + "s");
-  folders.emplace_back(".");  // what lies about in the current folder is found, but not offered
+  folders.emplace_back(".");  // files in the current folder are found, but not listed as ready
   std::string looked;
   for (const fs::path folder : folders) {
     for (const std::string& ending : endings) {
@@ -92,7 +92,7 @@ Result<std::string> find_ready_file(const std::string& one, const std::string& n
     }
     looked += "\n  " + fs::absolute(folder, error).lexically_normal().string();
   }
-  std::string message = "there is no " + one + " of this name; looked in" + looked;
+  std::string message = "there is no " + one + " of this name; searched:" + looked;
   if (!ready.empty()) message += "\nready " + one + "s:";
   for (const std::string& name : ready) message += " " + name;
   if (const std::string near = nearest_word(name_or_file, ready); !near.empty())
@@ -150,8 +150,7 @@ Result<adapters::MqttOptions> mqtt_options(const BrokerArguments& arguments, con
   if (arguments.certificate_file.empty() != arguments.key_file.empty())
     return fail("broker.tls", "--broker-cert and --broker-key only work together");
   if (arguments.ca_file.empty() && !arguments.certificate_file.empty())
-    return fail("broker.tls",
-                "--broker-cert needs --broker-ca, the authority that the broker's certificate comes from");
+    return fail("broker.tls", "--broker-cert needs --broker-ca, the authority of the broker's certificate");
   if (!arguments.ca_file.empty())
     options.tls = adapters::MqttTls{arguments.ca_file, arguments.certificate_file, arguments.key_file};
   if (arguments.user.empty() && !arguments.password_file.empty())
@@ -183,7 +182,8 @@ std::string default_log_directory() {
 }
 
 std::string default_run_directory() {
-  // The temporary folder's name may be long, and a socket's path may not (107 bytes); the runtime folder's is short.
+  // The temporary folder's name may be long, but a socket's path may not (107 bytes); the runtime folder's name is
+  // short.
   std::string base = environment("XDG_RUNTIME_DIR");
   std::error_code error;
   if (base.empty() || !fs::is_directory(base, error)) base = fs::temp_directory_path(error).string();

@@ -17,11 +17,11 @@ namespace {
 using adapters::testing::Scratch;
 using ::testing::HasSubstr;
 
-TEST(Zone, that_is_missing_says_where_it_was_looked_for) {
+TEST(Zone, that_is_missing_fails_with_the_searched_folders) {
   const auto none = find_zone_file("lacet5");
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().code, "zone.missing");
-  EXPECT_THAT(none.error().message, HasSubstr("looked in\n  /"));
+  EXPECT_THAT(none.error().message, HasSubstr("searched:\n  /"));
   EXPECT_THAT(none.error().message, HasSubstr("share/cosiva/zones"));
   EXPECT_EQ(find_zone_file("/nonexistent/zone.toml").error().location, "/nonexistent/zone.toml");
 }
@@ -36,7 +36,7 @@ TEST(Zone, keeps_its_file_s_name_for_errors) {
   EXPECT_EQ(zone->text, "name = 'mine'\n");
 }
 
-TEST(Zone, of_the_user_s_own_comes_before_the_ready_one) {
+TEST(Zone, of_the_user_is_preferred_to_the_ready_zone) {
   Scratch scratch;
   const std::string own = scratch.write("cosiva/zones/lacet4.toml", "name = 'mine'\n");
   ::setenv("XDG_DATA_HOME", scratch.path().c_str(), 1);
@@ -45,7 +45,7 @@ TEST(Zone, of_the_user_s_own_comes_before_the_ready_one) {
   ::unsetenv("XDG_DATA_HOME");
 }
 
-TEST(Scenario, that_is_missing_says_where_it_was_looked_for) {
+TEST(Scenario, that_is_missing_fails_with_the_searched_folders) {
   const auto none = find_scenario_file("shwroom");
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().code, "scenario.missing");
@@ -53,7 +53,7 @@ TEST(Scenario, that_is_missing_says_where_it_was_looked_for) {
   EXPECT_EQ(load_scenario("/nonexistent/day.toml").error().location, "/nonexistent/day.toml");
 }
 
-TEST(Scenario, finds_a_zone_that_lies_beside_it) {
+TEST(Scenario, finds_a_zone_next_to_its_file) {
   Scratch scratch;
   const std::string zone = scratch.write("mine.toml", "name = 'mine'\n");
   const auto local_path = load_scenario(scratch.write("day.toml", "name = 'day'\nzone = 'mine.toml'\n"));
@@ -64,11 +64,11 @@ TEST(Scenario, finds_a_zone_that_lies_beside_it) {
   EXPECT_EQ(ready->scenario.zone, "lacet4");
 }
 
-TEST(RunName, says_what_and_when) {
+TEST(RunName, contains_the_subject_and_the_time) {
   EXPECT_THAT(default_run_name("showroom"), ::testing::MatchesRegex("showroom, [0-9]+-[0-9]+-[0-9]+ [0-9]+:[0-9]+"));
 }
 
-TEST(BrokerArguments, that_do_not_go_together_are_refused) {
+TEST(BrokerArguments, that_are_incompatible_are_refused) {
   EXPECT_EQ(mqtt_options({"nonsense:", {}, {}, {}, {}, {}}, "x").error().code, "broker.address");
   EXPECT_EQ(mqtt_options({{}, "ca", "cert", {}, {}, {}}, "x").error().code, "broker.tls");
   EXPECT_EQ(mqtt_options({{}, {}, "cert", "key", {}, {}}, "x").error().code, "broker.tls");
@@ -79,7 +79,7 @@ TEST(BrokerArguments, that_do_not_go_together_are_refused) {
   EXPECT_EQ(good->tls->key_file, "key");
 }
 
-TEST(RunDirectory, is_private_and_leaves_nothing) {
+TEST(RunDirectory, is_private_and_leaves_no_files) {
   Scratch scratch;
   const std::string path = scratch / "a/run";
   {
@@ -93,7 +93,7 @@ TEST(RunDirectory, is_private_and_leaves_nothing) {
   EXPECT_FALSE(std::filesystem::exists(path));
 }
 
-TEST(RunDirectory, that_was_there_stays_but_empty) {
+TEST(RunDirectory, that_existed_before_stays_but_empty) {
   Scratch scratch;
   {
     const auto run = RunDirectory::create(scratch.path());
@@ -103,7 +103,7 @@ TEST(RunDirectory, that_was_there_stays_but_empty) {
   EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
 }
 
-TEST(RunDirectory, with_anything_of_someone_else_is_refused_untouched) {
+TEST(RunDirectory, with_files_of_others_is_refused_unchanged) {
   Scratch scratch;
   const std::string file = scratch.write("thesis.tex", "years");
   const auto run = RunDirectory::create(scratch.path());
@@ -112,14 +112,14 @@ TEST(RunDirectory, with_anything_of_someone_else_is_refused_untouched) {
   EXPECT_TRUE(std::filesystem::exists(file));
 }
 
-TEST(RunDirectory, of_a_killed_run_is_used_again_but_of_a_living_one_not) {
+TEST(RunDirectory, of_a_killed_run_is_reused_but_not_of_a_running_one) {
   Scratch scratch;
   const auto logged = [&](pid_t pid) {
     scratch.write(children_file_name, R"({"children":[{"name":"plant","pid":)" + std::to_string(pid) + "}]}");
   };
   logged(::getpid());
   EXPECT_FALSE(RunDirectory::create(scratch.path()));
-  logged(0x3FFFFFFF);  // beyond any process number
+  logged(0x3FFFFFFF);  // greater than any process number
   scratch.write("boards/left.sock", "");
   const auto run = RunDirectory::create(scratch.path());
   ASSERT_TRUE(run) << to_string(run.error());

@@ -24,7 +24,7 @@ Result<std::shared_ptr<const aiv::AgentRules>> load_agent_rules(const std::strin
   if (!rules) return tl::unexpected(rules.error());
   if (rules->kind == aiv::SpeedRules::Kind::custom) return aiv::AgentRules::read(rules->fll, rules->origin);
   if (rules->kind == aiv::SpeedRules::Kind::fuzzy) return aiv::AgentRules::built_in();
-  return fail("rules.crisp", "the crisp choice has no rules to look at; give a file or 'fuzzy'", "--rules");
+  return fail("rules.crisp", "the crisp speed policy has no rules to inspect; give a file or 'fuzzy'", "--rules");
 }
 
 }  // namespace cosiva::app

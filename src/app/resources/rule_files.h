@@ -9,12 +9,12 @@
 
 namespace cosiva::app {
 
-/// What `--rules` says: "crisp", "fuzzy" (the built-in rules) or a file, which is read and checked. Fails ("file.read")
-/// on a file that cannot be read, and with file and line on rules that cannot be used.
+/// Loads the rules of `--rules`: "crisp", "fuzzy" (the built-in rules) or a file, which is read and checked. Fails
+/// ("file.read") on a file that cannot be read, and with file and line on invalid rules.
 [[nodiscard]] Result<aiv::SpeedRules> load_speed_rules(const std::string& word_or_file);
 /// The same for a fleet; null: crisp.
 [[nodiscard]] Result<std::shared_ptr<const aiv::AgentRules>> load_fleet_rules(const std::string& word_or_file);
-/// The same for those who need rules to look at: "crisp" fails ("rules.crisp").
+/// The same for commands that inspect rules: "crisp" fails ("rules.crisp").
 [[nodiscard]] Result<std::shared_ptr<const aiv::AgentRules>> load_agent_rules(const std::string& word_or_file);
 
 }  // namespace cosiva::app

@@ -22,7 +22,7 @@ void clear(const std::string& path) {
   }
 }
 
-/// Does one of the processes noted there still live?
+/// Whether one of the processes recorded in the folder is still running.
 bool in_use(const std::string& path) {
   const auto text = adapters::read_file(path + "/" + children_file_name);
   const auto logged = text ? JsonValue::parse(*text) : JsonValue{};
@@ -42,13 +42,14 @@ Result<RunDirectory> RunDirectory::create(const std::string& path) {
   if (!fs::exists(path, error)) {
     fs::create_directories(path, error);
     if (!error) fs::permissions(path, fs::perms::owner_all, error);
-    if (error) return fail("run.directory", "cannot make this folder: " + error.message(), path);
+    if (error) return fail("run.directory", "cannot create this folder: " + error.message(), path);
     return RunDirectory{path, true};
   }
   if (!fs::is_directory(path, error)) return fail("run.directory", "is not a folder", path);
   if (fs::is_empty(path, error)) return RunDirectory{path, false};
   if (!fs::exists(path + "/" + children_file_name, error))
-    return fail("run.directory", "the folder of a run must be new or empty, and this one holds other things", path);
+    return fail("run.directory", "the folder of a run must be new or empty, and this folder contains other files",
+                path);
   if (in_use(path)) return fail("run.directory", "another platform runs in this folder", path);
   clear(path);
   return RunDirectory{path, false};

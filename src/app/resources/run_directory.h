@@ -6,11 +6,11 @@
 
 namespace cosiva::app {
 
-/// The folder of one run: sockets, memories, the broker's configuration. Nothing of it outlives the run.
+/// The folder of one run: sockets, state files, the broker's configuration. No file in it outlives the run.
 class RunDirectory {
  public:
-  /// Makes it, for this user alone. One left by a run that was killed is cleared first; one that another run uses, or
-  /// that holds anything else, is refused ("run.directory").
+  /// Creates the folder, for this user alone. A folder left by a killed run is cleared first; a folder of another run,
+  /// or with any other content, is refused ("run.directory").
   [[nodiscard]] static Result<RunDirectory> create(const std::string& path);
   ~RunDirectory();
   RunDirectory(RunDirectory&& other) noexcept;
@@ -22,10 +22,10 @@ class RunDirectory {
  private:
   RunDirectory(std::string path, bool made) : path_{std::move(path)}, made_{made} {}
   std::string path_;
-  bool made_;  ///< by us, so it goes as a whole
+  bool made_;  ///< created by this run, and therefore removed as a whole
 };
 
-/// The file in it that says who runs.
+/// The file in the folder that records the running processes.
 inline constexpr const char* children_file_name = "children.json";
 
 }  // namespace cosiva::app

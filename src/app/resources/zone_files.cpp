@@ -13,14 +13,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The usual endings of all formats, in the order in which the formats are known.
+/// The usual endings of all formats, in the order of the known formats.
 std::vector<std::string> usual_endings() {
   std::vector<std::string> endings;
   for (const std::string_view format : zone::known_formats()) endings.push_back(usual_ending(format));
   return endings;
 }
 
-/// The name of a ready zone whose file this would be: "plant" of "zones/plant.lif.json". Only usual endings count: not
+/// The name of a ready zone in a file of this name: "plant" of "zones/plant.lif.json". Only usual endings count: not
 /// every .json in a folder is a zone.
 std::optional<std::string> ready_name(const fs::path& file) {
   const std::string name = file.filename().string();
@@ -30,7 +30,7 @@ std::optional<std::string> ready_name(const fs::path& file) {
   return std::nullopt;
 }
 
-/// The first comment of a file that begins with one; nothing where it begins with anything else.
+/// The first comment of a file that begins with a comment; nothing where it begins otherwise.
 std::optional<std::string> first_comment(const std::string& file) {
   const auto text = adapters::read_file(file);
   if (!text || !text->starts_with('#')) return std::nullopt;
@@ -61,7 +61,8 @@ std::vector<ReadyZone> ready_zones() {
          at.increment(error)) {
       auto name = ready_name(at->path());
       if (!name || !at->is_regular_file(error)) continue;
-      // Two formats of one zone in one folder: the first known one, whatever order the folder lists them in.
+      // Two formats of one zone in one folder: the format that is known first is used, whatever order the folder lists
+      // them in.
       const std::string file = at->path().lexically_normal().string();
       const auto [known, is_new] = here.emplace(std::move(*name), file);
       if (is_new) continue;
@@ -98,7 +99,8 @@ Result<zone::ZoneConfiguration> load_zone(const std::string& name_or_file, const
   if (!file) return tl::unexpected(file.error());
   if (file->ends_with(sidecar_file_ending)) {
     return fail("zone.format",
-                "this only says what the zone's own file cannot; name that file, and this one is read with it", *file);
+                "this sidecar file only completes the zone's own file; name that file, and this one is read with it",
+                *file);
   }
   auto format = zone::format_of_file(*file);
   if (!format) return tl::unexpected(format.error());
@@ -124,7 +126,7 @@ Result<zone::Rtm> open_zone(const std::string& name_or_file, const std::string& 
 }
 
 Result<void> write_zone(const std::string& file, const zone::ZoneConfiguration& configuration) {
-  // The sidecar file first: an old file with a new sidecar file is what an edit makes anyway.
+  // The sidecar file is written first: an old file with a new sidecar file is a possible result of an edit anyway.
   if (const auto sidecar = zone::sidecar_of_file(file); sidecar && !configuration.sidecar.empty())
     if (auto written = adapters::write_file(*sidecar, configuration.sidecar); !written) return written;
   return adapters::write_file(file, configuration.text);

@@ -32,7 +32,7 @@ const ReadyZone* named(const std::vector<ReadyZone>& zones, const std::string& n
   return found == zones.end() ? nullptr : &*found;
 }
 
-TEST(ZoneFiles, of_every_format_are_found_by_name_whatever_their_ending) {
+TEST(ZoneFiles, of_every_format_are_found_by_name) {
   const OwnFolder own;
   const std::string layout = own.write("area.lif.json", "{}");
   const std::string road = own.write("road.xodr", "<OpenDRIVE/>");
@@ -49,7 +49,7 @@ TEST(ZoneFiles, of_every_format_are_found_by_name_whatever_their_ending) {
   EXPECT_THAT(find_zone_file("haal").error().message, HasSubstr("did you mean 'area'?"));
 }
 
-TEST(ZoneFiles, bring_the_companion_that_stands_beside_them) {
+TEST(ZoneFiles, include_their_sidecar_file) {
   Scratch scratch;
   const std::string file = scratch.write("area.lif.json", "{}");
   EXPECT_EQ(load_zone(file)->sidecar, "");
@@ -59,17 +59,17 @@ TEST(ZoneFiles, bring_the_companion_that_stands_beside_them) {
   EXPECT_EQ(zone->format, "lif");
   EXPECT_EQ(zone->sidecar, "# beside\n");
   EXPECT_EQ(load_zone(file, scratch.write("other.toml", "# other\n"))->sidecar, "# other\n");
-  EXPECT_FALSE(load_zone(file, scratch / "missing.toml")) << "one that was named must be there";
+  EXPECT_FALSE(load_zone(file, scratch / "missing.toml")) << "a given sidecar file must exist";
 }
 
-TEST(ZoneFiles, that_say_everything_themselves_have_none) {
+TEST(ZoneFiles, that_are_complete_have_no_sidecar) {
   Scratch scratch;
   const std::string file = scratch.write("mine.toml", "name = 'mine'\n");
   scratch.write("mine.zone.toml", "# whatever\n");
   EXPECT_EQ(load_zone(file)->sidecar, "");
 }
 
-TEST(ZoneFiles, of_other_kinds_are_refused_with_what_to_do) {
+TEST(ZoneFiles, of_other_kinds_are_refused_with_advice) {
   Scratch scratch;
   const auto text = load_zone(scratch.write("zone.txt", ""));
   ASSERT_FALSE(text);
@@ -80,7 +80,7 @@ TEST(ZoneFiles, of_other_kinds_are_refused_with_what_to_do) {
   EXPECT_THAT(sidecar.error().message, HasSubstr("name that file"));
 }
 
-TEST(ZoneFiles, are_titled_by_their_first_comment_the_sidecar_s_first) {
+TEST(ZoneFiles, are_titled_by_the_first_comment_of_sidecar_or_file) {
   const OwnFolder own;
   own.write("a.toml", "# A small yard (for lorries)\nname = 'a'\n");
   own.write("b.toml", "name = 'b'\n");

@@ -14,7 +14,7 @@ namespace {
 using virtual_side::Fleet;
 using virtual_side::FleetStart;
 
-/// In one copy of the zone: so many that it is busy and flows.
+/// The number of vehicles in one copy of the zone, dense but without congestion.
 constexpr std::size_t per_copy_max = 12;
 constexpr std::size_t steps_min = 20;
 constexpr std::size_t warm_up_steps = 50;
@@ -26,7 +26,7 @@ double ms_since(std::chrono::steady_clock::time_point start) {
 Result<Fleet> fleet_of(const std::shared_ptr<const zone::TrafficZone>& zone,
                        const std::shared_ptr<const aiv::AgentRules>& rules, std::uint64_t vehicles) {
   const std::vector<FleetStart> one = Fleet::spread(*zone, per_copy_max);
-  if (one.empty()) return fail("capacity.zone", "no vehicle finds room to begin on zone '" + zone->name + "'");
+  if (one.empty()) return fail("capacity.zone", "no vehicle has room to start on zone '" + zone->name + "'");
   std::vector<FleetStart> all;
   all.reserve(vehicles);
   for (std::uint32_t copy = 0; all.size() < vehicles; ++copy)
@@ -45,7 +45,7 @@ std::string thousands(std::uint64_t number) {
   return text;
 }
 
-/// Two digits that count: what a measurement promises.
+/// Rounds down to two significant digits, the precision of a measurement.
 std::uint64_t rounded(double number) {
   const double power = std::pow(10.0, std::floor(std::log10(std::max(1.0, number))) - 1.0);
   return static_cast<std::uint64_t>(std::floor(number / power) * power);
@@ -150,8 +150,8 @@ std::string to_text(const CapacityMetrics& metrics) {
             column(decimals(one.p99_ms, 3), 16) + column(decimals(one.speed(), 1), 18) +
             column(decimals(one.bytes_per_vehicle, 0), 20) + "\n";
   }
-  text += "  carries in real time: " + carried_text(metrics.steps, 1.0) +
-          "\n  at ten times that:    " + carried_text(metrics.steps, 10.0) + "\n";
+  text += "  capacity in real time: " + carried_text(metrics.steps, 1.0) +
+          "\n  at ten times real time: " + carried_text(metrics.steps, 10.0) + "\n";
   if (metrics.live.empty()) return text;
   text +=
       "The whole platform over MQTT, a process for each vehicle:\n"

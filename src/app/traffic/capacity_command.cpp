@@ -15,10 +15,10 @@
 namespace cosiva::app {
 namespace {
 
-/// A size that takes longer than this for one step is the last.
+/// A size with a step longer than this is the last.
 constexpr double step_ms_max = 150.0;
 
-/// The whole platform as a process of its own, as a user starts it.
+/// The whole platform as a separate process, started as a user starts it.
 Result<LiveMetrics> measure_live(const CapacityArguments& arguments, std::uint32_t vehicles) {
   adapters::EventLoop loop;
   std::string summary;

@@ -11,7 +11,7 @@ struct CapacityArguments {
   std::string zone{"lacet4"};
   std::string rules{"fuzzy"};
   std::uint64_t vehicles_max{1'000'000};
-  double seconds{2.0};  ///< of measuring, for each size
+  double seconds{2.0};  ///< measuring time of each size
   std::vector<std::uint32_t> live{4, 12};
   std::string live_zone{"lacet4"};
   double live_s{15.0};

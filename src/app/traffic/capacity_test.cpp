@@ -14,7 +14,7 @@ using ::testing::HasSubstr;
 
 StepMetrics of(std::uint64_t vehicles, double p99_ms) { return {vehicles, 100, 0.5 * p99_ms, p99_ms, 200.0}; }
 
-TEST(Capacity, promises_what_was_measured_and_says_what_to_expect_beyond) {
+TEST(Capacity, reports_the_measured_capacity_and_the_expected_one_beyond) {
   const std::vector<StepMetrics> measured{of(1'000, 0.1), of(100'000, 8.0)};
   EXPECT_EQ(carried_at(measured, 1.0).sure, 100'000U);
   EXPECT_EQ(carried_at(measured, 1.0).expected, 1'200'000U) << "100 ms for 8 ms each, to two digits";
@@ -23,7 +23,7 @@ TEST(Capacity, promises_what_was_measured_and_says_what_to_expect_beyond) {
   EXPECT_FALSE(carried_at(measured, 10'000.0).sure);
 }
 
-TEST(Capacity, takes_the_live_figures_from_the_platform_s_own_summary) {
+TEST(Capacity, takes_the_live_metrics_from_the_platform_s_own_summary) {
   const auto live = live_metrics(12, R"({"bijection":{"matched_ratio":1,"age_ms":{"p50":50,"p99":99},
     "divergence_m":{"p99":0.01}},"collisions":0})");
   ASSERT_TRUE(live);
@@ -46,7 +46,7 @@ TEST(Capacity, measures_this_machine) {
   EXPECT_EQ(*json->find("carries")->find("at_1x")->number("measured"), 1000.0);
   EXPECT_EQ(cosiva({"capacity", "--live", "0", "--zone", "nowhere"}).status, 2);
   EXPECT_THAT(cosiva({"capacity", "--max", "100", "--seconds", "0.05", "--live", "0"}).data,
-              HasSubstr("carries in real time"));
+              HasSubstr("capacity in real time"));
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ Result<SitePlan> plan_from(const FleetTrafficArguments& arguments) {
   if (!text) return tl::unexpected(text.error());
   auto plan = experiments::read_site_plan(*text, arguments.zones);
   if (!plan) return plan;
-  // A zone's file is named from where the site's file lies.
+  // A zone file's path is relative to the site file's folder.
   const auto folder = std::filesystem::path(arguments.zones).parent_path();
   for (SitePlan::Zone& zone : plan->zones)
     if (std::filesystem::exists(folder / zone.file)) zone.file = (folder / zone.file).string();
@@ -75,7 +75,7 @@ std::string json_of(const SiteMetrics& metrics, const Speed& speed) {
   return json.take();
 }
 
-/// The command line that gives the same again.
+/// The command line that reproduces the result.
 std::string command_of(const FleetTrafficArguments& arguments) {
   std::string command = "cosiva traffic --zones " + arguments.zones + " --aivs " + std::to_string(arguments.aivs) +
                         " --duration " + decimals(arguments.duration_s, 0) + " --warm-up " +
@@ -92,7 +92,7 @@ std::string command_of(const FleetTrafficArguments& arguments) {
 int run_site(const FleetTrafficArguments& arguments) {
   if (!arguments.jobs_file.empty())
     return report_error({"traffic.options", "--jobs names the stations of one zone, and --zones has many", "--jobs"});
-  // Everything that can be wrong in files is found before MPI begins: then each rank can end by itself.
+  // File errors are found before MPI begins, because then each rank can end by itself.
   auto options = options_from(arguments);
   if (!options) return report_error(options.error());
   auto ranks = start_ranks();

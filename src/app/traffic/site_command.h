@@ -4,7 +4,8 @@
 
 namespace cosiva::app {
 
-/// `cosiva traffic --zones`: many zones with passages between them. Gives the exit status as run_traffic does.
+/// `cosiva traffic --zones`: several zones with transfer points between them. Gives the exit status as run_traffic
+/// does.
 int run_site(const FleetTrafficArguments& arguments);
 
 }  // namespace cosiva::app

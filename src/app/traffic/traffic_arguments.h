@@ -9,7 +9,7 @@ namespace cosiva::app {
 /// The options of `cosiva traffic`.
 struct FleetTrafficArguments {
   std::string zone{"lacet4"};
-  std::string zones;  ///< several: a TOML file or a list; empty: one
+  std::string zones;  ///< several zones: a TOML file or a list; empty: one zone
   double away_ratio{0.2};
   double transfer_s{10.0};
   std::string sidecar;

@@ -46,7 +46,7 @@ Result<TrafficOptions> options_from(const FleetTrafficArguments& arguments) {
   return options;
 }
 
-/// The command line that gives the same again.
+/// The command line that reproduces the result.
 std::string command_of(const FleetTrafficArguments& arguments) {
   std::string command = "cosiva traffic --zone " + arguments.zone + " --aivs " + std::to_string(arguments.aivs) +
                         " --duration " + decimals(arguments.duration_s, 0) + " --warm-up " +

@@ -4,7 +4,7 @@
 
 namespace cosiva::app {
 
-/// `cosiva traffic`, of one zone or of many. Gives the exit status: 0 done, 1 the run's own checks failed, 2 bad usage
+/// `cosiva traffic`, for one zone or several. Gives the exit status: 0 done, 1 the run's own checks failed, 2 bad usage
 /// or bad input.
 int run_traffic(const FleetTrafficArguments& arguments);
 

@@ -15,7 +15,7 @@ namespace {
 using fixture::cosiva;
 using ::testing::HasSubstr;
 
-TEST(TrafficCommand, carries_jobs_on_a_ready_zone_and_says_what_came_of_it) {
+TEST(TrafficCommand, carries_jobs_on_a_ready_zone_and_prints_the_metrics) {
   const auto output =
       cosiva({"traffic", "--zone", "indus8", "--aivs", "4", "--duration", "600", "--jobs-per-hour", "60"});
   EXPECT_EQ(output.status, 0) << output.standard_error;
@@ -23,7 +23,7 @@ TEST(TrafficCommand, carries_jobs_on_a_ready_zone_and_says_what_came_of_it) {
   EXPECT_THAT(output.data, HasSubstr("0 collisions"));
 }
 
-TEST(TrafficCommand, gives_the_same_figures_for_the_same_seed) {
+TEST(TrafficCommand, gives_equal_metrics_for_equal_seeds) {
   const auto once = [](const std::string& seed) {
     return cosiva({"traffic", "--zone", "indus8", "--duration", "300", "--aivs", "4", "--jobs-per-hour", "200",
                    "--json", "--seed", seed})
@@ -35,7 +35,7 @@ TEST(TrafficCommand, gives_the_same_figures_for_the_same_seed) {
   EXPECT_NE(one, once("2"));
 }
 
-TEST(TrafficCommand, carries_jobs_in_a_layout_whose_stations_lie_in_dead_ends) {
+TEST(TrafficCommand, carries_jobs_in_a_layout_with_stations_in_dead_ends) {
   const auto output = cosiva({"traffic", "--zone", "workshop", "--aivs", "6", "--jobs-per-hour", "60", "--json"});
   EXPECT_EQ(output.status, 0) << output.standard_error;
   const auto json = JsonValue::parse(output.data, 1U << 20U);
@@ -62,14 +62,14 @@ TEST(TrafficCommand, counts_near_misses_where_a_zone_leaves_no_clearance) {
   EXPECT_LT(json->number("smallest_gap_m").value_or(1.0), 0.06);
 }
 
-TEST(TrafficCommand, names_the_section_where_no_fleet_finds_a_place_to_stand) {
+TEST(TrafficCommand, names_the_section_where_a_fleet_has_no_position_to_stop) {
   const std::string lane = source_dir() + "/src/virtual/fleet/testdata/two_way_lane.toml";
   const auto output = cosiva({"traffic", "--zone", lane, "--aivs", "1"});
   EXPECT_EQ(output.status, 2);
   EXPECT_THAT(output.standard_error, HasSubstr("zone 'lane', section 'there': too many crossings close together"));
 }
 
-TEST(TrafficCommand, writes_a_report_that_can_be_looked_at) {
+TEST(TrafficCommand, writes_a_report) {
   const adapters::testing::Scratch directory;
   const std::string out = directory / "out/deeper";
   const auto output = cosiva({"traffic", "--duration", "120", "--aivs", "8", "--out", out});
@@ -78,7 +78,7 @@ TEST(TrafficCommand, writes_a_report_that_can_be_looked_at) {
     EXPECT_GT(std::filesystem::file_size(out + file), 50U) << file;
 }
 
-TEST(TrafficCommand, says_what_is_wrong_and_where) {
+TEST(TrafficCommand, reports_what_is_wrong_and_where) {
   const adapters::testing::Scratch directory;
   const std::string jobs = directory.write("jobs.csv", "time_s,from,to\n5,shelf_a,moon\n");
   const auto bad_file = cosiva({"traffic", "--zone", "indus8", "--jobs", jobs});
@@ -86,7 +86,7 @@ TEST(TrafficCommand, says_what_is_wrong_and_where) {
   EXPECT_THAT(bad_file.standard_error, HasSubstr(jobs + ":2: zone 'indus8' has no station 'moon'"));
   const auto no_rate = cosiva({"traffic", "--jobs-per-hour", "-1"});
   EXPECT_EQ(no_rate.status, 2);
-  EXPECT_THAT(no_rate.standard_error, HasSubstr("jobs per hour are more than 0"));
+  EXPECT_THAT(no_rate.standard_error, HasSubstr("jobs per hour must be more than 0"));
   EXPECT_EQ(cosiva({"traffic", "--aivs", "0"}).status, 2);
   EXPECT_EQ(cosiva({"traffic", "--aivs", "100000"}).status, 2) << "no room";
   EXPECT_EQ(cosiva({"traffic", "--rules", "/nowhere.fll"}).status, 2);

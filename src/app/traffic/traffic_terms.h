@@ -6,7 +6,7 @@
 
 namespace cosiva::app {
 
-/// What `cosiva traffic` says that holds for one zone and for many. Fails on rules that cannot be read or used.
+/// The terms of `cosiva traffic` that are common to one zone and several. Fails on rules that cannot be read or used.
 [[nodiscard]] Result<experiments::TrafficTerms> terms_from(const FleetTrafficArguments& arguments);
 
 }  // namespace cosiva::app

@@ -1,4 +1,4 @@
-// The options of `cosiva zone` and its verbs, and what their help says.
+// The options of `cosiva zone` and its subcommands, with their help texts.
 #include "cosiva/app/zone/command_line_zone.h"
 
 #include "cosiva/app/cli/common_options.h"
@@ -14,20 +14,23 @@ namespace {
 
 constexpr const char* zone_examples =
     "Examples:\n"
-    "  cosiva zone check my.toml                    is it good? what does it hold, where is it weak?\n"
-    "  cosiva zone show plant.lif.json --png p.png  what does it look like?\n"
-    "  cosiva zone convert road.xodr road.toml      in another format, and what was lost on the way\n"
-    "  cosiva zone switch indus8                    the platform that runs goes on in another zone\n"
+    "  cosiva zone check my.toml                    is the file valid? its contents and weak spots\n"
+    "  cosiva zone show plant.lif.json --png p.png  draws the zone\n"
+    "  cosiva zone convert road.xodr road.toml      in another format, with a list of what was lost\n"
+    "  cosiva zone switch indus8                    the running platform switches to another zone\n"
     "\n"
-    "What a format cannot say (tags, beacons, crossing rules, the vehicle) stands in a small file beside it, with the\n"
-    "ending .zone.toml: plant.lif.json and plant.zone.toml. It is read by itself. docs/guide/zones.md explains all.";
+    "What a format cannot express (tags, beacons, crossing rules, the vehicle) is in a sidecar file next to it, with "
+    "the\n"
+    "ending .zone.toml: plant.lif.json and plant.zone.toml. The sidecar file is read automatically. See "
+    "docs/guide/zones.md.";
 
 constexpr const char* check_examples =
     "Examples:\n"
     "  cosiva zone check lacet4\n"
-    "  cosiva zone check plant.lif.json --companion other.zone.toml\n"
+    "  cosiva zone check plant.lif.json --sidecar other.zone.toml\n"
     "\n"
-    "Exit status: 0 it can be used, warnings or not; 2 it cannot, and every fault is said with its place.";
+    "Exit status: 0 the zone can be used, possibly with warnings; 2 it cannot, and each fault is reported with its "
+    "location.";
 
 constexpr const char* show_examples =
     "Examples:\n"
@@ -37,29 +40,30 @@ constexpr const char* show_examples =
 
 constexpr const char* convert_examples =
     "Examples:\n"
-    "  cosiva zone convert lacet4 lacet4.lif.json   and lacet4.zone.toml beside it\n"
+    "  cosiva zone convert lacet4 lacet4.lif.json   and lacet4.zone.toml next to it\n"
     "  cosiva zone convert road.xodr road.toml";
 
 constexpr const char* switch_examples =
     "Examples:\n"
     "  cosiva zone switch indus8                            of the platform on http://127.0.0.1:8080\n"
     "  cosiva zone switch my.toml --url http://127.0.0.1:8083\n"
-    "  cosiva zone switch my.toml --broker 10.0.0.5:1883     as a physical side does it, whoever listens\n"
+    "  cosiva zone switch my.toml --broker 10.0.0.5:1883     as a physical side does, for all subscribers\n"
     "\n"
-    "Vehicles whose place the new zone's ways pass within 0.30 m go on from there; the others are parked and named.\n"
-    "Exit status: 0 it is in force; 2 it was refused, and the zone that was there goes on.";
+    "Vehicles within 0.30 m of the new zone's paths continue from there; the others are off-route, and are listed.\n"
+    "Exit status: 0 the zone is in force; 2 it was refused, and the present zone stays in force.";
 
 void add_zone(CLI::App& command, ZoneArguments& zone) {
   command.add_option("zone", zone.zone, "a ready zone's name or a file")->type_name("NAME|FILE")->required();
   command
-      .add_option("--sidecar", zone.sidecar, "what the file's format cannot say; without: the one beside it, if any")
+      .add_option("--sidecar", zone.sidecar,
+                  "sidecar file with what the format cannot express; without: the one next to the file, if any")
       ->type_name("FILE");
 }
 
 void add_json(CLI::App& command, bool& json) { command.add_flag("--json", json, "print the result as JSON"); }
 
 void describe_show(CLI::App& command, ZoneArguments& zone) {
-  command.add_option("--svg", zone.svg_file, "draw into this file; '-' is standard output, as without any")
+  command.add_option("--svg", zone.svg_file, "draw into this file; '-' is standard output, the default")
       ->type_name("OUT");
   command.add_option("--png", zone.png_file, "draw into this file")->type_name("OUT");
   command.add_option("--width", zone.width_px, "of the PNG")
@@ -70,26 +74,28 @@ void describe_show(CLI::App& command, ZoneArguments& zone) {
 }
 
 void describe_convert(CLI::App& command, ZoneArguments& zone) {
-  command.add_option("out", zone.out_file, "the new file; its ending says which format")->type_name("OUT")->required();
-  command.add_option("--to", zone.format, "the format, where the ending does not say it")->type_name("FORMAT");
+  command.add_option("out", zone.out_file, "the new file; its ending determines the format")
+      ->type_name("OUT")
+      ->required();
+  command.add_option("--to", zone.format, "the format, where the ending does not determine it")->type_name("FORMAT");
   command.footer(convert_examples);
 }
 
 constexpr const char* generate_examples =
-    "A plant has rows of storage aisles between two lanes each, bays with a station beside the aisles, and chargers.\n"
+    "A plant has rows of storage aisles between two lanes each, bays with a station along the aisles, and chargers.\n"
     "\n"
     "Examples:\n"
     "  cosiva zone generate -o plant.toml                     4 rows of 8 aisles of up to 6 bays\n"
-    "  cosiva zone generate --sections 1000 -o plant.toml     a thousand sections, and not many more\n"
+    "  cosiva zone generate --sections 1000 -o plant.toml     slightly more than a thousand sections\n"
     "  cosiva zone generate --rows 2 --aisles 4 --seed 7 -o small.lif.json";
 
 void describe_generate(CLI::App& command, GenerateArguments& generate) {
   zone::PlantOptions& plant = generate.plant;
-  command.add_option("-o,--out", generate.out_file, "the new file; its ending says which format")
+  command.add_option("-o,--out", generate.out_file, "the new file; its ending determines the format")
       ->type_name("OUT")
       ->required();
   CLI::Option* sections =
-      command.add_option("--sections", generate.sections, "at least so many sections, laid out by itself")
+      command.add_option("--sections", generate.sections, "minimum number of sections, with an automatic layout")
           ->type_name("N")
           ->check(CLI::Range(1, 190'000));
   const auto number = [&](const char* name, std::uint32_t& value, const char* what) {
@@ -98,29 +104,29 @@ void describe_generate(CLI::App& command, GenerateArguments& generate) {
   number("--rows", plant.rows, "rows of aisles")->excludes(sections);
   number("--aisles", plant.aisles, "aisles in each row")->excludes(sections);
   number("--bays", plant.bays, "bays along each aisle")->excludes(sections);
-  command.add_option("--bay-ratio", plant.bay_ratio, "how many of the bays there are")
+  command.add_option("--bay-ratio", plant.bay_ratio, "ratio of bays that exist")
       ->type_name("P")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  command.add_option("--seed", plant.seed, "decides which bays there are, where, and how long")
+  command.add_option("--seed", plant.seed, "determines which bays exist, their positions and lengths")
       ->type_name("S")
       ->capture_default_str();
-  command.add_option("--length", plant.vehicle.length_m, "of the vehicle that all is laid out for")
+  command.add_option("--length", plant.vehicle.length_m, "of the vehicle that the layout is made for")
       ->type_name("M")
       ->capture_default_str();
   command.add_option("--width", plant.vehicle.width_m, "of the vehicle")->type_name("M")->capture_default_str();
-  number("--starts", plant.starts, "places where an emulated fleet begins, at most");
+  number("--starts", plant.starts, "maximum number of start positions of an emulated fleet");
   command.add_option("--name", plant.name, "of the zone")->type_name("TEXT")->capture_default_str();
   command.footer(generate_examples);
 }
 
 void describe_switch(CLI::App& command, ZoneArguments& zone) {
-  command.add_option("--url", zone.url, "where the platform's API is")->type_name("URL")->capture_default_str();
-  command.add_option("--wait", zone.wait_s, "for the first vehicle to move, at most")
+  command.add_option("--url", zone.url, "address of the platform's API")->type_name("URL")->capture_default_str();
+  command.add_option("--wait", zone.wait_s, "longest wait for the first vehicle to move")
       ->type_name("S")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
-  add_broker(command, zone.broker, "the platform's API is asked");
+  add_broker(command, zone.broker, "the platform's API is used");
   command.footer(switch_examples);
 }
 
@@ -128,16 +134,15 @@ void describe_switch(CLI::App& command, ZoneArguments& zone) {
 
 ZoneCommands describe_zone(CLI::App& root, ZoneArguments& zone, GenerateArguments& generate) {
   ZoneCommands commands{};
-  commands.zone = root.add_subcommand("zone", "Check, draw, convert, make and switch traffic zones");
+  commands.zone = root.add_subcommand("zone", "Check, draw, convert, generate and switch traffic zones");
   commands.zone->require_subcommand(0, 1);
   commands.zone->footer(zone_examples);
-  commands.check =
-      commands.zone->add_subcommand("check", "Say what a zone holds and where it is weak, or what is wrong with it");
+  commands.check = commands.zone->add_subcommand("check", "Report a zone's contents and weak spots, or its errors");
   commands.show = commands.zone->add_subcommand("show", "Draw a zone as SVG or PNG");
   commands.convert =
-      commands.zone->add_subcommand("convert", "Write a zone in another format, and say what that cannot hold");
-  commands.generate = commands.zone->add_subcommand("generate", "Make a zone of any size, for trials");
-  commands.switch_to = commands.zone->add_subcommand("switch", "Give a running platform another zone, while it runs");
+      commands.zone->add_subcommand("convert", "Write a zone in another format, and report what was lost");
+  commands.generate = commands.zone->add_subcommand("generate", "Generate a zone of any size, for experiments");
+  commands.switch_to = commands.zone->add_subcommand("switch", "Switch a running platform to another zone");
   for (CLI::App* command : {commands.check, commands.show, commands.convert, commands.switch_to})
     add_zone(*command, zone);
   for (CLI::App* command : {commands.check, commands.convert, commands.switch_to}) add_json(*command, zone.json);

@@ -9,7 +9,7 @@
 /// The options of `cosiva zone`.
 namespace cosiva::app {
 
-/// `cosiva zone` and its verbs.
+/// `cosiva zone` and its subcommands.
 struct ZoneCommands {
   CLI::App* zone;
   CLI::App* check;
@@ -21,7 +21,7 @@ struct ZoneCommands {
 
 [[nodiscard]] ZoneCommands describe_zone(CLI::App& root, ZoneArguments& zone, GenerateArguments& generate);
 
-/// The exit status of the one that was asked for, if any.
+/// The exit status of the requested subcommand, if any.
 [[nodiscard]] std::optional<int> run_zone_command(const ZoneCommands& commands, const ZoneArguments& zone,
                                                   const GenerateArguments& generate);
 

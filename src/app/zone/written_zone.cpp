@@ -16,8 +16,7 @@ Result<WrittenZone> write_as(const std::string& format, const std::string& file,
     const auto sidecar = zone::sidecar_of_file(file);
     if (!sidecar)
       return fail("zone.write",
-                  "this format needs a sidecar file beside its file, so the file's name must end as its files do",
-                  file);
+                  "this format needs a sidecar file, so the file's name must have the format's usual ending", file);
     made.sidecar = *sidecar;
   }
   if (auto stored = write_zone(file, *written); !stored) return tl::unexpected(stored.error());
@@ -41,7 +40,7 @@ std::string written_json_of(const zone::TrafficZone& zone, const WrittenZone& ma
 
 std::string written_text_of(const zone::TrafficZone& zone, const WrittenZone& made) {
   return zone.name + ": " + size_of(zone) + ", " + counted(zone.stations.size(), "station") + ", written to " +
-         made.file + (made.sidecar.empty() ? "" : "\n  what this format cannot say: " + made.sidecar) +
+         made.file + (made.sidecar.empty() ? "" : "\n  what this format cannot express: " + made.sidecar) +
          report_of(zone.diagnostics, "reading it") + report_of(made.lost, "writing it");
 }
 

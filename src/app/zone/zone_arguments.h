@@ -8,10 +8,10 @@
 /// The options of `cosiva zone`.
 namespace cosiva::app {
 
-/// Of the verbs of `zone`; each uses its own.
+/// Of the subcommands of `zone`; each uses its own arguments.
 struct ZoneArguments {
-  std::string zone;     ///< a ready one's name or a file
-  std::string sidecar;  ///< empty: the one beside the file, if any
+  std::string zone;     ///< name of a ready zone, or a file
+  std::string sidecar;  ///< empty: the sidecar file next to the zone's file, if any
   bool json{false};
 
   // show
@@ -25,7 +25,7 @@ struct ZoneArguments {
 
   // switch
   std::string url{"http://127.0.0.1:8080"};
-  BrokerArguments broker;  ///< an address in it: published there instead
+  BrokerArguments broker;  ///< with an address: published there instead
   double wait_s{30.0};
 };
 

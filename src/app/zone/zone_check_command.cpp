@@ -15,7 +15,7 @@
 namespace cosiva::app {
 namespace {
 
-/// How far odometry must carry a vehicle, and what would shorten that.
+/// The distances that a vehicle drives by odometry alone, and how the beacons could shorten them.
 struct Stretches {
   zone::Stretch tag_free;
   std::optional<zone::Stretch> beacon_free;  ///< nothing where there are no beacons
@@ -43,11 +43,11 @@ void write_stretch(JsonWriter& json, const zone::Circuit& circuit, const std::op
 
 std::string stretch_text(const zone::Circuit& circuit, const zone::Stretch& stretch) {
   if (stretch.endless)
-    return "a round of " + decimals(stretch.length_m, 3) + " m through " + position_text(circuit, stretch.from);
+    return "a loop of " + decimals(stretch.length_m, 3) + " m through " + position_text(circuit, stretch.from);
   return decimals(stretch.length_m, 3) + " m, from " + position_text(circuit, stretch.from);
 }
 
-/// Worth saying only where moving the beacons gains a tenth.
+/// A suggestion is printed only where moving the beacons shortens the distance by a tenth.
 std::string origin_text(const zone::OriginSuggestion& suggestion) {
   if (!(suggestion.after_m < 0.9 * suggestion.before_m)) return {};
   return "\n    with origin = [" + decimals(suggestion.origin.x_m, 4) + ", " + decimals(suggestion.origin.y_m, 4) +
@@ -67,7 +67,7 @@ void write_problem(JsonWriter& json, const zone::TrafficZone& zone, const zone::
 
 void write_waypoints(JsonWriter& json, const zone::TrafficZone& zone) {
   json.begin_array();
-  // The nodes that a foreign master control may send a vehicle to, in driving order along each section.
+  // The nodes that a third-party master control may send a vehicle to, in driving order along each section.
   for (const zone::Waypoint& waypoint : zone.waypoints) {
     const Pose2 X_MW = zone.circuit.pose_at(waypoint.position);
     json.begin_object().field("id", waypoint.id).field("x", X_MW.x_m).field("y", X_MW.y_m);
@@ -77,7 +77,7 @@ void write_waypoints(JsonWriter& json, const zone::TrafficZone& zone) {
   json.end_array();
 }
 
-/// What there is to say of a zone: what is wrong or odd, and where deadlocks can occur.
+/// The findings of a zone: its problems, and where deadlocks can occur.
 struct Findings {
   explicit Findings(const zone::TrafficZone& zone)
       : problems{zone::problems(zone)}, deadlocks{zone::deadlock_spots(zone)} {}
@@ -116,7 +116,7 @@ std::string json_of(const zone::Rtm& rtm, const Stretches& stretches, const Find
   return json.take();
 }
 
-/// An error here is where vehicles cannot do what is asked of them; the rest of the zone can be driven in all the same.
+/// An error here is a spot where vehicles cannot do what is required; the rest of the zone is usable.
 std::string verdict(std::size_t errors, std::size_t warnings) {
   if (errors + warnings == 0) return "good";
   std::string text = errors > 0 ? "can be read, but has " + counted(errors, "error") : "good";
@@ -133,21 +133,21 @@ std::string text_of(const zone::TrafficZone& zone, const Stretches& stretches, c
           counted(zone.waypoints.size(), "waypoint") + ", " + counted(zone.stations.size(), "station") +
           (zone.loops.empty() ? "" : ", " + counted(zone.loops.size(), "loop")) + "\n  " +
           counted(zone.tags.size(), "tag");
-  text += ", the longest way without one is " + stretch_text(zone.circuit, stretches.tag_free);
+  text += ", the longest distance without a tag is " + stretch_text(zone.circuit, stretches.tag_free);
   if (zone.beacons) {
     text += "\n  " + counted(std::size_t{zone.beacons->columns} * zone.beacons->rows, "beacon");
     if (stretches.beacon_free)
-      text += ", the longest way without one is " + stretch_text(zone.circuit, *stretches.beacon_free);
+      text += ", the longest distance without a beacon is " + stretch_text(zone.circuit, *stretches.beacon_free);
     if (stretches.origin) text += origin_text(*stretches.origin);
   }
-  if (!problems.empty()) text += "\n  where it is weak:";
+  if (!problems.empty()) text += "\n  weak spots:";
   for (const zone::Problem& problem : problems) text += "\n    " + to_string(problem, zone);
-  if (!findings.deadlocks.empty()) text += "\n  where vehicles may come to wait for each other:";
+  if (!findings.deadlocks.empty()) text += "\n  possible deadlocks:";
   for (const zone::Problem& spot : findings.deadlocks) text += "\n    " + to_string(spot, zone);
   return text + report_of(zone.diagnostics, "reading it");
 }
 
-/// Every fault of a zone that cannot be used, not only the first.
+/// Lists every fault of an unusable zone, not only the first.
 int refuse_zone(const ZoneArguments& arguments, const Error& first) {
   std::vector<Error> faults;
   if (const auto configuration = load_zone(arguments.zone, arguments.sidecar)) faults = zone::faults(*configuration);

@@ -4,8 +4,8 @@
 
 namespace cosiva::app {
 
-/// `cosiva zone check`: what a zone holds and where it is weak, or all that is wrong with it. Gives the exit status: 0
-/// done, 1 the run's own checks failed, 2 bad usage or bad input.
+/// `cosiva zone check`: reports a zone's contents and weak spots, or all its errors. Gives the exit status: 0 done, 1
+/// the run's own checks failed, 2 bad usage or bad input.
 int run_zone_check(const ZoneArguments& arguments);
 
 }  // namespace cosiva::app

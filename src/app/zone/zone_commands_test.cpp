@@ -47,10 +47,10 @@ radius_m = 0.5
 angle_deg = 180
 )";
 
-// --- help and wrong words
+// --- help and invalid terms
 // -----------------------------------------------------------------------------------------------
 
-TEST(ZoneCommands, teach_with_examples) {
+TEST(ZoneCommands, show_examples) {
   for (const char* command : {"check", "show", "convert", "generate", "switch"}) {
     const CommandOutput output = cosiva({"zone", command, "--help"});
     EXPECT_EQ(output.status, 0) << command;
@@ -61,7 +61,7 @@ TEST(ZoneCommands, teach_with_examples) {
   EXPECT_THAT(cosiva({"zone"}).standard_error, HasSubstr("generate or switch"));
 }
 
-TEST(ZoneCommands, that_lack_something_or_have_too_much_end_with_2) {
+TEST(ZoneCommands, with_missing_or_surplus_arguments_end_with_2) {
   const std::vector<std::vector<std::string>> all{
       {"zone", "check"},
       {"zone", "show"},
@@ -82,7 +82,7 @@ TEST(ZoneCommands, that_lack_something_or_have_too_much_end_with_2) {
   }
 }
 
-TEST(ZoneCommands, of_a_file_of_no_known_format_name_the_known_endings) {
+TEST(ZoneCommands, of_a_file_of_unknown_format_name_the_known_endings) {
   Scratch scratch;
   const std::string file = scratch.write("zone.txt", cycle);
   for (const char* command : {"check", "show", "switch"}) {
@@ -96,16 +96,16 @@ TEST(ZoneCommands, of_a_file_of_no_known_format_name_the_known_endings) {
 // --- check
 // ---------------------------------------------------------------------------------------------------------------
 
-TEST(ZoneCheck, says_where_the_longest_way_without_a_tag_is) {
+TEST(ZoneCheck, reports_the_longest_distance_without_a_tag) {
   Scratch scratch;
-  // 2 tags on a ring of 4 + π m: behind the second lies the longer way.
+  // 2 tags on a loop of 4 + π m: the longer distance is behind the second tag.
   const std::string file = scratch.write("ring.toml", cycle +
                                                           "[[tag]]\nnumber = 1\nsection = \"south\"\ns_m = 0.5\n"
                                                           "[[tag]]\nnumber = 2\nsection = \"north\"\ns_m = 0.5\n"
                                                           "[[tag]]\nnumber = 3\nsection = \"south\"\ns_m = 1.5\n");
   const CommandOutput output = cosiva({"zone", "check", file});
   EXPECT_EQ(output.status, 0) << output.standard_error;
-  EXPECT_THAT(output.data, HasSubstr("3 tags, the longest way without one is 3.571 m, from north at 0.500 m"));
+  EXPECT_THAT(output.data, HasSubstr("3 tags, the longest distance without a tag is 3.571 m, from north at 0.500 m"));
   const auto json = JsonValue::parse(cosiva({"zone", "check", file, "--json"}).data);
   ASSERT_TRUE(json);
   EXPECT_NEAR(json->number("longest_tag_free_m").value_or(0.0), 2.0 + 3.14159265358979 / 2.0, 1e-6);
@@ -113,7 +113,7 @@ TEST(ZoneCheck, says_where_the_longest_way_without_a_tag_is) {
   EXPECT_TRUE(json->find("beacon_free")->is_null());
 }
 
-TEST(ZoneCheck, lists_every_fault_of_a_file_that_cannot_be_used) {
+TEST(ZoneCheck, lists_every_fault_of_an_unusable_file) {
   Scratch scratch;
   std::string text = cycle;
   text.replace(text.find("closed = true"), 13, "closed = false");
@@ -132,7 +132,7 @@ TEST(ZoneCheck, lists_every_fault_of_a_file_that_cannot_be_used) {
   EXPECT_THAT(output.standard_error, HasSubstr("'north'"));
 }
 
-TEST(ZoneCheck, warns_of_what_can_be_used_all_the_same_and_ends_with_0) {
+TEST(ZoneCheck, warns_of_a_usable_zone_and_ends_with_0) {
   Scratch scratch;
   std::string text = cycle;
   text.replace(text.find("closed = true"), 13, "closed = false");
@@ -145,7 +145,7 @@ TEST(ZoneCheck, warns_of_what_can_be_used_all_the_same_and_ends_with_0) {
 // --- show
 // ----------------------------------------------------------------------------------------------------------------
 
-TEST(ZoneShow, draws_a_png_as_wide_as_asked) {
+TEST(ZoneShow, draws_a_png_of_the_requested_width) {
   Scratch scratch;
   const CommandOutput output = cosiva({"zone", "show", zones + "lacet4.toml", "--png", scratch / "z.png", "--svg",
                                        scratch / "z.svg", "--width", "300"});
@@ -158,7 +158,7 @@ TEST(ZoneShow, draws_a_png_as_wide_as_asked) {
   EXPECT_EQ(output.data, "") << "drawn into files, not to standard output";
 }
 
-TEST(ZoneShow, into_what_cannot_be_written_says_so) {
+TEST(ZoneShow, reports_a_file_that_cannot_be_written) {
   Scratch scratch;
   for (const std::string& target : {scratch.path(), std::string("/nonexistent/z.png")}) {
     const CommandOutput output = cosiva({"zone", "show", zones + "lacet4.toml", "--png", target});
@@ -167,7 +167,7 @@ TEST(ZoneShow, into_what_cannot_be_written_says_so) {
   }
 }
 
-TEST(Image, of_what_is_none_or_far_too_high_is_refused) {
+TEST(Image, that_is_invalid_or_too_high_is_refused) {
   EXPECT_EQ(png_of("no picture", 100).error().code, "picture.svg");
   EXPECT_EQ(png_of("<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 1 1000'/>", 100).error().code, "image.size");
 }
@@ -175,7 +175,7 @@ TEST(Image, of_what_is_none_or_far_too_high_is_refused) {
 // --- convert and generate
 // ------------------------------------------------------------------------------------------------
 
-TEST(ZoneConvert, writes_the_same_ways_in_another_format_with_a_companion_beside) {
+TEST(ZoneConvert, writes_the_same_geometry_in_another_format_with_a_sidecar) {
   Scratch scratch;
   const std::string file = scratch / "copy.lif.json";
   const CommandOutput output = cosiva({"zone", "convert", zones + "indus8.toml", file, "--json"});
@@ -188,10 +188,10 @@ TEST(ZoneConvert, writes_the_same_ways_in_another_format_with_a_companion_beside
   ASSERT_TRUE(before && after);
   EXPECT_NEAR(*after->number("length_m"), *before->number("length_m"), 1e-4 * *before->number("length_m"));
   EXPECT_EQ(after->number("stations"), before->number("stations"));
-  EXPECT_EQ(after->number("tags"), before->number("tags")) << "the sidecar file is read by itself";
+  EXPECT_EQ(after->number("tags"), before->number("tags")) << "the sidecar file is read automatically";
 }
 
-TEST(ZoneConvert, refuses_what_only_reads_itself_and_unknown_endings) {
+TEST(ZoneConvert, refuses_read_only_formats_and_unknown_endings) {
   Scratch scratch;
   EXPECT_EQ(cosiva({"zone", "convert", zones + "lacet4.toml", scratch / "a.xodr"}).status, 2);
   EXPECT_EQ(cosiva({"zone", "convert", zones + "lacet4.toml", scratch / "a.txt"}).status, 2);
@@ -202,7 +202,7 @@ TEST(ZoneConvert, refuses_what_only_reads_itself_and_unknown_endings) {
   EXPECT_EQ(adapters::read_file(file).value(), cycle);
 }
 
-TEST(ZoneGenerate, makes_a_plant_of_the_size_asked_for_the_same_each_time) {
+TEST(ZoneGenerate, generates_a_plant_of_the_requested_size_reproducibly) {
   Scratch scratch;
   const CommandOutput output = cosiva({"zone", "generate", "--sections", "200", "-o", scratch / "a.toml", "--json"});
   ASSERT_EQ(output.status, 0) << output.standard_error;
@@ -215,7 +215,7 @@ TEST(ZoneGenerate, makes_a_plant_of_the_size_asked_for_the_same_each_time) {
   EXPECT_NE(adapters::read_file(scratch / "a.toml").value(), adapters::read_file(scratch / "c.toml").value());
 }
 
-TEST(ZoneGenerate, refuses_numbers_that_make_no_plant_and_names_them) {
+TEST(ZoneGenerate, names_invalid_numbers) {
   Scratch scratch;
   const CommandOutput output = cosiva({"zone", "generate", "--rows", "0", "-o", scratch / "a.toml"});
   EXPECT_EQ(output.status, 2);
@@ -227,13 +227,13 @@ TEST(ZoneGenerate, refuses_numbers_that_make_no_plant_and_names_them) {
 // --- switch
 // --------------------------------------------------------------------------------------------------------------
 
-TEST(ZoneSwitch, of_a_platform_that_does_not_run_says_how_to_start_one) {
+TEST(ZoneSwitch, without_a_running_platform_explains_how_to_start_one) {
   const CommandOutput output = cosiva({"zone", "switch", zones + "indus8.toml", "--url", "http://127.0.0.1:1"});
   EXPECT_EQ(output.status, 2);
   EXPECT_THAT(output.standard_error, HasSubstr("cosiva up"));
 }
 
-TEST(ZoneSwitch, over_a_broker_that_is_not_there_or_of_a_bad_file_ends_with_2) {
+TEST(ZoneSwitch, without_a_broker_or_with_a_bad_file_ends_with_2) {
   Scratch scratch;
   const CommandOutput bad =
       cosiva({"zone", "switch", scratch.write("bad.toml", "name = 3\n"), "--broker", "127.0.0.1:1"});
@@ -241,28 +241,28 @@ TEST(ZoneSwitch, over_a_broker_that_is_not_there_or_of_a_bad_file_ends_with_2) {
   EXPECT_THAT(bad.standard_error, HasSubstr("bad.toml:1"));
 }
 
-TEST(SwitchedZone, is_read_from_the_table_with_who_was_parked) {
+TEST(SwitchedZone, is_read_from_the_snapshot_with_off_route_vehicles) {
   const auto switched = switched_in(
       R"({"aivs":[{},{}],"zone":{"name":"b","switched":{"at":1,"from":"a","first_moving_ms":431.4,"anchored":12,)"
       R"("offRoute":["CoSiVA/AIV7"]}}})");
   ASSERT_TRUE(switched);
   EXPECT_EQ(switched->name, "b");
   EXPECT_THAT(switched->off_route, ElementsAre("CoSiVA/AIV7"));
-  EXPECT_EQ(to_text(*switched), "12 anchored, 1 parked: AIV7; the first moved after 431 ms");
+  EXPECT_EQ(to_text(*switched), "12 snapped, 1 off-route: AIV7; the first moved after 431 ms");
 }
 
-TEST(SwitchedZone, tells_nobody_yet_from_nobody_there) {
+TEST(SwitchedZone, distinguishes_no_moving_vehicle_from_no_vehicle) {
   const std::string table =
       R"("zone":{"name":"b","switched":{"at":1,"first_moving_ms":null,"anchored":0,"offRoute":[]}}})";
-  EXPECT_THAT(to_text(*switched_in(R"({"aivs":[{}],)" + table)), HasSubstr("nobody has moved yet"));
+  EXPECT_THAT(to_text(*switched_in(R"({"aivs":[{}],)" + table)), HasSubstr("no vehicle has moved yet"));
   EXPECT_THAT(to_text(*switched_in(R"({"aivs":[],)" + table)), HasSubstr("there are no vehicles"));
   EXPECT_THAT(to_text(*switched_in(R"({"aivs":[{}],"zone":{"switched":{"anchored":0,"offRoute":["CoSiVA/AIV1"]}}})")),
-              HasSubstr("nobody can drive on"));
+              HasSubstr("no vehicle can continue"));
   EXPECT_FALSE(switched_in(R"({"aivs":[],"zone":{"name":"b","switched":null}})"));
   for (const char* none : {"", "null", "[]", "{}", R"({"zone":3})"}) EXPECT_FALSE(switched_in(none)) << none;
 }
 
-TEST(SwitchedZone, is_refused_with_the_platform_s_own_sentence) {
+TEST(SwitchedZone, is_refused_with_the_platform_s_own_message) {
   EXPECT_EQ(refusal_in(R"({"error":{"code":"circuit.gap","message":"a.toml:3: …"}})", 422).message, "a.toml:3: …");
   EXPECT_THAT(refusal_in("<html>", 502).message, HasSubstr("502"));
 }

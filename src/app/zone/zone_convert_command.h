@@ -4,8 +4,8 @@
 
 namespace cosiva::app {
 
-/// `cosiva zone convert`: a zone in another format, and what that cannot hold. Gives the exit status: 0 done, 1 the
-/// run's own checks failed, 2 bad usage or bad input.
+/// `cosiva zone convert`: writes a zone in another format, and reports what was lost. Gives the exit status: 0 done, 1
+/// the run's own checks failed, 2 bad usage or bad input.
 int run_zone_convert(const ZoneArguments& arguments);
 
 }  // namespace cosiva::app

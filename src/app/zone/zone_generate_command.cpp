@@ -11,7 +11,7 @@
 namespace cosiva::app {
 namespace {
 
-/// What generated zones are written in; the others are converted from it.
+/// The format of generated zones; other formats are converted from it.
 constexpr std::string_view native_format = "toml";
 
 }  // namespace
@@ -28,7 +28,7 @@ int run_zone_generate(const GenerateArguments& arguments) {
   }
   auto text = zone::generate_plant(plant);
   if (!text) return report_error(text.error());
-  // It is read back before it is written: what is made here is good, or is not made.
+  // The zone is read back before the file is written, so that only valid zones are written.
   const auto rtm = zone::Rtm::initialise({std::string(native_format), arguments.out_file, std::move(*text), {}});
   if (!rtm) return report_error(rtm.error());
   WrittenZone made{*format, arguments.out_file, {}, {}};

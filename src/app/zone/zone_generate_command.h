@@ -12,13 +12,13 @@ namespace cosiva::app {
 /// The options of `cosiva zone generate`.
 struct GenerateArguments {
   std::string out_file;
-  std::optional<std::uint64_t> sections;  ///< given: the plant's own numbers follow from it
+  std::optional<std::uint64_t> sections;  ///< if given, the numbers of rows, aisles and bays follow from it
   zone::PlantOptions plant;
   bool json{false};
 };
 
-/// `cosiva zone generate`: a zone of any size, for trials. Gives the exit status: 0 done, 1 the run's own checks
-/// failed, 2 bad usage or bad input.
+/// `cosiva zone generate`: generates a zone of any size, for experiments. Gives the exit status: 0 done, 1 the run's
+/// own checks failed, 2 bad usage or bad input.
 int run_zone_generate(const GenerateArguments& arguments);
 
 }  // namespace cosiva::app

@@ -7,12 +7,12 @@
 #include "cosiva/base/result.h"
 #include "cosiva/zone/rtm/rtm.h"
 
-/// What the verbs of `zone` have in common.
+/// Texts that the subcommands of `zone` have in common.
 namespace cosiva::app {
 
 /// "3 sections", "1 section".
 [[nodiscard]] std::string counted(std::size_t n, const std::string& one);
-/// The loss report, a line for each note under a heading; empty where there is nothing to say.
+/// The loss report, a line for each diagnostic under a heading; empty without diagnostics.
 [[nodiscard]] std::string report_of(const std::vector<zone::Diagnostic>& diagnostics, const std::string& heading);
 /// [{"kind","place","text"}…]
 void write_diagnostics(JsonWriter& json, const std::vector<zone::Diagnostic>& diagnostics);

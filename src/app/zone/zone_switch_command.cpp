@@ -21,14 +21,14 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds check_period{50};
 
-/// Asks until the first vehicle moves, or as long as it is worth waiting.
+/// Queries the platform until the first vehicle moves, or until the longest wait is over.
 std::optional<SwitchedZone> watch(const adapters::HttpClient& client, double wait_s) {
   const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(wait_s);
   std::optional<SwitchedZone> switched;
   for (;;) {
     if (const auto response = client.send_request("GET", "/api/v1/snapshot"); response && response->status == 200)
       switched = switched_in(response->body);
-    // Who is parked will not move, and who is not there neither.
+    // An off-route vehicle will not move, and neither will one that is absent.
     const bool nobody = switched && switched->off_route.size() >= switched->vehicles;
     if (nobody || (switched && switched->first_moving_ms) || std::chrono::steady_clock::now() >= until) return switched;
     std::this_thread::sleep_for(check_period);
@@ -64,7 +64,7 @@ int switch_over_http(const ZoneArguments& arguments, const zone::ZoneConfigurati
   if (!response) return report_error(response.error());
   if (response->status != 200) {
     Error refused = refusal_in(response->body, response->status);
-    refused.message += "\n  the zone that was there stays in force";
+    refused.message += "\n  the present zone stays in force";
     return report_error(refused);
   }
   const auto accepted = JsonValue::parse(response->body);
@@ -74,10 +74,10 @@ int switch_over_http(const ZoneArguments& arguments, const zone::ZoneConfigurati
   return exit_done;
 }
 
-/// As a physical side does it: the new configuration retained, and those of other formats taken off the broker first,
-/// so that nobody who comes later finds two.
+/// Publishes as a physical side does: the new configuration is retained, and configurations of other formats are
+/// removed from the broker first, so that a later subscriber finds one only.
 int switch_over_broker(const ZoneArguments& arguments, const zone::ZoneConfiguration& configuration) {
-  // Nobody answers on a bus: what is wrong with it is said here or nowhere.
+  // A broker sends no response: errors of the zone can be reported here only.
   const auto rtm = zone::Rtm::initialise(configuration);
   if (!rtm) return report_error(rtm.error());
   const std::string prefix{wire::zone_topic_prefix};
@@ -88,7 +88,7 @@ int switch_over_broker(const ZoneArguments& arguments, const zone::ZoneConfigura
   if (const auto published = publish_once(arguments.broker, "cosiva-switch", messages); !published)
     return report_error(published.error());
   print("published " + rtm->zone().name + " (" + size_of(rtm->zone()) + ") to " + prefix + configuration.format +
-        "\n  whoever listens judges it and switches by itself");
+        "\n  each subscriber validates the zone and switches by itself");
   return exit_done;
 }
 

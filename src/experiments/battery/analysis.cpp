@@ -44,7 +44,7 @@ BatteryMetrics metrics_of(std::span<const BatteryRun> records, std::size_t batte
 
 std::optional<VehicleEffect> vehicle_effect(std::span<const BatteryRun> records,
                                             const std::vector<BatteryMetrics>& each) {
-  // By vehicle: its name, and which batteries it carried.
+  // By vehicle: its name, and the batteries that it carried.
   std::map<std::size_t, std::pair<std::string, std::set<std::size_t>>> carried;
   std::map<std::size_t, std::size_t> vehicle_of;
   for (const BatteryRun& record : records) {
@@ -70,7 +70,7 @@ std::optional<VehicleEffect> vehicle_effect(std::span<const BatteryRun> records,
   return effect;
 }
 
-/// The straight line over runs, each battery's own level taken out; degrees of freedom as of the levels' fit.
+/// Fits a straight line over runs, with each battery's own level removed; degrees of freedom as of the levels' fit.
 std::optional<statistics::Trend> trend_of(std::span<const BatteryRun> records,
                                           const std::vector<BatteryMetrics>& each) {
   std::vector<double> runs;
@@ -105,7 +105,7 @@ AutonomyMetrics analyse(std::span<const BatteryRun> records, std::size_t batteri
     const BatteryMetrics& one = metrics.each.back();
     metrics.failed += one.failed;
     if (std::isnan(one.autonomy_s)) {
-      // Never seen to the end: it lasts longer than its longest run.
+      // A battery whose end was never observed lasts longer than its longest run.
       if (one.lasted_at_least_s > 0.0) durations.push_back({one.lasted_at_least_s, false});
       continue;
     }
@@ -157,7 +157,7 @@ AutonomyMetrics analyse(std::span<const BatteryRun> records, std::size_t batteri
     if (record.ended())
       trials.push_back({record.battery, record.vehicle, static_cast<double>(record.run) + 1.0, record.autonomy_s});
   if (metrics.runs > 1 && batteries > 1) metrics.crossed = statistics::crossed(trials);
-  // Where batteries changed vehicles, what a vehicle makes of it must not hide the drift.
+  // Where batteries changed vehicles, the vehicles' effect must not hide the drift.
   if (metrics.crossed && !metrics.crossed->confounded && metrics.trend) {
     metrics.trend->slope = metrics.crossed->slope;
     metrics.trend->p = metrics.crossed->run.p;

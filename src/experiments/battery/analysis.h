@@ -21,15 +21,15 @@ struct BatteryMetrics {
   std::string id;
   std::size_t runs;
   std::size_t failed;        ///< runs that ended for another reason than the battery
-  double autonomy_s;         ///< mean of those that ended; NaN where none did
+  double autonomy_s;         ///< mean of the runs that ended; NaN where none did
   double lasted_at_least_s;  ///< the longest run, ended or not
   double robust_score;
   bool is_outlier;
-  std::optional<statistics::Trend> trend{};  ///< over its own runs, from three on
+  std::optional<statistics::Trend> trend{};  ///< over its own runs, from three runs on
 };
 
-/// What the vehicles (or a tester's channels) make of it, where each battery stayed on one: those that carried two or
-/// more. Batteries that differ for a reason of their own cannot be told from it; --swap can.
+/// The effect of the vehicles (or a tester's channels) where each battery stayed on one: the vehicles with two or more
+/// batteries. Differences between the batteries themselves cannot be separated from the effect; --swap can.
 struct VehicleEffect {
   struct Group {
     std::string vehicle;
@@ -41,38 +41,38 @@ struct VehicleEffect {
   statistics::OneFactor variance;
 };
 
-/// What a test's records allow to say (section 5 of the notes behind the article's equation 4).
+/// The claims that a test's records allow (section 5 of the notes behind the article's equation 4).
 struct AutonomyMetrics {
   std::size_t batteries{};
   std::size_t runs{};
   std::size_t failed{};
   std::size_t cut_off{};
-  /// AT = (1/N) Σ Tᵢ, the article's equation (4), over the batteries that were seen to the end.
+  /// AT = (1/N) Σ Tᵢ, the article's equation (4), over the batteries that ran to the end.
   double at_s{};
   double mean_s{};  ///< as equation (4); from the censored normal where a vehicle failed
   double sd_s{};
-  std::string method;  ///< how mean_s came about
+  std::string method;  ///< method of mean_s
   std::optional<statistics::Interval> mean_t;
-  /// Of one battery's repeated runs about their mean: it says how well that battery is known, and nothing of others.
+  /// Of one battery's repeated runs about their mean: how well that battery is known; no statement about others.
   std::optional<statistics::Interval> runs_t;
   double runs_sd_s{};
   std::optional<statistics::Interval> mean_bca;  ///< from ten batteries on
   std::optional<statistics::Interval> sd_interval;
   std::optional<double> tolerance_low_s;     ///< 95 % of all batteries last longer, with a confidence of 95 %
-  double smallest_covers{};                  ///< share above the smallest, whatever the distribution
-  std::optional<statistics::Interval> next;  ///< where the next battery falls
+  double smallest_covers{};                  ///< ratio above the smallest, whatever the distribution
+  std::optional<statistics::Interval> next;  ///< prediction interval of the next battery
   std::optional<statistics::Outlier> grubbs;
   std::optional<double> normality_p;
   statistics::Survival survival{};
   std::optional<statistics::CensoredNormal> censored;
-  std::optional<statistics::Trend> trend;      ///< over runs, each battery's mean taken out
-  std::optional<statistics::Crossed> crossed;  ///< shares of variance
+  std::optional<statistics::Trend> trend;      ///< over runs, with each battery's mean removed
+  std::optional<statistics::Crossed> crossed;  ///< variance by cause
   std::optional<VehicleEffect> vehicles;
-  double mean_if_counted_s{};                ///< the wrong figure: failures taken for ends
-  std::optional<std::size_t> stopped_after;  ///< batteries after which the wanted half width was reached
+  double mean_if_counted_s{};                ///< the wrong mean: failures counted as ends
+  std::optional<std::size_t> stopped_after;  ///< number of batteries after which the requested half width was reached
   std::vector<BatteryMetrics> each;
 };
-/// @param wanted_half_width  as a share of the mean, for the sequential stop; 0: none
+/// @param wanted_half_width  as a ratio of the mean, for the sequential stop; 0: none
 [[nodiscard]] AutonomyMetrics analyse(std::span<const BatteryRun> records, std::size_t batteries,
                                       double wanted_half_width = 0.0, std::uint64_t seed = 1);
 

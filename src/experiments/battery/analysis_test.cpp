@@ -66,7 +66,7 @@ std::vector<BatteryRun> fleet() {
 }
 
 // Nine LG HG2 cells from full to 2.5 V at 3 A (Battery Testing Consortium, 2021).
-TEST(Autonomy, of_the_nine_cells_is_what_was_published_of_them) {
+TEST(Autonomy, of_the_nine_cells_equals_the_published_metrics) {
   const AutonomyMetrics metrics = analyse(fleet(), 9);
   EXPECT_NEAR(metrics.at_s, 3605.46, 0.01);
   EXPECT_EQ(metrics.mean_s, metrics.at_s);
@@ -84,7 +84,7 @@ TEST(Autonomy, of_the_nine_cells_is_what_was_published_of_them) {
   EXPECT_FALSE(metrics.mean_bca);  // nine are too few
 }
 
-TEST(Autonomy, goes_with_the_tester_s_channel_more_than_with_the_cell) {
+TEST(Autonomy, depends_on_the_tester_s_channel_more_than_on_the_cell) {
   std::map<int, std::vector<double>> by_channel;
   for (const Cell& cell : hg2())
     if (cell.series == "fleet_first_run" && (cell.channel == 7 || cell.channel == 8))
@@ -95,7 +95,7 @@ TEST(Autonomy, goes_with_the_tester_s_channel_more_than_with_the_cell) {
   const auto difference = statistics::compare(by_channel[7], by_channel[8]);
   EXPECT_NEAR(difference->difference, 55.0, 0.1);
 
-  // The analysis finds it by itself, among all nine: channels that carried a single cell say nothing.
+  // The analysis finds it without a hint, among all nine: channels with a single cell carry no information.
   std::vector<BatteryRun> records = fleet();
   std::size_t i = 0;
   for (const Cell& cell : hg2()) {
@@ -133,7 +133,7 @@ TEST(Autonomy, does_not_count_a_vehicle_s_failure_as_a_battery_s_end) {
   EXPECT_EQ(metrics.each[5].lasted_at_least_s, 2000.0);
 }
 
-TEST(Autonomy, of_repeated_runs_says_what_they_lose_each_time) {
+TEST(Autonomy, of_repeated_runs_reports_the_loss_per_run) {
   std::vector<BatteryRun> records;
   for (const Cell& cell : hg2()) {
     if (cell.series != "same_cell_repeat") continue;
@@ -149,9 +149,9 @@ TEST(Autonomy, of_repeated_runs_says_what_they_lose_each_time) {
   const AutonomyMetrics one = analyse(std::span{records}.first(4), 1);
   EXPECT_NEAR(one.trend->slope, -9.84, 0.02);
   EXPECT_NEAR(one.trend->at_first, 3602.5, 0.5);
-  EXPECT_FALSE(one.mean_t);  // one battery tells nothing of others
+  EXPECT_FALSE(one.mean_t);  // one battery allows no statement about others
   EXPECT_FALSE(one.tolerance_low_s || one.next);
-  // Of itself it does: 3602.1, 3593.27, 3582.87, 3572.76 s have an SD of 12.7 s, and 3.182 · 12.7/√4 = 20.2 s.
+  // About itself it does: 3602.1, 3593.27, 3582.87, 3572.76 s have an SD of 12.7 s, and 3.182 · 12.7/√4 = 20.2 s.
   EXPECT_NEAR(one.runs_sd_s, 12.7136, 0.0001);
   EXPECT_NEAR(one.runs_t->high - one.runs_t->low, 2.0 * 3.1824 * one.runs_sd_s / 2.0, 0.01);
   const auto alone = JsonValue::parse(to_json(one, std::span{records}.first(4), {}));
@@ -173,7 +173,7 @@ TEST(Autonomy, of_repeated_runs_says_what_they_lose_each_time) {
   EXPECT_NEAR(*first.find("slope_per_run")->number("slope_s"), -9.84, 0.02);
 }
 
-TEST(Autonomy, of_nothing_or_of_failures_alone_claims_nothing) {
+TEST(Autonomy, of_no_runs_or_of_failures_alone_makes_no_claim) {
   const AutonomyMetrics none = analyse({}, 3);
   EXPECT_TRUE(std::isnan(none.mean_s));
   EXPECT_FALSE(none.mean_t || none.tolerance_low_s || none.next || none.censored || none.crossed);
@@ -186,7 +186,7 @@ TEST(Autonomy, of_nothing_or_of_failures_alone_claims_nothing) {
   EXPECT_THAT(to_json(lost, failed, {}), HasSubstr("\"mean\":null"));
 }
 
-TEST(Autonomy, is_written_with_the_promised_keys) {
+TEST(Autonomy, is_written_with_the_documented_keys) {
   const std::vector<BatteryRun> records = fleet();
   const AutonomyMetrics metrics = analyse(records, 9);
   const auto json = JsonValue::parse(to_json(metrics, records, {}));
@@ -202,7 +202,7 @@ TEST(Autonomy, is_written_with_the_promised_keys) {
   EXPECT_THAT(to_text(metrics, records), HasSubstr("HG2-1 is an outlier (Grubbs), kept"));
 }
 
-TEST(Autonomy, s_report_is_one_page_that_needs_nothing_else_and_escapes_what_it_is_given) {
+TEST(Autonomy, s_report_is_one_self_contained_page_that_escapes_its_input) {
   std::vector<BatteryRun> records = fleet();
   records[0].tag.id = "<script>";
   for (int i = 0; i < 10; ++i)
@@ -213,8 +213,8 @@ TEST(Autonomy, s_report_is_one_page_that_needs_nothing_else_and_escapes_what_it_
   EXPECT_THAT(html, HasSubstr("1 h 00 min 05 s"));
   EXPECT_THAT(html, HasSubstr("Kaplan and Meier"));
   for (const char* phrase :
-       {"Voltage, as measured on board, over time.", "Voltage, as measured on board, over the way driven.",
-        "Charge, as the gauges believed, over the charge taken out.", "Temperature, over time."})
+       {"Voltage, as measured on board, over time.", "Voltage, as measured on board, over the distance driven.",
+        "Charge, as estimated by the gauges, over the charge taken out.", "Temperature, over time."})
     EXPECT_THAT(html, HasSubstr(phrase));
   EXPECT_THAT(html, Not(HasSubstr("<script>")));
   EXPECT_THAT(html, Not(HasSubstr("src=\"http")));
@@ -223,7 +223,7 @@ TEST(Autonomy, s_report_is_one_page_that_needs_nothing_else_and_escapes_what_it_
   EXPECT_THAT(csv, HasSubstr("<script>,1,AIV1,300.0,4.0000,-3.0000,25.00,90.000,10.00"));
 }
 
-TEST(Duration, is_told_as_people_say_it) {
+TEST(Duration, is_printed_in_hours_minutes_and_seconds) {
   EXPECT_EQ(duration_text(42.4), "42 s");
   EXPECT_EQ(duration_text(3599.6), "1 h 00 min 00 s");
   EXPECT_EQ(duration_text(125.0), "2 min 05 s");

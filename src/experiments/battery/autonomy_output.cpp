@@ -85,7 +85,7 @@ void write_effects(JsonWriter& json, const AutonomyMetrics& metrics) {
   }
 }
 
-/// What a run's own record and its battery's record both have.
+/// Members that a run's own record and its battery's record have in common.
 void write_metadata(JsonWriter& json, const BatteryRun& record, std::span<const TrueEnd> ground_truth) {
   json.field("vehicle", vehicle_name(record));
   json.field("started", to_iso8601(record.started)).field("stop", to_string(record.stop));
@@ -106,11 +106,11 @@ void write_run(JsonWriter& json, const BatteryRun& record, std::span<const TrueE
   json.end_object();
 }
 
-/// One record for each battery: what all its runs say of it, and the facts of its first.
+/// One record for each battery: the results of all its runs, and the metadata of the first run.
 void write_battery(JsonWriter& json, const BatteryMetrics& metrics, std::span<const BatteryRun> records,
                    std::span<const TrueEnd> ground_truth) {
   const auto first = std::ranges::find(records, metrics.battery, &BatteryRun::battery);
-  if (first == records.end()) return;  // its vehicle never came so far
+  if (first == records.end()) return;  // its vehicle never came that far
   const bool ended = metrics.runs > metrics.failed;
   json.begin_object().field("battery", metrics.battery + 1).field("id", metrics.id).field("type", first->tag.type);
   json.field("runs", metrics.runs).field("failed", metrics.failed).field("ended", ended);
@@ -225,7 +225,7 @@ std::string to_text(const AutonomyMetrics& metrics, std::span<const BatteryRun> 
   if (metrics.mean_bca) text += ", BCa " + span_text(*metrics.mean_bca);
   if (metrics.runs_t)
     text += "\nover this battery's runs: SD " + short_text(metrics.runs_sd_s, 1) + " s, 95 % interval of their mean " +
-            span_text(*metrics.runs_t) + "; of other batteries they say nothing";
+            span_text(*metrics.runs_t) + "; no statement about other batteries";
   if (metrics.sd_interval)
     text += "\nSD " + short_text(metrics.sd_s, 1) + " s, at most " + short_text(metrics.sd_interval->high, 1) + " s";
   if (metrics.tolerance_low_s)
@@ -239,7 +239,7 @@ std::string to_text(const AutonomyMetrics& metrics, std::span<const BatteryRun> 
   text += vehicles_text(metrics);
   if (const auto& crossed = metrics.crossed) {
     if (crossed->confounded)
-      text += "\neach battery stayed on its vehicle: which of the two makes the difference nobody can tell (--swap)";
+      text += "\neach battery stayed on its vehicle: battery and vehicle effects cannot be separated (--swap)";
     else
       text += "\nvariance: battery " + short_text(100.0 * crossed->unit.ratio, 0) + " %, vehicle " +
               short_text(100.0 * crossed->carrier.ratio, 0) + " %, run " + short_text(100.0 * crossed->run.ratio, 0) +

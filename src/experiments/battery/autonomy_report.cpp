@@ -44,7 +44,7 @@ std::string curves(std::span<const BatteryRun> records, const char* x_label, con
   return to_svg(chart);
 }
 
-/// Voltage, charge and temperature, each against time, way driven and charge taken out.
+/// Draws voltage, charge and temperature, each over time, distance driven and charge taken out.
 void add_curves(Report& report, std::span<const BatteryRun> records) {
   if (std::ranges::all_of(records, [](const BatteryRun& record) { return record.curve.empty(); })) return;
   using Across = double (*)(const BatteryRun&, const BatterySample&, double used_ah);
@@ -64,7 +64,7 @@ void add_curves(Report& report, std::span<const BatteryRun> records) {
         [](const BatteryRun& record, const BatterySample& sample, double) {
           return to_seconds(sample.at - record.started) / 3600.0;
         }},
-       {"driven [m]", "the way driven",
+       {"driven [m]", "the distance driven",
         [](const BatteryRun& record, const BatterySample& sample, double) {
           return sample.distance_m - record.curve.front().distance_m;
         }},
@@ -72,7 +72,7 @@ void add_curves(Report& report, std::span<const BatteryRun> records) {
         [](const BatteryRun&, const BatterySample&, double used_ah) { return used_ah; }}}};
   constexpr std::array<Y, 3> up{
       {{"voltage [V]", "Voltage, as measured on board", [](const BatterySample& s) { return s.voltage_v; }},
-       {"charge [%]", "Charge, as the gauges believed", [](const BatterySample& s) { return 100.0 * s.charge; }},
+       {"charge [%]", "Charge, as estimated by the gauges", [](const BatterySample& s) { return 100.0 * s.charge; }},
        {"temperature [°C]", "Temperature", [](const BatterySample& s) { return s.temperature_c; }}}};
   report.heading("Discharge");
   report.paragraph("The first run of each battery; at most six are drawn.");
@@ -96,9 +96,9 @@ std::string survival_svg(const statistics::Survival& survival) {
   return to_svg(chart);
 }
 
-/// Gauge less truth, at the record's samples; the truth is interpolated to their times.
+/// The gauge's error at the record's samples; the ground truth is interpolated to their times.
 std::string gauge_svg(std::span<const BatteryRun> records, std::span<const TrueEnd> ground_truth) {
-  Chart chart{{"time [h]", {}, {}}, {"gauge − truth [percent]", {}, {}}, {}};
+  Chart chart{{"time [h]", {}, {}}, {"gauge − ground truth [percent]", {}, {}}, {}};
   for (const TrueEnd& end : ground_truth) {
     if (end.run != 0 || chart.series.size() == curves_max) continue;
     for (const BatteryRun& record : records) {
@@ -181,15 +181,15 @@ void add_variance(Report& report, const AutonomyMetrics& metrics) {
   const statistics::Crossed& crossed = *metrics.crossed;
   if (crossed.confounded) {
     report.paragraph(
-        "Each battery stayed on its vehicle: which of the two makes the difference cannot be told. Run with --swap.");
+        "Each battery stayed on its vehicle: battery and vehicle effects cannot be separated. Run with --swap.");
     return;
   }
-  report.figure(to_svg(Bars{"share of variance [%]",
+  report.figure(to_svg(Bars{"part of variance [%]",
                             {{"battery", 100.0 * crossed.unit.ratio},
                              {"vehicle", 100.0 * crossed.carrier.ratio},
                              {"run", 100.0 * crossed.run.ratio},
                              {"rest", 100.0 * crossed.noise_ratio}}}),
-                "Shares of variance: battery F " + readable(crossed.unit.f, 1) + " (p " + chance_text(crossed.unit.p) +
+                "Parts of variance: battery F " + readable(crossed.unit.f, 1) + " (p " + chance_text(crossed.unit.p) +
                     "), vehicle F " + readable(crossed.carrier.f, 1) + " (p " + chance_text(crossed.carrier.p) +
                     "), slope " + readable(crossed.slope, 2) + " s per run.");
 }
@@ -205,10 +205,10 @@ std::string report_html(const AutonomyMetrics& metrics, std::span<const BatteryR
   add_curves(report, records);
   if (!ground_truth.empty())
     report.figure(gauge_svg(records, ground_truth),
-                  "Gauge against truth: only an emulated battery has one. The test itself never saw it.");
+                  "Gauge against ground truth, which only an emulated battery has. The test itself does not use it.");
   if (!metrics.survival.steps.empty())
     report.figure(survival_svg(metrics.survival),
-                  "Share of batteries still running (Kaplan and Meier), with its pointwise 95 % band.");
+                  "Ratio of batteries still running (Kaplan and Meier), with its pointwise 95 % band.");
   add_variance(report, metrics);
   add_records(report, metrics, records, ground_truth);
   report.heading("Again");

@@ -9,16 +9,16 @@
 
 namespace cosiva::experiments {
 
-/// What the report states besides the figures.
+/// Metadata of the report in addition to the metrics.
 struct ReportMetadata {
   std::string type;
   std::string source;
   std::string licence;
-  std::string command;            ///< that gives the same again
+  std::string command;            ///< reproduces the result
   std::string load;               ///< how the batteries were drained
-  std::optional<double> floor{};  ///< nothing: as the source had it
+  std::optional<double> floor{};  ///< nothing: as in the source
 };
-/// One HTML page that needs nothing else.
+/// Writes one self-contained HTML page.
 /// The true ends are those of a test in virtual time; empty for other tests.
 [[nodiscard]] std::string report_html(const AutonomyMetrics& metrics, std::span<const BatteryRun> records,
                                       std::span<const TrueEnd> ground_truth, const ReportMetadata& metadata);

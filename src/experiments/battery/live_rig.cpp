@@ -11,7 +11,7 @@
 namespace cosiva::experiments {
 namespace {
 
-/// Further between two reports of its position nobody drives: it was told another place, and has not moved.
+/// A larger distance between two position reports was not driven: the vehicle's position was reset.
 constexpr double hop_max_m = 1.0;
 
 wire::BatteryPhase phase_of(const Procedure::SlotNow& slot) {
@@ -110,11 +110,11 @@ void LiveRig::on_ready(SimTime now, std::size_t vehicle, std::string_view payloa
   const auto ready = wire::battery_ready_from_json(payload);
   if (!ready) {
     responses.operator_messages.push_back(to_string(options_.vehicles[vehicle]) +
-                                          " said batteryReady, but: " + to_string(ready.error()));
+                                          " sent an invalid batteryReady: " + to_string(ready.error()));
     return;
   }
   Slot& slot = slots_[vehicle];
-  if (!slot.wanted) return;  // a service battery, or one that nobody asked for
+  if (!slot.wanted) return;  // a service battery, or a battery that was not requested
   clear_request(vehicle, responses);
   obey(procedure_.on_ready(now, vehicle,
                            {ready->battery, ready->type, ready->cycles, ready->rest_s, ready->temperature_c,
@@ -148,7 +148,7 @@ LiveRig::Responses LiveRig::give_up(SimTime now) {
   given_up_ = true;
   for (std::size_t v = 0; v < slots_.size(); ++v) {
     if (slots_[v].wanted) clear_request(v, responses);
-    // Of this run alone: with its last end the next would begin.
+    // Only of the present run: with the run's last end the next run would begin.
     if (procedure_.running(v)) obey(procedure_.on_stop(now, v, StopCause::operator_stop), responses);
   }
   return responses;
@@ -217,7 +217,7 @@ void LiveRig::clear_request(std::size_t vehicle, Responses& responses) {
 
 void LiveRig::put_in(std::size_t vehicle, std::optional<std::size_t> battery, Responses& responses) const {
   if (!options_.emulated) return;
-  // Each full run so far was a cycle, less what was left in it.
+  // Each full run so far was a cycle, less the remaining charge.
   double cycles = 0.0;
   for (const BatteryRun& record : procedure_.records())
     if (battery && record.battery == *battery) cycles += record.tag.charge - record.charge_end;
@@ -261,7 +261,8 @@ Result<LiveRig::Responses> LiveRig::restore(SimTime now, std::string_view state_
   const auto procedure = json->text("procedure");
   const JsonValue* slots = json->find("slots");
   if (!procedure || slots == nullptr || slots->array() == nullptr || slots->array()->size() != slots_.size())
-    return fail("battery.state", "it is not a live test's, or not of so many vehicles", "saved state");
+    return fail("battery.state", "the state is of another kind of test, or of another number of vehicles",
+                "saved state");
   if (auto restored = procedure_.restore(*procedure); !restored) return tl::unexpected(restored.error());
   procedure_.forgive(now);
   began_ = parse_iso8601(json->text("began").value_or("")).value_or(now);
@@ -269,7 +270,8 @@ Result<LiveRig::Responses> LiveRig::restore(SimTime now, std::string_view state_
   for (std::size_t v = 0; v < slots_.size(); ++v) {
     const JsonValue& saved = (*slots->array())[v];
     slots_[v].odometer_m = saved.number("odometer_m").value_or(0.0);
-    // Asked for before we were away: the answer may have come meanwhile, so it is asked for again.
+    // The battery was requested before the restart: the response may have been lost meanwhile, so the request is
+    // repeated.
     if (saved.text("wanted")) request(v, procedure_.battery_of(procedure_.run(), v), {}, responses);
   }
   return responses;

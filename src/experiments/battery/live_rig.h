@@ -18,17 +18,17 @@ namespace cosiva::experiments {
 struct LiveRigOptions {
   ProcedureOptions procedure;
   std::vector<wire::VehicleId> vehicles;  ///< as many as the procedure has
-  std::vector<std::string> batteries;     ///< what people call them, as many as vehicles
-  /// The vehicles are the plant's: it is told to put emulated batteries in, and whoever has ended gets a service
-  /// battery and drives on as traffic. Without: people change batteries, and whoever has ended stands, or goes to
-  /// `park`.
+  std::vector<std::string> batteries;     ///< names of the batteries, as many as vehicles
+  /// Set where the vehicles are the plant's: the plant is commanded to insert emulated batteries, and a vehicle whose
+  /// run has ended gets a service battery and drives on as traffic. Otherwise operators change the batteries, and a
+  /// vehicle whose run has ended stops, or drives to `park`.
   std::optional<BatteryUnderTest> emulated;
   std::uint64_t seed{1};  ///< of emulated batteries
-  std::string park;       ///< a station; empty: they stand
+  std::string park;       ///< a station; empty: they stop where they are
 };
 
-/// A battery test on a platform that runs, over its bus: told what comes, it answers what is to be said. It owns no
-/// link, clock or file, and its whole state can be saved after each call.
+/// A battery test on a running platform, over its bus: each received message yields the messages and commands to send.
+/// The rig owns no link, clock or file, and its whole state can be saved after each call.
 class LiveRig {
  public:
   struct Responses {
@@ -40,31 +40,31 @@ class LiveRig {
 
   [[nodiscard]] static std::vector<std::string> subscriptions();
   [[nodiscard]] Responses start(SimTime now);
-  /// Messages of others, and what cannot be read, are left alone.
+  /// Messages of others, and unreadable messages, are ignored.
   [[nodiscard]] Responses on_message(SimTime now, std::string_view topic, std::string_view payload);
   [[nodiscard]] Responses tick(SimTime now);
-  /// Ended by its operator: who runs is stopped, and known to last longer.
+  /// Ends the test for its operator: running vehicles are stopped, and their batteries booked as lasting longer.
   [[nodiscard]] Responses give_up(SimTime now);
 
   [[nodiscard]] bool done() const { return given_up_ || procedure_.done(); }
-  /// How it stands, for whoever looks on (wire::battery_test_topic).
+  /// The status of the test, for display (wire::battery_test_topic).
   [[nodiscard]] wire::BatteryTest test(SimTime now) const;
   [[nodiscard]] const Procedure& procedure() const { return procedure_; }
-  /// Whether every vehicle has been heard of.
+  /// Whether every vehicle has sent a message.
   [[nodiscard]] bool complete() const;
-  /// Those that have not.
+  /// The vehicles that have not sent a message.
   [[nodiscard]] std::string missing() const;
 
   [[nodiscard]] std::string state_json() const;
-  /// Goes on from a saved state; nobody is lost for the time that we were away. Fails ("battery.state").
+  /// Continues from a saved state; no vehicle counts as lost for the time of the interruption. Fails ("battery.state").
   [[nodiscard]] Result<Responses> restore(SimTime now, std::string_view state_json);
 
  private:
   struct Slot {
-    std::optional<Point2> at;  ///< where it was last
+    std::optional<Point2> at;  ///< last position
     double odometer_m{0.0};
     bool received{false};
-    std::optional<std::string> wanted;  ///< battery asked for and not yet ready
+    std::optional<std::string> wanted;  ///< battery requested and not yet ready
   };
   [[nodiscard]] std::optional<std::size_t> slot_of(const wire::VehicleId& id) const;
   void obey(const ProcedureCommands& commands, Responses& responses);
@@ -84,7 +84,7 @@ class LiveRig {
   bool given_up_{false};
 };
 
-/// {"changeBattery":{…}} for the plant: a battery under test, or without one a service battery that does not empty.
+/// {"changeBattery":{…}} for the plant: a battery under test, or without one a service battery that does not run empty.
 [[nodiscard]] std::string plant_battery_json(std::size_t vehicle, const std::string& id, const BatteryUnderTest* kind,
                                              std::uint64_t seed, double cycles);
 /// {"command":…,"vehicle":…} for the server.

@@ -32,7 +32,7 @@ LiveRigOptions two_by_hand() {
   return options;
 }
 
-/// A vehicle's own report, twice a second, with this charge.
+/// A vehicle's own report, twice per second, with this charge.
 std::string report(double charge) {
   wire::BoardsReport boards;
   boards.timestamp = start_of_test;
@@ -59,7 +59,7 @@ LiveRig::Responses print_position(LiveRig& rig, SimTime now, int number, double 
                         R"({"agvPosition":{"x":)" + std::to_string(x_m) + R"(,"y":0,"theta":0}})");
 }
 
-/// Both are ready, and run.
+/// Makes both vehicles ready and running.
 LiveRig running(LiveRigOptions options) {
   LiveRig rig{std::move(options)};
   for (const int number : {1, 2}) std::ignore = print_report(rig, start_of_test, number, 1.0);
@@ -69,7 +69,7 @@ LiveRig running(LiveRigOptions options) {
   return rig;
 }
 
-TEST(LiveRig, knows_who_has_not_been_heard_of) {
+TEST(LiveRig, lists_the_vehicles_without_a_message) {
   LiveRig rig{two_by_hand()};
   EXPECT_EQ(rig.missing(), "CoSiVA/AIV1, CoSiVA/AIV2");
   std::ignore = print_report(rig, start_of_test, 2, 1.0);
@@ -78,7 +78,7 @@ TEST(LiveRig, knows_who_has_not_been_heard_of) {
   EXPECT_FALSE(rig.complete());
 }
 
-TEST(LiveRig, asks_for_batteries_over_the_wire_with_vehicles_stopped_and_runs_all_when_the_last_is_ready) {
+TEST(LiveRig, requests_batteries_with_vehicles_stopped_and_runs_all_when_the_last_is_ready) {
   LiveRig rig{two_by_hand()};
   const auto requested = rig.start(start_of_test);
   ASSERT_THAT(requested.messages, SizeIs(2));
@@ -92,13 +92,13 @@ TEST(LiveRig, asks_for_batteries_over_the_wire_with_vehicles_stopped_and_runs_al
   const auto first = publish_ready(rig, start_of_test, 1, "red");
   EXPECT_THAT(first.commands, IsEmpty());
   ASSERT_THAT(first.messages, SizeIs(1));
-  EXPECT_TRUE(first.messages[0].payload.empty()) << "what was retained is taken back";
+  EXPECT_TRUE(first.messages[0].payload.empty()) << "the retained message is removed";
   const auto last = publish_ready(rig, start_of_test + seconds{60}, 2, "blue");
   EXPECT_THAT(last.commands, ElementsAre(HasSubstr("restart"), HasSubstr("restart")));
   EXPECT_TRUE(rig.procedure().running(0) && rig.procedure().running(1));
 }
 
-TEST(LiveRig, refuses_a_battery_that_is_not_full_and_asks_again) {
+TEST(LiveRig, refuses_a_battery_that_is_not_full_and_requests_it_again) {
   LiveRig rig{two_by_hand()};
   std::ignore = rig.start(start_of_test);
   const auto refused = publish_ready(rig, start_of_test, 1, "red", 80.0);
@@ -107,7 +107,7 @@ TEST(LiveRig, refuses_a_battery_that_is_not_full_and_asks_again) {
   EXPECT_FALSE(rig.procedure().running(0));
 }
 
-TEST(LiveRig, ends_each_at_its_floor_and_books_way_and_autonomy) {
+TEST(LiveRig, ends_each_at_its_floor_and_records_distance_and_autonomy) {
   LiveRig rig = running(two_by_hand());
   // From 1 to 0.4 in 120 s: the floor of 0.5 is crossed after 100 s, and held three seconds later.
   std::vector<std::string> stopped;
@@ -128,7 +128,7 @@ TEST(LiveRig, ends_each_at_its_floor_and_books_way_and_autonomy) {
   EXPECT_DOUBLE_EQ(record.tag.cycles, 3.0);
 }
 
-TEST(LiveRig, sends_who_has_ended_to_a_station_where_one_is_named) {
+TEST(LiveRig, sends_ended_vehicles_to_the_named_station) {
   LiveRigOptions options = two_by_hand();
   options.park = "dock";
   options.procedure.hold = {};
@@ -138,7 +138,7 @@ TEST(LiveRig, sends_who_has_ended_to_a_station_where_one_is_named) {
   EXPECT_THAT(responses.commands, ElementsAre(AllOf(HasSubstr("\"go\""), HasSubstr("dock"), HasSubstr("AIV1"))));
 }
 
-TEST(LiveRig, gives_emulated_vehicles_their_batteries_and_at_the_end_one_that_lasts) {
+TEST(LiveRig, gives_emulated_vehicles_their_batteries_and_finally_a_service_battery) {
   LiveRigOptions options = two_by_hand();
   options.procedure.hold = {};
   options.emulated =
@@ -152,11 +152,11 @@ TEST(LiveRig, gives_emulated_vehicles_their_batteries_and_at_the_end_one_that_la
   const auto ended = print_report(rig, start_of_test + seconds{2}, 1, 0.49);
   EXPECT_THAT(ended.messages, Contains(::testing::Field(&wire::Publish::payload, HasSubstr("service"))));
   EXPECT_THAT(ended.commands, ElementsAre(HasSubstr("restart")));
-  // The service battery's own batteryReady is nobody's answer.
+  // The service battery's own batteryReady is no response to a request.
   EXPECT_THAT(publish_ready(rig, start_of_test + seconds{3}, 1, "service").commands, IsEmpty());
 }
 
-TEST(LiveRig, goes_on_from_its_saved_state_and_nobody_is_lost_for_the_time_between) {
+TEST(LiveRig, continues_from_its_saved_state_and_counts_no_vehicle_as_lost_meanwhile) {
   LiveRig rig = running(two_by_hand());
   for (const int number : {1, 2}) std::ignore = print_report(rig, start_of_test + seconds{10}, number, 0.9);
   LiveRig again{two_by_hand()};
@@ -165,7 +165,7 @@ TEST(LiveRig, goes_on_from_its_saved_state_and_nobody_is_lost_for_the_time_betwe
   ASSERT_TRUE(restored) << to_string(restored.error());
   EXPECT_THAT(again.tick(later + seconds{5}).commands, IsEmpty());
   EXPECT_TRUE(again.procedure().running(0) && again.procedure().running(1));
-  // Who is silent from now on is lost, and known to have lasted until it was heard.
+  // A vehicle without reports from now on is lost, and its battery lasted at least until the last report.
   std::ignore = print_report(again, later + seconds{20}, 1, 0.8);
   std::ignore = again.tick(later + seconds{40});
   ASSERT_THAT(again.procedure().records(), SizeIs(1));
@@ -173,7 +173,7 @@ TEST(LiveRig, goes_on_from_its_saved_state_and_nobody_is_lost_for_the_time_betwe
   EXPECT_EQ(again.procedure().records().front().vehicle, 1U);
 }
 
-TEST(LiveRig, asks_again_for_a_battery_that_was_asked_for_before_it_died) {
+TEST(LiveRig, repeats_a_battery_request_made_before_a_restart) {
   LiveRig rig{two_by_hand()};
   std::ignore = rig.start(start_of_test);
   std::ignore = publish_ready(rig, start_of_test, 1, "red");
@@ -184,7 +184,7 @@ TEST(LiveRig, asks_again_for_a_battery_that_was_asked_for_before_it_died) {
   EXPECT_THAT(publish_ready(again, start_of_test + seconds{70}, 2, "blue").commands, SizeIs(2));
 }
 
-TEST(LiveRig, books_what_runs_as_lasting_longer_when_its_operator_gives_up) {
+TEST(LiveRig, records_running_batteries_as_lasting_longer_when_the_operator_ends_the_test) {
   LiveRig rig = running(two_by_hand());
   for (const int number : {1, 2}) std::ignore = print_report(rig, start_of_test + seconds{10}, number, 0.9);
   std::ignore = rig.give_up(start_of_test + seconds{12});
@@ -192,14 +192,14 @@ TEST(LiveRig, books_what_runs_as_lasting_longer_when_its_operator_gives_up) {
   for (const BatteryRun& record : rig.procedure().records()) EXPECT_EQ(record.stop, StopCause::operator_stop);
 }
 
-TEST(LiveRig, asks_for_nothing_more_once_its_operator_gave_up) {
+TEST(LiveRig, requests_nothing_after_the_operator_ended_the_test) {
   LiveRigOptions options = two_by_hand();
   options.procedure.runs = 2;
   LiveRig waiting{options};
   std::ignore = waiting.start(start_of_test);
   EXPECT_FALSE(waiting.done());
   const auto taken_back = waiting.give_up(start_of_test + seconds{1});
-  EXPECT_TRUE(waiting.done()) << "nobody waits for batteries that are not wanted any more";
+  EXPECT_TRUE(waiting.done()) << "no vehicle waits for batteries that are no longer requested";
   ASSERT_THAT(taken_back.messages, SizeIs(2));
   for (const wire::Publish& message : taken_back.messages) EXPECT_TRUE(message.payload.empty());
 
@@ -208,7 +208,7 @@ TEST(LiveRig, asks_for_nothing_more_once_its_operator_gave_up) {
   EXPECT_TRUE(rig.done());
 }
 
-TEST(LiveRig, says_how_it_stands) {
+TEST(LiveRig, reports_its_status) {
   LiveRigOptions options = two_by_hand();
   options.procedure.hold = {};
   LiveRig rig{options};
@@ -221,13 +221,13 @@ TEST(LiveRig, says_how_it_stands) {
   EXPECT_DOUBLE_EQ(test.floor_percent, 50.0);
   EXPECT_FALSE(test.expected_end || test.done);
   EXPECT_EQ(test.vehicles[0], (wire::BatteryTest::Slot{"CoSiVA/AIV1", "red", wire::BatteryPhase::ready, "", 0, 100.0}));
-  EXPECT_EQ(test.vehicles[1], (wire::BatteryTest::Slot{"CoSiVA/AIV2", "blue", {}, "", 0, {}})) << "still asked for";
+  EXPECT_EQ(test.vehicles[1], (wire::BatteryTest::Slot{"CoSiVA/AIV2", "blue", {}, "", 0, {}})) << "still requested";
 
   std::ignore = publish_ready(rig, start_of_test + seconds{10}, 2, "blue");
   for (const int number : {1, 2}) std::ignore = print_report(rig, start_of_test + seconds{60}, number, 0.75);
   test = rig.test(start_of_test + seconds{60});
   EXPECT_NEAR(test.ratio, 0.5, 1e-9);
-  EXPECT_EQ(test.expected_end, start_of_test + seconds{110}) << "as it goes";
+  EXPECT_EQ(test.expected_end, start_of_test + seconds{110}) << "at the present rate";
   EXPECT_EQ(test.vehicles[0].phase, wire::BatteryPhase::running);
   EXPECT_DOUBLE_EQ(test.vehicles[0].autonomy_s, 50.0);
   EXPECT_NEAR(*test.vehicles[0].charge_percent, 75.0, 1e-9);
@@ -238,7 +238,7 @@ TEST(LiveRig, says_how_it_stands) {
   EXPECT_EQ(test.run, 1U);
   EXPECT_EQ(test.vehicles[1].phase, wire::BatteryPhase::ended);
   EXPECT_EQ(test.vehicles[1].stop, "floor");
-  EXPECT_LT(test.vehicles[1].autonomy_s, 100.0) << "it stands where it ended";
+  EXPECT_LT(test.vehicles[1].autonomy_s, 100.0) << "it stays at its end";
 }
 
 TEST(LiveRig, reports_why_it_requests_again) {
@@ -248,7 +248,7 @@ TEST(LiveRig, reports_why_it_requests_again) {
   EXPECT_THAT(wire::battery_change_from_json(refused.messages.back().payload)->reason, HasSubstr("not full"));
 }
 
-TEST(LiveRig, leaves_nonsense_alone_and_says_what_a_bad_answer_lacks) {
+TEST(LiveRig, ignores_nonsense_and_reports_what_a_bad_response_lacks) {
   LiveRig rig{two_by_hand()};
   std::ignore = rig.start(start_of_test);
   std::ignore = rig.on_message(start_of_test, wire::own_topic(wire::boards_topic_prefix, aiv(1)), "{");
@@ -259,7 +259,7 @@ TEST(LiveRig, leaves_nonsense_alone_and_says_what_a_bad_answer_lacks) {
   EXPECT_THAT(bad.operator_messages, ElementsAre(AllOf(HasSubstr("AIV1"), HasSubstr("battery"))));
 }
 
-TEST(LiveRig, refuses_a_state_that_is_not_its_own) {
+TEST(LiveRig, refuses_the_state_of_another_test) {
   LiveRig rig{two_by_hand()};
   for (const char* text : {"", "{}", R"({"procedure":"{}","slots":[{},{}]})", R"({"procedure":"x","slots":[{}]})"}) {
     const auto restored = rig.restore(start_of_test, text);

@@ -8,7 +8,8 @@
 
 namespace cosiva::experiments {
 
-/// What one vehicle took, ten times a second, while the whole platform drove: power [W] and way [m] in each step.
+/// The load of one vehicle, ten times per second, while the whole platform drove: power [W] and distance [m] in each
+/// step.
 struct LoadProfile {
   std::vector<double> power_w;
   std::vector<double> moved_m;
@@ -20,8 +21,8 @@ struct LoadProfile {
 /// Duration of one step of a profile.
 inline constexpr double load_step_s = 0.1;
 
-/// Lets a world drive and writes down what each vehicle takes, `warm_up` after its fleet is complete. Fails where the
-/// fleet is not complete in two minutes.
+/// Lets a world drive and records each vehicle's load, `warm_up` after its fleet is complete. Fails where the fleet is
+/// not complete in two minutes.
 [[nodiscard]] Result<std::vector<LoadProfile>> measure_loads(WorldOptions options, SimDuration warm_up,
                                                              SimDuration length);
 

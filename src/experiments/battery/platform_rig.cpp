@@ -15,7 +15,7 @@ namespace cosiva::experiments {
 namespace {
 
 constexpr SimDuration half_a_second = std::chrono::milliseconds{500};
-/// A report of before the battery was changed may still be under way.
+/// A report from before the battery change may still be in transit.
 constexpr SimDuration warm_up = std::chrono::seconds{2};
 
 std::string name_of(std::size_t vehicle) { return "AIV" + std::to_string(vehicle + 1); }
@@ -24,9 +24,9 @@ std::string name_of(std::size_t vehicle) { return "AIV" + std::to_string(vehicle
 
 struct PlatformRig::Impl {
   struct Slot {
-    std::optional<ProcedureCommand> change;  ///< asked for, not yet reported ready
+    std::optional<ProcedureCommand> change;  ///< requested, not yet reported ready
     SimTime changed{};
-    std::optional<wire::BoardsReport> report;  ///< the last, with when it was heard
+    std::optional<wire::BoardsReport> report;  ///< the last report, with its time of reception
     SimTime received{};
     bool fresh{false};
     double cycles{0.0};
@@ -37,7 +37,7 @@ struct PlatformRig::Impl {
   std::unique_ptr<World> world;
   Procedure procedure;
   std::vector<Slot> slots;
-  std::vector<double> cycles;  ///< by battery: what it went through before its present run
+  std::vector<double> cycles;  ///< by battery: its cycles before the present run
   std::vector<TrueEnd> ends;
   std::vector<std::string> operator_messages;
   SimTime began{};
@@ -78,7 +78,7 @@ struct PlatformRig::Impl {
     return options.battery.type.name + "-" + std::to_string(battery + 1);
   }
 
-  /// @param battery  none: a service battery, of the carts' own kind
+  /// @param battery  none: a service battery, of the carts' own type
   void put_in(std::size_t v, std::optional<std::size_t> battery) {
     world->command_plant(battery ? plant_battery_json(v + 1, id_of(*battery), &options.battery,
                                                       options.seed * 1000 + *battery, cycles[*battery])
@@ -107,19 +107,19 @@ struct PlatformRig::Impl {
     }
   }
 
-  /// Its test is over: with a service battery it goes on as traffic.
+  /// The vehicle's test is over: with a service battery the vehicle continues as traffic.
   void end(std::size_t v) {
     Slot& slot = slots[v];
     const auto vehicles = world->plant().vehicles();
     slot.ground_truth.charge = vehicles[v].charge;
     ends.push_back(slot.ground_truth);
-    // A full cycle less what is left; the plant's own battery is put away with its state.
+    // A full cycle less the remaining charge; the plant's own battery is stored with its state.
     cycles[procedure.battery_of(slot.ground_truth.run, v)] += 1.0 - vehicles[v].charge;
     put_in(v, std::nullopt);
     world->command_server(server_command_json("restart", "CoSiVA/" + name_of(v)));
   }
 
-  /// Vehicles whose battery is to be changed stop, all of them together; then the batteries go in.
+  /// Vehicles whose battery is to be changed stop, all together; then the batteries are changed.
   void change_batteries() {
     for (std::size_t v = 0; v < slots.size(); ++v) {
       Slot& slot = slots[v];
@@ -175,7 +175,7 @@ PlatformRig& PlatformRig::operator=(PlatformRig&&) noexcept = default;
 
 Result<PlatformRig> PlatformRig::make(WorldOptions world_options, VirtualRigOptions options) {
   const std::uint32_t aivs = world_options.aivs;
-  // No page reads the traces of a test: one slot, written again and again, stays in the cache.
+  // No page reads the traces of a test: a single slot, overwritten each time, stays in the cache.
   world_options.server.traces_max = 1;
   world_options.as_values = true;
   world_options.ground_truth = false;

@@ -10,10 +10,10 @@
 
 namespace cosiva::experiments {
 
-/// A test with the whole platform in the loop, in virtual time: the vehicles drive on the circuit to the end, and what
-/// the procedure hears is what they publish (their boards' reports, twice a second). Who has
-/// ended gets a service battery at once and goes on as traffic: it blocks nobody, and the others' load stays what
-/// it was. Same options, same bits.
+/// A test with the whole platform in the loop, in virtual time: the vehicles drive on the circuit to the end, and the
+/// procedure receives what they publish (their boards' reports, twice per second). A vehicle whose run has ended gets a
+/// service battery at once and continues as traffic: it blocks no vehicle, and the others' load stays unchanged. Same
+/// options, same bits.
 class PlatformRig {
  public:
   /// Fails where the world cannot be made, or its fleet is not complete in two minutes.
@@ -28,7 +28,7 @@ class PlatformRig {
   [[nodiscard]] const Procedure& procedure() const;
   [[nodiscard]] const std::vector<TrueEnd>& ground_truth() const;
   [[nodiscard]] std::vector<std::string> take_messages();
-  /// For those who do something to it: kill a vehicle, let messages be lost.
+  /// For tests that intervene: kill a vehicle, cause message loss.
   [[nodiscard]] World& world();
 
  private:

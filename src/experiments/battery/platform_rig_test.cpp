@@ -61,17 +61,17 @@ TEST(PlatformRig, runs_a_fleet_on_the_circuit_until_each_has_reached_its_floor) 
     EXPECT_EQ(run.stop, StopCause::floor);
     EXPECT_GT(run.distance_m, 20.0);
     EXPECT_NEAR(run.charge_end, 0.5, 1e-3);
-    // What its monitor counted is half of the nominal capacity, to the report's tenth of a percent.
+    // The charge that its monitor counted is half of the nominal capacity, to the report's tenth of a percent.
     EXPECT_NEAR(run.charge_ah, 0.5 * 0.2125, 0.02 * 0.2125);
     EXPECT_EQ(run.started, records.front().started);
   }
-  // They drove together to the end, and nobody touched anybody.
+  // The vehicles drove together to the end, without a collision.
   EXPECT_TRUE(rig.world().plant().collisions().empty());
   ASSERT_EQ(rig.ground_truth().size(), 4U);
   for (const TrueEnd& end : rig.ground_truth()) EXPECT_NEAR(end.charge, 0.5, 0.05);
 }
 
-TEST(PlatformRig, agrees_with_the_loads_that_it_measures_itself) {
+TEST(PlatformRig, agrees_with_a_test_under_the_measured_loads) {
   PlatformRig whole = started(lacet4(4), small(4));
   run_to_the_end(whole);
   auto loads = measure_loads(lacet4(4), 10s, 120s);
@@ -83,7 +83,7 @@ TEST(PlatformRig, agrees_with_the_loads_that_it_measures_itself) {
   EXPECT_NEAR(by_its_load_s, on_the_circuit_s, 0.02 * on_the_circuit_s);
 }
 
-TEST(PlatformRig, takes_a_vehicle_that_dies_for_lost_and_not_for_empty) {
+TEST(PlatformRig, counts_a_vehicle_that_dies_as_lost_and_not_as_empty) {
   PlatformRig rig = started(lacet4(3), small(3));
   while (rig.procedure().progress(rig.now()).ratio < 0.3) rig.step();
   rig.world().kill_aiv(2);
@@ -95,7 +95,7 @@ TEST(PlatformRig, takes_a_vehicle_that_dies_for_lost_and_not_for_empty) {
     EXPECT_EQ(run.stop, run.vehicle == 1 ? StopCause::lost : StopCause::floor);
 }
 
-TEST(PlatformRig, outlives_its_server_and_a_vehicle_that_comes_back) {
+TEST(PlatformRig, survives_the_restart_of_its_server_and_of_a_vehicle) {
   PlatformRig rig = started(lacet4(3), small(3));
   while (rig.procedure().progress(rig.now()).ratio < 0.3) rig.step();
   rig.world().kill_server();
@@ -108,7 +108,7 @@ TEST(PlatformRig, outlives_its_server_and_a_vehicle_that_comes_back) {
   EXPECT_EQ(analyse(rig.procedure().records(), 3).failed, 0U);
 }
 
-TEST(PlatformRig, cut_off_by_a_cell_at_its_floor_says_so) {
+TEST(PlatformRig, reports_a_cut_off_by_a_cell_at_its_floor) {
   VirtualRigOptions options = small(2);
   options.procedure.floor = 0.0;
   PlatformRig rig = started(lacet4(2), options);

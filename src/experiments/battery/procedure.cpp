@@ -18,7 +18,7 @@ using Kind = ProcedureCommand::Kind;
 std::string vehicle_name(std::size_t vehicle) { return "AIV" + std::to_string(vehicle + 1); }
 std::string percent(double ratio) { return std::to_string(static_cast<int>(std::lround(100.0 * ratio))) + " %"; }
 
-/// Who carries what: the square says which vehicle each battery is on, here it is asked the other way round.
+/// The vehicle of each battery: the square gives the battery of each vehicle, and is inverted here.
 std::vector<std::vector<std::size_t>> plan(const ProcedureOptions& options) {
   std::vector<std::vector<std::size_t>> batteries(options.runs, std::vector<std::size_t>(options.vehicles));
   const auto square = statistics::latin_square(options.vehicles);
@@ -101,7 +101,7 @@ ProcedureCommands Procedure::on_ready(SimTime now, std::size_t vehicle, const Ba
   }
   for (const BatteryRun& record : records_) {
     if (record.tag.id == tag.id && record.battery != battery)
-      why = "'" + tag.id + "' is battery " + std::to_string(record.battery + 1) + ", asked for was " +
+      why = "'" + tag.id + "' is battery " + std::to_string(record.battery + 1) + ", requested was " +
             std::to_string(battery + 1);
   }
   if (!why.empty()) {
@@ -114,7 +114,7 @@ ProcedureCommands Procedure::on_ready(SimTime now, std::size_t vehicle, const Ba
   slot.record.battery = battery;
   slot.record.tag = tag;
   if (std::ranges::any_of(slots_, [](const ProcedureSlot& one) { return one.phase == Phase::changing; })) return {};
-  // The last is ready: all together.
+  // The last battery is ready: all vehicles start together.
   ProcedureCommands commands;
   for (std::size_t v = 0; v < slots_.size(); ++v) {
     slots_[v].phase = Phase::running;
@@ -126,7 +126,7 @@ ProcedureCommands Procedure::on_ready(SimTime now, std::size_t vehicle, const Ba
 }
 
 namespace {
-/// The last sample lies between two others, one of which may be there already: a curve's time only grows.
+/// The last sample lies between two others, one of which may be in the curve already: a curve's time must rise.
 void end_curve(BatteryRun& record, const BatterySample& last) {
   while (!record.curve.empty() && record.curve.back().at >= last.at) record.curve.pop_back();
   record.curve.push_back(last);
@@ -148,7 +148,7 @@ void Procedure::book(ProcedureSlot& slot, const BatterySample& sample) const {
     slot.record.curve.push_back(sample);
 }
 
-/// What the record says when the run ended with this sample.
+/// Completes the record of a run that ended with this sample.
 void Procedure::record_end(const ProcedureSlot& slot, const BatterySample& sample, BatteryRun& record) const {
   SimDuration paused = slot.paused;
   if (slot.pause_began) paused += sample.at - *slot.pause_began;
@@ -172,7 +172,7 @@ ProcedureCommands Procedure::on_sample(std::size_t vehicle, const BatterySample&
   if (sample.charge >= options_.floor) {
     slot.crossing.reset();
   } else if (!slot.crossing) {
-    // When it crossed, between two samples by their time stamps, and what had been taken by then.
+    // The time of the crossing, between two samples by their time stamps, and the charge taken until then.
     const BatterySample last = slot.last.value_or(sample);
     const double ratio = last.charge > sample.charge && last.charge >= options_.floor
                              ? (last.charge - options_.floor) / (last.charge - sample.charge)
@@ -196,12 +196,12 @@ ProcedureCommands Procedure::on_stop(SimTime now, std::size_t vehicle, StopCause
   COSIVA_EXPECT(vehicle < slots_.size());
   ProcedureSlot& slot = slots_[vehicle];
   if (slot.phase != Phase::running) return {};
-  // Below the floor already, if not for long enough yet: whatever came then, the battery was first.
+  // The charge was below the floor already, if not for long enough yet: the battery is the cause, whatever came then.
   if (slot.crossing) {
     return finish(vehicle, std::move(slot.crossing->record), StopCause::floor);
   }
   BatterySample end = slot.last.value_or(BatterySample{});
-  // Who says so itself was running until now; who is lost, until it was last heard.
+  // A vehicle that reports its end itself was running until now; a lost vehicle, until its last report.
   end.at = cause == StopCause::lost ? slot.received : now;
   BatteryRun record = slot.record;
   record_end(slot, end, record);
@@ -316,14 +316,14 @@ Result<void> Procedure::restore(std::string_view state_json) {
   if (json->number("vehicles") != static_cast<double>(options_.vehicles) ||
       json->number("runs") != static_cast<double>(options_.runs) || json->flag("swap") != options_.swap ||
       json->number("floor") != options_.floor)
-    return bad_state("it is another test's: vehicles, runs, swap or floor differ");
+    return bad_state("the state is of another test: vehicles, runs, swap or floor differ");
   const auto run = json->number("run");
   const JsonValue* slots = json->find("slots");
   const JsonValue* records = json->find("records");
   if (!run || !(*run >= 0.0 && *run <= static_cast<double>(options_.runs)) || slots == nullptr ||
       slots->array() == nullptr || slots->array()->size() != slots_.size() || records == nullptr ||
       records->array() == nullptr)
-    return bad_state("it is not whole");
+    return bad_state("the state is not complete");
   std::vector<ProcedureSlot> read_slots;
   for (const JsonValue& item : *slots->array()) {
     auto slot = read_slot(item);

@@ -10,23 +10,23 @@
 #include "cosiva/base/result.h"
 #include "cosiva/base/time.h"
 
-/// The exchange of a battery test (A37, A38): changeBattery → batteryReady → run → {rc, sendMsg} … floor. Told what the
-/// vehicles say and when, it answers what to tell them; it owns no link, clock or file. What it knows of a battery is
-/// what the vehicle reports of it.
+/// The exchange of a battery test (A37, A38): changeBattery → batteryReady → run → {rc, sendMsg} … floor. The procedure
+/// is given the vehicles' messages with their times, and returns the commands to the vehicles; it owns no link, clock
+/// or file. Its knowledge of a battery is limited to the vehicle's reports.
 namespace cosiva::experiments {
 
-/// What a vehicle says of a battery that has been put in: batteryReady.
+/// A vehicle's report of a new battery: batteryReady.
 struct BatteryTag {
   std::string id;
   std::string type;
   double cycles{};
   double rest_s{};  ///< since it was charged
   double temperature_c{};
-  double charge{};  ///< as the gauge believes, 0…1
+  double charge{};  ///< by the gauge, 0…1
   friend bool operator==(const BatteryTag&, const BatteryTag&) = default;
 };
 
-/// What it says while it runs: {rc, sendMsg}.
+/// A running vehicle's report: {rc, sendMsg}.
 struct BatterySample {
   SimTime at{};
   double charge{};  ///< rc, 0…1
@@ -34,23 +34,22 @@ struct BatterySample {
   double voltage_v{};
   double current_a{};  ///< positive discharges
   double temperature_c{};
-  double distance_m{};  ///< by its odometer, since any time
+  double distance_m{};  ///< by its odometer, from any origin
 };
 
 enum class StopCause : std::uint8_t { floor, cut_off, fault, operator_stop, lost };
 [[nodiscard]] std::string_view to_string(StopCause cause);
 [[nodiscard]] std::optional<StopCause> parse_stop(std::string_view word);
 
-/// One battery on one vehicle, once.
+/// One run of one battery on one vehicle.
 struct BatteryRun {
-  std::size_t run{};  ///< which of the test's runs, from 0
+  std::size_t run{};  ///< index in the test's runs, from 0
   std::size_t vehicle{};
   std::size_t battery{};
   BatteryTag tag;
   SimTime started{};
   StopCause stop{StopCause::floor};
-  double
-      autonomy_s{};  ///< from run to the floor's crossing, pauses taken out; to where it was last seen where it failed
+  double autonomy_s{};  ///< from run to the floor's crossing, without pauses; of a failed vehicle to its last report
   double paused_s{};
   double charge_ah{};  ///< as the vehicle measured
   double energy_wh{};
@@ -59,9 +58,9 @@ struct BatteryRun {
   double charge_end_sd{};
   double voltage_end_v{};
   double temperature_end_c{};
-  std::vector<BatterySample> curve;  ///< one a `curve_every`, and the last
-  std::string carrier{};             ///< what people call the vehicle; empty: AIV and its number
-  /// Whether the battery itself ended it: then its autonomy is known, else it is known to be longer.
+  std::vector<BatterySample> curve;  ///< one sample per `curve_every`, and the last
+  std::string carrier{};             ///< the vehicle's name; empty: AIV and its number
+  /// Whether the battery itself ended the run: then its autonomy is known, else only a lower bound.
   [[nodiscard]] bool ended() const { return stop == StopCause::floor || stop == StopCause::cut_off; }
 };
 
@@ -72,16 +71,16 @@ struct ProcedureOptions {
   std::size_t runs{1};
   bool swap{false};                           ///< batteries change vehicles from run to run, by a Latin square
   double floor{0.2};                          ///< rc_min, 0…1
-  SimDuration hold{std::chrono::seconds{3}};  ///< so long below it: a sag is no end
-  double full_min{0.97};                      ///< run is refused below
+  SimDuration hold{std::chrono::seconds{3}};  ///< minimum time below the floor: a sag is no end
+  double full_min{0.97};                      ///< below this, run is refused
   double temperature_min_c{10.0};
   double temperature_max_c{40.0};
-  SimDuration lost_after{std::chrono::seconds{30}};  ///< without a word
-  SimDuration pause_every{};                         ///< of running time; zero: no pauses
+  SimDuration lost_after{std::chrono::seconds{30}};  ///< without a report
+  SimDuration pause_every{};                         ///< running time between pauses; zero: no pauses
   SimDuration pause_for{};
   SimDuration curve_every{std::chrono::seconds{30}};
-  /// Asked when a run is over and another would follow: whether its records say enough. Never amid a run, which would
-  /// leave out those that last longest.
+  /// Called when a run is over and another would follow: whether the records suffice. Never called during a run,
+  /// because that would leave out the batteries that last longest.
   std::function<bool(const std::vector<BatteryRun>&)> enough{};
 };
 
@@ -89,12 +88,12 @@ struct ProcedureCommand {
   enum class Kind : std::uint8_t { change_battery, run, pause, resume, stop, notify_operator };
   Kind kind;
   std::size_t vehicle;
-  std::size_t battery{};  ///< to be put in; of change_battery
-  std::string text{};     ///< for the operator; of change_battery: why the one that is there may not run
+  std::size_t battery{};  ///< to be inserted; for change_battery
+  std::string text{};     ///< for the operator; for change_battery: why the present battery may not run
 };
 using ProcedureCommands = std::vector<ProcedureCommand>;
 
-/// How far a vehicle is with its battery in a run.
+/// A vehicle's phase in a run.
 enum class ProcedurePhase : std::uint8_t { changing, ready, running, ended };
 
 /// When a battery crossed the floor, with its record at that time.
@@ -103,12 +102,12 @@ struct FloorCrossing {
   BatteryRun record;
 };
 
-/// All that a procedure knows of one vehicle in the present run.
+/// The state of one vehicle in the present run.
 struct ProcedureSlot {
   ProcedurePhase phase{ProcedurePhase::changing};
-  BatteryRun record;  ///< growing
+  BatteryRun record;  ///< of the present run so far
   std::optional<BatterySample> last;
-  std::optional<FloorCrossing> crossing;  ///< since then below the floor
+  std::optional<FloorCrossing> crossing;  ///< below the floor since then
   double first_distance_m{};
   SimTime received{};
   std::optional<SimTime> pause_began;
@@ -121,48 +120,48 @@ class Procedure {
   explicit Procedure(ProcedureOptions options);
 
   [[nodiscard]] ProcedureCommands start(SimTime now);
-  /// A battery that is not full, too cold or too hot, or another than the one asked for is refused: the operator is
-  /// told why, and asked again.
+  /// A battery that is not full, too cold or too hot, or another than the requested one is refused: the operator gets
+  /// the reason, and a new request.
   [[nodiscard]] ProcedureCommands on_ready(SimTime now, std::size_t vehicle, const BatteryTag& tag);
   [[nodiscard]] ProcedureCommands on_sample(std::size_t vehicle, const BatterySample& sample);
-  /// The vehicle ended for another reason than the floor.
+  /// The vehicle's run ended for another reason than the floor.
   [[nodiscard]] ProcedureCommands on_stop(SimTime now, std::size_t vehicle, StopCause cause);
-  /// Finds out who is lost, and when pauses begin and end.
+  /// Detects lost vehicles, and begins and ends pauses.
   [[nodiscard]] ProcedureCommands tick(SimTime now);
 
   [[nodiscard]] bool done() const { return run_ >= options_.runs; }
   [[nodiscard]] std::size_t run() const { return run_; }
-  /// The one that goes on, or where all is over the last that was made.
+  /// The present run, or when all are over the last one.
   [[nodiscard]] std::size_t present_run() const { return done() && !records_.empty() ? records_.back().run : run_; }
   [[nodiscard]] bool running(std::size_t vehicle) const { return slots_[vehicle].phase == Phase::running; }
-  /// Which battery belongs on a vehicle in a run.
+  /// The battery that belongs on a vehicle in a run.
   [[nodiscard]] std::size_t battery_of(std::size_t run, std::size_t vehicle) const;
   [[nodiscard]] const std::vector<BatteryRun>& records() const { return records_; }
   [[nodiscard]] const ProcedureOptions& options() const { return options_; }
   using Phase = ProcedurePhase;
-  /// A vehicle as it stands in this run, or in the last when all are over.
+  /// A vehicle's status in this run, or in the last when all are over.
   struct SlotNow {
     Phase phase;
-    std::size_t battery;  ///< in it, or asked for
+    std::size_t battery;  ///< present, or requested
     bool paused;
-    double autonomy_s;             ///< so far, pauses taken out
-    std::optional<double> charge;  ///< 0…1; nothing: not heard
+    double autonomy_s;             ///< so far, without pauses
+    std::optional<double> charge;  ///< 0…1; nothing: not received
     std::optional<StopCause> stop;
   };
   [[nodiscard]] SlotNow slot(SimTime now, std::size_t vehicle) const;
-  /// Mean share of the way from full to the floor, over this run's vehicles, and when the last will be there as it
-  /// goes.
+  /// Mean progress from full to the floor, over this run's vehicles, and the expected end of the last vehicle at the
+  /// present rate.
   struct Progress {
     double ratio;
     std::optional<SimTime> expected_end;
   };
   [[nodiscard]] Progress progress(SimTime now) const;
 
-  /// All that it knows, after any input: to go on from after a crash.
+  /// The whole state, after any input: to continue after a crash.
   [[nodiscard]] std::string state_json() const;
-  /// Fails ("battery.state") where it is another test's.
+  /// Fails ("battery.state") where the state is of another test.
   [[nodiscard]] Result<void> restore(std::string_view state_json);
-  /// We were away, not they: whoever runs was heard just now.
+  /// The test was interrupted, not the vehicles: the last report of running vehicles counts as received now.
   void forgive(SimTime now);
 
  private:

@@ -16,7 +16,7 @@ using Kind = ProcedureCommand::Kind;
 
 constexpr SimTime t0 = virtual_epoch;
 
-/// Vehicles whose charge falls as it is told, sampled ten times a second.
+/// Vehicles whose charge falls as specified, sampled ten times per second.
 struct Fixture {
   Procedure procedure;
   SimTime now{t0};
@@ -44,7 +44,7 @@ struct Fixture {
   }
 };
 
-TEST(Sampled, is_the_article_s_exchange_from_change_to_floor) {
+TEST(Sampled, follows_the_article_s_exchange_from_change_to_floor) {
   Fixture fixture{{.vehicles = 1, .floor = 0.2}};
   EXPECT_EQ(fixture.count(Kind::change_battery), 1U);
   EXPECT_EQ(fixture.last_message(), "run 1: put battery 1, full, into AIV1");
@@ -66,11 +66,11 @@ TEST(Sampled, is_the_article_s_exchange_from_change_to_floor) {
   EXPECT_NEAR(run.charge_end, 0.2, 1e-9);
   EXPECT_EQ(run.tag.id, "B7");
   EXPECT_EQ(run.tag.cycles, 3.0);
-  // The record ends with the crossing, three seconds before it was sure.
+  // The record ends with the crossing, three seconds before the end was certain.
   EXPECT_EQ(to_seconds(run.curve.back().at - t0), run.autonomy_s);
 }
 
-TEST(Sampled, s_curve_goes_forth_in_time_up_to_the_crossing) {
+TEST(Sampled, has_a_curve_that_rises_in_time_up_to_the_crossing) {
   Fixture fixture{{.vehicles = 1, .floor = 0.2, .curve_every = 300ms}};
   fixture.ready(0, "B7");
   for (int i = 1; !fixture.procedure.done() && i < 2000; ++i) {
@@ -83,7 +83,7 @@ TEST(Sampled, s_curve_goes_forth_in_time_up_to_the_crossing) {
   EXPECT_EQ(curve.back().at, t0 + 80s);
 }
 
-TEST(Sampled, takes_no_sag_for_the_end) {
+TEST(Sampled, does_not_end_at_a_sag) {
   Fixture fixture{{.vehicles = 1, .floor = 0.2}};
   fixture.ready(0, "B7");
   const auto run = [&](int from_s, int to_s, double charge) {
@@ -109,14 +109,14 @@ TEST(Sampled, refuses_a_battery_that_is_not_full_or_too_cold_or_hot) {
   EXPECT_THAT(fixture.last_message(), HasSubstr("out of the band: 8 °C"));
   fixture.ready(0, "B7", 1.0, 45.0);
   EXPECT_EQ(fixture.count(Kind::run), 0U);
-  EXPECT_EQ(fixture.count(Kind::change_battery), 4U);  // asked again each time
+  EXPECT_EQ(fixture.count(Kind::change_battery), 4U);  // requested again each time
   fixture.ready(0, "B7");
   EXPECT_EQ(fixture.count(Kind::run), 1U);
-  fixture.ready(0, "B8");  // while it runs: nothing
+  fixture.ready(0, "B8");  // ignored during the run
   EXPECT_EQ(fixture.count(Kind::run), 1U);
 }
 
-TEST(Sampled, names_why_it_stopped) {
+TEST(Sampled, names_why_the_run_stopped) {
   for (const StopCause cause : {StopCause::cut_off, StopCause::fault, StopCause::operator_stop}) {
     Fixture fixture{{.vehicles = 1}};
     fixture.ready(0, "B7");
@@ -133,7 +133,7 @@ TEST(Sampled, names_why_it_stopped) {
   EXPECT_EQ(parse_stop("tired"), std::nullopt);
 }
 
-TEST(Sampled, counts_a_lost_vehicle_until_it_was_last_heard) {
+TEST(Sampled, counts_a_lost_vehicle_until_its_last_report) {
   Fixture fixture{{.vehicles = 1}};
   fixture.ready(0, "B7");
   fixture.now = t0 + 100s;
@@ -146,7 +146,7 @@ TEST(Sampled, counts_a_lost_vehicle_until_it_was_last_heard) {
   EXPECT_EQ(fixture.procedure.records().front().autonomy_s, 100.0);
 }
 
-TEST(Sampled, takes_the_battery_for_the_cause_where_it_was_below_the_floor_already) {
+TEST(Sampled, names_the_battery_as_cause_where_the_charge_was_below_the_floor) {
   Fixture fixture{{.vehicles = 1}};
   fixture.ready(0, "B7");
   fixture.now = t0 + 100s;
@@ -158,7 +158,7 @@ TEST(Sampled, takes_the_battery_for_the_cause_where_it_was_below_the_floor_alrea
   EXPECT_NEAR(fixture.procedure.records().front().autonomy_s, 100.5, 1e-6);
 }
 
-TEST(Sampled, books_pauses_apart) {
+TEST(Sampled, records_pauses_separately) {
   Fixture fixture{{.vehicles = 1, .pause_every = 10s, .pause_for = 5s}};
   fixture.ready(0, "B7");
   bool paused = false;
@@ -175,11 +175,11 @@ TEST(Sampled, books_pauses_apart) {
   }
   ASSERT_TRUE(fixture.procedure.done());
   const BatteryRun& run = fixture.procedure.records().front();
-  EXPECT_NEAR(run.autonomy_s, 40.0, 0.7);  // 0.8 at 0.02 a second, pauses taken out
+  EXPECT_NEAR(run.autonomy_s, 40.0, 0.7);  // 0.8 at 0.02 a second, without pauses
   EXPECT_NEAR(run.paused_s, 15.0, 0.1);
 }
 
-TEST(Sampled, ignores_samples_that_come_late_or_twice) {
+TEST(Sampled, ignores_late_and_repeated_samples) {
   Fixture fixture{{.vehicles = 1}};
   fixture.ready(0, "B7");
   fixture.now = t0 + 10s;
@@ -209,7 +209,7 @@ TEST(Fleet, runs_when_the_last_is_ready_and_is_done_when_the_last_has_stopped) {
   EXPECT_NEAR(fixture.procedure.records()[2].autonomy_s, 30.0, 1e-9);
 }
 
-TEST(Fleet, swaps_batteries_by_a_latin_square_and_refuses_one_in_another_s_place) {
+TEST(Fleet, swaps_batteries_by_a_latin_square_and_refuses_a_wrong_one) {
   Fixture fixture{{.vehicles = 2, .runs = 2, .swap = true}};
   fixture.ready(0, "A");
   fixture.ready(1, "B");
@@ -217,7 +217,7 @@ TEST(Fleet, swaps_batteries_by_a_latin_square_and_refuses_one_in_another_s_place
   EXPECT_EQ(fixture.procedure.run(), 1U);
   EXPECT_EQ(fixture.procedure.battery_of(1, 0), 1U);
   fixture.ready(0, "A");
-  EXPECT_THAT(fixture.last_message(), HasSubstr("'A' is battery 1, asked for was 2"));
+  EXPECT_THAT(fixture.last_message(), HasSubstr("'A' is battery 1, requested was 2"));
   fixture.ready(0, "X");
   EXPECT_THAT(fixture.last_message(), HasSubstr("battery 2 was 'B', this is 'X'"));
   fixture.ready(0, "B");
@@ -225,7 +225,7 @@ TEST(Fleet, swaps_batteries_by_a_latin_square_and_refuses_one_in_another_s_place
   EXPECT_EQ(fixture.count(Kind::run), 4U);
 }
 
-TEST(Procedure, tells_how_far_it_is_and_when_it_ends) {
+TEST(Procedure, reports_its_progress_and_its_expected_end) {
   Fixture fixture{{.vehicles = 2, .floor = 0.2}};
   EXPECT_FALSE(fixture.procedure.progress(fixture.now).expected_end);
   fixture.ready(0, "A");
@@ -239,7 +239,7 @@ TEST(Procedure, tells_how_far_it_is_and_when_it_ends) {
   EXPECT_NEAR(to_seconds(*progress.expected_end - t0), 400.0, 1e-6);
 }
 
-TEST(Procedure, goes_on_from_its_saved_state_after_every_sample_as_if_nothing_had_happened) {
+TEST(Procedure, continues_from_its_saved_state_after_every_sample_with_the_same_result) {
   const ProcedureOptions options{
       .vehicles = 2, .runs = 2, .swap = true, .floor = 0.5, .pause_every = 20s, .pause_for = 3s};
   const auto play = [&](bool crashes) {
@@ -265,7 +265,7 @@ TEST(Procedure, goes_on_from_its_saved_state_after_every_sample_as_if_nothing_ha
   EXPECT_EQ(play(true), play(false));
 }
 
-TEST(Procedure, refuses_a_state_that_is_another_test_s_or_broken) {
+TEST(Procedure, refuses_the_state_of_another_test_or_a_broken_state) {
   Procedure one{{.vehicles = 2}};
   static_cast<void>(one.start(t0));
   const std::string state = one.state_json();
@@ -280,7 +280,7 @@ TEST(Procedure, refuses_a_state_that_is_another_test_s_or_broken) {
   EXPECT_EQ(one.state_json(), state);
 }
 
-TEST(Fleet, makes_no_further_run_when_its_records_say_enough_but_ends_none_amid) {
+TEST(Fleet, makes_no_further_run_when_its_records_suffice_but_ends_no_run_early) {
   std::size_t requested = 0;
   ProcedureOptions options{.vehicles = 2, .runs = 5};
   options.enough = [&](const std::vector<BatteryRun>& records) {
@@ -307,14 +307,14 @@ TEST(Fleet, makes_no_further_run_when_its_records_say_enough_but_ends_none_amid)
   EXPECT_EQ(fixture.last_message(), "the test ends after run 2 of 5: the mean is known as well as was wanted");
   EXPECT_EQ(fixture.procedure.present_run(), 1U);
   EXPECT_EQ(fixture.procedure.slot(fixture.now, 0).stop, StopCause::floor);
-  // What was saved then is a test that is over.
+  // The state saved then is that of a finished test.
   Procedure again{options};
   ASSERT_TRUE(again.restore(fixture.procedure.state_json()));
   EXPECT_TRUE(again.done());
   EXPECT_EQ(again.present_run(), 1U);
 }
 
-TEST(Fleet, whose_records_never_say_enough_makes_all_its_runs) {
+TEST(Fleet, makes_all_its_runs_when_its_records_never_suffice) {
   ProcedureOptions options{.vehicles = 1, .runs = 2};
   options.enough = [](const std::vector<BatteryRun>&) { return false; };
   Fixture fixture{options};

@@ -6,7 +6,7 @@
 namespace cosiva::experiments {
 namespace {
 
-/// Nanoseconds do not fit a JSON number, so they travel as text.
+/// A JSON number cannot hold nanoseconds exactly; they are written as strings.
 std::string time_text(SimTime time) { return std::to_string(time.time_since_epoch().count()); }
 
 std::optional<std::int64_t> whole(const std::string* text) {

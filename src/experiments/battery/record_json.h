@@ -6,11 +6,11 @@
 
 namespace cosiva::experiments {
 
-/// A record whole, with its curve: to go on from.
+/// A complete record, with its curve: to continue from.
 void write_record(JsonWriter& json, const BatteryRun& run);
 /// Fails ("battery.state").
 [[nodiscard]] Result<BatteryRun> read_record(const JsonValue& json);
-/// A part of a document as a document of its own.
+/// Extracts a part of a document as a separate document.
 [[nodiscard]] std::string to_text(const JsonValue& json);
 void write_sample(JsonWriter& json, const BatterySample& sample);
 [[nodiscard]] Result<BatterySample> read_sample(const JsonValue& json);

@@ -27,7 +27,7 @@ std::optional<double> seconds_of_unit(std::string_view name) {
   return std::nullopt;
 }
 
-/// Numbers ids in the order of their first coming.
+/// Numbers ids in the order of their first occurrence.
 class Numbering {
  public:
   std::size_t of(const std::string& id) { return numbers_.try_emplace(id, numbers_.size()).first->second; }
@@ -72,7 +72,7 @@ class TableReader {
     return there;
   }
 
-  /// The column that was named, else the first of the usual names that is there.
+  /// The given column, else the first of the usual names that exists.
   Result<std::optional<std::size_t>> column(const std::string& wanted, const std::vector<std::string_view>& usual) {
     const auto location = [&](std::string_view name) -> std::optional<std::size_t> {
       const auto found = std::ranges::find(header_, name);
@@ -90,7 +90,7 @@ class TableReader {
   }
 
   Result<void> read_header() {
-    if (line_.starts_with("\xEF\xBB\xBF")) line_.remove_prefix(3);  // a spreadsheet's mark
+    if (line_.starts_with("\xEF\xBB\xBF")) line_.remove_prefix(3);  // a spreadsheet's byte order mark
     for (const std::string_view name : cut_at_commas(line_, blanks)) header_.emplace_back(name);
     if (std::ranges::find(header_, "voltage_volt") != header_.end())
       return fail("recorded.column", "is a log, sample by sample: `cosiva battery fit` reads those", here());
@@ -109,19 +109,19 @@ class TableReader {
           take(stop_at_, {}, {"stop", "stop_cause"}), take(time, wanted_.time, {"autonomy_s", "autonomy_second"})})
       if (!done) return done;
     if (!time) {
-      // The one other column whose name begins or ends as a duration's.
+      // The only other column whose name begins or ends as a duration's.
       for (std::size_t i = 0; i < header_.size(); ++i) {
         if (!seconds_of_unit(header_[i]) || i == battery_at_ || i == vehicle_at_ || i == run_at_) continue;
         if (time)
           return fail("recorded.column",
-                      "'" + header_[*time] + "' or '" + header_[i] + "': say with --time how long a battery lasted",
+                      "'" + header_[*time] + "' or '" + header_[i] + "': select the column of durations with --time",
                       here());
         time = i;
       }
     }
     if (!time)
       return fail("recorded.column",
-                  "no column says how long a battery lasted, such as 'autonomy_second'; there are " + header_text(),
+                  "no column holds how long a battery lasted, such as 'autonomy_second'; there are " + header_text(),
                   here());
     const auto unit = seconds_of_unit(header_[*time]);
     if (!unit)
@@ -147,8 +147,8 @@ class TableReader {
     };
     Growing& own = growing(series_at_ ? field(series_at_) : origin_);
     if (own.series.records.size() == runs_max || growing_.size() > runs_max)
-      return fail("recorded.number", "has more than " + std::to_string(runs_max) + " runs: is it a table of them?",
-                  here());
+      return fail("recorded.number",
+                  "has more than " + std::to_string(runs_max) + " runs: the file may not be a table of runs", here());
     BatteryRun record;
     record.tag.id = battery_at_ ? field(battery_at_) : "line " + std::to_string(lines_.number());
     record.battery = own.batteries.of(record.tag.id);
@@ -175,9 +175,10 @@ class TableReader {
     if (stop_at_ && !field(stop_at_).empty()) {
       const auto stop = parse_stop(field(stop_at_));
       if (!stop)
-        return fail("recorded.stop",
-                    header_[*stop_at_] + " is '" + field(stop_at_) + "': it is floor, cut-off, fault, operator or lost",
-                    here());
+        return fail(
+            "recorded.stop",
+            header_[*stop_at_] + " is '" + field(stop_at_) + "': expected floor, cut-off, fault, operator or lost",
+            here());
       record.stop = *stop;
     }
     own.series.records.push_back(std::move(record));
@@ -235,7 +236,7 @@ Result<RecordedSeries> read_results(const std::vector<RecordedFile>& files) {
   RecordedSeries all;
   Numbering batteries;
   Numbering vehicles;
-  std::map<std::size_t, std::size_t> runs_before;  // of each battery, in the files before this one
+  std::map<std::size_t, std::size_t> runs_before;  // of each battery, in the previous files
   for (const RecordedFile& file : files) {
     all.name += (all.name.empty() ? "" : ", ") + file.origin;
     const auto json = JsonValue::parse(file.text, result_bytes_max);

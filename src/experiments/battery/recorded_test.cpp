@@ -26,7 +26,7 @@ std::string refusal(const std::string& csv, const RecordedColumns& columns = {})
 }
 
 // Nine LG HG2 cells (Battery Testing Consortium, 2021), as their authors' table has them.
-TEST(Recorded, durations_of_others_give_the_figures_published_of_them) {
+TEST(Recorded, durations_of_others_reproduce_the_published_metrics) {
   auto all = read_recorded(hg2(), "hg2.csv");
   ASSERT_TRUE(all) << to_string(all.error());
   ASSERT_EQ(all->size(), 2U);
@@ -49,7 +49,7 @@ TEST(Recorded, durations_of_others_give_the_figures_published_of_them) {
   EXPECT_EQ(end_early(fleet, "1", 4000.0).error().code, "recorded.failed");
 }
 
-TEST(Recorded, columns_may_have_any_order_and_name_and_another_unit) {
+TEST(Recorded, columns_may_have_any_order_name_and_unit) {
   const auto all =
       read_recorded("\xEF\xBB\xBFnote,\"lasted_hour\",pack,stop\r\nx,1.5,P1,floor\r\n\r\ny,0.5,P2,lost\r\n", "my.csv",
                     {.time = "lasted_hour", .battery = "pack", .vehicle = {}, .run = {}});
@@ -68,14 +68,14 @@ TEST(Recorded, rows_of_one_battery_without_a_run_are_its_runs_in_order) {
   EXPECT_EQ(all->front().batteries, 2U);
 }
 
-TEST(Recorded, tables_that_would_mislead_are_refused_there) {
+TEST(Recorded, misleading_tables_are_refused) {
   EXPECT_THAT(refusal(""), HasSubstr("is empty"));
   EXPECT_THAT(refusal("cell,autonomy_s\n"), HasSubstr("has no runs"));
   EXPECT_THAT(refusal("test_time_second,voltage_volt,current_ampere\n1,4,-1\n"), HasSubstr("my.csv:1: is a log"));
-  EXPECT_THAT(refusal("cell,lasted\nA,10\n"), HasSubstr("my.csv:1: no column says how long"));
+  EXPECT_THAT(refusal("cell,lasted\nA,10\n"), HasSubstr("my.csv:1: no column holds how long"));
   EXPECT_THAT(refusal("cell,lasted\nA,10\n", {.time = "lasted", .battery = {}, .vehicle = {}, .run = {}}),
               HasSubstr("lacks its unit"));
-  EXPECT_THAT(refusal("cell,a_second,b_second\nA,1,2\n"), HasSubstr("say with --time"));
+  EXPECT_THAT(refusal("cell,a_second,b_second\nA,1,2\n"), HasSubstr("select the column of durations with --time"));
   EXPECT_THAT(refusal("cell,autonomy_s\nA,10\nB,ten\n"), HasSubstr("my.csv:3: autonomy_s is 'ten'"));
   EXPECT_THAT(refusal("cell,autonomy_s\nA,-10\n"), HasSubstr("more than 0"));
   EXPECT_THAT(refusal("cell,autonomy_s\nA\n"), HasSubstr("my.csv:2: has 1 fields, the header 2"));
@@ -86,13 +86,13 @@ TEST(Recorded, tables_that_would_mislead_are_refused_there) {
               HasSubstr("has no column 'pack'"));
 }
 
-TEST(Recorded, a_table_of_more_runs_than_anybody_made_is_refused) {
+TEST(Recorded, a_table_with_too_many_runs_is_refused) {
   std::string text = "cell,autonomy_s\n";
   for (int i = 0; i <= 10'000; ++i) text += std::to_string(i) + ",1\n";
   EXPECT_THAT(refusal(text), HasSubstr("my.csv:10002: has more than 10000 runs"));
 }
 
-TEST(Recorded, results_of_two_tests_are_one_of_all_their_batteries) {
+TEST(Recorded, results_of_two_tests_are_combined) {
   const auto result = [](const std::string& records) { return "{\"records\":[" + records + "]}"; };
   const std::string first = R"({"id":"A","run":1,"stop":"floor","autonomy_s":100,"vehicle":"AIV1"},)"
                             R"({"id":"B","run":1,"stop":"lost","autonomy_s":90,"vehicle":"AIV2"})";

@@ -7,7 +7,7 @@
 
 namespace cosiva::experiments {
 
-/// A vehicle's slot whole, to continue from after a crash.
+/// A vehicle's complete slot, to continue from after a crash.
 void write_slot(JsonWriter& json, const ProcedureSlot& slot);
 /// Fails ("battery.state") where the phase or a record is missing or wrong.
 [[nodiscard]] Result<ProcedureSlot> read_slot(const JsonValue& json);

@@ -24,14 +24,13 @@ tl::unexpected<Error> bad(std::string what) { return fail("battery.state", std::
 }  // namespace
 
 struct VirtualRig::Impl {
-  /// A place on the circuit: the vehicle, its monitor, and the gauge that believes something of whichever battery is
-  /// in.
+  /// A vehicle on the circuit: its monitor, and the gauge that estimates the charge of the present battery.
   struct Cart {
     battery::Monitor monitor;
     battery::Gauge gauge;
     double load_factor;
-    double least_w;     ///< standing, in a pause
-    std::size_t at{0};  ///< in its profile
+    double least_w;     ///< at standstill, in a pause
+    std::size_t at{0};  ///< index in its profile
     double distance_m{0.0};
     double fails_after_s{std::numeric_limits<double>::infinity()};
     bool paused{false};
@@ -48,7 +47,7 @@ struct VirtualRig::Impl {
   std::uint64_t minutes{0};
   std::vector<TrueEnd> ends;
   std::vector<std::string> operator_messages;
-  ProcedureCommands changes;  ///< asked for, to be done before the next run
+  ProcedureCommands changes;  ///< requested, to be done before the next run
 
   Impl(VirtualRigOptions o, std::vector<LoadProfile> l)
       : options{std::move(o)},
@@ -92,7 +91,7 @@ struct VirtualRig::Impl {
         case Kind::run: begin(command.vehicle); break;
         case Kind::pause: carts[command.vehicle].paused = true; break;
         case Kind::resume: carts[command.vehicle].paused = false; break;
-        case Kind::stop: break;  // it goes aside, and its battery rests
+        case Kind::stop: break;  // the cart leaves the circuit, and its battery rests
       }
     }
   }
@@ -101,13 +100,13 @@ struct VirtualRig::Impl {
     Cart& cart = carts[v];
     cart.paused = false;
     cart.ground_truth = {procedure.run(), v, to_seconds(now - virtual_epoch), 1.0, pack_of(v).capacity_ah(), {}, {}};
-    // Each run has its own fate, whatever the others' were.
+    // Each run has its own failure times, independent of the other runs.
     Random random = stream("fate", v * 1000 + procedure.run());
     const double hours = -det_log(1.0 - random.uniform());
     if (options.failures_per_hour > 0.0) cart.fails_after_s = 3600.0 * hours / options.failures_per_hour;
   }
 
-  /// The batteries that were asked for, charged and rested, go in: each vehicle says ready.
+  /// Inserts the requested batteries, charged and rested: each vehicle reports ready.
   void change_batteries(SimDuration service) {
     if (changes.empty()) return;
     now += service;
@@ -124,7 +123,7 @@ struct VirtualRig::Impl {
     }
   }
 
-  /// One vehicle for a minute, or until it is stopped.
+  /// Runs one vehicle for a minute, or until it is stopped.
   void drive(std::size_t v) {
     Cart& cart = carts[v];
     const LoadProfile& load = loads[v];
@@ -252,17 +251,17 @@ Result<void> VirtualRig::restore(std::string_view state_json) {
   const auto json = JsonValue::parse(state_json, bytes_max);
   if (!json) return bad(json.error().message);
   Impl& in = *impl_;
-  if (json->text("format") != "cosiva-battery-test/1") return bad("it is no battery test's");
+  if (json->text("format") != "cosiva-battery-test/1") return bad("the state is of no battery test");
   if (json->text("seed") != std::to_string(in.options.seed) || json->text("type") != in.options.battery.type.name)
-    return bad("it is another test's: its seed or type differs");
+    return bad("the state is of another test: its seed or type differs");
   const JsonValue* procedure = json->find("procedure");
   const JsonValue* packs = json->find("packs");
   const JsonValue* carts = json->find("carts");
   const JsonValue* ends = json->find("ends");
   for (const JsonValue* list : {packs, carts, ends})
-    if (list == nullptr || list->array() == nullptr) return bad("it is not whole");
+    if (list == nullptr || list->array() == nullptr) return bad("the state is not complete");
   if (procedure == nullptr || packs->array()->size() != in.packs.size() || carts->array()->size() != in.carts.size())
-    return bad("it is not whole");
+    return bad("the state is not complete");
   if (auto done = in.procedure.restore(to_text(*procedure)); !done) return done;
   for (std::size_t b = 0; b < in.packs.size(); ++b)
     if (auto done = in.packs[b].restore(to_text((*packs->array())[b])); !done) return done;
@@ -274,7 +273,7 @@ Result<void> VirtualRig::restore(std::string_view state_json) {
     const auto at = saved.number("at");
     if (gauge == nullptr || ground_truth == nullptr || !at ||
         !(*at >= 0.0 && *at < static_cast<double>(in.loads[v].power_w.size())))
-      return bad("a vehicle is not whole");
+      return bad("a vehicle's state is not complete");
     if (auto done = cart.gauge.restore(to_text(*gauge)); !done) return done;
     auto read = read_ground_truth(*ground_truth);
     if (!read) return tl::unexpected(read.error());

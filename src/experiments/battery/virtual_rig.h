@@ -12,8 +12,8 @@
 #include "cosiva/experiments/battery/procedure.h"
 #include "cosiva/experiments/runs/world/world.h"
 
-/// A battery test in virtual time: the vehicles' own work, emulated batteries and gauges, and the very procedure that a
-/// real test would run.
+/// A battery test in virtual time: the vehicles' measured loads, emulated batteries and gauges, and the same procedure
+/// as in a real test.
 namespace cosiva::experiments {
 
 struct BatteryUnderTest {
@@ -28,23 +28,24 @@ struct VirtualRigOptions {
   ProcedureOptions procedure;
   BatteryUnderTest battery;
   std::uint64_t seed{1};
-  double load_sd{0.02};                           ///< from vehicle to vehicle, of all that it takes
-  double failures_per_hour{0.0};                  ///< of each vehicle, for other reasons than its battery
-  SimDuration service{std::chrono::minutes{30}};  ///< from the last one's end until the next run's batteries are in
+  double load_sd{0.02};           ///< between vehicles, of the total load
+  double failures_per_hour{0.0};  ///< of each vehicle, for other reasons than its battery
+  SimDuration service{
+      std::chrono::minutes{30}};  ///< from the last end of a run until the next run's batteries are inserted
 };
 
-/// What was true where the gauge only believed: for the report, never for the procedure.
+/// The ground truth of a battery: for the report, never for the procedure.
 struct TrueEnd {
   std::size_t run;
   std::size_t vehicle;
-  double started_s;             ///< since the test's begin
-  double charge;                ///< when it was stopped
+  double started_s;             ///< since the test's start
+  double charge;                ///< at its stop
   double capacity_ah;           ///< of the whole battery
   std::vector<double> curve_s;  ///< since it started
   std::vector<double> curve_charge;
 };
 
-/// Runs a test on measured loads, each repeated over and over. Same options and loads, same bits.
+/// Runs a test on measured loads, each repeated continuously. Same options and loads, same bits.
 class VirtualRig {
  public:
   VirtualRig(VirtualRigOptions options, std::vector<LoadProfile> loads);
@@ -58,10 +59,10 @@ class VirtualRig {
   [[nodiscard]] SimTime now() const;
   [[nodiscard]] const Procedure& procedure() const;
   [[nodiscard]] const std::vector<TrueEnd>& ground_truth() const;
-  /// What the operator is told; taken away by this call.
+  /// Returns and removes the messages for the operator.
   [[nodiscard]] std::vector<std::string> take_messages();
 
-  /// Between steps; goes on to the same bits.
+  /// The state between steps; a test that continues from it gives the same bits.
   [[nodiscard]] std::string state_json() const;
   [[nodiscard]] Result<void> restore(std::string_view state_json);
 

@@ -19,7 +19,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// The published cell twice in series, so that a run is an hour and a quarter.
+/// The published cell twice in series, so that a run lasts an hour and a quarter.
 VirtualRigOptions small(std::size_t vehicles, std::size_t runs = 1) {
   VirtualRigOptions options;
   options.procedure.vehicles = vehicles;
@@ -30,7 +30,7 @@ VirtualRigOptions small(std::size_t vehicles, std::size_t runs = 1) {
   return options;
 }
 
-/// Standing and driving by turns, 4 W on average.
+/// Standstill and driving alternately, 4 W on average.
 std::vector<LoadProfile> loads(std::size_t vehicles) {
   LoadProfile load;
   for (int i = 0; i < 200; ++i) {
@@ -51,7 +51,7 @@ VirtualRig finished(const VirtualRigOptions& options) {
   return rig;
 }
 
-TEST(VirtualRig, drains_each_battery_to_its_floor_by_the_load_that_was_measured) {
+TEST(VirtualRig, drains_each_battery_to_its_floor_by_the_measured_load) {
   const VirtualRig rig = finished(small(3));
   ASSERT_EQ(rig.procedure().records().size(), 3U);
   for (const BatteryRun& run : rig.procedure().records()) {
@@ -65,7 +65,7 @@ TEST(VirtualRig, drains_each_battery_to_its_floor_by_the_load_that_was_measured)
   }
 }
 
-TEST(VirtualRig, s_gauge_errs_by_what_it_says_and_the_ground_truth_stands_beside_it) {
+TEST(VirtualRig, reports_the_gauge_s_error_against_the_ground_truth) {
   double z_sq = 0.0;
   int count = 0;
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
@@ -86,7 +86,7 @@ TEST(VirtualRig, s_gauge_errs_by_what_it_says_and_the_ground_truth_stands_beside
   EXPECT_NEAR(std::sqrt(z_sq / count), 1.0, 0.35);
 }
 
-TEST(VirtualRig, tells_battery_from_vehicle_where_they_swap) {
+TEST(VirtualRig, separates_battery_from_vehicle_where_they_swap) {
   VirtualRigOptions options = small(4, 4);
   options.procedure.swap = true;
   options.load_sd = 0.05;
@@ -99,13 +99,13 @@ TEST(VirtualRig, tells_battery_from_vehicle_where_they_swap) {
   EXPECT_LT(metrics.crossed->carrier.p, 1e-4);
 }
 
-TEST(VirtualRig, repeated_fades_a_little_each_time) {
+TEST(VirtualRig, fades_slightly_with_each_run) {
   VirtualRigOptions options = small(1, 6);
   options.battery.type.capacity_fade_per_cycle = 0.003;
   options.procedure.floor = 0.1;
   const VirtualRig rig = finished(options);
   const AutonomyMetrics metrics = analyse(rig.procedure().records(), 1);
-  // What a gauge counts of a nominal capacity does not see it fade; the cut-off and the truth do.
+  // A gauge that counts charge of a nominal capacity does not detect the fading; the cut-off and the ground truth do.
   EXPECT_GT(rig.procedure().records().back().tag.cycles, 4.0);
   EXPECT_LT(rig.ground_truth().back().charge, rig.ground_truth().front().charge - 0.005);
 }
@@ -127,7 +127,7 @@ TEST(VirtualRig, names_failures_and_cut_offs) {
   EXPECT_GT(analyse(empty.procedure().records(), 6).cut_off, 3U);
 }
 
-TEST(VirtualRig, goes_on_from_its_saved_state_to_the_same_bits) {
+TEST(VirtualRig, continues_from_its_saved_state_to_the_same_bits) {
   VirtualRigOptions options = small(3, 2);
   options.procedure.swap = true;
   options.failures_per_hour = 1.0;
@@ -144,10 +144,10 @@ TEST(VirtualRig, goes_on_from_its_saved_state_to_the_same_bits) {
   }
   const std::string state = cut.state_json();
   EXPECT_TRUE(state == whole.state_json())
-      << "they differ from " << state.substr(first_difference(state, whole.state_json()), 80);
+      << "the states differ from " << state.substr(first_difference(state, whole.state_json()), 80);
 }
 
-TEST(VirtualRig, refuses_a_state_that_is_another_test_s) {
+TEST(VirtualRig, refuses_the_state_of_another_test) {
   VirtualRig rig{small(2), loads(2)};
   const std::string state = rig.state_json();
   VirtualRigOptions other = small(2);
@@ -159,7 +159,7 @@ TEST(VirtualRig, refuses_a_state_that_is_another_test_s) {
   EXPECT_TRUE(rig.restore(state));
 }
 
-TEST(Loads, are_what_the_vehicles_of_a_whole_platform_take) {
+TEST(Loads, are_those_of_a_whole_platform_s_vehicles) {
   std::ifstream file{source_dir() + "/zones/lacet4.toml"};
   WorldOptions options;
   options.zone = {"toml", "lacet4.toml", {std::istreambuf_iterator<char>{file}, {}}};

@@ -19,7 +19,8 @@ constexpr double top_px = 16.0;
 constexpr double bottom_px = 52.0;
 constexpr double legend_px = 22.0;
 constexpr std::size_t colours = 6;
-/// A line of more points than a screen has columns is thinned: of each column the lowest and the highest stay.
+/// A line with more points than a screen has columns is thinned: of each column the lowest and the highest point
+/// remain.
 constexpr std::size_t points_max = 4000;
 
 struct Range {
@@ -47,7 +48,7 @@ std::vector<double> ticks_of(const Axis& axis, const Range& range, int wanted) {
   return axis.logarithmic ? log_ticks(range.from, range.to) : ticks(range.from, range.to, wanted);
 }
 
-/// Where between an axis's ends a value lies, in [0, 1].
+/// The relative position of a value between an axis's ends, in [0, 1].
 double track_position(const Axis& axis, const Range& range, double value) {
   if (!axis.logarithmic) return (value - range.from) / (range.to - range.from);
   return det_log(value / range.from) / det_log(range.to / range.from);
@@ -55,7 +56,7 @@ double track_position(const Axis& axis, const Range& range, double value) {
 
 bool drawable(const Axis& axis, double value) { return std::isfinite(value) && (!axis.logarithmic || value > 0.0); }
 
-/// Where values lie in the picture.
+/// Maps values to positions in the drawing.
 class Frame {
  public:
   Frame(const Axis& x_axis, Range x, const Axis& y_axis, Range y)
@@ -102,7 +103,7 @@ class Frame {
   Range y_;
 };
 
-/// Widens what is too short in the picture until a unit is as long along both axes.
+/// Widens the shorter axis until a unit has the same length along both axes.
 void equalise(Axis& x_axis, Range& x, Axis& y_axis, Range& y) {
   constexpr double margin = 1.05;
   const double across_px = width_px - left_px - right_px;
@@ -126,7 +127,7 @@ std::string begin(double height, std::string_view what) {
          "\" font-family=\"system-ui, sans-serif\" font-size=\"12\">";
 }
 
-/// What of a long line can be seen.
+/// The visible part of a long line.
 Series thinned(const Series& series) {
   const std::size_t n = series.x.size();
   if (n <= points_max || series.form == Series::Form::points) return series;
@@ -164,7 +165,7 @@ void draw_line(std::string& svg, const Frame& frame, const Series& series, const
          "\"/>";
 }
 
-/// Along the upper ends and back along the lower ones.
+/// Along the upper values and back along the lower ones.
 void draw_band(std::string& svg, const Frame& frame, const Series& series, const std::string& colour) {
   std::string there;
   std::string back;
@@ -225,7 +226,7 @@ std::vector<double> log_ticks(double from, double to) {
   for (; all.empty() || all.back() < to * (1.0 - 1e-9); power *= 10.0)
     for (const double round : {1.0, 2.0, 5.0})
       if (round == 1.0 || !many) all.push_back(round * power);
-  // Of those at or below `from` only the last, of those at or above `to` only the first.
+  // Of the ticks at or below `from` only the last, of those at or above `to` only the first.
   std::vector<double> at;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const bool below = i + 1 < all.size() && all[i + 1] <= from * (1.0 + 1e-9);

@@ -20,10 +20,10 @@ std::size_t count(const std::string& text, std::string_view part) {
   return n;
 }
 
-TEST(Ticks, are_round_and_hold_the_values_between_them) {
+TEST(Ticks, are_round_and_enclose_the_values) {
   EXPECT_THAT(ticks(0.0, 10.0, 5), ElementsAre(0.0, 2.0, 4.0, 6.0, 8.0, 10.0));
   EXPECT_THAT(ticks(-0.3, 0.9, 4), ElementsAre(-0.5, 0.0, 0.5, 1.0));
-  EXPECT_TRUE(rc::check("however far apart", [] {
+  EXPECT_TRUE(rc::check("any distance", [] {
     const double from = *rc::gen::inRange(-100000, 100000) * 1e-3;
     const double to = from + *rc::gen::inRange(1, 1000000) * 1e-4;
     const int wanted = *rc::gen::inRange(1, 12);
@@ -33,11 +33,11 @@ TEST(Ticks, are_round_and_hold_the_values_between_them) {
   }));
 }
 
-TEST(LogTicks, are_round_and_hold_the_values_between_them) {
+TEST(LogTicks, are_round_and_enclose_the_values) {
   EXPECT_THAT(log_ticks(0.1, 4.0), ElementsAre(DoubleEq(0.1), 0.2, 0.5, 1.0, 2.0, 5.0));
   EXPECT_THAT(log_ticks(3.0, 4.0), ElementsAre(2.0, 5.0));
   EXPECT_THAT(log_ticks(0.02, 3000.0), ElementsAre(DoubleEq(0.01), DoubleEq(0.1), 1.0, 10.0, 100.0, 1000.0, 10000.0));
-  EXPECT_TRUE(rc::check("however far apart", [] {
+  EXPECT_TRUE(rc::check("any distance", [] {
     const double from = *rc::gen::inRange(1, 100000) * 1e-4;
     const double to = from * (1.0 + *rc::gen::inRange(1, 1000000) * 1e-3);
     const auto at = log_ticks(from, to);
@@ -46,7 +46,7 @@ TEST(LogTicks, are_round_and_hold_the_values_between_them) {
   }));
 }
 
-TEST(Readable, tells_no_digits_that_tell_nothing) {
+TEST(Readable, prints_no_insignificant_digits) {
   EXPECT_EQ(readable(1.5), "1.5");
   EXPECT_EQ(readable(2.0), "2");
   EXPECT_EQ(readable(100.0), "100");
@@ -55,8 +55,8 @@ TEST(Readable, tells_no_digits_that_tell_nothing) {
   EXPECT_EQ(readable(std::nan("")), "–");
 }
 
-TEST(Chart, that_is_a_map_has_a_unit_as_long_along_both_axes) {
-  // A square of a metre, four points: as far apart in the picture along x as along y.
+TEST(Chart, that_is_a_map_has_equal_units_along_both_axes) {
+  // A square of a metre, four points: equal distances in the drawing along x and along y.
   Chart map{{"x [m]", {}, {}}, {"y [m]", {}, {}}, {{"", {0.0, 1.0}, {0.0, 1.0}, Series::Form::points}}};
   map.equal_scale = true;
   const auto sides = [](const std::string& svg) {
@@ -71,12 +71,12 @@ TEST(Chart, that_is_a_map_has_a_unit_as_long_along_both_axes) {
   };
   const auto equal = sides(to_svg(map));
   EXPECT_NEAR(equal[0], equal[1], 0.11);
-  EXPECT_GT(equal[1], 200.0);  // and as large as there is room
+  EXPECT_GT(equal[1], 200.0);  // and as large as the space allows
   map.equal_scale = false;
   EXPECT_GT(sides(to_svg(map))[0], 2.0 * equal[0]);
 }
 
-TEST(Chart, draws_each_series_in_a_colour_of_its_own_and_names_it) {
+TEST(Chart, draws_each_series_in_a_separate_colour_and_names_it) {
   const std::string svg =
       to_svg(Chart{{"t [s]", {}, {}},
                    {"speed [m/s]", 0.0, {}},
@@ -87,7 +87,7 @@ TEST(Chart, draws_each_series_in_a_colour_of_its_own_and_names_it) {
   EXPECT_THAT(svg, HasSubstr("speed [m/s]"));
 }
 
-TEST(Chart, draws_the_ground_beneath_all_series_without_a_name_and_shows_all_of_it) {
+TEST(Chart, draws_the_ground_completely_beneath_all_series_without_a_name) {
   Chart map{{"x [m]", {}, {}}, {"y [m]", {}, {}}, {{"way", {0, 1}, {0, 1}}}};
   map.equal_scale = true;
   const std::string open = to_svg(map);
@@ -97,11 +97,11 @@ TEST(Chart, draws_the_ground_beneath_all_series_without_a_name_and_shows_all_of_
   EXPECT_EQ(count(svg, "class=\"line ground\""), 2U);
   EXPECT_LT(svg.find("class=\"line ground\""), svg.find("class=\"line c0\""));
   EXPECT_EQ(count(svg, "<rect class=\"bar"), 1U);
-  EXPECT_THAT(svg, HasSubstr(">10</text>"));  // on the axes, where the way alone ends at 1
+  EXPECT_THAT(svg, HasSubstr(">10</text>"));  // on the axes, where the path alone ends at 1
   EXPECT_THAT(open, Not(HasSubstr(">10</text>")));
 }
 
-TEST(Chart, draws_a_band_about_its_line_and_dashes_where_asked) {
+TEST(Chart, draws_a_band_around_its_line_and_dashes_on_request) {
   Series curve{"error", {1, 10, 100}, {2, 3, 4}};
   curve.low = {1, 2, 3};
   curve.high = {3, 4, 5};
@@ -111,27 +111,27 @@ TEST(Chart, draws_a_band_about_its_line_and_dashes_where_asked) {
   const std::string svg = to_svg(chart);
   EXPECT_EQ(count(svg, "opacity=\"0.18\""), 1U);
   EXPECT_EQ(count(svg, "stroke-dasharray"), 1U);
-  // A decade is as wide as the next.
+  // All decades have the same width.
   const std::string path = svg.substr(svg.find("class=\"line c0\" d=\"M72 "));
   EXPECT_THAT(path, HasSubstr("L388 "));
   EXPECT_THAT(path, HasSubstr("L704 "));
 }
 
-TEST(Chart, leaves_out_of_a_logarithmic_axis_what_is_not_over_zero) {
+TEST(Chart, leaves_out_of_a_logarithmic_axis_values_not_over_zero) {
   const std::string svg =
       to_svg(Chart{{"x", {}, {}, true}, {"y", {}, {}, true}, {{"", {0, 1, 10}, {1, 2, 3}}, {"", {1, 10}, {0, -1}}}});
   EXPECT_THAT(svg, Not(HasSubstr("nan")));
   EXPECT_THAT(svg, Not(HasSubstr("inf")));
 }
 
-TEST(Chart, leaves_out_what_is_no_number_and_breaks_its_line_there) {
+TEST(Chart, leaves_out_non_finite_values_and_breaks_its_line_there) {
   const std::string svg = to_svg(Chart{{"x", {}, {}}, {"y", {}, {}}, {{"", {0, 1, 2, 3}, {1, std::nan(""), 2, 3}}}});
   EXPECT_THAT(svg, Not(HasSubstr("nan")));
   const std::string path = svg.substr(svg.find("class=\"line"));
   EXPECT_EQ(count(path.substr(0, path.find("/>")), "M"), 2U);
 }
 
-TEST(Chart, of_nothing_or_of_one_value_is_an_image_all_the_same) {
+TEST(Chart, of_no_value_or_one_value_is_a_valid_image) {
   for (const auto& values : {std::vector<double>{}, {5.0}, {5.0, 5.0}}) {
     const std::string svg = to_svg(Chart{{"x", {}, {}}, {"y", {}, {}}, {{"", values, values}}});
     EXPECT_THAT(svg, HasSubstr("</svg>"));
@@ -140,7 +140,7 @@ TEST(Chart, of_nothing_or_of_one_value_is_an_image_all_the_same) {
   }
 }
 
-TEST(Chart, of_a_million_points_keeps_their_peaks_and_little_else) {
+TEST(Chart, of_a_million_points_keeps_only_their_peaks) {
   Series series{"", {}, {}};
   for (int i = 0; i < 1'000'000; ++i) {
     series.x.push_back(i);
@@ -152,14 +152,14 @@ TEST(Chart, of_a_million_points_keeps_their_peaks_and_little_else) {
   EXPECT_THAT(svg, HasSubstr(top));
 }
 
-TEST(Histogram, counts_every_value_once_the_ends_too) {
+TEST(Histogram, counts_every_value_once_including_the_ends) {
   const std::string svg = to_svg(Histogram{{"x", 0.0, 4.0}, "n", {0.0, 0.5, 1.0, 3.9, 4.0, 9.0}, 4});
   EXPECT_THAT(svg, HasSubstr("0 … 1: 2"));
   EXPECT_THAT(svg, HasSubstr("1 … 2: 1"));
   EXPECT_THAT(svg, HasSubstr("3 … 4: 2"));
 }
 
-TEST(Bars, are_as_long_as_their_values) {
+TEST(Bars, are_proportional_to_their_values) {
   const std::string svg = to_svg(Bars{"wait [s]", {{"X1", 10.0}, {"X2", 5.0}}});
   EXPECT_THAT(svg, HasSubstr("width=\"470\""));
   EXPECT_THAT(svg, HasSubstr("width=\"235\""));

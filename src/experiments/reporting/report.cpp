@@ -8,7 +8,7 @@
 namespace cosiva::experiments {
 namespace {
 
-// Six colours that are told apart by those who do not see all of them, too; darker on white, lighter on black.
+// Six colours that readers with colour vision deficiencies can distinguish as well; darker on white, lighter on black.
 constexpr std::string_view style = R"(
 :root{color-scheme:light dark;--ink:#1d2730;--soft:#5b6b7d;--paper:#fbfcfd;--grid:#dfe5ec;--card:#f1f4f8;--alarm:#b42318;
 --c0:#2563c9;--c1:#b45f06;--c2:#0f7f6c;--c3:#a02c8c;--c4:#6b7280;--c5:#9a7b00}

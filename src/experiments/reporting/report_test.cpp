@@ -9,10 +9,10 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-TEST(Report, is_one_page_that_asks_for_no_other_file) {
+TEST(Report, is_one_self_contained_page) {
   Report report{"Traffic on <lacet4>", "12 AIVs"};
   report.heading("Jobs & waits")
-      .paragraph("All of it.")
+      .paragraph("All jobs.")
       .metadata({{"0", "collisions"}, {"3", "deadlocks", true}})
       .table({"crossing", "wait [s]"}, {{"X1", "1.5"}})
       .figure("<svg></svg>", "heat")
@@ -27,7 +27,7 @@ TEST(Report, is_one_page_that_asks_for_no_other_file) {
     EXPECT_THAT(html, Not(HasSubstr(outside)));
 }
 
-TEST(Report, with_a_row_that_is_too_short_is_our_own_bug) {
+TEST(Report, with_a_row_that_is_too_short_is_a_programming_error) {
   Report report{"t"};
   EXPECT_DEATH(report.table({"a", "b"}, {{"1"}}), "");
 }

@@ -18,7 +18,7 @@ double dot(const Column& a, const Column& b) {
   return sum;
 }
 
-/// What columns span, by modified Gram–Schmidt twice over; columns that add nothing are left out.
+/// The span of columns, by modified Gram–Schmidt applied twice; dependent columns are left out.
 class Span {
  public:
   void add(Column column) {
@@ -78,11 +78,11 @@ double squares_left(const Span& span, const Column& y) {
   return dot(left, left);
 }
 
-/// Effects of levels about their mean: what is left of the values when all else has been taken out, averaged.
+/// Effects of levels about their mean: the residuals after all else has been removed, averaged.
 std::vector<double> effects(const Design& design, const std::vector<std::size_t>& levels, const Span& others,
                             const Column& y, auto level_of) {
-  // Least squares for the levels' columns as the others leave them: a few rounds of Gauss–Seidel, which a crossed
-  // design settles at once.
+  // Least squares for the levels' columns after projection onto the complement of the others: a few rounds of
+  // Gauss–Seidel, which converge at once for a crossed design.
   std::vector<Column> columns;
   columns.reserve(levels.size());
   for (const std::size_t level : levels)
@@ -138,7 +138,7 @@ std::optional<Crossed> crossed(std::span<const Trial> trials) {
   found.unit = evaluate(no_unit, unit_levels);
   found.carrier = evaluate(no_carrier, carrier_levels);
   found.run = evaluate(design.of(true, true, false), 1.0);
-  // Levels of which some are told by others alone have fewer degrees of freedom than they have levels less one.
+  // Levels that are partly determined by the other factors have fewer degrees of freedom than their number less one.
   found.confounded = (units.size() > 1 && found.unit.degrees < unit_levels - 1.5) ||
                      (carriers.size() > 1 && found.carrier.degrees < carrier_levels - 1.5);
   if (found.confounded) found.unit = found.carrier = evaluate(design.of(false, false, true), unit_levels);

@@ -8,7 +8,7 @@
 namespace cosiva::statistics {
 namespace {
 
-/// e^x, nothing where that is nothing.
+/// e^x, with zero for underflow.
 double exp_or_zero(double x) { return x < -700.0 ? 0.0 : det_exp(x); }
 
 /// The regularised incomplete gamma function P(a, x).
@@ -63,7 +63,7 @@ double beta_fraction(double a, double b, double x) {
   return h;
 }
 
-/// Where a rising function reaches p, by halving.
+/// The argument at which a rising function reaches p, by bisection.
 template <typename Cdf>
 double inverse(const Cdf& cdf, double p, double low, double high) {
   for (int i = 0; i < 200; ++i) {

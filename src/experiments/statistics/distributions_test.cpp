@@ -7,8 +7,8 @@
 namespace cosiva::statistics {
 namespace {
 
-// From published tables, and closed forms where there are any.
-TEST(Distributions, quantiles_equal_the_published_tables) {
+// From published tables, and closed forms where available.
+TEST(Distributions, quantiles_equal_the_tables) {
   EXPECT_NEAR(normal_quantile(0.975), 1.959963984540054, 1e-12);
   EXPECT_NEAR(normal_quantile(0.001), -3.090232306167814, 1e-12);
   EXPECT_NEAR(chi_squared_quantile(0.95, 1.0), 3.841458820694124, 1e-10);
@@ -29,7 +29,7 @@ TEST(Distributions, a_quantile_is_the_inverse_of_its_distribution) {
   }
 }
 
-TEST(Distributions, agree_with_the_library_where_it_has_them) {
+TEST(Distributions, agree_with_the_library_where_available) {
   for (double z = -8.0; z < 8.0; z += 0.13) EXPECT_NEAR(normal_cdf(z), 0.5 * std::erfc(-z / std::sqrt(2.0)), 1e-15);
   // Two degrees of freedom: 1 − e^(−x/2).
   for (double x = 0.01; x < 60.0; x += 0.7) EXPECT_NEAR(chi_squared_cdf(x, 2.0), -std::expm1(-0.5 * x), 1e-13);

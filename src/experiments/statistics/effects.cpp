@@ -75,7 +75,8 @@ std::optional<Trend> trend(std::span<const double> x, std::span<const double> y,
 
 std::vector<std::vector<std::size_t>> latin_square(std::size_t size) {
   COSIVA_EXPECT(size > 0);
-  // 0, 1, n−1, 2, n−2 …: all steps between neighbours differ, so that in even sizes each carrier follows each once.
+  // 0, 1, n−1, 2, n−2 …: all steps between neighbours differ, so that for even sizes each carrier follows each other
+  // one once.
   std::vector<std::size_t> zigzag;
   for (std::size_t k = 0; k < size; ++k) zigzag.push_back(k == 0 ? 0 : k % 2 == 1 ? (k + 1) / 2 : size - k / 2);
   std::vector<std::vector<std::size_t>> square(size, std::vector<std::size_t>(size));

@@ -14,7 +14,7 @@ namespace cosiva::statistics {
 namespace {
 
 // Nine cells on four tester channels; channels 8 and 7 had three each.
-TEST(OneFactor, sees_the_tester_s_channel_behind_the_cells) {
+TEST(OneFactor, detects_the_tester_s_channel_behind_the_cells) {
   const auto found = one_factor({{3652.06, 3646.51, 3651.98}, {3598.24, 3595.89, 3591.32}});
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->f, 404.0, 2.0);
@@ -26,7 +26,7 @@ TEST(OneFactor, sees_the_tester_s_channel_behind_the_cells) {
   EXPECT_FALSE(one_factor({{1.0, 1.0}, {2.0, 2.0}}));
 }
 
-TEST(Trend, of_repeated_runs_is_what_they_lose_each_time) {
+TEST(Trend, of_repeated_runs_is_the_loss_per_run) {
   // Cell 1, four runs in a row.
   const std::vector<double> run{1, 2, 3, 4};
   const std::vector<double> seconds{3602.1, 3593.27, 3582.87, 3572.76};
@@ -41,7 +41,7 @@ TEST(Trend, of_repeated_runs_is_what_they_lose_each_time) {
   EXPECT_FALSE(trend(std::vector<double>{1, 1, 1}, std::vector<double>{1, 2, 3}));
 }
 
-TEST(Trend, cries_wolf_once_in_twenty) {
+TEST(Trend, has_one_false_alarm_in_twenty) {
   Random random{4, "trend"};
   int cries = 0;
   for (int i = 0; i < 2000; ++i) {
@@ -55,7 +55,7 @@ TEST(Trend, cries_wolf_once_in_twenty) {
   EXPECT_NEAR(cries / 2000.0, 0.05, 0.015);
 }
 
-TEST(LatinSquare, puts_every_unit_on_every_carrier_once_and_in_even_sizes_after_every_other_once) {
+TEST(LatinSquare, puts_every_unit_on_every_carrier_once_and_for_even_sizes_after_every_other_once) {
   for (const std::size_t size : {1U, 2U, 3U, 4U, 7U, 12U}) {
     const auto square = latin_square(size);
     std::set<std::pair<std::size_t, std::size_t>> met;
@@ -94,7 +94,7 @@ std::vector<Trial> square_of(std::size_t size, double unit_sd, double carrier_sd
   return trials;
 }
 
-TEST(Crossed, tells_battery_from_vehicle_from_drift) {
+TEST(Crossed, separates_battery_vehicle_and_drift) {
   double unit = 0.0, carrier = 0.0, noise = 0.0;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const auto found = crossed(square_of(6, 10.0, 30.0, -10.0, 2.0, seed));
@@ -112,7 +112,7 @@ TEST(Crossed, tells_battery_from_vehicle_from_drift) {
   EXPECT_NEAR(std::sqrt(noise), 2.0, 0.1);
 }
 
-TEST(Crossed, effects_are_those_that_were_put_in) {
+TEST(Crossed, effects_equal_those_of_the_input) {
   std::vector<Trial> trials;
   const auto square = latin_square(4);
   const std::vector<double> unit{-3.0, -1.0, 1.0, 3.0};
@@ -131,7 +131,7 @@ TEST(Crossed, effects_are_those_that_were_put_in) {
   EXPECT_NEAR(found->slope, 0.5, 1e-9);
 }
 
-TEST(Crossed, says_when_each_battery_stayed_on_its_vehicle) {
+TEST(Crossed, reports_when_each_battery_stayed_on_its_vehicle) {
   std::vector<Trial> trials;
   Random random{1, "confounded"};
   for (std::size_t run = 1; run <= 3; ++run)
@@ -146,7 +146,7 @@ TEST(Crossed, says_when_each_battery_stayed_on_its_vehicle) {
   EXPECT_FALSE(crossed({}));
 }
 
-TEST(Comparison, of_two_types_gives_the_textbook_s_t) {
+TEST(Comparison, of_two_types_equals_the_textbook_s_t) {
   // Welch's example with unequal spreads, as R's t.test gives it.
   const std::vector<double> a{27.5, 21.0, 19.0, 23.6, 17.0, 17.9, 16.9, 20.1, 21.9, 22.6, 23.1, 19.6, 19.0, 21.7, 21.4};
   const std::vector<double> b{27.1, 22.0, 20.8, 23.4, 23.4, 23.5, 25.8, 22.0, 24.8,
@@ -161,8 +161,9 @@ TEST(Comparison, of_two_types_gives_the_textbook_s_t) {
   EXPECT_FALSE(compare(std::vector<double>{1, 1}, std::vector<double>{2, 2}));
 }
 
-TEST(Power, stands_in_the_tables) {
-  // Cohen: 64 of each see d = 0.5 with 80 %, 26 of each d = 0.8; and nothing is seen with the level's own chance.
+TEST(Power, equals_the_tables) {
+  // Cohen: 64 of each detect d = 0.5 with 80 %, 26 of each d = 0.8; and d = 0 is detected with the probability of the
+  // level.
   EXPECT_NEAR(power_of(0.5, 64, 64), 0.80, 0.003);
   EXPECT_NEAR(power_of(0.8, 26, 26), 0.81, 0.005);
   EXPECT_NEAR(power_of(0.0, 10, 10), 0.05, 1e-6);

@@ -10,7 +10,7 @@
 namespace cosiva::statistics {
 namespace {
 
-/// Skewness over six of what each run contributes, by leaving one out: how the spread changes with the figure.
+/// Skewness over six of the runs' contributions, by the jackknife: how the spread changes with the metric.
 double acceleration(std::span<const double> runs) {
   const double centre = mean(runs);
   double squares = 0.0;
@@ -22,7 +22,7 @@ double acceleration(std::span<const double> runs) {
   return squares == 0.0 ? 0.0 : cubes / (6.0 * squares * std::sqrt(squares));
 }
 
-/// The value at a share of sorted ones, between ranks.
+/// The quantile of sorted values, interpolated between ranks.
 double at_ratio(const std::vector<double>& sorted, double ratio) {
   const double location =
       std::clamp(ratio * (static_cast<double>(sorted.size()) + 1.0) - 1.0, 0.0, static_cast<double>(sorted.size() - 1));
@@ -74,7 +74,7 @@ std::optional<BlockInterval> block_bootstrap(std::span<const double> series, con
   const double worth = effective_size(series);
   if (n < 8 || worth < 4.0) return std::nullopt;
   const auto block = std::clamp<std::size_t>(static_cast<std::size_t>(3.0 * static_cast<double>(n) / worth), 1, n / 2);
-  // Sums of all circular blocks, once.
+  // Sums of all circular blocks, computed once.
   std::vector<double> sums(n);
   double sum = 0.0;
   for (std::size_t i = 0; i < block; ++i) sum += series[i];

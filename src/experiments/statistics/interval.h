@@ -20,17 +20,18 @@ struct BootstrapOptions {
   std::uint64_t seed{1};
 };
 
-/// Of the figure `of(mean of values)`, where every value stands for one run: bias-corrected and accelerated bootstrap
-/// (BCa) over runs, widened for few runs by Student's t as Hesterberg proposes. `of` must be monotone: the identity, a
-/// root. Nothing for fewer than two runs. Sources: B. Efron, Better Bootstrap Confidence Intervals, JASA 82 (1987); T.
-/// Hesterberg, What Teachers Should Know About the Bootstrap, The American Statistician 69 (2015), section 4.3.
+/// Interval of the metric `of(mean of values)`, where every value represents one run: bias-corrected and accelerated
+/// bootstrap (BCa) over runs, widened for few runs by Student's t as Hesterberg proposes. `of` must be monotone: the
+/// identity, a root. Nothing for fewer than two runs. Sources: B. Efron, Better Bootstrap Confidence Intervals, JASA 82
+/// (1987); T. Hesterberg, What Teachers Should Know About the Bootstrap, The American Statistician 69 (2015), section
+/// 4.3.
 using Of = double (*)(double mean);
 [[nodiscard]] std::optional<Interval> bca(std::span<const double> runs, const BootstrapOptions& options = {},
                                           Of of = nullptr);
 
-/// Of the mean of one run's series, whose neighbours are alike: circular blocks, each as long as it takes for ends to
-/// be strangers (3·n/effective size, at least). Nothing for a series worth fewer than four independent values: one run
-/// says nothing then of how it might have gone otherwise. Source: D. N. Politis, J. P. Romano, A Circular
+/// Interval of the mean of one run's series with correlated neighbours: circular blocks, each long enough that its ends
+/// are uncorrelated (3·n/effective size, at least). Nothing for a series equivalent to fewer than four independent
+/// values: such a run does not indicate its own variation. Source: D. N. Politis, J. P. Romano, A Circular
 /// Block-Resampling Procedure for Stationary Data (1992).
 struct BlockInterval {
   Interval interval;

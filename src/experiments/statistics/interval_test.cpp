@@ -19,7 +19,7 @@ std::vector<double> drawn(std::uint64_t seed, std::size_t n) {
 
 double root(double v) { return std::sqrt(v); }
 
-TEST(Bca, holds_the_ground_truth_about_as_often_as_it_says) {
+TEST(Bca, contains_the_true_value_about_as_often_as_stated) {
   int held = 0;
   for (std::uint64_t seed = 1; seed <= 400; ++seed) {
     const auto interval = bca(drawn(seed, 20), {0.95, 1000, seed});
@@ -30,7 +30,7 @@ TEST(Bca, holds_the_ground_truth_about_as_often_as_it_says) {
   EXPECT_LE(held, 393);
 }
 
-TEST(Bca, holds_the_mean_of_a_skew_sample_too) {
+TEST(Bca, contains_the_mean_of_a_skewed_sample) {
   int held = 0;
   for (std::uint64_t seed = 1; seed <= 400; ++seed) {
     Random random{seed, "skew"};
@@ -42,7 +42,7 @@ TEST(Bca, holds_the_mean_of_a_skew_sample_too) {
     const auto interval = bca(runs, {0.95, 1000, seed});
     held += interval->low <= 1.0 && 1.0 <= interval->high ? 1 : 0;
   }
-  EXPECT_GE(held, 360);  // skewness costs a few of a hundred, of everybody's intervals
+  EXPECT_GE(held, 360);  // skewness costs a few percent, for all kinds of intervals
   EXPECT_LE(held, 395);
 }
 
@@ -54,7 +54,7 @@ TEST(Bca, is_narrower_with_more_runs_and_wider_at_a_higher_level) {
   EXPECT_GT(sure.high - sure.low, few.high - few.low);
 }
 
-TEST(Bca, of_a_root_is_the_root_of_its_ends) {
+TEST(Bca, of_a_root_has_the_roots_of_its_ends) {
   const auto runs = drawn(4, 25);
   const auto plain = *bca(runs);
   const auto rooted = *bca(runs, {}, root);
@@ -62,12 +62,12 @@ TEST(Bca, of_a_root_is_the_root_of_its_ends) {
   EXPECT_DOUBLE_EQ(rooted.high, std::sqrt(plain.high));
 }
 
-TEST(Bca, is_the_same_for_the_same_seed_and_nothing_for_one_run) {
+TEST(Bca, is_equal_for_equal_seeds_and_nothing_for_one_run) {
   EXPECT_EQ(bca(drawn(1, 12)), bca(drawn(1, 12)));
   EXPECT_FALSE(bca(drawn(1, 1)));
 }
 
-TEST(BlockBootstrap, holds_the_mean_of_a_series_whose_neighbours_are_alike) {
+TEST(BlockBootstrap, contains_the_mean_of_a_series_with_correlated_neighbours) {
   int held = 0;
   int naive = 0;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
@@ -88,10 +88,10 @@ TEST(BlockBootstrap, holds_the_mean_of_a_series_whose_neighbours_are_alike) {
     naive += std::fabs(mean) <= 1.96 * std::sqrt(squares / 4000 / 4000) ? 1 : 0;
   }
   EXPECT_GE(held, 180);
-  EXPECT_LE(naive, 80);  // what counting every iteration as a vote would claim
+  EXPECT_LE(naive, 80);  // the claim if every iteration counted as a vote
 }
 
-TEST(BlockBootstrap, says_nothing_of_a_series_worth_three_values) {
+TEST(BlockBootstrap, is_nothing_for_a_series_equivalent_to_three_values) {
   std::vector<double> ramp(1000);
   for (std::size_t i = 0; i < ramp.size(); ++i) ramp[i] = static_cast<double>(i);
   EXPECT_FALSE(block_bootstrap(ramp));

@@ -13,7 +13,7 @@
 namespace cosiva::statistics {
 namespace {
 
-/// Twice the rank of each value, 2 for the smallest: equal ones share theirs, and twice that is whole.
+/// Twice the rank of each value, 2 for the smallest: equal values have their mean rank, and twice that is an integer.
 std::vector<std::size_t> doubled_ranks(std::span<const double> values) {
   std::vector<std::size_t> order(values.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -28,7 +28,7 @@ std::vector<std::size_t> doubled_ranks(std::span<const double> values) {
   return ranks;
 }
 
-/// The chance of every sum of (doubled) ranks if signs fell like coins, one coin after the other.
+/// The probability of every sum of (doubled) ranks for random signs, one sign after the other.
 std::vector<double> chances(const std::vector<std::size_t>& ranks) {
   std::vector<double> chance(std::accumulate(ranks.begin(), ranks.end(), std::size_t{0}) + 1, 0.0);
   chance[0] = 1.0;
@@ -55,7 +55,7 @@ std::optional<std::size_t> critical_sum(std::size_t n, double level) {
   return largest;
 }
 
-/// How often n Gaussian differences of this mean over their deviation are called different, by trying.
+/// How often n Gaussian differences with this ratio of mean to deviation are called different, by simulation.
 double power_of(std::size_t n, double effect, double level) {
   const auto critical = critical_sum(n, level);
   if (!critical) return 0.0;
@@ -138,7 +138,7 @@ std::optional<Friedman> friedman(const std::vector<std::vector<double>>& metrics
       squares += rank * rank;
     }
   }
-  // Conover's form, which ties leave right.
+  // Conover's form, which remains valid with ties.
   const auto kk = static_cast<double>(k);
   const double centre = n * kk * (kk + 1.0) * (kk + 1.0) / 4.0;
   double between = 0.0;
@@ -158,7 +158,7 @@ std::optional<std::size_t> runs_to_decide(std::span<const double> differences, d
   const double runs = z * z * sample_variance(differences) / (shift * shift) * (pi / 3.0);
   if (!(runs < 1e9)) return std::nullopt;
   auto n = std::max<std::size_t>(6, static_cast<std::size_t>(std::ceil(runs)));
-  // That holds for many runs. Few have few sums of ranks to choose from.
+  // That holds for many runs. With few runs there are few possible sums of ranks.
   constexpr std::size_t few = 30;
   const double effect = std::fabs(shift) / std::sqrt(std::fmax(sample_variance(differences), 1e-300));
   while (n < few && power_of(n, std::fmin(effect, 1e3), level) < power) ++n;

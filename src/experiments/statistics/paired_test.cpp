@@ -18,7 +18,7 @@ TEST(Wilcoxon, is_exact_for_few_runs) {
   EXPECT_DOUBLE_EQ(wilcoxon(std::vector{1.0, -1.0}), 1.0);
 }
 
-TEST(Wilcoxon, shares_the_ranks_of_equal_differences_and_forgets_equal_runs) {
+TEST(Wilcoxon, assigns_mean_ranks_to_equal_differences_and_ignores_equal_runs) {
   // |d| = 1, 1, 2 with ranks 1.5, 1.5, 3: all eight sums by hand, W⁻ = 1.5: {0, 1.5, 1.5} of 8.
   EXPECT_DOUBLE_EQ(wilcoxon(std::vector{1.0, -1.0, 2.0}), 2.0 * 3.0 / 8.0);
   EXPECT_DOUBLE_EQ(wilcoxon(std::vector{0.0, 1.0, 2.0, 0.0, 3.0, 4.0, 5.0, 6.0}), 2.0 / 64.0);
@@ -31,11 +31,11 @@ TEST(Wilcoxon, passes_smoothly_from_exact_to_approximate) {
   std::vector<double> differences;
   for (int i = 0; i < 200; ++i) differences.push_back(random.gaussian(0.15, 1.0));
   const double exact = wilcoxon(differences);
-  differences.push_back(1e-9);  // hardly news, but one more than are counted exactly
+  differences.push_back(1e-9);  // hardly a difference, but one run more than are computed exactly
   EXPECT_NEAR(wilcoxon(differences) / exact, 1.0, 0.05);
 }
 
-TEST(Wilcoxon, cries_wolf_no_more_often_than_it_says) {
+TEST(Wilcoxon, has_no_more_false_alarms_than_stated) {
   int alarms = 0;
   for (std::uint64_t seed = 0; seed < 2000; ++seed) {
     Random random{seed, "null"};
@@ -44,10 +44,10 @@ TEST(Wilcoxon, cries_wolf_no_more_often_than_it_says) {
     alarms += wilcoxon(differences) < 0.05 ? 1 : 0;
   }
   EXPECT_LE(alarms, 2000 * 0.05 + 3 * std::sqrt(2000 * 0.05 * 0.95));
-  EXPECT_GE(alarms, 50);  // and not because it never says anything
+  EXPECT_GE(alarms, 50);  // and not because the test never rejects
 }
 
-TEST(Holm, raises_the_smallest_most_and_keeps_the_order) {
+TEST(Holm, raises_the_smallest_most_and_preserves_the_order) {
   const auto raised = holm(std::vector{0.04, 0.01, 0.03});
   EXPECT_DOUBLE_EQ(raised[1], 0.03);
   EXPECT_DOUBLE_EQ(raised[2], 0.06);
@@ -56,7 +56,7 @@ TEST(Holm, raises_the_smallest_most_and_keeps_the_order) {
   EXPECT_TRUE(holm({}).empty());
 }
 
-TEST(Friedman, of_runs_that_all_agree_is_as_large_as_can_be) {
+TEST(Friedman, of_unanimous_runs_is_maximal) {
   const auto result = friedman({{1, 2, 3}, {10, 20, 30}, {0.1, 0.2, 0.9}, {5, 6, 7}});
   ASSERT_TRUE(result);
   EXPECT_EQ(result->mean_ranks, (std::vector{1.0, 2.0, 3.0}));
@@ -85,18 +85,18 @@ TEST(RunsToDecide, are_as_many_as_the_test_then_needs) {
     for (double& d : runs) d = random.gaussian(0.5, 1.0);
     decided += wilcoxon(runs) < 0.05 ? 1 : 0;
   }
-  EXPECT_NEAR(decided / 1000.0, 0.8, 0.08);  // the power that was announced
+  EXPECT_NEAR(decided / 1000.0, 0.8, 0.08);  // the stated power
 }
 
-TEST(RunsToDecide, are_at_least_six_and_none_where_nothing_differs) {
+TEST(RunsToDecide, are_at_least_six_and_none_without_a_difference) {
   EXPECT_EQ(runs_to_decide(std::vector{1.0, 1.001, 0.999}), 6U);
-  // Among 28 comparisons a p of 2/2ⁿ must come under 0.05/28.
+  // Among 28 comparisons a p of 2/2ⁿ must be below 0.05/28.
   EXPECT_EQ(runs_to_decide(std::vector{1.0, 1.001, 0.999}, 0.05 / 28.0), 11U);
   EXPECT_FALSE(runs_to_decide(std::vector{1.0, -1.0}));
   EXPECT_FALSE(runs_to_decide(std::vector{1.0}));
 }
 
-TEST(Astm, passes_in_a_row_are_those_of_the_standard) {
+TEST(Astm, consecutive_passes_are_those_of_the_standard) {
   EXPECT_EQ(passes_needed(0.95, 0.95), 59U);
   EXPECT_EQ(passes_needed(0.90, 0.95), 29U);
   EXPECT_EQ(passes_needed(0.99, 0.95), 299U);

@@ -27,7 +27,7 @@ std::vector<double> order_statistics(std::span<Number> values, std::span<const d
       found.push_back(nan);
       continue;
     }
-    // A share such as 0.9 of 10 must be 9 values, not 10 because 0.9 is a little more in binary.
+    // A ratio such as 0.9 of 10 must be 9 values, not 10 because 0.9 is slightly larger in binary.
     const double wanted = p * static_cast<double>(values.size());
     const auto rank = std::max<std::size_t>(static_cast<std::size_t>(std::ceil(wanted - 1e-9)), 1);
     COSIVA_EXPECT(rank <= among);
@@ -103,7 +103,7 @@ double effective_size(std::span<const double> series) {
     for (std::size_t i = 0; i + lag < n; ++i) sum += (series[i] - centre) * (series[i + lag] - centre);
     return sum / all;
   };
-  // Sums of neighbouring pairs fall and stay positive in truth; where they cease to, the rest is noise.
+  // The true sums of neighbouring pairs decrease and stay positive; from where the estimates do not, they are noise.
   double tau = -1.0;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t lag = 0; lag + 1 < n; lag += 2) {

@@ -11,16 +11,16 @@
 namespace cosiva::statistics {
 namespace {
 
-TEST(Sample, has_the_mean_variance_and_root_mean_square_that_one_counts_by_hand) {
+TEST(Sample, has_the_mean_variance_and_root_mean_square_computed_by_hand) {
   const std::vector<double> values{1.0, 2.0, 3.0, 6.0};
   EXPECT_DOUBLE_EQ(mean(values), 3.0);
   EXPECT_DOUBLE_EQ(variance(values), 3.5);
   EXPECT_DOUBLE_EQ(sample_variance(values), 14.0 / 3.0);
   EXPECT_DOUBLE_EQ(root_mean_square(values), std::sqrt(12.5));
-  EXPECT_DOUBLE_EQ(ratio_below(values, 3.0), 0.5);  // under, not at
+  EXPECT_DOUBLE_EQ(ratio_below(values, 3.0), 0.5);  // below, not equal
 }
 
-TEST(Sample, of_nothing_has_no_metrics) {
+TEST(Sample, without_values_has_no_metrics) {
   EXPECT_TRUE(std::isnan(mean({})));
   EXPECT_TRUE(std::isnan(variance({})));
   EXPECT_TRUE(std::isnan(ratio_below({}, 1.0)));
@@ -28,7 +28,7 @@ TEST(Sample, of_nothing_has_no_metrics) {
   EXPECT_TRUE(std::isnan(sample_variance(std::vector<double>{1.0})));
 }
 
-TEST(Percentile, is_a_value_that_was_measured) {
+TEST(Percentile, is_a_measured_value) {
   std::vector<double> values{9.0, 1.0, 7.0, 3.0, 5.0, 2.0, 8.0, 4.0, 10.0, 6.0};
   EXPECT_EQ(percentile(values, 0.5), 5.0);
   EXPECT_EQ(percentile(values, 0.9), 9.0);  // nine of ten, whatever 0.9 is in binary
@@ -37,7 +37,7 @@ TEST(Percentile, is_a_value_that_was_measured) {
   EXPECT_EQ(percentile(values, 0.01), 1.0);
 }
 
-TEST(Percentile, asked_for_several_at_once_is_the_same) {
+TEST(Percentile, of_several_at_once_are_equal_to_single_ones) {
   EXPECT_TRUE(rc::check("any values", [](std::vector<double> values) {
     const std::vector<double> falling{1.0, 0.99, 0.9, 0.5, 0.5, 0.01};
     std::vector<double> one_by_one;
@@ -55,8 +55,8 @@ TEST(Percentile, asked_for_several_at_once_is_the_same) {
   }));
 }
 
-TEST(Percentile, of_a_heavy_tail_is_not_mean_plus_so_many_deviations) {
-  // 98 values of 0 and two of 100: p99 is 100, where mean + 2.326 deviations would say 34.6.
+TEST(Percentile, of_a_heavy_tail_is_not_mean_plus_a_number_of_deviations) {
+  // 98 values of 0 and two of 100: p99 is 100, where mean + 2.326 deviations would give 34.6.
   std::vector<double> values(98, 0.0);
   values.insert(values.end(), {100.0, 100.0});
   EXPECT_EQ(percentile(values, 0.99), 100.0);
@@ -73,7 +73,7 @@ TEST(Cdf, ends_at_the_largest_value_and_one) {
   EXPECT_EQ(cdf(many, 50).value.back(), 999.0);
 }
 
-TEST(EffectiveSize, of_a_first_order_series_is_the_closed_form) {
+TEST(EffectiveSize, of_a_first_order_series_equals_the_closed_form) {
   Random random{3, "series"};
   for (const double phi : {0.0, 0.5, 0.9, 0.98}) {
     std::vector<double> series(40'000);
@@ -84,7 +84,7 @@ TEST(EffectiveSize, of_a_first_order_series_is_the_closed_form) {
   }
 }
 
-TEST(EffectiveSize, of_what_never_changes_is_one) { EXPECT_EQ(effective_size(std::vector<double>(100, 2.0)), 1.0); }
+TEST(EffectiveSize, of_a_constant_series_is_one) { EXPECT_EQ(effective_size(std::vector<double>(100, 2.0)), 1.0); }
 
 }  // namespace
 }  // namespace cosiva::statistics

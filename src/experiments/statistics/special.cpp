@@ -16,7 +16,7 @@ double scale_density(double u, double degrees, double log_front) {
   return log_density < -700.0 ? 0.0 : det_exp(log_density);
 }
 
-/// The mean of a function of √(χ²/degrees), by Simpson's rule over all that weighs anything.
+/// The mean of a function of √(χ²/degrees), by Simpson's rule over the range with significant density.
 template <typename Function>
 double mean_over_scale(double degrees, const Function& function) {
   constexpr int panels = 600;

@@ -1,9 +1,9 @@
 #pragma once
 
-/// Distributions that tests of variance and of power, and tolerance bounds, need. The same bits on every machine.
+/// Distributions for tests of variance, for power, and for tolerance bounds. The same bits on every machine.
 namespace cosiva::statistics {
 
-/// Fisher's F: the share of ratios of two mean squares, of so many degrees of freedom, that stay under f.
+/// Fisher's F: the probability that a ratio of two mean squares, with these degrees of freedom, is below f.
 [[nodiscard]] double fisher_cdf(double f, double numerator_degrees, double denominator_degrees);
 
 /// Student's t about a mean that is not zero: P((Z + shift)/√(χ²/degrees) ≤ t), by quadrature, to about 1e-9.

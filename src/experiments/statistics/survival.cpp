@@ -15,7 +15,7 @@ namespace {
 
 std::vector<Duration> sorted(std::span<const Duration> durations) {
   std::vector<Duration> all{durations.begin(), durations.end()};
-  // At one instant ends come before what was censored then: who failed at T was still there when another ended at T.
+  // At equal times ends come before censored durations: a unit censored at T was still running when another ended at T.
   std::ranges::sort(all, [](const Duration& a, const Duration& b) {
     return a.value != b.value ? a.value < b.value : a.ended && !b.ended;
   });
@@ -32,7 +32,7 @@ Interval log_log_band(double ratio, double greenwood, double z) {
   return {det_exp(std::max(log_ratio * most, -600.0)), det_exp(log_ratio / most)};
 }
 
-/// Wilson's interval of a share of so many.
+/// Wilson's interval of a ratio of this number.
 Interval wilson_band(double ratio, double size, double z) {
   const double all = size + z * z;
   const double centre = (size * ratio + 0.5 * z * z) / all;
@@ -40,17 +40,17 @@ Interval wilson_band(double ratio, double size, double z) {
   return {ratio <= 0.0 ? 0.0 : centre - half, ratio >= 1.0 ? 1.0 : centre + half};
 }
 
-/// A band's way along the curve.
+/// A band along the curve.
 class Band {
  public:
   Band(SurvivalBand kind, double level) : kind_{kind}, z_{normal_quantile(0.5 + 0.5 * level)} {}
-  /// Nobody has ended yet.
+  /// Before the first end.
   [[nodiscard]] Interval before(double at_risk) const {
     return kind_ == SurvivalBand::log_log ? Interval{1.0, 1.0} : wilson_band(1.0, at_risk, z_);
   }
   Interval after(double ratio, double greenwood) {
     if (kind_ == SurvivalBand::log_log) return log_log_band(ratio, greenwood, z_);
-    // How many uncensored durations would have this variance; where nobody is left, as many as before.
+    // The number of uncensored durations with this variance; where none is left, the previous number.
     if (ratio > 0.0) size_ = (1.0 - ratio) / (ratio * greenwood);
     return wilson_band(ratio, size_, z_);
   }
@@ -73,7 +73,7 @@ struct NormalFit {
   double mean_variance;  ///< of the estimate, from the observed information
 };
 
-/// Newton is not needed: the EM step has a closed form and goes uphill always.
+/// Newton's method is not needed: the EM step has a closed form and always increases the likelihood.
 NormalFit fit_normal(std::span<const Duration> durations, double mean, double sd) {
   const auto n = static_cast<double>(durations.size());
   for (int round = 0; round < 500; ++round) {
@@ -85,7 +85,7 @@ NormalFit fit_normal(std::span<const Duration> durations, double mean, double sd
         squares += (one.value - mean) * (one.value - mean);
         continue;
       }
-      // What a censored one is expected to have come to, and its square about the present mean.
+      // The expected value of a censored duration, and its square about the present mean.
       const double z = (one.value - mean) / sd;
       const double h = hazard(z);
       sum += mean + sd * h;
@@ -132,7 +132,7 @@ Survival kaplan_meier(std::span<const Duration> durations, double level, Surviva
   double before = 0.0;
   struct Piece {
     double area;
-    double term;  ///< of Greenwood's sum, of the end that closes this piece
+    double term;  ///< of Greenwood's sum, for the end that closes this piece
   };
   std::vector<Piece> pieces;
   for (std::size_t i = 0; i < all.size();) {
@@ -159,7 +159,7 @@ Survival kaplan_meier(std::span<const Duration> durations, double level, Surviva
   double variance = 0.0;
   double after = survival.restricted_mean;
   for (const Piece& piece : pieces) {
-    after -= piece.area;  // the area that lies after this end
+    after -= piece.area;  // the area after this end
     variance += after * after * piece.term;
   }
   survival.restricted_mean_sd = std::sqrt(variance);
@@ -194,7 +194,7 @@ std::optional<CensoredNormal> censored_normal(std::span<const Duration> duration
   const double degrees = std::max(1.0, ended - 1.0);
   const double half = student_quantile(0.5 + 0.5 * level, degrees) * correction * std::sqrt(fit.mean_variance);
   found.mean_interval = {found.mean - half, found.mean + half};
-  // As from a whole sample whose mean is as well known, with the ends' own degrees of freedom for the deviation.
+  // As for a complete sample whose mean is equally well known, with the ends' own degrees of freedom for the deviation.
   const double root = std::sqrt(found.effective_size);
   const double factor = shifted_student_quantile(0.95, degrees, normal_quantile(0.95) * root) / root;
   found.tolerance_low = found.mean - factor * found.sd;

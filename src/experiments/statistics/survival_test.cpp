@@ -20,7 +20,7 @@ const std::vector<Duration> remissions{{6, true},   {6, true},   {6, true},   {6
                                        {19, false}, {20, false}, {22, true},  {23, true}, {25, false}, {32, false},
                                        {32, false}, {34, false}, {35, false}};
 
-TEST(KaplanMeier, gives_the_textbook_s_curve) {
+TEST(KaplanMeier, equals_the_textbook_s_curve) {
   const Survival curve = kaplan_meier(remissions, 0.95, SurvivalBand::log_log);
   ASSERT_EQ(curve.steps.size(), 7U);
   const std::vector<double> at{6, 7, 10, 13, 16, 22, 23};
@@ -41,22 +41,22 @@ TEST(KaplanMeier, gives_the_textbook_s_curve) {
   EXPECT_NEAR(curve.restricted_mean_sd, 2.83, 0.01);
 }
 
-// Nobody is censored before the first three remissions end: the band is Wilson's interval of 18 of 21 there.
-TEST(KaplanMeier, has_wilson_s_interval_of_a_share_for_a_band) {
+// No duration is censored before the first three remissions end: the band is Wilson's interval of 18 of 21 there.
+TEST(KaplanMeier, has_wilson_s_interval_of_a_ratio_as_its_band) {
   const Survival curve = kaplan_meier(remissions);
   EXPECT_NEAR(curve.steps[0].band.low, 0.6536, 1e-4);
   EXPECT_NEAR(curve.steps[0].band.high, 0.9502, 1e-4);
   EXPECT_EQ(curve.band_at(6.0), curve.steps[0].band);
   EXPECT_EQ(curve.band_at(6.9), curve.steps[0].band);
   EXPECT_EQ(curve.band_at(1000.0), curve.steps.back().band);
-  // Before anybody has ended, 21 of 21 last: from 21/(21 + z²) to 1.
+  // Before the first end, 21 of 21 are running: from 21/(21 + z²) to 1.
   EXPECT_NEAR(curve.band_at(5.9).low, 0.8454, 1e-4);
   EXPECT_DOUBLE_EQ(curve.band_at(5.9).high, 1.0);
   for (const SurvivalStep& step : curve.steps) {
     EXPECT_LT(step.band.low, step.ratio);
     EXPECT_GT(step.band.high, step.ratio);
   }
-  // The same share of two who are left is known worse than of all four.
+  // The same ratio of the two that are left is less certain than that of all four.
   const Interval detected =
       kaplan_meier(std::vector<Duration>{{1, true}, {2, true}, {3, true}, {4, true}}).steps[1].band;
   const Interval censored =
@@ -64,7 +64,7 @@ TEST(KaplanMeier, has_wilson_s_interval_of_a_share_for_a_band) {
   EXPECT_LT(detected.high - detected.low, censored.high - censored.low);
 }
 
-TEST(KaplanMeier, knows_little_of_a_share_that_nobody_of_a_few_reached) {
+TEST(KaplanMeier, has_a_wide_band_for_a_ratio_that_few_durations_reached) {
   const Survival curve = kaplan_meier(std::vector<Duration>{{1, true}, {2, true}, {4, true}});
   EXPECT_EQ(curve.steps[2].ratio, 0.0);
   EXPECT_EQ(curve.steps[2].band.low, 0.0);
@@ -74,7 +74,7 @@ TEST(KaplanMeier, knows_little_of_a_share_that_nobody_of_a_few_reached) {
   EXPECT_EQ(kaplan_meier({}).band_at(3.0), (Interval{1.0, 1.0}));
 }
 
-TEST(KaplanMeier, band_holds_all_along_the_curve_about_as_often_as_it_says) {
+TEST(KaplanMeier, band_contains_the_true_curve_about_as_often_as_stated) {
   Random random{5, "bands"};
   constexpr int fleets = 1000;
   double wilson = 0.0;
@@ -98,10 +98,10 @@ TEST(KaplanMeier, band_holds_all_along_the_curve_about_as_often_as_it_says) {
     }
   }
   EXPECT_NEAR(wilson, 0.95, 0.012);
-  EXPECT_LT(log_log, 0.90) << "nothing to choose between";
+  EXPECT_LT(log_log, 0.90) << "no clear difference";
 }
 
-TEST(KaplanMeier, without_censoring_is_the_plain_share_and_the_plain_mean) {
+TEST(KaplanMeier, without_censoring_is_the_plain_ratio_and_the_plain_mean) {
   const Survival curve = kaplan_meier(std::vector<Duration>{{1, true}, {2, true}, {4, true}, {5, true}});
   ASSERT_EQ(curve.steps.size(), 4U);
   EXPECT_DOUBLE_EQ(curve.steps[1].ratio, 0.5);
@@ -128,9 +128,9 @@ TEST(CensoredNormal, without_censoring_is_the_usual_mean_and_deviation) {
   EXPECT_NEAR(fit->tolerance_low, 3454.8, 0.1);
 }
 
-// Cells 6 and 9 of the nine (there is no cell 8): their vehicles fail at 2000 and 3000 s. They did not show a short
-// autonomy, they showed none.
-TEST(CensoredNormal, does_not_take_a_failure_for_an_end) {
+// Cells 6 and 9 of the nine (there is no cell 8): their vehicles fail at 2000 and 3000 s. Such a failure is no short
+// autonomy, but no autonomy at all.
+TEST(CensoredNormal, does_not_count_a_failure_as_an_end) {
   std::vector<Duration> durations{{3490.71, true}, {3652.06, true}, {3602.42, true}, {3619.98, true}, {3598.24, true},
                                   {2000.0, false}, {3595.89, true}, {3000.0, false}, {3651.98, true}};
   const auto fit = censored_normal(durations);
@@ -143,7 +143,7 @@ TEST(CensoredNormal, does_not_take_a_failure_for_an_end) {
   EXPECT_EQ(kaplan_meier(durations).when_ended(0.5), 3602.42);
 }
 
-TEST(CensoredNormal, finds_the_ground_truth_behind_a_limit) {
+TEST(CensoredNormal, estimates_the_true_values_behind_a_limit) {
   Random random{3, "censored"};
   std::vector<Duration> durations;
   for (int i = 0; i < 20'000; ++i) {
@@ -156,7 +156,7 @@ TEST(CensoredNormal, finds_the_ground_truth_behind_a_limit) {
   EXPECT_LT(fit->effective_size, 20'000.0);
 }
 
-TEST(CensoredNormal, says_nothing_of_too_little) {
+TEST(CensoredNormal, is_nothing_for_too_few_values) {
   EXPECT_FALSE(censored_normal({}));
   EXPECT_FALSE(censored_normal(std::vector<Duration>{{5, true}, {6, false}}));
   EXPECT_FALSE(censored_normal(std::vector<Duration>{{5, true}, {5, true}, {6, false}}));

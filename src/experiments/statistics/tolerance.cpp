@@ -75,7 +75,8 @@ std::optional<std::size_t> stops_at(std::span<const double> values, double relat
     const auto some = values.first(n);
     const auto count = static_cast<double>(n);
     const double centre = mean(some);
-    // 1/n in units of the wanted width squared: it keeps the first, by chance narrow, looks from ending it.
+    // 1/n in units of the squared requested width: prevents stopping at the first values, which may be narrow by
+    // chance.
     const double wanted = relative_half_width * std::fabs(centre);
     const double variance = sample_variance(some) + wanted * wanted / count;
     if (both_sided_t(level, count - 1.0) * std::sqrt(variance / count) <= wanted) return n;

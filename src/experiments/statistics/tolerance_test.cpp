@@ -16,7 +16,7 @@ namespace {
 // Nine cells of one type from full to 2.5 V: Battery Testing Consortium, Oxford Brookes, 2021.
 constexpr std::array nine{3490.71, 3652.06, 3602.42, 3619.98, 3598.24, 3646.51, 3595.89, 3591.32, 3651.98};
 
-TEST(Fisher, quantiles_equal_the_published_tables) {
+TEST(Fisher, quantiles_equal_the_tables) {
   EXPECT_NEAR(fisher_cdf(4.9646, 1.0, 10.0), 0.95, 1e-5);
   EXPECT_NEAR(fisher_cdf(3.4780, 4.0, 10.0), 0.95, 1e-4);
   EXPECT_NEAR(fisher_cdf(3.3541, 2.0, 27.0), 0.95, 1e-4);
@@ -38,7 +38,7 @@ struct FactorRow {
 };
 
 // ISO 16269-6, table C.
-TEST(ToleranceFactor, stands_in_the_standard_s_table) {
+TEST(ToleranceFactor, equals_the_standard_s_table) {
   for (const FactorRow& row : {FactorRow{5, 4.203, 3.407},
                                {9, 3.031, 2.454},
                                {10, 2.911, 2.355},
@@ -53,7 +53,7 @@ TEST(ToleranceFactor, stands_in_the_standard_s_table) {
   EXPECT_NEAR(ratio_above_smallest(30), 0.90, 0.006);
 }
 
-TEST(MeanInterval, of_nine_cells_is_the_published_one) {
+TEST(MeanInterval, of_nine_cells_equals_the_published_one) {
   const auto interval = mean_interval(nine);
   EXPECT_NEAR(interval->low, 3567.3, 0.05);
   EXPECT_NEAR(interval->high, 3643.7, 0.05);
@@ -71,7 +71,7 @@ struct SizeRow {
   std::size_t n;
 };
 
-TEST(SampleSize, is_the_smallest_that_is_enough) {
+TEST(SampleSize, is_the_smallest_sufficient_size) {
   for (const SizeRow& row : {SizeRow{0.003, 0.01, 3},
                              {0.01, 0.01, 7},
                              {0.01, 0.005, 18},
@@ -112,7 +112,7 @@ TEST(SequentialStop, waits_for_the_least_number_of_values) {
   EXPECT_FALSE(stops_at(std::span{values}.first(4), 0.5));
 }
 
-TEST(Grubbs, flags_the_one_cell_and_only_it) {
+TEST(Grubbs, flags_only_the_one_outlier) {
   const auto worst = grubbs(nine);
   ASSERT_TRUE(worst);
   EXPECT_EQ(worst->index, 0U);
@@ -127,7 +127,7 @@ TEST(Grubbs, flags_the_one_cell_and_only_it) {
   EXPECT_EQ(median(std::array{4.0, 1.0}), 2.5);
 }
 
-TEST(Normality, is_doubted_of_what_is_not_normal_and_rarely_of_what_is) {
+TEST(Normality, rejects_non_normal_samples_and_rarely_normal_ones) {
   Random random{2, "normality"};
   int doubted = 0;
   for (int i = 0; i < 2000; ++i) {

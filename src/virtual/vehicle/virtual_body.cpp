@@ -70,7 +70,8 @@ void VirtualBody::move(const wire::Drive* drive, double dt_s, std::vector<Antenn
     roll(wanted_m, drive != nullptr && drive->speed_mmps > 0);
   else
     roll_back(wanted_m);
-  antenna_.move(*zone_, from, motion_.track_position(zone_->circuit), p_from, position(motion_.pose(zone_->circuit)), readings);
+  antenna_.move(*zone_, from, motion_.track_position(zone_->circuit), p_from, position(motion_.pose(zone_->circuit)),
+                readings);
 }
 
 void VirtualBody::change_speed(const wire::Drive* drive, double dt_s) {

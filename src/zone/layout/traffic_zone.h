@@ -71,7 +71,7 @@ struct Diagnostic {
   };
   Kind kind;
   std::string location;  ///< in the file: "road 12", "layouts[0].edges[3].trajectory"
-  std::string text;            ///< a sentence
+  std::string text;      ///< a sentence
 };
 [[nodiscard]] std::string_view to_string(Diagnostic::Kind kind);
 

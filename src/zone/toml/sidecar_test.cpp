@@ -134,10 +134,8 @@ TEST(Sidecar, that_is_wrong_is_refused_with_its_own_file_and_line) {
   EXPECT_THAT(error_of("[vehicle\n"), StartsWith("zone.syntax plants/area.zone.toml:1: "));
   EXPECT_THAT(
       error_of("[import]\nscle = 2\n"),
-      StartsWith(
-          "zone.unknown_key plants/area.zone.toml:2: import.scle: unknown key; did you mean \"scale\"?"));
-  EXPECT_THAT(error_of("\n[import]\nscale = 0\n"),
-              StartsWith("zone.field plants/area.zone.toml:3: import.scale"));
+      StartsWith("zone.unknown_key plants/area.zone.toml:2: import.scle: unknown key; did you mean \"scale\"?"));
+  EXPECT_THAT(error_of("\n[import]\nscale = 0\n"), StartsWith("zone.field plants/area.zone.toml:3: import.scale"));
   EXPECT_THAT(error_of("[[section]]\n"), StartsWith("zone.unknown_key"));
   EXPECT_THAT(error_of("format_version = 2\n"), StartsWith("zone.version"));
   EXPECT_THAT(error_of("[[tag]]\nnumber = 1\nsection = \"up\"\ns_m = 0\n"),

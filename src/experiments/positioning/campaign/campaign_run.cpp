@@ -7,7 +7,7 @@
 namespace cosiva::experiments {
 namespace {
 
-/// Units of one rank in one round, at most: a letter stays small, and all ranks agree often.
+/// Largest number of units of one rank in one round: messages stay small, and all ranks synchronise often.
 constexpr std::size_t ratio_max = 4096;
 constexpr char error_flag = '!';
 constexpr char part_flag = '\x1f';
@@ -25,7 +25,7 @@ std::optional<Error> error_in(std::string_view message) {
                std::string(message.substr(second + 1))};
 }
 
-/// The first rank's error, so that all say the same.
+/// The first rank's error, so that all ranks report the same.
 std::optional<Error> first_error(const std::vector<std::string>& messages) {
   for (const std::string& message : messages)
     if (auto error = error_in(message)) return error;
@@ -41,7 +41,7 @@ std::string numbers_of(const std::vector<std::size_t>& units) {
 void fiducial(std::string_view numbers, std::vector<bool>& finished) {
   Lines lines{numbers};
   for (std::string_view line; lines.next(line);)
-    // A number alone, or a state's line, which begins with one.
+    // A number alone, or a state's line, which begins with a number.
     if (const auto unit = number_of<std::size_t>(line.substr(0, line.find(' '))); unit && *unit < finished.size())
       finished[*unit] = true;
 }
@@ -123,7 +123,8 @@ Result<void> CampaignRun::report(const std::vector<std::optional<UnitRecord>>& m
     units.push_back(record->unit);
     lines += state_line(*record);
   }
-  // Rank 0 keeps the records, the others need to know which units are done. What is done counts beside a fault, too.
+  // Rank 0 stores the records; the other ranks only need to know which units are done. Finished units count even in a
+  // round with a fault.
   std::vector<std::string> messages(ranks_->size(), numbers_of(units));
   messages[0] = std::move(lines);
   messages = ranks_->exchange(std::move(messages));

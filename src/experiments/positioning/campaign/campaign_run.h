@@ -14,30 +14,31 @@
 
 namespace cosiva::experiments {
 
-/// A campaign being done: all units that no earlier run has finished, on the threads of all ranks. In rounds: each rank
-/// takes its share of what is left, until its time is up; then all tell each other what they have done. So nobody has
-/// to hand out work, a slow rank does less, and what is lost with a killed process is a round.
+/// A campaign in progress: runs all units that no earlier run has finished, on the threads of all ranks. The run
+/// proceeds in rounds: each rank takes its part of the remaining units, until its time is up; then all ranks exchange
+/// what they have done. Therefore no rank has to distribute work, a slow rank does less, and a killed process loses one
+/// round.
 class CampaignRun {
  public:
-  /// Keeps lines of finished units; rank 0's alone is used. What it fails with ends the campaign.
+  /// Stores lines of finished units; only rank 0's function is used. Its failure ends the campaign.
   using Keep = std::function<Result<void>(std::string_view lines)>;
-  /// Whether no more units should be begun in this round; several threads ask it. Each round does at least one unit.
+  /// Whether no more units should be begun in this round; called by several threads. Each round does at least one unit.
   using TimeIsUp = std::function<bool()>;
 
   /// @param work  outlives this
-  /// @param known  what is finished already, or why it cannot be told: rank 0's counts, the others may give nothing
-  /// Fails, on all ranks alike, with rank 0's error, and ("campaign.ranks") where they do not have the same plan and
-  /// zone.
+  /// @param known  the units finished already, or why they are unknown: rank 0's counts, the others may pass nothing
+  /// Fails, on all ranks alike, with rank 0's error, and ("campaign.ranks") where the ranks do not have the same plan
+  /// and zone.
   [[nodiscard]] static Result<CampaignRun> make(const CampaignWork& work, Result<std::vector<UnitRecord>> known,
                                                 Ranks& ranks);
 
-  /// One round. False when nothing is left. Fails on all ranks alike.
+  /// Does one round. False when no unit is left. Fails on all ranks alike.
   [[nodiscard]] Result<bool> advance(Workers& workers, const TimeIsUp& time_is_up, const Keep& keep);
 
-  [[nodiscard]] double cost_done() const { return cost_done_; }  ///< as CampaignWork::cost() says
+  [[nodiscard]] double cost_done() const { return cost_done_; }  ///< in the unit of CampaignWork::cost()
   [[nodiscard]] double cost_all() const { return cost_all_; }
   [[nodiscard]] std::size_t units_done() const { return work_->units() - left_.size(); }
-  /// All units in their order once nothing is left; rank 0's alone.
+  /// All units in order once no unit is left; on rank 0 only.
   [[nodiscard]] std::vector<UnitRecord> take_records();
 
  private:
@@ -51,7 +52,7 @@ class CampaignRun {
   const CampaignWork* work_;
   Ranks* ranks_;
   std::vector<std::size_t> left_;    ///< rising; the same on all ranks
-  std::vector<UnitRecord> records_;  ///< rank 0's: of all ranks, by unit
+  std::vector<UnitRecord> records_;  ///< on rank 0: those of all ranks, by unit
   double cost_done_{};
   double cost_all_{};
 };

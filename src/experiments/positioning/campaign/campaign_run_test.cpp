@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 using testing::small_plan;
 using testing::work_of;
 
-/// Each part on a thread of its own, the last first.
+/// Runs each part on a separate thread, the last part first.
 class HastyWorkers final : public Workers {
  protected:
   void run(std::size_t count, Call call, void* context) override {
@@ -35,7 +35,7 @@ std::string digest_of(const CampaignWork& work, std::vector<UnitRecord> records)
   return sum_up(work, records, alone).digest;
 }
 
-/// All of it, by one rank; what it keeps is added to `state`.
+/// Runs everything on one rank; stored lines are added to `state`.
 std::string digest_alone(const CampaignWork& work, Workers& workers, std::string* state = nullptr) {
   OneRank one;
   auto run = CampaignRun::make(work, std::vector<UnitRecord>{}, one);
@@ -80,7 +80,7 @@ TEST(CampaignRun, gives_one_digest_on_any_number_of_threads_and_ranks) {
   }
 }
 
-TEST(CampaignRun, interrupted_anywhere_goes_on_to_the_same_digest) {
+TEST(CampaignRun, continues_after_any_interruption_to_the_same_digest) {
   const CampaignWork work = work_of(small_plan);
   AloneWorker alone;
   std::string lines;
@@ -100,7 +100,7 @@ TEST(CampaignRun, interrupted_anywhere_goes_on_to_the_same_digest) {
     };
     while (*run->advance(alone, no_hurry, count)) {
     }
-    EXPECT_EQ(kept, work.units() - known) << "nothing is done twice";
+    EXPECT_EQ(kept, work.units() - known) << "no unit is done twice";
     EXPECT_EQ(digest_of(work, run->take_records()), digest) << bytes;
   }
 }
@@ -119,7 +119,7 @@ TEST(CampaignRun, finished_has_nothing_left_to_do) {
   EXPECT_FALSE(*more);
 }
 
-/// What each of several ranks comes to.
+/// The outcome on each of several ranks.
 std::vector<Result<bool>> outcomes(std::size_t count, const std::function<Result<bool>(Ranks&)>& of) {
   ThreadRanks::Room room{count};
   std::vector<Result<bool>> all(count, false);

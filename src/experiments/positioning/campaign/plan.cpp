@@ -17,8 +17,8 @@ constexpr std::array<SweptInfo, swept_count> infos{{
     {"speed_mps", "speed [m/s]", "metres per second over 0, at most 100", 0.0, 100.0, false, 0.5},
     {"odometry_noise_m", "odometry noise after 1 m [m]", "metres from 0 to 10", 0.0, 10.0, true, 0.01},
     {"reading_noise_m", "reading noise [m]", "metres over 0, at most 10", 0.0, 10.0, false, 0.01},
-    {"missed_ratio", "missed reads [share]", "a share from 0 to 0.99", 0.0, 0.99, true, 0.0},
-    {"scale_error", "odometer's scale error [share]", "a share from 0 to 0.5", 0.0, 0.5, true, 0.0},
+    {"missed_ratio", "missed reads [ratio]", "a ratio from 0 to 0.99", 0.0, 0.99, true, 0.0},
+    {"scale_error", "odometer's scale error [ratio]", "a ratio from 0 to 0.5", 0.0, 0.5, true, 0.0},
     {"survey_error_m", "survey error [m]", "metres from 0 to 10", 0.0, 10.0, true, 0.0},
     {"rotation_deg", "grid's rotation [°]", "degrees from -360 to 360", -360.0, 360.0, true, 0.0},
     {"origin_x_m", "grid's origin, x [m]", "metres from -100000 to 100000", -1e5, 1e5, true, 0.0},
@@ -54,7 +54,7 @@ void read_settings(const Entry& root, CampaignPlan& plan) {
   plan.evaluated = root.one_of("tolerance_of", {"rmse", "p95"}, "rmse") == "p95" ? Evaluated::p95 : Evaluated::rmse;
 }
 
-/// Grids have what lines have not, and are read by readers that see one beacon at a time.
+/// Parameters of a grid are refused for beacons on a line; a grid's reader must detect one beacon at a time.
 void check_fiducials(const Entry& root, const Entry& vary, const CampaignPlan& plan) {
   if (plan.fiducials == Fiducials::line) {
     for (const Swept swept : {Swept::rotation, Swept::origin_x, Swept::origin_y})
@@ -63,13 +63,13 @@ void check_fiducials(const Entry& root, const Entry& vary, const CampaignPlan& p
     if (root.has("reach_m")) root.fault("reach_m", "campaign.plan", "only a grid needs it: set fiducials = \"grid\"");
   } else if (2.0 * plan.reach_m > plan.of(Swept::pitch).front()) {
     vary.fault(vary.has(info_of(Swept::pitch).key) ? info_of(Swept::pitch).key : "", "campaign.plan",
-               "a reader that reaches " + shortest(plan.reach_m) + " m would see two beacons of a grid of " +
+               "a reader that reaches " + shortest(plan.reach_m) + " m would detect two beacons of a grid of " +
                    shortest(plan.of(Swept::pitch).front()) + " m at once; make reach_m at most half the pitch");
   }
 }
 
 void check_size(const Entry& vary, const CampaignPlan& plan) {
-  // Each factor is at most 10⁴, but ten of them need not fit an integer.
+  // Each factor is at most 10⁴, but the product of ten of them may exceed an integer.
   double votes = plan.runs * static_cast<double>(plan.algorithms.size());
   for (const auto& values : plan.values) votes *= static_cast<double>(values.size());
   if (votes > static_cast<double>(campaign_votes_max))

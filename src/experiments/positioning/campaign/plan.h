@@ -10,7 +10,8 @@
 
 namespace cosiva::experiments {
 
-/// What can be swept besides the algorithm, in the order of the grid: the first changes slowest, the algorithm fastest.
+/// The factors that can be swept besides the algorithm, in the order of the grid: the first changes slowest, the
+/// algorithm fastest.
 enum class Swept : std::size_t {
   speed,
   odometry_noise,
@@ -24,13 +25,13 @@ enum class Swept : std::size_t {
   pitch,
 };
 inline constexpr std::size_t swept_count = 10;
-/// One value of each: an environment.
+/// One value of each factor: an environment.
 using SweptValues = std::array<double, swept_count>;
 
 struct SweptInfo {
   std::string_view key;    ///< in plans and tables, with its unit: "pitch_m"
-  std::string_view label;  ///< for people: "pitch [m]"
-  std::string_view must;   ///< what each value must be
+  std::string_view label;  ///< for display: "pitch [m]"
+  std::string_view must;   ///< the requirement for each value
   double low;
   double high;
   bool low_allowed;
@@ -41,18 +42,18 @@ struct SweptInfo {
   return values[static_cast<std::size_t>(swept)];
 }
 
-/// Where beacons lie: one every pitch along the way, or in a square grid over the zone that the way crosses.
+/// Positions of beacons: one every pitch along the path, or in a square grid over the zone that the path crosses.
 enum class Fiducials { line, grid };
-/// Which figure has to stay within the tolerance.
+/// The metric that has to stay within the tolerance.
 enum class Evaluated { rmse, p95 };
 
-/// Runs in one campaign, over all algorithms: as many as fit a machine's memory and a table.
+/// Largest number of runs in one campaign, over all algorithms: limited by a machine's memory and the size of a table.
 inline constexpr std::size_t campaign_votes_max = 2'000'000;
 
-/// What is to be swept, as its user writes it.
+/// The plan of a campaign, as written by its user.
 struct CampaignPlan {
   std::string name;
-  std::string zone;        ///< a ready zone's name or a file; its first loop or ring is driven
+  std::string zone;        ///< name of a ready zone, or a file; the vehicle drives along its first loop
   std::uint32_t runs{20};  ///< in each environment; run k has seed + k in all of them, so that they can be paired
   std::uint64_t seed{1};
   double distance_m{100.0};
@@ -71,15 +72,15 @@ struct CampaignPlan {
   [[nodiscard]] std::size_t environments() const;
   [[nodiscard]] std::size_t cells() const { return environments() * algorithms.size(); }
   [[nodiscard]] std::size_t votes() const { return cells() * runs; }
-  /// Which value of each an environment has; `index` < environments().
+  /// The index of each factor's value in an environment; `index` < environments().
   [[nodiscard]] std::array<std::size_t, swept_count> indices(std::size_t index) const;
   [[nodiscard]] SweptValues environment(std::size_t index) const;
-  /// Which of them have more than one value.
+  /// The factors with more than one value.
   [[nodiscard]] std::vector<Swept> swept() const;
 };
 
-/// Reads a plan of at most 1 MiB. Fails ("campaign.plan", "scenario.…") with file, line, key, what was expected and
-/// what was found.
+/// Reads a plan of at most 1 MiB. Fails ("campaign.plan", "scenario.…") with file, line, key, the expected and the
+/// actual value.
 [[nodiscard]] Result<CampaignPlan> read_campaign_plan(std::string_view toml, const std::string& origin);
 
 }  // namespace cosiva::experiments

@@ -32,12 +32,12 @@ TEST(CampaignPlan, takes_numbers_lists_and_ranges) {
   EXPECT_THAT(plan.of(Swept::origin_x), ElementsAre(0.0, 0.1, 0.2));
   EXPECT_THAT(plan.of(Swept::rotation), ElementsAre(-10.5, 45.0)) << "in rising order";
   EXPECT_THAT(plan.of(Swept::speed), ElementsAre(0.25));
-  EXPECT_THAT(plan.of(Swept::missed), ElementsAre(0.0)) << "what is not named has its usual value";
+  EXPECT_THAT(plan.of(Swept::missed), ElementsAre(0.0)) << "a missing factor has its default value";
   EXPECT_EQ(plan.environments(), 5U * 3U * 2U);
   EXPECT_EQ(plan.cells(), 60U);
 }
 
-TEST(CampaignPlan, counts_through_its_grid_with_the_pitch_fastest) {
+TEST(CampaignPlan, enumerates_its_grid_with_the_pitch_fastest) {
   const CampaignPlan plan = plan_of("[vary]\npitch_m = [0.5, 1.0]\nspeed_mps = [0.2, 0.4, 0.6]\n");
   ASSERT_EQ(plan.environments(), 6U);
   std::vector<std::pair<double, double>> detected;
@@ -55,7 +55,7 @@ struct Bad {
   const char* message;
 };
 
-TEST(CampaignPlan, names_line_key_and_what_was_found_of_what_is_wrong) {
+TEST(CampaignPlan, reports_line_key_and_the_value_of_errors) {
   const std::vector<Bad> all{
       {"[vary]\npich_m = 0.5\n", "plan.toml:2: vary.pich_m", "did you mean \"pitch_m\"?"},
       {"run = 3\n[vary]\n", "plan.toml:1: run", "did you mean \"runs\"?"},
@@ -77,7 +77,7 @@ TEST(CampaignPlan, names_line_key_and_what_was_found_of_what_is_wrong) {
       {"[vary]\nalgorithm = \"arc_kalmann\"\n", "plan.toml:2: vary.algorithm", "did you mean \"arc_kalman\"?"},
       {"[vary]\nalgorithm = []\n", "plan.toml:2: vary.algorithm", "an empty list"},
       {"[vary]\nalgorithm = [\"ekf\", 3]\n", "plan.toml:2: vary.algorithm", "found 3"},
-      {"[vary]\nalgorithm = [\"ekf\", \"ekf\"]\n", "plan.toml:2: vary.algorithm", "named twice"},
+      {"[vary]\nalgorithm = [\"ekf\", \"ekf\"]\n", "plan.toml:2: vary.algorithm", "given twice"},
       {"[vary]\nrotation_deg = 45\n", "plan.toml:2: vary.rotation_deg", "set fiducials = \"grid\""},
       {"fiducials = \"grid\"\nreach_m = 0.3\n[vary]\npitch_m = 0.5\n", "vary.pitch_m", "two beacons"},
       {"fiducials = \"gird\"\n[vary]\n", "plan.toml:1: fiducials", "did you mean \"grid\"?"},

@@ -4,7 +4,8 @@
 
 #include "cosiva/experiments/positioning/campaign/summary.h"
 
-/// A campaign as others read it. No time, machine or number of processes is in it: the same plan gives the same files.
+/// The result of a campaign for other programs, without time, machine or number of processes: the same plan gives the
+/// same files.
 namespace cosiva::experiments {
 
 struct CampaignResult {

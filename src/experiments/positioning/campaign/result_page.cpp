@@ -11,7 +11,7 @@
 namespace cosiva::experiments {
 namespace {
 
-/// A chart has six colours: four algorithms and the limits of those that look back and of those that do not.
+/// A chart has six colours: four algorithms, and the limits of smoothers and of filters.
 constexpr std::size_t lines_per_chart = 4;
 constexpr std::size_t charts_max = 24;
 constexpr std::size_t rows_max = 500;
@@ -26,7 +26,7 @@ std::vector<std::string> with_labels(const char* first, const std::vector<Swept>
   return columns;
 }
 
-/// Values a decade apart or more.
+/// True for values a decade apart or more.
 bool wide(const std::vector<double>& values) {
   double low = std::numeric_limits<double>::infinity();
   double high = 0.0;
@@ -60,7 +60,7 @@ class Page {
   Page(const CampaignResult& result, Report& report)
       : work_{result.work}, records_{result.records}, plan_{result.work.plan()}, report_{report} {}
 
-  /// All algorithms along a factor, as many to a chart as it has colours for.
+  /// Draws all algorithms along a factor, as many per chart as it has colours.
   void add_charts(Swept factor, const Selection& selection, const std::string& caption) {
     for (std::size_t first = 0; first < plan_.algorithms.size(); first += lines_per_chart) {
       if (charts_++ >= charts_max) return;
@@ -83,7 +83,7 @@ class Page {
       heights.insert(heights.end(), chart.series.back().y.begin(), chart.series.back().y.end());
       Series& limit = limits[work_.backtracks(i) ? 1 : 0];
       if (limit.x.empty() && plan_.evaluated == Evaluated::rmse)
-        limit = limit_line(curve, work_.backtracks(i) ? "limit, looking back" : "limit");
+        limit = limit_line(curve, work_.backtracks(i) ? "limit of smoothers" : "limit");
     }
     for (Series& limit : limits)
       if (!limit.x.empty()) chart.series.push_back(std::move(limit));
@@ -99,15 +99,15 @@ class Page {
   std::size_t charts_{0};
 };
 
-/// By pitch once for each surrounding, then by each factor over all others.
+/// Charts by pitch, once for each surrounding, then by each factor over all others.
 void add_curves(const CampaignResult& result, Report& report) {
   const CampaignPlan& plan = result.work.plan();
   const std::vector<Swept> swept = plan.swept();
   if (swept.empty()) return;
   Page page{result, report};
-  report.heading("Error against what was swept");
+  report.heading("Error by swept factor");
   report.paragraph(
-      "Bands: 95 % intervals over runs. Dashed: the limit, which no estimator can beat with the readings "
+      "Bands: 95 % intervals over runs. Dashed: the limit, which no estimator can surpass with the readings "
       "that these runs had.");
   const std::size_t around = plan.algorithms.empty() ? 0 : result.summary.pitches_met.size() / plan.algorithms.size();
   for (std::size_t i = 0; i < around && !page.full(); ++i) {
@@ -120,7 +120,7 @@ void add_curves(const CampaignResult& result, Report& report) {
     page.add_charts(factor, {}, std::string(info_of(factor).label) + ", over all values of the other factors");
   }
   if (page.full())
-    report.paragraph("There are more combinations than are drawn here; cells.csv and campaign.sqlite have them all.");
+    report.paragraph("Not all combinations are drawn; cells.csv and campaign.sqlite contain all of them.");
 }
 
 void add_pitches(const CampaignResult& result, Report& report) {
@@ -128,7 +128,7 @@ void add_pitches(const CampaignResult& result, Report& report) {
   const std::vector<PitchMet>& all = result.summary.pitches_met;
   if (all.empty()) return;
   report.heading("The pitch that meets " + mm(plan.tolerance_m) + " mm");
-  std::vector<Swept> around;  // what has a value of its own in each row
+  std::vector<Swept> around;  // the factors with more than one value in the rows
   for (const Swept swept : plan.swept())
     if (all.front().at[static_cast<std::size_t>(swept)]) around.push_back(swept);
   std::vector<std::vector<std::string>> rows;
@@ -174,12 +174,12 @@ void add_cells(const CampaignResult& result, Report& report) {
   }
   std::vector<std::string> columns = with_labels("algorithm", plan.swept());
   for (const char* name : {"rmse [mm]", "95 % [mm]", "limit [mm]", "gap [%]", "p95 [mm]", "max [mm]", "precision [%]",
-                           "95 % region covers [%]", "way per beacon [m]", "longest way without [m]"})
+                           "95 % region covers [%]", "distance per beacon [m]", "longest distance without [m]"})
     columns.emplace_back(name);
   report.table(columns, rows);
   if (cells.size() > rows_max)
     report.paragraph("The first " + std::to_string(rows_max) + " of " + std::to_string(cells.size()) +
-                     " cells; cells.csv and campaign.sqlite have them all.");
+                     " cells; cells.csv and campaign.sqlite contain all of them.");
 }
 
 }  // namespace
@@ -195,7 +195,7 @@ std::string to_html(const CampaignResult& result, const std::string& plan_text) 
   add_pitches(result, report);
   add_curves(result, report);
   add_cells(result, report);
-  report.heading("The same again");
+  report.heading("Reproduction");
   report.paragraph("cosiva campaign with this plan gives the same digest on any number of threads and processes.");
   report.verbatim(plan_text + "\ndigest " + result.summary.digest);
   return report.html();

@@ -6,8 +6,8 @@
 
 namespace cosiva::experiments {
 
-/// One HTML page that needs nothing else.
-/// @param plan_text  as it was read, to be shown
+/// Writes one self-contained HTML page.
+/// @param plan_text  the plan's text, to be printed
 [[nodiscard]] std::string to_html(const CampaignResult& result, const std::string& plan_text);
 
 }  // namespace cosiva::experiments

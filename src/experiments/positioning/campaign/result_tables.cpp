@@ -13,7 +13,7 @@ using Kind = Table::Column::Kind;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// The environment's factors, all of them: who joins tables wants the same columns every time.
+/// The environment's factors, all of them: joins of tables need the same columns every time.
 void add_factors(Table& table, const CampaignPlan& plan, const std::function<std::size_t(std::size_t)>& environment) {
   for (std::size_t i = 0; i < swept_count; ++i) {
     const auto swept = static_cast<Swept>(i);
@@ -24,7 +24,7 @@ void add_factors(Table& table, const CampaignPlan& plan, const std::function<std
   }
 }
 
-/// In a pitch's table a crossing is its number, and beyond the swept ones an open end: NULL.
+/// In a pitch's table a crossing is a number; beyond the swept pitches it is an open end: NULL.
 double low_end(const Crossing& crossing) { return crossing.where == Crossing::Where::under ? nan : crossing.x; }
 
 double number_of(const std::optional<Crossing>& crossing) {

@@ -5,7 +5,7 @@
 
 namespace cosiva::experiments {
 
-/// A row per run and algorithm: factors, algorithm, seed, rmse_m, … What it refers to outlives it.
+/// A row per run and algorithm: factors, algorithm, seed, rmse_m, … The referenced data must outlive the table.
 [[nodiscard]] Table runs_table(const CampaignResult& result);
 /// A row per cell.
 [[nodiscard]] Table cells_table(const CampaignResult& result);

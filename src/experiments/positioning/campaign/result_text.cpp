@@ -15,7 +15,7 @@ std::string padded(std::string text, std::size_t width) {
   return text;
 }
 
-/// Lines of a terminal's table, at most; files have all.
+/// Largest number of lines of a terminal's table; files contain all lines.
 constexpr std::size_t lines_max = 24;
 
 std::string pitches_text(const CampaignPlan& plan, const std::vector<PitchMet>& all) {
@@ -80,7 +80,7 @@ std::string to_text(const CampaignResult& result) {
   text += pitches_text(plan, result.summary.pitches_met);
   if (result.summary.leaks > 0)
     text += "  " + std::to_string(result.summary.leaks) +
-            " cells are below the limit: an algorithm knows what it cannot, or the limit is wrong\n";
+            " cells are below the limit: an algorithm uses information that it cannot have, or the limit is wrong\n";
   return text + "  digest " + result.summary.digest + "\n";
 }
 

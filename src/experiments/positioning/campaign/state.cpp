@@ -28,7 +28,7 @@ std::string check_of(std::string_view body) {
   return digest.hex();
 }
 
-/// The words of a line, one after the other.
+/// The tokens of a line, one after the other.
 class Tokens {
  public:
   explicit Tokens(std::string_view line) : rest_{line} {}
@@ -56,7 +56,7 @@ class Tokens {
 
 tl::unexpected<Error> refuse(const std::string& origin, std::size_t line, const std::string& what) {
   return fail("campaign.state",
-              what + "; give another folder with --out, or begin anew with --anew, which forgets what is there",
+              what + "; give another folder with --out, or start anew with --anew, which discards the stored units",
               origin + ":" + std::to_string(line));
 }
 
@@ -98,13 +98,13 @@ Result<CampaignState> read_state(std::string_view text, const CampaignWork& work
   CampaignState state;
   const std::string header = state_header(work);
   if (!text.starts_with(header)) {
-    // Killed while the very first line was written: nothing is lost with it.
+    // The process was killed while the very first line was written: nothing is lost.
     if (header.starts_with(text)) {
       state.torn = !text.empty();
       return state;
     }
     return refuse(origin, 1,
-                  text.starts_with(magic) ? "it belongs to a campaign of another plan, zone or version"
+                  text.starts_with(magic) ? "the state is of a campaign with another plan, zone or version"
                                           : "this is no campaign's state");
   }
   std::vector<bool> detected(work.units(), false);
@@ -123,7 +123,7 @@ Result<CampaignState> read_state(std::string_view text, const CampaignWork& work
       state.torn = true;
       break;
     }
-    if (!record) return refuse(origin, number, "it is damaged here, before its end");
+    if (!record) return refuse(origin, number, "the state is damaged here, before its end");
     state.whole_bytes = text.size() - rest.size();
     if (detected[record->unit]) continue;
     detected[record->unit] = true;

@@ -41,7 +41,7 @@ TEST(CampaignState, reads_back_to_the_same_bits) {
   EXPECT_EQ(state_line(state->records[0]), state_line(record));
 }
 
-TEST(CampaignState, tolerates_a_last_line_that_is_torn_anywhere) {
+TEST(CampaignState, tolerates_a_torn_last_line) {
   const std::string whole = state_header(work()) + state_line(record_of(0));
   const std::string line = state_line(record_of(1));
   for (std::size_t bytes = 0; bytes < line.size(); ++bytes) {
@@ -59,7 +59,7 @@ TEST(CampaignState, tolerates_a_last_line_that_is_torn_anywhere) {
   }
 }
 
-TEST(CampaignState, refuses_what_is_damaged_before_its_end_and_says_what_to_do) {
+TEST(CampaignState, refuses_damage_before_its_end_with_advice) {
   std::string text = state_header(work()) + state_line(record_of(0)) + state_line(record_of(1));
   const std::size_t at = state_header(work()).size() + 12;
   text[at] = text[at] == '7' ? '8' : '7';
@@ -70,7 +70,7 @@ TEST(CampaignState, refuses_what_is_damaged_before_its_end_and_says_what_to_do) 
   EXPECT_THAT(state.error().message, HasSubstr("--anew"));
 }
 
-TEST(CampaignState, refuses_that_of_another_plan_and_what_is_no_state) {
+TEST(CampaignState, refuses_the_state_of_another_plan_and_other_texts) {
   const auto other = read_state(state_header(work_of("seed = 9\n" + small_plan)), work(), "state");
   ASSERT_FALSE(other);
   EXPECT_THAT(other.error().message, HasSubstr("another plan"));
@@ -80,7 +80,7 @@ TEST(CampaignState, refuses_that_of_another_plan_and_what_is_no_state) {
   EXPECT_THAT(none.error().message, HasSubstr("no campaign's state"));
 }
 
-TEST(CampaignState, is_never_taken_for_what_it_is_not) {
+TEST(CampaignState, is_never_read_from_a_changed_text) {
   const std::string good = state_header(work()) + state_line(record_of(0)) + state_line(record_of(1));
   EXPECT_TRUE(rc::check("a byte changed, anywhere", [&] {
     std::string text = good;

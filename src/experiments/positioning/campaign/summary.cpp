@@ -17,7 +17,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 double root(double v) { return std::sqrt(std::fmax(v, 0.0)); }
 
-/// Of a pool of environments, run by run: a run is one vote, however many environments it was in.
+/// The votes of a pool of environments, run by run: a run is one vote, however many environments it was in.
 struct Pool {
   std::vector<double> mse_m2;
   std::vector<double> p95_m;
@@ -50,7 +50,8 @@ Figure evaluated_of(const Pool& pool, Evaluated evaluated, const statistics::Boo
   return {root(statistics::mean(pool.mse_m2)), statistics::bca(pool.mse_m2, bootstrap, root)};
 }
 
-/// Below the limit by more than chance would have it in one of a hundred campaigns of so many cells.
+/// Whether a cell is below the limit by more than chance would cause in one of a hundred campaigns of this number of
+/// cells.
 bool leaks(const Pool& pool, std::size_t cells) {
   const std::size_t n = pool.mse_m2.size();
   if (n < 3) return false;
@@ -87,7 +88,7 @@ CellMetrics cell_of(const CampaignWork& work, const Votes& votes, std::size_t en
   return cell;
 }
 
-/// The environments that a selection leaves, in their order.
+/// The environments of a selection, in order.
 std::vector<std::size_t> environments_of(const CampaignPlan& plan, const Selection& selection) {
   std::vector<std::size_t> all{0};
   for (std::size_t i = 0; i < swept_count; ++i) {
@@ -105,7 +106,7 @@ constexpr bool is_placement(Swept swept) {
   return swept == Swept::pitch || swept == Swept::rotation || swept == Swept::origin_x || swept == Swept::origin_y;
 }
 
-/// All values of the factors that say nothing of where beacons lie.
+/// All combinations of the factors that do not define the positions of beacons.
 std::vector<Selection> surroundings(const CampaignPlan& plan) {
   std::vector<Selection> all{Selection{}};
   for (std::size_t i = 0; i < swept_count; ++i) {
@@ -173,7 +174,7 @@ const FiducialsFound& Votes::fiducials(std::size_t environment) const {
 
 Crossing crossing_of(const std::vector<double>& x, const std::vector<double>& y, double tolerance) {
   COSIVA_EXPECT(!x.empty() && x.size() == y.size());
-  // Written so that a NaN does not meet it.
+  // Written such that a NaN does not meet the condition.
   const auto meets = [&](double value) { return value <= tolerance; };
   if (!meets(y.front())) return {Crossing::Where::under, x.front()};
   for (std::size_t i = 1; i < x.size(); ++i) {

@@ -48,18 +48,18 @@ TEST(Crossing, is_where_the_tolerance_is_passed_and_exact_for_a_power_law) {
   EXPECT_EQ(crossing_of({0.5}, {0.1}, 2.0).where, Crossing::Where::over);
 }
 
-TEST(Crossing, heeds_the_first_pitch_that_does_not_meet_it_though_a_wider_one_does) {
+TEST(Crossing, is_at_the_first_pitch_above_the_tolerance_even_if_a_wider_one_meets_it) {
   EXPECT_LT(crossing_of({0.1, 0.2, 0.4}, {0.01, 0.03, 0.01}, 0.02).x, 0.2);
 }
 
-TEST(Crossing, beside_a_pitch_without_any_beacon_is_the_last_that_has_some) {
+TEST(Crossing, next_to_a_pitch_without_beacons_is_the_last_pitch_with_beacons) {
   const Crossing at = crossing_of({0.1, 0.2}, {0.01, std::nan("")}, 0.02);
   EXPECT_EQ(at.where, Crossing::Where::at);
   EXPECT_EQ(at.x, 0.1);
 }
 
-TEST(CampaignSummary, finds_the_pitch_that_the_limit_s_closed_form_has_and_is_sure_of_it) {
-  // Nine runs of 60 m at nine pitches. The line is followed to 2 mm, which adds to what is along it.
+TEST(CampaignSummary, finds_the_pitch_of_the_limit_s_closed_form_with_certainty) {
+  // Nine runs of 60 m at nine pitches. The path is followed to 2 mm, which adds to the error along it.
   const Done done = done_of(
       "runs = 9\nway_m = 60\ntolerance_m = 0.01\n[vary]\nalgorithm = [\"reset_rule\", \"arc_kalman\"]\n"
       "pitch_m = { from = 0.1, to = 3.2, steps = 9, log = true }\n");
@@ -78,7 +78,7 @@ TEST(CampaignSummary, finds_the_pitch_that_the_limit_s_closed_form_has_and_is_su
   EXPECT_EQ(done.summary.leaks, 0U);
 }
 
-TEST(CampaignSummary, has_for_each_cell_its_figures_with_the_limit_beside_them) {
+TEST(CampaignSummary, contains_the_metrics_and_the_limit_of_each_cell) {
   const Done done = done_of(testing::small_plan);
   ASSERT_EQ(done.summary.cells.size(), 12U);
   for (const CellMetrics& cell : done.summary.cells) {
@@ -89,12 +89,12 @@ TEST(CampaignSummary, has_for_each_cell_its_figures_with_the_limit_beside_them) 
     EXPECT_LE(cell.p95_m.value, cell.max_m);
     EXPECT_FALSE(cell.leak);
   }
-  // Missed reads cost: the limit of 30 % at each pitch is above that of none.
+  // Missed reads increase the error: the limit at 30 % is above that at 0 % for each pitch.
   for (std::size_t pitch = 0; pitch < 3; ++pitch)
     EXPECT_GT(done.summary.cells[2 * (3 + pitch)].limit_m, done.summary.cells[2 * pitch].limit_m);
 }
 
-TEST(CampaignSummary, calls_what_is_below_the_limit_a_leak) {
+TEST(CampaignSummary, calls_a_cell_below_the_limit_a_leak) {
   Done done = done_of(testing::small_plan);
   for (UnitRecord& record : done.records)
     if (record.unit == 2)
@@ -107,13 +107,13 @@ TEST(CampaignSummary, calls_what_is_below_the_limit_a_leak) {
   EXPECT_NE(summary.digest, done.summary.digest);
 }
 
-TEST(CampaignSummary, of_one_run_has_no_interval_and_claims_none) {
+TEST(CampaignSummary, of_one_run_has_no_interval) {
   const Done done = done_of("runs = 1\nway_m = 12\n[vary]\npitch_m = [0.5, 1.0]\n");
   EXPECT_FALSE(done.summary.cells[0].rmse_m.interval);
   EXPECT_FALSE(done.summary.pitches_met[0].low);
 }
 
-TEST(CampaignResult, says_the_same_as_text_json_and_page) {
+TEST(CampaignResult, has_equal_content_as_text_json_and_page) {
   const Done done = done_of(testing::small_plan);
   const CampaignResult result{done.work, done.records, done.summary};
   const std::string json = to_json(result);

@@ -9,10 +9,10 @@
 
 namespace cosiva::experiments {
 
-/// A cell of a table. A number that is none (NaN) is an empty field in CSV and NULL in SQLite.
+/// A cell of a table. A NaN is an empty field in CSV and NULL in SQLite.
 using TableValue = std::variant<std::int64_t, double, std::string>;
 
-/// A table whose cells are computed when they are asked for: the largest have millions.
+/// A table whose cells are computed on demand: the largest tables have millions of cells.
 struct Table {
   std::string name;  ///< of a-z and _
   struct Column {

@@ -1,4 +1,4 @@
-// The database is made in memory and handed out as bytes: what writes files is not here.
+// Makes the database in memory and returns its bytes; files are written elsewhere.
 #include "cosiva/experiments/positioning/campaign/table_sqlite.h"
 
 #include <sqlite3.h>
@@ -38,9 +38,9 @@ Result<void> run(sqlite3* database, const std::string& statement) {
 
 int bind_value(sqlite3_stmt* statement, int at, const TableValue& value) {
   if (const auto* whole = std::get_if<std::int64_t>(&value)) return sqlite3_bind_int64(statement, at, *whole);
-  // A NaN becomes NULL by itself.
+  // SQLite stores a NaN as NULL.
   if (const auto* number = std::get_if<double>(&value)) return sqlite3_bind_double(statement, at, *number);
-  // The text lives until the statement is reset; SQLITE_TRANSIENT would need a cast of its own kind.
+  // The text lives until the statement is reset; SQLITE_TRANSIENT would need a cast of its own.
   const auto& text = std::get<std::string>(value);
   return sqlite3_bind_text64(statement, at, text.data(), text.size(), SQLITE_STATIC, SQLITE_UTF8);
 }

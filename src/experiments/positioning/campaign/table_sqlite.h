@@ -8,8 +8,8 @@
 
 namespace cosiva::experiments {
 
-/// The tables as one SQLite 3 database, byte for byte the same for the same tables and version of SQLite. Fails
-/// ("sqlite") where there is no memory for it.
+/// Writes the tables as one SQLite 3 database, byte for byte equal for equal tables and version of SQLite. Fails
+/// ("sqlite") where memory is exhausted.
 [[nodiscard]] Result<std::string> to_sqlite(const std::vector<Table>& tables);
 
 }  // namespace cosiva::experiments

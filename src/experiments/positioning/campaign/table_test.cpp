@@ -30,11 +30,11 @@ Table sample() {
       3};
 }
 
-TEST(Table, as_CSV_quotes_what_would_break_a_line_and_leaves_empty_what_is_no_number) {
+TEST(Table, as_CSV_quotes_special_characters_and_leaves_NaN_empty) {
   EXPECT_EQ(to_csv(sample()), "n,error_m,name\n0,0,x\n1,,x\n2,0.2,\"a \"\"b\"\", c\"\n");
 }
 
-/// The first column of what a query gives.
+/// The first column of a query's result.
 std::vector<std::string> requested(std::string bytes, const std::string& query) {
   sqlite3* database = nullptr;
   EXPECT_EQ(sqlite3_open(":memory:", &database), SQLITE_OK);
@@ -55,7 +55,7 @@ std::vector<std::string> requested(std::string bytes, const std::string& query) 
   return responses;
 }
 
-TEST(Table, as_SQLite_can_be_asked_and_is_the_same_bytes_each_time) {
+TEST(Table, as_SQLite_can_be_queried_and_has_the_same_bytes_each_time) {
   const auto bytes = to_sqlite({sample()});
   ASSERT_TRUE(bytes) << to_string(bytes.error());
   EXPECT_TRUE(bytes->starts_with("SQLite format 3"));
@@ -80,7 +80,7 @@ TEST(Tables, of_a_campaign_have_units_in_their_names_and_a_row_for_each_vote) {
       to_sqlite({campaign_table(result), runs_table(result), cells_table(result), pitches_table(result)});
   ASSERT_TRUE(bytes);
   EXPECT_THAT(requested(*bytes, "SELECT count(*) FROM runs JOIN cells USING (cell, algorithm)"), ElementsAre("60"));
-  // The table of cells is what one would make of the table of runs.
+  // The table of cells equals the aggregation of the table of runs.
   EXPECT_THAT(requested(*bytes,
                         "SELECT max(abs(rmse_m * rmse_m - together)) < 1e-15 FROM cells JOIN (SELECT "
                         "cell, avg(rmse_m * rmse_m) AS together FROM runs GROUP BY cell) USING (cell)"),

@@ -17,14 +17,14 @@ namespace cosiva::experiments {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-/// Iterations of a unit, about: a twentieth of a second, so that little is lost with a killed process and nobody waits
-/// long for the last.
+/// Approximate number of iterations of a unit: a twentieth of a second, so that a killed process loses little and the
+/// last unit ends soon.
 constexpr double unit_cost = 2e5;
 constexpr std::uint32_t beacons_max = 1'000'000'000;
-/// Raised where runs come to give other figures, so that no old state is taken for a new one.
+/// Raised when runs give other results, so that no old state is used for a new one.
 constexpr std::uint64_t revision = 1;
 
-/// From mark to mark, at most; on a closed way round its end, on an open one to its ends.
+/// The longest distance from fiducial to fiducial; on a closed path across its end, on an open path also to its ends.
 double longest_gap(const std::vector<Simulation::Fiducial>& fiducials, const estimation::Track& track) {
   double longest_m = track.closed() ? fiducials.front().along_m + track.length_m() - fiducials.back().along_m
                                     : std::fmax(fiducials.front().along_m, track.length_m() - fiducials.back().along_m);
@@ -62,7 +62,7 @@ Result<CampaignWork> CampaignWork::make(CampaignPlan plan, CampaignGround ground
     if (!registered) return tl::unexpected(registered.error());
     work.algorithms_.push_back(**registered);
   }
-  // Where an environment cannot be, its pitch, its speed or its rotation cannot: the rest is checked with the plan.
+  // Only the pitch, the speed or the rotation can make an environment impossible: all else is checked with the plan.
   std::set<std::array<double, 3>> detected;
   for (std::size_t i = 0; i < p.environments(); ++i) {
     const SweptValues values = p.environment(i);
@@ -112,7 +112,7 @@ std::string CampaignWork::identity() const {
     digest.add(std::uint64_t{values.size()});
     for (const double v : values) digest.add(v);
   }
-  // The ground: the line as it is driven.
+  // The path of the vehicle is a part of the identity.
   const zone::Circuit& circuit = ground_.track->circuit();
   digest.add(ground_.zone->vehicle.width_m);
   for (double s = 0.0; s < ground_.track->length_m();) {

@@ -16,7 +16,7 @@ using testing::work_of;
 
 TEST(CampaignWork, cuts_every_run_of_every_environment_into_exactly_one_unit) {
   const CampaignWork work = work_of("runs = 43\nway_m = 500\n[vary]\npitch_m = [0.5, 1.0, 2.0]\n");
-  EXPECT_GT(work.units(), 3U) << "blocks, so that little is lost and nobody waits long";
+  EXPECT_GT(work.units(), 3U) << "blocks, so that little is lost and no rank waits long";
   std::vector<std::vector<int>> detected(3, std::vector<int>(43, 0));
   for (std::size_t i = 0; i < work.units(); ++i) {
     const auto unit = work.unit(i);
@@ -29,7 +29,7 @@ TEST(CampaignWork, cuts_every_run_of_every_environment_into_exactly_one_unit) {
     for (const int times : environment) EXPECT_EQ(times, 1);
 }
 
-TEST(CampaignWork, gives_the_same_votes_whenever_it_is_asked) {
+TEST(CampaignWork, gives_the_same_votes_each_time) {
   const CampaignWork work = work_of(small_plan);
   const auto first = work.done(3);
   const auto other = work.done(2);
@@ -41,7 +41,7 @@ TEST(CampaignWork, gives_the_same_votes_whenever_it_is_asked) {
   EXPECT_NE(first->votes[0].mse_m2, other->votes[0].mse_m2);
 }
 
-TEST(CampaignWork, gives_all_algorithms_the_same_runs_and_so_the_same_limit) {
+TEST(CampaignWork, gives_all_algorithms_the_same_runs_and_therefore_the_same_limit) {
   const auto record = work_of(small_plan).done(0);
   ASSERT_TRUE(record);
   for (std::size_t run = 0; run < 5; ++run)
@@ -50,7 +50,7 @@ TEST(CampaignWork, gives_all_algorithms_the_same_runs_and_so_the_same_limit) {
   EXPECT_GE(record->votes[0].max_m, record->votes[0].p95_m);
 }
 
-TEST(CampaignWork, of_another_plan_has_another_identity_and_a_tolerance_does_not_matter) {
+TEST(CampaignWork, of_another_plan_has_another_identity_whatever_the_tolerance) {
   const auto identity = [](const std::string& text) { return work_of(text).identity(); };
   const std::string plain = identity(small_plan);
   EXPECT_EQ(identity("# a remark\nname = \"other\"\n" + small_plan), plain);
@@ -66,8 +66,9 @@ TEST(CampaignWork, of_another_plan_has_another_identity_and_a_tolerance_does_not
   EXPECT_NE(work->identity(), identity("distance_m = 0.5\n[vary]\n"));
 }
 
-TEST(CampaignWork, meets_a_grid_of_beacons_as_often_as_its_density_has_it) {
-  // A free path meets 2·reach/pitch² beacons a metre; origins and rotations even out what the circuit's own lines do.
+TEST(CampaignWork, reads_the_beacons_of_a_grid_as_often_as_their_density_predicts) {
+  // A free path passes 2·reach/pitch² beacons a metre; origins and rotations average out the effect of the circuit's
+  // own directions.
   const CampaignWork work = work_of(
       "runs = 1\nway_m = 1\nfiducials = \"grid\"\nreach_m = 0.02\n[vary]\nalgorithm = \"dead_reckoning\"\n"
       "pitch_m = 0.2\norigin_x_m = [0.0, 0.05, 0.1, 0.15]\norigin_y_m = [0.02, 0.12]\nrotation_deg = [17, 31, 45]\n");
@@ -81,17 +82,17 @@ TEST(CampaignWork, meets_a_grid_of_beacons_as_often_as_its_density_has_it) {
   EXPECT_NEAR(per_metre, 2.0 * 0.02 / (0.2 * 0.2), 0.15);
 }
 
-TEST(CampaignWork, says_that_a_way_meets_no_beacon_and_goes_on) {
-  // One beacon in a hundred metres, and it is not under the line.
+TEST(CampaignWork, reports_a_path_without_beacons_and_continues) {
+  // One beacon in a hundred metres, and none under the path.
   const auto record =
       work_of("runs = 2\nway_m = 5\nfiducials = \"grid\"\n[vary]\npitch_m = 100\norigin_x_m = 50\n").done(0);
   ASSERT_TRUE(record) << to_string(record.error());
   EXPECT_TRUE(std::isnan(record->fiducials.spacing_m));
-  // Odometry alone, and the limit knows: both drift.
+  // Odometry alone, and the limit includes this: both drift.
   EXPECT_GT(record->votes[0].limit_m2, 1e-4);
 }
 
-TEST(CampaignWork, refuses_an_environment_that_cannot_be_and_names_it) {
+TEST(CampaignWork, refuses_an_impossible_environment_and_names_it) {
   auto steps =
       CampaignWork::make(plan_of("distance_m = 1000000\nrate_hz = 10000\n[vary]\nspeed_mps = [0.001, 50]\n"), lacet4());
   ASSERT_FALSE(steps);

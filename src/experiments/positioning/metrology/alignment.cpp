@@ -29,15 +29,17 @@ std::string_view to_string(Alignment alignment) {
 std::string_view text_of(Alignment alignment) {
   switch (alignment) {
     case Alignment::none: return "not aligned";
-    case Alignment::se2: return "turned about the vertical and shifted onto the truth (least squares, no scale)";
-    case Alignment::se3: return "turned and shifted onto the truth (Umeyama's least squares, no scale)";
-    case Alignment::origin: return "put with the first pose onto the truth's first";
+    case Alignment::se2: return "turned about the vertical and shifted onto the ground truth (least squares, no scale)";
+    case Alignment::se3: return "turned and shifted onto the ground truth (Umeyama's least squares, no scale)";
+    case Alignment::origin: return "moved with the first pose onto that of the ground truth";
   }
   return "";
 }
 
 Result<Pose2> rigid_alignment(const std::vector<Point2>& ground_truth, const std::vector<Point2>& estimate) {
-  const auto cannot = [] { return fail("align.turn", "the places are too alike to tell how they are turned"); };
+  const auto cannot = [] {
+    return fail("align.turn", "the positions are too close together to determine the rotation");
+  };
   if (ground_truth.size() < 2) return cannot();
   const Point2 of_ground_truth = centre_of(ground_truth);
   const Point2 of_estimate = centre_of(estimate);

@@ -6,25 +6,26 @@
 #include "cosiva/base/pose.h"
 #include "cosiva/base/result.h"
 
-/// Alignment of estimates to the truth before they are judged. Nobody's default: where the frame is surveyed it hides
-/// errors. For estimates in a frame of their own it leaves the shape, and who uses it says so.
+/// Alignment of estimates with the ground truth before they are evaluated. Alignment is never the default: in a
+/// surveyed frame it hides errors. For estimates in a frame of their own only the shape is evaluated, and the result
+/// states this.
 namespace cosiva::experiments {
 
 enum class Alignment {
   none,
-  se2,     ///< least squares of a turn about the vertical and a shift
-  se3,     ///< of any turn and a shift: evo's --align, Umeyama's without scale
-  origin,  ///< the first pose is put on the truth's first: evo's --align_origin
+  se2,     ///< least squares over rotations about the vertical and shifts
+  se3,     ///< over all rotations and shifts: evo's --align, Umeyama's without scale
+  origin,  ///< the first pose is moved onto that of the ground truth: evo's --align_origin
 };
 [[nodiscard]] std::string_view to_string(Alignment alignment);
-/// What was done, in words: "turned and shifted …".
+/// A description of the alignment: "turned and shifted …".
 [[nodiscard]] std::string_view text_of(Alignment alignment);
 
-/// Of the rigid motions of the plane the X for which X · estimate is nearest to truth in the mean square.
+/// The rigid motion X of the plane with the smallest mean square distance between X · estimate and the ground truth.
 /// Source: S. Umeyama, Least-Squares Estimation of Transformation Parameters Between Two Point Patterns, IEEE TPAMI 13
-/// (1991), with scale 1, of which this is the case of two dimensions. Fails ("align.turn") where places are too alike
-/// to tell a turn.
-/// @param estimate  as many as truth
+/// (1991), with scale 1, of which this is the case of two dimensions. Fails ("align.turn") where positions are too
+/// close together to determine a rotation.
+/// @param estimate  as many as ground_truth
 [[nodiscard]] Result<Pose2> rigid_alignment(const std::vector<Point2>& ground_truth,
                                             const std::vector<Point2>& estimate);
 

@@ -5,7 +5,7 @@
 namespace cosiva::experiments {
 namespace {
 
-/// What a test calls shown.
+/// The significance level of the comparisons.
 constexpr double alpha = 0.05;
 
 Comparison compared(const Qualification& all, std::size_t a, std::size_t b) {
@@ -55,7 +55,7 @@ void compare_all(Qualification& all) {
     Comparison& comparison = all.comparisons[i];
     comparison.p_holm = raised[i];
     if (raised[i] < alpha) comparison.verdict = Verdict::different;
-    // What the reference itself could be wrong by decides nothing, however often it is seen.
+    // A difference below the reference's own uncertainty decides nothing, however often it is observed.
     if (std::fabs(comparison.rmse_difference_m.value) < all.options.reference.total_m())
       comparison.verdict = Verdict::unresolved;
   }

@@ -4,7 +4,7 @@
 
 namespace cosiva::experiments {
 
-/// Fills in the comparisons of all pairs and the ranks, from the runs' figures.
+/// Computes the comparisons of all pairs and the ranks, from the runs' metrics.
 void compare_all(Qualification& qualification);
 
 }  // namespace cosiva::experiments

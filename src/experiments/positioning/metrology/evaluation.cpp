@@ -9,9 +9,10 @@
 namespace cosiva::experiments {
 namespace {
 
-/// With fewer runs than this each algorithm on each of them is a part of its own: a recording alone keeps all busy.
+/// With fewer runs than this, each algorithm on each run is a separate part: even one recording occupies all workers.
 constexpr std::size_t few_runs = 16;
-/// Else a part is some runs one after the other, whose memory is used again, and no more than lets all end together.
+/// Otherwise a part is several consecutive runs, whose memory is reused, limited so that all workers end at about the
+/// same time.
 constexpr std::size_t part_runs_most = 16;
 constexpr std::size_t parts_wanted = 64;
 
@@ -20,8 +21,8 @@ bool has(const Trial& trial) {
   return std::ranges::any_of(trial.events, [](const Event& event) { return std::holds_alternative<What>(event); });
 }
 
-/// On a line along it, from readings; on the plane from all there is. Of a line with ranges nothing is known: the first
-/// limit does not hear them, and the second does not see the line.
+/// On a path the limit along it, from readings; on the plane from all measurements. On a path with ranges there is no
+/// limit: the first limit does not use ranges, and the second does not use the path.
 std::optional<RunLimit> limit_of_run(const Trial& trial) {
   if (trial.setting.track != nullptr) {
     if (!has<estimation::Reading>(trial) || has<estimation::Range>(trial)) return std::nullopt;
@@ -31,11 +32,11 @@ std::optional<RunLimit> limit_of_run(const Trial& trial) {
   return planar_limit_of(trial);
 }
 
-/// Some runs, and what is done of them.
+/// Consecutive runs, and what to evaluate on them.
 struct Part {
   std::size_t first_run;
   std::size_t runs;
-  bool own;                 ///< what is to say of the run itself
+  bool own;                 ///< whether the part records the metrics of the runs themselves
   std::size_t first, last;  ///< candidates from the first to before the last
 };
 
@@ -54,12 +55,13 @@ class Evaluation {
     }
   }
 
-  /// In rounds: what nobody has begun when time is up is left for the next, and in between it is told how far all is.
+  /// Proceeds in rounds: parts that are not begun when time is up are left for the next round, and the progress is
+  /// reported between rounds.
   Result<std::vector<EvaluatedRun>> on(Workers& workers, const TimeIsUp& time_is_up, const Progress& progress) {
     std::vector<std::size_t> left(parts_.size());
     std::iota(left.begin(), left.end(), std::size_t{0});
     while (!left.empty()) {
-      // Of each part in the list its own byte: nobody writes where another does.
+      // A separate byte for each part in the list: no two threads write to the same byte.
       std::vector<unsigned char> done(left.size(), 0);
       workers.for_each(left.size(), [&](std::size_t i) {
         if (i > 0 && time_is_up && time_is_up()) return;
@@ -85,7 +87,7 @@ class Evaluation {
     for (std::size_t index = part.first_run; index < part.first_run + part.runs; ++index) {
       const auto trial = source_(index, room);
       if (!trial) {
-        // Of all parts of a run one alone writes down that there is none.
+        // Of all parts of a run a single one records the run's failure.
         if (part.own) runs_[index].failed = trial.error();
         continue;
       }
@@ -94,8 +96,8 @@ class Evaluation {
     }
   }
 
-  /// Between two rounds. What is behind a fault need not be asked any more, and what is before it must: so what is
-  /// named in the end is the same whatever came first.
+  /// Called between two rounds. Parts behind a fault are not needed any more, but those before it are: therefore the
+  /// reported fault does not depend on the order of evaluation.
   void find_faults() {
     for (std::size_t index = runs_.size(); index-- > 0;) {
       if (runs_[index].failed) no_run_ = index;
@@ -105,7 +107,7 @@ class Evaluation {
     }
   }
 
-  /// What is to say of the run itself.
+  /// Records the metrics of the run itself.
   void evaluate_at(std::size_t index, const Trial& trial) {
     EvaluatedRun& run = runs_[index];
     if (options_.alignment == Alignment::none) run.limit = limit_of_run(trial);
@@ -157,8 +159,9 @@ class Evaluation {
   const TrialSource& source_;
   const QualificationOptions& options_;
   std::vector<EvaluatedRun> runs_;
-  std::vector<std::size_t> failed_in_;  ///< of each candidate the first run known to be; as many as there are: none
-  std::size_t no_run_{runs_.size()};    ///< likewise of runs
+  std::vector<std::size_t>
+      failed_in_;  ///< of each candidate the first run known to have failed; the number of runs: none
+  std::size_t no_run_{runs_.size()};  ///< likewise the first missing run
   std::vector<Part> parts_;
 };
 

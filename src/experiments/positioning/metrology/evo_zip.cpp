@@ -25,7 +25,7 @@ void put(std::string& out, std::uint64_t value, int bytes) {
   for (int i = 0; i < bytes; ++i) out.push_back(static_cast<char>((value >> (8 * i)) & 0xFFU));
 }
 
-/// A zip of files as they are, dated 1980-01-01 so that the same content is the same file.
+/// A zip of uncompressed files, dated 1980-01-01 so that equal content makes equal files.
 class Zip {
  public:
   void add(std::string_view name, std::string_view bytes) {
@@ -92,7 +92,7 @@ std::string npy(const std::vector<double>& values) {
 
 double root_of_variance(const std::vector<double>& values) { return std::sqrt(statistics::variance(values)); }
 
-/// As NumPy's median: between the two middle ones where they are even.
+/// As NumPy's median: the mean of the two central values for an even number.
 double centre_of(std::vector<double> values) {
   if (values.empty()) return 0.0;
   std::ranges::sort(values);

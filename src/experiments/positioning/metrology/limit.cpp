@@ -30,7 +30,7 @@ double reset_rule_m(const Regime& regime) {
 
 double precision_limit(const Regime& regime, double threshold_m) {
   const Sawtooth p = sawtooth(regime);
-  // Simpson's rule over the way between two beacons.
+  // Simpson's rule over the distance between two beacons.
   constexpr int pieces = 200;
   double sum = 0.0;
   for (int i = 0; i <= pieces; ++i) {
@@ -53,9 +53,9 @@ RunLimit limit_of(const Trial& run) {
   const estimation::SensorModel& sensors = run.setting.sensors;
   const double r = sensors.fiducial_along_sigma_m * sensors.fiducial_along_sigma_m;
   struct Step {
-    double predicted;  ///< variance before what the step's readings say
+    double predicted;  ///< variance before the step's readings
     double filtered;
-    double moments;  ///< asked here
+    double moments;  ///< moments in this step
   };
   std::vector<Step> steps{{run.setting.start_sigma_m * run.setting.start_sigma_m,
                            run.setting.start_sigma_m * run.setting.start_sigma_m, 0.0}};

@@ -6,8 +6,8 @@
 
 #include "cosiva/experiments/positioning/metrology/trial.h"
 
-/// The posterior Cramér-Rao limit of a vehicle on its line: what no estimator can beat with these sensors where noise
-/// is Gaussian. Along the track, in steady state; the line-following variance adds across it.
+/// The posterior Cramér-Rao limit of a vehicle on its path: the error that no estimator can surpass with these sensors
+/// for Gaussian noise. Along the track, in steady state; the line-following variance adds across it.
 namespace cosiva::experiments {
 
 /// @param variance_per_m  q of odometry
@@ -19,7 +19,7 @@ struct Regime {
   double fiducial_variance_m2;
 };
 
-/// Just after a beacon and just before the next, of the Riccati equation (P⁻)² − QP⁻ − QR = 0 with Q = q·d.
+/// Variance just after a beacon and just before the next, from the Riccati equation (P⁻)² − QP⁻ − QR = 0 with Q = q·d.
 struct Sawtooth {
   double after_m2;
   double before_m2;
@@ -29,15 +29,15 @@ struct Sawtooth {
 [[nodiscard]] double filter_limit_m(const Regime& regime);
 /// RMSE of the best smoother, √((QR + Q²/6)/S).
 [[nodiscard]] double smoother_limit_m(const Regime& regime);
-/// RMSE of the article's rule, √(R + Q/2): no limit, but what it gives.
+/// RMSE of the article's rule, √(R + Q/2): not a limit, but the rule's own error.
 [[nodiscard]] double reset_rule_m(const Regime& regime);
-/// The best filter's precision: the share of the way on which |error along the track| < τ.
+/// The best filter's precision: the ratio of the path on which |error along the track| < τ.
 [[nodiscard]] double precision_limit(const Regime& regime, double threshold_m);
-/// The widest pitch at which the best filter's RMSE stays within a tolerance; nothing where none does.
+/// The widest pitch at which the best filter's RMSE stays within a tolerance; nothing where no pitch does.
 [[nodiscard]] std::optional<double> pitch_for(double rmse_m, double variance_per_m, double fiducial_variance_m2);
 
-/// The same for the readings that a run really had, wherever they came: mean squared error along the track of the best
-/// filter and of the best smoother over its moments, line-following included.
+/// The same for the actual readings of a run at any positions: mean squared error along the track of the best filter
+/// and of the best smoother over its moments, line-following included.
 struct RunLimit {
   double filter_m2{};
   double smoother_m2{};

@@ -11,7 +11,7 @@
 namespace cosiva::experiments {
 namespace {
 
-// Odometry of (1 cm)² per metre, beacons read to 1 cm: millimetres at six pitches, worked out by hand from the closed
+// Odometry of (1 cm)² per metre, beacons read to 1 cm: millimetres at six pitches, computed by hand from the closed
 // forms.
 struct Row {
   double pitch_m, filter_mm, smoother_mm, reset_mm;
@@ -23,7 +23,7 @@ constexpr std::array<Row, 6> table{{{0.1, 5.66, 3.98, 10.25},
                                     {2.0, 13.16, 8.77, 14.14},
                                     {4.0, 16.82, 10.86, 17.32}}};
 
-TEST(Limit, stands_in_the_table) {
+TEST(Limit, equals_the_table) {
   for (const Row& row : table) {
     const Regime regime{1e-4, row.pitch_m, 1e-4};
     EXPECT_NEAR(1e3 * filter_limit_m(regime), row.filter_mm, 0.005) << row.pitch_m;
@@ -39,27 +39,27 @@ TEST(Limit, solves_the_riccati_equation) {
   EXPECT_NEAR(1.0 / p.after_m2, 1.0 / p.before_m2 + 1.0 / 5e-5, 1e-6);
 }
 
-TEST(Limit, tends_to_what_odometry_or_beacons_alone_allow) {
+TEST(Limit, tends_to_the_limits_of_odometry_or_beacons_alone) {
   EXPECT_NEAR(filter_limit_m({1e-4, 1e-4, 1e-4}) / std::pow(1e-4 * 1e-4 * 1e-4, 0.25), 1.0, 1e-2);
   EXPECT_NEAR(filter_limit_m({1e-4, 1e4, 1e-4}) / std::sqrt(0.5 * 1e-4 * 1e4), 1.0, 1e-3);
   EXPECT_NEAR(smoother_limit_m({1e-4, 1e4, 1e-4}) / std::sqrt(1e-4 * 1e4 / 6.0), 1.0, 1e-3);
 }
 
-TEST(Limit, of_precision_is_the_normal_share_where_the_variance_hardly_changes) {
+TEST(Limit, of_precision_is_the_normal_ratio_for_a_nearly_constant_variance) {
   // Beacons so dense that P is S/2 everywhere.
   const Regime regime{1e-4, 1e-6, 1e-2};
   EXPECT_NEAR(precision_limit(regime, filter_limit_m(regime)), std::erf(1.0 / std::sqrt(2.0)), 1e-4);
   EXPECT_GT(precision_limit({1e-4, 0.5, 1e-4}, 0.02), precision_limit({1e-4, 2.0, 1e-4}, 0.02));
 }
 
-TEST(Limit, pitch_for_a_tolerance_is_the_one_whose_limit_it_is) {
+TEST(Limit, pitch_for_a_tolerance_has_this_tolerance_as_its_limit) {
   const auto pitch = pitch_for(0.01, 1e-4, 1e-4);
   ASSERT_TRUE(pitch);
   EXPECT_NEAR(filter_limit_m({1e-4, *pitch, 1e-4}), 0.01, 1e-12);
   EXPECT_FALSE(pitch_for(0.0, 1e-4, 1e-4));
 }
 
-TEST(Limit, of_a_run_s_own_readings_is_the_closed_form_where_they_are_regular) {
+TEST(Limit, of_a_run_s_own_readings_is_the_closed_form_for_regular_readings) {
   for (const double pitch_m : {0.25, 1.0}) {
     Simulation simulation{testing::oval()};
     simulation.distance_m = 400.0;

@@ -10,7 +10,7 @@ namespace {
 
 using wire::EstimateResponse;
 
-/// An iteration of the article's loop is a move; one that stands is asked in vain.
+/// An iteration of the article's loop is a move; a stopped vehicle adds no iteration.
 constexpr double move_m_min = 0.001;
 
 estimation::SensorModel sensors_of(const wire::EstimateSensors& inputs) {
@@ -38,7 +38,7 @@ estimation::Estimate estimate_of(const EstimateResponse::Estimate& inputs) {
   return estimate;
 }
 
-/// Says again, input by input, what was said on board.
+/// Repeats, input by input, the recorded responses of an algorithm on board.
 class Recited final : public estimation::Algorithm {
  public:
   Recited(std::shared_ptr<const LiveRun> run, std::size_t which)
@@ -52,7 +52,7 @@ class Recited final : public estimation::Algorithm {
   }
   estimation::Rectified rectify(const estimation::Range&) override { return {}; }
   [[nodiscard]] estimation::Estimate estimate() const override {
-    // Between two moments the vehicle moved, so each has inputs of its own.
+    // The vehicle moved between two moments, so each has inputs of its own.
     const auto& moments = run_->trial.moments;
     const auto at = std::ranges::lower_bound(moments, inputs_, {}, &Moment::events);
     const auto index = static_cast<std::size_t>(at - moments.begin());
@@ -78,7 +78,7 @@ std::optional<Pose2> true_pose(const std::vector<TrueFix>& fixes, SimTime at, Si
   const TrueFix& b = *after;
   if (b.at - a.at > gap_max) return std::nullopt;
   const double u = to_seconds(at - a.at) / to_seconds(b.at - a.at);
-  // A straight line would cut the corner by 0.5 mm in an arc of 0.6 m: a cubic whose ends look the body's way does not.
+  // A straight line would cut an arc of 0.6 m by 0.5 mm; a cubic with the body's direction at its ends does not.
   const SinCos from = sincos(a.X_MB.heading_rad);
   const SinCos to = sincos(b.X_MB.heading_rad);
   const double x = b.X_MB.x_m - a.X_MB.x_m;
@@ -147,7 +147,7 @@ Result<LiveRun> RunLog::finish(const std::shared_ptr<const zone::TrafficZone>& z
                                const std::vector<TrueFix>& ground_truth, SimDuration gap_max,
                                std::size_t& without_ground_truth) && {
   estimation::Setting& setting = run_.trial.setting;
-  if (!start_) return fail("live.response", "it never said where it began", to_string(run_.vehicle));
+  if (!start_) return fail("live.response", "the vehicle never reported its start", to_string(run_.vehicle));
   setting.sensors = sensors_of(start_->sensors);
   setting.start = start_->X_MB;
   setting.start_sigma_m = start_->sigma_m;
@@ -177,7 +177,8 @@ Result<LiveRun> RunLog::finish(const std::shared_ptr<const zone::TrafficZone>& z
     for (std::size_t k = 0; k < estimates.size(); ++k) run_.published[k].estimates.push_back(estimates[k][i]);
   }
   if (run_.trial.moments.empty())
-    return fail("live.ground_truth", "nobody said where it truly was while it drove", to_string(run_.vehicle));
+    return fail("live.ground_truth", "no actual position of the vehicle during the run is known",
+                to_string(run_.vehicle));
   return std::move(run_);
 }
 
@@ -187,7 +188,7 @@ Candidate on_board(std::string name, std::string what, const std::vector<std::sh
       if (run->trial.setting.seed != setting.seed) continue;
       const auto published = std::ranges::find(run->published, name, &OnBoardMessage::algorithm);
       if (published == run->published.end())
-        return fail("algorithm.on_board", "it said nothing of " + name, to_string(run->vehicle));
+        return fail("algorithm.on_board", "the vehicle sent no estimates of " + name, to_string(run->vehicle));
       return std::make_unique<Recited>(run, static_cast<std::size_t>(published - run->published.begin()));
     }
     return fail("algorithm.on_board", "there was no such run", name);

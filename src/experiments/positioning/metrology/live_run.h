@@ -13,43 +13,43 @@
 
 namespace cosiva::experiments {
 
-/// Where the vehicle truly was (actualAIVposition).
+/// The vehicle's actual position (actualAIVposition).
 struct TrueFix {
   SimTime at{};
   Pose2 X_MB;
 };
-/// The truth between two fixes of a body that goes where it looks; nothing outside of them, or where they lie further
-/// apart than `gap_max`.
+/// The ground truth between two fixes of a body that moves in the direction of its heading; nothing outside of them, or
+/// where the fixes are further apart than `gap_max`.
 /// @param fixes  in the order of time
 [[nodiscard]] std::optional<Pose2> true_pose(const std::vector<TrueFix>& fixes, SimTime at, SimDuration gap_max);
 
-/// What an algorithm on board said in a run, beside the run's moments.
+/// The responses of an algorithm on board in a run, with the run's moments.
 struct OnBoardMessage {
   std::string algorithm;
-  std::string fault;                             ///< why it says nothing any more; empty: it does
+  std::string fault;                             ///< why the algorithm stopped responding; empty: no fault
   std::vector<estimation::Estimate> estimates;   ///< one for each moment
   std::vector<estimation::Rectified> rectified;  ///< one for each reading
 };
 
-/// A run on a vehicle that drives: what its algorithms were told and said, and where it was.
+/// A run on a driving vehicle: the inputs and the responses of its algorithms, and its actual positions.
 struct LiveRun {
   Trial trial;
   wire::VehicleId vehicle;
   std::vector<OnBoardMessage> published;
 };
 
-/// A run in the making: takes answers, and makes a LiveRun of them at the end.
+/// A run in progress: takes responses, and makes a live run of them at the end.
 class RunLog {
  public:
   RunLog(std::string name, wire::VehicleId vehicle, std::uint64_t seed, std::uint32_t particles, std::uint32_t horizon);
-  /// Of the session, in their order.
+  /// Adds a response of the session, in order.
   void add(const wire::EstimateResponse& response);
   [[nodiscard]] double travelled_m() const { return travelled_m_; }
   [[nodiscard]] const std::string& map_id() const { return map_id_; }
   [[nodiscard]] std::optional<SimTime> last_moment() const;
-  /// With the truth beside each answer: those without any are left out, and counted.
-  /// @param zone  that it drove in
-  /// Fails ("live.ground_truth") where no moment is left, ("live.zone") where the run's ring is not in the zone.
+  /// Adds the ground truth at each response: responses without ground truth are left out, and counted.
+  /// @param zone  of the run
+  /// Fails ("live.ground_truth") where no moment is left, ("live.zone") where the run's loop is not in the zone.
   [[nodiscard]] Result<LiveRun> finish(const std::shared_ptr<const zone::TrafficZone>& zone,
                                        const std::vector<TrueFix>& ground_truth, SimDuration gap_max,
                                        std::size_t& without_ground_truth) &&;
@@ -63,12 +63,12 @@ class RunLog {
   std::optional<wire::EstimateResponse::Start> start_;
   std::vector<SimTime> stamps_;  ///< of the moments
   double travelled_m_{0.0};
-  double moment_m_{0.0};  ///< travelled by the last one
+  double moment_m_{0.0};  ///< distance travelled at the last moment
   double since_fiducial_m_{0.0};
 };
 
-/// An algorithm that ran on board, as one that can be qualified: it says again what it said then.
-/// @param runs  of which the setting's seed names one
+/// An algorithm that ran on board, as a candidate: repeats its recorded responses.
+/// @param runs  of which the setting's seed selects one
 [[nodiscard]] Candidate on_board(std::string name, std::string what,
                                  const std::vector<std::shared_ptr<const LiveRun>>& runs);
 

@@ -13,18 +13,18 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// A question or its answer was lost: a vehicle answers with its next odometry, a fiftieth of a second later.
+/// A request or its response was lost: a vehicle responds with its next odometry, a fiftieth of a second later.
 constexpr SimDuration repeat_after = milliseconds{250};
-/// The truth comes ten times a second; that of after a run's last answer is waited for.
+/// The ground truth arrives ten times per second; the fix after a run's last response is waited for.
 constexpr SimDuration last_ground_truth_max = std::chrono::seconds{1};
-/// Fixes of before a run that are kept: it begins between two.
+/// Number of stored fixes from before a run: the run begins between two fixes.
 constexpr std::size_t fixes_before = 20;
-/// A vehicle that keeps beginning anew is no vehicle to qualify anything on.
+/// A vehicle that restarts a run more often than this cannot be used.
 constexpr unsigned begun_max = 4;
-/// One that has just been started may not know yet where it stands.
+/// A vehicle that has just been restarted may not know its position yet.
 constexpr SimDuration rest_before_anew = std::chrono::seconds{1};
 
-/// 7 of "AIV7": how the plant counts vehicles.
+/// 7 of "AIV7": the plant's number of a vehicle.
 std::optional<std::uint64_t> number_of(std::string_view serial) {
   const std::size_t digits = serial.find_first_of("0123456789");
   if (digits == std::string_view::npos) return std::nullopt;
@@ -33,7 +33,7 @@ std::optional<std::uint64_t> number_of(std::string_view serial) {
   return error == std::errc{} && end == serial.data() + serial.size() ? std::optional{number} : std::nullopt;
 }
 
-/// Whether a line of the truth is of this vehicle: by its name, where it has one, or by its number.
+/// Whether an entry of the ground truth is of this vehicle: by its name, where the entry has one, or by its number.
 bool is_of(const JsonValue& line, const wire::VehicleId& vehicle) {
   if (const auto name = line.text("vehicle")) return *name == to_string(vehicle);
   const auto number = line.number("number");
@@ -77,13 +77,13 @@ void LiveRuns::on_message(SimTime now, std::string_view topic, std::string_view 
 
 void LiveRuns::on_ground_truth(SimTime now, std::string_view payload) {
   const auto json = JsonValue::parse(payload);
-  if (!json) return;  // anybody may publish there
+  if (!json) return;  // any client may publish there
   const JsonValue* lines = json->find("vehicles");
   if (lines == nullptr) lines = json->find("detections");
   if (lines == nullptr || lines->array() == nullptr) return;
   const std::string together = json->text("timestamp").value_or("");
   for (const JsonValue& line : *lines->array()) {
-    // A camera sees each vehicle in rows of its own.
+    // A camera captures each vehicle in other rows, at another time.
     const auto at = parse_iso8601(line.text("at").value_or(together));
     if (!at) continue;
     const auto x = line.number("x");
@@ -108,7 +108,8 @@ void LiveRuns::on_response(SimTime now, Slot& slot, std::string_view payload) {
   if (!response->fault.empty()) return begin_anew(slot, response->fault);
   if (map_id_.empty()) map_id_ = response->map_id;
   if (response->map_id != map_id_)
-    return lose(slot, "it drives in zone '" + response->map_id + "', the runs before it were in '" + map_id_ + "'");
+    return lose(slot,
+                "the vehicle drives in zone '" + response->map_id + "', the previous runs were in '" + map_id_ + "'");
   const double before_m = slot.run->travelled_m();
   slot.run->add(*response);
   if (slot.run->travelled_m() - before_m > 0.0 || slot.sequence == 1) slot.moved = now;
@@ -121,7 +122,7 @@ void LiveRuns::begin(SimTime now, Slot& slot, Responses& responses) {
     slot.begun = 0;
   }
   const std::uint64_t seed = options_.seed + slot.index;
-  // As it is told: the file that is written does not depend on who was first.
+  // In the order of the runs: the written file does not depend on which vehicle was first.
   slot.run.emplace("run " + std::to_string(slot.index + 1) + ", " + to_string(slot.vehicle), slot.vehicle, seed,
                    options_.particles, options_.horizon);
   ++slot.begun;
@@ -129,7 +130,7 @@ void LiveRuns::begin(SimTime now, Slot& slot, Responses& responses) {
   slot.sequence = 0;
   slot.waiting = false;
   slot.received = slot.moved = now;
-  // AIV.move: whoever stands goes on, and as fast as is wanted.
+  // AIV.move: a stopped vehicle drives on, at the requested speed.
   responses.commands.push_back(command_json("restart", slot.vehicle, std::nullopt));
   if (options_.speed_mps) responses.commands.push_back(command_json("limit", slot.vehicle, options_.speed_mps));
   send_requests(now, slot, responses);
@@ -154,8 +155,7 @@ void LiveRuns::send_requests(SimTime now, Slot& slot, Responses& responses) {
 
 void LiveRuns::begin_anew(Slot& slot, const std::string& why) {
   if (slot.begun >= begun_max) return lose(slot, why);
-  operator_messages_.push_back(to_string(slot.vehicle) + " drives run " + std::to_string(slot.index + 1) +
-                               " anew: " + why);
+  operator_messages_.push_back(to_string(slot.vehicle) + " repeats run " + std::to_string(slot.index + 1) + ": " + why);
   slot.session.clear();
 }
 
@@ -170,14 +170,14 @@ void LiveRuns::lose(Slot& slot, const std::string& why) {
 std::optional<std::string> LiveRuns::missing(SimTime now, const Slot& slot) const {
   const std::string seconds = std::to_string(options_.timeout / std::chrono::seconds{1}) + " s";
   if (now - slot.received > options_.timeout)
-    return "it has not answered for " + seconds + "; is it online, and of this version?";
+    return "no response for " + seconds + "; the vehicle may be offline, or of another version";
   const SimTime ground_truth = std::max(slot.ground_truth_received.value_or(*began_), *began_);
   if (now - ground_truth > options_.timeout)
-    return "nobody has said on " + options_.ground_truth_topic + " for " + seconds + " where it truly is";
+    return "no actual position of the vehicle on " + options_.ground_truth_topic + " for " + seconds;
   if (!map_id_.empty() && zones_.find(map_id_) == zones_.end() && now - *began_ > options_.timeout)
-    return "it drives in zone '" + map_id_ + "', which nobody hands out";
+    return "the vehicle drives in zone '" + map_id_ + "', which no program publishes";
   if (now - slot.moved > options_.stopped_max)
-    return "it has not moved for " + std::to_string(options_.stopped_max / std::chrono::seconds{1}) + " s";
+    return "the vehicle has not moved for " + std::to_string(options_.stopped_max / std::chrono::seconds{1}) + " s";
   return std::nullopt;
 }
 
@@ -204,7 +204,8 @@ void LiveRuns::supervise(SimTime now, Slot& slot, Responses& responses) {
 
 void LiveRuns::complete(Slot& slot) {
   const auto zone = zones_.find(map_id_);
-  if (zone == zones_.end()) return lose(slot, "it drives in zone '" + map_id_ + "', which nobody hands out");
+  if (zone == zones_.end())
+    return lose(slot, "the vehicle drives in zone '" + map_id_ + "', which no program publishes");
   auto live_run = std::move(*slot.run).finish(zone->second, slot.ground_truth, options_.gap_max, without_ground_truth_);
   if (!live_run) return lose(slot, to_string(live_run.error()));
   complete_[slot.index] = std::make_shared<const LiveRun>(std::move(*live_run));

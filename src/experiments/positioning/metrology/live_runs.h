@@ -19,29 +19,30 @@
 namespace cosiva::experiments {
 
 struct LiveRunsOptions {
-  std::vector<wire::VehicleId> vehicles;  ///< each drives one run at a time, until all are driven
+  std::vector<wire::VehicleId> vehicles;  ///< each drives one run at a time, until all runs are driven
   std::size_t runs{1};
   double distance_m{100.0};             ///< TDTmax
-  double rate_hz{20.0};                 ///< nextEstimatedPosition so often
+  double rate_hz{20.0};                 ///< rate of nextEstimatedPosition
   std::vector<std::string> algorithms;  ///< on board
-  std::uint64_t seed{1};                ///< of the first run; the others count on
+  std::uint64_t seed{1};                ///< of the first run; the following runs count up
   std::uint32_t particles{500};
   std::uint32_t horizon{4};
-  std::optional<double> speed_mps;  ///< the vehicles are told; none: as they drive
-  /// Who says where the vehicles truly are: {"timestamp","vehicles":[{"number","x","y","heading"}…]} as the plant does,
-  /// or {"sights":[{"vehicle":"CoSiVA/AIV1","at","x","y","heading"}…]} as a global vision system.
+  std::optional<double> speed_mps;  ///< commanded speed of the vehicles; none: their present speed
+  /// The topic of the vehicles' actual positions: {"timestamp","vehicles":[{"number","x","y","heading"}…]} from the
+  /// plant, or {"detections":[{"vehicle":"CoSiVA/AIV1","at","x","y","heading"}…]} from a global vision system.
   std::string ground_truth_topic{std::string(wire::ground_truth_topic)};
-  SimDuration gap_max{std::chrono::milliseconds{500}};  ///< the truth is interpolated between stamps no further apart
-  SimDuration timeout{std::chrono::seconds{10}};        ///< who says nothing for so long is lost
-  SimDuration stopped_max{std::chrono::minutes{1}};     ///< and who does not move
-  std::string name;                                     ///< of this test, among all that the vehicles hear
+  SimDuration gap_max{
+      std::chrono::milliseconds{500}};  ///< greatest distance of stamps between which the ground truth is interpolated
+  SimDuration timeout{std::chrono::seconds{10}};     ///< a vehicle without a response for this time is lost
+  SimDuration stopped_max{std::chrono::minutes{1}};  ///< and so is a vehicle without motion
+  std::string name;  ///< of this test, among all tests that the vehicles receive requests of
 };
 
-/// The scenarios of figures 16 and 17 on a platform that runs, over its bus (A33, A35): told what comes, it answers
-/// what is to be said. It owns no link, clock or file. Each run: move is commanded, and until the vehicle has gone
-/// TDTmax it is asked for its nextEstimatedPosition again and again, and what it says is noted; where it then truly
-/// was, the global vision system says, or the plant that plays it. What is lost is asked for again; a vehicle that
-/// begins anew drives the run anew; one that is lost leaves its run to the others.
+/// The scenarios of figures 16 and 17 on a running platform, over its bus (A33, A35): each received message yields the
+/// messages and commands to send. The test owns no link, clock or file. In each run the move is commanded, and until
+/// the vehicle has driven TDTmax, requests for its nextEstimatedPosition are sent repeatedly and its responses
+/// recorded; the actual position comes from the global vision system, or from the plant instead. A lost request is
+/// repeated; a vehicle that restarts repeats the run; a lost vehicle leaves its run to the others.
 class LiveRuns {
  public:
   struct Responses {
@@ -52,27 +53,27 @@ class LiveRuns {
   explicit LiveRuns(LiveRunsOptions options);
 
   [[nodiscard]] std::vector<std::string> subscriptions() const;
-  /// A zone that somebody hands out: the vehicles name the one that they drive in.
+  /// A published zone: the vehicles name the zone that they drive in.
   void on_zone(std::shared_ptr<const zone::TrafficZone> zone);
   void on_message(SimTime now, std::string_view topic, std::string_view payload);
-  /// Due some hundred times a second.
+  /// To be called about a hundred times per second.
   [[nodiscard]] Responses tick(SimTime now);
-  /// Ended by its operator: the runs that are complete count.
+  /// Ended by its operator: the complete runs count.
   void give_up();
 
   [[nodiscard]] bool done() const;
-  /// Complete ones, in the order of their seeds.
+  /// The complete runs, in the order of their seeds.
   [[nodiscard]] std::vector<std::shared_ptr<const LiveRun>> take_runs();
-  /// Why there are fewer than were asked for: a line per vehicle that was lost.
+  /// Why there are fewer runs than requested: a line per lost vehicle.
   [[nodiscard]] const std::vector<std::string>& losses() const { return losses_; }
-  /// Answers beside which nobody said where the vehicle was.
+  /// Number of responses without a known actual position.
   [[nodiscard]] std::size_t without_ground_truth() const { return without_ground_truth_; }
   [[nodiscard]] std::size_t repeated() const { return repeated_; }  ///< requests
   [[nodiscard]] const std::string& map_id() const { return map_id_; }
 
   struct Progress {
     std::size_t complete{};
-    double ratio{};  ///< of the way of all runs
+    double ratio{};  ///< of the distance of all runs
     std::optional<double> left_s;
   };
   [[nodiscard]] Progress progress(SimTime now) const;
@@ -83,15 +84,15 @@ class LiveRuns {
     bool lost{false};
     std::vector<TrueFix> ground_truth;  ///< since its run began
     std::optional<SimTime> ground_truth_received;
-    std::optional<RunLog> run;  ///< none: it waits for one
+    std::optional<RunLog> run;  ///< none: the vehicle waits for a run
     std::size_t index{};        ///< of the run
     std::string session;
     std::uint32_t sequence{};
-    bool waiting{false};  ///< for the answer to it
+    bool waiting{false};  ///< for the response
     SimTime requested{};
-    SimTime received{};  ///< an answer, last
+    SimTime received{};  ///< time of the last response
     SimTime moved{};
-    unsigned begun{};  ///< times that this run was
+    unsigned begun{};  ///< number of starts of this run
   };
   void on_ground_truth(SimTime now, std::string_view payload);
   void on_response(SimTime now, Slot& slot, std::string_view payload);
@@ -108,7 +109,7 @@ class LiveRuns {
   std::deque<std::size_t> to_drive_;
   std::map<std::size_t, std::shared_ptr<const LiveRun>> complete_;
   std::map<std::string, std::shared_ptr<const zone::TrafficZone>, std::less<>> zones_;
-  std::string map_id_;  ///< that the first answer named
+  std::string map_id_;  ///< named by the first response
   std::vector<std::string> losses_;
   std::vector<std::string> operator_messages_;
   std::optional<SimTime> began_;

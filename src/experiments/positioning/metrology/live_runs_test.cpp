@@ -28,7 +28,7 @@ using ::testing::SizeIs;
 
 wire::VehicleId aiv(int number) { return {"CoSiVA", "AIV" + std::to_string(number)}; }
 
-/// The whole platform in virtual time, and a live test on its bus.
+/// The whole platform in virtual time, with a live test on its bus.
 class Fixture {
  public:
   explicit Fixture(LiveRunsOptions options, double loss = 0.0) : loss_{loss}, runs_{named(std::move(options))} {
@@ -47,7 +47,7 @@ class Fixture {
     });
     world_->run_for(seconds{3});
   }
-  /// Until it is done, or for so long.
+  /// Runs until the test is done, or for this time.
   void run(SimDuration longest) {
     const SimTime end = world_->now() + longest;
     while (!runs_.done() && world_->now() < end) {
@@ -62,7 +62,7 @@ class Fixture {
   World& world() { return *world_; }
   LiveRuns& runs() { return runs_; }
 
-  std::function<bool(std::string_view topic)> deaf;  ///< what does not get through
+  std::function<bool(std::string_view topic)> deaf;  ///< messages to drop
   std::string operator_messages;
 
  private:
@@ -87,7 +87,7 @@ LiveRunsOptions options_of(std::vector<wire::VehicleId> vehicles, std::size_t ru
   return options;
 }
 
-/// What the same algorithm says of the same inputs off board.
+/// The responses of the same algorithm to the same inputs off board.
 Trace off_board(const std::string& name, const Trial& trial) {
   Trace trace;
   const auto algorithm = estimation::Registry{}.make(name, trial.setting);
@@ -104,7 +104,7 @@ Result<Qualification> evaluated(const std::vector<std::string>& names,
                  [&](std::size_t index, Trial&) -> Result<const Trial*> { return &runs[index]->trial; }, {});
 }
 
-TEST(LiveRuns, give_what_the_vehicles_say_of_themselves_beside_where_they_were) {
+TEST(LiveRuns, record_the_vehicles_estimates_with_their_actual_positions) {
   const std::vector<std::string> names{"dead_reckoning", "reset_rule", "arc_kalman", "ekf", "particles"};
   Fixture fixture{options_of({aiv(1), aiv(2)}, 3, 12.0, names)};
   fixture.run(seconds{200});
@@ -115,7 +115,7 @@ TEST(LiveRuns, give_what_the_vehicles_say_of_themselves_beside_where_they_were) 
   ASSERT_THAT(runs, SizeIs(3));
   for (const auto& run : runs) {
     EXPECT_NEAR(run->trial.moments.back().travelled_m, 12.0, 0.05);
-    // 12 m at up to 0.5 m/s, asked 20 times a second.
+    // 12 m at up to 0.5 m/s, 20 requests per second.
     EXPECT_GT(run->trial.moments.size(), 400U);
   }
   const auto all = evaluated(names, runs);
@@ -123,13 +123,13 @@ TEST(LiveRuns, give_what_the_vehicles_say_of_themselves_beside_where_they_were) 
   for (const Qualified& one : all->algorithms) EXPECT_FALSE(one.failed) << one.name;
   const Qualified& reckoning = all->algorithms[0];
   const Qualified& kalman = all->algorithms[2];
-  // A tag every 1.44 m and beacons between: 3 mm. Wheels that are 0.5 % off alone: several times that.
+  // A tag every 1.44 m and beacons between them: 3 mm. Wheels with an error of 0.5 % alone: several times that.
   EXPECT_LT(kalman.rmse_m.value, 0.006);
   EXPECT_GT(reckoning.rmse_m.value, 2.0 * kalman.rmse_m.value);
   EXPECT_LT(std::fabs(kalman.along_bias_m), 0.003) << "the stamps of both sides agree";
 }
 
-TEST(LiveRuns, have_on_board_bit_for_bit_what_the_same_algorithm_says_of_the_same_inputs_elsewhere) {
+TEST(LiveRuns, give_on_board_bit_for_bit_the_estimates_of_the_same_algorithm_elsewhere) {
   const std::vector<std::string> names{"dead_reckoning", "arc_kalman_scale", "ukf", "particles", "ufir"};
   Fixture fixture{options_of({aiv(1)}, 1, 6.0, names), 0.2};
   fixture.run(seconds{200});
@@ -152,18 +152,18 @@ TEST(LiveRuns, have_on_board_bit_for_bit_what_the_same_algorithm_says_of_the_sam
   }
 }
 
-TEST(LiveRuns, are_driven_anew_by_a_vehicle_that_begins_anew_and_left_to_others_by_one_that_is_lost) {
+TEST(LiveRuns, are_repeated_by_a_restarted_vehicle_and_left_to_others_by_a_lost_one) {
   Fixture fixture{options_of({aiv(1), aiv(2)}, 2, 6.0, {"arc_kalman"})};
   fixture.run(seconds{5});
   fixture.world().kill_aiv(1);
   fixture.world().start_aiv(1);
   fixture.run(seconds{4});
-  EXPECT_THAT(fixture.operator_messages, HasSubstr("CoSiVA/AIV1 drives run 1 anew"));
+  EXPECT_THAT(fixture.operator_messages, HasSubstr("CoSiVA/AIV1 repeats run 1"));
   fixture.world().kill_aiv(1);
   fixture.run(seconds{8});
   ASSERT_THAT(fixture.runs().losses(), SizeIs(1));
-  EXPECT_THAT(fixture.runs().losses()[0], HasSubstr("CoSiVA/AIV1: it has not answered"));
-  // It comes back, and does not stand in the other's way; its run is the other's by now.
+  EXPECT_THAT(fixture.runs().losses()[0], HasSubstr("CoSiVA/AIV1: no response"));
+  // The vehicle comes back, and does not block the other one, which drives its run by now.
   fixture.world().start_aiv(1);
   fixture.run(seconds{200});
   const auto runs = fixture.runs().take_runs();
@@ -171,7 +171,7 @@ TEST(LiveRuns, are_driven_anew_by_a_vehicle_that_begins_anew_and_left_to_others_
   for (const auto& run : runs) EXPECT_EQ(to_string(run->vehicle), "CoSiVA/AIV2");
 }
 
-TEST(LiveRuns, end_with_the_vehicle_s_own_words_where_nobody_can_drive_them) {
+TEST(LiveRuns, end_with_the_vehicle_s_own_message_where_no_vehicle_can_drive_them) {
   Fixture fixture{options_of({aiv(1)}, 2, 5.0, {"arc_kalman", "magic"})};
   fixture.run(seconds{30});
   EXPECT_TRUE(fixture.runs().done());
@@ -180,19 +180,20 @@ TEST(LiveRuns, end_with_the_vehicle_s_own_words_where_nobody_can_drive_them) {
   EXPECT_THAT(fixture.runs().take_runs(), IsEmpty());
 }
 
-TEST(LiveRuns, need_somebody_who_says_where_the_vehicles_are) {
+TEST(LiveRuns, need_a_source_of_actual_positions) {
   Fixture fixture{options_of({aiv(1)}, 1, 5.0, {"arc_kalman"})};
   fixture.deaf = [](std::string_view topic) { return topic == wire::ground_truth_topic; };
   fixture.run(seconds{30});
   ASSERT_THAT(fixture.runs().losses(), SizeIs(1));
-  EXPECT_THAT(fixture.runs().losses()[0], HasSubstr("nobody has said on cosiva/v1/plant/ground_truth"));
+  EXPECT_THAT(fixture.runs().losses()[0],
+              HasSubstr("no actual position of the vehicle on cosiva/v1/plant/ground_truth"));
 }
 
-TEST(LiveRuns, take_what_a_camera_over_the_zone_saw_for_the_ground_truth) {
+TEST(LiveRuns, use_the_detections_of_a_camera_over_the_zone_as_ground_truth) {
   LiveRunsOptions options = options_of({aiv(1)}, 1, 3.0, {"arc_kalman"});
   options.ground_truth_topic = "area/detections";
   Fixture fixture{std::move(options)};
-  // As GVS tells it: by name, and each vehicle with the time of its own rows.
+  // As the GVS publishes: by name, and each vehicle with the time of its own rows.
   fixture.world().tap([&](SimTime at, const std::string&, const wire::Publish& message) {
     if (message.topic != wire::ground_truth_topic) return fixture.runs().on_message(at, message.topic, message.payload);
     const Pose2 ground_truth = fixture.world().plant().vehicles()[0].X_MB;
@@ -215,10 +216,10 @@ TEST(LiveRuns, of_a_fleet_of_one_unknown_vehicle_end) {
   Fixture fixture{options_of({{"Other", "X9"}}, 1, 5.0, {"arc_kalman"})};
   fixture.run(seconds{30});
   ASSERT_THAT(fixture.runs().losses(), SizeIs(1));
-  EXPECT_THAT(fixture.runs().losses()[0], HasSubstr("Other/X9: it has not answered for 3 s"));
+  EXPECT_THAT(fixture.runs().losses()[0], HasSubstr("Other/X9: no response for 3 s"));
 }
 
-TEST(LiveRuns, that_are_given_up_keep_what_is_complete) {
+TEST(LiveRuns, that_are_ended_early_keep_complete_runs) {
   Fixture fixture{options_of({aiv(1)}, 5, 3.0, {"arc_kalman"})};
   fixture.run(seconds{12});
   const auto progress = fixture.runs().progress(fixture.world().now());
@@ -231,9 +232,9 @@ TEST(LiveRuns, that_are_given_up_keep_what_is_complete) {
   EXPECT_THAT(fixture.runs().take_runs(), SizeIs(progress.complete));
 }
 
-TEST(TruePose, between_two_fixes_goes_round_the_bend_and_is_none_outside_of_them) {
+TEST(TruePose, between_two_fixes_follows_the_bend_and_is_none_outside_of_them) {
   const auto on_circle = [](double t_s) {
-    const double angle_rad = 0.5 * t_s / 0.6;  // 0.5 m/s round 0.6 m
+    const double angle_rad = 0.5 * t_s / 0.6;  // 0.5 m/s along a radius of 0.6 m
     const SinCos at = sincos(angle_rad);
     return TrueFix{SimTime{from_seconds(t_s)}, {0.6 * at.sin, 0.6 - 0.6 * at.cos, angle_rad}};
   };
@@ -249,7 +250,7 @@ TEST(TruePose, between_two_fixes_goes_round_the_bend_and_is_none_outside_of_them
   EXPECT_FALSE(true_pose({}, SimTime{}, milliseconds{500}));
 }
 
-TEST(LiveRun, of_an_algorithm_that_diverged_says_so_and_the_others_keep_their_results) {
+TEST(LiveRun, reports_a_diverged_algorithm_and_keeps_the_results_of_the_others) {
   const auto zone = zone::Rtm::initialise(zone::testing::configuration_file("lacet4.toml"))->shared_zone();
   RunLog log{"run 1", aiv(1), 1, 500, 4};
   std::vector<TrueFix> ground_truth;
@@ -262,8 +263,9 @@ TEST(LiveRun, of_an_algorithm_that_diverged_says_so_and_the_others_keep_their_re
     response.travelled_m = 0.02 * i;
     response.inputs.clear();
     if (i > 0) response.inputs.emplace_back(wire::EstimateResponse::Odometry{0.02, 0.0, 0.05});
-    response.estimates = {{"good", "", {0.02 * i, 0.0, 0.0}, std::nullopt, std::nullopt, {}},
-                          {"bad", i < 20 ? "" : "it has diverged", {0.0, 0.0, 0.0}, std::nullopt, std::nullopt, {}}};
+    response.estimates = {
+        {"good", "", {0.02 * i, 0.0, 0.0}, std::nullopt, std::nullopt, {}},
+        {"bad", i < 20 ? "" : "the estimate has diverged", {0.0, 0.0, 0.0}, std::nullopt, std::nullopt, {}}};
     log.add(response);
     response.start.reset();
     ground_truth.push_back({response.timestamp, {0.02 * i, 0.003, 0.0}});

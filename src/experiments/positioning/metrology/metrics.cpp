@@ -16,10 +16,10 @@ double mean_square(const std::vector<double>& values) {
   return sum / static_cast<double>(values.size());
 }
 
-/// Of two dimensions: 1 − e^(−x/2) = p.
+/// In two dimensions: 1 − e^(−x/2) = p.
 double region_limit(double ratio) { return -2.0 * det_log(1.0 - ratio); }
 
-/// How many of the edges it is beyond: no search, whose branches nobody can foretell.
+/// The number of edges below the value: without a search, whose branches are unpredictable.
 std::size_t bin_of(double since_m) {
   std::size_t bin = 0;
   for (const double edge : since_fiducial_m) bin += edge < since_m ? 1 : 0;

@@ -16,16 +16,16 @@ using estimation::Reading;
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
-/// What is not known: pose, scales of odometry and a gyroscope's offset, what all ranges have in common, then a bias of
-/// each station.
+/// The unknowns: pose, scales of odometry and a gyroscope's offset, the common error of all ranges, then a bias of each
+/// station.
 enum Part : Eigen::Index { x, y, heading, distance_scale, turn_scale, turn_drift, range_scale, range_common, stations };
 
 double squared(double v) { return v * v; }
 
-/// The shortest way that tells a course, where the truth has no heading.
+/// The shortest distance that defines a course, where the ground truth has no heading.
 constexpr double course_m = 0.1;
 
-/// The truth at moments, with a heading: its own, or the course of its places.
+/// The ground truth at the moments, with a heading: its own, or the course of its positions.
 std::vector<Pose2> drive_of(const Trial& run) {
   std::vector<Pose2> drive;
   drive.reserve(run.moments.size());
@@ -49,16 +49,16 @@ Pose2 between(const Pose2& a, const Pose2& b, double ratio) {
           wrap_angle(a.heading_rad + ratio * wrap_angle(b.heading_rad - a.heading_rad))};
 }
 
-/// A step's F: one beside some entries of the pose's rows, and stations' biases that forget themselves.
+/// The matrix F of a step: the identity plus some entries of the pose's rows, and stations' biases that decay.
 struct Move {
   double x_heading, y_heading;
   double x_distance, y_distance;
   double x_turn, y_turn, heading_turn;
-  double drifts_s;  ///< for which a gyroscope counted
+  double drifts_s;  ///< time over which a gyroscope measured
   double keeps;
 };
 
-/// What is gone through backwards for the smoother.
+/// A step to be processed backwards for the smoother.
 struct Step {
   enum class Kind { move, measure, moment } kind;
   Move move{};
@@ -75,8 +75,8 @@ class PlanarInformation {
     const auto n = stations + static_cast<Eigen::Index>(numbers_.size());
     Vector variances = Vector::Constant(n, squared(sensors_.range_station_sigma_m));
     variances(x) = variances(y) = squared(run.setting.start_sigma_m);
-    // Of who knows nothing of its heading a step ends anywhere on a circle: that is as far off as 1 rad says in the
-    // linear picture. More would not be a limit, since nobody is as bad.
+    // With an unknown heading a step ends anywhere on a circle: in the linear model this equals 1 rad. A larger value
+    // would not be a limit, since no estimator is as bad.
     variances(heading) = squared(std::fmin(1.0, run.setting.start_heading_sigma_rad));
     variances(distance_scale) = squared(sensors_.distance_scale_sigma);
     variances(turn_scale) = squared(sensors_.turn_scale_sigma);
@@ -129,7 +129,7 @@ class PlanarInformation {
     }
   }
 
-  /// Where the drive to the first moment began, by what was counted on it.
+  /// The start of the drive to the first moment, from the odometry up to it.
   [[nodiscard]] Pose2 began_at(std::size_t until) const {
     Pose2 step_pose;
     for (std::size_t i = 0; i < until; ++i) {
@@ -140,7 +140,7 @@ class PlanarInformation {
   }
 
   void move(const Odometry& odometry, double centre_rad) {
-    // A course has no backwards.
+    // A course has no backward direction.
     const estimation::StepCourse course = estimation::course_of(odometry);
     const double d = run_.heading_known ? course.distance_m : std::fabs(course.distance_m);
     const SinCos h = sincos(run_.heading_known ? centre_rad + course.aside_rad : centre_rad);
@@ -158,7 +158,7 @@ class PlanarInformation {
       of(x) += f.x_heading * of(heading) + f.x_distance * of(distance_scale) + f.x_turn * of(turn_scale);
       of(y) += f.y_heading * of(heading) + f.y_distance * of(distance_scale) + f.y_turn * of(turn_scale);
       of(heading) += f.heading_turn * of(turn_scale);
-      // Of the turn itself x and y know by half: what it is off by comes in along the way.
+      // The turn affects x and y by half: its error builds up during the step.
       of(x) += -0.5 * f.x_heading * f.drifts_s * of(turn_drift);
       of(y) += -0.5 * f.y_heading * f.drifts_s * of(turn_drift);
       of(heading) -= f.drifts_s * of(turn_drift);
@@ -204,7 +204,7 @@ class PlanarInformation {
   void learn(Vector slope, double variance) {
     const Vector ph = p_.lazyProduct(slope);
     const double s = slope.dot(ph) + variance;
-    // Who has no doubt learns nothing from who has none either.
+    // Without uncertainty in the state and in the measurement there is nothing to learn.
     if (!(s > 0.0)) return;
     Vector gain = ph / s;
     p_ -= gain.lazyProduct(ph.transpose());
@@ -212,7 +212,7 @@ class PlanarInformation {
     steps_.push_back({Step::Kind::measure, {}, std::move(slope), std::move(gain), s, {}});
   }
 
-  /// Λ of what comes later: the smoother's covariance is P − P·Λ·P. Sum over the moments.
+  /// Λ of the following steps: the smoother's covariance is P − P·Λ·P. Sum over the moments.
   [[nodiscard]] double backwards() const {
     double sum_m2 = 0.0;
     Matrix later = Matrix::Zero(p_.rows(), p_.rows());

@@ -4,15 +4,15 @@
 
 namespace cosiva::experiments {
 
-/// The posterior Cramér-Rao limit of a vehicle on the plane that follows no line: mean squared distance to the truth of
-/// the best filter and of the best smoother over a run's moments, for the odometry, readings and ranges that it had.
-/// The information goes along the true drive, J' = (F·J⁻¹·Fᵀ + Q)⁻¹ + Hᵀ·R⁻¹·H, in covariances, where it needs no
-/// inverse; the smoother's comes back by Bryson's and Frazier's recursion. What ranges and odometry have in common
-/// (scales, delays, reflections) is unknown too, and in the state with the spread that the sensors' figures give it.
-/// To first order about the truth, for Gaussian noise as large as those figures say.
-/// Source: P. Tichavský, C. Muravchik, A. Nehorai, Posterior Cramér-Rao Bounds for Discrete-Time Nonlinear Filtering,
-/// IEEE TSP 46 (1998), equation (21).
-/// @param run  has moments, and a start that is known
+/// The posterior Cramér-Rao limit of a vehicle on the plane that follows no path: mean squared distance to the ground
+/// truth of the best filter and of the best smoother over a run's moments, for its actual odometry, readings and
+/// ranges. The information propagates along the true drive, J' = (F·J⁻¹·Fᵀ + Q)⁻¹ + Hᵀ·R⁻¹·H, in covariances, which
+/// need no inverse; that of the smoother follows from Bryson's and Frazier's recursion. Common errors of ranges and
+/// odometry (scales, delays, reflections) are unknown too, and are part of the state with the spread of the sensors'
+/// data. To first order about the ground truth, for Gaussian noise of the sensors' stated size. Source: P. Tichavský,
+/// C. Muravchik, A. Nehorai, Posterior Cramér-Rao Bounds for Discrete-Time Nonlinear Filtering, IEEE TSP 46 (1998),
+/// equation (21).
+/// @param run  with moments and a known start
 [[nodiscard]] RunLimit planar_limit_of(const Trial& run);
 
 }  // namespace cosiva::experiments

@@ -16,7 +16,7 @@ using estimation::Odometry;
 using estimation::Range;
 using estimation::Reading;
 
-/// Sensors that have nothing in common but their noise.
+/// Sensors without common errors, with noise only.
 estimation::SensorModel plain_sensors() {
   estimation::SensorModel sensors;
   sensors.distance_scale_sigma = sensors.turn_scale_sigma = 0.0;
@@ -32,7 +32,8 @@ void record_moment(Trial& run, const Pose2& ground_truth) {
 
 constexpr std::array<Point2, 3> stations{{{10.0, 0.0}, {0.0, 20.0}, {-7.0, -7.0}}};
 
-/// It stands at the origin and hears three stations so many times; asked before and after.
+/// The vehicle is stopped at the origin and receives this number of ranges of three stations; a moment before and one
+/// after.
 Trial stopped(const estimation::SensorModel& sensors, int rounds) {
   Trial run;
   run.setting.sensors = sensors;
@@ -46,8 +47,8 @@ Trial stopped(const estimation::SensorModel& sensors, int rounds) {
   return run;
 }
 
-/// Of a place of which the start knows 0.5 m and three directions are told with this variance each, and what all three
-/// have in common with that: trace of (I/0.25 + Hᵀ·(v·I + c·11ᵀ)⁻¹·H)⁻¹ by Sherman and Morrison.
+/// The start is known to 0.5 m, three ranges have this variance each, and a common error of that variance: trace of
+/// (I/0.25 + Hᵀ·(v·I + c·11ᵀ)⁻¹·H)⁻¹ by Sherman and Morrison.
 double steady_m2(double v, double c) {
   const std::array<Point2, 3> h{{{-1.0, 0.0}, {0.0, -1.0}, {std::sqrt(0.5), std::sqrt(0.5)}}};
   double xx = 4.0;
@@ -67,34 +68,34 @@ double steady_m2(double v, double c) {
   return (xx + yy) / (xx * yy - xy * xy);
 }
 
-TEST(PlanarLimit, of_who_stands_between_stations_is_the_inverse_of_what_they_tell_together) {
+TEST(PlanarLimit, of_a_stopped_vehicle_between_stations_is_the_inverse_of_their_joint_information) {
   estimation::SensorModel sensors = plain_sensors();
   sensors.range_sigma_m = 0.2;
   for (const int rounds : {1, 4, 25}) {
     const RunLimit limit = planar_limit_of(stopped(sensors, rounds));
     const double after_m2 = steady_m2(0.04 / rounds, 0.0);
-    // Asked before and after; who looks back knows before what it knew after.
+    // A moment before and one after; a smoother knows at the first what the filter knows at the second.
     EXPECT_NEAR(limit.filter_m2, 0.5 * (0.5 + after_m2), 1e-12) << rounds;
     EXPECT_NEAR(limit.smoother_m2, after_m2, 1e-12) << rounds;
   }
 }
 
-TEST(PlanarLimit, counts_what_ranges_have_in_common_as_unknown_too) {
+TEST(PlanarLimit, treats_common_errors_of_ranges_as_unknown) {
   estimation::SensorModel sensors = plain_sensors();
   sensors.range_sigma_m = 0.2;
   sensors.range_common_sigma_m = 0.3;
   EXPECT_NEAR(planar_limit_of(stopped(sensors, 1)).smoother_m2, steady_m2(0.04, 0.09), 1e-12);
-  // More of them take away noise, and not what they have in common.
+  // More ranges reduce noise, but not the common error.
   EXPECT_NEAR(planar_limit_of(stopped(sensors, 400)).smoother_m2, steady_m2(0.04 / 400, 0.09), 1e-10);
   EXPECT_GT(steady_m2(0.04 / 400, 0.09), 1.005 * steady_m2(0.04 / 400, 0.0));
-  // A station's own bias is as good as noise that does not change while it stands.
+  // A station's own bias equals noise that does not change while the vehicle is stopped.
   sensors = plain_sensors();
   sensors.range_sigma_m = 0.2;
   sensors.range_station_sigma_m = 0.4;
   EXPECT_NEAR(planar_limit_of(stopped(sensors, 9)).smoother_m2, steady_m2(0.04 / 9 + 0.16, 0.0), 1e-10);
 }
 
-/// Straight along an angle, a step at a time.
+/// Straight along an angle, step by step.
 struct Straight {
   Trial run;
   double step_m{0.02};
@@ -111,7 +112,7 @@ struct Straight {
   [[nodiscard]] Pose2 here() const { return Pose2{1.0, -2.0, heading_rad} * Pose2{traversed_m, 0.0, 0.0}; }
 };
 
-TEST(PlanarLimit, of_odometry_alone_on_a_straight_is_its_random_walk_and_what_the_heading_makes_of_it) {
+TEST(PlanarLimit, of_odometry_alone_on_a_straight_is_its_random_walk_and_the_effect_of_the_heading) {
   for (const std::size_t steps : {1U, 10U, 500U}) {
     Straight drive;
     drive.run.setting.sensors = plain_sensors();
@@ -126,12 +127,12 @@ TEST(PlanarLimit, of_odometry_alone_on_a_straight_is_its_random_walk_and_what_th
     const double along_m2 = 9e-4 + q * static_cast<double>(steps);
     const RunLimit limit = planar_limit_of(drive.run);
     EXPECT_NEAR(limit.filter_m2 / (along_m2 + across_m2), 1.0, 1e-9) << steps;
-    // Nothing is heard later that could tell more.
+    // No later measurement adds information.
     EXPECT_EQ(limit.smoother_m2, limit.filter_m2);
   }
 }
 
-TEST(PlanarLimit, of_a_gyroscope_with_an_offset_grows_with_the_square_of_time_and_not_of_wheels_that_say_straight_on) {
+TEST(PlanarLimit, of_a_gyroscope_with_an_offset_grows_with_the_square_of_time_but_not_of_straight_wheels) {
   for (const double turn_rad : {1e-12, 0.0}) {
     Straight drive;
     drive.run.setting.sensors = plain_sensors();
@@ -148,7 +149,7 @@ TEST(PlanarLimit, of_a_gyroscope_with_an_offset_grows_with_the_square_of_time_an
   }
 }
 
-TEST(PlanarLimit, of_who_goes_sideways_is_that_of_who_goes_as_far_straight_on) {
+TEST(PlanarLimit, of_sideways_motion_equals_that_of_straight_motion) {
   Straight ahead;
   ahead.run.setting.sensors.distance_variance_per_m = 1e-2;
   Straight aside = ahead;
@@ -162,7 +163,7 @@ TEST(PlanarLimit, of_who_goes_sideways_is_that_of_who_goes_as_far_straight_on) {
   EXPECT_NEAR(one.smoother_m2, other.smoother_m2, 1e-9 * one.smoother_m2);
 }
 
-TEST(PlanarLimit, of_a_heading_nobody_knows_is_no_more_than_a_circle) {
+TEST(PlanarLimit, of_an_unknown_heading_is_at_most_a_circle) {
   Straight drive;
   drive.run.setting.sensors = plain_sensors();
   drive.run.setting.sensors.distance_variance_per_m = drive.run.setting.sensors.turn_variance_per_m = 0.0;
@@ -173,7 +174,8 @@ TEST(PlanarLimit, of_a_heading_nobody_knows_is_no_more_than_a_circle) {
   EXPECT_NEAR(planar_limit_of(drive.run).filter_m2, drive.traversed_m * drive.traversed_m, 1e-9);
 }
 
-/// With a known heading and beacons read along the way it is one-dimensional and linear: Kalman's own variance.
+/// With a known heading and beacons read along the path the problem is one-dimensional and linear: Kalman's own
+/// variance.
 Trial beacons_on_a_straight(double pitch_m, bool heading_known) {
   Straight drive;
   drive.run.heading_known = heading_known;
@@ -192,7 +194,7 @@ Trial beacons_on_a_straight(double pitch_m, bool heading_known) {
   return drive.run;
 }
 
-TEST(PlanarLimit, where_all_is_linear_is_the_kalman_filter_s_and_the_smoother_s_own_variance) {
+TEST(PlanarLimit, of_a_linear_problem_is_the_kalman_filter_s_and_the_smoother_s_own_variance) {
   for (const double pitch_m : {0.2, 1.0, 4.0}) {
     const Trial run = beacons_on_a_straight(pitch_m, true);
     const double across_m2 = run.setting.start_sigma_m * run.setting.start_sigma_m;
@@ -215,7 +217,7 @@ TEST(PlanarLimit, takes_the_course_where_the_ground_truth_has_no_heading) {
   EXPECT_NEAR(limit.smoother_m2 / known.smoother_m2, 1.0, 1e-6);
 }
 
-/// Round a circle between four stations, with noise of just the size that the sensors are said to have.
+/// Along a circle between four stations, with noise of exactly the size stated for the sensors.
 void lap(std::uint64_t seed, Trial& run) {
   run = {};
   run.name = "lap " + std::to_string(seed);
@@ -243,7 +245,7 @@ void lap(std::uint64_t seed, Trial& run) {
   }
 }
 
-/// Knows the truth but for a few millimetres.
+/// Knows the ground truth up to a few millimetres.
 class Cheat final : public estimation::Algorithm {
  public:
   explicit Cheat(std::uint64_t seed) { lap(seed, run_); }
@@ -281,7 +283,7 @@ Qualification laps(std::size_t runs) {
   return *qualify(candidates, runs, source, {});
 }
 
-TEST(PlanarLimitStatistics, is_reached_by_filter_and_smoother_where_noise_is_as_told_and_passed_by_none) {
+TEST(PlanarLimitStatistics, is_reached_by_filter_and_smoother_with_noise_as_stated_and_surpassed_by_none) {
   const Qualification q = laps(60);
   for (const std::size_t i : {0U, 1U, 2U}) {
     const Qualified& one = q.algorithms[i];
@@ -293,7 +295,7 @@ TEST(PlanarLimitStatistics, is_reached_by_filter_and_smoother_where_noise_is_as_
   EXPECT_LT(*q.algorithms[2].limit_m, 0.85 * *q.algorithms[0].limit_m);
 }
 
-TEST(PlanarLimit, of_sensors_that_nobody_has_described_calls_none_a_leak) {
+TEST(PlanarLimit, of_undescribed_sensors_calls_no_algorithm_a_leak) {
   const auto source = [](std::size_t index, Trial& room) -> Result<const Trial*> {
     lap(index + 1, room);
     room.sensors_assumed = true;
@@ -310,7 +312,7 @@ TEST(PlanarLimit, of_sensors_that_nobody_has_described_calls_none_a_leak) {
   EXPECT_FALSE(q->algorithms[0].leak);
 }
 
-TEST(PlanarLimit, flags_who_knows_the_ground_truth_in_many_runs_and_in_one) {
+TEST(PlanarLimit, flags_an_algorithm_that_knows_the_ground_truth_in_many_runs_and_in_one) {
   for (const std::size_t runs : {1U, 8U}) {
     const Qualification q = laps(runs);
     EXPECT_TRUE(q.algorithms[3].leak) << runs;

@@ -13,7 +13,7 @@ namespace {
 
 double root(double v) { return std::sqrt(std::fmax(v, 0.0)); }
 
-/// What is gathered while the runs go by.
+/// Values that are collected during the runs.
 struct Gathered {
   std::vector<float> errors_m;  ///< all of them
   std::vector<double> below_limit_m2;
@@ -48,7 +48,7 @@ class Qualifying {
     }
   }
 
-  /// In the order of runs, and of candidates in each: so the digest tells both.
+  /// In the order of runs, and of candidates in each run: so the digest covers both.
   void take(std::size_t index, EvaluatedRun run) {
     if (index == 0) {
       result_.times_s = std::move(run.times_s);
@@ -161,7 +161,7 @@ class Qualifying {
   }
 
   static void sum_up_errors(Qualified& one, Gathered& all) {
-    // For drawing some of them do, taken before they are put in another order.
+    // A subset suffices for drawing; it is taken before the errors are reordered.
     constexpr std::size_t drawn = 50'000;
     const std::size_t stride = all.errors_m.size() / drawn + 1;
     std::vector<double> some;
@@ -182,7 +182,7 @@ class Qualifying {
     one.gap_percent = 100.0 * (one.rmse_m.value / *one.limit_m - 1.0);
     if (one.limit_assumed) return;
     if (n < 2.0) {
-      // One run tells by its own blocks.
+      // The interval of one run comes from its blocks.
       one.leak = one.rmse_m.interval && one.rmse_m.interval->high < *one.limit_m;
       return;
     }

@@ -44,7 +44,7 @@ struct Fixture {
   }
 };
 
-/// Knows the truth, which none can.
+/// Knows the ground truth, which no algorithm can.
 class Cheat final : public estimation::Algorithm {
  public:
   explicit Cheat(const Trial& trial) : trial_{trial} {}
@@ -63,7 +63,7 @@ class Cheat final : public estimation::Algorithm {
   std::size_t events_{0};
 };
 
-/// Says nothing more after a while.
+/// Stops responding after some time.
 class Dying final : public estimation::Algorithm {
  public:
   void predict(const estimation::Odometry&) override { ++steps_; }
@@ -74,10 +74,10 @@ class Dying final : public estimation::Algorithm {
 
  private:
   int steps_{0};
-  Error fault_{"algorithm.unresponsive", "it says nothing any more", "dying"};
+  Error fault_{"algorithm.unresponsive", "no more responses", "dying"};
 };
 
-TEST(Qualification, gives_each_figure_with_its_interval_and_the_limit_beside_it) {
+TEST(Qualification, gives_each_metric_with_its_interval_and_the_limit) {
   Fixture fixture;
   const Qualification q = fixture.of({candidate("arc_kalman"), candidate("reset_rule")});
   const Qualified& kalman = q.algorithms[0];
@@ -99,14 +99,14 @@ TEST(Qualification, gives_each_figure_with_its_interval_and_the_limit_beside_it)
   EXPECT_LT(kalman.nees_band.low, 2.0);
   EXPECT_GT(kalman.nees_band.high, 2.0);
   EXPECT_NEAR(kalman.covered[2], 0.95, 0.04);
-  // Straight and bent; what is further from the last beacon is worse known.
+  // Straight and bent; iterations further from the last beacon have a larger error.
   EXPECT_GT(kalman.by_section[0].iterations, 0U);
   EXPECT_GT(kalman.by_section[1].iterations, 0U);
   EXPECT_EQ(kalman.by_section[2].iterations, 0U);
   EXPECT_GT(kalman.by_distance[2].rmse_m(), kalman.by_distance[0].rmse_m());
 }
 
-TEST(Qualification, shows_the_difference_that_there_is_and_ranks) {
+TEST(Qualification, shows_an_existing_difference_and_ranks) {
   Fixture fixture;
   const Qualification q = fixture.of({candidate("reset_rule"), candidate("arc_kalman"), candidate("arc_smoother")});
   ASSERT_EQ(q.comparisons.size(), 3U);
@@ -121,7 +121,7 @@ TEST(Qualification, shows_the_difference_that_there_is_and_ranks) {
   EXPECT_EQ(q.ranks->mean_ranks, (std::vector{3.0, 2.0, 1.0}));
 }
 
-TEST(Qualification, calls_what_the_reference_could_be_wrong_by_unresolved) {
+TEST(Qualification, calls_differences_below_the_reference_s_uncertainty_unresolved) {
   Fixture fixture;
   fixture.options.reference = {{{"floor fit", 0.012, "a file"}, {"time stamp", 0.016, "a file"}}};
   const Qualification q = fixture.of({candidate("reset_rule"), candidate("arc_kalman")});
@@ -132,7 +132,7 @@ TEST(Qualification, calls_what_the_reference_could_be_wrong_by_unresolved) {
   EXPECT_EQ(fixture.of({candidate("reset_rule"), candidate("arc_kalman")}).comparisons[0].verdict, Verdict::different);
 }
 
-TEST(Qualification, shows_no_difference_with_five_runs_whatever_they_say) {
+TEST(Qualification, shows_no_difference_with_five_runs_whatever_their_results) {
   Fixture fixture;
   fixture.runs = 5;
   const Qualification q = fixture.of({candidate("reset_rule"), candidate("arc_kalman")});
@@ -141,7 +141,7 @@ TEST(Qualification, shows_no_difference_with_five_runs_whatever_they_say) {
   EXPECT_GE(*q.comparisons[0].runs_to_decide, 6U);
 }
 
-TEST(Qualification, flags_what_is_better_than_anything_can_be) {
+TEST(Qualification, flags_an_algorithm_that_is_better_than_the_limit) {
   Fixture fixture;
   const Candidate cheat{"cheat", "", false,
                         [&](const estimation::Setting&) -> Result<std::unique_ptr<estimation::Algorithm>> {
@@ -181,7 +181,7 @@ TEST(QualificationStatistics, is_the_same_to_the_bit_for_the_same_seeds) {
   EXPECT_NE(fixture.of({candidate("ekf"), candidate("smoother"), candidate("particles")}).digest, one);
 }
 
-/// The last part first, as a machine may that has many threads.
+/// Runs the last part first, as a machine with many threads might.
 class Backwards final : public Workers {
  protected:
   void run(std::size_t count, Call call, void* context) override {
@@ -189,7 +189,7 @@ class Backwards final : public Workers {
   }
 };
 
-/// Dies at once, or never.
+/// Fails at once, or never.
 class DyingSometimes final : public estimation::Algorithm {
  public:
   explicit DyingSometimes(bool dies) : dies_{dies} {}
@@ -201,7 +201,7 @@ class DyingSometimes final : public estimation::Algorithm {
 
  private:
   bool dies_;
-  Error fault_{"algorithm.unresponsive", "it says nothing any more", "dying"};
+  Error fault_{"algorithm.unresponsive", "no more responses", "dying"};
 };
 
 struct Apart {
@@ -218,14 +218,14 @@ struct Apart {
       simulate(simulation, index + 1, room);
       return &room;
     };
-    // Time is up after every third part that somebody would begin.
+    // Time is up after every third part.
     return qualify(
         candidates, runs, source, {}, workers, [requested = std::make_shared<int>(0)] { return ++*requested % 3 == 0; },
         [this](std::size_t done) { progress.push_back(done); });
   }
 };
 
-TEST(Qualification, is_the_same_whoever_does_which_part_first) {
+TEST(Qualification, does_not_depend_on_the_order_of_parts) {
   AloneWorker alone;
   Backwards backwards;
   const std::vector<Candidate> candidates{candidate("reset_rule"), candidate("arc_kalman"), candidate("arc_smoother")};
@@ -245,13 +245,13 @@ TEST(Qualification, is_the_same_whoever_does_which_part_first) {
   }
 }
 
-TEST(Qualification, names_the_first_run_in_which_one_failed_whoever_came_to_it_first) {
+TEST(Qualification, names_the_first_run_in_which_a_candidate_failed_whatever_the_order_of_parts) {
   AloneWorker alone;
   Backwards backwards;
   for (const std::size_t runs : {12U, 40U}) {
     Apart apart;
     apart.runs = runs;
-    // Seeds are run numbers: it dies from the fifth on.
+    // Seeds are run numbers: the candidate fails from the fifth on.
     const Candidate dying{"dying", "", false,
                           [](const estimation::Setting& setting) -> Result<std::unique_ptr<estimation::Algorithm>> {
                             return std::make_unique<DyingSometimes>(setting.seed >= 5);
@@ -277,7 +277,7 @@ TEST(Qualification, is_the_same_to_the_bit_on_every_machine_and_at_every_optimis
   EXPECT_EQ(fixture.of(all).digest.hex(), "a98515c403e614ca");
 }
 
-TEST(Qualification, aligned_takes_away_what_is_common_to_a_run_and_gives_no_limit) {
+TEST(Qualification, aligned_removes_the_common_error_of_a_run_and_gives_no_limit) {
   Fixture fixture;
   fixture.runs = 6;
   const Qualified plain = fixture.of({candidate("arc_kalman")}).algorithms[0];
@@ -288,7 +288,7 @@ TEST(Qualification, aligned_takes_away_what_is_common_to_a_run_and_gives_no_limi
   ASSERT_EQ(aligned.alignments.size(), 6U);
   EXPECT_FALSE(aligned.limit_m);
   EXPECT_FALSE(aligned.leak);
-  // Least squares: never worse, run by run; and what is moved is judged where it then is.
+  // Least squares: never worse, run by run; and aligned estimates are evaluated at their new position.
   for (std::size_t i = 0; i < 6; ++i) EXPECT_LE(aligned.runs[i].mse_m2, plain.runs[i].mse_m2);
   EXPECT_LT(aligned.rmse_m.value, plain.rmse_m.value);
   double squares = 0.0;
@@ -299,7 +299,7 @@ TEST(Qualification, aligned_takes_away_what_is_common_to_a_run_and_gives_no_limi
     EXPECT_LT(distance(back, plain.path[k]), 1e-12);
   }
   EXPECT_NEAR(squares, aligned.runs[0].mse_m2, 1e-15);
-  // A stated covariance is turned with its estimate: how well it fits hardly changes by millimetres.
+  // A stated covariance is turned with its estimate: its agreement hardly changes by millimetres.
   EXPECT_NEAR(aligned.nees, plain.nees, 0.4);
 }
 
@@ -319,7 +319,7 @@ TEST(Qualification, aligned_at_the_origin_begins_without_an_error_and_needs_a_he
   EXPECT_EQ(headless->algorithms[0].failed->code, "align.heading");
 }
 
-TEST(Qualification, counts_passes_in_a_row_and_the_tolerance_that_would_have_done) {
+TEST(Qualification, counts_consecutive_passes_and_the_tolerance_that_all_would_pass) {
   Fixture fixture;
   fixture.options.tolerance_m = 1.0;
   const Passes all = fixture.of({candidate("arc_kalman")}).algorithms[0].passes;

@@ -10,10 +10,10 @@
 namespace cosiva::experiments {
 namespace {
 
-/// Nobody's reference is off by more.
+/// Larger errors of a reference are implausible.
 constexpr double biggest_m = 1e3;
 
-/// One part's fields, and the first of them that is not what it should be.
+/// Reads one part's fields, and records the first invalid one.
 class PartReader {
  public:
   PartReader(const JsonValue& json, std::string location) : json_{json}, location_{std::move(location)} {}
@@ -27,7 +27,7 @@ class PartReader {
   }
   std::string text(std::string_view key) {
     auto value = json_.text(key);
-    if (!value || value->empty()) record(key, "expected some words");
+    if (!value || value->empty()) record(key, "expected a text");
     return std::string(value.value_or(""));
   }
   void record(std::string_view key, const std::string& message) {
@@ -112,9 +112,9 @@ Result<ReferenceBudget> read_reference_budget(std::string_view text, const std::
     part.source = reader.text("source");
     part.uncertainty_m = uncertainty_of(reader, one);
     if (reader.error()) return tl::unexpected(*reader.error());
-    // What stands twice would count twice.
+    // A repeated part would count twice.
     if (std::ranges::find(budget.parts, part.name, &ReferencePart::name) != budget.parts.end())
-      return fail("reference.budget", "'" + part.name + "' stands there twice", location);
+      return fail("reference.budget", "'" + part.name + "' is given twice", location);
     budget.parts.push_back(std::move(part));
   }
   return budget;
@@ -150,7 +150,7 @@ std::string text_of(const ReferenceBudget& budget) {
     if (part.uncertainty_m) list += " " + mm(*part.uncertainty_m);
   }
   return "u " + mm(budget.total_m()) + " mm" + (inputs.empty() ? "" : ": " + inputs) +
-         (untold.empty() ? "" : "; not told: " + untold);
+         (untold.empty() ? "" : "; not given: " + untold);
 }
 
 double without_reference_m(double rmse_detected_m, double reference_m) {

@@ -15,7 +15,7 @@ constexpr const char* whole = R"({"format": "cosiva.reference_budget.v1", "parts
   {"name": "time stamp", "time_s": 0.008, "speed_mps": 0.5, "source": "gvs track --against"},
   {"name": "tag height", "height_error_m": 0.0048, "tag_height_m": 0.1, "camera_height_m": 1.1, "from_foot_m": 2.5,
    "source": "a ruler"},
-  {"name": "mounting", "uncertainty_m": null, "source": "nobody has measured it"}]})";
+  {"name": "mounting", "uncertainty_m": null, "source": "not measured"}]})";
 
 std::string refusal(const std::string& parts) {
   const auto read =
@@ -35,18 +35,18 @@ TEST(ReferenceBudget, is_the_root_of_the_sum_of_its_parts_squares) {
   EXPECT_NEAR(budget->ratio_percent(budget->parts[0]), 100.0 * 9.0 / 169.0, 1e-12);
   EXPECT_EQ(budget->ratio_percent(budget->parts[3]), 0.0);
   EXPECT_EQ(budget->untold(), 1U);
-  EXPECT_EQ(text_of(*budget), "u 13 mm: floor fit 3, time stamp 4, tag height 12; not told: mounting");
+  EXPECT_EQ(text_of(*budget), "u 13 mm: floor fit 3, time stamp 4, tag height 12; not given: mounting");
   EXPECT_EQ(ReferenceBudget{}.total_m(), 0.0);
 }
 
-TEST(ReferenceBudget, of_a_wrong_height_is_what_is_left_of_the_correction) {
-  // Seen at ρ·H/(H − h), put back with a wrong h: the difference to ρ, to first order in δh.
+TEST(ReferenceBudget, of_a_wrong_height_is_the_residual_of_the_correction) {
+  // Observed at ρ·H/(H − h), corrected with a wrong h: the difference to ρ, to first order in δh.
   const double detected_m = 2.5 * 3.3 / (3.3 - 0.10);
   const double put_m = detected_m * (3.3 - 0.101) / 3.3;
   EXPECT_NEAR(height_uncertainty_m(2.5, 0.001, 0.10, 3.3), 2.5 - put_m, 1e-12);
 }
 
-TEST(ReferenceBudget, written_reads_back_and_tells_each_part_with_its_source) {
+TEST(ReferenceBudget, written_reads_back_and_lists_each_part_with_its_source) {
   const auto budget = read_reference_budget(whole, "u.json");
   const std::string text = to_json(*budget);
   const auto again = read_reference_budget(text, "again.json");
@@ -59,7 +59,7 @@ TEST(ReferenceBudget, written_reads_back_and_tells_each_part_with_its_source) {
   EXPECT_TRUE(parts[3].find("uncertainty_m")->is_null());
 }
 
-TEST(ReferenceBudget, that_is_none_is_refused_with_its_part_and_field) {
+TEST(ReferenceBudget, that_is_invalid_is_refused_with_its_part_and_field) {
   EXPECT_EQ(read_reference_budget("nonsense", "u.json").error().code, "reference.budget");
   EXPECT_THAT(read_reference_budget("{}", "u.json").error().message, HasSubstr("cosiva.reference_budget.v1"));
   EXPECT_THAT(refusal("[]"), HasSubstr("u.json: 'parts'"));
@@ -79,7 +79,7 @@ TEST(ReferenceBudget, that_is_none_is_refused_with_its_part_and_field) {
               HasSubstr("twice"));
 }
 
-TEST(ReferenceBudget, is_taken_out_of_what_was_seen) {
+TEST(ReferenceBudget, is_removed_from_the_observed_error) {
   EXPECT_NEAR(without_reference_m(0.05, 0.03), 0.04, 1e-15);
   EXPECT_EQ(without_reference_m(0.02, 0.03), 0.0);
 }

@@ -15,7 +15,7 @@ constexpr double name_px = 170.0;
 constexpr double gap_px = 160.0;
 constexpr double width_px = 720.0;
 constexpr double top_px = 8.0;
-/// Beyond this the smallest would be a stroke on the axis.
+/// Beyond this ratio the smallest bar would be a stroke on the axis.
 constexpr double too_far_apart = 30.0;
 
 std::string px(double value) { return readable(value, 1); }
@@ -27,7 +27,7 @@ std::vector<double> rmse_of_runs(const Qualified& one) {
   return rmse;
 }
 
-/// Millimetres along the picture.
+/// Maps millimetres to the plot's horizontal axis.
 class Scale {
  public:
   explicit Scale(const std::vector<const Qualified*>& ones) {

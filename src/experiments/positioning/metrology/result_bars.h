@@ -6,9 +6,9 @@
 
 namespace cosiva::experiments {
 
-/// An SVG with a row per algorithm that has figures: a bar to its rmse with the 95 % interval, over several runs a box
-/// of them (smallest, quartiles, largest), the limit as a stroke, and the gap to it in percent beside. Where the best
-/// and the worst are too far apart to be seen together the scale is logarithmic.
+/// Draws an SVG with a row per algorithm with metrics: a bar to its rmse with the 95 % interval, for several runs a box
+/// of them (smallest, quartiles, largest), the limit as a stroke, and the gap to it in percent. Where the best and the
+/// worst are too far apart for a linear scale, the scale is logarithmic.
 [[nodiscard]] std::string limits_beside_bars(const Qualification& all);
 
 }  // namespace cosiva::experiments

@@ -7,8 +7,8 @@
 
 namespace cosiva::experiments {
 
-/// One JSON document: `algorithms[]` with name, rmse_m, mean_m, variance_m2, precision and the rest, `comparisons[]`,
-/// `ranks`, `conditions`, `digest`. Numbers that there are none of are null.
+/// Writes one JSON document: `algorithms[]` with name, rmse_m, mean_m, variance_m2, precision and the rest,
+/// `comparisons[]`, `ranks`, `conditions`, `digest`. Missing numbers are null.
 [[nodiscard]] std::string to_json(const Qualification& qualification, const Conditions& conditions);
 
 }  // namespace cosiva::experiments

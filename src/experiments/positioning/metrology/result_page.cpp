@@ -23,7 +23,7 @@ std::vector<const Qualified*> figured(const Qualification& all) {
   return ones;
 }
 
-/// As many as a chart has colours for, the best first.
+/// As many as a chart has colours, the best first.
 std::vector<const Qualified*> drawn(const Qualification& all, std::size_t most = colours) {
   auto ones = figured(all);
   std::ranges::stable_sort(ones, {}, [](const Qualified* one) { return one->rmse_m.value; });
@@ -65,7 +65,7 @@ std::string in_band(double value, double low, double high) {
   return readable(value, 2) + " (" + readable(low, 2) + "–" + readable(high, 2) + ")";
 }
 
-/// Whether what they state of themselves is so.
+/// Prints whether the stated uncertainties are realistic.
 void add_honesty(Report& report, const Qualification& all) {
   std::vector<std::vector<std::string>> rows;
   for (const Qualified* one : figured(all)) {
@@ -129,7 +129,7 @@ std::string error_over_distance(const Qualification& all) {
 }
 
 std::string distribution(const Qualification& all) {
-  Chart chart{{"error [mm]", 0.0, {}}, {"share of iterations", 0.0, 1.0}, {}};
+  Chart chart{{"error [mm]", 0.0, {}}, {"ratio of iterations", 0.0, 1.0}, {}};
   for (const Qualified* one : drawn(all)) {
     Series series{one->name, {}, one->cdf.ratio, Series::Form::steps};
     for (const double v : one->cdf.value) series.x.push_back(1e3 * v);
@@ -138,7 +138,7 @@ std::string distribution(const Qualification& all) {
   return to_svg(chart);
 }
 
-/// Where something is read all the time, such as ranges, nothing is ever far from the last.
+/// With continuous measurements, such as ranges, the distance since the last one is never large.
 bool ever_far(const Qualification& all) {
   return std::ranges::any_of(all.algorithms, [](const Qualified& one) {
     return !one.failed &&
@@ -147,7 +147,7 @@ bool ever_far(const Qualification& all) {
 }
 
 std::string by_distance(const Qualification& all) {
-  Chart chart{{"since the last mark, up to [m]", 0.0, {}}, {"rmse [mm]", 0.0, {}}, {}};
+  Chart chart{{"since the last fiducial, up to [m]", 0.0, {}}, {"rmse [mm]", 0.0, {}}, {}};
   for (const Qualified* one : drawn(all)) {
     Series series{one->name, {}, {}, Series::Form::line};
     for (std::size_t k = 0; k < since_fiducial_m.size(); ++k) {
@@ -162,7 +162,7 @@ std::string by_distance(const Qualification& all) {
 
 void add_comparisons(Report& report, const Qualification& all) {
   if (all.comparisons.empty()) return;
-  report.heading("Against each other, run by run");
+  report.heading("Comparison, run by run");
   std::vector<std::vector<std::string>> rows;
   for (const Comparison& comparison : all.comparisons) {
     rows.push_back({all.algorithms[comparison.b].name + " − " + all.algorithms[comparison.a].name,
@@ -186,19 +186,20 @@ void add_comparisons(Report& report, const Qualification& all) {
 }
 
 void add_success(Report& report, const Qualification& all) {
-  report.heading("Success in a row");
+  report.heading("Consecutive passes");
   report.paragraph("A run passes when no error in it exceeds " + mm(all.options.tolerance_m, 1) + " mm. " +
                    std::to_string(statistics::passes_needed(all.options.reliability, all.options.confidence)) +
                    " passes in a row show a reliability of " + readable(100.0 * all.options.reliability, 1) +
                    " % with a confidence of " + readable(100.0 * all.options.confidence, 1) +
-                   " % (the way of ASTM F45's tests).");
+                   " % (as in ASTM F45's tests).");
   std::vector<std::vector<std::string>> rows;
   for (const Qualified* one : figured(all)) {
     rows.push_back({one->name, std::to_string(one->passes.passed) + " of " + std::to_string(one->passes.runs),
                     std::to_string(one->passes.in_a_row), readable(100.0 * one->passes.reliability_shown, 1),
                     mm(one->passes.tolerance_passed_m, 1)});
   }
-  report.table({"algorithm", "passed", "longest row", "reliability shown [%]", "tolerance all would pass [mm]"}, rows);
+  report.table({"algorithm", "passed", "longest sequence", "reliability shown [%]", "tolerance all would pass [mm]"},
+               rows);
 }
 
 void add_reference(Report& report, const Qualification& all) {
@@ -207,16 +208,16 @@ void add_reference(Report& report, const Qualification& all) {
   report.heading("The reference's own error");
   std::vector<std::vector<std::string>> rows;
   for (const ReferencePart& part : budget.parts)
-    rows.push_back({part.name, part.uncertainty_m ? mm(*part.uncertainty_m) : "not told",
+    rows.push_back({part.name, part.uncertainty_m ? mm(*part.uncertainty_m) : "not given",
                     part.uncertainty_m ? readable(budget.ratio_percent(part), 1) : "–", part.source});
   rows.push_back({"u, all together", mm(budget.total_m()), "100", "root of the sum of squares"});
-  report.table({"part", "standard uncertainty [mm]", "share of u² [%]", "source"}, rows);
-  report.paragraph("A difference below u is called unresolved, however often it is seen." +
-                   std::string(budget.untold() > 0 ? " Some parts are not told: u is more than this." : ""));
+  report.table({"part", "standard uncertainty [mm]", "part of u² [%]", "source"}, rows);
+  report.paragraph("A difference below u is called unresolved, however often it is observed." +
+                   std::string(budget.untold() > 0 ? " Some parts are not given: u is more than this." : ""));
   rows.clear();
   for (const Qualified* one : figured(all))
     rows.push_back({one->name, mm(one->rmse_m.value), mm(without_reference_m(one->rmse_m.value, budget.total_m()))});
-  report.table({"algorithm", "rmse as seen [mm]", "without the reference's share [mm]"}, rows);
+  report.table({"algorithm", "observed rmse [mm]", "without the reference's part [mm]"}, rows);
 }
 
 }  // namespace
@@ -234,29 +235,29 @@ std::string to_html(const Qualification& all, const Conditions& conditions) {
   add_table(report, all);
   report.paragraph(
       "Brackets: 95 % intervals over runs (BCa bootstrap); over one run by blocks as long as its errors are "
-      "alike. Precision: the share of iterations with an error under " +
+      "correlated. Precision: the ratio of iterations with an error below " +
       mm(all.options.threshold_m, 1) +
       " mm. The limit is the "
       "posterior Cramér-Rao bound for the readings that the runs had.");
   if (all.options.alignment != Alignment::none)
     report.paragraph("Aligned (" + std::string(to_string(all.options.alignment)) +
-                     "), as was asked for: each run's estimates were " + std::string(text_of(all.options.alignment)) +
-                     ". The figures tell the shape of ways, not where they lie; no limit is drawn, for it knows of no "
-                     "alignment.");
+                     "), as requested: each run's estimates were " + std::string(text_of(all.options.alignment)) +
+                     ". The metrics describe the shape of paths, not their position; no limit is drawn, because it "
+                     "excludes alignment.");
   for (const std::string& diagnostic : conditions.diagnostics) report.paragraph(diagnostic);
   add_honesty(report, all);
   report.paragraph(
-      "What they state of themselves: NEES/2 and NIS are 1 where stated covariances are honest; beside them the bands "
-      "in which 95 % of honest ones lie. A region covers as often as it says that the truth is in it.");
+      "Stated uncertainties: NEES/2 and NIS are 1 where stated covariances are realistic; in brackets the bands "
+      "that contain 95 % of realistic ones. A region should contain the ground truth as often as stated.");
   report.figure(limits_beside_bars(all),
                 "Bar: rmse of all runs, with its interval; box: the runs' smallest, quartiles and largest; the stroke "
-                "across: the limit, and at the right how far above it");
+                "across: the limit, and on the right the gap to it");
   report.figure(distribution(all), "Distribution of all errors");
-  report.figure(error_over_distance(all), "Error over the way, first run");
-  if (ever_far(all)) report.figure(by_distance(all), "Error by the distance since the last mark");
+  report.figure(error_over_distance(all), "Error over the distance, first run");
+  if (ever_far(all)) report.figure(by_distance(all), "Error by the distance since the last fiducial");
   report.figure(trajectory(all, conditions), conditions.lines.empty()
-                                                 ? "Truth and estimates, first run"
-                                                 : "Truth and estimates, first run, on the zone's lines (grey)");
+                                                 ? "Ground truth and estimates, first run"
+                                                 : "Ground truth and estimates, first run, on the zone's lines (grey)");
   report.heading("Along and across, by section");
   add_splits(report, all);
   add_comparisons(report, all);

@@ -7,7 +7,7 @@
 
 namespace cosiva::experiments {
 
-/// One HTML page that needs nothing else.
+/// Writes one self-contained HTML page.
 [[nodiscard]] std::string to_html(const Qualification& qualification, const Conditions& conditions);
 
 }  // namespace cosiva::experiments

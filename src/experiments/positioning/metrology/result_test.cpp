@@ -47,7 +47,7 @@ Qualification small(Alignment alignment = Alignment::none, ReferenceBudget refer
   return *qualify(candidates, 8, source, options);
 }
 
-TEST(Result, as_json_has_what_programs_look_for) {
+TEST(Result, as_json_has_the_documented_members) {
   const auto json = JsonValue::parse(to_json(small(), {"cosiva compare", "virtual time", {{"pitch_m", "0.5"}}, {}}));
   ASSERT_TRUE(json) << to_string(json.error());
   const auto& algorithms = *json->find("algorithms")->array();
@@ -58,7 +58,7 @@ TEST(Result, as_json_has_what_programs_look_for) {
   const auto& nis = *algorithms[0].find("nis");
   const double dimensions = *nis.number("dimensions");
   EXPECT_GE(dimensions, 8 * 38);  // forty beacons in each of eight runs
-  // χ²/n of so many: 1 ± 1.96·√(2/n), to first order.
+  // χ²/n for this number: 1 ± 1.96·√(2/n), to first order.
   EXPECT_NEAR(nis.find("band_95")->array()->front().number()[0], 1.0 - 1.96 * std::sqrt(2.0 / dimensions), 0.01);
   EXPECT_NEAR(nis.find("band_95")->array()->back().number()[0], 1.0 + 1.96 * std::sqrt(2.0 / dimensions), 0.01);
   EXPECT_TRUE(nis.find("inside_band"));
@@ -76,14 +76,14 @@ TEST(Result, as_json_has_what_programs_look_for) {
   EXPECT_EQ(json->find("conditions")->text("pitch_m"), "0.5");
 }
 
-TEST(Result, as_text_names_who_failed_beside_the_others_figures) {
+TEST(Result, as_text_names_failed_algorithms_with_the_others_metrics) {
   const std::string text = to_text(small());
   EXPECT_THAT(text, HasSubstr("arc_kalman"));
   EXPECT_THAT(text, HasSubstr("failed: gone: it <does> not start"));
   EXPECT_THAT(text, HasSubstr("reset_rule − arc_kalman"));
 }
 
-TEST(Result, as_a_page_needs_nothing_else_and_escapes_what_it_is_given) {
+TEST(Result, as_a_page_is_self_contained_and_escapes_its_input) {
   const std::string html = to_html(small(), {"cosiva compare --runs 8", "virtual time", {}, {"a note"}});
   EXPECT_THAT(html, HasSubstr("<svg"));
   EXPECT_THAT(html, HasSubstr("cosiva compare --runs 8"));
@@ -92,7 +92,7 @@ TEST(Result, as_a_page_needs_nothing_else_and_escapes_what_it_is_given) {
   EXPECT_THAT(html, Not(HasSubstr("src=\"http")));
 }
 
-TEST(Result, draws_ways_on_the_lines_of_the_zone_where_there_is_one) {
+TEST(Result, draws_paths_on_the_lines_of_the_zone_where_there_is_one) {
   Conditions conditions;
   EXPECT_THAT(to_html(small(), conditions), Not(HasSubstr("class=\"line ground\"")));
   conditions.lines = {{{0.0, 0.0}, {3.0, 0.0}}, {{3.0, 0.0}, {3.5, 0.2}, {3.8, 0.8}}};
@@ -103,7 +103,7 @@ TEST(Result, draws_ways_on_the_lines_of_the_zone_where_there_is_one) {
   EXPECT_THAT(html, HasSubstr("on the zone's lines (grey)"));
 }
 
-TEST(Result, draws_the_limit_beside_each_bar_with_the_gap_in_percent) {
+TEST(Result, draws_the_limit_of_each_bar_with_the_gap_in_percent) {
   const Qualification all = small();
   const std::string svg = limits_beside_bars(all);
   for (const std::size_t i : {0U, 1U}) {
@@ -118,7 +118,7 @@ TEST(Result, draws_the_limit_beside_each_bar_with_the_gap_in_percent) {
   EXPECT_THAT(to_html(all, {}), HasSubstr(svg));
 }
 
-TEST(Result, draws_bars_of_what_has_no_limit_and_of_what_is_too_far_apart) {
+TEST(Result, draws_bars_without_a_limit_and_with_a_logarithmic_scale) {
   Qualification all = small(Alignment::se2);
   EXPECT_THAT(limits_beside_bars(all), Not(HasSubstr("limit")));
   all.algorithms[1].rmse_m.value *= 1000.0;
@@ -127,16 +127,16 @@ TEST(Result, draws_bars_of_what_has_no_limit_and_of_what_is_too_far_apart) {
   EXPECT_THAT(limits_beside_bars(all), HasSubstr("</svg>"));
 }
 
-TEST(Result, leaves_out_the_distance_since_the_last_mark_where_there_is_always_one) {
+TEST(Result, leaves_out_the_distance_since_the_last_fiducial_for_continuous_measurements) {
   Qualification all = small();
-  EXPECT_THAT(to_html(all, {}), HasSubstr("Error by the distance since the last mark"));
+  EXPECT_THAT(to_html(all, {}), HasSubstr("Error by the distance since the last fiducial"));
   for (Qualified& one : all.algorithms) {
     for (std::size_t k = 1; k < one.by_distance.size(); ++k) one.by_distance[k] = {};
   }
-  EXPECT_THAT(to_html(all, {}), Not(HasSubstr("Error by the distance since the last mark")));
+  EXPECT_THAT(to_html(all, {}), Not(HasSubstr("Error by the distance since the last fiducial")));
 }
 
-TEST(Result, says_of_what_is_aligned_that_it_is) {
+TEST(Result, states_that_estimates_are_aligned) {
   const Qualification plain = small();
   EXPECT_THAT(to_json(plain, {}), HasSubstr("\"align\": \"none\""));
   EXPECT_THAT(to_json(plain, {}), Not(HasSubstr("alignment_by_run")));
@@ -148,14 +148,14 @@ TEST(Result, says_of_what_is_aligned_that_it_is) {
   EXPECT_EQ(algorithm.find("alignment_by_run")->array()->size(), 8U);
   EXPECT_TRUE(algorithm.find("limit_m")->is_null());
   EXPECT_THAT(to_text(aligned), HasSubstr("Aligned (se2)"));
-  EXPECT_THAT(to_html(aligned, {}), HasSubstr("Aligned (se2), as was asked for"));
+  EXPECT_THAT(to_html(aligned, {}), HasSubstr("Aligned (se2), as requested"));
 }
 
-TEST(Result, tells_the_reference_s_error_part_by_part_with_its_sources) {
+TEST(Result, lists_the_reference_s_error_part_by_part_with_its_sources) {
   EXPECT_THAT(to_html(small(), {}), Not(HasSubstr("The reference's own error")));
   const ReferenceBudget budget{{{"floor fit", 0.003, "left-out blocks"},
                                 {"tag height", 0.004, "a ruler"},
-                                {"mounting", std::nullopt, "nobody has measured it"}}};
+                                {"mounting", std::nullopt, "not measured"}}};
   const Qualification all = small(Alignment::none, budget);
   const auto json = JsonValue::parse(to_json(all, {}));
   const JsonValue& reference = *json->find("reference");
@@ -170,9 +170,9 @@ TEST(Result, tells_the_reference_s_error_part_by_part_with_its_sources) {
   EXPECT_NEAR(*algorithm.number("rmse_without_reference_m"), std::sqrt(detected * detected - 25e-6), 1e-12);
   const std::string html = to_html(all, {});
   for (const char* phrase :
-       {"The reference's own error", "left-out blocks", "a ruler", "not told", "u is more than this"})
+       {"The reference's own error", "left-out blocks", "a ruler", "not given", "u is more than this"})
     EXPECT_THAT(html, HasSubstr(phrase)) << phrase;
-  EXPECT_THAT(to_text(all), HasSubstr("u 5 mm: floor fit 3, tag height 4; not told: mounting"));
+  EXPECT_THAT(to_text(all), HasSubstr("u 5 mm: floor fit 3, tag height 4; not given: mounting"));
 }
 
 TEST(Result, as_csv_has_a_line_per_vote) {
@@ -180,7 +180,7 @@ TEST(Result, as_csv_has_a_line_per_vote) {
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 2 * 8);
 }
 
-TEST(EvoZip, is_a_zip_of_what_evo_looks_for) {
+TEST(EvoZip, is_a_zip_with_the_files_that_evo_expects) {
   const std::string zip = evo_zip("mine", {0.0, 0.5}, {3.0, 4.0});
   EXPECT_EQ(zip.substr(0, 4), "PK\x03\x04");
   for (const char* name : {"info.json", "stats.json", "error_array.npy", "timestamps.npy"})

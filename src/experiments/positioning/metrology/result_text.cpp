@@ -52,7 +52,7 @@ std::string to_text(const Qualification& all) {
             " [mm]; smaller differences are called unresolved.\n";
   if (!all.comparisons.empty() && all.runs < 6) {
     return text + "With " + std::to_string(all.runs) + (all.runs == 1 ? " run" : " runs") +
-           " nothing can be shown different; six are the fewest.\n";
+           " no difference can be shown; at least six are needed.\n";
   }
   for (const Comparison& comparison : all.comparisons) {
     text += all.algorithms[comparison.b].name + " − " + all.algorithms[comparison.a].name + ": " +

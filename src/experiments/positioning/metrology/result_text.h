@@ -6,7 +6,7 @@
 
 namespace cosiva::experiments {
 
-/// A few lines for a terminal.
+/// A short text for a terminal.
 [[nodiscard]] std::string to_text(const Qualification& qualification);
 /// algorithm,run,rmse_m,mean_m,variance_m2,precision,max_m,nees: a line per vote.
 [[nodiscard]] std::string to_csv(const Qualification& qualification);

@@ -15,10 +15,10 @@ namespace {
 using estimation::Odometry;
 using estimation::Reading;
 
-/// Over which a vehicle's distance to its line becomes another.
+/// Distance after which a vehicle's lateral offset is independent of the previous one.
 constexpr double line_length_m = 0.3;
 
-/// The next beacon on the unrolled way.
+/// The next beacon on the unrolled path.
 class Beacons {
  public:
   explicit Beacons(const Simulation& simulation) : simulation_{simulation} {}
@@ -46,7 +46,7 @@ class Beacons {
   std::size_t k_{0};
 };
 
-/// One run in the making.
+/// One run being made.
 class Drive {
  public:
   Drive(const Simulation& simulation, std::uint64_t seed, Trial& run)
@@ -99,7 +99,7 @@ class Drive {
     setting.seed = seed;
   }
 
-  /// Where it truly is; notes on what kind of section.
+  /// Records the actual position and the kind of its section.
   [[nodiscard]] Pose2 pose() {
     const zone::TrackPosition track_position = simulation_.track->position_at(along_m_);
     const zone::Section& section = simulation_.track->circuit().section(track_position.section);
@@ -111,13 +111,13 @@ class Drive {
     return {on_line.x_m - h.sin * left_m_, on_line.y_m + h.cos * left_m_, wrap_angle(on_line.heading_rad)};
   }
 
-  /// To there along the way, told by odometry.
+  /// Drives to a point along the path, with odometry events.
   void roll(double to_m) {
     const double d = to_m - along_m_;
     if (d <= 0.0) return;
     along_m_ = to_m;
     if (simulation_.sensors.line_sigma_m > 0.0) {
-      // Whole steps are all alike but for rounding.
+      // Whole steps are equal up to rounding.
       const bool whole = std::fabs(d - step_m_) < 1e-9 * step_m_;
       const double keeps = whole ? step_keeps_ : det_exp(-d / line_length_m);
       left_m_ = keeps * left_m_ + simulation_.sensors.line_sigma_m * std::sqrt(1.0 - keeps * keeps) * line_.next();
@@ -135,7 +135,7 @@ class Drive {
     run_.events.emplace_back(odometry);
   }
 
-  /// The beacon under it now. What the reader tells is Gaussian about what it should.
+  /// Reads the beacon under the vehicle. The reading is Gaussian about the actual value.
   void read() {
     const std::uint32_t number = beacons_.number();
     Point2 surveyed_M = beacons_.surveyed();
@@ -174,19 +174,19 @@ class Drive {
 
 Result<void> check(const Simulation& simulation) {
   const auto positive = [](double v) { return v > 0.0 && v < 1e9; };
-  if (!simulation.track) return fail("simulation.track", "there is no line to follow");
-  if (!positive(simulation.distance_m)) return fail("simulation.distance", "a way is longer than nothing");
+  if (!simulation.track) return fail("simulation.track", "there is no path to follow");
+  if (!positive(simulation.distance_m)) return fail("simulation.distance", "a distance must be more than 0");
   if (!simulation.track->closed() && simulation.distance_m > simulation.track->length_m())
-    return fail("simulation.distance", "the line ends after " + std::to_string(simulation.track->length_m()) + " m");
-  if (!positive(simulation.speed_mps)) return fail("simulation.speed", "it has to move");
-  if (!positive(simulation.odometry_hz)) return fail("simulation.odometry", "odometry is told at some rate");
-  if (!positive(simulation.pitch_m)) return fail("simulation.pitch", "beacons lie at some distance");
+    return fail("simulation.distance", "the path ends after " + std::to_string(simulation.track->length_m()) + " m");
+  if (!positive(simulation.speed_mps)) return fail("simulation.speed", "a speed must be more than 0");
+  if (!positive(simulation.odometry_hz)) return fail("simulation.odometry", "the rate of odometry must be more than 0");
+  if (!positive(simulation.pitch_m)) return fail("simulation.pitch", "the pitch of beacons must be more than 0");
   if (!(simulation.read_ratio > 0.0 && simulation.read_ratio <= 1.0))
-    return fail("simulation.reads", "the share of beacons that are read lies in (0, 1]");
+    return fail("simulation.reads", "the ratio of beacons that are read must be in (0, 1]");
   if (!(simulation.sensors.fiducial_along_sigma_m > 0.0))
     return fail("simulation.reader", "no reader is without error");
   if (simulation.distance_m / simulation.speed_mps * simulation.odometry_hz < 1.0)
-    return fail("simulation.distance", "it ends before odometry has told anything");
+    return fail("simulation.distance", "the run ends before the first odometry");
   if (simulation.distance_m / simulation.speed_mps * simulation.odometry_hz > 2e7)
     return fail("simulation.length", "that is more than 20 million steps in one run");
   return {};
@@ -201,7 +201,7 @@ void simulate(const Simulation& simulation, std::uint64_t seed, Trial& run) {
 std::vector<Simulation::Fiducial> fiducials_of(const estimation::Track& track, const zone::BeaconGrid& grid,
                                                double reach_m) {
   std::vector<Simulation::Fiducial> fiducials;
-  // Along the track in steps short enough that no beacon in reach is jumped over.
+  // Along the track in steps short enough that no beacon in reach is skipped.
   const double step_m = 0.25 * grid.pitch_m;
   for (double s = 0.0; s < track.length_m(); s += step_m) {
     const auto near = grid.nearest(position(track.pose_at(s)));

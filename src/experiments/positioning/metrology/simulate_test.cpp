@@ -25,7 +25,7 @@ Outcome outcome_of(const std::string& name, double pitch_m, int runs = 60) {
   Simulation simulation{testing::oval()};
   simulation.pitch_m = pitch_m;
   simulation.distance_m = 400.0 * pitch_m;
-  // Not so many whole steps from beacon to beacon: all phases between two come to be seen.
+  // The steps from beacon to beacon are not a whole number: all phases between two beacons occur.
   simulation.odometry_hz = 12.37 * simulation.speed_mps / pitch_m;
   simulation.sensors.line_sigma_m = 0.0;
   simulation.start_sigma_m = std::sqrt(sawtooth({1e-4, pitch_m, 1e-4}).after_m2);
@@ -54,7 +54,7 @@ Outcome outcome_of(const std::string& name, double pitch_m, int runs = 60) {
 
 constexpr std::array pitches_m{0.1, 0.25, 0.5, 1.0, 2.0, 4.0};
 
-TEST(Simulated, arc_length_filter_reaches_the_limit_at_six_pitches_and_does_not_pass_it) {
+TEST(Simulated, arc_length_filter_reaches_the_limit_at_six_pitches_without_surpassing_it) {
   for (const double pitch_m : pitches_m) {
     const Outcome outcome = outcome_of("arc_kalman", pitch_m);
     const double limit_m = filter_limit_m({1e-4, pitch_m, 1e-4});
@@ -64,7 +64,7 @@ TEST(Simulated, arc_length_filter_reaches_the_limit_at_six_pitches_and_does_not_
   }
 }
 
-TEST(Simulated, arc_length_smoother_reaches_its_limit_at_six_pitches_and_does_not_pass_it) {
+TEST(Simulated, arc_length_smoother_reaches_its_limit_at_six_pitches_without_surpassing_it) {
   for (const double pitch_m : pitches_m) {
     const Outcome outcome = outcome_of("arc_smoother", pitch_m);
     const double limit_m = smoother_limit_m({1e-4, pitch_m, 1e-4});
@@ -73,24 +73,24 @@ TEST(Simulated, arc_length_smoother_reaches_its_limit_at_six_pitches_and_does_no
   }
 }
 
-TEST(Simulated, the_article_s_rule_gives_its_closed_form) {
+TEST(Simulated, the_article_s_rule_equals_its_closed_form) {
   for (const double pitch_m : pitches_m) {
     const Outcome outcome = outcome_of("reset_rule", pitch_m);
     EXPECT_NEAR(outcome.rmse_m / reset_rule_m({1e-4, pitch_m, 1e-4}), 1.0, 0.03) << pitch_m;
   }
 }
 
-TEST(SimulatedStatistics, no_algorithm_that_does_not_look_back_is_better_than_the_limit) {
+TEST(SimulatedStatistics, no_algorithm_that_does_not_look_back_surpasses_the_limit) {
   for (const char* name :
        {"dead_reckoning", "reset_rule", "arc_kalman_scale", "ekf", "ukf", "iekf", "particles", "ufir", "calibrating"}) {
     const Outcome outcome = outcome_of(name, 0.5, 10);
     EXPECT_GT(outcome.rmse_m + 2.0 * outcome.standard_error_m, filter_limit_m({1e-4, 0.5, 1e-4})) << name;
-    // And each is worth something: odometry alone is a decimetre off on the way.
+    // And each algorithm improves the estimate: odometry alone has an error of a decimetre at the end.
     EXPECT_LT(outcome.rmse_m, std::string(name) == "dead_reckoning" ? 0.30 : 0.02) << name;
   }
 }
 
-TEST(Simulated, same_seed_same_run_and_another_seed_another) {
+TEST(Simulated, runs_are_equal_for_equal_seeds_only) {
   Simulation simulation{testing::oval()};
   simulation.distance_m = 5.0;
   Trial one;
@@ -104,7 +104,7 @@ TEST(Simulated, same_seed_same_run_and_another_seed_another) {
   EXPECT_NE(last(one), last(two));
 }
 
-TEST(Simulated, missed_reads_cost_what_the_bound_says_at_least) {
+TEST(Simulated, missed_reads_increase_the_error_at_least_as_the_bound_states) {
   Simulation simulation{testing::oval()};
   simulation.distance_m = 2000.0;
   simulation.odometry_hz = 20.0;
@@ -118,7 +118,7 @@ TEST(Simulated, missed_reads_cost_what_the_bound_says_at_least) {
   EXPECT_NEAR(1e3 * std::sqrt(limit_of(run).filter_m2), 9.97, 0.15);
 }
 
-TEST(Simulated, a_worn_wheel_is_found_by_who_looks_for_it) {
+TEST(Simulated, a_worn_wheel_is_found_by_an_algorithm_that_estimates_it) {
   Simulation simulation{testing::oval()};
   simulation.distance_m = 100.0;
   simulation.pitch_m = 2.0;
@@ -139,7 +139,7 @@ TEST(Simulated, a_worn_wheel_is_found_by_who_looks_for_it) {
   EXPECT_LT(scaled, 0.8 * plain);
 }
 
-TEST(Simulation, refuses_what_cannot_be) {
+TEST(Simulation, refuses_invalid_values) {
   Simulation simulation{testing::oval()};
   EXPECT_TRUE(check(simulation));
   const auto code = [&](auto change) {

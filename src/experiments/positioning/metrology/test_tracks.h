@@ -11,7 +11,7 @@
 
 namespace cosiva::experiments::testing {
 
-/// Two straights and two half circles, 2·straight + 2π·radius once round.
+/// Two straights and two half circles, a loop of 2·straight + 2π·radius.
 inline std::shared_ptr<const estimation::Track> oval(double straight_m = 3.0, double radius_m = 0.8) {
   const auto part = [](const char* name, const Pose2& start, double length_m, double curvature, zone::SectionId next) {
     auto section = zone::Section::make(start, length_m, curvature);

@@ -12,15 +12,15 @@ namespace {
 
 using estimation::Estimate;
 
-/// Beyond what a covariance with no width in some direction could tell.
+/// Larger than any plausible value: for a covariance without width in some direction.
 double nees_of(double x, double y, const estimation::Matrix3& c) {
-  if (!std::isfinite(c(0, 0))) return c(0, 0);  // it states none
+  if (!std::isfinite(c(0, 0))) return c(0, 0);  // no covariance is stated
   const double det = c(0, 0) * c(1, 1) - c(0, 1) * c(1, 0);
   if (!(det > 0.0)) return x == 0.0 && y == 0.0 ? 0.0 : 1e9;
   return (c(1, 1) * x * x - 2.0 * c(0, 1) * x * y + c(0, 0) * y * y) / det;
 }
 
-/// The truth's directions, many at a time.
+/// The ground truth's directions, many at a time.
 COSIVA_VECTOR_CLONES
 void turn(const double* __restrict heading_rad, double* __restrict sin, double* __restrict cos, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
@@ -83,7 +83,8 @@ void report(estimation::Algorithm& algorithm, const Event& event, Trace& trace, 
 Result<Pose2> alignment_of(Alignment how, const Trial& run, const Trace& trace) {
   if (how == Alignment::origin) {
     if (!run.heading_known)
-      return fail("align.heading", "the truth has no heading to put the first pose on; se2 needs none", run.name);
+      return fail("align.heading", "the ground truth has no heading to align the first pose with; se2 needs none",
+                  run.name);
     return run.moments.front().ground_truth * inverse(trace.estimates.front().pose);
   }
   std::vector<Point2> ground_truth;
@@ -138,7 +139,7 @@ Result<void> apply(estimation::Algorithm& algorithm, const Trial& run, Trace& tr
   if (revised.empty()) return {};
   forget_judgement(trace);
   for (std::size_t i = 0; i < run.moments.size(); ++i) {
-    // Nothing to revise before the first step.
+    // Before the first step there is nothing to revise.
     if (predictions_at[i] > 0) trace.estimates[i] = revised[predictions_at[i] - 1];
     evaluate(run.moments[i], i, trace);
   }

@@ -31,7 +31,7 @@ Quaternion product(const Quaternion& a, const Quaternion& b) {
           a[3] * b[2] + a[0] * b[1] - a[1] * b[0] + a[2] * b[3], a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2]};
 }
 
-/// Turned by q about the estimates' place `from`, which comes to lie on `to`.
+/// Turns by q about the estimates' position `from`, which is moved to `to`.
 RigidMotion motion(const Quaternion& q, const Vector& from, const Vector& to) {
   RigidMotion made{q, {}};
   const Vector put = turned(q, from);
@@ -53,7 +53,7 @@ struct Eigen4 {
   Matrix4 vectors;  ///< a column each
 };
 
-/// Jacobi's rotations, which end where nothing is left beside the diagonal.
+/// Jacobi's rotations, which end when all off-diagonal elements are zero.
 Eigen4 eigen_of(Matrix4 m) {
   Matrix4 v{};
   for (std::size_t i = 0; i < 4; ++i) v[i][i] = 1.0;
@@ -80,7 +80,7 @@ Eigen4 eigen_of(Matrix4 m) {
   return {{m[0][0], m[1][1], m[2][2], m[3][3]}, v};
 }
 
-/// Least squares over all turns in space. Source: B. K. P. Horn, Closed-form solution of absolute orientation using
+/// Least squares over all rotations in space. Source: B. K. P. Horn, Closed-form solution of absolute orientation using
 /// unit quaternions, JOSA A 4 (1987): the same optimum as Umeyama's without scale, and never a mirror image.
 Result<RigidMotion> in_space(const std::vector<Pair>& pairs) {
   const Vector of_ground_truth = centre_of(pairs, &Pair::reference);
@@ -115,10 +115,10 @@ Result<RigidMotion> in_space(const std::vector<Pair>& pairs) {
   for (std::size_t i = 1; i < 4; ++i) best = eigen.values[i] > eigen.values[best] ? i : best;
   double second = -1e300;
   for (std::size_t i = 0; i < 4; ++i) second = i == best ? second : std::fmax(second, eigen.values[i]);
-  // Two turns as good as each other: all places on one line, or at one place.
+  // Two rotations are equally good: all positions are on one line, or equal.
   if (!(eigen.values[best] - second > 1e-9 * std::sqrt(ground_truth_spread * estimate_spread)))
     return fail("align.turn",
-                "the places lie too near one line to tell a turn in space; se2 needs no more than a line");
+                "the positions are too near one line to determine a rotation in space; for se2 a line suffices");
   const auto& v = eigen.vectors;
   return motion({v[1][best], v[2][best], v[3][best], v[0][best]}, of_estimate, of_ground_truth);
 }

@@ -11,12 +11,12 @@ struct RigidMotion {
   std::array<double, 3> shift_m{};
 
   [[nodiscard]] Stamped operator*(const Stamped& pose) const;
-  /// About the vertical.
+  /// A rotation about the vertical.
   [[nodiscard]] double turn_rad() const;
 };
 
-/// What brings the pairs' estimates onto their references. Fails ("align.turn") where places are too alike, or, with
-/// any turn in space, too near one line, to tell it.
+/// The motion that aligns the pairs' estimates with their references. Fails ("align.turn") where positions are too
+/// close together, or, for rotations in space, too near one line, to determine it.
 [[nodiscard]] Result<RigidMotion> alignment_of(Alignment how, const std::vector<Pair>& pairs);
 
 }  // namespace cosiva::experiments

@@ -45,8 +45,8 @@ ApeMetrics aligned(Alignment how) {
   return ape(moved(nine(), *motion));
 }
 
-// Umeyama's way, by the singular values of the covariance in forty digits, in another program.
-TEST(Alignment, in_space_is_what_umeyama_s_singular_values_say) {
+// Umeyama's method, by the singular values of the covariance with forty digits, from another program.
+TEST(Alignment, in_space_equals_umeyama_s_singular_values) {
   const ApeMetrics metrics = aligned(Alignment::se3);
   EXPECT_NEAR(metrics.rmse, 0.2769598532318277551, 1e-12);
   EXPECT_NEAR(metrics.mean, 0.2470975991139667081, 1e-12);
@@ -61,7 +61,7 @@ TEST(Alignment, in_space_is_what_umeyama_s_singular_values_say) {
   EXPECT_NEAR(motion->turn_rad(), 0.01061971868664342628, 1e-12);
 }
 
-TEST(Alignment, about_the_vertical_is_what_singular_values_of_the_plane_say) {
+TEST(Alignment, about_the_vertical_equals_singular_values_of_the_plane) {
   const ApeMetrics metrics = aligned(Alignment::se2);
   EXPECT_NEAR(metrics.rmse, 0.2889212953435930093, 1e-12);
   EXPECT_NEAR(metrics.mean, 0.2593430692018203619, 1e-12);
@@ -79,7 +79,7 @@ TEST(Alignment, at_the_origin_leaves_the_first_pose_without_an_error) {
   EXPECT_EQ(metrics.min, 0.0);
   EXPECT_NEAR(metrics.rmse, 0.3404784475504041847, 1e-12);
   EXPECT_NEAR(metrics.max, 0.6738674346160378153, 1e-12);
-  // With headings: a way that was begun a quarter turn off is put right by the first pose.
+  // With headings: a path that began a quarter turn off is corrected by the first pose.
   std::vector<Pair> turned;
   for (int i = 0; i < 5; ++i)
     turned.push_back({stamped(i, {1.0 + i, 2.0, 0.0}), stamped(i, {-3.0, 7.0 + i, 1.5707963267948966})});
@@ -89,13 +89,13 @@ TEST(Alignment, at_the_origin_leaves_the_first_pose_without_an_error) {
   EXPECT_NEAR((*motion * turned[3].estimate).pose().heading_rad, 0.0, 1e-12);
 }
 
-TEST(Alignment, is_the_best_there_is_any_step_from_it_is_worse) {
+TEST(Alignment, is_optimal_against_small_changes) {
   for (const Alignment how : {Alignment::se2, Alignment::se3}) {
     const auto best = alignment_of(how, nine());
     const std::vector<Pair> there = moved(nine(), *best);
     const double least = ape(there).sse;
     for (std::size_t axis = 0; axis < 6; ++axis) {
-      // About the vertical the other two axes are not to choose.
+      // About the vertical the other two axes are fixed.
       if (how == Alignment::se2 && (axis == 3 || axis == 4)) continue;
       for (const double step : {1e-4, -1e-4}) {
         RigidMotion nudge;
@@ -111,13 +111,13 @@ TEST(Alignment, is_the_best_there_is_any_step_from_it_is_worse) {
   }
 }
 
-TEST(Alignment, takes_a_motion_away_whatever_it_was_and_never_mirrors) {
+TEST(Alignment, removes_any_motion_and_never_mirrors) {
   const RigidMotion motion{{0.1, -0.5, 0.7, 0.5}, {3.0, -20.0, 0.4}};
   std::vector<Pair> pairs = nine();
   for (Pair& pair : pairs) pair.estimate = motion * pair.reference;
   EXPECT_NEAR(ape(moved(pairs, *alignment_of(Alignment::se3, pairs))).max, 0.0, 1e-12);
   EXPECT_NEAR(ape(moved(pairs, *alignment_of(Alignment::origin, pairs))).max, 0.0, 1e-12);
-  // A mirror image is another shape: what is left over must be seen.
+  // A mirror image is another shape: the residual must be visible.
   for (Pair& pair : pairs) {
     pair.estimate = pair.reference;
     pair.estimate.p_m[0] = -pair.estimate.p_m[0];
@@ -125,7 +125,7 @@ TEST(Alignment, takes_a_motion_away_whatever_it_was_and_never_mirrors) {
   EXPECT_GT(ape(moved(pairs, *alignment_of(Alignment::se3, pairs))).rmse, 1.0);
 }
 
-TEST(Alignment, of_places_that_do_not_tell_a_turn_is_refused) {
+TEST(Alignment, of_positions_that_do_not_determine_a_rotation_is_refused) {
   std::vector<Pair> line;
   for (int i = 0; i < 9; ++i) line.push_back({stamped(i, {0.3 * i, 0.1 * i, 0.0}), stamped(i, {0.3 * i, 0.0, 0.0})});
   EXPECT_TRUE(alignment_of(Alignment::se2, line));

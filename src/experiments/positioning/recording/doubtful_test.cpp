@@ -13,16 +13,16 @@
 #include "cosiva/experiments/positioning/recording/test_folders.h"
 #include "cosiva/experiments/statistics/sample.h"
 
-// What is recorded and cannot be quite so.
+// Recordings with implausible data.
 namespace cosiva::experiments {
 namespace {
 
-/// A vehicle on a circle of 5 m at 1 m/s for 60 s, ten times a second.
+/// A vehicle on a circle of 5 m at 1 m/s for 60 s, ten samples per second.
 struct Drive {
   double speed_mps{1.0};
   std::function<double(double)> heading = [](double course_rad) { return course_rad; };
   std::function<bool(double)> counts = [](double) { return true; };
-  /// Of what odometry says after it counted nothing: what came by in the meantime, too.
+  /// Whether the first increment after a gap in odometry includes the distance during the gap.
   bool adds_up{false};
   bool reports_speeds{false};
 
@@ -53,17 +53,18 @@ struct Drive {
   }
 };
 
-TEST(GroundTruthHeading, that_is_off_the_way_it_goes_by_always_the_same_is_turned_by_that_and_said_so) {
+TEST(GroundTruthHeading, with_a_constant_offset_from_the_direction_of_motion_is_corrected_and_reported) {
   Drive drive;
   drive.heading = [](double course_rad) { return course_rad + pi; };
   const Recording recording = drive.recording();
   EXPECT_TRUE(recording.ground_truth_has_heading);
   EXPECT_NEAR(wrap_angle(recording.ground_truth[0].heading_rad - 0.5 * pi), 0.0, 0.01);
   ASSERT_EQ(recording.diagnostics.size(), 1U);
-  EXPECT_EQ(recording.diagnostics[0].substr(0, 45), "the truth's heading is 180 degrees off the wa");
+  EXPECT_EQ(recording.diagnostics[0].substr(0, 69),
+            "the ground truth's heading is 180 degrees off the direction of motion");
 }
 
-TEST(GroundTruthHeading, is_not_touched_where_it_is_right_as_far_as_a_start_is_known_nor_of_who_drives_backwards) {
+TEST(GroundTruthHeading, is_unchanged_within_the_start_s_uncertainty_and_for_backward_driving) {
   for (const double off_rad : {0.0, 0.1, -0.1}) {
     Drive drive;
     drive.heading = [off_rad](double course_rad) { return course_rad + off_rad; };
@@ -71,18 +72,18 @@ TEST(GroundTruthHeading, is_not_touched_where_it_is_right_as_far_as_a_start_is_k
     EXPECT_TRUE(recording.diagnostics.empty()) << off_rad;
     EXPECT_NEAR(recording.ground_truth[0].heading_rad, 0.5 * pi + off_rad, 1e-5);
   }
-  // Its body looks along the circle the one way, and goes the other.
+  // The body's heading is along the circle in one direction, and the motion in the other.
   Drive backwards;
   backwards.speed_mps = -1.0;
   EXPECT_TRUE(backwards.recording().diagnostics.empty());
   EXPECT_TRUE(backwards.recording().ground_truth_has_heading);
 }
 
-TEST(GroundTruthHeading, that_does_not_follow_the_way_is_left_out_and_said_so) {
+TEST(GroundTruthHeading, that_does_not_follow_the_direction_of_motion_is_left_out_and_reported) {
   const std::vector<std::function<double(double)>> hands{
       [](double course_rad) { return course_rad * 180.0 / pi; },  // degrees
       [](double course_rad) { return 0.5 * pi - course_rad; },    // a compass
-      [](double) { return 0.0; },                                 // a column that nobody filled
+      [](double) { return 0.0; },                                 // an empty column
   };
   for (std::size_t hand = 0; hand < hands.size(); ++hand) {
     Drive drive;
@@ -90,7 +91,8 @@ TEST(GroundTruthHeading, that_does_not_follow_the_way_is_left_out_and_said_so) {
     const Recording recording = drive.recording();
     EXPECT_FALSE(recording.ground_truth_has_heading) << hand;
     ASSERT_EQ(recording.diagnostics.size(), 1U) << hand;
-    EXPECT_EQ(recording.diagnostics[0].substr(0, 44), "the truth's heading does not follow the way ");
+    EXPECT_EQ(recording.diagnostics[0].substr(0, 66),
+              "the ground truth's heading does not follow the direction of motion");
     EXPECT_GT(replayed(recording)->setting.start_heading_sigma_rad, 1.0);
   }
 }
@@ -101,7 +103,7 @@ const Recording::Step& longest(const Recording& recording) {
   return *std::ranges::max_element(recording.odometry, {}, &Recording::Step::duration_s);
 }
 
-TEST(Silence, of_odometry_is_bridged_as_the_vehicle_goes_elsewhere) {
+TEST(Silence, of_odometry_is_bridged_by_the_vehicle_s_usual_motion) {
   for (const bool speeds : {false, true}) {
     Drive drive;
     drive.counts = unresponsive_once;
@@ -111,15 +113,15 @@ TEST(Silence, of_odometry_is_bridged_as_the_vehicle_goes_elsewhere) {
     EXPECT_NEAR(step.duration_s, 5.1, 1e-6);
     EXPECT_NEAR(step.distance_m, 5.1, 0.01);
     EXPECT_NEAR(step.turn_rad, 1.02, 0.01);
-    // It never does anything else, so little is doubted but for the bend.
+    // The vehicle always moves like this, so the uncertainty is small except for the bend.
     EXPECT_LT(step.turn_variance_rad2, 1e-3);
     ASSERT_EQ(recording.diagnostics.size(), 1U);
-    EXPECT_EQ(recording.diagnostics[0].substr(0, 64),
-              "odometry is silent 1 time, for 5 s at most; the vehicle is taken");
+    EXPECT_EQ(recording.diagnostics[0].substr(0, 67),
+              "odometry is missing 1 time, for 5 s at most; the vehicle is assumed");
   }
 }
 
-TEST(Silence, after_which_all_is_counted_that_came_by_stands_as_it_was_told) {
+TEST(Silence, followed_by_a_complete_increment_keeps_the_increment) {
   Drive drive;
   drive.counts = unresponsive_once;
   drive.adds_up = true;
@@ -127,10 +129,10 @@ TEST(Silence, after_which_all_is_counted_that_came_by_stands_as_it_was_told) {
   EXPECT_NEAR(longest(recording).distance_m, 5.1, 1e-6);
   EXPECT_EQ(longest(recording).distance_variance_m2, 0.0);
   ASSERT_EQ(recording.diagnostics.size(), 1U);
-  EXPECT_NE(recording.diagnostics[0].find("is taken for all of that time"), std::string::npos);
+  EXPECT_NE(recording.diagnostics[0].find("is used for the whole gap"), std::string::npos);
 }
 
-TEST(Silence, of_a_drive_too_short_to_know_its_habits_leaves_the_vehicle_anywhere_within_its_reach) {
+TEST(Silence, of_a_short_drive_leaves_the_vehicle_anywhere_within_its_reach) {
   Drive drive;
   drive.counts = [](double t_s) { return t_s < 1.95 || (t_s > 51.95 && t_s < 53.95); };
   const Recording recording = drive.recording();
@@ -139,7 +141,7 @@ TEST(Silence, of_a_drive_too_short_to_know_its_habits_leaves_the_vehicle_anywher
   EXPECT_GE(std::sqrt(step.turn_variance_rad2), 3.0);
 }
 
-TEST(RecordedStatistics, mower_whose_odometry_is_silent_for_20_s_nine_times_is_found_again_and_its_regions_cover) {
+TEST(RecordedStatistics, mower_with_nine_odometry_gaps_of_20_s_is_located_again_with_valid_regions) {
   RecordingFiles files = testing::folder(testing::recorded() + "plaza1");
   std::stringstream lines(files["odometry.csv"]);
   std::string line;
@@ -159,7 +161,7 @@ TEST(RecordedStatistics, mower_whose_odometry_is_silent_for_20_s_nine_times_is_f
   for (const auto& [name, rmse_m] : {std::pair{"calibrating", 3.0}, std::pair{"smoother", 1.5}}) {
     Trace trace;
     ASSERT_TRUE(apply(**registry.make(name, trial->setting), *trial, trace));
-    // Believing that it stood still meanwhile they were 20 m off, and their regions covered 26 and 5 %.
+    // Estimators that assumed standstill meanwhile were 20 m off, and their regions covered 26 and 5 %.
     EXPECT_LT(statistics::root_mean_square(trace.error_m), rmse_m) << name;
     EXPECT_GE(statistics::ratio_below(trace.nees, 5.991), 0.88) << name;
   }

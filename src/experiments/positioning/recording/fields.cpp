@@ -54,7 +54,7 @@ std::vector<std::string_view> cut_at(char separator, std::string_view line) {
 void Table::take_row(const std::vector<std::string_view>& fields, std::size_t line) {
   std::vector<double>& row = rows.emplace_back();
   for (std::size_t i = 0; i < columns.size(); ++i) {
-    // What a separator at a line's end ended may have been the last field, which is then empty.
+    // After a separator at a line's end the last field may be empty.
     const std::string_view field = i < fields.size() ? fields[i] : std::string_view{};
     const auto number = finite_number(field);
     if (!number && !faults[i])
@@ -88,7 +88,7 @@ Result<Table> Table::read(std::string_view file, std::string_view text) {
         continue;
       }
       if (fields.size() < 2 || cut_at(separator_of(comment), comment).size() != fields.size())
-        return fail("recording.header", "the first line names the columns", location_of(file, lines.number()));
+        return fail("recording.header", "the first line must name the columns", location_of(file, lines.number()));
       take_header(comment);
     }
     const auto fields = cut_at(separator, line);

@@ -8,17 +8,18 @@
 namespace cosiva::experiments {
 namespace {
 
-/// A chord as long tells a course in spite of the places' own noise, a few cm.
+/// A chord of this length defines a course in spite of the positions' own noise, a few cm.
 constexpr double chord_m = 0.5;
-/// Beyond as much of a turn a chord tells no course.
+/// Beyond this turn a chord defines no course.
 constexpr double bend_rad = 0.5;
-/// Three times what a start's heading is doubted by.
+/// Three times the uncertainty of a start's heading.
 constexpr double offset_rad = 0.15;
-/// Mean resultant length of what goes its own heading's way: a spread of 37 degrees; none at all gives 1/√n.
+/// Mean resultant length of motion along the heading: a spread of 37 degrees; for unrelated directions it would be
+/// 1/√n.
 constexpr double follows = 0.8;
 constexpr int enough = 10;
 
-/// What odometry has counted by then of the way, backwards negative, or of turns.
+/// The distance (backwards negative) or the turn that odometry has counted until a time.
 class Odometer {
  public:
   Odometer(const std::vector<Recording::Step>& steps, double Recording::Step::*what) : steps_{steps}, what_{what} {
@@ -42,11 +43,11 @@ class Odometer {
 
 struct Offset {
   double mean_rad;
-  double together;  ///< mean resultant length: 1 where all agree
+  double together;  ///< mean resultant length: 1 where all chords agree
   int chords;
 };
 
-/// Of the way forwards against the heading.
+/// The angle between the direction of motion, forwards, and the heading.
 Offset offset_of(const Recording& recording) {
   const Odometer odometer{recording.odometry, &Recording::Step::distance_m};
   const Odometer turns{recording.odometry, &Recording::Step::turn_rad};
@@ -61,7 +62,7 @@ Offset offset_of(const Recording& recording) {
     if (norm(dx, dy) < chord_m) continue;
     const double counted_m = odometer.at(ground_truth[to].t_s) - odometer.at(ground_truth[from].t_s);
     const double bent_rad = std::fabs(turns.at(ground_truth[to].t_s) - turns.at(ground_truth[from].t_s));
-    // What odometry did not count tells neither forwards nor backwards.
+    // Without a count of odometry the direction, forwards or backwards, is unknown.
     if (std::fabs(counted_m) > 0.5 * norm(dx, dy) && bent_rad < bend_rad) {
       const double course_rad = det_atan2(dy, dx) + (counted_m < 0.0 ? pi : 0.0);
       const double turn_rad = wrap_angle(ground_truth[to].heading_rad - ground_truth[from].heading_rad);
@@ -85,13 +86,14 @@ void check_heading(Recording& recording) {
     recording.ground_truth_has_heading = false;
     for (Recording::True& ground_truth : recording.ground_truth) ground_truth.heading_rad = 0.0;
     recording.diagnostics.emplace_back(
-        "the truth's heading does not follow the way it goes (is it in radians, counter-clockwise from x?); it is left "
-        "out, and whoever can has to find one");
+        "the ground truth's heading does not follow the direction of motion (expected: radians, counter-clockwise from "
+        "x); it is left "
+        "out, and algorithms have to estimate the heading");
   } else if (std::fabs(offset.mean_rad) > offset_rad) {
     for (Recording::True& ground_truth : recording.ground_truth) ground_truth.heading_rad += offset.mean_rad;
-    recording.diagnostics.push_back("the truth's heading is " +
-                                    std::to_string(std::lround(std::fabs(offset.mean_rad) * 180.0 / pi)) +
-                                    " degrees off the way it goes, forwards by odometry; it is turned by that");
+    recording.diagnostics.push_back(
+        "the ground truth's heading is " + std::to_string(std::lround(std::fabs(offset.mean_rad) * 180.0 / pi)) +
+        " degrees off the direction of motion, forwards by odometry; it is corrected by this angle");
   }
 }
 

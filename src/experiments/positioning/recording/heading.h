@@ -4,10 +4,10 @@
 
 namespace cosiva::experiments {
 
-/// Holds the truth's heading against the way that it goes, forwards by odometry. Where it is off by always the same,
-/// more than the start's own doubt (its instrument's axis is another than the vehicle's, or it counts from behind), it
-/// is turned by that; where it does not follow the way at all (degrees, a compass' sense of rotation, another vehicle),
-/// it is left out, and the drive has places alone. Says so in the notes.
+/// Compares the ground truth's heading with its direction of motion, forwards by odometry. A constant offset larger
+/// than the start's own uncertainty (the instrument's axis differs from the vehicle's, or faces backwards) is
+/// corrected; a heading that does not follow the motion at all (degrees, a compass' sense of rotation, another vehicle)
+/// is left out, and the drive has positions only. Both are reported in the diagnostics.
 void check_heading(Recording& recording);
 
 }  // namespace cosiva::experiments

@@ -16,7 +16,7 @@ using Row = std::vector<double>;
 Result<void> rising(const Table& table, std::size_t column) {
   for (std::size_t i = 1; i < table.rows.size(); ++i) {
     if (table.rows[i][column] > table.rows[i - 1][column]) continue;
-    return fail("recording.stamp", "the stamp is not later than the one before it",
+    return fail("recording.stamp", "the stamp is not later than the previous stamp",
                 table.file + ", row " + std::to_string(i + 1));
   }
   return {};
@@ -24,10 +24,10 @@ Result<void> rising(const Table& table, std::size_t column) {
 
 Result<std::uint32_t> beacon_number(double value, const std::string& file) {
   if (value >= 0.0 && value < 4294967295.0 && value == std::floor(value)) return static_cast<std::uint32_t>(value);
-  return fail("recording.beacon", "a beacon's number is a whole one", file);
+  return fail("recording.beacon", "a beacon's number must be an integer", file);
 }
 
-/// What is read may be logged late; its stamp says when it was. Into that order, and said.
+/// Measurements may be logged late; they are sorted by their stamps, and this is reported.
 template <typename T>
 void put_in_order(std::vector<T>& all, std::string_view what, Recording& recording) {
   std::size_t late = 0;
@@ -39,10 +39,10 @@ void put_in_order(std::vector<T>& all, std::string_view what, Recording& recordi
   if (late == 0) return;
   std::ranges::stable_sort(all, {}, &T::t_s);
   recording.diagnostics.push_back(std::to_string(late) + " " + std::string(what) +
-                                  " were logged after later ones; they are taken in the order of their stamps");
+                                  " were logged after later ones; they are used in the order of their stamps");
 }
 
-/// Columns found by name, in the order asked for.
+/// Finds columns by name, in the requested order.
 Result<std::vector<std::size_t>> columns_of(const Table& table, std::initializer_list<std::string_view> names) {
   std::vector<std::size_t> found;
   for (const auto name : names) {
@@ -65,7 +65,7 @@ Result<void> read_odometry(const Table& table, Recording& recording) {
   recording.odometry_had_speeds = speeds;
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     const Row& row = table.rows[i];
-    // What the first one counts began some time before; about as long as the second took.
+    // The first increment began some time before its stamp; about as long as the second one.
     const double before =
         i > 0 ? table.rows[i - 1][c[0]] : row[c[0]] - (table.rows.size() > 1 ? table.rows[1][c[0]] - row[c[0]] : 0.1);
     const double duration_s = row[c[0]] - before;
@@ -131,7 +131,7 @@ Result<void> read_readings(const Table& table, Recording& recording) {
   return {};
 }
 
-/// name,value lines: the names are text, so this is no table of numbers.
+/// Lines name,value: the names are text, so this is no table of numbers.
 Result<void> read_sensors(std::string_view file, std::string_view text, Recording& recording) {
   Lines lines{text};
   std::string_view line;
@@ -145,7 +145,7 @@ Result<void> read_sensors(std::string_view file, std::string_view text, Recordin
     const auto fields = cut_at(*separator, line);
     const auto value = fields.size() == 2 ? finite_number(fields[1]) : std::nullopt;
     if (!value || *value < 0.0)
-      return fail("recording.sensors", "a line is a sensor's figure and its value, name,value",
+      return fail("recording.sensors", "a line contains a sensor parameter and its value, name,value",
                   location_of(file, lines.number()));
     recording.sensors[std::string(fields[0])] = *value;
   }
@@ -170,7 +170,7 @@ Result<Recording> read_tables(std::string_view name, const RecordingFiles& files
     }
     const auto table = Table::read(part.file, found->second);
     if (!table) return tl::unexpected(table.error());
-    if (table->rows.empty()) return fail("recording.empty", "there is nothing below its header", part.file);
+    if (table->rows.empty()) return fail("recording.empty", "there are no lines below its header", part.file);
     if (auto fine = part.read(*table, recording); !fine) return tl::unexpected(fine.error());
   }
   return recording;
@@ -185,7 +185,7 @@ struct TextLine {
   std::string location;
 };
 
-/// Lines of some kinds; comments and what else libRSF knows are nothing to us.
+/// Selects lines of some kinds; comments and other kinds of libRSF are ignored.
 template <typename Take>
 Result<void> each_line(std::string_view file, std::string_view text, const std::vector<std::string_view>& kinds,
                        const Take& take) {
@@ -212,10 +212,10 @@ Result<void> too_short(const TextLine& line, std::size_t wanted) {
               line.location);
 }
 
-/// Speeds first; they become distances when it is known how long they lasted.
+/// Odometry begins as speeds, which become distances when their durations are known.
 Result<void> take_speeds(const Recording::Step& step, const TextLine& line, Recording& recording) {
   if (!recording.odometry.empty() && !(step.t_s > recording.odometry.back().t_s))
-    return fail("recording.stamp", "the stamp is not later than the one before it", line.location);
+    return fail("recording.stamp", "the stamp is not later than the previous stamp", line.location);
   recording.odometry.push_back(step);
   return {};
 }
@@ -232,7 +232,7 @@ Result<void> take_input(const TextLine& line, Recording& recording) {
     recording.ranges.push_back({v[0], *number, v[1]});
   } else if (line.kind == "odom2diff") {
     if (v.size() < 5) return too_short(line, 5);
-    if (!(v[4] > 0.0)) return fail("recording.number", "half the track is more than nothing", line.location);
+    if (!(v[4] > 0.0)) return fail("recording.number", "half the track must be more than 0", line.location);
     recording.turns_from_wheels = true;
     return take_speeds({v[0], 0.0, 0.5 * (v[1] + v[2]), (v[2] - v[1]) / (2.0 * v[4])}, line, recording);
   } else if (line.kind == "odom2") {
@@ -252,14 +252,15 @@ Result<void> take_ground_truth(const TextLine& line, Recording& recording, std::
   }
   if (v.size() < 3) return too_short(line, 3);
   if (!recording.ground_truth.empty() && !(v[0] > recording.ground_truth.back().t_s))
-    return fail("recording.stamp", "the stamp is not later than the one before it", line.location);
+    return fail("recording.stamp", "the stamp is not later than the previous stamp", line.location);
   recording.ground_truth.push_back({v[0], {v[1], v[2]}, 0.0});
   return {};
 }
 
-/// libRSF's odom2 goes as it looks at the beginning of a step, and turns at its end: the arc of the same two ends.
+/// libRSF's odom2 moves in the direction at the beginning of a step, and turns at its end: the arc with the same two
+/// ends.
 void bend(Recording::Step& step) {
-  // Round in one step there is none.
+  // For a full turn in one step there is no such arc.
   if (std::fabs(step.turn_rad) >= 6.0) return;
   const SinCos turn = sincos(step.turn_rad);
   const bool straight = std::fabs(step.turn_rad) < 1e-4;
@@ -290,7 +291,7 @@ Result<Recording> read_librsf(std::string_view name, std::string_view input, std
     return tl::unexpected(fine.error());
   if (recording.odometry.size() < 2) return fail("recording.empty", "there is no odometry in it", std::string(input));
   if (recording.ground_truth.empty())
-    return fail("recording.empty", "there is no truth in it", std::string(ground_truth));
+    return fail("recording.empty", "there is no ground truth in it", std::string(ground_truth));
   const auto has_heading = [&](const Recording::True& one) { return headings.contains(one.t_s); };
   recording.ground_truth_has_heading = std::ranges::all_of(recording.ground_truth, has_heading);
   if (recording.ground_truth_has_heading) {
@@ -313,16 +314,16 @@ Result<Recording> read_librsf(std::string_view name, std::string_view input, std
 
 namespace {
 
-/// What is no text has a zero byte early: another encoding, a packed file, a table of another program.
+/// A file that is no text has a zero byte early: another encoding, a packed file, a table of another program.
 Result<void> check_texts(const RecordingFiles& files) {
   for (const auto& [file, text] : files) {
     if (text.find('\0') != std::string::npos)
-      return fail("recording.text", "it is no plain text (UTF-8 or ASCII)", file);
+      return fail("recording.text", "the file is no plain text (UTF-8 or ASCII)", file);
   }
   return {};
 }
 
-/// A radio that heard no answer often says 0 or -1: no distance.
+/// A radio without a response often reports 0 or -1, which is no distance.
 void drop_no_distances(Recording& recording) {
   const auto dropped =
       std::erase_if(recording.ranges, [](const Recording::ReceivedRange& received) { return received.range_m <= 0.0; });

@@ -40,7 +40,7 @@ RecordingFiles with(const std::string& file, const std::string& text) {
   return files;
 }
 
-TEST(Recording, cuts_odometry_where_something_was_read_between) {
+TEST(Recording, cuts_odometry_at_readings_between_its_stamps) {
   const auto recording = read_recording("small", small());
   ASSERT_TRUE(recording) << to_string(recording.error());
   const auto trial = replayed(*recording, {1.5, 0.05, 0.05});
@@ -58,7 +58,7 @@ TEST(Recording, cuts_odometry_where_something_was_read_between) {
   EXPECT_EQ(trial->setting.start, (Pose2{0.0, 0.0, 0.0}));
 }
 
-TEST(Recording, takes_ranges_that_were_logged_late_by_their_stamps_and_says_so) {
+TEST(Recording, sorts_late_ranges_by_their_stamps_and_reports_it) {
   auto files = small();
   files["ranges.csv"] = "time_s,beacon_id,range_m\n2.5,7,2.0\n1.25,7,2.1\n";
   const auto recording = read_recording("small", files);
@@ -85,7 +85,7 @@ TEST(Recording, reads_speeds_and_libRSF_text) {
   EXPECT_GT(replayed(*rsf)->setting.start_heading_sigma_rad, 1.0);
 }
 
-TEST(Recording, of_libRSF_that_goes_then_turns_ends_each_step_where_that_ends) {
+TEST(Recording, of_libRSF_with_turns_after_motion_has_steps_with_the_same_ends) {
   const auto rsf = read_recording(
       "r", {{"A_Input.txt",
              "odom2 1 -1 0.1 0 1 1 1\nodom2 2 1 0.2 1.5707963267948966 1 1 1\n"
@@ -102,7 +102,7 @@ TEST(Recording, of_libRSF_that_goes_then_turns_ends_each_step_where_that_ends) {
     EXPECT_NEAR(distance(step_pose, ends[i]), 0.0, 1e-12) << i;
     EXPECT_NEAR(step_pose.heading_rad, ends[i].heading_rad, 1e-12) << i;
   }
-  EXPECT_EQ(rsf->odometry[2].distance_m, 1.0);  // nearly round in one step: as it stands
+  EXPECT_EQ(rsf->odometry[2].distance_m, 1.0);  // nearly a full turn in one step: unchanged
   EXPECT_EQ(refusal({{"A_Input.txt", "odom2 1 1 0\n"}, {"A_GT.txt", "point2 0 0 0\n"}}),
             "recording.width A_Input.txt:1");
   EXPECT_EQ(refusal({{"A_Input.txt", "odom2 1 1 0 0\nodom2 1 1 0 0\n"}, {"A_GT.txt", "point2 0 0 0\n"}}),
@@ -111,7 +111,7 @@ TEST(Recording, of_libRSF_that_goes_then_turns_ends_each_step_where_that_ends) {
             "recording.width A_GT.txt:2");
 }
 
-TEST(Recording, of_libRSF_may_bring_its_sensors_figures_too) {
+TEST(Recording, of_libRSF_may_include_its_sensors_parameters) {
   const auto rsf = read_recording("r", {{"A_Input.txt", "odom2 1 1 0 0\nodom2 2 1 0 0\n"},
                                         {"A_GT.txt", "point2 0 0 0\npoint2 1 1 0\n"},
                                         {"sensors.csv", "name,value\nturn_variance_per_m,0.0004\n"}});
@@ -119,7 +119,7 @@ TEST(Recording, of_libRSF_may_bring_its_sensors_figures_too) {
   EXPECT_EQ(replayed(*rsf)->setting.sensors.turn_variance_per_m, 0.0004);
 }
 
-TEST(Recording, of_who_goes_sideways_too_says_how_far) {
+TEST(Recording, of_sideways_motion_includes_its_distance) {
   const auto files = with(
       "odometry.csv", "time_s,delta_distance_m,delta_left_m,delta_heading_rad\n1,0.5,0,0\n2,0.6,0.8,0\n3,1,0,0.1\n");
   const auto trial = replayed(*read_recording("s", files), {1.5, 0.05, 0.05});
@@ -134,7 +134,7 @@ TEST(Recording, of_who_goes_sideways_too_says_how_far) {
             "recording.number odometry.csv:2");
 }
 
-TEST(Recording, that_is_bad_is_refused_with_its_place) {
+TEST(Recording, that_is_invalid_is_refused_with_its_location) {
   EXPECT_EQ(refusal({}), "recording.missing bad");
   EXPECT_EQ(refusal({{"odometry.csv", small()["odometry.csv"]}}), "recording.missing bad");
   EXPECT_EQ(refusal(with("odometry.csv", "time_s,delta_distance_m,delta_heading_rad\n2,1,0\n1,1,0\n")),
@@ -168,7 +168,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text;
 }
 
-TEST(Recording, is_the_same_however_its_tables_are_written) {
+TEST(Recording, does_not_depend_on_the_notation_of_its_tables) {
   const auto plain = replayed(*read_recording("small", small()), {1.5, 0.05, 0.05});
   ASSERT_TRUE(plain);
   const std::vector<std::function<std::string(std::string)>> hands{
@@ -182,7 +182,7 @@ TEST(Recording, is_the_same_however_its_tables_are_written) {
       [](const std::string& text) { return "# " + text; },
       [](const std::string& text) { return "# a mower, on a lawn\n\n" + text + "\n \n"; },
       [](const std::string& text) {
-        const std::string lines = text.substr(0, text.size() - 1);  // without the last one's end
+        const std::string lines = text.substr(0, text.size() - 1);  // without the line end of the last line
         return "\"" + replaced(replaced(lines, ",", "\",\""), "\n", "\"\n\"") + "\"\n";
       },
   };
@@ -199,7 +199,7 @@ TEST(Recording, is_the_same_however_its_tables_are_written) {
   }
 }
 
-TEST(Recording, may_have_columns_of_words_that_nobody_needs_but_no_words_where_numbers_are_needed) {
+TEST(Recording, may_have_unused_text_columns_but_no_text_where_numbers_are_needed) {
   const auto phrase = read_recording(
       "s", with("odometry.csv", "mode,time_s,delta_distance_m,delta_heading_rad\nauto,1,0.5,0\nby hand,2,1,0\n"));
   ASSERT_TRUE(phrase) << to_string(phrase.error());
@@ -212,7 +212,7 @@ TEST(Recording, may_have_columns_of_words_that_nobody_needs_but_no_words_where_n
   EXPECT_EQ(refusal(with("odometry.csv", std::string("t\0i\0m\0e\0", 8))), "recording.text odometry.csv");
 }
 
-TEST(Recording, leaves_out_ranges_that_are_no_distances_and_says_so) {
+TEST(Recording, leaves_out_invalid_ranges_and_reports_it) {
   const auto recording =
       read_recording("s", with("ranges.csv", "time_s,beacon_id,range_m\n1.25,7,-1\n1.5,7,0\n2.5,7,2.0\n"));
   ASSERT_TRUE(recording);
@@ -222,13 +222,13 @@ TEST(Recording, leaves_out_ranges_that_are_no_distances_and_says_so) {
   EXPECT_EQ(recording->diagnostics[0], "2 ranges are no distances (0 or less); they are left out");
 }
 
-TEST(Recording, whose_odometry_is_silent_for_long_says_so) {
+TEST(Recording, with_a_long_odometry_gap_reports_it) {
   std::string odometry = "time_s,delta_distance_m,delta_heading_rad\n";
   for (int i = 1; i < 20; ++i) odometry += std::to_string(i < 10 ? 0.1 * i : 0.1 * i + 12.0) + ",0.01,0\n";
   const auto recording = read_recording("s", with("odometry.csv", odometry));
   ASSERT_TRUE(recording);
   ASSERT_EQ(recording->diagnostics.size(), 1U);
-  EXPECT_EQ(recording->diagnostics[0].substr(0, 45), "odometry is silent 1 time, for 12 s at most; ");
+  EXPECT_EQ(recording->diagnostics[0].substr(0, 46), "odometry is missing 1 time, for 12 s at most; ");
 }
 
 TEST(Recording, of_libRSF_may_have_comments_and_lines_of_other_kinds) {
@@ -252,7 +252,7 @@ Outcome outcome_of(const Trial& trial, const std::string& name) {
   const estimation::Registry registry;
   Trace trace;
   apply(**registry.make(name, trial.setting), trial, trace);
-  // Two degrees of freedom: 95 % lie under 5.991.
+  // Two degrees of freedom: 95 % are below 5.991.
   return {statistics::root_mean_square(trace.error_m), statistics::ratio_below(trace.nees, 5.991)};
 }
 
@@ -264,7 +264,7 @@ Trial trial_of(const std::string& path) {
   return *trial;
 }
 
-TEST(RecordedStatistics, mower_is_placed_better_by_who_doubts_its_sensors_and_better_still_by_who_looks_back) {
+TEST(RecordedStatistics, mower_is_located_better_by_calibrating_filters_and_better_still_by_smoothers) {
   const Trial trial = trial_of(recorded() + "plaza1");
   EXPECT_GT(trial.moments.size(), 9600U);
   const Outcome filter = outcome_of(trial, "calibrating");
@@ -272,7 +272,7 @@ TEST(RecordedStatistics, mower_is_placed_better_by_who_doubts_its_sensors_and_be
   const Outcome ekf = outcome_of(trial, "ekf");
   EXPECT_LE(filter.rmse_m, 0.48);
   EXPECT_LE(smoother.rmse_m, 0.38);
-  EXPECT_GT(ekf.rmse_m, 1.0);  // ranges 7 % too long, and it believes them
+  EXPECT_GT(ekf.rmse_m, 1.0);  // ranges 7 % too long, which the EKF assumes to be unbiased
   EXPECT_LT(ekf.covered, 0.5);
   for (const double covered : {filter.covered, smoother.covered}) {
     EXPECT_GE(covered, 0.90);
@@ -280,7 +280,7 @@ TEST(RecordedStatistics, mower_is_placed_better_by_who_doubts_its_sensors_and_be
   }
 }
 
-TEST(Recorded, robot_among_uwb_beacons_is_placed_as_well_as_is_on_record_and_regions_cover) {
+TEST(Recorded, robot_among_uwb_beacons_is_located_as_accurately_as_published_with_valid_regions) {
   const Trial trial = trial_of(recorded() + "labyrinth");
   const Outcome filter = outcome_of(trial, "calibrating");
   const Outcome smoother = outcome_of(trial, "smoother");
@@ -292,7 +292,7 @@ TEST(Recorded, robot_among_uwb_beacons_is_placed_as_well_as_is_on_record_and_reg
   }
 }
 
-TEST(Recorded, mower_that_hears_every_tenth_range_alone_is_told_its_radios_noise_by_a_filter_s_surprise) {
+TEST(Recorded, mower_with_every_tenth_range_has_its_range_noise_estimated_from_a_filter_s_innovations) {
   RecordingFiles files = folder(recorded() + "plaza1");
   std::stringstream lines(files["ranges.csv"]);
   std::string thin;
@@ -303,15 +303,15 @@ TEST(Recorded, mower_that_hears_every_tenth_range_alone_is_told_its_radios_noise
   files["ranges.csv"] = thin;
   const auto recording = read_recording("thin", files);
   ASSERT_TRUE(recording) << to_string(recording.error());
-  EXPECT_FALSE(range_noise_m(*recording));  // too far apart to be held against each other
+  EXPECT_FALSE(range_noise_m(*recording));  // too far apart to be compared with each other
   const auto trial = replayed(*recording);
   ASSERT_TRUE(trial);
-  // All of them scatter by a metre or so; what a data sheet of another radio says would be ten times too good.
+  // All of them scatter by about a metre; the data sheet of another radio would be ten times too optimistic.
   EXPECT_NEAR(trial->setting.sensors.range_sigma_m, 1.0, 0.6);
   const Outcome filter = outcome_of(*trial, "calibrating");
   EXPECT_LE(filter.rmse_m, 0.6);
   EXPECT_GE(filter.covered, 0.88);
-  // Who knows better is believed.
+  // Given sensor parameters take precedence.
   files["sensors.csv"] = "name,value\nrange_sigma_m,0.3\n";
   EXPECT_EQ(replayed(*read_recording("thin", files))->setting.sensors.range_sigma_m, 0.3);
 }

@@ -10,7 +10,7 @@
 namespace cosiva::experiments {
 namespace {
 
-/// The truth at a time, and the way it has gone by then.
+/// The ground truth at a time.
 class GroundTruth {
  public:
   GroundTruth(const Recording& recording, double gap_s) : ground_truth_{recording.ground_truth}, gap_s_{gap_s} {}
@@ -36,12 +36,12 @@ class GroundTruth {
   double gap_s_;
 };
 
-/// Ranges and readings in the order of time, cut into odometry's steps.
+/// Merges ranges and readings in the order of time into odometry's steps.
 class Mixer {
  public:
   Mixer(const Recording& recording, Trial& trial) : recording_{recording}, trial_{trial} {}
 
-  /// One step of odometry and what was read during it. Fails on a beacon that nobody surveyed.
+  /// Adds one step of odometry and the measurements during it. Fails on a beacon without surveyed position.
   Result<void> step(const Recording::Step& step) {
     double from_s = step.t_s - step.duration_s;
     for (;;) {
@@ -60,7 +60,7 @@ class Mixer {
   }
   [[nodiscard]] double since_m() const { return since_m_; }
   [[nodiscard]] double travelled_m() const { return travelled_m_; }
-  /// What came before odometry began says nothing of a drive that has not begun.
+  /// Skips measurements before the first odometry: the drive has not begun then.
   void skip_until(double t_s) {
     while (received_ < recording_.ranges.size() && recording_.ranges[received_].t_s < t_s) ++received_;
     while (detected_ < recording_.readings.size() && recording_.readings[detected_].t_s < t_s) ++detected_;
@@ -80,7 +80,8 @@ class Mixer {
   [[nodiscard]] Result<Point2> surveyed(std::uint32_t beacon) const {
     const auto found = recording_.beacons.find(beacon);
     if (found != recording_.beacons.end()) return found->second;
-    return fail("recording.beacon", "nobody has surveyed beacon " + std::to_string(beacon), recording_.name);
+    return fail("recording.beacon", "there is no surveyed position of beacon " + std::to_string(beacon),
+                recording_.name);
   }
   Result<void> report(const Recording::ReceivedRange& received) {
     const auto location = surveyed(received.station);
@@ -105,17 +106,18 @@ class Mixer {
   double travelled_m_{0.0};
 };
 
-/// What ranges have in common, and what changes with the place, grows with what a single one is worth.
+/// The common error of ranges, and the part that depends on the position, increase with the noise of a single range.
 void believe_ranges(double noise_m, estimation::SensorModel& sensors) {
   sensors.range_sigma_m = noise_m;
   sensors.range_common_sigma_m = noise_m;
   sensors.range_station_sigma_m = 0.75 * noise_m;
 }
 
-/// σ of single ranges that are too far apart to be held against each other: that with which a filter on the same inputs
-/// is as surprised by them as it should be. Needs no truth but for the start, which every estimator is told.
+/// σ of single ranges that are too far apart to be compared with each other: the value for which the innovations of a
+/// filter on the same inputs have their expected size. Needs no ground truth but the start, which every estimator is
+/// given.
 double range_noise_by_surprise(const Trial& trial) {
-  // Half of what is chi-squared with one degree of freedom lies below this.
+  // The median of the chi-squared distribution with one degree of freedom.
   constexpr double centre = 0.4549;
   constexpr int rounds_most = 16;
   constexpr double synchronised = 1.02;
@@ -142,9 +144,9 @@ double range_noise_by_surprise(const Trial& trial) {
   return noise_m;
 }
 
-/// Where a recording brings no figures of its own: wheels on a real floor or lawn, whose slip and unevenness are worth
-/// 4 cm after a metre, four times what the simulated ones are; a gyroscope that nobody has calibrated, whose offset is
-/// some tenths of a degree a second; single ranges as they are seen to scatter.
+/// Assumed parameters where a recording contains none: wheels on a real floor or lawn, whose slip and unevenness cause
+/// 4 cm after a metre, four times the simulated value; an uncalibrated gyroscope, whose offset is some tenths of a
+/// degree per second; single ranges with their observed scatter.
 Result<void> take_sensors(const Recording& recording, estimation::SensorModel& sensors) {
   sensors.distance_variance_per_m = 0.04 * 0.04;
   if (!recording.turns_from_wheels) sensors.turn_drift_sigma_radps = 0.005;
@@ -169,7 +171,7 @@ Result<void> take_sensors(const Recording& recording, estimation::SensorModel& s
   for (const auto& [name, value] : recording.sensors) {
     const auto field = fields.find(name);
     if (field == fields.end())
-      return fail("recording.sensors", "'" + name + "' is no figure of a sensor", recording.name + "/sensors.csv");
+      return fail("recording.sensors", "'" + name + "' is no sensor parameter", recording.name + "/sensors.csv");
     sensors.*field->second = value;
   }
   return {};
@@ -192,7 +194,7 @@ std::optional<double> range_noise_m(const Recording& recording) {
     }
   }
   if (off.size() < 20) return std::nullopt;
-  // Half of a Gaussian lies within 0.6745 σ; outliers do not move the middle.
+  // Half of a Gaussian is within 0.6745 σ; outliers do not affect the median.
   const double noise = statistics::percentile(off, 0.5) / 0.6745;
   return noise > 0.0 ? std::optional(noise) : std::nullopt;
 }
@@ -209,7 +211,7 @@ Result<Trial> replayed(const Recording& recording, const ReplayOptions& options)
   for (const Recording::Step& step : recording.odometry) {
     const double from_s = step.t_s - step.duration_s;
     if (!begun) {
-      // It begins where the truth does: at the step's beginning, or at its end.
+      // The trial begins with the ground truth: at the step's beginning, or at its end.
       const auto start = ground_truth.at(from_s);
       const auto later = start ? start : ground_truth.at(step.t_s);
       if (!later) continue;
@@ -224,10 +226,10 @@ Result<Trial> replayed(const Recording& recording, const ReplayOptions& options)
     trial.moments.push_back({trial.events.size(), step.t_s, *here, mixer.travelled_m(), mixer.since_m(), std::nullopt});
   }
   if (trial.moments.empty())
-    return fail(
-        "recording.overlap",
-        "odometry and truth share no time, or the truth's gaps are longer than " + std::to_string(options.gap_s) + " s",
-        recording.name);
+    return fail("recording.overlap",
+                "odometry and ground truth have no common time, or the gaps of the ground truth are longer than " +
+                    std::to_string(options.gap_s) + " s",
+                recording.name);
   trial.setting.start_sigma_m = options.start_sigma_m;
   trial.setting.start_heading_sigma_rad = recording.ground_truth_has_heading ? options.start_heading_sigma_rad : pi;
   const bool reported =

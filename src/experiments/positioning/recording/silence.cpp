@@ -18,8 +18,8 @@ struct Rates {
   double turn_radps;
 };
 
-/// How what is counted over some time goes with what the rates at its two ends would make of it: so many times as
-/// much, give or take a variance.
+/// The relation between the counted value over some time and the value extrapolated from the rates at both ends: a
+/// factor and a variance.
 class Habit {
  public:
   void see(double expected, double counted) {
@@ -40,7 +40,7 @@ class Habit {
   double expected_2_{0.0}, both_{0.0}, counted_2_{0.0};
 };
 
-/// A vehicle's habits, of where it was not silent.
+/// A vehicle's usual motion, from the parts of the drive without gaps.
 class Habits {
  public:
   Habits(const Steps& steps, double unresponsive_s) : steps_{steps}, unresponsive_s_{unresponsive_s} {
@@ -52,7 +52,7 @@ class Habits {
     if (!speeds.empty()) fastest_mps_ = statistics::percentile(speeds, 0.99);
   }
 
-  /// What came after a silence is unsure of as much as this vehicle elsewhere is after as long.
+  /// Replaces the increment after a gap: its uncertainty is that of the vehicle's usual motion over the same time.
   void bridge(std::size_t unresponsive, const Rates& after, Recording::Step& step) const {
     constexpr std::size_t enough = 10;
     const double lasts_s = step.duration_s;
@@ -68,21 +68,22 @@ class Habits {
       step.distance_variance_m2 = distance.variance();
       step.turn_variance_rad2 = turn.variance();
     } else {
-      // Too short a drive to know: it may have stopped, or gone as fast as ever, any way.
+      // The drive is too short for statistics: the vehicle may have stopped, or moved at its highest speed in any
+      // direction.
       step.distance_m = path_distance_m;
       step.turn_rad = 0.0;
       step.distance_variance_m2 = squared(fastest_mps_ * lasts_s);
       step.turn_variance_rad2 = squared(pi);
     }
-    // Whoever turns on the way comes less far: of a random walk of the heading with variance v the mean goes
-    // (1 − e^(−v/2))/(v/2) of the way ahead.
+    // Turns reduce the distance: for a random walk of the heading with variance v the mean distance is (1 −
+    // e^(−v/2))/(v/2) of the straight distance.
     const double half = 0.5 * std::fmin(step.turn_variance_rad2, squared(pi));
     const double ahead = half > 1e-6 ? (1.0 - det_exp(-half)) / half : 1.0;
     step.distance_variance_m2 += squared((1.0 - ahead) * step.distance_m);
     step.turn_variance_rad2 = std::fmin(step.turn_variance_rad2, squared(pi));
   }
 
-  /// All but one of a hundred are slower.
+  /// The 99th percentile of the speeds.
   [[nodiscard]] double fastest_mps() const { return fastest_mps_; }
 
  private:
@@ -99,7 +100,7 @@ class Habits {
     return {sum.speed_mps / lasted_s, sum.turn_radps / lasted_s};
   }
 
-  /// Every stretch of the drive that lasts as long and has no silence in it, one beginning each quarter of that time.
+  /// Uses every stretch of the drive that is as long and has no gap in it, beginning each quarter of that time.
   void see(double lasts_s, Habit& distance, Habit& turn) const {
     double next_s = -1e300;
     for (std::size_t from = 0; from < steps_.size(); ++from) {
@@ -141,7 +142,7 @@ void bridge_silences(Recording& recording, bool speeds) {
   double longest_s = 0.0;
   const Steps as_recorded = recording.odometry;
   const Habits habits{as_recorded, unresponsive_s};
-  // Twice as fast as it ever goes: no single step is as large.
+  // Twice the highest speed: no single step is this large.
   const double step_most_m = 2.0 * habits.fastest_mps() * usual_s;
   for (std::size_t i = 0; i < as_recorded.size(); ++i) {
     const Recording::Step& reported = as_recorded[i];
@@ -157,14 +158,12 @@ void bridge_silences(Recording& recording, bool speeds) {
   }
   if (bridged + was_stopped == 0) return;
   const std::size_t often = bridged + was_stopped;
-  std::string text = "odometry is silent " + std::to_string(often) + (often == 1 ? " time" : " times") + ", for " +
+  std::string text = "odometry is missing " + std::to_string(often) + (often == 1 ? " time" : " times") + ", for " +
                      std::to_string(std::lround(longest_s)) + " s at most; ";
   if (bridged > 0)
-    text +=
-        "the vehicle is taken to have gone on as it elsewhere does in as long, give or take what it differs from that "
-        "there";
+    text += "the vehicle is assumed to have moved as usual over the same time, with the variance of its usual motion";
   if (bridged > 0 && was_stopped > 0) text += "; ";
-  if (was_stopped > 0) text += "what it says next is too much for one step and is taken for all of that time";
+  if (was_stopped > 0) text += "the next increment is too large for one step and is used for the whole gap";
   recording.diagnostics.push_back(std::move(text));
 }
 

@@ -4,11 +4,11 @@
 
 namespace cosiva::experiments {
 
-/// Where odometry is silent for long, longer than a second and ten times as long as usual, what it says next is not
-/// believed for all of that time: the vehicle is taken to have gone on between the speeds before and after as far as it
-/// does elsewhere in the recording, give or take what it differs from that there. An increment too large for one usual
-/// step counts for all of the silence and stands. Says so in the notes.
-/// @param speeds  odometry told speeds, not increments
+/// Handles long gaps in odometry, longer than a second and ten times the usual period. The increment after a gap is not
+/// assumed to cover all of the gap: the vehicle is assumed to have moved with speeds between those before and after, as
+/// far as in similar times elsewhere in the recording, with the variance observed there. An increment too large for one
+/// usual step covers the whole gap and stays unchanged. Gaps are reported in the diagnostics.
+/// @param speeds  odometry contains speeds, not increments
 void bridge_silences(Recording& recording, bool speeds);
 
 }  // namespace cosiva::experiments

@@ -1,6 +1,6 @@
 #pragma once
 
-// Recordings that came with this folder, for its tests.
+// The recordings in this folder, for its tests.
 
 #include <filesystem>
 #include <fstream>

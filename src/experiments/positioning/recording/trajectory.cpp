@@ -11,14 +11,14 @@
 namespace cosiva::experiments {
 namespace {
 
-/// A quaternion or a matrix this far from a rotation is a mistake, not a rounding.
+/// A larger deviation of a quaternion or a matrix from a rotation is an error, not rounding.
 constexpr double rotation_slack = 0.05;
 
 Result<void> normalise(std::array<double, 4>& q, const std::string& location) {
   const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   if (!(std::fabs(length - 1.0) < rotation_slack))
     return fail("recording.rotation", "the quaternion's length is " + std::to_string(length) + ", not 1", location);
-  // What is 1 to rounding stays as it was written.
+  // A length of 1 up to rounding stays unchanged.
   if (std::fabs(length - 1.0) > 1e-9) {
     for (double& v : q) v /= length;
   }
@@ -87,7 +87,7 @@ Result<Stamped> read_line(TrajectoryFormat format, std::string_view line, double
     if (fields[0].find('.') != std::string_view::npos && v[0] < 1e15)
       return fail("recording.stamp",
                   "EuRoC's stamps are whole nanoseconds, and '" + std::string(fields[0]) +
-                      "' looks like seconds: TUM's numbers are cut at blanks",
+                      "' seems to be in seconds: TUM's numbers are separated by blanks",
                   location);
     pose.t_s *= 1e-9;
     pose.q = {v[5], v[6], v[7], v[4]};
@@ -168,14 +168,14 @@ Result<Trajectory> read_trajectory(TrajectoryFormat format, std::string_view fil
   while (lines.next(line)) {
     if (trimmed(line).empty() || trimmed(line).starts_with('#')) continue;
     const std::string location = location_of(file, lines.number());
-    // Some write EuRoC's header without a #.
+    // Some programs write EuRoC's header without a #.
     if (format == TrajectoryFormat::euroc && trajectory.poses.empty() && lines.number() == 1 &&
         begins_with_a_word(line))
       continue;
     auto pose = read_line(format, line, static_cast<double>(trajectory.poses.size()), location);
     if (!pose) return tl::unexpected(pose.error());
     if (!trajectory.poses.empty() && !(pose->t_s > trajectory.poses.back().t_s))
-      return fail("recording.stamp", "the stamp is not later than the one before it", location);
+      return fail("recording.stamp", "the stamp is not later than the previous stamp", location);
     trajectory.poses.push_back(*pose);
   }
   if (trajectory.poses.empty()) return fail("recording.empty", "there is no pose in it", std::string(file));
@@ -232,7 +232,7 @@ Result<std::vector<Pair>> associate(const Trajectory& reference, const Trajector
   }
   if (pairs.empty())
     return fail("recording.overlap",
-                "no stamps belong together: " + span_of(reference) + ", " + span_of(estimate) + ", gap at most " +
+                "no stamps match: " + span_of(reference) + ", " + span_of(estimate) + ", gap at most " +
                     std::to_string(options.gap_s) + " s",
                 estimate.name);
   return pairs;
@@ -266,7 +266,7 @@ ApeMetrics ape(const std::vector<Pair>& pairs) {
 }
 
 double time_offset_s(const std::vector<Pair>& pairs, double limit_s) {
-  // Where the vehicle is late by τ it is behind by v·τ: least squares of the error along the way over the speed.
+  // A vehicle that is late by τ is behind by v·τ: least squares of the error along the path over the speed.
   double numerator = 0.0;
   double denominator = 0.0;
   for (std::size_t i = 1; i + 1 < pairs.size(); ++i) {

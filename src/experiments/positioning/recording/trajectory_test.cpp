@@ -42,7 +42,7 @@ std::string refusal(const std::string& text) {
   return trajectory ? "" : trajectory.error().code + " " + trajectory.error().location;
 }
 
-TEST(Ape, is_what_another_program_counts_with_forty_digits) {
+TEST(Ape, equals_another_program_s_result_with_forty_digits) {
   const auto pairs = associate(read(reference_text), read(estimate_text), {});
   ASSERT_TRUE(pairs);
   const ApeMetrics metrics = ape(*pairs);
@@ -67,7 +67,7 @@ TEST(Association, interpolates_the_reference_inside_the_gap_and_never_across_it)
   EXPECT_EQ(associate(reference, estimate, {Association::interpolate, 2.0})->size(), 3U);
 }
 
-TEST(Association, by_the_nearest_stamp_takes_each_of_the_shorter_one_once) {
+TEST(Association, by_the_nearest_stamp_uses_each_stamp_of_the_shorter_one_once) {
   const Trajectory reference = read("0 0 0 0 0 0 0 1\n0.105 1 0 0 0 0 0 1\n0.2 2 0 0 0 0 0 1\n0.3 3 0 0 0 0 0 1\n");
   const Trajectory estimate = read("0.1 1 0 0 0 0 0 1\n0.25 0 0 0 0 0 0 1\n");
   const auto pairs = associate(reference, estimate, {Association::nearest, 0.01});
@@ -76,12 +76,12 @@ TEST(Association, by_the_nearest_stamp_takes_each_of_the_shorter_one_once) {
   EXPECT_EQ(pairs->front().reference.t_s, 0.105);
 }
 
-TEST(Association, of_times_that_do_not_meet_is_an_error_that_names_both) {
+TEST(Association, of_disjoint_times_is_an_error_that_names_both) {
   const auto pairs =
       associate(read("0 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n", "ground_truth"), read("5 0 0 0 0 0 0 1\n", "mine"), {});
   ASSERT_FALSE(pairs);
   EXPECT_EQ(pairs.error().code, "recording.overlap");
-  EXPECT_NE(pairs.error().message.find("truth from 0 to 1 s, mine from 5 to 5 s"), std::string::npos);
+  EXPECT_NE(pairs.error().message.find("ground_truth from 0 to 1 s, mine from 5 to 5 s"), std::string::npos);
 }
 
 TEST(Trajectory, of_a_quaternion_has_its_heading) {
@@ -90,7 +90,7 @@ TEST(Trajectory, of_a_quaternion_has_its_heading) {
   EXPECT_NEAR(stamped(0.0, {0.0, 0.0, 1.2}).pose().heading_rad, 1.2, 1e-15);
 }
 
-TEST(Trajectory, as_euroc_and_kitti_is_the_same_place) {
+TEST(Trajectory, as_euroc_and_kitti_is_the_same_pose) {
   const Trajectory euroc = read("#timestamp,p_x,p_y,p_z,q_w,q_x,q_y,q_z,v\n1403636580838555648,1,2,3,1,0,0,0,9\n");
   EXPECT_DOUBLE_EQ(euroc.poses[0].t_s, 1403636580.838555648);
   EXPECT_EQ(euroc.poses[0].p_m, (std::array{1.0, 2.0, 3.0}));
@@ -101,7 +101,7 @@ TEST(Trajectory, as_euroc_and_kitti_is_the_same_place) {
   EXPECT_EQ(kitti.poses[1].t_s, 1.0);
   EXPECT_EQ(kitti.poses[0].p_m, (std::array{1.0, 2.0, 3.0}));
   EXPECT_NEAR(kitti.poses[0].pose().heading_rad, 1.5707963267948966, 1e-12);
-  // Half a turn, where the quaternion's w is nothing.
+  // Half a turn, where the quaternion's w is zero.
   EXPECT_NEAR(std::fabs(read("-1 0 0 0 0 -1 0 0 0 0 1 0\n").poses[0].pose().heading_rad), 3.14159265358979, 1e-9);
 }
 
@@ -111,7 +111,7 @@ TEST(Trajectory, written_as_tum_reads_back_to_the_same_bits) {
   EXPECT_EQ(read(write_tum(one)).poses[5].p_m, one.poses[5].p_m);
 }
 
-TEST(Trajectory, that_is_bad_is_refused_with_its_line) {
+TEST(Trajectory, that_is_invalid_is_refused_with_its_line) {
   EXPECT_EQ(refusal("0 0 0 0 0 0 0 1\n0 1 0 0 0 0 0 1\n"), "recording.stamp bad.txt:2");
   EXPECT_EQ(refusal("1 0 0 0 0 0 0 1\n0 1 0 0 0 0 0 1\n"), "recording.stamp bad.txt:2");
   EXPECT_EQ(refusal("nan 0 0 0 0 0 0 1\n"), "recording.number bad.txt:1");
@@ -120,12 +120,12 @@ TEST(Trajectory, that_is_bad_is_refused_with_its_line) {
   EXPECT_EQ(refusal("0 0 0 0 0 0 0 0\n"), "recording.rotation bad.txt:1");
   EXPECT_EQ(refusal("5 0 0 0 0 5 0 0 0 0 5 0\n"), "recording.rotation bad.txt:1");
   EXPECT_EQ(refusal("# nothing\n\n"), "recording.empty bad.txt");
-  EXPECT_EQ(refusal("1000.5,0,0,0,1,0,0,0\n"), "recording.stamp bad.txt:1");  // seconds where EuRoC has nanoseconds
+  EXPECT_EQ(refusal("1000.5,0,0,0,1,0,0,0\n"), "recording.stamp bad.txt:1");  // seconds instead of EuRoC's nanoseconds
   EXPECT_EQ(refusal("timestamp,p_x\nword,0,0,0,1,0,0,0\n"), "recording.number bad.txt:2");
   EXPECT_EQ(refusal("nan,0,0,0,1,0,0,0\n"), "recording.number bad.txt:1");
 }
 
-TEST(TimeOffset, of_an_estimate_that_comes_late_is_found) {
+TEST(TimeOffset, of_a_late_estimate_is_found) {
   Trajectory reference;
   Trajectory estimate;
   for (int i = 0; i < 400; ++i) {

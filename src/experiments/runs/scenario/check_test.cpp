@@ -44,11 +44,11 @@ TEST(ScenarioCheck, a_scenario_that_fits_its_zone_is_good) {
               at(11, "move = { id = \"P1\", at = [0, 1.1] }") + at(12, "remove = \"P1\""));
 }
 
-TEST(ScenarioCheck, more_AIVs_than_the_zone_has_room_for_are_refused) {
+TEST(ScenarioCheck, more_AIVs_than_start_positions_are_refused) {
   expect_bad("aivs = 200\n", "1: aivs", "has room for");
 }
 
-TEST(ScenarioCheck, vehicles_that_are_not_there_are_refused_with_those_that_are) {
+TEST(ScenarioCheck, unknown_vehicles_are_refused_with_the_existing_ones) {
   expect_bad(at(0, "command = \"stop\"\nvehicle = \"AIV5\""), "2: vehicle", "this scenario has AIV1 to AIV4");
   expect_bad(at(0, "command = \"stop\"\nvehicle = \"AVI2\""), "2: vehicle", "did you mean \"AIV2\"?");
   expect_bad(at(0, "command = \"stop\"\nvehicle = \"AIV02\""), "2: vehicle", "there is no vehicle \"AIV02\"");
@@ -56,27 +56,27 @@ TEST(ScenarioCheck, vehicles_that_are_not_there_are_refused_with_those_that_are)
   expect_bad("aivs = 1\n" + at(0, "priority = { AIV2 = 1 }"), "3: priority", "this scenario has AIV1");
 }
 
-TEST(ScenarioCheck, a_virtual_AIV_is_commanded_only_while_it_is_there) {
+TEST(ScenarioCheck, a_virtual_AIV_is_commanded_only_while_present) {
   const std::string joins = at(5, "virtual_aiv = { id = \"V1\" }");
-  expect_bad(joins + at(4, "command = \"stop\"\nvehicle = \"V1\""), "5: vehicle", "it only comes at 5 s");
+  expect_bad(joins + at(4, "command = \"stop\"\nvehicle = \"V1\""), "5: vehicle", "it is only added at 5 s");
   expect_bad(joins + at(6, "remove = \"V1\"") + at(7, "command = \"stop\"\nvehicle = \"V1\""), "8: vehicle",
-             "taken away before");
+             "removed before");
   expect_bad(at(4, "command = \"stop\"\nvehicle = \"CoSiVA.virtual/V9\""), "2: vehicle", "ever added");
 }
 
-TEST(ScenarioCheck, places_off_the_zone_or_off_its_ways_are_refused) {
-  expect_bad(at(0, "person = { id = \"P1\", at = [0, 40] }"), "2: at", "lies off the zone lacet4");
-  expect_bad(at(0, "person = { id = \"P1\", path = [[0, 0], [0, 40]] }"), "2: path", "lies off the zone");
-  expect_bad(at(0, "physical_obstacle = { id = \"b\", at = [-40, 0] }"), "2: at", "lies off the zone");
+TEST(ScenarioCheck, positions_off_the_zone_or_off_its_paths_are_refused) {
+  expect_bad(at(0, "person = { id = \"P1\", at = [0, 40] }"), "2: at", "is off the zone lacet4");
+  expect_bad(at(0, "person = { id = \"P1\", path = [[0, 0], [0, 40]] }"), "2: path", "is off the zone");
+  expect_bad(at(0, "physical_obstacle = { id = \"b\", at = [-40, 0] }"), "2: at", "is off the zone");
   expect_bad(at(0, "virtual_aiv = { id = \"V1\", at = [0.75, 0.75] }"), "2: virtual_aiv.at", "m off");
   expect_bad(at(0, "virtual_aiv = { id = \"V1\", section = \"esat\", s_m = 0 }"), "2: virtual_aiv.section",
              "did you mean \"east\"?");
   expect_bad(at(0, "virtual_aiv = { id = \"V1\", section = \"east\", s_m = 1.6 }"), "2: virtual_aiv.s_m",
              "east is 1.5 m long");
-  // Straights cross at ±0.15 m from the middle of a straight of 1.5 m.
+  // Straights cross at ±0.15 m from the centre of a straight of 1.5 m.
   expect_bad(at(0, "virtual_aiv = { id = \"V1\", section = \"east\", s_m = 0.6 }"), "2: virtual_aiv",
-             "no vehicle may stand");
-  expect_bad(at(0, "virtual_aiv = { id = \"V1\", at = [0.15, -0.15] }"), "2: virtual_aiv", "no vehicle may stand");
+             "no vehicle may stop");
+  expect_bad(at(0, "virtual_aiv = { id = \"V1\", at = [0.15, -0.15] }"), "2: virtual_aiv", "no vehicle may stop");
 }
 
 TEST(ScenarioCheck, ids_name_one_object_at_a_time) {
@@ -85,9 +85,9 @@ TEST(ScenarioCheck, ids_name_one_object_at_a_time) {
   expect_bad(person + at(2, "physical_obstacle = { id = \"P1\", at = [0, 1] }"), "5: id", "already, since line 2");
   expect_bad(at(1, "virtual_aiv = { id = \"V1\" }") + at(2, "virtual_obstacle = { id = \"V1\", at = [0, 1] }"), "5: id",
              "already");
-  expect_bad(at(0, "remove = \"P1\"") + person, "2: remove", "nothing called \"P1\" at 0 s");
+  expect_bad(at(0, "remove = \"P1\"") + person, "2: remove", "no object \"P1\" at 0 s");
   expect_bad(person + at(2, "remove = \"P2\""), "5: remove", "did you mean \"P1\"?");
-  expect_bad(person + at(0, "move = { id = \"P1\", at = [0, 1] }"), "5: move.id", "nothing called");
+  expect_bad(person + at(0, "move = { id = \"P1\", at = [0, 1] }"), "5: move.id", "no object");
   expect_bad(at(1, "virtual_aiv = { id = \"V1\" }") + at(2, "move = { id = \"V1\", at = [0, 1] }"), "5: move.id",
              "drives by itself");
   expect_bad(at(1, "virtual_obstacle = { id = \"O1\", at = [0, 1] }") +
@@ -107,17 +107,17 @@ TEST(ScenarioCheck, radio_losses_belong_to_vehicles_with_a_radio_and_do_not_over
   expect_good(ten_seconds + at(5, "radio = { vehicle = \"*\", loss = 0 }"));
 }
 
-TEST(ScenarioCheck, nothing_is_planned_for_after_the_end) {
-  expect_bad("duration_s = 10\n" + at(11, "remove = \"*\""), "3: t_s", "at 11 s nothing happens any more");
+TEST(ScenarioCheck, steps_after_the_end_are_refused) {
+  expect_bad("duration_s = 10\n" + at(11, "remove = \"*\""), "3: t_s", "at 11 s the scenario is over");
   expect_good("duration_s = 10\n" + at(10, "remove = \"*\""));
 }
 
-/// Those of the source tree, for whoever switches to one.
+/// The zones of the source tree, for scenarios that switch to them.
 Result<zone::ZoneConfiguration> ready_zone(const std::string& name) {
   return zone::ZoneConfiguration{"toml", name, testing::file_text("zones/" + name + ".toml"), {}};
 }
 
-TEST(ScenarioCheck, the_ready_ones_are_good) {
+TEST(ScenarioCheck, the_ready_scenarios_are_valid) {
   const zone::TrafficZone zone = testing::lacet4();
   for (const char* name : {"showroom", "laboratory", "rush_hour", "two_zones"}) {
     const std::string file = std::string("scenarios/") + name + ".toml";
@@ -132,7 +132,7 @@ TEST(ScenarioCheck, the_ready_ones_are_good) {
   }
 }
 
-TEST(ScenarioCheck, the_guide_s_examples_are_good) {
+TEST(ScenarioCheck, the_guide_s_examples_are_valid) {
   const std::string guide = testing::file_text("docs/guide/scenarios.md");
   const std::string begin = "```toml\n";
   std::size_t at = guide.find(begin);
@@ -160,18 +160,18 @@ Result<void> checked_with_zones(const std::string& body) {
   return check(*scenario, zone, "test.toml");
 }
 
-TEST(ScenarioCheck, places_are_judged_in_the_zone_in_force_at_that_step) {
+TEST(ScenarioCheck, positions_are_validated_in_the_zone_in_force_at_that_step) {
   const std::string to_shelf = "go = { vehicle = \"AIV1\", to = \"shelf_a\" }";
   const auto good = checked_with_zones(at(1, "close = \"east\"") + at(2, "switch = \"indus8\"") + at(3, to_shelf) +
                                        at(4, "circulate = { loop = \"round\" }") + at(5, "close = \"aisle_2\"") +
                                        at(6, "switch = \"lacet4\"") + at(7, "close = \"east\""));
   EXPECT_TRUE(good) << to_string(good.error());
-  // The shelf is indus8's, the section east is lacet4's.
+  // The shelf is in indus8, the section east in lacet4.
   EXPECT_FALSE(checked_with_zones(at(1, to_shelf) + at(2, "switch = \"indus8\"")));
   EXPECT_FALSE(checked_with_zones(at(1, "switch = \"indus8\"") + at(2, "close = \"east\"")));
 }
 
-TEST(ScenarioCheck, goals_loops_and_sections_that_are_not_there_are_refused_with_the_nearest) {
+TEST(ScenarioCheck, unknown_goals_loops_and_sections_are_refused_with_the_nearest) {
   expect_bad(at(0, "close = \"eats\""), "2: close", "did you mean \"east\"?");
   expect_bad(at(0, "open = \"east\""), "2: open", "is not closed at 0 s");
   expect_bad(at(0, "close = \"east\"") + at(1, "close = \"east\""), "5: close", "is closed already at 1 s");
@@ -180,12 +180,12 @@ TEST(ScenarioCheck, goals_loops_and_sections_that_are_not_there_are_refused_with
   expect_bad(at(0, "circulate = { loop = \"inner\" }"), "2: circulate.loop", "no loop");
 }
 
-TEST(ScenarioCheck, a_zone_that_cannot_be_used_is_refused_at_the_step_that_switches_to_it) {
+TEST(ScenarioCheck, an_unusable_zone_is_refused_at_the_step_that_switches_to_it) {
   static const zone::TrafficZone zone = testing::lacet4();
   auto scenario = read(at(3, "switch = \"bad\""));
   ASSERT_TRUE(scenario);
   const auto unresolved = check(*scenario, zone, "test.toml");
-  ASSERT_FALSE(unresolved) << "nobody has looked for it";
+  ASSERT_FALSE(unresolved) << "the zone has not been resolved";
   const auto load = [](const std::string&) -> Result<zone::ZoneConfiguration> {
     return zone::ZoneConfiguration{"toml", "bad.toml", "name = \"bad\"\n", {}};
   };

@@ -23,7 +23,7 @@ constexpr Range duration_range_s{"seconds over 0, at most 1000000", 0.0, 1e6, fa
 constexpr Range radius_range_m{"a radius from 0.02 to 1 m", 0.02, 1.0};
 constexpr Range walk_mps{"a speed over 0 m/s, at most 3 m/s", 0.0, 3.0, false};
 constexpr Range section_s_m{"metres along the section, from 0", 0.0, 1e5};
-constexpr Range ratio{"a share from 0 to 1, such as 0.3", 0.0, 1.0};
+constexpr Range ratio{"a ratio from 0 to 1, such as 0.3", 0.0, 1.0};
 
 constexpr double virtual_object_radius_m = 0.05;
 
@@ -41,10 +41,11 @@ double length_m(const std::vector<Point2>& path) {
   return sum_m;
 }
 
-/// To the centimetre: a path's length is nobody's exact business.
+/// Rounded to centimetres: a path's exact length is irrelevant.
 std::string rounded(double metres) { return shortest(std::round(metres * 100.0) / 100.0); }
 
-/// Reads one file. Entries are taken in time order, because what `move` and `remove` mean depends on what is there.
+/// Reads one file. Entries are read in time order, because `move` and `remove` refer to the objects present at their
+/// time.
 class Reader {
  public:
   Reader(Faults& faults, const toml::table& root) : root_{faults, root, ""} {}
@@ -66,7 +67,7 @@ class Reader {
       line_ = t.entry.line();
       read_action(t.entry);
     }
-    // A loss ends before the next one begins at the same moment, wherever the two stand in the file.
+    // A loss ends before the next one begins at the same moment, whatever their order in the file.
     std::ranges::stable_sort(steps_, [](const Planned& a, const Planned& b) {
       return a.step.at != b.step.at ? a.step.at < b.step.at : a.ends && !b.ends;
     });
@@ -95,7 +96,7 @@ class Reader {
     if (root_.has("duration_s")) scenario_.duration_s = root_.number("duration_s", duration_range_s);
   }
 
-  /// Commands may name a virtual AIV as "V1", so these names are needed before the first command is read.
+  /// Commands may refer to a virtual AIV as "V1", so these names are needed before the first command is read.
   void record_virtual_aiv(const Entry& entry) {
     if (auto id = entry.peek("virtual_aiv", "id")) virtual_aivs_.push_back(std::move(*id));
   }
@@ -142,7 +143,7 @@ class Reader {
 
   // --- vehicles -----------------------------------------------------------------------------------------------------
 
-  /// "AIV2" and "V1" get their manufacturers; what has one already, and "*", stays.
+  /// "AIV2" and "V1" get their manufacturers; names with a manufacturer, and "*", are unchanged.
   [[nodiscard]] std::string vehicle_id(const Entry& fields, std::string_view key, const std::string& name) const {
     if (name == "*") return name;
     const std::size_t slash = name.find('/');
@@ -179,7 +180,7 @@ class Reader {
     const std::string name = fields.text("vehicle", 130);
     const std::string to = fields.text("to", 200);
     if (name == "*")
-      return fields.fault("vehicle", "scenario.vehicle", "one vehicle at a time can go to a place; name it");
+      return fields.fault("vehicle", "scenario.vehicle", "one vehicle at a time can go to a goal; name the vehicle");
     JsonWriter json;
     json.begin_object().field("command", "go").field("vehicle", vehicle_id(fields, "vehicle", name)).field("to", to);
     json.end_object();
@@ -223,12 +224,12 @@ class Reader {
     };
     const std::string owner_name = name == "*" ? "every vehicle" : name;
     std::string what = loss > 0.0 ? owner_name + " loses " + shortest(loss * 100.0) + " % of its messages"
-                                  : owner_name + " hears and is heard again";
+                                  : owner_name + " receives and sends again";
     if (!fields.has("for_s")) return plan(command(loss), std::move(what), now_);
     const double for_s = fields.number("for_s", duration_range_s);
     what += " for " + shortest(for_s) + " s";
     plan(command(loss), std::move(what), now_);
-    plan(command(0.0), owner_name + " hears and is heard again", now_ + from_seconds(for_s), true);
+    plan(command(0.0), owner_name + " receives and sends again", now_ + from_seconds(for_s), true);
   }
 
   // --- the zone -----------------------------------------------------------------------------------------------------
@@ -248,20 +249,20 @@ class Reader {
     steps_.back().step.zone = std::move(zone);
   }
 
-  // --- things -------------------------------------------------------------------------------------------------------
+  // --- virtual and physical objects ---------------------------------------------------------------------------------
 
   [[nodiscard]] std::string read_id(const Entry& fields) const {
     std::string id = fields.text("id", 32);
-    // A virtual AIV's is its serial number; one rule for all is easier to remember.
+    // A virtual AIV's id is its serial number; one rule for all ids is simpler.
     if (!id.empty() && !wire::valid_serial_number(id))
       fields.fault("id", "scenario.field", "expected an id of A-Z a-z 0-9 _ . : - only, found " + quoted(id));
     const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
     if (id.size() > 1 && id.front() == 'S' && std::all_of(id.begin() + 1, id.end(), is_digit))
-      fields.fault("id", "scenario.id", "S1, S2, … are the names of obstacles that vehicles see; choose another");
+      fields.fault("id", "scenario.id", "S1, S2, … are the names of detected obstacles; choose another");
     return id;
   }
 
-  /// The end of {"command":…,"virtualObject":{…: where it stands, or how it walks. Gives the words for it.
+  /// Writes the end of {"command":…,"virtualObject":{…: the object's position, or its walk. Returns the description.
   [[nodiscard]] std::string write_motion(const Entry& fields, JsonWriter& json) const {
     if (fields.has("at") == fields.has("path")) {
       fields.fault(fields.has("at") ? "path" : "", "scenario.field",
@@ -271,7 +272,8 @@ class Reader {
     if (fields.has("at")) {
       for (const char* only_walking : {"speed_mps", "repeat"}) {
         if (fields.has(only_walking))
-          fields.fault(only_walking, "scenario.field", "what stands has none; give path instead of at to let it walk");
+          fields.fault(only_walking, "scenario.field",
+                       "a stationary object has none; give path instead of at to let it walk");
       }
       const Point2 at = fields.point("at");
       json.field("x", at.x_m).field("y", at.y_m);
@@ -309,14 +311,14 @@ class Reader {
     if (fields.has("radius_m")) json.field("radius", fields.number("radius_m", radius_range_m));
     json.end_object().end_object();
     virtual_objects_.insert_or_assign(id, VirtualObject{false, 0.0, line_});
-    plan(json, "person " + id + (fields.has("at") ? " stands at " : "") + motion_text);
+    plan(json, "person " + id + (fields.has("at") ? " is at " : "") + motion_text);
   }
 
   void read_virtual_aiv(const Entry& fields) {
     fields.expect_only({"id", "section", "s_m", "at"});
     const std::string id = read_id(fields);
     if (fields.has("at") && (fields.has("section") || fields.has("s_m")))
-      fields.fault("at", "scenario.field", "expected either section and s_m, or at = [x, y], or no place at all");
+      fields.fault("at", "scenario.field", "expected either section and s_m, or at = [x, y], or no position at all");
     if (fields.has("section") != fields.has("s_m"))
       fields.fault("", "scenario.field", R"(section and s_m go together, as in section = "east", s_m = 0.5)");
     JsonWriter json;
@@ -375,7 +377,7 @@ class Reader {
     if (const auto known = virtual_objects_.find(id); known != virtual_objects_.end() && known->second.physical) {
       return fields.fault("id", "scenario.id",
                           "there is a physical obstacle " + quoted(id) + " already, since line " +
-                              std::to_string(known->second.line) + "; use move to put it elsewhere");
+                              std::to_string(known->second.line) + "; use move to change its position");
     }
     virtual_objects_.insert_or_assign(id, VirtualObject{true, radius_m, line_});
     write_physical(id, at, radius_m, "physical obstacle " + id + " at " + at_text(at));
@@ -391,7 +393,7 @@ class Reader {
           return fields.fault(only_walking, "scenario.field", "a physical obstacle does not walk; move it with at");
       }
       const Point2 at = fields.point("at");
-      // To the emulated world an obstacle of the same name is the old one at its new place.
+      // For the emulated world an obstacle of the same name is the old one at its new position.
       return write_physical(id, at, known->second.radius_m, id + " moves to " + at_text(at));
     }
     JsonWriter json;
@@ -405,7 +407,7 @@ class Reader {
     JsonWriter json;
     json.begin_object().field("command", "plant").key("plant").begin_object().field("removeObstacle", id);
     json.end_object().end_object();
-    plan(json, "physical obstacle " + id + " is taken away");
+    plan(json, "physical obstacle " + id + " is removed");
   }
 
   void read_remove(const Entry& entry) {
@@ -416,7 +418,7 @@ class Reader {
     } else {
       JsonWriter json;
       json.begin_object().field("command", "remove").field("id", id).end_object();
-      plan(json, id == "*" ? "everything virtual is taken away" : id + " is taken away");
+      plan(json, id == "*" ? "everything virtual is removed" : id + " is removed");
     }
     if (id != "*") {
       virtual_objects_.erase(id);
@@ -432,7 +434,7 @@ class Reader {
   Scenario scenario_;
   std::vector<Planned> steps_;
   std::vector<std::string> virtual_aivs_;
-  std::map<std::string, VirtualObject> virtual_objects_;  ///< there at this point of the reading
+  std::map<std::string, VirtualObject> virtual_objects_;  ///< present at this point of the file
   SimDuration now_{};
   std::uint32_t line_{};
 };

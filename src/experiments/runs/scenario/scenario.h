@@ -11,8 +11,8 @@
 
 namespace cosiva::experiments {
 
-/// What happens when: the same file for live and for virtual time (docs/guide/scenarios.md). Every step is a command to
-/// the server (ServerCore's Input::command), so it stands in the journal and a replay has it too.
+/// A scenario: the events over time, in one format for live and for virtual time (docs/guide/scenarios.md). Every step
+/// is a command to the server (ServerCore's Input::command), so it is recorded in the journal and replayed.
 struct Scenario {
   std::string name;
   std::string description;
@@ -23,14 +23,14 @@ struct Scenario {
   struct Step {
     SimDuration at;       ///< since the fleet was complete
     std::string command;  ///< JSON for the server
-    std::string what;     ///< as people read it: "person P1 walks 1.2 m"
+    std::string what;     ///< for display: "person P1 walks 1.2 m"
     std::uint32_t line;   ///< in the file
-    std::string zone{};   ///< of a step that switches: the name or file of the zone that is in force from here on
+    std::string zone{};   ///< of a step that switches: the name or file of the zone in force from here on
   };
   std::vector<Step> steps;  ///< in time order; equal times in the file's order
 };
 
-/// Reads a scenario; errors name origin, line and field, and what was expected, with the nearest word for a misspelt
+/// Reads a scenario; errors name origin, line and field, and the expected value, with the nearest term for a misspelt
 /// one.
 [[nodiscard]] Result<Scenario> scenario_from_toml(std::string_view text, const std::string& origin);
 }  // namespace cosiva::experiments

@@ -16,11 +16,11 @@
 namespace cosiva::experiments {
 namespace {
 
-/// A virtual AIV is put on the nearest way; further off than this nobody could have meant that way.
+/// A virtual AIV is added on the nearest path; a larger distance is an error.
 constexpr double off_path_m_max = 0.30;
-/// As the server has it: so far beyond the drawing's bounds a thing may stand.
+/// As in the server: the greatest distance of an object beyond the drawing's bounds.
 constexpr double margin_m = 0.5;
-/// A zone's file of 16 MiB, each byte of it escaped.
+/// A zone's file of 16 MiB with every byte escaped.
 constexpr std::size_t command_bytes_max = std::size_t{128} << 20U;
 
 struct VirtualObject {
@@ -49,7 +49,7 @@ class Checker {
       step_ = &step;
       if (scenario_.duration_s && step.at > from_seconds(*scenario_.duration_s)) {
         fault("t_s", "scenario.never",
-              at_seconds(step.at) + " nothing happens any more: the scenario lasts " + shortest(*scenario_.duration_s) +
+              at_seconds(step.at) + " the scenario is over: it lasts " + shortest(*scenario_.duration_s) +
                   " s (duration_s)");
       }
       const auto command = JsonValue::parse(step.command, command_bytes_max);
@@ -64,7 +64,7 @@ class Checker {
     faults_.add(std::move(code), step_->line, field, std::move(message));
   }
 
-  /// When each virtual AIV comes, to tell "not yet" from "never".
+  /// Records when each virtual AIV is added, to distinguish "not yet" from "never".
   void record_arrival(const Scenario::Step& step) {
     const auto command = JsonValue::parse(step.command);
     const JsonValue* virtual_object = command ? command->find("virtualObject") : nullptr;
@@ -72,7 +72,7 @@ class Checker {
       arrivals_.emplace(virtual_object->text("id").value_or(""), step.at);
   }
 
-  /// This is the zone in force from here on.
+  /// Sets the zone in force from here on.
   void enter(const zone::TrafficZone& zone) {
     zone_ = &zone;
     bounds_ = zone::bounds(zone::draw(zone));
@@ -104,7 +104,7 @@ class Checker {
   void evaluate_switch(const JsonValue& command) {
     const JsonValue* given = command.find("zone");
     auto configuration = given == nullptr
-                             ? Result<zone::ZoneConfiguration>{fail("scenario.zone", "this zone was not looked for")}
+                             ? Result<zone::ZoneConfiguration>{fail("scenario.zone", "this zone was not resolved")}
                              : zone::zone_configuration_from_json(*given);
     auto rtm = configuration ? zone::Rtm::initialise(std::move(*configuration))
                              : Result<zone::Rtm>{tl::unexpected(configuration.error())};
@@ -173,7 +173,7 @@ class Checker {
     const auto arrival = arrivals_.find(serial);
     std::string why = "no virtual_aiv of this name is ever added";
     if (arrival != arrivals_.end())
-      why = arrival->second > step_->at ? "it only comes " + at_seconds(arrival->second) : "it was taken away before";
+      why = arrival->second > step_->at ? "it is only added " + at_seconds(arrival->second) : "it was removed before";
     fault(field, "scenario.vehicle",
           "there is no virtual AIV " + quoted(serial) + " " + at_seconds(step_->at) + ": " + why);
   }
@@ -199,11 +199,11 @@ class Checker {
   void evaluate_radio(const JsonValue& command) {
     const std::string id = command.text("vehicle").value_or("");
     if (id.starts_with(std::string(wire::virtual_manufacturer) + "/"))
-      return fault("radio.vehicle", "scenario.radio", "a virtual AIV lives in the server and has no radio to lose");
+      return fault("radio.vehicle", "scenario.radio", "a virtual AIV runs in the server and has no radio");
     evaluate_vehicle(id, "radio.vehicle");
     const bool begins = command.number("loss").value_or(0.0) > 0.0;
     for (const auto& [other, line] : lossy_) {
-      // Whichever ends first would end the other one's loss as well.
+      // The loss that ends first would end the other loss as well.
       if (begins && (other == id || other == "*" || id == "*")) {
         return fault("radio", "scenario.radio",
                      "the loss of line " + std::to_string(line) + " is not over yet " + at_seconds(step_->at) +
@@ -218,14 +218,14 @@ class Checker {
       lossy_.erase(id);
   }
 
-  // --- things -------------------------------------------------------------------------------------------------------
+  // --- virtual and physical objects ---------------------------------------------------------------------------------
 
   void evaluate_new(const std::string& id, std::string kind) {
     const auto [known, is_new] = virtual_objects_.emplace(id, VirtualObject{std::move(kind), step_->line});
     if (!is_new) {
       fault("id", "scenario.id",
             "there is a " + known->second.kind + " " + quoted(id) + " already, since line " +
-                std::to_string(known->second.line) + "; take it away first, or choose another id");
+                std::to_string(known->second.line) + "; remove it first, or choose another id");
     }
   }
 
@@ -234,7 +234,7 @@ class Checker {
         y_m <= bounds_.high.y_m + margin_m)
       return;
     fault(field, "scenario.position",
-          "(" + shortest(x_m) + ", " + shortest(y_m) + ") lies off the zone " + zone_->name + ", which reaches from (" +
+          "(" + shortest(x_m) + ", " + shortest(y_m) + ") is off the zone " + zone_->name + ", which extends from (" +
               shortest(bounds_.low.x_m) + ", " + shortest(bounds_.low.y_m) + ") to (" + shortest(bounds_.high.x_m) +
               ", " + shortest(bounds_.high.y_m) + ") m");
   }
@@ -273,18 +273,18 @@ class Checker {
       const auto located = zone_->circuit.locate(at);
       if (located.distance_m > off_path_m_max) {
         return fault("virtual_aiv.at", "scenario.position",
-                     "the nearest way of " + zone_->name + " is " + shortest(located.distance_m) +
-                         " m off; put it within " + shortest(off_path_m_max) + " m of one");
+                     "the nearest path of " + zone_->name + " is " + shortest(located.distance_m) +
+                         " m away; add it within " + shortest(off_path_m_max) + " m of a path");
       }
       location = located.position;
     }
     if (!location || zone_->may_stop(*location)) return;
     const zone::Crossing* crossing = zone_->crossing_at(*location);
     fault("virtual_aiv", "scenario.position",
-          "no vehicle may stand " +
+          "no vehicle may stop " +
               (crossing == nullptr ? std::string("between crossings this close together")
                                    : "in crossing " + crossing->name) +
-              "; choose a place before or behind it");
+              "; choose a position before or behind it");
   }
 
   void evaluate_move(const JsonValue& virtual_object) {
@@ -314,7 +314,7 @@ class Checker {
     if (added == nullptr) return evaluate_remove(plant.text("removeObstacle").value_or(""), true);
     const std::string id = added->text("id").value_or("");
     const auto known = virtual_objects_.find(id);
-    // The reader has seen to it that a second one of this id is the first one moved.
+    // The reader has ensured that a second object of this id is the first one moved.
     const bool moved = known != virtual_objects_.end() && known->second.kind == "physical obstacle";
     if (!moved) evaluate_new(id, "physical obstacle");
     evaluate_route(*added);
@@ -325,20 +325,20 @@ class Checker {
     for (const auto& [name, virtual_object] : virtual_objects_) there.push_back(name);
     const std::string_view near = nearest(id, there);
     fault(field, "scenario.id",
-          "there is nothing called " + quoted(id) + " " + at_seconds(step_->at) +
+          "there is no object " + quoted(id) + " " + at_seconds(step_->at) +
               (near.empty() ? "" : "; did you mean " + quoted(near) + "?"));
   }
 
   const Scenario& scenario_;
   const zone::TrafficZone* zone_{};                       ///< in force at this step
-  std::shared_ptr<const zone::TrafficZone> switched_to_;  ///< keeps it, when a step has switched to it
+  std::shared_ptr<const zone::TrafficZone> switched_to_;  ///< owns the zone, when a step has switched to it
   zone::Bounds bounds_{};
   std::set<std::string> closed_;
   Faults faults_;
   const Scenario::Step* step_{};
-  std::map<std::string, SimDuration> arrivals_;           ///< of virtual AIVs: when each first comes
-  std::map<std::string, VirtualObject> virtual_objects_;  ///< there at this step
-  std::map<std::string, std::uint32_t> lossy_;            ///< vehicles that lose messages, since which line
+  std::map<std::string, SimDuration> arrivals_;           ///< of virtual AIVs: when each is added first
+  std::map<std::string, VirtualObject> virtual_objects_;  ///< present at this step
+  std::map<std::string, std::uint32_t> lossy_;            ///< vehicles with message loss, and the line of its step
 };
 
 }  // namespace

@@ -9,13 +9,13 @@
 
 namespace cosiva::experiments {
 
-/// Hands out the steps that are due.
+/// Returns the steps of a scenario when they are due.
 class ScenarioPlayer {
  public:
   explicit ScenarioPlayer(const Scenario& scenario) : steps_{scenario.steps} {}
   void begin(SimTime now) { begun_ = now; }
   [[nodiscard]] bool begun() const { return begun_.has_value(); }
-  /// Those due up to `now`, each once; none before begin().
+  /// The steps due up to `now`, each once; none before begin().
   [[nodiscard]] std::vector<Scenario::Step> due(SimTime now);
   [[nodiscard]] std::optional<SimTime> next_due() const;
   [[nodiscard]] bool done() const { return next_ == steps_.size(); }

@@ -38,7 +38,7 @@ std::vector<std::string> phrase(const std::string& body) {
   return all;
 }
 
-TEST(Scenario, of_a_name_alone_is_four_AIVs_on_lacet4_to_which_nothing_happens) {
+TEST(Scenario, of_a_name_alone_has_four_AIVs_on_lacet4_and_no_steps) {
   const auto scenario = read("");
   ASSERT_TRUE(scenario) << to_string(scenario.error());
   EXPECT_EQ(scenario->name, "test");
@@ -50,7 +50,7 @@ TEST(Scenario, of_a_name_alone_is_four_AIVs_on_lacet4_to_which_nothing_happens) 
   EXPECT_THAT(scenario->steps, IsEmpty());
 }
 
-TEST(Scenario, says_who_drives_where_how_long_and_by_which_chance) {
+TEST(Scenario, defines_vehicles_zone_duration_and_seed) {
   const auto scenario = read(
       "description = \"\"\"two\nlines\"\"\"\nzone = \"mine.toml\"\naivs = 8\nseed = 9007199254740993\nduration_s = "
       "60.5\n");
@@ -58,11 +58,11 @@ TEST(Scenario, says_who_drives_where_how_long_and_by_which_chance) {
   EXPECT_EQ(scenario->description, "two\nlines");
   EXPECT_EQ(scenario->zone, "mine.toml");
   EXPECT_EQ(scenario->aivs, 8U);
-  EXPECT_EQ(scenario->seed, 9007199254740993U) << "not by way of a double";
+  EXPECT_EQ(scenario->seed, 9007199254740993U) << "not converted to a double";
   EXPECT_EQ(scenario->duration_s, 60.5);
 }
 
-TEST(Scenario, steps_stand_in_time_order_and_equal_times_in_the_file_s) {
+TEST(Scenario, sorts_steps_by_time_and_equal_times_by_the_file) {
   const auto scenario = read(at(5, R"(command = "stop"
 vehicle = "*")") + at(1.5, R"(command = "slow"
 vehicle = "*")") + at(5, R"(command = "fast"
@@ -76,7 +76,7 @@ vehicle = "*")"));
   EXPECT_EQ(scenario->steps[2].what, "all AIVs: fast");
 }
 
-TEST(Scenario, commands_go_to_one_to_several_and_to_all) {
+TEST(Scenario, commands_are_sent_to_one_to_several_and_to_all) {
   EXPECT_THAT(commands(at(0, "command = \"stop\"\nvehicle = \"AIV2\"")),
               ElementsAre(R"({"command":"stop","vehicle":"CoSiVA/AIV2"})"));
   EXPECT_THAT(commands(at(0, "command = \"restart\"\nvehicle = \"CoSiVA/AIV2\"")),
@@ -88,7 +88,7 @@ TEST(Scenario, commands_go_to_one_to_several_and_to_all) {
                           R"({"command":"medium","vehicle":"CoSiVA/AIV3"})"));
 }
 
-TEST(Scenario, a_virtual_AIV_is_called_by_its_id_wherever_the_file_brings_it) {
+TEST(Scenario, a_virtual_AIV_is_referred_to_by_its_id_anywhere_in_the_file) {
   EXPECT_THAT(commands(at(9, "command = \"fast\"\nvehicle = \"V1\"") + at(1, "virtual_aiv = { id = \"V1\" }")),
               ElementsAre(R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv"}})",
                           R"({"command":"fast","vehicle":"CoSiVA.virtual/V1"})"));
@@ -104,7 +104,7 @@ TEST(Scenario, virtual_AIVs_join_anywhere_on_a_section_or_near_a_point) {
               ElementsAre("virtual AIV V1 joins on east at 0.5 m", "virtual AIV V2 joins where there is room"));
 }
 
-TEST(Scenario, persons_stand_or_walk) {
+TEST(Scenario, persons_are_stationary_or_walk) {
   EXPECT_THAT(
       commands(
           at(0, R"(person = { id = "P1", at = [0.4, 0.1], radius_m = 0.06 })") +
@@ -115,10 +115,10 @@ TEST(Scenario, persons_stand_or_walk) {
   EXPECT_THAT(
       phrase(at(0, R"(person = { id = "P1", at = [0.4, 0.1] })") +
              at(1, R"(person = { id = "P2", path = [[0, 1], [0, 2.5]], speed_mps = 0.3, repeat = "loop" })")),
-      ElementsAre("person P1 stands at (0.4, 0.1)", "person P2 walks 1.5 m from (0, 1) at 0.3 m/s, round and round"));
+      ElementsAre("person P1 is at (0.4, 0.1)", "person P2 walks 1.5 m from (0, 1) at 0.3 m/s, round and round"));
 }
 
-TEST(Scenario, obstacles_are_virtual_or_physical_and_remove_knows_which) {
+TEST(Scenario, obstacles_are_virtual_or_physical_and_are_removed_accordingly) {
   EXPECT_THAT(
       commands(at(0, R"(virtual_obstacle = { id = "O1", at = [1, 2] })") +
                at(1, R"(physical_obstacle = { id = "box", at = [3, 4], radius_m = 0.1 })") + at(2, R"(remove = "O1")") +
@@ -128,7 +128,7 @@ TEST(Scenario, obstacles_are_virtual_or_physical_and_remove_knows_which) {
                   R"({"command":"remove","id":"O1"})", R"({"command":"plant","plant":{"removeObstacle":"box"}})"));
 }
 
-TEST(Scenario, what_moves_keeps_its_size_and_its_kind) {
+TEST(Scenario, moved_objects_keep_their_size_and_kind) {
   EXPECT_THAT(commands(at(0, R"(physical_obstacle = { id = "box", at = [3, 4], radius_m = 0.1 })") +
                        at(1, R"(person = { id = "P1", at = [0, 0] })") +
                        at(2, R"(move = { id = "box", at = [5, 6] })") + at(3, R"(move = { id = "P1", at = [1, 1] })") +
@@ -139,7 +139,7 @@ TEST(Scenario, what_moves_keeps_its_size_and_its_kind) {
                           R"({"command":"move","virtualObject":{"id":"P1","path":[[1,1],[2,1]],"repeat":"once"}})"));
 }
 
-TEST(Scenario, a_star_removes_all_that_is_virtual_and_each_that_is_physical) {
+TEST(Scenario, a_star_removes_everything_virtual_and_each_physical_object) {
   EXPECT_THAT(commands(at(0, R"(physical_obstacle = { id = "b", at = [3, 4] })") +
                        at(0, R"(physical_obstacle = { id = "a", at = [3, 4] })") +
                        at(0, R"(physical_obstacle = { id = "gone", at = [3, 4] })") + at(1, R"(remove = "gone")") +
@@ -159,14 +159,14 @@ TEST(Scenario, a_radio_loss_ends_by_itself) {
   EXPECT_EQ(scenario->steps[1].command, R"({"command":"radio","vehicle":"CoSiVA/AIV2","loss":0})");
 }
 
-TEST(Scenario, one_loss_ends_before_the_next_begins_wherever_they_stand_in_the_file) {
+TEST(Scenario, a_loss_ends_before_the_next_begins_whatever_their_order_in_the_file) {
   EXPECT_THAT(phrase(at(13, R"(radio = { vehicle = "*", loss = 0.1 })") +
                      at(3, R"(radio = { vehicle = "AIV2", loss = 0.3, for_s = 10 })")),
-              ElementsAre(StartsWith("AIV2 loses 30 %"), "AIV2 hears and is heard again",
+              ElementsAre(StartsWith("AIV2 loses 30 %"), "AIV2 receives and sends again",
                           "every vehicle loses 10 % of its messages"));
 }
 
-TEST(Scenario, missions_send_one_to_a_place_or_let_one_or_all_circulate) {
+TEST(Scenario, missions_send_one_vehicle_to_a_goal_or_let_one_or_all_circulate) {
   EXPECT_THAT(commands(at(0, "go = { vehicle = \"AIV2\", to = \"dock\" }")),
               ElementsAre(R"({"command":"go","vehicle":"CoSiVA/AIV2","to":"dock"})"));
   EXPECT_THAT(commands(at(0, "circulate = { vehicle = \"AIV2\", loop = \"outer\" }")),
@@ -179,7 +179,7 @@ TEST(Scenario, sections_are_closed_and_opened_again) {
               ElementsAre(R"({"command":"close","section":"east"})", R"({"command":"open","section":"east"})"));
 }
 
-TEST(Scenario, a_switch_names_a_zone_which_is_put_into_its_command_whole) {
+TEST(Scenario, a_switch_contains_the_complete_zone_in_its_command) {
   auto scenario = read(at(2, "switch = \"other\"") + at(1, "command = \"stop\"\nvehicle = \"*\""));
   ASSERT_TRUE(scenario) << to_string(scenario.error());
   EXPECT_EQ(scenario->steps[0].zone, "");
@@ -197,7 +197,7 @@ TEST(Scenario, a_switch_names_a_zone_which_is_put_into_its_command_whole) {
   EXPECT_EQ(scenario->steps[0].command, R"({"command":"stop","vehicle":"*"})");
 }
 
-TEST(BadScenario, that_switches_to_a_zone_nobody_finds_names_file_and_line) {
+TEST(BadScenario, that_switches_to_an_unknown_zone_names_file_and_line) {
   auto scenario = read(at(2, "switch = \"other\""));
   ASSERT_TRUE(scenario);
   const auto load = [](const std::string& name) -> Result<zone::ZoneConfiguration> {
@@ -209,7 +209,7 @@ TEST(BadScenario, that_switches_to_a_zone_nobody_finds_names_file_and_line) {
   EXPECT_EQ(to_string(resolved.error()), "test.toml:2: switch: other: there is no zone of this name");
 }
 
-TEST(BadScenario, whose_missions_make_no_sense_is_refused_with_file_line_and_field) {
+TEST(BadScenario, with_invalid_missions_is_refused_with_file_line_and_field) {
   const auto location_of = [](const std::string& action) {
     const auto scenario = read(at(0, action));
     return scenario ? std::string("good") : scenario.error().location;
@@ -223,14 +223,14 @@ TEST(BadScenario, whose_missions_make_no_sense_is_refused_with_file_line_and_fie
   EXPECT_THAT(location_of("switch = { zone = \"x\" }"), HasSubstr("at[1].switch"));
 }
 
-TEST(Scenario, priorities_are_an_edit_of_the_zone) {
+TEST(Scenario, priorities_edit_the_zone) {
   EXPECT_THAT(commands(at(0, "priority = { AIV1 = 3, \"CoSiVA.virtual/V1\" = 0 }")),
               ElementsAre(R"({"command":"edit","edit":{"priorities":{"CoSiVA/AIV1":3,"CoSiVA.virtual/V1":0}}})"));
 }
 
-TEST(Scenario, actions_may_be_written_as_tables_of_their_own) {
+TEST(Scenario, actions_may_be_written_as_separate_tables) {
   EXPECT_THAT(phrase("[[at]]\nt_s = 1\n[at.person]\nid = \"P1\"\nat = [0, 1]\n"),
-              ElementsAre("person P1 stands at (0, 1)"));
+              ElementsAre("person P1 is at (0, 1)"));
 }
 
 TEST(Scenario, every_command_is_one_JSON_object_with_a_command) {
@@ -248,7 +248,7 @@ TEST(Scenario, every_command_is_one_JSON_object_with_a_command) {
 
 struct Bad {
   std::string body;
-  std::string location;  ///< the beginning of the error's place
+  std::string location;  ///< the beginning of the error's location
   std::string message;   ///< a part of it
 };
 
@@ -262,7 +262,7 @@ void expect_refused(const std::vector<Bad>& all) {
   }
 }
 
-TEST(BadScenario, whose_head_is_wrong_is_refused_with_file_line_and_field) {
+TEST(BadScenario, with_an_invalid_head_is_refused_with_file_line_and_field) {
   expect_refused(
       {Bad{"aivs = 0\n", "2: aivs", "from 1 to 200, found 0"}, Bad{"aivs = 201\n", "2: aivs", "found 201"},
        Bad{"aivs = 4.0\n", "2: aivs", "a whole number"}, Bad{"aivs = \"four\"\n", "2: aivs", "found \"four\""},
@@ -276,7 +276,7 @@ TEST(BadScenario, whose_head_is_wrong_is_refused_with_file_line_and_field) {
        Bad{"[[at]\n", "2", ""}});
 }
 
-TEST(BadScenario, whose_entries_are_wrong_is_refused_with_file_line_and_field) {
+TEST(BadScenario, with_invalid_entries_is_refused_with_file_line_and_field) {
   expect_refused(
       {Bad{"[[at]]\nremove = \"*\"\n", "2: at[1].t_s", "found nothing"},
        Bad{at(-1, "remove = \"*\""), "3: at[1].t_s", "found -1"},
@@ -291,7 +291,7 @@ TEST(BadScenario, whose_entries_are_wrong_is_refused_with_file_line_and_field) {
        Bad{at(0, "remove = \"a\"") + at(1, "remove = 3"), "7: at[2].remove", "found 3"}});
 }
 
-TEST(BadScenario, that_tells_vehicles_what_makes_no_sense_is_refused_with_file_line_and_field) {
+TEST(BadScenario, with_invalid_commands_is_refused_with_file_line_and_field) {
   expect_refused(
       {Bad{at(0, "command = \"stpo\"\nvehicle = \"*\""), "4: at[1].command", "did you mean \"stop\"?"},
        Bad{at(0, "command = \"fly\"\nvehicle = \"*\""), "4: at[1].command", "one of stop, slow"},
@@ -304,7 +304,7 @@ TEST(BadScenario, that_tells_vehicles_what_makes_no_sense_is_refused_with_file_l
        Bad{at(0, "command = \"stop\"\nvehicle = \"/AIV1\""), "5: at[1].vehicle", "expected a vehicle"},
        Bad{at(0, "command = \"stop\"\nvehicles = []"), "5: at[1].vehicles", "an array of 0"},
        Bad{at(0, "command = \"stop\"\nvehicles = [1]"), "5: at[1].vehicles", "found 1"},
-       Bad{at(0, "radio = { vehicle = \"*\", loss = 1.5 }"), "4: at[1].radio.loss", "a share from 0 to 1"},
+       Bad{at(0, "radio = { vehicle = \"*\", loss = 1.5 }"), "4: at[1].radio.loss", "a ratio from 0 to 1"},
        Bad{at(0, "radio = { loss = 0.5 }"), "4: at[1].radio.vehicle", "found nothing"},
        Bad{at(0, "radio = { vehicle = \"*\" }"), "4: at[1].radio.loss", "found nothing"},
        Bad{at(0, "radio = { vehicle = \"*\", loss = 0.5, for_s = 0 }"), "4: at[1].radio.for_s", "seconds over 0"},
@@ -321,7 +321,7 @@ TEST(BadScenario, with_impossible_objects_is_refused_with_file_line_and_field) {
            "either at"},
        Bad{at(0, "person = { at = [0, 0] }"), "4: at[1].person.id", "found nothing"},
        Bad{at(0, "person = { id = \"P 1\", at = [0, 0] }"), "4: at[1].person.id", "A-Z a-z 0-9"},
-       Bad{at(0, "person = { id = \"S12\", at = [0, 0] }"), "4: at[1].person.id", "obstacles that vehicles see"},
+       Bad{at(0, "person = { id = \"S12\", at = [0, 0] }"), "4: at[1].person.id", "detected obstacles"},
        Bad{at(0, "person = { id = \"*\", at = [0, 0] }"), "4: at[1].person.id", "A-Z a-z 0-9"},
        Bad{at(0, "person = { id = \"P1\", at = [0] }"), "4: at[1].person.at", "two numbers of metres"},
        Bad{at(0, "person = { id = \"P1\", at = [0, \"a\"] }"), "4: at[1].person.at", "two numbers of metres"},
@@ -330,8 +330,8 @@ TEST(BadScenario, with_impossible_objects_is_refused_with_file_line_and_field) {
        Bad{at(0, "person = { id = \"P1\", path = [[0, 0]] }"), "4: at[1].person.path", "2 to 64 points"},
        Bad{at(0, "person = { id = \"P1\", path = [[0, 0], 3] }"), "4: at[1].person.path", "two numbers"},
        Bad{at(0, "person = { id = \"P1\", path = [[0, 0], [0, 0]] }"), "4: at[1].person.path", "apart"},
-       Bad{at(0, "person = { id = \"P1\", at = [0, 0], speed_mps = 1 }"), "4: at[1].person.speed_mps", "stands"},
-       Bad{at(0, "person = { id = \"P1\", at = [0, 0], repeat = \"loop\" }"), "4: at[1].person.repeat", "stands"},
+       Bad{at(0, "person = { id = \"P1\", at = [0, 0], speed_mps = 1 }"), "4: at[1].person.speed_mps", "stationary"},
+       Bad{at(0, "person = { id = \"P1\", at = [0, 0], repeat = \"loop\" }"), "4: at[1].person.repeat", "stationary"},
        Bad{at(0, "person = { id = \"P1\", path = [[0, 0], [1, 1]], speed_mps = 0 }"), "4: at[1].person.speed_mps",
            "over 0 m/s"},
        Bad{at(0, "person = { id = \"P1\", path = [[0, 0], [1, 1]], repeat = \"lop\" }"), "4: at[1].person.repeat",
@@ -355,14 +355,14 @@ TEST(BadScenario, with_impossible_objects_is_refused_with_file_line_and_field) {
        Bad{at(0, "move = { id = \"P1\", at = [0, 0], radius_m = 1 }"), "4: at[1].move.radius_m", "unknown key"}});
 }
 
-TEST(Scenario, without_a_name_or_far_too_large_is_refused) {
+TEST(Scenario, without_a_name_or_too_large_is_refused) {
   EXPECT_EQ(scenario_from_toml("", "x.toml").error().location, "x.toml:1: name");
   EXPECT_EQ(scenario_from_toml(std::string((1U << 20U) + 1, '#'), "x.toml").error().code, "scenario.size");
 }
 
 // --- playing --------------------------------------------------------------------------------------------------------
 
-TEST(ScenarioPlayer, hands_out_each_step_once_at_its_time_and_none_before_it_began) {
+TEST(ScenarioPlayer, returns_each_step_once_at_its_time_and_none_before_it_began) {
   const auto scenario =
       read(at(0, "remove = \"a\"") + at(1, "remove = \"b\"") + at(1, "remove = \"c\"") + at(3, "remove = \"d\""));
   ASSERT_TRUE(scenario);
@@ -378,7 +378,7 @@ TEST(ScenarioPlayer, hands_out_each_step_once_at_its_time_and_none_before_it_beg
   EXPECT_EQ(player.next_due(), start + 1s);
   EXPECT_EQ(player.due(start + 1s).size(), 2U);
   EXPECT_FALSE(player.done());
-  EXPECT_EQ(player.due(start + 60s).size(), 1U) << "late is better than never";
+  EXPECT_EQ(player.due(start + 60s).size(), 1U) << "an overdue step is played late";
   EXPECT_TRUE(player.done());
   EXPECT_FALSE(player.next_due());
 }

@@ -13,10 +13,10 @@ namespace cosiva::experiments::testing {
 
 inline const std::string head = "name = \"test\"\n";
 
-/// A scenario of a head and this body; line 1 is the head's.
+/// A scenario with a head and this body; line 1 is the head's.
 inline Result<Scenario> read(const std::string& body) { return scenario_from_toml(head + body, "test.toml"); }
 
-/// One [[at]] table: line 2 says when, line 3 what.
+/// One [[at]] table: the time is in line 2, the action in line 3.
 inline std::string at(double t_s, const std::string& action) {
   std::ostringstream text;
   text << "[[at]]\nt_s = " << t_s << "\n" << action << "\n";

@@ -41,7 +41,7 @@ std::string listed(const std::vector<std::string_view>& terms) {
 }
 
 std::string quoted(std::string_view text) {
-  // Long enough to recognise, short enough for one line of terminal; control characters would garble it.
+  // Long enough to recognise, short enough for one line of a terminal; control characters would garble the line.
   std::string out = "\"";
   for (const char c : text.substr(0, 40)) out += is_control(c) ? '?' : c;
   return out + (text.size() > 40 ? "…\"" : "\"");
@@ -287,7 +287,7 @@ std::vector<std::string> Entry::some_of(std::string_view key, const std::vector<
       return fallback;
     }
     if (std::ranges::find(chosen, text->get()) != chosen.end())
-      fault(key, "scenario.field", quoted(text->get()) + " is named twice");
+      fault(key, "scenario.field", quoted(text->get()) + " is given twice");
     chosen.push_back(text->get());
   }
   return chosen;
@@ -308,7 +308,7 @@ std::vector<double> Entry::spread(const Entry& fields, const Range& range, std::
     fields.fault("from", "scenario.field", "expected a number over 0 with log = true, found " + shortest(from));
     return {};
   }
-  // Beyond that logarithms leave what is exact, and from a denormal number they leave the numbers.
+  // With larger ratios logarithms are inexact, and with a denormal number they overflow.
   if (constexpr double decades_max = 1e15; log && !(to / from <= decades_max)) {
     fields.fault("to", "scenario.field", "expected at most 1e15 times from with log = true, found " + shortest(to));
     return {};

@@ -13,8 +13,8 @@
 
 namespace cosiva::experiments {
 
-/// The first thing wrong with a scenario. Reading goes on with stand-in values, so that the reader stays straight-line
-/// code; whoever reads asks first() before trusting what was read.
+/// Records the first error of a scenario. Reading continues with substitute values, so that the reader stays
+/// straight-line code; the caller checks first() before using the values.
 class Faults {
  public:
   explicit Faults(std::string origin) : origin_{std::move(origin)} {}
@@ -28,7 +28,7 @@ class Faults {
   std::optional<Error> first_;
 };
 
-/// What a number must be, and how to say so.
+/// The permitted range of a number, with its description.
 struct Range {
   std::string_view what;  ///< "a number of metres over 0, at most 1"
   double low;
@@ -36,47 +36,47 @@ struct Range {
   bool low_allowed{true};
 };
 
-/// One table of a scenario, read field by field. Each read says what it expected and what it found, with file, line and
-/// path; the [[at]] tables are counted from 1, as people count them: at[3].person.speed_mps.
+/// One table of a scenario, read field by field. Each read reports the expected and the actual value, with file, line
+/// and path; the [[at]] tables are counted from 1: at[3].person.speed_mps.
 class Entry {
  public:
   Entry(Faults& faults, const toml::table& table, std::string path)
       : faults_{&faults}, table_{&table}, path_{std::move(path)} {}
 
   [[nodiscard]] bool has(std::string_view key) const { return table_->contains(key); }
-  /// Faults any other key, naming the nearest of these.
+  /// Reports any other key as a fault, naming the nearest of these.
   void expect_only(const std::vector<std::string_view>& keys) const;
   [[nodiscard]] std::vector<std::string> keys() const;
 
-  /// The text of a field of a table of this one, when both are there; nothing is faulted.
+  /// The text of a field of a table in this table, when both exist; never a fault.
   [[nodiscard]] std::optional<std::string> peek(std::string_view table, std::string_view key) const;
 
-  /// Without a fallback the field must be there.
+  /// Without a fallback the field is required.
   [[nodiscard]] double number(std::string_view key, const Range& range,
                               std::optional<double> fallback = std::nullopt) const;
   [[nodiscard]] std::int64_t whole(std::string_view key, std::int64_t low, std::int64_t high,
                                    std::optional<std::int64_t> fallback = std::nullopt) const;
   [[nodiscard]] bool flag(std::string_view key, bool fallback) const;
-  /// Of at most `bytes_max` bytes, not empty, without control characters but line breaks.
+  /// A text of at most `bytes_max` bytes, not empty, without control characters but line breaks.
   [[nodiscard]] std::string text(std::string_view key, std::size_t bytes_max,
                                  const std::optional<std::string>& fallback = std::nullopt) const;
-  /// One of these words; a misspelt one is answered with the nearest.
+  /// One of these terms; for a misspelt one the fault names the nearest.
   [[nodiscard]] std::string one_of(std::string_view key, const std::vector<std::string_view>& terms,
                                    const std::optional<std::string>& fallback = std::nullopt) const;
   [[nodiscard]] std::vector<std::string> texts(std::string_view key, std::size_t count_max) const;
-  /// One of these words or a list of them, each once; a misspelt one is answered with the nearest.
+  /// One of these terms or a list of them, each once; for a misspelt one the fault names the nearest.
   [[nodiscard]] std::vector<std::string> some_of(std::string_view key, const std::vector<std::string_view>& terms,
                                                  const std::vector<std::string>& fallback) const;
   /// A number, a list of numbers, or { from, to, steps, log } with both ends: 1 to `count_max` of them, each once, in
-  /// rising order. `range.what` says what each must be.
+  /// rising order. `range.what` describes the permitted values.
   [[nodiscard]] std::vector<double> sweep(std::string_view key, const Range& range, std::size_t count_max,
                                           double fallback) const;
   [[nodiscard]] Point2 point(std::string_view key) const;  ///< [x, y] in metres
   /// 2 to `count_max` of them.
   [[nodiscard]] std::vector<Point2> points(std::string_view key, std::size_t count_max) const;
-  /// The table of this name; faulted where it is something else or missing.
+  /// The table of this name; a fault where the value is missing or of another type.
   [[nodiscard]] std::optional<Entry> table(std::string_view key) const;
-  /// The tables under [[key]]; none where there are none.
+  /// The tables under [[key]]; empty where there are none.
   [[nodiscard]] std::vector<Entry> tables(std::string_view key, std::size_t count_max) const;
 
   /// A fault of this field, or of the whole table with an empty key.
@@ -95,7 +95,7 @@ class Entry {
   std::string path_;
 };
 
-/// The word of `known` that was most likely meant; empty where none is near.
+/// The term of `known` that was most likely meant; empty where none is near.
 [[nodiscard]] std::string_view nearest(std::string_view word, const std::vector<std::string_view>& known);
 /// In quotes, short enough for one line.
 [[nodiscard]] std::string quoted(std::string_view text);

@@ -9,7 +9,7 @@
 
 namespace cosiva::experiments {
 
-/// What stands there, for a message: "0.5", "an array of 3".
+/// Describes a value for a message: "0.5", "an array of 3".
 [[nodiscard]] std::string describe(const toml::node& node);
 [[nodiscard]] std::optional<double> number_of(const toml::node& node);
 /// "a, b, c".

@@ -1,4 +1,4 @@
-// Messages passed on as values: the same run as with their texts, to the last bit.
+// Messages passed on as values: the same run as with texts, to the last bit.
 #include <gtest/gtest.h>
 
 #include "cosiva/experiments/runs/world/test_world.h"
@@ -22,7 +22,7 @@ std::unique_ptr<World> world(bool as_values, double loss = 0.0) {
   return std::move(*made);
 }
 
-/// A run with something of everything: a person, a virtual AIV, a stop, a vehicle that dies and comes back.
+/// A run with all kinds of events: a person, a virtual AIV, a stop, a vehicle that dies and is restarted.
 void live(World& world) {
   world.run_for(15s);
   world.command_server(R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv","x":0.0,"y":0.0}})");
@@ -37,7 +37,7 @@ void live(World& world) {
   world.run_for(20s);
 }
 
-TEST(AsValues, everybody_believes_the_same_to_the_last_bit) {
+TEST(AsValues, all_estimates_are_equal_to_the_last_bit) {
   for (const double loss : {0.0, 0.03}) {
     const auto texts = world(false, loss);
     const auto values = world(true, loss);
@@ -49,7 +49,7 @@ TEST(AsValues, everybody_believes_the_same_to_the_last_bit) {
   }
 }
 
-TEST(AsValues, what_vehicles_say_often_has_no_text_and_says_what_it_is) {
+TEST(AsValues, frequent_messages_have_no_text_and_state_their_kind) {
   const auto values = world(true);
   std::size_t passed = 0;
   values->tap([&](SimTime, const std::string&, const wire::Publish& message) {
@@ -63,7 +63,7 @@ TEST(AsValues, what_vehicles_say_often_has_no_text_and_says_what_it_is) {
   EXPECT_GT(passed, 200U);
 }
 
-TEST(AsValues, another_seed_is_another_run) {
+TEST(AsValues, another_seed_gives_another_run) {
   const auto run = [](std::uint64_t seed) {
     WorldOptions options;
     options.zone = testing::zone_named("lacet4");

@@ -1,5 +1,5 @@
-// Augmented co-simulation over the whole platform: what is only virtual is felt physically, what is met physically
-// shows virtually (A2, A3).
+// Augmented co-simulation over the whole platform: physical vehicles perceive virtual objects, and physical obstacles
+// that they detect are shown virtually (A2, A3).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <algorithm>
@@ -18,7 +18,7 @@ physical::TrueVehicle vehicle(const World& world, std::uint32_t number) {
   return world.plant().vehicles().at(number - 1);
 }
 
-/// A point so far ahead of a vehicle, straight along its heading.
+/// A point at a distance ahead of a vehicle, straight along its heading.
 Point2 ahead_of(const World& world, std::uint32_t number, double distance_m) {
   return vehicle(world, number).X_MB * Point2{distance_m, 0.0};
 }
@@ -45,7 +45,7 @@ JsonValue bijection(const World& world) {
   return *JsonValue::parse(json.text());
 }
 
-/// Until AIV1 drives on a straight, with 0.5 m of it left.
+/// Runs until AIV1 drives on a straight, with 0.5 m of it left.
 void until_on_a_straight(World& world) {
   for (int i = 0; i < 1200; ++i) {
     const auto v = vehicle(world, 1);
@@ -58,7 +58,7 @@ void until_on_a_straight(World& world) {
   FAIL() << "it never drives along a straight";
 }
 
-TEST(Augmented, a_person_put_before_a_physical_vehicle_stops_it_and_its_removal_lets_it_go) {
+TEST(Augmented, a_person_added_ahead_of_a_physical_vehicle_stops_it_until_its_removal) {
   const auto world = world_of(1);
   until_on_a_straight(*world);
   const Point2 there = ahead_of(*world, 1, 0.45);
@@ -74,14 +74,15 @@ TEST(Augmented, a_person_put_before_a_physical_vehicle_stops_it_and_its_removal_
   ASSERT_NE(aiv, nullptr);
   EXPECT_EQ(aiv->text("brakingFor"), "P1");
   world->run_for(10s);
-  EXPECT_NEAR(vehicle(*world, 1).distance_m, is_stopped.distance_m, 1e-3) << "it stays as long as the person does";
+  EXPECT_NEAR(vehicle(*world, 1).distance_m, is_stopped.distance_m, 1e-3)
+      << "the vehicle stays stopped while the person is present";
 
   world->command_server(R"({"command":"remove","id":"P1"})");
   world->run_for(5s);
   EXPECT_GT(vehicle(*world, 1).distance_m, is_stopped.distance_m + 0.5);
 }
 
-TEST(Augmented, the_brakes_answer_within_50_ms_of_the_command) {
+TEST(Augmented, the_vehicle_brakes_within_50_ms_of_the_command) {
   const auto world = world_of(1);
   for (int i = 0; i < 20; ++i) {
     until_on_a_straight(*world);
@@ -96,7 +97,7 @@ TEST(Augmented, the_brakes_answer_within_50_ms_of_the_command) {
   EXPECT_LE(brakes->number("p99").value_or(1e9), 50.0);
 }
 
-TEST(Augmented, a_person_who_walks_across_holds_the_vehicle_only_while_in_its_way) {
+TEST(Augmented, a_person_who_walks_across_stops_the_vehicle_only_while_in_its_path) {
   const auto world = world_of(1);
   until_on_a_straight(*world);
   const Pose2 here = vehicle(*world, 1).X_MB;
@@ -119,14 +120,15 @@ TEST(Augmented, a_person_who_walks_across_holds_the_vehicle_only_while_in_its_wa
         distance(position(vehicle(*world, 1).X_MB), {walker.number("x").value(), walker.number("y").value()});
     EXPECT_GT(gap_m, 0.10) << "after " << i << " tenths of a second";
   }
-  EXPECT_NEAR(slowest_mps, 0.0, 1e-3) << "it let the person pass";
-  EXPECT_GT(vehicle(*world, 1).distance_m, before_m + 0.7) << "and went on behind";
+  EXPECT_NEAR(slowest_mps, 0.0, 1e-3) << "the vehicle stops for the person";
+  EXPECT_GT(vehicle(*world, 1).distance_m, before_m + 0.7) << "and drives on afterwards";
 }
 
-TEST(Augmented, a_virtual_AIV_put_before_a_physical_one_brakes_it_and_its_removal_lets_it_go) {
+TEST(Augmented, a_virtual_AIV_added_ahead_of_a_physical_one_brakes_it_until_its_removal) {
   const auto world = world_of(1);
-  world->command_server(R"({"command":"stop","vehicle":"CoSiVA.virtual/V1"})");  // nobody yet: refused, and no harm
-  // Behind a straight's last crossing, where a vehicle may stand; the next 0.35 m are still the same straight.
+  world->command_server(R"({"command":"stop","vehicle":"CoSiVA.virtual/V1"})");  // the vehicle does not exist yet: the
+                                                                                 // command is refused without effect
+  // Behind a straight's last crossing, where a vehicle may stop; the next 0.35 m are on the same straight.
   std::string section;
   double s_m = 0.0;
   for (int i = 0; i < 2400 && section.empty(); ++i) {
@@ -154,7 +156,7 @@ TEST(Augmented, a_virtual_AIV_put_before_a_physical_one_brakes_it_and_its_remova
   ASSERT_NE(v1, nullptr);
   EXPECT_TRUE(*v1->find("augmented")->flag());
   const double gap_m = distance(position(is_stopped.X_MB), {v1->number("x").value(), v1->number("y").value()});
-  EXPECT_GT(gap_m, 0.20) << "a vehicle's length between the middles";
+  EXPECT_GT(gap_m, 0.20) << "a vehicle's length between the body origins";
 
   world->command_server(R"({"command":"remove","id":"V1"})");
   world->run_for(8s);
@@ -163,10 +165,10 @@ TEST(Augmented, a_virtual_AIV_put_before_a_physical_one_brakes_it_and_its_remova
   const JsonValue metrics = bijection(*world);
   EXPECT_EQ(metrics.number("physical"), 1.0);
   EXPECT_EQ(metrics.number("virtual"), 1.0);
-  EXPECT_EQ(metrics.number("matched_ratio"), 1.0) << "what is only virtual has no vehicle and owes none";
+  EXPECT_EQ(metrics.number("matched_ratio"), 1.0) << "a virtual object has no vehicle and needs none";
 }
 
-TEST(Augmented, virtual_and_physical_AIVs_circulate_together_and_never_touch) {
+TEST(Augmented, virtual_and_physical_AIVs_circulate_together_without_contact) {
   const auto world = world_of(4);
   world->run_for(10s);
   for (const char* id : {"V1", "V2", "V3"}) {
@@ -190,16 +192,16 @@ TEST(Augmented, virtual_and_physical_AIVs_circulate_together_and_never_touch) {
     }
   }
   EXPECT_GT(nearest_m, 0.12) << "bodies are 0.20 m by 0.12 m";
-  for (const double furthest : furthest_m) EXPECT_GT(furthest, 1.5) << "each goes round";
+  for (const double furthest : furthest_m) EXPECT_GT(furthest, 1.5) << "each circulates";
   for (const auto& real : world->plant().vehicles()) EXPECT_GT(real.distance_m, 10.0);
   EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
   EXPECT_EQ(bijection(*world).number("augmented"), 3.0);
 }
 
-TEST(Augmented, a_physical_obstacle_appears_where_it_stands_and_vanishes_when_passed_and_not_seen) {
+TEST(Augmented, a_physical_obstacle_is_shown_at_its_position_and_vanishes_when_passed_and_not_detected) {
   const auto world = world_of(1);
   world->run_for(5s);
-  // In the middle of the south-eastern loop (centre (0.75, -0.75), radius 0.60).
+  // At the centre of the south-eastern loop's arc (centre (0.75, -0.75), radius 0.60).
   const Point2 box{1.1742640687, -1.1742640687};
   world->command_plant(R"({"addObstacle":{"id":"box","x":1.1742640687,"y":-1.1742640687,"radius":0.05}})");
   world->run_for(60s);
@@ -218,7 +220,7 @@ TEST(Augmented, a_physical_obstacle_appears_where_it_stands_and_vanishes_when_pa
   EXPECT_GE(metrics.find("effects")->find("shown_ms")->number("count"), 1.0);
 }
 
-TEST(Augmented, vehicles_that_see_each_other_make_no_obstacle_of_it) {
+TEST(Augmented, vehicles_that_detect_each_other_report_no_obstacle) {
   const auto world = world_of(8);
   for (int i = 0; i < 120; ++i) {
     world->run_for(500ms);
@@ -226,7 +228,7 @@ TEST(Augmented, vehicles_that_see_each_other_make_no_obstacle_of_it) {
   }
 }
 
-TEST(Augmented, all_of_it_is_there_again_after_the_server_was_killed) {
+TEST(Augmented, all_of_it_is_restored_after_the_server_was_killed) {
   const auto world = world_of(2);
   world->run_for(10s);
   world->command_server(R"({"command":"add","virtualObject":{"kind":"person","id":"P1","x":0.0,"y":0.9}})");
@@ -246,7 +248,7 @@ TEST(Augmented, all_of_it_is_there_again_after_the_server_was_killed) {
   EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
 }
 
-TEST(Augmented, a_tag_moved_on_the_page_moves_everywhere_and_rectifies_at_its_new_place) {
+TEST(Augmented, a_tag_moved_on_the_page_moves_everywhere_and_rectifies_at_its_new_position) {
   const auto world = world_of(1);
   world->run_for(10s);
   world->command_server(

@@ -1,5 +1,5 @@
-// Convoys over the whole platform: several of one way pass a crossing together. Where it pays, more get round; where it
-// does not, nothing changes; nobody starves for it and nobody touches anybody (A3, A10).
+// Convoys over the whole platform: several vehicles of the same direction pass a crossing together. Where convoys save
+// time, throughput increases; elsewhere nothing changes; no vehicle starves and no vehicles collide (A3, A10).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -24,13 +24,13 @@ std::unique_ptr<World> fleet_of(std::uint32_t aivs, std::uint64_t seed, bool con
   options.network.loss = loss;
   options.rules.kind = aiv::SpeedRules::Kind::fuzzy;
   options.server.convoys = convoys;
-  options.as_values = true;  // the same run, sooner over
+  options.as_values = true;  // the same run, in less time
   auto world = World::make(std::move(options));
   EXPECT_TRUE(world.has_value());
   return std::move(*world);
 }
 
-/// What the traces say of convoys: "convoy of 2 through X1 and X4, behind CoSiVA/AIV1", and to whom.
+/// The convoys in the traces: "convoy of 2 through X1 and X4, behind CoSiVA/AIV1", with the receiver.
 struct ConvoyTrace {
   std::string vehicle;
   std::string text;
@@ -72,19 +72,19 @@ Metrics measure(std::uint32_t aivs, bool convoys) {
   return metrics;
 }
 
-/// What it is with 4 to 20 AIVs stands in docs/guide/agents.md.
-TEST(ConvoysStatistics, bring_more_round_a_crowded_clover_and_starve_nobody) {
+/// Results for 4 to 20 AIVs are in docs/guide/agents.md.
+TEST(ConvoysStatistics, increase_throughput_of_a_crowded_clover_without_starvation) {
   const Metrics with = measure(12, true);
   const Metrics without = measure(12, false);
   std::printf("12 AIVs: %.0f laps an hour with, %.0f without; longest wait %.1f s and %.1f s\n", with.laps_per_h,
               without.laps_per_h, with.longest_wait_s, without.longest_wait_s);
   EXPECT_GT(with.laps_per_h, 1.08 * without.laps_per_h);
-  EXPECT_GT(with.slowest_m, without.slowest_m) << "not at somebody's expense";
-  EXPECT_LT(with.longest_wait_s, 10.0) << "nobody grows so old that he is overtaken by nobody";
+  EXPECT_GT(with.slowest_m, without.slowest_m) << "not at the expense of one vehicle";
+  EXPECT_LT(with.longest_wait_s, 10.0) << "no vehicle waits so long that no other may pass it";
 }
 
-/// Not the same to the last bit: with convoys whoever must wait for a third one anyway lets others by (CloverTurns).
-TEST(Convoys, cost_nothing_where_nobody_comes_close_behind) {
+/// Not equal to the last bit: with convoys a vehicle that must wait for a third one lets others pass (CloverTurns).
+TEST(Convoys, change_nothing_without_close_followers) {
   const Metrics with = measure(4, true);
   const Metrics without = measure(4, false);
   EXPECT_GE(with.laps_per_h, without.laps_per_h);
@@ -100,7 +100,7 @@ TEST(Convoys, are_explained_in_the_traces) {
                                                              "CoSiVA/AIV[0-9]+"));
 }
 
-TEST(Convoys, stand_behind_one_that_is_stopped_in_the_crossing_and_go_on_with_it) {
+TEST(Convoys, wait_behind_a_vehicle_stopped_in_the_crossing_and_continue_with_it) {
   const auto world = fleet_of(12, 1, true);
   int stopped = 0;
   for (int i = 0; i < 600 && stopped < 5; ++i) {
@@ -123,7 +123,7 @@ TEST(Convoys, stand_behind_one_that_is_stopped_in_the_crossing_and_go_on_with_it
   for (const auto& v : world->plant().vehicles()) EXPECT_GT(v.distance_m, before_m[v.number - 1] + 3.0) << v.number;
 }
 
-TEST(Convoys, touch_nobody_among_persons_stops_and_lost_messages) {
+TEST(Convoys, cause_no_collision_among_persons_stops_and_lost_messages) {
   for (const std::uint64_t seed : {1U, 2U}) {
     const auto world = fleet_of(12, seed, true, "lacet4", 0.05);
     testing::Disturbance disturbance{*world, testing::zone_named("lacet4"), seed};
@@ -136,7 +136,7 @@ TEST(Convoys, touch_nobody_among_persons_stops_and_lost_messages) {
   }
 }
 
-TEST(Convoys, of_physical_and_virtual_AIVs_mixed_touch_nobody) {
+TEST(Convoys, of_physical_and_virtual_AIVs_cause_no_collision) {
   const auto world = fleet_of(8, 3, true);
   world->run_for(5s);
   for (int i = 1; i <= 4; ++i) {
@@ -149,7 +149,7 @@ TEST(Convoys, of_physical_and_virtual_AIVs_mixed_touch_nobody) {
   for (const ConvoyTrace& one : reported) {
     if (one.vehicle.starts_with("CoSiVA.virtual")) continue;
     EXPECT_THAT(one.text, ::testing::Not(::testing::HasSubstr("CoSiVA.virtual")))
-        << one.vehicle << " has no eyes for it";
+        << one.vehicle << " does not detect its leader";
   }
   EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
 }

@@ -1,4 +1,4 @@
-// Everybody in one slower cycle: another run than at the live platform's pace, and as safe.
+// All components in one common, slower cycle: another run than at the live platform's rate, and as safe.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ double driven_m(const World& world) {
   return sum_m;
 }
 
-/// How far a fleet drives in such a cycle, beside how far at the live pace.
+/// The distance that a fleet drives in such a cycle, compared with that at the live rate.
 double ratio_driven(std::uint32_t aivs, SimDuration cycle) {
   const auto live = world_with(fleet(aivs, std::nullopt));
   const auto slow = world_with(fleet(aivs, cycle));
@@ -44,17 +44,17 @@ double ratio_driven(std::uint32_t aivs, SimDuration cycle) {
   return driven_m(*slow) / driven_m(*live);
 }
 
-TEST(Cycle, at_ten_hertz_a_fleet_with_room_drives_as_far_as_at_the_live_pace) {
+TEST(Cycle, at_ten_hertz_a_sparse_fleet_drives_as_far_as_at_the_live_rate) {
   EXPECT_NEAR(ratio_driven(4, 100ms), 1.0, 0.005);
 }
 
-/// Where crossings are never free for long, every tenth of a second until somebody is heard to have left one counts.
-TEST(CycleStatistics, at_ten_hertz_a_crowded_fleet_loses_some_of_its_way_and_at_twenty_next_to_none) {
+/// Where crossings are rarely free, every tenth of a second until a vehicle is known to have left one matters.
+TEST(CycleStatistics, at_ten_hertz_a_crowded_fleet_loses_some_distance_and_at_twenty_almost_none) {
   EXPECT_NEAR(ratio_driven(12, 100ms), 0.94, 0.04);
   EXPECT_NEAR(ratio_driven(12, 50ms), 1.0, 0.04);
 }
 
-TEST(Cycle, at_ten_hertz_nobody_is_touched_among_persons_stops_and_lost_messages) {
+TEST(Cycle, at_ten_hertz_there_is_no_collision_among_persons_stops_and_lost_messages) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     WorldOptions options = fleet(12, 100ms, seed);
     options.network.loss = 0.05;
@@ -71,7 +71,7 @@ TEST(Cycle, at_ten_hertz_nobody_is_touched_among_persons_stops_and_lost_messages
   }
 }
 
-TEST(Cycle, at_ten_hertz_who_dies_is_hit_by_nobody_and_rejoins) {
+TEST(Cycle, at_ten_hertz_a_dead_vehicle_is_not_hit_and_rejoins) {
   const auto world = world_with(fleet(6, 100ms));
   world->run_for(20s);
   world->kill_aiv(2);
@@ -87,7 +87,7 @@ TEST(Cycle, at_ten_hertz_who_dies_is_hit_by_nobody_and_rejoins) {
   EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
 }
 
-TEST(Cycle, gives_the_same_digest_for_the_same_seed_and_another_for_another) {
+TEST(Cycle, gives_equal_digests_for_equal_seeds_only) {
   const auto run = [](std::uint64_t seed) {
     const auto world = world_with(fleet(4, 100ms, seed));
     world->run_for(20s);
@@ -97,7 +97,7 @@ TEST(Cycle, gives_the_same_digest_for_the_same_seed_and_another_for_another) {
   EXPECT_NE(run(7), run(8));
 }
 
-TEST(Cycle, of_more_than_a_tenth_of_a_second_is_refused_and_so_is_one_faster_than_the_boards) {
+TEST(Cycle, of_more_than_a_tenth_of_a_second_or_faster_than_the_boards_is_refused) {
   for (const SimDuration cycle : {SimDuration{101ms}, SimDuration{19ms}, SimDuration{}}) {
     const auto world = World::make(fleet(2, cycle));
     ASSERT_FALSE(world);

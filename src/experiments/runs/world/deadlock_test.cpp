@@ -1,4 +1,5 @@
-// Traffic that never deadlocks silently, in virtual time: with the vehicles' own program, their eyes, and a lossy link.
+// Traffic without unreported deadlocks, in virtual time: with the vehicles' own program, their obstacle sensors, and a
+// lossy link.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,14 +17,14 @@ using testing::zone_named;
 
 class Unquiet : public ::testing::TestWithParam<std::tuple<const char*, std::uint64_t>> {};
 
-TEST_P(Unquiet, area_has_no_collision_and_no_deadlock_that_stays) {
+TEST_P(Unquiet, area_has_no_collision_and_no_persistent_deadlock) {
   const auto& [name, seed] = GetParam();
   WorldOptions options;
   options.zone = zone_named(name);
   options.aivs = 12;
   options.seed = seed;
   options.network.loss = 0.05;
-  options.as_values = true;  // the same run, sooner over
+  options.as_values = true;  // the same run, in less time
   const auto world = World::make(options);
   ASSERT_TRUE(world);
   Disturbance disturbance{**world, options.zone, seed};

@@ -6,7 +6,7 @@
 
 namespace cosiva::experiments {
 
-/// Whether at least so many physical vehicles are there and have their twins: from then on a scenario counts its time.
+/// Whether at least this number of physical vehicles is present with twins: a scenario's time starts then.
 [[nodiscard]] bool fleet_is_complete(const virtual_side::ServerCore& server, std::uint32_t aivs);
 
 }  // namespace cosiva::experiments

@@ -1,7 +1,7 @@
 #pragma once
 
-// What goes wrong in a control area all day, from a seed: vehicles are stopped and let go, persons step in, some of
-// them only virtual. For tests and long runs.
+// Disturbances of a control area during a day, from a seed: vehicles are stopped and restarted, persons step in, some
+// of them only virtual. For tests and long runs.
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ namespace cosiva::experiments::testing {
 
 class Disturbance {
  public:
-  /// How often a second something begins, and how long it lasts [s].
+  /// How often per second a disturbance begins, and its duration [s].
   struct Rates {
     double stop{0.03};
     double person{0.08};
@@ -33,7 +33,7 @@ class Disturbance {
   Disturbance(World& world, const zone::ZoneConfiguration& zone, std::uint64_t seed, Rates rates)
       : world_{world}, zone_{zone::Rtm::initialise(zone)->shared_zone()}, random_{seed, "unrest"}, rates_{rates} {}
 
-  /// One second of the world, and what begins and ends in it.
+  /// Runs one second of the world, with the disturbances that begin and end in it.
   void second() {
     end_what_is_due();
     if (random_.chance(rates_.stop)) stop_a_vehicle();
@@ -41,7 +41,7 @@ class Disturbance {
     if (random_.chance(rates_.virtual_person)) step_in(true);
     world_.run_for(std::chrono::seconds{1});
   }
-  /// Everybody goes on, everything is taken away.
+  /// Restarts all vehicles and removes all objects.
   void end() {
     for (const Trouble& trouble : troubles_) world_.command_server(trouble.end);
     troubles_.clear();
@@ -71,7 +71,7 @@ class Disturbance {
     begin(R"({"command":"stop","vehicle":)" + name, R"({"command":"restart","vehicle":)" + name);
   }
 
-  /// On somebody's way, where he is seen and does not walk against anybody.
+  /// Adds a person on a vehicle's path, where the person is detected and does not walk into a vehicle.
   void step_in(bool only_virtual) {
     const auto vehicles = world_.plant().vehicles();
     const auto& before = vehicles[random_.below(vehicles.size())];
@@ -95,7 +95,7 @@ class Disturbance {
                                     : R"({"command":"plant","plant":{"removeObstacle":")" + id + "\"}}");
   }
 
-  /// In a tight bend the beams look past whoever stands in it; nobody steps in there.
+  /// In a tight bend the beams miss a person in the bend; no person steps in there.
   [[nodiscard]] bool is_detected_from_far(zone::TrackPosition track_position) const {
     constexpr double straight_m = 0.45;
     constexpr double straight_per_m = 0.5;
@@ -114,7 +114,7 @@ class Disturbance {
   std::uint64_t persons_{0};
 };
 
-/// The server's figures of its deadlocks.
+/// The server's metrics of its deadlocks.
 struct DeadlockMetrics {
   double cycles{};
   double detected{};

@@ -18,7 +18,7 @@ inline zone::ZoneConfiguration zone_named(const std::string& name) {
   return zone::testing::configuration_file(name + ".toml");
 }
 
-/// A fleet on lacet4. @param loss  share of messages lost
+/// A fleet on lacet4. @param loss  ratio of lost messages
 inline std::unique_ptr<World> world_of(std::uint32_t aivs, std::uint64_t seed = 1, double loss = 0.0) {
   WorldOptions options;
   options.zone = zone_named("lacet4");

@@ -1,4 +1,5 @@
-// V2X over the whole platform: it may be lost, late, doubled or a lie, and nobody ever touches anybody (A3, A9, A10).
+// V2X over the whole platform: messages may be lost, late, duplicated or false, and vehicles never collide (A3, A9,
+// A10).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -43,7 +44,7 @@ double total_distance_m(const World& world) {
   return sum;
 }
 
-/// So many intents that others near could hear were published.
+/// The number of published intents that vehicles nearby could receive.
 struct V2xRun {
   std::size_t published{0};
   explicit V2xRun(World& world) {
@@ -57,7 +58,7 @@ void expect_no_contact(const World& world, std::string_view when) {
   EXPECT_THAT(world.plant().collisions(), ::testing::IsEmpty()) << when;
 }
 
-TEST(V2x, lost_in_part_or_whole_ends_in_no_collision_and_everybody_goes_on) {
+TEST(V2x, lost_in_part_or_completely_causes_no_collision_and_all_vehicles_continue) {
   for (const auto rules : {aiv::SpeedRules::Kind::crisp, aiv::SpeedRules::Kind::fuzzy}) {
     for (const double loss : {0.0, 0.05, 0.3, 1.0}) {
       const auto world = world_of({.seed = 3, .v2x_loss = loss, .rules = rules});
@@ -68,7 +69,7 @@ TEST(V2x, lost_in_part_or_whole_ends_in_no_collision_and_everybody_goes_on) {
   }
 }
 
-TEST(V2x, late_doubled_and_out_of_order_ends_in_no_collision) {
+TEST(V2x, late_duplicated_and_reordered_causes_no_collision) {
   wire::NetworkFaults network;
   network.loss = 0.1;
   network.duplication = 0.2;
@@ -88,10 +89,10 @@ TEST(V2x, gives_the_same_digest_for_the_same_seed) {
   };
   const std::string first = run(7, 0.3);
   EXPECT_EQ(run(7, 0.3), first);
-  EXPECT_NE(run(7, 0.0), first) << "what is said is part of it";
+  EXPECT_NE(run(7, 0.0), first) << "V2X messages are part of the digest";
 }
 
-TEST(V2x, goes_on_without_the_server_and_needs_no_broker_to_be_safe) {
+TEST(V2x, continues_without_the_server_and_needs_no_broker_to_be_safe) {
   const auto world = world_of({.seed = 2});
   V2xRun v2x_run{*world};
   world->run_for(20s);
@@ -99,7 +100,7 @@ TEST(V2x, goes_on_without_the_server_and_needs_no_broker_to_be_safe) {
   world->run_for(2s);
   const std::size_t before = v2x_run.published;
   world->run_for(5s);
-  EXPECT_GT(v2x_run.published, before + 8 * 5) << "they stand and still say where";
+  EXPECT_GT(v2x_run.published, before + 8 * 5) << "stopped vehicles still send their position";
   for (std::uint32_t number = 1; number <= 8; ++number) {
     const std::string radio = R"({"vehicle":"CoSiVA/AIV)" + std::to_string(number) + R"(","loss":1})";
     world->publish({std::string(wire::plant_radio_topic), radio, 1, false});
@@ -114,7 +115,7 @@ TEST(V2x, goes_on_without_the_server_and_needs_no_broker_to_be_safe) {
   expect_no_contact(*world, "with everything back");
 }
 
-TEST(V2x, of_a_liar_endangers_nobody_and_stops_nobody_for_good) {
+TEST(V2x, of_a_liar_endangers_no_vehicle_and_stops_none_for_good) {
   const auto world = world_of({.seed = 4});
   std::uint32_t id = 0;
   for (int i = 0; i < 600; ++i) {
@@ -136,11 +137,11 @@ TEST(V2x, of_a_liar_endangers_nobody_and_stops_nobody_for_good) {
     world->publish({"cosiva/v1/v2x/lacet4/0_0/CoSiVA/AIV3", "{\"headerId\":NaN", 0, false});
     world->run_for(100ms);
   }
-  expect_no_contact(*world, "among lies");
+  expect_no_contact(*world, "with false messages");
   for (const auto& v : world->plant().vehicles()) EXPECT_GT(v.distance_m, 5.0) << "AIV" << v.number;
 }
 
-TEST(V2x, reaches_virtual_AIVs_too) {
+TEST(V2x, reaches_virtual_AIVs) {
   const auto world = world_of({.aivs = 2});
   std::size_t published = 0;
   world->tap([&](SimTime, const std::string&, const wire::Publish& publish) {
@@ -150,10 +151,10 @@ TEST(V2x, reaches_virtual_AIVs_too) {
   world->run_for(10s);
   world->command_server(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V1"}})");
   world->run_for(10s);
-  EXPECT_GT(published, 15U) << "it hears the others, so it speaks more than once a second";
+  EXPECT_GT(published, 15U) << "a vehicle that receives others sends more than once per second";
 }
 
-TEST(V2x, switched_off_is_silent_and_everybody_drives_on) {
+TEST(V2x, switched_off_sends_nothing_and_all_vehicles_drive_on) {
   WorldOptions options;
   options.zone = testing::zone_named("lacet4");
   options.aivs = 4;
@@ -163,11 +164,11 @@ TEST(V2x, switched_off_is_silent_and_everybody_drives_on) {
   world->command_server(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V1"}})");
   world->run_for(40s);
   EXPECT_EQ(v2x_run.published, 0U);
-  expect_no_contact(*world, "in silence");
+  expect_no_contact(*world, "without V2X messages");
   for (const auto& v : world->plant().vehicles()) EXPECT_GT(v.distance_m, 5.0) << "AIV" << v.number;
 }
 
-/// Over five seeds; what it is with 4, 8 and 12 AIVs stands in docs/guide/agents.md.
+/// Over five seeds; results for 4, 8 and 12 AIVs are in docs/guide/agents.md.
 TEST(V2xStatistics, costs_no_throughput) {
   for (const auto rules : {aiv::SpeedRules::Kind::crisp, aiv::SpeedRules::Kind::fuzzy}) {
     double with_m = 0.0;

@@ -21,21 +21,22 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-/// How long bytes take between the on-board program and a board: a frame of 20 bytes at 115 200 Bd and its handling.
+/// Transmission time of bytes between the on-board program and a board: a frame of 20 bytes at 115 200 Bd and its
+/// handling.
 constexpr SimDuration stream_delay = milliseconds{2};
 
-/// How often it is asked whether the fleet is complete, for a scenario to begin.
+/// Period of the check whether the fleet is complete, for a scenario to begin.
 constexpr SimDuration check_period = milliseconds{100};
 
-/// In a common cycle: when the boards have been heard, a vehicle after another decides; when they have been heard, the
-/// server does.
+/// In a common cycle: after the boards' reports the vehicles decide one after another; after the vehicles' messages the
+/// server decides.
 constexpr SimDuration vehicles_after = milliseconds{3};
 constexpr SimDuration vehicles_within = milliseconds{2};
 constexpr SimDuration server_after = milliseconds{9};
 constexpr SimDuration cycle_min = milliseconds{20};
 constexpr SimDuration cycle_max = milliseconds{100};
 
-/// Which vehicle a port belongs to: "12/PILS" is 12's.
+/// The vehicle that a port belongs to: "12/PILS" belongs to 12.
 std::uint32_t vehicle_of(std::string_view port) {
   std::uint32_t number = 0;
   std::from_chars(port.data(), port.data() + port.size(), number);
@@ -44,16 +45,17 @@ std::uint32_t vehicle_of(std::string_view port) {
 
 }  // namespace
 
-/// One core, its place on the network and its timer.
+/// One core, with its network client and its timer.
 struct Actor {
   std::string name;
   std::unique_ptr<wire::Core> core;
   std::unique_ptr<wire::CoreRunner> runner;
   wire::Network::ClientId client{};
-  std::uint32_t generation{0};  ///< grows with each start, so that a dead one's timers are not the next one's
+  std::uint32_t generation{
+      0};  ///< incremented at each start, so that timers of a dead core do not affect its successor
   SimDuration tick_offset{};
   std::string persisted;
-  double radio_loss{0.0};  ///< of the ether around it, whichever process is on
+  double radio_loss{0.0};  ///< of the ether around the vehicle, whichever process is running
   bool alive{false};
 };
 
@@ -85,17 +87,17 @@ struct World::Impl {
   std::vector<zone::TrackPosition> start_positions;
   std::vector<std::string> section_names;
   std::priority_queue<Tick, std::vector<Tick>, std::greater<>> ticks;
-  std::deque<Bytes> streams;  ///< one delay for all, so first in is first out
+  std::deque<Bytes> streams;  ///< the delay is constant, so the order is first in, first out
   std::vector<wire::Network::Delivery> due;
   wire::Network::ClientId unknown_sender{};
   std::uint64_t sequence{0};
-  Digest finished;  ///< what cores did that were killed since
+  Digest finished;  ///< of cores that were killed
   World::Tap tap;
   std::vector<std::string> log;
   std::optional<ScenarioPlayer> player;
   std::optional<SimTime> scenario_began;
   bool fleet_whole{false};  ///< since the server came up
-  SimTime next_check{};     ///< at the fleet, or for the next step
+  SimTime next_check{};     ///< next check of the fleet, or the next step
   World::OnStep on_step;
 
   explicit Impl(WorldOptions o) : options{std::move(o)}, network{options.seed, options.network} {}
@@ -156,7 +158,7 @@ struct World::Impl {
     feed(id, wire::InputKind::link, "broker", "up");
   }
 
-  /// Whoever comes later falls in with the others' cycle.
+  /// A core that starts later joins the common cycle.
   [[nodiscard]] SimTime first_tick(const Actor& actor) const {
     const SimDuration period = actor.core->tick_period();
     const SimDuration since = options.cycle ? (now - virtual_epoch) % period : SimDuration::zero();
@@ -167,7 +169,7 @@ struct World::Impl {
     Actor& actor = actors[id];
     if (!actor.alive) return;
     if (id >= first_aiv_id && options.as_values) {
-      // Nobody wrote it down ten times a second; what it would have been is read from the dead.
+      // The state was not written ten times per second; it is read from the dead core instead.
       std::string persisted = static_cast<const aiv::OnboardCore&>(*actor.core).persisted_bytes();
       if (!persisted.empty()) actor.persisted = std::move(persisted);
     }
@@ -177,7 +179,7 @@ struct World::Impl {
     if (id >= first_aiv_id) notify_ports(id, plant_id, "down");
   }
 
-  /// Tells `to` that the byte streams of an AIV's boards came or went.
+  /// Informs `to` that the byte streams of an AIV's boards appeared or disappeared.
   void notify_ports(ActorId aiv, ActorId to, const char* what) {
     const auto number = static_cast<std::uint32_t>(aiv - first_aiv_id + 1);
     for (const wire::Board board : wire::all_boards) {
@@ -283,7 +285,7 @@ Result<std::unique_ptr<World>> World::make(WorldOptions options) {
   if (!rtm) return tl::unexpected(rtm.error());
   if (options.cycle && (*options.cycle < cycle_min || *options.cycle > cycle_max))
     return fail("world.cycle",
-                "everybody's cycle is from 20 to 100 ms, not " + std::to_string(to_seconds(*options.cycle)) + " s");
+                "the common cycle must be from 20 to 100 ms, not " + std::to_string(to_seconds(*options.cycle)) + " s");
   physical::PlantOptions plant_options;
   plant_options.zone = options.zone;
   plant_options.vehicles = options.aivs;
@@ -310,7 +312,7 @@ Result<std::unique_ptr<World>> World::make(WorldOptions options) {
   for (std::uint32_t number = 1; number <= inside.options.aivs; ++number) {
     Actor& actor = inside.actors[Impl::first_aiv_id + number - 1];
     actor.name = "AIV" + std::to_string(number);
-    // Vehicles power up one after another; their timers never beat in step.
+    // Vehicles are switched on one after another; their timers are never in phase.
     actor.tick_offset = microseconds{1300} * number % milliseconds{20};
     if (inside.options.cycle) actor.tick_offset = vehicles_after + microseconds{130} * number % vehicles_within;
   }

@@ -23,20 +23,21 @@ struct WorldOptions {
   zone::ZoneConfiguration zone;
   std::uint32_t aivs{4};
   std::uint64_t seed{1};
-  wire::NetworkFaults network;  ///< what vehicles say to each other goes aside, unless another prefix is given
+  wire::NetworkFaults network;  ///< V2X messages bypass the broker, unless another prefix is given
   physical::PlantNoise noise;
-  aiv::SpeedRules rules;  ///< of the AIVs that are not only virtual; those have the server's
+  aiv::SpeedRules rules;  ///< of the physical AIVs; virtual AIVs have the server's
   bool v2x{true};         ///< likewise
   virtual_side::ServerOptions server;
-  /// Orders and what vehicles say often are passed on as values, and nobody writes or reads their texts
-  /// (wire/in_process/typed_message.h): the same run, to the last bit of everybody's state, in three fifths of the
-  /// time. A tap sees such messages without their text.
+  /// Orders and frequent messages of vehicles are passed on as values, without writing or reading texts
+  /// (wire/in_process/typed_message.h): the same run, to the last bit of all estimates, in three fifths of the time. A
+  /// tap receives such messages without their text.
   bool as_values{false};
-  /// Everybody acts once in so long: the plant and its boards, then the vehicles, then the server, one after another
-  /// within a hundredth of a second. Nothing: each at its own pace, as the live platform does (10 and 20 ms), and out
-  /// of step. From 20 to 100 ms (checked): boards and drives wait no longer for each other.
+  /// The common period of all components: the plant and its boards, then the vehicles, then the server, one after
+  /// another within a hundredth of a second. Nothing: each component has its own period, as on the live platform (10
+  /// and 20 ms), and they are out of phase. From 20 to 100 ms (checked): with longer periods boards and drives time
+  /// out.
   std::optional<SimDuration> cycle{};
-  bool ground_truth{true};  ///< the plant tells instruments the true poses, ten times a second
+  bool ground_truth{true};  ///< the plant publishes the ground truth for instruments, ten times per second
 };
 
 class World {
@@ -48,27 +49,27 @@ class World {
   void run_for(SimDuration duration);
   [[nodiscard]] SimTime now() const;
 
-  /// A person's command to the server or the plant, as Input::command.
+  /// Gives an operator's command to the server or the plant, as Input::command.
   void command_server(std::string json);
   void command_plant(std::string json);
   /// Plays a scenario from the moment the fleet is complete (each AIV with its one twin), step by step at their times,
-  /// whatever pieces the run is cut into; one played before is forgotten. Steps due while the server is down are played
-  /// once it is up and the fleet is complete again.
+  /// independent of how the run is divided; a scenario played before is discarded. Steps due while the server is down
+  /// are played once the server is up and the fleet is complete again.
   void play(const Scenario& scenario);
   /// When the fleet was complete and the scenario began.
   [[nodiscard]] std::optional<SimTime> scenario_began() const;
-  [[nodiscard]] bool scenario_done() const;  ///< true as well when there is none
-  /// Told of each step when it is played.
+  [[nodiscard]] bool scenario_done() const;  ///< true without a scenario as well
+  /// Sets a handler that is called with each step when it is played.
   using OnStep = std::function<void(SimTime, const Scenario::Step&)>;
   void on_step(OnStep action);
-  /// A message from a stranger on the same broker.
+  /// Publishes a message from an unknown sender on the same broker.
   void publish(const wire::Publish& message);
-  /// Processes that die and come back: kill breaks its connections at once, nothing is said goodbye.
+  /// Processes that die and are restarted: kill breaks the core's connections at once, without a disconnect message.
   void kill_aiv(std::uint32_t number);
   void start_aiv(std::uint32_t number);
   void kill_server();
   void start_server();
-  /// Sees every message as it is published (time, from, message).
+  /// Sets a handler of every message as it is published (time, from, message).
   using Tap = std::function<void(SimTime, const std::string& from, const wire::Publish&)>;
   void tap(Tap tap);
 
@@ -78,9 +79,9 @@ class World {
   [[nodiscard]] const wire::Network& network() const;
   /// Warnings and errors that the cores logged, with time and name; at most 10 000.
   [[nodiscard]] const std::vector<std::string>& log() const;
-  /// Folds every core's digest.
+  /// Combines every core's digest.
   [[nodiscard]] Digest digest() const;
-  /// Folds what those alive believe now, without what they said on the way there.
+  /// Combines the present estimates of all running cores, without their previous messages.
   [[nodiscard]] Digest estimates() const;
 
  private:

@@ -1,4 +1,5 @@
-// Scenarios played over the whole platform in virtual time: what the shipped ones promise, and when steps come.
+// Scenarios played over the whole platform in virtual time: the promises of the shipped scenarios, and the times of
+// steps.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <fstream>
@@ -33,7 +34,7 @@ Scenario scenario_of(const std::string& text, const std::string& origin = "test.
   return scenario ? std::move(*scenario) : Scenario{};
 }
 
-/// A world that plays a scenario, and notes each step with its time since the beginning.
+/// A world that plays a scenario, and records each step with its time since the beginning.
 struct Stage {
   explicit Stage(const Scenario& s) : scenario{s} {
     WorldOptions options;
@@ -55,7 +56,7 @@ struct Stage {
     });
   }
   [[nodiscard]] JsonValue snapshot() const { return *JsonValue::parse(world->server().snapshot_json()); }
-  /// Where each AIV is, virtual ones too, by id.
+  /// The position of each AIV, including virtual ones, by id.
   [[nodiscard]] std::map<std::string, Point2> positions() const {
     std::map<std::string, Point2> all;
     const JsonValue shown = snapshot();
@@ -75,10 +76,11 @@ struct Stage {
   std::unique_ptr<World> world;
   std::vector<std::string> played;
   std::vector<SimDuration> times;
-  std::multiset<std::string> braked_for;  ///< what is only virtual, each time that a vehicle said so
+  std::multiset<std::string> braked_for;  ///< virtual objects that vehicles reported braking for
 };
 
-/// Plays a shipped scenario for its length; at the end everybody drove, nobody was hit, nothing was refused.
+/// Plays a shipped scenario for its length; at the end all vehicles have moved, without collisions and refused
+/// commands.
 std::unique_ptr<Stage> play_shipped(const std::string& name, SimDuration length) {
   auto stage = std::make_unique<Stage>(scenario_of(file_text("scenarios/" + name + ".toml"), name + ".toml"));
   stage->world->run_for(length - 30s);
@@ -93,7 +95,7 @@ std::unique_ptr<Stage> play_shipped(const std::string& name, SimDuration length)
   EXPECT_EQ(stage->played.size(), stage->scenario.steps.size());
   EXPECT_THAT(stage->refused(), IsEmpty());
   EXPECT_THAT(stage->world->plant().collisions(), IsEmpty());
-  for (const auto& [id, metres] : moved_m) EXPECT_GT(metres, 0.5) << id << " does not move any more";
+  for (const auto& [id, metres] : moved_m) EXPECT_GT(metres, 0.5) << id << " stopped moving";
   return stage;
 }
 
@@ -103,20 +105,20 @@ JsonValue metrics_of(const World& world) {
   return *JsonValue::parse(json.text());
 }
 
-TEST(WorldScenario, showroom_runs_pleasantly_and_people_who_are_not_there_are_braked_for) {
+TEST(WorldScenario, showroom_runs_without_incidents_and_vehicles_brake_for_virtual_persons) {
   const auto stage = play_shipped("showroom", 120s);
   EXPECT_EQ(stage->positions().size(), 5U) << "four AIVs and a virtual one";
   for (const char* person : {"P1", "P2"}) EXPECT_GE(stage->braked_for.count(person), 3U) << person;
   for (const auto& vehicle : stage->world->plant().vehicles()) EXPECT_GE(vehicle.laps, 1U) << "AIV" << vehicle.number;
 }
 
-TEST(WorldScenario, laboratory_shows_the_obstacle_while_it_is_there_and_its_radio_recovers) {
+TEST(WorldScenario, laboratory_shows_the_obstacle_while_present_and_its_radio_recovers) {
   const Scenario scenario = scenario_of(file_text("scenarios/laboratory.toml"));
   {
     Stage stage{scenario};
     stage.world->run_for(39s);
     const JsonValue shown = stage.snapshot();
-    ASSERT_EQ(shown.find("obstacles")->array()->size(), 1U) << "the box has been met by now";
+    ASSERT_EQ(shown.find("obstacles")->array()->size(), 1U) << "the box has been detected by now";
     const JsonValue& box = shown.find("obstacles")->array()->at(0);
     EXPECT_LT(distance(Point2{*box.number("x"), *box.number("y")}, Point2{-1.068, 1.259}), 0.1);
   }
@@ -126,20 +128,20 @@ TEST(WorldScenario, laboratory_shows_the_obstacle_while_it_is_there_and_its_radi
   EXPECT_EQ(metrics_of(*stage->world).number("matched"), 4.0);
 }
 
-TEST(WorldScenario, rush_hour_flows_again_after_everything_was_stopped) {
+TEST(WorldScenario, rush_hour_flows_again_after_all_vehicles_were_stopped) {
   const auto stage = play_shipped("rush_hour", 183s);
   EXPECT_EQ(stage->positions().size(), 11U);
-  EXPECT_THAT(*stage->snapshot().find("virtualObjects")->array(), IsEmpty()) << "everybody went home";
+  EXPECT_THAT(*stage->snapshot().find("virtualObjects")->array(), IsEmpty()) << "all virtual objects have been removed";
 }
 
-// --- when steps come
+// --- times of steps
 // --------------------------------------------------------------------------------------------------
 
 const std::string three_steps =
     "name = \"t\"\naivs = 1\n[[at]]\nt_s = 0\ncommand = \"slow\"\nvehicle = \"*\"\n[[at]]\nt_s = 1.234\ncommand = "
     "\"medium\"\nvehicle = \"*\"\n[[at]]\nt_s = 3\ncommand = \"fast\"\nvehicle = \"*\"\n";
 
-TEST(WorldScenario, steps_come_to_the_nanosecond_however_the_run_is_cut) {
+TEST(WorldScenario, steps_are_played_to_the_nanosecond_however_the_run_is_divided) {
   std::vector<std::string> digests;
   for (const auto piece : {10ms, 333ms, 10'000ms}) {
     Stage stage{scenario_of(three_steps)};
@@ -163,7 +165,7 @@ TEST(WorldScenario, begins_only_when_the_fleet_is_complete) {
   EXPECT_EQ(stage.played.size(), 3U);
 }
 
-TEST(WorldScenario, steps_that_fall_into_the_server_s_absence_come_when_it_is_back) {
+TEST(WorldScenario, steps_due_while_the_server_is_down_are_played_when_it_is_back) {
   Stage stage{scenario_of(three_steps)};
   while (!stage.world->scenario_began()) stage.world->run_for(100ms);
   stage.world->run_for(2s);
@@ -173,11 +175,11 @@ TEST(WorldScenario, steps_that_fall_into_the_server_s_absence_come_when_it_is_ba
   EXPECT_EQ(stage.played.size(), 2U);
   stage.world->start_server();
   stage.world->run_for(5s);
-  EXPECT_EQ(stage.played.size(), 3U) << "and those played before are not played again";
+  EXPECT_EQ(stage.played.size(), 3U) << "earlier steps are not repeated";
   EXPECT_GT(stage.times.back(), 7s);
 }
 
-TEST(WorldScenario, a_run_without_one_has_nothing_to_wait_for) {
+TEST(WorldScenario, a_run_without_a_scenario_does_not_wait) {
   Stage stage{scenario_of("name = \"t\"\naivs = 1\n")};
   stage.world->run_for(3s);
   EXPECT_TRUE(stage.world->scenario_done());
@@ -187,7 +189,7 @@ TEST(WorldScenario, a_run_without_one_has_nothing_to_wait_for) {
 // --- the ether
 // --------------------------------------------------------------------------------------------------------
 
-TEST(WorldRadio, a_vehicle_whose_radio_loses_everything_stops_and_goes_on_when_it_is_back) {
+TEST(WorldRadio, a_vehicle_with_complete_message_loss_stops_and_continues_afterwards) {
   Stage stage{
       scenario_of("name = \"t\"\naivs = 1\n[[at]]\nt_s = 8\nradio = { vehicle = \"AIV1\", loss = 1, for_s = 4 }\n")};
   while (!stage.world->scenario_began()) stage.world->run_for(100ms);
@@ -211,7 +213,7 @@ TEST(WorldRadio, the_ether_around_a_vehicle_outlives_its_program) {
   EXPECT_TRUE(*stage.snapshot().find("aivs")->array()->at(0).find("lost")->flag());
 }
 
-TEST(WorldRadio, what_unknown_senders_say_about_the_ether_counts_and_nonsense_does_not) {
+TEST(WorldRadio, messages_of_unknown_senders_about_the_ether_are_used_unless_invalid) {
   Stage stage{scenario_of("name = \"t\"\naivs = 1\n")};
   stage.world->run_for(3s);
   stage.world->publish({"cosiva/v1/plant/radio", "nonsense", 0, false});

@@ -31,7 +31,7 @@ double total_distance_m(const World& world) {
   return sum;
 }
 
-TEST(World, four_AIVs_circulate_each_with_its_twin_and_none_collides) {
+TEST(World, four_AIVs_circulate_each_with_its_twin_without_collision) {
   const auto world = world_of(4);
   world->run_for(120s);
 
@@ -48,7 +48,7 @@ TEST(World, four_AIVs_circulate_each_with_its_twin_and_none_collides) {
   EXPECT_LE(number_at(metrics, "age_ms", "p99"), 150.0);
 }
 
-TEST(World, gives_the_same_digest_for_the_same_seed_and_another_for_another) {
+TEST(World, gives_equal_digests_for_equal_seeds_only) {
   const auto run = [](std::uint64_t seed) {
     const auto world = world_of(4, seed, 0.02);
     world->run_for(30s);
@@ -59,11 +59,11 @@ TEST(World, gives_the_same_digest_for_the_same_seed_and_another_for_another) {
   EXPECT_NE(run(8), first);
 }
 
-TEST(World, a_stop_given_virtually_stops_the_physical_vehicle_and_restart_lets_it_go) {
+TEST(World, a_stop_command_stops_the_physical_vehicle_until_restart) {
   const auto world = world_of(4);
   world->run_for(10s);
   for (int i = 0; i < 200 && vehicle(*world, 2).speed_mps < 0.2; ++i) world->run_for(100ms);
-  ASSERT_GT(vehicle(*world, 2).speed_mps, 0.1) << "it waits at a crossing for ever";
+  ASSERT_GT(vehicle(*world, 2).speed_mps, 0.1) << "the vehicle waits at a crossing for ever";
 
   world->command_server(R"({"id":"c1","command":"stop","vehicle":"CoSiVA/AIV2"})");
   world->run_for(2s);
@@ -81,7 +81,7 @@ TEST(World, a_stop_given_virtually_stops_the_physical_vehicle_and_restart_lets_i
   EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
 }
 
-TEST(World, slow_means_slow_on_the_physical_side) {
+TEST(World, slow_limits_the_speed_on_the_physical_side) {
   const auto world = world_of(1);
   world->run_for(10s);
   world->command_server(R"({"command":"slow","vehicle":"*"})");
@@ -92,10 +92,10 @@ TEST(World, slow_means_slow_on_the_physical_side) {
   }
 }
 
-TEST(World, an_obstacle_on_the_line_stops_a_vehicle_and_its_removal_lets_it_go) {
+TEST(World, an_obstacle_on_the_path_stops_a_vehicle_until_its_removal) {
   const auto world = world_of(1);
   world->run_for(5s);
-  // In the middle of the south-eastern loop (centre (0.75, −0.75), radius 0.60), where no crossing is.
+  // On the south-eastern loop (centre (0.75, −0.75), radius 0.60), away from crossings.
   world->command_plant(R"({"addObstacle":{"id":"box","x":1.1742640687,"y":-1.1742640687,"radius":0.05}})");
   world->run_for(60s);
   EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
@@ -106,7 +106,7 @@ TEST(World, an_obstacle_on_the_line_stops_a_vehicle_and_its_removal_lets_it_go) 
   EXPECT_GT(vehicle(*world, 1).distance_m, stopped_at + 0.5);
 }
 
-TEST(World, a_dead_vehicle_is_shown_broken_and_hit_by_nobody_and_rejoins) {
+TEST(World, a_dead_vehicle_is_shown_broken_and_not_hit_and_rejoins) {
   const auto world = world_of(4);
   world->run_for(15s);
   world->kill_aiv(1);
@@ -123,8 +123,8 @@ TEST(World, a_dead_vehicle_is_shown_broken_and_hit_by_nobody_and_rejoins) {
   EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
 }
 
-// A vehicle that dies stands where it came to a stop, which is seldom where it would have waited.
-TEST(World, one_vehicle_after_the_other_dies_anywhere_and_everybody_drives_on_each_time) {
+// A vehicle that dies stops at an arbitrary position, which is seldom one where it would have waited.
+TEST(World, one_vehicle_after_the_other_dies_anywhere_and_all_vehicles_drive_on_each_time) {
   const auto world = world_of(4);
   world->run_for(10s);
   std::vector<double> before_m(4);
@@ -141,7 +141,7 @@ TEST(World, one_vehicle_after_the_other_dies_anywhere_and_everybody_drives_on_ea
   EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
 }
 
-TEST(World, without_its_server_the_fleet_stops_and_goes_on_when_it_is_back) {
+TEST(World, without_its_server_the_fleet_stops_and_continues_when_it_is_back) {
   const auto world = world_of(4);
   world->run_for(20s);
   world->kill_server();
@@ -159,7 +159,7 @@ TEST(World, without_its_server_the_fleet_stops_and_goes_on_when_it_is_back) {
   EXPECT_EQ(bijection(*world).number("matched"), 4.0);
 }
 
-TEST(World, refuses_a_bad_zone_with_its_place) {
+TEST(World, refuses_a_bad_zone_with_its_location) {
   WorldOptions options;
   options.zone = {"toml", "bad.toml", "name = \"x\"\nformat_version = 1\n"};
   const auto world = World::make(std::move(options));

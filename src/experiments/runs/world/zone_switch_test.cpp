@@ -26,7 +26,7 @@ JsonValue snapshot(const World& world) {
 
 std::size_t twins(const World& world) { return snapshot(world).find("aivs")->array()->size(); }
 
-/// Those that have driven no further since, and are not parked.
+/// The vehicles that have not driven this distance since, and are not off-route.
 std::vector<std::string> left_stopped(const World& world, const std::vector<double>& since_m, double driven_m) {
   std::vector<std::string> ids;
   const JsonValue shot = snapshot(world);
@@ -44,7 +44,7 @@ std::vector<double> distances_m(const World& world) {
   return distances;
 }
 
-TEST(ZoneSwitch, takes_the_fleet_to_another_circuit_without_a_restart_a_jump_or_a_collision) {
+TEST(ZoneSwitch, moves_the_fleet_to_another_circuit_without_a_restart_a_jump_or_a_collision) {
   const auto world = world_of(4);
   world->run_for(30s);
   const auto poses = [&] {
@@ -59,7 +59,7 @@ TEST(ZoneSwitch, takes_the_fleet_to_another_circuit_without_a_restart_a_jump_or_
     world->run_for(20ms);
     const auto now = poses();
     for (std::size_t v = 0; v < now.size(); ++v) {
-      // No body leaps: at most 1.5 m/s.
+      // No body jumps: at most 1.5 m/s.
       EXPECT_LE(distance(before[v], now[v]), 0.03 + 1e-9) << "AIV" << v + 1 << " after " << 0.02 * i << " s";
     }
     before = now;
@@ -109,8 +109,8 @@ TEST(ZoneSwitchStatistics, ten_times_in_five_minutes_gives_the_same_digest_twice
   EXPECT_EQ(run(), run());
 }
 
-// Most of them are still beside the line when the next one comes.
-TEST(ZoneSwitch, every_five_seconds_leaves_nobody_touched_or_waiting_for_ever) {
+// Most vehicles are still off the path when the next switch comes.
+TEST(ZoneSwitch, every_five_seconds_causes_no_collision_and_no_endless_wait) {
   const auto world = world_of(12, 6);
   world->run_for(10s);
   for (int i = 0; i < 12; ++i) {
@@ -121,11 +121,11 @@ TEST(ZoneSwitch, every_five_seconds_leaves_nobody_touched_or_waiting_for_ever) {
   const auto before_m = distances_m(*world);
   world->run_for(60s);
   EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
-  // Whoever strayed too far on the way is parked, and named.
+  // A vehicle that is too far from the new paths is off-route, and is listed.
   EXPECT_THAT(left_stopped(*world, before_m, 1.0), ::testing::IsEmpty());
 }
 
-TEST(ZoneSwitch, to_a_configuration_that_fails_its_check_leaves_the_old_zone_running_and_says_why) {
+TEST(ZoneSwitch, to_an_invalid_configuration_leaves_the_old_zone_in_force_and_reports_why) {
   const auto world = world_of(4);
   world->run_for(20s);
   const auto before_m = distances_m(*world);
@@ -147,7 +147,7 @@ TEST(ZoneSwitch, to_a_configuration_that_fails_its_check_leaves_the_old_zone_run
   EXPECT_FALSE(refused->text("why").value_or("").empty());
 }
 
-TEST(ZoneSwitch, keeps_a_command_that_was_given_just_before_it) {
+TEST(ZoneSwitch, preserves_a_command_given_just_before_it) {
   const auto world = world_of(4);
   world->run_for(20s);
   world->command_server(R"({"command":"stop","vehicle":"CoSiVA/AIV2","id":"c1"})");

@@ -16,11 +16,11 @@
 namespace cosiva::experiments {
 namespace {
 
-/// Room for so many more vehicles in a zone than it begins with: all that its sections could hold is more than ever
-/// come.
+/// Spare capacity for vehicles in a zone beyond its initial number: the capacity of all its sections is more than ever
+/// arrive.
 constexpr std::size_t spare_most = 64;
 
-/// What ranks tell each other, field by field; all of them run this same program on machines of one kind.
+/// The messages between ranks, field by field; all ranks run the same program on machines of one kind.
 class Message {
  public:
   template <class T>
@@ -53,21 +53,23 @@ class MessageReader {
   std::string_view bytes_;
 };
 
-/// A passage's end by name, or the n-th stop where none is said.
+/// A transfer point's end by name, or the n-th stop where no name is given.
 Result<zone::TrackPosition> end_in(const zone::TrafficZone& zone, const std::string& zone_name,
                                    const std::string& station, std::size_t nth) {
   if (!station.empty()) {
     const zone::Station* const found = zone.find_station(station);
     if (found != nullptr) return found->position;
-    return fail("site.transfer_point", "zone '" + zone_name + "' has no station '" + station + "' for a passage");
+    return fail("site.transfer_point",
+                "zone '" + zone_name + "' has no station '" + station + "' for a transfer point");
   }
   const auto stops = stops_of(zone);
   if (stops.empty())
-    return fail("site.transfer_point", "zone '" + zone_name + "' has no station where a passage could begin or end");
+    return fail("site.transfer_point",
+                "zone '" + zone_name + "' has no station where a transfer point could begin or end");
   return zone.stations[stops[std::min(nth, stops.size() - 1)]].position;
 }
 
-/// An error of one rank is everybody's: nobody may wait for one that has gone.
+/// An error of one rank is an error of all ranks: no rank may wait for one that has ended.
 Result<void> agree(Ranks& ranks, const Result<void>& mine) {
   const std::string text =
       mine ? std::string{} : mine.error().code + '\n' + mine.error().message + '\n' + mine.error().location;
@@ -101,9 +103,9 @@ SiteRun::SiteZone& SiteRun::site_zone_of(std::size_t zone) {
 
 Result<void> SiteRun::lay_transfers() {
   if (options_.zones.empty() || options_.zones.size() != options_.plan.zones.size())
-    return fail("site.options", "a site has zones, and each is given");
+    return fail("site.options", "a site needs zones, each of them given");
   if (!(options_.away_ratio >= 0.0 && options_.away_ratio <= 1.0))
-    return fail("site.options", "the share of jobs that lead away is from 0 to 1");
+    return fail("site.options", "the ratio of jobs that lead away must be from 0 to 1");
   std::map<std::string_view, std::size_t> index_of;
   for (const SitePlan::Zone& zone : options_.plan.zones) index_of.emplace(zone.name, index_of.size());
   exits_.resize(options_.zones.size());
@@ -112,7 +114,7 @@ Result<void> SiteRun::lay_transfers() {
     const auto from = index_of.find(transfer_point.from_zone);
     const auto to = index_of.find(transfer_point.to_zone);
     if (from == index_of.end() || to == index_of.end())
-      return fail("site.transfer_point", "a passage leads from '" + transfer_point.from_zone + "' to '" +
+      return fail("site.transfer_point", "a transfer point leads from '" + transfer_point.from_zone + "' to '" +
                                              transfer_point.to_zone + "', and one of them is no zone");
     const auto enter = end_in(*options_.zones[to->second], transfer_point.to_zone, transfer_point.to_station, 1);
     if (!enter) return tl::unexpected(enter.error());
@@ -142,7 +144,7 @@ Result<TrafficOptions> SiteRun::options_of(std::size_t zone, std::uint32_t first
     traffic.exits.push_back(*leave);
   }
   if (options_.jobs_per_hour <= 0.0) return traffic;
-  // Each zone draws for itself, so that it does the same wherever it is stepped.
+  // Each zone draws its own random numbers, so that its result does not depend on its rank.
   const std::string stream = "site/" + std::to_string(zone);
   Random random{options_.seed, stream};
   auto jobs =
@@ -182,15 +184,17 @@ Result<void> SiteRun::open_zones() {
     if (owner_of(transfer.to_zone) != ranks_->rank() ||
         site_zone_of(transfer.to_zone).run->fleet().may_stop(transfer.enter))
       continue;
-    return fail("site.transfer_point", "zone '" + options_.plan.zones[transfer.to_zone].name +
-                                           "': a passage leads to a place in a crossing, where no vehicle may stand");
+    return fail("site.transfer_point",
+                "zone '" + options_.plan.zones[transfer.to_zone].name +
+                    "': a transfer point leads to a position in a crossing, where no vehicle may stop");
   }
   return {};
 }
 
 void SiteRun::drive(SiteZone& site_zone, std::uint64_t until_step) const {
   AloneWorker alone;
-  std::vector<std::size_t> blocked;  // passages whose first cannot come in now, so nobody behind it does
+  std::vector<std::size_t>
+      blocked;  // transfer points whose first vehicle cannot enter now, which blocks the following ones
   while (site_zone.run->steps() < until_step) {
     site_zone.run->step(alone);
     for (const Traveller& traveller : site_zone.run->take_leaving()) {
@@ -253,7 +257,7 @@ void SiteRun::meet() {
               {traveller.left_step + transfers_[transfer_point].takes_steps, transfer_point, traveller});
     }
   }
-  // In an order that does not depend on who told us first.
+  // In an order that does not depend on the order of the messages.
   for (SiteZone& site_zone : site_zones_)
     std::ranges::sort(site_zone.arrivals, {}, [](const Arrival& one) {
       return std::tuple{one.due_step, one.transfer_point, one.traveller.aiv};

@@ -17,29 +17,29 @@ namespace cosiva::experiments {
 
 struct SiteOptions : TrafficTerms {
   SitePlan plan;
-  /// One for each of the plan's zones; zones of one file share theirs.
+  /// One for each of the plan's zones; zones of one file have the same object.
   std::vector<std::shared_ptr<const zone::TrafficZone>> zones;
-  double jobs_per_hour{0.0};  ///< in each zone; 0: everybody circulates
-  double away_ratio{0.2};     ///< of jobs, that lead into a neighbouring zone, where there is one
+  double jobs_per_hour{0.0};  ///< in each zone; 0: all vehicles circulate
+  double away_ratio{0.2};     ///< ratio of jobs that lead into a neighbouring zone, if there is one
 };
 
-/// Zones with passages, each zone stepped by one rank. Between two meetings of the ranks every zone is on its own: a
-/// meeting comes as often as the shortest passage takes, so nobody arrives before it has been heard of.
+/// Zones with transfer points, each zone stepped by one rank. Between two synchronisations of the ranks every zone is
+/// independent: the period is the shortest transfer time, so that no vehicle arrives before its rank knows of it.
 class SiteRun {
  public:
-  /// Fails as TrafficRun::make does, naming the zone; ("site.passage") where a passage names a zone or station that is
-  /// not there, or leads to a place that no vehicle may stand at; ("site.options") on options out of range.
+  /// Fails as TrafficRun::make does, naming the zone; ("site.transfer_point") where a transfer point names an unknown
+  /// zone or station, or leads to a position where no vehicle may stop; ("site.options") on options out of range.
   [[nodiscard]] static Result<SiteRun> make(SiteOptions options, Ranks& ranks);
 
-  /// To the next meeting. False: it is over. All ranks call it equally often.
+  /// Runs to the next synchronisation. False: the run is over. Must be called equally often on all ranks.
   bool advance(Workers& workers);
   [[nodiscard]] double time_s() const;
   [[nodiscard]] double end_s() const { return options_.warm_up_s + options_.duration_s; }
-  /// All ranks call it.
+  /// Must be called on all ranks.
   [[nodiscard]] SiteMetrics metrics() const;
 
  private:
-  struct Transfer {  ///< a passage, worked out
+  struct Transfer {  ///< a transfer point with its positions
     std::size_t to_zone;
     zone::TrackPosition enter;
     std::uint64_t takes_steps;
@@ -52,24 +52,24 @@ class SiteRun {
   struct SiteZone {  ///< a zone of this rank
     std::size_t index;
     std::unique_ptr<TrafficRun> run;
-    std::deque<Arrival> arrivals;                         ///< by due_step, then passage, then AIV
-    std::vector<std::pair<std::size_t, Traveller>> left;  ///< by passage, since the last meeting
+    std::deque<Arrival> arrivals;                         ///< by due_step, then transfer point, then AIV
+    std::vector<std::pair<std::size_t, Traveller>> left;  ///< by transfer point, since the last synchronisation
   };
   SiteRun(SiteOptions options, Ranks& ranks) : options_{std::move(options)}, ranks_{&ranks} {}
   [[nodiscard]] Result<void> lay_transfers();
   [[nodiscard]] Result<void> open_zones();
   [[nodiscard]] Result<TrafficOptions> options_of(std::size_t zone, std::uint32_t first_aiv) const;
   [[nodiscard]] std::size_t owner_of(std::size_t zone) const;
-  /// Of a zone that this rank owns.
+  /// The zone, which this rank must own.
   [[nodiscard]] SiteZone& site_zone_of(std::size_t zone);
   void drive(SiteZone& site_zone, std::uint64_t until_step) const;
   void meet();
 
   SiteOptions options_;
   Ranks* ranks_;
-  std::vector<Transfer> transfers_;              ///< by passage
-  std::vector<std::vector<std::size_t>> exits_;  ///< by zone: passages, as its jobs count them
-  std::vector<SiteZone> site_zones_;             ///< of zones one after another
+  std::vector<Transfer> transfers_;              ///< by transfer point
+  std::vector<std::vector<std::size_t>> exits_;  ///< by zone: transfer points, in the order of its jobs' exits
+  std::vector<SiteZone> site_zones_;             ///< of consecutive zones
   std::uint64_t meeting_steps_{10};
   std::uint64_t steps_{0};
   std::uint64_t end_steps_{0};

@@ -7,7 +7,7 @@
 namespace cosiva::experiments {
 namespace {
 
-/// More zones than this are not listed for people, only counted.
+/// With more zones than this the text contains only their number.
 constexpr std::size_t listed_most = 24;
 
 SiteMetrics::Zone total_of(const std::vector<SiteMetrics::Zone>& zones) {
@@ -64,8 +64,8 @@ std::string to_text(const SiteMetrics& metrics) {
   }
   return std::to_string(metrics.zones.size()) + (metrics.zones.size() == 1 ? " zone, " : " zones, ") +
          std::to_string(metrics.aivs) + " AIVs (" + std::to_string(metrics.in_transfer) +
-         " in passages now): " + std::to_string(all.jobs_done) + " of " + std::to_string(all.jobs_due) +
-         " jobs done, " + std::to_string(all.came) + " passages, " + readable(all.distance_m / 1000.0, 1) + " km, " +
+         " in transfer now): " + std::to_string(all.jobs_done) + " of " + std::to_string(all.jobs_due) +
+         " jobs done, " + std::to_string(all.came) + " transfers, " + readable(all.distance_m / 1000.0, 1) + " km, " +
          readable(all.energy_wh, 0) + " Wh, " + std::to_string(all.collisions) + " collisions, " +
          std::to_string(all.near_misses) + " near misses, " + std::to_string(all.stuck) + " stuck\n" + text;
 }

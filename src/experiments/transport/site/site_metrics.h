@@ -13,10 +13,10 @@ namespace cosiva::experiments {
 struct SiteMetrics {
   struct Zone {
     std::string name;
-    std::size_t aivs{};  ///< in it at the end
+    std::size_t aivs{};  ///< in the zone at the end
     std::size_t jobs_due{};
     std::size_t jobs_done{};
-    std::size_t came{};  ///< vehicles, from other zones
+    std::size_t came{};  ///< vehicles from other zones
     std::size_t left{};
     double distance_m{};
     double waiting_ratio{};
@@ -28,7 +28,7 @@ struct SiteMetrics {
   };
   std::vector<Zone> zones;
   std::size_t aivs{};         ///< in all zones
-  std::size_t in_transfer{};  ///< between two of them, at the end
+  std::size_t in_transfer{};  ///< between two zones, at the end
   std::uint64_t vehicle_steps{};
   std::string digest;  ///< of all zones; does not depend on ranks and workers
 
@@ -37,7 +37,7 @@ struct SiteMetrics {
 
 /// One JSON object: the totals, and "zones" with one object for each.
 void write_json(JsonWriter& json, const SiteMetrics& metrics);
-/// A few lines for a terminal.
+/// A short text for a terminal.
 [[nodiscard]] std::string to_text(const SiteMetrics& metrics);
 
 }  // namespace cosiva::experiments

@@ -46,7 +46,7 @@ SitePlan read(const Entry& root) {
     if (!names.insert(zone.name).second)
       entry.fault("name", "site.value", "there are two zones " + quoted(zone.name) + "; give each a name of its own");
     if (zone.name.find('/') != std::string::npos)
-      entry.fault("name", "site.value", "a zone's name has no '/', which stands between a zone and its station");
+      entry.fault("name", "site.value", "a zone's name has no '/', which separates a zone and its station");
     plan.zones.push_back(std::move(zone));
   }
   for (const Entry& entry : root.tables("transferPoint", site_zones_max)) {
@@ -58,14 +58,14 @@ SitePlan read(const Entry& root) {
     check_zone(entry, "from", transfer_point.from_zone, names);
     check_zone(entry, "to", transfer_point.to_zone, names);
     if (transfer_point.from_zone == transfer_point.to_zone)
-      entry.fault("to", "site.value", "a passage leads into another zone, and this one back into its own");
+      entry.fault("to", "site.value", "a transfer point leads into another zone, and this one back into its own");
     plan.transfer_points.push_back(transfer_point);
     if (entry.one_of("bidirectional", {"yes", "no"}, "no") == "no") continue;
     std::swap(transfer_point.from_zone, transfer_point.to_zone);
     std::swap(transfer_point.from_station, transfer_point.to_station);
     plan.transfer_points.push_back(std::move(transfer_point));
   }
-  if (plan.zones.empty()) root.fault("", "site.value", "a site has at least one [[zone]]");
+  if (plan.zones.empty()) root.fault("", "site.value", "a site needs at least one [[zone]]");
   return plan;
 }
 
@@ -115,7 +115,7 @@ Result<SitePlan> site_plan_of_list(std::string_view list, std::size_t aivs, doub
     const std::size_t next = (z + 1) % count;
     plan.transfer_points.push_back({plan.zones[z].name, "", plan.zones[next].name, "", takes_s});
   }
-  // And back: with two zones the ring is both ways already.
+  // And back: with two zones the loop already has both directions.
   for (std::size_t z = 0; z < count && count > 2; ++z)
     plan.transfer_points.push_back({plan.zones[(z + 1) % count].name, "", plan.zones[z].name, "", takes_s});
   return plan;

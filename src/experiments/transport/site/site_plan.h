@@ -9,15 +9,15 @@
 
 namespace cosiva::experiments {
 
-/// Zones and the passages between them, by name, as a user writes them.
+/// Zones and the transfer points between them, by name, as written by a user.
 struct SitePlan {
   struct Zone {
-    std::string name;  ///< in the site; two zones may be of one file
-    std::string file;  ///< a ready zone's name or a file
+    std::string name;  ///< in the site; two zones may use one file
+    std::string file;  ///< name of a ready zone, or a file
     std::size_t aivs{12};
     friend bool operator==(const Zone&, const Zone&) = default;
   };
-  /// One way: who stands at a station of one zone is, some time later, put down at a station of another.
+  /// One direction: a vehicle at a station of one zone is placed, some time later, at a station of another.
   struct TransferPoint {
     std::string from_zone;
     std::string from_station;  ///< empty: the zone's first stop
@@ -36,8 +36,8 @@ inline constexpr std::size_t site_zones_max = 100'000;
 /// bidirectional). Fails ("site.file", "site.value", "site.key") with file, line and what is wrong.
 [[nodiscard]] Result<SitePlan> read_site_plan(std::string_view toml, std::string_view origin);
 
-/// From "lacet4,indus8" or "8*lacet4,plant1000": so many zones one behind the other, each joined with the next, and the
-/// last with the first, by a passage each way. Fails ("site.list").
+/// Reads "lacet4,indus8" or "8*lacet4,plant1000": a sequence of zones, each joined with the next, and the last with the
+/// first, by a transfer point in each direction. Fails ("site.list").
 [[nodiscard]] Result<SitePlan> site_plan_of_list(std::string_view list, std::size_t aivs, double takes_s);
 
 }  // namespace cosiva::experiments

@@ -5,7 +5,7 @@
 namespace cosiva::experiments {
 namespace {
 
-TEST(SitePlan, reads_zones_and_transfer_points_one_way_or_both) {
+TEST(SitePlan, reads_zones_and_transfer_points_in_one_direction_or_both) {
   const auto plan = read_site_plan(R"([[zone]]
 name = "area"
 file = "lacet4"
@@ -63,7 +63,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Bad{"[[zone]]\nfile = \"a\"\naivs = -1\n", "aivs"},
                     Bad{"[[zone]]\nfile = \"a\"\nspeed = 3\n", "speed"}, Bad{"[[zone]\n", "site.toml:1"}));
 
-TEST(SitePlan, of_a_list_that_is_none_says_so) {
+TEST(SitePlan, of_an_invalid_list_is_refused) {
   for (const char* list : {"", "0*lacet4", "x*lacet4", "lacet4,,indus8", "99999999*lacet4"}) {
     const auto plan = site_plan_of_list(list, 5, 10.0);
     ASSERT_FALSE(plan) << list;

@@ -8,7 +8,7 @@
 namespace cosiva::experiments {
 namespace {
 
-/// Of more zones than this only those that wait longest are drawn; the table has all.
+/// With more zones than this only those with the longest waits are drawn; the table contains all.
 constexpr std::size_t drawn_most = 40;
 
 void add_waiting(Report& report, const std::vector<SiteMetrics::Zone>& zones) {
@@ -17,8 +17,8 @@ void add_waiting(Report& report, const std::vector<SiteMetrics::Zone>& zones) {
   Bars bars{"waiting [% of the time]", {}};
   for (std::size_t i = 0; i < std::min(drawn_most, sorted.size()); ++i)
     bars.bars.push_back({sorted[i].name, 100.0 * sorted[i].waiting_ratio});
-  report.heading("Where they wait");
-  report.figure(to_svg(bars), sorted.size() > drawn_most ? "The forty zones that wait most." : "By zone.");
+  report.heading("Waiting");
+  report.figure(to_svg(bars), sorted.size() > drawn_most ? "The forty zones with the longest waits." : "By zone.");
 }
 
 }  // namespace
@@ -49,7 +49,7 @@ std::string to_html(const SiteMetrics& metrics, const std::string& command) {
     stuck += zone.stuck;
   }
   report.metadata({{std::to_string(done) + " of " + std::to_string(due), "jobs done"},
-                   {std::to_string(came), "passages from zone to zone"},
+                   {std::to_string(came), "transfers from zone to zone"},
                    {std::to_string(collisions), "collisions", collisions > 0},
                    {std::to_string(near_misses), "near misses", near_misses > 0},
                    {std::to_string(stuck), "AIVs stuck at the end", stuck > 0}});
@@ -58,7 +58,7 @@ std::string to_html(const SiteMetrics& metrics, const std::string& command) {
   report.table({"zone", "AIVs at the end", "jobs due", "done", "came", "left", "driven [km]", "waiting [%]",
                 "energy [Wh]", "near misses", "collisions", "stuck"},
                rows);
-  report.heading("The same again");
+  report.heading("Reproduction");
   report.verbatim(command + "\ndigest " + metrics.digest);
   return report.html();
 }

@@ -6,7 +6,7 @@
 
 namespace cosiva::experiments {
 
-/// One page, with nothing to be fetched. @param command  that gives the same again
+/// Writes one self-contained page. @param command  reproduces the result
 [[nodiscard]] std::string to_html(const SiteMetrics& metrics, const std::string& command);
 
 }  // namespace cosiva::experiments

@@ -61,7 +61,7 @@ std::vector<Result<SiteMetrics>> run_on(const SiteOptions& options, std::size_t 
   return results;
 }
 
-TEST(Site, vehicles_carry_loads_from_zone_to_zone_and_none_is_lost_or_doubled) {
+TEST(Site, vehicles_carry_loads_from_zone_to_zone_without_loss_or_duplication) {
   const SiteOptions options = site_of("lacet4,indus8", 8);
   OneRank alone;
   const auto metrics = run(options, alone);
@@ -70,12 +70,12 @@ TEST(Site, vehicles_carry_loads_from_zone_to_zone_and_none_is_lost_or_doubled) {
   EXPECT_GT(metrics->zones[0].came, 3U);
   EXPECT_GT(metrics->zones[1].came, 3U);
   EXPECT_EQ(metrics->zones[0].aivs + metrics->zones[1].aivs + metrics->in_transfer, 16U);
-  // Who has left one and not come into the other is on its way.
+  // A vehicle that has left one zone and not entered the other is in transfer.
   EXPECT_EQ(metrics->zones[0].left + metrics->zones[1].left,
             metrics->zones[0].came + metrics->zones[1].came + metrics->in_transfer);
   EXPECT_TRUE(metrics->good());
   EXPECT_GT(metrics->zones[0].jobs_done, 0U);
-  // What a reader wants first is the whole.
+  // The totals come first.
   JsonWriter json;
   write_json(json, *metrics);
   const auto read = JsonValue::parse(json.take(), 1U << 20U);
@@ -101,9 +101,9 @@ TEST(Site, any_number_of_ranks_gives_the_digest_of_one) {
   EXPECT_NE(run(other, alone)->digest, one->digest);
 }
 
-TEST(Site, an_error_of_one_rank_is_told_by_all) {
+TEST(Site, an_error_of_one_rank_is_reported_by_all) {
   SiteOptions options = site_of("lacet4,lacet4,lacet4", 4);
-  options.plan.zones[2].aivs = 100'000;  // has no room; that zone is the last rank's
+  options.plan.zones[2].aivs = 100'000;  // too many vehicles; that zone is the last rank's
   for (const auto& each : run_on(options, 3)) {
     ASSERT_FALSE(each);
     EXPECT_EQ(each.error().code, "traffic.room");
@@ -111,7 +111,7 @@ TEST(Site, an_error_of_one_rank_is_told_by_all) {
   }
 }
 
-TEST(Site, a_transfer_point_at_a_station_that_is_not_there_is_refused_by_name) {
+TEST(Site, a_transfer_point_at_an_unknown_station_is_refused_by_name) {
   SiteOptions options = site_of("lacet4,indus8", 4);
   options.plan.transfer_points[0].to_station = "nowhere";
   OneRank alone;

@@ -8,11 +8,12 @@
 namespace cosiva::experiments {
 namespace {
 
-/// So many of the nearest are asked for their way, which is dear.
+/// Number of the nearest vehicles whose route is computed, which is expensive.
 constexpr std::size_t requested_max = 6;
-/// A goal on its own section is driven to when it lies further ahead than it needs to stop, and this.
+/// A goal on the vehicle's own section is driven to directly when it is further ahead than the stopping distance plus
+/// this.
 constexpr double beyond_stop_m = 0.3;
-/// So long who stands at a stop waits for the crossings on its way.
+/// Time that a vehicle at a stop waits for the crossings on its route.
 constexpr double timeout_s = 20.0;
 
 }  // namespace
@@ -39,7 +40,7 @@ void Dispatcher::step() {
   busy_s_ += (now_s_ - before_s) * static_cast<double>(fleet_.size() - idle_ - away_);
   record_due();
   for (const Fleet::Vehicle vehicle : fleet_.arrived()) arrive(vehicle);
-  // Those that are done leave the list, so it is gone through backwards.
+  // Finished vehicles leave the list, so the list is processed backwards.
   for (std::size_t i = handling_.size(); i-- > 0;)
     if (carriers_[handling_[i]].until_s <= now_s_) {
       const Fleet::Vehicle vehicle = handling_[i];
@@ -92,7 +93,7 @@ void Dispatcher::give_out() {
     const std::size_t job = waiting_[i];
     const auto vehicle = best_for(fleet_.zone().stations[jobs_[job].from].position);
     if (!vehicle) {
-      ++i;  // nobody gets there; another job may be nearer
+      ++i;  // no vehicle can reach it; another job may be nearer
       continue;
     }
     waiting_.erase(waiting_.begin() + static_cast<std::ptrdiff_t>(i));
@@ -126,7 +127,7 @@ std::optional<double> Dispatcher::route_to(Fleet::Vehicle vehicle, zone::TrackPo
   const zone::TrackPosition here = fleet_.track_position(vehicle);
   const double speed = fleet_.speed_mps()[vehicle];
   const double stop_m = speed * speed / (2.0 * fleet_.zone().profiles.slow.braking_mps2) + beyond_stop_m;
-  // Its own section counts from where it can still stop; one that it is committed to as a whole from its end.
+  // A single committed section counts from where the vehicle can still stop; several from the end of the last.
   const zone::SectionId last = committed.back();
   const double length_m = circuit.section(last).length_m();
   const zone::TrackPosition from{last, committed.size() == 1 ? std::min(here.s_m + stop_m, length_m) : length_m};
@@ -149,8 +150,8 @@ void Dispatcher::drive_on(Fleet::Vehicle vehicle) {
     carriers_[vehicle].patient_until_s = -1.0;
     return;
   }
-  // It is about to be committed to another section: from there. Or it stands in crossings, and others that it needs are
-  // taken; it does not stand there for ever, but then goes round.
+  // The vehicle is about to be committed to another section, and is sent from there; or it is stopped in crossings, and
+  // others that it needs are occupied. The vehicle does not wait there for ever, but then circulates.
   to_send_.push_back(vehicle);
   Carrier& carrier = carriers_[vehicle];
   if (!fleet_.is_at_goal(vehicle)) return;

@@ -10,15 +10,15 @@ namespace cosiva::experiments {
 namespace {
 
 constexpr double map_px = 760.0;
-constexpr double margin_px = 60.0;  // half a road's width, and air
+constexpr double margin_px = 60.0;  // half a road's width, and a margin
 constexpr double legend_px = 46.0;
-/// More names than these make a map unreadable: then only those count at which most was waited.
+/// With more names than these a map is unreadable: then only the crossings with the longest waits are named.
 constexpr std::size_t names_max = 24;
 
 struct Colour {
   double red, green, blue;
 };
-// From hardly ever to always: evenly darker, so that it reads without colours, too.
+// From rarely to always: evenly darker, so that the map is readable without colours.
 constexpr std::array<Colour, 5> scale{{{222, 230, 238}, {250, 214, 120}, {240, 140, 50}, {200, 50, 40}, {110, 10, 60}}};
 
 std::string colour_of(double ratio) {
@@ -88,7 +88,7 @@ std::string legend(double top_px, double width_px, double most, bool stopped) {
   return svg;
 }
 
-/// Crossings and stations, so that the table's rows can be found on the map.
+/// Draws crossings and stations, so that the table's rows can be found on the map.
 std::string names(const Map& map, const zone::TrafficZone& zone, const TrafficMetrics& metrics) {
   std::string svg =
       "<g fill=\"#14202b\" stroke=\"#fff\" stroke-width=\"3\" paint-order=\"stroke\" font-size=\"12\" "
@@ -127,7 +127,7 @@ std::string heat_map(const zone::TrafficZone& zone, const TrafficMetrics& metric
       cells.push_back({ratio, map.path(id, from * of_section.length_m, (from + 1.0) * of_section.length_m)});
     }
   }
-  // What is driven over by several ways shows the worst of them.
+  // A cell that several sections cover shows the largest of their values.
   std::ranges::stable_sort(cells, {}, &Cell::ratio);
   const double width = std::max(map.width_px(), 320.0);
   const double line_px = std::max(2.5, 0.9 * zone.vehicle.width_m * map.px_per_m());

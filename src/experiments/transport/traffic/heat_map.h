@@ -7,8 +7,8 @@
 
 namespace cosiva::experiments {
 
-/// The circuit as it is driven, as SVG, y up: each cell in the colour of how much of the time a vehicle stood in it
-/// that had not arrived (`standing`), or of how much it was taken at all.
+/// Draws the circuit as SVG, y up: each cell in the colour of the ratio of time that a vehicle was stopped in it
+/// without having arrived (`standing`), or of the ratio of time that the cell was occupied.
 /// @param figures  its `cells` by section
 [[nodiscard]] std::string heat_map(const zone::TrafficZone& zone, const TrafficMetrics& metrics, bool stopped);
 

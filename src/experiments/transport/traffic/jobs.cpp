@@ -14,7 +14,8 @@ namespace {
 constexpr double jobs_max = 1e7;
 
 /// Exponentially distributed with mean 1, by comparisons alone (von Neumann 1951): the same bits everywhere, which a
-/// library's logarithm does not promise. A run of falling uniforms that ends at an even length starts one further.
+/// library's logarithm does not guarantee. A run of falling uniforms that ends at an even length continues with the
+/// next integer.
 double exponential(Random& random) {
   for (double whole = 0.0;; whole += 1.0) {
     const double first = random.uniform();
@@ -29,7 +30,7 @@ double exponential(Random& random) {
   }
 }
 
-/// A line's values. What stands in quotation marks, as spreadsheets write names, may hold commas.
+/// Splits a line into values. Values in quotation marks, as spreadsheets write names, may contain commas.
 std::vector<std::string_view> values_of(std::string_view line) {
   constexpr std::string_view blanks = " \t\r";
   if (line.find('"') == std::string_view::npos) return cut_at_commas(line, blanks);
@@ -47,7 +48,7 @@ std::vector<std::string_view> values_of(std::string_view line) {
   return values;
 }
 
-/// One file's reading, line by line.
+/// Reads one file, line by line.
 class CsvReader {
  public:
   CsvReader(const zone::TrafficZone& zone, std::string_view origin) : zone_{zone}, origin_{origin} {}
@@ -62,7 +63,7 @@ class CsvReader {
     Job job;
     const auto due_s = number_of<double>(cells[*at_[time]]);
     if (!due_s || !(*due_s >= 0.0 && *due_s <= 1e9))
-      return wrong("time_s is a number of seconds from 0 on, not '" + std::string(cells[*at_[time]]) + "'");
+      return wrong("time_s must be a number of seconds from 0, not '" + std::string(cells[*at_[time]]) + "'");
     job.due_s = *due_s;
     for (const auto& [column, station] : {std::pair{from, &job.from}, {to, &job.to}}) {
       const auto found = station_named(cells[*at_[column]]);
@@ -70,7 +71,7 @@ class CsvReader {
       *station = *found;
     }
     if (job.from == job.to)
-      return wrong("it is carried from '" + zone_.stations[job.from].name + "' to the same station");
+      return wrong("the load is carried from '" + zone_.stations[job.from].name + "' to the same station");
     if (at_[priority]) {
       const auto value = number_of<std::int32_t>(cells[*at_[priority]]);
       if (!value || *value < 0 || *value > zone::priority_max) return wrong("priority is a whole number from 0 to 999");
@@ -94,9 +95,10 @@ class CsvReader {
     for (std::size_t i = 0; i < cells.size(); ++i) {
       const auto name = std::ranges::find(names, cells[i]);
       if (name == names.end())
-        return wrong("no column is called '" + std::string(cells[i]) + "'; they are time_s, from, to and priority");
+        return wrong("there is no column '" + std::string(cells[i]) +
+                     "'; the columns are time_s, from, to and priority");
       auto& at = at_[static_cast<std::size_t>(name - names.begin())];
-      if (at) return wrong("column '" + std::string(cells[i]) + "' is there twice");
+      if (at) return wrong("column '" + std::string(cells[i]) + "' is given twice");
       at = i;
     }
     for (const Column column : {time, from, to})
@@ -135,7 +137,7 @@ Result<std::vector<Job>> poisson_jobs(const zone::TrafficZone& zone, double per_
                                      std::to_string(stops.size()) + " where vehicles stop for loads");
   }
   if (!(per_hour > 0.0) || !(per_hour * duration_s / 3600.0 <= jobs_max))
-    return fail("jobs.rate", "jobs per hour are more than 0, and make no more than ten million jobs");
+    return fail("jobs.rate", "jobs per hour must be more than 0, and make no more than ten million jobs");
   Random random{seed, "traffic/jobs"};
   std::vector<Job> jobs;
   const double mean_s = 3600.0 / per_hour;
@@ -155,7 +157,7 @@ Result<std::vector<Job>> jobs_from_csv(const zone::TrafficZone& zone, std::strin
   Lines lines{csv};
   for (std::string_view line; lines.next(line);)
     if (auto read = reader.read(line, jobs); !read) return tl::unexpected(read.error());
-  if (!reader.has_head()) return reader.wrong("there is nothing in it; its first line is time_s,from,to");
+  if (!reader.has_head()) return reader.wrong("the file is empty; its first line must be time_s,from,to");
   std::ranges::stable_sort(jobs, {}, &Job::due_s);
   return jobs;
 }

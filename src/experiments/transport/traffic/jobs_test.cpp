@@ -15,7 +15,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
-TEST(PoissonJobs, come_as_often_as_they_are_asked_for_and_as_irregularly_as_chance_is) {
+TEST(PoissonJobs, have_the_requested_rate_and_exponential_intervals) {
   const auto jobs = poisson_jobs(*yard(), 600.0, 100.0 * 3600.0, 7);
   ASSERT_TRUE(jobs);
   const auto n = static_cast<double>(jobs->size());
@@ -39,7 +39,7 @@ TEST(PoissonJobs, come_as_often_as_they_are_asked_for_and_as_irregularly_as_chan
   EXPECT_NEAR(late / n, std::exp(-1.0), 0.01);
 }
 
-TEST(PoissonJobs, lead_between_different_stops_all_of_them_and_no_charger) {
+TEST(PoissonJobs, lead_between_all_different_stops_but_to_no_charger) {
   const auto jobs = poisson_jobs(*yard(), 1000.0, 3600.0, 1);
   ASSERT_TRUE(jobs);
   std::set<std::pair<std::size_t, std::size_t>> pairs;
@@ -52,19 +52,19 @@ TEST(PoissonJobs, lead_between_different_stops_all_of_them_and_no_charger) {
   }
 }
 
-TEST(PoissonJobs, are_the_same_for_the_same_seed_and_others_for_another) {
+TEST(PoissonJobs, are_equal_for_equal_seeds_only) {
   EXPECT_EQ(*poisson_jobs(*yard(), 60.0, 3600.0, 3), *poisson_jobs(*yard(), 60.0, 3600.0, 3));
   EXPECT_NE(*poisson_jobs(*yard(), 60.0, 3600.0, 3), *poisson_jobs(*yard(), 60.0, 3600.0, 4));
 }
 
-TEST(PoissonJobs, are_refused_where_they_cannot_be) {
+TEST(PoissonJobs, are_refused_where_impossible) {
   EXPECT_EQ(poisson_jobs(*yard(), 0.0, 3600.0, 1).error().code, "jobs.rate");
   EXPECT_EQ(poisson_jobs(*yard(), std::nan(""), 3600.0, 1).error().code, "jobs.rate");
   EXPECT_EQ(poisson_jobs(*yard(), 1e12, 3600.0, 1).error().code, "jobs.rate");
   EXPECT_EQ(poisson_jobs(*cycle(), 10.0, 3600.0, 1).error().code, "jobs.stations");
 }
 
-TEST(JobsFromCsv, are_read_by_their_columns_names_in_any_order_and_come_in_time) {
+TEST(JobsFromCsv, are_read_by_column_names_in_any_order_and_sorted_by_time) {
   const auto jobs =
       jobs_from_csv(*yard(), "to, priority,from,time_s\r\nship,5,dock,60\n\n rack ,0,ship,12.5\n", "jobs.csv");
   ASSERT_TRUE(jobs) << to_string(jobs.error());
@@ -84,7 +84,7 @@ struct BadCsv {
   const char* expected;
 };
 class OfBadCsv : public ::testing::TestWithParam<BadCsv> {};
-TEST_P(OfBadCsv, says_the_line_and_what_is_wrong_in_it) {
+TEST_P(OfBadCsv, reports_the_line_and_what_is_wrong_in_it) {
   const auto jobs = jobs_from_csv(*yard(), GetParam().text, "jobs.csv");
   ASSERT_FALSE(jobs);
   EXPECT_EQ(jobs.error().code, "jobs.csv");
@@ -93,13 +93,13 @@ TEST_P(OfBadCsv, says_the_line_and_what_is_wrong_in_it) {
 }
 INSTANTIATE_TEST_SUITE_P(
     Jobs, OfBadCsv,
-    ::testing::Values(BadCsv{"", "jobs.csv:0", "nothing in it"},
+    ::testing::Values(BadCsv{"", "jobs.csv:0", "the file is empty"},
                       BadCsv{"time_s,from\n", "jobs.csv:1", "'to' is missing"},
                       BadCsv{"time_s,from,to,when\n", "jobs.csv:1", "'when'"},
                       BadCsv{"time_s,from,to,to\n", "jobs.csv:1", "twice"},
                       BadCsv{"time_s,from,to\n1,dock\n", "jobs.csv:2", "2 values for 3 columns"},
                       BadCsv{"time_s,from,to\nsoon,dock,ship\n", "jobs.csv:2", "'soon'"},
-                      BadCsv{"time_s,from,to\n-1,dock,ship\n", "jobs.csv:2", "from 0 on"},
+                      BadCsv{"time_s,from,to\n-1,dock,ship\n", "jobs.csv:2", "from 0, not"},
                       BadCsv{"time_s,from,to\nnan,dock,ship\n", "jobs.csv:2", "time_s"},
                       BadCsv{"time_s,from,to\n1,dock,moon\n", "jobs.csv:2", "no station 'moon'"},
                       BadCsv{"time_s,from,to\n1,\"dock, left\",ship\n", "jobs.csv:2", "'dock, left'"},

@@ -8,7 +8,7 @@
 
 namespace cosiva::experiments {
 
-/// Of a set of values; all 0 where there is none.
+/// Distribution of a set of values; all 0 without values.
 struct Distribution {
   std::size_t count{};
   double mean{};
@@ -17,13 +17,13 @@ struct Distribution {
   double p99{};
   double max{};
 };
-/// Percentiles are values of the set: the smallest that at least that share does not exceed.
+/// Percentiles are values of the set: the smallest that at least that ratio does not exceed.
 [[nodiscard]] Distribution distribution_of(std::vector<double> values);
 
-/// Half of what vehicles leave free ahead of them [m].
+/// Half of the clearance that vehicles leave ahead of them [m].
 inline constexpr double near_miss_m = 0.06;
 
-/// What came of a run, after its warm-up; what concerns safety counts from the start.
+/// The metrics of a run, after its warm-up; safety metrics count from the start.
 struct TrafficMetrics {
   std::string zone;
   std::size_t aivs{};
@@ -35,12 +35,12 @@ struct TrafficMetrics {
 
   std::size_t jobs_due{};
   std::size_t jobs_done{};
-  std::size_t jobs_came{};  ///< from other zones, with the vehicle that brings them
+  std::size_t jobs_came{};  ///< from other zones, with the vehicle that carries them
   std::size_t jobs_left{};  ///< for other zones
-  std::size_t jobs_open{};  ///< due or come at the end, and neither done nor left
+  std::size_t jobs_open{};  ///< due or arrived at the end, and neither done nor left
   double jobs_per_hour{};
-  std::vector<double> job_s;   ///< from due to done, of those done
-  std::vector<double> wait_s;  ///< from due to the vehicle standing there, of those fetched
+  std::vector<double> job_s;   ///< from due to done, for finished jobs
+  std::vector<double> wait_s;  ///< from due to the stop of the vehicle at the load, for fetched jobs
 
   std::vector<double> lap_s;  ///< of vehicles that circulate
   double laps_per_hour{};
@@ -55,7 +55,7 @@ struct TrafficMetrics {
   struct Crossing {
     std::string name;
     std::uint64_t grants;
-    double waiting_s;  ///< of all that were granted it
+    double waiting_s;  ///< of all vehicles that were granted the crossing
   };
   std::vector<Crossing> crossings;
   /// Vehicle-seconds on each cell of each section, in driving order.
@@ -65,22 +65,22 @@ struct TrafficMetrics {
     std::vector<double> stopped_s;
   };
   std::vector<Cells> cells;  ///< by section
-  /// Over the run: vehicles that stand, and jobs that nobody has taken.
+  /// Over the run: stopped vehicles, and unassigned jobs.
   std::vector<double> time_s;
   std::vector<double> stopped;
   std::vector<double> open_jobs;
 
   double smallest_gap_m{};
-  std::uint64_t near_misses{};  ///< how often somebody came nearer than near_miss_m to the one ahead
+  std::uint64_t near_misses{};  ///< number of times that a vehicle came nearer than near_miss_m to its leader
   std::uint64_t collisions{};
   std::size_t stuck{};
-  std::string digest;  ///< of the fleet and of every job's course
+  std::string digest;  ///< of the fleet and of every job's history
 
   [[nodiscard]] bool good() const { return collisions == 0 && stuck == 0; }
 };
 
 void write_json(JsonWriter& json, const TrafficMetrics& metrics);
-/// A few lines for people.
+/// A short text for a terminal.
 [[nodiscard]] std::string to_text(const TrafficMetrics& metrics);
 
 }  // namespace cosiva::experiments

@@ -6,7 +6,7 @@
 
 namespace cosiva::experiments {
 
-/// An oval, driven one way round: straights of 6 m and half circles of 1 m radius.
+/// An oval with one direction of travel: straights of 6 m and half circles of 1 m radius.
 inline std::shared_ptr<const zone::TrafficZone> zone_of(const char* more) {
   std::string text = R"(name = "yard"
 format_version = 1
@@ -25,7 +25,7 @@ inline std::shared_ptr<const zone::TrafficZone> cycle() {
   static const auto zone = zone_of("");
   return zone;
 }
-/// With three stops, dock, rack and ship, and a charger.
+/// A zone with three stops, dock, rack and ship, and a charger.
 inline std::shared_ptr<const zone::TrafficZone> yard() {
   static const auto zone = zone_of(R"([[station]]
 name = "dock"

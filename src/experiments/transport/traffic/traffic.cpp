@@ -14,7 +14,7 @@ using virtual_side::Fleet;
 constexpr double sample_every_s = 1.0;
 constexpr double cell_m = 0.25;
 constexpr double stopped_mps = 0.01;
-/// A run's curves have about so many points, each a mean.
+/// Approximate number of points of a run's curves, each a mean.
 constexpr double curve_points = 240.0;
 
 std::vector<TrafficMetrics::Cells> cells_of(const zone::TrafficZone& zone) {
@@ -38,14 +38,14 @@ Result<TrafficRun> TrafficRun::make(TrafficOptions options) {
   if (!(options.duration_s > 0.0 && options.duration_s <= 1e8) ||
       !(options.warm_up_s >= 0.0 && options.warm_up_s <= 1e8))
     return fail("traffic.options", "a run and its warm-up last up to 10⁸ s, the run longer than 0 s");
-  if (!(options.handling_s >= 0.0)) return fail("traffic.options", "loading takes 0 s or more");
+  if (!(options.handling_s >= 0.0)) return fail("traffic.options", "the loading time must be 0 s or more");
   const virtual_side::FleetOptions terms{options.step, options.rules, std::chrono::seconds{10}};
-  // A zone that no fleet can drive in has room for nobody, and that would be no help.
+  // A zone that no fleet can drive in would only be reported as having no room, which would be misleading.
   if (auto no_vehicle = Fleet::make(options.zone, terms, {}); !no_vehicle) return tl::unexpected(no_vehicle.error());
   auto starts = Fleet::spread(*options.zone, options.aivs);
   if (starts.size() < options.aivs || starts.size() + options.spare == 0) {
     return fail("traffic.room", "zone '" + options.zone->name + "' has room for " + std::to_string(starts.size()) +
-                                    " AIVs to begin, not for " + std::to_string(options.aivs));
+                                    " AIVs to start, not for " + std::to_string(options.aivs));
   }
   starts.resize(starts.size() + options.spare, {0, {zone::no_section, 0.0}, 0});
   auto fleet = Fleet::make(options.zone, terms, starts);
@@ -94,7 +94,7 @@ void TrafficRun::step(Workers& workers) {
     speed_mps_[v] = speeds[v];
   }
   if (!options_.jobs.empty() || !options_.exits.empty() || options_.spare > 0) dispatcher_->step();
-  // Nobody need be looked at as long as nobody has ever come so near.
+  // The check is skipped while no vehicle has ever come this near.
   if (fleet_->smallest_gap_m() < near_miss_m) record_near_misses();
   if (steps_ == warm_up_steps_) end_warm_up();
   if (steps_ % steps_per_sample_ == 0 && steps_ > warm_up_steps_) take_sample();
@@ -151,7 +151,7 @@ void TrafficRun::take_sample() {
     if (is_stopped) cells.stopped_s[cell] += sample_s;
     stopped += is_stopped ? 1.0 : 0.0;
     if (const std::uint32_t laps = fleet_->laps(v); laps != laps_[v]) {
-      // A lap counts from the second on: the first began before anybody looked, or was no whole one.
+      // Laps count from the second one: the first began before the measurement, or was incomplete.
       if (lap_began_s_[v] >= 0.0 && !fleet_->has_goal(v)) sampled_.lap_s.push_back(now_s - lap_began_s_[v]);
       lap_began_s_[v] = now_s;
       laps_[v] = laps;

@@ -55,9 +55,9 @@ void add_times(Report& report, const TrafficMetrics& f) {
   else if (!f.lap_s.empty())
     report.figure(to_svg(Histogram{{"lap [s]", {}, {}}, "laps", f.lap_s, 40}), "How long laps took.");
   Chart chart{
-      {"time [s]", {}, {}}, {"AIVs, jobs", 0.0, {}}, {{"AIVs that wait", f.time_s, f.stopped, Series::Form::steps}}};
-  if (f.jobs_due > 0) chart.series.push_back({"jobs that nobody has", f.time_s, f.open_jobs, Series::Form::steps});
-  report.figure(to_svg(chart), "What waited when.");
+      {"time [s]", {}, {}}, {"AIVs, jobs", 0.0, {}}, {{"waiting AIVs", f.time_s, f.stopped, Series::Form::steps}}};
+  if (f.jobs_due > 0) chart.series.push_back({"unassigned jobs", f.time_s, f.open_jobs, Series::Form::steps});
+  report.figure(to_svg(chart), "Waiting AIVs and unassigned jobs over time.");
 }
 
 void add_crossings(Report& report, const TrafficMetrics& f) {
@@ -66,7 +66,7 @@ void add_crossings(Report& report, const TrafficMetrics& f) {
   auto crossings = f.crossings;
   std::ranges::stable_sort(crossings, std::ranges::greater{}, &TrafficMetrics::Crossing::waiting_s);
   constexpr std::size_t shown_max = 20;
-  Bars bars{"waiting for it, all together [s]", {}};
+  Bars bars{"total waiting time [s]", {}};
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < std::min(shown_max, crossings.size()); ++i) {
     const auto& x = crossings[i];
@@ -74,7 +74,8 @@ void add_crossings(Report& report, const TrafficMetrics& f) {
     const double mean_s = x.grants > 0 ? x.waiting_s / static_cast<double>(x.grants) : 0.0;
     rows.push_back({x.name, std::to_string(x.grants), readable(x.waiting_s, 1), readable(mean_s, 2)});
   }
-  report.figure(to_svg(bars), crossings.size() > shown_max ? "The twenty that cost most." : "What each cost.");
+  report.figure(to_svg(bars), crossings.size() > shown_max ? "The twenty crossings with the longest waits."
+                                                           : "Waiting time at each crossing.");
   report.table({"crossing", "passed", "waiting [s]", "waiting each [s]"}, rows);
 }
 
@@ -87,13 +88,13 @@ std::string to_html(const zone::TrafficZone& zone, const TrafficMetrics& f, cons
                                             " minutes after " + readable(f.warm_up_s, 0) + " s of warm-up, seed " +
                                             std::to_string(f.seed) + ", rules " + f.rules};
   report.metadata(metadata_of(f));
-  report.heading("Where they wait");
-  report.figure(heat_map(zone, f, true), "Standing without having arrived, by place.");
-  report.heading("Where they are");
-  report.figure(heat_map(zone, f, false), "Taken by a vehicle's middle, by place.");
+  report.heading("Waiting");
+  report.figure(heat_map(zone, f, true), "Stopped without having arrived, by position.");
+  report.heading("Occupancy");
+  report.figure(heat_map(zone, f, false), "Occupied by a vehicle's body origin, by position.");
   add_times(report, f);
   add_crossings(report, f);
-  report.heading("The same again");
+  report.heading("Reproduction");
   report.verbatim(command + "\ndigest " + f.digest);
   return report.html();
 }

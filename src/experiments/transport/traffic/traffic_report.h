@@ -7,8 +7,8 @@
 
 namespace cosiva::experiments {
 
-/// The run as one HTML page: figures, heat maps, curves, tables, and how to do it again.
-/// @param command  as it was given
+/// Writes the run as one HTML page: metrics, heat maps, curves, tables, and the command that reproduces it.
+/// @param command  as given
 [[nodiscard]] std::string to_html(const zone::TrafficZone& zone, const TrafficMetrics& metrics,
                                   const std::string& command);
 /// "due_s,from,to,priority,vehicle,given_s,fetched_s,done_s", a line per job that was due; empty: not yet.

@@ -45,7 +45,7 @@ TEST(Distribution, gives_percentiles_that_are_values) {
   EXPECT_EQ(distribution_of(hundred).p99, 99.0);
 }
 
-TEST(Traffic, of_one_that_circulates_is_laps_of_the_circuit_s_length_at_its_speed) {
+TEST(Traffic, of_one_circulating_vehicle_consists_of_laps_of_the_circuit_s_length_at_its_speed) {
   const TrafficRun run = run_of(options(cycle(), 1, 3600.0));
   const TrafficMetrics f = run.metrics();
   // 12 m and two half circles of 1 m: 18.28 m at the medium profile's 0.4 m/s, or the fast one's 0.5 m/s.
@@ -71,7 +71,7 @@ TEST(Traffic, carries_jobs_one_after_the_other) {
     EXPECT_GE(*course.done_s - *course.fetched_s, 2.0 * wanted.handling_s);
     EXPECT_EQ(course.vehicle, 0U);
   }
-  EXPECT_EQ(*courses[0].done_s, *courses[2].given_s) << "it was on its way already; then the higher priority";
+  EXPECT_EQ(*courses[0].done_s, *courses[2].given_s) << "the vehicle was already driving; then the higher priority";
   EXPECT_EQ(*courses[2].done_s, *courses[1].given_s);
   const TrafficMetrics f = run.metrics();
   EXPECT_EQ(f.jobs_done, 3U);
@@ -79,14 +79,14 @@ TEST(Traffic, carries_jobs_one_after_the_other) {
   EXPECT_GT(f.busy_ratio, 0.2);
 }
 
-TEST(Traffic, gives_a_job_to_the_one_that_is_there_first) {
+TEST(Traffic, assigns_a_job_to_the_vehicle_that_arrives_first) {
   TrafficOptions wanted = options(yard(), 4, 300.0);
   wanted.warm_up_s = 0.0;
   wanted.jobs = {{30.0, 1, 2, 0}};
   auto run = TrafficRun::make(wanted);
   ASSERT_TRUE(run);
   while (run->time_s() < 29.95) ASSERT_TRUE(run->advance(0.1));
-  // One way round: the nearest behind the station.
+  // In one direction of travel: the nearest vehicle behind the station.
   const zone::Circuit& circuit = yard()->circuit;
   const zone::TrackPosition station = yard()->stations[1].position;
   double nearest_m = 1e9;
@@ -104,7 +104,7 @@ TEST(Traffic, gives_a_job_to_the_one_that_is_there_first) {
   EXPECT_EQ(run->dispatcher().courses()[0].vehicle, nearest);
 }
 
-TEST(Traffic, on_a_real_zone_is_busy_safe_and_the_same_every_time) {
+TEST(Traffic, on_a_real_zone_is_busy_safe_and_reproducible) {
   const auto configuration = zone::testing::configuration_file("indus8.toml");
   const auto rtm = zone::Rtm::initialise(configuration);
   ASSERT_TRUE(rtm);
@@ -131,20 +131,19 @@ TEST(Traffic, counts_every_vehicle_second_in_some_cell) {
   EXPECT_NEAR(seconds, 3.0 * 100.0, 3.01);
 }
 
-TEST(Traffic, is_refused_where_there_is_no_room_or_no_sense) {
+TEST(Traffic, is_refused_without_room_or_with_invalid_options) {
   EXPECT_EQ(TrafficRun::make(options(cycle(), 5000, 10.0)).error().code, "traffic.room");
   EXPECT_EQ(TrafficRun::make(options(cycle(), 1, -1.0)).error().code, "traffic.options");
   EXPECT_EQ(TrafficRun::make(options(cycle(), 1, std::nan(""))).error().code, "traffic.options");
 }
 
-TEST(TrafficReport, shows_what_there_is_and_needs_no_other_file) {
+TEST(TrafficReport, contains_all_metrics_and_is_self_contained) {
   TrafficOptions wanted = options(yard(), 2, 600.0);
   wanted.jobs = *poisson_jobs(*yard(), 60.0, 660.0, 1);
   const TrafficRun run = run_of(wanted);
   const TrafficMetrics f = run.metrics();
   const std::string html = to_html(*yard(), f, "cosiva traffic --zone yard");
-  for (const char* part :
-       {"jobs an hour", "Where they wait", "heat map of yard", ">dock</text>", "cosiva traffic --zone yard"})
+  for (const char* part : {"jobs an hour", "Waiting", "heat map of yard", ">dock</text>", "cosiva traffic --zone yard"})
     EXPECT_THAT(html, HasSubstr(part));
   EXPECT_THAT(html, HasSubstr(f.digest));
   EXPECT_EQ(html.find("nan"), std::string::npos);

@@ -179,8 +179,8 @@ TEST_P(Overshot, vehicle_goes_first_when_the_vehicle_that_it_obstructs_releases_
   fixture.each_step = [&] {
     touches += fixture.touches();
     // Emulates its obstacle sensor; the sensor of the other vehicle faces in another direction.
-    const bool near = std::fabs(other.track_position().s_m - 0.9) < 0.32 && other.track_position().section == 6 && nose.track_position().section == 0 &&
-                      nose.track_position().s_m < 1.0;
+    const bool near = std::fabs(other.track_position().s_m - 0.9) < 0.32 && other.track_position().section == 6 &&
+                      nose.track_position().section == 0 && nose.track_position().s_m < 1.0;
     if (near != other.blocked) other.state_due = true;
     other.blocked = near;
     if (near && nose.paused) {

@@ -15,11 +15,11 @@ namespace cosiva::virtual_side {
 
 /// Why one vehicle waits for another.
 enum class WaitReason : std::uint8_t {
-  ahead,      ///< the other vehicle is ahead on its path, or where it needs room beyond a crossing
-  crossing,   ///< the other vehicle holds a crossing, or is in it
-  turn,       ///< the other vehicle requested a crossing earlier, or has the higher priority
+  ahead,     ///< the other vehicle is ahead on its path, or where it needs room beyond a crossing
+  crossing,  ///< the other vehicle holds a crossing, or is in it
+  turn,      ///< the other vehicle requested a crossing earlier, or has the higher priority
   off_path,  ///< the other vehicle's body, or its path onto the circuit, would be too close
-  sensors,    ///< the vehicle's own obstacle sensor stops it in front of the other
+  sensors,   ///< the vehicle's own obstacle sensor stops it in front of the other
 };
 
 /// Distances that keep vehicles apart; all are between the vehicles' body origins, in addition to one vehicle length.
