@@ -8,9 +8,9 @@ add_library(cosiva_headers OBJECT ${CMAKE_BINARY_DIR}/headers.cpp)
 target_link_libraries(cosiva_headers PRIVATE cosiva_flags)
 target_precompile_headers(cosiva_headers PRIVATE ${std_headers})
 
-# Where the checkout lies, known to one object file (base/test_places.h).
+# Where the checkout lies, known to one object file (base/test_paths.h).
 file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/source_dir.cpp
-     CONTENT "#include \"cosiva/base/test_places.h\"\nstd::string cosiva::source_dir() { return \"${CMAKE_SOURCE_DIR}\"; }\n")
+     CONTENT "#include \"cosiva/base/test_paths.h\"\nstd::string cosiva::source_dir() { return \"${CMAKE_SOURCE_DIR}\"; }\n")
 add_library(cosiva_source_dir STATIC EXCLUDE_FROM_ALL ${CMAKE_BINARY_DIR}/source_dir.cpp)
 target_link_libraries(cosiva_source_dir PRIVATE cosiva_flags)
 

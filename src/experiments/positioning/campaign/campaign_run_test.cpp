@@ -106,7 +106,7 @@ TEST(CampaignRun, continues_after_any_interruption_to_the_same_digest) {
 }
 
 TEST(CampaignRun, finished_has_nothing_left_to_do) {
-  const CampaignWork work = work_of("runs = 2\nway_m = 3\n[vary]\n");
+  const CampaignWork work = work_of("runs = 2\ndistance_m = 3\n[vary]\n");
   OneRank one;
   AloneWorker alone;
   auto run = CampaignRun::make(work, std::vector<UnitRecord>{*work.done(0)}, one);

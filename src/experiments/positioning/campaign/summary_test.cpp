@@ -61,7 +61,7 @@ TEST(Crossing, next_to_a_pitch_without_beacons_is_the_last_pitch_with_beacons) {
 TEST(CampaignSummary, finds_the_pitch_of_the_limit_s_closed_form_with_certainty) {
   // Nine runs of 60 m at nine pitches. The path is followed to 2 mm, which adds to the error along it.
   const Done done = done_of(
-      "runs = 9\nway_m = 60\ntolerance_m = 0.01\n[vary]\nalgorithm = [\"reset_rule\", \"arc_kalman\"]\n"
+      "runs = 9\ndistance_m = 60\ntolerance_m = 0.01\n[vary]\nalgorithm = [\"reset_rule\", \"arc_kalman\"]\n"
       "pitch_m = { from = 0.1, to = 3.2, steps = 9, log = true }\n");
   ASSERT_EQ(done.summary.pitches_met.size(), 2U);
   const double along_m = std::sqrt(1e-4 - 4e-6);
@@ -108,7 +108,7 @@ TEST(CampaignSummary, calls_a_cell_below_the_limit_a_leak) {
 }
 
 TEST(CampaignSummary, of_one_run_has_no_interval) {
-  const Done done = done_of("runs = 1\nway_m = 12\n[vary]\npitch_m = [0.5, 1.0]\n");
+  const Done done = done_of("runs = 1\ndistance_m = 12\n[vary]\npitch_m = [0.5, 1.0]\n");
   EXPECT_FALSE(done.summary.cells[0].rmse_m.interval);
   EXPECT_FALSE(done.summary.pitches_met[0].low);
 }
@@ -130,7 +130,7 @@ TEST(CampaignResult, has_equal_content_as_text_json_and_page) {
 
 TEST(CampaignResult, of_a_grid_draws_the_pitch_over_all_its_placements) {
   const Done done = done_of(
-      "runs = 3\nway_m = 10\nfiducials = \"grid\"\n[vary]\nalgorithm = \"arc_kalman\"\npitch_m = [0.1, 0.2]\n"
+      "runs = 3\ndistance_m = 10\nfiducials = \"grid\"\n[vary]\nalgorithm = \"arc_kalman\"\npitch_m = [0.1, 0.2]\n"
       "origin_x_m = [0.0, 0.05]\nrotation_deg = [20, 40]\n");
   ASSERT_EQ(done.summary.pitches_met.size(), 1U);
   const Curve curve = curve_of(done.work, done.records, Swept::pitch, 0, {});

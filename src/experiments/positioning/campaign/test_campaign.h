@@ -45,7 +45,7 @@ inline CampaignWork work_of(const std::string& text) {
 
 /// Twelve cells of five runs, at most a second's work.
 inline const std::string small_plan =
-    "runs = 5\nway_m = 12\ntolerance_m = 0.009\n[vary]\nalgorithm = [\"arc_kalman\", \"reset_rule\"]\n"
+    "runs = 5\ndistance_m = 12\ntolerance_m = 0.009\n[vary]\nalgorithm = [\"arc_kalman\", \"reset_rule\"]\n"
     "pitch_m = [0.25, 0.5, 1.0]\nmissed_ratio = [0.0, 0.3]\n";
 
 }  // namespace cosiva::experiments::testing

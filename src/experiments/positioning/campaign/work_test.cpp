@@ -15,7 +15,7 @@ using testing::small_plan;
 using testing::work_of;
 
 TEST(CampaignWork, cuts_every_run_of_every_environment_into_exactly_one_unit) {
-  const CampaignWork work = work_of("runs = 43\nway_m = 500\n[vary]\npitch_m = [0.5, 1.0, 2.0]\n");
+  const CampaignWork work = work_of("runs = 43\ndistance_m = 500\n[vary]\npitch_m = [0.5, 1.0, 2.0]\n");
   EXPECT_GT(work.units(), 3U) << "blocks, so that little is lost and no rank waits long";
   std::vector<std::vector<int>> detected(3, std::vector<int>(43, 0));
   for (std::size_t i = 0; i < work.units(); ++i) {
@@ -70,7 +70,7 @@ TEST(CampaignWork, reads_the_beacons_of_a_grid_as_often_as_their_density_predict
   // A free path passes 2·reach/pitch² beacons a metre; origins and rotations average out the effect of the circuit's
   // own directions.
   const CampaignWork work = work_of(
-      "runs = 1\nway_m = 1\nfiducials = \"grid\"\nreach_m = 0.02\n[vary]\nalgorithm = \"dead_reckoning\"\n"
+      "runs = 1\ndistance_m = 1\nfiducials = \"grid\"\nreach_m = 0.02\n[vary]\nalgorithm = \"dead_reckoning\"\n"
       "pitch_m = 0.2\norigin_x_m = [0.0, 0.05, 0.1, 0.15]\norigin_y_m = [0.02, 0.12]\nrotation_deg = [17, 31, 45]\n");
   double per_metre = 0.0;
   for (std::size_t i = 0; i < work.units(); ++i) {
@@ -85,7 +85,7 @@ TEST(CampaignWork, reads_the_beacons_of_a_grid_as_often_as_their_density_predict
 TEST(CampaignWork, reports_a_path_without_beacons_and_continues) {
   // One beacon in a hundred metres, and none under the path.
   const auto record =
-      work_of("runs = 2\nway_m = 5\nfiducials = \"grid\"\n[vary]\npitch_m = 100\norigin_x_m = 50\n").done(0);
+      work_of("runs = 2\ndistance_m = 5\nfiducials = \"grid\"\n[vary]\npitch_m = 100\norigin_x_m = 50\n").done(0);
   ASSERT_TRUE(record) << to_string(record.error());
   EXPECT_TRUE(std::isnan(record->fiducials.spacing_m));
   // Odometry alone, and the limit includes this: both drift.
