@@ -13,22 +13,22 @@ constexpr double disc_spacing_m = 0.05;
 }  // namespace
 
 BodyGap::BodyGap(const zone::TrafficZone& zone, Model model)
-    : zone_{zone}, model_{model}, path_ahead_{zone.circuit, model.sample_m, model.reach_m} {}
+    : zone_{zone}, model_{model}, look_ahead_{zone.circuit, model.sample_m, model.reach_m} {}
 
 void BodyGap::update(const Outlook& outlook) {
-  path_ahead_.sample(outlook);
+  look_ahead_.sample(outlook);
   X_BM_ = inverse(outlook.X_MB ? *outlook.X_MB : zone_.circuit.pose_at(outlook.here));
 }
 
 double BodyGap::disc_gap_m(Point2 p_B, double radius_m) const {
   const double half_m = 0.5 * zone_.vehicle.width_m + model_.margin_m;
-  const PathLookAhead::Offset there = path_ahead_.off_path(p_B);
-  const double near_m = half_m + radius_m + path_ahead_.sample_m();
+  const PathLookAhead::Offset there = look_ahead_.off_path(p_B);
+  const double near_m = half_m + radius_m + look_ahead_.sample_m();
   if (!(there.distance2_m2 < near_m * near_m)) return infinite;
-  const double along_m = path_ahead_.along_path_m(p_B, there.sample);
+  const double along_m = look_ahead_.along_path_m(p_B, there.sample);
   // Beyond the last sample the path is unknown, and a body behind the body origin does not hold the vehicle.
-  if (along_m <= 0.0 || along_m > path_ahead_.length_m() + 0.5 * path_ahead_.sample_m()) return infinite;
-  const double beyond_m = along_m - static_cast<double>(there.sample) * path_ahead_.sample_m();
+  if (along_m <= 0.0 || along_m > look_ahead_.length_m() + 0.5 * look_ahead_.sample_m()) return infinite;
+  const double beyond_m = along_m - static_cast<double>(there.sample) * look_ahead_.sample_m();
   const double beside_m = std::sqrt(std::max(0.0, there.distance2_m2 - beyond_m * beyond_m));
   // Extent along the path of the disc's part inside the corridor, to either side of the disc's centre.
   const double outside_m = std::max(0.0, beside_m - half_m);

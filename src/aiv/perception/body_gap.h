@@ -32,7 +32,7 @@ class BodyGap {
 
   const zone::TrafficZone& zone_;
   Model model_;
-  PathLookAhead path_ahead_;
+  PathLookAhead look_ahead_;
   Pose2 X_BM_;
 };
 

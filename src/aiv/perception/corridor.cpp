@@ -6,7 +6,7 @@
 namespace cosiva::aiv {
 
 Corridor::Corridor(const zone::TrafficZone& zone, Model model)
-    : zone_{zone}, model_{model}, path_ahead_{zone.circuit, model.sample_m, model.reach_m} {}
+    : zone_{zone}, model_{model}, look_ahead_{zone.circuit, model.sample_m, model.reach_m} {}
 
 double Corridor::echo_ahead_m(double range_m, double bearing_rad, double spread_rad) const {
   const double front_m = 0.5 * zone_.vehicle.length_m;
@@ -17,9 +17,9 @@ double Corridor::echo_ahead_m(double range_m, double bearing_rad, double spread_
   for (const double side : {0.0, -1.0, 1.0}) {
     const auto [sin, cos] = sincos(bearing_rad + side * spread_rad);
     const Point2 echo_B{front_m + range_m * cos, range_m * sin};
-    const PathLookAhead::Offset there = path_ahead_.off_path(echo_B);
+    const PathLookAhead::Offset there = look_ahead_.off_path(echo_B);
     if (there.distance2_m2 < near_m * near_m)
-      nearest_m = std::min(nearest_m, path_ahead_.along_path_m(echo_B, there.sample) - front_m);
+      nearest_m = std::min(nearest_m, look_ahead_.along_path_m(echo_B, there.sample) - front_m);
     // Most echoes come from other lanes: where the centre of the beam is this far off, the sides of the beam are off
     // too.
     const double spread_m = near_m + spread_rad * range_m;
@@ -37,7 +37,7 @@ Corridor::Scan Corridor::scan(const Outlook& outlook, const wire::Ranges& ranges
     if (ranges.range_mm[beam] == wire::no_echo) continue;
     const double range_m = 0.001 * ranges.range_mm[beam];
     if (range_m > reach_m()) continue;
-    if (!sampled) path_ahead_.sample(outlook);
+    if (!sampled) look_ahead_.sample(outlook);
     sampled = true;
     const double bearing_rad = 0.01 * ranges.first_bearing_crad + width_rad * static_cast<double>(beam);
     const double ahead_m = echo_ahead_m(range_m, bearing_rad, model_.beam_ratio * width_rad);

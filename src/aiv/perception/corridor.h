@@ -58,7 +58,7 @@ class Corridor {
 
   const zone::TrafficZone& zone_;
   Model model_;
-  PathLookAhead path_ahead_;
+  PathLookAhead look_ahead_;
 };
 
 /// The median of the last three frames: neither one missed echo nor one false echo changes the agent's decision.
