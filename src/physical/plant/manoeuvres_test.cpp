@@ -364,7 +364,7 @@ TEST(LineVehicle, put_on_another_floor_while_it_moves_is_an_internal_error) {
   const Circuit next = other({-2, 0.2, 0});
   LineVehicle vehicle = on(old, {0, 1.0});
   drive(vehicle, {0.3, 0.5, 0.8, 0}, 1.0);
-  EXPECT_DEATH(vehicle.set_zone(next), "stands");
+  EXPECT_DEATH(vehicle.set_zone(next), "is_stopped");
 }
 
 TEST(Odometer, measures_a_manoeuvre_from_its_start_and_leaves_the_distance_unchanged) {

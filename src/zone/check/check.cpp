@@ -148,7 +148,7 @@ class Checker {
         record(Severity::warning, "zone.no_return", {id, 0.0},
                "all routes from " + name(id) + " end; a vehicle that drives in cannot return");
       if (circuit_.previous(id).empty())
-        record(Severity::warning, "zone.unreachable", {id, 0.0},
+        record(Severity::warning, "zone.no_entry", {id, 0.0},
                "no section leads to " + name(id) + "; only vehicles that start there drive on it");
     }
   }

@@ -98,7 +98,7 @@ TEST(Check, reports_dead_ends_sections_into_them_and_sections_that_no_other_lead
   const auto into = of_code(zone, "zone.no_return");
   ASSERT_THAT(into, SizeIs(1));
   EXPECT_EQ(into[0].position.section, 4U);
-  const auto outside = of_code(zone, "zone.unreachable");
+  const auto outside = of_code(zone, "zone.no_entry");
   ASSERT_THAT(outside, SizeIs(1));
   EXPECT_EQ(outside[0].position.section, 6U);
 }

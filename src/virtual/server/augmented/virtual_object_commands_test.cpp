@@ -89,7 +89,7 @@ TEST(VirtualObjects, that_are_invalid_are_rejected_with_a_message_and_change_not
       {person(R"("path":[[0,0],[1,0]],"speed":3.5)"), "3.00 m/s"},
       {person(R"("path":[[0,0],[1,0]],"speed":-1)"), "0.00 m"},
       {person(R"("path":[[0,0],[1,0]],"repeat":"twice")"), "back and forth"},
-      {person(R"("id":"P1","x":0,"y":0)"), "already"},
+      {person(R"("id":"P1","x":0,"y":0)"), "is in use"},
       {person(R"("id":"S1","x":0,"y":0)"), "choose another id"},
       {person(R"("id":"a b","x":0,"y":0)"), "not a valid id"},
       {person(R"("id":7,"x":0,"y":0)"), "not a valid id"},
@@ -219,7 +219,7 @@ TEST(VirtualAivs, are_rejected_where_no_vehicle_may_be) {
   EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"section":"south","s":2.5)")), HasSubstr("2.00 m"));
   EXPECT_EQ(fixture.refusal(virtual_aiv(R"(,"x":1.5,"y":0.2)")), "");
   fixture.send_command(virtual_aiv(R"(,"x":1.5,"y":0.2)"));
-  EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"id":"V1")")), HasSubstr("already"));
+  EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"id":"V1")")), HasSubstr("is in use"));
   EXPECT_THAT(fixture.refusal(virtual_aiv(R"(,"x":1.6,"y":0.0)")), HasSubstr("CoSiVA.virtual/V1"));
   EXPECT_THAT(fixture.refusal(R"({"command":"move","virtualObject":{"id":"V1","x":1,"y":0}})"),
               HasSubstr("cannot be moved"));
@@ -243,7 +243,7 @@ TEST(VirtualAivs, continue_from_their_position_when_the_circuit_changes) {
   EXPECT_THAT(aivs(fixture), ElementsAre("CoSiVA.virtual/V1", "CoSiVA.virtual/V2"));
   EXPECT_GT(*fixture.aiv("CoSiVA.virtual/V1").number("speed"), 0.05);
   const JsonValue off_route = fixture.aiv("CoSiVA.virtual/V2");
-  EXPECT_THAT(off_route.text("offRoute").value_or(""), HasSubstr("from the nearest way")) << "its section ended there";
+  EXPECT_THAT(off_route.text("offRoute").value_or(""), HasSubstr("from the nearest section")) << "its section ended there";
   EXPECT_EQ(*off_route.number("speed"), 0.0);
   EXPECT_EQ(*off_route.number("y"), 0.0);
 }
@@ -354,8 +354,8 @@ TEST(WorldCommands, are_forwarded_to_the_emulated_plant_that_supports_them) {
 
 TEST(WorldCommands, that_are_invalid_are_rejected) {
   ServerFixture fixture;
-  EXPECT_THAT(fixture.refusal(R"({"command":"plant"})"), HasSubstr("say what"));
-  EXPECT_THAT(fixture.refusal(R"({"command":"plant","plant":{}})"), HasSubstr("say what"));
+  EXPECT_THAT(fixture.refusal(R"({"command":"plant"})"), HasSubstr("state what"));
+  EXPECT_THAT(fixture.refusal(R"({"command":"plant","plant":{}})"), HasSubstr("state what"));
   EXPECT_THAT(fixture.refusal(R"({"command":"plant","plant":{"addObstacle":{"x":0,"y":0}}})"), HasSubstr("name"));
   EXPECT_THAT(fixture.refusal(R"({"command":"plant","plant":{"addObstacle":{"id":"a","x":90,"y":0}}})"),
               HasSubstr("off the zone"));
