@@ -46,7 +46,7 @@ TEST(ZoneFiles, of_every_format_are_found_by_name) {
   EXPECT_NE(named(ready, "lacet4"), nullptr) << "those of the source tree";
   EXPECT_EQ(named(ready, "area.zone"), nullptr) << "a sidecar file is no zone";
   EXPECT_EQ(named(ready, "package"), nullptr) << "not every such file is a zone";
-  EXPECT_THAT(find_zone_file("haal").error().message, HasSubstr("did you mean 'area'?"));
+  EXPECT_THAT(find_zone_file("aera").error().message, HasSubstr("did you mean 'area'?"));
 }
 
 TEST(ZoneFiles, include_their_sidecar_file) {

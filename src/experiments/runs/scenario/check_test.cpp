@@ -68,7 +68,7 @@ TEST(ScenarioCheck, positions_off_the_zone_or_off_its_paths_are_refused) {
   expect_bad(at(0, "person = { id = \"P1\", at = [0, 40] }"), "2: at", "is off the zone lacet4");
   expect_bad(at(0, "person = { id = \"P1\", path = [[0, 0], [0, 40]] }"), "2: path", "is off the zone");
   expect_bad(at(0, "physical_obstacle = { id = \"b\", at = [-40, 0] }"), "2: at", "is off the zone");
-  expect_bad(at(0, "virtual_aiv = { id = \"V1\", at = [0.75, 0.75] }"), "2: virtual_aiv.at", "m off");
+  expect_bad(at(0, "virtual_aiv = { id = \"V1\", at = [0.75, 0.75] }"), "2: virtual_aiv.at", "m away");
   expect_bad(at(0, "virtual_aiv = { id = \"V1\", section = \"esat\", s_m = 0 }"), "2: virtual_aiv.section",
              "did you mean \"east\"?");
   expect_bad(at(0, "virtual_aiv = { id = \"V1\", section = \"east\", s_m = 1.6 }"), "2: virtual_aiv.s_m",

@@ -358,7 +358,7 @@ TEST(WorldCommands, that_are_invalid_are_rejected) {
   EXPECT_THAT(fixture.refusal(R"({"command":"plant","plant":{}})"), HasSubstr("state what"));
   EXPECT_THAT(fixture.refusal(R"({"command":"plant","plant":{"addObstacle":{"x":0,"y":0}}})"), HasSubstr("name"));
   EXPECT_THAT(fixture.refusal(R"({"command":"plant","plant":{"addObstacle":{"id":"a","x":90,"y":0}}})"),
-              HasSubstr("off the zone"));
+              HasSubstr("outside the zone"));
   EXPECT_THAT(fixture.refusal(R"({"command":"plant","plant":{"addObstacle":{"id":"a","x":0,"y":0,"radius":9}}})"),
               HasSubstr("0.02 m to 1 m"));
   EXPECT_THAT(fixture.refusal(R"({"command":"plant","plant":{"removeObstacle":7}})"), HasSubstr("name"));
