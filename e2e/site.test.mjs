@@ -42,7 +42,7 @@ test('any number of ranks and threads gives the digest of one process, and only 
 
 test('an error in a site is reported with file and line, and every rank ends with status 2', async (t) => {
   const file = path.join(work_folder(t), 'site.toml');
-  writeFileSync(file, '[[zone]]\nfile = "lacet4"\n[[zone]]\nfile = "indus8"\n[[passage]]\nfrom = "lacet4/S1"\nto = "indus9"\n');
+  writeFileSync(file, '[[zone]]\nfile = "lacet4"\n[[zone]]\nfile = "indus8"\n[[transfer_point]]\nfrom = "lacet4/S1"\nto = "indus9"\n');
   for (const tell of [() => run(binary, ['traffic', '--zones', file]), () => on_ranks(2, ['traffic', '--zones', file])]) {
     const { code, stderr } = await tell();
     assert.equal(code, 2, stderr);

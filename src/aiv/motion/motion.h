@@ -48,7 +48,7 @@ class TravelDir {
 class AivMotion {
  public:
   AivMotion() = default;
-  /// @param place  section and arc length from the section's own start; s clamped to [0, L]
+  /// @param position section and arc length from the section's own start; s clamped to [0, L]
   AivMotion(const zone::Circuit& circuit, zone::TrackPosition position, TravelDir direction = TravelDir::direct());
 
   [[nodiscard]] zone::SectionId current_section() const { return section_; }

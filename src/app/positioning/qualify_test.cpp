@@ -368,7 +368,7 @@ TEST(Compare, refuses_bad_input_with_its_location) {
   EXPECT_THAT(refusal({"compare", "--reference-budget", bad}), HasSubstr("bad.tum"));
   EXPECT_THAT(refusal({"compare", "--reference-budget", bad, "--reference-error", "0.01"}),
               HasSubstr("give one of them"));
-  EXPECT_THAT(refusal({"compare", "--reference", scratch / "mine.tum", "--estimate", scratch / "ground_truth.tum"}),
+  EXPECT_THAT(refusal({"compare", "--reference", scratch / "mine.tum", "--estimate", scratch / "groundtruth.tum"}),
               HasSubstr("seem to be swapped"));
 }
 

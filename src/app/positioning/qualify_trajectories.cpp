@@ -44,7 +44,7 @@ std::vector<std::string> text_of(const std::string& file) {
 /// Whether a file's name indicates a ground truth.
 bool called_ground_truth(const std::string& file) {
   return std::ranges::any_of(text_of(file), [](const std::string& word) {
-    return word == "gt" || word == "ref" || word.find("ground_truth") != std::string::npos ||
+    return word == "gt" || word == "ref" || word.find("truth") != std::string::npos ||
            word.find("reference") != std::string::npos;
   });
 }

@@ -243,7 +243,7 @@ TEST(ZoneSwitch, without_a_broker_or_with_a_bad_file_ends_with_2) {
 
 TEST(SwitchedZone, is_read_from_the_snapshot_with_off_route_vehicles) {
   const auto switched = switched_in(
-      R"({"aivs":[{},{}],"zone":{"name":"b","switched":{"at":1,"from":"a","first_moving_ms":431.4,"anchored":12,)"
+      R"({"aivs":[{},{}],"zone":{"name":"b","switched":{"at":1,"from":"a","first_moving_ms":431.4,"snapped":12,)"
       R"("offRoute":["CoSiVA/AIV7"]}}})");
   ASSERT_TRUE(switched);
   EXPECT_EQ(switched->name, "b");
@@ -253,10 +253,10 @@ TEST(SwitchedZone, is_read_from_the_snapshot_with_off_route_vehicles) {
 
 TEST(SwitchedZone, distinguishes_no_moving_vehicle_from_no_vehicle) {
   const std::string table =
-      R"("zone":{"name":"b","switched":{"at":1,"first_moving_ms":null,"anchored":0,"offRoute":[]}}})";
+      R"("zone":{"name":"b","switched":{"at":1,"first_moving_ms":null,"snapped":0,"offRoute":[]}}})";
   EXPECT_THAT(to_text(*switched_in(R"({"aivs":[{}],)" + table)), HasSubstr("no vehicle has moved yet"));
   EXPECT_THAT(to_text(*switched_in(R"({"aivs":[],)" + table)), HasSubstr("there are no vehicles"));
-  EXPECT_THAT(to_text(*switched_in(R"({"aivs":[{}],"zone":{"switched":{"anchored":0,"offRoute":["CoSiVA/AIV1"]}}})")),
+  EXPECT_THAT(to_text(*switched_in(R"({"aivs":[{}],"zone":{"switched":{"snapped":0,"offRoute":["CoSiVA/AIV1"]}}})")),
               HasSubstr("no vehicle can continue"));
   EXPECT_FALSE(switched_in(R"({"aivs":[],"zone":{"name":"b","switched":null}})"));
   for (const char* none : {"", "null", "[]", "{}", R"({"zone":3})"}) EXPECT_FALSE(switched_in(none)) << none;

@@ -23,7 +23,7 @@ struct Friedman {
   double chi_squared;
   double p;
 };
-/// @param figures  figures[run][algorithm], smaller is better
+/// @param metrics  metrics[run][algorithm], smaller is better
 /// Nothing for fewer than two runs or two algorithms.
 [[nodiscard]] std::optional<Friedman> friedman(const std::vector<std::vector<double>>& metrics);
 

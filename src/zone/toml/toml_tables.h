@@ -21,7 +21,7 @@ void read_basics(const TomlFields& root, Sidecar& basics);
 class TomlTables {
  public:
   /// @param rules  of the format's own waypoints; spacing, room and stations come from here
-  /// @param ways   location of faults in the sections themselves, for messages
+  /// @param tracks location of faults in the sections themselves, for messages
   TomlTables(TomlFaults& faults, const TomlFields& root, TrafficZone& zone, const Sidecar& basics, WaypointRules rules,
              std::string tracks)
       : faults_{faults},

@@ -101,7 +101,7 @@ std::string trajectory(const Qualification& all, const Conditions& conditions) {
     }
     return series;
   };
-  chart.series.push_back(line("ground_truth", all.ground_truth));
+  chart.series.push_back(line("ground truth", all.ground_truth));
   for (const Qualified* one : drawn(all, colours - 1)) chart.series.push_back(line(one->name, one->path));
   for (const std::vector<Point2>& one : conditions.lines) {
     Series ground;

@@ -36,7 +36,7 @@ void check_zone(const Entry& entry, const char* key, const std::string& name, co
 SitePlan read(const Entry& root) {
   SitePlan plan;
   std::set<std::string> names;
-  root.expect_only({"zone", "transferPoint"});
+  root.expect_only({"zone", "transfer_point"});
   for (const Entry& entry : root.tables("zone", site_zones_max)) {
     entry.expect_only({"name", "file", "aivs"});
     SitePlan::Zone zone;
@@ -49,7 +49,7 @@ SitePlan read(const Entry& root) {
       entry.fault("name", "site.value", "a zone's name has no '/', which separates a zone and its station");
     plan.zones.push_back(std::move(zone));
   }
-  for (const Entry& entry : root.tables("transferPoint", site_zones_max)) {
+  for (const Entry& entry : root.tables("transfer_point", site_zones_max)) {
     entry.expect_only({"from", "to", "takes_s", "bidirectional"});
     SitePlan::TransferPoint transfer_point;
     std::tie(transfer_point.from_zone, transfer_point.from_station) = end_of(entry.text("from", text_max));

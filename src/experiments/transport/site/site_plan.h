@@ -32,7 +32,7 @@ struct SitePlan {
 
 inline constexpr std::size_t site_zones_max = 100'000;
 
-/// From a TOML file of [[zone]] (name, file, aivs) and [[passage]] (from, to: "zone" or "zone/station"; takes_s;
+/// From a TOML file of [[zone]] (name, file, aivs) and [[transfer_point]] (from, to: "zone" or "zone/station"; takes_s;
 /// bidirectional). Fails ("site.file", "site.value", "site.key") with file, line and what is wrong.
 [[nodiscard]] Result<SitePlan> read_site_plan(std::string_view toml, std::string_view origin);
 

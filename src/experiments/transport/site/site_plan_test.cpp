@@ -12,7 +12,7 @@ file = "lacet4"
 aivs = 8
 [[zone]]
 file = "indus8"
-[[passage]]
+[[transfer_point]]
 from = "area/S1"
 to = "indus8"
 takes_s = 25
@@ -57,9 +57,9 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Bad{"", "at least one [[zone]]"}, Bad{"[[zone]]\naivs = 3\n", "file"},
                     Bad{"[[zone]]\nfile = \"a\"\n[[zone]]\nfile = \"a\"\n", "two zones"},
                     Bad{"[[zone]]\nfile = \"a/b\"\n", "'/'"},
-                    Bad{"[[zone]]\nfile = \"area\"\n[[passage]]\nfrom = \"hal\"\nto = \"area\"\n",
+                    Bad{"[[zone]]\nfile = \"area\"\n[[transfer_point]]\nfrom = \"hal\"\nto = \"area\"\n",
                         "is \"area\" meant?"},
-                    Bad{"[[zone]]\nfile = \"a\"\n[[passage]]\nfrom = \"a\"\nto = \"a\"\n", "another zone"},
+                    Bad{"[[zone]]\nfile = \"a\"\n[[transfer_point]]\nfrom = \"a\"\nto = \"a\"\n", "another zone"},
                     Bad{"[[zone]]\nfile = \"a\"\naivs = -1\n", "aivs"},
                     Bad{"[[zone]]\nfile = \"a\"\nspeed = 3\n", "speed"}, Bad{"[[zone]\n", "site.toml:1"}));
 

@@ -9,7 +9,7 @@ namespace cosiva::experiments {
 
 /// Draws the circuit as SVG, y up: each cell in the colour of the ratio of time that a vehicle was stopped in it
 /// without having arrived (`standing`), or of the ratio of time that the cell was occupied.
-/// @param figures  its `cells` by section
+/// @param metrics  its `cells` by section
 [[nodiscard]] std::string heat_map(const zone::TrafficZone& zone, const TrafficMetrics& metrics, bool stopped);
 
 }  // namespace cosiva::experiments
