@@ -57,7 +57,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Bad{"", "at least one [[zone]]"}, Bad{"[[zone]]\naivs = 3\n", "file"},
                     Bad{"[[zone]]\nfile = \"a\"\n[[zone]]\nfile = \"a\"\n", "two zones"},
                     Bad{"[[zone]]\nfile = \"a/b\"\n", "'/'"},
-                    Bad{"[[zone]]\nfile = \"area\"\n[[transfer_point]]\nfrom = \"hal\"\nto = \"area\"\n",
+                    Bad{"[[zone]]\nfile = \"area\"\n[[transfer_point]]\nfrom = \"arae\"\nto = \"area\"\n",
                         "is \"area\" meant?"},
                     Bad{"[[zone]]\nfile = \"a\"\n[[transfer_point]]\nfrom = \"a\"\nto = \"a\"\n", "another zone"},
                     Bad{"[[zone]]\nfile = \"a\"\naivs = -1\n", "aivs"},
