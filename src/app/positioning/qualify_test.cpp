@@ -243,18 +243,18 @@ TEST(Compare, refuses_an_alignment_that_means_nothing) {
   const Scratch scratch;
   const std::string line = scratch / "line.tum";
   EXPECT_TRUE(adapters::write_file(line, "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 2 0 0 0 0 0 1\n"));
-  const auto arguments = [](const std::vector<std::string>& arguments) {
+  const auto refusal = [](const std::vector<std::string>& arguments) {
     const Said said = cosiva(arguments);
     EXPECT_EQ(said.status, 2) << said.standard_error;
     return said.standard_error;
   };
-  EXPECT_THAT(arguments({"compare", "--align", "se2"}),
+  EXPECT_THAT(refusal({"compare", "--align", "se2"}),
               HasSubstr("--align se2: in virtual time all are told the truth's own frame"));
   EXPECT_THAT(
-      arguments({"qualify", "--recording", source + "/src/experiments/positioning/recording/plaza1", "--align", "se3"}),
+      refusal({"qualify", "--recording", source + "/src/experiments/positioning/recording/plaza1", "--align", "se3"}),
       HasSubstr("a recording lies on the floor"));
-  EXPECT_THAT(arguments({"compare", "--align", "sim3"}), HasSubstr("sim3"));
-  EXPECT_THAT(arguments({"compare", "--reference", line, "--estimate", line, "--align", "se3"}),
+  EXPECT_THAT(refusal({"compare", "--align", "sim3"}), HasSubstr("sim3"));
+  EXPECT_THAT(refusal({"compare", "--reference", line, "--estimate", line, "--align", "se3"}),
               HasSubstr("too near one line"));
 }
 
@@ -341,28 +341,28 @@ TEST(Compare, keeps_the_others_when_a_program_hangs_ends_or_talks_nonsense) {
 
 TEST(Compare, refuses_bad_input_with_its_place) {
   const Scratch scratch;
-  const auto arguments = [](const std::vector<std::string>& arguments) {
+  const auto refusal = [](const std::vector<std::string>& arguments) {
     const Said said = cosiva(arguments);
     EXPECT_EQ(said.status, 2) << said.standard_error;
     return said.standard_error;
   };
-  EXPECT_THAT(arguments({"qualify", "kalmann"}), HasSubstr("there is no such algorithm"));
-  EXPECT_THAT(arguments({"compare", "ekf"}), HasSubstr("at least two"));
-  EXPECT_THAT(arguments({"compare", "ekf", "ekf"}), HasSubstr("named twice"));
-  EXPECT_THAT(arguments({"qualify", "ekf", "--recording", scratch / "nowhere"}), HasSubstr("cannot read the folder"));
-  EXPECT_THAT(arguments({"qualify", "--external", "mine"}), HasSubstr("NAME=COMMAND"));
-  EXPECT_THAT(arguments({"qualify", "--way", "0"}), HasSubstr("longer than nothing"));
-  EXPECT_THAT(arguments({"qualify", "--zone", "nowhere"}), HasSubstr("nowhere"));
+  EXPECT_THAT(refusal({"qualify", "kalmann"}), HasSubstr("there is no such algorithm"));
+  EXPECT_THAT(refusal({"compare", "ekf"}), HasSubstr("at least two"));
+  EXPECT_THAT(refusal({"compare", "ekf", "ekf"}), HasSubstr("named twice"));
+  EXPECT_THAT(refusal({"qualify", "ekf", "--recording", scratch / "nowhere"}), HasSubstr("cannot read the folder"));
+  EXPECT_THAT(refusal({"qualify", "--external", "mine"}), HasSubstr("NAME=COMMAND"));
+  EXPECT_THAT(refusal({"qualify", "--way", "0"}), HasSubstr("longer than nothing"));
+  EXPECT_THAT(refusal({"qualify", "--zone", "nowhere"}), HasSubstr("nowhere"));
   const std::string bad = scratch / "bad.tum";
   EXPECT_TRUE(adapters::write_file(bad, "0 0 0 0 0 0 0 1\nnan 0 0 0 0 0 0 1\n"));
-  EXPECT_THAT(arguments({"compare", "--reference", bad, "--estimate", bad}), HasSubstr("bad.tum:2"));
-  EXPECT_THAT(arguments({"compare", "--estimate", bad}), HasSubstr("--reference"));
-  EXPECT_THAT(arguments({"compare", "--reference-budget", scratch / "no.json"}), HasSubstr("no.json"));
-  EXPECT_THAT(arguments({"compare", "--reference-budget", bad}), HasSubstr("bad.tum"));
-  EXPECT_THAT(arguments({"compare", "--reference-budget", bad, "--reference-error", "0.01"}),
+  EXPECT_THAT(refusal({"compare", "--reference", bad, "--estimate", bad}), HasSubstr("bad.tum:2"));
+  EXPECT_THAT(refusal({"compare", "--estimate", bad}), HasSubstr("--reference"));
+  EXPECT_THAT(refusal({"compare", "--reference-budget", scratch / "no.json"}), HasSubstr("no.json"));
+  EXPECT_THAT(refusal({"compare", "--reference-budget", bad}), HasSubstr("bad.tum"));
+  EXPECT_THAT(refusal({"compare", "--reference-budget", bad, "--reference-error", "0.01"}),
               HasSubstr("give one of them"));
   EXPECT_THAT(
-      arguments({"compare", "--reference", scratch / "mine.tum", "--estimate", scratch / "groundground_truth.tum"}),
+      refusal({"compare", "--reference", scratch / "mine.tum", "--estimate", scratch / "groundground_truth.tum"}),
       HasSubstr("seem to be swapped"));
 }
 
