@@ -61,7 +61,7 @@ test('killed and started again it is resumed, with the same files as an undistur
   }
   const last = await campaign(file, '--out', killed);
   assert.equal(last.code, 0, last.stderr);
-  assert.match(last.stderr, /goes on: \d+ of \d+ units are finished/);
+  assert.match(last.stderr, /campaign continues: \d+ of \d+ units are finished/);
   same_files(calm, killed);
   // A finished campaign has nothing to do, and prints the same again.
   const again = await campaign(file, '--out', killed);

@@ -38,7 +38,7 @@ test('a third-party master control drives a CoSiVA AIV', { timeout: 150_000 }, a
   const part = (...args) => new Program(t, cosiva_binary(), [...args, '--sockets', sockets, '--broker', broker.address], { cwd: folder });
   const journals = { plant: path.join(folder, 'plant.journal'), aiv: path.join(folder, 'aiv.journal') };
   const plant = part('plant', '--zone', zone, '--vehicles', '1', '--record', journals.plant);
-  const vehicle = part('aiv', '--record', journals.aiv, '--number', '1', '--zone', zone, '--start', `${start.section}:${start.s}`, '--state_file', path.join(folder, 'aiv1.state_file'));
+  const vehicle = part('aiv', '--record', journals.aiv, '--number', '1', '--zone', zone, '--start', `${start.section}:${start.s}`, '--state-file', path.join(folder, 'aiv1.state_file'));
   const ground_truth = await Truth.follow(t, broker.port);
   const bus = await Bus.open(t, broker.port, ['uagv/v2/CoSiVA/AIV1/state']);
   let state = null;

@@ -17,7 +17,7 @@ class ControlArea {
   }
 
   start() {
-    const args = ['server', '--area', this.name, '--zone', zone(`hall_${this.name}`), '--broker', this.broker, '--port', String(this.port), '--headless', '--state_file', path.join(this.folder, `${this.name}.state_file`)];
+    const args = ['server', '--area', this.name, '--zone', zone(`hall_${this.name}`), '--broker', this.broker, '--port', String(this.port), '--headless', '--state-file', path.join(this.folder, `${this.name}.state_file`)];
     this.program = new Program(this.t, cosiva_binary(), args, { cwd: this.folder, name: `server ${this.name}` });
   }
 
@@ -99,7 +99,7 @@ test('a vehicle goes from area to area and back, and never loses its twin', { ti
   const starts = ['a_far:2.3', 'b_far:2.3'];
   const ones = [];
   const start_aiv = (number) => {
-    const args = ['aiv', '--number', String(number), '--sockets', sockets, '--start', starts[number - 1], '--broker', address, '--state_file', path.join(folder, `aiv${number}.state_file`)];
+    const args = ['aiv', '--number', String(number), '--sockets', sockets, '--start', starts[number - 1], '--broker', address, '--state-file', path.join(folder, `aiv${number}.state_file`)];
     ones[number - 1] = new Program(t, cosiva_binary(), args, { cwd: folder, name: `aiv ${number}` });
   };
   start_aiv(1);
