@@ -39,7 +39,7 @@ test('cosiva up --gvs', { timeout: 240_000 }, async (t) => {
     await page.getByTestId('open-gvs').click();
     const panel = page.getByTestId('gvs');
     await panel.getByTestId('gvs-picture').waitFor({ timeout: 15_000 });
-    await eventually('three outlines', async () => (await panel.locator('[data-sight] path[d$="Z"]').count()) === 3);
+    await eventually('three outlines', async () => (await panel.locator('[data-detection] path[d$="Z"]').count()) === 3);
     const canvas = panel.locator('canvas');
     const look = () => canvas.evaluate((element) => {
       const { data } = element.getContext('2d').getImageData(0, 0, element.width, element.height);
@@ -57,7 +57,7 @@ test('cosiva up --gvs', { timeout: 240_000 }, async (t) => {
 
   await t.test('an AIV chosen in the view is the chosen one everywhere', async () => {
     await page.getByTestId('gvs-seen').getByRole('button', { name: 'AIV2' }).click();
-    await eventually('it is', async () => (await page.locator('[data-sight="CoSiVA/AIV2"].selected').count()) === 1);
+    await eventually('it is', async () => (await page.locator('[data-detection="CoSiVA/AIV2"].selected').count()) === 1);
   });
 
   for (const theme of ['light', 'dark']) {
@@ -159,7 +159,7 @@ test('recorded images of a calibrated camera are processed to their end, and the
     const finding = await eventually('their end is named', async () => (await findings(platform)).find(({ kind }) => kind === 'no detection'), { within_ms: 40_000, every_ms: 100 });
     assert.match(finding.text, /there are no more images/);
     const { gvs, aivs } = await platform.snapshot();
-    assert.equal(gvs.state, 'silent');
+    assert.equal(gvs.state, 'unresponsive');
     assert.match(gvs.source, /area\/images/);
     assert.ok(aivs.every((aiv) => !aiv.lost));
   });

@@ -21,7 +21,7 @@ test('cosiva compare --live', { timeout: 180_000 }, async (t) => {
   const program = new Program(t, cosiva_binary(), args, { name: 'cosiva compare' });
   let stdout = '';
   program.spawned.stdout.on('data', (chunk) => (stdout += chunk));
-  await eventually('they drive', () => / [1-9]\d* % of the way, .* left/.test(program.words), { within_ms: 30_000 });
+  await eventually('they drive', () => / [1-9]\d* % of the distance, .* left/.test(program.words), { within_ms: 30_000 });
   await platform.kill_child(/aiv\D*2$/i);
   const { code } = await program.ended;
   assert.equal(code, 0, tail(program.words));
@@ -68,7 +68,7 @@ test('cosiva qualify --live reports errors', { timeout: 60_000 }, async (t) => {
   await refused(['ekf', '--vehicle', 'no/such/name'], /AIV3, or MANUFACTURER\/SERIAL/);
   await refused(['ekf', '--vehicle', 'AIV1', '--vehicle', 'CoSiVA/AIV1'], /given twice/);
   await refused(['particles', '--particles', '9000'], /on board there are at most 5000/);
-  await refused(['ekf', '--rate', '1000'], /0\.1 to 50 times a second/);
+  await refused(['ekf', '--rate', '1000'], /0\.1 to 50 requests per second/);
   await refused(['ekf', '--broker', `127.0.0.1:${await free_port()}`], /no broker responds at this address: is the platform running/);
   const few = await cosiva(['compare', '--live', 'ekf']);
   assert.equal(few.code, 2);

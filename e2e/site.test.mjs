@@ -46,7 +46,7 @@ test('an error in a site is reported with file and line, and every rank ends wit
   for (const tell of [() => run(binary, ['traffic', '--zones', file]), () => on_ranks(2, ['traffic', '--zones', file])]) {
     const { code, stderr } = await tell();
     assert.equal(code, 2, stderr);
-    assert.match(stderr, /site\.toml:\d+: passage\[1\]\.to: .*"indus8" meant\?/);
+    assert.match(stderr, /site\.toml:\d+: transfer_point\[1\]\.to: .*"indus8" meant\?/);
   }
   writeFileSync(file, '[[zone]]\nfile = "lacet4"\naivs = 5000\n');
   const { code, stderr } = await on_ranks(2, ['traffic', '--zones', file]);

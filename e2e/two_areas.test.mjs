@@ -17,7 +17,7 @@ class ControlArea {
   }
 
   start() {
-    const args = ['server', '--area', this.name, '--zone', zone(`hall_${this.name}`), '--broker', this.broker, '--port', String(this.port), '--headless', '--state-file', path.join(this.folder, `${this.name}.state_file`)];
+    const args = ['server', '--area', this.name, '--zone', zone(`area_${this.name}`), '--broker', this.broker, '--port', String(this.port), '--headless', '--state-file', path.join(this.folder, `${this.name}.state_file`)];
     this.program = new Program(this.t, cosiva_binary(), args, { cwd: this.folder, name: `server ${this.name}` });
   }
 
@@ -165,7 +165,7 @@ test('a vehicle goes from area to area and back, and never loses its twin', { ti
   for (const { after, nodes, serialNumber } of orders) {
     if (serialNumber !== 'AIV1') continue;
     area = owners.slice(0, after).filter(({ id }) => id === traveller).at(-1)?.area;
-    assert.equal(nodes[0].nodePosition.mapId, `hall_${area}`);
+    assert.equal(nodes[0].nodePosition.mapId, `area_${area}`);
   }
   assert.equal(ground_truth.collisions, 0);
 
