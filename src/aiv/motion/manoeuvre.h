@@ -43,7 +43,7 @@ inline constexpr double goal_within_m = 0.10;
                                                         const std::optional<wire::Manoeuvre>& goal);
 /// A body that is commanded to a goal this near only turns to the goal's heading; the steering removes the remaining
 /// lateral offset. A body that is already stopped along the path therefore neither sweeps the floor around its pose nor
-/// turns past the path and back; the server (OrderManager::off_path, follow_line) relies on both.
+/// turns past the path and back; the server (PathPositions::is_off_path, follow_line) relies on both.
 inline constexpr double stays_within_m = 0.006;
 /// Whether the commanded goal is where the body already is.
 [[nodiscard]] bool to_stay(const wire::Manoeuvre& goal);

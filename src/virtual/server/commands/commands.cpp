@@ -213,7 +213,7 @@ void Commands::begin(Command command) {
       break;
     case OperatorCommandKind::cancel:
       proxy.no_orders = true;
-      orders_.stop_rolling(command.vehicle);
+      orders_.stop_extending(command.vehicle);
       actions.push_back(action("cancelOrder"));
       break;
     case OperatorCommandKind::slow:

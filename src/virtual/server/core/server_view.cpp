@@ -164,9 +164,9 @@ std::string ServerView::summary_json() const {
   json.end_array();
   json.key("orders")
       .begin_object()
-      .field("sent", master_.orders.orders_sent())
-      .field("updates", master_.orders.updates_sent())
-      .field("resent", master_.orders.resent())
+      .field("sent", master_.orders.counters().orders)
+      .field("updates", master_.orders.counters().updates)
+      .field("resent", master_.orders.counters().repeated)
       .field("longest_wait_s", to_seconds(master_.orders.longest_wait()))
       .end_object();
   master_.deadlocks.write_counters(json.key("deadlocks").begin_object());

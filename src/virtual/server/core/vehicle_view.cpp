@@ -124,7 +124,7 @@ void VehicleView::write_pose_and_mission(JsonWriter& json, VehicleIndex vehicle,
   text_or_null(json, "map", proxy.map_id);
   const std::string why_off_route = zones_.change().off_route(vehicle);
   text_or_null(json, "offRoute", why_off_route);
-  master_.missions.write(json.key("mission"), vehicle, master_.orders.blocker_at_goal(vehicle));
+  master_.missions.write(json.key("mission"), vehicle, master_.orders.waits().blocker_at_goal(vehicle));
   write_pose(json.key("reported").begin_object(), context_.simulator.twin(*proxy.twin).last_report().X_MB);
   json.end_object();
 }
@@ -158,7 +158,7 @@ void VehicleView::write_agent(JsonWriter& json, VehicleIndex vehicle, bool lost)
       .field("driving", state.driving)
       .field("paused", state.paused)
       .field("fieldViolation", state.field_violation);
-  text_or_null(json, "waitsFor", master_.orders.waits_for(vehicle));
+  text_or_null(json, "waitsFor", master_.orders.waits().waits_for(vehicle));
   text_or_null(json, "brakingFor",
                lost ? std::string_view{} : std::string_view{augmented_.virtual_obstacles.perceives(vehicle)});
   json.key("errors").begin_array();

@@ -41,7 +41,7 @@ std::string_view to_string(Deadlock::State state) {
 
 void Deadlocks::tick() {
   graph_.begin(registry_.size());
-  orders_.add_waits(graph_);
+  orders_.waits().add_waits(graph_);
   for (const Knot& knot : graph_.find_knots()) record(knot);
   if (forming_.empty() && open() == 0) return;
   for (Deadlock& deadlock : forming_) follow(deadlock);
@@ -92,7 +92,7 @@ void Deadlocks::record(const Knot& knot) {
 
 std::string Deadlocks::describe(const Knot& knot) const {
   std::string text;
-  for (const Wait& wait : knot.cycle) text += (text.empty() ? "" : ", ") + orders_.sentence(wait);
+  for (const Wait& wait : knot.cycle) text += (text.empty() ? "" : ", ") + orders_.waits().sentence(wait);
   return text;
 }
 
