@@ -45,7 +45,7 @@ void Agent::on_odometry(const wire::Odometry& odometry) {
   hold(Hold::line_lost, odometry.line_lost && !estimator_.off_path());
   // Without an order a distance backed up is not part of a remaining route.
   if (rolled.step_m > 0.0 || (rolled.step_m < 0.0 && order().active())) progress_.advance(rolled.step_m);
-  if (rolled.kind == PositionEstimator::FixKind::relocated) on_relocated();
+  if (rolled.kind == FixKind::relocated) on_relocated();
   joining_ = joining_ && estimator_.near_path();
   if (back_up_.active()) back_up_.on_odometry(estimator_.travelled_m(), on_line());
   // Driving is commanded and the vehicle does not move: PILS waits at the end of the commanded route.
@@ -54,12 +54,12 @@ void Agent::on_odometry(const wire::Odometry& odometry) {
   if (const double correction_m = estimator_.on_stuck(); correction_m != 0.0) progress_.advance(correction_m);
 }
 
-PositionEstimator::Fix Agent::on_tag(const wire::TagRead& tag) {
+PositionFix Agent::on_tag(const wire::TagRead& tag) {
   // When driving backwards the antenna's field comes from the other side; so short a distance needs no fix.
   if (back_up_.active()) return {};
   const auto fix = estimator_.on_tag(tag.number, 0.001 * tag.age_ms, motion_.speed_mps());
-  if (fix.kind == PositionEstimator::FixKind::corrected) progress_.advance(fix.correction_m);
-  if (fix.kind == PositionEstimator::FixKind::relocated) on_relocated();
+  if (fix.kind == FixKind::corrected) progress_.advance(fix.correction_m);
+  if (fix.kind == FixKind::relocated) on_relocated();
   return fix;
 }
 
@@ -78,7 +78,7 @@ void Agent::on_ranges(const wire::Ranges& ranges) {
 Result<void> Agent::initialise_position(const Pose2& X_MB, std::string last_node_id) {
   if (order().active() || !motion_.stopped())
     return fail("position.busy", "a position is initialised only while the vehicle is stopped without an order");
-  const auto position = estimator_.on_circuit(X_MB, off_circuit_m_max);
+  const auto position = position_on_circuit(zone_.circuit, X_MB, off_circuit_m_max);
   if (!position) {
     return fail("position.off_circuit",
                 "no path of '" + zone_.name + "' passes within 0.25 m of the position in its direction");
@@ -95,7 +95,7 @@ Result<void> Agent::initialise_position(const Pose2& X_MB, std::string last_node
 
 Result<void> Agent::join_line(const Pose2& X_MG) {
   if (!estimator_.near_path()) return fail("join.on_line", "the vehicle is not off-path");
-  if (estimator_.manoeuvring()) return fail("join.busy", "the vehicle is joining a path already");
+  if (estimator_.off_path_estimator().manoeuvring()) return fail("join.busy", "the vehicle is joining a path already");
   const double far_m = distance(estimator_.pose(), X_MG);
   if (!(far_m <= join_within_m)) {
     return fail("join.too_far", "the pose is " + std::to_string(far_m) + " m away, further than " +
@@ -132,7 +132,7 @@ bool Agent::on_line() const {
   if (!estimator_.off_path()) return true;
   // The zone was switched, and a path of the new zone is under the vehicle by chance.
   const Pose2 X_BP = inverse(estimator_.pose()) * zone_.circuit.pose_at(estimator_.track_position());
-  return estimator_.near_path() && !estimator_.manoeuvring() && to_stay(to_manoeuvre(X_BP)) &&
+  return estimator_.near_path() && !estimator_.off_path_estimator().manoeuvring() && to_stay(to_manoeuvre(X_BP)) &&
          std::fabs(X_BP.heading_rad) <= on_line_rad;
 }
 
@@ -150,16 +150,17 @@ wire::Drive Agent::decide_backwards() {
 }
 
 Result<OrderBook::Verdict> Agent::take_order(const wire::Order& order) {
-  if (!progress_.cancelling() && estimator_.away()) {
+  if (!progress_.cancelling() && estimator_.pose_known() && !estimator_.known()) {
     return fail("noRouteError", "the nearest path of '" + zone_.name + "' passes " +
-                                    std::to_string(estimator_.off_by_m()) + " m from the vehicle, further than " +
-                                    std::to_string(zone::snap_within_m) + " m");
+                                    std::to_string(estimator_.off_path_estimator().off_by_m()) +
+                                    " m from the vehicle, further than " + std::to_string(zone::snap_within_m) + " m");
   }
   OrderBook::StartState reference{estimator_.known() ? estimator_.track_position() : zone::TrackPosition{},
                                   estimator_.known()};
   // With a remaining base the vehicle's position does not matter.
   const bool needs_position = !one_way_ && !progress_.book().base_left();
-  if (needs_position) reference.also = estimator_.same_positions();
+  if (needs_position && estimator_.known() && !estimator_.off_path())
+    reference.also = same_positions(zone_.circuit, reference.position);
   auto verdict = progress_.offer(order, reference);
   if (verdict && *verdict != OrderBook::Verdict::ignored_same) {
     back_up_.end();
@@ -259,7 +260,7 @@ wire::Drive Agent::drive(double speed_mps, const zone::SpeedProfile& kinematics)
   drive = {static_cast<std::int16_t>(milli(speed_mps, 32767.0)),
            static_cast<std::uint16_t>(milli(kinematics.acceleration_mps2, 65535.0)),
            static_cast<std::uint16_t>(milli(kinematics.braking_mps2, 65535.0)), branch, false};
-  drive.seek = estimator_.near_path() && (drive.speed_mmps > 0 || estimator_.manoeuvring());
+  drive.seek = estimator_.near_path() && (drive.speed_mmps > 0 || estimator_.off_path_estimator().manoeuvring());
   // PILS detects the floor at the body's actual pose, not at the estimated one: the nearest path need not be the
   // intended one.
   if (drive.seek)
@@ -268,7 +269,7 @@ wire::Drive Agent::drive(double speed_mps, const zone::SpeedProfile& kinematics)
 }
 
 double Agent::turn_rate_radps() const {
-  if (estimator_.manoeuvring()) return motion_.manoeuvre_turn_radps();
+  if (estimator_.off_path_estimator().manoeuvring()) return motion_.manoeuvre_turn_radps();
   if (!estimator_.known() || estimator_.off_path()) return 0.0;
   const zone::TrackPosition here = estimator_.track_position();
   return motion_.speed_mps() * zone_.circuit.section(here.section).curvature_at(here.s_m);

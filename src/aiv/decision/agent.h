@@ -50,7 +50,7 @@ class Agent {
   // Perception.
   void on_odometry(const wire::Odometry& odometry);
   void on_odometry_lost() { motion_.on_odometry_lost(); }  ///< the motors stop by themselves
-  PositionEstimator::Fix on_tag(const wire::TagRead& tag);
+  PositionFix on_tag(const wire::TagRead& tag);
   void on_ranges(const wire::Ranges& ranges);
   void on_charge(double charge) { inputs_.charge = charge; }
   /// Distance from the vehicle's front along its path to the first virtual body (PerceivedWorld); infinite: none. The
@@ -108,8 +108,9 @@ class Agent {
     return std::min(inputs_.perceived_m, watch_.ahead_m(estimator_)) < std::numeric_limits<double>::infinity();
   }
   [[nodiscard]] Status status() const {
-    return status_of(estimator_.manoeuvring() && !motion_.stopped() ? bend_creep_mps : motion_.speed_mps(),
-                     instructions_.imposed);
+    return status_of(
+        estimator_.off_path_estimator().manoeuvring() && !motion_.stopped() ? bend_creep_mps : motion_.speed_mps(),
+        instructions_.imposed);
   }
 
  private:

@@ -162,7 +162,7 @@ TEST(AgentOnALoop, commands_the_first_branch_and_has_no_course) {
   EXPECT_EQ(agent.decide().branch, 0);
   ASSERT_TRUE(agent.take_order(order("O-1").through({"loop_se@0", "loop_se@283"})));
   EXPECT_EQ(agent.decide().branch, 0);
-  EXPECT_TRUE(agent.position().course().empty());
+  EXPECT_TRUE(agent.position().on_path_estimator().path().course().empty());
 }
 
 // --- bends on the spot ----------------------------------------------------------------------------------------------
@@ -392,9 +392,9 @@ TEST(AgentOffPath, stays_where_an_abandoned_manoeuvre_left_it) {
 TEST(AgentOffPath, that_is_too_far_away_refuses_an_order_with_the_distance) {
   Agent agent{square()};
   agent.estimator().set_off_path({0.5, 0.5, 0.0});
-  EXPECT_TRUE(agent.position().away());
+  EXPECT_FALSE(agent.position().known());
   EXPECT_TRUE(agent.position().pose_known());
-  EXPECT_NEAR(agent.position().off_by_m(), 0.5, 1e-9);
+  EXPECT_NEAR(agent.position().off_path_estimator().off_by_m(), 0.5, 1e-9);
   const auto verdict = agent.take_order(order("O-1").through({"A", "B"}));
   ASSERT_FALSE(verdict);
   EXPECT_EQ(verdict.error().code, "noRouteError");

@@ -344,7 +344,7 @@ TEST(Agent, tag_corrections_move_the_order_along) {
   fixture.take(order("O-1").through({"east@1310", "loop_se@0", "loop_se@283"}));
   const double before_m = fixture.agent.order().distance_to_base_end_m();
   const auto fix = fixture.agent.on_tag({0, 1, 0});
-  ASSERT_EQ(fix.kind, PositionEstimator::FixKind::corrected);
+  ASSERT_EQ(fix.kind, FixKind::corrected);
   EXPECT_NEAR(fixture.agent.order().distance_to_base_end_m(), before_m - fix.correction_m, 1e-12);
 }
 

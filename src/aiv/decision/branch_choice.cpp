@@ -41,7 +41,7 @@ std::uint8_t choose_branch(const zone::Circuit& circuit, const PositionEstimator
   // The last fork passed, as long as it is near.
   double back_m = outlook.here.s_m;
   zone::SectionId to = outlook.here.section;
-  const auto traversed = position.course().traversed();
+  const auto traversed = position.on_path_estimator().path().course().traversed();
   for (std::size_t i = traversed.size(); i-- > 0 && back_m < std::min(fork_passed_m, 0.5 * (back_m + end_m));) {
     const zone::SectionId from = traversed[i];
     if (bend_rad(circuit, from, to) != 0.0) break;  // that turn is done

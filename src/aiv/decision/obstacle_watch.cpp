@@ -27,8 +27,9 @@ void ObstacleWatch::on_ranges(const PositionEstimator& position, const wire::Ran
 
 bool ObstacleWatch::in_entry(const PositionEstimator& position, const wire::Ranges& ranges) {
   const Pose2 X_MG = zone_.circuit.pose_at(position.track_position());
-  if (position.manoeuvred() && position.left_line_at())
-    sweep_.take_rest({*position.left_line_at(), X_MG}, *position.manoeuvred());
+  const OffPathEstimator& manoeuvre = position.off_path_estimator();
+  if (manoeuvre.manoeuvred() && manoeuvre.left_line_at())
+    sweep_.take_rest({*manoeuvre.left_line_at(), X_MG}, *manoeuvre.manoeuvred());
   else
     sweep_.take({position.pose(), X_MG});
   return corridor_.any_echo(ranges, [&](Point2 p_B) { return sweep_.over(position.pose() * p_B); });

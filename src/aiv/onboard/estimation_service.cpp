@@ -11,7 +11,8 @@ namespace {
 std::optional<Estimating::CurrentEstimate> estimate_of(const DrivingContext& context) {
   const PositionEstimator& position = context.agent().position();
   if (!position.pose_known()) return std::nullopt;
-  Estimating::CurrentEstimate estimate{context.shared_zone(), position.pose(), std::nullopt, position.sigma_m()};
+  Estimating::CurrentEstimate estimate{context.shared_zone(), position.pose(), std::nullopt,
+                                       position.on_path_estimator().sigma_m()};
   if (position.known() && !position.off_path()) estimate.position = position.track_position();
   return estimate;
 }
@@ -42,7 +43,8 @@ void EstimationService::on_odometry(SimTime now, const wire::Odometry& odometry,
   if (before && step.current_estimate) {
     // There is no gyroscope: on its path the vehicle turns as the path does, elsewhere as its wheels report.
     step.turn_rad = wrap_angle(step.current_estimate->X_MB.heading_rad - before->X_MB.heading_rad);
-    if (position.manoeuvring()) step.distance_m = (inverse(before->X_MB) * step.current_estimate->X_MB).x_m;
+    if (position.off_path_estimator().manoeuvring())
+      step.distance_m = (inverse(before->X_MB) * step.current_estimate->X_MB).x_m;
   }
   estimating_.on_odometry(now, step);
 }

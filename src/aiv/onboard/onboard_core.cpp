@@ -171,11 +171,15 @@ void OnboardCore::Parts::on_board(SimTime now, const wire::Odometry& odometry) {
 void OnboardCore::Parts::on_board(SimTime now, const wire::TagRead& tag) {
   if (!context) return;
   const PositionEstimator& position = context->agent().position();
-  const auto last = position.last_tag();
+  const auto last_number = [&position] {
+    const auto& last_tag = position.last_tag();
+    return last_tag ? std::optional{last_tag->number} : std::nullopt;
+  };
+  const auto last = last_number();
   estimation.on_tag(now, tag, *context);
   const auto fix = context->agent().on_tag(tag);
   // A beacon every few centimetres is no event; a tag is (A13), and so is the correction of a wrong estimate.
-  if (position.last_tag() != last || fix.kind == PositionEstimator::FixKind::relocated) reporter.request_report();
+  if (last_number() != last || fix.kind == FixKind::relocated) reporter.request_report();
 }
 
 void OnboardCore::Parts::on_board(SimTime, const wire::Ranges& ranges) {
@@ -250,10 +254,11 @@ void OnboardCore::Parts::end_zone_switch(SimTime now, wire::Effects& effects) {
   reporter.request_report();
   reporter.publish_factsheet(now, context->zone(), session, effects);
   const PositionEstimator& position = context->agent().position();
-  const auto off_by = std::to_string(position.off_by_m()) + " m";
-  log(effects, position.away() ? 'w' : 'i',
+  const auto off_by = std::to_string(position.off_path_estimator().off_by_m()) + " m";
+  const bool away = position.pose_known() && !position.known();
+  log(effects, away ? 'w' : 'i',
       "zone '" + context->zone().name + "' in force after '" + from + "'" +
-          (position.away()        ? ", whose nearest path passes " + off_by + " from here: off-route"
+          (away                   ? ", whose nearest path passes " + off_by + " from here: off-route"
            : position.near_path() ? ", " + off_by + " off its nearest path"
                                   : ""));
 }

@@ -27,15 +27,16 @@ PersistedPosition position_of(const DrivingContext& context, std::int64_t odomet
   now_here.session = pils_session;
   now_here.paused = agent.holds().has(Hold::paused);
   now_here.imposed = agent.instructions().imposed;
-  now_here.off_path = position.away() || position.near_path();
-  now_here.manoeuvre = position.manoeuvred();
-  now_here.pose = position.left_line_at() ? *position.left_line_at() : position.pose();
+  now_here.off_path = (position.pose_known() && !position.known()) || position.near_path();
+  const OffPathEstimator& off_path = position.off_path_estimator();
+  now_here.manoeuvre = off_path.manoeuvred();
+  now_here.pose = off_path.left_line_at() ? *off_path.left_line_at() : position.pose();
   if (position.known()) {
     const zone::TrackPosition at = position.track_position();
     now_here.section = context.zone().circuit.part(at.section).name;
     now_here.s_m = at.s_m;
   }
-  if (const auto remaining = position.course().remaining(); !remaining.empty())
+  if (const auto remaining = position.on_path_estimator().path().course().remaining(); !remaining.empty())
     now_here.next = context.zone().circuit.part(remaining.front()).name;
   return now_here;
 }
@@ -82,7 +83,7 @@ void PositionStore::find_position(DrivingContext& context) {
   const bool of_this_zone = restored_ && restored_->zone == context.zone().name;
   if (agent.position().pose_known() && !(of_this_zone && !start_counts_)) return;
   // A position in another zone is preserved: that zone may be the broker's, and arrive later.
-  if (restored_ && (!pils_session_ || !agent.position().odometer_um())) return;  // not yet comparable
+  if (restored_ && (!pils_session_ || !agent.position().counter().reading_um())) return;  // not yet comparable
   if (of_this_zone) {
     const bool placed = restore_position(context);
     restored_.reset();
@@ -97,8 +98,8 @@ bool PositionStore::restore_position(DrivingContext& context) {
   if (restored_->session != *pils_session_) return false;
   Agent& agent = context.agent();
   const zone::Circuit& circuit = context.zone().circuit;
-  const double distance_m =
-      1e-6 * (static_cast<double>(*agent.position().odometer_um()) - static_cast<double>(restored_->odometer_um));
+  const double distance_m = 1e-6 * (static_cast<double>(*agent.position().counter().reading_um()) -
+                                    static_cast<double>(restored_->odometer_um));
   if (!(std::fabs(distance_m) <= saved_distance_m_max)) return false;
   // A position that was known before and has driven on since is no longer where it was saved.
   if (agent.position().pose_known() && std::fabs(distance_m) > off_line_distance_m_max) return false;
@@ -112,7 +113,7 @@ bool PositionStore::restore_position(DrivingContext& context) {
   }
   if (!restored_->pose || std::fabs(distance_m) > off_line_distance_m_max) return false;
   // PILS's present report of a manoeuvre is newer than the saved one.
-  const auto& manoeuvred = agent.position().manoeuvred();
+  const auto& manoeuvred = agent.position().off_path_estimator().manoeuvred();
   const Pose2 X_OB = manoeuvred ? *manoeuvred : restored_->manoeuvre.value_or(Pose2{});
   agent.estimator().set_off_path(*restored_->pose * X_OB);
   if (restored_->manoeuvre) agent.estimator().resume_manoeuvre(*restored_->manoeuvre, std::nullopt);
@@ -156,9 +157,10 @@ void PositionStore::save_now(const DrivingContext& context, wire::Effects& effec
 void PositionStore::save(bool due, const DrivingContext& context, wire::Effects& effects) {
   const PositionEstimator& position = context.agent().position();
   if (!position.pose_known() || !pils_session_) return;
-  const auto odometer_um = position.odometer_um();
+  const auto odometer_um = position.counter().reading_um();
   if (!odometer_um) return;
-  if (odometer_um == saved_um_ && position.manoeuvred() == saved_manoeuvre_ && !requested_) return;
+  const auto& manoeuvred = position.off_path_estimator().manoeuvred();
+  if (odometer_um == saved_um_ && manoeuvred == saved_manoeuvre_ && !requested_) return;
   const bool stopped = context.agent().motion().stopped();
   if (!due && !(stopped && !was_stopped_) && !requested_) return;
   PersistedPosition now_here = position_of(context, *odometer_um, *pils_session_);
@@ -168,7 +170,7 @@ void PositionStore::save(bool due, const DrivingContext& context, wire::Effects&
   else
     effects.emplace_back(wire::Persist{to_json(now_here)});
   saved_um_ = odometer_um;
-  saved_manoeuvre_ = position.manoeuvred();
+  saved_manoeuvre_ = manoeuvred;
   requested_ = false;
 }
 

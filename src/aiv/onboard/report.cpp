@@ -21,7 +21,7 @@ std::string in_three_decimals(double value_m) { return three_decimals(value_m) +
 
 wire::AgvPosition position_of(const Agent& agent, const std::string& map_id) {
   const PositionEstimator& estimator = agent.position();
-  return {estimator.pose(), map_id, true, std::nullopt, 2.0 * estimator.sigma_m()};
+  return {estimator.pose(), map_id, true, std::nullopt, 2.0 * estimator.on_path_estimator().sigma_m()};
 }
 
 wire::Velocity velocity_of(const Agent& agent) { return {agent.motion().speed_mps(), 0.0, agent.turn_rate_radps()}; }
@@ -50,8 +50,8 @@ void add_conditions(const ReportSources& from, std::vector<wire::VehicleError>& 
   if (from.agent->holds().has(Hold::line_lost)) errors.push_back(condition("lineLost", "no line under the sensors"));
   const PositionEstimator& estimator = from.agent->position();
   if (!estimator.pose_known()) errors.push_back(condition("positionUnknown", "the vehicle's position is not known"));
-  if (estimator.away()) {
-    const std::string off = in_three_decimals(estimator.off_by_m());
+  if (estimator.pose_known() && !estimator.known()) {
+    const std::string off = in_three_decimals(estimator.off_path_estimator().off_by_m());
     errors.push_back(
         condition("offCircuit", "the nearest path passes " + off +
                                     " away: the vehicle stays here until it is moved and its position is given"));
@@ -103,9 +103,11 @@ void add_agent(const Agent& agent, const ReportSources& from, wire::State& state
   state.velocity = velocity_of(agent);
   const PositionEstimator& estimator = agent.position();
   if (estimator.pose_known()) state.position = position_of(agent, from.maps.front().map_id);
-  if (const auto tag = estimator.last_tag()) {
-    state.information.push_back(
-        {"lastTag", {}, {{"tag", std::to_string(*tag)}, {"distance_m", three_decimals(estimator.since_last_tag_m())}}});
+  if (const auto& tag = estimator.last_tag()) {
+    state.information.push_back({"lastTag",
+                                 {},
+                                 {{"tag", std::to_string(tag->number)},
+                                  {"distance_m", three_decimals(estimator.travelled_m() - tag->travelled_m)}}});
   }
 }
 
