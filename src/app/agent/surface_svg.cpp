@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
-#include "cosiva/app/cli/console.h"
+#include "cosiva/drawing/svg/svg_writer.h"
 
 namespace cosiva::app {
 namespace {
@@ -22,38 +21,17 @@ constexpr const char* ink = "#1d2730";
 constexpr const char* pale_ink = "#44525f";
 
 /// From slow to fast; the colours also differ in lightness.
-constexpr std::array<std::array<double, 3>, 4> colours{
-    {{75, 45, 110}, {50, 105, 155}, {85, 175, 150}, {245, 225, 120}}};
-
-std::string number(double value) {
-  std::string text = decimals(value, 2);
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.') text.pop_back();
-  return text == "-0" ? "0" : text;
-}
-
-std::string colour(double ratio) {
-  const double at = std::clamp(ratio, 0.0, 1.0) * 3.0;
-  const auto from = std::min<std::size_t>(2, static_cast<std::size_t>(at));
-  const double part = at - static_cast<double>(from);
-  char text[8];
-  const auto channel = [&](std::size_t i) {
-    return static_cast<unsigned>(std::lround(colours[from][i] + part * (colours[from + 1][i] - colours[from][i])));
-  };
-  std::snprintf(text, sizeof text, "#%02x%02x%02x", channel(0), channel(1), channel(2));
-  return text;
-}
+constexpr std::array<drawing::Rgb, 4> colours{{{75, 45, 110}, {50, 105, 155}, {85, 175, 150}, {245, 225, 120}}};
 
 class Image {
  public:
   explicit Image(const Surface& surface) : surface_{surface} {}
 
   std::string draw() {
-    out_ =
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + number(width_px) + " " + number(height_px) +
-        "\" width=\"" + number(width_px) + "\" height=\"" + number(height_px) +
-        "\" font-family=\"system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif\">\n<rect width=\"100%\" height=\"100%\" " +
-        "fill=\"#fbfcfd\"/>\n";
+    svg_.open("svg").attribute("xmlns", "http://www.w3.org/2000/svg");
+    svg_.attribute("viewBox", {0.0, 0.0, width_px, height_px}).size(width_px, height_px);
+    svg_.attribute("font-family", "system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif");
+    svg_.shape("rect").attribute("width", "100%").attribute("height", "100%").attribute("fill", "#fbfcfd");
     head();
     fields();
     if (surface_.is_speed()) {
@@ -63,15 +41,15 @@ class Image {
     }
     axes();
     legend();
-    return out_ + "</svg>\n";
+    svg_.close();
+    return svg_.take();
   }
 
  private:
-  void text(double x, double y, double size, const std::string& attributes, const std::string& phrase) {
-    out_ += "<text x=\"" + number(x) + "\" y=\"" + number(y) + "\" font-size=\"" + number(size) + "\" " + attributes +
-            ">" + phrase + "</text>\n";
+  drawing::SvgWriter& text(double x, double y, double size, const char* fill) {
+    return svg_.shape("text").at(x, y).attribute("font-size", size).attribute("fill", fill);
   }
-  static std::string fill(const char* with) { return std::string("fill=\"") + with + "\""; }
+  [[nodiscard]] std::string number(double value) const { return svg_.number(value); }
 
   static std::string titled(aiv::AgentInput input) {
     const aiv::AgentInputInfo& metadata = aiv::metadata_of(input);
@@ -79,17 +57,17 @@ class Image {
   }
 
   /// Prints an instruction as its name.
-  static std::string formatted(aiv::AgentInput input, double value) {
+  [[nodiscard]] std::string formatted(aiv::AgentInput input, double value) const {
     if (input != aiv::AgentInput::instruction) return number(value);
     if (value > 3.5) return "none";
     return std::string(to_string(aiv::nearest_profile(value, std::nullopt)));
   }
 
   void head() {
-    text(plot_left, 40.0, 22.0, fill(ink) + " font-weight=\"600\"",
-         (surface_.is_speed() ? std::string("Speed") : surface_.of) + " over " +
-             std::string(aiv::metadata_of(surface_.x.input).name) + " and " +
-             std::string(aiv::metadata_of(surface_.y.input).name));
+    text(plot_left, 40.0, 22.0, ink).attribute("font-weight", "600");
+    svg_.text((surface_.is_speed() ? std::string("Speed") : surface_.of) + " over " +
+              std::string(aiv::metadata_of(surface_.x.input).name) + " and " +
+              std::string(aiv::metadata_of(surface_.y.input).name));
     std::string fixed;
     for (const aiv::AgentInput input : surface_.requested) {
       if (input == surface_.x.input || input == surface_.y.input) continue;
@@ -97,7 +75,7 @@ class Image {
       fixed +=
           (fixed.empty() ? "with " : ", ") + std::string(aiv::metadata_of(input).name) + " " + formatted(input, value);
     }
-    text(plot_left, 66.0, 13.0, fill(pale_ink), fixed);
+    text(plot_left, 66.0, 13.0, pale_ink).text(fixed);
   }
 
   [[nodiscard]] double x_px(double column) const {
@@ -112,9 +90,9 @@ class Image {
 
   /// Draws a field around each point; equal neighbours in a row become one rectangle.
   void fields() {
-    out_ += "<svg x=\"" + number(plot_left) + "\" y=\"" + number(plot_top) + "\" width=\"" + number(plot_width) +
-            "\" height=\"" + number(plot_height) + "\" viewBox=\"" + number(plot_left) + " " + number(plot_top) + " " +
-            number(plot_width) + " " + number(plot_height) + "\" shape-rendering=\"crispEdges\">\n";
+    svg_.open("svg").at(plot_left, plot_top).size(plot_width, plot_height);
+    svg_.attribute("viewBox", {plot_left, plot_top, plot_width, plot_height});
+    svg_.attribute("shape-rendering", "crispEdges");
     const std::size_t columns = surface_.x.values.size();
     const double half_px = 0.5 * plot_height / static_cast<double>(surface_.y.values.size() - 1);
     for (std::size_t row = 0; row < surface_.y.values.size(); ++row) {
@@ -123,13 +101,13 @@ class Image {
         std::size_t to = from + 1;
         while (to < columns && shade(surface_.at(to, row)) == here) ++to;
         const double left = x_px(static_cast<double>(from) - 0.5);
-        out_ += "<rect x=\"" + number(left) + "\" y=\"" + number(y_px(static_cast<double>(row)) - half_px) +
-                "\" width=\"" + number(x_px(static_cast<double>(to) - 0.5) - left) + "\" height=\"" +
-                number(2.0 * half_px) + "\" fill=\"" + colour(static_cast<double>(here) / shades) + "\"/>\n";
+        svg_.shape("rect").at(left, y_px(static_cast<double>(row)) - half_px);
+        svg_.size(x_px(static_cast<double>(to) - 0.5) - left, 2.0 * half_px);
+        svg_.attribute("fill", drawing::colour_between(colours, static_cast<double>(here) / shades));
         from = to;
       }
     }
-    out_ += "</svg>\n";
+    svg_.close();
   }
 
   /// Draws where the level is crossed, field by field: each edge of a field whose ends lie on both sides of the level
@@ -158,14 +136,17 @@ class Image {
       }
     }
     if (path.empty()) return;
-    out_ += "<path d=\"" + path + "\" fill=\"none\" stroke=\"#ffffff\" stroke-width=\"5\" stroke-linecap=\"round\"/>\n";
-    out_ +=
-        "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + ink + "\" stroke-width=\"2\" stroke-linecap=\"round\"/>\n";
+    const auto stroke = [&](const char* colour, double width) {
+      svg_.shape("path").attribute("d", path).attribute("fill", "none").attribute("stroke", colour);
+      svg_.attribute("stroke-width", width).attribute("stroke-linecap", "round");
+    };
+    stroke("#ffffff", 5.0);
+    stroke(ink, 2.0);
   }
 
   void axes() {
-    out_ += "<rect x=\"" + number(plot_left) + "\" y=\"" + number(plot_top) + "\" width=\"" + number(plot_width) +
-            "\" height=\"" + number(plot_height) + "\" fill=\"none\" stroke=\"" + ink + "\"/>\n";
+    svg_.shape("rect").at(plot_left, plot_top).size(plot_width, plot_height);
+    svg_.attribute("fill", "none").attribute("stroke", ink);
     constexpr int ticks = 4;
     const double bottom = plot_top + plot_height;
     const auto value = [](const Surface::Axis& axis, double ratio) {
@@ -175,43 +156,43 @@ class Image {
       const double ratio = static_cast<double>(i) / ticks;
       const double x = plot_left + ratio * plot_width;
       const double y = bottom - ratio * plot_height;
-      out_ += "<path d=\"M" + number(x) + " " + number(bottom) + "v6M" + number(plot_left) + " " + number(y) +
-              "h-6\" stroke=\"" + ink + "\"/>\n";
-      text(x, bottom + 24.0, 14.0, fill(pale_ink) + " text-anchor=\"middle\"", number(value(surface_.x, ratio)));
-      text(plot_left - 12.0, y + 5.0, 14.0, fill(pale_ink) + " text-anchor=\"end\"", number(value(surface_.y, ratio)));
+      svg_.shape("path").attribute(
+          "d", "M" + number(x) + " " + number(bottom) + "v6M" + number(plot_left) + " " + number(y) + "h-6");
+      svg_.attribute("stroke", ink);
+      text(x, bottom + 24.0, 14.0, pale_ink).align(drawing::TextAlign::centre).text(number(value(surface_.x, ratio)));
+      text(plot_left - 12.0, y + 5.0, 14.0, pale_ink).align(drawing::TextAlign::end);
+      svg_.text(number(value(surface_.y, ratio)));
     }
-    text(plot_left + 0.5 * plot_width, bottom + 54.0, 15.0, fill(ink) + " text-anchor=\"middle\"",
-         titled(surface_.x.input));
-    text(0.0, 0.0, 15.0,
-         fill(ink) + " text-anchor=\"middle\" transform=\"translate(30 " + number(plot_top + 0.5 * plot_height) +
-             ") rotate(-90)\"",
-         titled(surface_.y.input));
+    text(plot_left + 0.5 * plot_width, bottom + 54.0, 15.0, ink).align(drawing::TextAlign::centre);
+    svg_.text(titled(surface_.x.input));
+    text(0.0, 0.0, 15.0, ink).align(drawing::TextAlign::centre);
+    svg_.attribute("transform", "translate(30 " + number(plot_top + 0.5 * plot_height) + ") rotate(-90)");
+    svg_.text(titled(surface_.y.input));
   }
 
   void legend() {
     constexpr double left = plot_left + plot_width + 32.0;
     for (int i = 0; i <= shades; ++i) {
       const double step = plot_height / (shades + 1.0);
-      out_ += "<rect x=\"" + number(left) + "\" y=\"" + number(plot_top + plot_height - (i + 1.0) * step) +
-              "\" width=\"24\" height=\"" + number(step + 0.5) + "\" fill=\"" +
-              colour(static_cast<double>(i) / shades) + "\"/>\n";
+      svg_.shape("rect").at(left, plot_top + plot_height - (i + 1.0) * step).size(24.0, step + 0.5);
+      svg_.attribute("fill", drawing::colour_between(colours, static_cast<double>(i) / shades));
     }
     const auto fiducial = [&](double ratio, const std::string& phrase) {
-      text(left + 34.0, plot_top + (1.0 - ratio) * plot_height + 5.0, 14.0, fill(pale_ink), phrase);
+      text(left + 34.0, plot_top + (1.0 - ratio) * plot_height + 5.0, 14.0, pale_ink).text(phrase);
     };
     if (surface_.is_speed()) {
       constexpr std::array<const char*, 4> names{"0 stop", "1 slow", "2 medium", "3 fast"};
       for (std::size_t i = 0; i < names.size(); ++i) fiducial(static_cast<double>(i) / 3.0, names[i]);
-      text(left, plot_top - 16.0, 13.0, fill(pale_ink), "lines: another profile");
+      text(left, plot_top - 16.0, 13.0, pale_ink).text("lines: another profile");
       return;
     }
     for (const double ratio : {0.0, 0.25, 0.5, 0.75, 1.0})
       fiducial(ratio, number(surface_.low + ratio * (surface_.high - surface_.low)));
-    if (surface_.of == "go") text(left, plot_top - 16.0, 13.0, fill(pale_ink), "line: goes from here");
+    if (surface_.of == "go") text(left, plot_top - 16.0, 13.0, pale_ink).text("line: goes from here");
   }
 
   const Surface& surface_;
-  std::string out_;
+  drawing::SvgWriter svg_{2};
 };
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 
 #include "cosiva/base/expect.h"
@@ -42,8 +41,6 @@ Range is_steady(Range range, const Axis& axis) {
   return range;
 }
 
-std::string px(double value) { return readable(value, 1); }
-
 std::vector<double> ticks_of(const Axis& axis, const Range& range, int wanted) {
   return axis.logarithmic ? log_ticks(range.from, range.to) : ticks(range.from, range.to, wanted);
 }
@@ -73,25 +70,29 @@ class Frame {
   [[nodiscard]] bool shows(double x_value, double y_value) const {
     return drawable(x_axis_, x_value) && drawable(y_axis_, y_value);
   }
-  void draw(std::string& svg) const {
+  void draw(drawing::SvgWriter& svg) const {
     const double right = width_px - right_px;
     const double bottom = height_px - bottom_px;
     for (const double tick : y_ticks_) {
       if (tick < y_.from || tick > y_.to) continue;
-      svg += "<path class=\"grid\" d=\"M" + px(left_px) + " " + px(y(tick)) + "H" + px(right) + "\"/><text x=\"" +
-             px(left_px - 8.0) + "\" y=\"" + px(y(tick) + 4.0) + "\" text-anchor=\"end\">" + readable(tick, 6) +
-             "</text>";
+      svg.shape("path").attribute("class", "grid");
+      svg.attribute("d", "M" + svg.number(left_px) + " " + svg.number(y(tick)) + "H" + svg.number(right));
+      svg.shape("text").at(left_px - 8.0, y(tick) + 4.0).align(drawing::TextAlign::end).text(readable(tick, 6));
     }
     for (const double tick : x_ticks_) {
       if (tick < x_.from || tick > x_.to) continue;
-      svg += "<path class=\"grid\" d=\"M" + px(x(tick)) + " " + px(top_px) + "V" + px(bottom) + "\"/><text x=\"" +
-             px(x(tick)) + "\" y=\"" + px(bottom + 18.0) + "\" text-anchor=\"middle\">" + readable(tick, 6) + "</text>";
+      svg.shape("path").attribute("class", "grid");
+      svg.attribute("d", "M" + svg.number(x(tick)) + " " + svg.number(top_px) + "V" + svg.number(bottom));
+      svg.shape("text").at(x(tick), bottom + 18.0).align(drawing::TextAlign::centre).text(readable(tick, 6));
     }
-    svg += "<path class=\"axis\" d=\"M" + px(left_px) + " " + px(top_px) + "V" + px(bottom) + "H" + px(right) + "\"/>";
-    svg += "<text class=\"label\" x=\"" + px(0.5 * (left_px + right)) + "\" y=\"" + px(bottom + 42.0) +
-           "\" text-anchor=\"middle\">" + escaped(x_axis_.label) + "</text>";
-    svg += "<text class=\"label\" transform=\"translate(16 " + px(0.5 * (top_px + bottom)) +
-           ") rotate(-90)\" text-anchor=\"middle\">" + escaped(y_axis_.label) + "</text>";
+    svg.shape("path").attribute("class", "axis");
+    svg.attribute(
+        "d", "M" + svg.number(left_px) + " " + svg.number(top_px) + "V" + svg.number(bottom) + "H" + svg.number(right));
+    svg.shape("text").attribute("class", "label").at(0.5 * (left_px + right), bottom + 42.0);
+    svg.align(drawing::TextAlign::centre).text(x_axis_.label);
+    svg.shape("text").attribute("class", "label");
+    svg.attribute("transform", "translate(16 " + svg.number(0.5 * (top_px + bottom)) + ") rotate(-90)");
+    svg.align(drawing::TextAlign::centre).text(y_axis_.label);
   }
 
  private:
@@ -121,12 +122,6 @@ void equalise(Axis& x_axis, Range& x, Axis& y_axis, Range& y) {
   widen(y_axis, y, up_px);
 }
 
-std::string begin(double height, std::string_view what) {
-  return "<svg class=\"chart\" xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"" + escaped(what) +
-         "\" viewBox=\"0 0 " + px(width_px) + " " + px(height) +
-         "\" font-family=\"system-ui, sans-serif\" font-size=\"12\">";
-}
-
 /// The visible part of a long line.
 Series thinned(const Series& series) {
   const std::size_t n = series.x.size();
@@ -146,7 +141,7 @@ Series thinned(const Series& series) {
   return thin;
 }
 
-void draw_line(std::string& svg, const Frame& frame, const Series& series, const std::string& colour) {
+void draw_line(drawing::SvgWriter& svg, const Frame& frame, const Series& series, const std::string& colour) {
   std::string path;
   bool on = false;
   double last_y = 0.0;
@@ -155,49 +150,59 @@ void draw_line(std::string& svg, const Frame& frame, const Series& series, const
       on = false;
       continue;
     }
-    const std::string at = px(frame.x(series.x[i]));
-    if (on && series.form == Series::Form::steps) path += "L" + at + " " + px(last_y);
+    const std::string at = svg.number(frame.x(series.x[i]));
+    if (on && series.form == Series::Form::steps) path += "L" + at + " " + svg.number(last_y);
     last_y = frame.y(series.y[i]);
-    path += (on ? "L" : "M") + at + " " + px(last_y);
+    path += (on ? "L" : "M") + at + " " + svg.number(last_y);
     on = true;
   }
-  svg += "<path class=\"line " + colour + "\"" + (series.dashed ? " stroke-dasharray=\"6 4\"" : "") + " d=\"" + path +
-         "\"/>";
+  svg.shape("path").attribute("class", "line " + colour);
+  if (series.dashed) svg.attribute("stroke-dasharray", {6.0, 4.0});
+  svg.attribute("d", path);
 }
 
 /// Along the upper values and back along the lower ones.
-void draw_band(std::string& svg, const Frame& frame, const Series& series, const std::string& colour) {
+void draw_band(drawing::SvgWriter& svg, const Frame& frame, const Series& series, const std::string& colour) {
   std::string there;
   std::string back;
   for (std::size_t i = 0; i < series.low.size(); ++i) {
     if (!frame.shows(series.x[i], series.low[i]) || !frame.shows(series.x[i], series.high[i])) continue;
-    const std::string at = px(frame.x(series.x[i]));
-    there += (there.empty() ? "M" : "L") + at + " " + px(frame.y(series.high[i]));
-    back.insert(0, "L" + at + " " + px(frame.y(series.low[i])));
+    const std::string at = svg.number(frame.x(series.x[i]));
+    there += (there.empty() ? "M" : "L") + at + " " + svg.number(frame.y(series.high[i]));
+    back.insert(0, "L" + at + " " + svg.number(frame.y(series.low[i])));
   }
-  if (!there.empty()) svg += "<path class=\"bar " + colour + "\" opacity=\"0.18\" d=\"" + there + back + "Z\"/>";
+  if (there.empty()) return;
+  svg.shape("path").attribute("class", "bar " + colour).attribute("opacity", "0.18");
+  svg.attribute("d", there + back + "Z");
 }
 
-void draw_points(std::string& svg, const Frame& frame, const Series& series, const std::string& colour) {
+void draw_points(drawing::SvgWriter& svg, const Frame& frame, const Series& series, const std::string& colour) {
   for (std::size_t i = 0; i < series.x.size(); ++i) {
     if (!frame.shows(series.x[i], series.y[i])) continue;
-    svg += "<circle class=\"point " + colour + "\" cx=\"" + px(frame.x(series.x[i])) + "\" cy=\"" +
-           px(frame.y(series.y[i])) + "\" r=\"3\"/>";
+    svg.shape("circle").attribute("class", "point " + colour).attribute("cx", frame.x(series.x[i]));
+    svg.attribute("cy", frame.y(series.y[i])).attribute("r", 3.0);
   }
 }
 
-void draw_legend(std::string& svg, const std::vector<Series>& all) {
+void draw_legend(drawing::SvgWriter& svg, const std::vector<Series>& all) {
   double x = left_px;
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (all[i].name.empty()) continue;
-    svg += "<rect class=\"bar c" + std::to_string(i) + "\" x=\"" + px(x) + "\" y=\"" + px(height_px + 4.0) +
-           "\" width=\"12\" height=\"12\"/><text x=\"" + px(x + 18.0) + "\" y=\"" + px(height_px + 14.0) + "\">" +
-           escaped(all[i].name) + "</text>";
+    svg.shape("rect").attribute("class", "bar c" + std::to_string(i)).at(x, height_px + 4.0).size(12.0, 12.0);
+    svg.shape("text").at(x + 18.0, height_px + 14.0).text(all[i].name);
     x += 18.0 + 7.0 * static_cast<double>(all[i].name.size()) + 24.0;
   }
 }
 
 }  // namespace
+
+drawing::SvgWriter begin_chart(double width, double height, std::string_view what, double font_px) {
+  drawing::SvgWriter svg{1};
+  svg.open("svg").attribute("class", "chart").attribute("xmlns", "http://www.w3.org/2000/svg");
+  svg.attribute("role", "img").attribute("aria-label", what).attribute("viewBox", {0.0, 0.0, width, height});
+  svg.attribute("font-family", "system-ui, sans-serif").attribute("font-size", font_px);
+  return svg;
+}
 
 std::vector<double> ticks(double from, double to, int wanted) {
   COSIVA_EXPECT(from < to && wanted > 0);
@@ -236,34 +241,6 @@ std::vector<double> log_ticks(double from, double to) {
   return at;
 }
 
-std::string readable(double number, int digits) {
-  if (!std::isfinite(number)) return "–";
-  char buffer[64];
-  const bool large = std::fabs(number) >= 1e15;
-  const auto form = large ? std::chars_format::scientific : std::chars_format::fixed;
-  const auto end = std::to_chars(buffer, buffer + sizeof buffer, number, form, large ? 3 : digits).ptr;
-  std::string text{buffer, end};
-  if (!large && text.find('.') != std::string::npos) {
-    text.erase(text.find_last_not_of('0') + 1);
-    if (text.back() == '.') text.pop_back();
-  }
-  return text == "-0" ? "0" : text;
-}
-
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      default: out += c;
-    }
-  }
-  return out;
-}
-
 std::string to_svg(const Chart& chart) {
   COSIVA_EXPECT(chart.series.size() <= colours);
   Range x;
@@ -285,7 +262,7 @@ std::string to_svg(const Chart& chart) {
   y = is_steady(y, y_axis);
   if (chart.equal_scale) equalise(x_axis, x, y_axis, y);
   const Frame frame{x_axis, x, y_axis, y};
-  std::string svg = begin(height_px + legend_px, chart.y.label + " over " + chart.x.label);
+  drawing::SvgWriter svg = begin_chart(width_px, height_px + legend_px, chart.y.label + " over " + chart.x.label);
   frame.draw(svg);
   for (const Series& series : chart.ground) draw_line(svg, frame, thinned(series), "ground");
   for (std::size_t i = 0; i < chart.series.size(); ++i) {
@@ -297,7 +274,7 @@ std::string to_svg(const Chart& chart) {
       draw_line(svg, frame, thinned(chart.series[i]), colour);
   }
   draw_legend(svg, chart.series);
-  return svg + "</svg>";
+  return svg.close().take();
 }
 
 std::string to_svg(const Histogram& histogram) {
@@ -314,17 +291,16 @@ std::string to_svg(const Histogram& histogram) {
   }
   const Axis y_axis{histogram.count_label, 0.0, {}};
   const Frame frame{histogram.x, range, y_axis, {0.0, std::max(1.0, *std::ranges::max_element(counts))}};
-  std::string svg = begin(height_px, histogram.count_label + ", " + histogram.x.label);
+  drawing::SvgWriter svg = begin_chart(width_px, height_px, histogram.count_label + ", " + histogram.x.label);
   frame.draw(svg);
   for (std::size_t i = 0; i < counts.size(); ++i) {
     if (counts[i] == 0.0) continue;
     const double from = range.from + bin * static_cast<double>(i);
-    svg += "<rect class=\"bar c0\" x=\"" + px(frame.x(from) + 0.5) + "\" y=\"" + px(frame.y(counts[i])) +
-           "\" width=\"" + px(std::max(1.0, frame.x(from + bin) - frame.x(from) - 1.0)) + "\" height=\"" +
-           px(frame.y(0.0) - frame.y(counts[i])) + "\"><title>" + readable(from) + " … " + readable(from + bin) + ": " +
-           readable(counts[i]) + "</title></rect>";
+    svg.shape("rect").attribute("class", "bar c0").at(frame.x(from) + 0.5, frame.y(counts[i]));
+    svg.size(std::max(1.0, frame.x(from + bin) - frame.x(from) - 1.0), frame.y(0.0) - frame.y(counts[i]));
+    svg.title(readable(from) + " … " + readable(from + bin) + ": " + readable(counts[i]));
   }
-  return svg + "</svg>";
+  return svg.close().take();
 }
 
 std::string to_svg(const Bars& bars) {
@@ -335,20 +311,18 @@ std::string to_svg(const Bars& bars) {
   for (const Bars::Bar& bar : bars.bars)
     if (std::isfinite(bar.value)) longest = std::max(longest, bar.value);
   const double height = row_px * static_cast<double>(bars.bars.size()) + 30.0;
-  std::string svg = begin(height, bars.label);
+  drawing::SvgWriter svg = begin_chart(width_px, height, bars.label);
   double y = 4.0;
   for (const Bars::Bar& bar : bars.bars) {
     const double ratio = longest > 0.0 && std::isfinite(bar.value) ? std::max(0.0, bar.value) / longest : 0.0;
     const double length = ratio * (width_px - name_px - value_px);
-    svg += "<text x=\"" + px(name_px - 8.0) + "\" y=\"" + px(y + 14.0) + "\" text-anchor=\"end\">" + escaped(bar.name) +
-           "</text><rect class=\"bar c0\" x=\"" + px(name_px) + "\" y=\"" + px(y + 3.0) + "\" width=\"" +
-           px(std::max(1.0, length)) + "\" height=\"" + px(row_px - 6.0) + "\"/><text x=\"" +
-           px(name_px + length + 8.0) + "\" y=\"" + px(y + 14.0) + "\">" + readable(bar.value) + "</text>";
+    svg.shape("text").at(name_px - 8.0, y + 14.0).align(drawing::TextAlign::end).text(bar.name);
+    svg.shape("rect").attribute("class", "bar c0").at(name_px, y + 3.0).size(std::max(1.0, length), row_px - 6.0);
+    svg.shape("text").at(name_px + length + 8.0, y + 14.0).text(readable(bar.value));
     y += row_px;
   }
-  svg +=
-      "<text class=\"label\" x=\"" + px(name_px) + "\" y=\"" + px(y + 16.0) + "\">" + escaped(bars.label) + "</text>";
-  return svg + "</svg>";
+  svg.shape("text").attribute("class", "label").at(name_px, y + 16.0).text(bars.label);
+  return svg.close().take();
 }
 
 }  // namespace cosiva::experiments

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/drawing/svg/svg_writer.h"
+
 /// Charts as SVG, for a Report or a separate file. Values that are not finite are left out.
 namespace cosiva::experiments {
 
@@ -65,9 +67,12 @@ struct Bars {
 /// below `from` to at or above `to`. 0 < from < to (checked).
 [[nodiscard]] std::vector<double> log_ticks(double from, double to);
 
-/// A number for display: at most this number of decimals, without trailing zeros.
-[[nodiscard]] std::string readable(double number, int digits = 3);
-/// Escapes a text for HTML and SVG.
-[[nodiscard]] std::string escaped(std::string_view text);
+/// The start of a chart of this size in pixels, in the style of a Report's page: the caller adds its parts and closes
+/// it.
+/// @param what  what the chart shows, for screen readers
+[[nodiscard]] drawing::SvgWriter begin_chart(double width, double height, std::string_view what, double font_px = 12.0);
+
+using drawing::escaped;
+using drawing::readable;
 
 }  // namespace cosiva::experiments

@@ -46,15 +46,6 @@ TEST(LogTicks, are_round_and_enclose_the_values) {
   }));
 }
 
-TEST(Readable, prints_no_insignificant_digits) {
-  EXPECT_EQ(readable(1.5), "1.5");
-  EXPECT_EQ(readable(2.0), "2");
-  EXPECT_EQ(readable(100.0), "100");
-  EXPECT_EQ(readable(0.12345, 2), "0.12");
-  EXPECT_EQ(readable(-0.0001), "0");
-  EXPECT_EQ(readable(std::nan("")), "–");
-}
-
 TEST(Chart, that_is_a_map_has_equal_units_along_both_axes) {
   // A square of a metre, four points: equal distances in the drawing along x and along y.
   Chart map{{"x [m]", {}, {}}, {"y [m]", {}, {}}, {{"", {0.0, 1.0}, {0.0, 1.0}, Series::Form::points}}};

@@ -3,15 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cosiva/base/json_writer.h"
+#include "cosiva/drawing/svg/svg_writer.h"
 
 namespace cosiva::vision {
 namespace {
-
-std::string text_of(double number) {
-  JsonWriter json;
-  return json.value(std::nearbyint(number * 100.0) / 100.0).take();
-}
 
 /// From light to dark red.
 std::string colour_of(double ratio) {
@@ -39,38 +34,39 @@ std::string residual_svg(const std::vector<FloorPoint>& points, const Calibrated
   const double enlarged = 0.2 * map.side_m / std::max(1e-9, tried.block.metrics.rms_m);
   const double width = px * wide_m + 2.0 * margin_px;
   const double height = px * high_m + 2.0 * margin_px + text_px;
-  std::string svg =
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart\" role=\"img\" aria-label=\"residual map\" viewBox=\"0 "
-      "0 " +
-      text_of(width) + " " + text_of(height) + "\" font-family=\"sans-serif\" font-size=\"14\">\n";
+  drawing::SvgWriter svg{2};
+  const auto number = [&](double value) { return svg.number(value); };
+  svg.open("svg").attribute("xmlns", "http://www.w3.org/2000/svg").attribute("class", "chart").attribute("role", "img");
+  svg.attribute("aria-label", "residual map").attribute("viewBox", {0.0, 0.0, width, height});
+  svg.attribute("font-family", "sans-serif").attribute("font-size", 14.0);
   for (std::size_t row = 0; row < map.rows; ++row) {
     for (std::size_t column = 0; column < map.columns; ++column) {
       const std::size_t at = row * map.columns + column;
+      const double left_m = map.x0_m + map.side_m * static_cast<double>(column);
       const double top_m = map.y0_m + map.side_m * static_cast<double>(row + 1);
-      svg += "<rect x=\"" + text_of(x_of(map.x0_m + map.side_m * static_cast<double>(column))) + "\" y=\"" +
-             text_of(y_of(top_m)) + "\" width=\"" + text_of(px * map.side_m) + "\" height=\"" +
-             text_of(px * map.side_m) + "\" fill=\"" + colour_of(map.rms_m[at] / worst_m) + "\"" +
-             (map.points[at] == 0 ? " fill-opacity=\".4\"" : "") + "><title>" + text_of(1e3 * map.rms_m[at]) +
-             " mm rms, " + std::to_string(map.points[at]) + " points</title></rect>\n";
+      svg.shape("rect").at(x_of(left_m), y_of(top_m)).size(px * map.side_m, px * map.side_m);
+      svg.attribute("fill", colour_of(map.rms_m[at] / worst_m));
+      if (map.points[at] == 0) svg.attribute("fill-opacity", ".4");
+      svg.title(number(1e3 * map.rms_m[at]) + " mm rms, " + std::to_string(map.points[at]) + " points");
     }
   }
-  svg += "<g stroke=\"#1d4e89\" stroke-width=\"1\">\n";
+  svg.open("g").attribute("stroke", "#1d4e89").attribute("stroke-width", 1.0);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Point2& off = tried.block.residuals[i];
-    const double x = x_of(points[i].floor.x_m);
-    const double y = y_of(points[i].floor.y_m);
-    svg += "<path d=\"M" + text_of(x) + " " + text_of(y) + "l" + text_of(px * enlarged * off.x_m) + " " +
-           text_of(-px * enlarged * off.y_m) + "\"/>\n";
+    svg.shape("path").attribute("d", "M" + number(x_of(points[i].floor.x_m)) + " " + number(y_of(points[i].floor.y_m)) +
+                                         "l" + number(px * enlarged * off.x_m) + " " +
+                                         number(-px * enlarged * off.y_m));
   }
-  svg += "</g>\n<text x=\"" + text_of(margin_px) + "\" y=\"" + text_of(height - 42.0) +
-         "\" fill=\"currentColor\">Left-out blocks: " + text_of(1e3 * tried.block.metrics.rms_m) + " mm rms, " +
-         text_of(1e3 * tried.block.metrics.max_m) +
-         " mm at most. Other colour: " + text_of(1e3 * tried.colour.metrics.rms_m) + " mm rms, " +
-         text_of(1e3 * tried.colour.metrics.max_m) + " mm at most.</text>\n<text x=\"" + text_of(margin_px) +
-         "\" y=\"" + text_of(height - 20.0) + "\" fill=\"currentColor\">Squares of " + text_of(map.side_m) +
-         " m, darkest " + text_of(1e3 * worst_m) + " mm rms; arrows: each point's error when its block was left out, " +
-         text_of(enlarged) + " times as long.</text>\n</svg>\n";
-  return svg;
+  svg.close();
+  svg.shape("text").at(margin_px, height - 42.0).attribute("fill", "currentColor");
+  svg.text("Left-out blocks: " + number(1e3 * tried.block.metrics.rms_m) + " mm rms, " +
+           number(1e3 * tried.block.metrics.max_m) +
+           " mm at most. Other colour: " + number(1e3 * tried.colour.metrics.rms_m) + " mm rms, " +
+           number(1e3 * tried.colour.metrics.max_m) + " mm at most.");
+  svg.shape("text").at(margin_px, height - 20.0).attribute("fill", "currentColor");
+  svg.text("Squares of " + number(map.side_m) + " m, darkest " + number(1e3 * worst_m) +
+           " mm rms; arrows: each point's error when its block was left out, " + number(enlarged) + " times as long.");
+  return svg.close().take();
 }
 
 }  // namespace cosiva::vision

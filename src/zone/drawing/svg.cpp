@@ -6,6 +6,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "cosiva/drawing/svg/svg_writer.h"
+
 namespace cosiva::zone {
 namespace {
 
@@ -67,29 +69,6 @@ double least_px(const Style& style) {
   return 0.0;
 }
 
-std::string number(double value) {
-  char buffer[48];
-  std::string text{buffer, std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, 2).ptr};
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.') text.pop_back();
-  return text == "-0" ? "0" : text;
-}
-
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      default:
-        if (static_cast<unsigned char>(c) >= 0x20) out += c;  // XML 1.0 cannot express most control characters
-    }
-  }
-  return out;
-}
-
 class Svg {
  public:
   Svg(const TrafficZone& zone, const std::vector<Primitive>& primitives)
@@ -115,34 +94,31 @@ class Svg {
     for (std::size_t i = 0; i < styles.size(); ++i)
       if (!by_style_[i].empty()) layer(styles[i], by_style_[i]);
     foot();
-    out_ += "</svg>\n";
-    return std::move(out_);
+    svg_.close();
+    return svg_.take();
   }
 
  private:
-  [[nodiscard]] std::string xy(Point2 p) const {
-    return number(left_px_ + (p.x_m - box_.low.x_m) * px_per_m_) + "," +
-           number(head_px + margin_px + (box_.high.y_m - p.y_m) * px_per_m_);
-  }
+  [[nodiscard]] double x_of(Point2 p) const { return left_px_ + (p.x_m - box_.low.x_m) * px_per_m_; }
+  [[nodiscard]] double y_of(Point2 p) const { return head_px + margin_px + (box_.high.y_m - p.y_m) * px_per_m_; }
+  [[nodiscard]] std::string xy(Point2 p) const { return svg_.number(x_of(p)) + "," + svg_.number(y_of(p)); }
 
-  void text(double x_px, double y_px, double size_px, std::string_view attributes, std::string_view phrase) {
-    out_ += "<text x=\"" + number(x_px) + "\" y=\"" + number(y_px) + "\" font-size=\"" + number(size_px) + "\" ";
-    out_.append(attributes).append(">").append(escaped(phrase)).append("</text>\n");
+  drawing::SvgWriter& text(double x_px, double y_px, double size_px) {
+    return svg_.shape("text").at(x_px, y_px).attribute("font-size", size_px);
   }
 
   void head() {
-    out_ += "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + number(width_px_) + " " + number(height_px_) +
-            "\" width=\"" + number(width_px_) + "\" height=\"" + number(height_px_) +
-            "\" font-family=\"system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif\">\n";
-    out_ += "<title>" + escaped(zone_.name) + "</title>\n";
-    out_ += "<rect width=\"100%\" height=\"100%\" fill=\"#fbfcfd\"/>\n";
-    text(margin_px, 40.0, 24.0, "font-weight=\"600\" fill=\"#1d2730\"", zone_.name);
+    svg_.open("svg").attribute("xmlns", "http://www.w3.org/2000/svg");
+    svg_.attribute("viewBox", {0.0, 0.0, width_px_, height_px_}).size(width_px_, height_px_);
+    svg_.attribute("font-family", "system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif").title(zone_.name);
+    svg_.shape("rect").attribute("width", "100%").attribute("height", "100%").attribute("fill", "#fbfcfd");
+    text(margin_px, 40.0, 24.0).attribute("font-weight", "600").attribute("fill", "#1d2730").text(zone_.name);
     const auto count = [](std::size_t n, std::string_view one) {
       return std::to_string(n) + " " + std::string(one) + (n == 1 ? "" : "s");
     };
-    text(width_px_ - margin_px, 40.0, 14.0, "text-anchor=\"end\" fill=\"#5d6b78\"",
-         count(zone_.circuit.size(), "section") + ", " + number(zone_.circuit.total_length_m()) + " m, " +
-             count(zone_.crossings.size(), "crossing") + ", " + count(zone_.tags.size(), "tag"));
+    text(width_px_ - margin_px, 40.0, 14.0).align(drawing::TextAlign::end).attribute("fill", "#5d6b78");
+    svg_.text(count(zone_.circuit.size(), "section") + ", " + svg_.number(zone_.circuit.total_length_m()) + " m, " +
+              count(zone_.crossings.size(), "crossing") + ", " + count(zone_.tags.size(), "tag"));
   }
 
   /// The roads of closed sections, by their names: they are drawn once more, hatched.
@@ -157,86 +133,77 @@ class Svg {
   }
 
   void layer(const Style& style, const std::vector<const Primitive*>& shapes) {
-    out_.append("<g id=\"").append(style.layer);
-    if (!style.kind.empty()) out_.append("-").append(style.kind);
-    out_.append("\" fill=\"").append(style.fill).append("\" stroke=\"").append(style.stroke);
-    out_ += "\" stroke-linejoin=\"round\">\n";
+    std::string id{style.layer};
+    if (!style.kind.empty()) id.append("-").append(style.kind);
+    svg_.open("g").attribute("id", id).attribute("fill", style.fill).attribute("stroke", style.stroke);
+    svg_.attribute("stroke-linejoin", "round");
     if (shapes.size() > titled_max && shapes.front()->shape == Primitive::Shape::polyline) {
       gathered(style, shapes);
     } else {
       for (const Primitive* primitive : shapes) shape(style, *primitive);
     }
-    out_ += "</g>\n";
+    svg_.close();
   }
 
   /// Many lines as one path, without their names.
   void gathered(const Style& style, const std::vector<const Primitive*>& shapes) {
-    out_ += "<path stroke-width=\"" + number(std::max({shapes.front()->size_m * px_per_m_, least_px(style), 0.05})) +
-            "\" stroke-linecap=\"round\" d=\"";
+    std::string path;
     for (const Primitive* primitive : shapes) {
       char command = 'M';
       for (const Point2& p : primitive->points) {
-        out_ += command;
-        out_ += xy(p);
+        path += command;
+        path += xy(p);
         command = 'L';
       }
     }
-    out_ += "\"/>\n";
+    svg_.shape("path").attribute("stroke-width", std::max({shapes.front()->size_m * px_per_m_, least_px(style), 0.05}));
+    svg_.attribute("stroke-linecap", "round").attribute("d", path);
   }
 
   void shape(const Style& style, const Primitive& primitive) {
     const double size_px = std::max(primitive.size_m * px_per_m_, least_px(style));
     const bool widened = size_px > primitive.size_m * px_per_m_;
-    std::string title;
-    if (!primitive.label.empty()) title = "<title>" + escaped(primitive.label) + "</title>";
     switch (primitive.shape) {
       case Primitive::Shape::polyline:
-        out_ += "<polyline" + points(primitive) + " stroke-width=\"" + number(size_px) + "\"";
+        svg_.shape("polyline").attribute("points", points(primitive)).attribute("stroke-width", size_px);
         // The dash is four strokes long: a line to follow, not a wall. A closed section is a fence across the road.
         if (style.layer == "line" && !widened)
-          out_ += " stroke-dasharray=\"" + number(4.0 * size_px) + " " + number(3.0 * size_px) + "\"";
+          svg_.attribute("stroke-dasharray", {4.0 * size_px, 3.0 * size_px});
         else if (style.layer == "closed")
-          out_ += " stroke-opacity=\"0.6\" stroke-dasharray=\"" + number(0.12 * size_px) + " " + number(0.3 * size_px) +
-                  "\"";
+          svg_.attribute("stroke-opacity", "0.6").attribute("stroke-dasharray", {0.12 * size_px, 0.3 * size_px});
         else
-          out_ += " stroke-linecap=\"round\"";
-        out_ += ">" + title + "</polyline>\n";
+          svg_.attribute("stroke-linecap", "round");
         break;
-      case Primitive::Shape::polygon: out_ += "<polygon" + points(primitive) + ">" + title + "</polygon>\n"; break;
-      case Primitive::Shape::disc: {
-        const std::string at = xy(primitive.points.front());
-        const auto comma = at.find(',');
-        out_ += "<circle cx=\"" + at.substr(0, comma) + "\" cy=\"" + at.substr(comma + 1) + "\" r=\"" +
-                number(size_px) + "\">" + title + "</circle>\n";
+      case Primitive::Shape::polygon: svg_.shape("polygon").attribute("points", points(primitive)); break;
+      case Primitive::Shape::disc:
+        svg_.shape("circle").attribute("cx", x_of(primitive.points.front()));
+        svg_.attribute("cy", y_of(primitive.points.front())).attribute("r", size_px);
         break;
-      }
-      case Primitive::Shape::text: {
+      case Primitive::Shape::text:
         // An illegible name would only hide the section under its halo; the name is in the title of its line.
-        if (size_px < text_least_px) break;
-        const std::string at = xy(primitive.points.front());
-        const auto comma = at.find(',');
-        out_ += "<text x=\"" + number(inside_px(primitive, size_px)) + "\" y=\"" + at.substr(comma + 1) +
-                "\" font-size=\"" + number(size_px) +
-                "\" text-anchor=\"middle\" dominant-baseline=\"central\" stroke=\"#fbfcfd\" stroke-width=\"3\" "
-                "paint-order=\"stroke\">" +
-                escaped(primitive.label) + "</text>\n";
-        break;
-      }
+        if (size_px >= text_least_px) name(primitive, size_px);
+        return;
     }
+    if (!primitive.label.empty()) svg_.title(primitive.label);
+  }
+
+  void name(const Primitive& primitive, double size_px) {
+    text(inside_px(primitive, size_px), y_of(primitive.points.front()), size_px).align(drawing::TextAlign::centre);
+    svg_.attribute("dominant-baseline", "central").attribute("stroke", "#fbfcfd").attribute("stroke-width", 3.0);
+    svg_.attribute("paint-order", "stroke").text(primitive.label);
   }
 
   /// The centre of a name, moved so that no part of it extends beyond the drawing's edge.
   [[nodiscard]] double inside_px(const Primitive& name, double size_px) const {
     constexpr double letter = 0.56;  // of the size, on average
     const double half_px = 0.5 * letter * size_px * static_cast<double>(name.label.size());
-    const double at_px = left_px_ + (name.points.front().x_m - box_.low.x_m) * px_per_m_;
-    return std::clamp(at_px, half_px, std::max(half_px, width_px_ - half_px));
+    return std::clamp(x_of(name.points.front()), half_px, std::max(half_px, width_px_ - half_px));
   }
 
   [[nodiscard]] std::string points(const Primitive& primitive) const {
-    std::string text = " points=\"";
-    for (const Point2& p : primitive.points) text += (text.back() == '"' ? "" : " ") + xy(p);
-    return text + "\"";
+    std::string text;
+    for (const Point2& p : primitive.points) text.append(text.empty() ? "" : " ").append(xy(p));
+    return text;
   }
 
   struct Entry {
@@ -265,26 +232,25 @@ class Svg {
     for (const Entry& entry : legend_) {
       const double y_px = height_px_ - 34.0 - (legend_rows_ - entry.row) * row_px;
       swatch(*entry.style, entry.x_px, y_px);
-      text(entry.x_px + 26.0, y_px + 5.0, 14.0, "fill=\"#44525f\"", entry.style->name);
+      text(entry.x_px + 26.0, y_px + 5.0, 14.0).attribute("fill", "#44525f").text(entry.style->name);
     }
     scale_bar(height_px_ - 34.0);
   }
 
   void swatch(const Style& style, double x_px, double y_px) {
-    const bool line = style.fill == "none";
-    std::string colours = " fill=\"";
-    colours.append(style.fill).append("\" stroke=\"").append(line ? "none" : style.stroke).append("\"");
-    if (line) {
+    if (style.fill == "none") {
       const bool fence = style.layer == "closed";
-      out_ += "<path d=\"M" + number(x_px) + " " + number(y_px) + "h20\" stroke=\"" + std::string(style.stroke) +
-              (fence ? "\" stroke-width=\"14\" stroke-opacity=\"0.6\" stroke-dasharray=\"2 4\"/>\n"
-                     : "\" stroke-width=\"3\"/>\n");
-    } else if (style.layer == "tag" || style.layer == "beacon" || style.layer == "pivot") {
-      out_ += "<circle cx=\"" + number(x_px + 10.0) + "\" cy=\"" + number(y_px) + "\" r=\"6\"" + colours + "/>\n";
-    } else {
-      out_ += "<rect x=\"" + number(x_px + 2.0) + "\" y=\"" + number(y_px - 7.0) +
-              "\" width=\"16\" height=\"14\" rx=\"2\"" + colours + "/>\n";
+      svg_.shape("path").attribute("d", "M" + svg_.number(x_px) + " " + svg_.number(y_px) + "h20");
+      svg_.attribute("stroke", style.stroke).attribute("stroke-width", fence ? 14.0 : 3.0);
+      if (fence) svg_.attribute("stroke-opacity", "0.6").attribute("stroke-dasharray", {2.0, 4.0});
+      return;
     }
+    if (style.layer == "tag" || style.layer == "beacon" || style.layer == "pivot") {
+      svg_.shape("circle").attribute("cx", x_px + 10.0).attribute("cy", y_px).attribute("r", 6.0);
+    } else {
+      svg_.shape("rect").at(x_px + 2.0, y_px - 7.0).size(16.0, 14.0).attribute("rx", 2.0);
+    }
+    svg_.attribute("fill", style.fill).attribute("stroke", style.stroke);
   }
 
   /// A round length (1, 2 or 5 times a power of ten) of at most bar_px.
@@ -300,12 +266,13 @@ class Svg {
     }
     const double right = width_px_ - margin_px;
     const double left = right - bar_m * px_per_m_;
-    out_ += "<path d=\"M" + number(left) + " " + number(y - 5.0) + "v10M" + number(left) + " " + number(y) + "H" +
-            number(right) + "M" + number(right) + " " + number(y - 5.0) +
-            "v10\" stroke=\"#1d2730\" stroke-width=\"2\" fill=\"none\"/>\n";
+    svg_.shape("path").attribute("d", "M" + svg_.number(left) + " " + svg_.number(y - 5.0) + "v10M" +
+                                          svg_.number(left) + " " + svg_.number(y) + "H" + svg_.number(right) + "M" +
+                                          svg_.number(right) + " " + svg_.number(y - 5.0) + "v10");
+    svg_.attribute("stroke", "#1d2730").attribute("stroke-width", 2.0).attribute("fill", "none");
     char buffer[32];
     std::string length{buffer, std::to_chars(buffer, buffer + sizeof buffer, bar_m, std::chars_format::general, 3).ptr};
-    text(left - 10.0, y + 5.0, 14.0, "text-anchor=\"end\" fill=\"#1d2730\"", length + " m");
+    text(left - 10.0, y + 5.0, 14.0).align(drawing::TextAlign::end).attribute("fill", "#1d2730").text(length + " m");
   }
 
   const TrafficZone& zone_;
@@ -318,7 +285,7 @@ class Svg {
   double width_px_{};
   double height_px_{};
   double left_px_{};
-  std::string out_;
+  drawing::SvgWriter svg_{2};
 };
 
 }  // namespace

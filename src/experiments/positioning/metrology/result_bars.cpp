@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cosiva/base/math.h"
+#include "cosiva/drawing/svg/svg_writer.h"
 #include "cosiva/experiments/reporting/chart.h"
 #include "cosiva/experiments/statistics/sample.h"
 
@@ -17,8 +18,6 @@ constexpr double width_px = 720.0;
 constexpr double top_px = 8.0;
 /// Beyond this ratio the smallest bar would be a stroke on the axis.
 constexpr double too_far_apart = 30.0;
-
-std::string px(double value) { return readable(value, 1); }
 
 std::vector<double> rmse_of_runs(const Qualified& one) {
   std::vector<double> rmse;
@@ -68,28 +67,33 @@ std::string gap_of(const Qualified& one) {
   return sign + readable(*one.gap_percent, 1) + " %" + (one.leak ? " leak" : (one.limit_assumed ? " (assumed)" : ""));
 }
 
-std::string row_of(const Qualified& one, const Scale& scale, double y) {
+void draw_row(drawing::SvgWriter& svg, const Qualified& one, const Scale& scale, double y) {
+  const auto px = [&](double value) { return svg.number(value); };
   const auto at = [&](double metres) { return px(scale.x(metres)); };
   const std::string centre = px(y + 0.5 * row_px - 4.0);
-  std::string svg = "<text x=\"" + px(name_px - 8.0) + "\" y=\"" + px(y + 15.0) + "\" text-anchor=\"end\">" +
-                    escaped(one.name) + "</text><rect class=\"bar c0\" opacity=\"0.25\" x=\"" + px(name_px) +
-                    "\" y=\"" + px(y + 2.0) + "\" width=\"" + px(std::fmax(1.0, scale.x(one.rmse_m.value) - name_px)) +
-                    "\" height=\"" + px(row_px - 12.0) + "\"/>";
-  if (one.rmse_m.interval)
-    svg += "<path class=\"axis\" d=\"M" + at(one.rmse_m.interval->low) + " " + px(y + row_px - 8.0) + "v4M" +
-           at(one.rmse_m.interval->low) + " " + px(y + row_px - 6.0) + "H" + at(one.rmse_m.interval->high) +
-           "m0 -2v4\"/>";
+  svg.shape("text").at(name_px - 8.0, y + 15.0).align(drawing::TextAlign::end).text(one.name);
+  svg.shape("rect").attribute("class", "bar c0").attribute("opacity", "0.25").at(name_px, y + 2.0);
+  svg.size(std::fmax(1.0, scale.x(one.rmse_m.value) - name_px), row_px - 12.0);
+  if (one.rmse_m.interval) {
+    svg.shape("path").attribute("class", "axis");
+    svg.attribute("d", "M" + at(one.rmse_m.interval->low) + " " + px(y + row_px - 8.0) + "v4M" +
+                           at(one.rmse_m.interval->low) + " " + px(y + row_px - 6.0) + "H" +
+                           at(one.rmse_m.interval->high) + "m0 -2v4");
+  }
   if (std::vector<double> rmse = rmse_of_runs(one); rmse.size() > 1) {
     const auto ratio = [&](double p) { return at(statistics::percentile(rmse, p)); };
-    svg += "<path class=\"line c0\" d=\"M" + ratio(1e-9) + " " + centre + "H" + ratio(0.25) + "M" + ratio(0.75) + " " +
-           centre + "H" + ratio(1.0) + "M" + ratio(0.25) + " " + px(y + 4.0) + "H" + ratio(0.75) + "V" +
-           px(y + row_px - 12.0) + "H" + ratio(0.25) + "ZM" + ratio(0.5) + " " + px(y + 4.0) + "V" +
-           px(y + row_px - 12.0) + "\"/>";
+    svg.shape("path").attribute("class", "line c0");
+    svg.attribute("d", "M" + ratio(1e-9) + " " + centre + "H" + ratio(0.25) + "M" + ratio(0.75) + " " + centre + "H" +
+                           ratio(1.0) + "M" + ratio(0.25) + " " + px(y + 4.0) + "H" + ratio(0.75) + "V" +
+                           px(y + row_px - 12.0) + "H" + ratio(0.25) + "ZM" + ratio(0.5) + " " + px(y + 4.0) + "V" +
+                           px(y + row_px - 12.0));
   }
-  if (one.limit_m)
-    svg += "<path class=\"line c1\" d=\"M" + at(*one.limit_m) + " " + px(y - 1.0) + "V" + px(y + row_px - 7.0) +
-           "\"><title>limit " + readable(1e3 * *one.limit_m, 2) + " mm</title></path>";
-  return svg + "<text x=\"" + px(width_px - gap_px + 12.0) + "\" y=\"" + px(y + 15.0) + "\">" + gap_of(one) + "</text>";
+  if (one.limit_m) {
+    svg.shape("path").attribute("class", "line c1");
+    svg.attribute("d", "M" + at(*one.limit_m) + " " + px(y - 1.0) + "V" + px(y + row_px - 7.0));
+    svg.title("limit " + readable(1e3 * *one.limit_m, 2) + " mm");
+  }
+  svg.shape("text").at(width_px - gap_px + 12.0, y + 15.0).text(gap_of(one));
 }
 
 }  // namespace
@@ -101,26 +105,22 @@ std::string limits_beside_bars(const Qualification& all) {
   }
   const Scale scale{ones};
   const double bottom = top_px + row_px * static_cast<double>(ones.size());
-  std::string svg =
-      "<svg class=\"chart\" xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"rmse of each\" "
-      "viewBox=\"0 0 " +
-      px(width_px) + " " + px(bottom + 44.0) + "\" font-family=\"system-ui, sans-serif\" font-size=\"12\">";
+  drawing::SvgWriter svg = begin_chart(width_px, bottom + 44.0, "rmse of each");
   for (const double tick : scale.ticks()) {
     const double x = scale.x(1e-3 * tick);
-    svg += "<path class=\"grid\" d=\"M" + px(x) + " 4V" + px(bottom) + "\"/><text x=\"" + px(x) + "\" y=\"" +
-           px(bottom + 16.0) + "\" text-anchor=\"middle\">" + readable(tick) + "</text>";
+    svg.shape("path").attribute("class", "grid").attribute("d", "M" + svg.number(x) + " 4V" + svg.number(bottom));
+    svg.shape("text").at(x, bottom + 16.0).align(drawing::TextAlign::centre).text(readable(tick));
   }
   double y = top_px;
   for (const Qualified* one : ones) {
-    svg += row_of(*one, scale, y);
+    draw_row(svg, *one, scale, y);
     y += row_px;
   }
-  svg += "<text class=\"label\" x=\"" + px(name_px) + "\" y=\"" + px(bottom + 36.0) + "\">rmse [mm]" +
-         (scale.logarithmic() ? ", logarithmic" : "") + "</text>";
+  svg.shape("text").attribute("class", "label").at(name_px, bottom + 36.0);
+  svg.text(std::string("rmse [mm]") + (scale.logarithmic() ? ", logarithmic" : ""));
   if (std::ranges::any_of(ones, [](const Qualified* one) { return one->gap_percent.has_value(); }))
-    svg += "<text class=\"label\" x=\"" + px(width_px - gap_px + 12.0) + "\" y=\"" + px(bottom + 36.0) +
-           "\">over the limit</text>";
-  return svg + "</svg>";
+    svg.shape("text").attribute("class", "label").at(width_px - gap_px + 12.0, bottom + 36.0).text("over the limit");
+  return svg.close().take();
 }
 
 }  // namespace cosiva::experiments

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "cosiva/drawing/svg/svg_writer.h"
 #include "cosiva/experiments/reporting/chart.h"
 
 namespace cosiva::experiments {
@@ -15,24 +16,15 @@ constexpr double legend_px = 46.0;
 /// With more names than these a map is unreadable: then only the crossings with the longest waits are named.
 constexpr std::size_t names_max = 24;
 
-struct Colour {
-  double red, green, blue;
-};
 // From rarely to always: evenly darker, so that the map is readable without colours.
-constexpr std::array<Colour, 5> scale{{{222, 230, 238}, {250, 214, 120}, {240, 140, 50}, {200, 50, 40}, {110, 10, 60}}};
-
-std::string colour_of(double ratio) {
-  const double at = std::clamp(ratio, 0.0, 1.0) * (scale.size() - 1.0);
-  const auto low = std::min(static_cast<std::size_t>(at), scale.size() - 2);
-  const double rest = at - static_cast<double>(low);
-  const auto mix = [rest](double a, double b) { return std::to_string(std::lround(a + rest * (b - a))); };
-  return "rgb(" + mix(scale[low].red, scale[low + 1].red) + "," + mix(scale[low].green, scale[low + 1].green) + "," +
-         mix(scale[low].blue, scale[low + 1].blue) + ")";
-}
+constexpr std::array<drawing::Rgb, 5> scale{
+    {{222, 230, 238}, {250, 214, 120}, {240, 140, 50}, {200, 50, 40}, {110, 10, 60}}};
 
 struct Cell {
   double ratio;
-  std::string path;
+  zone::SectionId section;
+  double from_m;
+  double to_m;
 };
 
 class Map {
@@ -47,24 +39,25 @@ class Map {
   [[nodiscard]] double width_px() const { return (high_.x_m - low_.x_m) * px_per_m_ + 2.0 * margin_px; }
   [[nodiscard]] double height_px() const { return (high_.y_m - low_.y_m) * px_per_m_ + 2.0 * margin_px; }
   [[nodiscard]] double px_per_m() const { return px_per_m_; }
-  [[nodiscard]] std::string name(zone::TrackPosition position, const std::string& text, double aside_px) const {
+  void draw_name(drawing::SvgWriter& svg, zone::TrackPosition position, std::string_view name, double aside_px) const {
     const Pose2 pose = circuit_.pose_at(position);
-    return "<text x=\"" + readable((pose.x_m - low_.x_m) * px_per_m_ + margin_px + aside_px, 1) + "\" y=\"" +
-           readable((high_.y_m - pose.y_m) * px_per_m_ + margin_px + 4.0, 1) + "\">" + escaped(text) + "</text>";
+    svg.shape("text").at(x_px(pose) + aside_px, y_px(pose) + 4.0).text(name);
   }
-  [[nodiscard]] std::string path(zone::SectionId section, double from_m, double to_m) const {
-    const double bend = circuit_.section(section).curvature_max_per_m() * (to_m - from_m);
+  void draw_cell(drawing::SvgWriter& svg, const Cell& cell) const {
+    const zone::Section& section = circuit_.section(cell.section);
+    const double bend = section.curvature_max_per_m() * (cell.to_m - cell.from_m);
     const int parts = std::max(1, static_cast<int>(std::ceil(bend / 0.2)));
     std::string path;
     for (int i = 0; i <= parts; ++i) {
-      const Pose2 pose = circuit_.section(section).pose_at(from_m + (to_m - from_m) * i / parts);
-      path += (i == 0 ? "M" : "L") + readable((pose.x_m - low_.x_m) * px_per_m_ + margin_px, 1) + " " +
-              readable((high_.y_m - pose.y_m) * px_per_m_ + margin_px, 1);
+      const Pose2 pose = section.pose_at(cell.from_m + (cell.to_m - cell.from_m) * i / parts);
+      path += (i == 0 ? "M" : "L") + svg.number(x_px(pose)) + " " + svg.number(y_px(pose));
     }
-    return path;
+    svg.shape("path").attribute("d", path);
   }
 
  private:
+  [[nodiscard]] double x_px(const Pose2& pose) const { return (pose.x_m - low_.x_m) * px_per_m_ + margin_px; }
+  [[nodiscard]] double y_px(const Pose2& pose) const { return (high_.y_m - pose.y_m) * px_per_m_ + margin_px; }
   void take(const Pose2& pose) {
     low_ = {std::min(low_.x_m, pose.x_m), std::min(low_.y_m, pose.y_m)};
     high_ = {std::max(high_.x_m, pose.x_m), std::max(high_.y_m, pose.y_m)};
@@ -75,24 +68,23 @@ class Map {
   double px_per_m_{1.0};
 };
 
-std::string legend(double top_px, double width_px, double most, bool stopped) {
-  std::string svg;
+void draw_legend(drawing::SvgWriter& svg, double top_px, double width_px, double most, bool stopped) {
   const double bar_px = std::min(240.0, width_px - 2.0 * margin_px);
   for (int i = 0; i < 24; ++i) {
-    svg += "<rect x=\"" + readable(margin_px + bar_px * i / 24.0, 1) + "\" y=\"" + readable(top_px, 1) + "\" width=\"" +
-           readable(bar_px / 24.0 + 0.5, 1) + "\" height=\"10\" fill=\"" + colour_of(i / 23.0) + "\"/>";
+    svg.shape("rect").at(margin_px + bar_px * i / 24.0, top_px).size(bar_px / 24.0 + 0.5, 10.0);
+    svg.attribute("fill", drawing::colour_between(scale, i / 23.0));
   }
   const std::string what = stopped ? "of the time a vehicle waits here" : "of the time a vehicle is here";
-  svg += "<text x=\"" + readable(margin_px, 1) + "\" y=\"" + readable(top_px + 28.0, 1) + "\">0 to " +
-         readable(100.0 * most, 1) + " % " + what + "</text>";
-  return svg;
+  svg.shape("text").at(margin_px, top_px + 28.0).text("0 to " + readable(100.0 * most, 1) + " % " + what);
 }
 
 /// Draws crossings and stations, so that the table's rows can be found on the map.
-std::string names(const Map& map, const zone::TrafficZone& zone, const TrafficMetrics& metrics) {
-  std::string svg =
-      "<g fill=\"#14202b\" stroke=\"#fff\" stroke-width=\"3\" paint-order=\"stroke\" font-size=\"12\" "
-      "text-anchor=\"middle\">";
+void draw_names(drawing::SvgWriter& svg, const Map& map, const zone::TrafficZone& zone, const TrafficMetrics& metrics) {
+  const auto open = [&]() -> drawing::SvgWriter& {
+    svg.open("g").attribute("fill", "#14202b").attribute("stroke", "#fff").attribute("stroke-width", 3.0);
+    return svg.attribute("paint-order", "stroke").attribute("font-size", 12.0);
+  };
+  open().align(drawing::TextAlign::centre);
   std::vector<std::size_t> crossings;
   for (std::size_t x = 0; x < std::min(zone.crossings.size(), metrics.crossings.size()); ++x)
     if (!zone.crossings[x].spans.empty()) crossings.push_back(x);
@@ -103,12 +95,13 @@ std::string names(const Map& map, const zone::TrafficZone& zone, const TrafficMe
   }
   for (const std::size_t x : crossings) {
     const zone::CrossingSpan& span = zone.crossings[x].spans.front();
-    svg += map.name({span.section, 0.5 * (span.from_m + span.to_m)}, zone.crossings[x].name, 0.0);
+    map.draw_name(svg, {span.section, 0.5 * (span.from_m + span.to_m)}, zone.crossings[x].name, 0.0);
   }
-  svg += "</g><g fill=\"#14202b\" stroke=\"#fff\" stroke-width=\"3\" paint-order=\"stroke\" font-size=\"12\">";
+  svg.close();
+  open();
   if (zone.stations.size() <= names_max)
-    for (const zone::Station& station : zone.stations) svg += map.name(station.position, station.name, 14.0);
-  return svg + "</g>";
+    for (const zone::Station& station : zone.stations) map.draw_name(svg, station.position, station.name, 14.0);
+  svg.close();
 }
 
 }  // namespace
@@ -124,24 +117,24 @@ std::string heat_map(const zone::TrafficZone& zone, const TrafficMetrics& metric
       const double ratio = metrics.duration_s > 0.0 ? seconds[i] / metrics.duration_s : 0.0;
       most = std::max(most, ratio);
       const auto from = static_cast<double>(i);
-      cells.push_back({ratio, map.path(id, from * of_section.length_m, (from + 1.0) * of_section.length_m)});
+      cells.push_back({ratio, id, from * of_section.length_m, (from + 1.0) * of_section.length_m});
     }
   }
   // A cell that several sections cover shows the largest of their values.
   std::ranges::stable_sort(cells, {}, &Cell::ratio);
   const double width = std::max(map.width_px(), 320.0);
   const double line_px = std::max(2.5, 0.9 * zone.vehicle.width_m * map.px_per_m());
-  std::string svg = "<svg class=\"chart\" xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"heat map of " +
-                    escaped(zone.name) + "\" viewBox=\"0 0 " + readable(width, 1) + " " +
-                    readable(map.height_px() + legend_px, 1) +
-                    "\" font-family=\"system-ui, sans-serif\" font-size=\"13\" fill=\"none\" stroke-width=\"" +
-                    readable(line_px, 1) + "\">";
+  drawing::SvgWriter svg = begin_chart(width, map.height_px() + legend_px, "heat map of " + zone.name, 13.0);
+  svg.attribute("fill", "none").attribute("stroke-width", line_px);
   for (const Cell& cell : cells) {
-    svg += "<path d=\"" + cell.path + "\" stroke=\"" + colour_of(most > 0.0 ? cell.ratio / most : 0.0) + "\"><title>" +
-           readable(100.0 * cell.ratio, 2) + " %</title></path>";
+    map.draw_cell(svg, cell);
+    svg.attribute("stroke", drawing::colour_between(scale, most > 0.0 ? cell.ratio / most : 0.0));
+    svg.title(readable(100.0 * cell.ratio, 2) + " %");
   }
-  svg += names(map, zone, metrics);
-  return svg + "<g stroke=\"none\">" + legend(map.height_px(), width, most, stopped) + "</g></svg>";
+  draw_names(svg, map, zone, metrics);
+  svg.open("g").attribute("stroke", "none");
+  draw_legend(svg, map.height_px(), width, most, stopped);
+  return svg.close().close().take();
 }
 
 }  // namespace cosiva::experiments
