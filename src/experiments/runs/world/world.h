@@ -16,6 +16,7 @@
 #include "cosiva/physical/plant/plant_options.h"
 #include "cosiva/virtual/server/core/server_core.h"
 #include "cosiva/wire/runtime/network.h"
+#include "cosiva/zone/rtm/rtm.h"
 
 namespace cosiva::experiments {
 
@@ -37,6 +38,8 @@ struct WorldOptions {
   /// of step. From 20 to 100 ms (checked): boards and drives wait no longer for each other.
   std::optional<SimDuration> cycle{};
   bool ground_truth{true};  ///< the plant tells instruments the true poses, ten times a second
+  /// Built from `zone` already, where it is known; null: the world builds it, once for all of its programs.
+  std::shared_ptr<const zone::Rtm> rtm{};
 };
 
 class World {
