@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "cosiva/aiv/onboard/action_executor.h"
+#include "cosiva/aiv/onboard/announced_zone.h"
 #include "cosiva/aiv/onboard/boards_link.h"
 #include "cosiva/aiv/onboard/drive_cycle.h"
 #include "cosiva/aiv/onboard/driving_context.h"
@@ -62,7 +63,9 @@ struct OnboardCore::Parts {
   void on_virtual_bodies(const wire::Input& input, wire::Effects& effects);
   void on_owner(const wire::Input& input, wire::Effects& effects);
   void on_server_connection(const wire::Input& input, wire::Effects& effects);
-  void on_zone(SimTime now, zone::ZoneConfiguration announced, wire::Effects& effects);
+  void on_zone(SimTime now, const zone::ZoneConfiguration& announced, std::shared_ptr<const zone::Rtm> built,
+               wire::Effects& effects);
+  void on_zone_message(const wire::Input& input, wire::Effects& effects);
   void enter_first_zone(SimTime now, const zone::Rtm& rtm, wire::Effects& effects);
   void end_zone_switch(SimTime now, wire::Effects& effects);
 
@@ -147,11 +150,19 @@ void OnboardCore::Parts::on_message(const wire::Input& input, wire::Effects& eff
     estimation.on_request(input.at, input.payload, session, effects);
   } else if (input.source == session.owner_topic()) {
     on_owner(input, effects);
-  } else if (input.source.starts_with(topics.zone_prefix) && !input.payload.empty()) {
-    // An empty message clears the topic of a format that the zone no longer has.
-    on_zone(input.at, zone::from_payload(input.source.substr(topics.zone_prefix.size()), input.source, input.payload),
-            effects);
+  } else if (input.source.starts_with(topics.zone_prefix)) {
+    on_zone_message(input, effects);
   }
+}
+
+void OnboardCore::Parts::on_zone_message(const wire::Input& input, wire::Effects& effects) {
+  if (const auto* announced = dynamic_cast<const AnnouncedZone*>(input.typed.get()))
+    return on_zone(input.at, announced->rtm()->configuration(), announced->rtm(), effects);
+  // An empty message clears the topic of a format that the zone no longer has.
+  if (input.payload.empty()) return;
+  on_zone(input.at,
+          zone::from_payload(input.source.substr(server.topics().zone_prefix.size()), input.source, input.payload),
+          nullptr, effects);
 }
 
 void OnboardCore::Parts::on_board(SimTime, const wire::Hello& hello) {
@@ -215,14 +226,16 @@ void OnboardCore::Parts::on_server_connection(const wire::Input& input, wire::Ef
   if (context) context->virtual_bodies().forget();
 }
 
-void OnboardCore::Parts::on_zone(SimTime now, zone::ZoneConfiguration announced, wire::Effects& effects) {
+void OnboardCore::Parts::on_zone(SimTime now, const zone::ZoneConfiguration& announced,
+                                 std::shared_ptr<const zone::Rtm> built, wire::Effects& effects) {
   using enum ZoneSelection::Verdict;
-  const auto [verdict, rtm] = zones.on_announced(std::move(announced), context ? &context->zone() : nullptr, effects);
+  const auto [verdict, rtm] =
+      zones.on_announced(announced, std::move(built), context ? &context->zone() : nullptr, effects);
   if (verdict == unchanged) return;
   reporter.request_report();
   if (verdict == first) return enter_first_zone(now, *rtm, effects);
   if (!context) return;
-  context->agent().hold(Hold::zone_change, zones.pending().has_value());
+  context->agent().hold(Hold::zone_change, zones.pending() != nullptr);
   if (verdict != edited) return;
   context->adopt_fiducials(rtm->zone());
   zones.enforce(*rtm);
@@ -329,7 +342,7 @@ void OnboardCore::handle(const wire::Input& input, wire::Effects& effects) {
   switch (input.kind) {
     case wire::InputKind::configure:
       parts.boards.start(now_);
-      if (parts.options.zone) parts.on_zone(now_, *parts.options.zone, effects);
+      if (parts.options.zone) parts.on_zone(now_, *parts.options.zone, parts.options.rtm, effects);
       break;
     case wire::InputKind::restore: parts.on_restore(input, effects); break;
     case wire::InputKind::link: parts.on_link(input, effects); break;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,6 +21,8 @@ struct OnboardOptions {
   wire::VehicleId id{std::string(wire::our_manufacturer), "AIV1"};
   std::string interface_name{wire::default_interface};
   std::optional<zone::ZoneConfiguration> zone;  ///< nothing: the program waits for the zone retained on the broker
+  /// Built from `zone` already, where it is known; null: the program builds it. Not in JSON.
+  std::shared_ptr<const zone::Rtm> rtm{};
   /// The initial position; nothing: not known until a state file, an initPosition or the first tag gives it.
   struct Start {
     std::string section;

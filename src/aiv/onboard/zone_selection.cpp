@@ -14,33 +14,38 @@ wire::MapInfo map_info(const std::string& name, const zone::ZoneConfiguration& c
 
 }  // namespace
 
-ZoneSelection::Decision ZoneSelection::on_announced(zone::ZoneConfiguration announced,
+ZoneSelection::Decision ZoneSelection::on_announced(const zone::ZoneConfiguration& announced,
+                                                    std::shared_ptr<const zone::Rtm> built,
                                                     const zone::TrafficZone* in_force, wire::Effects& effects) {
   COSIVA_EXPECT((in_force != nullptr) == configuration_.has_value());
-  if (pending_ && same_content(announced, pending_->configuration())) return {Verdict::unchanged, std::nullopt};
+  if (pending_ && same_content(announced, pending_->configuration())) return {Verdict::unchanged, nullptr};
   if (in_force != nullptr && same_content(announced, *configuration_)) {
     refusal_.clear();
-    return {call_off(*in_force, effects) ? Verdict::called_off : Verdict::unchanged, std::nullopt};
+    return {call_off(*in_force, effects) ? Verdict::called_off : Verdict::unchanged, nullptr};
   }
-  auto rtm = zone::Rtm::initialise(std::move(announced));
-  if (!rtm) return refuse(rtm.error(), in_force == nullptr ? 'e' : 'w', effects);
+  COSIVA_EXPECT(!built || built->configuration() == announced);
+  if (!built) {
+    auto rtm = zone::Rtm::initialise(announced);
+    if (!rtm) return refuse(rtm.error(), in_force == nullptr ? 'e' : 'w', effects);
+    built = std::make_shared<const zone::Rtm>(std::move(*rtm));
+  }
   refusal_.clear();
-  if (in_force == nullptr) return {Verdict::first, std::move(*rtm)};
-  if (zone::same_geometry(*in_force, rtm->zone())) {
+  if (in_force == nullptr) return {Verdict::first, std::move(built)};
+  if (zone::same_geometry(*in_force, built->zone())) {
     (void)call_off(*in_force, effects);
-    return {Verdict::edited, std::move(*rtm)};
+    return {Verdict::edited, std::move(built)};
   }
   effects.emplace_back(wire::Log{
-      'i', "zone '" + rtm->zone().name + "' follows '" + in_force->name + "' as soon as this vehicle has stopped"});
-  pending_ = std::move(*rtm);
+      'i', "zone '" + built->zone().name + "' follows '" + in_force->name + "' as soon as this vehicle has stopped"});
+  pending_ = std::move(built);
   list_maps();
-  return {Verdict::pending, std::nullopt};
+  return {Verdict::pending, nullptr};
 }
 
 ZoneSelection::Decision ZoneSelection::refuse(const Error& error, char level, wire::Effects& effects) {
   refusal_ = "a zone was announced and is not used: " + to_string(error);
   effects.emplace_back(wire::Log{level, refusal_});
-  return {Verdict::refused, std::nullopt};
+  return {Verdict::refused, nullptr};
 }
 
 bool ZoneSelection::call_off(const zone::TrafficZone& in_force, wire::Effects& effects) {

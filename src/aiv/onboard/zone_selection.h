@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,15 +28,17 @@ class ZoneSelection {
   };
   struct Decision {
     Verdict verdict;
-    std::optional<zone::Rtm> rtm;  ///< of `first` and `edited`
+    std::shared_ptr<const zone::Rtm> rtm;  ///< of `first` and `edited`
   };
+  /// @param built     the RTM of `announced` where it was built already; null: it is built here if it is news
   /// @param in_force  none before the first zone
-  [[nodiscard]] Decision on_announced(zone::ZoneConfiguration announced, const zone::TrafficZone* in_force,
-                                      wire::Effects& effects);
+  [[nodiscard]] Decision on_announced(const zone::ZoneConfiguration& announced, std::shared_ptr<const zone::Rtm> built,
+                                      const zone::TrafficZone* in_force, wire::Effects& effects);
   /// The zone is in force from now on, and none is pending.
   void enforce(const zone::Rtm& rtm);
 
-  [[nodiscard]] const std::optional<zone::Rtm>& pending() const { return pending_; }
+  /// Null: none.
+  [[nodiscard]] const std::shared_ptr<const zone::Rtm>& pending() const { return pending_; }
   /// Why the zone announced last is not used; empty: it is.
   [[nodiscard]] const std::string& refusal() const { return refusal_; }
   [[nodiscard]] const std::vector<wire::MapInfo>& maps() const { return maps_; }
@@ -48,7 +51,7 @@ class ZoneSelection {
 
   std::optional<zone::ZoneConfiguration> configuration_;  ///< of the zone in force
   std::string name_;                                      ///< likewise
-  std::optional<zone::Rtm> pending_;
+  std::shared_ptr<const zone::Rtm> pending_;
   std::string refusal_;
   std::vector<wire::MapInfo> maps_;
 };

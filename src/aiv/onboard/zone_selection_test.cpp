@@ -21,11 +21,11 @@ struct ZoneSelectionTest : ::testing::Test {
   ZoneSelection zones;
   wire::Effects effects;
 
-  ZoneSelection::Verdict announce(zone::ZoneConfiguration configuration) {
-    return zones.on_announced(std::move(configuration), &lacet4(), effects).verdict;
+  ZoneSelection::Verdict announce(const zone::ZoneConfiguration& configuration) {
+    return zones.on_announced(configuration, nullptr, &lacet4(), effects).verdict;
   }
   void enter() {
-    const auto decision = zones.on_announced(test::lacet4_configuration(), nullptr, effects);
+    const auto decision = zones.on_announced(test::lacet4_configuration(), nullptr, nullptr, effects);
     ASSERT_EQ(decision.verdict, first);
     zones.enforce(*decision.rtm);
   }
@@ -71,6 +71,13 @@ TEST_F(ZoneSelectionTest, refuses_an_invalid_zone_and_keeps_the_pending_one) {
   EXPECT_FALSE(zones.refusal().empty());
   EXPECT_EQ(announce(test::lacet4_configuration()), called_off);
   EXPECT_TRUE(zones.refusal().empty());
+}
+
+TEST_F(ZoneSelectionTest, takes_an_rtm_that_was_built_before) {
+  const auto built = std::make_shared<const zone::Rtm>(*zone::Rtm::initialise(test::lacet4_configuration()));
+  const std::uint64_t before = zone::Rtm::initialised_count();
+  EXPECT_EQ(zones.on_announced(built->configuration(), built, nullptr, effects).rtm, built);
+  EXPECT_EQ(zone::Rtm::initialised_count(), before);
 }
 
 }  // namespace

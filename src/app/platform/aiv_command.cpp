@@ -50,7 +50,8 @@ int run_aiv(const AivArguments& arguments) {
   if (!arguments.zone.empty()) {
     auto zone = load_good_zone(arguments.zone);
     if (!zone) return report_error(zone.error());
-    options.zone = std::move(*zone);
+    options.zone = (*zone)->configuration();
+    options.rtm = std::move(*zone);
   }
   auto live = live_options(arguments.part, "aiv", "aiv" + std::to_string(arguments.number), aiv::to_json(options));
   if (!live) return report_error(live.error());

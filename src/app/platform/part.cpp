@@ -59,11 +59,10 @@ void Part::finish(const std::string& digest) {
   loop_.stop();
 }
 
-Result<zone::ZoneConfiguration> load_good_zone(const std::string& name_or_file) {
-  auto configuration = load_zone(name_or_file);
-  if (!configuration) return configuration;
-  if (auto rtm = zone::Rtm::initialise(*configuration); !rtm) return tl::unexpected(rtm.error());
-  return configuration;
+Result<std::shared_ptr<const zone::Rtm>> load_good_zone(const std::string& name_or_file) {
+  auto rtm = open_zone(name_or_file);
+  if (!rtm) return tl::unexpected(std::move(rtm.error()));
+  return std::make_shared<const zone::Rtm>(std::move(*rtm));
 }
 
 Result<adapters::LiveOptions> live_options(const PartArguments& part, std::string kind, std::string name,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -8,7 +9,7 @@
 #include "cosiva/adapters/live_shell.h"
 #include "cosiva/app/cli/common_arguments.h"
 #include "cosiva/base/result.h"
-#include "cosiva/zone/layout/circuit_factory.h"
+#include "cosiva/zone/rtm/rtm.h"
 
 namespace cosiva::app {
 
@@ -42,10 +43,10 @@ class Part {
 /// Prints one event for `up`, as a JSON line on standard output.
 void announce(const PartArguments& arguments, const std::string& json);
 
-/// Reads and checks the zone, so that a bad file is reported at the start and not by a core later. Fails as load_zone
-/// and zone::Rtm::initialise do.
+/// Reads and builds the zone, so that a bad file is reported at the start and not by a core later; the core takes this
+/// RTM. Fails as load_zone and zone::Rtm::initialise do.
 /// @param name_or_file  a ready zone's name or a file
-[[nodiscard]] Result<zone::ZoneConfiguration> load_good_zone(const std::string& name_or_file);
+[[nodiscard]] Result<std::shared_ptr<const zone::Rtm>> load_good_zone(const std::string& name_or_file);
 
 /// The options of a part's live shell. Fails as mqtt_options does.
 /// @param kind     of the core: "server", "plant" or "aiv"

@@ -22,7 +22,8 @@ int run_plant(const PlantArguments& arguments) {
   auto zone = load_good_zone(arguments.zone);
   if (!zone) return report_error(zone.error());
   physical::PlantOptions options;
-  options.zone = std::move(*zone);
+  options.zone = (*zone)->configuration();
+  options.rtm = std::move(*zone);
   options.vehicles = arguments.vehicles;
   options.seed = arguments.seed;
   auto live = live_options(arguments.part, "plant", "plant", physical::to_json(options));

@@ -136,7 +136,8 @@ int run_server(const ServerArguments& arguments) {
   if (!arguments.zone.empty()) {
     auto zone = load_good_zone(arguments.zone);
     if (!zone) return report_error(zone.error());
-    options.zone = std::move(*zone);
+    options.zone = (*zone)->configuration();
+    options.rtm = std::move(*zone);
   }
   auto rules = load_speed_rules(arguments.rules);
   if (!rules) return report_error(rules.error());

@@ -9,6 +9,7 @@ namespace cosiva::app {
 Result<std::unique_ptr<VirtualRun>> VirtualRun::make(RunPlan plan) {
   experiments::WorldOptions options;
   options.zone = plan.rtm.configuration();
+  options.rtm = std::make_shared<const zone::Rtm>(plan.rtm);
   options.aivs = plan.arguments.aivs;
   options.seed = plan.arguments.seed;
   options.network.loss = plan.arguments.loss;

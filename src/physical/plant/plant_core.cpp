@@ -15,6 +15,7 @@
 #include "cosiva/physical/plant/zone_exchange.h"
 #include "cosiva/wire/messages/topics.h"
 #include "cosiva/wire/own/battery_exchange.h"
+#include "cosiva/zone/rtm/rtm_builder.h"
 
 namespace cosiva::physical {
 namespace {
@@ -113,16 +114,17 @@ PlantCore::PlantCore() = default;
 PlantCore::~PlantCore() = default;
 
 Result<std::unique_ptr<PlantCore>> PlantCore::make(PlantOptions options) {
-  auto rtm = zone::Rtm::initialise(options.zone);
+  auto rtm = zone::RtmBuilder{options.rtm}.build(options.zone);
   if (!rtm) return tl::unexpected(rtm.error());
+  const zone::TrafficZone& zone = (*rtm)->zone();
   if (options.vehicles == 0) return fail("plant.vehicles", "a plant needs at least one vehicle");
-  auto positions = rtm->zone().start_positions(options.vehicles);
+  auto positions = zone.start_positions(options.vehicles);
   if (positions.size() != options.vehicles) {
-    return fail("plant.vehicles", "zone '" + rtm->zone().name + "' has room for " + std::to_string(positions.size()) +
+    return fail("plant.vehicles", "zone '" + zone.name + "' has room for " + std::to_string(positions.size()) +
                                       " vehicles, requested were " + std::to_string(options.vehicles));
   }
   std::unique_ptr<PlantCore> core{new PlantCore};
-  core->impl_ = std::make_unique<Impl>(std::move(options), *rtm, positions);
+  core->impl_ = std::make_unique<Impl>(std::move(options), **rtm, positions);
   return core;
 }
 

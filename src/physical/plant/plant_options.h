@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 
 #include "cosiva/base/result.h"
 #include "cosiva/base/time.h"
 #include "cosiva/zone/layout/circuit_factory.h"
+#include "cosiva/zone/rtm/rtm.h"
 
 namespace cosiva::physical {
 
@@ -32,6 +34,8 @@ struct PlantOptions {
   bool publish_zone{true};                           ///< hand the configuration to the server, retained
   bool publish_ground_truth{true};                   ///< for instruments, on ground_truth_topic
   SimDuration cycle{std::chrono::milliseconds{10}};  ///< bodies move in steps of at most 20 ms all the same
+  /// Built from `zone` already, where it is known; null: the plant builds it. Not in JSON.
+  std::shared_ptr<const zone::Rtm> rtm{};
 };
 /// For recording and reading back.
 [[nodiscard]] std::string to_json(const PlantOptions& options);

@@ -16,14 +16,15 @@ Result<Simulator::Reception> Simulator::receive(SimTime now, const zone::ZoneCon
       "AIV_Server", "Simulator", "zoneConfiguration",
       configuration.format + ", " + std::to_string(configuration.text.size()) + " bytes, from " + configuration.origin);
   step("Simulator", "RTM", "initialise", configuration.origin);
-  auto rtm = zone::Rtm::initialise(configuration);
-  if (!rtm) {
-    step("RTM", "Simulator", "refused", to_string(rtm.error()));
-    return tl::unexpected<Error>(std::move(rtm.error()));
+  auto built = build(configuration);
+  if (!built) {
+    step("RTM", "Simulator", "refused", to_string(built.error()));
+    return tl::unexpected<Error>(std::move(built.error()));
   }
-  const zone::TrafficZone& made = rtm->zone();
+  const zone::Rtm& rtm = **built;
+  const zone::TrafficZone& made = rtm.zone();
   step("Simulator", "RTM", "circuitFactory", "requests the circuit factory");
-  step("RTM", "Simulator", "circuitFactory", rtm->circuit_factory().format());
+  step("RTM", "Simulator", "circuitFactory", rtm.circuit_factory().format());
   step("Simulator", "CircuitFactory", "circuit", "requests the circuit");
   step("CircuitFactory", "Simulator", "circuit",
        made.name + ": " + std::to_string(made.circuit.size()) + " sections, " + std::to_string(made.crossings.size()) +
@@ -41,10 +42,9 @@ Result<Simulator::Reception> Simulator::receive(SimTime now, const zone::ZoneCon
     // vehicle that detects an obstacle near the new sections reports it within a tenth of a second.
     detected_.clear();
   }
-  zone_json_ = json.take();
-  bounds_ = zone::bounds(primitives);
-  zone_ = rtm->shared_zone();
-  rtm_ = std::move(*rtm);
+  drawing_ = {json.take(), zone::bounds(primitives)};
+  zone_ = rtm.shared_zone();
+  rtm_ = std::move(*built);
   ++zone_revision_;
   return drive_on ? Reception::same_geometry : Reception::new_zone;
 }

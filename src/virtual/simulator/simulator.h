@@ -18,6 +18,7 @@
 #include "cosiva/zone/drawing/draw.h"
 #include "cosiva/zone/layout/traffic_zone.h"
 #include "cosiva/zone/rtm/rtm.h"
+#include "cosiva/zone/rtm/rtm_builder.h"
 
 namespace cosiva::virtual_side {
 
@@ -31,13 +32,20 @@ class Simulator {
   using Step = std::function<void(std::string_view, std::string_view, std::string_view, std::string_view)>;
   using TwinId = std::size_t;
 
-  explicit Simulator(BijectionContract contract) : monitor_{contract} {}
+  /// @param built  the RTM of the first zone where it was built already; may be null
+  explicit Simulator(BijectionContract contract, std::shared_ptr<const zone::Rtm> built = {})
+      : builder_{std::move(built)}, monitor_{contract} {}
 
   enum class Reception {
     same,           ///< the configuration equals the present one
     same_geometry,  ///< (re)instantiated; only tags, beacons, stations or priorities differ, so the twins drive on
     new_zone,       ///< (re)instantiated; every twin is off the circuit until its next report
   };
+  /// Builds the RTM of a configuration without bringing it into force; receive() then takes this RTM. Fails with the
+  /// factory's reason.
+  [[nodiscard]] Result<std::shared_ptr<const zone::Rtm>> build(const zone::ZoneConfiguration& configuration) {
+    return builder_.build(configuration);
+  }
   /// Builds the zone, or fails with the factory's reason and keeps the present zone.
   [[nodiscard]] Result<Reception> receive(SimTime now, const zone::ZoneConfiguration& configuration, const Step& step);
 
@@ -51,10 +59,6 @@ class Simulator {
   void set_base_end(TwinId twin, std::optional<zone::TrackPosition> end);
   /// The sections that the vehicle will take.
   void set_course(TwinId twin, zone::Course course) { twins_[twin].set_course(circuit(), std::move(course)); }
-  /// The track position at this distance ahead of `place`, along the twin's course.
-  [[nodiscard]] zone::TrackPosition ahead_of(TwinId twin, zone::TrackPosition position, double distance_m) const {
-    return circuit()->advance(position, distance_m, twins_[twin].remaining(position.section));
-  }
 
   [[nodiscard]] const Twin& twin(TwinId id) const { return twins_[id]; }
   /// Distance of the last report from the twin's prediction for the same time; 0 before the second report.
@@ -68,11 +72,15 @@ class Simulator {
   [[nodiscard]] const DetectedObstacles& detected() const { return detected_; }
 
   [[nodiscard]] const zone::ZoneConfiguration* configuration() const { return rtm_ ? &rtm_->configuration() : nullptr; }
+  [[nodiscard]] const std::shared_ptr<const zone::Rtm>& rtm() const { return rtm_; }  ///< in force; may be null
   [[nodiscard]] const std::shared_ptr<const zone::TrafficZone>& zone() const { return zone_; }  ///< may be null
   [[nodiscard]] const zone::Circuit* circuit() const { return zone_ ? &zone_->circuit : nullptr; }
-  [[nodiscard]] zone::Bounds bounds() const { return bounds_; }  ///< of the drawing
+  struct Drawing {
+    std::string json{"null"};  ///< of zone and drawing; "null" before there is a zone
+    zone::Bounds bounds{};
+  };
+  [[nodiscard]] const Drawing& drawing() const { return drawing_; }
   [[nodiscard]] std::uint64_t zone_revision() const { return zone_revision_; }
-  [[nodiscard]] const std::string& zone_json() const { return zone_json_; }  ///< "null" before there is a zone
 
   [[nodiscard]] BijectionMonitor& monitor() { return monitor_; }
   [[nodiscard]] const BijectionMonitor& monitor() const { return monitor_; }
@@ -80,11 +88,11 @@ class Simulator {
   void fold(Digest& digest) const;
 
  private:
-  std::optional<zone::Rtm> rtm_;
+  zone::RtmBuilder builder_;
+  std::shared_ptr<const zone::Rtm> rtm_;
   std::shared_ptr<const zone::TrafficZone> zone_;
   std::uint64_t zone_revision_{0};
-  std::string zone_json_{"null"};
-  zone::Bounds bounds_{};
+  Drawing drawing_;
   std::vector<Twin> twins_;
   std::vector<double> divergences_m_;
   std::vector<std::optional<BijectionMonitor::Entity>> entities_;  ///< of each twin; none: it is augmented

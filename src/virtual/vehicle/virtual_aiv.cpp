@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "cosiva/aiv/onboard/announced_zone.h"
 #include "cosiva/aiv/onboard/onboard_core.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/virtual/vehicle/simulated_boards.h"
@@ -18,12 +19,6 @@ namespace {
 /// A pause of the host does not make its virtual AIVs jump.
 constexpr SimDuration step_max = std::chrono::milliseconds{100};
 
-std::shared_ptr<const zone::TrafficZone> zone_of(const zone::ZoneConfiguration& configuration) {
-  auto rtm = zone::Rtm::initialise(configuration);
-  COSIVA_EXPECT(rtm);  // the server already drives in this zone
-  return rtm->shared_zone();
-}
-
 std::uint32_t session_of(const std::string& serial, std::uint32_t number) {
   Digest digest;
   digest.add(std::string_view{serial});
@@ -31,16 +26,16 @@ std::uint32_t session_of(const std::string& serial, std::uint32_t number) {
   return static_cast<std::uint32_t>(digest.value() >> 32U);
 }
 
-aiv::OnboardOptions options_of(std::string serial, std::uint32_t number, zone::ZoneConfiguration configuration,
-                               std::string interface_name, aiv::SpeedRules rules, bool v2x,
-                               const zone::TrafficZone& zone, zone::TrackPosition start) {
-  COSIVA_EXPECT(start.section < zone.circuit.size());
+aiv::OnboardOptions options_of(std::string serial, std::uint32_t number, std::shared_ptr<const zone::Rtm> rtm,
+                               std::string interface_name, aiv::SpeedRules rules, bool v2x, zone::TrackPosition start) {
+  COSIVA_EXPECT(rtm && start.section < rtm->zone().circuit.size());
   aiv::OnboardOptions options;
   options.number = number;
   options.id = {std::string(wire::virtual_manufacturer), std::move(serial)};
   if (!interface_name.empty()) options.interface_name = std::move(interface_name);
-  options.zone = std::move(configuration);
-  options.start = aiv::OnboardOptions::Start{zone.circuit.part(start.section).name, start.s_m};
+  options.start = aiv::OnboardOptions::Start{rtm->zone().circuit.part(start.section).name, start.s_m};
+  options.zone = rtm->configuration();
+  options.rtm = std::move(rtm);
   options.rules = std::move(rules);
   options.v2x = v2x;
   return options;
@@ -49,18 +44,11 @@ aiv::OnboardOptions options_of(std::string serial, std::uint32_t number, zone::Z
 }  // namespace
 
 struct VirtualAiv::Impl {
-  Impl(std::string serial, std::uint32_t number, zone::ZoneConfiguration configuration, zone::TrackPosition start,
+  Impl(std::string serial, std::uint32_t number, const std::shared_ptr<const zone::Rtm>& rtm, zone::TrackPosition start,
        std::string interface_name, aiv::SpeedRules rules, bool v2x)
-      : Impl{zone_of(configuration),    std::move(serial), number, std::move(configuration), start,
-             std::move(interface_name), std::move(rules),  v2x} {}
-
-  Impl(const std::shared_ptr<const zone::TrafficZone>& zone, std::string serial, std::uint32_t number,
-       zone::ZoneConfiguration configuration, zone::TrackPosition start, std::string interface_name,
-       aiv::SpeedRules rules, bool v2x)
       : boards{session_of(serial, number)},
-        core{options_of(std::move(serial), number, std::move(configuration), std::move(interface_name),
-                        std::move(rules), v2x, *zone, start)},
-        body{zone, start} {
+        core{options_of(std::move(serial), number, rtm, std::move(interface_name), std::move(rules), v2x, start)},
+        body{rtm->shared_zone(), start} {
     for (const wire::Board board : wire::all_boards) {
       wire::Input& input = published[static_cast<std::size_t>(board) - 1];
       input.kind = wire::InputKind::bytes;
@@ -135,10 +123,10 @@ struct VirtualAiv::Impl {
   std::vector<Antenna::Reading> readings;
 };
 
-VirtualAiv::VirtualAiv(std::string serial, std::uint32_t number, zone::ZoneConfiguration zone,
+VirtualAiv::VirtualAiv(std::string serial, std::uint32_t number, const std::shared_ptr<const zone::Rtm>& rtm,
                        zone::TrackPosition start, std::string interface_name, aiv::SpeedRules rules, bool v2x)
-    : impl_{std::make_unique<Impl>(std::move(serial), number, std::move(zone), start, std::move(interface_name),
-                                   std::move(rules), v2x)} {}
+    : impl_{std::make_unique<Impl>(std::move(serial), number, rtm, start, std::move(interface_name), std::move(rules),
+                                   v2x)} {}
 VirtualAiv::~VirtualAiv() = default;
 VirtualAiv::VirtualAiv(VirtualAiv&&) noexcept = default;
 VirtualAiv& VirtualAiv::operator=(VirtualAiv&&) noexcept = default;
@@ -155,11 +143,17 @@ void VirtualAiv::message(SimTime now, const std::string& topic, const std::strin
   impl_->feed({now, wire::InputKind::message, topic, payload, false}, effects);
 }
 
-void VirtualAiv::zone(SimTime now, const zone::ZoneConfiguration& zone, wire::Effects& effects) {
+void VirtualAiv::zone(SimTime now, const std::shared_ptr<const zone::Rtm>& rtm, wire::Effects& effects) {
+  COSIVA_EXPECT(rtm);
   impl_->wake(now, effects);
-  // An unreadable zone leaves the floor unchanged; the on-board program reports the reason.
-  if (const auto rtm = zone::Rtm::initialise(zone)) impl_->body.change_floor(rtm->shared_zone());
-  message(now, std::string(wire::zone_topic_prefix) + zone.format, zone::to_payload(zone), effects);
+  impl_->body.change_floor(rtm->shared_zone());
+  impl_->feed({now,
+               wire::InputKind::message,
+               std::string(wire::zone_topic_prefix) + rtm->configuration().format,
+               {},
+               false,
+               std::make_shared<const aiv::AnnouncedZone>(rtm)},
+              effects);
 }
 
 void VirtualAiv::tick(SimTime now, wire::Effects& effects) {

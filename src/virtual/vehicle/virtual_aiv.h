@@ -19,13 +19,13 @@ namespace cosiva::virtual_side {
 class VirtualAiv {
  public:
   /// @param number  of its boards' ports; any, unique in the server
-  /// @param zone    a configuration from which a circuit factory has already made a zone (checked)
+  /// @param rtm     of the zone in force; not null (checked)
   /// @param start   the initial track position on this zone's circuit
   /// @param interface_name  of its VDA 5050 topics; empty: wire::default_interface
   /// @param rules   the rules of its speed choice; custom ones can be used (checked)
   /// @param v2x     whether it exchanges V2X messages with vehicles nearby
-  VirtualAiv(std::string serial, std::uint32_t number, zone::ZoneConfiguration zone, zone::TrackPosition start,
-             std::string interface_name = {}, aiv::SpeedRules rules = {}, bool v2x = true);
+  VirtualAiv(std::string serial, std::uint32_t number, const std::shared_ptr<const zone::Rtm>& rtm,
+             zone::TrackPosition start, std::string interface_name = {}, aiv::SpeedRules rules = {}, bool v2x = true);
   ~VirtualAiv();
   VirtualAiv(VirtualAiv&&) noexcept;
   VirtualAiv& operator=(VirtualAiv&&) noexcept;
@@ -36,10 +36,11 @@ class VirtualAiv {
   void link(SimTime now, bool up, wire::Effects& effects);
   /// A message on a topic that the on-board program subscribes to.
   void message(SimTime now, const std::string& topic, const std::string& payload, wire::Effects& effects);
-  /// With another configuration of the same geometry (zone::same_geometry) the virtual AIV continues to drive. With
-  /// another geometry it stops; its pose is then unchanged on the new floor, off the path, until it gets an order and
-  /// seeks the path.
-  void zone(SimTime now, const zone::ZoneConfiguration& zone, wire::Effects& effects);
+  /// The zone is in force from now on. With another configuration of the same geometry (zone::same_geometry) the
+  /// virtual AIV continues to drive. With another geometry it stops; its pose is then unchanged on the new floor, off
+  /// the path, until it gets an order and seeks the path.
+  /// @param rtm  not null (checked)
+  void zone(SimTime now, const std::shared_ptr<const zone::Rtm>& rtm, wire::Effects& effects);
   /// Called every 20 ms: body, boards, on-board program. Emits only Publish and Log.
   void tick(SimTime now, wire::Effects& effects);
   /// Called at removal: publishes OFFLINE.

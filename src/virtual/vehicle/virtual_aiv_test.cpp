@@ -210,7 +210,8 @@ TEST(VirtualAiv, drives_on_after_an_unreadable_zone) {
   fixture.run(0.2);
   fixture.order({"loop_se@0", "loop_se@2545"});
   fixture.run(1.0);
-  fixture.zone(edited("radius_m = 0.6", "radius_m = 0.61"));  // the sections do not join
+  const zone::ZoneConfiguration unreadable = edited("radius_m = 0.6", "radius_m = 0.61");  // the sections do not join
+  fixture.receive(std::string(wire::zone_topic_prefix) + unreadable.format, zone::to_payload(unreadable));
   fixture.run(1.5);
   EXPECT_GT(fixture.aiv.speed_mps(), 0.2);
 }

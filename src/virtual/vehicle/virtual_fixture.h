@@ -19,7 +19,8 @@ class VirtualFixture {
  public:
   /// @param zone  made from the configuration; must outlive the fixture
   VirtualFixture(const zone::ZoneConfiguration& configuration, const zone::TrafficZone& zone, zone::TrackPosition start)
-      : aiv{"V1", 1001, configuration, start}, first_zone_{zone} {
+      : aiv{"V1", 1001, std::make_shared<const zone::Rtm>(zone::Rtm::initialise(configuration).value()), start},
+        first_zone_{zone} {
     aiv.link(now, true, effects_);
     take();
   }
@@ -58,7 +59,9 @@ class VirtualFixture {
             to_json(wire::VirtualObstacles{++aheads_, now, first_zone_.name, std::move(bodies)}));
   }
   void zone(const zone::ZoneConfiguration& configuration) {
-    aiv.zone(now, configuration, effects_);
+    auto rtm = zone::Rtm::initialise(configuration);
+    ASSERT_TRUE(rtm) << to_string(rtm.error());
+    aiv.zone(now, std::make_shared<const zone::Rtm>(std::move(*rtm)), effects_);
     take();
   }
   void farewell() {

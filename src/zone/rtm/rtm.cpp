@@ -19,6 +19,8 @@ const std::array<const CircuitFactory*, 3>& factories() {
   return all;
 }
 
+thread_local std::uint64_t initialised = 0;
+
 std::string joined(const std::vector<std::string_view>& terms) {
   std::string text;
   for (const std::string_view word : terms) text.append(text.empty() ? "" : ", ").append(word);
@@ -71,7 +73,10 @@ Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration, const Z
   return (*factory)->edited(configuration, edit);
 }
 
+std::uint64_t Rtm::initialised_count() { return initialised; }
+
 Result<Rtm> Rtm::initialise(ZoneConfiguration configuration) {
+  ++initialised;
   auto factory = circuit_factory_for(configuration.format);
   if (!factory) {
     factory.error().location = configuration.origin;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -39,6 +40,8 @@ namespace cosiva::zone {
 class Rtm {
  public:
   [[nodiscard]] static Result<Rtm> initialise(ZoneConfiguration configuration);
+  /// How often initialise() was called on this thread: tests count that no configuration is built twice.
+  [[nodiscard]] static std::uint64_t initialised_count();
 
   [[nodiscard]] const CircuitFactory& circuit_factory() const { return *factory_; }
   [[nodiscard]] const ZoneConfiguration& configuration() const { return configuration_; }

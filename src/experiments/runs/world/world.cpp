@@ -14,6 +14,7 @@
 #include "cosiva/wire/messages/topics.h"
 #include "cosiva/wire/own/own_messages.h"
 #include "cosiva/wire/own/v2x.h"
+#include "cosiva/zone/rtm/rtm_builder.h"
 
 namespace cosiva::experiments {
 namespace {
@@ -193,6 +194,7 @@ struct World::Impl {
     onboard.number = number;
     onboard.id.serial_number = "AIV" + std::to_string(number);
     onboard.zone = options.zone;
+    onboard.rtm = options.rtm;
     onboard.rules = options.rules;
     onboard.v2x = options.v2x;
     onboard.as_values = options.as_values;
@@ -281,13 +283,16 @@ World::World() = default;
 World::~World() = default;
 
 Result<std::unique_ptr<World>> World::make(WorldOptions options) {
-  auto rtm = zone::Rtm::initialise(options.zone);
+  auto rtm = zone::RtmBuilder{options.rtm}.build(options.zone);
   if (!rtm) return tl::unexpected(rtm.error());
+  options.rtm = *rtm;
+  const zone::TrafficZone& zone = (*rtm)->zone();
   if (options.cycle && (*options.cycle < cycle_min || *options.cycle > cycle_max))
     return fail("world.cycle",
                 "the common cycle must be from 20 to 100 ms, not " + std::to_string(to_seconds(*options.cycle)) + " s");
   physical::PlantOptions plant_options;
   plant_options.zone = options.zone;
+  plant_options.rtm = options.rtm;
   plant_options.vehicles = options.aivs;
   plant_options.seed = options.seed;
   plant_options.noise = options.noise;
@@ -300,9 +305,9 @@ Result<std::unique_ptr<World>> World::make(WorldOptions options) {
   std::unique_ptr<World> world{new World};
   world->impl_ = std::make_unique<Impl>(std::move(options));
   Impl& inside = *world->impl_;
-  inside.start_positions = rtm->zone().start_positions(inside.options.aivs);
-  for (zone::SectionId id = 0; id < rtm->zone().circuit.size(); ++id) {
-    inside.section_names.push_back(rtm->zone().circuit.part(id).name);
+  inside.start_positions = zone.start_positions(inside.options.aivs);
+  for (zone::SectionId id = 0; id < zone.circuit.size(); ++id) {
+    inside.section_names.push_back(zone.circuit.part(id).name);
   }
 
   inside.actors.resize(Impl::first_aiv_id + inside.options.aivs);

@@ -16,6 +16,7 @@
 #include "cosiva/physical/plant/plant_options.h"
 #include "cosiva/virtual/server/core/server_core.h"
 #include "cosiva/wire/runtime/network.h"
+#include "cosiva/zone/rtm/rtm.h"
 
 namespace cosiva::experiments {
 
@@ -38,6 +39,8 @@ struct WorldOptions {
   /// out.
   std::optional<SimDuration> cycle{};
   bool ground_truth{true};  ///< the plant publishes the ground truth for instruments, ten times per second
+  /// Built from `zone` already, where it is known; null: the world builds it, once for all of its programs.
+  std::shared_ptr<const zone::Rtm> rtm{};
 };
 
 class World {

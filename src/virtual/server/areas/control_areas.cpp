@@ -79,21 +79,24 @@ Result<void> ControlAreas::on_area(wire::AreaTopic topic, const wire::Input& inp
   constexpr std::string_view zone = "zone/";
   // As for every retained topic, an empty message clears the topic at the broker and is no zone.
   if (!topic.rest.starts_with(zone) || input.payload.empty()) return {};
-  const auto rtm = zone::Rtm::initialise(
-      zone::from_payload(std::string(topic.rest.substr(zone.size())), input.source, input.payload));
-  if (!rtm) return tl::unexpected(rtm.error());
-  area->second.zone = rtm->shared_zone();
+  const auto configuration =
+      zone::from_payload(std::string(topic.rest.substr(zone.size())), input.source, input.payload);
+  // The broker sends a retained zone again after each reconnection.
+  if (area->second.rtm && area->second.rtm->configuration() == configuration) return {};
+  auto rtm = zone::Rtm::initialise(configuration);
+  if (!rtm) return tl::unexpected(std::move(rtm.error()));
+  area->second.rtm = std::make_shared<const zone::Rtm>(std::move(*rtm));
   return {};
 }
 
 bool ControlAreas::is_there(std::string_view area) const {
   const auto found = areas_.find(area);
-  return found != areas_.end() && found->second.online && found->second.zone;
+  return found != areas_.end() && found->second.online && found->second.rtm;
 }
 
 bool ControlAreas::has_map(std::string_view name) const {
   return std::ranges::any_of(areas_,
-                             [&](const auto& area) { return area.second.zone && area.second.zone->name == name; });
+                             [&](const auto& area) { return area.second.rtm && area.second.rtm->zone().name == name; });
 }
 
 Result<Mission> ControlAreas::route_to(std::string_view to, const zone::TrafficZone& zone,
@@ -113,9 +116,9 @@ Result<Mission> ControlAreas::route_to(std::string_view to, const zone::TrafficZ
   if (!area->second.online)
     return fail("mission.area",
                 "the server of control area '" + cut(name) + "' does not respond; start it, then try again", "to");
-  if (!area->second.zone)
+  if (!area->second.rtm)
     return fail("mission.area", "control area '" + cut(name) + "' has not published its zone; try again", "to");
-  const zone::TrafficZone& there = *area->second.zone;
+  const zone::TrafficZone& there = area->second.rtm->zone();
   const auto end = position_of(there, goal);
   if (!end)
     return fail("mission.to", "control area '" + cut(name) + "' has no station or waypoint '" + cut(goal) + "'", "to");

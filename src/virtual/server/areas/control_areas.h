@@ -67,7 +67,7 @@ class ControlAreas {
  private:
   struct ControlArea {
     bool online{false};
-    std::shared_ptr<const zone::TrafficZone> zone;
+    std::shared_ptr<const zone::Rtm> rtm;  ///< of the zone that it published last; null: none yet
   };
   std::string own_;
   std::map<std::string, ControlArea, std::less<>> areas_;  ///< the other control areas

@@ -20,12 +20,12 @@ void VirtualFleet::send(Host& host) {
   effects_.clear();
 }
 
-void VirtualFleet::add(VehicleIndex vehicle, SimTime now, bool link_up, const zone::ZoneConfiguration& zone,
+void VirtualFleet::add(VehicleIndex vehicle, SimTime now, bool link_up, const std::shared_ptr<const zone::Rtm>& rtm,
                        zone::TrackPosition start) {
   const AivProxy& proxy = registry_[vehicle];
   hosts_.push_back(
       {vehicle, now,
-       VirtualAiv(proxy.id.serial_number, proxy.number, zone, start, registry_.interface_name(), rules_, v2x_)});
+       VirtualAiv(proxy.id.serial_number, proxy.number, rtm, start, registry_.interface_name(), rules_, v2x_)});
   if (!link_up) return;
   hosts_.back().aiv.link(now, true, effects_);
   send(hosts_.back());
@@ -61,9 +61,9 @@ void VirtualFleet::link(SimTime now, bool up) {
   }
 }
 
-void VirtualFleet::zone(SimTime now, const zone::ZoneConfiguration& zone) {
+void VirtualFleet::zone(SimTime now, const std::shared_ptr<const zone::Rtm>& rtm) {
   for (Host& host : hosts_) {
-    host.aiv.zone(now, zone, effects_);
+    host.aiv.zone(now, rtm, effects_);
     send(host);
   }
 }

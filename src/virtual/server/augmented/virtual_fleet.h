@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,7 +34,7 @@ class VirtualFleet {
     std::vector<std::string> listens{};  ///< topics of the vehicles nearby (wire::Listen)
   };
 
-  void add(VehicleIndex vehicle, SimTime now, bool link_up, const zone::ZoneConfiguration& zone,
+  void add(VehicleIndex vehicle, SimTime now, bool link_up, const std::shared_ptr<const zone::Rtm>& rtm,
            zone::TrackPosition start);
   void remove(VehicleIndex vehicle, SimTime now);
   [[nodiscard]] const Host* find(VehicleIndex vehicle) const;
@@ -43,7 +44,7 @@ class VirtualFleet {
   [[nodiscard]] bool empty() const { return hosts_.empty(); }
 
   void link(SimTime now, bool up);
-  void zone(SimTime now, const zone::ZoneConfiguration& zone);
+  void zone(SimTime now, const std::shared_ptr<const zone::Rtm>& rtm);
   /// To all hosted AIVs, such as a heartbeat.
   void message(SimTime now, const std::string& topic, const std::string& payload);
   /// To one hosted AIV.

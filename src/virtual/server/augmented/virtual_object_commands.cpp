@@ -187,7 +187,7 @@ Result<Point2> VirtualObjectCommands::read_point(const JsonValue& x, const JsonV
   if (x.number() == nullptr || y.number() == nullptr || !std::isfinite(*x.number()) || !std::isfinite(*y.number()))
     return fail("virtual_object.position", "give a position as two numbers, in metres on the map", std::string(field));
   const Point2 p{*x.number(), *y.number()};
-  const zone::Bounds on = simulator_.bounds();
+  const zone::Bounds& on = simulator_.drawing().bounds;
   const bool inside = p.x_m >= on.low.x_m - off_zone_m && p.x_m <= on.high.x_m + off_zone_m &&
                       p.y_m >= on.low.y_m - off_zone_m && p.y_m <= on.high.y_m + off_zone_m;
   if (!inside) {

@@ -30,7 +30,7 @@ struct ServerContext {
   Traces traces{options.traces_max};
   MessagePublisher publisher{traces, options.as_values};
   Registry registry{topic_prefix.substr(0, topic_prefix.size() - 1)};
-  Simulator simulator{options.contract};
+  Simulator simulator{options.contract, options.rtm};
   bool state_stale{false};  ///< something that the state file holds has changed since the file was written
   std::uint64_t messages_refused{0};
   std::uint64_t unknown_senders_logged{0};

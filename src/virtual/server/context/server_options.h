@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,6 +21,8 @@ struct ServerOptions {
   std::string area;
   /// The zone, when no physical side serves it; published retained so that vehicles get it too.
   std::optional<zone::ZoneConfiguration> zone;
+  /// Built from `zone` already, where it is known; null: the server builds it. Not in JSON.
+  std::shared_ptr<const zone::Rtm> rtm{};
   bool drive{true};  ///< give circulating orders to idle vehicles; false: watch only (a foreign master drives)
   SimDuration lost_after{std::chrono::seconds{1}};  ///< no report for so long: the vehicle's link is lost
   BijectionContract contract;

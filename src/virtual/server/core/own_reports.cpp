@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "cosiva/base/expect.h"
@@ -113,10 +114,12 @@ void OwnReports::forget_where_clear(VehicleIndex vehicle, double clear_m) {
   const zone::VehicleShape& shape = context_.simulator.zone()->vehicle;
   const Twin::Image image = context_.simulator.image(*proxy.twin, context_.now);
   const double reach_m = 0.5 * shape.length_m + std::min(clear_m, clear_m_max);
+  const zone::Circuit& circuit = *context_.simulator.circuit();
+  std::span<const zone::SectionId> course;
+  if (image.position) course = context_.simulator.twin(*proxy.twin).remaining(image.position->section);
   std::vector<Point2> path;
   for (double d = 0.0; d <= reach_m; d += path_step_m) {
-    path.push_back(image.position ? position(context_.simulator.circuit()->pose_at(
-                                        context_.simulator.ahead_of(*proxy.twin, *image.position, d)))
+    path.push_back(image.position ? position(circuit.pose_at(circuit.advance(*image.position, d, course)))
                                   : image.X_MB * Point2{d, 0.0});
   }
   std::vector<std::string> removed;

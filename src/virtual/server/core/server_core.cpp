@@ -165,7 +165,7 @@ std::optional<std::string> ServerCore::trace_json(std::uint64_t n) const {
 std::string ServerCore::next_command_id() const { return impl_->parts.master.commands.next_free_id(); }
 
 std::uint64_t ServerCore::zone_revision() const { return impl_->parts.context.simulator.zone_revision(); }
-std::string ServerCore::zone_json() const { return impl_->parts.context.simulator.zone_json(); }
+std::string ServerCore::zone_json() const { return impl_->parts.context.simulator.drawing().json; }
 std::string ServerCore::next_virtual_object_id(std::string_view kind) const {
   return impl_->parts.augmented.objects.next_id(kind);
 }

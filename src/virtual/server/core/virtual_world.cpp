@@ -59,7 +59,7 @@ bool VirtualWorld::add_aiv(const std::string& serial, zone::TrackPosition positi
   if (!vehicle) return false;
   COSIVA_EXPECT(context_.registry[*vehicle].augmented && !context_.registry[*vehicle].retired &&
                 augmented_.hosted.find(*vehicle) == nullptr);
-  augmented_.hosted.add(*vehicle, context_.now, context_.link.up(), *context_.simulator.configuration(), position);
+  augmented_.hosted.add(*vehicle, context_.now, context_.link.up(), context_.simulator.rtm(), position);
   context_.simulator.monitor().set_augmented(augmented_.hosted.hosts().size());
   context_.publisher.log('i', context_.registry[*vehicle].name + ": added at " +
                                   context_.simulator.circuit()->part(position.section).name + ", " +

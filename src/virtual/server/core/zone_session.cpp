@@ -81,7 +81,7 @@ bool ZoneSession::take(const zone::ZoneConfiguration& configuration) {
   else
     start_over(zone);
   vehicles_.apply_priorities();
-  augmented_.hosted.zone(context_.now, configuration);
+  augmented_.hosted.zone(context_.now, context_.simulator.rtm());
   COSIVA_EXPECT(map_ && map_->zone().name == zone->name);
   return true;
 }
@@ -165,7 +165,7 @@ Result<zone::ZoneConfiguration> ZoneSession::wanted_by(const JsonValue& command)
       same_content(*context_.simulator.configuration(), *configuration))
     return fail("switch.same", "this zone is in force already", "zone");
   // Every program has to be able to build what the server publishes.
-  if (auto rtm = zone::Rtm::initialise(*configuration); !rtm) return tl::unexpected(rtm.error());
+  if (auto rtm = context_.simulator.build(*configuration); !rtm) return tl::unexpected(rtm.error());
   return configuration;
 }
 

@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
+#include <memory>
+
 #include "cosiva/base/json_writer.h"
 #include "cosiva/virtual/server/testing/server_fixture.h"
 
@@ -294,6 +297,75 @@ TEST(Switch, takes_a_virtual_vehicle_along) {
   EXPECT_EQ(aiv.text("map"), "yard");
   EXPECT_TRUE(aiv.find("offRoute")->is_null());
   EXPECT_GT(*aiv.number("speed"), 0.0);
+}
+
+/// The calls of Rtm::initialise while `act` runs.
+std::uint64_t builds_during(const std::function<void()>& act) {
+  const std::uint64_t before = zone::Rtm::initialised_count();
+  act();
+  return zone::Rtm::initialised_count() - before;
+}
+
+TEST(RtmBuilds, happen_once_at_start_up) {
+  ServerOptions options;
+  options.zone = oval();
+  std::unique_ptr<ServerCore> server;
+  wire::Effects effects;
+  const auto start = [&] {
+    server = std::make_unique<ServerCore>(options);
+    server->handle({virtual_epoch, wire::InputKind::link, "", "up"}, effects);
+  };
+  EXPECT_EQ(builds_during(start), 1U);
+  options.rtm = std::make_shared<const zone::Rtm>(*zone::Rtm::initialise(oval()));
+  EXPECT_EQ(builds_during(start), 0U) << "the program has built it to check its command line";
+  EXPECT_EQ(server->zone(), options.rtm->shared_zone());
+}
+
+TEST(RtmBuilds, happen_once_in_a_switch_also_where_it_is_checked_first_and_virtual_aivs_drive) {
+  ServerFixture fixture;
+  EXPECT_EQ(builds_during([&] {
+              for (const char* section : {"south", "north"})
+                fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","section":")" +
+                                     std::string(section) + R"(","s":0.5}})");
+              fixture.run_for(1s);
+            }),
+            0U);
+  ASSERT_THAT(*fixture.snapshot().find("aivs")->array(), SizeIs(2));
+  const std::string command = switch_to(moved_oval("yard", "0.1"));
+  EXPECT_EQ(builds_during([&] {
+              EXPECT_EQ(fixture.refusal(command), "");
+              fixture.send_command(command);
+              fixture.run_for(1s);
+            }),
+            1U);
+  EXPECT_EQ(zone_of(fixture).text("name"), "yard");
+}
+
+TEST(RtmBuilds, happen_once_for_a_zone_from_the_broker_also_where_it_cannot_be_used) {
+  ServerFixture fixture;
+  EXPECT_EQ(builds_during([&] {
+              fixture.feed(wire::InputKind::message, "cosiva/v1/zone/toml", moved_oval("yard", "0.1").text, true);
+              fixture.run_for(1s);
+            }),
+            1U);
+  EXPECT_EQ(zone_of(fixture).text("name"), "yard");
+  const std::string command = switch_to({"toml", "bad.toml", "name = 7"});
+  EXPECT_EQ(builds_during([&] {
+              fixture.send_command(command);
+              EXPECT_NE(fixture.refusal(command), "");
+            }),
+            1U);
+}
+
+TEST(RtmBuilds, happen_once_in_an_edit_also_where_it_is_checked_first) {
+  ServerFixture fixture;
+  const std::string command = R"({"command":"edit","edit":{"addTags":[{"number":77,"section":"south","s":0.3}]}})";
+  EXPECT_EQ(builds_during([&] {
+              EXPECT_EQ(fixture.refusal(command), "");
+              fixture.send_command(command);
+              fixture.run_for(1s);
+            }),
+            1U);
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ bool ZoneEdits::handles(std::string_view command) {
   return command == "edit" || command == "undo" || command == "redo" || command == "saved";
 }
 
-Result<zone::ZoneConfiguration> ZoneEdits::after(const JsonValue& command, const Simulator& simulator) const {
+Result<zone::ZoneConfiguration> ZoneEdits::after(const JsonValue& command, Simulator& simulator) const {
   if (simulator.configuration() == nullptr)
     return fail("edit.zone", "there is no zone yet; wait until the physical side has sent it, then try again");
   const std::string verb = command.text("command").value_or("");
@@ -33,7 +33,7 @@ Result<zone::ZoneConfiguration> ZoneEdits::after(const JsonValue& command, const
   if (!made) return made;
   if (same_content(*made, *simulator.configuration())) return fail("edit.nothing", "this edit changes nothing", "edit");
   // Every receiver must be able to build what the server publishes.
-  if (auto rtm = zone::Rtm::initialise(*made); !rtm) return tl::unexpected(rtm.error());
+  if (auto rtm = simulator.build(*made); !rtm) return tl::unexpected(rtm.error());
   return made;
 }
 

@@ -23,7 +23,7 @@ class ZoneEdits {
   [[nodiscard]] static bool handles(std::string_view command);  ///< "edit", "undo", "redo" or "saved"
 
   /// The configuration that would be in force after a command. Fails with a message that states what to do.
-  [[nodiscard]] Result<zone::ZoneConfiguration> after(const JsonValue& command, const Simulator& simulator) const;
+  [[nodiscard]] Result<zone::ZoneConfiguration> after(const JsonValue& command, Simulator& simulator) const;
   /// The command has been executed; `before` was in force until then.
   void done(std::string_view command, zone::ZoneConfiguration before);
   void saved(const zone::ZoneConfiguration& now_in_force);

@@ -1,0 +1,23 @@
+#include "cosiva/zone/rtm/rtm_builder.h"
+
+#include <utility>
+
+#include "cosiva/base/expect.h"
+
+namespace cosiva::zone {
+
+Result<std::shared_ptr<const Rtm>> RtmBuilder::build(const ZoneConfiguration& configuration) {
+  if (built_ && built_->configuration() == configuration) return built_;
+  if (refused_ && refused_->configuration == configuration) return tl::unexpected(refused_->error);
+  auto rtm = Rtm::initialise(configuration);
+  if (!rtm) {
+    refused_ = Refused{configuration, rtm.error()};
+    return tl::unexpected(std::move(rtm.error()));
+  }
+  refused_.reset();
+  built_ = std::make_shared<const Rtm>(std::move(*rtm));
+  COSIVA_EXPECT(built_->configuration() == configuration);
+  return built_;
+}
+
+}  // namespace cosiva::zone
