@@ -70,9 +70,9 @@ export function picture_of(points: readonly BatteryPoint[], quantity: Quantity, 
   const begin = points[0]?.[0] ?? 0;
   const span = Math.max(1, (points.at(-1)?.[0] ?? 0) - begin);
   const down = (value: number) => 2 + ((height - 4) * (high - value)) / (high - low);
-  const place = (point: BatteryPoint) => `${(((point[0] - begin) / span) * width).toFixed(1)} ${down(point[at]).toFixed(1)}`;
+  const coordinates = (point: BatteryPoint) => `${(((point[0] - begin) / span) * width).toFixed(1)} ${down(point[at]).toFixed(1)}`;
   return {
-    path: points.length < 2 ? '' : `M${points.map(place).join('L')}`,
+    path: points.length < 2 ? '' : `M${points.map(coordinates).join('L')}`,
     low, high,
     last: values.at(-1) ?? null,
     y: (value) => (value < low || value > high ? null : down(value)),

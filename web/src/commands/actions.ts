@@ -64,7 +64,7 @@ function close(platform: Platform): void {
     focused.dispatchEvent(new Event('input', { bubbles: true }));
     return;
   }
-  if (tool.name !== 'look') return tool.done();
+  if (tool.name !== 'select') return tool.done();
   if (platform.chosen.size > 0) platform.chosen = new Set();
   else if (platform.selected !== null) platform.select(null);
   else if (layout.frame !== null) layout.frame = null;

@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
-import { degrees_of, millimetres_of, name_place, path_of, picture_of, curve_text, rgba_of, type Sight } from './gvs';
+import { degrees_of, millimetres_of, label_position, path_of, picture_of, curve_text, rgba_of, type Detection } from './gvs';
 
-const detection: Sight = { vehicle: 'CoSiVA/AIV1', tag: 1, x: 0.125, y: -0.5, heading: 0, outline: [[10, 20], [14, 20], [14, 30], [10, 30]], nose: [[12, 25], [16, 25]] };
+const detection: Detection = { vehicle: 'CoSiVA/AIV1', tag: 1, x: 0.125, y: -0.5, heading: 0, outline: [[10, 20], [14, 20], [14, 30], [10, 30]], nose: [[12, 25], [16, 25]] };
 const comment = { timestamp: '2026-01-01T00:00:00.000Z', detections: [detection] };
 
 function file(header: string, pixels: number[]): ArrayBuffer {
@@ -47,9 +47,9 @@ describe('the preview of the camera', () => {
   it('has its outlines as paths, with names above them or, at the upper border, below', () => {
     expect(path_of(detection.outline, true)).toBe('M10 20L14 20L14 30L10 30Z');
     expect(path_of([[1, 2]], false)).toBe('');
-    expect(name_place({ ...detection, outline: [[10, 40], [20, 60]] }, 100)).toEqual([15, 34]);
-    expect(name_place(detection, 100)).toEqual([12, 48]);
-    expect(name_place({ ...detection, outline: [] }, 100)).toBeNull();
+    expect(label_position({ ...detection, outline: [[10, 40], [20, 60]] }, 100)).toEqual([15, 34]);
+    expect(label_position(detection, 100)).toEqual([12, 48]);
+    expect(label_position({ ...detection, outline: [] }, 100)).toBeNull();
   });
 });
 

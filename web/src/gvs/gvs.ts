@@ -1,7 +1,7 @@
 // The camera image in the server's format: Netpbm P5 (grey, one byte per pixel) with the detected vehicles in its comment.
 
 /** A detected AIV, in pixels of the image. */
-export interface Sight {
+export interface Detection {
   vehicle: string;
   tag: number;
   x: number;
@@ -18,7 +18,7 @@ export interface Picture {
   /** rows from top to bottom */
   grey: Uint8Array;
   timestamp: string;
-  detections: readonly Sight[];
+  detections: readonly Detection[];
 }
 
 const side_max = 4_096;
@@ -64,10 +64,10 @@ export function rgba_of({ width, height, grey }: Picture): Uint8ClampedArray<Arr
   return rgba;
 }
 
-export const path_of = (places: Sight['outline'], closed: boolean): string => (places.length < 2 ? '' : `M${places.map(([u, v]) => `${u} ${v}`).join('L')}${closed ? 'Z' : ''}`);
+export const path_of = (points: Detection['outline'], closed: boolean): string => (points.length < 2 ? '' : `M${points.map(([u, v]) => `${u} ${v}`).join('L')}${closed ? 'Z' : ''}`);
 
 /** The position of the label: above the outline if there is room, otherwise below it. */
-export function name_place({ outline }: Sight, height: number): readonly [u: number, v: number] | null {
+export function label_position({ outline }: Detection, height: number): readonly [u: number, v: number] | null {
   if (outline.length === 0) return null;
   const us = outline.map(([u]) => u);
   const vs = outline.map(([, v]) => v);

@@ -369,14 +369,14 @@ export interface WholeTrace extends Trace {
 }
 
 export interface ZoneEdit {
-  addTags?: readonly TagPlace[];
-  moveTags?: readonly TagPlace[];
+  addTags?: readonly TagPosition[];
+  moveTags?: readonly TagPosition[];
   removeTags?: readonly number[];
   /** rotation: left positive [rad] */
   beacons?: { pitch?: number; origin?: Point; rotation?: number };
   priorities?: Readonly<Record<string, number>>;
 }
-export type TagPlace = { number: number; x: number; y: number } | { number: number; section: string; s: number };
+export type TagPosition = { number: number; x: number; y: number } | { number: number; section: string; s: number };
 
 export type LiveMessage =
   | { type: 'zone'; zone: Zone | null }

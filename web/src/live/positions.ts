@@ -25,7 +25,7 @@ export class Positions {
   reported_dx = new Float32Array(0);
   reported_dy = new Float32Array(0);
   handle = new Uint16Array(0);
-  look = new Uint16Array(0);
+  flags = new Uint16Array(0);
   /** incremented when slots are reassigned */
   revision = 0;
   /** incremented with each frame */
@@ -76,7 +76,7 @@ export class Positions {
     this.sequence = frame.sequence;
     this.server_ms = frame.time_ms;
     const moves = this.schedule(passed_ms, page_ms, first);
-    const same = this.same_things(frame);
+    const same = this.same_objects(frame);
     if (same) this.start_from_drawn();
     else this.take_slots(frame);
     this.aim(frame, same && moves);
@@ -130,7 +130,7 @@ export class Positions {
     return steady && gap_ms < interval_ms_max;
   }
 
-  private same_things(frame: PositionFrame): boolean {
+  private same_objects(frame: PositionFrame): boolean {
     if (frame.count !== this.count) return false;
     const { words } = frame;
     const { handle } = this;
@@ -195,7 +195,7 @@ export class Positions {
       this.speed[i] = values[at + 3]!;
       this.reported_dx[i] = values[at + 4]!;
       this.reported_dy[i] = values[at + 5]!;
-      this.look[i] = words[2 * i + 1]!;
+      this.flags[i] = words[2 * i + 1]!;
     }
   }
 
@@ -210,7 +210,7 @@ export class Positions {
     ] as const;
     for (const name of columns) this[name] = grown(this[name]);
     for (const name of ['spare_x', 'spare_y', 'spare_heading'] as const) this[name] = new Float32Array(size);
-    for (const name of ['handle', 'look'] as const) {
+    for (const name of ['handle', 'flags'] as const) {
       const next = new Uint16Array(size);
       next.set(this[name]);
       this[name] = next;

@@ -2,7 +2,7 @@
 import type { Aiv, Command, Snapshot } from './contract';
 import { causes_of } from './alarms';
 import * as format from './format';
-import { looks, state_key, type StateKey } from './status';
+import { state_styles, state_key, type StateKey } from './status';
 
 export interface Row {
   id: string;
@@ -88,6 +88,6 @@ function newest_commands(snapshot: Snapshot): Map<string, Command> {
 
 /** Whether a row contains all words of a filter, in its names, its state, its section, its note or its kind. */
 export function matches(row: Row, filter: string): boolean {
-  const text = `${row.id} ${row.mark} ${looks[row.state].word} ${row.aiv.section ?? 'off the circuit'} ${row.note} ${row.aiv.augmented ? 'virtual' : ''} ${row.alarms.length > 0 ? 'alarm' : ''}`.toLowerCase();
+  const text = `${row.id} ${row.mark} ${state_styles[row.state].word} ${row.aiv.section ?? 'off the circuit'} ${row.note} ${row.aiv.augmented ? 'virtual' : ''} ${row.alarms.length > 0 ? 'alarm' : ''}`.toLowerCase();
   return filter.toLowerCase().split(/\s+/).every((word) => text.includes(word));
 }

@@ -52,7 +52,7 @@ describe('the object under a point', () => {
   it('is the nearest body, before objects on the ground', () => {
     expect(at(field(), 0.03, 0)).toBe('aiv CoSiVA/AIV1');
     expect(at(field(), 0.19, 0)).toBe('person P1');
-    expect(at(field(), 2.04, 0)).toBe('seen S1');
+    expect(at(field(), 2.04, 0)).toBe('detected S1');
   });
 
   it('is the tag while tags are edited', () => {

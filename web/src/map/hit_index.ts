@@ -13,18 +13,18 @@ export interface AivEntry {
   /** the reserved path, x, y, x, y … [m] */
   reserved: Float32Array;
 }
-export interface ThingEntry {
+export interface VirtualObjectEntry {
   kind: 'person' | 'obstacle';
   id: string;
   virtualObject: VirtualObject;
   path: Float32Array | null;
 }
-export interface SeenEntry {
-  kind: 'seen';
+export interface DetectedEntry {
+  kind: 'detected';
   id: string;
-  seen: DetectedObstacle;
+  obstacle: DetectedObstacle;
 }
-export type Entry = AivEntry | ThingEntry | SeenEntry;
+export type Entry = AivEntry | VirtualObjectEntry | DetectedEntry;
 
 const none = new Float32Array(0);
 
@@ -57,20 +57,20 @@ export class MapIndex {
       const path = virtualObject.path && virtualObject.path.length > 1 ? flat_into(virtualObject.repeat === 'loop' ? [...virtualObject.path, virtualObject.path[0]!] : virtualObject.path, none) : null;
       keep(virtualObject.handle, { kind: virtualObject.kind, id: virtualObject.id, virtualObject, path });
     }
-    for (const seen of snapshot.obstacles ?? []) keep(seen.handle, { kind: 'seen', id: seen.id, seen });
+    for (const obstacle of snapshot.obstacles ?? []) keep(obstacle.handle, { kind: 'detected', id: obstacle.id, obstacle });
     for (const id of gone) this.by_id.delete(id);
   }
 
   radius(handle: number): number {
     const entry = this.by_handle.get(handle);
     if (!entry || entry.kind === 'aiv') return 0.06;
-    return entry.kind === 'seen' ? entry.seen.radius : entry.virtualObject.radius;
+    return entry.kind === 'detected' ? entry.obstacle.radius : entry.virtualObject.radius;
   }
 
   handle(id: string | null): number {
     const entry = id === null ? undefined : this.by_id.get(id);
     if (!entry) return -1;
-    return entry.kind === 'aiv' ? entry.aiv.handle : entry.kind === 'seen' ? entry.seen.handle : entry.virtualObject.handle;
+    return entry.kind === 'aiv' ? entry.aiv.handle : entry.kind === 'detected' ? entry.obstacle.handle : entry.virtualObject.handle;
   }
 }
 
@@ -125,7 +125,7 @@ function body_at({ positions, index, zone, hidden }: Field, x: number, y: number
     if (!entry || (entry.kind === 'person' && hidden.has('persons')) || (entry.kind !== 'aiv' && entry.kind !== 'person' && hidden.has('obstacles'))) continue;
     if (entry.kind !== 'aiv' && away > index.radius(positions.handle[i]!) + slack) continue;
     nearest = away;
-    const movable = entry.kind === 'aiv' ? entry.aiv.augmented : entry.kind !== 'seen';
+    const movable = entry.kind === 'aiv' ? entry.aiv.augmented : entry.kind !== 'detected';
     best = { kind: entry.kind, id: entry.id, x: positions.x[i]!, y: positions.y[i]!, movable };
   }
   return best;

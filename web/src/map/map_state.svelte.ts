@@ -78,7 +78,7 @@ export class MapState {
   }
 
   // ── the view ──
-  look(view: View): void {
+  set_view(view: View): void {
     this.flight = null;
     this.view = view;
     this.fitted = false;
@@ -108,10 +108,10 @@ export class MapState {
     if (share >= 1) this.flight = null;
   }
   zoom(factor: number, at: Pixel = { px: this.size.width / 2, py: this.size.height / 2 }): void {
-    this.look(zoom_at(this.view, this.size, at.px, at.py, factor));
+    this.set_view(zoom_at(this.view, this.size, at.px, at.py, factor));
   }
   pan(dx: number, dy: number): void {
-    this.look(pan(this.view, dx, dy));
+    this.set_view(pan(this.view, dx, dy));
   }
   point(at: Pixel): Point {
     const { x, y } = to_map(this.view, this.size, at.px, at.py);
@@ -164,7 +164,7 @@ export class MapState {
     this.sketch = { ...this.sketch, tag: number };
   }
   /** Starts a tool with a given sketch. */
-  begin(name: Exclude<ToolName, 'look'>, sketch: Sketch): void {
+  begin(name: Exclude<ToolName, 'select'>, sketch: Sketch): void {
     if (tool.name === name) this.sketch = sketch;
     else {
       this.begun = sketch;
@@ -203,9 +203,9 @@ export class MapState {
         if (target !== null) await platform.ask(`Move ${short(target)}`, api.move_virtual_object(short(target), { x: doing.at[0], y: doing.at[1] }));
         return;
       default: {
-        const place = { x: doing.at[0], y: doing.at[1] };
+        const position = { x: doing.at[0], y: doing.at[1] };
         const asked = { 'add aiv': api.add_aiv, 'add person': api.add_person, 'add obstacle': api.add_obstacle, 'add plant obstacle': api.add_plant_obstacle }[doing.what];
-        const added = await platform.ask(words[doing.what], asked(place));
+        const added = await platform.ask(words[doing.what], asked(position));
         if (added && doing.what !== 'add plant obstacle') platform.select(doing.what === 'add aiv' ? full_id(added.id) : added.id);
       }
     }

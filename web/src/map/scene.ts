@@ -2,7 +2,7 @@
 // sketches above. The scene chooses the renderer and replaces it when the WebGL context is lost or restored.
 import { Canvas2dRenderer } from './canvas2d';
 import type { Aiv, Zone } from '../live/contract';
-import { kind_aiv, look_kind_mask, look_status_shift } from '../live/frames';
+import { kind_aiv, flags_kind_mask, flags_status_shift } from '../live/frames';
 import { Marks, type Marked } from './map_markers';
 import { Trails, trails_max } from './trails';
 import { ZonePicture } from './zone_picture';
@@ -102,7 +102,7 @@ export class MapScene {
     const selected = index.handle(picture.selected);
     this.renderer.begin(view, body, picture.dim);
     this.below(picture, this.colours, selected);
-    // For spots a halo replaces the outline: it looks the same, and thousands of outlines would be too slow.
+    // For spots a halo replaces the outline: it has the same effect, and thousands of outlines would be too slow.
     const spots = body.half_width < spot_px;
     if (spots) this.halos(picture, this.colours.alarm, body.half_length + 4);
     this.renderer.bodies(positions, this.shown, (slot) => index.radius(positions.handle[slot]!));
@@ -122,10 +122,10 @@ export class MapScene {
       const entry = index.by_handle.get(handle);
       if (!entry) continue;
       if (entry.kind === 'aiv') {
-        const state = positions.look[i]! >> look_status_shift;
+        const state = positions.flags[i]! >> flags_status_shift;
         if (!hidden.has('reserved') && state !== 5) this.renderer.band(entry.reserved, entry.reserved.length / 2, 1.15 * this.vehicle.width_m, 5, colours.states[state]!, handle === selected ? 0.42 : 0.26);
         if (!hidden.has('ranges')) this.ranges(entry.aiv, positions.x[i]!, positions.y[i]!, positions.heading[i]!, colours);
-      } else if (entry.kind !== 'seen' && entry.path && !hidden.has('persons')) {
+      } else if (entry.kind !== 'detected' && entry.path && !hidden.has('persons')) {
         this.renderer.band(entry.path, entry.path.length / 2, 0, 2, colours.person, 0.6);
         for (let k = 0; k < entry.path.length; k += 2) this.renderer.disc(entry.path[k]!, entry.path[k + 1]!, 0, 3, colours.person, 0.8);
       }
@@ -151,7 +151,7 @@ export class MapScene {
     for (const [handle, trail] of this.trails.entries()) {
       const slot = positions.slot(handle);
       if (slot < 0 || trail.count < 3) continue;
-      const state = positions.look[slot]! >> look_status_shift;
+      const state = positions.flags[slot]! >> flags_status_shift;
       if (state === 5) continue;
       const last = trail.count - 1;
       const steps = Math.min(positions.count > trails_max ? 14 : 8, last);
@@ -173,7 +173,7 @@ export class MapScene {
     this.ring(positions, selected, alarms.has(selected) ? 8 : 4, 2.5, colours.select);
     if (!opinions) return;
     for (let i = 0; i < positions.count; i++) {
-      if ((positions.look[i]! & look_kind_mask) !== kind_aiv || (many && positions.handle[i] !== selected)) continue;
+      if ((positions.flags[i]! & flags_kind_mask) !== kind_aiv || (many && positions.handle[i] !== selected)) continue;
       const entry = index.by_handle.get(positions.handle[i]!);
       const heading = entry?.kind === 'aiv' && entry.aiv.reported ? entry.aiv.reported.heading : positions.heading[i]!;
       this.renderer.outline(positions.x[i]!, positions.y[i]!, positions.heading[i]!, 0, 1.5, 'solid', colours.ink);
@@ -222,7 +222,7 @@ export class MapScene {
 /** The slot of a vehicle in the positions; −1 if the handle is unknown or no vehicle. */
 function aiv_slot(positions: Picture['positions'], handle: number): number {
   const slot = handle < 0 ? -1 : positions.slot(handle);
-  return slot >= 0 && (positions.look[slot]! & look_kind_mask) === kind_aiv ? slot : -1;
+  return slot >= 0 && (positions.flags[slot]! & flags_kind_mask) === kind_aiv ? slot : -1;
 }
 
 /** The drawn vehicle size: to scale with a visible minimum, which is smaller in large fleets to reduce overlaps. */

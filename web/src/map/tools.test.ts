@@ -66,8 +66,8 @@ describe('tags', () => {
   });
 
   it('are dragged along the circuit and not off it', () => {
-    expect(drop_tag(3, [4, 0.2], zone)).toEqual({ place: [4, 0], doing: { what: 'edit zone', edit: { moveTags: [{ number: 3, x: 4, y: 0 }] } } });
-    expect(drop_tag(3, [4, 0.5], zone)).toMatchObject({ place: null, doing: { what: 'say' } });
+    expect(drop_tag(3, [4, 0.2], zone)).toEqual({ position: [4, 0], doing: { what: 'edit zone', edit: { moveTags: [{ number: 3, x: 4, y: 0 }] } } });
+    expect(drop_tag(3, [4, 0.5], zone)).toMatchObject({ position: null, doing: { what: 'say' } });
   });
 
   it('are removed by Delete, when one is selected', () => {
@@ -97,7 +97,7 @@ describe('the measuring tool', () => {
 
 describe('the hint', () => {
   it('exists for every tool except the default one', () => {
-    expect(hint('look', empty_sketch, null)).toBe('');
+    expect(hint('select', empty_sketch, null)).toBe('');
     for (const tool of ['add aiv', 'add person', 'draw walk', 'add obstacle', 'add plant obstacle', 'edit tags', 'measure'] as const) {
       expect(hint(tool, empty_sketch, null)).toMatch(/^Press .*\.$/);
     }

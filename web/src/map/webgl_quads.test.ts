@@ -96,9 +96,9 @@ describe('a band', () => {
   it('has neither gap nor overlap at a bend', () => {
     quads.band([0, 0, 1, 0, 1, 1], 3, 0.2, 1, '#000000', 0.5);
     expect(quads.told.quads).toBe(2);
-    const place = ({ px, py }: { px: number; py: number }) => [Math.round(px), Math.round(py)];
-    expect(place(quads.corner(0, 1))).toEqual(place(quads.corner(1, 0)));
-    expect(place(quads.corner(0, 2))).toEqual(place(quads.corner(1, 3)));
+    const rounded = ({ px, py }: { px: number; py: number }) => [Math.round(px), Math.round(py)];
+    expect(rounded(quads.corner(0, 1))).toEqual(rounded(quads.corner(1, 0)));
+    expect(rounded(quads.corner(0, 2))).toEqual(rounded(quads.corner(1, 3)));
   });
 
   it('skips coincident points, and is empty with fewer than two', () => {

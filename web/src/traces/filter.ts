@@ -66,7 +66,7 @@ export class NamedRows implements RowList {
 }
 
 /** A growing array of numbers, 8 bytes each. */
-class Places {
+class NumberList {
   private values = new Float64Array(1024);
   length = 0;
   push(value: number): void {
@@ -163,8 +163,8 @@ export class Matcher {
 export class MatchingRows implements RowList {
   private readonly matcher: Matcher;
   /** matches of the backward search, newest first */
-  private readonly older = new Places();
-  private readonly newer = new Places();
+  private readonly older = new NumberList();
+  private readonly newer = new NumberList();
   /** number of rows at the front of `newer` that the store has dropped */
   private gone = 0;
   private searched_from: number;
