@@ -18,8 +18,8 @@ export async function call<T>(method: string, path: string, body?: unknown, wait
     const text = await response.text();
     const value = parse(text);
     if (response.ok) return { ok: true, value: value as T };
-    const said = (value as { error?: { message?: unknown } } | undefined)?.error?.message;
-    return { ok: false, status: response.status, sentence: typeof said === 'string' ? said : `The server refused it (${response.status}).` };
+    const reason = (value as { error?: { message?: unknown } } | undefined)?.error?.message;
+    return { ok: false, status: response.status, sentence: typeof reason === 'string' ? reason : `The server refused it (${response.status}).` };
   } catch {
     return { ok: false, status: 0, sentence: 'The server does not respond. It may be restarting; try again in a moment.' };
   }

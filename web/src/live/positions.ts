@@ -88,13 +88,13 @@ export class Positions {
     const { count, x, y, heading, to_x, to_y } = this;
     if (page_ms <= this.to_ms) {
       const { from_x, from_y, from_heading, turn } = this;
-      const share = Math.max(0, (page_ms - this.from_ms) / (this.to_ms - this.from_ms));
+      const ratio = Math.max(0, (page_ms - this.from_ms) / (this.to_ms - this.from_ms));
       for (let i = 0; i < count; i++) {
         const fx = from_x[i]!;
         const fy = from_y[i]!;
-        x[i] = fx + (to_x[i]! - fx) * share;
-        y[i] = fy + (to_y[i]! - fy) * share;
-        heading[i] = from_heading[i]! + turn[i]! * share;
+        x[i] = fx + (to_x[i]! - fx) * ratio;
+        y[i] = fy + (to_y[i]! - fy) * ratio;
+        heading[i] = from_heading[i]! + turn[i]! * ratio;
       }
     } else {
       const { rate_x, rate_y, rate_heading, from_heading, turn } = this;
@@ -177,7 +177,7 @@ export class Positions {
       const heading = values[at + 2]!;
       const dx = x - this.from_x[i]!;
       const dy = y - this.from_y[i]!;
-      // NaN marks a new object, which starts at its reported position.
+      // NaN denotes a new object, which starts at its reported position.
       const leaps = !(dx * dx + dy * dy <= leap_m * leap_m);
       const rate = leaps ? 0 : per_ms;
       this.rate_x[i] = rate === 0 ? 0 : (x - this.to_x[i]!) * rate;

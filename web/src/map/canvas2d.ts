@@ -46,7 +46,7 @@ export class Canvas2dRenderer implements Renderer {
     const { context } = this;
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.clearRect(0, 0, this.canvas.width, this.canvas.height);
-    this.transform(0, 0, 1, 0);
+    this.pose(0, 0, 1, 0);
     context.globalAlpha = this.dim;
     const key = `${body.half_length} ${body.half_width} ${body.shape_radius}`;
     if (key !== this.path_key) {
@@ -57,7 +57,7 @@ export class Canvas2dRenderer implements Renderer {
 
   band(points: ArrayLike<number>, count: number, width_m: number, pixels_min: number, colour: string, alpha: number): void {
     const { context } = this;
-    this.transform(0, 0, 1, 0);
+    this.pose(0, 0, 1, 0);
     context.beginPath();
     for (let i = 0; i < count; i++) {
       const px = this.px(points[2 * i]!);
@@ -75,7 +75,7 @@ export class Canvas2dRenderer implements Renderer {
 
   sector(x: number, y: number, direction: number, half_angle: number, radius_m: number, colour: string, alpha: number): void {
     const { context } = this;
-    this.transform(0, 0, 1, 0);
+    this.pose(0, 0, 1, 0);
     const px = this.px(x);
     const py = this.py(y);
     context.beginPath();
@@ -89,7 +89,7 @@ export class Canvas2dRenderer implements Renderer {
 
   disc(x: number, y: number, radius_m: number, pixels_min: number, colour: string, alpha: number): void {
     const { context } = this;
-    this.transform(0, 0, 1, 0);
+    this.pose(0, 0, 1, 0);
     context.beginPath();
     context.arc(this.px(x), this.py(y), Math.max(radius_m * this.view.scale, pixels_min), 0, 2 * Math.PI);
     context.globalAlpha = alpha * this.dim;
@@ -99,7 +99,7 @@ export class Canvas2dRenderer implements Renderer {
 
   outline(x: number, y: number, heading: number, grow: number, width: number, line: Line, colour: string): void {
     const { context } = this;
-    this.transform(this.px(x), this.py(y), Math.cos(heading), -Math.sin(heading));
+    this.pose(this.px(x), this.py(y), Math.cos(heading), -Math.sin(heading));
     const points = body_outline(this.body, grow);
     context.beginPath();
     for (let i = 0; i < points.length; i += 2) context.lineTo(points[i]!, points[i + 1]!);
@@ -145,7 +145,7 @@ export class Canvas2dRenderer implements Renderer {
     const tint = colours.states[state]!;
     const c = Math.cos(heading);
     const s = -Math.sin(heading);
-    this.transform(px, py, c, s);
+    this.pose(px, py, c, s);
     context.fillStyle = lost ? colours.ground : tint;
     context.fill(this.outline_path);
     context.lineWidth = augmented ? Math.max(2.4, 0.15 * body.half_width) : lost ? 1.6 : 1;
@@ -154,7 +154,7 @@ export class Canvas2dRenderer implements Renderer {
     context.fillStyle = (flags & flag_blocked) !== 0 ? colours.alarm : lost ? tint : colours.on_state;
     context.fill(this.nose_path);
     if (body.shape_radius > 0) {
-      this.transform(px - c * body.shape_behind, py - s * body.shape_behind, 1, 0);
+      this.pose(px - c * body.shape_behind, py - s * body.shape_behind, 1, 0);
       context.fillStyle = lost ? tint : colours.on_state;
       const shape = this.shapes[state]!;
       if (lost) {
@@ -169,7 +169,7 @@ export class Canvas2dRenderer implements Renderer {
     const { context } = this;
     const person = (flags & flags_kind_mask) === kind_person;
     const r = Math.max(radius_m * this.view.scale, person ? 6 : 5);
-    this.transform(px, py, Math.cos(heading), -Math.sin(heading));
+    this.pose(px, py, Math.cos(heading), -Math.sin(heading));
     const edge = Math.max(1.5, 0.16 * r);
     context.beginPath();
     context.arc(0, 0, r - 0.5 * edge, 0, 2 * Math.PI);
@@ -208,7 +208,7 @@ export class Canvas2dRenderer implements Renderer {
   }
 
   /** Moves the origin to (px, py) and turns the first axis to (c, s), in screen axes. */
-  private transform(px: number, py: number, c: number, s: number): void {
+  private pose(px: number, py: number, c: number, s: number): void {
     const { ratio } = this;
     this.context.setTransform(c * ratio, s * ratio, -s * ratio, c * ratio, px * ratio, py * ratio);
   }

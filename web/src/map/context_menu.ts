@@ -82,7 +82,7 @@ function of_hit(map: MapState, hit: NonNullable<Menu['hit']>): MenuGroup[] {
     items.push({ word: 'Remove', act: () => void platform.remove_virtual_object(id) });
   }
   if (hit.kind === 'station') items.push(...of_station(map, id));
-  if (hit.kind === 'plant') items.push({ word: 'Remove', act: () => void platform.ask(`Remove ${id}`, api.remove_plant_obstacle(id)) });
+  if (hit.kind === 'plant') items.push({ word: 'Remove', act: () => void platform.request(`Remove ${id}`, api.remove_plant_obstacle(id)) });
   if (hit.kind === 'tag') {
     items.push({ word: `Edit tag ${id}`, act: () => map.begin('edit tags', { points: [], tag: Number(id) }) });
     items.push({ word: `Remove tag ${id}`, act: () => void map.do({ what: 'edit zone', edit: { removeTags: [Number(id)] } }) });

@@ -31,11 +31,11 @@ export function nearest_on_line(points: readonly Point[], x: number, y: number):
     const [bx, by] = points[i]!;
     const length = Math.hypot(bx - ax, by - ay);
     if (length > 0) {
-      const share = Math.min(1, Math.max(0, ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / (length * length)));
-      const px = ax + (bx - ax) * share;
-      const py = ay + (by - ay) * share;
+      const ratio = Math.min(1, Math.max(0, ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / (length * length)));
+      const px = ax + (bx - ax) * ratio;
+      const py = ay + (by - ay) * ratio;
       const off = Math.hypot(px - x, py - y);
-      if (off < best.distance) best = { x: px, y: py, distance: off, along: before + share * length };
+      if (off < best.distance) best = { x: px, y: py, distance: off, along: before + ratio * length };
     }
     before += length;
   }

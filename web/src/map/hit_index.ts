@@ -7,7 +7,7 @@ import type { Positions } from '../live/positions';
 export interface AivEntry {
   kind: 'aiv';
   id: string;
-  mark: string;
+  label: string;
   name: string;
   aiv: Aiv;
   /** the reserved path, x, y, x, y … [m] */
@@ -51,7 +51,7 @@ export class MapIndex {
         old.aiv = aiv;
         old.reserved = flat_into(aiv.reserved, old.reserved);
         keep(aiv.handle, old);
-      } else keep(aiv.handle, { kind: 'aiv', id: aiv.id, mark: mark_of(aiv), name: format.serial(aiv.id), aiv, reserved: flat_into(aiv.reserved, none) });
+      } else keep(aiv.handle, { kind: 'aiv', id: aiv.id, label: label_of(aiv), name: format.serial(aiv.id), aiv, reserved: flat_into(aiv.reserved, none) });
     }
     for (const virtualObject of snapshot.virtualObjects ?? []) {
       const path = virtualObject.path && virtualObject.path.length > 1 ? flat_into(virtualObject.repeat === 'loop' ? [...virtualObject.path, virtualObject.path[0]!] : virtualObject.path, none) : null;
@@ -75,8 +75,8 @@ export class MapIndex {
 }
 
 /** Virtual AIVs are numbered separately; the V distinguishes them from physical ones. */
-export function mark_of(aiv: Aiv): string {
-  return aiv.augmented ? format.serial(aiv.id).slice(0, 4) : format.mark(aiv.id, aiv.number);
+export function label_of(aiv: Aiv): string {
+  return aiv.augmented ? format.serial(aiv.id).slice(0, 4) : format.label(aiv.id, aiv.number);
 }
 
 function flat_into(points: readonly Point[] | undefined, room: Float32Array): Float32Array {

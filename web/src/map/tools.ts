@@ -20,7 +20,7 @@ export type Doing =
   | { what: 'add walk'; path: readonly Point[] }
   | { what: 'edit zone'; edit: ZoneEdit }
   | { what: 'close or open'; section: string }
-  | { what: 'say'; text: string };
+  | { what: 'report'; text: string };
 
 export interface Step {
   sketch: Sketch;
@@ -51,7 +51,7 @@ export function press(tool: ToolName, sketch: Sketch, at: Point, hit: Hit | null
       const section = zone && section_at(zone, at[0], at[1], 0.02);
       return section ? { sketch, doing: { what: 'close or open', section } } : { sketch };
     }
-    case 'select':
+    case 'none':
       return { sketch };
   }
 }
@@ -70,8 +70,8 @@ function press_tag(sketch: Sketch, at: Point, hit: Hit | null, zone: Zone | null
 export function finish(tool: ToolName, sketch: Sketch): Step {
   if (tool === 'measure') return { sketch: empty_sketch };
   if (tool !== 'draw walk') return { sketch };
-  if (sketch.points.length === 0) return { sketch, doing: { what: 'say', text: 'Press the start of the walk on the map, then its next points.' } };
-  if (sketch.points.length === 1) return { sketch, doing: { what: 'say', text: 'A walk needs a second point: press the next point of the path.' } };
+  if (sketch.points.length === 0) return { sketch, doing: { what: 'report', text: 'Press the start of the walk on the map, then its next points.' } };
+  if (sketch.points.length === 1) return { sketch, doing: { what: 'report', text: 'A walk needs a second point: press the next point of the path.' } };
   return { sketch: empty_sketch, doing: { what: 'add walk', path: sketch.points }, done: true };
 }
 
@@ -88,16 +88,16 @@ export function erase(tool: ToolName, sketch: Sketch): Step {
 export function drop_tag(number: number, at: Point, zone: Zone): { position: Point | null; doing: Doing } {
   const nearest = nearest_on_tracks(zone, at[0], at[1]);
   if (!nearest || nearest.distance > tag_reach_m) {
-    return { position: null, doing: { what: 'say', text: `Tag ${number} was not moved: a tag must be on a path, and there is none within ${tag_reach_m} m of that position.` } };
+    return { position: null, doing: { what: 'report', text: `Tag ${number} was not moved: a tag must be on a path, and there is none within ${tag_reach_m} m of that position.` } };
   }
   return { position: [nearest.x, nearest.y], doing: { what: 'edit zone', edit: { moveTags: [{ number, x: nearest.x, y: nearest.y }] } } };
 }
 
 export function renumber(zone: Zone, from: number, to: number): Doing {
   const tag = zone.tags.find((one) => one.number === from);
-  if (!tag) return { what: 'say', text: `Tag ${from} no longer exists.` };
-  if (!Number.isInteger(to) || to < 1) return { what: 'say', text: 'A tag has a whole number from 1 on.' };
-  if (zone.tags.some((one) => one.number === to)) return { what: 'say', text: `There is a tag ${to} already. Choose another number.` };
+  if (!tag) return { what: 'report', text: `Tag ${from} no longer exists.` };
+  if (!Number.isInteger(to) || to < 1) return { what: 'report', text: 'A tag has a whole number from 1 on.' };
+  if (zone.tags.some((one) => one.number === to)) return { what: 'report', text: `There is a tag ${to} already. Choose another number.` };
   return { what: 'edit zone', edit: { removeTags: [from], addTags: [{ number: to, section: tag.section, s: tag.s }] } };
 }
 
@@ -111,7 +111,7 @@ export function next_tag_number(zone: Zone): number {
 /** The text of the hint bar. */
 export function hint(tool: ToolName, sketch: Sketch, target: string | null): string {
   switch (tool) {
-    case 'select':
+    case 'none':
       return '';
     case 'add aiv':
       return 'Press the start of the virtual AIV on the circuit.';

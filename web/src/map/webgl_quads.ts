@@ -96,11 +96,11 @@ export class Quads {
     if (this.body.half_width < spot_px) this.put_spots(positions);
     else this.put_bodies(positions);
     this.bodies_to = this.quads;
-    for (let i = 0; i < positions.count; i++) this.beside(positions, i, show, radius_of);
+    for (let i = 0; i < positions.count; i++) this.put_other(positions, i, show, radius_of);
   }
 
   /** Draws objects other than vehicles, and the cross of a lost vehicle. */
-  private beside(positions: Positions, slot: number, show: BodiesShown, radius_of: (slot: number) => number): void {
+  private put_other(positions: Positions, slot: number, show: BodiesShown, radius_of: (slot: number) => number): void {
     const { colours, ratio, body } = this;
     const flags = positions.flags[slot]!;
     const kind = flags & flags_kind_mask;
@@ -133,8 +133,8 @@ export class Quads {
   private put_spots({ x, y, heading, flags, count }: Positions): void {
     const { ratio, view, states, floats, words } = this;
     const scale = view.scale * ratio;
-    const middle_x = 0.5 * this.size.width * ratio - view.x * scale;
-    const middle_y = 0.5 * this.size.height * ratio + view.y * scale;
+    const centre_x = 0.5 * this.size.width * ratio - view.x * scale;
+    const centre_y = 0.5 * this.size.height * ratio + view.y * scale;
     const ahead = this.body.half_length * ratio;
     const aside = 1.3 * this.body.half_width * ratio;
     // Distance of the front from the rear edge, and of each rear corner from the opposite edge.
@@ -145,8 +145,8 @@ export class Quads {
     let at = this.quads * words_per_quad;
     let spots = 0;
     for (let i = 0; i < count; i++) {
-      const px = middle_x + x[i]! * scale;
-      const py = middle_y - y[i]! * scale;
+      const px = centre_x + x[i]! * scale;
+      const py = centre_y - y[i]! * scale;
       const flag = flags[i]!;
       if (px < -ahead || py < -ahead || px > right || py > bottom || (flag & flags_kind_mask) !== kind_aiv) continue;
       const state = flag >> flags_status_shift;
@@ -189,8 +189,8 @@ export class Quads {
   private put_bodies({ x, y, heading, flags, count }: Positions): void {
     const { ratio, view, states } = this;
     const scale = view.scale * ratio;
-    const middle_x = 0.5 * this.size.width * ratio - view.x * scale;
-    const middle_y = 0.5 * this.size.height * ratio + view.y * scale;
+    const centre_x = 0.5 * this.size.width * ratio - view.x * scale;
+    const centre_y = 0.5 * this.size.height * ratio + view.y * scale;
     const half_x = this.body.half_length * ratio + 1;
     const half_y = this.body.half_width * ratio + 1;
     const behind = this.body.shape_behind * ratio;
@@ -200,8 +200,8 @@ export class Quads {
     const { floats, words } = this;
     let at = this.quads * words_per_quad;
     for (let i = 0; i < count; i++) {
-      const px = middle_x + x[i]! * scale;
-      const py = middle_y - y[i]! * scale;
+      const px = centre_x + x[i]! * scale;
+      const py = centre_y - y[i]! * scale;
       if (px < -reach || py < -reach || px > right || py > bottom) continue;
       const flag = flags[i]!;
       const kind = flag & flags_kind_mask;

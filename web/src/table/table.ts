@@ -60,7 +60,7 @@ const connection_words = { ONLINE: 'online', OFFLINE: 'offline', CONNECTIONBROKE
 const state_order = ['lost', 'stopped', 'slow', 'normal', 'medium', 'fast'];
 
 export const columns: readonly Column[] = [
-  { key: 'number', title: 'No.', what: 'Number', width_px: 40, number: true, rank: 1, text: (row) => row.mark, order: (row) => row.aiv.number + (row.aiv.augmented ? 1e6 : 0) },
+  { key: 'number', title: 'No.', what: 'Number', width_px: 40, number: true, rank: 1, text: (row) => row.label, order: (row) => row.aiv.number + (row.aiv.augmented ? 1e6 : 0) },
   { key: 'name', title: 'Name', what: 'Name', width_px: 84, rank: 1, text: (row) => row.name, order: (row) => row.name, exact: (row) => row.id },
   { key: 'state', title: 'State', what: 'State', width_px: 120, rank: 1, text: (row) => state_styles[row.state].word, order: (row) => state_order.indexOf(row.state) },
   { key: 'speed', title: 'Speed', what: 'Speed, with its last minute', width_px: 108, number: true, rank: 2, series: 'speed', text: (row) => format.speed(row.aiv.speed), order: (row) => row.aiv.speed, exact: (row) => row.aiv.speed },

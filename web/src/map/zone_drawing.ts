@@ -46,7 +46,7 @@ const pieces = 12;
 /** Fewer shapes than this are not grouped. */
 const gathered_min = 400;
 
-export class ZonePicture {
+export class ZoneDrawing {
   private readonly context: CanvasRenderingContext2D;
   private size: Size = { width: 0, height: 0 };
   private ratio = 1;
