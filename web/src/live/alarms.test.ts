@@ -125,9 +125,9 @@ describe('the alarm list', () => {
   it('has a bounded length, however long the page is open', () => {
     const book = new AlarmBook();
     for (let n = 0; n < 1_000; n++) alarms_after(book, [aiv(1)], { commands: [command({ id: `c${n}`, state: 'failed', time_ms: n })] });
-    const kept = book.list();
-    expect(kept.length).toBeLessThanOrEqual(200);
-    expect(kept[0]?.since_ms).toBe(999);
+    const listed = book.list();
+    expect(listed.length).toBeLessThanOrEqual(200);
+    expect(listed[0]?.since_ms).toBe(999);
   });
 });
 
@@ -148,7 +148,7 @@ describe('the alarms of a row', () => {
 describe('missions', () => {
   it('without a route are abnormal, and so is an off-route vehicle', () => {
     expect(causes_of(aiv(1, { mission: { kind: 'go', to: 'dock', state: 'no route', why: 'east is closed' } })).map((one) => one.text)).toEqual(['east is closed']);
-    expect(causes_of(aiv(1, { offRoute: 'it stands 0.8 m beside every way' })).map((one) => one.text)).toEqual(['Off-route: it stands 0.8 m beside every way']);
+    expect(causes_of(aiv(1, { offRoute: 'it is 0.8 m from every section' })).map((one) => one.text)).toEqual(['Off-route: it is 0.8 m from every section']);
   });
 });
 

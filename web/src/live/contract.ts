@@ -213,7 +213,7 @@ export interface Bijection {
   augmented: number;
   effects: { perceived_ms: Statistics; brakes_ms: Statistics; shown_ms: Statistics };
   events: { count: number; latency_ms: Statistics; by_kind: Readonly<Record<string, number>> };
-  /** ratio of the time in which the whole contract was kept, 0…1 */
+  /** ratio of the time in which the whole contract was fulfilled, 0…1 */
   held_ratio: number;
   /** the limits in force; absent: the page assumes the defaults */
   contract?: Partial<ContractLimits>;

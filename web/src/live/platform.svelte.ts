@@ -1,4 +1,4 @@
-// The reactive store that the components read. Positions change 30 times a second and are kept outside Svelte's state. Lists
+// The reactive store that the components read. Positions change 30 times a second and stay outside Svelte's state. Lists
 // and figures are updated from a snapshot, at most once per painted frame.
 import { AlarmBook, type Alarm } from './alarms';
 import { api, type ApiResponse } from './api';
@@ -71,7 +71,8 @@ export class Platform {
   private painting = 0;
   private refreshed_ms = -Infinity;
   private notice_count = 0;
-  private range_start: string | null = null;
+  /** where a range selection in the list begins */
+  private first: string | null = null;
   /** server time of the first snapshot */
   private first_ms: number | null = null;
 
@@ -114,7 +115,7 @@ export class Platform {
 
   select(id: string | null): void {
     this.selected = id;
-    this.range_start = id;
+    this.first = id;
     if (id === null) this.following = false;
   }
 
@@ -130,13 +131,13 @@ export class Platform {
     if (on) next.add(id);
     else next.delete(id);
     this.chosen = next;
-    this.range_start = id;
+    this.first = id;
   }
 
   /** The ids from the last pressed row to this one, in the order of the list. */
   choose_up_to(id: string, order: readonly Row[]): void {
     const to = order.findIndex((row) => row.id === id);
-    const from = order.findIndex((row) => row.id === (this.range_start ?? this.selected));
+    const from = order.findIndex((row) => row.id === (this.first ?? this.selected));
     if (to < 0) return;
     const [low, high] = from < 0 ? [to, to] : [Math.min(from, to), Math.max(from, to)];
     this.chosen = new Set([...this.chosen, ...order.slice(low, high + 1).map((row) => row.id)]);
@@ -192,8 +193,8 @@ export class Platform {
   }
 
   report(text: string, tone: Notice['tone'] = 'refusal'): void {
-    const kept = this.notices.filter((notice) => notice.text !== text).slice(-3);
-    this.notices = [...kept, { key: ++this.notice_count, text, tone, at_ms: performance.now() }];
+    const others = this.notices.filter((notice) => notice.text !== text).slice(-3);
+    this.notices = [...others, { key: ++this.notice_count, text, tone, at_ms: performance.now() }];
   }
 
   dismiss(key: number): void {
@@ -292,11 +293,11 @@ export class Platform {
     const present = new Set(snapshot.aivs.map((aiv) => aiv.id));
     if ([...this.chosen].some((id) => !present.has(id))) this.chosen = new Set([...this.chosen].filter((id) => present.has(id)));
     for (const virtualObject of [...(snapshot.virtualObjects ?? []), ...(snapshot.obstacles ?? [])]) present.add(virtualObject.id);
-    if (this.selected !== null && !present.has(this.selected) && this.synchronised(snapshot)) this.select(null);
+    if (this.selected !== null && !present.has(this.selected) && this.started(snapshot)) this.select(null);
   }
 
-  /** An address may name an AIV that has not reported yet; its selection is kept for `settling_ms`. */
-  private synchronised(snapshot: Snapshot): boolean {
+  /** An address may name an AIV that has not reported yet; its selection is retained for `settling_ms`. */
+  private started(snapshot: Snapshot): boolean {
     this.first_ms ??= snapshot.time_ms;
     return snapshot.time_ms - this.first_ms > settling_ms || snapshot.time_ms < this.first_ms;
   }

@@ -76,7 +76,7 @@ export class Positions {
     this.sequence = frame.sequence;
     this.server_ms = frame.time_ms;
     const moves = this.schedule(passed_ms, page_ms, first);
-    const same = this.same_objects(frame);
+    const same = this.unchanged(frame);
     if (same) this.start_from_drawn();
     else this.take_slots(frame);
     this.aim(frame, same && moves);
@@ -130,7 +130,7 @@ export class Positions {
     return steady && gap_ms < interval_ms_max;
   }
 
-  private same_objects(frame: PositionFrame): boolean {
+  private unchanged(frame: PositionFrame): boolean {
     if (frame.count !== this.count) return false;
     const { words } = frame;
     const { handle } = this;

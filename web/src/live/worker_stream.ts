@@ -27,7 +27,7 @@ const retry_ms_min = 250;
 const retry_ms_max = 2_000;
 /** A connection attempt without a response is abandoned after this time and repeated [ms]. */
 const open_ms_max = 4_000;
-/** The server sends four times a second; a connection silent for this time is closed and reopened [ms]. */
+/** The server sends four times a second; a connection without a frame for this time is closed and reopened [ms]. */
 const silence_ms_max = 6_000;
 export const part_size = 250;
 

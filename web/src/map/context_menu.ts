@@ -98,7 +98,7 @@ function of_position(map: MapState, at: Point): MenuGroup {
     items: [
       add('Add virtual AIV', 'add aiv'), add('Add person', 'add person'), { word: 'Add walking person…', act: begin('draw walk'), virtual: true }, add('Add obstacle', 'add obstacle'),
       ...(map.platform.ground_truth ? [add('Add physical obstacle', 'add plant obstacle')] : []),
-      { word: 'Measure from here', act: begin('measure') }, { word: 'Centre the map here', act: () => map.set_view({ ...map.view, x: at[0], y: at[1] }) },
+      { word: 'Measure from here', act: begin('measure') }, { word: 'Centre the map here', act: () => map.show({ ...map.view, x: at[0], y: at[1] }) },
     ],
   };
 }

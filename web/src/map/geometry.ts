@@ -111,10 +111,10 @@ export function inside(points: readonly Point[], x: number, y: number): boolean 
 
 /** Removes points closer than `apart` to their predecessor, such as repeated points of a hand-drawn line. */
 export function spread_out(points: readonly Point[], apart: number): Point[] {
-  const kept: Point[] = [];
+  const spread: Point[] = [];
   for (const point of points) {
-    const last = kept.at(-1);
-    if (!last || distance(last, point) >= apart) kept.push(point);
+    const last = spread.at(-1);
+    if (!last || distance(last, point) >= apart) spread.push(point);
   }
-  return kept;
+  return spread;
 }

@@ -78,7 +78,7 @@ export class MapState {
   }
 
   // ── the view ──
-  set_view(view: View): void {
+  show(view: View): void {
     this.flight = null;
     this.view = view;
     this.fitted = false;
@@ -108,10 +108,10 @@ export class MapState {
     if (ratio >= 1) this.flight = null;
   }
   zoom(factor: number, at: Pixel = { px: this.size.width / 2, py: this.size.height / 2 }): void {
-    this.set_view(zoom_at(this.view, this.size, at.px, at.py, factor));
+    this.show(zoom_at(this.view, this.size, at.px, at.py, factor));
   }
   pan(dx: number, dy: number): void {
-    this.set_view(pan(this.view, dx, dy));
+    this.show(pan(this.view, dx, dy));
   }
   point(at: Pixel): Point {
     const { x, y } = to_map(this.view, this.size, at.px, at.py);

@@ -96,11 +96,11 @@ export class Quads {
     if (this.body.half_width < spot_px) this.put_spots(positions);
     else this.put_bodies(positions);
     this.bodies_to = this.quads;
-    for (let i = 0; i < positions.count; i++) this.put_other(positions, i, show, radius_of);
+    for (let i = 0; i < positions.count; i++) this.put_object(positions, i, show, radius_of);
   }
 
   /** Draws objects other than vehicles, and the cross of a lost vehicle. */
-  private put_other(positions: Positions, slot: number, show: BodiesShown, radius_of: (slot: number) => number): void {
+  private put_object(positions: Positions, slot: number, show: BodiesShown, radius_of: (slot: number) => number): void {
     const { colours, ratio, body } = this;
     const flags = positions.flags[slot]!;
     const kind = flags & flags_kind_mask;
@@ -337,16 +337,16 @@ export class Quads {
   private to_pixels(points: ArrayLike<number>, count: number): number {
     if (this.line.length < 2 * count) this.line = new Float32Array(4 * count);
     const { line } = this;
-    let kept = 0;
+    let left = 0;
     for (let i = 0; i < count; i++) {
       const px = this.px(points[2 * i]!);
       const py = this.py(points[2 * i + 1]!);
-      if (kept > 0 && Math.abs(px - line[2 * kept - 2]!) + Math.abs(py - line[2 * kept - 1]!) < 0.05) continue;
-      line[2 * kept] = px;
-      line[2 * kept + 1] = py;
-      kept++;
+      if (left > 0 && Math.abs(px - line[2 * left - 2]!) + Math.abs(py - line[2 * left - 1]!) < 0.05) continue;
+      line[2 * left] = px;
+      line[2 * left + 1] = py;
+      left++;
     }
-    return kept;
+    return left;
   }
 
   /** Appends a filled quad of one colour, corner by corner; its edge distances may be set afterwards. */

@@ -112,7 +112,7 @@ export class ZoneDrawing {
     context.globalAlpha = 1;
     context.fillStyle = colours.ground;
     context.fillRect(0, 0, this.canvas.width, this.canvas.height);
-    const visible = this.shapes.filter((shape) => this.is_visible(shape, view));
+    const visible = this.shapes.filter((shape) => this.visible(shape, view));
     this.paint_shapes(visible, view, colours);
     this.paint_closed(view, colours);
     this.paint_texts(visible, view, colours);
@@ -120,7 +120,7 @@ export class ZoneDrawing {
     context.globalAlpha = 1;
   }
 
-  private is_visible({ layer, size_m, low, high }: Shape, view: View): boolean {
+  private visible({ layer, size_m, low, high }: Shape, view: View): boolean {
     if (this.hidden.has(layer)) return false;
     const half_x = this.size.width / 2 / view.scale;
     const half_y = this.size.height / 2 / view.scale;
@@ -223,7 +223,7 @@ export function gathered(primitives: readonly Primitive[], [x0, y0, x1, y1]: Zon
     if (known) known.push(one);
     else groups.set(key, [one]);
   }
-  // The order of the layers is kept: all groups of a layer come before those of the next.
+  // The order of the layers is preserved: all groups of a layer come before those of the next.
   return [...groups.values()];
 }
 

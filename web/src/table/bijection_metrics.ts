@@ -14,7 +14,7 @@ export interface Figure {
 
 export function figures_of(bijection: Bijection): Figure[] {
   const limits: ContractLimits = { ...default_limits, ...bijection.contract };
-  const verdict_of = (count: number, kept: boolean): Figure['verdict'] => (count === 0 ? 'open' : kept ? 'kept' : 'broken');
+  const verdict_of = (count: number, fulfilled: boolean): Figure['verdict'] => (count === 0 ? 'open' : fulfilled ? 'kept' : 'broken');
   const { divergence_m, actual_m, age_ms, commands, events } = bijection;
   const expected = Math.max(bijection.physical, bijection.virtual);
   // Only with a camera above the zone.

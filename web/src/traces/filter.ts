@@ -50,8 +50,8 @@ export class NamedRows implements RowList {
   private get gone(): number {
     const first = this.store.first;
     if (this.seqs.length === 0 || this.seqs[0]! >= first) return 0;
-    const kept = this.seqs.findIndex((seq) => seq >= first);
-    return kept < 0 ? this.seqs.length : kept;
+    const found = this.seqs.findIndex((seq) => seq >= first);
+    return found < 0 ? this.seqs.length : found;
   }
   get length(): number {
     return this.seqs.length - this.gone;
@@ -132,7 +132,7 @@ export class Matcher {
     for (let w = 0; w < this.search_text.length; w++) {
       if (this.agents_match[w]![from] || this.agents_match[w]![to] || this.kinds_match[w]![kind]) continue;
       const word = this.search_text[w]!;
-      // The text of the chunk is searched once per word: a hit is kept until the rows reach it.
+      // The text of the chunk is searched once per word: a hit is stored until the rows reach it.
       if (next_hit[w]! < start) {
         const hit = lower.text.indexOf(word, start);
         next_hit[w] = hit < 0 ? Infinity : hit;

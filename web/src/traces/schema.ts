@@ -1,5 +1,5 @@
 // A validator for the part of JSON Schema (2020-12) that the official VDA 5050 schemas use, and slightly more. Each error has
-// a path and a sentence. An unsupported keyword is reported when a schema is loaded, and not silently ignored later.
+// a path and a sentence. An unsupported keyword is reported when a schema is loaded, and not ignored without a report later.
 export type Json = null | boolean | number | string | readonly Json[] | { readonly [key: string]: Json };
 export type JsonObject = { readonly [key: string]: Json };
 
