@@ -41,7 +41,7 @@ test('the virtual and the physical world perceive each other', { timeout: 240_00
     await ground_truth.stands(aiv.number, 4_000);
     assert.ok(gap(aiv.number, at) > 0.06 && gap(aiv.number, at) < 0.4, `the vehicle stopped ${gap(aiv.number, at)} m before the person`);
     await brakingFor(aiv.id, id);
-    await page.waitForFunction((virtualObject) => /perceived by AIV/.test(document.querySelector(`[data-virtualObject="${virtualObject}"]`)?.textContent ?? ''), id, { timeout: 4_000 });
+    await page.waitForFunction((virtualObject) => /perceived by AIV/.test(document.querySelector(`[data-virtual-object="${virtualObject}"]`)?.textContent ?? ''), id, { timeout: 4_000 });
     const { x, y } = ground_truth.vehicle(aiv.number);
     await ground_truth.driven(1_200);
     assert.ok(Math.hypot(ground_truth.vehicle(aiv.number).x - x, ground_truth.vehicle(aiv.number).y - y) < 0.005, 'the vehicle stays stopped');

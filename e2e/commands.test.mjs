@@ -101,7 +101,7 @@ test('every command by mouse and by keyboard', { timeout: 240_000 }, async (t) =
     await page.getByTestId('tool-add-plant-obstacle').click();
     await press_map(page, platform, 0.75, -0.75);
     await eventually('the plant has it', () => ground_truth.latest.obstacles?.find((one) => Math.hypot(one.x - 0.75, one.y + 0.75) < 0.02), { within_ms: 4_000 });
-    const removals = page.locator('[data-virtualObject] button[aria-label^=Remove]');
+    const removals = page.locator('[data-virtual-object] button[aria-label^=Remove]');
     await eventually('all four are listed', async () => (await removals.count()) === 4, { within_ms: 4_000 });
     for (const label of await removals.evaluateAll((all) => all.map((one) => one.getAttribute('aria-label')))) await page.getByRole('button', { name: label, exact: true }).click();
     await nothing_left();

@@ -30,10 +30,10 @@ test('two pages stay synchronised, and survive a restart of their server', { tim
   await t.test('what one adds, edits and ranks, both show', async () => {
     await other.getByTestId('tool-add-person').click();
     await press_map(other, platform, 0.75, 0.75);
-    await in_both('the person', (page) => page.locator('[data-virtualObject^=P]').count());
+    await in_both('the person', (page) => page.locator('[data-virtual-object^=P]').count());
     await one.getByTestId('tool-add-obstacle').click();
     await press_map(one, platform, -0.75, 0.75);
-    await in_both('the obstacle', (page) => page.locator('[data-virtualObject^=O]').count());
+    await in_both('the obstacle', (page) => page.locator('[data-virtual-object^=O]').count());
     await one.getByTestId('tool-add-aiv').click();
     await one.getByTestId('add-anywhere').click();
     await in_both('the virtual AIV', (page) => row(page, 'CoSiVA.virtual/V1').count(), 10_000);
@@ -70,7 +70,7 @@ test('two pages stay synchronised, and survive a restart of their server', { tim
       await page.waitForSelector('[data-testid=link][data-phase=live]', { timeout: 30_000 });
       await page.waitForSelector('[data-testid=banner]', { state: 'detached', timeout: 5_000 });
     }
-    await in_both('the person and the obstacle', async (page) => (await page.locator('[data-virtualObject]').count()) === 2, 10_000);
+    await in_both('the person and the obstacle', async (page) => (await page.locator('[data-virtual-object]').count()) === 2, 10_000);
     await in_both('the virtual AIV', (page) => row(page, 'CoSiVA.virtual/V1').count(), 15_000);
     assert.deepEqual(await virtualObjects(), before);
     await in_both('priority 42', async (page) => (await aiv_row(page, 3).getByTestId('priority').inputValue()) === '42', 10_000);

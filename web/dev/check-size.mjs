@@ -1,6 +1,6 @@
-// The page must stay light: what a browser fetches to show it, gzipped, within 120 kB. What it fetches later, when
-// somebody opens a chart (uPlot), a message's faults (the official schemas), the batteries or the camera's picture, is said
-// beside it and has its own limit.
+// The page must stay light: what a browser fetches to show it, gzipped, within 120 kB. What it fetches later,
+// for a chart (uPlot), a message's faults (the official schemas), the batteries or the camera's image, is reported
+// separately and has its own limit.
 import { readdirSync, readFileSync, statSync } from 'node:fs';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -22,5 +22,5 @@ for (const name of readdirSync(dist, { recursive: true })) {
   else later += bytes;
 }
 const kB = (bytes) => (bytes / 1000).toFixed(1);
-console.log(`the page: ${kB(first)} kB gzipped of ${kB(first_limit_bytes)} allowed, and ${kB(later)} kB of ${kB(later_limit_bytes)} when they are asked for`);
+console.log(`the page: ${kB(first)} kB gzipped of ${kB(first_limit_bytes)} allowed, and ${kB(later)} kB of ${kB(later_limit_bytes)} on demand`);
 if (first > first_limit_bytes || later > later_limit_bytes) process.exit(1);

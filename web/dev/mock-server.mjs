@@ -44,16 +44,16 @@ const routes = [
   ['GET', /^\/zones$/, 200, () => ({ zones: zones() })],
   ['GET', /^\/traces$/, 200, (_, __, url) => world.traces.list(number(url, 'after', 0), Math.min(1000, number(url, 'limit', 200)))],
   ['GET', /^\/traces\/(\d+)$/, 200, (n) => world.traces.one(Number(n)) ?? refuse(404, 'traces.none', `There is no trace ${n} (any more).`)],
-  ['GET', /^\/battery\/curves\/(.+)$/, 200, (id) => ({ vehicle: id, points: batteries.curve(id) ?? refuse(404, 'battery.not_found', `${id} has not told how its battery fares.`) })],
+  ['GET', /^\/battery\/curves\/(.+)$/, 200, (id) => ({ vehicle: id, points: batteries.curve(id) ?? refuse(404, 'battery.not_found', `${id} has not reported its battery.`) })],
   ['POST', /^\/battery\/ready$/, 202, (_, body) => {
     const why = batteries.ready(body);
     return why ? refuse(...why) : {};
   }],
   ['POST', /^\/commands$/, 202, (_, body) => world.command(body)],
-  ['POST', /^\/virtualObjects$/, 201, (_, body) => world.add_thing(body)],
-  ['PATCH', /^\/virtualObjects\/(.+)$/, 200, (id, body) => world.move_thing(id, body)],
-  ['DELETE', /^\/virtualObjects\/(.+)$/, 200, (id) => world.remove_thing(id)],
-  ['DELETE', /^\/virtualObjects$/, 200, () => world.remove_all()],
+  ['POST', /^\/virtual-objects$/, 201, (_, body) => world.add_virtual_object(body)],
+  ['PATCH', /^\/virtual-objects\/(.+)$/, 200, (id, body) => world.move_virtual_object(id, body)],
+  ['DELETE', /^\/virtual-objects\/(.+)$/, 200, (id) => world.remove_virtual_object(id)],
+  ['DELETE', /^\/virtual-objects$/, 200, () => world.remove_all()],
   ['PUT', /^\/priorities$/, 200, (_, body) => world.priorities(body)],
   ['POST', /^\/zone\/switch$/, 200, (_, body) => world.switch_zone(body), zone_text],
   ['GET', /^\/zone\/beacons\/suggestion$/, 200, () => world.suggest_beacons()],
@@ -71,22 +71,22 @@ function refuse(status, code, message) {
 }
 
 function api(method, url, text) {
-  const place = url.pathname.slice('/api/v1'.length);
-  const fitting = routes.filter(([, pattern]) => pattern.test(place));
+  const api_path = url.pathname.slice('/api/v1'.length);
+  const fitting = routes.filter(([, pattern]) => pattern.test(api_path));
   const route = fitting.find(([wanted]) => wanted === method);
-  if (!route) throw fitting.length > 0 ? new Refusal(405, 'http.method', `${place} does not take ${method}.`) : new Refusal(404, 'http.path', `There is nothing at ${url.pathname}.`);
-  if (refusing && method !== 'GET') throw new Refusal(409, 'mock.refuses', 'The mock refuses everything just now, as it was told to.');
+  if (!route) throw fitting.length > 0 ? new Refusal(405, 'http.method', `${api_path} does not take ${method}.`) : new Refusal(404, 'http.path', `There is nothing at ${url.pathname}.`);
+  if (refusing && method !== 'GET') throw new Refusal(409, 'mock.refuses', 'The mock refuses everything just now, as configured.');
   let body;
   try {
     body = text === '' ? {} : JSON.parse(text);
   } catch {
     throw new Refusal(400, 'http.json', 'The body is not JSON.');
   }
-  const [, pattern, status, act, tell] = route;
-  const id = pattern.exec(place)[1];
+  const [, pattern, status, act, event] = route;
+  const id = pattern.exec(api_path)[1];
   const value = act(id === undefined ? undefined : decodeURIComponent(id), body, url);
   if (method !== 'GET') {
-    if (tell) broadcast(tell());
+    if (event) broadcast(event());
     positions(true);
     broadcast(snapshot_text());
   }
@@ -163,7 +163,7 @@ setInterval(() => {
   const now = Date.now();
   if (!frozen) {
     ticks++;
-    // Thousands move and are told of ten times a second, as the contract says.
+    // Thousands move and are reported ten times a second, as the contract requires.
     const due = world.aivs.length <= 1000 || ticks % 3 === 0;
     if (due) {
       world.advance(now - last);

@@ -38,7 +38,7 @@ export class MockBatteries {
     return this.curves.get(id);
   }
 
-  /** Each vehicle's battery as it stands now, and a point of its curve each second. */
+  /** Each vehicle's battery at present, and a point of its curve each second. */
   advance() {
     const now = this.world.now;
     for (const slot of this.slots) {

@@ -1,5 +1,5 @@
-// What moves in the made-up world, and what it says while it does. Nothing of it is physics.
-import { circuit_for } from './ways.mjs';
+// What moves in the made-up world, and the messages it sends meanwhile. The physics is not modelled.
+import { circuit_for } from './tracks.mjs';
 import { intent_of, order_of, state_of, topic_of, Traces, visualization_of } from './traces.mjs';
 
 const profiles = { normal: 0.35, slow: 0.12, medium: 0.25, fast: 0.45 };
@@ -14,7 +14,7 @@ export class Motion {
     this.count = aivs;
     this.commands = [];
     this.command_number = 0;
-    this.handles = { aiv: 0, virtualObject: 32768, seen: 49152 };
+    this.handles = { aiv: 0, virtualObject: 32768, detected: 49152 };
     this.load(zone, aivs);
   }
 
@@ -31,12 +31,12 @@ export class Motion {
     for (let i = 0; i < aivs; i++) this.make_aiv(i + 1, false, this.spread((i + 0.3) / aivs, tracks, total));
     this.virtualObjects = [];
     this.boxes = [];
-    this.seen = [];
+    this.detected = [];
     this.zone_cache = null;
     this.closed = new Set();
   }
-  spread(share, tracks, total) {
-    let distance = share * total;
+  spread(ratio, tracks, total) {
+    let distance = ratio * total;
     for (const track of tracks) {
       if (distance < track.lap) return { track, distance };
       distance -= track.lap;
@@ -47,7 +47,7 @@ export class Motion {
     const serial = augmented ? `V${number}` : `AIV${number}`;
     const aiv = {
       id: `${augmented ? 'CoSiVA.virtual' : 'CoSiVA'}/${serial}`, serial, number, augmented, track, distance, handle: this.handles.aiv++, speed: 0.3, imposed: null, paused: false,
-      lost_at: null, drift: 0.002, battery: 30 + ((61 + 53 * number) % 68), priority: 0, brakingFor: null, felt: null, field: false, orderUpdateId: 1, orderId: `${this.circuit.name}-${number}`, waits: null,
+      lost_at: null, drift: 0.002, battery: 30 + ((61 + 53 * number) % 68), priority: 0, brakingFor: null, perceived: null, field: false, orderUpdateId: 1, orderId: `${this.circuit.name}-${number}`, waits: null,
       trace_phase: (number * 37) % 100, last_tag: null, since_tag: 0, pose: track.pose_at(distance),
     };
     this.aivs.push(aiv);
@@ -92,13 +92,13 @@ export class Motion {
     }
     if (few) this.see();
     this.follow_commands();
-    this.talk(dt);
+    this.send_messages(dt);
   }
   drive(aiv, gap, bodies, dt) {
-    let wish = aiv.paused || aiv.lost_at ? 0 : profiles[aiv.imposed ?? 'normal'] * (0.85 + 0.3 * ((aiv.number * 7) % 10) / 10);
+    let target_speed = aiv.paused || aiv.lost_at ? 0 : profiles[aiv.imposed ?? 'normal'] * (0.85 + 0.3 * ((aiv.number * 7) % 10) / 10);
     aiv.waits = null;
     if (gap < 0.34) {
-      wish = 0;
+      target_speed = 0;
       aiv.waits = 'the AIV ahead';
     }
     aiv.brakingFor = null;
@@ -113,11 +113,11 @@ export class Motion {
       if (ahead < -0.1 || ahead > see_m || aside > 0.09) continue;
       if (body.physical && (aiv.ahead === null || ahead < aiv.ahead)) aiv.ahead = Math.max(0.02, ahead);
       if (ahead > 0.3) continue;
-      wish = 0;
+      target_speed = 0;
       if (body.physical) aiv.field = true;
       else aiv.brakingFor = body.id;
     }
-    aiv.speed = Math.max(0, aiv.speed + Math.max(-1.2 * dt, Math.min(0.5 * dt, wish - aiv.speed)));
+    aiv.speed = Math.max(0, aiv.speed + Math.max(-1.2 * dt, Math.min(0.5 * dt, target_speed - aiv.speed)));
     aiv.distance += aiv.speed * dt;
     aiv.pose = aiv.track.pose_at(aiv.distance);
     aiv.battery = Math.max(0, aiv.battery - 0.002 * dt);
@@ -149,9 +149,9 @@ export class Motion {
       while (leg < legs.length - 1 && at > legs[leg]) at -= legs[leg++];
       const from = virtualObject.path[leg];
       const to = virtualObject.path[(leg + 1) % virtualObject.path.length];
-      const share = legs[leg] > 0 ? at / legs[leg] : 0;
-      virtualObject.x = from[0] + (to[0] - from[0]) * share;
-      virtualObject.y = from[1] + (to[1] - from[1]) * share;
+      const ratio = legs[leg] > 0 ? at / legs[leg] : 0;
+      virtualObject.x = from[0] + (to[0] - from[0]) * ratio;
+      virtualObject.y = from[1] + (to[1] - from[1]) * ratio;
       virtualObject.heading = Math.atan2(to[1] - from[1], to[0] - from[0]) + (back ? Math.PI : 0);
       virtualObject.moving = virtualObject.repeat !== 'once' || virtualObject.walked < length;
     }
@@ -162,18 +162,18 @@ export class Motion {
         if (aiv.augmented || aiv.lost_at) continue;
         const reach = Math.hypot(box.x - aiv.pose.x, box.y - aiv.pose.y);
         if (reach > 0.8 || aiv.ahead === null) continue;
-        let seen = this.seen.find((one) => one.box === box.id);
-        if (!seen) {
-          seen = { id: `S${this.next_number(this.seen)}`, handle: this.handles.seen++, box: box.id, x: box.x + 0.006, y: box.y - 0.004, radius: box.radius * 0.95, detectedBy: [], first_ms: this.now, last_ms: this.now };
-          this.seen.push(seen);
-          this.traces.add(this.now, aiv.serial, 'AIV_Server', 'seen', `cosiva/v1/detected_obstacle/${aiv.id}`, `a virtualObject at ${seen.x.toFixed(2)}, ${seen.y.toFixed(2)}`, { headerId: 1, timestamp: new Date(this.now).toISOString(), mapId: this.circuit.name, virtualObject: { x: seen.x, y: seen.y, radius: seen.radius, distance: aiv.ahead }, clear: aiv.ahead });
+        let obstacle = this.detected.find((one) => one.box === box.id);
+        if (!obstacle) {
+          obstacle = { id: `S${this.next_number(this.detected)}`, handle: this.handles.detected++, box: box.id, x: box.x + 0.006, y: box.y - 0.004, radius: box.radius * 0.95, detectedBy: [], first_ms: this.now, last_ms: this.now };
+          this.detected.push(obstacle);
+          this.traces.add(this.now, aiv.serial, 'AIV_Server', 'detected_obstacle', `cosiva/v1/detected_obstacle/${aiv.id}`, `an obstacle at ${obstacle.x.toFixed(2)}, ${obstacle.y.toFixed(2)}`, { headerId: 1, timestamp: new Date(this.now).toISOString(), mapId: this.circuit.name, obstacle: { x: obstacle.x, y: obstacle.y, radius: obstacle.radius, distance: aiv.ahead }, clear: aiv.ahead });
         }
-        seen.last_ms = this.now;
-        if (!seen.detectedBy.includes(aiv.id)) seen.detectedBy.push(aiv.id);
+        obstacle.last_ms = this.now;
+        if (!obstacle.detectedBy.includes(aiv.id)) obstacle.detectedBy.push(aiv.id);
       }
     }
     const gone = (one) => !this.boxes.some((box) => box.id === one.box) && this.aivs.some((aiv) => Math.hypot(aiv.pose.x - one.x, aiv.pose.y - one.y) < 0.2);
-    this.seen = this.seen.filter((one) => !gone(one));
+    this.detected = this.detected.filter((one) => !gone(one));
   }
   next_number(list) {
     const taken = new Set(list.map((one) => Number(/\d+$/.exec(one.id)?.[0])));
@@ -188,14 +188,14 @@ export class Motion {
       const age = this.now - command.time_ms;
       if (command.state === 'issued' && age > 34) Object.assign(command, { state: 'accepted', accepted_ms: age });
       if (command.state !== 'accepted' || !aiv) continue;
-      const seen = command.command === 'stop' ? aiv.speed < 0.01 : aiv.speed > 0.05 || command.command === 'cancel';
-      if (seen) Object.assign(command, { state: 'materialised', materialised_ms: age });
+      const observed = command.command === 'stop' ? aiv.speed < 0.01 : aiv.speed > 0.05 || command.command === 'cancel';
+      if (observed) Object.assign(command, { state: 'materialised', materialised_ms: age });
       else if (age > 5000) Object.assign(command, { state: 'failed', reason: 'not observed within 5 s' });
     }
     if (this.commands.length > 200) this.commands.splice(0, 100);
   }
   /** What it is about to do, to one near it; now and then it follows that one through a crossing. */
-  say_to_next(aiv, row, map) {
+  send_intent(aiv, row, map) {
     const next = this.aivs[(this.aivs.indexOf(aiv) + 1) % this.aivs.length];
     if (next === aiv) return;
     const cell = `${Math.floor(row.x / 3)}_${Math.floor(row.y / 3)}`;
@@ -204,8 +204,8 @@ export class Motion {
     aiv.convoys = Math.floor(aiv.distance / 6);
     this.traces.add(this.now, 'AIV_Server', aiv.serial, 'convoy', '', `convoy of 2 through X1 and X4, behind ${next.id}`, null);
   }
-  /** Messages as the real parts would send them; of large fleets only the first few vehicles' are told. */
-  talk(dt) {
+  /** Messages as the real parts would send them; of large fleets only the first few vehicles' are recorded. */
+  send_messages(dt) {
     const map = this.circuit.name;
     for (const aiv of this.aivs.slice(0, 12)) {
       if (aiv.lost_at) continue;
@@ -215,23 +215,23 @@ export class Motion {
       if (!crossed(100)) continue;
       const row = this.row(aiv);
       this.traces.add(this.now, aiv.serial, 'AIV_Server', 'visualization', topic_of(aiv.id, 'visualization'), `${row.x.toFixed(3)}, ${row.y.toFixed(3)}, ${row.heading.toFixed(3)} rad, ${row.speed.toFixed(2)} m/s`, visualization_of(row, this.now, map));
-      if (crossed(1000)) this.traces.add(this.now, aiv.serial, 'AIV_Server', 'state', topic_of(aiv.id, 'state'), `order ${row.orderId} update ${row.orderUpdateId}, last node ${row.lastNode}, ${row.driving ? 'driving' : 'standing'}`, state_of(row, this.now, map));
-      if (crossed(1000)) this.say_to_next(aiv, row, map);
+      if (crossed(1000)) this.traces.add(this.now, aiv.serial, 'AIV_Server', 'state', topic_of(aiv.id, 'state'), `order ${row.orderId} update ${row.orderUpdateId}, last node ${row.lastNode}, ${row.driving ? 'driving' : 'stopped'}`, state_of(row, this.now, map));
+      if (crossed(1000)) this.send_intent(aiv, row, map);
       const update = Math.floor(aiv.distance / 0.6);
       if (update !== aiv.orderUpdateId) {
         aiv.orderUpdateId = update;
         this.traces.add(this.now, 'AIV_Server', aiv.serial, 'order', topic_of(aiv.id, 'order'), `order ${row.orderId} update ${update}: 4 nodes, 3 released`, order_of({ ...row, orderUpdateId: update }, this.now, map));
       }
-      if (aiv.brakingFor !== aiv.felt) {
+      if (aiv.brakingFor !== aiv.perceived) {
         const braking = aiv.brakingFor !== null;
-        aiv.felt = aiv.brakingFor;
-        this.traces.add(this.now, 'AIV_Server', aiv.serial, 'ahead', `cosiva/v1/virtual_obstacles/${aiv.id}`, braking ? `${aiv.brakingFor} ahead` : 'nothing ahead', { headerId: update, timestamp: new Date(this.now).toISOString(), mapId: map, bodies: this.virtualObjects.filter((virtualObject) => virtualObject.id === aiv.brakingFor).map(({ id, kind, x, y, heading, radius }) => ({ id, kind, x, y, heading, length: 0, radius, vx: 0, vy: 0 })) });
-        this.traces.add(this.now + 9, aiv.serial, 'AIV_Server', 'felt', `cosiva/v1/virtual_obstacles_ack/${aiv.id}`, braking ? `brakes for ${aiv.brakingFor}` : 'goes on', { virtualObstaclesHeaderId: update, decided: new Date(this.now + 4).toISOString(), braking, body: aiv.felt ?? '', distance: 0.28 });
+        aiv.perceived = aiv.brakingFor;
+        this.traces.add(this.now, 'AIV_Server', aiv.serial, 'virtual_obstacles', `cosiva/v1/virtual_obstacles/${aiv.id}`, braking ? `${aiv.brakingFor} ahead` : 'nothing ahead', { headerId: update, timestamp: new Date(this.now).toISOString(), mapId: map, bodies: this.virtualObjects.filter((virtualObject) => virtualObject.id === aiv.brakingFor).map(({ id, kind, x, y, heading, radius }) => ({ id, kind, x, y, heading, length: 0, radius, vx: 0, vy: 0 })) });
+        this.traces.add(this.now + 9, aiv.serial, 'AIV_Server', 'virtual_obstacles_ack', `cosiva/v1/virtual_obstacles_ack/${aiv.id}`, braking ? `brakes for ${aiv.brakingFor}` : 'goes on', { virtualObstaclesHeaderId: update, decided: new Date(this.now + 4).toISOString(), braking, body: aiv.perceived ?? '', distance: 0.28 });
       }
     }
     const second = Math.floor(this.now / 1000);
-    if (second !== this.beat) {
-      this.beat = second;
+    if (second !== this.heartbeat_s) {
+      this.heartbeat_s = second;
       this.traces.add(this.now, 'AIV_Server', '*', 'heartbeat', 'cosiva/v1/server/heartbeat', 'alive', { headerId: second % 100000, timestamp: new Date(this.now).toISOString() });
     }
   }

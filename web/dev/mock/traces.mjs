@@ -1,22 +1,22 @@
 // The communications of the made-up platform, with raw messages as VDA 5050 and CoSiVA's own topics have them.
 export class Traces {
   next = 1;
-  kept = [];
+  stored = [];
   constructor(limit = 20_000) {
     this.limit = limit;
   }
   add(time_ms, from, to, kind, topic, content, raw) {
-    this.kept.push({ n: this.next++, time_ms, from, to, kind, topic, content: content.slice(0, 200), raw: typeof raw === 'string' ? raw : JSON.stringify(raw) });
-    if (this.kept.length > 2 * this.limit) this.kept.splice(0, this.kept.length - this.limit);
+    this.stored.push({ n: this.next++, time_ms, from, to, kind, topic, content: content.slice(0, 200), raw: typeof raw === 'string' ? raw : JSON.stringify(raw) });
+    if (this.stored.length > 2 * this.limit) this.stored.splice(0, this.stored.length - this.limit);
   }
   list(after, limit) {
-    const oldest = this.kept[0]?.n ?? this.next;
+    const oldest = this.stored[0]?.n ?? this.next;
     const from = Math.max(0, after - oldest);
-    const traces = this.kept.slice(from, from + limit).map(({ n, time_ms, from: sender, to, kind, content }) => ({ n, time_ms, from: sender, to, kind, content }));
+    const traces = this.stored.slice(from, from + limit).map(({ n, time_ms, from: sender, to, kind, content }) => ({ n, time_ms, from: sender, to, kind, content }));
     return { next: traces.length > 0 ? traces.at(-1).n + 1 : this.next, oldest, traces };
   }
   one(n) {
-    return this.kept[n - (this.kept[0]?.n ?? 0)] ?? null;
+    return this.stored[n - (this.stored[0]?.n ?? 0)] ?? null;
   }
 }
 
@@ -50,8 +50,8 @@ export function intent_of(aiv, now, map) {
   const [manufacturer, serialNumber] = aiv.id.split('/');
   return {
     headerId: ++header_id, timestamp: new Date(now).toISOString(), mapId: map, manufacturer, serialNumber, x: aiv.reported.x, y: aiv.reported.y, heading: aiv.reported.heading,
-    speed: aiv.speed, braking: false, priority: aiv.priority, place: { section: aiv.section, s: 0.5 },
-    crossings: [{ name: 'X1', entry: 0.31, exit: 0.71, arrival: 0.9, departure: 1.9, mayEnter: false }], way: [],
+    speed: aiv.speed, braking: false, priority: aiv.priority, position: { section: aiv.section, s: 0.5 },
+    crossings: [{ name: 'X1', entry: 0.31, exit: 0.71, arrival: 0.9, departure: 1.9, mayEnter: false }], route: [],
   };
 }
 

@@ -1,13 +1,13 @@
-// Made-up vehicles, persons, obstacles and a zone that can be edited: what the mock server tells of. Nothing of it is
-// physics; it only has to look like the platform to a page.
+// Made-up vehicles, persons, obstacles and a zone that can be edited: the state of the mock server. The physics
+// is not modelled; a page only needs data in the platform's formats.
 import { Motion } from './motion.mjs';
 import { action_of, topic_of } from './traces.mjs';
-import { draw_zone, nearest_place, place_of } from './ways.mjs';
+import { draw_zone, nearest_position, position_of } from './tracks.mjs';
 
 const operator_commands = ['stop', 'slow', 'medium', 'fast', 'restart', 'cancel'];
 const status_words = ['Normal', 'stopped', 'slow speed', 'medium speed', 'fast speed'];
 
-/** Thrown by whatever a caller asked wrongly; the server turns it into an answer. */
+/** Thrown for an invalid request; the server turns it into an error response. */
 export class Refusal extends Error {
   constructor(status, code, message) {
     super(message);
@@ -16,7 +16,7 @@ export class Refusal extends Error {
 }
 
 export class World extends Motion {
-  /** Another zone, while they drive: each is put on a way of it, and the last one is offRoute, so that one can be seen. */
+  /** Another zone, while they drive: each is put on a section of it, and the last one is off-route, as an example. */
   switch_zone({ name, file }) {
     if (name === undefined) {
       this.refused = { origin: file ?? 'a file', why: 'line 3: the mock reads no files', at: this.now };
@@ -28,7 +28,7 @@ export class World extends Motion {
     this.load(name, this.count);
     Object.assign(this, { commands, command_number });
     const last = this.aivs.at(-1);
-    Object.assign(last, { paused: true, offRoute: 'it stands 0.82 m beside every way' });
+    Object.assign(last, { paused: true, offRoute: 'it is 0.82 m from every section' });
     this.switched = { at: this.now, from, first_moving_ms: 431, snapped: this.aivs.length - 1, offRoute: [last.id] };
     return { revision: this.zone_revision, name };
   }
@@ -45,7 +45,7 @@ export class World extends Motion {
     return { name: 'mock', scenario: this.scenario, version: '0.3.0', clock: { ...this.clock } };
   }
 
-  // ── what it tells ──
+  // ── its state ──
   status_of(aiv) {
     if (aiv.speed < 0.01) return 1;
     return aiv.imposed === 'slow' ? 2 : aiv.imposed === 'medium' ? 3 : aiv.imposed === 'fast' ? 4 : 0;
@@ -59,7 +59,7 @@ export class World extends Motion {
       x: aiv.pose.x, y: aiv.pose.y, heading: aiv.pose.heading, speed: aiv.speed, dx: -aiv.drift - aiv.speed * 0.03 * Math.cos(aiv.pose.heading), dy: aiv.drift - aiv.speed * 0.03 * Math.sin(aiv.pose.heading),
     }));
     for (const virtualObject of this.virtualObjects) records.push({ handle: virtualObject.handle, kind: virtualObject.kind === 'person' ? 1 : 2, status: 0, augmented: true, blocked: false, x: virtualObject.x, y: virtualObject.y, heading: virtualObject.heading, speed: virtualObject.moving ? virtualObject.speed : 0, dx: 0, dy: 0 });
-    for (const one of this.seen) records.push({ handle: one.handle, kind: 2, status: 0, augmented: false, blocked: false, x: one.x, y: one.y, heading: 0, speed: 0, dx: 0, dy: 0 });
+    for (const one of this.detected) records.push({ handle: one.handle, kind: 2, status: 0, augmented: false, blocked: false, x: one.x, y: one.y, heading: 0, speed: 0, dx: 0, dy: 0 });
     return records.sort((a, b) => a.handle - b.handle);
   }
   ground_truth() {
@@ -75,7 +75,7 @@ export class World extends Motion {
     const lost = this.lost(aiv);
     const age = aiv.lost_at ? this.now - aiv.lost_at : 20 + ((this.now + 31 * aiv.number) % 100);
     const heading = Math.atan2(Math.sin(pose.heading), Math.cos(pose.heading));
-    const standing = aiv.speed < 0.01;
+    const stopped = aiv.speed < 0.01;
     const ranges = this.aivs.length <= 200 ? { ranges: { first: -0.6, width: 0.15, m: Array.from({ length: 9 }, (_, i) => (aiv.ahead !== null && aiv.ahead !== undefined && i > 2 && i < 6 ? aiv.ahead : null)) } } : {};
     const reserved = this.aivs.length <= 2000 ? Array.from({ length: 9 }, (_, i) => aiv.track.pose_at(aiv.distance + (i * Math.max(0.05, aiv.paused ? 0.05 : 0.9)) / 8)).map((p) => [p.x, p.y]) : [];
     const boards = this.aivs.length <= 200 && !aiv.augmented ? { boards: ['PILS', 'PRAV', 'DOBS', 'RALI'].map((board, i) => ({ board, health: aiv.board_down === board ? 'lost' : 'ok', firmware: '1a2b3c4d', uptime_ms: (this.now % 1e8) | 0, frames: 61000 + i * 300, framesBad: i === 2 ? 3 : 0, framesMissed: i, selfTest: 0 })), power: { voltage_v: 11.4 + aiv.battery / 100, current_a: 0.3 + aiv.speed, temperature_c: 24 + (aiv.number % 5) } } : {};
@@ -84,7 +84,7 @@ export class World extends Motion {
       x: pose.x, y: pose.y, heading, speed: aiv.speed, section: pose.section, s: pose.s, priority: aiv.priority,
       reported: { x: pose.x - aiv.drift - aiv.speed * 0.03 * Math.cos(heading), y: pose.y + aiv.drift - aiv.speed * 0.03 * Math.sin(heading), heading }, age_ms: age, divergence_m: aiv.drift * (0.6 + 0.4 * Math.sin(this.now / 700 + aiv.number)),
       battery: aiv.battery, lastTag: aiv.last_tag, sinceTag_m: aiv.since_tag, lastNode: `${pose.section}@${Math.floor(pose.s / 0.3) * 300}`, orderId: aiv.orderId, orderUpdateId: aiv.orderUpdateId,
-      driving: !standing, paused: aiv.paused, fieldViolation: aiv.field, waitsFor: standing && !aiv.paused ? aiv.waits : null, brakingFor: aiv.brakingFor, errors: aiv.field ? ['An obstacle stands in its way'] : [],
+      driving: !stopped, paused: aiv.paused, fieldViolation: aiv.field, waitsFor: stopped && !aiv.paused ? aiv.waits : null, brakingFor: aiv.brakingFor, errors: aiv.field ? ['An obstacle is in its path'] : [],
       reserved, ...boards, ...ranges, contract: { matched: true, divergence: aiv.drift < 0.03, age: !aiv.lost_at },
     };
   }
@@ -109,19 +109,19 @@ export class World extends Motion {
     };
   }
   snapshot() {
-    const felt = (virtualObject) => this.aivs.filter((aiv) => aiv.brakingFor === virtualObject.id).map((aiv) => aiv.id);
+    const perceived_by = (virtualObject) => this.aivs.filter((aiv) => aiv.brakingFor === virtualObject.id).map((aiv) => aiv.id);
     return {
       time: new Date(this.now).toISOString(), time_ms: this.now, zoneRevision: this.zone_revision,
       zoneEdits: { undo: this.undo_stack.length, redo: this.redo_stack.length, unsaved: !this.saved },
       zone: { name: this.circuit.name, revision: this.zone_revision, closed: [...this.closed].sort(), refused: this.refused ?? null, switched: this.switched ?? null },
       aivs: this.aivs.map((aiv) => ({ ...this.row(aiv), mission: aiv.mission ?? { kind: 'circulate', loop: null, state: 'driving' }, map: this.circuit.name, offRoute: aiv.offRoute ?? null })),
-      virtualObjects: this.virtualObjects.map((virtualObject) => ({ id: virtualObject.id, handle: virtualObject.handle, kind: virtualObject.kind, x: virtualObject.x, y: virtualObject.y, heading: virtualObject.heading, radius: virtualObject.radius, speed: virtualObject.speed, ...(virtualObject.path ? { path: virtualObject.path, repeat: virtualObject.repeat } : {}), perceivedBy: felt(virtualObject), since_ms: virtualObject.since_ms })),
-      obstacles: this.seen.map(({ id, handle, x, y, radius, detectedBy, first_ms, last_ms }) => ({ id, handle, x, y, radius, detectedBy, first_ms, last_ms })),
+      virtualObjects: this.virtualObjects.map((virtualObject) => ({ id: virtualObject.id, handle: virtualObject.handle, kind: virtualObject.kind, x: virtualObject.x, y: virtualObject.y, heading: virtualObject.heading, radius: virtualObject.radius, speed: virtualObject.speed, ...(virtualObject.path ? { path: virtualObject.path, repeat: virtualObject.repeat } : {}), perceivedBy: perceived_by(virtualObject), since_ms: virtualObject.since_ms })),
+      obstacles: this.detected.map(({ id, handle, x, y, radius, detectedBy, first_ms, last_ms }) => ({ id, handle, x, y, radius, detectedBy, first_ms, last_ms })),
       crossings: this.aivs.length <= 200 ? this.crossings() : [], bijection: this.bijection(), commands: this.commands.slice(-50),
     };
   }
 
-  // ── what it is told ──
+  // ── its commands ──
   command(body) {
     if (body.command === 'close' || body.command === 'open') {
       if (!this.zone.sections.some((one) => one.name === body.section)) throw new Refusal(400, 'command.section', `There is no section ${body.section}.`);
@@ -154,16 +154,16 @@ export class World extends Motion {
     return { id: `c${this.command_number}` };
   }
   number_field(value, name) {
-    if (typeof value !== 'number' || !Number.isFinite(value)) throw new Refusal(400, 'virtualObjects.field', `“${name}” must be a number, in metres.`);
+    if (typeof value !== 'number' || !Number.isFinite(value)) throw new Refusal(400, 'virtual_object.field', `“${name}” must be a number, in metres.`);
     return value;
   }
   inside(x, y) {
     const [x0, y0, x1, y1] = this.circuit.bounds;
-    if (x < x0 - 0.5 || x > x1 + 0.5 || y < y0 - 0.5 || y > y1 + 0.5) throw new Refusal(400, 'virtualObjects.place', `${x.toFixed(2)}, ${y.toFixed(2)} is off the zone. Choose a place on the map.`);
+    if (x < x0 - 0.5 || x > x1 + 0.5 || y < y0 - 0.5 || y > y1 + 0.5) throw new Refusal(400, 'virtual_object.position', `${x.toFixed(2)}, ${y.toFixed(2)} is off the zone. Choose a position on the map.`);
   }
-  place_from(body) {
+  pose_from(body) {
     if (body.path !== undefined) {
-      if (!Array.isArray(body.path) || body.path.length < 2) throw new Refusal(400, 'virtualObjects.path', 'A walk needs at least two points.');
+      if (!Array.isArray(body.path) || body.path.length < 2) throw new Refusal(400, 'virtual_object.path', 'A walk needs at least two points.');
       body.path.forEach(([x, y]) => this.inside(this.number_field(x, 'path'), this.number_field(y, 'path')));
       return { x: body.path[0][0], y: body.path[0][1], path: body.path, speed: body.speed ?? 0.2, repeat: body.repeat ?? 'once', walked: 0, moving: true };
     }
@@ -172,23 +172,23 @@ export class World extends Motion {
     this.inside(x, y);
     return { x, y, speed: 0, moving: false };
   }
-  add_thing(body) {
+  add_virtual_object(body) {
     this.traces.add(this.now, 'operator', 'AIV_Server', 'command', '', `add ${body.kind}`, { command: 'add', virtualObject: body });
     if (body.kind === 'aiv') {
       const virtual = this.aivs.filter((aiv) => aiv.augmented);
       const number = this.next_number(virtual);
-      const place = body.section !== undefined ? place_of(this.circuit, body.section, body.s ?? 0) : body.x !== undefined ? nearest_place(this.circuit, body.x, body.y) : this.room();
-      if (!place) throw new Refusal(400, 'virtualObjects.section', `There is no section ${body.section} of that length.`);
-      const near = this.aivs.some((aiv) => aiv.track === place.track && Math.abs(aiv.track.pose_at(aiv.distance).x - place.track.pose_at(place.distance).x) < 0.15 && Math.abs(aiv.track.pose_at(aiv.distance).y - place.track.pose_at(place.distance).y) < 0.15);
-      if (near) throw new Refusal(409, 'virtualObjects.place', 'An AIV stands there. Choose a free place on the circuit.');
-      const aiv = this.make_aiv(number, true, place);
+      const position = body.section !== undefined ? position_of(this.circuit, body.section, body.s ?? 0) : body.x !== undefined ? nearest_position(this.circuit, body.x, body.y) : this.room();
+      if (!position) throw new Refusal(400, 'virtual_object.section', `There is no section ${body.section} of that length.`);
+      const near = this.aivs.some((aiv) => aiv.track === position.track && Math.abs(aiv.track.pose_at(aiv.distance).x - position.track.pose_at(position.distance).x) < 0.15 && Math.abs(aiv.track.pose_at(aiv.distance).y - position.track.pose_at(position.distance).y) < 0.15);
+      if (near) throw new Refusal(409, 'virtual_object.position', 'An AIV is already there. Choose a free position on the circuit.');
+      const aiv = this.make_aiv(number, true, position);
       aiv.speed = 0;
       return { id: aiv.serial };
     }
-    if (body.kind !== 'person' && body.kind !== 'obstacle') throw new Refusal(400, 'virtualObjects.kind', 'A virtualObject is of kind aiv, person or obstacle.');
+    if (body.kind !== 'person' && body.kind !== 'obstacle') throw new Refusal(400, 'virtual_object.kind', 'A virtual object is of kind aiv, person or obstacle.');
     const list = this.virtualObjects.filter((virtualObject) => virtualObject.kind === body.kind);
     const id = `${body.kind === 'person' ? 'P' : 'O'}${this.next_number(list)}`;
-    this.virtualObjects.push({ id, handle: this.handles.virtualObject++, kind: body.kind, heading: 0, radius: body.radius ?? (body.kind === 'person' ? 0.06 : 0.08), since_ms: this.now, ...this.place_from(body) });
+    this.virtualObjects.push({ id, handle: this.handles.virtualObject++, kind: body.kind, heading: 0, radius: body.radius ?? (body.kind === 'person' ? 0.06 : 0.08), since_ms: this.now, ...this.pose_from(body) });
     return { id };
   }
   room() {
@@ -201,31 +201,31 @@ export class World extends Motion {
     }
     return best;
   }
-  find_thing(id) {
+  find_virtual_object(id) {
     const virtualObject = this.virtualObjects.find((candidate) => candidate.id === id);
-    if (!virtualObject) throw new Refusal(404, 'virtualObjects.none', `There is nothing called ${id} (any more).`);
+    if (!virtualObject) throw new Refusal(404, 'virtual_object.not_found', `There is nothing called ${id} (any more).`);
     return virtualObject;
   }
-  move_thing(id, body) {
+  move_virtual_object(id, body) {
     const aiv = this.aivs.find((candidate) => candidate.augmented && (candidate.id === id || candidate.serial === id));
     if (aiv) {
-      Object.assign(aiv, nearest_place(this.circuit, body.x, body.y));
+      Object.assign(aiv, nearest_position(this.circuit, body.x, body.y));
       aiv.pose = aiv.track.pose_at(aiv.distance);
       return { id };
     }
-    const virtualObject = this.find_thing(id);
-    const place = this.place_from(body);
-    if (!place.path) {
+    const virtualObject = this.find_virtual_object(id);
+    const position = this.pose_from(body);
+    if (!position.path) {
       delete virtualObject.path;
       delete virtualObject.repeat;
     }
-    Object.assign(virtualObject, place);
+    Object.assign(virtualObject, position);
     return { id };
   }
-  remove_thing(id) {
+  remove_virtual_object(id) {
     const aiv = this.aivs.findIndex((candidate) => candidate.augmented && (candidate.id === id || candidate.serial === id));
     if (aiv >= 0) this.aivs.splice(aiv, 1);
-    else this.virtualObjects.splice(this.virtualObjects.indexOf(this.find_thing(id)), 1);
+    else this.virtualObjects.splice(this.virtualObjects.indexOf(this.find_virtual_object(id)), 1);
     return { removed: 1 };
   }
   remove_all() {
@@ -259,22 +259,22 @@ export class World extends Motion {
   }
 
   // ── the zone's edits ──
-  tag_place(edit) {
+  tag_position(edit) {
     if (!Number.isInteger(edit.number) || edit.number < 1) throw new Refusal(400, 'edit.number', 'A tag has a whole number from 1 on.');
-    const place = edit.section !== undefined ? place_of(this.circuit, edit.section, edit.s) : nearest_place(this.circuit, edit.x, edit.y);
-    if (!place) throw new Refusal(400, 'edit.position', `Section ${edit.section} has no such place.`);
-    if (place.off > 0.3) throw new Refusal(400, 'edit.position', `Tag ${edit.number} would lie ${place.off.toFixed(2)} m from every way; put it within 0.30 m of one.`);
-    return { number: edit.number, track: place.track, distance: place.distance };
+    const position = edit.section !== undefined ? position_of(this.circuit, edit.section, edit.s) : nearest_position(this.circuit, edit.x, edit.y);
+    if (!position) throw new Refusal(400, 'edit.position', `Section ${edit.section} has no such position.`);
+    if (position.off > 0.3) throw new Refusal(400, 'edit.position', `Tag ${edit.number} would lie ${position.off.toFixed(2)} m from every section; put it within 0.30 m of one.`);
+    return { number: edit.number, track: position.track, distance: position.distance };
   }
   edit_zone(edit) {
     let tags = [...this.tags];
     for (const one of edit.addTags ?? []) {
       if (tags.some((tag) => tag.number === one.number)) throw new Refusal(409, 'edit.taken', `There is a tag ${one.number} already. Choose another number.`);
-      tags.push(this.tag_place(one));
+      tags.push(this.tag_position(one));
     }
     for (const one of edit.moveTags ?? []) {
       if (!tags.some((tag) => tag.number === one.number)) throw new Refusal(404, 'edit.none', `There is no tag ${one.number} to move.`);
-      tags = tags.map((tag) => (tag.number === one.number ? this.tag_place(one) : tag));
+      tags = tags.map((tag) => (tag.number === one.number ? this.tag_position(one) : tag));
     }
     for (const number of edit.removeTags ?? []) {
       if (!tags.some((tag) => tag.number === number)) throw new Refusal(404, 'edit.none', `There is no tag ${number} to remove.`);
@@ -310,7 +310,7 @@ export class World extends Motion {
 
   // ── the clock ──
   set_clock(body) {
-    if (this.clock.kind === 'wall') throw new Refusal(409, 'clock.wall', 'This run is on the wall’s clock, which nobody stops. Start one with virtual time instead.');
+    if (this.clock.kind === 'wall') throw new Refusal(409, 'clock.wall', 'This run is on the wall’s clock, which cannot be stopped. Start one with virtual time instead.');
     if (body.speed !== undefined && !(body.speed >= 0.1 && body.speed <= 100)) throw new Refusal(400, 'clock.speed', 'The speed must lie between 0.1 and 100.');
     if (typeof body.running === 'boolean') this.clock.running = body.running;
     if (body.speed !== undefined) this.clock.speed = body.speed;

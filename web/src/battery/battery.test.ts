@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { Curve, phase_text, picture_of, curve_text, points_max, points_of, test_text } from './battery';
+import { Curve, phase_text, plot_of, curve_text, points_max, points_of, test_text } from './battery';
 import type { BatteryPoint, BatterySlot, BatteryTest, Snapshot } from '../live/contract';
 
 const point = (s: number, charge: number): BatteryPoint => [s * 1000, charge, 7.4, 22];
@@ -49,23 +49,23 @@ describe('the points of a snapshot', () => {
 
 describe('the plot', () => {
   it('runs from left to right and from high to low, and includes the floor', () => {
-    const picture = picture_of([point(0, 100), point(30, 80), point(60, 60)], 'charge', 100, 44, 20);
-    expect(picture.path).toBe('M0.0 2.0L50.0 12.0L100.0 22.0');
-    expect(picture.y(20)).toBe(42);
-    expect(picture.y(10)).toBeNull();
-    expect(picture.last).toBe(60);
+    const plot = plot_of([point(0, 100), point(30, 80), point(60, 60)], 'charge', 100, 44, 20);
+    expect(plot.path).toBe('M0.0 2.0L50.0 12.0L100.0 22.0');
+    expect(plot.y(20)).toBe(42);
+    expect(plot.y(10)).toBeNull();
+    expect(plot.last).toBe(60);
   });
 
   it('does not magnify small changes', () => {
-    const still = picture_of([point(0, 99.9), point(1, 99.8)], 'charge', 100, 44);
+    const still = plot_of([point(0, 99.9), point(1, 99.8)], 'charge', 100, 44);
     expect([still.low, still.high]).toEqual([98, 100]);
-    const flat = picture_of([point(0, 50), point(1, 50)], 'temperature', 100, 44);
+    const flat = plot_of([point(0, 50), point(1, 50)], 'temperature', 100, 44);
     expect([flat.low, flat.high]).toEqual([21, 23]);
   });
 
   it('is empty without points, and states this', () => {
-    expect(picture_of([], 'voltage', 100, 44).path).toBe('');
-    expect(picture_of([point(0, 1)], 'voltage', 100, 44).path).toBe('');
+    expect(plot_of([], 'voltage', 100, 44).path).toBe('');
+    expect(plot_of([point(0, 1)], 'voltage', 100, 44).path).toBe('');
     expect(curve_text('AIV1', 'charge', [])).toBe('Charge of AIV1: nothing yet');
   });
 

@@ -48,7 +48,7 @@ const column = { charge: 1, voltage: 2, temperature: 3 } as const;
 /** The least span of a plot; a smaller one would exaggerate the steps of the gauge. */
 const span_min = { charge: 2, voltage: 0.2, temperature: 2 } as const;
 
-export interface Picture {
+export interface Plot {
   /** an SVG path; empty for fewer than two points */
   path: string;
   low: number;
@@ -59,7 +59,7 @@ export interface Picture {
 }
 
 /** Plots a curve in a box of `width` by `height`; the scale includes the value `also`. */
-export function picture_of(points: readonly BatteryPoint[], quantity: Quantity, width: number, height: number, also: number | null = null): Picture {
+export function plot_of(points: readonly BatteryPoint[], quantity: Quantity, width: number, height: number, also: number | null = null): Plot {
   const at = column[quantity];
   const values = points.map((point) => point[at]);
   let low = Math.min(...values, also ?? Infinity);
@@ -70,9 +70,9 @@ export function picture_of(points: readonly BatteryPoint[], quantity: Quantity, 
   const begin = points[0]?.[0] ?? 0;
   const span = Math.max(1, (points.at(-1)?.[0] ?? 0) - begin);
   const down = (value: number) => 2 + ((height - 4) * (high - value)) / (high - low);
-  const place = (point: BatteryPoint) => `${(((point[0] - begin) / span) * width).toFixed(1)} ${down(point[at]).toFixed(1)}`;
+  const coordinates = (point: BatteryPoint) => `${(((point[0] - begin) / span) * width).toFixed(1)} ${down(point[at]).toFixed(1)}`;
   return {
-    path: points.length < 2 ? '' : `M${points.map(place).join('L')}`,
+    path: points.length < 2 ? '' : `M${points.map(coordinates).join('L')}`,
     low, high,
     last: values.at(-1) ?? null,
     y: (value) => (value < low || value > high ? null : down(value)),
@@ -103,7 +103,7 @@ export function phase_text({ phase, stop }: BatterySlot): string {
 }
 
 /** Without a report for this time, the test program is taken as terminated [ms]. */
-export const silent_ms = 10_000;
+export const unresponsive_ms = 10_000;
 
 /** A sentence on the state of the test; `now_ms` on the server's clock. */
 export function test_text(test: BatteryTest, now_ms: number): string {
@@ -112,7 +112,7 @@ export function test_text(test: BatteryTest, now_ms: number): string {
     const given_up = test.vehicles.some((slot) => slot.phase !== 'ended' || slot.stop === 'operator');
     return `${given_up ? 'Given up' : 'Ended'} at ${format.clock(test.received_ms)}, after ${format.lasting(test.received_ms - test.began_ms)}.`;
   }
-  if (now_ms - test.received_ms > silent_ms) return `No message for ${format.lasting(now_ms - test.received_ms)}: its program has ended, or cannot reach the broker. The same command with its --state continues the test.`;
+  if (now_ms - test.received_ms > unresponsive_ms) return `No message for ${format.lasting(now_ms - test.received_ms)}: its program has ended, or cannot reach the broker. The same command with its --state continues the test.`;
   const wanted = test.vehicles.filter((slot) => slot.phase === 'changing').length;
   if (wanted > 0) return `${run} waits for ${wanted === 1 ? 'a battery' : `${wanted} batteries`}.`;
   if (test.expectedEnd_ms === null) return `${run} has begun; its end is not known yet.`;

@@ -18,7 +18,7 @@ export function actions_of(platform: Platform, map: (action: MapAction) => void)
       case 'previous':
         return platform.select_next(-1);
       case 'follow':
-        if (platform.selected === null) return platform.say('Select an AIV to follow it.', 'news');
+        if (platform.selected === null) return platform.report('Select an AIV to follow it.', 'news');
         platform.following = !platform.following;
         return;
       case 'search':
@@ -64,7 +64,7 @@ function close(platform: Platform): void {
     focused.dispatchEvent(new Event('input', { bubbles: true }));
     return;
   }
-  if (tool.name !== 'look') return tool.done();
+  if (tool.name !== 'none') return tool.done();
   if (platform.chosen.size > 0) platform.chosen = new Set();
   else if (platform.selected !== null) platform.select(null);
   else if (layout.frame !== null) layout.frame = null;

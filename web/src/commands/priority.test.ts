@@ -18,8 +18,8 @@ describe('priorities', () => {
   });
 
   it('are sent only for changed rows', () => {
-    const settled = rows(aiv(1, { priority: 2 }), aiv(2, { priority: 1 }));
-    expect(priorities_for(by_priority(settled))).toEqual({});
+    const unchanged = rows(aiv(1, { priority: 2 }), aiv(2, { priority: 1 }));
+    expect(priorities_for(by_priority(unchanged))).toEqual({});
   });
 
   it('stay within 0 to 999 for more than a thousand rows', () => {

@@ -40,8 +40,8 @@ describe('the list of commands', () => {
 
 describe('missions in the list of commands', () => {
   it('can be given by name', () => {
-    const places = { stations: ['dock', 'gate'], loops: ['outer'], sections: ['east', 'west'], closed: ['west'], targets: [] };
-    const entries = entries_of([{ id: 'CoSiVA/AIV1', name: 'AIV1', augmented: false }], [], places);
+    const zone_items = { stations: ['dock', 'gate'], loops: ['outer'], sections: ['east', 'west'], closed: ['west'], targets: [] };
+    const entries = entries_of([{ id: 'CoSiVA/AIV1', name: 'AIV1', augmented: false }], [], zone_items);
     expect(search(entries, 'send aiv1 to dock')[0]?.doing).toEqual({ kind: 'go', vehicle: 'CoSiVA/AIV1', to: 'dock' });
     expect(search(entries, 'aiv1 circulate outer')[0]?.doing).toEqual({ kind: 'circulate', vehicle: 'CoSiVA/AIV1', loop: 'outer' });
     expect(search(entries, 'close section east')[0]?.text).toBe('Close section east');

@@ -76,7 +76,7 @@ export const page_entries: readonly [name: string, text: string][] = [
 const entry = (text: string, hint: string, doing: Doing): Entry => ({ key: text, text, hint, doing });
 
 /** Names of the zone that commands can refer to. */
-export interface Places {
+export interface ZoneItems {
   stations: readonly string[];
   loops: readonly string[];
   sections: readonly string[];
@@ -84,11 +84,11 @@ export interface Places {
   /** vehicles that the missions of a large zone are listed for; empty: none are listed */
   targets: readonly string[];
 }
-const no_places: Places = { stations: [], loops: [], sections: [], closed: [], targets: [] };
+const no_zone_items: ZoneItems = { stations: [], loops: [], sections: [], closed: [], targets: [] };
 /** Above this number of entries of one kind, which would slow the list down, only those of chosen vehicles are listed. */
 const entries_max = 2_000;
 
-function missions_of(vehicles: readonly { id: string; name: string }[], { stations, loops, sections, closed, targets }: Places): Entry[] {
+function missions_of(vehicles: readonly { id: string; name: string }[], { stations, loops, sections, closed, targets }: ZoneItems): Entry[] {
   const list: Entry[] = [{ ...entry('Let all AIVs circulate', '', { kind: 'circulate', vehicle: '*', loop: null }), key: 'circulate *' }];
   for (const loop of loops) list.push(entry(`Let all AIVs circulate on ${loop}`, '', { kind: 'circulate', vehicle: '*', loop }));
   const few = vehicles.length * (stations.length + loops.length) <= entries_max;
@@ -102,7 +102,7 @@ function missions_of(vehicles: readonly { id: string; name: string }[], { statio
   return list;
 }
 
-export function entries_of(vehicles: readonly { id: string; name: string; augmented: boolean }[], virtualObjects: readonly { id: string }[], places: Places = no_places): Entry[] {
+export function entries_of(vehicles: readonly { id: string; name: string; augmented: boolean }[], virtualObjects: readonly { id: string }[], zone_items: ZoneItems = no_zone_items): Entry[] {
   const list: Entry[] = actions.map(([action, text]) => entry(text, key_of(action) ?? '', { kind: 'act', action }));
   for (const { command, word } of operator_commands) if (command !== 'stop') list.push(entry(`${word} all AIVs`, '', { kind: 'command', command, vehicles: '*' }));
   for (const [name, text] of page_entries) list.push(entry(text, '', { kind: 'page', name }));
@@ -113,7 +113,7 @@ export function entries_of(vehicles: readonly { id: string; name: string; augmen
     list.push({ ...entry(`Follow ${name}`, '', { kind: 'follow', id }), key: `follow ${id}` });
     if (augmented) list.push({ ...entry(`Remove ${name}`, '', { kind: 'remove', id }), key: `remove ${id}` });
   }
-  list.push(...missions_of(vehicles, places));
+  list.push(...missions_of(vehicles, zone_items));
   for (const { id } of virtualObjects) list.push(entry(`Remove ${id}`, '', { kind: 'remove', id }));
   return list;
 }

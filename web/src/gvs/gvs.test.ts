@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
-import { degrees_of, millimetres_of, name_place, path_of, picture_of, curve_text, rgba_of, type Sight } from './gvs';
+import { degrees_of, millimetres_of, label_position, path_of, image_of, image_text, rgba_of, type Detection } from './gvs';
 
-const detection: Sight = { vehicle: 'CoSiVA/AIV1', tag: 1, x: 0.125, y: -0.5, heading: 0, outline: [[10, 20], [14, 20], [14, 30], [10, 30]], nose: [[12, 25], [16, 25]] };
+const detection: Detection = { vehicle: 'CoSiVA/AIV1', tag: 1, x: 0.125, y: -0.5, heading: 0, outline: [[10, 20], [14, 20], [14, 30], [10, 30]], nose: [[12, 25], [16, 25]] };
 const comment = { timestamp: '2026-01-01T00:00:00.000Z', detections: [detection] };
 
 function file(header: string, pixels: number[]): ArrayBuffer {
@@ -14,10 +14,10 @@ function file(header: string, pixels: number[]): ArrayBuffer {
 
 describe('the preview of the camera', () => {
   it('is decoded together with its comment', () => {
-    const picture = picture_of(file(`P5\n# ${JSON.stringify(comment)}\n3 2\n255\n`, [0, 1, 2, 10, 20, 255]));
-    expect(picture).toMatchObject({ width: 3, height: 2, ...comment });
-    expect([...picture!.grey]).toEqual([0, 1, 2, 10, 20, 255]);
-    expect([...rgba_of(picture!).slice(12)]).toEqual([10, 10, 10, 255, 20, 20, 20, 255, 255, 255, 255, 255]);
+    const image = image_of(file(`P5\n# ${JSON.stringify(comment)}\n3 2\n255\n`, [0, 1, 2, 10, 20, 255]));
+    expect(image).toMatchObject({ width: 3, height: 2, ...comment });
+    expect([...image!.grey]).toEqual([0, 1, 2, 10, 20, 255]);
+    expect([...rgba_of(image!).slice(12)]).toEqual([10, 10, 10, 255, 20, 20, 20, 255, 255, 255, 255, 255]);
   });
 
   it('is null for another header, an empty comment, or a truncated image', () => {
@@ -34,22 +34,22 @@ describe('the preview of the camera', () => {
       [good, 5],
       ['', 0],
     ] as const) {
-      expect(picture_of(file(header, Array(pixels).fill(7))), header).toBeNull();
+      expect(image_of(file(header, Array(pixels).fill(7))), header).toBeNull();
     }
   });
 
   it('has a text alternative for screen readers', () => {
-    expect(curve_text({ width: 1, height: 1, grey: new Uint8Array(1), ...comment })).toBe('Image of the camera: AIV1 at 0.13, -0.50 m');
-    expect(curve_text({ width: 1, height: 1, grey: new Uint8Array(1), timestamp: '', detections: [] })).toBe('Image of the camera: no AIV detected');
-    expect(curve_text(null)).toBe('No image of the camera');
+    expect(image_text({ width: 1, height: 1, grey: new Uint8Array(1), ...comment })).toBe('Image of the camera: AIV1 at 0.13, -0.50 m');
+    expect(image_text({ width: 1, height: 1, grey: new Uint8Array(1), timestamp: '', detections: [] })).toBe('Image of the camera: no AIV detected');
+    expect(image_text(null)).toBe('No image of the camera');
   });
 
   it('has its outlines as paths, with names above them or, at the upper border, below', () => {
     expect(path_of(detection.outline, true)).toBe('M10 20L14 20L14 30L10 30Z');
     expect(path_of([[1, 2]], false)).toBe('');
-    expect(name_place({ ...detection, outline: [[10, 40], [20, 60]] }, 100)).toEqual([15, 34]);
-    expect(name_place(detection, 100)).toEqual([12, 48]);
-    expect(name_place({ ...detection, outline: [] }, 100)).toBeNull();
+    expect(label_position({ ...detection, outline: [[10, 40], [20, 60]] }, 100)).toEqual([15, 34]);
+    expect(label_position(detection, 100)).toEqual([12, 48]);
+    expect(label_position({ ...detection, outline: [] }, 100)).toBeNull();
   });
 });
 

@@ -1,7 +1,7 @@
 // The camera image in the server's format: Netpbm P5 (grey, one byte per pixel) with the detected vehicles in its comment.
 
 /** A detected AIV, in pixels of the image. */
-export interface Sight {
+export interface Detection {
   vehicle: string;
   tag: number;
   x: number;
@@ -12,19 +12,19 @@ export interface Sight {
   nose: readonly (readonly [number, number])[];
 }
 
-export interface Picture {
+export interface CameraImage {
   width: number;
   height: number;
   /** rows from top to bottom */
   grey: Uint8Array;
   timestamp: string;
-  detections: readonly Sight[];
+  detections: readonly Detection[];
 }
 
 const side_max = 4_096;
 
 /** Parses an image; null if the bytes have another format. */
-export function picture_of(bytes: ArrayBuffer): Picture | null {
+export function image_of(bytes: ArrayBuffer): CameraImage | null {
   const all = new Uint8Array(bytes);
   // "P5\n# {…}\nwidth height\n255\n"
   let at = 0;
@@ -36,26 +36,26 @@ export function picture_of(bytes: ArrayBuffer): Picture | null {
     return text;
   };
   if (line() !== 'P5') return null;
-  const told = told_of(line());
+  const metadata = metadata_of(line());
   const size = /^(\d+) (\d+)$/.exec(line());
-  if (!told || !size || line() !== '255') return null;
+  if (!metadata || !size || line() !== '255') return null;
   const [width, height] = [Number(size[1]), Number(size[2])];
   if (width < 1 || height < 1 || width > side_max || height > side_max || all.length - at < width * height) return null;
-  return { width, height, grey: all.subarray(at, at + width * height), ...told };
+  return { width, height, grey: all.subarray(at, at + width * height), ...metadata };
 }
 
-function told_of(comment: string): Pick<Picture, 'timestamp' | 'detections'> | null {
+function metadata_of(comment: string): Pick<CameraImage, 'timestamp' | 'detections'> | null {
   if (!comment.startsWith('# ')) return null;
   try {
-    const told = JSON.parse(comment.slice(2)) as Partial<Picture>;
-    return typeof told.timestamp === 'string' && Array.isArray(told.detections) ? { timestamp: told.timestamp, detections: told.detections } : null;
+    const metadata = JSON.parse(comment.slice(2)) as Partial<CameraImage>;
+    return typeof metadata.timestamp === 'string' && Array.isArray(metadata.detections) ? { timestamp: metadata.timestamp, detections: metadata.detections } : null;
   } catch {
     return null;
   }
 }
 
 /** The image in the RGBA format of a canvas. */
-export function rgba_of({ width, height, grey }: Picture): Uint8ClampedArray<ArrayBuffer> {
+export function rgba_of({ width, height, grey }: CameraImage): Uint8ClampedArray<ArrayBuffer> {
   const rgba = new Uint8ClampedArray(4 * width * height);
   const pixels = new Uint32Array(rgba.buffer);
   // Three equal bytes and 255 have the same value in both byte orders.
@@ -64,10 +64,10 @@ export function rgba_of({ width, height, grey }: Picture): Uint8ClampedArray<Arr
   return rgba;
 }
 
-export const path_of = (places: Sight['outline'], closed: boolean): string => (places.length < 2 ? '' : `M${places.map(([u, v]) => `${u} ${v}`).join('L')}${closed ? 'Z' : ''}`);
+export const path_of = (points: Detection['outline'], closed: boolean): string => (points.length < 2 ? '' : `M${points.map(([u, v]) => `${u} ${v}`).join('L')}${closed ? 'Z' : ''}`);
 
 /** The position of the label: above the outline if there is room, otherwise below it. */
-export function name_place({ outline }: Sight, height: number): readonly [u: number, v: number] | null {
+export function label_position({ outline }: Detection, height: number): readonly [u: number, v: number] | null {
   if (outline.length === 0) return null;
   const us = outline.map(([u]) => u);
   const vs = outline.map(([, v]) => v);
@@ -80,9 +80,9 @@ export const degrees_of = (rad: number | null): string => (rad === null ? '–' 
 export const millimetres_of = (m: number | null): string => (m === null ? '–' : `${(1_000 * m).toFixed(1)}\u202fmm`);
 
 /** The text alternative of the image, for screen readers. */
-export function curve_text(picture: Picture | null): string {
-  if (!picture) return 'No image of the camera';
-  if (picture.detections.length === 0) return 'Image of the camera: no AIV detected';
-  const each = picture.detections.map((detection) => `${detection.vehicle.slice(detection.vehicle.indexOf('/') + 1)} at ${detection.x.toFixed(2)}, ${detection.y.toFixed(2)} m`);
+export function image_text(image: CameraImage | null): string {
+  if (!image) return 'No image of the camera';
+  if (image.detections.length === 0) return 'Image of the camera: no AIV detected';
+  const each = image.detections.map((detection) => `${detection.vehicle.slice(detection.vehicle.indexOf('/') + 1)} at ${detection.x.toFixed(2)}, ${detection.y.toFixed(2)} m`);
   return `Image of the camera: ${each.join('; ')}`;
 }

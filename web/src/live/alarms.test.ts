@@ -6,7 +6,7 @@ import { aiv, command, snapshot } from './snapshot_sample';
 
 const board = (health: 'ok' | 'lost' | 'faulty', selfTest = 0) => ({ board: 'DOBS', health, firmware: '', uptime_ms: 0, frames: 0, framesBad: 0, framesMissed: 0, selfTest });
 
-function told(book: AlarmBook, aivs: Aiv[], change: Partial<Snapshot> = {}) {
+function alarms_after(book: AlarmBook, aivs: Aiv[], change: Partial<Snapshot> = {}) {
   const now = snapshot(aivs, change);
   book.accept(rows_of(now), now);
   return book.list();
@@ -32,8 +32,8 @@ describe('abnormal conditions', () => {
 describe('the alarm list', () => {
   it('keeps one entry while a condition lasts, whatever its values', () => {
     const book = new AlarmBook();
-    told(book, [aiv(1, { lost: true, age_ms: 1_000 })]);
-    const [one, ...more] = told(book, [aiv(1, { lost: true, age_ms: 2_000 })], { time_ms: 11_000 });
+    alarms_after(book, [aiv(1, { lost: true, age_ms: 1_000 })]);
+    const [one, ...more] = alarms_after(book, [aiv(1, { lost: true, age_ms: 2_000 })], { time_ms: 11_000 });
     expect(more).toEqual([]);
     expect(one).toMatchObject({ since_ms: 10_000, text: 'No report for 2.0\u202fs', ended_ms: null, acknowledged: false });
   });
@@ -41,16 +41,16 @@ describe('the alarm list', () => {
   it('names the battery that a test requests for a vehicle, until it is installed', () => {
     const book = new AlarmBook();
     const change = { vehicle: 'CoSiVA/AIV1', battery: 'red', run: 1, reason: '', since_ms: 10_000 };
-    expect(told(book, [aiv(1)], { battery: { changes: [change], test: null } })[0]).toMatchObject({ name: 'AIV1', text: 'Battery red is requested', ended_ms: null });
+    expect(alarms_after(book, [aiv(1)], { battery: { changes: [change], test: null } })[0]).toMatchObject({ name: 'AIV1', text: 'Battery red is requested', ended_ms: null });
     const refused = { ...change, reason: 'it is not full: 80 %' };
-    expect(told(book, [aiv(1)], { battery: { changes: [refused], test: null } })).toMatchObject([{ text: 'Battery red is requested: it is not full: 80 %' }]);
-    expect(told(book, [aiv(1)], { time_ms: 15_000, battery: null })[0]).toMatchObject({ ended_ms: 15_000 });
+    expect(alarms_after(book, [aiv(1)], { battery: { changes: [refused], test: null } })).toMatchObject([{ text: 'Battery red is requested: it is not full: 80 %' }]);
+    expect(alarms_after(book, [aiv(1)], { time_ms: 15_000, battery: null })[0]).toMatchObject({ ended_ms: 15_000 });
   });
 
   it('keeps an ended alarm until it is acknowledged', () => {
     const book = new AlarmBook();
-    told(book, [aiv(1, { connection: 'CONNECTIONBROKEN' })]);
-    const [over] = told(book, [aiv(1)], { time_ms: 15_000 });
+    alarms_after(book, [aiv(1, { connection: 'CONNECTIONBROKEN' })]);
+    const [over] = alarms_after(book, [aiv(1)], { time_ms: 15_000 });
     expect(over).toMatchObject({ ended_ms: 15_000, acknowledged: false });
     book.acknowledge(over!.key);
     expect(book.list()).toEqual([]);
@@ -58,28 +58,28 @@ describe('the alarm list', () => {
 
   it('keeps an acknowledged alarm below the others while its condition lasts, and then removes it', () => {
     const book = new AlarmBook();
-    const [first] = told(book, [aiv(1, { connection: 'CONNECTIONBROKEN' })]);
+    const [first] = alarms_after(book, [aiv(1, { connection: 'CONNECTIONBROKEN' })]);
     book.acknowledge(first!.key);
-    const both = told(book, [aiv(1, { connection: 'CONNECTIONBROKEN' }), aiv(2, { battery: 5 })], { time_ms: 11_000 });
+    const both = alarms_after(book, [aiv(1, { connection: 'CONNECTIONBROKEN' }), aiv(2, { battery: 5 })], { time_ms: 11_000 });
     expect(both.map((alarm) => [alarm.name, alarm.acknowledged])).toEqual([['AIV2', false], ['AIV1', true]]);
-    expect(told(book, [aiv(1), aiv(2, { battery: 5 })], { time_ms: 12_000 }).map((alarm) => alarm.name)).toEqual(['AIV2']);
+    expect(alarms_after(book, [aiv(1), aiv(2, { battery: 5 })], { time_ms: 12_000 }).map((alarm) => alarm.name)).toEqual(['AIV2']);
   });
 
   it('adds a new entry when a condition recurs', () => {
     const book = new AlarmBook();
-    told(book, [aiv(1, { lost: true })]);
+    alarms_after(book, [aiv(1, { lost: true })]);
     book.acknowledge('*');
-    told(book, [aiv(1)], { time_ms: 11_000 });
-    expect(told(book, [aiv(1, { lost: true })], { time_ms: 12_000 })).toMatchObject([{ since_ms: 12_000, acknowledged: false }]);
+    alarms_after(book, [aiv(1)], { time_ms: 11_000 });
+    expect(alarms_after(book, [aiv(1, { lost: true })], { time_ms: 12_000 })).toMatchObject([{ since_ms: 12_000, acknowledged: false }]);
   });
 
   it('reports a failed command once, with its reason', () => {
     const book = new AlarmBook();
     const commands = [command({ state: 'failed', reason: 'offline' })];
-    const [one] = told(book, [aiv(1)], { commands });
+    const [one] = alarms_after(book, [aiv(1)], { commands });
     expect(one?.text).toBe('stop failed: offline');
     book.acknowledge('*');
-    expect(told(book, [aiv(1)], { commands })).toEqual([]);
+    expect(alarms_after(book, [aiv(1)], { commands })).toEqual([]);
   });
 
   const deadlocks = (change: Partial<Deadlock>): Partial<Snapshot> => ({
@@ -91,43 +91,43 @@ describe('the alarm list', () => {
 
   it('describes a deadlock from its beginning to its end', () => {
     const book = new AlarmBook();
-    expect(told(book, [aiv(1)], deadlocks({ number: 0, state: 'forming' }))).toEqual([]);
-    const confirmed = told(book, [aiv(1)], deadlocks({}));
+    expect(alarms_after(book, [aiv(1)], deadlocks({ number: 0, state: 'forming' }))).toEqual([]);
+    const confirmed = alarms_after(book, [aiv(1)], deadlocks({}));
     expect(confirmed).toMatchObject([{ name: 'Traffic', ended_ms: null, text: 'Deadlock: AIV1 waits for X1, which AIV2 holds, AIV2 detects AIV1 in its path' }]);
     const how = 'CoSiVA/AIV1 backs up 10 cm';
-    expect(told(book, [aiv(1)], { ...deadlocks({ state: 'unresolved', how }), time_ms: 14_000 })[0]?.text).toMatch(/^Deadlock, unresolved: .*\. AIV1 backs up 10 cm$/);
-    const over = told(book, [aiv(1)], { ...deadlocks({ state: 'resolved', how, ended_ms: 15_000 }), time_ms: 16_000 });
+    expect(alarms_after(book, [aiv(1)], { ...deadlocks({ state: 'unresolved', how }), time_ms: 14_000 })[0]?.text).toMatch(/^Deadlock, unresolved: .*\. AIV1 backs up 10 cm$/);
+    const over = alarms_after(book, [aiv(1)], { ...deadlocks({ state: 'resolved', how, ended_ms: 15_000 }), time_ms: 16_000 });
     expect(over).toMatchObject([{ since_ms: 10_000, ended_ms: 15_000, text: expect.stringContaining('Deadlock, resolved after 5.0\u202fs') }]);
     book.acknowledge('*');
-    expect(told(book, [aiv(1)], { ...deadlocks({ state: 'resolved', how, ended_ms: 15_000 }), time_ms: 17_000 })).toEqual([]);
+    expect(alarms_after(book, [aiv(1)], { ...deadlocks({ state: 'resolved', how, ended_ms: 15_000 }), time_ms: 17_000 })).toEqual([]);
   });
 
   it('reports a deadlock that ended between two snapshots, and none of long ago', () => {
-    expect(told(new AlarmBook(), [aiv(1)], { ...deadlocks({ state: 'resolved', ended_ms: 12_000 }), time_ms: 13_000 })).toHaveLength(1);
-    expect(told(new AlarmBook(), [aiv(1)], { ...deadlocks({ state: 'resolved', ended_ms: 12_000 }), time_ms: 99_000 })).toEqual([]);
+    expect(alarms_after(new AlarmBook(), [aiv(1)], { ...deadlocks({ state: 'resolved', ended_ms: 12_000 }), time_ms: 13_000 })).toHaveLength(1);
+    expect(alarms_after(new AlarmBook(), [aiv(1)], { ...deadlocks({ state: 'resolved', ended_ms: 12_000 }), time_ms: 99_000 })).toEqual([]);
   });
 
   it('names both sides of a violated bijection', () => {
     const now = snapshot([aiv(1)]);
     const bijection = { ...now.bijection, orphans: [{ side: 'virtual' as const, id: 'CoSiVA/AIV9' }] };
-    expect(told(new AlarmBook(), [aiv(1)], { bijection })).toMatchObject([{ name: 'AIV9', text: 'A twin without a vehicle' }]);
+    expect(alarms_after(new AlarmBook(), [aiv(1)], { bijection })).toMatchObject([{ name: 'AIV9', text: 'A twin without a vehicle' }]);
   });
 
   it('contains the findings of the camera over the zone, about an AIV or the camera itself, until they end', () => {
     const book = new AlarmBook();
     const found = (kind: 'no twin' | 'no detection', id: string, text: string) => ({ bijection: { ...snapshot([]).bijection, findings: [{ kind, id, text, since_ms: 0 }] } });
-    expect(told(book, [aiv(1)], found('no twin', 'CoSiVA/AIV7', 'the camera sees it, and it has no twin'))).toMatchObject([{ vehicle: 'CoSiVA/AIV7', name: 'AIV7', text: 'the camera sees it, and it has no twin', ended_ms: null }]);
-    const blind = told(book, [aiv(1)], found('no detection', 'GVS', 'no image arrives'));
+    expect(alarms_after(book, [aiv(1)], found('no twin', 'CoSiVA/AIV7', 'the camera sees it, and it has no twin'))).toMatchObject([{ vehicle: 'CoSiVA/AIV7', name: 'AIV7', text: 'the camera sees it, and it has no twin', ended_ms: null }]);
+    const blind = alarms_after(book, [aiv(1)], found('no detection', 'GVS', 'no image arrives'));
     expect(blind).toMatchObject([{ vehicle: null, name: 'GVS', ended_ms: null }, { vehicle: 'CoSiVA/AIV7', ended_ms: 10_000 }]);
     expect(causes_of(aiv(1, { contract: { matched: true, divergence: true, age: true, actual: false } })).map((cause) => cause.code)).toEqual(['actual']);
   });
 
   it('has a bounded length, however long the page is open', () => {
     const book = new AlarmBook();
-    for (let n = 0; n < 1_000; n++) told(book, [aiv(1)], { commands: [command({ id: `c${n}`, state: 'failed', time_ms: n })] });
-    const kept = book.list();
-    expect(kept.length).toBeLessThanOrEqual(200);
-    expect(kept[0]?.since_ms).toBe(999);
+    for (let n = 0; n < 1_000; n++) alarms_after(book, [aiv(1)], { commands: [command({ id: `c${n}`, state: 'failed', time_ms: n })] });
+    const listed = book.list();
+    expect(listed.length).toBeLessThanOrEqual(200);
+    expect(listed[0]?.since_ms).toBe(999);
   });
 });
 
@@ -148,7 +148,7 @@ describe('the alarms of a row', () => {
 describe('missions', () => {
   it('without a route are abnormal, and so is an off-route vehicle', () => {
     expect(causes_of(aiv(1, { mission: { kind: 'go', to: 'dock', state: 'no route', why: 'east is closed' } })).map((one) => one.text)).toEqual(['east is closed']);
-    expect(causes_of(aiv(1, { offRoute: 'it stands 0.8 m beside every way' })).map((one) => one.text)).toEqual(['Off-route: it stands 0.8 m beside every way']);
+    expect(causes_of(aiv(1, { offRoute: 'it is 0.8 m from every section' })).map((one) => one.text)).toEqual(['Off-route: it is 0.8 m from every section']);
   });
 });
 

@@ -1,4 +1,4 @@
-// Alarms: abnormal conditions in the server's snapshots, each kept until the operator acknowledges it.
+// Alarms: abnormal conditions in the server's snapshots, each stored until the operator acknowledges it.
 import type { Aiv, Deadlock, Snapshot } from './contract';
 import * as format from './format';
 
@@ -158,7 +158,7 @@ export class AlarmBook {
     return true;
   }
 
-  /** Bounds the list on a page that stays open for days: only the newest ended alarms are kept. */
+  /** Bounds the list on a page that stays open for days: only the newest ended alarms are retained. */
   private prune(): void {
     if (this.book.size > ended_max) {
       const ended = [...this.book.values()].filter((alarm) => alarm.ended_ms !== null).sort((a, b) => a.since_ms - b.since_ms);

@@ -18,8 +18,8 @@ export async function call<T>(method: string, path: string, body?: unknown, wait
     const text = await response.text();
     const value = parse(text);
     if (response.ok) return { ok: true, value: value as T };
-    const said = (value as { error?: { message?: unknown } } | undefined)?.error?.message;
-    return { ok: false, status: response.status, sentence: typeof said === 'string' ? said : `The server refused it (${response.status}).` };
+    const reason = (value as { error?: { message?: unknown } } | undefined)?.error?.message;
+    return { ok: false, status: response.status, sentence: typeof reason === 'string' ? reason : `The server refused it (${response.status}).` };
   } catch {
     return { ok: false, status: 0, sentence: 'The server does not respond. It may be restarting; try again in a moment.' };
   }
@@ -41,11 +41,11 @@ export const api = {
   go: (vehicle: string, to: string) => call<{ id: string }>('POST', 'commands', { command: 'go', vehicle, to }),
   circulate: (vehicle: string, loop: string | null) => call<{ id: string }>('POST', 'commands', { command: 'circulate', vehicle, ...(loop === null ? {} : { loop }) }),
   close_section: (section: string, closed: boolean) => call<{ id: string }>('POST', 'commands', { command: closed ? 'close' : 'open', section }),
-  add_aiv: (place?: { x: number; y: number }) => call<{ id: string }>('POST', 'virtual-objects', { kind: 'aiv', ...place }),
-  add_person: (place: { x: number; y: number; radius?: number }) => call<{ id: string }>('POST', 'virtual-objects', { kind: 'person', ...place }),
+  add_aiv: (position?: { x: number; y: number }) => call<{ id: string }>('POST', 'virtual-objects', { kind: 'aiv', ...position }),
+  add_person: (position: { x: number; y: number; radius?: number }) => call<{ id: string }>('POST', 'virtual-objects', { kind: 'person', ...position }),
   add_walk: (path: readonly Point[], speed: number, repeat: Repeat) => call<{ id: string }>('POST', 'virtual-objects', { kind: 'person', path, speed, repeat }),
-  add_obstacle: (place: { x: number; y: number; radius?: number }) => call<{ id: string }>('POST', 'virtual-objects', { kind: 'obstacle', ...place }),
-  move_virtual_object: (id: string, place: { x: number; y: number }) => call<{ id: string }>('PATCH', `virtual-objects/${id_of(id)}`, place),
+  add_obstacle: (position: { x: number; y: number; radius?: number }) => call<{ id: string }>('POST', 'virtual-objects', { kind: 'obstacle', ...position }),
+  move_virtual_object: (id: string, position: { x: number; y: number }) => call<{ id: string }>('PATCH', `virtual-objects/${id_of(id)}`, position),
   remove_virtual_object: (id: string) => call<{ removed: number }>('DELETE', `virtual-objects/${id_of(id)}`),
   remove_all_virtual_objects: () => call<{ removed: number }>('DELETE', 'virtual-objects'),
   priorities: (priorities: Readonly<Record<string, number>>) => call<object>('PUT', 'priorities', priorities),
@@ -56,7 +56,7 @@ export const api = {
   switch_zone: (zone: { name: string } | { file: string; text: string; sidecar?: string }) => call<{ revision: number; name: string }>('POST', 'zone/switch', zone, timeout_with_zones_ms),
   suggest_beacons: () => call<{ origin: Point; now_m: number | null; longest_free_m: number | null }>('GET', 'zone/beacons/suggestion', undefined, timeout_with_zones_ms),
   zones: () => call<{ zones: { name: string; title: string; current: boolean }[] }>('GET', 'zones'),
-  add_plant_obstacle: (place: { x: number; y: number; radius?: number }) => call<{ id: string }>('POST', 'plant/obstacles', place),
+  add_plant_obstacle: (position: { x: number; y: number; radius?: number }) => call<{ id: string }>('POST', 'plant/obstacles', position),
   remove_plant_obstacle: (id: string) => call<{ removed: number }>('DELETE', `plant/obstacles/${id_of(id)}`),
   run: () => call<Run>('GET', 'run'),
   clock: (clock: { running?: boolean; speed?: number }) => call<object>('PUT', 'clock', clock),

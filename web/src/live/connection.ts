@@ -39,9 +39,9 @@ export class Live {
       return null;
     }
     worker.onmessage = ({ data }: MessageEvent<FromWorker>) => {
-      if (data.kind !== 'positions') return this.hear(data, (reply) => worker.postMessage(reply));
+      if (data.kind !== 'positions') return this.receive(data, (reply) => worker.postMessage(reply));
       const frame = frame_over(data.buffer, data.count, data.sequence, data.time_ms);
-      this.hear({ kind: 'positions', frame }, (reply) => worker.postMessage(reply, [data.buffer]));
+      this.receive({ kind: 'positions', frame }, (reply) => worker.postMessage(reply, [data.buffer]));
     };
     // A worker that cannot be loaded must not leave the page without its stream.
     worker.onerror = () => {
@@ -56,10 +56,10 @@ export class Live {
 
   private start_here(): void {
     // The reply is deferred, so that the page can paint between two messages.
-    this.stream = new Stream(this.url, (event) => this.hear(event, (reply) => setTimeout(() => this.stream?.taken(reply))));
+    this.stream = new Stream(this.url, (event) => this.receive(event, (reply) => setTimeout(() => this.stream?.taken(reply))));
   }
 
-  private hear(event: StreamEvent, answer: (reply: StreamReply) => void): void {
+  private receive(event: StreamEvent, respond: (reply: StreamReply) => void): void {
     switch (event.kind) {
       case 'opened':
         this.aivs = [];
@@ -68,7 +68,7 @@ export class Live {
         return this.listener.closed();
       case 'positions':
         this.listener.positions(event.frame);
-        return answer({ kind: 'taken', what: 'positions', room: event.frame.buffer });
+        return respond({ kind: 'taken', what: 'positions', room: event.frame.buffer });
       case 'part':
         this.aivs.push(...event.aivs);
         if (event.last) {
@@ -76,10 +76,10 @@ export class Live {
           this.aivs = [];
           this.listener.message({ type: 'snapshot', snapshot: { ...event.last, aivs } });
         }
-        return answer({ kind: 'taken', what: 'text' });
+        return respond({ kind: 'taken', what: 'text' });
       case 'message':
         this.listener.message(event.message);
-        return answer({ kind: 'taken', what: 'text' });
+        return respond({ kind: 'taken', what: 'text' });
     }
   }
 }

@@ -213,7 +213,7 @@ export interface Bijection {
   augmented: number;
   effects: { perceived_ms: Statistics; brakes_ms: Statistics; shown_ms: Statistics };
   events: { count: number; latency_ms: Statistics; by_kind: Readonly<Record<string, number>> };
-  /** ratio of the time in which the whole contract was kept, 0…1 */
+  /** ratio of the time in which the whole contract was fulfilled, 0…1 */
   held_ratio: number;
   /** the limits in force; absent: the page assumes the defaults */
   contract?: Partial<ContractLimits>;
@@ -369,14 +369,14 @@ export interface WholeTrace extends Trace {
 }
 
 export interface ZoneEdit {
-  addTags?: readonly TagPlace[];
-  moveTags?: readonly TagPlace[];
+  addTags?: readonly TagPosition[];
+  moveTags?: readonly TagPosition[];
   removeTags?: readonly number[];
   /** rotation: left positive [rad] */
   beacons?: { pitch?: number; origin?: Point; rotation?: number };
   priorities?: Readonly<Record<string, number>>;
 }
-export type TagPlace = { number: number; x: number; y: number } | { number: number; section: string; s: number };
+export type TagPosition = { number: number; x: number; y: number } | { number: number; section: string; s: number };
 
 export type LiveMessage =
   | { type: 'zone'; zone: Zone | null }

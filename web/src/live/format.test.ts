@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { duration, length, manufacturer, mark, percent, serial, share, speed } from './format';
+import { duration, length, manufacturer, label, percent, serial, ratio, speed } from './format';
 
 const plain = (text: string) => text.replace(/\u202f/g, ' ');
 
@@ -18,9 +18,9 @@ describe('formatted numbers', () => {
   });
 
   it('are never rounded up to 100 %', () => {
-    expect(plain(share(1))).toBe('100 %');
-    expect(plain(share(0.9996))).toBe('99.9 %');
-    expect(plain(share(0.5))).toBe('50.0 %');
+    expect(plain(ratio(1))).toBe('100 %');
+    expect(plain(ratio(0.9996))).toBe('99.9 %');
+    expect(plain(ratio(0.5))).toBe('50.0 %');
   });
 
   it('are empty rather than zero for an unknown charge', () => {
@@ -33,8 +33,8 @@ describe('formatted numbers', () => {
   });
 
   it('label a vehicle by its number, a third-party vehicle by its serial number', () => {
-    expect(mark('CoSiVA/AIV7', 7)).toBe('7');
-    expect(mark('RobotCompany/001', 0)).toBe('001');
+    expect(label('CoSiVA/AIV7', 7)).toBe('7');
+    expect(label('RobotCompany/001', 0)).toBe('001');
     expect(serial('RobotCompany/001')).toBe('001');
     expect(manufacturer('RobotCompany/001')).toBe('RobotCompany');
     expect(manufacturer('odd')).toBe('');

@@ -23,7 +23,7 @@ export function percent(value: number | null): string {
 }
 
 /** A ratio 0…1 as a percentage, never rounded up to 100: 99.96 % of the time is not always. */
-export function share(value: number): string {
+export function ratio(value: number): string {
   const tenths = Math.floor(value * 1000 + 1e-9) / 10;
   return `${tenths === 100 ? '100' : tenths.toFixed(1)}${thin}%`;
 }
@@ -59,7 +59,7 @@ export function lasting(ms: number): string {
 }
 
 /** The label of a vehicle: its number, or the start of its serial number if it has none. */
-export function mark(id: string, number: number): string {
+export function label(id: string, number: number): string {
   return number > 0 ? String(number) : serial(id).slice(0, 3);
 }
 

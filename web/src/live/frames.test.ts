@@ -1,11 +1,11 @@
 import { describe, expect, it } from 'vitest';
-import { bytes_for, FrameDecoder, look_augmented, look_blocked } from './frames';
+import { bytes_for, FrameDecoder, flag_augmented, flag_blocked } from './frames';
 import { sample_frame } from './frames_sample';
 
 const key = (sequence = 1) =>
   sample_frame(true, sequence, sequence, 1000, [
     { handle: 0, x: 1, y: 2, heading: 1.5, speed: 0.35, dx: -0.01, dy: 0.004, status: 2 },
-    { handle: 7, x: 3, y: 4, flags: look_augmented | look_blocked },
+    { handle: 7, x: 3, y: 4, flags: flag_augmented | flag_blocked },
     { handle: 32768, kind: 1, x: 5, y: 6 },
   ]);
 const decoder_with_key = () => {

@@ -24,10 +24,10 @@ const version = 1;
 export const records_max = 65_536;
 
 /** The appearance of a record: kind in bits 0-1, augmented, blocked, and the status from bit 8 on. */
-export const look_kind_mask = 3;
-export const look_augmented = 4;
-export const look_blocked = 8;
-export const look_status_shift = 8;
+export const flags_kind_mask = 3;
+export const flag_augmented = 4;
+export const flag_blocked = 8;
+export const flags_status_shift = 8;
 export const kind_aiv = 0;
 export const kind_person = 1;
 export const kind_obstacle = 2;
@@ -143,6 +143,6 @@ function read_record(view: DataView, at: number, values: Float32Array, words: Ui
   values[value + 5] = view.getInt16(at + 18, true) * 1e-3;
   words[slot * word_count] = view.getUint16(at, true);
   const status = Math.min(view.getUint8(at + 3), status_count - 1);
-  words[slot * word_count + 1] = (view.getUint8(at + 2) & 0x0f) | (status << look_status_shift);
+  words[slot * word_count + 1] = (view.getUint8(at + 2) & 0x0f) | (status << flags_status_shift);
   return true;
 }

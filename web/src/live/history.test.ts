@@ -6,9 +6,9 @@ describe('the history', () => {
   it('keeps the last minute of each vehicle, oldest first', () => {
     const history = new History();
     for (let second = 0; second < 100; second++) history.accept(snapshot([aiv(1, { speed: second })], { time_ms: second * 1_000 }));
-    const kept = history.read('CoSiVA/AIV1', 'speed');
-    expect(kept).toHaveLength(history_slots);
-    expect([kept[0], kept.at(-1)]).toEqual([100 - history_slots, 99]);
+    const values = history.read('CoSiVA/AIV1', 'speed');
+    expect(values).toHaveLength(history_slots);
+    expect([values[0], values.at(-1)]).toEqual([100 - history_slots, 99]);
   });
   it('discards removed vehicles', () => {
     const history = new History();

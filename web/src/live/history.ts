@@ -7,7 +7,7 @@ const series: readonly Series[] = ['speed', 'divergence', 'age'];
 export const history_slots = 60;
 const every_ms = 1_000;
 
-class Ring {
+class RingBuffer {
   readonly values: Readonly<Record<Series, Float32Array>> = {
     speed: new Float32Array(history_slots), divergence: new Float32Array(history_slots), age: new Float32Array(history_slots),
   };
@@ -24,7 +24,7 @@ class Ring {
 }
 
 export class History {
-  private readonly cycles = new Map<string, Ring>();
+  private readonly buffers = new Map<string, RingBuffer>();
   private last_ms = -Infinity;
 
   accept(snapshot: Snapshot): void {
@@ -32,22 +32,22 @@ export class History {
     if (snapshot.time_ms - this.last_ms < every_ms) return;
     this.last_ms = snapshot.time_ms;
     for (const aiv of snapshot.aivs) {
-      let ring = this.cycles.get(aiv.id);
-      if (!ring) this.cycles.set(aiv.id, (ring = new Ring()));
-      ring.put(aiv.speed, aiv.divergence_m, aiv.age_ms);
+      let buffer = this.buffers.get(aiv.id);
+      if (!buffer) this.buffers.set(aiv.id, (buffer = new RingBuffer()));
+      buffer.put(aiv.speed, aiv.divergence_m, aiv.age_ms);
     }
-    if (this.cycles.size > snapshot.aivs.length) {
+    if (this.buffers.size > snapshot.aivs.length) {
       const present = new Set(snapshot.aivs.map((aiv) => aiv.id));
-      for (const id of this.cycles.keys()) if (!present.has(id)) this.cycles.delete(id);
+      for (const id of this.buffers.keys()) if (!present.has(id)) this.buffers.delete(id);
     }
   }
 
   /** Oldest first, at most history_slots values, one a second. */
   read(id: string, which: Series): number[] {
-    const ring = this.cycles.get(id);
-    if (!ring) return [];
-    const values = ring.values[which];
-    return Array.from({ length: ring.count }, (_, i) => values[(ring.next - ring.count + i + history_slots) % history_slots]!);
+    const buffer = this.buffers.get(id);
+    if (!buffer) return [];
+    const values = buffer.values[which];
+    return Array.from({ length: buffer.count }, (_, i) => values[(buffer.next - buffer.count + i + history_slots) % history_slots]!);
   }
 }
 

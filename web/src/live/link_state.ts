@@ -1,6 +1,6 @@
 // The state of the connection with the server, as the page shows it.
 
-/** Whether the page shows the present: `silent` is an open connection without frames, `down` a closed one. */
+/** Whether the page shows the present: `unresponsive` is an open connection without frames, `down` a closed one. */
 export type Link =
   | { phase: 'connecting'; since_ms: number }
   | { phase: 'live'; since_ms: number }
@@ -9,7 +9,7 @@ export type Link =
 
 export type LinkEvent = { kind: 'opened' | 'frame' | 'closed' | 'tick'; at_ms: number; last_frame_ms: number };
 
-/** A socket may stay open while its server hangs; after this time without a frame the link is silent [ms]. */
+/** A socket may stay open while its server hangs; after this time without a frame the link is unresponsive [ms]. */
 export const silence_ms = 1_000;
 
 export function link_after(link: Link, event: LinkEvent): Link {

@@ -1,4 +1,4 @@
-// The reactive store that the components read. Positions change 30 times a second and are kept outside Svelte's state. Lists
+// The reactive store that the components read. Positions change 30 times a second and stay outside Svelte's state. Lists
 // and figures are updated from a snapshot, at most once per painted frame.
 import { AlarmBook, type Alarm } from './alarms';
 import { api, type ApiResponse } from './api';
@@ -71,7 +71,8 @@ export class Platform {
   private painting = 0;
   private refreshed_ms = -Infinity;
   private notice_count = 0;
-  private anchor: string | null = null;
+  /** where a range selection in the list begins */
+  private first: string | null = null;
   /** server time of the first snapshot */
   private first_ms: number | null = null;
 
@@ -114,7 +115,7 @@ export class Platform {
 
   select(id: string | null): void {
     this.selected = id;
-    this.anchor = id;
+    this.first = id;
     if (id === null) this.following = false;
   }
 
@@ -130,13 +131,13 @@ export class Platform {
     if (on) next.add(id);
     else next.delete(id);
     this.chosen = next;
-    this.anchor = id;
+    this.first = id;
   }
 
   /** The ids from the last pressed row to this one, in the order of the list. */
   choose_up_to(id: string, order: readonly Row[]): void {
     const to = order.findIndex((row) => row.id === id);
-    const from = order.findIndex((row) => row.id === (this.anchor ?? this.selected));
+    const from = order.findIndex((row) => row.id === (this.first ?? this.selected));
     if (to < 0) return;
     const [low, high] = from < 0 ? [to, to] : [Math.min(from, to), Math.max(from, to)];
     this.chosen = new Set([...this.chosen, ...order.slice(low, high + 1).map((row) => row.id)]);
@@ -156,44 +157,44 @@ export class Platform {
   /** Sends a command; the snapshots report its progress. A command that cannot be sent raises a notice. */
   async command(command: CommandName, vehicle: string | readonly string[]): Promise<void> {
     const vehicles = typeof vehicle === 'string' && vehicle !== '*' ? [vehicle] : (vehicle as '*' | readonly string[]);
-    if (vehicles.length === 0) return this.say('Select an AIV first, or choose several.', 'news');
+    if (vehicles.length === 0) return this.report('Select an AIV first, or choose several.', 'news');
     const whom = vehicles === '*' ? 'all AIVs' : vehicles.length === 1 ? short(vehicles[0]!) : `${vehicles.length} AIVs`;
-    await this.ask(`${title(command)} ${whom}`, api.command(command, vehicles));
+    await this.request(`${title(command)} ${whom}`, api.command(command, vehicles));
   }
 
   async go(vehicle: string, to: string): Promise<void> {
-    await this.ask(`Send ${short(vehicle)} to ${to}`, api.go(vehicle, to));
+    await this.request(`Send ${short(vehicle)} to ${to}`, api.go(vehicle, to));
   }
 
   /** @param loop  null: the zone's first loop, or any route if the zone has none */
   async circulate(vehicle: string, loop: string | null): Promise<void> {
-    await this.ask(`Let ${vehicle === '*' ? 'all AIVs' : short(vehicle)} circulate`, api.circulate(vehicle, loop));
+    await this.request(`Let ${vehicle === '*' ? 'all AIVs' : short(vehicle)} circulate`, api.circulate(vehicle, loop));
   }
 
   /** Closes or reopens a section. */
   async close_section(section: string): Promise<void> {
     const close = !this.is_closed(section);
-    await this.ask(`${close ? 'Close' : 'Open'} ${section}`, api.close_section(section, close));
+    await this.request(`${close ? 'Close' : 'Open'} ${section}`, api.close_section(section, close));
   }
   is_closed(section: string): boolean {
     return this.snapshot?.zone?.closed.includes(section) ?? false;
   }
 
   async remove_virtual_object(id: string): Promise<void> {
-    await this.ask(`Remove ${short(id)}`, api.remove_virtual_object(short(id)));
+    await this.request(`Remove ${short(id)}`, api.remove_virtual_object(short(id)));
   }
 
   /** Awaits a response of the server; a refusal raises a notice that names `what`, and returns null. */
-  async ask<T>(what: string, answer: Promise<ApiResponse<T>>): Promise<T | null> {
-    const got = await answer;
+  async request<T>(what: string, response: Promise<ApiResponse<T>>): Promise<T | null> {
+    const got = await response;
     if (got.ok) return got.value;
-    this.say(`${what}: ${got.sentence}`);
+    this.report(`${what}: ${got.sentence}`);
     return null;
   }
 
-  say(text: string, tone: Notice['tone'] = 'refusal'): void {
-    const kept = this.notices.filter((notice) => notice.text !== text).slice(-3);
-    this.notices = [...kept, { key: ++this.notice_count, text, tone, at_ms: performance.now() }];
+  report(text: string, tone: Notice['tone'] = 'refusal'): void {
+    const others = this.notices.filter((notice) => notice.text !== text).slice(-3);
+    this.notices = [...others, { key: ++this.notice_count, text, tone, at_ms: performance.now() }];
   }
 
   dismiss(key: number): void {
@@ -292,11 +293,11 @@ export class Platform {
     const present = new Set(snapshot.aivs.map((aiv) => aiv.id));
     if ([...this.chosen].some((id) => !present.has(id))) this.chosen = new Set([...this.chosen].filter((id) => present.has(id)));
     for (const virtualObject of [...(snapshot.virtualObjects ?? []), ...(snapshot.obstacles ?? [])]) present.add(virtualObject.id);
-    if (this.selected !== null && !present.has(this.selected) && this.settled(snapshot)) this.select(null);
+    if (this.selected !== null && !present.has(this.selected) && this.started(snapshot)) this.select(null);
   }
 
-  /** An address may name an AIV that has not reported yet; its selection is kept for `settling_ms`. */
-  private settled(snapshot: Snapshot): boolean {
+  /** An address may name an AIV that has not reported yet; its selection is retained for `settling_ms`. */
+  private started(snapshot: Snapshot): boolean {
     this.first_ms ??= snapshot.time_ms;
     return snapshot.time_ms - this.first_ms > settling_ms || snapshot.time_ms < this.first_ms;
   }

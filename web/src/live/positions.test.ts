@@ -14,10 +14,10 @@ const at = (x: number, heading = 0): SampleRecord => ({ handle: 3, x, y: 0, head
 
 /** A vehicle at a constant 1 m/s, reported every 33 ms; frame i arrives `late(i)` ms late. */
 function drive(positions: Positions, frames: number, late: (i: number) => number, each?: (page_ms: number, x: number) => void) {
-  const told = Array.from({ length: frames }, (_, i) => ({ time_ms: 33 * i, page_ms: 33 * i + late(i) }));
+  const reports = Array.from({ length: frames }, (_, i) => ({ time_ms: 33 * i, page_ms: 33 * i + late(i) }));
   let next = 0;
   for (let page_ms = 0; page_ms < 33 * frames; page_ms += 16) {
-    while (next < frames && told[next]!.page_ms <= page_ms) positions.accept(frame(told[next]!.time_ms, at(told[next++]!.time_ms / 1000)), page_ms);
+    while (next < frames && reports[next]!.page_ms <= page_ms) positions.accept(frame(reports[next]!.time_ms, at(reports[next++]!.time_ms / 1000)), page_ms);
     if (next === 0) continue;
     positions.sample(page_ms);
     each?.(page_ms, positions.x[0]!);
@@ -65,11 +65,11 @@ describe('positions between frames', () => {
     positions.sample(330 + extrapolate_ms_max - 20);
     const soon = positions.x[0]!;
     positions.sample(1_000);
-    const stands = positions.x[0]!;
+    const stopped_x = positions.x[0]!;
     positions.sample(9_000);
     expect(soon).toBeGreaterThan(due + 0.06);
-    expect(stands).toBeLessThan(0.297 + 0.102);
-    expect(positions.x[0]).toBe(stands);
+    expect(stopped_x).toBeLessThan(0.297 + 0.102);
+    expect(positions.x[0]).toBe(stopped_x);
   });
 
   it('rotate by the smaller angle', () => {

@@ -25,7 +25,7 @@ export class Positions {
   reported_dx = new Float32Array(0);
   reported_dy = new Float32Array(0);
   handle = new Uint16Array(0);
-  look = new Uint16Array(0);
+  flags = new Uint16Array(0);
   /** incremented when slots are reassigned */
   revision = 0;
   /** incremented with each frame */
@@ -76,7 +76,7 @@ export class Positions {
     this.sequence = frame.sequence;
     this.server_ms = frame.time_ms;
     const moves = this.schedule(passed_ms, page_ms, first);
-    const same = this.same_things(frame);
+    const same = this.unchanged(frame);
     if (same) this.start_from_drawn();
     else this.take_slots(frame);
     this.aim(frame, same && moves);
@@ -88,13 +88,13 @@ export class Positions {
     const { count, x, y, heading, to_x, to_y } = this;
     if (page_ms <= this.to_ms) {
       const { from_x, from_y, from_heading, turn } = this;
-      const share = Math.max(0, (page_ms - this.from_ms) / (this.to_ms - this.from_ms));
+      const ratio = Math.max(0, (page_ms - this.from_ms) / (this.to_ms - this.from_ms));
       for (let i = 0; i < count; i++) {
         const fx = from_x[i]!;
         const fy = from_y[i]!;
-        x[i] = fx + (to_x[i]! - fx) * share;
-        y[i] = fy + (to_y[i]! - fy) * share;
-        heading[i] = from_heading[i]! + turn[i]! * share;
+        x[i] = fx + (to_x[i]! - fx) * ratio;
+        y[i] = fy + (to_y[i]! - fy) * ratio;
+        heading[i] = from_heading[i]! + turn[i]! * ratio;
       }
     } else {
       const { rate_x, rate_y, rate_heading, from_heading, turn } = this;
@@ -130,7 +130,7 @@ export class Positions {
     return steady && gap_ms < interval_ms_max;
   }
 
-  private same_things(frame: PositionFrame): boolean {
+  private unchanged(frame: PositionFrame): boolean {
     if (frame.count !== this.count) return false;
     const { words } = frame;
     const { handle } = this;
@@ -177,7 +177,7 @@ export class Positions {
       const heading = values[at + 2]!;
       const dx = x - this.from_x[i]!;
       const dy = y - this.from_y[i]!;
-      // NaN marks a new object, which starts at its reported position.
+      // NaN denotes a new object, which starts at its reported position.
       const leaps = !(dx * dx + dy * dy <= leap_m * leap_m);
       const rate = leaps ? 0 : per_ms;
       this.rate_x[i] = rate === 0 ? 0 : (x - this.to_x[i]!) * rate;
@@ -195,7 +195,7 @@ export class Positions {
       this.speed[i] = values[at + 3]!;
       this.reported_dx[i] = values[at + 4]!;
       this.reported_dy[i] = values[at + 5]!;
-      this.look[i] = words[2 * i + 1]!;
+      this.flags[i] = words[2 * i + 1]!;
     }
   }
 
@@ -210,7 +210,7 @@ export class Positions {
     ] as const;
     for (const name of columns) this[name] = grown(this[name]);
     for (const name of ['spare_x', 'spare_y', 'spare_heading'] as const) this[name] = new Float32Array(size);
-    for (const name of ['handle', 'look'] as const) {
+    for (const name of ['handle', 'flags'] as const) {
       const next = new Uint16Array(size);
       next.set(this[name]);
       this[name] = next;

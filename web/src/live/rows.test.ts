@@ -5,7 +5,7 @@ import { aiv, command, rows, snapshot } from './snapshot_sample';
 describe('the rows', () => {
   it('are listed by number', () => {
     const rows = rows_of(snapshot([aiv(10), aiv(2)]));
-    expect(rows.map((row) => row.mark)).toEqual(['2', '10']);
+    expect(rows.map((row) => row.label)).toEqual(['2', '10']);
   });
 
   it('have the virtual vehicles after the physical ones', () => {

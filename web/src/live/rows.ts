@@ -2,11 +2,11 @@
 import type { Aiv, Command, Snapshot } from './contract';
 import { causes_of } from './alarms';
 import * as format from './format';
-import { looks, state_key, type StateKey } from './status';
+import { state_styles, state_key, type StateKey } from './status';
 
 export interface Row {
   id: string;
-  mark: string;
+  label: string;
   name: string;
   state: StateKey;
   /** explains the state, e.g. the reason of a stop */
@@ -25,7 +25,7 @@ export function rows_of(snapshot: Snapshot): Row[] {
   return snapshot.aivs
     .map((aiv) => ({
       id: aiv.id,
-      mark: format.mark(aiv.id, aiv.number),
+      label: format.label(aiv.id, aiv.number),
       name: format.serial(aiv.id),
       state: state_key(aiv.status, aiv.lost, aiv.connection),
       note: note_of(aiv),
@@ -88,6 +88,6 @@ function newest_commands(snapshot: Snapshot): Map<string, Command> {
 
 /** Whether a row contains all words of a filter, in its names, its state, its section, its note or its kind. */
 export function matches(row: Row, filter: string): boolean {
-  const text = `${row.id} ${row.mark} ${looks[row.state].word} ${row.aiv.section ?? 'off the circuit'} ${row.note} ${row.aiv.augmented ? 'virtual' : ''} ${row.alarms.length > 0 ? 'alarm' : ''}`.toLowerCase();
+  const text = `${row.id} ${row.label} ${state_styles[row.state].word} ${row.aiv.section ?? 'off the circuit'} ${row.note} ${row.aiv.augmented ? 'virtual' : ''} ${row.alarms.length > 0 ? 'alarm' : ''}`.toLowerCase();
   return filter.toLowerCase().split(/\s+/).every((word) => text.includes(word));
 }

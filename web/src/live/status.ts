@@ -3,7 +3,7 @@
 
 export type StateKey = 'normal' | 'stopped' | 'slow' | 'medium' | 'fast' | 'lost';
 
-export interface StateLook {
+export interface StateStyle {
   key: StateKey;
   word: string;
   /** SVG path in a 16 × 16 box */
@@ -11,7 +11,7 @@ export interface StateLook {
   hollow: boolean;
 }
 
-export const looks: Readonly<Record<StateKey, StateLook>> = {
+export const state_styles: Readonly<Record<StateKey, StateStyle>> = {
   normal: { key: 'normal', word: 'Normal', path: 'M8 2a6 6 0 1 1 0 12a6 6 0 1 1 0-12z', hollow: false },
   stopped: { key: 'stopped', word: 'Stopped', path: 'M3 3h10v10H3z', hollow: false },
   slow: { key: 'slow', word: 'Slow speed', path: 'M2 4h12L8 14z', hollow: false },

@@ -6,14 +6,14 @@ const live_time = 'This platform runs on the wall clock. Only virtual time can b
 
 export async function play(platform: Platform, running?: boolean): Promise<void> {
   const clock = platform.run?.clock;
-  if (clock?.kind !== 'virtual') return platform.say(live_time, 'news');
-  await platform.ask('Clock', api.clock({ running: running ?? !clock.running }));
+  if (clock?.kind !== 'virtual') return platform.report(live_time, 'news');
+  await platform.request('Clock', api.clock({ running: running ?? !clock.running }));
 }
 
 /** Advances virtual time by `ms`, and pauses it first if it runs. */
 export async function step(platform: Platform, ms: number): Promise<void> {
   const clock = platform.run?.clock;
-  if (clock?.kind !== 'virtual') return platform.say(live_time, 'news');
-  if (clock.running && (await platform.ask('Clock', api.clock({ running: false }))) === null) return;
-  await platform.ask('Step', api.step(ms));
+  if (clock?.kind !== 'virtual') return platform.report(live_time, 'news');
+  if (clock.running && (await platform.request('Clock', api.clock({ running: false }))) === null) return;
+  await platform.request('Step', api.step(ms));
 }

@@ -27,7 +27,7 @@ const retry_ms_min = 250;
 const retry_ms_max = 2_000;
 /** A connection attempt without a response is abandoned after this time and repeated [ms]. */
 const open_ms_max = 4_000;
-/** The server sends four times a second; a connection silent for this time is closed and reopened [ms]. */
+/** The server sends four times a second; a connection without a frame for this time is closed and reopened [ms]. */
 const silence_ms_max = 6_000;
 export const part_size = 250;
 
@@ -49,7 +49,7 @@ export class Stream {
 
   constructor(
     private readonly url: string,
-    private readonly say: (event: StreamEvent) => void,
+    private readonly emit: (event: StreamEvent) => void,
     private readonly open_socket: (url: string) => SocketLike = (address) => new WebSocket(address),
   ) {
     this.connect();
@@ -80,12 +80,12 @@ export class Stream {
     this.timer = setTimeout(() => this.drop(socket), open_ms_max);
     socket.onopen = () => {
       clearTimeout(this.timer);
-      this.heard(socket);
+      this.received(socket);
       this.decoder.reset();
-      this.say({ kind: 'opened' });
+      this.emit({ kind: 'opened' });
     };
     socket.onmessage = (event: MessageEvent<unknown>) => {
-      this.heard(socket);
+      this.received(socket);
       this.retry_ms = retry_ms_min;
       if (event.data instanceof ArrayBuffer) {
         if (this.decoder.take(event.data)) this.give_positions();
@@ -106,7 +106,7 @@ export class Stream {
     clearTimeout(this.silence);
     this.texts.clear();
     this.parts = null;
-    this.say({ kind: 'closed' });
+    this.emit({ kind: 'closed' });
     this.timer = setTimeout(() => this.connect(), this.retry_ms);
     this.retry_ms = Math.min(2 * this.retry_ms, retry_ms_max);
   }
@@ -118,7 +118,7 @@ export class Stream {
     this.lost(socket);
   }
 
-  private heard(socket: SocketLike): void {
+  private received(socket: SocketLike): void {
     clearTimeout(this.silence);
     this.silence = setTimeout(() => this.drop(socket), silence_ms_max);
   }
@@ -128,7 +128,7 @@ export class Stream {
     const frame = this.decoder.write(this.rooms.pop());
     if (!frame) return;
     this.positions_out = true;
-    this.say({ kind: 'positions', frame });
+    this.emit({ kind: 'positions', frame });
   }
 
   private give_text(): void {
@@ -136,7 +136,7 @@ export class Stream {
     const event = this.next_part() ?? this.next_message();
     if (!event) return;
     this.text_out = true;
-    this.say(event);
+    this.emit(event);
   }
 
   private next_message(): StreamEvent | null {
@@ -166,6 +166,6 @@ export class Stream {
 
 /** The type of a text frame, found without parsing all of it. */
 export function type_of(text: string): Type | null {
-  const said = /^\s*\{\s*"type"\s*:\s*"([a-z]+)"/.exec(text)?.[1] ?? parse_live(text)?.type;
-  return types.find((type) => type === said) ?? null;
+  const name = /^\s*\{\s*"type"\s*:\s*"([a-z]+)"/.exec(text)?.[1] ?? parse_live(text)?.type;
+  return types.find((type) => type === name) ?? null;
 }

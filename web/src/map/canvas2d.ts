@@ -1,9 +1,9 @@
 // The Canvas2D renderer, used without WebGL2 or after its context was lost. It draws the same image path by path and manages
 // about two thousand vehicles.
-import { kind_aiv, kind_person, look_augmented, look_blocked, look_kind_mask, look_status_shift } from '../live/frames';
+import { kind_aiv, kind_person, flag_augmented, flag_blocked, flags_kind_mask, flags_status_shift } from '../live/frames';
 import type { Positions } from '../live/positions';
 import { body_outline, state_order, type BodiesShown, type BodySize, type Colours, type Line, type Renderer } from './renderer';
-import { looks } from '../live/status';
+import { state_styles } from '../live/status';
 import type { Size, View } from './view';
 
 const dashes: Readonly<Record<Line, number[]>> = { solid: [], dashed: [6, 3], dotted: [1.8, 2.7] };
@@ -46,7 +46,7 @@ export class Canvas2dRenderer implements Renderer {
     const { context } = this;
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.clearRect(0, 0, this.canvas.width, this.canvas.height);
-    this.place(0, 0, 1, 0);
+    this.pose(0, 0, 1, 0);
     context.globalAlpha = this.dim;
     const key = `${body.half_length} ${body.half_width} ${body.shape_radius}`;
     if (key !== this.path_key) {
@@ -57,7 +57,7 @@ export class Canvas2dRenderer implements Renderer {
 
   band(points: ArrayLike<number>, count: number, width_m: number, pixels_min: number, colour: string, alpha: number): void {
     const { context } = this;
-    this.place(0, 0, 1, 0);
+    this.pose(0, 0, 1, 0);
     context.beginPath();
     for (let i = 0; i < count; i++) {
       const px = this.px(points[2 * i]!);
@@ -75,7 +75,7 @@ export class Canvas2dRenderer implements Renderer {
 
   sector(x: number, y: number, direction: number, half_angle: number, radius_m: number, colour: string, alpha: number): void {
     const { context } = this;
-    this.place(0, 0, 1, 0);
+    this.pose(0, 0, 1, 0);
     const px = this.px(x);
     const py = this.py(y);
     context.beginPath();
@@ -89,7 +89,7 @@ export class Canvas2dRenderer implements Renderer {
 
   disc(x: number, y: number, radius_m: number, pixels_min: number, colour: string, alpha: number): void {
     const { context } = this;
-    this.place(0, 0, 1, 0);
+    this.pose(0, 0, 1, 0);
     context.beginPath();
     context.arc(this.px(x), this.py(y), Math.max(radius_m * this.view.scale, pixels_min), 0, 2 * Math.PI);
     context.globalAlpha = alpha * this.dim;
@@ -99,7 +99,7 @@ export class Canvas2dRenderer implements Renderer {
 
   outline(x: number, y: number, heading: number, grow: number, width: number, line: Line, colour: string): void {
     const { context } = this;
-    this.place(this.px(x), this.py(y), Math.cos(heading), -Math.sin(heading));
+    this.pose(this.px(x), this.py(y), Math.cos(heading), -Math.sin(heading));
     const points = body_outline(this.body, grow);
     context.beginPath();
     for (let i = 0; i < points.length; i += 2) context.lineTo(points[i]!, points[i + 1]!);
@@ -119,13 +119,13 @@ export class Canvas2dRenderer implements Renderer {
     for (let i = 0; i < positions.count; i++) {
       const px = this.px(positions.x[i]!);
       const py = this.py(positions.y[i]!);
-      const look = positions.look[i]!;
-      const kind = look & look_kind_mask;
+      const flags = positions.flags[i]!;
+      const kind = flags & flags_kind_mask;
       const reach = kind === kind_aiv ? this.body.half_length : Math.max(6, radius_of(i) * this.view.scale);
       if (px < -reach || py < -reach || px > this.size.width + reach || py > this.size.height + reach) continue;
       const heading = positions.heading[i]!;
-      if (kind === kind_aiv) this.vehicle(px, py, heading, look, colours);
-      else if (kind === kind_person ? show.persons : show.obstacles) this.round(px, py, heading, look, radius_of(i), colours);
+      if (kind === kind_aiv) this.vehicle(px, py, heading, flags, colours);
+      else if (kind === kind_person ? show.persons : show.obstacles) this.round(px, py, heading, flags, radius_of(i), colours);
     }
   }
 
@@ -137,24 +137,24 @@ export class Canvas2dRenderer implements Renderer {
     this.context.clearRect(0, 0, this.canvas.width, this.canvas.height);
   }
 
-  private vehicle(px: number, py: number, heading: number, look: number, colours: Colours): void {
+  private vehicle(px: number, py: number, heading: number, flags: number, colours: Colours): void {
     const { context, body } = this;
-    const state = look >> look_status_shift;
+    const state = flags >> flags_status_shift;
     const lost = state === 5;
-    const augmented = (look & look_augmented) !== 0;
+    const augmented = (flags & flag_augmented) !== 0;
     const tint = colours.states[state]!;
     const c = Math.cos(heading);
     const s = -Math.sin(heading);
-    this.place(px, py, c, s);
+    this.pose(px, py, c, s);
     context.fillStyle = lost ? colours.ground : tint;
     context.fill(this.outline_path);
     context.lineWidth = augmented ? Math.max(2.4, 0.15 * body.half_width) : lost ? 1.6 : 1;
     context.strokeStyle = augmented ? colours.virtual : lost ? tint : colours.ground;
     context.stroke(this.outline_path);
-    context.fillStyle = (look & look_blocked) !== 0 ? colours.alarm : lost ? tint : colours.on_state;
+    context.fillStyle = (flags & flag_blocked) !== 0 ? colours.alarm : lost ? tint : colours.on_state;
     context.fill(this.nose_path);
     if (body.shape_radius > 0) {
-      this.place(px - c * body.shape_behind, py - s * body.shape_behind, 1, 0);
+      this.pose(px - c * body.shape_behind, py - s * body.shape_behind, 1, 0);
       context.fillStyle = lost ? tint : colours.on_state;
       const shape = this.shapes[state]!;
       if (lost) {
@@ -165,18 +165,18 @@ export class Canvas2dRenderer implements Renderer {
     }
   }
 
-  private round(px: number, py: number, heading: number, look: number, radius_m: number, colours: Colours): void {
+  private round(px: number, py: number, heading: number, flags: number, radius_m: number, colours: Colours): void {
     const { context } = this;
-    const person = (look & look_kind_mask) === kind_person;
+    const person = (flags & flags_kind_mask) === kind_person;
     const r = Math.max(radius_m * this.view.scale, person ? 6 : 5);
-    this.place(px, py, Math.cos(heading), -Math.sin(heading));
+    this.pose(px, py, Math.cos(heading), -Math.sin(heading));
     const edge = Math.max(1.5, 0.16 * r);
     context.beginPath();
     context.arc(0, 0, r - 0.5 * edge, 0, 2 * Math.PI);
     context.fillStyle = person ? colours.person : colours.obstacle;
     context.fill();
     context.lineWidth = edge;
-    context.strokeStyle = (look & look_augmented) !== 0 ? colours.virtual : context.fillStyle;
+    context.strokeStyle = (flags & flag_augmented) !== 0 ? colours.virtual : context.fillStyle;
     context.stroke();
     context.beginPath();
     context.fillStyle = colours.ground;
@@ -202,13 +202,13 @@ export class Canvas2dRenderer implements Renderer {
     const scale = shape_radius / 7;
     this.shapes = state_order.map((key) => {
       const path = new Path2D();
-      path.addPath(new Path2D(looks[key].path), new DOMMatrix([scale, 0, 0, scale, -8 * scale, -8 * scale]));
+      path.addPath(new Path2D(state_styles[key].path), new DOMMatrix([scale, 0, 0, scale, -8 * scale, -8 * scale]));
       return path;
     });
   }
 
   /** Moves the origin to (px, py) and turns the first axis to (c, s), in screen axes. */
-  private place(px: number, py: number, c: number, s: number): void {
+  private pose(px: number, py: number, c: number, s: number): void {
     const { ratio } = this;
     this.context.setTransform(c * ratio, s * ratio, -s * ratio, c * ratio, px * ratio, py * ratio);
   }

@@ -20,7 +20,7 @@ export interface MenuGroup {
 }
 
 export function groups_of(map: MapState, { hit, point }: Menu): MenuGroup[] {
-  return [...(hit ? of_thing(map, hit) : []), ...of_section(map, point), of_place(map, point)];
+  return [...(hit ? of_hit(map, hit) : []), ...of_section(map, point), of_position(map, point)];
 }
 
 /** Above this number of names the menu lists none; the list of commands finds them by typing. */
@@ -59,7 +59,7 @@ function missions(map: MapState, id: string): MenuItem[] {
   return items;
 }
 
-function of_thing(map: MapState, hit: NonNullable<Menu['hit']>): MenuGroup[] {
+function of_hit(map: MapState, hit: NonNullable<Menu['hit']>): MenuGroup[] {
   const { platform } = map;
   const { id } = hit;
   const items: MenuItem[] = [];
@@ -82,7 +82,7 @@ function of_thing(map: MapState, hit: NonNullable<Menu['hit']>): MenuGroup[] {
     items.push({ word: 'Remove', act: () => void platform.remove_virtual_object(id) });
   }
   if (hit.kind === 'station') items.push(...of_station(map, id));
-  if (hit.kind === 'plant') items.push({ word: 'Remove', act: () => void platform.ask(`Remove ${id}`, api.remove_plant_obstacle(id)) });
+  if (hit.kind === 'plant') items.push({ word: 'Remove', act: () => void platform.request(`Remove ${id}`, api.remove_plant_obstacle(id)) });
   if (hit.kind === 'tag') {
     items.push({ word: `Edit tag ${id}`, act: () => map.begin('edit tags', { points: [], tag: Number(id) }) });
     items.push({ word: `Remove tag ${id}`, act: () => void map.do({ what: 'edit zone', edit: { removeTags: [Number(id)] } }) });
@@ -90,15 +90,15 @@ function of_thing(map: MapState, hit: NonNullable<Menu['hit']>): MenuGroup[] {
   return items.length === 0 ? [] : [{ title: hit.kind === 'tag' ? `Tag ${id}` : short(id), items }];
 }
 
-function of_place(map: MapState, at: Point): MenuGroup {
-  const place = (word: string, what: 'add aiv' | 'add person' | 'add obstacle' | 'add plant obstacle') => ({ word, act: () => void map.do({ what, at }), virtual: what !== 'add plant obstacle' });
+function of_position(map: MapState, at: Point): MenuGroup {
+  const add = (word: string, what: 'add aiv' | 'add person' | 'add obstacle' | 'add plant obstacle') => ({ word, act: () => void map.do({ what, at }), virtual: what !== 'add plant obstacle' });
   const begin = (name: 'draw walk' | 'measure') => () => map.begin(name, { points: [at], tag: null });
   return {
     title: 'Here',
     items: [
-      place('Add virtual AIV', 'add aiv'), place('Add person', 'add person'), { word: 'Add walking person…', act: begin('draw walk'), virtual: true }, place('Add obstacle', 'add obstacle'),
-      ...(map.platform.ground_truth ? [place('Add physical obstacle', 'add plant obstacle')] : []),
-      { word: 'Measure from here', act: begin('measure') }, { word: 'Centre the map here', act: () => map.look({ ...map.view, x: at[0], y: at[1] }) },
+      add('Add virtual AIV', 'add aiv'), add('Add person', 'add person'), { word: 'Add walking person…', act: begin('draw walk'), virtual: true }, add('Add obstacle', 'add obstacle'),
+      ...(map.platform.ground_truth ? [add('Add physical obstacle', 'add plant obstacle')] : []),
+      { word: 'Measure from here', act: begin('measure') }, { word: 'Centre the map here', act: () => map.show({ ...map.view, x: at[0], y: at[1] }) },
     ],
   };
 }

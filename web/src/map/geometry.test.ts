@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { Point, Zone } from '../live/contract';
-import { inside, nearest_on_line, nearest_on_ways, path_length, section_at, spread_out } from './geometry';
+import { inside, nearest_on_line, nearest_on_tracks, path_length, section_at, spread_out } from './geometry';
 import { field } from './zone_sample';
 
 const corner: Point[] = [[0, 0], [3, 0], [3, 4]];
@@ -36,9 +36,9 @@ describe('the paths of a zone', () => {
   } as unknown as Zone;
 
   it('are the roads only', () => {
-    expect(nearest_on_ways(zone, 4, 0.9)).toMatchObject({ section: 'east', along: 4 });
-    expect(nearest_on_ways(zone, 4, 1.2)?.section).toBe('west');
-    expect(nearest_on_ways({ ...zone, primitives: [] }, 0, 0)).toBeNull();
+    expect(nearest_on_tracks(zone, 4, 0.9)).toMatchObject({ section: 'east', along: 4 });
+    expect(nearest_on_tracks(zone, 4, 1.2)?.section).toBe('west');
+    expect(nearest_on_tracks({ ...zone, primitives: [] }, 0, 0)).toBeNull();
   });
 });
 
@@ -65,7 +65,7 @@ describe('the path under a point', () => {
       const x = ((i * 37) % 211) / 10;
       const y = ((i * 53) % 223) / 10;
       const all = zone.primitives.map((one) => nearest_on_line(one.points, x, y)!.distance);
-      expect(nearest_on_ways(zone, x, y)!.distance).toBeCloseTo(Math.min(...all), 12);
+      expect(nearest_on_tracks(zone, x, y)!.distance).toBeCloseTo(Math.min(...all), 12);
     }
   });
   it('is null away from all roads', () => {

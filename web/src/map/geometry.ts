@@ -31,23 +31,23 @@ export function nearest_on_line(points: readonly Point[], x: number, y: number):
     const [bx, by] = points[i]!;
     const length = Math.hypot(bx - ax, by - ay);
     if (length > 0) {
-      const share = Math.min(1, Math.max(0, ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / (length * length)));
-      const px = ax + (bx - ax) * share;
-      const py = ay + (by - ay) * share;
+      const ratio = Math.min(1, Math.max(0, ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / (length * length)));
+      const px = ax + (bx - ax) * ratio;
+      const py = ay + (by - ay) * ratio;
       const off = Math.hypot(px - x, py - y);
-      if (off < best.distance) best = { x: px, y: py, distance: off, along: before + share * length };
+      if (off < best.distance) best = { x: px, y: py, distance: off, along: before + ratio * length };
     }
     before += length;
   }
   return best;
 }
 
-export interface OnWay extends OnLine {
+export interface OnTrack extends OnLine {
   section: string;
 }
 
 /** A road with its bounding box, so that distant roads are skipped quickly. */
-interface Way {
+interface Track {
   points: readonly Point[];
   section: string;
   low_x: number;
@@ -55,13 +55,13 @@ interface Way {
   high_x: number;
   high_y: number;
 }
-const ways = new WeakMap<Zone, readonly Way[]>();
+const tracks = new WeakMap<Zone, readonly Track[]>();
 
-function ways_of(zone: Zone): readonly Way[] {
-  let known = ways.get(zone);
+function tracks_of(zone: Zone): readonly Track[] {
+  let known = tracks.get(zone);
   if (!known) {
     known = zone.primitives.filter((one) => one.layer === 'road' && one.shape === 'polyline').map(({ points, label }) => ({ points, section: label ?? '', ...box_of(points) }));
-    ways.set(zone, known);
+    tracks.set(zone, known);
   }
   return known;
 }
@@ -78,24 +78,24 @@ export function box_of(points: readonly Point[]): { low_x: number; low_y: number
 }
 
 /** The nearest point on any road of the zone. Roads are drawn along their centre lines. */
-export function nearest_on_ways(zone: Zone, x: number, y: number): OnWay | null {
-  let best: OnWay | null = null;
-  for (const way of ways_of(zone)) {
+export function nearest_on_tracks(zone: Zone, x: number, y: number): OnTrack | null {
+  let best: OnTrack | null = null;
+  for (const track of tracks_of(zone)) {
     if (best !== null) {
-      const off_x = Math.max(way.low_x - x, x - way.high_x, 0);
-      const off_y = Math.max(way.low_y - y, y - way.high_y, 0);
+      const off_x = Math.max(track.low_x - x, x - track.high_x, 0);
+      const off_y = Math.max(track.low_y - y, y - track.high_y, 0);
       if (off_x * off_x + off_y * off_y >= best.distance * best.distance) continue;
     }
-    const place = nearest_on_line(way.points, x, y);
-    if (place && (best === null || place.distance < best.distance)) best = { ...place, section: way.section };
+    const nearest = nearest_on_line(track.points, x, y);
+    if (nearest && (best === null || nearest.distance < best.distance)) best = { ...nearest, section: track.section };
   }
   return best;
 }
 
 /** The section whose road contains a point; null outside all roads. */
 export function section_at(zone: Zone, x: number, y: number, slack: number): string | null {
-  const way = nearest_on_ways(zone, x, y);
-  return way && way.section !== '' && way.distance <= 0.75 * zone.vehicle.width_m + slack ? way.section : null;
+  const track = nearest_on_tracks(zone, x, y);
+  return track && track.section !== '' && track.distance <= 0.75 * zone.vehicle.width_m + slack ? track.section : null;
 }
 
 /** Whether a point lies in a closed polygon (even-odd rule). */
@@ -111,10 +111,10 @@ export function inside(points: readonly Point[], x: number, y: number): boolean 
 
 /** Removes points closer than `apart` to their predecessor, such as repeated points of a hand-drawn line. */
 export function spread_out(points: readonly Point[], apart: number): Point[] {
-  const kept: Point[] = [];
+  const spread: Point[] = [];
   for (const point of points) {
-    const last = kept.at(-1);
-    if (!last || distance(last, point) >= apart) kept.push(point);
+    const last = spread.at(-1);
+    if (!last || distance(last, point) >= apart) spread.push(point);
   }
-  return kept;
+  return spread;
 }

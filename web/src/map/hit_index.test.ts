@@ -2,7 +2,7 @@ import { describe, expect, it } from 'vitest';
 import type { Snapshot, Zone } from '../live/contract';
 import { FrameDecoder } from '../live/frames';
 import { sample_frame } from '../live/frames_sample';
-import { hit_at, mark_of, MapIndex, type Field } from './hit_index';
+import { hit_at, label_of, MapIndex, type Field } from './hit_index';
 import { Positions } from '../live/positions';
 
 const aiv = (id: string, handle: number, augmented = false) => ({ id, handle, number: handle + 1, augmented, reserved: [[0, 0], [1, 0]] });
@@ -52,7 +52,7 @@ describe('the object under a point', () => {
   it('is the nearest body, before objects on the ground', () => {
     expect(at(field(), 0.03, 0)).toBe('aiv CoSiVA/AIV1');
     expect(at(field(), 0.19, 0)).toBe('person P1');
-    expect(at(field(), 2.04, 0)).toBe('seen S1');
+    expect(at(field(), 2.04, 0)).toBe('detected S1');
   });
 
   it('is the tag while tags are edited', () => {
@@ -86,7 +86,7 @@ describe('the index', () => {
     const { index } = field();
     expect(index.handle('P1')).toBe(32768);
     expect(index.handle('CoSiVA.virtual/V1')).toBe(1);
-    expect([index.handle('nobody'), index.handle(null)]).toEqual([-1, -1]);
+    expect([index.handle('unknown'), index.handle(null)]).toEqual([-1, -1]);
     expect(index.radius(49152)).toBe(0.05);
   });
 
@@ -106,6 +106,6 @@ describe('the index', () => {
   });
 
   it('distinguishes virtual AIVs from physical ones of the same number', () => {
-    expect(snapshot.aivs.map(mark_of)).toEqual(['1', 'V1']);
+    expect(snapshot.aivs.map(label_of)).toEqual(['1', 'V1']);
   });
 });

@@ -7,24 +7,24 @@ import type { Positions } from '../live/positions';
 export interface AivEntry {
   kind: 'aiv';
   id: string;
-  mark: string;
+  label: string;
   name: string;
   aiv: Aiv;
   /** the reserved path, x, y, x, y … [m] */
   reserved: Float32Array;
 }
-export interface ThingEntry {
+export interface VirtualObjectEntry {
   kind: 'person' | 'obstacle';
   id: string;
   virtualObject: VirtualObject;
   path: Float32Array | null;
 }
-export interface SeenEntry {
-  kind: 'seen';
+export interface DetectedEntry {
+  kind: 'detected';
   id: string;
-  seen: DetectedObstacle;
+  obstacle: DetectedObstacle;
 }
-export type Entry = AivEntry | ThingEntry | SeenEntry;
+export type Entry = AivEntry | VirtualObjectEntry | DetectedEntry;
 
 const none = new Float32Array(0);
 
@@ -51,32 +51,32 @@ export class MapIndex {
         old.aiv = aiv;
         old.reserved = flat_into(aiv.reserved, old.reserved);
         keep(aiv.handle, old);
-      } else keep(aiv.handle, { kind: 'aiv', id: aiv.id, mark: mark_of(aiv), name: format.serial(aiv.id), aiv, reserved: flat_into(aiv.reserved, none) });
+      } else keep(aiv.handle, { kind: 'aiv', id: aiv.id, label: label_of(aiv), name: format.serial(aiv.id), aiv, reserved: flat_into(aiv.reserved, none) });
     }
     for (const virtualObject of snapshot.virtualObjects ?? []) {
       const path = virtualObject.path && virtualObject.path.length > 1 ? flat_into(virtualObject.repeat === 'loop' ? [...virtualObject.path, virtualObject.path[0]!] : virtualObject.path, none) : null;
       keep(virtualObject.handle, { kind: virtualObject.kind, id: virtualObject.id, virtualObject, path });
     }
-    for (const seen of snapshot.obstacles ?? []) keep(seen.handle, { kind: 'seen', id: seen.id, seen });
+    for (const obstacle of snapshot.obstacles ?? []) keep(obstacle.handle, { kind: 'detected', id: obstacle.id, obstacle });
     for (const id of gone) this.by_id.delete(id);
   }
 
   radius(handle: number): number {
     const entry = this.by_handle.get(handle);
     if (!entry || entry.kind === 'aiv') return 0.06;
-    return entry.kind === 'seen' ? entry.seen.radius : entry.virtualObject.radius;
+    return entry.kind === 'detected' ? entry.obstacle.radius : entry.virtualObject.radius;
   }
 
   handle(id: string | null): number {
     const entry = id === null ? undefined : this.by_id.get(id);
     if (!entry) return -1;
-    return entry.kind === 'aiv' ? entry.aiv.handle : entry.kind === 'seen' ? entry.seen.handle : entry.virtualObject.handle;
+    return entry.kind === 'aiv' ? entry.aiv.handle : entry.kind === 'detected' ? entry.obstacle.handle : entry.virtualObject.handle;
   }
 }
 
 /** Virtual AIVs are numbered separately; the V distinguishes them from physical ones. */
-export function mark_of(aiv: Aiv): string {
-  return aiv.augmented ? format.serial(aiv.id).slice(0, 4) : format.mark(aiv.id, aiv.number);
+export function label_of(aiv: Aiv): string {
+  return aiv.augmented ? format.serial(aiv.id).slice(0, 4) : format.label(aiv.id, aiv.number);
 }
 
 function flat_into(points: readonly Point[] | undefined, room: Float32Array): Float32Array {
@@ -125,7 +125,7 @@ function body_at({ positions, index, zone, hidden }: Field, x: number, y: number
     if (!entry || (entry.kind === 'person' && hidden.has('persons')) || (entry.kind !== 'aiv' && entry.kind !== 'person' && hidden.has('obstacles'))) continue;
     if (entry.kind !== 'aiv' && away > index.radius(positions.handle[i]!) + slack) continue;
     nearest = away;
-    const movable = entry.kind === 'aiv' ? entry.aiv.augmented : entry.kind !== 'seen';
+    const movable = entry.kind === 'aiv' ? entry.aiv.augmented : entry.kind !== 'detected';
     best = { kind: entry.kind, id: entry.id, x: positions.x[i]!, y: positions.y[i]!, movable };
   }
   return best;

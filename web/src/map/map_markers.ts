@@ -1,11 +1,11 @@
 // The 2D overlay above the map: numbers, names, holders of crossings, and the sketch of the active tool. The number of labels
 // is limited to what can be read.
 import type { Point, Primitive, GroundTruth, Zone } from '../live/contract';
-import { kind_aiv, look_augmented, look_kind_mask, look_status_shift } from '../live/frames';
-import { distance, nearest_on_ways } from './geometry';
+import { kind_aiv, flag_augmented, flags_kind_mask, flags_status_shift } from '../live/frames';
+import { distance, nearest_on_tracks } from './geometry';
 import type { MapIndex } from './hit_index';
 import { tag_reach_m, type Sketch } from './tools';
-import { map_font, centre_of, radius_of } from './zone_picture';
+import { map_font, centre_of, radius_of } from './zone_drawing';
 import type { Positions } from '../live/positions';
 import type { BodySize, Colours } from './renderer';
 import type { ToolName } from '../commands/tool.svelte';
@@ -44,7 +44,7 @@ export interface Marked {
   dim: boolean;
 }
 
-export class Marks {
+export class Markers {
   private readonly context: CanvasRenderingContext2D;
   private size: Size = { width: 0, height: 0 };
   private ratio = 1;
@@ -98,37 +98,37 @@ export class Marks {
     const { context } = this;
     const on_roof = body.half_width >= 9;
     const pixels = Math.min(1.25 * body.half_width, 21);
-    const beside = !on_roof && positions.count <= 120;
+    const labelled = !on_roof && positions.count <= 120;
     let words = 0;
     context.textAlign = 'center';
     for (let i = 0; i < positions.count && words < words_max; i++) {
       const px = this.size.width / 2 + (positions.x[i]! - view.x) * view.scale;
       const py = this.size.height / 2 - (positions.y[i]! - view.y) * view.scale;
       if (px < -30 || py < -30 || px > this.size.width + 30 || py > this.size.height + 30) continue;
-      const look = positions.look[i]!;
-      const kind = look & look_kind_mask;
-      if (kind === kind_aiv && !on_roof && !beside) continue;
+      const flags = positions.flags[i]!;
+      const kind = flags & flags_kind_mask;
+      if (kind === kind_aiv && !on_roof && !labelled) continue;
       const entry = index.by_handle.get(positions.handle[i]!);
       if (!entry) continue;
       words++;
       this.clean = false;
       if (entry.kind === 'aiv' && on_roof) {
-        const lost = look >> look_status_shift === 5;
+        const lost = flags >> flags_status_shift === 5;
         // The number is drawn between the state shape at the rear and the front.
         const ahead = 0.08 * body.half_length;
-        const room = (0.82 * body.half_length) / (0.62 * entry.mark.length);
+        const room = (0.82 * body.half_length) / (0.62 * entry.label.length);
         context.font = `700 ${Math.round(Math.min(pixels, room))}px ${map_font}`;
         context.fillStyle = lost ? colours.states[5]! : colours.on_state;
-        context.fillText(entry.mark, px + ahead * Math.cos(positions.heading[i]!), py - ahead * Math.sin(positions.heading[i]!) + 0.5);
+        context.fillText(entry.label, px + ahead * Math.cos(positions.heading[i]!), py - ahead * Math.sin(positions.heading[i]!) + 0.5);
       } else if (entry.kind === 'aiv') {
-        this.word(entry.mark, px, py - body.half_length - 8, colours.ink, colours);
+        this.word(entry.label, px, py - body.half_length - 8, colours.ink, colours);
       } else if (entry.kind === 'person' ? hidden.has('persons') : hidden.has('obstacles')) {
         continue;
       } else {
         const reach = Math.max(index.radius(positions.handle[i]!) * view.scale, 6);
-        const age_s = entry.kind === 'seen' ? Math.max(0, Math.round((marked.server_ms - entry.seen.last_ms) / 1000)) : 0;
-        const text = entry.kind === 'seen' ? `${entry.id} · detected ${age_s < 1 ? 'now' : age_s < 120 ? `${age_s} s ago` : `${Math.round(age_s / 60)} min ago`}` : entry.id;
-        this.word(text, px, py - reach - 9, (look & look_augmented) !== 0 ? colours.virtual : colours.ink, colours);
+        const age_s = entry.kind === 'detected' ? Math.max(0, Math.round((marked.server_ms - entry.obstacle.last_ms) / 1000)) : 0;
+        const text = entry.kind === 'detected' ? `${entry.id} · detected ${age_s < 1 ? 'now' : age_s < 120 ? `${age_s} s ago` : `${Math.round(age_s / 60)} min ago`}` : entry.id;
+        this.word(text, px, py - reach - 9, (flags & flag_augmented) !== 0 ? colours.virtual : colours.ink, colours);
       }
     }
   }
@@ -220,13 +220,13 @@ export class Marks {
     const at = drawing.cross ?? drawing.pointer;
     const screen = (point: Point) => to_screen(view, this.size, point[0], point[1]);
     if (drag) this.dragged(drag, screen, zone, colours);
-    if (tool === 'look') return;
+    if (tool === 'none') return;
     this.clean = false;
     if (tool === 'edit tags' && zone) this.tags(zone, sketch.tag, view, colours);
     if ((tool === 'draw walk' || tool === 'measure') && sketch.points.length > 0) this.path(tool, sketch.points, at, screen, colours);
     if (at && !drag && (tool === 'add aiv' || tool === 'edit tags') && zone) this.snap(tool, at, zone, screen, colours);
     if (at && (tool === 'add person' || tool === 'add obstacle' || tool === 'add plant obstacle' || tool === 'move object')) {
-      this.ring(screen(at), (tool === 'add person' ? 0.06 : 0.08) * view.scale, tool === 'add plant obstacle' ? colours.ground_truth : tool === 'add person' ? colours.person : colours.virtual, [4, 3]);
+      this.circle(screen(at), (tool === 'add person' ? 0.06 : 0.08) * view.scale, tool === 'add plant obstacle' ? colours.ground_truth : tool === 'add person' ? colours.person : colours.virtual, [4, 3]);
     }
     if (drawing.cross) this.cross(screen(drawing.cross), colours);
   }
@@ -234,9 +234,9 @@ export class Marks {
   private dragged(drag: NonNullable<Drawing['drag']>, screen: (point: Point) => Pixel, zone: Zone | null, colours: Colours): void {
     const { context } = this;
     this.clean = false;
-    const place = drag.kind === 'tag' && zone ? nearest_on_ways(zone, drag.to[0], drag.to[1]) : null;
-    const lands = drag.kind === 'virtualObject' || (place !== null && place.distance <= tag_reach_m);
-    const to = screen(place && lands ? [place.x, place.y] : drag.to);
+    const nearest = drag.kind === 'tag' && zone ? nearest_on_tracks(zone, drag.to[0], drag.to[1]) : null;
+    const lands = drag.kind === 'virtualObject' || (nearest !== null && nearest.distance <= tag_reach_m);
+    const to = screen(nearest && lands ? [nearest.x, nearest.y] : drag.to);
     const from = screen(drag.from);
     context.beginPath();
     context.moveTo(from.px, from.py);
@@ -246,7 +246,7 @@ export class Marks {
     context.strokeStyle = lands ? colours.select : colours.alarm;
     context.stroke();
     context.setLineDash([]);
-    this.ring(to, 10, lands ? colours.select : colours.alarm, []);
+    this.circle(to, 10, lands ? colours.select : colours.alarm, []);
     const beyond = drag.id.slice(drag.id.indexOf('/') + 1);
     this.word(drag.kind === 'tag' ? `tag ${drag.id}` : beyond, to.px, to.py - 20, lands ? colours.select : colours.alarm, colours);
   }
@@ -257,7 +257,7 @@ export class Marks {
       const at = to_screen(view, this.size, tag.x, tag.y);
       if (at.px < -20 || at.py < -20 || at.px > this.size.width + 20 || at.py > this.size.height + 20) continue;
       const reach = Math.max(0.02 * view.scale, 5) + 3;
-      this.ring(at, reach, tag.number === chosen ? colours.select : colours.ink, [], tag.number === chosen ? 3 : 1.25);
+      this.circle(at, reach, tag.number === chosen ? colours.select : colours.ink, [], tag.number === chosen ? 3 : 1.25);
       if (!many && view.scale < 220) this.word(String(tag.number), at.px, at.py - reach - 7, colours.ink, colours);
     }
   }
@@ -286,12 +286,12 @@ export class Marks {
 
   /** Highlights the position on the circuit that a press would use. */
   private snap(tool: ToolName, at: Point, zone: Zone, screen: (point: Point) => Pixel, colours: Colours): void {
-    const place = nearest_on_ways(zone, at[0], at[1]);
-    if (!place || (tool === 'edit tags' && place.distance > tag_reach_m / 2)) return;
-    this.ring(screen([place.x, place.y]), tool === 'add aiv' ? 12 : 7, tool === 'add aiv' ? colours.virtual : colours.select, [3, 2.5]);
+    const nearest = nearest_on_tracks(zone, at[0], at[1]);
+    if (!nearest || (tool === 'edit tags' && nearest.distance > tag_reach_m / 2)) return;
+    this.circle(screen([nearest.x, nearest.y]), tool === 'add aiv' ? 12 : 7, tool === 'add aiv' ? colours.virtual : colours.select, [3, 2.5]);
   }
 
-  private ring({ px, py }: Pixel, radius: number, colour: string, dash: number[], width = 2): void {
+  private circle({ px, py }: Pixel, radius: number, colour: string, dash: number[], width = 2): void {
     const { context } = this;
     this.clean = false;
     context.beginPath();

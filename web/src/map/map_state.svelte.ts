@@ -66,7 +66,7 @@ export class MapState {
   readonly crossings = $derived.by((): HeldCrossing[] => {
     const name = (id: string) => {
       const entry = this.index.by_id.get(id);
-      return entry?.kind === 'aiv' ? entry.mark : short(id);
+      return entry?.kind === 'aiv' ? entry.label : short(id);
     };
     return this.platform.crossings.map((one) => ({ name: one.name, holder: one.heldBy === null ? null : name(one.heldBy), waiting: one.waiting.length }));
   });
@@ -78,7 +78,7 @@ export class MapState {
   }
 
   // ── the view ──
-  look(view: View): void {
+  show(view: View): void {
     this.flight = null;
     this.view = view;
     this.fitted = false;
@@ -103,15 +103,15 @@ export class MapState {
   fly(now_ms: number): void {
     if (!this.flight) return;
     const { from, to, since_ms } = this.flight;
-    const share = (now_ms - since_ms) / flight_ms;
-    this.view = share >= 1 ? to : between(from, to, share);
-    if (share >= 1) this.flight = null;
+    const ratio = (now_ms - since_ms) / flight_ms;
+    this.view = ratio >= 1 ? to : between(from, to, ratio);
+    if (ratio >= 1) this.flight = null;
   }
   zoom(factor: number, at: Pixel = { px: this.size.width / 2, py: this.size.height / 2 }): void {
-    this.look(zoom_at(this.view, this.size, at.px, at.py, factor));
+    this.show(zoom_at(this.view, this.size, at.px, at.py, factor));
   }
   pan(dx: number, dy: number): void {
-    this.look(pan(this.view, dx, dy));
+    this.show(pan(this.view, dx, dy));
   }
   point(at: Pixel): Point {
     const { x, y } = to_map(this.view, this.size, at.px, at.py);
@@ -164,7 +164,7 @@ export class MapState {
     this.sketch = { ...this.sketch, tag: number };
   }
   /** Starts a tool with a given sketch. */
-  begin(name: Exclude<ToolName, 'look'>, sketch: Sketch): void {
+  begin(name: Exclude<ToolName, 'none'>, sketch: Sketch): void {
     if (tool.name === name) this.sketch = sketch;
     else {
       this.begun = sketch;
@@ -189,23 +189,23 @@ export class MapState {
   async do(doing: Doing, target: string | null = null): Promise<void> {
     const { platform } = this;
     switch (doing.what) {
-      case 'say':
-        return platform.say(doing.text, 'news');
+      case 'report':
+        return platform.report(doing.text, 'news');
       case 'edit zone':
-        return void (await platform.ask('Zone', api.edit_zone(doing.edit)));
+        return void (await platform.request('Zone', api.edit_zone(doing.edit)));
       case 'close or open':
         return platform.close_section(doing.section);
       case 'add walk': {
-        const added = await platform.ask('Walker', api.add_walk(doing.path, tool.walk_speed, tool.walk_repeat));
+        const added = await platform.request('Walker', api.add_walk(doing.path, tool.walk_speed, tool.walk_repeat));
         return added ? platform.select(added.id) : undefined;
       }
       case 'move object':
-        if (target !== null) await platform.ask(`Move ${short(target)}`, api.move_virtual_object(short(target), { x: doing.at[0], y: doing.at[1] }));
+        if (target !== null) await platform.request(`Move ${short(target)}`, api.move_virtual_object(short(target), { x: doing.at[0], y: doing.at[1] }));
         return;
       default: {
-        const place = { x: doing.at[0], y: doing.at[1] };
-        const asked = { 'add aiv': api.add_aiv, 'add person': api.add_person, 'add obstacle': api.add_obstacle, 'add plant obstacle': api.add_plant_obstacle }[doing.what];
-        const added = await platform.ask(words[doing.what], asked(place));
+        const position = { x: doing.at[0], y: doing.at[1] };
+        const add = { 'add aiv': api.add_aiv, 'add person': api.add_person, 'add obstacle': api.add_obstacle, 'add plant obstacle': api.add_plant_obstacle }[doing.what];
+        const added = await platform.request(words[doing.what], add(position));
         if (added && doing.what !== 'add plant obstacle') platform.select(doing.what === 'add aiv' ? full_id(added.id) : added.id);
       }
     }
@@ -213,14 +213,14 @@ export class MapState {
 
   // ── the zone's edits ──
   async undo(): Promise<void> {
-    await this.platform.ask('Undo', api.undo_zone());
+    await this.platform.request('Undo', api.undo_zone());
   }
   async redo(): Promise<void> {
-    await this.platform.ask('Redo', api.redo_zone());
+    await this.platform.request('Redo', api.redo_zone());
   }
   async save(): Promise<void> {
-    const saved = await this.platform.ask('Save', api.save_zone());
-    if (saved) this.platform.say(`The zone is saved in ${saved.file}.`, 'news');
+    const saved = await this.platform.request('Save', api.save_zone());
+    if (saved) this.platform.report(`The zone is saved in ${saved.file}.`, 'news');
   }
 }
 

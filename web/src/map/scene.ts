@@ -2,15 +2,15 @@
 // sketches above. The scene chooses the renderer and replaces it when the WebGL context is lost or restored.
 import { Canvas2dRenderer } from './canvas2d';
 import type { Aiv, Zone } from '../live/contract';
-import { kind_aiv, look_kind_mask, look_status_shift } from '../live/frames';
-import { Marks, type Marked } from './map_markers';
+import { kind_aiv, flags_kind_mask, flags_status_shift } from '../live/frames';
+import { Markers, type Marked } from './map_markers';
 import { Trails, trails_max } from './trails';
-import { ZonePicture } from './zone_picture';
+import { ZoneDrawing } from './zone_drawing';
 import { spot_px, type BodiesShown, type BodySize, type Colours, type Renderer } from './renderer';
 import type { Size, View } from './view';
 import { WebglRenderer } from './webgl';
 
-export interface Picture extends Omit<Marked, 'body'> {
+export interface SceneContent extends Omit<Marked, 'body'> {
   selected: string | null;
   hovered: string | null;
   /** closed sections */
@@ -23,15 +23,15 @@ export interface Canvases {
   zone: HTMLCanvasElement;
   graphics: HTMLCanvasElement;
   flat: HTMLCanvasElement;
-  marks: HTMLCanvasElement;
+  markers: HTMLCanvasElement;
 }
 
 /** Above this number of vehicles, bands, outlines and beams are drawn only for marked ones. */
 const details_max = 120;
 
 export class MapScene {
-  private readonly zone_picture: ZonePicture;
-  private readonly marks: Marks;
+  private readonly drawing: ZoneDrawing;
+  private readonly markers: Markers;
   private readonly trails = new Trails();
   private renderer: Renderer;
   private flat: Canvas2dRenderer | null = null;
@@ -46,8 +46,8 @@ export class MapScene {
     private readonly canvases: Canvases,
     private readonly forced: string | null,
   ) {
-    this.zone_picture = new ZonePicture(canvases.zone);
-    this.marks = new Marks(canvases.marks);
+    this.drawing = new ZoneDrawing(canvases.zone);
+    this.markers = new Markers(canvases.markers);
     this.renderer = this.choose();
     const lost = (event: Event) => {
       event.preventDefault();
@@ -74,47 +74,47 @@ export class MapScene {
   resize(size: Size, pixel_ratio: number): void {
     this.size = size;
     this.ratio = pixel_ratio;
-    this.zone_picture.resize(size, pixel_ratio);
+    this.drawing.resize(size, pixel_ratio);
     this.renderer.resize(size, pixel_ratio);
-    this.marks.resize(size, pixel_ratio);
+    this.markers.resize(size, pixel_ratio);
   }
   set_colours(colours: Colours): void {
     this.colours = colours;
-    this.zone_picture.set_colours(colours);
+    this.drawing.set_colours(colours);
     this.renderer.set_colours(colours);
-    this.marks.set_colours(colours);
+    this.markers.set_colours(colours);
   }
   set_zone(zone: Zone | null): void {
     if (zone) this.vehicle = zone.vehicle;
-    this.zone_picture.set_zone(zone);
-    this.marks.set_zone(zone);
+    this.drawing.set_zone(zone);
+    this.markers.set_zone(zone);
   }
 
-  paint(picture: Picture): void {
+  paint(content: SceneContent): void {
     if (!this.colours || this.size.width === 0) return;
-    const { view, hidden, positions, index } = picture;
+    const { view, hidden, positions, index } = content;
     const body = body_size(this.vehicle, view, positions.count);
-    this.zone_picture.set_hidden(hidden);
-    this.zone_picture.set_closed(picture.closed);
-    this.zone_picture.paint(view);
+    this.drawing.set_hidden(hidden);
+    this.drawing.set_closed(content.closed);
+    this.drawing.paint(view);
     this.shown.persons = !hidden.has('persons');
     this.shown.obstacles = !hidden.has('obstacles');
-    const selected = index.handle(picture.selected);
-    this.renderer.begin(view, body, picture.dim);
-    this.below(picture, this.colours, selected);
-    // For spots a halo replaces the outline: it looks the same, and thousands of outlines would be too slow.
+    const selected = index.handle(content.selected);
+    this.renderer.begin(view, body, content.dim);
+    this.below(content, this.colours, selected);
+    // For spots a halo replaces the outline: it has the same effect, and thousands of outlines would be too slow.
     const spots = body.half_width < spot_px;
-    if (spots) this.halos(picture, this.colours.alarm, body.half_length + 4);
+    if (spots) this.halos(content, this.colours.alarm, body.half_length + 4);
     this.renderer.bodies(positions, this.shown, (slot) => index.radius(positions.handle[slot]!));
-    if (!spots) for (const handle of picture.alarms) this.ring(positions, handle, 4, 2.5, this.colours.alarm);
-    this.above(picture, this.colours, selected, index.handle(picture.hovered));
+    if (!spots) for (const handle of content.alarms) this.outline(positions, handle, 4, 2.5, this.colours.alarm);
+    this.above(content, this.colours, selected, index.handle(content.hovered));
     this.renderer.end();
-    this.marks.paint({ ...picture, body });
+    this.markers.paint({ ...content, body });
   }
 
   /** Draws the ground markings under the vehicles. */
-  private below(picture: Picture, colours: Colours, selected: number): void {
-    const { positions, hidden, index } = picture;
+  private below(content: SceneContent, colours: Colours, selected: number): void {
+    const { positions, hidden, index } = content;
     const many = positions.count > details_max;
     for (let i = 0; i < positions.count; i++) {
       const handle = positions.handle[i]!;
@@ -122,15 +122,15 @@ export class MapScene {
       const entry = index.by_handle.get(handle);
       if (!entry) continue;
       if (entry.kind === 'aiv') {
-        const state = positions.look[i]! >> look_status_shift;
+        const state = positions.flags[i]! >> flags_status_shift;
         if (!hidden.has('reserved') && state !== 5) this.renderer.band(entry.reserved, entry.reserved.length / 2, 1.15 * this.vehicle.width_m, 5, colours.states[state]!, handle === selected ? 0.42 : 0.26);
         if (!hidden.has('ranges')) this.ranges(entry.aiv, positions.x[i]!, positions.y[i]!, positions.heading[i]!, colours);
-      } else if (entry.kind !== 'seen' && entry.path && !hidden.has('persons')) {
+      } else if (entry.kind !== 'detected' && entry.path && !hidden.has('persons')) {
         this.renderer.band(entry.path, entry.path.length / 2, 0, 2, colours.person, 0.6);
         for (let k = 0; k < entry.path.length; k += 2) this.renderer.disc(entry.path[k]!, entry.path[k + 1]!, 0, 3, colours.person, 0.8);
       }
     }
-    if (!hidden.has('trails')) this.draw_trails(picture, colours, selected);
+    if (!hidden.has('trails')) this.draw_trails(content, colours, selected);
   }
 
   /** Draws the last obstacle scan; each beam is as long as its free distance. */
@@ -146,12 +146,12 @@ export class MapScene {
     });
   }
 
-  private draw_trails({ positions, view }: Picture, colours: Colours, selected: number): void {
+  private draw_trails({ positions, view }: SceneContent, colours: Colours, selected: number): void {
     this.trails.leave(positions, selected);
     for (const [handle, trail] of this.trails.entries()) {
       const slot = positions.slot(handle);
       if (slot < 0 || trail.count < 3) continue;
-      const state = positions.look[slot]! >> look_status_shift;
+      const state = positions.flags[slot]! >> flags_status_shift;
       if (state === 5) continue;
       const last = trail.count - 1;
       const steps = Math.min(positions.count > trails_max ? 14 : 8, last);
@@ -165,15 +165,15 @@ export class MapScene {
   }
 
   /** Draws outlines of chosen, hovered and abnormal vehicles, and the three positions of a vehicle (twin, report, ground truth). */
-  private above(picture: Picture, colours: Colours, selected: number, hovered: number): void {
-    const { positions, hidden, index, alarms, ground_truth } = picture;
+  private above(content: SceneContent, colours: Colours, selected: number, hovered: number): void {
+    const { positions, hidden, index, alarms, ground_truth } = content;
     const opinions = !hidden.has('opinions');
     const many = positions.count > details_max;
-    this.ring(positions, hovered, 4, 1.5, colours.ink);
-    this.ring(positions, selected, alarms.has(selected) ? 8 : 4, 2.5, colours.select);
+    this.outline(positions, hovered, 4, 1.5, colours.ink);
+    this.outline(positions, selected, alarms.has(selected) ? 8 : 4, 2.5, colours.select);
     if (!opinions) return;
     for (let i = 0; i < positions.count; i++) {
-      if ((positions.look[i]! & look_kind_mask) !== kind_aiv || (many && positions.handle[i] !== selected)) continue;
+      if ((positions.flags[i]! & flags_kind_mask) !== kind_aiv || (many && positions.handle[i] !== selected)) continue;
       const entry = index.by_handle.get(positions.handle[i]!);
       const heading = entry?.kind === 'aiv' && entry.aiv.reported ? entry.aiv.reported.heading : positions.heading[i]!;
       this.renderer.outline(positions.x[i]!, positions.y[i]!, positions.heading[i]!, 0, 1.5, 'solid', colours.ink);
@@ -184,14 +184,14 @@ export class MapScene {
     }
   }
 
-  private halos({ positions, alarms }: Picture, colour: string, pixels: number): void {
+  private halos({ positions, alarms }: SceneContent, colour: string, pixels: number): void {
     for (const handle of alarms) {
       const slot = aiv_slot(positions, handle);
       if (slot >= 0) this.renderer.disc(positions.x[slot]!, positions.y[slot]!, 0, pixels, colour, 0.85);
     }
   }
 
-  private ring(positions: Picture['positions'], handle: number, grow: number, width: number, colour: string): void {
+  private outline(positions: SceneContent['positions'], handle: number, grow: number, width: number, colour: string): void {
     const slot = aiv_slot(positions, handle);
     if (slot < 0) return;
     this.renderer.outline(positions.x[slot]!, positions.y[slot]!, positions.heading[slot]!, grow, width, 'solid', colour);
@@ -220,9 +220,9 @@ export class MapScene {
 }
 
 /** The slot of a vehicle in the positions; −1 if the handle is unknown or no vehicle. */
-function aiv_slot(positions: Picture['positions'], handle: number): number {
+function aiv_slot(positions: SceneContent['positions'], handle: number): number {
   const slot = handle < 0 ? -1 : positions.slot(handle);
-  return slot >= 0 && (positions.look[slot]! & look_kind_mask) === kind_aiv ? slot : -1;
+  return slot >= 0 && (positions.flags[slot]! & flags_kind_mask) === kind_aiv ? slot : -1;
 }
 
 /** The drawn vehicle size: to scale with a visible minimum, which is smaller in large fleets to reduce overlaps. */

@@ -32,9 +32,9 @@ describe('a walking path', () => {
   });
 
   it('does not end with fewer than two points; the page states what is missing', () => {
-    expect(finish('draw walk', empty_sketch).doing).toMatchObject({ what: 'say' });
+    expect(finish('draw walk', empty_sketch).doing).toMatchObject({ what: 'report' });
     const one = press('draw walk', empty_sketch, [0, 0], null, zone).sketch;
-    expect(finish('draw walk', one)).toMatchObject({ sketch: one, doing: { what: 'say' } });
+    expect(finish('draw walk', one)).toMatchObject({ sketch: one, doing: { what: 'report' } });
     expect(finish('draw walk', one).done).toBeUndefined();
   });
 
@@ -66,8 +66,8 @@ describe('tags', () => {
   });
 
   it('are dragged along the circuit and not off it', () => {
-    expect(drop_tag(3, [4, 0.2], zone)).toEqual({ place: [4, 0], doing: { what: 'edit zone', edit: { moveTags: [{ number: 3, x: 4, y: 0 }] } } });
-    expect(drop_tag(3, [4, 0.5], zone)).toMatchObject({ place: null, doing: { what: 'say' } });
+    expect(drop_tag(3, [4, 0.2], zone)).toEqual({ position: [4, 0], doing: { what: 'edit zone', edit: { moveTags: [{ number: 3, x: 4, y: 0 }] } } });
+    expect(drop_tag(3, [4, 0.5], zone)).toMatchObject({ position: null, doing: { what: 'report' } });
   });
 
   it('are removed by Delete, when one is selected', () => {
@@ -77,8 +77,8 @@ describe('tags', () => {
 
   it('can be renumbered in position, if the number is free and valid', () => {
     expect(renumber(zone, 3, 7)).toEqual({ what: 'edit zone', edit: { removeTags: [3], addTags: [{ number: 7, section: 'east', s: 3 }] } });
-    for (const to of [1, 0, 1.5, NaN]) expect(renumber(zone, 3, to)).toMatchObject({ what: 'say' });
-    expect(renumber(zone, 99, 5)).toMatchObject({ what: 'say' });
+    for (const to of [1, 0, 1.5, NaN]) expect(renumber(zone, 3, to)).toMatchObject({ what: 'report' });
+    expect(renumber(zone, 99, 5)).toMatchObject({ what: 'report' });
   });
 
   it('are numbered from one, with gaps first', () => {
@@ -97,7 +97,7 @@ describe('the measuring tool', () => {
 
 describe('the hint', () => {
   it('exists for every tool except the default one', () => {
-    expect(hint('look', empty_sketch, null)).toBe('');
+    expect(hint('none', empty_sketch, null)).toBe('');
     for (const tool of ['add aiv', 'add person', 'draw walk', 'add obstacle', 'add plant obstacle', 'edit tags', 'measure'] as const) {
       expect(hint(tool, empty_sketch, null)).toMatch(/^Press .*\.$/);
     }

@@ -1,7 +1,7 @@
 // The effect of a press, Enter or Delete for each tool: a pure step from the current sketch to the next one and to a request
 // for the server. No clock, canvas or framework.
 import type { Point, Zone, ZoneEdit } from '../live/contract';
-import { distance, nearest_on_ways, path_length, section_at, spread_out } from './geometry';
+import { distance, nearest_on_tracks, path_length, section_at, spread_out } from './geometry';
 import type { Hit } from './hit_index';
 import type { ToolName } from '../commands/tool.svelte';
 
@@ -20,7 +20,7 @@ export type Doing =
   | { what: 'add walk'; path: readonly Point[] }
   | { what: 'edit zone'; edit: ZoneEdit }
   | { what: 'close or open'; section: string }
-  | { what: 'say'; text: string };
+  | { what: 'report'; text: string };
 
 export interface Step {
   sketch: Sketch;
@@ -51,7 +51,7 @@ export function press(tool: ToolName, sketch: Sketch, at: Point, hit: Hit | null
       const section = zone && section_at(zone, at[0], at[1], 0.02);
       return section ? { sketch, doing: { what: 'close or open', section } } : { sketch };
     }
-    case 'look':
+    case 'none':
       return { sketch };
   }
 }
@@ -59,19 +59,19 @@ export function press(tool: ToolName, sketch: Sketch, at: Point, hit: Hit | null
 function press_tag(sketch: Sketch, at: Point, hit: Hit | null, zone: Zone | null): Step {
   if (hit?.kind === 'tag') return { sketch: { ...sketch, tag: Number(hit.id) } };
   if (!zone) return { sketch };
-  const place = nearest_on_ways(zone, at[0], at[1]);
+  const nearest = nearest_on_tracks(zone, at[0], at[1]);
   // A press away from all roads only clears the choice.
-  if (!place || place.distance > tag_reach_m / 2) return { sketch: { ...sketch, tag: null } };
+  if (!nearest || nearest.distance > tag_reach_m / 2) return { sketch: { ...sketch, tag: null } };
   const number = next_tag_number(zone);
-  return { sketch: { ...sketch, tag: number }, doing: { what: 'edit zone', edit: { addTags: [{ number, x: place.x, y: place.y }] } } };
+  return { sketch: { ...sketch, tag: number }, doing: { what: 'edit zone', edit: { addTags: [{ number, x: nearest.x, y: nearest.y }] } } };
 }
 
 /** Finishes the drawing, after Enter or a double press. */
 export function finish(tool: ToolName, sketch: Sketch): Step {
   if (tool === 'measure') return { sketch: empty_sketch };
   if (tool !== 'draw walk') return { sketch };
-  if (sketch.points.length === 0) return { sketch, doing: { what: 'say', text: 'Press the start of the walk on the map, then its next points.' } };
-  if (sketch.points.length === 1) return { sketch, doing: { what: 'say', text: 'A walk needs a second point: press the next point of the path.' } };
+  if (sketch.points.length === 0) return { sketch, doing: { what: 'report', text: 'Press the start of the walk on the map, then its next points.' } };
+  if (sketch.points.length === 1) return { sketch, doing: { what: 'report', text: 'A walk needs a second point: press the next point of the path.' } };
   return { sketch: empty_sketch, doing: { what: 'add walk', path: sketch.points }, done: true };
 }
 
@@ -85,19 +85,19 @@ export function erase(tool: ToolName, sketch: Sketch): Step {
 }
 
 /** The position of a dragged tag on the road nearest to the pointer; null if that is too far. */
-export function drop_tag(number: number, at: Point, zone: Zone): { place: Point | null; doing: Doing } {
-  const place = nearest_on_ways(zone, at[0], at[1]);
-  if (!place || place.distance > tag_reach_m) {
-    return { place: null, doing: { what: 'say', text: `Tag ${number} was not moved: a tag must be on a path, and there is none within ${tag_reach_m} m of that position.` } };
+export function drop_tag(number: number, at: Point, zone: Zone): { position: Point | null; doing: Doing } {
+  const nearest = nearest_on_tracks(zone, at[0], at[1]);
+  if (!nearest || nearest.distance > tag_reach_m) {
+    return { position: null, doing: { what: 'report', text: `Tag ${number} was not moved: a tag must be on a path, and there is none within ${tag_reach_m} m of that position.` } };
   }
-  return { place: [place.x, place.y], doing: { what: 'edit zone', edit: { moveTags: [{ number, x: place.x, y: place.y }] } } };
+  return { position: [nearest.x, nearest.y], doing: { what: 'edit zone', edit: { moveTags: [{ number, x: nearest.x, y: nearest.y }] } } };
 }
 
 export function renumber(zone: Zone, from: number, to: number): Doing {
   const tag = zone.tags.find((one) => one.number === from);
-  if (!tag) return { what: 'say', text: `Tag ${from} no longer exists.` };
-  if (!Number.isInteger(to) || to < 1) return { what: 'say', text: 'A tag has a whole number from 1 on.' };
-  if (zone.tags.some((one) => one.number === to)) return { what: 'say', text: `There is a tag ${to} already. Choose another number.` };
+  if (!tag) return { what: 'report', text: `Tag ${from} no longer exists.` };
+  if (!Number.isInteger(to) || to < 1) return { what: 'report', text: 'A tag has a whole number from 1 on.' };
+  if (zone.tags.some((one) => one.number === to)) return { what: 'report', text: `There is a tag ${to} already. Choose another number.` };
   return { what: 'edit zone', edit: { removeTags: [from], addTags: [{ number: to, section: tag.section, s: tag.s }] } };
 }
 
@@ -111,7 +111,7 @@ export function next_tag_number(zone: Zone): number {
 /** The text of the hint bar. */
 export function hint(tool: ToolName, sketch: Sketch, target: string | null): string {
   switch (tool) {
-    case 'look':
+    case 'none':
       return '';
     case 'add aiv':
       return 'Press the start of the virtual AIV on the circuit.';

@@ -1,5 +1,5 @@
 // The recent drawn positions of a limited number of vehicles.
-import { kind_aiv, look_kind_mask } from '../live/frames';
+import { kind_aiv, flags_kind_mask } from '../live/frames';
 import type { Positions } from '../live/positions';
 
 const points_max = 90;
@@ -27,7 +27,7 @@ export class Trails {
     const few = positions.count <= trails_max;
     if (!few) for (const handle of this.trails.keys()) if (handle !== only) this.trails.delete(handle);
     for (let i = 0; i < positions.count; i++) {
-      if ((few || positions.handle[i] === only) && (positions.look[i]! & look_kind_mask) === kind_aiv) this.add(positions.handle[i]!, positions.x[i]!, positions.y[i]!);
+      if ((few || positions.handle[i] === only) && (positions.flags[i]! & flags_kind_mask) === kind_aiv) this.add(positions.handle[i]!, positions.x[i]!, positions.y[i]!);
     }
   }
 

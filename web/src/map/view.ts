@@ -54,9 +54,9 @@ export function pan(view: View, dx: number, dy: number): View {
   return { ...view, x: view.x - dx / view.scale, y: view.y + dy / view.scale };
 }
 
-/** Interpolates between two views at `share` 0…1, with easing at both ends and a geometric scale. */
-export function between(from: View, to: View, share: number): View {
-  const t = Math.min(1, Math.max(0, share));
+/** Interpolates between two views at `ratio` 0…1, with easing at both ends and a geometric scale. */
+export function between(from: View, to: View, ratio: number): View {
+  const t = Math.min(1, Math.max(0, ratio));
   const eased = t * t * (3 - 2 * t);
   const mix = (a: number, b: number) => a + (b - a) * eased;
   return { x: mix(from.x, to.x), y: mix(from.y, to.y), scale: Math.exp(mix(Math.log(from.scale), Math.log(to.scale))) };

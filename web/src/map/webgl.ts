@@ -48,9 +48,9 @@ export class WebglRenderer extends Quads implements Renderer {
     gl.bindBuffer(gl.ARRAY_BUFFER, this.vertices);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.indices);
     const stride = words_per_vertex * 4;
-    const attribute = (place: number, size: number, type: number, normalised: boolean, offset: number) => {
-      gl.enableVertexAttribArray(place);
-      gl.vertexAttribPointer(place, size, type, normalised, stride, offset);
+    const attribute = (location: number, size: number, type: number, normalised: boolean, offset: number) => {
+      gl.enableVertexAttribArray(location);
+      gl.vertexAttribPointer(location, size, type, normalised, stride, offset);
     };
     attribute(0, 2, gl.FLOAT, false, 0);
     attribute(1, 2, gl.FLOAT, false, 8);
@@ -109,19 +109,19 @@ export class WebglRenderer extends Quads implements Renderer {
   private use({ program, uniforms }: Program, colours: Colours): void {
     const { gl } = this;
     gl.useProgram(program);
-    const place = (name: string) => {
+    const location = (name: string) => {
       let found = uniforms.get(name);
       if (found === undefined) uniforms.set(name, (found = gl.getUniformLocation(program, name)));
       return found;
     };
-    gl.uniform2f(place('u_size'), this.canvas.width, this.canvas.height);
-    gl.uniform2f(place('u_half'), this.body.half_length * this.ratio, this.body.half_width * this.ratio);
-    gl.uniform1f(place('u_ratio'), this.ratio);
-    gl.uniform1f(place('u_shape'), this.body.shape_radius * this.ratio);
-    gl.uniform1f(place('u_dim'), this.dim ? 0.45 : 1);
+    gl.uniform2f(location('u_size'), this.canvas.width, this.canvas.height);
+    gl.uniform2f(location('u_half'), this.body.half_length * this.ratio, this.body.half_width * this.ratio);
+    gl.uniform1f(location('u_ratio'), this.ratio);
+    gl.uniform1f(location('u_shape'), this.body.shape_radius * this.ratio);
+    gl.uniform1f(location('u_dim'), this.dim ? 0.45 : 1);
     for (const [name, colour] of [['u_ground', colours.ground], ['u_on_state', colours.on_state], ['u_virtual', colours.virtual], ['u_alarm', colours.alarm]] as const) {
       const value = packed(colour);
-      gl.uniform3f(place(name), (value & 0xff) / 255, ((value >> 8) & 0xff) / 255, ((value >> 16) & 0xff) / 255);
+      gl.uniform3f(location(name), (value & 0xff) / 255, ((value >> 8) & 0xff) / 255, ((value >> 16) & 0xff) / 255);
     }
   }
 

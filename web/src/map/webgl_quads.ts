@@ -1,6 +1,6 @@
 // Builds the quads for WebGL, in device pixels, in one buffer that is refilled for each frame. Each corner has eight words, as
-// the shaders read them: place, local, extra (two numbers each), style and colour (four bytes each).
-import { kind_aiv, kind_person, look_augmented, look_kind_mask, look_status_shift } from '../live/frames';
+// the shaders read them: position, local, extra (two numbers each), style and colour (four bytes each).
+import { kind_aiv, kind_person, flag_augmented, flags_kind_mask, flags_status_shift } from '../live/frames';
 import type { Positions } from '../live/positions';
 import { body_outline, packed, spot_px, type BodiesShown, type BodySize, type Colours, type Line } from './renderer';
 import type { Size, View } from './view';
@@ -96,15 +96,15 @@ export class Quads {
     if (this.body.half_width < spot_px) this.put_spots(positions);
     else this.put_bodies(positions);
     this.bodies_to = this.quads;
-    for (let i = 0; i < positions.count; i++) this.beside(positions, i, show, radius_of);
+    for (let i = 0; i < positions.count; i++) this.put_object(positions, i, show, radius_of);
   }
 
   /** Draws objects other than vehicles, and the cross of a lost vehicle. */
-  private beside(positions: Positions, slot: number, show: BodiesShown, radius_of: (slot: number) => number): void {
+  private put_object(positions: Positions, slot: number, show: BodiesShown, radius_of: (slot: number) => number): void {
     const { colours, ratio, body } = this;
-    const look = positions.look[slot]!;
-    const kind = look & look_kind_mask;
-    if (!colours || (kind === kind_aiv && look >> look_status_shift !== status_lost)) return;
+    const flags = positions.flags[slot]!;
+    const kind = flags & flags_kind_mask;
+    if (!colours || (kind === kind_aiv && flags >> flags_status_shift !== status_lost)) return;
     const px = this.px(positions.x[slot]!);
     const py = this.py(positions.y[slot]!);
     const c = Math.cos(positions.heading[slot]!);
@@ -122,7 +122,7 @@ export class Quads {
     if (person ? !show.persons : !show.obstacles) return;
     const r = Math.max(radius_of(slot) * this.view.scale, person ? 6 : 5) * ratio;
     const tint = packed(person ? colours.person : colours.obstacle);
-    this.round(px, py, r, (look & look_augmented) !== 0 ? packed(colours.virtual) : tint, 1);
+    this.round(px, py, r, (flags & flag_augmented) !== 0 ? packed(colours.virtual) : tint, 1);
     this.round(px, py, r - Math.max(1.5 * ratio, 0.16 * r), tint, 1);
     const light = packed(colours.ground);
     // A person's head shows the heading; an obstacle has a bar.
@@ -130,11 +130,11 @@ export class Quads {
     else for (const off of [-0.28 * r, 0.28 * r]) this.dash(px + off - 0.4 * r, py + off + 0.4 * r, px + off + 0.4 * r, py + off - 0.4 * r, 0.09 * r, light, 0.75);
   }
 
-  private put_spots({ x, y, heading, look, count }: Positions): void {
+  private put_spots({ x, y, heading, flags, count }: Positions): void {
     const { ratio, view, states, floats, words } = this;
     const scale = view.scale * ratio;
-    const middle_x = 0.5 * this.size.width * ratio - view.x * scale;
-    const middle_y = 0.5 * this.size.height * ratio + view.y * scale;
+    const centre_x = 0.5 * this.size.width * ratio - view.x * scale;
+    const centre_y = 0.5 * this.size.height * ratio + view.y * scale;
     const ahead = this.body.half_length * ratio;
     const aside = 1.3 * this.body.half_width * ratio;
     // Distance of the front from the rear edge, and of each rear corner from the opposite edge.
@@ -145,13 +145,13 @@ export class Quads {
     let at = this.quads * words_per_quad;
     let spots = 0;
     for (let i = 0; i < count; i++) {
-      const px = middle_x + x[i]! * scale;
-      const py = middle_y - y[i]! * scale;
-      const seen = look[i]!;
-      if (px < -ahead || py < -ahead || px > right || py > bottom || (seen & look_kind_mask) !== kind_aiv) continue;
-      const state = seen >> look_status_shift;
+      const px = centre_x + x[i]! * scale;
+      const py = centre_y - y[i]! * scale;
+      const flag = flags[i]!;
+      if (px < -ahead || py < -ahead || px > right || py > bottom || (flag & flags_kind_mask) !== kind_aiv) continue;
+      const state = flag >> flags_status_shift;
       const tint = states[state]!;
-      const style = state | ((seen & look_augmented) << 8) | 0xff000000;
+      const style = state | ((flag & flag_augmented) << 8) | 0xff000000;
       const c = Math.cos(heading[i]!);
       const s = -Math.sin(heading[i]!);
       const ax = c * ahead;
@@ -186,11 +186,11 @@ export class Quads {
     this.quads += Math.ceil((3 * spots) / vertices_per_quad);
   }
 
-  private put_bodies({ x, y, heading, look, count }: Positions): void {
+  private put_bodies({ x, y, heading, flags, count }: Positions): void {
     const { ratio, view, states } = this;
     const scale = view.scale * ratio;
-    const middle_x = 0.5 * this.size.width * ratio - view.x * scale;
-    const middle_y = 0.5 * this.size.height * ratio + view.y * scale;
+    const centre_x = 0.5 * this.size.width * ratio - view.x * scale;
+    const centre_y = 0.5 * this.size.height * ratio + view.y * scale;
     const half_x = this.body.half_length * ratio + 1;
     const half_y = this.body.half_width * ratio + 1;
     const behind = this.body.shape_behind * ratio;
@@ -200,15 +200,15 @@ export class Quads {
     const { floats, words } = this;
     let at = this.quads * words_per_quad;
     for (let i = 0; i < count; i++) {
-      const px = middle_x + x[i]! * scale;
-      const py = middle_y - y[i]! * scale;
+      const px = centre_x + x[i]! * scale;
+      const py = centre_y - y[i]! * scale;
       if (px < -reach || py < -reach || px > right || py > bottom) continue;
-      const seen = look[i]!;
-      const kind = seen & look_kind_mask;
+      const flag = flags[i]!;
+      const kind = flag & flags_kind_mask;
       if (kind !== kind_aiv) continue;
-      const state = seen >> look_status_shift;
+      const state = flag >> flags_status_shift;
       const tint = states[state]!;
-      const style = state | ((seen & 0x0c) << 8) | 0xff000000;
+      const style = state | ((flag & 0x0c) << 8) | 0xff000000;
       const c = Math.cos(heading[i]!);
       const s = -Math.sin(heading[i]!);
       // Screen axes of the body: (c, s) forward, (−s, c) to its right. The centre of the shape is behind that of the body.
@@ -337,16 +337,16 @@ export class Quads {
   private to_pixels(points: ArrayLike<number>, count: number): number {
     if (this.line.length < 2 * count) this.line = new Float32Array(4 * count);
     const { line } = this;
-    let kept = 0;
+    let left = 0;
     for (let i = 0; i < count; i++) {
       const px = this.px(points[2 * i]!);
       const py = this.py(points[2 * i + 1]!);
-      if (kept > 0 && Math.abs(px - line[2 * kept - 2]!) + Math.abs(py - line[2 * kept - 1]!) < 0.05) continue;
-      line[2 * kept] = px;
-      line[2 * kept + 1] = py;
-      kept++;
+      if (left > 0 && Math.abs(px - line[2 * left - 2]!) + Math.abs(py - line[2 * left - 1]!) < 0.05) continue;
+      line[2 * left] = px;
+      line[2 * left + 1] = py;
+      left++;
     }
-    return kept;
+    return left;
   }
 
   /** Appends a filled quad of one colour, corner by corner; its edge distances may be set afterwards. */

@@ -8,14 +8,14 @@ precision highp float;
 
 /** Attributes of a corner, common to all programs. */
 const attributes = `
-layout(location = 0) in vec2 a_place;    // device pixels, y down
+layout(location = 0) in vec2 a_position;    // device pixels, y down
 layout(location = 1) in vec2 a_local;    // offset from the centre, along and across the object
 layout(location = 2) in vec2 a_extra;    // by program
 layout(location = 3) in vec4 a_style;    // round or state, flags, unused, opacity
 layout(location = 4) in vec4 a_colour;
 uniform vec2 u_size;
 uniform float u_dim;
-vec4 place() { return vec4(2.0 * a_place.x / u_size.x - 1.0, 1.0 - 2.0 * a_place.y / u_size.y, 0.0, 1.0); }
+vec4 position() { return vec4(2.0 * a_position.x / u_size.x - 1.0, 1.0 - 2.0 * a_position.y / u_size.y, 0.0, 1.0); }
 `;
 const distances = `
 float cover(float d) { return clamp(0.5 - d, 0.0, 1.0); }
@@ -27,7 +27,7 @@ out vec2 v_local;
 flat out vec4 v_colour;
 flat out vec3 v_line;   // half width, period, whether round
 void main() {
-  gl_Position = place();
+  gl_Position = position();
   v_local = a_local;
   v_colour = vec4(a_colour.rgb, 1.0) * a_style.w * u_dim;
   v_line = vec3(a_extra, a_style.x);
@@ -49,7 +49,7 @@ uniform vec3 u_virtual;
 out vec3 v_inside;
 flat out vec4 v_fill;
 void main() {
-  gl_Position = place();
+  gl_Position = position();
   v_inside = vec3(a_local, a_extra.x);
   v_fill = vec4(a_style.y * 255.0 > 3.5 ? u_virtual : a_colour.rgb, 1.0) * (a_style.w * u_dim);
 }`;
@@ -83,7 +83,7 @@ flat out vec3 v_second;
 flat out vec2 v_bound;
 #endif
 void main() {
-  gl_Position = place();
+  gl_Position = position();
   v_local = a_local;
   int state = int(a_style.x * 255.0 + 0.5);
   int flags = int(a_style.y * 255.0 + 0.5);

@@ -54,8 +54,8 @@ describe('keys', () => {
   });
 
   it('select one virtual object each', () => {
-    const seen = bindings.flatMap((one) => one.keys.map((key) => `${one.ctrl ? 'ctrl ' : ''}${one.shift ? 'shift ' : ''}${key}`));
-    expect(new Set(seen).size).toBe(seen.length);
+    const bound = bindings.flatMap((one) => one.keys.map((key) => `${one.ctrl ? 'ctrl ' : ''}${one.shift ? 'shift ' : ''}${key}`));
+    expect(new Set(bound).size).toBe(bound.length);
   });
 
   it('are shown as their caps are labelled', () => {

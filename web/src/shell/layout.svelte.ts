@@ -59,25 +59,25 @@ class Layout {
 
   restore(): void {
     try {
-      const kept = JSON.parse(localStorage.getItem(key) ?? '{}') as Partial<Record<string, unknown>>;
-      const borders = kept['borders'] as Partial<Borders> | undefined;
+      const stored = JSON.parse(localStorage.getItem(key) ?? '{}') as Partial<Record<string, unknown>>;
+      const borders = stored['borders'] as Partial<Borders> | undefined;
       this.borders = { ...default_borders, ...borders };
-      this.columns = (kept['columns'] as Record<string, boolean> | undefined) ?? {};
-      this.letters = kept['letters'] !== false;
+      this.columns = (stored['columns'] as Record<string, boolean> | undefined) ?? {};
+      this.letters = stored['letters'] !== false;
       // A wide screen has room for a panel next to the four frames.
-      const persisted = kept['panel'] as PanelName | null | undefined;
+      const persisted = stored['panel'] as PanelName | null | undefined;
       this.panel = persisted === undefined ? (innerWidth >= 1_700 ? 'bijection' : null) : persisted;
-      this.supervision_order = kept['order'] === 'priority' ? 'priority' : 'number';
-      if (typeof kept['sort'] === 'string') this.sort = kept['sort'];
+      this.supervision_order = stored['order'] === 'priority' ? 'priority' : 'number';
+      if (typeof stored['sort'] === 'string') this.sort = stored['sort'];
     } catch {
       // Private windows may refuse storage; the layout then lasts as long as the page.
     }
   }
 
   persist(): void {
-    const kept = { borders: this.borders, columns: this.columns, letters: this.letters, panel: this.panel, order: this.supervision_order, sort: this.sort };
+    const stored = { borders: this.borders, columns: this.columns, letters: this.letters, panel: this.panel, order: this.supervision_order, sort: this.sort };
     try {
-      localStorage.setItem(key, JSON.stringify(kept));
+      localStorage.setItem(key, JSON.stringify(stored));
     } catch {
       // as above
     }

@@ -12,9 +12,9 @@ export interface ListWindow {
 export function window_of(scroll_px: number, height_px: number, row_px: number, count: number, whole = 100, spare = 6): ListWindow {
   // Short lists are rendered whole, so that the browser's search finds every row.
   if (count <= whole) return { first: 0, last: count, before_px: 0, after_px: 0 };
-  const seen = Math.max(0, Math.min(Math.floor(scroll_px / row_px), count - 1));
-  const first = Math.max(0, seen - spare);
-  const last = Math.min(count, seen + Math.ceil(height_px / row_px) + 1 + spare);
+  const top_row = Math.max(0, Math.min(Math.floor(scroll_px / row_px), count - 1));
+  const first = Math.max(0, top_row - spare);
+  const last = Math.min(count, top_row + Math.ceil(height_px / row_px) + 1 + spare);
   return { first, last, before_px: first * row_px, after_px: (count - last) * row_px };
 }
 

@@ -52,26 +52,26 @@ const one_of = <T extends string>(names: readonly T[], text: string | null): T |
  * same to every user, except the theme, which is set only if it is named. Invalid values are ignored.
  */
 export function view_of(hash: string): Partial<ViewState> {
-  const said = new URLSearchParams(hash.replace(/^#/, ''));
-  if (said.size === 0) return {};
+  const params = new URLSearchParams(hash.replace(/^#/, ''));
+  if (params.size === 0) return {};
   const { theme: _own, ...view }: Partial<ViewState> = { ...default_view };
-  const frame = one_of(frame_names, said.get('frame'));
+  const frame = one_of(frame_names, params.get('frame'));
   if (frame) view.frame = frame;
-  const panel = one_of(panel_names, said.get('panel'));
+  const panel = one_of(panel_names, params.get('panel'));
   if (panel) view.panel = panel;
-  const select = said.get('select');
+  const select = params.get('select');
   if (select) view.select = select;
-  if (said.get('follow') === '1') view.follow = true;
-  const filter = said.get('filter');
+  if (params.get('follow') === '1') view.follow = true;
+  const filter = params.get('filter');
   if (filter !== null) view.filter = filter.slice(0, 200);
-  const sort = said.get('sort');
+  const sort = params.get('sort');
   if (sort && /^-?[a-z]+$/i.test(sort)) view.sort = sort;
-  view.agent = (said.get('agent') ?? '').slice(0, 200);
-  view.search_text = (said.get('search_text') ?? '').slice(0, 200);
-  view.kinds_off = names_in(said.get('without'));
-  view.diagram = said.get('diagram') === '1';
-  const theme = one_of(['system', 'light', 'dark'] as const, said.get('theme'));
-  const off = said.get('off');
+  view.agent = (params.get('agent') ?? '').slice(0, 200);
+  view.search_text = (params.get('search_text') ?? '').slice(0, 200);
+  view.kinds_off = names_in(params.get('without'));
+  view.diagram = params.get('diagram') === '1';
+  const theme = one_of(['system', 'light', 'dark'] as const, params.get('theme'));
+  const off = params.get('off');
   if (off !== null) view.layers_off = names_in(off);
   return theme ? { ...view, theme } : view;
 }

@@ -8,9 +8,9 @@ export interface ChosenZone {
 
 /** The indices of the zone file and of its sidecar, whose name contains ".zone."; an error message if the choice is ambiguous. */
 export function sorted_out(names: readonly string[]): { zone: number; sidecar: number | null } | string {
-  const beside = (name: string) => /\.zone\.[^.]+$/.test(name);
-  const own = names.flatMap((name, i) => (beside(name) ? [] : [i]));
-  const sidecars = names.flatMap((name, i) => (beside(name) ? [i] : []));
+  const is_sidecar = (name: string) => /\.zone\.[^.]+$/.test(name);
+  const own = names.flatMap((name, i) => (is_sidecar(name) ? [] : [i]));
+  const sidecars = names.flatMap((name, i) => (is_sidecar(name) ? [i] : []));
   if (own.length === 0) return 'Choose the zone file too; this one is only its sidecar file.';
   if (own.length > 1 || sidecars.length > 1) return 'Choose one zone file and its sidecar file: two files at most.';
   return { zone: own[0]!, sidecar: sidecars[0] ?? null };

@@ -14,7 +14,7 @@ export interface Figure {
 
 export function figures_of(bijection: Bijection): Figure[] {
   const limits: ContractLimits = { ...default_limits, ...bijection.contract };
-  const judge = (count: number, kept: boolean): Figure['verdict'] => (count === 0 ? 'open' : kept ? 'kept' : 'broken');
+  const verdict_of = (count: number, fulfilled: boolean): Figure['verdict'] => (count === 0 ? 'open' : fulfilled ? 'kept' : 'broken');
   const { divergence_m, actual_m, age_ms, commands, events } = bijection;
   const expected = Math.max(bijection.physical, bijection.virtual);
   // Only with a camera above the zone.
@@ -24,16 +24,16 @@ export function figures_of(bijection: Bijection): Figure[] {
     value: format.length(actual_m.p99),
     detail: `mean ${format.length(actual_m.mean)}, max ${format.length(actual_m.max)}`,
     limit: `≤ ${format.length(limits.actual_p99_m)}`,
-    verdict: judge(1, actual_m.p99 <= limits.actual_p99_m),
+    verdict: verdict_of(1, actual_m.p99 <= limits.actual_p99_m),
   }] : [];
   return [
     {
       key: 'matched',
       label: 'Matched',
       value: `${bijection.matched} / ${expected}`,
-      detail: `${format.share(bijection.matched_ratio)} of the time`,
+      detail: `${format.ratio(bijection.matched_ratio)} of the time`,
       limit: 'each has one twin',
-      verdict: judge(expected, bijection.matched === expected && bijection.orphans.length === 0),
+      verdict: verdict_of(expected, bijection.matched === expected && bijection.orphans.length === 0),
     },
     {
       key: 'divergence',
@@ -41,7 +41,7 @@ export function figures_of(bijection: Bijection): Figure[] {
       value: divergence_m.count === 0 ? format.none : format.length(divergence_m.p99),
       detail: `mean ${format.length(divergence_m.mean)}, max ${format.length(divergence_m.max)}`,
       limit: `≤ ${format.length(limits.divergence_p99_m)}`,
-      verdict: judge(divergence_m.count, divergence_m.p99 <= limits.divergence_p99_m),
+      verdict: verdict_of(divergence_m.count, divergence_m.p99 <= limits.divergence_p99_m),
     },
     ...actual,
     {
@@ -50,7 +50,7 @@ export function figures_of(bijection: Bijection): Figure[] {
       value: age_ms.count === 0 ? format.none : format.duration(age_ms.p99),
       detail: `mean ${format.duration(age_ms.mean)}, max ${format.duration(age_ms.max)}`,
       limit: `≤ ${format.duration(limits.age_p99_ms)}`,
-      verdict: judge(age_ms.count, age_ms.p99 <= limits.age_p99_ms),
+      verdict: verdict_of(age_ms.count, age_ms.p99 <= limits.age_p99_ms),
     },
     {
       key: 'commands',
@@ -58,7 +58,7 @@ export function figures_of(bijection: Bijection): Figure[] {
       value: commands.latency_ms.count > 0 ? format.duration(commands.latency_ms.p99) : format.none,
       detail: `${commands.materialised} of ${commands.issued} materialised${commands.failed > 0 ? `, ${commands.failed} failed` : ''}`,
       limit: `≤ ${format.duration(limits.command_p99_ms)}`,
-      verdict: judge(
+      verdict: verdict_of(
         commands.latency_ms.count + commands.failed,
         commands.failed === 0 && commands.latency_ms.p99 <= limits.command_p99_ms,
       ),
@@ -69,7 +69,7 @@ export function figures_of(bijection: Bijection): Figure[] {
       value: events.latency_ms.count > 0 ? format.duration(events.latency_ms.p99) : format.none,
       detail: `${events.count} reflected`,
       limit: `≤ ${format.duration(limits.event_p99_ms)}`,
-      verdict: judge(events.latency_ms.count, events.latency_ms.p99 <= limits.event_p99_ms),
+      verdict: verdict_of(events.latency_ms.count, events.latency_ms.p99 <= limits.event_p99_ms),
     },
     ...effects_of(bijection, limits),
   ];

@@ -73,7 +73,7 @@ describe('cells', () => {
 describe('missions', () => {
   it('have a column of the table', () => {
     const circling = aiv(1, { mission: { kind: 'circulate', loop: 'outer', state: 'driving' } });
-    const offRoute = aiv(2, { offRoute: 'stands 0.8 m beside every way' });
+    const offRoute = aiv(2, { offRoute: '0.8 m from every section' });
     expect(rows(circling, offRoute, aiv(3)).map(mission_of)).toEqual(['circulates on outer', 'offRoute', '']);
   });
 });

@@ -2,7 +2,7 @@
 import { default_limits, type ContractLimits } from '../live/contract';
 import * as format from '../live/format';
 import { mission_note, type Row } from '../live/rows';
-import { looks } from '../live/status';
+import { state_styles } from '../live/status';
 import type { Series } from '../live/history';
 
 export interface Column {
@@ -60,9 +60,9 @@ const connection_words = { ONLINE: 'online', OFFLINE: 'offline', CONNECTIONBROKE
 const state_order = ['lost', 'stopped', 'slow', 'normal', 'medium', 'fast'];
 
 export const columns: readonly Column[] = [
-  { key: 'number', title: 'No.', what: 'Number', width_px: 40, number: true, rank: 1, text: (row) => row.mark, order: (row) => row.aiv.number + (row.aiv.augmented ? 1e6 : 0) },
+  { key: 'number', title: 'No.', what: 'Number', width_px: 40, number: true, rank: 1, text: (row) => row.label, order: (row) => row.aiv.number + (row.aiv.augmented ? 1e6 : 0) },
   { key: 'name', title: 'Name', what: 'Name', width_px: 84, rank: 1, text: (row) => row.name, order: (row) => row.name, exact: (row) => row.id },
-  { key: 'state', title: 'State', what: 'State', width_px: 120, rank: 1, text: (row) => looks[row.state].word, order: (row) => state_order.indexOf(row.state) },
+  { key: 'state', title: 'State', what: 'State', width_px: 120, rank: 1, text: (row) => state_styles[row.state].word, order: (row) => state_order.indexOf(row.state) },
   { key: 'speed', title: 'Speed', what: 'Speed, with its last minute', width_px: 108, number: true, rank: 2, series: 'speed', text: (row) => format.speed(row.aiv.speed), order: (row) => row.aiv.speed, exact: (row) => row.aiv.speed },
   { key: 'section', title: 'Section', what: 'Section, and distance on it', width_px: 112, rank: 2, text: (row) => (row.aiv.section === null ? 'off the circuit' : `${row.aiv.section} ${format.metres(row.aiv.s)}`), order: (row) => (row.aiv.section === null ? null : `${row.aiv.section} ${String(Math.round(1000 * (row.aiv.s ?? 0))).padStart(9, '0')}`) },
   { key: 'tag', title: 'Last tag', what: 'Last tag, and distance since', width_px: 92, rank: 4, text: (row) => (row.aiv.lastTag === null ? format.none : `${row.aiv.lastTag}${row.aiv.sinceTag_m === null ? '' : ` + ${format.metres(row.aiv.sinceTag_m)}`}`), order: (row) => row.aiv.lastTag },
@@ -95,8 +95,8 @@ export function sorted(rows: readonly Row[], sort: string): Row[] {
 
 /** The new rows in the order of `before`, whatever their values; rows without a predecessor come last. */
 export function sorted_like(before: readonly Row[], rows: readonly Row[]): Row[] {
-  const place = new Map(before.map(({ id }, i) => [id, i]));
-  return [...rows].sort((a, b) => (place.get(a.id) ?? before.length) - (place.get(b.id) ?? before.length));
+  const index = new Map(before.map(({ id }, i) => [id, i]));
+  return [...rows].sort((a, b) => (index.get(a.id) ?? before.length) - (index.get(b.id) ?? before.length));
 }
 
 /** The sort after a press on a heading: ascending, then descending. */

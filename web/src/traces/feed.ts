@@ -8,7 +8,7 @@ const limit = 1000;
 /** Greatest number of consecutive requests before the page may paint. */
 const rounds_max = 25;
 
-export type Ask = (after: number, limit: number) => Promise<ApiResponse<Traces>>;
+export type RequestTraces = (after: number, limit: number) => Promise<ApiResponse<Traces>>;
 
 export class TraceFeed {
   /** number of the next message */
@@ -22,7 +22,7 @@ export class TraceFeed {
 
   constructor(
     private readonly store: TraceStore,
-    private readonly ask: Ask,
+    private readonly request: RequestTraces,
   ) {}
 
   /** Fetches new messages; true if rows were added. A call during a pending one does nothing. */
@@ -32,13 +32,13 @@ export class TraceFeed {
     const before = this.store.end;
     try {
       for (let round = 0; round < rounds_max; round++) {
-        const answer = await this.ask(Math.max(0, this.next - 1), limit);
-        if (!answer.ok) {
-          this.trouble = answer.sentence;
+        const response = await this.request(Math.max(0, this.next - 1), limit);
+        if (!response.ok) {
+          this.trouble = response.sentence;
           break;
         }
         this.trouble = null;
-        this.behind = this.accept(answer.value);
+        this.behind = this.accept(response.value);
         if (!this.behind) break;
       }
     } finally {
@@ -48,17 +48,17 @@ export class TraceFeed {
   }
 
   /** Stores a response; true if more messages can be fetched at once. */
-  accept(answer: Traces): boolean {
+  accept(response: Traces): boolean {
     const known = this.next > 0;
-    const again = answer.traces[0];
-    const other_server = known && (answer.next < this.next || (again?.n === this.next - 1 && again.time_ms !== this.last_time_ms));
+    const again = response.traces[0];
+    const other_server = known && (response.next < this.next || (again?.n === this.next - 1 && again.time_ms !== this.last_time_ms));
     if (other_server) {
       this.store.note('The server was restarted; its messages are numbered from 1 again.', this.last_time_ms);
       this.next = 0;
       return true;
     }
     let expected = Math.max(1, this.next);
-    for (const trace of answer.traces) {
+    for (const trace of response.traces) {
       if (trace.n < expected) continue;
       if (trace.n > expected) this.gap(trace.n - expected, known, trace.time_ms);
       this.store.append(trace);
@@ -66,8 +66,8 @@ export class TraceFeed {
       this.last_time_ms = trace.time_ms;
     }
     // An empty response still carries the next number of the server.
-    this.next = Math.max(expected, answer.next);
-    return answer.traces.length >= limit;
+    this.next = Math.max(expected, response.next);
+    return response.traces.length >= limit;
   }
 
   private gap(count: number, known: boolean, time_ms: number): void {

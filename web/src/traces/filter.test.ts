@@ -28,7 +28,7 @@ function expected(store: TraceStore, filter: Filter): number[] {
   }
   return found;
 }
-const places = (list: { length: number; at(i: number): number }) => Array.from({ length: list.length }, (_, i) => list.at(i));
+const seqs_of = (list: { length: number; at(i: number): number }) => Array.from({ length: list.length }, (_, i) => list.at(i));
 function search_all(rows: MatchingRows): void {
   while (!rows.complete) rows.search(() => false);
 }
@@ -48,7 +48,7 @@ describe('matching rows', () => {
     store.note('12 messages were lost.', 1);
     const rows = new MatchingRows(store, filter(more));
     search_all(rows);
-    expect(places(rows)).toEqual(expected(store, filter(more)));
+    expect(seqs_of(rows)).toEqual(expected(store, filter(more)));
   });
 
   it('exclude a word that begins in one message and ends in the next', () => {
@@ -58,7 +58,7 @@ describe('matching rows', () => {
     store.append({ ...trace(3), content: 'd' });
     const rows = new MatchingRows(store, filter({ text: 'abc' }));
     search_all(rows);
-    expect(places(rows)).toEqual([1]);
+    expect(seqs_of(rows)).toEqual([1]);
   });
 
   it('are found even if a letter becomes longer in lower case', () => {
@@ -66,7 +66,7 @@ describe('matching rows', () => {
     for (let n = 1; n <= chunk_rows; n++) store.append({ ...trace(n), content: n === 9 ? 'İstanbul' : n === 10 ? 'needle' : 'hay' });
     const rows = new MatchingRows(store, filter({ text: 'needle' }));
     search_all(rows);
-    expect(places(rows)).toEqual([9]);
+    expect(seqs_of(rows)).toEqual([9]);
   });
 
   it('are found newest first, slice by slice, with the list always in order', () => {
@@ -74,12 +74,12 @@ describe('matching rows', () => {
     const rows = new MatchingRows(store, filter({ agent: 'CoSiVA/AIV1' }));
     expect(rows.progress).toBe(0);
     rows.search(() => false);
-    const first_slice = places(rows);
+    const first_slice = seqs_of(rows);
     expect(first_slice.at(-1)).toBe(expected(store, filter({ agent: 'CoSiVA/AIV1' })).at(-1));
     expect(rows.progress).toBeCloseTo(0.2, 5);
     rows.search(() => false);
-    expect(places(rows).slice(-first_slice.length)).toEqual(first_slice);
-    expect(places(rows)).toEqual([...places(rows)].sort((a, b) => a - b));
+    expect(seqs_of(rows).slice(-first_slice.length)).toEqual(first_slice);
+    expect(seqs_of(rows)).toEqual([...seqs_of(rows)].sort((a, b) => a - b));
   });
 
   it('are appended for new messages, also during a search, including new names', () => {
@@ -89,7 +89,7 @@ describe('matching rows', () => {
     rows.search(() => false);
     for (let n = 1; n <= 600; n++) store.append({ ...trace(n), from: `CoSiVA/AIV${n}`, kind: `kind${n % 3}` });
     search_all(rows);
-    expect(places(rows)).toEqual(expected(store, wanted));
+    expect(seqs_of(rows)).toEqual(expected(store, wanted));
   });
 
   it('are removed with the rows that the store drops', () => {
@@ -100,7 +100,7 @@ describe('matching rows', () => {
       for (let n = 1; n <= chunk_rows; n++) store.append(trace(n));
       search_all(rows);
       rows.search(() => true);
-      expect(places(rows)).toEqual(expected(store, wanted));
+      expect(seqs_of(rows)).toEqual(expected(store, wanted));
     }
   });
 
@@ -108,7 +108,7 @@ describe('matching rows', () => {
     const store = filled(500);
     const rows = new MatchingRows(store, filter({ agent: 'CoSiVA/AIV1' }));
     search_all(rows);
-    for (const seq of [0, 77, 499, 5_000]) expect(rows.index_of(seq)).toBe(places(rows).filter((one) => one < seq).length);
+    for (const seq of [0, 77, 499, 5_000]) expect(rows.index_of(seq)).toBe(seqs_of(rows).filter((one) => one < seq).length);
   });
 });
 
@@ -121,7 +121,7 @@ describe('other lists', () => {
   it('of names lose rows that are no longer stored', () => {
     const store = filled(2 * chunk_rows, chunk_rows);
     const rows = new NamedRows([5, store.first + 1, store.first + 9], store);
-    expect(places(rows)).toEqual([store.first + 1, store.first + 9]);
+    expect(seqs_of(rows)).toEqual([store.first + 1, store.first + 9]);
     expect(rows.index_of(store.first + 2)).toBe(1);
     expect(new NamedRows([], store).length).toBe(0);
   });

@@ -50,8 +50,8 @@ export class NamedRows implements RowList {
   private get gone(): number {
     const first = this.store.first;
     if (this.seqs.length === 0 || this.seqs[0]! >= first) return 0;
-    const kept = this.seqs.findIndex((seq) => seq >= first);
-    return kept < 0 ? this.seqs.length : kept;
+    const found = this.seqs.findIndex((seq) => seq >= first);
+    return found < 0 ? this.seqs.length : found;
   }
   get length(): number {
     return this.seqs.length - this.gone;
@@ -66,7 +66,7 @@ export class NamedRows implements RowList {
 }
 
 /** A growing array of numbers, 8 bytes each. */
-class Places {
+class NumberList {
   private values = new Float64Array(1024);
   length = 0;
   push(value: number): void {
@@ -94,8 +94,8 @@ export class Matcher {
   private is_between = new Uint8Array(0);
   private kinds_ok = new Uint8Array(0);
   /** per word and name or kind: whether it contains the word */
-  private agents_say: Uint8Array[] = [];
-  private kinds_say: Uint8Array[] = [];
+  private agents_match: Uint8Array[] = [];
+  private kinds_match: Uint8Array[] = [];
 
   constructor(
     private readonly store: TraceStore,
@@ -121,18 +121,18 @@ export class Matcher {
       if (!this.kinds_ok[kind]) continue;
       if (agent !== '' && !this.is_agent[from] && !this.is_agent[to]) continue;
       if (between && !(this.is_between[from] && this.is_between[to])) continue;
-      if (lower && !this.says_all(lower, i, from, to, kind, next_hit)) continue;
+      if (lower && !this.matches(lower, i, from, to, kind, next_hit)) continue;
       found(base + i);
     }
   }
 
-  private says_all(lower: { text: string; ends: Uint32Array | readonly number[] }, i: number, from: number, to: number, kind: number, next_hit: number[]): boolean {
+  private matches(lower: { text: string; ends: Uint32Array | readonly number[] }, i: number, from: number, to: number, kind: number, next_hit: number[]): boolean {
     const start = i === 0 ? 0 : lower.ends[i - 1]!;
     const end = lower.ends[i]!;
     for (let w = 0; w < this.search_text.length; w++) {
-      if (this.agents_say[w]![from] || this.agents_say[w]![to] || this.kinds_say[w]![kind]) continue;
+      if (this.agents_match[w]![from] || this.agents_match[w]![to] || this.kinds_match[w]![kind]) continue;
       const word = this.search_text[w]!;
-      // The text of the chunk is searched once per word: a hit is kept until the rows reach it.
+      // The text of the chunk is searched once per word: a hit is stored until the rows reach it.
       if (next_hit[w]! < start) {
         const hit = lower.text.indexOf(word, start);
         next_hit[w] = hit < 0 ? Infinity : hit;
@@ -145,16 +145,16 @@ export class Matcher {
 
   private learn_names(): void {
     const { agents, kinds } = this.store;
-    const of = (names: Names, says: (name: string) => boolean) => Uint8Array.from({ length: names.size }, (_, id) => Number(says(names.name(id))));
+    const of = (names: Names, matches: (name: string) => boolean) => Uint8Array.from({ length: names.size }, (_, id) => Number(matches(names.name(id))));
     const { agent, between, kinds_off } = this.filter;
     if (this.is_agent.length < agents.size) {
       this.is_agent = of(agents, (name) => name === agent);
       this.is_between = of(agents, (name) => between?.has(name) ?? true);
-      this.agents_say = this.search_text.map((word) => of(agents, (name) => name.toLowerCase().includes(word)));
+      this.agents_match = this.search_text.map((word) => of(agents, (name) => name.toLowerCase().includes(word)));
     }
     if (this.kinds_ok.length < kinds.size) {
       this.kinds_ok = of(kinds, (name) => !kinds_off.has(name));
-      this.kinds_say = this.search_text.map((word) => of(kinds, (name) => name.toLowerCase().includes(word)));
+      this.kinds_match = this.search_text.map((word) => of(kinds, (name) => name.toLowerCase().includes(word)));
     }
   }
 }
@@ -163,8 +163,8 @@ export class Matcher {
 export class MatchingRows implements RowList {
   private readonly matcher: Matcher;
   /** matches of the backward search, newest first */
-  private readonly older = new Places();
-  private readonly newer = new Places();
+  private readonly older = new NumberList();
+  private readonly newer = new NumberList();
   /** number of rows at the front of `newer` that the store has dropped */
   private gone = 0;
   private searched_from: number;
@@ -189,9 +189,9 @@ export class MatchingRows implements RowList {
     let low = 0;
     let high = this.length;
     while (low < high) {
-      const middle = (low + high) >>> 1;
-      if (this.at(middle) < seq) low = middle + 1;
-      else high = middle;
+      const half = (low + high) >>> 1;
+      if (this.at(half) < seq) low = half + 1;
+      else high = half;
     }
     return low;
   }

@@ -3,7 +3,7 @@
 import { is_object, join, type Json } from './schema';
 
 export interface Token {
-  is: 'key' | 'string' | 'number' | 'word' | 'mark';
+  is: 'key' | 'string' | 'number' | 'word' | 'sign';
   text: string;
 }
 export interface Line {
@@ -23,17 +23,17 @@ export function lines_of(value: Json, apart: ReadonlySet<string> = new Set()): L
 }
 
 function add(lines: Line[], value: Json, path: string, depth: number, key: string | null, end: string, apart: ReadonlySet<string>): void {
-  const before: Token[] = key === null ? [] : [{ is: 'key', text: JSON.stringify(key) }, { is: 'mark', text: ': ' }];
-  const after: Token[] = end === '' ? [] : [{ is: 'mark', text: end }];
+  const before: Token[] = key === null ? [] : [{ is: 'key', text: JSON.stringify(key) }, { is: 'sign', text: ': ' }];
+  const after: Token[] = end === '' ? [] : [{ is: 'sign', text: end }];
   const entries = entries_of(value);
   if (entries === null || entries.length === 0 || fits_one_line(value, path, depth, key, apart)) {
     lines.push({ depth, path, tokens: [...before, ...inline(value), ...after] });
     return;
   }
   const [open, close] = is_object(value) ? ['{', '}'] : ['[', ']'];
-  lines.push({ depth, path, tokens: [...before, { is: 'mark', text: open! }] });
+  lines.push({ depth, path, tokens: [...before, { is: 'sign', text: open! }] });
   entries.forEach(([step, one], i) => add(lines, one, join(path, step), depth + 1, typeof step === 'string' ? step : null, i < entries.length - 1 ? ',' : '', apart));
-  lines.push({ depth, path: null, tokens: [{ is: 'mark', text: close! }, ...after] });
+  lines.push({ depth, path: null, tokens: [{ is: 'sign', text: close! }, ...after] });
 }
 
 function entries_of(value: Json): [string | number, Json][] | null {
@@ -57,12 +57,12 @@ function inline(value: Json): Token[] {
   if (typeof value === 'number') return [{ is: 'number', text: String(value) }];
   if (typeof value === 'boolean' || value === null) return [{ is: 'word', text: String(value) }];
   const [open, close] = is_object(value) ? ['{', '}'] : ['[', ']'];
-  const tokens: Token[] = [{ is: 'mark', text: open! }];
+  const tokens: Token[] = [{ is: 'sign', text: open! }];
   entries_of(value)!.forEach(([step, one], i) => {
-    if (i > 0) tokens.push({ is: 'mark', text: ', ' });
-    if (typeof step === 'string') tokens.push({ is: 'key', text: JSON.stringify(step) }, { is: 'mark', text: ': ' });
+    if (i > 0) tokens.push({ is: 'sign', text: ', ' });
+    if (typeof step === 'string') tokens.push({ is: 'key', text: JSON.stringify(step) }, { is: 'sign', text: ': ' });
     tokens.push(...inline(one));
   });
-  tokens.push({ is: 'mark', text: close! });
+  tokens.push({ is: 'sign', text: close! });
   return tokens;
 }

@@ -1,5 +1,5 @@
 // A validator for the part of JSON Schema (2020-12) that the official VDA 5050 schemas use, and slightly more. Each error has
-// a path and a sentence. An unsupported keyword is reported when a schema is loaded, and not silently ignored later.
+// a path and a sentence. An unsupported keyword is reported when a schema is loaded, and not ignored without a report later.
 export type Json = null | boolean | number | string | readonly Json[] | { readonly [key: string]: Json };
 export type JsonObject = { readonly [key: string]: Json };
 
@@ -13,7 +13,7 @@ const checked = new Set([
   'type', 'required', 'properties', 'additionalProperties', 'items', 'enum', 'const', 'minimum', 'maximum', 'exclusiveMinimum', 'exclusiveMaximum',
   'minLength', 'maxLength', 'pattern', 'format', 'minItems', 'maxItems', 'uniqueItems', '$ref', 'allOf', 'anyOf', 'oneOf',
 ]);
-const told_only = new Set(['$schema', '$id', '$comment', 'title', 'description', 'examples', 'default', 'definitions', '$defs', 'subtopic', 'unit', 'deprecated', 'readOnly']);
+const annotations = new Set(['$schema', '$id', '$comment', 'title', 'description', 'examples', 'default', 'definitions', '$defs', 'subtopic', 'unit', 'deprecated', 'readOnly']);
 
 /** Keywords of a schema, at any depth, that this validator does not support. */
 export function unknown_keywords(schema: Json): string[] {
@@ -24,7 +24,7 @@ export function unknown_keywords(schema: Json): string[] {
       if (key === 'properties' || key === 'definitions' || key === '$defs') Object.values(value as JsonObject).forEach(walk);
       else if (key === 'items' || key === 'additionalProperties') walk(value);
       else if (key === 'allOf' || key === 'anyOf' || key === 'oneOf') (value as readonly Json[]).forEach(walk);
-      else if (!checked.has(key) && !told_only.has(key)) found.add(key);
+      else if (!checked.has(key) && !annotations.has(key)) found.add(key);
     }
   };
   walk(schema);

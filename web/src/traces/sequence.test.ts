@@ -5,13 +5,13 @@ import { TraceStore } from './store';
 import { csv_line, Export, ndjson_line, summary_of } from './text';
 import { AllRows } from './filter';
 
-type Said = [from: string, to: string, kind: string, content?: string];
-function told(...said: Said[]): TraceStore {
+type Message = [from: string, to: string, kind: string, content?: string];
+function store_of(...messages: Message[]): TraceStore {
   const store = new TraceStore();
-  said.forEach(([from, to, kind, content = ''], i) => store.append({ n: i + 1, time_ms: i, from, to, kind, content }));
+  messages.forEach(([from, to, kind, content = ''], i) => store.append({ n: i + 1, time_ms: i, from, to, kind, content }));
   return store;
 }
-const zone_exchange: Said[] = [
+const zone_exchange: Message[] = [
   ['physical side', 'AIV_Server', 'zone', 'toml, 2777 bytes'],
   ['AIV_Server', 'Simulator', 'zoneConfiguration'],
   ['Simulator', 'RTM', 'initialise'],
@@ -22,24 +22,24 @@ const zone_exchange: Said[] = [
   ['Simulator', 'Circuit', 'draw'],
   ['Circuit', 'Simulator', 'draw'],
 ];
-const beat: Said = ['AIV_Server', '*', 'heartbeat'];
+const heartbeat: Message = ['AIV_Server', '*', 'heartbeat'];
 const kinds_of = (store: TraceStore, seqs: readonly number[]) => seqs.map((seq) => store.kind(seq));
 
 describe('the article’s exchanges', () => {
   it('figure 8 is the whole exchange from the configuration to the drawn circuit, and nothing else', () => {
-    const store = told(beat, ...zone_exchange, ['CoSiVA/AIV1', 'AIV_Server', 'state'], ['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV1 gets display number 1']);
+    const store = store_of(heartbeat, ...zone_exchange, ['CoSiVA/AIV1', 'AIV_Server', 'state'], ['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV1 gets display number 1']);
     const found = find_figure(store, 'figure 8')!;
     expect(found.seqs).toEqual([1, 2, 3, 4, 5, 6, 7, 8, 9]);
     expect(found.agents).toEqual(['physical side', 'AIV_Server', 'Simulator', 'RTM', 'CircuitFactory', 'Circuit']);
   });
   it('figure 8 is the latest such exchange, and ends where a configuration is refused', () => {
-    const store = told(...zone_exchange, beat, ['AIV_Server', 'Simulator', 'zoneConfiguration'], ['Simulator', 'RTM', 'initialise'], ['RTM', 'Simulator', 'refused', 'no circuit'], ['Simulator', 'Circuit', 'draw']);
+    const store = store_of(...zone_exchange, heartbeat, ['AIV_Server', 'Simulator', 'zoneConfiguration'], ['Simulator', 'RTM', 'initialise'], ['RTM', 'Simulator', 'refused', 'no circuit'], ['Simulator', 'Circuit', 'draw']);
     expect(kinds_of(store, find_figure(store, 'figure 8')!.seqs)).toEqual(['zone', 'zoneConfiguration', 'initialise', 'refused'].slice(1));
   });
   it('figure 9 goes from the arrival over the display number to the first reports, through the proxy', () => {
-    const store = told(
+    const store = store_of(
       ['CoSiVA/AIV2', 'AIV_Server', 'connection', 'ONLINE'], ['CoSiVA/AIV1', 'AIV_Server', 'state'], ['CoSiVA/AIV2', 'AIV_Server', 'state'],
-      ['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV2 gets display number 2'], ['AIV_Server', 'CoSiVA/AIV2', 'order'], beat, ['CoSiVA/AIV2', 'AIV_Server', 'visualization'],
+      ['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV2 gets display number 2'], ['AIV_Server', 'CoSiVA/AIV2', 'order'], heartbeat, ['CoSiVA/AIV2', 'AIV_Server', 'visualization'],
     );
     const found = find_figure(store, 'figure 9')!;
     expect(kinds_of(store, found.seqs)).toEqual(['connection', 'state', 'appear', 'order', 'visualization']);
@@ -47,28 +47,28 @@ describe('the article’s exchanges', () => {
     expect(found.agents).toEqual(['CoSiVA/AIV2', 'AIV_Server', 'Simulator']);
   });
   it('figure 9 is of the requested AIV; an appearing obstacle is not included', () => {
-    const store = told(['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV1 gets display number 1'], ['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV2 is back under display number 2'], ['AIV_Server', 'Simulator', 'appear', 'S1: an obstacle at 1, 2']);
+    const store = store_of(['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV1 gets display number 1'], ['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV2 is back under display number 2'], ['AIV_Server', 'Simulator', 'appear', 'S1: an obstacle at 1, 2']);
     expect(find_figure(store, 'figure 9')!.seqs[0]).toBe(1);
     expect(find_figure(store, 'figure 9', 'CoSiVA/AIV1')!.seqs[0]).toBe(0);
     expect(find_figure(store, 'figure 9', 'CoSiVA/AIV7')).toBeNull();
   });
   it('figure 11 is the report that moved a twin to a new section, the response of the section, and the reports around it', () => {
-    const report = (who: string): Said => [`CoSiVA/${who}`, 'AIV_Server', 'visualization', '{"x":1}'];
-    const asks = (who: string): Said => ['Simulator', 'Circuit', 'nextAIVposition', `CoSiVA/${who} leaves south 0.994 m`];
-    const answers = (who: string): Said => ['Circuit', 'Simulator', 'position', `CoSiVA/${who} on east 0.012 m: 1.000, 0.012`];
-    const store = told(report('AIV1'), report('AIV1'), report('AIV2'), report('AIV1'), asks('AIV1'), answers('AIV1'), asks('AIV2'), answers('AIV2'), report('AIV1'), report('AIV2'), report('AIV1'));
+    const report = (who: string): Message => [`CoSiVA/${who}`, 'AIV_Server', 'visualization', '{"x":1}'];
+    const request = (who: string): Message => ['Simulator', 'Circuit', 'nextAIVposition', `CoSiVA/${who} leaves south 0.994 m`];
+    const response = (who: string): Message => ['Circuit', 'Simulator', 'position', `CoSiVA/${who} on east 0.012 m: 1.000, 0.012`];
+    const store = store_of(report('AIV1'), report('AIV1'), report('AIV2'), report('AIV1'), request('AIV1'), response('AIV1'), request('AIV2'), response('AIV2'), report('AIV1'), report('AIV2'), report('AIV1'));
     expect(find_figure(store, 'figure 11', 'CoSiVA/AIV1')!.seqs).toEqual([1, 3, 4, 5, 8]);
     const any = find_figure(store, 'figure 11')!;
     expect(any.seqs).toEqual([2, 6, 7, 9]);
     expect(any.agents).toEqual(['CoSiVA/AIV2', 'AIV_Server', 'Simulator', 'Circuit']);
   });
   it('figure 11 is the last three reports if no section has responded yet', () => {
-    const report: Said = ['CoSiVA/AIV1', 'AIV_Server', 'visualization', '{"x":1}'];
-    const store = told(report, report, ['CoSiVA/AIV1', 'AIV_Server', 'virtual_obstacles_ack', 'nothing'], report, report);
+    const report: Message = ['CoSiVA/AIV1', 'AIV_Server', 'visualization', '{"x":1}'];
+    const store = store_of(report, report, ['CoSiVA/AIV1', 'AIV_Server', 'virtual_obstacles_ack', 'nothing'], report, report);
     expect(find_figure(store, 'figure 11')!.seqs).toEqual([1, 3, 4]);
   });
   it('figure 9 contains neither V2X messages nor convoys', () => {
-    const store = told(
+    const store = store_of(
       ['CoSiVA/AIV1', 'AIV_Server', 'connection', 'ONLINE'], ['CoSiVA/AIV1', 'CoSiVA/AIV2', 'V2X', '0.400 m/s'],
       ['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV1 gets display number 1'], ['CoSiVA/AIV2', 'CoSiVA/AIV1', 'V2X', '0.400 m/s'],
       ['AIV_Server', 'CoSiVA/AIV1', 'convoy', 'convoy of 2 through X1 and X4, behind CoSiVA/AIV2'], ['AIV_Server', 'CoSiVA/AIV1', 'order', 'order 1'],
@@ -76,12 +76,12 @@ describe('the article’s exchanges', () => {
     expect(find_figure(store, 'figure 9', 'CoSiVA/AIV1')!.seqs).toEqual([0, 2, 5]);
   });
   it('figure 11 contains no V2X messages', () => {
-    const report: Said = ['CoSiVA/AIV1', 'AIV_Server', 'visualization', '{"x":1}'];
-    const store = told(report, ['CoSiVA/AIV1', 'CoSiVA/AIV2', 'V2X', '0.400 m/s'], report, report);
+    const report: Message = ['CoSiVA/AIV1', 'AIV_Server', 'visualization', '{"x":1}'];
+    const store = store_of(report, ['CoSiVA/AIV1', 'CoSiVA/AIV2', 'V2X', '0.400 m/s'], report, report);
     expect(find_figure(store, 'figure 11')!.seqs).toEqual([0, 2, 3]);
   });
   it('are not found without messages', () => {
-    for (const name of ['figure 8', 'figure 9', 'figure 11'] as const) expect(find_figure(told(beat), name)).toBeNull();
+    for (const name of ['figure 8', 'figure 9', 'figure 11'] as const) expect(find_figure(store_of(heartbeat), name)).toBeNull();
   });
 });
 
@@ -98,7 +98,7 @@ describe('the layout', () => {
     expect(width_px).toBeGreaterThan(lines.at(-1)!.x + 50);
   });
   it('draws an arrow from sender to receiver; via the proxy the radio part is the outer one', () => {
-    const store = told(['CoSiVA/AIV1', 'AIV_Server', 'state'], ['AIV_Server', 'CoSiVA/AIV1', 'order'], ['AIV_Server', 'Simulator', 'appear'], ['RTM', 'Simulator', 'x']);
+    const store = store_of(['CoSiVA/AIV1', 'AIV_Server', 'state'], ['AIV_Server', 'CoSiVA/AIV1', 'order'], ['AIV_Server', 'Simulator', 'appear'], ['RTM', 'Simulator', 'x']);
     const { lines } = lifelines(['CoSiVA/AIV1', 'AIV_Server', 'Simulator'], 900, true);
     const x = Object.fromEntries(lines.map((line) => [line.name, line.x]));
     const proxy = x[proxy_of('CoSiVA/AIV1')]!;
@@ -116,7 +116,7 @@ describe('the layout', () => {
     expect(words_of({ kind: 'order', content: 'x'.repeat(500) }, 200).length).toBeLessThanOrEqual(31);
   });
   it('gives a well-formed file for any content', () => {
-    const store = told(['CoSiVA/<b>&"', 'AIV_Server', 'state', '</svg><script>']);
+    const store = store_of(['CoSiVA/<b>&"', 'AIV_Server', 'state', '</svg><script>']);
     const { lines, width_px } = lifelines(['CoSiVA/<b>&"', 'AIV_Server'], 600, false);
     const svg = svg_of('A & B', lines, [arrow_of(store, 0, lines)], width_px, { ground: '#fff', ink: '#000', quiet: '#555', line: '#999', accent: '#00f' });
     expect(svg).not.toContain('<script');
@@ -134,8 +134,8 @@ describe('communications as text', () => {
     expect(summary_of('plain')).toBe('plain');
   });
   it('are quoted in CSV where needed, with formulas disarmed', () => {
-    const row = { n: 1, time_ms: 0, from: '=cmd()', to: 'a,b', kind: 'say "x"', content: 'two\nlines' };
-    expect(csv_line(row)).toBe('1,1970-01-01T00:00:00.000Z,\'=cmd(),"a,b","say ""x""","two\nlines"\r\n');
+    const row = { n: 1, time_ms: 0, from: '=cmd()', to: 'a,b', kind: 'report "x"', content: 'two\nlines' };
+    expect(csv_line(row)).toBe('1,1970-01-01T00:00:00.000Z,\'=cmd(),"a,b","report ""x""","two\nlines"\r\n');
   });
   it('are one message per line in NDJSON, also with a clock far off', () => {
     const row = { n: 1, time_ms: 1e300, from: 'a', to: 'b', kind: 'c', content: 'two\nlines' };

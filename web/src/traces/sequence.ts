@@ -103,7 +103,7 @@ export interface Figure {
   name: FigureName;
   title: string;
   /** describes the figure of the article and its equivalent here */
-  says: string;
+  text: string;
   /** hint for the user if the store has no such exchange */
   missing: string;
 }
@@ -112,19 +112,19 @@ export const figures: readonly Figure[] = [
   {
     name: 'figure 8',
     title: 'Figure 8: the circuit is created and displayed',
-    says: 'The server passes the zone’s configuration to the simulator, which creates the RTM and requests the circuit factory from it, the circuit from the factory, and the drawing from the circuit.',
+    text: 'The server passes the zone’s configuration to the simulator, which creates the RTM and requests the circuit factory from it, the circuit from the factory, and the drawing from the circuit.',
     missing: 'No zone has been instantiated within the stored messages. This happens once at the start, and after every edit of the zone.',
   },
   {
     name: 'figure 9',
     title: 'Figure 9: an AIV starts',
-    says: 'An AIV connects; its reports pass through its proxy to the server, which makes the simulator assign a display number and a position; then it reports at regular intervals.',
+    text: 'An AIV connects; its reports pass through its proxy to the server, which makes the simulator assign a display number and a position; then it reports at regular intervals.',
     missing: 'No AIV has appeared within the stored messages. Add a virtual AIV, or switch one on.',
   },
   {
     name: 'figure 11',
     title: 'Figure 11: a position is updated',
-    says: 'A report arrives, and the simulator moves the twin along the circuit’s sections. The response of a section is traced when the twin enters a new one.',
+    text: 'A report arrives, and the simulator moves the twin along the circuit’s sections. The response of a section is traced when the twin enters a new one.',
     missing: 'No AIV has reported a position yet.',
   },
 ];
@@ -210,25 +210,25 @@ function latest_report(store: TraceStore, aiv: string | null, before = store.end
 }
 
 /** The last response of a section for this AIV, or for any. */
-function latest_answer(store: TraceStore, aiv: string | null): number {
-  let answer = store.find_last({ kind: 'position', from: 'Circuit' });
-  while (answer >= 0 && aiv !== null && !store.content(answer).startsWith(`${aiv} `)) answer = store.find_last({ kind: 'position', from: 'Circuit' }, answer);
-  return answer;
+function latest_response(store: TraceStore, aiv: string | null): number {
+  let response = store.find_last({ kind: 'position', from: 'Circuit' });
+  while (response >= 0 && aiv !== null && !store.content(response).startsWith(`${aiv} `)) response = store.find_last({ kind: 'position', from: 'Circuit' }, response);
+  return response;
 }
 
 function position_exchange(store: TraceStore, aiv: string | null): Exchange | null {
-  const answer = latest_answer(store, aiv);
-  const last = latest_report(store, answer < 0 ? aiv : store.content(answer).split(' ', 1)[0]!);
+  const response = latest_response(store, aiv);
+  const last = latest_report(store, response < 0 ? aiv : store.content(response).split(' ', 1)[0]!);
   if (last < 0) return null;
   const who = store.from(last);
   // The report that moved the twin to a new section, its predecessor and its successor, which show the reporting interval.
   // Without a response of a section, the last three reports.
-  const taken = answer < 0 ? latest_report(store, who, last) : latest_report(store, who, answer);
+  const taken = response < 0 ? latest_report(store, who, last) : latest_report(store, who, response);
   const before = taken < 0 ? -1 : latest_report(store, who, taken);
   const begin = before >= 0 ? before : taken >= 0 ? taken : last;
   let reports = 0;
   const seqs = rows(store, begin, store.end, 40, (from, _to, kind, seq) => {
-    const after = seq > Math.max(taken, answer);
+    const after = seq > Math.max(taken, response);
     if (from === who && kind !== 'virtual_obstacles_ack' && !v2x_kinds.has(kind)) return reports < 3 && (kind === 'visualization' || kind === 'state' ? ++reports > 0 : true);
     return !after && section_kinds.has(kind) && store.content(seq).startsWith(`${who} `);
   });

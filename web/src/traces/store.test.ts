@@ -52,7 +52,7 @@ describe('the store', () => {
     expect(store.find_last({ kind: 'order' })).toBe(1);
     expect(store.find_last({ kind: 'order', to: 'CoSiVA/AIV1' })).toBe(0);
     expect(store.find_last({ kind: 'order' }, 1)).toBe(0);
-    expect(store.find_last({ kind: 'order', to: 'nobody' })).toBe(-1);
+    expect(store.find_last({ kind: 'order', to: 'unknown' })).toBe(-1);
     expect(store.find_last({ kind: 'draw' })).toBe(-1);
   });
 
@@ -73,22 +73,22 @@ describe('the store', () => {
 
 /** Imitates the server's trace buffer: the last traces, numbered from 1. */
 class Server {
-  kept: Trace[] = [];
+  stored: Trace[] = [];
   next = 1;
-  asked: number[] = [];
+  requested: number[] = [];
   constructor(
     private readonly capacity: number,
     private readonly began_ms = 0,
   ) {}
-  say(count: number): void {
-    for (let i = 0; i < count; i++) this.kept.push(trace(this.next, { time_ms: this.began_ms + 10 * this.next++ }));
-    this.kept.splice(0, this.kept.length - this.capacity);
+  send(count: number): void {
+    for (let i = 0; i < count; i++) this.stored.push(trace(this.next, { time_ms: this.began_ms + 10 * this.next++ }));
+    this.stored.splice(0, this.stored.length - this.capacity);
   }
-  readonly ask = (after: number, limit: number): Promise<ApiResponse<Traces>> => {
-    this.asked.push(after);
-    const oldest = this.next - this.kept.length;
+  readonly request = (after: number, limit: number): Promise<ApiResponse<Traces>> => {
+    this.requested.push(after);
+    const oldest = this.next - this.stored.length;
     const begin = Math.max(oldest, Math.min(after, this.next));
-    const traces = this.kept.slice(begin - oldest, begin - oldest + limit);
+    const traces = this.stored.slice(begin - oldest, begin - oldest + limit);
     return Promise.resolve({ ok: true, value: { next: begin + traces.length, oldest, traces } });
   };
 }
@@ -99,11 +99,11 @@ describe('the feed', () => {
   it('reads every message once, in order, and catches up in steps of a thousand', async () => {
     const server = new Server(20_000);
     const store = new TraceStore();
-    const feed = new TraceFeed(store, server.ask);
-    server.say(3_456);
+    const feed = new TraceFeed(store, server.request);
+    server.send(3_456);
     expect(await feed.poll()).toBe(true);
     expect(await feed.poll()).toBe(false);
-    server.say(5);
+    server.send(5);
     await feed.poll();
     expect(numbers(store)).toEqual(Array.from({ length: 3_461 }, (_, i) => i + 1));
     expect(notes(store)).toEqual([]);
@@ -112,10 +112,10 @@ describe('the feed', () => {
   it('reports how many messages were overwritten before they were read', async () => {
     const server = new Server(50);
     const store = new TraceStore();
-    const feed = new TraceFeed(store, server.ask);
-    server.say(60);
+    const feed = new TraceFeed(store, server.request);
+    server.send(60);
     await feed.poll();
-    server.say(177);
+    server.send(177);
     await feed.poll();
     expect(notes(store)).toEqual(['10 messages before these were no longer stored by the server.', '127 messages were lost: overwritten before this page read them.']);
     expect(numbers(store).at(-1)).toBe(237);
@@ -124,38 +124,38 @@ describe('the feed', () => {
   it('uses the singular for one', async () => {
     const server = new Server(4);
     const store = new TraceStore();
-    const feed = new TraceFeed(store, server.ask);
-    server.say(4);
+    const feed = new TraceFeed(store, server.request);
+    server.send(4);
     await feed.poll();
-    server.say(5);
+    server.send(5);
     await feed.poll();
     expect(notes(store)).toEqual(['1 message was lost: overwritten before this page read them.']);
   });
 
   it.each([
-    ['has said less than the old one', 3],
-    ['has said as much as the old one', 40],
-    ['has said more than the old one', 90],
-  ])('starts a new block when another server answers that %s', async (_, said) => {
+    ['has sent less than the old one', 3],
+    ['has sent as much as the old one', 40],
+    ['has sent more than the old one', 90],
+  ])('starts a new block when another server responds that %s', async (_, sent) => {
     const store = new TraceStore();
     let server = new Server(20_000);
-    const feed = new TraceFeed(store, (after, limit) => server.ask(after, limit));
-    server.say(40);
+    const feed = new TraceFeed(store, (after, limit) => server.request(after, limit));
+    server.send(40);
     await feed.poll();
     server = new Server(20_000, 1e6);
-    server.say(said);
+    server.send(sent);
     await feed.poll();
     await feed.poll();
     expect(notes(store)).toEqual(['The server was restarted; its messages are numbered from 1 again.']);
-    expect(numbers(store)).toEqual([...Array.from({ length: 40 }, (_x, i) => i + 1), ...Array.from({ length: said }, (_x, i) => i + 1)]);
+    expect(numbers(store)).toEqual([...Array.from({ length: 40 }, (_x, i) => i + 1), ...Array.from({ length: sent }, (_x, i) => i + 1)]);
   });
 
   it('reports why no messages arrive while the server is away, and resumes', async () => {
     const server = new Server(20_000);
     const store = new TraceStore();
     let away = true;
-    const feed = new TraceFeed(store, (after, limit) => (away ? Promise.resolve({ ok: false, status: 0, sentence: 'The server does not respond.' }) : server.ask(after, limit)));
-    server.say(3);
+    const feed = new TraceFeed(store, (after, limit) => (away ? Promise.resolve({ ok: false, status: 0, sentence: 'The server does not respond.' }) : server.request(after, limit)));
+    server.send(3);
     expect(await feed.poll()).toBe(false);
     expect(feed.trouble).toBe('The server does not respond.');
     away = false;
@@ -167,8 +167,8 @@ describe('the feed', () => {
   it('waits for the pending response instead of requesting twice', async () => {
     const server = new Server(100);
     const store = new TraceStore();
-    const feed = new TraceFeed(store, server.ask);
-    server.say(2);
+    const feed = new TraceFeed(store, server.request);
+    server.send(2);
     await Promise.all([feed.poll(), feed.poll()]);
     expect(numbers(store)).toEqual([1, 2]);
     expect(note_kind).toBe(0);

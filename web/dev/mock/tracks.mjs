@@ -69,25 +69,25 @@ export function circuit_for(name, count) {
   return made;
 }
 
-/** The place on the circuit nearest to a point: coarse steps, then fine ones. */
-export function nearest_place(circuit, x, y) {
+/** The position on the circuit that is nearest to a point: coarse steps, then fine ones. */
+export function nearest_position(circuit, x, y) {
   let best = { track: circuit.tracks[0], distance: 0, off: Infinity };
   for (const track of circuit.tracks) {
-    const look = (from, to, step) => {
+    const search = (from, to, step) => {
       for (let distance = from; distance <= to; distance += step) {
         const p = track.pose_at(distance);
         const off = Math.hypot(p.x - x, p.y - y);
         if (off < best.off) best = { track, distance, off };
       }
     };
-    look(0, track.lap, 0.1);
-    if (best.track === track) look(best.distance - 0.1, best.distance + 0.1, 0.002);
+    search(0, track.lap, 0.1);
+    if (best.track === track) search(best.distance - 0.1, best.distance + 0.1, 0.002);
   }
   const p = best.track.pose_at(best.distance);
   return { ...best, section: p.section, s: p.s, x: p.x, y: p.y };
 }
 
-export function place_of(circuit, name, s) {
+export function position_of(circuit, name, s) {
   for (const track of circuit.tracks) {
     const section = track.sections.find((candidate) => candidate.name === name);
     if (section && s >= 0 && s <= section.length) return { track, distance: section.from + s };
@@ -135,9 +135,9 @@ export function draw_zone(circuit, tags, pitch) {
     primitives.push({ shape: 'disc', layer: 'station', kind: i % 4 === 3 ? 'charger' : 'stop', points: [[p.x, p.y]], size_m: 0.036, label: `station ${i + 1}`, heading: 0 });
     return { name: `station ${i + 1}`, kind: i % 4 === 3 ? 'charger' : 'stop', x: p.x, y: p.y, section: section.name, s: section.length / 3 };
   });
-  const notes = [{ kind: 'mended', place: 'layouts[0].edges[3]', text: 'its end was 0.4 mm beside the next one\u2019s start' }, { kind: 'lost', place: 'zones', text: 'speed zones are not taken' }];
+  const diagnostics = [{ kind: 'mended', location: 'layouts[0].edges[3]', text: 'its end was 0.4 mm from the next one\u2019s start' }, { kind: 'lost', location: 'zones', text: 'speed zones are not taken' }];
   return {
-    stations, loops: ['outer', 'inner'], notes,
+    stations, loops: ['outer', 'inner'], diagnostics,
     name: circuit.name, bounds: circuit.bounds, vehicle: { length_m: 0.2, width_m: 0.12 }, primitives,
     sections: circuit.tracks.flatMap((track) => track.sections.map(({ name, length }) => ({ name, length_m: length }))),
     tags: shown, beacons,

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { Primitive } from '../live/contract';
-import { gathered } from './zone_picture';
+import { gathered } from './zone_drawing';
 import { field } from './zone_sample';
 
 describe('the drawing of a large zone', () => {

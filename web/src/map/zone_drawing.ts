@@ -46,7 +46,7 @@ const pieces = 12;
 /** Fewer shapes than this are not grouped. */
 const gathered_min = 400;
 
-export class ZonePicture {
+export class ZoneDrawing {
   private readonly context: CanvasRenderingContext2D;
   private size: Size = { width: 0, height: 0 };
   private ratio = 1;
@@ -55,7 +55,7 @@ export class ZonePicture {
   private colours: Colours | null = null;
   private hidden: ReadonlySet<string> = new Set();
   private painted: View | null = null;
-  private ways = new Map<string, Primitive>();
+  private tracks = new Map<string, Primitive>();
   private closed: readonly string[] = [];
 
   constructor(private readonly canvas: HTMLCanvasElement) {
@@ -76,7 +76,7 @@ export class ZonePicture {
     this.zone = zone;
     this.painted = null;
     const primitives = (zone?.primitives ?? []).filter((p) => p.points.length > 0);
-    this.ways = new Map(primitives.filter((p) => p.layer === 'road' && p.shape === 'polyline' && p.label).map((p) => [p.label!, p]));
+    this.tracks = new Map(primitives.filter((p) => p.layer === 'road' && p.shape === 'polyline' && p.label).map((p) => [p.label!, p]));
     // Layers are painted in the order of their first shape: a road must not cover the centre line of its neighbour.
     const order = new Map([...new Set(primitives.map((p) => p.layer))].map((layer, i) => [layer, i]));
     const sorted = [...primitives].sort((a, b) => order.get(a.layer)! - order.get(b.layer)!);
@@ -112,7 +112,7 @@ export class ZonePicture {
     context.globalAlpha = 1;
     context.fillStyle = colours.ground;
     context.fillRect(0, 0, this.canvas.width, this.canvas.height);
-    const visible = this.shapes.filter((shape) => this.in_sight(shape, view));
+    const visible = this.shapes.filter((shape) => this.visible(shape, view));
     this.paint_shapes(visible, view, colours);
     this.paint_closed(view, colours);
     this.paint_texts(visible, view, colours);
@@ -120,7 +120,7 @@ export class ZonePicture {
     context.globalAlpha = 1;
   }
 
-  private in_sight({ layer, size_m, low, high }: Shape, view: View): boolean {
+  private visible({ layer, size_m, low, high }: Shape, view: View): boolean {
     if (this.hidden.has(layer)) return false;
     const half_x = this.size.width / 2 / view.scale;
     const half_y = this.size.height / 2 / view.scale;
@@ -165,11 +165,11 @@ export class ZonePicture {
     context.strokeStyle = colours.alarm;
     context.lineCap = 'butt';
     for (const name of this.closed) {
-      const way = this.ways.get(name);
-      if (!way || this.hidden.has('road')) continue;
-      context.lineWidth = Math.max(0.5 * way.size_m, 3 / view.scale);
+      const track = this.tracks.get(name);
+      if (!track || this.hidden.has('road')) continue;
+      context.lineWidth = Math.max(0.5 * track.size_m, 3 / view.scale);
       context.setLineDash([7 / view.scale, 5 / view.scale]);
-      context.stroke(path_of([way], way.size_m));
+      context.stroke(path_of([track], track.size_m));
     }
     context.setLineDash([]);
   }
@@ -223,7 +223,7 @@ export function gathered(primitives: readonly Primitive[], [x0, y0, x1, y1]: Zon
     if (known) known.push(one);
     else groups.set(key, [one]);
   }
-  // The order of the layers is kept: all groups of a layer come before those of the next.
+  // The order of the layers is preserved: all groups of a layer come before those of the next.
   return [...groups.values()];
 }
 
