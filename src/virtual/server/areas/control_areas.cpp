@@ -104,7 +104,7 @@ Result<Mission> ControlAreas::route_to(std::string_view to, const zone::TrafficZ
   const std::string name{to.substr(0, to.find('/'))};
   const std::string goal{to.substr(std::min(to.size(), name.size() + 1))};
   if (name == own_) {
-    if (missions.has_position(goal)) return Mission{Mission::Kind::go, goal, {}};
+    if (missions.known({Mission::Kind::go, goal, {}})) return Mission{Mission::Kind::go, goal, {}};
     return fail("mission.to", "there is no station or waypoint '" + cut(goal) + "' in this control area", "to");
   }
   const auto area = areas_.find(name);
@@ -127,7 +127,7 @@ Result<Mission> ControlAreas::route_to(std::string_view to, const zone::TrafficZ
   const zone::Station* best = nullptr;
   double best_m = 0.0;
   for (const zone::Station& station : zone.stations) {
-    if (!missions.has_position(station.name)) continue;
+    if (!missions.known({Mission::Kind::go, station.name, {}})) continue;
     const auto entry_point = zone::snap_to_path(there.circuit, zone.circuit.pose_at(station.position));
     if (!entry_point || (best != nullptr && entry_point->distance_m >= best_m) ||
         !router.plan(entry_point->position, *end))

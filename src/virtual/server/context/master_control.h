@@ -3,8 +3,10 @@
 #include "cosiva/virtual/server/commands/commands.h"
 #include "cosiva/virtual/server/context/server_context.h"
 #include "cosiva/virtual/server/orders/deadlocks.h"
+#include "cosiva/virtual/server/orders/mission_requests.h"
 #include "cosiva/virtual/server/orders/missions.h"
 #include "cosiva/virtual/server/orders/order_manager.h"
+#include "cosiva/virtual/server/orders/persisted_missions.h"
 #include "cosiva/virtual/server/right_of_way/traffic.h"
 #include "cosiva/virtual/server/zones/map_deployment.h"
 
@@ -17,6 +19,8 @@ struct MasterControl {
   Traffic traffic{{.convoys = served.options.convoys}};
   InstantActionSender actions{served.publisher};
   Missions missions{served.registry, served.publisher};
+  MissionRequests mission_requests{served.registry, served.publisher, missions};
+  PersistedMissions persisted_missions{served.registry, missions};
   OrderManager orders{served.registry, traffic, served.publisher, actions, missions, served.simulator};
   Deadlocks deadlocks{served.registry, served.publisher, served.traces, orders};
   MapDeployment maps{served.registry, served.publisher, actions};

@@ -23,7 +23,7 @@ bool adds_virtual_aiv(const JsonValue& command) {
 CommandRouter::Kind CommandRouter::kind_of(std::string_view name) {
   if (VirtualObjectCommands::handles(name)) return Kind::object;
   if (ZoneEdits::handles(name)) return Kind::edit;
-  if (Missions::handles(name)) return Kind::mission;
+  if (MissionRequests::handles(name)) return Kind::mission;
   if (is_world_command(name)) return Kind::world;
   if (name == "switch") return Kind::zone_switch;
   return name == "batteryReady" ? Kind::battery : Kind::vehicles;
@@ -76,7 +76,7 @@ Result<OperatorCommand> CommandRouter::read(const Request& request) const {
       return SwitchCommand{std::move(*wanted)};
     }
     case Kind::mission: {
-      const auto checked = master_.missions.check(json);
+      const auto checked = master_.mission_requests.check(json);
       if (!checked) return tl::unexpected(checked.error());
       return MissionCommand{json};
     }
@@ -135,7 +135,7 @@ void CommandRouter::execute(MessageCommand& command) {
 }
 
 void CommandRouter::execute(const MissionCommand& command) {
-  master_.missions.follow(command.json);
+  master_.mission_requests.follow(command.json);
   context_.state_stale = true;
 }
 

@@ -35,7 +35,7 @@ struct MessageCommand {
   wire::Publish message;
 };
 
-/// "go", "circulate", "close", "open", checked by Missions.
+/// "go", "circulate", "close", "open", checked by MissionRequests.
 struct MissionCommand {
   JsonValue json;
 };

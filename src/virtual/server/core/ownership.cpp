@@ -22,7 +22,7 @@ Ownership::Ownership(ServerContext& context, MasterControl& master, VehicleLifec
                      VehicleReports& reports, const ZoneSession& zones)
     : context_{context}, master_{master}, vehicles_{vehicles}, twins_{twins}, reports_{reports}, zones_{zones} {
   if (!context_.areas.several()) return;
-  master_.missions.set_abroad(
+  master_.mission_requests.set_abroad(
       [this](std::string_view to) { return context_.areas.route_to(to, zones_.map()->zone(), master_.missions); });
 }
 

@@ -88,7 +88,7 @@ std::string PersistedState::to_json() const {
     if (proxy.paused_for_body) json.value(proxy.name);
   json.end_array();
   zones_.write_state(json);
-  if (master_.missions.worth_remembering()) master_.missions.write_persisted(json.key("traffic"));
+  if (master_.persisted_missions.worth_remembering()) master_.persisted_missions.write(json.key("traffic"));
   json.end_object();
   return json.take();
 }
@@ -115,7 +115,7 @@ void PersistedState::restore(std::string_view bytes) {
     return;
   }
   restore_world(*state);
-  if (const JsonValue* traffic_state = state->find("traffic")) master_.missions.restore(*traffic_state);
+  if (const JsonValue* traffic_state = state->find("traffic")) master_.persisted_missions.restore(*traffic_state);
   std::optional<zone::ZoneConfiguration> given_zone;
   if (const JsonValue* given = state->find("given")) {
     auto configuration = zone::zone_configuration_from_json(*given);

@@ -15,7 +15,7 @@ std::optional<VehicleIndex> VehicleLifecycle::register_vehicle(const wire::Vehic
   master_.orders.resize(registry.size());
   master_.missions.resize(registry.size());
   master_.maps.resize(registry.size());
-  master_.missions.registered(*index);
+  master_.persisted_missions.registered(*index);
   augmented_.virtual_obstacles.resize(registry.size());
   augmented_.pauses.resize(registry.size());
   AivProxy& proxy = registry[*index];
@@ -95,7 +95,7 @@ void VehicleLifecycle::apply_priority(VehicleIndex vehicle) {
 
 void VehicleLifecycle::renew_mission(VehicleIndex vehicle) {
   master_.missions.forget(vehicle);
-  master_.missions.registered(vehicle);
+  master_.persisted_missions.registered(vehicle);
 }
 
 }  // namespace cosiva::virtual_side

@@ -111,7 +111,7 @@ void ZoneSession::start_over(const std::shared_ptr<const zone::TrafficZone>& zon
 
 void ZoneSession::notify_all(const WaypointGraph* graph) {
   master_.traffic.set_map(graph);
-  master_.missions.set_map(graph);
+  master_.missions.set_map(graph, master_.persisted_missions.take_closed(graph));
   master_.orders.set_map(graph);
   augmented_.pauses.set_map(graph);
   twins_.set_map(graph);
@@ -218,7 +218,7 @@ void ZoneSession::write(JsonWriter& json) const {
   else
     json.null();
   json.field("revision", context_.simulator.zone_revision()).key("closed").begin_array();
-  for (const std::string& name : master_.missions.closed_names()) json.value(name);
+  for (const std::string& name : master_.missions.closed().names(master_.missions.map())) json.value(name);
   json.end_array().key("refused");
   if (refused_) {
     json.begin_object()

@@ -130,7 +130,7 @@ bool CoursePlanner::plan_beyond_base(VehicleIndex vehicle) {
     if (sections && sections->size() > 1) base_end = context_.map->sibling_on(session.base_end(), (*sections)[1]);
     if (base_end != no_waypoint) --keep;
   }
-  if (base_end == no_waypoint && !(has_siblings && context_.missions.is_closed(end.section))) {
+  if (base_end == no_waypoint && !(has_siblings && context_.missions.closed().contains(end.section))) {
     base_end = session.base_end();
     const std::array from{end};
     sections = context_.missions.plan(vehicle, from);
@@ -151,8 +151,8 @@ bool CoursePlanner::plan_beyond_base(VehicleIndex vehicle) {
 }
 
 bool CoursePlanner::cancel_before_closed(VehicleIndex vehicle, Sections released) {
-  const auto closed =
-      std::ranges::find_if(released, [&](zone::SectionId section) { return context_.missions.is_closed(section); });
+  const auto closed = std::ranges::find_if(
+      released, [&](zone::SectionId section) { return context_.missions.closed().contains(section); });
   if (closed == released.end()) return false;
   context_.publisher.log('i', context_.registry[vehicle].name + ": its base leads into '" +
                                   context_.map->circuit().part(*closed).name +

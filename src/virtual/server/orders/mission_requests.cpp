@@ -1,14 +1,15 @@
-// Requests to Missions, and the state of Missions that persists over a crash of the server.
-#include <algorithm>
-#include <utility>
+#include "cosiva/virtual/server/orders/mission_requests.h"
 
+#include <algorithm>
+#include <string>
+
+#include "cosiva/base/expect.h"
 #include "cosiva/base/likeness.h"
-#include "cosiva/virtual/server/orders/missions.h"
+#include "cosiva/virtual/server/orders/mission.h"
 
 namespace cosiva::virtual_side {
 namespace {
 
-constexpr std::size_t name_bytes_max = 200;
 constexpr std::size_t likened_max = 5000;  ///< with more names than this, no similar names are listed
 constexpr std::size_t shown_max = 3;
 
@@ -36,18 +37,18 @@ std::string nearest_names(std::string_view requested, const std::vector<std::str
 
 }  // namespace
 
-bool Missions::handles(std::string_view command) {
+bool MissionRequests::handles(std::string_view command) {
   return command == "go" || command == "circulate" || command == "close" || command == "open";
 }
 
-Result<void> Missions::check(const JsonValue& command) const {
+Result<void> MissionRequests::check(const JsonValue& command) const {
   const std::string verb = command.text("command").value_or("");
-  if (map_ == nullptr)
+  if (missions_.map() == nullptr)
     return fail("mission.zone", "there is no zone yet; wait until the physical side has sent it, then try again");
   return verb == "go" || verb == "circulate" ? check_mission(command, verb) : check_section(command, verb);
 }
 
-Result<std::vector<VehicleIndex>> Missions::addressed(const JsonValue& command) const {
+Result<std::vector<VehicleIndex>> MissionRequests::addressed(const JsonValue& command) const {
   std::vector<std::string> names;
   if (const JsonValue* list = command.find("vehicles"); list != nullptr && list->array() != nullptr) {
     for (const JsonValue& name : *list->array()) names.push_back(name.text() == nullptr ? "" : *name.text());
@@ -74,9 +75,9 @@ Result<std::vector<VehicleIndex>> Missions::addressed(const JsonValue& command) 
   return vehicles;
 }
 
-Result<void> Missions::check_mission(const JsonValue& command, std::string_view verb) const {
+Result<void> MissionRequests::check_mission(const JsonValue& command, std::string_view verb) const {
   if (auto vehicles = addressed(command); !vehicles) return tl::unexpected(vehicles.error());
-  const zone::TrafficZone& zone = map_->zone();
+  const zone::TrafficZone& zone = missions_.map()->zone();
   std::vector<std::string_view> names;
   if (verb == "circulate") {
     const std::string loop = command.text("loop").value_or("");
@@ -85,9 +86,9 @@ Result<void> Missions::check_mission(const JsonValue& command, std::string_view 
     return fail("mission.loop", "there is no loop '" + cut(loop) + "'" + nearest_names(loop, names, "loops"), "loop");
   }
   const std::string to = command.text("to").value_or("");
-  if (to.empty() || to.size() > name_bytes_max)
+  if (to.empty() || to.size() > mission_name_bytes_max)
     return fail("mission.to", "state the destination, as the name of a station or waypoint", "to");
-  if (!goals(to).empty()) return {};
+  if (!goals_of(*missions_.map(), to).empty()) return {};
   if (abroad_ && to.find('/') != std::string::npos) {
     const auto leads = abroad_(to);
     return leads ? Result<void>{} : tl::unexpected(leads.error());
@@ -104,10 +105,10 @@ Result<void> Missions::check_mission(const JsonValue& command, std::string_view 
               "to");
 }
 
-Result<void> Missions::check_section(const JsonValue& command, std::string_view verb) const {
+Result<void> MissionRequests::check_section(const JsonValue& command, std::string_view verb) const {
   const std::string name = command.text("section").value_or("");
   if (name.empty()) return fail("mission.section", "state which section to " + std::string(verb), "section");
-  const zone::Circuit& circuit = map_->circuit();
+  const zone::Circuit& circuit = missions_.map()->circuit();
   const auto section = circuit.find(name);
   if (!section) {
     std::vector<std::string_view> names;
@@ -115,79 +116,36 @@ Result<void> Missions::check_section(const JsonValue& command, std::string_view 
     return fail("mission.section", "there is no section '" + cut(name) + "'" + nearest_names(name, names, "sections"),
                 "section");
   }
-  if (is_closed(*section) == (verb == "close"))
+  if (missions_.closed().contains(*section) == (verb == "close"))
     return fail("mission.section", "'" + cut(name) + "' is " + (verb == "close" ? "closed" : "open") + " already",
                 "section");
   return {};
 }
 
-bool Missions::worth_remembering() const {
-  return closed_ != configured_ || !persisted_.empty() ||
-         std::ranges::any_of(entries_, [](const Entry& entry) { return !(entry.mission == Mission{}); });
-}
-
-void Missions::write_persisted(JsonWriter& json) const {
-  json.begin_object().field("zone", map_ == nullptr ? std::string_view{} : std::string_view{map_->zone().name});
-  json.key("closed").begin_array();
-  for (const std::string& name : closed_names()) json.value(name);
-  json.end_array().key("missions").begin_array();
-  const auto write = [&json](const std::string& vehicle, const Mission& mission) {
-    json.begin_object()
-        .field("vehicle", vehicle)
-        .field("kind", mission.kind == Mission::Kind::go ? "go" : "circulate")
-        .field("name", mission.name);
-    if (!mission.beyond.empty()) json.field("beyond", mission.beyond);
-    json.end_object();
-  };
-  for (VehicleIndex v = 0; v < entries_.size(); ++v)
-    if (!(entries_[v].mission == Mission{})) write(registry_[v].name, entries_[v].mission);
-  for (const Persisted& one : persisted_) write(one.vehicle, one.mission);
-  json.end_array().end_object();
-}
-
-void Missions::restore(const JsonValue& memory) {
-  const auto each = [&memory](std::string_view list, const auto& take) {
-    const JsonValue* found = memory.find(list);
-    if (found == nullptr || found->array() == nullptr) return;
-    for (const JsonValue& one : *found->array()) take(one);
-  };
-  persisted_closed_.emplace(PersistedClosed{memory.text("zone").value_or(""), {}});
-  each("closed", [&](const JsonValue& name) {
-    if (name.text() != nullptr) persisted_closed_->sections.push_back(*name.text());
-  });
-  each("missions", [&](const JsonValue& one) {
-    const auto vehicle = one.text("vehicle");
-    if (!vehicle || vehicle->size() > name_bytes_max || persisted_.size() >= Registry::vehicles_max) return;
-    const bool go = one.text("kind").value_or("") == "go";
-    persisted_.push_back({*vehicle,
-                          {go ? Mission::Kind::go : Mission::Kind::circulate, one.text("name").value_or(""),
-                           one.text("beyond").value_or("")}});
-  });
-  for (VehicleIndex v = 0; v < entries_.size(); ++v) registered(v);
-  if (map_ == nullptr) return;
-  restore_for_zone();
-  closed_changed();
-}
-
-void Missions::registered(VehicleIndex vehicle) {
-  const auto found = std::ranges::find(persisted_, registry_[vehicle].name, &Persisted::vehicle);
-  if (found == persisted_.end()) return;
-  if (map_ == nullptr || known(found->mission)) {
-    entries_[vehicle].mission = found->mission;
-    ++entries_[vehicle].revision;
+void MissionRequests::follow(const JsonValue& command) {
+  const std::string verb = command.text("command").value_or("");
+  if (verb == "close" || verb == "open") return close_or_open(command, verb == "close");
+  const bool go = verb == "go";
+  const std::string name = command.text(go ? "to" : "loop").value_or("");
+  const auto vehicles = addressed(command);
+  COSIVA_EXPECT(vehicles.has_value());
+  Mission mission{go ? Mission::Kind::go : Mission::Kind::circulate, name};
+  if (go && goals_of(*missions_.map(), name).empty() && abroad_) {
+    auto leads = abroad_(name);
+    if (!leads) return publisher_.log('w', "command refused: " + to_string(leads.error()));
+    mission = std::move(*leads);
   }
-  persisted_.erase(found);
+  for (const VehicleIndex v : *vehicles) missions_.give(v, mission);
 }
 
-void Missions::restore_for_zone() {
-  if (!persisted_closed_) return;
-  const PersistedClosed was = *std::exchange(persisted_closed_, std::nullopt);
-  if (was.zone != map_->zone().name) return;
-  closed_.clear();
-  for (const std::string& name : was.sections)
-    if (const auto section = map_->circuit().find(name)) closed_.push_back(*section);
-  std::ranges::sort(closed_);
-  closed_.erase(std::unique(closed_.begin(), closed_.end()), closed_.end());
+void MissionRequests::close_or_open(const JsonValue& command, bool close) {
+  const zone::SectionId section = *missions_.map()->circuit().find(command.text("section").value_or(""));
+  std::vector<zone::SectionId> closed = missions_.closed().all();
+  if (close)
+    closed.push_back(section);
+  else
+    std::erase(closed, section);
+  missions_.set_closed(std::move(closed));
 }
 
 }  // namespace cosiva::virtual_side

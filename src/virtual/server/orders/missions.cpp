@@ -2,20 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <iterator>
-#include <limits>
 #include <utility>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::virtual_side {
-namespace {
 
-/// Maximum distance between a station and its waypoint, which is rounded.
-constexpr double station_m = 0.02;
-
-}  // namespace
-
-void Missions::set_map(const WaypointGraph* map) {
+void Missions::set_map(const WaypointGraph* map, std::optional<std::vector<zone::SectionId>> closed) {
   map_ = map;
   router_.reset();
   for_ever_.clear();
@@ -28,8 +21,7 @@ void Missions::set_map(const WaypointGraph* map) {
   ++revision_;
   if (map_ == nullptr) return;
   router_.emplace(map_->zone());
-  configured_ = map_->zone().closed;
-  closed_ = configured_;
+  closed_.configure(map_->zone().closed);
   for (VehicleIndex v = 0; v < entries_.size(); ++v) {
     Mission& mission = entries_[v].mission;
     if (known(mission)) continue;
@@ -37,80 +29,42 @@ void Missions::set_map(const WaypointGraph* map) {
                    registry_[v].name + ": this zone has no '" + mission.name + "'; it follows its default mission");
     mission = {};
   }
-  restore_for_zone();
-  for_ever_ = router_->goes_on_for_ever(closed_);
+  if (closed) closed_.set(std::move(*closed));
+  for_ever_ = router_->goes_on_for_ever(closed_.all());
 }
 
 void Missions::renew() {
   router_.emplace(map_->zone());
-  if (map_->zone().closed == configured_) return;
-  configured_ = map_->zone().closed;
-  closed_ = configured_;
-  closed_changed();
+  if (map_->zone().closed == closed_.configured()) return;
+  closed_.configure(map_->zone().closed);
+  set_closed(closed_.all());
 }
 
-void Missions::closed_changed() {
-  for_ever_ = router_->goes_on_for_ever(closed_);
+void Missions::set_closed(std::vector<zone::SectionId> sections) {
+  closed_.set(std::move(sections));
+  for_ever_ = router_->goes_on_for_ever(closed_.all());
   ++revision_;
 }
 
-bool Missions::is_closed(zone::SectionId section) const { return std::ranges::binary_search(closed_, section); }
-
-std::vector<WaypointIndex> Missions::goals(std::string_view name) const {
-  std::vector<WaypointIndex> found;
-  std::string_view id = name;
-  if (const zone::Station* station = map_->zone().find_station(name)) {
-    const auto& waypoints = map_->zone().waypoints;
-    const auto section_of = [](const zone::Waypoint& waypoint) { return waypoint.position.section; };
-    WaypointIndex nearest = no_waypoint;
-    double off_m = station_m;
-    auto it = std::ranges::lower_bound(waypoints, station->position.section, {}, section_of);
-    for (; it != waypoints.end() && it->position.section == station->position.section; ++it) {
-      const double here_m = std::fabs(it->position.s_m - station->position.s_m);
-      if (here_m > off_m) continue;
-      nearest = static_cast<WaypointIndex>(it - waypoints.begin());
-      off_m = here_m;
-    }
-    if (nearest == no_waypoint) return found;
-    id = map_->waypoint(nearest).id;
-  }
-  const auto all = map_->find(id);
-  found.assign(all.begin(), all.end());
-  return found;
-}
-
-const zone::Loop* Missions::loop_of(const Entry& entry) const {
-  const auto& loops = map_->zone().loops;
-  if (entry.mission.name.empty()) return loops.empty() ? nullptr : &loops.front();
-  return map_->zone().find_loop(entry.mission.name);
+void Missions::Entry::stop(const Error& error) {
+  state = State::no_route;
+  why = error.message;
+  complete = true;
 }
 
 bool Missions::known(const Mission& mission) const {
-  if (mission.kind == Mission::Kind::go) return !goals(mission.name).empty();
+  if (mission.kind == Mission::Kind::go) return !goals_of(*map_, mission.name).empty();
   return mission.name.empty() || map_->zone().find_loop(mission.name) != nullptr;
-}
-
-void Missions::no_route(Entry& entry, const Error& error) {
-  entry.state = State::no_route;
-  entry.why = error.message;
-  entry.complete = true;
-}
-
-std::vector<zone::SectionId> Missions::shut(Sections avoided) const {
-  std::vector<zone::SectionId> all;
-  all.reserve(closed_.size() + avoided.size());
-  std::ranges::set_union(closed_, avoided, std::back_inserter(all));
-  return all;
 }
 
 bool Missions::has_detour(VehicleIndex vehicle, zone::TrackPosition from, Sections around) const {
   const Entry& entry = entries_[vehicle];
-  const auto closed = shut(around);
+  const auto closed = closed_.with(around);
   if (entry.mission.kind == Mission::Kind::go)
-    return std::ranges::any_of(goals(entry.mission.name), [&](WaypointIndex goal) {
+    return std::ranges::any_of(goals_of(*map_, entry.mission.name), [&](WaypointIndex goal) {
       return router_->plan(from, map_->waypoint(goal).position, closed).has_value();
     });
-  if (const zone::Loop* loop = loop_of(entry)) return router_->plan(from, *loop, closed).has_value();
+  if (const zone::Loop* loop = loop_of(*map_, entry.mission)) return router_->plan(from, *loop, closed).has_value();
   return router_->goes_on_for_ever(closed)[from.section];
 }
 
@@ -128,11 +82,13 @@ std::optional<std::vector<zone::SectionId>> Missions::plan(VehicleIndex vehicle,
   entry.complete = false;
   entry.why.clear();
   entry.state = State::driving;
-  const zone::Loop* loop = entry.mission.kind == Mission::Kind::circulate ? loop_of(entry) : nullptr;
+  const zone::Loop* loop = entry.mission.kind == Mission::Kind::circulate ? loop_of(*map_, entry.mission) : nullptr;
   if (entry.mission.kind == Mission::Kind::circulate && loop == nullptr) {
     std::vector<zone::SectionId> sections;
     for (const zone::TrackPosition& start : starts) sections.push_back(start.section);
-    const zone::SectionId best = sections.size() == 1 ? zone::no_section : least_recent(entry, sections);
+    const zone::SectionId best = sections.size() == 1
+                                     ? zone::no_section
+                                     : entry.roaming.least_recent(sections, {closed_, entry.avoided, for_ever_});
     return std::vector{best == zone::no_section ? sections.front() : best};
   }
 
@@ -148,14 +104,14 @@ std::optional<std::vector<zone::SectionId>> Missions::plan(VehicleIndex vehicle,
   };
   for (const zone::TrackPosition& start : starts) {
     if (loop != nullptr) {
-      consider(router_->plan(start, *loop, shut(entry.avoided)), no_waypoint);
+      consider(router_->plan(start, *loop, closed_.with(entry.avoided)), no_waypoint);
       continue;
     }
-    for (const WaypointIndex goal : goals(entry.mission.name))
-      consider(router_->plan(start, map_->waypoint(goal).position, shut(entry.avoided)), goal);
+    for (const WaypointIndex goal : goals_of(*map_, entry.mission.name))
+      consider(router_->plan(start, map_->waypoint(goal).position, closed_.with(entry.avoided)), goal);
   }
   if (!best) {
-    no_route(entry, error.value_or(Error{"route.none", "the zone has no '" + entry.mission.name + "' any more", ""}));
+    entry.stop(error.value_or(Error{"route.none", "the zone has no '" + entry.mission.name + "' any more", ""}));
     publisher_.log('w', registry_[vehicle].name + ": no route: " + entry.why);
     return std::nullopt;
   }
@@ -166,54 +122,37 @@ std::optional<std::vector<zone::SectionId>> Missions::plan(VehicleIndex vehicle,
 std::vector<zone::SectionId> Missions::more(VehicleIndex vehicle, zone::SectionId last) {
   Entry& entry = entries_[vehicle];
   if (entry.complete) return {};
-  const zone::Loop* loop = loop_of(entry);
-  if (loop == nullptr) return branch(entry, last);
-  auto lap = router_->plan({last, map_->circuit().section(last).length_m()}, *loop, shut(entry.avoided));
+  COSIVA_EXPECT(entry.state != State::no_route);
   const auto next = map_->circuit().next(last);
-  const bool alone = lap && lap->sections.size() < 2 && std::ranges::find(next, last) != next.end() && !is_closed(last);
+  const zone::Loop* loop = loop_of(*map_, entry.mission);
+  if (loop == nullptr) {
+    const zone::SectionId branch = entry.roaming.least_recent(next, {closed_, entry.avoided, for_ever_});
+    if (branch == zone::no_section) {
+      const std::string& name = map_->circuit().part(last).name;
+      entry.stop({"route.none",
+                  next.empty() ? "the path ends with '" + name + "'" : "every section after '" + name + "' is closed",
+                  name});
+      return {};
+    }
+    if (next.size() > 1) entry.roaming.take(branch);
+    return {branch};
+  }
+  auto lap = router_->plan({last, map_->circuit().section(last).length_m()}, *loop, closed_.with(entry.avoided));
+  const bool alone =
+      lap && lap->sections.size() < 2 && std::ranges::find(next, last) != next.end() && !closed_.contains(last);
   if (alone) return {last};
   if (!lap || lap->sections.size() < 2) {
-    no_route(entry, lap ? Error{"route.none", "the loop ends here", ""} : lap.error());
+    entry.stop(lap ? Error{"route.none", "the loop ends here", ""} : lap.error());
     return {};
   }
   return {lap->sections.begin() + 1, lap->sections.end()};
-}
-
-zone::SectionId Missions::least_recent(const Entry& entry, Sections choice) const {
-  const auto worth = [&](zone::SectionId section) {
-    const auto taken = entry.taken.find(section);
-    // Branches that lead into a dead end come last, regardless of when they were taken.
-    constexpr auto dead_end = std::numeric_limits<std::uint64_t>::max() / 2;
-    return (taken == entry.taken.end() ? 0 : taken->second) + (for_ever_[section] ? 0 : dead_end);
-  };
-  zone::SectionId best = zone::no_section;
-  for (const zone::SectionId section : choice)
-    if (!is_closed(section) && !std::ranges::binary_search(entry.avoided, section) &&
-        (best == zone::no_section || worth(section) < worth(best)))
-      best = section;
-  return best;
-}
-
-std::vector<zone::SectionId> Missions::branch(Entry& entry, zone::SectionId last) {
-  const auto next = map_->circuit().next(last);
-  const zone::SectionId best = least_recent(entry, next);
-  if (best == zone::no_section) {
-    const std::string& name = map_->circuit().part(last).name;
-    no_route(
-        entry,
-        {"route.none",
-         next.empty() ? "the path ends with '" + name + "'" : "every section after '" + name + "' is closed", name});
-    return {};
-  }
-  if (next.size() > 1) entry.taken[best] = ++entry.forks;
-  return {best};
 }
 
 bool Missions::is_at(VehicleIndex vehicle, Point2 p, double off_m) const {
   const Entry& entry = entries_[vehicle];
   if (entry.mission.kind != Mission::Kind::go) return false;
   if (entry.state == State::arrived) return true;
-  const auto all = goals(entry.mission.name);
+  const auto all = goals_of(*map_, entry.mission.name);
   return std::ranges::any_of(all, [&](WaypointIndex i) { return distance(map_->point(i), p) <= off_m; });
 }
 
@@ -239,34 +178,16 @@ void Missions::give(VehicleIndex vehicle, Mission mission) {
   registry_[vehicle].no_orders = false;
 }
 
-void Missions::follow(const JsonValue& command) {
-  const std::string verb = command.text("command").value_or("");
-  if (verb == "go" || verb == "circulate") {
-    const bool go = verb == "go";
-    const std::string name = command.text(go ? "to" : "loop").value_or("");
-    const auto vehicles = addressed(command);
-    Mission mission{go ? Mission::Kind::go : Mission::Kind::circulate, name};
-    if (go && goals(name).empty() && abroad_) {
-      auto leads = abroad_(name);
-      if (!leads) return publisher_.log('w', "command refused: " + to_string(leads.error()));
-      mission = std::move(*leads);
-    }
-    for (const VehicleIndex v : *vehicles) give(v, mission);
-    return;
-  }
-  const zone::SectionId section = *map_->circuit().find(command.text("section").value_or(""));
-  if (verb == "close")
-    closed_.insert(std::ranges::lower_bound(closed_, section), section);
-  else
-    std::erase(closed_, section);
-  closed_changed();
+void Missions::restore(VehicleIndex vehicle, Mission mission) {
+  entries_[vehicle].mission = std::move(mission);
+  ++entries_[vehicle].revision;
 }
 
 void Missions::write(JsonWriter& json, VehicleIndex vehicle, std::string_view waits_for) const {
   const Entry& entry = entries_[vehicle];
   const bool go = entry.mission.kind == Mission::Kind::go;
   json.begin_object().field("kind", go ? "go" : "circulate");
-  const zone::Loop* loop = go || map_ == nullptr ? nullptr : loop_of(entry);
+  const zone::Loop* loop = go || map_ == nullptr ? nullptr : loop_of(*map_, entry.mission);
   json.key(go ? "to" : "loop");
   if (go)
     json.value(entry.mission.beyond.empty() ? entry.mission.name : entry.mission.beyond);
@@ -289,20 +210,13 @@ void Missions::write(JsonWriter& json, VehicleIndex vehicle, std::string_view wa
   json.end_object();
 }
 
-std::vector<std::string> Missions::closed_names() const {
-  std::vector<std::string> names;
-  if (map_ != nullptr)
-    for (const zone::SectionId section : closed_) names.push_back(map_->circuit().part(section).name);
-  return names;
-}
-
 void Missions::fold(Digest& digest) const {
   for (const Entry& entry : entries_) {
     if (entry.mission == Mission{} && entry.state == State::driving) continue;
     digest.add(std::string_view{entry.mission.name});
     digest.add(static_cast<std::uint64_t>(entry.state));
   }
-  for (const zone::SectionId section : closed_) digest.add(std::uint64_t{section});
+  for (const zone::SectionId section : closed_.all()) digest.add(std::uint64_t{section});
 }
 
 }  // namespace cosiva::virtual_side
