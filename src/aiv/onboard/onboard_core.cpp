@@ -273,7 +273,7 @@ void OnboardCore::Parts::on_tick(SimTime now, wire::Effects& effects) {
     if (!agent.progress().take_traversed().empty()) reporter.request_report();
     if (agent.progress().take_lost()) {
       reporter.refuse("orderError", "order", "the vehicle was found off its order's route and dropped the order",
-                      {{"orderId", agent.order().order_id()}}, effects);
+                      {{"orderId", agent.order().ids().order_id}}, effects);
     }
     positions.on_tick(now, *context, effects);
     reporter.update_display(now, agent, boards, effects);
@@ -396,9 +396,9 @@ void OnboardCore::fold(Digest& digest) const {
   digest.add(agent.position().travelled_m());
   digest.add(agent.motion().speed_mps());
   digest.add(std::uint64_t{agent.holds().bits()});
-  digest.add(std::string_view{agent.order().order_id()});
-  digest.add(std::uint64_t{agent.order().order_update_id()});
-  digest.add(std::uint64_t{agent.order().last_node_sequence_id()});
+  digest.add(std::string_view{agent.order().ids().order_id});
+  digest.add(std::uint64_t{agent.order().ids().order_update_id});
+  digest.add(std::uint64_t{agent.order().last_node().sequence_id});
   digest.add(std::uint64_t{agent.decision().braking_for_virtual});
   context.virtual_bodies().fold(digest);
   context.sighting().fold(digest);

@@ -179,8 +179,8 @@ TEST_P(Overshot, vehicle_goes_first_when_the_vehicle_that_it_obstructs_releases_
   fixture.each_step = [&] {
     touches += fixture.touches();
     // Emulates its obstacle sensor; the sensor of the other vehicle faces in another direction.
-    const bool near = std::fabs(other.track_position().s_m - 0.9) < 0.32 && other.track_position().section == 6 && nose.track_position().section == 0 &&
-                      nose.track_position().s_m < 1.0;
+    const bool near = std::fabs(other.track_position().s_m - 0.9) < 0.32 && other.track_position().section == 6 &&
+                      nose.track_position().section == 0 && nose.track_position().s_m < 1.0;
     if (near != other.blocked) other.state_due = true;
     other.blocked = near;
     if (near && nose.paused) {
@@ -208,7 +208,7 @@ TEST(UnresponsiveVehicle, that_is_stopped_with_base_ahead_is_given_a_new_order) 
   FixtureVehicle& is_cosiva = fixture.add("AIV1", {0, 0.5});
   FixtureVehicle& foreign = fixture.add("AGV1", {2, 0.5}, "Acme");
   fixture.run_for(5s);
-  for (FixtureVehicle* vehicle : {&is_cosiva, &foreign}) vehicle->hangs_on = vehicle->book->order_id();
+  for (FixtureVehicle* vehicle : {&is_cosiva, &foreign}) vehicle->hangs_on = vehicle->book->ids().order_id;
   const double before_m = is_cosiva.driven_m;
   fixture.run_for(10s);
   EXPECT_EQ(is_cosiva.driven_m, before_m);
