@@ -135,17 +135,17 @@ void OnboardCore::Parts::on_message(const wire::Input& input, wire::Effects& eff
   const wire::ServerTopics& topics = server.topics();
   if (input.source == topics.heartbeat) {
     if (!input.flag) supervision.on_server_heartbeat(input.at);
-  } else if (input.source == session.virtual_obstacles_topic()) {
+  } else if (input.source == session.topics().virtual_obstacles) {
     on_virtual_bodies(input, effects);
-  } else if (input.source == session.order_topic()) {
+  } else if (input.source == session.topics().order) {
     orders.on_order(input, context.get(), effects);
-  } else if (input.source == session.instant_actions_topic()) {
+  } else if (input.source == session.topics().instant_actions) {
     actions.on_message(input.at, input.payload, context.get(), effects);
   } else if (input.source == topics.connection) {
     on_server_connection(input, effects);
-  } else if (input.source == session.estimate_request_topic()) {
+  } else if (input.source == session.topics().estimate_request) {
     estimation.on_request(input.at, input.payload, session, effects);
-  } else if (input.source == session.owner_topic()) {
+  } else if (input.source == session.topics().owner) {
     on_owner(input, effects);
   } else if (input.source.starts_with(topics.zone_prefix) && !input.payload.empty()) {
     // An empty message clears the topic of a format that the zone no longer has.
@@ -352,12 +352,12 @@ void OnboardCore::handle(const wire::Input& input, wire::Effects& effects) {
 
 std::vector<std::string> OnboardCore::subscriptions() const {
   // The owner comes first: of the zones that a broker retains, a restored position belongs to the owner's.
-  const Session& session = parts_->session;
-  return {session.owner_topic(),
-          session.order_topic(),
-          session.instant_actions_topic(),
-          session.virtual_obstacles_topic(),
-          session.estimate_request_topic(),
+  const SessionTopics& topics = parts_->session.topics();
+  return {topics.owner,
+          topics.order,
+          topics.instant_actions,
+          topics.virtual_obstacles,
+          topics.estimate_request,
           std::string(wire::server_heartbeat_topic),
           std::string(wire::server_connection_topic),
           wire::topics_below(wire::zone_topic_prefix, 1)};
