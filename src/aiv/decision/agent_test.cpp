@@ -363,7 +363,7 @@ TEST(Agent, accepts_a_position_only_on_the_circuit_and_at_standstill_without_an_
   EXPECT_EQ(fixture.agent.initialise_position({5.0, 5.0, 0.0}, "").error().code, "position.off_circuit");
   EXPECT_TRUE(fixture.agent.initialise_position({-0.5, -0.14, 0.05}, "dock"));
   EXPECT_NEAR(fixture.agent.position().track_position().s_m, 0.25, 1e-9);
-  EXPECT_EQ(fixture.agent.order().last_node_id(), "dock");
+  EXPECT_EQ(fixture.agent.order().last_node().node_id, "dock");
   fixture.take(order("O-1").through({"east@190", "east@380"}));
   EXPECT_EQ(fixture.agent.initialise_position({-0.5, -0.14, 0.0}, "").error().code, "position.busy");
 }

@@ -138,17 +138,17 @@ void OnboardCore::Parts::on_message(const wire::Input& input, wire::Effects& eff
   const wire::ServerTopics& topics = server.topics();
   if (input.source == topics.heartbeat) {
     if (!input.flag) supervision.on_server_heartbeat(input.at);
-  } else if (input.source == session.virtual_obstacles_topic()) {
+  } else if (input.source == session.topics().virtual_obstacles) {
     on_virtual_bodies(input, effects);
-  } else if (input.source == session.order_topic()) {
+  } else if (input.source == session.topics().order) {
     orders.on_order(input, context.get(), effects);
-  } else if (input.source == session.instant_actions_topic()) {
+  } else if (input.source == session.topics().instant_actions) {
     actions.on_message(input.at, input.payload, context.get(), effects);
   } else if (input.source == topics.connection) {
     on_server_connection(input, effects);
-  } else if (input.source == session.estimate_request_topic()) {
+  } else if (input.source == session.topics().estimate_request) {
     estimation.on_request(input.at, input.payload, session, effects);
-  } else if (input.source == session.owner_topic()) {
+  } else if (input.source == session.topics().owner) {
     on_owner(input, effects);
   } else if (input.source.starts_with(topics.zone_prefix)) {
     on_zone_message(input, effects);
@@ -286,7 +286,7 @@ void OnboardCore::Parts::on_tick(SimTime now, wire::Effects& effects) {
     if (!agent.progress().take_traversed().empty()) reporter.request_report();
     if (agent.progress().take_lost()) {
       reporter.refuse("orderError", "order", "the vehicle was found off its order's route and dropped the order",
-                      {{"orderId", agent.order().order_id()}}, effects);
+                      {{"orderId", agent.order().ids().order_id}}, effects);
     }
     positions.on_tick(now, *context, effects);
     reporter.update_display(now, agent, boards, effects);
@@ -365,12 +365,12 @@ void OnboardCore::handle(const wire::Input& input, wire::Effects& effects) {
 
 std::vector<std::string> OnboardCore::subscriptions() const {
   // The owner comes first: of the zones that a broker retains, a restored position belongs to the owner's.
-  const Session& session = parts_->session;
-  return {session.owner_topic(),
-          session.order_topic(),
-          session.instant_actions_topic(),
-          session.virtual_obstacles_topic(),
-          session.estimate_request_topic(),
+  const SessionTopics& topics = parts_->session.topics();
+  return {topics.owner,
+          topics.order,
+          topics.instant_actions,
+          topics.virtual_obstacles,
+          topics.estimate_request,
           std::string(wire::server_heartbeat_topic),
           std::string(wire::server_connection_topic),
           wire::topics_below(wire::zone_topic_prefix, 1)};
@@ -409,9 +409,9 @@ void OnboardCore::fold(Digest& digest) const {
   digest.add(agent.position().travelled_m());
   digest.add(agent.motion().speed_mps());
   digest.add(std::uint64_t{agent.holds().bits()});
-  digest.add(std::string_view{agent.order().order_id()});
-  digest.add(std::uint64_t{agent.order().order_update_id()});
-  digest.add(std::uint64_t{agent.order().last_node_sequence_id()});
+  digest.add(std::string_view{agent.order().ids().order_id});
+  digest.add(std::uint64_t{agent.order().ids().order_update_id});
+  digest.add(std::uint64_t{agent.order().last_node().sequence_id});
   digest.add(std::uint64_t{agent.decision().braking_for_virtual});
   context.virtual_bodies().fold(digest);
   context.sighting().fold(digest);

@@ -30,7 +30,7 @@ void OrderReceiver::on_order(const wire::Input& input, DrivingContext* context, 
   if (context == nullptr) return refuse("noRouteError", "no zone is known yet");
   Agent& agent = context->agent();
   const bool repeated =
-      order->order_id == agent.order().order_id() && order->order_update_id == agent.order().order_update_id();
+      order->order_id == agent.order().ids().order_id && order->order_update_id == agent.order().ids().order_update_id;
   if (const auto& pending = parts_.zones.pending(); pending && !repeated)
     return refuse("noRouteError", "zone '" + pending->zone().name + "' follows as soon as the vehicle has stopped");
 
@@ -43,7 +43,7 @@ void OrderReceiver::on_order(const wire::Input& input, DrivingContext* context, 
 
 void OrderReceiver::accept(const wire::Order& order, OrderBook::Verdict verdict, SimTime now, DrivingContext& context,
                            wire::Effects& effects) {
-  COSIVA_EXPECT(context.agent().order().order_id() == order.order_id);
+  COSIVA_EXPECT(context.agent().order().ids().order_id == order.order_id);
   if (verdict == OrderBook::Verdict::accepted_new) {
     parts_.reporter.on_new_order();
     parts_.actions.on_new_order();

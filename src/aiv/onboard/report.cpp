@@ -88,14 +88,14 @@ wire::Information gauge_information(const wire::Power::Gauge& gauge) {
 
 void add_agent(const Agent& agent, const ReportSources& from, wire::State& state) {
   const OrderBook& order = agent.order();
-  state.order_id = order.order_id();
-  state.order_update_id = order.order_update_id();
-  state.zone_set_id = order.zone_set_id();
-  state.last_node_id = order.last_node_id();
-  state.last_node_sequence_id = order.last_node_sequence_id();
+  state.order_id = order.ids().order_id;
+  state.order_update_id = order.ids().order_update_id;
+  state.zone_set_id = order.ids().zone_set_id;
+  state.last_node_id = order.last_node().node_id;
+  state.last_node_sequence_id = order.last_node().sequence_id;
   state.node_states = order.node_states();
   state.edge_states = order.edge_states();
-  if (!order.last_node_id().empty()) state.distance_since_last_node_m = order.since_last_node_m();
+  if (!order.last_node().node_id.empty()) state.distance_since_last_node_m = order.since_last_node_m();
   state.driving = !agent.motion().stopped();
   state.paused = agent.holds().has(Hold::paused);
   state.new_base_request = agent.decision().wants_base;

@@ -19,87 +19,91 @@ void pass_on(std::string topic, Message&& message, wire::Effects& effects) {
   effects.emplace_back(wire::Publish{std::move(topic), {}, 0, false, wire::typed(std::forward<Message>(message))});
 }
 
+SessionTopics topics_of(const wire::VehicleId& id, std::string_view interface_name) {
+  return {
+      .order = wire::vda_topic(id, "order", interface_name),
+      .instant_actions = wire::vda_topic(id, "instantActions", interface_name),
+      .virtual_obstacles = wire::own_topic(wire::virtual_obstacles_topic_prefix, id),
+      .owner = wire::own_topic(wire::owner_topic_prefix, id),
+      .estimate_request = wire::own_topic(wire::estimate_request_topic_prefix, id),
+      .connection = wire::vda_topic(id, "connection", interface_name),
+      .state = wire::vda_topic(id, "state", interface_name),
+      .visualization = wire::vda_topic(id, "visualization", interface_name),
+      .factsheet = wire::vda_topic(id, "factsheet", interface_name),
+      .virtual_obstacles_ack = wire::own_topic(wire::virtual_obstacles_ack_topic_prefix, id),
+      .estimate_response = wire::own_topic(wire::estimate_response_topic_prefix, id),
+      .detected_obstacle = wire::own_topic(wire::detected_obstacle_topic_prefix, id),
+      .boards = wire::own_topic(wire::boards_topic_prefix, id),
+  };
+}
+
 }  // namespace
 
 Session::Session(wire::VehicleId id, std::string_view interface_name, bool as_values)
-    : id_{std::move(id)},
-      as_values_{as_values},
-      order_topic_{wire::vda_topic(id_, "order", interface_name)},
-      instant_actions_topic_{wire::vda_topic(id_, "instantActions", interface_name)},
-      connection_topic_{wire::vda_topic(id_, "connection", interface_name)},
-      state_topic_{wire::vda_topic(id_, "state", interface_name)},
-      visualization_topic_{wire::vda_topic(id_, "visualization", interface_name)},
-      factsheet_topic_{wire::vda_topic(id_, "factsheet", interface_name)},
-      virtual_obstacles_topic_{wire::own_topic(wire::virtual_obstacles_topic_prefix, id_)},
-      owner_topic_{wire::own_topic(wire::owner_topic_prefix, id_)},
-      virtual_obstacles_ack_topic_{wire::own_topic(wire::virtual_obstacles_ack_topic_prefix, id_)},
-      estimate_request_topic_{wire::own_topic(wire::estimate_request_topic_prefix, id_)},
-      estimate_response_topic_{wire::own_topic(wire::estimate_response_topic_prefix, id_)},
-      detected_obstacle_topic_{wire::own_topic(wire::detected_obstacle_topic_prefix, id_)},
-      boards_topic_{wire::own_topic(wire::boards_topic_prefix, id_)} {}
+    : id_{std::move(id)}, as_values_{as_values}, topics_{topics_of(id_, interface_name)} {}
 
 wire::Header Session::header(SimTime now, std::uint32_t header_id) const {
   return {header_id, now, std::string(vda::version), id_.manufacturer, id_.serial_number};
 }
 
 wire::Will Session::will(SimTime now) const {
-  const wire::Connection last_will{header(now, connections_), wire::ConnectionState::connection_broken};
-  return {wire::Publish{connection_topic_, vda::encode(last_will), 1, true}};
+  const wire::Connection last_will{header(now, next_.connection), wire::ConnectionState::connection_broken};
+  return {wire::Publish{topics_.connection, vda::encode(last_will), 1, true}};
 }
 
 void Session::publish(SimTime now, wire::ConnectionState state, wire::Effects& effects) {
   if (!online_) return;
-  const wire::Connection connection{header(now, connections_++), state};
-  effects.emplace_back(wire::Publish{connection_topic_, vda::encode(connection), 1, true});
+  const wire::Connection connection{header(now, next_.connection++), state};
+  effects.emplace_back(wire::Publish{topics_.connection, vda::encode(connection), 1, true});
 }
 
 void Session::publish(SimTime now, wire::State&& state, wire::Effects& effects) {
   if (!online_) return;
-  state.header = header(now, states_++);
-  if (as_values_) return pass_on(state_topic_, std::move(state), effects);
-  effects.emplace_back(wire::Publish{state_topic_, vda::encode(state), 0, false});
+  state.header = header(now, next_.state++);
+  if (as_values_) return pass_on(topics_.state, std::move(state), effects);
+  effects.emplace_back(wire::Publish{topics_.state, vda::encode(state), 0, false});
 }
 
 void Session::publish(SimTime now, wire::Visualization&& visualization, wire::Effects& effects) {
   if (!online_) return;
-  visualization.header = header(now, visualizations_++);
-  if (as_values_) return pass_on(visualization_topic_, std::move(visualization), effects);
-  effects.emplace_back(wire::Publish{visualization_topic_, vda::encode(visualization), 0, false});
+  visualization.header = header(now, next_.visualization++);
+  if (as_values_) return pass_on(topics_.visualization, std::move(visualization), effects);
+  effects.emplace_back(wire::Publish{topics_.visualization, vda::encode(visualization), 0, false});
 }
 
 void Session::publish(SimTime now, wire::Factsheet&& factsheet, wire::Effects& effects) {
   if (!online_) return;
-  factsheet.header = header(now, factsheets_++);
-  effects.emplace_back(wire::Publish{factsheet_topic_, vda::encode(factsheet), 0, true});
+  factsheet.header = header(now, next_.factsheet++);
+  effects.emplace_back(wire::Publish{topics_.factsheet, vda::encode(factsheet), 0, true});
 }
 
 void Session::publish(const wire::VirtualObstaclesAck& perceived, wire::Effects& effects) {
-  if (online_) effects.emplace_back(wire::Publish{virtual_obstacles_ack_topic_, to_json(perceived), 0, false});
+  if (online_) effects.emplace_back(wire::Publish{topics_.virtual_obstacles_ack, to_json(perceived), 0, false});
 }
 
 void Session::publish(SimTime now, wire::DetectedObstacleReport&& detected, wire::Effects& effects) {
   if (!online_) return;
-  detected.header_id = sightings_++;
+  detected.header_id = next_.detected_obstacle++;
   detected.timestamp = now;
-  if (as_values_) return pass_on(detected_obstacle_topic_, std::move(detected), effects);
-  effects.emplace_back(wire::Publish{detected_obstacle_topic_, to_json(detected), 0, false});
+  if (as_values_) return pass_on(topics_.detected_obstacle, std::move(detected), effects);
+  effects.emplace_back(wire::Publish{topics_.detected_obstacle, to_json(detected), 0, false});
 }
 
 void Session::publish(SimTime now, wire::BoardsReport&& report, wire::Effects& effects) {
   if (!online_) return;
-  report.header_id = boards_reports_++;
+  report.header_id = next_.boards++;
   report.timestamp = now;
-  if (as_values_) return pass_on(boards_topic_, std::move(report), effects);
-  effects.emplace_back(wire::Publish{boards_topic_, to_json(report), 0, false});
+  if (as_values_) return pass_on(topics_.boards, std::move(report), effects);
+  effects.emplace_back(wire::Publish{topics_.boards, to_json(report), 0, false});
 }
 
 void Session::publish_estimate(std::string&& json, wire::Effects& effects) const {
-  if (online_) effects.emplace_back(wire::Publish{estimate_response_topic_, std::move(json), 0, false});
+  if (online_) effects.emplace_back(wire::Publish{topics_.estimate_response, std::move(json), 0, false});
 }
 
 void Session::publish(SimTime now, wire::Cell cell, wire::Intent&& intent, wire::Effects& effects) {
   if (!online_) return;
-  intent.header_id = intents_++;
+  intent.header_id = next_.intent++;
   intent.timestamp = now;
   std::string topic = wire::v2x_topic(intent.map_id, cell, id_);
   if (as_values_) return pass_on(std::move(topic), std::move(intent), effects);

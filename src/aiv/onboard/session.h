@@ -15,6 +15,25 @@
 
 namespace cosiva::aiv {
 
+/// The topics of one vehicle, except those of its intents, which depend on where it is.
+struct SessionTopics {
+  // Subscribed.
+  std::string order;
+  std::string instant_actions;
+  std::string virtual_obstacles;
+  std::string owner;
+  std::string estimate_request;
+  // Published.
+  std::string connection;
+  std::string state;
+  std::string visualization;
+  std::string factsheet;
+  std::string virtual_obstacles_ack;
+  std::string estimate_response;
+  std::string detected_obstacle;
+  std::string boards;
+};
+
 /// The vehicle's end of VDA 5050: topics, headers counted per topic, retained flags and quality of service (§6.2, §6.4,
 /// §6.14, §6.15). While the broker is away nothing is published, because a state that waits would be outdated.
 class Session {
@@ -22,12 +41,7 @@ class Session {
   /// @param as_values  frequent messages are passed on as values (wire/in_process/typed_message.h)
   Session(wire::VehicleId id, std::string_view interface_name, bool as_values = false);
 
-  [[nodiscard]] const std::string& order_topic() const { return order_topic_; }
-  [[nodiscard]] const std::string& instant_actions_topic() const { return instant_actions_topic_; }
-
-  [[nodiscard]] const std::string& virtual_obstacles_topic() const { return virtual_obstacles_topic_; }
-  [[nodiscard]] const std::string& owner_topic() const { return owner_topic_; }
-  [[nodiscard]] const std::string& estimate_request_topic() const { return estimate_request_topic_; }
+  [[nodiscard]] const SessionTopics& topics() const { return topics_; }
 
   /// @param now  of the connect that will carry it; its header is not for ordering (trap 18)
   [[nodiscard]] wire::Will will(SimTime now) const;
@@ -52,31 +66,23 @@ class Session {
   [[nodiscard]] Result<void> accepts(const wire::Header& header) const;
 
  private:
+  /// The id of the next message of each topic (§6.4).
+  struct HeaderIds {
+    std::uint32_t connection{0};
+    std::uint32_t state{0};
+    std::uint32_t visualization{0};
+    std::uint32_t factsheet{0};
+    std::uint32_t detected_obstacle{0};
+    std::uint32_t boards{0};
+    std::uint32_t intent{0};
+  };
   [[nodiscard]] wire::Header header(SimTime now, std::uint32_t header_id) const;
 
   wire::VehicleId id_;
   bool as_values_;
-  std::string order_topic_;
-  std::string instant_actions_topic_;
-  std::string connection_topic_;
-  std::string state_topic_;
-  std::string visualization_topic_;
-  std::string factsheet_topic_;
-  std::string virtual_obstacles_topic_;
-  std::string owner_topic_;
-  std::string virtual_obstacles_ack_topic_;
-  std::string estimate_request_topic_;
-  std::string estimate_response_topic_;
-  std::string detected_obstacle_topic_;
-  std::string boards_topic_;
+  SessionTopics topics_;
   bool online_{false};
-  std::uint32_t connections_{0};
-  std::uint32_t states_{0};
-  std::uint32_t visualizations_{0};
-  std::uint32_t factsheets_{0};
-  std::uint32_t sightings_{0};
-  std::uint32_t boards_reports_{0};
-  std::uint32_t intents_{0};
+  HeaderIds next_;
 };
 
 /// What this vehicle is and can do, from the zone it drives in.

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "cosiva/aiv/order/order_locator.h"
 #include "cosiva/aiv/order/order_route.h"
 #include "cosiva/base/result.h"
 #include "cosiva/wire/messages/messages.h"
@@ -13,8 +15,24 @@
 
 namespace cosiva::aiv {
 
+/// What identifies an order and its last update (VDA 5050 2.1 §6.10); empty before the first order.
+struct OrderIds {
+  std::string order_id;
+  std::uint32_t order_update_id{0};
+  std::string zone_set_id;
+};
+
+/// The node that the vehicle traversed last, or at which it was stopped when it accepted its order.
+struct LastNode {
+  std::string node_id;
+  std::uint32_t sequence_id{0};
+  zone::TrackPosition position;
+  double path_m{0.0};  ///< along the order from its first node
+};
+
 /// The vehicle's side of an order (VDA 5050 2.1 §6.6): which nodes are accepted, released and traversed. All rules of
 /// acceptance are implemented here, once; the on-board program and the virtual AIV both use this class.
+/// Invariant: each remaining node has the edge that leads to it, and a refused order changes nothing.
 class OrderBook {
  public:
   /// Where the vehicle is, for "the first node must be trivially reachable" (§6.6.4, trap 9).
@@ -81,11 +99,8 @@ class OrderBook {
   [[nodiscard]] bool horizon_left() const;
   [[nodiscard]] std::optional<double> speed_limit_mps() const;  ///< of the current edge
 
-  [[nodiscard]] const std::string& order_id() const { return order_id_; }
-  [[nodiscard]] std::uint32_t order_update_id() const { return order_update_id_; }
-  [[nodiscard]] const std::string& zone_set_id() const { return zone_set_id_; }
-  [[nodiscard]] const std::string& last_node_id() const { return last_node_id_; }
-  [[nodiscard]] std::uint32_t last_node_sequence_id() const { return last_node_sequence_id_; }
+  [[nodiscard]] const OrderIds& ids() const { return ids_; }
+  [[nodiscard]] const LastNode& last_node() const { return last_node_; }
   [[nodiscard]] double since_last_node_m() const;
   [[nodiscard]] std::vector<wire::NodeState> node_states() const;
   [[nodiscard]] std::vector<wire::EdgeState> edge_states() const;
@@ -95,46 +110,21 @@ class OrderBook {
   [[nodiscard]] double travelled_m() const { return travelled_m_; }
 
  private:
-  /// An order located on this circuit, and the vehicle's position on it.
-  struct Found {
-    OrderRoute route;
-    double vehicle_m;          ///< beyond the first node; negative: before it
-    zone::TrackPosition from;  ///< the vehicle's position
-  };
   [[nodiscard]] Result<Verdict> offer_new(const wire::Order& order, const StartState& reference);
   [[nodiscard]] Result<Verdict> offer_update(const wire::Order& order, const StartState& reference);
-  /// From the position of its first node at which the vehicle is.
-  [[nodiscard]] Result<Found> find(const wire::Order& order, const std::vector<zone::TrackPosition>& firsts,
-                                   zone::TrackPosition now) const;
-  /// Likewise, and from each other position of the vehicle when that gives the shorter route, or the only one.
-  [[nodiscard]] Result<Found> find_from_any(const wire::Order& order, const std::vector<zone::TrackPosition>& firsts,
-                                            const StartState& reference) const;
-  /// From the position of its first node, at the end of the base, that continues the base.
-  [[nodiscard]] Result<OrderRoute> find_continuation(const wire::Order& order, std::size_t kept);
-  /// The position that was found for an update's first node, and the other positions with the same id.
-  [[nodiscard]] std::vector<zone::TrackPosition> positions_like(zone::TrackPosition found,
-                                                                const wire::Order& order) const;
-  /// Distance of the vehicle beyond the first node; negative: before it. noRouteError where the distance is too large.
-  [[nodiscard]] Result<double> distance_from_first_node(const wire::OrderNode& node, const OrderRoute& route,
-                                                        zone::TrackPosition now) const;
   void append(const wire::Order& order, OrderRoute&& route, double first_path_m);
   [[nodiscard]] std::size_t released_count() const;
 
   const zone::TrafficZone& zone_;
   std::vector<std::string> supported_actions_;
-  OrderRouter router_;
+  OrderLocator locator_;
   bool cancelled_{false};  ///< the order of these ids was cancelled
-  std::string order_id_;
-  std::uint32_t order_update_id_{0};
-  std::string zone_set_id_;
-  std::string last_node_id_;
-  std::uint32_t last_node_sequence_id_{0};
+  OrderIds ids_;
+  LastNode last_node_;
   std::vector<Target> targets_;         ///< nodes not yet traversed
   std::vector<wire::OrderEdge> edges_;  ///< edges not yet left
   double travelled_m_{0.0};             ///< along the order, from its first node
-  double last_node_path_m_{0.0};
   double base_end_path_m_{0.0};
-  zone::TrackPosition last_node_position_;
   zone::TrackPosition accepted_at_;
 };
 

@@ -55,9 +55,9 @@ TEST(NewOrder, is_accepted_and_its_first_node_is_the_last_node) {
   EXPECT_FALSE(book.active());
   EXPECT_EQ(book.offer(usual(), start), Verdict::accepted_new);
   EXPECT_TRUE(book.active());
-  EXPECT_EQ(book.order_id(), "O-1");
-  EXPECT_EQ(book.last_node_id(), "loop_se@0");
-  EXPECT_EQ(book.last_node_sequence_id(), 0U);
+  EXPECT_EQ(book.ids().order_id, "O-1");
+  EXPECT_EQ(book.last_node().node_id, "loop_se@0");
+  EXPECT_EQ(book.last_node().sequence_id, 0U);
   EXPECT_THAT(left(book), ElementsAre("loop_se@283", "loop_se@565", "loop_se@848?"));
   EXPECT_EQ(book.edge_states().size(), 3U);
   EXPECT_EQ(book.edge_states().front().edge_id, "loop_se@0-loop_se@283");
@@ -70,7 +70,7 @@ TEST(NewOrder, of_one_node_and_no_edge_is_valid_and_finished_at_once) {
   Book book;
   EXPECT_EQ(book.offer(order("O-1").through({"loop_se@0"}), start), Verdict::accepted_new);
   EXPECT_FALSE(book.active());
-  EXPECT_EQ(book.last_node_id(), "loop_se@0");
+  EXPECT_EQ(book.last_node().node_id, "loop_se@0");
   EXPECT_EQ(book.distance_to_base_end_m(), 0.0);
 }
 
@@ -87,7 +87,7 @@ TEST(NewOrder, is_refused_while_the_present_order_has_base_or_horizon_left) {
   EXPECT_FALSE(book.base_left());
   EXPECT_EQ(book.refusal(order("O-2").through({"loop_se@565"}), reference("loop_se", 2.0 * edge_m)),
             "orderUpdateError");
-  EXPECT_EQ(book.order_id(), "O-1");
+  EXPECT_EQ(book.ids().order_id, "O-1");
 }
 
 TEST(NewOrder, is_accepted_when_the_previous_order_is_finished) {
@@ -97,7 +97,7 @@ TEST(NewOrder, is_accepted_when_the_previous_order_is_finished) {
   EXPECT_FALSE(book.active());
   EXPECT_EQ(book.offer(order("O-2", 7).through({"loop_se@283", "loop_se@565"}), reference("loop_se", edge_m)),
             Verdict::accepted_new);
-  EXPECT_EQ(book.order_update_id(), 7U);
+  EXPECT_EQ(book.ids().order_update_id, 7U);
 }
 
 TEST(FirstNode, may_lie_on_the_edge_behind_the_vehicle) {
@@ -151,13 +151,13 @@ TEST_P(BadOrders, are_refused_with_the_right_type_and_change_nothing) {
   GetParam().spoil(bad);
   Book book;
   EXPECT_EQ(book.refusal(bad), GetParam().type) << GetParam().what;
-  EXPECT_EQ(book.order_id(), "");
+  EXPECT_EQ(book.ids().order_id, "");
   EXPECT_FALSE(book.active());
 
   ASSERT_TRUE(book.offer(order("O-0").through({"loop_se@0", "loop_se@283"}), start));
   book.travelled(edge_m);
   EXPECT_NE(book.refusal(bad, reference("loop_se", edge_m)), "accepted");
-  EXPECT_EQ(book.order_id(), "O-0");
+  EXPECT_EQ(book.ids().order_id, "O-0");
 }
 
 const BadOrder bad_orders[] = {
@@ -313,7 +313,7 @@ TEST(Update, older_than_the_present_one_is_refused_and_the_order_continues) {
   ASSERT_TRUE(book.offer(usual(), start));
   ASSERT_TRUE(book.offer(extension(5), start));
   EXPECT_EQ(book.refusal(extension(4)), "orderUpdateError");
-  EXPECT_EQ(book.order_update_id(), 5U);
+  EXPECT_EQ(book.ids().order_update_id, 5U);
   EXPECT_TRUE(book.active());
 }
 
@@ -356,8 +356,8 @@ TEST(Traversal, takes_nodes_and_the_edges_before_them_out_of_the_states) {
   ASSERT_TRUE(book.offer(usual(), start));
   EXPECT_THAT(ids(book.travelled(edge_m - 0.01)), IsEmpty()) << "a node on the route is traversed when passed";
   EXPECT_THAT(ids(book.travelled(0.01 + 1e-9)), ElementsAre("loop_se@283"));
-  EXPECT_EQ(book.last_node_id(), "loop_se@283");
-  EXPECT_EQ(book.last_node_sequence_id(), 2U);
+  EXPECT_EQ(book.last_node().node_id, "loop_se@283");
+  EXPECT_EQ(book.last_node().sequence_id, 2U);
   EXPECT_THAT(left(book), ElementsAre("loop_se@565", "loop_se@848?"));
   EXPECT_EQ(book.edge_states().front().edge_id, "loop_se@283-loop_se@565");
   EXPECT_NEAR(book.since_last_node_m(), 0.0, 1e-8);
@@ -391,7 +391,7 @@ TEST(Cancel, keeps_the_ids_and_discards_the_rest) {
   book.cancel();
   EXPECT_FALSE(book.active());
   EXPECT_EQ(book.distance_to_base_end_m(), 0.0);
-  EXPECT_EQ(book.order_id(), "O-1");
+  EXPECT_EQ(book.ids().order_id, "O-1");
   EXPECT_THAT(book.edge_states(), IsEmpty());
   EXPECT_EQ(book.refusal(order("O-2").through({"loop_se@0", "loop_se@283"}), reference("loop_se", 0.1)), "accepted");
 }
@@ -440,7 +440,7 @@ TEST(RollingOrder, repeats_its_loop_in_bounded_space) {
     book.travelled(book.distance_to_base_end_m() - 0.1);
     ASSERT_LE(book.targets().size(), 2U);
   }
-  EXPECT_GE(book.last_node_sequence_id(), 998U);
+  EXPECT_GE(book.last_node().sequence_id, 998U);
 }
 
 }  // namespace

@@ -208,7 +208,7 @@ TEST(UnresponsiveVehicle, that_is_stopped_with_base_ahead_is_given_a_new_order) 
   FixtureVehicle& is_cosiva = fixture.add("AIV1", {0, 0.5});
   FixtureVehicle& foreign = fixture.add("AGV1", {2, 0.5}, "Acme");
   fixture.run_for(5s);
-  for (FixtureVehicle* vehicle : {&is_cosiva, &foreign}) vehicle->hangs_on = vehicle->book->order_id();
+  for (FixtureVehicle* vehicle : {&is_cosiva, &foreign}) vehicle->hangs_on = vehicle->book->ids().order_id;
   const double before_m = is_cosiva.driven_m;
   fixture.run_for(10s);
   EXPECT_EQ(is_cosiva.driven_m, before_m);

@@ -214,12 +214,12 @@ TEST(OrderManager, takes_over_an_order_after_a_restart_and_continues_it) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(20s);
-  const std::string order_id = aiv.book->order_id();
+  const std::string order_id = aiv.book->ids().order_id;
   const double driven_m = aiv.driven_m;
   fixture.restart_server();
   fixture.run_for(20s);
   EXPECT_THAT(aiv.refusals, IsEmpty());
-  EXPECT_EQ(aiv.book->order_id(), order_id);
+  EXPECT_EQ(aiv.book->ids().order_id, order_id);
   EXPECT_GT(aiv.driven_m, driven_m + 5.0);
   EXPECT_TRUE(fixture.logged("took over order"));
   expect_stitched(aiv.orders);
@@ -253,10 +253,10 @@ TEST(OrderManager, cancels_an_active_order_with_a_refused_update_before_sending_
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(5s);
-  const std::string first = aiv.book->order_id();
+  const std::string first = aiv.book->ids().order_id;
   aiv.refuse_next_order = true;
   fixture.run_for(10s);
-  EXPECT_NE(aiv.book->order_id(), first);
+  EXPECT_NE(aiv.book->ids().order_id, first);
   EXPECT_THAT(aiv.refusals, IsEmpty());
   const bool cancelled =
       std::ranges::any_of(aiv.actions, [](const auto& m) { return m.actions[0].action_type == "cancelOrder"; });
@@ -309,7 +309,7 @@ TEST(OrderManager, extends_the_base_of_a_vehicle_that_passed_its_end_into_the_ne
   fixture.run_for(4s);
   fixture.send_command(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"rack_b"})");
   fixture.run_for(4s);
-  ASSERT_EQ(aiv.book->last_node_id(), "gate@580") << "20 mm before the gate's end";
+  ASSERT_EQ(aiv.book->last_node().node_id, "gate@580") << "20 mm before the gate's end";
   ASSERT_EQ(aiv.book->distance_to_base_end_m(), 0.0);
   aiv.motion.shift(circuit, 0.03, std::array{*circuit.find("b_out1")});
   ASSERT_EQ(circuit.part(aiv.track_position().section).name, "b_out1");

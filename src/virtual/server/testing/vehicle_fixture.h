@@ -202,7 +202,7 @@ class FixtureVehicle {
     }
     const bool brakes = next_zone_ != nullptr && brakes_for_ <= SimDuration::zero();
     const double left_m = book->distance_to_base_end_m();
-    const double target_m = paused || blocked || brakes || hangs_on == book->order_id()
+    const double target_m = paused || blocked || brakes || hangs_on == book->ids().order_id
                                 ? 0.0
                                 : std::min(left_m, cruise_mps * to_seconds(dt));
     const double moved_m = backs_m > 0.0 ? -back(dt) : off_path ? 0.0 : drive(target_m);
@@ -218,10 +218,10 @@ class FixtureVehicle {
   [[nodiscard]] wire::State state(SimTime now) {
     wire::State s;
     s.header = header(now, state_header_id++);
-    s.order_id = book->order_id();
-    s.order_update_id = book->order_update_id();
-    s.last_node_id = book->last_node_id();
-    s.last_node_sequence_id = book->last_node_sequence_id();
+    s.order_id = book->ids().order_id;
+    s.order_update_id = book->ids().order_update_id;
+    s.last_node_id = book->last_node().node_id;
+    s.last_node_sequence_id = book->last_node().sequence_id;
     s.driving = speed_mps != 0.0;
     s.paused = paused;
     s.node_states = book->node_states();

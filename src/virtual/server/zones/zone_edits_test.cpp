@@ -108,7 +108,7 @@ TEST(ZoneEdits, do_not_disturb_driving_vehicles) {
     return names;
   };
   const auto holds = held();
-  const std::string order_id = one.book->order_id();
+  const std::string order_id = one.book->ids().order_id;
   const JsonValue before = fixture.aiv("CoSiVA/AIV1");
   const std::uint32_t tag = fixture.zone->tags.empty() ? 1 : fixture.zone->tags.front().number;
   fixture.send_command(edit("\"removeTags\":[" + std::to_string(tag) + "]"));
@@ -120,7 +120,7 @@ TEST(ZoneEdits, do_not_disturb_driving_vehicles) {
   EXPECT_EQ(held(), holds);
   const double driven_m = one.driven_m + two.driven_m;
   fixture.run_for(5s);
-  EXPECT_EQ(one.book->order_id(), order_id) << "the same order continues";
+  EXPECT_EQ(one.book->ids().order_id, order_id) << "the same order continues";
   EXPECT_GT(one.driven_m + two.driven_m, driven_m + 1.5);
   EXPECT_THAT(one.refusals, IsEmpty());
   for (const wire::InstantActions& message : one.actions)
