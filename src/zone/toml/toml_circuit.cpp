@@ -6,6 +6,7 @@
 
 #include "cosiva/base/expect.h"
 #include "cosiva/zone/toml/toml_factory.h"
+#include "cosiva/zone/toml/toml_node.h"
 #include "cosiva/zone/toml/toml_tables.h"
 
 namespace cosiva::zone {

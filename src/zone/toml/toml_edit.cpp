@@ -9,6 +9,7 @@
 #include "cosiva/zone/layout/rounding.h"
 #include "cosiva/zone/toml/sidecar.h"
 #include "cosiva/zone/toml/toml_fields.h"
+#include "cosiva/zone/toml/toml_node.h"
 
 namespace cosiva::zone {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-// toml++ as a compiled library: its implementation is in toml_fields.cpp alone, which halves the build of the rest.
+// toml++ as a compiled library: its implementation is in toml_node.cpp alone, which halves the build of the rest.
 #define TOML_HEADER_ONLY 0
 
 // The content of a file must never stop the program. Version 3.3.0 has two such faults, both found by fuzz/zone.cpp:

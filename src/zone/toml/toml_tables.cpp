@@ -8,6 +8,7 @@
 #include "cosiva/zone/layout/beacons.h"
 #include "cosiva/zone/layout/crossings.h"
 #include "cosiva/zone/layout/waypoints.h"
+#include "cosiva/zone/toml/toml_node.h"
 
 namespace cosiva::zone {
 namespace {
@@ -147,12 +148,13 @@ void TomlTables::read_beacons() {
         {"pitch_m", "cover", "origin", "rotation_deg", "rotation_rad", "columns", "rows", "first_number"});
     grid.origin = origin;
     grid.rotation_rad = rotation_rad;
-    grid.columns = fields->whole("columns", 1, beacons_max);
-    grid.rows = fields->whole("rows", 1, beacons_max);
+    grid.columns = static_cast<std::uint32_t>(fields->whole("columns", 1, beacons_max));
+    grid.rows = static_cast<std::uint32_t>(fields->whole("rows", 1, beacons_max));
     if (!faults_.any() && std::uint64_t{grid.columns} * grid.rows > beacons_max)
       return fields->fault("rows", "zone.size", "expected at most 1000000 beacons in all");
   }
-  grid.first_number = fields->whole("first_number", 1, tag_number_max, BeaconGrid{}.first_number);
+  grid.first_number =
+      static_cast<TagNumber>(fields->whole("first_number", 1, tag_number_max, BeaconGrid{}.first_number));
   zone_.beacons = grid;
 }
 
@@ -163,7 +165,7 @@ void TomlTables::read_tags() {
   if (too_many("tag", entries.size(), tags_max)) return;
   for (const TomlFields& fields : entries) {
     fields.expect_only({"number", "section", "s_m"});
-    const TagNumber number = fields.whole("number", 1, tag_number_max);
+    const auto number = static_cast<TagNumber>(fields.whole("number", 1, tag_number_max));
     const auto position = read_position(fields);
     if (faults_.any() || !position) return;
     if (!numbers.insert(number).second)
@@ -249,7 +251,7 @@ void TomlTables::read_priorities() {
   if (!fields) return;
   for (const std::string& vehicle : fields->keys()) {
     if (const auto wrong = wrong_vehicle_name(vehicle)) return fields->fault(vehicle, "zone.field", *wrong);
-    const std::uint32_t priority = fields->whole(vehicle, 0, priority_max);
+    const std::int64_t priority = fields->whole(vehicle, 0, priority_max);
     if (priority > 0) zone_.priorities.emplace_back(vehicle, static_cast<std::int32_t>(priority));
   }
   std::sort(zone_.priorities.begin(), zone_.priorities.end());

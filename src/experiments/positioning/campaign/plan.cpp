@@ -5,9 +5,14 @@
 
 #include "cosiva/aiv/estimation/registry.h"
 #include "cosiva/experiments/runs/scenario/toml_entry.h"
+#include "cosiva/zone/toml/toml_node.h"
+#include "cosiva/zone/toml/toml_table.h"
 
 namespace cosiva::experiments {
 namespace {
+
+using zone::NumberRange;
+using zone::toml_number;
 
 constexpr std::size_t bytes_max = 1U << 20U;
 constexpr std::size_t values_max = 10'000;
@@ -26,7 +31,7 @@ constexpr std::array<SweptInfo, swept_count> infos{{
     {"pitch_m", "pitch [m]", "metres over 0, at most 100000", 0.0, 1e5, false, 0.5},
 }};
 
-Range range_of(const SweptInfo& info) { return {info.must, info.low, info.high, info.low_allowed}; }
+NumberRange range_of(const SweptInfo& info) { return {info.must, info.low, info.high, info.low_allowed}; }
 
 std::vector<std::string_view> algorithm_names(const estimation::Registry& registry) {
   std::vector<std::string_view> names;
@@ -35,10 +40,10 @@ std::vector<std::string_view> algorithm_names(const estimation::Registry& regist
 }
 
 void read_settings(const Entry& root, CampaignPlan& plan) {
-  constexpr Range distance{"metres over 0, at most 1000000", 0.0, 1e6, false};
-  constexpr Range rate{"times a second, over 0, at most 100000", 0.0, 1e5, false};
-  constexpr Range reach{"metres over 0, at most 10", 0.0, 10.0, false};
-  constexpr Range error{"metres over 0, at most 1000", 0.0, 1e3, false};
+  constexpr NumberRange distance{"metres over 0, at most 1000000", 0.0, 1e6, false};
+  constexpr NumberRange rate{"times a second, over 0, at most 100000", 0.0, 1e5, false};
+  constexpr NumberRange reach{"metres over 0, at most 10", 0.0, 10.0, false};
+  constexpr NumberRange error{"metres over 0, at most 1000", 0.0, 1e3, false};
   plan.name = root.text("name", 200, "Campaign");
   plan.zone = root.text("zone", text_max, "lacet4");
   plan.runs = static_cast<std::uint32_t>(root.whole("runs", 1, 1'000'000, 20));
@@ -63,8 +68,8 @@ void check_fiducials(const Entry& root, const Entry& vary, const CampaignPlan& p
     if (root.has("reach_m")) root.fault("reach_m", "campaign.plan", "only a grid needs it: set fiducials = \"grid\"");
   } else if (2.0 * plan.reach_m > plan.of(Swept::pitch).front()) {
     vary.fault(vary.has(info_of(Swept::pitch).key) ? info_of(Swept::pitch).key : "", "campaign.plan",
-               "a reader that reaches " + shortest(plan.reach_m) + " m would detect two beacons of a grid of " +
-                   shortest(plan.of(Swept::pitch).front()) + " m at once; make reach_m at most half the pitch");
+               "a reader that reaches " + toml_number(plan.reach_m) + " m would detect two beacons of a grid of " +
+                   toml_number(plan.of(Swept::pitch).front()) + " m at once; make reach_m at most half the pitch");
   }
 }
 
@@ -74,7 +79,7 @@ void check_size(const Entry& vary, const CampaignPlan& plan) {
   for (const auto& values : plan.values) votes *= static_cast<double>(values.size());
   if (votes > static_cast<double>(campaign_votes_max))
     vary.fault("", "campaign.plan",
-               "that is a grid of " + shortest(votes) + " runs, over all algorithms; at most " +
+               "that is a grid of " + toml_number(votes) + " runs, over all algorithms; at most " +
                    std::to_string(campaign_votes_max) + " fit one campaign");
 }
 
@@ -133,16 +138,16 @@ std::vector<Swept> CampaignPlan::swept() const {
 Result<CampaignPlan> read_campaign_plan(std::string_view text, const std::string& origin) {
   if (text.size() > bytes_max)
     return fail("campaign.plan", "expected at most 1 MiB, found " + std::to_string(text.size()) + " bytes", origin);
-  Faults faults{origin};
+  zone::TomlFaults faults{origin, Entry::family};
   try {
     const toml::table root = toml::parse(text);
     CampaignPlan plan = read(Entry{faults, root, ""});
-    if (faults.first()) return tl::unexpected(*faults.first());
+    if (faults.any()) return tl::unexpected(faults.first());
     return plan;
   } catch (const toml::parse_error& error) {
     faults.add("campaign.plan", static_cast<std::uint32_t>(error.source().begin.line), "",
                std::string{error.description()});
-    return tl::unexpected(*faults.first());
+    return tl::unexpected(faults.first());
   } catch (const std::exception& error) {
     return fail("campaign.plan", std::string("cannot be read: ") + error.what(), origin);
   }

@@ -6,7 +6,6 @@
 #include "cosiva/experiments/positioning/campaign/result_text.h"
 #include "cosiva/experiments/reporting/chart.h"
 #include "cosiva/experiments/reporting/report.h"
-#include "cosiva/experiments/runs/scenario/toml_entry.h"
 
 namespace cosiva::experiments {
 namespace {

@@ -5,9 +5,12 @@
 
 #include "cosiva/experiments/positioning/campaign/result_text.h"
 #include "cosiva/experiments/runs/scenario/toml_entry.h"
+#include "cosiva/zone/toml/toml_node.h"
 
 namespace cosiva::experiments {
 namespace {
+
+using zone::toml_number;
 
 using Kind = Table::Column::Kind;
 
@@ -135,12 +138,12 @@ Table campaign_table(const CampaignResult& result) {
       {"zone", result.work.ground().zone->name},
       {"runs", std::to_string(plan.runs)},
       {"seed", std::to_string(plan.seed)},
-      {"distance_m", shortest(plan.distance_m)},
-      {"rate_hz", shortest(plan.rate_hz)},
+      {"distance_m", toml_number(plan.distance_m)},
+      {"rate_hz", toml_number(plan.rate_hz)},
       {"fiducials", plan.fiducials == Fiducials::grid ? "grid" : "line"},
-      {"reach_m", shortest(plan.reach_m)},
-      {"threshold_m", shortest(plan.threshold_m)},
-      {"tolerance_m", shortest(plan.tolerance_m)},
+      {"reach_m", toml_number(plan.reach_m)},
+      {"threshold_m", toml_number(plan.threshold_m)},
+      {"tolerance_m", toml_number(plan.tolerance_m)},
       {"tolerance_of", plan.evaluated == Evaluated::p95 ? "p95" : "rmse"},
       {"digest", result.summary.digest},
   };

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "cosiva/experiments/reporting/chart.h"
-#include "cosiva/experiments/runs/scenario/toml_entry.h"
 
 namespace cosiva::experiments {
 namespace {

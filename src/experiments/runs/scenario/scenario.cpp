@@ -9,21 +9,27 @@
 #include "cosiva/base/json_writer.h"
 #include "cosiva/experiments/runs/scenario/toml_entry.h"
 #include "cosiva/wire/messages/topics.h"
+#include "cosiva/zone/toml/toml_node.h"
+#include "cosiva/zone/toml/toml_table.h"
 
 namespace cosiva::experiments {
 namespace {
+
+using zone::NumberRange;
+using zone::quoted;
+using zone::toml_number;
 
 constexpr std::size_t bytes_max = 1U << 20U;
 constexpr std::size_t entries_max = 10'000;
 constexpr std::size_t path_points_max = 64;
 constexpr std::int64_t aivs_max = 200;
 
-constexpr Range time_s{"seconds since the fleet was complete, from 0 to 1000000", 0.0, 1e6};
-constexpr Range duration_range_s{"seconds over 0, at most 1000000", 0.0, 1e6, false};
-constexpr Range radius_range_m{"a radius from 0.02 to 1 m", 0.02, 1.0};
-constexpr Range walk_mps{"a speed over 0 m/s, at most 3 m/s", 0.0, 3.0, false};
-constexpr Range section_s_m{"metres along the section, from 0", 0.0, 1e5};
-constexpr Range ratio{"a ratio from 0 to 1, such as 0.3", 0.0, 1.0};
+constexpr NumberRange time_s{"seconds since the fleet was complete, from 0 to 1000000", 0.0, 1e6};
+constexpr NumberRange duration_range_s{"seconds over 0, at most 1000000", 0.0, 1e6, false};
+constexpr NumberRange radius_range_m{"a radius from 0.02 to 1 m", 0.02, 1.0};
+constexpr NumberRange walk_mps{"a speed over 0 m/s, at most 3 m/s", 0.0, 3.0, false};
+constexpr NumberRange section_s_m{"metres along the section, from 0", 0.0, 1e5};
+constexpr NumberRange ratio{"a ratio from 0 to 1, such as 0.3", 0.0, 1.0};
 
 constexpr double virtual_object_radius_m = 0.05;
 
@@ -33,7 +39,7 @@ const std::vector<std::string_view> actions{
 const std::vector<std::string_view> vehicle_commands{"stop", "slow", "medium", "fast", "restart", "cancel"};
 const std::vector<std::string_view> repeats{"once", "back and forth", "loop"};
 
-std::string at_text(Point2 p) { return "(" + shortest(p.x_m) + ", " + shortest(p.y_m) + ")"; }
+std::string at_text(Point2 p) { return "(" + toml_number(p.x_m) + ", " + toml_number(p.y_m) + ")"; }
 
 double length_m(const std::vector<Point2>& path) {
   double sum_m = 0.0;
@@ -42,13 +48,13 @@ double length_m(const std::vector<Point2>& path) {
 }
 
 /// Rounded to centimetres: a path's exact length is irrelevant.
-std::string rounded(double metres) { return shortest(std::round(metres * 100.0) / 100.0); }
+std::string rounded(double metres) { return toml_number(std::round(metres * 100.0) / 100.0); }
 
 /// Reads one file. Entries are read in time order, because `move` and `remove` refer to the objects present at their
 /// time.
 class Reader {
  public:
-  Reader(Faults& faults, const toml::table& root) : root_{faults, root, ""} {}
+  Reader(zone::TomlFaults& faults, const toml::table& root) : root_{faults, root, ""} {}
 
   Scenario read() {
     read_head();
@@ -223,11 +229,11 @@ class Reader {
       return json.take();
     };
     const std::string owner_name = name == "*" ? "every vehicle" : name;
-    std::string what = loss > 0.0 ? owner_name + " loses " + shortest(loss * 100.0) + " % of its messages"
+    std::string what = loss > 0.0 ? owner_name + " loses " + toml_number(loss * 100.0) + " % of its messages"
                                   : owner_name + " receives and sends again";
     if (!fields.has("for_s")) return plan(command(loss), std::move(what), now_);
     const double for_s = fields.number("for_s", duration_range_s);
-    what += " for " + shortest(for_s) + " s";
+    what += " for " + toml_number(for_s) + " s";
     plan(command(loss), std::move(what), now_);
     plan(command(0.0), owner_name + " receives and sends again", now_ + from_seconds(for_s), true);
   }
@@ -290,7 +296,7 @@ class Reader {
     if (fields.has("speed_mps")) {
       const double speed_mps = fields.number("speed_mps", walk_mps);
       json.field("speed", speed_mps);
-      what += " at " + shortest(speed_mps) + " m/s";
+      what += " at " + toml_number(speed_mps) + " m/s";
     }
     const std::string repeat = fields.one_of("repeat", repeats, "once");
     json.field("repeat", repeat);
@@ -333,7 +339,7 @@ class Reader {
       const std::string section = fields.text("section", 64);
       const double s_m = fields.number("s_m", section_s_m);
       json.field("section", section).field("s", s_m);
-      where = " on " + section + " at " + shortest(s_m) + " m";
+      where = " on " + section + " at " + toml_number(s_m) + " m";
     } else if (fields.has("at")) {
       const Point2 at = fields.point("at");
       json.field("x", at.x_m).field("y", at.y_m);
@@ -445,16 +451,16 @@ Result<Scenario> scenario_from_toml(std::string_view text, const std::string& or
   if (text.size() > bytes_max) {
     return fail("scenario.size", "expected at most 1 MiB, found " + std::to_string(text.size()) + " bytes", origin);
   }
-  Faults faults{origin};
+  zone::TomlFaults faults{origin, Entry::family};
   try {
     const toml::table root = toml::parse(text);
     Scenario scenario = Reader{faults, root}.read();
-    if (faults.first()) return tl::unexpected(*faults.first());
+    if (faults.any()) return tl::unexpected(faults.first());
     return scenario;
   } catch (const toml::parse_error& error) {
     faults.add("scenario.syntax", static_cast<std::uint32_t>(error.source().begin.line), "",
                std::string(error.description()));
-    return tl::unexpected(*faults.first());
+    return tl::unexpected(faults.first());
   } catch (const std::exception& error) {
     return fail("scenario.syntax", std::string("cannot be read: ") + error.what(), origin);
   }

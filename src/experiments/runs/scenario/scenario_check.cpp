@@ -12,9 +12,15 @@
 #include "cosiva/wire/messages/topics.h"
 #include "cosiva/zone/drawing/draw.h"
 #include "cosiva/zone/rtm/rtm.h"
+#include "cosiva/zone/toml/toml_node.h"
+#include "cosiva/zone/toml/toml_table.h"
 
 namespace cosiva::experiments {
 namespace {
+
+using zone::nearest;
+using zone::quoted;
+using zone::toml_number;
 
 /// A virtual AIV is added on the nearest path; a larger distance is an error.
 constexpr double off_path_m_max = 0.30;
@@ -28,12 +34,12 @@ struct VirtualObject {
   std::uint32_t line;
 };
 
-std::string at_seconds(SimDuration at) { return "at " + shortest(to_seconds(at)) + " s"; }
+std::string at_seconds(SimDuration at) { return "at " + toml_number(to_seconds(at)) + " s"; }
 
 class Checker {
  public:
   Checker(const Scenario& scenario, const zone::TrafficZone& zone, const std::string& origin)
-      : scenario_{scenario}, faults_{origin} {
+      : scenario_{scenario}, faults_{origin, Entry::family} {
     enter(zone);
     for (const Scenario::Step& step : scenario.steps) record_arrival(step);
   }
@@ -45,17 +51,17 @@ class Checker {
                       std::to_string(scenario_.aivs));
     }
     for (const Scenario::Step& step : scenario_.steps) {
-      if (faults_.first()) break;
+      if (faults_.any()) break;
       step_ = &step;
       if (scenario_.duration_s && step.at > from_seconds(*scenario_.duration_s)) {
         fault("t_s", "scenario.never",
-              at_seconds(step.at) + " the scenario is over: it lasts " + shortest(*scenario_.duration_s) +
+              at_seconds(step.at) + " the scenario is over: it lasts " + toml_number(*scenario_.duration_s) +
                   " s (duration_s)");
       }
       const auto command = JsonValue::parse(step.command, command_bytes_max);
       if (command) evaluate(*command);
     }
-    if (faults_.first()) return tl::unexpected(*faults_.first());
+    if (faults_.any()) return tl::unexpected(faults_.first());
     return {};
   }
 
@@ -234,9 +240,9 @@ class Checker {
         y_m <= bounds_.high.y_m + margin_m)
       return;
     fault(field, "scenario.position",
-          "(" + shortest(x_m) + ", " + shortest(y_m) + ") is off the zone " + zone_->name + ", which extends from (" +
-              shortest(bounds_.low.x_m) + ", " + shortest(bounds_.low.y_m) + ") to (" + shortest(bounds_.high.x_m) +
-              ", " + shortest(bounds_.high.y_m) + ") m");
+          "(" + toml_number(x_m) + ", " + toml_number(y_m) + ") is off the zone " + zone_->name +
+              ", which extends from (" + toml_number(bounds_.low.x_m) + ", " + toml_number(bounds_.low.y_m) + ") to (" +
+              toml_number(bounds_.high.x_m) + ", " + toml_number(bounds_.high.y_m) + ") m");
   }
 
   void evaluate_route(const JsonValue& virtual_object) {
@@ -266,15 +272,15 @@ class Checker {
       location = zone::TrackPosition{*section, virtual_object.number("s").value_or(0.0)};
       if (location->s_m > length_m) {
         return fault("virtual_aiv.s_m", "scenario.position",
-                     *name + " is " + shortest(length_m) + " m long, so s_m must be from 0 to that");
+                     *name + " is " + toml_number(length_m) + " m long, so s_m must be from 0 to that");
       }
     } else if (virtual_object.number("x") && virtual_object.number("y")) {
       const Point2 at{*virtual_object.number("x"), *virtual_object.number("y")};
       const auto located = zone_->circuit.locate(at);
       if (located.distance_m > off_path_m_max) {
         return fault("virtual_aiv.at", "scenario.position",
-                     "the nearest path of " + zone_->name + " is " + shortest(located.distance_m) +
-                         " m away; add it within " + shortest(off_path_m_max) + " m of a path");
+                     "the nearest path of " + zone_->name + " is " + toml_number(located.distance_m) +
+                         " m away; add it within " + toml_number(off_path_m_max) + " m of a path");
       }
       location = located.position;
     }
@@ -334,7 +340,7 @@ class Checker {
   std::shared_ptr<const zone::TrafficZone> switched_to_;  ///< owns the zone, when a step has switched to it
   zone::Bounds bounds_{};
   std::set<std::string> closed_;
-  Faults faults_;
+  zone::TomlFaults faults_;
   const Scenario::Step* step_{};
   std::map<std::string, SimDuration> arrivals_;           ///< of virtual AIVs: when each is added first
   std::map<std::string, VirtualObject> virtual_objects_;  ///< present at this step
@@ -348,9 +354,9 @@ Result<void> resolve_zones(Scenario& scenario, const LoadZone& load, const std::
     if (step.zone.empty()) continue;
     const auto configuration = load(step.zone);
     if (!configuration) {
-      Faults faults{origin};
+      zone::TomlFaults faults{origin, Entry::family};
       faults.add(configuration.error().code, step.line, "switch", to_string(configuration.error()));
-      return tl::unexpected(*faults.first());
+      return tl::unexpected(faults.first());
     }
     JsonWriter json;
     zone::write_json(json.begin_object().field("command", "switch").key("zone"), *configuration);

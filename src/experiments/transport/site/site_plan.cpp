@@ -9,14 +9,20 @@
 #include <utility>
 
 #include "cosiva/experiments/runs/scenario/toml_entry.h"
+#include "cosiva/zone/toml/toml_node.h"
+#include "cosiva/zone/toml/toml_table.h"
 
 namespace cosiva::experiments {
 namespace {
 
+using zone::nearest;
+using zone::NumberRange;
+using zone::quoted;
+
 constexpr std::size_t bytes_max = 1U << 22U;
 constexpr std::size_t text_max = 4096;
 constexpr std::int64_t aivs_max = 10'000'000;
-constexpr Range takes_range_s{"seconds from 0.2 to 100000", 0.2, 1e5};
+constexpr NumberRange takes_range_s{"seconds from 0.2 to 100000", 0.2, 1e5};
 
 /// "zone" or "zone/station".
 std::pair<std::string, std::string> end_of(const std::string& text) {
@@ -74,16 +80,16 @@ SitePlan read(const Entry& root) {
 Result<SitePlan> read_site_plan(std::string_view text, std::string_view origin) {
   const std::string name{origin};
   if (text.size() > bytes_max) return fail("site.file", "a site's file has at most 4 MiB", name);
-  Faults faults{name};
+  zone::TomlFaults faults{name, Entry::family};
   try {
     const toml::table root = toml::parse(text);
     SitePlan plan = read(Entry{faults, root, ""});
-    if (faults.first()) return tl::unexpected(*faults.first());
+    if (faults.any()) return tl::unexpected(faults.first());
     return plan;
   } catch (const toml::parse_error& error) {
     faults.add("site.file", static_cast<std::uint32_t>(error.source().begin.line), "",
                std::string{error.description()});
-    return tl::unexpected(*faults.first());
+    return tl::unexpected(faults.first());
   } catch (const std::exception& error) {
     return fail("site.file", std::string("cannot be read: ") + error.what(), name);
   }
