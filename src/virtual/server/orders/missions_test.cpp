@@ -92,23 +92,6 @@ TEST(Missions, accept_a_waypoint_as_goal) {
   EXPECT_EQ(state_of(fixture), "arrived");
 }
 
-TEST(Missions, are_refused_with_a_message_that_lists_similar_names) {
-  ServerFixture fixture{fork()};
-  fixture.add("AIV1", {0, 0.1});
-  fixture.run_for(300ms);
-  EXPECT_THAT(fixture.refusal(go("duck")), HasSubstr("dock"));
-  EXPECT_THAT(fixture.refusal(go("")), HasSubstr("state the destination"));
-  EXPECT_THAT(fixture.refusal(go("dock", "CoSiVA/AIV9")), HasSubstr("no vehicle 'CoSiVA/AIV9'"));
-  EXPECT_THAT(fixture.refusal(R"({"command":"go","to":"dock"})"), HasSubstr("state which vehicle"));
-  EXPECT_THAT(fixture.refusal(R"({"command":"circulate","vehicle":"*","loop":"outer"})"), HasSubstr("no loops"));
-  EXPECT_THAT(fixture.refusal(on_section("close", "soth")), HasSubstr("south"));
-  EXPECT_THAT(fixture.refusal(on_section("open", "south")), HasSubstr("open already"));
-  EXPECT_THAT(fixture.refusal(R"({"command":"close"})"), HasSubstr("which section"));
-  EXPECT_EQ(fixture.refusal(go("gate")), "");
-  ServerCore nowhere{ServerOptions{}};
-  EXPECT_THAT(nowhere.check_command(go("dock")).error().message, HasSubstr("no zone yet"));
-}
-
 TEST(Missions, circulate_on_the_zone_s_first_loop_by_default_and_on_a_named_one_on_command) {
   const std::string loops =
       "[[loop]]\nname = \"long\"\nsections = [\"entry\", \"bypass1\", \"bypass2\", \"bypass3\", \"bypass4\", "

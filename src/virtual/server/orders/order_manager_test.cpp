@@ -9,9 +9,7 @@ namespace cosiva::virtual_side {
 namespace {
 
 using namespace fixture;
-using testing::ElementsAre;
 using testing::IsEmpty;
-using testing::SizeIs;
 
 /// The order with another header.
 wire::Order content_of(wire::Order order, const wire::Header& header) {
@@ -189,17 +187,6 @@ TEST(OrderManager, survives_a_link_that_loses_every_tenth_message) {
   expect_stitched(orders_to(fixture, aiv));
 }
 
-TEST(OrderManager, sends_a_vehicle_its_own_protocol_version) {
-  ServerFixture fixture;
-  FixtureVehicle& unknown_sender = fixture.add("agv-7", {0, 0.5}, "Acme");
-  unknown_sender.version = "2.0.0";
-  fixture.run_for(2s);
-  ASSERT_FALSE(unknown_sender.orders.empty());
-  EXPECT_EQ(unknown_sender.orders.front().header.version, "2.0.0");
-  EXPECT_EQ(unknown_sender.orders.front().header.manufacturer, "Acme");
-  EXPECT_GT(unknown_sender.driven_m, 0.1);
-}
-
 TEST(OrderManager, sends_no_orders_when_the_server_only_observes) {
   ServerOptions watching;
   watching.drive = false;
@@ -234,49 +221,6 @@ TEST(OrderManager, sends_no_order_after_a_restart_before_all_online_vehicles_hav
   EXPECT_THAT(first.orders, IsEmpty());
   fixture.run_for(1s);
   EXPECT_FALSE(first.orders.empty()) << "after 2 s at most";
-}
-
-TEST(OrderManager, waits_two_seconds_after_a_refusal_and_then_sends_a_new_order) {
-  ServerFixture fixture;
-  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
-  aiv.refuse_next_order = true;
-  fixture.run_for(2s);
-  ASSERT_THAT(aiv.orders, SizeIs(1));
-  EXPECT_TRUE(fixture.logged("refused order"));
-  fixture.run_for(3s);
-  ASSERT_GE(aiv.orders.size(), 2U);
-  EXPECT_NE(aiv.orders[1].order_id, aiv.orders[0].order_id);
-  EXPECT_GT(aiv.driven_m, 0.1);
-}
-
-TEST(OrderManager, cancels_an_active_order_with_a_refused_update_before_sending_a_new_one) {
-  ServerFixture fixture;
-  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
-  fixture.run_for(5s);
-  const std::string first = aiv.book->ids().order_id;
-  aiv.refuse_next_order = true;
-  fixture.run_for(10s);
-  EXPECT_NE(aiv.book->ids().order_id, first);
-  EXPECT_THAT(aiv.refusals, IsEmpty());
-  const bool cancelled =
-      std::ranges::any_of(aiv.actions, [](const auto& m) { return m.actions[0].action_type == "cancelOrder"; });
-  EXPECT_TRUE(cancelled);
-  EXPECT_GT(aiv.speed_mps, 0.0);
-}
-
-TEST(OrderManager, sends_a_new_order_to_a_vehicle_that_restarted_without_its_order) {
-  ServerFixture fixture;
-  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
-  fixture.run_for(5s);
-  fixture.kill(aiv);
-  fixture.run_for(5s);
-  aiv.alive = true;
-  aiv.book.emplace(*fixture.zone);
-  fixture.connection(aiv, wire::ConnectionState::online);
-  const double driven_m = aiv.driven_m;
-  fixture.run_for(10s);
-  EXPECT_THAT(aiv.refusals, IsEmpty());
-  EXPECT_GT(aiv.driven_m, driven_m + 2.0);
 }
 
 TEST(OrderManager, sends_no_order_to_a_returned_vehicle_before_it_reports_its_position) {
@@ -328,23 +272,6 @@ TEST(OrderManager, drives_a_vehicle_that_reports_only_once_a_second) {
   EXPECT_THAT(slow.refusals, IsEmpty());
   EXPECT_GT(slow.driven_m, 17.0);
   EXPECT_EQ(fixture.aiv("Acme/agv-7").flag("lost"), false);
-}
-
-TEST(OrderManager, does_not_modify_an_order_over_unknown_nodes) {
-  ServerFixture fixture;
-  FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
-  wire::State state = aiv.state(fixture.now);
-  state.order_id = "theirs";
-  state.node_states = {{"somewhere", 2, true, std::nullopt}};
-  aiv.alive = false;
-  for (int i = 0; i < 30; ++i) {
-    state.header.header_id++;
-    state.header.timestamp = fixture.now;
-    fixture.send(aiv, "state", vda::encode(state));
-    fixture.run_for(100ms);
-  }
-  EXPECT_THAT(fixture.published_on(aiv.topic("order")), IsEmpty());
-  EXPECT_TRUE(fixture.logged("left alone"));
 }
 
 TEST(OrderManager, sends_the_last_known_position_to_a_vehicle_that_lost_its_position) {
