@@ -158,7 +158,7 @@ void PlantCore::fold(Digest& digest) const {
     digest.add(pose.y_m);
     digest.add(pose.heading_rad);
     digest.add(vehicle.motion().speed_mps());
-    digest.add(vehicle.distance_m());
+    digest.add(vehicle.trip().distance_m());
     digest.add(vehicle.charge());
     digest.add(std::string_view{vehicle.display()});
   }
@@ -190,8 +190,8 @@ std::vector<TrueVehicle> PlantCore::vehicles() const {
     ground_truth.push_back({vehicle.number(),
                             motion.body().X_MB,
                             motion.speed_mps(),
-                            vehicle.distance_m(),
-                            vehicle.laps(),
+                            vehicle.trip().distance_m(),
+                            vehicle.trip().laps(),
                             vehicle.charge(),
                             vehicle.powered(impl_->now),
                             vehicle.display(),
@@ -211,12 +211,12 @@ std::string PlantCore::summary_json() const {
   json.begin_object().key("vehicles").begin_array();
   for (const Vehicle& vehicle : impl_->vehicles) {
     const Pose2& pose = vehicle.motion().body().X_MB;
-    laps += vehicle.laps();
-    longest_wait_s = std::max(longest_wait_s, vehicle.longest_wait_s());
+    laps += vehicle.trip().laps();
+    longest_wait_s = std::max(longest_wait_s, vehicle.trip().longest_wait_s());
     json.begin_object().field("number", vehicle.number()).field("x", pose.x_m).field("y", pose.y_m);
     json.field("heading", pose.heading_rad).field("speed", vehicle.motion().speed_mps());
-    json.field("distance", vehicle.distance_m()).field("laps", vehicle.laps());
-    json.field("charge", vehicle.charge()).field("longest_wait_s", vehicle.longest_wait_s()).end_object();
+    json.field("distance", vehicle.trip().distance_m()).field("laps", vehicle.trip().laps());
+    json.field("charge", vehicle.charge()).field("longest_wait_s", vehicle.trip().longest_wait_s()).end_object();
   }
   json.end_array().key("collisions").begin_array();
   for (const Collision& collision : impl_->collisions) {

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/battery/cell_table.h"
 #include "cosiva/physical/plant/plant_options.h"
 
 namespace cosiva::physical {
 namespace {
-
-constexpr SimDuration phase_step = std::chrono::milliseconds{10};
 
 Random stream(std::uint64_t seed, std::uint32_t number, std::string_view purpose) {
   return {seed, "aiv" + std::to_string(number) + "/" + std::string(purpose)};
@@ -24,10 +23,6 @@ DriveCommand to_command(const wire::Drive& drive) {
           drive.goal};
 }
 
-/// The boards of a fleet are not switched on in step: each vehicle reports in its own 10 ms of a cycle, which also
-/// spreads the work over the ticks.
-SimDuration phase(std::uint32_t number, std::uint32_t ticks) { return phase_step * (number % ticks); }
-
 }  // namespace
 
 Vehicle::Vehicle(std::uint32_t number, std::shared_ptr<const Floor> floor, zone::TrackPosition start,
@@ -35,49 +30,18 @@ Vehicle::Vehicle(std::uint32_t number, std::shared_ptr<const Floor> floor, zone:
                  SimDuration step_max)
     : number_{number},
       step_max_{step_max},
-      noise_{noise},
       floor_{std::move(floor)},
       motion_{floor_->zone->circuit, start, noise.line_offset_sd_m, stream(seed, number, "line")},
       odometer_{noise.odometry_scale_sd, noise.odometry_noise_m_per_sqrt_m, noise.slip_per_mps2,
                 stream(seed, number, "odometry")},
       tag_reader_{
           floor_->tags, {noise.tag_miss, noise.tag_latency_min, noise.tag_latency_max}, stream(seed, number, "tags")},
-      range_random_{stream(seed, number, "ranges")},
-      power_{cells, stream(seed, number, "gauge")} {
-  for (const wire::Board board : wire::all_boards)
-    ports_[static_cast<std::size_t>(board) - 1] = wire::port_name(number, board);
-}
+      power_{cells, stream(seed, number, "gauge")},
+      boards_{number, noise, stream(seed, number, "ranges")},
+      trip_{floor_->loop_length_m} {}
 
 void Vehicle::power_up(SimTime now, std::uint64_t seed) {
-  Random sessions = stream(seed ^ static_cast<std::uint64_t>(now.time_since_epoch().count()), number_, "session");
-  const auto session = [&] { return static_cast<std::uint32_t>(sessions.next() >> 32U); };
-  pils_.power_up(now, session(), phase(number_, 2));
-  prav_.power_up(now, session());
-  dobs_.power_up(now, session(), phase(number_, 6));
-  rali_.power_up(now, session(), phase(number_, 50));
-}
-
-BoardLink& Vehicle::link(wire::Board board) {
-  switch (board) {
-    case wire::Board::PILS: return pils_.link();
-    case wire::Board::PRAV: return prav_.link();
-    case wire::Board::DOBS: return dobs_.link();
-    case wire::Board::RALI: break;
-  }
-  return rali_.link();
-}
-
-const std::string& Vehicle::port(wire::Board board) const { return ports_[static_cast<std::size_t>(board) - 1]; }
-
-void Vehicle::connect(wire::Board board, bool up) { link(board).connect(up); }
-
-void Vehicle::on_bytes(SimTime now, wire::Board board, std::string_view bytes) {
-  switch (board) {
-    case wire::Board::PILS: return pils_.on_bytes(now, bytes);
-    case wire::Board::PRAV: return prav_.on_bytes(now, bytes);
-    case wire::Board::DOBS: return dobs_.on_bytes(now, bytes);
-    case wire::Board::RALI: return rali_.on_bytes(now, bytes);
-  }
+  boards_.power_up(now, stream(seed ^ static_cast<std::uint64_t>(now.time_since_epoch().count()), number_, "session"));
 }
 
 void Vehicle::move(SimTime now, SimDuration dt) {
@@ -90,7 +54,7 @@ void Vehicle::move(SimTime now, SimDuration dt) {
 }
 
 void Vehicle::step(SimTime now, double dt_s) {
-  const wire::Drive* drive = power_.cut_off() ? nullptr : pils_.drive(now);
+  const wire::Drive* drive = power_.cut_off() ? nullptr : boards_.drive(now);
   DriveCommand command = drive == nullptr ? DriveCommand{} : to_command(*drive);
   if (awaits_floor_ && command.seek) command.speed_mps = 0.0;
   const Point2 before = position(motion_.body().X_MB);
@@ -102,7 +66,7 @@ void Vehicle::step(SimTime now, double dt_s) {
   } else {
     step_manoeuvre();
   }
-  distance_m_ += std::fabs(moved_m);
+  trip_.add(moved_m);
   odometer_.add(moved_m, motion_.step_acceleration_mps2());
   if (motion_.following()) read_tags(now, before);
 
@@ -113,7 +77,7 @@ void Vehicle::step(SimTime now, double dt_s) {
 void Vehicle::read_tags(SimTime now, Point2 before) {
   readings_.clear();
   tag_reader_.move(now, motion_.track_position(), before, position(motion_.body().X_MB), readings_);
-  for (const auto& reading : readings_) prav_.on_tag(reading.read_at, reading.number);
+  for (const auto& reading : readings_) boards_.on_tag(reading.read_at, reading.number);
 }
 
 void Vehicle::step_manoeuvre() {
@@ -125,19 +89,13 @@ void Vehicle::step_manoeuvre() {
 }
 
 void Vehicle::set_zone(std::shared_ptr<const Floor> floor) {
-  laps_before_ = laps();
-  distance_before_m_ = distance_m_;
+  COSIVA_EXPECT(is_stopped());
   floor_ = std::move(floor);
+  trip_.begin_floor(floor_->loop_length_m);
   motion_.set_zone(floor_->zone->circuit);
   tag_reader_.set_zone(floor_->tags);
   in_manoeuvre_ = false;
   awaits_floor_ = false;
-}
-
-std::uint32_t Vehicle::laps_here() const {
-  return floor_->loop_length_m > 0.0
-             ? static_cast<std::uint32_t>((distance_m_ - distance_before_m_) / floor_->loop_length_m)
-             : 0;
 }
 
 void Vehicle::book_energy(double dt_s) {
@@ -154,37 +112,17 @@ void Vehicle::book_energy(double dt_s) {
 void Vehicle::book_waiting(SimDuration dt) {
   constexpr double moving_mps = 0.01;
   const auto [turned_rad, traversed_m] = motion_.step_manoeuvre();
-  if (std::fabs(motion_.speed_mps()) >= moving_mps || turned_rad != 0.0 || traversed_m != 0.0) {
-    has_moved_ = true;
-    wait_ = {};
-    return;
-  }
-  if (!has_moved_) return;
-  wait_ += dt;
-  longest_wait_ = std::max(longest_wait_, wait_);
+  if (std::fabs(motion_.speed_mps()) >= moving_mps || turned_rad != 0.0 || traversed_m != 0.0)
+    trip_.on_moving();
+  else
+    trip_.on_waiting(dt);
 }
 
 void Vehicle::speak(SimTime now, const Scan& scan, wire::Effects& effects) {
-  pils_.tick(now,
-             {odometer_.distance_m(), motion_.speed_mps(), motion_.line_offset_m(), motion_.line_lost(),
-              in_manoeuvre_ ? &odometer_.X_SB() : nullptr},
-             out_);
-  send(wire::Board::PILS, effects);
-  prav_.tick(now, out_);
-  send(wire::Board::PRAV, effects);
-  if (wants_scan(now))
-    dobs_.tick(now, RangeFan::measured(scan, noise_.range_sd_m, noise_.range_dropout, range_random_), out_);
-  else
-    dobs_.tick(now, scan, out_);
-  send(wire::Board::DOBS, effects);
-  rali_.tick(now, power_.readings(), out_);
-  send(wire::Board::RALI, effects);
-}
-
-void Vehicle::send(wire::Board board, wire::Effects& effects) {
-  if (out_.empty()) return;
-  effects.emplace_back(wire::SendBytes{port(board), out_});
-  out_.clear();  // keeps its capacity
+  boards_.speak(now,
+                {odometer_.distance_m(), motion_.speed_mps(), motion_.line_offset_m(), motion_.line_lost(),
+                 in_manoeuvre_ ? &odometer_.X_SB() : nullptr},
+                scan, power_.readings(), effects);
 }
 
 }  // namespace cosiva::physical

@@ -1,0 +1,74 @@
+#include "cosiva/physical/plant/vehicle_boards.h"
+
+#include <chrono>
+#include <cstddef>
+
+#include "cosiva/base/expect.h"
+
+namespace cosiva::physical {
+namespace {
+
+constexpr SimDuration phase_step = std::chrono::milliseconds{10};
+
+/// The boards of a fleet are not switched on in step: each vehicle reports in its own 10 ms of a cycle, which also
+/// spreads the work over the ticks.
+SimDuration phase(std::uint32_t number, std::uint32_t ticks) { return phase_step * (number % ticks); }
+
+}  // namespace
+
+VehicleBoards::VehicleBoards(std::uint32_t number, const PlantNoise& noise, Random range_random)
+    : number_{number}, range_sd_m_{noise.range_sd_m}, range_dropout_{noise.range_dropout}, range_random_{range_random} {
+  for (const wire::Board board : wire::all_boards)
+    ports_[static_cast<std::size_t>(board) - 1] = wire::port_name(number, board);
+}
+
+void VehicleBoards::power_up(SimTime now, Random sessions) {
+  const auto session = [&] { return static_cast<std::uint32_t>(sessions.next() >> 32U); };
+  pils_.power_up(now, session(), phase(number_, 2));
+  prav_.power_up(now, session());
+  dobs_.power_up(now, session(), phase(number_, 6));
+  rali_.power_up(now, session(), phase(number_, 50));
+}
+
+BoardLink& VehicleBoards::link(wire::Board board) {
+  switch (board) {
+    case wire::Board::PILS: return pils_.link();
+    case wire::Board::PRAV: return prav_.link();
+    case wire::Board::DOBS: return dobs_.link();
+    case wire::Board::RALI: break;
+  }
+  return rali_.link();
+}
+
+void VehicleBoards::on_bytes(SimTime now, wire::Board board, std::string_view bytes) {
+  switch (board) {
+    case wire::Board::PILS: return pils_.on_bytes(now, bytes);
+    case wire::Board::PRAV: return prav_.on_bytes(now, bytes);
+    case wire::Board::DOBS: return dobs_.on_bytes(now, bytes);
+    case wire::Board::RALI: return rali_.on_bytes(now, bytes);
+  }
+}
+
+void VehicleBoards::speak(SimTime now, const WheelReadings& wheels, const Scan& scan, const PowerReadings& power,
+                          wire::Effects& effects) {
+  pils_.tick(now, wheels, out_);
+  send(wire::Board::PILS, effects);
+  prav_.tick(now, out_);
+  send(wire::Board::PRAV, effects);
+  if (wants_scan(now))
+    dobs_.tick(now, RangeFan::measured(scan, range_sd_m_, range_dropout_, range_random_), out_);
+  else
+    dobs_.tick(now, scan, out_);
+  send(wire::Board::DOBS, effects);
+  rali_.tick(now, power, out_);
+  send(wire::Board::RALI, effects);
+  COSIVA_EXPECT(out_.empty());
+}
+
+void VehicleBoards::send(wire::Board board, wire::Effects& effects) {
+  if (out_.empty()) return;
+  effects.emplace_back(wire::SendBytes{port(board), out_});
+  out_.clear();  // keeps its capacity
+}
+
+}  // namespace cosiva::physical

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "cosiva/base/random.h"
+#include "cosiva/base/time.h"
+#include "cosiva/physical/boards/boards.h"
+#include "cosiva/physical/plant/plant_options.h"
+#include "cosiva/physical/plant/ranging.h"
+#include "cosiva/wire/messages/board.h"
+#include "cosiva/wire/runtime/core.h"
+
+namespace cosiva::physical {
+
+/// The four boards of one emulated vehicle, the on-board program's only access to it.
+/// Invariant: between two calls no bytes wait to be sent.
+class VehicleBoards {
+ public:
+  /// @param number  of the vehicle
+  /// @param noise   of the ranges that DOBS measures
+  VehicleBoards(std::uint32_t number, const PlantNoise& noise, Random range_random);
+
+  /// @param sessions  gives the boards their session numbers
+  void power_up(SimTime now, Random sessions);
+  void connect(wire::Board board, bool up) { link(board).connect(up); }
+  void on_bytes(SimTime now, wire::Board board, std::string_view bytes);
+  void on_tag(SimTime read_at, std::uint32_t number) { prav_.on_tag(read_at, number); }
+
+  /// The command in force; null: the boards are off, or the watchdog has stopped the motors.
+  [[nodiscard]] const wire::Drive* drive(SimTime now) const { return pils_.drive(now); }
+  [[nodiscard]] bool wants_scan(SimTime now) const { return dobs_.wants_scan(now) && dobs_.link().connected(); }
+  /// Lets the boards send. @param scan exact ranges, used only when wants_scan(now)
+  void speak(SimTime now, const WheelReadings& wheels, const Scan& scan, const PowerReadings& power,
+             wire::Effects& effects);
+
+  [[nodiscard]] const std::string& display() const { return prav_.display(); }
+  [[nodiscard]] const std::string& port(wire::Board board) const { return ports_[static_cast<std::size_t>(board) - 1]; }
+
+ private:
+  [[nodiscard]] BoardLink& link(wire::Board board);
+  void send(wire::Board board, wire::Effects& effects);
+
+  std::uint32_t number_;
+  double range_sd_m_;
+  double range_dropout_;
+  Random range_random_;
+  PilsBoard pils_;
+  PravBoard prav_;
+  DobsBoard dobs_;
+  RaliBoard rali_;
+  std::array<std::string, wire::all_boards.size()> ports_;
+  std::string out_;
+};
+
+}  // namespace cosiva::physical
