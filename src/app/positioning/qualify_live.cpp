@@ -5,20 +5,17 @@
 
 #include <algorithm>
 #include <csignal>
-#include <deque>
 #include <memory>
 #include <utility>
 
 #include "cosiva/adapters/clock.h"
-#include "cosiva/adapters/event_loop.h"
 #include "cosiva/adapters/http_client.h"
-#include "cosiva/adapters/mqtt_client.h"
 #include "cosiva/app/cli/console.h"
 #include "cosiva/app/cli/progress.h"
 #include "cosiva/app/positioning/qualify_candidates.h"
 #include "cosiva/app/positioning/qualify_command.h"
 #include "cosiva/app/positioning/qualify_runs.h"
-#include "cosiva/app/remote/zone_switch.h"
+#include "cosiva/app/remote/live_session.h"
 #include "cosiva/app/resources/resource_paths.h"
 #include "cosiva/experiments/battery/analysis.h"
 #include "cosiva/experiments/positioning/metrology/live_runs.h"
@@ -33,72 +30,56 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr milliseconds tick_period{5};
-/// A server that was killed is back within a few seconds; commands to it wait meanwhile.
-constexpr milliseconds command_timeout{1000};
-constexpr seconds connect_max{5};
-constexpr seconds goodbye_max{5};
 /// Random numbers that JSON represents exactly.
 constexpr std::uint64_t seed_max = std::uint64_t{1} << 53U;
 
-/// One test: the bus, the server, and the messages and commands to send.
+LiveSessionOptions session_options() {
+  LiveSessionOptions options;
+  options.client_name = "cosiva-qualify";
+  options.connect_max = seconds{5};
+  options.connect_hint = ": is the platform running (cosiva up), is --broker its own?";
+  options.command_timeout = milliseconds{1000};
+  options.retry_after = seconds{1};
+  options.announces_failures = true;
+  options.stop_max = seconds{5};
+  options.prefix = "cosiva: ";
+  return options;
+}
+
+/// One test: the session on the platform, and the messages and commands to send.
 class LiveTest {
  public:
   LiveTest(experiments::LiveRunsOptions options, adapters::HttpClient server)
-      : runs_requested_{options.runs}, runs_{std::move(options)}, server_{std::move(server)}, heartbeat_{loop_} {}
+      : runs_requested_{options.runs}, runs_{std::move(options)}, session_{session_options(), std::move(server)} {}
 
   Result<void> run(const BrokerArguments& broker) {
     if (auto there = open(broker); !there) return there;
-    loop_.on_signals({SIGINT, SIGTERM}, [this](int) {
+    session_.loop().on_signals({SIGINT, SIGTERM}, [this](int) {
       print_info("cosiva: interrupted: the runs that are complete count");
       runs_.give_up();
     });
-    heartbeat_.every(tick_period, [this] { heartbeat(); });
-    loop_.run();
-    heartbeat_.cancel();
-    ended_ = true;
-    bool out = false;
-    bus_->stop([&] { out = true; });
-    loop_.run_until([&] { return out; }, goodbye_max);
+    session_.run(tick_period, [this] { heartbeat(); });
+    session_.stop();
     return {};
   }
   [[nodiscard]] LiveRuns& runs() { return runs_; }
 
  private:
-  Result<void> open(BrokerArguments broker) {
-    if (broker.address.empty()) broker.address = "127.0.0.1:1883";
-    auto options = mqtt_options(broker, "cosiva-qualify");
-    if (!options) return tl::unexpected(options.error());
-    const std::string address = options->host + ":" + std::to_string(options->port);
+  Result<void> open(const BrokerArguments& broker) {
     std::vector<std::string> filters = runs_.subscriptions();
     filters.push_back(wire::topics_below(wire::zone_topic_prefix, 1));
     filters.push_back(wire::topics_below(wire::area_topic_prefix, 3));
-    adapters::MqttHandlers handlers;
-    handlers.on_link = [](bool) {};
-    handlers.on_message = [this](std::string_view topic, std::string_view payload, bool) { receive(topic, payload); };
-    auto client = adapters::MqttClient::make(loop_, std::move(*options), std::move(filters), std::nullopt, handlers);
-    if (!client) return tl::unexpected(client.error());
-    bus_ = std::move(*client);
-    bus_->start();
-    bool connected = false;
-    loop_.run_until([&] { return connected = bus_->connected(); }, connect_max);
-    if (!connected)
-      return fail("mqtt.connect",
-                  "no broker responds at this address: is the platform running (cosiva up), is --broker its own?",
-                  address);
-    const auto response = server_.send_request("GET", "/api/v1/snapshot", {}, command_timeout);
-    if (!response)
-      return fail("http.connect",
-                  "no server responds at this address: is the platform running (cosiva up), is --url its own?",
-                  server_.url());
-    return {};
+    auto connected =
+        session_.connect(broker, std::move(filters),
+                         [this](std::string_view topic, std::string_view payload) { receive(topic, payload); });
+    return connected ? session_.check_server() : connected;
   }
 
   void receive(std::string_view topic, std::string_view payload) {
-    if (ended_) return;
     const std::size_t name = topic.rfind("/zone/");
     const bool zone = name != std::string_view::npos &&
                       (topic.starts_with(wire::zone_topic_prefix) || topic.starts_with(wire::area_topic_prefix));
-    if (!zone) return runs_.on_message(clock_.now(), topic, payload);
+    if (!zone) return runs_.on_message(session_.now(), topic, payload);
     if (payload.empty()) return;
     const auto format = topic.substr(name + std::string_view{"/zone/"}.size());
     auto rtm = zone::Rtm::initialise(zone::from_payload(std::string(format), std::string(topic), payload));
@@ -106,50 +87,24 @@ class LiveTest {
   }
 
   void heartbeat() {
-    LiveRuns::Responses responses = runs_.tick(clock_.now());
-    for (const wire::Publish& message : responses.messages) bus_->publish(message);
-    for (std::string& command : responses.commands) commands_.push_back(std::move(command));
+    LiveRuns::Responses responses = runs_.tick(session_.now());
+    for (const wire::Publish& message : responses.messages) session_.publish(message);
+    for (std::string& command : responses.commands) session_.add_command(std::move(command));
     for (const std::string& operator_messages : responses.operator_messages) print_info("cosiva: " + operator_messages);
-    notify_server();
-    if (runs_.done()) return loop_.stop();
+    session_.send_commands();
+    if (runs_.done()) return session_.leave();
     if (!ticker_.ticks()) return;
-    const LiveRuns::Progress progress = runs_.progress(clock_.now());
+    const LiveRuns::Progress progress = runs_.progress(session_.now());
     std::string text = "cosiva: " + std::to_string(progress.complete) + " of " + std::to_string(runs_requested_) +
                        " runs, " + decimals(100.0 * progress.ratio, 0) + " % of the distance";
     if (progress.left_s) text += ", " + experiments::duration_text(*progress.left_s) + " left";
     print_info(text);
   }
 
-  /// Sends the commands in order, each until the server has accepted it; a server that is restarting is retried.
-  void notify_server() {
-    if (clock_.now() < next_notice_) return;
-    while (!commands_.empty()) {
-      const auto taken = server_.send_request("POST", "/api/v1/commands", commands_.front(), command_timeout);
-      if (!taken || taken->status >= 500) {
-        if (!std::exchange(waiting_, true)) print_info("cosiva: the server does not respond; commands to it wait");
-        next_notice_ = clock_.now() + seconds{1};
-        return;
-      }
-      if (std::exchange(waiting_, false)) print_info("cosiva: the server responds again");
-      if (taken->status >= 400)
-        print_info("cosiva: the server refused " + commands_.front() + ": " +
-                   to_string(refusal_in(taken->body, taken->status)));
-      commands_.pop_front();
-    }
-  }
-
-  adapters::EventLoop loop_;
-  adapters::WallClock clock_;
   std::size_t runs_requested_;
   LiveRuns runs_;
-  adapters::HttpClient server_;
-  std::unique_ptr<adapters::MqttClient> bus_;
-  std::deque<std::string> commands_;
+  LiveSession session_;
   SecondsTicker ticker_;
-  SimTime next_notice_{};
-  bool waiting_{false};
-  bool ended_{false};
-  adapters::Timer heartbeat_;
 };
 
 Result<std::vector<wire::VehicleId>> vehicles_of(const LiveQualifyArguments& live) {
