@@ -43,10 +43,10 @@ TEST(OrderManager, cancels_an_active_order_with_a_refused_update_before_sending_
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
   fixture.run_for(5s);
-  const std::string first = aiv.book->order_id();
+  const std::string first = aiv.book->ids().order_id;
   aiv.refuse_next_order = true;
   fixture.run_for(10s);
-  EXPECT_NE(aiv.book->order_id(), first);
+  EXPECT_NE(aiv.book->ids().order_id, first);
   EXPECT_THAT(aiv.refusals, IsEmpty());
   const bool cancelled =
       std::ranges::any_of(aiv.actions, [](const auto& m) { return m.actions[0].action_type == "cancelOrder"; });
