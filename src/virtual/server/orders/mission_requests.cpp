@@ -36,24 +36,12 @@ std::string nearest_names(std::string_view requested, const std::vector<std::str
 
 }  // namespace
 
-bool Missions::handles(std::string_view command) {
-  return command == "go" || command == "circulate" || command == "close" || command == "open";
+Result<void> Missions::check_map() const {
+  if (map_ != nullptr) return {};
+  return fail("mission.zone", "there is no zone yet; wait until the physical side has sent it, then try again");
 }
 
-Result<void> Missions::check(const JsonValue& command) const {
-  const std::string verb = command.text("command").value_or("");
-  if (map_ == nullptr)
-    return fail("mission.zone", "there is no zone yet; wait until the physical side has sent it, then try again");
-  return verb == "go" || verb == "circulate" ? check_mission(command, verb) : check_section(command, verb);
-}
-
-Result<std::vector<VehicleIndex>> Missions::addressed(const JsonValue& command) const {
-  std::vector<std::string> names;
-  if (const JsonValue* list = command.find("vehicles"); list != nullptr && list->array() != nullptr) {
-    for (const JsonValue& name : *list->array()) names.push_back(name.text() == nullptr ? "" : *name.text());
-  } else {
-    names.push_back(command.text("vehicle").value_or(""));
-  }
+Result<std::vector<VehicleIndex>> Missions::addressed(const std::vector<std::string>& names) const {
   std::vector<VehicleIndex> vehicles;
   for (const std::string& name : names) {
     if (name == "*") {
@@ -74,17 +62,18 @@ Result<std::vector<VehicleIndex>> Missions::addressed(const JsonValue& command) 
   return vehicles;
 }
 
-Result<void> Missions::check_mission(const JsonValue& command, std::string_view verb) const {
-  if (auto vehicles = addressed(command); !vehicles) return tl::unexpected(vehicles.error());
+Result<void> Missions::check(const MissionCommand& command) const {
+  if (auto map = check_map(); !map) return map;
+  if (auto vehicles = addressed(command.vehicle_names); !vehicles) return tl::unexpected(vehicles.error());
   const zone::TrafficZone& zone = map_->zone();
   std::vector<std::string_view> names;
-  if (verb == "circulate") {
-    const std::string loop = command.text("loop").value_or("");
+  if (!command.goes) {
+    const std::string& loop = command.name;
     if (loop.empty() || zone.find_loop(loop) != nullptr) return {};
     for (const zone::Loop& known : zone.loops) names.push_back(known.name);
     return fail("mission.loop", "there is no loop '" + cut(loop) + "'" + nearest_names(loop, names, "loops"), "loop");
   }
-  const std::string to = command.text("to").value_or("");
+  const std::string& to = command.name;
   if (to.empty() || to.size() > name_bytes_max)
     return fail("mission.to", "state the destination, as the name of a station or waypoint", "to");
   if (!goals(to).empty()) return {};
@@ -104,9 +93,12 @@ Result<void> Missions::check_mission(const JsonValue& command, std::string_view 
               "to");
 }
 
-Result<void> Missions::check_section(const JsonValue& command, std::string_view verb) const {
-  const std::string name = command.text("section").value_or("");
-  if (name.empty()) return fail("mission.section", "state which section to " + std::string(verb), "section");
+Result<void> Missions::check(const SectionCommand& command) const {
+  if (auto map = check_map(); !map) return map;
+  const std::string& name = command.section;
+  if (name.empty())
+    return fail("mission.section", std::string("state which section to ") + (command.closes ? "close" : "open"),
+                "section");
   const zone::Circuit& circuit = map_->circuit();
   const auto section = circuit.find(name);
   if (!section) {
@@ -115,8 +107,8 @@ Result<void> Missions::check_section(const JsonValue& command, std::string_view 
     return fail("mission.section", "there is no section '" + cut(name) + "'" + nearest_names(name, names, "sections"),
                 "section");
   }
-  if (is_closed(*section) == (verb == "close"))
-    return fail("mission.section", "'" + cut(name) + "' is " + (verb == "close" ? "closed" : "open") + " already",
+  if (is_closed(*section) == command.closes)
+    return fail("mission.section", "'" + cut(name) + "' is " + (command.closes ? "closed" : "open") + " already",
                 "section");
   return {};
 }

@@ -239,23 +239,20 @@ void Missions::give(VehicleIndex vehicle, Mission mission) {
   registry_[vehicle].no_orders = false;
 }
 
-void Missions::follow(const JsonValue& command) {
-  const std::string verb = command.text("command").value_or("");
-  if (verb == "go" || verb == "circulate") {
-    const bool go = verb == "go";
-    const std::string name = command.text(go ? "to" : "loop").value_or("");
-    const auto vehicles = addressed(command);
-    Mission mission{go ? Mission::Kind::go : Mission::Kind::circulate, name};
-    if (go && goals(name).empty() && abroad_) {
-      auto leads = abroad_(name);
-      if (!leads) return publisher_.log('w', "command refused: " + to_string(leads.error()));
-      mission = std::move(*leads);
-    }
-    for (const VehicleIndex v : *vehicles) give(v, mission);
-    return;
+void Missions::follow(const MissionCommand& command) {
+  const auto vehicles = addressed(command.vehicle_names);
+  Mission mission{command.goes ? Mission::Kind::go : Mission::Kind::circulate, command.name};
+  if (command.goes && goals(command.name).empty() && abroad_) {
+    auto leads = abroad_(command.name);
+    if (!leads) return publisher_.log('w', "command refused: " + to_string(leads.error()));
+    mission = std::move(*leads);
   }
-  const zone::SectionId section = *map_->circuit().find(command.text("section").value_or(""));
-  if (verb == "close")
+  for (const VehicleIndex v : *vehicles) give(v, mission);
+}
+
+void Missions::follow(const SectionCommand& command) {
+  const zone::SectionId section = *map_->circuit().find(command.section);
+  if (command.closes)
     closed_.insert(std::ranges::lower_bound(closed_, section), section);
   else
     std::erase(closed_, section);

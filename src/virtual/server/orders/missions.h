@@ -13,6 +13,7 @@
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/result.h"
+#include "cosiva/virtual/server/commands/values/operator_command.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
 #include "cosiva/virtual/server/registry/proxy.h"
 #include "cosiva/virtual/server/right_of_way/waypoint_graph.h"
@@ -59,11 +60,12 @@ class Missions {
   [[nodiscard]] bool known(const Mission& mission) const;
   [[nodiscard]] bool has_position(std::string_view name) const { return !goals(name).empty(); }
 
-  [[nodiscard]] static bool handles(std::string_view command);  ///< "go", "circulate", "close" or "open"
   /// Fails with a message that states what to do and lists the names most similar to the requested one.
-  [[nodiscard]] Result<void> check(const JsonValue& command) const;
+  [[nodiscard]] Result<void> check(const MissionCommand& command) const;
+  [[nodiscard]] Result<void> check(const SectionCommand& command) const;
   /// Executes a command that check() accepts.
-  void follow(const JsonValue& command);
+  void follow(const MissionCommand& command);
+  void follow(const SectionCommand& command);
 
   /// Increases with every change after which a vehicle's route has to be planned again.
   [[nodiscard]] std::uint64_t revision(VehicleIndex vehicle) const { return entries_[vehicle].revision + revision_; }
@@ -123,9 +125,8 @@ class Missions {
   };
   [[nodiscard]] std::vector<WaypointIndex> goals(std::string_view name) const;
   [[nodiscard]] const zone::Loop* loop_of(const Entry& entry) const;
-  [[nodiscard]] Result<void> check_mission(const JsonValue& command, std::string_view verb) const;
-  [[nodiscard]] Result<void> check_section(const JsonValue& command, std::string_view verb) const;
-  [[nodiscard]] Result<std::vector<VehicleIndex>> addressed(const JsonValue& command) const;
+  [[nodiscard]] Result<void> check_map() const;
+  [[nodiscard]] Result<std::vector<VehicleIndex>> addressed(const std::vector<std::string>& names) const;
   void closed_changed();
   /// The sections that are closed or in `avoided`; sorted.
   [[nodiscard]] std::vector<zone::SectionId> shut(Sections avoided) const;

@@ -106,7 +106,7 @@ TEST(Missions, are_refused_with_a_message_that_lists_similar_names) {
   EXPECT_THAT(fixture.refusal(R"({"command":"close"})"), HasSubstr("which section"));
   EXPECT_EQ(fixture.refusal(go("gate")), "");
   ServerCore nowhere{ServerOptions{}};
-  EXPECT_THAT(nowhere.check_command(go("dock")).error().message, HasSubstr("no zone yet"));
+  EXPECT_THAT(nowhere.check_command(DecodedCommand{go("dock")}).error().message, HasSubstr("no zone yet"));
 }
 
 TEST(Missions, circulate_on_the_zone_s_first_loop_by_default_and_on_a_named_one_on_command) {
