@@ -43,9 +43,10 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
 
   /// Performing an effect may produce the next input at once (a publish that finds the connection broken): that input
   /// waits its turn, because the runner's effects are valid only until the next feed.
-  void deliver(wire::InputKind kind, std::string source, std::string payload, bool flag = false) {
+  void deliver(wire::InputKind kind, std::string source, std::string payload, bool flag = false,
+               std::shared_ptr<const wire::InProcessMessage> typed = {}) {
     if (stopped) return;
-    waiting.push_back({clock.now(), kind, std::move(source), std::move(payload), flag});
+    waiting.push_back({clock.now(), kind, std::move(source), std::move(payload), flag, std::move(typed)});
     if (std::exchange(feeding, true)) return;
     while (!waiting.empty()) {
       const wire::Input input = std::move(waiting.front());
@@ -202,8 +203,9 @@ LiveShell::LiveShell(EventLoop& loop, wire::Core& core, LiveOptions options, Ope
 LiveShell::~LiveShell() = default;
 
 Result<void> LiveShell::start() { return impl_->start(); }
-void LiveShell::command(const std::string& source, std::string json) {
-  impl_->deliver(wire::InputKind::command, source, std::move(json));
+void LiveShell::command(const std::string& source, std::string json,
+                        std::shared_ptr<const wire::InProcessMessage> decoded) {
+  impl_->deliver(wire::InputKind::command, source, std::move(json), false, std::move(decoded));
 }
 void LiveShell::after_input(std::function<void()> action) { impl_->after_input = std::move(action); }
 void LiveShell::stop(std::function<void(const std::string& digest)> done) { impl_->stop(std::move(done)); }

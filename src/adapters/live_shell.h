@@ -42,7 +42,8 @@ class LiveShell {
   /// Configures the core, restores its state, opens ports and connection, starts its ticks. Fails when the journal, the
   /// ports or the connection's options cannot be used.
   [[nodiscard]] Result<void> start();
-  void command(const std::string& source, std::string json);
+  /// @param decoded  the same command where the sender has decoded it; null: the core decodes it
+  void command(const std::string& source, std::string json, std::shared_ptr<const wire::InProcessMessage> decoded = {});
   /// Called after each input the core has handled.
   void after_input(std::function<void()> action);
   /// Ends: no further input, the digest of the run, the core's farewell, the journal's end. Then `done(digest)`.

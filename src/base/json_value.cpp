@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "cosiva/base/json_parse_count.h"
+
 namespace cosiva {
 namespace {
 
@@ -43,6 +45,7 @@ Result<JsonValue> JsonValue::parse(std::string_view text, std::size_t bytes_max)
     return fail("json.syntax",
                 std::to_string(text.size()) + " bytes of JSON, at most " + std::to_string(bytes_max) + " are accepted");
   }
+  count_json_parse();
   try {
     // Reused between messages: allocating its memory anew would cost more than reading a short message.
     static thread_local simdjson::dom::parser kept;

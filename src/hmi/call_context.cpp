@@ -11,8 +11,9 @@ CallContext::CallContext(PageHost host) : host_{std::move(host)} {
 }
 
 Result<void> CallContext::give(std::string json) {
-  if (auto checked = host_.core->check_command(json); !checked) return checked;
-  host_.command("http", std::move(json));
+  auto decoded = std::make_shared<const virtual_side::DecodedCommand>(json);
+  if (auto checked = host_.core->check_command(*decoded); !checked) return checked;
+  host_.command("http", std::move(json), std::move(decoded));
   return {};
 }
 

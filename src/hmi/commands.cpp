@@ -97,7 +97,8 @@ HttpResponse add_virtual_object(CallContext& context, const Call& call) {
 HttpResponse move_virtual_object(CallContext& context, const Call& call) {
   const std::string id = virtual_object_id(call.arguments[0]);
   // Whether the object could be removed shows whether it exists.
-  if (auto there = context.host().core->check_command(remove_command(id)); !there) return refusal(there.error());
+  if (auto there = context.host().core->check_command(virtual_side::DecodedCommand{remove_command(id)}); !there)
+    return refusal(there.error());
   if (auto given = context.give(virtual_object_command("move", id, call.body)); !given) return refusal(given.error());
   return id_response(id, 200);
 }

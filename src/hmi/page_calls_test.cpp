@@ -9,6 +9,7 @@
 
 #include "cosiva/adapters/files.h"
 #include "cosiva/adapters/test_fixture.h"
+#include "cosiva/base/json_parse_count.h"
 #include "cosiva/base/test_paths.h"
 #include "cosiva/hmi/http_responses.h"
 #include "cosiva/hmi/openapi.h"
@@ -479,6 +480,19 @@ TEST(OpenApi, examples_are_accepted_or_refused_as_described) {
     }
   }
   EXPECT_GT(tried, 30U);
+}
+
+TEST(PageCommands, are_parsed_once_after_the_request_s_body) {
+  PageFixture page;
+  const auto parses = [&](const char* method, const char* target, const std::string& body) {
+    const std::uint64_t before = json_parse_count();
+    const auto response = page.send_request(method, target, body);
+    EXPECT_LT(response.status, 300U) << target << ": " << PageFixture::sentence(response);
+    return json_parse_count() - before;
+  };
+  EXPECT_EQ(parses("POST", "/api/v1/commands", R"({"command":"stop","vehicle":"CoSiVA/AIV1"})"), 2U);
+  EXPECT_EQ(parses("POST", "/api/v1/virtual-objects", R"({"kind":"person","x":0.9,"y":-0.9})"), 2U);
+  EXPECT_EQ(parses("DELETE", "/api/v1/virtual-objects/P1", ""), 1U) << "without a body";
 }
 
 }  // namespace

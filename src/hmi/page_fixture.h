@@ -28,9 +28,9 @@ struct PageFixture {
   PageHost host() {
     PageHost host;
     host.core = server.server.get();
-    host.command = [this](const std::string& source, std::string json) {
+    host.command = [this](const std::string& source, std::string json, auto decoded) {
       commands.push_back(json);
-      server.feed(wire::InputKind::command, source, std::move(json));
+      server.feed(wire::InputKind::command, source, std::move(json), false, std::move(decoded));
     };
     host.now = [this] { return server.now; };
     host.zones = std::make_shared<const FileZoneLibrary>();

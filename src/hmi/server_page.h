@@ -8,6 +8,7 @@
 #include "cosiva/adapters/event_loop.h"
 #include "cosiva/base/result.h"
 #include "cosiva/hmi/zone_library.h"
+#include "cosiva/virtual/server/commands/values/decoded_command.h"
 #include "cosiva/virtual/server/core/server_core.h"
 
 namespace cosiva::app {
@@ -15,8 +16,10 @@ namespace cosiva::app {
 /// The program behind the page: a live server, or a world in virtual time.
 struct PageHost {
   const virtual_side::ServerCore* core{};
-  /// Gives the core a command as Input::command.
-  std::function<void(const std::string& source, std::string json)> command;
+  /// Gives the core a command as Input::command, as its text and decoded.
+  std::function<void(const std::string& source, std::string json,
+                     std::shared_ptr<const virtual_side::DecodedCommand> decoded)>
+      command;
   std::function<SimTime()> now;
   std::shared_ptr<const ZoneLibrary> zones;  ///< never null
   std::string run_name;                      ///< shown on the page

@@ -173,14 +173,15 @@ HttpResponse switch_zone(CallContext& context, const Call& call) {
   JsonWriter json;
   zone::write_json(json.begin_object().field("command", "switch").key("zone"), *configuration);
   json.end_object();
-  std::string command = json.take();
+  const std::string command = json.take();
   // The core parses the file once, however large it is, and also publishes on the page why it refuses; only then is it
   // queried again.
-  context.host().command("http", command);
+  const auto decoded = std::make_shared<const virtual_side::DecodedCommand>(command);
+  context.host().command("http", command, decoded);
   const auto in_force = context.host().core->zone_configuration();
   if (!in_force || in_force->format != configuration->format || in_force->text != configuration->text ||
       in_force->sidecar != configuration->sidecar) {
-    const auto evaluated = context.host().core->check_command(command);
+    const auto evaluated = context.host().core->check_command(*decoded);
     const Error why =
         evaluated ? Error{"zone.refused", "the zone that was there stays in force", {}} : evaluated.error();
     return http_error(422, why.code, to_string(why));

@@ -28,7 +28,9 @@ PageHost page_host(const ServerArguments& arguments, const virtual_side::ServerC
                    const std::string& scenario_name) {
   PageHost host;
   host.core = &core;
-  host.command = [&shell](const std::string& source, std::string json) { shell.command(source, std::move(json)); };
+  host.command = [&shell](const std::string& source, std::string json, auto decoded) {
+    shell.command(source, std::move(json), std::move(decoded));
+  };
   host.now = [] { return adapters::WallClock{}.now(); };
   host.zones = std::make_shared<const FileZoneLibrary>();
   host.run_name = arguments.name.empty() ? default_run_name("live") : arguments.name;

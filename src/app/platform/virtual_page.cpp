@@ -59,15 +59,17 @@ Result<std::unique_ptr<VirtualPage>> VirtualPage::open(adapters::EventLoop& loop
   return made;
 }
 
-void VirtualPage::command(std::string json) {
-  run_.world().command_server(std::move(json));
+void VirtualPage::command(std::string json, std::shared_ptr<const wire::InProcessMessage> decoded) {
+  run_.world().command_server(std::move(json), std::move(decoded));
   if (page_) page_->changed();
 }
 
 PageHost VirtualPage::host() {
   PageHost host;
   host.core = &run_.world().server();
-  host.command = [this](const std::string&, std::string json) { command(std::move(json)); };
+  host.command = [this](const std::string&, std::string json, auto decoded) {
+    command(std::move(json), std::move(decoded));
+  };
   host.now = [this] { return run_.world().now(); };
   host.zones = std::make_shared<const FileZoneLibrary>();
   host.run_name = run_.plan().name;

@@ -3,11 +3,13 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "cosiva/adapters/event_loop.h"
 #include "cosiva/app/platform/virtual_run.h"
 #include "cosiva/app/platform/zone_watch.h"
 #include "cosiva/hmi/server_page.h"
+#include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::app {
 
@@ -28,7 +30,8 @@ class VirtualPage {
   using Steady = std::chrono::steady_clock;
   VirtualPage(adapters::EventLoop& loop, VirtualRun& run, std::function<void()> ended);
   [[nodiscard]] PageHost host();
-  void command(std::string json);
+  /// @param decoded  the same command, decoded; null: the server decodes it
+  void command(std::string json, std::shared_ptr<const wire::InProcessMessage> decoded = {});
   void heartbeat();
   /// Runs at most to the run's end; returns false when the end is reached.
   bool run_for(SimDuration duration);

@@ -34,7 +34,7 @@ struct Fold {
 }  // namespace
 
 const Effects& CoreRunner::feed(const Input& input) {
-  COSIVA_EXPECT(!recorder_ || !input.typed);
+  COSIVA_EXPECT(!recorder_ || !input.typed || !input.payload.empty());
   if (recorder_) recorder_(input);
   effects_.clear();
   core_.handle(input, effects_);

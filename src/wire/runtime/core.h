@@ -50,7 +50,7 @@ struct Input {
   std::string source;
   std::string payload;
   bool flag{false};
-  /// The content of a message that was passed on as values (said.h); the payload is empty then.
+  /// The content as values: of a message, whose payload is empty then, or of a decoded command, next to its text.
   std::shared_ptr<const InProcessMessage> typed{};
   friend bool operator==(const Input&, const Input&) = default;
 };
@@ -118,7 +118,7 @@ class CoreRunner {
   explicit CoreRunner(Core& core, Recorder recorder = {}) : core_{core}, recorder_{std::move(recorder)} {}
 
   /// The effects stay valid until the next call. A recorder needs texts: no input may be passed to it as values
-  /// (checked).
+  /// without its text (checked).
   const Effects& feed(const Input& input);
   /// Digest of all inputs' times and all effects so far, and the core's state now.
   [[nodiscard]] Digest digest() const;

@@ -103,10 +103,11 @@ struct World::Impl {
 
   explicit Impl(WorldOptions o) : options{std::move(o)}, network{options.seed, options.network} {}
 
-  void feed(ActorId id, wire::InputKind kind, std::string source, std::string payload, bool flag = false) {
+  void feed(ActorId id, wire::InputKind kind, std::string source, std::string payload, bool flag = false,
+            std::shared_ptr<const wire::InProcessMessage> typed = {}) {
     Actor& actor = actors[id];
     if (!actor.alive) return;
-    const wire::Input input{now, kind, std::move(source), std::move(payload), flag, {}};
+    const wire::Input input{now, kind, std::move(source), std::move(payload), flag, std::move(typed)};
     act(id, actor.runner->feed(input));
   }
 
@@ -342,8 +343,8 @@ void World::run_for(SimDuration duration) {
 
 SimTime World::now() const { return impl_->now; }
 
-void World::command_server(std::string json) {
-  impl_->feed(Impl::server_id, wire::InputKind::command, "world", std::move(json));
+void World::command_server(std::string json, std::shared_ptr<const wire::InProcessMessage> decoded) {
+  impl_->feed(Impl::server_id, wire::InputKind::command, "world", std::move(json), false, std::move(decoded));
 }
 
 void World::command_plant(std::string json) {

@@ -53,7 +53,8 @@ class World {
   [[nodiscard]] SimTime now() const;
 
   /// Gives an operator's command to the server or the plant, as Input::command.
-  void command_server(std::string json);
+  /// @param decoded  the server's command where the sender has decoded it; null: the server decodes it
+  void command_server(std::string json, std::shared_ptr<const wire::InProcessMessage> decoded = {});
   void command_plant(std::string json);
   /// Plays a scenario from the moment the fleet is complete (each AIV with its one twin), step by step at their times,
   /// independent of how the run is divided; a scenario played before is discarded. Steps due while the server is down

@@ -20,16 +20,14 @@ std::string at_text(Point2 p) { return "(" + metres(p.x_m) + ", " + metres(p.y_m
 std::string cut(std::string_view text) { return std::string(text.substr(0, 80)); }
 
 /// Reads a number in [low, high] into `out`; leaves `out` unchanged if the field is missing.
-Result<void> read_number(const JsonValue& json, std::string_view field, double low, double high, std::string_view unit,
+Result<void> read_number(OptionalNumber given, std::string_view field, double low, double high, std::string_view unit,
                          double& out) {
-  const JsonValue* found = json.find(field);
-  if (found == nullptr || found->is_null()) return {};
-  const double* number = found->number();
-  if (number == nullptr || !(*number >= low && *number <= high)) {
+  if (!given) return {};
+  if (!(*given >= low && *given <= high)) {
     return fail("virtual_object.number",
                 "give a number from " + metres(low) + " to " + metres(high) + std::string(unit), std::string(field));
   }
-  out = *number;
+  out = *given;
   return {};
 }
 
@@ -45,10 +43,6 @@ bool is_detected_id(std::string_view id) {
 }
 
 }  // namespace
-
-bool VirtualObjectCommands::handles(std::string_view command) {
-  return command == "add" || command == "move" || command == "remove";
-}
 
 const VirtualFleet::Host* VirtualObjectCommands::find_aiv(std::string_view id) const {
   for (const VirtualFleet::Host& host : fleet_.hosts()) {
@@ -75,25 +69,15 @@ std::string VirtualObjectCommands::known_virtual_objects() const {
   return names.empty() ? "there is none yet; add one first" : "there are " + names;
 }
 
-Result<VirtualObjectCommand> VirtualObjectCommands::read(const JsonValue& command) const {
-  const std::string act = command.text("command").value_or("");
-  if (act == "remove") return read_remove(command);
-  const JsonValue* virtual_object = command.find("virtualObject");
-  if (virtual_object == nullptr || virtual_object->object() == nullptr)
-    return fail("virtual_object.missing",
-                R"(state what to add, as {"virtualObject":{"kind":"person","x":0.5,"y":0.2}})", "virtualObject");
-  if (simulator_.zone() == nullptr)
-    return fail("virtual_object.zone",
-                "there is no zone yet; wait until the physical side has sent it, then try again");
-  return act == "add" ? read_add(*virtual_object) : read_move(*virtual_object);
+Result<void> VirtualObjectCommands::check_zone() const {
+  if (simulator_.zone() != nullptr) return {};
+  return fail("virtual_object.zone", "there is no zone yet; wait until the physical side has sent it, then try again");
 }
 
-Result<VirtualObjectCommand> VirtualObjectCommands::read_remove(const JsonValue& command) const {
+Result<VirtualObjectCommand> VirtualObjectCommands::read(const RemoveCommand& command) const {
   VirtualObjectCommand requested;
   requested.act = VirtualObjectCommand::Act::remove;
-  const auto id = command.text("id");
-  if (!id) return fail("virtual_object.id", "give the id of the virtual object to remove, or * for all", "id");
-  requested.id = *id;
+  requested.id = command.id;
   if (requested.id == "*" || simulator_.augmented().find(requested.id) != nullptr) return requested;
   if (find_aiv(requested.id) != nullptr) {
     requested.is_aiv = true;
@@ -117,18 +101,20 @@ Result<void> VirtualObjectCommands::check_id(std::string_view id) const {
   return {};
 }
 
-Result<VirtualObjectCommand> VirtualObjectCommands::read_add(const JsonValue& virtual_object) const {
+Result<VirtualObjectCommand> VirtualObjectCommands::read(const AddCommand& command) const {
+  if (auto zone = check_zone(); !zone) return tl::unexpected(zone.error());
+  const VirtualObjectFields& virtual_object = command.object;
   VirtualObjectCommand requested;
   requested.act = VirtualObjectCommand::Act::add;
-  const std::string kind = virtual_object.text("kind").value_or("");
+  const std::string& kind = virtual_object.kind;
   requested.is_aiv = kind == "aiv";
   const auto known = parse_virtual_object_kind(kind);
   if (!requested.is_aiv && !known) {
     return fail("virtual_object.kind", "there is no kind '" + cut(kind) + "'; add an aiv, a person or an obstacle",
                 "kind");
   }
-  if (const JsonValue* id = virtual_object.find("id"); id != nullptr && !id->is_null()) {
-    requested.id = virtual_object.text("id").value_or("");
+  if (virtual_object.id) {
+    requested.id = *virtual_object.id;
     if (auto checked = check_id(requested.id); !checked) return tl::unexpected(checked.error());
   } else {
     requested.id = next_id(kind);
@@ -151,7 +137,8 @@ Result<VirtualObjectCommand> VirtualObjectCommands::read_add(const JsonValue& vi
   }
   requested.kind = *known;
   requested.radius_m = std::clamp(0.5 * simulator_.zone()->vehicle.width_m, radius_m_min, radius_m_max);
-  if (auto read = read_number(virtual_object, "radius", radius_m_min, radius_m_max, "", requested.radius_m); !read)
+  if (auto read = read_number(virtual_object.radius_m, "radius", radius_m_min, radius_m_max, "", requested.radius_m);
+      !read)
     return tl::unexpected(read.error());
   const Walk usual({Point2{}}, simulator_.zone()->profiles.slow.speed_mps, Repeat::once);
   auto walk = read_walk(virtual_object, requested.kind == VirtualObjectKind::person, usual);
@@ -160,12 +147,13 @@ Result<VirtualObjectCommand> VirtualObjectCommands::read_add(const JsonValue& vi
   return requested;
 }
 
-Result<VirtualObjectCommand> VirtualObjectCommands::read_move(const JsonValue& virtual_object) const {
+Result<VirtualObjectCommand> VirtualObjectCommands::read(const MoveCommand& command) const {
+  if (auto zone = check_zone(); !zone) return tl::unexpected(zone.error());
+  const VirtualObjectFields& virtual_object = command.object;
   VirtualObjectCommand requested;
   requested.act = VirtualObjectCommand::Act::move;
-  const auto id = virtual_object.text("id");
-  if (!id) return fail("virtual_object.id", "give the id of the virtual object to move", "id");
-  requested.id = *id;
+  if (!virtual_object.id) return fail("virtual_object.id", "give the id of the virtual object to move", "id");
+  requested.id = *virtual_object.id;
   if (find_aiv(requested.id) != nullptr) {
     return fail("virtual_object.aiv", "a virtual AIV cannot be moved; remove it and add it at the new start", "id");
   }
@@ -183,10 +171,10 @@ Result<VirtualObjectCommand> VirtualObjectCommands::read_move(const JsonValue& v
   return requested;
 }
 
-Result<Point2> VirtualObjectCommands::read_point(const JsonValue& x, const JsonValue& y, std::string_view field) const {
-  if (x.number() == nullptr || y.number() == nullptr || !std::isfinite(*x.number()) || !std::isfinite(*y.number()))
+Result<Point2> VirtualObjectCommands::read_point(OptionalNumber x_m, OptionalNumber y_m, std::string_view field) const {
+  if (!x_m || !y_m || !std::isfinite(*x_m) || !std::isfinite(*y_m))
     return fail("virtual_object.position", "give a position as two numbers, in metres on the map", std::string(field));
-  const Point2 p{*x.number(), *y.number()};
+  const Point2 p{*x_m, *y_m};
   const zone::Bounds& on = simulator_.drawing().bounds;
   const bool inside = p.x_m >= on.low.x_m - off_zone_m && p.x_m <= on.high.x_m + off_zone_m &&
                       p.y_m >= on.low.y_m - off_zone_m && p.y_m <= on.high.y_m + off_zone_m;
@@ -199,62 +187,59 @@ Result<Point2> VirtualObjectCommands::read_point(const JsonValue& x, const JsonV
   return p;
 }
 
-Result<std::vector<Point2>> VirtualObjectCommands::read_path(const JsonValue& path) const {
-  const JsonValue::Array* points = path.array();
-  if (points == nullptr || points->empty() || points->size() > Walk::points_max) {
+Result<std::vector<Point2>> VirtualObjectCommands::read_path(const std::vector<std::optional<Point2>>& path) const {
+  if (path.empty() || path.size() > Walk::points_max) {
     return fail("virtual_object.path", "give a path as 1 to 64 points, [[x,y],[x,y],…]", "path");
   }
   std::vector<Point2> read;
-  for (std::size_t i = 0; i < points->size(); ++i) {
+  for (std::size_t i = 0; i < path.size(); ++i) {
     const std::string where = "path[" + std::to_string(i) + "]";
-    const JsonValue::Array* pair = (*points)[i].array();
-    if (pair == nullptr || pair->size() != 2) return fail("virtual_object.path", "give each point as [x,y]", where);
-    const auto point = read_point((*pair)[0], (*pair)[1], where);
+    if (!path[i]) return fail("virtual_object.path", "give each point as [x,y]", where);
+    const auto point = read_point(path[i]->x_m, path[i]->y_m, where);
     if (!point) return tl::unexpected(point.error());
     read.push_back(*point);
   }
   return read;
 }
 
-Result<Walk> VirtualObjectCommands::read_walk(const JsonValue& virtual_object, bool may_walk, const Walk& usual) const {
-  const JsonValue* path = virtual_object.find("path");
-  const JsonValue* x = virtual_object.find("x");
-  const JsonValue* y = virtual_object.find("y");
-  if (path == nullptr || path->is_null()) {
+Result<Walk> VirtualObjectCommands::read_walk(const VirtualObjectFields& virtual_object, bool may_walk,
+                                              const Walk& usual) const {
+  const bool has_point = virtual_object.x_m.has_value() && virtual_object.y_m.has_value();
+  if (!virtual_object.path) {
     auto on_path = read_section(virtual_object);
     if (!on_path) return tl::unexpected(on_path.error());
     if (*on_path) return Walk({position(simulator_.circuit()->pose_at(**on_path))}, 0.0, Repeat::once);
-    if (x == nullptr || y == nullptr) {
+    if (!has_point) {
       return fail("virtual_object.position",
                   may_walk ? "give a position (x, y) or a path to walk (path)" : "give a position (x, y)");
     }
-    const auto point = read_point(*x, *y, "x, y");
+    const auto point = read_point(virtual_object.x_m, virtual_object.y_m, "x, y");
     if (!point) return tl::unexpected(point.error());
     return Walk({*point}, 0.0, Repeat::once);
   }
   if (!may_walk)
     return fail("virtual_object.path", "an obstacle does not move; give a position (x, y), or add a person", "path");
-  if (x != nullptr || y != nullptr)
+  if (virtual_object.x_m || virtual_object.y_m)
     return fail("virtual_object.position", "give either a position (x, y) or a path, not both", "path");
-  auto points = read_path(*path);
+  auto points = read_path(*virtual_object.path);
   if (!points) return tl::unexpected(points.error());
   double speed_mps = usual.speed_mps();
-  if (auto read = read_number(virtual_object, "speed", 0.0, speed_mps_max, "/s", speed_mps); !read)
+  if (auto read = read_number(virtual_object.speed_mps, "speed", 0.0, speed_mps_max, "/s", speed_mps); !read)
     return tl::unexpected(read.error());
   Repeat repeat = usual.repeat();
-  if (const JsonValue* given = virtual_object.find("repeat"); given != nullptr && !given->is_null()) {
-    const auto known = parse_repeat(virtual_object.text("repeat").value_or(""));
+  if (virtual_object.repeat) {
+    const auto known = parse_repeat(*virtual_object.repeat);
     if (!known) return fail("virtual_object.repeat", "use once, back and forth, or loop", "repeat");
     repeat = *known;
   }
   return Walk(std::move(*points), speed_mps, repeat);
 }
 
-Result<std::optional<zone::TrackPosition>> VirtualObjectCommands::read_section(const JsonValue& virtual_object) const {
-  const JsonValue* named = virtual_object.find("section");
-  if (named == nullptr || named->is_null()) return std::optional<zone::TrackPosition>{};
+Result<std::optional<zone::TrackPosition>> VirtualObjectCommands::read_section(
+    const VirtualObjectFields& virtual_object) const {
+  if (!virtual_object.section) return std::optional<zone::TrackPosition>{};
   const zone::Circuit& circuit = *simulator_.circuit();
-  const auto section = named->text() == nullptr ? std::nullopt : circuit.find(*named->text());
+  const auto section = virtual_object.section_is_text ? circuit.find(*virtual_object.section) : std::nullopt;
   if (!section) {
     std::string names;
     for (zone::SectionId id = 0; id < circuit.size() && names.size() < 200; ++id)
@@ -262,29 +247,26 @@ Result<std::optional<zone::TrackPosition>> VirtualObjectCommands::read_section(c
     return fail("virtual_object.section", "this zone has no such section; it has " + names, "section");
   }
   zone::TrackPosition track_position{*section, 0.0};
-  if (auto read = read_number(virtual_object, "s", 0.0, circuit.section(*section).length_m(), " along the section",
+  if (auto read = read_number(virtual_object.s_m, "s", 0.0, circuit.section(*section).length_m(), " along the section",
                               track_position.s_m);
       !read)
     return tl::unexpected(read.error());
   return std::optional{track_position};
 }
 
-Result<zone::TrackPosition> VirtualObjectCommands::read_aiv_position(const JsonValue& virtual_object) const {
-  const JsonValue* x = virtual_object.find("x");
-  const JsonValue* y = virtual_object.find("y");
+Result<zone::TrackPosition> VirtualObjectCommands::read_aiv_position(const VirtualObjectFields& virtual_object) const {
   auto named = read_section(virtual_object);
   if (!named) return tl::unexpected(named.error());
   zone::TrackPosition track_position;
   if (*named) {
     track_position = **named;
-  } else if (x == nullptr && y == nullptr) {
+  } else if (!virtual_object.x_m && !virtual_object.y_m) {
     const auto free = roomiest();
     if (!free)
       return fail("virtual_object.room", "no section has room for another vehicle; remove one, then try again");
     return *free;
   } else {
-    const JsonValue none;
-    const auto point = read_point(x == nullptr ? none : *x, y == nullptr ? none : *y, "x, y");
+    const auto point = read_point(virtual_object.x_m, virtual_object.y_m, "x, y");
     if (!point) return tl::unexpected(point.error());
     const auto located = simulator_.circuit()->locate(*point);
     if (located.distance_m > off_circuit_m) {

@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "cosiva/base/json_value.h"
 #include "cosiva/base/result.h"
 #include "cosiva/virtual/server/augmented/virtual_fleet.h"
+#include "cosiva/virtual/server/commands/values/operator_command.h"
 #include "cosiva/virtual/server/registry/proxy.h"
 #include "cosiva/virtual/simulator/simulator.h"
 
@@ -39,8 +39,9 @@ class VirtualObjectCommands {
                         const MessagePublisher& publisher)
       : registry_{registry}, simulator_{simulator}, fleet_{fleet}, publisher_{publisher} {}
 
-  [[nodiscard]] static bool handles(std::string_view command);  ///< "add", "move" or "remove"
-  [[nodiscard]] Result<VirtualObjectCommand> read(const JsonValue& command) const;
+  [[nodiscard]] Result<VirtualObjectCommand> read(const AddCommand& command) const;
+  [[nodiscard]] Result<VirtualObjectCommand> read(const MoveCommand& command) const;
+  [[nodiscard]] Result<VirtualObjectCommand> read(const RemoveCommand& command) const;
   /// The next free "V1", "P1", "O1".
   [[nodiscard]] std::string next_id(std::string_view kind) const;
   /// The virtual AIV of this serial number, or of "CoSiVA.virtual/<serial>".
@@ -51,8 +52,8 @@ class VirtualObjectCommands {
   [[nodiscard]] bool has_room(zone::TrackPosition position) const;
   /// The permitted track position with the most room; nothing if no position has room.
   [[nodiscard]] std::optional<zone::TrackPosition> roomiest() const;
-  /// A point on the zone's drawing, or at most 0.5 m outside it.
-  [[nodiscard]] Result<Point2> read_point(const JsonValue& x, const JsonValue& y, std::string_view field) const;
+  /// A point on the zone's drawing, or at most 0.5 m outside it. Fails on a coordinate that is missing.
+  [[nodiscard]] Result<Point2> read_point(OptionalNumber x_m, OptionalNumber y_m, std::string_view field) const;
 
  private:
   struct NearbyVehicle {
@@ -63,13 +64,13 @@ class VirtualObjectCommands {
   [[nodiscard]] std::vector<NearbyVehicle> nearby_vehicles() const;
   [[nodiscard]] bool has_room(zone::TrackPosition position, Point2 at, const NearbyVehicle& other) const;
   [[nodiscard]] Result<void> check_id(std::string_view id) const;
-  [[nodiscard]] Result<VirtualObjectCommand> read_add(const JsonValue& virtual_object) const;
-  [[nodiscard]] Result<VirtualObjectCommand> read_move(const JsonValue& virtual_object) const;
-  [[nodiscard]] Result<VirtualObjectCommand> read_remove(const JsonValue& command) const;
-  [[nodiscard]] Result<zone::TrackPosition> read_aiv_position(const JsonValue& virtual_object) const;
-  [[nodiscard]] Result<std::optional<zone::TrackPosition>> read_section(const JsonValue& virtual_object) const;
-  [[nodiscard]] Result<Walk> read_walk(const JsonValue& virtual_object, bool may_walk, const Walk& usual) const;
-  [[nodiscard]] Result<std::vector<Point2>> read_path(const JsonValue& path) const;
+  [[nodiscard]] Result<void> check_zone() const;
+  [[nodiscard]] Result<zone::TrackPosition> read_aiv_position(const VirtualObjectFields& virtual_object) const;
+  [[nodiscard]] Result<std::optional<zone::TrackPosition>> read_section(
+      const VirtualObjectFields& virtual_object) const;
+  [[nodiscard]] Result<Walk> read_walk(const VirtualObjectFields& virtual_object, bool may_walk,
+                                       const Walk& usual) const;
+  [[nodiscard]] Result<std::vector<Point2>> read_path(const std::vector<std::optional<Point2>>& path) const;
   [[nodiscard]] std::string known_virtual_objects() const;
 
   const Registry& registry_;

@@ -113,7 +113,7 @@ TEST(VirtualObjects, that_are_invalid_are_rejected_with_a_message_and_change_not
 
 TEST(VirtualObjects, need_a_zone) {
   ServerCore server{ServerOptions{}};
-  const auto checked = server.check_command(person(R"("x":0,"y":0)"));
+  const auto checked = server.check_command(DecodedCommand{person(R"("x":0,"y":0)")});
   ASSERT_FALSE(checked.has_value());
   EXPECT_THAT(checked.error().message, HasSubstr("no zone yet"));
 }

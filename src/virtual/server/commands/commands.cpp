@@ -1,19 +1,13 @@
 #include "cosiva/virtual/server/commands/commands.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 namespace cosiva::virtual_side {
 namespace {
 
-constexpr std::array verbs{OperatorCommandKind::stop,  OperatorCommandKind::slow,  OperatorCommandKind::medium,
-                           OperatorCommandKind::fast,  OperatorCommandKind::limit, OperatorCommandKind::restart,
-                           OperatorCommandKind::cancel};
-constexpr double limit_mps_max = 5.0;
 constexpr double stopped_mps = 0.01;
 constexpr double speed_slack_mps = 0.02;
-constexpr std::size_t vehicles_named_max = Registry::vehicles_max;
 
 std::optional<aiv::Profile> profile_of(OperatorCommandKind verb) {
   switch (verb) {
@@ -34,22 +28,7 @@ wire::Action speed_limit(std::string_view profile) {
 
 bool sets_speed(OperatorCommandKind verb) { return profile_of(verb) || verb == OperatorCommandKind::limit; }
 
-std::string cut(std::string_view text) { return std::string(text.substr(0, 80)); }
-
 }  // namespace
-
-std::string_view to_string(OperatorCommandKind verb) {
-  switch (verb) {
-    case OperatorCommandKind::stop: return "stop";
-    case OperatorCommandKind::slow: return "slow";
-    case OperatorCommandKind::medium: return "medium";
-    case OperatorCommandKind::fast: return "fast";
-    case OperatorCommandKind::limit: return "limit";
-    case OperatorCommandKind::restart: return "restart";
-    case OperatorCommandKind::cancel: return "cancel";
-  }
-  return "?";
-}
 
 std::string_view to_string(CommandState state) {
   switch (state) {
@@ -61,41 +40,6 @@ std::string_view to_string(CommandState state) {
   return "?";
 }
 
-Result<Commands::Requested> Commands::read(const Result<JsonValue>& value) const {
-  if (!value || value->object() == nullptr) {
-    return fail("command.syntax", "a command is a JSON object like {\"command\":\"stop\",\"vehicle\":\"*\"}" +
-                                      (value ? std::string{} : "; this is none: " + value.error().message));
-  }
-  Requested requested;
-  requested.id = cut(value->text("id").value_or(""));
-  const auto verb = value->text("command");
-  if (!verb)
-    return fail("command.missing", "state which command: stop, slow, medium, fast, limit, restart or cancel",
-                "command");
-  requested.command_text = cut(*verb);
-  if (const JsonValue* list = value->find("vehicles"); list != nullptr && !list->is_null()) {
-    if (list->array() == nullptr || list->array()->empty() || list->array()->size() > vehicles_named_max)
-      return fail("command.vehicle", "give at least one and at most 256 vehicles, as [\"CoSiVA/AIV1\",…]", "vehicles");
-    for (const JsonValue& name : *list->array())
-      requested.vehicle_names.push_back(name.text() == nullptr ? std::string{} : cut(*name.text()));
-    requested.several = true;
-  } else {
-    const auto vehicle = value->text("vehicle");
-    if (!vehicle)
-      return fail("command.vehicle", "state which vehicle, as manufacturer/serial number, or * for all", "vehicle");
-    requested.vehicle_names.push_back(cut(*vehicle));
-    requested.several = *vehicle == "*";
-  }
-  const auto known = std::ranges::find(verbs, *verb, [](OperatorCommandKind v) { return to_string(v); });
-  if (known != verbs.end()) requested.verb = *known;
-  if (requested.verb == OperatorCommandKind::limit) {
-    requested.speed_mps = value->number("speed").value_or(0.0);
-    if (!(requested.speed_mps > 0.0 && requested.speed_mps <= limit_mps_max))
-      return fail("command.speed", "state the maximum speed, above 0 and up to 5 m/s, as \"speed\":0.25", "speed");
-  }
-  return requested;
-}
-
 std::optional<std::string> Commands::impossible(VehicleIndex vehicle, OperatorCommandKind verb) const {
   const AivProxy& proxy = registry_[vehicle];
   if (!proxy.online())
@@ -105,13 +49,7 @@ std::optional<std::string> Commands::impossible(VehicleIndex vehicle, OperatorCo
   return std::nullopt;
 }
 
-Result<void> Commands::check(const Result<JsonValue>& command) const {
-  const auto requested = read(command);
-  if (!requested) return tl::unexpected(requested.error());
-  return validate_request(*requested);
-}
-
-Result<void> Commands::validate_request(const Requested& requested) const {
+Result<void> Commands::check(const VehicleCommand& requested) const {
   if (!requested.verb) {
     return fail(
         "command.unknown",
@@ -136,7 +74,7 @@ Result<void> Commands::validate_request(const Requested& requested) const {
   return {};
 }
 
-std::vector<VehicleIndex> Commands::addressed(const Requested& requested) const {
+std::vector<VehicleIndex> Commands::addressed(const VehicleCommand& requested) const {
   std::vector<VehicleIndex> vehicles;
   const auto add_once = [&vehicles](VehicleIndex v) {
     if (std::ranges::find(vehicles, v) == vehicles.end()) vehicles.push_back(v);
@@ -155,8 +93,7 @@ std::string Commands::next_id(const std::string& wanted) {
   return wanted.empty() ? "c" + std::to_string(running_) : wanted;
 }
 
-void Commands::issue(const Result<JsonValue>& json) {
-  const auto requested = read(json);
+void Commands::issue(const Result<VehicleCommand>& requested) {
   Command command;
   command.at = publisher_.now();
   command.id = next_id(requested ? requested->id : "");
@@ -167,7 +104,7 @@ void Commands::issue(const Result<JsonValue>& json) {
     for (const std::string& name : requested->vehicle_names)
       command.vehicle_name += (command.vehicle_name.empty() ? "" : ", ") + name;
   }
-  const Result<void> evaluated = requested ? validate_request(*requested) : tl::unexpected(requested.error());
+  const Result<void> evaluated = requested ? check(*requested) : tl::unexpected(requested.error());
   if (!evaluated) {
     simulator_.monitor().command_issued();
     fail_command(command, to_string(evaluated.error()));

@@ -7,17 +7,14 @@
 #include <vector>
 
 #include "cosiva/base/digest.h"
-#include "cosiva/base/json_value.h"
+#include "cosiva/base/result.h"
+#include "cosiva/virtual/server/commands/values/operator_command.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
 #include "cosiva/virtual/server/orders/order_manager.h"
 #include "cosiva/virtual/server/registry/proxy.h"
 #include "cosiva/virtual/simulator/simulator.h"
 
 namespace cosiva::virtual_side {
-
-/// What an operator can command a vehicle to do (A6).
-enum class OperatorCommandKind : std::uint8_t { stop, slow, medium, fast, limit, restart, cancel };
-[[nodiscard]] std::string_view to_string(OperatorCommandKind verb);
 
 enum class CommandState : std::uint8_t { issued, accepted, materialised, failed };
 [[nodiscard]] std::string_view to_string(CommandState state);
@@ -53,12 +50,10 @@ class Commands {
         orders_{orders},
         simulator_{simulator} {}
 
-  /// Longer commands to vehicles are refused.
-  static constexpr std::size_t bytes_max = 64U << 10U;
-
-  /// @param command  the parsed command, or the parser's error
-  [[nodiscard]] Result<void> check(const Result<JsonValue>& command) const;
-  void issue(const Result<JsonValue>& json);
+  /// Whether issue() would execute the command.
+  [[nodiscard]] Result<void> check(const VehicleCommand& command) const;
+  /// @param command  or why its text is no command, which is listed as failed
+  void issue(const Result<VehicleCommand>& command);
   void on_state(VehicleIndex vehicle);
   void tick();
   /// The vehicle has been removed: its open commands fail.
@@ -70,18 +65,7 @@ class Commands {
   void fold(Digest& digest) const;
 
  private:
-  struct Requested {
-    std::string id;
-    std::string command_text;
-    std::vector<std::string> vehicle_names;  ///< or "*" alone
-    std::optional<OperatorCommandKind> verb;
-    double speed_mps{};   ///< of `limit`
-    bool several{false};  ///< given as a list or as all: one entry for each vehicle
-    [[nodiscard]] bool all() const { return several && vehicle_names.front() == "*"; }
-  };
-  [[nodiscard]] Result<Requested> read(const Result<JsonValue>& value) const;
-  [[nodiscard]] Result<void> validate_request(const Requested& requested) const;
-  [[nodiscard]] std::vector<VehicleIndex> addressed(const Requested& requested) const;
+  [[nodiscard]] std::vector<VehicleIndex> addressed(const VehicleCommand& requested) const;
   /// The monitor; null where the command is for a vehicle that the monitor does not count.
   [[nodiscard]] BijectionMonitor* monitor_of(const Command& command);
   [[nodiscard]] std::string next_id(const std::string& wanted);

@@ -21,7 +21,7 @@ class CommandFixture : public testing::Test {
     return fixture.command_entry(id).text("reason").value_or("?");
   }
   [[nodiscard]] std::string error_of(const std::string& json) const {
-    const auto checked = fixture.server->check_command(json);
+    const auto checked = fixture.server->check_command(DecodedCommand{json});
     return checked ? "" : to_string(checked.error());
   }
   void list_actions(const std::vector<std::string>& types) {

@@ -8,122 +8,121 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// A zone's whole configuration may be in a command.
-constexpr std::size_t command_bytes_max = 64U << 20U;
-
 constexpr std::string_view no_virtual_aivs = "virtual_object.area";
 
-bool adds_virtual_aiv(const JsonValue& command) {
-  const JsonValue* object = command.find("virtualObject");
-  return object != nullptr && object->text("kind") == "aiv";
+template <typename... Handlers>
+struct Overloaded : Handlers... {
+  using Handlers::operator()...;
+};
+
+/// What a part found, as one of the commands that are ready to be executed.
+template <typename Checked>
+Result<CheckedCommand> either(Result<Checked> checked) {
+  if (!checked) return tl::unexpected(std::move(checked.error()));
+  return CheckedCommand{std::move(*checked)};
 }
 
 }  // namespace
 
-CommandRouter::Kind CommandRouter::kind_of(std::string_view name) {
-  if (VirtualObjectCommands::handles(name)) return Kind::object;
-  if (ZoneEdits::handles(name)) return Kind::edit;
-  if (MissionRequests::handles(name)) return Kind::mission;
-  if (is_world_command(name)) return Kind::world;
-  if (name == "switch") return Kind::zone_switch;
-  return name == "batteryReady" ? Kind::battery : Kind::vehicles;
-}
-
-CommandRouter::Request CommandRouter::parse(std::string_view json) {
-  Request request{JsonValue::parse(json, command_bytes_max), {}};
-  if (request.json) request.name = request.json->text("command").value_or("");
-  request.kind = kind_of(request.name);
-  // A command to vehicles contains no zone, so its length is limited.
-  if (request.kind == Kind::vehicles && json.size() > Commands::bytes_max)
-    request.json = JsonValue::parse(json, Commands::bytes_max);
-  return request;
-}
-
-Result<void> CommandRouter::check(std::string_view json) const {
-  const Request request = parse(json);
-  if (request.kind == Kind::vehicles) return master_.commands.check(request.json);
-  const auto command = read(request);
-  if (!command) return tl::unexpected(command.error());
+Result<void> CommandRouter::check(const DecodedCommand& decoded) const {
+  if (!decoded.command()) return tl::unexpected(decoded.command().error().error);
+  const OperatorCommand& command = *decoded.command();
+  if (const auto* to_vehicles = std::get_if<VehicleCommand>(&command)) return master_.commands.check(*to_vehicles);
+  if (const auto found = checked(command); !found) return tl::unexpected(found.error());
   return {};
 }
 
-void CommandRouter::run(std::string_view json) {
-  const Request request = parse(json);
-  if (request.kind == Kind::vehicles) {
-    master_.commands.issue(request.json);
+void CommandRouter::run(const DecodedCommand& decoded) {
+  if (!decoded.command()) return refuse(decoded.command().error());
+  const OperatorCommand& command = *decoded.command();
+  if (const auto* to_vehicles = std::get_if<VehicleCommand>(&command)) {
+    master_.commands.issue(*to_vehicles);
     world_.update();
     return;
   }
-  auto command = read(request);
-  if (!command) return refuse(request, command.error());
-  COSIVA_EXPECT(request.json && !command->valueless_by_exception());
-  std::visit([this](auto& one) { execute(one); }, *command);
+  auto ready = checked(command);
+  if (!ready) return refuse(command, ready.error());
+  COSIVA_EXPECT(!ready->valueless_by_exception());
+  std::visit([this](auto& one) { execute(one); }, *ready);
   world_.update();
 }
 
-Result<OperatorCommand> CommandRouter::read(const Request& request) const {
-  const JsonValue& json = *request.json;
-  switch (request.kind) {
-    case Kind::object: return read_object(request);
-    case Kind::edit: {
-      auto after = zones_.edits().after(json, context_.simulator);
-      if (!after) return tl::unexpected(after.error());
-      return EditCommand{request.name, std::move(*after)};
-    }
-    case Kind::zone_switch: {
-      auto wanted = zones_.wanted_by(json);
-      if (!wanted) return tl::unexpected(wanted.error());
-      return SwitchCommand{std::move(*wanted)};
-    }
-    case Kind::mission: {
-      const auto checked = master_.mission_requests.check(json);
-      if (!checked) return tl::unexpected(checked.error());
-      return MissionCommand{json};
-    }
-    case Kind::world:
-    case Kind::battery:
-    case Kind::vehicles: break;
-  }
-  return read_message(request);
+Result<CheckedCommand> CommandRouter::checked(const OperatorCommand& command) const {
+  const auto as_stated = [](const Result<void>& good, const auto& one) -> Result<CheckedCommand> {
+    if (!good) return tl::unexpected(good.error());
+    return CheckedCommand{one};
+  };
+  return std::visit(Overloaded{
+                        [](const VehicleCommand&) -> Result<CheckedCommand> { COSIVA_EXPECT(false); },
+                        [&](const MissionCommand& one) { return as_stated(master_.mission_requests.check(one), one); },
+                        [&](const SectionCommand& one) { return as_stated(master_.mission_requests.check(one), one); },
+                        [&](const MoveCommand& one) { return either(augmented_.objects.read(one)); },
+                        [&](const RemoveCommand& one) { return either(augmented_.objects.read(one)); },
+                        [&](const EditCommand& one) -> Result<CheckedCommand> {
+                          auto after = zones_.edits().after(one, context_.simulator);
+                          if (!after) return tl::unexpected(std::move(after.error()));
+                          return CheckedCommand{CheckedEdit{one.kind, std::move(*after)}};
+                        },
+                        [&](const SwitchCommand& one) { return as_stated(zones_.check(one), one); },
+                        [&](const auto& one) { return checked(one); },
+                    },
+                    command);
 }
 
-Result<OperatorCommand> CommandRouter::read_object(const Request& request) const {
-  if (context_.areas.several() && request.name == "add" && adds_virtual_aiv(*request.json)) {
+Result<CheckedCommand> CommandRouter::checked(const AddCommand& command) const {
+  if (context_.areas.several() && command.object.kind == "aiv") {
     return fail(std::string(no_virtual_aivs),
                 "a virtual AIV cannot be added where several control areas use one broker; persons and obstacles can",
                 "kind");
   }
-  auto object = augmented_.objects.read(*request.json);
-  if (!object) return tl::unexpected(object.error());
-  return std::move(*object);
+  return either(augmented_.objects.read(command));
 }
 
-Result<OperatorCommand> CommandRouter::read_message(const Request& request) const {
-  COSIVA_EXPECT(request.kind == Kind::world || request.kind == Kind::battery);
-  const bool is_for_world = request.kind == Kind::world;
-  auto message = is_for_world ? read_world_command(*request.json, context_, augmented_)
-                              : instruments_.batteries.ready(*request.json);
-  if (!message) return tl::unexpected(message.error());
+Result<CheckedCommand> CommandRouter::checked(const PlantCommand& command) const {
+  auto message = read_world_command(command, context_, augmented_);
+  if (!message) return tl::unexpected(std::move(message.error()));
   const std::string payload = message->payload;
-  if (is_for_world) return MessageCommand{"emulated world", request.name, payload, std::move(*message)};
-  return MessageCommand{"battery test", "battery", "batteryReady: " + payload, std::move(*message)};
+  return CheckedCommand{MessageCommand{"emulated world", "plant", payload, std::move(*message)}};
 }
 
-void CommandRouter::refuse(const Request& request, const Error& error) {
-  const bool is_switch = request.kind == Kind::zone_switch;
-  if (is_switch) {
-    const JsonValue* zone = request.json->find("zone");
-    zones_.refuse(zone == nullptr ? std::string{} : zone->text("origin").value_or(""), to_string(error));
-  } else {
-    context_.publisher.log('w', "command refused: " + to_string(error));
+Result<CheckedCommand> CommandRouter::checked(const RadioCommand& command) const {
+  auto message = read_world_command(command, context_);
+  if (!message) return tl::unexpected(std::move(message.error()));
+  const std::string payload = message->payload;
+  return CheckedCommand{MessageCommand{"emulated world", "radio", payload, std::move(*message)}};
+}
+
+Result<CheckedCommand> CommandRouter::checked(const BatteryReadyCommand& command) const {
+  auto message = instruments_.batteries.ready(command);
+  if (!message) return tl::unexpected(std::move(message.error()));
+  const std::string payload = message->payload;
+  return CheckedCommand{MessageCommand{"battery test", "battery", "batteryReady: " + payload, std::move(*message)}};
+}
+
+void CommandRouter::refuse(const DecodedCommand::Fault& fault) {
+  using By = DecodedCommand::Fault::By;
+  switch (fault.by) {
+    case By::vehicles: master_.commands.issue(tl::unexpected(fault.error)); break;
+    case By::zone_switch: zones_.refuse(fault.origin, to_string(fault.error)); break;
+    case By::log: context_.publisher.log('w', "command refused: " + to_string(fault.error)); return;
   }
+  world_.update();
+}
+
+void CommandRouter::refuse(const OperatorCommand& command, const Error& error) {
+  const auto* to_zone = std::get_if<SwitchCommand>(&command);
+  if (to_zone != nullptr)
+    zones_.refuse(to_zone->zone.origin, to_string(error));
+  else
+    context_.publisher.log('w', "command refused: " + to_string(error));
   // Recorded runs contain an update after exactly these refusals.
-  if (is_switch || request.kind == Kind::edit || error.code == no_virtual_aivs) world_.update();
+  if (to_zone != nullptr || std::holds_alternative<EditCommand>(command) || error.code == no_virtual_aivs)
+    world_.update();
 }
 
 void CommandRouter::execute(const VirtualObjectCommand& command) { world_.follow(command); }
 
-void CommandRouter::execute(const EditCommand& command) { zones_.apply_edit(command.name, command.after); }
+void CommandRouter::execute(const CheckedEdit& command) { zones_.apply_edit(command.kind, command.after); }
 
 void CommandRouter::execute(const SwitchCommand& command) { zones_.switch_to(command.zone); }
 
@@ -135,7 +134,12 @@ void CommandRouter::execute(MessageCommand& command) {
 }
 
 void CommandRouter::execute(const MissionCommand& command) {
-  master_.mission_requests.follow(command.json);
+  master_.mission_requests.follow(command);
+  context_.state_stale = true;
+}
+
+void CommandRouter::execute(const SectionCommand& command) {
+  master_.mission_requests.follow(command);
   context_.state_stale = true;
 }
 

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <variant>
 
-#include "cosiva/base/json_value.h"
 #include "cosiva/base/result.h"
+#include "cosiva/virtual/server/commands/values/decoded_command.h"
+#include "cosiva/virtual/server/commands/values/operator_command.h"
 #include "cosiva/virtual/server/context/augmented_parts.h"
 #include "cosiva/virtual/server/context/instrument_parts.h"
 #include "cosiva/virtual/server/context/master_control.h"
@@ -17,14 +17,9 @@
 namespace cosiva::virtual_side {
 
 /// "edit", "undo", "redo", "saved": the configuration that the zone has afterwards.
-struct EditCommand {
-  std::string name;
+struct CheckedEdit {
+  EditCommand::Kind kind;
   zone::ZoneConfiguration after;
-};
-
-/// "switch": the zone that replaces the one in force.
-struct SwitchCommand {
-  zone::ZoneConfiguration zone;
 };
 
 /// "plant", "radio", "batteryReady": the message that another program receives.
@@ -35,16 +30,12 @@ struct MessageCommand {
   wire::Publish message;
 };
 
-/// "go", "circulate", "close", "open", checked by MissionRequests.
-struct MissionCommand {
-  JsonValue json;
-};
+/// A command that was compared with the vehicles and the zone, ready to be executed. Commands to vehicles are none of
+/// these; Commands lists even those that it refuses.
+using CheckedCommand =
+    std::variant<VirtualObjectCommand, CheckedEdit, SwitchCommand, MessageCommand, MissionCommand, SectionCommand>;
 
-/// A command of an operator, parsed and validated, ready to be executed. Commands to vehicles are none of these;
-/// Commands lists even those that it refuses.
-using OperatorCommand = std::variant<VirtualObjectCommand, EditCommand, SwitchCommand, MessageCommand, MissionCommand>;
-
-/// Routes the commands of operators: each is parsed and validated once, then executed by the part that handles it.
+/// Routes the decoded commands of operators: each is checked, then executed by the part that handles it.
 /// Invariant: no part executes a command that was not validated, and a refused command changes nothing but the lists
 /// that show the refusal.
 class CommandRouter {
@@ -59,30 +50,24 @@ class CommandRouter {
         world_{world} {}
 
   /// Whether run() would execute the command.
-  [[nodiscard]] Result<void> check(std::string_view json) const;
-  void run(std::string_view json);
+  [[nodiscard]] Result<void> check(const DecodedCommand& decoded) const;
+  void run(const DecodedCommand& decoded);
 
  private:
-  /// The part that executes a command.
-  enum class Kind { object, edit, zone_switch, mission, world, battery, vehicles };
-  /// A received command, parsed.
-  struct Request {
-    Result<JsonValue> json;
-    std::string name;  ///< empty: the command has none
-    Kind kind{Kind::vehicles};
-  };
-  [[nodiscard]] static Kind kind_of(std::string_view name);
-  [[nodiscard]] static Request parse(std::string_view json);
-  [[nodiscard]] Result<OperatorCommand> read(const Request& request) const;
-  [[nodiscard]] Result<OperatorCommand> read_object(const Request& request) const;
-  [[nodiscard]] Result<OperatorCommand> read_message(const Request& request) const;
-  void refuse(const Request& request, const Error& error);
+  [[nodiscard]] Result<CheckedCommand> checked(const OperatorCommand& command) const;
+  [[nodiscard]] Result<CheckedCommand> checked(const AddCommand& command) const;
+  [[nodiscard]] Result<CheckedCommand> checked(const PlantCommand& command) const;
+  [[nodiscard]] Result<CheckedCommand> checked(const RadioCommand& command) const;
+  [[nodiscard]] Result<CheckedCommand> checked(const BatteryReadyCommand& command) const;
+  void refuse(const DecodedCommand::Fault& fault);
+  void refuse(const OperatorCommand& command, const Error& error);
 
   void execute(const VirtualObjectCommand& command);
-  void execute(const EditCommand& command);
+  void execute(const CheckedEdit& command);
   void execute(const SwitchCommand& command);
   void execute(MessageCommand& command);
   void execute(const MissionCommand& command);
+  void execute(const SectionCommand& command);
 
   ServerContext& context_;
   MasterControl& master_;

@@ -97,7 +97,7 @@ class ControlAreasFixture {
     send_command(area, R"({"command":"go","vehicle":")" + aiv1 + R"(","to":")" + to + "\"}");
   }
   [[nodiscard]] std::string refusal(const std::string& area, const std::string& json) {
-    const auto checked = servers[area].core->check_command(json);
+    const auto checked = servers[area].core->check_command(DecodedCommand{json});
     return checked ? "" : to_string(checked.error());
   }
   [[nodiscard]] std::string refusal_to_go(const std::string& area, const std::string& to) {

@@ -48,7 +48,10 @@ struct ServerCore::Impl {
 void ServerCore::Impl::on_command(const wire::Input& input) {
   const std::string_view from = input.source.empty() ? std::string_view{"operator"} : std::string_view{input.source};
   parts.context.traces.add(input.at, from, "AIV_Server", "command", input.payload, {}, input.payload);
-  router.run(input.payload);
+  // An input from a journal, a scenario or the command line is text only.
+  const auto* decoded = dynamic_cast<const DecodedCommand*>(input.typed.get());
+  if (decoded != nullptr) return router.run(*decoded);
+  router.run(DecodedCommand{input.payload});
 }
 
 void ServerCore::Impl::on_tick() {
@@ -149,7 +152,7 @@ void ServerCore::fold(Digest& digest) const {
 
 SimDuration ServerCore::tick_period() const { return impl_->parts.context.options.cycle; }
 
-Result<void> ServerCore::check_command(std::string_view json) const { return impl_->router.check(json); }
+Result<void> ServerCore::check_command(const DecodedCommand& command) const { return impl_->router.check(command); }
 
 std::string ServerCore::snapshot_json() const { return impl_->view.snapshot_json(); }
 std::string ServerCore::summary_json() const { return impl_->view.summary_json(); }

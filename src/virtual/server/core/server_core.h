@@ -8,6 +8,7 @@
 
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/result.h"
+#include "cosiva/virtual/server/commands/values/decoded_command.h"
 #include "cosiva/virtual/server/context/server_options.h"
 #include "cosiva/virtual/server/view/frames.h"
 #include "cosiva/wire/runtime/core.h"
@@ -19,8 +20,8 @@ namespace cosiva::virtual_side {
 /// in a cycle.
 /// Invariant: while an input is handled, every part uses the time of that input, and no other.
 ///
-/// Commands (Input::command, JSON; id optional). Refused ones are logged; those to vehicles are listed as failed with
-/// the reason.
+/// Commands (Input::command, JSON, and a DecodedCommand with it where the sender has decoded it; id optional). Refused
+/// ones are logged; those to vehicles are listed as failed with the reason.
 /// - to vehicles (A6):
 ///   {"id":"c1","command":"stop"|"slow"|"medium"|"fast"|"restart"|"cancel","vehicle":"CoSiVA/AIV1"|"*"},
 ///   {"command":"limit","speed":0.25,"vehicle":…}: an individual limit in m/s, until a profile or restart lifts it, or
@@ -53,7 +54,7 @@ class ServerCore final : public wire::Core {
   void fold(Digest& digest) const override;
 
   /// Checks a command without running it, for an immediate response to the sender.
-  [[nodiscard]] Result<void> check_command(std::string_view json) const;
+  [[nodiscard]] Result<void> check_command(const DecodedCommand& command) const;
 
   /// Increases when the zone is (re)instantiated; zone_json() is the zone that the HMI draws, "null" before there is a
   /// zone.

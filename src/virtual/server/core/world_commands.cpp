@@ -21,32 +21,27 @@ Result<std::string> obstacle_id(const std::optional<std::string>& id) {
 }
 
 /// {"addObstacle":…} or {"removeObstacle":…}, as the emulated world reads it.
-Result<std::string> plant_json(const JsonValue& plant, const AugmentedParts& augmented, double radius_m) {
+Result<std::string> plant_json(const PlantCommand& command, const AugmentedParts& augmented, double radius_m) {
   JsonWriter json;
-  if (const JsonValue* removed = plant.find("removeObstacle")) {
-    auto id = obstacle_id(removed->text() == nullptr ? std::nullopt : std::optional{*removed->text()});
+  if (command.act == PlantCommand::Act::remove) {
+    auto id = obstacle_id(command.id);
     if (!id) return id;
     json.begin_object().field("removeObstacle", *id).end_object();
     return json.take();
   }
-  const JsonValue* added = plant.find("addObstacle");
-  if (added == nullptr || added->object() == nullptr) {
+  if (command.act == PlantCommand::Act::none) {
     return fail("plant.missing",
                 R"(state what to do, as {"addObstacle":{"id":"box1","x":0.5,"y":0.2}} or {"removeObstacle":"box1"})",
                 "plant");
   }
-  auto id = obstacle_id(added->text("id"));
+  auto id = obstacle_id(command.id);
   if (!id) return id;
-  const JsonValue none;
-  const JsonValue* x = added->find("x");
-  const JsonValue* y = added->find("y");
-  const auto at = augmented.objects.read_point(x == nullptr ? none : *x, y == nullptr ? none : *y, "x, y");
+  const auto at = augmented.objects.read_point(command.x_m, command.y_m, "x, y");
   if (!at) return tl::unexpected(at.error());
-  if (const JsonValue* given = added->find("radius"); given != nullptr && !given->is_null()) {
-    const double* number = given->number();
-    if (number == nullptr || !(*number >= obstacle_radius_m_min && *number <= obstacle_radius_m_max))
+  if (command.radius_m) {
+    radius_m = *command.radius_m;
+    if (!(radius_m >= obstacle_radius_m_min && radius_m <= obstacle_radius_m_max))
       return fail("plant.radius", "give a radius from 0.02 m to 1 m", "radius");
-    radius_m = *number;
   }
   json.begin_object().key("addObstacle").begin_object();
   json.field("id", *id).field("x", at->x_m).field("y", at->y_m).field("radius", radius_m).end_object().end_object();
@@ -55,21 +50,18 @@ Result<std::string> plant_json(const JsonValue& plant, const AugmentedParts& aug
 
 }  // namespace
 
-bool is_world_command(std::string_view name) { return name == "plant" || name == "radio"; }
-
-Result<wire::Publish> read_world_command(const JsonValue& command, const ServerContext& context,
+Result<wire::Publish> read_world_command(const PlantCommand& command, const ServerContext& context,
                                          const AugmentedParts& augmented) {
-  if (command.text("command") == "plant") {
-    const JsonValue* plant = command.find("plant");
-    if (plant == nullptr) return fail("plant.missing", "state what to do in the emulated world, as \"plant\"", "plant");
-    if (!context.simulator.zone())
-      return fail("plant.zone", "there is no zone yet; wait until the physical side has sent it, then try again");
-    auto json =
-        plant_json(*plant, augmented, std::max(obstacle_radius_m_min, 0.5 * context.simulator.zone()->vehicle.width_m));
-    if (!json) return tl::unexpected(json.error());
-    return wire::Publish{std::string(wire::plant_command_topic), std::move(*json), 1, false};
-  }
-  const wire::Radio radio{command.text("vehicle").value_or(""), command.number("loss").value_or(-1.0)};
+  if (!context.simulator.zone())
+    return fail("plant.zone", "there is no zone yet; wait until the physical side has sent it, then try again");
+  auto json =
+      plant_json(command, augmented, std::max(obstacle_radius_m_min, 0.5 * context.simulator.zone()->vehicle.width_m));
+  if (!json) return tl::unexpected(json.error());
+  return wire::Publish{std::string(wire::plant_command_topic), std::move(*json), 1, false};
+}
+
+Result<wire::Publish> read_world_command(const RadioCommand& command, const ServerContext& context) {
+  const wire::Radio radio{command.vehicle, command.loss_ratio};
   if (radio.vehicle != "*" && !context.registry.find(radio.vehicle)) {
     return fail("radio.vehicle",
                 "no vehicle '" + radio.vehicle.substr(0, 80) +

@@ -129,15 +129,15 @@ void ZoneSession::publish() {
   context_.publisher.publish(topic, std::move(payload), 1, true);
 }
 
-void ZoneSession::apply_edit(const std::string& name, const zone::ZoneConfiguration& after) {
+void ZoneSession::apply_edit(EditCommand::Kind kind, const zone::ZoneConfiguration& after) {
   context_.state_stale = true;
-  if (name == "saved") {
+  if (kind == EditCommand::Kind::saved) {
     edits_.saved(after);
     return;
   }
   zone::ZoneConfiguration before = *context_.simulator.configuration();
   if (!take(after)) return;
-  edits_.done(name, std::move(before));
+  edits_.done(kind, std::move(before));
   publish();
 }
 
@@ -155,18 +155,12 @@ void ZoneSession::switch_to(const zone::ZoneConfiguration& wanted) {
     context_.publisher.publish(context_.topics.zone_prefix + format, {}, 1, true);
 }
 
-Result<zone::ZoneConfiguration> ZoneSession::wanted_by(const JsonValue& command) const {
-  const JsonValue* zone = command.find("zone");
-  if (zone == nullptr)
-    return fail("switch.zone", R"(state which zone, as {"zone":{"format":…,"origin":…,"text":…}})", "zone");
-  auto configuration = zone::zone_configuration_from_json(*zone);
-  if (!configuration) return configuration;
-  if (context_.simulator.configuration() != nullptr &&
-      same_content(*context_.simulator.configuration(), *configuration))
+Result<void> ZoneSession::check(const SwitchCommand& command) const {
+  if (context_.simulator.configuration() != nullptr && same_content(*context_.simulator.configuration(), command.zone))
     return fail("switch.same", "this zone is in force already", "zone");
   // Every program has to be able to build what the server publishes.
-  if (auto rtm = context_.simulator.build(*configuration); !rtm) return tl::unexpected(rtm.error());
-  return configuration;
+  if (auto rtm = context_.simulator.build(command.zone); !rtm) return tl::unexpected(rtm.error());
+  return {};
 }
 
 void ZoneSession::refuse(const std::string& origin, const std::string& why) {

@@ -8,6 +8,7 @@
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/result.h"
+#include "cosiva/virtual/server/commands/values/operator_command.h"
 #include "cosiva/virtual/server/context/augmented_parts.h"
 #include "cosiva/virtual/server/context/master_control.h"
 #include "cosiva/virtual/server/context/server_context.h"
@@ -44,15 +45,15 @@ class ZoneSession {
   /// In each cycle: takes a configuration that waits for the other retained ones when their time has elapsed.
   void take_waiting();
 
-  /// The configuration that the command "switch" would bring into force. Fails with a message that states what to do.
-  [[nodiscard]] Result<zone::ZoneConfiguration> wanted_by(const JsonValue& command) const;
-  /// @param wanted  the result of wanted_by()
+  /// Whether the zone of the command could be brought into force. Fails with a message that states what to do.
+  [[nodiscard]] Result<void> check(const SwitchCommand& command) const;
+  /// @param wanted  accepted by check()
   void switch_to(const zone::ZoneConfiguration& wanted);
   /// The refusal is shown until the next zone is taken.
   void refuse(const std::string& origin, const std::string& why);
   /// Executes "edit", "undo", "redo" or "saved".
   /// @param after  the result of edits().after() for the command
-  void apply_edit(const std::string& name, const zone::ZoneConfiguration& after);
+  void apply_edit(EditCommand::Kind kind, const zone::ZoneConfiguration& after);
 
   /// Takes the zone data of the state file as soon as a zone is in force.
   /// @param edited  the zone in force with its edits, as write_state() wrote it

@@ -37,24 +37,12 @@ std::string nearest_names(std::string_view requested, const std::vector<std::str
 
 }  // namespace
 
-bool MissionRequests::handles(std::string_view command) {
-  return command == "go" || command == "circulate" || command == "close" || command == "open";
+Result<void> MissionRequests::check_map() const {
+  if (missions_.map() != nullptr) return {};
+  return fail("mission.zone", "there is no zone yet; wait until the physical side has sent it, then try again");
 }
 
-Result<void> MissionRequests::check(const JsonValue& command) const {
-  const std::string verb = command.text("command").value_or("");
-  if (missions_.map() == nullptr)
-    return fail("mission.zone", "there is no zone yet; wait until the physical side has sent it, then try again");
-  return verb == "go" || verb == "circulate" ? check_mission(command, verb) : check_section(command, verb);
-}
-
-Result<std::vector<VehicleIndex>> MissionRequests::addressed(const JsonValue& command) const {
-  std::vector<std::string> names;
-  if (const JsonValue* list = command.find("vehicles"); list != nullptr && list->array() != nullptr) {
-    for (const JsonValue& name : *list->array()) names.push_back(name.text() == nullptr ? "" : *name.text());
-  } else {
-    names.push_back(command.text("vehicle").value_or(""));
-  }
+Result<std::vector<VehicleIndex>> MissionRequests::addressed(const std::vector<std::string>& names) const {
   std::vector<VehicleIndex> vehicles;
   for (const std::string& name : names) {
     if (name == "*") {
@@ -75,17 +63,18 @@ Result<std::vector<VehicleIndex>> MissionRequests::addressed(const JsonValue& co
   return vehicles;
 }
 
-Result<void> MissionRequests::check_mission(const JsonValue& command, std::string_view verb) const {
-  if (auto vehicles = addressed(command); !vehicles) return tl::unexpected(vehicles.error());
+Result<void> MissionRequests::check(const MissionCommand& command) const {
+  if (auto map = check_map(); !map) return map;
+  if (auto vehicles = addressed(command.vehicle_names); !vehicles) return tl::unexpected(vehicles.error());
   const zone::TrafficZone& zone = missions_.map()->zone();
   std::vector<std::string_view> names;
-  if (verb == "circulate") {
-    const std::string loop = command.text("loop").value_or("");
+  if (!command.goes) {
+    const std::string& loop = command.name;
     if (loop.empty() || zone.find_loop(loop) != nullptr) return {};
     for (const zone::Loop& known : zone.loops) names.push_back(known.name);
     return fail("mission.loop", "there is no loop '" + cut(loop) + "'" + nearest_names(loop, names, "loops"), "loop");
   }
-  const std::string to = command.text("to").value_or("");
+  const std::string& to = command.name;
   if (to.empty() || to.size() > mission_name_bytes_max)
     return fail("mission.to", "state the destination, as the name of a station or waypoint", "to");
   if (!goals_of(*missions_.map(), to).empty()) return {};
@@ -105,9 +94,12 @@ Result<void> MissionRequests::check_mission(const JsonValue& command, std::strin
               "to");
 }
 
-Result<void> MissionRequests::check_section(const JsonValue& command, std::string_view verb) const {
-  const std::string name = command.text("section").value_or("");
-  if (name.empty()) return fail("mission.section", "state which section to " + std::string(verb), "section");
+Result<void> MissionRequests::check(const SectionCommand& command) const {
+  if (auto map = check_map(); !map) return map;
+  const std::string& name = command.section;
+  if (name.empty())
+    return fail("mission.section", std::string("state which section to ") + (command.closes ? "close" : "open"),
+                "section");
   const zone::Circuit& circuit = missions_.map()->circuit();
   const auto section = circuit.find(name);
   if (!section) {
@@ -116,35 +108,32 @@ Result<void> MissionRequests::check_section(const JsonValue& command, std::strin
     return fail("mission.section", "there is no section '" + cut(name) + "'" + nearest_names(name, names, "sections"),
                 "section");
   }
-  if (missions_.closed().contains(*section) == (verb == "close"))
-    return fail("mission.section", "'" + cut(name) + "' is " + (verb == "close" ? "closed" : "open") + " already",
+  if (missions_.closed().contains(*section) == command.closes)
+    return fail("mission.section", "'" + cut(name) + "' is " + (command.closes ? "closed" : "open") + " already",
                 "section");
   return {};
 }
 
-void MissionRequests::follow(const JsonValue& command) {
-  const std::string verb = command.text("command").value_or("");
-  if (verb == "close" || verb == "open") return close_or_open(command, verb == "close");
-  const bool go = verb == "go";
-  const std::string name = command.text(go ? "to" : "loop").value_or("");
-  const auto vehicles = addressed(command);
+void MissionRequests::follow(const MissionCommand& command) {
+  const auto vehicles = addressed(command.vehicle_names);
   COSIVA_EXPECT(vehicles.has_value());
-  Mission mission{go ? Mission::Kind::go : Mission::Kind::circulate, name};
-  if (go && goals_of(*missions_.map(), name).empty() && abroad_) {
-    auto leads = abroad_(name);
+  Mission mission{command.goes ? Mission::Kind::go : Mission::Kind::circulate, command.name};
+  if (command.goes && goals_of(*missions_.map(), command.name).empty() && abroad_) {
+    auto leads = abroad_(command.name);
     if (!leads) return publisher_.log('w', "command refused: " + to_string(leads.error()));
     mission = std::move(*leads);
   }
   for (const VehicleIndex v : *vehicles) missions_.give(v, mission);
 }
 
-void MissionRequests::close_or_open(const JsonValue& command, bool close) {
-  const zone::SectionId section = *missions_.map()->circuit().find(command.text("section").value_or(""));
+void MissionRequests::follow(const SectionCommand& command) {
+  const auto section = missions_.map()->circuit().find(command.section);
+  COSIVA_EXPECT(section.has_value());
   std::vector<zone::SectionId> closed = missions_.closed().all();
-  if (close)
-    closed.push_back(section);
+  if (command.closes)
+    closed.push_back(*section);
   else
-    std::erase(closed, section);
+    std::erase(closed, *section);
   missions_.set_closed(std::move(closed));
 }
 

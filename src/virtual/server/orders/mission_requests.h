@@ -1,12 +1,13 @@
 #pragma once
 
 #include <functional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "cosiva/base/json_value.h"
 #include "cosiva/base/result.h"
+#include "cosiva/virtual/server/commands/values/operator_command.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
 #include "cosiva/virtual/server/orders/missions.h"
 #include "cosiva/virtual/server/registry/proxy.h"
@@ -25,17 +26,16 @@ class MissionRequests {
   using Abroad = std::function<Result<Mission>(std::string_view to)>;
   void set_abroad(Abroad abroad) { abroad_ = std::move(abroad); }
 
-  [[nodiscard]] static bool handles(std::string_view command);  ///< "go", "circulate", "close" or "open"
   /// Fails with a message that states what to do and lists the names most similar to the requested one.
-  [[nodiscard]] Result<void> check(const JsonValue& command) const;
+  [[nodiscard]] Result<void> check(const MissionCommand& command) const;
+  [[nodiscard]] Result<void> check(const SectionCommand& command) const;
   /// Executes a command that check() accepts.
-  void follow(const JsonValue& command);
+  void follow(const MissionCommand& command);
+  void follow(const SectionCommand& command);
 
  private:
-  [[nodiscard]] Result<void> check_mission(const JsonValue& command, std::string_view verb) const;
-  [[nodiscard]] Result<void> check_section(const JsonValue& command, std::string_view verb) const;
-  [[nodiscard]] Result<std::vector<VehicleIndex>> addressed(const JsonValue& command) const;
-  void close_or_open(const JsonValue& command, bool close);
+  [[nodiscard]] Result<void> check_map() const;
+  [[nodiscard]] Result<std::vector<VehicleIndex>> addressed(const std::vector<std::string>& names) const;
 
   Registry& registry_;
   MessagePublisher& publisher_;

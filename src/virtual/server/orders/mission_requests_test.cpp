@@ -34,7 +34,7 @@ TEST(Missions, are_refused_with_a_message_that_lists_similar_names) {
   EXPECT_THAT(fixture.refusal(R"({"command":"close"})"), HasSubstr("which section"));
   EXPECT_EQ(fixture.refusal(go("gate")), "");
   ServerCore nowhere{ServerOptions{}};
-  EXPECT_THAT(nowhere.check_command(go("dock")).error().message, HasSubstr("no zone yet"));
+  EXPECT_THAT(nowhere.check_command(DecodedCommand{go("dock")}).error().message, HasSubstr("no zone yet"));
 }
 
 }  // namespace

@@ -73,14 +73,15 @@ class ServerFixture {
   void send_command(std::string json) { feed(wire::InputKind::command, "test", std::move(json)); }
   /// Why the server would refuse it; empty: it would not.
   [[nodiscard]] std::string refusal(const std::string& json) const {
-    const auto checked = server->check_command(json);
+    const auto checked = server->check_command(DecodedCommand{json});
     return checked ? "" : to_string(checked.error());
   }
 
-  void feed(wire::InputKind kind, std::string source, std::string payload, bool flag = false) {
+  void feed(wire::InputKind kind, std::string source, std::string payload, bool flag = false,
+            std::shared_ptr<const wire::InProcessMessage> typed = {}) {
     if (kind == wire::InputKind::message && source.starts_with(wire::zone_topic_prefix))
       for (const auto& vehicle : vehicles) vehicle->receive({source, payload, 1, true});
-    act({now, kind, std::move(source), std::move(payload), flag});
+    act({now, kind, std::move(source), std::move(payload), flag, std::move(typed)});
     // What the server subscribes to comes back to it, as from a broker.
     while (!echoes_.empty()) {
       const wire::Publish echo = std::move(echoes_.front());

@@ -19,17 +19,15 @@ void text_or_null(JsonWriter& json, std::string_view name, const std::string& te
     json.value(text);
 }
 
-/// A field of an operator's command; if the field is missing or null, `out` is unchanged.
-Result<void> take(const JsonValue& command, const char* field, double low, double high, double& out) {
-  const JsonValue* given = command.find(field);
-  if (given == nullptr || given->is_null()) return {};
-  const double* number = given->number();
-  if (number == nullptr || !(*number >= low && *number <= high)) {
+/// A field of an operator's command; if the field is missing, `out` is unchanged.
+Result<void> take(OptionalNumber given, const char* field, double low, double high, double& out) {
+  if (!given) return {};
+  if (!(*given >= low && *given <= high)) {
     return fail(std::string("battery.") + field,
                 "give a number from " + std::to_string(std::lround(low)) + " to " + std::to_string(std::lround(high)),
                 field);
   }
-  out = *number;
+  out = *given;
   return {};
 }
 
@@ -99,21 +97,21 @@ void BatteryTestRelay::on_power(SimTime at, const std::string& vehicle, const wi
                         0.1F * static_cast<float>(power.temperature_01C)});
 }
 
-Result<wire::Publish> BatteryTestRelay::ready(const JsonValue& command) const {
-  const std::string vehicle = command.text("vehicle").value_or("");
+Result<wire::Publish> BatteryTestRelay::ready(const BatteryReadyCommand& command) const {
+  const std::string& vehicle = command.vehicle;
   if (vehicle.empty()) return fail("battery.vehicle", "give the vehicle as manufacturer/serial number", "vehicle");
-  wire::BatteryReady ready{command.text("battery").value_or(""), "unknown", 0.0, 0.0, 22.0, 100.0};
+  wire::BatteryReady ready{command.battery, "unknown", 0.0, 0.0, 22.0, 100.0};
   if (ready.battery.empty() || ready.battery.size() > 64)
     return fail("battery.battery", "give the battery's own id, of 1 to 64 bytes", "battery");
-  if (const JsonValue* type = command.find("type"); type != nullptr && !type->is_null()) {
-    if (type->text() == nullptr || type->text()->size() > 64)
+  if (command.type) {
+    if (!command.type_is_text || command.type->size() > 64)
       return fail("battery.type", "give its type's name, of at most 64 bytes", "type");
-    if (!type->text()->empty()) ready.type = *type->text();
+    if (!command.type->empty()) ready.type = *command.type;
   }
   for (const auto& taken :
-       {take(command, "cycles", 0.0, 1e6, ready.cycles), take(command, "rest_s", 0.0, 1e9, ready.rest_s),
-        take(command, "temperature", -100.0, 200.0, ready.temperature_c),
-        take(command, "charge", 0.0, 100.0, ready.charge_percent)})
+       {take(command.cycles, "cycles", 0.0, 1e6, ready.cycles), take(command.rest_s, "rest_s", 0.0, 1e9, ready.rest_s),
+        take(command.temperature_c, "temperature", -100.0, 200.0, ready.temperature_c),
+        take(command.charge_percent, "charge", 0.0, 100.0, ready.charge_percent)})
     if (!taken) return tl::unexpected(taken.error());
   const auto requested = changes_.find(vehicle);
   if (requested == changes_.end())

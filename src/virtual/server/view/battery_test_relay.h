@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
+#include "cosiva/virtual/server/commands/values/operator_command.h"
 #include "cosiva/wire/own/battery_exchange.h"
 #include "cosiva/wire/own/own_messages.h"
 #include "cosiva/wire/runtime/core.h"
@@ -50,10 +50,9 @@ class BatteryTestRelay {
   void link_up();
   void on_power(SimTime at, const std::string& vehicle, const wire::Power& power);
 
-  /// batteryReady, for the test that requested the battery:
-  /// {"vehicle","battery","type"?,"cycles"?,"rest_s"?,"temperature"?,"charge"?}. Fails ("battery.not_requested",
+  /// batteryReady, for the test that requested the battery. Fails ("battery.not_requested",
   /// "battery.<field>").
-  [[nodiscard]] Result<wire::Publish> ready(const JsonValue& command) const;
+  [[nodiscard]] Result<wire::Publish> ready(const BatteryReadyCommand& command) const;
 
   /// The snapshot's "battery": null if no message about a test was received.
   void write(JsonWriter& json) const;

@@ -7,27 +7,22 @@
 #include "cosiva/zone/edit/edit_json.h"
 
 namespace cosiva::virtual_side {
-bool ZoneEdits::handles(std::string_view command) {
-  return command == "edit" || command == "undo" || command == "redo" || command == "saved";
-}
 
-Result<zone::ZoneConfiguration> ZoneEdits::after(const JsonValue& command, Simulator& simulator) const {
+Result<zone::ZoneConfiguration> ZoneEdits::after(const EditCommand& command, Simulator& simulator) const {
   if (simulator.configuration() == nullptr)
     return fail("edit.zone", "there is no zone yet; wait until the physical side has sent it, then try again");
-  const std::string verb = command.text("command").value_or("");
-  if (verb == "saved") return *simulator.configuration();
-  if (verb == "undo") {
+  if (command.kind == EditCommand::Kind::saved) return *simulator.configuration();
+  if (command.kind == EditCommand::Kind::undo) {
     if (undo_.empty()) return fail("edit.undo", "there is nothing to undo");
     return undo_.back();
   }
-  if (verb == "redo") {
+  if (command.kind == EditCommand::Kind::redo) {
     if (redo_.empty()) return fail("edit.redo", "there is nothing to do again");
     return redo_.back();
   }
-  const JsonValue* wanted = command.find("edit");
-  if (wanted == nullptr || wanted->object() == nullptr)
+  if (command.changes.object() == nullptr)
     return fail("edit.missing", R"(state what to change, as {"edit":{"removeTags":[7]}})", "edit");
-  const auto edit = zone::zone_edit_from_json(*wanted, *simulator.zone());
+  const auto edit = zone::zone_edit_from_json(command.changes, *simulator.zone());
   if (!edit) return tl::unexpected(edit.error());
   auto made = zone::edited(*simulator.configuration(), *edit);
   if (!made) return made;
@@ -42,11 +37,11 @@ void ZoneEdits::push(std::deque<zone::ZoneConfiguration>& stack, zone::ZoneConfi
   if (stack.size() > depth) stack.pop_front();
 }
 
-void ZoneEdits::done(std::string_view command, zone::ZoneConfiguration before) {
-  if (command == "undo") {
+void ZoneEdits::done(EditCommand::Kind command, zone::ZoneConfiguration before) {
+  if (command == EditCommand::Kind::undo) {
     undo_.pop_back();
     push(redo_, std::move(before));
-  } else if (command == "redo") {
+  } else if (command == EditCommand::Kind::redo) {
     redo_.pop_back();
     push(undo_, std::move(before));
   } else {

@@ -3,12 +3,12 @@
 #include <deque>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "cosiva/base/digest.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/result.h"
+#include "cosiva/virtual/server/commands/values/operator_command.h"
 #include "cosiva/virtual/simulator/simulator.h"
 #include "cosiva/zone/rtm/rtm.h"
 
@@ -20,12 +20,10 @@ class ZoneEdits {
  public:
   static constexpr std::size_t depth = 50;
 
-  [[nodiscard]] static bool handles(std::string_view command);  ///< "edit", "undo", "redo" or "saved"
-
   /// The configuration that would be in force after a command. Fails with a message that states what to do.
-  [[nodiscard]] Result<zone::ZoneConfiguration> after(const JsonValue& command, Simulator& simulator) const;
+  [[nodiscard]] Result<zone::ZoneConfiguration> after(const EditCommand& command, Simulator& simulator) const;
   /// The command has been executed; `before` was in force until then.
-  void done(std::string_view command, zone::ZoneConfiguration before);
+  void done(EditCommand::Kind command, zone::ZoneConfiguration before);
   void saved(const zone::ZoneConfiguration& now_in_force);
 
   /// Classification of a configuration from the broker.

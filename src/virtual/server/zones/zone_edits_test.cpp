@@ -86,7 +86,7 @@ TEST(ZoneEdits, that_are_invalid_are_refused_and_change_nothing) {
   EXPECT_EQ(fixture.server->zone_revision(), 2U);
   EXPECT_TRUE(fixture.logged("command refused"));
   ServerCore nowhere{ServerOptions{}};
-  EXPECT_THAT(nowhere.check_command(edit(tag_5)).error().message, HasSubstr("no zone yet"));
+  EXPECT_THAT(nowhere.check_command(DecodedCommand{edit(tag_5)}).error().message, HasSubstr("no zone yet"));
   EXPECT_FALSE(nowhere.zone_configuration().has_value());
 }
 

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "cosiva/base/digest.h"
+#include "cosiva/base/result.h"
+#include "cosiva/virtual/server/commands/values/operator_command.h"
+#include "cosiva/wire/runtime/core.h"
+
+namespace cosiva::virtual_side {
+
+/// An operator's command, decoded from its text. The page decodes a command to check it, and passes this value on
+/// together with the text, so that the core need not parse the text again; journals contain the text only.
+/// Invariant: there is either a command or a fault, and neither changes.
+class DecodedCommand final : public wire::InProcessMessage {
+ public:
+  /// Longer commands to vehicles are refused.
+  static constexpr std::size_t vehicle_command_bytes_max = 64U << 10U;
+
+  /// Why a text is no command, and who has to refuse it.
+  struct Fault {
+    enum class By : std::uint8_t {
+      vehicles,     ///< listed as a failed command to vehicles
+      zone_switch,  ///< shown as a refused zone
+      log,
+    };
+    Error error;
+    By by{By::log};
+    std::string origin{};  ///< of the refused zone, where one was stated
+  };
+
+  /// Decodes the text once.
+  explicit DecodedCommand(std::string_view json);
+
+  [[nodiscard]] const tl::expected<OperatorCommand, Fault>& command() const { return command_; }
+  /// Nothing: the text of the same input shows in the digests.
+  void fold(Digest&) const override {}
+
+ private:
+  tl::expected<OperatorCommand, Fault> command_;
+};
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,18 @@
+#include "cosiva/virtual/server/commands/values/operator_command.h"
+
+namespace cosiva::virtual_side {
+
+std::string_view to_string(OperatorCommandKind verb) {
+  switch (verb) {
+    case OperatorCommandKind::stop: return "stop";
+    case OperatorCommandKind::slow: return "slow";
+    case OperatorCommandKind::medium: return "medium";
+    case OperatorCommandKind::fast: return "fast";
+    case OperatorCommandKind::limit: return "limit";
+    case OperatorCommandKind::restart: return "restart";
+    case OperatorCommandKind::cancel: return "cancel";
+  }
+  return "?";
+}
+
+}  // namespace cosiva::virtual_side
