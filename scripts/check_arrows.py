@@ -30,6 +30,8 @@ LIBRARIES = {
     "toml++": "tomlplusplus::tomlplusplus",
     "mosquitto": "${MOSQUITTO_LIBRARY}",
     "boost": "Boost::headers",
+    "curl": "CURL::libcurl",
+    "zip": "PkgConfig::LIBZIP",
     "CLI": "CLI11::CLI11",
     "Eigen": "Eigen3::Eigen",
     "sqlite3": "SQLite::SQLite3",

@@ -1,125 +1,104 @@
 #include "cosiva/adapters/http_client.h"
 
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/http.hpp>
-#include <charconv>
-#include <cstdint>
+#include <curl/curl.h>
+
+#include <initializer_list>
+#include <memory>
+#include <string>
+#include <system_error>
 #include <utility>
+
+#include "cosiva/adapters/http_rules.h"
+#include "cosiva/base/expect.h"
 
 namespace cosiva::adapters {
 namespace {
 
-namespace asio = boost::asio;
-namespace beast = boost::beast;
-namespace http = beast::http;
-using tcp = asio::ip::tcp;
-using ErrorCode = beast::error_code;
-
 constexpr std::size_t response_bytes_max = std::size_t{256} << 20U;
-constexpr std::chrono::seconds connect_max{5};
+constexpr long connect_max_s = 5;
 
-/// One request and its response on a connection of its own: resolve, connect, write, read, each followed by the next.
-class Exchange {
- public:
-  Exchange(http::request<http::string_body> request, std::chrono::milliseconds timeout)
-      : resolver_{io_}, stream_{io_}, request_{std::move(request)}, timeout_{timeout} {
-    parser_.body_limit(response_bytes_max);
-  }
+using Transfer = std::unique_ptr<CURL, decltype(&curl_easy_cleanup)>;
 
-  void run(const std::string& host, const std::string& port) {
-    resolver_.async_resolve(host, port, [this](ErrorCode error, const tcp::resolver::results_type& found) {
-      if (failed(error)) return;
-      stream_.expires_after(connect_max);
-      stream_.async_connect(found, [this](ErrorCode refused, const tcp::endpoint&) {
-        if (failed(refused)) return;
-        connected_ = true;
-        write();
-      });
-    });
-    io_.run();
-  }
+using HeaderLines = std::unique_ptr<curl_slist, decltype(&curl_slist_free_all)>;
 
-  [[nodiscard]] ErrorCode error() const { return error_; }
-  [[nodiscard]] bool connected() const { return connected_; }
-  [[nodiscard]] HttpReply take() { return {parser_.get().result_int(), std::move(parser_.get().body())}; }
+/// A line "NAME:" without a value leaves out what libcurl would send by itself.
+HeaderLines header_lines(std::initializer_list<std::string> lines) {
+  curl_slist* list = nullptr;
+  for (const std::string& line : lines) list = curl_slist_append(list, line.c_str());
+  return {list, &curl_slist_free_all};
+}
 
- private:
-  bool failed(ErrorCode error) {
-    error_ = error;
-    return static_cast<bool>(error);
-  }
+/// Appends received bytes to the body; libcurl ends the transfer where fewer bytes are taken than were offered.
+std::size_t receive(char* bytes, std::size_t, std::size_t count, void* body_text) {
+  auto& body = *static_cast<std::string*>(body_text);
+  if (body.size() + count > response_bytes_max) return 0;
+  body.append(bytes, count);
+  return count;
+}
 
-  void write() {
-    stream_.expires_after(timeout_);
-    http::async_write(stream_, request_, [this](ErrorCode error, std::size_t) {
-      // A server that refuses a long body may respond before it has received all of it.
-      (void)error;
-      read();
-    });
-  }
+std::string reason(CURL* transfer, CURLcode code) {
+  if (code == CURLE_WRITE_ERROR || code == CURLE_FILESIZE_EXCEEDED) return "body limit exceeded";
+  long system_error = 0;
+  curl_easy_getinfo(transfer, CURLINFO_OS_ERRNO, &system_error);
+  if (code != CURLE_COULDNT_CONNECT || system_error == 0) return curl_easy_strerror(code);
+  return std::generic_category().message(static_cast<int>(system_error));
+}
 
-  void read() {
-    http::async_read(stream_, buffer_, parser_, [this](ErrorCode error, std::size_t) { failed(error); });
-  }
-
-  asio::io_context io_;
-  tcp::resolver resolver_;
-  beast::tcp_stream stream_;
-  http::request<http::string_body> request_;
-  beast::flat_buffer buffer_;
-  http::response_parser<http::string_body> parser_;
-  std::chrono::milliseconds timeout_;
-  ErrorCode error_;
-  bool connected_{false};
-};
+tl::unexpected<Error> failure(CURL* transfer, CURLcode code, std::string url) {
+  curl_off_t connected_us = 0;  // stays 0 without a connection
+  curl_easy_getinfo(transfer, CURLINFO_CONNECT_TIME_T, &connected_us);
+  if (connected_us > 0) return fail("http.response", "no complete response: " + reason(transfer, code), std::move(url));
+  return fail("http.connect",
+              "no server responds there (" + reason(transfer, code) + "); is the platform running (cosiva up)?",
+              std::move(url));
+}
 
 }  // namespace
 
 Result<HttpClient> HttpClient::make(std::string_view url) {
   constexpr std::string_view scheme = "http://";
-  const auto bad = [&] {
-    return fail("http.url", "expected an address such as http://127.0.0.1:8080", std::string(url.substr(0, 200)));
-  };
-  if (!url.starts_with(scheme)) return bad();
-  std::string_view authority = url.substr(scheme.size());
+  std::string_view authority = url.substr(url.starts_with(scheme) ? scheme.size() : url.size());
   if (authority.ends_with('/')) authority.remove_suffix(1);
-  if (authority.empty() || authority.find_first_of("/?#@ \t\r\n") != std::string_view::npos) return bad();
-
+  if (!http_rules::is_authority(authority))
+    return fail("http.url", "expected an address such as http://127.0.0.1:8080", std::string(url.substr(0, 200)));
   HttpClient client;
   client.authority_ = authority;
-  const std::size_t bracket = authority.starts_with('[') ? authority.find(']') : 0;
-  if (bracket == std::string_view::npos) return bad();
-  const std::size_t colon = authority.find(':', bracket);
-  client.host_ = authority.substr(0, colon);
-  if (bracket > 0) client.host_ = client.host_.substr(1, bracket - 1);
-  client.port_ = colon == std::string_view::npos ? "80" : std::string(authority.substr(colon + 1));
-  std::uint16_t port = 0;
-  const char* end = client.port_.data() + client.port_.size();
-  const auto [stop, error] = std::from_chars(client.port_.data(), end, port);
-  if (client.host_.empty() || error != std::errc{} || stop != end || port == 0) return bad();
   return client;
 }
 
 Result<HttpReply> HttpClient::send_request(std::string_view method, std::string_view path, std::string body,
                                            std::chrono::milliseconds timeout) const {
-  http::request<http::string_body> request;
-  request.version(11);
-  request.method_string({method.data(), method.size()});
-  request.target({path.data(), path.size()});
-  request.set(http::field::host, authority_);
-  if (!body.empty()) request.set(http::field::content_type, "application/json");
-  request.body() = std::move(body);
-  request.keep_alive(false);
-  request.prepare_payload();
-  Exchange exchange{std::move(request), timeout};
-  exchange.run(host_, port_);
-  if (!exchange.error()) return exchange.take();
-  const std::string why = exchange.error().message();
-  if (!exchange.connected())
-    return fail("http.connect", "no server responds there (" + why + "); is the platform running (cosiva up)?", url());
-  return fail("http.response", "no complete response: " + why, url());
+  const Transfer transfer{curl_easy_init(), &curl_easy_cleanup};
+  COSIVA_EXPECT(transfer != nullptr);
+  // Without "Expect" a long body is sent at once, instead of after a server's permission.
+  const HeaderLines headers =
+      header_lines({"Host: " + authority_, "Connection: close",
+                    "Accept:", "Expect:", body.empty() ? "Content-Type:" : "Content-Type: application/json"});
+  HttpReply reply;
+
+  const auto set = [&](CURLoption option, auto value) { curl_easy_setopt(transfer.get(), option, value); };
+  set(CURLOPT_URL, url().c_str());
+  set(CURLOPT_REQUEST_TARGET, std::string(path).c_str());
+  set(CURLOPT_PROXY, "");  // http_proxy of the environment is for the internet
+  set(CURLOPT_NOSIGNAL, 1L);
+  set(CURLOPT_HTTPHEADER, headers.get());
+  if (method != "GET" || !body.empty()) {
+    set(CURLOPT_POSTFIELDSIZE_LARGE, static_cast<curl_off_t>(body.size()));
+    set(CURLOPT_POSTFIELDS, body.c_str());
+  }
+  set(CURLOPT_CUSTOMREQUEST, std::string(method).c_str());
+  set(CURLOPT_CONNECTTIMEOUT, connect_max_s);
+  set(CURLOPT_TIMEOUT_MS, static_cast<long>(timeout.count()));
+  set(CURLOPT_MAXFILESIZE_LARGE, static_cast<curl_off_t>(response_bytes_max));
+  set(CURLOPT_WRITEFUNCTION, &receive);
+  set(CURLOPT_WRITEDATA, &reply.body);
+
+  const CURLcode code = curl_easy_perform(transfer.get());
+  if (code != CURLE_OK) return failure(transfer.get(), code, url());
+  long status = 0;
+  curl_easy_getinfo(transfer.get(), CURLINFO_RESPONSE_CODE, &status);
+  reply.status = static_cast<unsigned>(status);
+  return reply;
 }
 
 }  // namespace cosiva::adapters

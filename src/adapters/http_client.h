@@ -15,7 +15,7 @@ struct HttpReply {
 };
 
 /// A client of one HTTP/1.1 server without TLS; each request waits for its response. For commands that a person types,
-/// never inside an event loop. Boost.Beast stays in the .cpp.
+/// never inside an event loop. libcurl stays in the .cpp.
 class HttpClient {
  public:
   /// "http://127.0.0.1:8080", "http://localhost:8080/", "http://[::1]:8080". Fails ("http.url") on anything else.
@@ -30,9 +30,7 @@ class HttpClient {
   [[nodiscard]] std::string url() const { return "http://" + authority_; }
 
  private:
-  std::string authority_;  ///< as it was given, for the Host field and for messages
-  std::string host_;
-  std::string port_;
+  std::string authority_;  ///< HOST or HOST:PORT, as it was given
 };
 
 }  // namespace cosiva::adapters

@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <cstdlib>
+#include <boost/url/authority_view.hpp>
+#include <boost/url/grammar/ci_string.hpp>
+#include <boost/url/pct_string_view.hpp>
 #include <filesystem>
 #include <utility>
 
@@ -14,61 +15,21 @@
 namespace cosiva::adapters::http_rules {
 namespace {
 
-struct Authority {
-  std::string_view host;
-  std::string_view port;
-};
+namespace urls = boost::urls;
 
-std::optional<Authority> split(std::string_view authority) {
-  Authority result;
-  if (authority.starts_with('[')) {
-    const std::size_t close = authority.find(']');
-    if (close == std::string_view::npos) return std::nullopt;
-    result.host = authority.substr(0, close + 1);
-    authority.remove_prefix(close + 1);
-  } else {
-    const std::size_t colon = std::min(authority.find(':'), authority.size());
-    result.host = authority.substr(0, colon);
-    authority.remove_prefix(colon);
-  }
-  if (authority.empty()) return result;
-  if (authority.front() != ':') return std::nullopt;
-  result.port = authority.substr(1);
-  if (result.port.empty() || result.port.find_first_not_of("0123456789") != std::string_view::npos) return std::nullopt;
-  return result;
-}
-
-bool equal_ignoring_case(std::string_view a, std::string_view b) {
-  if (a.size() != b.size()) return false;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    if (std::tolower(static_cast<unsigned char>(a[i])) != std::tolower(static_cast<unsigned char>(b[i]))) return false;
-  }
-  return true;
-}
-
-int hex_digit(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return -1;
+/// HOST or HOST:PORT; nothing for a user, or for a colon without a port.
+std::optional<urls::authority_view> host_and_port(std::string_view text) {
+  const auto parsed = urls::parse_authority(text);
+  if (!parsed || parsed->has_userinfo() || (parsed->has_port() && parsed->port().empty())) return std::nullopt;
+  return *parsed;
 }
 
 /// Percent-decoded; nothing for bad escapes, a NUL or a backslash.
 std::optional<std::string> decoded(std::string_view raw) {
-  std::string text;
-  for (std::size_t i = 0; i < raw.size(); ++i) {
-    char c = raw[i];
-    if (c == '%') {
-      if (i + 2 >= raw.size()) return std::nullopt;
-      const int high = hex_digit(raw[i + 1]);
-      const int low = hex_digit(raw[i + 2]);
-      if (high < 0 || low < 0) return std::nullopt;
-      c = static_cast<char>(high * 16 + low);
-      i += 2;
-    }
-    if (c == '\0' || c == '\\') return std::nullopt;
-    text += c;
-  }
+  const auto checked = urls::make_pct_string_view(raw);
+  if (!checked) return std::nullopt;
+  std::string text = checked->decode();
+  if (text.find('\0') != std::string::npos || text.find('\\') != std::string::npos) return std::nullopt;
   return text;
 }
 
@@ -84,20 +45,26 @@ bool has_dot_segment(std::string_view path) {
 
 }  // namespace
 
-bool is_loopback_authority(std::string_view authority) {
-  const auto parts = split(authority);
-  if (!parts) return false;
-  return equal_ignoring_case(parts->host, "localhost") || parts->host == "127.0.0.1" || parts->host == "[::1]";
+bool is_authority(std::string_view text) {
+  const auto authority = host_and_port(text);
+  return authority && !authority->encoded_host().empty() && (!authority->has_port() || authority->port_number() != 0);
+}
+
+bool is_loopback_authority(std::string_view text) {
+  const auto authority = host_and_port(text);
+  if (!authority) return false;
+  const std::string_view host = authority->encoded_host();
+  return urls::grammar::ci_is_equal(host, "localhost") || host == "127.0.0.1" || host == "[::1]";
 }
 
 bool is_own_origin(std::string_view origin, std::string_view host, std::uint16_t port) {
   constexpr std::string_view scheme = "http://";
   if (!origin.starts_with(scheme)) return false;
   origin.remove_prefix(scheme.size());
-  const auto parts = split(origin);
-  if (!parts || !is_loopback_authority(origin)) return false;
-  if (equal_ignoring_case(origin, host)) return true;
-  return (parts->port.empty() ? "80" : parts->port) == std::to_string(port);
+  if (!is_loopback_authority(origin)) return false;
+  if (urls::grammar::ci_is_equal(origin, host)) return true;
+  const std::string_view own_port = host_and_port(origin)->port();
+  return (own_port.empty() ? "80" : own_port) == std::to_string(port);
 }
 
 std::optional<std::string> clean_path(std::string_view raw) {
@@ -123,7 +90,7 @@ bool changes_state(std::string_view method) { return method != "GET" && method !
 bool is_json(std::string_view content_type) {
   std::string_view type = content_type.substr(0, content_type.find(';'));
   while (type.ends_with(' ')) type.remove_suffix(1);
-  return equal_ignoring_case(type, "application/json");
+  return urls::grammar::ci_is_equal(type, "application/json");
 }
 
 bool RateLimit::take(Time now) {

@@ -13,8 +13,10 @@
 /// line.
 namespace cosiva::adapters::http_rules {
 
+/// Whether this is HOST or HOST:PORT as in a URL, without a user, and with a port of 1 to 65535.
+[[nodiscard]] bool is_authority(std::string_view text);
 /// Whether "localhost:8080", "127.0.0.1" or "[::1]:8080" is this machine. The port may be missing or any.
-[[nodiscard]] bool is_loopback_authority(std::string_view authority);
+[[nodiscard]] bool is_loopback_authority(std::string_view text);
 /// Whether a page of this origin may send requests. Our own may: http, loopback, and our port or the same host as the
 /// request's (`host`, which a development server in between passes on).
 [[nodiscard]] bool is_own_origin(std::string_view origin, std::string_view host, std::uint16_t port);

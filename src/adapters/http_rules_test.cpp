@@ -11,6 +11,13 @@ namespace {
 
 using adapters::testing::Scratch;
 
+TEST(Authority, is_a_host_with_or_without_a_port) {
+  for (const char* good : {"localhost", "plant-4.example:8080", "127.0.0.1:1", "[::1]", "[::1]:65535"})
+    EXPECT_TRUE(is_authority(good)) << good;
+  for (const char* bad : {"", ":80", "h:", "h:0", "h:65536", "h:8x", "me@h", "h/", "h?", "h h", "[::1", "[x]", "::1"})
+    EXPECT_FALSE(is_authority(bad)) << bad;
+}
+
 TEST(Host, is_own_only_by_a_loopback_name) {
   for (const char* own : {"localhost", "LocalHost:8080", "127.0.0.1", "127.0.0.1:9", "[::1]", "[::1]:8080"})
     EXPECT_TRUE(is_loopback_authority(own)) << own;

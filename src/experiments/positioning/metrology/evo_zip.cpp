@@ -1,80 +1,58 @@
 #include "cosiva/experiments/positioning/metrology/evo_zip.h"
 
+#include <zip.h>
+
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/experiments/statistics/sample.h"
 
 namespace cosiva::experiments {
 namespace {
 
-/// CRC-32 as zip has it (reflected 0xEDB88320).
-std::uint32_t crc32(std::string_view bytes) {
-  std::uint32_t crc = 0xFFFFFFFFU;
-  for (const char c : bytes) {
-    crc ^= static_cast<unsigned char>(c);
-    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1U) ^ ((crc & 1U) != 0 ? 0xEDB88320U : 0U);
+struct NamedFile {
+  const char* name;
+  std::string bytes;
+};
+
+/// The bytes of a zip with these files, uncompressed and dated 1980-01-01 so that equal content makes equal archives.
+std::string zip_of(const std::array<NamedFile, 4>& files) {
+  zip_source_t* const buffer = zip_source_buffer_create(nullptr, 0, 0, nullptr);
+  zip_t* const archive = zip_open_from_source(buffer, ZIP_TRUNCATE, nullptr);
+  COSIVA_EXPECT(archive != nullptr);
+  zip_source_keep(buffer);  // zip_close releases the archive's reference, and the bytes are read after it
+  for (const NamedFile& file : files) {
+    zip_source_t* const content = zip_source_buffer(archive, file.bytes.data(), file.bytes.size(), 0);
+    const zip_int64_t added = zip_file_add(archive, file.name, content, 0);
+    COSIVA_EXPECT(added >= 0);
+    const auto index = static_cast<zip_uint64_t>(added);
+    constexpr zip_uint16_t first_of_january_1980 = 0x0021;
+    const bool described = zip_set_file_compression(archive, index, ZIP_CM_STORE, 0) == 0 &&
+                           zip_file_set_dostime(archive, index, 0, first_of_january_1980, 0) == 0 &&
+                           zip_file_set_external_attributes(archive, index, 0, ZIP_OPSYS_DOS, 0) == 0;
+    COSIVA_EXPECT(described);
   }
-  return ~crc;
+  const bool written = zip_close(archive) == 0 && zip_source_open(buffer) == 0;
+  COSIVA_EXPECT(written);
+  zip_stat_t metadata{};
+  const bool measured = zip_source_stat(buffer, &metadata) == 0;
+  COSIVA_EXPECT(measured);
+  std::string bytes(metadata.size, '\0');
+  const zip_int64_t read = zip_source_read(buffer, bytes.data(), bytes.size());
+  COSIVA_EXPECT(read == static_cast<zip_int64_t>(bytes.size()));
+  zip_source_close(buffer);
+  zip_source_free(buffer);
+  return bytes;
 }
 
 void put(std::string& out, std::uint64_t value, int bytes) {
   for (int i = 0; i < bytes; ++i) out.push_back(static_cast<char>((value >> (8 * i)) & 0xFFU));
 }
-
-/// A zip of uncompressed files, dated 1980-01-01 so that equal content makes equal files.
-class Zip {
- public:
-  void add(std::string_view name, std::string_view bytes) {
-    const std::size_t offset = out_.size();
-    const std::uint32_t crc = crc32(bytes);
-    put(out_, 0x04034B50, 4);
-    header(out_, name, bytes, crc);
-    out_ += name;
-    out_ += bytes;
-    put(directory_, 0x02014B50, 4);
-    put(directory_, 20, 2);  // made by
-    header(directory_, name, bytes, crc);
-    put(directory_, 0, 2);  // comment
-    put(directory_, 0, 2);  // disk
-    put(directory_, 0, 2);  // internal attributes
-    put(directory_, 0, 4);  // external attributes
-    put(directory_, offset, 4);
-    directory_ += name;
-    ++count_;
-  }
-  [[nodiscard]] std::string finished() const {
-    std::string all = out_ + directory_;
-    put(all, 0x06054B50, 4);
-    put(all, 0, 4);  // disks
-    put(all, count_, 2);
-    put(all, count_, 2);
-    put(all, directory_.size(), 4);
-    put(all, out_.size(), 4);
-    put(all, 0, 2);  // comment
-    return all;
-  }
-
- private:
-  static void header(std::string& out, std::string_view name, std::string_view bytes, std::uint32_t crc) {
-    put(out, 20, 2);      // version needed
-    put(out, 0, 2);       // flags
-    put(out, 0, 2);       // stored
-    put(out, 0, 2);       // time
-    put(out, 0x0021, 2);  // date
-    put(out, crc, 4);
-    put(out, bytes.size(), 4);
-    put(out, bytes.size(), 4);
-    put(out, name.size(), 2);
-    put(out, 0, 2);  // extra
-  }
-  std::string out_;
-  std::string directory_;
-  std::size_t count_{0};
-};
 
 /// A vector as NumPy's format 1.0 stores it: little-endian doubles.
 std::string npy(const std::vector<double>& values) {
@@ -122,12 +100,10 @@ std::string evo_zip(std::string_view title, const std::vector<double>& times_s, 
   stats.field("mean", statistics::mean(errors_m)).field("std", root_of_variance(errors_m));
   stats.field("median", centre_of(errors_m)).field("min", smallest).field("max", largest).field("sse", sse);
   stats.end_object();
-  Zip zip;
-  zip.add("info.json", info.text());
-  zip.add("stats.json", stats.text());
-  zip.add("error_array.npy", npy(errors_m));
-  zip.add("timestamps.npy", npy(times_s));
-  return zip.finished();
+  return zip_of({{{"info.json", info.take()},
+                  {"stats.json", stats.take()},
+                  {"error_array.npy", npy(errors_m)},
+                  {"timestamps.npy", npy(times_s)}}});
 }
 
 }  // namespace cosiva::experiments

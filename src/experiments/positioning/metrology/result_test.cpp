@@ -194,5 +194,12 @@ TEST(EvoZip, is_a_zip_with_the_files_that_evo_expects) {
   EXPECT_EQ(first, 3.0);
 }
 
+TEST(EvoZip, has_a_fixed_date_and_stores_without_compression) {
+  const std::string zip = evo_zip("mine", {0.0, 0.5}, {3.0, 4.0});
+  using namespace std::string_literals;
+  EXPECT_EQ(zip.substr(6, 8), "\0\0\0\0\0\0\x21\0"s);  // flags, method "stored", time and date of 1980-01-01
+  EXPECT_EQ(zip, evo_zip("mine", {0.0, 0.5}, {3.0, 4.0}));
+}
+
 }  // namespace
 }  // namespace cosiva::experiments

@@ -519,7 +519,7 @@ TEST(ServerOptions, refuse_invalid_values_and_name_the_field) {
   EXPECT_FALSE(server_options_from_json("{").has_value());
 }
 
-TEST(CommandTexts, are_parsed_once_on_their_way_and_not_at_all_where_the_sender_has_decoded_them) {
+TEST(CommandTexts, are_parsed_once_and_not_at_all_where_the_sender_has_decoded_them) {
   ServerFixture fixture;
   fixture.add("AIV1", {0, 0.5});
   fixture.run_for(1s);

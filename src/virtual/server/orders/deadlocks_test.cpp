@@ -46,11 +46,11 @@ std::size_t backed_up(const ServerFixture& fixture, const FixtureVehicle& vehicl
 
 /// Four vehicles on the clover, each in the first crossing of its straight, which is the second crossing of another
 /// straight.
-class FourWay : public testing::Test {
+class FourArms : public testing::Test {
  protected:
-  FourWay() : FourWay{std::string(wire::our_manufacturer)} {}
+  FourArms() : FourArms{std::string(wire::our_manufacturer)} {}
   /// @param maker  manufacturer of the last two
-  explicit FourWay(const std::string& maker) {
+  explicit FourArms(const std::string& maker) {
     for (const zone::SectionId straight : {0U, 2U, 4U, 6U})
       fixture.add("AIV" + std::to_string(straight / 2 + 1), {straight, 0.6}, straight < 4 ? "CoSiVA" : maker);
   }
@@ -70,7 +70,7 @@ class FourWay : public testing::Test {
   ServerFixture fixture{zone_file("lacet4.toml")};
 };
 
-TEST_F(FourWay, is_detected_in_the_tick_in_which_it_closes_and_names_all_four) {
+TEST_F(FourArms, is_detected_in_the_tick_in_which_it_closes_and_names_all_four) {
   run_until_closed();
   const Shown now = shown(fixture);
   EXPECT_EQ(now.cycles, 1.0);
@@ -83,7 +83,7 @@ TEST_F(FourWay, is_detected_in_the_tick_in_which_it_closes_and_names_all_four) {
                             HasSubstr("CoSiVA/AIV3 waits for X"), HasSubstr("CoSiVA/AIV4 waits for X")));
 }
 
-TEST_F(FourWay, is_resolved_and_all_vehicles_continue) {
+TEST_F(FourArms, is_resolved_and_all_vehicles_continue) {
   int touches = 0;
   fixture.each_step = [&] { touches += fixture.touches(); };
   fixture.run_for(60s);
@@ -104,7 +104,7 @@ TEST_F(FourWay, is_resolved_and_all_vehicles_continue) {
   EXPECT_TRUE(fixture.logged("deadlock 1 is resolved"));
 }
 
-TEST_F(FourWay, lets_the_vehicle_with_the_lowest_priority_yield) {
+TEST_F(FourArms, lets_the_vehicle_with_the_lowest_priority_yield) {
   fixture.send_command(R"({"command":"edit","edit":{"priorities":{"CoSiVA/AIV1":5,"CoSiVA/AIV3":5,"CoSiVA/AIV4":5}}})");
   fixture.run_for(20s);
   EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").number("priority"), 5.0);
@@ -112,7 +112,7 @@ TEST_F(FourWay, lets_the_vehicle_with_the_lowest_priority_yield) {
   EXPECT_THAT(*shown(fixture).list[0].text("how"), HasSubstr("AIV2 backs up "));
 }
 
-TEST_F(FourWay, is_resolved_by_the_next_vehicle_when_one_fails) {
+TEST_F(FourArms, is_resolved_by_the_next_vehicle_when_one_fails) {
   fixture.vehicles[3]->refuses.insert("backUp");
   fixture.run_for(60s);
   EXPECT_GT(backed_up(fixture, *fixture.vehicles[3]), 0U);
@@ -121,7 +121,7 @@ TEST_F(FourWay, is_resolved_by_the_next_vehicle_when_one_fails) {
   for (const auto& vehicle : fixture.vehicles) EXPECT_GT(vehicle->driven_m, 5.0) << vehicle->id.serial_number;
 }
 
-TEST_F(FourWay, that_no_vehicle_can_resolve_is_logged_as_an_error_and_retried) {
+TEST_F(FourArms, that_no_vehicle_can_resolve_is_logged_as_an_error_and_retried) {
   for (const auto& vehicle : fixture.vehicles) vehicle->refuses.insert("backUp");
   fixture.run_for(90s);
   ASSERT_THAT(shown(fixture).list, SizeIs(1));
@@ -134,7 +134,7 @@ TEST_F(FourWay, that_no_vehicle_can_resolve_is_logged_as_an_error_and_retried) {
   for (const auto& vehicle : fixture.vehicles) EXPECT_GT(vehicle->driven_m, 5.0) << vehicle->id.serial_number;
 }
 
-TEST_F(FourWay, that_dissolves_by_itself_is_no_deadlock) {
+TEST_F(FourArms, that_dissolves_by_itself_is_no_deadlock) {
   run_until_closed();
   fixture.run_for(1s);
   // One of the vehicles is carried away.
@@ -149,12 +149,12 @@ TEST_F(FourWay, that_dissolves_by_itself_is_no_deadlock) {
 }
 
 /// The last two are third-party vehicles, which cannot back up.
-class FourWayWithForeigners : public FourWay {
+class FourArmsWithThirdParty : public FourArms {
  protected:
-  FourWayWithForeigners() : FourWay{"Acme"} {}
+  FourArmsWithThirdParty() : FourArms{"Acme"} {}
 };
 
-TEST_F(FourWayWithForeigners, is_resolved_by_a_cosiva_vehicle) {
+TEST_F(FourArmsWithThirdParty, is_resolved_by_a_cosiva_vehicle) {
   fixture.run_for(60s);
   EXPECT_EQ(shown(fixture).resolved, 1.0);
   EXPECT_THAT(*shown(fixture).list[0].text("how"), HasSubstr("CoSiVA/AIV2 backs up "));

@@ -19,7 +19,7 @@ class DecodedCommand final : public wire::InProcessMessage {
   /// Longer commands to vehicles are refused.
   static constexpr std::size_t vehicle_command_bytes_max = 64U << 10U;
 
-  /// Why a text is no command, and who has to refuse it.
+  /// Why a text is no command, and the part that has to refuse it.
   struct Fault {
     enum class By : std::uint8_t {
       vehicles,     ///< listed as a failed command to vehicles

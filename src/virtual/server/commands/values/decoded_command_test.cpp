@@ -79,7 +79,7 @@ TEST(DecodedCommand, refuses_a_command_to_vehicles_that_is_too_long_but_takes_a_
             text);
 }
 
-TEST(DecodedCommand, tells_a_field_without_a_number_from_one_that_is_left_out) {
+TEST(DecodedCommand, distinguishes_a_field_without_a_number_from_an_absent_one) {
   const auto add = decoded<AddCommand>(
       R"({"command":"add","virtualObject":{"kind":"person","x":null,"radius":null,"s":"far","path":[[1,2],[3],["a",4]]}})");
   EXPECT_TRUE(std::isnan(add.object.x_m.value()));
