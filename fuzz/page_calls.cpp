@@ -82,9 +82,9 @@ struct Server {
   app::PageHost host() {
     app::PageHost host;
     host.core = &core;
-    host.command = [this](const std::string& source, std::string json) {
+    host.command = [this](const std::string& source, std::string json, auto decoded) {
       effects.clear();
-      core.handle({now, wire::InputKind::command, source, std::move(json), false}, effects);
+      core.handle({now, wire::InputKind::command, source, std::move(json), false, std::move(decoded)}, effects);
     };
     host.now = [this] { return now; };
     host.zones = std::make_shared<const OneZone>();
