@@ -22,7 +22,8 @@ const experiments::CampaignWork& work() {
         "line", std::move(*zone::Circuit::make("line", std::move(parts))), {}, {}, {}, {}, {}, {}, {}, {}});
     const std::shared_ptr<const zone::Circuit> circuit(ground, &ground->circuit);
     auto track = std::make_shared<const estimation::Track>(std::move(*estimation::Track::make(circuit, {0}, false)));
-    auto plan = experiments::read_campaign_plan("runs = 2\ndistance_m = 5\n[vary]\npitch_m = [0.5, 1.0]\n", "plan.toml");
+    auto plan =
+        experiments::read_campaign_plan("runs = 2\ndistance_m = 5\n[vary]\npitch_m = [0.5, 1.0]\n", "plan.toml");
     return std::move(*experiments::CampaignWork::make(std::move(*plan), {ground, std::move(track)}));
   }();
   return one;

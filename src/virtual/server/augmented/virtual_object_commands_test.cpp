@@ -243,7 +243,8 @@ TEST(VirtualAivs, continue_from_their_position_when_the_circuit_changes) {
   EXPECT_THAT(aivs(fixture), ElementsAre("CoSiVA.virtual/V1", "CoSiVA.virtual/V2"));
   EXPECT_GT(*fixture.aiv("CoSiVA.virtual/V1").number("speed"), 0.05);
   const JsonValue off_route = fixture.aiv("CoSiVA.virtual/V2");
-  EXPECT_THAT(off_route.text("offRoute").value_or(""), HasSubstr("from the nearest section")) << "its section ended there";
+  EXPECT_THAT(off_route.text("offRoute").value_or(""), HasSubstr("from the nearest section"))
+      << "its section ended there";
   EXPECT_EQ(*off_route.number("speed"), 0.0);
   EXPECT_EQ(*off_route.number("y"), 0.0);
 }
