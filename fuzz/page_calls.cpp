@@ -82,7 +82,8 @@ struct Server {
   app::PageHost host() {
     app::PageHost host;
     host.core = &core;
-    host.command = [this](const std::string& source, std::string json, auto decoded) {
+    host.command = [this](const std::string& source, std::string json,
+                          std::shared_ptr<const virtual_side::DecodedCommand> decoded) {
       effects.clear();
       core.handle({now, wire::InputKind::command, source, std::move(json), false, std::move(decoded)}, effects);
     };

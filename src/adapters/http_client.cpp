@@ -66,7 +66,7 @@ Result<HttpClient> HttpClient::make(std::string_view url) {
   return client;
 }
 
-Result<HttpReply> HttpClient::send_request(std::string_view method, std::string_view path, std::string body,
+Result<HttpReply> HttpClient::send_request(std::string_view method, std::string_view path, const std::string& body,
                                            std::chrono::milliseconds timeout) const {
   const Transfer transfer{curl_easy_init(), &curl_easy_cleanup};
   COSIVA_EXPECT(transfer != nullptr);

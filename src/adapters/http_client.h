@@ -24,7 +24,8 @@ class HttpClient {
   /// A body is sent as JSON; an empty one is not sent. Fails ("http.connect", "http.response") where no server listens,
   /// or the whole response does not arrive within `timeout`. A response that refuses the request is returned as a
   /// response.
-  [[nodiscard]] Result<HttpReply> send_request(std::string_view method, std::string_view path, std::string body = {},
+  [[nodiscard]] Result<HttpReply> send_request(std::string_view method, std::string_view path,
+                                               const std::string& body = {},
                                                std::chrono::milliseconds timeout = std::chrono::seconds{30}) const;
 
   [[nodiscard]] std::string url() const { return "http://" + authority_; }

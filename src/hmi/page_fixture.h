@@ -28,7 +28,8 @@ struct PageFixture {
   PageHost host() {
     PageHost host;
     host.core = server.server.get();
-    host.command = [this](const std::string& source, std::string json, auto decoded) {
+    host.command = [this](const std::string& source, std::string json,
+                          std::shared_ptr<const virtual_side::DecodedCommand> decoded) {
       commands.push_back(json);
       server.feed(wire::InputKind::command, source, std::move(json), false, std::move(decoded));
     };

@@ -11,8 +11,8 @@ namespace cosiva::aiv {
 /// The position of a vehicle and its route from there. Refers to the list of sections, which must outlive the outlook.
 struct Outlook {
   // A position alone is an outlook, too: along default successors.
-  Outlook(zone::TrackPosition at,
-          std::span<const zone::SectionId> coming_sections = {})  // NOLINT(google-explicit-constructor)
+  // NOLINTNEXTLINE(google-explicit-constructor)
+  Outlook(zone::TrackPosition at, std::span<const zone::SectionId> coming_sections = {})
       : here{at}, remaining{coming_sections} {}
   Outlook(zone::SectionId section, double s_m) : here{section, s_m} {}
 

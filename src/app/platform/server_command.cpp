@@ -28,7 +28,8 @@ PageHost page_host(const ServerArguments& arguments, const virtual_side::ServerC
                    const std::string& scenario_name) {
   PageHost host;
   host.core = &core;
-  host.command = [&shell](const std::string& source, std::string json, auto decoded) {
+  host.command = [&shell](const std::string& source, std::string json,
+                          std::shared_ptr<const virtual_side::DecodedCommand> decoded) {
     shell.command(source, std::move(json), std::move(decoded));
   };
   host.now = [] { return adapters::WallClock{}.now(); };

@@ -67,7 +67,8 @@ void VirtualPage::command(std::string json, std::shared_ptr<const wire::InProces
 PageHost VirtualPage::host() {
   PageHost host;
   host.core = &run_.world().server();
-  host.command = [this](const std::string&, std::string json, auto decoded) {
+  host.command = [this](const std::string&, std::string json,
+                        std::shared_ptr<const virtual_side::DecodedCommand> decoded) {
     command(std::move(json), std::move(decoded));
   };
   host.now = [this] { return run_.world().now(); };

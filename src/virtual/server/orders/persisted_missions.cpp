@@ -57,8 +57,10 @@ void PersistedMissions::restore(const JsonValue& memory) {
   for (VehicleIndex v = 0; v < registry_.size(); ++v) registered(v);
   COSIVA_EXPECT(missions_left_.size() <= Registry::vehicles_max);
   if (missions_.map() == nullptr) return;
-  auto closed = take_closed(missions_.map());
-  missions_.set_closed(closed ? std::move(*closed) : missions_.closed().all());
+  if (auto closed = take_closed(missions_.map()))
+    missions_.set_closed(std::move(*closed));
+  else
+    missions_.set_closed(missions_.closed().all());
 }
 
 void PersistedMissions::registered(VehicleIndex vehicle) {
