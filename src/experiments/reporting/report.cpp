@@ -16,9 +16,9 @@ constexpr std::string_view style = R"(
 --alarm:#ff8a7a;--c0:#7fb0ff;--c1:#ffb066;--c2:#4fd1b5;--c3:#e58ad2;--c4:#aab4be;--c5:#e3c64a}}
 body{font:16px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper);max-width:60rem;margin:2rem auto;padding:0 1rem}
 h1{margin-bottom:0}h1+p{color:var(--soft);margin-top:.2rem}h2{margin-top:2.4rem}
-.facts{display:grid;grid-template-columns:repeat(auto-fit,minmax(12.5rem,1fr));gap:.8rem;margin:1.2rem 0}
-.facts div{background:var(--card);border-radius:.5rem;padding:.7rem .9rem}.facts b{display:block;font-size:1.35rem;font-weight:600}
-.facts span{color:var(--soft);font-size:.9rem}.facts .alarming b{color:var(--alarm)}
+.metadata{display:grid;grid-template-columns:repeat(auto-fit,minmax(12.5rem,1fr));gap:.8rem;margin:1.2rem 0}
+.metadata div{background:var(--card);border-radius:.5rem;padding:.7rem .9rem}.metadata b{display:block;font-size:1.35rem;font-weight:600}
+.metadata span{color:var(--soft);font-size:.9rem}.metadata .alarming b{color:var(--alarm)}
 table{border-collapse:collapse;width:100%;font-variant-numeric:tabular-nums}th,td{padding:.3rem .6rem;text-align:right;
 border-bottom:1px solid var(--grid)}th:first-child,td:first-child{text-align:left}th{color:var(--soft);font-weight:600}
 .wide{overflow-x:auto}figure{margin:1.4rem 0}figcaption{color:var(--soft);font-size:.9rem}figure svg{width:100%;height:auto}
