@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+
 namespace cosiva::experiments {
 namespace {
 
@@ -25,6 +27,24 @@ TEST(Report, is_one_self_contained_page) {
   EXPECT_THAT(html, HasSubstr("<figure><svg></svg><figcaption>heat"));
   for (const char* outside : {"src=", "href=", "http://", "https://", "url("})
     EXPECT_THAT(html, Not(HasSubstr(outside)));
+}
+
+TEST(Report, has_a_style_for_each_class_of_its_elements) {
+  Report report{"t"};
+  report.metadata({{"3", "deadlocks", true}}).table({"a", "b"}, {{"1", "2"}}).figure("<svg></svg>", "f").page_break();
+  const std::string html = report.html();
+  const std::size_t body = html.find("<body");
+  ASSERT_NE(body, std::string::npos);
+  const std::string styles = html.substr(0, body);
+  std::size_t classes = 0;
+  const std::string attribute = "class=\"";
+  for (std::size_t at = html.find(attribute, body); at != std::string::npos; at = html.find(attribute, at + 1)) {
+    const std::size_t begin = at + attribute.size();
+    const std::string name = html.substr(begin, html.find('"', begin) - begin);
+    EXPECT_THAT(styles, HasSubstr("." + name)) << name;
+    ++classes;
+  }
+  EXPECT_GE(classes, 3U);
 }
 
 TEST(Report, with_a_row_that_is_too_short_is_a_programming_error) {
