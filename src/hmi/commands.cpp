@@ -68,7 +68,7 @@ HttpResponse post_command(CallContext& context, const Call& call) {
   const std::string id = context.host().core->next_command_id();
   JsonWriter json;
   json.begin_object().field("id", id);
-  for (const char* key : {"command", "vehicle", "vehicles", "to", "loop", "section"})
+  for (const char* key : {"command", "vehicle", "vehicles", "speed", "to", "loop", "section"})
     if (const JsonValue* value = call.body.find(key)) write_json(json.key(key), *value);
   json.end_object();
   if (auto given = context.give(json.take()); !given) return refusal(given.error());

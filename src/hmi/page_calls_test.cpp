@@ -93,6 +93,15 @@ TEST(PageCalls, pass_commands_on_with_an_id_of_their_own) {
       "c3");
 }
 
+TEST(PageCalls, pass_the_speed_of_a_limit_on_and_refuse_a_limit_without_one) {
+  PageFixture page;
+  const std::string limit = R"({"command":"limit","vehicle":"CoSiVA/AIV1","speed":0.25})";
+  EXPECT_EQ(page.send_request("POST", "/api/v1/commands", limit).status, 202U);
+  EXPECT_THAT(page.commands, ElementsAre(R"({"id":"c1","command":"limit","vehicle":"CoSiVA/AIV1","speed":0.25})"));
+  const auto refused = page.send_request("POST", "/api/v1/commands", R"({"command":"limit","vehicle":"CoSiVA/AIV1"})");
+  EXPECT_EQ(refused.status, 400U);
+}
+
 TEST(PageCalls, give_a_command_to_several_vehicles_if_all_are_known) {
   PageFixture page;
   const std::string both = R"({"command":"slow","vehicles":["CoSiVA/AIV1","CoSiVA/AIV2"]})";

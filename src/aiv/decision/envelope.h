@@ -39,7 +39,7 @@ class CrossingLookAhead {
 /// Speed of the approach to a bend on the spot.
 inline constexpr double bend_creep_mps = 0.05;
 
-/// Upper limit of the vehicle's speed, whatever the agent's target (DESIGN §4.5): crisp, and only lowering.
+/// Upper limit of the vehicle's speed, whatever the agent's target: crisp, and only lowering.
 struct Limit {
   double speed_mps;           ///< ≥ 0
   double braking_mps2;        ///< the profile's, or the hardest where the profile's does not suffice any more

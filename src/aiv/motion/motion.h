@@ -68,7 +68,7 @@ class AivMotion {
   bool on_indirect_move_req(const zone::Circuit& circuit);
 
   /// Signed move along the circuit, for corrections: negative distances travel against the current direction. Forwards
-  /// through the sections of `coming`, then along default successors; backwards through `gone`, the last section first.
+  /// through the sections of `remaining`, then along default successors; backwards through `traversed`, the last first.
   /// Returns the distance actually travelled, with its sign.
   double shift(const zone::Circuit& circuit, double distance_m, std::span<const zone::SectionId> remaining = {},
                std::span<const zone::SectionId> traversed = {});

@@ -15,7 +15,7 @@
 
 namespace cosiva::virtual_side {
 
-/// The contract of the bijection (DESIGN §5); the page shows a vehicle that violates a limit in red.
+/// The contract of the bijection; the page shows a vehicle that violates a limit in red.
 struct BijectionContract {
   double divergence_p99_m{0.03};
   double age_p99_ms{150.0};
@@ -25,7 +25,7 @@ struct BijectionContract {
   double actual_p99_m{0.05};  ///< of a twin from the camera's detection of its vehicle, if there is a camera
 };
 
-/// A discrepancy between the two sides (DESIGN §5), by name, found by an observer of both. The camera over the zone
+/// A discrepancy between the two sides, by name, found by an observer of both. The camera over the zone
 /// (GVS) is the only such observer so far.
 struct Finding {
   enum class Kind : std::uint8_t {
@@ -41,7 +41,7 @@ struct Finding {
 };
 [[nodiscard]] std::string_view to_string(Finding::Kind kind);
 
-/// An event on the physical side that the virtual side must show (DESIGN §5).
+/// An event on the physical side that the virtual side must show.
 enum class PhysicalEvent : std::uint8_t { arrival, tag, obstacle, stop, battery };
 inline constexpr std::size_t physical_event_kinds = 5;
 [[nodiscard]] std::string_view to_string(PhysicalEvent event);
@@ -52,7 +52,7 @@ enum class WorldEffect : std::uint8_t { perceived, brakes, shown };
 inline constexpr std::size_t effect_kinds = 3;
 [[nodiscard]] std::string_view to_string(WorldEffect effect);
 
-/// Measures the quality of the bijection: matching, divergence, age, commands and events (DESIGN §5). The caller
+/// Measures the quality of the bijection: matching, divergence, age, commands and events. The caller
 /// supplies all measurements and times.
 class BijectionMonitor {
  public:

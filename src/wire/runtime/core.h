@@ -32,7 +32,7 @@ class InProcessMessage {
 };
 
 /// Every kind of input of a core. One record type for all cores: the journal stores it, the network delivers it, replay
-/// feeds it again (DESIGN §4.1, §4.9). The journal stores these numbers; never reuse one.
+/// feeds it again. The journal stores these numbers; never reuse one.
 enum class InputKind : std::uint8_t {
   configure = 1,  ///< first input of every core: source = what ("aiv", "plant", "server"), payload = its options (JSON)
   message = 2,    ///< from the broker: source = topic, payload = bytes, flag = retained
@@ -110,8 +110,7 @@ class Core {
   virtual void fold(Digest& digest) const = 0;
 };
 
-/// Feeds a core: first records the input, then lets the core act, then folds its effects (the journal's rule, DESIGN
-/// §4.9).
+/// Feeds a core: first records the input, then lets the core act, then folds its effects (the journal's rule).
 class CoreRunner {
  public:
   using Recorder = std::function<void(const Input&)>;

@@ -25,7 +25,7 @@ struct TrackPosition {
   friend bool operator==(const TrackPosition&, const TrackPosition&) = default;
 };
 
-/// A directed graph of sections (DESIGN §4.3). The article's closed circuit is a loop.
+/// A directed graph of sections. The article's closed circuit is a loop.
 class Circuit {
  public:
   struct Part {

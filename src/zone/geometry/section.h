@@ -23,7 +23,7 @@ struct Box {
 enum class SectionKind { straight, arc, clothoid };
 [[nodiscard]] std::string_view to_string(SectionKind kind);
 
-/// A piece of circuit whose curvature is linear in arc length: κ(s) = κ₀ + κ₁·s, s ∈ [0, L] (DESIGN §4.3).
+/// A piece of circuit whose curvature is linear in arc length: κ(s) = κ₀ + κ₁·s, s ∈ [0, L].
 /// κ₁ = 0 is an arc, κ₀ = κ₁ = 0 a straight line; the article's equations (1) to (3) are its special cases (A29).
 /// Positions come from Taylor pieces computed once (≤ 0.5 rad each), so that pose_at costs two polynomials and no sine.
 class Section {

@@ -24,7 +24,7 @@ struct ServerOptions {
   /// Built from `zone` already, where it is known; null: the server builds it. Not in JSON.
   std::shared_ptr<const zone::Rtm> rtm{};
   bool drive{true};  ///< give circulating orders to idle vehicles; false: watch only (a foreign master drives)
-  SimDuration lost_after{std::chrono::seconds{1}};  ///< no report for so long: the vehicle's link is lost
+  SimDuration lost_after{std::chrono::seconds{1}};  ///< the shortest silence after which a vehicle is lost
   BijectionContract contract;
   SimDuration cycle{std::chrono::milliseconds{20}};  ///< how often it looks after everything
   bool as_values{false};                             ///< everybody is in this process: orders are passed on as values

@@ -62,7 +62,7 @@ class ServerCore final : public wire::Core {
   [[nodiscard]] std::string zone_json() const;
   /// The snapshot for the HMI, docs/protocols/hmi-api.md.
   [[nodiscard]] std::string snapshot_json() const;
-  /// The run's bijection metrics (DESIGN §5): physical, virtual, matched, matched_ratio, orphans, divergence_m, age_ms,
+  /// The run's bijection metrics: physical, virtual, matched, matched_ratio, orphans, divergence_m, age_ms,
   /// commands, events, held_ratio.
   void write_bijection(JsonWriter& json) const;
   /// {"bijection":{…},"aivs":[…]…} at the end of a run.
