@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "cosiva/virtual/server/right_of_way/convoys.h"
+
 namespace cosiva::virtual_side {
 namespace {
 
@@ -18,10 +20,6 @@ std::string deed(Means means, double cost_m) {
     case Means::back_up: return "backs up " + std::to_string(std::lround(cost_m * 100.0)) + " cm";
   }
   return {};
-}
-
-bool intersect(const std::vector<VehicleIndex>& a, const std::vector<VehicleIndex>& b) {
-  return std::ranges::any_of(a, [&](VehicleIndex v) { return std::ranges::binary_search(b, v); });
 }
 
 double ms_of(SimTime time) { return static_cast<double>(time.time_since_epoch().count()) * 1e-6; }

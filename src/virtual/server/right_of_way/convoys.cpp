@@ -13,10 +13,6 @@ constexpr double convoy_gap_m = 0.70;
 /// The estimates are no more precise than this; below this gain the order of requests decides.
 constexpr double gain_s_min = 0.1;
 
-bool intersect(const std::vector<CrossingIndex>& a, const std::vector<CrossingIndex>& b) {
-  return std::ranges::any_of(a, [&](CrossingIndex x) { return std::ranges::find(b, x) != b.end(); });
-}
-
 bool contains(const std::vector<VehicleIndex>& convoy, VehicleIndex vehicle) {
   return std::ranges::find(convoy, vehicle) != convoy.end();
 }
@@ -62,6 +58,10 @@ std::size_t members_from(const Traffic& traffic, VehicleIndex vehicle, std::size
 }
 
 }  // namespace
+
+bool intersect(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
+  return std::ranges::any_of(a, [&](std::uint32_t x) { return std::ranges::find(b, x) != b.end(); });
+}
 
 void Convoys::record_pass(VehicleIndex vehicle, const std::vector<CrossingIndex>& crossings) {
   std::erase_if(passes_, [&](const Pass& pass) { return intersect(pass.crossings, crossings); });

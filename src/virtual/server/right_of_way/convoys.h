@@ -16,6 +16,9 @@ inline constexpr VehicleIndex no_vehicle = std::numeric_limits<VehicleIndex>::ma
 
 class Traffic;
 
+/// The two lists, of crossings or of vehicles, have an element in common.
+[[nodiscard]] bool intersect(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b);
+
 /// The vehicles that pass a chain of crossings together, and whether another vehicle may join them (traffic.h states
 /// the rules).
 /// Invariant: no crossing is in the chains of two passes.

@@ -20,10 +20,6 @@ constexpr double past_m = 0.25;
 /// A vehicle nearer to its stop line than this is stopped, or nearly so, and has to accelerate.
 constexpr double stopped_before_m = 0.10;
 
-bool intersect(const std::vector<CrossingIndex>& a, const std::vector<CrossingIndex>& b) {
-  return std::ranges::any_of(a, [&](CrossingIndex x) { return std::ranges::find(b, x) != b.end(); });
-}
-
 }  // namespace
 
 void Traffic::set_map(const WaypointGraph* map) {
