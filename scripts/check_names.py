@@ -6,6 +6,8 @@ blind   src/virtual and the page's sources name no ready zone, zone format or ve
 pure    the cores (all of src/ except adapters, hmi and app) use no elementary function, random number or hash order that
         could differ between machines, and no thread, clock, file or socket: bit-identical results (docs/architecture.md).
         Tests may: they compare with libm and read files.
+once    a type of a namespace is defined in one file: the linker would keep one of two definitions for both. Types in
+        anonymous namespaces are not seen by the linker.
 
 --self-test checks small good and bad files.
 """
@@ -112,9 +114,30 @@ def check_pure(root, problems):
     return len(files)
 
 
+NAMESPACE = re.compile(r"^namespace(?: ([\w:]+))? \{|^\}  // namespace|^(?:struct|class|enum class|enum) (?:\[\[\w+\]\] )?(\w+)\b(?!::)[^;{]*\{",
+                       re.MULTILINE)
+
+
+def check_once(root, problems):
+    files, defined = sources(root / "src", {".h", ".cpp"}), {}
+    for path in files:
+        spaces = []
+        for match in NAMESPACE.finditer(path.read_text()):
+            if match[0].startswith("namespace"):
+                spaces.append(match[1])
+            elif match[0].startswith("}"):
+                del spaces[-1:]
+            elif None not in spaces:
+                first = defined.setdefault("::".join([*spaces, match[2]]), path)
+                if first != path:
+                    problems.append(f"{path.relative_to(root)}: {match[2]} is also a type of the same namespace in {first.relative_to(root)}")
+    return len(files)
+
+
 def check(root):
     problems = []
     count = check_blind(root, problems) + check_pure(root, problems)
+    check_once(root, problems)
     return count, problems
 
 
@@ -131,6 +154,10 @@ GOOD = {
     "src/aiv/log.h": "void log(int x);\nstatic std::string exp(int y);\n double& beta(int z);",
     "src/aiv/log.cpp": "{ log(3); }",
     "src/aiv/look.cpp": "std::unordered_map<int, int> seen; auto it = seen.find(3); for (auto x : other) {}",
+    "src/zone/lane.h": "namespace cosiva::zone {\nstruct Lane {\n  int a;\n};\nclass Other;\n}  // namespace cosiva::zone",
+    "src/zone/other.h": "namespace cosiva::zone {\nclass Other {\n};\n}  // namespace cosiva::zone",
+    "src/zone/hidden.cpp": "namespace cosiva::zone {\nnamespace {\nstruct Lane {\n};\n}  // namespace\n}  // namespace cosiva::zone",
+    "src/wire/lane.h": "namespace cosiva::wire {\nstruct Lane {\n};\n}  // namespace cosiva::wire",
     "src/adapters/clock.cpp": "auto now = std::chrono::system_clock::now(); std::thread t;",
     "src/app/main.cpp": "std::cout << std::sin(1);",
 }
@@ -159,6 +186,13 @@ BAD = [
             "src/virtual/server/y.cpp": "void f() { for (const auto& [k, v] : all_) use(k); }",
         },
         "iterates over 'all_' in hash order",
+    ),
+    (
+        {
+            "src/zone/x.h": "namespace cosiva::zone {\nstruct Rail {\n};\n}  // namespace cosiva::zone",
+            "src/zone/y/y.cpp": "namespace cosiva::zone {\nnamespace {\nint i;\n}  // namespace\nenum class Rail { a };\n}",
+        },
+        "src/zone/y/y.cpp: Rail is also a type of the same namespace in src/zone/x.h",
     ),
     ({"src/aiv/x.cpp": "std::unordered_set<int> seen; auto i = seen.begin();"}, "iterates over 'seen' in hash order"),
 ]

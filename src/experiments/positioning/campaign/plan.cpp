@@ -56,7 +56,8 @@ void read_settings(const Entry& root, CampaignPlan& plan) {
   plan.horizon = static_cast<std::uint32_t>(root.whole("horizon", 1, 1000, 4));
   plan.threshold_m = root.number("threshold_m", error, 0.01);
   plan.tolerance_m = root.number("tolerance_m", error, 0.01);
-  plan.evaluated = root.one_of("tolerance_of", {"rmse", "p95"}, "rmse") == "p95" ? Evaluated::p95 : Evaluated::rmse;
+  plan.evaluated =
+      root.one_of("tolerance_of", {"rmse", "p95"}, "rmse") == "p95" ? EvaluatedQuantity::p95 : EvaluatedQuantity::rmse;
 }
 
 /// Parameters of a grid are refused for beacons on a line; a grid's reader must detect one beacon at a time.

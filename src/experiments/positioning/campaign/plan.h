@@ -45,7 +45,7 @@ struct SweptInfo {
 /// Positions of beacons: one every pitch along the path, or in a square grid over the zone that the path crosses.
 enum class Fiducials { line, grid };
 /// The metric that has to stay within the tolerance.
-enum class Evaluated { rmse, p95 };
+enum class EvaluatedQuantity { rmse, p95 };
 
 /// Largest number of runs in one campaign, over all algorithms: limited by a machine's memory and the size of a table.
 inline constexpr std::size_t campaign_votes_max = 2'000'000;
@@ -64,7 +64,7 @@ struct CampaignPlan {
   std::uint32_t horizon{4};
   double threshold_m{0.01};
   double tolerance_m{0.01};
-  Evaluated evaluated{Evaluated::rmse};
+  EvaluatedQuantity evaluated{EvaluatedQuantity::rmse};
   std::vector<std::string> algorithms;
   std::array<std::vector<double>, swept_count> values;  ///< at least one of each, rising
 

@@ -25,7 +25,7 @@ TEST(CampaignPlan, takes_numbers_lists_and_ranges) {
   EXPECT_EQ(plan.name, "Density");
   EXPECT_EQ(plan.runs, 7U);
   EXPECT_EQ(plan.fiducials, Fiducials::grid);
-  EXPECT_EQ(plan.evaluated, Evaluated::p95);
+  EXPECT_EQ(plan.evaluated, EvaluatedQuantity::p95);
   EXPECT_THAT(plan.algorithms, ElementsAre("arc_smoother", "arc_kalman"));
   EXPECT_THAT(plan.of(Swept::pitch), ElementsAre(DoubleNear(0.1, 1e-15), DoubleNear(0.2, 1e-15), DoubleNear(0.4, 1e-15),
                                                  DoubleNear(0.8, 1e-14), 1.6));

@@ -34,7 +34,7 @@ void write_plan(JsonWriter& json, const CampaignResult& result) {
       .field("rate_hz", plan.rate_hz);
   json.field("fiducials", plan.fiducials == Fiducials::grid ? "grid" : "line").field("reach_m", plan.reach_m);
   json.field("threshold_m", plan.threshold_m).field("tolerance_m", plan.tolerance_m);
-  json.field("tolerance_of", plan.evaluated == Evaluated::p95 ? "p95" : "rmse");
+  json.field("tolerance_of", plan.evaluated == EvaluatedQuantity::p95 ? "p95" : "rmse");
   json.key("vary").begin_object().key("algorithm").begin_array();
   for (const std::string& name : plan.algorithms) json.value(name);
   json.end_array();

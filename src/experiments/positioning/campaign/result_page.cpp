@@ -17,7 +17,9 @@ constexpr std::size_t rows_max = 500;
 
 std::string mm(double metres) { return readable(1e3 * metres, 2); }
 
-std::string evaluated_name(const CampaignPlan& plan) { return plan.evaluated == Evaluated::p95 ? "p95" : "rmse"; }
+std::string evaluated_name(const CampaignPlan& plan) {
+  return plan.evaluated == EvaluatedQuantity::p95 ? "p95" : "rmse";
+}
 
 std::vector<std::string> with_labels(const char* first, const std::vector<Swept>& factors) {
   std::vector<std::string> columns{first};
@@ -81,7 +83,7 @@ class Page {
       chart.series.push_back(line_of(curve, plan_.algorithms[i]));
       heights.insert(heights.end(), chart.series.back().y.begin(), chart.series.back().y.end());
       Series& limit = limits[work_.backtracks(i) ? 1 : 0];
-      if (limit.x.empty() && plan_.evaluated == Evaluated::rmse)
+      if (limit.x.empty() && plan_.evaluated == EvaluatedQuantity::rmse)
         limit = limit_line(curve, work_.backtracks(i) ? "limit of smoothers" : "limit");
     }
     for (Series& limit : limits)

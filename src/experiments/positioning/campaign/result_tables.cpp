@@ -12,12 +12,13 @@ namespace {
 
 using zone::toml_number;
 
-using Kind = Table::Column::Kind;
+using Kind = ResultTable::Column::Kind;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// The environment's factors, all of them: joins of tables need the same columns every time.
-void add_factors(Table& table, const CampaignPlan& plan, const std::function<std::size_t(std::size_t)>& environment) {
+void add_factors(ResultTable& table, const CampaignPlan& plan,
+                 const std::function<std::size_t(std::size_t)>& environment) {
   for (std::size_t i = 0; i < swept_count; ++i) {
     const auto swept = static_cast<Swept>(i);
     table.columns.push_back(
@@ -36,11 +37,11 @@ double number_of(const std::optional<Crossing>& crossing) {
 
 }  // namespace
 
-Table runs_table(const CampaignResult& result) {
+ResultTable runs_table(const CampaignResult& result) {
   const CampaignPlan& plan = result.work.plan();
   const std::size_t algorithms = plan.algorithms.size();
   const std::size_t per_environment = plan.runs * algorithms;
-  Table table{"runs", {}, plan.votes()};
+  ResultTable table{"runs", {}, plan.votes()};
   const auto whole = [&](const char* name, const std::function<std::size_t(std::size_t)>& of) {
     table.columns.push_back(
         {name, Kind::whole, [of](std::size_t row) { return TableValue{static_cast<std::int64_t>(of(row))}; }});
@@ -72,10 +73,10 @@ Table runs_table(const CampaignResult& result) {
   return table;
 }
 
-Table cells_table(const CampaignResult& result) {
+ResultTable cells_table(const CampaignResult& result) {
   const CampaignPlan& plan = result.work.plan();
   const std::vector<CellMetrics>& cells = result.summary.cells;
-  Table table{"cells", {}, cells.size()};
+  ResultTable table{"cells", {}, cells.size()};
   table.columns.push_back(
       {"cell", Kind::whole, [](std::size_t row) { return TableValue{static_cast<std::int64_t>(row + 1)}; }});
   add_factors(table, plan, [&cells](std::size_t row) { return cells[row].environment; });
@@ -105,10 +106,10 @@ Table cells_table(const CampaignResult& result) {
   return table;
 }
 
-Table pitches_table(const CampaignResult& result) {
+ResultTable pitches_table(const CampaignResult& result) {
   const CampaignPlan& plan = result.work.plan();
   const std::vector<PitchMet>& met = result.summary.pitches_met;
-  Table table{"pitches", {}, met.size()};
+  ResultTable table{"pitches", {}, met.size()};
   for (const Swept swept : {Swept::speed, Swept::odometry_noise, Swept::reading_noise, Swept::missed,
                             Swept::scale_error, Swept::survey_error}) {
     table.columns.push_back({std::string(info_of(swept).key), Kind::number, [&plan, &met, swept](std::size_t row) {
@@ -131,7 +132,7 @@ Table pitches_table(const CampaignResult& result) {
   return table;
 }
 
-Table campaign_table(const CampaignResult& result) {
+ResultTable campaign_table(const CampaignResult& result) {
   const CampaignPlan& plan = result.work.plan();
   std::vector<std::pair<std::string, std::string>> rows{
       {"name", plan.name},
@@ -144,10 +145,10 @@ Table campaign_table(const CampaignResult& result) {
       {"reach_m", toml_number(plan.reach_m)},
       {"threshold_m", toml_number(plan.threshold_m)},
       {"tolerance_m", toml_number(plan.tolerance_m)},
-      {"tolerance_of", plan.evaluated == Evaluated::p95 ? "p95" : "rmse"},
+      {"tolerance_of", plan.evaluated == EvaluatedQuantity::p95 ? "p95" : "rmse"},
       {"digest", result.summary.digest},
   };
-  Table table{"campaign", {}, rows.size()};
+  ResultTable table{"campaign", {}, rows.size()};
   table.columns.push_back({"key", Kind::text, [rows](std::size_t row) { return TableValue{rows[row].first}; }});
   table.columns.push_back({"value", Kind::text, [rows](std::size_t row) { return TableValue{rows[row].second}; }});
   return table;

@@ -6,12 +6,12 @@
 namespace cosiva::experiments {
 
 /// A row per run and algorithm: factors, algorithm, seed, rmse_m, … The referenced data must outlive the table.
-[[nodiscard]] Table runs_table(const CampaignResult& result);
+[[nodiscard]] ResultTable runs_table(const CampaignResult& result);
 /// A row per cell.
-[[nodiscard]] Table cells_table(const CampaignResult& result);
+[[nodiscard]] ResultTable cells_table(const CampaignResult& result);
 /// A row per algorithm and surrounding: the widest pitch that meets the tolerance.
-[[nodiscard]] Table pitches_table(const CampaignResult& result);
+[[nodiscard]] ResultTable pitches_table(const CampaignResult& result);
 /// key, value: the plan.
-[[nodiscard]] Table campaign_table(const CampaignResult& result);
+[[nodiscard]] ResultTable campaign_table(const CampaignResult& result);
 
 }  // namespace cosiva::experiments

@@ -20,8 +20,8 @@ constexpr std::size_t lines_max = 24;
 std::string pitches_text(const CampaignPlan& plan, const std::vector<PitchMet>& all) {
   if (all.empty()) return {};
   std::string text = "  pitch at which " +
-                     std::string(plan.evaluated == Evaluated::p95 ? "95 % of errors stay" : "rmse stays") + " within " +
-                     mm(plan.tolerance_m) + " mm:\n";
+                     std::string(plan.evaluated == EvaluatedQuantity::p95 ? "95 % of errors stay" : "rmse stays") +
+                     " within " + mm(plan.tolerance_m) + " mm:\n";
   for (std::size_t i = 0; i < std::min(all.size(), lines_max); ++i) {
     const PitchMet& met = all[i];
     text += "    " + padded(plan.algorithms[met.algorithm], 18) + to_string(met.pitch) + " m";

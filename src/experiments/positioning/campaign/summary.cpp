@@ -45,8 +45,9 @@ Pool pool_of(const Votes& votes, const std::vector<std::size_t>& environments, s
   return pool;
 }
 
-Figure evaluated_of(const Pool& pool, Evaluated evaluated, const statistics::BootstrapOptions& bootstrap) {
-  if (evaluated == Evaluated::p95) return {statistics::mean(pool.p95_m), statistics::bca(pool.p95_m, bootstrap)};
+Figure evaluated_of(const Pool& pool, EvaluatedQuantity evaluated, const statistics::BootstrapOptions& bootstrap) {
+  if (evaluated == EvaluatedQuantity::p95)
+    return {statistics::mean(pool.p95_m), statistics::bca(pool.p95_m, bootstrap)};
   return {root(statistics::mean(pool.mse_m2)), statistics::bca(pool.mse_m2, bootstrap, root)};
 }
 
@@ -70,8 +71,8 @@ CellMetrics cell_of(const CampaignWork& work, const Votes& votes, std::size_t en
   cell.fiducials = votes.fiducials(environment);
   const Pool pool = pool_of(votes, {environment}, plan.runs, algorithm);
   const statistics::BootstrapOptions bootstrap{0.95, 2000, plan.seed};
-  cell.rmse_m = evaluated_of(pool, Evaluated::rmse, bootstrap);
-  cell.p95_m = evaluated_of(pool, Evaluated::p95, bootstrap);
+  cell.rmse_m = evaluated_of(pool, EvaluatedQuantity::rmse, bootstrap);
+  cell.p95_m = evaluated_of(pool, EvaluatedQuantity::p95, bootstrap);
   cell.limit_m = root(statistics::mean(pool.limit_m2));
   cell.gap_percent = 100.0 * (cell.rmse_m.value / cell.limit_m - 1.0);
   cell.leak = leaks(pool, plan.cells());
@@ -141,7 +142,7 @@ PitchMet pitch_met(const CampaignWork& work, const std::vector<UnitRecord>& reco
     met.high = crossing(column(curve, [](const Figure& y) { return y.interval ? y.interval->low : y.value; }));
   }
   met.worst = crossing(curve.worst);
-  if (plan.evaluated == Evaluated::rmse) met.limit = crossing(curve.limit);
+  if (plan.evaluated == EvaluatedQuantity::rmse) met.limit = crossing(curve.limit);
   return met;
 }
 
@@ -202,13 +203,13 @@ Curve curve_of(const CampaignWork& work, const std::vector<UnitRecord>& records,
     const Pool pool = pool_of(votes, pools[k], plan.runs, algorithm);
     curve.x.push_back(plan.of(factor)[k]);
     curve.y.push_back(evaluated_of(pool, plan.evaluated, bootstrap));
-    curve.limit.push_back(plan.evaluated == Evaluated::rmse ? root(statistics::mean(pool.limit_m2)) : nan);
+    curve.limit.push_back(plan.evaluated == EvaluatedQuantity::rmse ? root(statistics::mean(pool.limit_m2)) : nan);
     double worst = 0.0;
     double spacing_m = 0.0;
     for (const std::size_t environment : pools[k]) {
       const Pool cell = pool_of(votes, {environment}, plan.runs, algorithm);
-      worst = std::fmax(
-          worst, plan.evaluated == Evaluated::p95 ? statistics::mean(cell.p95_m) : root(statistics::mean(cell.mse_m2)));
+      worst = std::fmax(worst, plan.evaluated == EvaluatedQuantity::p95 ? statistics::mean(cell.p95_m)
+                                                                        : root(statistics::mean(cell.mse_m2)));
       spacing_m += votes.fiducials(environment).spacing_m / static_cast<double>(pools[k].size());
     }
     curve.worst.push_back(worst);

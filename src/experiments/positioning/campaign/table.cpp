@@ -24,7 +24,7 @@ void append_number(std::string& csv, Number number) {
 
 }  // namespace
 
-std::string to_csv(const Table& table) {
+std::string to_csv(const ResultTable& table) {
   std::string csv;
   for (std::size_t c = 0; c < table.columns.size(); ++c) csv.append(c == 0 ? "" : ",").append(table.columns[c].name);
   csv += '\n';

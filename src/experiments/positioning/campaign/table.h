@@ -13,7 +13,7 @@ namespace cosiva::experiments {
 using TableValue = std::variant<std::int64_t, double, std::string>;
 
 /// A table whose cells are computed on demand: the largest tables have millions of cells.
-struct Table {
+struct ResultTable {
   std::string name;  ///< of a-z and _
   struct Column {
     std::string name;  ///< with its unit: "rmse_m"
@@ -26,6 +26,6 @@ struct Table {
 };
 
 /// A header line, then a line per row; numbers in the shortest form that reads back to the same bits.
-[[nodiscard]] std::string to_csv(const Table& table);
+[[nodiscard]] std::string to_csv(const ResultTable& table);
 
 }  // namespace cosiva::experiments

@@ -22,11 +22,11 @@ tl::unexpected<Error> refuse(sqlite3* database) {
 
 std::string quoted_name(const std::string& name) { return '"' + name + '"'; }
 
-std::string_view type_of(Table::Column::Kind kind) {
+std::string_view type_of(ResultTable::Column::Kind kind) {
   switch (kind) {
-    case Table::Column::Kind::whole: return "INTEGER";
-    case Table::Column::Kind::number: return "REAL";
-    case Table::Column::Kind::text: return "TEXT";
+    case ResultTable::Column::Kind::whole: return "INTEGER";
+    case ResultTable::Column::Kind::number: return "REAL";
+    case ResultTable::Column::Kind::text: return "TEXT";
   }
   return "TEXT";
 }
@@ -45,10 +45,10 @@ int bind_value(sqlite3_stmt* statement, int at, const TableValue& value) {
   return sqlite3_bind_text64(statement, at, text.data(), text.size(), SQLITE_STATIC, SQLITE_UTF8);
 }
 
-Result<void> fill(sqlite3* database, const Table& table) {
+Result<void> fill(sqlite3* database, const ResultTable& table) {
   std::string columns;
   std::string positions;
-  for (const Table::Column& column : table.columns) {
+  for (const ResultTable::Column& column : table.columns) {
     columns.append(columns.empty() ? "" : ", ")
         .append(quoted_name(column.name))
         .append(" ")
@@ -62,7 +62,7 @@ Result<void> fill(sqlite3* database, const Table& table) {
   const Statement statement{raw};
   for (std::size_t row = 0; row < table.rows; ++row) {
     std::vector<TableValue> values;
-    for (const Table::Column& column : table.columns) values.push_back(column.value(row));
+    for (const ResultTable::Column& column : table.columns) values.push_back(column.value(row));
     for (std::size_t c = 0; c < values.size(); ++c)
       if (bind_value(raw, static_cast<int>(c) + 1, values[c]) != SQLITE_OK) return refuse(database);
     if (sqlite3_step(raw) != SQLITE_DONE || sqlite3_reset(raw) != SQLITE_OK) return refuse(database);
@@ -72,13 +72,13 @@ Result<void> fill(sqlite3* database, const Table& table) {
 
 }  // namespace
 
-Result<std::string> to_sqlite(const std::vector<Table>& tables) {
+Result<std::string> to_sqlite(const std::vector<ResultTable>& tables) {
   sqlite3* raw = nullptr;
   const int opened = sqlite3_open(":memory:", &raw);
   const Database database{raw};
   if (opened != SQLITE_OK) return refuse(raw);
   if (auto begun = run(raw, "BEGIN"); !begun) return tl::unexpected(begun.error());
-  for (const Table& table : tables)
+  for (const ResultTable& table : tables)
     if (auto filled = fill(raw, table); !filled) return tl::unexpected(filled.error());
   if (auto ended = run(raw, "COMMIT"); !ended) return tl::unexpected(ended.error());
   sqlite3_int64 size = 0;

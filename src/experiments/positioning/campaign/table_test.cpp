@@ -17,8 +17,8 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-Table sample() {
-  using Kind = Table::Column::Kind;
+ResultTable sample() {
+  using Kind = ResultTable::Column::Kind;
   return {
       "sample",
       {{"n", Kind::whole, [](std::size_t row) { return TableValue{static_cast<std::int64_t>(row)}; }},
@@ -30,7 +30,7 @@ Table sample() {
       3};
 }
 
-TEST(Table, as_CSV_quotes_special_characters_and_leaves_NaN_empty) {
+TEST(ResultTable, as_CSV_quotes_special_characters_and_leaves_NaN_empty) {
   EXPECT_EQ(to_csv(sample()), "n,error_m,name\n0,0,x\n1,,x\n2,0.2,\"a \"\"b\"\", c\"\n");
 }
 
@@ -55,7 +55,7 @@ std::vector<std::string> requested(std::string bytes, const std::string& query) 
   return responses;
 }
 
-TEST(Table, as_SQLite_can_be_queried_and_has_the_same_bytes_each_time) {
+TEST(ResultTable, as_SQLite_can_be_queried_and_has_the_same_bytes_each_time) {
   const auto bytes = to_sqlite({sample()});
   ASSERT_TRUE(bytes) << to_string(bytes.error());
   EXPECT_TRUE(bytes->starts_with("SQLite format 3"));

@@ -51,7 +51,7 @@ std::vector<std::string_view> cut_at(char separator, std::string_view line) {
   return fields;
 }
 
-void Table::take_row(const std::vector<std::string_view>& fields, std::size_t line) {
+void RecordingTable::take_row(const std::vector<std::string_view>& fields, std::size_t line) {
   std::vector<double>& row = rows.emplace_back();
   for (std::size_t i = 0; i < columns.size(); ++i) {
     // After a separator at a line's end the last field may be empty.
@@ -64,8 +64,8 @@ void Table::take_row(const std::vector<std::string_view>& fields, std::size_t li
   }
 }
 
-Result<Table> Table::read(std::string_view file, std::string_view text) {
-  Table table{std::string(file), {}, {}, {}};
+Result<RecordingTable> RecordingTable::read(std::string_view file, std::string_view text) {
+  RecordingTable table{std::string(file), {}, {}, {}};
   Lines lines{text};
   std::string_view line;
   std::string_view comment;
@@ -104,13 +104,13 @@ Result<Table> Table::read(std::string_view file, std::string_view text) {
   return table;
 }
 
-std::optional<std::size_t> Table::find(std::string_view column) const {
+std::optional<std::size_t> RecordingTable::find(std::string_view column) const {
   const auto found = std::ranges::find(columns, column);
   if (found == columns.end()) return std::nullopt;
   return static_cast<std::size_t>(found - columns.begin());
 }
 
-Result<std::size_t> Table::need(std::string_view column) const {
+Result<std::size_t> RecordingTable::need(std::string_view column) const {
   if (const auto found = find(column)) {
     if (faults[*found]) return tl::unexpected(*faults[*found]);
     return *found;
@@ -120,7 +120,7 @@ Result<std::size_t> Table::need(std::string_view column) const {
   return fail("recording.column", "there is no column " + std::string(column) + "; there are " + there, file);
 }
 
-Result<std::optional<std::size_t>> Table::want(std::string_view column) const {
+Result<std::optional<std::size_t>> RecordingTable::want(std::string_view column) const {
   if (!find(column)) return std::nullopt;
   const auto found = need(column);
   if (!found) return tl::unexpected(found.error());

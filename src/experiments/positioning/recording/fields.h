@@ -28,7 +28,7 @@ namespace cosiva::experiments {
 
 /// A table with a header line; columns are found by name. The header may be the last of the comments (#) before the
 /// numbers.
-struct Table {
+struct RecordingTable {
   std::string file;
   std::vector<std::string> columns;
   std::vector<std::vector<double>> rows;  ///< one value per column; finite in columns without a fault
@@ -36,7 +36,7 @@ struct Table {
   std::vector<std::optional<Error>> faults;
 
   /// Fails ("recording.header", "recording.width") with the line.
-  [[nodiscard]] static Result<Table> read(std::string_view file, std::string_view text);
+  [[nodiscard]] static Result<RecordingTable> read(std::string_view file, std::string_view text);
   [[nodiscard]] std::optional<std::size_t> find(std::string_view column) const;
   /// Fails ("recording.column") with the available columns, ("recording.number") where the column contains an invalid
   /// number.

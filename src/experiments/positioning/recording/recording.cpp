@@ -13,7 +13,7 @@ namespace {
 
 using Row = std::vector<double>;
 
-Result<void> rising(const Table& table, std::size_t column) {
+Result<void> rising(const RecordingTable& table, std::size_t column) {
   for (std::size_t i = 1; i < table.rows.size(); ++i) {
     if (table.rows[i][column] > table.rows[i - 1][column]) continue;
     return fail("recording.stamp", "the stamp is not later than the previous stamp",
@@ -43,7 +43,8 @@ void put_in_order(std::vector<T>& all, std::string_view what, Recording& recordi
 }
 
 /// Finds columns by name, in the requested order.
-Result<std::vector<std::size_t>> columns_of(const Table& table, std::initializer_list<std::string_view> names) {
+Result<std::vector<std::size_t>> columns_of(const RecordingTable& table,
+                                            std::initializer_list<std::string_view> names) {
   std::vector<std::size_t> found;
   for (const auto name : names) {
     const auto column = table.need(name);
@@ -53,7 +54,7 @@ Result<std::vector<std::size_t>> columns_of(const Table& table, std::initializer
   return found;
 }
 
-Result<void> read_odometry(const Table& table, Recording& recording) {
+Result<void> read_odometry(const RecordingTable& table, Recording& recording) {
   const bool speeds = table.find("speed_mps").has_value();
   const auto columns = speeds ? columns_of(table, {"time_s", "speed_mps", "turn_radps"})
                               : columns_of(table, {"time_s", "delta_distance_m", "delta_heading_rad"});
@@ -76,7 +77,7 @@ Result<void> read_odometry(const Table& table, Recording& recording) {
   return {};
 }
 
-Result<void> read_ground_truth(const Table& table, Recording& recording) {
+Result<void> read_ground_truth(const RecordingTable& table, Recording& recording) {
   const auto columns = columns_of(table, {"time_s", "x_m", "y_m"});
   if (!columns) return tl::unexpected(columns.error());
   const auto& c = *columns;
@@ -89,7 +90,7 @@ Result<void> read_ground_truth(const Table& table, Recording& recording) {
   return {};
 }
 
-Result<void> read_beacons(const Table& table, Recording& recording) {
+Result<void> read_beacons(const RecordingTable& table, Recording& recording) {
   const auto columns = columns_of(table, {"beacon_id", "x_m", "y_m"});
   if (!columns) return tl::unexpected(columns.error());
   const auto& c = *columns;
@@ -102,7 +103,7 @@ Result<void> read_beacons(const Table& table, Recording& recording) {
   return {};
 }
 
-Result<void> read_ranges(const Table& table, Recording& recording) {
+Result<void> read_ranges(const RecordingTable& table, Recording& recording) {
   const auto columns =
       columns_of(table, {"time_s", table.find("receiver_id") ? "receiver_id" : "beacon_id", "range_m"});
   if (!columns) return tl::unexpected(columns.error());
@@ -115,7 +116,7 @@ Result<void> read_ranges(const Table& table, Recording& recording) {
   return {};
 }
 
-Result<void> read_readings(const Table& table, Recording& recording) {
+Result<void> read_readings(const RecordingTable& table, Recording& recording) {
   const auto columns = columns_of(table, {"time_s", "beacon_id"});
   if (!columns) return tl::unexpected(columns.error());
   const auto& c = *columns;
@@ -158,7 +159,7 @@ Result<Recording> read_tables(std::string_view name, const RecordingFiles& files
   struct Part {
     const char* file;
     bool needed;
-    Result<void> (*read)(const Table&, Recording&);
+    Result<void> (*read)(const RecordingTable&, Recording&);
   };
   for (const Part& part : {Part{"odometry.csv", true, read_odometry}, Part{"groundtruth.csv", true, read_ground_truth},
                            Part{"beacons.csv", false, read_beacons}, Part{"ranges.csv", false, read_ranges},
@@ -168,7 +169,7 @@ Result<Recording> read_tables(std::string_view name, const RecordingFiles& files
       if (part.needed) return fail("recording.missing", "there is no " + std::string(part.file), std::string(name));
       continue;
     }
-    const auto table = Table::read(part.file, found->second);
+    const auto table = RecordingTable::read(part.file, found->second);
     if (!table) return tl::unexpected(table.error());
     if (table->rows.empty()) return fail("recording.empty", "there are no lines below its header", part.file);
     if (auto fine = part.read(*table, recording); !fine) return tl::unexpected(fine.error());
