@@ -48,6 +48,12 @@ class UnityGroups(unittest.TestCase):
     def test_local_declarations_of_a_helper_do_not_clash(self):
         self.assertEqual(self.groups(source("int f() { int inner = 1; return inner; }"), source("", "int g(int inner);")), [0, 0])
 
+    def test_helpers_of_different_namespaces_do_not_clash(self):
+        zone, aiv = (source("int helper;").replace("cosiva", f"cosiva::{name}") for name in ("zone", "aiv"))
+        self.assertEqual(self.groups(zone, aiv), [0, 0])
+        self.assertEqual(self.groups(zone, zone.replace("zone", "zone::lif")), [0, 1])
+        self.assertEqual(self.groups(source("int helper;"), zone), [0, 1])
+
     def test_test_cases_are_in_one_unit(self):
         self.assertEqual(self.groups(source('TEST(A, b) { EXPECT_EQ(1, 1); }'), source('TEST(A, c) { EXPECT_EQ(1, 1); }')), [0, 0])
 
@@ -60,39 +66,58 @@ class UnityGroups(unittest.TestCase):
 
 
 class TidyTasks(unittest.TestCase):
-    """The input of clang-tidy: sources a to f are compiled as one unit, g separately."""
+    """The input of clang-tidy: sources a to f of the product, and the fuzz targets g and h."""
 
     def setUp(self):
-        self.unit = tidy.ROOT / "build/unity_x.cxx"
-        self.sources = [tidy.Source(tidy.ROOT / f"src/{name}.cpp", {}, name, self.unit) for name in "abcdef"]
-        self.sources.append(tidy.Source(tidy.ROOT / "src/g.cpp", {}, "g", None))
+        self.sources = [self.source(f"src/{name}.cpp") for name in "abcdef"] + [self.source(f"fuzz/{name}.cpp") for name in "gh"]
+        self.read_text, tidy.read_text = tidy.read_text, lambda path: source(f"int {path.stem};")
+
+    def tearDown(self):
+        tidy.read_text = self.read_text
+
+    @staticmethod
+    def source(path, *flags):
+        file = tidy.ROOT / path
+        return tidy.Source(file, ["c++", *flags, "-o", f"{file.name}.o", "-c", str(file)], file.stem)
 
     def runs(self, changed="", known=()):
         files = {tidy.ROOT / f"src/{name}.cpp" for name in changed}
-        tasks = tidy.tasks_for(self.sources, {self.unit: {}}, files, lambda name: name in known)
-        return sorted((task.path.stem, *task.passes) for task in tasks)
+        return sorted(tuple(task.passes) for task in tidy.tasks_for(self.sources, files, lambda name: name in known))
 
-    def test_without_cache_units_and_separate_sources_are_checked(self):
-        units = tuple(f"{name}.unit" for name in "abcdef")
-        self.assertEqual(self.runs(), [("g", "g"), ("unity_x", *units)])
+    def test_without_cache_the_product_and_the_programs_beside_it_are_one_unit_each(self):
+        self.assertEqual(self.runs(), [tuple(f"{name}.unit" for name in "abcdef"), ("g.unit", "h.unit")])
 
     def test_a_source_that_differs_from_main_is_checked_separately(self):
-        known = {f"{name}.unit" for name in "abcdef"} | {"g"}
-        self.assertEqual(self.runs("b", known), [("b", "b")])
+        known = {f"{name}.unit" for name in "abcdefgh"}
+        self.assertEqual(self.runs("b", known), [("b",)])
         self.assertEqual(self.runs("b", known | {"b"}), [])
 
-    def test_a_small_unit_of_new_sources_is_checked_as_a_whole(self):
-        sources, units = self.sources, ("a.unit", "b.unit")
-        self.sources = [source for source in sources if source.path.stem in "ab"]
-        self.assertEqual(self.runs(), [("unity_x", *units)])
-        self.sources = sources
+    def test_new_sources_are_one_unit(self):
+        known = {f"{name}.unit" for name in "abcdgh"}
+        self.assertEqual(self.runs("", known), [("e.unit", "f.unit")])
 
-    def test_few_new_sources_of_a_unit_are_checked_separately(self):
-        known = {f"{name}.unit" for name in "abcd"} | {"g"}
-        self.assertEqual(self.runs("", known), [("e", "e"), ("f", "f")])
+    def test_a_single_new_source_passes_as_itself(self):
+        self.assertEqual(self.runs("", {f"{name}.unit" for name in "abcdegh"}), [("f",)])
 
-    def test_a_unit_whose_sources_all_passed_separately_is_skipped(self):
-        self.assertEqual(self.runs("", set("abcdefg")), [])
+    def test_sources_that_passed_separately_are_skipped(self):
+        self.assertEqual(self.runs("", set("abcdefgh")), [])
+
+    def test_sources_with_helpers_of_the_same_name_are_in_different_units(self):
+        tidy.read_text = lambda path: source("int helper;")
+        self.assertEqual(len(self.runs()), 8)
+
+    def test_a_unit_has_the_folders_and_definitions_of_all_its_sources(self):
+        sources = [self.source("src/a.cpp", "-Ia"), self.source("src/b.cpp", "-Ia", "-isystem", "eigen", "-DB=1")]
+        words = tidy.unit_words(sources, "unit.cpp")
+        self.assertEqual(sorted(words), sorted(["c++", "-Ia", "-isystem", "eigen", "-DB=1", "-o", "a.cpp.o", "-c", "unit.cpp"]))
+        self.assertEqual(words[words.index("-isystem") + 1], "eigen")
+
+    def test_entry_points_of_a_unit_have_different_names(self):
+        text = tidy.unit_text(self.sources[6:])
+        self.assertIn("#define main main_0  //", text)
+        self.assertIn("#define LLVMFuzzerTestOneInput LLVMFuzzerTestOneInput_1  //", text)
+        self.assertEqual(text.count("#include"), 2)
+        self.assertNotIn("#define", tidy.unit_text(self.sources[:6]))
 
 
 class SlowestUnits(unittest.TestCase):

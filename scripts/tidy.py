@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Runs clang-tidy over the repository's sources that changed since they last passed.
 
-Parsing the headers is most of the work. If the build compiles several sources as one unit (COSIVA_UNITY), so does this
-script, unless few of them are new; a source that differs from the branch main is also checked separately, because a unit
-hides missing includes of its sources.
+Parsing the headers is most of the work, so sources of all modules are checked several dozen at a time, as one unit
+(cmake/unity_groups.py keeps sources apart whose helpers have the same names). A source that differs from the branch main is
+checked separately, because a unit hides missing includes of its sources.
 
 Passed checks are stored, for all checkouts of this user, by a hash of the complete input of clang-tidy: the file, the
 repository's headers it includes, its compile command, the .clang-tidy files and clang-tidy's version. The hashes are stored
@@ -26,10 +26,15 @@ import sys
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+sys.path.append(str(ROOT / "cmake"))
+
+import unity_groups  # noqa: E402  (cmake/ is no package)
+
 INCLUDE = re.compile(rb'^[ \t]*#[ \t]*include[ \t]+"([^"]+)"', re.MULTILINE)
 OURS = ("src", "bench", "fuzz", "e2e")
 GCC_ONLY = ("-Winvalid-pch", "-fpch-preprocess", "-Wno-subobject-linkage")
-FEW = 3  # up to this number of sources of a larger unit are checked separately
+PER_UNIT = 40  # sources per unit; more save little, and a unit that fails must be checked again as a whole
+ENTRY_POINTS = ("main", "LLVMFuzzerTestOneInput")
 month_s = 30 * 24 * 3600
 
 
@@ -73,22 +78,23 @@ def is_ours(path):
 
 @dataclasses.dataclass
 class Source:
-    """A source: its separate compile command, the hash of clang-tidy's input then, and its unit, if any."""
+    """A source, its compile command as a list of words, and the hash of clang-tidy's input for it."""
 
     path: pathlib.Path
-    entry: dict
+    words: list
     digest: str
-    unit: pathlib.Path | None
+
+    def is_product(self):
+        """Programs beside the product (benchmarks, fuzz targets, soak tests) have their own units and entry points."""
+        return "src" in self.path.relative_to(ROOT).parts[:1]
 
 
 @dataclasses.dataclass
 class Task:
-    """One run of clang-tidy, and the names under which its success is stored."""
+    """One run of clang-tidy: the sources, and the names under which its success is stored."""
 
-    path: pathlib.Path
-    entry: dict
+    sources: list
     passes: list
-    sources: int
 
 
 def members_of(path):
@@ -103,28 +109,24 @@ def sources_from(build, version):
     for config in sorted(ROOT.glob("**/.clang-tidy")):
         if "node_modules" not in config.parts and "build" not in config.relative_to(ROOT).parts:
             base.update(config.read_bytes())
-    found, units = {}, {}
+    found = {}
     for entry in json.loads((build / "compile_commands.json").read_text()):
         path = pathlib.Path(entry["file"])
-        words = command_of(entry)
-        if is_ours(path):
-            found.setdefault(path, (dict(entry, command=shlex.join(words)), None))
-        for member in members_of(path):
-            units[path] = dict(entry, command=shlex.join(words))
-            alone = [str(member) if word == str(path) else word for word in words]
-            alone[alone.index("-o") + 1] = f"{member.name}.o"
-            found.setdefault(member, (dict(entry, command=shlex.join(alone), file=str(member)), path))
+        for member in [path] if is_ours(path) else members_of(path):
+            words = [str(member) if word == str(path) else word for word in command_of(entry)]
+            words[words.index("-o") + 1] = f"{member.name}.o"
+            found.setdefault(member, words)
     sources = []
-    for path, (entry, unit) in sorted(found.items()):
+    for path, words in sorted(found.items()):
         digest = base.copy()
         # Equal in every checkout: locations are included as the names of the reached files.
-        digest.update(entry["command"].replace(str(ROOT), "").encode())
+        digest.update(shlex.join(words).replace(str(ROOT), "").encode())
         seen = {}
         reached(path, seen)
         for header in sorted(seen):
             digest.update(b"\0" + str(header.relative_to(ROOT)).encode() + b"\0" + seen[header])
-        sources.append(Source(path, entry, digest.hexdigest(), unit))
-    return sources, units
+        sources.append(Source(path, words, digest.hexdigest()))
+    return sources
 
 
 def changed_sources():
@@ -138,24 +140,61 @@ def changed_sources():
     return {ROOT / name for name in names if name}
 
 
-def tasks_for(sources, units, changed, known):
+def tasks_for(sources, changed, known):
     """The runs to be done: `known(name)` returns whether a check passed before."""
-    tasks, missing, sizes = [], {}, {}
+    tasks, rest = [], {True: [], False: []}
     for source in sources:
-        sizes[source.unit] = sizes.get(source.unit, 0) + 1
-        alone = Task(source.path, source.entry, [source.digest], 1)
         if known(source.digest):
             continue
-        if source.unit is None or source.path in changed:
-            tasks.append(alone)
+        if source.path in changed:
+            tasks.append(Task([source], [source.digest]))
         elif not known(source.digest + ".unit"):
-            missing.setdefault(source.unit, []).append(alone)
-    for unit, alone in missing.items():
-        if len(alone) <= FEW and (len(alone) < sizes[unit] or len(alone) == 1):
-            tasks += alone
-        else:
-            tasks.append(Task(unit, units[unit], [task.passes[0] + ".unit" for task in alone], len(alone)))
-    return tasks
+            rest[source.is_product()].append(source)
+    for group in rest.values():
+        texts, headers = [read_text(source.path) for source in group], [headers_of(source.path) for source in group]
+        units = {}
+        for source, number in zip(group, unity_groups.groups_of(texts, PER_UNIT, headers)):
+            units.setdefault(number, []).append(source)
+        for unit in units.values():
+            suffix = ".unit" if len(unit) > 1 else ""
+            tasks.append(Task(unit, [source.digest + suffix for source in unit]))
+    return sorted(tasks, key=lambda task: -len(task.sources))
+
+
+def read_text(path):
+    return path.read_text()
+
+
+def headers_of(path):
+    """The texts of the repository's headers that a source includes, directly or not."""
+    seen = {}
+    reached(path, seen)
+    return [content.decode() for file, content in seen.items() if file != path.resolve()]
+
+
+def unit_text(sources):
+    """The unit's source: includes, each with entry points of its own name."""
+    lines = []
+    for number, source in enumerate(sources):
+        names = [] if source.is_product() else ENTRY_POINTS
+        lines += [f"#define {name} {name}_{number}  // NOLINT(readability-identifier-naming)" for name in names]
+        lines.append(f'#include "{source.path}"')
+        lines += [f"#undef {name}" for name in names]
+    return "\n".join(lines) + "\n"
+
+
+def unit_words(sources, file):
+    """One command for all sources: that of the first one, with the folders and definitions of the others."""
+    words = [str(file) if word == str(sources[0].path) else word for word in sources[0].words]
+    at = words.index("-o")
+    for source in sources[1:]:
+        for index, word in enumerate(source.words):
+            pair = [word, source.words[index + 1]] if word == "-isystem" else [word]
+            if word.startswith(("-I", "-D")) and word not in words:
+                words[at:at] = pair
+            elif word == "-isystem" and pair[1] not in words:
+                words[at:at] = pair
+    return words
 
 
 def main():
@@ -174,40 +213,48 @@ def main():
     for old in cache.iterdir():
         if time.time() - old.stat().st_mtime > month_s:
             old.unlink()
-    sources, units = sources_from(arguments.build, version)
+    sources = sources_from(arguments.build, version)
     if not arguments.tests:
         sources = [s for s in sources if not s.path.name.endswith("_test.cpp")]
     if arguments.only:
         sources = [s for s in sources if any(part in str(s.path.relative_to(ROOT)) for part in arguments.only)]
-    todo = tasks_for(sources, units, changed_sources(), lambda name: not arguments.all and (cache / name).exists())
+    todo = tasks_for(sources, changed_sources(), lambda name: not arguments.all and (cache / name).exists())
 
-    # clang-tidy reads the cleaned commands from a separate database.
+    # clang-tidy reads the units and their commands from a separate folder.
     database = ROOT / "build/tidy-commands"
     database.mkdir(parents=True, exist_ok=True)
-    (database / "compile_commands.json").write_text(json.dumps([dict(t.entry, file=str(t.path)) for t in todo]))
+    files, entries = {}, []
+    for number, task in enumerate(todo):
+        file = task.sources[0].path
+        if len(task.sources) > 1:
+            file = database / f"unit_{number}.cpp"
+            file.write_text(unit_text(task.sources))
+        files[id(task)] = file
+        command = shlex.join(unit_words(task.sources, file))
+        entries.append({"directory": str(database), "command": command, "file": str(file)})
+    (database / "compile_commands.json").write_text(json.dumps(entries))
 
     def tidy(task):
         command = ["clang-tidy", "--quiet", "-p", str(database)]
-        if task.sources > 1:
+        if len(task.sources) > 1:
             # A unit includes sources, which this check reports; they are to be checked like headers.
             command += ["--checks=-bugprone-suspicious-include", f"--header-filter={ROOT}/(include|{'|'.join(OURS)})/.*"]
-        run = subprocess.run([*command, str(task.path)], capture_output=True, text=True)
+        run = subprocess.run([*command, str(files[id(task)])], capture_output=True, text=True)
         if run.returncode == 0:
             for name in task.passes:
                 (cache / name).touch()
         return task, run
 
     start, failed = time.monotonic(), 0
-    todo.sort(key=lambda task: -task.sources)
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
         for task, run in pool.map(tidy, todo):
             if run.returncode != 0:
                 failed += 1
-                print(f"--- {task.path.relative_to(ROOT)}\n{run.stdout.strip()}")
+                print(f"--- {files[id(task)].relative_to(ROOT)}\n{run.stdout.strip()}", flush=True)
                 if "error:" not in run.stdout:
                     print(run.stderr.strip())
     seconds = time.monotonic() - start
-    looked = sum(task.sources for task in todo)
+    looked = sum(len(task.sources) for task in todo)
     print(f"tidy: {len(sources)} files, {looked} checked in {len(todo)} runs and {seconds:.0f} s, {failed} with findings")
     return 1 if failed else 0
 

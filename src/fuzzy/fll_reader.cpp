@@ -62,7 +62,8 @@ class Reader {
         engine_.description = std::string(line.value.text);
       } else {
         return refuse(origin_, line.key,
-                      quoted(key) + " is outside any block; a file has 'Engine: name', then blocks that begin with " +
+                      in_quotes(key) +
+                          " is outside any block; a file has 'Engine: name', then blocks that begin with " +
                           "InputVariable, OutputVariable and RuleBlock");
       }
     }
@@ -81,28 +82,29 @@ class Reader {
   [[nodiscard]] Result<bool> flag(const Line& line) const {
     if (const auto value = parse_flag(line.value.text)) return *value;
     return refuse(origin_, line.value,
-                  quoted(line.key.text) + " is true or false, but found " + quoted(line.value.text));
+                  in_quotes(line.key.text) + " is true or false, but found " + in_quotes(line.value.text));
   }
 
   [[nodiscard]] Result<double> number(const Word& word) const {
     if (const auto value = parse_number(word.text)) return *value;
-    return refuse(origin_, word, "expected a number, but found " + quoted(word.text));
+    return refuse(origin_, word, "expected a number, but found " + in_quotes(word.text));
   }
 
   [[nodiscard]] tl::unexpected<Error> unknown_key(const Line& line, std::string_view there_are) const {
     return refuse(origin_, line.key,
-                  "there is no " + quoted(line.key.text) + " here; there are " + std::string(there_are));
+                  "there is no " + in_quotes(line.key.text) + " here; there are " + std::string(there_are));
   }
 
   Result<void> name(const Block& block, Variable& variable) const {
     const Word& name = block.head.value;
     if (!is_name(name.text) || is_keyword(name.text)) {
       return refuse(origin_, name,
-                    quoted(name.text) + " cannot name a variable: a name has letters, digits, _ and . and is no word " +
+                    in_quotes(name.text) +
+                        " cannot name a variable: a name has letters, digits, _ and . and is no word " +
                         "of the rules' own");
     }
     if (find_name(engine_.inputs, name.text) || find_name(engine_.outputs, name.text))
-      return refuse(origin_, name, "there is another variable " + quoted(name.text));
+      return refuse(origin_, name, "there is another variable " + in_quotes(name.text));
     if (engine_.inputs.size() + engine_.outputs.size() >= variables_max)
       return fail("rules.size", "a rule file has at most 64 variables", location_of(origin_, name));
     variable.name = std::string(name.text);
@@ -114,7 +116,7 @@ class Reader {
     const auto tokens = split_tokens(line.value);
     if (tokens.size() != 2)
       return refuse(origin_, line.value,
-                    "'range' has two numbers, lowest and highest; found " + quoted(line.value.text));
+                    "'range' has two numbers, lowest and highest; found " + in_quotes(line.value.text));
     const auto low = number(tokens[0]);
     if (!low) return tl::unexpected(low.error());
     const auto high = number(tokens[1]);
@@ -145,7 +147,7 @@ class Reader {
   Result<void> add_term(const Line& line, Variable& variable, Result<Term> term) const {
     if (!term) return tl::unexpected(term.error());
     if (find_name(variable.terms, term->name))
-      return refuse(origin_, line.value, quoted(variable.name) + " has another term " + quoted(term->name));
+      return refuse(origin_, line.value, in_quotes(variable.name) + " has another term " + in_quotes(term->name));
     if (variable.terms.size() >= terms_max)
       return fail("rules.size", "a variable has at most 64 terms", location_of(origin_, line.value));
     variable.terms.push_back(std::move(*term));
@@ -185,7 +187,7 @@ class Reader {
     if (!has_defuzzifier) {
       return refuse(
           origin_, block.head.value,
-          "the output " + quoted(variable.name) + " needs a line 'defuzzifier: WeightedAverage TakagiSugeno'");
+          "the output " + in_quotes(variable.name) + " needs a line 'defuzzifier: WeightedAverage TakagiSugeno'");
     }
     engine_.outputs.push_back(std::move(variable));
     return {};
@@ -227,14 +229,14 @@ class Reader {
     const bool is_average = !tokens.empty() && tokens[0].text == "WeightedAverage";
     if (!is_average && (tokens.empty() || tokens[0].text != "WeightedSum")) {
       return refuse(origin_, line.value,
-                    "the defuzzifier " + quoted(line.value.text) +
+                    "the defuzzifier " + in_quotes(line.value.text) +
                         " is not taken: outputs are Takagi-Sugeno; write 'WeightedAverage TakagiSugeno' or " +
                         "'WeightedSum TakagiSugeno', and the output's terms as Constant or Linear");
     }
     if (tokens.size() > 2 ||
         (tokens.size() == 2 && tokens[1].text != "TakagiSugeno" && tokens[1].text != "Automatic")) {
       return refuse(origin_, tokens[1],
-                    "the type of a weighted defuzzifier is TakagiSugeno, but found " + quoted(tokens[1].text));
+                    "the type of a weighted defuzzifier is TakagiSugeno, but found " + in_quotes(tokens[1].text));
     }
     variable.is_average = is_average;
     return {};
@@ -279,7 +281,7 @@ class Reader {
     if (key == "activation") {
       if (line.value.text == "General" || line.value.text == "none") return {};
       return refuse(origin_, line.value,
-                    "the activation " + quoted(line.value.text) + " is not taken: all rules count; write 'General'");
+                    "the activation " + in_quotes(line.value.text) + " is not taken: all rules count; write 'General'");
     }
     return unknown_key(line,
                        "description, enabled, conjunction, disjunction, implication, activation and rule in a "
@@ -296,7 +298,7 @@ class Reader {
     }
     if (norm) return {};
     return refuse(origin_, line.value,
-                  "the " + std::string(line.key.text) + " " + quoted(line.value.text) +
+                  "the " + std::string(line.key.text) + " " + in_quotes(line.value.text) +
                       " is not taken; there are none, " + listed(tokens, "and"));
   }
 

@@ -65,7 +65,7 @@ class RuleParser {
     return true;
   }
   [[nodiscard]] tl::unexpected<Error> refuse_here(std::string message) const {
-    message += at_ < tokens_.size() ? ", but found " + quoted(here().text) : ", but the rule ends here";
+    message += at_ < tokens_.size() ? ", but found " + in_quotes(here().text) : ", but the rule ends here";
     return refuse(origin_, here(), std::move(message));
   }
   Result<void> expect(std::string_view word, const char* message) {
@@ -119,7 +119,7 @@ class RuleParser {
     if (!input) {
       if (find_name(engine_.outputs, here().text))
         return refuse(origin_, here(),
-                      "a condition cannot refer to the output " + quoted(here().text) + ", only for inputs");
+                      "a condition cannot refer to the output " + in_quotes(here().text) + ", only for inputs");
       return refuse_here("expected an input (" + names_of(engine_.inputs) + ")");
     }
     condition.input = *input;
@@ -134,7 +134,8 @@ class RuleParser {
     }
     const auto term = find_name(variable.terms, here().text);
     if (!term)
-      return refuse_here(quoted(variable.name) + " has no such term; expected a hedge or " + names_of(variable.terms));
+      return refuse_here(in_quotes(variable.name) + " has no such term; expected a hedge or " +
+                         names_of(variable.terms));
     condition.term = *term;
     ++at_;
     return add(std::move(condition));
@@ -156,15 +157,15 @@ class RuleParser {
     if (auto read = expect("is", "expected 'is'"); !read) return read;
     if (parse_hedge(here().text)) {
       return refuse(origin_, here(),
-                    "a hedge such as " + quoted(here().text) +
+                    "a hedge such as " + in_quotes(here().text) +
                         " is not taken in a conclusion; weaken the rule with 'with 0.5', or name another term");
     }
     const Variable& variable = engine_.outputs[*output];
     const auto term = find_name(variable.terms, here().text);
-    if (!term) return refuse_here(quoted(variable.name) + " has no such term; expected " + names_of(variable.terms));
+    if (!term) return refuse_here(in_quotes(variable.name) + " has no such term; expected " + names_of(variable.terms));
     const bool is_twice = std::any_of(rule_.conclusions.begin(), rule_.conclusions.end(),
                                       [&](const Conclusion& c) { return c.output == *output; });
-    if (is_twice) return refuse(origin_, subject, "the rule already has a conclusion about " + quoted(subject.text));
+    if (is_twice) return refuse(origin_, subject, "the rule already has a conclusion about " + in_quotes(subject.text));
     rule_.conclusions.push_back({*output, *term});
     ++at_;
     return {};

@@ -53,7 +53,7 @@ Result<Numbers> read_numbers(const std::vector<Word>& tokens, std::string_view o
   for (std::size_t i = 2; i < tokens.size(); ++i) {
     const auto number = parse_number(tokens[i].text);
     if (!number || std::isnan(*number))
-      return refuse(origin, tokens[i], "expected a number, but found " + quoted(tokens[i].text));
+      return refuse(origin, tokens[i], "expected a number, but found " + in_quotes(tokens[i].text));
     numbers.values.push_back(*number);
     numbers.tokens.push_back(tokens[i]);
   }
@@ -111,10 +111,10 @@ Result<void> check_head(const Word& value, const std::vector<Word>& tokens, std:
                         std::string_view example) {
   if (tokens.size() < 2)
     return refuse(origin, end_of(value),
-                  "expected a term such as '" + std::string(example) + "', but found " + quoted(value.text));
+                  "expected a term such as '" + std::string(example) + "', but found " + in_quotes(value.text));
   if (!is_name(tokens[0].text) || is_keyword(tokens[0].text)) {
     return refuse(origin, tokens[0],
-                  quoted(tokens[0].text) +
+                  in_quotes(tokens[0].text) +
                       " cannot name a term: a name has letters, digits, _ and . and is no word of " + "the rules' own");
   }
   return {};
@@ -135,8 +135,9 @@ Result<Term> read_input_term(const Word& value, std::string_view origin) {
   const auto* const found =
       std::find_if(input_shapes.begin(), input_shapes.end(), [&](const auto& s) { return s.word == tokens[1].text; });
   if (found == input_shapes.end()) {
-    return refuse(origin, tokens[1],
-                  "there is no shape " + quoted(tokens[1].text) + " for an input's term; there are " + input_tokens());
+    return refuse(
+        origin, tokens[1],
+        "there is no shape " + in_quotes(tokens[1].text) + " for an input's term; there are " + input_tokens());
   }
   auto numbers = read_numbers(tokens, origin);
   if (!numbers) return tl::unexpected(numbers.error());
@@ -164,7 +165,7 @@ Result<Term> read_output_term(const Word& value, std::string_view origin, std::s
   const bool is_constant = tokens[1].text == "Constant";
   if (!is_constant && tokens[1].text != "Linear") {
     return refuse(origin, tokens[1],
-                  quoted(tokens[1].text) +
+                  in_quotes(tokens[1].text) +
                       " is not taken for an output: these rules are Takagi-Sugeno, so write 'Constant number', or " +
                       "'Linear' with a coefficient per input and a constant");
   }

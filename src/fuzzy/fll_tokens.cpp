@@ -41,7 +41,7 @@ Result<std::vector<Line>> split_lines(std::string_view text, std::string_view or
     const std::size_t colon = line.find(':');
     if (colon == std::string_view::npos) {
       return refuse(origin, whole,
-                    "expected 'key: value', such as 'range: 0.0 10.0', but found " + quoted(whole.text) +
+                    "expected 'key: value', such as 'range: 0.0 10.0', but found " + in_quotes(whole.text) +
                         "; a comment begins with #");
     }
     lines.push_back(
@@ -93,7 +93,7 @@ std::string listed(const std::vector<std::string_view>& names, std::string_view 
   return text;
 }
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   constexpr std::size_t length_max = 60;
   std::string out = "'";
   for (const char c : text.substr(0, length_max)) {

@@ -39,6 +39,6 @@ struct Line {
 /// "'a', 'b' or 'c'", for messages.
 [[nodiscard]] std::string listed(const std::vector<std::string_view>& names, std::string_view last_joint);
 /// The text found, in quotes, truncated if long, and printable.
-[[nodiscard]] std::string quoted(std::string_view text);
+[[nodiscard]] std::string in_quotes(std::string_view text);
 
 }  // namespace cosiva::fuzzy
