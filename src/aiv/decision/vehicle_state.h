@@ -15,7 +15,7 @@ namespace cosiva::aiv {
 
 /// What the agent knows of its vehicle, and what the vehicle is to do: position, motion, obstacles in the ranges,
 /// order, backUp and holds. Readings and commands change the state; the agent decides on it. Invariant: no backUp is
-/// under way while an order is active.
+/// active while an order is.
 class VehicleState {
  public:
   /// @param zone     must outlive the state
