@@ -36,11 +36,11 @@ struct GraphFixture {
 
   GraphFixture(const zone::TrafficZone& z, std::string_view section, double s_m, double estimated_ahead_m = 0.0)
       : zone{z}, world{z.circuit, at(z, section, s_m)} {
-    agent.estimator().position_at(at(z, section, s_m + estimated_ahead_m));
+    agent.vehicle().estimator().position_at(at(z, section, s_m + estimated_ahead_m));
     step();
   }
   GraphFixture& take(const wire::Order& text) {
-    const auto verdict = agent.take_order(text);
+    const auto verdict = agent.vehicle().take_order(text);
     EXPECT_TRUE(verdict) << verdict.error().message;
     return *this;
   }
@@ -56,10 +56,10 @@ struct GraphFixture {
     wire::Odometry odometry = world.odometry();
     odometry.board_ms = static_cast<std::uint32_t>(20 * tick);
     agent.on_odometry(odometry);
-    if (++tick % 3 == 0) agent.on_ranges(test::ranges_to(obstacles, world.pose()));
-    for (const auto& node : agent.progress().take_traversed()) traversed.push_back(node.node_id);
-    if (agent.position().pose_known())
-      pose_error_m = std::max(pose_error_m, distance(agent.position().pose(), world.pose()));
+    if (++tick % 3 == 0) agent.vehicle().on_ranges(test::ranges_to(obstacles, world.pose()));
+    for (const auto& node : agent.vehicle().progress().take_traversed()) traversed.push_back(node.node_id);
+    if (agent.vehicle().position().pose_known())
+      pose_error_m = std::max(pose_error_m, distance(agent.vehicle().position().pose(), world.pose()));
   }
   void run(double seconds) {
     for (int i = 0; i < static_cast<int>(seconds * 50.0); ++i) step();
@@ -70,7 +70,7 @@ struct GraphFixture {
   }
   std::string section() const { return zone.circuit.part(world.track_position().section).name; }
   double heading_error_rad() const {
-    return std::fabs(wrap_angle(agent.position().pose().heading_rad - world.pose().heading_rad));
+    return std::fabs(wrap_angle(agent.vehicle().position().pose().heading_rad - world.pose().heading_rad));
   }
 };
 
@@ -82,7 +82,7 @@ TEST(AgentAtAFork, takes_either_branch_as_its_order_requires) {
     fixture.take(order("O-1").through({"T1", "F", node}));
     fixture.run(12.0);
     EXPECT_THAT(fixture.traversed, ElementsAre("F", node));
-    EXPECT_EQ(fixture.zone.circuit.part(fixture.agent.position().track_position().section).name.substr(0, 1),
+    EXPECT_EQ(fixture.zone.circuit.part(fixture.agent.vehicle().position().track_position().section).name.substr(0, 1),
               std::string(over).substr(0, 1));
     EXPECT_NEAR(distance(fixture.world.pose(), fixture.zone.circuit.pose_at(at(fixture.zone, over, 0.0))), 0.0, 0.015);
     EXPECT_LT(fixture.pose_error_m, 0.005);
@@ -97,7 +97,7 @@ TEST(AgentAtAFork, commands_the_branch_only_when_its_base_leads_over_it) {
   EXPECT_EQ(fixture.drive.branch, wire::no_branch);
   EXPECT_EQ(fixture.section(), "trunk");
   EXPECT_NEAR(fixture.world.track_position().s_m, 2.0, 0.015);
-  EXPECT_TRUE(fixture.agent.motion().stopped());
+  EXPECT_TRUE(fixture.agent.vehicle().motion().stopped());
   fixture.take(order("O-1", 1).from_sequence(2).through({"F", "ro"}));
   fixture.step();
   EXPECT_EQ(fixture.drive.branch, 1);
@@ -119,31 +119,31 @@ TEST(AgentAtAFork, corrects_its_position_when_its_wheels_stop_at_the_fork) {
   fixture.take(order("O-1").through({"T1", "F"}));
   fixture.run(10.0);
   EXPECT_THAT(fixture.traversed, ElementsAre("F"));
-  EXPECT_LT(distance(fixture.agent.position().pose(), fixture.world.pose()), 0.002);
+  EXPECT_LT(distance(fixture.agent.vehicle().position().pose(), fixture.world.pose()), 0.002);
 }
 
 TEST(AgentAtAFork, accepts_an_order_along_the_other_branch_despite_a_small_overestimate) {
   Agent agent{diamond()};
-  agent.estimator().position_at(at(diamond(), "l_up", 0.005));
-  const auto verdict = agent.take_order(order("O-1").through({"T1", "F", "ro"}));
+  agent.vehicle().estimator().position_at(at(diamond(), "l_up", 0.005));
+  const auto verdict = agent.vehicle().take_order(order("O-1").through({"T1", "F", "ro"}));
   ASSERT_TRUE(verdict) << verdict.error().message;
-  EXPECT_EQ(diamond().circuit.part(agent.position().track_position().section).name.substr(0, 1), "t");
+  EXPECT_EQ(diamond().circuit.part(agent.vehicle().position().track_position().section).name.substr(0, 1), "t");
   EXPECT_EQ(agent.decide().branch, 1);
 
   Agent beyond{diamond()};
-  beyond.estimator().position_at(at(diamond(), "l_up", 0.3));
-  EXPECT_FALSE(beyond.take_order(order("O-1").through({"T1", "F", "ro"})));
+  beyond.vehicle().estimator().position_at(at(diamond(), "l_up", 0.3));
+  EXPECT_FALSE(beyond.vehicle().take_order(order("O-1").through({"T1", "F", "ro"})));
 }
 
 TEST(AgentOnTwoSections, that_coincide_accepts_an_order_along_either) {
   for (const auto& [estimated, node, edge] : {std::tuple{"there", "tt", "there_too"}, {"there_too", "t", "there"}}) {
     Agent agent{test::there_and_back()};
-    agent.estimator().position_at(at(test::there_and_back(), estimated, 0.2));
+    agent.vehicle().estimator().position_at(at(test::there_and_back(), estimated, 0.2));
     auto text = order("O-1").through({"W", node});
-    const auto verdict = agent.take_order(text);
+    const auto verdict = agent.vehicle().take_order(text);
     ASSERT_TRUE(verdict) << verdict.error().message;
-    EXPECT_EQ(test::there_and_back().circuit.part(agent.position().track_position().section).name, edge);
-    EXPECT_NEAR(agent.position().track_position().s_m, 0.2, 1e-9);
+    EXPECT_EQ(test::there_and_back().circuit.part(agent.vehicle().position().track_position().section).name, edge);
+    EXPECT_NEAR(agent.vehicle().position().track_position().s_m, 0.2, 1e-9);
   }
 }
 
@@ -153,16 +153,16 @@ TEST(AgentAtTheEnd, of_a_path_without_forks_corrects_its_position_when_its_wheel
   fixture.take(order("O-1").through({"O", "X"}));
   fixture.run(10.0);
   EXPECT_THAT(fixture.traversed, ElementsAre("X"));
-  EXPECT_NEAR(fixture.agent.position().track_position().s_m, 2.0, 0.015);
+  EXPECT_NEAR(fixture.agent.vehicle().position().track_position().s_m, 2.0, 0.015);
 }
 
 TEST(AgentOnALoop, commands_the_first_branch_and_has_no_course) {
   Agent agent{test::lacet4()};
-  agent.estimator().position_at(at(test::lacet4(), "loop_se", 0.0));
+  agent.vehicle().estimator().position_at(at(test::lacet4(), "loop_se", 0.0));
   EXPECT_EQ(agent.decide().branch, 0);
-  ASSERT_TRUE(agent.take_order(order("O-1").through({"loop_se@0", "loop_se@283"})));
+  ASSERT_TRUE(agent.vehicle().take_order(order("O-1").through({"loop_se@0", "loop_se@283"})));
   EXPECT_EQ(agent.decide().branch, 0);
-  EXPECT_TRUE(agent.position().on_path_estimator().path().course().empty());
+  EXPECT_TRUE(agent.vehicle().position().on_path_estimator().path().course().empty());
 }
 
 // --- bends on the spot ----------------------------------------------------------------------------------------------
@@ -194,14 +194,14 @@ TEST(AgentAtABend, is_driving_while_it_turns_and_measures_its_turn) {
   ASSERT_TRUE(fixture.run_until([&] { return fixture.world.manoeuvring(); }, 10.0));
   double turned_rad = 0.0;
   while (fixture.world.manoeuvring()) {
-    EXPECT_FALSE(fixture.agent.motion().stopped());
-    EXPECT_EQ(fixture.agent.motion().speed_mps(), 0.0);
+    EXPECT_FALSE(fixture.agent.vehicle().motion().stopped());
+    EXPECT_EQ(fixture.agent.vehicle().motion().speed_mps(), 0.0);
     EXPECT_LT(fixture.heading_error_rad(), 0.002);
-    turned_rad = std::max(turned_rad, fixture.agent.turn_rate_radps());
+    turned_rad = std::max(turned_rad, fixture.agent.vehicle().turn_rate_radps());
     fixture.step();
   }
   EXPECT_NEAR(turned_rad, 1.5, 0.1);
-  EXPECT_EQ(fixture.agent.position().track_position(), at(square(), "east", 0.0))
+  EXPECT_EQ(fixture.agent.vehicle().position().track_position(), at(square(), "east", 0.0))
       << "the end of a turn is a certain position";
 }
 
@@ -224,7 +224,7 @@ TEST(AgentAtABend, is_rectified_by_the_turn) {
     fixture.take(text);
     ASSERT_TRUE(fixture.run_until([&] { return fixture.turns == 1 && fixture.section() == "east"; }, 20.0));
     fixture.run(1.0);
-    EXPECT_LT(distance(fixture.agent.position().pose(), fixture.world.pose()), 0.01) << estimated_ahead_m;
+    EXPECT_LT(distance(fixture.agent.vehicle().position().pose(), fixture.world.pose()), 0.01) << estimated_ahead_m;
     fixture.run(20.0);
     EXPECT_THAT(fixture.traversed, ElementsAre("B", "C"));
   }
@@ -234,12 +234,12 @@ TEST(AgentAtABend, that_is_paused_during_the_turn_continues_it_later) {
   GraphFixture fixture{square(), "south", 0.8};
   fixture.take(round());
   ASSERT_TRUE(fixture.run_until([&] { return fixture.world.pose().heading_rad > 0.5; }, 10.0));
-  fixture.agent.hold(Hold::paused, true);
+  fixture.agent.vehicle().hold(Hold::paused, true);
   fixture.run(2.0);
-  EXPECT_TRUE(fixture.agent.motion().stopped());
+  EXPECT_TRUE(fixture.agent.vehicle().motion().stopped());
   EXPECT_TRUE(fixture.world.manoeuvring());
   EXPECT_LT(fixture.heading_error_rad(), 0.002);
-  fixture.agent.hold(Hold::paused, false);
+  fixture.agent.vehicle().hold(Hold::paused, false);
   ASSERT_TRUE(fixture.run_until([&] { return !fixture.world.manoeuvring(); }, 5.0));
   EXPECT_EQ(fixture.section(), "east");
 }
@@ -248,10 +248,10 @@ TEST(AgentAtABend, that_loses_its_order_during_the_turn_accepts_another_from_the
   GraphFixture fixture{square(), "south", 0.8};
   fixture.take(round());
   ASSERT_TRUE(fixture.run_until([&] { return fixture.world.pose().heading_rad > 0.5; }, 10.0));
-  ASSERT_TRUE(fixture.agent.progress().begin_cancel());
+  ASSERT_TRUE(fixture.agent.vehicle().progress().begin_cancel());
   fixture.run(1.0);
-  EXPECT_FALSE(fixture.agent.progress().cancelling());
-  EXPECT_FALSE(fixture.agent.order().active());
+  EXPECT_FALSE(fixture.agent.vehicle().progress().cancelling());
+  EXPECT_FALSE(fixture.agent.vehicle().order().active());
   fixture.traversed.clear();
   fixture.take(order("O-2").through({"B", "C"}));
   fixture.run(15.0);
@@ -280,16 +280,16 @@ struct OffPathFixture : GraphFixture {
     const auto aslant = test::graph("aslant", {{"way", {0.5, 0.14, 1.0}, 1.0, 0.0, {}}}, {});
     world = LineWorld{aslant.circuit, {0, 0.0}};
     world.set_zone(diamond().circuit);
-    agent.estimator().set_off_path(world.pose());
+    agent.vehicle().estimator().set_off_path(world.pose());
   }
 };
 
 TEST(AgentOffPath, joins_the_path_when_it_has_base_and_not_before) {
   OffPathFixture fixture;
-  ASSERT_TRUE(fixture.agent.position().near_path());
+  ASSERT_TRUE(fixture.agent.vehicle().position().near_path());
   fixture.run(1.0);
   EXPECT_FALSE(fixture.drive.seek);
-  EXPECT_FALSE(fixture.agent.holds().has(Hold::line_lost)) << "the vehicle is known to be off-path";
+  EXPECT_FALSE(fixture.agent.vehicle().holds().has(Hold::line_lost)) << "the vehicle is known to be off-path";
   fixture.take(order("O-1").through({"T", "T1", "F", "ro"}));
   fixture.step();
   EXPECT_TRUE(fixture.drive.seek);
@@ -341,11 +341,11 @@ TEST(AgentOffPath, stops_during_the_manoeuvre_for_an_obstacle_detected_only_then
 TEST(AgentOffPath, joins_the_path_at_a_commanded_pose_without_an_order) {
   OffPathFixture fixture;
   fixture.step();
-  ASSERT_TRUE(fixture.agent.join_line({0.7, 0.0, 0.0}));
-  EXPECT_TRUE(fixture.agent.joining());
+  ASSERT_TRUE(fixture.agent.vehicle().join_line({0.7, 0.0, 0.0}));
+  EXPECT_TRUE(fixture.agent.vehicle().joining());
   ASSERT_TRUE(fixture.run_until([&] { return fixture.world.on_line(); }, 10.0));
   fixture.run(0.5);
-  EXPECT_FALSE(fixture.agent.joining());
+  EXPECT_FALSE(fixture.agent.vehicle().joining());
   EXPECT_NEAR(fixture.world.track_position().s_m, 0.7, 0.002);
   EXPECT_LT(fixture.pose_error_m, 0.01);
   EXPECT_EQ(fixture.drive.speed_mmps, 0) << "the vehicle waits there";
@@ -357,7 +357,7 @@ TEST(AgentOffPath, joins_the_path_at_a_commanded_pose_without_an_order) {
 TEST(AgentOffPath, joins_no_path_that_is_not_at_the_commanded_pose) {
   OffPathFixture fixture;
   const auto code = [&](const Pose2& X_MG) {
-    const auto joins = fixture.agent.join_line(X_MG);
+    const auto joins = fixture.agent.vehicle().join_line(X_MG);
     return joins ? std::string("none") : joins.error().code;
   };
   fixture.step();
@@ -365,7 +365,7 @@ TEST(AgentOffPath, joins_no_path_that_is_not_at_the_commanded_pose) {
   EXPECT_EQ(code({0.7, 0.0, 2.0}), "join.no_line") << "the path has another direction there";
   EXPECT_EQ(code({0.5, -0.6, 0.0}), "join.too_far");
   EXPECT_EQ(code({std::nan(""), 0.0, 0.0}), "join.too_far");
-  EXPECT_FALSE(fixture.agent.joining());
+  EXPECT_FALSE(fixture.agent.vehicle().joining());
   EXPECT_EQ(code({0.6, 0.0, 0.0}), "none");
   ASSERT_TRUE(fixture.run_until([&] { return fixture.world.manoeuvring(); }, 2.0));
   EXPECT_EQ(code({0.7, 0.0, 0.0}), "join.busy");
@@ -383,19 +383,19 @@ TEST(AgentOffPath, stays_where_an_abandoned_manoeuvre_left_it) {
   given_up.manoeuvre.reset();
   given_up.line_lost = true;
   fixture.agent.on_odometry(given_up);
-  EXPECT_TRUE(fixture.agent.position().near_path());
-  EXPECT_LT(distance(fixture.agent.position().pose(), there), 0.002);
-  EXPECT_NEAR(fixture.agent.position().pose().heading_rad, there.heading_rad, 0.002);
-  EXPECT_TRUE(fixture.agent.order().active()) << "its route still passes here";
+  EXPECT_TRUE(fixture.agent.vehicle().position().near_path());
+  EXPECT_LT(distance(fixture.agent.vehicle().position().pose(), there), 0.002);
+  EXPECT_NEAR(fixture.agent.vehicle().position().pose().heading_rad, there.heading_rad, 0.002);
+  EXPECT_TRUE(fixture.agent.vehicle().order().active()) << "its route still passes here";
 }
 
 TEST(AgentOffPath, that_is_too_far_away_refuses_an_order_with_the_distance) {
   Agent agent{square()};
-  agent.estimator().set_off_path({0.5, 0.5, 0.0});
-  EXPECT_FALSE(agent.position().known());
-  EXPECT_TRUE(agent.position().pose_known());
-  EXPECT_NEAR(agent.position().off_path_estimator().off_by_m(), 0.5, 1e-9);
-  const auto verdict = agent.take_order(order("O-1").through({"A", "B"}));
+  agent.vehicle().estimator().set_off_path({0.5, 0.5, 0.0});
+  EXPECT_FALSE(agent.vehicle().position().known());
+  EXPECT_TRUE(agent.vehicle().position().pose_known());
+  EXPECT_NEAR(agent.vehicle().position().off_path_estimator().off_by_m(), 0.5, 1e-9);
+  const auto verdict = agent.vehicle().take_order(order("O-1").through({"A", "B"}));
   ASSERT_FALSE(verdict);
   EXPECT_EQ(verdict.error().code, "noRouteError");
   EXPECT_THAT(verdict.error().message, ::testing::HasSubstr("0.500000 m"));

@@ -34,12 +34,12 @@ struct AgentFixture {
   int tick{0};
 
   AgentFixture(std::string_view section, double s_m) : ground_truth{lacet4().circuit, at(lacet4(), section, s_m)} {
-    agent.estimator().position_at(ground_truth.track_position(lacet4().circuit));
+    agent.vehicle().estimator().position_at(ground_truth.track_position(lacet4().circuit));
     step();
   }
 
   AgentFixture& take(const wire::Order& text) {
-    const auto verdict = agent.take_order(text);
+    const auto verdict = agent.vehicle().take_order(text);
     EXPECT_TRUE(verdict) << verdict.error().message;
     return *this;
   }
@@ -58,8 +58,8 @@ struct AgentFixture {
     odometry.distance_um = std::llround(travelled_m * 1e6);
     odometry.speed_mmps = static_cast<std::int16_t>(std::lround(speed_mps * 1e3));
     agent.on_odometry(odometry);
-    if (++tick % 3 == 0) agent.on_ranges(ranges_to(obstacles, ground_truth.pose(lacet4().circuit)));
-    for (const auto& node : agent.progress().take_traversed()) traversed.push_back(node.node_id);
+    if (++tick % 3 == 0) agent.vehicle().on_ranges(ranges_to(obstacles, ground_truth.pose(lacet4().circuit)));
+    for (const auto& node : agent.vehicle().progress().take_traversed()) traversed.push_back(node.node_id);
   }
 
   void run(double seconds) {
@@ -91,13 +91,13 @@ class RecordingPolicy final : public SpeedPolicy {
 TEST(Agent, gives_its_policy_the_last_choice_and_none_after_a_stop) {
   std::vector<std::optional<Profile>> present;
   Agent agent{lacet4(), std::make_unique<RecordingPolicy>(present)};
-  agent.estimator().position_at(at(lacet4(), "loop_se", 0.0));
-  ASSERT_TRUE(agent.take_order(to_565()));
+  agent.vehicle().estimator().position_at(at(lacet4(), "loop_se", 0.0));
+  ASSERT_TRUE(agent.vehicle().take_order(to_565()));
   (void)agent.decide();
   (void)agent.decide();
-  agent.hold(Hold::paused, true);
+  agent.vehicle().hold(Hold::paused, true);
   (void)agent.decide();
-  agent.hold(Hold::paused, false);
+  agent.vehicle().hold(Hold::paused, false);
   (void)agent.decide();
   EXPECT_THAT(present, ElementsAre(std::nullopt, Profile::medium, std::nullopt));
 }
@@ -106,7 +106,7 @@ TEST(Agent, does_not_drive_without_an_order) {
   AgentFixture fixture{"loop_se", 0.0};
   fixture.run(3.0);
   EXPECT_EQ(fixture.travelled_m, 0.0);
-  EXPECT_TRUE(fixture.agent.motion().stopped());
+  EXPECT_TRUE(fixture.agent.vehicle().motion().stopped());
   EXPECT_EQ(fixture.agent.status(), Status::stopped);
 }
 
@@ -115,7 +115,7 @@ TEST(Agent, follows_its_order_and_stops_on_the_last_node_of_its_base) {
   fixture.take(to_565().then({"loop_se@848"}));
   fixture.run(8.0);
   EXPECT_THAT(fixture.traversed, ElementsAre("loop_se@283", "loop_se@565"));
-  EXPECT_TRUE(fixture.agent.motion().stopped());
+  EXPECT_TRUE(fixture.agent.vehicle().motion().stopped());
   EXPECT_NEAR(fixture.s_m(), 2.0 * edge_m, 0.01);
   EXPECT_NEAR(fixture.highest_speed_mps, lacet4().profiles.medium.speed_mps, 1e-9);
   EXPECT_LE(fixture.hardest_braking_mps2, lacet4().profiles.medium.braking_mps2 + 0.03) << "a smooth stop";
@@ -149,11 +149,11 @@ TEST(Agent, is_stopped_during_any_hold_and_continues_by_itself) {
     fixture.take(order("O-1").through({"loop_se@0", "loop_se@565", "loop_se@1131", "loop_se@1696"}));
     fixture.run(1.0);
     EXPECT_GT(fixture.speed_mps, 0.2);
-    fixture.agent.hold(reason, true);
+    fixture.agent.vehicle().hold(reason, true);
     fixture.run(1.0);
     EXPECT_EQ(fixture.speed_mps, 0.0) << to_string(reason);
-    EXPECT_TRUE(fixture.agent.order().active());
-    fixture.agent.hold(reason, false);
+    EXPECT_TRUE(fixture.agent.vehicle().order().active());
+    fixture.agent.vehicle().hold(reason, false);
     fixture.run(1.0);
     EXPECT_GT(fixture.speed_mps, 0.2) << to_string(reason);
   }
@@ -170,7 +170,7 @@ TEST(Agent, stops_when_it_loses_the_line) {
 
 TEST(Agent, without_a_known_position_does_not_drive_and_accepts_no_order) {
   Agent agent{lacet4()};
-  EXPECT_EQ(agent.take_order(to_565()).error().code, "noRouteError");
+  EXPECT_EQ(agent.vehicle().take_order(to_565()).error().code, "noRouteError");
   EXPECT_EQ(agent.decide().speed_mmps, 0);
 }
 
@@ -258,11 +258,11 @@ TEST(Agent, does_not_brake_for_a_virtual_body_beyond_its_base_or_during_a_hold) 
 
   AgentFixture paused{"loop_se", 0.0};
   paused.take(to_565());
-  paused.agent.hold(Hold::paused, true);
+  paused.agent.vehicle().hold(Hold::paused, true);
   paused.agent.perceive(0.0);
   paused.run(0.2);
   EXPECT_FALSE(paused.agent.decision().braking_for_virtual);
-  paused.agent.hold(Hold::paused, false);
+  paused.agent.vehicle().hold(Hold::paused, false);
   paused.run(0.2);
   EXPECT_TRUE(paused.agent.decision().braking_for_virtual);
   EXPECT_EQ(paused.travelled_m, 0.0);
@@ -304,7 +304,7 @@ TEST(Agent, stays_within_its_base_when_a_weaker_profile_is_imposed_at_speed) {
   AgentFixture fixture{"loop_se", 0.0};
   fixture.agent.instructions().imposed = Profile::fast;
   fixture.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
-  ASSERT_TRUE(fixture.run_until([&] { return fixture.agent.order().distance_to_base_end_m() < 0.20; }, 5.0));
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.agent.vehicle().order().distance_to_base_end_m() < 0.20; }, 5.0));
   fixture.agent.instructions().imposed = Profile::slow;
   fixture.run(3.0);
   EXPECT_LT(fixture.s_m(), 4.0 * edge_m + 0.01);
@@ -317,7 +317,7 @@ TEST(Agent, waits_at_the_stop_line_until_the_base_leads_through_the_crossing) {
   into.node(2).position = wire::NodePosition{0.0, -0.15, {}, {}, {}, ""};
   fixture.take(into);
   fixture.run(5.0);
-  EXPECT_TRUE(fixture.agent.motion().stopped());
+  EXPECT_TRUE(fixture.agent.vehicle().motion().stopped());
   EXPECT_LT(fixture.s_m(), 0.40);
   EXPECT_GT(fixture.s_m(), 0.37);
   fixture.take(order("O-1", 1).from_sequence(4).through({"centre", "east@1120"}));
@@ -329,50 +329,50 @@ TEST(Agent, cancelling_brakes_and_drops_the_order_at_standstill) {
   AgentFixture fixture{"loop_se", 0.0};
   fixture.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
   fixture.run(1.5);
-  EXPECT_TRUE(fixture.agent.progress().begin_cancel());
-  EXPECT_TRUE(fixture.agent.progress().cancelling());
-  EXPECT_TRUE(fixture.agent.order().active());
-  EXPECT_EQ(fixture.agent.take_order(order("O-2").through({"loop_se@283"})).error().code, "orderUpdateError");
+  EXPECT_TRUE(fixture.agent.vehicle().progress().begin_cancel());
+  EXPECT_TRUE(fixture.agent.vehicle().progress().cancelling());
+  EXPECT_TRUE(fixture.agent.vehicle().order().active());
+  EXPECT_EQ(fixture.agent.vehicle().take_order(order("O-2").through({"loop_se@283"})).error().code, "orderUpdateError");
   fixture.run(1.0);
-  EXPECT_FALSE(fixture.agent.progress().cancelling());
-  EXPECT_FALSE(fixture.agent.order().active());
-  EXPECT_FALSE(fixture.agent.progress().begin_cancel()) << "there is nothing to cancel any more";
+  EXPECT_FALSE(fixture.agent.vehicle().progress().cancelling());
+  EXPECT_FALSE(fixture.agent.vehicle().order().active());
+  EXPECT_FALSE(fixture.agent.vehicle().progress().begin_cancel()) << "there is nothing to cancel any more";
 }
 
 TEST(Agent, tag_corrections_move_the_order_along) {
   AgentFixture fixture{"east", 1.30};
   fixture.take(order("O-1").through({"east@1310", "loop_se@0", "loop_se@283"}));
-  const double before_m = fixture.agent.order().distance_to_base_end_m();
-  const auto fix = fixture.agent.on_tag({0, 1, 0});
+  const double before_m = fixture.agent.vehicle().order().distance_to_base_end_m();
+  const auto fix = fixture.agent.vehicle().on_tag({0, 1, 0});
   ASSERT_EQ(fix.kind, FixKind::corrected);
-  EXPECT_NEAR(fixture.agent.order().distance_to_base_end_m(), before_m - fix.correction_m, 1e-12);
+  EXPECT_NEAR(fixture.agent.vehicle().order().distance_to_base_end_m(), before_m - fix.correction_m, 1e-12);
 }
 
 TEST(Agent, drops_an_order_that_a_tag_contradicts) {
   AgentFixture fixture{"east", 0.10};
   fixture.take(order("O-1").through({"east@0", "east@190", "east@380"}));
-  fixture.agent.on_tag({0, 7, 0});
-  EXPECT_TRUE(fixture.agent.progress().take_lost());
-  EXPECT_FALSE(fixture.agent.progress().take_lost());
-  EXPECT_FALSE(fixture.agent.order().active());
-  EXPECT_EQ(fixture.agent.position().track_position().section, 4U);
+  fixture.agent.vehicle().on_tag({0, 7, 0});
+  EXPECT_TRUE(fixture.agent.vehicle().progress().take_lost());
+  EXPECT_FALSE(fixture.agent.vehicle().progress().take_lost());
+  EXPECT_FALSE(fixture.agent.vehicle().order().active());
+  EXPECT_EQ(fixture.agent.vehicle().position().track_position().section, 4U);
 }
 
 TEST(Agent, accepts_a_position_only_on_the_circuit_and_at_standstill_without_an_order) {
   AgentFixture fixture{"east", 0.10};
-  EXPECT_EQ(fixture.agent.initialise_position({5.0, 5.0, 0.0}, "").error().code, "position.off_circuit");
-  EXPECT_TRUE(fixture.agent.initialise_position({-0.5, -0.14, 0.05}, "dock"));
-  EXPECT_NEAR(fixture.agent.position().track_position().s_m, 0.25, 1e-9);
-  EXPECT_EQ(fixture.agent.order().last_node().node_id, "dock");
+  EXPECT_EQ(fixture.agent.vehicle().initialise_position({5.0, 5.0, 0.0}, "").error().code, "position.off_circuit");
+  EXPECT_TRUE(fixture.agent.vehicle().initialise_position({-0.5, -0.14, 0.05}, "dock"));
+  EXPECT_NEAR(fixture.agent.vehicle().position().track_position().s_m, 0.25, 1e-9);
+  EXPECT_EQ(fixture.agent.vehicle().order().last_node().node_id, "dock");
   fixture.take(order("O-1").through({"east@190", "east@380"}));
-  EXPECT_EQ(fixture.agent.initialise_position({-0.5, -0.14, 0.0}, "").error().code, "position.busy");
+  EXPECT_EQ(fixture.agent.vehicle().initialise_position({-0.5, -0.14, 0.0}, "").error().code, "position.busy");
 }
 
 TEST(Agent, turns_as_the_circuit_does) {
   AgentFixture fixture{"loop_se", 0.0};
   fixture.take(to_565());
   fixture.run(1.0);
-  EXPECT_NEAR(fixture.agent.turn_rate_radps(), -fixture.agent.motion().speed_mps() / 0.6, 1e-9);
+  EXPECT_NEAR(fixture.agent.vehicle().turn_rate_radps(), -fixture.agent.vehicle().motion().speed_mps() / 0.6, 1e-9);
 }
 
 }  // namespace

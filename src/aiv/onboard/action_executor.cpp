@@ -74,24 +74,24 @@ void ActionExecutor::fail(const Call& call, std::string why) {
 }
 
 void ActionExecutor::start_pause(const Call& call) {
-  call.context.agent().hold(Hold::paused, true);
+  call.context.vehicle().hold(Hold::paused, true);
   run(call.action);
   // An operator has stopped the vehicle: the motors must not wait for the next tick, up to 100 ms with the longest
   // cycle.
   parts_.drive_cycle.run(call.now, call.context, call.effects);
-  end_waits(call.context.agent());
+  end_waits(call.context.vehicle());
   parts_.positions.request_save();
 }
 
 void ActionExecutor::stop_pause(const Call& call) {
-  call.context.agent().hold(Hold::paused, false);
+  call.context.vehicle().hold(Hold::paused, false);
   book_.end_running(action::start_pause, wire::ActionStatus::failed, "overtaken by stopPause");
   finish(call.action);
   parts_.positions.request_save();
 }
 
 void ActionExecutor::cancel_order(const Call& call) {
-  if (!call.context.agent().progress().begin_cancel())
+  if (!call.context.vehicle().progress().begin_cancel())
     return fail(call.action, "noOrderToCancel", "there is no order to cancel", call.effects);
   run(call.action);
 }
@@ -109,7 +109,7 @@ std::optional<Pose2> ActionExecutor::pose_of(const Call& call) {
 void ActionExecutor::join_line(const Call& call) {
   const auto X_MG = pose_of(call);
   if (!X_MG) return;
-  const auto joins = call.context.agent().join_line(*X_MG);
+  const auto joins = call.context.vehicle().join_line(*X_MG);
   if (!joins) return fail(call, joins.error().message);
   book_.end_running(action::join_line, wire::ActionStatus::failed, "overtaken by another joinLine");
   run(call.action);
@@ -118,11 +118,11 @@ void ActionExecutor::join_line(const Call& call) {
 void ActionExecutor::back_up(const Call& call) {
   const auto distance_m = call.action.number("distance");
   if (!distance_m) return fail(call, "backUp needs the number distance");
-  Agent& agent = call.context.agent();
-  const auto backs = agent.begin_back_up(*distance_m);
+  VehicleState& vehicle = call.context.vehicle();
+  const auto backs = vehicle.begin_back_up(*distance_m);
   if (!backs) return fail(call, backs.error().message);
   book_.end_running(action::back_up, wire::ActionStatus::failed, "overtaken by another backUp");
-  if (!agent.back_up().active()) return finish(call.action);
+  if (!vehicle.back_up().active()) return finish(call.action);
   run(call.action);
 }
 
@@ -132,7 +132,7 @@ void ActionExecutor::init_position(const Call& call) {
   if (!X_MB) return;
   const std::string& name = call.context.zone().name;
   if (map_id && !map_id->empty() && *map_id != name) return fail(call, "map '" + *map_id + "' is not '" + name + "'");
-  const auto done = call.context.agent().initialise_position(*X_MB, call.action.text("lastNodeId").value_or(""));
+  const auto done = call.context.vehicle().initialise_position(*X_MB, call.action.text("lastNodeId").value_or(""));
   if (!done) return fail(call, done.error().message);
   parts_.positions.discard_restored();
   finish(call.action);
@@ -185,16 +185,16 @@ void ActionExecutor::end_wait(std::string_view action_type, bool reached, std::s
   parts_.reporter.request_report();
 }
 
-void ActionExecutor::end_waits(const Agent& agent) {
-  if (agent.motion().stopped() && agent.holds().has(Hold::paused)) end_wait(action::start_pause, true);
-  if (!agent.joining())
-    end_wait(action::join_line, !agent.position().off_path(), "abandoned before the vehicle was on the path");
-  if (!agent.back_up().active())
-    end_wait(action::back_up, agent.back_up().completed(), "ended before the commanded distance");
-  if (!agent.progress().cancelling()) end_wait(action::cancel_order, true);
-  COSIVA_EXPECT(agent.progress().cancelling() || !book_.running(action::cancel_order));
-  COSIVA_EXPECT(agent.joining() || !book_.running(action::join_line));
-  COSIVA_EXPECT(agent.back_up().active() || !book_.running(action::back_up));
+void ActionExecutor::end_waits(const VehicleState& vehicle) {
+  if (vehicle.motion().stopped() && vehicle.holds().has(Hold::paused)) end_wait(action::start_pause, true);
+  if (!vehicle.joining())
+    end_wait(action::join_line, !vehicle.position().off_path(), "abandoned before the vehicle was on the path");
+  if (!vehicle.back_up().active())
+    end_wait(action::back_up, vehicle.back_up().completed(), "ended before the commanded distance");
+  if (!vehicle.progress().cancelling()) end_wait(action::cancel_order, true);
+  COSIVA_EXPECT(vehicle.progress().cancelling() || !book_.running(action::cancel_order));
+  COSIVA_EXPECT(vehicle.joining() || !book_.running(action::join_line));
+  COSIVA_EXPECT(vehicle.back_up().active() || !book_.running(action::back_up));
 }
 
 void ActionExecutor::on_zone_switched() {

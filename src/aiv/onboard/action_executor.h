@@ -36,7 +36,7 @@ class ActionExecutor {
   /// @param context  none before a zone is known
   void on_message(SimTime now, std::string_view payload, DrivingContext* context, wire::Effects& effects);
   /// Ends actions that waited until the vehicle has stopped or arrived.
-  void end_waits(const Agent& agent);
+  void end_waits(const VehicleState& vehicle);
   void on_new_order() { book_.on_new_order(); }
   /// No action outlasts a zone switch.
   void on_zone_switched();

@@ -36,16 +36,16 @@ TEST_F(ActionExecutorTest, fails_unsupported_actions_with_a_warning) {
 TEST_F(ActionExecutorTest, finishes_a_pause_of_a_vehicle_that_is_stopped_at_once) {
   act(action::start_pause, "a", &context);
   EXPECT_EQ(last_status(), ActionStatus::finished);
-  EXPECT_TRUE(context.agent().holds().has(Hold::paused));
+  EXPECT_TRUE(context.vehicle().holds().has(Hold::paused));
   act(action::stop_pause, "b", &context);
-  EXPECT_FALSE(context.agent().holds().has(Hold::paused));
+  EXPECT_FALSE(context.vehicle().holds().has(Hold::paused));
 }
 
 TEST_F(ActionExecutorTest, performs_no_action_twice) {
   act(action::start_pause, "a", &context);
   act(action::stop_pause, "b", &context);
   act(action::start_pause, "a", &context);
-  EXPECT_FALSE(context.agent().holds().has(Hold::paused));
+  EXPECT_FALSE(context.vehicle().holds().has(Hold::paused));
   EXPECT_EQ(actions.book().states().size(), 2U);
 }
 

@@ -21,7 +21,7 @@ class DriveCycle {
   void run(SimTime now, DrivingContext& context, wire::Effects& effects);
 
  private:
-  void supervise(SimTime now, Agent& agent) const;
+  void supervise(SimTime now, VehicleState& vehicle) const;
 
   const Supervision& supervision_;
   VirtualPerception& perception_;

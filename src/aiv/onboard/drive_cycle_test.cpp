@@ -31,18 +31,18 @@ TEST_F(DriveCycleTest, sends_one_command_to_the_motors) {
 
 TEST_F(DriveCycleTest, holds_for_each_link_that_is_lost_and_no_longer) {
   cycle.run(SimTime{}, context, effects);
-  EXPECT_TRUE(context.agent().holds().has(Hold::broker_lost));
-  EXPECT_TRUE(context.agent().holds().has(Hold::board_lost));
-  EXPECT_FALSE(context.agent().holds().has(Hold::server_lost)) << "no heartbeat was received yet";
+  EXPECT_TRUE(context.vehicle().holds().has(Hold::broker_lost));
+  EXPECT_TRUE(context.vehicle().holds().has(Hold::board_lost));
+  EXPECT_FALSE(context.vehicle().holds().has(Hold::server_lost)) << "no heartbeat was received yet";
   supervision.broker(SimTime{}, true);
   for (const wire::Board board : wire::all_boards) supervision.on_board_message(SimTime{}, board);
   supervision.on_server_heartbeat(SimTime{});
   cycle.run(SimTime{std::chrono::milliseconds{500}}, context, effects);
-  EXPECT_EQ(context.agent().holds().bits(), 0);
+  EXPECT_EQ(context.vehicle().holds().bits(), 0);
   cycle.run(SimTime{std::chrono::milliseconds{501}}, context, effects);
-  EXPECT_TRUE(context.agent().holds().has(Hold::server_lost));
-  EXPECT_TRUE(context.agent().holds().has(Hold::board_lost));
-  EXPECT_FALSE(context.agent().holds().has(Hold::broker_lost));
+  EXPECT_TRUE(context.vehicle().holds().has(Hold::server_lost));
+  EXPECT_TRUE(context.vehicle().holds().has(Hold::board_lost));
+  EXPECT_FALSE(context.vehicle().holds().has(Hold::broker_lost));
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ DrivingContext::DrivingContext(const zone::TrafficZone& zone, const OnboardOptio
 
 DrivingContext::DrivingContext(const zone::TrafficZone& zone, const OnboardOptions& options, const Agent& before)
     : DrivingContext{zone, options} {
-  COSIVA_EXPECT(before.motion().stopped());
+  COSIVA_EXPECT(before.vehicle().motion().stopped());
   agent_.take_over(before);
 }
 
@@ -40,7 +40,7 @@ void DrivingContext::adopt_fiducials(const zone::TrafficZone& edited) {
   zone_->loops = edited.loops;
   zone_->closed = edited.closed;
   zone_->diagnostics = edited.diagnostics;
-  agent_.estimator().forget_doubt();
+  agent_.vehicle().estimator().forget_doubt();
 }
 
 }  // namespace cosiva::aiv

@@ -31,6 +31,8 @@ class DrivingContext {
   [[nodiscard]] std::shared_ptr<const zone::TrafficZone> shared_zone() const { return zone_; }
   [[nodiscard]] Agent& agent() { return agent_; }
   [[nodiscard]] const Agent& agent() const { return agent_; }
+  [[nodiscard]] VehicleState& vehicle() { return agent_.vehicle(); }
+  [[nodiscard]] const VehicleState& vehicle() const { return agent_.vehicle(); }
   [[nodiscard]] PerceivedWorld& virtual_bodies() { return virtual_bodies_; }
   [[nodiscard]] const PerceivedWorld& virtual_bodies() const { return virtual_bodies_; }
   [[nodiscard]] Neighbours& neighbours() { return neighbours_; }

@@ -24,7 +24,7 @@ TEST(DrivingContext, builds_every_part_from_a_copy_of_the_zone) {
   EXPECT_NE(&context.zone(), &lacet4());
   EXPECT_EQ(context.zone().name, "lacet4");
   EXPECT_EQ(context.shared_zone().get(), &context.zone());
-  EXPECT_FALSE(context.agent().position().known());
+  EXPECT_FALSE(context.vehicle().position().known());
   EXPECT_TRUE(context.neighbours().empty());
   EXPECT_FALSE(context.virtual_bodies().informed());
 }
@@ -46,10 +46,10 @@ TEST(DrivingContextDeathTest, does_not_adopt_another_circuit) {
 
 TEST(DrivingContext, keeps_the_restrictions_of_the_agent_that_it_takes_over) {
   DrivingContext before{lacet4(), {}};
-  before.agent().hold(Hold::paused, true);
+  before.agent().vehicle().hold(Hold::paused, true);
   before.agent().instructions().imposed = Profile::slow;
   const DrivingContext after{lacet4(), {}, before.agent()};
-  EXPECT_TRUE(after.agent().holds().has(Hold::paused));
+  EXPECT_TRUE(after.agent().vehicle().holds().has(Hold::paused));
   EXPECT_EQ(after.agent().instructions().imposed, Profile::slow);
 }
 

@@ -9,7 +9,7 @@ namespace cosiva::aiv {
 namespace {
 
 std::optional<Estimating::CurrentEstimate> estimate_of(const DrivingContext& context) {
-  const PositionEstimator& position = context.agent().position();
+  const PositionEstimator& position = context.vehicle().position();
   if (!position.pose_known()) return std::nullopt;
   Estimating::CurrentEstimate estimate{context.shared_zone(), position.pose(), std::nullopt,
                                        position.on_path_estimator().sigma_m()};
@@ -34,7 +34,7 @@ void EstimationService::on_odometry(SimTime now, const wire::Odometry& odometry,
   COSIVA_EXPECT(at <= now);
   Agent& agent = context.agent();
   if (!estimating_.busy()) return agent.on_odometry(odometry);
-  const PositionEstimator& position = agent.position();
+  const PositionEstimator& position = agent.vehicle().position();
   const double travelled_m = position.travelled_m();
   const auto before = estimate_of(context);
   agent.on_odometry(odometry);
@@ -50,7 +50,7 @@ void EstimationService::on_odometry(SimTime now, const wire::Odometry& odometry,
 }
 
 void EstimationService::on_tag(SimTime now, const wire::TagRead& tag, const DrivingContext& context) {
-  const PositionEstimator& position = context.agent().position();
+  const PositionEstimator& position = context.vehicle().position();
   if (!estimating_.busy() || !position.pose_known()) return;
   estimating_.on_tag(tag.number, now - std::chrono::milliseconds{tag.age_ms}, context.zone(), position.pose());
 }

@@ -17,7 +17,7 @@ struct EstimationServiceTest : ::testing::Test {
 
   EstimationServiceTest() {
     session.set_online(true);
-    context.agent().estimator().position_at(test::at(lacet4(), "loop_se", 0.5));
+    context.vehicle().estimator().position_at(test::at(lacet4(), "loop_se", 0.5));
   }
 };
 
@@ -27,7 +27,7 @@ TEST_F(EstimationServiceTest, passes_odometry_to_the_agent_once) {
   odometry.distance_um = 10'000;
   odometry.board_ms = 20;
   estimation.on_odometry(SimTime{std::chrono::milliseconds{20}}, odometry, context);
-  EXPECT_DOUBLE_EQ(context.agent().position().travelled_m(), 0.010);
+  EXPECT_DOUBLE_EQ(context.vehicle().position().travelled_m(), 0.010);
 }
 
 TEST_F(EstimationServiceTest, logs_a_request_that_cannot_be_read_once) {

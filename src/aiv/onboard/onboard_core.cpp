@@ -169,32 +169,32 @@ void OnboardCore::Parts::on_board(SimTime, const wire::Hello& hello) {
   if (hello.board != wire::Board::PILS) return;
   const bool powered_up_anew = positions.on_pils_hello(hello.session);
   if (!context) return;
-  if (powered_up_anew) context->agent().estimator().on_odometer_reset();
+  if (powered_up_anew) context->vehicle().estimator().on_odometer_reset();
   positions.find_position(*context);
 }
 
 void OnboardCore::Parts::on_board(SimTime now, const wire::Odometry& odometry) {
   if (!context) return;
   estimation.on_odometry(now, odometry, *context);
-  if (!context->agent().position().pose_known()) positions.find_position(*context);
+  if (!context->vehicle().position().pose_known()) positions.find_position(*context);
 }
 
 void OnboardCore::Parts::on_board(SimTime now, const wire::TagRead& tag) {
   if (!context) return;
-  const PositionEstimator& position = context->agent().position();
+  const PositionEstimator& position = context->vehicle().position();
   const auto last_number = [&position] {
     const auto& last_tag = position.last_tag();
     return last_tag ? std::optional{last_tag->number} : std::nullopt;
   };
   const auto last = last_number();
   estimation.on_tag(now, tag, *context);
-  const auto fix = context->agent().on_tag(tag);
+  const auto fix = context->vehicle().on_tag(tag);
   // A beacon every few centimetres is no event; a tag is (A13), and so is the correction of a wrong estimate.
   if (last_number() != last || fix.kind == FixKind::relocated) reporter.request_report();
 }
 
 void OnboardCore::Parts::on_board(SimTime, const wire::Ranges& ranges) {
-  if (context) context->agent().on_ranges(ranges);
+  if (context) context->vehicle().on_ranges(ranges);
 }
 
 void OnboardCore::Parts::on_board(SimTime, const wire::Power& power) {
@@ -235,7 +235,7 @@ void OnboardCore::Parts::on_zone(SimTime now, const zone::ZoneConfiguration& ann
   reporter.request_report();
   if (verdict == first) return enter_first_zone(now, *rtm, effects);
   if (!context) return;
-  context->agent().hold(Hold::zone_change, zones.pending() != nullptr);
+  context->vehicle().hold(Hold::zone_change, zones.pending() != nullptr);
   if (verdict != edited) return;
   context->adopt_fiducials(rtm->zone());
   zones.enforce(*rtm);
@@ -254,8 +254,8 @@ void OnboardCore::Parts::enter_first_zone(SimTime now, const zone::Rtm& rtm, wir
 }
 
 void OnboardCore::Parts::end_zone_switch(SimTime now, wire::Effects& effects) {
-  if (!zones.pending() || !context->agent().motion().stopped()) return;
-  actions.end_waits(context->agent());
+  if (!zones.pending() || !context->vehicle().motion().stopped()) return;
+  actions.end_waits(context->vehicle());
   const std::string from = context->zone().name;
   context = std::make_unique<DrivingContext>(zones.pending()->zone(), options, context->agent());
   zones.enforce(*zones.pending());
@@ -266,7 +266,7 @@ void OnboardCore::Parts::end_zone_switch(SimTime now, wire::Effects& effects) {
   positions.on_zone_switched(*context);
   reporter.request_report();
   reporter.publish_factsheet(now, context->zone(), session, effects);
-  const PositionEstimator& position = context->agent().position();
+  const PositionEstimator& position = context->vehicle().position();
   const auto off_by = std::to_string(position.off_path_estimator().off_by_m()) + " m";
   const bool away = position.pose_known() && !position.known();
   log(effects, away ? 'w' : 'i',
@@ -280,16 +280,16 @@ void OnboardCore::Parts::on_tick(SimTime now, wire::Effects& effects) {
   boards.on_tick(now, effects);
   if (context) {
     drive_cycle.run(now, *context, effects);
-    actions.end_waits(context->agent());
+    actions.end_waits(context->vehicle());
     end_zone_switch(now, effects);
-    Agent& agent = context->agent();
-    if (!agent.progress().take_traversed().empty()) reporter.request_report();
-    if (agent.progress().take_lost()) {
+    VehicleState& vehicle = context->vehicle();
+    if (!vehicle.progress().take_traversed().empty()) reporter.request_report();
+    if (vehicle.progress().take_lost()) {
       reporter.refuse("orderError", "order", "the vehicle was found off its order's route and dropped the order",
-                      {{"orderId", agent.order().ids().order_id}}, effects);
+                      {{"orderId", vehicle.order().ids().order_id}}, effects);
     }
     positions.on_tick(now, *context, effects);
-    reporter.update_display(now, agent, boards, effects);
+    reporter.update_display(now, context->agent(), boards, effects);
     reporter.publish_visualization(now, *context, session, effects);
     if (v2x.update_cell(*context)) subscribe(effects);
     v2x.publish_intent(now, *context, session, effects);
@@ -306,12 +306,12 @@ void OnboardCore::Parts::subscribe(wire::Effects& effects) const {
 }
 
 void OnboardCore::Parts::publish_detection(SimTime now, wire::Effects& effects) {
-  if (!context || !context->agent().position().known()) return;
-  const Agent& agent = context->agent();
+  if (!context || !context->vehicle().position().known()) return;
+  const VehicleState& vehicle = context->vehicle();
   const zone::TrafficZone& zone = context->zone();
   const Pose2 X_BS{0.5 * zone.vehicle.length_m, 0.0, 0.0};
-  auto detection = context->sighting().on_frame(now, agent.watch().scan(), *boards.ranges(),
-                                                agent.position().pose() * X_BS, agent.watch().reach_m());
+  auto detection = context->sighting().on_frame(now, vehicle.watch().scan(), *boards.ranges(),
+                                                vehicle.position().pose() * X_BS, vehicle.watch().reach_m());
   if (!detection) return;
   detection->map_id = zone.name;
   session.publish(now, std::move(*detection), effects);
@@ -394,25 +394,26 @@ void OnboardCore::fold(Digest& digest) const {
   digest.add(std::uint64_t{parts_->context != nullptr});
   if (!parts_->context) return;
   const DrivingContext& context = *parts_->context;
-  const Agent& agent = context.agent();
-  digest.add(std::uint64_t{agent.position().known()});
-  if (agent.position().known()) {
-    digest.add(std::uint64_t{agent.position().track_position().section});
-    digest.add(agent.position().track_position().s_m);
+  const VehicleState& vehicle = context.vehicle();
+  const PositionEstimator& position = vehicle.position();
+  digest.add(std::uint64_t{position.known()});
+  if (position.known()) {
+    digest.add(std::uint64_t{position.track_position().section});
+    digest.add(position.track_position().s_m);
   }
-  if (agent.position().off_path() && agent.position().pose_known()) {
-    const Pose2 X_MB = agent.position().pose();
+  if (position.off_path() && position.pose_known()) {
+    const Pose2 X_MB = position.pose();
     digest.add(X_MB.x_m);
     digest.add(X_MB.y_m);
     digest.add(X_MB.heading_rad);
   }
-  digest.add(agent.position().travelled_m());
-  digest.add(agent.motion().speed_mps());
-  digest.add(std::uint64_t{agent.holds().bits()});
-  digest.add(std::string_view{agent.order().ids().order_id});
-  digest.add(std::uint64_t{agent.order().ids().order_update_id});
-  digest.add(std::uint64_t{agent.order().last_node().sequence_id});
-  digest.add(std::uint64_t{agent.decision().braking_for_virtual});
+  digest.add(position.travelled_m());
+  digest.add(vehicle.motion().speed_mps());
+  digest.add(std::uint64_t{vehicle.holds().bits()});
+  digest.add(std::string_view{vehicle.order().ids().order_id});
+  digest.add(std::uint64_t{vehicle.order().ids().order_update_id});
+  digest.add(std::uint64_t{vehicle.order().last_node().sequence_id});
+  digest.add(std::uint64_t{context.agent().decision().braking_for_virtual});
   context.virtual_bodies().fold(digest);
   context.sighting().fold(digest);
   context.neighbours().fold(digest);
@@ -428,12 +429,12 @@ std::vector<std::string> OnboardCore::ports() const { return parts_->boards.port
 
 std::optional<Pose2> OnboardCore::estimated_pose() const {
   const auto& context = parts_->context;
-  if (!context || !context->agent().position().pose_known()) return std::nullopt;
-  return context->agent().position().pose();
+  if (!context || !context->vehicle().position().pose_known()) return std::nullopt;
+  return context->vehicle().position().pose();
 }
 
 double OnboardCore::estimated_speed_mps() const {
-  return parts_->context ? parts_->context->agent().motion().speed_mps() : 0.0;
+  return parts_->context ? parts_->context->vehicle().motion().speed_mps() : 0.0;
 }
 
 }  // namespace cosiva::aiv

@@ -28,13 +28,13 @@ void OrderReceiver::on_order(const wire::Input& input, DrivingContext* context, 
   if (auto accepted = parts_.session.accepts(order->header); !accepted)
     return refuse("validationError", to_string(accepted.error()));
   if (context == nullptr) return refuse("noRouteError", "no zone is known yet");
-  Agent& agent = context->agent();
-  const bool repeated =
-      order->order_id == agent.order().ids().order_id && order->order_update_id == agent.order().ids().order_update_id;
+  VehicleState& vehicle = context->vehicle();
+  const bool repeated = order->order_id == vehicle.order().ids().order_id &&
+                        order->order_update_id == vehicle.order().ids().order_update_id;
   if (const auto& pending = parts_.zones.pending(); pending && !repeated)
     return refuse("noRouteError", "zone '" + pending->zone().name + "' follows as soon as the vehicle has stopped");
 
-  const auto verdict = agent.take_order(*order);
+  const auto verdict = vehicle.take_order(*order);
   reporter.request_report();  // the state's orderUpdateId is the only
                               // acknowledgement, also of a repetition
   if (!verdict) return refuse(verdict.error().code, to_string(verdict.error()));
@@ -43,7 +43,7 @@ void OrderReceiver::on_order(const wire::Input& input, DrivingContext* context, 
 
 void OrderReceiver::accept(const wire::Order& order, OrderBook::Verdict verdict, SimTime now, DrivingContext& context,
                            wire::Effects& effects) {
-  COSIVA_EXPECT(context.agent().order().ids().order_id == order.order_id);
+  COSIVA_EXPECT(context.vehicle().order().ids().order_id == order.order_id);
   if (verdict == OrderBook::Verdict::accepted_new) {
     parts_.reporter.on_new_order();
     parts_.actions.on_new_order();

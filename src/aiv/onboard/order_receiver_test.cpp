@@ -17,7 +17,7 @@ struct OrderReceiverTest : test::InstructionTest {
 TEST_F(OrderReceiverTest, passes_an_order_to_the_agent_and_clears_old_warnings) {
   act("fly", "a", &context);
   order(test::order("O-1").through({"loop_se@0", "loop_se@283"}), &context);
-  EXPECT_EQ(context.agent().order().ids().order_id, "O-1");
+  EXPECT_EQ(context.vehicle().order().ids().order_id, "O-1");
   EXPECT_TRUE(reporter.warnings().all().empty());
   EXPECT_TRUE(actions.book().states().empty());
 }
@@ -32,7 +32,7 @@ TEST_F(OrderReceiverTest, refuses_an_order_for_another_vehicle) {
   wire::Order other = test::order("O-1").through({"loop_se@0", "loop_se@283"});
   other.header.serial_number = "AIV2";
   order(other, &context);
-  EXPECT_EQ(context.agent().order().ids().order_id, "");
+  EXPECT_EQ(context.vehicle().order().ids().order_id, "");
   ASSERT_EQ(reporter.warnings().all().size(), 1U);
   EXPECT_EQ(reporter.warnings().all()[0].type, "validationError");
 }

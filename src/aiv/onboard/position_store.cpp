@@ -20,12 +20,12 @@ constexpr double same_heading_rad = 0.05;
 
 PersistedPosition position_of(const DrivingContext& context, std::int64_t odometer_um, std::uint32_t pils_session) {
   const Agent& agent = context.agent();
-  const PositionEstimator& position = agent.position();
+  const PositionEstimator& position = agent.vehicle().position();
   PersistedPosition now_here;
   now_here.zone = context.zone().name;
   now_here.odometer_um = odometer_um;
   now_here.session = pils_session;
-  now_here.paused = agent.holds().has(Hold::paused);
+  now_here.paused = agent.vehicle().holds().has(Hold::paused);
   now_here.imposed = agent.instructions().imposed;
   now_here.off_path = (position.pose_known() && !position.known()) || position.near_path();
   const OffPathEstimator& off_path = position.off_path_estimator();
@@ -54,7 +54,7 @@ void PositionStore::restore(PersistedPosition restored, DrivingContext* context)
 }
 
 void PositionStore::restrict(Agent& agent) const {
-  agent.hold(Hold::paused, restored_->paused);
+  agent.vehicle().hold(Hold::paused, restored_->paused);
   agent.instructions().imposed = restored_->imposed;
 }
 
@@ -79,44 +79,44 @@ void PositionStore::on_zone_switched(DrivingContext& context) {
 }
 
 void PositionStore::find_position(DrivingContext& context) {
-  Agent& agent = context.agent();
+  VehicleState& vehicle = context.vehicle();
   const bool of_this_zone = restored_ && restored_->zone == context.zone().name;
-  if (agent.position().pose_known() && !(of_this_zone && !start_counts_)) return;
+  if (vehicle.position().pose_known() && !(of_this_zone && !start_counts_)) return;
   // A position in another zone is preserved: that zone may be the broker's, and arrive later.
-  if (restored_ && (!pils_session_ || !agent.position().counter().reading_um())) return;  // not yet comparable
+  if (restored_ && (!pils_session_ || !vehicle.position().counter().reading_um())) return;  // not yet comparable
   if (of_this_zone) {
     const bool placed = restore_position(context);
     restored_.reset();
     if (placed) return;
   }
-  if (agent.position().pose_known() || !start_ || !start_counts_) return;
+  if (vehicle.position().pose_known() || !start_ || !start_counts_) return;
   if (const auto section = context.zone().circuit.find(start_->section))
-    agent.estimator().position_at({*section, start_->s_m});
+    vehicle.estimator().position_at({*section, start_->s_m});
 }
 
 bool PositionStore::restore_position(DrivingContext& context) {
   if (restored_->session != *pils_session_) return false;
-  Agent& agent = context.agent();
+  VehicleState& vehicle = context.vehicle();
   const zone::Circuit& circuit = context.zone().circuit;
-  const double distance_m = 1e-6 * (static_cast<double>(*agent.position().counter().reading_um()) -
+  const double distance_m = 1e-6 * (static_cast<double>(*vehicle.position().counter().reading_um()) -
                                     static_cast<double>(restored_->odometer_um));
   if (!(std::fabs(distance_m) <= saved_distance_m_max)) return false;
   // A position that was known before and has driven on since is no longer where it was saved.
-  if (agent.position().pose_known() && std::fabs(distance_m) > off_line_distance_m_max) return false;
+  if (vehicle.position().pose_known() && std::fabs(distance_m) > off_line_distance_m_max) return false;
   if (!restored_->off_path) {
     if (const auto track_position = restored_position(circuit, distance_m)) {
-      agent.estimator().position_at(*track_position);
+      vehicle.estimator().position_at(*track_position);
       const auto next = restored_->next ? circuit.find(*restored_->next) : std::nullopt;
-      if (restored_->manoeuvre) agent.estimator().resume_manoeuvre(*restored_->manoeuvre, next);
+      if (restored_->manoeuvre) vehicle.estimator().resume_manoeuvre(*restored_->manoeuvre, next);
       return true;
     }
   }
   if (!restored_->pose || std::fabs(distance_m) > off_line_distance_m_max) return false;
   // PILS's present report of a manoeuvre is newer than the saved one.
-  const auto& manoeuvred = agent.position().off_path_estimator().manoeuvred();
+  const auto& manoeuvred = vehicle.position().off_path_estimator().manoeuvred();
   const Pose2 X_OB = manoeuvred ? *manoeuvred : restored_->manoeuvre.value_or(Pose2{});
-  agent.estimator().set_off_path(*restored_->pose * X_OB);
-  if (restored_->manoeuvre) agent.estimator().resume_manoeuvre(*restored_->manoeuvre, std::nullopt);
+  vehicle.estimator().set_off_path(*restored_->pose * X_OB);
+  if (restored_->manoeuvre) vehicle.estimator().resume_manoeuvre(*restored_->manoeuvre, std::nullopt);
   return true;
 }
 
@@ -146,7 +146,7 @@ void PositionStore::discard_restored() {
 
 void PositionStore::on_tick(SimTime now, const DrivingContext& context, wire::Effects& effects) {
   save(timer_.take(now), context, effects);
-  was_stopped_ = context.agent().motion().stopped();
+  was_stopped_ = context.vehicle().motion().stopped();
 }
 
 void PositionStore::save_now(const DrivingContext& context, wire::Effects& effects) {
@@ -155,13 +155,13 @@ void PositionStore::save_now(const DrivingContext& context, wire::Effects& effec
 }
 
 void PositionStore::save(bool due, const DrivingContext& context, wire::Effects& effects) {
-  const PositionEstimator& position = context.agent().position();
+  const PositionEstimator& position = context.vehicle().position();
   if (!position.pose_known() || !pils_session_) return;
   const auto odometer_um = position.counter().reading_um();
   if (!odometer_um) return;
   const auto& manoeuvred = position.off_path_estimator().manoeuvred();
   if (odometer_um == saved_um_ && manoeuvred == saved_manoeuvre_ && !requested_) return;
-  const bool stopped = context.agent().motion().stopped();
+  const bool stopped = context.vehicle().motion().stopped();
   if (!due && !(stopped && !was_stopped_) && !requested_) return;
   PersistedPosition now_here = position_of(context, *odometer_um, *pils_session_);
   COSIVA_EXPECT(now_here.session == *pils_session_);

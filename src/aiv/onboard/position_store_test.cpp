@@ -26,20 +26,20 @@ struct PositionStoreTest : ::testing::Test {
     persisted.session = session;
     return persisted;
   }
-  [[nodiscard]] double s_m() const { return context.agent().position().track_position().s_m; }
+  [[nodiscard]] double s_m() const { return context.vehicle().position().track_position().s_m; }
 };
 
 TEST_F(PositionStoreTest, begins_at_the_configured_start) {
   PositionStore positions{options};
   positions.find_position(context);
-  ASSERT_TRUE(context.agent().position().known());
+  ASSERT_TRUE(context.vehicle().position().known());
   EXPECT_DOUBLE_EQ(s_m(), 0.1);
 }
 
 TEST_F(PositionStoreTest, prefers_the_restored_position_of_the_same_odometer) {
   PositionStore positions{options};
   positions.restore(saved(7), &context);
-  EXPECT_FALSE(context.agent().position().known()) << "PILS has not identified its session yet";
+  EXPECT_FALSE(context.vehicle().position().known()) << "PILS has not identified its session yet";
   EXPECT_FALSE(positions.on_pils_hello(7));
   positions.find_position(context);
   EXPECT_DOUBLE_EQ(s_m(), 0.4);

@@ -19,12 +19,14 @@ std::string three_decimals(double value_m) {
 /// "0.42 m"
 std::string in_three_decimals(double value_m) { return three_decimals(value_m) + " m"; }
 
-wire::AgvPosition position_of(const Agent& agent, const std::string& map_id) {
-  const PositionEstimator& estimator = agent.position();
+wire::AgvPosition position_of(const VehicleState& vehicle, const std::string& map_id) {
+  const PositionEstimator& estimator = vehicle.position();
   return {estimator.pose(), map_id, true, std::nullopt, 2.0 * estimator.on_path_estimator().sigma_m()};
 }
 
-wire::Velocity velocity_of(const Agent& agent) { return {agent.motion().speed_mps(), 0.0, agent.turn_rate_radps()}; }
+wire::Velocity velocity_of(const VehicleState& vehicle) {
+  return {vehicle.motion().speed_mps(), 0.0, vehicle.turn_rate_radps()};
+}
 
 wire::VehicleError condition(std::string type, std::string description, std::vector<wire::Reference> references = {}) {
   return {std::move(type), wire::ErrorLevel::warning, std::move(description), std::move(references)};
@@ -45,10 +47,11 @@ void add_conditions(const ReportSources& from, std::vector<wire::VehicleError>& 
     errors.push_back(condition("zoneUnknown", "no zone configuration has arrived yet"));
     return;
   }
-  if (from.agent->holds().has(Hold::server_lost))
+  if (from.agent->vehicle().holds().has(Hold::server_lost))
     errors.push_back(condition("serverLost", "the server's heartbeat stopped"));
-  if (from.agent->holds().has(Hold::line_lost)) errors.push_back(condition("lineLost", "no line under the sensors"));
-  const PositionEstimator& estimator = from.agent->position();
+  if (from.agent->vehicle().holds().has(Hold::line_lost))
+    errors.push_back(condition("lineLost", "no line under the sensors"));
+  const PositionEstimator& estimator = from.agent->vehicle().position();
   if (!estimator.pose_known()) errors.push_back(condition("positionUnknown", "the vehicle's position is not known"));
   if (estimator.pose_known() && !estimator.known()) {
     const std::string off = in_three_decimals(estimator.off_path_estimator().off_by_m());
@@ -87,7 +90,8 @@ wire::Information gauge_information(const wire::Power::Gauge& gauge) {
 }
 
 void add_agent(const Agent& agent, const ReportSources& from, wire::State& state) {
-  const OrderBook& order = agent.order();
+  const VehicleState& vehicle = agent.vehicle();
+  const OrderBook& order = vehicle.order();
   state.order_id = order.ids().order_id;
   state.order_update_id = order.ids().order_update_id;
   state.zone_set_id = order.ids().zone_set_id;
@@ -96,13 +100,13 @@ void add_agent(const Agent& agent, const ReportSources& from, wire::State& state
   state.node_states = order.node_states();
   state.edge_states = order.edge_states();
   if (!order.last_node().node_id.empty()) state.distance_since_last_node_m = order.since_last_node_m();
-  state.driving = !agent.motion().stopped();
-  state.paused = agent.holds().has(Hold::paused);
+  state.driving = !vehicle.motion().stopped();
+  state.paused = vehicle.holds().has(Hold::paused);
   state.new_base_request = agent.decision().wants_base;
   state.field_violation = agent.decision().blocked;
-  state.velocity = velocity_of(agent);
-  const PositionEstimator& estimator = agent.position();
-  if (estimator.pose_known()) state.position = position_of(agent, from.maps.front().map_id);
+  state.velocity = velocity_of(vehicle);
+  const PositionEstimator& estimator = vehicle.position();
+  if (estimator.pose_known()) state.position = position_of(vehicle, from.maps.front().map_id);
   if (const auto& tag = estimator.last_tag()) {
     state.information.push_back({"lastTag",
                                  {},
@@ -144,8 +148,8 @@ wire::BoardsReport compose_boards_report(const ReportSources& from, const std::o
 
 wire::Visualization compose_visualization(const Agent& agent, const std::string& map_id) {
   wire::Visualization visualization;
-  if (agent.position().pose_known()) visualization.position = position_of(agent, map_id);
-  visualization.velocity = velocity_of(agent);
+  if (agent.vehicle().position().pose_known()) visualization.position = position_of(agent.vehicle(), map_id);
+  visualization.velocity = velocity_of(agent.vehicle());
   return visualization;
 }
 
@@ -154,7 +158,7 @@ std::string display_text(const std::string& serial_number, const Agent& agent) {
   char text[40];
   const int length =
       std::snprintf(text, sizeof text, "%.*s %s %.1f", static_cast<int>(serial_bytes_max), serial_number.c_str(),
-                    std::string(to_string(agent.status())).c_str(), std::fabs(agent.motion().speed_mps()));
+                    std::string(to_string(agent.status())).c_str(), std::fabs(agent.vehicle().motion().speed_mps()));
   return {text, static_cast<std::size_t>(length)};
 }
 
@@ -169,12 +173,12 @@ ReportFlags flags_of(const ReportSources& from) {
   }
   if (from.power) flags.charge_percent = from.power->charge_permille / 10;
   if (from.agent == nullptr) return flags;
-  flags.holds = from.agent->holds().bits();
-  flags.driving = !from.agent->motion().stopped();
+  flags.holds = from.agent->vehicle().holds().bits();
+  flags.driving = !from.agent->vehicle().motion().stopped();
   flags.blocked = from.agent->decision().blocked;
   flags.wants_base = from.agent->decision().wants_base;
-  flags.position_known = from.agent->position().pose_known();
-  flags.near_path = from.agent->position().near_path();
+  flags.position_known = from.agent->vehicle().position().pose_known();
+  flags.near_path = from.agent->vehicle().position().near_path();
   return flags;
 }
 

@@ -49,7 +49,7 @@ void StateReporter::publish_state(const ReportSources& sources, bool starting_up
 
 void StateReporter::publish_visualization(SimTime now, const DrivingContext& context, Session& session,
                                           wire::Effects& effects) {
-  if (!visualization_timer_.take(now) || !context.agent().position().pose_known()) return;
+  if (!visualization_timer_.take(now) || !context.vehicle().position().pose_known()) return;
   session.publish(now, compose_visualization(context.agent(), context.zone().name), effects);
 }
 

@@ -30,7 +30,7 @@ struct InstructionTest : ::testing::Test {
   DrivingContext context{lacet4(), {}};
   wire::Effects effects;
 
-  InstructionTest() { context.agent().estimator().position_at(at(lacet4(), "loop_se", 0.0)); }
+  InstructionTest() { context.vehicle().estimator().position_at(at(lacet4(), "loop_se", 0.0)); }
   [[nodiscard]] static wire::Header header() { return {1, SimTime{}, "2.1.0", "CoSiVA", "AIV1"}; }
   void act(std::string_view type, std::string id, DrivingContext* in, std::vector<wire::Parameter> parameters = {}) {
     wire::InstantActions message;

@@ -22,7 +22,7 @@ constexpr SimDuration intent_interval_min = std::chrono::milliseconds{100};
 V2xParticipant::V2xParticipant(wire::VehicleId id, bool enabled) : id_{std::move(id)}, enabled_{enabled} {}
 
 bool V2xParticipant::update_cell(const DrivingContext& context) {
-  const PositionEstimator& estimator = context.agent().position();
+  const PositionEstimator& estimator = context.vehicle().position();
   if (!enabled_ || !estimator.pose_known()) return false;
   const Point2 here = position(estimator.pose());
   const std::string& map_id = context.zone().name;
@@ -39,7 +39,7 @@ std::vector<std::string> V2xParticipant::filters() const {
 
 void V2xParticipant::on_intent(SimTime now, const wire::Input& input, DrivingContext& context, wire::Effects& effects) {
   // A retained intent is of unknown age. An intent that comes before the pose is known was not subscribed to.
-  if (!enabled_ || input.flag || !context.agent().position().pose_known()) return;
+  if (!enabled_ || input.flag || !context.vehicle().position().pose_known()) return;
   const auto topic = wire::parse_v2x_topic(input.source);
   if (!topic) return;
   const auto refuse = [&](std::string kind, const std::string& why) {
@@ -49,7 +49,7 @@ void V2xParticipant::on_intent(SimTime now, const wire::Input& input, DrivingCon
   };
   auto intent = wire::received_intent(input);
   if (!intent) return refuse(intent.error().code + " " + intent.error().location, to_string(intent.error()));
-  const Point2 here = position(context.agent().position().pose());
+  const Point2 here = position(context.vehicle().position().pose());
   const auto verdict = context.neighbours().receive(now, *topic, std::move(*intent), here);
   using enum Neighbours::Verdict;
   if (verdict == first) requested_ = true;
@@ -61,19 +61,20 @@ void V2xParticipant::on_intent(SimTime now, const wire::Input& input, DrivingCon
 
 Others V2xParticipant::survey(SimTime now, DrivingContext& context) const {
   const Agent& agent = context.agent();
-  if (!agent.heeds_others() || !agent.position().known() || agent.position().off_path()) return {};
+  const PositionEstimator& position = agent.vehicle().position();
+  if (!agent.heeds_others() || !position.known() || position.off_path()) return {};
   return context.neighbours().around(now, agent);
 }
 
 void V2xParticipant::publish_intent(SimTime now, DrivingContext& context, Session& session, wire::Effects& effects) {
   const Agent& agent = context.agent();
-  if (!enabled_ || !session.online() || !cell_ || !agent.position().pose_known()) return;
+  if (!enabled_ || !session.online() || !cell_ || !agent.vehicle().position().pose_known()) return;
   const SimDuration since = published_at_ ? now - *published_at_ : SimDuration::max();
   if (since >= SimDuration::zero() && since < intent_interval_min) return;
   Neighbours& neighbours = context.neighbours();
   neighbours.age(now);
   const bool alone = neighbours.empty();
-  const SimDuration period = alone ? alone_period : agent.motion().stopped() ? stopped_period : moving_period;
+  const SimDuration period = alone ? alone_period : agent.vehicle().motion().stopped() ? stopped_period : moving_period;
   const bool due = requested_ || since >= period || since < SimDuration::zero();
   if (!due && alone) return;
   const zone::TrafficZone& zone = context.zone();

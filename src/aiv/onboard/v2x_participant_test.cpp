@@ -19,7 +19,7 @@ struct V2xParticipantTest : ::testing::Test {
 
   V2xParticipantTest() {
     session.set_online(true);
-    context.agent().estimator().position_at(test::at(lacet4(), "loop_se", 0.5));
+    context.vehicle().estimator().position_at(test::at(lacet4(), "loop_se", 0.5));
   }
   std::size_t intents_at(int ms) {
     effects.clear();

@@ -51,9 +51,9 @@ void VirtualPerception::update(SimTime now, bool server_lost, DrivingContext& co
     bodies.excuse_silence(now);
   else
     bodies.age(now);
-  Agent& agent = context.agent();
-  contact_ = agent.position().known() ? bodies.first(now, agent.position().outlook()) : PerceivedWorld::Contact{};
-  agent.perceive(contact_.gap_m);
+  const PositionEstimator& position = context.vehicle().position();
+  contact_ = position.known() ? bodies.first(now, position.outlook()) : PerceivedWorld::Contact{};
+  context.agent().perceive(contact_.gap_m);
 }
 
 void VirtualPerception::publish_change(SimTime now, const DrivingContext& context, Session& session,

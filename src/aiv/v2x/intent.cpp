@@ -25,12 +25,13 @@ zone::SpeedProfile pace_of(const Agent& agent, const zone::TrafficZone& zone) {
 
 /// Calls `take(crossing_span, name, may_enter)` for each crossing that the intent has to list, in their order.
 template <typename Take>
-void each_crossing(const Agent& agent, const zone::TrafficZone& zone, const CrossingFinder& crossing_spans, Take take) {
-  const OrderBook& order = agent.order();
-  const bool goes_on = order.active() && agent.holds().bits() == 0 && !agent.progress().cancelling();
+void each_crossing(const VehicleState& vehicle, const zone::TrafficZone& zone, const CrossingFinder& crossing_spans,
+                   Take take) {
+  const OrderBook& order = vehicle.order();
+  const bool goes_on = order.active() && vehicle.holds().bits() == 0 && !vehicle.progress().cancelling();
   const double base_m = order.distance_to_base_end_m();
   std::vector<CrossingSpan> ahead;
-  crossing_spans.ahead(agent.position().outlook(), intent_reach_m, wire::Intent::crossings_max, ahead);
+  crossing_spans.ahead(vehicle.position().outlook(), intent_reach_m, wire::Intent::crossings_max, ahead);
   for (const CrossingSpan& crossing_span : ahead) {
     const bool ends_there = !order.horizon_left() && base_m > crossing_span.entry_m;
     const bool may_enter = crossing_span.entry_m <= 0.0 ||
@@ -45,25 +46,26 @@ void add_crossings(const Agent& agent, const zone::TrafficZone& zone, const Cros
                    wire::Intent& intent) {
   const zone::SpeedProfile pace = pace_of(agent, zone);
   const auto after = [&](double distance_m) {
-    return std::min(duration_s_max, thousandths(earliest_s(distance_m, agent.motion().speed_mps(), pace)));
+    return std::min(duration_s_max, thousandths(earliest_s(distance_m, agent.vehicle().motion().speed_mps(), pace)));
   };
   each_crossing(
-      agent, zone, crossing_spans, [&](const CrossingSpan& crossing_span, const std::string& name, bool may_enter) {
+      agent.vehicle(), zone, crossing_spans,
+      [&](const CrossingSpan& crossing_span, const std::string& name, bool may_enter) {
         intent.crossings.push_back({name, thousandths(crossing_span.entry_m), thousandths(crossing_span.exit_m),
                                     after(crossing_span.entry_m), after(crossing_span.exit_m), may_enter});
       });
 }
 
 /// On the path, on a section whose name is short enough for a message.
-bool has_position(const Agent& agent, const zone::TrafficZone& zone) {
-  const PositionEstimator& position = agent.position();
+bool has_position(const VehicleState& vehicle, const zone::TrafficZone& zone) {
+  const PositionEstimator& position = vehicle.position();
   return position.known() && !position.off_path() &&
          zone.circuit.part(position.track_position().section).name.size() <= name_bytes_max;
 }
 
-void add_route(const Agent& agent, const zone::TrafficZone& zone, wire::Intent& intent) {
-  zone::SectionLookAhead ahead = section_look_ahead(zone.circuit, agent.position().outlook());
-  double left_m = intent_reach_m + agent.position().track_position().s_m;
+void add_route(const VehicleState& vehicle, const zone::TrafficZone& zone, wire::Intent& intent) {
+  zone::SectionLookAhead ahead = section_look_ahead(zone.circuit, vehicle.position().outlook());
+  double left_m = intent_reach_m + vehicle.position().track_position().s_m;
   for (std::size_t i = 0; i < wire::Intent::route_max; ++i) {
     left_m -= zone.circuit.section(ahead.section()).length_m();
     if (left_m <= 0.0 || !ahead.step()) return;
@@ -90,33 +92,34 @@ double earliest_s(double distance_m, double speed_mps, const zone::SpeedProfile&
 bool is_news(const wire::Intent& published, const Agent& agent, const zone::TrafficZone& zone,
              const CrossingFinder& crossing_spans) {
   if (published.braking != agent.braking() || published.map_id != zone.name ||
-      published.position.has_value() != has_position(agent, zone))
+      published.position.has_value() != has_position(agent.vehicle(), zone))
     return true;
-  if (!agent.position().known() || agent.position().off_path()) return !published.crossings.empty();
+  if (!agent.vehicle().position().known() || agent.vehicle().position().off_path()) return !published.crossings.empty();
   std::size_t same = 0;
   bool other = false;
-  each_crossing(agent, zone, crossing_spans, [&](const CrossingSpan&, const std::string& name, bool may_enter) {
-    other = other || same == published.crossings.size() || published.crossings[same].name != name ||
-            published.crossings[same].may_enter != may_enter;
-    if (!other) ++same;
-  });
+  each_crossing(agent.vehicle(), zone, crossing_spans,
+                [&](const CrossingSpan&, const std::string& name, bool may_enter) {
+                  other = other || same == published.crossings.size() || published.crossings[same].name != name ||
+                          published.crossings[same].may_enter != may_enter;
+                  if (!other) ++same;
+                });
   return other || same != published.crossings.size();
 }
 
 wire::Intent compose_intent(const Agent& agent, const zone::TrafficZone& zone, const CrossingFinder& crossing_spans) {
-  const PositionEstimator& position = agent.position();
+  const PositionEstimator& position = agent.vehicle().position();
   wire::Intent intent;
   intent.map_id = zone.name;
   const Pose2 X_MB = position.pose();
   intent.pose = {thousandths(X_MB.x_m), thousandths(X_MB.y_m), thousandths(wrap_angle(X_MB.heading_rad))};
-  intent.speed_mps = thousandths(agent.motion().speed_mps());
+  intent.speed_mps = thousandths(agent.vehicle().motion().speed_mps());
   intent.braking = agent.braking();
   if (!position.known() || position.off_path()) return intent;
   const zone::TrackPosition here = position.track_position();
-  if (has_position(agent, zone))
+  if (has_position(agent.vehicle(), zone))
     intent.position = wire::Intent::OnLine{zone.circuit.part(here.section).name, std::max(0.0, thousandths(here.s_m))};
   add_crossings(agent, zone, crossing_spans, intent);
-  add_route(agent, zone, intent);
+  add_route(agent.vehicle(), zone, intent);
   return intent;
 }
 

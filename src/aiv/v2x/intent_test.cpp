@@ -81,9 +81,9 @@ struct Speaker {
   Agent agent{lacet4()};
   CrossingFinder crossing_spans{lacet4()};
 
-  explicit Speaker(double s_m) { agent.estimator().position_at(at(lacet4(), "east", s_m)); }
+  explicit Speaker(double s_m) { agent.vehicle().estimator().position_at(at(lacet4(), "east", s_m)); }
   Speaker& take(const wire::Order& text) {
-    EXPECT_TRUE(agent.take_order(text));
+    EXPECT_TRUE(agent.vehicle().take_order(text));
     static_cast<void>(agent.decide());
     return *this;
   }
@@ -117,7 +117,7 @@ TEST(ComposeIntent, requests_no_crossing_while_the_vehicle_is_held_or_has_no_ord
   EXPECT_THAT(Speaker{0.1}.compose().crossings, IsEmpty());
   Speaker paused{0.1};
   paused.take(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"}));
-  paused.agent.hold(Hold::paused, true);
+  paused.agent.vehicle().hold(Hold::paused, true);
   EXPECT_THAT(paused.compose().crossings, IsEmpty());
   Speaker inside{0.6};
   const auto crossings = inside.compose().crossings;
@@ -128,7 +128,7 @@ TEST(ComposeIntent, requests_no_crossing_while_the_vehicle_is_held_or_has_no_ord
 
 TEST(ComposeIntent, of_an_off_path_vehicle_states_only_its_pose) {
   Speaker speaker{0.1};
-  speaker.agent.estimator().set_off_path({0.3, 0.0, 0.5});
+  speaker.agent.vehicle().estimator().set_off_path({0.3, 0.0, 0.5});
   const wire::Intent intent = speaker.compose();
   EXPECT_FALSE(intent.position);
   EXPECT_THAT(intent.crossings, IsEmpty());
@@ -157,7 +157,7 @@ TEST(News, are_changes_that_others_react_to_and_not_the_progress_on_the_path) {
   EXPECT_TRUE(is_news(published, Speaker{0.1})) << "no crossing is requested";
   EXPECT_TRUE(is_news(Speaker{1.3}.compose(), speaker)) << "the vehicle approaches crossings";
   Speaker neighbour{0.1};
-  neighbour.agent.estimator().set_off_path({0.3, 0.0, 0.5});
+  neighbour.agent.vehicle().estimator().set_off_path({0.3, 0.0, 0.5});
   EXPECT_TRUE(is_news(published, neighbour));
   EXPECT_FALSE(is_news(neighbour.compose(), neighbour));
   wire::Intent other = published;

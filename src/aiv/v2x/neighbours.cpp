@@ -121,7 +121,7 @@ Others Neighbours::around(SimTime now, const Agent& agent) {
 }
 
 void Neighbours::find_leader(SimTime now, const Agent& agent, Others& others) {
-  gap_.update(agent.position().outlook());
+  gap_.update(agent.vehicle().position().outlook());
   for (const KnownIntent& received : received_) {
     const wire::Body body = body_of(*received.intent);
     const double carried_s = to_seconds(std::min(now - received.at, model_.carry_max));
@@ -136,14 +136,15 @@ void Neighbours::find_leader(SimTime now, const Agent& agent, Others& others) {
 void Neighbours::find_rivals(SimTime now, const Agent& agent, Others& others) {
   const double stop_m = agent.decision().crossing_ahead_m;
   if (!std::isfinite(stop_m)) return;
-  crossing_finder_.ahead(agent.position().outlook(), stop_m + entry_slack_m, wire::Intent::crossings_max, ahead_);
+  crossing_finder_.ahead(agent.vehicle().position().outlook(), stop_m + entry_slack_m, wire::Intent::crossings_max,
+                         ahead_);
   const auto in_chain = [&](const wire::CrossingIntent& crossing) {
     return std::ranges::any_of(ahead_, [&](const CrossingSpan& crossing_span) {
       return crossing_span.entry_m >= stop_m - entry_slack_m &&
              zone_.crossings[crossing_span.crossing].name == crossing.name;
     });
   };
-  const double own_s = earliest_s(stop_m, agent.motion().speed_mps(), zone_.profiles.medium);
+  const double own_s = earliest_s(stop_m, agent.vehicle().motion().speed_mps(), zone_.profiles.medium);
   const double slow_s = stop_m / zone_.profiles.slow.speed_mps;
   const double own_priority = zone_.priority_of(wire::to_string(self_));
   for (const KnownIntent& received : received_) {

@@ -32,8 +32,9 @@ struct Ear {
   std::uint32_t header{0};
 
   explicit Ear(double s_m = 0.1) {
-    agent.estimator().position_at(at(lacet4(), "east", s_m));
-    EXPECT_TRUE(agent.take_order(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})));
+    agent.vehicle().estimator().position_at(at(lacet4(), "east", s_m));
+    EXPECT_TRUE(
+        agent.vehicle().take_order(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})));
     static_cast<void>(agent.decide());
   }
 
@@ -60,13 +61,13 @@ struct Ear {
   }
   [[nodiscard]] std::vector<CrossingSpan> crossings() const {
     std::vector<CrossingSpan> out;
-    CrossingFinder{lacet4()}.ahead(agent.position().outlook(), 1.0, 8, out);
+    CrossingFinder{lacet4()}.ahead(agent.vehicle().position().outlook(), 1.0, 8, out);
     return out;
   }
   Verdict receive(wire::Intent intent) {
     const wire::V2xTopic topic{"lacet4", wire::cell_of(position(intent.pose)), intent.vehicle};
     return neighbours.receive(now, topic, std::make_shared<const wire::Intent>(std::move(intent)),
-                              position(agent.position().pose()));
+                              position(agent.vehicle().position().pose()));
   }
   Others around() { return neighbours.around(now, agent); }
 };
@@ -144,7 +145,7 @@ TEST(Neighbours, discard_a_vehicle_that_leaps) {
 
 TEST(Neighbours, keep_the_nearest_of_too_many_vehicles) {
   Ear ear;
-  const Point2 here = position(ear.agent.position().pose());
+  const Point2 here = position(ear.agent.vehicle().position().pose());
   for (int i = 0; i < 5000; ++i) {
     wire::Intent intent = ear.one_at(at(lacet4(), "east", 0.5), 0.0, "S" + std::to_string(i));
     intent.pose = {here.x_m + 0.5 + 0.001 * ((i * 37) % 5000), here.y_m, 0.0};
@@ -238,8 +239,8 @@ TEST(Neighbours, weigh_priorities_and_ignore_other_crossings) {
 
 TEST(Neighbours, do_not_matter_to_a_vehicle_that_may_enter) {
   Ear ear;
-  EXPECT_TRUE(
-      ear.agent.take_order(order("O-1", 1).from_sequence(4).through({"east@380", "east@1120"}).then({"east@1310"})));
+  EXPECT_TRUE(ear.agent.vehicle().take_order(
+      order("O-1", 1).from_sequence(4).through({"east@380", "east@1120"}).then({"east@1310"})));
   static_cast<void>(ear.agent.decide());
   EXPECT_EQ(ear.agent.decision().crossing_ahead_m, infinite);
   ear.receive(ear.rival(0.1, true, 9.0));
@@ -284,8 +285,8 @@ struct Requested final : SpeedPolicy {
 TEST(Heeding, accepts_a_leader_only_where_its_sensors_detect_a_body) {
   Situation requested{};
   Agent agent{lacet4(), std::make_unique<Requested>(requested)};
-  agent.estimator().position_at(at(lacet4(), "east", 0.1));
-  EXPECT_TRUE(agent.take_order(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})));
+  agent.vehicle().estimator().position_at(at(lacet4(), "east", 0.1));
+  EXPECT_TRUE(agent.vehicle().take_order(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})));
   agent.heed({.leader_gap_m = 0.40, .leader_mps = 0.25});
   static_cast<void>(agent.decide());
   EXPECT_FALSE(requested.closing_mps) << "no body is detected there";
@@ -306,8 +307,9 @@ TEST(Heeding, never_drives_faster_than_the_envelope_for_any_intents) {
     const double s_m = random.uniform(0.0, 0.1);
     const double gap_m = random.uniform(0.0, 1.0);
     for (Agent* agent : {&reported, &alone}) {
-      agent->estimator().position_at(at(lacet4(), "east", s_m));
-      RC_ASSERT(agent->take_order(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})));
+      agent->vehicle().estimator().position_at(at(lacet4(), "east", s_m));
+      RC_ASSERT(
+          agent->vehicle().take_order(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})));
       agent->perceive(gap_m);
     }
     reported.heed({.leader_gap_m = random.uniform(0.0, 1.0),
