@@ -1,21 +1,21 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 
 #include "cosiva/app/agent/agent_arguments.h"
+#include "cosiva/app/cli/options.h"
 
 /// The options of `cosiva agent`.
 namespace cosiva::app {
 
 /// `cosiva agent` and its subcommands.
 struct AgentCommands {
-  CLI::App* agent;
-  CLI::App* explain;
-  CLI::App* surface;
+  Command agent;
+  Command explain;
+  Command surface;
 };
 
-[[nodiscard]] AgentCommands describe_agent(CLI::App& root, AgentArguments& agent);
+[[nodiscard]] AgentCommands describe_agent(Command root, AgentArguments& agent);
 
 /// The exit status of the requested subcommand, if any.
 [[nodiscard]] std::optional<int> run_agent_command(const AgentCommands& commands, const AgentArguments& agent);

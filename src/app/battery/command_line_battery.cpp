@@ -106,72 +106,68 @@ constexpr const char* check_examples =
     "The form is docs/protocols/battery-type.schema.json. Exit 2 where one is bad.";
 
 /// Options of tests on a running platform, instead of in virtual time.
-void add_live_options(CLI::App& command, BatteryTestArguments& test) {
+void add_live_options(Command command, BatteryTestArguments& test) {
   command.add_flag("--live", test.live, "on a running platform, over its broker, instead of in virtual time");
-  command.add_option("--url", test.url, "of its server, with --live")->type_name("URL")->capture_default_str();
+  command.add_option("--url", test.url, "of its server, with --live").value_name("URL").show_default();
   add_broker(command, test.broker, "127.0.0.1:1883; with --live");
   command.add_option("--vehicle", test.vehicles, "whose batteries are tested; without: AIV1, AIV2 …")
-      ->type_name("MANUFACTURER/SERIAL");
-  command.add_option("--battery", test.batteries, "name of each battery, in the vehicles' order")->type_name("ID");
+      .value_name("MANUFACTURER/SERIAL");
+  command.add_option("--battery", test.batteries, "name of each battery, in the vehicles' order").value_name("ID");
   command.add_flag(
       "--by-hand", test.by_hand,
       "operators change the batteries and confirm with `cosiva battery ready`; without: the plant changes them");
   command
       .add_option("--park", test.park, "station for vehicles whose run has ended, with --by-hand; without: they stop")
-      ->type_name("STATION");
+      .value_name("STATION");
   command.add_option("--lost-after", test.lost_after_s, "a vehicle without reports for this time is lost [s]")
-      ->type_name("S")
-      ->check(CLI::Range(2.0, 86400.0))
-      ->capture_default_str();
+      .value_name("S")
+      .in_range(2.0, 86400.0)
+      .show_default();
   command
       .add_option("--notify", test.notify,
                   "shell command that is run with each operator message as its last argument (live tests)")
-      ->type_name("COMMAND");
+      .value_name("COMMAND");
 }
 
-void add_test_options(CLI::App& command, BatteryTestArguments& test) {
+void add_test_options(Command command, BatteryTestArguments& test) {
   command.add_option("--zone", test.zone, "traffic zone: a ready one's name or a file")
-      ->type_name("NAME|FILE")
-      ->capture_default_str();
+      .value_name("NAME|FILE")
+      .show_default();
   command.add_option("--type", test.type, "battery type: a shipped one's name (leaf33, lipo850) or a file")
-      ->type_name("NAME|FILE")
-      ->capture_default_str();
-  command.add_option("--series", test.series, "cells in series; without: the type's")
-      ->type_name("N")
-      ->check(CLI::Range(1, 100));
+      .value_name("NAME|FILE")
+      .show_default();
+  command.add_option("--series", test.series, "cells in series; without: the type's").value_name("N").in_range(1, 100);
   command.add_option("--parallel", test.parallel, "cells in parallel; without: the type's")
-      ->type_name("N")
-      ->check(CLI::Range(1, 100));
+      .value_name("N")
+      .in_range(1, 100);
   command.add_option("--scale", test.scale, "cells of another size: capacity times this")
-      ->type_name("X")
-      ->check(CLI::Range(1e-4, 1e4));
+      .value_name("X")
+      .in_range(1e-4, 1e4);
   command.add_option("--gauge", test.gauge, "counter, rest or kalman: method of the vehicles' gauges")
-      ->type_name("WORD")
-      ->capture_default_str();
+      .value_name("WORD")
+      .show_default();
   command.add_option("--floor", test.floor_percent, "charge at which a run ends [%]")
-      ->type_name("PERCENT")
-      ->capture_default_str();
+      .value_name("PERCENT")
+      .show_default();
   command.add_option("--pause-every", test.pause_every_s, "running time between calibrated pauses [s]; 0: none")
-      ->type_name("S")
-      ->check(CLI::NonNegativeNumber);
-  command.add_option("--pause", test.pause_s, "length of a pause [s], booked apart")
-      ->type_name("S")
-      ->check(CLI::NonNegativeNumber);
+      .value_name("S")
+      .not_negative();
+  command.add_option("--pause", test.pause_s, "length of a pause [s], booked apart").value_name("S").not_negative();
   command.add_option("--failures", test.failures_per_hour, "other failures, of a vehicle in an hour")
-      ->type_name("RATE")
-      ->check(CLI::Range(0.0, 1000.0));
+      .value_name("RATE")
+      .in_range(0.0, 1000.0);
   command.add_option("--load-spread", test.load_sd_percent, "standard deviation of the load between vehicles [%]")
-      ->type_name("PERCENT")
-      ->check(CLI::Range(0.0, 30.0))
-      ->capture_default_str();
+      .value_name("PERCENT")
+      .in_range(0.0, 30.0)
+      .show_default();
   command.add_option("--ambient", test.ambient_c, "temperature around the batteries [°C]")
-      ->type_name("C")
-      ->check(CLI::Range(-30.0, 60.0))
-      ->capture_default_str();
+      .value_name("C")
+      .in_range(-30.0, 60.0)
+      .show_default();
   command.add_option("--measure", test.measure_s, "duration of the whole platform's run that measures the load [s]")
-      ->type_name("S")
-      ->check(CLI::Range(10.0, 36000.0))
-      ->capture_default_str();
+      .value_name("S")
+      .in_range(10.0, 36000.0)
+      .show_default();
   command.add_flag("--whole", test.whole,
                    "the whole platform in the loop to the end, instead of repeating the load that was measured");
   command
@@ -179,212 +175,201 @@ void add_test_options(CLI::App& command, BatteryTestArguments& test) {
           "--hz", test.hz,
           "with --whole: actions of each component per second; 50 is the live platform's rate, and the default. "
           "At 10 the test takes three fifths of the time, and vehicles in dense traffic wait slightly longer")
-      ->type_name("N")
-      ->check(CLI::Range(10.0, 50.0));
+      .value_name("N")
+      .in_range(10.0, 50.0);
   add_rules(command, test.rules, "how the AIVs choose their speed (docs/guide/agents.md); without: crisp");
   command.add_option("--state", test.state_file, "saved during the test; an existing file is continued")
-      ->type_name("FILE");
+      .value_name("FILE");
   command.add_option("--out", test.out_directory, "folder for report.html, result.json and curves.csv")
-      ->type_name("DIR");
-  command.add_option("--seed", test.seed, "fixes every random draw")->type_name("S")->capture_default_str();
+      .value_name("DIR");
+  command.add_option("--seed", test.seed, "fixes every random draw").value_name("S").show_default();
   command.add_flag("--json", test.json, "print the result as JSON");
   add_live_options(command, test);
 }
 
-void describe_ready(CLI::App& command, BatteryReadyArguments& ready) {
-  command.add_option("vehicle", ready.vehicle, "AIV3, or MANUFACTURER/SERIAL")->type_name("VEHICLE")->required();
-  command.add_option("battery", ready.battery, "the battery's own id")->type_name("ID")->required();
-  command.add_option("--type", ready.type, "its type")->type_name("NAME")->capture_default_str();
-  command.add_option("--cycles", ready.cycles, "full cycles so far")->type_name("N")->check(CLI::NonNegativeNumber);
-  command.add_option("--rest", ready.rest_s, "since it was charged [s]")->type_name("S")->check(CLI::NonNegativeNumber);
+void describe_ready(Command command, BatteryReadyArguments& ready) {
+  command.add_option("vehicle", ready.vehicle, "AIV3, or MANUFACTURER/SERIAL").value_name("VEHICLE").required();
+  command.add_option("battery", ready.battery, "the battery's own id").value_name("ID").required();
+  command.add_option("--type", ready.type, "its type").value_name("NAME").show_default();
+  command.add_option("--cycles", ready.cycles, "full cycles so far").value_name("N").not_negative();
+  command.add_option("--rest", ready.rest_s, "since it was charged [s]").value_name("S").not_negative();
   command.add_option("--temperature", ready.temperature_c, "of the pack [°C]")
-      ->type_name("C")
-      ->check(CLI::Range(-100.0, 200.0))
-      ->capture_default_str();
+      .value_name("C")
+      .in_range(-100.0, 200.0)
+      .show_default();
   command.add_option("--charge", ready.charge_percent, "if known [%]")
-      ->type_name("PERCENT")
-      ->check(CLI::Range(0.0, 100.0))
-      ->capture_default_str();
+      .value_name("PERCENT")
+      .in_range(0.0, 100.0)
+      .show_default();
   add_broker(command, ready.broker, "127.0.0.1:1883");
 }
 
-void describe_fit(CLI::App& command, BatteryFitArguments& fit) {
-  command.add_option("files", fit.files, "logs with the Battery Data Format's columns")->type_name("CSV")->required();
+void describe_fit(Command command, BatteryFitArguments& fit) {
+  command.add_option("files", fit.files, "logs with the Battery Data Format's columns").value_name("CSV").required();
   command.add_option("--only", fit.series, "only the series whose name contains this: rate=1C, discharge 2")
-      ->type_name("TEXT");
-  command
-      .add_option("--predict", fit.predict, "predicted, not fitted: another log, or series whose name contains this")
-      ->type_name("CSV|TEXT");
-  command.add_option("--name", fit.name, "of the type")->type_name("TEXT")->capture_default_str();
+      .value_name("TEXT");
+  command.add_option("--predict", fit.predict, "predicted, not fitted: another log, or series whose name contains this")
+      .value_name("CSV|TEXT");
+  command.add_option("--name", fit.name, "of the type").value_name("TEXT").show_default();
   command.add_option("--source", fit.source, "origin of the measurements; without: the files' names")
-      ->type_name("TEXT");
-  command.add_option("--licence", fit.licence, "of the logs; a type's file must state it")->type_name("TEXT");
+      .value_name("TEXT");
+  command.add_option("--licence", fit.licence, "of the logs; a type's file must state it").value_name("TEXT");
   command.add_option("--capacity", fit.capacity_ah, "of a cell [Ah]; without: what the slowest discharge took out")
-      ->type_name("AH")
-      ->check(CLI::PositiveNumber);
+      .value_name("AH")
+      .positive();
   command.add_option("--floor", fit.floor_v, "where a discharge ends [V]; without: the lowest voltage under load")
-      ->type_name("V")
-      ->check(CLI::PositiveNumber);
-  command.add_option("--out", fit.out_file, "output file of the type")->type_name("FILE");
+      .value_name("V")
+      .positive();
+  command.add_option("--out", fit.out_file, "output file of the type").value_name("FILE");
   command.add_flag("--json", fit.json, "print the result as JSON");
 }
 
-void describe_discharge(CLI::App& command, BatteryDischargeArguments& discharge) {
+void describe_discharge(Command command, BatteryDischargeArguments& discharge) {
   command.add_option("type", discharge.type, "a shipped type's name (leaf33, lipo850) or a file")
-      ->type_name("NAME|FILE")
-      ->required();
-  command.add_option("--current", discharge.currents_a, "of the whole pack [A]")
-      ->type_name("A")
-      ->check(CLI::PositiveNumber);
-  command.add_option("--power", discharge.powers_w, "of the whole pack [W]")
-      ->type_name("W")
-      ->check(CLI::PositiveNumber);
+      .value_name("NAME|FILE")
+      .required();
+  command.add_option("--current", discharge.currents_a, "of the whole pack [A]").value_name("A").positive();
+  command.add_option("--power", discharge.powers_w, "of the whole pack [W]").value_name("W").positive();
   command.add_option("--rate", discharge.rates, "current in multiples of the capacity: 0.2 is C/5")
-      ->type_name("C")
-      ->check(CLI::PositiveNumber);
-  command.add_option("--floor", discharge.floor_v, "of a cell [V]; without: the type's")
-      ->type_name("V")
-      ->check(CLI::PositiveNumber);
+      .value_name("C")
+      .positive();
+  command.add_option("--floor", discharge.floor_v, "of a cell [V]; without: the type's").value_name("V").positive();
   command.add_option("--ambient", discharge.ambient_c, "ambient temperature, and initial temperature of the pack [°C]")
-      ->type_name("C")
-      ->check(CLI::Range(-40.0, 85.0))
-      ->capture_default_str();
+      .value_name("C")
+      .in_range(-40.0, 85.0)
+      .show_default();
   command.add_option("--step", discharge.step_s, "of the simulation [s]")
-      ->type_name("S")
-      ->check(CLI::Range(0.001, 10.0))
-      ->capture_default_str();
-  command.add_option("--series", discharge.series, "cells in series")->type_name("N")->check(CLI::Range(1, 100));
-  command.add_option("--parallel", discharge.parallel, "cells in parallel")->type_name("N")->check(CLI::Range(1, 100));
+      .value_name("S")
+      .in_range(0.001, 10.0)
+      .show_default();
+  command.add_option("--series", discharge.series, "cells in series").value_name("N").in_range(1, 100);
+  command.add_option("--parallel", discharge.parallel, "cells in parallel").value_name("N").in_range(1, 100);
   command.add_option("--scale", discharge.scale, "cells of another size: capacity times this")
-      ->type_name("X")
-      ->check(CLI::Range(1e-4, 1e4));
-  command
-      .add_option("--csv", discharge.csv_file, "output file of time, voltage, current and temperature; for one load")
-      ->type_name("FILE");
+      .value_name("X")
+      .in_range(1e-4, 1e4);
+  command.add_option("--csv", discharge.csv_file, "output file of time, voltage, current and temperature; for one load")
+      .value_name("FILE");
   command.add_flag("--json", discharge.json, "print the result as JSON");
 }
 
-void describe_analyse(CLI::App& command, BatteryAnalyseArguments& analyse) {
+void describe_analyse(Command command, BatteryAnalyseArguments& analyse) {
   command.add_option("files", analyse.files, "tables of durations, or results of `--out` or `--json`")
-      ->type_name("CSV|JSON")
-      ->required();
-  command.add_option("--only", analyse.only, "only this series of them")->type_name("SERIES");
+      .value_name("CSV|JSON")
+      .required();
+  command.add_option("--only", analyse.only, "only this series of them").value_name("SERIES");
   command
       .add_option("--failed", analyse.failed,
                   "as if this battery's first run had been ended at this time by another cause")
-      ->type_name("BATTERY=SECONDS");
+      .value_name("BATTERY=SECONDS");
   command.add_option("--time", analyse.time, "column: how long it lasted, such as time_to_2V5_second")
-      ->type_name("COLUMN");
-  command.add_option("--battery", analyse.battery, "column: which battery")->type_name("COLUMN");
-  command.add_option("--vehicle", analyse.vehicle, "column: on which vehicle, or tester channel")->type_name("COLUMN");
-  command.add_option("--run", analyse.run, "column: which of its runs, from 1")->type_name("COLUMN");
+      .value_name("COLUMN");
+  command.add_option("--battery", analyse.battery, "column: which battery").value_name("COLUMN");
+  command.add_option("--vehicle", analyse.vehicle, "column: on which vehicle, or tester channel").value_name("COLUMN");
+  command.add_option("--run", analyse.run, "column: which of its runs, from 1").value_name("COLUMN");
   command
       .add_option("--half-width", analyse.half_width_percent,
                   "report after how many batteries the mean is known to this [%]")
-      ->type_name("PERCENT")
-      ->check(CLI::Range(0.001, 100.0));
-  command.add_option("--out", analyse.out_directory, "report.html and result.json go there")->type_name("DIR");
-  command.add_option("--seed", analyse.seed, "of the bootstrap")->type_name("S")->capture_default_str();
+      .value_name("PERCENT")
+      .in_range(0.001, 100.0);
+  command.add_option("--out", analyse.out_directory, "report.html and result.json go there").value_name("DIR");
+  command.add_option("--seed", analyse.seed, "of the bootstrap").value_name("S").show_default();
   command.add_flag("--json", analyse.json, "print the result as JSON; of several series, a list of them");
 }
 
 /// Sets the help texts that follow a subcommand's options.
 void teach(const BatteryCommands& commands) {
-  commands.battery->footer(battery_examples);
-  commands.sampled->footer(sampled_examples);
-  commands.fleet->footer(fleet_examples);
-  commands.fit->footer(fit_examples);
-  commands.ready->footer(ready_examples);
-  commands.plan->footer(plan_examples);
-  commands.analyse->footer(analyse_examples);
-  commands.discharge->footer(discharge_examples);
-  commands.compare->footer(compare_examples);
-  commands.check->footer(check_examples);
+  commands.battery.footer(battery_examples);
+  commands.sampled.footer(sampled_examples);
+  commands.fleet.footer(fleet_examples);
+  commands.fit.footer(fit_examples);
+  commands.ready.footer(ready_examples);
+  commands.plan.footer(plan_examples);
+  commands.analyse.footer(analyse_examples);
+  commands.discharge.footer(discharge_examples);
+  commands.compare.footer(compare_examples);
+  commands.check.footer(check_examples);
 }
 
 }  // namespace
 
-BatteryCommands describe_battery(CLI::App& root, BatteryArguments& battery) {
+BatteryCommands describe_battery(Command root, BatteryArguments& battery) {
   BatteryCommands commands{};
   commands.battery =
       root.add_subcommand("battery", "Autonomy of batteries: types, tests, and what may be claimed from them");
-  commands.battery->require_subcommand(0, 1);
+  commands.battery.at_most_one_subcommand();
   commands.sampled =
-      commands.battery->add_subcommand("sampled", "One AIV, one battery, from full to the floor, as often as wanted");
+      commands.battery.add_subcommand("sampled", "One AIV, one battery, from full to the floor, as often as wanted");
   commands.fleet =
-      commands.battery->add_subcommand("fleet", "N AIVs on one circuit, each with its battery, all at once");
-  commands.fit = commands.battery->add_subcommand("fit", "Make a battery type of a tester's logs");
+      commands.battery.add_subcommand("fleet", "N AIVs on one circuit, each with its battery, all at once");
+  commands.fit = commands.battery.add_subcommand("fit", "Make a battery type of a tester's logs");
   commands.ready =
-      commands.battery->add_subcommand("ready", "Confirm that a battery has been put into a vehicle (live tests)");
-  commands.plan = commands.battery->add_subcommand(
+      commands.battery.add_subcommand("ready", "Confirm that a battery has been put into a vehicle (live tests)");
+  commands.plan = commands.battery.add_subcommand(
       "plan", "Compute how many batteries a claim needs, and the swaps between vehicles");
-  commands.analyse = commands.battery->add_subcommand(
+  commands.analyse = commands.battery.add_subcommand(
       "analyse", "What may be claimed from tests that were made before, here or elsewhere");
   commands.discharge =
-      commands.battery->add_subcommand("discharge", "Compute how long a type's battery lasts under a load");
-  commands.compare = commands.battery->add_subcommand("compare", "Compare the batteries of two results");
+      commands.battery.add_subcommand("discharge", "Compute how long a type's battery lasts under a load");
+  commands.compare = commands.battery.add_subcommand("compare", "Compare the batteries of two results");
   commands.check =
-      commands.battery->add_subcommand("check", "Check whether files are valid battery types, and report errors");
-  for (CLI::App* command : {commands.sampled, commands.fleet}) {
-    add_test_options(*command, battery.test);
-    command->add_option("--repeat", battery.test.repeat, "runs of each battery")
-        ->type_name("N")
-        ->check(CLI::Range(1, 1000))
-        ->capture_default_str();
+      commands.battery.add_subcommand("check", "Check whether files are valid battery types, and report errors");
+  for (const Command command : {commands.sampled, commands.fleet}) {
+    add_test_options(command, battery.test);
+    command.add_option("--repeat", battery.test.repeat, "runs of each battery")
+        .value_name("N")
+        .in_range(1, 1000)
+        .show_default();
   }
-  commands.fleet->add_option("--aivs", battery.test.aivs, "how many")
-      ->type_name("N")
-      ->check(CLI::Range(2, 200))
-      ->capture_default_str();
-  commands.fleet->add_flag("--swap", battery.test.swap, "batteries change vehicles from run to run, by a Latin square");
+  commands.fleet.add_option("--aivs", battery.test.aivs, "how many").value_name("N").in_range(2, 200).show_default();
+  commands.fleet.add_flag("--swap", battery.test.swap, "batteries change vehicles from run to run, by a Latin square");
   commands.fleet
-      ->add_option(
+      .add_option(
           "--half-width", battery.test.half_width_percent,
           "requested half width of the mean [%]: reports after how many batteries it was reached, and makes no further "
           "run of --repeat then")
-      ->type_name("PERCENT");
-  describe_fit(*commands.fit, battery.fit);
-  describe_ready(*commands.ready, battery.ready);
-  describe_analyse(*commands.analyse, battery.analyse);
-  describe_discharge(*commands.discharge, battery.discharge);
-  commands.plan->add_option("--cv", battery.plan.cv_percent, "standard deviation that is expected [%]")
-      ->type_name("PERCENT")
-      ->check(CLI::Range(0.001, 100.0))
-      ->capture_default_str();
-  commands.plan->add_option("--half-width", battery.plan.half_width_percent, "of the mean's 95 % interval [%]")
-      ->type_name("PERCENT")
-      ->check(CLI::Range(0.001, 100.0))
-      ->capture_default_str();
+      .value_name("PERCENT");
+  describe_fit(commands.fit, battery.fit);
+  describe_ready(commands.ready, battery.ready);
+  describe_analyse(commands.analyse, battery.analyse);
+  describe_discharge(commands.discharge, battery.discharge);
+  commands.plan.add_option("--cv", battery.plan.cv_percent, "standard deviation that is expected [%]")
+      .value_name("PERCENT")
+      .in_range(0.001, 100.0)
+      .show_default();
+  commands.plan.add_option("--half-width", battery.plan.half_width_percent, "of the mean's 95 % interval [%]")
+      .value_name("PERCENT")
+      .in_range(0.001, 100.0)
+      .show_default();
   commands.plan
-      ->add_option("--difference", battery.plan.difference_percent,
-                   "between two types, that a comparison should detect [%]")
-      ->type_name("PERCENT")
-      ->check(CLI::Range(0.001, 100.0));
-  commands.plan->add_option("--aivs", battery.plan.aivs, "print the square for this number of AIVs")
-      ->type_name("N")
-      ->check(CLI::Range(2, 200));
-  commands.plan->add_flag("--json", battery.plan.json, "print the result as JSON");
-  commands.compare->add_option("results", battery.compare.files, "two results, of `--out` or `--json`")
-      ->type_name("FILE")
-      ->required()
-      ->expected(2);
-  commands.compare->add_flag("--json", battery.compare.json, "print the result as JSON");
-  commands.check->add_option("files", battery.check.files, "battery types")->type_name("FILE")->required();
-  commands.check->add_flag("--json", battery.check.json, "print the result as JSON");
+      .add_option("--difference", battery.plan.difference_percent,
+                  "between two types, that a comparison should detect [%]")
+      .value_name("PERCENT")
+      .in_range(0.001, 100.0);
+  commands.plan.add_option("--aivs", battery.plan.aivs, "print the square for this number of AIVs")
+      .value_name("N")
+      .in_range(2, 200);
+  commands.plan.add_flag("--json", battery.plan.json, "print the result as JSON");
+  commands.compare.add_option("results", battery.compare.files, "two results, of `--out` or `--json`")
+      .value_name("FILE")
+      .required()
+      .value_count(2);
+  commands.compare.add_flag("--json", battery.compare.json, "print the result as JSON");
+  commands.check.add_option("files", battery.check.files, "battery types").value_name("FILE").required();
+  commands.check.add_flag("--json", battery.check.json, "print the result as JSON");
   teach(commands);
   return commands;
 }
 
 std::optional<int> run_battery_command(const BatteryCommands& commands, const BatteryArguments& battery) {
-  if (commands.sampled->parsed()) return run_battery_sampled(battery.test);
-  if (commands.fleet->parsed()) return run_battery_fleet(battery.test);
-  if (commands.fit->parsed()) return run_battery_fit(battery.fit);
-  if (commands.ready->parsed()) return run_battery_ready(battery.ready);
-  if (commands.plan->parsed()) return run_battery_plan(battery.plan);
-  if (commands.discharge->parsed()) return run_battery_discharge(battery.discharge);
-  if (commands.analyse->parsed()) return run_battery_analyse(battery.analyse);
-  if (commands.compare->parsed()) return run_battery_compare(battery.compare);
-  if (commands.check->parsed()) return run_battery_check(battery.check);
+  if (commands.sampled.chosen()) return run_battery_sampled(battery.test);
+  if (commands.fleet.chosen()) return run_battery_fleet(battery.test);
+  if (commands.fit.chosen()) return run_battery_fit(battery.fit);
+  if (commands.ready.chosen()) return run_battery_ready(battery.ready);
+  if (commands.plan.chosen()) return run_battery_plan(battery.plan);
+  if (commands.discharge.chosen()) return run_battery_discharge(battery.discharge);
+  if (commands.analyse.chosen()) return run_battery_analyse(battery.analyse);
+  if (commands.compare.chosen()) return run_battery_compare(battery.compare);
+  if (commands.check.chosen()) return run_battery_check(battery.check);
   return std::nullopt;
 }
 

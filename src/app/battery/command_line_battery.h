@@ -1,6 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 
 #include "cosiva/app/battery/battery_analyse_command.h"
@@ -10,6 +9,7 @@
 #include "cosiva/app/battery/battery_plan_command.h"
 #include "cosiva/app/battery/battery_ready_command.h"
 #include "cosiva/app/battery/battery_test_arguments.h"
+#include "cosiva/app/cli/options.h"
 
 /// The options of `cosiva battery`.
 namespace cosiva::app {
@@ -27,19 +27,19 @@ struct BatteryArguments {
 };
 
 struct BatteryCommands {
-  CLI::App* battery;
-  CLI::App* sampled;
-  CLI::App* fleet;
-  CLI::App* fit;
-  CLI::App* ready;
-  CLI::App* plan;
-  CLI::App* analyse;
-  CLI::App* discharge;
-  CLI::App* compare;
-  CLI::App* check;
+  Command battery;
+  Command sampled;
+  Command fleet;
+  Command fit;
+  Command ready;
+  Command plan;
+  Command analyse;
+  Command discharge;
+  Command compare;
+  Command check;
 };
 
-[[nodiscard]] BatteryCommands describe_battery(CLI::App& root, BatteryArguments& battery);
+[[nodiscard]] BatteryCommands describe_battery(Command root, BatteryArguments& battery);
 
 /// The exit status of the requested subcommand, if any.
 [[nodiscard]] std::optional<int> run_battery_command(const BatteryCommands& commands, const BatteryArguments& battery);

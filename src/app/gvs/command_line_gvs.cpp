@@ -25,200 +25,191 @@ constexpr const char* examples =
     "\n"
     "docs/guide/gvs.md explains the procedure with a real camera.";
 
-void describe_render(CLI::App& command, GvsRenderArguments& a) {
+void describe_render(Command command, GvsRenderArguments& a) {
   command.add_option("--zone", a.zone, "where the AIVs drive: a ready zone's name or a file")
-      ->type_name("NAME|FILE")
-      ->capture_default_str();
+      .value_name("NAME|FILE")
+      .show_default();
   command.add_option("--aivs", a.aivs, "how many; AIV n carries tag n of family 36h11")
-      ->type_name("N")
-      ->check(CLI::Range(1, 80))
-      ->capture_default_str();
-  command
-      .add_option("--warm-up", a.warm_up_s, "seconds of driving that are not rendered; all AIVs start at standstill")
-      ->type_name("S")
-      ->check(CLI::Range(0.0, 3600.0))
-      ->capture_default_str();
-  command.add_option("--seconds", a.seconds, "of driving")
-      ->type_name("S")
-      ->check(CLI::Range(0.001, 3600.0))
-      ->capture_default_str();
-  command.add_option("--rate", a.rate_hz, "images per second")
-      ->type_name("HZ")
-      ->check(CLI::Range(5.0, 1000.0))
-      ->capture_default_str();
+      .value_name("N")
+      .in_range(1, 80)
+      .show_default();
+  command.add_option("--warm-up", a.warm_up_s, "seconds of driving that are not rendered; all AIVs start at standstill")
+      .value_name("S")
+      .in_range(0.0, 3600.0)
+      .show_default();
+  command.add_option("--seconds", a.seconds, "of driving").value_name("S").in_range(0.001, 3600.0).show_default();
+  command.add_option("--rate", a.rate_hz, "images per second").value_name("HZ").in_range(5.0, 1000.0).show_default();
   command.add_option("--size", a.size_px, "width and height of the images")
-      ->type_name("PX")
-      ->check(CLI::Range(128, 8192))
-      ->capture_default_str();
+      .value_name("PX")
+      .in_range(128, 8192)
+      .show_default();
   command.add_option("--height", a.height_m, "of the camera above the floor")
-      ->type_name("M")
-      ->check(CLI::Range(0.5, 100.0))
-      ->capture_default_str();
+      .value_name("M")
+      .in_range(0.5, 100.0)
+      .show_default();
   command.add_option("--tag-height", a.tag_height_m, "of the tags above the floor")
-      ->type_name("M")
-      ->check(CLI::Range(0.0, 10.0))
-      ->capture_default_str();
+      .value_name("M")
+      .in_range(0.0, 10.0)
+      .show_default();
   command.add_option("--tag-side", a.tag_side_m, "of the tags' black square")
-      ->type_name("M")
-      ->check(CLI::Range(0.01, 5.0))
-      ->capture_default_str();
+      .value_name("M")
+      .in_range(0.01, 5.0)
+      .show_default();
   command.add_option("--exposure", a.exposure_ms, "motion during the exposure is blurred")
-      ->type_name("MS")
-      ->check(CLI::Range(0.0, 1000.0))
-      ->capture_default_str();
+      .value_name("MS")
+      .in_range(0.0, 1000.0)
+      .show_default();
   command
       .add_option("--rolling", a.rolling_ms,
                   "rolling shutter: from the first row's beginning to the last one's; 0: global")
-      ->type_name("MS")
-      ->check(CLI::Range(0.0, 1000.0))
-      ->capture_default_str();
+      .value_name("MS")
+      .in_range(0.0, 1000.0)
+      .show_default();
   command.add_option("--noise", a.noise_grey, "standard deviation of a pixel, in grey levels")
-      ->type_name("GREY")
-      ->check(CLI::Range(0.0, 100.0))
-      ->capture_default_str();
+      .value_name("GREY")
+      .in_range(0.0, 100.0)
+      .show_default();
   command.add_option("--brightness", a.brightness, "of the light; 1: white paper is 215 of 255")
-      ->type_name("RATIO")
-      ->check(CLI::Range(0.01, 10.0))
-      ->capture_default_str();
+      .value_name("RATIO")
+      .in_range(0.01, 10.0)
+      .show_default();
   command.add_option("--late", a.late_ms, "delay of the stamps, for trying `track --against`")
-      ->type_name("MS")
-      ->check(CLI::Range(-1000.0, 1000.0))
-      ->capture_default_str();
+      .value_name("MS")
+      .in_range(-1000.0, 1000.0)
+      .show_default();
   command.add_option("--seed", a.seed, "of noise and floor: the same seed, the same bytes")
-      ->type_name("S")
-      ->capture_default_str();
+      .value_name("S")
+      .show_default();
   command.add_option("--out", a.out_folder, "writes pictures/, board/, board.csv, points.csv, truth/")
-      ->type_name("DIR")
-      ->required();
+      .value_name("DIR")
+      .required();
   command.add_flag("--json", a.json, "print what was made as JSON");
 }
 
-void describe_calibrate(CLI::App& command, GvsCalibrateArguments& a) {
-  CLI::Option* points =
+void describe_calibrate(Command command, GvsCalibrateArguments& a) {
+  const Option points =
       command
           .add_option("--points", a.points_file, "floor points: CSV with world_x; world_y [m]; image_x; image_y [px]")
-          ->type_name("FILE");
+          .value_name("FILE");
   command.add_option("--board", a.board_file, "tags on the floor: CSV with id; x; y; heading_deg; side [m]")
-      ->type_name("FILE")
-      ->excludes(points);
-  command.add_option("--images", a.images_folder, "images of those tags")->type_name("DIR");
+      .value_name("FILE")
+      .excludes(points);
+  command.add_option("--images", a.images_folder, "images of those tags").value_name("DIR");
   command
       .add_option("--size", a.size, "of the images that the points were read from; a board's images contain their size")
-      ->type_name("WxH")
-      ->capture_default_str();
+      .value_name("WxH")
+      .show_default();
   command.add_option("--model", a.model, "of the floor; best: the model whose left-out blocks fit best")
-      ->check(CLI::IsMember({"best", "homography", "lens", "polynomial", "lens_polynomial"}))
-      ->capture_default_str();
+      .one_of({"best", "homography", "lens", "polynomial", "lens_polynomial"})
+      .show_default();
   command.add_option("--degree", a.degree, "of a polynomial")
-      ->type_name("N")
-      ->check(CLI::Range(std::size_t{2}, vision::degree_max))
-      ->capture_default_str();
+      .value_name("N")
+      .in_range(std::size_t{2}, vision::degree_max)
+      .show_default();
   command.add_option("--block", a.block_m, "side of the squares of floor that are left out in turn")
-      ->type_name("M")
-      ->check(CLI::Range(0.01, 1000.0))
-      ->capture_default_str();
+      .value_name("M")
+      .in_range(0.01, 1000.0)
+      .show_default();
   command
       .add_option("--camera-height", a.camera_height_m,
                   "above the floor, by a tape measure; without: no tag is corrected")
-      ->type_name("M")
-      ->check(CLI::Range(0.1, 1000.0));
+      .value_name("M")
+      .in_range(0.1, 1000.0);
   command
       .add_option("--camera-foot", a.camera_foot_m,
                   "the position vertically below it, by a plumb line; without: computed")
-      ->type_name("X,Y")
-      ->delimiter(',')
-      ->expected(2);
+      .value_name("X,Y")
+      .separator(',')
+      .value_count(2);
   command.add_option("--tag-height", a.tag_height_m, "of the vehicles' tags above the floor")
-      ->type_name("M")
-      ->check(CLI::Range(0.0, 100.0));
+      .value_name("M")
+      .in_range(0.0, 100.0);
   command
       .add_option("--tag-height-error", a.tag_height_error_m,
                   "standard deviation of that height, for reference_budget.json")
-      ->type_name("M")
-      ->check(CLI::Range(0.0, 1.0));
+      .value_name("M")
+      .in_range(0.0, 1.0);
   command.add_option("--mount-error", a.mount_error_m, "standard deviation of the tag's position on its vehicle")
-      ->type_name("M")
-      ->check(CLI::Range(0.0, 1.0));
+      .value_name("M")
+      .in_range(0.0, 1.0);
   command.add_option("--mount", a.mount, "the tag's pose on its vehicle: x forward, y left [m], heading [degrees]")
-      ->type_name("X,Y,DEG")
-      ->delimiter(',')
-      ->expected(3);
+      .value_name("X,Y,DEG")
+      .separator(',')
+      .value_count(3);
   command
       .add_option(
           "--poses", a.poses_file,
           "a vehicle at surveyed poses: CSV true_x; true_y; true_heading_deg; seen_x; seen_y; seen_heading_deg, or, "
           "with --pose-xs, samples x, y, cos, sin, 1, one pose after the other")
-      ->type_name("FILE");
+      .value_name("FILE");
   command.add_option("--pose-xs", a.pose_xs_m, "of a grid of poses: y slowest, then x, heading fastest")
-      ->type_name("X,X")
-      ->delimiter(',');
-  command.add_option("--pose-ys", a.pose_ys_m, "of that grid")->type_name("Y,Y")->delimiter(',');
+      .value_name("X,X")
+      .separator(',');
+  command.add_option("--pose-ys", a.pose_ys_m, "of that grid").value_name("Y,Y").separator(',');
   command.add_option("--pose-headings", a.pose_headings, "of that grid, evenly round from 0")
-      ->type_name("N")
-      ->check(CLI::Range(1, 360))
-      ->capture_default_str();
-  command.add_option("--name", a.name, "of the camera")->type_name("TEXT");
-  command.add_option("--out", a.out_folder, "writes calibration.json, residual_map.svg, report.html")->type_name("DIR");
+      .value_name("N")
+      .in_range(1, 360)
+      .show_default();
+  command.add_option("--name", a.name, "of the camera").value_name("TEXT");
+  command.add_option("--out", a.out_folder, "writes calibration.json, residual_map.svg, report.html").value_name("DIR");
   command.add_flag("--json", a.json, "print the metrics as JSON");
 }
 
-void describe_track(CLI::App& command, GvsTrackArguments& a) {
-  command.add_option("--calibration", a.calibration_file, "what `gvs calibrate` wrote")->type_name("FILE")->required();
-  CLI::Option* images =
+void describe_track(Command command, GvsTrackArguments& a) {
+  command.add_option("--calibration", a.calibration_file, "what `gvs calibrate` wrote").value_name("FILE").required();
+  const Option images =
       command
           .add_option("--images", a.images_folder,
                       "images in the order of their names, with stamps.csv (file,stamp_s) if there is one")
-          ->type_name("DIR");
-  CLI::Option* video = command.add_option("--video", a.video_file, "a video file")->type_name("FILE")->excludes(images);
+          .value_name("DIR");
+  const Option video = command.add_option("--video", a.video_file, "a video file").value_name("FILE").excludes(images);
   command.add_option("--camera", a.camera, "a camera: N of /dev/videoN")
-      ->type_name("N")
-      ->check(CLI::Range(0, 255))
-      ->excludes(images)
-      ->excludes(video);
+      .value_name("N")
+      .in_range(0, 255)
+      .excludes(images)
+      .excludes(video);
   command.add_option("--rate", a.rate_hz, "images per second of a folder without stamps")
-      ->type_name("HZ")
-      ->check(CLI::Range(1e-3, 1e5))
-      ->capture_default_str();
-  command.add_option("--image-count", a.images_max, "maximum number of images; 0: all")
-      ->type_name("N")
-      ->capture_default_str();
+      .value_name("HZ")
+      .in_range(1e-3, 1e5)
+      .show_default();
+  command.add_option("--image-count", a.images_max, "maximum number of images; 0: all").value_name("N").show_default();
   command.add_option("--exposure", a.exposure_ms, "of a row: fixes are stamped at mid-exposure")
-      ->type_name("MS")
-      ->check(CLI::Range(0.0, 1000.0))
-      ->capture_default_str();
+      .value_name("MS")
+      .in_range(0.0, 1000.0)
+      .show_default();
   command.add_option("--line", a.line_us, "rolling shutter: from a row's beginning to the next one's")
-      ->type_name("US")
-      ->check(CLI::Range(0.0, 1e5))
-      ->capture_default_str();
+      .value_name("US")
+      .in_range(0.0, 1e5)
+      .show_default();
   command
       .add_option("--tag-side", a.tag_side_m, "of the black square; tags of other sizes are not vehicles. Without: any")
-      ->type_name("M")
-      ->check(CLI::Range(0.005, 10.0));
+      .value_name("M")
+      .in_range(0.005, 10.0);
   command
       .add_option("--expect", a.expected, "tags of the vehicles; the search pauses while all are tracked. Without: any")
-      ->type_name("N,N")
-      ->delimiter(',')
-      ->check(CLI::Range(0, vision::tags_in_family - 1));
+      .value_name("N,N")
+      .separator(',')
+      .in_range(0, vision::tags_in_family - 1);
   command
       .add_option("--against", a.against,
                   "a trajectory of one vehicle, or a folder of tag_N.tum: estimates the delay of the camera's stamps; "
                   "no pose is "
                   "shifted by it. May be repeated")
-      ->type_name("N=FILE|DIR")
-      ->allow_extra_args(false);
-  command.add_option("--out", a.out_folder, "writes poses.csv, tag_N.tum, timing.csv, result.json")->type_name("DIR");
+      .value_name("N=FILE|DIR")
+      .one_value_each();
+  command.add_option("--out", a.out_folder, "writes poses.csv, tag_N.tum, timing.csv, result.json").value_name("DIR");
   command.add_flag("--json", a.json, "print the metrics as JSON");
 }
 
 /// The options in common with the platform's other parts; the camera records no journal, because it decides
 /// nothing.
-void add_watch_part(CLI::App& command, PartArguments& part) {
+void add_watch_part(Command command, PartArguments& part) {
   add_broker(command, part.broker, "127.0.0.1:1883");
   command.add_option("--duration", part.duration_s, "end after this number of seconds")
-      ->type_name("S")
-      ->check(CLI::Range(0.001, 1e9));
+      .value_name("S")
+      .in_range(0.001, 1e9);
   command.add_flag("--json", part.json, "print the number of detections at the end as JSON");
-  command.add_flag("--announce", part.announce)->group("");
+  command.add_flag("--announce", part.announce).hidden();
 }
 
 constexpr const char* watch_examples =
@@ -229,72 +220,70 @@ constexpr const char* watch_examples =
 
 }  // namespace
 
-void add_gvs_source(CLI::App& command, GvsSource& source, const std::string& prefix) {
+void add_gvs_source(Command command, GvsSource& source, const std::string& prefix) {
   command.add_option(prefix + "calibration", source.calibration_file, "of a real camera: what `gvs calibrate` wrote")
-      ->type_name("FILE");
-  CLI::Option* images =
+      .value_name("FILE");
+  const Option images =
       command
           .add_option(prefix + "images", source.images_folder,
                       "images in the order of their names, with stamps.csv, shown once at their recorded rate")
-          ->type_name("DIR");
-  CLI::Option* video =
+          .value_name("DIR");
+  const Option video =
       command.add_option(prefix + "video", source.video_file, "a video file, shown once at its recorded rate")
-          ->type_name("FILE")
-          ->excludes(images);
+          .value_name("FILE")
+          .excludes(images);
   command.add_option(prefix + "camera", source.camera, "a camera: N of /dev/videoN")
-      ->type_name("N")
-      ->check(CLI::Range(0, 255))
-      ->excludes(images)
-      ->excludes(video);
+      .value_name("N")
+      .in_range(0, 255)
+      .excludes(images)
+      .excludes(video);
   command.add_option(prefix + "rate", source.rate_hz, "number of images that are processed per second")
-      ->type_name("HZ")
-      ->check(CLI::Range(0.1, 100.0))
-      ->capture_default_str();
+      .value_name("HZ")
+      .in_range(0.1, 100.0)
+      .show_default();
   command.add_option(prefix + "exposure", source.exposure_ms, "of a row: vehicles are stamped at mid-exposure")
-      ->type_name("MS")
-      ->check(CLI::Range(0.0, 1000.0));
+      .value_name("MS")
+      .in_range(0.0, 1000.0);
   command.add_option(prefix + "line", source.line_us, "rolling shutter: from a row's beginning to the next one's")
-      ->type_name("US")
-      ->check(CLI::Range(0.0, 1e5));
+      .value_name("US")
+      .in_range(0.0, 1e5);
   command
       .add_option(prefix + "tag-side", source.tag_side_m, "of the black square; tags of other sizes are not vehicles")
-      ->type_name("M")
-      ->check(CLI::Range(0.005, 10.0));
+      .value_name("M")
+      .in_range(0.005, 10.0);
   command
       .add_option(prefix + "vehicle", source.vehicles,
                   "vehicle of a tag, such as 7=CoSiVA/AIV1; without: tag n is CoSiVA/AIVn's. May be repeated")
-      ->type_name("TAG=NAME")
-      ->allow_extra_args(false);
+      .value_name("TAG=NAME")
+      .one_value_each();
 }
 
-GvsCommands describe_gvs(CLI::App& root, GvsArguments& gvs) {
+GvsCommands describe_gvs(Command root, GvsArguments& gvs) {
   GvsCommands commands{};
   commands.gvs = root.add_subcommand("gvs", "Global vision: the vehicles' actual positions, by a camera over the zone");
-  commands.calibrate = commands.gvs->add_subcommand(
-      "calibrate", "Fit lens and floor, evaluated by points that were left out of the fit");
-  commands.track =
-      commands.gvs->add_subcommand("track", "Track vehicles by their tags, in images, a video or a camera");
-  commands.render =
-      commands.gvs->add_subcommand("render", "Render images of the emulated world, with the ground truth");
-  commands.watch = commands.gvs->add_subcommand(
+  commands.calibrate =
+      commands.gvs.add_subcommand("calibrate", "Fit lens and floor, evaluated by points that were left out of the fit");
+  commands.track = commands.gvs.add_subcommand("track", "Track vehicles by their tags, in images, a video or a camera");
+  commands.render = commands.gvs.add_subcommand("render", "Render images of the emulated world, with the ground truth");
+  commands.watch = commands.gvs.add_subcommand(
       "watch", "Watch a running platform, and publish each vehicle's actual position; `cosiva up --gvs` runs it");
-  commands.gvs->require_subcommand(0, 1);
-  add_gvs_source(*commands.watch, gvs.watch.source, "--");
-  add_watch_part(*commands.watch, gvs.watch.part);
-  describe_calibrate(*commands.calibrate, gvs.calibrate);
-  describe_track(*commands.track, gvs.track);
-  describe_render(*commands.render, gvs.render);
-  for (CLI::App* command : {commands.gvs, commands.calibrate, commands.track, commands.render})
-    command->footer(examples);
-  commands.watch->footer(watch_examples);
+  commands.gvs.at_most_one_subcommand();
+  add_gvs_source(commands.watch, gvs.watch.source, "--");
+  add_watch_part(commands.watch, gvs.watch.part);
+  describe_calibrate(commands.calibrate, gvs.calibrate);
+  describe_track(commands.track, gvs.track);
+  describe_render(commands.render, gvs.render);
+  for (const Command command : {commands.gvs, commands.calibrate, commands.track, commands.render})
+    command.footer(examples);
+  commands.watch.footer(watch_examples);
   return commands;
 }
 
 std::optional<int> run_gvs_command(const GvsCommands& commands, const GvsArguments& gvs) {
-  if (commands.calibrate->parsed()) return run_gvs_calibrate(gvs.calibrate);
-  if (commands.track->parsed()) return run_gvs_track(gvs.track);
-  if (commands.render->parsed()) return run_gvs_render(gvs.render);
-  if (commands.watch->parsed()) return run_gvs_watch(gvs.watch);
+  if (commands.calibrate.chosen()) return run_gvs_calibrate(gvs.calibrate);
+  if (commands.track.chosen()) return run_gvs_track(gvs.track);
+  if (commands.render.chosen()) return run_gvs_render(gvs.render);
+  if (commands.watch.chosen()) return run_gvs_watch(gvs.watch);
   return std::nullopt;
 }
 

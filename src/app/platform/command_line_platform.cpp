@@ -10,19 +10,18 @@
 namespace cosiva::app {
 namespace {
 
-CLI::Option* add_seconds(CLI::App& command, const std::string& name, std::optional<double>& seconds,
-                         const std::string& what) {
-  return command.add_option(name, seconds, what)->type_name("S")->check(CLI::Range(0.001, 1e9));
+Option add_seconds(Command command, const std::string& name, std::optional<double>& seconds, const std::string& what) {
+  return command.add_option(name, seconds, what).value_name("S").in_range(0.001, 1e9);
 }
 
-void add_part(CLI::App& command, PartArguments& part) {
+void add_part(Command command, PartArguments& part) {
   add_broker(command, part.broker, "127.0.0.1:1883");
   command.add_option("--record", part.record_file, "record all inputs of this part in a journal (see `replay`)")
-      ->type_name("FILE");
-  command.add_option("--summary", part.summary_file, "write the metrics at the end to a JSON file")->type_name("FILE");
+      .value_name("FILE");
+  command.add_option("--summary", part.summary_file, "write the metrics at the end to a JSON file").value_name("FILE");
   command.add_flag("--json", part.json, "print the metrics at the end as JSON");
   add_seconds(command, "--duration", part.duration_s, "end after this number of seconds");
-  command.add_flag("--announce", part.announce)->group("");
+  command.add_flag("--announce", part.announce).hidden();
 }
 
 constexpr const char* up_examples =
@@ -34,97 +33,92 @@ constexpr const char* up_examples =
     "  cosiva up --virtual-time --page --speed 10           the page at ten times real time; stop and step it there\n"
     "  cosiva up --gvs                                      a camera over the zone measures each AIV's position";
 
-void describe_up(CLI::App& command, UpArguments& up) {
+void describe_up(Command command, UpArguments& up) {
   command.footer(up_examples);
   command
       .add_option("--scenario", up.scenario,
                   "events over time: a ready scenario's name or a file (docs/guide/scenarios.md)")
-      ->type_name("NAME|FILE");
+      .value_name("NAME|FILE");
   command.add_option("--name", up.name, "of the run, shown on the page; without: scenario or zone, date and time")
-      ->type_name("TEXT");
+      .value_name("TEXT");
   command.add_option("--zone", up.zone, "traffic zone: a ready one's name or a file")
-      ->type_name("NAME|FILE")
-      ->capture_default_str();
+      .value_name("NAME|FILE")
+      .show_default();
   command.add_flag("--watch", up.watch, "switch to the zone's file whenever it is saved, during the run");
-  command.add_option("--aivs", up.aivs, "how many vehicles")
-      ->type_name("N")
-      ->check(CLI::Range(1, 200))
-      ->capture_default_str();
+  command.add_option("--aivs", up.aivs, "how many vehicles").value_name("N").in_range(1, 200).show_default();
   command.add_flag("--headless", up.headless, "no page; /api/v1 remains available");
   add_seconds(command, "--duration", up.duration_s, "end this number of seconds after the fleet is up, with a summary");
   command.add_flag("--json", up.json, "print the summary as JSON");
-  command.add_option("--seed", up.seed, "fixes every random draw of the emulated world")
-      ->type_name("S")
-      ->capture_default_str();
+  command.add_option("--seed", up.seed, "fixes every random draw of the emulated world").value_name("S").show_default();
   command.add_option("--port", up.port, "of the page on 127.0.0.1; if busy, the next free port is used")
-      ->type_name("PORT")
-      ->capture_default_str();
+      .value_name("PORT")
+      .show_default();
   command.add_option("--record", up.record_file, "record all inputs of the server in a journal (see `replay`)")
-      ->type_name("FILE");
-  command.add_option("--log-dir", up.log_directory, "folder of the logs; it is not deleted")->type_name("DIR");
+      .value_name("FILE");
+  command.add_option("--log-dir", up.log_directory, "folder of the logs; it is not deleted").value_name("DIR");
   command.add_option("--run-dir", up.run_directory, "folder of sockets and other temporary files; cleared at the end")
-      ->type_name("DIR");
+      .value_name("DIR");
   command.add_option("--respawn", up.respawn_s, "restart an AIV that died after this number of seconds; 0: never")
-      ->type_name("S")
-      ->check(CLI::Range(0.0, 1e6))
-      ->capture_default_str();
+      .value_name("S")
+      .in_range(0.0, 1e6)
+      .show_default();
   command.add_flag("--virtual-time", up.virtual_time,
                    "all in one process, as fast as possible, bit for bit the same each time");
   command.add_flag("--page", up.page, "with --virtual-time: at an adjustable speed, with the page");
   command.add_option("--speed", up.speed, "with --page: virtual seconds per second to begin with; without: 1")
-      ->type_name("X")
-      ->check(CLI::Range(0.1, 100.0));
+      .value_name("X")
+      .in_range(0.1, 100.0);
   command.add_option("--loss", up.loss, "ratio of lost messages, with --virtual-time")
-      ->type_name("P")
-      ->check(CLI::Range(0.0, 0.9));
-  add_switch(command, "--v2x", up.v2x, "AIVs send V2X messages about their intent to AIVs nearby");
-  add_switch(command, "--convoys", up.convoys,
-             "several AIVs of the same direction pass a crossing as a convoy, when that saves time");
-  CLI::Option* gvs = command.add_flag("--gvs", up.gvs,
+      .value_name("P")
+      .in_range(0.0, 0.9);
+  command.add_switch("--v2x", up.v2x, "AIVs send V2X messages about their intent to AIVs nearby");
+  command.add_switch("--convoys", up.convoys,
+                     "several AIVs of the same direction pass a crossing as a convoy, when that saves time");
+  const Option gvs = command.add_flag("--gvs", up.gvs,
                                       "a camera over the zone measures each AIV's position, and is shown on the "
                                       "page (docs/guide/gvs.md); without further options: the emulated world's");
   add_gvs_source(command, up.gvs_source, "--gvs-");
   for (const char* name :
        {"calibration", "images", "video", "camera", "rate", "exposure", "line", "tag-side", "vehicle"})
-    command.get_option(std::string("--gvs-") + name)->needs(gvs);
+    command.option(std::string("--gvs-") + name).needs(gvs);
   add_rules(command, up.rules, "how all AIVs choose their speed; without: crisp, and fuzzy for virtual AIVs");
-  command.add_option("--trace-messages", up.trace_file, "write every message as a JSON line")->type_name("FILE");
-  command.add_option("--web", up.web_directory, "the page's built files, if not web/dist")->type_name("DIR");
+  command.add_option("--trace-messages", up.trace_file, "write every message as a JSON line").value_name("FILE");
+  command.add_option("--web", up.web_directory, "the page's built files, if not web/dist").value_name("DIR");
   add_broker(command, up.broker, "a private one is started on 127.0.0.1");
 }
 
-void describe_server(CLI::App& command, ServerArguments& server) {
+void describe_server(Command command, ServerArguments& server) {
   command.add_option("--port", server.port, "of the page on 127.0.0.1; if busy, the next free port is used")
-      ->type_name("PORT")
-      ->capture_default_str();
+      .value_name("PORT")
+      .show_default();
   command
       .add_option("--area", server.area,
                   "name of this server's control area, where several share a broker (docs/guide/control_areas.md)")
-      ->type_name("NAME");
-  command.add_option("--zone", server.zone, "traffic zone, when no plant serves it")->type_name("NAME|FILE");
+      .value_name("NAME");
+  command.add_option("--zone", server.zone, "traffic zone, when no plant serves it").value_name("NAME|FILE");
   command.add_flag("--watch", server.watch, "with --zone: switch to its file whenever it is saved, during the run");
   command
       .add_option("--map-link", server.map_link,
                   "where third-party vehicles download the zone's file; without: from our page's address")
-      ->type_name("URL");
+      .value_name("URL");
   command.add_flag("--no-drive", server.no_drive, "monitor only: another master control gives the orders");
-  add_switch(command, "--v2x", server.v2x, "its virtual AIVs send V2X messages about their intent to AIVs nearby");
-  add_switch(command, "--convoys", server.convoys,
-             "several AIVs of the same direction pass a crossing as a convoy, when that saves time");
+  command.add_switch("--v2x", server.v2x, "its virtual AIVs send V2X messages about their intent to AIVs nearby");
+  command.add_switch("--convoys", server.convoys,
+                     "several AIVs of the same direction pass a crossing as a convoy, when that saves time");
   command.add_flag("--headless", server.headless, "no page; /api/v1 remains available");
-  command.add_option("--web", server.web_directory, "the page's built files, if not web/dist")->type_name("DIR");
+  command.add_option("--web", server.web_directory, "the page's built files, if not web/dist").value_name("DIR");
   command.add_option("--state-file", server.state_file, "preserves additions, priorities and edits over a crash")
-      ->type_name("FILE");
+      .value_name("FILE");
   command.add_option("--scenario", server.scenario, "events over time, once its AIVs are present")
-      ->type_name("NAME|FILE");
-  command.add_option("--name", server.name, "of the run, shown on the page")->type_name("TEXT");
+      .value_name("NAME|FILE");
+  command.add_option("--name", server.name, "of the run, shown on the page").value_name("TEXT");
   add_rules(command, server.rules, "how its virtual AIVs choose their speed; without: fuzzy");
   command.add_flag("--emulated", server.emulated, "there is a plant: the page may show its ground truth");
-  command.add_option("--fleet", server.fleet)->group("");
-  command.add_option("--zone-file", server.zone_file)->group("");
-  command.add_option("--watch-file", server.watch_file)->group("");
-  command.add_option("--scenario-began", server.began_ms)->group("");
-  command.add_option("--scenario-steps-done", server.steps_done)->group("");
+  command.add_option("--fleet", server.fleet).hidden();
+  command.add_option("--zone-file", server.zone_file).hidden();
+  command.add_option("--watch-file", server.watch_file).hidden();
+  command.add_option("--scenario-began", server.began_ms).hidden();
+  command.add_option("--scenario-steps-done", server.steps_done).hidden();
   command.footer(
       "Example, a server for vehicles of your own on your own broker:\n"
       "  cosiva server --zone my.toml --broker 10.0.0.5:1883 --state-file server.state\n"
@@ -134,38 +128,38 @@ void describe_server(CLI::App& command, ServerArguments& server) {
   add_part(command, server.part);
 }
 
-void describe_plant(CLI::App& command, PlantArguments& plant) {
+void describe_plant(Command command, PlantArguments& plant) {
   command.add_option("--zone", plant.zone, "traffic zone: a ready one's name or a file")
-      ->type_name("NAME|FILE")
-      ->required();
+      .value_name("NAME|FILE")
+      .required();
   command.add_option("--vehicles", plant.vehicles, "how many vehicles to emulate")
-      ->type_name("N")
-      ->check(CLI::Range(1, 200))
-      ->capture_default_str();
+      .value_name("N")
+      .in_range(1, 200)
+      .show_default();
   command.add_option("--sockets", plant.sockets_directory, "folder of the boards' sockets")
-      ->type_name("DIR")
-      ->required();
-  command.add_option("--seed", plant.seed, "fixes every random draw")->type_name("S")->capture_default_str();
+      .value_name("DIR")
+      .required();
+  command.add_option("--seed", plant.seed, "fixes every random draw").value_name("S").show_default();
   command.footer(
       "Example, the worlds of two vehicles for two on-board programs:\n"
       "  cosiva plant --zone lacet4 --vehicles 2 --sockets /tmp/boards");
   add_part(command, plant.part);
 }
 
-void describe_aiv(CLI::App& command, AivArguments& aiv) {
+void describe_aiv(Command command, AivArguments& aiv) {
   command.add_option("--number", aiv.number, "its number, part of its boards' socket names")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1'000'000))
-      ->required();
-  command.add_option("--sockets", aiv.sockets_directory, "folder of the boards' sockets")->type_name("DIR")->required();
-  command.add_option("--serial", aiv.serial, "its serial number; without: AIV<number>")->type_name("TEXT");
-  command.add_option("--zone", aiv.zone, "traffic zone; without: from the broker")->type_name("NAME|FILE");
+      .value_name("N")
+      .in_range(1, 1'000'000)
+      .required();
+  command.add_option("--sockets", aiv.sockets_directory, "folder of the boards' sockets").value_name("DIR").required();
+  command.add_option("--serial", aiv.serial, "its serial number; without: AIV<number>").value_name("TEXT");
+  command.add_option("--zone", aiv.zone, "traffic zone; without: from the broker").value_name("NAME|FILE");
   command.add_option("--start", aiv.start, "initial position, such as east:0.85; without: waits for a position")
-      ->type_name("SECTION:S");
+      .value_name("SECTION:S");
   command.add_option("--state-file", aiv.state_file, "preserves its position over a crash; overrides --start")
-      ->type_name("FILE");
+      .value_name("FILE");
   add_rules(command, aiv.rules, "how it chooses its speed (docs/guide/agents.md); without: crisp");
-  add_switch(command, "--v2x", aiv.v2x, "sends V2X messages about its intent to AIVs nearby");
+  command.add_switch("--v2x", aiv.v2x, "sends V2X messages about its intent to AIVs nearby");
   command.add_flag("--emulated", aiv.emulated,
                    "its radio is the emulated world's, where scenarios can cause message loss");
   command.footer(
@@ -176,7 +170,7 @@ void describe_aiv(CLI::App& command, AivArguments& aiv) {
 
 }  // namespace
 
-PlatformCommands describe_platform(CLI::App& root, PlatformArguments& platform) {
+PlatformCommands describe_platform(Command root, PlatformArguments& platform) {
   PlatformCommands commands{};
   commands.up =
       root.add_subcommand("up", "The whole platform on this machine: broker, emulated vehicles, server, page");
@@ -184,47 +178,47 @@ PlatformCommands describe_platform(CLI::App& root, PlatformArguments& platform) 
   commands.plant = root.add_subcommand("plant", "The emulated physical world alone");
   commands.aiv = root.add_subcommand("aiv", "One vehicle's on-board program alone");
   commands.replay = root.add_subcommand("replay", "Run a recorded journal again and compare the digests");
-  describe_up(*commands.up, platform.up);
-  describe_server(*commands.server, platform.server);
-  describe_plant(*commands.plant, platform.plant);
-  describe_aiv(*commands.aiv, platform.aiv);
-  commands.replay->add_option("file", platform.replay.file, "journal made with --record; '-' reads standard input")
-      ->type_name("FILE")
-      ->required();
-  commands.replay->add_flag("--json", platform.replay.json, "print the result as JSON");
+  describe_up(commands.up, platform.up);
+  describe_server(commands.server, platform.server);
+  describe_plant(commands.plant, platform.plant);
+  describe_aiv(commands.aiv, platform.aiv);
+  commands.replay.add_option("file", platform.replay.file, "journal made with --record; '-' reads standard input")
+      .value_name("FILE")
+      .required();
+  commands.replay.add_flag("--json", platform.replay.json, "print the result as JSON");
   return commands;
 }
 
 std::optional<int> run_platform_command(const PlatformCommands& commands, PlatformArguments& platform) {
-  platform.up.given = {commands.up->count("--zone") > 0, commands.up->count("--aivs") > 0,
-                       commands.up->count("--seed") > 0, commands.up->count("--duration") > 0};
-  if (commands.up->parsed()) return run_up(platform.up);
-  if (commands.server->parsed()) return run_server(platform.server);
-  if (commands.plant->parsed()) return run_plant(platform.plant);
-  if (commands.aiv->parsed()) return run_aiv(platform.aiv);
-  if (commands.replay->parsed()) return run_replay(platform.replay);
+  platform.up.given = {commands.up.given("--zone"), commands.up.given("--aivs"), commands.up.given("--seed"),
+                       commands.up.given("--duration")};
+  if (commands.up.chosen()) return run_up(platform.up);
+  if (commands.server.chosen()) return run_server(platform.server);
+  if (commands.plant.chosen()) return run_plant(platform.plant);
+  if (commands.aiv.chosen()) return run_aiv(platform.aiv);
+  if (commands.replay.chosen()) return run_replay(platform.replay);
   return std::nullopt;
 }
 
-ScenarioCommands describe_scenario(CLI::App& root, ScenarioArguments& scenario) {
+ScenarioCommands describe_scenario(Command root, ScenarioArguments& scenario) {
   ScenarioCommands commands{};
   commands.scenario = root.add_subcommand("scenario", "Inspect scenarios: events over time");
   commands.check =
-      commands.scenario->add_subcommand("check", "Print a scenario's steps, or its errors with their location");
-  commands.list = commands.scenario->add_subcommand("list", "List the ready scenarios");
-  commands.scenario->require_subcommand(0, 1);
-  commands.scenario->footer("Example:\n  cosiva scenario check showroom");
-  commands.check->add_option("scenario", scenario.scenario, "a ready scenario's name or a file")
-      ->type_name("NAME|FILE")
-      ->required();
-  for (CLI::App* command : {commands.check, commands.list})
-    command->add_flag("--json", scenario.json, "print the result as JSON");
+      commands.scenario.add_subcommand("check", "Print a scenario's steps, or its errors with their location");
+  commands.list = commands.scenario.add_subcommand("list", "List the ready scenarios");
+  commands.scenario.at_most_one_subcommand();
+  commands.scenario.footer("Example:\n  cosiva scenario check showroom");
+  commands.check.add_option("scenario", scenario.scenario, "a ready scenario's name or a file")
+      .value_name("NAME|FILE")
+      .required();
+  for (const Command command : {commands.check, commands.list})
+    command.add_flag("--json", scenario.json, "print the result as JSON");
   return commands;
 }
 
 std::optional<int> run_scenario_command(const ScenarioCommands& commands, const ScenarioArguments& scenario) {
-  if (commands.check->parsed()) return run_scenario_check(scenario);
-  if (commands.list->parsed()) return run_scenario_list(scenario);
+  if (commands.check.chosen()) return run_scenario_check(scenario);
+  if (commands.list.chosen()) return run_scenario_list(scenario);
   return std::nullopt;
 }
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 
+#include "cosiva/app/cli/options.h"
 #include "cosiva/app/platform/aiv_command.h"
 #include "cosiva/app/platform/plant_command.h"
 #include "cosiva/app/platform/replay_command.h"
@@ -22,23 +22,23 @@ struct PlatformArguments {
 };
 /// `cosiva up`, `server`, `plant`, `aiv` and `replay`.
 struct PlatformCommands {
-  CLI::App* up;
-  CLI::App* server;
-  CLI::App* plant;
-  CLI::App* aiv;
-  CLI::App* replay;
+  Command up;
+  Command server;
+  Command plant;
+  Command aiv;
+  Command replay;
 };
-[[nodiscard]] PlatformCommands describe_platform(CLI::App& root, PlatformArguments& platform);
+[[nodiscard]] PlatformCommands describe_platform(Command root, PlatformArguments& platform);
 /// The exit status of the requested subcommand, if any.
 [[nodiscard]] std::optional<int> run_platform_command(const PlatformCommands& commands, PlatformArguments& platform);
 
 /// `cosiva scenario` and its subcommands.
 struct ScenarioCommands {
-  CLI::App* scenario;
-  CLI::App* check;
-  CLI::App* list;
+  Command scenario;
+  Command check;
+  Command list;
 };
-[[nodiscard]] ScenarioCommands describe_scenario(CLI::App& root, ScenarioArguments& scenario);
+[[nodiscard]] ScenarioCommands describe_scenario(Command root, ScenarioArguments& scenario);
 /// The exit status of the requested subcommand, if any.
 [[nodiscard]] std::optional<int> run_scenario_command(const ScenarioCommands& commands,
                                                       const ScenarioArguments& scenario);

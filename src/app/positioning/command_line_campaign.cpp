@@ -24,23 +24,23 @@ constexpr const char* examples =
 
 }  // namespace
 
-CLI::App* describe_campaign(CLI::App& root, CampaignArguments& campaign) {
-  CLI::App* command = root.add_subcommand(
+Command describe_campaign(Command root, CampaignArguments& campaign) {
+  const Command command = root.add_subcommand(
       "campaign", "Sweep position estimators over beacon pitch, noise, speed and more; continues after a kill");
-  command->footer(examples);
-  command->add_option("plan", campaign.plan_file, "what is swept: a TOML file")->type_name("PLAN.toml")->required();
+  command.footer(examples);
+  command.add_option("plan", campaign.plan_file, "what is swept: a TOML file").value_name("PLAN.toml").required();
   command
-      ->add_option(
+      .add_option(
           "--out", campaign.out_folder,
           "folder of the state, and of the results: report.html, result.json, CSV and campaign.sqlite; without: "
           "nothing is stored")
-      ->type_name("DIR");
-  command->add_option("--threads", campaign.threads, "number of threads; without: one for each core")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1024));
-  command->add_flag("--json", campaign.json, "print the result as JSON");
-  command->add_flag("--anew", campaign.anew, "discard the finished units in --out");
-  command->add_flag("--dry-run", campaign.dry_run, "print the amount of work, and do nothing");
+      .value_name("DIR");
+  command.add_option("--threads", campaign.threads, "number of threads; without: one for each core")
+      .value_name("N")
+      .in_range(1, 1024);
+  command.add_flag("--json", campaign.json, "print the result as JSON");
+  command.add_flag("--anew", campaign.anew, "discard the finished units in --out");
+  command.add_flag("--dry-run", campaign.dry_run, "print the amount of work, and do nothing");
   return command;
 }
 

@@ -1,13 +1,12 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
-
+#include "cosiva/app/cli/options.h"
 #include "cosiva/app/positioning/campaign_command.h"
 
 /// The options of `cosiva campaign`.
 namespace cosiva::app {
 
 /// `cosiva campaign`.
-[[nodiscard]] CLI::App* describe_campaign(CLI::App& root, CampaignArguments& campaign);
+[[nodiscard]] Command describe_campaign(Command root, CampaignArguments& campaign);
 
 }  // namespace cosiva::app

@@ -31,88 +31,78 @@ constexpr const char* compare_examples =
     "  cosiva compare ekf smoother --recording A --reference-budget cal/reference_budget.json\n"
     "  cosiva compare --reference ground_truth.tum --estimate slam.tum --align se2     in a frame of its own";
 
-void add_length(CLI::App& command, const std::string& name, double& metres, const std::string& what) {
-  command.add_option(name, metres, what)->type_name("M")->check(CLI::Range(0.0, 1e9))->capture_default_str();
+void add_length(Command command, const std::string& name, double& metres, const std::string& what) {
+  command.add_option(name, metres, what).value_name("M").in_range(0.0, 1e9).show_default();
 }
 
-void add_virtual_time(CLI::App& command, QualifyArguments& q) {
+void add_virtual_time(Command command, QualifyArguments& q) {
   command.add_option("--zone", q.zone, "whose loop is driven: a ready zone's name or a file; without: lacet4")
-      ->type_name("NAME|FILE");
+      .value_name("NAME|FILE");
   add_length(command, "--distance", q.distance_m, "length of each run");
   command.add_option("--runs", q.runs, "how many runs; each is one vote")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1000000))
-      ->capture_default_str();
-  command.add_option("--seed", q.seed, "of the first run; the following runs count up")
-      ->type_name("N")
-      ->capture_default_str();
+      .value_name("N")
+      .in_range(1, 1000000)
+      .show_default();
+  command.add_option("--seed", q.seed, "of the first run; the following runs count up").value_name("N").show_default();
   command
       .add_option("--fiducials", q.fiducials, "what is read: a beacon every --pitch, the zone's tags, or its beacons")
-      ->check(CLI::IsMember({"pitch", "tags", "beacons"}))
-      ->capture_default_str();
+      .one_of({"pitch", "tags", "beacons"})
+      .show_default();
   add_length(command, "--pitch", q.pitch_m, "between beacons along the path");
   add_length(command, "--reach", q.reach_m, "greatest distance between the path and a beacon that is read");
-  command.add_option("--speed", q.speed_mps, "of the vehicle")->type_name("M/S")->capture_default_str();
-  command.add_option("--rate", q.rate_hz, "odometry per second; each is an iteration")
-      ->type_name("HZ")
-      ->capture_default_str();
+  command.add_option("--speed", q.speed_mps, "of the vehicle").value_name("M/S").show_default();
+  command.add_option("--rate", q.rate_hz, "odometry per second; each is an iteration").value_name("HZ").show_default();
   add_length(command, "--odometry-noise", q.odometry_m, "standard deviation of odometry after one metre");
   add_length(command, "--reading-noise", q.reading_m, "standard deviation of a reading");
-  command.add_option("--missed", q.missed, "ratio of beacons that are not read")
-      ->check(CLI::Range(0.0, 0.99))
-      ->capture_default_str();
+  command.add_option("--missed", q.missed, "ratio of beacons that are not read").in_range(0.0, 0.99).show_default();
   command.add_option("--scale-error", q.scale, "standard deviation of the odometer's scale, a draw per run")
-      ->check(CLI::Range(0.0, 0.5))
-      ->capture_default_str();
+      .in_range(0.0, 0.5)
+      .show_default();
   add_length(command, "--survey-error", q.survey_m, "standard deviation of the beacons' actual positions");
-  command.add_option("--particles", q.particles, "of the particle filter")->check(CLI::Range(10, 1000000));
-  command.add_option("--horizon", q.horizon, "number of readings that the unbiased FIR filter uses")
-      ->check(CLI::Range(1, 1000));
+  command.add_option("--particles", q.particles, "of the particle filter").in_range(10, 1000000);
+  command.add_option("--horizon", q.horizon, "number of readings that the unbiased FIR filter uses").in_range(1, 1000);
 }
 
-void add_evaluation(CLI::App& command, QualifyArguments& q) {
+void add_evaluation(Command command, QualifyArguments& q) {
   add_length(command, "--threshold", q.threshold_m, "of the precision: the ratio of iterations with an error below it");
   add_length(command, "--tolerance", q.tolerance_m, "a run passes when no error exceeds it");
-  command.add_option("--reliability", q.reliability, "that consecutive passes should show")
-      ->check(CLI::Range(0.01, 0.9999));
-  command.add_option("--confidence", q.confidence, "with which they should")->check(CLI::Range(0.01, 0.9999));
+  command.add_option("--reliability", q.reliability, "that consecutive passes should show").in_range(0.01, 0.9999);
+  command.add_option("--confidence", q.confidence, "with which they should").in_range(0.01, 0.9999);
   command
       .add_option("--reference-error", q.reference_m, "standard uncertainty of the ground truth itself, as one value")
-      ->type_name("M")
-      ->check(CLI::Range(0.0, 1e3));
+      .value_name("M")
+      .in_range(0.0, 1e3);
   command
       .add_option(
           "--reference-budget", q.reference_budget,
           "the same part by part with sources, all printed in the result: reference_budget.json or calibration.json "
           "of gvs calibrate; differences below it are called unresolved")
-      ->type_name("FILE");
+      .value_name("FILE");
 }
 
-void add_others(CLI::App& command, QualifyArguments& q) {
+void add_others(Command command, QualifyArguments& q) {
   command
       .add_option("--recording", q.recordings,
                   "a folder with odometry, readings or ranges, and ground truth; may be repeated")
-      ->type_name("DIR")
-      ->allow_extra_args(false);
+      .value_name("DIR")
+      .one_value_each();
   command.add_option("--gap", q.gap_s, "greatest distance of stamps between which the ground truth is interpolated")
-      ->type_name("S")
-      ->check(CLI::Range(1e-6, 1e6))
-      ->capture_default_str();
+      .value_name("S")
+      .in_range(1e-6, 1e6)
+      .show_default();
   command.add_option("--external", q.external, "an algorithm in a program of its own; may be repeated")
-      ->type_name("NAME=COMMAND")
-      ->allow_extra_args(false);
+      .value_name("NAME=COMMAND")
+      .one_value_each();
   command.add_option("--timeout", q.timeout_s, "timeout of its response")
-      ->type_name("S")
-      ->check(CLI::Range(0.001, 1e5))
-      ->capture_default_str();
+      .value_name("S")
+      .in_range(0.001, 1e5)
+      .show_default();
   command.add_option("--reference", q.reference, "a trajectory (TUM, KITTI or EuRoC) to evaluate --estimate against")
-      ->type_name("FILE");
-  command.add_option("--estimate", q.estimates, "a trajectory; may be repeated")
-      ->type_name("FILE")
-      ->allow_extra_args(false);
+      .value_name("FILE");
+  command.add_option("--estimate", q.estimates, "a trajectory; may be repeated").value_name("FILE").one_value_each();
   command.add_option("--associate", q.associate, "how poses are paired; nearest is evo's rule, within 10 ms")
-      ->check(CLI::IsMember({"interpolate", "nearest"}))
-      ->capture_default_str();
+      .one_of({"interpolate", "nearest"})
+      .show_default();
   command
       .add_option("--align", q.align,
                   "aligns estimates with the ground truth before they are evaluated, and reports it: se2 turns about "
@@ -120,71 +110,71 @@ void add_others(CLI::App& command, QualifyArguments& q) {
                   "shifts, by least squares; origin moves the first pose onto that of the ground truth; se3, of "
                   "trajectories, is evo's "
                   "--align. Where the frame is surveyed that hides errors")
-      ->check(CLI::IsMember({"none", "se2", "se3", "origin"}))
-      ->capture_default_str();
+      .one_of({"none", "se2", "se3", "origin"})
+      .show_default();
 }
 
-void add_live(CLI::App& command, LiveQualifyArguments& live) {
+void add_live(Command command, LiveQualifyArguments& live) {
   command.add_flag(
       "--live", live.live,
       "on a running platform: its vehicles run the algorithms while they drive, and receive --rate requests per "
       "second until they have driven --distance");
-  command.add_option("--url", live.url, "of its server, with --live")->type_name("URL")->capture_default_str();
+  command.add_option("--url", live.url, "of its server, with --live").value_name("URL").show_default();
   add_broker(command, live.broker, "127.0.0.1:1883; with --live");
   command.add_option("--vehicle", live.vehicles, "vehicle of the runs, with --live; may be repeated; without: AIV1")
-      ->type_name("AIV|MANUFACTURER/SERIAL")
-      ->allow_extra_args(false);
+      .value_name("AIV|MANUFACTURER/SERIAL")
+      .one_value_each();
   command
       .add_option("--ground-truth", live.ground_truth_topic,
                   "topic of the vehicles' actual positions; without: cosiva/v1/plant/ground_truth")
-      ->type_name("TOPIC");
+      .value_name("TOPIC");
 }
 
 /// The options of a simulation or of a file have no meaning on a running platform.
-std::optional<std::string> useless_live(const CLI::App& command) {
+std::optional<std::string> useless_live(Command command) {
   for (const char* name :
        {"--zone", "--fiducials", "--pitch", "--reach", "--odometry-noise", "--reading-noise", "--missed",
         "--scale-error", "--survey-error", "--recording", "--reference", "--estimate", "--associate", "--align"}) {
-    if (command.get_option(name)->count() > 0) return name;
+    if (command.given(name)) return name;
   }
   return std::nullopt;
 }
 
-int run_live(const CLI::App& command, const QualifyArguments& q, LiveQualifyArguments& live, std::size_t at_least) {
+int run_live(Command command, const QualifyArguments& q, LiveQualifyArguments& live, std::size_t at_least) {
   if (const auto useless = useless_live(command))
     return report_error({"qualify.live", "the option has no meaning with --live", *useless});
-  live.speed_given = command.get_option("--speed")->count() > 0;
+  live.speed_given = command.given("--speed");
   return run_qualify_live(q, live, at_least);
 }
 
 }  // namespace
 
-QualifyCommands describe_qualify(CLI::App& root, QualifyArguments& q) {
-  QualifyCommands commands{nullptr, nullptr, std::make_shared<LiveQualifyArguments>()};
+QualifyCommands describe_qualify(Command root, QualifyArguments& q) {
+  QualifyCommands commands{{}, {}, std::make_shared<LiveQualifyArguments>()};
   commands.qualify = root.add_subcommand("qualify", "Qualify a position estimator, with intervals and its limit");
   commands.compare = root.add_subcommand("compare", "Compare position estimators, on the same runs");
-  for (CLI::App* command : {commands.qualify, commands.compare}) {
-    command->add_option("algorithms", q.algorithms, "their names (--list), or all")->type_name("NAME");
-    command->add_flag("--list", q.list, "list the algorithms");
-    command->add_flag("--json", q.json, "print the result as JSON");
-    command->add_option("--out", q.out_folder, "writes report.html, result.json, TUM and CSV files, and zips for evo")
-        ->type_name("DIR");
-    command->add_option("--threads", q.threads, "number of threads, with the same result; without: one for each core")
-        ->type_name("N")
-        ->check(CLI::Range(1, 1024));
-    add_virtual_time(*command, q);
-    add_evaluation(*command, q);
-    add_others(*command, q);
-    add_live(*command, *commands.live);
+  for (const Command command : {commands.qualify, commands.compare}) {
+    command.add_option("algorithms", q.algorithms, "their names (--list), or all").value_name("NAME");
+    command.add_flag("--list", q.list, "list the algorithms");
+    command.add_flag("--json", q.json, "print the result as JSON");
+    command.add_option("--out", q.out_folder, "writes report.html, result.json, TUM and CSV files, and zips for evo")
+        .value_name("DIR");
+    command.add_option("--threads", q.threads, "number of threads, with the same result; without: one for each core")
+        .value_name("N")
+        .in_range(1, 1024);
+    add_virtual_time(command, q);
+    add_evaluation(command, q);
+    add_others(command, q);
+    add_live(command, *commands.live);
   }
-  commands.qualify->footer(qualify_examples);
-  commands.compare->footer(compare_examples);
+  commands.qualify.footer(qualify_examples);
+  commands.compare.footer(compare_examples);
   return commands;
 }
 
 std::optional<int> run_qualify_command(const QualifyCommands& commands, QualifyArguments& q, int argc,
                                        const char* const* argv) {
-  if (!commands.qualify->parsed() && !commands.compare->parsed()) return std::nullopt;
+  if (!commands.qualify.chosen() && !commands.compare.chosen()) return std::nullopt;
   q.command = "cosiva";
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
@@ -194,9 +184,9 @@ std::optional<int> run_qualify_command(const QualifyCommands& commands, QualifyA
     q.command += word.find(' ') == std::string::npos ? " " + word : " '" + word + "'";
   }
   if (commands.live->live && !q.list)
-    return commands.qualify->parsed() ? run_live(*commands.qualify, q, *commands.live, 1)
-                                      : run_live(*commands.compare, q, *commands.live, 2);
-  return commands.qualify->parsed() ? run_qualify(q) : run_compare(q);
+    return commands.qualify.chosen() ? run_live(commands.qualify, q, *commands.live, 1)
+                                     : run_live(commands.compare, q, *commands.live, 2);
+  return commands.qualify.chosen() ? run_qualify(q) : run_compare(q);
 }
 
 }  // namespace cosiva::app

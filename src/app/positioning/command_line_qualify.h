@@ -1,9 +1,9 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <optional>
 
+#include "cosiva/app/cli/options.h"
 #include "cosiva/app/positioning/qualify_arguments.h"
 #include "cosiva/app/positioning/qualify_live.h"
 
@@ -12,12 +12,12 @@ namespace cosiva::app {
 
 /// `cosiva qualify` and `cosiva compare`.
 struct QualifyCommands {
-  CLI::App* qualify;
-  CLI::App* compare;
+  Command qualify;
+  Command compare;
   std::shared_ptr<LiveQualifyArguments> live;
 };
 
-[[nodiscard]] QualifyCommands describe_qualify(CLI::App& root, QualifyArguments& qualify);
+[[nodiscard]] QualifyCommands describe_qualify(Command root, QualifyArguments& qualify);
 
 /// The exit status of the requested subcommand, if any.
 [[nodiscard]] std::optional<int> run_qualify_command(const QualifyCommands& commands, QualifyArguments& qualify,

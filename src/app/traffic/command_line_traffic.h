@@ -1,7 +1,6 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
-
+#include "cosiva/app/cli/options.h"
 #include "cosiva/app/traffic/capacity_command.h"
 #include "cosiva/app/traffic/traffic_arguments.h"
 
@@ -9,9 +8,9 @@
 namespace cosiva::app {
 
 /// `cosiva traffic`.
-[[nodiscard]] CLI::App* describe_traffic(CLI::App& root, FleetTrafficArguments& traffic);
+[[nodiscard]] Command describe_traffic(Command root, FleetTrafficArguments& traffic);
 
 /// `cosiva capacity`.
-[[nodiscard]] CLI::App* describe_capacity(CLI::App& root, CapacityArguments& capacity);
+[[nodiscard]] Command describe_capacity(Command root, CapacityArguments& capacity);
 
 }  // namespace cosiva::app

@@ -52,32 +52,29 @@ constexpr const char* switch_examples =
     "Vehicles within 0.30 m of the new zone's paths continue from there; the others are off-route, and are listed.\n"
     "Exit status: 0 the zone is in force; 2 it was refused, and the present zone stays in force.";
 
-void add_zone(CLI::App& command, ZoneArguments& zone) {
-  command.add_option("zone", zone.zone, "a ready zone's name or a file")->type_name("NAME|FILE")->required();
+void add_zone(Command command, ZoneArguments& zone) {
+  command.add_option("zone", zone.zone, "a ready zone's name or a file").value_name("NAME|FILE").required();
   command
       .add_option("--sidecar", zone.sidecar,
                   "sidecar file with what the format cannot express; without: the one next to the file, if any")
-      ->type_name("FILE");
+      .value_name("FILE");
 }
 
-void add_json(CLI::App& command, bool& json) { command.add_flag("--json", json, "print the result as JSON"); }
+void add_json(Command command, bool& json) { command.add_flag("--json", json, "print the result as JSON"); }
 
-void describe_show(CLI::App& command, ZoneArguments& zone) {
+void describe_show(Command command, ZoneArguments& zone) {
   command.add_option("--svg", zone.svg_file, "draw into this file; '-' is standard output, the default")
-      ->type_name("OUT");
-  command.add_option("--png", zone.png_file, "draw into this file")->type_name("OUT");
-  command.add_option("--width", zone.width_px, "of the PNG")
-      ->type_name("PX")
-      ->check(CLI::Range(16, 16384))
-      ->capture_default_str();
+      .value_name("OUT");
+  command.add_option("--png", zone.png_file, "draw into this file").value_name("OUT");
+  command.add_option("--width", zone.width_px, "of the PNG").value_name("PX").in_range(16, 16384).show_default();
   command.footer(show_examples);
 }
 
-void describe_convert(CLI::App& command, ZoneArguments& zone) {
+void describe_convert(Command command, ZoneArguments& zone) {
   command.add_option("out", zone.out_file, "the new file; its ending determines the format")
-      ->type_name("OUT")
-      ->required();
-  command.add_option("--to", zone.format, "the format, where the ending does not determine it")->type_name("FORMAT");
+      .value_name("OUT")
+      .required();
+  command.add_option("--to", zone.format, "the format, where the ending does not determine it").value_name("FORMAT");
   command.footer(convert_examples);
 }
 
@@ -89,79 +86,79 @@ constexpr const char* generate_examples =
     "  cosiva zone generate --sections 1000 -o plant.toml     slightly more than a thousand sections\n"
     "  cosiva zone generate --rows 2 --aisles 4 --seed 7 -o small.lif.json";
 
-void describe_generate(CLI::App& command, GenerateArguments& generate) {
+void describe_generate(Command command, GenerateArguments& generate) {
   zone::PlantOptions& plant = generate.plant;
   command.add_option("-o,--out", generate.out_file, "the new file; its ending determines the format")
-      ->type_name("OUT")
-      ->required();
-  CLI::Option* sections =
+      .value_name("OUT")
+      .required();
+  const Option sections =
       command.add_option("--sections", generate.sections, "minimum number of sections, with an automatic layout")
-          ->type_name("N")
-          ->check(CLI::Range(1, 190'000));
+          .value_name("N")
+          .in_range(1, 190'000);
   const auto number = [&](const char* name, std::uint32_t& value, const char* what) {
-    return command.add_option(name, value, what)->type_name("N")->capture_default_str();
+    return command.add_option(name, value, what).value_name("N").show_default();
   };
-  number("--rows", plant.rows, "rows of aisles")->excludes(sections);
-  number("--aisles", plant.aisles, "aisles in each row")->excludes(sections);
-  number("--bays", plant.bays, "bays along each aisle")->excludes(sections);
+  number("--rows", plant.rows, "rows of aisles").excludes(sections);
+  number("--aisles", plant.aisles, "aisles in each row").excludes(sections);
+  number("--bays", plant.bays, "bays along each aisle").excludes(sections);
   command.add_option("--bay-ratio", plant.bay_ratio, "ratio of bays that exist")
-      ->type_name("P")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
+      .value_name("P")
+      .in_range(0.0, 1.0)
+      .show_default();
   command.add_option("--seed", plant.seed, "determines which bays exist, their positions and lengths")
-      ->type_name("S")
-      ->capture_default_str();
+      .value_name("S")
+      .show_default();
   command.add_option("--length", plant.vehicle.length_m, "of the vehicle that the layout is made for")
-      ->type_name("M")
-      ->capture_default_str();
-  command.add_option("--width", plant.vehicle.width_m, "of the vehicle")->type_name("M")->capture_default_str();
+      .value_name("M")
+      .show_default();
+  command.add_option("--width", plant.vehicle.width_m, "of the vehicle").value_name("M").show_default();
   number("--starts", plant.starts, "maximum number of start positions of an emulated fleet");
-  command.add_option("--name", plant.name, "of the zone")->type_name("TEXT")->capture_default_str();
+  command.add_option("--name", plant.name, "of the zone").value_name("TEXT").show_default();
   command.footer(generate_examples);
 }
 
-void describe_switch(CLI::App& command, ZoneArguments& zone) {
-  command.add_option("--url", zone.url, "address of the platform's API")->type_name("URL")->capture_default_str();
+void describe_switch(Command command, ZoneArguments& zone) {
+  command.add_option("--url", zone.url, "address of the platform's API").value_name("URL").show_default();
   command.add_option("--wait", zone.wait_s, "longest wait for the first vehicle to move")
-      ->type_name("S")
-      ->check(CLI::Range(0.0, 3600.0))
-      ->capture_default_str();
+      .value_name("S")
+      .in_range(0.0, 3600.0)
+      .show_default();
   add_broker(command, zone.broker, "the platform's API is used");
   command.footer(switch_examples);
 }
 
 }  // namespace
 
-ZoneCommands describe_zone(CLI::App& root, ZoneArguments& zone, GenerateArguments& generate) {
+ZoneCommands describe_zone(Command root, ZoneArguments& zone, GenerateArguments& generate) {
   ZoneCommands commands{};
   commands.zone = root.add_subcommand("zone", "Check, draw, convert, generate and switch traffic zones");
-  commands.zone->require_subcommand(0, 1);
-  commands.zone->footer(zone_examples);
-  commands.check = commands.zone->add_subcommand("check", "Report a zone's contents and weak spots, or its errors");
-  commands.show = commands.zone->add_subcommand("show", "Draw a zone as SVG or PNG");
+  commands.zone.at_most_one_subcommand();
+  commands.zone.footer(zone_examples);
+  commands.check = commands.zone.add_subcommand("check", "Report a zone's contents and weak spots, or its errors");
+  commands.show = commands.zone.add_subcommand("show", "Draw a zone as SVG or PNG");
   commands.convert =
-      commands.zone->add_subcommand("convert", "Write a zone in another format, and report what was lost");
-  commands.generate = commands.zone->add_subcommand("generate", "Generate a zone of any size, for experiments");
-  commands.switch_to = commands.zone->add_subcommand("switch", "Switch a running platform to another zone");
-  for (CLI::App* command : {commands.check, commands.show, commands.convert, commands.switch_to})
-    add_zone(*command, zone);
-  for (CLI::App* command : {commands.check, commands.convert, commands.switch_to}) add_json(*command, zone.json);
-  add_json(*commands.generate, generate.json);
-  commands.check->footer(check_examples);
-  describe_show(*commands.show, zone);
-  describe_convert(*commands.convert, zone);
-  describe_generate(*commands.generate, generate);
-  describe_switch(*commands.switch_to, zone);
+      commands.zone.add_subcommand("convert", "Write a zone in another format, and report what was lost");
+  commands.generate = commands.zone.add_subcommand("generate", "Generate a zone of any size, for experiments");
+  commands.switch_to = commands.zone.add_subcommand("switch", "Switch a running platform to another zone");
+  for (const Command command : {commands.check, commands.show, commands.convert, commands.switch_to})
+    add_zone(command, zone);
+  for (const Command command : {commands.check, commands.convert, commands.switch_to}) add_json(command, zone.json);
+  add_json(commands.generate, generate.json);
+  commands.check.footer(check_examples);
+  describe_show(commands.show, zone);
+  describe_convert(commands.convert, zone);
+  describe_generate(commands.generate, generate);
+  describe_switch(commands.switch_to, zone);
   return commands;
 }
 
 std::optional<int> run_zone_command(const ZoneCommands& commands, const ZoneArguments& zone,
                                     const GenerateArguments& generate) {
-  if (commands.check->parsed()) return run_zone_check(zone);
-  if (commands.show->parsed()) return run_zone_show(zone);
-  if (commands.convert->parsed()) return run_zone_convert(zone);
-  if (commands.generate->parsed()) return run_zone_generate(generate);
-  if (commands.switch_to->parsed()) return run_zone_switch(zone);
+  if (commands.check.chosen()) return run_zone_check(zone);
+  if (commands.show.chosen()) return run_zone_show(zone);
+  if (commands.convert.chosen()) return run_zone_convert(zone);
+  if (commands.generate.chosen()) return run_zone_generate(generate);
+  if (commands.switch_to.chosen()) return run_zone_switch(zone);
   return std::nullopt;
 }
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 
+#include "cosiva/app/cli/options.h"
 #include "cosiva/app/zone/zone_arguments.h"
 #include "cosiva/app/zone/zone_generate_command.h"
 
@@ -11,15 +11,15 @@ namespace cosiva::app {
 
 /// `cosiva zone` and its subcommands.
 struct ZoneCommands {
-  CLI::App* zone;
-  CLI::App* check;
-  CLI::App* show;
-  CLI::App* convert;
-  CLI::App* generate;
-  CLI::App* switch_to;
+  Command zone;
+  Command check;
+  Command show;
+  Command convert;
+  Command generate;
+  Command switch_to;
 };
 
-[[nodiscard]] ZoneCommands describe_zone(CLI::App& root, ZoneArguments& zone, GenerateArguments& generate);
+[[nodiscard]] ZoneCommands describe_zone(Command root, ZoneArguments& zone, GenerateArguments& generate);
 
 /// The exit status of the requested subcommand, if any.
 [[nodiscard]] std::optional<int> run_zone_command(const ZoneCommands& commands, const ZoneArguments& zone,
