@@ -10,7 +10,7 @@
 #include "cosiva/aiv/decision/speed_rules.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
-#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/server/registry/registry.h"
 #include "cosiva/virtual/vehicle/virtual_aiv.h"
 
 namespace cosiva::virtual_side {

@@ -12,7 +12,7 @@
 #include "cosiva/virtual/server/augmented/third_party_pause.h"
 #include "cosiva/virtual/server/augmented/virtual_fleet.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
-#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/server/registry/registry.h"
 #include "cosiva/virtual/simulator/simulator.h"
 
 namespace cosiva::virtual_side {

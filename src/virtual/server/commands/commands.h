@@ -11,7 +11,7 @@
 #include "cosiva/virtual/server/commands/values/operator_command.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
 #include "cosiva/virtual/server/orders/order_manager.h"
-#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/server/registry/registry.h"
 #include "cosiva/virtual/simulator/simulator.h"
 
 namespace cosiva::virtual_side {

@@ -16,20 +16,20 @@ constexpr std::string_view same_again = "repeated: not acknowledged within 300 m
 }  // namespace
 
 wire::Header MessagePublisher::header(const AivProxy& proxy, std::uint32_t id) const {
-  return {id, now_, proxy.version, proxy.id.manufacturer, proxy.id.serial_number};
+  return {id, now_, proxy.received.version(), proxy.id().manufacturer, proxy.id().serial_number};
 }
 
 MessagePublisher::SentOrder MessagePublisher::send(AivProxy& proxy, wire::Order&& order, std::string_view summary) {
-  order.header = header(proxy, proxy.order_header_id);
+  order.header = header(proxy, proxy.sent.order);
   if (order.header.version.empty()) order.header.version = wire::vda5050::version;
   SentOrder sent = wire::typed(std::move(order));
-  wire::Publish message{proxy.order_topic, {}, 0, false};
+  wire::Publish message{proxy.identity.order_topic(), {}, 0, false};
   if (as_values_)
     message.typed = sent;
   else
     message.payload = wire::vda5050::encode(std::get<wire::Order>(sent->message));
-  traces_.add(now_, "AIV_Server", proxy.name, "order", summary, message.topic, message.payload);
-  send_numbered(proxy, proxy.order_header_id, std::move(message));
+  traces_.add(now_, "AIV_Server", proxy.name(), "order", summary, message.topic, message.payload);
+  send_numbered(proxy, proxy.sent.order, std::move(message));
   return sent;
 }
 
@@ -54,14 +54,14 @@ void MessagePublisher::send_again(AivProxy& proxy, wire::InstantActions& actions
 }
 
 void MessagePublisher::publish(AivProxy& proxy, wire::InstantActions& actions, std::string_view summary) {
-  actions.header = header(proxy, proxy.actions_header_id);
-  wire::Publish message{proxy.actions_topic, wire::vda5050::encode(actions), 0, false};
-  traces_.add(now_, "AIV_Server", proxy.name, "instantActions", summary, message.topic, message.payload);
-  send_numbered(proxy, proxy.actions_header_id, std::move(message));
+  actions.header = header(proxy, proxy.sent.actions);
+  wire::Publish message{proxy.identity.actions_topic(), wire::vda5050::encode(actions), 0, false};
+  traces_.add(now_, "AIV_Server", proxy.name(), "instantActions", summary, message.topic, message.payload);
+  send_numbered(proxy, proxy.sent.actions, std::move(message));
 }
 
 void MessagePublisher::send_numbered(const AivProxy& proxy, std::uint32_t& header_id, wire::Publish message) {
-  if (proxy.handed_over) return;
+  if (proxy.membership.handed_over()) return;
   ++header_id;
   effects_->emplace_back(std::move(message));
 }

@@ -8,7 +8,7 @@
 
 #include "cosiva/base/time.h"
 #include "cosiva/virtual/server/messages/traces.h"
-#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/server/registry/registry.h"
 #include "cosiva/wire/in_process/typed_message.h"
 #include "cosiva/wire/runtime/core.h"
 
@@ -40,7 +40,7 @@ class MessagePublisher {
   void log(char level, std::string text);
   /// Traces a decision of the server about a vehicle; no message is sent.
   void explain(const AivProxy& proxy, std::string_view kind, std::string_view content) {
-    traces_.add(now_, "AIV_Server", proxy.name, kind, content);
+    traces_.add(now_, "AIV_Server", proxy.name(), kind, content);
   }
   void persist(std::string bytes) { effects_->emplace_back(wire::Persist{std::move(bytes)}); }
 

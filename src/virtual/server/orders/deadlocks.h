@@ -14,7 +14,7 @@
 #include "cosiva/virtual/server/messages/traces.h"
 #include "cosiva/virtual/server/orders/order_manager.h"
 #include "cosiva/virtual/server/orders/wait_graph.h"
-#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/server/registry/registry.h"
 
 namespace cosiva::virtual_side {
 

@@ -10,7 +10,7 @@
 #include "cosiva/base/digest.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/result.h"
-#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/server/registry/registry.h"
 #include "cosiva/virtual/simulator/simulator.h"
 #include "cosiva/wire/own/gvs.h"
 #include "cosiva/wire/runtime/core.h"

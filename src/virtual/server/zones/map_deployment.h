@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "cosiva/virtual/server/messages/message_publisher.h"
-#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/server/registry/registry.h"
 
 namespace cosiva::virtual_side {
 
