@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/virtual/server/augmented/virtual_obstacle_publisher.h"
 
 namespace cosiva::virtual_side {
@@ -61,10 +62,14 @@ void ThirdPartyPause::let_go(VehicleIndex vehicle) {
 
 void ThirdPartyPause::send(VehicleIndex vehicle, std::string action) {
   ++changes_;
+  COSIVA_EXPECT(vehicle < pauses_.size());
+  Pause& pause = pauses_[vehicle];
+  const InstantActionSender::ActionHandle previous = pause.handle;
   // The previous action, unacknowledged and sent again, would undo this one.
-  if (pauses_[vehicle].handle != 0) action_sender_.drop(pauses_[vehicle].handle);
-  pauses_[vehicle].handle = action_sender_.send(
-      registry_[vehicle], vehicle, {{std::move(action), {}, {}, wire::BlockingType::none, {}}}, timeout, false);
+  if (previous != 0) action_sender_.drop(previous);
+  pause.handle = action_sender_.send(registry_[vehicle], vehicle,
+                                     {{std::move(action), {}, {}, wire::BlockingType::none, {}}}, timeout, false);
+  COSIVA_EXPECT(pause.handle > previous && action_sender_.find(previous) == nullptr);
 }
 
 }  // namespace cosiva::virtual_side

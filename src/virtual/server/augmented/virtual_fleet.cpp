@@ -4,9 +4,11 @@
 #include <utility>
 #include <variant>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/wire/vda5050/typed_messages.h"
 
 namespace cosiva::virtual_side {
+
 void VirtualFleet::send(Host& host) {
   for (wire::Effect& effect : effects_) {
     if (auto* message = std::get_if<wire::Publish>(&effect)) {
@@ -23,6 +25,8 @@ void VirtualFleet::send(Host& host) {
 void VirtualFleet::add(VehicleIndex vehicle, SimTime now, bool link_up, const std::shared_ptr<const zone::Rtm>& rtm,
                        zone::TrackPosition start) {
   const AivProxy& proxy = registry_[vehicle];
+  COSIVA_EXPECT(proxy.augmented() && find(vehicle) == nullptr);
+  COSIVA_EXPECT(effects_.empty());
   hosts_.push_back({vehicle, now,
                     VirtualAiv(proxy.id().serial_number, proxy.identity.number(), rtm, start,
                                registry_.interface_name(), rules_, v2x_)});

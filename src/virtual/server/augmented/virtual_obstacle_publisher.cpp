@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
 
 namespace cosiva::virtual_side {
@@ -162,6 +163,7 @@ void VirtualObstaclePublisher::survey_neighbours(VehicleIndex vehicle) {
 }
 
 void VirtualObstaclePublisher::record_change(Viewer& viewer) {
+  COSIVA_EXPECT(std::ranges::is_sorted(viewer.commanded) && std::ranges::is_sorted(sent_objects_));
   Change change{viewer.next_id, publisher_.now(), false, {}};
   for (const Present* present : near_) {
     const SentObject fiducial{present->handle, present->changed};
@@ -169,6 +171,7 @@ void VirtualObstaclePublisher::record_change(Viewer& viewer) {
   }
   if (viewer.changes.size() >= changes_max) viewer.changes.erase(viewer.changes.begin());
   viewer.changes.push_back(std::move(change));
+  COSIVA_EXPECT(viewer.changes.size() <= changes_max);
   viewer.empties = sent_objects_.empty() ? empty_last - 1 : 0;
   viewer.commanded = sent_objects_;
 }
@@ -176,6 +179,7 @@ void VirtualObstaclePublisher::record_change(Viewer& viewer) {
 void VirtualObstaclePublisher::send(VehicleIndex vehicle, Viewer& viewer) {
   const SimTime now = publisher_.now();
   const AivProxy& proxy = registry_[vehicle];
+  COSIVA_EXPECT(near_.size() <= wire::VirtualObstacles::bodies_max);
   viewer.sent[viewer.next_id % sent_kept] = now;
   wire::VirtualObstacles ahead{viewer.next_id++, now, simulator_.zone()->name, {}};
   ahead.bodies.reserve(near_.size());

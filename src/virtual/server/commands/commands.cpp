@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::virtual_side {
 namespace {
 
@@ -252,12 +254,14 @@ void Commands::forget(VehicleIndex vehicle, const std::string& reason) {
 }
 
 void Commands::accept(Command& command) {
+  COSIVA_EXPECT(command.state == CommandState::issued);
   command.state = CommandState::accepted;
   command.accepted_at = publisher_.now();
   if (BijectionMonitor* monitor = monitor_of(command)) monitor->command_accepted();
 }
 
 void Commands::materialise(Command& command) {
+  COSIVA_EXPECT(command.state == CommandState::accepted);
   command.state = CommandState::materialised;
   command.materialised_at = publisher_.now();
   if (command.verb == OperatorCommandKind::limit) registry_[command.vehicle].settings.on_limit(command.speed_mps);
@@ -267,6 +271,7 @@ void Commands::materialise(Command& command) {
 }
 
 void Commands::fail_command(Command& command, std::string reason) {
+  COSIVA_EXPECT(command.open());
   command.state = CommandState::failed;
   command.reason = std::move(reason);
   action_sender_.drop(command.handle);
@@ -282,6 +287,7 @@ void Commands::keep(Command command) {
     if (list_.front().open()) fail_command(list_.front(), "too many commands at once");
     list_.pop_front();
   }
+  COSIVA_EXPECT(list_.size() <= kept_max);
 }
 
 void Commands::fold(Digest& digest) const {

@@ -37,6 +37,9 @@ struct Command {
 
 /// Tracks each command until its effect is observed on the vehicle: issued → accepted (the state lists its actions) →
 /// materialised (the vehicle shows the effect), or failed with the reason.
+///
+/// Invariant: a command changes its state only in this order and never after its end; a limited number of commands is
+/// listed.
 class Commands {
  public:
   static constexpr SimDuration timeout{std::chrono::seconds{5}};

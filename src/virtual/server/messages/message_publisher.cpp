@@ -5,6 +5,7 @@
 #include <charconv>
 #include <utility>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/wire/in_process/typed_message.h"
 #include "cosiva/wire/vda5050/codec.h"
 
@@ -63,14 +64,21 @@ void MessagePublisher::publish(AivProxy& proxy, wire::InstantActions& actions, s
 void MessagePublisher::send_numbered(const AivProxy& proxy, std::uint32_t& header_id, wire::Publish message) {
   if (proxy.membership.handed_over()) return;
   ++header_id;
-  effects_->emplace_back(std::move(message));
+  add_effect(std::move(message));
 }
 
 void MessagePublisher::publish(std::string topic, std::string payload, int qos, bool retained) {
-  effects_->emplace_back(wire::Publish{std::move(topic), std::move(payload), qos, retained});
+  add_effect(wire::Publish{std::move(topic), std::move(payload), qos, retained});
 }
 
-void MessagePublisher::log(char level, std::string text) { effects_->emplace_back(wire::Log{level, std::move(text)}); }
+void MessagePublisher::log(char level, std::string text) { add_effect(wire::Log{level, std::move(text)}); }
+
+void MessagePublisher::persist(std::string bytes) { add_effect(wire::Persist{std::move(bytes)}); }
+
+void MessagePublisher::add_effect(wire::Effect effect) {
+  COSIVA_EXPECT(effects_ != nullptr);
+  effects_->push_back(std::move(effect));
+}
 
 std::string unique_id(std::string_view prefix, SimTime now) {
   const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count();
@@ -89,7 +97,9 @@ bool InstantActionSender::PendingAction::acknowledged() const {
 InstantActionSender::ActionHandle InstantActionSender::send(AivProxy& proxy, VehicleIndex vehicle,
                                                             std::vector<wire::Action> actions, SimDuration timeout,
                                                             bool keep) {
+  COSIVA_EXPECT(!actions.empty());
   const ActionHandle handle = ++last_handle_;
+  COSIVA_EXPECT(pending_.empty() || pending_.back().handle < handle);
   PendingAction pending_action{handle, vehicle, {}, {}, publisher_.now(), publisher_.now() + timeout, keep};
   wire::InstantActions& message = pending_action.message;
   message.actions = std::move(actions);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/virtual/server/right_of_way/convoys.h"
 
 namespace cosiva::virtual_side {
@@ -121,7 +122,9 @@ void Deadlocks::follow(Deadlock& deadlock) {
 }
 
 void Deadlocks::begin(Deadlock& deadlock) {
+  COSIVA_EXPECT(deadlock.state == Deadlock::State::forming && deadlock.number == 0);
   deadlock.number = ++counters_.detected;
+  COSIVA_EXPECT(counters_.detected <= counters_.cycles);
   deadlock.state = Deadlock::State::reported;
   send('w', "deadlock " + std::to_string(deadlock.number) + ": " + deadlock.reason);
   resolve(deadlock);
@@ -187,11 +190,13 @@ void Deadlocks::give_up(Deadlock& deadlock) {
 }
 
 void Deadlocks::end(Deadlock& deadlock) {
+  COSIVA_EXPECT(deadlock.number > 0 && deadlock.state != Deadlock::State::resolved);
   const SimDuration lasted = deadlock.detected_at - deadlock.since;
   if (deadlock.state != Deadlock::State::yielding) deadlock.how = "it dissolved by itself";
   deadlock.state = Deadlock::State::resolved;
   deadlock.ended_at = deadlock.detected_at;
   ++counters_.resolved;
+  COSIVA_EXPECT(counters_.resolved <= counters_.detected);
   counters_.longest = std::max(counters_.longest, lasted);
   for (const VehicleIndex v : deadlock.yielded) orders_.need_not_avoid(v);
   send('i', "deadlock " + std::to_string(deadlock.number) + " is resolved after " +

@@ -19,7 +19,7 @@ wire::State state_at(SimTime at) {
   return state;
 }
 
-/// A vehicle that has reported everything that a vehicle can report, has a twin, and is restricted in every way.
+/// A vehicle that has reported everything that a vehicle can report, has a twin, and has every restriction.
 AivProxy known(std::string manufacturer) {
   AivProxy proxy{Identity({std::move(manufacturer), "7"}, 7, "uagv"), virtual_epoch};
   proxy.twin_link.on_monitored(5);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
 
 namespace cosiva::virtual_side {
@@ -98,8 +99,10 @@ void GroundTruthComparator::take(SimTime now, wire::GvsDetections detections) {
     detected.arrived = now;
     detected.X_MB = detection.pose;
     detected.uncertainty_m = detection.uncertainty_m;
+    COSIVA_EXPECT(detected.since <= detected.arrived);
     compare(detection, detected);
   }
+  COSIVA_EXPECT(detected_.size() <= detected_max);
 }
 
 std::optional<VehicleIndex> GroundTruthComparator::twin_of(const std::string& name) const {

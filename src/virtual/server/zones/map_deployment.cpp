@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::virtual_side {
 
 void MapDeployment::begin() {
@@ -62,6 +64,7 @@ void MapDeployment::step(VehicleIndex vehicle, const Map& map) {
   if (!action) return;
   publisher_.log('i', proxy.name() + ": is on map '" + proxy.position.map_id() + "'; requested " + action->action_type +
                           " of '" + map.id + "'");
+  COSIVA_EXPECT(step.handle == 0);
   step.sent_at = publisher_.now();
   step.handle = action_sender_.send(proxy, vehicle, {std::move(*action)}, timeout, true);
 }

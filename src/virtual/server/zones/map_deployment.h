@@ -11,6 +11,8 @@ namespace cosiva::virtual_side {
 /// Deploys the zone's map to third-party vehicles as VDA 5050 2.1 (§6.7) specifies: downloadMap, enableMap,
 /// initPosition, one after the other, each where the factsheet lists it. CoSiVA vehicles take the configuration from
 /// its topic.
+///
+/// Invariant: at most one action of the deployment to a vehicle is followed at a time.
 class MapDeployment {
  public:
   static constexpr SimDuration timeout{std::chrono::seconds{10}};
