@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/wire/vda5050/codec.h"
 #include "cosiva/zone/circuit/path_snap.h"
 
@@ -40,6 +41,7 @@ ControlAreas::Vehicle* ControlAreas::vehicle(const wire::VehicleId& id) {
   if (vehicles_.size() >= vehicles_max) return nullptr;
   Vehicle& made = vehicles_[std::move(name)];
   made.id = id;
+  COSIVA_EXPECT(vehicles_.size() <= vehicles_max);
   return &made;
 }
 
@@ -69,6 +71,7 @@ Result<void> ControlAreas::on_area(wire::AreaTopic topic, const wire::Input& inp
   if (area == areas_.end()) {
     if (areas_.size() >= areas_max) return {};
     area = areas_.emplace(std::string(topic.area), ControlArea{}).first;
+    COSIVA_EXPECT(areas_.size() <= areas_max && !areas_.contains(own_));
   }
   if (topic.rest == "server/connection") {
     constexpr std::size_t bytes_max = 4096;

@@ -20,6 +20,9 @@ namespace cosiva::virtual_side {
 /// Several servers on one broker, one for each control area: what the other servers publish, and the owner of each
 /// vehicle. The class only stores what was received; Ownership (virtual/server/core) claims, takes over and releases
 /// vehicles.
+///
+/// Invariant: at most vehicles_max vehicles and areas_max other areas are stored, each vehicle under its own name; the
+/// server's own area is none of the others.
 class ControlAreas {
  public:
   static constexpr std::size_t vehicles_max = 4096;  ///< limits the memory that a flood of invented names can occupy

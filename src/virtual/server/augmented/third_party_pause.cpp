@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/virtual/server/augmented/virtual_obstacle_publisher.h"
 
 namespace cosiva::virtual_side {
@@ -34,36 +35,41 @@ bool ThirdPartyPause::in_path(VehicleIndex vehicle, const Pose2& X_MB, const Bod
 
 void ThirdPartyPause::evaluate(VehicleIndex vehicle, const Pose2& X_MB, std::span<const Body> bodies) {
   AivProxy& proxy = registry_[vehicle];
-  if (!proxy.state) return;
-  const double within_m = proxy.paused_for_body ? let_go_beyond_m : pause_within_m;
+  if (!proxy.state()) return;
+  const double within_m = proxy.settings.paused_for_body() ? let_go_beyond_m : pause_within_m;
   const auto blocking =
       std::ranges::find_if(bodies, [&](const Body& body) { return in_path(vehicle, X_MB, body, within_m); });
   if (blocking == bodies.end()) {
     let_go(vehicle);
     return;
   }
-  if (proxy.paused_for_body) pauses_[vehicle].body = blocking->body->id;
-  if (proxy.paused_for_body || proxy.state->paused || proxy.supports("startPause") == std::optional{false}) return;
-  proxy.paused_for_body = true;
+  if (proxy.settings.paused_for_body()) pauses_[vehicle].body = blocking->body->id;
+  if (proxy.settings.paused_for_body() || proxy.state()->paused || proxy.supports("startPause") == std::optional{false})
+    return;
+  proxy.settings.on_body_in_path();
   pauses_[vehicle].body = blocking->body->id;
-  publisher_.log('i', proxy.name + ": does not perceive virtual objects; paused for " + blocking->body->id);
+  publisher_.log('i', proxy.name() + ": does not perceive virtual objects; paused for " + blocking->body->id);
   send(vehicle, "startPause");
 }
 
 void ThirdPartyPause::let_go(VehicleIndex vehicle) {
   AivProxy& proxy = registry_[vehicle];
   pauses_[vehicle].body.clear();
-  if (!proxy.paused_for_body) return;
-  proxy.paused_for_body = false;
+  if (!proxy.settings.paused_for_body()) return;
+  proxy.settings.on_body_left();
   send(vehicle, "stopPause");
 }
 
 void ThirdPartyPause::send(VehicleIndex vehicle, std::string action) {
   ++changes_;
+  COSIVA_EXPECT(vehicle < pauses_.size());
+  Pause& pause = pauses_[vehicle];
+  const InstantActionSender::ActionHandle previous = pause.handle;
   // The previous action, unacknowledged and sent again, would undo this one.
-  if (pauses_[vehicle].handle != 0) action_sender_.drop(pauses_[vehicle].handle);
-  pauses_[vehicle].handle = action_sender_.send(
-      registry_[vehicle], vehicle, {{std::move(action), {}, {}, wire::BlockingType::none, {}}}, timeout, false);
+  if (previous != 0) action_sender_.drop(previous);
+  pause.handle = action_sender_.send(registry_[vehicle], vehicle,
+                                     {{std::move(action), {}, {}, wire::BlockingType::none, {}}}, timeout, false);
+  COSIVA_EXPECT(pause.handle > previous && action_sender_.find(previous) == nullptr);
 }
 
 }  // namespace cosiva::virtual_side

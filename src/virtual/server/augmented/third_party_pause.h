@@ -9,7 +9,7 @@
 
 #include "cosiva/base/digest.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
-#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/server/registry/registry.h"
 #include "cosiva/virtual/server/right_of_way/traffic.h"
 #include "cosiva/virtual/simulator/simulator.h"
 
@@ -18,6 +18,8 @@ namespace cosiva::virtual_side {
 /// Third-party vehicles do not read the message VirtualObstacles. A vehicle that never acknowledged that message is
 /// paused (startPause) while a virtual body blocks its path, and released (stopPause) when the body has left. A vehicle
 /// that another party paused is never released.
+///
+/// Invariant: of the pause actions for a vehicle, only the last one is repeated; an earlier one would undo it.
 class ThirdPartyPause {
  public:
   static constexpr double pause_within_m = 0.8;   ///< from the vehicle's front

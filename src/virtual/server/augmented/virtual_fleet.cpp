@@ -4,15 +4,17 @@
 #include <utility>
 #include <variant>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/wire/vda5050/typed_messages.h"
 
 namespace cosiva::virtual_side {
+
 void VirtualFleet::send(Host& host) {
   for (wire::Effect& effect : effects_) {
     if (auto* message = std::get_if<wire::Publish>(&effect)) {
       publisher_.publish(std::move(message->topic), std::move(message->payload), message->qos, message->retained);
     } else if (auto* log = std::get_if<wire::Log>(&effect)) {
-      publisher_.log(log->level, registry_[host.vehicle].name + ": " + log->text);
+      publisher_.log(log->level, registry_[host.vehicle].name() + ": " + log->text);
     } else if (auto* listen = std::get_if<wire::Listen>(&effect)) {
       host.listens = std::move(listen->filters);
     }
@@ -23,9 +25,11 @@ void VirtualFleet::send(Host& host) {
 void VirtualFleet::add(VehicleIndex vehicle, SimTime now, bool link_up, const std::shared_ptr<const zone::Rtm>& rtm,
                        zone::TrackPosition start) {
   const AivProxy& proxy = registry_[vehicle];
-  hosts_.push_back(
-      {vehicle, now,
-       VirtualAiv(proxy.id.serial_number, proxy.number, rtm, start, registry_.interface_name(), rules_, v2x_)});
+  COSIVA_EXPECT(proxy.augmented() && find(vehicle) == nullptr);
+  COSIVA_EXPECT(effects_.empty());
+  hosts_.push_back({vehicle, now,
+                    VirtualAiv(proxy.id().serial_number, proxy.identity.number(), rtm, start,
+                               registry_.interface_name(), rules_, v2x_)});
   if (!link_up) return;
   hosts_.back().aiv.link(now, true, effects_);
   send(hosts_.back());
@@ -85,7 +89,7 @@ void VirtualFleet::message(SimTime now, VehicleIndex vehicle, const std::string&
 bool VirtualFleet::from_broker(SimTime now, const wire::Input& input) {
   for (Host& host : hosts_) {
     const AivProxy& proxy = registry_[host.vehicle];
-    if (input.source != proxy.order_topic && input.source != proxy.actions_topic) continue;
+    if (input.source != proxy.identity.order_topic() && input.source != proxy.identity.actions_topic()) continue;
     const std::string payload = input.typed ? wire::vda5050::text_of(*input.typed) : input.payload;
     host.aiv.message(now, input.source, payload, effects_);
     send(host);

@@ -10,7 +10,7 @@
 #include "cosiva/aiv/decision/speed_rules.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
-#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/server/registry/registry.h"
 #include "cosiva/virtual/vehicle/virtual_aiv.h"
 
 namespace cosiva::virtual_side {
@@ -18,6 +18,9 @@ namespace cosiva::virtual_side {
 /// The virtual AIVs that this server hosts (A3). Their messages go to the broker and return from there like those of
 /// any vehicle; orders reach them on the same path. The server passes the zone, the heartbeat, the link state and
 /// VirtualObstacles to them directly.
+///
+/// Invariant: each hosted vehicle is a virtual AIV of the registry and is hosted once; between two calls no effect of a
+/// hosted AIV waits to be published.
 class VirtualFleet {
  public:
   /// @param rules  the rules of their speed choice; must outlive the fleet

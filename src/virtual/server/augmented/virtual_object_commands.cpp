@@ -47,7 +47,7 @@ bool is_detected_id(std::string_view id) {
 const VirtualFleet::Host* VirtualObjectCommands::find_aiv(std::string_view id) const {
   for (const VirtualFleet::Host& host : fleet_.hosts()) {
     const AivProxy& proxy = registry_[host.vehicle];
-    if (proxy.id.serial_number == id || proxy.name == id) return &host;
+    if (proxy.id().serial_number == id || proxy.name() == id) return &host;
   }
   return nullptr;
 }
@@ -65,7 +65,7 @@ std::string VirtualObjectCommands::known_virtual_objects() const {
     if (names.size() < 200) names += (names.empty() ? "" : ", ") + std::string(id);
   };
   for (const VirtualObject& virtual_object : simulator_.augmented().virtual_objects()) add(virtual_object.id);
-  for (const VirtualFleet::Host& host : fleet_.hosts()) add(registry_[host.vehicle].id.serial_number);
+  for (const VirtualFleet::Host& host : fleet_.hosts()) add(registry_[host.vehicle].id().serial_number);
   return names.empty() ? "there is none yet; add one first" : "there are " + names;
 }
 
@@ -285,10 +285,11 @@ std::vector<VirtualObjectCommands::NearbyVehicle> VirtualObjectCommands::nearby_
   for (VehicleIndex v = 0; v < registry_.size(); ++v) {
     const AivProxy& proxy = registry_[v];
     if (const VirtualFleet::Host* host = fleet_.find(v)) {
-      all.push_back({proxy.name, position(host->aiv.X_MB()), VirtualFleet::position_of(*host, *simulator_.circuit())});
+      all.push_back(
+          {proxy.name(), position(host->aiv.X_MB()), VirtualFleet::position_of(*host, *simulator_.circuit())});
     } else if (proxy.here()) {
-      const Twin::Image image = simulator_.image(*proxy.twin, publisher_.now());
-      all.push_back({proxy.name, position(image.X_MB), image.position});
+      const Twin::Image image = simulator_.image(*proxy.twin(), publisher_.now());
+      all.push_back({proxy.name(), position(image.X_MB), image.position});
     }
   }
   return all;

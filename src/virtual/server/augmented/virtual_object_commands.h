@@ -8,7 +8,7 @@
 #include "cosiva/base/result.h"
 #include "cosiva/virtual/server/augmented/virtual_fleet.h"
 #include "cosiva/virtual/server/commands/values/operator_command.h"
-#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/server/registry/registry.h"
 #include "cosiva/virtual/simulator/simulator.h"
 
 namespace cosiva::virtual_side {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
 
 namespace cosiva::virtual_side {
@@ -43,13 +44,13 @@ std::optional<Pose2> VirtualObstaclePublisher::pose_of(VehicleIndex vehicle) con
   if (const VirtualFleet::Host* host = fleet_.find(vehicle)) return host->aiv.X_MB();
   const AivProxy& proxy = registry_[vehicle];
   if (!proxy.here()) return std::nullopt;
-  return simulator_.image(*proxy.twin, publisher_.now()).X_MB;
+  return simulator_.image(*proxy.twin(), publisher_.now()).X_MB;
 }
 
 bool VirtualObstaclePublisher::can_receive(VehicleIndex vehicle) const {
   const AivProxy& proxy = registry_[vehicle];
   return fleet_.find(vehicle) != nullptr ||
-         (proxy.here() && proxy.online() && proxy.position_known && !proxy.handed_over);
+         (proxy.here() && proxy.online() && proxy.position.known() && !proxy.membership.handed_over());
 }
 
 void VirtualObstaclePublisher::gather() {
@@ -72,15 +73,15 @@ void VirtualObstaclePublisher::gather_vehicles() {
   const SimTime now = publisher_.now();
   for (const VirtualFleet::Host& host : fleet_.hosts()) {
     const Pose2 X_MB = host.aiv.X_MB();
-    world_.push_back({body_of(registry_[host.vehicle].name, X_MB, host.aiv.speed_mps(), shape),
+    world_.push_back({body_of(registry_[host.vehicle].name(), X_MB, host.aiv.speed_mps(), shape),
                       static_cast<std::uint16_t>(host.vehicle), host.since, host.vehicle, false});
   }
   for (VehicleIndex v = 0; v < registry_.size(); ++v) {
     const AivProxy& proxy = registry_[v];
-    if (!proxy.here() || proxy.augmented) continue;
-    const Twin::Image image = simulator_.image(*proxy.twin, now);
+    if (!proxy.here() || proxy.augmented()) continue;
+    const Twin::Image image = simulator_.image(*proxy.twin(), now);
     world_.push_back(
-        {body_of(proxy.name, image.X_MB, image.speed_mps, shape), static_cast<std::uint16_t>(v), {}, v, true});
+        {body_of(proxy.name(), image.X_MB, image.speed_mps, shape), static_cast<std::uint16_t>(v), {}, v, true});
   }
   for (const DetectedObstacle& detected : simulator_.detected().obstacles()) {
     world_.push_back(
@@ -102,13 +103,13 @@ void VirtualObstaclePublisher::update() {
     // A vehicle that is offline is sent the bodies when it is online again.
     const Viewer& viewer = viewers_[v];
     busy_ = busy_ || !viewer.commanded.empty() || viewer.empties > 0 || !viewer.perceives.empty() ||
-            registry_[v].paused_for_body;
+            registry_[v].settings.paused_for_body();
   }
 }
 
 void VirtualObstaclePublisher::pick(VehicleIndex vehicle, const Pose2& X_MB) {
   near_.clear();
-  const bool augmented = registry_[vehicle].augmented;
+  const bool augmented = registry_[vehicle].augmented();
   const double half_length_m = 0.5 * simulator_.zone()->vehicle.length_m;
   const SinCos turn = sincos(X_MB.heading_rad);
   for (Present& present : world_) {
@@ -149,8 +150,8 @@ void VirtualObstaclePublisher::survey_neighbours(VehicleIndex vehicle) {
   // An acknowledgement may be lost; but a vehicle that reports its boards runs the CoSiVA program and perceives by
   // itself.
   const AivProxy& proxy = registry_[vehicle];
-  const bool is_cosiva = viewer.acknowledged || proxy.augmented || proxy.boards;
-  const bool deaf = !is_cosiva && (given_up || proxy.paused_for_body);
+  const bool is_cosiva = viewer.acknowledged || proxy.augmented() || proxy.on_board.boards();
+  const bool deaf = !is_cosiva && (given_up || proxy.settings.paused_for_body());
   if (!deaf || near_.empty()) {
     pauses_.let_go(vehicle);
     return;
@@ -162,6 +163,7 @@ void VirtualObstaclePublisher::survey_neighbours(VehicleIndex vehicle) {
 }
 
 void VirtualObstaclePublisher::record_change(Viewer& viewer) {
+  COSIVA_EXPECT(std::ranges::is_sorted(viewer.commanded) && std::ranges::is_sorted(sent_objects_));
   Change change{viewer.next_id, publisher_.now(), false, {}};
   for (const Present* present : near_) {
     const SentObject fiducial{present->handle, present->changed};
@@ -169,6 +171,7 @@ void VirtualObstaclePublisher::record_change(Viewer& viewer) {
   }
   if (viewer.changes.size() >= changes_max) viewer.changes.erase(viewer.changes.begin());
   viewer.changes.push_back(std::move(change));
+  COSIVA_EXPECT(viewer.changes.size() <= changes_max);
   viewer.empties = sent_objects_.empty() ? empty_last - 1 : 0;
   viewer.commanded = sent_objects_;
 }
@@ -176,6 +179,7 @@ void VirtualObstaclePublisher::record_change(Viewer& viewer) {
 void VirtualObstaclePublisher::send(VehicleIndex vehicle, Viewer& viewer) {
   const SimTime now = publisher_.now();
   const AivProxy& proxy = registry_[vehicle];
+  COSIVA_EXPECT(near_.size() <= wire::VirtualObstacles::bodies_max);
   viewer.sent[viewer.next_id % sent_kept] = now;
   wire::VirtualObstacles ahead{viewer.next_id++, now, simulator_.zone()->name, {}};
   ahead.bodies.reserve(near_.size());
@@ -184,9 +188,9 @@ void VirtualObstaclePublisher::send(VehicleIndex vehicle, Viewer& viewer) {
     ahead.bodies.push_back(present->body);
     summary += (summary.empty() ? "" : ", ") + present->body.id;
   }
-  std::string topic = wire::own_topic(wire::virtual_obstacles_topic_prefix, proxy.id);
+  std::string topic = wire::own_topic(wire::virtual_obstacles_topic_prefix, proxy.id());
   std::string payload = wire::to_json(ahead);
-  traces_.add(now, "AIV_Server", proxy.name, "virtual_obstacles", summary, topic, payload);
+  traces_.add(now, "AIV_Server", proxy.name(), "virtual_obstacles", summary, topic, payload);
   viewer.due = now + period;
   if (!near_.empty()) {
     if (viewer.unanswered++ == 0) viewer.first_sent = now;
@@ -206,7 +210,7 @@ bool VirtualObstaclePublisher::on_virtual_obstacles_ack(VehicleIndex vehicle,
   const bool begins_to_brake = perceived.braking && viewer.perceives != perceived.body;
   viewer.perceives = perceived.braking ? perceived.body : std::string{};
   // Virtual AIVs in this server perceive everything at once; counting them would only improve the metrics.
-  if (!registry_[vehicle].augmented) measure(viewer, perceived, decided, begins_to_brake);
+  if (!registry_[vehicle].augmented()) measure(viewer, perceived, decided, begins_to_brake);
   return true;
 }
 

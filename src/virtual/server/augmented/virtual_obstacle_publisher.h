@@ -12,7 +12,7 @@
 #include "cosiva/virtual/server/augmented/third_party_pause.h"
 #include "cosiva/virtual/server/augmented/virtual_fleet.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
-#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/server/registry/registry.h"
 #include "cosiva/virtual/simulator/simulator.h"
 
 namespace cosiva::virtual_side {
@@ -20,6 +20,9 @@ namespace cosiva::virtual_side {
 /// Sends each vehicle the virtual objects near its path (wire::VirtualObstacles) and measures how soon the vehicle
 /// perceives them. A virtual AIV perceives only what the server sends, so its message contains physical vehicles and
 /// obstacles as well.
+///
+/// Invariant: what a vehicle was sent last is sorted and stored once (`commanded`), so that a change is found by
+/// comparison; a message contains at most bodies_max bodies, and at most the last 16 changes of a vehicle are measured.
 class VirtualObstaclePublisher {
  public:
   static constexpr double within_m = 2.0;  ///< of the twin's body origin

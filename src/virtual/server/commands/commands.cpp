@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::virtual_side {
 namespace {
 
@@ -43,9 +45,9 @@ std::string_view to_string(CommandState state) {
 std::optional<std::string> Commands::impossible(VehicleIndex vehicle, OperatorCommandKind verb) const {
   const AivProxy& proxy = registry_[vehicle];
   if (!proxy.online())
-    return proxy.name + " is not connected; switch it on or bring it back into radio range, then try again";
+    return proxy.name() + " is not connected; switch it on or bring it back into radio range, then try again";
   if (sets_speed(verb) && proxy.supports("setSpeedLimit") == std::optional{false})
-    return proxy.name + " does not support setSpeedLimit (its factsheet does not list it); it can only be stopped";
+    return proxy.name() + " does not support setSpeedLimit (its factsheet does not list it); it can only be stopped";
   return std::nullopt;
 }
 
@@ -62,7 +64,7 @@ Result<void> Commands::check(const VehicleCommand& requested) const {
   }
   for (const std::string& name : requested.vehicle_names) {
     const auto vehicle = registry_.find(name);
-    if (!vehicle || registry_[*vehicle].retired) {
+    if (!vehicle || registry_[*vehicle].retired()) {
       return fail("command.vehicle", "no vehicle '" + name + "' is known; name it as manufacturer/serial number",
                   "vehicle");
     }
@@ -84,7 +86,7 @@ std::vector<VehicleIndex> Commands::addressed(const VehicleCommand& requested) c
     return vehicles;
   }
   for (VehicleIndex v = 0; v < registry_.size(); ++v)
-    if (!registry_[v].retired) add_once(v);
+    if (!registry_[v].retired()) add_once(v);
   return vehicles;
 }
 
@@ -113,15 +115,15 @@ void Commands::issue(const Result<VehicleCommand>& requested) {
   }
   for (const VehicleIndex v : addressed(*requested)) {
     Command one = command;
-    if (requested->several) one.id += "." + registry_[v].id.serial_number;
+    if (requested->several) one.id += "." + registry_[v].id().serial_number;
     one.vehicle = v;
-    one.vehicle_name = registry_[v].name;
+    one.vehicle_name = registry_[v].name();
     begin(std::move(one));
   }
 }
 
 BijectionMonitor* Commands::monitor_of(const Command& command) {
-  const bool augmented = command.vehicle != no_vehicle && registry_[command.vehicle].augmented;
+  const bool augmented = command.vehicle != no_vehicle && registry_[command.vehicle].augmented();
   return augmented ? nullptr : &simulator_.monitor();
 }
 
@@ -138,18 +140,16 @@ void Commands::begin(Command command) {
   std::vector<wire::Action> actions;
   switch (verb) {
     case OperatorCommandKind::stop:
-      proxy.paused_for_body = false;  // from now on the vehicle is stopped by the operator
+      proxy.settings.on_stop();
       actions.push_back(action("startPause"));
       break;
     case OperatorCommandKind::restart:
-      proxy.paused_for_body = false;
-      proxy.no_orders = false;
       actions.push_back(action("stopPause"));
-      if (proxy.imposed || proxy.speed_mps_max) actions.push_back(speed_limit("normal"));
-      proxy.speed_mps_max.reset();
+      if (proxy.reported_state.imposed() || proxy.settings.speed_mps_max()) actions.push_back(speed_limit("normal"));
+      proxy.settings.on_restart();
       break;
     case OperatorCommandKind::cancel:
-      proxy.no_orders = true;
+      proxy.settings.on_cancel();
       orders_.stop_extending(command.vehicle);
       actions.push_back(action("cancelOrder"));
       break;
@@ -157,7 +157,7 @@ void Commands::begin(Command command) {
     case OperatorCommandKind::medium:
     case OperatorCommandKind::fast:
       actions.push_back(speed_limit(to_string(*profile_of(verb))));
-      proxy.speed_mps_max.reset();
+      proxy.settings.on_profile();
       break;
     case OperatorCommandKind::limit:
       actions.push_back(action("setSpeedLimit"));
@@ -183,9 +183,9 @@ void Commands::supersede(const Command& by) {
 
 bool Commands::effect_observed(const Command& command) const {
   const AivProxy& proxy = registry_[command.vehicle];
-  if (!proxy.state) return false;
-  const wire::State& state = *proxy.state;
-  const double speed_mps = proxy.twin ? simulator_.twin(*proxy.twin).speed_mps() : 0.0;
+  if (!proxy.state()) return false;
+  const wire::State& state = *proxy.state();
+  const double speed_mps = proxy.twin() ? simulator_.twin(*proxy.twin()).speed_mps() : 0.0;
   switch (*command.verb) {
     case OperatorCommandKind::stop: return state.paused && !state.driving && speed_mps < stopped_mps;
     case OperatorCommandKind::restart: {
@@ -193,7 +193,7 @@ bool Commands::effect_observed(const Command& command) const {
       const bool limited_since = std::ranges::any_of(list_, [&](const Command& other) {
         return other.vehicle == command.vehicle && other.at >= command.at && other.verb && profile_of(*other.verb);
       });
-      return !state.paused && (!proxy.imposed || limited_since);
+      return !state.paused && (!proxy.reported_state.imposed() || limited_since);
     }
     case OperatorCommandKind::cancel: return state.node_states.empty() && !state.driving;
     case OperatorCommandKind::limit: {
@@ -206,7 +206,7 @@ bool Commands::effect_observed(const Command& command) const {
     case OperatorCommandKind::fast: break;
   }
   const aiv::Profile profile = *profile_of(*command.verb);
-  if (proxy.imposed != profile) return false;
+  if (proxy.reported_state.imposed() != profile) return false;
   const auto& zone = simulator_.zone();
   return !zone || speed_mps <= aiv::kinematics(zone->profiles, profile).speed_mps + speed_slack_mps;
 }
@@ -223,7 +223,7 @@ void Commands::evaluate(Command& command) {
     if (progress.status != wire::ActionStatus::failed) continue;
     std::string reason = "the vehicle refused the command";
     if (!progress.result.empty()) reason += ": " + progress.result;
-    for (const wire::VehicleError& error : registry_[command.vehicle].state->errors) {
+    for (const wire::VehicleError& error : registry_[command.vehicle].state()->errors) {
       const bool about = std::ranges::any_of(error.references, [&](const wire::Reference& r) {
         return r.key == "actionId" && r.value == progress.action_id;
       });
@@ -254,21 +254,24 @@ void Commands::forget(VehicleIndex vehicle, const std::string& reason) {
 }
 
 void Commands::accept(Command& command) {
+  COSIVA_EXPECT(command.state == CommandState::issued);
   command.state = CommandState::accepted;
   command.accepted_at = publisher_.now();
   if (BijectionMonitor* monitor = monitor_of(command)) monitor->command_accepted();
 }
 
 void Commands::materialise(Command& command) {
+  COSIVA_EXPECT(command.state == CommandState::accepted);
   command.state = CommandState::materialised;
   command.materialised_at = publisher_.now();
-  if (command.verb == OperatorCommandKind::limit) registry_[command.vehicle].speed_mps_max = command.speed_mps;
+  if (command.verb == OperatorCommandKind::limit) registry_[command.vehicle].settings.on_limit(command.speed_mps);
   action_sender_.drop(command.handle);
   if (BijectionMonitor* monitor = monitor_of(command))
     monitor->command_materialised(to_seconds(publisher_.now() - command.at) * 1e3);
 }
 
 void Commands::fail_command(Command& command, std::string reason) {
+  COSIVA_EXPECT(command.open());
   command.state = CommandState::failed;
   command.reason = std::move(reason);
   action_sender_.drop(command.handle);
@@ -284,6 +287,7 @@ void Commands::keep(Command command) {
     if (list_.front().open()) fail_command(list_.front(), "too many commands at once");
     list_.pop_front();
   }
+  COSIVA_EXPECT(list_.size() <= kept_max);
 }
 
 void Commands::fold(Digest& digest) const {

@@ -11,7 +11,7 @@
 #include "cosiva/virtual/server/commands/values/operator_command.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
 #include "cosiva/virtual/server/orders/order_manager.h"
-#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/server/registry/registry.h"
 #include "cosiva/virtual/simulator/simulator.h"
 
 namespace cosiva::virtual_side {
@@ -37,6 +37,9 @@ struct Command {
 
 /// Tracks each command until its effect is observed on the vehicle: issued → accepted (the state lists its actions) →
 /// materialised (the vehicle shows the effect), or failed with the reason.
+///
+/// Invariant: a command changes its state only in this order and never after its end; a limited number of commands is
+/// listed.
 class Commands {
  public:
   static constexpr SimDuration timeout{std::chrono::seconds{5}};

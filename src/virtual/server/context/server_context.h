@@ -10,7 +10,7 @@
 #include "cosiva/virtual/server/context/server_options.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
 #include "cosiva/virtual/server/messages/traces.h"
-#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/server/registry/registry.h"
 #include "cosiva/virtual/simulator/simulator.h"
 #include "cosiva/wire/runtime/core.h"
 

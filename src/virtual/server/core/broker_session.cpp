@@ -39,7 +39,7 @@ void BrokerSession::came_up() {
   zones_.link_came_up();
   context_.areas.link_up();
   instruments_.batteries.link_up();
-  for (AivProxy& proxy : context_.registry) proxy.state_since_link = false;
+  for (AivProxy& proxy : context_.registry) proxy.reported_state.on_link_up();
   std::string online = connection_json("ONLINE", context_.now);
   const std::string& topic = context_.topics.connection;
   context_.traces.add(context_.now, "AIV_Server", "*", "connection", "ONLINE", topic, online);
@@ -75,7 +75,8 @@ bool BrokerSession::is_synchronisation_due() const {
   if (since < sync_time_min) return false;
   // A vehicle that drives on an order of an earlier process must report before any vehicle is sent across its path.
   return std::ranges::all_of(context_.registry, [](const AivProxy& proxy) {
-    return proxy.retired || proxy.connection != wire::ConnectionState::online || proxy.state_since_link;
+    return proxy.retired() || proxy.connection.state() != wire::ConnectionState::online ||
+           proxy.reported_state.since_link();
   });
 }
 

@@ -16,8 +16,6 @@ namespace {
 /// the errors of two positions. In addition, the centre of a detected obstacle may be anywhere in the beams that the
 /// obstacle fills: its uncertainty equals its radius.
 constexpr double vehicle_margin_m = 0.10;
-/// A time stamp that goes back further than any network delay indicates a clock that was set, not a late message.
-constexpr SimDuration reorder_max{std::chrono::seconds{5}};
 constexpr double path_step_m = 0.04;
 constexpr double clear_m_max = 3.0;
 
@@ -39,26 +37,17 @@ std::string position_text(double x_m, double y_m) { return "(" + metres_text(x_m
 
 }  // namespace
 
-bool OwnReports::take_stamp(AivProxy& proxy, std::optional<SimTime>& last, SimTime stamp) {
-  if (last && stamp < *last && *last - stamp < reorder_max) {
-    ++proxy.outdated;
-    return false;
-  }
-  last = stamp;
-  return true;
-}
-
 void OwnReports::on_acknowledged(VehicleIndex vehicle, const wire::Input& input) {
   const auto perceived = wire::virtual_obstacles_ack_from_json(input.payload);
   if (!perceived) return checks_.refuse(vehicle, VehicleTopic::perceived, input, perceived.error());
   AivProxy& proxy = context_.registry[vehicle];
   std::string summary = "virtual obstacles " + std::to_string(perceived->virtual_obstacles_header_id) + ": ";
   summary += perceived->braking ? "brakes for " + perceived->body : std::string("nothing to brake for");
-  context_.traces.add(context_.now, proxy.name, "AIV_Server", "virtual_obstacles_ack", summary, input.source,
+  context_.traces.add(context_.now, proxy.name(), "AIV_Server", "virtual_obstacles_ack", summary, input.source,
                       input.payload);
   if (!augmented_.virtual_obstacles.on_virtual_obstacles_ack(vehicle, *perceived,
                                                              checks_.server_time(proxy, perceived->decided)))
-    ++proxy.outdated;
+    proxy.counters.on_outdated();
 }
 
 /// A late report may be about a vehicle that has driven on: the vehicle's body counts at its twin's pose, at its last
@@ -68,11 +57,11 @@ bool OwnReports::is_vehicle(VehicleIndex observer, Point2 p, double radius_m, Si
   const auto touches = [&](const Pose2& X_MB) { return outside_m(X_MB, shape, p) <= vehicle_margin_m + radius_m; };
   for (VehicleIndex v = 0; v < context_.registry.size(); ++v) {
     const AivProxy& proxy = context_.registry[v];
-    if (v == observer || !proxy.here() || proxy.augmented) continue;
-    const Twin& twin = context_.simulator.twin(*proxy.twin);
+    if (v == observer || !proxy.here() || proxy.augmented()) continue;
+    const Twin& twin = context_.simulator.twin(*proxy.twin());
     const MotionReport& report = twin.last_report();
     const double since_m = twin.speed_mps() * std::max(0.0, to_seconds(report.at - detected_at));
-    if (touches(context_.simulator.image(*proxy.twin, context_.now).X_MB)) return true;
+    if (touches(context_.simulator.image(*proxy.twin(), context_.now).X_MB)) return true;
     if (report.on_map && (touches(report.X_MB) || touches(report.X_MB * Pose2{-since_m, 0.0, 0.0}))) return true;
   }
   return false;
@@ -82,14 +71,17 @@ void OwnReports::on_detected(VehicleIndex vehicle, const wire::Input& input) {
   const auto message = wire::detected_obstacle_from(input);
   if (!message) return checks_.refuse(vehicle, VehicleTopic::detected, input, message.error());
   AivProxy& proxy = context_.registry[vehicle];
-  if (!take_stamp(proxy, proxy.detected_stamp, message->timestamp)) return;
+  if (!proxy.on_board.on_detected(message->timestamp)) {
+    proxy.counters.on_outdated();
+    return;
+  }
   const auto& obstacle = message->obstacle;
   context_.traces.add(
-      context_.now, proxy.name, "AIV_Server", "detected_obstacle",
+      context_.now, proxy.name(), "AIV_Server", "detected_obstacle",
       obstacle ? "obstacle at " + position_text(obstacle->x_m, obstacle->y_m) : std::string("no obstacle in its path"),
       input.source, input.payload);
   if (!context_.simulator.zone() || message->map_id != context_.simulator.zone()->name) {
-    ++proxy.outdated;  // of a zone that is not in force any more, or not yet
+    proxy.counters.on_outdated();  // of a zone that is not in force any more, or not yet
     return;
   }
   if (!obstacle) {
@@ -99,12 +91,12 @@ void OwnReports::on_detected(VehicleIndex vehicle, const wire::Input& input) {
   const Point2 at{obstacle->x_m, obstacle->y_m};
   const SimTime detected_at = checks_.server_time(proxy, message->timestamp);
   if (is_vehicle(vehicle, at, obstacle->radius_m, detected_at)) return;
-  if (!context_.simulator.detected().see(proxy.name, context_.now, at, obstacle->radius_m)) return;
+  if (!context_.simulator.detected().see(proxy.name(), context_.now, at, obstacle->radius_m)) return;
   COSIVA_EXPECT(!context_.simulator.detected().empty());
   const std::string& id = context_.simulator.detected().obstacles().back().id;
   context_.traces.add(context_.now, "AIV_Server", "Simulator", "appear",
                       id + ": an obstacle at " + position_text(at.x_m, at.y_m));
-  if (proxy.augmented) return;
+  if (proxy.augmented()) return;
   context_.simulator.monitor().effect(WorldEffect::shown, to_seconds(context_.now - detected_at) * 1e3);
 }
 
@@ -112,11 +104,11 @@ void OwnReports::forget_where_clear(VehicleIndex vehicle, double clear_m) {
   const AivProxy& proxy = context_.registry[vehicle];
   if (context_.simulator.detected().empty() || !proxy.here()) return;
   const zone::VehicleShape& shape = context_.simulator.zone()->vehicle;
-  const Twin::Image image = context_.simulator.image(*proxy.twin, context_.now);
+  const Twin::Image image = context_.simulator.image(*proxy.twin(), context_.now);
   const double reach_m = 0.5 * shape.length_m + std::min(clear_m, clear_m_max);
   const zone::Circuit& circuit = *context_.simulator.circuit();
   std::span<const zone::SectionId> course;
-  if (image.position) course = context_.simulator.twin(*proxy.twin).remaining(image.position->section);
+  if (image.position) course = context_.simulator.twin(*proxy.twin()).remaining(image.position->section);
   std::vector<Point2> path;
   for (double d = 0.0; d <= reach_m; d += path_step_m) {
     path.push_back(image.position ? position(circuit.pose_at(circuit.advance(*image.position, d, course)))
@@ -124,7 +116,7 @@ void OwnReports::forget_where_clear(VehicleIndex vehicle, double clear_m) {
   }
   std::vector<std::string> removed;
   for (const DetectedObstacle& obstacle : context_.simulator.detected().obstacles()) {
-    if (!DetectedObstacles::detected_by(obstacle, proxy.name)) continue;
+    if (!DetectedObstacles::detected_by(obstacle, proxy.name())) continue;
     // At least half of the obstacle is in the path; an obstacle next to the path would not be reported.
     const bool in_path = std::ranges::any_of(
         path, [&](Point2 p) { return distance(p, obstacle.at) <= 0.5 * (shape.width_m + obstacle.radius_m); });
@@ -133,35 +125,38 @@ void OwnReports::forget_where_clear(VehicleIndex vehicle, double clear_m) {
   for (const std::string& id : removed) {
     context_.simulator.detected().remove(id);
     context_.traces.add(context_.now, "AIV_Server", "Simulator", "disappear",
-                        id + ": " + proxy.name + " detects no obstacle there");
+                        id + ": " + proxy.name() + " detects no obstacle there");
   }
 }
 
 void OwnReports::clear_through(VehicleIndex vehicle, const wire::Ranges& ranges) {
   const AivProxy& proxy = context_.registry[vehicle];
-  if (context_.simulator.detected().empty() || !context_.simulator.zone() || !proxy.here() || !proxy.position_known)
+  if (context_.simulator.detected().empty() || !context_.simulator.zone() || !proxy.here() || !proxy.position.known())
     return;
-  const Pose2 X_MB = context_.simulator.image(*proxy.twin, context_.now).X_MB;
+  const Pose2 X_MB = context_.simulator.image(*proxy.twin(), context_.now).X_MB;
   const Pose2 X_MS = X_MB * Pose2{0.5 * context_.simulator.zone()->vehicle.length_m, 0.0, 0.0};
   for (const std::string& id : context_.simulator.detected().clear_through(X_MS, ranges))
     context_.traces.add(context_.now, "AIV_Server", "Simulator", "disappear",
-                        id + ": " + proxy.name + " measures beyond its position");
+                        id + ": " + proxy.name() + " measures beyond its position");
 }
 
 void OwnReports::on_boards(VehicleIndex vehicle, const wire::Input& input) {
   auto report = wire::boards_report_from(input);
   if (!report) return checks_.refuse(vehicle, VehicleTopic::boards, input, report.error());
   AivProxy& proxy = context_.registry[vehicle];
-  if (!take_stamp(proxy, proxy.boards_stamp, report->timestamp)) return;
+  if (proxy.on_board.boards_outdated(report->timestamp)) {
+    proxy.counters.on_outdated();
+    return;
+  }
   const std::string health = health_of(*report);
   // Two traces a second from each vehicle would obscure the others; only changes are traced.
-  if (!proxy.boards || health_of(*proxy.boards) != health) {
-    context_.traces.add(context_.now, proxy.name, "AIV_Server", "boards", health, input.source, input.payload);
+  if (!proxy.on_board.boards() || health_of(*proxy.on_board.boards()) != health) {
+    context_.traces.add(context_.now, proxy.name(), "AIV_Server", "boards", health, input.source, input.payload);
   }
-  proxy.boards = std::move(*report);
-  if (proxy.boards->power && !proxy.augmented)
-    instruments_.batteries.on_power(context_.now, proxy.name, *proxy.boards->power);
-  if (proxy.boards->ranges && !proxy.augmented) clear_through(vehicle, *proxy.boards->ranges);
+  proxy.on_board.on_boards(std::move(*report));
+  const wire::BoardsReport& boards = *proxy.on_board.boards();
+  if (boards.power && !proxy.augmented()) instruments_.batteries.on_power(context_.now, proxy.name(), *boards.power);
+  if (boards.ranges && !proxy.augmented()) clear_through(vehicle, *boards.ranges);
 }
 
 }  // namespace cosiva::virtual_side

@@ -22,8 +22,6 @@ class OwnReports {
   void on_boards(VehicleIndex vehicle, const wire::Input& input);
 
  private:
-  /// False: the message is older than the last one.
-  [[nodiscard]] bool take_stamp(AivProxy& proxy, std::optional<SimTime>& last, SimTime stamp);
   [[nodiscard]] bool is_vehicle(VehicleIndex observer, Point2 p, double radius_m, SimTime detected_at) const;
   void clear_through(VehicleIndex vehicle, const wire::Ranges& ranges);
   void forget_where_clear(VehicleIndex vehicle, double clear_m);

@@ -105,8 +105,7 @@ void Ownership::take_over(ControlAreas::Vehicle& vehicle, bool retained) {
   if (vehicle.connection) reports_.receive({*index, VehicleTopic::connection}, *vehicle.connection);
   if (vehicle.factsheet) reports_.receive({*index, VehicleTopic::factsheet}, *vehicle.factsheet);
   if (owner.pose && !retained) {
-    proxy.position_known = true;
-    proxy.reported = owner.pose;
+    proxy.position.on_handover(*owner.pose);
     reports_.on_report(*index, context_.now);
     twins_.set_present(proxy);
     twins_.put(*index, context_.now, *owner.pose, wire::Velocity{});
@@ -126,8 +125,8 @@ void Ownership::give_mission(VehicleIndex vehicle, const wire::Owner::Mission& h
 }
 
 void Ownership::let_go(VehicleIndex vehicle, const std::string& area) {
-  COSIVA_EXPECT(!context_.areas.owns(context_.registry[vehicle].id));
-  const std::string& name = context_.registry[vehicle].name;
+  COSIVA_EXPECT(!context_.areas.owns(context_.registry[vehicle].id()));
+  const std::string& name = context_.registry[vehicle].name();
   vehicles_.retire(vehicle,
                    area.empty() ? name + " has no owner any more" : name + " belongs to control area " + area + " now");
   context_.publisher.log(
@@ -142,10 +141,10 @@ void Ownership::publish_owner(const ControlAreas::Vehicle& vehicle, wire::Owner 
 void Ownership::publish_lost_owners() {
   for (const auto& [name, vehicle] : context_.areas.vehicles()) {
     const auto index = context_.registry.find(name);
-    if (index) context_.registry[*index].handed_over.reset();
+    if (index) context_.registry[*index].membership.on_handover_void();
     if (context_.areas.owns(vehicle.id) && !vehicle.owner_received)
       publish_owner(vehicle, {context_.areas.own(), 0, context_.now,
-                              index ? context_.registry[*index].reported : std::nullopt, std::nullopt});
+                              index ? context_.registry[*index].position.pose() : std::nullopt, std::nullopt});
   }
 }
 
@@ -166,20 +165,23 @@ void Ownership::claim_vehicles() {
 void Ownership::hand_over_arrived() {
   for (VehicleIndex v = 0; v < context_.registry.size(); ++v) {
     AivProxy& proxy = context_.registry[v];
-    if (!proxy.here() || (proxy.handed_over && context_.now - proxy.handed_over->last < publish_again)) continue;
+    const auto& handed_over = proxy.membership.handed_over();
+    if (!proxy.here() || (handed_over && context_.now - handed_over->last < publish_again)) continue;
     const std::string& beyond = master_.missions.mission(v).beyond;
     if (beyond.empty() || master_.missions.state(v) != Missions::State::arrived || master_.orders.has_order(v))
       continue;
     const std::string area = beyond.substr(0, beyond.find('/'));
-    const bool there = proxy.online() && !proxy.lost(context_.now, context_.options.lost_after) && proxy.position_known;
-    if (!there || !proxy.state || !is_stopped_without_order(*proxy.state) || !context_.areas.is_there(area)) continue;
-    ControlAreas::Vehicle* vehicle = context_.areas.vehicle(proxy.id);
+    const bool there =
+        proxy.online() && !proxy.lost(context_.now, context_.options.lost_after) && proxy.position.known();
+    if (!there || !proxy.state() || !is_stopped_without_order(*proxy.state()) || !context_.areas.is_there(area))
+      continue;
+    ControlAreas::Vehicle* vehicle = context_.areas.vehicle(proxy.id());
     if (vehicle == nullptr) continue;
     // The vehicle belongs to this area until both servers receive the new owner, in either order. Therefore this server
     // stops showing it now: the vehicle is in no table for at most one message, and never in two.
-    proxy.handed_over = {proxy.handed_over ? proxy.handed_over->first : context_.now, context_.now};
-    publish_owner(*vehicle,
-                  {area, 0, context_.now, proxy.reported, wire::Owner::Mission{"go", beyond.substr(area.size() + 1)}});
+    proxy.membership.on_handed_over(context_.now);
+    publish_owner(*vehicle, {area, 0, context_.now, proxy.position.pose(),
+                             wire::Owner::Mission{"go", beyond.substr(area.size() + 1)}});
   }
 }
 

@@ -85,7 +85,7 @@ std::string PersistedState::to_json() const {
   world_.write_state(json);
   json.key("paused").begin_array();
   for (const AivProxy& proxy : context_.registry)
-    if (proxy.paused_for_body) json.value(proxy.name);
+    if (proxy.settings.paused_for_body()) json.value(proxy.name());
   json.end_array();
   zones_.write_state(json);
   if (master_.persisted_missions.worth_remembering()) master_.persisted_missions.write(json.key("traffic"));

@@ -50,15 +50,15 @@ void PositionView::positions(SimTime now, std::vector<PositionRecord>& out) cons
 
 PositionRecord PositionView::record_of_vehicle(VehicleIndex vehicle, SimTime at) const {
   const AivProxy& proxy = context_.registry[vehicle];
-  const Twin::Image image = context_.simulator.image(*proxy.twin, at);
-  const Pose2& reported = context_.simulator.twin(*proxy.twin).last_report().X_MB;
-  const bool lost =
-      proxy.lost(at, context_.options.lost_after) || proxy.connection == wire::ConnectionState::connection_broken;
+  const Twin::Image image = context_.simulator.image(*proxy.twin(), at);
+  const Pose2& reported = context_.simulator.twin(*proxy.twin()).last_report().X_MB;
+  const bool lost = proxy.lost(at, context_.options.lost_after) ||
+                    proxy.connection.state() == wire::ConnectionState::connection_broken;
   PositionRecord record = record_of(static_cast<std::uint16_t>(vehicle), PositionRecord::Kind::aiv, image.X_MB,
                                     lost ? 0.0 : image.speed_mps);
-  record.status = lost ? status_lost : status_number(aiv::status_of(image.speed_mps, proxy.imposed));
-  record.augmented = proxy.augmented;
-  record.blocked = !lost && ((proxy.state && proxy.state->field_violation) ||
+  record.status = lost ? status_lost : status_number(aiv::status_of(image.speed_mps, proxy.reported_state.imposed()));
+  record.augmented = proxy.augmented();
+  record.blocked = !lost && ((proxy.state() && proxy.state()->field_violation) ||
                              !augmented_.virtual_obstacles.perceives(vehicle).empty());
   record.reported_dx_m = static_cast<float>(reported.x_m - image.X_MB.x_m);
   record.reported_dy_m = static_cast<float>(reported.y_m - image.X_MB.y_m);

@@ -86,8 +86,8 @@ void ServerCore::Impl::account_for_cycle() {
   ticked_at = context.now;
   for (const AivProxy& proxy : context.registry) {
     // A vehicle that reported OFFLINE is not expected to report.
-    if (proxy.present && !proxy.augmented && proxy.connection != wire::ConnectionState::offline)
-      monitor.age(proxy.entity, to_seconds(context.now - proxy.reported_at) * 1e3);
+    if (proxy.twin_link.present() && !proxy.augmented() && proxy.connection.state() != wire::ConnectionState::offline)
+      monitor.age(proxy.twin_link.entity(), to_seconds(context.now - proxy.reports.reported_at()) * 1e3);
   }
   monitor.elapse(context.now);
 }
@@ -132,14 +132,15 @@ void ServerCore::fold(Digest& digest) const {
   master.missions.fold(digest);
   master.commands.fold(digest);
   for (const AivProxy& proxy : context.registry) {
-    digest.add(std::string_view{proxy.name});
-    digest.add(std::uint64_t{proxy.number});
-    digest.add(proxy.messages);
-    digest.add(proxy.headers_missed);
-    digest.add(proxy.refused);
-    digest.add(proxy.outdated);
-    digest.add(static_cast<std::int64_t>(proxy.priority));
-    digest.add(static_cast<std::uint64_t>(proxy.retired) * 2 + static_cast<std::uint64_t>(proxy.paused_for_body));
+    digest.add(std::string_view{proxy.name()});
+    digest.add(std::uint64_t{proxy.identity.number()});
+    digest.add(proxy.counters.messages());
+    digest.add(proxy.counters.missed());
+    digest.add(proxy.counters.refused());
+    digest.add(proxy.counters.outdated());
+    digest.add(static_cast<std::int64_t>(proxy.settings.priority()));
+    digest.add(static_cast<std::uint64_t>(proxy.retired()) * 2 +
+               static_cast<std::uint64_t>(proxy.settings.paused_for_body()));
   }
   augmented.hosted.fold(digest);
   augmented.virtual_obstacles.fold(digest);

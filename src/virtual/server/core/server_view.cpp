@@ -45,7 +45,7 @@ void ServerView::write_objects(JsonWriter& json) const {
     json.key("perceivedBy").begin_array();
     for (VehicleIndex v = 0; v < context_.registry.size(); ++v)
       if (context_.registry[v].here() && augmented_.virtual_obstacles.perceives(v) == virtual_object.id)
-        json.value(context_.registry[v].name);
+        json.value(context_.registry[v].name());
     json.end_array().field("since_ms", to_milliseconds(virtual_object.since.time_since_epoch())).end_object();
   }
   json.end_array();
@@ -77,9 +77,9 @@ void ServerView::write_crossings(JsonWriter& json) const {
       const VehicleIndex holder = master_.traffic.holder(x);
       json.begin_object().field("name", zones_.map()->zone().crossings[x].name);
       text_or_null(json, "heldBy",
-                   holder == no_vehicle ? std::string_view{} : std::string_view{context_.registry[holder].name});
+                   holder == no_vehicle ? std::string_view{} : std::string_view{context_.registry[holder].name()});
       json.key("waiting").begin_array();
-      for (const VehicleIndex waiting : master_.traffic.waiting(x)) json.value(context_.registry[waiting].name);
+      for (const VehicleIndex waiting : master_.traffic.waiting(x)) json.value(context_.registry[waiting].name());
       json.end_array().end_object();
     }
   }
@@ -147,18 +147,18 @@ std::string ServerView::summary_json() const {
   context_.simulator.monitor().write(json.begin_object().key("bijection"));
   json.key("aivs").begin_array();
   for (const AivProxy& proxy : context_.registry) {
-    const wire::ConnectionState connection = proxy.connection.value_or(wire::ConnectionState::online);
+    const wire::ConnectionState connection = proxy.connection.shown();
     json.begin_object()
-        .field("id", proxy.name)
-        .field("number", proxy.number)
-        .field("augmented", proxy.augmented)
+        .field("id", proxy.name())
+        .field("number", proxy.identity.number())
+        .field("augmented", proxy.augmented())
         .field("connection", wire::vda5050::to_string(connection))
-        .field("present", proxy.present)
-        .field("twin", proxy.twin.has_value())
-        .field("messages", proxy.messages)
-        .field("missed", proxy.headers_missed)
-        .field("refused", proxy.refused)
-        .field("outdated", proxy.outdated)
+        .field("present", proxy.twin_link.present())
+        .field("twin", proxy.twin().has_value())
+        .field("messages", proxy.counters.messages())
+        .field("missed", proxy.counters.missed())
+        .field("refused", proxy.counters.refused())
+        .field("outdated", proxy.counters.outdated())
         .end_object();
   }
   json.end_array();
@@ -195,13 +195,13 @@ ServerCore::PageRevision ServerView::page_revision() const {
 
 void ServerView::add_vehicle(VehicleIndex vehicle, Digest& waited_for, Digest& events) const {
   const AivProxy& proxy = context_.registry[vehicle];
-  add(waited_for, proxy.here(), proxy.lost(context_.now, context_.options.lost_after), proxy.priority);
-  if (proxy.connection) add(waited_for, *proxy.connection, 1);
+  add(waited_for, proxy.here(), proxy.lost(context_.now, context_.options.lost_after), proxy.settings.priority());
+  if (const auto connection = proxy.connection.state()) add(waited_for, *connection, 1);
   waited_for.add(std::string_view{augmented_.virtual_obstacles.perceives(vehicle)});
-  if (!proxy.state) return;
-  const wire::State& state = *proxy.state;
+  if (!proxy.state()) return;
+  const wire::State& state = *proxy.state();
   add(waited_for, state.field_violation, state.paused, state.errors.size());
-  add(events, proxy.last_tag.value_or(0), state.last_node_sequence_id, state.driving);
+  add(events, proxy.reported_state.last_tag().value_or(0), state.last_node_sequence_id, state.driving);
   events.add(std::string_view{state.last_node_id});
 }
 

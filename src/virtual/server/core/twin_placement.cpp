@@ -9,13 +9,13 @@ namespace cosiva::virtual_side {
 void TwinPlacement::put(VehicleIndex vehicle, SimTime at, const Pose2& pose,
                         const std::optional<wire::Velocity>& velocity) {
   AivProxy& proxy = context_.registry[vehicle];
-  if (!proxy.twin) {
-    proxy.twin = context_.simulator.appear(proxy.name, proxy.number, proxy.augmented, context_.options.lost_after,
-                                           step_recorder(context_));
+  if (!proxy.twin()) {
+    proxy.twin_link.on_appeared(context_.simulator.appear(proxy.name(), proxy.identity.number(), proxy.augmented(),
+                                                          context_.options.lost_after, step_recorder(context_)));
     record_event(proxy, PhysicalEvent::arrival, at);
     apply_base_end(vehicle);
   }
-  COSIVA_EXPECT(*proxy.twin < context_.simulator.twin_count());
+  COSIVA_EXPECT(*proxy.twin() < context_.simulator.twin_count());
   MotionReport report{at, {pose.x_m, pose.y_m, wrap_angle(pose.heading_rad)}, {}, 0.0, 0.0};
   if (velocity) {
     report.vx_mps = velocity->vx_mps;
@@ -23,12 +23,12 @@ void TwinPlacement::put(VehicleIndex vehicle, SimTime at, const Pose2& pose,
     report.omega_radps = velocity->omega_radps;
   }
   // All control areas use one frame: a pose on the map of another area is valid on this map as well.
-  report.on_map =
-      !map_ || proxy.map_id.empty() || proxy.map_id == map_->zone().name || context_.areas.has_map(proxy.map_id);
-  const Twin& twin = context_.simulator.twin(*proxy.twin);
+  const std::string& map_id = proxy.position.map_id();
+  report.on_map = !map_ || map_id.empty() || map_id == map_->zone().name || context_.areas.has_map(map_id);
+  const Twin& twin = context_.simulator.twin(*proxy.twin());
   const std::optional<zone::TrackPosition> before =
       twin.on_circuit() ? std::optional{twin.reported_position()} : std::nullopt;
-  context_.simulator.report(*proxy.twin, context_.now, report);
+  context_.simulator.report(*proxy.twin(), context_.now, report);
   if (before && twin.on_circuit() && before->section != twin.reported_position().section) trace_section(proxy, *before);
   if (map_)
     master_.orders.set_reported_pose(
@@ -38,20 +38,21 @@ void TwinPlacement::put(VehicleIndex vehicle, SimTime at, const Pose2& pose,
 void TwinPlacement::trace_section(const AivProxy& proxy, zone::TrackPosition before) {
   // Figure 11 of the article, traced only at each new section.
   const zone::Circuit& circuit = *context_.simulator.circuit();
-  const zone::TrackPosition position = context_.simulator.twin(*proxy.twin).reported_position();
+  const zone::TrackPosition position = context_.simulator.twin(*proxy.twin()).reported_position();
   const auto on = [&circuit](zone::TrackPosition p) {
     return circuit.part(p.section).name + " " + metres_text(p.s_m) + " m";
   };
   const Pose2 line = circuit.pose_at(position);
-  context_.traces.add(context_.now, "Simulator", "Circuit", "nextAIVposition", proxy.name + " leaves " + on(before));
-  context_.traces.add(context_.now, "Circuit", "Simulator", "position",
-                      proxy.name + " on " + on(position) + ": " + metres_text(line.x_m) + ", " + metres_text(line.y_m));
+  context_.traces.add(context_.now, "Simulator", "Circuit", "nextAIVposition", proxy.name() + " leaves " + on(before));
+  context_.traces.add(
+      context_.now, "Circuit", "Simulator", "position",
+      proxy.name() + " on " + on(position) + ": " + metres_text(line.x_m) + ", " + metres_text(line.y_m));
 }
 
 void TwinPlacement::apply_base_end(VehicleIndex vehicle) {
   AivProxy& proxy = context_.registry[vehicle];
-  if (!proxy.twin || !proxy.state || !map_) return;
-  const wire::State& state = *proxy.state;
+  if (!proxy.twin() || !proxy.state() || !map_) return;
+  const wire::State& state = *proxy.state();
   std::optional<zone::TrackPosition> end;
   if (!state.node_states.empty()) {
     const auto released =
@@ -65,18 +66,18 @@ void TwinPlacement::apply_base_end(VehicleIndex vehicle) {
     else if (!known.empty())
       end = map_->waypoint(known.front()).position;
   }
-  proxy.base_end = end;
-  context_.simulator.set_base_end(*proxy.twin, end);
+  proxy.twin_link.on_base(end);
+  context_.simulator.set_base_end(*proxy.twin(), end);
 }
 
 void TwinPlacement::set_present(AivProxy& proxy) {
-  if (proxy.present) return;
-  proxy.present = true;
-  if (!proxy.augmented) context_.simulator.monitor().set_physical(proxy.entity, true);
+  if (proxy.twin_link.present()) return;
+  proxy.twin_link.on_present();
+  if (!proxy.augmented()) context_.simulator.monitor().set_physical(proxy.twin_link.entity(), true);
 }
 
 void TwinPlacement::record_event(const AivProxy& proxy, PhysicalEvent kind, SimTime reported_at) {
-  if (!proxy.augmented) context_.simulator.monitor().event(kind, to_seconds(context_.now - reported_at) * 1e3);
+  if (!proxy.augmented()) context_.simulator.monitor().event(kind, to_seconds(context_.now - reported_at) * 1e3);
 }
 
 }  // namespace cosiva::virtual_side

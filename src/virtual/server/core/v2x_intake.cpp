@@ -11,9 +11,6 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// Five traces a second from each vehicle would obscure the others.
-constexpr SimDuration trace_period{std::chrono::seconds{1}};
-
 /// "0.40 m/s, brakes; X1 in 0.9 s, its own".
 std::string summary_of(const wire::Intent& intent) {
   std::string text = metres_text(intent.speed_mps) + " m/s";
@@ -40,15 +37,13 @@ void V2xIntake::receive(const wire::Input& input) {
   const auto vehicle = context_.registry.find(wire::to_string(topic->vehicle));
   if (!vehicle) return;
   AivProxy& proxy = context_.registry[*vehicle];
-  if (proxy.v2x_traced && context_.now - *proxy.v2x_traced < trace_period && context_.now >= *proxy.v2x_traced) return;
-  proxy.v2x_traced = context_.now;
-  trace(proxy, input);
+  if (proxy.on_board.on_v2x(context_.now)) trace(proxy, input);
 }
 
 void V2xIntake::trace(AivProxy& proxy, const wire::Input& input) {
   const auto received = wire::received_intent(input);
-  if (!received || (*received)->vehicle != proxy.id) {
-    ++proxy.refused;
+  if (!received || (*received)->vehicle != proxy.id()) {
+    proxy.counters.on_v2x_refused();
     return;
   }
   const wire::Intent& intent = **received;
@@ -57,18 +52,18 @@ void V2xIntake::trace(AivProxy& proxy, const wire::Input& input) {
   double nearest_m = std::numeric_limits<double>::infinity();
   std::size_t listeners = 0;
   for (const AivProxy& other : context_.registry) {
-    if (&other == &proxy || !other.here() || !other.reported) continue;
-    if (!adjacent(cell, wire::cell_of(position(*other.reported)))) continue;
+    if (&other == &proxy || !other.here() || !other.position.pose()) continue;
+    if (!adjacent(cell, wire::cell_of(position(*other.position.pose())))) continue;
     ++listeners;
-    const double off_m = distance(intent.pose, *other.reported);
+    const double off_m = distance(intent.pose, *other.position.pose());
     if (off_m >= nearest_m) continue;
     nearest_m = off_m;
     nearest = &other;
   }
   std::string summary = summary_of(intent);
   if (listeners > 1) summary += "; to " + std::to_string(listeners) + " near it";
-  context_.traces.add(context_.now, proxy.name,
-                      nearest == nullptr ? std::string_view{"*"} : std::string_view{nearest->name}, "V2X", summary,
+  context_.traces.add(context_.now, proxy.name(),
+                      nearest == nullptr ? std::string_view{"*"} : std::string_view{nearest->name()}, "V2X", summary,
                       input.source, input.payload);
 }
 

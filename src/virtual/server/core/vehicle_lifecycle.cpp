@@ -22,15 +22,16 @@ std::optional<VehicleIndex> VehicleLifecycle::register_vehicle(const wire::Vehic
   apply_priority(*index);
   // A virtual AIV that this process did not add is left over from an earlier process: retired. The monitor counts the
   // other vehicles.
-  if (proxy.augmented)
-    proxy.retired = true;
+  if (proxy.augmented())
+    proxy.membership.on_retired();
   else
-    proxy.entity = context_.simulator.monitor().entity(proxy.name);
-  if (std::erase(restored_pauses_, proxy.name) > 0) {
-    proxy.paused_for_body = true;
+    proxy.twin_link.on_monitored(context_.simulator.monitor().entity(proxy.name()));
+  if (std::erase(restored_pauses_, proxy.name()) > 0) {
+    proxy.settings.on_body_in_path();
     augmented_.virtual_obstacles.wake();
   }
-  context_.publisher.log('i', proxy.name + ": registered with display number " + std::to_string(proxy.number));
+  context_.publisher.log('i',
+                         proxy.name() + ": registered with display number " + std::to_string(proxy.identity.number()));
   return index;
 }
 
@@ -38,19 +39,19 @@ std::optional<VehicleIndex> VehicleLifecycle::begin_life(const wire::VehicleId& 
   auto vehicle = context_.registry.find(wire::to_string(id));
   const bool is_known = vehicle.has_value();
   if (is_known)
-    context_.registry.renew(*vehicle, context_.now);
+    context_.registry[*vehicle].on_returned(context_.now);
   else
     vehicle = register_vehicle(id);
   if (!vehicle) return std::nullopt;
   AivProxy& proxy = context_.registry[*vehicle];
-  proxy.retired = false;
+  proxy.membership.on_accepted();
   // A virtual AIV starts without the mission of the state file even at its first registration, unlike a physical
   // vehicle: recorded runs depend on that.
-  if (is_known || proxy.augmented) renew_mission(*vehicle);
+  if (is_known || proxy.augmented()) renew_mission(*vehicle);
   apply_priority(*vehicle);
-  if (proxy.twin) {
-    context_.simulator.reappear(*proxy.twin, context_.options.lost_after, step_recorder(context_));
-    if (!proxy.augmented) context_.simulator.monitor().set_virtual(proxy.entity, true);
+  if (proxy.twin()) {
+    context_.simulator.reappear(*proxy.twin(), context_.options.lost_after, step_recorder(context_));
+    if (!proxy.augmented()) context_.simulator.monitor().set_virtual(proxy.twin_link.entity(), true);
   }
   augmented_.virtual_obstacles.new_session(*vehicle);
   return vehicle;
@@ -59,20 +60,15 @@ std::optional<VehicleIndex> VehicleLifecycle::begin_life(const wire::VehicleId& 
 void VehicleLifecycle::retire(VehicleIndex vehicle, const std::string& reason) {
   COSIVA_EXPECT(vehicle < context_.registry.size());
   AivProxy& proxy = context_.registry[vehicle];
-  proxy.retired = true;
-  proxy.connection = wire::ConnectionState::offline;
-  proxy.position_lost_since.reset();
-  proxy.paused_for_body = false;
-  proxy.handed_over.reset();
+  proxy.on_retired(context_.now);
   master_.traffic.forget(vehicle);
   master_.orders.forget(vehicle);
   // The mission of a virtual AIV is retained until the AIV is added again (begin_life): the digest of a run contains
   // the missions of all vehicles, retired ones included, and a mission dropped here would change the digests of
   // recorded runs. The monitor counts no virtual AIV, and the summary of a run lists it as present.
-  if (!proxy.augmented) {
-    proxy.present = false;
-    context_.simulator.monitor().set_physical(proxy.entity, false);
-    context_.simulator.monitor().set_virtual(proxy.entity, false);
+  if (!proxy.augmented()) {
+    context_.simulator.monitor().set_physical(proxy.twin_link.entity(), false);
+    context_.simulator.monitor().set_virtual(proxy.twin_link.entity(), false);
     master_.missions.forget(vehicle);
   }
   master_.actions.forget(vehicle);
@@ -89,8 +85,8 @@ void VehicleLifecycle::apply_priorities() {
 void VehicleLifecycle::apply_priority(VehicleIndex vehicle) {
   if (!context_.simulator.zone()) return;
   AivProxy& proxy = context_.registry[vehicle];
-  proxy.priority = context_.simulator.zone()->priority_of(proxy.name);
-  master_.traffic.set_priority(vehicle, proxy.priority);
+  proxy.settings.set_priority(context_.simulator.zone()->priority_of(proxy.name()));
+  master_.traffic.set_priority(vehicle, proxy.settings.priority());
 }
 
 void VehicleLifecycle::renew_mission(VehicleIndex vehicle) {

@@ -1,7 +1,5 @@
 #include "cosiva/virtual/server/core/vehicle_reports.h"
 
-#include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <utility>
 
@@ -12,24 +10,7 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// A time stamp that goes back further than any network delay indicates a clock that was set, not a late message.
-constexpr SimDuration reorder_max{std::chrono::seconds{5}};
-/// A vehicle that still reports this long after the publication of its last will is connected: the will was of an old
-/// session.
-constexpr SimDuration will_outlived{std::chrono::seconds{2}};
 constexpr SimDuration arrival_timeout{std::chrono::seconds{1}};
-constexpr double coordinate_m_max = 1e5;
-
-template <typename Number>
-std::optional<Number> number_in(const std::vector<wire::Reference>& references, std::string_view key) {
-  const auto it = std::ranges::find(references, key, &wire::Reference::key);
-  if (it == references.end()) return std::nullopt;
-  Number number{};
-  const char* end = it->value.data() + it->value.size();
-  const auto read = std::from_chars(it->value.data(), end, number);
-  if (read.ec != std::errc{} || read.ptr != end) return std::nullopt;
-  return number;
-}
 
 std::string summary_of(const wire::State& state) {
   std::string text = "order '" + state.order_id + "' update " + std::to_string(state.order_update_id) + ", node " +
@@ -72,12 +53,12 @@ std::optional<Registry::Address> VehicleReports::address_of(const std::string& t
 
 void VehicleReports::receive(Registry::Address address, const wire::Input& input) {
   AivProxy& proxy = context_.registry[address.vehicle];
-  ++proxy.messages;
-  if (proxy.retired) return on_retired(proxy, address.topic, input);
+  proxy.counters.on_message();
+  if (proxy.retired()) return on_retired(proxy, address.topic, input);
   const bool moving = address.topic != VehicleTopic::connection && address.topic != VehicleTopic::factsheet;
   if (input.flag && moving) {
     // §6.2: only connection and factsheet are retained. An old state would move the twin to an outdated position.
-    ++proxy.refused;
+    proxy.counters.on_refused();
     checks_.log_once(proxy, ReportChecks::retained, 'w',
                      "a retained " + std::string(to_string(address.topic)) + " is out of date; ignored");
     return;
@@ -97,19 +78,16 @@ void VehicleReports::receive(Registry::Address address, const wire::Input& input
 void VehicleReports::on_retired(AivProxy& proxy, VehicleTopic topic, const wire::Input& input) {
   // A message that was in transit when the vehicle was retired: only a connection message counts.
   if (topic != VehicleTopic::connection) return;
-  if (const auto message = wire::vda5050::decode_connection(input.payload)) proxy.connection = message->state;
+  if (const auto message = wire::vda5050::decode_connection(input.payload))
+    proxy.connection.on_connection(message->state, context_.now);
 }
 
 void VehicleReports::on_report(VehicleIndex vehicle, SimTime reported_at) {
   AivProxy& proxy = context_.registry[vehicle];
-  COSIVA_EXPECT(!proxy.retired);
-  if (!proxy.online() && context_.now - proxy.connection_at > will_outlived) {
-    context_.publisher.log('i', proxy.name + ": continues to report; treated as connected");
-    proxy.connection = wire::ConnectionState::online;
-    proxy.connection_at = context_.now;
-  }
-  proxy.reports.on_report(context_.now);
-  proxy.reported_at = std::max(proxy.reported_at, reported_at);
+  COSIVA_EXPECT(!proxy.retired());
+  if (proxy.connection.on_report(context_.now))
+    context_.publisher.log('i', proxy.name() + ": continues to report; treated as connected");
+  proxy.reports.on_report(context_.now, reported_at);
   // A vehicle that has just been switched on may need some time to find its position; a vehicle that does not is an
   // orphan.
   if (proxy.online() && context_.now - *proxy.reports.first() > arrival_timeout) twins_.set_present(proxy);
@@ -120,29 +98,10 @@ void VehicleReports::on_connection(VehicleIndex vehicle, const wire::Input& inpu
   if (!message) return checks_.refuse(vehicle, VehicleTopic::connection, input, message.error());
   if (!checks_.take_header(vehicle, VehicleTopic::connection, message->header)) return;
   AivProxy& proxy = context_.registry[vehicle];
-  context_.traces.add(context_.now, proxy.name, "AIV_Server", "connection", wire::vda5050::to_string(message->state),
+  context_.traces.add(context_.now, proxy.name(), "AIV_Server", "connection", wire::vda5050::to_string(message->state),
                       input.source, input.payload);
-  const bool was_online = proxy.connection == wire::ConnectionState::online;
-  proxy.connection = message->state;
-  proxy.connection_at = context_.now;
-  if (message->state == wire::ConnectionState::online && !was_online) begin_session(vehicle);
-}
-
-void VehicleReports::begin_session(VehicleIndex vehicle) {
-  // Header ids and possibly time stamps start again, and the vehicle has lost its imposed speed.
-  AivProxy& proxy = context_.registry[vehicle];
-  proxy.last_header_id = {};
-  proxy.position_stamp.reset();
-  proxy.state_stamp.reset();
-  proxy.imposed.reset();
-  // The vehicle has not reported its present position yet.
-  proxy.state_in_session = false;
-  proxy.position_known = false;
-  proxy.position_lost_since.reset();
-  proxy.factsheet_requested = false;
-  proxy.boards.reset();
-  proxy.boards_stamp.reset();
-  proxy.detected_stamp.reset();
+  if (!proxy.connection.on_connection(message->state, context_.now)) return;
+  proxy.on_session();
   augmented_.virtual_obstacles.new_session(vehicle);
 }
 
@@ -151,10 +110,10 @@ void VehicleReports::on_factsheet(VehicleIndex vehicle, const wire::Input& input
   if (!message) return checks_.refuse(vehicle, VehicleTopic::factsheet, input, message.error());
   if (!checks_.take_header(vehicle, VehicleTopic::factsheet, message->header)) return;
   AivProxy& proxy = context_.registry[vehicle];
-  context_.traces.add(context_.now, proxy.name, "AIV_Server", "factsheet",
+  context_.traces.add(context_.now, proxy.name(), "AIV_Server", "factsheet",
                       message->series_name + ", " + std::to_string(message->actions.size()) + " actions", input.source,
                       input.payload);
-  proxy.factsheet = std::move(*message);
+  proxy.factsheet.on_factsheet(std::move(*message));
 }
 
 void VehicleReports::on_visualization(VehicleIndex vehicle, const wire::Input& input) {
@@ -163,7 +122,7 @@ void VehicleReports::on_visualization(VehicleIndex vehicle, const wire::Input& i
   if (!checks_.take_header(vehicle, VehicleTopic::visualization, message->header)) return;
   AivProxy& proxy = context_.registry[vehicle];
   if (message->position)
-    context_.traces.add_position(context_.now, proxy.name, "AIV_Server", "visualization", message->position->pose,
+    context_.traces.add_position(context_.now, proxy.name(), "AIV_Server", "visualization", message->position->pose,
                                  message->velocity ? message->velocity->vx_mps : 0.0, input.source, input.payload);
   if (const auto stamp = fresh_position_stamp(proxy, message->header)) {
     on_report(vehicle, checks_.server_time(proxy, *stamp));
@@ -177,42 +136,31 @@ void VehicleReports::on_state(VehicleIndex vehicle, const wire::Input& input) {
   if (!message) return checks_.refuse(vehicle, VehicleTopic::state, input, message.error());
   if (!checks_.take_header(vehicle, VehicleTopic::state, message->header)) return;
   AivProxy& proxy = context_.registry[vehicle];
-  const SimTime stamp = message->header.timestamp;
-  if (proxy.state_stamp) {
-    const bool late = stamp < *proxy.state_stamp && *proxy.state_stamp - stamp < reorder_max;
-    const bool again = stamp == *proxy.state_stamp && message->header.header_id == proxy.state->header.header_id;
-    if (late || again) {
-      ++proxy.outdated;
-      return;
-    }
+  if (proxy.reported_state.outdated(message->header)) {
+    proxy.counters.on_outdated();
+    return;
   }
-  context_.traces.add(context_.now, proxy.name, "AIV_Server", "state", summary_of(*message), input.source,
+  context_.traces.add(context_.now, proxy.name(), "AIV_Server", "state", summary_of(*message), input.source,
                       input.payload);
-  const std::optional<wire::State> before = std::exchange(proxy.state, std::move(*message));
-  const wire::State& state = *proxy.state;
-  proxy.state_stamp = stamp;
-  proxy.state_since_link = proxy.state_since_link || context_.link.up();
-  proxy.state_in_session = true;
-  const SimTime reported_at = checks_.server_time(proxy, stamp);
+  const ReportedState::Change change = proxy.reported_state.on_state(std::move(*message), context_.link.up());
+  const wire::State& state = *proxy.state();
+  const SimTime reported_at = checks_.server_time(proxy, state.header.timestamp);
   on_report(vehicle, reported_at);
 
-  read_limits_and_tags(proxy);
   twins_.apply_base_end(vehicle);
   const auto position_stamp = fresh_position_stamp(proxy, state.header);
   if (position_stamp && state.position) on_position(vehicle, *position_stamp, *state.position, state.velocity);
-  master_.orders.on_state(vehicle, before ? &*before : nullptr);
+  master_.orders.on_state(vehicle, change.before ? &*change.before : nullptr);
   master_.actions.on_state(vehicle, state);
   master_.commands.on_state(vehicle);
-  record_events(vehicle, before ? &*before : nullptr, reported_at);
+  if (change.before) record_events(vehicle, change, reported_at);
 }
 
 std::optional<SimTime> VehicleReports::fresh_position_stamp(AivProxy& proxy, const wire::Header& header) const {
   const SimTime stamp = header.timestamp == SimTime{} ? context_.now : header.timestamp;
-  if (!proxy.position_stamp) return stamp;
-  const SimDuration back = *proxy.position_stamp - stamp;
-  if (back < SimDuration::zero() || back >= reorder_max) return stamp;
-  // State and visualization of one instant contain the same position; an older one must not move the twin back.
-  if (back > SimDuration::zero()) ++proxy.outdated;
+  const ReportedPosition::Order order = proxy.position.order_of(stamp);
+  if (order == ReportedPosition::Order::newer) return stamp;
+  if (order == ReportedPosition::Order::overtaken) proxy.counters.on_outdated();
   return std::nullopt;
 }
 
@@ -220,54 +168,28 @@ void VehicleReports::on_position(VehicleIndex vehicle, SimTime stamp, const wire
                                  const std::optional<wire::Velocity>& velocity) {
   AivProxy& proxy = context_.registry[vehicle];
   const SimTime at = checks_.server_time(proxy, stamp);
-  proxy.position_stamp = stamp;
-  proxy.map_id = position.map_id;
-  if (!position.position_initialized) {
-    proxy.position_known = false;
-    if (!proxy.position_lost_since) proxy.position_lost_since = context_.now;
-    return;
-  }
-  const Pose2& pose = position.pose;
-  if (!(std::fabs(pose.x_m) <= coordinate_m_max && std::fabs(pose.y_m) <= coordinate_m_max)) {
-    ++proxy.refused;
+  if (!position.position_initialized) return proxy.position.on_lost(stamp, position.map_id, context_.now);
+  if (!ReportedPosition::plausible(position.pose)) {
+    proxy.position.on_implausible(stamp, position.map_id);
+    proxy.counters.on_refused();
     checks_.log_once(proxy, ReportChecks::position, 'w', "reports a position more than 100 km away; ignored");
     return;
   }
-  proxy.position_known = true;
-  proxy.position_lost_since.reset();
-  proxy.reported = pose;
+  proxy.position.on_position(stamp, position.map_id, position.pose);
   twins_.set_present(proxy);
-  twins_.put(vehicle, at, pose, velocity);
+  twins_.put(vehicle, at, position.pose, velocity);
 }
 
-void VehicleReports::read_limits_and_tags(AivProxy& proxy) {
-  const wire::State& state = *proxy.state;
-  for (auto action = state.action_states.rbegin(); action != state.action_states.rend(); ++action) {
-    if (action->action_type != "setSpeedLimit" || action->status != wire::ActionStatus::finished) continue;
-    proxy.imposed = aiv::parse_profile(action->result_description);  // "normal" is none of the profiles
-    break;
-  }
-  for (const wire::Information& information : state.information) {
-    if (information.type != "lastTag") continue;
-    if (const auto tag = number_in<std::uint32_t>(information.references, "tag")) {
-      proxy.last_tag = *tag;
-      proxy.since_tag_m = number_in<double>(information.references, "distance_m").value_or(0.0);
-    }
-  }
-}
-
-void VehicleReports::record_events(VehicleIndex vehicle, const wire::State* before, SimTime reported_at) {
-  AivProxy& proxy = context_.registry[vehicle];
-  const wire::State& state = *proxy.state;
-  if (proxy.last_tag != proxy.tag_shown) {
-    if (before != nullptr) twins_.record_event(proxy, PhysicalEvent::tag, reported_at);
-    proxy.tag_shown = proxy.last_tag;
-  }
-  if (before == nullptr) return;
-  if (state.field_violation && !before->field_violation)
+void VehicleReports::record_events(VehicleIndex vehicle, const ReportedState::Change& change, SimTime reported_at) {
+  COSIVA_EXPECT(change.before);
+  const AivProxy& proxy = context_.registry[vehicle];
+  const wire::State& before = *change.before;
+  const wire::State& state = *proxy.state();
+  if (change.new_tag) twins_.record_event(proxy, PhysicalEvent::tag, reported_at);
+  if (state.field_violation && !before.field_violation)
     twins_.record_event(proxy, PhysicalEvent::obstacle, reported_at);
-  if (!state.driving && before->driving) twins_.record_event(proxy, PhysicalEvent::stop, reported_at);
-  if (std::floor(state.battery.charge_percent) != std::floor(before->battery.charge_percent))
+  if (!state.driving && before.driving) twins_.record_event(proxy, PhysicalEvent::stop, reported_at);
+  if (std::floor(state.battery.charge_percent) != std::floor(before.battery.charge_percent))
     twins_.record_event(proxy, PhysicalEvent::battery, reported_at);
 }
 

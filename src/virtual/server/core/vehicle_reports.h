@@ -41,7 +41,6 @@ class VehicleReports {
   [[nodiscard]] std::optional<Registry::Address> address_of(const std::string& topic);
   void on_retired(AivProxy& proxy, VehicleTopic topic, const wire::Input& input);
   void on_connection(VehicleIndex vehicle, const wire::Input& input);
-  void begin_session(VehicleIndex vehicle);
   void on_factsheet(VehicleIndex vehicle, const wire::Input& input);
   void on_state(VehicleIndex vehicle, const wire::Input& input);
   void on_visualization(VehicleIndex vehicle, const wire::Input& input);
@@ -49,8 +48,8 @@ class VehicleReports {
   [[nodiscard]] std::optional<SimTime> fresh_position_stamp(AivProxy& proxy, const wire::Header& header) const;
   void on_position(VehicleIndex vehicle, SimTime stamp, const wire::AgvPosition& position,
                    const std::optional<wire::Velocity>& velocity);
-  void read_limits_and_tags(AivProxy& proxy);
-  void record_events(VehicleIndex vehicle, const wire::State* before, SimTime reported_at);
+  /// Of a state that is not the vehicle's first one (checked).
+  void record_events(VehicleIndex vehicle, const ReportedState::Change& change, SimTime reported_at);
 
   ServerContext& context_;
   MasterControl& master_;

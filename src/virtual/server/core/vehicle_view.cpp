@@ -83,26 +83,26 @@ void write_boards(JsonWriter& json, const wire::BoardsReport& report) {
 
 void VehicleView::write(JsonWriter& json, VehicleIndex vehicle) const {
   const AivProxy& proxy = context_.registry[vehicle];
-  const Twin::Image image = context_.simulator.image(*proxy.twin, context_.now);
-  const wire::ConnectionState connection = proxy.connection.value_or(wire::ConnectionState::online);
+  const Twin::Image image = context_.simulator.image(*proxy.twin(), context_.now);
+  const wire::ConnectionState connection = proxy.connection.shown();
   const bool lost =
       proxy.lost(context_.now, context_.options.lost_after) || connection == wire::ConnectionState::connection_broken;
   const double speed_mps = lost ? 0.0 : image.speed_mps;
 
   json.begin_object()
-      .field("id", proxy.name)
+      .field("id", proxy.name())
       .field("handle", vehicle)
-      .field("number", proxy.number)
-      .field("augmented", proxy.augmented)
+      .field("number", proxy.identity.number())
+      .field("augmented", proxy.augmented())
       .field("connection", wire::vda5050::to_string(connection))
       .field("lost", lost)
-      .field("status", aiv::to_string(aiv::status_of(speed_mps, proxy.imposed)));
+      .field("status", aiv::to_string(aiv::status_of(speed_mps, proxy.reported_state.imposed())));
   write_pose_and_mission(json, vehicle, image, speed_mps);
-  json.field("age_ms", std::max(0.0, to_milliseconds(context_.now - proxy.reported_at)))
-      .field("divergence_m", context_.simulator.last_divergence_m(*proxy.twin));
+  json.field("age_ms", std::max(0.0, to_milliseconds(context_.now - proxy.reports.reported_at())))
+      .field("divergence_m", context_.simulator.last_divergence_m(*proxy.twin()));
   write_agent(json, vehicle, lost);
   write_reserved(json, vehicle);
-  if (proxy.boards) write_boards(json, *proxy.boards);
+  if (proxy.on_board.boards()) write_boards(json, *proxy.on_board.boards());
   write_contract(json, proxy);
   json.end_object();
 }
@@ -116,23 +116,23 @@ void VehicleView::write_pose_and_mission(JsonWriter& json, VehicleIndex vehicle,
     json.value(context_.simulator.circuit()->part(image.position->section).name).key("s").value(image.position->s_m);
   else
     json.null().key("s").null();
-  json.field("priority", proxy.priority).key("speedLimit");
-  if (proxy.speed_mps_max)
-    json.value(*proxy.speed_mps_max);
+  json.field("priority", proxy.settings.priority()).key("speedLimit");
+  if (proxy.settings.speed_mps_max())
+    json.value(*proxy.settings.speed_mps_max());
   else
     json.null();
-  text_or_null(json, "map", proxy.map_id);
+  text_or_null(json, "map", proxy.position.map_id());
   const std::string why_off_route = zones_.change().off_route(vehicle);
   text_or_null(json, "offRoute", why_off_route);
   master_.missions.write(json.key("mission"), vehicle, master_.orders.waits().blocker_at_goal(vehicle));
-  write_pose(json.key("reported").begin_object(), context_.simulator.twin(*proxy.twin).last_report().X_MB);
+  write_pose(json.key("reported").begin_object(), context_.simulator.twin(*proxy.twin()).last_report().X_MB);
   json.end_object();
 }
 
 void VehicleView::write_contract(JsonWriter& json, const AivProxy& proxy) const {
   // The twin of a virtual AIV has no physical vehicle to differ from.
-  const auto held = proxy.augmented ? BijectionMonitor::Held{true, true, true, true}
-                                    : context_.simulator.monitor().held(proxy.entity);
+  const auto held = proxy.augmented() ? BijectionMonitor::Held{true, true, true, true}
+                                      : context_.simulator.monitor().held(proxy.twin_link.entity());
   json.key("contract")
       .begin_object()
       .field("matched", held.matched)
@@ -144,14 +144,14 @@ void VehicleView::write_contract(JsonWriter& json, const AivProxy& proxy) const 
 
 void VehicleView::write_agent(JsonWriter& json, VehicleIndex vehicle, bool lost) const {
   const AivProxy& proxy = context_.registry[vehicle];
-  json.field("battery", proxy.state ? proxy.state->battery.charge_percent : 0.0).key("lastTag");
-  if (proxy.last_tag)
-    json.value(*proxy.last_tag);
+  json.field("battery", proxy.state() ? proxy.state()->battery.charge_percent : 0.0).key("lastTag");
+  if (proxy.reported_state.last_tag())
+    json.value(*proxy.reported_state.last_tag());
   else
     json.null();
   const wire::State none;
-  const wire::State& state = proxy.state ? *proxy.state : none;
-  json.field("sinceTag_m", proxy.since_tag_m)
+  const wire::State& state = proxy.state() ? *proxy.state() : none;
+  json.field("sinceTag_m", proxy.reported_state.since_tag_m())
       .field("lastNode", state.last_node_id)
       .field("orderId", state.order_id)
       .field("orderUpdateId", state.order_update_id)
@@ -164,7 +164,7 @@ void VehicleView::write_agent(JsonWriter& json, VehicleIndex vehicle, bool lost)
   json.key("errors").begin_array();
   for (const wire::VehicleError& error : state.errors)
     json.value(error.description.empty() ? error.type : error.type + ": " + error.description);
-  if (proxy.clock_off_s != 0.0) json.value("clock: off by " + std::to_string(proxy.clock_off_s) + " s");
+  if (proxy.clock.is_off()) json.value("clock: off by " + std::to_string(proxy.clock.off_s()) + " s");
   if (const std::string why = zones_.change().off_route(vehicle); !why.empty()) json.value("off-route: it " + why);
   json.end_array();
 }
@@ -172,17 +172,17 @@ void VehicleView::write_agent(JsonWriter& json, VehicleIndex vehicle, bool lost)
 void VehicleView::write_reserved(JsonWriter& json, VehicleIndex vehicle) const {
   json.key("reserved").begin_array();
   const AivProxy& proxy = context_.registry[vehicle];
-  const auto track_position = context_.simulator.image(*proxy.twin, context_.now).position;
+  const auto track_position = context_.simulator.image(*proxy.twin(), context_.now).position;
   if (track_position && zones_.map()) {
     const zone::Circuit& circuit = zones_.map()->zone().circuit;
     std::optional<double> left_m;
-    const auto remaining = context_.simulator.twin(*proxy.twin).remaining(track_position->section);
+    const auto remaining = context_.simulator.twin(*proxy.twin()).remaining(track_position->section);
     if (master_.traffic.base_end(vehicle) != no_waypoint)
       left_m =
           zones_.map()->base_left(*track_position, master_.traffic.base_end(vehicle),
                                   master_.traffic.base_m_max(vehicle), remaining, master_.traffic.base_passed(vehicle));
-    else if (proxy.base_end)
-      left_m = circuit.distance_ahead(*track_position, *proxy.base_end, strange_base_m_max, remaining);
+    else if (proxy.twin_link.base_end())
+      left_m = circuit.distance_ahead(*track_position, *proxy.twin_link.base_end(), strange_base_m_max, remaining);
     const auto at = [&](double d_m) {
       return position(circuit.pose_at(circuit.advance(*track_position, d_m, remaining)));
     };

@@ -57,11 +57,11 @@ void VirtualWorld::remove(const std::string& id, bool is_aiv) {
 bool VirtualWorld::add_aiv(const std::string& serial, zone::TrackPosition position) {
   const auto vehicle = vehicles_.begin_life({std::string(wire::virtual_manufacturer), serial});
   if (!vehicle) return false;
-  COSIVA_EXPECT(context_.registry[*vehicle].augmented && !context_.registry[*vehicle].retired &&
+  COSIVA_EXPECT(context_.registry[*vehicle].augmented() && !context_.registry[*vehicle].retired() &&
                 augmented_.hosted.find(*vehicle) == nullptr);
   augmented_.hosted.add(*vehicle, context_.now, context_.link.up(), context_.simulator.rtm(), position);
   context_.simulator.monitor().set_augmented(augmented_.hosted.hosts().size());
-  context_.publisher.log('i', context_.registry[*vehicle].name + ": added at " +
+  context_.publisher.log('i', context_.registry[*vehicle].name() + ": added at " +
                                   context_.simulator.circuit()->part(position.section).name + ", " +
                                   std::to_string(position.s_m) + " m");
   return true;
@@ -71,7 +71,7 @@ void VirtualWorld::remove_aiv(VehicleIndex vehicle) {
   augmented_.hosted.remove(vehicle, context_.now);
   COSIVA_EXPECT(augmented_.hosted.find(vehicle) == nullptr);
   context_.simulator.monitor().set_augmented(augmented_.hosted.hosts().size());
-  const std::string& name = context_.registry[vehicle].name;
+  const std::string& name = context_.registry[vehicle].name();
   vehicles_.retire(vehicle, name + " has been removed");
   context_.publisher.log('i', name + ": removed");
 }
@@ -112,7 +112,7 @@ void VirtualWorld::write_state(JsonWriter& json) const {
   };
   for (const VirtualFleet::Host& host : augmented_.hosted.hosts()) {
     const zone::TrackPosition position = VirtualFleet::position_of(host, *context_.simulator.circuit());
-    write_aiv(context_.registry[host.vehicle].id.serial_number,
+    write_aiv(context_.registry[host.vehicle].id().serial_number,
               context_.simulator.circuit()->part(position.section).name,
               std::nearbyint(position.s_m * 1000.0) / 1000.0);
   }
@@ -122,11 +122,11 @@ void VirtualWorld::write_state(JsonWriter& json) const {
 
 void VirtualWorld::sign_off_orphans() {
   for (AivProxy& proxy : context_.registry) {
-    if (!proxy.augmented || !proxy.retired || proxy.connection != wire::ConnectionState::online) continue;
-    proxy.connection = wire::ConnectionState::offline;
-    wire::Connection disconnected{{0, context_.now, "2.1.0", proxy.id.manufacturer, proxy.id.serial_number},
+    if (!proxy.augmented() || !proxy.retired() || proxy.connection.state() != wire::ConnectionState::online) continue;
+    proxy.connection.on_offline(context_.now);
+    wire::Connection disconnected{{0, context_.now, "2.1.0", proxy.id().manufacturer, proxy.id().serial_number},
                                   wire::ConnectionState::offline};
-    context_.publisher.publish(wire::vda_topic(proxy.id, "connection", context_.registry.interface_name()),
+    context_.publisher.publish(wire::vda_topic(proxy.id(), "connection", context_.registry.interface_name()),
                                wire::vda5050::encode(disconnected), 1, true);
   }
 }
@@ -143,11 +143,11 @@ void VirtualWorld::remove_passed_obstacles() {
   if (detected.empty() || !context_.simulator.zone()) return;
   const zone::VehicleShape& shape = context_.simulator.zone()->vehicle;
   for (const AivProxy& proxy : context_.registry) {
-    if (!proxy.here() || proxy.augmented || !proxy.online() || proxy.lost(context_.now, context_.options.lost_after))
+    if (!proxy.here() || proxy.augmented() || !proxy.online() || proxy.lost(context_.now, context_.options.lost_after))
       continue;
-    const Pose2 X_MB = context_.simulator.image(*proxy.twin, context_.now).X_MB;
-    if (detected.pass(proxy.name, context_.now, X_MB, shape.length_m, shape.width_m) == 0) continue;
-    context_.traces.add(context_.now, proxy.name, "Simulator", "passed",
+    const Pose2 X_MB = context_.simulator.image(*proxy.twin(), context_.now).X_MB;
+    if (detected.pass(proxy.name(), context_.now, X_MB, shape.length_m, shape.width_m) == 0) continue;
+    context_.traces.add(context_.now, proxy.name(), "Simulator", "passed",
                         "an obstacle is removed: the vehicle drove over its position");
   }
 }

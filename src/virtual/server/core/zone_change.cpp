@@ -22,8 +22,8 @@ void ZoneChange::begin(std::string from) {
 
 bool ZoneChange::is_changing(VehicleIndex vehicle) const {
   const AivProxy& proxy = context_.registry[vehicle];
-  return last_ && context_.now - last_->at < change_timeout && !proxy.map_id.empty() &&
-         proxy.map_id != map_->zone().name;
+  return last_ && context_.now - last_->at < change_timeout && !proxy.position.map_id().empty() &&
+         proxy.position.map_id() != map_->zone().name;
 }
 
 bool ZoneChange::all_stopped_off_old_map() const {
@@ -32,8 +32,8 @@ bool ZoneChange::all_stopped_off_old_map() const {
     if (!proxy.here() || !proxy.online() || proxy.lost(context_.now, context_.options.lost_after) || !is_changing(v))
       continue;
     // A report from before the change does not show what the vehicle does now.
-    const bool moves = proxy.reports.last() <= last_->at || (proxy.state && proxy.state->driving) ||
-                       context_.simulator.twin(*proxy.twin).speed_mps() > moving_mps;
+    const bool moves = proxy.reports.last() <= last_->at || (proxy.state() && proxy.state()->driving) ||
+                       context_.simulator.twin(*proxy.twin()).speed_mps() > moving_mps;
     if (proxy.is_cosiva() && moves) return false;
   }
   return true;
@@ -43,7 +43,7 @@ bool ZoneChange::no_vehicle_changes_map() const {
   for (VehicleIndex v = 0; v < context_.registry.size(); ++v) {
     const AivProxy& proxy = context_.registry[v];
     if (!proxy.here() || !proxy.online() || proxy.lost(context_.now, context_.options.lost_after)) continue;
-    const bool coasts = context_.simulator.twin(*proxy.twin).speed_mps() > moving_mps && !master_.orders.has_order(v);
+    const bool coasts = context_.simulator.twin(*proxy.twin()).speed_mps() > moving_mps && !master_.orders.has_order(v);
     if (is_changing(v) || proxy.reports.last() <= last_->at || coasts) return false;
   }
   return true;
@@ -53,9 +53,10 @@ std::string ZoneChange::off_route(VehicleIndex vehicle) const {
   const AivProxy& proxy = context_.registry[vehicle];
   if (!map_ || !proxy.here() || is_changing(vehicle)) return {};
   const std::string& name = map_->zone().name;
-  if (!proxy.map_id.empty() && proxy.map_id != name)
-    return "is on map '" + proxy.map_id.substr(0, 80) + "', not on '" + name + "'; it gets no orders until it is";
-  const Twin& twin = context_.simulator.twin(*proxy.twin);
+  if (!proxy.position.map_id().empty() && proxy.position.map_id() != name)
+    return "is on map '" + proxy.position.map_id().substr(0, 80) + "', not on '" + name +
+           "'; it gets no orders until it is";
+  const Twin& twin = context_.simulator.twin(*proxy.twin());
   if (twin.reported_off_m() <= zone::snap_within_m) return {};
   return "is " + metres_text(twin.reported_off_m()) + " m from the nearest section of '" + name +
          "'; move it to within " + metres_text(zone::snap_within_m) + " m of one";
@@ -76,8 +77,8 @@ void ZoneChange::deploy_map() {
                                   context_.options.map_download_link};
   for (VehicleIndex v = 0; v < context_.registry.size(); ++v) {
     const AivProxy& proxy = context_.registry[v];
-    if (context_.options.drive && !proxy.is_cosiva() && proxy.here() && !proxy.map_id.empty() &&
-        proxy.map_id != wanted.id)
+    if (context_.options.drive && !proxy.is_cosiva() && proxy.here() && !proxy.position.map_id().empty() &&
+        proxy.position.map_id() != wanted.id)
       master_.maps.step(v, wanted);
   }
 }
@@ -93,8 +94,8 @@ void ZoneChange::count_vehicles() {
       ++last_->snapped;
       continue;
     }
-    last_->off_route.push_back(proxy.name);
-    context_.publisher.log('w', proxy.name + ": off-route: it " + why);
+    last_->off_route.push_back(proxy.name());
+    context_.publisher.log('w', proxy.name() + ": off-route: it " + why);
   }
 }
 
@@ -104,11 +105,11 @@ void ZoneChange::find_first_moving() {
     const AivProxy& proxy = context_.registry[v];
     if (!proxy.here() || !master_.orders.has_order(v)) continue;
     // Turning towards the new path counts: VDA 5050's driving is "driving or rotating".
-    const bool drives = proxy.state && proxy.state->driving && proxy.map_id == map_->zone().name;
-    if (!drives && context_.simulator.twin(*proxy.twin).speed_mps() <= moving_mps) continue;
+    const bool drives = proxy.state() && proxy.state()->driving && proxy.position.map_id() == map_->zone().name;
+    if (!drives && context_.simulator.twin(*proxy.twin()).speed_mps() <= moving_mps) continue;
     last_->first_moving = context_.now;
     context_.publisher.log('i',
-                           "zone '" + map_->zone().name + "': " + proxy.name + " moves on it, " +
+                           "zone '" + map_->zone().name + "': " + proxy.name() + " moves on it, " +
                                std::to_string(static_cast<std::int64_t>(to_milliseconds(context_.now - last_->at))) +
                                " ms after the switch");
     return;

@@ -103,9 +103,9 @@ void ZoneSession::start_over(const std::shared_ptr<const zone::TrafficZone>& zon
   if (!from.empty()) change_.begin(from);
   for (VehicleIndex v = 0; v < context_.registry.size(); ++v) {
     AivProxy& proxy = context_.registry[v];
-    if (!proxy.here() || !proxy.reported || !proxy.position_known) continue;
+    if (!proxy.here() || !proxy.position.pose() || !proxy.position.known()) continue;
     // Until its next report, the vehicle is shown on the new zone at its last position, stopped.
-    twins_.put(v, context_.now, *proxy.reported, wire::Velocity{});
+    twins_.put(v, context_.now, *proxy.position.pose(), wire::Velocity{});
   }
 }
 

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <utility>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/wire/in_process/typed_message.h"
 #include "cosiva/wire/vda5050/codec.h"
 
@@ -16,20 +17,20 @@ constexpr std::string_view same_again = "repeated: not acknowledged within 300 m
 }  // namespace
 
 wire::Header MessagePublisher::header(const AivProxy& proxy, std::uint32_t id) const {
-  return {id, now_, proxy.version, proxy.id.manufacturer, proxy.id.serial_number};
+  return {id, now_, proxy.received.version(), proxy.id().manufacturer, proxy.id().serial_number};
 }
 
 MessagePublisher::SentOrder MessagePublisher::send(AivProxy& proxy, wire::Order&& order, std::string_view summary) {
-  order.header = header(proxy, proxy.order_header_id);
+  order.header = header(proxy, proxy.sent.order);
   if (order.header.version.empty()) order.header.version = wire::vda5050::version;
   SentOrder sent = wire::typed(std::move(order));
-  wire::Publish message{proxy.order_topic, {}, 0, false};
+  wire::Publish message{proxy.identity.order_topic(), {}, 0, false};
   if (as_values_)
     message.typed = sent;
   else
     message.payload = wire::vda5050::encode(std::get<wire::Order>(sent->message));
-  traces_.add(now_, "AIV_Server", proxy.name, "order", summary, message.topic, message.payload);
-  send_numbered(proxy, proxy.order_header_id, std::move(message));
+  traces_.add(now_, "AIV_Server", proxy.name(), "order", summary, message.topic, message.payload);
+  send_numbered(proxy, proxy.sent.order, std::move(message));
   return sent;
 }
 
@@ -54,23 +55,30 @@ void MessagePublisher::send_again(AivProxy& proxy, wire::InstantActions& actions
 }
 
 void MessagePublisher::publish(AivProxy& proxy, wire::InstantActions& actions, std::string_view summary) {
-  actions.header = header(proxy, proxy.actions_header_id);
-  wire::Publish message{proxy.actions_topic, wire::vda5050::encode(actions), 0, false};
-  traces_.add(now_, "AIV_Server", proxy.name, "instantActions", summary, message.topic, message.payload);
-  send_numbered(proxy, proxy.actions_header_id, std::move(message));
+  actions.header = header(proxy, proxy.sent.actions);
+  wire::Publish message{proxy.identity.actions_topic(), wire::vda5050::encode(actions), 0, false};
+  traces_.add(now_, "AIV_Server", proxy.name(), "instantActions", summary, message.topic, message.payload);
+  send_numbered(proxy, proxy.sent.actions, std::move(message));
 }
 
 void MessagePublisher::send_numbered(const AivProxy& proxy, std::uint32_t& header_id, wire::Publish message) {
-  if (proxy.handed_over) return;
+  if (proxy.membership.handed_over()) return;
   ++header_id;
-  effects_->emplace_back(std::move(message));
+  add_effect(std::move(message));
 }
 
 void MessagePublisher::publish(std::string topic, std::string payload, int qos, bool retained) {
-  effects_->emplace_back(wire::Publish{std::move(topic), std::move(payload), qos, retained});
+  add_effect(wire::Publish{std::move(topic), std::move(payload), qos, retained});
 }
 
-void MessagePublisher::log(char level, std::string text) { effects_->emplace_back(wire::Log{level, std::move(text)}); }
+void MessagePublisher::log(char level, std::string text) { add_effect(wire::Log{level, std::move(text)}); }
+
+void MessagePublisher::persist(std::string bytes) { add_effect(wire::Persist{std::move(bytes)}); }
+
+void MessagePublisher::add_effect(wire::Effect effect) {
+  COSIVA_EXPECT(effects_ != nullptr);
+  effects_->push_back(std::move(effect));
+}
 
 std::string unique_id(std::string_view prefix, SimTime now) {
   const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count();
@@ -89,7 +97,9 @@ bool InstantActionSender::PendingAction::acknowledged() const {
 InstantActionSender::ActionHandle InstantActionSender::send(AivProxy& proxy, VehicleIndex vehicle,
                                                             std::vector<wire::Action> actions, SimDuration timeout,
                                                             bool keep) {
+  COSIVA_EXPECT(!actions.empty());
   const ActionHandle handle = ++last_handle_;
+  COSIVA_EXPECT(pending_.empty() || pending_.back().handle < handle);
   PendingAction pending_action{handle, vehicle, {}, {}, publisher_.now(), publisher_.now() + timeout, keep};
   wire::InstantActions& message = pending_action.message;
   message.actions = std::move(actions);

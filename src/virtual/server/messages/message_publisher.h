@@ -8,13 +8,15 @@
 
 #include "cosiva/base/time.h"
 #include "cosiva/virtual/server/messages/traces.h"
-#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/server/registry/registry.h"
 #include "cosiva/wire/in_process/typed_message.h"
 #include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::virtual_side {
 
 /// Publishes all messages of the server: fills in headers, encodes, publishes and traces.
+///
+/// Invariant: each message becomes an effect of the input that is being handled; open() precedes the first one.
 class MessagePublisher {
  public:
   /// @param as_values  orders are passed on as values (wire/in_process/typed_message.h)
@@ -40,9 +42,9 @@ class MessagePublisher {
   void log(char level, std::string text);
   /// Traces a decision of the server about a vehicle; no message is sent.
   void explain(const AivProxy& proxy, std::string_view kind, std::string_view content) {
-    traces_.add(now_, "AIV_Server", proxy.name, kind, content);
+    traces_.add(now_, "AIV_Server", proxy.name(), kind, content);
   }
-  void persist(std::string bytes) { effects_->emplace_back(wire::Persist{std::move(bytes)}); }
+  void persist(std::string bytes);
 
   [[nodiscard]] SimTime now() const { return now_; }
 
@@ -51,6 +53,7 @@ class MessagePublisher {
   void publish(AivProxy& proxy, wire::InstantActions& actions, std::string_view summary);
   /// @param header_id  of the topic; incremented only when the message is published
   void send_numbered(const AivProxy& proxy, std::uint32_t& header_id, wire::Publish message);
+  void add_effect(wire::Effect effect);
 
   Traces& traces_;
   bool as_values_;
@@ -59,6 +62,9 @@ class MessagePublisher {
 };
 
 /// Pending instant actions: each is repeated with the same action id every 300 ms until the vehicle's state lists it.
+///
+/// Invariant: handles ascend and are never used again, and each pending message contains at least one action, so that a
+/// message is acknowledged only by a state that lists it.
 class InstantActionSender {
  public:
   using ActionHandle = std::uint64_t;

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/base/json_writer.h"
 
 namespace cosiva::virtual_side {
@@ -50,6 +51,7 @@ Traces::Trace& Traces::slot(SimTime at, std::string_view from, std::string_view 
   const auto index = static_cast<std::size_t>((next_ - 1) % capacity_);
   if (index == buffer_.size()) buffer_.emplace_back();
   ++next_;
+  COSIVA_EXPECT(buffer_.size() == std::min<std::uint64_t>(next_ - 1, capacity_));
   Trace& trace = buffer_[index];
   trace.at = at;
   trace.from.assign(from);
@@ -84,6 +86,7 @@ void Traces::keep(Trace& trace, std::string_view raw) {
     const auto needed = static_cast<std::size_t>(std::min<std::uint64_t>(raw_end_, raw_budget_));
     if (needed > raw_buffer_.capacity()) raw_buffer_.reserve(std::min(raw_budget_, std::max(needed, raw_max) * 2));
     raw_buffer_.resize(std::max(needed, raw_buffer_.size()));
+    COSIVA_EXPECT(raw_buffer_.size() <= raw_budget_);
   }
   const auto begin = static_cast<std::size_t>(trace.raw_begin % raw_budget_);
   const std::size_t before_the_end = std::min(raw.size(), raw_budget_ - begin);

@@ -14,6 +14,9 @@ namespace cosiva::virtual_side {
 /// The communications between the agents (A8): a ring buffer of the latest traces, numbered from 1. Every message can
 /// be traced at low cost: slots are reused, a position is stored as numbers and formatted when read, and the messages'
 /// texts are stored in one ring buffer of bytes, which grows to its budget; the newest texts overwrite the oldest.
+///
+/// Invariant: the traces stored are those with the last numbers, at most `capacity`; the texts occupy at most
+/// `raw_budget` bytes.
 class Traces {
  public:
   static constexpr std::size_t content_max = 200;

@@ -37,7 +37,7 @@ std::optional<WaypointIndex> CoursePlanner::adopt_course(VehicleIndex vehicle, c
 }
 
 void CoursePlanner::set_course(VehicleIndex vehicle, zone::Course course) {
-  if (const auto& twin = context_.registry[vehicle].twin) context_.simulator.set_course(*twin, course);
+  if (const auto& twin = context_.registry[vehicle].twin()) context_.simulator.set_course(*twin, course);
   context_.traffic.set_course(vehicle, std::move(course));
 }
 
@@ -94,7 +94,7 @@ bool CoursePlanner::stays_at_goal(VehicleIndex vehicle) {
   // A vehicle that stops short can drive nearer. A vehicle that has passed the goal would have to drive another lap,
   // because of a deviation that its order allowed.
   const double off_m = past ? context_.rules.deviation_m : context_.rules.arrived_m;
-  const auto& state = context_.registry[vehicle].state;
+  const auto& state = context_.registry[vehicle].state();
   if (state && state->driving)
     return past || context_.missions.is_at(vehicle, here, off_m);  // its final position is not known yet
   return context_.missions.is_stopped_at(vehicle, here, off_m);
@@ -144,7 +144,7 @@ bool CoursePlanner::plan_beyond_base(VehicleIndex vehicle) {
   } else {
     no_route = end.section;
   }
-  if (const auto& twin = context_.registry[vehicle].twin)
+  if (const auto& twin = context_.registry[vehicle].twin())
     context_.simulator.set_course(*twin, context_.traffic.course(vehicle));
   context_.traffic.update();
   return true;
@@ -154,7 +154,7 @@ bool CoursePlanner::cancel_before_closed(VehicleIndex vehicle, Sections released
   const auto closed = std::ranges::find_if(
       released, [&](zone::SectionId section) { return context_.missions.closed().contains(section); });
   if (closed == released.end()) return false;
-  context_.publisher.log('i', context_.registry[vehicle].name + ": its base leads into '" +
+  context_.publisher.log('i', context_.registry[vehicle].name() + ": its base leads into '" +
                                   context_.map->circuit().part(*closed).name +
                                   "', which is closed now; cancelled, a new order follows");
   sessions_[vehicle].cancel();
@@ -197,7 +197,7 @@ const WaypointGraph::Stretch* CoursePlanner::next_stretch(VehicleIndex vehicle, 
     context_.traffic.extend_course(vehicle, more);
     longer = longer || !more.empty();
   }
-  const auto& twin = context_.registry[vehicle].twin;
+  const auto& twin = context_.registry[vehicle].twin();
   if (longer && twin) context_.simulator.set_course(*twin, context_.traffic.course(vehicle));
   if (context_.missions.complete(vehicle) && passed == route_.size() && at == context_.missions.goal(vehicle))
     return nullptr;

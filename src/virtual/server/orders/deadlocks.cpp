@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/virtual/server/right_of_way/convoys.h"
 
 namespace cosiva::virtual_side {
@@ -121,7 +122,9 @@ void Deadlocks::follow(Deadlock& deadlock) {
 }
 
 void Deadlocks::begin(Deadlock& deadlock) {
+  COSIVA_EXPECT(deadlock.state == Deadlock::State::forming && deadlock.number == 0);
   deadlock.number = ++counters_.detected;
+  COSIVA_EXPECT(counters_.detected <= counters_.cycles);
   deadlock.state = Deadlock::State::reported;
   send('w', "deadlock " + std::to_string(deadlock.number) + ": " + deadlock.reason);
   resolve(deadlock);
@@ -137,7 +140,7 @@ std::vector<Wait> Deadlocks::waits_for(const Deadlock& deadlock, VehicleIndex ve
 void Deadlocks::resolve(Deadlock& deadlock) {
   deadlock.closed_since = publisher_.now();
   std::vector<std::int32_t> priorities;
-  for (const VehicleIndex v : deadlock.members) priorities.push_back(registry_[v].priority);
+  for (const VehicleIndex v : deadlock.members) priorities.push_back(registry_[v].settings.priority());
   std::ranges::sort(priorities);
   priorities.erase(std::unique(priorities.begin(), priorities.end()), priorities.end());
   for (const std::int32_t priority : priorities)
@@ -153,7 +156,7 @@ bool Deadlocks::let_yield(Deadlock& deadlock, std::int32_t priority) {
     };
     std::vector<Offer> offers;
     for (const VehicleIndex v : deadlock.members) {
-      if (registry_[v].priority != priority ||
+      if (registry_[v].settings.priority() != priority ||
           std::ranges::find(deadlock.tried, std::pair{v, means}) != deadlock.tried.end())
         continue;
       const auto waits = waits_for(deadlock, v);
@@ -168,7 +171,7 @@ bool Deadlocks::let_yield(Deadlock& deadlock, std::int32_t priority) {
       if (!orders_.yield(v, means, waits_for(deadlock, v))) continue;
       deadlock.state = Deadlock::State::yielding;
       deadlock.yielded.push_back(v);
-      const std::string how = registry_[v].name + " " + deed(means, cost_m);
+      const std::string how = registry_[v].name() + " " + deed(means, cost_m);
       deadlock.how = how;
       send('w', "deadlock " + std::to_string(deadlock.number) + ": " + how);
       return true;
@@ -187,11 +190,13 @@ void Deadlocks::give_up(Deadlock& deadlock) {
 }
 
 void Deadlocks::end(Deadlock& deadlock) {
+  COSIVA_EXPECT(deadlock.number > 0 && deadlock.state != Deadlock::State::resolved);
   const SimDuration lasted = deadlock.detected_at - deadlock.since;
   if (deadlock.state != Deadlock::State::yielding) deadlock.how = "it dissolved by itself";
   deadlock.state = Deadlock::State::resolved;
   deadlock.ended_at = deadlock.detected_at;
   ++counters_.resolved;
+  COSIVA_EXPECT(counters_.resolved <= counters_.detected);
   counters_.longest = std::max(counters_.longest, lasted);
   for (const VehicleIndex v : deadlock.yielded) orders_.need_not_avoid(v);
   send('i', "deadlock " + std::to_string(deadlock.number) + " is resolved after " +
@@ -244,7 +249,7 @@ void Deadlocks::write(JsonWriter& json) const {
           .field("state", to_string(deadlock.state))
           .key("members")
           .begin_array();
-      for (const VehicleIndex v : deadlock.members) json.value(registry_[v].name);
+      for (const VehicleIndex v : deadlock.members) json.value(registry_[v].name());
       json.end_array().field("reason", deadlock.reason).field("how", deadlock.how).key("ended_ms");
       if (deadlock.ended_at)
         json.value(ms_of(*deadlock.ended_at));

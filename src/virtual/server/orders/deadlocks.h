@@ -14,7 +14,7 @@
 #include "cosiva/virtual/server/messages/traces.h"
 #include "cosiva/virtual/server/orders/order_manager.h"
 #include "cosiva/virtual/server/orders/wait_graph.h"
-#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/server/registry/registry.h"
 
 namespace cosiva::virtual_side {
 
@@ -57,6 +57,9 @@ struct Deadlock {
 /// the vehicle with the cheapest means, then the vehicle that backs up the least, then the vehicle registered last. A
 /// vehicle that cannot yield is skipped. When the cycle is still closed 3 s later, the next means is tried, then the
 /// next member. When no means is left, the deadlock is logged as an error, and resolution is retried 5 s later.
+///
+/// Invariant: only cycles that lasted have a number and are listed; of these each ends once. No more deadlocks are
+/// resolved than detected, and no more detected than cycles have closed.
 class Deadlocks {
  public:
   Deadlocks(Registry& registry, MessagePublisher& publisher, Traces& traces, OrderManager& orders)

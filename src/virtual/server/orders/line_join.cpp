@@ -40,7 +40,7 @@ bool LineJoin::continue_joining(VehicleIndex vehicle) {
   if (!over && context_.publisher.now() - joining.sent_at < context_.rules.join_timeout) return true;
   if (status == wire::ActionStatus::failed && pending_action != nullptr)
     context_.publisher.log(
-        'w', context_.registry[vehicle].name + ": did not join the path: " + pending_action->actions.front().result);
+        'w', context_.registry[vehicle].name() + ": did not join the path: " + pending_action->actions.front().result);
   end(vehicle);
   return false;
 }
@@ -130,7 +130,7 @@ VehicleIndex LineJoin::obstructs_line_entry(VehicleIndex vehicle, zone::TrackPos
   for (VehicleIndex other = 0; other < context_.registry.size(); ++other) {
     const AivProxy& proxy = context_.registry[other];
     if (other == vehicle || !proxy.here()) continue;
-    const Pose2 X_MB = context_.simulator.image(*proxy.twin, context_.publisher.now()).X_MB;
+    const Pose2 X_MB = context_.simulator.image(*proxy.twin(), context_.publisher.now()).X_MB;
     if (sweep.near_body(X_MB)) return other;
     const auto& theirs = positions_.entry_point(other);
     // Another vehicle that is joining the path, or whose base leads over the entry position.
@@ -162,7 +162,7 @@ VehicleIndex LineJoin::off_path_obstruction(VehicleIndex vehicle, double from_m,
   aiv::EntrySweep sweep{shape};
   for (const VehicleIndex other : neighbours_) {
     if (other == vehicle) continue;
-    const Pose2 X_MB = context_.simulator.image(*context_.registry[other].twin, context_.publisher.now()).X_MB;
+    const Pose2 X_MB = context_.simulator.image(*context_.registry[other].twin(), context_.publisher.now()).X_MB;
     const std::optional<zone::TrackPosition> entry_point = comes_onto_line_at(other);
     if (entry_point) sweep.take({X_MB, circuit.pose_at(*entry_point)});
     const auto in_path = [&](double ahead_m, double air_m) {

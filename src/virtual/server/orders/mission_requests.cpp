@@ -47,11 +47,11 @@ Result<std::vector<VehicleIndex>> MissionRequests::addressed(const std::vector<s
   for (const std::string& name : names) {
     if (name == "*") {
       for (VehicleIndex v = 0; v < registry_.size(); ++v)
-        if (!registry_[v].retired) vehicles.push_back(v);
+        if (!registry_[v].retired()) vehicles.push_back(v);
       continue;
     }
     const auto vehicle = registry_.find(name);
-    if (!vehicle || registry_[*vehicle].retired) {
+    if (!vehicle || registry_[*vehicle].retired()) {
       return fail("mission.vehicle",
                   name.empty() ? std::string("state which vehicle, as manufacturer/serial number, or * for all")
                                : "no vehicle '" + cut(name) + "' is known; name it as manufacturer/serial number",

@@ -26,7 +26,7 @@ void Missions::set_map(const WaypointGraph* map, std::optional<std::vector<zone:
     Mission& mission = entries_[v].mission;
     if (known(mission)) continue;
     publisher_.log('w',
-                   registry_[v].name + ": this zone has no '" + mission.name + "'; it follows its default mission");
+                   registry_[v].name() + ": this zone has no '" + mission.name + "'; it follows its default mission");
     mission = {};
   }
   if (closed) closed_.set(std::move(*closed));
@@ -112,7 +112,7 @@ std::optional<std::vector<zone::SectionId>> Missions::plan(VehicleIndex vehicle,
   }
   if (!best) {
     entry.stop(error.value_or(Error{"route.none", "the zone has no '" + entry.mission.name + "' any more", ""}));
-    publisher_.log('w', registry_[vehicle].name + ": no route: " + entry.why);
+    publisher_.log('w', registry_[vehicle].name() + ": no route: " + entry.why);
     return std::nullopt;
   }
   entry.complete = entry.mission.kind == Mission::Kind::go;
@@ -163,7 +163,7 @@ bool Missions::is_stopped_at(VehicleIndex vehicle, Point2 p, double off_m) {
   entry.state = State::arrived;
   entry.why.clear();
   entry.complete = true;
-  publisher_.log('i', registry_[vehicle].name + ": arrived at " + entry.mission.name +
+  publisher_.log('i', registry_[vehicle].name() + ": arrived at " + entry.mission.name +
                           (entry.mission.beyond.empty() ? "" : ", continuing to " + entry.mission.beyond));
   return true;
 }
@@ -175,7 +175,7 @@ void Missions::give(VehicleIndex vehicle, Mission mission) {
   entry.why.clear();
   entry.avoided.clear();
   ++entry.revision;
-  registry_[vehicle].no_orders = false;
+  registry_[vehicle].settings.on_mission();
 }
 
 void Missions::restore(VehicleIndex vehicle, Mission mission) {

@@ -14,7 +14,7 @@
 #include "cosiva/virtual/server/orders/closed_sections.h"
 #include "cosiva/virtual/server/orders/mission.h"
 #include "cosiva/virtual/server/orders/roaming.h"
-#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/server/registry/registry.h"
 #include "cosiva/virtual/server/right_of_way/waypoint_graph.h"
 #include "cosiva/zone/routing/route.h"
 

@@ -4,7 +4,7 @@
 #include "cosiva/virtual/server/messages/message_publisher.h"
 #include "cosiva/virtual/server/orders/missions.h"
 #include "cosiva/virtual/server/orders/order_rules.h"
-#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/server/registry/registry.h"
 #include "cosiva/virtual/server/right_of_way/traffic.h"
 #include "cosiva/virtual/server/right_of_way/waypoint_graph.h"
 #include "cosiva/virtual/simulator/simulator.h"

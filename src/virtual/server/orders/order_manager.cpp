@@ -39,7 +39,7 @@ void OrderManager::forget(VehicleIndex vehicle) {
 
 void OrderManager::on_state(VehicleIndex vehicle, const wire::State* before) {
   if (context_.map == nullptr) return;
-  const wire::State& state = *context_.registry[vehicle].state;
+  const wire::State& state = *context_.registry[vehicle].state();
   const OrderSession::Next next = sessions_[vehicle].on_state(state, before);
   if (next == OrderSession::Next::drop || next == OrderSession::Next::drop_then_adopt) drop(vehicle);
   if (next == OrderSession::Next::adopt || next == OrderSession::Next::drop_then_adopt) adopt(vehicle, state);
@@ -79,7 +79,7 @@ void OrderManager::step(VehicleIndex vehicle, bool drive, bool send_off) {
   }
   session.cancel_again_when_due();
   if (session.is_running() && analysis_.is_stopped_without_reason(vehicle)) {
-    context_.publisher.log('w', context_.registry[vehicle].name +
+    context_.publisher.log('w', context_.registry[vehicle].name() +
                                     ": is stopped with base ahead and reports no reason; cancelled, a new order "
                                     "follows");
     session.cancel();
@@ -105,7 +105,7 @@ bool OrderManager::stays(VehicleIndex vehicle, bool drive, bool send_off) {
   const OrderSession& session = sessions_[vehicle];
   const AivProxy& proxy = context_.registry[vehicle];
   const bool idle = session.stage() == Stage::none;
-  const bool busy_elsewhere = idle && proxy.state && !proxy.state->node_states.empty();
+  const bool busy_elsewhere = idle && proxy.state() && !proxy.state()->node_states.empty();
   const bool stays_there = idle && (!send_off || planner_.stays_at_goal(vehicle));
   // The vehicle's yielding continues in each tick, whatever else keeps the vehicle from driving.
   const bool keeps_still = yielding_.continue_yielding(vehicle);

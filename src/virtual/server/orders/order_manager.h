@@ -21,7 +21,7 @@
 #include "cosiva/virtual/server/orders/wait_graph.h"
 #include "cosiva/virtual/server/orders/wait_records.h"
 #include "cosiva/virtual/server/orders/yielding.h"
-#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/server/registry/registry.h"
 #include "cosiva/virtual/server/right_of_way/traffic.h"
 #include "cosiva/virtual/server/right_of_way/waypoint_graph.h"
 #include "cosiva/virtual/simulator/simulator.h"

@@ -65,7 +65,7 @@ OrderSession::Next OrderSession::follow(const wire::State& state) {
     context_->traffic.set_base_passed(vehicle_, !state.node_states.front().released);
     return Next::nothing;
   }
-  context_->publisher.log('w', context_->registry[vehicle_].name + ": follows update " +
+  context_->publisher.log('w', context_->registry[vehicle_].name() + ": follows update " +
                                    std::to_string(state.order_update_id) + " up to " + std::string(end_id) +
                                    ", which this server did not send; taking it over");
   return Next::adopt;
@@ -90,7 +90,7 @@ bool OrderSession::refused(const wire::State& state, const wire::State* before, 
 }
 
 OrderSession::Next OrderSession::give_up(const wire::State& state, const std::string& why) {
-  context_->publisher.log('w', context_->registry[vehicle_].name + ": refused order '" + order_id_ + "' update " +
+  context_->publisher.log('w', context_->registry[vehicle_].name() + ": refused order '" + order_id_ + "' update " +
                                    std::to_string(update_id_) + " (" + why + "); a new one follows");
   if (!state.node_states.empty()) {
     cancel_and_pause();
@@ -109,7 +109,7 @@ bool OrderSession::can_take_over(const wire::State& state) {
   if (is_cosiva && !state.order_id.empty()) return true;
   if (strange_order_ != state.order_id) {
     strange_order_ = state.order_id;
-    context_->publisher.log('i', context_->registry[vehicle_].name + ": follows order '" + state.order_id +
+    context_->publisher.log('i', context_->registry[vehicle_].name() + ": follows order '" + state.order_id +
                                      "' over nodes that are not this zone's; left alone until it is done");
   }
   return false;
@@ -126,7 +126,7 @@ void OrderSession::take_over(const wire::State& state, std::optional<WaypointInd
   sent_.reset();
   set_base_end(base_end.value_or(context_->map->find(end_id).front()));
   context_->traffic.set_base_passed(vehicle_, !state.node_states.front().released);
-  context_->publisher.log('i', context_->registry[vehicle_].name + ": took over order '" + order_id_ + "', update " +
+  context_->publisher.log('i', context_->registry[vehicle_].name() + ": took over order '" + order_id_ + "', update " +
                                    std::to_string(update_id_) + ", base up to " + std::string(end_id));
 }
 
@@ -137,7 +137,7 @@ bool OrderSession::send(const BaseExtension& extension) {
   AivProxy& proxy = context_->registry[vehicle_];
   if (is_new) {
     COSIVA_EXPECT(order_id_.empty() && !sent_ && cancellation_.handle == 0);
-    order_id_ = unique_id(proxy.id.serial_number, context_->publisher.now());
+    order_id_ = unique_id(proxy.id().serial_number, context_->publisher.now());
     update_id_ = 0;
     base_end_sequence_ = 0;
     ever_acknowledged_ = false;

@@ -83,19 +83,19 @@ void PathPositions::follow_line(VehicleIndex vehicle) {
 
 bool PathPositions::is_stopped(VehicleIndex vehicle) const {
   const AivProxy& proxy = context_.registry[vehicle];
-  return proxy.here() && proxy.state && !proxy.state->driving &&
-         std::fabs(context_.simulator.twin(*proxy.twin).speed_mps()) < stopped_mps;
+  return proxy.here() && proxy.state() && !proxy.state()->driving &&
+         std::fabs(context_.simulator.twin(*proxy.twin()).speed_mps()) < stopped_mps;
 }
 
 Pose2 PathPositions::body(VehicleIndex vehicle) const {
-  return context_.simulator.image(*context_.registry[vehicle].twin, context_.publisher.now()).X_MB;
+  return context_.simulator.image(*context_.registry[vehicle].twin(), context_.publisher.now()).X_MB;
 }
 
 bool detects(const Registry& registry, VehicleIndex vehicle, VehicleIndex ahead) {
   // A physical vehicle does not detect a virtual one by its own sensor, and the sensors of third-party vehicles are
   // unknown.
   return ahead != no_vehicle && registry[vehicle].is_cosiva() && registry[ahead].is_cosiva() &&
-         (registry[vehicle].augmented || !registry[ahead].augmented);
+         (registry[vehicle].augmented() || !registry[ahead].augmented());
 }
 
 }  // namespace cosiva::virtual_side

@@ -7,7 +7,7 @@
 #include "cosiva/base/pose.h"
 #include "cosiva/virtual/server/orders/order_context.h"
 #include "cosiva/virtual/server/orders/order_session.h"
-#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/server/registry/registry.h"
 
 namespace cosiva::virtual_side {
 

@@ -31,7 +31,7 @@ void PersistedMissions::write(JsonWriter& json) const {
     json.end_object();
   };
   for (VehicleIndex v = 0; v < registry_.size(); ++v)
-    if (!(missions_.mission(v) == Mission{})) write(registry_[v].name, missions_.mission(v));
+    if (!(missions_.mission(v) == Mission{})) write(registry_[v].name(), missions_.mission(v));
   for (const Persisted& one : missions_left_) write(one.vehicle, one.mission);
   json.end_array().end_object();
 }
@@ -64,7 +64,7 @@ void PersistedMissions::restore(const JsonValue& memory) {
 }
 
 void PersistedMissions::registered(VehicleIndex vehicle) {
-  const auto found = std::ranges::find(missions_left_, registry_[vehicle].name, &Persisted::vehicle);
+  const auto found = std::ranges::find(missions_left_, registry_[vehicle].name(), &Persisted::vehicle);
   if (found == missions_left_.end()) return;
   if (missions_.map() == nullptr || missions_.known(found->mission)) missions_.restore(vehicle, found->mission);
   missions_left_.erase(found);

@@ -23,13 +23,13 @@ constexpr double node_far_behind_m = 1.0;
 bool RouteFollower::may_extend(VehicleIndex vehicle) const {
   const AivProxy& proxy = context_.registry[vehicle];
   const ReportedPose& reported = positions_.reported(vehicle);
-  if (!proxy.state || !proxy.state_in_session || !proxy.online() || proxy.no_orders ||
+  if (!proxy.state() || !proxy.reported_state.in_session() || !proxy.online() || proxy.settings.no_orders() ||
       proxy.lost(context_.publisher.now(), context_.lost_after))
     return false;
-  const wire::State& state = *proxy.state;
-  const bool this_map = proxy.map_id.empty() || proxy.map_id == context_.map->zone().name;
+  const wire::State& state = *proxy.state();
+  const bool this_map = proxy.position.map_id().empty() || proxy.position.map_id() == context_.map->zone().name;
   const bool along = std::fabs(reported.heading_off_rad) <= heading_off_rad_max || positions_.goes_onto_line(vehicle);
-  return proxy.position_known && this_map && reported.position && reported.off_m <= context_.rules.on_circuit_m &&
+  return proxy.position.known() && this_map && reported.position && reported.off_m <= context_.rules.on_circuit_m &&
          along && state.operating_mode == wire::OperatingMode::automatic && !state.paused &&
          state.e_stop == wire::EStop::none;
 }
@@ -54,7 +54,7 @@ std::optional<RouteFollower::Start> RouteFollower::end_of_base(VehicleIndex vehi
   const auto left_m = on_course ? context_.traffic.base_left_m(vehicle, track_position) : std::nullopt;
   if (!left_m) {
     context_.publisher.log(
-        'w', context_.registry[vehicle].name + ": is not on the route of its order; cancelled, a new one follows");
+        'w', context_.registry[vehicle].name() + ": is not on the route of its order; cancelled, a new one follows");
     session.cancel_and_pause();
     return std::nullopt;
   }
@@ -220,7 +220,7 @@ void RouteFollower::join_convoy(VehicleIndex vehicle) {
     through += (through.empty() ? "" : " and ") + context_.map->zone().crossings[x].name;
   context_.publisher.explain(
       context_.registry[vehicle], "convoy",
-      "convoy of " + std::to_string(size) + " through " + through + ", behind " + context_.registry[ahead].name);
+      "convoy of " + std::to_string(size) + " through " + through + ", behind " + context_.registry[ahead].name());
 }
 
 }  // namespace cosiva::virtual_side

@@ -29,10 +29,10 @@ bool WaitAnalysis::is_stopped_without_reason(VehicleIndex vehicle) {
   const AivProxy& proxy = context_.registry[vehicle];
   const auto& track_position = positions_.reported(vehicle).position;
   auto& since = unresponsive_since_[vehicle];
-  const wire::State& state = *proxy.state;
+  const wire::State& state = *proxy.state();
   // Third-party vehicles may have other reasons.
   const bool unresponsive = proxy.is_cosiva() && positions_.is_stopped(vehicle) && !state.field_violation &&
-                            !state.paused && !proxy.paused_for_body && state.errors.empty() &&
+                            !state.paused && !proxy.settings.paused_for_body() && state.errors.empty() &&
                             state.e_stop == wire::EStop::none && track_position &&
                             context_.traffic.base_left_m(vehicle, *track_position).value_or(0.0) > base_left_m_min;
   if (!unresponsive) {
@@ -51,7 +51,8 @@ void WaitAnalysis::add_waits(WaitGraph& graph) const {
     if (!positions_.is_stopped(v)) continue;
     const WaitRecord& record = records_[v];
     const bool has_route = sessions_[v].is_running() || joins_.is_pending(v);
-    if (has_route && (context_.registry[v].state->field_violation || context_.registry[v].paused_for_body)) {
+    if (has_route &&
+        (context_.registry[v].state()->field_violation || context_.registry[v].settings.paused_for_body())) {
       // A wait at the end of its base matters only when the vehicle has arrived there.
       graph.add({v, detected_in_path(v), WaitReason::sensors, no_crossing});
       continue;
@@ -106,7 +107,7 @@ std::string WaitAnalysis::waits_for(VehicleIndex vehicle) const {
     text = context_.map->zone().crossings[*record.crossing].name;
   if (record.blocker != no_vehicle) {
     if (!text.empty()) text += ", ";
-    text += context_.registry[record.blocker].name;
+    text += context_.registry[record.blocker].name();
   }
   return text;
 }
@@ -117,12 +118,12 @@ std::string WaitAnalysis::blocker_at_goal(VehicleIndex vehicle) const {
   if (blocker == no_vehicle || goal == no_waypoint || context_.map == nullptr) return {};
   const ReportedPose& other = positions_.reported(blocker);
   const bool is_stopped = distance(position(other.X_MB), context_.map->point(goal)) <= context_.traffic.stopped_m();
-  return is_stopped ? context_.registry[blocker].name : std::string{};
+  return is_stopped ? context_.registry[blocker].name() : std::string{};
 }
 
 std::string WaitAnalysis::sentence(const Wait& wait) const {
-  const std::string& waiter = context_.registry[wait.waiter].name;
-  const std::string& blocker = context_.registry[wait.blocker].name;
+  const std::string& waiter = context_.registry[wait.waiter].name();
+  const std::string& blocker = context_.registry[wait.blocker].name();
   const std::string crossing =
       wait.crossing < context_.map->crossing_count() ? context_.map->zone().crossings[wait.crossing].name : "";
   switch (wait.why) {

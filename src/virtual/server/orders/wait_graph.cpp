@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::virtual_side {
 namespace {
 
@@ -26,6 +28,7 @@ void WaitGraph::sort_waits() {
   first_.assign(count_ + 1, 0);
   for (const Wait& wait : waits_) ++first_[wait.waiter + 1];
   for (std::size_t i = 0; i < count_; ++i) first_[i + 1] += first_[i];
+  COSIVA_EXPECT(first_.back() == waits_.size());
 }
 
 std::span<const Wait> WaitGraph::waits_of(VehicleIndex waiter) const {
@@ -69,6 +72,7 @@ std::vector<Wait> WaitGraph::cycle_through(VehicleIndex first) {
       }
     }
   }
+  COSIVA_EXPECT(last != no_wait);
   std::vector<Wait> cycle;
   for (std::size_t at = last; at != no_wait; at = came_by_[waits_[at].waiter]) cycle.push_back(waits_[at]);
   std::ranges::reverse(cycle);

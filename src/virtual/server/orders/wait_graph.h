@@ -31,6 +31,9 @@ struct Knot {
 
 /// The wait-for graph at one moment. A vehicle that waits for several vehicles waits for all of them, so every cycle is
 /// a deadlock: the knots are the strongly connected components of more than one vehicle.
+///
+/// Invariant: each wait is between two different vehicles of the graph, and each knot has a cycle through its first
+/// member.
 class WaitGraph {
  public:
   /// Clears the graph for vehicles 0 … count − 1; retains the allocated memory.

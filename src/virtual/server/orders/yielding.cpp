@@ -320,7 +320,7 @@ void Yielding::follow_back_up(VehicleIndex vehicle, Stop& stop) {
   if (!over) return;
   if (status == wire::ActionStatus::failed && pending_action != nullptr)
     context_.publisher.log(
-        'w', context_.registry[vehicle].name + ": did not back up: " + pending_action->actions.front().result);
+        'w', context_.registry[vehicle].name() + ": did not back up: " + pending_action->actions.front().result);
   context_.action_sender.drop(stop.handle);
   stop.handle = 0;
   stop.back_m = 0.0;

@@ -11,8 +11,9 @@ constexpr std::uint32_t gaps_smoothed = 10;
 
 }  // namespace
 
-void ReportClock::on_report(SimTime now) {
+void ReportClock::on_report(SimTime now, SimTime reported_at) {
   COSIVA_EXPECT(now >= last_);
+  COSIVA_EXPECT(reported_at <= now);
   const SimDuration gap = now - last_;
   if (!first_) {
     first_ = now;
@@ -21,6 +22,8 @@ void ReportClock::on_report(SimTime now) {
     usual_gap_ += (gap - usual_gap_) / gaps_;
   }
   last_ = now;
+  reported_at_ = std::max(reported_at_, reported_at);
+  COSIVA_EXPECT(usual_gap_ > SimDuration::zero() && usual_gap_ <= gap_max);
 }
 
 SimDuration ReportClock::longest_silence(SimDuration at_least) const {

@@ -11,10 +11,13 @@ using namespace std::chrono_literals;
 
 constexpr SimDuration after = 1s;
 
+/// A report that describes the time of its arrival.
+void report(ReportClock& clock, SimTime now) { clock.on_report(now, now); }
+
 /// The clock of a vehicle that reported at these times.
 ReportClock reported_at(std::initializer_list<SimDuration> times) {
   ReportClock clock;
-  for (const SimDuration time : times) clock.on_report(virtual_epoch + time);
+  for (const SimDuration time : times) report(clock, virtual_epoch + time);
   return clock;
 }
 
@@ -22,7 +25,7 @@ ReportClock reported_at(std::initializer_list<SimDuration> times) {
 /// epoch.
 ReportClock steady(SimDuration gap) {
   ReportClock clock;
-  for (int i = 200; i >= 0; --i) clock.on_report(virtual_epoch - i * gap);
+  for (int i = 200; i >= 0; --i) report(clock, virtual_epoch - i * gap);
   return clock;
 }
 
@@ -55,16 +58,16 @@ TEST(ReportClock, converges_to_a_constant_gap) {
 
 TEST(ReportClock, follows_a_rate_that_changes_by_a_tenth_per_report) {
   ReportClock clock = steady(2s);
-  clock.on_report(virtual_epoch + 3s);
+  report(clock, virtual_epoch + 3s);
   EXPECT_NEAR(to_seconds(clock.usual_gap()), 2.1, 1e-6);
-  clock.on_report(virtual_epoch + 4s);
+  report(clock, virtual_epoch + 4s);
   EXPECT_NEAR(to_seconds(clock.usual_gap()), 1.99, 1e-6);
 }
 
 TEST(ReportClock, does_not_count_an_absence_as_a_gap) {
   ReportClock clock = steady(2s);
   const SimDuration before = clock.usual_gap();
-  clock.on_report(virtual_epoch + ReportClock::gap_max);
+  report(clock, virtual_epoch + ReportClock::gap_max);
   EXPECT_EQ(clock.usual_gap(), before);
   EXPECT_EQ(clock.last(), virtual_epoch + ReportClock::gap_max);
 }
@@ -90,14 +93,28 @@ TEST(ReportClock, accepts_messages_in_pairs_from_the_first_pair) {
   for (int i = 0; i < 100; ++i) {
     const SimTime now = virtual_epoch + i * 3s;
     EXPECT_FALSE(clock.lost(now, after)) << i;
-    clock.on_report(now);
-    clock.on_report(now + 1ms);
+    report(clock, now);
+    report(clock, now + 1ms);
   }
+}
+
+TEST(ReportClock, knows_the_newest_time_that_a_report_describes) {
+  ReportClock clock;
+  clock.on_report(virtual_epoch + 1s, virtual_epoch);
+  EXPECT_EQ(clock.reported_at(), virtual_epoch);
+  clock.on_report(virtual_epoch + 2s, virtual_epoch + 2s);
+  clock.on_report(virtual_epoch + 3s, virtual_epoch + 1s);
+  EXPECT_EQ(clock.reported_at(), virtual_epoch + 2s) << "the last report took longer than the one before";
+}
+
+TEST(ReportClock, refuses_a_report_about_the_future) {
+  ReportClock clock;
+  EXPECT_DEATH(clock.on_report(virtual_epoch, virtual_epoch + 1ns), "reported_at <= now");
 }
 
 TEST(ReportClock, refuses_a_time_that_runs_backwards) {
   ReportClock clock = reported_at({2s});
-  EXPECT_DEATH(clock.on_report(virtual_epoch + 1s), "now >= last_");
+  EXPECT_DEATH(report(clock, virtual_epoch + 1s), "now >= last_");
 }
 
 }  // namespace

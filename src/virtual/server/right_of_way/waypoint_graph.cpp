@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/zone/circuit/course.h"
 
 namespace cosiva::virtual_side {
@@ -37,6 +38,7 @@ WaypointGraph::WaypointGraph(std::shared_ptr<const zone::TrafficZone> zone) : zo
     while (at < zone_->waypoints.size() && zone_->waypoints[at].position.section < section) ++at;
     first_on_.push_back(at);
   }
+  COSIVA_EXPECT(at == zone_->waypoints.size());
   lay_stretches();
 }
 
@@ -53,6 +55,7 @@ bool WaypointGraph::take(std::shared_ptr<const zone::TrafficZone> zone) {
       !std::ranges::equal(zone->crossings, zone_->crossings, same_crossing))
     return false;
   zone_ = std::move(zone);
+  COSIVA_EXPECT(points_.size() == zone_->waypoints.size());
   return true;
 }
 

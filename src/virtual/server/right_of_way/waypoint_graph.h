@@ -24,6 +24,9 @@ using Sections = std::span<const zone::SectionId>;
 /// The zone as master control uses it: waypoints and the stretches between them, computed once per zone so that
 /// extending orders compares no text. At a fork, `coming` determines the branch; beyond its end, and without it, routes
 /// follow default successors.
+///
+/// Invariant: the waypoints of the zone are sorted by section, so that those of a section are consecutive, and each has
+/// its point and its stretches here; a zone that take() accepts has the same waypoints.
 class WaypointGraph {
  public:
   explicit WaypointGraph(std::shared_ptr<const zone::TrafficZone> zone);

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::virtual_side {
 namespace {
 
@@ -41,6 +43,7 @@ void BatteryCurve::add(const Point& point) {
     points_.resize((points_.size() + 1) / 2);
     every_ *= 2;
   }
+  COSIVA_EXPECT(points_.size() < points_max && (points_.empty() || point.at - points_.back().at >= every_));
   points_.push_back(point);
 }
 
@@ -84,6 +87,7 @@ Result<std::string> BatteryTestRelay::on_message(const wire::Input& input) {
     return fail("battery.many", "more than " + std::to_string(changes_max) + " battery changes at a time", name);
   std::string phrase = "changeBattery in " + name + ": '" + change->battery + "'";
   changes_.insert_or_assign(name, Change{*vehicle, std::move(*change), input.at});
+  COSIVA_EXPECT(changes_.size() <= changes_max);
   return phrase;
 }
 

@@ -16,6 +16,8 @@ namespace cosiva::virtual_side {
 
 /// The history of a vehicle's battery in a bounded number of points. When all points are used, every second point is
 /// removed and the sampling interval doubles, so the curve always reaches back to its beginning.
+///
+/// Invariant: at most points_max points, in the order of time, and at least the sampling interval apart.
 class BatteryCurve {
  public:
   static constexpr std::size_t points_max = 240;
@@ -37,6 +39,8 @@ class BatteryCurve {
 
 /// The battery tests (A37, A38) as received in messages. The tests run elsewhere; the relay stores which battery
 /// changes the tests request and the state of each test, so that an operator can view and confirm a change.
+///
+/// Invariant: at most changes_max changes are stored, one for each vehicle.
 class BatteryTestRelay {
  public:
   static constexpr std::size_t changes_max = 256;  ///< bounds the memory if many invented names are received

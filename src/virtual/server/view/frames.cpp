@@ -70,6 +70,7 @@ PositionFrames::Frame PositionFrames::encode(double time_ms, std::span<const Pos
     key_ = now_;
     request_key_ = false;
   }
+  COSIVA_EXPECT(key_.size() == now_.size());
 
   Frame frame{std::string(header_bytes, '\0'), key};
   frame.bytes.reserve(header_bytes + now_.size() * record_bytes);

@@ -26,6 +26,9 @@ struct PositionRecord {
 
 /// Makes binary frames of position records. A key frame holds all records; a delta holds those that differ from the
 /// last key frame, so any one delta may be lost. A frame is encoded once for all clients.
+///
+/// Invariant: the last key frame has the handles of the last frame, sorted and each once, so that a delta can be
+/// applied to it.
 class PositionFrames {
  public:
   static constexpr std::size_t header_bytes = 24;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
 
 namespace cosiva::virtual_side {
@@ -98,13 +99,15 @@ void GroundTruthComparator::take(SimTime now, wire::GvsDetections detections) {
     detected.arrived = now;
     detected.X_MB = detection.pose;
     detected.uncertainty_m = detection.uncertainty_m;
+    COSIVA_EXPECT(detected.since <= detected.arrived);
     compare(detection, detected);
   }
+  COSIVA_EXPECT(detected_.size() <= detected_max);
 }
 
 std::optional<VehicleIndex> GroundTruthComparator::twin_of(const std::string& name) const {
   const auto vehicle = registry_.find(name);
-  if (!vehicle || !registry_[*vehicle].here() || registry_[*vehicle].augmented) return std::nullopt;
+  if (!vehicle || !registry_[*vehicle].here() || registry_[*vehicle].augmented()) return std::nullopt;
   return vehicle;
 }
 
@@ -117,7 +120,7 @@ void GroundTruthComparator::compare(const wire::GvsDetections::Detection& detect
   if (!X_MT) return;
   detected.gap_m = distance(*X_MT, detection.pose);
   detected.gap_rad = std::fabs(wrap_angle(X_MT->heading_rad - detection.pose.heading_rad));
-  simulator_.monitor().actual(registry_[*vehicle].entity, *detected.gap_m, *detected.gap_rad);
+  simulator_.monitor().actual(registry_[*vehicle].twin_link.entity(), *detected.gap_m, *detected.gap_rad);
 }
 
 std::optional<Pose2> GroundTruthComparator::twin_at(VehicleIndex vehicle, SimTime at) const {
@@ -139,12 +142,12 @@ void GroundTruthComparator::record_twins() {
   for (VehicleIndex v = 0; v < registry_.size(); ++v) {
     const AivProxy& proxy = registry_[v];
     Trail& trail = trails_[v];
-    if (!proxy.here() || proxy.augmented) {
+    if (!proxy.here() || proxy.augmented()) {
       trail = {};
       continue;
     }
     if (!trail.points.empty() && trail.points.back().at >= now_) continue;
-    const Pose2 X_MB = simulator_.image(*proxy.twin, now_).X_MB;
+    const Pose2 X_MB = simulator_.image(*proxy.twin(), now_).X_MB;
     trail.points.push_back({now_, X_MB});
     while (trail.points.front().at < now_ - history) trail.points.pop_front();
     if (!detections_ || !inside(detections_->field, position(X_MB)))
@@ -172,7 +175,7 @@ void GroundTruthComparator::find_unseen(std::vector<Finding>& findings) {
   for (VehicleIndex v = 0; v < trails_.size(); ++v) {
     const Trail& trail = trails_[v];
     if (!trail.in_field_since || trail.points.empty()) continue;
-    const std::string& name = registry_[v].name;
+    const std::string& name = registry_[v].name();
     const auto detected = detected_.find(name);
     SimTime last = std::max(*trail.in_field_since, watching_since_);
     if (detected != detected_.end()) last = std::max(last, detected->second.arrived);

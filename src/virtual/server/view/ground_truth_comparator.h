@@ -10,7 +10,7 @@
 #include "cosiva/base/digest.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/result.h"
-#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/server/registry/registry.h"
 #include "cosiva/virtual/simulator/simulator.h"
 #include "cosiva/wire/own/gvs.h"
 #include "cosiva/wire/runtime/core.h"
@@ -20,6 +20,9 @@ namespace cosiva::virtual_side {
 /// Compares the detections of the camera over the zone (GVS, A34) with the twins: the distance of each twin from the
 /// detected pose of its vehicle at the same moment, detected vehicles without a twin, and twins that are not detected.
 /// The results go to the bijection monitor and to the operators; no twin and no order depends on them.
+///
+/// Invariant: at most detected_max vehicles are stored; a series of detections of a vehicle begins not after its last
+/// one.
 class GroundTruthComparator {
  public:
   /// Longer than a tracker needs to find a lost vehicle again.

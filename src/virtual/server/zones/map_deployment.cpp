@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::virtual_side {
 
 void MapDeployment::begin() {
@@ -15,7 +17,7 @@ void MapDeployment::begin() {
 std::optional<wire::Action> MapDeployment::next_action(VehicleIndex vehicle, const Map& map) const {
   const AivProxy& proxy = registry_[vehicle];
   const auto can = [&](std::string_view action) { return proxy.supports(action) == std::optional{true}; };
-  const auto& maps = proxy.state->maps;
+  const auto& maps = proxy.state()->maps;
   const auto known = std::ranges::find_if(maps, [&](const wire::MapInfo& one) { return one.map_id == map.id; });
   const auto action = [](std::string type, std::vector<wire::Parameter> parameters) {
     return wire::Action{std::move(type), {}, {}, wire::BlockingType::none, std::move(parameters)};
@@ -25,10 +27,10 @@ std::optional<wire::Action> MapDeployment::next_action(VehicleIndex vehicle, con
   if (known != maps.end() && !known->enabled && can("enableMap"))
     return action("enableMap", {{"mapId", map.id}, {"mapVersion", known->map_version}});
   // A vehicle that reports no maps may still know this one; a vehicle that lists maps without this one does not.
-  if ((known != maps.end() || maps.empty()) && can("initPosition") && proxy.reported) {
-    return action("initPosition", {{"x", proxy.reported->x_m},
-                                   {"y", proxy.reported->y_m},
-                                   {"theta", proxy.reported->heading_rad},
+  if ((known != maps.end() || maps.empty()) && can("initPosition") && proxy.position.pose()) {
+    return action("initPosition", {{"x", proxy.position.pose()->x_m},
+                                   {"y", proxy.position.pose()->y_m},
+                                   {"theta", proxy.position.pose()->heading_rad},
                                    {"mapId", map.id},
                                    {"lastNodeId", std::string{}}});
   }
@@ -55,13 +57,14 @@ bool MapDeployment::in_progress(Step& step) const {
 void MapDeployment::step(VehicleIndex vehicle, const Map& map) {
   AivProxy& proxy = registry_[vehicle];
   Step& step = steps_[vehicle];
-  if (!proxy.state || !proxy.online() || in_progress(step) || publisher_.now() < step.not_before) return;
+  if (!proxy.state() || !proxy.online() || in_progress(step) || publisher_.now() < step.not_before) return;
   // A vehicle that still drives an order of the old map finishes that order first.
-  if (!proxy.state->node_states.empty() || proxy.state->driving) return;
+  if (!proxy.state()->node_states.empty() || proxy.state()->driving) return;
   auto action = next_action(vehicle, map);
   if (!action) return;
-  publisher_.log('i', proxy.name + ": is on map '" + proxy.map_id + "'; requested " + action->action_type + " of '" +
-                          map.id + "'");
+  publisher_.log('i', proxy.name() + ": is on map '" + proxy.position.map_id() + "'; requested " + action->action_type +
+                          " of '" + map.id + "'");
+  COSIVA_EXPECT(step.handle == 0);
   step.sent_at = publisher_.now();
   step.handle = action_sender_.send(proxy, vehicle, {std::move(*action)}, timeout, true);
 }

@@ -4,13 +4,15 @@
 #include <vector>
 
 #include "cosiva/virtual/server/messages/message_publisher.h"
-#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/server/registry/registry.h"
 
 namespace cosiva::virtual_side {
 
 /// Deploys the zone's map to third-party vehicles as VDA 5050 2.1 (§6.7) specifies: downloadMap, enableMap,
 /// initPosition, one after the other, each where the factsheet lists it. CoSiVA vehicles take the configuration from
 /// its topic.
+///
+/// Invariant: at most one action of the deployment to a vehicle is followed at a time.
 class MapDeployment {
  public:
   static constexpr SimDuration timeout{std::chrono::seconds{10}};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/zone/edit/edit.h"
 #include "cosiva/zone/edit/edit_json.h"
 
@@ -35,13 +36,16 @@ Result<zone::ZoneConfiguration> ZoneEdits::after(const EditCommand& command, Sim
 void ZoneEdits::push(std::deque<zone::ZoneConfiguration>& stack, zone::ZoneConfiguration configuration) {
   stack.push_back(std::move(configuration));
   if (stack.size() > depth) stack.pop_front();
+  COSIVA_EXPECT(stack.size() <= depth);
 }
 
 void ZoneEdits::done(EditCommand::Kind command, zone::ZoneConfiguration before) {
   if (command == EditCommand::Kind::undo) {
+    COSIVA_EXPECT(!undo_.empty());
     undo_.pop_back();
     push(redo_, std::move(before));
   } else if (command == EditCommand::Kind::redo) {
+    COSIVA_EXPECT(!redo_.empty());
     redo_.pop_back();
     push(undo_, std::move(before));
   } else {

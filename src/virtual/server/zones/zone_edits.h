@@ -16,6 +16,9 @@ namespace cosiva::virtual_side {
 
 /// The edits of the zone in force (A5): undo and redo, and which of the received configurations are new. The class
 /// stores whole configurations, so that undo does not depend on their content.
+///
+/// Invariant: at most `depth` steps can be undone and at most `depth` done again; only an edit that was undone can be
+/// done again.
 class ZoneEdits {
  public:
   static constexpr std::size_t depth = 50;

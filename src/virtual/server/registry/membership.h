@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+
+#include "cosiva/base/time.h"
+
+namespace cosiva::virtual_side {
+
+/// Whether a vehicle takes part in the table and the traffic of this server.
+///
+/// Invariant: a retired vehicle is not handed over, and the first publication of a handover is not after the last one.
+class Membership {
+ public:
+  /// The server has published that the vehicle belongs to another control area: nothing more is sent to the vehicle.
+  struct HandedOver {
+    SimTime first;
+    SimTime last;  ///< published again until the server receives its own message back
+  };
+  /// A vehicle that was handed over is shown again after this time: the handover has not succeeded.
+  static constexpr SimDuration comes_back_within{std::chrono::seconds{1}};
+
+  explicit Membership(SimTime first_received) : first_received_{first_received} {}
+
+  /// The vehicle leaves the table and the traffic; a vehicle of the same name may return.
+  void on_retired();
+  /// The server drives the vehicle from now on.
+  void on_accepted() { retired_ = false; }
+  /// The new owner has been published, for the first time or again.
+  /// @param now  not before the last publication (checked); the vehicle is not retired (checked)
+  void on_handed_over(SimTime now);
+  /// The vehicle still belongs to this server.
+  void on_handover_void() { handed_over_.reset(); }
+
+  [[nodiscard]] SimTime first_received() const { return first_received_; }
+  [[nodiscard]] bool retired() const { return retired_; }
+  [[nodiscard]] const std::optional<HandedOver>& handed_over() const { return handed_over_; }
+  /// A vehicle that is being handed over is not shown, so that no two control areas show the vehicle at once.
+  [[nodiscard]] bool hidden_by_handover(SimTime now) const {
+    return handed_over_ && now - handed_over_->first < comes_back_within;
+  }
+
+ private:
+  SimTime first_received_;
+  bool retired_{false};
+  std::optional<HandedOver> handed_over_;
+};
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,23 @@
+#include "cosiva/virtual/server/registry/message_counters.h"
+
+#include "cosiva/base/expect.h"
+
+namespace cosiva::virtual_side {
+
+void MessageCounters::on_missed(std::uint32_t missed) {
+  COSIVA_EXPECT(missed < missed_per_message_max);
+  missed_ += missed;
+  COSIVA_EXPECT(missed_ <= messages_ * missed_per_message_max);
+}
+
+void MessageCounters::on_refused() {
+  ++refused_;
+  COSIVA_EXPECT(refused_ <= messages_);
+}
+
+void MessageCounters::on_outdated() {
+  ++outdated_;
+  COSIVA_EXPECT(outdated_ <= messages_);
+}
+
+}  // namespace cosiva::virtual_side

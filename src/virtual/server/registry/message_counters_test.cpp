@@ -1,0 +1,39 @@
+#include "cosiva/virtual/server/registry/message_counters.h"
+
+#include <gtest/gtest.h>
+
+namespace cosiva::virtual_side {
+namespace {
+
+TEST(MessageCounters, count_each_kind_by_itself) {
+  MessageCounters counters;
+  for (int i = 0; i < 3; ++i) counters.on_message();
+  counters.on_missed(2);
+  counters.on_missed(5);
+  counters.on_refused();
+  counters.on_outdated();
+  counters.on_outdated();
+  EXPECT_EQ(counters.messages(), 3U);
+  EXPECT_EQ(counters.missed(), 7U);
+  EXPECT_EQ(counters.refused(), 1U);
+  EXPECT_EQ(counters.outdated(), 2U);
+}
+
+TEST(MessageCounters, count_a_refused_v2x_message_although_it_is_not_one_of_the_messages) {
+  MessageCounters counters;
+  counters.on_v2x_refused();
+  EXPECT_EQ(counters.messages(), 0U);
+  EXPECT_EQ(counters.refused(), 1U);
+}
+
+TEST(MessageCounters, refuse_to_count_more_than_the_messages_themselves) {
+  MessageCounters counters;
+  EXPECT_DEATH(counters.on_refused(), "refused_ <= messages_");
+  EXPECT_DEATH(counters.on_outdated(), "outdated_ <= messages_");
+  EXPECT_DEATH(counters.on_missed(1), "missed_ <= messages_");
+  counters.on_message();
+  EXPECT_DEATH(counters.on_missed(999), "missed < missed_per_message_max");
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,36 @@
+#include "cosiva/virtual/server/registry/operator_settings.h"
+
+#include <cmath>
+
+#include "cosiva/base/expect.h"
+#include "cosiva/zone/layout/traffic_zone.h"
+
+namespace cosiva::virtual_side {
+
+void OperatorSettings::set_priority(std::int32_t priority) {
+  COSIVA_EXPECT(priority >= 0 && priority <= zone::priority_max);
+  priority_ = priority;
+}
+
+void OperatorSettings::on_restart() {
+  paused_for_body_ = false;
+  no_orders_ = false;
+  speed_mps_max_.reset();
+}
+
+void OperatorSettings::on_limit(double speed_mps) {
+  COSIVA_EXPECT(speed_mps > 0.0 && std::isfinite(speed_mps));
+  speed_mps_max_ = speed_mps;
+}
+
+void OperatorSettings::on_body_in_path() {
+  COSIVA_EXPECT(!paused_for_body_);
+  paused_for_body_ = true;
+}
+
+void OperatorSettings::on_body_left() {
+  COSIVA_EXPECT(paused_for_body_);
+  paused_for_body_ = false;
+}
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+namespace cosiva::virtual_side {
+
+/// What operators, the zone and the server have set for a vehicle: its priority, its limit of speed, and whether it
+/// gets orders or is paused.
+///
+/// Invariant: the priority is one that a zone can give (0 to 999), a limit of speed is positive and finite, and a
+/// vehicle is paused for at most one virtual body at a time.
+class OperatorSettings {
+ public:
+  /// @param priority  from 0 to zone::priority_max (checked)
+  void set_priority(std::int32_t priority);
+
+  /// An operator has stopped the vehicle: from now on the operator, and not a virtual body, pauses the vehicle.
+  void on_stop() { paused_for_body_ = false; }
+  void on_restart();
+  /// An operator has cancelled the order: the vehicle gets no orders until it is restarted or given a mission.
+  void on_cancel() { no_orders_ = true; }
+  void on_mission() { no_orders_ = false; }
+  /// An operator has chosen a speed profile, which replaces a limit.
+  void on_profile() { speed_mps_max_.reset(); }
+  /// The vehicle has confirmed an individual limit of an operator.
+  /// @param speed_mps  positive and finite (checked)
+  void on_limit(double speed_mps);
+  /// The server pauses the vehicle for a virtual body that the vehicle cannot perceive; no other body paused it
+  /// (checked).
+  void on_body_in_path();
+  /// The server ends that pause (checked).
+  void on_body_left();
+  void on_retired() { paused_for_body_ = false; }
+
+  [[nodiscard]] std::int32_t priority() const { return priority_; }  ///< higher goes first at a crossing
+  [[nodiscard]] std::optional<double> speed_mps_max() const { return speed_mps_max_; }
+  [[nodiscard]] bool no_orders() const { return no_orders_; }
+  [[nodiscard]] bool paused_for_body() const { return paused_for_body_; }
+
+ private:
+  std::int32_t priority_{0};
+  std::optional<double> speed_mps_max_;
+  bool no_orders_{false};
+  bool paused_for_body_{false};
+};
+
+}  // namespace cosiva::virtual_side

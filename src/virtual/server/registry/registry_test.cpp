@@ -1,0 +1,74 @@
+#include "cosiva/virtual/server/registry/registry.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+namespace cosiva::virtual_side {
+namespace {
+
+std::uint32_t number_of(Registry& registry, const std::string& manufacturer, const std::string& serial) {
+  const auto index = registry.add({manufacturer, serial}, virtual_epoch);
+  EXPECT_TRUE(index) << serial;
+  return index ? registry[*index].identity.number() : 0;
+}
+
+TEST(Registry, finds_a_vehicle_by_its_name_and_by_each_of_its_topics) {
+  Registry registry{"uagv"};
+  ASSERT_TRUE(registry.add({"Acme", "A1"}, virtual_epoch));
+  const auto index = registry.add({"Acme", "A2"}, virtual_epoch);
+  ASSERT_TRUE(index);
+  EXPECT_EQ(registry.find("Acme/A2"), index);
+  std::set<VehicleTopic> found;
+  for (const std::string topic :
+       {"uagv/v2/Acme/A2/connection", "uagv/v2/Acme/A2/state", "uagv/v2/Acme/A2/visualization",
+        "uagv/v2/Acme/A2/factsheet", "cosiva/v1/virtual_obstacles_ack/Acme/A2", "cosiva/v1/detected_obstacle/Acme/A2",
+        "cosiva/v1/boards/Acme/A2"}) {
+    const auto address = registry.find_topic(topic);
+    ASSERT_TRUE(address) << topic;
+    EXPECT_EQ(address->vehicle, *index) << topic;
+    found.insert(address->topic);
+  }
+  EXPECT_EQ(found.size(), vehicle_topics);
+}
+
+TEST(Registry, finds_nothing_of_an_unknown_vehicle) {
+  Registry registry{"uagv"};
+  ASSERT_TRUE(registry.add({"Acme", "A1"}, virtual_epoch));
+  EXPECT_FALSE(registry.find("Acme/A2"));
+  EXPECT_FALSE(registry.find_topic("uagv/v2/Acme/A2/state"));
+  EXPECT_FALSE(registry.find_topic("uagv/v2/Acme/A1/order")) << "the server's own topic";
+}
+
+TEST(Registry, takes_the_display_number_from_the_end_of_the_serial_number) {
+  Registry registry{"uagv"};
+  EXPECT_EQ(number_of(registry, "Acme", "AIV12"), 12U);
+  EXPECT_EQ(number_of(registry, "Acme", "3-0045"), 45U);
+}
+
+TEST(Registry, gives_the_lowest_free_display_number_where_the_serial_number_has_none) {
+  Registry registry{"uagv"};
+  EXPECT_EQ(number_of(registry, "Acme", "AIV1"), 1U);
+  EXPECT_EQ(number_of(registry, "Acme", "one"), 2U);
+  EXPECT_EQ(number_of(registry, "Acme", "AIV0"), 3U) << "0 is no display number";
+  EXPECT_EQ(number_of(registry, "Other", "AIV1"), 4U) << "1 is taken";
+}
+
+TEST(Registry, accepts_a_limited_number_of_vehicles) {
+  Registry registry{"uagv"};
+  for (std::size_t i = 0; i < Registry::vehicles_max; ++i)
+    ASSERT_TRUE(registry.add({"Acme", "A" + std::to_string(i)}, virtual_epoch)) << i;
+  EXPECT_FALSE(registry.add({"Acme", "more"}, virtual_epoch));
+  EXPECT_EQ(registry.size(), Registry::vehicles_max);
+  EXPECT_FALSE(registry.find("Acme/more"));
+}
+
+TEST(Registry, refuses_to_register_a_vehicle_twice) {
+  Registry registry{"uagv"};
+  ASSERT_TRUE(registry.add({"Acme", "A1"}, virtual_epoch));
+  EXPECT_DEATH(registry.add({"Acme", "A1"}, virtual_epoch), "is_new");
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side
