@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <ctime>
 
+#include "cosiva/base/json_text.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/hmi/http_responses.h"
 #include "cosiva/hmi/page_calls.h"
