@@ -105,6 +105,18 @@ const Traces::Trace& Traces::at(std::uint64_t n) const {
 
 std::uint64_t Traces::oldest() const { return next_ - buffer_.size(); }
 
+void Traces::write_head(JsonWriter& json, std::uint64_t n, const Trace& trace) {
+  json.field("n", n)
+      .field("time_ms", unix_ms(trace.at))
+      .field("from", trace.from)
+      .field("to", trace.to)
+      .field("kind", trace.kind);
+}
+
+std::string Traces::content_of(const Trace& trace) {
+  return trace.is_position ? text_of(trace.pose, trace.speed_mps) : trace.content;
+}
+
 std::string Traces::to_json(std::uint64_t after, std::size_t limit) const {
   const std::uint64_t begin = std::clamp(after, oldest(), next_);
   const std::uint64_t end = begin + std::min<std::uint64_t>(next_ - begin, limit);
@@ -112,14 +124,8 @@ std::string Traces::to_json(std::uint64_t after, std::size_t limit) const {
   json.begin_object().field("next", end).field("oldest", oldest()).key("traces").begin_array();
   for (std::uint64_t n = begin; n < end; ++n) {
     const Trace& trace = at(n);
-    json.begin_object()
-        .field("n", n)
-        .field("time_ms", unix_ms(trace.at))
-        .field("from", trace.from)
-        .field("to", trace.to)
-        .field("kind", trace.kind)
-        .field("content", trace.is_position ? text_of(trace.pose, trace.speed_mps) : trace.content)
-        .end_object();
+    write_head(json.begin_object(), n, trace);
+    json.field("content", content_of(trace)).end_object();
   }
   json.end_array().end_object();
   return json.take();
@@ -130,15 +136,8 @@ std::optional<std::string> Traces::one_json(std::uint64_t n) const {
   const Trace& trace = at(n);
   const auto raw = raw_of(trace);
   JsonWriter json;
-  json.begin_object()
-      .field("n", n)
-      .field("time_ms", unix_ms(trace.at))
-      .field("from", trace.from)
-      .field("to", trace.to)
-      .field("kind", trace.kind)
-      .field("topic", trace.topic)
-      .field("content", trace.is_position ? text_of(trace.pose, trace.speed_mps) : trace.content)
-      .key("raw");
+  write_head(json.begin_object(), n, trace);
+  json.field("topic", trace.topic).field("content", content_of(trace)).key("raw");
   raw ? json.value(*raw) : json.null();
   json.end_object();
   return json.take();
