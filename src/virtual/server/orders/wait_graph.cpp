@@ -28,11 +28,6 @@ void WaitGraph::sort_waits() {
   for (std::size_t i = 0; i < count_; ++i) first_[i + 1] += first_[i];
 }
 
-std::span<const Wait> WaitGraph::waits_of(VehicleIndex waiter) const {
-  if (waiter + std::size_t{1} >= first_.size()) return {};
-  return std::span{waits_}.subspan(first_[waiter], first_[waiter + 1] - first_[waiter]);
-}
-
 const std::vector<Knot>& WaitGraph::find_knots() {
   knots_.clear();
   sort_waits();
