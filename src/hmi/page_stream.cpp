@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <ctime>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/base/json_text.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/hmi/http_responses.h"
@@ -113,6 +114,7 @@ void PageStream::send_snapshot() {
 }
 
 void PageStream::send_positions() {
+  COSIVA_EXPECT(!idle_);
   const SimTime now = source_.now();
   source_.positions(now, records_);
   const double time_ms = std::chrono::duration<double, std::milli>(now.time_since_epoch()).count();
