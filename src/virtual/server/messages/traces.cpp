@@ -20,8 +20,6 @@ std::string_view cut(std::string_view text, std::size_t bytes_max) {
 
 double rounded(double value) { return std::nearbyint(value * 1000.0) / 1000.0; }
 
-double unix_ms(SimTime at) { return static_cast<double>(at.time_since_epoch().count()) * 1e-6; }
-
 std::string text_of(const Pose2& pose, double speed_mps) {
   JsonWriter json;
   json.begin_object()
@@ -107,7 +105,7 @@ std::uint64_t Traces::oldest() const { return next_ - buffer_.size(); }
 
 void Traces::write_head(JsonWriter& json, std::uint64_t n, const Trace& trace) {
   json.field("n", n)
-      .field("time_ms", unix_ms(trace.at))
+      .field("time_ms", to_milliseconds_scaled(trace.at))
       .field("from", trace.from)
       .field("to", trace.to)
       .field("kind", trace.kind);
