@@ -11,10 +11,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
-#include <mutex>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "cosiva/experiments/runs/world/test_disturbance.h"
@@ -26,74 +23,28 @@ namespace {
 using namespace cosiva;
 using experiments::testing::DeadlockMetrics;
 
-struct Plan {
-  zone::ZoneConfiguration zone;
-  std::uint64_t seeds{2};
-  std::uint32_t aivs{12};
+struct Plan : soak::Plan {
   double minutes{3.0};
-  double loss{0.05};
-  std::uint64_t first_seed{1};
-  unsigned workers{2};
-  bool convoys{true};
 };
 
-struct Outcome {
-  std::uint64_t seed{};
-  std::size_t collisions{};
-  double distance_m{};
-  double slowest_m{};
-  DeadlockMetrics deadlocks;
-  std::string digest;
-  std::string failure;
+struct Outcome : soak::Outcome {
   std::vector<std::string> reported;  ///< by the server, about deadlocks
 };
-
-void fail_with(Outcome& outcome, const std::string& why) {
-  outcome.failure += (outcome.failure.empty() ? "" : ", ") + why;
-}
-
-std::vector<double> driven_m(const experiments::World& world) {
-  std::vector<double> driven;
-  for (const auto& vehicle : world.plant().vehicles()) driven.push_back(vehicle.distance_m);
-  return driven;
-}
 
 /// All disturbances are removed: every vehicle drives on.
 void sync_time(experiments::World& world, Outcome& outcome) {
   world.run_for(std::chrono::seconds{15});
-  const auto before_m = driven_m(world);
+  const auto before_m = soak::driven_m(world);
   world.run_for(std::chrono::seconds{60});
-  const auto after_m = driven_m(world);
+  const auto after_m = soak::driven_m(world);
   for (std::size_t v = 0; v < after_m.size(); ++v)
-    if (after_m[v] - before_m[v] < 1.0) fail_with(outcome, "AIV" + std::to_string(v + 1) + " does not drive on");
-}
-
-void evaluate(const experiments::World& world, Outcome& outcome) {
-  outcome.digest = world.digest().hex();
-  for (const auto& collision : world.plant().collisions())
-    outcome.reported.push_back("collision of " + collision.a + " and " + collision.b + " at " +
-                               to_iso8601(collision.at));
-  outcome.collisions = world.plant().collisions().size();
-  if (outcome.collisions > 0) fail_with(outcome, std::to_string(outcome.collisions) + " collisions");
-  outcome.deadlocks = experiments::testing::deadlock_metrics(world);
-  if (outcome.deadlocks.open > 0.0) fail_with(outcome, "a deadlock is not resolved");
-  const auto all_m = driven_m(world);
-  outcome.slowest_m = *std::ranges::min_element(all_m);
-  for (const double m : all_m) outcome.distance_m += m;
-  for (const std::string& line : world.log())
-    if (line.find("deadlock ") != std::string::npos) outcome.reported.push_back(line);
+    if (after_m[v] - before_m[v] < 1.0) outcome.fail("AIV" + std::to_string(v + 1) + " does not drive on");
 }
 
 Outcome run(const Plan& plan, std::uint64_t seed) {
   Outcome outcome;
   outcome.seed = seed;
-  experiments::WorldOptions options;
-  options.zone = plan.zone;
-  options.aivs = plan.aivs;
-  options.seed = seed;
-  options.network.loss = plan.loss;
-  options.server.convoys = plan.convoys;
-  auto world = experiments::World::make(std::move(options));
+  auto world = soak::make_world(plan, seed);
   if (!world) {
     outcome.failure = to_string(world.error());
     return outcome;
@@ -102,7 +53,12 @@ Outcome run(const Plan& plan, std::uint64_t seed) {
   for (double s = 0.0; s < plan.minutes * 60.0; s += 1.0) disturbance.second();
   disturbance.end();
   sync_time(**world, outcome);
-  evaluate(**world, outcome);
+  outcome.evaluate(**world);
+  for (const auto& collision : (*world)->plant().collisions())
+    outcome.reported.push_back("collision of " + collision.a + " and " + collision.b + " at " +
+                               to_iso8601(collision.at));
+  for (const std::string& line : (*world)->log())
+    if (line.find("deadlock ") != std::string::npos) outcome.reported.push_back(line);
   return outcome;
 }
 
@@ -115,18 +71,6 @@ void print_line(const Outcome& o, std::size_t done, const Plan& plan) {
       static_cast<unsigned long long>(plan.seeds), o.failure.empty() ? "" : "  FAILED: ", o.failure.c_str());
   for (const std::string& line : o.reported) std::printf("  %s\n", line.c_str());
   std::fflush(stdout);
-}
-
-std::vector<Outcome> run_all(const Plan& plan) {
-  std::vector<Outcome> outcomes(plan.seeds);
-  std::size_t done = 0;
-  std::mutex print;
-  soak::each(plan.seeds, plan.workers, [&](std::uint64_t i) {
-    outcomes[i] = run(plan, plan.first_seed + i);
-    const std::scoped_lock lock{print};
-    print_line(outcomes[i], ++done, plan);
-  });
-  return outcomes;
 }
 
 int summarise(const Plan& plan, const std::vector<Outcome>& outcomes, double took_s) {
@@ -163,20 +107,24 @@ int main(int argc, char** argv) {
   }
   Plan plan;
   plan.zone = soak::toml_zone(argv[1]);
+  plan.seeds = 2;
+  plan.loss = 0.05;
   if (soak::wanted_whole()) {
     plan.seeds = 100;
     plan.minutes = 30.0;
   }
-  if (argc > 2) plan.seeds = std::strtoull(argv[2], nullptr, 10);
-  if (argc > 3) plan.aivs = static_cast<std::uint32_t>(std::strtoul(argv[3], nullptr, 10));
-  if (argc > 4) plan.minutes = std::strtod(argv[4], nullptr);
-  if (argc > 5) plan.loss = std::strtod(argv[5], nullptr);
-  if (argc > 6) plan.first_seed = std::strtoull(argv[6], nullptr, 10);
-  if (argc > 7) plan.workers = static_cast<unsigned>(std::strtoul(argv[7], nullptr, 10));
-  if (argc > 8) plan.convoys = std::string_view{argv[8]} != "off";
+  soak::Arguments arguments{argc, argv, 2};
+  arguments.take(plan.seeds);
+  arguments.take(plan.aivs);
+  arguments.take(plan.minutes);
+  arguments.take(plan.loss);
+  arguments.take(plan.first_seed);
+  arguments.take(plan.workers);
+  arguments.take(plan.convoys);
 
-  const auto started = std::chrono::steady_clock::now();
-  const std::vector<Outcome> outcomes = run_all(plan);
-  const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-  return summarise(plan, outcomes, took_s);
+  const soak::Stopwatch stopwatch;
+  const auto outcomes = soak::run_all(
+      plan, [&](std::uint64_t seed) { return run(plan, seed); },
+      [&](const Outcome& outcome, std::size_t done) { print_line(outcome, done, plan); });
+  return summarise(plan, outcomes, stopwatch.seconds());
 }

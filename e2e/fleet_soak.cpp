@@ -9,15 +9,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
-#include <mutex>
 #include <string>
-#include <string_view>
 #include <thread>
-#include <vector>
 
 #include "cosiva/base/json_value.h"
-#include "cosiva/experiments/runs/world/test_disturbance.h"
+#include "cosiva/base/json_writer.h"
 #include "cosiva/experiments/runs/world/world.h"
 #include "e2e/soak.h"
 
@@ -25,27 +21,13 @@ namespace {
 
 using namespace cosiva;
 
-struct Plan {
-  zone::ZoneConfiguration zone;
-  std::uint64_t seeds{50};
-  std::uint32_t aivs{12};
+struct Plan : soak::Plan {
   double minutes{10.0};
-  double loss{0.02};
-  std::uint64_t first_seed{1};
-  bool convoys{true};
-  unsigned workers{std::max(1U, std::thread::hardware_concurrency())};
 };
 
-struct Outcome {
-  std::uint64_t seed{};
-  std::size_t collisions{};
+struct Outcome : soak::Outcome {
   double longest_wait_s{};
-  double distance_m{};
-  double slowest_m{};
   double matched_ratio{};
-  experiments::testing::DeadlockMetrics deadlocks;
-  std::string digest;
-  std::string failure;
 };
 
 constexpr double longest_wait_allowed_s = 60.0;
@@ -67,13 +49,7 @@ void add_what_is_only_virtual(experiments::World& world) {
 Outcome run(const Plan& plan, std::uint64_t seed) {
   Outcome outcome;
   outcome.seed = seed;
-  experiments::WorldOptions options;
-  options.zone = plan.zone;
-  options.aivs = plan.aivs;
-  options.seed = seed;
-  options.network.loss = plan.loss;
-  options.server.convoys = plan.convoys;
-  auto world = experiments::World::make(std::move(options));
+  auto world = soak::make_world(plan, seed);
   if (!world) {
     outcome.failure = to_string(world.error());
     return outcome;
@@ -81,46 +57,26 @@ Outcome run(const Plan& plan, std::uint64_t seed) {
   const SimTime end = (*world)->now() + from_seconds(plan.minutes * 60.0);
   if (seed % 2 == 0) add_what_is_only_virtual(**world);
   (*world)->run_for(end - (*world)->now());
-  outcome.digest = (*world)->digest().hex();
-  outcome.collisions = (*world)->plant().collisions().size();
+  outcome.evaluate(**world);
   const auto summary = JsonValue::parse((*world)->plant().summary_json());
   outcome.longest_wait_s = summary ? summary->number("longest_wait_s").value_or(1e9) : 1e9;
   JsonWriter json;
   (*world)->server().write_bijection(json);
   const auto bijection = JsonValue::parse(json.text());
   outcome.matched_ratio = bijection ? bijection->number("matched_ratio").value_or(0.0) : 0.0;
-  outcome.slowest_m = 1e9;
-  for (const auto& vehicle : (*world)->plant().vehicles()) {
-    outcome.distance_m += vehicle.distance_m;
-    outcome.slowest_m = std::min(outcome.slowest_m, vehicle.distance_m);
-  }
-  outcome.deadlocks = experiments::testing::deadlock_metrics(**world);
-  if (outcome.deadlocks.open > 0.0) outcome.failure = "a deadlock is not resolved; ";
-  if (outcome.collisions != 0) outcome.failure += std::to_string(outcome.collisions) + " collisions";
-  if (outcome.longest_wait_s > longest_wait_allowed_s) {
-    outcome.failure += (outcome.failure.empty() ? "" : ", ") + std::string("a vehicle waited ") +
-                       std::to_string(outcome.longest_wait_s) + " s";
-  }
+  if (outcome.longest_wait_s > longest_wait_allowed_s)
+    outcome.fail("a vehicle waited " + std::to_string(outcome.longest_wait_s) + " s");
   return outcome;
 }
 
-std::vector<Outcome> run_all(const Plan& plan) {
-  std::vector<Outcome> outcomes(plan.seeds);
-  std::mutex print;
-  soak::each(plan.seeds, plan.workers, [&](std::uint64_t i) {
-    outcomes[i] = run(plan, plan.first_seed + i);
-    const std::scoped_lock lock{print};
-    const Outcome& o = outcomes[i];
-    std::printf(
-        "seed %llu: %.0f m driven (slowest %.0f m), longest wait %.1f s, %.0f deadlocks, %.0f resolved, matched "
-        "%.4f, "
-        "digest %s%s%s\n",
-        static_cast<unsigned long long>(o.seed), o.distance_m, o.slowest_m, o.longest_wait_s, o.deadlocks.detected,
-        o.deadlocks.resolved, o.matched_ratio, o.digest.c_str(),
-        o.failure.empty() ? "" : "  FAILED: ", o.failure.c_str());
-    std::fflush(stdout);
-  });
-  return outcomes;
+void print_line(const Outcome& o) {
+  std::printf(
+      "seed %llu: %.0f m driven (slowest %.0f m), longest wait %.1f s, %.0f deadlocks, %.0f resolved, matched %.4f, "
+      "digest %s%s%s\n",
+      static_cast<unsigned long long>(o.seed), o.distance_m, o.slowest_m, o.longest_wait_s, o.deadlocks.detected,
+      o.deadlocks.resolved, o.matched_ratio, o.digest.c_str(),
+      o.failure.empty() ? "" : "  FAILED: ", o.failure.c_str());
+  std::fflush(stdout);
 }
 
 }  // namespace
@@ -133,18 +89,24 @@ int main(int argc, char** argv) {
   }
   Plan plan;
   plan.zone = soak::toml_zone(argv[1]);
-  if (argc > 2) plan.seeds = std::strtoull(argv[2], nullptr, 10);
+  plan.seeds = 50;
+  plan.loss = 0.02;
+  plan.workers = std::max(1U, std::thread::hardware_concurrency());
+  soak::Arguments arguments{argc, argv, 2};
+  arguments.take(plan.seeds);
   if (soak::wanted_whole()) plan.seeds = 50;
-  if (argc > 3) plan.aivs = static_cast<std::uint32_t>(std::strtoul(argv[3], nullptr, 10));
-  if (argc > 4) plan.minutes = std::strtod(argv[4], nullptr);
-  if (argc > 5) plan.loss = std::strtod(argv[5], nullptr);
-  if (argc > 6) plan.first_seed = std::strtoull(argv[6], nullptr, 10);
-  if (argc > 7) plan.convoys = std::string_view{argv[7]} != "off";
-  if (argc > 8) plan.workers = static_cast<unsigned>(std::strtoul(argv[8], nullptr, 10));
+  arguments.take(plan.aivs);
+  arguments.take(plan.minutes);
+  arguments.take(plan.loss);
+  arguments.take(plan.first_seed);
+  arguments.take(plan.convoys);
+  arguments.take(plan.workers);
 
-  const auto started = std::chrono::steady_clock::now();
-  const std::vector<Outcome> outcomes = run_all(plan);
-  const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  const soak::Stopwatch stopwatch;
+  const auto outcomes = soak::run_all(
+      plan, [&](std::uint64_t seed) { return run(plan, seed); },
+      [](const Outcome& outcome, std::size_t) { print_line(outcome); });
+  const double took_s = stopwatch.seconds();
   std::size_t failed = 0;
   std::size_t collisions = 0;
   double longest_wait_s = 0.0;

@@ -7,8 +7,8 @@
 // collision, every vehicle goes on, every real twin stays matched. Prints what was sent and the run's digest; exit 1
 // when a condition was violated.
 
+#include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 #include <utility>
 #include <vector>
@@ -84,18 +84,20 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: hostile_messages ZONE.toml CORPUS_DIR [messages] [seed]\n");
     return 2;
   }
-  const std::uint64_t messages = argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1'000'000;
-  const std::uint64_t seed = argc > 4 ? std::strtoull(argv[4], nullptr, 10) : 1;
+  std::uint64_t messages = 1'000'000;
+  std::uint64_t seed = 1;
+  soak::Arguments arguments{argc, argv, 3};
+  arguments.take(messages);
+  arguments.take(seed);
   auto corpus = fuzz::read_corpus(argv[2]);
   if (corpus.empty()) {
     std::fprintf(stderr, "hostile_messages: no corpus in %s\n", argv[2]);
     return 2;
   }
-  experiments::WorldOptions options;
-  options.zone = soak::toml_zone(argv[1]);
-  options.aivs = aivs;
-  options.seed = seed;
-  auto world = experiments::World::make(std::move(options));
+  soak::Plan plan;
+  plan.zone = soak::toml_zone(argv[1]);
+  plan.aivs = aivs;
+  auto world = soak::make_world(plan, seed);
   if (!world) {
     std::fprintf(stderr, "hostile_messages: %s\n", to_string(world.error()).c_str());
     return 2;
@@ -113,8 +115,7 @@ int main(int argc, char** argv) {
     if (true_twins(**world) == aivs) ++steps_matched;
   }
 
-  double slowest_m = 1e9;
-  for (const auto& vehicle : (*world)->plant().vehicles()) slowest_m = std::min(slowest_m, vehicle.distance_m);
+  const double slowest_m = std::ranges::min(soak::driven_m(**world));
   const double seconds = to_seconds((*world)->now() - virtual_epoch);
   std::printf(
       "%llu hostile messages in %.0f s: %zu collisions, slowest vehicle drove %.1f m, real twins correct in %zu of %zu "

@@ -10,8 +10,6 @@
 
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -27,14 +25,9 @@ namespace {
 using namespace cosiva;
 using namespace std::chrono_literals;
 
-struct Plan {
-  std::vector<zone::ZoneConfiguration> zones;  ///< in turn
-  std::uint64_t seeds{12};
-  std::uint32_t aivs{12};
+struct Plan : soak::Plan {  ///< begins in `zone`
+  zone::ZoneConfiguration other;
   std::uint32_t switches{10};
-  double loss{0.0};
-  std::uint64_t first_seed{1};
-  unsigned workers{2};
 };
 
 void switch_to(experiments::World& world, const zone::ZoneConfiguration& zone) {
@@ -55,8 +48,7 @@ std::string collisions_of(const experiments::World& world) {
 /// The vehicles that are stopped after a minute without further switches, and are not off-route.
 std::string left_stopped(experiments::World& world) {
   world.run_for(60s);
-  std::vector<double> before_m;
-  for (const auto& vehicle : world.plant().vehicles()) before_m.push_back(vehicle.distance_m);
+  const auto before_m = soak::driven_m(world);
   world.run_for(60s);
   std::string text;
   const auto shot = JsonValue::parse(world.server().snapshot_json(), std::size_t{1} << 24U);
@@ -69,32 +61,28 @@ std::string left_stopped(experiments::World& world) {
 }
 
 struct Outcome {
-  std::string wrong;  ///< empty: no failure
+  std::uint64_t seed{};
+  std::string failure;
   std::uint64_t digest{};
 };
 
 Outcome run(const Plan& plan, std::uint64_t seed) {
-  experiments::WorldOptions options;
-  options.zone = plan.zones[0];
-  options.aivs = plan.aivs;
-  options.seed = seed;
-  options.network.loss = plan.loss;
-  auto made = experiments::World::make(std::move(options));
-  if (!made) return {to_string(made.error()), 0};
+  auto made = soak::make_world(plan, seed);
+  if (!made) return {seed, to_string(made.error()), 0};
   experiments::World& world = **made;
   Random moments{seed, "switches"};
   world.run_for(from_seconds(moments.uniform(5.0, 15.0)));
   for (std::uint32_t i = 0; i < plan.switches; ++i) {
     world.command_server(R"({"command":"slow","vehicle":"CoSiVA/AIV)" + std::to_string(1 + i % plan.aivs) + R"("})");
-    switch_to(world, plan.zones[(i + 1) % plan.zones.size()]);
+    switch_to(world, i % 2 == 0 ? plan.other : plan.zone);
     world.run_for(500ms);
     world.command_server(R"({"command":"restart","vehicle":"*"})");
     world.run_for(from_seconds(moments.uniform(0.5, 9.5)));
     if (!world.plant().collisions().empty())
-      return {"after switch " + std::to_string(i + 1) + collisions_of(world), world.digest().value()};
+      return {seed, "after switch " + std::to_string(i + 1) + collisions_of(world), world.digest().value()};
   }
   const std::string stopped = left_stopped(world);
-  return {collisions_of(world) + stopped, world.digest().value()};
+  return {seed, collisions_of(world) + stopped, world.digest().value()};
 }
 
 }  // namespace
@@ -106,30 +94,30 @@ int main(int argc, char** argv) {
     return 2;
   }
   Plan plan;
-  plan.zones = {soak::toml_zone(argv[1]), soak::toml_zone(argv[2])};
-  if (soak::wanted_whole()) plan.seeds = 400;
-  if (argc > 3) plan.seeds = std::strtoull(argv[3], nullptr, 10);
-  if (argc > 4) plan.aivs = static_cast<std::uint32_t>(std::strtoul(argv[4], nullptr, 10));
-  if (argc > 5) plan.switches = static_cast<std::uint32_t>(std::strtoul(argv[5], nullptr, 10));
-  if (argc > 6) plan.loss = std::strtod(argv[6], nullptr);
-  if (argc > 7) plan.first_seed = std::strtoull(argv[7], nullptr, 10);
-  if (argc > 8) plan.workers = static_cast<unsigned>(std::strtoul(argv[8], nullptr, 10));
+  plan.zone = soak::toml_zone(argv[1]);
+  plan.other = soak::toml_zone(argv[2]);
+  plan.seeds = soak::wanted_whole() ? 400 : 12;
+  soak::Arguments arguments{argc, argv, 3};
+  arguments.take(plan.seeds);
+  arguments.take(plan.aivs);
+  arguments.take(plan.switches);
+  arguments.take(plan.loss);
+  arguments.take(plan.first_seed);
+  arguments.take(plan.workers);
 
+  const auto outcomes = soak::run_all(
+      plan, [&](std::uint64_t seed) { return run(plan, seed); },
+      [](const Outcome& outcome, std::size_t) {
+        if (outcome.failure.empty()) return;
+        std::printf("seed %llu: %s\n", static_cast<unsigned long long>(outcome.seed), outcome.failure.c_str());
+        std::fflush(stdout);
+      });
   std::uint64_t failed = 0;
-  std::vector<std::uint64_t> digests(plan.seeds);
-  std::mutex print;
-  soak::each(plan.seeds, plan.workers, [&](std::uint64_t i) {
-    const std::uint64_t seed = plan.first_seed + i;
-    const Outcome outcome = run(plan, seed);
-    digests[i] = outcome.digest;
-    if (outcome.wrong.empty()) return;
-    const std::scoped_lock lock{print};
-    ++failed;
-    std::printf("seed %llu: %s\n", static_cast<unsigned long long>(seed), outcome.wrong.c_str());
-    std::fflush(stdout);
-  });
   Digest all;
-  for (const std::uint64_t digest : digests) all.add(digest);
+  for (const Outcome& outcome : outcomes) {
+    failed += outcome.failure.empty() ? 0U : 1U;
+    all.add(outcome.digest);
+  }
   std::printf("%llu seeds x %u AIVs x %u switches, %.0f %% loss: %llu failed, digest %s\n",
               static_cast<unsigned long long>(plan.seeds), plan.aivs, plan.switches, plan.loss * 100.0,
               static_cast<unsigned long long>(failed), all.hex().c_str());

@@ -10,10 +10,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,27 +22,20 @@
 #include "cosiva/experiments/runs/world/world.h"
 #include "cosiva/zone/routing/route.h"
 #include "cosiva/zone/rtm/rtm.h"
+#include "e2e/soak.h"
 
 namespace {
 
 using namespace cosiva;
 using namespace std::chrono_literals;
 
-std::optional<std::string> text_of(const std::string& file) {
-  std::ifstream in{file, std::ios::binary};
-  if (!in) return std::nullopt;
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
 Result<zone::ZoneConfiguration> load(const std::string& file) {
   auto format = zone::format_of_file(file);
   if (!format) return tl::unexpected(format.error());
-  auto text = text_of(file);
+  auto text = soak::text_of(file);
   if (!text) return fail("zone.missing", "there is no such file", file);
   zone::ZoneConfiguration configuration{std::move(*format), file, std::move(*text), {}};
-  if (const auto sidecar = zone::sidecar_of_file(file)) configuration.sidecar = text_of(*sidecar).value_or("");
+  if (const auto sidecar = zone::sidecar_of_file(file)) configuration.sidecar = soak::text_of(*sidecar).value_or("");
   return configuration;
 }
 

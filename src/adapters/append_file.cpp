@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "cosiva/adapters/disk_writer.h"
+#include "cosiva/base/expect.h"
 
 namespace cosiva::adapters {
 
@@ -24,6 +25,8 @@ Result<std::unique_ptr<AppendFile>> AppendFile::open(const std::string& path) {
   if (errno == EWOULDBLOCK) return fail("file.taken", "another process is writing it", path);
   return file;  // a file system without locks
 }
+
+AppendFile::AppendFile(std::string path, int fd) : path_{std::move(path)}, fd_{fd} { COSIVA_EXPECT(fd_ >= 0); }
 
 AppendFile::~AppendFile() { ::close(fd_); }
 

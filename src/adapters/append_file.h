@@ -10,6 +10,8 @@ namespace cosiva::adapters {
 
 /// A file that only grows and has one writer process at a time. Bytes given to append() are in the file even when the
 /// process is killed.
+///
+/// Invariant: the file is open for appending.
 class AppendFile {
  public:
   /// Opens the file, and creates it and its folder where missing. Fails ("file.write"), and ("file.taken") where
@@ -25,7 +27,7 @@ class AppendFile {
   [[nodiscard]] Result<void> append(std::string_view bytes);
 
  private:
-  AppendFile(std::string path, int fd) : path_{std::move(path)}, fd_{fd} {}
+  AppendFile(std::string path, int fd);
   [[nodiscard]] tl::unexpected<Error> refuse(int error) const;
 
   std::string path_;

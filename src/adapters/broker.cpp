@@ -12,6 +12,8 @@
 #include <filesystem>
 #include <string_view>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::adapters {
 namespace {
 
@@ -121,6 +123,7 @@ PrivateBroker::~PrivateBroker() {
 }
 
 Result<void> PrivateBroker::launch() {
+  COSIVA_EXPECT(port_ != 0);
   ChildOptions child;
   child.argv = {options_.program, "-c", configuration_path()};
   child.log_file = options_.log_file;

@@ -19,6 +19,8 @@ struct BrokerOptions {
 
 /// A private mosquitto on 127.0.0.1: not reachable from other machines, and without state that outlives it. Queues are
 /// unlimited, because a stalled reader must not lose messages unnoticed, and Nagle is off at both ends.
+///
+/// Invariant: the broker is launched on one port, chosen before.
 class PrivateBroker {
  public:
   /// Starts the broker on a free port and waits until it accepts. Fails ("broker.missing", "broker.start").

@@ -18,6 +18,8 @@
 #include <istream>
 #include <utility>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::adapters {
 
 namespace asio = boost::asio;
@@ -93,6 +95,7 @@ struct Child::Impl : std::enable_shared_from_this<Child::Impl> {
         grace{loop_} {}
 
   Result<void> start() {
+    COSIVA_EXPECT(!options.argv.empty() && pid < 0);
     const std::string& program = options.argv.front();
     Pipe lines;
     Pipe failure;

@@ -30,6 +30,8 @@ struct ChildOptions {
 
 /// A child process. The child has its own process group, so that Ctrl-C in the terminal reaches only the parent, which
 /// then ends the child in order, and gets SIGTERM when the parent dies without ending it (PR_SET_PDEATHSIG).
+///
+/// Invariant: a process is started once, and its number is known exactly until the process has been reaped.
 class Child {
  public:
   /// Fails ("child.start") when the program cannot be run.

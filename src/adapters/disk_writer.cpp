@@ -9,6 +9,8 @@
 #include <thread>
 #include <utility>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::adapters {
 
 int write_all(int fd, std::string_view bytes) {
@@ -39,6 +41,7 @@ struct DiskWriter::Impl : std::enable_shared_from_this<Impl> {
     for (;;) {
       changed.wait(lock, [this] { return ends || !waiting.empty(); });
       if (waiting.empty()) return;
+      COSIVA_EXPECT(!failed && waiting.size() <= behind_max);
       const std::string batch = std::exchange(waiting, {});
       writing = true;
       lock.unlock();

@@ -16,6 +16,8 @@ namespace cosiva::adapters {
 
 /// Writes a loop's bytes to a disk from a separate thread: a disk that is slow, or stalls for a second while it cleans
 /// up or another program fills it, then delays the file and nothing else.
+///
+/// Invariant: at most behind_max bytes wait, and none after a failure.
 class DiskWriter {
  public:
   using Write = std::function<Result<void>(std::string_view bytes)>;

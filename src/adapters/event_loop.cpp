@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::adapters {
 
 namespace asio = boost::asio;
@@ -82,6 +84,7 @@ struct Timer::Impl : std::enable_shared_from_this<Timer::Impl> {
   explicit Impl(asio::io_context& context) : timer{context} {}
 
   void arm() {
+    COSIVA_EXPECT(action != nullptr);
     // The set number distinguishes a wait that was replaced after its handler had been queued from the valid one.
     timer.async_wait([self = shared_from_this(), mine = set](const boost::system::error_code& error) {
       if (!error && mine == self->set) self->fire();

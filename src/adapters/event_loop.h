@@ -40,6 +40,8 @@ class EventLoop {
 };
 
 /// A timer of the loop. Setting it again replaces the earlier action; destroying it cancels the action.
+///
+/// Invariant: while the timer waits it has an action to call.
 class Timer {
  public:
   explicit Timer(EventLoop& loop);

@@ -10,6 +10,8 @@
 #include <filesystem>
 #include <utility>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::adapters {
 namespace {
 
@@ -88,6 +90,7 @@ void JournalFile::append(std::string_view bytes) {
   if (writer_.broken()) return;
   buffer_ += bytes;
   if (buffer_.size() >= flush_bytes) hand_on();
+  COSIVA_EXPECT(buffer_.size() < flush_bytes);
 }
 
 void JournalFile::hand_on() {

@@ -26,6 +26,8 @@ namespace cosiva::adapters {
 /// The file of a journal's bytes, which are handed to the writer at most 100 ms after append(), and are in the file at
 /// the end. When the disk is full, or too slow to keep up, the journal stops with one clear error, and the recorded
 /// program goes on.
+///
+/// Invariant: between calls less than one batch of bytes waits to be handed to the writer.
 class JournalFile {
  public:
   /// Fails ("journal.open"). `on_error` is called from the loop.

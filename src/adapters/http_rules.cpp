@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "cosiva/adapters/files.h"
+#include "cosiva/base/expect.h"
 
 namespace cosiva::adapters::http_rules {
 namespace {
@@ -99,6 +100,7 @@ bool RateLimit::take(Time now) {
   at_ = now;
   if (left_ < 1.0) return false;
   left_ -= 1.0;
+  COSIVA_EXPECT(left_ >= 0.0 && left_ <= burst_);
   return true;
 }
 

@@ -34,6 +34,8 @@ namespace cosiva::adapters::http_rules {
 [[nodiscard]] bool is_json(std::string_view content_type);
 
 /// Permits this many requests a second, and a burst after a pause. The time is a parameter, so that it can be tested.
+///
+/// Invariant: never more than one burst is left, and never less than nothing.
 class RateLimit {
  public:
   using Time = std::chrono::steady_clock::time_point;

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "cosiva/adapters/http_rules.h"
+#include "cosiva/base/expect.h"
 #include "cosiva/base/json_writer.h"
 
 namespace cosiva::adapters {
@@ -71,6 +72,7 @@ HttpResponse http_error(unsigned status, std::string_view code, std::string_view
 class HttpSession;
 class LiveSession;
 
+/// Invariant: at most clients_max sessions are open, and none is accepted after close().
 struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
   Impl(EventLoop& loop, HttpOptions options_, Handler api_)
       : acceptor{loop.context()}, options{std::move(options_)}, api{std::move(api_)} {}
@@ -98,6 +100,9 @@ using Shared = std::shared_ptr<HttpServer::Impl>;
 
 // --- one WebSocket --------------------------------------------------------------------------------------------------
 
+/// The live stream to one page.
+///
+/// Invariant: at most one write is in progress, and `writing_` holds its bytes.
 class LiveSession : public std::enable_shared_from_this<LiveSession> {
  public:
   LiveSession(Shared server, tcp::socket socket) : server_{std::move(server)}, socket_{std::move(socket)} {}
@@ -155,6 +160,7 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
     socket_.binary(due->binary);
     writing_ = std::exchange(due->bytes, nullptr);
     socket_.async_write(asio::buffer(*writing_), [self = shared_from_this()](const ErrorCode& error, std::size_t) {
+      COSIVA_EXPECT(self->writing_ != nullptr);
       self->writing_ = nullptr;
       if (error) return self->close();
       self->write();
@@ -171,6 +177,9 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
 
 // --- one HTTP connection --------------------------------------------------------------------------------------------
 
+/// Reads one request after the other from a connection and writes their responses.
+///
+/// Invariant: the session is counted among the server's large bodies exactly while `large_` is set.
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
   HttpSession(Shared server, tcp::socket socket)
@@ -248,7 +257,9 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   }
 
   void end_large() {
-    if (std::exchange(large_, false)) --server_->large_bodies;
+    if (!std::exchange(large_, false)) return;
+    COSIVA_EXPECT(server_->large_bodies > 0);
+    --server_->large_bodies;
   }
 
   [[nodiscard]] std::optional<HttpResponse> refuse_upgrade(const Request& request) const {
@@ -344,6 +355,7 @@ void HttpServer::Impl::accept() {
     // Out of descriptors, or too many clients: the new connection is dropped, the present ones stay served.
     if (!error && self->sessions.size() < self->options.clients_max)
       std::make_shared<HttpSession>(self, std::move(socket))->start();
+    COSIVA_EXPECT(self->sessions.size() <= self->options.clients_max);
     self->accept();
   });
 }

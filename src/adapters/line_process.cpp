@@ -12,6 +12,8 @@
 #include <cstring>
 #include <thread>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::adapters {
 namespace {
 
@@ -81,6 +83,7 @@ tl::unexpected<Error> LineProcess::ended() {
 
 Result<void> LineProcess::exchange(bool until_line, std::chrono::milliseconds timeout) {
   if (pid_ < 0) return fail("process.gone", "it has ended", command_);
+  COSIVA_EXPECT(fd_ >= 0 && pid_ > 0);
   const auto deadline = Clock::now() + timeout;
   std::array<char, 4096> bytes{};
   while (!to_send_.empty() || (until_line && received_.find('\n') == std::string::npos)) {

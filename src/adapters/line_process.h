@@ -14,6 +14,8 @@ namespace cosiva::adapters {
 /// A program that is used line by line, one response at a time: written to its standard input, read from its standard
 /// output, both without ever waiting longer than is stated. Its standard error is inherited. The program runs in a
 /// process group of its own, gets SIGTERM when the parent dies, and is killed with the object.
+///
+/// Invariant: the socket to the program is open, and the program's number is known until the program has been reaped.
 class LineProcess {
  public:
   /// @param command  for /bin/sh

@@ -7,6 +7,7 @@
 
 #include "cosiva/adapters/lossy_radio.h"
 #include "cosiva/adapters/state_file.h"
+#include "cosiva/base/expect.h"
 #include "cosiva/journal/writer.h"
 #include "cosiva/wire/messages/topics.h"
 
@@ -127,6 +128,7 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
   Result<void> start() {
     if (auto opened = open_journal(); !opened) return opened;
     if (!options.state_file.empty()) state_file.emplace(options.state_file);
+    COSIVA_EXPECT(inputs == 0);
     deliver(wire::InputKind::configure, options.kind, options.options);
     if (state_file) {
       if (auto bytes = state_file->load()) deliver(wire::InputKind::restore, "state", std::move(*bytes));

@@ -32,6 +32,8 @@ struct LiveOptions {
 /// Runs one core live: feeds it messages, bytes, ticks and commands with the wall clock's time, and performs its
 /// effects. Every input of the core passes through one function, so the journal is complete. Journal and log, on
 /// stderr, never delay the core; its state is persisted before its next effects are performed.
+///
+/// Invariant: the core's first input is its configuration, and the core handles one input at a time.
 class LiveShell {
  public:
   using OpenPorts = std::function<Result<std::unique_ptr<Ports>>(PortHandlers)>;

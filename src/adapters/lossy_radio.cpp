@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/wire/messages/topics.h"
 #include "cosiva/wire/own/control_areas.h"
 #include "cosiva/wire/own/own_messages.h"
@@ -16,6 +17,7 @@ bool LossyRadio::take(std::string_view topic, std::string_view payload) {
   if (topic != wire::plant_radio_topic) return false;
   const auto radio = wire::radio_from_json(payload);
   if (radio && (radio->vehicle == "*" || radio->vehicle == vehicle_)) loss_ = radio->loss;
+  COSIVA_EXPECT(loss_ >= 0.0 && loss_ <= 1.0);
   return true;
 }
 

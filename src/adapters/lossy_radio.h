@@ -15,6 +15,8 @@ namespace cosiva::adapters {
 /// The emulated radio between one emulated vehicle and the broker (wire::plant_radio_topic). Messages are treated as by
 /// wire::Network in virtual time: QoS 0 is lost with the given ratio as probability, QoS 1 comes a retry later for each
 /// loss, and in order. Loopback loses nothing by itself, hence this class.
+///
+/// Invariant: the loss is a probability, and late messages are in the order in which they are due.
 class LossyRadio {
  public:
   /// @param vehicle  "CoSiVA/AIV2", the vehicle whose commands apply, in addition to "*"

@@ -14,6 +14,8 @@
 #include <set>
 #include <utility>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::adapters {
 namespace {
 
@@ -220,6 +222,7 @@ struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
   }
 
   void come_up() {
+    COSIVA_EXPECT(fd >= 0);
     watchdog.cancel();
     backoff = backoff_min;
     last_logged.clear();

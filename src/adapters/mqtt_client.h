@@ -44,6 +44,8 @@ struct MqttHandlers {
 /// One permanent connection to a broker: libmosquitto inside the loop. The client reconnects by itself (50 ms, doubling
 /// to 2 s), subscribes again each time, and gives an attempt up after `connect_timeout` (over TLS a broker that is down
 /// would otherwise be waited for without end).
+///
+/// Invariant: the connection is up only while there is a socket.
 class MqttClient {
  public:
   /// Fails ("mqtt.tls", "mqtt.password", "mqtt.setup") when an option cannot be used. Nothing is sent before start().

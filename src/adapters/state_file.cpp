@@ -12,6 +12,7 @@
 
 #include "cosiva/adapters/files.h"
 #include "cosiva/base/digest.h"
+#include "cosiva/base/expect.h"
 #include "cosiva/base/text.h"
 
 namespace cosiva::adapters {
@@ -87,6 +88,7 @@ Result<void> StateFile::store(std::string_view bytes) {
   const bool taken_away = fd_ >= 0 && (::fstat(fd_, &there) != 0 || there.st_nlink == 0);
   if (taken_away) close();
   if (fd_ < 0 && !open_as_it_is()) return make_anew(bytes);
+  COSIVA_EXPECT(std::has_single_bit(slot_bytes_) && slot_bytes_ >= slot_bytes_min);
   const std::string text = slot_text(number_ + 1, bytes);
   if (text.size() > slot_bytes_) return make_anew(bytes);
   ++number_;

@@ -17,6 +17,8 @@ namespace cosiva::adapters {
 /// that persists its position ten times a second must not wait. A slot starts with a line "cosiva-memory 1 NUMBER
 /// LENGTH DIGEST"; the intact slot with the higher number counts, so that a slot that was being written at a power
 /// failure does no harm.
+///
+/// Invariant: while the file is open, its slots are of equal size, a power of two, and the slot written last is intact.
 class StateFile {
  public:
   explicit StateFile(std::string path) : path_{std::move(path)} {}

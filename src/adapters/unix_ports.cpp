@@ -18,6 +18,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::adapters {
 namespace {
 
@@ -37,6 +39,8 @@ Result<void> check_path(const std::string& path) {
 }
 
 /// One connected stream. The owner is notified of bytes and of the end until close().
+///
+/// Invariant: at most unsent_max bytes wait, and only while a wait for the socket is in progress.
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(Stream::socket socket, std::function<void(std::string_view)> on_bytes, std::function<void()> on_end)
@@ -78,6 +82,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
 
   void write() {
+    COSIVA_EXPECT(!unsent_.empty() && unsent_.size() <= unsent_max);
     if (std::exchange(writing_, true)) return;
     socket_.async_wait(Stream::socket::wait_write, [self = shared_from_this()](const ErrorCode& waited) {
       self->writing_ = false;
@@ -113,6 +118,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
 };
 
 /// Common to both ends of a connected port: passes its bytes on, and reports when the stream opened and closed.
+///
+/// Invariant: the handlers learn in turn that the port is up and that it is down.
 class Line : public std::enable_shared_from_this<Line> {
  public:
   Line(std::string port, const PortHandlers& handlers) : port_{std::move(port)}, handlers_{handlers} {}
@@ -150,26 +157,32 @@ class Line : public std::enable_shared_from_this<Line> {
     handlers_ = {};
     if (connection_) connection_->close();
     connection_.reset();
+    up_ = false;
   }
 
  private:
   void report(bool up) {
+    COSIVA_EXPECT(up != up_);
+    up_ = up;
     if (handlers_.on_port) handlers_.on_port(port_, up);
   }
 
   std::string port_;
   PortHandlers handlers_;
   std::shared_ptr<Connection> connection_;
+  bool up_{false};  ///< as reported
 };
 
 // --- the boards' side -----------------------------------------------------------------------------------------------
 
+/// Invariant: the socket's file belongs to this process exactly while `own_` is set.
 class Listener : public std::enable_shared_from_this<Listener> {
  public:
   Listener(EventLoop& loop, std::string port, std::string path, const PortHandlers& handlers)
       : acceptor_{loop.context()}, path_{std::move(path)}, line_{std::make_shared<Line>(std::move(port), handlers)} {}
 
   Result<void> open() {
+    COSIVA_EXPECT(!own_);
     ErrorCode error;
     // The directory belongs to this process (see DirectoryLock), so a socket here was left by a process that was
     // killed.
@@ -263,6 +276,8 @@ class Connector : public std::enable_shared_from_this<Connector> {
 };
 
 /// One process at a time serves the boards of a directory. The kernel releases the lock however that process ends.
+///
+/// Invariant: the lock is of one directory, taken once.
 class DirectoryLock {
  public:
   DirectoryLock() = default;
@@ -273,6 +288,7 @@ class DirectoryLock {
   DirectoryLock& operator=(const DirectoryLock&) = delete;
 
   Result<void> take(const std::string& directory) {
+    COSIVA_EXPECT(fd_ < 0);
     fd_ = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (fd_ >= 0 && ::flock(fd_, LOCK_EX | LOCK_NB) == 0) return {};
     if (errno == EWOULDBLOCK) return fail("port.listen", "another process serves the boards of this folder", directory);

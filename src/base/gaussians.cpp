@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 
+#include "cosiva/base/log_kernel.h"
 #include "cosiva/base/vector_clones.h"
 
 namespace cosiva {
@@ -19,22 +20,7 @@ __attribute__((always_inline)) inline double log_of(double x) noexcept {
   const bool low = m < 0.70710678118654752440;
   m = low ? 2.0 * m : m;
   exponent = low ? exponent - 1.0 : exponent;
-  const double t = (m - 1.0) / (m + 1.0);
-  const double z = t * t;
-  double p = 1.0 / 21.0;
-  p = 1.0 / 19.0 + z * p;
-  p = 1.0 / 17.0 + z * p;
-  p = 1.0 / 15.0 + z * p;
-  p = 1.0 / 13.0 + z * p;
-  p = 1.0 / 11.0 + z * p;
-  p = 1.0 / 9.0 + z * p;
-  p = 1.0 / 7.0 + z * p;
-  p = 1.0 / 5.0 + z * p;
-  p = 1.0 / 3.0 + z * p;
-  const double log_m = 2.0 * (t + t * (z * p));
-  constexpr double ln2_high = 6.93147180369123816490e-01;
-  constexpr double ln2_low = 1.90821492927058770002e-10;
-  return exponent * ln2_high + (log_m + exponent * ln2_low);
+  return plain::log_kernel(m, exponent);
 }
 
 /// The second half of Marsaglia's polar method: points in the unit circle become two draws each.

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "cosiva/base/log_kernel.h"
 #include "cosiva/base/math_inline.h"
 
 namespace cosiva {
@@ -37,37 +38,19 @@ double det_atan2(double y, double x) noexcept {
 }
 
 double det_log(double x) noexcept {
-  // x = m·2^e with m in [√½, √2); log m = 2·atanh((m−1)/(m+1)) by its series.
+  // x = m·2^exponent with m in [√½, √2).
   int exponent = 0;
   double m = std::frexp(x, &exponent);
   if (m < 0.70710678118654752440) {
     m *= 2.0;
     --exponent;
   }
-  const double t = (m - 1.0) / (m + 1.0);
-  const double z = t * t;
-  // Written out, so that the divisions are evaluated at compile time.
-  double p = 1.0 / 21.0;
-  p = 1.0 / 19.0 + z * p;
-  p = 1.0 / 17.0 + z * p;
-  p = 1.0 / 15.0 + z * p;
-  p = 1.0 / 13.0 + z * p;
-  p = 1.0 / 11.0 + z * p;
-  p = 1.0 / 9.0 + z * p;
-  p = 1.0 / 7.0 + z * p;
-  p = 1.0 / 5.0 + z * p;
-  p = 1.0 / 3.0 + z * p;
-  const double log_m = 2.0 * (t + t * (z * p));
-  constexpr double ln2_high = 6.93147180369123816490e-01;
-  constexpr double ln2_low = 1.90821492927058770002e-10;
-  return exponent * ln2_high + (log_m + exponent * ln2_low);
+  return plain::log_kernel(m, exponent);
 }
 
 double det_exp(double x) noexcept {
-  constexpr double ln2_high = 6.93147180369123816490e-01;
-  constexpr double ln2_low = 1.90821492927058770002e-10;
   const double k = std::nearbyint(x * 1.44269504088896340736);
-  const double r = (x - k * ln2_high) - k * ln2_low;
+  const double r = (x - k * plain::ln2_high) - k * plain::ln2_low;
   double p = 1.0;
   for (int n = 14; n >= 1; --n) p = 1.0 + r / n * p;
   return std::ldexp(p, static_cast<int>(k));

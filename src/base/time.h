@@ -30,6 +30,23 @@ inline constexpr SimTime virtual_epoch{std::chrono::seconds{1'689'033'600}};
   return static_cast<double>(duration.count()) * 1e-9;
 }
 
+/// Milliseconds, to the nearest double.
+[[nodiscard]] constexpr double to_milliseconds(SimDuration duration) noexcept {
+  return static_cast<double>(duration.count()) / 1e6;
+}
+/// Milliseconds as the server's JSON members have them: multiplied, so that the last bit may differ from
+/// to_milliseconds(), and a recorded text with it.
+[[nodiscard]] constexpr double to_milliseconds_scaled(SimDuration duration) noexcept {
+  return static_cast<double>(duration.count()) * 1e-6;
+}
+[[nodiscard]] constexpr double to_milliseconds_scaled(SimTime time) noexcept {
+  return to_milliseconds_scaled(time.time_since_epoch());
+}
+/// Milliseconds as the options and the metrics of latencies have them: by way of seconds, with a last bit of its own.
+[[nodiscard]] constexpr double to_milliseconds_by_seconds(SimDuration duration) noexcept {
+  return to_seconds(duration) * 1e3;
+}
+
 /// Rounds to the nearest nanosecond, halves away from zero.
 [[nodiscard]] constexpr SimDuration from_seconds(double seconds) noexcept {
   return SimDuration{static_cast<std::int64_t>(seconds * 1e9 + (seconds < 0 ? -0.5 : 0.5))};

@@ -21,6 +21,17 @@ TEST(Time, virtual_time_starts_on_the_day_of_the_article) {
   EXPECT_EQ(to_iso8601(virtual_epoch), "2023-07-11T00:00:00.000Z");
 }
 
+TEST(Duration, in_milliseconds_is_the_nearest_number_and_within_a_bit_of_it_in_the_forms_of_the_messages) {
+  static_assert(to_milliseconds(1500us) == 1.5);
+  static_assert(to_milliseconds_scaled(SimTime{1500us}) == 1.5);
+  static_assert(to_milliseconds_by_seconds(100ms) == 100.0);
+  for (const SimDuration duration : {SimDuration{1ns}, SimDuration{20'000'001ns}, SimDuration{3h + 7ns}}) {
+    const double nearest = to_milliseconds(duration);
+    EXPECT_DOUBLE_EQ(to_milliseconds_scaled(duration), nearest);
+    EXPECT_DOUBLE_EQ(to_milliseconds_by_seconds(duration), nearest);
+  }
+}
+
 TEST(Time, is_written_with_milliseconds_rounded_down) {
   EXPECT_EQ(to_iso8601(SimTime{0ns}), "1970-01-01T00:00:00.000Z");
   EXPECT_EQ(to_iso8601(virtual_epoch + 23h + 59min + 59s + 999'999'999ns), "2023-07-11T23:59:59.999Z");

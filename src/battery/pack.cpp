@@ -70,6 +70,7 @@ void Pack::age() {
 }
 
 void Pack::update() {
+  COSIVA_EXPECT(cells_.size() == std::size_t{design_.series} * design_.parallel);
   source_v_ = 0.0;
   ohm_ = 0.0;
   for (std::size_t first = 0; first < cells_.size(); first += design_.parallel) {

@@ -47,6 +47,8 @@ struct PackStep {
 /// The ground truth of one battery: Ns × Np cells, each a voltage source behind a resistance and two RC pairs, each
 /// with its own charge and heat (Chen and Rincón-Mora 2006; notes on the numerics in the folder's README). Cells of one
 /// group have a common voltage, groups a common current, so the weakest cell ends the discharge.
+///
+/// Invariant: the pack has as many cells as its design, and each cell's charge is from 0 to 1.
 class Pack {
  public:
   /// Full, rested, at the given temperature.

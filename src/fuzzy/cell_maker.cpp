@@ -57,6 +57,9 @@ void flag_needed(const Steps& steps, std::vector<char>& flags) {
   }
 }
 
+/// Cuts the space of the inputs into cells, each with the steps and the rules that a decision there needs.
+///
+/// Invariant: the slots of a cell's steps stay within the limit, after those that every decision computes.
 class CellMaker {
  public:
   CellMaker(const Steps& steps, const std::vector<Weighing>& outputs)

@@ -80,6 +80,9 @@ Value hedged(Steps& steps, Hedge hedge, Value a) {
   return a;
 }
 
+/// Compiles an engine into a program, once.
+///
+/// Invariant: each input has one limited value, and the memberships of its terms.
 class Compiler {
  public:
   Compiler(const Engine& engine, Keep keep, const std::vector<std::optional<double>>& known)
@@ -155,6 +158,7 @@ class Compiler {
       memberships_.emplace_back();
       for (const Term& term : engine_.inputs[i].terms) memberships_.back().push_back(membership(i, term));
     }
+    COSIVA_EXPECT(inputs_.size() == engine_.inputs.size() && memberships_.size() == inputs_.size());
   }
 
   [[nodiscard]] Result<void> fit() const {

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/fuzzy/fll_parts.h"
 
 namespace cosiva::fuzzy {
@@ -33,6 +34,9 @@ constexpr std::array<std::string_view, 6> keywords{"if", "is", "then", "and", "o
 constexpr int depth_max = 16;
 constexpr std::size_t hedges_max = 4;
 
+/// Reads one rule from its tokens.
+///
+/// Invariant: the next token is one of the rule's, or its end.
 class RuleParser {
  public:
   RuleParser(const Word& value, const Norms& norms, const Engine& engine, std::string_view origin)
@@ -62,6 +66,7 @@ class RuleParser {
   bool take(std::string_view word) {
     if (here().text != word) return false;
     ++at_;
+    COSIVA_EXPECT(at_ <= tokens_.size());
     return true;
   }
   [[nodiscard]] tl::unexpected<Error> refuse_here(std::string message) const {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/fuzzy/kernel.h"
 
 namespace cosiva::fuzzy {
@@ -30,6 +31,7 @@ Steps::Steps(const std::vector<std::optional<double>>& known)
 Value Steps::make(Op op, Value a, Value b, double p, double q, double r) {
   if (is_norm(op) && b < a) std::swap(a, b);
   if (op != Op::value) {
+    COSIVA_EXPECT(a < traits_.size() && b < traits_.size());
     if (const auto shorter = shortened(op, a, b, p, q, r)) return *shorter;
   }
   const auto bits = [](double v) { return std::bit_cast<std::uint64_t>(v); };

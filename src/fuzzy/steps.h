@@ -21,6 +21,8 @@ inline constexpr std::array<Op, 6> norm_ops{Op::least,    Op::product,       Op:
 
 /// Collects steps, each only once, and precomputes what follows from known values. Omitted steps change no bit of an
 /// output.
+///
+/// Invariant: a step uses only inputs and the results of steps before it, and each value has its traits.
 class Steps {
  public:
   struct Wide {

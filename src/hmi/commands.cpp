@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cosiva/base/json_text.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/hmi/http_responses.h"
 #include "cosiva/wire/messages/topics.h"

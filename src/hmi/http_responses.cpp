@@ -31,24 +31,4 @@ HttpResponse refusal(const Error& error) {
   return http_error(status, error.code, to_string(error));
 }
 
-void write_json(JsonWriter& json, const JsonValue& value) {
-  if (const bool* flag = value.flag()) {
-    json.value(*flag);
-  } else if (const double* number = value.number()) {
-    json.value(*number);
-  } else if (const std::string* text = value.text()) {
-    json.value(*text);
-  } else if (const JsonValue::Array* array = value.array()) {
-    json.begin_array();
-    for (const JsonValue& element : *array) write_json(json, element);
-    json.end_array();
-  } else if (const JsonValue::Object* object = value.object()) {
-    json.begin_object();
-    for (const auto& [name, member] : *object) write_json(json.key(name), member);
-    json.end_object();
-  } else {
-    json.null();
-  }
-}
-
 }  // namespace cosiva::app

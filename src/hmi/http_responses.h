@@ -3,8 +3,6 @@
 #include <string>
 
 #include "cosiva/adapters/http_server.h"
-#include "cosiva/base/json_value.h"
-#include "cosiva/base/json_writer.h"
 #include "cosiva/base/result.h"
 
 namespace cosiva::app {
@@ -14,7 +12,5 @@ namespace cosiva::app {
 /// The core's refusal: 409 for a request that is only impossible at present, 429 for one too many, 404 for an unknown
 /// object, else 400.
 [[nodiscard]] adapters::HttpResponse refusal(const Error& error);
-/// Copies a value into a document that is being written.
-void write_json(JsonWriter& json, const JsonValue& value);
 
 }  // namespace cosiva::app

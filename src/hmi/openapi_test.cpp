@@ -9,6 +9,7 @@
 #include <set>
 #include <string>
 
+#include "cosiva/base/json_text.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/hmi/http_responses.h"

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <ctime>
 
+#include "cosiva/base/expect.h"
+#include "cosiva/base/json_text.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/hmi/http_responses.h"
 #include "cosiva/hmi/page_calls.h"
@@ -112,9 +114,10 @@ void PageStream::send_snapshot() {
 }
 
 void PageStream::send_positions() {
+  COSIVA_EXPECT(!idle_);
   const SimTime now = source_.now();
   source_.positions(now, records_);
-  const double time_ms = std::chrono::duration<double, std::milli>(now.time_since_epoch()).count();
+  const double time_ms = to_milliseconds(now.time_since_epoch());
   auto frame = frames_.encode(time_ms, records_);
   send(frame.key ? key_frame : delta_frame, std::move(frame.bytes), frame.key);
 }

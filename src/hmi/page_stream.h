@@ -28,6 +28,8 @@ struct StreamSource {
 
 /// The live half of the page's contract: which frames are sent, when, and in which order. Each frame is made once for
 /// all clients, and none is made while no client listens.
+///
+/// Invariant: positions are sent only after the first client's key frame was requested.
 class PageStream {
  public:
   PageStream(adapters::EventLoop& loop, adapters::HttpServer& http, StreamSource source);

@@ -54,7 +54,7 @@ std::string run_json(const CallContext& context) {
     json.value(context.host().scenario_name);
   json.field("version", COSIVA_VERSION).key("clock").begin_object();
   json.field("kind", now.is_virtual ? "virtual" : "wall").field("running", now.running).field("speed", now.speed);
-  json.field("time_ms", std::chrono::duration<double, std::milli>(context.host().now().time_since_epoch()).count());
+  json.field("time_ms", to_milliseconds(context.host().now().time_since_epoch()));
   json.end_object().end_object();
   return json.take();
 }

@@ -42,6 +42,8 @@ struct PageHost {
 };
 
 /// The page's contract (docs/protocols/hmi-api.md): HTTP calls, and the live stream while a client is connected.
+///
+/// Invariant: the host has a core that takes commands, a clock and a library of zones.
 class ServerPage {
  public:
   /// @param web_root  the page's built files; empty: the response to `/` explains how to build them

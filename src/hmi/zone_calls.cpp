@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "cosiva/base/json_text.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/hmi/http_responses.h"
 #include "cosiva/zone/layout/beacon_free.h"

@@ -1,5 +1,6 @@
 #include "cosiva/journal/reader.h"
 
+#include "cosiva/base/expect.h"
 #include "cosiva/journal/crc32c.h"
 #include "cosiva/journal/format.h"
 
@@ -31,6 +32,7 @@ Result<std::optional<wire::Input>> Reader::next() {
   const auto damaged = [&](const char* code, std::string message) {
     return fail(code, std::move(message), "offset " + std::to_string(at_));
   };
+  COSIVA_EXPECT(at_ >= format::magic.size() && at_ <= bytes_.size());
   const std::string_view rest = bytes_.substr(at_);
   if (truncated_ || rest.empty()) return std::nullopt;
   if (digest_) return damaged("journal.after_end", std::to_string(rest.size()) + " bytes follow the end record");

@@ -12,6 +12,8 @@ namespace cosiva::journal {
 
 /// Reads a journal's bytes from front to back. A record cut short at the end is reported by `truncated`, a damaged one
 /// by an error that names its offset.
+///
+/// Invariant: the next record begins within the bytes, or at their end.
 class Reader {
  public:
   /// Fails ("journal.magic") if the bytes are no journal.

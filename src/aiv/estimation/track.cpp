@@ -82,10 +82,6 @@ double Track::curvature_at(double along_m) const {
   return circuit_->section(position.section).curvature_at(position.s_m);
 }
 
-zone::SectionKind Track::kind_at(double along_m) const {
-  return circuit_->section(position_at(along_m).section).kind();
-}
-
 std::optional<double> Track::foot(Point2 p_M, double near_m, double reach_m, double beside_m) const {
   // A proper foot is at right angles to the path. Only where there is none, beyond a corner, does an end serve:
   // otherwise the end of the section before would always seem a little nearer to an estimate that lags behind.

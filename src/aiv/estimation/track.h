@@ -38,7 +38,6 @@ class Track {
   [[nodiscard]] Pose2 pose_at(double along_m) const;
   /// κ there, of increasing arc length.
   [[nodiscard]] double curvature_at(double along_m) const;
-  [[nodiscard]] zone::SectionKind kind_at(double along_m) const;
   /// The arc length nearest to `near_m`, and within `reach_m` of it, at which the track passes over a point, or past it
   /// within `beside_m`.
   [[nodiscard]] std::optional<double> foot(Point2 p_M, double near_m, double reach_m, double beside_m = 0.10) const;

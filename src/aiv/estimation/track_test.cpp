@@ -13,8 +13,6 @@ TEST(Track, unrolls_its_rounds) {
   EXPECT_NEAR(oval->length_m(), round_m, 1e-12);
   EXPECT_NEAR(oval->pose_at(2.0 * round_m + 1.5).x_m, 1.5, 1e-9);
   EXPECT_NEAR(oval->pose_at(-0.1).x_m, oval->pose_at(round_m - 0.1).x_m, 1e-12);
-  EXPECT_EQ(oval->kind_at(1.0), zone::SectionKind::straight);
-  EXPECT_EQ(oval->kind_at(3.5), zone::SectionKind::arc);
   EXPECT_NEAR(oval->curvature_at(3.5), 1.25, 1e-12);
 }
 

@@ -33,7 +33,6 @@ Result<void> read_ms(const JsonValue& json, std::string_view field, SimDuration&
 }  // namespace
 
 std::string to_json(const OnboardOptions& options) {
-  const auto ms = [](SimDuration duration) { return to_seconds(duration) * 1e3; };
   JsonWriter json;
   json.begin_object()
       .field("number", options.number)
@@ -50,10 +49,10 @@ std::string to_json(const OnboardOptions& options) {
   }
   write_json(json.key("rules"), options.rules);
   json.field("v2x", options.v2x)
-      .field("cycle_ms", ms(options.cycle))
-      .field("visualization_period_ms", ms(options.visualization_period))
-      .field("state_period_ms", ms(options.state_period))
-      .field("link_timeout_ms", ms(options.link_timeout))
+      .field("cycle_ms", to_milliseconds_by_seconds(options.cycle))
+      .field("visualization_period_ms", to_milliseconds_by_seconds(options.visualization_period))
+      .field("state_period_ms", to_milliseconds_by_seconds(options.state_period))
+      .field("link_timeout_ms", to_milliseconds_by_seconds(options.link_timeout))
       .end_object();
   return json.take();
 }

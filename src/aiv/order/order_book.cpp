@@ -220,10 +220,6 @@ bool OrderBook::horizon_left() const { return !targets_.empty() && !targets_.bac
 
 double OrderBook::distance_to_base_end_m() const { return std::max(0.0, base_end_path_m_ - travelled_m_); }
 
-std::optional<double> OrderBook::speed_limit_mps() const {
-  return targets_.empty() ? std::nullopt : targets_.front().max_speed_mps;
-}
-
 double OrderBook::since_last_node_m() const { return std::max(0.0, travelled_m_ - last_node_.path_m); }
 
 std::vector<wire::NodeState> OrderBook::node_states() const {

@@ -97,7 +97,6 @@ class OrderBook {
   /// when the end of the base already counts as traversed, still the last millimetres to it.
   [[nodiscard]] double distance_to_base_end_m() const;
   [[nodiscard]] bool horizon_left() const;
-  [[nodiscard]] std::optional<double> speed_limit_mps() const;  ///< of the current edge
 
   [[nodiscard]] const OrderIds& ids() const { return ids_; }
   [[nodiscard]] const LastNode& last_node() const { return last_node_; }

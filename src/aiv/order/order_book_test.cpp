@@ -396,16 +396,6 @@ TEST(Cancel, keeps_the_ids_and_discards_the_rest) {
   EXPECT_EQ(book.refusal(order("O-2").through({"loop_se@0", "loop_se@283"}), reference("loop_se", 0.1)), "accepted");
 }
 
-TEST(SpeedLimit, is_that_of_the_current_edge) {
-  Book book;
-  auto limited = usual();
-  limited.edge(1).max_speed_mps = 0.2;
-  ASSERT_TRUE(book.offer(limited, start));
-  EXPECT_EQ(book.speed_limit_mps(), std::nullopt);
-  book.travelled(edge_m + 0.01);
-  EXPECT_EQ(book.speed_limit_mps(), 0.2);
-}
-
 TEST(Relocation, on_the_route_of_the_order_continues_from_there) {
   Book book;
   ASSERT_TRUE(book.offer(usual(), start));

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "cosiva/app/cli/console.h"
+#include "cosiva/base/expect.h"
 #include "cosiva/wire/own/gvs.h"
 
 namespace cosiva::app {
@@ -22,6 +23,7 @@ GvsView::~GvsView() = default;
 std::shared_ptr<const std::string> GvsView::latest_image() {
   const Clock::time_point now = Clock::now();
   if (now - requested_ >= request_every) send_request();
+  COSIVA_EXPECT(image_ == nullptr || client_ != nullptr);
   if (image_ && now - came_ > image_lifetime) image_.reset();
   return image_;
 }

@@ -12,6 +12,8 @@ namespace cosiva::app {
 
 /// The preview of the camera over the zone, for display only: received over a connection of its own, so that no preview
 /// can reach the server's core, and only while a client displays the preview.
+///
+/// Invariant: an image was received over the connection of this object.
 class GvsView {
  public:
   GvsView(adapters::EventLoop& loop, adapters::MqttOptions options);

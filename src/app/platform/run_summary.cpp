@@ -3,31 +3,12 @@
 #include <algorithm>
 
 #include "cosiva/app/cli/console.h"
+#include "cosiva/base/json_text.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 
 namespace cosiva::app {
 namespace {
-
-void write(JsonWriter& json, const JsonValue& value) {
-  if (const bool* flag = value.flag()) {
-    json.value(*flag);
-  } else if (const double* number = value.number()) {
-    json.value(*number);
-  } else if (const std::string* text = value.text()) {
-    json.value(*text);
-  } else if (const JsonValue::Array* items = value.array()) {
-    json.begin_array();
-    for (const JsonValue& item : *items) write(json, item);
-    json.end_array();
-  } else if (const JsonValue::Object* members = value.object()) {
-    json.begin_object();
-    for (const auto& [name, member] : *members) write(json.key(name), member);
-    json.end_object();
-  } else {
-    json.null();
-  }
-}
 
 std::string millis(const JsonValue& metrics, std::string_view of, double scale, const char* unit) {
   const JsonValue* spread = metrics.find(of);
@@ -99,11 +80,11 @@ Result<RunSummary> summarise(const RunMetadata& metadata, std::string_view serve
   const double laps = plant->number("laps").value_or(0.0);
   const double longest_wait_s = plant->number("longest_wait_s").value_or(0.0);
   JsonWriter json;
-  write(json.begin_object().key("bijection"), *bijection);
+  write_json(json.begin_object().key("bijection"), *bijection);
   json.field("aivs", metadata.aivs).field("collisions", touched).field("laps", laps);
   json.field("longest_wait_s", longest_wait_s);
   const JsonValue* deadlocks = server->find("deadlocks");
-  if (deadlocks != nullptr) write(json.key("deadlocks"), *deadlocks);
+  if (deadlocks != nullptr) write_json(json.key("deadlocks"), *deadlocks);
   json.field("digest", metadata.digest).field("duration_s", metadata.duration_s);
   json.field("zone", metadata.zone).field("seed", metadata.seed);
   if (!metadata.scenario.empty()) json.field("scenario", metadata.scenario);

@@ -6,6 +6,7 @@
 
 #include "cosiva/adapters/files.h"
 #include "cosiva/app/cli/console.h"
+#include "cosiva/base/expect.h"
 #include "cosiva/base/json_writer.h"
 
 namespace cosiva::app {
@@ -53,6 +54,7 @@ Result<void> Supervisor::add(Member member) {
 }
 
 Result<void> Supervisor::launch(Running& running) {
+  COSIVA_EXPECT(!running.alive());
   running.born = Steady::now();
   auto child = running.member.launch([this, &running](const ChildExit& exit) { died(running, exit); });
   if (!child) return tl::unexpected(child.error());

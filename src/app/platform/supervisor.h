@@ -15,6 +15,8 @@ namespace cosiva::app {
 
 /// Keeps a set of processes running: restarts members that die, gives up members that die repeatedly, and ends all in
 /// order.
+///
+/// Invariant: at most one process of a member runs.
 class Supervisor {
  public:
   using OnExit = std::function<void(const adapters::ChildExit&)>;

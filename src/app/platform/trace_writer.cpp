@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 
@@ -28,6 +29,7 @@ void TraceWriter::write(SimTime at, std::string_view from, std::string_view topi
     json.value(payload);
   }
   json.end_object();
+  COSIVA_EXPECT(json.complete());
   std::fwrite(json.text().data(), 1, json.text().size(), file_);
   std::fputc('\n', file_);
 }

@@ -12,6 +12,8 @@ namespace cosiva::app {
 
 /// Writes every message of a run as one JSON line: {"time","from","topic","retained","payload"}. A payload that is not
 /// JSON is written as a string.
+///
+/// Invariant: the file consists of whole lines, each a JSON document.
 class TraceWriter {
  public:
   /// Fails ("trace.open").

@@ -112,6 +112,7 @@ double Gauge::count(double current_a, double dt_s) {
   const double drift_per_s = options_.errors.current_offset_sd_a / capacity_as;
   added += squared(drift_per_s) * (squared(counted_s_ + dt_s) - squared(counted_s_));
   counted_s_ += dt_s;
+  COSIVA_EXPECT(!(added < 0.0));
   variance_ += added;
   return added;
 }

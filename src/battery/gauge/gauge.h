@@ -40,6 +40,8 @@ struct GaugeReading {
 
 /// RALI's gauge: computes a charge with its standard deviation from a monitor's voltage, current and temperature. The
 /// gauge has the type's tables and no access to the battery.
+///
+/// Invariant: counting charge never reduces the variance of the estimate; only an absolute estimate does.
 class Gauge {
  public:
   Gauge(std::shared_ptr<const CellTable> table, GaugeOptions options, double charge = 1.0, double charge_sd = 0.005);

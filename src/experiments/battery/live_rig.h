@@ -29,6 +29,8 @@ struct LiveRigOptions {
 
 /// A battery test on a running platform, over its bus: each received message yields the messages and commands to send.
 /// The rig owns no link, clock or file, and its whole state can be saved after each call.
+///
+/// Invariant: each vehicle of the procedure has a slot and a battery.
 class LiveRig {
  public:
   struct Responses {

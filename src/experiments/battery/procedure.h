@@ -115,6 +115,9 @@ struct ProcedureSlot {
   SimDuration ran_since_pause{};
 };
 
+/// The test's procedure: what to command at each report of a vehicle.
+///
+/// Invariant: each vehicle has a slot.
 class Procedure {
  public:
   explicit Procedure(ProcedureOptions options);

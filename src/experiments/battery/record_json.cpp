@@ -34,36 +34,7 @@ constexpr std::array<Number, 9> numbers{{{"autonomy_s", &BatteryRun::autonomy_s}
                                          {"voltage_end_v", &BatteryRun::voltage_end_v},
                                          {"temperature_end_c", &BatteryRun::temperature_end_c}}};
 
-void write(JsonWriter& json, const JsonValue& value) {
-  if (value.object() != nullptr) {
-    json.begin_object();
-    for (const auto& [key, member] : *value.object()) {
-      json.key(key);
-      write(json, member);
-    }
-    json.end_object();
-  } else if (value.array() != nullptr) {
-    json.begin_array();
-    for (const JsonValue& item : *value.array()) write(json, item);
-    json.end_array();
-  } else if (value.text() != nullptr) {
-    json.value(*value.text());
-  } else if (value.number() != nullptr) {
-    json.value(*value.number());
-  } else if (value.flag() != nullptr) {
-    json.value(*value.flag());
-  } else {
-    json.null();
-  }
-}
-
 }  // namespace
-
-std::string to_text(const JsonValue& json) {
-  JsonWriter writer;
-  write(writer, json);
-  return writer.take();
-}
 
 void write_sample(JsonWriter& json, const BatterySample& sample) {
   json.begin_array().value(time_text(sample.at));

@@ -10,8 +10,6 @@ namespace cosiva::experiments {
 void write_record(JsonWriter& json, const BatteryRun& run);
 /// Fails ("battery.state").
 [[nodiscard]] Result<BatteryRun> read_record(const JsonValue& json);
-/// Extracts a part of a document as a separate document.
-[[nodiscard]] std::string to_text(const JsonValue& json);
 void write_sample(JsonWriter& json, const BatterySample& sample);
 [[nodiscard]] Result<BatterySample> read_sample(const JsonValue& json);
 

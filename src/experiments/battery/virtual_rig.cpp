@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "cosiva/base/expect.h"
+#include "cosiva/base/json_text.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/math.h"

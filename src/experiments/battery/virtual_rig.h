@@ -46,6 +46,8 @@ struct TrueEnd {
 };
 
 /// Runs a test on measured loads, each repeated continuously. Same options and loads, same bits.
+///
+/// Invariant: each vehicle has a load that is not empty.
 class VirtualRig {
  public:
   VirtualRig(VirtualRigOptions options, std::vector<LoadProfile> loads);

@@ -8,6 +8,8 @@ namespace cosiva::experiments {
 
 /// An experiment's result for display: one HTML page that needs no other file and no network, light or dark as
 /// configured by its reader. All input is text and is escaped, except figures, which are SVG.
+///
+/// Invariant: each row of a table has a cell for each column.
 class Report {
  public:
   explicit Report(std::string title, std::string subtitle = {});

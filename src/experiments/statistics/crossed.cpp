@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/experiments/statistics/sample.h"
 #include "cosiva/experiments/statistics/special.h"
 
@@ -19,9 +20,12 @@ double dot(const Column& a, const Column& b) {
 }
 
 /// The span of columns, by modified Gram–Schmidt applied twice; dependent columns are left out.
+///
+/// Invariant: the axes are orthonormal, and all columns have the same length.
 class Span {
  public:
   void add(Column column) {
+    COSIVA_EXPECT(axes_.empty() || axes_.front().size() == column.size());
     const double before = std::sqrt(dot(column, column));
     for (int round = 0; round < 2; ++round)
       for (const Column& axis : axes_) subtract(column, axis, dot(column, axis));

@@ -108,8 +108,7 @@ class RaliBoard {
   [[nodiscard]] const BoardLink& link() const { return link_; }
   void power_up(SimTime now, std::uint32_t session, SimDuration phase);
   void on_bytes(SimTime now, std::string_view bytes);
-  [[nodiscard]] bool wants_readings(SimTime now) const { return report_.due(now); }
-  /// @param readings  used only when wants_readings(now)
+  /// @param readings  used only when a report is due
   void tick(SimTime now, const PowerReadings& readings, std::string& out);
 
  private:

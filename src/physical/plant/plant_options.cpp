@@ -13,8 +13,6 @@ namespace {
 
 constexpr std::uint32_t vehicles_max = 1000;
 
-double to_ms(SimDuration duration) { return static_cast<double>(duration.count()) / 1e6; }
-
 tl::unexpected<Error> bad(const std::string& field, const std::string& expected) {
   return fail("plant.options", field + " must be " + expected, "plant options");
 }
@@ -34,7 +32,7 @@ class Reader {
       value = *given;
   }
   void milliseconds(const char* name, SimDuration& value) {
-    double ms = to_ms(value);
+    double ms = to_milliseconds(value);
     number(name, ms, 10'000.0);
     value = SimDuration{static_cast<std::int64_t>(std::nearbyint(ms * 1e6))};
   }
@@ -109,8 +107,8 @@ void write_noise(JsonWriter& json, const PlantNoise& noise) {
       .field("line_offset_sd_m", noise.line_offset_sd_m)
       .field("tag_range_m", noise.tag_range_m)
       .field("tag_miss", noise.tag_miss)
-      .field("tag_latency_min_ms", to_ms(noise.tag_latency_min))
-      .field("tag_latency_max_ms", to_ms(noise.tag_latency_max))
+      .field("tag_latency_min_ms", to_milliseconds(noise.tag_latency_min))
+      .field("tag_latency_max_ms", to_milliseconds(noise.tag_latency_max))
       .field("range_sd_m", noise.range_sd_m)
       .field("range_dropout", noise.range_dropout)
       .end_object();
@@ -124,7 +122,7 @@ std::string to_json(const PlantOptions& options) {
   zone::write_json(json.key("zone"), options.zone);
   json.field("vehicles", options.vehicles)
       .field("seed", std::to_string(options.seed))
-      .field("cycle_ms", to_ms(options.cycle))
+      .field("cycle_ms", to_milliseconds(options.cycle))
       .key("noise");
   write_noise(json, options.noise);
   json.field("publish_zone", options.publish_zone)

@@ -43,8 +43,6 @@ struct PoseFit {
   double lean_per_m{};  ///< 0: the marker does not lean, or a lean does not improve the fit
   Point2 lean;          ///< −lean_per_m·foot
   [[nodiscard]] Pose2 apply(const Pose2& detected) const;
-  /// h/H, as A has it, and the foot.
-  [[nodiscard]] double height_ratio() const { return 1.0 - 0.5 * (linear[0] + linear[3]); }
   friend bool operator==(const PoseFit&, const PoseFit&) = default;
 };
 /// A marker on one vehicle, or on all of one model: its height, and its position on the vehicle.

@@ -8,12 +8,6 @@
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
-namespace {
-
-/// Minimum distance from a crossing's exit to the rear of the leader: the vehicle must be able to leave the crossing.
-constexpr double room_m = aiv::clearance_m + Ground::left_m + 0.01;
-
-}  // namespace
 
 CrossingGrants::CrossingGrants(FleetTables& tables, Leaders& leaders, PathSurvey& survey)
     : ground_{tables.ground},
@@ -216,7 +210,8 @@ bool CrossingGrants::has_room(std::uint32_t i, const Ground::Chain& chain) const
   const double exit_m = state_.line_at[i] - chain.entry_m + chain.exit_m;
   // A vehicle whose goal is in the crossing needs no room beyond.
   if ((state_.mode[i] & Mode::sent) != 0 && state_.goal_at[i] <= exit_m) return true;
-  const double need_m = exit_m + numbers_.length_m + room_m;
+  // The rear of the vehicle ahead must leave room to drive out of the crossing.
+  const double need_m = exit_m + numbers_.length_m + gap_needed_m;
   Leaders::Found ahead{state_.leader[i], state_.offset_m[i]};
   const double own_m = ground_.length_m(state_.section[i]);
   if (ahead.vehicle == i && need_m > own_m + numbers_.sensed_m) ahead = leaders_.find_ahead(i, need_m - own_m);

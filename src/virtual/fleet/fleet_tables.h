@@ -4,12 +4,17 @@
 #include <cstdint>
 #include <vector>
 
+#include "cosiva/aiv/motion/formulas.h"
 #include "cosiva/virtual/fleet/fleet.h"
 #include "cosiva/virtual/fleet/ground.h"
 #include "cosiva/virtual/fleet/passes.h"
 #include "cosiva/virtual/fleet/state.h"
 
 namespace cosiva::virtual_side {
+
+/// The gap that a vehicle needs to the one ahead: its clearance, the distance after which a crossing counts as left,
+/// and a margin for rounding.
+inline constexpr double gap_needed_m = aiv::clearance_m + Ground::left_m + 0.01;
 
 /// The data of a fleet: its zone, and an entry for each vehicle, section, crossing and copy. Positions along a
 /// vehicle's path are counted as described at State.

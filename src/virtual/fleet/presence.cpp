@@ -3,16 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "cosiva/aiv/motion/formulas.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
-namespace {
-
-/// Added to the committed distance of a following vehicle: its clearance, and a margin for rounding.
-constexpr double spare_m = aiv::clearance_m + Ground::left_m + 0.01;
-
-}  // namespace
 
 Presence::Presence(FleetTables& tables, Leaders& leaders, PathSurvey& survey, CrossingGrants& grants,
                    FleetOrders& orders, PoseWriter& poses)
@@ -61,7 +54,7 @@ bool Presence::bring(std::uint32_t i, zone::TrackPosition position, std::int16_t
   state_.mode[i] = 0;
   leaders_.link(i);
   const double gap_m = leaders_.gap_m(i);
-  if (gap_m < spare_m || !leaves_room_behind(block, i)) {
+  if (gap_m < gap_needed_m || !leaves_room_behind(block, i)) {
     leaders_.unlink(i);
     state_.section[i] = was.section;
     state_.s_m[i] = was.s_m;
@@ -98,7 +91,7 @@ void Presence::make_absent(std::uint32_t i) {
 bool Presence::leaves_room_behind(Block& block, std::uint32_t i) const {
   const std::uint32_t copy = state_.own[i].copy;
   const auto can_stop = [&](std::uint32_t other, double path_distance_m) {
-    return path_distance_m - numbers_.length_m - spare_m >= orders_.committed_m(other) - state_.s_m[other];
+    return path_distance_m - numbers_.length_m - gap_needed_m >= orders_.committed_m(other) - state_.s_m[other];
   };
   if (const std::uint32_t other = state_.own[i].behind; other != Fleet::none)
     return can_stop(other, state_.s_m[i] - state_.s_m[other]);

@@ -173,7 +173,7 @@ void BijectionMonitor::write(JsonWriter& json) const {
         .field("kind", to_string(finding.kind))
         .field("id", finding.id)
         .field("text", finding.text)
-        .field("since_ms", static_cast<double>(finding.since.time_since_epoch().count()) * 1e-6)
+        .field("since_ms", to_milliseconds_scaled(finding.since))
         .end_object();
   }
   json.end_array().field("augmented", static_cast<std::uint64_t>(augmented_));

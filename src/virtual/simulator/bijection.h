@@ -104,14 +104,8 @@ class BijectionMonitor {
   /// Ratio of that time in which every contract held as well.
   [[nodiscard]] double held_ratio() const;
   [[nodiscard]] const Statistics& divergence_m() const { return divergence_m_; }
-  [[nodiscard]] const Statistics& divergence_rad() const { return divergence_rad_; }
   [[nodiscard]] const Statistics& actual_m() const { return actual_m_; }
-  [[nodiscard]] const Statistics& actual_rad() const { return actual_rad_; }
   [[nodiscard]] const Statistics& age_ms() const { return age_ms_; }
-  [[nodiscard]] const Statistics& effect_ms(WorldEffect kind) const {
-    return effects_ms_[static_cast<std::size_t>(kind)];
-  }
-  [[nodiscard]] std::uint64_t event_count(PhysicalEvent kind) const { return events_[static_cast<std::size_t>(kind)]; }
 
   /// docs/protocols/hmi-api.md, "Bijection".
   void write(JsonWriter& json) const;

@@ -88,7 +88,7 @@ void Decoder::feed(std::string_view bytes, std::vector<BoardMessage>& messages) 
       return;
     }
     if (overlong_) {
-      count_bad({"link.length", "a frame is longer than " + std::to_string(frame_max) + " bytes", {}});
+      count_up(counters_.frames_bad, 1);  // longer than any frame
     } else if (frame_.empty()) {
       finish_frame(piece, messages);  // whole in these bytes: no copy
     } else {
@@ -105,7 +105,7 @@ void Decoder::finish_frame(std::string_view frame, std::vector<BoardMessage>& me
   if (frame.empty()) return;  // delimiters may be repeated: a sender puts some first to end old garbage
   auto decoded = decode(frame);
   if (!decoded) {
-    count_bad(std::move(decoded).error());
+    count_up(counters_.frames_bad, 1);
     return;
   }
   counters_.frames_good = static_cast<std::uint16_t>(counters_.frames_good + 1U);
@@ -119,11 +119,6 @@ void Decoder::restart() {
   frame_.clear();
   overlong_ = false;
   last_sequence_.reset();
-}
-
-void Decoder::count_bad(Error error) {
-  count_up(counters_.frames_bad, 1);
-  last_error_ = std::move(error);
 }
 
 }  // namespace cosiva::wire::module_link

@@ -52,16 +52,13 @@ class Decoder {
   /// A new connection: discards the unfinished frame and the last sequence number; the counters go on.
   void restart();
   [[nodiscard]] const Counters& counters() const { return counters_; }
-  [[nodiscard]] const std::optional<Error>& last_error() const { return last_error_; }
 
  private:
   void finish_frame(std::string_view frame, std::vector<BoardMessage>& messages);
-  void count_bad(Error error);
   std::string frame_;     ///< the bytes since the last delimiter, when they arrived in pieces
   bool overlong_{false};  ///< more bytes arrived than a frame can hold: all are dropped up to the next delimiter
   std::optional<std::uint8_t> last_sequence_;
   Counters counters_;
-  std::optional<Error> last_error_;
 };
 
 /// The content of one frame without its delimiter.

@@ -370,8 +370,6 @@ TEST(Decoder, drops_what_is_longer_than_a_frame_and_counts_it_once) {
   EXPECT_EQ(decoder.counters().frames_bad, 0);  // the frame may still continue
   decoder.feed(std::string_view{"\0", 1}, received);
   EXPECT_EQ(decoder.counters().frames_bad, 1);
-  ASSERT_TRUE(decoder.last_error());
-  EXPECT_EQ(decoder.last_error()->code, "link.length");
   decoder.feed(encode(Heartbeat{}, 0), received);
   EXPECT_THAT(received, ElementsAre(BoardMessage{Heartbeat{}}));
 }

@@ -216,6 +216,4 @@ std::optional<std::vector<Contact>> find_contacts(const Circuit& circuit, const 
   return finder.contacts();
 }
 
-bool too_many_contacts(const Circuit& circuit, const ContactRules& rules) { return Finder{circuit, rules}.too_many(); }
-
 }  // namespace cosiva::zone

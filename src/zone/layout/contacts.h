@@ -36,7 +36,5 @@ struct ContactRules {
 /// All contacts, sorted by (on, other, from). Nothing when the sections lie so densely on one another that it would
 /// take minutes: the allowed work grows with the length of the sections, so that it bounds their density.
 [[nodiscard]] std::optional<std::vector<Contact>> find_contacts(const Circuit& circuit, const ContactRules& rules);
-/// Whether find_contacts would give nothing, determined without scanning.
-[[nodiscard]] bool too_many_contacts(const Circuit& circuit, const ContactRules& rules);
 
 }  // namespace cosiva::zone

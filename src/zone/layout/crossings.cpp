@@ -221,8 +221,4 @@ std::vector<Crossing> find_crossings(const Circuit& circuit, const VehicleShape&
   return *std::move(crossings);
 }
 
-bool too_crowded(const Circuit& circuit, const VehicleShape& shape, double clearance_m) {
-  return too_many_contacts(circuit, {shape, clearance_m});
-}
-
 }  // namespace cosiva::zone

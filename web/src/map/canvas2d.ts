@@ -2,6 +2,7 @@
 // about two thousand vehicles.
 import { kind_aiv, kind_person, flag_augmented, flag_blocked, flags_kind_mask, flags_status_shift } from '../live/frames';
 import type { Positions } from '../live/positions';
+import { context_2d, resize_canvas } from './canvas';
 import { body_outline, state_order, type BodiesShown, type BodySize, type Colours, type Line, type Renderer } from './renderer';
 import { state_styles } from '../live/status';
 import type { Size, View } from './view';
@@ -23,16 +24,13 @@ export class Canvas2dRenderer implements Renderer {
   private path_key = '';
 
   constructor(private readonly canvas: HTMLCanvasElement) {
-    const context = canvas.getContext('2d');
-    if (!context) throw new Error('this browser has no Canvas2D');
-    this.context = context;
+    this.context = context_2d(canvas);
   }
 
   resize(size: Size, pixel_ratio: number): void {
     this.size = size;
     this.ratio = pixel_ratio;
-    this.canvas.width = Math.max(1, Math.round(size.width * pixel_ratio));
-    this.canvas.height = Math.max(1, Math.round(size.height * pixel_ratio));
+    resize_canvas(this.canvas, size, pixel_ratio);
   }
 
   set_colours(colours: Colours): void {

@@ -2,6 +2,7 @@
 // is limited to what can be read.
 import type { Point, Primitive, GroundTruth, Zone } from '../live/contract';
 import { kind_aiv, flag_augmented, flags_kind_mask, flags_status_shift } from '../live/frames';
+import { context_2d, resize_canvas } from './canvas';
 import { distance, nearest_on_tracks } from './geometry';
 import type { MapIndex } from './hit_index';
 import { tag_reach_m, type Sketch } from './tools';
@@ -54,16 +55,13 @@ export class Markers {
   private zone: Zone | null = null;
 
   constructor(private readonly canvas: HTMLCanvasElement) {
-    const context = canvas.getContext('2d');
-    if (!context) throw new Error('this browser has no Canvas2D');
-    this.context = context;
+    this.context = context_2d(canvas);
   }
 
   resize(size: Size, pixel_ratio: number): void {
     this.size = size;
     this.ratio = pixel_ratio;
-    this.canvas.width = Math.max(1, Math.round(size.width * pixel_ratio));
-    this.canvas.height = Math.max(1, Math.round(size.height * pixel_ratio));
+    resize_canvas(this.canvas, size, pixel_ratio);
     this.clean = true;
   }
   set_colours(colours: Colours): void {

@@ -1,6 +1,7 @@
 // The WebGL2 renderer: quads are built into one buffer, and one call draws all vehicles. Instancing is avoided because a
 // software rasteriser pays for each instance. There are no shadows, blur or antialiasing buffers: the fragment shader knows
 // the distance of every edge.
+import { resize_canvas } from './canvas';
 import { packed, type Colours, type Renderer } from './renderer';
 import type { Size } from './view';
 import { Quads, vertices_per_quad, words_per_quad, words_per_vertex } from './webgl_quads';
@@ -65,8 +66,7 @@ export class WebglRenderer extends Quads implements Renderer {
   resize(size: Size, pixel_ratio: number): void {
     this.size = size;
     this.ratio = pixel_ratio;
-    this.canvas.width = Math.max(1, Math.round(size.width * pixel_ratio));
-    this.canvas.height = Math.max(1, Math.round(size.height * pixel_ratio));
+    resize_canvas(this.canvas, size, pixel_ratio);
   }
 
   end(): void {

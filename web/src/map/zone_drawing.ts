@@ -1,6 +1,7 @@
 // Paints the zone: shapes on named layers, without knowledge of their meaning (A19). The zone is repainted only when the view,
 // the zone, the layers or the colours change.
 import type { Point, Primitive, Zone } from '../live/contract';
+import { context_2d, resize_canvas } from './canvas';
 import { box_of } from './geometry';
 import type { Colours } from './renderer';
 import { to_screen, type Size, type View } from './view';
@@ -59,16 +60,13 @@ export class ZoneDrawing {
   private closed: readonly string[] = [];
 
   constructor(private readonly canvas: HTMLCanvasElement) {
-    const context = canvas.getContext('2d', { alpha: false });
-    if (!context) throw new Error('this browser has no Canvas2D');
-    this.context = context;
+    this.context = context_2d(canvas, { alpha: false });
   }
 
   resize(size: Size, pixel_ratio: number): void {
     this.size = size;
     this.ratio = pixel_ratio;
-    this.canvas.width = Math.max(1, Math.round(size.width * pixel_ratio));
-    this.canvas.height = Math.max(1, Math.round(size.height * pixel_ratio));
+    resize_canvas(this.canvas, size, pixel_ratio);
     this.painted = null;
   }
 

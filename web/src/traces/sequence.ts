@@ -1,4 +1,5 @@
 // The layout of the sequence diagram: agents as lifelines, messages as arrows, one row each, in the order of the traces.
+import type { Trace } from '../live/contract';
 import { manufacturer, serial } from '../live/format';
 import { note_kind, chunk_rows, type TraceStore } from './store';
 
@@ -69,14 +70,8 @@ export interface Leg {
   /** true for a message over the broker, false within the server */
   radio: boolean;
 }
-export interface Arrow {
+export interface Arrow extends Trace {
   seq: number;
-  n: number;
-  time_ms: number;
-  from: string;
-  to: string;
-  kind: string;
-  content: string;
   /** empty if sender or receiver has no lifeline */
   legs: Leg[];
   note: boolean;

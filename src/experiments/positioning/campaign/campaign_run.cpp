@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/base/text.h"
 
 namespace cosiva::experiments {
@@ -85,6 +86,7 @@ void CampaignRun::record_done(const std::vector<bool>& finished) {
     if (finished[unit]) cost_done_ += work_->cost(unit);
     return finished[unit];
   });
+  COSIVA_EXPECT(std::ranges::is_sorted(left_));
 }
 
 std::vector<std::size_t> CampaignRun::ratio() const {

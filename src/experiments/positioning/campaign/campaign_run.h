@@ -18,6 +18,8 @@ namespace cosiva::experiments {
 /// proceeds in rounds: each rank takes its part of the remaining units, until its time is up; then all ranks exchange
 /// what they have done. Therefore no rank has to distribute work, a slow rank does less, and a killed process loses one
 /// round.
+///
+/// Invariant: the units that are left rise, the same on all ranks.
 class CampaignRun {
  public:
   /// Stores lines of finished units; only rank 0's function is used. Its failure ends the campaign.

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::experiments {
 namespace {
 
@@ -141,6 +143,7 @@ void RunLog::add(const EstimateResponse& response) {
   moment_m_ = travelled_m_;
   stamps_.push_back(response.timestamp);
   run_.trial.moments.push_back({run_.trial.events.size(), 0.0, {}, travelled_m_, since_fiducial_m_, std::nullopt});
+  COSIVA_EXPECT(stamps_.size() == run_.trial.moments.size());
 }
 
 Result<LiveRun> RunLog::finish(const std::shared_ptr<const zone::TrafficZone>& zone,

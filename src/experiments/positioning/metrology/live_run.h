@@ -39,6 +39,8 @@ struct LiveRun {
 };
 
 /// A run in progress: takes responses, and makes a live run of them at the end.
+///
+/// Invariant: each moment has the time at which the vehicle has sent it.
 class RunLog {
  public:
   RunLog(std::string name, wire::VehicleId vehicle, std::uint64_t seed, std::uint32_t particles, std::uint32_t horizon);

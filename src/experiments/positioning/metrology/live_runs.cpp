@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 
@@ -117,6 +118,7 @@ void LiveRuns::on_response(SimTime now, Slot& slot, std::string_view payload) {
 
 void LiveRuns::begin(SimTime now, Slot& slot, Responses& responses) {
   if (!slot.run) {
+    COSIVA_EXPECT(!to_drive_.empty());
     slot.index = to_drive_.front();
     to_drive_.pop_front();
     slot.begun = 0;

@@ -43,6 +43,8 @@ struct LiveRunsOptions {
 /// the vehicle has driven TDTmax, requests for its nextEstimatedPosition are sent repeatedly and its responses
 /// recorded; the actual position comes from the global vision system, or from the plant instead. A lost request is
 /// repeated; a vehicle that restarts repeats the run; a lost vehicle leaves its run to the others.
+///
+/// Invariant: each run waits, is driven by one vehicle, or is complete.
 class LiveRuns {
  public:
   struct Responses {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/experiments/positioning/metrology/comparing.h"
 #include "cosiva/experiments/positioning/metrology/evaluation.h"
 #include "cosiva/experiments/statistics/distributions.h"
@@ -33,6 +34,9 @@ std::vector<double> column(const std::vector<RunMetrics>& runs, const Get& get) 
   return values;
 }
 
+/// Gathers the metrics of all candidates, run by run.
+///
+/// Invariant: the runs are taken in their order, so that the digest covers it.
 class Qualifying {
  public:
   Qualifying(const std::vector<Candidate>& candidates, std::size_t runs, const QualificationOptions& options)
@@ -50,6 +54,8 @@ class Qualifying {
 
   /// In the order of runs, and of candidates in each run: so the digest covers both.
   void take(std::size_t index, EvaluatedRun run) {
+    COSIVA_EXPECT(index == taken_);
+    ++taken_;
     if (index == 0) {
       result_.times_s = std::move(run.times_s);
       result_.ground_truth = std::move(run.ground_truth);
@@ -208,6 +214,7 @@ class Qualifying {
   const std::vector<Candidate>& candidates_;
   std::vector<Gathered> gathered_;
   Qualification result_;
+  std::size_t taken_{0};  ///< runs
 };
 
 }  // namespace

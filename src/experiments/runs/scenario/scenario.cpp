@@ -50,6 +50,12 @@ double length_m(const std::vector<Point2>& path) {
 /// Rounded to centimetres: a path's exact length is irrelevant.
 std::string rounded(double metres) { return toml_number(std::round(metres * 100.0) / 100.0); }
 
+/// Begins {"command":"add","virtualObject":{…}}.
+void begin_virtual_object(JsonWriter& json, std::string_view id, std::string_view kind) {
+  json.begin_object().field("command", "add").key("virtualObject").begin_object();
+  json.field("id", id).field("kind", kind);
+}
+
 /// Reads one file. Entries are read in time order, because `move` and `remove` refer to the objects present at their
 /// time.
 class Reader {
@@ -307,12 +313,7 @@ class Reader {
     fields.expect_only({"id", "at", "path", "speed_mps", "repeat", "radius_m"});
     const std::string id = read_id(fields);
     JsonWriter json;
-    json.begin_object()
-        .field("command", "add")
-        .key("virtualObject")
-        .begin_object()
-        .field("id", id)
-        .field("kind", "person");
+    begin_virtual_object(json, id, "person");
     const std::string motion_text = write_motion(fields, json);
     if (fields.has("radius_m")) json.field("radius", fields.number("radius_m", radius_range_m));
     json.end_object().end_object();
@@ -328,12 +329,7 @@ class Reader {
     if (fields.has("section") != fields.has("s_m"))
       fields.fault("", "scenario.field", R"(section and s_m go together, as in section = "east", s_m = 0.5)");
     JsonWriter json;
-    json.begin_object()
-        .field("command", "add")
-        .key("virtualObject")
-        .begin_object()
-        .field("id", id)
-        .field("kind", "aiv");
+    begin_virtual_object(json, id, "aiv");
     std::string where = " where there is room";
     if (fields.has("section")) {
       const std::string section = fields.text("section", 64);
@@ -356,12 +352,7 @@ class Reader {
     const Point2 at = fields.point("at");
     const double radius_m = fields.number("radius_m", radius_range_m, virtual_object_radius_m);
     JsonWriter json;
-    json.begin_object()
-        .field("command", "add")
-        .key("virtualObject")
-        .begin_object()
-        .field("id", id)
-        .field("kind", "obstacle");
+    begin_virtual_object(json, id, "obstacle");
     json.field("x", at.x_m).field("y", at.y_m).field("radius", radius_m).end_object().end_object();
     virtual_objects_.insert_or_assign(id, VirtualObject{false, radius_m, line_});
     plan(json, "virtual obstacle " + id + " at " + at_text(at));

@@ -10,6 +10,8 @@
 namespace cosiva::experiments {
 
 /// Returns the steps of a scenario when they are due.
+///
+/// Invariant: the steps are in the order of their times, and each is returned once.
 class ScenarioPlayer {
  public:
   explicit ScenarioPlayer(const Scenario& scenario) : steps_{scenario.steps} {}

@@ -43,6 +43,9 @@ struct WorldOptions {
   std::shared_ptr<const zone::Rtm> rtm{};
 };
 
+/// The whole platform in virtual time.
+///
+/// Invariant: time never goes back.
 class World {
  public:
   [[nodiscard]] static Result<std::unique_ptr<World>> make(WorldOptions options);

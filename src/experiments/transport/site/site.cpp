@@ -36,6 +36,9 @@ class Message {
   std::string bytes_;
 };
 
+/// Takes values from the front of a message, in the order in which they were put.
+///
+/// Invariant: nothing is taken beyond the message's end.
 class MessageReader {
  public:
   explicit MessageReader(std::string_view bytes) : bytes_{bytes} {}

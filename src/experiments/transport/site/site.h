@@ -25,6 +25,8 @@ struct SiteOptions : TrafficTerms {
 
 /// Zones with transfer points, each zone stepped by one rank. Between two synchronisations of the ranks every zone is
 /// independent: the period is the shortest transfer time, so that no vehicle arrives before its rank knows of it.
+///
+/// Invariant: the zones of a rank are consecutive, and every arrival is at a transfer point of the plan.
 class SiteRun {
  public:
   /// Fails as TrafficRun::make does, naming the zone; ("site.transfer_point") where a transfer point names an unknown

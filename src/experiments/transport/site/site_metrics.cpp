@@ -10,9 +10,15 @@ namespace {
 /// With more zones than this the text contains only their number.
 constexpr std::size_t listed_most = 24;
 
-SiteMetrics::Zone total_of(const std::vector<SiteMetrics::Zone>& zones) {
-  SiteMetrics::Zone all;
-  for (const SiteMetrics::Zone& zone : zones) {
+}  // namespace
+
+bool SiteMetrics::good() const {
+  return std::ranges::all_of(zones, [](const Zone& zone) { return zone.collisions == 0 && zone.stuck == 0; });
+}
+
+SiteMetrics::Zone SiteMetrics::total() const {
+  Zone all;
+  for (const Zone& zone : zones) {
     all.jobs_due += zone.jobs_due;
     all.jobs_done += zone.jobs_done;
     all.came += zone.came;
@@ -25,16 +31,10 @@ SiteMetrics::Zone total_of(const std::vector<SiteMetrics::Zone>& zones) {
   return all;
 }
 
-}  // namespace
-
-bool SiteMetrics::good() const {
-  return std::ranges::all_of(zones, [](const Zone& zone) { return zone.collisions == 0 && zone.stuck == 0; });
-}
-
 void write_json(JsonWriter& json, const SiteMetrics& metrics) {
   json.begin_object().field("aivs", metrics.aivs).field("in_transfer", metrics.in_transfer);
   json.field("vehicle_steps", metrics.vehicle_steps).field("digest", metrics.digest);
-  const SiteMetrics::Zone all = total_of(metrics.zones);
+  const SiteMetrics::Zone all = metrics.total();
   json.field("jobs_due", all.jobs_due).field("jobs_done", all.jobs_done).field("transferPoints", all.came);
   json.field("distance_m", all.distance_m).field("energy_wh", all.energy_wh);
   json.field("near_misses", all.near_misses).field("collisions", all.collisions).field("stuck", all.stuck);
@@ -54,7 +54,7 @@ void write_json(JsonWriter& json, const SiteMetrics& metrics) {
 
 std::string to_text(const SiteMetrics& metrics) {
   std::string text;
-  const SiteMetrics::Zone all = total_of(metrics.zones);
+  const SiteMetrics::Zone all = metrics.total();
   for (const SiteMetrics::Zone& zone : metrics.zones) {
     if (metrics.zones.size() > listed_most) break;
     text += "  " + zone.name + ": " + std::to_string(zone.aivs) + " AIVs at the end, " +

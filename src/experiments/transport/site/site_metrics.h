@@ -33,6 +33,8 @@ struct SiteMetrics {
   std::string digest;  ///< of all zones; does not depend on ranks and workers
 
   [[nodiscard]] bool good() const;
+  /// The sums over all zones: jobs, transfers, distance, energy, near misses, collisions, vehicles stuck.
+  [[nodiscard]] Zone total() const;
 };
 
 /// One JSON object: the totals, and "zones" with one object for each.

@@ -28,31 +28,18 @@ std::string to_html(const SiteMetrics& metrics, const std::string& command) {
                 std::to_string(metrics.aivs) + " AIVs, " + std::to_string(metrics.in_transfer) +
                     " of them between two zones at the end"};
   std::vector<std::vector<std::string>> rows;
-  std::size_t done = 0;
-  std::size_t due = 0;
-  std::size_t came = 0;
   for (const SiteMetrics::Zone& zone : metrics.zones) {
-    done += zone.jobs_done;
-    due += zone.jobs_due;
-    came += zone.came;
     rows.push_back({zone.name, std::to_string(zone.aivs), std::to_string(zone.jobs_due), std::to_string(zone.jobs_done),
                     std::to_string(zone.came), std::to_string(zone.left), readable(zone.distance_m / 1000.0, 2),
                     readable(100.0 * zone.waiting_ratio, 1), readable(zone.energy_wh, 1),
                     std::to_string(zone.near_misses), std::to_string(zone.collisions), std::to_string(zone.stuck)});
   }
-  std::uint64_t near_misses = 0;
-  std::uint64_t collisions = 0;
-  std::size_t stuck = 0;
-  for (const SiteMetrics::Zone& zone : metrics.zones) {
-    near_misses += zone.near_misses;
-    collisions += zone.collisions;
-    stuck += zone.stuck;
-  }
-  report.metadata({{std::to_string(done) + " of " + std::to_string(due), "jobs done"},
-                   {std::to_string(came), "transfers from zone to zone"},
-                   {std::to_string(collisions), "collisions", collisions > 0},
-                   {std::to_string(near_misses), "near misses", near_misses > 0},
-                   {std::to_string(stuck), "AIVs stuck at the end", stuck > 0}});
+  const SiteMetrics::Zone all = metrics.total();
+  report.metadata({{std::to_string(all.jobs_done) + " of " + std::to_string(all.jobs_due), "jobs done"},
+                   {std::to_string(all.came), "transfers from zone to zone"},
+                   {std::to_string(all.collisions), "collisions", all.collisions > 0},
+                   {std::to_string(all.near_misses), "near misses", all.near_misses > 0},
+                   {std::to_string(all.stuck), "AIVs stuck at the end", all.stuck > 0}});
   add_waiting(report, metrics.zones);
   report.heading("Zones");
   report.table({"zone", "AIVs at the end", "jobs due", "done", "came", "left", "driven [km]", "waiting [%]",

@@ -21,6 +21,8 @@ struct JobCourse {
 /// Assigns jobs to vehicles without a job: the oldest of the highest priority first, to the vehicle with the shortest
 /// travel time by the router, among the few nearest in a straight line. A vehicle without a job circulates, so that it
 /// blocks no other vehicle; a vehicle that loads or unloads stops on its route, as in the zone.
+///
+/// Invariant: the given jobs are in the order in which they are due; a vehicle that has left is away until it comes.
 class Dispatcher {
  public:
   using Fleet = virtual_side::Fleet;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/base/random.h"
 #include "cosiva/base/text.h"
 
@@ -49,6 +50,8 @@ std::vector<std::string_view> values_of(std::string_view line) {
 }
 
 /// Reads one file, line by line.
+///
+/// Invariant: below the head, the columns of time, origin and destination are known.
 class CsvReader {
  public:
   CsvReader(const zone::TrafficZone& zone, std::string_view origin) : zone_{zone}, origin_{origin} {}
@@ -60,6 +63,7 @@ class CsvReader {
     if (!has_head_) return read_head(cells);
     if (cells.size() != columns_)
       return wrong(std::to_string(cells.size()) + " values for " + std::to_string(columns_) + " columns");
+    COSIVA_EXPECT(at_[time] && at_[from] && at_[to]);
     Job job;
     const auto due_s = number_of<double>(cells[*at_[time]]);
     if (!due_s || !(*due_s >= 0.0 && *due_s <= 1e9))

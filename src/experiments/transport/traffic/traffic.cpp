@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "cosiva/base/digest.h"
+#include "cosiva/base/expect.h"
 
 namespace cosiva::experiments {
 namespace {
@@ -85,6 +86,7 @@ bool TrafficRun::advance(double seconds, Workers& workers) {
 }
 
 void TrafficRun::step(Workers& workers) {
+  COSIVA_EXPECT(away_.size() <= fleet_->size());
   fleet_->step(workers);
   ++steps_;
   present_s_ += to_seconds(options_.step) * static_cast<double>(fleet_->size() - away_.size());

@@ -53,6 +53,8 @@ struct Traveller {
 };
 
 /// A fleet's traffic on a zone in virtual time, and its metrics.
+///
+/// Invariant: the vehicles that are away are vehicles of the fleet, each once.
 class TrafficRun {
  public:
   /// Fails ("traffic.room") where the zone has too little room, ("traffic.options") on options out of range, and as

@@ -217,7 +217,7 @@ bool VirtualObstaclePublisher::on_virtual_obstacles_ack(VehicleIndex vehicle,
 void VirtualObstaclePublisher::measure(Viewer& viewer, const wire::VirtualObstaclesAck& perceived, SimTime decided,
                                        bool begins_to_brake) {
   BijectionMonitor& monitor = simulator_.monitor();
-  const auto since_ms = [decided](SimTime then) { return std::max(0.0, to_seconds(decided - then) * 1e3); };
+  const auto since_ms = [decided](SimTime then) { return std::max(0.0, to_milliseconds_by_seconds(decided - then)); };
   bool was_change = false;
   for (Change& change : viewer.changes) {
     if (perceived.virtual_obstacles_header_id - change.header_id > response_within) continue;

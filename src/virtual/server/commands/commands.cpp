@@ -267,7 +267,7 @@ void Commands::materialise(Command& command) {
   if (command.verb == OperatorCommandKind::limit) registry_[command.vehicle].settings.on_limit(command.speed_mps);
   action_sender_.drop(command.handle);
   if (BijectionMonitor* monitor = monitor_of(command))
-    monitor->command_materialised(to_seconds(publisher_.now() - command.at) * 1e3);
+    monitor->command_materialised(to_milliseconds_by_seconds(publisher_.now() - command.at));
 }
 
 void Commands::fail_command(Command& command, std::string reason) {

@@ -36,11 +36,6 @@ struct ServerContext {
   std::uint64_t unknown_senders_logged{0};
 };
 
-/// For JSON members that end in _ms.
-[[nodiscard]] inline double to_milliseconds(SimDuration duration) {
-  return static_cast<double>(duration.count()) * 1e-6;
-}
-
 /// Traces each step of the simulator, as a message between two of its parts.
 [[nodiscard]] Simulator::Step step_recorder(ServerContext& context);
 

@@ -10,8 +10,6 @@
 namespace cosiva::virtual_side {
 namespace {
 
-double ms_of(SimDuration duration) { return to_seconds(duration) * 1e3; }
-
 auto bad(std::string_view field, std::string_view expected) {
   return fail("options.server", "expected " + std::string(expected), std::string(field));
 }
@@ -28,7 +26,7 @@ Result<void> read_positive(const JsonValue& json, std::string_view field, double
 }
 
 Result<void> read_duration(const JsonValue& json, std::string_view field, SimDuration& out) {
-  double ms = ms_of(out);
+  double ms = to_milliseconds_by_seconds(out);
   if (auto read = read_positive(json, field, 3.6e6, ms); !read) return read;
   out = from_seconds(ms * 1e-3);
   return {};
@@ -63,8 +61,8 @@ std::string to_json(const ServerOptions& options) {
   if (!options.area.empty()) json.field("area", options.area);
   if (options.zone) zone::write_json(json.key("zone"), *options.zone);
   json.field("drive", options.drive)
-      .field("lost_after_ms", ms_of(options.lost_after))
-      .field("cycle_ms", ms_of(options.cycle));
+      .field("lost_after_ms", to_milliseconds_by_seconds(options.lost_after))
+      .field("cycle_ms", to_milliseconds_by_seconds(options.cycle));
   json.key("contract")
       .begin_object()
       .field("divergence_p99_m", options.contract.divergence_p99_m)

@@ -97,7 +97,7 @@ void OwnReports::on_detected(VehicleIndex vehicle, const wire::Input& input) {
   context_.traces.add(context_.now, "AIV_Server", "Simulator", "appear",
                       id + ": an obstacle at " + position_text(at.x_m, at.y_m));
   if (proxy.augmented()) return;
-  context_.simulator.monitor().effect(WorldEffect::shown, to_seconds(context_.now - detected_at) * 1e3);
+  context_.simulator.monitor().effect(WorldEffect::shown, to_milliseconds_by_seconds(context_.now - detected_at));
 }
 
 void OwnReports::forget_where_clear(VehicleIndex vehicle, double clear_m) {

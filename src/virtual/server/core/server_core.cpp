@@ -82,12 +82,13 @@ void ServerCore::Impl::drive() {
 void ServerCore::Impl::account_for_cycle() {
   const ServerContext& context = parts.context;
   BijectionMonitor& monitor = parts.context.simulator.monitor();
-  if (ticked_at) monitor.late(std::max(0.0, to_seconds(context.now - *ticked_at - context.options.cycle) * 1e3));
+  if (ticked_at)
+    monitor.late(std::max(0.0, to_milliseconds_by_seconds(context.now - *ticked_at - context.options.cycle)));
   ticked_at = context.now;
   for (const AivProxy& proxy : context.registry) {
     // A vehicle that reported OFFLINE is not expected to report.
     if (proxy.twin_link.present() && !proxy.augmented() && proxy.connection.state() != wire::ConnectionState::offline)
-      monitor.age(proxy.twin_link.entity(), to_seconds(context.now - proxy.reports.reported_at()) * 1e3);
+      monitor.age(proxy.twin_link.entity(), to_milliseconds_by_seconds(context.now - proxy.reports.reported_at()));
   }
   monitor.elapse(context.now);
 }

@@ -46,7 +46,7 @@ void ServerView::write_objects(JsonWriter& json) const {
     for (VehicleIndex v = 0; v < context_.registry.size(); ++v)
       if (context_.registry[v].here() && augmented_.virtual_obstacles.perceives(v) == virtual_object.id)
         json.value(context_.registry[v].name());
-    json.end_array().field("since_ms", to_milliseconds(virtual_object.since.time_since_epoch())).end_object();
+    json.end_array().field("since_ms", to_milliseconds_scaled(virtual_object.since)).end_object();
   }
   json.end_array();
 }
@@ -63,8 +63,8 @@ void ServerView::write_obstacles(JsonWriter& json) const {
     json.key("detectedBy").begin_array();
     for (const DetectedObstacle::Witness& witness : obstacle.detected_by) json.value(witness.vehicle);
     json.end_array()
-        .field("first_ms", to_milliseconds(obstacle.first.time_since_epoch()))
-        .field("last_ms", to_milliseconds(obstacle.last.time_since_epoch()))
+        .field("first_ms", to_milliseconds_scaled(obstacle.first))
+        .field("last_ms", to_milliseconds_scaled(obstacle.last))
         .end_object();
   }
   json.end_array();
@@ -95,7 +95,7 @@ void ServerView::write_commands(JsonWriter& json) const {
     const auto since = [&](std::string_view name, const std::optional<SimTime>& at) {
       json.key(name);
       if (at)
-        json.value(to_milliseconds(*at - command.at));
+        json.value(to_milliseconds_scaled(*at - command.at));
       else
         json.null();
     };
@@ -104,7 +104,7 @@ void ServerView::write_commands(JsonWriter& json) const {
         .field("vehicle", command.vehicle_name)
         .field("command", command.command_text)
         .field("state", to_string(command.state))
-        .field("time_ms", to_milliseconds(command.at.time_since_epoch()));
+        .field("time_ms", to_milliseconds_scaled(command.at));
     since("accepted_ms", command.accepted_at);
     since("materialised_ms", command.materialised_at);
     json.field("reason", command.reason).end_object();
@@ -116,7 +116,7 @@ std::string ServerView::snapshot_json() const {
   JsonWriter json;
   json.begin_object()
       .field("time", to_iso8601(context_.now))
-      .field("time_ms", to_milliseconds(context_.now.time_since_epoch()))
+      .field("time_ms", to_milliseconds_scaled(context_.now))
       .field("zoneRevision", context_.simulator.zone_revision());
   json.key("zoneEdits")
       .begin_object()

@@ -77,7 +77,8 @@ void TwinPlacement::set_present(AivProxy& proxy) {
 }
 
 void TwinPlacement::record_event(const AivProxy& proxy, PhysicalEvent kind, SimTime reported_at) {
-  if (!proxy.augmented()) context_.simulator.monitor().event(kind, to_seconds(context_.now - reported_at) * 1e3);
+  if (!proxy.augmented())
+    context_.simulator.monitor().event(kind, to_milliseconds_by_seconds(context_.now - reported_at));
 }
 
 }  // namespace cosiva::virtual_side

@@ -98,7 +98,7 @@ void VehicleView::write(JsonWriter& json, VehicleIndex vehicle) const {
       .field("lost", lost)
       .field("status", aiv::to_string(aiv::status_of(speed_mps, proxy.reported_state.imposed())));
   write_pose_and_mission(json, vehicle, image, speed_mps);
-  json.field("age_ms", std::max(0.0, to_milliseconds(context_.now - proxy.reports.reported_at())))
+  json.field("age_ms", std::max(0.0, to_milliseconds_scaled(context_.now - proxy.reports.reported_at())))
       .field("divergence_m", context_.simulator.last_divergence_m(*proxy.twin()));
   write_agent(json, vehicle, lost);
   write_reserved(json, vehicle);

@@ -108,10 +108,10 @@ void ZoneChange::find_first_moving() {
     const bool drives = proxy.state() && proxy.state()->driving && proxy.position.map_id() == map_->zone().name;
     if (!drives && context_.simulator.twin(*proxy.twin()).speed_mps() <= moving_mps) continue;
     last_->first_moving = context_.now;
-    context_.publisher.log('i',
-                           "zone '" + map_->zone().name + "': " + proxy.name() + " moves on it, " +
-                               std::to_string(static_cast<std::int64_t>(to_milliseconds(context_.now - last_->at))) +
-                               " ms after the switch");
+    context_.publisher.log(
+        'i', "zone '" + map_->zone().name + "': " + proxy.name() + " moves on it, " +
+                 std::to_string(static_cast<std::int64_t>(to_milliseconds_scaled(context_.now - last_->at))) +
+                 " ms after the switch");
     return;
   }
 }
@@ -121,12 +121,9 @@ void ZoneChange::write(JsonWriter& json) const {
     json.null();
     return;
   }
-  json.begin_object()
-      .field("at", to_milliseconds(last_->at.time_since_epoch()))
-      .field("from", last_->from)
-      .key("first_moving_ms");
+  json.begin_object().field("at", to_milliseconds_scaled(last_->at)).field("from", last_->from).key("first_moving_ms");
   if (last_->first_moving)
-    json.value(to_milliseconds(*last_->first_moving - last_->at));
+    json.value(to_milliseconds_scaled(*last_->first_moving - last_->at));
   else
     json.null();
   json.field("snapped", static_cast<std::uint64_t>(last_->snapped)).key("offRoute").begin_array();

@@ -218,7 +218,7 @@ void ZoneSession::write(JsonWriter& json) const {
     json.begin_object()
         .field("origin", refused_->origin)
         .field("why", refused_->why)
-        .field("at", to_milliseconds(refused_->at.time_since_epoch()))
+        .field("at", to_milliseconds_scaled(refused_->at))
         .end_object();
   } else {
     json.null();

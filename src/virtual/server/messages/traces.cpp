@@ -21,8 +21,6 @@ std::string_view cut(std::string_view text, std::size_t bytes_max) {
 
 double rounded(double value) { return std::nearbyint(value * 1000.0) / 1000.0; }
 
-double unix_ms(SimTime at) { return static_cast<double>(at.time_since_epoch().count()) * 1e-6; }
-
 std::string text_of(const Pose2& pose, double speed_mps) {
   JsonWriter json;
   json.begin_object()
@@ -108,6 +106,18 @@ const Traces::Trace& Traces::at(std::uint64_t n) const {
 
 std::uint64_t Traces::oldest() const { return next_ - buffer_.size(); }
 
+void Traces::write_head(JsonWriter& json, std::uint64_t n, const Trace& trace) {
+  json.field("n", n)
+      .field("time_ms", to_milliseconds_scaled(trace.at))
+      .field("from", trace.from)
+      .field("to", trace.to)
+      .field("kind", trace.kind);
+}
+
+std::string Traces::content_of(const Trace& trace) {
+  return trace.is_position ? text_of(trace.pose, trace.speed_mps) : trace.content;
+}
+
 std::string Traces::to_json(std::uint64_t after, std::size_t limit) const {
   const std::uint64_t begin = std::clamp(after, oldest(), next_);
   const std::uint64_t end = begin + std::min<std::uint64_t>(next_ - begin, limit);
@@ -115,14 +125,8 @@ std::string Traces::to_json(std::uint64_t after, std::size_t limit) const {
   json.begin_object().field("next", end).field("oldest", oldest()).key("traces").begin_array();
   for (std::uint64_t n = begin; n < end; ++n) {
     const Trace& trace = at(n);
-    json.begin_object()
-        .field("n", n)
-        .field("time_ms", unix_ms(trace.at))
-        .field("from", trace.from)
-        .field("to", trace.to)
-        .field("kind", trace.kind)
-        .field("content", trace.is_position ? text_of(trace.pose, trace.speed_mps) : trace.content)
-        .end_object();
+    write_head(json.begin_object(), n, trace);
+    json.field("content", content_of(trace)).end_object();
   }
   json.end_array().end_object();
   return json.take();
@@ -133,15 +137,8 @@ std::optional<std::string> Traces::one_json(std::uint64_t n) const {
   const Trace& trace = at(n);
   const auto raw = raw_of(trace);
   JsonWriter json;
-  json.begin_object()
-      .field("n", n)
-      .field("time_ms", unix_ms(trace.at))
-      .field("from", trace.from)
-      .field("to", trace.to)
-      .field("kind", trace.kind)
-      .field("topic", trace.topic)
-      .field("content", trace.is_position ? text_of(trace.pose, trace.speed_mps) : trace.content)
-      .key("raw");
+  write_head(json.begin_object(), n, trace);
+  json.field("topic", trace.topic).field("content", content_of(trace)).key("raw");
   raw ? json.value(*raw) : json.null();
   json.end_object();
   return json.take();

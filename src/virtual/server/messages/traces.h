@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/base/json_writer.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/base/time.h"
 
@@ -65,6 +66,9 @@ class Traces {
   [[nodiscard]] const Trace& at(std::uint64_t n) const;
   void keep(Trace& trace, std::string_view raw);
   [[nodiscard]] std::optional<std::string> raw_of(const Trace& trace) const;
+  /// The fields that both forms begin with.
+  static void write_head(JsonWriter& json, std::uint64_t n, const Trace& trace);
+  [[nodiscard]] static std::string content_of(const Trace& trace);
 
   std::size_t capacity_;
   std::vector<Trace> buffer_;

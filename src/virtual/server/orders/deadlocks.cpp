@@ -23,8 +23,6 @@ std::string deed(Means means, double cost_m) {
   return {};
 }
 
-double ms_of(SimTime time) { return static_cast<double>(time.time_since_epoch().count()) * 1e-6; }
-
 }  // namespace
 
 std::string_view to_string(Deadlock::State state) {
@@ -245,14 +243,14 @@ void Deadlocks::write(JsonWriter& json) const {
     for (const Deadlock& deadlock : *all) {
       json.begin_object()
           .field("number", deadlock.number)
-          .field("since_ms", ms_of(deadlock.since))
+          .field("since_ms", to_milliseconds_scaled(deadlock.since))
           .field("state", to_string(deadlock.state))
           .key("members")
           .begin_array();
       for (const VehicleIndex v : deadlock.members) json.value(registry_[v].name());
       json.end_array().field("reason", deadlock.reason).field("how", deadlock.how).key("ended_ms");
       if (deadlock.ended_at)
-        json.value(ms_of(*deadlock.ended_at));
+        json.value(to_milliseconds_scaled(*deadlock.ended_at));
       else
         json.null();
       json.end_object();

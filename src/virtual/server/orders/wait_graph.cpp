@@ -31,11 +31,6 @@ void WaitGraph::sort_waits() {
   COSIVA_EXPECT(first_.back() == waits_.size());
 }
 
-std::span<const Wait> WaitGraph::waits_of(VehicleIndex waiter) const {
-  if (waiter + std::size_t{1} >= first_.size()) return {};
-  return std::span{waits_}.subspan(first_[waiter], first_[waiter + 1] - first_[waiter]);
-}
-
 const std::vector<Knot>& WaitGraph::find_knots() {
   knots_.clear();
   sort_waits();

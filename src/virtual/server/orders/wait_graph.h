@@ -46,7 +46,6 @@ class WaitGraph {
 
   /// To be called after find_knots(): sorted by who, whom and why.
   [[nodiscard]] std::span<const Wait> waits() const { return waits_; }
-  [[nodiscard]] std::span<const Wait> waits_of(VehicleIndex waiter) const;
 
  private:
   void sort_waits();

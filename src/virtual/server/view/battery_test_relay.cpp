@@ -8,8 +8,6 @@
 namespace cosiva::virtual_side {
 namespace {
 
-double ms_of(SimTime time) { return static_cast<double>(time.time_since_epoch().count()) * 1e-6; }
-
 /// Rounds to the precision of the quantity; further digits of a float are noise.
 double rounded(double value, double steps_per_unit) { return std::nearbyint(value * steps_per_unit) / steps_per_unit; }
 
@@ -132,7 +130,7 @@ void BatteryTestRelay::write(JsonWriter& json) const {
   json.begin_object().key("changes").begin_array();
   for (const auto& [name, change] : changes_) {
     json.begin_object().field("vehicle", name).field("battery", change.wanted.battery).field("run", change.wanted.run);
-    json.field("reason", change.wanted.reason).field("since_ms", ms_of(change.since)).end_object();
+    json.field("reason", change.wanted.reason).field("since_ms", to_milliseconds_scaled(change.since)).end_object();
   }
   json.end_array().key("test");
   if (test_)
@@ -143,11 +141,13 @@ void BatteryTestRelay::write(JsonWriter& json) const {
 }
 
 void BatteryTestRelay::write_test(JsonWriter& json) const {
-  json.begin_object().field("began_ms", ms_of(test_->began)).field("received_ms", ms_of(test_->timestamp));
+  json.begin_object()
+      .field("began_ms", to_milliseconds_scaled(test_->began))
+      .field("received_ms", to_milliseconds_scaled(test_->timestamp));
   json.field("run", test_->run).field("runs", test_->runs).field("floor", test_->floor_percent);
   json.field("progress", test_->ratio).key("expectedEnd_ms");
   if (test_->expected_end)
-    json.value(ms_of(*test_->expected_end));
+    json.value(to_milliseconds_scaled(*test_->expected_end));
   else
     json.null();
   json.field("done", test_->done).key("vehicles").begin_array();
@@ -170,7 +170,7 @@ std::optional<std::string> BatteryTestRelay::curve_json(const std::string& vehic
   JsonWriter json;
   json.begin_object().field("vehicle", vehicle).key("points").begin_array();
   for (const BatteryCurve::Point& point : curve->second.points()) {
-    json.begin_array().value(ms_of(point.at)).value(rounded(point.charge_percent, 1000.0));
+    json.begin_array().value(to_milliseconds_scaled(point.at)).value(rounded(point.charge_percent, 1000.0));
     json.value(rounded(point.voltage_v, 1000.0)).value(rounded(point.temperature_c, 10.0)).end_array();
   }
   json.end_array().end_object();

@@ -13,8 +13,6 @@ namespace {
 /// A time stamp that falls back further than any network delay means that the clock was set; the message is not late.
 constexpr SimDuration reorder_max{std::chrono::seconds{5}};
 
-double ms_of(SimTime time) { return static_cast<double>(time.time_since_epoch().count()) * 1e-6; }
-
 /// To a tenth of a millimetre: further digits are noise.
 double rounded(double value) { return std::nearbyint(value * 1e4) * 1e-4; }
 
@@ -231,7 +229,7 @@ void GroundTruthComparator::write(JsonWriter& json) const {
   json.field("trouble", connection_ ? connection_->trouble : std::string{});
   json.key("last_ms");
   if (detections_)
-    json.value(ms_of(detections_at_)).key("period_s").value(detections_->period_s);
+    json.value(to_milliseconds_scaled(detections_at_)).key("period_s").value(detections_->period_s);
   else
     json.null().key("period_s").null();
   json.key("detections").begin_array();
@@ -239,7 +237,7 @@ void GroundTruthComparator::write(JsonWriter& json) const {
     json.begin_object().field("id", name).field("tag", detected.tag).field("twin", twin_of(name).has_value());
     json.field("x", rounded(detected.X_MB.x_m)).field("y", rounded(detected.X_MB.y_m));
     json.field("heading", rounded(detected.X_MB.heading_rad)).field("uncertainty_m", rounded(detected.uncertainty_m));
-    json.field("at_ms", ms_of(detected.at));
+    json.field("at_ms", to_milliseconds_scaled(detected.at));
     number_or_null(json, "gap_m", detected.gap_m);
     number_or_null(json, "gap_rad", detected.gap_rad);
     json.end_object();
