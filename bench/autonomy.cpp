@@ -1,6 +1,5 @@
 // How often the intervals and bounds of an autonomy test contain the true value, over simulated fleets of known ground
 // truth: without and with vehicles that fail before their batteries do. Goal: nominal ± 1 percent.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -9,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "cosiva/app/cli/options.h"
 #include "cosiva/base/math.h"
 #include "cosiva/base/random.h"
 #include "cosiva/experiments/statistics/distributions.h"
@@ -137,17 +137,16 @@ int measure(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"Counts how often the results of an autonomy test are true"};
-  app.add_option("--fleets", options.fleets, "Simulated fleets")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1'000'000));
-  app.add_option("--size", options.size, "Batteries in each")->capture_default_str()->check(CLI::Range(3, 10'000));
-  app.add_option("--sd", options.sd_s, "Standard deviation of the batteries, of 3600 s")->capture_default_str();
-  app.add_option("--failing", options.failing, "Ratio of vehicles that fail first")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 0.9));
-  app.add_option("--seed", options.seed, "Seed of the run")->capture_default_str();
-  app.add_flag("--json", options.json, "Print the metrics as JSON");
-  CLI11_PARSE(app, argc, argv);
+  const cosiva::app::CommandLine line{"Counts how often the results of an autonomy test are true"};
+  const cosiva::app::Command command = line.root();
+  command.add_option("--fleets", options.fleets, "Simulated fleets").show_default().in_range(1, 1'000'000);
+  command.add_option("--size", options.size, "Batteries in each").show_default().in_range(3, 10'000);
+  command.add_option("--sd", options.sd_s, "Standard deviation of the batteries, of 3600 s").show_default();
+  command.add_option("--failing", options.failing, "Ratio of vehicles that fail first")
+      .show_default()
+      .in_range(0.0, 0.9);
+  command.add_option("--seed", options.seed, "Seed of the run").show_default();
+  command.add_flag("--json", options.json, "Print the metrics as JSON");
+  if (const auto status = line.parse(argc, argv)) return *status;
   return measure(options);
 }

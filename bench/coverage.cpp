@@ -1,13 +1,13 @@
 // Coverage of the statistics: campaigns of simulated qualifications with known ground truth. Counts how often a
 // run-level interval contains the true value, how often identical algorithms are reported as different, and how often a
 // real difference is found with as many runs as were announced for it.
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <vector>
 
 #include "bench/zones.h"
 #include "cosiva/aiv/estimation/registry.h"
+#include "cosiva/app/cli/options.h"
 #include "cosiva/experiments/positioning/metrology/metrics.h"
 #include "cosiva/experiments/positioning/metrology/simulate.h"
 #include "cosiva/experiments/statistics/interval.h"
@@ -66,14 +66,16 @@ bool holds(const std::vector<double>& runs, double ground_truth, std::uint64_t s
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Counts how often intervals contain the true value and tests raise a false alarm"};
+  const cosiva::app::CommandLine line{
+      "Counts how often intervals contain the true value and tests raise a false alarm"};
+  const cosiva::app::Command command = line.root();
   std::size_t campaigns = 1000;
   std::size_t runs = 20;
   std::size_t ground_truth_runs = 20'000;
-  app.add_option("--campaigns", campaigns);
-  app.add_option("--runs", runs, "in each");
-  app.add_option("--ground-truth-runs", ground_truth_runs, "that the ground truth is taken from");
-  CLI11_PARSE(app, argc, argv);
+  command.add_option("--campaigns", campaigns);
+  command.add_option("--runs", runs, "in each");
+  command.add_option("--ground-truth-runs", ground_truth_runs, "that the ground truth is taken from");
+  if (const auto status = line.parse(argc, argv)) return *status;
 
   Laboratory laboratory;
   const GroundTruth ground_truth = ground_truth_of(laboratory, ground_truth_runs);

@@ -1,7 +1,6 @@
 // How many vehicles a second one core moves (virtual/fleet): each perceives, decides by the fuzzy rules, moves and has
 // its pose written. By default on a clover of 144 m with twelve vehicles in each copy, with as many copies as needed;
 // bench/vs_sumo measures SUMO on the same circuit. Prints NAME VALUE UNIT.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -16,6 +15,7 @@
 
 #include "cosiva/adapters/thread_pool.h"
 #include "cosiva/aiv/decision/agent_rules.h"
+#include "cosiva/app/cli/options.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/random.h"
@@ -235,24 +235,20 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"Measures how many vehicles of a virtual fleet move on in a second"};
-  app.add_option("--vehicles", options.vehicles, "Numbers of vehicles")
-      ->delimiter(',')
-      ->capture_default_str()
-      ->check(CLI::PositiveNumber);
-  app.add_option("--per-copy", options.per_copy, "In each copy of the zone; 0: all in one")->capture_default_str();
-  app.add_option("--zone", options.zone, "Zone file")->capture_default_str();
-  app.add_option("--rules", options.rules, "fuzzy, crisp or a file of rules")->capture_default_str();
-  app.add_option("--threads", options.threads, "Workers")->capture_default_str()->check(CLI::Range(1, 256));
-  app.add_option("--at-once", options.at_once, "Steps that are made at once")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000));
-  app.add_option("--seconds", options.seconds, "To measure for, each")->capture_default_str();
-  app.add_option("--duration", options.duration_s, "Simulated seconds to measure, instead");
-  app.add_option("--seed", options.seed, "Seed of the start positions")->capture_default_str();
-  app.add_option("--warm-up", options.warm_up_s, "Simulated seconds before that")->capture_default_str();
-  app.add_option("--as", options.as, "Prefix of the metrics' names")->capture_default_str();
-  app.add_flag("--json", options.json, "Print one JSON object a line");
-  CLI11_PARSE(app, argc, argv);
+  const cosiva::app::CommandLine line{"Measures how many vehicles of a virtual fleet move on in a second"};
+  const cosiva::app::Command command = line.root();
+  command.add_option("--vehicles", options.vehicles, "Numbers of vehicles").separator(',').show_default().positive();
+  command.add_option("--per-copy", options.per_copy, "In each copy of the zone; 0: all in one").show_default();
+  command.add_option("--zone", options.zone, "Zone file").show_default();
+  command.add_option("--rules", options.rules, "fuzzy, crisp or a file of rules").show_default();
+  command.add_option("--threads", options.threads, "Workers").show_default().in_range(1, 256);
+  command.add_option("--at-once", options.at_once, "Steps that are made at once").show_default().in_range(1, 1000);
+  command.add_option("--seconds", options.seconds, "To measure for, each").show_default();
+  command.add_option("--duration", options.duration_s, "Simulated seconds to measure, instead");
+  command.add_option("--seed", options.seed, "Seed of the start positions").show_default();
+  command.add_option("--warm-up", options.warm_up_s, "Simulated seconds before that").show_default();
+  command.add_option("--as", options.as, "Prefix of the metrics' names").show_default();
+  command.add_flag("--json", options.json, "Print one JSON object a line");
+  if (const auto status = line.parse(argc, argv)) return *status;
   return run(options);
 }

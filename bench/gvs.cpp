@@ -1,11 +1,11 @@
 // The processor time of one core that the global vision system takes for an image of 2048² with twenty vehicles.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <vector>
 
+#include "cosiva/app/cli/options.h"
 #include "cosiva/base/random.h"
 #include "cosiva/physical/vision/floor_fit.h"
 #include "cosiva/physical/vision/painter.h"
@@ -54,14 +54,15 @@ double centre(std::vector<double> values) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Times the global vision system, by processor time of its one thread"};
+  const cosiva::app::CommandLine line{"Times the global vision system, by processor time of its one thread"};
+  const cosiva::app::Command command = line.root();
   int vehicles = 20;
   int images = 40;
   std::size_t size = 2048;
-  app.add_option("--vehicles", vehicles)->check(CLI::Range(1, 100));
-  app.add_option("--image-count", images)->check(CLI::Range(2, 100000));
-  app.add_option("--size", size)->check(CLI::Range(256, 8192));
-  CLI11_PARSE(app, argc, argv);
+  command.add_option("--vehicles", vehicles).in_range(1, 100);
+  command.add_option("--image-count", images).in_range(2, 100000);
+  command.add_option("--size", size).in_range(256, 8192);
+  if (const auto status = line.parse(argc, argv)) return *status;
 
   SceneCamera camera;
   const double ratio = static_cast<double>(size) / 2048.0;

@@ -1,12 +1,12 @@
 // Qualification of the arc-length filter in virtual time: runs of 100 m, simulated, estimated and evaluated, on one
 // core.
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 #include <ctime>
 
 #include "bench/zones.h"
 #include "cosiva/aiv/estimation/registry.h"
+#include "cosiva/app/cli/options.h"
 #include "cosiva/experiments/positioning/metrology/qualification.h"
 #include "cosiva/experiments/positioning/metrology/simulate.h"
 #include "cosiva/zone/rtm/rtm.h"
@@ -20,16 +20,17 @@ double processor_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Times the qualification of position estimators"};
+  const cosiva::app::CommandLine line{"Times the qualification of position estimators"};
+  const cosiva::app::Command command = line.root();
   std::size_t runs = 1000;
   double distance_m = 100.0;
   double rate_hz = 20.0;
   std::string algorithm = "arc_kalman";
-  app.add_option("--runs", runs);
-  app.add_option("--distance", distance_m);
-  app.add_option("--rate", rate_hz, "odometry per second, at 0.5 m/s");
-  app.add_option("--algorithm", algorithm);
-  CLI11_PARSE(app, argc, argv);
+  command.add_option("--runs", runs);
+  command.add_option("--distance", distance_m);
+  command.add_option("--rate", rate_hz, "odometry per second, at 0.5 m/s");
+  command.add_option("--algorithm", algorithm);
+  if (const auto status = line.parse(argc, argv)) return *status;
 
   experiments::Simulation simulation{fixture::lacet4_track()};
   simulation.distance_m = distance_m;

@@ -4,7 +4,6 @@
 // Arrays are far larger than the caches. Bytes are counted as each program requests them: an element read once, an
 // element written once. Prints NAME VALUE UNIT, medians; `ratio` is motion's bytes a second over the limit's, round by
 // round.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -15,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "cosiva/app/cli/options.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/random.h"
 #include "cosiva/base/test_paths.h"
@@ -167,10 +167,11 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"Compares a fleet's motion with the machine's streaming limit"};
-  app.add_option("--vehicles", options.vehicles, "Vehicles")->capture_default_str()->check(CLI::PositiveNumber);
-  app.add_option("--rounds", options.rounds, "Turns of each")->capture_default_str()->check(CLI::PositiveNumber);
-  app.add_flag("--json", options.json, "Print one JSON object");
-  CLI11_PARSE(app, argc, argv);
+  const cosiva::app::CommandLine line{"Compares a fleet's motion with the machine's streaming limit"};
+  const cosiva::app::Command command = line.root();
+  command.add_option("--vehicles", options.vehicles, "Vehicles").show_default().positive();
+  command.add_option("--rounds", options.rounds, "Turns of each").show_default().positive();
+  command.add_flag("--json", options.json, "Print one JSON object");
+  if (const auto status = line.parse(argc, argv)) return *status;
   return run(options);
 }

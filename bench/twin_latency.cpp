@@ -8,7 +8,6 @@
 #include <mosquitto.h>
 #include <sys/prctl.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
 #include <charconv>
@@ -33,6 +32,7 @@
 #include "cosiva/adapters/live_shell.h"
 #include "cosiva/adapters/mqtt_client.h"
 #include "cosiva/aiv/motion/motion.h"
+#include "cosiva/app/cli/options.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/test_paths.h"
 #include "cosiva/virtual/server/core/server_core.h"
@@ -378,16 +378,13 @@ int measure(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"Measures publish to twin updated compared with the bare broker, in one run"};
-  app.add_option("--zone", options.zone, "Zone file")->capture_default_str();
-  app.add_option("--seconds", options.seconds, "Length of the run")->capture_default_str()->check(CLI::PositiveNumber);
-  app.add_option("--rate", options.rate_hz, "Messages per second")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 100'000));
-  app.add_option("--vehicles", options.vehicles, "Vehicles that report")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 100));
-  app.add_flag("--json", options.json, "Print the metrics as JSON");
-  CLI11_PARSE(app, argc, argv);
+  const cosiva::app::CommandLine line{"Measures publish to twin updated compared with the bare broker, in one run"};
+  const cosiva::app::Command command = line.root();
+  command.add_option("--zone", options.zone, "Zone file").show_default();
+  command.add_option("--seconds", options.seconds, "Length of the run").show_default().positive();
+  command.add_option("--rate", options.rate_hz, "Messages per second").show_default().in_range(1, 100'000);
+  command.add_option("--vehicles", options.vehicles, "Vehicles that report").show_default().in_range(1, 100);
+  command.add_flag("--json", options.json, "Print the metrics as JSON");
+  if (const auto status = line.parse(argc, argv)) return *status;
   return measure(options);
 }

@@ -1,6 +1,5 @@
 // How much faster than real time the whole platform runs in one process: plant, boards, on-board programs, network,
 // server, simulator. Goal: 12 AIVs at 500 times real time on one core.
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
@@ -9,6 +8,7 @@
 #include <iterator>
 #include <string>
 
+#include "cosiva/app/cli/options.h"
 #include "cosiva/base/test_paths.h"
 #include "cosiva/experiments/runs/world/world.h"
 
@@ -68,18 +68,17 @@ int measure(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"Measures how much faster than real time a fleet runs in virtual time"};
-  app.add_option("--zone", options.zone, "Zone file")->capture_default_str();
-  app.add_option("--aivs", options.aivs, "Vehicles")->capture_default_str()->check(CLI::Range(1, 1000));
-  app.add_option("--duration", options.duration_s, "Simulated seconds")
-      ->capture_default_str()
-      ->check(CLI::PositiveNumber);
-  app.add_option("--seed", options.seed, "Seed of the run")->capture_default_str();
-  app.add_option("--hz", options.hz, "Rate of every component, 10 to 50; 0: the live platform's own rates")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 50.0));
-  app.add_flag("--as-values", options.as_values, "Messages are passed on as values, without their texts");
-  app.add_flag("--json", options.json, "Print the metrics as JSON");
-  CLI11_PARSE(app, argc, argv);
+  const cosiva::app::CommandLine line{"Measures how much faster than real time a fleet runs in virtual time"};
+  const cosiva::app::Command command = line.root();
+  command.add_option("--zone", options.zone, "Zone file").show_default();
+  command.add_option("--aivs", options.aivs, "Vehicles").show_default().in_range(1, 1000);
+  command.add_option("--duration", options.duration_s, "Simulated seconds").show_default().positive();
+  command.add_option("--seed", options.seed, "Seed of the run").show_default();
+  command.add_option("--hz", options.hz, "Rate of every component, 10 to 50; 0: the live platform's own rates")
+      .show_default()
+      .in_range(0.0, 50.0);
+  command.add_flag("--as-values", options.as_values, "Messages are passed on as values, without their texts");
+  command.add_flag("--json", options.json, "Print the metrics as JSON");
+  if (const auto status = line.parse(argc, argv)) return *status;
   return measure(options);
 }

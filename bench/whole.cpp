@@ -1,7 +1,6 @@
 // The cost of an autonomy test with the whole platform in the loop (`cosiva battery fleet --whole`): plant, boards,
 // on-board programs, network, server, simulator and procedure, in virtual time on one core. Goal: 12 AIVs for ten hours
 // at 10 Hz in 10 s.
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <cstdio>
 #include <ctime>
@@ -10,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "cosiva/app/cli/options.h"
 #include "cosiva/base/test_paths.h"
 #include "cosiva/experiments/battery/analysis.h"
 #include "cosiva/experiments/battery/platform_rig.h"
@@ -84,17 +84,18 @@ int measure(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"Measures an autonomy test with the whole platform in the loop"};
-  app.add_option("--zone", options.zone, "Zone file")->capture_default_str();
-  app.add_option("--aivs", options.aivs, "Vehicles")->capture_default_str()->check(CLI::Range(1, 1000));
-  app.add_option("--hz", options.hz, "Rate of every component, per second; 50: the live platform's own rates")
-      ->capture_default_str()
-      ->check(CLI::Range(10.0, 50.0));
-  app.add_option("--scale", options.scale, "Battery: two LiPo cells of 0.85 Ah times this; 5.2 last ten hours")
-      ->capture_default_str()
-      ->check(CLI::Range(0.01, 100.0));
-  app.add_option("--seed", options.seed, "Seed of the run")->capture_default_str();
-  app.add_flag("--json", options.json, "Print the metrics as JSON");
-  CLI11_PARSE(app, argc, argv);
+  const cosiva::app::CommandLine line{"Measures an autonomy test with the whole platform in the loop"};
+  const cosiva::app::Command command = line.root();
+  command.add_option("--zone", options.zone, "Zone file").show_default();
+  command.add_option("--aivs", options.aivs, "Vehicles").show_default().in_range(1, 1000);
+  command.add_option("--hz", options.hz, "Rate of every component, per second; 50: the live platform's own rates")
+      .show_default()
+      .in_range(10.0, 50.0);
+  command.add_option("--scale", options.scale, "Battery: two LiPo cells of 0.85 Ah times this; 5.2 last ten hours")
+      .show_default()
+      .in_range(0.01, 100.0);
+  command.add_option("--seed", options.seed, "Seed of the run").show_default();
+  command.add_flag("--json", options.json, "Print the metrics as JSON");
+  if (const auto status = line.parse(argc, argv)) return *status;
   return measure(options);
 }

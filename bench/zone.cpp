@@ -3,13 +3,13 @@
 #include <malloc.h>
 #include <sys/resource.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
 #include <string>
 #include <vector>
 
+#include "cosiva/app/cli/options.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
 #include "cosiva/base/random.h"
@@ -184,12 +184,13 @@ bool measure(std::size_t sections, std::size_t locates) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Measures the cost of a large zone"};
+  const cosiva::app::CommandLine line{"Measures the cost of a large zone"};
+  const cosiva::app::Command command = line.root();
   std::vector<std::size_t> sections{1'000, 100'000};
   std::size_t locates = 100'000;
-  app.add_option("--sections", sections, "sizes of the factory layouts, at most 170000 sections");
-  app.add_option("--locates", locates, "number in each of five rounds");
-  CLI11_PARSE(app, argc, argv);
+  command.add_option("--sections", sections, "sizes of the factory layouts, at most 170000 sections");
+  command.add_option("--locates", locates, "number in each of five rounds");
+  if (const auto status = line.parse(argc, argv)) return *status;
   for (const std::size_t size : sections) {
     if (size > 170'000 || !measure(size, locates)) return 1;
   }

@@ -1,7 +1,6 @@
 // A page to measure: the real HTTP server, live stream and frames, with the requested number of synthetic AIVs that
 // circulate on lacet4 (drawn larger, so that they have space). No core runs behind the stream. hmi.mjs measures this
 // server.
-#include <CLI/CLI.hpp>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -16,6 +15,7 @@
 #include "cosiva/adapters/clock.h"
 #include "cosiva/adapters/event_loop.h"
 #include "cosiva/adapters/http_server.h"
+#include "cosiva/app/cli/options.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/random.h"
@@ -236,13 +236,14 @@ class Fixture {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App arguments{"A page to measure, with synthetic AIVs"};
-  arguments.add_option("--vehicles", options.vehicles, "number of AIVs")->check(CLI::Range(0U, 32'768U));
-  arguments.add_option("--scale", options.scale, "size of the zone, 1 for lacet4's own; default: enough space for all");
-  arguments.add_option("--port", options.port, "0: any free one");
-  arguments.add_option("--web", options.web_root, "the page's built files");
-  arguments.add_option("--seconds", options.seconds, "end after this time; default: at a signal");
-  CLI11_PARSE(arguments, argc, argv);
+  const cosiva::app::CommandLine line{"A page to measure, with synthetic AIVs"};
+  const cosiva::app::Command command = line.root();
+  command.add_option("--vehicles", options.vehicles, "number of AIVs").in_range(0U, 32'768U);
+  command.add_option("--scale", options.scale, "size of the zone, 1 for lacet4's own; default: enough space for all");
+  command.add_option("--port", options.port, "0: any free one");
+  command.add_option("--web", options.web_root, "the page's built files");
+  command.add_option("--seconds", options.seconds, "end after this time; default: at a signal");
+  if (const auto status = line.parse(argc, argv)) return *status;
 
   std::ifstream file{options.zone, std::ios::binary};
   auto rtm = zone::Rtm::initialise({"toml", options.zone, {std::istreambuf_iterator<char>{file}, {}}});
