@@ -3,6 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "cosiva/zone/testing/test_zones.h"
 
 namespace cosiva::zone {
@@ -190,6 +195,153 @@ TEST(Check, counts_findings_that_it_does_not_list) {
   const auto ends = of_code(zone_of(std::move(parts)), "zone.dead_end", {.of_one_code = 3});
   ASSERT_THAT(ends, SizeIs(4));
   EXPECT_THAT(ends[3].text, HasSubstr("and 4 more"));
+}
+
+TEST(Check, tolerates_joints_up_to_its_limits_and_turns_on_the_spot_at_any_angle) {
+  const auto joined = [](double gap_m, double kink_rad, bool pivots = false) {
+    auto a = part("a", section({}, 1.0), {1});
+    a.pivots = pivots;
+    return zone_of({a, part("b", section({1.0, gap_m, kink_rad}, 1.0))}, 1.0, 1.0);
+  };
+  const auto codes = [](const TrafficZone& zone, const CheckLimits& limits = {}) {
+    return std::pair{of_code(zone, "circuit.gap", limits).size(), of_code(zone, "circuit.kink", limits).size()};
+  };
+  using Found = std::pair<std::size_t, std::size_t>;
+  EXPECT_EQ(codes(joined(0.0009, 0.0009)), (Found{0, 0}));
+  EXPECT_EQ(codes(joined(0.0011, 0.0011)), (Found{1, 1}));
+  EXPECT_EQ(codes(joined(-0.0011, -0.0011)), (Found{1, 1}));
+  EXPECT_EQ(codes(joined(0.0011, 0.5, true)), (Found{1, 0}));
+  EXPECT_EQ(codes(joined(0.5, 0.5), {.gap_m = 0.5, .kink_rad = 0.5}), (Found{0, 0}));
+  const auto kink = of_code(joined(0.0, 0.5), "circuit.kink");
+  EXPECT_EQ(kink[0].severity, Problem::Severity::error);
+  EXPECT_THAT(kink[0].text, HasSubstr("turns by 28.6479° at once from 'a' to 'b'"));
+}
+
+TEST(Check, reports_a_bend_where_it_is_sharpest_and_the_speed_that_it_allows) {
+  const auto bend = [](double length_m, double start_per_m, double end_per_m, std::optional<double> limit_mps = {}) {
+    auto made = Section::make({}, length_m, start_per_m, (end_per_m - start_per_m) / length_m);
+    EXPECT_TRUE(made);
+    auto one = part("a", std::move(*made));
+    one.speed_mps_max = limit_mps;
+    return zone_of({one});
+  };
+  // 0.5 m/s on a radius of 0.25 m: 1 m/s² exactly, which is tolerated.
+  EXPECT_THAT(of_code(bend(0.5, 4.0, 4.0), "zone.speed"), IsEmpty());
+  EXPECT_THAT(of_code(bend(0.5, 4.01, 4.01), "zone.speed"), SizeIs(1));
+  EXPECT_THAT(of_code(bend(0.5, 4.01, 4.01, 0.49), "zone.speed"), IsEmpty());
+  EXPECT_THAT(of_code(bend(0.5, 4.01, 4.01, 9.0), "zone.speed"), SizeIs(1)) << "no vehicle is faster than its profile";
+  EXPECT_THAT(of_code(bend(0.5, 4.01, 4.01, 9.0), "zone.speed")[0].text, HasSubstr("at 0.50 m/s"));
+  EXPECT_EQ(of_code(bend(0.5, 0.0, 5.0), "zone.speed")[0].position, (TrackPosition{0, 0.5}));
+  EXPECT_EQ(of_code(bend(0.5, -5.0, 0.0), "zone.speed")[0].position, (TrackPosition{0, 0.0}));
+  EXPECT_EQ(of_code(bend(0.5, 5.0, 5.0), "zone.speed")[0].position, (TrackPosition{0, 0.0}));
+  // √(1/5) = 0.447 m/s, and a half of the lateral acceleration 0.316 m/s.
+  EXPECT_THAT(of_code(bend(0.5, 5.0, 5.0), "zone.speed")[0].text, HasSubstr("limit it to 0.44 m/s"));
+  EXPECT_THAT(of_code(bend(0.5, 5.0, 5.0), "zone.speed", {.lateral_mps2 = 0.5})[0].text,
+              HasSubstr("limit it to 0.31 m/s"));
+  // A body 0.12 m wide turns on the spot at a radius of 0.06 m.
+  EXPECT_THAT(of_code(bend(0.1, 1.0 / 0.0601, 1.0 / 0.0601), "zone.vehicle"), IsEmpty());
+  const auto tight = of_code(bend(0.1, 1.0 / 0.0599, 1.0 / 0.0599), "zone.vehicle");
+  ASSERT_THAT(tight, SizeIs(1));
+  EXPECT_EQ(tight[0].severity, Problem::Severity::error);
+  EXPECT_THAT(tight[0].text, HasSubstr("radius of 0.0599 m, less than half the vehicle's width of 0.12 m"));
+}
+
+TEST(Check, counts_the_stations_that_do_not_lead_to_another_one) {
+  // Four parallel tracks, one station each, in order of driving along the last.
+  std::vector<Circuit::Part> parts;
+  for (int i = 0; i < 4; ++i) parts.push_back(part("s" + std::to_string(i), section({0.0, 1.0 * i, 0.0}, 1.0)));
+  TrafficZone zone = zone_of(std::move(parts));
+  zone.stations = {{"a", {0, 0.5}}, {"b", {1, 0.5}}};
+  auto found = of_code(zone, "zone.unreachable");
+  ASSERT_THAT(found, SizeIs(2));
+  EXPECT_EQ(found[0].severity, Problem::Severity::warning);
+  EXPECT_EQ(found[0].text, "station 'a' cannot be reached from station 'b'");
+  EXPECT_EQ(found[1].text, "station 'b' cannot be reached from station 'a'");
+  EXPECT_EQ(found[1].position, (TrackPosition{1, 0.5}));
+  zone.stations.push_back({"c", {2, 0.5}});
+  EXPECT_EQ(of_code(zone, "zone.unreachable")[0].text, "station 'a' cannot be reached from station 'b' and 1 other");
+  zone.stations.push_back({"d", {3, 0.5}});
+  found = of_code(zone, "zone.unreachable");
+  ASSERT_THAT(found, SizeIs(4));
+  EXPECT_EQ(found[0].text, "station 'a' cannot be reached from station 'b' and 2 others");
+  EXPECT_EQ(found[3].text, "station 'd' cannot be reached from station 'a' and 2 others");
+  // On one section, the same position can be reached without driving.
+  zone.stations = {{"a", {0, 0.5}}, {"b", {0, 0.5}}};
+  EXPECT_THAT(of_code(zone, "zone.unreachable"), IsEmpty());
+}
+
+TEST(Check, counts_a_closed_section_as_left_but_never_entered) {
+  // Round from "south" over "east" and "north"; "north" closed.
+  TrafficZone zone = loop_with_spur();
+  zone.stations = {{"dock", {2, 1.0}}};
+  zone.closed = {2};
+  zone.starts = {{2, 0.5}};
+  EXPECT_THAT(of_code(zone, "zone.unreachable"), IsEmpty()) << "ahead on the section where it starts";
+  zone.starts = {{2, 1.5}};
+  EXPECT_THAT(of_code(zone, "zone.unreachable"), SizeIs(1)) << "behind, and no route back";
+  zone.closed.clear();
+  EXPECT_THAT(of_code(zone, "zone.unreachable"), IsEmpty());
+  zone.starts.clear();
+  zone.stations = {{"gate", {6, 0.5}}};
+  EXPECT_THAT(of_code(zone, "zone.unreachable"), IsEmpty()) << "no start to come from";
+}
+
+TEST(Check, distinguishes_starts_that_are_too_near_from_those_where_no_vehicle_may_stop) {
+  TrafficZone zone = loop_with_spur();
+  zone.waypoints = {{"w", {0, 0.0}}, {"w", {2, 0.0}}};
+  zone.crossings = {{"X1", {}, {{0, 1.5, 1.8}}}};
+  // A vehicle and its gap take 0.30 m.
+  zone.starts = {{0, 0.5}, {0, 0.81}, {0, 1.1}, {0, 1.6}, {0, 1.9}, {2, 1.0}};
+  const auto found = of_code(zone, "zone.start");
+  ASSERT_THAT(found, SizeIs(3));
+  EXPECT_EQ(found[0].severity, Problem::Severity::error);
+  EXPECT_EQ(found[0].text, "start 4 lies where no vehicle may stop") << "in the crossing";
+  EXPECT_EQ(found[0].position, (TrackPosition{0, 1.6}));
+  EXPECT_EQ(found[1].text, "start 5 lies where no vehicle may stop") << "no waypoint since the crossing";
+  EXPECT_EQ(found[2].severity, Problem::Severity::warning);
+  EXPECT_EQ(found[2].text, "start 3 is nearer than 0.30 m to one before it; no vehicle begins here");
+}
+
+TEST(Check, tolerates_five_metres_without_tag_or_beacon) {
+  const auto unread = [](std::vector<Circuit::Part> parts) {
+    TrafficZone zone = zone_of(std::move(parts));
+    zone.beacons.reset();
+    return of_code(zone, "zone.unread");
+  };
+  EXPECT_THAT(unread({part("a", section({}, 5.0))}), IsEmpty());
+  const auto found = unread({part("a", section({}, 2.0), {1}), part("b", section({2.0, 0.0, 0.0}, 3.1))});
+  ASSERT_THAT(found, SizeIs(1));
+  EXPECT_EQ(found[0].severity, Problem::Severity::warning);
+  EXPECT_THAT(found[0].text, HasSubstr("for 5.10 m from here to 'b'; expected one every 5.00 m"));
+  const Section half = section({}, 0.5 * pi, 2.0);
+  const auto round = unread({part("a", half, {1}), part("b", section(half.end(), 0.5 * pi, 2.0), {0})});
+  ASSERT_THAT(round, SizeIs(1));
+  EXPECT_THAT(round[0].text, HasSubstr("can circulate for ever without a tag or a beacon, 3.1416 m each time"));
+}
+
+TEST(Check, counts_what_is_beyond_its_list_only_where_there_is_more) {
+  std::vector<Circuit::Part> parts;
+  for (int i = 0; i < 4; ++i) parts.push_back(part("s" + std::to_string(i), section({0.0, 1.0 * i, 0.0}, 1.0)));
+  const TrafficZone zone = zone_of(std::move(parts));
+  EXPECT_THAT(of_code(zone, "zone.dead_end", {.of_one_code = 4}), SizeIs(4));
+  const auto found = of_code(zone, "zone.dead_end", {.of_one_code = 3});
+  ASSERT_THAT(found, SizeIs(4));
+  EXPECT_EQ(found[3].text, "and 1 more like those above, up to here");
+  EXPECT_EQ(found[3].severity, Problem::Severity::warning);
+  EXPECT_EQ(found[3].position, (TrackPosition{3, 1.0}));
+  EXPECT_EQ(found[3].at, (Point2{1.0, 3.0}));
+}
+
+TEST(Check, lists_findings_by_severity_then_code_then_section) {
+  TrafficZone zone = loop_with_spur();
+  zone.stations = {{"gate", {6, 0.5}}};
+  zone.starts = {{0, 1.0}};
+  std::vector<std::string> codes;
+  for (const Problem& problem : problems(zone)) codes.push_back(problem.code);
+  EXPECT_THAT(codes, ElementsAre("zone.unreachable", "zone.dead_end", "zone.no_entry", "zone.no_return"));
+  EXPECT_EQ(to_string(Problem::Severity::error), "error");
+  EXPECT_EQ(to_string(Problem::Severity::warning), "warning");
+  EXPECT_EQ(to_string(Problem::Severity::notice), "notice");
 }
 
 TEST(Check, lists_errors_first_and_names_their_location) {

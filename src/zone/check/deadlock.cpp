@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "cosiva/base/components.h"
+#include "cosiva/base/expect.h"
 #include "cosiva/zone/layout/rounding.h"
 
 namespace cosiva::zone {
@@ -32,6 +33,7 @@ std::size_t packed_from(std::span<const double> positions_m, std::size_t first, 
   return count;
 }
 
+/// Finds one kind of position after the other. Invariant: no section has more waiting positions than waypoints.
 class Spots {
  public:
   explicit Spots(const TrafficZone& zone) : zone_{zone}, circuit_{zone.circuit}, opposite_{opposites(zone)} {
@@ -40,6 +42,7 @@ class Spots {
     for (const Waypoint& waypoint : zone.waypoints) {
       ++stretches_[waypoint.position.section];
       if (zone.crossing_at(waypoint.position) == nullptr) ++rests_[waypoint.position.section];
+      COSIVA_EXPECT(rests_[waypoint.position.section] <= stretches_[waypoint.position.section]);
     }
   }
 

@@ -4,7 +4,12 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "cosiva/base/random.h"
 #include "cosiva/zone/testing/test_zones.h"
@@ -69,6 +74,43 @@ TEST(Circuit, with_a_kink_is_refused) {
       "made");
 }
 
+TEST(Circuit, names_the_section_at_fault_and_what_was_expected) {
+  const auto error = [](std::vector<Circuit::Part> parts) { return Circuit::make("bad", std::move(parts)).error(); };
+  const Error gap = error({part("a", section({}, 1.0), {1}), part("b", section({1.0, 0.2, 0.0}, 1.0))});
+  EXPECT_EQ(
+      gap.message,
+      "'a' ends at (1.000000, 0.000000) but 'b' starts at (1.000000, 0.200000), 0.200000 m away; expected at most "
+      "0.001000 m");
+  const Error kink = error({part("a", section({}, 1.0), {1}), part("b", section({1.0, 0.0, pi / 6.0}, 1.0))});
+  EXPECT_EQ(kink.message,
+            "'a' ends with heading 0.000000° but 'b' starts with 30.000000°; expected at most 0.057296° between them");
+  EXPECT_EQ(kink.location, "a");
+  const Error next = error({part("a", section({}, 1.0)), part("b", section({}, 1.0), {2})});
+  EXPECT_EQ(next.message, "'b' is followed by section number 2, but there are only 2");
+  EXPECT_EQ(next.location, "b");
+}
+
+TEST(Circuit, tolerates_kinks_of_less_than_a_milliradian) {
+  for (const double side : {1.0, -1.0}) {
+    EXPECT_EQ(code_of({part("a", section({}, 1.0), {1}), part("b", section({1.0, 0.0, side * 0.0009}, 1.0))}), "made");
+    EXPECT_EQ(code_of({part("a", section({}, 1.0), {1}), part("b", section({1.0, 0.0, side * 0.0011}, 1.0))}),
+              "circuit.kink");
+  }
+  // A joint at the very limit is no fault.
+  const auto at_limit =
+      Circuit::make("limit", {part("a", section({}, 1.0), {1}), part("b", section({1.0, 0.5, 0.25}, 1.0))}, 0.5, 0.25);
+  EXPECT_TRUE(at_limit);
+}
+
+TEST(Circuit, finds_each_of_many_sections_by_its_name_whatever_their_order) {
+  std::vector<Circuit::Part> parts;
+  for (const char* name : {"m", "c", "x", "", "a", "zz", "z", "b"}) parts.push_back(part(name, section({}, 1.0)));
+  const Circuit circuit = testing::circuit(parts);
+  for (SectionId id = 0; id < parts.size(); ++id) EXPECT_EQ(circuit.find(parts[id].name), id);
+  for (const char* none : {"A", "aa", "y", "zzz"}) EXPECT_EQ(circuit.find(none), std::nullopt) << none;
+  EXPECT_EQ(circuit.name(), "test");
+}
+
 TEST(Circuit, followed_by_a_missing_section_is_refused) {
   EXPECT_EQ(code_of({part("a", section({}, 1.0), {7})}), "circuit.next");
 }
@@ -113,7 +155,7 @@ TEST(Circuit, distance_ahead_ends_at_its_limit_and_at_dead_ends) {
 
 TEST(Circuit, distance_ahead_undoes_advance) {
   const Circuit circuit = track();
-  rc::check([&] {
+  EXPECT_TRUE(rc::check([&] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "circuit_test"};
     const auto id = static_cast<SectionId>(random.below(4));
     const TrackPosition from{id, random.uniform(0.0, circuit.section(id).length_m())};
@@ -121,7 +163,7 @@ TEST(Circuit, distance_ahead_undoes_advance) {
     const auto back = circuit.distance_ahead(from, circuit.advance(from, distance_m), 100.0);
     RC_ASSERT(back.has_value());
     RC_ASSERT(std::fabs(*back - distance_m) < 1e-12);
-  });
+  }));
 }
 
 TEST(Circuit, locates_the_nearest_position_of_all_sections) {
@@ -146,14 +188,14 @@ TEST(Circuit, locate_distinguishes_crossing_sections_by_heading) {
 
 TEST(Circuit, locates_every_position_at_itself) {
   const Circuit circuit = track();
-  rc::check([&] {
+  EXPECT_TRUE(rc::check([&] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "circuit_test"};
     const auto id = static_cast<SectionId>(random.below(4));
     const Pose2 pose = circuit.pose_at({id, random.uniform(0.0, circuit.section(id).length_m())});
     const auto located = circuit.locate(position(pose), pose.heading_rad);
     RC_ASSERT(located.distance_m < 1e-12);
     RC_ASSERT(distance(circuit.pose_at(located.position), pose) < 1e-9);
-  });
+  }));
 }
 
 // Sections with branches
@@ -234,6 +276,89 @@ TEST(Circuit, finds_the_shortest_route_over_all_branches) {
   EXPECT_THAT(circuit.shortest_route({1, 0.7}, {1, 0.2}, 10.0)->sections, ElementsAre(1, 3, 0, 1));
   EXPECT_EQ(circuit.shortest_route({0, 0.5}, {2, 1.0}, 1.4), std::nullopt);
   EXPECT_TRUE(circuit.shortest_route({0, 0.5}, {2, 1.0}, 1.5));
+}
+
+TEST(Circuit, finds_the_shortest_route_of_a_random_graph) {
+  EXPECT_TRUE(rc::check([] {
+    Random random{*rc::gen::arbitrary<std::uint64_t>(), "circuit_test/route"};
+    // Circles through the origin: every section begins and ends there, so that any may follow any.
+    const std::size_t size = 2 + random.below(7);
+    std::vector<Circuit::Part> parts;
+    for (std::size_t i = 0; i < size; ++i) {
+      const double radius_m = 0.1 * static_cast<double>(1 + random.below(5));
+      parts.push_back(part("s" + std::to_string(i), section({}, 2.0 * pi * radius_m, 1.0 / radius_m)));
+      for (SectionId to = 0; to < size; ++to)
+        if (random.chance(1.6 / static_cast<double>(size))) parts.back().next.push_back(to);
+    }
+    const Circuit circuit = testing::circuit(std::move(parts));
+    const auto from = static_cast<SectionId>(random.below(size));
+    const auto to = static_cast<SectionId>(random.below(size));
+    const double from_m = random.uniform(0.0, 1.0) * circuit.section(from).length_m();
+    const double to_m = random.uniform(0.0, 1.0) * circuit.section(to).length_m();
+    // To the start of each section, by relaxing every joint again and again.
+    std::vector<double> start_m(size, 1e9);
+    const auto relax = [&](SectionId id, double end_m) {
+      for (const SectionId after : circuit.next(id)) start_m[after] = std::min(start_m[after], end_m);
+    };
+    for (std::size_t round = 0; round <= size; ++round) {
+      relax(from, circuit.section(from).length_m() - from_m);
+      for (SectionId id = 0; id < size; ++id) relax(id, start_m[id] + circuit.section(id).length_m());
+    }
+    const double wanted_m = from == to && to_m >= from_m ? to_m - from_m : start_m[to] + to_m;
+    const double limit_m = random.chance(0.5) ? 100.0 : random.uniform(0.0, 2.0) * wanted_m;
+    const auto route = circuit.shortest_route({from, from_m}, {to, to_m}, limit_m);
+    RC_ASSERT(route.has_value() == (wanted_m < 1e8 && wanted_m <= limit_m));
+    if (!route) return;
+    RC_ASSERT(std::fabs(route->length_m - wanted_m) < 1e-9);
+    RC_ASSERT(route->sections.front() == from);
+    RC_ASSERT(route->sections.back() == to);
+    for (std::size_t i = 1; i < route->sections.size(); ++i) {
+      const auto next = circuit.next(route->sections[i - 1]);
+      RC_ASSERT(std::find(next.begin(), next.end(), route->sections[i]) != next.end());
+    }
+  }));
+}
+
+TEST(Circuit, measures_up_to_its_limit_and_no_further) {
+  const Circuit line =
+      testing::circuit({part("a", section({}, 1.0), {1}), part("b", section({1.0, 0.0, 0.0}, 1.0), {2}),
+                        part("c", section({2.0, 0.0, 0.0}, 1.0))});
+  const auto measured = [&](TrackPosition from, TrackPosition to, double limit_m) {
+    return line.distance_ahead(from, to, limit_m);
+  };
+  EXPECT_EQ(measured({0, 0.5}, {0, 0.75}, 0.25), 0.25);
+  EXPECT_EQ(measured({0, 0.5}, {0, 0.75}, 0.2), std::nullopt);
+  EXPECT_EQ(measured({0, 0.5}, {0, 0.5}, 0.0), 0.0);
+  EXPECT_EQ(measured({0, 0.5}, {1, 0.0}, 0.5), 0.5);
+  EXPECT_EQ(measured({0, 0.5}, {2, 0.25}, 1.75), 1.75);
+  EXPECT_EQ(measured({0, 0.5}, {2, 0.25}, 1.5), std::nullopt);
+  EXPECT_EQ(measured({0, 0.5}, {0, 0.25}, 100.0), std::nullopt);
+  EXPECT_EQ(line.shortest_route({0, 0.5}, {0, 0.75}, 0.25)->length_m, 0.25);
+  EXPECT_EQ(line.shortest_route({0, 0.5}, {0, 0.75}, 0.2), std::nullopt);
+  EXPECT_EQ(line.shortest_route({0, 0.5}, {2, 0.25}, 1.75)->length_m, 1.75);
+  EXPECT_EQ(line.shortest_route({0, 0.5}, {2, 0.25}, 1.5), std::nullopt);
+  EXPECT_EQ(line.shortest_route({2, 0.5}, {0, 0.25}, 100.0), std::nullopt);
+}
+
+TEST(Circuit, advances_from_positions_beyond_a_section_s_ends_as_from_the_ends) {
+  const Circuit line = testing::circuit({part("a", section({}, 1.0), {1}), part("b", section({1.0, 0.0, 0.0}, 1.0))});
+  EXPECT_EQ(line.advance({0, -5.0}, 0.5), (TrackPosition{0, 0.5}));
+  EXPECT_EQ(line.advance({0, 5.0}, 0.5), (TrackPosition{1, 0.5}));
+  EXPECT_EQ(line.advance({0, 0.5}, 0.5), (TrackPosition{0, 1.0})) << "the end of a section is on it";
+  EXPECT_EQ(line.advance({1, 0.5}, -0.5), (TrackPosition{1, 0.0}));
+  EXPECT_EQ(line.advance({1, 0.5}, -0.75), (TrackPosition{0, 0.75}));
+}
+
+TEST(Circuit, turns_where_a_successor_leaves_by_more_than_a_milliradian) {
+  const auto turn = [](double kink_rad) {
+    auto a = part("a", section({}, 1.0), {1});
+    a.pivots = true;
+    return testing::circuit({a, part("b", section({1.0, 0.0, kink_rad}, 1.0))}).turn_at(0, 1);
+  };
+  EXPECT_EQ(turn(0.0009), 0.0);
+  EXPECT_EQ(turn(-0.0009), 0.0);
+  EXPECT_DOUBLE_EQ(turn(0.0011), 0.0011);
+  EXPECT_DOUBLE_EQ(turn(-0.0011), -0.0011);
 }
 
 }  // namespace

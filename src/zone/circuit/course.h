@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/zone/circuit/circuit.h"
 
 namespace cosiva::zone {
@@ -43,7 +44,7 @@ class SectionLookAhead {
 
 /// A vehicle's route through the circuit: a sequence of sections, each a successor of the one before, and the present
 /// one among them. From the end of the sequence default successors follow. An empty course is: default successors,
-/// always.
+/// always. Invariant: the present section is one of the sequence, unless that is empty.
 class Course {
  public:
   Course() = default;
@@ -54,8 +55,14 @@ class Course {
   /// at most `back` sections. False, and nothing changed: that section is not on the course, or not so near.
   bool arrive(SectionId section, std::size_t within = 64, std::size_t back = std::numeric_limits<std::size_t>::max());
   /// To the first of coming(), and to the last of gone(); there must be one.
-  void step() { ++at_; }
-  void step_back() { --at_; }
+  void step() {
+    COSIVA_EXPECT(at_ + 1 < sections_.size());
+    ++at_;
+  }
+  void step_back() {
+    COSIVA_EXPECT(at_ > 0);
+    --at_;
+  }
   /// Appends what comes after the last section.
   void extend(std::span<const SectionId> more);
   /// Drops the sections after the next `keep` ones.

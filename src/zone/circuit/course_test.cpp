@@ -77,8 +77,50 @@ TEST(Course, drops_the_sections_behind_and_nothing_else) {
   EXPECT_THAT(course.traversed(), ElementsAre(2));
 }
 
+TEST(Course, searches_no_further_back_than_its_limit) {
+  Course course{{1, 2, 3, 4}, 3};
+  EXPECT_EQ(course.here(), 4U);
+  EXPECT_FALSE(course.arrive(1, 64, 2));
+  EXPECT_EQ(course.here(), 4U);
+  EXPECT_TRUE(course.arrive(2, 64, 2));
+  EXPECT_EQ(course.here(), 2U);
+  EXPECT_TRUE(course.arrive(1, 64, 1));
+  EXPECT_EQ(course.here(), 1U);
+  EXPECT_TRUE(course.arrive(1, 0, 0)) << "the section where it is";
+}
+
+TEST(Course, steps_to_and_fro_and_is_cut_after_the_next_sections) {
+  Course course{{1, 2, 3, 4, 5}};
+  course.step();
+  EXPECT_EQ(course.here(), 2U);
+  course.cut(4);
+  EXPECT_THAT(course.sections(), ElementsAre(1, 2, 3, 4, 5)) << "no more than four follow";
+  course.cut(3);
+  EXPECT_THAT(course.sections(), ElementsAre(1, 2, 3, 4, 5));
+  course.cut(2);
+  EXPECT_THAT(course.sections(), ElementsAre(1, 2, 3, 4));
+  course.step_back();
+  EXPECT_EQ(course.here(), 1U);
+  course.cut(0);
+  EXPECT_THAT(course.sections(), ElementsAre(1));
+  const SectionId more[] = {7, 8};
+  course.extend(more);
+  EXPECT_THAT(course.remaining(), ElementsAre(7, 8));
+  course.clear();
+  EXPECT_TRUE(course.empty());
+}
+
+TEST(Course, forgets_nothing_while_no_more_is_behind_than_it_keeps) {
+  Course course{{1, 2, 3, 4}, 2};
+  course.forget_traversed(2);
+  EXPECT_THAT(course.traversed(), ElementsAre(1, 2));
+  course.forget_traversed(0);
+  EXPECT_THAT(course.sections(), ElementsAre(3, 4));
+  EXPECT_EQ(course.here(), 3U);
+}
+
 TEST(Course, follows_a_random_walk_through_a_random_graph_in_step) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "course_test"};
     // No section follows itself, so that each arrival is a step.
     const std::size_t size = 2 + random.below(5);
@@ -105,7 +147,7 @@ TEST(Course, follows_a_random_walk_through_a_random_graph_in_step) {
         RC_ASSERT(course.here() == walk[i]);
       }
     }
-  });
+  }));
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::zone {
 namespace {
 
@@ -44,6 +46,7 @@ bool Followers::find(double follow_m, std::size_t& work_left) {
     }
     first_.push_back(all_.size());
   }
+  COSIVA_EXPECT(first_.size() == circuit_.size() + 1);
   return true;
 }
 

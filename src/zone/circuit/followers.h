@@ -8,7 +8,7 @@
 namespace cosiva::zone {
 
 /// The sections that begin near after the end of each section: a vehicle that drives there follows, and does not
-/// obstruct.
+/// obstruct. Invariant: after a successful search each section has its followers, which may be none.
 class Followers {
  public:
   explicit Followers(const Circuit& circuit) : circuit_{circuit} {}

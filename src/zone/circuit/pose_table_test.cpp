@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
 #include "cosiva/base/math.h"
 #include "cosiva/base/random.h"
 #include "cosiva/zone/testing/test_zones.h"
@@ -38,6 +41,44 @@ void expect_same(const Circuit& circuit) {
 TEST(PoseTable, gives_the_poses_of_sections) {
   expect_same(testing::lacet4().circuit);
   expect_same(testing::zone_file("indus8.toml").circuit);
+}
+
+TEST(PoseTable, gives_the_poses_of_arcs_too_flat_for_a_centre) {
+  std::vector<Circuit::Part> parts;
+  // Radii of 1 m to 1e9 m, to both sides, one of them beyond and one within the limit of 10 km.
+  for (const double curvature_per_m : {1.0, -1.0, 1.01e-4, -1.01e-4, 0.99e-4, -0.99e-4, 1e-9, -1e-9, 0.0})
+    parts.push_back(
+        testing::part("s" + std::to_string(parts.size()), testing::section({3.0, -4.0, 2.5}, 3.0, curvature_per_m)));
+  const Circuit circuit = testing::circuit(std::move(parts));
+  expect_same(circuit);
+  // A flat arc is evaluated like a single one, to the same bits.
+  const PoseTable table{circuit};
+  for (SectionId id = 4; id < circuit.size(); ++id) {
+    const std::vector<SectionId> sections{id};
+    const std::vector<double> s_m{2.25};
+    std::vector<double> x_m(1);
+    std::vector<double> y_m(1);
+    std::vector<double> heading_rad(1);
+    table.poses(sections, s_m, x_m, y_m, heading_rad);
+    if (id < 8) {
+      EXPECT_EQ((Pose2{x_m[0], y_m[0], heading_rad[0]}), circuit.pose_at({id, 2.25})) << id;
+    }
+  }
+}
+
+TEST(PoseTable, wraps_headings_at_both_ends_of_the_circle) {
+  std::vector<Circuit::Part> parts;
+  for (const double heading_rad : {pi, -pi + 1e-9, pi - 1e-9, 0.5 * pi})
+    for (const double bend_per_m : {1.0, -1.0, 0.0})
+      parts.push_back(testing::part("s" + std::to_string(parts.size()),
+                                    testing::section({0.0, 0.0, heading_rad}, 9.0, bend_per_m)));
+  expect_same(testing::circuit(std::move(parts)));
+}
+
+TEST(PoseTable, takes_eight_numbers_a_section) {
+  const PoseTable table{testing::lacet4().circuit};
+  EXPECT_GE(table.bytes(), 8U * 8U * sizeof(double));
+  EXPECT_LT(table.bytes(), 2U * 8U * 8U * sizeof(double));
 }
 
 TEST(PoseTable, evaluates_clothoids_one_by_one) { expect_same(testing::zone_file("crossing8.xodr").circuit); }

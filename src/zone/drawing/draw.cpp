@@ -4,6 +4,8 @@
 #include <cmath>
 #include <set>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::zone {
 namespace {
 
@@ -61,6 +63,7 @@ std::vector<Point2> placed(const Pose2& X_MB, std::initializer_list<Point2> poin
   return points;
 }
 
+/// Draws layer after layer. Invariant: every shape has a point.
 class Painter {
  public:
   explicit Painter(const TrafficZone& zone) : zone_{zone}, sizes_{zone.vehicle} {}
@@ -82,6 +85,7 @@ class Painter {
 
   void add(Shape shape, std::string layer, std::vector<Point2> points, double size_m, std::string label = {},
            double heading_rad = 0.0, std::string kind = {}) {
+    COSIVA_EXPECT(!points.empty());
     out_.push_back(
         {shape, std::move(layer), std::move(points), size_m, std::move(label), heading_rad, std::move(kind)});
   }

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/drawing/svg/svg_writer.h"
 
 namespace cosiva::zone {
@@ -69,6 +70,7 @@ double least_px(const Style& style) {
   return 0.0;
 }
 
+/// Writes the drawing layer by layer. Invariant: the map has a scale, and room in the image.
 class Svg {
  public:
   Svg(const TrafficZone& zone, const std::vector<Primitive>& primitives)
@@ -86,6 +88,7 @@ class Svg {
     width_px_ = std::max(width_m * px_per_m_ + 2.0 * margin_px, 760.0);
     lay_legend();
     height_px_ = height_m * px_per_m_ + 2.0 * margin_px + head_px + foot_px + (legend_rows_ - 1.0) * row_px;
+    COSIVA_EXPECT(px_per_m_ > 0.0 && width_px_ > 0.0 && height_px_ > 0.0);
     left_px_ = 0.5 * (width_px_ - width_m * px_per_m_);
   }
 

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <optional>
+#include <string>
+
 #include "cosiva/zone/edit/edit_json.h"
 #include "cosiva/zone/testing/test_edit_files.h"
 #include "cosiva/zone/testing/test_zones.h"
@@ -28,6 +31,13 @@ Result<ZoneEdit> from_json(const std::string& json, const TrafficZone& zone) {
 std::string code_of(const std::string& json, const TrafficZone& zone = testing::lacet4()) {
   const auto edit = from_json(json, zone);
   return edit ? "none" : edit.error().code;
+}
+
+/// A straight of 2 m with a grid of its own, which no edit makes larger.
+TrafficZone small_grid() {
+  TrafficZone zone = parsed(file(straight));
+  zone.beacons = BeaconGrid{0.5, {}, 3, 2};
+  return zone;
 }
 
 // The page's edits
@@ -141,6 +151,59 @@ cover = "zone"
 )"));
   EXPECT_EQ(code_of(R"({"beaconPitch":0.05})", zone), "edit.pitch");
   EXPECT_EQ(code_of(R"({"beaconPitch":0.5})", zone), "none");
+}
+
+TEST(ZoneEditJson, takes_every_number_at_its_limit) {
+  const TrafficZone zone = parsed(file(straight));
+  EXPECT_EQ(code_of(R"({"addTags":[{"number":1,"section":"a","s":0}]})", zone), "none");
+  EXPECT_EQ(code_of(R"({"addTags":[{"number":4000000000,"section":"a","s":2}]})", zone), "none");
+  EXPECT_EQ(code_of(R"({"priorities":{"a/b":0,"c/d":999}})", zone), "none");
+  const TrafficZone lacet = testing::lacet4();
+  EXPECT_EQ(code_of(R"({"removeTags":[0]})", lacet), "edit.number");
+  EXPECT_EQ(code_of(R"({"removeTags":[1.5]})", lacet), "edit.number");
+  EXPECT_EQ(code_of(R"({"removeTags":3})", lacet), "edit.field");
+  EXPECT_EQ(code_of(R"({"priorities":{"a/b":"1"}})", zone), "edit.priority");
+  EXPECT_EQ(code_of(R"({"beaconPitch":0.05})", testing::lacet4()), "none");
+  EXPECT_EQ(code_of(R"({"beacons":{"pitch":10,"origin":[1000000,-1000000]}})", small_grid()), "none");
+}
+
+TEST(ZoneEditJson, prefers_a_section_to_a_point_and_needs_all_of_either) {
+  const TrafficZone zone = parsed(file(straight));
+  const auto position = [&](const std::string& fields) -> std::optional<TrackPosition> {
+    const auto edit = from_json(R"({"addTags":[{"number":1,)" + fields + "}]}", zone);
+    if (!edit) return std::nullopt;
+    return edit->set_tags.at(0).position;
+  };
+  EXPECT_EQ(position(R"("section":"a","s":0.5,"x":1,"y":0)"), (TrackPosition{0, 0.5}));
+  EXPECT_EQ(position(R"("section":"a","x":1,"y":0)"), (TrackPosition{0, 1.0}));
+  EXPECT_EQ(position(R"("s":0.5,"x":1,"y":0)"), (TrackPosition{0, 1.0}));
+  EXPECT_EQ(position(R"("s":0.5,"y":0)"), std::nullopt);
+  EXPECT_EQ(position(R"("section":"a","x":1)"), std::nullopt);
+}
+
+TEST(ZoneEditJson, reports_the_first_fault_and_its_location) {
+  const auto error = [](const std::string& json) {
+    const auto edit = from_json(json, testing::lacet4());
+    EXPECT_FALSE(edit) << json;
+    return edit ? Error{} : edit.error();
+  };
+  EXPECT_EQ(error(R"({"addTag":[],"removeTags":["x"]})").location, "addTag");
+  EXPECT_EQ(error(R"({"addTags":{},"removeTags":["x"]})").location, "addTags");
+  EXPECT_EQ(error(R"({"addTags":[7],"removeTags":["x"]})").location, "addTags");
+  EXPECT_EQ(error(R"({"removeTags":["x"],"beaconPitch":"y"})").location, "removeTags");
+  EXPECT_EQ(error(R"({"beaconPitch":"y","priorities":[]})").location, "beaconPitch");
+  EXPECT_EQ(error(R"({"priorities":[]})").location, "priorities");
+  EXPECT_EQ(error(R"({"addTags":[{"number":13,"section":"est","s":1}]})").location, "tag 13");
+  // Names of any length are cut to 64 bytes.
+  const std::string cut(64, 'k');
+  EXPECT_EQ(error("{\"" + cut + "kk\":1}").location, cut);
+  EXPECT_EQ(error("{\"beacons\":{\"" + cut + "kk\":1}}").location, cut);
+  EXPECT_EQ(error("{\"priorities\":{\"" + cut + "kk\":-1}}").location, cut);
+  EXPECT_EQ(error("{\"priorities\":{\"" + cut + "kk\":1}}").location, cut);
+  EXPECT_THAT(error(R"({"addTags":[{"number":13,"section":")" + cut + R"(kk","s":1}]})").message,
+              HasSubstr("'" + cut + "'"));
+  EXPECT_THAT(error(R"({"addTags":[{"number":1,"section":"east","s":1}]})").message, HasSubstr("already there"));
+  EXPECT_THAT(error(R"({"moveTags":[{"number":13,"section":"east","s":1}]})").message, HasSubstr("to move; add it"));
 }
 
 TEST(ZoneEditJson, detects_that_a_narrower_pitch_takes_a_tags_number) {

@@ -5,8 +5,13 @@
 #include <rapidcheck.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <map>
 #include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "cosiva/zone/testing/test_edit_files.h"
 #include "cosiva/zone/testing/test_zones.h"
@@ -270,6 +275,330 @@ TEST(SameGeometry, differ_in_a_length_a_name_a_speed_a_body_or_a_clearance) {
     }
     EXPECT_FALSE(same_geometry(zone, parsed(other))) << to;
   }
+}
+
+// The edited zone
+// ---------------------------------------------------------------------------------------------------------
+
+/// 2 m eastward with tag 5 at 0.5 m, and a grid of 3 by 2 beacons from number 100.
+TrafficZone small_zone() {
+  TrafficZone zone = parsed(file(straight));
+  zone.tags = {{5, {0, 0.5}}};
+  zone.beacons = BeaconGrid{0.5, {0.0, -0.25}, 3, 2, 100};
+  return zone;
+}
+
+ZoneEdit tag_edit(TagNumber number, TrackPosition position) {
+  ZoneEdit edit;
+  edit.set_tags.push_back({number, position});
+  return edit;
+}
+ZoneEdit priority_edit(std::string vehicle, std::int32_t priority) {
+  ZoneEdit edit;
+  edit.set_priorities.emplace_back(std::move(vehicle), priority);
+  return edit;
+}
+/// "" where the edit is possible.
+std::string refusal(const ZoneEdit& edit, const TrafficZone& zone = small_zone()) {
+  const auto after = with_edit(zone, edit);
+  return after ? std::string() : after.error().code;
+}
+
+TEST(WithEdit, takes_tags_with_any_number_from_1_to_4000000000_anywhere_on_a_section) {
+  EXPECT_EQ(refusal(tag_edit(1, {0, 1.0})), "");
+  EXPECT_EQ(refusal(tag_edit(4'000'000'000, {0, 1.0})), "");
+  EXPECT_EQ(refusal(tag_edit(0, {0, 1.0})), "edit.number");
+  EXPECT_EQ(refusal(tag_edit(4'000'000'001, {0, 1.0})), "edit.number");
+  EXPECT_EQ(refusal(tag_edit(1, {1, 0.0})), "edit.section");
+  EXPECT_EQ(refusal(tag_edit(1, {0, 0.0})), "");
+  EXPECT_EQ(refusal(tag_edit(1, {0, 2.0})), "");
+  EXPECT_EQ(refusal(tag_edit(1, {0, -1e-6})), "edit.position");
+  EXPECT_EQ(refusal(tag_edit(1, {0, 2.000001})), "edit.position");
+  EXPECT_EQ(refusal(tag_edit(1, {0, std::nan("")})), "edit.position");
+  EXPECT_THAT(with_edit(small_zone(), tag_edit(1, {0, 3.0})).error().message, HasSubstr("from 0 to its length, 2.00"));
+}
+
+TEST(WithEdit, keeps_the_order_of_tags_and_appends_new_ones) {
+  TrafficZone zone = small_zone();
+  zone.tags = {{5, {0, 0.5}}, {3, {0, 1.0}}, {9, {0, 1.5}}};
+  ZoneEdit edit = tag_edit(3, {0, 1.25004});
+  edit.set_tags.push_back({1, {0, 0.1}});
+  edit.remove_tags = {5};
+  const auto after = with_edit(zone, edit);
+  ASSERT_TRUE(after) << to_string(after.error());
+  ASSERT_EQ(after->tags.size(), 3U);
+  EXPECT_EQ(after->tags[0].number, 3U);
+  EXPECT_EQ(after->tags[0].position, (TrackPosition{0, 1.25}));
+  EXPECT_EQ(after->tags[1].number, 9U);
+  EXPECT_EQ(after->tags[1].position, (TrackPosition{0, 1.5}));
+  EXPECT_EQ(after->tags[2].number, 1U);
+  edit.remove_tags = {7};
+  EXPECT_EQ(refusal(edit, zone), "edit.tag");
+}
+
+TEST(WithEdit, takes_a_pitch_from_5_cm_to_10_m_as_it_is_written) {
+  const auto pitch = [](double pitch_m) { return refusal(beacons(pitch_m, {}, {})); };
+  EXPECT_EQ(pitch(0.05), "");
+  EXPECT_EQ(pitch(0.04996), "") << "written as 0.05";
+  EXPECT_EQ(pitch(0.0499), "edit.pitch");
+  EXPECT_EQ(pitch(10.0), "");
+  EXPECT_EQ(pitch(10.0001), "edit.pitch");
+  EXPECT_EQ(pitch(std::nan("")), "edit.pitch");
+  const auto after = with_edit(small_zone(), beacons(0.25004, {}, {}));
+  ASSERT_TRUE(after);
+  EXPECT_EQ(after->beacons->pitch_m, 0.25);
+  EXPECT_EQ(after->beacons->origin, (Point2{0.0, -0.25}));
+  EXPECT_EQ(after->beacons->rotation_rad, 0.0);
+  EXPECT_EQ(after->beacons->columns, 3U);
+  TrafficZone coarse = small_zone();
+  coarse.beacons->pitch_m = 0.01;  // as a file may have it
+  EXPECT_EQ(refusal(beacons({}, Point2{1.0, 1.0}, {}), coarse), "") << "a pitch that is not edited is not checked";
+}
+
+TEST(WithEdit, moves_the_origin_within_a_thousand_kilometres_and_turns_by_at_most_a_turn) {
+  const auto origin = [](double x_m, double y_m) { return refusal(beacons({}, Point2{x_m, y_m}, {})); };
+  for (const double good_m : {-1e6, 0.0, 1e6}) {
+    EXPECT_EQ(origin(good_m, 1.0), "");
+    EXPECT_EQ(origin(1.0, good_m), "");
+  }
+  for (const double bad_m : {-1.000001e6, 1.000001e6, std::nan("")}) {
+    EXPECT_EQ(origin(bad_m, 1.0), "edit.origin") << bad_m;
+    EXPECT_EQ(origin(1.0, bad_m), "edit.origin") << bad_m;
+  }
+  const auto rotation = [](double rad) { return refusal(beacons({}, {}, rad)); };
+  EXPECT_EQ(rotation(2.0 * pi), "");
+  EXPECT_EQ(rotation(-2.0 * pi), "");
+  EXPECT_EQ(rotation(6.2832), "edit.rotation");
+  EXPECT_EQ(rotation(-6.2832), "edit.rotation");
+  EXPECT_EQ(rotation(std::nan("")), "edit.rotation");
+
+  const auto after = with_edit(small_zone(), beacons({}, Point2{0.12344, -3.00006}, pi / 6.0 + 1e-8));
+  ASSERT_TRUE(after);
+  EXPECT_EQ(after->beacons->origin, (Point2{0.1234, -3.0001}));
+  EXPECT_EQ(after->beacons->rotation_rad, 30.0 * pi / 180.0);
+  EXPECT_EQ(after->beacons->pitch_m, 0.5);
+  EXPECT_EQ(after->beacons->rows, 2U);
+  EXPECT_FALSE(after->beacons->covers_through);
+}
+
+TEST(WithEdit, lets_a_covering_grid_cover_the_zone_again_from_the_same_number) {
+  TrafficZone zone = small_zone();
+  zone.beacons->covers_through = Point2{0.0, 0.0};
+  const auto after = with_edit(zone, beacons(0.25, Point2{0.1, 0.2}, {}));
+  ASSERT_TRUE(after);
+  EXPECT_EQ(after->beacons->covers_through, (Point2{0.1, 0.2}));
+  EXPECT_EQ(after->beacons->first_number, 100U);
+  // 2 m of path and half a vehicle, 0.06 m, on either side: x from −0.15 to 2.10 m, y from −0.30 to 0.20 m.
+  EXPECT_EQ(after->beacons->columns, 10U);
+  EXPECT_EQ(after->beacons->rows, 3U);
+  EXPECT_NEAR(after->beacons->origin.x_m, -0.15, 1e-12);
+  EXPECT_NEAR(after->beacons->origin.y_m, -0.30, 1e-12);
+}
+
+TEST(WithEdit, without_a_change_of_beacons_needs_none) {
+  TrafficZone zone = small_zone();
+  zone.beacons.reset();
+  EXPECT_EQ(refusal(tag_edit(7, {0, 1.0}), zone), "");
+  EXPECT_EQ(refusal(beacons(0.5, {}, {}), zone), "edit.beacons");
+  EXPECT_EQ(refusal(beacons({}, Point2{}, {}), zone), "edit.beacons");
+  EXPECT_EQ(refusal(beacons({}, {}, 0.0), zone), "edit.beacons");
+}
+
+TEST(WithEdit, refuses_a_tag_with_the_number_of_a_beacon) {
+  EXPECT_EQ(refusal(tag_edit(99, {0, 1.0})), "");
+  EXPECT_EQ(refusal(tag_edit(100, {0, 1.0})), "edit.number");
+  EXPECT_EQ(refusal(tag_edit(105, {0, 1.0})), "edit.number");
+  EXPECT_EQ(refusal(tag_edit(106, {0, 1.0})), "");
+  const auto refused = with_edit(small_zone(), tag_edit(101, {0, 1.0}));
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("give the tag one below 100"));
+  EXPECT_EQ(refused.error().location, "tag 101");
+}
+
+TEST(WithEdit, keeps_priorities_sorted_and_none_of_zero) {
+  TrafficZone zone = small_zone();
+  zone.priorities = {{"B/1", 5}, {"D/1", 7}};
+  const auto after = [&](const ZoneEdit& edit) {
+    auto edited_zone = with_edit(zone, edit);
+    EXPECT_TRUE(edited_zone);
+    return edited_zone->priorities;
+  };
+  EXPECT_THAT(after(priority_edit("C/1", 999)), ElementsAre(Pair("B/1", 5), Pair("C/1", 999), Pair("D/1", 7)));
+  EXPECT_THAT(after(priority_edit("E/1", 1)), ElementsAre(Pair("B/1", 5), Pair("D/1", 7), Pair("E/1", 1)));
+  EXPECT_THAT(after(priority_edit("B/1", 6)), ElementsAre(Pair("B/1", 6), Pair("D/1", 7)));
+  EXPECT_THAT(after(priority_edit("B/1", 0)), ElementsAre(Pair("D/1", 7)));
+  EXPECT_THAT(after(priority_edit("A/1", 0)), ElementsAre(Pair("B/1", 5), Pair("D/1", 7)));
+  EXPECT_EQ(refusal(priority_edit("A/1", -1)), "edit.priority");
+  EXPECT_EQ(refusal(priority_edit("A/1", 1000)), "edit.priority");
+}
+
+TEST(WithEdit, refuses_what_occurs_twice_and_reports_the_first_fault) {
+  ZoneEdit edit = tag_edit(7, {0, 1.0});
+  edit.set_tags.push_back({7, {0, 1.5}});
+  EXPECT_EQ(refusal(edit), "edit.twice");
+  EXPECT_EQ(with_edit(small_zone(), edit).error().location, "tag 7");
+  ZoneEdit two = priority_edit("a/b", 1);
+  two.set_priorities.emplace_back("a/b", 1);
+  EXPECT_EQ(refusal(two), "edit.twice");
+  ZoneEdit faults = tag_edit(0, {0, 1.0});
+  faults.beacon_pitch_m = 99.0;
+  faults.set_priorities.emplace_back("none", 1);
+  EXPECT_EQ(refusal(faults), "edit.number");
+  faults.set_tags.clear();
+  EXPECT_EQ(refusal(faults), "edit.pitch");
+  faults.remove_tags = {77, 78};
+  EXPECT_EQ(with_edit(small_zone(), faults).error().location, "tag 77");
+  faults = priority_edit("none", 1);
+  faults.set_priorities.emplace_back("a/b", 1000);
+  EXPECT_EQ(with_edit(small_zone(), faults).error().location, "none");
+}
+
+TEST(VehicleName, is_a_manufacturer_a_slash_and_a_serial_number) {
+  for (const std::string& good : {std::string("a/b"), "m/" + std::string(126, 's'), std::string("Ä b/c-1")})
+    EXPECT_FALSE(wrong_vehicle_name(good)) << good;
+  for (const std::string& bad :
+       {std::string(), std::string("/"), std::string("a"), std::string("a/"), std::string("/b"), std::string("a/b/c"),
+        std::string("a/b/"), "m/" + std::string(127, 's'), std::string("a/+"), std::string("#/b"),
+        std::string("a\x1F/b"), std::string("a/\x7F")})
+    EXPECT_TRUE(wrong_vehicle_name(bad)) << bad;
+}
+
+// Differences
+// ---------------------------------------------------------------------------------------------------------
+
+/// A zone with something of everything.
+TrafficZone full_zone() {
+  TrafficZone zone = testing::lacet4();
+  zone.loops = {{"round", {0, 1}}};
+  zone.closed = {2};
+  zone.priorities = {{"a/b", 3}};
+  return zone;
+}
+
+Circuit changed(const Circuit& circuit, const std::function<void(std::vector<Circuit::Part>&)>& change) {
+  std::vector<Circuit::Part> parts;
+  for (SectionId id = 0; id < circuit.size(); ++id) parts.push_back(circuit.part(id));
+  change(parts);
+  auto made = Circuit::make(circuit.name(), std::move(parts), 10.0, 10.0);
+  EXPECT_TRUE(made) << to_string(made.error());
+  return std::move(*made);
+}
+
+TEST(SameGeometry, differ_in_every_property_of_a_section_a_crossing_or_a_waypoint) {
+  const TrafficZone zone = full_zone();
+  using Parts = std::vector<Circuit::Part>;
+  const Section& east = zone.circuit.section(0);
+  const auto reshaped = [&](Pose2 start, double length_m, double curvature_per_m, double rate_per_m2) {
+    return [=](Parts& parts) { parts[0].section = *Section::make(start, length_m, curvature_per_m, rate_per_m2); };
+  };
+  const Pose2 start = east.start();
+  const double length_m = east.length_m();
+  const std::vector<std::pair<const char*, std::function<void(Parts&)>>> changes{
+      {"name", [](Parts& parts) { parts[0].name = "other"; }},
+      {"start", reshaped({start.x_m, start.y_m + 1e-6, start.heading_rad}, length_m, 0.0, 0.0)},
+      {"length", reshaped(start, length_m + 1e-6, 0.0, 0.0)},
+      {"curvature", reshaped(start, length_m, 1e-6, 0.0)},
+      {"end's curvature", reshaped(start, length_m, 0.0, 1e-6)},
+      {"limit", [](Parts& parts) { parts[0].speed_mps_max = 0.1; }},
+      {"successors", [](Parts& parts) { parts[0].next.clear(); }},
+      {"turn on the spot", [](Parts& parts) { parts[0].pivots = !parts[0].pivots; }},
+      {"number", [](Parts& parts) {
+         parts.push_back({"extra", *Section::make({}, 1.0), std::nullopt, {}, false});
+       }}};
+  for (const auto& [what, change] : changes) {
+    TrafficZone other = zone;
+    other.circuit = changed(zone.circuit, change);
+    EXPECT_FALSE(same_geometry(zone, other)) << what;
+    EXPECT_FALSE(same_geometry(other, zone)) << what;
+    EXPECT_EQ(difference(zone, other), "its sections differ") << what;
+  }
+  const auto expect_other = [&](const char* what, const auto& change) {
+    TrafficZone other = zone;
+    change(other);
+    EXPECT_FALSE(same_geometry(zone, other)) << what;
+  };
+  expect_other("zone's name", [](TrafficZone& other) { other.name += "x"; });
+  expect_other("length", [](TrafficZone& other) { other.vehicle.length_m += 0.01; });
+  expect_other("width", [](TrafficZone& other) { other.vehicle.width_m += 0.01; });
+  for (auto profile : {&SpeedProfiles::slow, &SpeedProfiles::medium, &SpeedProfiles::fast}) {
+    for (auto value : {&SpeedProfile::speed_mps, &SpeedProfile::acceleration_mps2, &SpeedProfile::braking_mps2})
+      expect_other("profile", [=](TrafficZone& other) { other.profiles.*profile.*value += 0.01; });
+  }
+  const auto with_crossing = [&](const auto& change) {
+    return [change](TrafficZone& other) {
+      Crossing crossing = other.crossings[0];
+      change(crossing);
+      other.crossings.replace(0, crossing);
+    };
+  };
+  expect_other("crossing", with_crossing([](Crossing& crossing) { crossing.name += "x"; }));
+  expect_other("span", with_crossing([](Crossing& crossing) { crossing.spans[0].section += 1; }));
+  expect_other("span", with_crossing([](Crossing& crossing) { crossing.spans[0].from_m += 0.01; }));
+  expect_other("span", with_crossing([](Crossing& crossing) { crossing.spans[0].to_m += 0.01; }));
+  expect_other("spans", with_crossing([](Crossing& crossing) { crossing.spans.pop_back(); }));
+  expect_other("crossings", [](TrafficZone& other) {
+    other.crossings.erase_if([&](const Crossing& crossing) { return crossing.name == "X1"; });
+  });
+  const auto with_waypoint = [&](const auto& change) {
+    return [change](TrafficZone& other) {
+      Waypoint waypoint = other.waypoints[1];
+      change(waypoint);
+      other.waypoints.replace(1, waypoint);
+    };
+  };
+  expect_other("waypoint", with_waypoint([](Waypoint& waypoint) { waypoint.id += "x"; }));
+  expect_other("waypoint", with_waypoint([](Waypoint& waypoint) { waypoint.position.s_m += 0.01; }));
+  expect_other("waypoint", with_waypoint([](Waypoint& waypoint) { waypoint.position.section += 1; }));
+}
+
+TEST(Difference, names_the_part_of_the_zone_that_differs) {
+  const TrafficZone zone = full_zone();
+  EXPECT_FALSE(difference(zone, zone));
+  const auto expect_difference = [&](const char* text, const auto& change) {
+    TrafficZone other = zone;
+    change(other);
+    EXPECT_EQ(difference(zone, other), text);
+    EXPECT_EQ(difference(other, zone), text);
+  };
+  const auto with_tag = [](const Tag& tag) { return [tag](TrafficZone& other) { other.tags.replace(0, tag); }; };
+  Tag tag = zone.tags[0];
+  tag.number = 99;
+  expect_difference("its tags differ", with_tag(tag));
+  tag = zone.tags[0];
+  tag.position.s_m += 0.01;
+  expect_difference("its tags differ", with_tag(tag));
+  tag = zone.tags[0];
+  tag.position.section += 1;
+  expect_difference("its tags differ", with_tag(tag));
+  expect_difference("its tags differ", [](TrafficZone& other) { other.tags.push_back({99, {0, 0.1}}); });
+
+  expect_difference("its beacons differ", [](TrafficZone& other) { other.beacons.reset(); });
+  expect_difference("its beacons differ", [](TrafficZone& other) { other.beacons->pitch_m += 0.01; });
+  expect_difference("its beacons differ", [](TrafficZone& other) { other.beacons->origin.x_m += 0.01; });
+  expect_difference("its beacons differ", [](TrafficZone& other) { ++other.beacons->columns; });
+  expect_difference("its beacons differ", [](TrafficZone& other) { ++other.beacons->rows; });
+  expect_difference("its beacons differ", [](TrafficZone& other) { ++other.beacons->first_number; });
+  expect_difference("its beacons differ", [](TrafficZone& other) { other.beacons->rotation_rad += 0.01; });
+  expect_difference("its beacons differ", [](TrafficZone& other) { other.beacons->covers_through = Point2{7.0, 7.0}; });
+
+  expect_difference("its stations or starts differ", [](TrafficZone& other) { other.stations[0].name += "x"; });
+  expect_difference("its stations or starts differ",
+                    [](TrafficZone& other) { other.stations[0].position.s_m += 0.01; });
+  expect_difference("its stations or starts differ", [](TrafficZone& other) {
+    StationKind& kind = other.stations[0].kind;
+    kind = kind == StationKind::stop ? StationKind::charger : StationKind::stop;
+  });
+  expect_difference("its stations or starts differ", [](TrafficZone& other) { other.stations.pop_back(); });
+  expect_difference("its stations or starts differ", [](TrafficZone& other) { other.starts[0].s_m += 0.01; });
+
+  expect_difference("its loops or closed sections differ", [](TrafficZone& other) { other.loops[0].name += "x"; });
+  expect_difference("its loops or closed sections differ",
+                    [](TrafficZone& other) { other.loops[0].sections.pop_back(); });
+  expect_difference("its loops or closed sections differ", [](TrafficZone& other) { other.loops.clear(); });
+  expect_difference("its loops or closed sections differ", [](TrafficZone& other) { other.closed = {3}; });
+  expect_difference("its edges' names differ",
+                    [](TrafficZone& other) { other.edges_are_sections = !other.edges_are_sections; });
+  expect_difference("its priorities differ", [](TrafficZone& other) { other.priorities[0].second = 4; });
 }
 
 TEST(Priorities, are_read_sorted_and_without_zeros) {

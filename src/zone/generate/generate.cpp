@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -79,6 +78,7 @@ struct Scale {
   [[nodiscard]] double lane_gap_m() const { return 3.4 * unit_m; }
 };
 
+/// Lays the sections, stations and tags, and writes them. Invariant: every section laid is one that a zone accepts.
 class Plant {
  public:
   explicit Plant(const PlantOptions& options)
@@ -277,18 +277,19 @@ void Plant::lane(std::vector<Junction> junctions, const std::string& name, const
     tracks.push_back(track);
     done_m = to_m;
   };
-  std::optional<std::size_t> joining;
+  constexpr std::size_t none = ~std::size_t{0};
+  std::size_t joining = none;
   for (const Junction& junction : junctions) {
     go_on(std::fabs(junction.x_m - start.x_m));
-    if (joining) join(*joining, tracks.back());
-    joining.reset();
+    if (joining != none) join(joining, tracks.back());
+    joining = none;
     if (junction.joins)
       joining = junction.track;
     else
       join(tracks.back(), junction.track);
   }
   go_on(length_m);
-  if (joining) join(*joining, tracks.back());
+  if (joining != none) join(joining, tracks.back());
 }
 
 /// At equal distances along every section, so that no vehicle drives further than `unread_max_m` without a tag: half a

@@ -6,6 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::zone {
 namespace {
 
@@ -111,6 +113,7 @@ struct Miss {
   double heading_rad{};
 };
 
+/// Appends section after section along the curve. Invariant: each section begins where the one before it ends.
 class Fitter {
  public:
   Fitter(const PlaneCurve& curve, FitTolerance tolerance, std::size_t pieces_max)
@@ -254,6 +257,7 @@ bool Fitter::tries(const Stretch& stretch, const Pose2& start, const Shape& shap
   const Miss missed = miss(stretch, *section);
   if (missed.position_m > tolerance.position_m || (missed.heading_rad > tolerance.heading_rad && !stretch.rounds))
     return false;
+  COSIVA_EXPECT(fit_.sections.empty() || distance(fit_.sections.back().end(), section->start()) < 1e-9);
   fit_.length_m += section->length_m();
   fit_.worst_position_m = std::max(fit_.worst_position_m, missed.position_m);
   fit_.worst_heading_rad = std::max(fit_.worst_heading_rad, missed.heading_rad);

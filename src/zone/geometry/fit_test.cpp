@@ -1,12 +1,15 @@
 #include "cosiva/zone/geometry/fit.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "cosiva/base/test_property.h"
 
@@ -322,6 +325,131 @@ TEST(Fit, refuses_what_is_no_smooth_curve) {
   EXPECT_EQ(code_of({jump, 0.0, 10.0, {}}), "fit.curve");
   // Noise without end.
   EXPECT_EQ(code_of({[](double u) { return Pose2{u, 0.0, std::sin(1e9 * u)}; }, 0.0, 1e3, {}}), "fit.curve");
+}
+
+TEST(Fit, states_what_is_wrong_with_a_curve_and_where) {
+  const auto message = [](const PlaneCurve& curve, std::size_t pieces_max = 1000) {
+    const auto result = fit(curve, {}, pieces_max);
+    return result ? std::string("taken") : result.error().message;
+  };
+  EXPECT_EQ(message(corner(0.5)), "the curve has a sharp corner near (10.000000, 0.000000)");
+  EXPECT_THAT(message(corner(0.5, false)),
+              ::testing::StartsWith("the curve has a sharp corner or turns back on itself near ("));
+  EXPECT_EQ(message(corner(0.199)), "taken");
+  EXPECT_EQ(message(corner(0.201)), "the curve has a sharp corner near (10.000000, 0.000000)");
+  const auto jump = [](double jump_m) {
+    return PlaneCurve{[=](double u) { return Pose2{u, u < 5.0 ? 0.0 : jump_m, 0.0}; }, 0.0, 10.0, {5.0}};
+  };
+  EXPECT_EQ(message(jump(0.00099)), "taken");
+  EXPECT_EQ(message(jump(0.00101)), "the curve jumps near (5.000000, 0.001010)");
+  EXPECT_EQ(message({[](double u) {
+                       return Pose2{u, u > 0.5 ? std::nan("") : 0.0, 0.0};
+                     },
+                     0.0,
+                     1.0,
+                     {}}),
+            "the curve is not finite at parameter 0.531250");
+  EXPECT_EQ(message({[](double u) {
+                       return Pose2{u, 0.0, u > 0.5 ? 1.1e6 : 0.0};
+                     },
+                     0.0,
+                     1.0,
+                     {}}),
+            "the curve is not finite at parameter 0.531250");
+  EXPECT_EQ(message({[](double u) {
+                       return Pose2{u, 0.0, 0.0};
+                     },
+                     0.0,
+                     1e-7,
+                     {}}),
+            "the curve is shorter than 0.000001 m");
+  EXPECT_EQ(message({[](double u) { return Pose2{u, 0.0, 0.0}; }, 1.0, 0.0, {}}), "the curve has no length");
+  // A sine of 100 periods takes some hundred cuts.
+  const PlaneCurve wave{[](double u) {
+                          return Pose2{u, 0.1 * std::sin(u), std::atan(0.1 * std::cos(u))};
+                        },
+                        0.0,
+                        200.0 * pi,
+                        {}};
+  EXPECT_THAT(message(wave, 20), ::testing::HasSubstr("needs more than 20 pieces"));
+  EXPECT_EQ(message(wave), "taken");
+}
+
+TEST(Fit, takes_no_more_cuts_than_allowed) {
+  // A full circle is cut once.
+  const PlaneCurve circle = of_section(made({}, 2.0 * pi, 1.0, 0.0));
+  EXPECT_TRUE(fit(circle, {}, 1));
+  EXPECT_FALSE(fit(circle, {}, 0));
+}
+
+TEST(Fit, takes_a_bend_of_less_than_a_hundredth_of_the_tolerance_for_a_straight_line) {
+  // The line begins with the arc's heading, so that it deviates by the whole turn at its end: 1e-5 rad are allowed.
+  const auto kind = [](double turn_rad) {
+    const auto result = fit(of_section(made({3.0, 2.0, 1.0}, 1.0, turn_rad, 0.0)));
+    return std::string(result && result->sections.size() == 1 ? to_string(result->sections[0].kind()) : "cut");
+  };
+  EXPECT_EQ(kind(0.95e-5), "straight");
+  EXPECT_EQ(kind(-0.95e-5), "straight");
+  EXPECT_EQ(kind(1.05e-5), "arc");
+  EXPECT_EQ(kind(-1.05e-5), "arc");
+  // And by half of the turn times its length in position: 1e-5 m are allowed.
+  const auto far = [](double turn_rad) {
+    const auto result = fit(of_section(made({}, 1000.0, turn_rad / 1000.0, 0.0)));
+    return std::string(result && result->sections.size() == 1 ? to_string(result->sections[0].kind()) : "cut");
+  };
+  EXPECT_EQ(far(1.9e-8), "straight");
+  EXPECT_EQ(far(2.1e-8), "arc");
+}
+
+TEST(Fit, takes_a_clothoid_that_hardly_changes_its_curvature_for_an_arc) {
+  // From κ − δ to κ + δ over L the heading leaves the arc's by δL/4 at its centre.
+  const auto kind = [](double change) {
+    const auto result = fit(of_section(made({}, 1.0, 0.5 - change, 2.0 * change)));
+    return std::string(result && result->sections.size() == 1 ? to_string(result->sections[0].kind()) : "cut");
+  };
+  EXPECT_EQ(kind(3e-5), "arc");
+  EXPECT_EQ(kind(5e-5), "clothoid");
+}
+
+TEST(Fit, rounds_a_kink_no_further_than_a_small_vehicle_needs) {
+  const FitTolerance tolerance{0.01, 1e-3};
+  for (const double kink_rad : {0.002, 0.05, 0.15}) {
+    const auto result = fit(corner(kink_rad), tolerance);
+    ASSERT_TRUE(result);
+    ASSERT_EQ(result->sections.size(), 3U) << kink_rad;
+    // A fillet with tangents t misses the corner by t·tan(k/4): 3.2·tolerance/k is the limit, a tenth of that the
+    // least, and the tangents of a radius of 0.3 m are wanted. Halving finds the reach: it is up to half as long.
+    const double most_m = 3.2 * tolerance.position_m / kink_rad;
+    const double tangent_m = std::clamp(0.15 * kink_rad, 0.1 * most_m, most_m);
+    EXPECT_LE(result->sections[1].length_m(), 2.001 * tangent_m) << kink_rad;
+    EXPECT_GE(result->sections[1].length_m(), 0.999 * tangent_m) << kink_rad;
+    EXPECT_NEAR(result->worst_heading_rad, 0.5 * kink_rad, 0.51 * kink_rad) << kink_rad;
+  }
+}
+
+TEST(Fit, takes_breaks_that_lie_on_one_another_for_one) {
+  const auto at = [](double u) { return Pose2{u, 0.0, 0.0}; };
+  const auto count = [&](std::vector<double> breaks) {
+    return fit({at, 0.0, 10.0, std::move(breaks)})->sections.size();
+  };
+  EXPECT_EQ(count({5.0}), 2U);
+  EXPECT_EQ(count({5.0, 5.0019}), 2U) << "nearer than twice the tolerance";
+  EXPECT_EQ(count({5.0, 5.0021}), 3U);
+  EXPECT_EQ(count({0.001}), 1U);
+  EXPECT_EQ(count({9.999}), 1U);
+  EXPECT_EQ(count({-1.0, 0.0, 10.0, 11.0}), 1U) << "outside";
+}
+
+TEST(Fit, reports_how_far_it_strays) {
+  for (const double tolerance_m : {1e-3, 1e-2}) {
+    const PlaneCurve curve = of({{0.0, 100.0, 0.0, 0.0}, {0.0, 0.0, 30.0, -20.0}});
+    const auto result = fit(curve, {tolerance_m, 1.0});
+    ASSERT_TRUE(result);
+    const Worst worst = worst_of(*result, curve);
+    EXPECT_NEAR(result->worst_position_m, worst.position_m, 0.1 * worst.position_m);
+    EXPECT_NEAR(result->worst_heading_rad, worst.heading_rad, 0.1 * worst.heading_rad);
+    EXPECT_GT(result->worst_position_m, 0.05 * tolerance_m) << "with fewer pieces it would stray further";
+  }
 }
 
 TEST(Fit, is_not_bent_by_a_file_s_rounding) {

@@ -23,9 +23,10 @@ class SectionGrid {
   SectionGrid() = default;
   explicit SectionGrid(std::span<const SectionPiece> pieces);
 
-  /// Calls visit(id) once for each section with a piece that heads into `headings`, lies around p and may come within
-  /// `limit_m` of it, nearest first, more or less. `limit_m` is read again after each call: a search for the nearest
-  /// lowers it. True: no other such section comes within the `limit_m` of that moment. False: others may.
+  /// Calls visit(id) for each section with a piece that heads into `headings`, lies around p and may come within
+  /// `limit_m` of it, nearest first, more or less; where more cells must be read, again for those visited before.
+  /// `limit_m` is read again after each call: a search for the nearest lowers it. True: no other such section comes
+  /// within the `limit_m` of that moment. False: others may.
   template <typename Visit>
   [[nodiscard]] bool visit(Point2 p, Headings headings, const double& limit_m, const Visit& visit) const;
 

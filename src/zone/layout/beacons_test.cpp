@@ -69,6 +69,43 @@ TEST(CoveringGrid, turned_covers_every_section_and_passes_through_its_point) {
   }
 }
 
+TEST(CoveringGrid, has_no_row_or_column_more_than_half_a_vehicle_at_each_side_needs) {
+  // 2 m eastward at y = 0.3, a vehicle 0.12 m wide: x from −0.06 to 2.06 m, y from 0.24 to 0.36 m.
+  const Circuit line = testing::circuit({part("a", section({0.0, 0.3, 0.0}, 2.0))});
+  const VehicleShape vehicle{0.20, 0.12};
+  const auto covering = covering_grid(line, vehicle, 0.25, {0.1, 0.05}, 1000);
+  ASSERT_TRUE(covering);
+  EXPECT_NEAR(covering->origin.x_m, -0.15, 1e-12);
+  EXPECT_EQ(covering->columns, 10U);  // to 2.10 m
+  EXPECT_NEAR(covering->origin.y_m, 0.05, 1e-12);
+  EXPECT_EQ(covering->rows, 3U);  // 0.05, 0.30 and 0.55 m
+  EXPECT_EQ(covering->covers_through, (Point2{0.1, 0.05}));
+  EXPECT_EQ(covering->pitch_m, 0.25);
+  EXPECT_TRUE(covering_grid(line, vehicle, 0.25, {0.1, 0.05}, 30));
+  EXPECT_FALSE(covering_grid(line, vehicle, 0.25, {0.1, 0.05}, 29));
+  // Turned by 90° the columns lead north: x' = y − 0.05, y' = −(x − 0.1).
+  const auto turned = covering_grid(line, vehicle, 0.25, {0.1, 0.05}, 1000, pi / 2.0);
+  ASSERT_TRUE(turned);
+  EXPECT_EQ(turned->columns, 3U);  // x' from 0.19 to 0.31 m: 0.00 to 0.50 m
+  EXPECT_EQ(turned->rows, 10U);    // y' from −1.96 to 0.16 m: −2.00 to 0.25 m
+  EXPECT_NEAR(turned->origin.x_m, 2.1, 1e-12);
+  EXPECT_NEAR(turned->origin.y_m, 0.05, 1e-12);
+  EXPECT_EQ(turned->rotation_rad, pi / 2.0);
+}
+
+TEST(CoveringGrid, turned_covers_curves_with_a_margin_of_a_few_millimetres_at_most) {
+  // Round a circle of 1 m about the origin, turned by an eighth: 1.06 m to each side, and at most 0.25²/8 of a part
+  // more.
+  const Section half = section({1.0, 0.0, pi / 2.0}, pi, 1.0);
+  const Circuit circle = testing::circuit({part("a", half, {1}), part("b", section(half.end(), pi, 1.0), {0})});
+  const auto covering = covering_grid(circle, {0.20, 0.12}, 0.01, {0.0, 0.0}, 100'000, pi / 4.0);
+  ASSERT_TRUE(covering);
+  EXPECT_GE(covering->columns, 213U);
+  EXPECT_LE(covering->columns, 215U);
+  EXPECT_GE(covering->rows, 213U);
+  EXPECT_LE(covering->rows, 215U);
+}
+
 // The longest stretch
 // ---------------------------------------------------------------------------------------------------------
 

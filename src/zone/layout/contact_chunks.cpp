@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::zone {
 namespace {
 
@@ -53,6 +55,7 @@ void Chunks::sort_into_cells(const ContactRules& rules) {
   cells_.reserve(all_.size());
   for (std::uint32_t i = 0; i < all_.size(); ++i) cells_.emplace_back(cell_of(all_[i].centre), i);
   std::sort(cells_.begin(), cells_.end());
+  COSIVA_EXPECT(cells_.size() == all_.size() && all_.size() + 1 >= first_.size());
 }
 
 Chunks::Cell Chunks::cell_of(Point2 p) const {

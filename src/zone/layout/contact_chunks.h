@@ -30,6 +30,7 @@ struct Chunk {
 };
 
 /// The sections of a circuit cut into chunks, those of a section one after the other, and found by their position.
+/// Invariant: each section has at least one chunk, and each chunk is in one cell.
 class Chunks {
  public:
   Chunks(const Circuit& circuit, const ContactRules& rules);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/zone/circuit/followers.h"
 #include "cosiva/zone/layout/contact_chunks.h"
 #include "cosiva/zone/layout/contact_scan.h"
@@ -43,6 +44,8 @@ double distance_between_chords(Point2 a, Point2 b, Point2 c, Point2 d) {
       {distance_to_chord(a, c, d), distance_to_chord(b, c, d), distance_to_chord(c, a, b), distance_to_chord(d, a, b)});
 }
 
+/// Finds the contacts section by section. Invariant: the allowed work is enough for all that is searched after it was
+/// counted.
 class Finder {
  public:
   Finder(const Circuit& circuit, const ContactRules& rules)
@@ -177,7 +180,8 @@ std::vector<Contact> Finder::contacts() {
   allow();
   ContactScan scan{circuit_, rules_, chunks_, followers_};
   for (SectionId id = 0; id < circuit_.size(); ++id) {
-    (void)(find_pairs(id) && find_near_turn(id));  // counted already
+    const bool few = find_pairs(id) && find_near_turn(id);
+    COSIVA_EXPECT(few);  // counted already
     for (auto first = pairs_.begin(); first != pairs_.end();) {
       const auto last = std::find_if(first, pairs_.end(), [&](const auto& pair) { return pair.other != first->other; });
       scan.along(id, first->other, {first, last});

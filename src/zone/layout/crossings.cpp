@@ -15,7 +15,8 @@
 namespace cosiva::zone {
 namespace {
 
-/// Groups of indices that only ever grow together.
+/// Groups of indices that only ever grow together. Invariant: no index has a parent above itself, so that the lowest
+/// index of a group represents it.
 class Groups {
  public:
   explicit Groups(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
@@ -26,7 +27,8 @@ class Groups {
   void join(std::size_t a, std::size_t b) {
     a = find(a);
     b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);  // the lowest index represents the group, so order never matters
+    COSIVA_EXPECT(parent_[a] == a && parent_[b] == b);
+    parent_[std::max(a, b)] = std::min(a, b);  // whatever the order of the calls
   }
 
  private:

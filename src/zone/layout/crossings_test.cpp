@@ -1,8 +1,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <rapidcheck.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "cosiva/base/random.h"
 #include "cosiva/zone/layout/crossings.h"
 #include "cosiva/zone/layout/traffic_zone.h"
 #include "cosiva/zone/testing/test_zones.h"
@@ -188,6 +195,142 @@ TEST(Crossings, at_a_dead_end_cover_the_vehicle_that_is_stopped_there) {
   ASSERT_THAT(touching, SizeIs(1));
   EXPECT_THAT(touching[0].spans, SizeIs(2));
   expect_every_touch_is_in_a_crossing(longer, touching);
+}
+
+// Against a definition that compares every body with every position
+// ----------------------------------------------------------------------------------------------------
+
+/// A centre line every 4 mm, with the overhang of half a vehicle at its open ends.
+std::vector<std::pair<double, Point2>> samples_of(const Section& line) {
+  std::vector<std::pair<double, Point2>> samples;
+  constexpr double step_m = 0.004;
+  const double half_m = 0.5 * vehicle.length_m;
+  for (double x = 0.0; x <= half_m; x += step_m) {
+    samples.emplace_back(0.0, line.start() * Point2{-x, 0.0});
+    samples.emplace_back(line.length_m(), line.end() * Point2{x, 0.0});
+  }
+  for (double s = 0.0; s < line.length_m(); s += step_m) samples.emplace_back(s, position(line.pose_at(s)));
+  return samples;
+}
+
+/// Where bodies on `on` come too near to the other line, and which part of that line they touch.
+struct Touched {
+  std::vector<double> on_m;
+  std::vector<double> other_m;
+};
+Touched touched(const Section& on, const Section& other, double slack_m) {
+  Touched found;
+  const auto samples = samples_of(other);
+  for (double s = 0.0; s <= on.length_m(); s += 0.004) {
+    const Pose2 X_BM = inverse(on.pose_at(s));
+    bool touches = false;
+    for (const auto& [other_s, p] : samples) {
+      const Point2 p_B = X_BM * p;
+      const double beyond_m = norm(std::max(std::fabs(p_B.x_m) - 0.5 * vehicle.length_m, 0.0),
+                                   std::max(std::fabs(p_B.y_m) - 0.5 * vehicle.width_m, 0.0));
+      if (beyond_m > near_m + slack_m) continue;
+      touches = true;
+      found.other_m.push_back(other_s);
+    }
+    if (touches) found.on_m.push_back(s);
+  }
+  return found;
+}
+
+bool holds_any(const std::vector<double>& positions_m, double s_m, double within_m) {
+  return std::any_of(positions_m.begin(), positions_m.end(),
+                     [&](double at_m) { return std::fabs(at_m - s_m) <= within_m; });
+}
+
+TEST(Crossings, hold_exactly_the_positions_where_a_body_comes_too_near) {
+  EXPECT_TRUE(rc::check([] {
+    Random random{*rc::gen::arbitrary<std::uint64_t>(), "crossings_test"};
+    if (!random.chance(0.25)) return;  // a case takes some ten milliseconds
+    const auto any = [&] {
+      return section({random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), random.uniform(-3.1, 3.1)},
+                     random.uniform(0.1, 1.2), random.chance(0.5) ? 0.0 : random.uniform(-2.0, 2.0));
+    };
+    const Section lines[] = {any(), any()};
+    const Circuit circuit = testing::circuit({part("a", lines[0]), part("b", lines[1])});
+    const auto crossings = find_crossings(circuit, vehicle, clearance_m);
+    const Touched surely[] = {touched(lines[0], lines[1], -1e-4), touched(lines[1], lines[0], -1e-4)};
+    const Touched perhaps[] = {touched(lines[0], lines[1], 0.006), touched(lines[1], lines[0], 0.006)};
+    for (const SectionId id : {SectionId{0}, SectionId{1}}) {
+      const auto held = [&](double s_m) {
+        return std::any_of(crossings.begin(), crossings.end(), [&](const Crossing& c) {
+          return in_span(c, {id, s_m});
+        });
+      };
+      for (const double s_m : surely[id].on_m) RC_ASSERT(held(s_m));
+      for (double s_m = 0.0; s_m <= lines[id].length_m(); s_m += 0.01) {
+        // Where its own bodies touch, or around what bodies on the other section touch, half a vehicle to either side.
+        if (held(s_m)) {
+          RC_ASSERT(holds_any(perhaps[id].on_m, s_m, 0.006) ||
+                    holds_any(perhaps[1 - id].other_m, s_m, 0.5 * vehicle.length_m + 0.006));
+        }
+      }
+    }
+  }));
+}
+
+TEST(Crossings, are_numbered_in_the_order_of_sections_and_lie_between_the_centre_lines) {
+  // "east" is crossed at 3 m, then at 1 m, by the second and third section; those run 20 m apart from all others.
+  const Circuit circuit =
+      testing::circuit({part("east", section({0.0, 0.0, 0.0}, 4.0)), part("late", section({3.0, -1.0, pi / 2.0}, 2.0)),
+                        part("early", section({1.0, -1.0, pi / 2.0}, 2.0))});
+  const auto crossings = find_crossings(circuit, vehicle, clearance_m);
+  ASSERT_THAT(crossings, SizeIs(2));
+  EXPECT_EQ(crossings[0].name, "X1");
+  EXPECT_NEAR(crossings[0].centre.x_m, 1.0, 1e-3);
+  EXPECT_NEAR(crossings[0].centre.y_m, 0.0, 1e-3);
+  EXPECT_EQ(crossings[1].name, "X2");
+  EXPECT_NEAR(crossings[1].centre.x_m, 3.0, 1e-3);
+  // Each with the section that crosses, in order.
+  EXPECT_EQ(crossings[0].spans[0].section, 0U);
+  EXPECT_EQ(crossings[0].spans[1].section, 2U);
+  EXPECT_EQ(crossings[1].spans[1].section, 1U);
+}
+
+TEST(Crossings, at_positions_nearer_than_their_width_are_one) {
+  // Two sections cross "east"; their crossings have centres d apart. One position is 2 · 0.10 m wide.
+  const auto number = [](double apart_m) {
+    const Circuit circuit =
+        testing::circuit({part("east", section({0.0, 0.0, 0.0}, 4.0)), part("one", section({1.0, -1.0, pi / 2.0}, 2.0)),
+                          part("two", section({1.0 + apart_m, 1.0, -pi / 2.0}, 2.0))});
+    return find_crossings(circuit, vehicle, clearance_m).size();
+  };
+  EXPECT_EQ(number(0.195), 1U);
+  EXPECT_EQ(number(0.205), 2U);
+}
+
+TEST(Crossings, of_a_section_that_ends_close_to_another_hold_half_a_vehicle_around_what_is_touched) {
+  // "stub" points at "north" and ends 0.23 m before it: a body there reaches 0.10 m ahead and is 0.13 m away, which is
+  // free. A body on "north" is 0.06 m wide and 0.04 m of air: 0.17 m from the end of the stub, whose overhang of 0.10 m
+  // it touches.
+  const Circuit circuit = testing::circuit(
+      {part("stub", section({-1.0, 0.0, 0.0}, 0.77)), part("north", section({0.0, -1.0, pi / 2.0}, 2.0))});
+  const auto crossings = find_crossings(circuit, vehicle, clearance_m);
+  ASSERT_THAT(crossings, SizeIs(1));
+  ASSERT_THAT(crossings[0].spans, SizeIs(2));
+  EXPECT_EQ(crossings[0].spans[0].section, 0U);
+  EXPECT_NEAR(crossings[0].spans[0].from_m, 0.77 - 0.10, 1e-9) << "half a vehicle before the end";
+  EXPECT_EQ(crossings[0].spans[0].to_m, 0.77);
+  // A body on "north" touches the overhang's tip at (−0.13, 0): from 0.10 + √(0.10² − 0.07²) m before to after it.
+  const double reach_m = 0.10 + std::sqrt(0.10 * 0.10 - 0.07 * 0.07);
+  EXPECT_NEAR(crossings[0].spans[1].from_m, 1.0 - reach_m, 2e-5);
+  EXPECT_NEAR(crossings[0].spans[1].to_m, 1.0 + reach_m, 2e-5);
+}
+
+TEST(Crossings, of_a_zone_of_large_vehicles_are_as_exact_as_of_small_ones) {
+  const VehicleShape lorry{12.0, 2.5};
+  const Circuit circuit = testing::circuit(
+      {part("east", section({-50.0, 0.0, 0.0}, 100.0)), part("north", section({0.0, -50.0, pi / 2.0}, 100.0))});
+  const auto crossings = find_crossings(circuit, lorry, 0.5);
+  ASSERT_THAT(crossings, SizeIs(1));
+  for (const CrossingSpan& span : crossings[0].spans) {
+    EXPECT_NEAR(span.from_m, 50.0 - (6.0 + 1.25 + 0.5), 2e-3);
+    EXPECT_NEAR(span.to_m, 50.0 + (6.0 + 1.25 + 0.5), 2e-3);
+  }
 }
 
 // Nets of nodes where vehicles turn on the spot

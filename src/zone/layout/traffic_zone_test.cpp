@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "cosiva/zone/layout/waypoints.h"
 #include "cosiva/zone/testing/test_zones.h"
@@ -21,6 +24,11 @@ TrafficZone track_zone(std::vector<Crossing> crossings = {}) {
 
 std::string id_at(const TrafficZone& zone, std::size_t index) {
   return index < zone.waypoints.size() ? zone.waypoints[index].id : "none";
+}
+
+/// The id of the first waypoint from a position on.
+std::string id_onward(const TrafficZone& zone, TrackPosition position) {
+  return id_at(zone, zone.waypoint_ahead(position));
 }
 
 // Beacons
@@ -71,17 +79,17 @@ TEST(TrafficZone, finds_waypoints_by_id_and_no_others) {
 
 TEST(TrafficZone, searches_ahead_and_behind_along_the_path) {
   const TrafficZone zone = track_zone();  // 2 m straights in seven parts of 286 mm
-  EXPECT_EQ(id_at(zone, zone.waypoint_ahead({0, 0.3})), "south@571");
+  EXPECT_EQ(id_onward(zone, {0, 0.3}), "south@571");
   EXPECT_EQ(id_at(zone, zone.waypoint_behind({0, 0.3})), "south@286");
-  EXPECT_EQ(id_at(zone, zone.waypoint_ahead({0, 1.9})), "east@0");
-  EXPECT_EQ(id_at(zone, zone.waypoint_ahead({0, 0.0})), "south@0");
+  EXPECT_EQ(id_onward(zone, {0, 1.9}), "east@0");
+  EXPECT_EQ(id_onward(zone, {0, 0.0}), "south@0");
   EXPECT_EQ(id_at(zone, zone.waypoint_behind({0, 0.0})), "south@0");
 }
 
 TEST(TrafficZone, is_on_a_waypoint_in_spite_of_rounding) {
   const TrafficZone zone = track_zone();
   const double s = zone.find_waypoint("south@571")->position.s_m;
-  EXPECT_EQ(id_at(zone, zone.waypoint_ahead({0, s + 1e-12})), "south@571");
+  EXPECT_EQ(id_onward(zone, {0, s + 1e-12}), "south@571");
   EXPECT_EQ(id_at(zone, zone.waypoint_behind({0, s - 1e-12})), "south@571");
 }
 
@@ -103,6 +111,69 @@ TEST(TrafficZone, without_waypoints_ahead_reports_none) {
   EXPECT_EQ(zone.next_waypoint(0), 1U);
 }
 
+/// Straights of 1 m in a row without waypoints.
+TrafficZone row_zone(int sections, bool closed = false) {
+  std::vector<Circuit::Part> parts;
+  for (int i = 0; i < sections; ++i) {
+    const double radius_m = 0.5;
+    parts.push_back(
+        testing::part("s" + std::to_string(i), closed ? testing::section({}, 2.0 * pi * radius_m, 1.0 / radius_m)
+                                                      : testing::section({1.0 * i, 0.0, 0.0}, 1.0)));
+    if (i + 1 < sections)
+      parts.back().next = {static_cast<SectionId>(i + 1)};
+    else if (closed)
+      parts.back().next = {0};
+  }
+  return {"row", testing::circuit(std::move(parts)), {}, {}, {}, {}, {}, {}, {}, {}};
+}
+
+TEST(TrafficZone, searches_over_as_many_sections_as_there_are) {
+  TrafficZone line = row_zone(4);
+  line.waypoints = {{"first", {0, 0.5}}, {"last", {3, 0.5}}};
+  EXPECT_EQ(id_onward(line, {0, 0.6}), "last");
+  EXPECT_EQ(id_at(line, line.waypoint_behind({3, 0.4})), "first");
+  EXPECT_EQ(id_at(line, line.next_waypoint(0)), "last");
+  EXPECT_EQ(id_onward(line, {3, 0.6}), "none");
+  EXPECT_EQ(id_at(line, line.waypoint_behind({0, 0.4})), "none");
+  // Round a loop, back to the only one.
+  TrafficZone loop = row_zone(3, true);
+  loop.waypoints = {{"only", {1, 0.5}}};
+  EXPECT_EQ(id_onward(loop, {1, 0.6}), "only");
+  EXPECT_EQ(id_at(loop, loop.waypoint_behind({1, 0.4})), "only");
+  EXPECT_EQ(id_at(loop, loop.next_waypoint(0)), "only");
+  EXPECT_EQ(id_onward(loop, {2, 0.0}), "only");
+  loop.waypoints = {};
+  EXPECT_EQ(loop.waypoint_ahead({1, 0.6}), 0U);
+  EXPECT_EQ(loop.waypoint_behind({1, 0.6}), 0U);
+}
+
+TEST(TrafficZone, finds_stations_loops_and_priorities_by_name) {
+  TrafficZone zone = track_zone();
+  zone.stations = {{"dock", {0, 1.0}}, {"plug", {1, 0.5}, StationKind::charger}};
+  zone.loops = {{"inner", {0}}, {"outer", {1, 2}}};
+  zone.priorities = {{"A/1", 3}, {"B/2", 7}};
+  ASSERT_NE(zone.find_station("plug"), nullptr);
+  EXPECT_EQ(zone.find_station("plug")->position.section, 1U);
+  EXPECT_EQ(zone.find_station("none"), nullptr);
+  ASSERT_NE(zone.find_loop("outer"), nullptr);
+  EXPECT_EQ(zone.find_loop("outer")->sections.size(), 2U);
+  EXPECT_EQ(zone.find_loop(""), nullptr);
+  EXPECT_EQ(zone.priority_of("A/1"), 3);
+  EXPECT_EQ(zone.priority_of("B/2"), 7);
+  for (const char* none : {"", "A/0", "A/2", "C/1"}) EXPECT_EQ(zone.priority_of(none), 0) << none;
+  EXPECT_EQ(to_string(Diagnostic::Kind::mended), "mended");
+  EXPECT_EQ(to_string(Diagnostic::Kind::lost), "lost");
+  EXPECT_EQ(to_string(Diagnostic::Kind::notice), "notice");
+}
+
+TEST(TrafficZone, has_spans_that_hold_their_ends) {
+  const TrafficZone zone = track_zone({{"X1", {}, {{0, 0.5, 1.0}}}});
+  EXPECT_EQ(zone.crossing_at({0, 0.4999}), nullptr);
+  EXPECT_NE(zone.crossing_at({0, 0.5}), nullptr);
+  EXPECT_NE(zone.crossing_at({0, 1.0}), nullptr);
+  EXPECT_EQ(zone.crossing_at({0, 1.0001}), nullptr);
+}
+
 // Where vehicles stop
 // -----------------------------------------------------------------------------------------------------
 
@@ -120,6 +191,89 @@ TEST(TrafficZone, lets_no_vehicle_stop_in_a_crossing_or_between_two_that_are_too
   EXPECT_EQ(narrow.crossing_at({0, 0.9}), nullptr);
   EXPECT_FALSE(narrow.may_stop({0, 0.9}));
   EXPECT_TRUE(narrow.may_stop({0, 1.3}));
+}
+
+TEST(TrafficZone, lets_vehicles_stop_from_the_waypoint_behind_a_crossing_on) {
+  TrafficZone zone = row_zone(3);
+  zone.crossings = {{"X1", {}, {{0, 0.2, 0.4}}}, {"X2", {}, {{2, 0.6, 0.8}}}};
+  zone.waypoints = {{"a", {0, 0.5}}, {"b", {2, 0.7}}};
+  EXPECT_TRUE(zone.may_stop({0, 0.1})) << "nothing is known to be before it";
+  EXPECT_FALSE(zone.may_stop({0, 0.2}));
+  EXPECT_FALSE(zone.may_stop({0, 0.4}));
+  EXPECT_FALSE(zone.may_stop({0, 0.49}));
+  EXPECT_TRUE(zone.may_stop({0, 0.5}));
+  EXPECT_TRUE(zone.may_stop({0, 0.5 - 1e-12})) << "rounding";
+  EXPECT_TRUE(zone.may_stop({1, 0.5})) << "no section in between has a crossing";
+  EXPECT_TRUE(zone.may_stop({2, 0.5}));
+  EXPECT_FALSE(zone.may_stop({2, 0.7})) << "a waypoint inside a crossing is a destination only";
+  EXPECT_FALSE(zone.may_stop({2, 0.9}));
+  // Round a loop with a crossing and no waypoint there is no position.
+  TrafficZone loop = row_zone(3, true);
+  EXPECT_TRUE(loop.may_stop({1, 0.5}));
+  loop.crossings = {{"X1", {}, {{1, 0.6, 0.8}}}};
+  for (SectionId id = 0; id < 3; ++id) EXPECT_FALSE(loop.may_stop({id, 0.5})) << id;
+}
+
+TEST(TrafficZone, packs_vehicles_where_spreading_them_wastes_room) {
+  // 1 m, of which the last 5 cm are not tried; a vehicle and its gap take 0.29 m.
+  TrafficZone zone = row_zone(1);
+  zone.vehicle.length_m = 0.19;
+  const auto at = [&](std::size_t count) {
+    std::vector<double> positions_m;
+    for (const TrackPosition& position : zone.start_positions(count)) positions_m.push_back(position.s_m);
+    return positions_m;
+  };
+  using ::testing::DoubleNear;
+  using ::testing::ElementsAre;
+  EXPECT_THAT(at(1), ElementsAre(0.0));
+  EXPECT_THAT(at(2), ElementsAre(0.0, DoubleNear(0.95, 1e-9)));
+  EXPECT_THAT(
+      at(3), ElementsAre(0.0, DoubleNear(0.95, 1e-9), ::testing::AnyOf(DoubleNear(0.45, 1e-9), DoubleNear(0.5, 1e-9))));
+  // One behind the other, every 0.30 m.
+  EXPECT_THAT(at(4), ElementsAre(0.0, DoubleNear(0.3, 1e-9), DoubleNear(0.6, 1e-9), DoubleNear(0.9, 1e-9)));
+  EXPECT_EQ(at(5).size(), 4U);
+}
+
+TEST(TrafficZone, puts_vehicles_side_by_side_where_their_diagonals_have_room) {
+  // Half a diagonal each: 0.2332 m for 0.20 by 0.12 m.
+  const auto both = [](double apart_m) {
+    const auto one = testing::section({}, 0.04);
+    TrafficZone zone{
+        "lanes",
+        testing::circuit({testing::part("a", one), testing::part("b", testing::section({0.0, apart_m, 0.0}, 0.04))}),
+        {},
+        {},
+        {},
+        {},
+        {},
+        {},
+        {},
+        {}};
+    return zone.start_positions(2).size();
+  };
+  EXPECT_EQ(both(0.234), 2U);
+  EXPECT_EQ(both(0.232), 1U);
+  // On sections that follow each other the whole room is needed.
+  TrafficZone line = row_zone(2);
+  line.starts = {{0, 0.9}, {1, 0.15}, {1, 0.21}};
+  EXPECT_THAT(line.start_positions(2), ::testing::ElementsAre(TrackPosition{0, 0.9}, TrackPosition{1, 0.21}));
+}
+
+TEST(TrafficZone, begins_in_a_crossing_only_within_two_centimetres_behind_a_waypoint) {
+  TrafficZone zone =
+      track_zone({{"X1", {}, {{0, 0.0, 2.0}, {1, 0.0, 1.7}}}, {"X2", {}, {{2, 0.0, 2.0}, {3, 0.0, 1.7}}}});
+  zone.waypoints = {{"A", {0, 0.5}}};
+  const auto first = [&](TrackPosition start) {
+    zone.starts = {start};
+    const auto positions = zone.start_positions(1);
+    return positions.empty() ? TrackPosition{} : positions.front();
+  };
+  const TrackPosition waypoint{0, 0.5};
+  EXPECT_EQ(first({0, 0.5}), waypoint);
+  EXPECT_EQ(first({0, 0.519}), (TrackPosition{0, 0.519}));
+  EXPECT_EQ(first({0, 0.481}), (TrackPosition{0, 0.481}));
+  EXPECT_EQ(first({0, 0.521}), waypoint) << "refused; the waypoint serves";
+  EXPECT_EQ(first({1, 0.01}), waypoint) << "on another section";
 }
 
 void expect_room(const TrafficZone& zone, const std::vector<TrackPosition>& positions) {

@@ -169,6 +169,7 @@ const std::string* own_id(const std::vector<std::string>& ids, SectionId section
   return section < ids.size() && !ids[section].empty() ? &ids[section] : nullptr;
 }
 
+/// Lays the waypoints section by section. Invariant: those of the present section are sorted by arc length.
 class Layer {
  public:
   Layer(const Circuit& circuit, const std::vector<Crossing>& crossings, const WaypointRules& rules);
@@ -259,6 +260,8 @@ std::vector<Waypoint> Layer::lay_all() {
     name(0.0, own_id(rules_.start_ids, id));
     if (circuit_.next(id).empty()) name(circuit_.section(id).length_m(), own_id(rules_.end_ids, id));
     lay_requested(id);
+    COSIVA_EXPECT(
+        std::is_sorted(laid_.begin(), laid_.end(), [](const Laid& a, const Laid& b) { return a.s_m < b.s_m; }));
     for (const Laid& laid : laid_)
       waypoints.push_back({laid.id != nullptr ? *laid.id : id_at(id, laid.s_m), {id, laid.s_m}});
   }

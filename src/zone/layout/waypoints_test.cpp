@@ -2,7 +2,12 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "cosiva/base/random.h"
 #include "cosiva/zone/layout/crossings.h"
@@ -169,8 +174,94 @@ TEST(Waypoints, have_ids_of_their_own_in_order_of_section_and_arc_length) {
   }
 }
 
+TEST(Waypoints, guard_every_span_and_keep_to_their_spacing_along_a_line_cut_anywhere) {
+  EXPECT_TRUE(rc::check([] {
+    Random random{*rc::gen::arbitrary<std::uint64_t>(), "waypoints_test/line"};
+    // A line cut into sections, with spans anywhere.
+    std::vector<double> begin_m{0.0};
+    std::vector<Circuit::Part> parts;
+    const std::size_t size = 1 + random.below(6);
+    for (SectionId id = 0; id < size; ++id) {
+      const double length_m = random.chance(0.3) ? random.uniform(0.01, 0.1) : random.uniform(0.2, 1.5);
+      parts.push_back(part("s" + std::to_string(id), section({begin_m.back(), 0.0, 0.0}, length_m)));
+      if (id + 1 < size) parts.back().next = {id + 1};
+      begin_m.push_back(begin_m.back() + length_m);
+    }
+    const Circuit circuit = testing::circuit(std::move(parts));
+    constexpr double margin_m = 0.02;
+    std::vector<Crossing> crossings;
+    std::vector<std::pair<double, double>> blocked_m;
+    for (std::size_t i = random.below(5); i > 0; --i) {
+      const auto id = static_cast<SectionId>(random.below(size));
+      const double length_m = circuit.section(id).length_m();
+      double from_m = random.uniform(0.0, 1.0) * length_m;
+      double to_m = std::min(from_m + random.uniform(0.0, 0.3), length_m);
+      if (random.chance(0.2)) from_m = 0.0;
+      if (random.chance(0.2)) to_m = length_m;
+      crossings.push_back(crossing(id, from_m, to_m));
+      blocked_m.emplace_back(begin_m[id] + from_m - margin_m, begin_m[id] + to_m + margin_m);
+    }
+    const double room_m = random.uniform(0.0, 0.6);
+    const double spacing_m = random.uniform(0.1, 1.0);
+    // Blocked are spans with their margins, and what is between two of them that leaves less than the room.
+    std::sort(blocked_m.begin(), blocked_m.end());
+    std::vector<std::pair<double, double>> united_m;
+    for (const auto& [from_m, to_m] : blocked_m) {
+      if (!united_m.empty() && from_m - united_m.back().second < std::max(room_m - 2.0 * margin_m, 1e-12))
+        united_m.back().second = std::max(united_m.back().second, to_m);
+      else
+        united_m.emplace_back(from_m, to_m);
+    }
+    std::vector<double> at_m;
+    for (const Waypoint& waypoint : lay_waypoints(circuit, crossings, spacing_m, room_m))
+      at_m.push_back(begin_m[waypoint.position.section] + waypoint.position.s_m);
+    for (std::size_t i = 1; i < at_m.size(); ++i) RC_ASSERT(at_m[i] > at_m[i - 1]);
+    constexpr double hair_m = 1e-9;
+    for (const double at : at_m) {
+      for (const auto& [from_m, to_m] : united_m) RC_ASSERT(at <= from_m + hair_m || at >= to_m - hair_m);
+    }
+    // On every free stretch one lies at, or 2 cm from, either end, and the next is never further than the spacing.
+    double from_m = 0.0;
+    united_m.emplace_back(begin_m.back(), begin_m.back());
+    for (const auto& [until_m, next_m] : united_m) {
+      if (until_m > from_m + 2.0 * margin_m) {
+        double last_m = from_m;
+        bool first = true;
+        for (const double at : at_m) {
+          if (at < from_m - hair_m || at > until_m + hair_m) continue;
+          RC_ASSERT(at - last_m <= (first ? margin_m : spacing_m + margin_m) + hair_m);
+          last_m = at;
+          first = false;
+        }
+        RC_ASSERT(!first);
+        RC_ASSERT(until_m - last_m <= margin_m + hair_m);
+      }
+      from_m = next_m;
+    }
+  }));
+}
+
+TEST(Waypoints, are_as_few_as_the_spacing_allows_in_spite_of_rounding) {
+  const auto count = [](double length_m, double spacing_m) {
+    return lay_waypoints(testing::circuit({part("a", section({}, length_m))}), {}, spacing_m).size();
+  };
+  EXPECT_EQ(count(1.5, 0.3), 6U);
+  EXPECT_EQ(count(1.5001, 0.3), 7U);
+  EXPECT_EQ(count(0.29, 0.3), 2U);
+  EXPECT_EQ(count(0.021, 0.3), 2U);
+  EXPECT_EQ(count(0.019, 0.3), 1U) << "two centimetres are one position";
+  EXPECT_EQ(count(1.0, 0.02), 51U);
+}
+
+TEST(Waypoints, have_ids_of_whole_millimetres) {
+  WaypointRules rules;
+  rules.nodes_only = true;
+  rules.at = {{0, 0.1004}, {0, 0.2006}, {0, -0.5}, {0, 7.0}};
+  EXPECT_THAT(ids(lay_waypoints(line(), {}, rules)), ElementsAre("a@0", "a@100", "a@201", "a@1000", "b@0", "b@1000"));
+}
+
 TEST(Waypoints, keep_out_of_every_crossing_whatever_the_sections_and_the_vehicle) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "waypoints_test"};
     std::vector<Circuit::Part> parts;
     for (int i = 0; i < 4; ++i) {
@@ -193,7 +284,7 @@ TEST(Waypoints, keep_out_of_every_crossing_whatever_the_sections_and_the_vehicle
                     waypoint.position.s_m > span.to_m);
       }
     }
-  });
+  }));
 }
 
 }  // namespace

@@ -26,7 +26,8 @@ std::vector<bool> marked(const Circuit& circuit, std::span<const SectionId> sect
   return flags;
 }
 
-/// The quickest routes from the end of one section to the starts of others.
+/// The quickest routes from the end of one section to the starts of others. Invariant: sections are done in the order
+/// of their times.
 class Search {
  public:
   Search(const Router& router, const Circuit& circuit, const std::vector<bool>& closed)
@@ -54,6 +55,7 @@ class Search {
   using Entry = std::pair<double, SectionId>;  // the lower section first among equals
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
   std::size_t count_{0};
+  double last_done_s_{0.0};
   SectionId farthest_{no_section};
 };
 
@@ -77,6 +79,8 @@ SectionId Search::run(SectionId from, const std::vector<bool>& wanted) {
     const auto [time_s, id] = queue_.top();
     queue_.pop();
     if (reached_[id].done) continue;
+    COSIVA_EXPECT(reached_[id].time_s >= last_done_s_);
+    last_done_s_ = reached_[id].time_s;
     reached_[id].done = true;
     ++count_;
     farthest_ = id;
