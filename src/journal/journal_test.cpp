@@ -202,6 +202,42 @@ TEST(Journal, rejects_invalid_records_with_a_correct_checksum) {
   EXPECT_EQ(read_all("COSIVAJ1\xFF\xFF\xFF\xFF").error->code, "journal.length");
 }
 
+TEST(Journal, takes_a_record_of_12_to_268_566_528_bytes) {
+  const auto after_length = [](std::uint32_t length) {
+    std::string bytes = "COSIVAJ1";
+    for (unsigned i = 0; i < 4; ++i) bytes += static_cast<char>((length >> (8U * i)) & 0xFFU);
+    return read_all(bytes);  // the record itself is missing
+  };
+  EXPECT_EQ(after_length(11).error->code, "journal.length");
+  EXPECT_TRUE(after_length(12).truncated);
+  EXPECT_TRUE(after_length(268'566'528).truncated);
+  EXPECT_EQ(after_length(268'566'529).error->code, "journal.length");
+}
+
+TEST(Journal, takes_a_source_that_fills_its_record) {
+  const ReadBack back = read_all(sealed(body(2, 1, 4, "abcd")));
+  ASSERT_EQ(back.inputs.size(), 1U);
+  EXPECT_EQ(back.inputs[0], (Input{SimTime{}, InputKind::message, "abcd", "", true}));
+}
+
+TEST(Journal, explains_what_is_wrong) {
+  EXPECT_EQ(read_all(sealed(body(7, 2, 0, ""))).error->message, "a flag is 0 or 1, found 2");
+  EXPECT_EQ(read_all(sealed(body(9, 0, 0, ""))).error->message, "unknown record kind 9");
+  EXPECT_EQ(read_all(sealed("short")).error->message, "a record cannot be 5 bytes long");
+  EXPECT_EQ(read_all(written(three, "x") + "more").error->message, "4 bytes follow the end record");
+  EXPECT_EQ(read_all(written(three, "x") + "more").error->location,
+            "offset " + std::to_string(written(three, "x").size()));
+}
+
+TEST(Journal, stores_a_source_of_at_most_65535_bytes) {
+  const Input longest{SimTime{1s}, InputKind::message, std::string(65'535, 's'), "payload", false};
+  EXPECT_EQ(read_all(written({longest})).inputs, std::vector<Input>{longest});
+  const Input longer{SimTime{1s}, InputKind::message, std::string(65'536, 's'), "payload", false};
+  EXPECT_DEATH(static_cast<void>(written({longer})), "source.size");
+}
+
+TEST(Journal, needs_a_sink) { EXPECT_DEATH(Writer{Writer::Sink{}}, "sink_"); }
+
 TEST(Journal, accepts_only_a_journal) {
   for (const char* bytes : {"", "COSIVA", "COSIVAJ2", "cosivaj1"})
     EXPECT_EQ(read_all(bytes).error->code, "journal.magic") << bytes;

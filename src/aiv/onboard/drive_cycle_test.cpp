@@ -45,5 +45,40 @@ TEST_F(DriveCycleTest, holds_for_each_link_that_is_lost_and_no_longer) {
   EXPECT_FALSE(context.vehicle().holds().has(Hold::broker_lost));
 }
 
+TEST_F(DriveCycleTest, holds_for_a_fault_of_wheels_or_obstacle_sensor_only) {
+  const auto holds_for = [&](wire::Board board) {
+    const auto report = [&](std::uint8_t code) {
+      wire::module_link::Encoder encoder;
+      (void)boards.on_bytes(board, encoder.encode(wire::Heartbeat{0, 0, 0, code}));
+    };
+    report(1);
+    cycle.run(SimTime{}, context, effects);
+    const bool held = context.agent().holds().has(Hold::board_faulty);
+    report(0);
+    cycle.run(SimTime{}, context, effects);
+    EXPECT_FALSE(context.agent().holds().has(Hold::board_faulty));
+    return held;
+  };
+  EXPECT_TRUE(holds_for(wire::Board::PILS));
+  EXPECT_FALSE(holds_for(wire::Board::PRAV));
+  EXPECT_TRUE(holds_for(wire::Board::DOBS));
+  EXPECT_FALSE(holds_for(wire::Board::RALI));
+}
+
+TEST_F(DriveCycleTest, takes_a_vehicle_whose_wheels_are_lost_for_stopped) {
+  for (const wire::Board board : wire::all_boards) supervision.on_board_message(SimTime{}, board);
+  wire::Odometry moving{};
+  moving.speed_mmps = 400;
+  context.agent().on_odometry(moving);
+  cycle.run(SimTime{}, context, effects);
+  EXPECT_FALSE(context.agent().motion().stopped());
+  supervision.forget_board(wire::Board::DOBS);
+  cycle.run(SimTime{}, context, effects);
+  EXPECT_FALSE(context.agent().motion().stopped()) << "another board";
+  supervision.forget_board(wire::Board::PILS);
+  cycle.run(SimTime{}, context, effects);
+  EXPECT_TRUE(context.agent().motion().stopped());
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

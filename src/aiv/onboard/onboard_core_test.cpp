@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "cosiva/aiv/onboard/driving_context.h"
 #include "cosiva/aiv/onboard/onboard_fixture.h"
 #include "cosiva/aiv/onboard/persisted_position.h"
+#include "cosiva/wire/own/control_areas.h"
 
 namespace cosiva::aiv {
 namespace {
@@ -420,6 +422,132 @@ TEST(Onboard, stays_paused_and_slow_over_a_crash) {
   after.act("stopPause", "q");
   after.run(2.0);
   EXPECT_NEAR(after.speed_mps, 0.15, 1e-9);
+}
+
+TEST(Onboard, stops_its_motors_and_saves_its_position_at_a_clean_end) {
+  OnboardFixture fixture;
+  fixture.run(0.5);
+  fixture.order(to_1131());
+  fixture.run(1.05);
+  ASSERT_GT(fixture.last_drive().speed_mmps, 0);
+  fixture.persisted.clear();
+  fixture.farewell();
+  EXPECT_EQ(fixture.last_drive(), (wire::Drive{0, 0, 800, 0})) << "the medium profile's braking";
+  EXPECT_FALSE(fixture.persisted.empty());
+  EXPECT_EQ(fixture.core->will()->message.topic, "uagv/v2/CoSiVA/AIV1/connection");
+}
+
+TEST(Onboard, ends_without_a_zone_as_well) {
+  OnboardFixture fixture{{.zone_notified = false}};
+  fixture.farewell();
+  EXPECT_EQ(fixture.connections.back().state, wire::ConnectionState::offline);
+  EXPECT_THAT(fixture.persisted, IsEmpty());
+  EXPECT_EQ(fixture.drives, 0);
+  EXPECT_EQ(fixture.core->estimated_speed_mps(), 0.0);
+  EXPECT_FALSE(fixture.core->estimated_pose());
+}
+
+TEST(Onboard, folds_its_name_alone_before_a_zone_is_known) {
+  const OnboardFixture fixture{{.zone_notified = false}};
+  Digest folded;
+  fixture.core->fold(folded);
+  Digest expected;
+  expected.add(std::string_view{"AIV1"});
+  expected.add(std::uint64_t{0});
+  EXPECT_EQ(folded.value(), expected.value());
+}
+
+TEST(Onboard, folds_position_motion_holds_and_order) {
+  const auto folded = [](const OnboardFixture& fixture) {
+    Digest digest;
+    fixture.core->fold(digest);
+    return digest.value();
+  };
+  OnboardFixture fixture;
+  fixture.run(0.5);
+  // The parts that do not depend on where the vehicle is, in the order of the digest.
+  const auto expected = [&](std::uint64_t holds, std::string_view order_id, std::uint64_t update_id,
+                            std::uint64_t last_sequence_id) {
+    const DrivingContext idle{lacet4(), {}};
+    const zone::TrackPosition here = at(lacet4(), "loop_se", 0.0);
+    Digest digest;
+    digest.add(std::string_view{"AIV1"});
+    digest.add(std::uint64_t{1});
+    digest.add(std::uint64_t{1});
+    digest.add(std::uint64_t{here.section});
+    digest.add(here.s_m);
+    digest.add(0.0);  // travelled
+    digest.add(0.0);  // speed
+    digest.add(holds);
+    digest.add(order_id);
+    digest.add(update_id);
+    digest.add(last_sequence_id);
+    digest.add(std::uint64_t{0});
+    idle.virtual_bodies().fold(digest);
+    idle.sighting().fold(digest);
+    idle.neighbours().fold(digest);
+    return digest.value();
+  };
+  EXPECT_EQ(folded(fixture), expected(0, "", 0, 0));
+  fixture.act("startPause", "p");
+  const auto paused = static_cast<std::uint64_t>(Hold::paused);
+  EXPECT_EQ(folded(fixture), expected(paused, "", 0, 0));
+  fixture.order(order("O-1", 3).from_sequence(6).through({"loop_se@0", "loop_se@283"}));
+  EXPECT_EQ(folded(fixture), expected(paused, "O-1", 3, 6));
+}
+
+TEST(Onboard, folds_the_pose_of_a_vehicle_off_the_path) {
+  const auto folded = [](double x_m, double y_m, double heading_rad) {
+    PersistedPosition persisted;
+    persisted.zone = "lacet4";
+    persisted.session = 77;
+    persisted.off_path = true;
+    persisted.pose = Pose2{x_m, y_m, heading_rad};
+    OnboardFixture fixture{{.start = std::nullopt, .persisted = to_json(persisted)}};
+    fixture.run(0.2);
+    EXPECT_TRUE(fixture.core->estimated_pose());
+    Digest digest;
+    fixture.core->fold(digest);
+    return digest.value();
+  };
+  const std::uint64_t reference = folded(3.0, 4.0, 0.5);
+  EXPECT_EQ(folded(3.0, 4.0, 0.5), reference);
+  EXPECT_NE(folded(3.5, 4.0, 0.5), reference);
+  EXPECT_NE(folded(3.0, 4.5, 0.5), reference);
+  EXPECT_NE(folded(3.0, 4.0, 1.0), reference);
+}
+
+TEST(Onboard, warns_of_a_server_s_connection_without_a_state_or_too_long) {
+  OnboardFixture fixture;
+  fixture.logs.clear();
+  fixture.receive(wire::server_connection_topic, "{}");
+  ASSERT_THAT(fixture.logs, SizeIs(1));
+  EXPECT_EQ(fixture.logs[0], (wire::Log{'w', "the server's connection message has no connectionState"}));
+  const std::string offline = R"({"connectionState":"OFFLINE"})";
+  fixture.receive(wire::server_connection_topic, offline + std::string(4096 - offline.size(), ' '));
+  EXPECT_THAT(fixture.logs, SizeIs(1));
+  fixture.receive(wire::server_connection_topic, offline + std::string(4097 - offline.size(), ' '));
+  EXPECT_THAT(fixture.logs, SizeIs(2));
+}
+
+TEST(Onboard, logs_the_reason_for_which_it_does_not_use_a_saved_position) {
+  const OnboardFixture fixture{{.persisted = "{\"zone\":7}"}};
+  ASSERT_FALSE(fixture.logs.empty());
+  EXPECT_EQ(fixture.logs[0].level, 'w');
+  EXPECT_THAT(fixture.logs[0].text, HasSubstr("saved position not used: "));
+}
+
+TEST(Onboard, follows_the_zone_of_its_owner_s_control_area_only) {
+  OnboardFixture fixture{{.zone_notified = false}};
+  fixture.receive("cosiva/v1/owner/CoSiVA/AIV1",
+                  wire::to_json(wire::Owner{"north", 1, fixture.now, std::nullopt, std::nullopt}));
+  EXPECT_THAT(fixture.listens, Contains("cosiva/v1/area/north/zone/+"));
+  fixture.receive("cosiva/v1/zone/toml", test::lacet4_configuration().text);
+  EXPECT_THAT(fixture.factsheets, IsEmpty());
+  fixture.receive("cosiva/v1/area/north/zone/toml", "");
+  EXPECT_THAT(fixture.factsheets, IsEmpty()) << "an empty message clears a topic";
+  fixture.receive("cosiva/v1/area/north/zone/toml", test::lacet4_configuration().text);
+  EXPECT_THAT(fixture.factsheets, SizeIs(1));
 }
 
 // --- options ------------------------------------------------------------------------------------------------------

@@ -36,5 +36,20 @@ TEST(ServerSelection, stays_with_its_server_when_the_owner_cannot_be_read) {
   EXPECT_EQ(std::get<wire::Log>(effects.back()).level, 'w');
 }
 
+TEST(ServerSelection, logs_what_it_does) {
+  ServerSelection server;
+  wire::Effects effects;
+  EXPECT_FALSE(server.on_owner("", effects)) << "there was no area before";
+  EXPECT_TRUE(effects.empty());
+  EXPECT_TRUE(server.on_owner(owner("north"), effects));
+  EXPECT_EQ(std::get<wire::Log>(effects.back()), (wire::Log{'i', "belongs to control area north"}));
+  EXPECT_EQ(server.filters(),
+            (std::vector<std::string>{"cosiva/v1/area/north/zone/+", "cosiva/v1/area/north/server/connection",
+                                      "cosiva/v1/area/north/server/heartbeat"}));
+  EXPECT_TRUE(server.on_owner("", effects));
+  EXPECT_EQ(std::get<wire::Log>(effects.back()), (wire::Log{'i', "belongs to no control area any more"}));
+  EXPECT_EQ(server.topics(), wire::server_topics(""));
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

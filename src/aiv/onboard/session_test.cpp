@@ -1,11 +1,15 @@
 #include "cosiva/aiv/onboard/session.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <string>
 #include <utility>
 #include <variant>
+#include <vector>
 
+#include "cosiva/aiv/testing/test_zone.h"
 #include "cosiva/wire/messages/topics.h"
 #include "cosiva/wire/runtime/core.h"
 
@@ -52,6 +56,158 @@ TEST_F(SessionTest, refuses_a_message_for_another_vehicle_and_an_unsupported_ver
   EXPECT_TRUE(session.accepts({0, SimTime{}, "v2", "CoSiVA", "AIV1"}));
   EXPECT_FALSE(session.accepts({0, SimTime{}, "2.1.0", "CoSiVA", "AIV2"}));
   EXPECT_FALSE(session.accepts({0, SimTime{}, "3.0.0", "CoSiVA", "AIV1"}));
+}
+
+TEST_F(SessionTest, has_the_topics_of_the_standard_and_of_cosiva) {
+  const SessionTopics& topics = session.topics();
+  EXPECT_EQ(topics.order, "uagv/v2/CoSiVA/AIV1/order");
+  EXPECT_EQ(topics.instant_actions, "uagv/v2/CoSiVA/AIV1/instantActions");
+  EXPECT_EQ(topics.connection, "uagv/v2/CoSiVA/AIV1/connection");
+  EXPECT_EQ(topics.state, "uagv/v2/CoSiVA/AIV1/state");
+  EXPECT_EQ(topics.visualization, "uagv/v2/CoSiVA/AIV1/visualization");
+  EXPECT_EQ(topics.factsheet, "uagv/v2/CoSiVA/AIV1/factsheet");
+  EXPECT_EQ(topics.virtual_obstacles, "cosiva/v1/virtual_obstacles/CoSiVA/AIV1");
+  EXPECT_EQ(topics.virtual_obstacles_ack, "cosiva/v1/virtual_obstacles_ack/CoSiVA/AIV1");
+  EXPECT_EQ(topics.owner, "cosiva/v1/owner/CoSiVA/AIV1");
+  EXPECT_EQ(topics.estimate_request, "cosiva/v1/estimate/request/CoSiVA/AIV1");
+  EXPECT_EQ(topics.estimate_response, "cosiva/v1/estimate/response/CoSiVA/AIV1");
+  EXPECT_EQ(topics.detected_obstacle, "cosiva/v1/detected_obstacle/CoSiVA/AIV1");
+  EXPECT_EQ(topics.boards, "cosiva/v1/boards/CoSiVA/AIV1");
+}
+
+TEST_F(SessionTest, publishes_each_message_on_its_topic_with_its_quality_and_only_while_online) {
+  struct Case {
+    std::string topic;
+    int qos;
+    bool retained;
+    std::function<void()> publish;
+  };
+  const SessionTopics& topics = session.topics();
+  const std::vector<Case> cases{
+      {topics.connection, 1, true, [&] { session.publish(SimTime{}, wire::ConnectionState::online, effects); }},
+      {topics.state, 0, false, [&] { session.publish(SimTime{}, wire::State{}, effects); }},
+      {topics.visualization, 0, false, [&] { session.publish(SimTime{}, wire::Visualization{}, effects); }},
+      {topics.factsheet, 0, true, [&] { session.publish(SimTime{}, wire::Factsheet{}, effects); }},
+      {topics.virtual_obstacles_ack, 0, false, [&] { session.publish(wire::VirtualObstaclesAck{}, effects); }},
+      {topics.detected_obstacle, 0, false,
+       [&] { session.publish(SimTime{}, wire::DetectedObstacleReport{}, effects); }},
+      {topics.boards, 0, false, [&] { session.publish(SimTime{}, wire::BoardsReport{}, effects); }},
+      {topics.estimate_response, 0, false, [&] { session.publish_estimate("{}", effects); }},
+      {"cosiva/v1/v2x/m/3_-4/CoSiVA/AIV1", 0, false, [&] {
+         wire::Intent intent;
+         intent.map_id = "m";
+         session.publish(SimTime{}, wire::Cell{3, -4}, std::move(intent), effects);
+       }}};
+  for (const bool online : {false, true}) {
+    session.set_online(online);
+    EXPECT_EQ(session.online(), online);
+    for (const Case& one : cases) {
+      effects.clear();
+      one.publish();
+      ASSERT_EQ(effects.size(), online ? 1U : 0U) << one.topic;
+      if (!online) continue;
+      EXPECT_EQ(last().topic, one.topic);
+      EXPECT_EQ(last().qos, one.qos) << one.topic;
+      EXPECT_EQ(last().retained, one.retained) << one.topic;
+      EXPECT_FALSE(last().payload.empty()) << one.topic;
+      EXPECT_FALSE(last().typed) << one.topic;
+    }
+  }
+}
+
+TEST_F(SessionTest, passes_frequent_messages_on_as_values_in_one_process) {
+  Session inside{{"CoSiVA", "AIV1"}, wire::default_interface, true};
+  inside.set_online(true);
+  const auto expect_values = [&](const std::string& topic) {
+    EXPECT_EQ(last().topic, topic);
+    EXPECT_TRUE(last().typed) << topic;
+    EXPECT_TRUE(last().payload.empty()) << topic;
+    EXPECT_EQ(last().qos, 0);
+    EXPECT_FALSE(last().retained);
+  };
+  inside.publish(SimTime{}, wire::State{}, effects);
+  expect_values(inside.topics().state);
+  inside.publish(SimTime{}, wire::Visualization{}, effects);
+  expect_values(inside.topics().visualization);
+  inside.publish(SimTime{}, wire::DetectedObstacleReport{}, effects);
+  expect_values(inside.topics().detected_obstacle);
+  inside.publish(SimTime{}, wire::BoardsReport{}, effects);
+  expect_values(inside.topics().boards);
+  inside.publish(SimTime{}, wire::Cell{}, wire::Intent{}, effects);
+  expect_values("cosiva/v1/v2x/_/0_0/CoSiVA/AIV1");
+  inside.publish(SimTime{}, wire::ConnectionState::online, effects);
+  EXPECT_FALSE(last().payload.empty()) << "rare messages stay texts";
+}
+
+TEST_F(SessionTest, counts_and_dates_each_message) {
+  session.set_online(true);
+  const SimTime now = virtual_epoch;
+  for (const std::string number : {"0", "1", "2"}) {
+    const auto expect_number = [&] {
+      EXPECT_THAT(last().payload, testing::HasSubstr(R"("headerId":)" + number + ","));
+      EXPECT_THAT(last().payload, testing::HasSubstr(R"("timestamp":"2023-07-11T00:00:00.000Z")"));
+    };
+    session.publish(now, wire::ConnectionState::online, effects);
+    expect_number();
+    session.publish(now, wire::State{}, effects);
+    expect_number();
+    session.publish(now, wire::Visualization{}, effects);
+    expect_number();
+    session.publish(now, wire::Factsheet{}, effects);
+    expect_number();
+    session.publish(now, wire::DetectedObstacleReport{}, effects);
+    expect_number();
+    session.publish(now, wire::BoardsReport{}, effects);
+    expect_number();
+    session.publish(now, wire::Cell{}, wire::Intent{}, effects);
+    expect_number();
+  }
+}
+
+TEST_F(SessionTest, leaves_a_retained_will_of_a_broken_connection) {
+  const wire::Publish will = session.will(virtual_epoch).message;
+  EXPECT_EQ(will.topic, session.topics().connection);
+  EXPECT_EQ(will.qos, 1);
+  EXPECT_TRUE(will.retained);
+  EXPECT_EQ(will.payload, R"({"headerId":0,"timestamp":"2023-07-11T00:00:00.000Z","version":"2.1.0",)"
+                          R"("manufacturer":"CoSiVA","serialNumber":"AIV1","connectionState":"CONNECTIONBROKEN"})");
+}
+
+TEST_F(SessionTest, accepts_any_version_two_and_no_other) {
+  for (const char* version : {"2", "2.0", "2.1.0", "v2", "V2", "v2.0"})
+    EXPECT_TRUE(session.accepts({0, SimTime{}, version, "CoSiVA", "AIV1"})) << version;
+  for (const char* version : {"", "1.1", "3.0.0", "20", "v", "two", "vv2"})
+    EXPECT_EQ(session.accepts({0, SimTime{}, version, "CoSiVA", "AIV1"}).error().location, "version") << version;
+  for (const wire::VehicleId& other : {wire::VehicleId{"CoSiVA", "AIV2"}, wire::VehicleId{"Other", "AIV1"}}) {
+    const auto refused = session.accepts({0, SimTime{}, "2.1.0", other.manufacturer, other.serial_number});
+    EXPECT_EQ(refused.error().code, "validationError");
+    EXPECT_EQ(refused.error().location, "serialNumber");
+  }
+}
+
+TEST(Factsheet, states_the_zone_s_vehicle_and_its_fastest_profile) {
+  zone::TrafficZone zone = test::lacet4();
+  zone.profiles = {{0.1, 0.9, 0.3}, {0.6, 0.2, 0.4}, {0.5, 0.7, 0.8}};
+  using std::chrono::milliseconds;
+  const wire::Factsheet sheet = make_factsheet(zone, {milliseconds{1000}, milliseconds{50}, milliseconds{100}});
+  EXPECT_EQ(sheet.series_name, "CoSiVA AIV");
+  EXPECT_EQ(sheet.speed_min_mps, 0.0);
+  EXPECT_EQ(sheet.speed_max_mps, 0.6);
+  EXPECT_EQ(sheet.acceleration_max_mps2, 0.9);
+  EXPECT_EQ(sheet.deceleration_max_mps2, 0.8);
+  EXPECT_EQ(sheet.height_m, 0.10);
+  EXPECT_EQ(sheet.width_m, 0.12);
+  EXPECT_EQ(sheet.length_m, 0.20);
+  EXPECT_EQ(sheet.min_order_interval_s, 0.1);
+  EXPECT_EQ(sheet.min_state_interval_s, 0.05);
+  EXPECT_EQ(sheet.default_state_interval_s, 1.0);
+  EXPECT_EQ(sheet.visualization_interval_s, 0.1);
+  for (const auto& action : sheet.actions) {
+    EXPECT_TRUE(action.instant) << action.type;
+    EXPECT_FALSE(action.node) << action.type;
+    EXPECT_FALSE(action.edge) << action.type;
+    EXPECT_FALSE(action.description.empty()) << action.type;
+  }
 }
 
 }  // namespace

@@ -80,5 +80,51 @@ TEST_F(ZoneSelectionTest, takes_an_rtm_that_was_built_before) {
   EXPECT_EQ(zone::Rtm::initialised_count(), before);
 }
 
+TEST_F(ZoneSelectionTest, logs_what_follows_and_what_stays) {
+  enter();
+  effects.clear();
+  ASSERT_EQ(announce(renamed()), pending);
+  ASSERT_EQ(effects.size(), 1U);
+  EXPECT_EQ(std::get<wire::Log>(effects[0]),
+            (wire::Log{'i', "zone 'other' follows 'lacet4' as soon as this vehicle has stopped"}));
+  ASSERT_EQ(announce(test::lacet4_configuration()), called_off);
+  ASSERT_EQ(effects.size(), 2U);
+  EXPECT_EQ(std::get<wire::Log>(effects[1]), (wire::Log{'i', "zone 'lacet4' stays"}));
+  EXPECT_EQ(announce(test::lacet4_configuration()), unchanged);
+  EXPECT_EQ(effects.size(), 2U);
+}
+
+TEST_F(ZoneSelectionTest, takes_a_refused_first_zone_for_an_error_and_a_later_one_for_a_warning) {
+  const zone::ZoneConfiguration bad{"toml", "x.toml", "no zone"};
+  EXPECT_EQ(zones.on_announced(bad, nullptr, nullptr, effects).verdict, refused);
+  EXPECT_EQ(std::get<wire::Log>(effects.back()).level, 'e');
+  EXPECT_EQ(std::get<wire::Log>(effects.back()).text, zones.refusal());
+  EXPECT_TRUE(zones.refusal().starts_with("a zone was announced and is not used: "));
+  enter();
+  EXPECT_TRUE(zones.refusal().empty());
+  EXPECT_EQ(announce(bad), refused);
+  EXPECT_EQ(std::get<wire::Log>(effects.back()).level, 'w');
+}
+
+TEST_F(ZoneSelectionTest, replaces_a_pending_zone_by_the_next_one) {
+  enter();
+  ASSERT_EQ(announce(renamed()), pending);
+  ASSERT_EQ(announce(changed("name = \"lacet4\"", "name = \"third\"")), pending);
+  ASSERT_EQ(zones.maps().size(), 2U);
+  EXPECT_EQ(zones.maps()[1].map_id, "third");
+  EXPECT_EQ(zones.pending()->zone().name, "third");
+}
+
+TEST_F(ZoneSelectionTest, gives_the_rtm_of_a_first_or_edited_zone_only) {
+  const auto begun = zones.on_announced(test::lacet4_configuration(), nullptr, nullptr, effects);
+  ASSERT_TRUE(begun.rtm);
+  zones.enforce(*begun.rtm);
+  EXPECT_FALSE(zones.on_announced(test::lacet4_configuration(), nullptr, &lacet4(), effects).rtm);
+  EXPECT_FALSE(zones.on_announced(renamed(), nullptr, &lacet4(), effects).rtm);
+  const auto other_tags = zones.on_announced(changed("s_m = 1.4137", "s_m = 1.3637"), nullptr, &lacet4(), effects);
+  ASSERT_TRUE(other_tags.rtm);
+  EXPECT_EQ(other_tags.rtm->zone().name, "lacet4");
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

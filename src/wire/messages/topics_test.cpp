@@ -68,5 +68,31 @@ TEST(Topics, below_a_prefix_have_one_filter) {
   EXPECT_EQ(topics_below(virtual_obstacles_ack_topic_prefix, 2), "cosiva/v1/virtual_obstacles_ack/+/+");
 }
 
+TEST(SerialNumber, refuses_the_neighbours_of_the_standards_characters_in_ascii) {
+  const std::string allowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.:-";
+  for (int code = 0; code < 256; ++code) {
+    const char c = static_cast<char>(code);
+    EXPECT_EQ(valid_serial_number(std::string{'a', c, 'z'}), allowed.find(c) != std::string::npos) << code;
+  }
+}
+
+TEST(Topics, below_a_prefix_have_one_level_for_each_plus) {
+  EXPECT_EQ(topics_below("a/", 0), "a/");
+  EXPECT_EQ(topics_below("a/", 4), "a/+/+/+/+");
+}
+
+TEST(OwnTopic, may_have_names_of_one_character) {
+  EXPECT_EQ(parse_own_topic("p/", "p/m/s"), (VehicleId{"m", "s"}));
+  EXPECT_FALSE(parse_own_topic("p/", "p//s"));
+  EXPECT_FALSE(parse_own_topic("p/", "p/m/"));
+  EXPECT_FALSE(parse_own_topic("p/", "p/m//"));
+}
+
+TEST(PortName, has_the_name_of_each_board) {
+  EXPECT_EQ(port_name(1, Board::PILS), "1/PILS");
+  EXPECT_EQ(port_name(12, Board::PRAV), "12/PRAV");
+  EXPECT_EQ(port_name(12, Board::RALI), "12/RALI");
+}
+
 }  // namespace
 }  // namespace cosiva::wire

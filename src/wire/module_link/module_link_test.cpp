@@ -422,5 +422,95 @@ TEST(Encoder, numbers_its_frames_and_wraps) {
   }
 }
 
+TEST(Decode, accepts_0_to_32_beams) {
+  for (const std::size_t beams : {std::size_t{0}, std::size_t{1}, beams_max}) {
+    Ranges ranges{1, 2, 3, {}};
+    ranges.range_mm.assign(beams, 0x1234);
+    const std::string bytes = encode(ranges, 1);
+    const auto frame = decode(std::string_view{bytes}.substr(0, bytes.size() - 1));
+    ASSERT_TRUE(frame) << beams;
+    EXPECT_EQ(frame->message, BoardMessage{ranges});
+  }
+}
+
+TEST(Decode, states_the_bytes_and_values_that_it_expects) {
+  const auto message_of = [](std::string_view frame) {
+    const auto decoded = decode(frame);
+    return decoded ? "none" : decoded.error().message;
+  };
+  const std::string head(7, '\1');
+  EXPECT_EQ(message_of(framed("\x11\x01" + head)), "the payload has 7 bytes, expected 10");
+  EXPECT_EQ(message_of(framed("\x12\x01" + head)), "the payload has 7 bytes, expected 9");
+  EXPECT_EQ(message_of(framed("\x15\x01" + head)), "the payload has 7 bytes, expected 10");
+  EXPECT_EQ(message_of(framed("\x13\x01" + head)), "the payload has 7 bytes, expected 17, or 23 with a manoeuvre");
+  EXPECT_EQ(message_of(framed("\x13\x01" + std::string(16, '\1') + "\x02")),
+            "the payload has 17 bytes, expected 23, by its flags");
+  EXPECT_EQ(message_of(framed("\x13\x01" + std::string(23, '\1'))),
+            "the payload has 23 bytes, expected 17, by its flags");
+  EXPECT_EQ(message_of(framed("\x14\x01" + head + "\x03")), "the payload has 8 bytes, expected 14, by its flags");
+  EXPECT_EQ(message_of(framed("\x14\x01" + std::string(14, '\1'))),
+            "the payload has 14 bytes, expected 8, by its flags");
+  EXPECT_EQ(message_of(framed("\x14\x01" + head + "\x02")), "the flags is 2, expected 0, 1 or 3");
+  EXPECT_EQ(message_of(framed("\x11\x01\x05" + std::string(9, '\1'))), "the board is 5, expected 1 to 4");
+  EXPECT_EQ(message_of(framed(std::string("\x11\x01\x00", 3) + std::string(9, '\1'))),
+            "the board is 0, expected 1 to 4");
+  EXPECT_EQ(message_of("\x03\x11\x22"), "the frame holds 2 bytes, expected 4 or more");
+  EXPECT_EQ(message_of(framed("\x24\x01")), "the frame has version 2, expected 1");
+  EXPECT_EQ(message_of(framed("\x19\x01")), "message type 9 is not known, expected 1 to 8");
+}
+
+TEST(Decode, accepts_a_frame_without_payload) {
+  const auto decoded = decode(framed("\x16\x07"));
+  ASSERT_TRUE(decoded);
+  EXPECT_EQ(decoded->sequence, 7);
+  EXPECT_EQ(decoded->message, BoardMessage{Display{}});
+}
+
+TEST(Frame, of_a_text_of_continuation_bytes_only_is_empty) {
+  std::vector<BoardMessage> messages;
+  Decoder{}.feed(encode(Display{std::string(40, '\x80')}, 0), messages);
+  EXPECT_THAT(messages, ElementsAre(BoardMessage{Display{}}));
+}
+
+TEST(Decoder, takes_127_bytes_for_a_frame_and_one_more_for_none) {
+  const auto error_after = [](const std::vector<std::size_t>& pieces) {
+    std::vector<BoardMessage> received;
+    Decoder decoder;
+    for (const std::size_t bytes : pieces) decoder.feed(std::string(bytes, '\1'), received);
+    decoder.feed(std::string_view{"\0", 1}, received);
+    EXPECT_EQ(decoder.counters().frames_bad, 1);
+    return decoder.last_error()->code;
+  };
+  EXPECT_EQ(error_after({127}), "link.crc");
+  EXPECT_EQ(error_after({128}), "link.length");
+  EXPECT_EQ(error_after({100, 27}), "link.crc");
+  EXPECT_EQ(error_after({100, 28}), "link.length");
+  EXPECT_EQ(error_after({128, 1}), "link.length");
+  std::vector<BoardMessage> received;
+  Decoder decoder;
+  decoder.feed(std::string(128, '\1') + std::string(1, '\0'), received);
+  EXPECT_EQ(decoder.last_error()->message, "a frame is longer than 127 bytes");
+}
+
+TEST(Decoder, that_restarts_within_a_frame_that_is_too_long_takes_the_next_one) {
+  std::vector<BoardMessage> received;
+  Decoder decoder;
+  decoder.feed(std::string(200, 'x'), received);
+  decoder.restart();
+  decoder.feed(encode(Heartbeat{}, 0), received);
+  EXPECT_THAT(received, ElementsAre(BoardMessage{Heartbeat{}}));
+}
+
+TEST(Decoder, counts_up_to_254_missed_frames_at_a_time_and_saturates) {
+  std::vector<BoardMessage> received;
+  Decoder decoder;
+  decoder.feed(encode(Drive{}, 7), received);
+  decoder.feed(encode(Drive{}, 6), received);  // 255 further: 254 are missing
+  EXPECT_EQ(decoder.counters().frames_missed, 254);
+  for (int i = 0; i < 300; ++i) decoder.feed(encode(Drive{}, static_cast<std::uint8_t>(5 - i)), received);
+  EXPECT_EQ(decoder.counters().frames_missed, 65'535);
+  EXPECT_EQ(decoder.counters().frames_good, 302);
+}
+
 }  // namespace
 }  // namespace cosiva::wire::module_link

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "cosiva/base/random.h"
+#include "cosiva/wire/own/limits_fixture.h"
 
 namespace cosiva::wire {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(BatteryExchange, reads_back_what_it_writes) {
-  rc::check("any battery", [](std::uint64_t seed) {
+  EXPECT_TRUE(rc::check("any battery", [](std::uint64_t seed) {
     Random random{seed, "battery"};
     const BatteryReady ready{"B" + std::to_string(random.below(1000)),
                              "leaf\"33\n",
@@ -41,7 +42,7 @@ TEST(BatteryExchange, reads_back_what_it_writes) {
       if (random.chance(0.5)) test.vehicles.back().charge_percent = random.uniform(0, 100);
     }
     RC_ASSERT(battery_test_from_json(to_json(test)) == test);
-  });
+  }));
 }
 
 TEST(BatteryExchange, refuses_a_bad_test_naming_the_field) {
@@ -78,6 +79,72 @@ TEST(BatteryExchange, refuses_a_bad_battery_ready_naming_the_field) {
   EXPECT_THAT(refusal(R"({"battery":"B","type":"x","cycles":-1,"rest_s":0,"temperature":20,"charge":1})"),
               HasSubstr("cycles"));
   EXPECT_FALSE(refusal("charge").empty());
+}
+
+const BatteryTest shown{virtual_epoch,
+                        virtual_epoch - std::chrono::minutes{5},
+                        2,
+                        4,
+                        20.0,
+                        0.5,
+                        virtual_epoch + std::chrono::minutes{5},
+                        false,
+                        {{"CoSiVA/AIV1", "red", BatteryPhase::running, "", 300.0, 60.0}}};
+
+TEST(BatteryExchange, is_written_as_its_document_shows) {
+  EXPECT_EQ(to_json(shown),
+            R"({"timestamp":"2023-07-11T00:00:00.000Z","began":"2023-07-10T23:55:00.000Z","run":2,"runs":4,)"
+            R"("floor":20,"progress":0.5,"expectedEnd":"2023-07-11T00:05:00.000Z","done":false,)"
+            R"("vehicles":[{"vehicle":"CoSiVA/AIV1","battery":"red","phase":"running","stop":"","autonomy_s":300,)"
+            R"("charge":60}]})");
+  EXPECT_EQ(to_json(BatteryChange{"red", 3, "its run is over"}),
+            R"({"battery":"red","run":3,"reason":"its run is over"})");
+  EXPECT_EQ(to_json(BatteryReady{"B7", "leaf33", 12.5, 3600.0, 21.5, 100.0}),
+            R"({"battery":"B7","type":"leaf33","cycles":12.5,"rest_s":3600,"temperature":21.5,"charge":100})");
+}
+
+TEST(BatteryExchange, reads_each_phase_by_its_name) {
+  for (const auto& [phase, name] :
+       {std::pair{BatteryPhase::changing, "changing"}, std::pair{BatteryPhase::ready, "ready"},
+        std::pair{BatteryPhase::running, "running"}, std::pair{BatteryPhase::paused, "paused"},
+        std::pair{BatteryPhase::ended, "ended"}}) {
+    EXPECT_EQ(to_string(phase), name);
+    const auto read =
+        battery_test_from_json(test::with_value(to_json(shown), "vehicles.0.phase", "\"" + std::string(name) + "\""));
+    ASSERT_TRUE(read) << name;
+    EXPECT_EQ(read->vehicles[0].phase, phase);
+  }
+}
+
+TEST(BatteryExchange, accepts_each_number_within_its_range_only) {
+  test::expect_ranges(to_json(shown), battery_test_from_json,
+                      {{"run", 0, 4294967295, 1},
+                       {"runs", 0, 4294967295, 1},
+                       {"floor", 0, 100},
+                       {"progress", 0, 1},
+                       {"vehicles.0.autonomy_s", 0, 1e9},
+                       {"vehicles.0.charge", 0, 100}});
+  test::expect_ranges(to_json(BatteryChange{"red", 3, ""}), battery_change_from_json, {{"run", 0, 4294967295, 1}});
+  test::expect_ranges(to_json(BatteryReady{"B7", "leaf33", 12.5, 3600.0, 21.5, 90.0}), battery_ready_from_json,
+                      {{"cycles", 0, 1e6}, {"rest_s", 0, 1e9}, {"temperature", -100, 200}, {"charge", 0, 100}});
+}
+
+TEST(BatteryExchange, requires_every_field_except_the_expected_end_and_the_charge) {
+  test::expect_required(
+      to_json(shown), battery_test_from_json,
+      {"timestamp", "began", "run", "runs", "floor", "progress", "done", "vehicles", "vehicles.0.vehicle",
+       "vehicles.0.battery", "vehicles.0.phase", "vehicles.0.stop", "vehicles.0.autonomy_s"});
+  test::expect_required(to_json(BatteryChange{}), battery_change_from_json, {"battery", "run", "reason"});
+  test::expect_required(to_json(BatteryReady{"B7", "leaf33", 0, 0, 0, 0}), battery_ready_from_json,
+                        {"battery", "type", "cycles", "rest_s", "temperature", "charge"});
+}
+
+TEST(BatteryExchange, accepts_a_test_of_at_most_256_vehicles) {
+  BatteryTest fleet = shown;
+  fleet.vehicles.resize(256, shown.vehicles[0]);
+  EXPECT_TRUE(battery_test_from_json(to_json(fleet)));
+  fleet.vehicles.resize(257, shown.vehicles[0]);
+  EXPECT_FALSE(battery_test_from_json(to_json(fleet)));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "cosiva/wire/messages/topics.h"
+#include "cosiva/wire/own/limits_fixture.h"
 
 namespace cosiva::wire {
 namespace {
@@ -63,6 +64,23 @@ TEST(Owner, is_refused_naming_the_missing_or_wrong_field) {
   EXPECT_EQ(fault(R"({"area":"a","sequence":1,"timestamp":"noon"})"), "timestamp");
   EXPECT_EQ(fault(R"({"area":"a",)" + rest + R"(,"pose":{"x":1,"y":1e9,"theta":0}})"), "pose.y");
   EXPECT_EQ(fault(R"({"area":"a",)" + rest + R"(,"mission":{"kind":"dance","name":""}})"), "mission.kind");
+}
+
+TEST(Owner, has_a_mission_to_go_or_to_circulate) {
+  for (const char* kind : {"go", "circulate"}) {
+    const Owner owner{"north", 7, virtual_epoch, Pose2{1.25, -0.5, 1.5}, Owner::Mission{kind, ""}};
+    EXPECT_EQ(owner_from_json(to_json(owner)).value(), owner);
+  }
+}
+
+TEST(Owner, is_accepted_with_each_number_within_its_range_only) {
+  const Owner owner{"north", 7, virtual_epoch, Pose2{1.25, -0.5, 1.5}, Owner::Mission{"go", "dock"}};
+  test::expect_ranges(
+      to_json(owner), owner_from_json,
+      {{"sequence", 0, 4294967295, 1}, {"pose.x", -1e5, 1e5}, {"pose.y", -1e5, 1e5}, {"pose.theta", -100, 100}});
+  test::expect_required(
+      to_json(owner), owner_from_json,
+      {"area", "sequence", "timestamp", "pose.x", "pose.y", "pose.theta", "mission.kind", "mission.name"});
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "cosiva/base/random.h"
+#include "cosiva/wire/own/limits_fixture.h"
 
 namespace cosiva::wire {
 namespace {
@@ -67,7 +68,7 @@ EstimateResponse some_response(Random& random) {
 }
 
 TEST(EstimateExchange, reads_back_what_it_writes_to_the_last_bit) {
-  rc::check("any request and response", [](std::uint64_t seed) {
+  EXPECT_TRUE(rc::check("any request and response", [](std::uint64_t seed) {
     Random random{seed, "estimates"};
     EstimateRequest request{"qualify-1/7", 1 + static_cast<std::uint32_t>(random.below(1U << 30U)), {}, 0, 1, 1};
     request.seed = random.next() >> 11U;
@@ -78,7 +79,7 @@ TEST(EstimateExchange, reads_back_what_it_writes_to_the_last_bit) {
     RC_ASSERT(estimate_request_from_json(to_json(request)) == request);
     const EstimateResponse response = some_response(random);
     RC_ASSERT(estimate_response_from_json(to_json(response)) == response);
-  });
+  }));
 }
 
 TEST(EstimateExchange, refuses_a_bad_request_naming_the_field) {
@@ -134,6 +135,146 @@ TEST(EstimateExchange, refuses_a_bad_response_naming_the_field) {
               HasSubstr("start.sensors.fiducial_along_sigma_m"));
   EXPECT_THAT(refusal(R"("timestamp":)", R"("at":)"), HasSubstr("timestamp"));
   EXPECT_FALSE(estimate_response_from_json("[]"));
+}
+
+/// A response that has each field once.
+EstimateResponse whole_response() {
+  EstimateResponse response;
+  response.session = "q/1";
+  response.sequence = 1;
+  response.timestamp = virtual_epoch;
+  response.map_id = "lacet4";
+  response.travelled_m = 1.5;
+  response.start = EstimateResponse::Start{
+      {1.0, 2.0, 0.5}, 0.002, 0.02, "east", 0.25, {0.125, 0.25, 0.375, 0.02, 0.03, 0.004, 0.005, 0.006, 0.007}};
+  response.inputs.emplace_back(EstimateResponse::Odometry{0.01, 0.125, 0.02});
+  response.inputs.emplace_back(EstimateResponse::Reading{7, {1.5, -1.5}, {0.02, -0.001}});
+  response.estimates.push_back(
+      {"ekf", "", {1.25, -0.5, 0.75}, std::array<double, 9>{1, 2, 3, 4, 5, 6, 7, 8, 9}, 0.375, {{true, 0.5, 2}}});
+  return response;
+}
+
+TEST(EstimateExchange, is_written_as_its_document_shows) {
+  EXPECT_EQ(to_json(EstimateRequest{"q/1", 3, {"ekf", "arc"}, 7, 500, 4}),
+            R"({"session":"q/1","sequence":3,"algorithms":["ekf","arc"],"seed":7,"particles":500,"horizon":4})");
+  const std::string json = to_json(whole_response());
+  EXPECT_THAT(
+      json,
+      ::testing::StartsWith(
+          R"({"session":"q/1","sequence":1,"timestamp":"2023-07-11T00:00:00.000Z","mapId":"lacet4","fault":"",)"
+          R"("travelled_m":1.5,"start":{"x":1,"y":2,"theta":0.5,"sigma_m":0.002,"thetaSigma":0.02,"section":"east",)"
+          R"("along_m":0.25,"sensors":{"distance_variance_per_m":0.125,"turn_variance_per_m":0.25,)"
+          R"("turn_variance_per_rad":0.375,"distance_scale_sigma":0.02,"turn_scale_sigma":0.03,)"
+          R"("fiducial_along_sigma_m":0.004,"fiducial_across_sigma_m":0.005,"line_sigma_m":0.006,)"
+          R"("line_heading_sigma_rad":0.007}},"inputs":[{"odometry":{"distance_m":0.01,"turn_rad":0.125,)"
+          R"("duration_s":0.02}},{"reading":{"fiducial":7,"x_m":1.5,"y_m":-1.5,")"));
+  EXPECT_THAT(
+      json,
+      ::testing::EndsWith(
+          R"(_m":0.02,"left_m":-0.001}}],)"
+          R"("estimates":[{"algorithm":"ekf","fault":"","x":1.25,"y":-0.5,"theta":0.75,"covariance":[1,2,3,4,5,6,7,8,9],)"
+          R"("along_m":0.375,"rectified":[{"accepted":true,"nis":0.5,"dimensions":2}]}]})"));
+}
+
+TEST(EstimateExchange, states_of_an_algorithm_that_failed_only_its_fault) {
+  EstimateResponse response = whole_response();
+  response.estimates[0].fault = "diverged";
+  EXPECT_THAT(to_json(response), HasSubstr(R"("estimates":[{"algorithm":"ekf","fault":"diverged"}])"));
+}
+
+TEST(EstimateExchange, accepts_each_number_of_a_request_within_its_range_only) {
+  test::expect_ranges(to_json(EstimateRequest{"q/1", 3, {"ekf"}, 1, 500, 4}), estimate_request_from_json,
+                      {{"sequence", 1, 4294967295, 1},
+                       {"seed", 0, 9007199254740992, 2},
+                       {"particles", 1, 5000, 1},
+                       {"horizon", 1, 1000, 1}});
+}
+
+TEST(EstimateExchange, accepts_each_number_of_a_response_within_its_range_only) {
+  test::expect_ranges(to_json(whole_response()), estimate_response_from_json,
+                      {{"sequence", 0, 4294967295, 1},
+                       {"travelled_m", -1e9, 1e9},
+                       {"start.x", -1e5, 1e5},
+                       {"start.y", -1e5, 1e5},
+                       {"start.theta", -100, 100},
+                       {"start.sigma_m", 0, 1e12},
+                       {"start.thetaSigma", 0, 1e12},
+                       {"start.along_m", -1e9, 1e9},
+                       {"start.sensors.distance_variance_per_m", 0, 1e12},
+                       {"start.sensors.turn_variance_per_m", 0, 1e12},
+                       {"start.sensors.turn_variance_per_rad", 0, 1e12},
+                       {"start.sensors.distance_scale_sigma", 0, 1e12},
+                       {"start.sensors.turn_scale_sigma", 0, 1e12},
+                       {"start.sensors.fiducial_along_sigma_m", 0, 1e12},
+                       {"start.sensors.fiducial_across_sigma_m", 0, 1e12},
+                       {"start.sensors.line_sigma_m", 0, 1e12},
+                       {"start.sensors.line_heading_sigma_rad", 0, 1e12},
+                       {"inputs.0.odometry.distance_m", -1e9, 1e9},
+                       {"inputs.0.odometry.turn_rad", -100, 100},
+                       {"inputs.0.odometry.duration_s", 0, 1e6},
+                       {"inputs.1.reading.fiducial", 0, 4294967295, 1},
+                       {"inputs.1.reading.x_m", -1e5, 1e5},
+                       {"inputs.1.reading.y_m", -1e5, 1e5},
+                       {"inputs.1.reading.left_m", -1e5, 1e5},
+                       {"estimates.0.x", -1e5, 1e5},
+                       {"estimates.0.y", -1e5, 1e5},
+                       {"estimates.0.theta", -100, 100},
+                       {"estimates.0.along_m", -1e9, 1e9},
+                       {"estimates.0.rectified.0.nis", 0, 1e12},
+                       {"estimates.0.rectified.0.dimensions", 0, 255, 1}});
+}
+
+TEST(EstimateExchange, accepts_nine_covariances_of_at_most_1e12) {
+  const auto with_covariance = [](const std::string& list) {
+    std::string json = to_json(whole_response());
+    const std::string numbers = "[1,2,3,4,5,6,7,8,9]";
+    return estimate_response_from_json(json.replace(json.find(numbers), numbers.size(), list));
+  };
+  EXPECT_TRUE(with_covariance("[1e12,0,0,0,-1e12,0,0,0,1]"));
+  EXPECT_FALSE(with_covariance("[1.0000001e12,0,0,0,1,0,0,0,1]"));
+  EXPECT_FALSE(with_covariance("[-1.0000001e12,0,0,0,1,0,0,0,1]"));
+  EXPECT_FALSE(with_covariance("[1,0,0,0,1,0,0,0]"));
+  EXPECT_FALSE(with_covariance("[1,0,0,0,1,0,0,0,1,1]"));
+  const auto without = with_covariance("null");
+  ASSERT_TRUE(without);
+  EXPECT_FALSE(without->estimates[0].covariance);
+}
+
+TEST(EstimateExchange, accepts_lists_and_names_up_to_their_longest) {
+  const auto request = [](std::vector<std::string> algorithms) {
+    return estimate_request_from_json(to_json(EstimateRequest{"q/1", 3, std::move(algorithms), 1, 500, 4}));
+  };
+  EXPECT_TRUE(request(std::vector<std::string>(16, "ekf")));
+  EXPECT_FALSE(request(std::vector<std::string>(17, "ekf")));
+  EXPECT_TRUE(request({std::string(128, 'a')}));
+  EXPECT_FALSE(request({std::string(129, 'a')}));
+  const auto response = [](std::size_t inputs, std::size_t fault_bytes) {
+    EstimateResponse long_one = whole_response();
+    long_one.inputs.resize(inputs, EstimateResponse::Odometry{});
+    long_one.fault.assign(fault_bytes, 'x');
+    return estimate_response_from_json(to_json(long_one));
+  };
+  EXPECT_TRUE(response(4096, 1024));
+  EXPECT_FALSE(response(4097, 0));
+  EXPECT_FALSE(response(2, 1025));
+}
+
+TEST(EstimateExchange, requires_every_field_that_is_not_optional) {
+  EstimateResponse without_start = whole_response();
+  without_start.start.reset();
+  without_start.inputs.erase(without_start.inputs.begin());
+  test::expect_required(
+      to_json(without_start), estimate_response_from_json,
+      {"session", "sequence", "timestamp", "mapId", "fault", "travelled_m", "inputs", "estimates",
+       "inputs.0.reading.fiducial", "inputs.0.reading.x_m", "inputs.0.reading.y_m", "inputs.0.reading.left_m",
+       "estimates.0.algorithm", "estimates.0.x", "estimates.0.y", "estimates.0.theta", "estimates.0.rectified",
+       "estimates.0.rectified.0.accepted", "estimates.0.rectified.0.dimensions"});
+  test::expect_required(to_json(whole_response()), estimate_response_from_json,
+                        {"start.x", "start.y", "start.theta", "start.sigma_m", "start.thetaSigma", "start.along_m",
+                         "start.sensors", "start.sensors.line_sigma_m", "inputs.0.odometry.distance_m",
+                         "inputs.0.odometry.turn_rad", "inputs.0.odometry.duration_s"});
+  test::expect_required(to_json(EstimateRequest{"q/1", 3, {"ekf"}, 1, 500, 4}), estimate_request_from_json,
+                        {"session", "sequence", "algorithms", "seed", "particles", "horizon"});
 }
 
 }  // namespace

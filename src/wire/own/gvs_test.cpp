@@ -6,6 +6,7 @@
 #include <string>
 
 #include "cosiva/base/math.h"
+#include "cosiva/wire/own/limits_fixture.h"
 
 namespace cosiva::wire {
 namespace {
@@ -97,6 +98,65 @@ TEST(GvsMessages, with_more_detections_than_allowed_are_refused) {
   GvsDetections cornered = shown;
   cornered.field.resize(GvsDetections::corners_max + 1);
   EXPECT_FALSE(gvs_detections_from_json(to_json(cornered)));
+}
+
+TEST(GvsMessages, accept_each_number_within_its_range_only) {
+  test::expect_ranges(std::string(shown_json), gvs_detections_from_json,
+                      {{"headerId", 0, 4294967295, 1},
+                       {"period", 0, 3600},
+                       {"detections.0.tag", 0, 4294967295, 1},
+                       {"detections.0.x", -1e5, 1e5},
+                       {"detections.0.y", -1e5, 1e5},
+                       {"detections.0.heading", -100, 100},
+                       {"detections.0.uncertainty", 0, 1e5}});
+}
+
+TEST(GvsMessages, accept_a_corner_of_two_numbers_within_100_km) {
+  const auto accepted = [](const char* corner) {
+    return gvs_detections_from_json(replaced(shown_json, "[-1,-1]", corner)).has_value();
+  };
+  for (const char* good : {"[0,0]", "[-100000,0]", "[100000,0]", "[0,-100000]", "[0,100000]"})
+    EXPECT_TRUE(accepted(good)) << good;
+  for (const char* bad : {"[-100000.1,0]", "[100000.1,0]", "[0,-100000.1]", "[0,100000.1]", "[]", "[0]", "[0,0,0]",
+                          "[null,0]", "[0,null]", "7", "null", "{}"})
+    EXPECT_FALSE(accepted(bad)) << bad;
+  const auto read = gvs_detections_from_json(replaced(shown_json, "[-1,-1]", "[2,3]"));
+  EXPECT_EQ(read.value().field[0], (Point2{2.0, 3.0}));
+}
+
+TEST(GvsMessages, accept_at_most_64_corners) {
+  GvsDetections cornered = shown;
+  cornered.field.resize(64);
+  EXPECT_TRUE(gvs_detections_from_json(to_json(cornered)));
+  cornered.field.resize(65);
+  EXPECT_FALSE(gvs_detections_from_json(to_json(cornered)));
+}
+
+TEST(GvsMessages, have_a_term_for_each_state_of_the_connection) {
+  for (const auto& [state, term] :
+       {std::pair{ConnectionState::online, "ONLINE"}, std::pair{ConnectionState::offline, "OFFLINE"},
+        std::pair{ConnectionState::connection_broken, "CONNECTIONBROKEN"}}) {
+    const std::string json = to_json(GvsConnection{state, virtual_epoch, "a folder", "no image"});
+    EXPECT_THAT(json, HasSubstr("\"" + std::string(term) + "\""));
+    EXPECT_EQ(gvs_connection_from_json(json).value().state, state);
+  }
+}
+
+TEST(GvsMessages, require_every_field) {
+  test::expect_required(
+      std::string(shown_json), gvs_detections_from_json,
+      {"headerId", "timestamp", "period", "detections", "field", "detections.0.vehicle", "detections.0.tag",
+       "detections.0.at", "detections.0.x", "detections.0.y", "detections.0.heading", "detections.0.uncertainty"});
+  test::expect_required(std::string(connected_json), gvs_connection_from_json,
+                        {"connectionState", "timestamp", "source", "trouble"});
+}
+
+TEST(GvsMessages, keep_a_text_of_128_bytes_whole) {
+  const GvsConnection connected{ConnectionState::online, virtual_epoch, std::string(128, 's'), std::string(129, 't')};
+  const auto read = gvs_connection_from_json(to_json(connected));
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->source.size(), 128U);
+  EXPECT_EQ(read->trouble.size(), 128U);
 }
 
 }  // namespace

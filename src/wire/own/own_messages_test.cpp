@@ -9,6 +9,7 @@
 
 #include "cosiva/base/math.h"
 #include "cosiva/base/random.h"
+#include "cosiva/wire/own/limits_fixture.h"
 
 namespace cosiva::wire {
 namespace {
@@ -274,6 +275,128 @@ TEST(OwnMessages, refuse_a_radio_with_a_loss_above_one) {
   EXPECT_EQ(fault(radio, radio_from_json, "0.5", "1.01"), "own.field loss");
   EXPECT_EQ(fault(radio, radio_from_json, "0.5", "-0.01"), "own.field loss");
   EXPECT_EQ(fault(radio, radio_from_json, R"("*")", R"("")"), "own.field vehicle");
+}
+
+TEST(OwnMessages, accept_each_number_within_its_range_only) {
+  test::expect_ranges(to_json(good_virtual_obstacles), virtual_obstacles_from_json,
+                      {{"headerId", 0, 4294967295, 1},
+                       {"bodies.0.x", -1e5, 1e5},
+                       {"bodies.0.y", -1e5, 1e5},
+                       {"bodies.0.heading", -100, 100},
+                       {"bodies.0.length", 0, 10},
+                       {"bodies.0.radius", 0, 10},
+                       {"bodies.0.vx", -100, 100},
+                       {"bodies.0.vy", -100, 100}});
+  test::expect_ranges(to_json(VirtualObstaclesAck{7, virtual_epoch, true, "P1", 0.5}), virtual_obstacles_ack_from_json,
+                      {{"virtualObstaclesHeaderId", 0, 4294967295, 1}, {"distance", 0, 1e5}});
+  test::expect_ranges(
+      to_json(DetectedObstacleReport{3, virtual_epoch, "m", DetectedObstacleReport::Obstacle{1, 2, 0.5, 3}, 4}),
+      detected_obstacle_from_json,
+      {{"headerId", 0, 4294967295, 1},
+       {"obstacle.x", -1e5, 1e5},
+       {"obstacle.y", -1e5, 1e5},
+       {"obstacle.radius", 0, 10},
+       {"obstacle.distance", 0, 1e5},
+       {"clear", 0, 1e5}});
+  test::expect_ranges(to_json(Radio{"*", 0.5}), radio_from_json, {{"loss", 0, 1}});
+}
+
+const BoardsReport good_boards_report{9,
+                                      virtual_epoch,
+                                      {{Board::PILS, "ok", 1, 61000, 3050, 0, 0, 0}},
+                                      Power{12500, 400, 240, 870, Power::Gauge{870'000, 150}},
+                                      Ranges{0, -50, 10, {500, no_echo}}};
+
+TEST(OwnMessages, accept_each_number_of_a_boards_report_within_the_range_of_the_boards) {
+  // Volts and amperes travel with three decimals, percents with one, those of a finer gauge with four and two, radians
+  // with two. The ranges are those of the 16-bit and 32-bit numbers of the module link.
+  test::expect_ranges(to_json(good_boards_report), boards_report_from_json,
+                      {{"headerId", 0, 4294967295, 1},
+                       {"boards.0.uptime_ms", 0, 4294967295, 1},
+                       {"boards.0.frames", 0, 9007199254740992, 2},
+                       {"boards.0.framesBad", 0, 4294967295, 1},
+                       {"boards.0.framesMissed", 0, 4294967295, 1},
+                       {"boards.0.selfTest", 0, 255, 1},
+                       {"power.voltage", 0, 65.535, 0.001},
+                       {"power.current", -32.768, 32.767, 0.001},
+                       {"power.temperature", -3276.8, 3276.7, 0.1},
+                       {"power.charge", 0, 6553.5, 0.1},
+                       {"power.chargeFine", 0, 429496.7295, 0.0001},
+                       {"power.chargeStdDev", 0, 655.35, 0.01},
+                       {"ranges.first", -327.68, 327.67, 0.01},
+                       {"ranges.width", 0, 655.35, 0.01}});
+}
+
+TEST(OwnMessages, accept_a_range_from_0_to_the_last_millimetre_before_no_echo) {
+  const auto range_mm = [](const char* range_m) -> std::optional<std::uint16_t> {
+    std::string json = to_json(good_boards_report);
+    const auto read = boards_report_from_json(json.replace(json.find("[0.5,null]"), 10, range_m));
+    return read ? std::optional{read->ranges->range_mm.at(0)} : std::nullopt;
+  };
+  EXPECT_EQ(range_mm("[0]"), 0);
+  EXPECT_EQ(range_mm("[65.534]"), 65'534);
+  EXPECT_EQ(range_mm("[null]"), no_echo);
+  for (const char* bad : {"[-0.001]", "[65.535]", "[65.536]", R"(["1"])", "[{}]", "[true]"})
+    EXPECT_EQ(range_mm(bad), std::nullopt) << bad;
+}
+
+TEST(OwnMessages, accept_a_firmware_of_eight_lower_case_hexadecimal_digits) {
+  const auto firmware = [](std::string_view digits) -> std::optional<std::uint32_t> {
+    std::string json = to_json(good_boards_report);
+    const auto read = boards_report_from_json(json.replace(json.find("00000001"), 8, digits));
+    return read ? std::optional{read->boards.at(0).firmware_hash} : std::nullopt;
+  };
+  EXPECT_EQ(firmware("01234567"), 0x01234567U);
+  EXPECT_EQ(firmware("89abcdef"), 0x89ABCDEFU);
+  EXPECT_EQ(firmware("ffffffff"), 0xFFFFFFFFU);
+  // The neighbours of the digits in ASCII, and other lengths.
+  for (const char* bad :
+       {"0000000/", "0000000:", "0000000`", "0000000g", "0000000A", "0000000F", "0000000 ", "000000001", "0000001", ""})
+    EXPECT_EQ(firmware(bad), std::nullopt) << bad;
+}
+
+TEST(OwnMessages, write_the_gauge_s_charge_only_where_there_is_one) {
+  EXPECT_THAT(to_json(good_boards_report), HasSubstr(R"("charge":87,"chargeFine":87,"chargeStdDev":1.5})"));
+  BoardsReport plain = good_boards_report;
+  plain.power->gauge.reset();
+  EXPECT_THAT(to_json(plain), HasSubstr(R"("charge":87})"));
+}
+
+TEST(OwnMessages, require_every_field_that_is_not_optional) {
+  test::expect_required(
+      to_json(good_virtual_obstacles), virtual_obstacles_from_json,
+      {"headerId", "timestamp", "mapId", "bodies", "bodies.0.id", "bodies.0.kind", "bodies.0.x", "bodies.0.y",
+       "bodies.0.heading", "bodies.0.length", "bodies.0.radius", "bodies.0.vx", "bodies.0.vy"});
+  test::expect_required(to_json(VirtualObstaclesAck{7, virtual_epoch, true, "P1", 0.5}),
+                        virtual_obstacles_ack_from_json, {"virtualObstaclesHeaderId", "decided", "braking", "body"});
+  test::expect_required(
+      to_json(DetectedObstacleReport{3, virtual_epoch, "m", DetectedObstacleReport::Obstacle{1, 2, 0.5, 3}, 4}),
+      detected_obstacle_from_json,
+      {"headerId", "timestamp", "mapId", "obstacle.x", "obstacle.y", "obstacle.radius", "obstacle.distance", "clear"});
+  test::expect_required(to_json(good_boards_report), boards_report_from_json,
+                        {"headerId", "timestamp", "boards", "boards.0.board", "boards.0.health", "boards.0.firmware",
+                         "boards.0.uptime_ms", "boards.0.frames", "boards.0.framesBad", "boards.0.framesMissed",
+                         "boards.0.selfTest", "power.voltage", "power.current", "power.temperature", "power.charge",
+                         "power.chargeFine", "ranges.first", "ranges.width", "ranges.m"});
+  test::expect_required(to_json(Radio{"*", 0.5}), radio_from_json, {"vehicle", "loss"});
+}
+
+TEST(OwnMessages, accept_each_health_of_each_board) {
+  for (const Board board : all_boards) {
+    for (const char* health : {"ok", "lost", "faulty"}) {
+      BoardsReport report = good_boards_report;
+      report.boards[0].board = board;
+      report.boards[0].health = health;
+      EXPECT_EQ(boards_report_from_json(to_json(report)).value(), report);
+    }
+  }
+}
+
+TEST(OwnMessages, accept_eight_boards_and_32_beams) {
+  BoardsReport report = good_boards_report;
+  report.boards.resize(8, report.boards.front());
+  report.ranges->range_mm.assign(32, 500);
+  EXPECT_EQ(boards_report_from_json(to_json(report)).value(), report);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "cosiva/base/math.h"
 #include "cosiva/base/random.h"
 #include "cosiva/wire/in_process/received_intents.h"
+#include "cosiva/wire/own/limits_fixture.h"
 #include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::wire {
@@ -209,6 +210,120 @@ TEST(V2xTopic, is_received_by_each_vehicle_within_a_cell_and_by_none_beyond_two)
 TEST(V2xTopic, gives_the_distance_of_a_point_from_a_cell) {
   EXPECT_DOUBLE_EQ(outside_cell_m({0, 0}, {3.25, 1.0}), 0.25);
   EXPECT_DOUBLE_EQ(outside_cell_m({0, 0}, {-0.5, 3.25}), 0.5);
+}
+
+TEST(Intent, is_accepted_with_each_number_within_its_range_only) {
+  Intent wide = shown;
+  wide.crossings = {{"X1", 0.0, 1e5, 0.0, 3600.0, true}};  // so that neither limit is behind the other
+  test::expect_ranges(to_json(wide), intent_from_json,
+                      {{"headerId", 0, 4294967295, 1},
+                       {"x", -1e5, 1e5},
+                       {"y", -1e5, 1e5},
+                       {"heading", -100, 100},
+                       {"speed", -100, 100},
+                       {"priority", 0, 999, 1},
+                       {"position.s", 0, 1e5},
+                       {"crossings.0.entry", 0, 1e5},
+                       {"crossings.0.exit", 0, 1e5},
+                       {"crossings.0.arrival", 0, 3600},
+                       {"crossings.0.departure", 0, 3600}});
+}
+
+TEST(Intent, requires_every_field_except_the_position) {
+  Intent off_path = shown;
+  off_path.position.reset();
+  test::expect_required(to_json(off_path), intent_from_json,
+                        {"headerId", "timestamp", "mapId", "manufacturer", "serialNumber", "x", "y", "heading", "speed",
+                         "braking", "priority", "crossings", "route", "crossings.0.name", "crossings.0.entry",
+                         "crossings.0.exit", "crossings.0.arrival", "crossings.0.departure", "crossings.0.mayEnter"});
+  test::expect_required(std::string(shown_json), intent_from_json, {"position.section", "position.s"});
+}
+
+TEST(Intent, may_name_a_crossing_without_length_or_duration) {
+  Intent touching = shown;
+  touching.crossings = {{"X1", 0.5, 0.5, 2.0, 2.0, false}};
+  EXPECT_EQ(intent_from_json(to_json(touching)).value(), touching);
+}
+
+TEST(Intent, accepts_lists_and_names_up_to_their_longest) {
+  Intent longest = shown;
+  longest.crossings.resize(8, shown.crossings.front());
+  longest.route.resize(8, std::string(128, 'r'));
+  EXPECT_EQ(intent_from_json(to_json(longest)).value(), longest);
+  longest.crossings.push_back(shown.crossings.front());
+  EXPECT_EQ(intent_from_json(to_json(longest)).error().location, "crossings");
+  longest.crossings.clear();
+  longest.route.emplace_back("r");
+  EXPECT_EQ(intent_from_json(to_json(longest)).error().location, "route");
+}
+
+TEST(Intent, brings_the_heading_into_one_turn) {
+  EXPECT_NEAR(intent_from_json(test::with_value(std::string(shown_json), "heading", "7"))->pose.heading_rad,
+              7.0 - 2.0 * pi, 1e-12);
+}
+
+TEST(V2xTopic, has_an_underscore_for_each_character_that_it_may_not_have) {
+  const std::string plain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789.-_";
+  for (int code = 1; code < 256; ++code) {
+    const char c = static_cast<char>(code);
+    const char expected = plain.find(c) == std::string::npos ? '_' : c;
+    const auto parsed = parse_v2x_topic(v2x_topic(std::string{'a', c}, {0, 0}, {"m", "s"}));
+    ASSERT_TRUE(parsed) << code;
+    EXPECT_EQ(parsed->map_level, (std::string{'a', expected})) << code;
+  }
+}
+
+TEST(V2xTopic, has_at_most_64_bytes_of_the_map_and_never_none) {
+  EXPECT_EQ(v2x_topic(std::string(64, 'a'), {0, 0}, {"m", "s"}), "cosiva/v1/v2x/" + std::string(64, 'a') + "/0_0/m/s");
+  EXPECT_EQ(v2x_topic(std::string(65, 'a'), {0, 0}, {"m", "s"}), "cosiva/v1/v2x/" + std::string(64, 'a') + "/0_0/m/s");
+  EXPECT_EQ(v2x_topic("", {0, 0}, {"m", "s"}), "cosiva/v1/v2x/_/0_0/m/s");
+}
+
+TEST(V2xTopic, is_read_back_for_any_cell) {
+  EXPECT_TRUE(rc::check([](std::int32_t x, std::int32_t y) {
+    const auto parsed = parse_v2x_topic(v2x_topic("lacet4", {x, y}, {"CoSiVA", "AIV1"}));
+    RC_ASSERT(parsed.has_value());
+    RC_ASSERT(parsed->map_level == "lacet4");
+    RC_ASSERT(parsed->cell == (Cell{x, y}));
+    RC_ASSERT(parsed->vehicle == (VehicleId{"CoSiVA", "AIV1"}));
+  }));
+}
+
+TEST(V2xTopic, with_a_cell_of_other_than_two_whole_numbers_is_none) {
+  for (const char* cell : {"", "_", "1_", "_1", "1", "x_1", "1_x", "1x_1", "1_1x", "1.5_1", "1_1_1", "99999999999_1",
+                           "1_99999999999", " 1_1"})
+    EXPECT_FALSE(parse_v2x_topic("cosiva/v1/v2x/m/" + std::string(cell) + "/a/b")) << cell;
+  for (const char* topic :
+       {"", "cosiva/v1/v2x/", "cosiva/v1/v2x/m", "cosiva/v1/v2x/m/", "cosiva/v1/v2x/m/1_1", "cosiva/v1/v2x/m/1_1/",
+        "cosiva/v1/v2x/m/1_1/a", "cosiva/v1/v2x/m/1_1/a/", "cosiva/v1/v2x/m/1_1//b", "cosiva/v1/v2x//1_1/a/b"})
+    EXPECT_FALSE(parse_v2x_topic(topic)) << topic;
+}
+
+TEST(V2xTopic, filters_name_the_cell_and_the_eight_around_it) {
+  EXPECT_THAT(v2x_filters("a b", {5, -1}),
+              ::testing::UnorderedElementsAre(
+                  "cosiva/v1/v2x/a_b/4_-2/+/+", "cosiva/v1/v2x/a_b/5_-2/+/+", "cosiva/v1/v2x/a_b/6_-2/+/+",
+                  "cosiva/v1/v2x/a_b/4_-1/+/+", "cosiva/v1/v2x/a_b/5_-1/+/+", "cosiva/v1/v2x/a_b/6_-1/+/+",
+                  "cosiva/v1/v2x/a_b/4_0/+/+", "cosiva/v1/v2x/a_b/5_0/+/+", "cosiva/v1/v2x/a_b/6_0/+/+"));
+}
+
+TEST(Cell, is_a_square_of_3_m_and_ends_at_100_km) {
+  EXPECT_EQ(cell_of({2.999, -3.0}), (Cell{0, -1}));
+  EXPECT_EQ(cell_of({3.0, -3.001}), (Cell{1, -2}));
+  EXPECT_EQ(cell_of({99'999.0, -99'999.0}), (Cell{33'333, -33'333}));
+  EXPECT_EQ(cell_of({1e300, -1e300}), cell_of({1e5, -1e5}));
+  EXPECT_EQ(cell_of({1e300, -1e300}), (Cell{33'333, -33'334}));
+}
+
+TEST(Cell, is_0_m_away_from_its_own_points_and_farther_from_those_on_each_side) {
+  const Cell cell{2, -1};  // from 6 m to 9 m, and from -3 m to 0 m
+  for (const Point2 inside : {Point2{6.0, -3.0}, Point2{9.0, 0.0}, Point2{7.5, -1.5}})
+    EXPECT_EQ(outside_cell_m(cell, inside), 0.0);
+  EXPECT_DOUBLE_EQ(outside_cell_m(cell, {5.5, -1.5}), 0.5);
+  EXPECT_DOUBLE_EQ(outside_cell_m(cell, {9.25, -1.5}), 0.25);
+  EXPECT_DOUBLE_EQ(outside_cell_m(cell, {7.5, -3.75}), 0.75);
+  EXPECT_DOUBLE_EQ(outside_cell_m(cell, {7.5, 1.25}), 1.25);
+  EXPECT_DOUBLE_EQ(outside_cell_m(cell, {5.5, 0.125}), 0.5) << "the larger of both";
 }
 
 }  // namespace

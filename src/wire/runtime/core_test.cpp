@@ -131,5 +131,51 @@ TEST(RunDigest, distinguishes_every_kind_of_effect_and_does_not_read_the_log) {
   EXPECT_EQ(digest_with(Log{'i', "one"}), digest_with(Log{'e', "two"}));
 }
 
+/// A message as values that folds one number.
+struct NumberMessage final : InProcessMessage {
+  void fold(Digest& digest) const override { digest.add(std::uint64_t{77}); }
+};
+
+TEST(RunDigest, folds_the_time_of_the_input_and_then_the_number_and_the_fields_of_each_effect) {
+  const auto digest_with = [](Effect effect) {
+    OneEffectCore core{std::move(effect)};
+    CoreRunner runner{core};
+    runner.feed({SimTime{5ms}, InputKind::tick, "", "", false});
+    return runner.digest().hex();
+  };
+  const auto expected = [](const auto&... parts) {
+    Digest digest;
+    digest.add(SimTime{5ms});
+    (digest.add(parts), ...);
+    return digest.hex();
+  };
+  using Number = std::uint64_t;
+  using Text = std::string_view;
+  EXPECT_EQ(digest_with(Publish{"topic", "payload", 0, false}),
+            expected(Number{1}, Text{"topic"}, Text{"payload"}, Number{0}));
+  EXPECT_EQ(digest_with(Publish{"topic", "payload", 1, true}),
+            expected(Number{1}, Text{"topic"}, Text{"payload"}, Number{3}));
+  EXPECT_EQ(digest_with(Publish{"topic", "", 0, false, std::make_shared<const NumberMessage>()}),
+            expected(Number{1}, Text{"topic"}, Text{""}, Number{0}, Number{77}));
+  EXPECT_EQ(digest_with(SendBytes{"port", "bytes"}), expected(Number{2}, Text{"port"}, Text{"bytes"}));
+  EXPECT_EQ(digest_with(Persist{"bytes"}), expected(Number{3}, Text{"bytes"}));
+  EXPECT_EQ(digest_with(Listen{{"a/+", "b"}}), expected(Number{4}, Number{2}, Text{"a/+"}, Text{"b"}));
+  EXPECT_EQ(digest_with(Log{'i', "text"}), expected());
+}
+
+TEST(CoreRunner, records_an_input_as_values_only_together_with_its_text) {
+  EchoCore core;
+  CoreRunner recorded{core, [](const Input&) {}};
+  CoreRunner unrecorded{core};
+  const auto typed = std::make_shared<const NumberMessage>();
+  const Input without_text{SimTime{}, InputKind::message, "topic", "", false, typed};
+  const Input with_text{SimTime{}, InputKind::message, "topic", "x", false, typed};
+  const Input empty{SimTime{}, InputKind::message, "topic", "", false};
+  EXPECT_THAT(recorded.feed(with_text), ::testing::SizeIs(1));
+  EXPECT_THAT(recorded.feed(empty), ::testing::SizeIs(1));
+  EXPECT_THAT(unrecorded.feed(without_text), ::testing::SizeIs(1));
+  EXPECT_DEATH(recorded.feed(without_text), "payload");
+}
+
 }  // namespace
 }  // namespace cosiva::wire

@@ -403,5 +403,197 @@ TEST(Network, delivers_the_rest_as_if_there_were_no_separate_messages) {
   EXPECT_EQ(received_orders(3), received_orders(0));
 }
 
+// --- exact times ----------------------------------------------------------------------------------------------------
+
+/// Faults of a network that takes no time itself.
+NetworkFaults instant() {
+  NetworkFaults faults;
+  faults.delay_min = 0ms;
+  faults.delay_max = 0ms;
+  faults.reorder_window = 0ms;
+  faults.retry = 200ms;
+  return faults;
+}
+
+TEST(Network, delays_each_message_by_a_time_between_both_limits) {
+  Fixture fixture{{.delay_min = 5ms, .delay_max = 10ms}};
+  const auto client = fixture.join({"t"});
+  SimDuration shortest = 1h;
+  SimDuration longest = 0ms;
+  for (int i = 0; i < 1000; ++i) {
+    const SimTime sent = fixture.now;
+    fixture.publish_text(client, "t", "x");
+    fixture.pass(100ms);
+    const SimDuration delay = fixture.deliveries.back().at - sent;
+    shortest = std::min(shortest, delay);
+    longest = std::max(longest, delay);
+  }
+  // A thousand equal draws of 5 ms leave the outer tenth of a millisecond empty once in 10^8 runs.
+  EXPECT_GE(shortest, 5ms);
+  EXPECT_LT(shortest, 5100us);
+  EXPECT_GT(longest, 9900us);
+  EXPECT_LE(longest, 10ms);
+}
+
+TEST(Network, hands_out_equal_times_in_the_order_of_sending) {
+  Fixture fixture{instant()};
+  const auto client = fixture.join({"#"});
+  for (const std::string& text : numbers(100)) fixture.publish_text(client, "t", text, std::stoi(text) % 2);
+  EXPECT_EQ(fixture.network.next_due(), SimTime{});
+  fixture.pass(0ms);
+  EXPECT_EQ(fixture.received_by(client), numbers(100));
+  EXPECT_EQ(fixture.network.counters().published, 100U);
+  EXPECT_EQ(fixture.network.counters().delivered, 100U);
+}
+
+TEST(Network, holds_a_reordered_message_back_by_at_most_the_window) {
+  Fixture fixture{{.reordering = 1.0, .delay_min = 0ms, .delay_max = 0ms, .reorder_window = 50ms}};
+  const auto client = fixture.join({"t"});
+  SimDuration longest = 0ms;
+  for (int i = 0; i < 1000; ++i) {
+    fixture.now += 1s;
+    fixture.publish_text(client, "t", "x");
+    const SimDuration delay = fixture.network.next_due().value() - fixture.now;
+    EXPECT_GE(delay, 0ms);
+    longest = std::max(longest, delay);
+    fixture.pass(50ms);
+    ASSERT_FALSE(fixture.network.next_due());
+  }
+  EXPECT_GT(longest, 49ms);
+  EXPECT_EQ(fixture.network.counters().reordered, 1000U);
+}
+
+TEST(Network, delivers_a_copy_of_QoS_0_after_another_delay_and_of_QoS_1_at_once) {
+  NetworkFaults faults = instant();
+  faults.delay_min = faults.delay_max = 5ms;
+  faults.duplication = 1.0;
+  Fixture fixture{faults};
+  const auto client = fixture.join({"t"});
+  fixture.publish_text(client, "t", "q0", 0);
+  fixture.publish_text(client, "t", "q1", 1);
+  fixture.pass(1s);
+  std::vector<std::pair<std::string, SimDuration>> received;
+  for (const auto& delivery : fixture.deliveries) received.emplace_back(delivery.payload, delivery.at - SimTime{});
+  using Copy = std::pair<std::string, SimDuration>;
+  EXPECT_THAT(received, ElementsAre(Copy{"q0", 5ms}, Copy{"q1", 5ms}, Copy{"q1", 5ms}, Copy{"q0", 10ms}));
+  EXPECT_EQ(fixture.network.counters().duplicated, 2U);
+}
+
+TEST(Qos1, succeeds_after_a_hundred_losses_on_each_part_of_its_route) {
+  const auto due = [](const NetworkFaults& faults, double sender_loss, double receiver_loss) {
+    Fixture fixture{faults};
+    const auto sender = fixture.join({});
+    const auto receiver = fixture.join({"t"});
+    fixture.network.set_loss(sender, sender_loss);
+    fixture.network.set_loss(receiver, receiver_loss);
+    fixture.publish_text(sender, "t", "x", 1);
+    const SimTime next = fixture.network.next_due().value();
+    fixture.pass(next - fixture.now);
+    EXPECT_THAT(fixture.received_by(receiver), ElementsAre("x"));
+    return std::pair{fixture.deliveries.back().at - SimTime{}, fixture.network.counters().lost};
+  };
+  NetworkFaults lossy = instant();
+  lossy.loss = 1.0;
+  using Late = std::pair<SimDuration, std::uint64_t>;
+  EXPECT_EQ(due(instant(), 0.0, 0.0), (Late{0ms, 0}));
+  EXPECT_EQ(due(lossy, 0.0, 0.0), (Late{100 * 200ms, 100}));
+  EXPECT_EQ(due(instant(), 1.0, 0.0), (Late{100 * 200ms, 100}));
+  EXPECT_EQ(due(instant(), 0.0, 1.0), (Late{100 * 200ms, 100}));
+  EXPECT_EQ(due(lossy, 0.0, 1.0), (Late{200 * 200ms, 200}));
+}
+
+TEST(Qos1, reaches_the_broker_at_once_over_a_good_radio) {
+  Fixture fixture{instant()};
+  const auto client = fixture.join({});
+  fixture.publish_text(client, "t", "x", 1);
+  EXPECT_EQ(fixture.network.counters().published, 1U);
+}
+
+TEST(NetworkRadio, draws_nothing_for_clients_with_a_good_radio) {
+  const auto received_over_bad_radio = [](int others) {
+    Fixture fixture{instant()};
+    const auto far = fixture.join({"to/far"});
+    const auto good = fixture.join({"to/good"});
+    fixture.network.set_loss(far, 0.5);
+    for (const std::string& text : numbers(100)) {
+      for (int i = 0; i < others; ++i) fixture.publish_text(good, "to/good", "x", i % 2);
+      fixture.publish_text(good, "to/far", text);
+      fixture.pass(1ms);
+    }
+    return fixture.received_by(far);
+  };
+  EXPECT_EQ(received_over_bad_radio(4), received_over_bad_radio(0));
+}
+
+TEST(NetworkRadio, preserves_what_is_in_transit_when_another_client_dies) {
+  Fixture fixture{instant()};
+  const auto far = fixture.join({});
+  const auto other = fixture.join({});
+  const auto server = fixture.join({"t"});
+  fixture.network.set_loss(far, 1.0);
+  fixture.publish_text(far, "t", "late", 1);
+  fixture.network.disconnect(fixture.now, other);
+  fixture.pass(20s);
+  EXPECT_THAT(fixture.received_by(server), ElementsAre("late"));
+}
+
+TEST(NetworkRadio, of_a_good_client_overtakes_nothing_of_its_own_that_is_still_in_transit) {
+  Fixture fixture{instant()};
+  const auto client = fixture.join({});
+  const auto server = fixture.join({"t"});
+  fixture.network.set_loss(client, 1.0);
+  fixture.publish_text(client, "t", "first", 1);
+  fixture.network.set_loss(client, 0.0);
+  fixture.publish_text(client, "t", "second", 1);
+  fixture.pass(20s);
+  EXPECT_THAT(fixture.received_by(server), ElementsAre("first", "second"));
+  EXPECT_EQ(fixture.deliveries.back().at, SimTime{20s});
+}
+
+TEST(DeadClient, receives_no_retained_message_on_listening) {
+  Fixture fixture{instant()};
+  const auto other = fixture.join({});
+  const auto dead = fixture.join({});
+  fixture.publish_text(other, "t", "kept", 0, true);
+  fixture.network.disconnect(fixture.now, dead);
+  fixture.network.listen(fixture.now, dead, {"t"});
+  EXPECT_FALSE(fixture.network.next_due());
+}
+
+// --- defects of the caller
+// --------------------------------------------------------------------------------------------
+
+TEST(NetworkDeathTest, accepts_no_negative_durations_and_no_delays_in_the_wrong_order) {
+  const auto make = [](auto change) {
+    NetworkFaults faults = instant();
+    change(faults);
+    const Network network{1, faults};
+  };
+  make([](NetworkFaults&) {});
+  EXPECT_DEATH(make([](NetworkFaults& faults) { faults.delay_min = -1ns; }), "delay_min");
+  EXPECT_DEATH(make([](NetworkFaults& faults) { faults.delay_min = 1ns; }), "delay_max");
+  EXPECT_DEATH(make([](NetworkFaults& faults) { faults.reorder_window = -1ns; }), "reorder_window");
+  EXPECT_DEATH(make([](NetworkFaults& faults) { faults.retry = -1ns; }), "retry");
+}
+
+TEST(NetworkDeathTest, knows_only_clients_that_have_connected) {
+  Fixture fixture;
+  const auto unknown = fixture.join({}) + 1;
+  EXPECT_DEATH(fixture.network.listen(fixture.now, unknown, {}), "clients_");
+  EXPECT_DEATH(fixture.network.disconnect(fixture.now, unknown), "clients_");
+  EXPECT_DEATH(fixture.network.break_connection(fixture.now, unknown), "clients_");
+  EXPECT_DEATH(fixture.publish_text(unknown, "t", "x"), "clients_");
+  EXPECT_DEATH(fixture.network.set_loss(unknown, 0.5), "clients_");
+}
+
+TEST(NetworkDeathTest, takes_a_loss_from_0_to_1) {
+  Fixture fixture;
+  const auto client = fixture.join({});
+  fixture.network.set_loss(client, 0.0);
+  fixture.network.set_loss(client, 1.0);
+  EXPECT_DEATH(fixture.network.set_loss(client, -0.001), "ratio");
+  EXPECT_DEATH(fixture.network.set_loss(client, 1.001), "ratio");
+}
+
 }  // namespace
 }  // namespace cosiva::wire

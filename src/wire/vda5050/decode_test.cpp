@@ -235,6 +235,224 @@ TEST(Reading, refuses_what_is_not_one_json_object) {
   EXPECT_TRUE(decode_visualization("{}")) << "and the parser still works";
 }
 
+TEST(Reading, accepts_numbers_up_to_a_milliard_and_refuses_larger_ones) {
+  const auto position = [](const char* x) {
+    return code(decode_visualization(
+        visualization(R"({"y":0,"theta":0,"mapId":"m","positionInitialized":true,"x":)" + std::string(x) + "}")));
+  };
+  for (const char* good : {"1e9", "-1e9", "0", "-0.0"}) EXPECT_EQ(position(good), "accepted") << good;
+  for (const char* bad : {"1000000001", "-1000000001"}) EXPECT_EQ(position(bad), "vda.range") << bad;
+}
+
+TEST(Reading, accepts_optional_numbers_at_the_limits_of_the_schema) {
+  const auto node_code = [](const std::string& field) {
+    return code(decode_order(order(node(R"(,"nodePosition":{"x":0,"y":0,"mapId":"m",)" + field + "}"))));
+  };
+  for (const char* key : {"allowedDeviationXY", "allowedDeviationXy"}) {
+    EXPECT_EQ(node_code("\"" + std::string(key) + "\":0"), "accepted");
+    EXPECT_EQ(node_code("\"" + std::string(key) + "\":0.5"), "accepted");
+    EXPECT_EQ(node_code("\"" + std::string(key) + "\":-0.001"), "vda.range");
+  }
+  for (const char* key : {"maxSpeed", "length"}) {
+    const std::string field = ",\"" + std::string(key) + "\":";
+    EXPECT_EQ(code(decode_order(order("", edge(field + "0")))), "accepted") << key;
+    EXPECT_EQ(code(decode_order(order("", edge(field + "0.5")))), "accepted") << key;
+    EXPECT_EQ(code(decode_order(order("", edge(field + "-0.001")))), "vda.range") << key;
+  }
+  const auto score = [](const char* number) {
+    return code(decode_visualization(
+        visualization(R"({"x":0,"y":0,"theta":0,"mapId":"m","positionInitialized":true,"localizationScore":)" +
+                      std::string(number) + "}")));
+  };
+  for (const char* good : {"0", "0.5", "1"}) EXPECT_EQ(score(good), "accepted") << good;
+  for (const char* bad : {"-0.001", "1.001"}) EXPECT_EQ(score(bad), "vda.range") << bad;
+}
+
+TEST(Reading, accepts_counts_of_32_bits) {
+  const auto sequence = [](const std::string& number) {
+    const auto read = decode_order(order(R"({"nodeId":"n","sequenceId":)" + number + R"(,"released":true})"));
+    return read ? std::to_string(read->nodes[0].sequence_id) : read.error().code;
+  };
+  EXPECT_EQ(sequence("0"), "0");
+  EXPECT_EQ(sequence("4294967295"), "4294967295");
+  EXPECT_EQ(sequence("4294967295.0"), "4294967295");
+  EXPECT_EQ(sequence("4294967296"), "vda.range");
+  EXPECT_EQ(sequence("-1"), "vda.range");
+  EXPECT_EQ(sequence("0.5"), "vda.type");
+  EXPECT_EQ(sequence("true"), "vda.type");
+}
+
+TEST(Reading, accepts_texts_lists_and_messages_up_to_their_longest) {
+  const std::string longest(text_bytes_max, 'x');
+  EXPECT_EQ(decode_visualization(R"({"manufacturer":")" + longest + "\"}").value().header.manufacturer, longest);
+  EXPECT_EQ(
+      decode_factsheet(R"({"typeSpecification":{"seriesDescription":")" + longest + "\"}}").value().series_description,
+      longest);
+  const auto parameter = [](std::size_t bytes) {
+    return code(decode_instant_actions(
+        instant("actions", R"({"actionType":"t","actionId":"1","actionParameters":[{"key":"k","value":")" +
+                               std::string(bytes, 'x') + "\"}]}")));
+  };
+  EXPECT_EQ(parameter(text_bytes_max), "accepted");
+  EXPECT_EQ(parameter(text_bytes_max + 1), "vda.size");
+
+  std::string many = node("");
+  for (std::size_t i = 1; i < array_items_max; ++i) many += ",7";
+  EXPECT_EQ(code(decode_order(order(many))), "vda.type") << "the list is not too long, but its second item is no node";
+  EXPECT_EQ(location(decode_order(order(many))), "order.nodes[1]");
+
+  const std::string whole = "{}" + std::string(payload_bytes_max - 2, ' ');
+  EXPECT_EQ(code(decode_visualization(whole)), "accepted");
+  EXPECT_EQ(code(decode_visualization(whole + " ")), "vda.size");
+}
+
+TEST(Reading, accepts_31_levels_of_nesting_below_the_message) {
+  const auto nested = [](std::size_t levels) {
+    return code(decode_visualization(R"({"a":)" + std::string(levels, '[') + std::string(levels, ']') + "}"));
+  };
+  EXPECT_EQ(nested(31), "accepted");
+  EXPECT_EQ(nested(32), "vda.json");
+}
+
+TEST(Reading, quotes_at_most_60_bytes_of_a_refused_text_and_no_half_character) {
+  const auto message_about = [](const std::string& word) {
+    return decode_connection("{" + header + R"(,"connectionState":")" + word + "\"}").error().message;
+  };
+  const std::string rest = " is not a term of the standard here";
+  EXPECT_EQ(message_about(std::string(60, 'w')), "'" + std::string(60, 'w') + "'" + rest);
+  EXPECT_EQ(message_about(std::string(61, 'w')), "'" + std::string(60, 'w') + "'" + rest);
+  EXPECT_EQ(message_about(std::string(59, 'w') + "\xC3\xBC"), "'" + std::string(59, 'w') + "'" + rest);
+  EXPECT_EQ(decode_visualization(R"({"version":"1.1"})").error().message, "'1.1' is not a version 2 of VDA 5050");
+}
+
+TEST(Reading, states_what_was_expected_and_what_was_found) {
+  const auto message_about = [](const std::string& fields) {
+    const auto read = decode_state(state(R"(,"nodeStates":[],)" + fields));
+    return read ? "accepted" : read.error().message;
+  };
+  EXPECT_EQ(message_about(R"("batteryState":[])"), "expected an object, found an array");
+  EXPECT_EQ(message_about(R"("batteryState":{"batteryCharge":"full"})"), "expected a number, found a text");
+  EXPECT_EQ(message_about(R"("batteryState":{"batteryCharge":80,"charging":1})"), "expected a flag, found a number");
+  EXPECT_EQ(message_about(R"("batteryState":{"batteryCharge":80,"charging":false},"zoneSetId":true)"),
+            "expected a text, found a flag");
+  EXPECT_EQ(message_about(R"("batteryState":{"batteryCharge":80,"charging":false},"information":{})"),
+            "expected an array, found an object");
+  EXPECT_EQ(message_about(R"("batteryState":{"charging":false})"), "required, but not there");
+  EXPECT_EQ(decode_visualization("[]").error().message, "expected an object, found an array");
+  EXPECT_EQ(decode_visualization("").error().message, "an empty message");
+  EXPECT_EQ(decode_visualization(std::string(payload_bytes_max + 1, ' ')).error().message,
+            "262145 bytes, at most 262144 are read");
+  EXPECT_EQ(decode_order(order(R"({"nodeId":"n","sequenceId":[],"released":true})")).error().message,
+            "expected a whole number, found an array");
+}
+
+TEST(Reading, reports_the_first_fault_only) {
+  const auto read = decode_order("{" + header + R"(,"orderId":1,"orderUpdateId":"x","nodes":7})");
+  EXPECT_EQ(location(read), "order.orderId");
+}
+
+TEST(Reading, requires_the_fields_that_the_schemas_require) {
+  const auto missing = [](const std::string& json, const std::string& key, auto decode) {
+    std::string without = json;
+    const std::size_t at = without.rfind("\"" + key + "\":");
+    EXPECT_NE(at, std::string::npos) << key;
+    without.replace(at, 2, "\"~");
+    const auto read = decode(without);
+    EXPECT_EQ(code(read), "vda.missing") << key;
+    return location(read);
+  };
+  const auto of_order = [&](const std::string& key) {
+    return missing(order(node(R"(,"nodePosition":{"x":1,"y":2,"mapId":"m"})")), key, decode_order);
+  };
+  for (const char* key : {"headerId", "timestamp", "version", "manufacturer", "serialNumber", "orderId",
+                          "orderUpdateId", "nodes", "edges"})
+    EXPECT_EQ(of_order(key), "order." + std::string(key));
+  for (const char* key : {"nodeId", "sequenceId", "released"})
+    EXPECT_EQ(of_order(key), "order.nodes[0]." + std::string(key));
+  for (const char* key : {"x", "y", "mapId"})
+    EXPECT_EQ(of_order(key), "order.nodes[0].nodePosition." + std::string(key));
+  for (const char* key : {"edgeId", "sequenceId", "released", "startNodeId", "endNodeId"})
+    EXPECT_EQ(missing(order("", edge("")), key, decode_order), "order.edges[0]." + std::string(key));
+
+  const std::string whole_state =
+      "{" + header + "," + state_tail +
+      R"(,"batteryState":{"batteryCharge":80,"charging":false},"agvPosition":{"x":1,"y":2,"theta":0,"mapId":"m",)"
+      R"("positionInitialized":true},"nodeStates":[]})";
+  for (const char* key :
+       {"headerId", "orderId", "orderUpdateId", "lastNodeId", "lastNodeSequenceId", "driving", "edgeStates",
+        "actionStates", "operatingMode", "errors", "safetyState", "batteryState", "nodeStates"})
+    EXPECT_EQ(missing(whole_state, key, decode_state), "state." + std::string(key));
+  for (const char* key : {"x", "y", "theta", "mapId", "positionInitialized"})
+    EXPECT_EQ(missing(whole_state, key, decode_state), "state.agvPosition." + std::string(key));
+  for (const char* key : {"batteryCharge", "charging"})
+    EXPECT_EQ(missing(whole_state, key, decode_state), "state.batteryState." + std::string(key));
+  for (const char* key : {"eStop", "fieldViolation"})
+    EXPECT_EQ(missing(whole_state, key, decode_state), "state.safetyState." + std::string(key));
+}
+
+TEST(Reading, requires_the_fields_of_the_entries_of_a_state) {
+  const auto at = [](const std::string& from, const std::string& list) {
+    std::string json = state();
+    const std::string empty = "\"" + from + "\":[]";
+    const std::string filled = "\"" + from + "\":[" + list + "]";
+    if (const std::size_t found = json.find(empty); found != std::string::npos)
+      json.replace(found, empty.size(), filled);
+    else
+      json.insert(1, filled + ",");
+    return location(decode_state(json));
+  };
+  EXPECT_EQ(at("edgeStates", R"({"edgeId":"e","sequenceId":1,"released":true})"), "accepted");
+  EXPECT_EQ(at("edgeStates", R"({"sequenceId":1,"released":true})"), "state.edgeStates[0].edgeId");
+  EXPECT_EQ(at("edgeStates", R"({"edgeId":"e","released":true})"), "state.edgeStates[0].sequenceId");
+  EXPECT_EQ(at("edgeStates", R"({"edgeId":"e","sequenceId":1})"), "state.edgeStates[0].released");
+  EXPECT_EQ(at("nodeStates", R"({"sequenceId":1,"released":true})"), "state.nodeStates[0].nodeId");
+  EXPECT_EQ(at("nodeStates", R"({"nodeId":"n","released":true})"), "state.nodeStates[0].sequenceId");
+  EXPECT_EQ(at("nodeStates", R"({"nodeId":"n","sequenceId":1})"), "state.nodeStates[0].released");
+  EXPECT_EQ(at("actionStates", R"({"actionId":"a","actionStatus":"RUNNING"})"), "accepted");
+  EXPECT_EQ(at("actionStates", R"({"actionStatus":"RUNNING"})"), "state.actionStates[0].actionId");
+  EXPECT_EQ(at("actionStates", R"({"actionId":"a"})"), "state.actionStates[0].actionStatus");
+  EXPECT_EQ(at("errors", R"({"errorType":"t","errorLevel":"FATAL"})"), "accepted");
+  EXPECT_EQ(at("errors", R"({"errorLevel":"FATAL"})"), "state.errors[0].errorType");
+  EXPECT_EQ(at("errors", R"({"errorType":"t"})"), "state.errors[0].errorLevel");
+  const std::string reference = R"("errorReferences":[{"referenceKey":"k"}])";
+  EXPECT_EQ(at("errors", R"({"errorType":"t","errorLevel":"FATAL",)" + reference + "}"),
+            "state.errors[0].errorReferences[0].referenceValue");
+  EXPECT_EQ(at("information", R"({"infoDescription":"d"})"), "state.information[0].infoType");
+  EXPECT_EQ(at("information", R"({"infoType":"t","infoReferences":[{"referenceValue":"v"}]})"),
+            "state.information[0].infoReferences[0].referenceKey");
+  EXPECT_EQ(at("maps", R"({"mapVersion":"1","mapStatus":"ENABLED"})"), "state.maps[0].mapId");
+  EXPECT_EQ(at("maps", R"({"mapId":"m","mapVersion":"1"})"), "state.maps[0].mapStatus");
+}
+
+TEST(Reading, requires_type_and_id_of_an_action_and_key_and_value_of_its_parameters) {
+  const auto at = [](const std::string& action) {
+    return location(decode_instant_actions(instant("actions", action)));
+  };
+  EXPECT_EQ(at(R"({"actionId":"1"})"), "instantActions.actions[0].actionType");
+  EXPECT_EQ(at(R"({"actionType":"t"})"), "instantActions.actions[0].actionId");
+  EXPECT_EQ(at(R"({"actionType":"t","actionName":"n","actionId":"1"})"), "accepted");
+  EXPECT_EQ(at(R"({"actionType":"t","actionId":"1","actionParameters":[{"value":1}]})"),
+            "instantActions.actions[0].actionParameters[0].key");
+  EXPECT_EQ(at(R"({"actionType":"t","actionId":"1","actionParameters":[{"key":"k"}]})"),
+            "instantActions.actions[0].actionParameters[0].value");
+  const auto both = decode_instant_actions(instant("actions", R"({"actionType":"t","actionName":"n","actionId":"1"})"));
+  EXPECT_EQ(both->actions[0].action_type, "t") << "the name of 2.1 counts where there are both";
+  std::string two = instant("actions", R"({"actionType":"t","actionId":"1"})");
+  two.insert(two.size() - 1, R"(,"instantActions":[])");
+  EXPECT_EQ(decode_instant_actions(two)->actions.size(), 1U);
+}
+
+TEST(Reading, takes_an_orientation_up_to_a_hundredth_of_a_degree_for_zero) {
+  const auto unsupported = [](const std::string& orientation) {
+    return decode_order(order("", edge(R"(,"orientation":)" + orientation)))->edges[0].unsupported;
+  };
+  for (const char* negligible : {"0", "0.00017", "-0.00017"}) EXPECT_THAT(unsupported(negligible), IsEmpty());
+  for (const char* turned : {"0.00018", "-0.00018", "3.1"})
+    EXPECT_THAT(unsupported(turned), ElementsAre("orientation")) << turned;
+  const auto type_alone = decode_order(order("", edge(R"(,"orientationType":"GLOBAL")")));
+  EXPECT_THAT(type_alone->edges[0].unsupported, IsEmpty());
+}
+
 TEST(Reading, lists_requirements_of_an_edge_that_a_line_guided_vehicle_cannot_fulfil) {
   const auto unsupported = [](const std::string& field) {
     const auto read = decode_order(order("", edge("," + field)));

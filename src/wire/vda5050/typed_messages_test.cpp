@@ -102,6 +102,34 @@ TEST(TypedMessage, one_message_is_not_taken_for_another) {
   EXPECT_FALSE(state_from(input_of(passed)));
 }
 
+TEST(TypedMessage, folds_its_kind_and_its_number) {
+  const auto digest_of = [](const TypedMessage& message) {
+    Digest digest;
+    message.fold(digest);
+    return digest.hex();
+  };
+  const auto expected = [](std::uint64_t kind) {
+    Digest digest;
+    digest.add(kind);
+    digest.add(std::uint64_t{42});
+    return digest.hex();
+  };
+  const auto with_header = [](auto message) {
+    message.header.header_id = 42;
+    return typed(std::move(message));
+  };
+  const auto with_number = [](auto message) {
+    message.header_id = 42;
+    return typed(std::move(message));
+  };
+  EXPECT_EQ(digest_of(*with_header(State{})), expected(0));
+  EXPECT_EQ(digest_of(*with_header(Visualization{})), expected(1));
+  EXPECT_EQ(digest_of(*with_number(intent())), expected(2));
+  EXPECT_EQ(digest_of(*with_number(detected())), expected(3));
+  EXPECT_EQ(digest_of(*with_number(boards_report())), expected(4));
+  EXPECT_EQ(digest_of(*with_header(Order{})), expected(5));
+}
+
 TEST(TypedMessage, a_bad_text_is_refused_as_usual) {
   const auto received = state_from(input_of(std::string{"{\"headerId\":"}));
   ASSERT_FALSE(received);
