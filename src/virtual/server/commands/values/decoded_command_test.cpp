@@ -4,6 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
 
 #include "cosiva/base/json_parse_count.h"
 
@@ -24,6 +29,7 @@ Command decoded(std::string_view json) {
   if (found == nullptr) ADD_FAILURE() << "another command: " << json;
   return found == nullptr ? Command{} : *found;
 }
+std::optional<OperatorCommandKind> kind_of(const VehicleCommand& command) { return command.verb; }
 DecodedCommand::Fault fault_of(std::string_view json) {
   const DecodedCommand command{json};
   return command.command() ? DecodedCommand::Fault{} : command.command().error();
@@ -44,12 +50,12 @@ TEST(DecodedCommand, reads_each_text_once) {
 TEST(DecodedCommand, reads_commands_to_vehicles) {
   const auto limit = decoded<VehicleCommand>(R"({"id":"c1","command":"limit","vehicle":"CoSiVA/AIV1","speed":0.25})");
   EXPECT_EQ(limit.id, "c1");
-  EXPECT_EQ(limit.verb, OperatorCommandKind::limit);
+  EXPECT_EQ(kind_of(limit), OperatorCommandKind::limit);
   EXPECT_EQ(limit.speed_mps, 0.25);
   EXPECT_FALSE(limit.several);
   const auto all = decoded<VehicleCommand>(R"({"command":"dance","vehicle":"*"})");
   EXPECT_TRUE(all.all());
-  EXPECT_FALSE(all.verb) << "the list of commands shows also an unknown one";
+  EXPECT_FALSE(kind_of(all)) << "the list of commands shows also an unknown one";
   EXPECT_EQ(all.command_text, "dance");
   EXPECT_THAT(decoded<VehicleCommand>(R"({"command":"stop","vehicles":["a/b",7]})").vehicle_names,
               ElementsAre("a/b", ""));
@@ -93,6 +99,171 @@ TEST(DecodedCommand, distinguishes_a_field_without_a_number_from_an_absent_one) 
   const auto ready =
       decoded<BatteryReadyCommand>(R"({"command":"batteryReady","vehicle":"a/b","battery":"x","type":7})");
   EXPECT_FALSE(ready.type_is_text);
+}
+
+TEST(DecodedCommand, to_vehicles_has_one_of_seven_kinds) {
+  for (const std::string name : {"stop", "slow", "medium", "fast", "restart", "cancel"}) {
+    const auto command = decoded<VehicleCommand>(R"({"command":")" + name + R"(","vehicle":"a/b"})");
+    ASSERT_TRUE(kind_of(command).has_value()) << name;
+    EXPECT_EQ(to_string(*kind_of(command)), name);
+    EXPECT_EQ(command.command_text, name);
+    EXPECT_THAT(command.vehicle_names, ElementsAre("a/b"));
+  }
+}
+
+TEST(DecodedCommand, limits_a_speed_above_zero_and_up_to_five_metres_per_second) {
+  const auto limit = [](const std::string& speed) {
+    return R"({"command":"limit","vehicle":"*","speed":)" + speed + "}";
+  };
+  EXPECT_EQ(decoded<VehicleCommand>(limit("5")).speed_mps, 5.0);
+  EXPECT_EQ(decoded<VehicleCommand>(limit("0.001")).speed_mps, 0.001);
+  for (const char* speed : {"0", "-0.1", "5.001", "\"fast\"", "null"}) {
+    EXPECT_EQ(fault_of(limit(speed)).error.code, "command.speed") << speed;
+    EXPECT_EQ(fault_of(limit(speed)).error.location, "speed");
+  }
+}
+
+TEST(DecodedCommand, names_1_to_256_vehicles) {
+  const auto stop = [](const std::string& list) { return R"({"command":"stop","vehicles":)" + list + "}"; };
+  std::string names = "\"a/0\"";
+  for (int i = 1; i < 256; ++i) names += ",\"a/" + std::to_string(i) + "\"";
+  const auto command = decoded<VehicleCommand>(stop("[" + names + "]"));
+  EXPECT_EQ(command.vehicle_names.size(), 256U);
+  EXPECT_TRUE(command.several);
+  EXPECT_FALSE(command.all());
+  EXPECT_TRUE(decoded<VehicleCommand>(stop("[\"a/0\"]")).several) << "a list of one is a list";
+  EXPECT_TRUE(decoded<VehicleCommand>(stop("[\"*\"]")).all());
+  for (const std::string& list : {"[" + names + ",\"a/256\"]", std::string("[]"), std::string("\"a/0\"")}) {
+    EXPECT_EQ(fault_of(stop(list)).error.code, "command.vehicle");
+    EXPECT_EQ(fault_of(stop(list)).error.location, "vehicles");
+  }
+  EXPECT_EQ(fault_of(stop("null")).error.location, "vehicle") << "null counts as left out";
+}
+
+TEST(DecodedCommand, cuts_names_after_80_bytes) {
+  const std::string long_name(100, 'n');
+  const auto command = decoded<VehicleCommand>(R"({"id":")" + long_name + R"(","command":")" + long_name +
+                                               R"(","vehicle":")" + long_name + "\"}");
+  EXPECT_EQ(command.id, std::string(80, 'n'));
+  EXPECT_EQ(command.command_text, std::string(80, 'n'));
+  EXPECT_THAT(command.vehicle_names, ElementsAre(std::string(80, 'n')));
+}
+
+TEST(DecodedCommand, may_be_as_long_as_64_KiB_to_vehicles) {
+  const std::string begin = R"({"command":"stop","vehicle":"a/b","id":")";
+  const std::string end = "\"}";
+  const std::size_t rest = 65536 - begin.size() - end.size();
+  EXPECT_EQ(kind_of(decoded<VehicleCommand>(begin + std::string(rest, 'x') + end)), OperatorCommandKind::stop);
+  EXPECT_EQ(fault_of(begin + std::string(rest + 1, 'x') + end).error.code, "command.syntax");
+}
+
+TEST(DecodedCommand, reads_missions) {
+  const auto go = decoded<MissionCommand>(R"({"command":"go","vehicle":"a/b","to":"dock","loop":"outer"})");
+  EXPECT_TRUE(go.goes);
+  EXPECT_EQ(go.name, "dock");
+  EXPECT_THAT(go.vehicle_names, ElementsAre("a/b"));
+  const auto circulate =
+      decoded<MissionCommand>(R"({"command":"circulate","vehicles":["a/b",7,"c/d"],"to":"dock","loop":"outer"})");
+  EXPECT_FALSE(circulate.goes);
+  EXPECT_EQ(circulate.name, "outer");
+  EXPECT_THAT(circulate.vehicle_names, ElementsAre("a/b", "", "c/d"));
+  const auto nothing = decoded<MissionCommand>(R"({"command":"go","vehicles":"a/b"})");
+  EXPECT_EQ(nothing.name, "");
+  EXPECT_THAT(nothing.vehicle_names, ElementsAre("")) << "no list";
+}
+
+TEST(DecodedCommand, reads_sections_to_close_and_to_open) {
+  const auto close = decoded<SectionCommand>(R"({"command":"close","section":"east"})");
+  EXPECT_TRUE(close.closes);
+  EXPECT_EQ(close.section, "east");
+  const auto open = decoded<SectionCommand>(R"({"command":"open"})");
+  EXPECT_FALSE(open.closes);
+  EXPECT_EQ(open.section, "");
+}
+
+TEST(DecodedCommand, reads_edits_with_their_changes) {
+  using Kind = EditCommand::Kind;
+  const auto edit = decoded<EditCommand>(R"({"command":"edit","edit":{"closed":["east"]}})");
+  EXPECT_EQ(edit.kind, Kind::edit);
+  EXPECT_NE(edit.changes.find("closed"), nullptr);
+  EXPECT_TRUE(decoded<EditCommand>(R"({"command":"edit"})").changes.is_null());
+  EXPECT_EQ(decoded<EditCommand>(R"({"command":"undo"})").kind, Kind::undo);
+  EXPECT_EQ(decoded<EditCommand>(R"({"command":"redo"})").kind, Kind::redo);
+  EXPECT_EQ(decoded<EditCommand>(R"({"command":"saved"})").kind, Kind::saved);
+}
+
+TEST(DecodedCommand, reads_the_fields_of_virtual_objects) {
+  const auto add = decoded<AddCommand>(R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv","section":"east",)"
+                                       R"("s":0.5,"x":1,"y":2,"radius":0.3,"speed":0.4,"repeat":"loop"}})")
+                       .object;
+  EXPECT_EQ(add.id, "V1");
+  EXPECT_EQ(add.kind, "aiv");
+  EXPECT_EQ(add.section, "east");
+  EXPECT_TRUE(add.section_is_text);
+  EXPECT_EQ(add.s_m, 0.5);
+  EXPECT_EQ(add.x_m, 1.0);
+  EXPECT_EQ(add.y_m, 2.0);
+  EXPECT_EQ(add.radius_m, 0.3);
+  EXPECT_EQ(add.speed_mps, 0.4);
+  EXPECT_EQ(add.repeat, "loop");
+  EXPECT_FALSE(add.path.has_value());
+  const auto empty = decoded<AddCommand>(R"({"command":"add","virtualObject":{"id":7,"section":7,"path":3,"s":null}})");
+  EXPECT_EQ(empty.object.id, "") << "it is no text";
+  EXPECT_EQ(empty.object.section, "");
+  EXPECT_FALSE(empty.object.section_is_text);
+  EXPECT_FALSE(empty.object.s_m.has_value());
+  ASSERT_TRUE(empty.object.path.has_value());
+  EXPECT_TRUE(empty.object.path->empty());
+  const auto null = decoded<AddCommand>(R"({"command":"add","virtualObject":{"id":null,"section":null,"path":null}})");
+  EXPECT_FALSE(null.object.id.has_value());
+  EXPECT_FALSE(null.object.section.has_value());
+  EXPECT_TRUE(null.object.section_is_text);
+  EXPECT_FALSE(null.object.path.has_value());
+  const auto move = decoded<MoveCommand>(R"({"command":"move","virtualObject":{"id":"P1","path":[[1,2],[3,4,5]]}})");
+  EXPECT_EQ(move.object.id, "P1");
+  ASSERT_EQ(move.object.path->size(), 2U);
+  EXPECT_FALSE((*move.object.path)[1].has_value()) << "not a pair";
+  EXPECT_FALSE(decoded<MoveCommand>(R"({"command":"move","virtualObject":{"id":7}})").object.id.has_value());
+  EXPECT_EQ(decoded<RemoveCommand>(R"({"command":"remove","id":"P1"})").id, "P1");
+}
+
+TEST(DecodedCommand, reads_commands_to_the_emulated_world) {
+  using Act = PlantCommand::Act;
+  const auto add = decoded<PlantCommand>(
+      R"({"command":"plant","plant":{"addObstacle":{"id":"box","x":0.5,"y":null,"radius":0.1}}})");
+  EXPECT_EQ(add.act, Act::add);
+  EXPECT_EQ(add.id, "box");
+  EXPECT_EQ(add.x_m, 0.5);
+  EXPECT_TRUE(std::isnan(add.y_m.value()));
+  EXPECT_EQ(add.radius_m, 0.1);
+  const auto remove = decoded<PlantCommand>(R"({"command":"plant","plant":{"removeObstacle":"box","addObstacle":{}}})");
+  EXPECT_EQ(remove.act, Act::remove);
+  EXPECT_EQ(remove.id, "box");
+  EXPECT_FALSE(decoded<PlantCommand>(R"({"command":"plant","plant":{"removeObstacle":7}})").id.has_value());
+  EXPECT_EQ(decoded<PlantCommand>(R"({"command":"plant","plant":{"addObstacle":7}})").act, Act::none);
+  EXPECT_EQ(decoded<PlantCommand>(R"({"command":"plant","plant":{}})").act, Act::none);
+  const auto radio = decoded<RadioCommand>(R"({"command":"radio","vehicle":"*","loss":0.25})");
+  EXPECT_EQ(radio.vehicle, "*");
+  EXPECT_EQ(radio.loss_ratio, 0.25);
+  EXPECT_EQ(decoded<RadioCommand>(R"({"command":"radio"})").loss_ratio, -1.0) << "none stated";
+}
+
+TEST(DecodedCommand, reads_that_a_battery_is_ready) {
+  const auto ready =
+      decoded<BatteryReadyCommand>(R"({"command":"batteryReady","vehicle":"a/b","battery":"LiFe-3","type":"LiFePO4",)"
+                                   R"("cycles":12,"rest_s":600,"temperature":21.5,"charge":98})");
+  EXPECT_EQ(ready.vehicle, "a/b");
+  EXPECT_EQ(ready.battery, "LiFe-3");
+  EXPECT_EQ(ready.type, "LiFePO4");
+  EXPECT_TRUE(ready.type_is_text);
+  EXPECT_EQ(ready.cycles, 12.0);
+  EXPECT_EQ(ready.rest_s, 600.0);
+  EXPECT_EQ(ready.temperature_c, 21.5);
+  EXPECT_EQ(ready.charge_percent, 98.0);
+  const auto unknown = decoded<BatteryReadyCommand>(R"({"command":"batteryReady","type":null})");
+  EXPECT_FALSE(unknown.type.has_value());
+  EXPECT_TRUE(unknown.type_is_text);
+  EXPECT_FALSE(unknown.cycles.has_value());
 }
 
 }  // namespace
