@@ -36,5 +36,73 @@ TEST(Distributions, agree_with_the_library_where_available) {
   EXPECT_EQ(chi_squared_cdf(0.0, 3.0), 0.0);
 }
 
+// Reference values from mpmath with 30 digits.
+TEST(Distributions, log_gamma_equals_the_reference_for_small_and_large_arguments) {
+  EXPECT_NEAR(log_gamma(0.1), 2.2527126517342, 1e-12);
+  EXPECT_NEAR(log_gamma(0.5), 0.5 * std::log(3.14159265358979323846), 1e-13);
+  EXPECT_NEAR(log_gamma(1.0), 0.0, 1e-13);
+  EXPECT_NEAR(log_gamma(3.7), 1.4280723266654, 1e-12);
+  EXPECT_NEAR(log_gamma(5.0), std::log(24.0), 1e-13);
+  EXPECT_NEAR(log_gamma(11.9), 17.258477450596, 1e-11);
+  EXPECT_NEAR(log_gamma(12.0), std::log(39916800.0), 1e-12);
+  EXPECT_NEAR(log_gamma(12.5), 18.734347511936, 1e-11);
+  EXPECT_NEAR(log_gamma(100.25), 360.28455963776, 1e-10);
+}
+
+TEST(Distributions, the_incomplete_beta_function_equals_the_reference) {
+  EXPECT_NEAR(incomplete_beta(2.5, 3.5, 0.3), 0.29675298929567, 1e-12);
+  EXPECT_NEAR(incomplete_beta(2.5, 3.5, 0.7), 0.92281906547792, 1e-12);
+  EXPECT_NEAR(incomplete_beta(0.5, 0.5, 0.1), 0.20483276469913, 1e-12);
+  EXPECT_NEAR(incomplete_beta(10.0, 0.5, 0.9), 0.15164090963471, 1e-12);
+  EXPECT_NEAR(incomplete_beta(30.0, 40.0, 0.45), 0.64474800855857, 1e-12);
+  EXPECT_NEAR(incomplete_beta(0.75, 20.0, 0.02), 0.4653756842019, 1e-12);
+  EXPECT_NEAR(incomplete_beta(200.0, 300.0, 0.41), 0.67762816477218, 1e-11);
+  // I_x(a, 1) = x^a, I_x(1, b) = 1 − (1 − x)^b.
+  for (const double x : {0.01, 0.3, 0.5, 0.8, 0.99}) {
+    EXPECT_NEAR(incomplete_beta(3.0, 1.0, x), x * x * x, 1e-13) << x;
+    EXPECT_NEAR(incomplete_beta(1.0, 2.0, x), 1.0 - (1.0 - x) * (1.0 - x), 1e-13) << x;
+  }
+  EXPECT_EQ(incomplete_beta(2.0, 3.0, 0.0), 0.0);
+  EXPECT_EQ(incomplete_beta(2.0, 3.0, -1.0), 0.0);
+  EXPECT_EQ(incomplete_beta(2.0, 3.0, 1.0), 1.0);
+  EXPECT_EQ(incomplete_beta(2.0, 3.0, 2.0), 1.0);
+}
+
+TEST(Distributions, chi_squared_equals_the_reference_and_the_closed_forms) {
+  EXPECT_NEAR(chi_squared_cdf(0.3, 1.0), 0.41611757922963, 1e-12);
+  EXPECT_NEAR(chi_squared_cdf(2.0, 5.0), 0.15085496391539, 1e-12);
+  EXPECT_NEAR(chi_squared_cdf(9.0, 5.0), 0.89093584205023, 1e-12);
+  EXPECT_NEAR(chi_squared_cdf(11.0, 9.5), 0.68413055532168, 1e-12);
+  EXPECT_NEAR(chi_squared_cdf(160.0, 200.0), 0.017108313035133, 1e-12);
+  EXPECT_NEAR(chi_squared_cdf(250.0, 200.0), 0.99062086833117, 1e-12);
+  for (double x = 0.05; x < 40.0; x += 0.37) {
+    const double h = 0.5 * x;
+    EXPECT_NEAR(chi_squared_cdf(x, 1.0), std::erf(std::sqrt(h)), 1e-13) << x;
+    EXPECT_NEAR(chi_squared_cdf(x, 4.0), 1.0 - (1.0 + h) * std::exp(-h), 1e-13) << x;
+    EXPECT_NEAR(chi_squared_cdf(x, 6.0), 1.0 - (1.0 + h + 0.5 * h * h) * std::exp(-h), 1e-13) << x;
+  }
+  EXPECT_EQ(chi_squared_cdf(-1.0, 3.0), 0.0);
+  EXPECT_EQ(chi_squared_cdf(1e5, 3.0), 1.0);
+  EXPECT_EQ(chi_squared_cdf(1e-5, 10'000.0), 0.0);
+  // A quantile far above the degrees of freedom plus ten.
+  EXPECT_NEAR(chi_squared_quantile(0.999999, 2.0), -2.0 * std::log(1e-6), 1e-8);
+}
+
+TEST(Distributions, student_s_equals_the_closed_forms_of_one_two_and_four_degrees) {
+  for (double t = -30.0; t <= 30.0; t += 0.37) {
+    EXPECT_NEAR(student_cdf(t, 1.0), 0.5 + std::atan(t) / 3.14159265358979323846, 1e-13) << t;
+    EXPECT_NEAR(student_cdf(t, 2.0), 0.5 + t / (2.0 * std::sqrt(2.0 + t * t)), 1e-13) << t;
+    const double r = t / std::sqrt(4.0 + t * t);
+    EXPECT_NEAR(student_cdf(t, 4.0), 0.5 + 0.75 * (r - r * r * r / 3.0), 1e-13) << t;
+  }
+  EXPECT_DOUBLE_EQ(student_cdf(0.0, 7.0), 0.5);
+  // A quantile far beyond ten, and one on each side of the centre.
+  EXPECT_NEAR(student_quantile(1e-4, 1.0) / -std::tan(0.4999 * 3.14159265358979323846), 1.0, 1e-9);
+  for (const double p : {0.01, 0.3, 0.7, 0.99})
+    EXPECT_NEAR(student_quantile(p, 2.0), (2.0 * p - 1.0) / std::sqrt(2.0 * p * (1.0 - p)), 1e-10) << p;
+  EXPECT_NEAR(student_quantile(0.5, 3.0), 0.0, 1e-7);  // its square is below the last bit of 1
+  EXPECT_NEAR(normal_quantile(0.5), 0.0, 1e-12);
+}
+
 }  // namespace
 }  // namespace cosiva::statistics

@@ -170,5 +170,212 @@ TEST(Power, equals_the_tables) {
   EXPECT_EQ(power_of(1.0, 1, 10), 0.0);
 }
 
+// Two groups of two and three, and an empty one: means 2 and 4 about 3.2, squares 10 within and 4.8 between.
+TEST(OneFactor, of_groups_of_different_sizes_equals_the_analysis_by_hand) {
+  const auto found = one_factor({{1.0, 3.0}, {}, {2.0, 4.0, 6.0}});
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->f, 4.8 / (10.0 / 3.0), 1e-12);
+  EXPECT_NEAR(found->p, 0.31626211469811, 1e-10);  // the F distribution's tail with 1 and 3 degrees, from mpmath
+  EXPECT_NEAR(found->within_sd, std::sqrt(10.0 / 3.0), 1e-12);
+  EXPECT_NEAR(found->between_sd, std::sqrt((4.8 - 10.0 / 3.0) / 2.4), 1e-12);  // (5 − 13/5)/1 = 2.4 in each group
+  EXPECT_FALSE(one_factor({{}, {1.0, 2.0}, {}}));
+  EXPECT_FALSE(one_factor({}));
+  // One more value than groups is enough.
+  EXPECT_TRUE(one_factor({{1.0}, {2.0, 3.0}}));
+  // Equal means: nothing between the groups, and the noise explains more than that.
+  const auto equal = one_factor({{1.0, 3.0}, {0.0, 4.0}});
+  ASSERT_TRUE(equal);
+  EXPECT_EQ(equal->f, 0.0);
+  EXPECT_EQ(equal->p, 1.0);
+  EXPECT_EQ(equal->between_sd, 0.0);
+}
+
+// x 2 to 6 about 4, y 2, 3, 5, 4, 6 about 4: Σxx 10, Σxy 9, Σyy 10; 1.9 is left on three degrees of freedom.
+TEST(Trend, of_five_points_equals_the_regression_by_hand) {
+  const std::vector<double> x{2, 3, 4, 5, 6};
+  const std::vector<double> y{2, 3, 5, 4, 6};
+  const auto found = trend(x, y);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->slope, 0.9, 1e-12);
+  EXPECT_NEAR(found->slope_sd, 0.25166114784236, 1e-11);
+  EXPECT_NEAR(found->p, 0.037386073468499, 1e-11);
+  EXPECT_NEAR(found->r_squared, 0.81, 1e-12);
+  EXPECT_NEAR(found->at_first, 1.3, 1e-12);
+  EXPECT_NEAR(found->at_first_interval.low, 1.3 - 2.6562784602879, 1e-9);
+  EXPECT_NEAR(found->at_first_interval.high, 1.3 + 2.6562784602879, 1e-9);
+  EXPECT_NEAR(trend(x, y, 0.8)->at_first_interval.high, 1.3 + 1.366968876414, 1e-9);
+}
+
+TEST(Trend, of_an_exact_line_is_certain_and_of_a_constant_is_none) {
+  const std::vector<double> x{1, 2, 3};
+  const auto line = trend(x, std::vector<double>{1, 3, 5});
+  ASSERT_TRUE(line);
+  EXPECT_DOUBLE_EQ(line->slope, 2.0);
+  EXPECT_EQ(line->slope_sd, 0.0);
+  EXPECT_EQ(line->p, 0.0);
+  EXPECT_EQ(line->r_squared, 1.0);
+  EXPECT_DOUBLE_EQ(line->at_first, 1.0);
+  const auto constant = trend(x, std::vector<double>{7, 7, 7});
+  ASSERT_TRUE(constant);
+  EXPECT_EQ(constant->slope, 0.0);
+  EXPECT_EQ(constant->p, 1.0);
+  EXPECT_EQ(constant->r_squared, 1.0);
+  EXPECT_EQ(constant->at_first, 7.0);
+}
+
+// Williams's square: 0, 1, n − 1, 2 … in the first column, each row counted on from there.
+TEST(LatinSquare, begins_each_run_at_the_next_step_of_the_zigzag) {
+  using Square = std::vector<std::vector<std::size_t>>;
+  EXPECT_EQ(latin_square(4), (Square{{0, 1, 2, 3}, {1, 2, 3, 0}, {3, 0, 1, 2}, {2, 3, 0, 1}}));
+  EXPECT_EQ(latin_square(5),
+            (Square{{0, 1, 2, 3, 4}, {1, 2, 3, 4, 0}, {4, 0, 1, 2, 3}, {2, 3, 4, 0, 1}, {3, 4, 0, 1, 2}}));
+}
+
+// Welch's test of the textbook's two samples, its interval, Hedges's g and the power from Student's shifted
+// distribution: reference values from mpmath with 30 digits.
+TEST(Comparison, equals_the_reference_in_every_figure) {
+  const std::vector<double> a{27.5, 21.0, 19.0, 23.6, 17.0, 17.9, 16.9, 20.1, 21.9, 22.6, 23.1, 19.6, 19.0, 21.7, 21.4};
+  const std::vector<double> b{27.1, 22.0, 20.8, 23.4, 23.4, 23.5, 25.8, 22.0, 24.8,
+                              20.2, 21.9, 22.1, 22.9, 30.5, 27.5, 24.5, 22.9};
+  const auto found = compare(a, b);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->difference, 3.0211764705882, 1e-11);
+  EXPECT_NEAR(found->t, 3.1229293102023, 1e-11);
+  EXPECT_NEAR(found->degrees, 28.976667221414, 1e-9);
+  EXPECT_NEAR(found->p, 0.0040393277834365, 1e-11);
+  EXPECT_NEAR(found->interval.low, 1.0425163137935, 1e-9);
+  EXPECT_NEAR(found->interval.high, 4.999836627383, 1e-9);
+  EXPECT_NEAR(found->effect, 1.0824979366103, 1e-11);
+  EXPECT_NEAR(found->power, 0.84054034395091, 1e-7);
+  EXPECT_EQ(found->needed, 15U);  // 78.7 % with 14 of each, 81.6 % with 15
+
+  const auto few = compare(std::vector{1.0, 2.0, 4.0}, std::vector{3.0, 3.5, 6.0, 9.0}, 0.9);
+  ASSERT_TRUE(few);
+  EXPECT_NEAR(few->difference, 3.0416666666667, 1e-11);
+  EXPECT_NEAR(few->t, 1.8620267953489, 1e-11);
+  EXPECT_NEAR(few->degrees, 4.7661174315406, 1e-10);
+  EXPECT_NEAR(few->p, 0.12450460928131, 1e-10);
+  EXPECT_NEAR(few->interval.low, -0.28598346850009, 1e-8);
+  EXPECT_NEAR(few->interval.high, 6.3693168018334, 1e-8);
+  EXPECT_NEAR(few->effect, 1.0950936430657, 1e-11);
+  EXPECT_NEAR(few->power, 0.21594178946772, 1e-7);
+  EXPECT_EQ(few->needed, 15U);  // 79.6 % with 14 of each, 82.5 % with 15
+}
+
+TEST(Comparison, of_equal_means_detects_nothing_however_many_there_are) {
+  const auto found = compare(std::vector{1.0, 3.0}, std::vector{0.0, 4.0});
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->difference, 0.0);
+  EXPECT_NEAR(found->p, 1.0, 1e-12);
+  EXPECT_NEAR(found->power, 0.05, 1e-6);
+  EXPECT_GE(found->needed, 100'000U);
+  // One sample without spread is no obstacle.
+  EXPECT_TRUE(compare(std::vector{1.0, 1.0}, std::vector{0.0, 4.0}));
+  EXPECT_FALSE(compare(std::vector{1.0, 2.0}, std::vector{1.0}));
+}
+
+TEST(Power, is_zero_for_a_single_value_on_either_side_and_equal_for_either_sign) {
+  EXPECT_EQ(power_of(1.0, 10, 1), 0.0);
+  EXPECT_GT(power_of(1.0, 2, 2), 0.0);
+  EXPECT_DOUBLE_EQ(power_of(-0.8, 26, 26), power_of(0.8, 26, 26));
+}
+
+// Least squares of value = mean + unit + carrier + slope · run in exact fractions; tails of F from mpmath.
+TEST(Crossed, of_a_latin_square_equals_the_exact_least_squares) {
+  const std::vector<Trial> trials{{0, 0, 1, 101.2}, {1, 1, 1, 95.5}, {2, 2, 1, 99.0}, {0, 1, 2, 103.1}, {1, 2, 2, 98.7},
+                                  {2, 0, 2, 93.0},  {0, 2, 3, 97.4}, {1, 0, 3, 97.9}, {2, 1, 3, 95.8}};
+  const auto found = crossed(trials);
+  ASSERT_TRUE(found);
+  EXPECT_FALSE(found->confounded);
+  EXPECT_DOUBLE_EQ(found->noise_degrees, 3.0);
+  EXPECT_NEAR(found->noise_sd, 3.4278813238457, 1e-10);
+  EXPECT_DOUBLE_EQ(found->unit.degrees, 2.0);
+  EXPECT_NEAR(found->unit.f, 1.4366450230095, 1e-9);
+  EXPECT_NEAR(found->unit.p, 0.36505618362685, 1e-9);
+  EXPECT_NEAR(found->unit.sd, 1.3077640894214, 1e-9);
+  EXPECT_DOUBLE_EQ(found->carrier.degrees, 2.0);
+  EXPECT_NEAR(found->carrier.f, 0.069879594023829, 1e-9);
+  EXPECT_NEAR(found->carrier.p, 0.93397956042149, 1e-9);
+  EXPECT_EQ(found->carrier.sd, 0.0);  // explains less than the noise does
+  EXPECT_NEAR(found->run.f, 0.30013238353401, 1e-9);
+  EXPECT_NEAR(found->run.p, 0.62192904642522, 1e-9);
+  EXPECT_NEAR(found->slope, -0.76666666666667, 1e-10);
+  EXPECT_NEAR(found->run.sd, 0.62598071204459, 1e-10);
+  EXPECT_NEAR(found->unit.ratio, 0.12346152132258, 1e-9);
+  EXPECT_EQ(found->carrier.ratio, 0.0);
+  EXPECT_NEAR(found->run.ratio, 0.028287509469275, 1e-9);
+  EXPECT_NEAR(found->noise_ratio, 0.84825096920815, 1e-9);
+  EXPECT_EQ(found->unit_effects.size(), 3U);
+  EXPECT_EQ(found->carrier_effects.size(), 3U);
+}
+
+TEST(Crossed, of_an_incomplete_design_equals_the_exact_least_squares) {
+  const std::vector<Trial> trials{{0, 0, 1, 10.0}, {1, 1, 1, 14.5}, {0, 1, 2, 13.0}, {1, 2, 2, 19.0},
+                                  {0, 2, 3, 17.5}, {1, 0, 3, 11.0}, {0, 0, 4, 9.5},  {1, 1, 4, 12.0}};
+  const auto found = crossed(trials);
+  ASSERT_TRUE(found);
+  EXPECT_FALSE(found->confounded);
+  EXPECT_DOUBLE_EQ(found->noise_degrees, 3.0);
+  EXPECT_NEAR(found->noise_sd, 2.0 / 3.0, 1e-10);
+  EXPECT_DOUBLE_EQ(found->unit.degrees, 1.0);
+  EXPECT_NEAR(found->unit.f, 4.1186440677966, 1e-9);
+  EXPECT_NEAR(found->unit.p, 0.13541652150795, 1e-9);
+  EXPECT_NEAR(found->unit.sd, 0.58865610294378, 1e-9);
+  EXPECT_NEAR(found->carrier.f, 82.62890625, 1e-8);
+  EXPECT_NEAR(found->carrier.p, 0.0023807786784606, 1e-9);
+  EXPECT_NEAR(found->carrier.sd, 3.6884709173766, 1e-9);
+  EXPECT_NEAR(found->run.f, 5.5227272727273, 1e-9);
+  EXPECT_NEAR(found->run.p, 0.1003013943669, 1e-9);
+  EXPECT_NEAR(found->slope, -0.5, 1e-10);
+  EXPECT_NEAR(found->run.sd, 0.55901699437495, 1e-10);
+  EXPECT_NEAR(found->unit.ratio, 0.023559250359298, 1e-9);
+  EXPECT_NEAR(found->carrier.ratio, 0.92497691164456, 1e-9);
+  EXPECT_NEAR(found->run.ratio, 0.021246538622261, 1e-9);
+  EXPECT_NEAR(found->noise_ratio, 0.030217299373882, 1e-9);
+  // Effects are about their mean.
+  EXPECT_NEAR(found->unit_effects[0] + found->unit_effects[1], 0.0, 1e-9);
+}
+
+TEST(Crossed, of_batteries_that_stayed_on_their_vehicles_is_the_result_of_both_together) {
+  const std::vector<Trial> trials{{0, 0, 1, 10.0}, {1, 1, 1, 14.0}, {2, 2, 1, 12.0}, {0, 0, 2, 10.5}, {1, 1, 2, 14.1},
+                                  {2, 2, 2, 12.1}, {0, 0, 3, 11.2}, {1, 1, 3, 15.3}, {2, 2, 3, 13.0}};
+  const auto found = crossed(trials);
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(found->confounded);
+  for (const Factor& factor : {found->unit, found->carrier}) {
+    EXPECT_DOUBLE_EQ(factor.degrees, 2.0);
+    EXPECT_NEAR(factor.f, 168.91625615764, 1e-7);
+    EXPECT_NEAR(factor.p, 2.5687391669459e-5, 1e-10);
+    EXPECT_NEAR(factor.sd, 1.9461357723562, 1e-9);
+  }
+  EXPECT_NEAR(found->noise_sd, 0.26012817353502, 1e-10);
+  EXPECT_NEAR(found->slope, 7.0 / 12.0, 1e-10);
+  EXPECT_NEAR(found->unit.ratio, 0.92784880186548, 1e-9);
+  EXPECT_EQ(found->carrier.ratio, 0.0);  // counted once
+  EXPECT_NEAR(found->run.ratio, 0.055574206309601, 1e-9);
+  EXPECT_NEAR(found->noise_ratio, 0.016576991824921, 1e-9);
+  EXPECT_TRUE(found->unit_effects.empty());
+  EXPECT_TRUE(found->carrier_effects.empty());
+}
+
+TEST(Crossed, of_one_run_only_has_no_slope_and_of_one_unit_no_unit_effect) {
+  const std::vector<Trial> same_run{{0, 0, 1, 1.0}, {0, 1, 1, 2.0}, {1, 0, 1, 4.0}, {1, 1, 1, 5.5}};
+  const auto flat = crossed(same_run);
+  ASSERT_TRUE(flat);
+  EXPECT_EQ(flat->slope, 0.0);
+  EXPECT_EQ(flat->run.sd, 0.0);
+  EXPECT_EQ(flat->run.degrees, 0.0);
+  EXPECT_FALSE(flat->confounded);
+  const std::vector<Trial> one_unit{{0, 0, 1, 1.0}, {0, 1, 2, 2.0}, {0, 0, 3, 2.5}, {0, 1, 4, 4.5}};
+  const auto single = crossed(one_unit);
+  ASSERT_TRUE(single);
+  EXPECT_FALSE(single->confounded);
+  EXPECT_EQ(single->unit.degrees, 0.0);
+  EXPECT_EQ(single->unit.sd, 0.0);
+  EXPECT_DOUBLE_EQ(single->noise_degrees, 1.0);
+  // As many trials as unknowns leave nothing to estimate the noise from.
+  EXPECT_FALSE(crossed(std::span{one_unit}.first(3)));
+}
+
 }  // namespace
 }  // namespace cosiva::statistics

@@ -98,5 +98,57 @@ TEST(BlockBootstrap, is_nothing_for_a_series_equivalent_to_three_values) {
   EXPECT_FALSE(block_bootstrap(std::vector<double>{1.0, 2.0, 3.0}));
 }
 
+// All 6⁶ resamples have been enumerated: with Efron's bias and acceleration and Student's width, the ends are these
+// quantiles of the resampled means, in steps of 1/6 of the values' grid.
+TEST(Bca, of_a_skewed_sample_equals_the_enumeration_of_all_resamples) {
+  const std::vector<double> runs{1.1, 2.3, 2.9, 4.2, 7.7, 16.4};
+  const auto wide = *bca(runs, {0.8, 100'000, 3});
+  EXPECT_NEAR(wide.low, 3.15, 0.05);      // the 10.77 % quantile
+  EXPECT_NEAR(wide.high, 10.6667, 0.25);  // the 98.28 % quantile
+  const auto narrow = *bca(runs, {0.5, 100'000, 3});
+  EXPECT_NEAR(narrow.low, 4.45, 0.035);  // 29.06 %
+  EXPECT_NEAR(narrow.high, 8.1, 0.06);   // 85.91 %
+}
+
+TEST(Bca, of_two_runs_reaches_from_one_to_the_other) {
+  EXPECT_EQ(bca(std::vector{1.0, 2.0}), (Interval{1.0, 2.0}));
+  EXPECT_EQ(bca(std::vector{3.0, 3.0, 3.0}), (Interval{3.0, 3.0}));
+}
+
+TEST(Bca, takes_no_more_than_a_thousand_resamples_of_more_than_two_hundred_runs) {
+  const auto runs = drawn(2, 201);
+  EXPECT_EQ(bca(runs, {0.95, 5000, 9}), bca(runs, {0.95, 1000, 9}));
+  EXPECT_NE(bca(runs, {0.95, 500, 9}), bca(runs, {0.95, 1000, 9}));
+  const auto few = drawn(2, 50);
+  EXPECT_NE(bca(few, {0.95, 5000, 9}), bca(few, {0.95, 1000, 9}));
+}
+
+// The series has 6.867 independent values by Geyer's sequence: blocks of 3·16/6.867 = 6.99, rounded down, three of
+// which make one resample. All 16³ resamples have been enumerated.
+TEST(BlockBootstrap, of_a_short_series_equals_the_enumeration_of_all_resamples) {
+  const std::vector<double> series{5, 5, 4, 4, 1, 0, 0, 1, 2, 3, 5, 6, 4, 4, 1, 1};
+  const auto half = block_bootstrap(series, {0.5, 100'000, 5});
+  ASSERT_TRUE(half);
+  EXPECT_NEAR(half->effective_size, 6.8668911335578, 1e-9);
+  EXPECT_EQ(half->block, 6U);
+  EXPECT_NEAR(half->interval.low, 2.5, 0.06);
+  EXPECT_NEAR(half->interval.high, 3.3889, 0.03);
+  const auto most = block_bootstrap(series, {0.8, 100'000, 5});
+  EXPECT_NEAR(most->interval.low, 1.8889, 0.06);
+  EXPECT_NEAR(most->interval.high, 3.6667, 0.06);
+  const auto rooted = block_bootstrap(series, {0.5, 100'000, 5}, root);
+  EXPECT_DOUBLE_EQ(rooted->interval.low, std::sqrt(half->interval.low));
+  EXPECT_DOUBLE_EQ(rooted->interval.high, std::sqrt(half->interval.high));
+}
+
+// Neighbours of opposite sign: every value counts as one, and blocks are of 3 values.
+TEST(BlockBootstrap, needs_eight_values) {
+  const std::vector<double> series{1, -1, 1, -1, 1, -1, 1, -1};
+  ASSERT_TRUE(block_bootstrap(series));
+  EXPECT_EQ(block_bootstrap(series)->block, 3U);
+  EXPECT_DOUBLE_EQ(block_bootstrap(series)->effective_size, 8.0);
+  EXPECT_FALSE(block_bootstrap(std::span{series}.first(7)));
+}
+
 }  // namespace
 }  // namespace cosiva::statistics

@@ -105,5 +105,66 @@ TEST(Astm, consecutive_passes_are_those_of_the_standard) {
   EXPECT_EQ(reliability_shown(0, 0.95), 0.0);
 }
 
+// 250 differences of the sizes 1 to 250, every third negative: W = 10 458, of mean n(n + 1)/4 and variance
+// n(n + 1)(2n + 1)/24, with half a rank for continuity.
+TEST(Wilcoxon, of_more_than_two_hundred_runs_is_the_normal_approximation) {
+  std::vector<double> differences;
+  for (int i = 1; i <= 250; ++i) differences.push_back(i % 3 == 0 ? -i : i);
+  EXPECT_NEAR(wilcoxon(differences) / 4.9061351369717e-6, 1.0, 1e-8);
+  for (double& d : differences) d = -d;
+  EXPECT_NEAR(wilcoxon(differences) / 4.9061351369717e-6, 1.0, 1e-8);
+  // As even as possible: no probability above 1.
+  for (std::size_t i = 0; i < differences.size(); ++i)
+    differences[i] = (i / 2) % 2 == i % 2 ? static_cast<double>(i + 1) : -static_cast<double>(i + 1);
+  EXPECT_LE(wilcoxon(differences), 1.0);
+  EXPECT_GT(wilcoxon(differences), 0.9);
+}
+
+TEST(Holm, multiplies_each_by_the_number_of_those_not_smaller) {
+  EXPECT_EQ(holm(std::vector{0.25}), (std::vector{0.25}));
+  const auto raised = holm(std::vector{0.001, 0.01, 0.02, 0.04});
+  EXPECT_DOUBLE_EQ(raised[0], 0.004);
+  EXPECT_DOUBLE_EQ(raised[1], 0.03);
+  EXPECT_DOUBLE_EQ(raised[2], 0.04);
+  EXPECT_DOUBLE_EQ(raised[3], 0.04);
+}
+
+// Ranks 1½ 1½ 3, 2 1 3, 1 2½ 2½, 1 3 2, 1 2 3: Σr² 69, centre 60; chi² = 2·25·(0.49 + 0 + 0.49)/9.
+TEST(Friedman, with_ties_is_conover_s_form) {
+  const auto result = friedman({{1, 1, 3}, {2, 1, 3}, {1, 2, 2}, {1, 3, 2}, {1, 2, 3}});
+  ASSERT_TRUE(result);
+  EXPECT_NEAR(result->mean_ranks[0], 1.3, 1e-12);
+  EXPECT_NEAR(result->mean_ranks[1], 2.0, 1e-12);
+  EXPECT_NEAR(result->mean_ranks[2], 2.7, 1e-12);
+  EXPECT_NEAR(result->chi_squared, 49.0 / 9.0, 1e-10);
+  EXPECT_NEAR(result->p, std::exp(-49.0 / 18.0), 1e-10);
+  EXPECT_FALSE(friedman({}));
+  EXPECT_EQ(friedman({{1, 1}, {2, 2}})->chi_squared, 0.0);
+}
+
+// z² · s²/d² · π/3 with z² = 7.849 for 5 % and 80 %, 14.879 for 1 % and 90 %; s² = 200/199, d = 0.1.
+TEST(RunsToDecide, of_many_runs_are_the_formula_s) {
+  std::vector<double> differences;
+  for (int i = 0; i < 100; ++i) {
+    differences.push_back(1.1);
+    differences.push_back(-0.9);
+  }
+  EXPECT_EQ(runs_to_decide(differences), 827U);
+  EXPECT_EQ(runs_to_decide(differences, 0.01, 0.9), 1566U);
+  for (double& d : differences) d = -d;
+  EXPECT_EQ(runs_to_decide(differences), 827U);
+  // More than a thousand million runs decide nothing.
+  for (double& d : differences) d = (d > 0.0 ? 1.0 : -1.0) + 1e-6;
+  EXPECT_FALSE(runs_to_decide(differences));
+}
+
+TEST(Astm, reliability_of_passes_is_the_root_of_the_doubt) {
+  EXPECT_NEAR(reliability_shown(1, 0.95), 0.05, 1e-12);
+  EXPECT_NEAR(reliability_shown(2, 0.75), 0.5, 1e-12);
+  EXPECT_EQ(passes_needed(0.5, 0.75), 2U);  // exactly two, whatever the logarithms round to
+  EXPECT_EQ(passes_needed(0.5, 0.76), 3U);
+  EXPECT_EQ(passes_needed(0.5, 0.5), 1U);
+}
+
 }  // namespace
 }  // namespace cosiva::statistics

@@ -86,5 +86,43 @@ TEST(EffectiveSize, of_a_first_order_series_equals_the_closed_form) {
 
 TEST(EffectiveSize, of_a_constant_series_is_one) { EXPECT_EQ(effective_size(std::vector<double>(100, 2.0)), 1.0); }
 
+TEST(Sample, without_values_has_no_root_mean_square_and_with_two_has_a_variance) {
+  EXPECT_TRUE(std::isnan(root_mean_square({})));
+  EXPECT_TRUE(std::isnan(sample_variance({})));
+  EXPECT_EQ(sample_variance(std::vector{1.0, 3.0}), 2.0);
+  EXPECT_EQ(variance(std::vector{5.0}), 0.0);
+  EXPECT_EQ(mean(std::vector{5.0}), 5.0);
+  EXPECT_EQ(root_mean_square(std::vector{-5.0}), 5.0);
+}
+
+// Of seven values at three points: ranks 7/3 → 2, 14/3 → 4, 7.
+TEST(Cdf, has_evenly_spaced_points) {
+  const Cdf drawn = cdf({70.0, 10.0, 60.0, 20.0, 50.0, 30.0, 40.0}, 3);
+  EXPECT_EQ(drawn.value, (std::vector{20.0, 40.0, 70.0}));
+  ASSERT_EQ(drawn.ratio.size(), 3U);
+  EXPECT_DOUBLE_EQ(drawn.ratio[0], 2.0 / 7.0);
+  EXPECT_DOUBLE_EQ(drawn.ratio[1], 4.0 / 7.0);
+  EXPECT_DOUBLE_EQ(drawn.ratio[2], 1.0);
+  EXPECT_TRUE(cdf({}, 3).value.empty());
+  EXPECT_EQ(cdf(std::vector<double>(500, 1.0)).value.size(), 200U);
+}
+
+// Geyer's initial positive sequence in exact fractions.
+TEST(EffectiveSize, of_short_series_equals_the_sum_by_hand) {
+  // Deviations −1.5, −0.5, 0.5, 1.5: ρ₁ = 0.25, and the second pair is negative: τ = −1 + 2·1.25.
+  EXPECT_NEAR(effective_size(std::vector{1.0, 2.0, 3.0, 4.0}), 8.0 / 3.0, 1e-12);
+  EXPECT_NEAR(effective_size(std::vector{1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0}), 2.9217391304348, 1e-11);
+  EXPECT_NEAR(effective_size(std::vector{3.0, 1.0, 4.0, 1.0, 5.0, 9.0, 2.0, 6.0}), 7.7703788748565, 1e-11);
+  // The third pair is larger than the second: it counts as much as the second.
+  EXPECT_NEAR(effective_size(std::vector{1.0, 2.0, 0.0, 0.0, 0.0, 4.0, 5.0, 0.0, 4.0, 2.0, 5.0, 5.0}), 7.5164835164835,
+              1e-11);
+  // Never more than there are values.
+  EXPECT_EQ(effective_size(std::vector{0.0, 9.0, 1.0, 8.0, 2.0, 7.0}), 6.0);
+  // Of fewer than four, all.
+  EXPECT_EQ(effective_size(std::vector{1.0, 1.0, 1.0}), 3.0);
+  EXPECT_EQ(effective_size(std::vector{1.0, 1.0, 1.0, 1.0}), 1.0);
+  EXPECT_EQ(effective_size({}), 0.0);
+}
+
 }  // namespace
 }  // namespace cosiva::statistics

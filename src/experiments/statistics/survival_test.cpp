@@ -162,5 +162,67 @@ TEST(CensoredNormal, is_nothing_for_too_few_values) {
   EXPECT_FALSE(censored_normal(std::vector<Duration>{{5, true}, {5, true}, {6, false}}));
 }
 
+// The bands at 6, 13 and 23 weeks by their formulas with 30 digits.
+TEST(KaplanMeier, bands_equal_the_reference_along_the_curve) {
+  const Survival log_log = kaplan_meier(remissions, 0.95, SurvivalBand::log_log);
+  const Survival wilson = kaplan_meier(remissions);
+  struct Row {
+    std::size_t step;
+    std::size_t at_risk;
+    std::size_t ended;
+    double ratio;
+    Interval log_log;
+    Interval wilson;
+  };
+  for (const Row& row :
+       {Row{0, 21, 3, 0.85714285714286, {0.61971795526598, 0.951551747647}, {0.65363939719379, 0.95018987500275}},
+        Row{3, 12, 1, 0.69019607843137, {0.43161022248618, 0.84906596334945}, {0.46440028035267, 0.85128465463912}},
+        Row{6, 6, 1, 0.44817927170868, {0.18805200595923, 0.68014262849524}, {0.22624213453275, 0.69287469526}}}) {
+    EXPECT_EQ(wilson.steps[row.step].at_risk, row.at_risk);
+    EXPECT_EQ(wilson.steps[row.step].ended, row.ended);
+    EXPECT_NEAR(wilson.steps[row.step].ratio, row.ratio, 1e-12);
+    EXPECT_NEAR(log_log.steps[row.step].band.low, row.log_log.low, 1e-10);
+    EXPECT_NEAR(log_log.steps[row.step].band.high, row.log_log.high, 1e-10);
+    EXPECT_NEAR(wilson.steps[row.step].band.low, row.wilson.low, 1e-10);
+    EXPECT_NEAR(wilson.steps[row.step].band.high, row.wilson.high, 1e-10);
+  }
+  EXPECT_NEAR(wilson.restricted_mean, 23.287394957983, 1e-10);
+  EXPECT_NEAR(wilson.restricted_mean_sd, 2.8274676233714, 1e-10);
+  EXPECT_EQ(wilson.restricted_to, 35.0);
+  EXPECT_EQ(log_log.band_at(1.0), (Interval{1.0, 1.0}));
+  // 90 %: narrower.
+  const Survival less = kaplan_meier(remissions, 0.9);
+  EXPECT_NEAR(less.steps[3].band.low, 0.50022014957793, 1e-10);
+  EXPECT_NEAR(less.steps[3].band.high, 0.83218487390324, 1e-10);
+}
+
+TEST(KaplanMeier, of_censored_durations_only_has_no_end) {
+  const Survival curve = kaplan_meier(std::vector<Duration>{{2, false}, {3, false}});
+  EXPECT_TRUE(curve.steps.empty());
+  EXPECT_EQ(curve.restricted_mean, 3.0);
+  EXPECT_EQ(curve.restricted_mean_sd, 0.0);
+  EXPECT_EQ(curve.when_ended(0.1), std::nullopt);
+}
+
+// Maximum likelihood and its observed information by Newton's method with 30 digits: seven ends, and two units that ran
+// 3580 s and 3610 s without an end.
+TEST(CensoredNormal, equals_the_maximum_of_the_likelihood) {
+  const std::vector<Duration> durations{{3490.71, true}, {3652.06, true}, {3602.42, true},
+                                        {3619.98, true}, {3598.24, true}, {3580.0, false},
+                                        {3595.89, true}, {3610.0, false}, {3651.98, true}};
+  const auto fit = censored_normal(durations);
+  ASSERT_TRUE(fit);
+  EXPECT_NEAR(fit->mean, 3610.536852603, 1e-5);
+  EXPECT_NEAR(fit->sd, 54.165204668422, 1e-5);
+  EXPECT_NEAR(fit->effective_size, 7.9525718321826, 1e-6);
+  EXPECT_NEAR(fit->mean_interval.low, 3563.5382535468, 1e-4);
+  EXPECT_NEAR(fit->mean_interval.high, 3657.5354516592, 1e-4);
+  EXPECT_NEAR(fit->tolerance_low, 3427.871740098, 1e-3);
+  EXPECT_EQ(fit->ended, 7U);
+  const auto less = censored_normal(durations, 0.9);
+  EXPECT_NEAR(less->mean_interval.low, 3573.2135829253, 1e-4);
+  EXPECT_NEAR(less->mean_interval.high, 3647.8601222807, 1e-4);
+}
+
 }  // namespace
 }  // namespace cosiva::statistics

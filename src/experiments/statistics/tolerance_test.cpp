@@ -142,5 +142,101 @@ TEST(Normality, rejects_non_normal_samples_and_rarely_normal_ones) {
   EXPECT_FALSE(normality_p(std::array{1.0, 2.0, 3.0}));
 }
 
+// Reference values from mpmath with 30 digits.
+TEST(Fisher, with_two_degrees_in_the_numerator_equals_its_closed_form) {
+  for (const double f : {0.1, 1.0, 1.7, 5.0})
+    for (const double d : {1.0, 7.0, 30.0})
+      EXPECT_NEAR(fisher_cdf(f, 2.0, d), 1.0 - std::pow(1.0 + 2.0 * f / d, -0.5 * d), 1e-12) << f << " " << d;
+  EXPECT_EQ(fisher_cdf(-1.0, 3.0, 3.0), 0.0);
+}
+
+TEST(ShiftedStudent, equals_the_reference) {
+  EXPECT_NEAR(shifted_student_cdf(2.0, 5.0, 1.0), 0.77807466261621, 1e-9);
+  EXPECT_NEAR(shifted_student_cdf(1.0, 3.0, -0.5), 0.90787879018564, 1e-9);
+  EXPECT_NEAR(shifted_student_cdf(3.5, 20.0, 2.5), 0.79877802875593, 1e-9);
+  EXPECT_NEAR(shifted_student_cdf(0.5, 2.0, 2.0), 0.064863036788169, 1e-9);
+  for (const double p : {0.001, 0.2, 0.5, 0.95, 0.9999})
+    for (const double shift : {-3.0, 0.0, 12.0})
+      EXPECT_NEAR(shifted_student_cdf(shifted_student_quantile(p, 3.0, shift), 3.0, shift), p, 1e-9)
+          << p << " " << shift;
+}
+
+TEST(ToleranceFactor, equals_the_reference_at_other_levels) {
+  EXPECT_NEAR(tolerance_factor(9), 3.0312375134713, 1e-7);
+  EXPECT_NEAR(tolerance_factor(4, 0.9, 0.8), 2.37247449243, 1e-7);
+  EXPECT_NEAR(ratio_above_smallest(1, 0.75), 0.25, 1e-12);
+  EXPECT_NEAR(ratio_above_smallest(2, 0.75), 0.5, 1e-12);
+}
+
+TEST(MeanInterval, and_the_others_equal_the_reference_at_two_levels) {
+  struct Row {
+    double level;
+    Interval mean;
+    Interval next;
+    Interval deviation;
+  };
+  for (const Row& row : {Row{0.95,
+                             {3567.2622366087, 3643.6510967246},
+                             {3484.6752737515, 3726.2380595819},
+                             {33.562858015413, 95.192947677674}},
+                         Row{0.8,
+                             {3582.3211640726, 3628.5921692607},
+                             {3532.2957836567, 3678.6175496766},
+                             {38.448333226413, 75.235387859425}}}) {
+    EXPECT_NEAR(mean_interval(nine, row.level)->low, row.mean.low, 1e-7);
+    EXPECT_NEAR(mean_interval(nine, row.level)->high, row.mean.high, 1e-7);
+    EXPECT_NEAR(prediction_interval(nine, row.level)->low, row.next.low, 1e-7);
+    EXPECT_NEAR(prediction_interval(nine, row.level)->high, row.next.high, 1e-7);
+    EXPECT_NEAR(deviation_interval(nine, row.level)->low, row.deviation.low, 1e-7);
+    EXPECT_NEAR(deviation_interval(nine, row.level)->high, row.deviation.high, 1e-7);
+  }
+  EXPECT_TRUE(mean_interval(std::array{1.0, 2.0}));
+  EXPECT_TRUE(deviation_interval(std::array{1.0, 2.0}));
+  EXPECT_TRUE(prediction_interval(std::array{1.0, 2.0}));
+}
+
+TEST(SampleSize, is_limited_to_a_million) {
+  EXPECT_EQ(sample_size(1000.0, 1e-3), 1'000'000U);
+  // z² · (0.5/0.001)² with z = 1.96 is 960 365; Student's t adds hardly anything.
+  EXPECT_NEAR(static_cast<double>(sample_size(0.5, 0.001)), 960'365.0, 10.0);
+}
+
+TEST(Grubbs, equals_the_reference_and_takes_three_values) {
+  const auto worst = grubbs(nine);
+  EXPECT_NEAR(worst->statistic, 2.3092921091075, 1e-9);
+  EXPECT_NEAR(worst->critical, 2.2150042233255, 1e-8);
+  EXPECT_NEAR(grubbs(nine, 0.2)->critical, 1.9772649152218, 1e-8);
+  // Of 0, 0, 3: mean 1, deviation √3.
+  const auto three = grubbs(std::array{0.0, 0.0, 3.0});
+  ASSERT_TRUE(three);
+  EXPECT_EQ(three->index, 2U);
+  EXPECT_NEAR(three->statistic, 2.0 / std::sqrt(3.0), 1e-12);
+}
+
+// Of 1, 2, 3, 4, 10 the median is 3 and the median distance 1.
+TEST(RobustScores, are_distances_in_median_distances) {
+  const auto scores = robust_scores(std::array{1.0, 2.0, 3.0, 4.0, 10.0});
+  EXPECT_NEAR(scores[0], -2.0 / 1.4826, 1e-12);
+  EXPECT_EQ(scores[2], 0.0);
+  EXPECT_NEAR(scores[4], 7.0 / 1.4826, 1e-12);
+  EXPECT_THAT(robust_scores(std::array{1.0, 1.0, 1.0, 9.0}), ::testing::ElementsAre(0.0, 0.0, 0.0, 0.0));
+  EXPECT_EQ(median(std::array{5.0}), 5.0);
+  EXPECT_EQ(median(std::array{4.0, 1.0, 7.0, 2.0}), 3.0);
+  EXPECT_TRUE(std::isnan(median({})));
+}
+
+// A² and Stephens's four formulas, from mpmath: A* 0.151, 0.325, 0.514 and 1.815.
+TEST(Normality, equals_the_reference_in_each_range_of_the_table) {
+  EXPECT_NEAR(*normality_p(std::array{1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0}), 0.96145569293858, 1e-9);
+  EXPECT_NEAR(*normality_p(std::array{1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 12.0}), 0.52271083912723, 1e-9);
+  EXPECT_NEAR(*normality_p(std::array{1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 14.0}), 0.19239209891315, 1e-9);
+  EXPECT_NEAR(*normality_p(std::array{40.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 1.0}), 0.0001229070821035, 1e-11);
+  EXPECT_FALSE(normality_p(std::array{1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0}));
+  EXPECT_FALSE(normality_p(std::vector<double>(8, 3.0)));
+  std::vector<double> far(400, 0.0);
+  for (std::size_t i = 0; i < far.size(); ++i) far[i] = i % 2 == 0 ? 1.0 : 1000.0;
+  EXPECT_EQ(*normality_p(far), 0.0);  // A* beyond 13, where the formula rises again
+}
+
 }  // namespace
 }  // namespace cosiva::statistics

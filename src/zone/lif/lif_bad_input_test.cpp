@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "cosiva/zone/lif/json_fault.h"
 #include "cosiva/zone/lif/lif_fixture.h"
 
 namespace cosiva::zone::lif {
@@ -329,32 +328,6 @@ TEST(LifTrajectories, that_meet_their_nodes_to_a_millimetre_are_moved_without_a_
       "{'degree':2,'knotVector':[0,0,0,1,1,1],'controlPoints':[{'x':0.0005,'y':0},{'x':2,'y':1},{'x':4,'y':0.0005}]}");
   EXPECT_EQ(diagnostic_at(zone, trajectory_location), nullptr);
   EXPECT_LT(distance(zone.circuit.section(0).start(), Pose2{}), 1e-12);
-}
-
-// The scanner -----------------------------------------------------------------------------------------------------
-
-TEST(JsonFault, is_none_in_a_good_text) {
-  for (const char* text :
-       {"{}", "[]", " [1, -2.5e+3, true, null, \"a\\u00e4\\n\xC3\xA4\"] ", "\"x\"", "{\"a\":{\"b\":[{}]}}"})
-    EXPECT_FALSE(find_json_fault(text)) << text;
-}
-
-TEST(JsonFault, is_found_at_its_position) {
-  const auto at = [](std::string_view text) {
-    const auto fault = find_json_fault(text);
-    return fault ? std::to_string(fault->line) + ":" + std::to_string(fault->column) + " " + fault->what : "none";
-  };
-  EXPECT_EQ(at("[1,]"), "1:4 expected a value, found ']'");
-  EXPECT_EQ(at("{\"a\":1,}"), "1:8 expected a name in quotes, found '}'");
-  EXPECT_EQ(at("{\"a\":1\n\"b\":2}"), "2:1 expected ',' or '}', found '\"'");
-  EXPECT_EQ(at("[01]"), "1:2 no valid JSON number");
-  EXPECT_EQ(at("[1.]"), "1:2 no valid JSON number");
-  EXPECT_EQ(at("[\"a\nb\"]"), "1:4 a line break or control character within a text in quotes");
-  EXPECT_EQ(at("[\"abc"), "1:2 a text in quotes that never ends");
-  EXPECT_EQ(at("[\"\\x\"]"), "1:3 a backslash that begins no escape");
-  EXPECT_EQ(at("{} x"), "1:4 expected nothing more after the document's end");
-  EXPECT_EQ(at("[1"), "1:3 the text ends here, where ',' or ']' is missing");
-  EXPECT_EQ(at("// no\n{}"), "1:1 expected a value, found '/'");
 }
 
 }  // namespace
