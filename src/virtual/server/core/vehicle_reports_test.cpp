@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -173,6 +174,197 @@ TEST(VehicleReports, show_events_of_the_physical_side_with_their_latency) {
   EXPECT_NEAR(*metrics.find("events")->find("latency_ms")->number("p50"), 4.0, 0.5);
   EXPECT_EQ(*fixture.aiv("CoSiVA/AIV1").number("lastTag"), 12.0);
   EXPECT_EQ(*fixture.aiv("CoSiVA/AIV1").number("sinceTag_m"), 0.25);
+}
+
+/// A vehicle on the oval whose states the test writes itself.
+class Reports : public testing::Test {
+ protected:
+  Reports() {
+    vehicle.alive = false;
+    send(next_state());
+  }
+  /// The state that follows: the next header id, and the present time.
+  [[nodiscard]] wire::State next_state() {
+    wire::State state = vehicle.state(fixture.now);
+    state.header.timestamp = fixture.now;
+    return state;
+  }
+  void send(const wire::State& state) { fixture.send(vehicle, "state", vda::encode(state)); }
+  [[nodiscard]] JsonValue shown() const { return fixture.aiv("CoSiVA/AIV1"); }
+  [[nodiscard]] double counted(const std::string& field) const {
+    const JsonValue summary = *JsonValue::parse(fixture.server->summary_json());
+    return *(*summary.find("aivs")->array())[0].number(field);
+  }
+  [[nodiscard]] std::string last_state_trace() const {
+    const JsonValue traces = *JsonValue::parse(fixture.server->traces_json(1, 1000));
+    std::string content;
+    for (const JsonValue& trace : *traces.find("traces")->array())
+      if (trace.text("kind") == "state") content = *trace.text("content");
+    return content;
+  }
+  ServerFixture fixture;
+  FixtureVehicle& vehicle{fixture.add("AIV1", {0, 0.5})};
+};
+
+TEST_F(Reports, that_are_older_than_the_last_one_are_counted_as_outdated_up_to_five_seconds) {
+  fixture.now += 10s;
+  send(next_state());
+  wire::State late = next_state();
+  late.header.timestamp = fixture.now - 4999ms;
+  late.last_node_id = "late";
+  send(late);
+  EXPECT_EQ(counted("outdated"), 1.0);
+  EXPECT_NE(shown().text("lastNode"), "late");
+  wire::State after_setting_the_clock = next_state();
+  after_setting_the_clock.header.timestamp = fixture.now - 5s;
+  after_setting_the_clock.last_node_id = "earlier";
+  send(after_setting_the_clock);
+  EXPECT_EQ(counted("outdated"), 1.0);
+  EXPECT_EQ(shown().text("lastNode"), "earlier") << "the vehicle's clock was set back";
+}
+
+TEST_F(Reports, of_one_instant_count_once) {
+  wire::State state = next_state();
+  state.last_node_id = "first";
+  send(state);
+  state.last_node_id = "second";
+  send(state);
+  EXPECT_EQ(shown().text("lastNode"), "first") << "the same header id";
+  EXPECT_EQ(counted("outdated"), 1.0);
+  ++state.header.header_id;
+  send(state);
+  EXPECT_EQ(shown().text("lastNode"), "second") << "another state of the same instant";
+}
+
+TEST_F(Reports, of_a_position_beyond_a_hundred_kilometres_are_refused) {
+  const auto report_x = [&](double x_m, double y_m) {
+    fixture.now += 100ms;
+    wire::State state = next_state();
+    state.position->pose = {x_m, y_m, 0.0};
+    send(state);
+    return *shown().find("reported")->number("x");
+  };
+  const double before_m = *shown().find("reported")->number("x");
+  EXPECT_EQ(report_x(100'001.0, 0.0), before_m);
+  EXPECT_EQ(report_x(0.0, -100'001.0), before_m);
+  EXPECT_EQ(counted("refused"), 2.0);
+  EXPECT_TRUE(fixture.logged("CoSiVA/AIV1: reports a position more than 100 km away; ignored"));
+  EXPECT_EQ(report_x(100'000.0, -100'000.0), 100'000.0);
+  EXPECT_EQ(counted("refused"), 2.0);
+}
+
+TEST_F(Reports, name_the_last_tag_and_the_distance_since_then) {
+  const auto report = [&](const std::string& type, const std::string& tag, const std::string& distance) {
+    fixture.now += 100ms;
+    wire::State state = next_state();
+    state.information = {{type, "", {{"tag", tag}, {"distance_m", distance}}}};
+    send(state);
+  };
+  EXPECT_TRUE(shown().find("lastTag")->is_null());
+  report("lastTag", "12", "0.25");
+  EXPECT_EQ(shown().number("lastTag"), 12.0);
+  EXPECT_EQ(shown().number("sinceTag_m"), 0.25);
+  report("lastTag", "13", "far");
+  EXPECT_EQ(shown().number("lastTag"), 13.0);
+  EXPECT_EQ(shown().number("sinceTag_m"), 0.0);
+  report("lastTag", "14x", "1.0");
+  report("lastTag", "", "1.0");
+  report("otherTag", "15", "1.0");
+  EXPECT_EQ(shown().number("lastTag"), 13.0);
+}
+
+TEST_F(Reports, are_traced_with_a_summary) {
+  wire::State state = next_state();
+  state.order_id = "O-7";
+  state.order_update_id = 3;
+  state.last_node_id = "dock";
+  state.last_node_sequence_id = 4;
+  fixture.now += 100ms;
+  state.header = next_state().header;
+  send(state);
+  EXPECT_EQ(last_state_trace(), "order 'O-7' update 3, node dock (4), stopped");
+  fixture.now += 100ms;
+  state.header = next_state().header;
+  state.driving = true;
+  state.paused = true;
+  state.field_violation = true;
+  state.errors = {{"orderError", wire::ErrorLevel::warning, "", {}}, {"motorError", wire::ErrorLevel::fatal, "", {}}};
+  send(state);
+  EXPECT_EQ(last_state_trace(),
+            "order 'O-7' update 3, node dock (4), driving, paused, field violation, orderError, motorError");
+}
+
+/// Which of the two revisions of the page a change of the state changes.
+class PageRevision : public Reports {
+ protected:
+  struct Changed {
+    bool waited_for;
+    bool events;
+  };
+  Changed after(const std::function<void(wire::State&)>& change) {
+    fixture.now += 20ms;
+    const wire::State base = next_state();
+    send(base);
+    const ServerCore::PageRevision before = fixture.server->page_revision();
+    fixture.now += 20ms;
+    wire::State state = next_state();
+    change(state);
+    send(state);
+    const ServerCore::PageRevision now = fixture.server->page_revision();
+    return {now.waited_for != before.waited_for, now.events != before.events};
+  }
+  void expect(const char* what, const Changed& expected, const std::function<void(wire::State&)>& change) {
+    const Changed changed = after(change);
+    EXPECT_EQ(changed.waited_for, expected.waited_for) << what;
+    EXPECT_EQ(changed.events, expected.events) << what;
+  }
+};
+
+TEST_F(PageRevision, changes_with_what_the_operator_waits_for_and_with_the_vehicle_s_events) {
+  expect("nothing", {false, false}, [](wire::State&) {});
+  expect("field violation", {true, false}, [](wire::State& state) { state.field_violation = true; });
+  expect("pause", {true, false}, [](wire::State& state) { state.paused = true; });
+  expect("error", {true, false}, [](wire::State& state) { state.errors.push_back({"e", {}, "", {}}); });
+  expect("driving", {false, true}, [](wire::State& state) { state.driving = true; });
+  expect("node", {false, true}, [](wire::State& state) { state.last_node_id = "other"; });
+  expect("sequence", {false, true}, [](wire::State& state) { state.last_node_sequence_id = 8; });
+  expect("battery", {false, false}, [](wire::State& state) { state.battery.charge_percent = 12.5; });
+}
+
+TEST_F(PageRevision, changes_with_commands_connections_and_objects) {
+  ServerCore::PageRevision before = fixture.server->page_revision();
+  const auto has_changed = [&] {
+    const ServerCore::PageRevision now = fixture.server->page_revision();
+    const bool changed = now.waited_for != before.waited_for;
+    EXPECT_EQ(now.events, before.events);
+    before = now;
+    return changed;
+  };
+  fixture.command("stop", "CoSiVA/AIV1", "c1");
+  EXPECT_TRUE(has_changed());
+  fixture.connection(vehicle, wire::ConnectionState::connection_broken);
+  EXPECT_TRUE(has_changed());
+  fixture.send_command(R"({"command":"add","virtualObject":{"id":"P1","kind":"person","x":5,"y":5}})");
+  EXPECT_TRUE(has_changed());
+  fixture.send_command(R"({"command":"edit","edit":{"priorities":{"CoSiVA/AIV1":5}}})");
+  EXPECT_TRUE(has_changed());
+  EXPECT_FALSE(has_changed());
+}
+
+TEST_F(Reports, snapshot_lists_the_last_fifty_commands) {
+  for (int i = 1; i <= 50; ++i) fixture.command("stop", "CoSiVA/AIV9", "x" + std::to_string(i));
+  const auto ids = [&] {
+    std::vector<std::string> found;
+    const JsonValue snapshot = fixture.snapshot();
+    for (const JsonValue& command : *snapshot.find("commands")->array()) found.push_back(*command.text("id"));
+    return found;
+  };
+  ASSERT_EQ(ids().size(), 50U);
+  EXPECT_EQ(ids().front(), "x1");
+  fixture.command("stop", "CoSiVA/AIV9", "x51");
+  ASSERT_EQ(ids().size(), 50U);
+  EXPECT_EQ(ids().front(), "x2");
+  EXPECT_EQ(ids().back(), "x51");
 }
 
 }  // namespace

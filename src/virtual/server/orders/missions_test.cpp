@@ -3,6 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cosiva/base/digest.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/virtual/server/orders/mission.h"
+#include "cosiva/virtual/server/testing/orders_fixture.h"
 #include "cosiva/virtual/server/testing/server_fixture.h"
 
 namespace cosiva::virtual_side {
@@ -201,6 +210,316 @@ TEST(Missions, and_closed_sections_persist_over_a_restart_of_the_server) {
   EXPECT_EQ(state_of(fixture), "arrived");
   EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").find("mission")->text("to"), "dock");
   EXPECT_THAT(aiv.refusals, IsEmpty());
+}
+
+const std::string round_loop =
+    "[[loop]]\nname = \"round\"\nsections = [\"entry\", \"south\", \"east\", \"north\", \"west\"]\n";
+
+/// One straight section that leads nowhere.
+zone::ZoneConfiguration dead_end() {
+  return {"toml", "track", R"(
+name = "track"
+format_version = 1
+[vehicle]
+length_m = 0.20
+width_m = 0.12
+[circuit]
+start = { x = 0.0, y = 0.0, heading_deg = 0 }
+closed = false
+[[section]]
+name = "track"
+kind = "straight"
+length_m = 4.0
+)"};
+}
+
+/// One vehicle, CoSiVA/AIV1, whose routes are planned without a server.
+class Planned : public testing::Test {
+ protected:
+  using Route = std::optional<std::vector<zone::SectionId>>;
+  explicit Planned(const zone::ZoneConfiguration& configuration = fork()) : orders{configuration} {
+    orders.add("AIV1");
+  }
+  Route plan(const std::vector<zone::TrackPosition>& starts) { return orders.missions.plan(0, starts); }
+  [[nodiscard]] std::vector<zone::SectionId> ids(const std::vector<std::string>& names) const {
+    std::vector<zone::SectionId> found;
+    for (const std::string& name : names) found.push_back(orders.section(name));
+    return found;
+  }
+  [[nodiscard]] std::string json(std::string_view waits_for = "") const {
+    JsonWriter text;
+    orders.missions.write(text, 0, waits_for);
+    return text.text();
+  }
+  [[nodiscard]] std::string digest() const {
+    Digest digest;
+    orders.missions.fold(digest);
+    return digest.hex();
+  }
+  [[nodiscard]] Point2 goal_point() const { return orders.map->point(orders.missions.goal(0)); }
+  void go(const std::string& to, const std::string& beyond = "") {
+    orders.missions.give(0, {Mission::Kind::go, to, beyond});
+  }
+  OrdersFixture orders;
+};
+
+TEST_F(Planned, route_to_a_goal_is_the_fastest_one_and_complete) {
+  go("gate");
+  EXPECT_EQ(plan({orders.at("entry", 0.3)}), ids({"entry", "south", "east", "north"}));
+  EXPECT_TRUE(orders.missions.complete(0));
+  EXPECT_EQ(orders.map->waypoint(orders.missions.goal(0)).position.section, orders.section("north"));
+  EXPECT_THAT(orders.missions.more(0, orders.section("north")), IsEmpty()) << "it ends at its goal";
+  orders.missions.set_closed(ids({"south"}));
+  EXPECT_EQ(plan({orders.at("entry", 0.3)}),
+            ids({"entry", "bypass1", "bypass2", "bypass3", "bypass4", "bypass5", "east", "north"}));
+}
+
+TEST_F(Planned, route_begins_at_the_start_from_which_it_is_the_fastest) {
+  go("dock");
+  const std::vector<zone::TrackPosition> starts{orders.at("south", 0.0), orders.at("bypass1", 0.0)};
+  EXPECT_EQ(plan(starts), ids({"bypass1", "bypass2", "bypass3"}));
+  EXPECT_EQ(plan({starts[1], starts[0]}), ids({"bypass1", "bypass2", "bypass3"}));
+  EXPECT_NEAR(orders.map->waypoint(orders.missions.goal(0)).position.s_m, 0.5, 0.02);
+}
+
+TEST_F(Planned, route_that_does_not_exist_is_reported_with_its_reason) {
+  orders.missions.set_closed(ids({"south", "bypass1"}));
+  go("gate");
+  EXPECT_EQ(plan({orders.at("entry", 0.3)}), std::nullopt);
+  EXPECT_EQ(orders.missions.state(0), Missions::State::no_route);
+  EXPECT_TRUE(orders.missions.complete(0));
+  const std::string why = *JsonValue::parse(json())->text("why");
+  EXPECT_THAT(why, HasSubstr("closed"));
+  EXPECT_EQ(orders.logs().back(), "w CoSiVA/AIV1: no route: " + why);
+  orders.missions.set_closed({});
+  EXPECT_TRUE(plan({orders.at("entry", 0.3)}).has_value());
+  EXPECT_EQ(json(), R"({"kind":"go","to":"gate","state":"driving","why":null})");
+}
+
+TEST_F(Planned, roaming_vehicle_takes_the_branches_in_turn_and_plans_one_section_at_a_time) {
+  EXPECT_EQ(plan({orders.at("west", 0.3)}), ids({"west"}));
+  EXPECT_FALSE(orders.missions.complete(0));
+  EXPECT_EQ(orders.missions.goal(0), no_waypoint);
+  const zone::SectionId entry = orders.section("entry");
+  EXPECT_EQ(orders.missions.more(0, entry), ids({"south"}));
+  EXPECT_EQ(orders.missions.more(0, orders.section("south")), ids({"east"}));
+  EXPECT_EQ(orders.missions.more(0, entry), ids({"bypass1"}));
+  EXPECT_EQ(orders.missions.more(0, entry), ids({"south"}));
+  const std::vector<zone::TrackPosition> starts{orders.at("south", 0.0), orders.at("bypass1", 0.0)};
+  EXPECT_EQ(plan(starts), ids({"bypass1"})) << "taken less recently";
+  EXPECT_EQ(json(), R"({"kind":"circulate","loop":null,"state":"driving","why":null})");
+}
+
+TEST_F(Planned, roaming_vehicle_stops_before_closed_sections) {
+  ASSERT_TRUE(plan({orders.at("entry", 0.3)}).has_value());
+  orders.missions.set_closed(ids({"south", "bypass1"}));
+  EXPECT_THAT(orders.missions.more(0, orders.section("entry")), IsEmpty());
+  EXPECT_TRUE(orders.missions.complete(0));
+  EXPECT_EQ(json(),
+            R"({"kind":"circulate","loop":null,"state":"no route","why":"every section after 'entry' is closed"})");
+  EXPECT_EQ(plan({orders.at("south", 0.0), orders.at("bypass1", 0.0)}), ids({"south"})) << "it is there already";
+}
+
+TEST_F(Planned, roaming_vehicle_avoids_sections_until_it_need_not) {
+  ASSERT_TRUE(plan({orders.at("entry", 0.3)}).has_value());
+  const std::uint64_t before = orders.missions.revision(0);
+  orders.missions.avoid(0, ids({"south"}));
+  EXPECT_EQ(orders.missions.revision(0), before + 1);
+  orders.missions.avoid(0, ids({"south"}));
+  EXPECT_EQ(orders.missions.revision(0), before + 1) << "nothing has changed";
+  const zone::SectionId entry = orders.section("entry");
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(orders.missions.more(0, entry), ids({"bypass1"}));
+  EXPECT_EQ(plan({orders.at("south", 0.0), orders.at("bypass1", 0.0)}), ids({"bypass1"}));
+  orders.missions.need_not_avoid(0);
+  EXPECT_EQ(orders.missions.more(0, entry), ids({"south"}));
+}
+
+TEST_F(Planned, mission_ends_what_the_previous_one_avoided) {
+  orders.missions.avoid(0, ids({"south"}));
+  orders.proxy(0).no_orders = true;
+  const std::uint64_t before = orders.missions.revision(0);
+  go("gate");
+  EXPECT_EQ(orders.missions.revision(0), before + 1);
+  EXPECT_EQ(plan({orders.at("entry", 0.3)}), ids({"entry", "south", "east", "north"}));
+  EXPECT_FALSE(orders.proxy(0).no_orders) << "a new mission ends a cancellation";
+}
+
+TEST_F(Planned, detour_exists_where_another_route_leads_to_the_goal) {
+  const auto has_detour = [&](const std::string& from, const std::vector<std::string>& around) {
+    return orders.missions.has_detour(0, orders.at(from, 0.2), ids(around));
+  };
+  EXPECT_TRUE(has_detour("entry", {"south"})) << "it can go on for ever on the bypass";
+  EXPECT_FALSE(has_detour("entry", {"east"}));
+  EXPECT_FALSE(has_detour("entry", {"south", "bypass1"}));
+  go("gate");
+  EXPECT_TRUE(has_detour("entry", {"south"}));
+  EXPECT_FALSE(has_detour("entry", {"east"}));
+  EXPECT_TRUE(has_detour("east", {"south", "bypass1"})) << "the gate comes first";
+  orders.missions.set_closed(ids({"bypass3"}));
+  EXPECT_FALSE(has_detour("entry", {"south"}));
+}
+
+TEST_F(Planned, vehicle_is_at_its_goal_within_the_given_distance) {
+  go("gate");
+  ASSERT_TRUE(plan({orders.at("entry", 0.3)}).has_value());
+  const Point2 goal = goal_point();
+  EXPECT_TRUE(orders.missions.is_at(0, goal, 0.0));
+  EXPECT_TRUE(orders.missions.is_at(0, {goal.x_m + 0.05, goal.y_m}, 0.0501));
+  EXPECT_FALSE(orders.missions.is_at(0, {goal.x_m + 0.05, goal.y_m}, 0.0499));
+  EXPECT_FALSE(orders.missions.is_stopped_at(0, {goal.x_m + 0.05, goal.y_m}, 0.04));
+  EXPECT_EQ(orders.missions.state(0), Missions::State::driving);
+  EXPECT_TRUE(orders.missions.is_stopped_at(0, {goal.x_m + 0.03, goal.y_m}, 0.04));
+  EXPECT_EQ(orders.missions.state(0), Missions::State::arrived);
+  EXPECT_TRUE(orders.missions.is_at(0, {0.0, 0.0}, 0.0)) << "a vehicle that has arrived stays";
+  EXPECT_TRUE(orders.missions.is_stopped_at(0, goal, 0.0));
+  EXPECT_THAT(orders.logs(), testing::ElementsAre("i CoSiVA/AIV1: arrived at gate")) << "logged once";
+  EXPECT_TRUE(orders.missions.complete(0));
+  orders.missions.give(0, {});
+  EXPECT_FALSE(orders.missions.is_at(0, goal, 1.0)) << "a vehicle that circulates has no goal";
+}
+
+TEST_F(Planned, vehicle_that_arrives_clears_the_reason_for_which_it_had_no_route) {
+  go("gate");
+  orders.missions.set_closed(ids({"south", "bypass1"}));
+  ASSERT_FALSE(plan({orders.at("entry", 0.3)}).has_value());
+  const WaypointIndex gate = goals_of(*orders.map, "gate").front();
+  EXPECT_TRUE(orders.missions.is_stopped_at(0, orders.map->point(gate), 0.01));
+  EXPECT_EQ(json(), R"({"kind":"go","to":"gate","state":"arrived","why":null})");
+}
+
+TEST_F(Planned, mission_states_which_vehicle_occupies_its_goal) {
+  go("gate");
+  EXPECT_EQ(json("CoSiVA/AIV2"),
+            R"({"kind":"go","to":"gate","state":"driving","why":"CoSiVA/AIV2 is stopped at gate"})");
+  orders.missions.give(0, {});
+  EXPECT_EQ(json("CoSiVA/AIV2"), R"({"kind":"circulate","loop":null,"state":"driving","why":null})");
+}
+
+TEST_F(Planned, mission_beyond_the_control_area_ends_in_the_other_area) {
+  go("gate", "area_b/rack");
+  ASSERT_TRUE(plan({orders.at("entry", 0.3)}).has_value());
+  EXPECT_EQ(json(), R"({"kind":"go","to":"area_b/rack","state":"driving","why":null})");
+  EXPECT_TRUE(orders.missions.is_stopped_at(0, goal_point(), 0.01));
+  EXPECT_THAT(orders.logs(), testing::ElementsAre("i CoSiVA/AIV1: arrived at gate, continuing to area_b/rack"));
+  EXPECT_EQ(json(), R"({"kind":"go","to":"area_b/rack","state":"driving",)"
+                    R"("why":"waits at gate for the server of the other control area"})");
+}
+
+TEST_F(Planned, zone_without_the_goal_gives_the_vehicle_its_default_mission) {
+  orders.add("AIV2");
+  go("gate");
+  orders.missions.give(1, {Mission::Kind::circulate, "round"});
+  const std::uint64_t before = orders.missions.revision(0);
+  const WaypointGraph other{zone::Rtm::initialise(oval())->shared_zone()};
+  orders.missions.set_map(&other);
+  EXPECT_EQ(orders.missions.mission(0), Mission{});
+  EXPECT_EQ(orders.missions.mission(1), Mission{});
+  EXPECT_GT(orders.missions.revision(0), before);
+  EXPECT_THAT(orders.logs(),
+              testing::ElementsAre("w CoSiVA/AIV1: this zone has no 'gate'; it follows its default mission",
+                                   "w CoSiVA/AIV2: this zone has no 'round'; it follows its default mission"));
+}
+
+TEST_F(Planned, zone_with_the_goal_keeps_the_mission_but_not_the_arrival) {
+  go("gate");
+  ASSERT_TRUE(plan({orders.at("entry", 0.3)}).has_value());
+  ASSERT_TRUE(orders.missions.is_stopped_at(0, goal_point(), 0.01));
+  orders.missions.avoid(0, ids({"south"}));
+  orders.missions.set_map(&*orders.map, ids({"bypass1"}));
+  EXPECT_EQ(orders.missions.mission(0).name, "gate");
+  EXPECT_EQ(orders.missions.state(0), Missions::State::driving);
+  EXPECT_FALSE(orders.missions.complete(0));
+  EXPECT_EQ(orders.missions.goal(0), no_waypoint);
+  EXPECT_EQ(orders.missions.closed().all(), ids({"bypass1"}));
+  EXPECT_EQ(plan({orders.at("entry", 0.3)}), ids({"entry", "south", "east", "north"})) << "nothing is avoided any more";
+}
+
+TEST_F(Planned, zone_that_closes_other_sections_replaces_what_operators_have_closed) {
+  const std::uint64_t before = orders.missions.revision(0);
+  orders.missions.set_closed(ids({"south"}));
+  orders.missions.renew();
+  EXPECT_EQ(orders.missions.closed().all(), ids({"south"})) << "the configuration closes the same sections as before";
+  EXPECT_EQ(orders.missions.revision(0), before + 1);
+  zone::TrafficZone zone = orders.map->zone();
+  zone.closed = ids({"bypass3"});
+  ASSERT_TRUE(orders.map->take(std::make_shared<const zone::TrafficZone>(zone)));
+  orders.missions.renew();
+  EXPECT_EQ(orders.missions.closed().all(), ids({"bypass3"}));
+  EXPECT_EQ(orders.missions.revision(0), before + 2);
+}
+
+TEST_F(Planned, digest_depends_on_missions_states_and_closed_sections) {
+  const std::string initial = digest();
+  orders.add("AIV2");
+  EXPECT_EQ(digest(), initial) << "a vehicle without a mission adds nothing";
+  go("gate");
+  const std::string with_mission = digest();
+  EXPECT_NE(with_mission, initial);
+  ASSERT_TRUE(plan({orders.at("entry", 0.3)}).has_value());
+  EXPECT_EQ(digest(), with_mission);
+  orders.missions.is_stopped_at(0, goal_point(), 0.01);
+  const std::string arrived = digest();
+  EXPECT_NE(arrived, with_mission);
+  orders.missions.set_closed(ids({"south"}));
+  EXPECT_NE(digest(), arrived);
+  orders.missions.give(0, {});
+  orders.missions.set_closed({});
+  EXPECT_EQ(digest(), initial);
+  orders.missions.set_closed(ids({"south", "bypass1"}));
+  const std::string closed = digest();
+  orders.missions.more(0, orders.section("entry"));
+  EXPECT_NE(digest(), closed) << "it has no route";
+}
+
+TEST_F(Planned, mission_of_a_vehicle_that_was_removed_is_forgotten) {
+  go("gate");
+  orders.missions.forget(0);
+  EXPECT_EQ(orders.missions.mission(0), Mission{});
+}
+
+class PlannedOnLoop : public Planned {
+ protected:
+  PlannedOnLoop() : Planned{fork(round_loop)} {}
+};
+
+TEST_F(PlannedOnLoop, route_leads_onto_the_loop_and_lap_after_lap) {
+  const Route route = plan({orders.at("bypass3", 0.3)});
+  ASSERT_TRUE(route.has_value());
+  EXPECT_EQ(route->front(), orders.section("bypass3"));
+  EXPECT_FALSE(orders.missions.complete(0));
+  EXPECT_THAT(*route, testing::Not(testing::Contains(orders.section("bypass1"))));
+  EXPECT_EQ(json(), R"({"kind":"circulate","loop":"round","state":"driving","why":null})");
+  std::vector<zone::SectionId> driven{orders.section("west")};
+  for (int i = 0; i < 12; ++i) {
+    const auto more = orders.missions.more(0, driven.back());
+    ASSERT_THAT(more, testing::Not(IsEmpty()));
+    driven.insert(driven.end(), more.begin(), more.end());
+  }
+  for (std::size_t i = 0; i + 1 < driven.size(); ++i) EXPECT_EQ(driven[i + 1], (driven[i] + 1) % 5) << i;
+}
+
+TEST_F(PlannedOnLoop, detour_leads_back_onto_the_loop) {
+  EXPECT_FALSE(orders.missions.has_detour(0, orders.at("entry", 0.2), ids({"east"})));
+  EXPECT_TRUE(orders.missions.has_detour(0, orders.at("entry", 0.2), ids({"south"})));
+}
+
+TEST_F(PlannedOnLoop, vehicle_stops_where_the_loop_is_closed) {
+  ASSERT_TRUE(plan({orders.at("west", 0.3)}).has_value());
+  orders.missions.set_closed(ids({"entry"}));
+  EXPECT_THAT(orders.missions.more(0, orders.section("west")), IsEmpty());
+  EXPECT_EQ(orders.missions.state(0), Missions::State::no_route);
+  EXPECT_TRUE(orders.missions.complete(0));
+}
+
+TEST(Missions, end_where_the_path_ends) {
+  OrdersFixture orders{dead_end()};
+  orders.add("AIV1");
+  EXPECT_THAT(orders.missions.plan(0, std::vector{orders.at("track", 1.0)}), testing::Optional(SizeIs(1)));
+  EXPECT_THAT(orders.missions.more(0, 0), IsEmpty());
+  JsonWriter json;
+  orders.missions.write(json, 0, "");
+  EXPECT_EQ(json.text(), R"({"kind":"circulate","loop":null,"state":"no route","why":"the path ends with 'track'"})");
+  EXPECT_FALSE(orders.missions.has_detour(0, orders.at("track", 1.0), {}));
 }
 
 }  // namespace

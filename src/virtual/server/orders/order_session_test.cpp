@@ -4,8 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "cosiva/base/digest.h"
+#include "cosiva/virtual/server/testing/orders_fixture.h"
 #include "cosiva/virtual/server/testing/server_fixture.h"
 
 namespace cosiva::virtual_side {
@@ -84,6 +89,339 @@ TEST(OrderManager, does_not_modify_an_order_over_unknown_nodes) {
   }
   EXPECT_THAT(fixture.published_on(aiv.topic("order")), IsEmpty());
   EXPECT_TRUE(fixture.logged("left alone"));
+}
+
+/// A vehicle on the oval that has just been sent its first order, update 0; the first node is behind the vehicle.
+class Session : public testing::Test {
+ protected:
+  using Next = OrderSession::Next;
+  using Stage = OrderSession::Stage;
+  Session() : vehicle{orders.add_at("AIV1", orders.at("south", 0.55))} {
+    EXPECT_TRUE(orders.extend(vehicle));
+    order = *orders.last_order(vehicle);
+  }
+  OrderSession& session() { return orders.sessions[vehicle]; }
+  /// What the vehicle reports once it has accepted the order.
+  [[nodiscard]] wire::State accepted() const {
+    wire::State state;
+    state.order_id = order.order_id;
+    state.order_update_id = order.order_update_id;
+    for (const wire::OrderNode& node : order.nodes)
+      if (node.sequence_id > 0) state.node_states.push_back({node.node_id, node.sequence_id, node.released, {}});
+    return state;
+  }
+  [[nodiscard]] wire::State without_order(std::vector<wire::VehicleError> errors = {}) const {
+    wire::State state;
+    state.errors = std::move(errors);
+    return state;
+  }
+  [[nodiscard]] wire::VehicleError refusal(const std::string& type = "orderError", const std::string& order_id = "",
+                                           const std::string& update = "") const {
+    wire::VehicleError error{type, wire::ErrorLevel::warning, "not today", {}};
+    if (!order_id.empty()) error.references.push_back({"orderId", order_id});
+    if (!update.empty()) error.references.push_back({"orderUpdateId", update});
+    return error;
+  }
+  std::size_t cancellations() { return orders.actions_to(vehicle, "cancelOrder").size(); }
+  [[nodiscard]] std::string digest() {
+    Digest digest;
+    session().fold(digest);
+    return digest.hex();
+  }
+  OrdersFixture orders;
+  VehicleIndex vehicle;
+  wire::Order order;
+};
+
+TEST_F(Session, order_numbers_nodes_and_edges_and_bounds_the_deviation) {
+  EXPECT_EQ(order.order_id.substr(0, 5), "AIV1-");
+  EXPECT_EQ(order.order_update_id, 0U);
+  const double since_first_m =
+      0.55 - orders.map->waypoint(orders.map->find(order.nodes[0].node_id).front()).position.s_m;
+  ASSERT_EQ(order.edges.size() + 1, order.nodes.size());
+  for (std::size_t i = 0; i < order.nodes.size(); ++i) {
+    const wire::OrderNode& node = order.nodes[i];
+    EXPECT_EQ(node.sequence_id, 2 * i);
+    EXPECT_NEAR(*node.position->allowed_deviation_xy_m, i == 0 ? 0.1 + since_first_m : 0.1, 1e-9) << i;
+    EXPECT_EQ(node.position->map_id, "oval");
+    if (i == 0) continue;
+    const wire::OrderEdge& edge = order.edges[i - 1];
+    EXPECT_EQ(edge.sequence_id, 2 * i - 1);
+    EXPECT_NEAR(*edge.max_speed_mps, orders.map->zone().profiles.fast.speed_mps, 1e-9);
+    const Point2 from{order.nodes[i - 1].position->x_m, order.nodes[i - 1].position->y_m};
+    EXPECT_GE(*edge.length_m + 1e-3, distance(from, Point2{node.position->x_m, node.position->y_m}));
+  }
+  const auto released = [](const wire::OrderNode& node) { return node.released; };
+  EXPECT_EQ(std::ranges::count_if(order.nodes, released), static_cast<std::ptrdiff_t>(order.nodes.size()) - 4);
+  EXPECT_TRUE(session().has_horizon());
+  const WaypointIndex end = session().base_end();
+  EXPECT_EQ(orders.map->waypoint(end).id, order.nodes[order.nodes.size() - 5].node_id);
+  EXPECT_EQ(orders.traffic.base_end(vehicle), end);
+}
+
+TEST_F(Session, order_is_repeated_every_300_ms_while_the_vehicle_is_online) {
+  EXPECT_TRUE(session().awaits_acknowledgement());
+  orders.pass(299ms);
+  EXPECT_FALSE(session().repeat_when_due());
+  orders.pass(1ms);
+  orders.proxy(vehicle).connection = wire::ConnectionState::connection_broken;
+  EXPECT_FALSE(session().repeat_when_due());
+  orders.proxy(vehicle).connection = wire::ConnectionState::online;
+  EXPECT_TRUE(session().repeat_when_due());
+  EXPECT_FALSE(session().repeat_when_due());
+  orders.pass(299ms);
+  EXPECT_FALSE(session().repeat_when_due());
+  orders.pass(1ms);
+  EXPECT_TRUE(session().repeat_when_due());
+  const auto sent = orders.orders_to(vehicle);
+  ASSERT_THAT(sent, SizeIs(3));
+  EXPECT_EQ(sent[2].header.header_id, sent[0].header.header_id + 2);
+  EXPECT_EQ(sent[2].nodes, sent[0].nodes);
+}
+
+TEST_F(Session, order_is_acknowledged_by_the_state_that_lists_its_base) {
+  EXPECT_EQ(session().on_state(without_order(), nullptr), Next::nothing) << "not received yet";
+  EXPECT_TRUE(session().awaits_acknowledgement());
+  EXPECT_EQ(session().on_state(accepted(), nullptr), Next::nothing);
+  EXPECT_FALSE(session().awaits_acknowledgement());
+  EXPECT_FALSE(orders.traffic.base_passed(vehicle));
+  wire::State at_end = accepted();
+  std::erase_if(at_end.node_states, [](const wire::NodeState& node) { return node.released; });
+  at_end.last_node_id = orders.map->waypoint(session().base_end()).id;
+  at_end.last_node_sequence_id = 2 * static_cast<std::uint32_t>(order.nodes.size() - 5);
+  EXPECT_EQ(session().on_state(at_end, nullptr), Next::nothing);
+  EXPECT_TRUE(orders.traffic.base_passed(vehicle));
+}
+
+TEST_F(Session, update_is_pending_until_the_vehicle_reports_it) {
+  orders.acknowledge(vehicle);
+  const wire::State before_update = accepted();
+  orders.pass(1s);
+  orders.report_at(vehicle, orders.at("south", 0.9));
+  ASSERT_TRUE(orders.extend(vehicle));
+  const wire::Order update = *orders.last_order(vehicle);
+  EXPECT_EQ(update.order_id, order.order_id);
+  EXPECT_EQ(update.order_update_id, 1U);
+  EXPECT_EQ(update.nodes.front().node_id, order.nodes[order.nodes.size() - 5].node_id);
+  EXPECT_EQ(update.nodes.front().sequence_id, order.nodes[order.nodes.size() - 5].sequence_id);
+  EXPECT_EQ(update.nodes.front().position->allowed_deviation_xy_m, 0.1);
+  EXPECT_TRUE(session().awaits_acknowledgement());
+  EXPECT_EQ(session().on_state(before_update, nullptr), Next::nothing);
+  EXPECT_TRUE(session().awaits_acknowledgement());
+  orders.acknowledge(vehicle);
+  EXPECT_FALSE(session().awaits_acknowledgement());
+  EXPECT_EQ(session().on_state(before_update, nullptr), Next::nothing);
+  EXPECT_TRUE(session().awaits_acknowledgement()) << "the vehicle has lost the update";
+}
+
+TEST_F(Session, order_that_the_vehicle_does_not_have_any_more_is_dropped) {
+  orders.acknowledge(vehicle);
+  EXPECT_EQ(session().on_state(without_order(), nullptr), Next::drop);
+  wire::State other = accepted();
+  other.order_id = "theirs";
+  EXPECT_EQ(session().on_state(other, nullptr), Next::drop_then_adopt);
+  wire::State cancelled = accepted();
+  cancelled.node_states.clear();
+  EXPECT_EQ(session().on_state(cancelled, nullptr), Next::drop) << "the route continues";
+}
+
+TEST_F(Session, order_that_was_never_acknowledged_is_void_when_the_vehicle_follows_another) {
+  wire::State other = accepted();
+  other.order_id = "theirs";
+  EXPECT_EQ(session().on_state(other, nullptr), Next::drop_then_adopt);
+}
+
+TEST_F(Session, update_that_this_server_did_not_send_is_taken_over) {
+  wire::State other = accepted();
+  other.order_update_id = 4;
+  EXPECT_EQ(session().on_state(other, nullptr), Next::adopt);
+  EXPECT_EQ(orders.logs().back(), "w CoSiVA/AIV1: follows update 4 up to " +
+                                      order.nodes[order.nodes.size() - 5].node_id +
+                                      ", which this server did not send; taking it over");
+  wire::State shorter = accepted();
+  ASSERT_TRUE(shorter.node_states[1].released);
+  for (std::size_t i = 1; i < shorter.node_states.size(); ++i) shorter.node_states[i].released = false;
+  EXPECT_EQ(session().on_state(shorter, nullptr), Next::adopt) << "the same update with another base";
+}
+
+TEST_F(Session, refusal_counts_where_it_names_this_order_and_update) {
+  const std::string id = order.order_id;
+  struct Case {
+    const char* what;
+    wire::VehicleError error;
+    bool refuses;
+  };
+  const std::vector<Case> cases{
+      {"this order", refusal("orderError", id), true},
+      {"this update", refusal("orderUpdateError", id, "0"), true},
+      {"another order", refusal("orderError", "other"), false},
+      {"another update", refusal("orderError", id, "1"), false},
+      {"no reference", refusal("noRouteError"), true},
+      {"an update alone", refusal("validationError", "", "7"), true},
+      {"an error of another kind", refusal("batteryError", id, "0"), false},
+  };
+  for (const Case& one : cases) {
+    OrderSession copy = session();
+    EXPECT_EQ(copy.on_state(without_order({one.error}), nullptr), one.refuses ? Next::drop : Next::nothing) << one.what;
+    EXPECT_EQ(copy.wait_until(), one.refuses ? orders.now + 2s : SimTime{}) << one.what;
+  }
+  EXPECT_THAT(orders.logs(), testing::Contains("w CoSiVA/AIV1: refused order '" + id +
+                                               "' update 0 (noRouteError: not today); a new one follows"));
+}
+
+TEST_F(Session, refusal_without_a_reference_counts_only_while_it_is_new) {
+  const wire::State before = without_order({refusal()});
+  EXPECT_EQ(session().on_state(without_order({refusal()}), &before), Next::nothing) << "an old warning";
+  const wire::State clean = without_order();
+  wire::State accepts = accepted();
+  accepts.errors = {refusal()};
+  EXPECT_EQ(session().on_state(accepts, &clean), Next::nothing) << "the vehicle has accepted the order";
+  EXPECT_FALSE(session().awaits_acknowledgement());
+}
+
+TEST_F(Session, refusal_by_a_vehicle_that_still_has_nodes_cancels_its_order_first) {
+  wire::State state = accepted();
+  state.order_id = "older";
+  state.errors = {refusal("orderError", order.order_id)};
+  EXPECT_EQ(session().on_state(state, nullptr), Next::nothing);
+  EXPECT_EQ(session().stage(), Stage::cancelling);
+  EXPECT_EQ(cancellations(), 1U);
+  EXPECT_EQ(session().wait_until(), orders.now + 2s);
+  EXPECT_EQ(session().on_state(state, nullptr), Next::nothing);
+  EXPECT_EQ(session().on_state(without_order(), nullptr), Next::drop);
+}
+
+TEST_F(Session, cancellation_is_sent_again_after_five_seconds_to_a_vehicle_that_is_online) {
+  session().cancel();
+  EXPECT_EQ(session().stage(), Stage::cancelling);
+  EXPECT_FALSE(session().is_running());
+  orders.pass(4999ms);
+  session().cancel_again_when_due();
+  EXPECT_EQ(cancellations(), 1U);
+  orders.pass(1ms);
+  orders.proxy(vehicle).connection = wire::ConnectionState::offline;
+  session().cancel_again_when_due();
+  EXPECT_EQ(cancellations(), 1U);
+  orders.proxy(vehicle).connection = wire::ConnectionState::online;
+  session().cancel_again_when_due();
+  session().cancel_again_when_due();
+  const auto sent = orders.actions_to(vehicle, "cancelOrder");
+  ASSERT_THAT(sent, SizeIs(2));
+  EXPECT_NE(sent[0].action_id, sent[1].action_id);
+  EXPECT_EQ(sent[0].blocking_type, wire::BlockingType::hard);
+}
+
+TEST_F(Session, running_order_is_not_cancelled_again) {
+  orders.pass(10s);
+  session().cancel_again_when_due();
+  EXPECT_EQ(cancellations(), 0U);
+  EXPECT_TRUE(session().is_running());
+}
+
+TEST_F(Session, order_that_another_sender_cancelled_gets_no_updates_and_is_cancelled_after_five_seconds) {
+  session().stop_extending();
+  EXPECT_EQ(session().stage(), Stage::cancelling);
+  EXPECT_EQ(cancellations(), 0U);
+  orders.pass(5s);
+  session().cancel_again_when_due();
+  EXPECT_EQ(cancellations(), 1U);
+  session().drop();
+  session().stop_extending();
+  EXPECT_EQ(session().stage(), Stage::none) << "there is no order";
+}
+
+TEST_F(Session, dropped_order_leaves_nothing_to_repeat_or_to_cancel) {
+  session().cancel();
+  session().drop();
+  EXPECT_EQ(session().stage(), Stage::none);
+  EXPECT_EQ(session().base_end(), no_waypoint);
+  EXPECT_EQ(orders.traffic.base_end(vehicle), no_waypoint);
+  orders.pass(1s);
+  orders.actions.tick(orders.server.registry, true);
+  EXPECT_EQ(cancellations(), 1U) << "a repeated cancelOrder would cancel the next order";
+  EXPECT_FALSE(session().repeat_when_due());
+  EXPECT_EQ(session().on_state(without_order(), nullptr), Next::nothing);
+  EXPECT_EQ(session().on_state(accepted(), nullptr), Next::adopt);
+  ASSERT_TRUE(orders.extend(vehicle));
+  const wire::Order next = *orders.last_order(vehicle);
+  EXPECT_NE(next.order_id, order.order_id);
+  EXPECT_EQ(next.order_update_id, 0U);
+  EXPECT_EQ(next.nodes.front().sequence_id, 0U);
+  EXPECT_EQ(session().on_state(without_order(), nullptr), Next::nothing) << "the new order was never acknowledged";
+}
+
+TEST_F(Session, order_on_the_zone_before_is_cancelled) {
+  session().leave_zone();
+  EXPECT_EQ(session().stage(), Stage::cancelling);
+  EXPECT_EQ(session().base_end(), no_waypoint);
+  EXPECT_EQ(cancellations(), 1U);
+  session().leave_zone();
+  EXPECT_EQ(cancellations(), 1U);
+}
+
+TEST_F(Session, order_over_this_zone_s_nodes_can_be_taken_over) {
+  OrderSession fresh{orders.context, vehicle};
+  wire::State state = accepted();
+  EXPECT_TRUE(fresh.can_take_over(state));
+  EXPECT_EQ(fresh.on_state(state, nullptr), Next::adopt);
+  fresh.take_over(state, std::nullopt);
+  EXPECT_TRUE(fresh.is_running());
+  EXPECT_FALSE(fresh.awaits_acknowledgement());
+  const std::string end = order.nodes[order.nodes.size() - 5].node_id;
+  EXPECT_EQ(orders.map->waypoint(fresh.base_end()).id, end);
+  EXPECT_EQ(orders.traffic.base_end(vehicle), fresh.base_end());
+  EXPECT_EQ(orders.logs().back(),
+            "i CoSiVA/AIV1: took over order '" + order.order_id + "', update 0, base up to " + end);
+  EXPECT_EQ(fresh.on_state(state, nullptr), Next::nothing) << "it is the same order";
+  EXPECT_FALSE(fresh.awaits_acknowledgement());
+  orders.pass(1s);
+  EXPECT_FALSE(fresh.repeat_when_due()) << "this server did not send it";
+}
+
+TEST_F(Session, order_without_an_id_or_over_other_nodes_is_left_alone_and_logged_once) {
+  OrderSession fresh{orders.context, vehicle};
+  wire::State state = accepted();
+  state.order_id = "theirs";
+  state.node_states.front().node_id = "elsewhere";
+  EXPECT_FALSE(fresh.can_take_over(state));
+  const std::string line =
+      "i CoSiVA/AIV1: follows order 'theirs' over nodes that are not this zone's; left alone until it is done";
+  EXPECT_EQ(orders.logs().back(), line);
+  EXPECT_FALSE(fresh.can_take_over(state));
+  const auto logs = orders.logs();
+  EXPECT_EQ(std::ranges::count(logs, line), 1);
+  state.order_id = "another";
+  EXPECT_FALSE(fresh.can_take_over(state));
+  EXPECT_THAT(orders.logs().back(), testing::HasSubstr("'another'"));
+  wire::State nameless = accepted();
+  nameless.order_id.clear();
+  EXPECT_FALSE(OrderSession(orders.context, vehicle).can_take_over(nameless));
+}
+
+TEST_F(Session, base_of_a_vehicle_at_the_end_of_its_base_ends_at_its_last_node) {
+  OrderSession fresh{orders.context, vehicle};
+  wire::State state = accepted();
+  for (wire::NodeState& node : state.node_states) node.released = false;
+  state.last_node_id = order.nodes[1].node_id;
+  state.last_node_sequence_id = 2;
+  ASSERT_TRUE(fresh.can_take_over(state));
+  fresh.take_over(state, std::nullopt);
+  EXPECT_EQ(orders.map->waypoint(fresh.base_end()).id, order.nodes[1].node_id);
+  EXPECT_TRUE(orders.traffic.base_passed(vehicle));
+  EXPECT_EQ(fresh.on_state(state, nullptr), Next::nothing);
+}
+
+TEST_F(Session, digest_depends_on_stage_order_update_and_base) {
+  const std::string running = digest();
+  OrderSession copy = session();
+  copy.set_base_end(0);
+  Digest other_base;
+  copy.fold(other_base);
+  EXPECT_NE(other_base.hex(), running);
+  orders.acknowledge(vehicle);
+  EXPECT_EQ(digest(), running);
+  session().stop_extending();
+  EXPECT_NE(digest(), running);
 }
 
 }  // namespace

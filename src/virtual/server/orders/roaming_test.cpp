@@ -14,6 +14,45 @@ namespace {
 using namespace fixture;
 using testing::IsEmpty;
 
+/// Five sections of which the last two lead into dead ends.
+class Branches : public testing::Test {
+ protected:
+  [[nodiscard]] zone::SectionId choose(const std::vector<zone::SectionId>& choice) const {
+    return roaming.least_recent(choice, {closed, avoided, goes_on});
+  }
+  ClosedSections closed;
+  std::vector<zone::SectionId> avoided;
+  std::vector<bool> goes_on{true, true, true, false, false};
+  Roaming roaming;
+};
+
+TEST_F(Branches, are_taken_in_turn_the_first_one_first) {
+  std::vector<zone::SectionId> taken;
+  for (int i = 0; i < 7; ++i) {
+    taken.push_back(choose({2, 0, 1}));
+    roaming.take(taken.back());
+  }
+  EXPECT_THAT(taken, testing::ElementsAre(2U, 0U, 1U, 2U, 0U, 1U, 2U));
+}
+
+TEST_F(Branches, that_lead_into_a_dead_end_come_last_even_when_never_taken) {
+  roaming.take(1);
+  EXPECT_EQ(choose({3, 1}), 1U);
+  EXPECT_EQ(choose({1, 3}), 1U);
+  roaming.take(3);
+  EXPECT_EQ(choose({3, 4}), 4U) << "of two dead ends the one taken less recently";
+  EXPECT_EQ(choose({3}), 3U);
+}
+
+TEST_F(Branches, that_are_closed_or_avoided_are_not_taken) {
+  closed.set({0});
+  avoided = {1};
+  EXPECT_EQ(choose({0, 1, 2}), 2U);
+  EXPECT_EQ(choose({0, 1}), zone::no_section);
+  EXPECT_EQ(choose({}), zone::no_section);
+  EXPECT_EQ(choose({0, 3}), 3U) << "a dead end rather than a closed section";
+}
+
 TEST(Roaming, takes_the_branches_alternately) {
   ServerFixture fixture{fork()};
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.1});

@@ -21,7 +21,7 @@ std::vector<Knot> knots_of(std::size_t count, const std::vector<Wait>& waits) {
   return graph.find_knots();
 }
 
-Wait wait(VehicleIndex waiter, VehicleIndex blocker, WaitReason why = WaitReason::ahead) {
+Wait wait(VehicleIndex waiter, VehicleIndex blocker, WaitReason why = {}) {
   return {waiter, blocker, why};
 }
 
