@@ -6,6 +6,7 @@ blind   src/virtual and the page's sources name no ready zone, zone format or ve
 pure    the cores (all of src/ except adapters, hmi and app) use no elementary function, random number or hash order that
         could differ between machines, and no thread, clock, file or socket: bit-identical results (docs/architecture.md).
         Tests may: they compare with libm and read files.
+heard   a property's result is used: rc::check() returns it and tells GoogleTest nothing, so that a discarded one cannot fail.
 once    a type of a namespace is defined in one file: the linker would keep one of two definitions for both. Types in
         anonymous namespaces are not seen by the linker.
 
@@ -134,8 +135,16 @@ def check_once(root, problems):
     return len(files)
 
 
+def check_heard(root, problems):
+    for path in sorted(root.glob("src/**/*.cpp")):
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            if re.match(r"\s*rc::check\(", line):
+                problems.append(f"{path.relative_to(root)}:{number}: the result of rc::check is discarded; EXPECT_TRUE(rc::check(…))")
+
+
 def check(root):
     problems = []
+    check_heard(root, problems)
     count = check_blind(root, problems) + check_pure(root, problems)
     check_once(root, problems)
     return count, problems
@@ -153,6 +162,7 @@ GOOD = {
     "src/zone/toml_test.cpp": "EXPECT_NEAR(std::sin(x), y, 1e-12); std::ifstream file;",
     "src/aiv/log.h": "void log(int x);\nstatic std::string exp(int y);\n double& beta(int z);",
     "src/aiv/log.cpp": "{ log(3); }",
+    "src/aiv/log_test.cpp": "  EXPECT_TRUE(rc::check([] {}));\n  return rc::check(name, [] {});",
     "src/aiv/look.cpp": "std::unordered_map<int, int> seen; auto it = seen.find(3); for (auto x : other) {}",
     "src/zone/lane.h": "namespace cosiva::zone {\nstruct Lane {\n  int a;\n};\nclass Other;\n}  // namespace cosiva::zone",
     "src/zone/other.h": "namespace cosiva::zone {\nclass Other {\n};\n}  // namespace cosiva::zone",
@@ -176,6 +186,7 @@ BAD = [
     ({"src/aiv/x.cpp": "std::uniform_real_distribution<double> d;"}, "uniform_real_distribution"),
     ({"src/physical/plant/x.cpp": "#include <random>"}, "belongs in a shell"),
     ({"src/wire/x.cpp": "// fine\n#include <sys/socket.h>"}, "src/wire/x.cpp:2"),
+    ({"src/wire/x_test.cpp": "void f() {\n  rc::check([] {});\n}"}, "src/wire/x_test.cpp:2: the result of rc::check is discarded"),
     ({"src/wire/x.cpp": "std::jthread t;"}, "a core runs in the thread of its caller"),
     ({"src/journal/x.cpp": "auto t = std::chrono::steady_clock::now();"}, "a core is given the time"),
     ({"src/journal/x.cpp": "std::ofstream out;"}, "uses no resource of the machine"),

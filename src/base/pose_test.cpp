@@ -31,16 +31,16 @@ TEST(Pose, of_a_turn_after_a_turn_is_their_sum_wrapped) {
 }
 
 TEST(Pose, times_its_inverse_is_the_identity) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "pose_test"};
     const Pose2 X_AB = any_pose(random);
     RC_ASSERT(near(X_AB * inverse(X_AB), Pose2{}));
     RC_ASSERT(near(inverse(X_AB) * X_AB, Pose2{}));
-  });
+  }));
 }
 
 TEST(Pose, products_are_associative) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "pose_test"};
     const Pose2 X_AB = any_pose(random);
     const Pose2 X_BC = any_pose(random);
@@ -48,17 +48,17 @@ TEST(Pose, products_are_associative) {
     RC_ASSERT(near((X_AB * X_BC) * X_CD, X_AB * (X_BC * X_CD)));
     const Point2 p_D{random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)};
     RC_ASSERT(distance((X_AB * X_BC) * p_D, X_AB * (X_BC * p_D)) < 1e-13);
-  });
+  }));
 }
 
 TEST(Pose, preserves_distances) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "pose_test"};
     const Pose2 X_AB = any_pose(random);
     const Pose2 one = any_pose(random);
     const Pose2 other = any_pose(random);
     RC_ASSERT(std::fabs(distance(X_AB * one, X_AB * other) - distance(one, other)) < 1e-13);
-  });
+  }));
 }
 
 }  // namespace

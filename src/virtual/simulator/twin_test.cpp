@@ -54,7 +54,7 @@ TEST_F(TwinOnOval, is_extrapolated_along_the_arc_not_along_its_tangent) {
 }
 
 TEST_F(TwinOnOval, never_leaves_the_circuit_for_any_requested_time) {
-  rc::check("on the path", [&] {
+  EXPECT_TRUE(rc::check("on the path", [&] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "twin"};
     Twin own{"make/b", 1, 1s};
     const auto section = static_cast<zone::SectionId>(random.below(4));
@@ -62,7 +62,7 @@ TEST_F(TwinOnOval, never_leaves_the_circuit_for_any_requested_time) {
     own.report(&circuit, t0, {t0, circuit.pose_at(track_position), random.uniform(0.0, 1.0), 0.0, 0.0});
     const Pose2 pose = own.image_at(&circuit, t0 + std::chrono::milliseconds{random.below(3000)}).X_MB;
     RC_ASSERT(circuit.locate(position(pose), pose.heading_rad).distance_m < 1e-6);
-  });
+  }));
 }
 
 TEST_F(TwinOnOval, predicts_a_vehicle_at_constant_speed_exactly) {

@@ -273,7 +273,7 @@ next = []
 }
 
 TEST(LifRoundTrip, keeps_any_chain_of_sections_within_a_millimetre) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     const auto shapes = *rc::gen::resize(
         10, rc::gen::container<std::vector<std::pair<int, int>>>(rc::gen::pair(
                 rc::gen::resize(100, rc::gen::inRange(-15, 16)), rc::gen::resize(100, rc::gen::inRange(3, 30)))));
@@ -308,7 +308,7 @@ TEST(LifRoundTrip, keeps_any_chain_of_sections_within_a_millimetre) {
         RC_ASSERT(again->circuit.section(id).nearest(position(here)).distance_m < 1e-3);
       }
     }
-  });
+  }));
 }
 
 TEST(LifEdit, goes_into_the_sidecar) {

@@ -36,7 +36,7 @@ Point2 by_definition(const Nurbs& curve, double u) {
 }
 
 TEST(Nurbs, equals_its_definition) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "nurbs"};
     const auto degree = 1 + static_cast<std::size_t>(random.below(5));
     const auto count = degree + 1 + static_cast<std::size_t>(random.below(6));
@@ -64,7 +64,7 @@ TEST(Nurbs, equals_its_definition) {
       const double along = det_atan2(b.y_m - a.y_m, b.x_m - a.x_m);
       RC_ASSERT(std::fabs(wrap_angle(along - pose.heading_rad)) < 0.02);
     }
-  });
+  }));
 }
 
 TEST(Nurbs, of_degree_two_with_weights_is_a_circle) {
@@ -119,7 +119,7 @@ TEST(NurbsOf, an_arc_is_exact_with_weights_of_at_least_one) {
 }
 
 TEST(NurbsOf, a_clothoid_is_within_a_tenth_of_a_millimetre_and_reads_back_as_itself) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "clothoid"};
     const double length_m = random.uniform(0.2, 4.0);
     const double k0 = random.uniform(-2.0, 2.0);
@@ -138,7 +138,7 @@ TEST(NurbsOf, a_clothoid_is_within_a_tenth_of_a_millimetre_and_reads_back_as_its
     RC_ASSERT(fitted.has_value());
     RC_ASSERT(fitted->sections.size() == 1U);
     RC_ASSERT(std::fabs(fitted->sections[0].length_m() - length_m) < 1e-3);
-  });
+  }));
 }
 
 }  // namespace
