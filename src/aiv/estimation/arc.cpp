@@ -15,7 +15,7 @@ constexpr double gate_sigmas = 6.0;
 /// Two contradicting readings agree when they differ by less than this, beyond the tolerance of odometry.
 constexpr double agree_m = 0.05;
 /// Rounding error of a variance that becomes small; NaN passes, and the estimate then shows it.
-constexpr double rounding = 1e-12;
+constexpr double variance_rounding = 1e-12;
 
 double fiducial_variance(const Setting& setting) {
   const double sigma = setting.sensors.fiducial_along_sigma_m;
@@ -108,7 +108,7 @@ Rectified ArcKalmanScale::rectify(const Reading& reading) {
   s_m += gain * detection->innovation_m;
   scale_error_ += scale_gain_per_m * detection->innovation_m;
   scale_variance_ -= scale_gain_per_m * cross_m_;
-  COSIVA_EXPECT(!(scale_variance_ < -rounding));
+  COSIVA_EXPECT(!(scale_variance_ < -variance_rounding));
   cross_m_ *= 1.0 - gain;
   p_m2 *= 1.0 - gain;
   return {true, detection->innovation_m * detection->innovation_m / expected, 1};

@@ -35,9 +35,9 @@ int Stations::index(std::uint32_t station) {
   }
   if (count_ == count_max) return -1;
   ids_[static_cast<std::size_t>(count_)] = station;
-  const int index = State::common_size + count_++;
-  COSIVA_EXPECT(index < State::turn_drift);
-  return index;
+  const int added = State::common_size + count_++;
+  COSIVA_EXPECT(added < State::turn_drift);
+  return added;
 }
 
 CalibratingFilter::CalibratingFilter(Setting setting) : configured{std::move(setting)} {

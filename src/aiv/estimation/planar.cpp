@@ -134,9 +134,10 @@ Estimate on_track(const Track& track, const SensorModel& sensors, double along_m
 namespace {
 
 /// A sum of positive terms less another one is exact to this; NaN passes, and the estimate then shows it.
-constexpr double rounding = 1e-9;
+constexpr double covariance_rounding = 1e-9;
 bool has_variances(const Matrix3& covariance) {
-  return !(covariance(0, 0) < -rounding || covariance(1, 1) < -rounding || covariance(2, 2) < -rounding);
+  return !(covariance(0, 0) < -covariance_rounding || covariance(1, 1) < -covariance_rounding ||
+           covariance(2, 2) < -covariance_rounding);
 }
 
 }  // namespace

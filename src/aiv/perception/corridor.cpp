@@ -75,8 +75,8 @@ void ObstacleFilter::add(double obstacle_ahead_m, double travelled_m) {
   next_ = (next_ + 1) % detected_m_.size();
   const auto& [a, b, c] = detected_m_;
   median_m_ = std::max(std::min(a, b), std::min(std::max(a, b), c));
-  COSIVA_EXPECT(std::ranges::count_if(detected_m_, [this](double m) { return m <= median_m_; }) >= 2);
-  COSIVA_EXPECT(std::ranges::count_if(detected_m_, [this](double m) { return m >= median_m_; }) >= 2);
+  COSIVA_EXPECT(std::ranges::count_if(detected_m_, [this](double frame_m) { return frame_m <= median_m_; }) >= 2);
+  COSIVA_EXPECT(std::ranges::count_if(detected_m_, [this](double frame_m) { return frame_m >= median_m_; }) >= 2);
 }
 
 }  // namespace cosiva::aiv
