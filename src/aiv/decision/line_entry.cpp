@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cosiva/aiv/motion/manoeuvre.h"
+#include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
 
 namespace cosiva::aiv {
@@ -112,6 +113,7 @@ void EntrySweep::take_rest(const LineEntry& entry, const Pose2& X_OB) {
     return distance(X_MS, X_MB) + m_per_rad * std::fabs(wrap_angle(X_MS.heading_rad - X_MB.heading_rad));
   };
   poses_.erase(poses_.begin(), std::ranges::min_element(poses_, {}, off_m));
+  COSIVA_EXPECT(!poses_.empty() && poses_.back() == entry_.to);
 }
 
 bool EntrySweep::near_body(const Pose2& X_MB, double clear_m) const {

@@ -23,7 +23,7 @@ inline constexpr double entry_clear_m = 0.02;
 /// Whether any part of B lies ahead of A's front, even to the side: within the view of A's sensors.
 [[nodiscard]] bool lies_ahead(const zone::VehicleShape& shape, const Pose2& X_MA, const Pose2& X_MB);
 
-/// The poses of the body during an entry, in steps in which no corner moves by more than a centimetre.
+/// The body's poses during an entry; no corner moves by over 1 cm in a step. Invariant: the last is the final one.
 class EntrySweep {
  public:
   explicit EntrySweep(const zone::VehicleShape& shape) : shape_{shape} {}

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "cosiva/aiv/estimation/planar.h"
+#include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
 
 namespace cosiva::estimation {
@@ -13,6 +14,8 @@ namespace {
 constexpr double gate_sigmas = 6.0;
 /// Two contradicting readings agree when they differ by less than this, beyond the tolerance of odometry.
 constexpr double agree_m = 0.05;
+/// Rounding error of a variance that becomes small; NaN passes, and the estimate then shows it.
+constexpr double variance_rounding = 1e-12;
 
 double fiducial_variance(const Setting& setting) {
   const double sigma = setting.sensors.fiducial_along_sigma_m;
@@ -35,6 +38,7 @@ void DeadReckoning::predict(const Odometry& odometry) {
   }
   s_m += odometry.distance_m;
   p_m2 += configured.sensors.distance_variance_per_m * std::fabs(odometry.distance_m) + odometry.distance_variance_m2;
+  COSIVA_EXPECT(!(p_m2 < 0.0));
 }
 
 Estimate DeadReckoning::estimate() const {
@@ -104,6 +108,7 @@ Rectified ArcKalmanScale::rectify(const Reading& reading) {
   s_m += gain * detection->innovation_m;
   scale_error_ += scale_gain_per_m * detection->innovation_m;
   scale_variance_ -= scale_gain_per_m * cross_m_;
+  COSIVA_EXPECT(!(scale_variance_ < -variance_rounding));
   cross_m_ *= 1.0 - gain;
   p_m2 *= 1.0 - gain;
   return {true, detection->innovation_m * detection->innovation_m / expected, 1};
@@ -114,6 +119,7 @@ ArcSmoother::ArcSmoother(Setting setting) : ArcKalman{std::move(setting)} {
 }
 
 void ArcSmoother::predict(const Odometry& odometry) {
+  COSIVA_EXPECT(moments_.back().along_m == s_m);
   ArcKalman::predict(odometry);
   moments_.push_back({s_m, p_m2, s_m, p_m2});
 }
@@ -160,6 +166,7 @@ Rectified UnbiasedFir::rectify(const Reading& reading) {
 }
 
 void UnbiasedFir::average() {
+  COSIVA_EXPECT(!snaps_.empty() && snaps_.size() <= configured.horizon);
   const auto n = static_cast<double>(snaps_.size());
   s_m = 0.0;
   p_m2 = fiducial_variance(configured) / n;

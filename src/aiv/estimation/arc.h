@@ -9,7 +9,7 @@
 namespace cosiva::estimation {
 
 /// Follows the sections' own equations (1) to (3) with odometry alone: the article's predictor, and the reference for
-/// the other algorithms. In the open it follows arcs of circles.
+/// the other algorithms. In the open it follows arcs of circles. Invariant: the arc length's variance is not negative.
 class DeadReckoning : public Algorithm {
  public:
   explicit DeadReckoning(Setting setting);
@@ -57,7 +57,7 @@ class ArcKalman : public DeadReckoning {
 };
 
 /// Likewise with the odometer's scale as a second state: wheels wear, and a wrong scale is a bias that no number of
-/// readings removes from a filter without this state.
+/// readings removes from a filter without this state. Invariant: no variance is negative but for rounding.
 class ArcKalmanScale final : public DeadReckoning {
  public:
   explicit ArcKalmanScale(Setting setting);
@@ -74,6 +74,7 @@ class ArcKalmanScale final : public DeadReckoning {
 
 /// A smoother over the whole run: the arc-length Kalman filter forwards, then the smoother of Rauch, Tung and Striebel
 /// backwards. Source: Maximum Likelihood Estimates of Linear Dynamic Systems, AIAA Journal 3 (1965).
+/// Invariant: the last moment is the present estimate.
 class ArcSmoother final : public ArcKalman {
  public:
   explicit ArcSmoother(Setting setting);
@@ -96,7 +97,7 @@ class ArcSmoother final : public ArcKalman {
 /// The filter needs no noise parameters except for the covariance that it states.
 /// Source: J. Pomarico-Franquiz, Y. S. Shmaliy, Accurate Self-Localization in RFID Tag Information Grids Using FIR
 /// Filtering, IEEE Trans. Industrial Informatics 10 (2014); their extended filter reduced to an arc length as state and
-/// a linear model, where its gain is 1/n.
+/// a linear model, where its gain is 1/n. Invariant: the estimate is a mean of at least one reading, at most `horizon`.
 class UnbiasedFir final : public DeadReckoning {
  public:
   using DeadReckoning::DeadReckoning;

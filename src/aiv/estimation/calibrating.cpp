@@ -7,6 +7,7 @@
 
 #include "cosiva/aiv/estimation/calibrating_model.h"
 #include "cosiva/aiv/estimation/planar.h"
+#include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
 
 namespace cosiva::estimation {
@@ -34,7 +35,9 @@ int Stations::index(std::uint32_t station) {
   }
   if (count_ == count_max) return -1;
   ids_[static_cast<std::size_t>(count_)] = station;
-  return State::common_size + count_++;
+  const int added = State::common_size + count_++;
+  COSIVA_EXPECT(added < State::turn_drift);
+  return added;
 }
 
 CalibratingFilter::CalibratingFilter(Setting setting) : configured{std::move(setting)} {
@@ -62,6 +65,7 @@ std::size_t CalibratingFilter::best() const {
 void CalibratingFilter::prune() {
   const double least = hypotheses[best()].log_weight - hopeless;
   std::erase_if(hypotheses, [&](const Hypothesis& hypothesis) { return hypothesis.log_weight < least; });
+  COSIVA_EXPECT(!hypotheses.empty());
 }
 
 void CalibratingFilter::predict(const Odometry& odometry) {
@@ -233,6 +237,7 @@ void CalibratingSmoother::backwards(const std::vector<Step>& steps, std::vector<
 }
 
 std::vector<Estimate> CalibratingSmoother::revised() {
+  COSIVA_EXPECT(inputs_.size() == inputs_count);
   const Hypothesis& chosen = hypotheses[best()];
   const bool knows = configured.start_heading_sigma_rad <= lost_rad;
   // Without any information on the heading there is no drive to linearise about: the estimates of estimate() remain.

@@ -27,7 +27,7 @@ struct CalibratedState {
   [[nodiscard]] Estimate estimate() const;
 };
 
-/// Which station has which bias. Stations are numbered in the order of their first ranges.
+/// Which station has which bias, numbered by first ranges. Invariant: no station has the index of another component.
 class Stations {
  public:
   /// The station's index in the state; −1 for the ninth and later ones, which have the common bias alone.
@@ -52,7 +52,7 @@ struct Measured {
 /// at the start, or was lost later, several filters start, one per direction, and the measurements decide (a Gaussian
 /// sum filter).
 /// Sources: Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation (2001),
-/// augmented states; D. L. Alspach, H. W. Sorenson, IEEE TAC 17 (1972), Gaussian sums.
+/// augmented states; D. L. Alspach, H. W. Sorenson, IEEE TAC 17 (1972), Gaussian sums. Invariant: a hypothesis is left.
 class CalibratingFilter : public Algorithm {
  public:
   explicit CalibratingFilter(Setting setting);
@@ -91,7 +91,7 @@ class CalibratingFilter : public Algorithm {
 /// A smoother over the whole run with the same model: forwards and backwards, linearised anew about the result, until
 /// convergence: a Gauss-Newton solution of the run's factor graph. Sources: G. J. Bierman, Fixed Interval Smoothing
 /// with Discrete Measurements, Int. J. Control 18 (1973), the backward pass, which inverts nothing; B. M. Bell, The
-/// Iterated Kalman Smoother as a Gauss-Newton Method, SIAM J. Opt. 4 (1994).
+/// Iterated Kalman Smoother as a Gauss-Newton Method, SIAM J. Opt. 4 (1994). Invariant: all inputs counted are stored.
 class CalibratingSmoother final : public CalibratingFilter {
  public:
   using CalibratingFilter::CalibratingFilter;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "cosiva/aiv/estimation/planar.h"
+#include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
 
 namespace cosiva::estimation {
@@ -105,6 +106,7 @@ void ParticleFilter::resample() {
   }
   while (drawn_.size() < particles_.size())
     drawn_.push_back({particles_.back().position, particles_.back().along_m, 1.0 / n});
+  COSIVA_EXPECT(drawn_.size() == particles_.size());
   particles_.swap(drawn_);
 }
 

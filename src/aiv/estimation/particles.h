@@ -10,7 +10,7 @@ namespace cosiva::estimation {
 /// Particles, each a position on the graph of sections: for a vehicle whose start is unknown, whose branches are not
 /// given, or whose readings may be of the wrong fiducials. Sources: M. S. Arulampalam et al., A Tutorial on Particle
 /// Filters, IEEE Trans. Signal Processing 50 (2002); of maps as graphs F. Gustafsson et al., Particle Filters for
-/// Positioning, Navigation and Tracking, same volume.
+/// Positioning, Navigation and Tracking, same volume. Invariant: the number of particles never changes.
 class ParticleFilter final : public Algorithm {
  public:
   explicit ParticleFilter(Setting setting);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
 #include "cosiva/base/math_inline.h"
 
@@ -130,6 +131,17 @@ Estimate on_track(const Track& track, const SensorModel& sensors, double along_m
   return estimate;
 }
 
+namespace {
+
+/// A sum of positive terms less another one is exact to this; NaN passes, and the estimate then shows it.
+constexpr double covariance_rounding = 1e-9;
+bool has_variances(const Matrix3& covariance) {
+  return !(covariance(0, 0) < -covariance_rounding || covariance(1, 1) < -covariance_rounding ||
+           covariance(2, 2) < -covariance_rounding);
+}
+
+}  // namespace
+
 // ---- EKF -----------------------------------------------------------------------------------------------------------
 
 Ekf::Ekf(Setting setting)
@@ -157,6 +169,7 @@ Rectified Ekf::rectify(const Reading& reading) {
   const Matrix3 rest = Matrix3::Identity() - gain * h;
   doubt = rest * doubt * rest.transpose() + gain * fiducial_covariance(configured.sensors) * gain.transpose();
   make_symmetric(doubt);
+  COSIVA_EXPECT(has_variances(doubt));
   return {true, nis, 2};
 }
 
@@ -176,6 +189,7 @@ Rectified Ekf::rectify(const Range& range) {
   add_to(current_estimate, gain * innovation);
   doubt -= gain * ph.transpose();
   make_symmetric(doubt);
+  COSIVA_EXPECT(has_variances(doubt));
   return {true, nis, 1};
 }
 
@@ -246,6 +260,7 @@ Rectified Ukf::rectify(const Reading& reading) {
   add_to(current_estimate, gain * innovation);
   doubt -= gain * s * gain.transpose();
   make_symmetric(doubt);
+  COSIVA_EXPECT(has_variances(doubt));
   return {true, nis, 2};
 }
 
@@ -271,6 +286,7 @@ Rectified Ukf::rectify(const Range& range) {
   add_to(current_estimate, gain * innovation);
   doubt -= gain * s * gain.transpose();
   make_symmetric(doubt);
+  COSIVA_EXPECT(has_variances(doubt));
   return {true, nis, 1};
 }
 
@@ -311,6 +327,7 @@ void InvariantEkf::predict(const Odometry& odometry) {
   const Matrix3 t = from_pose(pose_);
   covariance_ += t * noise * t.transpose();
   make_symmetric(covariance_);
+  COSIVA_EXPECT(has_variances(covariance_));
 }
 
 void InvariantEkf::correct(const Vector3& xi) {
@@ -333,6 +350,7 @@ Rectified InvariantEkf::rectify(const Reading& reading) {
   const Matrix3 rest = Matrix3::Identity() - gain * h;
   covariance_ = rest * covariance_ * rest.transpose() + gain * noise * gain.transpose();
   make_symmetric(covariance_);
+  COSIVA_EXPECT(has_variances(covariance_));
   correct(gain * innovation);
   return {true, nis, 2};
 }
@@ -351,6 +369,7 @@ Rectified InvariantEkf::rectify(const Range& range) {
   const Vector3 gain = ph / s;
   covariance_ -= gain * ph.transpose();
   make_symmetric(covariance_);
+  COSIVA_EXPECT(has_variances(covariance_));
   correct(gain * innovation);
   return {true, nis, 1};
 }

@@ -37,7 +37,7 @@ inline constexpr double gate_2 = 13.816;
 
 /// The extended Kalman filter of (x, y, heading) with gating, the usual choice in robotics. Once its gate refuses
 /// correct measurements the filter diverges for good; it is included unchanged to demonstrate that. Source: S. Thrun,
-/// W. Burgard, D. Fox, Probabilistic Robotics (2005), chapter 7.
+/// W. Burgard, D. Fox, Probabilistic Robotics (2005), chapter 7. Invariant: no variance is negative but for rounding.
 class Ekf : public Algorithm {
  public:
   explicit Ekf(Setting setting);
@@ -64,7 +64,7 @@ class Ukf final : public Ekf {
 
 /// The right-invariant extended Kalman filter on SE(2): its error obeys an equation that does not depend on the
 /// estimate, so the filter does not become certain of an unobserved heading. Source: A. Barrau, S. Bonnabel, The
-/// Invariant Extended Kalman Filter as a Stable Observer, IEEE TAC 62 (2017).
+/// Invariant Extended Kalman Filter as a Stable Observer, IEEE TAC 62 (2017). Invariant: as of Ekf.
 class InvariantEkf final : public Algorithm {
  public:
   explicit InvariantEkf(Setting setting);

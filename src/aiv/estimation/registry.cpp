@@ -7,6 +7,7 @@
 #include "cosiva/aiv/estimation/calibrating.h"
 #include "cosiva/aiv/estimation/particles.h"
 #include "cosiva/aiv/estimation/planar.h"
+#include "cosiva/base/expect.h"
 
 namespace cosiva::estimation {
 namespace {
@@ -42,6 +43,8 @@ Registry::Registry() {
       {"smoother", "the same over the whole run, forwards and backwards until convergence", false, true,
        made<CalibratingSmoother>},
   };
+  for (const Registered& one : all_)
+    COSIVA_EXPECT(well_named(one.name) && std::ranges::count(all_, one.name, &Registered::name) == 1);
 }
 
 Result<void> Registry::add(Registered algorithm) {

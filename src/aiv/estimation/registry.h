@@ -20,7 +20,7 @@ struct Registered {
   std::function<std::unique_ptr<Algorithm>(const Setting&)> make;
 };
 
-/// Algorithms by name, in the order in which they were added.
+/// Algorithms by name, in the order in which they were added. Invariant: no two have the same name.
 class Registry {
  public:
   /// With the algorithms that come with the platform.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cosiva/aiv/motion/formulas.h"
+#include "cosiva/base/expect.h"
 #include "cosiva/zone/circuit/path_snap.h"
 
 namespace cosiva::aiv {
@@ -65,6 +66,7 @@ Manoeuvre::Step Manoeuvre::step(double speed_mps, double dt_s) {
   constexpr double close = 1e-6;
   const double moved = left - rate_ * dt_s < close ? left : rate_ * dt_s;
   left -= moved;
+  COSIVA_EXPECT(rate_ >= 0.0 && left >= 0.0);
 
   Step step;
   if (turns) {

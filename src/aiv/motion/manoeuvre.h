@@ -52,7 +52,7 @@ inline constexpr double stays_within_m = 0.006;
 [[nodiscard]] Pose2 to_pose(const wire::Manoeuvre& manoeuvre);
 
 /// Turn on the spot, drive straight, turn on the spot: the simplest manoeuvre of a differential drive from one pose to
-/// another. Each leg accelerates and brakes at a constant rate, and ends exactly at its target.
+/// another. Legs accelerate and brake at constant rates. Invariant: each ends exactly at its target, never beyond.
 class Manoeuvre {
  public:
   /// @param X_SG  the goal in the frame of the start pose. The body does not drive to a goal nearer than half a

@@ -24,9 +24,10 @@ Pose2 TravelDir::section_start(const zone::Section& section) const {
 
 bool TravelDir::on(Event event) {
   const State wanted = event == Event::Ev_OnDirectMoveReq ? State::St_DirectTravelDir : State::St_IndirectTravelDir;
-  if (state_ == wanted) return false;
+  const bool changes = state_ != wanted;
   state_ = wanted;
-  return true;
+  COSIVA_EXPECT(is_direct() == (event == Event::Ev_OnDirectMoveReq));
+  return changes;
 }
 
 AivMotion::AivMotion(const zone::Circuit& circuit, zone::TrackPosition position, TravelDir direction)
@@ -63,6 +64,7 @@ bool AivMotion::turn(const zone::Circuit& circuit, TravelDir::Event event) {
   TravelDir turned = direction_;
   if (!turned.on(event)) return false;
   mDTCS_m_ = circuit.section(section_).length_m() - mDTCS_m_;
+  COSIVA_EXPECT(mDTCS_m_ >= 0.0);
   direction_ = turned;
   return true;
 }

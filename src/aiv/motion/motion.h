@@ -10,7 +10,7 @@
 namespace cosiva::aiv {
 
 /// Travel direction, reified (A32, figure 13): determines which section follows, where a section starts, and the effect
-/// of a request to move in the other direction. Two states: St_DirectTravelDir (default) and St_IndirectTravelDir.
+/// of a request to move in the other direction. Invariant: the state is that of the last request, direct by default.
 class TravelDir {
  public:
   enum class State { St_DirectTravelDir, St_IndirectTravelDir };
@@ -44,7 +44,7 @@ class TravelDir {
 
 /// The route memory of an AIV (A28): the section, the distance travelled on the section (mDTCS), and the direction.
 /// Geometry stays in circuit and sections. A value: the plant's ground truth, the on-board estimate, and the twin each
-/// own one.
+/// own one. Invariant: 0 ≤ mDTCS ≤ L, the length of the section, in either direction.
 class AivMotion {
  public:
   AivMotion() = default;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::aiv {
 namespace {
 
@@ -89,7 +91,9 @@ SimTime BoardClock::stamp(SimTime now, std::uint32_t board_ms) {
   if (offset_) *offset_ += std::max(now - received_, SimDuration::zero()) / drift_divisor;
   if (!offset_ || detected < *offset_ || detected > *offset_ + leap) offset_ = detected;
   received_ = now;
-  return SimTime{board + *offset_};
+  const SimTime at{board + *offset_};
+  COSIVA_EXPECT(at <= now);
+  return at;
 }
 
 void Estimating::on_request(SimTime now, wire::EstimateRequest request) {
@@ -271,7 +275,8 @@ void Estimating::on_zone_switched() {
 }
 
 std::optional<std::string> Estimating::take_response() {
-  if (!std::exchange(due_, false) || !last_response_) return std::nullopt;
+  if (!std::exchange(due_, false)) return std::nullopt;
+  COSIVA_EXPECT(last_response_);
   return last_response_->json;
 }
 

@@ -16,7 +16,7 @@
 namespace cosiva::aiv {
 
 /// The time of a board's reading in the program's own time: the board's clock counts from its power-up, and its frames
-/// arrive with a delay. The fastest frame so far determines the offset of the two clocks.
+/// arrive late. The fastest frame so far gives the clocks' offset. Invariant: no reading's time is after its receipt.
 class BoardClock {
  public:
   [[nodiscard]] SimTime stamp(SimTime now, std::uint32_t board_ms);
@@ -28,7 +28,7 @@ class BoardClock {
 
 /// nextEstimatedPosition(algorithm) on board (A33, A35): algorithms that are requested by name run next to the
 /// vehicle's own estimate, which they neither read (except for their start) nor change, all on the same inputs. The
-/// response to a request follows with the next odometry.
+/// response to a request follows with the next odometry. Invariant: a response is due only where there is one.
 class Estimating {
  public:
   /// The vehicle's estimate when a session begins.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::aiv {
 namespace {
 
@@ -20,6 +22,7 @@ bool InstantActionBook::begin(const wire::Action& action) {
     states_.erase(oldest == states_.end() ? states_.begin() : oldest);
   }
   states_.push_back({action.action_id, action.action_type, wire::ActionStatus::waiting, {}});
+  COSIVA_EXPECT(states_.size() <= shown_max && detected_.size() <= recent_max);
   return true;
 }
 

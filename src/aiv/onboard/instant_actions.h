@@ -11,7 +11,7 @@
 namespace cosiva::aiv {
 
 /// The received instant actions and their states (VDA 5050 2.1 §6.8, §6.11). The list is bounded. A repeated actionId
-/// is the repair of a lost message: the action is known, and not performed again.
+/// repairs a lost message: the action is not performed again. Invariant: at most shown_max states, recent_max ids.
 class InstantActionBook {
  public:
   static constexpr std::size_t shown_max = 32;    ///< states in actionStates

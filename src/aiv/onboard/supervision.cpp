@@ -2,11 +2,14 @@
 
 #include <algorithm>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::aiv {
 
 void Supervision::broker(SimTime now, bool up) {
   if (broker_up_ || up) broker_up_at_ = now;
   broker_up_ = up;
+  COSIVA_EXPECT(!broker_up_ || broker_up_at_);
 }
 
 bool Supervision::broker_lost(SimTime now) const {

@@ -10,7 +10,7 @@
 namespace cosiva::aiv {
 
 /// The links that the vehicle needs in order to drive (the vehicle's promise 3): its broker, its four boards, and a
-/// server from its first heartbeat on.
+/// server from its first heartbeat on. Invariant: of a broker that is up, the time is known since when it may be lost.
 class Supervision {
  public:
   explicit Supervision(SimDuration timeout) : timeout_{timeout} {}

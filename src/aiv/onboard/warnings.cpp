@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::aiv {
 
 void Warnings::add(std::string type, std::string description, std::vector<wire::Reference> references) {
@@ -9,6 +11,7 @@ void Warnings::add(std::string type, std::string description, std::vector<wire::
   if (const auto same = std::ranges::find(all_, warning); same != all_.end()) all_.erase(same);
   if (all_.size() == count_max) all_.erase(all_.begin());
   all_.push_back(std::move(warning));
+  COSIVA_EXPECT(all_.size() <= count_max);
 }
 
 void Warnings::on_update() {

@@ -10,7 +10,7 @@
 namespace cosiva::aiv {
 
 /// Refusals, listed in the state's errors until a new order is accepted (VDA 5050 2.1 §6.6.4; trap 10). Bounded, newest
-/// last; a repeated warning is listed once.
+/// last; a repeated warning is listed once. Invariant: at most count_max warnings are listed.
 class Warnings {
  public:
   static constexpr std::size_t count_max = 16;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::aiv {
 namespace {
 
@@ -13,7 +15,9 @@ constexpr double disc_spacing_m = 0.05;
 }  // namespace
 
 BodyGap::BodyGap(const zone::TrafficZone& zone, Model model)
-    : zone_{zone}, model_{model}, look_ahead_{zone.circuit, model.sample_m, model.reach_m} {}
+    : zone_{zone}, model_{model}, look_ahead_{zone.circuit, model.sample_m, model.reach_m} {
+  COSIVA_EXPECT(model.margin_m >= 0.0);
+}
 
 void BodyGap::update(const Outlook& outlook) {
   look_ahead_.sample(outlook);

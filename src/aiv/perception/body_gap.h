@@ -10,7 +10,7 @@
 namespace cosiva::aiv {
 
 /// Distance from the vehicle's front along its path to bodies that the vehicle knows only from messages, in the same
-/// corridor that Corridor evaluates. Used for virtual bodies (PerceivedWorld) and for other vehicles (Neighbours).
+/// corridor as Corridor: of virtual bodies and of other vehicles. Invariant: the corridor is as wide as the body.
 class BodyGap {
  public:
   struct Model {

@@ -3,10 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::aiv {
 
 Corridor::Corridor(const zone::TrafficZone& zone, Model model)
-    : zone_{zone}, model_{model}, look_ahead_{zone.circuit, model.sample_m, model.reach_m} {}
+    : zone_{zone}, model_{model}, look_ahead_{zone.circuit, model.sample_m, model.reach_m} {
+  COSIVA_EXPECT(model.margin_m >= 0.0);
+  COSIVA_EXPECT(model.beam_ratio >= 0.0 && model.beam_ratio <= 0.5);
+}
 
 double Corridor::echo_ahead_m(double range_m, double bearing_rad, double spread_rad) const {
   const double front_m = 0.5 * zone_.vehicle.length_m;
@@ -70,6 +75,8 @@ void ObstacleFilter::add(double obstacle_ahead_m, double travelled_m) {
   next_ = (next_ + 1) % detected_m_.size();
   const auto& [a, b, c] = detected_m_;
   median_m_ = std::max(std::min(a, b), std::min(std::max(a, b), c));
+  COSIVA_EXPECT(std::ranges::count_if(detected_m_, [this](double frame_m) { return frame_m <= median_m_; }) >= 2);
+  COSIVA_EXPECT(std::ranges::count_if(detected_m_, [this](double frame_m) { return frame_m >= median_m_; }) >= 2);
 }
 
 }  // namespace cosiva::aiv

@@ -15,7 +15,7 @@ namespace cosiva::aiv {
 ///
 /// Echoes count when they can lie within the body's width plus a margin on each side of the circuit's own curve ahead
 /// of the estimated position, along the vehicle's route: on an arc the corridor bends, and the neighbouring lane stays
-/// outside.
+/// outside. Invariant: the corridor is at least as wide as the body, and an echo lies within its own beam.
 class Corridor {
  public:
   struct Model {
@@ -61,7 +61,7 @@ class Corridor {
   PathLookAhead look_ahead_;
 };
 
-/// The median of the last three frames: neither one missed echo nor one false echo changes the agent's decision.
+/// The last three frames' median: one missed or false echo changes no decision. Invariant: two frames on either side.
 class ObstacleFilter {
  public:
   /// @param travelled_m  the vehicle's own odometer, so that old frames stay comparable while it drives

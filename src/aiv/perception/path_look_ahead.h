@@ -12,7 +12,7 @@ namespace cosiva::aiv {
 
 /// The path ahead of the vehicle as evenly spaced points in its body frame, and the position of other points relative
 /// to this path. Detected obstacles (Corridor) and bodies known from messages (PerceivedWorld) are evaluated by the
-/// same path. A body off the path drives straight to the position where it joins the path.
+/// same path. A body off the path drives straight to where it joins the path. Invariant: 0 < step < reach.
 class PathLookAhead {
  public:
   /// @param sample_m  between two points of the path

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::aiv {
 
 PerceivedWorld::PerceivedWorld(const zone::TrafficZone& zone, Model model)
@@ -31,6 +33,7 @@ void PerceivedWorld::age(SimTime now) {
 PerceivedWorld::Contact PerceivedWorld::first(SimTime now, const Outlook& outlook) {
   Contact contact;
   if (ahead_.bodies.empty()) return contact;
+  COSIVA_EXPECT(informed());
   gap_.update(outlook);
   const double carried_s = to_seconds(std::clamp(now - received_at_, SimDuration::zero(), model_.carry_max));
   for (const wire::Body& body : ahead_.bodies) {

@@ -15,7 +15,7 @@
 namespace cosiva::aiv {
 
 /// The virtual bodies near the vehicle's path, as received (wire::VirtualObstacles), and the distance to the first of
-/// them in the corridor that Corridor evaluates, too.
+/// them in the corridor that Corridor evaluates, too. Invariant: bodies are known only while a message is in force.
 class PerceivedWorld {
  public:
   struct Model {

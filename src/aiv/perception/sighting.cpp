@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::aiv {
 namespace {
 
@@ -46,6 +48,7 @@ wire::DetectedObstacleReport::Obstacle body_in_beams(const Corridor::Scan& scan,
 std::optional<wire::DetectedObstacleReport> Sighting::on_frame(SimTime now, const Corridor::Scan& scan,
                                                                const wire::Ranges& ranges, const Pose2& X_MS,
                                                                double reach_m) {
+  COSIVA_EXPECT(!there_ || (misses_ < misses_max && farewells_left_ == farewells));
   wire::DetectedObstacleReport detected;
   detected.clear_m = std::min(scan.ahead_m, reach_m);
   if (scan.ahead_m <= reported_m_max) {

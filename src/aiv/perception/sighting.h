@@ -19,7 +19,7 @@ namespace cosiva::aiv {
 
 /// Derives the vehicle's reports of obstacles on its path (wire::DetectedObstacleReport) from the frames of DOBS: a new
 /// obstacle at once, then ten times a second, and three times that there is none any more. One missing echo does not
-/// end a detection.
+/// end a detection. Invariant: an obstacle that is there has fewer than misses_max misses and all farewells left.
 class Sighting {
  public:
   static constexpr double reported_m_max = 1.0;  ///< obstacles further ahead are not reported

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <tuple>
 #include <utility>
+
+#include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
 namespace {
@@ -87,7 +90,10 @@ Neighbours::Verdict Neighbours::receive(SimTime now, const wire::V2xTopic& topic
     received_.erase(furthest);
   }
   const auto before = std::ranges::lower_bound(received_, name_of(intent), {}, by_name);
-  received_.insert(before, KnownIntent{std::move(received), now});
+  const auto added = received_.insert(before, KnownIntent{std::move(received), now});
+  COSIVA_EXPECT(received_.size() <= model_.count_max);
+  COSIVA_EXPECT(added == received_.begin() || by_name(*std::prev(added)) < by_name(*added));
+  COSIVA_EXPECT(std::next(added) == received_.end() || by_name(*added) < by_name(*std::next(added)));
   return Verdict::first;
 }
 

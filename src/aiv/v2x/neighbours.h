@@ -23,7 +23,7 @@ namespace cosiva::aiv {
 /// vehicle: its leader, and the other vehicle that requests its next crossing. Senders are not trusted: their clocks
 /// are not read, impossible messages are refused, and at most `count_max` are stored. Accepted intents may slow a
 /// vehicle down or let it approach a crossing at a better time; they never decide whether the vehicle may drive
-/// somewhere.
+/// somewhere. Invariant: at most count_max intents are stored, one of each sender, in the order of the senders' names.
 class Neighbours {
  public:
   struct Model {

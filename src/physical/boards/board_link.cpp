@@ -1,6 +1,7 @@
 #include "cosiva/physical/boards/board_link.h"
 
 #include "cosiva/base/digest.h"
+#include "cosiva/base/expect.h"
 
 namespace cosiva::physical {
 namespace {
@@ -19,6 +20,7 @@ bool Every::take(SimTime now) {
   if (!due(now)) return false;
   next_ += period_;
   if (next_ <= now) next_ = now + period_;
+  COSIVA_EXPECT(!due(now));
   return true;
 }
 
@@ -47,6 +49,7 @@ const std::vector<wire::BoardMessage>& BoardLink::receive(std::string_view bytes
 
 void BoardLink::tick(SimTime now, std::string& out) {
   const bool heartbeat = heartbeat_.take(now);
+  COSIVA_EXPECT(connected_ || !fresh_);
   if (!connected_) return;
   // The line's content from before the connection must not run into the first frame.
   if (fresh_) out.push_back('\0');

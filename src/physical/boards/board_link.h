@@ -11,7 +11,7 @@
 
 namespace cosiva::physical {
 
-/// Reports when a periodic task is due. A late task does not catch up in a burst.
+/// Reports when a periodic task is due. A late task does not catch up in a burst. Invariant: taken, it is not due.
 class Every {
  public:
   explicit Every(SimDuration period) : period_{period} {}
@@ -27,7 +27,7 @@ class Every {
 
 /// The behaviour that all boards have in common (A18): identification at power-up and on a new connection, a heartbeat
 /// 10 times a second, frame numbering, and a count of damaged frames received. Sans-IO: bytes in, bytes appended to
-/// `out`.
+/// `out`. Invariant: only a connected board has a fresh connection.
 class BoardLink {
  public:
   explicit BoardLink(wire::Board board);

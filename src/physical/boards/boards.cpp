@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::physical {
 namespace {
 
@@ -92,6 +94,7 @@ void DobsBoard::tick(SimTime now, std::span<const double, beams> range_m, std::s
   link_.tick(now, out);
   if (!scan_.take(now)) return;
   auto& ranges = std::get<wire::Ranges>(ranges_);
+  COSIVA_EXPECT(ranges.range_mm.size() == beams);
   ranges.board_ms = link_.board_ms(now);
   for (std::size_t i = 0; i < beams; ++i)
     ranges.range_mm[i] = range_m[i] < 0.0 ? wire::no_echo : quantise<std::uint16_t>(range_m[i], 1e-3);

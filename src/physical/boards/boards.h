@@ -69,7 +69,7 @@ class PravBoard {
   std::string display_;
 };
 
-/// Obstacle ranging (A17): a fan of sectors in front of the body, 60 ms apart, the time that the echoes need.
+/// Obstacle ranging (A17): a fan of sectors in front, 60 ms apart as echoes need. Invariant: one range for each beam.
 class DobsBoard {
  public:
   static constexpr std::size_t beams = 13;

@@ -5,6 +5,8 @@
 #include <numeric>
 #include <utility>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::physical {
 
 bool touch(const BodyPose& a, const BodyPose& b, const zone::VehicleShape& shape) {
@@ -40,6 +42,7 @@ void CollisionWatch::sort_by_x(std::span<const BodyPose> vehicles) {
     for (std::size_t j = i; j > 0 && vehicles[by_x_[j]].X_MB.x_m < vehicles[by_x_[j - 1]].X_MB.x_m; --j)
       std::swap(by_x_[j], by_x_[j - 1]);
   }
+  COSIVA_EXPECT(std::ranges::is_sorted(by_x_, {}, [&](std::size_t i) { return vehicles[i].X_MB.x_m; }));
 }
 
 void CollisionWatch::detect_contacts(std::span<const BodyPose> vehicles, std::span<const Obstacle> obstacles,

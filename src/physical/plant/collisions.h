@@ -14,7 +14,7 @@ namespace cosiva::physical {
 [[nodiscard]] bool touch(const BodyPose& a, const BodyPose& b, const zone::VehicleShape& shape);
 [[nodiscard]] bool touch(const BodyPose& body, const Disc& disc, const zone::VehicleShape& shape);
 
-/// Monitors all bodies and reports each contact once, when it begins; a new contact after a separation counts again.
+/// Reports each contact of two bodies once, when it begins; also again later. Invariant: compared in the order of x.
 class CollisionWatch {
  public:
   /// Two bodies by number: vehicles 0 … n−1 in order, obstacles by their key with the highest bit set.

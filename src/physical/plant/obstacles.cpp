@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <charconv>
+#include <functional>
+
+#include "cosiva/base/expect.h"
 
 namespace cosiva::physical {
 namespace {
@@ -94,6 +97,8 @@ std::string Obstacles::name_of(CollisionWatch::BodyKey key) const {
 }
 
 void Obstacles::record_discs() {
+  COSIVA_EXPECT(all_.size() <= count_max);
+  COSIVA_EXPECT(std::ranges::adjacent_find(all_, std::ranges::greater_equal{}, &Obstacle::id) == all_.end());
   discs_.clear();
   for (const Obstacle& obstacle : all_) discs_.push_back({obstacle.key, obstacle.disc});
 }

@@ -16,7 +16,7 @@
 
 namespace cosiva::physical {
 
-/// The obstacles that instruments put into the emulated plant: round objects with a name.
+/// The obstacles that instruments put into the emulated plant: round objects. Invariant: each has its own name.
 class Obstacles {
  public:
   static constexpr std::size_t count_max = 1000;

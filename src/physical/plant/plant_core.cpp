@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/physical/plant/collisions.h"
@@ -58,6 +59,7 @@ std::optional<PortAddress> parse_port(std::string_view name) {
 
 }  // namespace
 
+/// Invariant: there is one body pose for each vehicle, taken after the last motion.
 struct PlantCore::Impl {
   Impl(PlantOptions given, const zone::Rtm& read, const std::vector<zone::TrackPosition>& positions)
       : options{std::move(given)},
@@ -235,6 +237,7 @@ void PlantCore::Impl::power_up(SimTime at) {
 }
 
 void PlantCore::Impl::record_bodies() {
+  COSIVA_EXPECT(bodies.size() == vehicles.size());
   for (std::size_t i = 0; i < vehicles.size(); ++i) bodies[i] = vehicles[i].motion().body();
 }
 

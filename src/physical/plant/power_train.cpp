@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/battery/cell_table.h"
 #include "cosiva/battery/type_json.h"
 
@@ -101,6 +102,7 @@ void PowerTrain::change(const BatteryChange& change) {
 
 void PowerTrain::draw(double energy_j, double dt_s) {
   load_w_ = cut_off_ ? 0.0 : load_factor_ * (cart_.idle_w + energy_j / dt_s);
+  COSIVA_EXPECT(load_w_ >= 0.0);
   const battery::PackStep step = pack_.draw_power(load_w_, cart_.ambient_c, dt_s);
   if (load_w_ > 0.0 && step.event != battery::PackEvent::none) cut_off_ = true;
   measured_ = monitor_.measure(step.voltage_v, step.current_a, pack_.temperature_c());

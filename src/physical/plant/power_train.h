@@ -44,7 +44,7 @@ struct BatteryChange {
 [[nodiscard]] Result<BatteryChange> battery_change_from_json(const JsonValue& json);
 
 /// A vehicle's battery, RALI's monitor on it, and its gauge. The gauge is given the monitor's readings and nothing
-/// else.
+/// else. Invariant: the load is not negative: no energy is recovered.
 class PowerTrain {
  public:
   /// With the usual battery: two lithium-polymer cells of 2.2 Ah in series, full.

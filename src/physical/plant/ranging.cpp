@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::physical {
 namespace {
 
 constexpr double no_range = -1.0;
+constexpr double rounding_m = 1e-9;
 
 double cross(Point2 a, Point2 b) { return a.x_m * b.y_m - a.y_m * b.x_m; }
 double dot(Point2 a, Point2 b) { return a.x_m * b.x_m + a.y_m * b.y_m; }
@@ -37,6 +40,7 @@ Point2 RangeFan::to_sensor(Point2 p_M) const {
 
 void RangeFan::take(std::size_t beam, double range_m) {
   if (range_m > DobsBoard::reach_m) return;
+  COSIVA_EXPECT(range_m > -rounding_m);
   if (scan_[beam] < 0.0 || range_m < scan_[beam]) scan_[beam] = range_m;
 }
 

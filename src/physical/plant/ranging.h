@@ -15,7 +15,7 @@ namespace cosiva::physical {
 using Scan = std::array<double, DobsBoard::beams>;
 
 /// What DOBS measures, before noise: per beam the nearest point of any body inside the beam's sector, within reach. The
-/// sensor is in the centre of the body's front.
+/// sensor is in the centre of the body's front. Invariant: an echo's range is not negative and within reach.
 class RangeFan {
  public:
   explicit RangeFan(const zone::VehicleShape& shape);

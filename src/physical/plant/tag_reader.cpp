@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::physical {
 namespace {
 
@@ -82,6 +84,7 @@ void TagReader::move(SimTime now, zone::TrackPosition track_position, Point2 fro
     if (known) continue;
     enter(now, entry.number, readings);
     in_field_.push_back({entry.number, entry.position});
+    COSIVA_EXPECT(std::ranges::count(in_field_, entry.number, &InField::number) == 1);
   }
   std::erase_if(in_field_, [&](const InField& tag) { return distance(tag.position, to) > reach_m; });
 }

@@ -43,7 +43,7 @@ struct TagReaderNoise {
 };
 
 /// PRAV's RFID module: reads each tag once per passing, when the tag enters the field of the antenna under the body's
-/// centre; the module is ready for the same tag again when the tag has left the field.
+/// centre; ready for the same tag again when the tag has left the field. Invariant: a tag in the field counts once.
 class TagReader {
  public:
   struct Reading {

@@ -38,7 +38,7 @@ struct DriveCommand {
 ///     ṡ = v cos ψ / (1 − κ e),   ė = v sin ψ,   ψ̇ = ω − κ ṡ,
 /// with ω from a proportional-derivative steering on the line sensors' readings, plus the known curvature. Where the
 /// next section leaves at an angle the body stops at the joint and turns on the spot. When the floor under it is
-/// replaced the body stays in place, off-path until a seek has brought it onto a path (docs/protocols/module-link.md).
+/// replaced (invariant: at standstill) the body stays, off-path until a seek succeeds (docs/protocols/module-link.md).
 class LineVehicle {
  public:
   /// @param circuit  must outlive this

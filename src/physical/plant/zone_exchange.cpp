@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/wire/messages/topics.h"
 #include "cosiva/zone/edit/edit.h"
 
@@ -28,6 +29,7 @@ void ZoneExchange::on_link(bool up, SimTime at) {
 void ZoneExchange::tick(SimTime at, wire::Effects& effects) {
   if (!listens_until_ || at < *listens_until_) return;
   listens_until_.reset();
+  COSIVA_EXPECT(publish_ || !due_);
   if (due_) publish(effects);
 }
 

@@ -14,7 +14,7 @@
 namespace cosiva::physical {
 
 /// The zone's configuration between the plant and the broker. The plant publishes its own, retained, and adopts later
-/// changes: other tags, beacons or priorities on the same sections, or, while the plant runs, another zone.
+/// edits, or another zone while the plant runs. Invariant: a plant that publishes no zone never owes one.
 class ZoneExchange {
  public:
   /// A plant whose link was established waits so long before it publishes its own zone: retained messages arrive in a

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <set>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/physical/vision/table.h"
 
@@ -68,6 +69,7 @@ std::vector<FloorPoint> BoardReader::points() const {
     constexpr std::array<Point2, 4> square{Point2{-0.5, -0.5}, Point2{0.5, -0.5}, Point2{0.5, 0.5}, Point2{-0.5, 0.5}};
     for (std::size_t i = 0; i < 4; ++i) {
       const Point2 floor = tag.X_MT * Point2{square[i].x_m * tag.side_m, square[i].y_m * tag.side_m};
+      COSIVA_EXPECT(found->second.count > 0.0);
       const PixelPoint& sum = found->second.corners[i];
       points.push_back({floor, {sum.u / found->second.count, sum.v / found->second.count}});
     }

@@ -22,7 +22,7 @@ struct BoardTag {
 [[nodiscard]] Result<std::vector<BoardTag>> read_board(std::string_view text, const std::string& file);
 [[nodiscard]] std::string write_board(const std::vector<BoardTag>& board);
 
-/// Reads a board's corners from images of a camera that does not move.
+/// Reads a board's corners from images of a camera that does not move. Invariant: a sum has at least one image.
 class BoardReader {
  public:
   explicit BoardReader(const std::vector<BoardTag>& board);

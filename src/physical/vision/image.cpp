@@ -3,15 +3,18 @@
 #include <array>
 #include <optional>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::vision {
 namespace {
 
-/// The header's numbers, between white space and comments.
+/// The header's numbers, between white space and comments. Invariant: the position lies within the bytes.
 class Header {
  public:
   explicit Header(std::string_view bytes) : bytes_{bytes} {}
 
   std::optional<std::size_t> number() {
+    COSIVA_EXPECT(at_ <= bytes_.size());
     while (at_ < bytes_.size() && (is_blank(bytes_[at_]) || bytes_[at_] == '#')) {
       if (bytes_[at_] == '#')
         while (at_ < bytes_.size() && bytes_[at_] != '\n') ++at_;

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/text.h"
 #include "cosiva/physical/vision/table.h"
@@ -33,7 +34,7 @@ Result<void> check_distinct(const Table& table, std::size_t column, const std::s
 
 constexpr double degree_rad = pi / 180.0;
 
-/// Sums over one pose's samples.
+/// Sums over one pose's samples. Invariant: a mean is of at least one sample.
 class Stop {
  public:
   void add(const std::array<double, 4>& row) {
@@ -42,6 +43,7 @@ class Stop {
     ++count_;
   }
   [[nodiscard]] SurveyedPose mean(const Pose2& surveyed) const {
+    COSIVA_EXPECT(count_ > 0);
     const double n = static_cast<double>(count_);
     const double x = sum_[0] / n;
     const double y = sum_[1] / n;

@@ -27,7 +27,7 @@ struct Window {
 
 inline constexpr int tags_in_family = 587;
 
-/// Finds tags by libapriltag (BSD-2). The same image gives the same result.
+/// Finds tags by libapriltag (BSD-2). The same image gives the same result. Invariant: no search leaves the image.
 class TagFinder {
  public:
   TagFinder();

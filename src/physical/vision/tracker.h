@@ -35,7 +35,7 @@ struct TrackerOptions {
 
 /// Finds the vehicles in a sequence of images. A vehicle that was in the last image is searched at its predicted
 /// position, in a window at full resolution; an unknown vehicle, in one band of the image at a time (everywhere in the
-/// first image).
+/// first image). Invariant: the stamps of the images rise.
 class Tracker {
  public:
   Tracker(const Calibration& calibration, const TrackerOptions& options);

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "cosiva/aiv/motion/formulas.h"
+#include "cosiva/base/expect.h"
 #include "cosiva/base/time.h"
 #include "cosiva/base/vector_clones.h"
 #include "cosiva/virtual/fleet/spacing.h"
@@ -238,6 +239,7 @@ COSIVA_VECTOR_CLONES void lowest(const double* const* __restrict rows, std::size
 }
 
 /// The rules' outputs for `lanes` vehicles at a time, and the rows of the computation.
+/// Invariant: there is room for all outputs that the inputs decide.
 class Responses {
  public:
   Responses(const FleetRules& rules, bool more) : rules_{more ? rules.all : rules.usual} {
@@ -252,6 +254,7 @@ class Responses {
         known_ = lower(known_, *rules_.known(k));
       else
         responses_[open_++] = work_[rules_.row(k)];
+      COSIVA_EXPECT(open_ <= responses_.size());
     }
   }
   void response(Column& speed) {

@@ -65,7 +65,7 @@ struct VirtualObject {
 };
 
 /// The persons and obstacles that exist only virtually, in the order of their addition. Queries change nothing. The
-/// class knows no zone and checks no positions.
+/// class knows no zone and checks no positions. Invariant: each object has its own id, and there is a maximum of them.
 class Augmented {
  public:
   static constexpr std::size_t virtual_objects_max = 64;

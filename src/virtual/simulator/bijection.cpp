@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::virtual_side {
 namespace {
 
@@ -118,6 +120,7 @@ void BijectionMonitor::elapse(SimTime now) {
     watched_ += step;
     if (matched) matched_ += step;
     if (matched && contracts) held_ += step;
+    COSIVA_EXPECT(held_ <= matched_ && matched_ <= watched_);
   }
   elapsed_until_ = now;
 }

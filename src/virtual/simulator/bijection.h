@@ -53,7 +53,7 @@ inline constexpr std::size_t effect_kinds = 3;
 [[nodiscard]] std::string_view to_string(WorldEffect effect);
 
 /// Measures the quality of the bijection: matching, divergence, age, commands and events. The caller
-/// supplies all measurements and times.
+/// supplies all measurements and times. Invariant: contracts held only while the sides matched, in the time watched.
 class BijectionMonitor {
  public:
   using Entity = std::size_t;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
 
 namespace cosiva::virtual_side {
@@ -96,6 +97,7 @@ void DetectedObstacles::appear(std::string_view vehicle, SimTime now, Point2 at,
   obstacle.last = now;
   obstacle.sightings = 1;
   obstacles_.push_back(std::move(obstacle));
+  COSIVA_EXPECT(obstacles_.size() <= obstacles_max);
 }
 
 std::size_t DetectedObstacles::pass(std::string_view vehicle, SimTime now, const Pose2& X_MB, double length_m,

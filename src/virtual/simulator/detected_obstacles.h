@@ -30,7 +30,7 @@ struct DetectedObstacle {
 };
 
 /// Obstacles that vehicles report become twins; a twin is removed when its position is found free. Detections of one
-/// obstacle from several sides, and by several vehicles, are merged.
+/// obstacle from several sides, and by several vehicles, are merged. Invariant: at most obstacles_max are known.
 class DetectedObstacles {
  public:
   static constexpr double merge_within_m = 0.15;

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/zone/edit/edit.h"
 
@@ -59,6 +60,7 @@ Simulator::TwinId Simulator::appear(std::string id, std::uint32_t number, bool a
   }
   divergences_m_.push_back(0.0);
   twins_.emplace_back(std::move(id), number, extrapolate_max);
+  COSIVA_EXPECT(twins_.size() == entities_.size() && twins_.size() == divergences_m_.size());
   return twins_.size() - 1;
 }
 

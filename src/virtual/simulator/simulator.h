@@ -24,7 +24,7 @@ namespace cosiva::virtual_side {
 
 /// The virtual environment. The simulator receives a zone's configuration, instantiates the RTM, requests the circuit
 /// factory from the RTM and the circuit from the factory, and has the circuit draw itself (A23). The simulator owns the
-/// twins and the bijection monitor. Any circuit is handled without knowledge of its type (A19).
+/// twins, each with its divergence (invariant), and the monitor. The circuit may be of any type (A19).
 class Simulator {
  public:
   /// Called for each step of A23 and each appearance (A25) as a message between two components: from, to, kind,

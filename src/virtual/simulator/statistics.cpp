@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::virtual_side {
 namespace {
 
@@ -36,6 +38,7 @@ void Statistics::add(double value) {
   if (buckets_.empty()) {
     if (exact_.size() < exact_max) {
       exact_.push_back(value);
+      COSIVA_EXPECT(exact_.size() == count_);
       return;
     }
     buckets_.assign(bucket_count, 0);
@@ -87,6 +90,7 @@ void RecentP99::add(double value) {
   }
   over_[next_] = value > limit_;
   if (over_[next_]) ++over_count_;
+  COSIVA_EXPECT(over_count_ <= filled_ && filled_ <= over_.size());
   next_ = next_ + 1 == over_.size() ? 0 : next_ + 1;
 }
 

@@ -10,7 +10,7 @@ namespace cosiva::virtual_side {
 
 /// Count, mean, maximum and percentiles of a stream of numbers ≥ 0, in bounded memory and deterministically.
 /// Percentiles are exact for the first `exact_max` samples; after that a histogram of fixed buckets (64 per octave,
-/// from 2⁻²⁴ to 2²⁴) gives them within 0.8 %. Count, mean and maximum are always exact.
+/// from 2⁻²⁴ to 2²⁴) gives them within 0.8 %; the others are always exact. Invariant: either has all samples.
 class Statistics {
  public:
   static constexpr std::size_t exact_max = 2048;
@@ -37,7 +37,7 @@ class Statistics {
 void write_json(JsonWriter& json, const Statistics& statistics);
 
 /// Reports whether the p99 of the last `window` samples is above a limit, in constant time: this is the case exactly
-/// when more than 1 % of the samples are above the limit.
+/// when more than 1 % of them are above. Invariant: no more are above than there are, at most `window`.
 class RecentP99 {
  public:
   RecentP99(double limit, std::size_t window) : limit_{limit}, over_(window, false) {}

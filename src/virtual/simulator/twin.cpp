@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
 #include "cosiva/virtual/simulator/follow.h"
 
@@ -224,10 +225,12 @@ void Twin::measure_base(const zone::Circuit& circuit) {
   constexpr double far_m = 1e4;
   ahead_m_max_ = std::numeric_limits<double>::infinity();
   if (!base_end_) return;
-  if (circuit.shortest_route(*base_end_, position_, overshoot_m))
+  if (circuit.shortest_route(*base_end_, position_, overshoot_m)) {
     ahead_m_max_ = 0.0;
-  else if (const auto left = circuit.distance_ahead(position_, *base_end_, far_m, remaining(position_.section)))
+  } else if (const auto left = circuit.distance_ahead(position_, *base_end_, far_m, remaining(position_.section))) {
+    COSIVA_EXPECT(*left >= 0.0);
     ahead_m_max_ = *left;
+  }
 }
 
 void Twin::correct_from(const zone::Circuit* circuit, const Image& shown) {

@@ -30,7 +30,7 @@ struct MotionReport {
 /// extrapolated by dead reckoning.
 ///
 /// The twin is a closed form of the time since the last report. Queries of the pose change nothing, and a query for the
-/// time stamp of a new report gives the twin's prediction for this report.
+/// time stamp of a new report gives the prediction for that. Invariant: no end of a base pushes the twin backwards.
 class Twin {
  public:
   static constexpr SimDuration correction_time{std::chrono::milliseconds{300}};

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::virtual_side {
 
 void Antenna::put(const zone::TrafficZone& zone, zone::TrackPosition track_position, Point2 p) {
@@ -29,6 +31,7 @@ void Antenna::move(const zone::TrafficZone& zone, zone::TrackPosition from, zone
 }
 
 void Antenna::read_section(zone::SectionId section, Point2 p_from, Point2 p_to, std::vector<Reading>& readings) {
+  COSIVA_EXPECT(section < by_section_.size());
   for (const InReach& tag : by_section_[section]) enter(tag, p_from, p_to, readings);
 }
 

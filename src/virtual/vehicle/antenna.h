@@ -11,7 +11,7 @@
 namespace cosiva::virtual_side {
 
 /// The antenna under the body origin of a virtual AIV: reads each tag and beacon once, when it enters the field, and
-/// misses none.
+/// misses none. Invariant: the tags of each section of the zone are known.
 class Antenna {
  public:
   static constexpr double range_m = 0.020;  ///< the on-board program uses the same value

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cosiva/base/expect.h"
+
 namespace cosiva::virtual_side {
 namespace {
 
@@ -32,6 +34,7 @@ void SimulatedBoards::on_bytes(SimTime now, wire::Board board, std::string_view 
   Line& of = line(board);
   received_.clear();
   of.decoder.feed(bytes, received_);
+  COSIVA_EXPECT(of.decoder.counters().frames_bad == 0);
   for (const wire::BoardMessage& message : received_) {
     if (std::holds_alternative<wire::Hello>(message)) of.hello_due = true;
     const auto* drive = std::get_if<wire::Drive>(&message);

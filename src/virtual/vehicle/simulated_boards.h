@@ -16,7 +16,7 @@
 namespace cosiva::virtual_side {
 
 /// The boards of one virtual AIV, as its on-board program knows them: the frames of the module link in both directions.
-/// There are no wires, so nothing is ever lost or damaged.
+/// There are no wires. Invariant: no frame is damaged.
 class SimulatedBoards {
  public:
   /// The motors of PILS stop by themselves this long after the last Drive.

@@ -15,7 +15,7 @@ namespace cosiva::virtual_side {
 
 /// An AIV that exists on the virtual side only (A3): the unchanged agent of physical AIVs with simulated boards. The
 /// virtual AIV executes its commands exactly, reads tags and beacons like PRAV, and perceives everything else through
-/// VirtualObstacles, as physical AIVs do. Deterministic, without random numbers.
+/// VirtualObstacles, as physical AIVs do. Deterministic, without random numbers. Invariant: a zone is in force.
 class VirtualAiv {
  public:
   /// @param number  of its boards' ports; any, unique in the server

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/base/expect.h"
 #include "cosiva/zone/circuit/path_snap.h"
 #include "cosiva/zone/edit/edit.h"
 
@@ -60,6 +61,7 @@ void VirtualBody::move(const wire::Drive* drive, double dt_s, std::vector<Antenn
   if (next_ && is_stopped()) adopt_next_zone();
   if (drive != nullptr) branch_ = drive->branch;
   if (off_line_) return move_off_line(drive, dt_s);
+  COSIVA_EXPECT(!manoeuvre_);
   const double before_mps = speed_mps_;
   change_speed(drive, dt_s);
   const double wanted_m = 0.5 * (before_mps + speed_mps_) * dt_s;

@@ -15,7 +15,7 @@
 namespace cosiva::virtual_side {
 
 /// The body of a virtual AIV: executes the commands to PILS' motors exactly, on the path without any error, and off the
-/// path by the manoeuvres of a physical vehicle (docs/protocols/module-link.md).
+/// path by a physical vehicle's manoeuvres (docs/protocols/module-link.md). Invariant: no manoeuvre on the path.
 class VirtualBody {
  public:
   VirtualBody(std::shared_ptr<const zone::TrafficZone> zone, zone::TrackPosition start);
