@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "cosiva/base/text.h"
+#include "cosiva/battery/fit/discharge.h"
 #include "cosiva/battery/fit/log_checks.h"
 #include "cosiva/battery/fit/log_columns.h"
 
