@@ -3,8 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
 #include <string>
+
+#include "cosiva/base/math.h"
 
 #include "cosiva/aiv/testing/test_zone.h"
 
@@ -32,6 +35,11 @@ class Requested {
     s_m += step_m;
     estimating.on_odometry(now, {now, step_m, 0.0, 0.5, known ? std::optional{current_estimate()} : std::nullopt});
   }
+  /// A step that leads the vehicle elsewhere than along its section.
+  void step_with(double distance_m, double turn_rad, std::optional<Estimating::CurrentEstimate> estimate) {
+    now += milliseconds{20};
+    estimating.on_odometry(now, {now, distance_m, turn_rad, 0.5, std::move(estimate)});
+  }
   void read(zone::TagNumber number) { estimating.on_tag(number, now, *zone_, current_estimate().X_MB); }
   /// The response that is due now.
   std::optional<EstimateResponse> received() {
@@ -57,6 +65,7 @@ class Requested {
   zone::SectionId section{0};
   double s_m{0.1};
   double step_m{0.01};
+  std::uint32_t last_sequence{1};
   bool known{true};
 
  private:
@@ -196,6 +205,224 @@ TEST(BoardClock, dates_a_reading_correctly_whatever_the_delay_of_its_frame) {
   // The board counts from zero again.
   const SimTime again = power_up + milliseconds{5000};
   EXPECT_EQ(clock.stamp(again, 3), again);
+}
+
+TEST(Estimating, begins_where_the_vehicle_s_own_estimate_is_and_states_its_sensors) {
+  Requested vehicle;
+  vehicle.request_estimate(1, {"ekf"});
+  const EstimateResponse response = vehicle.response();
+  ASSERT_TRUE(response.start);
+  EXPECT_EQ(response.session, "q/1");
+  EXPECT_EQ(response.sequence, 1U);
+  EXPECT_EQ(response.timestamp, vehicle.now);
+  EXPECT_EQ(response.travelled_m, 0.0);
+  EXPECT_LT(distance(response.start->X_MB, vehicle.current_estimate().X_MB), 1e-12);
+  EXPECT_EQ(response.start->sigma_m, 0.0025) << "no position is better than a reading";
+  EXPECT_EQ(response.start->heading_sigma_rad, 0.02);
+  const estimation::SensorModel sensors = data_sheet();
+  EXPECT_EQ(response.start->sensors,
+            (wire::EstimateSensors{
+                sensors.distance_variance_per_m, sensors.turn_variance_per_m, sensors.turn_variance_per_rad,
+                sensors.distance_scale_sigma, sensors.turn_scale_sigma, sensors.fiducial_along_sigma_m,
+                sensors.fiducial_across_sigma_m, sensors.line_sigma_m, sensors.line_heading_sigma_rad}));
+  vehicle.request_estimate(1, {"ekf"}, "q/2");
+  auto uncertain = vehicle.current_estimate();
+  uncertain.sigma_m = 0.125;
+  vehicle.step_with(0.01, 0.0, uncertain);
+  EXPECT_EQ(vehicle.received()->start->sigma_m, 0.125);
+}
+
+TEST(Estimating, states_the_quality_of_the_data_sheet) {
+  const estimation::SensorModel sensors = data_sheet();
+  EXPECT_DOUBLE_EQ(std::sqrt(sensors.distance_variance_per_m), 0.003);
+  EXPECT_EQ(sensors.distance_scale_sigma, 0.005);
+  EXPECT_EQ(sensors.fiducial_along_sigma_m, 0.0025);
+  EXPECT_EQ(sensors.fiducial_across_sigma_m, 0.002);
+  EXPECT_EQ(sensors.line_sigma_m, 0.001);
+}
+
+TEST(Estimating, begins_off_every_path_without_section) {
+  Requested vehicle;
+  vehicle.request_estimate(1, {"ekf"});
+  auto off_path = vehicle.current_estimate();
+  off_path.position.reset();
+  vehicle.step_with(0.01, 0.0, off_path);
+  const auto response = vehicle.received();
+  ASSERT_TRUE(response && response->start);
+  EXPECT_FALSE(response->start->section);
+  EXPECT_EQ(response->start->along_m, 0.0);
+  vehicle.step_with(0.75, 0.0, off_path);
+  vehicle.request_estimate(2);
+  vehicle.step_with(0.75, 0.0, off_path);
+  EXPECT_THAT(vehicle.received()->fault, IsEmpty()) << "there is no loop to leave";
+}
+
+TEST(Estimating, reports_each_step_that_moves_or_turns_with_its_duration) {
+  Requested vehicle;
+  vehicle.request_estimate(1, {"ekf"});
+  vehicle.response();
+  const auto here = vehicle.current_estimate();
+  vehicle.step_with(0.0, 0.0, here);  // nothing has moved
+  vehicle.step_with(-0.25, 0.0, here);
+  vehicle.step_with(0.0, 0.125, here);
+  vehicle.step_with(0.5, 0.25, std::nullopt);  // the position is not known
+  vehicle.request_estimate(2);
+  vehicle.step_with(0.125, -0.5, here);
+  const auto response = vehicle.received();
+  ASSERT_TRUE(response);
+  EXPECT_DOUBLE_EQ(response->travelled_m, 0.375);
+  EXPECT_THAT(response->inputs,
+              ::testing::ElementsAre(EstimateResponse::Input{EstimateResponse::Odometry{-0.25, 0.0, 0.02}},
+                                     EstimateResponse::Input{EstimateResponse::Odometry{0.0, 0.125, 0.02}},
+                                     EstimateResponse::Input{EstimateResponse::Odometry{0.125, -0.5, 0.02}}));
+}
+
+TEST(Estimating, ends_the_session_of_a_vehicle_that_has_left_its_loop_by_more_than_half_a_metre) {
+  const auto fault_after = [](int steps) {
+    Requested vehicle;
+    vehicle.request_estimate(1, {"ekf"});
+    vehicle.response();
+    auto elsewhere = vehicle.current_estimate();
+    elsewhere.position->section = zone::no_section;
+    for (int i = 1; i < steps; ++i) vehicle.step_with(0.25, 0.0, elsewhere);
+    vehicle.request_estimate(2);
+    vehicle.step_with(0.25, 0.0, elsewhere);
+    return vehicle.received()->fault;
+  };
+  EXPECT_THAT(fault_after(2), IsEmpty()) << "half a metre";
+  EXPECT_THAT(fault_after(3), HasSubstr("left the loop"));
+}
+
+TEST(Estimating, ignores_requests_that_are_too_early_or_too_late) {
+  Requested vehicle;
+  vehicle.request_estimate(1, {"ekf"});
+  vehicle.response();
+  for (const std::uint32_t sequence : {0U, 3U, 7U}) {
+    vehicle.request_estimate(sequence);
+    vehicle.step();
+    EXPECT_FALSE(vehicle.received()) << sequence;
+  }
+  vehicle.request_estimate(2);
+  EXPECT_EQ(vehicle.response().sequence, 2U);
+}
+
+TEST(Estimating, ends_the_session_when_another_client_begins_one) {
+  Requested vehicle;
+  vehicle.request_estimate(1, {"ekf"}, "q/1");
+  vehicle.response();
+  vehicle.request_estimate(1, {"ekf"}, "q/2");
+  EXPECT_EQ(vehicle.response().session, "q/2");
+  vehicle.request_estimate(2, {}, "q/1");
+  const auto refused = vehicle.received();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->session, "q/1");
+  EXPECT_EQ(refused->timestamp, vehicle.now);
+  EXPECT_THAT(refused->fault, HasSubstr("client began a session"));
+}
+
+TEST(Estimating, ends_a_session_more_than_a_minute_after_its_last_request) {
+  Requested vehicle;
+  vehicle.step_m = 0.0;
+  vehicle.request_estimate(1, {"ekf"});
+  const SimTime requested = vehicle.now;
+  vehicle.response();
+  while (vehicle.now < requested + std::chrono::minutes{1}) vehicle.step();
+  EXPECT_TRUE(vehicle.estimating.busy());
+  vehicle.step();
+  EXPECT_FALSE(vehicle.estimating.busy());
+}
+
+TEST(Estimating, ends_a_session_whose_inputs_no_longer_fit_a_response) {
+  Requested vehicle;
+  vehicle.request_estimate(1, {"dead_reckoning"});
+  vehicle.response();
+  const auto here = vehicle.current_estimate();
+  const auto step = [&] {
+    vehicle.now += milliseconds{1};
+    vehicle.estimating.on_odometry(vehicle.now, {vehicle.now, 1e-6, 0.0, 0.5, here});
+  };
+  for (int i = 0; i < 4094; ++i) step();
+  EXPECT_TRUE(vehicle.estimating.busy());
+  vehicle.request_estimate(2);
+  step();
+  EXPECT_FALSE(vehicle.estimating.busy());
+  EXPECT_THAT(vehicle.received()->fault, HasSubstr("ended before its response"));
+}
+
+TEST(Estimating, reports_a_tag_at_the_rim_of_the_antenna_when_its_number_came_into_the_field) {
+  Requested vehicle;
+  vehicle.request_estimate(1, {"dead_reckoning"});
+  vehicle.response();
+  vehicle.step();  // the first step after the beginning gives the speed
+  const auto reading_of = [&](const Pose2& X_MB, milliseconds age) {
+    vehicle.estimating.on_tag(1, vehicle.now - age, lacet4(), X_MB);
+    vehicle.request_estimate(++vehicle.last_sequence);
+    const EstimateResponse response = vehicle.response();
+    for (const auto& input : response.inputs) {
+      if (const auto* reading = std::get_if<EstimateResponse::Reading>(&input)) return *reading;
+    }
+    return EstimateResponse::Reading{};
+  };
+  const Pose2 on_path = lacet4().circuit.pose_at(lacet4().find_tag(1)->position);
+  const auto turned = [&](double angle_rad) { return on_path * Pose2{0.0, 0.0, angle_rad}; };
+  // The rim is 2 cm in front; the number comes 20 ms later, in which the vehicle drives 1 cm.
+  const auto straight = reading_of(on_path, milliseconds{0});
+  EXPECT_LT(distance(straight.fiducial_M, position(on_path)), 1e-12);
+  EXPECT_NEAR(straight.detected_B.x_m, 0.02 - 0.5 * 0.02, 1e-12);
+  EXPECT_NEAR(reading_of(on_path, milliseconds{10}).detected_B.x_m, 0.02 - 0.5 * 0.03, 1e-12);
+  EXPECT_NEAR(reading_of(turned(1.0), milliseconds{0}).detected_B.x_m, 0.01, 1e-12) << "less than 60 degrees";
+  // No path leads in that direction: the mean over all points of entry is a quarter of pi times the antenna's range.
+  const auto across = reading_of(turned(1.1), milliseconds{0});
+  EXPECT_NEAR(across.detected_B.x_m, 0.25 * pi * 0.02 - 0.01, 1e-12);
+  EXPECT_EQ(across.detected_B.y_m, 0.0);
+}
+
+TEST(Estimating, ignores_readings_while_it_drives_backwards_or_is_not_in_a_session) {
+  Requested vehicle;
+  vehicle.read(1);  // no session
+  vehicle.request_estimate(1, {"ekf"});
+  vehicle.response();
+  vehicle.now += milliseconds{20};
+  vehicle.estimating.on_odometry(vehicle.now, {vehicle.now, -0.01, 0.0, -0.1, vehicle.current_estimate()});
+  vehicle.read(1);
+  vehicle.request_estimate(2);
+  EXPECT_THAT(vehicle.response().inputs, SizeIs(2)) << "odometry only";
+}
+
+TEST(Estimating, passes_the_seed_to_the_algorithms) {
+  const auto estimate = [](std::uint64_t seed) {
+    Requested vehicle;
+    vehicle.estimating.on_request(vehicle.now, {"q/1", 1, {"particles"}, seed, 50, 4});
+    vehicle.response();
+    for (int i = 0; i < 20; ++i) vehicle.step();
+    vehicle.request_estimate(2);
+    return vehicle.response().estimates.at(0).X_MB;
+  };
+  EXPECT_EQ(estimate(1), estimate(1));
+  EXPECT_NE(estimate(1), estimate(2));
+}
+
+TEST(BoardClock, drifts_by_at_most_a_ten_thousandth) {
+  BoardClock clock;
+  const SimTime power_up{std::chrono::hours{24}};
+  EXPECT_EQ(clock.stamp(power_up + milliseconds{1000}, 1000), power_up + milliseconds{1000});
+  // 101 s later with a delay of a second: the offset may have grown by 101 s / 10 000.
+  EXPECT_EQ(clock.stamp(power_up + milliseconds{102'000}, 101'000),
+            power_up + milliseconds{101'000} + std::chrono::microseconds{10'100});
+}
+
+TEST(BoardClock, takes_a_change_of_more_than_a_second_for_a_clock_that_was_set) {
+  const SimTime power_up{std::chrono::hours{24}};
+  const auto stamped_after = [&](SimDuration jump) {
+    BoardClock clock;
+    (void)clock.stamp(power_up, 1000);
+    // The board has counted nothing since; the program's clock has jumped.
+    return clock.stamp(power_up + jump, 1000) - power_up;
+  };
+  // The offset grows by a ten-thousandth of the jump before the two are compared.
+  EXPECT_EQ(stamped_after(std::chrono::seconds{1}), std::chrono::microseconds{100});
+  EXPECT_EQ(stamped_after(std::chrono::seconds{2}), std::chrono::seconds{2});
+  EXPECT_EQ(stamped_after(-std::chrono::seconds{1}), -std::chrono::seconds{1}) << "a smaller offset is always better";
 }
 
 }  // namespace
