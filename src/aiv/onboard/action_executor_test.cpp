@@ -104,7 +104,7 @@ TEST_F(ActionExecutorTest, refuses_a_message_that_it_cannot_read_or_that_is_for_
   EXPECT_EQ(reporter.warnings().all()[1].references,
             (std::vector<wire::Reference>{{"topic", "instantActions"}, {"headerId", "9"}}));
   EXPECT_TRUE(actions.book().states().empty());
-  EXPECT_FALSE(context.agent().holds().has(Hold::paused));
+  EXPECT_FALSE(context.vehicle().holds().has(Hold::paused));
 }
 
 TEST_F(ActionExecutorTest, performs_all_actions_of_a_message) {
@@ -169,13 +169,13 @@ TEST_F(ActionExecutorTest, takes_the_position_that_the_operator_gives) {
   expect_failure(action::init_position, with_map("attic"), "map 'attic' is not 'lacet4'");
   act(action::init_position, "any map", &context, with_map(""));
   EXPECT_EQ(last_status(), ActionStatus::finished);
-  EXPECT_NEAR(context.agent().position().pose().x_m, -0.5, 1e-9);
-  EXPECT_EQ(context.agent().order().last_node().node_id, "");
+  EXPECT_NEAR(context.vehicle().position().pose().x_m, -0.5, 1e-9);
+  EXPECT_EQ(context.vehicle().order().last_node().node_id, "");
   auto parameters = with_map("lacet4");
   parameters.push_back({"lastNodeId", std::string("east@190")});
   act(action::init_position, "this map", &context, parameters);
   EXPECT_EQ(last_status(), ActionStatus::finished);
-  EXPECT_EQ(context.agent().order().last_node().node_id, "east@190");
+  EXPECT_EQ(context.vehicle().order().last_node().node_id, "east@190");
   act(action::init_position, "off the circuit", &context, {{"x", 9.0}, {"y", 9.0}, {"theta", 0.0}});
   EXPECT_THAT(last_result(), HasSubstr("no path of 'lacet4' passes within 0.25 m"));
 }
@@ -271,30 +271,30 @@ TEST_F(ActionExecutorTest, backs_up_and_stops_backing_up) {
 
 TEST_F(ActionExecutorTest, ends_what_runs_as_soon_as_the_vehicle_no_longer_performs_it) {
   act(action::back_up, "back", &context, {{"distance", 0.25}});
-  actions.end_waits(context.agent());
+  actions.end_waits(context.vehicle());
   EXPECT_EQ(state_of("back").status, ActionStatus::running);
-  ASSERT_TRUE(context.agent().begin_back_up(0.0));
-  actions.end_waits(context.agent());
+  ASSERT_TRUE(context.vehicle().begin_back_up(0.0));
+  actions.end_waits(context.vehicle());
   EXPECT_EQ(state_of("back").status, ActionStatus::failed);
   EXPECT_EQ(state_of("back").result_description, "ended before the commanded distance");
 
-  ASSERT_TRUE(context.agent().take_order(test::order("O-1").through({"loop_se@0", "loop_se@283"})));
+  ASSERT_TRUE(context.vehicle().take_order(test::order("O-1").through({"loop_se@0", "loop_se@283"})));
   act(action::cancel_order, "cancel", &context);
   EXPECT_EQ(state_of("cancel").status, ActionStatus::running);
-  actions.end_waits(context.agent());
+  actions.end_waits(context.vehicle());
   EXPECT_EQ(state_of("cancel").status, ActionStatus::running);
   (void)context.agent().decide();  // the vehicle is stopped
-  actions.end_waits(context.agent());
+  actions.end_waits(context.vehicle());
   EXPECT_EQ(state_of("cancel").status, ActionStatus::finished);
   EXPECT_EQ(state_of("cancel").result_description, "");
 }
 
 TEST_F(ActionExecutorTest, ends_at_a_zone_switch_all_that_runs) {
-  ASSERT_TRUE(context.agent().take_order(test::order("O-1").through({"loop_se@0", "loop_se@283"})));
+  ASSERT_TRUE(context.vehicle().take_order(test::order("O-1").through({"loop_se@0", "loop_se@283"})));
   act(action::cancel_order, "cancel", &context);
   ASSERT_EQ(last_status(), ActionStatus::running);
   DrivingContext idle{lacet4(), {}};
-  idle.agent().estimator().position_at(test::at(lacet4(), "loop_se", 0.5));
+  idle.vehicle().estimator().position_at(test::at(lacet4(), "loop_se", 0.5));
   act(action::back_up, "back", &idle, {{"distance", 0.25}});
   ASSERT_EQ(last_status(), ActionStatus::running);
   actions.on_zone_switched();

@@ -53,10 +53,10 @@ TEST_F(DriveCycleTest, holds_for_a_fault_of_wheels_or_obstacle_sensor_only) {
     };
     report(1);
     cycle.run(SimTime{}, context, effects);
-    const bool held = context.agent().holds().has(Hold::board_faulty);
+    const bool held = context.vehicle().holds().has(Hold::board_faulty);
     report(0);
     cycle.run(SimTime{}, context, effects);
-    EXPECT_FALSE(context.agent().holds().has(Hold::board_faulty));
+    EXPECT_FALSE(context.vehicle().holds().has(Hold::board_faulty));
     return held;
   };
   EXPECT_TRUE(holds_for(wire::Board::PILS));
@@ -71,13 +71,13 @@ TEST_F(DriveCycleTest, takes_a_vehicle_whose_wheels_are_lost_for_stopped) {
   moving.speed_mmps = 400;
   context.agent().on_odometry(moving);
   cycle.run(SimTime{}, context, effects);
-  EXPECT_FALSE(context.agent().motion().stopped());
+  EXPECT_FALSE(context.vehicle().motion().stopped());
   supervision.forget_board(wire::Board::DOBS);
   cycle.run(SimTime{}, context, effects);
-  EXPECT_FALSE(context.agent().motion().stopped()) << "another board";
+  EXPECT_FALSE(context.vehicle().motion().stopped()) << "another board";
   supervision.forget_board(wire::Board::PILS);
   cycle.run(SimTime{}, context, effects);
-  EXPECT_TRUE(context.agent().motion().stopped());
+  EXPECT_TRUE(context.vehicle().motion().stopped());
 }
 
 }  // namespace

@@ -46,10 +46,10 @@ TEST(DrivingContextDeathTest, does_not_adopt_another_circuit) {
 
 TEST(DrivingContext, keeps_the_restrictions_of_the_agent_that_it_takes_over) {
   DrivingContext before{lacet4(), {}};
-  before.agent().vehicle().hold(Hold::paused, true);
+  before.vehicle().hold(Hold::paused, true);
   before.agent().instructions().imposed = Profile::slow;
   const DrivingContext after{lacet4(), {}, before.agent()};
-  EXPECT_TRUE(after.agent().vehicle().holds().has(Hold::paused));
+  EXPECT_TRUE(after.vehicle().holds().has(Hold::paused));
   EXPECT_EQ(after.agent().instructions().imposed, Profile::slow);
 }
 

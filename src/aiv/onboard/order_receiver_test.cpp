@@ -65,7 +65,7 @@ TEST_F(OrderReceiverTest, logs_each_new_order_and_no_update) {
   reporter.refuse("orderUpdateError", "order", "late", {}, effects);
   effects.clear();
   order(test::order("O-1", 1).from_sequence(2).through({"loop_se@283", "loop_se@565"}), &context);
-  EXPECT_EQ(context.agent().order().ids().order_update_id, 1U);
+  EXPECT_EQ(context.vehicle().order().ids().order_update_id, 1U);
   EXPECT_TRUE(effects.empty());
   EXPECT_TRUE(reporter.warnings().all().empty()) << "the update removes the warnings about its forerunners";
   order(test::order("O-1", 1).from_sequence(2).through({"loop_se@283", "loop_se@565"}), &context);
@@ -75,7 +75,7 @@ TEST_F(OrderReceiverTest, logs_each_new_order_and_no_update) {
 TEST_F(OrderReceiverTest, decides_at_once_where_the_cycle_is_long) {
   const auto commands = [&](SimDuration cycle) {
     DrivingContext fresh{lacet4(), {}};
-    fresh.agent().estimator().position_at(test::at(lacet4(), "loop_se", 0.0));
+    fresh.vehicle().estimator().position_at(test::at(lacet4(), "loop_se", 0.0));
     OrderReceiver receiver{{session, reporter, actions, drive_cycle, zones}, cycle};
     const auto count = [&](const wire::Order& order) {
       effects.clear();

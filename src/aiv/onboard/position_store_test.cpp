@@ -100,7 +100,7 @@ TEST_F(PositionStoreTest, uses_a_restored_position_up_to_100_m_away) {
     (void)positions.on_pils_hello(7);
     positions.find_position(fresh);
     const zone::TrackPosition start = test::at(lacet4(), "loop_se", 0.1);
-    return fresh.agent().position().track_position() != start;
+    return fresh.vehicle().position().track_position() != start;
   };
   EXPECT_TRUE(found(-100'000'000));
   EXPECT_TRUE(found(100'000'000));
@@ -114,10 +114,10 @@ TEST_F(PositionStoreTest, waits_for_the_first_reading_of_the_odometer) {
   positions.restore(saved(7), &unread);
   (void)positions.on_pils_hello(7);
   positions.find_position(unread);
-  EXPECT_FALSE(unread.agent().position().known());
+  EXPECT_FALSE(unread.vehicle().position().known());
   unread.agent().on_odometry({});
   positions.find_position(unread);
-  EXPECT_TRUE(unread.agent().position().known());
+  EXPECT_TRUE(unread.vehicle().position().known());
 }
 
 TEST_F(PositionStoreTest, restores_pause_and_profile_at_once) {
@@ -126,14 +126,14 @@ TEST_F(PositionStoreTest, restores_pause_and_profile_at_once) {
   persisted.imposed = Profile::slow;
   PositionStore positions{options};
   positions.restore(persisted, &context);
-  EXPECT_TRUE(context.agent().holds().has(Hold::paused));
+  EXPECT_TRUE(context.vehicle().holds().has(Hold::paused));
   EXPECT_EQ(context.agent().instructions().imposed, Profile::slow);
 
   PositionStore early{options};
   early.restore(persisted, nullptr);
   DrivingContext later{lacet4(), {}};
   early.on_first_zone(later, effects);
-  EXPECT_TRUE(later.agent().holds().has(Hold::paused));
+  EXPECT_TRUE(later.vehicle().holds().has(Hold::paused));
   EXPECT_EQ(later.agent().instructions().imposed, Profile::slow);
   EXPECT_TRUE(effects.empty());
 }
@@ -145,7 +145,7 @@ TEST_F(PositionStoreTest, reports_a_start_on_a_section_that_the_zone_does_not_ha
   ASSERT_EQ(effects.size(), 1U);
   EXPECT_EQ(std::get<wire::Log>(effects[0]), (wire::Log{'e', "start: no section 'moon' in zone 'lacet4'"}));
   positions.find_position(context);
-  EXPECT_FALSE(context.agent().position().known());
+  EXPECT_FALSE(context.vehicle().position().known());
   options.start.reset();
   PositionStore without{options};
   without.on_first_zone(context, effects);
@@ -153,7 +153,7 @@ TEST_F(PositionStoreTest, reports_a_start_on_a_section_that_the_zone_does_not_ha
 }
 
 TEST_F(PositionStoreTest, keeps_a_known_position) {
-  context.agent().estimator().position_at(test::at(lacet4(), "loop_se", 0.7));
+  context.vehicle().estimator().position_at(test::at(lacet4(), "loop_se", 0.7));
   PositionStore positions{options};
   positions.restore(saved(7), &context);
   (void)positions.on_pils_hello(7);
@@ -174,29 +174,29 @@ TEST_F(PositionStoreTest, preserves_a_position_in_another_zone_until_that_zone_i
   DrivingContext there{other, {}};
   there.agent().on_odometry({});
   positions.on_zone_switched(there);
-  ASSERT_TRUE(there.agent().position().known());
-  EXPECT_DOUBLE_EQ(there.agent().position().track_position().s_m, 0.4);
+  ASSERT_TRUE(there.vehicle().position().known());
+  EXPECT_DOUBLE_EQ(there.vehicle().position().track_position().s_m, 0.4);
 }
 
 TEST_F(PositionStoreTest, does_not_begin_at_the_configured_start_after_a_zone_switch) {
   PositionStore positions{options};
   positions.on_zone_switched(context);
   positions.find_position(context);
-  EXPECT_FALSE(context.agent().position().known());
+  EXPECT_FALSE(context.vehicle().position().known());
 }
 
 TEST_F(PositionStoreTest, of_the_new_zone_replaces_a_pose_only_where_the_vehicle_has_not_moved) {
   const auto replaced = [&](std::int64_t odometer_um) {
     DrivingContext there{lacet4(), {}};
     there.agent().on_odometry({});
-    there.agent().estimator().position_at(test::at(lacet4(), "loop_se", 0.7));
+    there.vehicle().estimator().position_at(test::at(lacet4(), "loop_se", 0.7));
     PersistedPosition persisted = saved(7);
     persisted.odometer_um = odometer_um;
     PositionStore positions{options};
     positions.restore(persisted, nullptr);
     (void)positions.on_pils_hello(7);
     positions.on_zone_switched(there);
-    return there.agent().position().track_position().s_m < 0.6;
+    return there.vehicle().position().track_position().s_m < 0.6;
   };
   EXPECT_TRUE(replaced(0));
   EXPECT_TRUE(replaced(-5'000));
@@ -229,7 +229,7 @@ struct RestoredPose : PositionStoreTest {
     positions.restore(persisted, &fresh);
     (void)positions.on_pils_hello(7);
     positions.find_position(fresh);
-    return fresh.agent().position().known();
+    return fresh.vehicle().position().known();
   }
 };
 
@@ -266,8 +266,8 @@ TEST_F(PositionStoreTest, restores_a_pose_off_the_path_unless_the_vehicle_has_mo
     positions.restore(persisted, &fresh);
     (void)positions.on_pils_hello(7);
     positions.find_position(fresh);
-    if (!fresh.agent().position().pose_known()) return std::nullopt;
-    return fresh.agent().position().pose();
+    if (!fresh.vehicle().position().pose_known()) return std::nullopt;
+    return fresh.vehicle().position().pose();
   };
   EXPECT_EQ(restored(0), (Pose2{3.0, 4.0, 0.5}));
   EXPECT_TRUE(restored(5'000));
@@ -323,9 +323,9 @@ TEST_F(PositionStoreTest, saves_as_soon_as_the_vehicle_stops) {
   };
   EXPECT_EQ(saved_at(0, 50), 1U);
   EXPECT_EQ(saved_at(10, 0), 0U);
-  EXPECT_FALSE(context.agent().motion().stopped());
+  EXPECT_FALSE(context.vehicle().motion().stopped());
   EXPECT_EQ(saved_at(20, 0), 1U);
-  EXPECT_TRUE(context.agent().motion().stopped());
+  EXPECT_TRUE(context.vehicle().motion().stopped());
   EXPECT_EQ(saved_at(30, 0), 0U) << "the vehicle was stopped before";
 }
 
@@ -338,7 +338,7 @@ TEST_F(PositionStoreTest, saves_nothing_before_position_session_and_odometer_are
   PositionStore positions{options};
   (void)positions.on_pils_hello(7);
   DrivingContext unread{lacet4(), {}};
-  unread.agent().estimator().position_at(test::at(lacet4(), "loop_se", 0.1));
+  unread.vehicle().estimator().position_at(test::at(lacet4(), "loop_se", 0.1));
   positions.save_now(unread, effects);
   EXPECT_TRUE(effects.empty()) << "no reading of the odometer";
   unread.agent().on_odometry({});
@@ -357,7 +357,7 @@ TEST_F(PositionStoreTest, saves_all_that_the_next_program_needs) {
   wire::Odometry odometry{};
   odometry.distance_um = 25'000;
   context.agent().on_odometry(odometry);
-  context.agent().hold(Hold::paused, true);
+  context.vehicle().hold(Hold::paused, true);
   context.agent().instructions().imposed = Profile::fast;
   positions.save_now(context, effects);
   ASSERT_EQ(effects.size(), 1U);
@@ -370,7 +370,7 @@ TEST_F(PositionStoreTest, saves_all_that_the_next_program_needs) {
   EXPECT_EQ(written->session, 7U);
   EXPECT_TRUE(written->paused);
   EXPECT_EQ(written->imposed, Profile::fast);
-  EXPECT_EQ(written->pose, context.agent().position().pose());
+  EXPECT_EQ(written->pose, context.vehicle().position().pose());
   EXPECT_FALSE(written->off_path);
   EXPECT_FALSE(written->manoeuvre);
   EXPECT_FALSE(written->next) << "no order leads anywhere";
@@ -380,7 +380,7 @@ TEST_F(PositionStoreTest, saves_all_that_the_next_program_needs) {
 TEST_F(PositionStoreTest, saves_a_vehicle_away_from_all_paths_as_off_path) {
   PositionStore positions{options};
   (void)positions.on_pils_hello(7);
-  context.agent().estimator().set_off_path({3.0, 4.0, 0.5});
+  context.vehicle().estimator().set_off_path({3.0, 4.0, 0.5});
   positions.save_now(context, effects);
   ASSERT_EQ(effects.size(), 1U);
   const auto written = persisted_position_from_json(std::get<wire::Persist>(effects[0]).bytes);

@@ -32,7 +32,7 @@ struct ReportTest : ::testing::Test {
   std::optional<wire::Power> power{wire::Power{7412, 300, 250, 789}};
 
   ReportTest() {
-    agent.estimator().position_at(test::at(lacet4(), "loop_se", 0.0));
+    agent.vehicle().estimator().position_at(test::at(lacet4(), "loop_se", 0.0));
     for (const Board board : wire::all_boards) supervision.on_board_message(now, board);
   }
   [[nodiscard]] ReportSources sources(bool with_agent = true) const {
@@ -59,10 +59,11 @@ TEST_F(ReportTest, of_a_vehicle_in_order_has_no_errors) {
   EXPECT_FALSE(reported.field_violation);
   EXPECT_EQ(reported.distance_since_last_node_m, std::nullopt) << "there is no last node";
   ASSERT_TRUE(reported.position);
-  EXPECT_EQ(reported.position->pose, agent.position().pose());
+  EXPECT_EQ(reported.position->pose, agent.vehicle().position().pose());
   EXPECT_EQ(reported.position->map_id, "lacet4");
   EXPECT_TRUE(reported.position->position_initialized);
-  EXPECT_DOUBLE_EQ(*reported.position->deviation_range_m, 2.0 * agent.position().on_path_estimator().sigma_m());
+  EXPECT_DOUBLE_EQ(*reported.position->deviation_range_m,
+                   2.0 * agent.vehicle().position().on_path_estimator().sigma_m());
   EXPECT_EQ(reported.velocity, wire::Velocity{});
   EXPECT_NEAR(reported.battery.charge_percent, 78.9, 1e-9);
   EXPECT_DOUBLE_EQ(*reported.battery.voltage_v, 7.412);
@@ -72,13 +73,13 @@ TEST_F(ReportTest, of_a_vehicle_in_order_has_no_errors) {
 }
 
 TEST_F(ReportTest, names_each_condition_that_keeps_the_vehicle_from_driving) {
-  agent.hold(Hold::server_lost, true);
+  agent.vehicle().hold(Hold::server_lost, true);
   EXPECT_THAT(errors(), ElementsAre("serverLost"));
-  agent.hold(Hold::line_lost, true);
+  agent.vehicle().hold(Hold::line_lost, true);
   EXPECT_THAT(errors(), ElementsAre("serverLost", "lineLost"));
-  agent.hold(Hold::server_lost, false);
+  agent.vehicle().hold(Hold::server_lost, false);
   EXPECT_THAT(errors(), ElementsAre("lineLost"));
-  agent.hold(Hold::line_lost, false);
+  agent.vehicle().hold(Hold::line_lost, false);
   refused = "a zone was announced";
   EXPECT_THAT(errors(), ElementsAre("zoneError"));
   EXPECT_EQ(state().errors[0].description, "a zone was announced");
@@ -96,7 +97,7 @@ TEST_F(ReportTest, distinguishes_an_unknown_position_from_one_away_from_all_path
     return all;
   };
   EXPECT_THAT(types(), ElementsAre("positionUnknown"));
-  lost.estimator().set_off_path({9.0, 9.0, 0.0});
+  lost.vehicle().estimator().set_off_path({9.0, 9.0, 0.0});
   EXPECT_THAT(types(), ElementsAre("offCircuit"));
 }
 
@@ -142,7 +143,8 @@ TEST_F(ReportTest, states_the_uncertainty_of_a_gauge_and_whether_only_a_full_cha
 }
 
 TEST_F(ReportTest, describes_the_order_and_the_action_states) {
-  ASSERT_TRUE(agent.take_order(test::order("O-1", 0).through({"loop_se@0", "loop_se@283"}).then({"loop_se@565"})));
+  ASSERT_TRUE(
+      agent.vehicle().take_order(test::order("O-1", 0).through({"loop_se@0", "loop_se@283"}).then({"loop_se@565"})));
   ASSERT_TRUE(actions.begin({"stateRequest", "a", "", wire::BlockingType::none, {}}));
   const wire::State reported = state();
   EXPECT_EQ(reported.order_id, "O-1");
@@ -153,7 +155,7 @@ TEST_F(ReportTest, describes_the_order_and_the_action_states) {
   EXPECT_EQ(reported.distance_since_last_node_m, 0.0);
   EXPECT_THAT(reported.action_states,
               ElementsAre(wire::ActionState{"a", "stateRequest", wire::ActionStatus::waiting, ""}));
-  agent.hold(Hold::paused, true);
+  agent.vehicle().hold(Hold::paused, true);
   EXPECT_TRUE(state().paused);
 }
 
@@ -202,9 +204,9 @@ TEST_F(ReportTest, flags_change_with_what_the_server_has_to_know_at_once) {
   EXPECT_EQ(flags_of(sources()).charge_percent, 77);
   power->charge_permille = 789;
 
-  agent.hold(Hold::paused, true);
+  agent.vehicle().hold(Hold::paused, true);
   EXPECT_NE(flags_of(sources()).holds, before.holds);
-  agent.hold(Hold::paused, false);
+  agent.vehicle().hold(Hold::paused, false);
 
   wire::Odometry moving{};
   moving.speed_mmps = 400;

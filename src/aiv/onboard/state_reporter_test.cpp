@@ -126,7 +126,7 @@ TEST_F(StateReporterTest, publishes_the_visualization_in_its_period_once_the_pos
     return effects.size();
   };
   EXPECT_EQ(published_at(0), 0U);
-  context.agent().estimator().position_at(test::at(test::lacet4(), "loop_se", 0.5));
+  context.vehicle().estimator().position_at(test::at(test::lacet4(), "loop_se", 0.5));
   EXPECT_EQ(published_at(99), 0U);
   EXPECT_EQ(published_at(100), 1U);
   EXPECT_EQ(std::get<wire::Publish>(effects[0]).topic, session.topics().visualization);

@@ -71,7 +71,7 @@ TEST_F(V2xParticipantTest, changes_its_cell_more_than_30_cm_outside) {
   // lacet4's "east" leads along y = -0.15 m, from x = -0.75 m to 0.75 m: out of the cell -1, -1 at x = 0.
   DrivingContext there{lacet4(), {}};
   const auto changes_at = [&](double x_m) {
-    there.agent().estimator().set_off_path({x_m, -0.15, 0.0});
+    there.vehicle().estimator().set_off_path({x_m, -0.15, 0.0});
     return v2x.update_cell(there);
   };
   EXPECT_TRUE(changes_at(-0.1));
@@ -87,7 +87,7 @@ TEST_F(V2xParticipantTest, changes_its_cell_with_the_map) {
   zone::TrafficZone other = lacet4();
   other.name = "other";
   DrivingContext there{other, {}};
-  there.agent().estimator().position_at(test::at(lacet4(), "loop_se", 0.5));
+  there.vehicle().estimator().position_at(test::at(lacet4(), "loop_se", 0.5));
   EXPECT_TRUE(v2x.update_cell(there));
   EXPECT_NE(v2x.filters(), before);
 }
@@ -101,7 +101,7 @@ struct V2xNeighbourTest : V2xParticipantTest {
     other.timestamp = virtual_epoch;
     other.map_id = "lacet4";
     other.vehicle = {"CoSiVA", serial_number};
-    other.pose = context.agent().position().pose();
+    other.pose = context.vehicle().position().pose();
     return other;
   }
   /// The lines that are logged.
@@ -194,7 +194,7 @@ TEST_F(V2xNeighbourTest, publishes_its_name_and_its_priority_in_the_zone) {
   zone::TrafficZone zone = lacet4();
   zone.priorities = {{"CoSiVA/AIV1", 7}};
   DrivingContext there{zone, {}};
-  there.agent().estimator().position_at(test::at(lacet4(), "loop_se", 0.5));
+  there.vehicle().estimator().position_at(test::at(lacet4(), "loop_se", 0.5));
   v2x.publish_intent(SimTime{}, there, session, effects);
   ASSERT_EQ(effects.size(), 1U);
   const auto published = wire::intent_from_json(std::get<wire::Publish>(effects[0]).payload);
