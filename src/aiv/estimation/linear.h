@@ -1,7 +1,8 @@
 #pragma once
 
-// The only include of Eigen. Its results must be the same on every machine: no vector instructions (their width, and
-// fused multiply-adds, change the last bits), no threads. Nothing under another licence than MPL-2.0 comes in.
+// The only include of Eigen but that of base/least_squares.cpp. Its results must be the same on every machine: no
+// vector instructions (their width, and fused multiply-adds, change the last bits), no threads. Nothing under another
+// licence than MPL-2.0 comes in.
 #define EIGEN_MPL2_ONLY
 #define EIGEN_DONT_VECTORIZE
 #define EIGEN_DONT_PARALLELIZE

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include "cosiva/base/least_squares.h"
 #include "cosiva/base/math.h"
 #include "cosiva/battery/fit/discharge.h"
-#include "cosiva/battery/fit/least_squares.h"
 #include "cosiva/battery/fit/predict.h"
 
 namespace cosiva::battery {
@@ -55,70 +55,68 @@ Hat hat_of(const std::vector<double>& knots, double charge) {
 
 /// The unknowns, n of each: OCV at the first knot and its growth to each next, R0, R1, R2. One row of the design matrix
 /// for each sample: the pairs' rows are the hats' own currents, filtered.
-Eigen::MatrixXd design_matrix(const Problem& problem, double fast_s, double slow_s) {
-  const auto n = static_cast<Eigen::Index>(problem.charge.size());
-  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(problem.points.size()), 4 * n);
-  Eigen::VectorXd fast = Eigen::VectorXd::Zero(n);
-  Eigen::VectorXd slow = Eigen::VectorXd::Zero(n);
-  for (std::size_t k = 0; k < problem.points.size(); ++k) {
-    const Point& point = problem.points[k];
-    const auto row = static_cast<Eigen::Index>(k);
+Matrix design_matrix(const Problem& problem, double fast_s, double slow_s) {
+  const std::size_t n = problem.charge.size();
+  Matrix matrix{problem.points.size(), 4 * n};
+  std::vector<double> fast(n, 0.0);
+  std::vector<double> slow(n, 0.0);
+  for (std::size_t row = 0; row < problem.points.size(); ++row) {
+    const Point& point = problem.points[row];
     const Hat hat = hat_of(problem.charge, point.charge);
-    const auto i = static_cast<Eigen::Index>(hat.i);
     if (point.first) {
-      fast.setZero();
-      slow.setZero();
+      std::ranges::fill(fast, 0.0);
+      std::ranges::fill(slow, 0.0);
     }
     const double fast_keeps = det_exp(-std::min(600.0, point.dt_s / fast_s));
     const double slow_keeps = det_exp(-std::min(600.0, point.dt_s / slow_s));
-    fast *= fast_keeps;
-    slow *= slow_keeps;
-    for (const auto& [knot, ratio] : {std::pair{i, 1.0 - hat.t}, std::pair{i + 1, hat.t}}) {
-      fast(knot) += (1.0 - fast_keeps) * ratio * point.current_a;
-      slow(knot) += (1.0 - slow_keeps) * ratio * point.current_a;
+    for (double& current : fast) current *= fast_keeps;
+    for (double& current : slow) current *= slow_keeps;
+    for (const auto& [knot, ratio] : {std::pair{hat.i, 1.0 - hat.t}, std::pair{hat.i + 1, hat.t}}) {
+      fast[knot] += (1.0 - fast_keeps) * ratio * point.current_a;
+      slow[knot] += (1.0 - slow_keeps) * ratio * point.current_a;
       matrix(row, n + knot) = -ratio * point.current_a;
     }
-    matrix(row, 0) = 1.0;
-    for (Eigen::Index j = 1; j <= i; ++j) matrix(row, j) = 1.0;
-    matrix(row, i + 1) = hat.t;
-    matrix.row(row).segment(2 * n, n) = -fast.transpose();
-    matrix.row(row).segment(3 * n, n) = -slow.transpose();
+    for (std::size_t j = 0; j <= hat.i; ++j) matrix(row, j) = 1.0;
+    matrix(row, hat.i + 1) = hat.t;
+    for (std::size_t j = 0; j < n; ++j) {
+      matrix(row, 2 * n + j) = -fast[j];
+      matrix(row, 3 * n + j) = -slow[j];
+    }
   }
   return matrix;
 }
 
 /// Resistances tend towards those of their neighbours, which determine a resistance that a log does not.
-void add_smoothness(const Problem& problem, Eigen::MatrixXd& normal) {
-  const auto n = static_cast<Eigen::Index>(problem.charge.size());
+void add_smoothness(const Problem& problem, Matrix& normal) {
+  const std::size_t n = problem.charge.size();
   constexpr std::array strength{1e-4, 1e-3, 1e-3};
-  for (Eigen::Index kind = 0; kind < 3; ++kind) {
-    const double lambda =
-        strength[static_cast<std::size_t>(kind)] * problem.weight * problem.current_sq / static_cast<double>(n);
-    for (Eigen::Index j = 0; j + 1 < n; ++j) {
-      const Eigen::Index a = (kind + 1) * n + j;
+  for (std::size_t kind = 0; kind < 3; ++kind) {
+    const double lambda = strength[kind] * problem.weight * problem.current_sq / static_cast<double>(n);
+    for (std::size_t j = 0; j + 1 < n; ++j) {
+      const std::size_t a = (kind + 1) * n + j;
       normal(a, a) += lambda;
       normal(a + 1, a + 1) += lambda;
       normal(a, a + 1) -= lambda;
       normal(a + 1, a) -= lambda;
     }
     // And towards zero, a thousandth as strongly: two that cannot be distinguished divide their sum.
-    for (Eigen::Index j = 0; j < n; ++j) normal((kind + 1) * n + j, (kind + 1) * n + j) += 1e-3 * lambda;
+    for (std::size_t j = 0; j < n; ++j) normal((kind + 1) * n + j, (kind + 1) * n + j) += 1e-3 * lambda;
   }
-  for (Eigen::Index j = 0; j < n; ++j) normal(j, j) += 1e-9 * problem.weight;
+  for (std::size_t j = 0; j < n; ++j) normal(j, j) += 1e-9 * problem.weight;
 }
 
 /// Under constant current a fall of the voltage may also be a resistance: then resistances tend towards those of a
 /// usual lithium cell, which at 1C cause 0.13 V in all.
-void add_usual_resistances(const Problem& problem, Eigen::MatrixXd& normal, Eigen::VectorXd& right) {
+void add_usual_resistances(const Problem& problem, NormalEquations& equations) {
   if (!problem.one_current) return;
-  const auto n = static_cast<Eigen::Index>(problem.charge.size());
+  const std::size_t n = problem.charge.size();
   constexpr std::array usual_v_per_c{0.05, 0.04, 0.04};
   const double lambda = 0.1 * problem.weight * problem.current_sq / static_cast<double>(n);
-  for (Eigen::Index kind = 0; kind < 3; ++kind) {
-    for (Eigen::Index j = 0; j < n; ++j) {
-      const Eigen::Index a = (kind + 1) * n + j;
-      normal(a, a) += lambda;
-      right(a) += lambda * usual_v_per_c[static_cast<std::size_t>(kind)] / problem.capacity_ah;
+  for (std::size_t kind = 0; kind < 3; ++kind) {
+    for (std::size_t j = 0; j < n; ++j) {
+      const std::size_t a = (kind + 1) * n + j;
+      equations.normal(a, a) += lambda;
+      equations.right[a] += lambda * usual_v_per_c[kind] / problem.capacity_ah;
     }
   }
 }
@@ -127,31 +125,29 @@ struct Solution {
   double fast_s{};
   double slow_s{};
   double sum_sq{std::numeric_limits<double>::infinity()};  ///< weighted, of all fitted samples
-  Eigen::VectorXd x;
+  std::vector<double> x;
 };
 
 Solution solve(const Problem& problem, double fast_s, double slow_s) {
-  const auto n = static_cast<Eigen::Index>(problem.charge.size());
-  const auto rows = static_cast<Eigen::Index>(problem.points.size());
-  const Eigen::MatrixXd matrix = design_matrix(problem, fast_s, slow_s);
-  Eigen::VectorXd least_growth = Eigen::VectorXd::Zero(4 * n);
-  least_growth.segment(1, n - 1).setConstant(ocv_growth_min_v);
-  Eigen::VectorXd y(rows);
-  Eigen::VectorXd w(rows);
-  for (Eigen::Index k = 0; k < rows; ++k) {
-    y(k) = problem.points[static_cast<std::size_t>(k)].voltage_v;
-    w(k) = problem.points[static_cast<std::size_t>(k)].weight;
+  const std::size_t n = problem.charge.size();
+  const Matrix matrix = design_matrix(problem, fast_s, slow_s);
+  std::vector<double> y;
+  std::vector<double> weights;
+  for (const Point& point : problem.points) {
+    y.push_back(point.voltage_v);
+    weights.push_back(point.weight);
   }
-  y -= matrix * least_growth;
-  const Eigen::MatrixXd weighted = w.asDiagonal() * matrix;
-  Eigen::MatrixXd normal = matrix.transpose() * weighted;
-  Eigen::VectorXd right = weighted.transpose() * y;
-  add_smoothness(problem, normal);
-  add_usual_resistances(problem, normal, right);
-  Solution solution{fast_s, slow_s, 0.0, nonnegative_least_squares(normal, right)};
-  const Eigen::VectorXd off = matrix * solution.x - y;
-  solution.sum_sq = off.dot(w.asDiagonal() * off);
-  solution.x += least_growth;
+  // The unknowns are what is above the least growth.
+  std::vector<double> least_growth(4 * n, 0.0);
+  for (std::size_t j = 1; j < n; ++j) least_growth[j] = ocv_growth_min_v;
+  y = residuals(matrix, least_growth, y);
+  for (double& volt : y) volt = -volt;
+  NormalEquations equations = normal_equations(matrix, weights, y);
+  add_smoothness(problem, equations.normal);
+  add_usual_resistances(problem, equations);
+  Solution solution{fast_s, slow_s, 0.0, nonnegative_least_squares(equations)};
+  solution.sum_sq = weighted_squares(weights, residuals(matrix, solution.x, y));
+  for (std::size_t j = 0; j < solution.x.size(); ++j) solution.x[j] += least_growth[j];
   return solution;
 }
 
@@ -349,7 +345,7 @@ BatteryType make_type(const Solution& solution, const FitOptions& options, doubl
   type.charge = options.charge;
   double volt = 0.0;
   double mean_ohm = 0.0;
-  const auto at = [&](std::size_t kind, std::size_t j) { return solution.x(static_cast<Eigen::Index>(kind * n + j)); };
+  const auto at = [&](std::size_t kind, std::size_t j) { return solution.x[kind * n + j]; };
   for (std::size_t j = 0; j < n; ++j) mean_ohm += at(1, j) / static_cast<double>(n);
   for (std::size_t j = 0; j < n; ++j) {
     type.open_circuit_v.push_back(volt += at(0, j));
@@ -436,7 +432,7 @@ Result<Fit> fit_type(const std::vector<Log>& logs, const FitOptions& options) {
 
   const Problem problem = make_problem(discharges, options.charge, capacity_ah);
   const Solution solution = search(problem);
-  if (!solution.x.allFinite())
+  if (!std::ranges::all_of(solution.x, [](double x) { return std::isfinite(x); }))
     return fail("fit.spread", "these logs do not determine the tables; a pulse test does",
                 discharges.front().log->name);
   Fit fit;

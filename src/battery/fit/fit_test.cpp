@@ -12,7 +12,6 @@
 
 #include "cosiva/base/test_paths.h"
 #include "cosiva/battery/cell_table.h"
-#include "cosiva/battery/fit/least_squares.h"
 #include "cosiva/battery/fit/predict.h"
 #include "cosiva/battery/pack.h"
 #include "cosiva/battery/type_json.h"
@@ -226,19 +225,6 @@ TEST(Fit, reports_missing_information_of_a_log) {
   ASSERT_FALSE(fit);
   EXPECT_EQ(fit.error().code, "fit.range");
   EXPECT_THAT(fit.error().message, ::testing::HasSubstr("but the log moves 0.997 Ah"));
-}
-
-TEST(LeastSquares, clamp_negative_unknowns_to_zero) {
-  Eigen::MatrixXd normal(2, 2);
-  normal << 2.0, 1.0, 1.0, 2.0;
-  // Without the bound x = (5/3, −4/3); with it only the first unknown remains: 2 x = 2.
-  const Eigen::VectorXd x = nonnegative_least_squares(normal, Eigen::Vector2d{2.0, -1.0});
-  EXPECT_NEAR(x(0), 1.0, 1e-12);
-  EXPECT_EQ(x(1), 0.0);
-  const Eigen::VectorXd inside = nonnegative_least_squares(normal, Eigen::Vector2d{3.0, 3.0});
-  EXPECT_NEAR(inside(0), 1.0, 1e-12);
-  EXPECT_NEAR(inside(1), 1.0, 1e-12);
-  EXPECT_EQ(nonnegative_least_squares(normal, Eigen::Vector2d{-1.0, -1.0}).norm(), 0.0);
 }
 
 }  // namespace

@@ -99,15 +99,16 @@ TEST(BlockBootstrap, is_nothing_for_a_series_equivalent_to_three_values) {
 }
 
 // All 6⁶ resamples have been enumerated: with Efron's bias and acceleration and Student's width, the ends are these
-// quantiles of the resampled means, in steps of 1/6 of the values' grid.
+// quantiles of the resampled means. The values are quarters, so that sums are exact and resamples whose mean is the
+// sample's count as ties.
 TEST(Bca, of_a_skewed_sample_equals_the_enumeration_of_all_resamples) {
-  const std::vector<double> runs{1.1, 2.3, 2.9, 4.2, 7.7, 16.4};
+  const std::vector<double> runs{1.0, 2.25, 3.0, 4.25, 7.75, 16.5};
   const auto wide = *bca(runs, {0.8, 100'000, 3});
-  EXPECT_NEAR(wide.low, 3.15, 0.05);      // the 10.77 % quantile
-  EXPECT_NEAR(wide.high, 10.6667, 0.25);  // the 98.28 % quantile
+  EXPECT_NEAR(wide.low, 3.1667, 0.045);  // the 10.69 % quantile
+  EXPECT_NEAR(wide.high, 10.75, 0.25);   // the 98.25 % quantile
   const auto narrow = *bca(runs, {0.5, 100'000, 3});
-  EXPECT_NEAR(narrow.low, 4.45, 0.035);  // 29.06 %
-  EXPECT_NEAR(narrow.high, 8.1, 0.06);   // 85.91 %
+  EXPECT_NEAR(narrow.low, 4.4583, 0.045);  // 28.94 %
+  EXPECT_NEAR(narrow.high, 8.1667, 0.13);  // 85.81 %
 }
 
 TEST(Bca, of_two_runs_reaches_from_one_to_the_other) {

@@ -1,36 +1,49 @@
 #include "cosiva/physical/vision/floor_fit.h"
 
-// squares.
-#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <string>
 
 #include "cosiva/base/expect.h"
+#include "cosiva/base/least_squares.h"
+#include "cosiva/base/math.h"
 
 namespace cosiva::vision {
 namespace {
 
 constexpr const char* no_camera = "no camera maps these positions to these pixels: check the names of the columns";
 
-using Vector = Eigen::VectorXd;
-using Matrix = Eigen::MatrixXd;
-
 /// The points' spread across their longest direction, as a ratio of the spread along it.
 template <class Get>
 double thinness(const std::vector<FloorPoint>& points, const Get& get) {
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  for (const FloorPoint& point : points) mean += get(point);
-  mean /= static_cast<double>(points.size());
-  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
-  for (const FloorPoint& point : points) spread += (get(point) - mean) * (get(point) - mean).transpose();
-  const Eigen::Vector2d values = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread).eigenvalues();
-  return values[1] > 0.0 ? std::sqrt(std::max(0.0, values[0]) / values[1]) : 0.0;
+  double mean_x = 0.0;
+  double mean_y = 0.0;
+  for (const FloorPoint& point : points) {
+    mean_x += get(point)[0];
+    mean_y += get(point)[1];
+  }
+  mean_x /= static_cast<double>(points.size());
+  mean_y /= static_cast<double>(points.size());
+  double xx = 0.0;
+  double xy = 0.0;
+  double yy = 0.0;
+  for (const FloorPoint& point : points) {
+    const double x = get(point)[0] - mean_x;
+    const double y = get(point)[1] - mean_y;
+    xx += x * x;
+    xy += x * y;
+    yy += y * y;
+  }
+  // The eigenvalues of the spread; their product is its determinant.
+  const double along = 0.5 * (xx + yy) + norm(0.5 * (xx - yy), xy);
+  const double across = along > 0.0 ? (xx * yy - xy * xy) / along : 0.0;
+  return along > 0.0 ? std::sqrt(std::max(0.0, across) / along) : 0.0;
 }
 
-Eigen::Vector2d floor_of(const FloorPoint& point) { return {point.floor.x_m, point.floor.y_m}; }
-Eigen::Vector2d pixel_of(const FloorPoint& point) { return {point.pixel.u, point.pixel.v}; }
+std::array<double, 2> floor_of(const FloorPoint& point) { return {point.floor.x_m, point.floor.y_m}; }
+std::array<double, 2> pixel_of(const FloorPoint& point) { return {point.pixel.u, point.pixel.v}; }
 
 Result<void> check(const std::vector<FloorPoint>& points, const FitOptions& options) {
   if (points.size() < points_needed(options)) {
@@ -46,126 +59,99 @@ Result<void> check(const std::vector<FloorPoint>& points, const FitOptions& opti
 
 /// Floor coordinates brought to about −1 … 1, so that all columns are of one size.
 struct Scaled {
-  Eigen::Vector2d centre;
-  double size;
+  Point2 centre;
+  double size_m;
 };
 Scaled scale_of(const std::vector<FloorPoint>& points) {
-  Eigen::Vector2d low = floor_of(points[0]);
-  Eigen::Vector2d high = low;
+  Point2 low = points[0].floor;
+  Point2 high = low;
   for (const FloorPoint& point : points) {
-    low = low.cwiseMin(floor_of(point));
-    high = high.cwiseMax(floor_of(point));
+    low = {std::min(low.x_m, point.floor.x_m), std::min(low.y_m, point.floor.y_m)};
+    high = {std::max(high.x_m, point.floor.x_m), std::max(high.y_m, point.floor.y_m)};
   }
-  return {0.5 * (low + high), 0.5 * (high - low).maxCoeff()};
+  return {{0.5 * (low.x_m + high.x_m), 0.5 * (low.y_m + high.y_m)},
+          0.5 * std::max(high.x_m - low.x_m, high.y_m - low.y_m)};
 }
 
+/// A homography, row by row.
+using Homography = std::array<double, 9>;
+
 /// Hartley's direct linear transform. Source: Hartley, Zisserman, Multiple View Geometry, algorithm 4.2.
-Eigen::Matrix3d homography_of(const std::vector<FloorPoint>& points, const FloorMap& map, const Scaled& scaled) {
-  Matrix rows(2 * static_cast<Eigen::Index>(points.size()), 9);
-  rows.setZero();
+Homography homography_of(const std::vector<FloorPoint>& points, const FloorMap& map, const Scaled& scaled) {
+  Matrix equations{2 * points.size(), 9};
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto [x, y] = map.undistorted(points[i].pixel);
-    const Eigen::Vector2d q = (floor_of(points[i]) - scaled.centre) / scaled.size;
-    const auto k = 2 * static_cast<Eigen::Index>(i);
-    rows.row(k) << x, y, 1.0, 0.0, 0.0, 0.0, -q[0] * x, -q[0] * y, -q[0];
-    rows.row(k + 1) << 0.0, 0.0, 0.0, x, y, 1.0, -q[1] * x, -q[1] * y, -q[1];
+    const double qx = (points[i].floor.x_m - scaled.centre.x_m) / scaled.size_m;
+    const double qy = (points[i].floor.y_m - scaled.centre.y_m) / scaled.size_m;
+    const Homography first{x, y, 1.0, 0.0, 0.0, 0.0, -qx * x, -qx * y, -qx};
+    const Homography second{0.0, 0.0, 0.0, x, y, 1.0, -qy * x, -qy * y, -qy};
+    for (std::size_t j = 0; j < 9; ++j) {
+      equations(2 * i, j) = first[j];
+      equations(2 * i + 1, j) = second[j];
+    }
   }
-  const Eigen::Matrix<double, 9, 9> squares = rows.transpose() * rows;
-  const Eigen::Matrix<double, 9, 1> least =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>>(squares).eigenvectors().col(0);
-  Eigen::Matrix3d h;
-  h << least[0], least[1], least[2], least[3], least[4], least[5], least[6], least[7], least[8];
-  return h;
+  return homogeneous_least_squares(equations);
 }
 
 /// All unknowns of homography and lens in one row: H without its last entry, k1 k2 k3 p1 p2, centre in scales.
-constexpr int unknowns_max = 15;
+constexpr std::size_t unknowns_max = 15;
+constexpr std::size_t unknowns_plane = 8;
 
 class Bundle {
  public:
   Bundle(const std::vector<FloorPoint>& points, FloorMap& map, const Scaled& scaled, bool with_lens)
-      : points_{points}, map_{map}, scaled_{scaled}, unknowns_{with_lens ? unknowns_max : 8} {}
+      : points_{points}, map_{map}, scaled_{scaled}, unknowns_{with_lens ? unknowns_max : unknowns_plane} {}
 
-  [[nodiscard]] Vector start(const Eigen::Matrix3d& h) const {
-    Vector at = Vector::Zero(unknowns_);
-    for (int i = 0; i < 8; ++i) at[i] = h(i / 3, i % 3) / h(2, 2);
+  [[nodiscard]] std::vector<double> start(const Homography& h) const {
+    std::vector<double> at(unknowns_, 0.0);
+    for (std::size_t i = 0; i < unknowns_plane; ++i) at[i] = h[i] / h[8];
     return at;
   }
   /// The unknowns of a map of nearly the same points.
-  [[nodiscard]] Vector start(const FloorMap& near) const {
-    Eigen::Matrix3d h;
-    for (int i = 0; i < 9; ++i) h(i / 3, i % 3) = near.homography[static_cast<std::size_t>(i)];
-    Eigen::Matrix3d there;
-    there << 1.0, 0.0, -scaled_.centre[0], 0.0, 1.0, -scaled_.centre[1], 0.0, 0.0, scaled_.size;
-    Vector at = start(Eigen::Matrix3d(there * h));
-    if (unknowns_ == 8) return at;
-    for (int i = 0; i < 5; ++i) at[8 + i] = near.lens[static_cast<std::size_t>(i)];
+  [[nodiscard]] std::vector<double> start(const FloorMap& near) const {
+    Homography h{};
+    for (std::size_t j = 0; j < 3; ++j) {
+      const double w = near.homography[6 + j];
+      h[j] = near.homography[j] - scaled_.centre.x_m * w;
+      h[3 + j] = near.homography[3 + j] - scaled_.centre.y_m * w;
+      h[6 + j] = scaled_.size_m * w;
+    }
+    std::vector<double> at = start(h);
+    if (unknowns_ == unknowns_plane) return at;
+    for (std::size_t i = 0; i < 5; ++i) at[8 + i] = near.lens[i];
     at[13] = near.centre.u / near.scale_px - 0.5 * static_cast<double>(near.frame.width) / near.scale_px;
     at[14] = near.centre.v / near.scale_px - 0.5 * static_cast<double>(near.frame.height) / near.scale_px;
     return at;
   }
   /// Writes the unknowns into the map, whose homography then gives metres.
-  void put(const Vector& at) const {
-    Eigen::Matrix3d h;
-    h << at[0], at[1], at[2], at[3], at[4], at[5], at[6], at[7], 1.0;
-    Eigen::Matrix3d back;
-    back << scaled_.size, 0.0, scaled_.centre[0], 0.0, scaled_.size, scaled_.centre[1], 0.0, 0.0, 1.0;
-    h = back * h;
-    for (int i = 0; i < 9; ++i) map_.homography[static_cast<std::size_t>(i)] = h(i / 3, i % 3);
-    if (unknowns_ == 8) return;
-    for (int i = 0; i < 5; ++i) map_.lens[static_cast<std::size_t>(i)] = at[8 + i];
+  void put(std::span<const double> at) const {
+    for (std::size_t j = 0; j < 3; ++j) {
+      const double w = j == 2 ? 1.0 : at[6 + j];
+      map_.homography[j] = scaled_.size_m * at[j] + scaled_.centre.x_m * w;
+      map_.homography[3 + j] = scaled_.size_m * at[3 + j] + scaled_.centre.y_m * w;
+      map_.homography[6 + j] = w;
+    }
+    if (unknowns_ == unknowns_plane) return;
+    for (std::size_t i = 0; i < 5; ++i) map_.lens[i] = at[8 + i];
     const double width = static_cast<double>(map_.frame.width);
     const double height = static_cast<double>(map_.frame.height);
     map_.centre = {0.5 * width + at[13] * map_.scale_px, 0.5 * height + at[14] * map_.scale_px};
   }
   /// The residual of each point, in scales of the floor.
-  void residuals(const Vector& at, Vector& out) const {
+  void residuals(std::span<const double> at, std::span<double> out) const {
     put(at);
-    out.resize(2 * static_cast<Eigen::Index>(points_.size()));
     for (std::size_t i = 0; i < points_.size(); ++i) {
-      const auto k = 2 * static_cast<Eigen::Index>(i);
       const auto floor = map_.floor_at(points_[i].pixel);
       // Behind the horizon: so large that no step leads there.
-      out[k] = floor ? (floor->x_m - points_[i].floor.x_m) / scaled_.size : 1e3;
-      out[k + 1] = floor ? (floor->y_m - points_[i].floor.y_m) / scaled_.size : 1e3;
+      out[2 * i] = floor ? (floor->x_m - points_[i].floor.x_m) / scaled_.size_m : 1e3;
+      out[2 * i + 1] = floor ? (floor->y_m - points_[i].floor.y_m) / scaled_.size_m : 1e3;
     }
   }
 
-  /// Levenberg and Marquardt with differences for derivatives: everything is smooth and of size one.
-  [[nodiscard]] Vector solve(Vector at) const {
-    Vector here;
-    Vector moved;
-    residuals(at, here);
-    Matrix slopes(here.size(), unknowns_);
-    double damping = 1e-3;
-    constexpr int rounds = 60;
-    for (int round = 0; round < rounds; ++round) {
-      for (int i = 0; i < unknowns_; ++i) {
-        constexpr double step = 1e-6;
-        Vector neighbour = at;
-        neighbour[i] += step;
-        residuals(neighbour, moved);
-        slopes.col(i) = (moved - here) / step;
-      }
-      const Matrix squares = slopes.transpose() * slopes;
-      const Vector pull = slopes.transpose() * here;
-      const double before = here.squaredNorm();
-      bool better = false;
-      while (!better && damping < 1e9) {
-        Matrix damped = squares;
-        damped.diagonal() *= 1.0 + damping;
-        damped.diagonal().array() += 1e-12;
-        const Vector next = at - Vector(damped.ldlt().solve(pull));
-        residuals(next, moved);
-        better = moved.allFinite() && moved.squaredNorm() < before;
-        if (better) {
-          at = next;
-          here = moved;
-        }
-        damping = better ? std::max(1e-9, 0.2 * damping) : 5.0 * damping;
-      }
-      if (!better || before - here.squaredNorm() < 1e-13 * before) break;
-    }
+  /// The best unknowns near these ones; the map then has them.
+  [[nodiscard]] std::vector<double> solve(std::span<const double> near) const {
+    std::vector<double> at = levenberg_marquardt(
+        near, 2 * points_.size(), [this](std::span<const double> x, std::span<double> out) { residuals(x, out); });
     put(at);
     return at;
   }
@@ -174,33 +160,27 @@ class Bundle {
   const std::vector<FloorPoint>& points_;
   FloorMap& map_;
   const Scaled& scaled_;
-  int unknowns_;
+  std::size_t unknowns_;
 };
 
 /// The residuals, as a polynomial over the image.
 void fit_polynomial(const std::vector<FloorPoint>& points, std::size_t degree, FloorMap& map) {
   const std::size_t count = terms_of(degree);
-  const auto rows = static_cast<Eigen::Index>(points.size());
-  Matrix terms(rows, static_cast<Eigen::Index>(count));
-  Matrix left(rows, 2);
+  Matrix terms{points.size(), count};
+  Matrix left{points.size(), 2};
   std::array<double, terms_of(degree_max)> row{};
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double u = points[i].pixel.u - 0.5 * static_cast<double>(map.frame.width);
     const double v = points[i].pixel.v - 0.5 * static_cast<double>(map.frame.height);
     terms_at(u / map.scale_px, v / map.scale_px, degree, row.data());
-    const auto k = static_cast<Eigen::Index>(i);
-    for (std::size_t j = 0; j < count; ++j) terms(k, static_cast<Eigen::Index>(j)) = row[j];
+    for (std::size_t j = 0; j < count; ++j) terms(i, j) = row[j];
     const auto floor = map.floor_at(points[i].pixel);
-    left(k, 0) = floor ? points[i].floor.x_m - floor->x_m : 0.0;
-    left(k, 1) = floor ? points[i].floor.y_m - floor->y_m : 0.0;
+    left(i, 0) = floor ? points[i].floor.x_m - floor->x_m : 0.0;
+    left(i, 1) = floor ? points[i].floor.y_m - floor->y_m : 0.0;
   }
-  const Matrix solution = terms.colPivHouseholderQr().solve(left);
+  const Matrix solution = least_squares(terms, left);
   map.degree = degree;
-  map.polynomial.assign(2 * count, 0.0);
-  for (std::size_t j = 0; j < count; ++j) {
-    map.polynomial[j] = solution(static_cast<Eigen::Index>(j), 0);
-    map.polynomial[count + j] = solution(static_cast<Eigen::Index>(j), 1);
-  }
+  map.polynomial.assign(solution.values().begin(), solution.values().end());
 }
 
 }  // namespace
@@ -235,22 +215,18 @@ Result<FloorMap> fit_floor(const std::vector<FloorPoint>& points, ImageSize fram
   map.centre = {0.5 * static_cast<double>(frame.width), 0.5 * static_cast<double>(frame.height)};
   map.scale_px = 0.5 * static_cast<double>(std::max(frame.width, frame.height));
   const Scaled scaled = scale_of(points);
-  Vector at;
+  std::vector<double> at;
   if (near != nullptr) {
     at = Bundle{points, map, scaled, with_lens}.start(*near);
   } else {
-    const Eigen::Matrix3d h = homography_of(points, map, scaled);
-    if (!(std::fabs(h(2, 2)) > 1e-9)) return fail("gvs.fit", no_camera);
+    const Homography h = homography_of(points, map, scaled);
+    if (!(std::fabs(h[8]) > 1e-9)) return fail("gvs.fit", no_camera);
     const Bundle plane{points, map, scaled, false};
     at = plane.solve(plane.start(h));
-    if (with_lens) {
-      const Vector eight = at;
-      at = Vector::Zero(unknowns_max);
-      at.head(8) = eight;
-    }
+    if (with_lens) at.resize(unknowns_max, 0.0);
   }
   at = Bundle{points, map, scaled, with_lens}.solve(at);
-  if (!at.allFinite()) return fail("gvs.fit", no_camera);
+  if (!std::ranges::all_of(at, [](double x) { return std::isfinite(x); })) return fail("gvs.fit", no_camera);
   for (const FloorPoint& point : points)
     if (!map.floor_at(point.pixel)) return fail("gvs.fit", no_camera);
   if (options.model == FloorModel::polynomial || options.model == FloorModel::lens_polynomial)

@@ -1,26 +1,44 @@
 #include "cosiva/physical/vision/height.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <string>
+
+#include "cosiva/base/least_squares.h"
+#include "cosiva/base/math.h"
 
 namespace cosiva::vision {
 namespace {
 
+using Vector3 = std::array<double, 3>;
+
+double dot(const Vector3& a, const Vector3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+Vector3 column(const SquareMatrix<3>& m, std::size_t j) { return {m[0][j], m[1][j], m[2][j]}; }
+
+Vector3 cross(const Vector3& a, const Vector3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
 /// The camera's position in the floor's frame if its focal length is f (in the map's scale), by the homography's
 /// columns. Source: Zhang, A flexible new technique for camera calibration, 2000, section 3.1.
-Eigen::Vector3d pose_with(const Eigen::Matrix3d& floor_to_image, double f) {
-  Eigen::Matrix3d m = floor_to_image;
-  m.topRows<2>() /= f;
-  m /= std::sqrt(m.col(0).norm() * m.col(1).norm());
-  Eigen::Matrix3d rotation;
-  rotation.col(0) = m.col(0);
-  rotation.col(1) = m.col(1);
-  rotation.col(2) = m.col(0).cross(m.col(1));
-  const Eigen::JacobiSVD<Eigen::Matrix3d> nearest{rotation, Eigen::ComputeFullU | Eigen::ComputeFullV};
-  rotation = nearest.matrixU() * nearest.matrixV().transpose();
-  return -rotation.transpose() * m.col(2);
+Vector3 pose_with(const SquareMatrix<3>& floor_to_image, double f) {
+  SquareMatrix<3> m = floor_to_image;
+  for (std::size_t j = 0; j < 3; ++j) {
+    m[0][j] /= f;
+    m[1][j] /= f;
+  }
+  const double scale =
+      std::sqrt(std::sqrt(dot(column(m, 0), column(m, 0))) * std::sqrt(dot(column(m, 1), column(m, 1))));
+  for (auto& row : m)
+    for (double& value : row) value /= scale;
+  const Vector3 third = cross(column(m, 0), column(m, 1));
+  SquareMatrix<3> rotation = m;
+  for (std::size_t i = 0; i < 3; ++i) rotation[i][2] = third[i];
+  rotation = nearest_orthogonal(rotation);
+  const Vector3 shift = column(m, 2);
+  return {-dot(column(rotation, 0), shift), -dot(column(rotation, 1), shift), -dot(column(rotation, 2), shift)};
 }
 
 /// A direction mapped by A.
@@ -55,6 +73,17 @@ double heading_of(const PoseFit& fit, const Pose2& detected) {
   return wrap_angle(level_heading(fit, detected.heading_rad) + lean);
 }
 
+constexpr double rank_threshold = 1e-4;
+
+bool all_finite(const std::vector<double>& values) {
+  return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
+}
+
+void set_row(Matrix& matrix, std::size_t row, std::initializer_list<double> values) {
+  std::size_t column = 0;
+  for (const double value : values) matrix(row, column++) = value;
+}
+
 /// Turn and, if requested, lean: small angles, hence least squares of the residuals of the turn alone.
 bool fit_heading(const std::vector<SurveyedPose>& poses, bool leans, PoseFit& fit) {
   const auto turn = turn_of(poses, fit.linear);
@@ -63,44 +92,40 @@ bool fit_heading(const std::vector<SurveyedPose>& poses, bool leans, PoseFit& fi
   fit.lean_per_m = 0.0;
   fit.lean = {};
   if (!leans) return true;
-  const auto n = static_cast<Eigen::Index>(poses.size());
-  Eigen::MatrixXd left(n, 4);
-  Eigen::VectorXd right(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const SurveyedPose& pose = poses[static_cast<std::size_t>(i)];
+  Matrix left{poses.size(), 4};
+  std::vector<double> right(poses.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const SurveyedPose& pose = poses[i];
     const auto [s, c] = sincos(pose.detected.heading_rad);
-    left.row(i) << 1.0, c * pose.detected.y_m - s * pose.detected.x_m, -s, c;
+    set_row(left, i, {1.0, c * pose.detected.y_m - s * pose.detected.x_m, -s, c});
     right[i] = wrap_angle(pose.surveyed.heading_rad - heading_of(fit, pose.detected));
   }
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver{left};
-  solver.setThreshold(1e-4);
-  if (solver.rank() < left.cols()) return false;
-  const Eigen::VectorXd x = solver.solve(right);
-  fit.turn_rad += x[0];
-  fit.lean_per_m = x[1];
-  fit.lean = {x[2], x[3]};
-  return x.allFinite();
+  const auto x = least_squares(left, right, rank_threshold);
+  if (!x) return false;
+  fit.turn_rad += (*x)[0];
+  fit.lean_per_m = (*x)[1];
+  fit.lean = {(*x)[2], (*x)[3]};
+  return all_finite(*x);
 }
 
 struct Rows {
-  Eigen::MatrixXd left;
-  Eigen::VectorXd right;
+  Matrix left;
+  std::vector<double> right;
 };
 
 /// One pose makes two equations in A, b and the lever.
 Rows rows_of(const std::vector<SurveyedPose>& poses, const PoseFit& before, bool full) {
-  Rows rows{Eigen::MatrixXd::Zero(2 * static_cast<Eigen::Index>(poses.size()), full ? 8 : 5),
-            Eigen::VectorXd::Zero(2 * static_cast<Eigen::Index>(poses.size()))};
+  Rows rows{Matrix{2 * poses.size(), full ? 8U : 5U}, std::vector<double>(2 * poses.size(), 0.0)};
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const Pose2& detected = poses[i].detected;
     const auto [s, c] = sincos(level_heading(before, detected.heading_rad));
-    const auto k = 2 * static_cast<Eigen::Index>(i);
+    const std::size_t k = 2 * i;
     if (full) {
-      rows.left.row(k) << detected.x_m, detected.y_m, 0.0, 0.0, 1.0, 0.0, c, -s;
-      rows.left.row(k + 1) << 0.0, 0.0, detected.x_m, detected.y_m, 0.0, 1.0, s, c;
+      set_row(rows.left, k, {detected.x_m, detected.y_m, 0.0, 0.0, 1.0, 0.0, c, -s});
+      set_row(rows.left, k + 1, {0.0, 0.0, detected.x_m, detected.y_m, 0.0, 1.0, s, c});
     } else {
-      rows.left.row(k) << detected.x_m, 1.0, 0.0, c, -s;
-      rows.left.row(k + 1) << detected.y_m, 0.0, 1.0, s, c;
+      set_row(rows.left, k, {detected.x_m, 1.0, 0.0, c, -s});
+      set_row(rows.left, k + 1, {detected.y_m, 0.0, 1.0, s, c});
     }
     rows.right[k] = poses[i].surveyed.x_m;
     rows.right[k + 1] = poses[i].surveyed.y_m;
@@ -111,12 +136,10 @@ Rows rows_of(const std::vector<SurveyedPose>& poses, const PoseFit& before, bool
 bool solve(const std::vector<SurveyedPose>& poses, bool full, bool leans, PoseFit& fit) {
   if (!fit_heading(poses, leans, fit)) return false;
   const Rows rows = rows_of(poses, fit, full);
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver{rows.left};
-  solver.setThreshold(1e-4);
-  if (solver.rank() < rows.left.cols()) return false;
-  const Eigen::VectorXd x = solver.solve(rows.right);
-  if (!x.allFinite()) return false;
-  const Eigen::Index rest = full ? 4 : 1;
+  const auto found = least_squares(rows.left, rows.right, rank_threshold);
+  if (!found || !all_finite(*found)) return false;
+  const std::vector<double>& x = *found;
+  const std::size_t rest = full ? 4 : 1;
   fit.linear = full ? std::array{x[0], x[1], x[2], x[3]} : std::array{x[0], 0.0, 0.0, x[0]};
   fit.shift = {x[rest], x[rest + 1]};
   fit.lever = {x[rest + 2], x[rest + 3]};
@@ -148,22 +171,21 @@ Point2 detected_from(Point2 there, double height_m, const CameraPose& camera) {
 }
 
 std::optional<CameraPose> camera_over(const FloorMap& map, double height_m) {
-  Eigen::Matrix3d h;
-  for (int i = 0; i < 9; ++i) h(i / 3, i % 3) = map.homography[static_cast<std::size_t>(i)];
-  const double determinant = h.determinant();
-  if (!std::isfinite(determinant) || determinant == 0.0 || !(height_m > 0.0)) return std::nullopt;
-  const Eigen::Matrix3d back = h.inverse();
+  SquareMatrix<3> floor_from_image{};
+  for (std::size_t i = 0; i < 9; ++i) floor_from_image[i / 3][i % 3] = map.homography[i];
+  const auto back = inverse(floor_from_image);
+  if (!back || !(height_m > 0.0)) return std::nullopt;
   // The longer the lens, the higher the camera that shows the same floor: the wanted height is between.
   double short_f = 0.05;
   double long_f = 50.0;
-  const auto height_with = [&](double f) { return std::fabs(pose_with(back, f)[2]); };
+  const auto height_with = [&](double f) { return std::fabs(pose_with(*back, f)[2]); };
   if (height_with(short_f) > height_m || height_with(long_f) < height_m) return std::nullopt;
   constexpr int halvings = 60;
   for (int i = 0; i < halvings; ++i) {
     const double f = std::sqrt(short_f * long_f);
     (height_with(f) < height_m ? short_f : long_f) = f;
   }
-  const Eigen::Vector3d track_position = pose_with(back, short_f);
+  const Vector3 track_position = pose_with(*back, short_f);
   return CameraPose{{track_position[0], track_position[1]}, height_m};
 }
 

@@ -1,9 +1,11 @@
 #include "cosiva/physical/vision/time_offset.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
+
+#include "cosiva/base/least_squares.h"
 
 namespace cosiva::vision {
 namespace {
@@ -30,39 +32,65 @@ std::optional<State> at(const std::vector<Timed>& reference, double t_s) {
                {dx / span_s, dy / span_s}};
 }
 
+/// Unknowns: the offset in time, and the lever.
+using Unknowns = std::array<double, 3>;
+
+double dot(const Unknowns& a, const Unknowns& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/// The lever that explains the second and third of these pulls.
+std::array<double, 2> lever_of(const SquareMatrix<3>& squares, const std::array<double, 2>& pulls) {
+  const SquareMatrix<2> of_lever{{{squares[1][1], squares[1][2]}, {squares[2][1], squares[2][2]}}};
+  return solve_symmetric(of_lever, pulls);
+}
+
 /// Sums of the normal equations of: detected − reference(t − τ) = R·lever − v·dτ.
 struct Sums {
-  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d pulls = Eigen::Vector3d::Zero();
+  SquareMatrix<3> squares{};
+  Unknowns pulls{};
   double left{0.0};
   std::size_t pairs{0};
 
   void add(const Timed& detected, const State& there) {
     const auto [s, c] = sincos(there.pose.heading_rad);
-    const Eigen::Vector3d x{-there.velocity_mps.x_m, c, -s};
-    const Eigen::Vector3d y{-there.velocity_mps.y_m, s, c};
+    const Unknowns x{-there.velocity_mps.x_m, c, -s};
+    const Unknowns y{-there.velocity_mps.y_m, s, c};
     const double ex = detected.pose.x_m - there.pose.x_m;
     const double ey = detected.pose.y_m - there.pose.y_m;
-    squares += x * x.transpose() + y * y.transpose();
-    pulls += x * ex + y * ey;
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j) squares[i][j] += x[i] * x[j] + y[i] * y[j];
+      pulls[i] += x[i] * ex + y[i] * ey;
+    }
     left += ex * ex + ey * ey;
     ++pairs;
   }
+  void put(const Sums& other) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j) squares[i][j] += other.squares[i][j];
+      pulls[i] += other.pulls[i];
+    }
+    left += other.left;
+    pairs += other.pairs;
+  }
   void take(const Sums& other) {
-    squares -= other.squares;
-    pulls -= other.pulls;
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j) squares[i][j] -= other.squares[i][j];
+      pulls[i] -= other.pulls[i];
+    }
     left -= other.left;
     pairs -= other.pairs;
   }
+  [[nodiscard]] Unknowns best() const { return solve_symmetric(squares, pulls); }
   /// The residual after the best lever, with no shift in time or with the best one.
-  [[nodiscard]] double rms(const Eigen::Vector3d& x) const {
-    const double sum = left - 2.0 * x.dot(pulls) + x.dot(squares * x);
+  [[nodiscard]] double rms(const Unknowns& x) const {
+    Unknowns explained{};
+    for (std::size_t i = 0; i < 3; ++i)
+      explained[i] = squares[i][0] * x[0] + (squares[i][1] * x[1] + squares[i][2] * x[2]);
+    const double sum = left - 2.0 * dot(x, pulls) + dot(x, explained);
     return std::sqrt(std::max(0.0, sum) / static_cast<double>(pairs));
   }
-  [[nodiscard]] Eigen::Vector3d lever_alone() const {
-    Eigen::Vector3d x = Eigen::Vector3d::Zero();
-    x.tail<2>() = squares.bottomRightCorner<2, 2>().ldlt().solve(pulls.tail<2>());
-    return x;
+  [[nodiscard]] Unknowns lever_alone() const {
+    const auto lever = lever_of(squares, {pulls[1], pulls[2]});
+    return {0.0, lever[0], lever[1]};
   }
 };
 
@@ -79,22 +107,17 @@ std::vector<Sums> sums_at(const std::vector<Timed>& detected, const std::vector<
 
 Sums total(const std::vector<Sums>& blocks) {
   Sums all;
-  for (const Sums& block : blocks) {
-    all.squares += block.squares;
-    all.pulls += block.pulls;
-    all.left += block.left;
-    all.pairs += block.pairs;
-  }
+  for (const Sums& block : blocks) all.put(block);
   return all;
 }
 
 /// The part of the velocity that no lever explains, as a ratio. 0: an offset and a lever look the same.
 double separability(const Sums& sums) {
-  const double all = sums.squares(0, 0);
+  const double all = sums.squares[0][0];
   if (!(all > 1e-9)) return 0.0;
-  const Eigen::Vector2d cross = sums.squares.bottomLeftCorner<2, 1>();
-  const Eigen::Vector2d explained = sums.squares.bottomRightCorner<2, 2>().ldlt().solve(cross);
-  return 1.0 - cross.dot(explained) / all;
+  const std::array<double, 2> cross{sums.squares[1][0], sums.squares[2][0]};
+  const std::array<double, 2> explained = lever_of(sums.squares, cross);
+  return 1.0 - (cross[0] * explained[0] + cross[1] * explained[1]) / all;
 }
 
 }  // namespace
@@ -114,13 +137,13 @@ Result<TimeOffset> time_offset(const std::vector<Timed>& detected, const std::ve
   found.pairs = sums.pairs;
   found.before_rms_m = sums.rms(sums.lever_alone());
   std::vector<Sums> parts;
-  Eigen::Vector3d x = Eigen::Vector3d::Zero();
+  Unknowns x{};
   // Where the reference bends, its line at one time is not its line at another: a few iterations.
   for (int round = 0; round < 8; ++round) {
     parts = sums_at(detected, reference, found.offset_s);
     sums = total(parts);
     if (sums.pairs < fewest) return fail("gvs.offset", "no offset within the limit brings the two together");
-    x = sums.squares.ldlt().solve(sums.pulls);
+    x = sums.best();
     found.offset_s = std::clamp(found.offset_s + x[0], -limit_s, limit_s);
     if (std::fabs(x[0]) < 1e-7) break;
   }
@@ -131,7 +154,7 @@ Result<TimeOffset> time_offset(const std::vector<Timed>& detected, const std::ve
   for (const Sums& part : parts) {
     Sums others = sums;
     others.take(part);
-    const double shift = others.squares.ldlt().solve(others.pulls)[0] - x[0];
+    const double shift = others.best()[0] - x[0];
     spread += shift * shift;
   }
   const auto n = static_cast<double>(blocks_of_time);

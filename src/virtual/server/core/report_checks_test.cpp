@@ -29,6 +29,7 @@ class Checked : public testing::Test {
   }
   AivProxy& proxy() { return context.registry[vehicle]; }
   [[nodiscard]] bool take(const wire::Header& header, VehicleTopic topic = VehicleTopic::state) {
+    proxy().counters.on_message();
     return checks.take_header(vehicle, topic, header);
   }
   [[nodiscard]] bool take_number(std::uint32_t number, VehicleTopic topic = VehicleTopic::state) {
@@ -52,10 +53,10 @@ class Checked : public testing::Test {
 TEST_F(Checked, header_names_the_vehicle_or_no_vehicle) {
   EXPECT_TRUE(take({1, context.now, "2.1.0", "", ""}));
   EXPECT_TRUE(take({2, context.now, "2.1.0", "CoSiVA", ""}));
-  EXPECT_EQ(proxy().refused, 0U);
+  EXPECT_EQ(proxy().counters.refused(), 0U);
   EXPECT_FALSE(take({3, context.now, "2.1.0", "CoSiVA", "AIV2"}));
   EXPECT_FALSE(take({4, context.now, "2.1.0", "Acme", "AIV1"}));
-  EXPECT_EQ(proxy().refused, 2U);
+  EXPECT_EQ(proxy().counters.refused(), 2U);
   EXPECT_EQ(context.messages_refused, 2U);
   EXPECT_THAT(logs(), ElementsAre("w CoSiVA/AIV1: a message on its topic states the sender 'CoSiVA/AIV2'; ignored"))
       << "logged once";
@@ -64,28 +65,28 @@ TEST_F(Checked, header_names_the_vehicle_or_no_vehicle) {
 TEST_F(Checked, header_has_a_version_2_or_none) {
   for (const std::string version : {"2.1.0", "2.0.0", "2", "v2", "V2.1"}) {
     EXPECT_TRUE(take_version(version)) << version;
-    EXPECT_EQ(proxy().version, version);
+    EXPECT_EQ(proxy().received.version(), version);
   }
   EXPECT_TRUE(take_version(""));
-  EXPECT_EQ(proxy().version, "V2.1") << "exactly as the vehicle wrote it last";
-  EXPECT_EQ(proxy().refused, 0U);
+  EXPECT_EQ(proxy().received.version(), "V2.1") << "exactly as the vehicle wrote it last";
+  EXPECT_EQ(proxy().counters.refused(), 0U);
   std::uint64_t refused = 0;
   for (const std::string version : {"1.1", "3.0.0", "21.0", "2x", "v", "two", ".2"}) {
     EXPECT_FALSE(take_version(version)) << version;
-    EXPECT_EQ(proxy().refused, ++refused);
+    EXPECT_EQ(proxy().counters.refused(), ++refused);
     EXPECT_EQ(context.messages_refused, refused);
   }
-  EXPECT_EQ(proxy().version, "V2.1");
+  EXPECT_EQ(proxy().received.version(), "V2.1");
   EXPECT_THAT(logs(), ElementsAre("w CoSiVA/AIV1: uses version '1.1'; this server reads 2.x; ignored"));
 }
 
 TEST_F(Checked, header_ids_show_how_many_messages_were_lost) {
   const auto missed_after = [&](std::uint32_t before, std::uint32_t after) {
-    proxy().headers_missed = 0;
-    proxy().last_header_id = {};
+    const std::uint64_t missed_before = proxy().counters.missed();
+    proxy().received.on_session();
     EXPECT_TRUE(take_number(before));
     EXPECT_TRUE(take_number(after));
-    return proxy().headers_missed;
+    return proxy().counters.missed() - missed_before;
   };
   EXPECT_EQ(missed_after(7, 8), 0U);
   EXPECT_EQ(missed_after(7, 9), 1U);
@@ -101,7 +102,7 @@ TEST_F(Checked, header_ids_count_by_topic) {
   EXPECT_TRUE(take_number(40, VehicleTopic::visualization));
   EXPECT_TRUE(take_number(2, VehicleTopic::state));
   EXPECT_TRUE(take_number(43, VehicleTopic::visualization));
-  EXPECT_EQ(proxy().headers_missed, 2U);
+  EXPECT_EQ(proxy().counters.missed(), 2U);
 }
 
 TEST_F(Checked, time_stamp_counts_where_the_clock_is_within_two_seconds) {
@@ -109,24 +110,25 @@ TEST_F(Checked, time_stamp_counts_where_the_clock_is_within_two_seconds) {
   EXPECT_EQ(checks.server_time(proxy(), now - 2s), now - 2s);
   EXPECT_EQ(checks.server_time(proxy(), now - 1s), now - 1s);
   EXPECT_EQ(checks.server_time(proxy(), now + 2s), now) << "never later than now";
-  EXPECT_EQ(proxy().clock_off_s, 0.0);
+  EXPECT_EQ(proxy().clock.off_s(), 0.0);
   EXPECT_THAT(logs(), IsEmpty());
   EXPECT_EQ(checks.server_time(proxy(), now - 2001ms), now);
-  EXPECT_DOUBLE_EQ(proxy().clock_off_s, 2.001);
+  EXPECT_DOUBLE_EQ(proxy().clock.off_s(), 2.001);
   EXPECT_EQ(checks.server_time(proxy(), now + 2500ms), now);
-  EXPECT_DOUBLE_EQ(proxy().clock_off_s, -2.5);
+  EXPECT_DOUBLE_EQ(proxy().clock.off_s(), -2.5);
   EXPECT_THAT(logs(), ElementsAre("w CoSiVA/AIV1: its clock is off by 2.001000 s; arrival times are used instead"));
   EXPECT_EQ(checks.server_time(proxy(), now - 500ms), now - 500ms);
-  EXPECT_EQ(proxy().clock_off_s, 0.0) << "the clock has been set";
+  EXPECT_EQ(proxy().clock.off_s(), 0.0) << "the clock has been set";
 }
 
 TEST_F(Checked, unreadable_message_is_counted_and_traced_and_logged_once_for_each_topic) {
   const wire::Input input{context.now, wire::InputKind::message, "uagv/v2/CoSiVA/AIV1/state", "{]", false};
   const Error error{"json.syntax", "expected a member", "line 1"};
-  checks.refuse(vehicle, VehicleTopic::state, input, error);
-  checks.refuse(vehicle, VehicleTopic::state, input, error);
-  checks.refuse(vehicle, VehicleTopic::boards, input, error);
-  EXPECT_EQ(proxy().refused, 3U);
+  for (const VehicleTopic topic : {VehicleTopic::state, VehicleTopic::state, VehicleTopic::boards}) {
+    proxy().counters.on_message();
+    checks.refuse(vehicle, topic, input, error);
+  }
+  EXPECT_EQ(proxy().counters.refused(), 3U);
   EXPECT_EQ(context.messages_refused, 3U);
   EXPECT_THAT(logs(), ElementsAre("w CoSiVA/AIV1: state message refused: line 1: expected a member (logged once; "
                                   "further ones are counted)",

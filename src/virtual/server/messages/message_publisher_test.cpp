@@ -79,7 +79,8 @@ TEST_F(Published, order_has_the_vehicle_s_header_and_the_next_header_id) {
     EXPECT_EQ(read.header, (wire::Header{i, virtual_epoch + i * 300ms, std::string(vda::version), "CoSiVA", "AIV1"}));
   }
   EXPECT_EQ(last_trace().text("content"), "repeated: not acknowledged within 300 ms");
-  EXPECT_EQ(JsonValue::parse(*traces.one_json(1))->text("content"), "a summary");
+  const auto trace = JsonValue::parse(*traces.one_json(1));
+  EXPECT_EQ(trace->text("content"), "a summary");
   EXPECT_EQ(JsonValue::parse(*traces.one_json(1))->text("kind"), "order");
 }
 
@@ -107,7 +108,8 @@ TEST_F(Published, actions_have_ids_of_their_own_and_a_summary) {
   EXPECT_EQ(first.actions[1].action_id, id + ".1");
   EXPECT_EQ(actions()[1].actions[0].action_id, unique_id("A", now) + "-2");
   EXPECT_EQ(actions()[1].header.header_id, 1U);
-  EXPECT_EQ(JsonValue::parse(*traces.one_json(1))->text("content"),
+  const auto trace = JsonValue::parse(*traces.one_json(1));
+  EXPECT_EQ(trace->text("content"),
             "stopPause (" + id + "), setSpeedLimit slow (" + id + ".1)");
 }
 

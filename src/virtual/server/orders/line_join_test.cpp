@@ -39,7 +39,7 @@ class Joins : public testing::Test {
 TEST_F(Joins, the_path_where_no_body_obstructs_it) {
   EXPECT_EQ(orders.joins.obstructs_line_entry(vehicle, orders.at("south", 1.0)), other);
   EXPECT_EQ(orders.joins.obstructs_line_entry(vehicle, orders.at("south", 1.45)), no_vehicle);
-  orders.proxy(other).retired = true;
+  orders.proxy(other).membership.on_retired();
   EXPECT_EQ(orders.joins.obstructs_line_entry(vehicle, orders.at("south", 1.0)), no_vehicle);
 }
 

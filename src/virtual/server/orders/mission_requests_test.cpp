@@ -136,12 +136,12 @@ TEST_F(Requests, address_known_vehicles_that_are_not_retired) {
             (Error{"mission.vehicle", "state which vehicle, as manufacturer/serial number, or * for all", "vehicle"}));
   EXPECT_EQ(refusal_of_goal("dock", "*"), Error{});
   const VehicleIndex second = orders.add("AIV2");
-  orders.proxy(0).retired = true;
+  orders.proxy(0).membership.on_retired();
   EXPECT_EQ(refusal_of_goal("dock").code, "mission.vehicle");
   requests.follow(MissionCommand{true, {"*"}, "dock"});
   EXPECT_EQ(orders.missions.mission(0), Mission{}) << "it is retired";
   EXPECT_EQ(orders.missions.mission(second), (Mission{Mission::Kind::go, "dock"}));
-  orders.proxy(second).retired = true;
+  orders.proxy(second).membership.on_retired();
   EXPECT_EQ(refusal_of_goal("dock", "*"), (Error{"mission.vehicle", "no vehicle is known yet", "vehicle"}));
 }
 

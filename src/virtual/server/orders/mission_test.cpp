@@ -44,14 +44,18 @@ TEST_F(Goals, of_a_station_are_the_waypoint_that_its_position_was_rounded_to) {
 
 TEST_F(Goals, of_a_station_between_two_waypoints_are_the_nearer_one) {
   const WaypointIndex first = on_north(2);
-  zone.waypoints[first + 1].position.s_m = s_m(first) + 0.03;
+  zone::Waypoint close = zone.waypoints[first + 1];
+  close.position.s_m = s_m(first) + 0.03;
+  zone.waypoints.replace(first + 1, close);
   EXPECT_THAT(with_gate_at(s_m(first) + 0.014), ElementsAre(first));
   EXPECT_THAT(with_gate_at(s_m(first) + 0.016), ElementsAre(first + 1));
 }
 
 TEST_F(Goals, of_a_node_are_its_waypoints_on_all_sections) {
   const WaypointIndex second = on_north(1);
-  zone.waypoints[second].id = zone.waypoints[0].id;
+  zone::Waypoint same_node = zone.waypoints[second];
+  same_node.id = zone.waypoints[0].id;
+  zone.waypoints.replace(second, same_node);
   const WaypointGraph map{std::make_shared<const zone::TrafficZone>(zone)};
   EXPECT_THAT(goals_of(map, zone.waypoints[0].id), ElementsAre(0U, second));
   EXPECT_THAT(goals_of(map, "nowhere"), IsEmpty());

@@ -336,12 +336,12 @@ TEST_F(Planned, roaming_vehicle_avoids_sections_until_it_need_not) {
 
 TEST_F(Planned, mission_ends_what_the_previous_one_avoided) {
   orders.missions.avoid(0, ids({"south"}));
-  orders.proxy(0).no_orders = true;
+  orders.proxy(0).settings.on_cancel();
   const std::uint64_t before = orders.missions.revision(0);
   go("gate");
   EXPECT_EQ(orders.missions.revision(0), before + 1);
   EXPECT_EQ(plan({orders.at("entry", 0.3)}), ids({"entry", "south", "east", "north"}));
-  EXPECT_FALSE(orders.proxy(0).no_orders) << "a new mission ends a cancellation";
+  EXPECT_FALSE(orders.proxy(0).settings.no_orders()) << "a new mission ends a cancellation";
 }
 
 TEST_F(Planned, detour_exists_where_another_route_leads_to_the_goal) {
@@ -467,7 +467,7 @@ TEST_F(Planned, digest_depends_on_missions_states_and_closed_sections) {
   EXPECT_EQ(digest(), initial);
   orders.missions.set_closed(ids({"south", "bypass1"}));
   const std::string closed = digest();
-  orders.missions.more(0, orders.section("entry"));
+  (void)orders.missions.more(0, orders.section("entry"));
   EXPECT_NE(digest(), closed) << "it has no route";
 }
 

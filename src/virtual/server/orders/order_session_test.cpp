@@ -164,9 +164,9 @@ TEST_F(Session, order_is_repeated_every_300_ms_while_the_vehicle_is_online) {
   orders.pass(299ms);
   EXPECT_FALSE(session().repeat_when_due());
   orders.pass(1ms);
-  orders.proxy(vehicle).connection = wire::ConnectionState::connection_broken;
+  orders.proxy(vehicle).connection.on_connection(wire::ConnectionState::connection_broken, orders.now);
   EXPECT_FALSE(session().repeat_when_due());
-  orders.proxy(vehicle).connection = wire::ConnectionState::online;
+  orders.proxy(vehicle).connection.on_connection(wire::ConnectionState::online, orders.now);
   EXPECT_TRUE(session().repeat_when_due());
   EXPECT_FALSE(session().repeat_when_due());
   orders.pass(299ms);
@@ -299,10 +299,10 @@ TEST_F(Session, cancellation_is_sent_again_after_five_seconds_to_a_vehicle_that_
   session().cancel_again_when_due();
   EXPECT_EQ(cancellations(), 1U);
   orders.pass(1ms);
-  orders.proxy(vehicle).connection = wire::ConnectionState::offline;
+  orders.proxy(vehicle).connection.on_connection(wire::ConnectionState::offline, orders.now);
   session().cancel_again_when_due();
   EXPECT_EQ(cancellations(), 1U);
-  orders.proxy(vehicle).connection = wire::ConnectionState::online;
+  orders.proxy(vehicle).connection.on_connection(wire::ConnectionState::online, orders.now);
   session().cancel_again_when_due();
   session().cancel_again_when_due();
   const auto sent = orders.actions_to(vehicle, "cancelOrder");

@@ -108,18 +108,18 @@ TEST_F(OnSouthSide, entry_point_is_cleared_once) {
 TEST_F(OnSouthSide, vehicle_is_stopped_by_its_state_and_by_its_twin) {
   const VehicleIndex vehicle = off_path_by(0.0, 0.0);
   EXPECT_TRUE(orders.positions.is_stopped(vehicle));
-  orders.state(vehicle).driving = true;
+  orders.report_field(vehicle, &wire::State::driving, true);
   EXPECT_FALSE(orders.positions.is_stopped(vehicle));
   orders.report_at(vehicle, orders.at("south", 1.0), 0.011);
-  orders.state(vehicle).driving = false;
+  orders.report_field(vehicle, &wire::State::driving, false);
   EXPECT_FALSE(orders.positions.is_stopped(vehicle)) << "faster than 1 cm/s";
   orders.report_at(vehicle, orders.at("south", 1.0), -0.011);
-  orders.state(vehicle).driving = false;
+  orders.report_field(vehicle, &wire::State::driving, false);
   EXPECT_FALSE(orders.positions.is_stopped(vehicle)) << "backwards too";
   orders.report_at(vehicle, orders.at("south", 1.0), 0.009);
-  orders.state(vehicle).driving = false;
+  orders.report_field(vehicle, &wire::State::driving, false);
   EXPECT_TRUE(orders.positions.is_stopped(vehicle));
-  orders.proxy(vehicle).retired = true;
+  orders.proxy(vehicle).membership.on_retired();
   EXPECT_FALSE(orders.positions.is_stopped(vehicle));
   EXPECT_EQ(orders.positions.body(vehicle).x_m, 1.0);
 }

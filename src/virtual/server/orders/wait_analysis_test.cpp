@@ -44,9 +44,9 @@ TEST_F(Stopped, without_a_reason_for_twelve_seconds_is_reported_once) {
 TEST_F(Stopped, begins_to_count_again_after_it_has_driven) {
   EXPECT_FALSE(orders.analysis.is_stopped_without_reason(vehicle));
   orders.pass(10s);
-  orders.state(vehicle).driving = true;
+  orders.report_field(vehicle, &wire::State::driving, true);
   EXPECT_FALSE(orders.analysis.is_stopped_without_reason(vehicle));
-  orders.state(vehicle).driving = false;
+  orders.report_field(vehicle, &wire::State::driving, false);
   EXPECT_FALSE(orders.analysis.is_stopped_without_reason(vehicle));
   orders.pass(10s);
   EXPECT_FALSE(orders.analysis.is_stopped_without_reason(vehicle));
@@ -62,23 +62,23 @@ TEST_F(Stopped, begins_to_count_again_after_the_vehicle_was_removed) {
 }
 
 TEST_F(Stopped, before_an_obstacle_has_a_reason) {
-  orders.state(vehicle).field_violation = true;
+  orders.report_field(vehicle, &wire::State::field_violation, true);
   EXPECT_FALSE(needs_new_order());
 }
 TEST_F(Stopped, by_a_command_has_a_reason) {
-  orders.state(vehicle).paused = true;
+  orders.report_field(vehicle, &wire::State::paused, true);
   EXPECT_FALSE(needs_new_order());
 }
 TEST_F(Stopped, by_the_server_before_a_virtual_body_has_a_reason) {
-  orders.proxy(vehicle).paused_for_body = true;
+  orders.proxy(vehicle).settings.on_body_in_path();
   EXPECT_FALSE(needs_new_order());
 }
 TEST_F(Stopped, with_an_error_has_a_reason) {
-  orders.state(vehicle).errors = {{"motorError", wire::ErrorLevel::fatal, "", {}}};
+  orders.report_field(vehicle, &wire::State::errors, {{"motorError", wire::ErrorLevel::fatal, "", {}}});
   EXPECT_FALSE(needs_new_order());
 }
 TEST_F(Stopped, by_an_emergency_stop_has_a_reason) {
-  orders.state(vehicle).e_stop = wire::EStop::manual;
+  orders.report_field(vehicle, &wire::State::e_stop, wire::EStop::manual);
   EXPECT_FALSE(needs_new_order());
 }
 
@@ -107,7 +107,7 @@ class Detected : public testing::Test {
   Detected() : vehicle{orders.add_at("AIV1", orders.at("south", 0.5))} {
     EXPECT_TRUE(orders.extend(vehicle));
     orders.acknowledge(vehicle);
-    orders.state(vehicle).field_violation = true;
+    orders.report_field(vehicle, &wire::State::field_violation, true);
   }
   std::vector<Wait> waits() {
     WaitGraph graph;
@@ -124,11 +124,11 @@ class Detected : public testing::Test {
 TEST_F(Detected, leader_is_what_the_sensor_detects) {
   const VehicleIndex leader = orders.add_at("AIV2", orders.at("south", 0.85));
   EXPECT_THAT(waits(), ElementsAre(sensed(leader)));
-  orders.state(vehicle).field_violation = false;
+  orders.report_field(vehicle, &wire::State::field_violation, false);
   EXPECT_THAT(waits(), IsEmpty());
-  orders.proxy(vehicle).paused_for_body = true;
+  orders.proxy(vehicle).settings.on_body_in_path();
   EXPECT_THAT(waits(), ElementsAre(sensed(leader)));
-  orders.state(vehicle).driving = true;
+  orders.report_field(vehicle, &wire::State::driving, true);
   EXPECT_THAT(waits(), IsEmpty()) << "it is not stopped";
 }
 
@@ -157,12 +157,12 @@ TEST_F(Detected, vehicle_further_next_to_the_path_is_not) {
 TEST_F(Detected, vehicle_at_the_side_or_behind_counts_only_where_it_prevents_turning) {
   const VehicleIndex side = orders.add_off_path("AIV2", orders.at("south", 0.48), 0.12 + 0.05);
   EXPECT_THAT(waits(), ElementsAre(sensed(side)));
-  orders.proxy(side).retired = true;
+  orders.proxy(side).membership.on_retired();
   EXPECT_THAT(waits(), IsEmpty());
   orders.add_off_path("AIV3", orders.at("south", 0.48), -0.12 - 0.065);
   EXPECT_THAT(waits(), IsEmpty()) << "it has the clearance to turn";
   const VehicleIndex leader = orders.add_at("AIV4", orders.at("south", 0.85));
-  orders.proxy(side).retired = false;
+  orders.proxy(side).membership.on_accepted();
   EXPECT_THAT(waits(), ElementsAre(sensed(leader))) << "a body on the path is preferred";
 }
 

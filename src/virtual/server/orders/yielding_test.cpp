@@ -33,7 +33,7 @@ class Yields : public testing::Test {
   bool continues() { return orders.yielding.continue_yielding(vehicle); }
   std::vector<wire::Action> back_ups() { return orders.actions_to(vehicle, "backUp"); }
   void end_order() {
-    orders.state(vehicle).node_states.clear();
+    orders.report_field(vehicle, &wire::State::node_states, {});
     orders.sessions[vehicle].drop();
   }
   OrdersFixture orders;
@@ -44,7 +44,7 @@ class Yields : public testing::Test {
 TEST_F(Yields, by_waiting_where_the_others_wait_for_what_it_holds) {
   EXPECT_EQ(cost_m(Means::wait), 0.0);
   EXPECT_EQ(cost_m(Means::wait, WaitReason{}), std::nullopt) << "its body would still be in front of the other one";
-  orders.proxy(vehicle).retired = true;
+  orders.proxy(vehicle).membership.on_retired();
   EXPECT_EQ(cost_m(Means::wait), std::nullopt);
 }
 
@@ -76,7 +76,7 @@ TEST_F(Yields, until_the_other_vehicle_has_moved_half_a_metre) {
 
 TEST_F(Yields, until_the_other_vehicle_is_removed) {
   ASSERT_TRUE(yield(Means::wait));
-  orders.proxy(other).retired = true;
+  orders.proxy(other).membership.on_retired();
   EXPECT_FALSE(continues());
 }
 
@@ -101,7 +101,7 @@ TEST_F(Yields, by_moving_up_once) {
 TEST_F(Yields, by_backing_up_one_step_where_that_is_enough) {
   EXPECT_NEAR(cost_m(Means::back_up).value_or(0.0), 0.025 + 0.02, 1e-9) << "one step, and the margin";
   EXPECT_EQ(cost_m(Means::back_up, WaitReason{}), std::nullopt) << "it would still obstruct the other one";
-  orders.state(vehicle).driving = true;
+  orders.report_field(vehicle, &wire::State::driving, true);
   EXPECT_EQ(cost_m(Means::back_up), std::nullopt) << "it is not stopped";
 }
 
@@ -115,9 +115,11 @@ TEST_F(Yields, by_backing_up_only_where_the_path_behind_is_free) {
 }
 
 TEST_F(Yields, by_backing_up_only_where_its_factsheet_lists_that) {
-  orders.proxy(vehicle).factsheet.emplace();
+  wire::Factsheet factsheet;
+  orders.proxy(vehicle).factsheet.on_factsheet(factsheet);
   EXPECT_EQ(cost_m(Means::back_up), std::nullopt);
-  orders.proxy(vehicle).factsheet->actions = {{"backUp", "", true, false, false, {}}};
+  factsheet.actions = {{"backUp", "", true, false, false, {}}};
+  orders.proxy(vehicle).factsheet.on_factsheet(factsheet);
   EXPECT_TRUE(cost_m(Means::back_up).has_value());
 }
 
@@ -140,7 +142,7 @@ TEST_F(Yields, by_backing_up_after_its_order_has_ended) {
   ASSERT_THAT(back_ups(), SizeIs(1));
   EXPECT_NEAR(*back_ups()[0].number("distance"), 0.045, 1e-9);
   orders.report_action(vehicle, back_ups()[0], wire::ActionStatus::running);
-  orders.proxy(other).retired = true;
+  orders.proxy(other).membership.on_retired();
   EXPECT_TRUE(continues()) << "it still backs up";
   orders.report_action(vehicle, back_ups()[0], wire::ActionStatus::finished);
   EXPECT_TRUE(continues());

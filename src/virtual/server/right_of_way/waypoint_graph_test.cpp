@@ -32,13 +32,14 @@ constexpr double arc_m = 0.5 * pi;  ///< length of a half circle of radius 0.5 m
 /// The oval with waypoints at chosen positions only.
 zone::TrafficZone oval_with(const std::vector<std::pair<std::string, zone::TrackPosition>>& waypoints) {
   zone::TrafficZone zone = *zone::Rtm::initialise(oval())->shared_zone();
-  const zone::Waypoint any = zone.waypoints.front();
-  zone.waypoints.clear();
+  zone::Waypoint waypoint = zone.waypoints.front();
+  std::vector<zone::Waypoint> chosen;
   for (const auto& [id, position] : waypoints) {
-    zone.waypoints.push_back(any);
-    zone.waypoints.back().id = id;
-    zone.waypoints.back().position = position;
+    waypoint.id = id;
+    waypoint.position = position;
+    chosen.push_back(waypoint);
   }
+  zone.waypoints = std::move(chosen);
   return zone;
 }
 WaypointGraph graph_of(zone::TrafficZone zone) {
@@ -166,13 +167,17 @@ TEST_F(ThreeWaypoints, are_replaced_only_by_a_zone_with_the_same_waypoints) {
   other.name = "other";
   EXPECT_FALSE(takes(other));
   other = same;
-  other.waypoints[1].id = "D";
+  zone::Waypoint renamed = same.waypoints[1];
+  renamed.id = "D";
+  other.waypoints.replace(1, renamed);
   EXPECT_FALSE(takes(other));
   other = same;
-  other.waypoints[1].position.s_m += 0.001;
+  zone::Waypoint moved = same.waypoints[1];
+  moved.position.s_m += 0.001;
+  other.waypoints.replace(1, moved);
   EXPECT_FALSE(takes(other));
   other = same;
-  other.waypoints.pop_back();
+  other.waypoints = std::vector<zone::Waypoint>{same.waypoints[0], same.waypoints[1]};
   EXPECT_FALSE(takes(other));
   EXPECT_THAT(graph.zone().closed, ElementsAre(north)) << "nothing has changed";
 }
@@ -197,17 +202,20 @@ TEST(WaypointGraph, offers_all_branches_to_a_vehicle_within_five_centimetres_of_
   const zone::SectionId straight = *zone.circuit.find("south");
   const zone::SectionId bypass = *zone.circuit.find("bypass1");
   const zone::SectionId other_side = *zone.circuit.find("north");
-  std::erase_if(zone.waypoints, [&](const zone::Waypoint& waypoint) {
+  std::vector<zone::Waypoint> waypoints = zone.waypoints;
+  std::erase_if(waypoints, [&](const zone::Waypoint& waypoint) {
     return waypoint.position.s_m == 0.0 || waypoint.position.section == other_side;
   });
+  zone::Waypoint at_fork = waypoints.front();
+  at_fork.id = "fork";
   for (const zone::SectionId section : {straight, bypass, other_side}) {
-    zone.waypoints.push_back(zone.waypoints.front());
-    zone.waypoints.back().id = "fork";
-    zone.waypoints.back().position = {section, 0.0};
+    at_fork.position = {section, 0.0};
+    waypoints.push_back(at_fork);
   }
-  std::ranges::sort(zone.waypoints, {}, [](const zone::Waypoint& waypoint) {
+  std::ranges::sort(waypoints, {}, [](const zone::Waypoint& waypoint) {
     return std::pair{waypoint.position.section, waypoint.position.s_m};
   });
+  zone.waypoints = std::move(waypoints);
   const WaypointGraph graph = graph_of(zone);
   EXPECT_THAT(graph.starts({straight, 0.0499}),
               ElementsAre(zone::TrackPosition{straight, 0.0499}, zone::TrackPosition{bypass, 0.0}));

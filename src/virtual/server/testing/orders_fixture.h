@@ -1,9 +1,12 @@
 #pragma once
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -63,8 +66,9 @@ class OrdersFixture {
     const VehicleIndex vehicle = *server.registry.add({manufacturer, serial}, now);
     const std::size_t count = server.registry.size();
     AivProxy& added = proxy(vehicle);
-    added.twin = server.simulator.appear(added.name, added.number, added.augmented, 1s, step_recorder(server));
-    added.connection = wire::ConnectionState::online;
+    added.twin_link.on_appeared(
+        server.simulator.appear(added.name(), added.identity.number(), added.augmented(), 1s, step_recorder(server)));
+    added.connection.on_connection(wire::ConnectionState::online, now);
     traffic.resize(count);
     missions.resize(count);
     sessions.emplace_back(context, vehicle);
@@ -77,23 +81,34 @@ class OrdersFixture {
     return vehicle;
   }
   [[nodiscard]] AivProxy& proxy(VehicleIndex vehicle) { return server.registry[vehicle]; }
-  [[nodiscard]] wire::State& state(VehicleIndex vehicle) { return *proxy(vehicle).state; }
   [[nodiscard]] zone::SectionId section(std::string_view name) const { return *map->circuit().find(name); }
   [[nodiscard]] zone::TrackPosition at(std::string_view name, double s_m) const { return {section(name), s_m}; }
 
   /// The vehicle reports where its body is.
   void report(VehicleIndex vehicle, const Pose2& X_MB, double speed_mps = 0.0) {
     AivProxy& reporting = proxy(vehicle);
-    server.simulator.report(*reporting.twin, now, {now, X_MB, speed_mps});
-    if (!reporting.state) reporting.state.emplace();
-    reporting.state->driving = speed_mps != 0.0;
-    reporting.state_in_session = true;
-    reporting.position_known = true;
-    reporting.reports.on_report(now);
-    const Twin& twin = server.simulator.twin(*reporting.twin);
+    server.simulator.report(*reporting.twin(), now, {now, X_MB, speed_mps});
+    report_field(vehicle, &wire::State::driving, speed_mps != 0.0);
+    reporting.position.on_position(next_stamp(), map->zone().name, X_MB);
+    reporting.reports.on_report(now, now);
+    const Twin& twin = server.simulator.twin(*reporting.twin());
     positions.set_reported(vehicle, {twin.reported_position(), twin.reported_off_m(), twin.heading_off_rad(), X_MB});
     traffic.update();
     joins.find_neighbours();
+  }
+  /// The vehicle reports its last state with this change.
+  void report_change(VehicleIndex vehicle, const std::function<void(wire::State&)>& change) {
+    AivProxy& reporting = proxy(vehicle);
+    wire::State next = reporting.state() != nullptr ? *reporting.state() : wire::State{};
+    ++next.header.header_id;
+    next.header.timestamp = next_stamp();
+    change(next);
+    reporting.reported_state.on_state(std::move(next), true);
+  }
+  /// The vehicle reports its last state with another value of this field.
+  template <typename Value>
+  void report_field(VehicleIndex vehicle, Value wire::State::*field, const std::type_identity_t<Value>& value) {
+    report_change(vehicle, [&](wire::State& next) { next.*field = value; });
   }
   void report_at(VehicleIndex vehicle, zone::TrackPosition position, double speed_mps = 0.0) {
     report(vehicle, map->circuit().pose_at(position), speed_mps);
@@ -131,15 +146,16 @@ class OrdersFixture {
   void acknowledge(VehicleIndex vehicle) {
     const std::optional<wire::Order> order = last_order(vehicle);
     COSIVA_EXPECT(order.has_value());
-    wire::State& reported = state(vehicle);
-    const wire::State before = reported;
-    reported.order_id = order->order_id;
-    reported.order_update_id = order->order_update_id;
-    std::erase_if(reported.node_states, [](const wire::NodeState& node) { return !node.released; });
-    for (const wire::OrderNode& node : order->nodes)
-      if (&node != &order->nodes.front())
-        reported.node_states.push_back({node.node_id, node.sequence_id, node.released, {}});
-    const OrderSession::Next next = sessions[vehicle].on_state(reported, &before);
+    const wire::State before = *proxy(vehicle).state();
+    report_change(vehicle, [&](wire::State& reported) {
+      reported.order_id = order->order_id;
+      reported.order_update_id = order->order_update_id;
+      std::erase_if(reported.node_states, [](const wire::NodeState& node) { return !node.released; });
+      for (const wire::OrderNode& node : order->nodes)
+        if (&node != &order->nodes.front())
+          reported.node_states.push_back({node.node_id, node.sequence_id, node.released, {}});
+    });
+    const OrderSession::Next next = sessions[vehicle].on_state(*proxy(vehicle).state(), &before);
     COSIVA_EXPECT(next == OrderSession::Next::nothing);
   }
 
@@ -147,7 +163,7 @@ class OrdersFixture {
     std::vector<wire::Order> orders;
     for (const wire::Effect& effect : effects)
       if (const auto* message = std::get_if<wire::Publish>(&effect);
-          message && message->topic == proxy(vehicle).order_topic)
+          message && message->topic == proxy(vehicle).identity.order_topic())
         orders.push_back(*vda::decode_order(message->payload));
     return orders;
   }
@@ -160,7 +176,7 @@ class OrdersFixture {
     std::vector<wire::Action> sent;
     for (const wire::Effect& effect : effects) {
       const auto* message = std::get_if<wire::Publish>(&effect);
-      if (message == nullptr || message->topic != proxy(vehicle).actions_topic) continue;
+      if (message == nullptr || message->topic != proxy(vehicle).identity.actions_topic()) continue;
       for (const wire::Action& action : vda::decode_instant_actions(message->payload)->actions)
         if (action.action_type == type) sent.push_back(action);
     }
@@ -169,10 +185,12 @@ class OrdersFixture {
   /// The vehicle reports the status of an action.
   void report_action(VehicleIndex vehicle, const wire::Action& action, wire::ActionStatus status,
                      const std::string& result = "") {
-    std::erase_if(state(vehicle).action_states,
-                  [&](const wire::ActionState& known) { return known.action_id == action.action_id; });
-    state(vehicle).action_states.push_back({action.action_id, action.action_type, status, result});
-    actions.on_state(vehicle, state(vehicle));
+    report_change(vehicle, [&](wire::State& reported) {
+      std::erase_if(reported.action_states,
+                    [&](const wire::ActionState& known) { return known.action_id == action.action_id; });
+      reported.action_states.push_back({action.action_id, action.action_type, status, result});
+    });
+    actions.on_state(vehicle, *proxy(vehicle).state());
   }
   [[nodiscard]] std::vector<std::string> logs() const {
     std::vector<std::string> lines;
@@ -180,6 +198,11 @@ class OrdersFixture {
       if (const auto* log = std::get_if<wire::Log>(&effect)) lines.push_back(std::string{log->level} + " " + log->text);
     return lines;
   }
+
+ private:
+  /// On the vehicles' clocks: each one is later than the one before.
+  SimTime next_stamp() { return stamp_ += 1ms; }
+  SimTime stamp_{virtual_epoch};
 };
 
 }  // namespace cosiva::virtual_side::fixture
