@@ -204,7 +204,7 @@ bool may_begin(const TrafficZone& zone, const Spot& spot, const std::vector<Spot
   constexpr double near_m = 0.02;
   const auto at = zone.waypoint_behind({spot.position.section, spot.position.s_m + near_m});
   if (at == zone.waypoints.size() || zone.waypoints[at].position.section != spot.position.section ||
-      spot.position.s_m - zone.waypoints[at].position.s_m > near_m)
+      std::fabs(spot.position.s_m - zone.waypoints[at].position.s_m) > near_m)
     return false;
   const auto covers = [](const Crossing& crossing, const TrackPosition& track_position) {
     return std::any_of(crossing.spans.begin(), crossing.spans.end(), [&](const CrossingSpan& span) {

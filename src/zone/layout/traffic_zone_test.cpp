@@ -272,6 +272,7 @@ TEST(TrafficZone, begins_in_a_crossing_only_within_two_centimetres_behind_a_wayp
   EXPECT_EQ(first({0, 0.5}), waypoint);
   EXPECT_EQ(first({0, 0.519}), (TrackPosition{0, 0.519}));
   EXPECT_EQ(first({0, 0.481}), (TrackPosition{0, 0.481}));
+  EXPECT_EQ(first({0, 0.479}), waypoint) << "refused: behind the waypoint, which is the next one around the loop";
   EXPECT_EQ(first({0, 0.521}), waypoint) << "refused; the waypoint serves";
   EXPECT_EQ(first({1, 0.01}), waypoint) << "on another section";
 }
