@@ -42,7 +42,8 @@ TEST(PlantSize, is_an_upper_bound_for_every_layout_and_a_close_one_without_gaps)
 }
 
 TEST(PlantSize, is_reached_by_a_layout_about_as_wide_as_high_and_by_no_smaller_one) {
-  for (const std::size_t sections : {200U, 1'000U, 5'000U, 20'000U, 100'000U, 170'000U}) {
+  // In a smaller plant one more aisle or bay is more than a fifth of it.
+  for (const std::size_t sections : {1'000U, 5'000U, 20'000U, 100'000U, 170'000U}) {
     const PlantOptions options = plant_of_size(sections);
     const double held = static_cast<double>(plant_sections_max(options)) * options.bay_ratio;
     EXPECT_GE(held, 1.02 * static_cast<double>(sections) - 1.0) << "two per cent for bays that are left out";
