@@ -344,7 +344,7 @@ TEST_F(PageRevision, changes_with_commands_connections_and_objects) {
   EXPECT_TRUE(has_changed());
   fixture.connection(vehicle, wire::ConnectionState::connection_broken);
   EXPECT_TRUE(has_changed());
-  fixture.send_command(R"({"command":"add","virtualObject":{"id":"P1","kind":"person","x":5,"y":5}})");
+  fixture.send_command(R"({"command":"add","virtualObject":{"id":"P1","kind":"person","x":1,"y":0.5}})");
   EXPECT_TRUE(has_changed());
   fixture.send_command(R"({"command":"edit","edit":{"priorities":{"CoSiVA/AIV1":5}}})");
   EXPECT_TRUE(has_changed());

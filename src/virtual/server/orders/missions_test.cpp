@@ -467,6 +467,8 @@ TEST_F(Planned, digest_depends_on_missions_states_and_closed_sections) {
   EXPECT_EQ(digest(), initial);
   orders.missions.set_closed(ids({"south", "bypass1"}));
   const std::string closed = digest();
+  ASSERT_TRUE(plan({orders.at("entry", 0.3)}).has_value());
+  EXPECT_EQ(digest(), closed);
   (void)orders.missions.more(0, orders.section("entry"));
   EXPECT_NE(digest(), closed) << "it has no route";
 }

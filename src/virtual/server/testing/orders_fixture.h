@@ -177,7 +177,8 @@ class OrdersFixture {
     for (const wire::Effect& effect : effects) {
       const auto* message = std::get_if<wire::Publish>(&effect);
       if (message == nullptr || message->topic != proxy(vehicle).identity.actions_topic()) continue;
-      for (const wire::Action& action : vda::decode_instant_actions(message->payload)->actions)
+      const wire::InstantActions decoded = *vda::decode_instant_actions(message->payload);
+      for (const wire::Action& action : decoded.actions)
         if (action.action_type == type) sent.push_back(action);
     }
     return sent;
