@@ -16,6 +16,7 @@
 #include "cosiva/adapters/event_loop.h"
 #include "cosiva/adapters/http_server.h"
 #include "cosiva/app/cli/options.h"
+#include "cosiva/base/json_text.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/random.h"
@@ -61,7 +62,7 @@ void write_scaled(JsonWriter& json, const JsonValue& value, double scale) {
     }
     json.end_object();
   } else {
-    app::write_json(json, value);
+    write_json(json, value);
   }
 }
 

@@ -41,7 +41,7 @@ Result<Fleet> fleet_of(const std::shared_ptr<const zone::TrafficZone>& zone,
 
 std::string thousands(std::uint64_t number) {
   std::string text = std::to_string(number);
-  for (std::size_t at = text.size(); at > 3;) text.insert(at -= 3, " ");
+  for (std::size_t at = text.size(); at > 3;) text.insert(at -= 3, 1, ' ');
   return text;
 }
 
