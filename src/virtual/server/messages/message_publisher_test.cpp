@@ -101,7 +101,7 @@ TEST_F(Published, actions_have_ids_of_their_own_and_a_summary) {
   send(0, {action("stopPause"), limit});
   send(0, {action("startPause")});
   ASSERT_THAT(actions(), SizeIs(2));
-  const wire::InstantActions& first = actions()[0];
+  const wire::InstantActions first = actions()[0];
   ASSERT_THAT(first.actions, SizeIs(2));
   const std::string id = first.actions[0].action_id;
   EXPECT_EQ(id, unique_id("A", now) + "-1");
@@ -109,8 +109,7 @@ TEST_F(Published, actions_have_ids_of_their_own_and_a_summary) {
   EXPECT_EQ(actions()[1].actions[0].action_id, unique_id("A", now) + "-2");
   EXPECT_EQ(actions()[1].header.header_id, 1U);
   const auto trace = JsonValue::parse(*traces.one_json(1));
-  EXPECT_EQ(trace->text("content"),
-            "stopPause (" + id + "), setSpeedLimit slow (" + id + ".1)");
+  EXPECT_EQ(trace->text("content"), "stopPause (" + id + "), setSpeedLimit slow (" + id + ".1)");
 }
 
 TEST_F(Published, actions_are_repeated_every_300_ms_until_the_vehicle_lists_all_of_them) {
