@@ -9,7 +9,7 @@
 #include <vector>
 
 // The command-line library. Only options.cpp includes its header, which costs a source six seconds of compile time.
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's
 class App;
 class Option;
 }  // namespace CLI

@@ -126,7 +126,7 @@ Result<std::vector<SurveyedPose>> read_pose_stops(std::string_view text, const s
     if (line.empty() || line.starts_with('#')) continue;
     const auto row = sample_of(line);
     if (!row) {
-      return fail("gvs.poses", "expected 'x, y, cos, sin, weight' of finite numbers, found " + quoted(line),
+      return fail("gvs.poses", "expected 'x, y, cos, sin, weight' of finite numbers, found " + in_quotes(line),
                   location_of(file, lines.number()));
     }
     if (stops.empty() || between(*row, before) > leap) stops.emplace_back();

@@ -25,7 +25,7 @@ std::vector<std::string_view> cut(std::string_view line, char separator) {
   }
 }
 
-std::string quoted(std::string_view field) {
+std::string in_quotes(std::string_view field) {
   constexpr std::size_t longest = 40;
   return "'" + std::string(field.substr(0, longest)) + (field.size() > longest ? "…'" : "'");
 }
@@ -55,7 +55,7 @@ Result<Header> read_header(std::string_view line, const std::vector<std::string_
       return fail(code,
                   (times == 0 ? "lacks the column '" : "has twice the column '") + std::string(column) +
                       "': expected the header '" + listed(columns) + "', cut at semicolons or commas, found " +
-                      quoted(line),
+                      in_quotes(line),
                   location);
     }
     header.at.push_back(static_cast<std::size_t>(std::ranges::find(names, column) - names.begin()));
@@ -69,7 +69,7 @@ Result<std::vector<double>> read_row(std::string_view line, const Header& header
   if (fields.size() != header.width) {
     return fail(code,
                 "expected " + std::to_string(header.width) + " fields cut at '" + std::string(1, header.separator) +
-                    "' as in the header, found " + std::to_string(fields.size()) + " in " + quoted(line),
+                    "' as in the header, found " + std::to_string(fields.size()) + " in " + in_quotes(line),
                 location);
   }
   std::vector<double> numbers;
@@ -78,7 +78,7 @@ Result<std::vector<double>> read_row(std::string_view line, const Header& header
     if (!number || std::fabs(*number) > 1e6) {
       const bool comma = fields[at].find(',') != std::string_view::npos;
       return fail(code,
-                  "expected a finite number within a million, found " + quoted(fields[at]) +
+                  "expected a finite number within a million, found " + in_quotes(fields[at]) +
                       (comma ? "; decimals follow a point" : ""),
                   location);
     }

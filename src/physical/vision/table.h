@@ -14,7 +14,7 @@ namespace cosiva::vision {
 /// Fields between separators; one separator at the line's end begins no further field.
 [[nodiscard]] std::vector<std::string_view> cut(std::string_view line, char separator);
 /// For messages, shortened.
-[[nodiscard]] std::string quoted(std::string_view field);
+[[nodiscard]] std::string in_quotes(std::string_view field);
 
 /// Rows of finite numbers within a million.
 struct Table {

@@ -33,7 +33,7 @@ std::optional<double> parsed(std::string_view text) {
   return value;
 }
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   std::string shown = "\"";
   for (const char c : text.substr(0, 40)) shown += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
   shown += text.size() > 40 ? "…\"" : "\"";
@@ -84,7 +84,7 @@ double XmlFile::number(pugi::xml_node node, const char* name, const Range& range
   }
   const auto value = parsed(attribute.value());
   if (value && *value >= range.low && *value <= range.high) return *value;
-  fault(node, name, "zone.field", expected + ", found " + quoted(attribute.value()));
+  fault(node, name, "zone.field", expected + ", found " + in_quotes(attribute.value()));
   return range.low;
 }
 
@@ -93,7 +93,7 @@ std::optional<int> XmlFile::whole(pugi::xml_node node, const char* name) {
   if (!attribute) return std::nullopt;
   const auto value = parsed(attribute.value());
   if (value && std::fabs(*value) <= 1e6 && std::floor(*value) == *value) return static_cast<int>(*value);
-  fault(node, name, "zone.field", "expected a whole number, found " + quoted(attribute.value()));
+  fault(node, name, "zone.field", "expected a whole number, found " + in_quotes(attribute.value()));
   return std::nullopt;
 }
 
@@ -103,7 +103,7 @@ std::string XmlFile::id(pugi::xml_node node, const char* name) {
       std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) >= 0x20; });
   if (!text.empty() && text.size() <= 128 && printable) return std::string(text);
   fault(node, name, text.empty() ? "zone.missing" : "zone.field",
-        "expected an id of 1 to 128 characters, found " + (text.empty() ? "nothing" : quoted(text)));
+        "expected an id of 1 to 128 characters, found " + (text.empty() ? "nothing" : in_quotes(text)));
   return "?";
 }
 

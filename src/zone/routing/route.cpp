@@ -97,7 +97,7 @@ std::vector<SectionId> Search::route_to(SectionId to) const {
   return back;
 }
 
-std::string quoted(const Circuit& circuit, SectionId id) {
+std::string in_quotes(const Circuit& circuit, SectionId id) {
   std::string text = "'";
   return text.append(circuit.part(id).name).append("'");
 }
@@ -105,7 +105,7 @@ std::string quoted(const Circuit& circuit, SectionId id) {
 /// The reason why no wanted section can be reached. `what` names the goal ("'dock'", "the loop 'outer'").
 Error no_route(const Router& router, const Circuit& circuit, SectionId from, const std::vector<bool>& wanted,
                const std::vector<bool>& closed, const std::string& what) {
-  const std::string start = quoted(circuit, from);
+  const std::string start = in_quotes(circuit, from);
   const std::vector<bool> open(circuit.size(), false);
   Search all{router, circuit, open};
   const SectionId found = all.run(from, wanted);
@@ -113,7 +113,7 @@ Error no_route(const Router& router, const Circuit& circuit, SectionId from, con
     // With all sections open, the closed ones on the quickest route are the obstacles.
     std::string names;
     for (const SectionId id : all.route_to(found)) {
-      if (closed[id]) names.append(names.empty() ? "" : ", ").append(quoted(circuit, id));
+      if (closed[id]) names.append(names.empty() ? "" : ", ").append(in_quotes(circuit, id));
     }
     return {"route.none",
             "every route from " + start + " to " + what + " leads over closed sections; the quickest over " + names +
@@ -125,7 +125,7 @@ Error no_route(const Router& router, const Circuit& circuit, SectionId from, con
     text += ": nothing follows " + start;
   else
     text += ": the routes from there reach " + std::to_string(all.reached_count()) + " sections, the last of them " +
-            quoted(circuit, all.farthest());
+            in_quotes(circuit, all.farthest());
   return {"route.none", text, circuit.part(from).name};
 }
 
@@ -174,13 +174,14 @@ Result<Route> Router::plan(TrackPosition from, TrackPosition goal, std::span<con
 
   const std::vector<bool> closed_flags = marked(circuit, closed);
   if (closed_flags[goal.section]) {
-    return fail("route.none", quoted(circuit, goal.section) + ", where the goal lies, is closed",
+    return fail("route.none", in_quotes(circuit, goal.section) + ", where the goal lies, is closed",
                 circuit.part(goal.section).name);
   }
   const std::vector<bool> wanted = marked(circuit, {&goal.section, 1});
   Search search{*this, circuit, closed_flags};
   if (search.run(from.section, wanted) == no_section) {
-    return tl::unexpected(no_route(*this, circuit, from.section, wanted, closed_flags, quoted(circuit, goal.section)));
+    return tl::unexpected(
+        no_route(*this, circuit, from.section, wanted, closed_flags, in_quotes(circuit, goal.section)));
   }
   std::vector<SectionId> sections = search.route_to(goal.section);
   sections.insert(sections.begin(), from.section);

@@ -65,7 +65,7 @@ double TomlFields::angle(std::string_view key, double within_deg, std::optional<
 
 std::string TomlFields::one_of(std::string_view key, std::initializer_list<std::string_view> terms) const {
   std::string what;
-  for (const std::string_view word : terms) what.append(what.empty() ? "" : " or ").append(quoted(word));
+  for (const std::string_view word : terms) what.append(what.empty() ? "" : " or ").append(in_quotes(word));
   const toml::node* node = find(key, what, false);
   if (node == nullptr) return {};
   const auto* value = node->as_string();

@@ -18,7 +18,7 @@ namespace cosiva::zone {
 /// The term of `known` that was most likely meant; empty where none is near.
 [[nodiscard]] std::string_view nearest(std::string_view word, const std::vector<std::string_view>& known);
 /// In quotes, short enough for one line.
-[[nodiscard]] std::string quoted(std::string_view text);
+[[nodiscard]] std::string in_quotes(std::string_view text);
 /// The shortest text that reads back to the same number, and is a TOML number: "0.3".
 [[nodiscard]] std::string toml_number(double value);
 

@@ -83,9 +83,9 @@ void TomlTable::expect_among(std::span<const std::string_view> keys) const {
     const auto at = static_cast<std::uint32_t>(key.source().begin.line);
     std::string shown;
     for (const char c : name.substr(0, 64)) shown += static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? '?' : c;
-    faults_->add(
-        faults_->code("unknown_key"), at == 0 ? line() : at, path(shown),
-        "unknown key; " + (near.empty() ? "" : "did you mean " + quoted(near) + "? ") + "Known here: " + listed(known));
+    faults_->add(faults_->code("unknown_key"), at == 0 ? line() : at, path(shown),
+                 "unknown key; " + (near.empty() ? "" : "did you mean " + in_quotes(near) + "? ") +
+                     "Known here: " + listed(known));
   }
 }
 

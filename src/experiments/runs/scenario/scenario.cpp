@@ -132,8 +132,8 @@ class Reader {
       for (const std::string_view action : actions) list.append(list.empty() ? "" : ", ").append(action);
       return entry.fault(found.empty() ? "" : found[1], "scenario.action",
                          found.empty() ? "expected exactly one action, found none. There are: " + list
-                                       : "expected exactly one action, found " + quoted(found[0]) + " and " +
-                                             quoted(found[1]) + "; give each its own [[at]]");
+                                       : "expected exactly one action, found " + in_quotes(found[0]) + " and " +
+                                             in_quotes(found[1]) + "; give each its own [[at]]");
     }
     const std::string& action = found.front();
     if (action == "command") return read_command(entry);
@@ -162,7 +162,7 @@ class Reader {
     const std::string serial = slash == std::string::npos ? name : name.substr(slash + 1);
     if (!name.empty() && (slash == 0 || !wire::valid_serial_number(serial))) {
       fields.fault(key, "scenario.vehicle",
-                   "expected a vehicle, such as \"AIV1\", \"V1\" or \"CoSiVA/AIV1\", found " + quoted(name));
+                   "expected a vehicle, such as \"AIV1\", \"V1\" or \"CoSiVA/AIV1\", found " + in_quotes(name));
     }
     if (slash != std::string::npos) return name;
     const bool is_virtual = std::ranges::find(virtual_aivs_, name) != virtual_aivs_.end();
@@ -267,7 +267,7 @@ class Reader {
     std::string id = fields.text("id", 32);
     // A virtual AIV's id is its serial number; one rule for all ids is simpler.
     if (!id.empty() && !wire::valid_serial_number(id))
-      fields.fault("id", "scenario.field", "expected an id of A-Z a-z 0-9 _ . : - only, found " + quoted(id));
+      fields.fault("id", "scenario.field", "expected an id of A-Z a-z 0-9 _ . : - only, found " + in_quotes(id));
     const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
     if (id.size() > 1 && id.front() == 'S' && std::all_of(id.begin() + 1, id.end(), is_digit))
       fields.fault("id", "scenario.id", "S1, S2, … are the names of detected obstacles; choose another");
@@ -373,7 +373,7 @@ class Reader {
     const double radius_m = fields.number("radius_m", radius_range_m, virtual_object_radius_m);
     if (const auto known = virtual_objects_.find(id); known != virtual_objects_.end() && known->second.physical) {
       return fields.fault("id", "scenario.id",
-                          "there is a physical obstacle " + quoted(id) + " already, since line " +
+                          "there is a physical obstacle " + in_quotes(id) + " already, since line " +
                               std::to_string(known->second.line) + "; use move to change its position");
     }
     virtual_objects_.insert_or_assign(id, VirtualObject{true, radius_m, line_});

@@ -123,8 +123,8 @@ class Checker {
                   const std::vector<std::string_view>& known) {
     const std::string_view near = nearest(name, known);
     fault(field, std::move(code),
-          zone_->name + " has no " + what + " " + quoted(name) +
-              (near.empty() ? "" : "; did you mean " + quoted(near) + "?"));
+          zone_->name + " has no " + what + " " + in_quotes(name) +
+              (near.empty() ? "" : "; did you mean " + in_quotes(near) + "?"));
   }
 
   [[nodiscard]] std::vector<std::string_view> section_names() const {
@@ -168,9 +168,9 @@ class Checker {
     const std::vector<std::string> there = vehicles_now();
     const std::string_view near = nearest(serial, {there.begin(), there.end()});
     fault(field, "scenario.vehicle",
-          "there is no vehicle " + quoted(manufacturer == wire::our_manufacturer ? serial : id) +
+          "there is no vehicle " + in_quotes(manufacturer == wire::our_manufacturer ? serial : id) +
               "; this scenario has " + (scenario_.aivs == 1 ? "AIV1" : "AIV1 to AIV" + std::to_string(scenario_.aivs)) +
-              (near.empty() ? "" : ", did you mean " + quoted(near) + "?"));
+              (near.empty() ? "" : ", did you mean " + in_quotes(near) + "?"));
   }
 
   void evaluate_virtual_vehicle(const std::string& serial, std::string_view field) {
@@ -181,7 +181,7 @@ class Checker {
     if (arrival != arrivals_.end())
       why = arrival->second > step_->at ? "it is only added " + at_seconds(arrival->second) : "it was removed before";
     fault(field, "scenario.vehicle",
-          "there is no virtual AIV " + quoted(serial) + " " + at_seconds(step_->at) + ": " + why);
+          "there is no virtual AIV " + in_quotes(serial) + " " + at_seconds(step_->at) + ": " + why);
   }
 
   /// "AIV3" of a fleet of at least three.
@@ -230,7 +230,7 @@ class Checker {
     const auto [known, is_new] = virtual_objects_.emplace(id, VirtualObject{std::move(kind), step_->line});
     if (!is_new) {
       fault("id", "scenario.id",
-            "there is a " + known->second.kind + " " + quoted(id) + " already, since line " +
+            "there is a " + known->second.kind + " " + in_quotes(id) + " already, since line " +
                 std::to_string(known->second.line) + "; remove it first, or choose another id");
     }
   }
@@ -298,9 +298,10 @@ class Checker {
     const auto known = virtual_objects_.find(id);
     if (known == virtual_objects_.end()) return fault_unknown(id, "move.id");
     if (known->second.kind == "aiv")
-      return fault("move.id", "scenario.id", quoted(id) + " is a virtual AIV: it drives by itself, and is not moved");
+      return fault("move.id", "scenario.id",
+                   in_quotes(id) + " is a virtual AIV: it drives by itself, and is not moved");
     if (known->second.kind != "person" && virtual_object.find("path") != nullptr)
-      return fault("move.path", "scenario.field", quoted(id) + " is an obstacle and does not walk; move it with at");
+      return fault("move.path", "scenario.field", in_quotes(id) + " is an obstacle and does not walk; move it with at");
     evaluate_route(virtual_object);
   }
 
@@ -331,8 +332,8 @@ class Checker {
     for (const auto& [name, virtual_object] : virtual_objects_) there.push_back(name);
     const std::string_view near = nearest(id, there);
     fault(field, "scenario.id",
-          "there is no object " + quoted(id) + " " + at_seconds(step_->at) +
-              (near.empty() ? "" : "; did you mean " + quoted(near) + "?"));
+          "there is no object " + in_quotes(id) + " " + at_seconds(step_->at) +
+              (near.empty() ? "" : "; did you mean " + in_quotes(near) + "?"));
   }
 
   const Scenario& scenario_;

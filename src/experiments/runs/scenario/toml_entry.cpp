@@ -54,9 +54,9 @@ std::string Entry::one_of(std::string_view key, const std::vector<std::string_vi
   const auto* value = node->as_string();
   if (value != nullptr && std::ranges::find(terms, value->get()) != terms.end()) return value->get();
   const std::string_view near = value == nullptr ? std::string_view{} : nearest(value->get(), terms);
-  fault(
-      key, faults().code("field"),
-      "expected " + what + ", found " + describe(*node) + (near.empty() ? "" : "; did you mean " + quoted(near) + "?"));
+  fault(key, faults().code("field"),
+        "expected " + what + ", found " + describe(*node) +
+            (near.empty() ? "" : "; did you mean " + in_quotes(near) + "?"));
   return std::string(terms.front());
 }
 
@@ -149,11 +149,11 @@ std::vector<std::string> Entry::some_of(std::string_view key, const std::vector<
       const std::string_view near = text == nullptr ? std::string_view{} : nearest(text->get(), terms);
       fault(key, faults().code("field"),
             "expected some of " + listed(terms) + ", found " + describe(one) +
-                (near.empty() ? "" : "; did you mean " + quoted(near) + "?"));
+                (near.empty() ? "" : "; did you mean " + in_quotes(near) + "?"));
       return fallback;
     }
     if (std::ranges::find(chosen, text->get()) != chosen.end())
-      fault(key, faults().code("field"), quoted(text->get()) + " is given twice");
+      fault(key, faults().code("field"), in_quotes(text->get()) + " is given twice");
     chosen.push_back(text->get());
   }
   return chosen;

@@ -36,7 +36,7 @@ void check_zone(const Entry& entry, const char* key, const std::string& name, co
   const std::vector<std::string_view> known(names.begin(), names.end());
   const std::string_view meant = nearest(name, known);
   entry.fault(key, "site.value",
-              "there is no zone " + quoted(name) + (meant.empty() ? "" : "; is " + quoted(meant) + " meant?"));
+              "there is no zone " + in_quotes(name) + (meant.empty() ? "" : "; is " + in_quotes(meant) + " meant?"));
 }
 
 SitePlan read(const Entry& root) {
@@ -50,7 +50,8 @@ SitePlan read(const Entry& root) {
     zone.name = entry.text("name", text_max, zone.file);
     zone.aivs = static_cast<std::size_t>(entry.whole("aivs", 0, aivs_max, 12));
     if (!names.insert(zone.name).second)
-      entry.fault("name", "site.value", "there are two zones " + quoted(zone.name) + "; give each a name of its own");
+      entry.fault("name", "site.value",
+                  "there are two zones " + in_quotes(zone.name) + "; give each a name of its own");
     if (zone.name.find('/') != std::string::npos)
       entry.fault("name", "site.value", "a zone's name has no '/', which separates a zone and its station");
     plan.zones.push_back(std::move(zone));
@@ -105,7 +106,8 @@ Result<SitePlan> site_plan_of_list(std::string_view list, std::size_t aivs, doub
     if (const std::size_t star = item.find('*'); star != std::string_view::npos) {
       const auto [end, error] = std::from_chars(item.data(), item.data() + star, times);
       if (error != std::errc{} || end != item.data() + star || times == 0 || times > site_zones_max)
-        return fail("site.list", quoted(item) + " begins with no number of zones from 1 to 100000", std::string{list});
+        return fail("site.list", in_quotes(item) + " begins with no number of zones from 1 to 100000",
+                    std::string{list});
       item.remove_prefix(star + 1);
     }
     if (item.empty()) return fail("site.list", "a zone's name is missing", std::string{list});
