@@ -16,7 +16,7 @@ namespace cosiva::experiments {
 namespace {
 
 using zone::NumberRange;
-using zone::quoted;
+using zone::in_quotes;
 using zone::toml_number;
 
 constexpr std::size_t bytes_max = 1U << 20U;

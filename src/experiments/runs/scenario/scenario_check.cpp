@@ -19,7 +19,7 @@ namespace cosiva::experiments {
 namespace {
 
 using zone::nearest;
-using zone::quoted;
+using zone::in_quotes;
 using zone::toml_number;
 
 /// A virtual AIV is added on the nearest path; a larger distance is an error.

@@ -13,7 +13,7 @@ using zone::listed;
 using zone::nearest;
 using zone::number_of;
 using zone::NumberRange;
-using zone::quoted;
+using zone::in_quotes;
 using zone::toml_number;
 
 namespace {

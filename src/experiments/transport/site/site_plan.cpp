@@ -17,7 +17,7 @@ namespace {
 
 using zone::nearest;
 using zone::NumberRange;
-using zone::quoted;
+using zone::in_quotes;
 
 constexpr std::size_t bytes_max = 1U << 22U;
 constexpr std::size_t text_max = 4096;
