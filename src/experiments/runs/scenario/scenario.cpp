@@ -15,8 +15,8 @@
 namespace cosiva::experiments {
 namespace {
 
-using zone::NumberRange;
 using zone::in_quotes;
+using zone::NumberRange;
 using zone::toml_number;
 
 constexpr std::size_t bytes_max = 1U << 20U;

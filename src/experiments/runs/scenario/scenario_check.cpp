@@ -18,8 +18,8 @@
 namespace cosiva::experiments {
 namespace {
 
-using zone::nearest;
 using zone::in_quotes;
+using zone::nearest;
 using zone::toml_number;
 
 /// A virtual AIV is added on the nearest path; a larger distance is an error.

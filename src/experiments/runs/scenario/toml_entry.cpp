@@ -9,11 +9,11 @@
 namespace cosiva::experiments {
 
 using zone::describe;
+using zone::in_quotes;
 using zone::listed;
 using zone::nearest;
 using zone::number_of;
 using zone::NumberRange;
-using zone::in_quotes;
 using zone::toml_number;
 
 namespace {

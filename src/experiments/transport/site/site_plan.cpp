@@ -15,9 +15,9 @@
 namespace cosiva::experiments {
 namespace {
 
+using zone::in_quotes;
 using zone::nearest;
 using zone::NumberRange;
-using zone::in_quotes;
 
 constexpr std::size_t bytes_max = 1U << 22U;
 constexpr std::size_t text_max = 4096;

@@ -21,9 +21,7 @@ std::vector<Knot> knots_of(std::size_t count, const std::vector<Wait>& waits) {
   return graph.find_knots();
 }
 
-Wait wait(VehicleIndex waiter, VehicleIndex blocker, WaitReason why = {}) {
-  return {waiter, blocker, why};
-}
+Wait wait(VehicleIndex waiter, VehicleIndex blocker, WaitReason why = {}) { return {waiter, blocker, why}; }
 
 TEST(WaitGraph, has_no_knot_where_a_vehicle_can_continue) {
   EXPECT_THAT(knots_of(0, {}), IsEmpty());
