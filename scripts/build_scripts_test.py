@@ -131,6 +131,16 @@ class SlowestUnits(unittest.TestCase):
                 os.utime(file, (written, written))
             self.assertEqual(slowest_units.slowest([build], 50), [(62.25, "release/b.cpp"), (2.0, "release/a.cpp")])
 
+    def test_a_unit_with_a_large_share_of_the_time_is_reported_whatever_the_machine(self):
+        even = [(2.0, f"u{i}") for i in range(50)]
+        self.assertEqual(slowest_units.over(even, 0.03), [])
+        for slowness in (1.0, 40.0):
+            units = [(seconds * slowness, name) for seconds, name in [(6.0, "heavy"), (2.5, "fair"), *even]]
+            self.assertEqual(slowest_units.over(units, 0.03), ["heavy"])
+
+    def test_the_share_is_not_judged_where_ccache_had_most_units(self):
+        self.assertEqual(slowest_units.over([(60.0, "heavy"), *[(0.02, f"u{i}") for i in range(50)]], 0.03), [])
+
 
 if __name__ == "__main__":
     unittest.main()

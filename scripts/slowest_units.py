@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Lists the units with the longest compile times, and fails if one took too long.
+"""Lists the units with the longest compile times, and fails if one takes too large a share of them all.
 
-    scripts/slowest_units.py [--since FILE] [--limit SECONDS] BUILD…
+    scripts/slowest_units.py [--since FILE] [--share RATIO] BUILD…
 
-cmake/compile writes the processor seconds of every object to a file next to it (none if ccache had the result). A unit
-over the limit keeps one core busy while the others are idle, and delays every edit: split the unit, or concentrate the
-expensive templates in one source. --since: only units compiled after that file was written."""
+cmake/compile writes the processor seconds of every object to a file next to it (almost none if ccache had the result). A
+unit with a large share keeps one core busy while the others are idle, and delays every edit: split the unit, or concentrate
+the expensive templates in one source. A share does not depend on the machine, as seconds would. It is judged where most of
+the units were compiled. --since: only units compiled after that file was written."""
 
 import argparse
 import pathlib
@@ -14,6 +15,7 @@ import sys
 
 SECONDS = re.compile(r"(\d+)m([\d.]+)s")
 SHOWN = 10
+COMPILED_S = 0.5  # ccache copies an object in less
 
 
 def seconds_in(text):
@@ -31,20 +33,28 @@ def slowest(builds, since):
     return sorted(taken, reverse=True)
 
 
+def over(units, share):
+    """The names of the units with a larger share of the time, if most of the units were compiled; else none."""
+    compiled = sum(seconds >= COMPILED_S for seconds, _ in units)
+    total = sum(seconds for seconds, _ in units)
+    return [name for seconds, name in units if seconds > share * total] if 2 * compiled > len(units) else []
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--since", type=pathlib.Path)
-    parser.add_argument("--limit", type=float, default=60.0, help="processor seconds that one unit may take")
+    parser.add_argument("--share", type=float, default=0.03, help="of the processor time of all units, that one may take")
     parser.add_argument("builds", nargs="+", type=pathlib.Path)
     arguments = parser.parse_args()
     units = slowest(arguments.builds, arguments.since.stat().st_mtime if arguments.since else 0.0)
+    total = sum(seconds for seconds, _ in units)
     for seconds, name in units[:SHOWN]:
-        print(f"{seconds:6.1f} CPU-s  {name}")
-    print(f"{len(units)} units compiled, {sum(seconds for seconds, _ in units):.0f} CPU-s in all")
-    over = [name for seconds, name in units if seconds > arguments.limit]
-    if over:
-        print(f"over {arguments.limit:g} CPU-s: {', '.join(over)}")
-    return 1 if over else 0
+        print(f"{seconds:6.1f} CPU-s  {seconds / max(total, seconds, 1e-9):5.1%}  {name}")
+    print(f"{len(units)} units compiled, {total:.0f} CPU-s in all")
+    slow = over(units, arguments.share)
+    if slow:
+        print(f"over {arguments.share:.1%} of the time: {', '.join(slow)}")
+    return 1 if slow else 0
 
 
 if __name__ == "__main__":

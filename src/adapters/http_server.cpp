@@ -6,13 +6,14 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
-#include <boost/beast/websocket.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
 #include <cmath>
 #include <optional>
 #include <set>
 #include <utility>
 
 #include "cosiva/adapters/http_rules.h"
+#include "cosiva/adapters/live_stream.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/base/json_writer.h"
 
@@ -28,18 +29,9 @@ using ErrorCode = beast::error_code;
 using Request = http::request<http::string_body>;
 using Response = http::response<http::string_body>;
 
-/// One frame of the live stream for one client, and its type.
-struct Frame {
-  HttpServer::LiveFrame bytes;
-  bool binary{false};
-};
-
 constexpr std::string_view live_path = "/api/v1/live";
 constexpr std::string_view api_prefix = "/api/";
 constexpr std::uint32_t header_bytes_max = 16 * 1024;
-/// Data that waits in the kernel is stale by the time it is read: the buffer holds a few frames only.
-constexpr int send_buffer_bytes = 64 * 1024;
-constexpr std::size_t live_message_bytes_max = 4 * 1024;
 constexpr std::chrono::seconds linger_max{2};
 constexpr std::size_t drained_bytes_max = 16 * 1024 * 1024;
 /// Whole files that are received at the same time: each may fill the memory allowed for one.
@@ -70,12 +62,14 @@ HttpResponse http_error(unsigned status, std::string_view code, std::string_view
 // --- common to the sessions -----------------------------------------------------------------------------------------
 
 class HttpSession;
-class LiveSession;
 
 /// Invariant: at most clients_max sessions are open, and none is accepted after close().
 struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
   Impl(EventLoop& loop, HttpOptions options_, Handler api_)
-      : acceptor{loop.context()}, options{std::move(options_)}, api{std::move(api_)} {}
+      : acceptor{loop.context()},
+        options{std::move(options_)},
+        api{std::move(api_)},
+        live{std::make_shared<LiveStream>(options.request_timeout, options.live_timeout)} {}
 
   Result<void> listen();
   void accept();
@@ -90,90 +84,11 @@ struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
   std::uint16_t port{0};
   bool closed{false};
   std::set<HttpSession*> sessions;
-  std::set<LiveSession*> live;
+  std::shared_ptr<LiveStream> live;
   std::size_t large_bodies{0};  ///< being received now
-  std::array<Frame, live_kinds> kept;
-  std::function<void()> on_join;
 };
 
 using Shared = std::shared_ptr<HttpServer::Impl>;
-
-// --- one WebSocket --------------------------------------------------------------------------------------------------
-
-/// The live stream to one page.
-///
-/// Invariant: at most one write is in progress, and `writing_` holds its bytes.
-class LiveSession : public std::enable_shared_from_this<LiveSession> {
- public:
-  LiveSession(Shared server, tcp::socket socket) : server_{std::move(server)}, socket_{std::move(socket)} {}
-  ~LiveSession() { server_->live.erase(this); }
-
-  void start(const Request& request) {
-    server_->live.insert(this);
-    ErrorCode ignored;
-    beast::get_lowest_layer(socket_).socket().set_option(asio::socket_base::send_buffer_size(send_buffer_bytes),
-                                                         ignored);
-    beast::get_lowest_layer(socket_).expires_never();  // the WebSocket layer has its own
-    websocket::stream_base::timeout limits{};
-    limits.handshake_timeout = server_->options.request_timeout;
-    limits.idle_timeout = server_->options.live_timeout;
-    limits.keep_alive_pings = true;
-    socket_.set_option(limits);
-    socket_.read_message_max(live_message_bytes_max);
-    socket_.auto_fragment(false);  // a frame is sent in one write, whatever its size
-    socket_.async_accept(request, [self = shared_from_this()](const ErrorCode& error) {
-      if (error) return;
-      if (self->server_->on_join) self->server_->on_join();
-      self->open_ = true;
-      for (std::size_t kind = 0; kind < HttpServer::live_kinds; ++kind) {
-        if (self->server_->kept[kind].bytes && !self->next_[kind].bytes) self->next_[kind] = self->server_->kept[kind];
-      }
-      self->read();
-      self->write();
-    });
-  }
-
-  void offer(std::size_t kind, Frame frame) {
-    next_[kind] = std::move(frame);
-    write();
-  }
-
-  void close() {
-    ErrorCode ignored;
-    beast::get_lowest_layer(socket_).socket().close(ignored);
-  }
-
- private:
-  void read() {
-    // The page sends no messages here; pings, the close and the peer's end are noticed by reading.
-    socket_.async_read(incoming_, [self = shared_from_this()](const ErrorCode& error, std::size_t) {
-      if (error) return self->close();
-      self->incoming_.clear();
-      self->read();
-    });
-  }
-
-  void write() {
-    if (!open_ || writing_) return;
-    const auto due = std::ranges::find_if(next_, [](const Frame& frame) { return frame.bytes != nullptr; });
-    if (due == next_.end()) return;
-    socket_.binary(due->binary);
-    writing_ = std::exchange(due->bytes, nullptr);
-    socket_.async_write(asio::buffer(*writing_), [self = shared_from_this()](const ErrorCode& error, std::size_t) {
-      COSIVA_EXPECT(self->writing_ != nullptr);
-      self->writing_ = nullptr;
-      if (error) return self->close();
-      self->write();
-    });
-  }
-
-  Shared server_;
-  websocket::stream<beast::tcp_stream> socket_;
-  beast::flat_buffer incoming_;
-  std::array<Frame, HttpServer::live_kinds> next_;
-  HttpServer::LiveFrame writing_;
-  bool open_{false};
-};
 
 // --- one HTTP connection --------------------------------------------------------------------------------------------
 
@@ -250,7 +165,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     if (websocket::is_upgrade(request) && view(request.target()).substr(0, live_path.size()) == live_path) {
       if (auto refusal = refuse_upgrade(request)) return refuse(std::move(*refusal));
       stream_.expires_never();
-      std::make_shared<LiveSession>(server_, stream_.release_socket())->start(request);
+      server_->live->accept(stream_.release_socket(), request);
       return;
     }
     write(rate_.take(std::chrono::steady_clock::now()) ? server_->response(request) : server_->too_many(request));
@@ -269,7 +184,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     if (origin != request.end() &&
         !http_rules::is_own_origin(view(origin->value()), view(request[http::field::host]), server_->port))
       return http_error(403, "http.origin", "a page of another origin may not use the live stream");
-    if (server_->live.size() >= server_->options.clients_max)
+    if (server_->live->clients() >= server_->options.clients_max)
       return http_error(503, "http.busy", "too many pages are open");
     return std::nullopt;
   }
@@ -445,7 +360,7 @@ void HttpServer::Impl::close() {
   ErrorCode ignored;
   acceptor.close(ignored);
   for (HttpSession* session : sessions) session->close();
-  for (LiveSession* session : live) session->close();
+  live->close();
 }
 
 HttpServer::HttpServer() = default;
@@ -461,14 +376,12 @@ Result<std::unique_ptr<HttpServer>> HttpServer::listen(EventLoop& loop, HttpOpti
 }
 
 std::uint16_t HttpServer::port() const { return impl_->port; }
-std::size_t HttpServer::live_clients() const { return impl_->live.size(); }
+std::size_t HttpServer::live_clients() const { return impl_->live->clients(); }
 
 void HttpServer::send_live(std::size_t kind, LiveFrame bytes, bool binary, bool keep_for_new_clients) {
-  const Frame frame{std::move(bytes), binary};
-  if (keep_for_new_clients) impl_->kept[kind] = frame;
-  for (LiveSession* session : impl_->live) session->offer(kind, frame);
+  impl_->live->send(kind, {std::move(bytes), binary}, keep_for_new_clients);
 }
 
-void HttpServer::on_join(std::function<void()> action) { impl_->on_join = std::move(action); }
+void HttpServer::on_join(std::function<void()> action) { impl_->live->on_join(std::move(action)); }
 
 }  // namespace cosiva::adapters
