@@ -30,7 +30,7 @@ function(cosiva_module name)
   set_target_properties(cosiva_${flat} PROPERTIES LINKER_LANGUAGE CXX)
   cosiva_unity(cosiva_${flat} ${sources})
 
-  cosiva_chosen_tests(tests has_statistics ${tests})
+  cosiva_chosen_tests(tests ${tests})
   if(COSIVA_TESTS AND tests)
     cosiva_resolve(test_targets ${ARG_TEST})
     add_executable(${flat}_test ${tests})
@@ -39,9 +39,8 @@ function(cosiva_module name)
     target_compile_options(${flat}_test PRIVATE ${cosiva_test_options})  # cosiva_headers.cmake
     target_precompile_headers(${flat}_test REUSE_FROM cosiva_test_headers)
     cosiva_unity(${flat}_test ${tests})
-    cosiva_discover_tests(${flat}_test "${has_statistics}" TEST_PREFIX "${name}: " DISCOVERY_TIMEOUT 60
-      PROPERTIES TIMEOUT 600
-        ENVIRONMENT "LSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/cmake/leaks.supp:print_suppressions=0")
+    cosiva_discover_suites(${flat}_test ${name}
+      "TIMEOUT 600 ENVIRONMENT LSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/cmake/leaks.supp:print_suppressions=0")
   endif()
 endfunction()
 

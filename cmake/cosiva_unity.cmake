@@ -10,7 +10,7 @@ if(COSIVA_UNITY)
 endif()
 
 function(cosiva_unity target)
-  if(NOT COSIVA_UNITY)
+  if(NOT COSIVA_UNITY OR (COSIVA_UNITY STREQUAL TESTS AND NOT target MATCHES "_test$"))
     return()
   endif()
   foreach(file ${ARGN})

@@ -5,7 +5,8 @@
 
 If a test fails while the machine itself was suspended (a virtual machine whose host has no time for it), as observed by
 a witness thread, the test is repeated alone once the machine runs. A test that fails without a suspension has failed.
-Skipped or disabled tests count as failed. Ends with "N passed, N failed"; exit code 1 if anything failed."""
+Skipped or disabled tests count as failed. A test that is a suite of GoogleTest counts as many as it has cases. Ends with
+"N passed, N failed"; exit code 1 if anything failed."""
 
 import os
 import re
@@ -27,6 +28,20 @@ PATIENCE_S = 1200  # for all repetitions; a host was overloaded for up to four c
 
 START = re.compile(r"\s*Start\s+(\d+): (.*)")
 END = re.compile(r"\s*\d+/\d+ Test\s+#(\d+): .*? (?=\.{3})")
+OUTPUT_BYTES = "20000000"  # of a test, kept by ctest: a suite's output tells the results of its cases
+CASE = re.compile(r"^\[ (?:      OK| FAILED ) \] ([^\s,]+).* \((\d+) ms\)$", re.MULTILINE)
+
+
+class Suite:
+    """The cases of a test: those of a suite of GoogleTest, by its output; otherwise the test itself is the only one."""
+
+    def __init__(self, name, passed, seconds, output):
+        cases = [(match[0].startswith("[       OK"), match[1], float(match[2]) / 1e3) for match in CASE.finditer(output)]
+        good = [case for case in cases if case[0]]
+        self.seconds = [(each, f"{name.split(': ')[0]}: {case}") for _, case, each in cases] or [(seconds, name)]
+        self.passed = max(len(good), 1) if passed else len(good)
+        # A suite that ended at once, by a crash or a timeout, names no failed case.
+        self.failed = 0 if passed else max(len(cases) - len(good), 1)
 
 
 class Case:
@@ -38,6 +53,7 @@ class Case:
         self.ran = element.get("status") in ("run", "fail")
         self.output = element.findtext("system-out") or ""
         self.seconds = span[1] - span[0]
+        self.suite = Suite(name, self.passed, self.seconds, self.output)
         self.still_ms = witness.still_ms(*span)
         self.excused = self.still_ms > min(STILL_MS, 1e3 * STILL_SHARE * self.seconds)
 
@@ -47,7 +63,8 @@ def run_ctest(arguments, witness, on_line):
     began, spans = {}, {}
     with tempfile.TemporaryDirectory() as folder:
         report = os.path.join(folder, "report.xml")
-        command = ["ctest", *arguments, "--output-junit", report]
+        command = ["ctest", *arguments, "--output-junit", report, "--test-output-size-passed", OUTPUT_BYTES,
+                   "--test-output-size-failed", OUTPUT_BYTES]
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace") as ctest:
             for line in ctest.stdout:
                 if match := START.match(line):
@@ -74,15 +91,15 @@ class Judge:
         if not cases:
             self.say("ctest has run no tests\n")
             return 0, 1
-        slowest = sorted(cases.values(), key=lambda case: -case.seconds)[:SLOWEST]
-        self.say("The slowest:\n" + "".join(f"{case.seconds:8.1f} s  {case.name}\n" for case in slowest))
+        slowest = sorted((timed for case in cases.values() for timed in case.suite.seconds), reverse=True)[:SLOWEST]
+        self.say("The slowest:\n" + "".join(f"{seconds:8.1f} s  {name}\n" for seconds, name in slowest))
         self._again(cases)
         failed = [case for case in cases.values() if not case.passed]
         for case in failed:
             self.say(f"\n--- {case.name}; the machine was suspended for {case.still_ms:.0f} ms of it\n{case.output}\n")
         if failed:
             self.say("The following tests FAILED:\n" + "".join(f"\t{case.name} (Failed)\n" for case in failed))
-        return len(cases) - len(failed), len(failed)
+        return sum(case.suite.passed for case in cases.values()), sum(case.suite.failed for case in cases.values())
 
     def _progress(self, line):
         """Prints ctest's progress; failures are evaluated, and reported completely, at the end."""

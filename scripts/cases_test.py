@@ -98,6 +98,32 @@ class Judged(unittest.TestCase):
         self.assertEqual(counts, (1, 3))
         self.assertNotIn("repeated", said)
 
+    def suite(self, *lines, code=0):
+        """A test that prints what a program of GoogleTest prints."""
+        (self.folder / "said").write_text("\n".join(lines) + "\n")
+        return f'add_test("zone: Suite" sh -c [==[cat {self.folder}/said; exit {code}]==])\n'
+
+    def test_the_cases_of_a_suite_are_counted_and_timed(self):
+        passing = self.suite("[ RUN      ] Suite.a", "[       OK ] Suite.a (12 ms)", "[       OK ] Many/Suite.b/0 (9000 ms)",
+                             "[----------] 2 tests from Suite (9012 ms total)")
+        counts, said, _ = self.judge([1], 0, extra=passing)
+        self.assertEqual(counts, (3, 0))
+        self.assertIn("The slowest:\n     9.0 s  zone: Many/Suite.b/0\n", said)
+
+    def test_a_failed_case_counts_once_although_named_twice(self):
+        failing = self.suite("[       OK ] Suite.a (12 ms)", "[  FAILED  ] Suite.b, where GetParam() = 4 (3 ms)",
+                             "[  FAILED  ] 1 test, listed below:", "[  FAILED  ] Suite.b, where GetParam() = 4", code=1)
+        counts, said, _ = self.judge([], 0, extra=failing)
+        self.assertEqual(counts, (1, 1))
+        self.assertIn("[  FAILED  ] Suite.b, where GetParam() = 4 (3 ms)", said)
+
+    def test_a_crashed_suite_counts_as_failed_beside_its_passed_cases(self):
+        self.assertEqual(self.judge([], 0, extra=self.suite("[       OK ] Suite.a (12 ms)", "[ RUN      ] Suite.b", code=139))[0], (1, 1))
+
+    def test_output_longer_than_ctest_keeps_by_default_is_counted(self):
+        lines = [f"[       OK ] Suite.case_{i} (0 ms)" for i in range(2000)]
+        self.assertEqual(self.judge([], 0, extra=self.suite(*lines))[0], (2000, 0))
+
     def test_a_run_without_tests_counts_as_one_failure(self):
         self.assertEqual(self.judge([1], 0, "-R", "nothing")[0], (0, 1))
 

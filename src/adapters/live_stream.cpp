@@ -35,7 +35,6 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
     stream_->sessions_.insert(this);
   }
   ~LiveSession() {
-    COSIVA_EXPECT(stream_->sessions_.contains(this));
     stream_->sessions_.erase(this);
   }
 
@@ -108,7 +107,9 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
 
 void LiveStream::accept(tcp::socket socket, const http::request<http::string_body>& request) {
   if (closed_) return;
-  std::make_shared<LiveSession>(shared_from_this(), std::move(socket))->start(request);
+  const auto session = std::make_shared<LiveSession>(shared_from_this(), std::move(socket));
+  COSIVA_EXPECT(sessions_.contains(session.get()));
+  session->start(request);
 }
 
 void LiveStream::send(std::size_t kind, LiveStreamFrame frame, bool keep_for_new_clients) {

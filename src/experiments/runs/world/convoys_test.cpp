@@ -100,7 +100,7 @@ TEST(Convoys, are_explained_in_the_traces) {
                                                              "CoSiVA/AIV[0-9]+"));
 }
 
-TEST(Convoys, wait_behind_a_vehicle_stopped_in_the_crossing_and_continue_with_it) {
+TEST(ConvoysStatistics, wait_behind_a_vehicle_stopped_in_the_crossing_and_continue_with_it) {
   const auto world = fleet_of(12, 1, true);
   int stopped = 0;
   for (int i = 0; i < 600 && stopped < 5; ++i) {
@@ -123,7 +123,7 @@ TEST(Convoys, wait_behind_a_vehicle_stopped_in_the_crossing_and_continue_with_it
   for (const auto& v : world->plant().vehicles()) EXPECT_GT(v.distance_m, before_m[v.number - 1] + 3.0) << v.number;
 }
 
-TEST(Convoys, cause_no_collision_among_persons_stops_and_lost_messages) {
+TEST(ConvoysStatistics, cause_no_collision_among_persons_stops_and_lost_messages) {
   for (const std::uint64_t seed : {1U, 2U}) {
     const auto world = fleet_of(12, seed, true, "lacet4", 0.05);
     testing::Disturbance disturbance{*world, testing::zone_named("lacet4"), seed};

@@ -54,7 +54,7 @@ TEST(CycleStatistics, at_ten_hertz_a_crowded_fleet_loses_some_distance_and_at_tw
   EXPECT_NEAR(ratio_driven(12, 50ms), 1.0, 0.04);
 }
 
-TEST(Cycle, at_ten_hertz_there_is_no_collision_among_persons_stops_and_lost_messages) {
+TEST(CycleStatistics, at_ten_hertz_there_is_no_collision_among_persons_stops_and_lost_messages) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     WorldOptions options = fleet(12, 100ms, seed);
     options.network.loss = 0.05;

@@ -46,9 +46,10 @@ std::string name_of(const ::testing::TestParamInfo<Unquiet::ParamType>& one) {
   return std::string(std::get<0>(one.param)) + "_" + std::to_string(std::get<1>(one.param));
 }
 
-INSTANTIATE_TEST_SUITE_P(Zones, Unquiet, ::testing::Values(std::tuple{"lacet4", 1U}, std::tuple{"indus8", 1U}),
+INSTANTIATE_TEST_SUITE_P(Statistics, Unquiet,
+                         ::testing::Values(std::tuple{"lacet4", 1U}, std::tuple{"lacet4", 2U},
+                                           std::tuple{"indus8", 1U}),
                          name_of);
-INSTANTIATE_TEST_SUITE_P(Statistics, Unquiet, ::testing::Values(std::tuple{"lacet4", 2U}), name_of);
 
 }  // namespace
 }  // namespace cosiva::experiments

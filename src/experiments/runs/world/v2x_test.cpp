@@ -58,7 +58,7 @@ void expect_no_contact(const World& world, std::string_view when) {
   EXPECT_THAT(world.plant().collisions(), ::testing::IsEmpty()) << when;
 }
 
-TEST(V2x, lost_in_part_or_completely_causes_no_collision_and_all_vehicles_continue) {
+TEST(V2xStatistics, lost_in_part_or_completely_causes_no_collision_and_all_vehicles_continue) {
   for (const auto rules : {aiv::SpeedRules::Kind::crisp, aiv::SpeedRules::Kind::fuzzy}) {
     for (const double loss : {0.0, 0.05, 0.3, 1.0}) {
       const auto world = world_of({.seed = 3, .v2x_loss = loss, .rules = rules});

@@ -110,7 +110,7 @@ TEST(ZoneSwitchStatistics, ten_times_in_five_minutes_gives_the_same_digest_twice
 }
 
 // Most vehicles are still off the path when the next switch comes.
-TEST(ZoneSwitch, every_five_seconds_causes_no_collision_and_no_endless_wait) {
+TEST(ZoneSwitchStatistics, every_five_seconds_causes_no_collision_and_no_endless_wait) {
   const auto world = world_of(12, 6);
   world->run_for(10s);
   for (int i = 0; i < 12; ++i) {
