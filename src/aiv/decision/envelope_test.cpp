@@ -136,6 +136,19 @@ TEST(Envelope, stops_before_a_crossing_that_the_base_does_not_lead_through) {
   EXPECT_NEAR(scene.limit().crossing_ahead_m, 0.10, 1e-3);
 }
 
+TEST(Envelope, reports_a_crossing_up_to_half_a_metre_beyond_its_stopping_distance) {
+  const auto into = order("O").through({"loop_se@2545", "north@190"}).then({"north@1120"});
+  const auto reported_m = [&](double ahead_m, double speed_mps) {
+    // The crossing begins 0.4 m behind the joint of the two sections.
+    return Scene{"loop_se", 0.9 * pi + 0.4 - ahead_m, into}.limit(nothing, speed_mps).crossing_ahead_m;
+  };
+  EXPECT_NEAR(reported_m(0.49, 0.0), 0.49, 1e-3);
+  EXPECT_EQ(reported_m(0.51, 0.0), nothing);
+  // 0.1 m of braking and 0.08 s of reaction at 0.4 m/s.
+  EXPECT_NEAR(reported_m(0.62, 0.4), 0.62, 1e-3);
+  EXPECT_EQ(reported_m(0.64, 0.4), nothing);
+}
+
 TEST(Envelope, enters_a_crossing_that_the_base_leads_through) {
   const Scene scene{"east", 0.30, order("O").through({"east@190", "east@380", "east@1120"}).then({"east@1310"})};
   EXPECT_EQ(scene.limit().speed_mps, target_speed.speed_mps);

@@ -27,8 +27,10 @@ bool read_points(const LifFields& fields, double scale, Nurbs& curve) {
     point.known({"x", "y", "weight"});
     const auto x = point.number("x");
     const auto y = point.number("y");
-    if (!x || !y) whole = false;
-    curve.points.push_back({scale * x.value_or(0.0), scale * y.value_or(0.0)});
+    if (x && y)
+      curve.points.push_back({scale * *x, scale * *y});
+    else
+      whole = false;
     double weight = point.number("weight").value_or(1.0);
     if (!(weight > 1e-6 && weight < 1e6)) {
       point.record(mended, "weight", "a control point's weight must be positive; taken as 1");
