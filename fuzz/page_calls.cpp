@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "cosiva/adapters/http_rules.h"
+#include "cosiva/adapters/http/http_rules.h"
 #include "cosiva/virtual/server/core/server_core.h"
 #include "target.h"
 

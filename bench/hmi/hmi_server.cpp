@@ -14,7 +14,7 @@
 
 #include "cosiva/adapters/clock.h"
 #include "cosiva/adapters/event_loop.h"
-#include "cosiva/adapters/http_server.h"
+#include "cosiva/adapters/http/http_server.h"
 #include "cosiva/app/cli/options.h"
 #include "cosiva/base/json_text.h"
 #include "cosiva/base/json_value.h"

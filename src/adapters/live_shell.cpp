@@ -2,14 +2,13 @@
 
 #include <unistd.h>
 
-#include <deque>
 #include <utility>
 
-#include "cosiva/adapters/lossy_radio.h"
+#include "cosiva/adapters/input_queue.h"
+#include "cosiva/adapters/live_links.h"
 #include "cosiva/adapters/state_file.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/journal/writer.h"
-#include "cosiva/wire/messages/topics.h"
 
 namespace cosiva::adapters {
 
@@ -31,60 +30,50 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
         open_ports{std::move(open_ports_)},
         runner{core_, [this](const wire::Input& input) { record(input); }},
         log_writer{loop_, writes_to(STDERR_FILENO), {}},
-        tick_timer{loop_} {}
+        inputs{[this](const wire::Input& input) { handle(input); }},
+        tick_timer{loop_},
+        links{loop_, handlers()} {}
 
   void log(char level, const std::string& text) { log_writer.append(log_line(clock.now(), options.name, level, text)); }
 
-  // --- inputs
-  // ---------------------------------------------------------------------------------------------------------
+  // --- inputs ------------------------------------------------------------------------------------------------------
+
+  LinkHandlers handlers() {
+    LinkHandlers made;
+    made.on_broker = [this](bool up) { deliver(wire::InputKind::link, {}, up ? "up" : "down"); };
+    made.on_message = [this](std::string topic, std::string payload, bool retained) {
+      deliver(wire::InputKind::message, std::move(topic), std::move(payload), retained);
+    };
+    made.ports.on_port = [this](const std::string& port, bool up) {
+      deliver(wire::InputKind::port, port, up ? "up" : "down");
+    };
+    made.ports.on_bytes = [this](const std::string& port, std::string_view bytes) {
+      deliver(wire::InputKind::bytes, port, std::string(bytes));
+    };
+    made.on_log = [this](char level, const std::string& text) { log(level, text); };
+    return made;
+  }
+
+  void deliver(wire::InputKind kind, std::string source, std::string payload, bool flag = false,
+               std::shared_ptr<const wire::InProcessMessage> typed = {}) {
+    inputs.push({clock.now(), kind, std::move(source), std::move(payload), flag, std::move(typed)});
+  }
+
+  void handle(const wire::Input& input) {
+    for (const wire::Effect& effect : runner.feed(input)) std::visit([this](const auto& e) { act(e); }, effect);
+    if (after_input) after_input();
+  }
 
   void record(const wire::Input& input) {
     if (writer) writer->append(input);
   }
 
-  /// Performing an effect may produce the next input at once (a publish that finds the connection broken): that input
-  /// waits its turn, because the runner's effects are valid only until the next feed.
-  void deliver(wire::InputKind kind, std::string source, std::string payload, bool flag = false,
-               std::shared_ptr<const wire::InProcessMessage> typed = {}) {
-    if (stopped) return;
-    waiting.push_back({clock.now(), kind, std::move(source), std::move(payload), flag, std::move(typed)});
-    if (std::exchange(feeding, true)) return;
-    while (!waiting.empty()) {
-      const wire::Input input = std::move(waiting.front());
-      waiting.pop_front();
-      ++inputs;
-      for (const wire::Effect& effect : runner.feed(input)) std::visit([this](const auto& e) { act(e); }, effect);
-      if (after_input) after_input();
-    }
-    feeding = false;
-  }
+  // --- effects -----------------------------------------------------------------------------------------------------
 
-  void receive_message(std::string topic, std::string payload, bool retained) {
-    if (!radio) return deliver(wire::InputKind::message, std::move(topic), std::move(payload), retained);
-    if (radio->take(topic, payload)) return;
-    const int qos = qos_of_received(topic);
-    radio->receive(qos, [this, topic = std::move(topic), payload = std::move(payload), retained] {
-      deliver(wire::InputKind::message, topic, payload, retained);
-    });
-  }
-
-  // --- effects
-  // --------------------------------------------------------------------------------------------------------
-
-  void act(const wire::Publish& publish) {
-    if (!mqtt) return;
-    if (!radio) {
-      mqtt->publish(publish);
-    } else {
-      radio->send(publish.qos, [this, publish] { mqtt->publish(publish); });
-    }
-  }
-  void act(const wire::SendBytes& send) {
-    if (ports) ports->send(send.port, send.bytes);
-  }
-  void act(const wire::Listen& listen) {
-    if (mqtt) mqtt->listen(listen.filters);
-  }
+  void act(const wire::Publish& publish) { links.act(publish); }
+  void act(const wire::SendBytes& send) { links.act(send); }
+  void act(const wire::Listen& listen) { links.act(listen); }
+  void act(const wire::Log& line) { log(line.level, line.text); }
   void act(const wire::Persist& persist) {
     if (!state_file) return;
     if (auto stored = state_file->store(persist.bytes); !stored) {
@@ -92,7 +81,6 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
       state_file.reset();
     }
   }
-  void act(const wire::Log& line) { log(line.level, line.text); }
 
   // --- starting and ending ------------------------------------------------------------------------------------------
 
@@ -106,59 +94,33 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
     return {};
   }
 
-  Result<void> connect() {
-    if (!options.mqtt) return {};
-    MqttHandlers handlers;
-    handlers.on_link = [this](bool up) { deliver(wire::InputKind::link, {}, up ? "up" : "down"); };
-    handlers.on_message = [this](std::string_view topic, std::string_view payload, bool retained) {
-      receive_message(std::string(topic), std::string(payload), retained);
-    };
-    handlers.on_log = [this](char level, const std::string& text) { log(level, text); };
-    auto filters = core.subscriptions();
-    if (!options.obeys_radio.empty()) {
-      radio.emplace(loop, options.obeys_radio);
-      filters.emplace_back(wire::plant_radio_topic);
-    }
-    auto made = MqttClient::make(loop, *options.mqtt, std::move(filters), core.will(), std::move(handlers));
-    if (!made) return tl::unexpected(made.error());
-    mqtt = std::move(*made);
-    return {};
-  }
-
   Result<void> start() {
     if (auto opened = open_journal(); !opened) return opened;
     if (!options.state_file.empty()) state_file.emplace(options.state_file);
-    COSIVA_EXPECT(inputs == 0);
+    COSIVA_EXPECT(inputs.handled() == 0);
     deliver(wire::InputKind::configure, options.kind, options.options);
     if (state_file) {
       if (auto bytes = state_file->load()) deliver(wire::InputKind::restore, "state", std::move(*bytes));
     }
-    if (auto prepared = connect(); !prepared) return prepared;
-    if (open_ports) {
-      PortHandlers handlers;
-      handlers.on_port = [this](const std::string& port, bool up) {
-        deliver(wire::InputKind::port, port, up ? "up" : "down");
-      };
-      handlers.on_bytes = [this](const std::string& port, std::string_view bytes) {
-        deliver(wire::InputKind::bytes, port, std::string(bytes));
-      };
-      auto opened = open_ports(std::move(handlers));
-      if (!opened) return tl::unexpected(opened.error());
-      ports = std::move(*opened);
+    if (options.mqtt) {
+      if (auto prepared = links.prepare(*options.mqtt, core, options.obeys_radio); !prepared) return prepared;
     }
-    if (mqtt) mqtt->start();
+    if (open_ports) {
+      if (auto opened = links.open(open_ports); !opened) return opened;
+    }
+    links.start();
     tick_timer.every(core.tick_period(), [this] { deliver(wire::InputKind::tick, {}, {}); });
     return {};
   }
 
-  void stop(std::function<void(const std::string&)> done) {
-    if (stopped) return;
-    stopped = true;
+  void stop(const std::function<void(const std::string&)>& done) {
+    if (inputs.closed()) return;
+    inputs.close();
     tick_timer.cancel();
     // The digest covers what replay can repeat: every input and its effects. The farewell belongs to no input.
     const std::string digest = runner.digest().hex();
     const SimTime at = clock.now();
-    if (radio) radio->end();
+    links.end_radio();
     wire::Effects effects;
     core.farewell(at, effects);
     for (const wire::Effect& effect : effects) std::visit([this](const auto& e) { act(e); }, effect);
@@ -166,15 +128,10 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
       writer->end(at, digest);
       journal->flush();
     }
-    const auto finish = [this, done = std::move(done), digest] {
+    links.stop([this, done, digest] {
       log_writer.drain();
       done(digest);
-    };
-    if (mqtt) {
-      mqtt->stop(finish);
-    } else {
-      loop.post(finish);
-    }
+    });
   }
 
   EventLoop& loop;
@@ -187,16 +144,10 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
   std::unique_ptr<JournalFile> journal;
   std::optional<journal::Writer> writer;
   std::optional<StateFile> state_file;
-  std::optional<LossyRadio> radio;
+  InputQueue inputs;
   Timer tick_timer;
-  std::deque<wire::Input> waiting;
   std::function<void()> after_input;
-  std::uint64_t inputs{0};
-  bool feeding{false};
-  bool stopped{false};
-  // Last, so that they are destroyed first: their handlers use all of the above.
-  std::unique_ptr<Ports> ports;
-  std::unique_ptr<MqttClient> mqtt;
+  LiveLinks links;  ///< last, so that they are destroyed first: their handlers use all of the above
 };
 
 LiveShell::LiveShell(EventLoop& loop, wire::Core& core, LiveOptions options, OpenPorts open_ports)
@@ -210,8 +161,8 @@ void LiveShell::command(const std::string& source, std::string json,
   impl_->deliver(wire::InputKind::command, source, std::move(json), false, std::move(decoded));
 }
 void LiveShell::after_input(std::function<void()> action) { impl_->after_input = std::move(action); }
-void LiveShell::stop(std::function<void(const std::string& digest)> done) { impl_->stop(std::move(done)); }
-bool LiveShell::link_up() const { return impl_->mqtt && impl_->mqtt->connected(); }
-std::uint64_t LiveShell::inputs() const { return impl_->inputs; }
+void LiveShell::stop(const std::function<void(const std::string& digest)>& done) { impl_->stop(done); }
+bool LiveShell::link_up() const { return impl_->links.up(); }
+std::uint64_t LiveShell::inputs() const { return impl_->inputs.handled(); }
 
 }  // namespace cosiva::adapters

@@ -49,7 +49,7 @@ class LiveShell {
   /// Called after each input the core has handled.
   void after_input(std::function<void()> action);
   /// Ends: no further input, the digest of the run, the core's farewell, the journal's end. Then `done(digest)`.
-  void stop(std::function<void(const std::string& digest)> done);
+  void stop(const std::function<void(const std::string& digest)>& done);
 
   [[nodiscard]] bool link_up() const;
   [[nodiscard]] std::uint64_t inputs() const;

@@ -298,6 +298,28 @@ TEST_F(Shell, does_not_start_with_an_unusable_journal_or_port) {
   EXPECT_EQ(without_ports.start().error().code, "port.listen");
 }
 
+TEST_F(Shell, ends_its_journal_after_the_last_input_that_the_core_handled) {
+  EchoCore core;
+  LiveOptions recorded = options();
+  recorded.record_file = scratch / "journal";
+  LiveShell shell{loop, core, recorded};
+  ASSERT_TRUE(shell.start());
+  std::string digest;
+  shell.after_input([&] {
+    if (core.received.back() != "6:test:first") return;
+    shell.command("test", "waits while the first is handled");
+    shell.stop([&](const std::string& d) { digest = d; });
+  });
+  shell.command("test", "first");
+  ASSERT_TRUE(loop.run_until([&] { return !digest.empty(); }, timeout));
+  EXPECT_EQ(core.received.back(), "6:test:first");
+  const auto replayed = journal::replay(read_file(scratch / "journal").value(),
+                                        [](const wire::Input&) { return std::make_unique<EchoCore>(); });
+  ASSERT_TRUE(replayed) << to_string(replayed.error());
+  EXPECT_EQ(replayed->digest, digest);
+  EXPECT_EQ(replayed->recorded_digest, digest);
+}
+
 TEST_F(Shell, receives_nothing_more_once_stopped) {
   EchoCore core;
   LiveShell shell{loop, core, options()};

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "cosiva/adapters/http_server.h"
+#include "cosiva/adapters/http/http_server.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/result.h"
 #include "cosiva/hmi/server_page.h"

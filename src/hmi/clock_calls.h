@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cosiva/adapters/http_server.h"
+#include "cosiva/adapters/http/http_server.h"
 #include "cosiva/hmi/call_context.h"
 
 /// The clock of a run in virtual time (docs/protocols/hmi-api.md, "Doing").

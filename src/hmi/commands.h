@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cosiva/adapters/http_server.h"
+#include "cosiva/adapters/http/http_server.h"
 #include "cosiva/hmi/call_context.h"
 
 /// Commands to vehicles, and adding and removing of objects (docs/protocols/hmi-api.md, "Doing").

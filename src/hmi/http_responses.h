@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "cosiva/adapters/http_server.h"
+#include "cosiva/adapters/http/http_server.h"
 #include "cosiva/base/result.h"
 
 namespace cosiva::app {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <utility>
 
-#include "cosiva/adapters/http_server.h"
+#include "cosiva/adapters/http/http_server.h"
 #include "cosiva/hmi/call_context.h"
 
 namespace cosiva::app {

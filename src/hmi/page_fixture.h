@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "cosiva/adapters/http_rules.h"
+#include "cosiva/adapters/http/http_rules.h"
 #include "cosiva/app/resources/file_zone_library.h"
 #include "cosiva/hmi/page_calls.h"
 #include "cosiva/virtual/server/testing/server_fixture.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "cosiva/adapters/event_loop.h"
-#include "cosiva/adapters/http_server.h"
+#include "cosiva/adapters/http/http_server.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/virtual/server/core/server_core.h"
 #include "cosiva/virtual/server/view/frames.h"

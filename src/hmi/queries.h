@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "cosiva/adapters/http_server.h"
+#include "cosiva/adapters/http/http_server.h"
 #include "cosiva/hmi/call_context.h"
 
 /// The queries of the page and of other programs (docs/protocols/hmi-api.md, "Reading").

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cosiva/adapters/http_server.h"
+#include "cosiva/adapters/http/http_server.h"
 #include "cosiva/hmi/call_context.h"
 
 /// The zone's edits and file, the available zones, and the switch from one to another (docs/protocols/hmi-api.md).

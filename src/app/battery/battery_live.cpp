@@ -9,7 +9,7 @@
 
 #include "cosiva/adapters/child_process.h"
 #include "cosiva/adapters/files.h"
-#include "cosiva/adapters/http_client.h"
+#include "cosiva/adapters/http/http_client.h"
 #include "cosiva/app/battery/battery_text.h"
 #include "cosiva/app/cli/console.h"
 #include "cosiva/app/cli/progress.h"

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "cosiva/adapters/clock.h"
-#include "cosiva/adapters/http_client.h"
+#include "cosiva/adapters/http/http_client.h"
 #include "cosiva/app/cli/console.h"
 #include "cosiva/app/cli/progress.h"
 #include "cosiva/app/positioning/qualify_candidates.h"

@@ -10,7 +10,7 @@
 
 #include "cosiva/adapters/clock.h"
 #include "cosiva/adapters/event_loop.h"
-#include "cosiva/adapters/http_client.h"
+#include "cosiva/adapters/http/http_client.h"
 #include "cosiva/adapters/mqtt_client.h"
 #include "cosiva/app/resources/resource_paths.h"
 #include "cosiva/base/result.h"

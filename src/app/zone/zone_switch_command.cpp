@@ -3,7 +3,7 @@
 #include <chrono>
 #include <thread>
 
-#include "cosiva/adapters/http_client.h"
+#include "cosiva/adapters/http/http_client.h"
 #include "cosiva/app/cli/console.h"
 #include "cosiva/app/remote/publish_once.h"
 #include "cosiva/app/remote/zone_switch.h"

@@ -1,4 +1,4 @@
-#include "cosiva/adapters/http_rules.h"
+#include "cosiva/adapters/http/http_rules.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "cosiva/adapters/http_server.h"
+#include "cosiva/adapters/http/http_server.h"
 
 #include <algorithm>
 #include <array>
@@ -12,8 +12,8 @@
 #include <set>
 #include <utility>
 
-#include "cosiva/adapters/http_rules.h"
-#include "cosiva/adapters/live_stream.h"
+#include "cosiva/adapters/http/http_rules.h"
+#include "cosiva/adapters/http/live_stream.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/base/json_writer.h"
 

@@ -1,4 +1,4 @@
-#include "cosiva/adapters/http_server.h"
+#include "cosiva/adapters/http/http_server.h"
 
 #include <gmock/gmock.h>
 

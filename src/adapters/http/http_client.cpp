@@ -1,4 +1,4 @@
-#include "cosiva/adapters/http_client.h"
+#include "cosiva/adapters/http/http_client.h"
 
 #include <curl/curl.h>
 
@@ -8,7 +8,7 @@
 #include <system_error>
 #include <utility>
 
-#include "cosiva/adapters/http_rules.h"
+#include "cosiva/adapters/http/http_rules.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::adapters {

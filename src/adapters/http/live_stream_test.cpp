@@ -1,4 +1,4 @@
-#include "cosiva/adapters/live_stream.h"
+#include "cosiva/adapters/http/live_stream.h"
 
 #include <gmock/gmock.h>
 

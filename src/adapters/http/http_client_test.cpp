@@ -1,4 +1,4 @@
-#include "cosiva/adapters/http_client.h"
+#include "cosiva/adapters/http/http_client.h"
 
 #include <gmock/gmock.h>
 
@@ -14,7 +14,7 @@
 #include <thread>
 #include <utility>
 
-#include "cosiva/adapters/http_server.h"
+#include "cosiva/adapters/http/http_server.h"
 #include "cosiva/adapters/test_fixture.h"
 
 namespace cosiva::adapters {

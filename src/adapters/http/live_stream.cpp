@@ -1,4 +1,4 @@
-#include "cosiva/adapters/live_stream.h"
+#include "cosiva/adapters/http/live_stream.h"
 
 #include <algorithm>
 #include <boost/asio/buffer.hpp>
@@ -34,9 +34,7 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
       : stream_{std::move(stream)}, socket_{std::move(socket)} {
     stream_->sessions_.insert(this);
   }
-  ~LiveSession() {
-    stream_->sessions_.erase(this);
-  }
+  ~LiveSession() { stream_->sessions_.erase(this); }
 
   void start(const http::request<http::string_body>& request) {
     ErrorCode ignored;

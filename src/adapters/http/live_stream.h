@@ -11,7 +11,7 @@
 #include <set>
 #include <string>
 
-#include "cosiva/adapters/http_server.h"
+#include "cosiva/adapters/http/http_server.h"
 
 namespace cosiva::adapters {
 
