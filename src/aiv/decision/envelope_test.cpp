@@ -138,9 +138,9 @@ TEST(Envelope, stops_before_a_crossing_that_the_base_does_not_lead_through) {
 
 TEST(Envelope, reports_a_crossing_up_to_half_a_metre_beyond_its_stopping_distance) {
   const auto into = order("O").through({"loop_se@2545", "north@190"}).then({"north@1120"});
-  const auto reported_m = [&](double ahead_m, double speed_mps) {
+  const auto reported_m = [&](double distance_m, double speed_mps) {
     // The crossing begins 0.4 m behind the joint of the two sections.
-    return Scene{"loop_se", 0.9 * pi + 0.4 - ahead_m, into}.limit(nothing, speed_mps).crossing_ahead_m;
+    return Scene{"loop_se", 0.9 * pi + 0.4 - distance_m, into}.limit(nothing, speed_mps).crossing_ahead_m;
   };
   EXPECT_NEAR(reported_m(0.49, 0.0), 0.49, 1e-3);
   EXPECT_EQ(reported_m(0.51, 0.0), nothing);

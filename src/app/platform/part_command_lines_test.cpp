@@ -58,7 +58,7 @@ TEST_F(PartCommands, start_the_emulated_world_with_zone_vehicles_and_seed) {
                           "7", "--sockets", folder + "/boards", "--summary", folder + "/plant.json"));
 }
 
-TEST_F(PartCommands, start_a_vehicle_at_its_place) {
+TEST_F(PartCommands, start_a_vehicle_at_its_position) {
   EXPECT_THAT(line(Part::aiv),
               ElementsAre("aiv", "--broker", "127.0.0.1:1883", "--number", "2", "--sockets", folder + "/boards",
                           "--start", "north:0.25", "--state-file", folder + "/aiv2.state_file", "--emulated"));
