@@ -135,9 +135,10 @@ namespace {
 
 /// A sum of positive terms less another one is exact to this; NaN passes, and the estimate then shows it.
 constexpr double covariance_rounding = 1e-9;
-bool has_variances(const Matrix3& covariance) {
-  return !(covariance(0, 0) < -covariance_rounding || covariance(1, 1) < -covariance_rounding ||
-           covariance(2, 2) < -covariance_rounding);
+/// Removes what rounding has left of asymmetry; no variance is negative but for rounding.
+void settle(Matrix3& covariance) {
+  make_symmetric(covariance);
+  COSIVA_EXPECT(!(covariance.diagonal().minCoeff() < -covariance_rounding));
 }
 
 }  // namespace
@@ -168,8 +169,7 @@ Rectified Ekf::rectify(const Reading& reading) {
   // Joseph's form: stays positive despite rounding.
   const Matrix3 rest = Matrix3::Identity() - gain * h;
   doubt = rest * doubt * rest.transpose() + gain * fiducial_covariance(configured.sensors) * gain.transpose();
-  make_symmetric(doubt);
-  COSIVA_EXPECT(has_variances(doubt));
+  settle(doubt);
   return {true, nis, 2};
 }
 
@@ -188,8 +188,7 @@ Rectified Ekf::rectify(const Range& range) {
   const Vector3 gain = ph / s;
   add_to(current_estimate, gain * innovation);
   doubt -= gain * ph.transpose();
-  make_symmetric(doubt);
-  COSIVA_EXPECT(has_variances(doubt));
+  settle(doubt);
   return {true, nis, 1};
 }
 
@@ -259,8 +258,7 @@ Rectified Ukf::rectify(const Reading& reading) {
   const Eigen::Matrix<double, 3, 2> gain = cross * inverse_of(s);
   add_to(current_estimate, gain * innovation);
   doubt -= gain * s * gain.transpose();
-  make_symmetric(doubt);
-  COSIVA_EXPECT(has_variances(doubt));
+  settle(doubt);
   return {true, nis, 2};
 }
 
@@ -285,8 +283,7 @@ Rectified Ukf::rectify(const Range& range) {
   const Vector3 gain = cross / s;
   add_to(current_estimate, gain * innovation);
   doubt -= gain * s * gain.transpose();
-  make_symmetric(doubt);
-  COSIVA_EXPECT(has_variances(doubt));
+  settle(doubt);
   return {true, nis, 1};
 }
 
@@ -326,8 +323,7 @@ void InvariantEkf::predict(const Odometry& odometry) {
   pose_ = moved(pose_, odometry);
   const Matrix3 t = from_pose(pose_);
   covariance_ += t * noise * t.transpose();
-  make_symmetric(covariance_);
-  COSIVA_EXPECT(has_variances(covariance_));
+  settle(covariance_);
 }
 
 void InvariantEkf::correct(const Vector3& xi) {
@@ -349,8 +345,7 @@ Rectified InvariantEkf::rectify(const Reading& reading) {
   const Eigen::Matrix<double, 3, 2> gain = covariance_ * h.transpose() * inverse_of(s);
   const Matrix3 rest = Matrix3::Identity() - gain * h;
   covariance_ = rest * covariance_ * rest.transpose() + gain * noise * gain.transpose();
-  make_symmetric(covariance_);
-  COSIVA_EXPECT(has_variances(covariance_));
+  settle(covariance_);
   correct(gain * innovation);
   return {true, nis, 2};
 }
@@ -368,8 +363,7 @@ Rectified InvariantEkf::rectify(const Range& range) {
   if (!(nis <= gate_1)) return {false, nis, 1};
   const Vector3 gain = ph / s;
   covariance_ -= gain * ph.transpose();
-  make_symmetric(covariance_);
-  COSIVA_EXPECT(has_variances(covariance_));
+  settle(covariance_);
   correct(gain * innovation);
   return {true, nis, 1};
 }
