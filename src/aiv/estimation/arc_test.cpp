@@ -25,9 +25,7 @@ Setting setting_on(std::shared_ptr<const Track> track, double start_sigma_m = 0.
   return setting;
 }
 
-Reading at(double x_m, double y_m = 0.0, double detected_ahead_m = 0.0) {
-  return {1, {x_m, y_m}, {detected_ahead_m, 0.0}};
-}
+Reading at(double x_m, double y_m = 0.0, double detected_m = 0.0) { return {1, {x_m, y_m}, {detected_m, 0.0}}; }
 double variance(const Algorithm& algorithm) { return algorithm.estimate().covariance(0, 0); }
 
 TEST(DeadReckoning, follows_the_sections_equations_and_grows_uncertain) {
@@ -180,8 +178,8 @@ TEST(ArcKalman, contradicts_beyond_six_standard_deviations_only) {
   }
 }
 
-TEST(ArcKalman, looks_for_a_fiducial_within_a_metre_or_two_gates) {
-  // A certain estimate looks a metre far: a contradiction half a metre off is remembered, one of two metres is not.
+TEST(ArcKalman, searches_for_a_fiducial_within_a_metre_or_two_gates) {
+  // A certain estimate reaches a metre: a contradiction half a metre off is stored, one of over a metre is not.
   for (const double off_m : {0.9, -0.9, 1.1, -1.1}) {
     ArcKalman algorithm{setting_on(testing::straight())};
     algorithm.predict({5.0, 0.0, 1.0});
@@ -196,8 +194,8 @@ TEST(ArcKalman, looks_for_a_fiducial_within_a_metre_or_two_gates) {
     EXPECT_EQ(algorithm.rectify(at(5.0 + off_m)).accepted, off_m < 2.4) << off_m;
   }
   // The reach is counted from where the fiducial is expected, ahead of the vehicle.
-  ArcKalman ahead{setting_on(testing::straight())};
-  EXPECT_TRUE(ahead.rectify(at(3.0, 0.0, 3.0)).accepted);
+  ArcKalman kalman{setting_on(testing::straight())};
+  EXPECT_TRUE(kalman.rectify(at(3.0, 0.0, 3.0)).accepted);
 }
 
 TEST(ArcKalman, needs_two_contradictions_in_a_row_that_agree_within_five_centimetres) {
@@ -259,7 +257,7 @@ TEST(ArcKalmanScale, is_the_kalman_filter_of_arc_length_and_scale) {
 }
 
 TEST(ArcSmoother, is_the_weighted_mean_of_the_filters_from_both_ends) {
-  // Start, a reading in the middle and one at the end; between them odometry. All of the line: a least-squares problem
+  // Start, a reading between and one at the end; between them odometry. All of the line: a least-squares problem
   // of four positions, solved here by its normal equations.
   ArcSmoother algorithm{setting_on(testing::straight(), 0.02)};
   algorithm.predict({1.0, 0.0, 1.0});
@@ -365,7 +363,7 @@ TEST(Registry, states_of_each_algorithm_whether_it_needs_a_track_or_the_whole_ru
   EXPECT_NE(unknown.message.find("there are " + names), std::string::npos) << unknown.message;
 }
 
-TEST(Registry, name_is_of_small_letters_digits_and_underlines) {
+TEST(Registry, name_has_lower_case_digits_and_underlines) {
   const auto make = [](const Setting& s) -> std::unique_ptr<Algorithm> { return std::make_unique<ResetRule>(s); };
   for (const char* good : {"a", "z", "0", "9", "_", "my_2nd"}) {
     Registry registry;

@@ -165,7 +165,7 @@ TEST(Calibrating, does_not_become_certain_of_the_angle_about_its_only_station) {
   EXPECT_LT(sum / static_cast<double>(count), 3.3);
 }
 
-/// The filter with its hypotheses in sight.
+/// The filter with its hypotheses accessible.
 struct Open : CalibratingFilter {
   using CalibratingFilter::CalibratingFilter;
   using CalibratingFilter::hypotheses;

@@ -71,7 +71,7 @@ TEST(Particles, covariance_holds_the_offset_from_the_line_and_its_heading) {
 
 TEST(Particles, follow_the_heading_of_their_section) {
   const auto oval = testing::oval();
-  // In the middle of the bends, and on the way back, where headings are ±π.
+  // half through the bends, and on the return, where headings are ±π.
   for (const double along_m : {3.0 + 0.4 * pi, 3.0 + 0.8 * pi + 1.0, 6.0 + 1.2 * pi}) {
     Setting setting = exact(oval, along_m);
     setting.start_sigma_m = 1e-3;
@@ -155,9 +155,9 @@ TEST(Particles, weigh_readings_and_ranges_by_their_likelihood) {
   const double line = 0.04 * 0.04;
 
   // 7 cm to the left of the expected position, where 5 cm are one standard deviation.
-  for (const double ahead_m : {0.5, 0.2}) {
+  for (const double before_m : {0.5, 0.2}) {
     ParticleFilter particles{setting};
-    const Rectified result = particles.rectify(Reading{1, {2.1 + ahead_m, 0.3}, {ahead_m, 0.23}});
+    const Rectified result = particles.rectify(Reading{1, {2.1 + before_m, 0.3}, {before_m, 0.23}});
     EXPECT_TRUE(result.accepted);
     EXPECT_FALSE(result.nis);
     EXPECT_EQ(result.dimensions, 0);

@@ -66,11 +66,11 @@ TEST(Planar, step_is_the_integral_of_the_motion) {
   for (const double turn : {0.0, 5e-5, -5e-5, 9e-5, 2e-4, 0.01, 0.3, -0.3, 1.2, -2.5}) {
     for (const auto& [distance_m, left_m] : {std::pair{1.5, 0.0}, {-0.7, 0.0}, {0.9, 0.4}, {0.0, -0.6}}) {
       // sin(x)/x and 2·sin²(x/2)/x, each without cancellation.
-      const double ahead = turn == 0.0 ? 1.0 : std::sin(turn) / turn;
+      const double along = turn == 0.0 ? 1.0 : std::sin(turn) / turn;
       const double aside = turn == 0.0 ? 0.0 : 2.0 * std::pow(std::sin(0.5 * turn), 2) / turn;
       const Pose2 step = step_of({distance_m, turn, 0.1, 0.0, 0.0, left_m});
-      EXPECT_NEAR(step.x_m, distance_m * ahead - left_m * aside, 1e-11) << turn;
-      EXPECT_NEAR(step.y_m, distance_m * aside + left_m * ahead, 1e-11) << turn;
+      EXPECT_NEAR(step.x_m, distance_m * along - left_m * aside, 1e-11) << turn;
+      EXPECT_NEAR(step.y_m, distance_m * aside + left_m * along, 1e-11) << turn;
       EXPECT_DOUBLE_EQ(step.heading_rad, turn);
     }
   }
@@ -163,7 +163,7 @@ Corrected corrected(const Matrix3& p, const Eigen::Matrix<double, Rows, 3>& h,
   return {after * h.transpose() * r.inverse() * innovation, after, innovation.dot(s.inverse() * innovation)};
 }
 
-Point2 seen_from(const Pose2& pose, Point2 fiducial_M) { return inverse(pose) * fiducial_M; }
+Point2 in_body(const Pose2& pose, Point2 fiducial_M) { return inverse(pose) * fiducial_M; }
 
 /// With odometry so exact that terms of second order do not matter.
 SensorModel quiet_sensors() {
@@ -193,7 +193,7 @@ TEST(Planar, filters_take_the_same_first_step_towards_a_reading) {
       const Point2 fiducial_M = before.pose * at_B;
       const Vector2 innovation(0.004, -0.003);
       const auto h = slope_at<2>(before.pose, [&](const Pose2& pose) {
-        const Point2 p = seen_from(pose, fiducial_M);
+        const Point2 p = in_body(pose, fiducial_M);
         return Vector2(p.x_m, p.y_m);
       });
       const Corrected expected = corrected<2>(before.covariance, h, fiducial_covariance(sensors), innovation);
@@ -260,8 +260,8 @@ TEST(Planar, filters_refuse_what_only_one_in_a_thousand_would_exceed) {
       const Point2 fiducial_M = pose * Point2{0.2, 0.1};
       // The invariant filter transforms the measured position, so that a small innovation gives the unit.
       const double of_centimetre = *driven(name, sensors)->rectify(Reading{1, fiducial_M, {0.21, 0.1}}).nis;
-      const double ahead_m = 0.01 * sigmas * std::sqrt(gate_2 / of_centimetre);
-      const Rectified reading = by_reading->rectify(Reading{1, fiducial_M, {0.2 + ahead_m, 0.1}});
+      const double along_m = 0.01 * sigmas * std::sqrt(gate_2 / of_centimetre);
+      const Rectified reading = by_reading->rectify(Reading{1, fiducial_M, {0.2 + along_m, 0.1}});
       EXPECT_EQ(reading.accepted, inside) << name;
       EXPECT_EQ(reading.dimensions, 2);
       EXPECT_NEAR(*reading.nis, sigmas * sigmas * gate_2, 0.05) << name;
@@ -330,12 +330,12 @@ TEST(Ukf, expects_the_mean_range_and_the_mean_reading_of_its_points) {
   const Setting setting = uncertain(0.3, 0.5);
   const double a = std::sqrt(3.0) * 0.3;
   // A station 2 m ahead: three points at 2 m (the turned ones, of no effect, count twice), one nearer, one further, and
-  // two beside the middle.
+  // two off the line.
   Ukf by_range{setting};
-  const double beside = norm(2.0, a);
-  const double range_m = (2.0 * 2.0 + (2.0 - a) + (2.0 + a) + 2.0 * beside) / 6.0;
+  const double aslant = norm(2.0, a);
+  const double range_m = (2.0 * 2.0 + (2.0 - a) + (2.0 + a) + 2.0 * aslant) / 6.0;
   const double variance = (2.0 * std::pow(2.0 - range_m, 2) + std::pow(2.0 - a - range_m, 2) +
-                           std::pow(2.0 + a - range_m, 2) + 2.0 * std::pow(beside - range_m, 2)) /
+                           std::pow(2.0 + a - range_m, 2) + 2.0 * std::pow(aslant - range_m, 2)) /
                               6.0 +
                           range_variance(setting.sensors, range_m);
   EXPECT_NEAR(*Ukf{setting}.rectify(Range{1, {2.0, 0.0}, range_m + 0.2}).nis, 0.04 / variance, 1e-9);
@@ -347,13 +347,13 @@ TEST(Ukf, expects_the_mean_range_and_the_mean_reading_of_its_points) {
 
   Ukf by_reading{setting};
   const double b = std::sqrt(3.0) * 0.5;
-  const double ahead_m = 2.0 * (4.0 + 2.0 * std::cos(b)) / 6.0;
-  const double ahead_variance =
-      0.09 + (4.0 * std::pow(2.0 - ahead_m, 2) + 2.0 * std::pow(2.0 * std::cos(b) - ahead_m, 2)) / 6.0 + 1e-4;
-  EXPECT_NEAR(*Ukf{setting}.rectify(Reading{1, {2.0, 0.0}, {ahead_m + 0.1, 0.0}}).nis, 0.01 / ahead_variance, 1e-9);
-  by_reading.rectify(Reading{1, {2.0, 0.0}, {ahead_m, 0.0}});
+  const double along_m = 2.0 * (4.0 + 2.0 * std::cos(b)) / 6.0;
+  const double along_variance =
+      0.09 + (4.0 * std::pow(2.0 - along_m, 2) + 2.0 * std::pow(2.0 * std::cos(b) - along_m, 2)) / 6.0 + 1e-4;
+  EXPECT_NEAR(*Ukf{setting}.rectify(Reading{1, {2.0, 0.0}, {along_m + 0.1, 0.0}}).nis, 0.01 / along_variance, 1e-9);
+  by_reading.rectify(Reading{1, {2.0, 0.0}, {along_m, 0.0}});
   EXPECT_NEAR(by_reading.estimate().pose.x_m, 0.0, 1e-12);
-  EXPECT_NEAR(by_reading.estimate().covariance(0, 0), 0.09 - 0.09 * 0.09 / ahead_variance, 1e-9);
+  EXPECT_NEAR(by_reading.estimate().covariance(0, 0), 0.09 - 0.09 * 0.09 / along_variance, 1e-9);
 }
 
 TEST(InvariantEkf, corrects_along_arcs) {
