@@ -5,6 +5,7 @@
 #include <rapidcheck.h>
 
 #include <cmath>
+#include <cstddef>
 #include <fstream>
 #include <limits>
 #include <sstream>
@@ -288,6 +289,88 @@ TEST(AgentRules, without_a_speed_output_or_without_a_default_are_refused) {
             "my.fll:4: an output other than 'go' has to limit the speed");
   EXPECT_EQ(fault(head + "pace" + tail + "pace is a\n"),
             "my.fll:4: 'pace' needs a 'default': its value where no rule fires");
+}
+
+TEST(AgentInputs, are_distances_in_braking_distances_and_rates_in_percent) {
+  // 0.4²/(2·0.8) + 0.4·0.15 = 0.16 m.
+  EXPECT_NEAR(braking_distance_m(profiles), 0.16, 1e-12);
+  Situation situation{.speed_mps = 0.3,
+                      .obstacle_ahead_m = 0.28,
+                      .end_of_base_m = 0.48,
+                      .crossing_ahead_m = 0.8,
+                      .charge = 0.25,
+                      .imposed = Profile::slow,
+                      .closing_mps = 0.1,
+                      .crossing_margin_s = 2.5,
+                      .crossing_priority = -1.0};
+  const AgentInputs inputs = inputs_of(situation, profiles);
+  const AgentInputs expected{1.0, 1.0, 25.0, 3.0, 5.0, 2.5, -1.0, 25.0};
+  for (std::size_t i = 0; i < agent_input_count; ++i) EXPECT_NEAR(inputs[i], expected[i], 1e-9) << i;
+  situation.closing_mps.reset();
+  situation.imposed.reset();
+  EXPECT_NEAR(inputs_of(situation, profiles)[2], 75.0, 1e-9) << "an obstacle of unknown motion counts as stopped";
+  EXPECT_EQ(inputs_of(situation, profiles)[0], 4.0);
+  situation.obstacle_ahead_m = nothing;
+  situation.closing_mps = 0.1;
+  EXPECT_EQ(inputs_of(situation, profiles)[2], 0.0);
+  EXPECT_EQ(free_path_inputs(), (AgentInputs{4.0, 10.0, 0.0, 10.0, 10.0, 10.0, 0.0, 100.0}));
+}
+
+TEST(AgentInputs, have_names_and_units) {
+  std::string names;
+  for (std::size_t i = 0; i < agent_input_count; ++i) {
+    const AgentInputInfo& one = metadata_of(static_cast<AgentInput>(i));
+    names += std::string(one.name) + "/" + std::string(one.unit) + " ";
+    EXPECT_FALSE(one.meaning.empty());
+  }
+  EXPECT_EQ(names,
+            "instruction/ gap/braking distances closing/% of the medium speed base/braking distances "
+            "crossing/braking distances margin/s priority/ charge/% ");
+}
+
+TEST(AgentRules, decide_by_the_lowest_concern_and_yield_by_go) {
+  const auto rules = AgentRules::read(
+      "InputVariable: charge\n  range: 0 100\n  term: low Ramp 100 0\n  term: high Ramp 0 100\n"
+      "InputVariable: gap\n  range: 0 10\n  term: near Ramp 10 0\n  term: far Ramp 0 10\n"
+      "OutputVariable: go\n  default: 1\n  defuzzifier: WeightedAverage\n  term: no Constant 0\n  term: yes Constant "
+      "1\n"
+      "OutputVariable: room\n  default: 3\n  defuzzifier: WeightedAverage\n  term: none Constant 0\n"
+      "  term: much Constant 3\n"
+      "OutputVariable: energy\n  default: 3\n  defuzzifier: WeightedAverage\n  term: none Constant 0\n"
+      "  term: much Constant 3\n"
+      "RuleBlock:\n  rule: if gap is near then room is none\n  rule: if gap is far then room is much\n"
+      "  rule: if charge is low then energy is none\n  rule: if charge is high then energy is much\n"
+      "  rule: if gap is near then go is no\n  rule: if gap is far then go is yes\n",
+      "my.fll");
+  ASSERT_TRUE(rules) << to_string(rules.error());
+  AgentInputs inputs = free_path_inputs();
+  inputs[static_cast<std::size_t>(AgentInput::gap)] = 4.0;
+  inputs[static_cast<std::size_t>(AgentInput::charge)] = 80.0;
+  const AgentDecision by_gap = (*rules)->decide(inputs);
+  EXPECT_NEAR(by_gap.speed, 1.2, 1e-9);
+  EXPECT_EQ(by_gap.decided_by, 1U);
+  EXPECT_NEAR(by_gap.go, 0.4, 1e-9);
+  EXPECT_FALSE(by_gap.goes());
+  EXPECT_EQ(by_gap.profile, Profile::slow);
+  EXPECT_EQ((*rules)->decide(inputs, Profile::medium).profile, Profile::slow) << "0.8 away from the present one";
+  inputs[static_cast<std::size_t>(AgentInput::charge)] = 20.0;
+  const AgentDecision by_charge = (*rules)->decide(inputs);
+  EXPECT_NEAR(by_charge.speed, 0.6, 1e-9);
+  EXPECT_EQ(by_charge.decided_by, 2U);
+  EXPECT_EQ((*rules)->decide(inputs, Profile::stop).profile, Profile::stop) << "0.6 away";
+  const auto explained = (*rules)->explain(inputs);
+  ASSERT_EQ(explained.inputs.size(), 2U);
+  EXPECT_EQ(explained.inputs[0].value, 20.0);
+  EXPECT_EQ(explained.inputs[1].value, 4.0);
+}
+
+TEST(FuzzyChoice, stops_at_the_end_of_its_base_and_is_no_faster_than_instructed) {
+  Situation situation = free_path();
+  situation.end_of_base_m = 0.0;
+  EXPECT_EQ(choice(situation), Profile::stop);
+  situation.end_of_base_m = 100.0;
+  situation.imposed = Profile::stop;
+  EXPECT_EQ(choice(situation), Profile::stop);
 }
 
 TEST(SpeedRules, survive_a_json_round_trip) {

@@ -5,8 +5,12 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
+#include <vector>
 
+#include "cosiva/aiv/decision/branch_choice.h"
 #include "cosiva/aiv/motion/speed.h"
+#include "cosiva/aiv/testing/test_graphs.h"
 #include "cosiva/aiv/testing/test_orders.h"
 #include "cosiva/aiv/testing/test_zone.h"
 
@@ -198,6 +202,117 @@ TEST(Envelope, obeys_a_section_s_speed_limit) {
   ASSERT_TRUE(book.offer(order("O").through({"loop_se@0", "loop_se@1131"}), {at(zone, "loop_se", 0.1), true}));
   EXPECT_NEAR((Envelope{zone}.limit({at(zone, "loop_se", 0.1), 0.2, nothing, book}, target_speed).speed_mps), 0.2,
               1e-12);
+}
+
+TEST(Envelope, brakes_for_a_section_s_speed_limit_before_it) {
+  zone::TrafficZone zone = lacet4();
+  std::vector<zone::Circuit::Part> parts;
+  for (zone::SectionId id = 0; id < zone.circuit.size(); ++id) parts.push_back(zone.circuit.part(id));
+  parts[1].speed_mps_max = 0.2;
+  zone.circuit = zone::Circuit::make("limited", parts).value();
+  const auto limit_mps = [&](double before_m) {
+    const zone::TrackPosition here = at(zone, "east", zone.circuit.section(0).length_m() - before_m);
+    OrderBook book{zone};
+    EXPECT_TRUE(book.offer(order("O").through({"east@1310", "loop_se@0", "loop_se@1131"}), {here, true}));
+    return Envelope{zone}.limit({here, 0.4, nothing, book}, target_speed).speed_mps;
+  };
+  EXPECT_NEAR(limit_mps(0.10), std::sqrt(0.04 + 1.6 * (0.10 - 0.2 * 0.08)), 1e-9);
+  EXPECT_NEAR(limit_mps(0.05), std::sqrt(0.04 + 1.6 * (0.05 - 0.2 * 0.08)), 1e-9);
+}
+
+TEST(Envelope, off_the_path_is_limited_by_obstacles_alone) {
+  const Envelope envelope{lacet4()};
+  const Limit free = envelope.limit_off_line(nothing, target_speed);
+  EXPECT_EQ(free.speed_mps, 0.5);
+  EXPECT_EQ(free.braking_mps2, 0.8);
+  EXPECT_FALSE(free.by_obstacle);
+  EXPECT_EQ(free.crossing_ahead_m, nothing);
+  EXPECT_EQ(free.bend_ahead_m, nothing);
+  const Limit blocked = envelope.limit_off_line(0.22, target_speed);
+  EXPECT_NEAR(blocked.speed_mps, stoppable_speed(0.10, 0.8, 0.15), 1e-12);
+  EXPECT_TRUE(blocked.by_obstacle);
+}
+
+TEST(Envelope, brakes_with_the_strongest_brakes_of_all_profiles_where_its_own_do_not_suffice) {
+  // 0.3²/(2·0.8) = 0.05625 m to the end of the base.
+  for (const double before_m : {0.057, 0.055}) {
+    for (const int strongest : {0, 1, 2}) {
+      zone::TrafficZone zone = lacet4();
+      zone::SpeedProfile* all_profiles[] = {&zone.profiles.slow, &zone.profiles.medium, &zone.profiles.fast};
+      all_profiles[strongest]->braking_mps2 = 3.0;
+      const zone::TrackPosition here = at(zone, "loop_se", 0.282743338823 - before_m);
+      OrderBook book{zone};
+      ASSERT_TRUE(book.offer(order("O").through({"loop_se@0", "loop_se@283"}), {here, true}));
+      EXPECT_EQ((Envelope{zone}.limit({here, 0.3, nothing, book}, target_speed).braking_mps2),
+                before_m > 0.05625 ? 0.8 : 3.0);
+      EXPECT_EQ((Envelope{zone}.limit({here, 0.0, nothing, book}, target_speed).braking_mps2), 0.8);
+    }
+  }
+}
+
+TEST(Envelope, creeps_to_a_bend_on_the_spot_and_passes_it_where_its_order_leads_straight_on) {
+  const zone::TrafficZone& zone = test::square();
+  const auto limit = [&](const char* to, double before_m, double speed_mps) {
+    const zone::TrackPosition here = at(zone, "south", 1.0 - before_m);
+    OrderBook book{zone};
+    EXPECT_TRUE(book.offer(order("O").through({"A", "B", to}), {here, true}));
+    const zone::Course course = book.course_from(here);
+    return Envelope{zone}.limit({Outlook{here, course.remaining()}, speed_mps, nothing, book}, target_speed);
+  };
+  const Limit turns = limit("C", 0.1, 0.3);
+  EXPECT_NEAR(turns.bend_ahead_m, 0.1, 1e-9);
+  EXPECT_NEAR(turns.speed_mps, std::sqrt(0.05 * 0.05 + 1.6 * (0.1 - 0.015 - 0.05 * 0.08)), 1e-9);
+  EXPECT_NEAR(limit("C", 0.0, 0.0).speed_mps, 0.05, 1e-9);
+  EXPECT_EQ(limit("C", 0.51, 0.0).bend_ahead_m, nothing) << "beyond half a metre";
+  EXPECT_NEAR(limit("C", 0.49, 0.0).bend_ahead_m, 0.49, 1e-9);
+  const Limit straight_on = limit("S", 0.1, 0.3);
+  EXPECT_EQ(straight_on.bend_ahead_m, nothing);
+  EXPECT_EQ(straight_on.speed_mps, target_speed.speed_mps);
+}
+
+TEST(Envelope, keeps_to_the_limits_of_all_edges_of_its_base) {
+  auto text = order("O").through({"loop_se@0", "loop_se@283", "loop_se@565"}).then({"loop_se@848", "loop_se@1131"});
+  text.edge(0).max_speed_mps = 0.3;
+  text.edge(1).max_speed_mps = 0.35;
+  text.edge(2).max_speed_mps = 0.05;  // behind the base
+  EXPECT_NEAR((Scene{"loop_se", 0.05, text}.limit().speed_mps), 0.3, 1e-12);
+  text.edge(0).max_speed_mps.reset();
+  EXPECT_NEAR((Scene{"loop_se", 0.1, text}.limit().speed_mps),
+              std::fmin(0.5, std::sqrt(0.35 * 0.35 + 1.6 * (0.282743338823 - 0.1 - 0.35 * 0.08))), 1e-6);
+}
+
+// --- the branch that the board is to take -------------------------------------------------------------------------
+
+TEST(BranchChoice, is_that_of_the_order_from_its_base_to_ten_centimetres_beyond_the_fork) {
+  const zone::TrafficZone& zone = test::diamond();
+  const auto branch = [&](const char* node, double driven_m, std::vector<std::string> horizon = {}) {
+    PositionEstimator position{zone};
+    position.position_at(at(zone, "trunk", 1.0));
+    OrderBook book{zone};
+    EXPECT_TRUE(book.offer(order("O").through({"T1", "F", node}).then(horizon), {at(zone, "trunk", 1.0), true}));
+    position.follow(book.course_from(position.track_position()));
+    wire::Odometry odometry;
+    for (int i = 0; i <= 100; ++i) {
+      odometry.distance_um = std::llround(1e4 * driven_m * i);
+      static_cast<void>(position.on_odometry(odometry));
+    }
+    book.travelled(driven_m);
+    return int{choose_branch(zone.circuit, position, book)};
+  };
+  EXPECT_EQ(branch("lo", 0.0), 0);
+  EXPECT_EQ(branch("ro", 0.0), 1);
+  EXPECT_EQ(branch("ro", 0.9), 1);
+  EXPECT_EQ(branch("lo", 1.09), 0);
+  EXPECT_EQ(branch("ro", 1.09), 1);
+  EXPECT_EQ(branch("ro", 1.11), int{wire::no_branch});
+  // A base that ends at the fork leads over no branch.
+  PositionEstimator position{zone};
+  OrderBook book{zone};
+  EXPECT_EQ(choose_branch(zone.circuit, position, book), wire::no_branch) << "the position is unknown";
+  position.position_at(at(zone, "trunk", 1.0));
+  ASSERT_TRUE(book.offer(order("O").through({"T1", "F"}).then({"ro"}), {at(zone, "trunk", 1.0), true}));
+  position.follow(book.course_from(position.track_position()));
+  EXPECT_EQ(choose_branch(zone.circuit, position, book), wire::no_branch);
 }
 
 }  // namespace

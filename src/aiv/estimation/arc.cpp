@@ -139,8 +139,7 @@ std::vector<Estimate> ArcSmoother::revised() {
     all[i - 1] = on_track(*configured.track, configured.sensors, along_m, variance_m2);
     const Moment& here = moments_[i - 1];
     const Moment& next = moments_[i];
-    if (next.predicted_variance_m2 <= 0.0) continue;
-    const double gain = here.variance_m2 / next.predicted_variance_m2;
+    const double gain = next.predicted_variance_m2 > 0.0 ? here.variance_m2 / next.predicted_variance_m2 : 0.0;
     along_m = here.along_m + gain * (along_m - next.predicted_m);
     variance_m2 = here.variance_m2 + gain * gain * (variance_m2 - next.predicted_variance_m2);
   }

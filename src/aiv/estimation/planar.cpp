@@ -135,9 +135,11 @@ namespace {
 
 /// A sum of positive terms less another one is exact to this; NaN passes, and the estimate then shows it.
 constexpr double covariance_rounding = 1e-9;
-bool has_variances(const Matrix3& covariance) {
-  return !(covariance(0, 0) < -covariance_rounding || covariance(1, 1) < -covariance_rounding ||
-           covariance(2, 2) < -covariance_rounding);
+bool has_variances(const Matrix3& covariance) { return !(covariance.diagonal().minCoeff() < -covariance_rounding); }
+/// After a correction: removes what rounding has left of asymmetry.
+void finish_correction(Matrix3& covariance) {
+  make_symmetric(covariance);
+  COSIVA_EXPECT(has_variances(covariance));
 }
 
 }  // namespace
@@ -145,7 +147,9 @@ bool has_variances(const Matrix3& covariance) {
 // ---- EKF -----------------------------------------------------------------------------------------------------------
 
 Ekf::Ekf(Setting setting)
-    : configured{std::move(setting)}, current_estimate{configured.start}, doubt{start_covariance(configured)} {}
+    : configured{std::move(setting)}, current_estimate{configured.start}, doubt{start_covariance(configured)} {
+  COSIVA_EXPECT(has_variances(doubt));
+}
 
 void Ekf::predict(const Odometry& odometry) {
   doubt = spread(configured.sensors, current_estimate, odometry, doubt);
@@ -168,8 +172,7 @@ Rectified Ekf::rectify(const Reading& reading) {
   // Joseph's form: stays positive despite rounding.
   const Matrix3 rest = Matrix3::Identity() - gain * h;
   doubt = rest * doubt * rest.transpose() + gain * fiducial_covariance(configured.sensors) * gain.transpose();
-  make_symmetric(doubt);
-  COSIVA_EXPECT(has_variances(doubt));
+  finish_correction(doubt);
   return {true, nis, 2};
 }
 
@@ -188,8 +191,7 @@ Rectified Ekf::rectify(const Range& range) {
   const Vector3 gain = ph / s;
   add_to(current_estimate, gain * innovation);
   doubt -= gain * ph.transpose();
-  make_symmetric(doubt);
-  COSIVA_EXPECT(has_variances(doubt));
+  finish_correction(doubt);
   return {true, nis, 1};
 }
 
@@ -259,8 +261,7 @@ Rectified Ukf::rectify(const Reading& reading) {
   const Eigen::Matrix<double, 3, 2> gain = cross * inverse_of(s);
   add_to(current_estimate, gain * innovation);
   doubt -= gain * s * gain.transpose();
-  make_symmetric(doubt);
-  COSIVA_EXPECT(has_variances(doubt));
+  finish_correction(doubt);
   return {true, nis, 2};
 }
 
@@ -285,8 +286,7 @@ Rectified Ukf::rectify(const Range& range) {
   const Vector3 gain = cross / s;
   add_to(current_estimate, gain * innovation);
   doubt -= gain * s * gain.transpose();
-  make_symmetric(doubt);
-  COSIVA_EXPECT(has_variances(doubt));
+  finish_correction(doubt);
   return {true, nis, 1};
 }
 
@@ -313,6 +313,7 @@ Matrix3 from_pose(const Pose2& pose) {
 InvariantEkf::InvariantEkf(Setting setting) : setting_{std::move(setting)}, pose_{setting_.start} {
   const Matrix3 t = from_pose(pose_);
   covariance_ = t * start_covariance(setting_) * t.transpose();
+  COSIVA_EXPECT(has_variances(covariance_));
 }
 
 Estimate InvariantEkf::estimate() const {
@@ -326,8 +327,7 @@ void InvariantEkf::predict(const Odometry& odometry) {
   pose_ = moved(pose_, odometry);
   const Matrix3 t = from_pose(pose_);
   covariance_ += t * noise * t.transpose();
-  make_symmetric(covariance_);
-  COSIVA_EXPECT(has_variances(covariance_));
+  finish_correction(covariance_);
 }
 
 void InvariantEkf::correct(const Vector3& xi) {
@@ -349,8 +349,7 @@ Rectified InvariantEkf::rectify(const Reading& reading) {
   const Eigen::Matrix<double, 3, 2> gain = covariance_ * h.transpose() * inverse_of(s);
   const Matrix3 rest = Matrix3::Identity() - gain * h;
   covariance_ = rest * covariance_ * rest.transpose() + gain * noise * gain.transpose();
-  make_symmetric(covariance_);
-  COSIVA_EXPECT(has_variances(covariance_));
+  finish_correction(covariance_);
   correct(gain * innovation);
   return {true, nis, 2};
 }
@@ -368,8 +367,7 @@ Rectified InvariantEkf::rectify(const Range& range) {
   if (!(nis <= gate_1)) return {false, nis, 1};
   const Vector3 gain = ph / s;
   covariance_ -= gain * ph.transpose();
-  make_symmetric(covariance_);
-  COSIVA_EXPECT(has_variances(covariance_));
+  finish_correction(covariance_);
   correct(gain * innovation);
   return {true, nis, 1};
 }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+
 #include "cosiva/aiv/estimation/test_tracks.h"
 
 namespace cosiva::estimation {
@@ -73,6 +75,89 @@ TEST(Track, of_a_loop_omits_sections_that_only_lead_into_it) {
   EXPECT_TRUE(loop->closed());
   EXPECT_NEAR(loop->length_m(), 2.0 * pi, 1e-12);
   EXPECT_FALSE(Track::of_loop(testing::straight()->shared_circuit())->closed());
+}
+
+TEST(Track, passes_from_one_section_to_the_next_at_the_joint) {
+  const auto oval = testing::oval();
+  const double bend_m = pi * 0.8;
+  struct Case {
+    double along_m;
+    zone::SectionId section;
+    double s_m;
+  };
+  for (const Case& one : {Case{0.0, 0, 0.0},
+                          {3.0, 1, 0.0},
+                          {3.0 + bend_m, 2, 0.0},
+                          {2.5, 0, 2.5},
+                          {3.5, 1, 0.5},
+                          {oval->length_m(), 0, 0.0},
+                          {-1e-18, 0, 0.0},  // rounded to a whole round
+                          {-0.5, 3, bend_m - 0.5},
+                          {-oval->length_m() - 0.5, 3, bend_m - 0.5},
+                          {3.0 * oval->length_m() + 1.0, 0, 1.0}}) {
+    const zone::TrackPosition position = oval->position_at(one.along_m);
+    EXPECT_EQ(position.section, one.section) << one.along_m;
+    EXPECT_NEAR(position.s_m, one.s_m, 1e-9) << one.along_m;
+  }
+  const auto open = testing::track(testing::oval_circuit(), {0, 1}, false);
+  EXPECT_EQ(open->position_at(3.0 + bend_m).section, 1U);
+  EXPECT_NEAR(open->position_at(99.0).s_m, bend_m, 1e-12);
+}
+
+TEST(Track, foot_is_the_one_nearest_to_the_estimate_and_within_its_reach) {
+  const auto oval = testing::oval();
+  const double round_m = oval->length_m();
+  // The foot is at 2 m of each round.
+  struct Case {
+    double near_m;
+    double reach_m;
+    std::optional<double> along_m;
+  };
+  for (const Case& one : {Case{2.5, 0.6, 2.0},
+                          {2.5, 0.4, std::nullopt},
+                          {1.5, 0.6, 2.0},
+                          {1.5, 0.4, std::nullopt},
+                          {2.0 + round_m - 0.4, 0.5, 2.0 + round_m},
+                          {2.0 - round_m + 0.4, 0.5, 2.0 - round_m},
+                          {-0.5, 3.0, 2.0},  // ahead, beyond the joint of rounds
+                          {round_m - 0.5, 3.0, round_m + 2.0},
+                          {2.0 + 0.4 * round_m, 2.0 * round_m, 2.0},  // nearest of several rounds
+                          {2.0 + 0.6 * round_m, 2.0 * round_m, 2.0 + round_m}}) {
+    const auto foot = oval->foot({2.0, 0.05}, one.near_m, one.reach_m);
+    ASSERT_EQ(foot.has_value(), one.along_m.has_value()) << one.near_m << " " << one.reach_m;
+    if (foot) {
+      EXPECT_NEAR(*foot, *one.along_m, 1e-9) << one.near_m;
+    }
+  }
+  // An open track does not come round.
+  const auto open = testing::track(testing::oval_circuit(), {0, 1}, false);
+  EXPECT_FALSE(open->foot({2.0, 0.0}, 2.0 + open->length_m(), 1.0));
+  EXPECT_NEAR(*open->foot({2.0, 0.0}, 2.9, 1.0), 2.0, 1e-9);
+}
+
+TEST(Track, foot_is_beside_the_path_by_ten_centimetres_at_most_unless_more_is_permitted) {
+  const auto straight = testing::straight();
+  EXPECT_TRUE(straight->foot({2.0, 0.099}, 2.0, 1.0));
+  EXPECT_FALSE(straight->foot({2.0, 0.101}, 2.0, 1.0));
+  EXPECT_TRUE(straight->foot({2.0, -0.299}, 2.0, 1.0, 0.3));
+  EXPECT_FALSE(straight->foot({2.0, -0.301}, 2.0, 1.0, 0.3));
+  // Beyond the end there is no foot at right angles, and the end serves.
+  EXPECT_NEAR(*straight->foot({10.05, 0.0}, 9.9, 1.0), 10.0, 1e-12);
+}
+
+TEST(Track, along_of_a_position_counts_from_its_first_section) {
+  const auto late = testing::track(testing::oval_circuit(), {1, 2, 3, 0}, true);
+  EXPECT_NEAR(*late->along_of({1, 0.25}), 0.25, 1e-12);
+  EXPECT_NEAR(*late->along_of({0, 0.25}), 3.0 + 1.6 * pi + 0.25, 1e-12);
+}
+
+TEST(Track, gap_is_named) {
+  const auto error = Track::make(testing::oval_circuit(), {3, 0, 2}, false).error();
+  EXPECT_NE(error.message.find("north"), std::string::npos);
+  EXPECT_NE(to_string(error).find("south"), std::string::npos);
+  const auto around = Track::make(testing::oval_circuit(), {0, 1, 2}, true).error();
+  EXPECT_NE(around.message.find("south"), std::string::npos);
+  EXPECT_NE(to_string(around).find("north"), std::string::npos);
 }
 
 }  // namespace

@@ -123,5 +123,201 @@ TEST(Pose, is_snapped_to_the_circuit_only_near_it_and_along_it) {
   EXPECT_EQ(position_on_circuit(lacet4().circuit, {3.0, 3.0, 0.0}, 0.25), std::nullopt);
 }
 
+TEST(Pose, may_be_off_by_the_stated_distance_and_by_60_degrees) {
+  const zone::Circuit& circuit = diamond().circuit;
+  EXPECT_TRUE(position_on_circuit(circuit, {1.0, 0.249, 0.0}, 0.25));
+  EXPECT_FALSE(position_on_circuit(circuit, {1.0, 0.251, 0.0}, 0.25));
+  EXPECT_TRUE(position_on_circuit(circuit, {1.0, 0.0, 1.04}, 0.25));
+  EXPECT_FALSE(position_on_circuit(circuit, {1.0, 0.0, 1.06}, 0.25));
+  EXPECT_FALSE(position_on_circuit(circuit, {1.0, 0.0, -1.06}, 0.25));
+}
+
+TEST(SamePositions, are_on_other_sections_within_five_centimetres_in_that_direction) {
+  const auto names = [](const zone::TrafficZone& zone, zone::TrackPosition here) {
+    std::string text;
+    for (const zone::TrackPosition other : same_positions(zone.circuit, here))
+      text += zone.circuit.part(other.section).name + " ";
+    return text;
+  };
+  EXPECT_EQ(names(there_and_back(), at(there_and_back(), "there", 0.5)), "there_too ");
+  EXPECT_EQ(names(diamond(), at(diamond(), "trunk", 1.0)), "");
+  EXPECT_EQ(names(diamond(), at(diamond(), "r_up", 0.049)).find("trunk") != std::string::npos, true);
+  EXPECT_EQ(names(diamond(), at(diamond(), "r_up", 0.052)).find("trunk"), std::string::npos);
+  // The branches part: 5 cm between them where each has turned by 0.16 rad.
+  EXPECT_NE(names(diamond(), at(diamond(), "r_up", 0.09)).find("l_up"), std::string::npos);
+  EXPECT_EQ(names(diamond(), at(diamond(), "r_up", 0.3)), "");
+}
+
+TEST(OnPathEstimate, has_the_uncertainty_of_its_last_fix_and_of_the_distance_since) {
+  zone::TrafficZone zone = diamond();
+  zone.tags = {{1, at(zone, "trunk", 1.0)}};
+  Estimator estimator{zone};
+  const auto variance = [&] { return std::pow(estimator.on_path_estimator().sigma_m(), 2); };
+  estimator.stopped_at("trunk", 0.5);
+  EXPECT_NEAR(variance(), 1e-4, 1e-12);
+  estimator.drive(0.4);
+  EXPECT_NEAR(variance(), 1e-4 + 0.4e-4, 1e-9);
+  estimator.drive(-0.2);
+  EXPECT_NEAR(variance(), 1e-4 + 0.6e-4, 1e-9);
+  estimator.take_same_position(at(zone, "trunk", 0.7));
+  EXPECT_NEAR(variance(), 1.6e-4, 1e-9);
+  estimator.on_odometer_reset();
+  EXPECT_NEAR(variance(), 1.6e-4 + 25e-4, 1e-9);
+  // Off the path no more certain, and back on it at the position where it was placed.
+  estimator.set_off_path({0.7, 0.1, 0.0});
+  EXPECT_NEAR(variance(), 26.6e-4, 1e-9);
+  estimator.stopped_at("trunk", 0.9);
+  estimator.on_tag(1, 0.0, 0.0);
+  EXPECT_NEAR(variance(), 16e-6, 1e-12);
+  estimator.set_off_path({0.7, 0.1, 0.0});
+  EXPECT_NEAR(variance(), 1e-4, 1e-12) << "no less than that of a position that is given";
+}
+
+TEST(OnPathEstimate, is_at_the_joint_15_centimetres_before_it_where_the_vehicle_waits) {
+  for (const double before_m : {0.149, 0.151}) {
+    Estimator estimator{diamond()};
+    estimator.stopped_at("trunk", 2.0 - before_m);
+    EXPECT_NEAR(estimator.on_stuck(), before_m < 0.15 ? before_m : 0.0, 1e-5);
+    EXPECT_NEAR(estimator.track_position().s_m, before_m < 0.15 ? 2.0 : 2.0 - before_m, 1e-5);
+    EXPECT_EQ(estimator.section(), "trunk");
+  }
+  // Over a joint that is no fork the search continues: the dead end of the tail.
+  Estimator at_the_end{diamond()};
+  EXPECT_NEAR(at_the_end.stopped_at("tail", 1.9).on_stuck(), 0.1, 1e-5);
+  Estimator on_a_joint{diamond()};
+  EXPECT_EQ(on_a_joint.stopped_at("r_up", 0.75).on_stuck(), 0.0) << "its only branch needs no wait";
+  // A course that is decided does not end the wait at the fork.
+  Estimator decided{diamond()};
+  EXPECT_NEAR(decided.stopped_at("trunk", 1.9).along({"trunk", "r_up"}).on_stuck(), 0.1, 1e-5);
+  Estimator off_path{diamond()};
+  off_path.set_off_path({1.95, 0.1, 0.0});
+  EXPECT_EQ(off_path.on_stuck(), 0.0);
+}
+
+TEST(OnPathEstimate, turns_at_a_bend_within_15_centimetres) {
+  for (const double before_m : {0.149, 0.151}) {
+    Estimator estimator{test::square()};
+    estimator.stopped_at("north", 1.0 - before_m).along({"north", "west"});
+    EXPECT_NEAR(estimator.turn(0.1).step_m, before_m < 0.15 ? before_m : 0.0, 1e-5);
+  }
+  // Without a course any bend counts.
+  Estimator undecided{test::square()};
+  EXPECT_NEAR(undecided.stopped_at("south", 0.9).turn(0.1).step_m, 0.1, 1e-5);
+}
+
+TEST(OnPathEstimate, takes_a_turn_for_the_branch_within_0_3_rad) {
+  for (const double turned_rad : {0.5 * pi - 0.29, 0.5 * pi + 0.29, 0.5 * pi - 0.31, 0.5 * pi + 0.31}) {
+    Estimator estimator{test::square()};
+    estimator.stopped_at("north", 0.95).along({"north", "west"});
+    for (double turned = 0.2; turned < turned_rad; turned += 0.2) estimator.turn(turned);
+    estimator.turn(turned_rad);
+    const EstimateStep end = estimator.end();
+    if (std::fabs(turned_rad - 0.5 * pi) < 0.3) {
+      EXPECT_EQ(end.kind, FixKind::none);
+      EXPECT_EQ(estimator.section(), "west");
+      EXPECT_NEAR(estimator.on_path_estimator().sigma_m(), 0.004, 1e-9);
+    } else {
+      EXPECT_EQ(end.kind, FixKind::relocated);
+      EXPECT_TRUE(estimator.off_path());
+    }
+  }
+}
+
+TEST(OnPathEstimate, corrects_itself_by_tags_within_60_centimetres_and_jumps_beyond) {
+  zone::TrafficZone zone = diamond();
+  zone.tags = {{1, at(zone, "trunk", 1.0)}};
+  for (const double off_m : {0.59, -0.59, 0.61, -0.61}) {
+    Estimator estimator{zone};
+    estimator.stopped_at("trunk", 1.0 - off_m);
+    const PositionFix fix = estimator.on_tag(1, 0.0, 0.0);
+    EXPECT_EQ(fix.kind, std::fabs(off_m) < 0.6 ? FixKind::corrected : FixKind::relocated) << off_m;
+    EXPECT_NEAR(fix.correction_m, std::fabs(off_m) < 0.6 ? off_m : 0.0, 1e-9);
+    EXPECT_NEAR(estimator.track_position().s_m, 1.0, 1e-9);
+    EXPECT_NEAR(estimator.on_path_estimator().sigma_m(), std::fabs(off_m) < 0.6 ? 0.004 : 0.01, 1e-9);
+  }
+}
+
+TEST(OnPathEstimate, reads_tags_and_beacons_before_and_behind_its_antenna) {
+  // The field reaches 2 cm; a reading of 0.1 s ago, and 0.02 s in transit, at 0.5 m/s: 6 cm ago.
+  zone::TrafficZone zone = diamond();
+  zone.tags = {{1, at(zone, "trunk", 1.0)}};
+  zone.beacons = zone::BeaconGrid{1.0, {1.0, 0.012}, 1, 1};
+  PositionEstimator tagged{zone};
+  tagged.position_at(at(zone, "trunk", 0.9));
+  EXPECT_NEAR(tagged.on_tag(1, 0.1, 0.5).correction_m, 0.1 + 0.06 - 0.02, 1e-9);
+  ASSERT_TRUE(tagged.last_tag());
+  EXPECT_EQ(tagged.last_tag()->number, 1U);
+  EXPECT_NEAR(tagged.last_tag()->travelled_m, -0.06, 1e-9);
+  // A beacon 1.2 cm off the path enters the field 1.6 cm before the antenna is next to it.
+  PositionEstimator beaconed{zone};
+  beaconed.position_at(at(zone, "trunk", 0.9));
+  EXPECT_NEAR(beaconed.on_tag(zone.beacons->first_number, 0.1, 0.5).correction_m, 0.1 + 0.06 - 0.016, 1e-9);
+  EXPECT_NEAR(std::pow(beaconed.on_path_estimator().sigma_m(), 2), 16e-6 + 0.05 * 0.012 * 0.012, 1e-12);
+  EXPECT_FALSE(beaconed.last_tag());
+}
+
+TEST(OnPathEstimate, is_relocated_by_two_beacons_that_agree_with_the_distance_between_them) {
+  struct Case {
+    double apart_m;
+    double driven_m;
+    bool agree;
+  };
+  // Up to 10 cm further apart than driven, and driven by up to 60 % and 10 cm further than that.
+  for (const Case& one : {Case{0.4, 0.301, true}, {0.4, 0.299, false}, {0.4, 0.739, true}, {0.4, 0.741, false}}) {
+    zone::TrafficZone zone = diamond();
+    // Both on the tail, far from the estimate on the trunk.
+    const Point2 first = position(zone.circuit.pose_at(at(zone, "tail", 0.5)));
+    zone.beacons = zone::BeaconGrid{one.apart_m, first, 2, 1};
+    Estimator estimator{zone};
+    estimator.stopped_at("trunk", 0.1);
+    EXPECT_EQ(estimator.on_tag(zone.beacons->first_number, 0.0, 0.0).kind, FixKind::outlier);
+    estimator.drive(one.driven_m);
+    EXPECT_EQ(estimator.on_tag(zone.beacons->first_number + 1, 0.0, 0.0).kind,
+              one.agree ? FixKind::relocated : FixKind::outlier)
+        << one.driven_m;
+    EXPECT_EQ(estimator.section(), one.agree ? "tail" : "trunk");
+  }
+  // The same beacon twice is one contradiction, and a doubt can be forgotten.
+  zone::TrafficZone zone = diamond();
+  zone.beacons = zone::BeaconGrid{0.4, position(zone.circuit.pose_at(at(zone, "tail", 0.5))), 2, 1};
+  Estimator estimator{zone};
+  estimator.stopped_at("trunk", 0.1);
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(estimator.on_tag(zone.beacons->first_number, 0.0, 0.0).kind, FixKind::outlier);
+  estimator.forget_doubt();
+  estimator.drive(0.4);
+  EXPECT_EQ(estimator.on_tag(zone.beacons->first_number + 1, 0.0, 0.0).kind, FixKind::outlier);
+}
+
+TEST(OnPathEstimate, passes_back_over_joints_and_stops_at_ends_and_bends) {
+  Estimator estimator{diamond()};
+  estimator.stopped_at("r_over", 0.1);
+  EXPECT_NEAR(estimator.drive(-0.3), -0.3, 1e-9);
+  EXPECT_EQ(estimator.section(), "r_up");
+  EXPECT_NEAR(estimator.track_position().s_m, pi / 4.0 - 0.2, 1e-9);
+  estimator.stopped_at("trunk", 0.2);
+  EXPECT_NEAR(estimator.drive(-0.3), -0.2, 1e-9);
+  EXPECT_EQ(estimator.track_position().s_m, 0.0);
+  estimator.stopped_at("tail", 1.9);
+  EXPECT_NEAR(estimator.drive(0.3), 0.1, 1e-9);
+  Estimator bent{test::square()};
+  bent.stopped_at("west", 0.1);
+  EXPECT_NEAR(bent.drive(-0.3), -0.1, 1e-9);
+  EXPECT_EQ(bent.section(), "west");
+  bent.stopped_at("north", 0.9);
+  EXPECT_NEAR(bent.drive(0.3), 0.1, 1e-9);
+  EXPECT_EQ(bent.section(), "north");
+}
+
+TEST(OnPathEstimate, keeps_its_course_over_a_joint_that_it_passes_back_over) {
+  Estimator estimator{diamond()};
+  estimator.stopped_at("r_over", 0.1).along({"r_over", "r_down"});
+  estimator.drive(-0.2);
+  EXPECT_EQ(estimator.section(), "r_up");
+  const auto remaining = estimator.on_path_estimator().path().course().remaining();
+  ASSERT_EQ(remaining.size(), 2U);
+  EXPECT_EQ(diamond().circuit.part(remaining[0]).name, "r_over");
+  EXPECT_EQ(diamond().circuit.part(remaining[1]).name, "r_down");
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

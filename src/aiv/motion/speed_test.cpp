@@ -57,6 +57,32 @@ TEST(Status, is_one_of_the_five_of_the_article) {
   EXPECT_EQ(to_string(status_of(-0.5, Profile::fast)), "fast speed");
 }
 
+TEST(Profiles, have_their_own_kinematics_and_terms) {
+  const zone::SpeedProfiles profiles{{0.1, 0.2, 0.3}, {0.4, 0.5, 0.6}, {0.7, 0.8, 0.9}};
+  struct Row {
+    Profile profile;
+    const char* term;
+    zone::SpeedProfile expected;
+  };
+  for (const Row& row : {Row{Profile::stop, "stop", {0.0, 0.5, 0.6}},
+                         {Profile::slow, "slow", {0.1, 0.2, 0.3}},
+                         {Profile::medium, "medium", {0.4, 0.5, 0.6}},
+                         {Profile::fast, "fast", {0.7, 0.8, 0.9}}}) {
+    EXPECT_EQ(to_string(row.profile), row.term);
+    const zone::SpeedProfile found = kinematics(profiles, row.profile);
+    EXPECT_EQ(found.speed_mps, row.expected.speed_mps);
+    EXPECT_EQ(found.acceleration_mps2, row.expected.acceleration_mps2);
+    EXPECT_EQ(found.braking_mps2, row.expected.braking_mps2);
+  }
+}
+
+TEST(Status, is_stopped_below_a_centimetre_per_second) {
+  EXPECT_EQ(status_of(0.0099, {}), Status::stopped);
+  EXPECT_EQ(status_of(-0.0099, {}), Status::stopped);
+  EXPECT_EQ(status_of(0.0101, {}), Status::normal);
+  EXPECT_EQ(status_of(0.3, Profile::stop), Status::stopped);
+}
+
 TEST(CrispChoice, is_medium_on_a_free_path) { EXPECT_EQ(CrispSpeedPolicy{}.choose(free_path), Profile::medium); }
 
 TEST(CrispChoice, obeys_the_operator) {

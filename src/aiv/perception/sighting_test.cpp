@@ -3,8 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace cosiva::aiv {
 namespace {
@@ -88,11 +96,11 @@ struct Sensors {
   int reported{0};
   std::optional<wire::DetectedObstacleReport> last;
 
-  bool frame(double ahead_m) {
+  bool frame(double gap_m) {
     now += std::chrono::milliseconds{60};
     wire::Ranges ranges = no_ranges();
-    if (ahead_m < 2.0) ranges.range_mm[centre] = static_cast<std::uint16_t>(std::lround(1e3 * ahead_m));
-    const auto detected = sighting.on_frame(now, {ahead_m, centre}, ranges, {}, 1.2);
+    if (gap_m < 2.0) ranges.range_mm[centre] = static_cast<std::uint16_t>(std::lround(1e3 * gap_m));
+    const auto detected = sighting.on_frame(now, {gap_m, centre}, ranges, {}, 1.2);
     if (detected) last = detected;
     reported += detected ? 1 : 0;
     return detected.has_value();
@@ -142,6 +150,122 @@ TEST(Sighting, reports_no_obstacle_more_than_a_metre_away) {
 TEST(Sighting, reports_nothing_before_a_first_detection) {
   Sensors sensors;
   for (int i = 0; i < 20; ++i) EXPECT_FALSE(sensors.frame(nothing));
+}
+
+TEST(BodyInBeams, lies_at_the_centre_of_its_beams_as_wide_as_they_are) {
+  // Beams of 0.14 rad; number six leads straight on.
+  struct Case {
+    std::vector<std::pair<std::size_t, std::uint16_t>> beams;
+    std::size_t nearest;
+    double bearing_rad;
+    double range_m;
+    double half_rad;  ///< between the outer beams
+  };
+  for (const Case& one : {Case{{{6, 400}}, 6, 0.0, 0.4, 0.0},
+                          {{{6, 400}, {7, 450}}, 6, 0.07, 0.4, 0.07},
+                          {{{6, 400}, {7, 451}}, 6, 0.0, 0.4, 0.0},
+                          {{{5, 430}, {6, 400}, {7, 440}}, 6, 0.0, 0.4, 0.14},
+                          {{{0, 430}, {1, 400}}, 1, -0.77, 0.4, 0.07},
+                          {{{11, 430}, {12, 400}}, 12, 0.77, 0.4, 0.07},
+                          {{{5, 380}, {6, 400}}, 6, -0.07, 0.38, 0.07},  // nearer along the path, not from the sensor
+                          {{{4, 400}, {6, 400}}, 6, 0.0, 0.4, 0.0}}) {   // a gap between the two
+    wire::Ranges ranges = no_ranges();
+    for (const auto& [beam, range_mm] : one.beams) ranges.range_mm[beam] = range_mm;
+    const auto obstacle = body_in_beams({0.25, one.nearest}, ranges, {});
+    const double ratio = std::sin(one.half_rad);
+    const double radius_m = std::fmax(0.02, one.range_m * ratio / (1.0 - ratio));
+    EXPECT_NEAR(obstacle.radius_m, radius_m, 1e-9);
+    EXPECT_NEAR(obstacle.x_m, (one.range_m + radius_m) * std::cos(one.bearing_rad), 1e-9);
+    EXPECT_NEAR(obstacle.y_m, (one.range_m + radius_m) * std::sin(one.bearing_rad), 1e-9);
+    EXPECT_EQ(obstacle.distance_m, 0.25);
+  }
+}
+
+TEST(BodyInBeams, is_no_wider_than_a_quarter_turn_and_15_centimetres) {
+  wire::Ranges wall = no_ranges();
+  wall.range_mm.assign(13, 50);  // 1.68 rad between the outer beams
+  const double ratio = std::sin(0.25 * pi);
+  EXPECT_NEAR(body_in_beams({0.05, centre}, wall, {}).radius_m, 0.05 * ratio / (1.0 - ratio), 1e-9);
+  wall.range_mm.assign(13, 300);
+  EXPECT_EQ(body_in_beams({0.3, centre}, wall, {}).radius_m, 0.15);
+}
+
+/// Which of these frames are reported, "x" with an obstacle and "o" without; times in milliseconds.
+std::string reports(const std::vector<std::pair<int, double>>& frames) {
+  Sighting sighting;
+  std::string text;
+  for (const auto& [at_ms, gap_m] : frames) {
+    wire::Ranges ranges = no_ranges();
+    ranges.range_mm[centre] = 400;
+    const auto report =
+        sighting.on_frame(virtual_epoch + std::chrono::milliseconds{at_ms}, {gap_m, centre}, ranges, {}, 1.2);
+    text += !report ? "." : report->obstacle ? "x" : "o";
+  }
+  return text;
+}
+
+TEST(Sighting, reports_at_the_period_and_anew_after_an_end) {
+  EXPECT_EQ(reports({{0, 1.0}, {99, 1.0}, {100, 1.0}, {150, 1.0}, {200, 1.0}}), "x.x.x");
+  EXPECT_EQ(reports({{0, 1.001}, {100, 1.001}}), "..");
+  // The end is reported at the third frame without it at once, then at the period, three times in all.
+  EXPECT_EQ(reports({{0, 0.5},
+                     {10, nothing},
+                     {20, nothing},
+                     {30, nothing},
+                     {129, nothing},
+                     {130, nothing},
+                     {230, nothing},
+                     {330, nothing},
+                     {430, nothing}}),
+            "x..o.oo..");
+  // A new obstacle within the period of the last report.
+  EXPECT_EQ(reports({{0, 0.5}, {10, nothing}, {20, nothing}, {30, nothing}, {40, 0.5}, {50, 0.5}, {140, 0.5}}),
+            "x..ox.x");
+  // A frame with the obstacle counts the misses from zero, and each end has three reports.
+  EXPECT_EQ(reports({{0, 0.5},
+                     {10, nothing},
+                     {20, nothing},
+                     {30, 0.5},
+                     {40, nothing},
+                     {50, nothing},
+                     {60, nothing},
+                     {160, nothing},
+                     {170, 0.5},
+                     {180, nothing},
+                     {190, nothing},
+                     {200, nothing},
+                     {300, nothing},
+                     {400, nothing},
+                     {500, nothing}}),
+            "x.....oox..ooo.");
+  // A clock that was set back does not silence the reports.
+  EXPECT_EQ(reports({{1000, 0.5}, {500, 0.5}, {550, 0.5}}), "xx.");
+}
+
+TEST(Sighting, state_is_part_of_the_digest) {
+  const auto digest_after = [](const std::vector<double>& frames_m) {
+    Sighting sighting;
+    SimTime now = virtual_epoch;
+    wire::Ranges ranges = no_ranges();
+    ranges.range_mm[centre] = 400;
+    for (const double gap_m : frames_m) {
+      now += std::chrono::milliseconds{200};
+      static_cast<void>(sighting.on_frame(now, {gap_m, centre}, ranges, {}, 1.2));
+    }
+    Digest digest;
+    sighting.fold(digest);
+    return digest.value();
+  };
+  const auto none = digest_after({});
+  const auto there = digest_after({0.5});
+  const auto missed = digest_after({0.5, nothing});
+  const auto ended = digest_after({0.5, nothing, nothing, nothing});
+  const auto ended_twice = digest_after({0.5, nothing, nothing, nothing, nothing});
+  EXPECT_NE(none, there);
+  EXPECT_NE(there, missed);
+  EXPECT_NE(missed, ended);
+  EXPECT_NE(ended, ended_twice);
+  EXPECT_EQ(there, digest_after({0.5, 0.5}));
 }
 
 }  // namespace
