@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "cosiva/virtual/server/right_of_way/traffic.h"
 #include "cosiva/virtual/server/testing/server_fixture.h"
 
@@ -233,6 +236,51 @@ TEST_F(ConvoyFixture, is_not_formed_behind_a_leader_still_before_its_stop_line) 
   EXPECT_TRUE(may_join(1, 0.35));
   put_stopped(0, east, 0.01);
   EXPECT_FALSE(may_join(1, 0.35));
+}
+
+/// What may_join() has to decide by the rules in traffic.h, for vehicle 1 `stop_m` before its stop line behind vehicle
+/// 0, `inside_m` beyond it, while vehicle 2 waits `other_m` before its own stop line: the time gained minus the time
+/// lost.
+class ConvoyBalance : public ConvoyFixture {
+ protected:
+  [[nodiscard]] double gain_s(double stop_m, double inside_m, double other_m) const {
+    constexpr double reaction_s = 0.3;
+    const zone::SpeedProfile& pace = map.zone().profiles.medium;
+    const auto drive_s = [&](double length_m) { return length_m / pace.speed_mps; };
+    const auto pass_s = [&](double before_m) {
+      const double from_rest_s = before_m < 0.10 ? pace.speed_mps / pace.acceleration_mps2 / 2.0 : 0.0;
+      return drive_s(map.chain(stop_on(east)).length_m) + from_rest_s;
+    };
+    const double leader_left_s = reaction_s + drive_s(std::max(0.0, map.chain(stop_on(east)).length_m - inside_m));
+    const double convoy_left_s = reaction_s + drive_s(stop_m) + pass_s(stop_m);
+    const double other_begins_s = std::max(drive_s(other_m), leader_left_s);
+    const double other_loses_s = std::max(0.0, convoy_left_s + reaction_s - other_begins_s);
+    const double room_s = drive_s(map.zone().vehicle.length_m + 0.15);
+    const double turn_s =
+        std::max({drive_s(stop_m), leader_left_s + room_s, other_begins_s + pass_s(other_m) + reaction_s});
+    const double saved_s = turn_s + pass_s(stop_m) - convoy_left_s;
+    return saved_s - other_loses_s - 0.1;
+  }
+};
+
+TEST_F(ConvoyBalance, decides_wherever_the_three_vehicles_are) {
+  int joined = 0;
+  int refused = 0;
+  for (const double stop_m : {0.0, 0.08, 0.12, 0.3, 0.5, 0.69}) {
+    for (const double inside_m : {0.05, 0.25, 0.45, 0.6, 0.7}) {
+      for (const double other_m : {0.0, 0.09, 0.15, 0.4, 0.65}) {
+        const double gain = gain_s(stop_m, inside_m, other_m);
+        if (std::fabs(gain) < 0.01) continue;
+        begin(inside_m);
+        put_stopped(1, east, stop_m);
+        EXPECT_FALSE(come_up(2, north, other_m).granted);
+        EXPECT_EQ(may_join(1, stop_m), gain > 0.0) << stop_m << " " << inside_m << " " << other_m << ": " << gain;
+        ++(gain > 0.0 ? joined : refused);
+      }
+    }
+  }
+  EXPECT_GT(joined, 20);
+  EXPECT_GT(refused, 20);
 }
 
 }  // namespace

@@ -1,0 +1,312 @@
+#include "cosiva/virtual/server/orders/course_planner.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cosiva/virtual/server/testing/orders_fixture.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+using namespace fixture;
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+/// A oval of short sections, 3.1 m round: eight of them are less than 8 m.
+zone::ZoneConfiguration small_oval() {
+  std::string text =
+      "name = \"small\"\nformat_version = 1\n[vehicle]\nlength_m = 0.20\nwidth_m = 0.12\n"
+      "[circuit]\nstart = { x = 0.0, y = 0.0, heading_deg = 0 }\nclosed = true\n";
+  for (const std::string name : {"a", "b"})
+    text += "[[section]]\nname = \"" + name + "1\"\nkind = \"straight\"\nlength_m = 0.6\n[[section]]\nname = \"" +
+            name + "2\"\nkind = \"arc\"\nradius_m = 0.3\nangle_deg = 180\n";
+  return {"toml", "small", text};
+}
+
+// --- how far ahead is planned ---------------------------------------------------------------------------------------
+
+/// The route that is planned for a vehicle at the first waypoint, beyond the given number of sections.
+void expect_planned_just_far_enough(OrdersFixture& orders, std::size_t passed) {
+  const VehicleIndex vehicle = orders.add_at("AIV1", orders.map->waypoint(0).position);
+  ASSERT_TRUE(orders.planner.plan(vehicle));
+  orders.planner.begin_route(orders.traffic.remaining(vehicle));
+  WaypointIndex at = 0;
+  std::size_t taken = 0;
+  while (taken < passed) {
+    const WaypointGraph::Stretch* stretch = orders.planner.next_stretch(vehicle, at, taken);
+    ASSERT_NE(stretch, nullptr);
+    at = stretch->to;
+    taken += stretch->sections.size();
+  }
+  ASSERT_NE(orders.planner.next_stretch(vehicle, at, taken), nullptr);
+  const auto rest = orders.planner.route().subspan(taken);
+  const auto far_enough = [&](Sections sections) {
+    double sum_m = 0.0;
+    for (const zone::SectionId section : sections) sum_m += orders.map->circuit().section(section).length_m();
+    return sum_m >= 8.0 && sections.size() >= 8;
+  };
+  EXPECT_TRUE(far_enough(rest));
+  EXPECT_FALSE(far_enough(rest.first(rest.size() - 1))) << "one section at a time";
+  EXPECT_EQ(orders.traffic.remaining(vehicle).size(), orders.planner.route().size())
+      << "the traffic's course is longer";
+  EXPECT_EQ(orders.planner.next_stretch(vehicle, at, orders.planner.route().size() + 1), nullptr);
+}
+
+TEST(PlannedRoute, reaches_eight_sections_beyond_the_base_where_these_are_long) {
+  OrdersFixture orders;
+  expect_planned_just_far_enough(orders, 0);
+}
+TEST(PlannedRoute, reaches_eight_metres_beyond_the_base_where_sections_are_short) {
+  OrdersFixture orders{small_oval()};
+  expect_planned_just_far_enough(orders, 0);
+}
+TEST(PlannedRoute, reaches_as_far_beyond_a_part_that_is_used_already) {
+  OrdersFixture orders;
+  expect_planned_just_far_enough(orders, 3);
+}
+
+TEST(PlannedRoute, is_known_to_the_twin) {
+  OrdersFixture orders{fork()};
+  const VehicleIndex vehicle = orders.add_at("AIV1", orders.at("entry", 0.5));
+  orders.missions.give(vehicle, {Mission::Kind::go, "dock"});
+  ASSERT_TRUE(orders.planner.plan(vehicle));
+  orders.report_at(vehicle, orders.at("entry", 0.95), 0.3);
+  orders.pass(1s);
+  EXPECT_LT(orders.positions.body(vehicle).y_m, -0.001) << "it is extrapolated along the bypass, to the right";
+}
+
+// --- plans ----------------------------------------------------------------------------------------------------------
+
+class Plans : public testing::Test {
+ protected:
+  Plans() : orders{fork()} {}
+  [[nodiscard]] std::vector<std::string> remaining(VehicleIndex vehicle) const {
+    std::vector<std::string> names;
+    for (const zone::SectionId section : orders.traffic.remaining(vehicle))
+      names.push_back(orders.map->circuit().part(section).name);
+    return names;
+  }
+  void go(VehicleIndex vehicle, const std::string& to) { orders.missions.give(vehicle, {Mission::Kind::go, to}); }
+  void close(const std::vector<std::string>& names) {
+    std::vector<zone::SectionId> sections;
+    for (const std::string& name : names) sections.push_back(orders.section(name));
+    orders.missions.set_closed(sections);
+  }
+  OrdersFixture orders;
+};
+
+TEST_F(Plans, are_made_once_for_each_mission) {
+  const VehicleIndex vehicle = orders.add_at("AIV1", orders.at("entry", 0.5));
+  EXPECT_TRUE(orders.planner.is_outdated(vehicle));
+  go(vehicle, "gate");
+  ASSERT_TRUE(orders.planner.plan(vehicle));
+  EXPECT_FALSE(orders.planner.is_outdated(vehicle));
+  EXPECT_THAT(remaining(vehicle), ElementsAre("south", "east", "north"));
+  go(vehicle, "dock");
+  EXPECT_TRUE(orders.planner.is_outdated(vehicle));
+  ASSERT_TRUE(orders.planner.plan(vehicle));
+  EXPECT_THAT(remaining(vehicle), ElementsAre("bypass1", "bypass2", "bypass3"));
+}
+
+TEST_F(Plans, without_a_route_are_tried_again_from_another_section_or_when_sections_open) {
+  const VehicleIndex vehicle = orders.add_at("AIV1", orders.at("west", 0.5));
+  go(vehicle, "gate");
+  close({"south", "bypass1"});
+  EXPECT_FALSE(orders.planner.plan(vehicle));
+  EXPECT_FALSE(orders.planner.plan(vehicle));
+  EXPECT_THAT(orders.logs(), SizeIs(1)) << "planned and logged once";
+  EXPECT_THAT(remaining(vehicle), IsEmpty());
+  orders.report_at(vehicle, orders.at("entry", 0.5));
+  EXPECT_FALSE(orders.planner.plan(vehicle));
+  EXPECT_THAT(orders.logs(), SizeIs(2));
+  close({"bypass1"});
+  EXPECT_TRUE(orders.planner.plan(vehicle));
+  EXPECT_THAT(remaining(vehicle), ElementsAre("south", "east", "north"));
+}
+
+TEST_F(Plans, lead_once_more_around_for_a_vehicle_that_has_passed_its_goal) {
+  const VehicleIndex vehicle = orders.add_at("AIV1", orders.at("north", 1.0));
+  go(vehicle, "gate");
+  ASSERT_TRUE(orders.planner.plan(vehicle));
+  EXPECT_THAT(remaining(vehicle), IsEmpty());
+  orders.report_at(vehicle, orders.at("north", 1.7));
+  ASSERT_TRUE(orders.planner.plan(vehicle));
+  EXPECT_THAT(remaining(vehicle), ElementsAre("west", "entry", "south", "east", "north"));
+  orders.report_at(vehicle, orders.at("north", 1.8));
+  ASSERT_TRUE(orders.planner.plan(vehicle));
+  EXPECT_THAT(remaining(vehicle), ElementsAre("west", "entry", "south", "east", "north")) << "it comes to the goal";
+}
+
+TEST_F(Plans, are_forgotten_with_the_vehicle) {
+  const VehicleIndex vehicle = orders.add_at("AIV1", orders.at("entry", 0.5));
+  ASSERT_TRUE(orders.planner.plan(vehicle));
+  orders.planner.forget(vehicle);
+  go(vehicle, "gate");
+  EXPECT_TRUE(orders.planner.is_outdated(vehicle));
+}
+
+// --- arrival --------------------------------------------------------------------------------------------------------
+
+/// A vehicle with a mission to the gate, which is 1.5 m along the north side.
+class Arrival : public Plans {
+ protected:
+  Arrival() : vehicle{orders.add_at("AIV1", orders.at("north", 1.0))} {
+    go(vehicle, "gate");
+    EXPECT_TRUE(orders.planner.plan(vehicle));
+    goal_m = orders.map->waypoint(orders.missions.goal(vehicle)).position.s_m;
+  }
+  bool stays(double beyond_m, double speed_mps = 0.0) {
+    orders.report_at(vehicle, orders.at("north", goal_m + beyond_m), speed_mps);
+    return orders.planner.stays_at_goal(vehicle);
+  }
+  VehicleIndex vehicle;
+  double goal_m{};
+};
+
+TEST_F(Arrival, is_within_six_centimetres_before_the_goal) {
+  EXPECT_FALSE(stays(-0.061));
+  EXPECT_EQ(orders.missions.state(vehicle), Missions::State::driving);
+  EXPECT_TRUE(stays(-0.059));
+  EXPECT_EQ(orders.missions.state(vehicle), Missions::State::arrived);
+}
+
+TEST_F(Arrival, is_within_ten_centimetres_beyond_the_goal) {
+  EXPECT_FALSE(stays(0.101));
+  EXPECT_EQ(orders.missions.state(vehicle), Missions::State::driving);
+  EXPECT_TRUE(stays(0.099));
+  EXPECT_EQ(orders.missions.state(vehicle), Missions::State::arrived);
+}
+
+TEST_F(Arrival, is_not_recorded_while_the_vehicle_still_moves) {
+  EXPECT_FALSE(stays(-0.061, 0.1));
+  EXPECT_TRUE(stays(-0.059, 0.1));
+  EXPECT_TRUE(stays(0.3, 0.1)) << "it has passed the goal and will stop";
+  EXPECT_EQ(orders.missions.state(vehicle), Missions::State::driving);
+}
+
+TEST_F(Arrival, is_not_expected_by_the_plan_of_another_mission) {
+  go(vehicle, "dock");
+  EXPECT_FALSE(stays(0.3, 0.1));
+}
+
+// --- orders in force ------------------------------------------------------------------------------------------------
+
+/// A vehicle with an order whose base ends 1.2 m or slightly more ahead of it.
+class PlansBeyondBase : public Plans {
+ protected:
+  VehicleIndex with_order(zone::TrackPosition position) {
+    const VehicleIndex vehicle = orders.add_at("AIV1", position);
+    EXPECT_TRUE(orders.extend(vehicle));
+    orders.acknowledge(vehicle);
+    return vehicle;
+  }
+};
+
+TEST_F(PlansBeyondBase, follow_a_new_mission_and_keep_the_base) {
+  const VehicleIndex vehicle = with_order(orders.at("west", 0.3));
+  const WaypointIndex end = orders.sessions[vehicle].base_end();
+  go(vehicle, "dock");
+  EXPECT_TRUE(orders.planner.plan_beyond_base(vehicle));
+  EXPECT_FALSE(orders.planner.is_outdated(vehicle));
+  EXPECT_EQ(orders.sessions[vehicle].base_end(), end);
+  EXPECT_THAT(remaining(vehicle), ElementsAre("entry", "bypass1", "bypass2", "bypass3"));
+  go(vehicle, "gate");
+  EXPECT_TRUE(orders.planner.plan_beyond_base(vehicle));
+  EXPECT_THAT(remaining(vehicle), ElementsAre("entry", "south", "east", "north"));
+}
+
+TEST_F(PlansBeyondBase, end_with_the_base_where_there_is_no_route) {
+  const VehicleIndex vehicle = with_order(orders.at("west", 0.3));
+  go(vehicle, "gate");
+  close({"south", "bypass1"});
+  EXPECT_TRUE(orders.planner.plan_beyond_base(vehicle));
+  EXPECT_FALSE(orders.planner.is_outdated(vehicle));
+  orders.planner.begin_route({});
+  EXPECT_EQ(orders.planner.next_stretch(vehicle, orders.sessions[vehicle].base_end(), 0), nullptr);
+  close({});
+  EXPECT_TRUE(orders.planner.plan_beyond_base(vehicle));
+  orders.planner.begin_route(orders.traffic.beyond_base(vehicle, orders.at("west", 0.3)).sections);
+  EXPECT_NE(orders.planner.next_stretch(vehicle, orders.sessions[vehicle].base_end(), 0), nullptr);
+}
+
+TEST_F(PlansBeyondBase, cancel_an_order_whose_base_leads_into_a_closed_section) {
+  const VehicleIndex vehicle = with_order(orders.at("west", 1.5));
+  ASSERT_EQ(orders.map->waypoint(orders.sessions[vehicle].base_end()).position.section, orders.section("entry"));
+  close({"entry"});
+  EXPECT_FALSE(orders.planner.plan_beyond_base(vehicle));
+  EXPECT_EQ(orders.sessions[vehicle].stage(), OrderSession::Stage::cancelling);
+  EXPECT_EQ(orders.logs().back(),
+            "i CoSiVA/AIV1: its base leads into 'entry', which is closed now; cancelled, a new order follows");
+}
+
+TEST_F(PlansBeyondBase, are_regained_by_a_vehicle_that_has_left_its_course) {
+  const VehicleIndex vehicle = with_order(orders.at("west", 1.5));
+  const zone::TrackPosition end = orders.map->waypoint(orders.sessions[vehicle].base_end()).position;
+  orders.traffic.set_course(vehicle, {});
+  ASSERT_FALSE(orders.traffic.on_course(vehicle));
+  EXPECT_TRUE(orders.planner.regain(vehicle));
+  EXPECT_TRUE(orders.traffic.on_course(vehicle));
+  EXPECT_THAT(remaining(vehicle), ElementsAre("entry")) << "up to the end of the base";
+  EXPECT_TRUE(orders.planner.is_outdated(vehicle)) << "beyond the base a plan has to follow";
+  const auto regains_from = [&](double beyond_m) {
+    orders.report_at(vehicle, orders.map->circuit().advance(end, beyond_m));
+    return orders.planner.regain(vehicle);
+  };
+  EXPECT_TRUE(regains_from(0.249));
+  EXPECT_THAT(remaining(vehicle), IsEmpty()) << "it has passed the end";
+  EXPECT_FALSE(regains_from(0.251)) << "more than 8 m to the end of the base";
+}
+
+// --- orders of other senders ----------------------------------------------------------------------------------------
+
+class AdoptedCourse : public Plans {
+ protected:
+  AdoptedCourse() : vehicle{orders.add_at("AIV1", orders.at("west", 1.5))} {
+    WaypointIndex at = orders.map->behind(orders.at("west", 1.5))->waypoint;
+    for (int i = 0; i < 3; ++i) nodes.push_back(at = orders.map->stretch(at).to);
+  }
+  /// Of a state that lists these nodes, the first `released` of which are released.
+  std::optional<WaypointIndex> end(std::size_t released) {
+    wire::State state;
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      state.node_states.push_back(
+          {orders.map->waypoint(nodes[i]).id, 2 * static_cast<std::uint32_t>(i) + 2, i < released, {}});
+    return orders.planner.adopt_course(vehicle, state);
+  }
+  VehicleIndex vehicle;
+  std::vector<WaypointIndex> nodes;
+};
+
+TEST_F(AdoptedCourse, ends_at_the_last_released_node) {
+  EXPECT_EQ(end(3), nodes[2]);
+  EXPECT_EQ(end(2), nodes[1]);
+  EXPECT_EQ(end(1), nodes[0]);
+  EXPECT_EQ(end(0), std::nullopt);
+  EXPECT_EQ(orders.map->waypoint(nodes[2]).position.section, orders.section("entry"));
+  EXPECT_EQ(end(3), nodes[2]);
+  EXPECT_THAT(remaining(vehicle), ElementsAre("entry"));
+}
+
+TEST_F(AdoptedCourse, needs_a_position_and_a_route_to_the_nodes) {
+  nodes.front() = orders.map->behind(orders.at("north", 0.3))->waypoint;
+  EXPECT_EQ(end(1), std::nullopt);
+  nodes.pop_back();
+  orders.positions.set_reported(vehicle, {std::nullopt, 0.0, 0.0, {}});
+  EXPECT_EQ(end(1), std::nullopt);
+}
+
+TEST_F(AdoptedCourse, is_planned_anew_beyond_the_base) {
+  ASSERT_TRUE(orders.planner.plan(vehicle));
+  EXPECT_FALSE(orders.planner.is_outdated(vehicle));
+  EXPECT_TRUE(end(1).has_value());
+  EXPECT_TRUE(orders.planner.is_outdated(vehicle));
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side
