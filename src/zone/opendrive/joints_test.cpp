@@ -20,7 +20,7 @@ std::string width(double from_m, double to_m, double length_m) {
 
 /// A road along x with its lane's centre on y = 0 at its end, and one that follows it, with its lane's centre on its
 /// reference line at its begin. Both lanes are joined.
-struct Pair {
+struct JoinedPair {
   double length_m{20.0};
   double width_m{3.0};  ///< at the end
   Pose2 second{20.0, 0.0, 0.0};
@@ -60,7 +60,7 @@ Pose2 meeting(const FoundTracks& found) {
 }
 
 TEST(JoinTracks, meet_halfway_between_lanes_of_one_width) {
-  const FoundTracks found = Pair{.second = {20.04, 0.08, 0.05}}.joined();
+  const FoundTracks found = JoinedPair{.second = {20.04, 0.08, 0.05}}.joined();
   expect_pose(meeting(found), {20.02, 0.04, 0.025});
   // The other ends stay.
   expect_pose(found.track("1.0.-1").curve.entry(), {0.0, 0.0, 0.0});
@@ -75,24 +75,24 @@ TEST(JoinTracks, meet_halfway_between_lanes_of_one_width) {
 }
 
 TEST(JoinTracks, meet_nearer_to_the_wider_lane_by_the_square_of_the_widths) {
-  expect_pose(meeting(Pair{.width_m = 2.0, .second = {20.1, -0.2, -0.05}, .second_width_m = 4.0}.joined()),
+  expect_pose(meeting(JoinedPair{.width_m = 2.0, .second = {20.1, -0.2, -0.05}, .second_width_m = 4.0}.joined()),
               {20.08, -0.16, -0.04});
-  expect_pose(meeting(Pair{.width_m = 4.0, .second = {20.1, -0.2, -0.05}, .second_width_m = 2.0}.joined()),
+  expect_pose(meeting(JoinedPair{.width_m = 4.0, .second = {20.1, -0.2, -0.05}, .second_width_m = 2.0}.joined()),
               {20.02, -0.04, -0.01});
   // A lane that begins without width begins at its neighbour's edge, and two such ends meet halfway.
-  expect_pose(meeting(Pair{.second = {20.0, 0.5, 0.0}, .second_width_m = 0.0}.joined()), {20.0, 0.0, 0.0});
-  expect_pose(meeting(Pair{.width_m = 0.0, .second = {20.0, 0.5, 0.0}, .second_width_m = 0.0}.joined()),
+  expect_pose(meeting(JoinedPair{.second = {20.0, 0.5, 0.0}, .second_width_m = 0.0}.joined()), {20.0, 0.0, 0.0});
+  expect_pose(meeting(JoinedPair{.width_m = 0.0, .second = {20.0, 0.5, 0.0}, .second_width_m = 0.0}.joined()),
               {20.0, 0.25, 0.0});
 }
 
 TEST(JoinTracks, meet_at_a_lane_of_less_than_a_metre_as_if_it_were_ten_times_as_wide) {
-  expect_pose(meeting(Pair{.second = {20.0, 0.101, 0.0}, .second_length_m = 0.99}.joined()), {20.0, 0.1, 0.0});
-  expect_pose(meeting(Pair{.second = {20.0, 0.101, 0.0}, .second_length_m = 1.0}.joined()), {20.0, 0.0505, 0.0});
-  expect_pose(meeting(Pair{.length_m = 0.99, .second = {20.0, 0.101, 0.0}}.joined()), {20.0, 0.001, 0.0});
+  expect_pose(meeting(JoinedPair{.second = {20.0, 0.101, 0.0}, .second_length_m = 0.99}.joined()), {20.0, 0.1, 0.0});
+  expect_pose(meeting(JoinedPair{.second = {20.0, 0.101, 0.0}, .second_length_m = 1.0}.joined()), {20.0, 0.0505, 0.0});
+  expect_pose(meeting(JoinedPair{.length_m = 0.99, .second = {20.0, 0.101, 0.0}}.joined()), {20.0, 0.001, 0.0});
 }
 
 TEST(JoinTracks, correct_a_gap_or_a_kink_alone) {
-  const FoundTracks gap = Pair{.second = {20.0, 0.2, 0.0}}.joined();
+  const FoundTracks gap = JoinedPair{.second = {20.0, 0.2, 0.0}}.joined();
   expect_pose(meeting(gap), {20.0, 0.1, 0.0});
   EXPECT_THAT(
       gap.diagnostics(),
@@ -100,11 +100,11 @@ TEST(JoinTracks, correct_a_gap_or_a_kink_alone) {
                   "lanes linked to it",
                   "mended|lane '2.0.-1'|its beginning is moved by 0.10 m and 0.000000 rad, over 5.00 m, to meet "
                   "the lanes linked to it"));
-  const FoundTracks kink = Pair{.second = {20.0, 0.0, -0.04}}.joined();
+  const FoundTracks kink = JoinedPair{.second = {20.0, 0.0, -0.04}}.joined();
   expect_pose(meeting(kink), {20.0, 0.0, -0.02});
   EXPECT_EQ(kink.diagnostics().size(), 2U);
   // No further than the lane is long.
-  const FoundTracks far = Pair{.length_m = 10.0, .second = {20.0, 1.0, 0.0}}.joined();
+  const FoundTracks far = JoinedPair{.length_m = 10.0, .second = {20.0, 1.0, 0.0}}.joined();
   EXPECT_THAT(
       far.diagnostics(),
       ElementsAre("mended|lane '1.0.-1'|its end is moved by 0.50 m and 0.000000 rad, over 10.00 m, to meet the "
@@ -112,21 +112,21 @@ TEST(JoinTracks, correct_a_gap_or_a_kink_alone) {
                   "mended|lane '2.0.-1'|its beginning is moved by 0.50 m and 0.000000 rad, over 15.00 m, to meet "
                   "the lanes linked to it"));
   // A small correction needs no diagnostic.
-  const FoundTracks small = Pair{.second = {20.0, 0.0018, 0.0018}}.joined();
+  const FoundTracks small = JoinedPair{.second = {20.0, 0.0018, 0.0018}}.joined();
   expect_pose(meeting(small), {20.0, 0.0009, 0.0009});
   EXPECT_THAT(small.diagnostics(), IsEmpty());
 }
 
 TEST(JoinTracks, leave_ends_that_nearly_meet) {
-  const FoundTracks near = Pair{.second = {20.0, 4e-6, 1e-5}}.joined();
+  const FoundTracks near = JoinedPair{.second = {20.0, 4e-6, 1e-5}}.joined();
   expect_pose(near.track("1.0.-1").curve.exit(), {20.0, 0.0, 0.0});
   expect_pose(near.track("2.0.-1").curve.entry(), {20.0, 4e-6, 1e-5});
-  expect_pose(meeting(Pair{.second = {20.0, 6e-6, 0.0}}.joined()), {20.0, 3e-6, 0.0});
-  expect_pose(meeting(Pair{.second = {20.0, 0.0, 3e-5}}.joined()), {20.0, 0.0, 1.5e-5});
+  expect_pose(meeting(JoinedPair{.second = {20.0, 6e-6, 0.0}}.joined()), {20.0, 3e-6, 0.0});
+  expect_pose(meeting(JoinedPair{.second = {20.0, 0.0, 3e-5}}.joined()), {20.0, 0.0, 1.5e-5});
 }
 
 TEST(JoinTracks, part_ends_more_than_two_metres_or_a_quarter_of_the_moved_lane_or_0_8_rad_apart) {
-  const auto parted = [](const Pair& pair) {
+  const auto parted = [](const JoinedPair& pair) {
     const FoundTracks found = pair.joined();
     return found.next("1.0.-1").empty();
   };
@@ -143,7 +143,7 @@ TEST(JoinTracks, part_ends_more_than_two_metres_or_a_quarter_of_the_moved_lane_o
   EXPECT_TRUE(parted({.length_m = 4.0, .width_m = 2.0, .second = {20.0, 1.01, 0.0}}));
   EXPECT_FALSE(parted({.length_m = 4.0, .width_m = 2.0, .second = {20.0, 0.99, 0.0}}));
   EXPECT_FALSE(parted({.width_m = 2.0, .second = {20.0, 1.01, 0.0}, .second_length_m = 4.0}));
-  const FoundTracks found = Pair{.second = {20.0, 3.0, 0.25}}.joined();
+  const FoundTracks found = JoinedPair{.second = {20.0, 3.0, 0.25}}.joined();
   EXPECT_THAT(
       found.diagnostics(),
       ElementsAre("lost|lane '1.0.-1'|its successor '2.0.-1' begins 3.00 m and 0.250000 rad from where it ends, "

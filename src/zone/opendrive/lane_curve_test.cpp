@@ -32,7 +32,7 @@ void expect_near(const Pose2& found, const Pose2& expected) {
   EXPECT_NEAR(wrap_angle(found.heading_rad - expected.heading_rad), 0.0, 1e-9);
 }
 
-TEST(LaneCurve, runs_beside_its_road_in_the_direction_of_travel) {
+TEST(LaneCurve, keeps_its_offset_from_its_road_in_the_direction_of_travel) {
   const Pose2 begin{5.0, 2.0, 0.0};
   const Pose2 end{20.0 + 98.0 * std::sin(0.15), 100.0 - 98.0 * std::cos(0.15), 0.15};
   const LaneCurve forward = lane_curve(2.0, true);

@@ -89,7 +89,7 @@ TEST(LaySections, refuse_more_than_300_km) {
             "makes a large network small");
 }
 
-TEST(LaySections, of_no_lanes_say_what_is_there_instead) {
+TEST(LaySections, of_no_lanes_name_what_is_there_instead) {
   const auto message = [](const std::string& roads) {
     FoundTracks found = tracks_of(file(roads));
     const auto refused = lay_sections(found.network, found.tracks, 1.0, {}, found.report);
