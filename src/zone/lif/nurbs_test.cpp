@@ -118,6 +118,55 @@ TEST(NurbsOf, an_arc_is_exact_with_weights_of_at_least_one) {
   }
 }
 
+TEST(NurbsOf, has_as_few_pieces_as_keep_to_the_section) {
+  const auto curve_of = [](double length_m, double bend, double rate) {
+    return nurbs_of(*Section::make({1.0, 2.0, 0.5 * pi}, length_m, bend, rate));
+  };
+  const Nurbs straight = curve_of(3.0, 0.0, 0.0);
+  EXPECT_EQ(straight.degree, 1U);
+  EXPECT_EQ(straight.knots, (std::vector<double>{0, 0, 1, 1}));
+  EXPECT_EQ(straight.weights, (std::vector<double>{1, 1}));
+  EXPECT_LT(distance(straight.points[1], Point2{1.0, 5.0}), 1e-12);
+  // An arc needs a piece for each 0.49 half turns, whichever side it turns to.
+  for (const double sign : {1.0, -1.0}) {
+    const Nurbs one = curve_of(1.53, sign, 0.0);
+    EXPECT_EQ(one.knots, (std::vector<double>{0, 0, 0, 1, 1, 1}));
+    EXPECT_LT(distance(one.points[1], Point2{1.0, 2.0 + std::tan(0.765)}), 1e-9);
+    EXPECT_EQ(curve_of(1.55, sign, 0.0).knots, (std::vector<double>{0, 0, 0, 0.5, 0.5, 1, 1, 1}));
+    EXPECT_EQ(curve_of(6.0, sign, 0.0).knots,
+              (std::vector<double>{0, 0, 0, 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 1, 1, 1}));
+  }
+  const Nurbs gentle = curve_of(0.3, 0.0, 1.0);
+  EXPECT_EQ(gentle.degree, 3U);
+  EXPECT_EQ(gentle.knots, (std::vector<double>{0, 0, 0, 0, 1, 1, 1, 1}));
+  EXPECT_EQ(gentle.weights, (std::vector<double>{1, 1, 1, 1}));
+  EXPECT_LT(distance(gentle.points[1], Point2{1.0, 2.1}), 1e-12);  // a third of the length along its direction
+  const Nurbs tight = curve_of(2.0, 0.0, 1.0);
+  EXPECT_EQ(tight.knots.size(), tight.points.size() + 4);
+  ASSERT_GT(tight.points.size(), 4U);
+  const std::size_t pieces = (tight.points.size() - 1) / 3;
+  EXPECT_EQ(pieces & (pieces - 1), 0U);  // doubled until the curve keeps to the section
+  const Section section = *Section::make({1.0, 2.0, 0.5 * pi}, 2.0, 0.0, 1.0);
+  for (std::size_t i = 0; i <= pieces; ++i) {
+    const double ratio = static_cast<double>(i) / static_cast<double>(pieces);
+    EXPECT_LT(distance(tight.points[3 * i], position(section.pose_at(2.0 * ratio))), 1e-9);
+    EXPECT_EQ(tight.knots[3 * i + 1], ratio);
+  }
+  // Half as many would not do: a single cubic is off by more than the tenth of a millimetre.
+  const Pose2 end = section.end();
+  const double third_m = 2.0 / 3.0;
+  const Nurbs one{3,
+                  clamped_uniform_knots(4, 3),
+                  {{1.0, 2.0},
+                   {1.0, 2.0 + third_m},
+                   {end.x_m - third_m * std::cos(end.heading_rad), end.y_m - third_m * std::sin(end.heading_rad)},
+                   position(end)},
+                  {1, 1, 1, 1}};
+  double off_m = 0.0;
+  for (int i = 0; i <= 50; ++i) off_m = std::max(off_m, section.nearest(position(one.pose_at(i / 50.0))).distance_m);
+  EXPECT_GT(off_m, 1e-4);
+}
+
 TEST(NurbsOf, a_clothoid_is_within_a_tenth_of_a_millimetre_and_reads_back_as_itself) {
   EXPECT_TRUE(rc::check([] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "clothoid"};

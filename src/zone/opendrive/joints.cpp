@@ -69,7 +69,6 @@ bool Joiner::apart(TrackId from, TrackId to) {
   const double kink_rad = wrap_angle(entry.heading_rad - exit.heading_rad);
   const Track& moves = width(exit_of(from)) < width(entry_of(to)) ? tracks_.tracks[from] : tracks_.tracks[to];
   if (gap_m <= std::min(gap_max_m, 0.25 * moves.curve.span()) && std::fabs(kink_rad) <= kink_max_rad) return false;
-  if (gap_m <= free_m && std::fabs(kink_rad) <= free_rad) return false;
   std::string text = "its successor '" + tracks_.tracks[to].name(network_) + "' begins " + metres(gap_m) + " and ";
   text += std::to_string(kink_rad) + " rad from where it ends, too much to bend: they are not joined";
   report_.add(Diagnostic::Kind::lost, "links between ends too far apart",

@@ -21,7 +21,7 @@ constexpr std::string_view blanks = " \t\r\n";
 /// Without strtod, whose decimal point depends on the locale.
 std::optional<double> parsed(std::string_view text) {
   text = trimmed(text, blanks);
-  if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
+  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
   double value = 0.0;
   const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (end != text.data() + text.size()) return std::nullopt;

@@ -287,11 +287,14 @@ std::vector<Loop> TomlTracks::loops(const Circuit& circuit) const {
   std::vector<Loop> found;
   for (const TomlCircuit& round : circuits_) {
     if (round.name.empty() || !round.closed || round.sections.empty()) continue;
-    Loop loop{round.name, {round.sections.front()}};
-    for (;;) {
-      const auto next = circuit.next(loop.sections.back());
+    Loop loop{round.name, {}};
+    std::vector<bool> passed(circuit.size());
+    for (SectionId here = round.sections.front();;) {
+      loop.sections.push_back(here);
+      passed[here] = true;
+      const auto next = circuit.next(here);
       if (!next.empty() && next.front() == round.sections.front()) break;
-      if (next.empty() || loop.sections.size() > circuit.size()) {
+      if (next.empty() || passed[next.front()]) {
         faults_.add({"zone.loop",
                      "the circuit '" + round.name + "' is closed, but the path from its section '" +
                          circuit.part(round.sections.front()).name +
@@ -300,7 +303,7 @@ std::vector<Loop> TomlTracks::loops(const Circuit& circuit) const {
                      entries_[round.sections.front()].location()});
         break;
       }
-      loop.sections.push_back(next.front());
+      here = next.front();
     }
     found.push_back(std::move(loop));
   }
