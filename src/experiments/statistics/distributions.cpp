@@ -36,7 +36,7 @@ double gamma_p(double a, double x) {
     c = b + an / c;
     const double delta = d * c;
     h *= delta;
-    if (std::fabs(delta - 1.0) < 1e-16) break;
+    if (delta == 1.0) break;
   }
   return 1.0 - front * h;
 }
@@ -58,7 +58,7 @@ double beta_fraction(double a, double b, double x) {
     c = kept(1.0 + odd / c);
     const double delta = d * c;
     h *= delta;
-    if (std::fabs(delta - 1.0) < 1e-16) break;
+    if (delta == 1.0) break;
   }
   return h;
 }

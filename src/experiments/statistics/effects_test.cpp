@@ -377,5 +377,10 @@ TEST(Crossed, of_one_run_only_has_no_slope_and_of_one_unit_no_unit_effect) {
   EXPECT_FALSE(crossed(std::span{one_unit}.first(3)));
 }
 
+TEST(Effects, of_impossible_arguments_are_errors_of_the_program) {
+  EXPECT_DEATH(static_cast<void>(trend(std::vector{1.0, 2.0, 3.0}, std::vector{1.0, 2.0, 3.0, 4.0})), "y.size");
+  EXPECT_DEATH(static_cast<void>(latin_square(0)), "size > 0");
+}
+
 }  // namespace
 }  // namespace cosiva::statistics

@@ -166,5 +166,14 @@ TEST(Astm, reliability_of_passes_is_the_root_of_the_doubt) {
   EXPECT_EQ(passes_needed(0.5, 0.5), 1U);
 }
 
+TEST(Paired, of_impossible_arguments_are_errors_of_the_program) {
+  EXPECT_DEATH(static_cast<void>(friedman({{1, 2, 3}, {1, 2}})), "run.size.. == k");
+  constexpr const char* broken = "reliability > 0.0 && reliability < 1.0 && confidence > 0.0 && confidence < 1.0";
+  for (const double outside : {0.0, 1.0, -0.5, 1.5}) {
+    EXPECT_DEATH(static_cast<void>(passes_needed(outside, 0.95)), broken) << outside;
+    EXPECT_DEATH(static_cast<void>(passes_needed(0.95, outside)), broken) << outside;
+  }
+}
+
 }  // namespace
 }  // namespace cosiva::statistics

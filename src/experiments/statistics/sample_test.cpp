@@ -124,5 +124,11 @@ TEST(EffectiveSize, of_short_series_equals_the_sum_by_hand) {
   EXPECT_EQ(effective_size({}), 0.0);
 }
 
+TEST(Percentile, of_a_ratio_out_of_range_or_of_rising_ratios_is_an_error_of_the_program) {
+  std::vector<double> values{3.0, 1.0, 2.0};
+  for (const double p : {0.0, -0.1, 1.1}) EXPECT_DEATH(static_cast<void>(percentile(values, p)), "p > 0.0 && p <= 1.0");
+  EXPECT_DEATH(static_cast<void>(percentiles(values, std::vector{0.3, 0.9})), "rank <= among");
+}
+
 }  // namespace
 }  // namespace cosiva::statistics

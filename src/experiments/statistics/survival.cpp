@@ -22,13 +22,12 @@ std::vector<Duration> sorted(std::span<const Duration> durations) {
   return all;
 }
 
-/// S^exp(±z·se(ln(−ln S))): a band that stays within 0 and 1.
+/// S^exp(±z·se(ln(−ln S))) after at least one end, so that S < 1: a band that stays within 0 and 1.
 Interval log_log_band(double ratio, double greenwood, double z) {
   if (ratio <= 0.0) return {0.0, 0.0};
-  if (ratio >= 1.0) return {1.0, 1.0};
   const double log_ratio = det_log(ratio);
-  const double half = z * std::sqrt(greenwood) / std::fabs(log_ratio);
-  const double most = det_exp(std::min(half, 600.0));
+  // Each end's deviation is at most 1.03 times its −ln(1 − d/n), so that the exponent is hardly larger than z.
+  const double most = det_exp(z * std::sqrt(greenwood) / -log_ratio);
   return {det_exp(std::max(log_ratio * most, -600.0)), det_exp(log_ratio / most)};
 }
 

@@ -224,5 +224,40 @@ TEST(CensoredNormal, equals_the_maximum_of_the_likelihood) {
   EXPECT_NEAR(less->mean_interval.high, 3647.8601222807, 1e-4);
 }
 
+// Where all end at once no number of durations has Greenwood's variance, which is 0: the band is that of one duration.
+TEST(KaplanMeier, of_durations_that_all_end_at_once_has_the_band_of_one) {
+  const double z = 1.959963984540054;
+  for (const std::size_t number : {1U, 3U}) {
+    const Survival curve = kaplan_meier(std::vector<Duration>(number, Duration{2.0, true}));
+    ASSERT_EQ(curve.steps.size(), 1U);
+    EXPECT_EQ(curve.steps[0].band.low, 0.0);
+    EXPECT_NEAR(curve.steps[0].band.high, z * z / (1.0 + z * z), 1e-12);
+    EXPECT_EQ(curve.restricted_mean, 2.0);
+    EXPECT_EQ(curve.restricted_mean_sd, 0.0);
+  }
+}
+
+// A unit that still runs forty deviations after the others' ends: its tail is below the smallest number at first.
+TEST(CensoredNormal, of_a_duration_far_beyond_the_ends_is_at_the_maximum_of_the_likelihood) {
+  const std::vector<Duration> durations{{10.0, true}, {10.02, true}, {10.01, true}, {10.41, false}};
+  const auto fit = censored_normal(durations);
+  ASSERT_TRUE(fit);
+  const auto log_likelihood = [&](double mean, double sd) {
+    double sum = 0.0;
+    for (const Duration& one : durations) {
+      const double z = (one.value - mean) / sd;
+      sum += one.ended ? -0.5 * z * z - std::log(sd) : std::log(0.5 * std::erfc(z / std::sqrt(2.0)));
+    }
+    return sum;
+  };
+  const double sd = fit->sd * std::sqrt(2.0 / 3.0);  // without the correction for three ends
+  const double best = log_likelihood(fit->mean, sd);
+  EXPECT_TRUE(std::isfinite(best));
+  for (const double step : {-0.01 * sd, 0.01 * sd}) {
+    EXPECT_GT(best, log_likelihood(fit->mean + step, sd)) << step;
+    EXPECT_GT(best, log_likelihood(fit->mean, sd + step)) << step;
+  }
+}
+
 }  // namespace
 }  // namespace cosiva::statistics

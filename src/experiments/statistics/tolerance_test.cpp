@@ -238,5 +238,27 @@ TEST(Normality, equals_the_reference_in_each_range_of_the_table) {
   EXPECT_EQ(*normality_p(far), 0.0);  // A* beyond 13, where the formula rises again
 }
 
+// One degree of freedom: Cauchy's distribution, whose scale has its greatest density at zero.
+TEST(ShiftedStudent, of_one_degree_of_freedom_is_cauchy_s) {
+  for (const double t : {-2.0, -1.0, 0.0, 0.5, 1.0, 2.0})
+    EXPECT_NEAR(shifted_student_cdf(t, 1.0, 0.0), 0.5 + std::atan(t) / 3.14159265358979323846, 5e-9) << t;
+  EXPECT_NEAR(shifted_student_quantile(0.75, 1.0, 0.0), 1.0, 1e-7);
+}
+
+TEST(Tolerances, of_impossible_arguments_are_errors_of_the_program) {
+  for (const double degrees : {0.0, -1.0}) {
+    EXPECT_DEATH(static_cast<void>(fisher_cdf(1.0, degrees, 3.0)), "numerator_degrees > 0.0 && denom") << degrees;
+    EXPECT_DEATH(static_cast<void>(fisher_cdf(1.0, 3.0, degrees)), "denominator_degrees > 0.0") << degrees;
+    EXPECT_DEATH(static_cast<void>(shifted_student_cdf(1.0, degrees, 0.0)), "degrees > 0.0") << degrees;
+  }
+  for (const double p : {0.0, 1.0, -0.5, 1.5})
+    EXPECT_DEATH(static_cast<void>(shifted_student_quantile(p, 3.0, 0.0)), "p > 0.0 && p < 1.0") << p;
+  EXPECT_DEATH(static_cast<void>(tolerance_factor(1)), "n >= 2");
+  EXPECT_GT(tolerance_factor(2), tolerance_factor(3));
+  EXPECT_DEATH(static_cast<void>(ratio_above_smallest(0)), "n > 0");
+  EXPECT_DEATH(static_cast<void>(sample_size(-0.01, 0.1)), "relative_sd >= 0.0 && relative_half_width > 0.0");
+  EXPECT_DEATH(static_cast<void>(sample_size(0.01, 0.0)), "relative_half_width > 0.0");
+}
+
 }  // namespace
 }  // namespace cosiva::statistics

@@ -89,9 +89,8 @@ std::optional<Shape> hermite(const Pose2& from, const Pose2& to, double turn_rad
   return Shape{length_m, (turn_rad - bend) / length_m, 2.0 * bend / (length_m * length_m)};
 }
 
-/// The arc with this turn over this chord; a straight line where there is no turn.
+/// The arc with this turn, which is not 0, over this chord.
 Shape arc_over(double chord_m, double turn_rad) {
-  if (std::fabs(turn_rad) < 1e-12) return {chord_m, 0.0, 0.0};
   const double length_m = chord_m * (0.5 * turn_rad) / det_sin(0.5 * turn_rad);
   return {length_m, turn_rad / length_m, 0.0};
 }

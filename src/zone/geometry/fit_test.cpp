@@ -466,5 +466,33 @@ TEST(Fit, is_not_bent_by_a_file_s_rounding) {
   EXPECT_EQ(result->sections[1].kind(), SectionKind::straight);
 }
 
+TEST(Fit, leaves_a_kink_of_a_twentieth_and_a_jump_of_a_hundredth_of_the_tolerance_to_the_next_section) {
+  const auto sections = [](const PlaneCurve& curve) {
+    const auto result = fit(curve);
+    EXPECT_TRUE(result);
+    if (!result) return std::size_t{0};
+    expect_sound(*result, curve);
+    return result->sections.size();
+  };
+  for (const double side : {1.0, -1.0}) {
+    EXPECT_EQ(sections(corner(side * 4.5e-5)), 2U);
+    EXPECT_EQ(sections(corner(side * 5.5e-5)), 3U) << "rounded";
+    const auto stepped = [&](double jump_m) {
+      return PlaneCurve{[=](double u) { return Pose2{u, u < 5.0 ? 0.0 : side * jump_m, 0.0}; }, 0.0, 10.0, {5.0}};
+    };
+    EXPECT_EQ(sections(stepped(0.9e-5)), 2U);
+    EXPECT_EQ(sections(stepped(1.1e-5)), 3U);
+  }
+}
+
+TEST(Fit, makes_a_section_of_two_micrometres_and_none_of_less) {
+  const auto message = [](double length_m) {
+    const auto result = fit({[](double u) { return Pose2{3.0 + u, 2.0, 0.0}; }, 0.0, length_m, {}});
+    return result ? std::to_string(result->sections.size()) : result.error().message;
+  };
+  EXPECT_EQ(message(2.1e-6), "1");
+  EXPECT_EQ(message(1.9e-6), "the curve is shorter than 0.000001 m");
+}
+
 }  // namespace
 }  // namespace cosiva::zone

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <string>
 
 #include "cosiva/base/expect.h"
@@ -234,10 +235,11 @@ Section::Nearest Section::nearest_by_search(Point2 p) const {
   };
 
   Nearest best = at_arc_length(p, 0.0);
-  double before_m = best.distance_m + 1.0;
+  constexpr double beyond_m = std::numeric_limits<double>::infinity();  // there is no sample before the first
+  double before_m = beyond_m;
   double here_m = best.distance_m;
   for (std::size_t i = 0; i <= count; ++i) {
-    const double after_m = i < count ? distance_of(i + 1) : here_m + 1.0;
+    const double after_m = i < count ? distance_of(i + 1) : beyond_m;
     // The true minimum is within half a step of some sample, so a sample that far above the best hides nothing.
     if (here_m <= before_m && here_m <= after_m && here_m <= best.distance_m + step_m) {
       const bool ahead = ahead_of(s_of(i)) > 0.0;

@@ -18,19 +18,16 @@ constexpr double pieces_per_cell = 1.0;
 }  // namespace
 
 SectionGrid::SectionGrid(std::span<const SectionPiece> pieces) {
-  Point2 high = origin_ = pieces.front().centre();
-  for (const SectionPiece& piece : pieces) {
-    const Point2 p = piece.centre();
-    origin_ = {std::min(origin_.x_m, p.x_m), std::min(origin_.y_m, p.y_m)};
-    high = {std::max(high.x_m, p.x_m), std::max(high.y_m, p.y_m)};
+  const Box box = box_of_centres(pieces);
+  const Point2 high = box.high;
+  origin_ = box.low;
+  for (const SectionPiece& piece : pieces)
     reach_m_ = std::max(reach_m_, 0.5 * distance(piece.from, piece.to) + piece.bulge_m + hair_m);
-  }
   const double width_m = high.x_m - origin_.x_m;
   const double height_m = high.y_m - origin_.y_m;
   const double furthest_m =
       std::max({std::fabs(origin_.x_m), std::fabs(origin_.y_m), std::fabs(high.x_m), std::fabs(high.y_m)});
-  if (!(width_m < extent_max_m && height_m < extent_max_m && reach_m_ < extent_max_m && furthest_m < coordinate_max_m))
-    return;
+  if (!(std::max({width_m, height_m, reach_m_}) < extent_max_m && furthest_m < coordinate_max_m)) return;
 
   // So large that there are not many more cells than pieces, and that a piece reaches at most half a cell far.
   const auto count = static_cast<double>(pieces.size());

@@ -43,4 +43,14 @@ void cut_into_pieces(std::uint32_t id, const Section& section, double piece_max_
   }
 }
 
+Box box_of_centres(std::span<const SectionPiece> pieces) {
+  Box box{pieces.front().centre(), pieces.front().centre()};
+  for (const SectionPiece& piece : pieces) {
+    const Point2 p = piece.centre();
+    box.low = {std::min(box.low.x_m, p.x_m), std::min(box.low.y_m, p.y_m)};
+    box.high = {std::max(box.high.x_m, p.x_m), std::max(box.high.y_m, p.y_m)};
+  }
+  return box;
+}
+
 }  // namespace cosiva::zone

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "cosiva/base/pose.h"
@@ -44,6 +45,9 @@ inline bool SectionPiece::may_come_within(double limit_m, Point2 p) const {
 
 /// Appends the pieces of a section, none longer than `piece_max_m`, all nearly straight.
 void cut_into_pieces(std::uint32_t id, const Section& section, double piece_max_m, std::vector<SectionPiece>& pieces);
+
+/// The least box that holds the centres of these pieces, of which there is at least one.
+[[nodiscard]] Box box_of_centres(std::span<const SectionPiece> pieces);
 
 /// The pieces of sections 0, 1, …, at least one, as `section_at(index)` gives them.
 template <typename SectionAt>

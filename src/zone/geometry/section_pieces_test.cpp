@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "cosiva/base/math.h"
@@ -137,6 +138,19 @@ TEST(SectionPieces, of_several_sections_are_half_their_mean_length_at_most) {
   EXPECT_EQ(pieces[0].section, 0U);
   EXPECT_EQ(pieces[1].section, 1U);
   EXPECT_EQ(pieces[3].section, 1U);
+}
+
+TEST(SectionPiece, centres_of_several_lie_in_the_least_box) {
+  const auto piece = [](Point2 from, Point2 to) { return SectionPiece{from, to, 0.5, 0, every_heading}; };
+  const std::vector<SectionPiece> pieces{piece({1.0, 1.0}, {3.0, 1.0}), piece({-2.0, 4.0}, {0.0, 6.0}),
+                                         piece({0.0, -3.0}, {2.0, -3.0}), piece({5.0, 0.0}, {5.0, 2.0})};
+  // Centres (2, 1), (−1, 5), (1, −3) and (5, 1): whatever their order.
+  for (std::size_t first = 0; first < pieces.size(); ++first) {
+    std::vector<SectionPiece> turned{pieces.begin() + static_cast<std::ptrdiff_t>(first), pieces.end()};
+    turned.insert(turned.end(), pieces.begin(), pieces.begin() + static_cast<std::ptrdiff_t>(first));
+    EXPECT_EQ(box_of_centres(turned), (Box{{-1.0, -3.0}, {5.0, 5.0}}));
+  }
+  EXPECT_EQ(box_of_centres(std::span{pieces}.first(1)), (Box{{2.0, 1.0}, {2.0, 1.0}}));
 }
 
 }  // namespace

@@ -56,13 +56,7 @@ SectionTree::SectionTree(std::vector<SectionPiece> pieces) : pieces_{std::move(p
 
 /// Along a Hilbert curve.
 void SectionTree::sort() {
-  Point2 low{pieces_.front().centre()};
-  Point2 high{low};
-  for (const SectionPiece& piece : pieces_) {
-    const Point2 p = piece.centre();
-    low = {std::min(low.x_m, p.x_m), std::min(low.y_m, p.y_m)};
-    high = {std::max(high.x_m, p.x_m), std::max(high.y_m, p.y_m)};
-  }
+  const auto [low, high] = box_of_centres(pieces_);
   const double cell_m = std::max({high.x_m - low.x_m, high.y_m - low.y_m, 1e-6}) / 65535.0;
   const auto cell = [cell_m](double x, double low_x) {
     return static_cast<std::uint32_t>((x - low_x) / cell_m) & 0xFFFFU;

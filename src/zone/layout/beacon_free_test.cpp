@@ -208,5 +208,15 @@ TEST(SuggestedOrigin, gets_beacons_onto_a_loop_that_has_none) {
   EXPECT_LT(better->after_m, zone.circuit.total_length_m() + 1e-6);
 }
 
+TEST(SuggestedOrigin, is_searched_on_up_to_two_hundred_thousand_pieces_of_a_pitch) {
+  const auto suggested = [](double length_m) {
+    TrafficZone zone = zone_of(testing::circuit({part("a", section({}, length_m))}));
+    zone.beacons = BeaconGrid{0.01, {0.0, 0.5}, 2, 2};
+    return suggest_origin(zone).has_value();
+  };
+  EXPECT_TRUE(suggested(21.0));
+  EXPECT_FALSE(suggested(2000.1)) << "200 010 pieces";
+}
+
 }  // namespace
 }  // namespace cosiva::zone

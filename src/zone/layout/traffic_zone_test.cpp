@@ -360,5 +360,15 @@ TEST(TrafficZone, names_the_first_of_several_crossings_over_a_position) {
   EXPECT_EQ(zone.crossing_at({1, 0.3}), nullptr);
 }
 
+TEST(TrafficZone, tries_twenty_thousand_positions_of_a_large_zone) {
+  TrafficZone zone = row_zone(1);
+  zone.circuit = testing::circuit({testing::part("a", testing::section({}, 3000.0))});
+  // One every 15 cm, the last one 15 cm before the end.
+  const auto positions = zone.start_positions(2);
+  ASSERT_THAT(positions, SizeIs(2));
+  EXPECT_EQ(positions[0], (TrackPosition{0, 0.0}));
+  EXPECT_NEAR(positions[1].s_m, 3000.0 - 0.15, 1e-6);
+}
+
 }  // namespace
 }  // namespace cosiva::zone
