@@ -128,7 +128,7 @@ Limit Envelope::limit(const View& view, const zone::SpeedProfile& target_speed) 
   return limit;
 }
 
-Limit Envelope::limit_off_line(double obstacle_ahead_m, const zone::SpeedProfile& target_speed) const {
+Limit Envelope::limit_off_path(double obstacle_ahead_m, const zone::SpeedProfile& target_speed) const {
   const double room_mps = stoppable_speed(obstacle_ahead_m - clearance_m, target_speed.braking_mps2, late_.obstacle_s);
   return {std::min(target_speed.speed_mps, room_mps), target_speed.braking_mps2, room_mps < target_speed.speed_mps,
           std::numeric_limits<double>::infinity()};

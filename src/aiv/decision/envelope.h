@@ -69,7 +69,7 @@ class Envelope {
   /// @param target_speed  the profile's kinematics; its speed may be lower than the profile's
   [[nodiscard]] Limit limit(const View& view, const zone::SpeedProfile& target_speed) const;
   /// Of a vehicle that joins a path: only a perceived obstacle ahead limits the speed.
-  [[nodiscard]] Limit limit_off_line(double obstacle_ahead_m, const zone::SpeedProfile& target_speed) const;
+  [[nodiscard]] Limit limit_off_path(double obstacle_ahead_m, const zone::SpeedProfile& target_speed) const;
 
  private:
   [[nodiscard]] double section_limit_mps(const View& view, const zone::SpeedProfile& target_speed,
