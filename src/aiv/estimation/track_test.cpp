@@ -135,7 +135,7 @@ TEST(Track, foot_is_the_one_nearest_to_the_estimate_and_within_its_reach) {
   EXPECT_NEAR(*open->foot({2.0, 0.0}, 2.9, 1.0), 2.0, 1e-9);
 }
 
-TEST(Track, foot_is_beside_the_path_by_ten_centimetres_at_most_unless_more_is_permitted) {
+TEST(Track, foot_is_off_the_point_by_ten_centimetres_at_most_unless_more_is_permitted) {
   const auto straight = testing::straight();
   EXPECT_TRUE(straight->foot({2.0, 0.099}, 2.0, 1.0));
   EXPECT_FALSE(straight->foot({2.0, 0.101}, 2.0, 1.0));

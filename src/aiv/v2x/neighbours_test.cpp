@@ -464,12 +464,14 @@ struct Requested final : SpeedPolicy {
   Situation& situation;
 };
 
+void inform(Agent& agent, const Others& others) { agent.heed(others); }
+
 TEST(Heeding, accepts_a_leader_only_where_its_sensors_detect_a_body) {
   Situation requested{};
   Agent agent{lacet4(), std::make_unique<Requested>(requested)};
   agent.vehicle().estimator().position_at(at(lacet4(), "east", 0.1));
   EXPECT_TRUE(agent.vehicle().take_order(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})));
-  agent.heed({.leader_gap_m = 0.40, .leader_mps = 0.25});
+  inform(agent, {.leader_gap_m = 0.40, .leader_mps = 0.25});
   static_cast<void>(agent.decide());
   EXPECT_FALSE(requested.closing_mps) << "no body is detected there";
   agent.perceive(0.45);
@@ -494,10 +496,10 @@ TEST(Heeding, never_drives_faster_than_the_envelope_for_any_intents) {
           agent->vehicle().take_order(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})));
       agent->perceive(gap_m);
     }
-    reported.heed({.leader_gap_m = random.uniform(0.0, 1.0),
-                   .leader_mps = random.uniform(-2.0, 2.0),
-                   .crossing_margin_s = random.uniform(-20.0, 20.0),
-                   .crossing_priority = random.uniform(-1.0, 1.0)});
+    inform(reported, {.leader_gap_m = random.uniform(0.0, 1.0),
+                      .leader_mps = random.uniform(-2.0, 2.0),
+                      .crossing_margin_s = random.uniform(-20.0, 20.0),
+                      .crossing_priority = random.uniform(-1.0, 1.0)});
     RC_ASSERT(reported.decide().speed_mmps <= alone.decide().speed_mmps);
   }));
 }
