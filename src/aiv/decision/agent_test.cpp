@@ -5,8 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "cosiva/aiv/testing/test_orders.h"
 #include "cosiva/aiv/testing/test_senses.h"
@@ -373,6 +379,158 @@ TEST(Agent, turns_as_the_circuit_does) {
   fixture.take(to_565());
   fixture.run(1.0);
   EXPECT_NEAR(fixture.agent.vehicle().turn_rate_radps(), -fixture.agent.vehicle().motion().speed_mps() / 0.6, 1e-9);
+}
+
+/// Chooses medium, and records the situations.
+class SituationPolicy final : public SpeedPolicy {
+ public:
+  explicit SituationPolicy(std::vector<Situation>& all) : all_{all} {}
+  [[nodiscard]] Profile choose(const Situation& situation) const override {
+    all_.push_back(situation);
+    return Profile::medium;
+  }
+
+ private:
+  std::vector<Situation>& all_;
+};
+
+/// An agent at standstill 0.1 m behind the start of the loop, with this order and a reading of its speed.
+struct RestingAgent {
+  std::vector<Situation> situations;
+  Agent agent{lacet4(), std::make_unique<SituationPolicy>(situations)};
+
+  explicit RestingAgent(const wire::Order& text, std::int16_t speed_mmps = 0, double s_m = 0.1) {
+    agent.vehicle().estimator().position_at(at(lacet4(), "loop_se", s_m));
+    wire::Odometry odometry;
+    odometry.speed_mmps = speed_mmps;
+    agent.on_odometry(odometry);
+    agent.on_odometry(odometry);
+    EXPECT_TRUE(agent.vehicle().take_order(text));
+  }
+  /// Of the next decision; the agent may also evaluate what it would do without virtual bodies.
+  Situation situation() {
+    situations.clear();
+    static_cast<void>(agent.decide());
+    return situations.front();
+  }
+};
+
+TEST(Agent, gives_its_policy_the_whole_situation) {
+  RestingAgent resting{order("O-1").through({"loop_se@0", "loop_se@1131"}), 200};
+  resting.agent.on_charge(0.4);
+  resting.agent.instructions().imposed = Profile::fast;
+  resting.agent.perceive(0.5);
+  for (const double off_m : {0.099, -0.099, 0.101, -0.101}) {
+    // A vehicle that reports its pose is the perceived body up to 10 cm from it.
+    resting.agent.heed(
+        {.leader_gap_m = 0.5 + off_m, .leader_mps = 0.05, .crossing_margin_s = 1.5, .crossing_priority = -1.0});
+    const Situation situation = resting.situation();
+    EXPECT_EQ(situation.closing_mps.has_value(), std::fabs(off_m) < 0.1) << off_m;
+    if (situation.closing_mps.has_value()) {
+      EXPECT_NEAR(*situation.closing_mps, 0.15, 1e-12);
+    }
+    EXPECT_EQ(situation.crossing_margin_s, 1.5);
+    EXPECT_EQ(situation.crossing_priority, -1.0);
+  }
+  resting.agent.perceive(std::numeric_limits<double>::infinity());
+  const Situation situation = resting.situation();
+  EXPECT_NEAR(situation.speed_mps, 0.2, 1e-12);
+  EXPECT_EQ(situation.obstacle_ahead_m, std::numeric_limits<double>::infinity());
+  EXPECT_NEAR(situation.end_of_base_m, 4.0 * edge_m - 0.1, 1e-6);
+  EXPECT_EQ(situation.charge, 0.4);
+  EXPECT_EQ(situation.imposed, Profile::fast);
+  EXPECT_EQ(situation.present, Profile::medium);
+}
+
+TEST(Agent, wants_base_30_centimetres_and_its_braking_distance_before_the_end) {
+  // 0.4²/(2·0.8) = 0.1 m.
+  for (const std::int16_t speed_mmps : {std::int16_t{0}, std::int16_t{400}}) {
+    const double from_m = speed_mmps == 0 ? 0.30 : 0.40;
+    for (const double more_m : {-0.001, 0.001}) {
+      RestingAgent resting{order("O-1").through({"loop_se@0", "loop_se@565"}).then({"loop_se@848"}), speed_mmps,
+                           2.0 * edge_m - from_m - more_m};
+      static_cast<void>(resting.agent.decide());
+      EXPECT_EQ(resting.agent.decision().wants_base, more_m < 0.0) << speed_mmps;
+    }
+  }
+}
+
+TEST(Agent, commands_the_kinematics_of_its_profile_in_thousandths) {
+  RestingAgent resting{order("O-1").through({"loop_se@0", "loop_se@1131"})};
+  const auto command = [&] {
+    const wire::Drive drive = resting.agent.decide();
+    EXPECT_FALSE(drive.seek);
+    EXPECT_FALSE(drive.goal);
+    return std::vector<int>{drive.speed_mmps, drive.acceleration_mmps2, drive.braking_mmps2, drive.branch};
+  };
+  EXPECT_THAT(command(), ElementsAre(400, 500, 800, 0));
+  resting.agent.instructions().speed_mps_max = 0.1236;
+  EXPECT_THAT(command(), ElementsAre(124, 500, 800, 0));
+  resting.agent.vehicle().hold(Hold::paused, true);
+  EXPECT_THAT(command(), ElementsAre(0, 500, 800, 0));
+  EXPECT_FALSE(resting.agent.decision().profile);
+}
+
+TEST(Agent, that_stopped_for_an_obstacle_continues_with_five_centimetres_more) {
+  RestingAgent resting{order("O-1").through({"loop_se@0", "loop_se@1131"})};
+  const auto speed_mmps = [&](double gap_m) {
+    resting.agent.perceive(gap_m);
+    return resting.agent.decide().speed_mmps;
+  };
+  EXPECT_GT(speed_mmps(0.14), 0) << "2 cm beyond the clearance, before any stop";
+  EXPECT_EQ(speed_mmps(0.12), 0);
+  EXPECT_TRUE(resting.agent.decision().blocked);
+  EXPECT_TRUE(resting.agent.decision().braking_for_virtual);
+  EXPECT_EQ(speed_mmps(0.169), 0);
+  EXPECT_GT(speed_mmps(0.171), 0);
+  EXPECT_FALSE(resting.agent.decision().blocked);
+  EXPECT_GT(speed_mmps(0.14), 0);
+}
+
+TEST(Agent, reports_braking_for_a_virtual_body_from_a_centimetre_per_second_on_to_two_millimetres) {
+  RestingAgent resting{order("O-1").through({"loop_se@0", "loop_se@1131"})};
+  // The gap at which the medium profile's 0.4 m/s is limited to that much less: d = v·0.15 s + v²/(2·0.8).
+  const auto braking = [&](double less_mps) {
+    const double v = 0.4 - less_mps;
+    resting.agent.perceive(clearance_m + 0.15 * v + v * v / 1.6);
+    static_cast<void>(resting.agent.decide());
+    return resting.agent.decision().braking_for_virtual;
+  };
+  EXPECT_FALSE(braking(0.0095));
+  EXPECT_TRUE(braking(0.0105));
+  EXPECT_TRUE(braking(0.0025));
+  EXPECT_FALSE(braking(0.0015));
+  EXPECT_FALSE(braking(0.0095));
+}
+
+TEST(Agent, backs_up_slowly_and_not_during_a_hold) {
+  Agent agent{lacet4()};
+  agent.vehicle().estimator().position_at(at(lacet4(), "loop_se", 1.0));
+  agent.on_odometry({});
+  ASSERT_TRUE(agent.vehicle().begin_back_up(0.4));
+  agent.perceive(0.0);
+  wire::Drive drive = agent.decide();
+  EXPECT_EQ(drive.speed_mmps, -100);
+  EXPECT_EQ(drive.acceleration_mmps2, 300);
+  EXPECT_EQ(drive.braking_mmps2, 600);
+  EXPECT_FALSE(drive.seek);
+  EXPECT_FALSE(agent.decision().blocked);
+  EXPECT_FALSE(agent.decision().braking_for_virtual);
+  EXPECT_FALSE(agent.decision().wants_base);
+  agent.instructions().speed_mps_max = 0.05;
+  EXPECT_EQ(agent.decide().speed_mmps, -50);
+  agent.vehicle().hold(Hold::paused, true);
+  EXPECT_EQ(agent.decide().speed_mmps, 0);
+}
+
+TEST(Agent, in_another_zone_keeps_its_charge_and_its_instructions) {
+  Agent before{lacet4()};
+  before.on_charge(0.3);
+  before.instructions().imposed = Profile::slow;
+  Agent after{lacet4()};
+  after.take_over(before);
+  EXPECT_EQ(after.charge(), 0.3);
+  EXPECT_EQ(after.instructions().imposed, Profile::slow);
 }
 
 }  // namespace

@@ -221,14 +221,14 @@ TEST(Envelope, brakes_for_a_section_s_speed_limit_before_it) {
 }
 
 TEST(Envelope, off_the_path_is_limited_by_obstacles_alone) {
-  const Envelope envelope{lacet4()};
-  const Limit free = envelope.limit_off_path(nothing, target_speed);
+  const auto limit = [](double obstacle_m) { return Envelope{lacet4()}.limit_off_path(obstacle_m, target_speed); };
+  const Limit free = limit(nothing);
   EXPECT_EQ(free.speed_mps, 0.5);
   EXPECT_EQ(free.braking_mps2, 0.8);
   EXPECT_FALSE(free.by_obstacle);
   EXPECT_EQ(free.crossing_ahead_m, nothing);
   EXPECT_EQ(free.bend_ahead_m, nothing);
-  const Limit blocked = envelope.limit_off_path(0.22, target_speed);
+  const Limit blocked = limit(0.22);
   EXPECT_NEAR(blocked.speed_mps, stoppable_speed(0.10, 0.8, 0.15), 1e-12);
   EXPECT_TRUE(blocked.by_obstacle);
 }

@@ -83,7 +83,7 @@ TEST(VehicleState, backs_up_by_half_a_metre_at_most_on_its_path_and_without_an_o
 }
 
 TEST(VehicleState, completes_its_back_up_and_ignores_tags_meanwhile) {
-  StateFixture vehicle{{{7, {0, 0.5}}}};
+  StateFixture vehicle{std::vector<zone::Tag>{{7, {0, 0.5}}}};
   vehicle.placed("trunk", 1.0);
   EXPECT_EQ(vehicle.back_up(0.2), "");
   vehicle.move(-0.1);
@@ -282,7 +282,7 @@ TEST(VehicleState, drops_a_cancelled_order_and_refuses_others_until_then) {
 }
 
 TEST(VehicleState, continues_its_order_after_a_jump_along_it) {
-  StateFixture vehicle{{{7, {4, 0.3}}, {8, {2, 0.3}}}};
+  StateFixture vehicle{std::vector<zone::Tag>{{7, {4, 0.3}}, {8, {2, 0.3}}}};
   vehicle.placed("trunk", 1.0).take(order("O-1").through({"T1", "F", "ro"}));
   EXPECT_EQ(vehicle.state.on_tag({0, 7, 0}).kind, FixKind::relocated);
   EXPECT_NEAR(vehicle.state.order().travelled_m(), 1.3, 0.05);

@@ -330,7 +330,7 @@ TEST(Ukf, expects_the_mean_range_and_the_mean_reading_of_its_points) {
   const Setting setting = uncertain(0.3, 0.5);
   const double a = std::sqrt(3.0) * 0.3;
   // A station 2 m ahead: three points at 2 m (the turned ones, of no effect, count twice), one nearer, one further, and
-  // two to the side of the line.
+  // two at its sides.
   Ukf by_range{setting};
   const double aslant = norm(2.0, a);
   const double range_m = (2.0 * 2.0 + (2.0 - a) + (2.0 + a) + 2.0 * aslant) / 6.0;

@@ -138,6 +138,7 @@ TEST(Manoeuvre, follows_trapezoids_of_its_rates) {
   double turned_before = 0.0;
   double moved_before = 0.0;
   double seconds = 0.0;
+  Pose2 summed;
   while (!manoeuvre.done() && seconds < 60.0) {
     const auto step = manoeuvre.step(1.0, dt_s);
     seconds += dt_s;
@@ -148,6 +149,8 @@ TEST(Manoeuvre, follows_trapezoids_of_its_rates) {
     hardest_radps2 = std::fmax(hardest_radps2, (turning - turned_before) / dt_s);
     hardest_mps2 = std::fmax(hardest_mps2, (moving - moved_before) / dt_s);
     EXPECT_TRUE(step.moved_m == 0.0 || step.turned_rad == 0.0);
+    summed = summed * Pose2{step.moved_m, 0.0, step.turned_rad};
+    EXPECT_LT(distance(summed, manoeuvre.X_SB()), 1e-9);
     turned_before = turning;
     moved_before = moving;
   }

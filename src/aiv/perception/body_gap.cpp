@@ -33,9 +33,9 @@ double BodyGap::disc_gap_m(Point2 p_B, double radius_m) const {
   // Beyond the last sample the path is unknown, and a body behind the body origin does not hold the vehicle.
   if (along_m <= 0.0 || along_m > look_ahead_.length_m() + 0.5 * look_ahead_.sample_m()) return infinite;
   const double beyond_m = along_m - static_cast<double>(there.sample) * look_ahead_.sample_m();
-  const double beside_m = std::sqrt(std::max(0.0, there.distance2_m2 - beyond_m * beyond_m));
+  const double aside_m = std::sqrt(std::max(0.0, there.distance2_m2 - beyond_m * beyond_m));
   // Extent along the path of the disc's part inside the corridor, to either side of the disc's centre.
-  const double outside_m = std::max(0.0, beside_m - half_m);
+  const double outside_m = std::max(0.0, aside_m - half_m);
   if (outside_m > radius_m) return infinite;
   const double extent_m = std::sqrt(radius_m * radius_m - outside_m * outside_m);
   return std::max(0.0, along_m - extent_m - 0.5 * zone_.vehicle.length_m);

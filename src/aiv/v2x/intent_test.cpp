@@ -4,6 +4,12 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "cosiva/aiv/testing/test_orders.h"
 #include "cosiva/aiv/testing/test_zone.h"
 
@@ -19,7 +25,7 @@ using ::testing::SizeIs;
 
 constexpr zone::SpeedProfile medium{0.40, 0.5, 0.8};
 
-std::vector<CrossingSpan> ahead_of(zone::TrackPosition here, double reach_m, std::size_t count_max = 8) {
+std::vector<CrossingSpan> spans_of(zone::TrackPosition here, double reach_m, std::size_t count_max = 8) {
   static const CrossingFinder crossing_spans{lacet4()};
   std::vector<CrossingSpan> out;
   crossing_spans.ahead(here, reach_m, count_max, out);
@@ -29,30 +35,30 @@ std::vector<CrossingSpan> ahead_of(zone::TrackPosition here, double reach_m, std
 // The clover's straights are 1.5 m long and cross others 0.6 m and 0.9 m from their starts, too close to stop between.
 
 TEST(CrossingFinder, finds_the_two_crossings_of_a_straight_as_one_chain) {
-  const auto ahead = ahead_of(at(lacet4(), "east", 0.1), 1.0);
-  ASSERT_THAT(ahead, SizeIs(2));
-  EXPECT_GT(ahead[0].entry_m, 0.25);
-  EXPECT_LT(ahead[0].entry_m, 0.5);
-  EXPECT_GT(ahead[0].exit_m, 0.5);
-  EXPECT_GT(ahead[1].entry_m, ahead[0].entry_m);
-  EXPECT_GT(ahead[1].exit_m, 0.8);
-  EXPECT_EQ(ahead[0].chain_exit_m, ahead[1].exit_m);
-  EXPECT_EQ(ahead[1].chain_exit_m, ahead[1].exit_m);
-  EXPECT_NE(ahead[0].crossing, ahead[1].crossing);
+  const auto spans = spans_of(at(lacet4(), "east", 0.1), 1.0);
+  ASSERT_THAT(spans, SizeIs(2));
+  EXPECT_GT(spans[0].entry_m, 0.25);
+  EXPECT_LT(spans[0].entry_m, 0.5);
+  EXPECT_GT(spans[0].exit_m, 0.5);
+  EXPECT_GT(spans[1].entry_m, spans[0].entry_m);
+  EXPECT_GT(spans[1].exit_m, 0.8);
+  EXPECT_EQ(spans[0].chain_exit_m, spans[1].exit_m);
+  EXPECT_EQ(spans[1].chain_exit_m, spans[1].exit_m);
+  EXPECT_NE(spans[0].crossing, spans[1].crossing);
 }
 
 TEST(CrossingFinder, follows_a_chain_beyond_its_reach_and_finds_none_outside_it) {
-  EXPECT_THAT(ahead_of(at(lacet4(), "east", 0.1), 0.35), SizeIs(2));
-  EXPECT_THAT(ahead_of(at(lacet4(), "east", 0.1), 0.10), IsEmpty());
-  EXPECT_THAT(ahead_of(at(lacet4(), "east", 1.2), 1.0), IsEmpty()) << "behind the vehicle";
-  EXPECT_THAT(ahead_of(at(lacet4(), "east", 0.1), 3.0, 1), SizeIs(1));
+  EXPECT_THAT(spans_of(at(lacet4(), "east", 0.1), 0.35), SizeIs(2));
+  EXPECT_THAT(spans_of(at(lacet4(), "east", 0.1), 0.10), IsEmpty());
+  EXPECT_THAT(spans_of(at(lacet4(), "east", 1.2), 1.0), IsEmpty()) << "behind the vehicle";
+  EXPECT_THAT(spans_of(at(lacet4(), "east", 0.1), 3.0, 1), SizeIs(1));
 }
 
 TEST(CrossingFinder, begins_at_the_vehicle_inside_a_crossing) {
-  const auto ahead = ahead_of(at(lacet4(), "east", 0.6), 0.1);
-  ASSERT_THAT(ahead, SizeIs(2));
-  EXPECT_EQ(ahead[0].entry_m, 0.0);
-  EXPECT_GT(ahead[0].exit_m, 0.0);
+  const auto spans = spans_of(at(lacet4(), "east", 0.6), 0.1);
+  ASSERT_THAT(spans, SizeIs(2));
+  EXPECT_EQ(spans[0].entry_m, 0.0);
+  EXPECT_GT(spans[0].exit_m, 0.0);
 }
 
 TEST(EarliestArrival, follows_from_speed_and_acceleration) {
@@ -133,6 +139,84 @@ TEST(ComposeIntent, of_an_off_path_vehicle_states_only_its_pose) {
   EXPECT_FALSE(intent.position);
   EXPECT_THAT(intent.crossings, IsEmpty());
   EXPECT_EQ(intent.pose, (Pose2{0.3, 0.0, 0.5}));
+}
+
+double in_thousandths(double value) { return std::nearbyint(1e3 * value) / 1e3; }
+
+TEST(ComposeIntent, lists_each_crossing_with_its_distances_and_earliest_times) {
+  struct Case {
+    std::optional<Profile> imposed;
+    std::optional<double> speed_mps_max;
+    zone::SpeedProfile pace;
+  };
+  const zone::SpeedProfiles& profiles = lacet4().profiles;
+  zone::SpeedProfile limited = profiles.medium;
+  limited.speed_mps = 0.2;
+  for (const Case& one : {Case{{}, {}, profiles.medium},
+                          {Profile::slow, {}, profiles.slow},
+                          {Profile::fast, {}, profiles.fast},
+                          {Profile::stop, {}, profiles.medium},
+                          {{}, 0.2, limited},
+                          {{}, 2.0, profiles.medium}}) {
+    Speaker speaker{0.1234567};
+    speaker.take(order("O-1").through({"east@0", "east@380", "east@1120", "east@1310"}));
+    speaker.agent.instructions().imposed = one.imposed;
+    speaker.agent.instructions().speed_mps_max = one.speed_mps_max;
+    const wire::Intent intent = speaker.compose();
+    EXPECT_EQ(intent.position, (wire::Intent::OnLine{"east", 0.123}));
+    EXPECT_EQ(intent.pose.x_m, in_thousandths(lacet4().circuit.pose_at(at(lacet4(), "east", 0.1234567)).x_m));
+    EXPECT_EQ(intent.pose.heading_rad, 0.0);
+    EXPECT_EQ(intent.speed_mps, 0.0);
+    const auto spans = spans_of(at(lacet4(), "east", 0.1234567), 3.0);
+    ASSERT_GE(intent.crossings.size(), 2U);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const wire::CrossingIntent& crossing = intent.crossings[i];
+      EXPECT_EQ(crossing.name, lacet4().crossings[spans[i].crossing].name);
+      EXPECT_EQ(crossing.entry_m, in_thousandths(spans[i].entry_m));
+      EXPECT_EQ(crossing.exit_m, in_thousandths(spans[i].exit_m));
+      EXPECT_EQ(crossing.arrival_s, in_thousandths(earliest_s(spans[i].entry_m, 0.0, one.pace)));
+      EXPECT_EQ(crossing.departure_s, in_thousandths(earliest_s(spans[i].exit_m, 0.0, one.pace)));
+      EXPECT_TRUE(crossing.may_enter);
+    }
+  }
+}
+
+TEST(ComposeIntent, states_no_time_beyond_an_hour) {
+  Speaker speaker{0.1};
+  speaker.take(order("O-1").through({"east@0", "east@380", "east@1120", "east@1310"}));
+  speaker.agent.instructions().speed_mps_max = 1e-5;
+  ASSERT_FALSE(speaker.compose().crossings.empty());
+  EXPECT_EQ(speaker.compose().crossings[0].arrival_s, 3600.0);
+}
+
+TEST(ComposeIntent, states_the_sections_within_three_metres) {
+  // East is 1.5 m long, the loop 2.83 m: 3 m beyond 0.1 m end on the loop, beyond 1.4 m on the section after it.
+  EXPECT_THAT(Speaker{0.1}.compose().route, ElementsAre("loop_se"));
+  const auto route = Speaker{1.4}.compose().route;
+  ASSERT_EQ(route.size(), 2U);
+  EXPECT_EQ(route[0], "loop_se");
+  EXPECT_EQ(route[1], "north");
+  EXPECT_THAT(Speaker{1.32}.compose().route, SizeIs(1));
+}
+
+TEST(EarliestArrival, is_that_of_a_simulated_vehicle) {
+  // Small steps of 0.1 ms with constant acceleration up to the profile's speed.
+  const zone::SpeedProfile by{0.6, 0.3, 0.8};
+  for (const double start_mps : {-0.1, 0.0, 0.25, 0.6, 0.7}) {
+    for (const double distance_m : {0.05, 0.4, 1.5}) {
+      double speed_mps = std::fmax(0.0, start_mps);
+      double left_m = distance_m;
+      double seconds = 0.0;
+      constexpr double dt_s = 1e-4;
+      while (left_m > 0.0) {
+        const double next_mps = std::fmax(speed_mps, std::fmin(by.speed_mps, speed_mps + by.acceleration_mps2 * dt_s));
+        left_m -= 0.5 * (speed_mps + next_mps) * dt_s;
+        speed_mps = next_mps;
+        seconds += dt_s;
+      }
+      EXPECT_NEAR(earliest_s(distance_m, start_mps, by), seconds, 2e-4) << start_mps << " " << distance_m;
+    }
+  }
 }
 
 bool is_news(const wire::Intent& published, const Speaker& speaker) {

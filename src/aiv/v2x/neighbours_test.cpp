@@ -4,7 +4,16 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include <chrono>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "cosiva/aiv/testing/test_orders.h"
 #include "cosiva/aiv/testing/test_senses.h"
@@ -247,6 +256,179 @@ TEST(Neighbours, do_not_matter_to_a_vehicle_that_may_enter) {
   EXPECT_EQ(ear.around().crossing_margin_s, infinite);
 }
 
+TEST(Neighbours, have_limits_of_speed_distance_and_leaps) {
+  const zone::TrackPosition there = at(lacet4(), "east", 0.5);
+  // Three times the fast profile's 0.5 m/s.
+  for (const double speed_mps : {1.499, -1.499, 1.501, -1.501}) {
+    Ear ear;
+    EXPECT_EQ(ear.receive(ear.one_at(there, speed_mps)),
+              std::fabs(speed_mps) < 1.5 ? Verdict::first : Verdict::implausible);
+  }
+  // Two cells of 3 m and four slacks of 0.3 m along an axis.
+  for (const Point2 off : {Point2{7.19, 0.0}, {-7.19, 7.19}, {0.0, 7.21}, {-7.21, 0.0}}) {
+    Ear ear;
+    wire::Intent intent = ear.one_at(there, 0.2);
+    const Point2 own = position(ear.agent.vehicle().position().pose());
+    intent.pose = {own.x_m + off.x_m, own.y_m + off.y_m, 0.0};
+    EXPECT_EQ(ear.receive(intent),
+              std::fmax(std::fabs(off.x_m), std::fabs(off.y_m)) < 7.2 ? Verdict::first : Verdict::far);
+  }
+  // Twice the slack outside the cell in which the message was sent.
+  for (const double outside_m : {0.59, 0.61}) {
+    Ear ear;
+    wire::Intent intent = ear.one_at(there, 0.2);
+    const wire::Cell cell = wire::cell_of(position(intent.pose));
+    while (wire::outside_cell_m(cell, position(intent.pose)) < outside_m) intent.pose.x_m += 1e-4;
+    const auto sent = std::make_shared<const wire::Intent>(intent);
+    EXPECT_EQ(ear.neighbours.receive(ear.now, {"lacet4", cell, sent->vehicle}, sent, {}),
+              outside_m < 0.6 ? Verdict::first : Verdict::implausible);
+  }
+  // Half a metre, and 0.2 s at 1.5 m/s.
+  for (const double leap_m : {0.799, 0.801}) {
+    Ear ear;
+    ear.receive(ear.one_at(there, 0.2));
+    ear.now += 200ms;
+    wire::Intent next = ear.one_at(there, 0.2);
+    next.pose.x_m += leap_m;
+    EXPECT_EQ(ear.receive(next), leap_m < 0.8 ? Verdict::taken : Verdict::implausible);
+    EXPECT_EQ(ear.neighbours.empty(), leap_m > 0.8);
+  }
+}
+
+TEST(Neighbours, are_discarded_when_the_clock_is_set_back) {
+  Ear ear;
+  ear.receive(ear.one_at(at(lacet4(), "east", 0.5), 0.2));
+  ear.now -= 1ms;
+  ear.neighbours.age(ear.now);
+  EXPECT_TRUE(ear.neighbours.empty());
+}
+
+TEST(Neighbours, replace_the_furthest_by_a_nearer_one) {
+  Ear ear;
+  Neighbours two{lacet4(), me, {.count_max = 2}};
+  const auto receive = [&](const char* serial, double away_m) {
+    wire::Intent intent = ear.one_at(at(lacet4(), "east", 0.5), 0.0, serial);
+    intent.pose = {away_m, 0.0, 0.0};
+    const wire::V2xTopic topic{"lacet4", wire::cell_of(position(intent.pose)), intent.vehicle};
+    return two.receive(ear.now, topic, std::make_shared<const wire::Intent>(intent), {});
+  };
+  EXPECT_EQ(receive("B", 1.0), Verdict::first);
+  EXPECT_EQ(receive("C", -2.0), Verdict::first);
+  EXPECT_EQ(receive("A", 2.0), Verdict::crowded) << "as far as the furthest";
+  EXPECT_EQ(receive("A", 1.9), Verdict::first);
+  EXPECT_EQ(two.size(), 2U);
+  EXPECT_EQ(receive("C", -2.0), Verdict::crowded) << "it has been replaced";
+  EXPECT_EQ(receive("B", 1.0), Verdict::taken);
+}
+
+TEST(Neighbours, count_a_rival_by_all_its_crossings_of_the_chain) {
+  Ear ear;
+  const double stop_m = ear.agent.decision().crossing_ahead_m;
+  const double own_s = earliest_s(stop_m, 0.0, lacet4().profiles.medium);
+  const double slow_s = stop_m / lacet4().profiles.slow.speed_mps;
+  const auto chain = ear.crossings();
+  ASSERT_EQ(chain.size(), 2U);
+  const auto name = [&](std::size_t i) { return lacet4().crossings[chain[i].crossing].name; };
+  wire::Intent rival = ear.rival(0.0, false, 0.0);
+  rival.priority = 3;
+  rival.crossings = {{name(0), 0.2, 0.6, own_s - 0.5, own_s + 1.0, false},
+                     {name(1), 0.2, 0.6, own_s - 0.2, slow_s + 2.0, false},
+                     {"elsewhere", 0.2, 0.6, 0.0, 999.0, true}};
+  ear.receive(rival);
+  EXPECT_NEAR(ear.around().crossing_margin_s, -0.5, 1e-9) << "the first arrival";
+  EXPECT_EQ(ear.around().crossing_priority, -1.0);
+  // One that may enter one of them: until the last departure.
+  Ear late;
+  rival.crossings[1].may_enter = true;
+  late.receive(rival);
+  EXPECT_NEAR(late.around().crossing_margin_s, -2.0, 1e-9);
+  EXPECT_EQ(late.around().crossing_priority, -1.0);
+}
+
+TEST(Neighbours, wait_for_a_rival_that_moves_and_of_equals_for_the_earlier_one) {
+  const double own_s = earliest_s(Ear{}.agent.decision().crossing_ahead_m, 0.0, lacet4().profiles.medium);
+  struct Case {
+    double speed_mps;
+    double margin_s;
+    std::uint32_t priority;
+    bool counts;
+  };
+  for (const Case& one : {Case{0.021, -0.1, 0, true},
+                          {-0.021, -0.1, 0, true},
+                          {0.019, -0.1, 0, false},
+                          {0.3, 0.1, 0, false},
+                          {0.3, 0.1, 1, true}}) {
+    Ear ear;
+    wire::Intent rival = ear.rival(own_s + one.margin_s, false, own_s + 30.0);
+    rival.speed_mps = one.speed_mps;
+    rival.priority = one.priority;
+    ear.receive(rival);
+    EXPECT_EQ(std::isfinite(ear.around().crossing_margin_s), one.counts) << one.speed_mps << " " << one.priority;
+  }
+}
+
+TEST(Neighbours, of_lower_priority_let_the_vehicle_go_first) {
+  zone::TrafficZone zone = lacet4();
+  zone.priorities = {{wire::to_string(me), 5}};
+  for (const std::uint32_t priority : {4U, 5U, 6U}) {
+    Ear ear;
+    const double own_s = earliest_s(ear.agent.decision().crossing_ahead_m, 0.0, lacet4().profiles.medium);
+    Neighbours neighbours{zone, me};
+    wire::Intent rival = ear.rival(own_s - 0.2, false, own_s + 30.0);
+    rival.priority = priority;
+    const wire::V2xTopic topic{"lacet4", wire::cell_of(position(rival.pose)), rival.vehicle};
+    neighbours.receive(ear.now, topic, std::make_shared<const wire::Intent>(rival), {});
+    const Others others = neighbours.around(ear.now, ear.agent);
+    EXPECT_EQ(others.crossing_priority, 5.0 - priority);
+    EXPECT_NEAR(others.crossing_margin_s, -0.2, 1e-9);
+  }
+}
+
+TEST(Neighbours, take_the_nearest_body_for_the_leader) {
+  Ear ear;
+  ear.agent.perceive(0.3);
+  ear.receive(ear.one_at(at(lacet4(), "east", 0.6), 0.1, "AIV4"));
+  ear.receive(ear.one_at(at(lacet4(), "east", 0.9), 0.3, "AIV2"));
+  ear.receive(ear.one_at(at(lacet4(), "east", 0.8), 0.2, "AIV5"));
+  // A body of 0.2 m, of which both ends are round with half the width.
+  EXPECT_NEAR(ear.around().leader_gap_m, 0.3, 1e-6);
+  EXPECT_NEAR(*ear.around().leader_mps, 0.1, 1e-6);
+}
+
+TEST(Neighbours, are_part_of_the_digest) {
+  const auto digest_of = [](const std::string& serial, std::uint32_t header_id, SimDuration later) {
+    Ear ear;
+    ear.now += later;
+    wire::Intent intent = ear.one_at(at(lacet4(), "east", 0.5), 0.2, serial);
+    intent.header_id = header_id;
+    ear.receive(std::move(intent));
+    Digest digest;
+    ear.neighbours.fold(digest);
+    return digest.value();
+  };
+  const auto usual = digest_of("AIV2", 7, 0ms);
+  EXPECT_EQ(usual, digest_of("AIV2", 7, 0ms));
+  EXPECT_NE(usual, digest_of("AIV3", 7, 0ms));
+  EXPECT_NE(usual, digest_of("AIV2", 8, 0ms));
+  EXPECT_NE(usual, digest_of("AIV2", 7, 20ms));
+  Digest none;
+  Ear{}.neighbours.fold(none);
+  EXPECT_NE(usual, none.value());
+}
+
+TEST(Neighbours, name_their_verdicts) {
+  const std::vector<std::string_view> names{"taken",
+                                            "received for the first time",
+                                            "old",
+                                            "published under this vehicle's own name",
+                                            "published for another map",
+                                            "published from beyond the range of reception",
+                                            "the reported pose or speed is impossible",
+                                            "more vehicles are near than are stored",
+                                            "?"};
+  for (std::size_t i = 0; i < names.size(); ++i) EXPECT_EQ(to_string(static_cast<Verdict>(i)), names[i]);
+}
+
 /// For any intents all results are safe: every number is valid, and the number of stored intents is bounded.
 TEST(Neighbours, handle_any_intent_that_can_be_decoded) {
   EXPECT_TRUE(rc::check([](std::uint64_t seed) {
@@ -282,12 +464,14 @@ struct Requested final : SpeedPolicy {
   Situation& situation;
 };
 
+void inform(Agent& agent, const Others& others) { agent.heed(others); }
+
 TEST(Heeding, accepts_a_leader_only_where_its_sensors_detect_a_body) {
   Situation requested{};
   Agent agent{lacet4(), std::make_unique<Requested>(requested)};
   agent.vehicle().estimator().position_at(at(lacet4(), "east", 0.1));
   EXPECT_TRUE(agent.vehicle().take_order(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})));
-  agent.heed({.leader_gap_m = 0.40, .leader_mps = 0.25});
+  inform(agent, {.leader_gap_m = 0.40, .leader_mps = 0.25});
   static_cast<void>(agent.decide());
   EXPECT_FALSE(requested.closing_mps) << "no body is detected there";
   agent.perceive(0.45);
@@ -312,10 +496,10 @@ TEST(Heeding, never_drives_faster_than_the_envelope_for_any_intents) {
           agent->vehicle().take_order(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})));
       agent->perceive(gap_m);
     }
-    reported.heed({.leader_gap_m = random.uniform(0.0, 1.0),
-                   .leader_mps = random.uniform(-2.0, 2.0),
-                   .crossing_margin_s = random.uniform(-20.0, 20.0),
-                   .crossing_priority = random.uniform(-1.0, 1.0)});
+    inform(reported, {.leader_gap_m = random.uniform(0.0, 1.0),
+                      .leader_mps = random.uniform(-2.0, 2.0),
+                      .crossing_margin_s = random.uniform(-20.0, 20.0),
+                      .crossing_priority = random.uniform(-1.0, 1.0)});
     RC_ASSERT(reported.decide().speed_mmps <= alone.decide().speed_mmps);
   }));
 }
