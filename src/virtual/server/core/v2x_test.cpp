@@ -99,5 +99,48 @@ TEST_F(V2xFixture, virtual_AIVs_publish_to_the_broker_and_receive_from_nearby_ve
       << "with another vehicle nearby it publishes more often: it has received messages";
 }
 
+TEST_F(V2xFixture, summary_states_that_the_sender_brakes_and_is_inside_a_crossing_of_its_own) {
+  wire::Intent intent = intent_of(first);
+  intent.braking = true;
+  intent.crossings = {{"X1", 0.0, 0.4, 0.0, 1.0, true}, {"X2", 0.5, 0.9, 1.2, 2.2, false}};
+  publish_intent(intent);
+  ASSERT_THAT(traces(), SizeIs(1));
+  EXPECT_EQ(traces()[0].text("content"), "0.400 m/s, brakes; X1, inside, its own");
+}
+
+TEST_F(V2xFixture, is_shown_to_the_nearest_of_several_receivers) {
+  FixtureVehicle& third = fixture.add("AIV3", {0, 0.9});
+  third.blocked = true;
+  fixture.run_for(1s);
+  publish_intent(intent_of(first));
+  ASSERT_THAT(traces(), SizeIs(1));
+  EXPECT_EQ(traces()[0].text("to"), "CoSiVA/AIV3");
+  EXPECT_EQ(traces()[0].text("content"), "0.400 m/s; to 2 near it");
+}
+
+TEST_F(V2xFixture, is_shown_to_all_where_no_vehicle_is_near) {
+  second.put({500.0, 500.0, 0.0});
+  fixture.run_for(500ms);
+  publish_intent(intent_of(first));
+  ASSERT_THAT(traces(), SizeIs(1));
+  EXPECT_EQ(traces()[0].text("to"), "*");
+  EXPECT_EQ(traces()[0].text("content"), "0.400 m/s");
+}
+
+TEST_F(V2xFixture, vehicles_are_near_in_the_eight_cells_around_the_sender_s) {
+  for (int x = -2; x <= 2; ++x) {
+    for (int y = -2; y <= 2; ++y) {
+      Point2 there = position(first.pose());
+      there.x_m += wire::v2x_cell_m * x;
+      there.y_m += wire::v2x_cell_m * y;
+      second.put({there.x_m, there.y_m, 0.0});
+      fixture.run_for(1s);
+      publish_intent(intent_of(first));
+      const bool near = x >= -1 && x <= 1 && y >= -1 && y <= 1;
+      EXPECT_EQ(traces().back().text("to"), near ? "CoSiVA/AIV2" : "*") << x << " " << y;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

@@ -192,5 +192,66 @@ TEST_F(Yields, and_stops_backing_up_when_a_body_comes_near) {
   EXPECT_THAT(back_ups(), SizeIs(2)) << "commanded once";
 }
 
+TEST_F(Yields, only_while_more_than_two_centimetres_of_its_base_are_left) {
+  const zone::TrackPosition end = orders.map->waypoint(orders.sessions[vehicle].base_end()).position;
+  const auto cost_before_end_m = [&](double left_m) {
+    orders.report_at(vehicle, orders.map->circuit().advance(end, -left_m));
+    return cost_m(Means::wait, WaitReason::crossing);
+  };
+  EXPECT_EQ(cost_before_end_m(0.021), 0.0);
+  EXPECT_EQ(cost_before_end_m(0.019), std::nullopt) << "there is nothing to release";
+}
+
+TEST_F(Yields, by_backing_up_no_further_than_half_a_metre) {
+  orders.context.rules.back_up_m_max = 0.046;
+  EXPECT_TRUE(cost_m(Means::back_up).has_value());
+  orders.context.rules.back_up_m_max = 0.044;
+  EXPECT_EQ(cost_m(Means::back_up), std::nullopt);
+}
+
+TEST_F(Yields, by_backing_up_only_where_no_virtual_object_is_behind) {
+  // The rear of the body comes to 0.8 - 0.1 - 0.045 - 0.04 m; 0.03 m further there is nothing.
+  const double free_from_m = 0.8 - 0.1 - 0.045 - 0.04 - 0.03;
+  const auto cost_with_object_m = [&](double edge_m, double left_m) {
+    auto& augmented = orders.server.simulator.augmented();
+    augmented.add(VirtualObject{"box", VirtualObjectKind::obstacle, 0, 0.05,
+                                Walk({{edge_m - 0.05, left_m}}, 0.0, Repeat::once), orders.now, orders.now});
+    const auto cost = cost_m(Means::back_up);
+    augmented.remove("box");
+    return cost;
+  };
+  EXPECT_TRUE(cost_with_object_m(free_from_m - 0.002, 0.0).has_value());
+  EXPECT_EQ(cost_with_object_m(free_from_m + 0.002, 0.0), std::nullopt);
+  EXPECT_TRUE(cost_with_object_m(0.70, 0.06 + 0.05 + 0.032).has_value()) << "next to the body, where it backs up to";
+  EXPECT_EQ(cost_with_object_m(0.70, 0.06 + 0.05 + 0.028), std::nullopt);
+}
+
+TEST(YieldsNearAJoint, by_backing_up_over_it) {
+  OrdersFixture orders;
+  const VehicleIndex vehicle = orders.add_at("AIV1", orders.at("north", 0.01));
+  const VehicleIndex other = orders.add_at("AIV2", orders.at("north", 0.8));
+  const std::vector<Wait> waits{{other, vehicle, WaitReason::turn}};
+  EXPECT_NEAR(orders.yielding.can_yield(vehicle, Means::back_up, waits).value_or(0.0), 0.045, 1e-9)
+      << "only one section leads to this one, and the path does not bend there";
+}
+
+TEST(YieldsOnAnOpenPath, by_backing_up_no_further_than_to_its_beginning) {
+  OrdersFixture orders{{"toml", "track",
+                        "name = \"track\"\nformat_version = 1\n[vehicle]\nlength_m = 0.20\nwidth_m = 0.12\n"
+                        "[circuit]\nstart = { x = 0.0, y = 0.0, heading_deg = 0 }\nclosed = false\n"
+                        "[[section]]\nname = \"track\"\nkind = \"straight\"\nlength_m = 4.0\n"}};
+  const VehicleIndex vehicle = orders.add_at("AIV1", orders.at("track", 0.044));
+  const VehicleIndex other = orders.add_at("AIV2", orders.at("track", 1.0));
+  const std::vector<Wait> waits{{other, vehicle, WaitReason::turn}};
+  EXPECT_EQ(orders.yielding.can_yield(vehicle, Means::back_up, waits), std::nullopt);
+  orders.report_at(vehicle, orders.at("track", 0.046));
+  EXPECT_TRUE(orders.yielding.can_yield(vehicle, Means::back_up, waits).has_value());
+}
+
+TEST_F(Yields, by_a_detour_only_around_what_it_waits_for) {
+  EXPECT_EQ(cost_m(Means::detour), std::nullopt) << "it waits for nothing";
+  EXPECT_EQ(cost_m(Means::other_position), std::nullopt) << "it is on the path";
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side
