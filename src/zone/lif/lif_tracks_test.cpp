@@ -151,6 +151,7 @@ TEST(TrackMaker, draws_a_trajectory_straight_whose_points_lie_on_the_line_in_ord
   EXPECT_TRUE(Made(polyline({{0, 0}, {1, -2e-6}, {3, 0}}), {0, 0}, {3, 0}).fitted());
   // On a slope, away from the origin.
   EXPECT_FALSE(Made(polyline({{1, 2}, {4, 6}, {7, 10}}), {1, 2}, {7, 10}).fitted());
+  EXPECT_FALSE(Made(polyline({{10, 0}, {9, 0}, {7, 0}}), {10, 0}, {7, 0}).fitted());
   // A line that turns back is no straight line: vehicles turn on the spot there.
   const Made back{polyline({{0, 0}, {2, 0}, {1, 0}, {3, 0}}), {0, 0}, {3, 0}};
   EXPECT_NEAR(back.length_m(), 5.0, 1e-6);

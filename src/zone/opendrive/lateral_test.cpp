@@ -105,6 +105,33 @@ TEST(Lateral, smooths_a_jump_and_a_kink_half_on_each_side) {
   }
 }
 
+TEST(Lateral, smooths_a_kink_as_far_as_its_pieces_are_long) {
+  // A tenth of a radian to each side needs 16 m.
+  const auto lateral = Lateral::make({{0.0, 1.0}, {50.0, 1.0, 0.2}}, 100.0);
+  ASSERT_TRUE(lateral);
+  EXPECT_THAT(lateral->breaks(), ElementsAre(50.0, 34.0, 66.0));
+  EXPECT_NEAR(lateral->at(50.0).slope, 0.1, 1e-9);
+  EXPECT_THAT(Lateral::make({{0.0, 1.0}, {10.0, 1.0, 0.2}}, 100.0)->breaks(), ElementsAre(10.0, 0.0, 26.0));
+  EXPECT_THAT(Lateral::make({{0.0, 1.0}, {90.0, 1.0, 0.2}}, 100.0)->breaks(), ElementsAre(90.0, 74.0, 100.0));
+}
+
+TEST(Lateral, leaves_jumps_and_kinks_of_less_than_a_millionth) {
+  const auto small = Lateral::make({{0.0, 1.0}, {50.0, 1.0 + 5e-7, 5e-7}}, 100.0);
+  EXPECT_THAT(small->breaks(), ElementsAre(50.0));
+  EXPECT_EQ(small->greatest_jump(), 0.0);
+  EXPECT_GT(Lateral::make({{0.0, 1.0}, {50.0, 1.0 + 2e-6}}, 100.0)->greatest_jump(), 0.0);
+  EXPECT_GT(Lateral::make({{0.0, 1.0}, {50.0, 1.0, 2e-6}}, 100.0)->greatest_kink(), 0.0);
+}
+
+TEST(Lateral, keeps_each_of_several_pieces_with_room_for_their_jumps) {
+  const auto lateral = Lateral::make({{0.0, 1.0}, {20.0, 1.05}, {40.0, 1.1}}, 60.0);
+  EXPECT_NEAR(lateral->at(30.0).t, 1.05, 1e-12);
+  EXPECT_NEAR(lateral->greatest_jump(), 0.05, 1e-12);
+  const Pieces pieces{{0.0, 1.0}, {20.0, 1.05}};
+  EXPECT_EQ(&piece_at(pieces, 20.0), &pieces[1]);
+  EXPECT_EQ(&piece_at(pieces, 19.99), &pieces[0]);
+}
+
 TEST(Lateral, is_none_across_a_jump_of_more_than_two_metres) {
   EXPECT_FALSE(Lateral::make({{0.0, 0.0}, {500.0, 2.1}}, 1000.0));
   EXPECT_TRUE(Lateral::make({{0.0, 0.0}, {500.0, 1.9}}, 1000.0));

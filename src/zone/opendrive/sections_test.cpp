@@ -73,6 +73,13 @@ TEST(LaySections, lead_straight_on_by_default_then_by_the_turn) {
   EXPECT_EQ(found.diagnostics().size(), 1U);
 }
 
+TEST(LaySections, accept_more_than_a_thousand_lanes) {
+  std::string roads;
+  for (int i = 0; i < 1002; ++i) roads += straight(std::to_string(i), 0.0, 9.0 * i, 0.0, 20.0, "", lane(-1));
+  FoundTracks found = tracks_of(file(roads));
+  EXPECT_EQ(laid(found).size(), 1002U);
+}
+
 TEST(LaySections, refuse_more_than_300_km) {
   const auto long_road = [](double length) {
     // As a file in kilometres.

@@ -103,6 +103,12 @@ TEST(FindTracks, take_a_border_from_the_centre_lane_whatever_its_sign) {
   for (const auto& [name, y_m] : all) EXPECT_NEAR(found.track(name).curve.entry().y_m, y_m, 1e-12) << name;
   EXPECT_NEAR(found.track("1.0.2").width_entry, 3.0, 1e-12);
   EXPECT_NEAR(found.track("1.0.-2").width_exit, 4.0, 1e-12);
+  // Without an offset before its first record, with widths as with borders.
+  for (const char* inside : {R"(<border a="2"/>)", R"(<width a="2"/>)"}) {
+    const FoundTracks late = on_straight_road(R"(<laneOffset s="20" a="0.5"/>)" + section(0.0, "", lane(-1, inside)));
+    EXPECT_NEAR(late.track("1.0.-1").curve.entry().y_m, -1.0, 1e-12) << inside;
+    EXPECT_NEAR(late.track("1.0.-1").curve.exit().y_m, -0.5, 1e-12) << inside;
+  }
   // Widths take precedence over borders.
   EXPECT_NEAR(
       on_straight_road(section(0.0, "", lane(-1, R"(<width a="3"/><border a="-9"/>)"))).track("1.0.-1").width_exit, 3.0,
@@ -222,7 +228,7 @@ TEST(FindTracks, begin_with_the_plan_view_if_the_first_lane_section_nearly_does)
 
 TEST(FindTracks, have_the_lane_s_limits_instead_of_the_road_s_from_where_these_begin) {
   const std::string types = R"(<type s="30"><speed max="9"/></type><type s="0"><speed max="20"/></type>
-                               <type s="5"><speed max="15"/></type>)";
+                               <type s="5"><speed max="15"/></type><type s="12"><speed max="11"/></type>)";
   const std::string limits = R"(<width a="3"/><speed sOffset="8" max="no limit"/><speed sOffset="2" max="7"/>)";
   const FoundTracks found =
       on_straight_road(section(0.0, lane(1), "") + section(10.0, "", lane(-1, limits)), 40.0, {}, types);
@@ -232,7 +238,7 @@ TEST(FindTracks, have_the_lane_s_limits_instead_of_the_road_s_from_where_these_b
     return all;
   };
   using ::testing::Pair;
-  EXPECT_THAT(speeds("1.0.1"), ElementsAre(Pair(0.0, 20.0), Pair(5.0, 15.0), Pair(30.0, 9.0)));
+  EXPECT_THAT(speeds("1.0.1"), ElementsAre(Pair(0.0, 20.0), Pair(5.0, 15.0), Pair(12.0, 11.0), Pair(30.0, 9.0)));
   EXPECT_THAT(speeds("1.1.-1"), ElementsAre(Pair(0.0, 20.0), Pair(5.0, 15.0), Pair(12.0, 7.0), Pair(18.0, 0.0)));
 }
 
