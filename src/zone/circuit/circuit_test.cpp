@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -359,6 +360,18 @@ TEST(Circuit, turns_where_a_successor_leaves_by_more_than_a_milliradian) {
   EXPECT_EQ(turn(-0.0009), 0.0);
   EXPECT_DOUBLE_EQ(turn(0.0011), 0.0011);
   EXPECT_DOUBLE_EQ(turn(-0.0011), -0.0011);
+}
+
+TEST(Circuit, of_positions_on_no_section_is_an_error_of_the_program) {
+  const Circuit line = testing::circuit({part("a", section({}, 1.0), {1}), part("b", section({1.0, 0.0, 0.0}, 1.0))});
+  constexpr const char* from_and_to = "from.section < parts_.size.. && to.section < parts_.size";
+  constexpr const char* from_finite = "from.section < parts_.size.. && std::isfinite.distance_m.";
+  EXPECT_DEATH(static_cast<void>(line.advance({2, 0.0}, 0.5)), from_finite);
+  EXPECT_DEATH(static_cast<void>(line.advance({0, 0.0}, std::numeric_limits<double>::infinity())), from_finite);
+  EXPECT_DEATH(static_cast<void>(line.distance_ahead({2, 0.0}, {0, 0.0}, 1.0)), from_and_to);
+  EXPECT_DEATH(static_cast<void>(line.distance_ahead({0, 0.0}, {2, 0.0}, 1.0)), from_and_to);
+  EXPECT_DEATH(static_cast<void>(line.shortest_route({2, 0.0}, {0, 0.0}, 1.0)), from_and_to);
+  EXPECT_DEATH(static_cast<void>(line.shortest_route({0, 0.0}, {2, 0.0}, 1.0)), from_and_to);
 }
 
 }  // namespace

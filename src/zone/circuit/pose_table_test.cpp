@@ -83,5 +83,18 @@ TEST(PoseTable, takes_eight_numbers_a_section) {
 
 TEST(PoseTable, evaluates_clothoids_one_by_one) { expect_same(testing::zone_file("crossing8.xodr").circuit); }
 
+TEST(PoseTable, of_lists_of_different_lengths_is_an_error_of_the_program) {
+  const Circuit circuit = testing::track();
+  const PoseTable table{circuit};
+  const std::vector<SectionId> sections(3);
+  for (std::size_t shorter = 0; shorter < 4; ++shorter) {
+    std::vector<std::vector<double>> lists(4, std::vector<double>(3));
+    lists[shorter].resize(2);
+    EXPECT_DEATH(table.poses(sections, lists[0], lists[1], lists[2], lists[3]),
+                 "s_m.size.. == count && x_m.size.. == count && y_m.size.. == count && heading_rad.size.. == count")
+        << shorter;
+  }
+}
+
 }  // namespace
 }  // namespace cosiva::zone

@@ -60,5 +60,10 @@ TEST(PlantSize, is_reached_by_a_layout_about_as_wide_as_high_and_by_no_smaller_o
   }
 }
 
+TEST(PlantSize, is_limited_to_what_can_be_generated) {
+  EXPECT_LE(plant_sections_max(plant_of_size(170'000)), 200'000U);
+  EXPECT_DEATH(static_cast<void>(plant_of_size(170'001)), "sections <= 170'000");
+}
+
 }  // namespace
 }  // namespace cosiva::zone

@@ -378,5 +378,11 @@ TEST(Section, wraps_the_heading_it_starts_with) {
   EXPECT_DOUBLE_EQ(std::fabs(section.start().heading_rad), pi);
 }
 
+TEST(Section, moves_a_vehicle_forward_only) {
+  const Section section = make({}, 1.0);
+  EXPECT_DEATH(static_cast<void>(section.nextAIVposition(-0.1, 0.5)), "mDTCS_m >= 0.0 && DTT_m >= 0.0");
+  EXPECT_DEATH(static_cast<void>(section.nextAIVposition(0.5, -0.1)), "mDTCS_m >= 0.0 && DTT_m >= 0.0");
+}
+
 }  // namespace
 }  // namespace cosiva::zone

@@ -494,5 +494,18 @@ TEST(Crossings, of_a_node_with_thousands_of_edges_are_refused_in_time) {
   EXPECT_EQ(find_crossings_unless_crowded(testing::circuit(std::move(parts)), vehicle, clearance_m), std::nullopt);
 }
 
+TEST(Crossings, of_an_impossible_vehicle_and_of_a_heap_are_errors_of_the_program) {
+  const Circuit line = testing::circuit({part("a", section({}, 1.0))});
+  EXPECT_THAT(find_crossings(line, vehicle, 0.0), IsEmpty());
+  constexpr const char* broken = "shape.length_m > 0.0 && shape.width_m > 0.0 && clearance_m >= 0.0";
+  EXPECT_DEATH(static_cast<void>(find_crossings(line, {0.0, 0.12}, 0.04)), broken);
+  EXPECT_DEATH(static_cast<void>(find_crossings(line, {0.20, 0.0}, 0.04)), broken);
+  EXPECT_DEATH(static_cast<void>(find_crossings(line, vehicle, -0.01)), broken);
+  std::vector<Circuit::Part> heap;
+  for (int i = 0; i < 800; ++i) heap.push_back(part("h" + std::to_string(i), section({}, 0.1)));
+  const Circuit heaped = testing::circuit(std::move(heap));
+  EXPECT_DEATH(static_cast<void>(find_crossings(heaped, vehicle, clearance_m)), "has_value");
+}
+
 }  // namespace
 }  // namespace cosiva::zone

@@ -370,5 +370,15 @@ TEST(TrafficZone, tries_twenty_thousand_positions_of_a_large_zone) {
   EXPECT_NEAR(positions[1].s_m, 3000.0 - 0.15, 1e-6);
 }
 
+TEST(TrafficZone, of_positions_on_no_section_is_an_error_of_the_program) {
+  const TrafficZone zone = track_zone();
+  const auto size = static_cast<SectionId>(zone.circuit.size());
+  constexpr const char* broken = "track_position.section < circuit.size";
+  EXPECT_DEATH(static_cast<void>(zone.waypoint_ahead({size, 0.0})), broken);
+  EXPECT_DEATH(static_cast<void>(zone.waypoint_behind({size, 0.0})), broken);
+  EXPECT_DEATH(static_cast<void>(zone.may_stop({size, 0.0})), broken);
+  EXPECT_DEATH(static_cast<void>(zone.next_waypoint(zone.waypoints.size())), "index < waypoints.size");
+}
+
 }  // namespace
 }  // namespace cosiva::zone

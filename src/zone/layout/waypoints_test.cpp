@@ -287,5 +287,13 @@ TEST(Waypoints, keep_out_of_every_crossing_whatever_the_sections_and_the_vehicle
   }));
 }
 
+TEST(Waypoints, of_impossible_rules_are_errors_of_the_program) {
+  EXPECT_DEATH(static_cast<void>(lay_waypoints(line(), {crossing(2, 0.0, 1.0)}, 0.5)), "span.section < circuit.size");
+  constexpr const char* broken = "rules.spacing_m >= merge_m && rules.room_m >= 0.0";
+  EXPECT_DEATH(static_cast<void>(lay_waypoints(line(), {}, 0.019)), broken);
+  EXPECT_DEATH(static_cast<void>(lay_waypoints(line(), {}, 0.5, -0.01)), broken);
+  EXPECT_EQ(lay_waypoints(line(), {}, 0.5, 0.0).size(), 5U);
+}
+
 }  // namespace
 }  // namespace cosiva::zone
