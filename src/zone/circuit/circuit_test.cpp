@@ -368,8 +368,9 @@ TEST(Circuit, of_positions_on_no_section_is_an_error_of_the_program) {
   constexpr const char* from_finite = "from.section < parts_.size.. && std::isfinite.distance_m.";
   EXPECT_DEATH(static_cast<void>(line.advance({2, 0.0}, 0.5)), from_finite);
   EXPECT_DEATH(static_cast<void>(line.advance({0, 0.0}, std::numeric_limits<double>::infinity())), from_finite);
-  EXPECT_DEATH(static_cast<void>(line.distance_ahead({2, 0.0}, {0, 0.0}, 1.0)), from_and_to);
-  EXPECT_DEATH(static_cast<void>(line.distance_ahead({0, 0.0}, {2, 0.0}, 1.0)), from_and_to);
+  const TrackPosition outside{2, 0.0};
+  for (const auto& [from, to] : {std::pair{outside, TrackPosition{}}, std::pair{TrackPosition{}, outside}})
+    EXPECT_DEATH(static_cast<void>(line.distance_ahead(from, to, 1.0)), from_and_to);
   EXPECT_DEATH(static_cast<void>(line.shortest_route({2, 0.0}, {0, 0.0}, 1.0)), from_and_to);
   EXPECT_DEATH(static_cast<void>(line.shortest_route({0, 0.0}, {2, 0.0}, 1.0)), from_and_to);
 }
