@@ -81,9 +81,9 @@ TEST(Contacts, of_sections_on_one_another_are_found_up_to_half_a_million_pairs) 
   EXPECT_FALSE(found(713));
 }
 
-// Sections of a tenth of a millimetre, 3.6 mm apart, touch nothing, but all lie in one cell next to which a section of a
-// quarter of a metre fits. Allowed are 20 000 000 pairs of a cell, and 200 for each chunk: n² + 1 is 20 912 330 of
-// 20 914 800 for 4573 short sections, 20 921 477 of 20 915 000 for 4574.
+// Sections of a tenth of a millimetre, 3.6 mm apart, touch nothing, but all lie in one cell next to which a section of
+// a quarter of a metre fits. Allowed are 20 000 000 pairs of a cell, and 200 for each chunk: n² + 1 is 20 912 330 of 20
+// 914 800 for 4573 short sections, 20 921 477 of 20 915 000 for 4574.
 TEST(Contacts, of_adjacent_sections_are_found_up_to_twenty_million_pairs) {
   const auto found = [](std::size_t number) {
     std::vector<Circuit::Part> parts{part("long", section({10.0, 0.0, 0.0}, 0.25))};
