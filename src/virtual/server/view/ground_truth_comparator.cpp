@@ -6,12 +6,10 @@
 
 #include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
+#include "cosiva/virtual/server/registry/reordering.h"
 
 namespace cosiva::virtual_side {
 namespace {
-
-/// A time stamp that falls back further than any network delay means that the clock was set; the message is not late.
-constexpr SimDuration reorder_max{std::chrono::seconds{5}};
 
 /// To a tenth of a millimetre: further digits are noise.
 double rounded(double value) { return std::nearbyint(value * 1e4) * 1e-4; }
