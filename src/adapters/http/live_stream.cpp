@@ -110,7 +110,7 @@ void LiveStream::accept(tcp::socket socket, const http::request<http::string_bod
   session->start(request);
 }
 
-void LiveStream::send(std::size_t kind, LiveStreamFrame frame, bool keep_for_new_clients) {
+void LiveStream::send(std::size_t kind, const LiveStreamFrame& frame, bool keep_for_new_clients) {
   if (keep_for_new_clients) kept_[kind] = frame;
   for (LiveSession* session : sessions_) session->offer(kind, frame);
 }

@@ -39,7 +39,7 @@ class LiveStream : public std::enable_shared_from_this<LiveStream> {
   void accept(boost::asio::ip::tcp::socket socket,
               const boost::beast::http::request<boost::beast::http::string_body>& request);
   /// Offers a frame of the kind (below `kinds`) to all clients.
-  void send(std::size_t kind, LiveStreamFrame frame, bool keep_for_new_clients);
+  void send(std::size_t kind, const LiveStreamFrame& frame, bool keep_for_new_clients);
   void on_join(std::function<void()> action) { on_join_ = std::move(action); }
   /// Closes all connections.
   void close();
