@@ -28,8 +28,6 @@ struct LinkHandlers {
 /// Invariant: there is a radio only where there is a connection to the broker, and both are made once.
 class LiveLinks {
  public:
-  using OpenPorts = std::function<Result<std::unique_ptr<Ports>>(PortHandlers)>;
-
   LiveLinks(EventLoop& loop, LinkHandlers handlers) : loop_{loop}, handlers_{std::move(handlers)} {}
 
   /// Prepares the connection to the broker, with the core's subscriptions and will. Fails as MqttClient::make().

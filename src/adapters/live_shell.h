@@ -36,8 +36,6 @@ struct LiveOptions {
 /// Invariant: the core's first input is its configuration, and the core handles one input at a time.
 class LiveShell {
  public:
-  using OpenPorts = std::function<Result<std::unique_ptr<Ports>>(PortHandlers)>;
-
   LiveShell(EventLoop& loop, wire::Core& core, LiveOptions options, OpenPorts open_ports = {});
   ~LiveShell();
 

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
+
+#include "cosiva/base/result.h"
 
 namespace cosiva::adapters {
 
@@ -18,5 +21,8 @@ class Ports {
   /// Bytes for a stream that is not up, or whose other side does not read, are lost as on a cable.
   virtual void send(const std::string& port, std::string_view bytes) = 0;
 };
+
+/// Opens the byte streams of one program; fails where they cannot be opened.
+using OpenPorts = std::function<Result<std::unique_ptr<Ports>>(PortHandlers)>;
 
 }  // namespace cosiva::adapters
