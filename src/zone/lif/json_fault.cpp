@@ -203,8 +203,11 @@ class Scanner {
       return;
     }
     double read = 0.0;
-    const auto [stop, error] = std::from_chars(text_.data() + begin, text_.data() + at_, read);
-    if (error != std::errc{} && text_.substr(begin, at_ - begin).find_first_of("eE") != std::string_view::npos) {
+    const std::string_view number = text_.substr(begin, at_ - begin);
+    const std::size_t exponent = number.find_first_of("eE");
+    // A number that is too small is 0.
+    const bool large = exponent != std::string_view::npos && number[exponent + 1] != '-';
+    if (large && std::from_chars(number.data(), number.data() + number.size(), read).ec != std::errc{}) {
       at_ = begin;
       what_ = "a number that is too large";
       return;
